@@ -1,0 +1,46 @@
+#pragma once
+/// The underactuated finger exoskeleton of the paper's section VI, in the planar linkage of METHOD
+/// 1.2: q = (l_x actuated [m], q_B sensed [rad]), x = (q_o1 MCP, q_o2 PIP) [rad, flexion positive].
+/// Hand frame: origin at the MCP axis, +x distal along the metacarpal, +y dorsal.
+/// Source: METHOD 1; dimensions are ours (the device's own are not public) and scene parameters.
+
+#include <memory>
+
+#include "haptic/core/model/kinematics.hpp"
+
+namespace haptic::core {
+
+struct Point2 {
+  double x{0.0};
+  double y{0.0};
+};
+
+/// Lengths in m, angles in rad. Defaults: METHOD 1.2.
+struct FingerDimensions {
+  double proximal_phalanx{0.045};          ///< L1, MCP to PIP axis
+  Point2 rail_origin{-0.012, 0.008};       ///< P0
+  double rail_angle{37.0 * 0.017453292519943295};  ///< gamma
+  Point2 body_d{0.0285, 0.0};              ///< d: where rod 1 meets the body link
+  Point2 body_e{0.077, -0.039};            ///< e: where rod 2 meets the body link
+  double rod1{0.023};                      ///< h1
+  double rod2{0.014};                      ///< h2
+  double slider1_lower{0.004}, slider1_upper{0.046};  ///< c1
+  double slider2_lower{0.004}, slider2_upper{0.040};  ///< c2
+  double l_x_lower{0.0}, l_x_upper{0.050};            ///< stroke of the Firgelli L16-50
+  double q_B_lower{-75.0 * 0.017453292519943295}, q_B_upper{41.5 * 0.017453292519943295};
+};
+
+/// Throws SceneError naming the dimension that cannot be (a length <= 0, a lower limit above its
+/// upper one, a linkage that closes nowhere in its box).
+[[nodiscard]] std::unique_ptr<Kinematics> make_finger_exoskeleton(const FingerDimensions& dimensions);
+
+/// One pose with the linkage's inner coordinates, for reports, tests and pictures.
+struct FingerPose {
+  MapStatus status{MapStatus::kCannotClose};
+  double q_o1{0.0}, q_o2{0.0};  ///< rad
+  double c1{0.0}, c2{0.0};      ///< slider positions, m
+  double closure{0.0};          ///< loop-closure residual, m
+};
+[[nodiscard]] FingerPose finger_pose(const FingerDimensions& dimensions, double l_x, double q_B);
+
+}  // namespace haptic::core

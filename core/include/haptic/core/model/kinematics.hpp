@@ -1,0 +1,66 @@
+#pragma once
+/// The map f : Q -> X of a device (paper, section III), its Jacobian and its second-order term, and
+/// the inverse where there is a closed form. Immutable after construction; one object may be shared
+/// by threads. No method allocates or throws after construction.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "haptic/core/model/configuration_space.hpp"
+#include "haptic/core/model/dof_layout.hpp"
+#include "haptic/core/types.hpp"
+
+namespace haptic::core {
+
+enum class MapStatus : std::uint8_t {
+  kOk,
+  kCannotClose,  ///< the linkage has no configuration at this q (METHOD 6, case 17)
+};
+
+enum class InverseStatus : std::uint8_t {
+  kExact,        ///< f(q) = x, inside the box and the slider limits
+  kUnreachable,  ///< q is the nearest that the box and the slider limits allow, argmin ||x - f(q)||
+  kNotOffered,   ///< this map has no closed-form inverse; q untouched
+};
+
+/// A DoF of q as the map knows it.
+struct DofSpec {
+  std::string name{};
+  Unit unit{Unit::kMetre};
+  bool actuated{false};
+  double lower{0.0};  ///< box of q*, m or rad
+  double upper{0.0};
+};
+
+class Kinematics {
+ public:
+  virtual ~Kinematics() = default;
+  Kinematics(const Kinematics&) = delete;
+  Kinematics& operator=(const Kinematics&) = delete;
+
+  [[nodiscard]] virtual const DofLayout& layout() const noexcept = 0;
+  [[nodiscard]] virtual const std::vector<DofSpec>& dofs() const noexcept = 0;
+  [[nodiscard]] virtual const ConfigurationSpace& space() const noexcept = 0;
+
+  /// x_probe = f(q) and J = dx_probe/dq (n_x by n_q). On kCannotClose both are untouched.
+  [[nodiscard]] virtual MapStatus evaluate(const VecQ& q, VecX& x_probe,
+                                           MatXQ& J) const noexcept = 0;
+  /// J_k = dJ/dq_k (n_x by n_q), the term Eq. (2), (5), (9) leave out.
+  [[nodiscard]] virtual MapStatus second_order(const VecQ& q, int k,
+                                               MatXQ& J_k) const noexcept = 0;
+  /// q = argmin ||x - f(q)|| over the box and the device's own constraints, stateless: Eq. (6).
+  [[nodiscard]] virtual InverseStatus inverse(const VecX& x, VecQ& q) const noexcept {
+    static_cast<void>(x);
+    static_cast<void>(q);
+    return InverseStatus::kNotOffered;
+  }
+  /// Mean of ||J_a|| (Frobenius) over the reachable workspace: the scale that the paper's Z_x
+  /// factors out (section VI.C).
+  [[nodiscard]] virtual double mean_actuated_jacobian() const noexcept = 0;
+
+ protected:
+  Kinematics() = default;
+};
+
+}  // namespace haptic::core

@@ -1,0 +1,35 @@
+#pragma once
+/// What a renderer is given and what it answers (METHOD 2, 3).
+
+#include <cstdint>
+
+#include "haptic/core/types.hpp"
+
+namespace haptic::core {
+
+enum class ProjectionStatus : std::uint8_t {
+  kNone = 0,            ///< nothing to project: no proxy, or free
+  kExact = 1,           ///< solved to rounding (closed form, or a direct linear solve)
+  kConverged = 2,       ///< iterated to tolerance
+  kCapped = 3,          ///< iteration cap reached; the best iterate is used
+  kUnreachable = 4,     ///< no q reaches x; the constrained optimum is used
+  kIllConditioned = 5,  ///< min|R_kk|/max|R_kk| < 1e-8 after equilibration
+  kRankDeficient = 6,   ///< a column of J depends on the others; minimum-norm answer in metric Z_q
+  kMapFailed = 7,       ///< f has no value at q: the last q* is kept (METHOD 6, case 17)
+};
+
+/// The device in X at this tick. References must outlive the call only.
+struct Probe {
+  const VecQ& q;
+  const VecX& x_probe;
+  const MatXQ& J;
+};
+
+struct Projection {
+  VecQ q_star{};              ///< n_q; where the spring is anchored
+  ProjectionStatus status{ProjectionStatus::kNone};
+  double residual{0.0};       ///< ||x (-) f(q*)|| (exact) or ||dx - J dq|| (linearised)
+  double condition{0.0};      ///< max|R_kk|/min|R_kk| of the equilibrated J; 0 where J was not used
+};
+
+}  // namespace haptic::core

@@ -1,0 +1,36 @@
+#pragma once
+/// Age of the newest proxy -> level and ladder (WIRE 4). Intervals are half-open.
+
+#include <cstdint>
+
+#include "haptic/core/time.hpp"
+
+namespace haptic::core {
+
+enum class Staleness : std::uint8_t {
+  kFresh = 1,  ///< age < fresh_end: moved by its local model
+  kHold = 2,   ///< age < hold_end: frozen, full stiffness
+  kFade = 3,   ///< age < fade_end: frozen, ladder falls linearly 1 -> 0
+  kLost = 4,   ///< beyond, or no proxy at all: no elastic force
+};
+
+struct StalenessLimits {
+  Duration fresh_end{std::chrono::milliseconds(20)};
+  Duration hold_end{std::chrono::milliseconds(100)};
+  Duration fade_end{std::chrono::milliseconds(180)};
+
+  friend bool operator==(const StalenessLimits&, const StalenessLimits&) = default;
+};
+
+/// fresh_end = min(valid_for, limits.fresh_end); valid_for <= 0 means the sample gave none.
+[[nodiscard]] Staleness staleness(Duration age, Duration valid_for,
+                                  const StalenessLimits& limits) noexcept;
+/// 1 below hold_end, linear to 0 at fade_end.
+[[nodiscard]] double ladder(Duration age, const StalenessLimits& limits) noexcept;
+/// 2.5 nominal periods of a client of this rate, clamped to 5..80 ms (WIRE 4). rate_hz > 0.
+[[nodiscard]] Duration default_fresh_end(double rate_hz) noexcept;
+/// nullptr where the limits hold together (0 < fresh_end <= hold_end, fade_end - hold_end >= 50 ms);
+/// else what is wrong, to be shown with the values.
+[[nodiscard]] const char* check(const StalenessLimits& limits) noexcept;
+
+}  // namespace haptic::core

@@ -1,0 +1,54 @@
+#pragma once
+/// One tick as a pure function of its input: steps 3 to 11 of HOUSE 3, and the only place where
+/// core's parts are put together. It owns every temporary, and the device's state and gain.
+
+#include <memory>
+#include <optional>
+
+#include "haptic/core/model/kinematics.hpp"
+#include "haptic/core/tick/tick_input.hpp"
+#include "haptic/core/tick/tick_record.hpp"
+
+namespace haptic::core {
+
+/// What happens when the device gives no sample for longer than its max_silence.
+enum class SilencePolicy : std::uint8_t {
+  kFault,    ///< hardware: fault DEVICE_SILENT
+  kRampOut,  ///< a recording's gap: g falls, and ramps back when samples return
+};
+
+struct DeviceLimits {
+  Duration sample_period{std::chrono::milliseconds(1)};  ///< nominal
+  Duration max_silence{std::chrono::milliseconds(10)};
+  SilencePolicy silence_policy{SilencePolicy::kFault};
+  VecQ q_lower{}, q_upper{};  ///< range beyond which a sample is a fault (margin included)
+  VecA max_effort{};          ///< n_a, N or N m: what the device's spec sheet allows
+};
+
+struct PipelineConfig {
+  std::shared_ptr<const Kinematics> kinematics{};
+  DeviceLimits device{};
+  RenderSettings scene{};               ///< the widest settings; a session's are held within these
+  Duration loop_late_fault{std::chrono::milliseconds(20)};
+};
+
+class Pipeline {
+ public:
+  /// Throws SceneError where sizes or limits do not fit together.
+  explicit Pipeline(PipelineConfig config);
+  ~Pipeline();
+  Pipeline(Pipeline&&) noexcept;
+  Pipeline& operator=(Pipeline&&) noexcept;
+
+  /// Allocates nothing, locks nothing, logs nothing, throws nothing, reads no clock. From the same
+  /// initial state the same inputs give the same bits.
+  [[nodiscard]] TickRecord tick(const TickInput& input) noexcept;
+
+  [[nodiscard]] const PipelineConfig& config() const noexcept;
+
+ private:
+  class Stages;
+  std::unique_ptr<Stages> stages_;
+};
+
+}  // namespace haptic::core

@@ -1,0 +1,61 @@
+#pragma once
+/// Ring: one writer, one reader, every value in order. The writer never waits: where the reader is
+/// too slow the value is dropped and counted.
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+namespace haptic::core {
+
+template <typename T>
+class Ring {
+ public:
+  /// `capacity` is rounded up to a power of two. Allocates here and nowhere else.
+  explicit Ring(std::size_t capacity)
+      : mask_(round_up(capacity) - 1), slots_(std::make_unique<T[]>(mask_ + 1)) {}
+
+  /// Writer's thread only. False (and counted) where the ring is full.
+  bool push(const T& value) noexcept {
+    const std::size_t head = head_.load(std::memory_order_relaxed);
+    if (head - tail_.load(std::memory_order_acquire) > mask_) {
+      dropped_.fetch_add(1, std::memory_order_relaxed);
+      return false;
+    }
+    slots_[head & mask_] = value;
+    head_.store(head + 1, std::memory_order_release);
+    return true;
+  }
+
+  /// Reader's thread only: the oldest value, or nullptr. Stays valid until pop().
+  [[nodiscard]] const T* front() const noexcept {
+    const std::size_t tail = tail_.load(std::memory_order_relaxed);
+    if (tail == head_.load(std::memory_order_acquire)) return nullptr;
+    return &slots_[tail & mask_];
+  }
+  void pop() noexcept {
+    tail_.store(tail_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
+  }
+
+  /// Values that found the ring full. Any thread.
+  [[nodiscard]] std::uint64_t dropped() const noexcept {
+    return dropped_.load(std::memory_order_relaxed);
+  }
+  [[nodiscard]] std::size_t capacity() const noexcept { return mask_ + 1; }
+
+ private:
+  static std::size_t round_up(std::size_t n) noexcept {
+    std::size_t power = 1;
+    while (power < n) power *= 2;
+    return power;
+  }
+
+  const std::size_t mask_;
+  std::unique_ptr<T[]> slots_;
+  alignas(64) std::atomic<std::size_t> head_{0};
+  alignas(64) std::atomic<std::size_t> tail_{0};
+  std::atomic<std::uint64_t> dropped_{0};
+};
+
+}  // namespace haptic::core

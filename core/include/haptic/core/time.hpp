@@ -1,0 +1,27 @@
+#pragma once
+/// Time inside core: points on the server's steady clock. There is no now() here; whoever ticks says
+/// what time it is, so that every rule runs on recorded and on virtual time alike.
+
+#include <chrono>
+#include <cstdint>
+
+namespace haptic::core {
+
+using Duration = std::chrono::nanoseconds;
+
+/// The server's steady clock, without the means to read it.
+struct SteadyClock {
+  using rep = std::int64_t;
+  using period = std::nano;
+  using duration = Duration;
+  using time_point = std::chrono::time_point<SteadyClock, Duration>;
+  static constexpr bool is_steady = true;
+};
+
+using TimePoint = SteadyClock::time_point;
+
+[[nodiscard]] constexpr double seconds(Duration d) noexcept {
+  return std::chrono::duration<double>(d).count();
+}
+
+}  // namespace haptic::core

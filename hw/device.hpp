@@ -1,0 +1,61 @@
+#pragma once
+/// What a haptic device is to the loop.
+///
+///            open_device()                 arm wanted            handshake done
+///   (none) ----------------> DISARMED ----------------> ARMING ----------------> ARMED
+///                               ^                                                  |
+///                               +---------- arm no longer wanted, close() ---------+
+///   Any state -> LOST: health kLost in every reading from then on, until the device returns.
+///
+/// One thread, the real-time loop, calls read() and write(); neither blocks, allocates, locks, logs
+/// or throws. Construction and close() belong to the main thread.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "haptic/core/model/kinematics.hpp"
+#include "haptic/core/tick/pipeline.hpp"
+#include "haptic/core/tick/tick_input.hpp"
+
+namespace haptic::hw {
+
+struct DeviceInfo {
+  std::string kind{};    ///< "simulated", "replay"
+  std::string model{};   ///< for people: what it is, and what it was opened from
+  std::string serial{};  ///< unique per device; empty where there is none
+  std::vector<core::DofSpec> dofs{};
+  core::DeviceLimits limits{};
+  bool moves{true};      ///< false: commands are computed and reported, nothing moves (replay)
+};
+
+/// The force command of one tick.
+struct Command {
+  bool arm{false};       ///< the server wants the device armed
+  core::VecA tau_a{};    ///< n_a; N or N m; all zero unless armed
+};
+
+class Device {
+ public:
+  virtual ~Device() = default;
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  [[nodiscard]] virtual const DeviceInfo& info() const noexcept = 0;
+
+  /// Real-time thread, once a tick, before write(). Never blocks. `reading` keeps its previous
+  /// sample where there is no new one. A failure is told by reading.health, never thrown.
+  virtual void read(core::TimePoint now, core::DeviceReading& reading) noexcept = 0;
+
+  /// Real-time thread, once a tick. Never blocks. A device that is not armed ignores tau_a.
+  virtual void write(core::TimePoint now, const Command& command) noexcept = 0;
+
+  /// Main thread, after the loop ended: zero force, disarm, release what was opened. May block for
+  /// at most 200 ms. Idempotent.
+  virtual void close() noexcept = 0;
+
+ protected:
+  Device() = default;
+};
+
+}  // namespace haptic::hw

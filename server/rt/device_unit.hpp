@@ -1,0 +1,49 @@
+#pragma once
+/// One device with its pipeline and its mailboxes: the place where the real-time side and the rest of
+/// the server meet. Steps 1 to 13 of HOUSE 3 are its tick().
+
+#include <memory>
+#include <string>
+
+#include "haptic/core/tick/mailbox.hpp"
+#include "haptic/core/tick/pipeline.hpp"
+#include "haptic/core/tick/ring.hpp"
+#include "hw/device.hpp"
+
+namespace haptic::server {
+
+class DeviceUnit {
+ public:
+  /// Records kept for a slow telemetry drain: one second at 1 kHz.
+  static constexpr std::size_t kRingCapacity = 1024;
+
+  DeviceUnit(std::string name, std::unique_ptr<hw::Device> device, core::PipelineConfig config);
+  DeviceUnit(const DeviceUnit&) = delete;
+  DeviceUnit& operator=(const DeviceUnit&) = delete;
+
+  /// Real-time thread: read, take mailboxes, Pipeline::tick, write, record. Never allocates, locks,
+  /// logs, throws, blocks.
+  void tick(core::TimePoint now, core::Duration period, const core::LoopReport& loop) noexcept;
+
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] hw::Device& device() noexcept { return *device_; }
+  [[nodiscard]] const hw::Device& device() const noexcept { return *device_; }
+  [[nodiscard]] const core::PipelineConfig& config() const noexcept { return pipeline_.config(); }
+
+  /// Written by the ingress, under its mutex.
+  core::Mailbox<core::ProxySnapshot> proxies;
+  /// Written by the device's sessions, under their mutex.
+  core::Mailbox<core::CommandSnapshot> commands;
+  core::Mailbox<core::RenderSettings> settings;
+  /// Read by the telemetry drain.
+  core::Ring<core::TickRecord> records;
+
+ private:
+  std::string name_;
+  std::unique_ptr<hw::Device> device_;
+  core::Pipeline pipeline_;
+  core::TickInput input_{};
+  hw::Command command_{};
+};
+
+}  // namespace haptic::server

@@ -1,0 +1,64 @@
+#pragma once
+/// The scene as the rest of the server sees it: plain values, defaults filled in, checked. Protobuf
+/// ends here.
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptic/core/tick/pipeline.hpp"
+#include "hw/open_device.hpp"
+
+namespace haptic::server {
+
+struct DeviceScene {
+  std::string name{};
+  hw::DeviceConfig source{};
+  std::shared_ptr<const core::Kinematics> kinematics{};
+  core::RenderSettings settings{};  ///< the widest a session may ask for
+  /// An upper bound on every session's fresh_end; absent: 2.5 nominal periods of the client.
+  std::optional<core::Duration> fresh_end{};
+};
+
+struct ServerScene {
+  std::vector<std::string> listen{"127.0.0.1:50051"};
+  core::Duration lease_timeout{std::chrono::seconds(2)};
+  unsigned max_sessions{32};
+};
+
+struct LoopScene {
+  core::Duration period{std::chrono::milliseconds(1)};
+  /// Absent: 8 ms where real-time scheduling was granted, 20 ms elsewhere (WIRE 4).
+  std::optional<core::Duration> loop_late_fault{};
+  int priority{80};
+  std::optional<int> cpu{};
+};
+
+struct RecordScene {
+  std::filesystem::path file{};
+  bool compare_renderers{false};
+};
+
+struct Scene {
+  std::string name{};
+  std::vector<DeviceScene> devices{};
+  ServerScene server{};
+  LoopScene loop{};
+  std::optional<RecordScene> record{};
+  std::string resolved{};  ///< the scene as text with every default, as --print-scene shows it
+};
+
+/// Reads a scene. `overrides` are "path=value" as of --set, e.g.
+/// "device[0].impedance.stiffness_n_per_m[0]=800". Throws SceneError: file, line, field, value and
+/// what is allowed.
+[[nodiscard]] Scene load_scene(const std::filesystem::path& file,
+                               const std::vector<std::string>& overrides = {});
+/// The same from text; `name` stands for the file in messages, relative paths are relative to
+/// `folder`.
+[[nodiscard]] Scene parse_scene(const std::string& text, const std::string& name,
+                                const std::filesystem::path& folder,
+                                const std::vector<std::string>& overrides = {});
+
+}  // namespace haptic::server

@@ -1,0 +1,60 @@
+#pragma once
+/// The telemetry drain: one thread that empties every unit's ring, keeps the newest record of each,
+/// and tells those who listen. The loop wakes it with a futex and never waits for it.
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "haptic/core/tick/tick_record.hpp"
+#include "server/rt/device_unit.hpp"
+
+namespace haptic::server {
+
+/// Called on the drain's thread. Must not block; may start asynchronous writes.
+class RecordListener {
+ public:
+  virtual ~RecordListener() = default;
+  /// Every record of the unit, in order, none left out (but those counted as dropped).
+  virtual void on_record(const core::TickRecord& record) = 0;
+  /// After the ring was emptied: `record` is the newest. For conflating listeners.
+  virtual void on_newest(const core::TickRecord& record) { static_cast<void>(record); }
+};
+
+class Telemetry {
+ public:
+  /// The units must outlive the telemetry. start() and stop() own the thread; without start() a test
+  /// calls drain() itself.
+  explicit Telemetry(std::vector<DeviceUnit*> units);
+  ~Telemetry();
+
+  void start();
+  void stop();
+
+  /// Empties every ring once, on the caller's thread.
+  void drain();
+
+  /// `unit`: index in the constructor's list. Listeners may be added and removed at any time from any
+  /// thread; after remove() returned the listener is not called again.
+  void add(std::size_t unit, RecordListener* listener);
+  void remove(std::size_t unit, RecordListener* listener);
+
+  /// The newest record of a unit; a default one before the first tick. Any thread.
+  [[nodiscard]] core::TickRecord newest(std::size_t unit) const;
+
+  /// The loop's call at the end of a tick, real-time safe: wakes the drain.
+  void wake() noexcept;
+
+ private:
+  struct Channel;
+  std::vector<std::unique_ptr<Channel>> channels_;
+  std::atomic<std::uint32_t> bell_{0};
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace haptic::server

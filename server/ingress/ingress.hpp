@@ -1,6 +1,20 @@
 #pragma once
-/// The one door for proxy samples, whatever carried them: size, finite, in bounds, lease epoch, newer
-/// than the last; then the mailbox. Takes a mutex; the loop never does.
+/// The one door for proxy samples, whatever carried them: lease epoch, size, finite, in bounds,
+/// newer than the last; then the mailbox. Takes a mutex; the loop never does.
+///
+/// Back-log. After a stall a reliable transport delivers at once what it had kept back, and the
+/// first samples of such a burst look like a stream that just came back to life. A sample is
+/// back-log where its burst exceeds twice the nominal rate by more than the tolerance. It becomes
+/// the newest (the server must not render where the proxy was even longer ago), but it is not
+/// young: `born` goes back to what it was before the burst, so the age runs on as if the burst had
+/// not come. Normal again is the first sample that comes half a nominal period or more after the
+/// one before it: the pipe had run dry. Where that pause was a whole period, what came before it
+/// had been the newest there was, and a burst that follows falls back to its arrival: jitter that
+/// clumps a healthy stream again and again does not add up to a lost one.
+///
+/// Tolerance: half a period - two samples at once, which is one sample late by a period - or 5 ms,
+/// whichever is longer. 5 ms is the shortest fresh_end (WIRE 4): clumping within it cannot make a
+/// sample look fresh that is not, and a 1 kHz stream clumps by that much on any busy host.
 
 #include <cstdint>
 #include <mutex>
@@ -23,15 +37,16 @@ struct ProxyCandidate {
 
 enum class IngressVerdict : std::uint8_t {
   kAccepted,
-  kBacklog,          ///< accepted as the newest, but not as fresh (faster than twice the nominal rate)
+  kBacklog,  ///< accepted as the newest, but not as fresh (faster than twice the nominal rate)
   kOldSequence,
-  kOldEpoch,         ///< of a lease that is no more
+  kOldEpoch,  ///< of a lease that is no more
   kWrongSize,
   kNotFinite,
-  kOutOfBounds,      ///< |position| > 1000 (m or rad)
+  kOutOfBounds,  ///< |position| > 1000 (m or rad)
   kUnknownMode,
 };
 
+/// Totals since the current lease began.
 struct IngressCounters {
   std::uint64_t accepted{0};
   std::uint64_t backlog{0};
@@ -43,6 +58,31 @@ struct IngressCounters {
   std::uint64_t unknown_mode{0};
 };
 
+/// Tells back-log from a stream that keeps time. Not thread-safe.
+class BacklogRule {
+ public:
+  static constexpr core::Duration kShortestFreshEnd{std::chrono::milliseconds(5)};
+
+  BacklogRule() = default;
+  explicit BacklogRule(core::Duration nominal_period);
+
+  struct Answer {
+    bool backlog{false};
+    core::TimePoint born{};  ///< what the sample's age counts from
+  };
+  [[nodiscard]] Answer step(core::TimePoint arrival) noexcept;
+
+ private:
+  core::Duration interval_{0};  ///< half a nominal period
+  core::Duration tolerance_{0};
+  bool first_{true};
+  bool backlog_{false};
+  core::TimePoint last_arrival_{};
+  core::TimePoint born_{};          ///< of the newest sample
+  core::TimePoint before_burst_{};  ///< what born_ falls back to
+  core::TimePoint due_{};           ///< where twice the nominal rate would put the next arrival
+};
+
 class Ingress {
  public:
   static constexpr double kLargestCoordinate = 1000.0;
@@ -50,31 +90,36 @@ class Ingress {
   /// `mailbox` must outlive the ingress; `n_x` is the size of the virtual configuration.
   Ingress(core::Mailbox<core::ProxySnapshot>& mailbox, int n_x);
 
-  /// A new lease: samples of older epochs are refused from now on, sequence starts anew.
+  /// A new lease: samples of older epochs are refused from now on; sequence, counters and the
+  /// stream's health start anew.
   void begin_lease(std::uint32_t epoch, double nominal_rate_hz, core::Duration hold_end);
   /// No lease: everything is refused.
   void end_lease();
 
-  /// Any thread. Subnormal coordinates become 0. `why`, where given, gets a sentence that names field, value
-  /// and what is allowed for every verdict but kAccepted and kBacklog.
+  /// Any thread. Subnormal coordinates become 0. `why`, where given, gets a sentence that names
+  /// field, value and what is allowed for every verdict but kAccepted and kBacklog.
   IngressVerdict accept(const ProxyCandidate& candidate, core::TimePoint arrival,
                         std::string* why = nullptr);
 
   [[nodiscard]] IngressCounters counters() const;
-  /// Local arrival of the newest accepted sample under the current lease; the lease's begin before
-  /// the first one is the caller's to know.
+  /// Local arrival of the newest accepted sample (back-log included: it shows that the client
+  /// lives) under the current lease; TimePoint{} before the first one.
   [[nodiscard]] core::TimePoint last_accepted() const;
 
  private:
+  [[nodiscard]] IngressVerdict check(const ProxyCandidate& candidate, std::string* why);
+  void store(const ProxyCandidate& candidate, BacklogRule::Answer age, core::TimePoint arrival);
+
   mutable std::mutex mutex_;
   core::Mailbox<core::ProxySnapshot>& mailbox_;
   const int n_x_;
   core::ProxySnapshot newest_{};
   IngressCounters counters_{};
+  BacklogRule backlog_{};
   core::TimePoint last_arrival_{};
-  core::Duration nominal_period_{0};
   core::Duration hold_end_{0};
   std::uint32_t epoch_{0};
+  bool open_{false};
 };
 
 }  // namespace haptic::server

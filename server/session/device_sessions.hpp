@@ -1,71 +1,129 @@
 #pragma once
-/// Who has what of a device: the lease, its epoch and clock, engage and release, settings within the
-/// scene, clear and stop (WIRE 2). No gRPC here: time and records come in, verdicts go out, so that
-/// every rule runs on virtual time.
+/// Who has what of a device: the lease, its epoch and clock, engage and release, settings within
+/// the scene, clear and stop (WIRE 2). No gRPC here: time and records come in, verdicts go out, so
+/// that every rule runs on virtual time.
+///
+/// A lease ends when its session closes, or by the clock: every record that the telemetry drains
+/// brings the time, so it ends on time whether or not anybody calls anything. When it ends, force
+/// fades out (RELEASING); the settings go back to the scene's once g = 0, so that the fade itself
+/// never stiffens. A newcomer who comes during the fade is answered when g = 0.
+///
+/// Threads: every method from any thread. Answers are called without a lock held, on the caller's
+/// thread where the answer is known at once, else on the telemetry drain's; they must not block.
 
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "haptic/core/tick/tick_record.hpp"
 #include "server/ingress/ingress.hpp"
 #include "server/rt/device_unit.hpp"
+#include "server/session/device_event.hpp"
+#include "server/session/lease.hpp"
+#include "server/session/pending_requests.hpp"
+#include "server/session/refusal.hpp"
+#include "server/session/settings_policy.hpp"
 #include "server/telemetry/telemetry.hpp"
 
 namespace haptic::server {
 
-/// A lease that was granted.
-struct Lease {
-  std::uint32_t epoch{0};
-  core::StalenessLimits staleness{};  ///< in force
-};
-
-struct LeaseRequest {
-  std::string session_id{};
-  std::string client_name{};
-  double nominal_rate_hz{0.0};
+struct SessionRules {
+  core::Duration lease_timeout{std::chrono::seconds(2)};
+  /// The scene's bound on every lease's fresh_end; absent: 2.5 nominal periods of the client.
   std::optional<core::Duration> fresh_end{};
-  std::optional<core::Duration> hold_end{};
-  std::optional<core::Duration> fade_end{};
 };
 
-/// What a session may ask to change; absent and empty leave the setting as it is.
-struct SettingsRequest {
-  std::vector<double> stiffness{}, damping{}, force_limit{}, slew_limit{};
-  std::optional<core::RendererKind> renderer{};
-  std::optional<bool> direction_guard{};
-};
+using LeaseAnswer = std::function<void(const Outcome<Lease>&)>;
 
-struct SettingsClamp {
-  std::string field{};  ///< "stiffness[0]"
-  double asked{0.0};
-  double applied{0.0};
-  std::string why{};
-};
+class DeviceSessions final : public RecordListener {
+ public:
+  /// Listens to unit `index` of `telemetry` for as long as it lives; both must outlive it.
+  DeviceSessions(DeviceUnit& unit, Telemetry& telemetry, std::size_t index, SessionRules rules);
+  ~DeviceSessions() override;
+  DeviceSessions(const DeviceSessions&) = delete;
+  DeviceSessions& operator=(const DeviceSessions&) = delete;
 
-struct SettingsAnswer {
-  core::RenderSettings applied{};
-  std::vector<SettingsClamp> clamped{};
-};
+  [[nodiscard]] const std::string& name() const noexcept { return unit_.name(); }
+  [[nodiscard]] const DeviceUnit& unit() const noexcept { return unit_; }
+  [[nodiscard]] Ingress& ingress() noexcept { return ingress_; }
+  [[nodiscard]] core::Duration lease_timeout() const noexcept { return rules_.lease_timeout; }
 
-/// A refusal with a stable reason ("LEASE_HELD", "NOT_ARMED", ...) and a sentence for people.
-struct Refusal {
-  enum class Code : std::uint8_t { kInvalid, kExists, kPrecondition, kPermission, kUnavailable };
-  Code code{Code::kInvalid};
-  std::string reason{};
-  std::string message{};
-  std::string field{};  ///< kInvalid: the field that is off
-};
+  /// The session's events from now on, until close(). Every session subscribes, whatever its role.
+  [[nodiscard]] std::shared_ptr<EventQueue> subscribe(const std::string& session_id);
+  /// The session is over, by whatever cause: its lease ends, its events stop. Idempotent.
+  void close(const std::string& session_id);
 
-template <typename T>
-struct Outcome {
-  std::optional<T> value{};
-  Refusal refusal{};
-  explicit operator bool() const noexcept { return value.has_value(); }
+  /// Asks for the lease. Refused: LEASE_HELD (kExists, names the holder), CLOSING, or limits that
+  /// are off. Answered at g = 0.
+  void open_controller(const LeaseRequest& request, core::TimePoint now, LeaseAnswer answer);
+
+  /// Each returns a ticket for cancel(), 0 where the answer was given at once.
+  Ticket engage(const std::string& session_id, Answer answer);
+  Ticket release(const std::string& session_id, Answer answer);
+  /// Posted before anything else is looked at; answered by the tick that latched.
+  Ticket emergency_stop(const std::string& reason, Answer answer);
+  /// `faults` empty: all that are active. Answered with what was cleared.
+  Ticket clear_faults(core::FaultSet faults, ClearAnswered answer);
+  /// Gives up on an answer; false where it was given already.
+  bool cancel(Ticket ticket);
+
+  [[nodiscard]] Outcome<SettingsAnswer> update_settings(const std::string& session_id,
+                                                        const SettingsRequest& request);
+
+  /// SIGTERM: no new lease, force fades out, an event to everyone. Idempotent.
+  void begin_closing();
+
+  [[nodiscard]] bool holds_lease(const std::string& session_id) const;
+  /// Client name of the holder; empty: nobody.
+  [[nodiscard]] std::string controller() const;
+  /// Sessions that do not hold the lease.
+  [[nodiscard]] unsigned observers() const;
+  [[nodiscard]] core::RenderSettings settings() const;
+  /// The newest record seen; a default one before the first tick.
+  [[nodiscard]] core::TickRecord newest() const;
+
+  /// Telemetry's call, every tick.
+  void on_record(const core::TickRecord& record) override;
+
+ private:
+  struct Newcomer {
+    LeaseRequest request{};
+    core::StalenessLimits staleness{};
+    LeaseAnswer answer{};
+    int patience{0};
+  };
+  using Closures = PendingRequests::Closures;
+
+  void post() noexcept;
+  void end_lease(Closures& closures);
+  void grant_newcomer(core::TimePoint now, Closures& closures);
+  void restore_scene_settings();
+  void publish_settings(core::RenderSettings settings);
+  void tell_everyone(const DeviceEvent& event);
+  [[nodiscard]] bool force_is_on() const noexcept;
+  [[nodiscard]] std::optional<Refusal> not_holder(const std::string& session_id) const;
+
+  DeviceUnit& unit_;
+  Telemetry& telemetry_;
+  const std::size_t index_;
+  const SessionRules rules_;
+  Ingress ingress_;
+
+  mutable std::mutex mutex_;
+  LeaseBook lease_;
+  std::optional<Newcomer> newcomer_;  ///< waits for the force of the previous holder to fade out
+  PendingRequests pending_;
+  core::CommandSnapshot command_{};
+  core::RenderSettings settings_{};
+  bool settings_due_{false};  ///< the scene's settings are to be restored when g = 0
+  std::map<std::string, std::shared_ptr<EventQueue>> queues_;
+  EventDetector detector_;
+  std::string stop_reason_{};
+  core::TickRecord newest_{};
 };
 
 }  // namespace haptic::server

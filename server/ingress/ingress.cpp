@@ -1,0 +1,132 @@
+#include "server/ingress/ingress.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+namespace haptic::server {
+namespace {
+
+std::string coordinate(int i, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, "position[%d] = %.6g", i, value);
+  return text;
+}
+
+/// Numbers below the normal range cost a hundred times a normal one in every product of the loop.
+double flushed(double value) noexcept {
+  return std::fpclassify(value) == FP_SUBNORMAL ? 0.0 : value;
+}
+
+}  // namespace
+
+Ingress::Ingress(core::Mailbox<core::ProxySnapshot>& mailbox, int n_x)
+    : mailbox_(mailbox), n_x_(n_x) {
+  newest_.x.resize(0);
+}
+
+void Ingress::begin_lease(std::uint32_t epoch, double nominal_rate_hz, core::Duration hold_end) {
+  const std::lock_guard lock(mutex_);
+  open_ = true;
+  epoch_ = epoch;
+  hold_end_ = hold_end;
+  counters_ = {};
+  last_arrival_ = {};
+  backlog_ = BacklogRule(std::chrono::duration_cast<core::Duration>(
+      std::chrono::duration<double>(1.0 / nominal_rate_hz)));
+  newest_ = {};
+  newest_.epoch = epoch;
+  mailbox_.publish(newest_);
+}
+
+void Ingress::end_lease() {
+  const std::lock_guard lock(mutex_);
+  open_ = false;
+}
+
+IngressVerdict Ingress::accept(const ProxyCandidate& candidate, core::TimePoint arrival,
+                               std::string* why) {
+  const std::lock_guard lock(mutex_);
+  const IngressVerdict refused = check(candidate, why);
+  if (refused != IngressVerdict::kAccepted) return refused;
+  const BacklogRule::Answer age = backlog_.step(arrival);
+  store(candidate, age, arrival);
+  ++(age.backlog ? counters_.backlog : counters_.accepted);
+  return age.backlog ? IngressVerdict::kBacklog : IngressVerdict::kAccepted;
+}
+
+IngressVerdict Ingress::check(const ProxyCandidate& candidate, std::string* why) {
+  const auto refuse = [&](IngressVerdict verdict, std::uint64_t& counter, auto sentence) {
+    ++counter;
+    if (why != nullptr) *why = sentence();
+    return verdict;
+  };
+  if (!open_ || candidate.epoch != epoch_) {
+    return refuse(IngressVerdict::kOldEpoch, counters_.old_epoch, [&] {
+      return "lease epoch " + std::to_string(candidate.epoch) +
+             (open_ ? ": the lease is at epoch " + std::to_string(epoch_)
+                    : ": nobody holds the lease");
+    });
+  }
+  if (candidate.mode != core::ProxyMode::kHeld && candidate.mode != core::ProxyMode::kFree) {
+    return refuse(IngressVerdict::kUnknownMode, counters_.unknown_mode,
+                  [] { return std::string("mode: must be HELD or FREE"); });
+  }
+  const bool may_be_empty = candidate.mode == core::ProxyMode::kFree;
+  if (candidate.position_size != n_x_ && !(may_be_empty && candidate.position_size == 0)) {
+    return refuse(IngressVerdict::kWrongSize, counters_.wrong_size, [&] {
+      return "position has " + std::to_string(candidate.position_size) + " values: must have " +
+             std::to_string(n_x_) + ", one per virtual coordinate";
+    });
+  }
+  for (int i = 0; i < candidate.position_size; ++i) {
+    const double value = candidate.position[i];
+    if (!std::isfinite(value)) {
+      return refuse(IngressVerdict::kNotFinite, counters_.not_finite,
+                    [&] { return coordinate(i, value) + ": must be finite"; });
+    }
+    if (std::abs(value) > kLargestCoordinate) {
+      return refuse(IngressVerdict::kOutOfBounds, counters_.out_of_bounds,
+                    [&] { return coordinate(i, value) + ": must lie within +-1000"; });
+    }
+  }
+  if (candidate.seq <= newest_.seq) {
+    return refuse(IngressVerdict::kOldSequence, counters_.old_sequence, [&] {
+      return "seq = " + std::to_string(candidate.seq) + ": must be above " +
+             std::to_string(newest_.seq);
+    });
+  }
+  return IngressVerdict::kAccepted;
+}
+
+void Ingress::store(const ProxyCandidate& candidate, BacklogRule::Answer age,
+                    core::TimePoint arrival) {
+  // The stream's health counts what keeps time; a gap is one of fresh samples, not of arrivals.
+  if (!age.backlog) {
+    const bool gap = newest_.mode == core::ProxyMode::kNone || arrival - newest_.born > hold_end_;
+    if (gap) {
+      newest_.gapless_since = arrival;
+      newest_.gapless_samples = 0;
+    }
+    ++newest_.gapless_samples;
+  }
+  newest_.mode = candidate.mode;
+  newest_.seq = candidate.seq;
+  newest_.born = age.born;
+  newest_.valid_for = candidate.valid_for;
+  newest_.x.resize(candidate.position_size);
+  for (int i = 0; i < candidate.position_size; ++i) newest_.x[i] = flushed(candidate.position[i]);
+  last_arrival_ = arrival;
+  mailbox_.publish(newest_);
+}
+
+IngressCounters Ingress::counters() const {
+  const std::lock_guard lock(mutex_);
+  return counters_;
+}
+
+core::TimePoint Ingress::last_accepted() const {
+  const std::lock_guard lock(mutex_);
+  return last_arrival_;
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,50 @@
+#pragma once
+/// HapticService on its addresses, with the standard health service and reflection. gRPC and
+/// protobuf stay behind this header.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "haptic/core/time.hpp"
+#include "server/rpc/server_facts.hpp"
+#include "server/session/device_sessions.hpp"
+#include "server/telemetry/telemetry.hpp"
+
+namespace haptic::server {
+
+struct RpcConfig {
+  /// "host:port" (port 0: any free one) or "unix:/path". Without TLS only loopback and UNIX
+  /// sockets.
+  std::vector<std::string> listen{"127.0.0.1:50051"};
+  /// Session streams and watches together.
+  unsigned max_sessions{32};
+  core::Duration period{std::chrono::milliseconds(1)};  ///< of the loop
+  /// States per second that all watches together may cost; what is above is conflated, fairly.
+  unsigned watch_budget_hz{8000};
+};
+
+class RpcServer {
+ public:
+  /// `devices[i]` is unit i of `telemetry`; all must outlive the server.
+  RpcServer(RpcConfig config, std::vector<DeviceSessions*> devices, Telemetry& telemetry,
+            FactsProvider facts);
+  ~RpcServer();
+  RpcServer(const RpcServer&) = delete;
+  RpcServer& operator=(const RpcServer&) = delete;
+
+  /// Binds and serves. Throws TransportError naming the address: in use, not to be resolved, or not
+  /// allowed without TLS.
+  void start();
+  /// The addresses as served, ports filled in; empty before start().
+  [[nodiscard]] std::vector<std::string> bound_addresses() const;
+  /// Refuses new calls, ends streams (UNAVAILABLE), waits for at most `grace`, then cancels.
+  /// Idempotent; the destructor calls it with 1 s.
+  void shutdown(core::Duration grace);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace haptic::server

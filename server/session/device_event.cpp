@@ -1,0 +1,132 @@
+#include "server/session/device_event.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+namespace haptic::server {
+namespace {
+
+constexpr core::Fault kFaults[] = {
+    core::Fault::kDeviceSilent,     core::Fault::kDeviceLost,     core::Fault::kSampleNotFinite,
+    core::Fault::kSampleOutOfRange, core::Fault::kLoopLate,       core::Fault::kLateBucketFull,
+    core::Fault::kEmergencyStop,    core::Fault::kForceOverLimit, core::Fault::kOutputNotFinite,
+};
+
+const char* level_name(core::Staleness level) {
+  switch (level) {
+    case core::Staleness::kFresh:
+      return "FRESH";
+    case core::Staleness::kHold:
+      return "HOLD";
+    case core::Staleness::kFade:
+      return "FADE";
+    case core::Staleness::kLost:
+      return "LOST";
+  }
+  return "UNKNOWN";
+}
+
+std::string milliseconds(core::Duration d) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g ms", core::seconds(d) * 1e3);
+  return text;
+}
+
+std::string fault_sentence(core::Fault fault, const core::TickRecord& record,
+                           const std::string& stop_reason) {
+  switch (fault) {
+    case core::Fault::kDeviceSilent:
+      return "the device gave no sample for longer than it may";
+    case core::Fault::kDeviceLost:
+      return "the device, or the link to it, is gone";
+    case core::Fault::kSampleNotFinite:
+      return "the device reported a value that is no number";
+    case core::Fault::kSampleOutOfRange:
+      return "the device reported a value outside its range";
+    case core::Fault::kLoopLate:
+      return "the loop woke up " + milliseconds(record.input.loop.lateness) + " late";
+    case core::Fault::kLateBucketFull:
+      return "the loop was late too often";
+    case core::Fault::kEmergencyStop:
+      return stop_reason.empty() ? "somebody asked for an emergency stop"
+                                 : "emergency stop: " + stop_reason;
+    case core::Fault::kForceOverLimit:
+      return "the device measured more force than it may give";
+    case core::Fault::kOutputNotFinite:
+      return "the computed command was no number";
+  }
+  return "unknown fault";
+}
+
+}  // namespace
+
+void EventDetector::step(const core::TickRecord& record, const std::string& stop_reason,
+                         std::vector<DeviceEvent>& events) {
+  const auto add = [&](DeviceEvent::Kind kind, std::string reason, std::string message) {
+    events.push_back({kind, record.input.now, std::move(reason), std::move(message), record.state});
+  };
+  for (const core::Fault fault : kFaults) {
+    const bool now = record.faults.has(fault);
+    const bool before = faults_.has(fault);
+    if (now && !before) {
+      add(DeviceEvent::Kind::kFault, std::string(core::reason(fault)),
+          fault_sentence(fault, record, stop_reason));
+    } else if (before && !now) {
+      add(DeviceEvent::Kind::kFaultCleared, std::string(core::reason(fault)), "fault cleared");
+    }
+  }
+  if (record.lost) {
+    add(DeviceEvent::Kind::kLost, "LOST",
+        "force was given up: the newest proxy is " + milliseconds(record.proxy_age) +
+            " old, the limit is " + milliseconds(record.input.settings.staleness.fade_end) +
+            "; a new Engage is needed");
+  }
+  if (record.state != state_) {
+    const std::string change =
+        std::string(core::name(state_)) + " -> " + std::string(core::name(record.state));
+    add(DeviceEvent::Kind::kState, change, change);
+  }
+  if (record.staleness != staleness_) {
+    add(DeviceEvent::Kind::kStaleness,
+        std::string(level_name(staleness_)) + " -> " + level_name(record.staleness),
+        "the newest proxy is " + milliseconds(record.proxy_age) + " old");
+  }
+  state_ = record.state;
+  faults_ = record.faults;
+  staleness_ = record.staleness;
+}
+
+void EventQueue::push(const DeviceEvent& event) {
+  const std::lock_guard lock(mutex_);
+  if (events_.size() >= kCapacity) {
+    // A staleness level is also a field of every state: it is the one to lose first.
+    const auto oldest = std::find_if(events_.begin(), events_.end(), [](const DeviceEvent& e) {
+      return e.kind == DeviceEvent::Kind::kStaleness;
+    });
+    events_.erase(oldest == events_.end() ? events_.begin() : oldest);
+    ++dropped_;
+    ++dropped_untold_;
+  }
+  events_.push_back(event);
+}
+
+std::optional<DeviceEvent> EventQueue::pop() {
+  const std::lock_guard lock(mutex_);
+  if (events_.empty()) return std::nullopt;
+  DeviceEvent event = std::move(events_.front());
+  events_.pop_front();
+  if (dropped_untold_ > 0) {
+    event.message += " (" + std::to_string(dropped_untold_) +
+                     " older events were dropped: this stream was not read)";
+    dropped_untold_ = 0;
+  }
+  return event;
+}
+
+std::uint64_t EventQueue::dropped() const {
+  const std::lock_guard lock(mutex_);
+  return dropped_;
+}
+
+}  // namespace haptic::server

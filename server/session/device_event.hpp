@@ -1,0 +1,63 @@
+#pragma once
+/// What happened to a device, once each: found by comparing a tick's record with the one before.
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptic/core/tick/tick_record.hpp"
+
+namespace haptic::server {
+
+struct DeviceEvent {
+  enum class Kind : std::uint8_t {
+    kState = 1,         ///< reason "ENGAGED -> ARMED"
+    kLost = 2,          ///< force was given up, proxy too old; reason "LOST"
+    kFault = 3,         ///< reason: the fault's
+    kFaultCleared = 4,  ///< reason: the fault's
+    kLeaseExpired = 5,  ///< reason "LEASE_EXPIRED"
+    kStaleness = 6,     ///< reason "FRESH -> HOLD"
+    kClosing = 7,       ///< reason "CLOSING"
+  };
+  Kind kind{Kind::kState};
+  core::TimePoint time{};  ///< server's steady clock, of the tick
+  std::string reason{};    ///< stable
+  std::string message{};   ///< for people
+  core::DeviceState state{core::DeviceState::kInit};
+};
+
+/// Compares consecutive records of one device. One thread.
+class EventDetector {
+ public:
+  /// `stop_reason`: what a person gave with the newest emergency stop, for its event's message.
+  void step(const core::TickRecord& record, const std::string& stop_reason,
+            std::vector<DeviceEvent>& events);
+
+ private:
+  core::DeviceState state_{core::DeviceState::kInit};
+  core::FaultSet faults_{};
+  core::Staleness staleness_{core::Staleness::kLost};
+};
+
+/// Events on their way to one session. Bounded: a client that does not read loses the oldest, and
+/// the next event it gets says how many. Any thread.
+class EventQueue {
+ public:
+  static constexpr std::size_t kCapacity = 256;
+  void push(const DeviceEvent& event);
+  [[nodiscard]] std::optional<DeviceEvent> pop();
+  [[nodiscard]] std::uint64_t dropped() const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::deque<DeviceEvent> events_;
+  std::uint64_t dropped_{0};
+  std::uint64_t dropped_untold_{0};
+};
+
+}  // namespace haptic::server

@@ -1,0 +1,65 @@
+#pragma once
+/// Requests that the tick answers: posted as counters, answered by a record, or given up after a
+/// bounded number of ticks.
+
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <string>
+#include <vector>
+
+#include "haptic/core/tick/tick_record.hpp"
+#include "server/session/refusal.hpp"
+
+namespace haptic::server {
+
+using Answer = std::function<void(const Outcome<Done>&)>;
+using ClearAnswered = std::function<void(const Outcome<core::FaultSet>&)>;
+
+/// Names a pending request, for cancel(); 0: it was answered at once.
+using Ticket = std::uint64_t;
+
+/// The book of open questions. Not thread-safe: the owner's mutex guards it. Answers are handed out
+/// as closures, to be called when that mutex is free again.
+class PendingRequests {
+ public:
+  /// Ticks after which a question is given up: 250 ms at 1 kHz.
+  static constexpr int kPatience = 250;
+  using Closures = std::vector<std::function<void()>>;
+
+  Ticket add_engage(std::uint64_t id, std::string session_id, Answer answer);
+  Ticket add_release(std::uint64_t id, std::string session_id, Answer answer);
+  Ticket add_stop(std::uint64_t id, Answer answer);
+  Ticket add_clear(std::uint64_t id, core::FaultSet faults, ClearAnswered answer);
+
+  /// The faults that open clear requests name together: what the command snapshot must carry, or a
+  /// second request would overwrite the first in the newest-wins mailbox.
+  [[nodiscard]] core::FaultSet faults_to_clear() const noexcept;
+
+  /// Collects what `record` answers, and what has waited too long.
+  void step(const core::TickRecord& record, Closures& closures);
+  /// The session lost its lease: its engages are refused, its releases are fulfilled.
+  void lease_ended(const std::string& session_id, Closures& closures);
+  /// True where the request was still open; its answer is then never called.
+  bool cancel(Ticket ticket);
+
+ private:
+  enum class Kind : std::uint8_t { kEngage, kRelease, kStop, kClear };
+  struct Request {
+    Ticket ticket{0};
+    Kind kind{Kind::kEngage};
+    std::uint64_t id{0};
+    int patience{kPatience};
+    std::string session_id{};
+    core::FaultSet faults{};
+    Answer answer{};
+    ClearAnswered cleared{};
+  };
+  Ticket add(Request request);
+  static bool resolve(Request& request, const core::TickRecord& record, Closures& closures);
+
+  std::list<Request> requests_;
+  Ticket last_ticket_{0};
+};
+
+}  // namespace haptic::server

@@ -1,0 +1,137 @@
+#include "server/session/settings_policy.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+namespace haptic::server {
+namespace {
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+std::string milliseconds(core::Duration d) {
+  return number(core::seconds(d) * 1e3) + " ms";
+}
+
+Refusal invalid(std::string field, const std::string& rest) {
+  Refusal refusal{Refusal::Code::kInvalid, "INVALID_ARGUMENT", field + " " + rest, {}};
+  refusal.field = std::move(field);
+  return refusal;
+}
+
+/// One array of the request against the scene's: asked for, held within [0, limit].
+class Tightener {
+ public:
+  explicit Tightener(SettingsAnswer& answer) : answer_(answer) {}
+
+  std::optional<Refusal> apply(const char* name, const std::vector<double>& asked,
+                               const core::VecA& limit, bool zero_allowed, core::VecA& value) {
+    if (asked.empty()) return std::nullopt;
+    if (static_cast<Eigen::Index>(asked.size()) != limit.size()) {
+      return invalid(name, "has " + std::to_string(asked.size()) + " values: must have " +
+                               std::to_string(limit.size()) + ", one per actuated DoF");
+    }
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      const std::string field = std::string(name) + "[" + std::to_string(i) + "]";
+      const bool in_range = zero_allowed ? asked[i] >= 0.0 : asked[i] > 0.0;
+      if (!std::isfinite(asked[i]) || !in_range) {
+        return invalid(field, "= " + number(asked[i]) + ": must be finite and " +
+                                  (zero_allowed ? ">= 0" : "> 0"));
+      }
+      const auto k = static_cast<Eigen::Index>(i);
+      value[k] = std::min(asked[i], limit[k]);
+      if (value[k] < asked[i]) {
+        answer_.clamped.push_back({field, asked[i], value[k], "the scene allows at most this"});
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  SettingsAnswer& answer_;
+};
+
+bool allows_renderer_change(core::DeviceState state) {
+  return state == core::DeviceState::kIdle || state == core::DeviceState::kArmed;
+}
+
+/// min(scene's, wish); `refusal` where the wish is not a limit at all.
+core::Duration tightened(const char* field, const std::optional<core::Duration>& wish,
+                         core::Duration scene, std::optional<Refusal>& refusal) {
+  if (!wish) return scene;
+  if (*wish <= core::Duration::zero() && !refusal) {
+    refusal = invalid(field, "= " + milliseconds(*wish) + ": must be > 0");
+  }
+  return std::min(*wish, scene);
+}
+
+}  // namespace
+
+Outcome<SettingsAnswer> apply_settings(const SettingsRequest& request,
+                                       const core::RenderSettings& current,
+                                       const core::RenderSettings& scene, core::DeviceState state) {
+  SettingsAnswer answer{current, {}};
+  core::RenderSettings& applied = answer.applied;
+  Tightener tighten(answer);
+  for (auto refusal :
+       {tighten.apply("stiffness", request.stiffness, scene.stiffness, true, applied.stiffness),
+        tighten.apply("damping", request.damping, scene.damping, true, applied.damping),
+        tighten.apply("force_limit", request.force_limit, scene.force_limit, true,
+                      applied.force_limit),
+        tighten.apply("slew_limit", request.slew_limit, scene.slew_limit, false,
+                      applied.slew_limit)}) {
+    if (refusal) return *refusal;
+  }
+  if (request.renderer && *request.renderer != current.renderer) {
+    if (!allows_renderer_change(state)) {
+      return Refusal{Refusal::Code::kPrecondition,
+                     "FORCE_ON",
+                     "renderer: may change in IDLE and ARMED only, the device is " +
+                         std::string(core::name(state)),
+                     {}};
+    }
+    applied.renderer = *request.renderer;
+  }
+  if (request.direction_guard) {
+    if (!*request.direction_guard && scene.direction_guard) {
+      return Refusal{Refusal::Code::kPermission,
+                     "GUARD_REQUIRED",
+                     "direction_guard = false: the scene has the guard on, a session cannot switch "
+                     "it off",
+                     {}};
+    }
+    applied.direction_guard = *request.direction_guard;
+  }
+  return answer;
+}
+
+Outcome<core::StalenessLimits> lease_staleness(const LeaseRequest& request,
+                                               const core::StalenessLimits& scene,
+                                               std::optional<core::Duration> fresh_bound) {
+  const double rate = request.nominal_rate_hz;
+  if (!(rate >= 1.0 && rate <= 2000.0)) {
+    return invalid("nominal_rate_hz", "= " + number(rate) + ": a controller must say 1..2000");
+  }
+  std::optional<Refusal> refusal;
+  core::StalenessLimits limits;
+  limits.hold_end = tightened("hold_end", request.hold_end, scene.hold_end, refusal);
+  limits.fade_end = tightened("fade_end", request.fade_end, scene.fade_end, refusal);
+  core::Duration fresh = core::default_fresh_end(rate);
+  if (fresh_bound) fresh = std::min(fresh, *fresh_bound);
+  fresh = std::min(fresh, request.fresh_end ? scene.hold_end : limits.hold_end);
+  limits.fresh_end = tightened("fresh_end", request.fresh_end, fresh, refusal);
+  if (refusal) return *refusal;
+  if (const char* wrong = core::check(limits)) {
+    return invalid("fresh_end, hold_end, fade_end",
+                   "= " + milliseconds(limits.fresh_end) + ", " + milliseconds(limits.hold_end) +
+                       ", " + milliseconds(limits.fade_end) + ": " + wrong);
+  }
+  return limits;
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,51 @@
+#pragma once
+/// What a session may change of the scene's settings: tighten, never widen (WIRE 2).
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptic/core/safety/device_state.hpp"
+#include "haptic/core/tick/tick_input.hpp"
+#include "server/session/lease.hpp"
+#include "server/session/refusal.hpp"
+
+namespace haptic::server {
+
+/// What a session may ask to change; absent and empty leave the setting as it is.
+struct SettingsRequest {
+  std::vector<double> stiffness{}, damping{}, force_limit{}, slew_limit{};  ///< n_a each
+  std::optional<core::RendererKind> renderer{};
+  std::optional<bool> direction_guard{};
+};
+
+struct SettingsClamp {
+  std::string field{};  ///< "stiffness[0]"
+  double asked{0.0};
+  double applied{0.0};
+  std::string why{};
+};
+
+struct SettingsAnswer {
+  core::RenderSettings applied{};
+  std::vector<SettingsClamp> clamped{};
+};
+
+/// `current` with `request` applied, held within `scene`. Values above the scene's are clamped and
+/// reported; refused are: sizes other than n_a, values that are not finite, negative values (slew:
+/// not above 0), a change of renderer outside IDLE and ARMED, switching off the scene's guard.
+/// The id of the answer's settings is the caller's to set.
+[[nodiscard]] Outcome<SettingsAnswer> apply_settings(const SettingsRequest& request,
+                                                     const core::RenderSettings& current,
+                                                     const core::RenderSettings& scene,
+                                                     core::DeviceState state);
+
+/// The staleness limits of a new lease (WIRE 4). Each of the scene's (fresh_end: 2.5 nominal
+/// periods, at most `fresh_bound` and hold_end), or the request's where that is tighter; a wider
+/// wish is held at the scene's. Refused: a nominal rate outside 1..2000 Hz, a limit <= 0, and
+/// wishes that do not hold together with the rest.
+[[nodiscard]] Outcome<core::StalenessLimits> lease_staleness(
+    const LeaseRequest& request, const core::StalenessLimits& scene,
+    std::optional<core::Duration> fresh_bound);
+
+}  // namespace haptic::server

@@ -28,8 +28,8 @@ enum class DeviceState : std::uint8_t {
 
 [[nodiscard]] std::string_view name(DeviceState state) noexcept;  ///< "ENGAGED", ...
 
-/// What a tick knows when it asks for the next state. Several may hold at once; the order in which
-/// they win is the order of the fields.
+/// What a tick knows when it asks for the next state. Several may hold at once: a fault wins over
+/// everything, the end of force (closing, release, lease) over its loss, loss over progress.
 struct StateEvents {
   bool fault{false};          ///< any fault is latched
   bool closing{false};        ///< SIGTERM was received
@@ -55,6 +55,7 @@ class DeviceStateMachine {
  private:
   DeviceState state_{DeviceState::kInit};
   bool lost_now_{false};
+  bool lease_held_{false};
 };
 
 /// g and its rates: up at most dt/200 ms, down at most dt/(fade_end - hold_end), never above the

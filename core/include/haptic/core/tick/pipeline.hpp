@@ -3,9 +3,9 @@
 /// core's parts are put together. It owns every temporary, and the device's state and gain.
 
 #include <memory>
-#include <optional>
 
 #include "haptic/core/model/kinematics.hpp"
+#include "haptic/core/safety/late_bucket.hpp"
 #include "haptic/core/tick/tick_input.hpp"
 #include "haptic/core/tick/tick_record.hpp"
 
@@ -30,6 +30,7 @@ struct PipelineConfig {
   DeviceLimits device{};
   RenderSettings scene{};               ///< the widest settings; a session's are held within these
   Duration loop_late_fault{std::chrono::milliseconds(20)};
+  int late_bucket_full{LateBucket::kFull};
 };
 
 class Pipeline {

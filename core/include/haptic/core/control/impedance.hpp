@@ -1,0 +1,41 @@
+#pragma once
+/// The rendering impedance Z_q = {K, B} on the actuated DoFs: tau_a = K S(q* - q) - B q_a_dot
+/// (paper Eq. (6), (7); damping is ours, on top, and only dissipates).
+
+#include "haptic/core/time.hpp"
+#include "haptic/core/types.hpp"
+
+namespace haptic::core {
+
+/// Rate of the actuated DoFs from the device's own time stamps: the difference of the two newest
+/// samples. No filter: a filter's lag turns damping into activity.
+class Rate {
+ public:
+  explicit Rate(int n_a) : value_(VecA::Zero(n_a)) {}
+  /// A new sample of q_a measured at `time`. Samples more than `longest` apart, or not in order, give rate 0.
+  void update(const VecA& q_a, TimePoint time, Duration longest) noexcept;
+  /// Samples stopped coming: the rate is not known, and taken as 0.
+  void forget() noexcept;
+  [[nodiscard]] const VecA& value() const noexcept { return value_; }
+
+ private:
+  VecA value_;
+  VecA last_{};
+  TimePoint last_time_{};
+  bool has_last_{false};
+};
+
+/// The weight g_d of the damping: ramps to 1 in 200 ms, to 0 in 80 ms, so that it never steps.
+class DampingGain {
+ public:
+  static constexpr Duration kRise{std::chrono::milliseconds(200)};
+  static constexpr Duration kFall{std::chrono::milliseconds(80)};
+  double step(bool wanted, Duration dt) noexcept;
+  void zero() noexcept { value_ = 0.0; }
+  [[nodiscard]] double value() const noexcept { return value_; }
+
+ private:
+  double value_{0.0};
+};
+
+}  // namespace haptic::core

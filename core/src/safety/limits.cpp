@@ -1,0 +1,51 @@
+#include "haptic/core/safety/limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic::core {
+
+bool all_finite(const VecQ& v) noexcept {
+  for (Eigen::Index i = 0; i < v.size(); ++i) {
+    if (!std::isfinite(v[i])) return false;
+  }
+  return true;
+}
+
+bool all_finite_x(const VecX& v) noexcept {
+  for (Eigen::Index i = 0; i < v.size(); ++i) {
+    if (!std::isfinite(v[i])) return false;
+  }
+  return true;
+}
+
+bool within(const VecQ& v, const VecQ& lower, const VecQ& upper) noexcept {
+  for (Eigen::Index i = 0; i < v.size(); ++i) {
+    if (!(v[i] >= lower[i] && v[i] <= upper[i])) return false;
+  }
+  return true;
+}
+
+LimitedForce ForceLimiter::step(double elastic, double damping, double gain, double force_limit,
+                                double slew, Duration dt, LimiterSet& active) noexcept {
+  const double step = slew * seconds(dt);
+  LimitedForce out;
+
+  const double damping_held = std::clamp(damping, -force_limit, force_limit);
+  out.damping = std::clamp(damping_held, previous_.damping - step, previous_.damping + step);
+
+  const double wanted = elastic + out.damping;
+  const double saturated = std::clamp(wanted, -force_limit, force_limit);
+  if (saturated != wanted || damping_held != damping) active.set(Limiter::kSaturation);
+
+  const double slewed = std::clamp(saturated, previous_.total - step, previous_.total + step);
+  if (slewed != saturated || out.damping != damping_held) active.set(Limiter::kSlew);
+
+  const double room = gain * force_limit;
+  out.total = std::clamp(slewed, out.damping - room, out.damping + room);
+  if (out.total != slewed) active.set(Limiter::kEnvelope);
+
+  return previous_ = out;
+}
+
+}  // namespace haptic::core

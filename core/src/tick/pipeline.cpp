@@ -1,0 +1,70 @@
+#include "haptic/core/tick/pipeline.hpp"
+
+#include <cmath>
+#include <string>
+
+#include "haptic/core/error.hpp"
+#include "stages.hpp"
+
+namespace haptic::core {
+
+namespace {
+
+void require(bool holds, const std::string& what) {
+  if (!holds) throw SceneError(what);
+}
+
+void require_entries(const VecA& values, int n_a, const char* name, double lowest) {
+  require(values.size() == n_a, std::string(name) + " has " + std::to_string(values.size()) +
+                                    " values: must have one per actuated DoF, " +
+                                    std::to_string(n_a));
+  for (int i = 0; i < n_a; ++i) {
+    require(std::isfinite(values[i]) && values[i] >= lowest,
+            std::string(name) + "[" + std::to_string(i) + "] = " + std::to_string(values[i]) +
+                ": must be finite and >= " + std::to_string(lowest));
+  }
+}
+
+PipelineConfig checked(PipelineConfig config) {
+  require(config.kinematics != nullptr, "kinematics: must be given");
+  const int n_q = config.kinematics->layout().n_q();
+  const int n_a = config.kinematics->layout().n_a();
+  const DeviceLimits& device = config.device;
+  require(device.q_lower.size() == n_q && device.q_upper.size() == n_q,
+          "device range: must have one pair per DoF, " + std::to_string(n_q));
+  require(device.sample_period > Duration::zero(), "device.sample_period: must be > 0");
+  require(device.max_silence >= device.sample_period,
+          "device.max_silence: must be >= its sample_period");
+  require_entries(device.max_effort, n_a, "device.max_effort", 0.0);
+
+  const RenderSettings& scene = config.scene;
+  require_entries(scene.stiffness, n_a, "stiffness", 0.0);
+  require_entries(scene.damping, n_a, "damping", 0.0);
+  require_entries(scene.force_limit, n_a, "force_limit", 0.0);
+  require_entries(scene.slew_limit, n_a, "slew_limit", 0.0);
+  require_entries(scene.engage_window, n_a, "engage_window", 0.0);
+  for (int i = 0; i < n_a; ++i) {
+    require(scene.force_limit[i] <= device.max_effort[i],
+            "force_limit[" + std::to_string(i) + "] = " + std::to_string(scene.force_limit[i]) +
+                ": the device allows at most " + std::to_string(device.max_effort[i]));
+  }
+  const char* wrong = check(scene.staleness);
+  require(wrong == nullptr, std::string("staleness: ") + (wrong != nullptr ? wrong : ""));
+  require(config.loop_late_fault > Duration::zero(), "loop_late_fault: must be > 0");
+  require(config.late_bucket_full > 0, "late_bucket_full: must be > 0");
+  return config;
+}
+
+}  // namespace
+
+Pipeline::Pipeline(PipelineConfig config)
+    : stages_(std::make_unique<Stages>(checked(std::move(config)))) {}
+Pipeline::~Pipeline() = default;
+Pipeline::Pipeline(Pipeline&&) noexcept = default;
+Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
+
+TickRecord Pipeline::tick(const TickInput& input) noexcept { return stages_->tick(input); }
+
+const PipelineConfig& Pipeline::config() const noexcept { return stages_->config(); }
+
+}  // namespace haptic::core

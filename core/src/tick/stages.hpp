@@ -1,0 +1,92 @@
+#pragma once
+/// The stages of one tick, in reading order, with every temporary as a member. Private to the
+/// pipeline.
+
+#include "haptic/core/control/impedance.hpp"
+#include "haptic/core/projection/direction_guard.hpp"
+#include "haptic/core/projection/local_proxy.hpp"
+#include "haptic/core/projection/renderer.hpp"
+#include "haptic/core/safety/device_state.hpp"
+#include "haptic/core/safety/late_bucket.hpp"
+#include "haptic/core/safety/limits.hpp"
+#include "haptic/core/tick/pipeline.hpp"
+
+namespace haptic::core {
+
+class Pipeline::Stages {
+ public:
+  explicit Stages(PipelineConfig config);
+
+  [[nodiscard]] TickRecord tick(const TickInput& input) noexcept;
+  [[nodiscard]] const PipelineConfig& config() const noexcept { return config_; }
+
+ private:
+  /// dt, and what the loop says of itself.
+  void begin(const TickInput& input, TickRecord& record) noexcept;
+  /// A session's settings, held within the scene's.
+  void settings(const RenderSettings& wanted) noexcept;
+  /// Step 3: the newest sample in q, or the fault that it is.
+  void device(const TickInput& input, TickRecord& record) noexcept;
+  /// Step 4, first half: age of the proxy, level and ladder.
+  void proxy(const TickInput& input, TickRecord& record) noexcept;
+  /// Steps 5-7: kinematics, proxy at `now`, subspace proxy.
+  void projection(TickRecord& record) noexcept;
+  void keep_last_anchor(TickRecord& record) noexcept;
+  /// Requests of people: stop, clear, release, engage.
+  void requests(const TickInput& input, TickRecord& record) noexcept;
+  [[nodiscard]] EngageAnswer judge_engage(const TickInput& input, const TickRecord& record) noexcept;
+  /// Step 4, second half: the state and its gain.
+  void state(const TickInput& input, TickRecord& record) noexcept;
+  /// Steps 8-10: force, and its limits.
+  void force(TickRecord& record) noexcept;
+
+  [[nodiscard]] bool device_sample_is_recent(TimePoint now) const noexcept;
+  [[nodiscard]] bool silent_too_long(TimePoint now) const noexcept;
+
+  PipelineConfig config_;
+  const Kinematics& kinematics_;
+  const DofLayout layout_;
+
+  RenderSettings settings_;
+  Renderer renderer_;
+  DirectionGuard guard_;
+  LocalProxy local_proxy_;
+  DeviceStateMachine machine_;
+  Gain gain_;
+  DampingGain damping_gain_;
+  Rate rate_;
+  LateBucket late_bucket_;
+  ForceLimiter limiters_[kMaxQ];
+
+  std::uint64_t ticks_{0};
+  TimePoint last_now_{};
+  FaultSet latched_{};
+  FaultSet causes_{};            ///< faults whose cause is present in this tick
+  bool ready_{false};            ///< a good sample was seen
+  TimePoint last_sample_now_{};  ///< tick at which the newest good sample came
+  double ladder_{0.0};
+  bool has_proxy_{false};
+  std::uint32_t last_epoch_{0};
+  /// An Engage was accepted and neither Release, end of lease nor a fault has ended what it allowed:
+  /// damping stays on after the elastic force was lost (WIRE 4, level "lost").
+  bool force_granted_{false};
+  bool released_{false};
+  bool engage_accepted_{false};
+
+  EngageAnswer engage_{};
+  ClearAnswer clear_{};
+  std::uint64_t release_id_{0};
+  std::uint64_t stop_id_{0};
+
+  VecQ q_{};
+  VecX x_probe_{};
+  MatXQ J_{};
+  VecX dx_{};
+  VecA dq_a_{};                  ///< S (q* - q)
+  Projection projection_{};
+  bool map_ok_{false};
+  bool has_anchor_{false};       ///< projection_.q_star is of the proxy in use
+  bool project_anew_{true};      ///< the proxy changed since the renderer last saw it
+};
+
+}  // namespace haptic::core

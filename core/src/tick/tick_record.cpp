@@ -1,0 +1,72 @@
+#include "haptic/core/tick/tick_record.hpp"
+
+#include <cstring>
+
+namespace haptic::core {
+
+namespace {
+
+bool same(double a, double b) noexcept { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+template <typename Vector>
+bool same_bits(const Vector& a, const Vector& b) noexcept {
+  return a.size() == b.size() &&
+         std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
+}
+
+bool identical(const DeviceReading& a, const DeviceReading& b) noexcept {
+  return a.fresh == b.fresh && a.armed == b.armed && a.health == b.health &&
+         a.sample.seq == b.sample.seq && a.sample.time == b.sample.time &&
+         same_bits(a.sample.q, b.sample.q) &&
+         same_bits(a.sample.tau_measured, b.sample.tau_measured);
+}
+
+bool identical(const ProxySnapshot& a, const ProxySnapshot& b) noexcept {
+  return a.mode == b.mode && a.epoch == b.epoch && a.seq == b.seq && a.born == b.born &&
+         a.valid_for == b.valid_for && same_bits(a.x, b.x) && a.gapless_since == b.gapless_since &&
+         a.gapless_samples == b.gapless_samples;
+}
+
+bool identical(const CommandSnapshot& a, const CommandSnapshot& b) noexcept {
+  return a.lease_epoch == b.lease_epoch && a.lease_held == b.lease_held &&
+         a.engage_id == b.engage_id && a.release_id == b.release_id && a.stop_id == b.stop_id &&
+         a.clear_id == b.clear_id && a.clear == b.clear && a.closing == b.closing;
+}
+
+bool identical(const RenderSettings& a, const RenderSettings& b) noexcept {
+  return a.id == b.id && a.renderer == b.renderer && a.direction_guard == b.direction_guard &&
+         same_bits(a.stiffness, b.stiffness) && same_bits(a.damping, b.damping) &&
+         same_bits(a.force_limit, b.force_limit) && same_bits(a.slew_limit, b.slew_limit) &&
+         same_bits(a.engage_window, b.engage_window) && a.staleness == b.staleness;
+}
+
+bool identical(const TickInput& a, const TickInput& b) noexcept {
+  return a.now == b.now && a.period == b.period && a.loop.lateness == b.loop.lateness &&
+         a.loop.skipped == b.loop.skipped && identical(a.device, b.device) &&
+         identical(a.proxy, b.proxy) && identical(a.command, b.command) &&
+         identical(a.settings, b.settings);
+}
+
+bool identical(const EngageAnswer& a, const EngageAnswer& b) noexcept {
+  return a.id == b.id && a.verdict == b.verdict && a.index == b.index && same(a.value, b.value) &&
+         same(a.limit, b.limit);
+}
+
+}  // namespace
+
+bool identical(const TickRecord& a, const TickRecord& b) noexcept {
+  return identical(a.input, b.input) && a.tick == b.tick && a.dt == b.dt && a.state == b.state &&
+         a.lost == b.lost && a.faults == b.faults && a.limiters == b.limiters && a.arm == b.arm &&
+         identical(a.engage, b.engage) && a.release_id == b.release_id && a.stop_id == b.stop_id &&
+         a.clear.id == b.clear.id && a.clear.refused == b.clear.refused &&
+         a.settings_id == b.settings_id && a.staleness == b.staleness &&
+         a.proxy_age == b.proxy_age && same(a.gain, b.gain) &&
+         same(a.damping_gain, b.damping_gain) && same_bits(a.q, b.q) &&
+         same_bits(a.q_a_dot, b.q_a_dot) && same_bits(a.x_probe, b.x_probe) &&
+         same_bits(a.x, b.x) && same_bits(a.q_star, b.q_star) && a.projection == b.projection &&
+         same(a.residual, b.residual) && same(a.condition, b.condition) &&
+         same_bits(a.tau_elastic, b.tau_elastic) && same_bits(a.tau_damping, b.tau_damping) &&
+         same_bits(a.tau_a, b.tau_a);
+}
+
+}  // namespace haptic::core

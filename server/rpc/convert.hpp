@@ -1,0 +1,32 @@
+#pragma once
+/// core and server values <-> messages of haptic.v1 (private to server/rpc). No gRPC.
+
+#include <string>
+
+#include "haptic/core/tick/tick_record.hpp"
+#include "haptic/v1/haptic_service.pb.h"
+#include "haptic/v1/session.pb.h"
+#include "server/ingress/ingress.hpp"
+#include "server/rpc/server_facts.hpp"
+#include "server/session/device_event.hpp"
+#include "server/session/device_sessions.hpp"
+#include "server/session/settings_policy.hpp"
+
+namespace haptic::server {
+
+/// Overwrites every field of `state`; keeps its memory.
+void to_proto(const core::TickRecord& record, v1::DeviceState& state);
+[[nodiscard]] v1::Event to_proto(const DeviceEvent& event);
+[[nodiscard]] v1::UpdateSettingsResponse to_proto(const SettingsAnswer& answer);
+[[nodiscard]] v1::GetServerInfoResponse to_proto(const ServerFacts& facts);
+[[nodiscard]] v1::Device describe(const DeviceSessions& device, core::Duration period);
+void set(google::protobuf::Duration& message, core::Duration duration);
+
+/// Points into `sample`, which must outlive the candidate.
+[[nodiscard]] ProxyCandidate from_proto(const v1::ProxySample& sample, std::uint32_t epoch);
+[[nodiscard]] LeaseRequest from_proto(const v1::OpenSession& open, std::string session_id,
+                                      std::string client_name);
+/// Refuses a renderer that the protocol does not know.
+[[nodiscard]] Outcome<SettingsRequest> from_proto(const v1::UpdateSettingsRequest& request);
+
+}  // namespace haptic::server

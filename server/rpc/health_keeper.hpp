@@ -1,0 +1,45 @@
+#pragma once
+/// Keeps the standard health service true: overall "" and one entry per device (private to
+/// server/rpc).
+
+#include <grpcpp/alarm.h>
+#include <grpcpp/health_check_service_interface.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "server/session/device_sessions.hpp"
+
+namespace haptic::server {
+
+/// SERVING while the device is open and the loop on time: a record within kSilence, a state other
+/// than INIT and CLOSING, and no fault of the device's link or of the loop. Looks by itself four
+/// times a second, so that a loop that has stopped is noticed too.
+class HealthKeeper {
+ public:
+  static constexpr std::chrono::milliseconds kEvery{250};
+  static constexpr std::chrono::milliseconds kSilence{500};
+
+  HealthKeeper(grpc::HealthCheckServiceInterface& health, std::vector<DeviceSessions*> devices);
+  /// Waits for the last look; everything is NOT_SERVING then.
+  ~HealthKeeper();
+  HealthKeeper(const HealthKeeper&) = delete;
+  HealthKeeper& operator=(const HealthKeeper&) = delete;
+
+ private:
+  void look();
+  void set_alarm();
+
+  grpc::HealthCheckServiceInterface& health_;
+  const std::vector<DeviceSessions*> devices_;
+  std::mutex mutex_;
+  std::condition_variable idle_;
+  bool stopping_{false};
+  bool waiting_{false};
+  std::unique_ptr<grpc::Alarm> alarm_;
+};
+
+}  // namespace haptic::server

@@ -1,0 +1,90 @@
+#include "server/rpc/listen_address.hpp"
+
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "haptic/core/error.hpp"
+
+namespace haptic::server {
+namespace {
+
+constexpr char kUnix[] = "unix:";
+
+bool is_unix(const std::string& address) {
+  return address.rfind(kUnix, 0) == 0;
+}
+
+bool is_loopback(const std::string& host) {
+  return host == "localhost" || host == "[::1]" || host.rfind("127.", 0) == 0;
+}
+
+[[noreturn]] void refuse(const std::string& address, const std::string& why) {
+  throw core::TransportError("listen address '" + address + "': " + why);
+}
+
+/// Somebody accepts connections there.
+bool answers(const sockaddr_un& socket_address) {
+  const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) return false;
+  const bool connected =
+      ::connect(fd, reinterpret_cast<const sockaddr*>(&socket_address), sizeof socket_address) == 0;
+  ::close(fd);
+  return connected;
+}
+
+void check_unix(const std::string& address) {
+  std::string path = address.substr(sizeof kUnix - 1);
+  if (path.rfind("//", 0) == 0)
+    path.erase(0, 2);  // "unix:///path", the same with a scheme's slashes
+  sockaddr_un socket_address{};
+  socket_address.sun_family = AF_UNIX;
+  if (path.empty() || path.front() != '/') refuse(address, "must be unix:/absolute/path");
+  if (path.size() >= sizeof socket_address.sun_path) {
+    refuse(address, "the path has " + std::to_string(path.size()) + " bytes: at most " +
+                        std::to_string(sizeof socket_address.sun_path - 1) + " are allowed");
+  }
+  std::memcpy(socket_address.sun_path, path.c_str(), path.size() + 1);
+  struct stat existing {};
+  if (::stat(path.c_str(), &existing) != 0) return;
+  if (!S_ISSOCK(existing.st_mode)) refuse(address, "the path exists and is no socket");
+  if (answers(socket_address)) refuse(address, "in use by another process");
+}
+
+void check_tcp(const std::string& address) {
+  const std::size_t colon = address.rfind(':');
+  if (colon == std::string::npos || colon == 0) {
+    refuse(address, "must be host:port or unix:/path");
+  }
+  const std::string host = address.substr(0, colon);
+  const std::string port = address.substr(colon + 1);
+  const bool digits =
+      !port.empty() && port.size() <= 5 &&
+      std::all_of(port.begin(), port.end(), [](char c) { return c >= '0' && c <= '9'; });
+  if (!digits || std::stoi(port) > 65535) {
+    refuse(address, "port '" + port + "': must be 0..65535");
+  }
+  if (!is_loopback(host)) {
+    refuse(address,
+           "host '" + host +
+               "' is not loopback: without TLS only 127.0.0.0/8, [::1], localhost and unix:/path "
+               "are served");
+  }
+}
+
+}  // namespace
+
+void check_listen_address(const std::string& address) {
+  is_unix(address) ? check_unix(address) : check_tcp(address);
+}
+
+std::string with_port(const std::string& address, int port) {
+  if (is_unix(address)) return address;
+  return address.substr(0, address.rfind(':') + 1) + std::to_string(port);
+}
+
+}  // namespace haptic::server

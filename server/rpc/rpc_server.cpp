@@ -1,0 +1,116 @@
+#include "server/rpc/rpc_server.hpp"
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "haptic/core/error.hpp"
+#include "server/rpc/haptic_service_impl.hpp"
+#include "server/rpc/health_keeper.hpp"
+#include "server/rpc/listen_address.hpp"
+
+namespace haptic::server {
+namespace {
+
+/// The largest message of the protocol, 72 coordinates and their velocities, has 1.3 KB.
+constexpr int kLargestMessage = 64 * 1024;
+
+void set_limits(grpc::ServerBuilder& builder, unsigned max_sessions) {
+  builder.SetMaxReceiveMessageSize(kLargestMessage);
+  // Otherwise the kernel would let a second server share the port, and every other client.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
+                             static_cast<int>(2 * max_sessions + 64));
+  // A connection whose far end is gone without a word is given back within 15 s. Force does not
+  // wait for that: liveness is the data (WIRE 4).
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5'000);
+}
+
+}  // namespace
+
+class RpcServer::Impl {
+ public:
+  Impl(RpcConfig config, std::vector<DeviceSessions*> devices, Telemetry& telemetry,
+       FactsProvider facts)
+      : context_(std::move(config), std::move(devices), telemetry, std::move(facts)),
+        service_(context_) {}
+
+  void start() {
+    const std::vector<std::string>& addresses = context_.config.listen;
+    if (addresses.empty()) throw core::TransportError("no listen address");
+    for (const std::string& address : addresses) check_listen_address(address);
+
+    grpc::EnableDefaultHealthCheckService(true);
+    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+    grpc::ServerBuilder builder;
+    set_limits(builder, context_.config.max_sessions);
+    std::vector<int> ports(addresses.size(), 0);
+    for (std::size_t i = 0; i < addresses.size(); ++i) {
+      builder.AddListeningPort(addresses[i], grpc::InsecureServerCredentials(), &ports[i]);
+    }
+    builder.RegisterService(&service_);
+    server_ = builder.BuildAndStart();
+    for (std::size_t i = 0; i < addresses.size(); ++i) {
+      if (ports[i] != 0) continue;
+      if (server_) server_->Shutdown();
+      server_.reset();
+      throw core::TransportError("listen address '" + addresses[i] +
+                                 "': cannot be bound (in use, or not an address of this host)");
+    }
+    if (!server_) throw core::TransportError("the gRPC server did not start");
+    for (std::size_t i = 0; i < addresses.size(); ++i) {
+      bound_.push_back(with_port(addresses[i], ports[i]));
+      spdlog::info("serving haptic.v1 on {} (no TLS: this host only)", bound_.back());
+    }
+    health_ = std::make_unique<HealthKeeper>(*server_->GetHealthCheckService(), context_.devices);
+  }
+
+  void shutdown(core::Duration grace) {
+    if (!server_) return;
+    health_.reset();
+    context_.streams.close_all();
+    server_->Shutdown(std::chrono::system_clock::now() +
+                      std::chrono::duration_cast<std::chrono::system_clock::duration>(grace));
+    server_.reset();
+    context_.streams.wait_until_gone();
+    bound_.clear();
+  }
+
+  [[nodiscard]] std::vector<std::string> bound() const { return bound_; }
+
+ private:
+  ServiceContext context_;
+  HapticServiceImpl service_;
+  std::unique_ptr<grpc::Server> server_;
+  std::unique_ptr<HealthKeeper> health_;
+  std::vector<std::string> bound_;
+};
+
+RpcServer::RpcServer(RpcConfig config, std::vector<DeviceSessions*> devices, Telemetry& telemetry,
+                     FactsProvider facts)
+    : impl_(std::make_unique<Impl>(std::move(config), std::move(devices), telemetry,
+                                   std::move(facts))) {}
+
+RpcServer::~RpcServer() {
+  impl_->shutdown(std::chrono::seconds(1));
+}
+
+void RpcServer::start() {
+  impl_->start();
+}
+
+std::vector<std::string> RpcServer::bound_addresses() const {
+  return impl_->bound();
+}
+
+void RpcServer::shutdown(core::Duration grace) {
+  impl_->shutdown(grace);
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,43 @@
+#include "server/rpc/sample_ledger.hpp"
+
+namespace haptic::server {
+
+void SampleLedger::book(std::uint64_t seq, IngressVerdict verdict, std::string why) {
+  changed_ = true;
+  switch (verdict) {
+    case IngressVerdict::kAccepted:
+    case IngressVerdict::kBacklog:
+      ack_.set_newest_seq(seq);
+      ack_.set_accepted(ack_.accepted() + 1);
+      if (verdict == IngressVerdict::kBacklog) {
+        ack_.set_conflated_backlog(ack_.conflated_backlog() + 1);
+      }
+      return;
+    case IngressVerdict::kOldSequence:
+    case IngressVerdict::kOldEpoch:
+      ack_.set_rejected_old(ack_.rejected_old() + 1);
+      break;
+    case IngressVerdict::kWrongSize:
+    case IngressVerdict::kNotFinite:
+    case IngressVerdict::kOutOfBounds:
+    case IngressVerdict::kUnknownMode:
+      ack_.set_rejected_invalid(ack_.rejected_invalid() + 1);
+      break;
+  }
+  rejected_ = true;
+  ack_.set_last_rejection(std::move(why));
+}
+
+void SampleLedger::look(core::TimePoint now) noexcept {
+  now_ = now;
+  const core::Duration since = now - told_;
+  due_ = due_ || (changed_ && since >= kEvery) || (rejected_ && since >= kEveryRejected);
+}
+
+const v1::SampleAck& SampleLedger::tell() noexcept {
+  changed_ = rejected_ = due_ = false;
+  told_ = now_;
+  return ack_;
+}
+
+}  // namespace haptic::server

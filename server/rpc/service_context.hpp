@@ -1,0 +1,74 @@
+#pragma once
+/// What the calls of the service share (private to server/rpc).
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "server/rpc/broadcaster.hpp"
+#include "server/rpc/rpc_server.hpp"
+#include "server/rpc/session_registry.hpp"
+
+namespace haptic::server {
+
+class OpenStream;
+
+/// The streams that gRPC, or an answer on its way, still holds: so that shutdown can end them and
+/// wait for the last.
+class OpenStreams {
+ public:
+  void add(const std::shared_ptr<OpenStream>& stream);
+  /// From now on streams that are added are closed at once.
+  void close_all();
+  /// Until every stream was destroyed.
+  void wait_until_gone();
+
+ private:
+  friend class OpenStream;
+  std::mutex mutex_;
+  std::condition_variable gone_;
+  bool closing_{false};
+  std::size_t alive_{0};
+  std::vector<std::weak_ptr<OpenStream>> streams_;
+};
+
+/// A stream as the server's shutdown sees it.
+class OpenStream {
+ public:
+  explicit OpenStream(OpenStreams& streams);
+  virtual ~OpenStream();
+  OpenStream(const OpenStream&) = delete;
+  OpenStream& operator=(const OpenStream&) = delete;
+  /// Ends the stream with UNAVAILABLE; any thread, idempotent.
+  virtual void server_closes() = 0;
+
+ private:
+  OpenStreams& streams_;
+};
+
+struct ServiceContext {
+  ServiceContext(RpcConfig rpc_config, std::vector<DeviceSessions*> device_sessions,
+                 Telemetry& telemetry, FactsProvider facts_provider);
+
+  struct Target {
+    DeviceSessions* device{nullptr};
+    Broadcaster* broadcaster{nullptr};
+  };
+  /// A device by name; empty: the only one. Refused: NO_SUCH_DEVICE, or empty with several devices.
+  [[nodiscard]] Outcome<Target> device(const std::string& name) const;
+  [[nodiscard]] double loop_hz() const { return 1.0 / core::seconds(config.period); }
+  /// `rate_hz` as a stream may ask for it: 0, or 1 up to the loop's.
+  [[nodiscard]] std::optional<Refusal> check_rate(const char* field, double rate_hz) const;
+
+  const RpcConfig config;
+  const std::vector<DeviceSessions*> devices;
+  const FactsProvider facts;
+  SessionRegistry registry;
+  OpenStreams streams;
+  WatchBudget budget;
+  std::vector<std::unique_ptr<Broadcaster>> broadcasters;
+};
+
+}  // namespace haptic::server

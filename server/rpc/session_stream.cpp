@@ -1,0 +1,262 @@
+#include "server/rpc/session_stream.hpp"
+
+#include <grpcpp/impl/codegen/proto_utils.h>
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "server/rpc/convert.hpp"
+#include "server/rpc/status.hpp"
+#include "server/rpc/steady_now.hpp"
+
+namespace haptic::server {
+namespace {
+
+constexpr std::size_t kLongestClientName = 64;
+
+Refusal protocol_error(const std::string& message) {
+  return {Refusal::Code::kInvalid, "PROTOCOL", message, "message"};
+}
+
+}  // namespace
+
+SessionStream* SessionStream::begin(ServiceContext& context) {
+  auto stream = std::make_shared<SessionStream>(context);
+  stream->self_ = stream;
+  stream->StartRead(&stream->incoming_);
+  context.streams.add(stream);
+  return stream.get();
+}
+
+void SessionStream::OnReadDone(bool ok) {
+  const core::TimePoint arrival = steady_now();
+  if (!ok) return end(grpc::Status::OK);  // half-closed, or cancelled: then the status goes nowhere
+  if (!grpc::SerializationTraits<v1::SessionRequest>::Deserialize(&incoming_, &request_).ok()) {
+    return end(to_status(protocol_error("not a SessionRequest")));
+  }
+  const bool first = std::exchange(first_message_, false);
+  if (first != request_.has_open()) {
+    return end(to_status(protocol_error(first ? "the first message must be OpenSession"
+                                              : "OpenSession must be the first message only")));
+  }
+  if (request_.has_open()) {
+    open(request_.open());
+  } else if (request_.has_proxy()) {
+    take_sample(request_.proxy(), arrival);
+  } else {
+    return end(to_status(protocol_error("must carry a ProxySample")));
+  }
+  read_next();
+}
+
+void SessionStream::read_next() {
+  const std::lock_guard lock(mutex_);
+  if (!ended_) StartRead(&incoming_);
+}
+
+void SessionStream::open(const v1::OpenSession& request) {
+  const auto refuse = [&](const Refusal& refusal) { end(to_status(refusal)); };
+  const auto target = context_.device(request.device());
+  if (!target) return refuse(target.refusal);
+  if (request.role() != v1::ROLE_CONTROLLER && request.role() != v1::ROLE_OBSERVER) {
+    return refuse(invalid_field("role", "must be CONTROLLER or OBSERVER"));
+  }
+  if (request.client_name().empty() || request.client_name().size() > kLongestClientName) {
+    return refuse(invalid_field(
+        "client_name",
+        "has " + std::to_string(request.client_name().size()) + " characters: must have 1..64"));
+  }
+  if (auto wrong = context_.check_rate("state_rate_hz", request.state_rate_hz())) {
+    return refuse(*wrong);
+  }
+  auto id = context_.registry.admit(SessionRegistry::Kind::kSession, *target.value->device);
+  if (!id) return refuse(id.refusal);
+  auto events = target.value->device->subscribe(*id.value);
+  bool ended = false;
+  {
+    const std::lock_guard lock(mutex_);
+    target_ = *target.value;
+    id_ = *id.value;
+    client_name_ = sanitised(request.client_name(), kLongestClientName);
+    events_ = std::move(events);
+    pace_ = Pace(context_.loop_hz(), request.state_rate_hz());
+    ended = ended_;
+  }
+  if (!ended && request.role() == v1::ROLE_OBSERVER) {
+    Lease scenes;
+    scenes.staleness = target_.device->unit().config().scene.staleness;
+    opened(v1::ROLE_OBSERVER, scenes);
+  } else if (!ended) {
+    open_as_controller(request);
+  }
+  // A cancel that came in between found nothing to give up yet.
+  {
+    const std::lock_guard lock(mutex_);
+    ended = ended_;
+  }
+  if (ended) give_up_what_is_held();
+}
+
+void SessionStream::open_as_controller(const v1::OpenSession& request) {
+  target_.device->open_controller(from_proto(request, id_, client_name_), steady_now(),
+                                  [weak = weak_from_this()](const Outcome<Lease>& outcome) {
+                                    const auto stream = weak.lock();
+                                    if (!stream) return;
+                                    if (!outcome) return stream->end(to_status(outcome.refusal));
+                                    stream->granted(*outcome.value);
+                                  });
+}
+
+void SessionStream::granted(const Lease& lease) {
+  {
+    const std::lock_guard lock(mutex_);
+    epoch_ = lease.epoch;
+  }
+  opened(v1::ROLE_CONTROLLER, lease);
+}
+
+void SessionStream::opened(v1::Role role, const Lease& lease) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (ended_) return;
+    v1::SessionOpened& message = *greeting_.mutable_opened();
+    message.set_device(target_.device->name());
+    message.set_role(role);
+    message.set_lease_epoch(lease.epoch);
+    set(*message.mutable_lease_timeout(), target_.device->lease_timeout());
+    set(*message.mutable_fresh_end(), lease.staleness.fresh_end);
+    set(*message.mutable_hold_end(), lease.staleness.hold_end);
+    set(*message.mutable_fade_end(), lease.staleness.fade_end);
+    message.set_transport(v1::TRANSPORT_GRPC);
+    message.set_session_id(id_);
+    greeting_due_ = true;
+    opened_ = true;
+    flush();
+  }
+  const bool controls = role == v1::ROLE_CONTROLLER;
+  target_.broadcaster->add(controls ? Broadcaster::Rank::kController : Broadcaster::Rank::kOther,
+                           shared_from_this());
+  spdlog::info("session '{}' opened on '{}' as {}", client_name_, target_.device->name(),
+               controls ? "controller" : "observer");
+  bool ended = false;
+  {
+    const std::lock_guard lock(mutex_);
+    ended = ended_;
+  }
+  if (ended) target_.broadcaster->remove(this);
+}
+
+void SessionStream::take_sample(const v1::ProxySample& sample, core::TimePoint arrival) {
+  std::uint32_t epoch = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    epoch = epoch_;
+  }
+  std::string why;
+  IngressVerdict verdict = IngressVerdict::kOldEpoch;
+  if (epoch == 0) {
+    why = "this session does not hold the lease: its samples are not used";
+  } else {
+    verdict = target_.device->ingress().accept(from_proto(sample, epoch), arrival, &why);
+  }
+  const std::lock_guard lock(mutex_);
+  ledger_.book(sample.seq(), verdict, std::move(why));
+}
+
+bool SessionStream::offer(const core::TickRecord& record, StateFrame& frame, bool states_allowed) {
+  const std::lock_guard lock(mutex_);
+  if (ended_ || !opened_) return false;
+  ledger_.look(record.input.now);
+  if (writing_) return false;
+  // The greeting is the first word of a session, whatever else is waiting.
+  if (!greeting_due_ && states_allowed && pace_.due(record.tick)) {
+    pace_.sent(record.tick);
+    write(frame.for_session());
+    return true;
+  }
+  flush();
+  return false;
+}
+
+void SessionStream::flush() {
+  if (writing_ || ended_) return;
+  if (greeting_due_) {
+    greeting_due_ = false;
+    return write(to_buffer(greeting_));
+  }
+  if (!opened_) return;
+  if (auto event = events_->pop()) {
+    v1::SessionResponse response;
+    *response.mutable_event() = to_proto(*event);
+    return write(to_buffer(response));
+  }
+  if (ledger_.due()) {
+    v1::SessionResponse response;
+    *response.mutable_ack() = ledger_.tell();
+    write(to_buffer(response));
+  }
+}
+
+void SessionStream::write(grpc::ByteBuffer buffer) {
+  writing_ = true;
+  outgoing_.Swap(&buffer);
+  StartWrite(&outgoing_);
+}
+
+void SessionStream::OnWriteDone(bool ok) {
+  bool finish = false;
+  {
+    const std::lock_guard lock(mutex_);
+    writing_ = false;
+    finish = ended_;
+    if (ok) flush();
+  }
+  if (finish) {
+    Finish(final_status_);
+  } else if (!ok) {
+    end(grpc::Status::CANCELLED);
+  }
+}
+
+void SessionStream::OnCancel() {
+  end(grpc::Status::CANCELLED);
+}
+
+void SessionStream::server_closes() {
+  end(to_status({Refusal::Code::kUnavailable, "CLOSING", "the server is shutting down", {}}));
+}
+
+void SessionStream::end(const grpc::Status& status) {
+  const auto keep = shared_from_this();  // Finish may be followed by OnDone before it returns here
+  bool finish = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (ended_) return;
+    ended_ = true;
+    final_status_ = status;
+    finish = !writing_;  // else the write's own completion finishes
+  }
+  give_up_what_is_held();
+  if (finish) Finish(status);
+}
+
+void SessionStream::give_up_what_is_held() {
+  ServiceContext::Target target;
+  std::string id;
+  {
+    const std::lock_guard lock(mutex_);
+    target = target_;
+    id = id_;
+  }
+  if (target.device == nullptr) return;
+  target.device->close(id);
+  target.broadcaster->remove(this);
+  context_.registry.remove(id);
+}
+
+void SessionStream::OnDone() {
+  if (!client_name_.empty()) spdlog::info("session '{}' ended", client_name_);
+  const auto last = std::move(self_);
+}
+
+}  // namespace haptic::server

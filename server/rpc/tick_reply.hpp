@@ -1,0 +1,38 @@
+#pragma once
+/// A unary call that a tick answers: finished from the record that brings the answer, without a
+/// thread waiting for it (private to server/rpc).
+
+#include <grpcpp/alarm.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
+
+#include "server/session/refusal.hpp"
+
+namespace haptic::server {
+
+/// Finishes `reactor` exactly once: by an answer, or with UNAVAILABLE where no tick came at all.
+/// The ticks' own bound (PendingRequests::kPatience) is the shorter one wherever the loop runs.
+class TickReply : public std::enable_shared_from_this<TickReply> {
+ public:
+  static constexpr std::chrono::milliseconds kPatience{500};
+
+  explicit TickReply(grpc::ServerUnaryReactor* reactor) : reactor_(reactor) {}
+
+  /// `give_up` is called where no answer came in time, before the call is finished.
+  void watch(std::function<void()> give_up);
+  /// The first call finishes; `fill` writes the response just before, and only then.
+  void finish(const grpc::Status& status, const std::function<void()>& fill = {});
+
+ private:
+  grpc::ServerUnaryReactor* reactor_;
+  std::atomic<bool> finished_{false};
+  std::mutex mutex_;
+  std::unique_ptr<grpc::Alarm> alarm_;
+};
+
+}  // namespace haptic::server

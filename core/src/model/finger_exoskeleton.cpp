@@ -1,0 +1,141 @@
+#include "haptic/core/model/finger_exoskeleton.hpp"
+
+#include <cmath>
+#include <string>
+
+#include "finger_linkage.hpp"
+#include "finger_reach.hpp"
+#include "haptic/core/error.hpp"
+
+namespace haptic::core {
+
+namespace {
+
+void require_positive(double value, const char* name) {
+  if (!(std::isfinite(value) && value > 0.0)) {
+    throw SceneError(std::string("finger_exoskeleton.") + name + " = " + std::to_string(value) +
+                     ": must be finite and > 0");
+  }
+}
+
+void require_finite(double value, const char* name) {
+  if (!std::isfinite(value)) {
+    throw SceneError(std::string("finger_exoskeleton.") + name + " = " + std::to_string(value) +
+                     ": must be finite");
+  }
+}
+
+void require_range(double lower, double upper, const char* name) {
+  if (!(std::isfinite(lower) && std::isfinite(upper) && lower < upper)) {
+    throw SceneError(std::string("finger_exoskeleton.") + name + " from " + std::to_string(lower) +
+                     " to " + std::to_string(upper) +
+                     ": both must be finite, lower < upper");
+  }
+}
+
+const FingerDimensions& checked(const FingerDimensions& d) {
+  require_positive(d.proximal_phalanx, "proximal_phalanx_m");
+  require_finite(d.rail_origin.x, "rail_origin_x_m");
+  require_finite(d.rail_origin.y, "rail_origin_y_m");
+  require_finite(d.rail_angle, "rail_angle_rad");
+  require_finite(d.body_d.x, "body_d_x_m");
+  require_finite(d.body_d.y, "body_d_y_m");
+  require_finite(d.body_e.x, "body_e_x_m");
+  require_finite(d.body_e.y, "body_e_y_m");
+  require_positive(d.rod1, "rod1_m");
+  require_positive(d.rod2, "rod2_m");
+  require_positive(d.slider1_lower, "slider1_lower_m");
+  require_positive(d.slider2_lower, "slider2_lower_m");
+  require_range(d.slider1_lower, d.slider1_upper, "slider1");
+  require_range(d.slider2_lower, d.slider2_upper, "slider2");
+  require_range(d.l_x_lower, d.l_x_upper, "l_x");
+  require_range(d.q_B_lower, d.q_B_upper, "q_B");
+  return d;
+}
+
+class FingerExoskeleton final : public Kinematics {
+ public:
+  explicit FingerExoskeleton(const FingerDimensions& d)
+      : linkage_(checked(d)),
+        reach_(linkage_),
+        dofs_{{"l_x", Unit::kMetre, true, d.l_x_lower, d.l_x_upper},
+              {"q_B", Unit::kRadian, false, d.q_B_lower, d.q_B_upper}},
+        space_({{"q_o1_mcp", Unit::kRadian, CoordinateKind::kLinear},
+                {"q_o2_pip", Unit::kRadian, CoordinateKind::kLinear}}) {}
+
+  const DofLayout& layout() const noexcept override { return layout_; }
+  const std::vector<DofSpec>& dofs() const noexcept override { return dofs_; }
+  const ConfigurationSpace& space() const noexcept override { return space_; }
+  double mean_actuated_jacobian() const noexcept override {
+    return reach_.mean_actuated_jacobian();
+  }
+
+  MapStatus evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexcept override {
+    LinkagePose p;
+    if (!linkage_.pose(q[0], q[1], p)) return MapStatus::kCannotClose;
+    x_probe.resize(2);
+    x_probe[0] = p.q1;
+    x_probe[1] = p.q2;
+    J.resize(2, 2);
+    for (int k = 0; k < 2; ++k) {
+      J(0, k) = p.J(0, k);
+      J(1, k) = p.J(1, k);
+    }
+    return MapStatus::kOk;
+  }
+
+  MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override {
+    LinkageHessian h;
+    if (!linkage_.hessian(q[0], q[1], h)) return MapStatus::kCannotClose;
+    J_k.resize(2, 2);
+    for (int i = 0; i < 2; ++i) {
+      for (int m = 0; m < 2; ++m) J_k(i, m) = h.H[i][k][m];
+    }
+    return MapStatus::kOk;
+  }
+
+  InverseStatus inverse(const VecX& x, VecQ& q) const noexcept override {
+    q.resize(2);
+    double l = 0.0, t = 0.0;
+    if (linkage_.closed_inverse(x[0], x[1], l, t) && reach_.contains(l, t) && reproduces(x, l, t)) {
+      q[0] = l;
+      q[1] = t;
+      return InverseStatus::kExact;
+    }
+    const ReachPoint nearest = reach_.nearest(x[0], x[1]);
+    q[0] = nearest.l;
+    q[1] = nearest.t;
+    return InverseStatus::kUnreachable;
+  }
+
+ private:
+  /// The closed form knows the normals only: it also answers for rods on the far side of their
+  /// joints and for angles a turn away, which the linkage does not assemble to.
+  [[nodiscard]] bool reproduces(const VecX& x, double l, double t) const noexcept {
+    constexpr double kTolerance = 1e-6;
+    LinkagePose p;
+    return linkage_.pose(l, t, p) && std::abs(p.q1 - x[0]) < kTolerance &&
+           std::abs(p.q2 - x[1]) < kTolerance;
+  }
+
+  FingerLinkage linkage_;
+  FingerReach reach_;
+  DofLayout layout_{true, false};
+  std::vector<DofSpec> dofs_;
+  ConfigurationSpace space_;
+};
+
+}  // namespace
+
+std::unique_ptr<Kinematics> make_finger_exoskeleton(const FingerDimensions& dimensions) {
+  return std::make_unique<FingerExoskeleton>(dimensions);
+}
+
+FingerPose finger_pose(const FingerDimensions& dimensions, double l_x, double q_B) {
+  const FingerLinkage linkage(dimensions);
+  LinkagePose p;
+  if (!linkage.pose(l_x, q_B, p)) return {};
+  return {MapStatus::kOk, p.q1, p.q2, p.c1, p.c2, linkage.closure(l_x, q_B, p)};
+}
+
+}  // namespace haptic::core

@@ -1,0 +1,153 @@
+#include "finger_linkage.hpp"
+
+#include <cmath>
+
+namespace haptic::core {
+
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double dot(Complex a, Complex b) noexcept {
+  return a.real() * b.real() + a.imag() * b.imag();
+}
+constexpr Complex times_i(Complex a) noexcept { return {-a.imag(), a.real()}; }
+/// a b and a / b without the standard's care for infinities, which costs a library call each.
+constexpr Complex times(Complex a, Complex b) noexcept {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+Complex turn(double angle) noexcept { return {std::cos(angle), std::sin(angle)}; }
+
+/// The unit vector u with u (c + i h) = p, i.e. conj((c + i h)/p): |p|^2 = c^2 + h^2.
+constexpr Complex direction(double c, double h, Complex p, double p_squared) noexcept {
+  const Complex quotient = times({c, h}, {p.real(), -p.imag()});
+  return {quotient.real() / p_squared, -quotient.imag() / p_squared};
+}
+
+/// Everything both derivative orders share.
+struct Assembly {
+  Complex body_d, body_e;  // e^{it} d, e^{it} e
+  Complex D, E, w;
+  Complex u1, u2, n1, n2;
+  double c1, c2;
+};
+
+bool assemble(const FingerDimensions& dim, Complex P0, Complex e_a, Complex d, Complex e, double l,
+              double t, Assembly& a) noexcept {
+  const Complex rotation = turn(t);
+  const Complex P{P0.real() + l * e_a.real(), P0.imag() + l * e_a.imag()};
+  a.body_d = times(rotation, d);
+  a.body_e = times(rotation, e);
+  a.D = P + a.body_d;
+  a.E = P + a.body_e;
+  const double D2 = dot(a.D, a.D);
+  a.c1 = std::sqrt(D2 - dim.rod1 * dim.rod1);
+  if (!(a.c1 >= FingerLinkage::kSmallestSlider)) return false;  // NaN ends here too
+  a.u1 = direction(a.c1, dim.rod1, a.D, D2);
+  a.u1 = {a.u1.real(), a.u1.imag()};
+  a.w = a.E - dim.proximal_phalanx * a.u1;
+  const double w2 = dot(a.w, a.w);
+  a.c2 = std::sqrt(w2 - dim.rod2 * dim.rod2);
+  if (!(a.c2 >= FingerLinkage::kSmallestSlider)) return false;
+  a.u2 = direction(a.c2, dim.rod2, a.w, w2);
+  a.n1 = times_i(a.u1);
+  a.n2 = times_i(a.u2);
+  return std::isfinite(a.c1) && std::isfinite(a.c2);
+}
+
+struct First {
+  Complex D_k[2], E_k[2];
+  Complex w_k[2];
+};
+
+void first_derivatives(const FingerDimensions& dim, Complex e_a, const Assembly& a, First& f,
+                       LinkagePose& out) noexcept {
+  f.D_k[0] = f.E_k[0] = e_a;
+  f.D_k[1] = times_i(a.body_d);
+  f.E_k[1] = times_i(a.body_e);
+  for (int k = 0; k < 2; ++k) {
+    out.q1_k[k] = -dot(a.n1, f.D_k[k]) / a.c1;
+    out.c1_k[k] = dot(a.u1, f.D_k[k]) - dim.rod1 * out.q1_k[k];
+    f.w_k[k] = f.E_k[k] + dim.proximal_phalanx * out.q1_k[k] * a.n1;
+    out.phi_k[k] = -dot(a.n2, f.w_k[k]) / a.c2;
+    out.c2_k[k] = dot(a.u2, f.w_k[k]) - dim.rod2 * out.phi_k[k];
+  }
+}
+
+}  // namespace
+
+FingerLinkage::FingerLinkage(const FingerDimensions& dimensions)
+    : dim_(dimensions),
+      P0_(dimensions.rail_origin.x, dimensions.rail_origin.y),
+      e_a_(turn(dimensions.rail_angle)),
+      d_(dimensions.body_d.x, dimensions.body_d.y),
+      e_(dimensions.body_e.x, dimensions.body_e.y) {}
+
+bool FingerLinkage::pose(double l, double t, LinkagePose& out) const noexcept {
+  Assembly a;
+  if (!assemble(dim_, P0_, e_a_, d_, e_, l, t, a)) return false;
+  out.c1 = a.c1;
+  out.c2 = a.c2;
+  out.q1 = std::atan2(-a.u1.imag(), a.u1.real());
+  const Complex relative = times(a.u1, std::conj(a.u2));
+  out.q2 = std::atan2(relative.imag(), relative.real());
+  First f;
+  first_derivatives(dim_, e_a_, a, f, out);
+  return true;
+}
+
+bool FingerLinkage::hessian(double l, double t, LinkageHessian& out) const noexcept {
+  Assembly a;
+  if (!assemble(dim_, P0_, e_a_, d_, e_, l, t, a)) return false;
+  LinkagePose p;
+  First f;
+  first_derivatives(dim_, e_a_, a, f, p);
+  for (int k = 0; k < 2; ++k) {
+    for (int m = 0; m <= k; ++m) {
+      const bool tt = k == 1 && m == 1;
+      const Complex D_km = tt ? -a.body_d : Complex{};
+      const Complex E_km = tt ? -a.body_e : Complex{};
+      const double q1_km = -(dot(a.n1, D_km) + p.c1_k[k] * p.q1_k[m] + p.c1_k[m] * p.q1_k[k] +
+                             dim_.rod1 * p.q1_k[k] * p.q1_k[m]) / a.c1;
+      const Complex w_km =
+          E_km + dim_.proximal_phalanx * (p.q1_k[k] * p.q1_k[m] * a.u1 + q1_km * a.n1);
+      const double phi_km = -(dot(a.n2, w_km) + p.c2_k[k] * p.phi_k[m] + p.c2_k[m] * p.phi_k[k] +
+                              dim_.rod2 * p.phi_k[k] * p.phi_k[m]) / a.c2;
+      out.H[0][k][m] = out.H[0][m][k] = q1_km;
+      out.H[1][k][m] = out.H[1][m][k] = phi_km - q1_km;
+    }
+  }
+  return true;
+}
+
+bool FingerLinkage::closed_inverse(double q1, double q2, double& l, double& t) const noexcept {
+  const Complex u1 = std::conj(turn(q1));
+  const Complex u2 = std::conj(turn(q1 + q2));
+  const Complex n1 = times_i(u1), n2 = times_i(u2);
+  const double k1 = dot(n1, e_a_), k2 = dot(n2, e_a_);
+  const double r1 = dim_.rod1 - dot(n1, P0_);
+  const double r2 = dim_.rod2 - dot(n2, P0_) + dim_.proximal_phalanx * dot(n2, u1);
+  const double A1 = dot(n1, d_), B1 = dot(n1, times_i(d_));
+  const double A2 = dot(n2, e_), B2 = dot(n2, times_i(e_));
+  const double alpha = k1 * A2 - k2 * A1, beta = k1 * B2 - k2 * B1, g = k1 * r2 - k2 * r1;
+  const double s2 = alpha * alpha + beta * beta - g * g;
+  if (!(s2 >= 0.0) || (k1 == 0.0 && k2 == 0.0)) return false;
+  const double s = std::sqrt(s2);
+  const double cosine = alpha * g + beta * s, sine = beta * g - alpha * s;
+  t = std::atan2(sine, cosine);
+  const double r = std::sqrt(cosine * cosine + sine * sine);
+  const double ct = cosine / r, st = sine / r;
+  l = std::abs(k1) >= std::abs(k2) ? (r1 - A1 * ct - B1 * st) / k1 : (r2 - A2 * ct - B2 * st) / k2;
+  return std::isfinite(l) && std::isfinite(t);
+}
+
+double FingerLinkage::closure(double l, double t, const LinkagePose& p) const noexcept {
+  const Complex P = P0_ + l * e_a_;
+  const Complex u1 = std::conj(turn(p.q1)), u2 = std::conj(turn(p.q1 + p.q2));
+  const Complex D = P + times(turn(t), d_), E = P + times(turn(t), e_);
+  const Complex miss1 = D - times({p.c1, dim_.rod1}, u1);
+  const Complex miss2 = E - dim_.proximal_phalanx * u1 - times({p.c2, dim_.rod2}, u2);
+  return std::max(std::abs(miss1), std::abs(miss2));
+}
+
+}  // namespace haptic::core

@@ -1,0 +1,50 @@
+#pragma once
+/// The planar linkage of METHOD 1.2 as plain arithmetic: forward map (1.3), derivatives (1.4), closed
+/// inverse (1.5). Names are METHOD's. Private to the finger's map.
+
+#include <complex>
+
+#include "haptic/core/model/finger_exoskeleton.hpp"
+
+namespace haptic::core {
+
+/// One assembled pose with its first derivatives; index 0 is l, 1 is t = q_B.
+struct LinkagePose {
+  double q1{0.0}, q2{0.0};     ///< MCP, PIP, rad
+  double c1{0.0}, c2{0.0};     ///< sliders, m
+  double q1_k[2]{}, phi_k[2]{};
+  double c1_k[2]{}, c2_k[2]{};
+
+  [[nodiscard]] double J(int row, int k) const noexcept {
+    return row == 0 ? q1_k[k] : phi_k[k] - q1_k[k];
+  }
+  [[nodiscard]] double det() const noexcept { return J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0); }
+};
+
+/// H[i][k][m] = d2 x_i / dq_k dq_m.
+struct LinkageHessian {
+  double H[2][2][2]{};
+};
+
+class FingerLinkage {
+ public:
+  /// A rod this close over its joint has no usable Jacobian: the linkage counts as not closing.
+  static constexpr double kSmallestSlider = 1e-4;  // m
+
+  explicit FingerLinkage(const FingerDimensions& dimensions);
+
+  [[nodiscard]] bool pose(double l, double t, LinkagePose& out) const noexcept;
+  [[nodiscard]] bool hessian(double l, double t, LinkageHessian& out) const noexcept;
+  /// The candidate of METHOD 1.5 on the branch det J > 0; not checked against any limit.
+  [[nodiscard]] bool closed_inverse(double q1, double q2, double& l, double& t) const noexcept;
+  /// Largest distance by which the two rods miss their ends, m.
+  [[nodiscard]] double closure(double l, double t, const LinkagePose& pose) const noexcept;
+
+  [[nodiscard]] const FingerDimensions& dimensions() const noexcept { return dim_; }
+
+ private:
+  FingerDimensions dim_;
+  std::complex<double> P0_, e_a_, d_, e_;
+};
+
+}  // namespace haptic::core

@@ -1,0 +1,255 @@
+#include "finger_reach.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "haptic/core/error.hpp"
+
+namespace haptic::core {
+
+namespace {
+
+enum Constraint : int {
+  kLLower, kLUpper, kTLower, kTUpper, kC1Lower, kC1Upper, kC2Lower, kC2Upper, kBranch, kNoClosure
+};
+
+constexpr double kScaleL = 0.02;  // m per unit of scaled travel (METHOD 1.2)
+constexpr double kSlack = 1e-12;  // m, rad: rounding at a limit is not a violation
+
+/// Joint limits of METHOD's valid region, rad; they bound the mean of ||J_a|| only.
+constexpr double kJointLower = -0.3, kMcpUpper = 1.75, kPipUpper = 2.0;
+
+double squared_distance(const ReachPoint& p, double q1, double q2) noexcept {
+  return (p.q1 - q1) * (p.q1 - q1) + (p.q2 - q2) * (p.q2 - q2);
+}
+
+}  // namespace
+
+FingerReach::FingerReach(const FingerLinkage& linkage) : linkage_(linkage) { trace(); }
+
+double FingerReach::value(int constraint, double l, double t,
+                          const LinkagePose& p) const noexcept {
+  const FingerDimensions& d = linkage_.dimensions();
+  switch (constraint) {
+    case kLLower: return l - d.l_x_lower;
+    case kLUpper: return d.l_x_upper - l;
+    case kTLower: return t - d.q_B_lower;
+    case kTUpper: return d.q_B_upper - t;
+    case kC1Lower: return p.c1 - d.slider1_lower;
+    case kC1Upper: return d.slider1_upper - p.c1;
+    case kC2Lower: return p.c2 - d.slider2_lower;
+    case kC2Upper: return d.slider2_upper - p.c2;
+    default: return p.det() * p.c1 * p.c2;  // of the order of a length: the s of METHOD 1.5
+  }
+}
+
+int FingerReach::violated(double l, double t) const noexcept {
+  LinkagePose p;
+  if (!linkage_.pose(l, t, p)) return kNoClosure;
+  for (int c = 0; c < kConstraints; ++c) {
+    if (!(value(c, l, t, p) >= -kSlack)) return c;
+  }
+  return -1;
+}
+
+bool FingerReach::contains(double l, double t) const noexcept { return violated(l, t) < 0; }
+
+bool FingerReach::gradient(int constraint, double l, double t, const LinkagePose& p, double& g_l,
+                           double& g_t) const noexcept {
+  switch (constraint) {
+    case kLLower: g_l = 1.0, g_t = 0.0; return true;
+    case kLUpper: g_l = -1.0, g_t = 0.0; return true;
+    case kTLower: g_l = 0.0, g_t = 1.0; return true;
+    case kTUpper: g_l = 0.0, g_t = -1.0; return true;
+    case kC1Lower: g_l = p.c1_k[0], g_t = p.c1_k[1]; return true;
+    case kC1Upper: g_l = -p.c1_k[0], g_t = -p.c1_k[1]; return true;
+    case kC2Lower: g_l = p.c2_k[0], g_t = p.c2_k[1]; return true;
+    case kC2Upper: g_l = -p.c2_k[0], g_t = -p.c2_k[1]; return true;
+    default: break;
+  }
+  LinkageHessian h;
+  if (!linkage_.hessian(l, t, h)) return false;
+  double g[2];
+  for (int k = 0; k < 2; ++k) {
+    const double det_k = h.H[0][0][k] * p.J(1, 1) + p.J(0, 0) * h.H[1][1][k] -
+                         h.H[0][1][k] * p.J(1, 0) - p.J(0, 1) * h.H[1][0][k];
+    g[k] = det_k * p.c1 * p.c2 + p.det() * (p.c1_k[k] * p.c2 + p.c1 * p.c2_k[k]);
+  }
+  g_l = g[0];
+  g_t = g[1];
+  return true;
+}
+
+void FingerReach::add(double l, double t, int constraint) {
+  LinkagePose p;
+  if (linkage_.pose(l, t, p)) edge_.push_back({l, t, p.q1, p.q2, constraint});
+}
+
+/// The last feasible point on the way from a feasible to an infeasible one.
+void FingerReach::add_crossing(double l_in, double t_in, double l_out, double t_out) {
+  double inside = 0.0, outside = 1.0;
+  int constraint = kBranch;
+  for (int i = 0; i < 50; ++i) {
+    const double s = 0.5 * (inside + outside);
+    const int v = violated(l_in + s * (l_out - l_in), t_in + s * (t_out - t_in));
+    if (v < 0) {
+      inside = s;
+    } else {
+      outside = s;
+      constraint = v;
+    }
+  }
+  // Where the linkage stops closing a slider is at its own limit first; nothing to trace there.
+  if (constraint == kNoClosure) return;
+  add(l_in + inside * (l_out - l_in), t_in + inside * (t_out - t_in), constraint);
+}
+
+void FingerReach::trace() {
+  const FingerDimensions& d = linkage_.dimensions();
+  const double step_l = (d.l_x_upper - d.l_x_lower) / kGrid;
+  const double step_t = (d.q_B_upper - d.q_B_lower) / kGrid;
+  const auto l_at = [&](int i) { return i == kGrid ? d.l_x_upper : d.l_x_lower + i * step_l; };
+  const auto t_at = [&](int j) { return j == kGrid ? d.q_B_upper : d.q_B_lower + j * step_t; };
+
+  std::vector<char> feasible((kGrid + 1) * (kGrid + 1));
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i <= kGrid; ++i) {
+    for (int j = 0; j <= kGrid; ++j) {
+      const bool in = contains(l_at(i), t_at(j));
+      feasible[static_cast<std::size_t>(i * (kGrid + 1) + j)] = in;
+      LinkagePose p;
+      if (!in || !linkage_.pose(l_at(i), t_at(j), p)) continue;
+      if (p.q1 > kJointLower && p.q1 < kMcpUpper && p.q2 > kJointLower && p.q2 < kPipUpper) {
+        sum += std::hypot(p.J(0, 0), p.J(1, 0));
+        ++count;
+      }
+    }
+  }
+  const auto in = [&](int i, int j) {
+    return feasible[static_cast<std::size_t>(i * (kGrid + 1) + j)] != 0;
+  };
+  for (int i = 0; i <= kGrid; ++i) {
+    for (int j = 0; j <= kGrid; ++j) {
+      if (!in(i, j)) continue;
+      if (i == 0) add(l_at(i), t_at(j), kLLower);
+      if (i == kGrid) add(l_at(i), t_at(j), kLUpper);
+      if (j == 0) add(l_at(i), t_at(j), kTLower);
+      if (j == kGrid) add(l_at(i), t_at(j), kTUpper);
+      if (i > 0 && !in(i - 1, j)) add_crossing(l_at(i), t_at(j), l_at(i - 1), t_at(j));
+      if (i < kGrid && !in(i + 1, j)) add_crossing(l_at(i), t_at(j), l_at(i + 1), t_at(j));
+      if (j > 0 && !in(i, j - 1)) add_crossing(l_at(i), t_at(j), l_at(i), t_at(j - 1));
+      if (j < kGrid && !in(i, j + 1)) add_crossing(l_at(i), t_at(j), l_at(i), t_at(j + 1));
+    }
+  }
+  if (edge_.empty() || count == 0) {
+    throw SceneError(
+        "finger_exoskeleton: with these dimensions the linkage closes nowhere inside its limits");
+  }
+  mean_J_a_ = sum / count;
+}
+
+/// Newton steps along the gradient, back onto the curve of the constraint.
+bool FingerReach::restore(int constraint, double& l, double& t) const noexcept {
+  for (int i = 0; i < 8; ++i) {
+    LinkagePose p;
+    double g_l = 0.0, g_t = 0.0;
+    if (!linkage_.pose(l, t, p) || !gradient(constraint, l, t, p, g_l, g_t)) return false;
+    const double v = value(constraint, l, t, p);
+    if (std::abs(v) < 1e-14) return true;
+    const double a = g_l * kScaleL;  // gradient in scaled coordinates
+    const double norm2 = a * a + g_t * g_t;
+    if (!(norm2 > 0.0)) return false;
+    l -= v / norm2 * a * kScaleL;
+    t -= v / norm2 * g_t;
+  }
+  LinkagePose p;
+  return linkage_.pose(l, t, p) && std::abs(value(constraint, l, t, p)) < 1e-10;
+}
+
+/// Every limit but the one whose curve the point lies on.
+bool FingerReach::allowed_beside(int constraint, double l, double t) const noexcept {
+  LinkagePose p;
+  if (!linkage_.pose(l, t, p)) return false;
+  for (int c = 0; c < kConstraints; ++c) {
+    if (c != constraint && !(value(c, l, t, p) >= -kSlack)) return false;
+  }
+  return true;
+}
+
+ReachPoint FingerReach::slide(ReachPoint from, double q1, double q2) const noexcept {
+  constexpr int kSteps = 20, kHalvings = 45;
+  ReachPoint best = from;
+  for (int i = 0; i < kSteps; ++i) {
+    LinkagePose p;
+    double g_l = 0.0, g_t = 0.0;
+    if (!linkage_.pose(best.l, best.t, p) ||
+        !gradient(best.constraint, best.l, best.t, p, g_l, g_t)) {
+      break;
+    }
+    // Tangent of the curve in scaled coordinates, and dx along it.
+    const double tangent_l = -g_t * kScaleL, tangent_t = g_l * kScaleL;
+    const double v1 = p.J(0, 0) * tangent_l + p.J(0, 1) * tangent_t;
+    const double v2 = p.J(1, 0) * tangent_l + p.J(1, 1) * tangent_t;
+    const double vv = v1 * v1 + v2 * v2;
+    if (!(vv > 0.0)) break;
+    double s = (v1 * (q1 - best.q1) + v2 * (q2 - best.q2)) / vv;
+    // No further than a few cells of the trace at once: the curve is only locally straight.
+    const double longest = 0.1 / std::hypot(tangent_l / kScaleL, tangent_t);
+    s = std::clamp(s, -longest, longest);
+    bool moved = false;
+    for (int h = 0; h < kHalvings && !moved; ++h, s *= 0.5) {
+      ReachPoint next = best;
+      next.l = best.l + s * tangent_l;
+      next.t = best.t + s * tangent_t;
+      LinkagePose at;
+      if (!restore(best.constraint, next.l, next.t) ||
+          !allowed_beside(best.constraint, next.l, next.t) || !linkage_.pose(next.l, next.t, at)) {
+        continue;
+      }
+      next.q1 = at.q1;
+      next.q2 = at.q2;
+      if (squared_distance(next, q1, q2) < squared_distance(best, q1, q2)) {
+        best = next;
+        moved = true;
+      }
+    }
+    if (!moved || std::abs(s) * std::hypot(tangent_l / kScaleL, tangent_t) < 1e-12) break;
+  }
+  return best;
+}
+
+ReachPoint FingerReach::nearest(double q1, double q2) const noexcept {
+  if (!std::isfinite(q1)) q1 = 0.0;
+  if (!std::isfinite(q2)) q2 = 0.0;
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  double distance[kConstraints];
+  const ReachPoint* seed[kConstraints]{};
+  std::fill(std::begin(distance), std::end(distance), kFar);
+  double closest = kFar;
+  for (const ReachPoint& p : edge_) {
+    const double d2 = squared_distance(p, q1, q2);
+    if (d2 < distance[p.constraint]) {
+      distance[p.constraint] = d2;
+      seed[p.constraint] = &p;
+      closest = std::min(closest, d2);
+    }
+  }
+  // A traced point is at most about a cell from the best of its curve: others cannot win.
+  const double worth_trying = std::sqrt(closest) + 0.2;
+  ReachPoint best = edge_.front();
+  double best_distance = kFar;
+  for (int c = 0; c < kConstraints; ++c) {
+    if (seed[c] == nullptr || std::sqrt(distance[c]) > worth_trying) continue;
+    const ReachPoint p = slide(*seed[c], q1, q2);
+    const double d2 = squared_distance(p, q1, q2);
+    if (d2 < best_distance) {
+      best_distance = d2;
+      best = p;
+    }
+  }
+  return best;
+}
+
+}  // namespace haptic::core

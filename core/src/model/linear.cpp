@@ -1,0 +1,86 @@
+#include "haptic/core/model/linear.hpp"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "haptic/core/error.hpp"
+
+namespace haptic::core {
+
+namespace {
+
+DofLayout layout_of(const std::vector<DofSpec>& dofs) {
+  bool actuated[kMaxQ]{};
+  for (std::size_t i = 0; i < dofs.size() && i < static_cast<std::size_t>(kMaxQ); ++i) {
+    actuated[i] = dofs[i].actuated;
+  }
+  if (dofs.size() > static_cast<std::size_t>(kMaxQ)) {
+    throw SceneError("linear map with " + std::to_string(dofs.size()) +
+                     " DoFs: must have at most " + std::to_string(kMaxQ));
+  }
+  return DofLayout(std::span<const bool>(actuated, dofs.size()));
+}
+
+class Linear final : public Kinematics {
+ public:
+  explicit Linear(const LinearMap& map)
+      : layout_(layout_of(map.dofs)),
+        dofs_(map.dofs),
+        space_(map.coordinates),
+        A_(map.A),
+        x_0_(map.x_0.size() == 0 ? VecX(VecX::Zero(space_.n_x())) : map.x_0) {
+    if (A_.rows() != space_.n_x() || A_.cols() != layout_.n_q()) {
+      throw SceneError("A is " + std::to_string(A_.rows()) + " x " + std::to_string(A_.cols()) +
+                       ": must be " + std::to_string(space_.n_x()) + " x " +
+                       std::to_string(layout_.n_q()));
+    }
+    if (x_0_.size() != space_.n_x()) {
+      throw SceneError("x_0 has " + std::to_string(x_0_.size()) + " values: must have " +
+                       std::to_string(space_.n_x()));
+    }
+    if (!A_.allFinite() || !x_0_.allFinite()) throw SceneError("A and x_0: must be finite");
+    for (const DofSpec& dof : dofs_) {
+      if (!(std::isfinite(dof.lower) && std::isfinite(dof.upper) && dof.lower < dof.upper)) {
+        throw SceneError("dof " + dof.name + ": lower must be < upper, both finite");
+      }
+    }
+    double sum = 0.0;
+    for (int i = 0; i < layout_.n_a(); ++i) sum += A_.col(layout_.actuated(i)).squaredNorm();
+    mean_J_a_ = std::sqrt(sum);
+  }
+
+  const DofLayout& layout() const noexcept override { return layout_; }
+  const std::vector<DofSpec>& dofs() const noexcept override { return dofs_; }
+  const ConfigurationSpace& space() const noexcept override { return space_; }
+  double mean_actuated_jacobian() const noexcept override { return mean_J_a_; }
+
+  MapStatus evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexcept override {
+    if (q.size() != layout_.n_q() || !q.allFinite()) return MapStatus::kCannotClose;
+    x_probe = x_0_;
+    x_probe.noalias() += A_.lazyProduct(q);
+    J = A_;
+    return MapStatus::kOk;
+  }
+
+  MapStatus second_order(const VecQ&, int, MatXQ& J_k) const noexcept override {
+    J_k.setZero(A_.rows(), A_.cols());
+    return MapStatus::kOk;
+  }
+
+ private:
+  DofLayout layout_;
+  std::vector<DofSpec> dofs_;
+  ConfigurationSpace space_;
+  MatXQ A_;
+  VecX x_0_;
+  double mean_J_a_{0.0};
+};
+
+}  // namespace
+
+std::unique_ptr<Kinematics> make_linear(const LinearMap& map) {
+  return std::make_unique<Linear>(map);
+}
+
+}  // namespace haptic::core

@@ -26,13 +26,13 @@ struct DeviceInfo {
   std::string serial{};  ///< unique per device; empty where there is none
   std::vector<core::DofSpec> dofs{};
   core::DeviceLimits limits{};
-  bool moves{true};      ///< false: commands are computed and reported, nothing moves (replay)
+  bool moves{true};  ///< false: commands are computed and reported, nothing moves (replay)
 };
 
 /// The force command of one tick.
 struct Command {
-  bool arm{false};       ///< the server wants the device armed
-  core::VecA tau_a{};    ///< n_a; N or N m; all zero unless armed
+  bool arm{false};     ///< the server wants the device armed
+  core::VecA tau_a{};  ///< n_a; N or N m; all zero unless armed
 };
 
 class Device {

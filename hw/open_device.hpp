@@ -15,21 +15,21 @@ namespace haptic::hw {
 /// The finger exoskeleton worn on a simulated finger, METHOD 2.4.
 struct SimulatedFingerConfig {
   std::uint64_t seed{1};
-  std::filesystem::path motion_file{};    ///< joint angles the user aims at; empty: `target`
-  double target_mcp{0.0};                 ///< rad
+  std::filesystem::path motion_file{};  ///< joint angles the user aims at; empty: `target`
+  double target_mcp{0.0};               ///< rad
   double target_pip{0.0};
-  double hand_stiffness{0.6};             ///< K_h, N m/rad
-  double hand_damping{0.012};             ///< B_h, N m s/rad
-  double inertia_mcp{1.2e-4};             ///< kg m^2, METHOD 2.4
+  double hand_stiffness{0.6};  ///< K_h, N m/rad
+  double hand_damping{0.012};  ///< B_h, N m s/rad
+  double inertia_mcp{1.2e-4};  ///< kg m^2, METHOD 2.4
   double inertia_pip{4e-5};
-  double actuator_mass{0.05};             ///< kg
-  double actuator_damping{2.0};           ///< N s/m
-  double actuator_friction{0.0};          ///< N, Coulomb
-  double actuator_force_limit{40.0};      ///< N
-  double noise_l_x{0.0};                  ///< m rms
-  double noise_q_B{0.0};                  ///< rad rms
-  double resolution_l_x{0.0};             ///< m; 0: none
-  double resolution_q_B{0.0};             ///< rad; 0: none
+  double actuator_mass{0.05};         ///< kg
+  double actuator_damping{2.0};       ///< N s/m
+  double actuator_friction{0.0};      ///< N, Coulomb
+  double actuator_force_limit{40.0};  ///< N
+  double noise_l_x{0.0};              ///< m rms
+  double noise_q_B{0.0};              ///< rad rms
+  double resolution_l_x{0.0};         ///< m; 0: none
+  double resolution_q_B{0.0};         ///< rad; 0: none
 };
 
 /// Independent masses on the DoFs of a linear map, pulled towards a target. All sizes n_q, but
@@ -55,7 +55,7 @@ using DeviceConfig = std::variant<SimulatedFingerConfig, SimulatedLinearConfig, 
 
 /// Opens the device. Throws DeviceError: a file that cannot be read (path, line, column and what is
 /// expected), a value that is not allowed, a kinematics the device does not go with.
-[[nodiscard]] std::unique_ptr<Device> open_device(const DeviceConfig& config,
-                                                  std::shared_ptr<const core::Kinematics> kinematics);
+[[nodiscard]] std::unique_ptr<Device> open_device(
+    const DeviceConfig& config, std::shared_ptr<const core::Kinematics> kinematics);
 
 }  // namespace haptic::hw

@@ -1,0 +1,172 @@
+#include "hw/motion/motion_csv.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+
+#include "haptic/core/error.hpp"
+
+namespace haptic::hw {
+namespace {
+
+constexpr std::string_view kTime = "time_s";
+/// Nanoseconds since the first row, and time stamps of today's epoch, fit an int64 with this bound.
+constexpr double kLargestTime = 9e9;  // s
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r\n";
+  const auto begin = text.find_first_not_of(kBlank);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
+}
+
+std::vector<std::string_view> fields_of(std::string_view line) {
+  std::vector<std::string_view> fields;
+  for (;;) {
+    const auto comma = line.find(',');
+    fields.push_back(trimmed(line.substr(0, comma)));
+    if (comma == std::string_view::npos) return fields;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+template <typename Names>
+std::string joined(const Names& names) {
+  std::string text;
+  for (const auto& name : names) {
+    if (!text.empty()) text += ", ";
+    text += name;
+  }
+  return text;
+}
+
+/// Where the reader stands, for messages.
+struct Place {
+  const std::filesystem::path& file;
+  std::size_t line{0};
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw core::DeviceError(line == 0 ? file.string() + ": " + what
+                                      : file.string() + ":" + std::to_string(line) + ": " + what);
+  }
+  [[noreturn]] void fail(std::string_view column, std::string_view value,
+                         const std::string& expected) const {
+    fail("column " + std::string(column) + " = '" + std::string(value) + "': " + expected);
+  }
+};
+
+double number(const Place& place, std::string_view column, std::string_view text) {
+  std::string_view digits = text;
+  if (digits.size() > 1 && digits.front() == '+' && digits[1] != '-') digits.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value)) {
+    place.fail(column, text, "must be a finite number");
+  }
+  return value;
+}
+
+/// Which fields of a row are wanted: time first, then the columns of the chosen set.
+struct Selection {
+  std::size_t alternative{0};
+  std::vector<std::size_t> field{};
+  ColumnSet name{};
+};
+
+Selection select(const Place& place, const std::vector<std::string_view>& header,
+                 const std::vector<ColumnSet>& alternatives) {
+  std::string expected;
+  for (std::size_t a = 0; a < alternatives.size(); ++a) {
+    Selection selection{.alternative = a};
+    selection.name.emplace_back(kTime);
+    selection.name.insert(selection.name.end(), alternatives[a].begin(), alternatives[a].end());
+    ColumnSet missing;
+    for (const std::string& name : selection.name) {
+      const auto at = std::find(header.begin(), header.end(), name);
+      if (at == header.end()) {
+        missing.push_back(name);
+        continue;
+      }
+      if (std::find(at + 1, header.end(), name) != header.end()) {
+        place.fail("column " + name + " stands twice in the header; once is allowed");
+      }
+      selection.field.push_back(static_cast<std::size_t>(at - header.begin()));
+    }
+    if (missing.empty()) return selection;
+    expected +=
+        (a == 0 ? "" : "; or ") + joined(selection.name) + " (missing: " + joined(missing) + ")";
+  }
+  place.fail("columns found: " + joined(header) + "; expected " + expected);
+}
+
+void add_row(const Place& place, const Selection& selection,
+             const std::vector<std::string_view>& fields, double& first_time, MotionTable& table) {
+  for (std::size_t c = 0; c < selection.field.size(); ++c) {
+    const std::string& name = selection.name[c];
+    if (selection.field[c] >= fields.size()) {
+      place.fail("column " + name + ": the line ends after " + std::to_string(fields.size()) +
+                 " value(s); must be a finite number");
+    }
+    const std::string_view text = fields[selection.field[c]];
+    const double value = number(place, name, text);
+    if (c > 0) {
+      table.values[c - 1].push_back(value);
+      continue;
+    }
+    if (std::abs(value) > kLargestTime) place.fail(name, text, "must lie within +-9e9 s");
+    if (table.time_s.empty()) first_time = value;
+    const double time = value - first_time;
+    if (!table.time_s.empty() && !(time - table.time_s.back() >= 1e-9)) {
+      place.fail(name, text, "must be later than the row before it, by 1 ns or more");
+    }
+    table.time_s.push_back(time);
+    table.line.push_back(place.line);
+  }
+}
+
+}  // namespace
+
+const ColumnSet& joint_angle_columns() {
+  static const ColumnSet kColumns{"q_o1_mcp_rad", "q_o2_pip_rad"};
+  return kColumns;
+}
+
+bool is_gap(double a, double b) noexcept {
+  return std::llround((b - a) * 1e9) > std::llround(kLongestStep * 1e9);
+}
+
+MotionTable read_motion_csv(const std::filesystem::path& file,
+                            const std::vector<ColumnSet>& alternatives) {
+  Place place{file};
+  std::error_code ignored;
+  std::ifstream in(file, std::ios::binary);
+  if (!in || std::filesystem::is_directory(file, ignored)) {
+    place.fail("cannot be read; must be a CSV file with a header and a column time_s");
+  }
+  std::string line;
+  if (!std::getline(in, line)) place.fail("is empty; must have a header and at least 2 rows");
+  place.line = 1;
+  std::string_view header = line;
+  if (constexpr std::string_view kMark = "\xEF\xBB\xBF"; header.starts_with(kMark)) {
+    header.remove_prefix(kMark.size());
+  }
+  const Selection selection = select(place, fields_of(header), alternatives);
+
+  MotionTable table{.alternative = selection.alternative};
+  table.values.resize(selection.name.size() - 1);
+  double first_time = 0.0;
+  while (std::getline(in, line)) {
+    ++place.line;
+    if (!trimmed(line).empty()) add_row(place, selection, fields_of(line), first_time, table);
+  }
+  if (table.time_s.size() < 2) {
+    Place{file}.fail("has " + std::to_string(table.time_s.size()) +
+                     " row(s) below its header; must have at least 2");
+  }
+  return table;
+}
+
+}  // namespace haptic::hw

@@ -1,0 +1,37 @@
+#pragma once
+/// Reads recordings: CSV with a header line, a column time_s and columns of numbers. Accepts CRLF,
+/// a byte order mark, blank lines, extra columns (not looked at) and any order of columns.
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace haptic::hw {
+
+/// The columns one use of a recording needs, beside time_s.
+using ColumnSet = std::vector<std::string>;
+
+/// The joint angles of a finger, rad, flexion positive.
+[[nodiscard]] const ColumnSet& joint_angle_columns();
+
+struct MotionTable {
+  std::size_t alternative{0};                 ///< which of the column sets asked for it holds
+  std::vector<double> time_s{};               ///< from 0, strictly increasing by 1 ns or more
+  std::vector<std::vector<double>> values{};  ///< by column of the set, then by row; finite
+  std::vector<std::size_t> line{};            ///< line of the file a row stood on, from 1
+};
+
+/// A step of time longer than this is a gap: nothing was measured there (METHOD data: a tracker
+/// that lost the hand; the recordings' own jitter stays below 40 ms).
+inline constexpr double kLongestStep = 0.050;  // s
+/// Is the step from a to b (s) a gap? Compared in whole nanoseconds, so that 50 ms is 50 ms.
+[[nodiscard]] bool is_gap(double a, double b) noexcept;
+
+/// The first of `alternatives` whose columns are all in `file`. Throws DeviceError naming the file,
+/// line, column, value and what is expected: not readable, empty, a column missing (with the
+/// columns found) or twice, not a finite number, time not increasing, fewer than 2 rows.
+[[nodiscard]] MotionTable read_motion_csv(const std::filesystem::path& file,
+                                          const std::vector<ColumnSet>& alternatives);
+
+}  // namespace haptic::hw

@@ -1,0 +1,30 @@
+#pragma once
+/// Piecewise cubic Hermite interpolation that keeps the shape of the data: between two knots the
+/// curve stays between their values, so that interpolating a recording invents no overshoot and
+/// leaves no range the rows kept to.
+/// Source: F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17(2):238-246, 1980; slopes by the
+/// weighted harmonic mean of F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5(2):300-304,
+/// 1984.
+
+#include <vector>
+
+namespace haptic::hw {
+
+class Pchip {
+ public:
+  /// `t` strictly increasing, at least one knot; `y` of the same size.
+  Pchip(std::vector<double> t, std::vector<double> y);
+
+  /// Value at `at`; the end values outside [first(), last()]. Allocates nothing; O(log n).
+  [[nodiscard]] double operator()(double at) const noexcept;
+
+  [[nodiscard]] double first() const noexcept { return t_.front(); }
+  [[nodiscard]] double last() const noexcept { return t_.back(); }
+
+ private:
+  std::vector<double> t_;
+  std::vector<double> y_;
+  std::vector<double> slope_;  ///< dy/dt at the knots
+};
+
+}  // namespace haptic::hw

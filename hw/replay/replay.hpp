@@ -1,0 +1,74 @@
+#pragma once
+/// A recording as a device: it plays at its original timing, its force is computed and reported,
+/// nothing moves.
+///
+/// Joint angles are interpolated as joint angles and then taken through the inverse in every tick:
+/// f(q) is the recorded motion, not its distortion by a curve fitted to q. Rows outside the reach
+/// are replaced at load by the nearest pose in reach (Eq. (6) with box and slider limits).
+/// Gaps and the pause between rounds have no samples: reading.fresh is false, nothing else changes.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "hw/arming.hpp"
+#include "hw/device.hpp"
+#include "hw/motion/motion_csv.hpp"
+#include "hw/motion/pchip.hpp"
+#include "hw/open_device.hpp"
+
+namespace haptic::hw {
+
+/// What was found when the recording was loaded.
+struct ReplayFacts {
+  std::size_t rows{0};
+  std::size_t gaps{0};       ///< steps of time longer than 50 ms
+  std::size_t replaced{0};   ///< rows of joint angles outside the reach
+  core::Duration length{0};  ///< first row to last row
+  bool joint_angles{false};  ///< else device states
+};
+
+class Replay final : public Device {
+ public:
+  /// Silence between two rounds of a repeated recording: the force is gone before the jump back to
+  /// the beginning, whatever happens there.
+  static constexpr core::Duration kPause{std::chrono::milliseconds(500)};
+
+  /// Throws DeviceError: see read_motion_csv; also a device state outside its DoF's range (with
+  /// margin), joint angles for a kinematics that offers no inverse or has not two coordinates.
+  Replay(const ReplayConfig& config, std::shared_ptr<const core::Kinematics> kinematics);
+
+  [[nodiscard]] const DeviceInfo& info() const noexcept override { return info_; }
+  void read(core::TimePoint now, core::DeviceReading& reading) noexcept override;
+  void write(core::TimePoint now, const Command& command) noexcept override;
+  void close() noexcept override;
+
+  [[nodiscard]] const ReplayFacts& facts() const noexcept { return facts_; }
+
+ private:
+  /// Rows without a gap between them: one curve per column.
+  struct Stretch {
+    core::Duration begin{0};
+    core::Duration end{0};
+    std::vector<Pchip> column{};
+  };
+  void check_range(const MotionTable& table, const std::filesystem::path& file) const;
+  void bring_into_reach(MotionTable& table);
+  void cut_at_gaps(const MotionTable& table);
+  [[nodiscard]] const Stretch* stretch_at(core::Duration into) const noexcept;
+
+  std::shared_ptr<const core::Kinematics> kinematics_;
+  DeviceInfo info_;
+  ReplayFacts facts_{};
+  std::vector<Stretch> stretches_{};
+  bool repeat_{false};
+  bool started_{false};
+  core::TimePoint start_{};
+  core::TimePoint last_read_{core::TimePoint::min()};
+  core::VecQ q_{};  ///< newest sample: where the inverse of the next one starts from
+  std::uint64_t seq_{0};
+  Arming arming_{};
+  bool closed_{false};
+};
+
+}  // namespace haptic::hw

@@ -1,0 +1,60 @@
+#pragma once
+/// The finger exoskeleton worn on a simulated finger, as a device: the physics of METHOD 2.4 behind
+/// sensors with noise and resolution, advancing with the loop's clock. Deterministic from its seed
+/// and the sequence of calls; the unit clock of a test serves as well as the real one.
+///
+/// The force of the last write() acts until the next one (zero-order hold), as long as the device
+/// is armed. DISARMED, ARMING and ARMED as in hw/device.hpp; LOST only by close().
+
+#include <cstdint>
+#include <memory>
+
+#include "hw/arming.hpp"
+#include "hw/device.hpp"
+#include "hw/open_device.hpp"
+#include "hw/simulated/finger_physics.hpp"
+#include "hw/simulated/gaussian.hpp"
+#include "hw/simulated/intent.hpp"
+#include "hw/simulated/substeps.hpp"
+
+namespace haptic::hw {
+
+class SimulatedFinger final : public Device {
+ public:
+  /// Throws DeviceError: a parameter that is not allowed (named as in the scene), a motion file
+  /// that cannot be read, a kinematics that is not a finger's (two DoFs, one of them actuated, two
+  /// joints, an inverse).
+  SimulatedFinger(const SimulatedFingerConfig& config,
+                  std::shared_ptr<const core::Kinematics> kinematics);
+
+  [[nodiscard]] const DeviceInfo& info() const noexcept override { return info_; }
+  void read(core::TimePoint now, core::DeviceReading& reading) noexcept override;
+  void write(core::TimePoint now, const Command& command) noexcept override;
+  void close() noexcept override;
+
+  /// The truth behind the sensors.
+  [[nodiscard]] const FingerPhysics& physics() const noexcept { return physics_; }
+  [[nodiscard]] const Intent& intent() const noexcept { return intent_; }
+  /// Simulated time, s: `now` less what was skipped in jumps of the clock.
+  [[nodiscard]] double elapsed() const noexcept;
+  /// Force acting now, N: 0 unless armed, within the limit.
+  [[nodiscard]] double tau_a() const noexcept { return tau_a_; }
+
+ private:
+  [[nodiscard]] core::VecQ measured(core::VecQ q) noexcept;
+
+  SimulatedFingerConfig config_;
+  DeviceInfo info_;
+  Intent intent_;
+  FingerPhysics physics_;
+  Gaussian noise_;
+  Substeps substeps_{};
+  std::int64_t steps_{0};
+  Arming arming_{};
+  double tau_a_{0.0};
+  std::uint64_t seq_{0};
+  core::TimePoint last_read_{core::TimePoint::min()};
+  bool closed_{false};
+};
+
+}  // namespace haptic::hw

@@ -1,0 +1,48 @@
+#pragma once
+/// Independent masses on the DoFs of a linear map, as a device: m q_ddot = tau + K_h (target - q)
+/// - (b + B_h) q_dot per DoF, in kg and m or kg m^2 and rad. Starts at rest on the target. Ends of
+/// a DoF's box are rigid and inelastic. Linearly implicit Euler, so any stiffness is stable.
+
+#include <cstdint>
+#include <memory>
+
+#include "hw/arming.hpp"
+#include "hw/device.hpp"
+#include "hw/open_device.hpp"
+#include "hw/simulated/substeps.hpp"
+
+namespace haptic::hw {
+
+class SimulatedLinear final : public Device {
+ public:
+  /// Vectors of size 0 other than mass and max_effort are zero. Throws DeviceError: sizes that do
+  /// not fit, a mass that is not > 0, a value below 0, a kinematics that is not linear.
+  SimulatedLinear(const SimulatedLinearConfig& config,
+                  std::shared_ptr<const core::Kinematics> kinematics);
+
+  [[nodiscard]] const DeviceInfo& info() const noexcept override { return info_; }
+  void read(core::TimePoint now, core::DeviceReading& reading) noexcept override;
+  void write(core::TimePoint now, const Command& command) noexcept override;
+  void close() noexcept override;
+
+  /// The truth at the last whole substep.
+  [[nodiscard]] const core::VecQ& q() const noexcept { return q_; }
+  [[nodiscard]] const core::VecQ& q_dot() const noexcept { return q_dot_; }
+
+ private:
+  void step() noexcept;
+
+  SimulatedLinearConfig config_;
+  std::shared_ptr<const core::Kinematics> kinematics_;
+  DeviceInfo info_;
+  core::VecQ lower_{}, upper_{};
+  core::VecQ q_{}, q_dot_{};
+  core::VecQ tau_{};  ///< n_q, force acting now
+  Substeps substeps_{};
+  Arming arming_{};
+  std::uint64_t seq_{0};
+  core::TimePoint last_read_{core::TimePoint::min()};
+  bool closed_{false};
+};
+
+}  // namespace haptic::hw

@@ -1,11 +1,11 @@
 #include "haptic/core/linear/least_squares.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "haptic/core/linear/householder.hpp"
+#include "haptic/core/linear/minimum_norm.hpp"
 
 namespace haptic::core {
 
@@ -54,7 +54,7 @@ void LeastSquares::run() noexcept {
   }
   if (!(smallest >= kRankThreshold * largest)) {
     condition_ = smallest > 0.0 ? largest / smallest : std::numeric_limits<double>::infinity();
-    status_ = ProjectionStatus::kRankDeficient;  // in doubt: minimum_norm() decides
+    status_ = ProjectionStatus::kRankDeficient;  // solve_in_doubt() decides
     return;
   }
   condition_ = largest / smallest;
@@ -86,10 +86,10 @@ void LeastSquares::solve(const MatXQ& J, const VecX& dx, const VecA& Z_q) noexce
   } else {
     condition_ = std::numeric_limits<double>::infinity();
   }
-  minimum_norm(J, dx, Z_q);
+  solve_in_doubt(J, dx, Z_q);
 }
 
-void LeastSquares::minimum_norm(const MatXQ& J, const VecX& dx, const VecA& Z_q) noexcept {
+void LeastSquares::solve_in_doubt(const MatXQ& J, const VecX& dx, const VecA& Z_q) noexcept {
   status_ = ProjectionStatus::kRankDeficient;
   dq_.setZero();
   null_space_force_.setZero();
@@ -116,30 +116,26 @@ void LeastSquares::minimum_norm(const MatXQ& J, const VecX& dx, const VecA& Z_q)
     const double column = J.col(layout_.sensed(i)).squaredNorm();
     if (column > 0.0) weight[layout_.sensed(i)] = 1.0 / std::sqrt(z_x * column);
   }
-  const MatXQ scaled = J * weight.asDiagonal();
-  Eigen::CompleteOrthogonalDecomposition<MatXQ> decomposition(n_x_, n_q_);
-  decomposition.setThreshold(kRankThreshold);
-  decomposition.compute(scaled);
-  const VecQ y = decomposition.solve(dx);
+  for (int k = 0; k < n_q_; ++k) {
+    for (int i = 0; i < n_x_; ++i) A_[k * n_x_ + i] = J(i, k) * weight[k];
+  }
+  std::copy(dx.data(), dx.data() + n_x_, b_);
+  VecQ y(n_q_);
+  const int rank = core::minimum_norm(A_, b_, n_x_, n_q_, kRankThreshold, y.data());
   const VecQ dq = weight.cwiseProduct(y);
   if (!dq.allFinite()) return;
   dq_ = dq;
-  if (decomposition.rank() == std::min(n_x_, n_q_) && n_x_ >= n_q_) {
-    status_ = ProjectionStatus::kIllConditioned;
-  }
+  if (rank == n_q_) status_ = ProjectionStatus::kIllConditioned;
   const VecX error = dx - J.lazyProduct(dq_);
   residual_ = error.norm();
+
   // Eq. (3) by its definition: f* = dx less its part in the span of J_n, then J_a^T f*.
   VecX f_star = dx;
-  if (layout_.n_n() > 0) {
-    MatXQ J_n(n_x_, layout_.n_n());
-    for (int i = 0; i < layout_.n_n(); ++i) J_n.col(i) = J.col(layout_.sensed(i)).normalized();
-    Eigen::CompleteOrthogonalDecomposition<MatXQ> sensed(n_x_, layout_.n_n());
-    sensed.setThreshold(kRankThreshold);
-    sensed.compute(J_n);
-    const VecQ z = sensed.solve(dx);
-    f_star -= J_n.lazyProduct(z);
+  for (int k = 0; k < layout_.n_n(); ++k) {
+    std::copy(J.data() + layout_.sensed(k) * n_x_, J.data() + (layout_.sensed(k) + 1) * n_x_,
+              A_ + k * n_x_);
   }
+  remove_span(A_, n_x_, layout_.n_n(), kRankThreshold, f_star.data());
   for (int i = 0; i < layout_.n_a(); ++i) {
     null_space_force_[i] = J.col(layout_.actuated(i)).dot(f_star);
   }

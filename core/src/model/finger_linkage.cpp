@@ -1,5 +1,6 @@
 #include "finger_linkage.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace haptic::core {

@@ -39,7 +39,7 @@ class LeastSquares {
   void load(const MatXQ& J, const VecX& dx) noexcept;
   template <int M, int N>
   void run() noexcept;
-  void minimum_norm(const MatXQ& J, const VecX& dx, const VecA& Z_q) noexcept;
+  void solve_in_doubt(const MatXQ& J, const VecX& dx, const VecA& Z_q) noexcept;
 
   DofLayout layout_;
   int n_x_;

@@ -7,9 +7,9 @@
 
 namespace haptic::core {
 
-/// Unit of force per unit of x. `stiffness`: n_a.
+/// Unit of force per unit of x. `stiffness`: n_a. A map that does not move with its actuators has none.
 [[nodiscard]] inline double virtual_stiffness(const VecA& stiffness, double mean_J_a) noexcept {
-  return stiffness.mean() / (mean_J_a * mean_J_a);
+  return mean_J_a > 0.0 ? stiffness.mean() / (mean_J_a * mean_J_a) : 0.0;
 }
 
 /// q* with S q* = q_a + Z_q^{-1} tau_a and the sensed part as it is: the anchor that makes

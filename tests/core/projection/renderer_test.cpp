@@ -1,0 +1,303 @@
+#include "haptic/core/projection/renderer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <random>
+
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/model/linear.hpp"
+#include "haptic/core/projection/direction_guard.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+namespace haptic::core {
+namespace {
+
+constexpr RendererKind kAll[] = {RendererKind::kStandard, RendererKind::kNullSpace,
+                                 RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact};
+
+std::unique_ptr<Kinematics> linear_map(const Eigen::MatrixXd& A, int n_a, double box = 1e6) {
+  LinearMap map;
+  for (int i = 0; i < A.cols(); ++i) {
+    map.dofs.push_back({"q" + std::to_string(i), Unit::kMetre, i < n_a, -box, box});
+  }
+  for (int i = 0; i < A.rows(); ++i) {
+    map.coordinates.push_back({"x" + std::to_string(i), Unit::kMetre, CoordinateKind::kLinear});
+  }
+  map.A = A;
+  return make_linear(map);
+}
+
+/// tau_a = Z_q S (q* - q) of a renderer at q for proxy x.
+VecA force(RendererKind kind, const Kinematics& map, const VecQ& q, const VecX& x, const VecA& Z_q,
+           Projection* projection = nullptr) {
+  VecX x_probe, dx;
+  MatXQ J;
+  EXPECT_EQ(map.evaluate(q, x_probe, J), MapStatus::kOk);
+  map.space().difference(x, x_probe, dx);
+  Renderer renderer(kind, map);
+  Projection out;
+  renderer.project(Probe{q, x_probe, J}, x, dx, Z_q, true, out);
+  if (projection != nullptr) *projection = out;
+  return Z_q.cwiseProduct(map.layout().select(out.q_star - q));
+}
+
+Eigen::MatrixXd random_matrix(std::mt19937_64& random, int rows, int columns) {
+  std::normal_distribution<double> normal;
+  Eigen::MatrixXd A(rows, columns);
+  for (int i = 0; i < A.size(); ++i) A.data()[i] = normal(random);
+  return A;
+}
+
+struct Shape {
+  int n_x, n_q, n_a;
+};
+constexpr Shape kShapes[] = {{2, 2, 1}, {6, 2, 1}, {6, 6, 3}, {7, 3, 2}, {27, 10, 4}, {3, 3, 3}};
+
+/// Eq. (1), (4), (8) written out with Eigen's decompositions, as they stand in the paper.
+TEST(Renderers, AgreeWithDenseAlgebraOnThousandsOfJacobians) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> stiffness(10.0, 5000.0);
+  for (const Shape& shape : kShapes) {
+    for (int trial = 0; trial < 400; ++trial) {
+      const Eigen::MatrixXd A = random_matrix(random, shape.n_x, shape.n_q);
+      Eigen::JacobiSVD<Eigen::MatrixXd> svd(A);
+      const double condition = svd.singularValues()(0) / svd.singularValues()(shape.n_q - 1);
+      if (condition > 1e3) continue;
+      const auto map = linear_map(A, shape.n_a);
+      const VecQ q = random_matrix(random, shape.n_q, 1);
+      const VecX x = random_matrix(random, shape.n_x, 1);
+      VecA Z_q(shape.n_a);
+      for (int i = 0; i < shape.n_a; ++i) Z_q[i] = stiffness(random);
+
+      const Eigen::VectorXd dx = x - A * q;
+      const Eigen::MatrixXd J_a = A.leftCols(shape.n_a), J_n = A.rightCols(shape.n_q - shape.n_a);
+      const double z_x = Z_q.mean() / J_a.squaredNorm();
+      const Eigen::VectorXd standard = J_a.transpose() * z_x * dx;
+      Eigen::MatrixXd N = Eigen::MatrixXd::Identity(shape.n_x, shape.n_x);
+      if (J_n.cols() > 0) {
+        N -= J_n * (J_n.transpose() * J_n).fullPivLu().inverse() * J_n.transpose();
+      }
+      const Eigen::VectorXd null_space = J_a.transpose() * N * z_x * dx;
+      const Eigen::VectorXd dq = A.fullPivHouseholderQr().solve(dx);
+      const Eigen::VectorXd subspace = Z_q.cwiseProduct(dq.head(shape.n_a));
+
+      const double tolerance = 1e-13 * condition * condition;
+      const auto near = [&](const VecA& got, const Eigen::VectorXd& want) {
+        return (got - want).norm() <= tolerance * (want.norm() + Z_q.norm());
+      };
+      EXPECT_TRUE(near(force(RendererKind::kStandard, *map, q, x, Z_q), standard));
+      EXPECT_TRUE(near(force(RendererKind::kNullSpace, *map, q, x, Z_q), null_space));
+      EXPECT_TRUE(near(force(RendererKind::kSubspaceLinear, *map, q, x, Z_q), subspace));
+      // METHOD 6, case 4: on a linear map Eq. (6) is Eq. (8).
+      EXPECT_TRUE(near(force(RendererKind::kSubspaceExact, *map, q, x, Z_q), subspace));
+    }
+  }
+}
+
+TEST(Renderers, OnALinearMapTheExactAndTheLinearisedAnchorAgreeToRounding) {
+  std::mt19937_64 random(4);
+  const auto map = linear_map((Eigen::Matrix2d() << 1.2, 0.4, -0.3, 0.9).finished(), 1);
+  const VecA Z_q = VecA::Constant(1, 1000.0);
+  for (int i = 0; i < 1000; ++i) {
+    const VecQ q = random_matrix(random, 2, 1);
+    const VecX x = random_matrix(random, 2, 1);
+    Projection linear, exact;
+    static_cast<void>(force(RendererKind::kSubspaceLinear, *map, q, x, Z_q, &linear));
+    static_cast<void>(force(RendererKind::kSubspaceExact, *map, q, x, Z_q, &exact));
+    ASSERT_LT((linear.q_star - exact.q_star).norm(), 1e-14 * (1.0 + linear.q_star.norm()) * 4);
+  }
+}
+
+/// METHOD 6, case 5: 3-DoF force, 6-DoF sensing, block-diagonal J.
+TEST(Renderers, OnABlockDiagonalDeviceStandardAndNullSpaceAreTheSame) {
+  std::mt19937_64 random(5);
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(6, 6);
+  A.topLeftCorner(3, 3) = random_matrix(random, 3, 3);
+  A.bottomRightCorner(3, 3) = random_matrix(random, 3, 3);
+  const auto map = linear_map(A, 3);
+  const VecA Z_q = VecA::Constant(3, 700.0);
+  for (int i = 0; i < 200; ++i) {
+    const VecQ q = random_matrix(random, 6, 1);
+    const VecX x = random_matrix(random, 6, 1);
+    const VecA standard = force(RendererKind::kStandard, *map, q, x, Z_q);
+    const VecA null_space = force(RendererKind::kNullSpace, *map, q, x, Z_q);
+    ASSERT_LT((standard - null_space).norm(), 1e-12 * standard.norm());
+    // tau_null = k J_aa^T J_aa dq_a
+    const Eigen::Matrix3d J_aa = A.topLeftCorner(3, 3);
+    const Eigen::VectorXd dq_a = J_aa.fullPivLu().solve((x - A * q).head(3));
+    const Eigen::VectorXd expected = 700.0 / J_aa.squaredNorm() * J_aa.transpose() * J_aa * dq_a;
+    ASSERT_LT((null_space - expected).norm(), 1e-12 * expected.norm());
+  }
+}
+
+/// METHOD 6, case 6: tau_null = K_null dq_a with K_null = k J_a^T N J_a, dq_a the deviation of Eq. (8).
+TEST(Renderers, NullSpaceIsTheSubspaceMethodWithAnotherStiffness) {
+  std::mt19937_64 random(6);
+  for (int i = 0; i < 500; ++i) {
+    const Eigen::MatrixXd A = random_matrix(random, 6, 4);
+    const auto map = linear_map(A, 2);
+    const VecA Z_q = VecA::Constant(2, 900.0);
+    const VecQ q = random_matrix(random, 4, 1);
+    const VecX x = random_matrix(random, 6, 1);
+    const Eigen::MatrixXd J_a = A.leftCols(2), J_n = A.rightCols(2);
+    const Eigen::MatrixXd N = Eigen::MatrixXd::Identity(6, 6) -
+                              J_n * J_n.completeOrthogonalDecomposition().pseudoInverse();
+    const Eigen::MatrixXd K_null = 900.0 / J_a.squaredNorm() * J_a.transpose() * N * J_a;
+    const Eigen::VectorXd dq_a =
+        force(RendererKind::kSubspaceLinear, *map, q, x, Z_q) / 900.0;
+    const Eigen::VectorXd expected = K_null * dq_a;
+    ASSERT_LT((force(RendererKind::kNullSpace, *map, q, x, Z_q) - expected).norm(),
+              1e-13 * 10 * expected.norm());
+  }
+}
+
+/// METHOD 6, case 14: the force does not know the unit a coordinate of q is written in.
+TEST(Renderers, TheSubspaceForceIsTheSameInMetresAndMillimetres) {
+  std::mt19937_64 random(14);
+  for (int i = 0; i < 200; ++i) {
+    Eigen::MatrixXd A = random_matrix(random, 4, 3);
+    const VecQ q = random_matrix(random, 3, 1);
+    const VecX x = random_matrix(random, 4, 1);
+    const auto metres = linear_map(A, 1);
+    Eigen::MatrixXd scaled = A;
+    scaled.col(0) /= 1000.0;  // actuated, in mm
+    scaled.col(2) *= 57.295779513082323;  // sensed, per degree instead of per rad, inverted
+    VecQ q_scaled = q;
+    q_scaled[0] *= 1000.0;
+    q_scaled[2] /= 57.295779513082323;
+    const auto millimetres = linear_map(scaled, 1);
+    const double newton =
+        force(RendererKind::kSubspaceLinear, *metres, q, x, VecA::Constant(1, 1500.0))[0];
+    const double same = force(RendererKind::kSubspaceLinear, *millimetres, q_scaled, x,
+                              VecA::Constant(1, 1.5))[0];  // N/mm
+    ASSERT_NEAR(same, newton, 1e-12 * (1.0 + std::abs(newton)) * 50);
+  }
+}
+
+TEST(Renderers, ASingularWideOrZeroJacobianGivesAFiniteAnswerThatSaysSo) {
+  const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(2, 2);
+  Eigen::MatrixXd parallel(2, 2);
+  parallel << 1.0, 2.0, 0.5, 1.0;
+  Eigen::MatrixXd nearly = parallel;
+  nearly(1, 1) += 1e-12;
+  Eigen::MatrixXd wide(2, 4);
+  wide << .125730, -.132105, .640423, .104900, -.535669, .361595, 1.304000, .947081;
+  for (const Eigen::MatrixXd& A : {zero, parallel, nearly, wide}) {
+    const int n_q = static_cast<int>(A.cols());
+    const auto map = linear_map(A, 1, 10.0);
+    const VecQ q = VecQ::Constant(n_q, 0.1);
+    const VecX x = VecX::Constant(2, 0.7);
+    for (const RendererKind kind : kAll) {
+      Projection out;
+      const VecA tau = force(kind, *map, q, x, VecA::Constant(1, 1000.0), &out);
+      ASSERT_TRUE(tau.allFinite()) << name(kind) << "\n" << A;
+      ASSERT_LT(tau.norm(), 1e5) << name(kind) << "\n" << A;
+      if (kind != RendererKind::kStandard) {
+        EXPECT_TRUE(out.status == ProjectionStatus::kRankDeficient ||
+                    out.status == ProjectionStatus::kIllConditioned)
+            << name(kind) << "\n" << A;
+      }
+    }
+  }
+}
+
+TEST(Renderers, TheWideAnswerHasMinimumNormInTheMetricWhoseActuatedBlockIsZq) {
+  Eigen::MatrixXd A(2, 3);
+  A << 1.0, 0.4, -0.2, 0.1, 0.8, 0.5;
+  const auto map = linear_map(A, 3);
+  const VecA Z_q = (VecA(3) << 1.0, 50.0, 400.0).finished();
+  const VecX x = (VecX(2) << 0.3, -0.2).finished();
+  const VecA tau = force(RendererKind::kSubspaceLinear, *map, VecQ::Zero(3), x, Z_q);
+  const Eigen::MatrixXd Zi = Z_q.cwiseInverse().asDiagonal();
+  const Eigen::VectorXd dq = Zi * A.transpose() * (A * Zi * A.transpose()).inverse() * x;
+  EXPECT_LT((tau - Z_q.cwiseProduct(dq)).norm(), 1e-12 * tau.norm());
+}
+
+/// Case by METHOD 2: the error of Eq. (8) against (6) falls with the square of the deviation.
+TEST(Renderers, TheExactMethodTendsToTheLinearisedAsTheDeviationVanishes) {
+  const auto finger = make_finger_exoskeleton({});
+  const VecA Z_q = VecA::Constant(1, 1500.0);
+  VecQ q;
+  ASSERT_EQ(finger->inverse((VecX(2) << 0.6, 0.7).finished(), q), InverseStatus::kExact);
+  double previous = 0.0;
+  for (double size = 0.01; size > 0.0003; size /= 2.0) {
+    const VecX x = (VecX(2) << 0.6 - size, 0.7 - 0.5 * size).finished();
+    const double linear = force(RendererKind::kSubspaceLinear, *finger, q, x, Z_q)[0];
+    const double exact = force(RendererKind::kSubspaceExact, *finger, q, x, Z_q)[0];
+    const double error = std::abs(linear - exact);
+    if (previous > 0.0) {
+      EXPECT_NEAR(previous / error, 4.0, 0.6) << "size " << size;
+    }
+    previous = error;
+  }
+}
+
+TEST(DirectionGuard, WithholdsWhatPointsAwayFromTheProxyAndNothingElse) {
+  const auto finger = make_finger_exoskeleton({});
+  DirectionGuard guard(*finger);
+  const VecA Z_q = VecA::Constant(1, 1500.0);
+  std::mt19937_64 random(8);
+  std::uniform_real_distribution<double> mcp(0.0, 1.3), pip(0.0, 1.5);
+  int withheld = 0, allowed = 0;
+  for (int i = 0; i < 4000; ++i) {
+    VecQ q;
+    VecX x_probe, dx;
+    MatXQ J;
+    if (finger->inverse((VecX(2) << mcp(random), pip(random)).finished(), q) !=
+        InverseStatus::kExact) {
+      continue;
+    }
+    const VecX x = (VecX(2) << mcp(random), pip(random)).finished();
+    ASSERT_EQ(finger->evaluate(q, x_probe, J), MapStatus::kOk);
+    finger->space().difference(x, x_probe, dx);
+    // tau_x . dx with tau_x = w tau_a, w = (S J^{-1})^T: the work the finger would feel.
+    const Eigen::Matrix2d J2 = J;
+    const double along = J2.inverse().row(0).dot(Eigen::Vector2d(dx));
+    for (const RendererKind kind : kAll) {
+      const VecA tau = force(kind, *finger, q, x, Z_q);
+      if (std::abs(tau[0] * along) < 1e-9) continue;
+      const bool expected = tau[0] * along > 0.0;
+      ASSERT_EQ(guard.allows(Probe{q, x_probe, J}, dx, tau), expected) << name(kind);
+      (expected ? allowed : withheld) += 1;
+      if (kind == RendererKind::kSubspaceLinear || kind == RendererKind::kNullSpace) {
+        ASSERT_TRUE(expected) << name(kind) << " is never away from the proxy (METHOD 2.4)";
+      }
+    }
+  }
+  EXPECT_GT(withheld, 100);
+  EXPECT_GT(allowed, 1000);
+}
+
+TEST(Renderers, AllocateNothing) {
+  const auto finger = make_finger_exoskeleton({});
+  std::mt19937_64 random(9);
+  const auto general = linear_map(random_matrix(random, 9, 5), 2, 1.0);
+  const auto wide = linear_map(random_matrix(random, 2, 4), 2, 1.0);
+  for (const Kinematics* map : {finger.get(), general.get(), wide.get()}) {
+    const int n_q = map->layout().n_q();
+    const VecQ q = map == finger.get() ? VecQ((VecQ(2) << 0.02, -0.5).finished())
+                                       : VecQ(VecQ::Constant(n_q, 0.2));
+    VecX x_probe, dx;
+    MatXQ J;
+    ASSERT_EQ(map->evaluate(q, x_probe, J), MapStatus::kOk);
+    const VecX x = x_probe + VecX::Constant(map->space().n_x(), 0.3);
+    map->space().difference(x, x_probe, dx);
+    const VecA Z_q = VecA::Constant(map->layout().n_a(), 800.0);
+    for (const RendererKind kind : kAll) {
+      const test::AllocationGuard allocations;
+      Renderer renderer(kind, *map);
+      DirectionGuard guard(*map);
+      Projection out;
+      for (int i = 0; i < 20; ++i) {
+        renderer.project(Probe{q, x_probe, J}, x, dx, Z_q, true, out);
+        static_cast<void>(guard.allows(Probe{q, x_probe, J}, dx, Z_q));
+      }
+      EXPECT_EQ(allocations.allocations(), 0u) << name(kind);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace haptic::core

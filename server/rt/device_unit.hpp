@@ -30,6 +30,9 @@ class DeviceUnit {
   [[nodiscard]] const hw::Device& device() const noexcept { return *device_; }
   [[nodiscard]] const core::PipelineConfig& config() const noexcept { return pipeline_.config(); }
 
+  /// Real-time thread: the state after the last tick.
+  [[nodiscard]] core::DeviceState state() const noexcept { return state_; }
+
   /// Written by the ingress, under its mutex.
   core::Mailbox<core::ProxySnapshot> proxies;
   /// Written by the device's sessions, under their mutex.
@@ -44,6 +47,7 @@ class DeviceUnit {
   core::Pipeline pipeline_;
   core::TickInput input_{};
   hw::Command command_{};
+  core::DeviceState state_{core::DeviceState::kInit};
 };
 
 }  // namespace haptic::server

@@ -1,5 +1,7 @@
 #include "server/rpc/listen_address.hpp"
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -19,8 +21,13 @@ bool is_unix(const std::string& address) {
   return address.rfind(kUnix, 0) == 0;
 }
 
+/// A literal address, or the one name that means nothing else; any other name may resolve to
+/// anywhere.
 bool is_loopback(const std::string& host) {
-  return host == "localhost" || host == "[::1]" || host.rfind("127.", 0) == 0;
+  if (host == "localhost" || host == "[::1]") return true;
+  in_addr address{};
+  return ::inet_pton(AF_INET, host.c_str(), &address) == 1 &&
+         (ntohl(address.s_addr) >> 24U) == IN_LOOPBACKNET;
 }
 
 [[noreturn]] void refuse(const std::string& address, const std::string& why) {

@@ -1,6 +1,7 @@
 #include "server/session/pending_requests.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <iterator>
 #include <utility>
@@ -38,6 +39,9 @@ Outcome<Done> engage_outcome(const core::EngageAnswer& answer, core::DeviceState
                                             " samples without a gap: at least " + limit +
                                             " are needed");
     case Verdict::kStreamStale:
+      if (!std::isfinite(answer.value)) {
+        return not_yet("STREAM_STALE", "no proxy was accepted under this lease yet");
+      }
       return not_yet("STREAM_STALE", "the newest proxy is " + value + " ms old: less than " +
                                          limit +
                                          " ms is needed (samples above twice the nominal rate do "

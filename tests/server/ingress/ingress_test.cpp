@@ -1,0 +1,135 @@
+#include "server/ingress/ingress.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace haptic::server {
+namespace {
+
+using namespace std::chrono_literals;
+using core::Duration;
+using core::TimePoint;
+
+class IngressTest : public testing::Test {
+ protected:
+  IngressTest() { ingress.begin_lease(1, 60.0, 100ms); }
+
+  IngressVerdict send(std::vector<double> position, TimePoint at,
+                      core::ProxyMode mode = core::ProxyMode::kHeld) {
+    ProxyCandidate candidate;
+    candidate.epoch = epoch;
+    candidate.seq = ++seq;
+    candidate.mode = mode;
+    candidate.position = position.data();
+    candidate.position_size = static_cast<int>(position.size());
+    return ingress.accept(candidate, at, &why);
+  }
+  const core::ProxySnapshot& newest() {
+    mailbox.take();
+    return mailbox.value();
+  }
+
+  core::Mailbox<core::ProxySnapshot> mailbox;
+  Ingress ingress{mailbox, 2};
+  std::uint32_t epoch{1};
+  std::uint64_t seq{0};
+  std::string why;
+  TimePoint t0{1h};
+};
+
+TEST_F(IngressTest, AnAcceptedSampleReachesTheMailbox) {
+  EXPECT_EQ(send({0.25, -0.5}, t0), IngressVerdict::kAccepted);
+  EXPECT_EQ(newest().seq, 1U);
+  EXPECT_EQ(newest().epoch, 1U);
+  EXPECT_EQ(newest().born, t0);
+  ASSERT_EQ(newest().x.size(), 2);
+  EXPECT_EQ(newest().x[0], 0.25);
+  EXPECT_EQ(newest().x[1], -0.5);
+}
+
+TEST_F(IngressTest, WithoutALeaseNothingIsAccepted) {
+  ingress.end_lease();
+  EXPECT_EQ(send({0, 0}, t0), IngressVerdict::kOldEpoch);
+  EXPECT_EQ(ingress.counters().old_epoch, 1U);
+}
+
+TEST_F(IngressTest, SamplesOfAnOlderLeaseAreRefusedWhateverTheirSequence) {
+  ingress.begin_lease(2, 60.0, 100ms);
+  seq = 1000;
+  EXPECT_EQ(send({0, 0}, t0), IngressVerdict::kOldEpoch);
+  EXPECT_NE(why.find("epoch"), std::string::npos);
+}
+
+TEST_F(IngressTest, ANewLeaseStartsSequenceAndProxyAnew) {
+  seq = 99;
+  EXPECT_EQ(send({1, 1}, t0), IngressVerdict::kAccepted);
+  ingress.begin_lease(2, 60.0, 100ms);
+  EXPECT_EQ(newest().mode, core::ProxyMode::kNone);
+  EXPECT_EQ(newest().epoch, 2U);
+  EXPECT_EQ(ingress.last_accepted(), TimePoint{});
+  epoch = 2;
+  seq = 0;
+  EXPECT_EQ(send({1, 1}, t0 + 1s), IngressVerdict::kAccepted);
+}
+
+TEST_F(IngressTest, ASequenceThatDoesNotRiseIsRefusedAndChangesNothing) {
+  send({1, 1}, t0);
+  seq = 0;
+  EXPECT_EQ(send({2, 2}, t0 + 20ms), IngressVerdict::kOldSequence);
+  EXPECT_EQ(newest().x[0], 1.0);
+  EXPECT_EQ(newest().born, t0);
+  EXPECT_EQ(ingress.last_accepted(), t0);
+  EXPECT_NE(why.find("seq = 1"), std::string::npos);
+}
+
+TEST_F(IngressTest, EveryRejectionNamesFieldValueAndWhatIsAllowed) {
+  EXPECT_EQ(send({1, 2, 3}, t0), IngressVerdict::kWrongSize);
+  EXPECT_EQ(why, "position has 3 values: must have 2, one per virtual coordinate");
+  EXPECT_EQ(send({0, std::nan("")}, t0), IngressVerdict::kNotFinite);
+  EXPECT_NE(why.find("position[1]"), std::string::npos);
+  EXPECT_EQ(send({-std::numeric_limits<double>::infinity(), 0}, t0), IngressVerdict::kNotFinite);
+  EXPECT_EQ(send({0, -1000.5}, t0), IngressVerdict::kOutOfBounds);
+  EXPECT_NE(why.find("-1000.5"), std::string::npos);
+  EXPECT_EQ(send({0, 0}, t0, core::ProxyMode::kNone), IngressVerdict::kUnknownMode);
+  EXPECT_EQ(send({}, t0), IngressVerdict::kWrongSize);
+  const IngressCounters counters = ingress.counters();
+  EXPECT_EQ(counters.wrong_size, 2U);
+  EXPECT_EQ(counters.not_finite, 2U);
+  EXPECT_EQ(counters.out_of_bounds, 1U);
+  EXPECT_EQ(counters.unknown_mode, 1U);
+  EXPECT_EQ(counters.accepted, 0U);
+  EXPECT_FALSE(mailbox.take() && mailbox.value().mode != core::ProxyMode::kNone);
+}
+
+TEST_F(IngressTest, TheBoundItselfIsAllowed) {
+  EXPECT_EQ(send({1000.0, -1000.0}, t0), IngressVerdict::kAccepted);
+}
+
+TEST_F(IngressTest, FreeModeNeedsNoPosition) {
+  EXPECT_EQ(send({}, t0, core::ProxyMode::kFree), IngressVerdict::kAccepted);
+  EXPECT_EQ(newest().mode, core::ProxyMode::kFree);
+}
+
+TEST_F(IngressTest, SubnormalCoordinatesBecomeZero) {
+  send({std::numeric_limits<double>::denorm_min(), -std::numeric_limits<double>::min() / 2}, t0);
+  EXPECT_EQ(newest().x[0], 0.0);
+  EXPECT_EQ(newest().x[1], 0.0);
+  send({std::numeric_limits<double>::min(), 0}, t0 + 20ms);
+  EXPECT_EQ(newest().x[0], std::numeric_limits<double>::min());
+}
+
+TEST_F(IngressTest, AGapLongerThanHoldEndRestartsTheStreamsHealth) {
+  send({0, 0}, t0);
+  send({0, 0}, t0 + 100ms);
+  EXPECT_EQ(newest().gapless_since, t0);
+  EXPECT_EQ(newest().gapless_samples, 2U);
+  send({0, 0}, t0 + 200ms + 1ns);
+  EXPECT_EQ(newest().gapless_since, t0 + 200ms + 1ns);
+  EXPECT_EQ(newest().gapless_samples, 1U);
+}
+
+}  // namespace
+}  // namespace haptic::server

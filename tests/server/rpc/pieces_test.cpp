@@ -1,0 +1,178 @@
+// The parts of the service that need no socket.
+#include <gtest/gtest.h>
+
+#include "haptic/core/error.hpp"
+#include "haptic/v1/haptic_service.pb.h"
+#include "server/rpc/broadcaster.hpp"
+#include "server/rpc/convert.hpp"
+#include "server/rpc/listen_address.hpp"
+#include "server/rpc/pace.hpp"
+#include "server/rpc/sample_ledger.hpp"
+#include "server/rpc/state_frame.hpp"
+#include "server/rpc/status.hpp"
+
+namespace haptic::server {
+namespace {
+
+using namespace std::chrono_literals;
+
+int sent_of(Pace& pace, int ticks, int step = 1) {
+  int sent = 0;
+  for (int tick = 0; tick < ticks; tick += step) {
+    if (!pace.due(static_cast<std::uint64_t>(tick))) continue;
+    pace.sent(static_cast<std::uint64_t>(tick));
+    ++sent;
+  }
+  return sent;
+}
+
+TEST(Pace, KeepsItsRateEvenWhereItDoesNotDivideTheLoops) {
+  Pace thirty(1000.0, 30.0);
+  EXPECT_EQ(sent_of(thirty, 10000), 300);
+  EXPECT_EQ(thirty.conflated(), 0U);
+  Pace seven_hundred(1000.0, 700.0);
+  EXPECT_NEAR(sent_of(seven_hundred, 10000), 7000, 1);
+}
+
+TEST(Pace, RateZeroIsEveryTick) {
+  Pace pace(1000.0, 0.0);
+  EXPECT_EQ(sent_of(pace, 100), 100);
+}
+
+TEST(Pace, CountsWhatWasDueAndNotSent) {
+  Pace pace(1000.0, 0.0);
+  EXPECT_EQ(sent_of(pace, 100, 4), 25);  // busy three ticks of four
+  EXPECT_EQ(pace.conflated(), 24U * 3U);
+}
+
+TEST(SampleLedger, TellsWithin50MillisecondsOfASampleAndWithin10OfARejection) {
+  const core::TimePoint t0{1h};
+  SampleLedger ledger;
+  ledger.look(t0);
+  EXPECT_FALSE(ledger.due());
+  ledger.book(1, IngressVerdict::kAccepted, {});
+  ledger.look(t0);
+  ASSERT_TRUE(ledger.due());
+  EXPECT_EQ(ledger.tell().accepted(), 1U);
+  ledger.book(2, IngressVerdict::kAccepted, {});
+  ledger.look(t0 + 49ms);
+  EXPECT_FALSE(ledger.due());
+  ledger.book(3, IngressVerdict::kNotFinite, "position[0] = nan");
+  ledger.look(t0 + 49ms);
+  ASSERT_TRUE(ledger.due());
+  const v1::SampleAck ack = ledger.tell();
+  EXPECT_EQ(ack.accepted(), 2U);
+  EXPECT_EQ(ack.rejected_invalid(), 1U);
+  EXPECT_EQ(ack.newest_seq(), 2U);
+  EXPECT_EQ(ack.last_rejection(), "position[0] = nan");
+  ledger.look(t0 + 10s);
+  EXPECT_FALSE(ledger.due());  // nothing new to tell
+}
+
+TEST(WatchBudget, GivesItsRateAndKeepsLittle) {
+  WatchBudget budget(1000.0);
+  core::TimePoint now{1h};
+  int given = 0;
+  for (int i = 0; i < 1000; ++i) {
+    budget.refill(now += 1ms);
+    while (budget.left()) {
+      budget.take();
+      ++given;
+    }
+  }
+  EXPECT_NEAR(given, 1000, 5);
+  budget.refill(now += 10s);
+  int burst = 0;
+  for (; budget.left(); ++burst) budget.take();
+  EXPECT_LE(burst, 4);
+}
+
+core::TickRecord record() {
+  core::TickRecord r;
+  r.tick = 77;
+  r.input.now = core::TimePoint(3s);
+  r.q = core::VecQ::Constant(2, 0.125);
+  r.tau_a = core::VecA::Constant(1, -1.5);
+  r.gain = 0.5;
+  r.input.settings.stiffness = core::VecA::Constant(1, 100.0);
+  r.state = core::DeviceState::kEngaged;
+  return r;
+}
+
+TEST(StateFrame, TheSharedBytesAreTheMessagesBytes) {
+  const core::TickRecord r = record();
+  v1::WatchResponse expected;
+  to_proto(r, *expected.mutable_state());
+  expected.set_conflated(123456);
+  StateFrame frame;
+  frame.begin(r);
+  grpc::Slice slice;
+  ASSERT_TRUE(frame.for_watch(123456).DumpToSingleSlice(&slice).ok());
+  v1::WatchResponse parsed;
+  ASSERT_TRUE(parsed.ParseFromArray(slice.begin(), static_cast<int>(slice.size())));
+  EXPECT_EQ(parsed.SerializeAsString(), expected.SerializeAsString());
+  ASSERT_TRUE(frame.for_session().DumpToSingleSlice(&slice).ok());
+  v1::SessionResponse session;
+  ASSERT_TRUE(session.ParseFromArray(slice.begin(), static_cast<int>(slice.size())));
+  EXPECT_EQ(session.state().SerializeAsString(), expected.state().SerializeAsString());
+  EXPECT_EQ(session.state().seq(), 77U);
+  EXPECT_EQ(session.state().server_time_ns(), 3'000'000'000);
+  EXPECT_EQ(session.state().stiffness_in_effect(0), 50.0);
+  EXPECT_EQ(session.state().state(), v1::DEVICE_STATE_NAME_ENGAGED);
+}
+
+TEST(StateFrame, ANewTickIsSerialisedAnew) {
+  core::TickRecord r = record();
+  StateFrame frame;
+  frame.begin(r);
+  static_cast<void>(frame.for_session());
+  core::TickRecord next = record();
+  next.tick = 78;
+  next.q.resize(0);
+  frame.begin(next);
+  grpc::Slice slice;
+  ASSERT_TRUE(frame.for_session().DumpToSingleSlice(&slice).ok());
+  v1::SessionResponse session;
+  ASSERT_TRUE(session.ParseFromArray(slice.begin(), static_cast<int>(slice.size())));
+  EXPECT_EQ(session.state().seq(), 78U);
+  EXPECT_EQ(session.state().q_size(), 0);
+}
+
+TEST(Text, OfAClientCannotSteerATerminalOrALog) {
+  EXPECT_EQ(sanitised("a\x1b[2J\nb\x7f", 64), "a?[2J?b?");
+  EXPECT_EQ(sanitised("Gr\xc3\xbc\xc3\x9f", 64), "Gr\xc3\xbc\xc3\x9f");
+  EXPECT_EQ(sanitised("ab\xc3\xbc", 3), "ab");  // never half a character
+}
+
+std::string refusal_of(const std::string& address) {
+  try {
+    check_listen_address(address);
+  } catch (const core::TransportError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ListenAddress, WithoutTlsOnlyThisHostIsServed) {
+  EXPECT_EQ(refusal_of("127.0.0.1:50051"), "");
+  EXPECT_EQ(refusal_of("127.8.9.1:0"), "");
+  EXPECT_EQ(refusal_of("localhost:1"), "");
+  EXPECT_EQ(refusal_of("[::1]:50051"), "");
+  for (const char* address : {"0.0.0.0:50051", "[::]:50051", "192.168.1.7:50051", "robot:1",
+                              "127.evil.example:1", "127.0.0.1.evil.example:1"}) {
+    EXPECT_NE(refusal_of(address).find(address), std::string::npos) << address;
+    EXPECT_NE(refusal_of(address).find("TLS"), std::string::npos) << address;
+  }
+}
+
+TEST(ListenAddress, NonsenseIsNamed) {
+  for (const char* address : {"", "localhost", ":50051", "localhost:", "localhost:70000",
+                              "localhost:http", "unix:", "unix:relative"}) {
+    EXPECT_NE(refusal_of(address), "") << address;
+  }
+  EXPECT_NE(refusal_of("unix:/" + std::string(200, 'x')).find("107"), std::string::npos);
+  EXPECT_NE(refusal_of("unix:/etc").find("no socket"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace haptic::server

@@ -1,0 +1,254 @@
+// The session stream over real sockets.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/server/support/test_client.hpp"
+
+namespace haptic::test {
+namespace {
+
+TEST(SessionService, OpensAndStatesComeDownInOrder) {
+  LiveServer server;
+  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(session.wait_opened());
+  EXPECT_EQ(session.opened().device(), "rig");
+  EXPECT_EQ(session.opened().lease_epoch(), 1U);
+  EXPECT_EQ(session.opened().lease_timeout().seconds(), 2);
+  EXPECT_EQ(session.opened().transport(), v1::TRANSPORT_GRPC);
+  EXPECT_EQ(session.opened().session_id().size(), 32U);
+  ASSERT_TRUE(eventually([&] { return session.sequence().size() > 100; }));
+  const auto sequence = session.sequence();
+  EXPECT_TRUE(std::is_sorted(sequence.begin(), sequence.end()));
+  EXPECT_EQ(std::adjacent_find(sequence.begin(), sequence.end()), sequence.end());
+}
+
+TEST(SessionService, PressesOverAUnixSocketToo) {
+  const std::string path = "/tmp/haptic_rpc_test_" + std::to_string(::getpid()) + ".sock";
+  LiveServer server({{"unix:" + path}});
+  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(session.wait_opened());
+  ASSERT_TRUE(session.press());
+  EXPECT_NEAR(session.state().tau_a(0), 1.0, 1e-9);  // 0.01 m at 100 N/m
+  EXPECT_EQ(session.state().transport(), v1::TRANSPORT_GRPC);
+}
+
+TEST(SessionService, ASecondControllerIsRefusedWithTheHoldersName) {
+  LiveServer server;
+  TestSession alice(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(alice.wait_opened());
+  TestSession bob(server.channel(), v1::ROLE_CONTROLLER, "bob");
+  ASSERT_TRUE(bob.wait_ended());
+  EXPECT_EQ(bob.status().error_code(), grpc::StatusCode::ALREADY_EXISTS);
+  EXPECT_EQ(reason_of(bob.status()), "LEASE_HELD");
+  EXPECT_NE(bob.status().error_message().find("'alice'"), std::string::npos);
+  TestSession carol(server.channel(), v1::ROLE_OBSERVER, "carol");
+  EXPECT_TRUE(carol.wait_opened());
+}
+
+TEST(SessionService, TheFirstMessageMustOpen) {
+  LiveServer server;
+  v1::SessionRequest sample;
+  sample.mutable_proxy()->set_seq(1);
+  TestSession session(server.channel(), sample);
+  ASSERT_TRUE(session.wait_ended());
+  EXPECT_EQ(session.status().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(reason_of(session.status()), "PROTOCOL");
+}
+
+TEST(SessionService, OpeningTwiceEndsTheSession) {
+  LiveServer server;
+  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(session.wait_opened());
+  session.send(open_message(v1::ROLE_CONTROLLER, "alice"));
+  ASSERT_TRUE(session.wait_ended());
+  EXPECT_EQ(session.status().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_TRUE(eventually([&] { return server.rig.sessions->controller().empty(); }));
+}
+
+TEST(SessionService, AFieldThatIsOffIsNamed) {
+  LiveServer server;
+  const auto refused_field = [&](const v1::SessionRequest& message) {
+    TestSession session(server.channel(), message);
+    EXPECT_TRUE(session.wait_ended());
+    EXPECT_EQ(session.status().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+    return field_of(session.status());
+  };
+  auto message = open_message(v1::ROLE_CONTROLLER, "alice");
+  message.mutable_open()->set_nominal_rate_hz(0);
+  EXPECT_EQ(refused_field(message), "nominal_rate_hz");
+  message = open_message(v1::ROLE_CONTROLLER, std::string(65, 'x'));
+  EXPECT_EQ(refused_field(message), "client_name");
+  message = open_message(v1::ROLE_UNSPECIFIED, "alice");
+  EXPECT_EQ(refused_field(message), "role");
+  message = open_message(v1::ROLE_OBSERVER, "alice");
+  message.mutable_open()->set_state_rate_hz(5000);
+  EXPECT_EQ(refused_field(message), "state_rate_hz");
+  message = open_message(v1::ROLE_CONTROLLER, "alice");
+  message.mutable_open()->mutable_hold_end()->set_seconds(-1);
+  EXPECT_EQ(refused_field(message), "hold_end");
+  EXPECT_EQ(server.rig.sessions->controller(), "");
+  EXPECT_EQ(server.rig.sessions->observers(), 0U);
+}
+
+TEST(SessionService, AnUnknownDeviceIsNotFoundAndTheKnownOnesAreNamed) {
+  LiveServer server;
+  auto message = open_message(v1::ROLE_OBSERVER, "alice");
+  message.mutable_open()->set_device("no such thing");
+  TestSession session(server.channel(), message);
+  ASSERT_TRUE(session.wait_ended());
+  EXPECT_EQ(session.status().error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_NE(session.status().error_message().find("'rig'"), std::string::npos);
+}
+
+TEST(SessionService, BadSamplesAreRejectedCountedAndNamedAndTheDeviceIsSafe) {
+  LiveServer server;
+  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(session.wait_opened());
+  ASSERT_TRUE(session.press());
+  const double force = session.state().tau_a(0);
+  session.publish({std::nan(""), 0.0});
+  session.publish({1e9, 0.0});
+  session.publish({0.0, 0.0, 0.0});
+  session.publish({0.01, 0.0}, 1);  // a sequence that was
+  EXPECT_TRUE(session.stream_until(0.01, [&] {
+    return session.ack().rejected_invalid() == 3 && session.ack().rejected_old() == 1;
+  }));
+  EXPECT_NE(session.ack().last_rejection().find("seq = 1"), std::string::npos);
+  EXPECT_LE(std::abs(session.state().tau_a(0)), force + 1e-9);
+  EXPECT_EQ(session.state().faults(), 0U);
+}
+
+TEST(SessionService, AnObserversSamplesAreNotUsed) {
+  LiveServer server;
+  TestSession alice(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(alice.wait_opened());
+  TestSession bob(server.channel(), v1::ROLE_OBSERVER, "bob");
+  ASSERT_TRUE(bob.wait_opened());
+  bob.publish({0.4, 0.4});
+  ASSERT_TRUE(eventually([&] { return bob.ack().rejected_old() == 1; }));
+  EXPECT_EQ(bob.state().proxy_seq_used(), 0U);
+  EXPECT_EQ(bob.engage().error_code(), grpc::StatusCode::PERMISSION_DENIED);
+}
+
+/// Looks at every tick: with the newest sample 200 ms old or older there is no elastic force, and
+/// without a lease there is soon no command at all.
+class SafetyWitness final : public server::RecordListener {
+ public:
+  void on_record(const core::TickRecord& record) override {
+    const bool old = record.input.now - record.input.proxy.born >= 200ms;
+    if (record.tau_elastic[0] != 0.0) {
+      pressed = true;
+      violated = violated || old;
+    }
+    if (record.input.command.lease_held) lease_seen_ = record.input.now;
+    const bool long_over = record.input.now - lease_seen_ >= 200ms;
+    if (long_over && record.tau_a[0] != 0.0) violated = true;
+  }
+  std::atomic<bool> pressed{false};
+  std::atomic<bool> violated{false};
+
+ private:
+  core::TimePoint lease_seen_{};
+};
+
+/// Pressing, then `leave`: force must be gone in time and the lease free without anybody's help.
+void expect_safe_after(const std::function<void(TestSession&)>& leave) {
+  LiveServer server;
+  SafetyWitness witness;
+  server.rig.telemetry->add(0, &witness);
+  TestSession observer(server.channel(), v1::ROLE_OBSERVER, "observer");
+  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(session.wait_opened());
+  ASSERT_TRUE(session.press());
+  leave(session);
+  ASSERT_TRUE(eventually([&] { return server.rig.newest().gain == 0.0; }));
+  EXPECT_TRUE(eventually([&] { return server.rig.sessions->controller().empty(); }));
+  EXPECT_TRUE(eventually([&] { return server.rig.device->force == 0.0; }));
+  EXPECT_TRUE(eventually([&] { return observer.state().state() == v1::DEVICE_STATE_NAME_IDLE; }));
+  TestSession next(server.channel(), v1::ROLE_CONTROLLER, "bob");
+  EXPECT_TRUE(next.wait_opened());
+  EXPECT_EQ(next.opened().lease_epoch(), 2U);
+  server.rig.telemetry->remove(0, &witness);
+  EXPECT_TRUE(witness.pressed);
+  EXPECT_FALSE(witness.violated);
+}
+
+TEST(SessionService, AfterACancelForceFadesAndTheLeaseIsFree) {
+  expect_safe_after([](TestSession& session) { session.cancel(); });
+}
+
+TEST(SessionService, AfterAHalfCloseForceFadesAndTheLeaseIsFree) {
+  expect_safe_after([](TestSession& session) { session.half_close(); });
+}
+
+TEST(SessionService, AfterSilenceForceFadesAndTheLeaseExpires) {
+  expect_safe_after([](TestSession&) {});
+}
+
+TEST(SessionService, AnExpiredControllerHearsOfItAndGoesOnAsObserver) {
+  server::SessionRules rules;
+  rules.lease_timeout = 500ms;
+  LiveServer server({{"127.0.0.1:0"}}, rig_config(), rules);
+  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(session.wait_opened());
+  ASSERT_TRUE(eventually([&] { return session.heard(v1::Event::KIND_LEASE_EXPIRED); }));
+  const std::size_t states = session.sequence().size();
+  EXPECT_TRUE(eventually([&] { return session.sequence().size() > states + 20; }));
+  session.publish({0.0, 0.0});
+  EXPECT_TRUE(eventually([&] { return session.ack().rejected_old() == 1; }));
+}
+
+TEST(SessionService, TheStateRateIsHonoured) {
+  LiveServer server;
+  auto message = open_message(v1::ROLE_OBSERVER, "slow");
+  message.mutable_open()->set_state_rate_hz(50);
+  TestSession session(server.channel(), message);
+  ASSERT_TRUE(eventually([&] { return session.sequence().size() > 20; }));
+  const auto sequence = session.sequence();
+  const auto ticks = sequence.back() - sequence.front();
+  EXPECT_GE(ticks + 20, (sequence.size() - 1) * 20);  // never more often than every 20th tick
+}
+
+TEST(SessionService, SessionsAreLimitedAndASlotComesBack) {
+  server::RpcConfig config{{"127.0.0.1:0"}};
+  config.max_sessions = 2;
+  LiveServer server(config);
+  TestSession first(server.channel(), v1::ROLE_OBSERVER, "1");
+  ASSERT_TRUE(first.wait_opened());
+  {
+    TestSession second(server.channel(), v1::ROLE_OBSERVER, "2");
+    ASSERT_TRUE(second.wait_opened());
+    TestSession third(server.channel(), v1::ROLE_OBSERVER, "3");
+    ASSERT_TRUE(third.wait_ended());
+    EXPECT_EQ(third.status().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  }
+  EXPECT_TRUE(eventually([&] {
+    TestSession again(server.channel(), v1::ROLE_OBSERVER, "4");
+    return again.wait_opened();
+  }));
+}
+
+TEST(SessionService, AMessageLargerThanTheLimitEndsTheSessionAndNothingElse) {
+  LiveServer server;
+  TestSession other(server.channel(), v1::ROLE_OBSERVER, "other");
+  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(session.wait_opened());
+  session.publish(std::vector<double>(20'000, 0.0));
+  ASSERT_TRUE(session.wait_ended());
+  EXPECT_EQ(session.status().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  const std::size_t states = other.sequence().size();
+  EXPECT_TRUE(eventually([&] { return other.sequence().size() > states + 20; }));
+}
+
+TEST(SessionService, ShutdownEndsEveryStreamAndSaysWhy) {
+  auto server = std::make_unique<LiveServer>();
+  TestSession session(server->channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(session.wait_opened());
+  server.reset();
+  ASSERT_TRUE(session.wait_ended());
+  EXPECT_EQ(session.status().error_code(), grpc::StatusCode::UNAVAILABLE);
+}
+
+}  // namespace
+}  // namespace haptic::test

@@ -1,0 +1,170 @@
+// Requests that a tick answers, over real sockets.
+#include <gtest/gtest.h>
+
+#include "tests/server/support/test_client.hpp"
+
+namespace haptic::test {
+namespace {
+
+class UnaryService : public testing::Test {
+ protected:
+  UnaryService() : stub(v1::HapticService::NewStub(server.channel())) {}
+
+  grpc::Status stop(const std::string& device, v1::EmergencyStopResponse* response) {
+    grpc::ClientContext context;
+    v1::EmergencyStopRequest request;
+    request.set_device(device);
+    request.set_reason("test");
+    return stub->EmergencyStop(&context, request, response);
+  }
+  grpc::Status clear(v1::ClearFaultResponse* response, std::vector<std::uint32_t> ids = {}) {
+    grpc::ClientContext context;
+    v1::ClearFaultRequest request;
+    request.mutable_fault_ids()->Add(ids.begin(), ids.end());
+    return stub->ClearFault(&context, request, response);
+  }
+  grpc::Status update(const v1::UpdateSettingsRequest& request,
+                      v1::UpdateSettingsResponse* response) {
+    grpc::ClientContext context;
+    return stub->UpdateSettings(&context, request, response);
+  }
+
+  LiveServer server;
+  std::unique_ptr<v1::HapticService::Stub> stub;
+};
+
+TEST_F(UnaryService, EngageIsRefusedWithTheReasonAndTheNumbers) {
+  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(session.wait_opened());
+  const grpc::Status silent = session.engage();
+  EXPECT_EQ(silent.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  // Which of the two comes first depends on how fast the device armed.
+  EXPECT_TRUE(reason_of(silent) == "STREAM_STALE" || reason_of(silent) == "NOT_ARMED");
+  ASSERT_TRUE(
+      session.stream_until(0.03, [&] { return reason_of(session.engage()) == "OUTSIDE_WINDOW"; }));
+  const grpc::Status outside = session.engage();
+  if (reason_of(outside) == "OUTSIDE_WINDOW") {
+    EXPECT_NE(outside.error_message().find("2.5"), std::string::npos);
+  }
+}
+
+TEST_F(UnaryService, ASessionNobodyKnowsMayAskForNothing) {
+  grpc::ClientContext context;
+  v1::EngageRequest request;
+  v1::EngageResponse response;
+  request.set_session_id("00000000000000000000000000000000");
+  const grpc::Status status = stub->Engage(&context, request, &response);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED);
+  v1::UpdateSettingsResponse settings;
+  EXPECT_EQ(update({}, &settings).error_code(), grpc::StatusCode::PERMISSION_DENIED);
+}
+
+TEST_F(UnaryService, ReleaseFadesForceOut) {
+  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(session.wait_opened());
+  ASSERT_TRUE(session.press());
+  grpc::ClientContext context;
+  v1::ReleaseRequest request;
+  v1::ReleaseResponse response;
+  request.set_session_id(session.opened().session_id());
+  ASSERT_TRUE(stub->Release(&context, request, &response).ok());
+  EXPECT_TRUE(session.stream_until(0.01, [&] {
+    return session.state().state() == v1::DEVICE_STATE_NAME_ARMED &&
+           session.state().tau_a(0) == 0.0;
+  }));
+}
+
+TEST_F(UnaryService, SettingsAreClampedToTheSceneAndSaySo) {
+  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(session.wait_opened());
+  v1::UpdateSettingsRequest request;
+  request.set_session_id(session.opened().session_id());
+  request.add_stiffness(1e6);
+  request.add_force_limit(3.0);
+  v1::UpdateSettingsResponse response;
+  ASSERT_TRUE(update(request, &response).ok());
+  EXPECT_EQ(response.stiffness(0), 100.0);
+  EXPECT_EQ(response.force_limit(0), 3.0);
+  ASSERT_EQ(response.clamped_size(), 1);
+  EXPECT_EQ(response.clamped(0).field(), "stiffness[0]");
+  EXPECT_EQ(response.clamped(0).asked(), 1e6);
+  request.add_stiffness(1.0);
+  const grpc::Status wrong_size = update(request, &response);
+  EXPECT_EQ(wrong_size.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(field_of(wrong_size), "stiffness");
+}
+
+TEST_F(UnaryService, EmergencyStopNeedsNoSessionAndLatchesUntilCleared) {
+  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(session.wait_opened());
+  ASSERT_TRUE(session.press());
+  v1::EmergencyStopResponse stopped;
+  ASSERT_TRUE(stop("", &stopped).ok());
+  ASSERT_EQ(stopped.stopped_size(), 1);
+  EXPECT_EQ(stopped.stopped(0), "rig");
+  EXPECT_EQ(server.rig.newest().state, core::DeviceState::kFault);
+  EXPECT_EQ(server.rig.device->force, 0.0);
+  EXPECT_TRUE(eventually([&] { return session.heard(v1::Event::KIND_FAULT); }));
+  v1::ClearFaultResponse cleared;
+  ASSERT_TRUE(clear(&cleared).ok());
+  ASSERT_EQ(cleared.cleared_size(), 1);
+  EXPECT_EQ(cleared.cleared(0), 7U);
+  EXPECT_TRUE(eventually([&] { return session.heard(v1::Event::KIND_FAULT_CLEARED); }));
+}
+
+TEST_F(UnaryService, AnEmergencyStopOfAnUnknownDeviceIsAnError) {
+  v1::EmergencyStopResponse stopped;
+  EXPECT_EQ(stop("nothing", &stopped).error_code(), grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_F(UnaryService, AFaultWhoseCausePersistsIsNotCleared) {
+  server.rig.device->lost = true;
+  ASSERT_TRUE(eventually([&] { return server.rig.newest().faults.any(); }));
+  v1::ClearFaultResponse cleared;
+  const grpc::Status status = clear(&cleared);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_EQ(reason_of(status), "FAULT_PERSISTS");
+  EXPECT_EQ(clear(&cleared, {32}).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(UnaryService, ALoopThatHangsIsAnAnswerNotAWait) {
+  server.hung = true;
+  v1::EmergencyStopResponse stopped;
+  const grpc::Status status = stop("", &stopped);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_EQ(reason_of(status), "NO_ANSWER");
+  server.hung = false;
+  // The stop was posted all the same.
+  EXPECT_TRUE(eventually([&] { return server.rig.newest().state == core::DeviceState::kFault; }));
+}
+
+TEST_F(UnaryService, ServerInfoAndDevicesSayWhatThereIs) {
+  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice\n");
+  ASSERT_TRUE(session.wait_opened());
+  grpc::ClientContext first;
+  v1::GetServerInfoResponse info;
+  ASSERT_TRUE(stub->GetServerInfo(&first, {}, &info).ok());
+  EXPECT_EQ(info.version(), "1.2.3");
+  EXPECT_EQ(info.protocol(), "haptic.v1");
+  EXPECT_EQ(info.sessions(), 1U);
+  EXPECT_EQ(info.loop().ticks(), 42U);
+  EXPECT_EQ(info.insecure_size(), 1);
+  grpc::ClientContext second;
+  v1::ListDevicesResponse list;
+  ASSERT_TRUE(stub->ListDevices(&second, {}, &list).ok());
+  ASSERT_EQ(list.devices_size(), 1);
+  const v1::Device& device = list.devices(0);
+  EXPECT_EQ(device.name(), "rig");
+  EXPECT_EQ(device.controller(), "alice?");
+  ASSERT_EQ(device.dofs_size(), 2);
+  EXPECT_TRUE(device.dofs(0).actuated());
+  EXPECT_EQ(device.dofs(0).max_effort(), 20.0);
+  EXPECT_EQ(device.dofs(1).max_effort(), 0.0);
+  EXPECT_EQ(device.coordinates_size(), 2);
+  EXPECT_EQ(device.stiffness_limit(0), 100.0);
+  EXPECT_EQ(device.loop_rate_hz(), 1000.0);
+  EXPECT_EQ(device.observers(), 0U);
+}
+
+}  // namespace
+}  // namespace haptic::test

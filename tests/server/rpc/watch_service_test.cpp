@@ -1,0 +1,123 @@
+// Watching, and watching by many, over real sockets.
+#include <gtest/gtest.h>
+
+#include "tests/server/support/test_client.hpp"
+
+namespace haptic::test {
+namespace {
+
+/// Reads one watch on its own thread.
+class TestWatch {
+ public:
+  TestWatch(const std::shared_ptr<grpc::Channel>& channel, double rate_hz)
+      : stub_(v1::HapticService::NewStub(channel)) {
+    v1::WatchRequest request;
+    request.set_rate_hz(rate_hz);
+    reader_ = stub_->Watch(&context_, request);
+    thread_ = std::thread([this] { read(); });
+  }
+  ~TestWatch() {
+    context_.TryCancel();
+    thread_.join();
+    static_cast<void>(reader_->Finish());
+  }
+  [[nodiscard]] std::vector<std::uint64_t> sequence() {
+    const std::lock_guard lock(mutex_);
+    return sequence_;
+  }
+  [[nodiscard]] std::uint64_t conflated() {
+    const std::lock_guard lock(mutex_);
+    return conflated_;
+  }
+  [[nodiscard]] bool heard(v1::Event::Kind kind) {
+    const std::lock_guard lock(mutex_);
+    return std::any_of(events_.begin(), events_.end(),
+                       [&](const v1::Event& e) { return e.kind() == kind; });
+  }
+
+ private:
+  void read() {
+    v1::WatchResponse message;
+    while (reader_->Read(&message)) {
+      const std::lock_guard lock(mutex_);
+      if (message.has_event()) events_.push_back(message.event());
+      if (message.has_state()) sequence_.push_back(message.state().seq());
+      conflated_ = message.conflated();
+    }
+  }
+  grpc::ClientContext context_;
+  std::unique_ptr<v1::HapticService::Stub> stub_;
+  std::unique_ptr<grpc::ClientReader<v1::WatchResponse>> reader_;
+  std::mutex mutex_;
+  std::vector<std::uint64_t> sequence_;
+  std::vector<v1::Event> events_;
+  std::uint64_t conflated_{0};
+  std::thread thread_;
+};
+
+TEST(WatchService, StatesComeAtTheRequestedRateAndNotMoreOften) {
+  LiveServer server;
+  TestWatch watch(server.channel(), 100.0);
+  ASSERT_TRUE(eventually([&] { return watch.sequence().size() > 30; }));
+  const auto sequence = watch.sequence();
+  EXPECT_TRUE(std::is_sorted(sequence.begin(), sequence.end()));
+  EXPECT_GE(sequence.back() - sequence.front() + 10, (sequence.size() - 1) * 10);
+}
+
+TEST(WatchService, EventsReachAWatcher) {
+  LiveServer server;
+  TestWatch watch(server.channel(), 1.0);
+  ASSERT_TRUE(eventually([&] { return server.rig.sessions->observers() == 1; }));
+  server.rig.sessions->emergency_stop("", [](const server::Outcome<server::Done>&) {});
+  EXPECT_TRUE(eventually([&] { return watch.heard(v1::Event::KIND_FAULT); }));
+}
+
+TEST(WatchService, AWrongRateOrDeviceIsRefused) {
+  LiveServer server;
+  auto stub = v1::HapticService::NewStub(server.channel());
+  const auto status_of = [&](const v1::WatchRequest& request) {
+    grpc::ClientContext context;
+    auto reader = stub->Watch(&context, request);
+    v1::WatchResponse message;
+    while (reader->Read(&message)) {
+    }
+    return reader->Finish();
+  };
+  v1::WatchRequest request;
+  request.set_rate_hz(0.5);
+  EXPECT_EQ(field_of(status_of(request)), "rate_hz");
+  request.set_rate_hz(0);
+  request.set_device("nothing");
+  EXPECT_EQ(status_of(request).error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(server.rig.sessions->observers(), 0U);
+}
+
+TEST(WatchService, OverTheBudgetWatchersAreConflatedFairlyAndCountedAndTheControllerIsNot) {
+  server::RpcConfig config{{"127.0.0.1:0"}};
+  config.watch_budget_hz = 500;
+  LiveServer server(config);
+  TestSession controller(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(controller.wait_opened());
+  std::vector<std::unique_ptr<TestWatch>> watches;
+  for (int i = 0; i < 4; ++i) {
+    watches.push_back(std::make_unique<TestWatch>(server.channel(), 1000.0));
+  }
+  ASSERT_TRUE(eventually([&] {
+    return std::all_of(watches.begin(), watches.end(),
+                       [](auto& w) { return w->sequence().size() > 100; });
+  }));
+  std::size_t least = SIZE_MAX;
+  std::size_t most = 0;
+  for (auto& watch : watches) {
+    const auto sequence = watch->sequence();
+    least = std::min(least, sequence.size());
+    most = std::max(most, sequence.size());
+    EXPECT_GT(watch->conflated(), 0U);
+  }
+  EXPECT_LT(most, 3 * least);
+  // All four together got half of the ticks or less; the controller is not asked to share.
+  EXPECT_GT(controller.sequence().size(), 2 * most);
+}
+
+}  // namespace
+}  // namespace haptic::test

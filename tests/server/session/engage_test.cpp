@@ -1,0 +1,159 @@
+#include <gtest/gtest.h>
+
+#include "tests/server/support/device_rig.hpp"
+
+namespace haptic::test {
+namespace {
+
+using core::DeviceState;
+using server::Done;
+using server::Outcome;
+
+TEST(Engage, NeedsTheLease) {
+  DeviceRig rig;
+  rig.tick(3);
+  EXPECT_EQ(rig.engage("nobody"), "NOT_CONTROLLER");
+}
+
+TEST(Engage, NeedsAStreamAtAll) {
+  DeviceRig rig;
+  rig.control();
+  EXPECT_EQ(rig.engage(), "STREAM_STALE");
+}
+
+TEST(Engage, NeedsTenSamples) {
+  DeviceRig rig;
+  rig.control();
+  for (int i = 0; i < 8; ++i) {
+    rig.publish(0.0);
+    rig.tick(30);
+  }
+  EXPECT_EQ(rig.engage(), "TOO_FEW_SAMPLES");
+  EXPECT_NE(rig.refusal.find("10"), std::string::npos);
+}
+
+TEST(Engage, NeedsTwoHundredMillisecondsWithoutAGap) {
+  DeviceRig rig;
+  rig.control();
+  rig.stream(150, 0.0);
+  EXPECT_EQ(rig.engage(), "STREAM_TOO_YOUNG");
+  EXPECT_NE(rig.refusal.find("200"), std::string::npos);
+}
+
+TEST(Engage, AGapOverHoldEndStartsTheWaitAnew) {
+  DeviceRig rig;
+  rig.control();
+  rig.stream(300, 0.0);
+  rig.tick(101);
+  rig.stream(50, 0.0);
+  EXPECT_EQ(rig.engage(), "STREAM_TOO_YOUNG");
+}
+
+TEST(Engage, NeedsAProxyYoungerThanHoldEnd) {
+  DeviceRig rig;
+  rig.control();
+  rig.stream(300, 0.0);
+  rig.tick(110);
+  EXPECT_EQ(rig.engage(), "STREAM_STALE");
+}
+
+TEST(Engage, NeedsAFreshDeviceSample) {
+  DeviceRig rig;
+  rig.control();
+  rig.stream(300, 0.0);
+  rig.device->silent = true;
+  rig.stream(5, 0.0);  // beyond 3 periods, below max_silence
+  EXPECT_EQ(rig.engage(), "DEVICE_STALE");
+}
+
+TEST(Engage, NeedsTheForceToStartWithinTheWindow) {
+  DeviceRig rig;
+  rig.control();
+  rig.stream(300, 0.03);  // 3 N, the window is 2.5 N
+  EXPECT_EQ(rig.engage(), "OUTSIDE_WINDOW");
+  EXPECT_NE(rig.refusal.find("3 "), std::string::npos);
+  EXPECT_NE(rig.refusal.find("2.5"), std::string::npos);
+  EXPECT_EQ(rig.newest().tau_a[0], 0.0);
+}
+
+TEST(Engage, NeedsArmed) {
+  DeviceRig rig;
+  rig.control();
+  rig.stream(300, 0.0);
+  rig.sessions->emergency_stop("", [](const Outcome<Done>&) {});
+  rig.stream(2, 0.0);
+  EXPECT_EQ(rig.engage(), "NOT_ARMED");
+  EXPECT_NE(rig.refusal.find("FAULT"), std::string::npos);
+}
+
+TEST(Engage, ForceRampsUpAndReleaseRampsItDown) {
+  DeviceRig rig;
+  rig.control();
+  rig.stream(250, 0.01);
+  EXPECT_EQ(rig.engage(), "");
+  EXPECT_EQ(rig.state(), DeviceState::kEngaging);
+  rig.stream(250, 0.01);
+  EXPECT_EQ(rig.state(), DeviceState::kEngaged);
+  EXPECT_NEAR(rig.device->force, 1.0, 1e-9);
+  bool released = false;
+  rig.sessions->release("s1", [&](const Outcome<Done>& outcome) { released = bool(outcome); });
+  rig.stream(1, 0.01);
+  EXPECT_TRUE(released);
+  EXPECT_EQ(rig.state(), DeviceState::kReleasing);
+  rig.stream(200, 0.01);
+  EXPECT_EQ(rig.state(), DeviceState::kArmed);
+  EXPECT_EQ(rig.device->force, 0.0);
+}
+
+TEST(Engage, ReleaseIsIdempotent) {
+  DeviceRig rig;
+  rig.control();
+  for (int i = 0; i < 2; ++i) {
+    bool released = false;
+    rig.sessions->release("s1", [&](const Outcome<Done>& outcome) { released = bool(outcome); });
+    rig.tick();
+    EXPECT_TRUE(released);
+  }
+  EXPECT_EQ(rig.state(), DeviceState::kArmed);
+}
+
+TEST(Engage, AfterForceWasLostItMustBeAskedForAnew) {
+  DeviceRig rig;
+  const auto queue = rig.sessions->subscribe("s1");
+  rig.control();
+  rig.press();
+  rig.tick(200);
+  EXPECT_EQ(rig.state(), DeviceState::kArmed);
+  bool lost = false;
+  while (auto event = queue->pop()) lost |= event->kind == server::DeviceEvent::Kind::kLost;
+  EXPECT_TRUE(lost);
+  rig.stream(400, 0.01);
+  EXPECT_EQ(rig.device->force, 0.0);
+  EXPECT_EQ(rig.engage(), "");
+}
+
+TEST(Engage, ABurstAfterAStallDoesNotSaveAForceThatIsFading) {
+  DeviceRig rig;
+  rig.control();
+  rig.press();
+  rig.tick(150);  // fading: 50 of 80 ms
+  const double before = rig.newest().gain;
+  ASSERT_LT(before, 0.5);
+  for (int i = 0; i < 150; ++i) rig.publish(0.01);
+  rig.tick();
+  EXPECT_LT(rig.newest().gain, before);
+  EXPECT_EQ(rig.newest().input.proxy.seq, rig.seq);  // but where it is, is the newest
+}
+
+TEST(Engage, ALeaseThatEndsBeforeTheAnswerRefusesIt) {
+  DeviceRig rig;
+  rig.control();
+  std::string reason;
+  rig.sessions->engage("s1",
+                       [&](const Outcome<Done>& outcome) { reason = outcome.refusal.reason; });
+  rig.sessions->close("s1");
+  EXPECT_EQ(reason, "NOT_CONTROLLER");
+}
+
+}  // namespace
+}  // namespace haptic::test

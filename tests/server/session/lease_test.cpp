@@ -1,0 +1,263 @@
+#include <gtest/gtest.h>
+
+#include "tests/server/support/device_rig.hpp"
+
+namespace haptic::test {
+namespace {
+
+using core::DeviceState;
+using server::DeviceEvent;
+using server::IngressVerdict;
+using server::Lease;
+using server::LeaseRequest;
+using server::Outcome;
+using server::Refusal;
+
+LeaseRequest request(const std::string& id, const std::string& name) {
+  LeaseRequest r;
+  r.session_id = id;
+  r.client_name = name;
+  r.nominal_rate_hz = 60.0;
+  return r;
+}
+
+/// The answer of open_controller, or nothing while it is open.
+struct Reply {
+  std::optional<Lease> lease;
+  std::optional<Refusal> refusal;
+  server::LeaseAnswer take() {
+    return [this](const Outcome<Lease>& outcome) {
+      if (outcome) {
+        lease = *outcome.value;
+      } else {
+        refusal = outcome.refusal;
+      }
+    };
+  }
+};
+
+/// Every event that waits in a queue, as "REASON".
+std::vector<std::string> reasons(server::EventQueue& queue) {
+  std::vector<std::string> all;
+  while (auto event = queue.pop()) all.push_back(event->reason);
+  return all;
+}
+
+bool contains(const std::vector<std::string>& all, const std::string& one) {
+  return std::find(all.begin(), all.end(), one) != all.end();
+}
+
+TEST(Lease, AFreeDeviceIsGrantedAtOnceAndArms) {
+  DeviceRig rig;
+  rig.tick(3);
+  EXPECT_EQ(rig.state(), DeviceState::kIdle);
+  Reply reply;
+  rig.sessions->open_controller(request("s1", "alice"), rig.now, reply.take());
+  ASSERT_TRUE(reply.lease.has_value());
+  EXPECT_EQ(reply.lease->epoch, 1U);
+  EXPECT_EQ(rig.sessions->controller(), "alice");
+  rig.tick(5);
+  EXPECT_EQ(rig.state(), DeviceState::kArmed);
+}
+
+TEST(Lease, BeforeTheLoopTicksALeaseIsGrantedToo) {
+  DeviceRig rig;
+  Reply reply;
+  rig.sessions->open_controller(request("s1", "alice"), rig.now, reply.take());
+  EXPECT_TRUE(reply.lease.has_value());
+}
+
+TEST(Lease, ASecondControllerIsRefusedWithTheHoldersName) {
+  DeviceRig rig;
+  rig.control("s1", "alice");
+  Reply reply;
+  rig.sessions->open_controller(request("s2", "bob"), rig.now, reply.take());
+  ASSERT_TRUE(reply.refusal.has_value());
+  EXPECT_EQ(reply.refusal->code, Refusal::Code::kExists);
+  EXPECT_EQ(reply.refusal->reason, "LEASE_HELD");
+  EXPECT_NE(reply.refusal->message.find("'alice'"), std::string::npos);
+  rig.tick(10);
+  EXPECT_EQ(rig.sessions->controller(), "alice");
+}
+
+TEST(Lease, TheEpochRisesByOneWithEveryController) {
+  DeviceRig rig;
+  for (std::uint32_t n = 1; n <= 4; ++n) {
+    const std::string id = "s" + std::to_string(n);
+    EXPECT_EQ(rig.control(id).epoch, n);
+    rig.sessions->close(id);
+  }
+}
+
+TEST(Lease, ItsClockRunsFromTheOpeningBeforeTheFirstSample) {
+  DeviceRig rig;
+  rig.tick(5);
+  Reply reply;
+  rig.sessions->open_controller(request("s1", "alice"), rig.now, reply.take());
+  const auto queue = rig.sessions->subscribe("s1");
+  rig.tick(1999);
+  EXPECT_TRUE(rig.sessions->holds_lease("s1"));
+  rig.tick(1);
+  EXPECT_FALSE(rig.sessions->holds_lease("s1"));
+  EXPECT_TRUE(contains(reasons(*queue), "LEASE_EXPIRED"));
+  rig.tick(5);
+  EXPECT_EQ(rig.state(), DeviceState::kIdle);
+}
+
+TEST(Lease, ItsClockRunsFromTheLastAcceptedSample) {
+  DeviceRig rig;
+  rig.control();
+  rig.stream(3000, 0.0);  // the last one is published one tick before `now`
+  rig.tick(1998);
+  EXPECT_TRUE(rig.sessions->holds_lease("s1"));
+  rig.tick(1);
+  EXPECT_FALSE(rig.sessions->holds_lease("s1"));
+}
+
+TEST(Lease, AFloodOfOldOrInvalidSamplesDoesNotKeepItAlive) {
+  DeviceRig rig;
+  rig.control();
+  rig.press();
+  ASSERT_EQ(rig.state(), DeviceState::kEngaged);
+  const std::uint64_t newest = rig.seq;
+  int until_force_is_gone = 0;
+  for (int i = 1; i <= 2000; ++i) {
+    const bool held = rig.sessions->holds_lease("s1");
+    rig.seq = newest - 1;
+    EXPECT_EQ(rig.publish(0.01), held ? IngressVerdict::kOldSequence : IngressVerdict::kOldEpoch);
+    rig.seq = newest + 1000;
+    EXPECT_EQ(rig.publish(2000.0), held ? IngressVerdict::kOutOfBounds : IngressVerdict::kOldEpoch);
+    rig.tick();
+    if (rig.newest().tau_elastic[0] != 0.0) until_force_is_gone = i;
+  }
+  EXPECT_LT(until_force_is_gone, 200);
+  EXPECT_FALSE(rig.sessions->holds_lease("s1"));
+  rig.tick(2);
+  EXPECT_EQ(rig.state(), DeviceState::kIdle);
+  EXPECT_EQ(rig.device->force, 0.0);
+}
+
+TEST(Lease, AnExpiredHolderBecomesAnObserverOfTheSameStream) {
+  DeviceRig rig;
+  const auto queue = rig.sessions->subscribe("s1");
+  rig.control();
+  EXPECT_EQ(rig.sessions->observers(), 0U);
+  rig.tick(2100);
+  EXPECT_EQ(rig.sessions->observers(), 1U);
+  EXPECT_EQ(rig.sessions->controller(), "");
+  EXPECT_EQ(rig.publish(0.0), IngressVerdict::kOldEpoch);
+  EXPECT_EQ(rig.engage(), "NOT_CONTROLLER");
+  static_cast<void>(reasons(*queue));
+  rig.control("s2", "bob");
+  EXPECT_TRUE(contains(reasons(*queue), "IDLE -> ARMED"));  // it still hears what happens
+}
+
+TEST(Lease, AfterTheHolderIsGoneForceIsZeroWithin200Milliseconds) {
+  DeviceRig rig;
+  rig.control();
+  rig.press();
+  ASSERT_EQ(rig.state(), DeviceState::kEngaged);
+  ASSERT_NEAR(rig.newest().tau_elastic[0], 1.0, 1e-9);
+  rig.sessions->close("s1");
+  double last = 1.0;
+  int ticks = 0;
+  while (rig.newest().tau_elastic[0] != 0.0 && ticks < 1000) {
+    rig.tick();
+    ++ticks;
+    EXPECT_LE(rig.newest().tau_elastic[0], last);
+    last = rig.newest().tau_elastic[0];
+  }
+  EXPECT_LT(ticks, 200);
+  EXPECT_GT(ticks, 10);  // faded, not dropped
+  rig.tick(2);
+  EXPECT_EQ(rig.state(), DeviceState::kIdle);
+}
+
+TEST(Lease, ANewcomerIsAnsweredWhenThePredecessorsForceIsGone) {
+  DeviceRig rig;
+  rig.control("s1", "alice");
+  rig.press();
+  rig.sessions->close("s1");
+  Reply bob;
+  rig.sessions->open_controller(request("s2", "bob"), rig.now, bob.take());
+  EXPECT_FALSE(bob.lease.has_value());
+  Reply carol;
+  rig.sessions->open_controller(request("s3", "carol"), rig.now, carol.take());
+  ASSERT_TRUE(carol.refusal.has_value());
+  EXPECT_NE(carol.refusal->message.find("'bob'"), std::string::npos);
+  for (int i = 0; i < 200 && !bob.lease; ++i) {
+    rig.tick();
+    EXPECT_EQ(bob.lease.has_value(), rig.newest().gain == 0.0);
+  }
+  ASSERT_TRUE(bob.lease.has_value());
+  EXPECT_EQ(bob.lease->epoch, 2U);
+  rig.tick(5);
+  EXPECT_EQ(rig.state(), DeviceState::kArmed);
+}
+
+TEST(Lease, ANewcomerWhoLeavesWhileWaitingLeavesNothingBehind) {
+  DeviceRig rig;
+  rig.control();
+  rig.press();
+  rig.sessions->close("s1");
+  Reply bob;
+  rig.sessions->open_controller(request("s2", "bob"), rig.now, bob.take());
+  rig.sessions->close("s2");
+  rig.tick(300);
+  EXPECT_FALSE(bob.lease.has_value());
+  EXPECT_EQ(rig.sessions->controller(), "");
+  EXPECT_EQ(rig.control("s3").epoch, 2U);
+}
+
+TEST(Lease, LimitsMayBeTightenedNeverWidened) {
+  DeviceRig rig;
+  LeaseRequest r = request("s1", "alice");
+  r.hold_end = 60ms;
+  r.fade_end = 10s;
+  Reply reply;
+  rig.sessions->open_controller(r, rig.now, reply.take());
+  ASSERT_TRUE(reply.lease.has_value());
+  EXPECT_EQ(reply.lease->staleness.hold_end, 60ms);
+  EXPECT_EQ(reply.lease->staleness.fade_end, 180ms);
+  // 2.5 periods of 60 Hz
+  EXPECT_NEAR(core::seconds(reply.lease->staleness.fresh_end), 2.5 / 60.0, 1e-6);
+}
+
+TEST(Lease, LimitsThatDoNotHoldTogetherAreRefusedByName) {
+  DeviceRig rig;
+  LeaseRequest r = request("s1", "alice");
+  r.fade_end = 120ms;  // hold_end is 100 ms: a fade of 20 ms is a jerk
+  Reply reply;
+  rig.sessions->open_controller(r, rig.now, reply.take());
+  ASSERT_TRUE(reply.refusal.has_value());
+  EXPECT_EQ(reply.refusal->code, Refusal::Code::kInvalid);
+  EXPECT_NE(reply.refusal->field.find("fade_end"), std::string::npos);
+  EXPECT_NE(reply.refusal->message.find("120"), std::string::npos);
+  for (const double rate : {0.0, 0.5, 2001.0, -1.0, std::nan("")}) {
+    LeaseRequest wrong = request("s1", "alice");
+    wrong.nominal_rate_hz = rate;
+    Reply answer;
+    rig.sessions->open_controller(wrong, rig.now, answer.take());
+    ASSERT_TRUE(answer.refusal.has_value()) << rate;
+    EXPECT_EQ(answer.refusal->field, "nominal_rate_hz");
+  }
+}
+
+TEST(Lease, ClosingRefusesNewcomersAndTellsEveryone) {
+  DeviceRig rig;
+  const auto queue = rig.sessions->subscribe("s1");
+  rig.control();
+  rig.press();
+  rig.sessions->begin_closing();
+  rig.tick(300);
+  EXPECT_EQ(rig.state(), DeviceState::kClosing);
+  EXPECT_EQ(rig.device->force, 0.0);
+  EXPECT_TRUE(contains(reasons(*queue), "CLOSING"));
+  Reply reply;
+  rig.sessions->open_controller(request("s2", "bob"), rig.now, reply.take());
+  ASSERT_TRUE(reply.refusal.has_value());
+  EXPECT_EQ(reply.refusal->code, Refusal::Code::kUnavailable);
+}
+
+}  // namespace
+}  // namespace haptic::test

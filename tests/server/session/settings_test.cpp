@@ -1,0 +1,149 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/server/support/device_rig.hpp"
+
+namespace haptic::test {
+namespace {
+
+using core::RendererKind;
+using server::Refusal;
+using server::SettingsRequest;
+
+TEST(Settings, AreTightenedAndClampsAreReported) {
+  DeviceRig rig;
+  rig.control();
+  SettingsRequest request;
+  request.stiffness = {40.0};
+  request.force_limit = {50.0};  // the scene's is 10 N
+  const auto answer = rig.sessions->update_settings("s1", request);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer.value->applied.stiffness[0], 40.0);
+  EXPECT_EQ(answer.value->applied.force_limit[0], 10.0);
+  ASSERT_EQ(answer.value->clamped.size(), 1U);
+  EXPECT_EQ(answer.value->clamped[0].field, "force_limit[0]");
+  EXPECT_EQ(answer.value->clamped[0].asked, 50.0);
+  EXPECT_EQ(answer.value->clamped[0].applied, 10.0);
+  rig.press();
+  EXPECT_NEAR(rig.device->force, 0.4, 1e-9);  // 0.01 m at 40 N/m
+}
+
+TEST(Settings, MayRiseAgainWithinTheScene) {
+  DeviceRig rig;
+  rig.control();
+  SettingsRequest request;
+  request.stiffness = {40.0};
+  ASSERT_TRUE(rig.sessions->update_settings("s1", request));
+  request.stiffness = {90.0};
+  const auto answer = rig.sessions->update_settings("s1", request);
+  EXPECT_EQ(answer.value->applied.stiffness[0], 90.0);
+  EXPECT_TRUE(answer.value->clamped.empty());
+}
+
+TEST(Settings, OfTheWrongSizeOrNoNumberAreRefusedByFieldAndChangeNothing) {
+  DeviceRig rig;
+  rig.control();
+  const auto refused = [&](const SettingsRequest& request) {
+    const auto answer = rig.sessions->update_settings("s1", request);
+    EXPECT_FALSE(answer);
+    EXPECT_EQ(answer.refusal.code, Refusal::Code::kInvalid);
+    return answer.refusal.field;
+  };
+  SettingsRequest request;
+  request.stiffness = {1.0, 2.0};
+  EXPECT_EQ(refused(request), "stiffness");
+  request.stiffness = {std::nan("")};
+  EXPECT_EQ(refused(request), "stiffness[0]");
+  request.stiffness = {10.0};
+  request.damping = {-1.0};
+  EXPECT_EQ(refused(request), "damping[0]");
+  request.damping = {};
+  request.slew_limit = {0.0};
+  EXPECT_EQ(refused(request), "slew_limit[0]");
+  EXPECT_EQ(rig.sessions->settings().stiffness[0], 100.0);
+}
+
+TEST(Settings, AreTheControllersAlone) {
+  DeviceRig rig;
+  rig.control();
+  const auto answer = rig.sessions->update_settings("s2", {});
+  EXPECT_EQ(answer.refusal.code, Refusal::Code::kPermission);
+}
+
+TEST(Settings, TheRendererChangesOnlyWhileNoForceIsOn) {
+  DeviceRig rig;
+  rig.control();
+  SettingsRequest request;
+  request.renderer = RendererKind::kStandard;
+  ASSERT_TRUE(rig.sessions->update_settings("s1", request));
+  rig.press();
+  ASSERT_EQ(rig.state(), core::DeviceState::kEngaged);
+  EXPECT_EQ(rig.newest().input.settings.renderer, RendererKind::kStandard);
+  request.renderer = RendererKind::kSubspaceLinear;
+  const auto answer = rig.sessions->update_settings("s1", request);
+  EXPECT_EQ(answer.refusal.code, Refusal::Code::kPrecondition);
+  EXPECT_NE(answer.refusal.message.find("ENGAGED"), std::string::npos);
+}
+
+TEST(Settings, TheRendererDoesNotChangeUnderAnEngageThatIsOnItsWay) {
+  DeviceRig rig;
+  rig.control();
+  rig.stream(250, 0.01);
+  rig.sessions->engage("s1", [](const server::Outcome<server::Done>&) {});
+  SettingsRequest request;
+  request.renderer = RendererKind::kStandard;
+  EXPECT_FALSE(rig.sessions->update_settings("s1", request));
+}
+
+TEST(Settings, TheScenesGuardCannotBeSwitchedOff) {
+  core::PipelineConfig config = rig_config();
+  config.scene.direction_guard = true;
+  DeviceRig rig(config);
+  rig.control();
+  SettingsRequest request;
+  request.direction_guard = false;
+  const auto answer = rig.sessions->update_settings("s1", request);
+  EXPECT_EQ(answer.refusal.reason, "GUARD_REQUIRED");
+}
+
+TEST(Settings, AGuardThatASessionSwitchedOnItMaySwitchOff) {
+  DeviceRig rig;
+  rig.control();
+  SettingsRequest request;
+  request.direction_guard = true;
+  EXPECT_TRUE(rig.sessions->update_settings("s1", request).value->applied.direction_guard);
+  request.direction_guard = false;
+  EXPECT_FALSE(rig.sessions->update_settings("s1", request).value->applied.direction_guard);
+}
+
+TEST(Settings, GoBackToTheScenesWhenTheLeaseEndedAndNotBeforeForceIsGone) {
+  DeviceRig rig;
+  rig.control();
+  SettingsRequest request;
+  request.stiffness = {40.0};
+  ASSERT_TRUE(rig.sessions->update_settings("s1", request));
+  rig.press();
+  rig.sessions->close("s1");
+  for (int i = 0; i < 200; ++i) {
+    rig.tick();
+    if (rig.newest().gain > 0.0) {
+      EXPECT_EQ(rig.newest().input.settings.stiffness[0], 40.0);
+    }
+  }
+  EXPECT_EQ(rig.newest().input.settings.stiffness[0], 100.0);
+}
+
+TEST(Settings, ANewControllerStartsWithTheScenes) {
+  DeviceRig rig;
+  rig.control("s1");
+  SettingsRequest request;
+  request.stiffness = {40.0};
+  ASSERT_TRUE(rig.sessions->update_settings("s1", request));
+  rig.sessions->close("s1");
+  rig.control("s2");
+  EXPECT_EQ(rig.sessions->settings().stiffness[0], 100.0);
+}
+
+}  // namespace
+}  // namespace haptic::test

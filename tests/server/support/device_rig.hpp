@@ -1,0 +1,126 @@
+#pragma once
+/// A device with its unit, telemetry and sessions, ticked by hand on virtual time. The map is the
+/// identity (x = q, two coordinates), the spring 100 N/m, so that a force is a proxy's first
+/// coordinate times 100.
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "haptic/core/model/linear.hpp"
+#include "server/rt/device_unit.hpp"
+#include "server/session/device_sessions.hpp"
+#include "server/telemetry/telemetry.hpp"
+#include "tests/server/support/scripted_device.hpp"
+
+namespace haptic::test {
+
+using namespace std::chrono_literals;
+
+inline core::PipelineConfig rig_config() {
+  core::LinearMap map;
+  map.dofs = ScriptedDevice::dofs();
+  map.coordinates = {{"a", core::Unit::kMetre, core::CoordinateKind::kLinear},
+                     {"b", core::Unit::kMetre, core::CoordinateKind::kLinear}};
+  map.A = core::MatXQ::Identity(2, 2);
+  map.x_0 = core::VecX::Zero(2);
+  core::PipelineConfig config;
+  config.kinematics = core::make_linear(map);
+  config.device = ScriptedDevice().info().limits;
+  config.scene.stiffness = core::VecA::Constant(1, 100.0);
+  config.scene.damping = core::VecA::Constant(1, 1.0);
+  config.scene.force_limit = core::VecA::Constant(1, 10.0);
+  config.scene.slew_limit = core::VecA::Constant(1, 1000.0);
+  config.scene.engage_window = core::VecA::Constant(1, 2.5);
+  return config;
+}
+
+class DeviceRig {
+ public:
+  static constexpr core::Duration kTick = 1ms;
+
+  explicit DeviceRig(core::PipelineConfig config = rig_config(), server::SessionRules rules = {},
+                     core::TimePoint start = core::TimePoint(1h)) {
+    auto owned = std::make_unique<ScriptedDevice>();
+    device = owned.get();
+    unit = std::make_unique<server::DeviceUnit>("rig", std::move(owned), std::move(config));
+    telemetry = std::make_unique<server::Telemetry>(std::vector<server::DeviceUnit*>{unit.get()});
+    sessions = std::make_unique<server::DeviceSessions>(*unit, *telemetry, 0, rules);
+    now = start;
+  }
+
+  void tick(int n = 1) {
+    for (int i = 0; i < n; ++i) {
+      now += kTick;
+      unit->tick(now, kTick, {});
+      telemetry->drain();
+    }
+  }
+
+  [[nodiscard]] core::TickRecord newest() const { return sessions->newest(); }
+  [[nodiscard]] core::DeviceState state() const { return newest().state; }
+
+  /// Opens a controller of 1 kHz and ticks until it is answered and the device armed.
+  server::Lease control(const std::string& id = "s1", const std::string& client = "alice") {
+    std::optional<server::Lease> lease;
+    server::LeaseRequest request;
+    request.session_id = id;
+    request.client_name = client;
+    request.nominal_rate_hz = 1000.0;
+    sessions->open_controller(request, now, [&](const server::Outcome<server::Lease>& outcome) {
+      if (outcome) lease = *outcome.value;
+    });
+    for (int i = 0; i < 400 && (!lease || state() != core::DeviceState::kArmed); ++i) tick();
+    epoch = lease ? lease->epoch : 0;
+    return lease.value_or(server::Lease{});
+  }
+
+  server::IngressVerdict publish(double a, double b = 0.0) {
+    const double position[2] = {a, b};
+    server::ProxyCandidate candidate;
+    candidate.epoch = epoch;
+    candidate.seq = ++seq;
+    candidate.mode = core::ProxyMode::kHeld;
+    candidate.position = position;
+    candidate.position_size = 2;
+    return sessions->ingress().accept(candidate, now);
+  }
+
+  /// One sample per tick.
+  void stream(int ticks, double a) {
+    for (int i = 0; i < ticks; ++i) {
+      publish(a);
+      tick();
+    }
+  }
+
+  /// Asks for force and ticks once; the refusal's reason, empty where force was granted.
+  std::string engage(const std::string& id = "s1") {
+    std::string reason = "(no answer)";
+    sessions->engage(id, [&](const server::Outcome<server::Done>& outcome) {
+      reason = outcome ? "" : outcome.refusal.reason;
+      refusal = outcome.refusal.message;
+    });
+    tick();
+    return reason;
+  }
+
+  /// Streams until force of 1 N is fully on.
+  void press(const std::string& id = "s1") {
+    stream(250, 0.01);
+    engage(id);
+    stream(250, 0.01);
+  }
+
+  ScriptedDevice* device{nullptr};
+  std::unique_ptr<server::DeviceUnit> unit;
+  std::unique_ptr<server::Telemetry> telemetry;
+  std::unique_ptr<server::DeviceSessions> sessions;
+  core::TimePoint now{};
+  std::uint32_t epoch{0};
+  std::uint64_t seq{0};
+  std::string refusal;  ///< sentence of the last engage()
+};
+
+}  // namespace haptic::test

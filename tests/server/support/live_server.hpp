@@ -1,0 +1,84 @@
+#pragma once
+/// A rig that ticks on the steady clock, with the service on real sockets in the same process.
+
+#include <grpcpp/grpcpp.h>
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/rpc/rpc_server.hpp"
+#include "server/rpc/steady_now.hpp"
+#include "tests/server/support/device_rig.hpp"
+
+namespace haptic::test {
+
+/// Waits for `condition`, generously: a rule is tested, not this machine.
+template <typename Condition>
+[[nodiscard]] bool eventually(Condition condition, std::chrono::seconds limit = 30s) {
+  const auto end = std::chrono::steady_clock::now() + limit;
+  while (std::chrono::steady_clock::now() < end) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(1ms);
+  }
+  return condition();
+}
+
+class LiveServer {
+ public:
+  explicit LiveServer(server::RpcConfig config = {{"127.0.0.1:0"}},
+                      core::PipelineConfig pipeline = rig_config(), server::SessionRules rules = {})
+      : rig(std::move(pipeline), rules, server::steady_now()),
+        rpc(std::move(config), {rig.sessions.get()}, *rig.telemetry, [] {
+          server::ServerFacts facts;
+          facts.version = "1.2.3";
+          facts.scene = "test";
+          facts.realtime.grade = "best-effort";
+          facts.loop.ticks = 42;
+          return facts;
+        }) {
+    // Three ticks first, so that a client finds a device that is open.
+    rig.tick(3);
+    rpc.start();
+    loop_ = std::thread([this] { run(); });
+  }
+
+  ~LiveServer() {
+    rpc.shutdown(5s);
+    running_ = false;
+    loop_.join();
+  }
+
+  [[nodiscard]] std::string address() const { return rpc.bound_addresses().front(); }
+  [[nodiscard]] std::shared_ptr<grpc::Channel> channel() const {
+    return grpc::CreateChannel(address(), grpc::InsecureChannelCredentials());
+  }
+  /// The loop stops ticking while this is set; nothing else knows.
+  std::atomic<bool> hung{false};
+
+  DeviceRig rig;
+  server::RpcServer rpc;
+
+ private:
+  void run() {
+    while (running_) {
+      std::this_thread::sleep_until(std::chrono::steady_clock::time_point(
+          std::chrono::nanoseconds((rig.now + DeviceRig::kTick).time_since_epoch())));
+      const core::TimePoint now = server::steady_now();
+      if (hung) {
+        std::this_thread::sleep_for(1ms);
+        continue;
+      }
+      // Late ticks are skipped, as the real loop does.
+      if (now - rig.now > 2 * DeviceRig::kTick) rig.now = now - DeviceRig::kTick;
+      rig.tick();
+    }
+  }
+
+  std::atomic<bool> running_{true};
+  std::thread loop_;
+};
+
+}  // namespace haptic::test

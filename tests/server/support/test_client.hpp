@@ -1,0 +1,176 @@
+#pragma once
+/// A client on the bare stubs: what is sent is exactly what the test says.
+
+#include <grpcpp/grpcpp.h>
+
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+#include "haptic/v1/haptic_service.grpc.pb.h"
+#include "tests/server/support/live_server.hpp"
+
+namespace haptic::test {
+
+/// ErrorInfo.reason of a status; empty where it has none.
+inline std::string reason_of(const grpc::Status& status) {
+  google::rpc::Status details;
+  if (!details.ParseFromString(status.error_details())) return {};
+  for (const auto& any : details.details()) {
+    google::rpc::ErrorInfo info;
+    if (any.UnpackTo(&info)) return info.reason();
+  }
+  return {};
+}
+
+/// Field of the first BadRequest violation of a status; empty where there is none.
+inline std::string field_of(const grpc::Status& status) {
+  google::rpc::Status details;
+  if (!details.ParseFromString(status.error_details())) return {};
+  for (const auto& any : details.details()) {
+    google::rpc::BadRequest bad;
+    if (any.UnpackTo(&bad) && bad.field_violations_size() > 0) {
+      return bad.field_violations(0).field();
+    }
+  }
+  return {};
+}
+
+inline v1::SessionRequest open_message(v1::Role role, const std::string& name) {
+  v1::SessionRequest message;
+  message.mutable_open()->set_role(role);
+  message.mutable_open()->set_client_name(name);
+  if (role == v1::ROLE_CONTROLLER) message.mutable_open()->set_nominal_rate_hz(500.0);
+  return message;
+}
+
+/// One session stream; a thread reads all that comes down.
+class TestSession {
+ public:
+  TestSession(const std::shared_ptr<grpc::Channel>& channel, const v1::SessionRequest& first)
+      : stub_(v1::HapticService::NewStub(channel)), stream_(stub_->Session(&context_)) {
+    send(first);
+    reader_ = std::thread([this] { read(); });
+  }
+  TestSession(const std::shared_ptr<grpc::Channel>& channel, v1::Role role, const std::string& name)
+      : TestSession(channel, open_message(role, name)) {}
+
+  ~TestSession() {
+    context_.TryCancel();
+    reader_.join();
+    static_cast<void>(status());  // Finish must be called once, by whoever comes first
+  }
+
+  bool send(const v1::SessionRequest& message) { return stream_->Write(message); }
+  void half_close() { stream_->WritesDone(); }
+  void cancel() { context_.TryCancel(); }
+
+  bool publish(std::vector<double> x, std::uint64_t number) {
+    v1::SessionRequest message;
+    v1::ProxySample& sample = *message.mutable_proxy();
+    sample.set_seq(number);
+    sample.set_mode(v1::PROXY_MODE_HELD);
+    sample.mutable_position()->Add(x.begin(), x.end());
+    return send(message);
+  }
+  bool publish(std::vector<double> x) { return publish(std::move(x), ++seq); }
+
+  /// Publishes every 2 ms until `condition` holds.
+  template <typename Condition>
+  [[nodiscard]] bool stream_until(double a, Condition condition) {
+    return eventually([&] {
+      publish({a, 0.0});
+      std::this_thread::sleep_for(2ms);
+      return condition();
+    });
+  }
+
+  /// Streams and asks for force until it is fully on.
+  [[nodiscard]] bool press(double a = 0.01) {
+    return stream_until(a, [&] {
+      if (state().state() == v1::DEVICE_STATE_NAME_ARMED) static_cast<void>(engage());
+      return state().state() == v1::DEVICE_STATE_NAME_ENGAGED;
+    });
+  }
+
+  grpc::Status engage() {
+    grpc::ClientContext context;
+    v1::EngageRequest request;
+    v1::EngageResponse response;
+    request.set_session_id(opened().session_id());
+    return stub_->Engage(&context, request, &response);
+  }
+
+  [[nodiscard]] bool wait_opened() {
+    return eventually([&] { return !opened().session_id().empty() || ended(); }) && !ended();
+  }
+  [[nodiscard]] bool wait_ended() {
+    return eventually([&] { return ended(); });
+  }
+
+  [[nodiscard]] v1::SessionOpened opened() { return get(opened_); }
+  [[nodiscard]] v1::DeviceState state() { return get(state_); }
+  [[nodiscard]] v1::SampleAck ack() { return get(ack_); }
+  [[nodiscard]] std::vector<std::uint64_t> sequence() { return get(sequence_); }
+  [[nodiscard]] bool heard(v1::Event::Kind kind) {
+    for (const v1::Event& event : get(events_)) {
+      if (event.kind() == kind) return true;
+    }
+    return false;
+  }
+  [[nodiscard]] bool ended() { return get(ended_); }
+  /// The status the stream ended with; call after wait_ended().
+  [[nodiscard]] grpc::Status status() {
+    if (!finished_) {
+      status_ = stream_->Finish();
+      finished_ = true;
+    }
+    return status_;
+  }
+  [[nodiscard]] v1::HapticService::Stub& stub() { return *stub_; }
+  std::uint64_t seq{0};
+
+ private:
+  template <typename T>
+  T get(const T& value) {
+    const std::lock_guard lock(mutex_);
+    return value;
+  }
+
+  void read() {
+    v1::SessionResponse message;
+    while (stream_->Read(&message)) {
+      const std::lock_guard lock(mutex_);
+      if (message.has_opened()) opened_ = message.opened();
+      if (message.has_ack()) ack_ = message.ack();
+      if (message.has_event()) events_.push_back(message.event());
+      if (message.has_state()) {
+        state_ = message.state();
+        sequence_.push_back(state_.seq());
+      }
+    }
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+  }
+
+  grpc::ClientContext context_;
+  std::unique_ptr<v1::HapticService::Stub> stub_;
+  std::unique_ptr<grpc::ClientReaderWriter<v1::SessionRequest, v1::SessionResponse>> stream_;
+  std::mutex mutex_;
+  v1::SessionOpened opened_;
+  v1::DeviceState state_;
+  v1::SampleAck ack_;
+  std::vector<v1::Event> events_;
+  std::vector<std::uint64_t> sequence_;
+  bool ended_{false};
+  bool finished_{false};
+  grpc::Status status_;
+  std::thread reader_;
+};
+
+}  // namespace haptic::test

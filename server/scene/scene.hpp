@@ -32,6 +32,8 @@ struct LoopScene {
   core::Duration period{std::chrono::milliseconds(1)};
   /// Absent: 8 ms where real-time scheduling was granted, 20 ms elsewhere (WIRE 4).
   std::optional<core::Duration> loop_late_fault{};
+  /// Level at which many small lags become a fault (WIRE 4).
+  int late_bucket_full{core::LateBucket::kFull};
   int priority{80};
   std::optional<int> cpu{};
 };

@@ -1,0 +1,95 @@
+/// hapticd: reads the command line and a scene, serves until SIGTERM or SIGINT.
+/// Exit codes: 0 served and stopped, 1 could not serve, 2 bad command line or scene.
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <iostream>
+#include <map>
+
+#include "haptic/core/error.hpp"
+#include "server/app.hpp"
+
+namespace {
+
+using haptic::server::RealtimeMode;
+
+struct CommandLine {
+  std::string scene{};
+  std::vector<std::string> set{};
+  std::vector<std::string> listen{};
+  RealtimeMode realtime{RealtimeMode::kTry};
+  std::string log_level{"info"};
+  bool print_scene{false};
+  bool check_scene{false};
+};
+
+/// Signals are taken by sigwait() on this thread alone: every other thread inherits the block.
+sigset_t block_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+  return signals;
+}
+
+int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& signals) {
+  if (!line.listen.empty()) scene.server.listen = line.listen;
+  haptic::server::App app(std::move(scene), {line.realtime});
+  app.start();
+  int signal = 0;
+  sigwait(&signals, &signal);
+  spdlog::info("{}: releasing", signal == SIGINT ? "SIGINT" : "SIGTERM");
+  app.stop();
+  spdlog::info("stopped");
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CommandLine line;
+  const std::map<std::string, RealtimeMode> modes{{"require", RealtimeMode::kRequire},
+                                                  {"try", RealtimeMode::kTry},
+                                                  {"off", RealtimeMode::kOff}};
+  CLI::App cli("hapticd - networked haptic server for underactuated devices");
+  cli.set_version_flag("--version", std::string("hapticd ") + haptic::server::version());
+  cli.add_option("--scene", line.scene, "scene to serve (textproto)")->required();
+  cli.add_option("--set", line.set, "path=value: overrides a field of the scene, may be repeated")
+      ->take_all();
+  cli.add_option("--listen", line.listen,
+                 "host:port or unix:/path instead of the scene's addresses, may be repeated");
+  cli.add_option("--realtime", line.realtime, "require, try or off (default try)")
+      ->transform(CLI::CheckedTransformer(modes));
+  cli.add_option("--log-level", line.log_level, "debug, info, warn or error")
+      ->check(CLI::IsMember({"debug", "info", "warn", "error"}));
+  cli.add_flag("--print-scene", line.print_scene, "print the scene with every default, and leave");
+  cli.add_flag("--check-scene", line.check_scene, "check the scene, and leave");
+  try {
+    cli.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return cli.exit(error) == 0 ? 0 : 2;
+  }
+  spdlog::set_default_logger(spdlog::stderr_color_mt("hapticd"));
+  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  spdlog::set_level(spdlog::level::from_str(line.log_level));
+
+  const sigset_t signals = block_signals();
+  try {
+    haptic::server::Scene scene = haptic::server::load_scene(line.scene, line.set);
+    if (line.print_scene) std::cout << scene.resolved;
+    if (line.check_scene) std::cout << line.scene << ": ok\n";
+    if (line.print_scene || line.check_scene) return 0;
+    return serve(std::move(scene), line, signals);
+  } catch (const haptic::core::SceneError& error) {
+    std::cerr << "hapticd: " << error.what() << "\n";
+    return 2;
+  } catch (const std::exception& error) {
+    std::cerr << "hapticd: " << error.what() << "\n";
+    return 1;
+  }
+}

@@ -1,7 +1,7 @@
 #pragma once
 /// Uniform and normally distributed numbers from a seed: the same sequence in every run and with
-/// every standard library, which std::normal_distribution does not promise. Source: G. Marsaglia,
-/// T. A. Bray, SIAM Review 6(3):260-264, 1964 (polar method).
+/// every standard library, which std::normal_distribution does not promise.
+/// Source: G. Marsaglia, T. A. Bray, SIAM Review 6(3):260-264, 1964 (polar method).
 
 #include <cmath>
 #include <cstdint>

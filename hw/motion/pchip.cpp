@@ -47,11 +47,15 @@ Pchip::Pchip(std::vector<double> t, std::vector<double> y)
   slope_[n - 1] = end_slope(h(n - 2), h(n - 3), secant(n - 2), secant(n - 3));
 }
 
+std::size_t Pchip::interval(double at) const noexcept {
+  const auto above = std::upper_bound(t_.begin() + 1, t_.end() - 1, at);
+  return static_cast<std::size_t>(above - t_.begin()) - 1;
+}
+
 double Pchip::operator()(double at) const noexcept {
   if (!(at > t_.front())) return y_.front();
   if (at >= t_.back()) return y_.back();
-  const auto above = std::upper_bound(t_.begin(), t_.end(), at);
-  const auto i = static_cast<std::size_t>(above - t_.begin()) - 1;
+  const std::size_t i = interval(at);
   const double h = t_[i + 1] - t_[i];
   const double u = (at - t_[i]) / h;
   const double rise = y_[i + 1] - y_[i];

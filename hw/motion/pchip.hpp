@@ -6,6 +6,7 @@
 /// weighted harmonic mean of F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5(2):300-304,
 /// 1984.
 
+#include <cstddef>
 #include <vector>
 
 namespace haptic::hw {
@@ -17,6 +18,10 @@ class Pchip {
 
   /// Value at `at`; the end values outside [first(), last()]. Allocates nothing; O(log n).
   [[nodiscard]] double operator()(double at) const noexcept;
+
+  /// Index i of the knots i, i + 1 around `at`; the outermost ones beyond the ends. Two knots or
+  /// more.
+  [[nodiscard]] std::size_t interval(double at) const noexcept;
 
   [[nodiscard]] double first() const noexcept { return t_.front(); }
   [[nodiscard]] double last() const noexcept { return t_.back(); }

@@ -84,26 +84,42 @@ struct Finger {
   }
 };
 
-/// Strokes until `seconds` are filled. Angles in rad, times in s.
+/// Where a movement goes, how long it takes, how long the finger then stays; rad, s.
+struct Movement {
+  double duration{0.0};
+  double mcp{0.0};
+  double pip{0.0};
+  double stay{0.0};
+};
+
+constexpr double kRestMcp = 0.20, kRestPip = 0.25;
+
+/// Reach (the hand opens), grasp and hold, release and pause.
+std::array<Movement, 3> stroke(std::mt19937_64& g) {
+  // Braces: drawn in the order in which they stand.
+  const double speed = between(g, 0.8, 1.25);
+  return {Movement{between(g, 0.35, 0.50) / speed, between(g, 0.02, 0.10), between(g, 0.10, 0.18),
+                   between(g, 0.0, 0.1)},
+          Movement{between(g, 0.55, 0.85) / speed, between(g, 0.75, 1.00), between(g, 0.90, 1.25),
+                   between(g, 0.4, 0.9)},
+          Movement{between(g, 0.50, 0.75) / speed, kRestMcp + between(g, -0.03, 0.03),
+                   kRestPip + between(g, -0.03, 0.03), between(g, 0.3, 0.8)}};
+}
+
+/// As many whole strokes as fit in `seconds`: the motion ends as it began, at rest.
 Finger strokes(std::mt19937_64& generator, double seconds) {
-  constexpr double kRestMcp = 0.20, kRestPip = 0.25;
   Finger finger{Joint(kRestMcp), Joint(kRestPip)};
   double t = between(generator, 0.4, 0.8);
-  // A movement begins when the one before has ended at both joints, PIP being the later.
-  const auto go = [&](double duration, double mcp, double pip, double pause) {
-    finger.move(t, duration, mcp, pip);
-    t += duration + kPipLag + pause;
-  };
-  while (t < seconds) {
-    const double speed = between(generator, 0.8, 1.25);
-    go(between(generator, 0.35, 0.50) / speed, between(generator, 0.02, 0.10),
-       between(generator, 0.10, 0.18), between(generator, 0.0, 0.1));  // reach: open the hand
-    go(between(generator, 0.55, 0.85) / speed, between(generator, 0.75, 1.00),
-       between(generator, 0.90, 1.25), between(generator, 0.4, 0.9));  // grasp, and hold
-    go(between(generator, 0.50, 0.75) / speed, kRestMcp + between(generator, -0.03, 0.03),
-       kRestPip + between(generator, -0.03, 0.03), between(generator, 0.3, 0.8));  // release
+  for (;;) {
+    const auto movements = stroke(generator);
+    double length = 0.0;
+    for (const Movement& m : movements) length += m.duration + kPipLag + m.stay;
+    if (t + length > seconds) return finger;
+    for (const Movement& m : movements) {
+      finger.move(t, m.duration, m.mcp, m.pip);
+      t += m.duration + kPipLag + m.stay;
+    }
   }
-  return finger;
 }
 
 void check(const ReachAndGrasp& options) {

@@ -54,11 +54,12 @@ Replay::Replay(const ReplayConfig& config, std::shared_ptr<const core::Kinematic
   facts_.length = duration(table.time_s.back());
   facts_.joint_angles = table.alternative == 1;
   if (facts_.joint_angles) {
-    bring_into_reach(table);
+    const Columns q = bring_into_reach(table);
+    cut_at_gaps(table.time_s, q, table.values);
   } else {
     check_range(table, config.file);
+    cut_at_gaps(table.time_s, table.values, {});
   }
-  cut_at_gaps(table);
   info_.model = summary(config.file, facts_);
   q_ = core::VecQ::Zero(kinematics_->layout().n_q());
 }
@@ -78,47 +79,59 @@ void Replay::check_range(const MotionTable& table, const std::filesystem::path& 
   }
 }
 
-void Replay::bring_into_reach(MotionTable& table) {
-  core::VecQ q = core::VecQ::Zero(kinematics_->layout().n_q());
+/// q of every row; the rows' angles become f(q) where they were outside the reach.
+Columns Replay::bring_into_reach(MotionTable& table) {
+  const int n_q = kinematics_->layout().n_q();
+  Columns columns(static_cast<std::size_t>(n_q), std::vector<double>(facts_.rows));
+  core::VecQ q = core::VecQ::Zero(n_q);
   core::VecX x(2);
   core::VecX reached(2);
-  core::MatXQ J(2, kinematics_->layout().n_q());
+  core::MatXQ J(2, n_q);
   for (std::size_t row = 0; row < facts_.rows; ++row) {
     x << table.values[0][row], table.values[1][row];
-    if (kinematics_->inverse(x, q) == core::InverseStatus::kExact) continue;
+    const bool exact = kinematics_->inverse(x, q) == core::InverseStatus::kExact;
+    for (int i = 0; i < n_q; ++i) columns[static_cast<std::size_t>(i)][row] = q[i];
+    if (exact) continue;
     ++facts_.replaced;
     if (kinematics_->evaluate(q, reached, J) != core::MapStatus::kOk) continue;
     table.values[0][row] = reached[0];
     table.values[1][row] = reached[1];
   }
+  return columns;
 }
 
-void Replay::cut_at_gaps(const MotionTable& table) {
+void Replay::cut_at_gaps(const std::vector<double>& time_s, const Columns& q, const Columns& x) {
+  const auto part = [](const std::vector<double>& all, std::size_t begin, std::size_t end) {
+    return std::vector<double>(all.begin() + static_cast<std::ptrdiff_t>(begin),
+                               all.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  const auto parts = [&](const Columns& all, std::size_t begin, std::size_t end) {
+    Columns columns;
+    for (const auto& column : all) columns.push_back(part(column, begin, end));
+    return columns;
+  };
   std::size_t begin = 0;
-  for (std::size_t row = 1; row <= facts_.rows; ++row) {
-    const bool last = row == facts_.rows;
-    if (!last && !is_gap(table.time_s[row - 1], table.time_s[row])) continue;
+  for (std::size_t row = 1; row <= time_s.size(); ++row) {
+    const bool last = row == time_s.size();
+    if (!last && !is_gap(time_s[row - 1], time_s[row])) continue;
     if (!last) ++facts_.gaps;
-    const auto part = [&](const std::vector<double>& all) {
-      return std::vector<double>(all.begin() + static_cast<std::ptrdiff_t>(begin),
-                                 all.begin() + static_cast<std::ptrdiff_t>(row));
-    };
-    Stretch stretch{duration(table.time_s[begin]), duration(table.time_s[row - 1])};
-    for (const auto& column : table.values) {
-      stretch.column.emplace_back(part(table.time_s), part(column));
+    const std::vector<double> time = part(time_s, begin, row);
+    if (x.empty()) {
+      stretches_.emplace_back(time, parts(q, begin, row));
+    } else {
+      stretches_.emplace_back(time, parts(q, begin, row), parts(x, begin, row), kinematics_);
     }
-    stretches_.push_back(std::move(stretch));
     begin = row;
   }
 }
 
-const Replay::Stretch* Replay::stretch_at(core::Duration into) const noexcept {
-  const auto after =
-      std::upper_bound(stretches_.begin(), stretches_.end(), into,
-                       [](core::Duration t, const Stretch& stretch) { return t < stretch.begin; });
+const Stretch* Replay::stretch_at(core::Duration into) const noexcept {
+  const auto after = std::upper_bound(
+      stretches_.begin(), stretches_.end(), into,
+      [](core::Duration t, const Stretch& stretch) { return t < stretch.begin(); });
   if (after == stretches_.begin()) return nullptr;
   const Stretch& candidate = *std::prev(after);
-  return into <= candidate.end ? &candidate : nullptr;
+  return into <= candidate.end() ? &candidate : nullptr;
 }
 
 void Replay::read(core::TimePoint now, core::DeviceReading& reading) noexcept {
@@ -142,16 +155,7 @@ void Replay::read(core::TimePoint now, core::DeviceReading& reading) noexcept {
   if (repeat_) into %= facts_.length + kPause;
   const Stretch* stretch = stretch_at(into);
   if (stretch == nullptr) return;
-  const double t = core::seconds(into);
-  if (facts_.joint_angles) {
-    core::VecX x(2);
-    x << stretch->column[0](t), stretch->column[1](t);
-    static_cast<void>(kinematics_->inverse(x, q_));
-  } else {
-    for (Eigen::Index i = 0; i < q_.size(); ++i) {
-      q_[i] = stretch->column[static_cast<std::size_t>(i)](t);
-    }
-  }
+  stretch->at(core::seconds(into), q_);
   reading.fresh = true;
   reading.sample.seq = ++seq_;
   reading.sample.time = now;

@@ -2,10 +2,10 @@
 /// A recording as a device: it plays at its original timing, its force is computed and reported,
 /// nothing moves.
 ///
-/// Joint angles are interpolated as joint angles and then taken through the inverse in every tick:
-/// f(q) is the recorded motion, not its distortion by a curve fitted to q. Rows outside the reach
-/// are replaced at load by the nearest pose in reach (Eq. (6) with box and slider limits).
-/// Gaps and the pause between rounds have no samples: reading.fresh is false, nothing else changes.
+/// Joint angles go through the inverse kinematics (see Stretch). Rows outside the reach are
+/// replaced at load by the nearest pose in reach, Eq. (6) with the box and the slider limits, and
+/// counted. Gaps and the pause between rounds have no samples: reading.fresh is false, nothing else
+/// changes.
 
 #include <cstdint>
 #include <memory>
@@ -14,8 +14,8 @@
 #include "hw/arming.hpp"
 #include "hw/device.hpp"
 #include "hw/motion/motion_csv.hpp"
-#include "hw/motion/pchip.hpp"
 #include "hw/open_device.hpp"
+#include "hw/replay/stretch.hpp"
 
 namespace haptic::hw {
 
@@ -46,15 +46,9 @@ class Replay final : public Device {
   [[nodiscard]] const ReplayFacts& facts() const noexcept { return facts_; }
 
  private:
-  /// Rows without a gap between them: one curve per column.
-  struct Stretch {
-    core::Duration begin{0};
-    core::Duration end{0};
-    std::vector<Pchip> column{};
-  };
   void check_range(const MotionTable& table, const std::filesystem::path& file) const;
-  void bring_into_reach(MotionTable& table);
-  void cut_at_gaps(const MotionTable& table);
+  [[nodiscard]] Columns bring_into_reach(MotionTable& table);
+  void cut_at_gaps(const std::vector<double>& time_s, const Columns& q, const Columns& x);
   [[nodiscard]] const Stretch* stretch_at(core::Duration into) const noexcept;
 
   std::shared_ptr<const core::Kinematics> kinematics_;
@@ -65,7 +59,7 @@ class Replay final : public Device {
   bool started_{false};
   core::TimePoint start_{};
   core::TimePoint last_read_{core::TimePoint::min()};
-  core::VecQ q_{};  ///< newest sample: where the inverse of the next one starts from
+  core::VecQ q_{};  ///< newest sample
   std::uint64_t seq_{0};
   Arming arming_{};
   bool closed_{false};

@@ -12,8 +12,8 @@
 #include "hw/arming.hpp"
 #include "hw/device.hpp"
 #include "hw/open_device.hpp"
-#include "hw/simulated/finger_physics.hpp"
 #include "hw/random.hpp"
+#include "hw/simulated/finger_physics.hpp"
 #include "hw/simulated/intent.hpp"
 #include "hw/simulated/substeps.hpp"
 

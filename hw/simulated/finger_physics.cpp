@@ -21,36 +21,85 @@ FingerPhysics::FingerPhysics(const FingerParameters& parameters,
     : p_(parameters), kinematics_(std::move(kinematics)), x_(x) {
   linkage_.q = core::VecQ::Zero(2);
   linkage_.J = core::MatXQ::Identity(2, 2);
-  place();
+  search();
   x_ += linkage_.out;
-  place();
+  linkage_.out.setZero();
 }
 
+/// Finding the nearest pose in reach is a search of about 0.2 ms, too long for every step of a loop
+/// at 1 kHz. So outside the reach there is at most one search in kSearchEvery steps, and none while
+/// the finger leans on the edge without sliding; in between Newton's step follows the linkage.
 void FingerPhysics::place() noexcept {
+  constexpr int kSearchEvery = 10;  // steps: 1 ms at 10 kHz
+  constexpr double kSlide = 0.005;  // rad
+  ++steps_since_search_;
+  const bool slid = (x_ - searched_at_).norm() >= kSlide;
+  if (edge_.known() && (steps_since_search_ < kSearchEvery || !(slid || in_reach()))) {
+    follow_edge();
+  } else {
+    search();
+  }
+}
+
+void FingerPhysics::search() noexcept {
   core::VecX wanted(2);
   wanted << x_[0], x_[1];
   core::VecQ q = linkage_.q;
-  const core::InverseStatus inverse = kinematics_->inverse(wanted, q);
+  const bool inside = kinematics_->inverse(wanted, q) == core::InverseStatus::kExact;
+  searched_at_ = x_;
+  steps_since_search_ = 0;
+  linkage_.out.setZero();
+  if (inside) edge_.clear();
+  if (!adopt(q) || inside) return;
+  edge_.add(x_, linkage_.reached);
+  linkage_.out = linkage_.reached - x_;
+}
+
+void FingerPhysics::follow_edge() noexcept {
+  const Eigen::Vector2d allowed = edge_.nearest(x_);
+  linkage_.out = allowed - x_;
+  const Eigen::Vector2d change = to_q(allowed - linkage_.reached);
+  core::VecQ q = linkage_.q;
+  q[0] += change[0];
+  q[1] += change[1];
+  static_cast<void>(adopt(boxed(q)));
+}
+
+/// Takes q as the linkage's pose. False, and the pose stays, where it cannot close or would be in a
+/// toggle position: the lever arms of the step before are then the better ones.
+bool FingerPhysics::adopt(const core::VecQ& q) noexcept {
+  constexpr double kToggle = 1e-9;  // 1/m; the valid region has det J > 8.9 (METHOD 1.2)
   core::VecX reached(2);
   core::MatXQ J = linkage_.J;
-  if (kinematics_->evaluate(q, reached, J) != core::MapStatus::kOk) return;
-  const Eigen::Matrix2d J2 = fixed(J);
-  const double det = J2.determinant();
-  if (!(std::abs(det) > 1e-9)) return;  // a toggle pose: keep the lever arms of the step before
+  if (kinematics_->evaluate(q, reached, J) != core::MapStatus::kOk) return false;
+  const double det = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
+  if (!(std::abs(det) > kToggle) || det * linkage_.det < 0.0) return false;
   linkage_.q = q;
   linkage_.J = J;
-  const int a = kinematics_->layout().actuated(0);
-  linkage_.w = a == 0 ? Eigen::Vector2d(J2(1, 1) / det, -J2(0, 1) / det)
-                      : Eigen::Vector2d(-J2(1, 0) / det, J2(0, 0) / det);
-  linkage_.out.setZero();
-  if (inverse != core::InverseStatus::kExact) {
-    linkage_.out = Eigen::Vector2d(reached[0] - x_[0], reached[1] - x_[1]);
+  linkage_.det = det;
+  linkage_.reached = {reached[0], reached[1]};
+  linkage_.w = kinematics_->layout().actuated(0) == 0 ? Eigen::Vector2d(J(1, 1), -J(0, 1))
+                                                      : Eigen::Vector2d(-J(1, 0), J(0, 0));
+  linkage_.w /= det;
+  return true;
+}
+
+core::VecQ FingerPhysics::boxed(core::VecQ q) const noexcept {
+  for (int i = 0; i < 2; ++i) {
+    const core::DofSpec& dof = kinematics_->dofs()[static_cast<std::size_t>(i)];
+    q[i] = std::clamp(q[i], dof.lower, dof.upper);
   }
+  return q;
+}
+
+/// J^-1 times a small change of x (or x_dot): the change of q (or q_dot).
+Eigen::Vector2d FingerPhysics::to_q(const Eigen::Vector2d& x_change) const noexcept {
+  return fixed(linkage_.J).inverse() * x_change;
 }
 
 /// w^T J_dot q_dot, m/s^2: how much l_x accelerates less than w^T x_ddot because J changes.
 double FingerPhysics::velocity_product() const noexcept {
-  const Eigen::Vector2d q_dot = fixed(linkage_.J).inverse() * x_dot_;
+  const Eigen::Vector2d q_dot = to_q(x_dot_);
   Eigen::Vector2d J_dot_q_dot = Eigen::Vector2d::Zero();
   for (int k = 0; k < 2; ++k) {
     core::MatXQ J_k = core::MatXQ::Zero(2, 2);
@@ -96,11 +145,11 @@ void FingerPhysics::step(double dt, const Eigen::Vector2d& x_des, double tau_a) 
 }
 
 core::VecQ FingerPhysics::q_ahead(double ahead) const noexcept {
-  core::VecX x(2);
-  x << x_[0] + ahead * x_dot_[0], x_[1] + ahead * x_dot_[1];
+  const Eigen::Vector2d change = ahead * to_q(x_dot_);
   core::VecQ q = linkage_.q;
-  static_cast<void>(kinematics_->inverse(x, q));
-  return q;
+  q[0] += change[0];
+  q[1] += change[1];
+  return boxed(q);
 }
 
 double FingerPhysics::kinetic() const noexcept {

@@ -18,6 +18,7 @@
 #include <memory>
 
 #include "haptic/core/model/kinematics.hpp"
+#include "hw/simulated/reach_edge.hpp"
 
 namespace haptic::hw {
 
@@ -58,7 +59,7 @@ class FingerPhysics {
   [[nodiscard]] const Eigen::Vector2d& x_dot() const noexcept { return x_dot_; }  ///< rad/s
   /// (l_x, q_B) at x, inside the box.
   [[nodiscard]] const core::VecQ& q() const noexcept { return linkage_.q; }
-  /// q where the finger is `ahead` s later at its present velocity.
+  /// q where the finger is `ahead` s later at its present velocity; `ahead` at most one step.
   [[nodiscard]] core::VecQ q_ahead(double ahead) const noexcept;
   [[nodiscard]] double l_dot() const noexcept { return linkage_.w.dot(x_dot_); }  ///< m/s
   /// x is in reach: no end stop pushes.
@@ -67,13 +68,21 @@ class FingerPhysics {
   [[nodiscard]] const FingerEnergy& energy() const noexcept { return energy_; }
 
  private:
+  /// The exoskeleton at the finger's pose, or at the nearest to it in reach.
   struct Linkage {
-    core::VecQ q{};  ///< f^-1(x)
+    core::VecQ q{};
     core::MatXQ J{};
-    Eigen::Vector2d w{Eigen::Vector2d::Zero()};    ///< dl_x/dx, m/rad
-    Eigen::Vector2d out{Eigen::Vector2d::Zero()};  ///< f(q) - x: 0 in reach, rad
+    double det{0.0};                                   ///< of J; its sign never changes
+    Eigen::Vector2d reached{Eigen::Vector2d::Zero()};  ///< f(q), rad
+    Eigen::Vector2d w{Eigen::Vector2d::Zero()};        ///< dl_x/dx, m/rad
+    Eigen::Vector2d out{Eigen::Vector2d::Zero()};      ///< from x back into reach, rad; 0 inside
   };
   void place() noexcept;
+  void search() noexcept;
+  void follow_edge() noexcept;
+  [[nodiscard]] bool adopt(const core::VecQ& q) noexcept;
+  [[nodiscard]] core::VecQ boxed(core::VecQ q) const noexcept;
+  [[nodiscard]] Eigen::Vector2d to_q(const Eigen::Vector2d& x_change) const noexcept;
   [[nodiscard]] double velocity_product() const noexcept;
 
   FingerParameters p_;
@@ -81,6 +90,9 @@ class FingerPhysics {
   Eigen::Vector2d x_;
   Eigen::Vector2d x_dot_{Eigen::Vector2d::Zero()};
   Linkage linkage_{};
+  ReachEdge edge_{};
+  Eigen::Vector2d searched_at_{Eigen::Vector2d::Zero()};  ///< x of the last search
+  int steps_since_search_{0};
   FingerEnergy energy_{};
 };
 

@@ -1,0 +1,123 @@
+#!/bin/sh
+# THE list of Debian packages that hapticd needs, and the one place that installs them.
+#
+#   docker/install-deps.sh [--list] [group...]      default: build test
+#
+# Groups: runtime     what the installed programs load
+#         build       what compiles them
+#         test        what tests/run.sh and server/demo.sh need besides
+#         report      what draws figures
+#         firmware    the board's side
+#         containers  building and running images
+# Only what is missing is installed; with everything in place this is a no-op that needs neither
+# network nor root. "a|b" means: a, or b where the distribution calls it so.
+set -eu
+
+packages() {
+  case "$1" in
+    runtime) echo "libgrpc++1.51|libgrpc++1.51t64 libprotobuf32|libprotobuf32t64" \
+                  "libspdlog1.10|libspdlog1.12" ;;
+    build) echo "g++ cmake ninja-build pkg-config libeigen3-dev libgrpc++-dev libprotobuf-dev" \
+                "protobuf-compiler protobuf-compiler-grpc libspdlog-dev libcli11-dev" \
+                "nlohmann-json3-dev" ;;
+    test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" ;;
+    report) echo "gnuplot-nox" ;;
+    firmware | containers) ;;  # filled by what first needs a package
+    *)
+      echo "install-deps.sh: no group '$1' (groups: runtime build test report firmware containers)" >&2
+      return 2
+      ;;
+  esac
+}
+
+fail() {
+  echo "install-deps.sh: $*" >&2
+  exit 1
+}
+
+installed() {  # installed NAME
+  status=$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null) || return 1
+  [ "$status" = installed ]
+}
+
+one_installed() {  # one_installed "a|b"
+  for name in $(echo "$1" | tr '|' ' '); do
+    if installed "$name"; then return 0; fi
+  done
+  return 1
+}
+
+known() {  # known NAME: can apt install it?
+  apt-cache --quiet policy "$1" 2>/dev/null | grep -q 'Candidate: [^(]'
+}
+
+first_known() {  # first_known "a|b"
+  for name in $(echo "$1" | tr '|' ' '); do
+    if known "$name"; then
+      echo "$name"
+      return 0
+    fi
+  done
+  return 1
+}
+
+list_only=false
+groups=
+for argument in "$@"; do
+  case "$argument" in
+    --list) list_only=true ;;
+    -h | --help) sed -n '2,13s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    *) groups="$groups $argument" ;;
+  esac
+done
+
+wanted=
+for group in ${groups:-build test}; do
+  names=$(packages "$group") || exit 2
+  wanted="$wanted $names"
+done
+if $list_only; then
+  for entry in $wanted; do echo "$entry"; done | sort -u
+  exit 0
+fi
+
+if ! command -v dpkg-query >/dev/null 2>&1 || ! command -v apt-get >/dev/null 2>&1; then
+  fail "this is not Debian or Ubuntu; install the counterparts of:$wanted"
+fi
+
+missing=
+for entry in $wanted; do
+  one_installed "$entry" || missing="$missing $entry"
+done
+[ -n "$missing" ] || exit 0
+
+as_root=
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null 2>&1 ||
+    fail "missing:$missing - and neither root nor sudo is at hand to install them"
+  as_root=sudo
+fi
+apt() { $as_root env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0 "$@"; }
+
+resolve() {  # sets `chosen`, or `unknown` to the first entry that apt does not know
+  chosen=
+  unknown=
+  for entry in $missing; do
+    if name=$(first_known "$entry"); then
+      chosen="$chosen $name"
+    else
+      unknown=$entry
+      return 1
+    fi
+  done
+}
+
+echo "install-deps.sh: installing$missing" >&2
+# The package lists are fetched only when those at hand do not do.
+# shellcheck disable=SC2086
+if ! { resolve && apt install -y --no-install-recommends $chosen; }; then
+  apt update || fail "could not fetch the package lists - is the network there? Missing:$missing"
+  resolve || fail "the distribution has no package '$unknown' (Debian 12 and Ubuntu 24.04 do)"
+  apt install -y --no-install-recommends $chosen ||
+    fail "apt-get could not install:$chosen"
+fi

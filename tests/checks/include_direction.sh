@@ -1,0 +1,75 @@
+#!/bin/sh
+# The direction of dependency (HOUSE 2): Eigen <- core <- hw <- server -> proto, wire <- client.
+#
+#   include_direction.sh [ROOT]
+#
+# Reads every #include, <> and "" alike, below the rooms and prints each that points the wrong way.
+# Exit status: 0 none, 1 some, 2 there was nothing to check.
+set -u
+root=${1:-$(dirname "$0")/../..}
+cd "$root" || exit 2
+
+# "file:line header" per include, with < or " kept as the header's first character.
+includes() {
+  [ -d "$1" ] || return 0
+  find "$1" -type f \( -name '*.hpp' -o -name '*.cpp' -o -name '*.h' -o -name '*.c' \) \
+    -exec grep -HnE '^[[:space:]]*#[[:space:]]*include' {} + |
+    sed -nE 's/^([^:]+:[0-9]+):[^<"]*([<"][^>"]+)[>"].*/\1 \2/p'
+}
+
+breaches=0
+report() {  # report RULE, with the offending lines on stdin
+  found=$(cat)
+  [ -z "$found" ] && return
+  echo "$found" | sed "s|\$|     <- $1|; s| [<\"]| includes |"
+  breaches=1
+}
+# forbid ROOM... -- PATTERN RULE: no header below ROOM matches PATTERN.
+forbid() {
+  rooms=
+  while [ "$1" != -- ]; do rooms="$rooms $1"; shift; done
+  report "$3" <<LINES
+$(for room in $rooms; do includes "$room"; done | grep -E " [<\"]($2)")
+LINES
+}
+# allow ROOM PATTERN RULE: every header below ROOM matches PATTERN.
+allow() {
+  report "$3" <<LINES
+$(includes "$1" | grep -vE " ($2)")
+LINES
+}
+
+[ -n "$(includes core)" ] || { echo "include_direction: no sources below $root/core" >&2; exit 2; }
+
+grpc='grpc|grpcpp/|google/|absl/|haptic/v1/|upb/'
+standard='<[a-z_]+$'
+threads='(thread|mutex|shared_mutex|condition_variable|future|semaphore|latch|barrier|stop_token)$'
+streams='(iostream|ostream|istream|fstream|sstream|syncstream|print)$'
+own='"[a-z_]+(/[a-z_0-9]+)*\.hpp'
+other_rooms='"(hw|server|client|proto|tests|haptic/(client|wire|v1))/'
+
+allow core "$standard|<Eigen/|\"haptic/core/|$own" "core includes Eigen, std and itself"
+forbid core -- "$threads|$streams" "core knows no thread, lock or stream"
+report "core includes Eigen, std and itself" <<LINES
+$(includes core | grep -E " $other_rooms")
+LINES
+forbid hw -- "$grpc|asio|boost/|server/|haptic/client/|haptic/wire/|proto/" \
+  "hw knows core and the operating system"
+forbid proto -- "haptic/core/|hw/|server/|haptic/client/|Eigen/|asio|grpc|grpcpp/" \
+  "wire knows std and OpenSSL"
+forbid client -- "haptic/core/|hw/|server/|Eigen/" "client knows neither core, hw nor server"
+allow client/include "$standard|\"haptic/client/" "client's public headers show only std"
+forbid client/hapticctl client/examples -- "$grpc" \
+  "programs on the client library do without gRPC and protobuf"
+forbid server -- "haptic/client/|tests/" "server knows no client"
+report "proto types stop at server/rpc, server/udp, server/scene" <<LINES
+$(includes server | grep -vE '^server/(rpc|udp|scene)/' | grep -E " [<\"]($grpc)")
+LINES
+
+# "No clock read" is not an include, but belongs to the same contract.
+report "core reads no clock" <<LINES
+$(find core -name '*.[ch]pp' -exec grep -HnE '(::now[[:space:]]*\(|clock_gettime|gettimeofday)' {} + |
+  grep -vE ':[0-9]+:[[:space:]]*//' | sed -E 's/^([^:]+:[0-9]+):.*/\1 "a clock/')
+LINES
+
+exit $breaches

@@ -1,0 +1,75 @@
+#!/bin/sh
+# The positive control of include_direction.sh: a clean tree passes, each kind of breach is caught.
+#
+#   include_direction_test.sh SCRATCH-FOLDER
+set -eu
+check=$(cd "$(dirname "$0")" && pwd)/include_direction.sh
+scratch=${1:?a scratch folder}
+failures=0
+
+fresh_tree() {
+  rm -rf "$scratch"
+  mkdir -p "$scratch/core/src/tick" "$scratch/hw/board" "$scratch/server/rpc" "$scratch/server/rt" \
+    "$scratch/client/src" "$scratch/client/include/haptic/client" "$scratch/client/hapticctl" \
+    "$scratch/proto/wire"
+  cd "$scratch"
+  printf '#include <array>\n#include <Eigen/Core>\n#include "haptic/core/types.hpp"\n' >core/src/a.cpp
+  printf '#include "tick/stages.hpp"\n// #include <thread> in words is no include\n' >core/src/b.cpp
+  printf '#include "haptic/core/time.hpp"\n#include <sys/stat.h>\n' >hw/board/a.cpp
+  printf '#include "haptic/v1/session.pb.h"\n#include <grpcpp/grpcpp.h>\n' >server/rpc/a.cpp
+  printf '#include <thread>\n#include "hw/device.hpp"\n' >server/rt/a.cpp
+  printf '#include "haptic/v1/haptic_service.grpc.pb.h"\n' >client/src/a.cpp
+  printf '#include <chrono>\n' >client/include/haptic/client/client.hpp
+  printf '#include "haptic/client/client.hpp"\n' >client/hapticctl/main.cpp
+  printf '#include <openssl/evp.h>\n' >proto/wire/a.cpp
+}
+
+expect() {  # expect STATUS WHAT
+  status=0
+  sh "$check" "$scratch" >"$scratch.log" 2>&1 || status=$?
+  if [ "$status" -ne "$1" ]; then
+    echo "FAILED: $2: expected status $1, got $status"
+    cat "$scratch.log"
+    failures=1
+  fi
+}
+
+breach() {  # breach FILE LINE
+  fresh_tree
+  printf '%s\n' "$2" >>"$1"
+  expect 1 "$1 with $2"
+}
+
+fresh_tree
+expect 0 "a clean tree"
+
+breach core/src/a.cpp '#include <thread>'
+breach core/src/a.cpp '#include <iostream>'
+breach core/src/a.cpp '  #  include <mutex>'
+breach core/src/a.cpp '#include "hw/device.hpp"'
+breach core/src/a.cpp '#include <hw/device.hpp>'
+breach core/src/a.cpp '#include "haptic/v1/session.pb.h"'
+breach core/src/a.cpp '#include <grpcpp/grpcpp.h>'
+breach core/src/a.cpp '#include "server/rt/loop.hpp"'
+breach core/src/a.cpp 'auto t = std::chrono::steady_clock::now();'
+breach hw/board/a.cpp '#include <asio.hpp>'
+breach hw/board/a.cpp '#include "haptic/v1/session.pb.h"'
+breach hw/board/a.cpp '#include "server/scene/scene.hpp"'
+breach proto/wire/a.cpp '#include <asio/ip/udp.hpp>'
+breach proto/wire/a.cpp '#include <grpcpp/grpcpp.h>'
+breach proto/wire/a.cpp '#include "haptic/core/types.hpp"'
+breach client/src/a.cpp '#include "haptic/core/types.hpp"'
+breach client/src/a.cpp '#include <Eigen/Core>'
+breach client/src/a.cpp '#include "hw/device.hpp"'
+breach client/src/a.cpp '#include "server/app.hpp"'
+breach client/include/haptic/client/client.hpp '#include <grpcpp/grpcpp.h>'
+breach client/include/haptic/client/client.hpp '#include "haptic/v1/session.pb.h"'
+breach client/hapticctl/main.cpp '#include <grpcpp/grpcpp.h>'
+breach server/rt/a.cpp '#include "haptic/v1/scene.pb.h"'
+breach server/rt/a.cpp '#include <grpcpp/server.h>'
+breach server/rt/a.cpp '#include <google/protobuf/text_format.h>'
+breach server/rpc/a.cpp '#include "haptic/client/client.hpp"'
+
+rm -rf "$scratch" && mkdir -p "$scratch"
+expect 2 "an empty tree"
+exit $failures

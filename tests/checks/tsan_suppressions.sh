@@ -1,0 +1,15 @@
+#!/bin/sh
+# tests/tsan.supp excuses Debian's builds of gRPC, Abseil and protobuf, which are not instrumented and
+# report by the hundred - and nothing else.
+#
+#   tsan_suppressions.sh [FILE]
+set -u
+file=${1:-$(dirname "$0")/../tsan.supp}
+rules=$(grep -vE '^[[:space:]]*(#|$)' "$file") || { echo "$file: missing or without rules"; exit 2; }
+others=$(echo "$rules" |
+  grep -vE '^(race|called_from_lib|mutex|deadlock|thread|signal|race_top):(libgrpc(\+\+)?|libabsl(_[a-z_]+)?|libprotobuf|libgpr)[.*so0-9]*$')
+if [ -n "$others" ]; then
+  echo "$file: only libgrpc, libabsl and libprotobuf may be named; found:"
+  echo "$others"
+  exit 1
+fi

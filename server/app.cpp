@@ -60,13 +60,13 @@ void App::start() {
     listeners_.push_back(std::make_unique<EventLog>(units[i]->name()));
     telemetry_->add(i, listeners_.back().get());
     if (scene_.record) {
-      std::filesystem::path file = scene_.record->file;
-      if (units.size() > 1) {  // one file per device, by its name
-        file.replace_filename(file.stem().string() + "_" + units[i]->name() +
-                              file.extension().string());
-      }
-      listeners_.push_back(
-          std::make_unique<Recorder>(*units[i], file, scene_.record->compare_renderers));
+      auto comparison = scene_.record->compare_renderers
+                            ? std::make_unique<RendererComparison>(scene_.devices[i].kinematics,
+                                                                   scene_.devices[i].settings)
+                            : nullptr;
+      listeners_.push_back(std::make_unique<Recorder>(
+          record_file(scene_.record->file, units[i]->name(), units.size()),
+          scene_.devices[i].kinematics, std::move(comparison)));
       telemetry_->add(i, listeners_.back().get());
     }
   }

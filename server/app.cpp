@@ -29,11 +29,15 @@ class App::Rpc : public RpcServer {
   using RpcServer::RpcServer;
 };
 
-const char* version() noexcept { return HAPTIC_VERSION; }
+const char* version() noexcept {
+  return HAPTIC_VERSION;
+}
 
 App::App(Scene scene, AppOptions options) : scene_(std::move(scene)), options_(options) {}
 
-App::~App() { stop(); }
+App::~App() {
+  stop();
+}
 
 void App::start() {
   started_ = steady_now();
@@ -70,9 +74,9 @@ void App::start() {
       telemetry_->add(i, listeners_.back().get());
     }
   }
-  rpc_ = std::make_unique<Rpc>(RpcConfig{scene_.server.listen, scene_.server.max_sessions,
-                                         scene_.loop.period},
-                               sessions, *telemetry_, [this] { return facts(); });
+  rpc_ = std::make_unique<Rpc>(
+      RpcConfig{scene_.server.listen, scene_.server.max_sessions, scene_.loop.period}, sessions,
+      *telemetry_, [this] { return facts(); });
   telemetry_->start();
   loop_->run(units, *telemetry_);
   rpc_->start();

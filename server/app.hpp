@@ -1,12 +1,12 @@
 #pragma once
 /// The composition root: the one place that knows everything.
 ///
-/// | thread       | owns                                        | how it stops                          |
+/// | thread       | owns                                        | how it stops |
 /// |--------------|---------------------------------------------|---------------------------------------|
-/// | main         | the App, signals                            | stop() returns                        |
-/// | haptic-rt    | loop, devices' read and write, pipelines    | every unit CLOSING, or 3 s            |
-/// | haptic-drain | rings' reading end, events, recorder, log   | Telemetry::stop()                     |
-/// | gRPC's       | calls; they post to mailboxes under a mutex | RpcServer::shutdown(), 1 s            |
+/// | main         | the App, signals                            | stop() returns | | haptic-rt    |
+/// loop, devices' read and write, pipelines    | every unit CLOSING, or 3 s            | |
+/// haptic-drain | rings' reading end, events, recorder, log   | Telemetry::stop() | | gRPC's |
+/// calls; they post to mailboxes under a mutex | RpcServer::shutdown(), 1 s            |
 
 #include <memory>
 #include <string>

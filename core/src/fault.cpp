@@ -4,26 +4,40 @@ namespace haptic::core {
 
 std::string_view reason(Fault fault) noexcept {
   switch (fault) {
-    case Fault::kDeviceSilent: return "DEVICE_SILENT";
-    case Fault::kDeviceLost: return "DEVICE_LOST";
-    case Fault::kSampleNotFinite: return "SAMPLE_NOT_FINITE";
-    case Fault::kSampleOutOfRange: return "SAMPLE_OUT_OF_RANGE";
-    case Fault::kLoopLate: return "LOOP_LATE";
-    case Fault::kLateBucketFull: return "LATE_BUCKET_FULL";
-    case Fault::kEmergencyStop: return "EMERGENCY_STOP";
-    case Fault::kForceOverLimit: return "FORCE_OVER_LIMIT";
-    case Fault::kOutputNotFinite: return "OUTPUT_NOT_FINITE";
+    case Fault::kDeviceSilent:
+      return "DEVICE_SILENT";
+    case Fault::kDeviceLost:
+      return "DEVICE_LOST";
+    case Fault::kSampleNotFinite:
+      return "SAMPLE_NOT_FINITE";
+    case Fault::kSampleOutOfRange:
+      return "SAMPLE_OUT_OF_RANGE";
+    case Fault::kLoopLate:
+      return "LOOP_LATE";
+    case Fault::kLateBucketFull:
+      return "LATE_BUCKET_FULL";
+    case Fault::kEmergencyStop:
+      return "EMERGENCY_STOP";
+    case Fault::kForceOverLimit:
+      return "FORCE_OVER_LIMIT";
+    case Fault::kOutputNotFinite:
+      return "OUTPUT_NOT_FINITE";
   }
   return "UNKNOWN_FAULT";
 }
 
 std::string_view reason(Limiter limiter) noexcept {
   switch (limiter) {
-    case Limiter::kSaturation: return "SATURATION";
-    case Limiter::kSlew: return "SLEW";
-    case Limiter::kEnvelope: return "ENVELOPE";
-    case Limiter::kDirectionGuard: return "DIRECTION_GUARD";
-    case Limiter::kRangeClamp: return "RANGE_CLAMP";
+    case Limiter::kSaturation:
+      return "SATURATION";
+    case Limiter::kSlew:
+      return "SLEW";
+    case Limiter::kEnvelope:
+      return "ENVELOPE";
+    case Limiter::kDirectionGuard:
+      return "DIRECTION_GUARD";
+    case Limiter::kRangeClamp:
+      return "RANGE_CLAMP";
   }
   return "UNKNOWN_LIMITER";
 }

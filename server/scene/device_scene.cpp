@@ -12,16 +12,18 @@ namespace {
 
 using google::protobuf::RepeatedField;
 
-constexpr double kSlewPerForce = 100.0;        // full force in 10 ms
+constexpr double kSlewPerForce = 100.0;  // full force in 10 ms
 constexpr double kEngageWindowPerForce = 0.25;
 
-std::string index(const std::string& path, int i) { return path + "[" + std::to_string(i) + "]"; }
+std::string index(const std::string& path, int i) {
+  return path + "[" + std::to_string(i) + "]";
+}
 
 void check_name(const v1::DeviceScene& message, const std::string& path, Problems& problems) {
   const std::string& name = message.name();
-  const bool good = !name.empty() && name.size() <= 32 &&
-                    name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") ==
-                        std::string::npos;
+  const bool good =
+      !name.empty() && name.size() <= 32 &&
+      name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") == std::string::npos;
   if (!good) problems.add(path + ".name", "\"" + name + "\"", "must be 1 to 32 of a-z 0-9 _ -");
 }
 
@@ -36,8 +38,7 @@ void fill(RepeatedField<double>& list, int count, double value) {
   for (int i = 0; i < count; ++i) list.Add(value);
 }
 
-hw::SimulatedFingerConfig read_simulated_finger(v1::SimulatedFinger& scene,
-                                                const std::string& path,
+hw::SimulatedFingerConfig read_simulated_finger(v1::SimulatedFinger& scene, const std::string& path,
                                                 const std::filesystem::path& folder,
                                                 Problems& problems) {
   hw::SimulatedFingerConfig config;
@@ -58,9 +59,8 @@ hw::SimulatedFingerConfig read_simulated_finger(v1::SimulatedFinger& scene,
   return config;
 }
 
-hw::SimulatedLinearConfig read_simulated_linear(v1::SimulatedLinear& scene,
-                                                const std::string& path, int n_q, int n_a,
-                                                Problems& problems) {
+hw::SimulatedLinearConfig read_simulated_linear(v1::SimulatedLinear& scene, const std::string& path,
+                                                int n_q, int n_a, Problems& problems) {
   fill(*scene.mutable_damping(), n_q, 0.0);
   fill(*scene.mutable_hand_stiffness(), n_q, 0.0);
   fill(*scene.mutable_hand_damping(), n_q, 0.0);
@@ -129,18 +129,21 @@ core::VecA read_source(v1::DeviceScene& message, const std::string& path,
 
 core::RendererKind read_renderer(v1::DeviceScene& message) {
   switch (message.renderer_case()) {
-    case v1::DeviceScene::kStandard: return core::RendererKind::kStandard;
-    case v1::DeviceScene::kNullSpace: return core::RendererKind::kNullSpace;
-    case v1::DeviceScene::kSubspaceExact: return core::RendererKind::kSubspaceExact;
-    default: break;
+    case v1::DeviceScene::kStandard:
+      return core::RendererKind::kStandard;
+    case v1::DeviceScene::kNullSpace:
+      return core::RendererKind::kNullSpace;
+    case v1::DeviceScene::kSubspaceExact:
+      return core::RendererKind::kSubspaceExact;
+    default:
+      break;
   }
   message.mutable_subspace_linear();
   return core::RendererKind::kSubspaceLinear;
 }
 
 void read_limits(v1::DeviceScene& message, const std::string& path, int n_a,
-                 const core::VecA& max_effort, core::RenderSettings& settings,
-                 Problems& problems) {
+                 const core::VecA& max_effort, core::RenderSettings& settings, Problems& problems) {
   const std::string per = "actuated DoF";
   if (!message.has_impedance()) problems.missing(path + ".impedance", "must be given");
   v1::ImpedanceScene& impedance = *message.mutable_impedance();
@@ -162,9 +165,8 @@ void read_limits(v1::DeviceScene& message, const std::string& path, int n_a,
       limits.add_engage_window_n(kEngageWindowPerForce * force);
     }
   }
-  settings.slew_limit =
-      read_list(limits.slew_n_per_s(), n_a, path + ".limits.slew_n_per_s", per, 0.0, false,
-                problems);
+  settings.slew_limit = read_list(limits.slew_n_per_s(), n_a, path + ".limits.slew_n_per_s", per,
+                                  0.0, false, problems);
   settings.engage_window = read_list(limits.engage_window_n(), n_a,
                                      path + ".limits.engage_window_n", per, 0.0, false, problems);
   for (int i = 0; i < std::min<int>(limits.force_n_size(), static_cast<int>(max_effort.size()));
@@ -181,12 +183,10 @@ void read_staleness(v1::DeviceScene& message, const std::string& path, DeviceSce
   v1::StalenessScene& staleness = *message.mutable_staleness();
   core::StalenessLimits& limits = scene.settings.staleness;
   const bool has_fresh = staleness.has_fresh_end();
-  limits.hold_end =
-      read_duration(*staleness.mutable_hold_end(), staleness.hold_end().ByteSizeLong() > 0,
-                    limits.hold_end);
-  limits.fade_end =
-      read_duration(*staleness.mutable_fade_end(), staleness.fade_end().ByteSizeLong() > 0,
-                    limits.fade_end);
+  limits.hold_end = read_duration(*staleness.mutable_hold_end(),
+                                  staleness.hold_end().ByteSizeLong() > 0, limits.hold_end);
+  limits.fade_end = read_duration(*staleness.mutable_fade_end(),
+                                  staleness.fade_end().ByteSizeLong() > 0, limits.fade_end);
   if (has_fresh) {
     scene.fresh_end = read_duration(*staleness.mutable_fresh_end(), true, {});
     limits.fresh_end = *scene.fresh_end;

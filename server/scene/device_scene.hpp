@@ -9,8 +9,8 @@
 
 namespace haptic::server {
 
-/// Fills in every default of `message` and reads it; what is wrong goes to `problems`. `path` is the
-/// message's, "device[0]"; relative files are relative to `folder`.
+/// Fills in every default of `message` and reads it; what is wrong goes to `problems`. `path` is
+/// the message's, "device[0]"; relative files are relative to `folder`.
 [[nodiscard]] DeviceScene read_device(v1::DeviceScene& message, const std::string& path,
                                       const std::filesystem::path& folder, Problems& problems);
 

@@ -8,8 +8,8 @@ namespace haptic::server {
 
 struct FieldStep {
   std::string name{};
-  int index{-1};        ///< -1: none given
-  bool malformed{false};///< not of the form name or name[number]
+  int index{-1};          ///< -1: none given
+  bool malformed{false};  ///< not of the form name or name[number]
 };
 
 [[nodiscard]] inline std::vector<FieldStep> split_path(const std::string& path) {

@@ -1,6 +1,6 @@
 #pragma once
-/// The scene's numbers of the finger and of the simulated hand, each tied to its place in the struct it fills:
-/// one table serves the defaults, the checks and the reading.
+/// The scene's numbers of the finger and of the simulated hand, each tied to its place in the
+/// struct it fills: one table serves the defaults, the checks and the reading.
 
 #include <limits>
 
@@ -13,7 +13,7 @@ template <typename Struct>
 struct NumberField {
   const char* name;  ///< in scene.proto
   double& (*at)(Struct&);
-  double lowest;     ///< allowed from here on
+  double lowest;  ///< allowed from here on
 };
 
 inline constexpr double kAny = -std::numeric_limits<double>::max();

@@ -44,8 +44,8 @@ core::LinearMap read_linear(v1::LinearScene& scene, const std::string& path, Pro
     if (dof.name().empty()) problems.missing(at + ".name", "must be given");
     read_unit(dof.unit(), at + ".unit", problems, spec.unit);
     if (!(std::isfinite(dof.lower()) && std::isfinite(dof.upper()) && dof.lower() < dof.upper())) {
-      problems.add(at + ".upper", dof.upper(), "must be finite and > lower, " +
-                                                   decimal(dof.lower()));
+      problems.add(at + ".upper", dof.upper(),
+                   "must be finite and > lower, " + decimal(dof.lower()));
     }
     any_actuated = any_actuated || dof.actuated();
     map.dofs.push_back(spec);
@@ -56,9 +56,9 @@ core::LinearMap read_linear(v1::LinearScene& scene, const std::string& path, Pro
   for (int i = 0; i < n_x; ++i) {
     const v1::LinearScene::Coordinate& c = scene.coordinate(i);
     const std::string at = path + ".coordinate[" + std::to_string(i) + "]";
-    core::Coordinate spec{c.name(), core::Unit::kMetre,
-                          c.full_circle() ? core::CoordinateKind::kAngle
-                                          : core::CoordinateKind::kLinear};
+    core::Coordinate spec{
+        c.name(), core::Unit::kMetre,
+        c.full_circle() ? core::CoordinateKind::kAngle : core::CoordinateKind::kLinear};
     if (c.name().empty()) problems.missing(at + ".name", "must be given");
     read_unit(c.unit(), at + ".unit", problems, spec.unit);
     if (c.full_circle() && c.unit() != "rad") {

@@ -34,8 +34,8 @@ const FieldDescriptor& find(const Message& message, const FieldStep& step,
   const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(step.name);
   if (step.malformed) refuse(assignment, "'" + step.name + "' must be name or name[number]");
   if (field == nullptr) {
-    refuse(assignment, "no field '" + step.name + "'; there are: " +
-                           fields_of(*message.GetDescriptor(), step.name));
+    refuse(assignment, "no field '" + step.name +
+                           "'; there are: " + fields_of(*message.GetDescriptor(), step.name));
   }
   if (step.index >= 0 && !field->is_repeated()) {
     refuse(assignment, "'" + step.name + "' is one value, not a list");
@@ -65,7 +65,8 @@ Message& descend(Message& message, const FieldStep& step, const std::string& ass
              : *reflection.MutableRepeatedMessage(&message, &field, step.index);
 }
 
-/// Parses the value as the field's only one in a message of its own, so that a bad value changes nothing.
+/// Parses the value as the field's only one in a message of its own, so that a bad value changes
+/// nothing.
 std::unique_ptr<Message> parsed(const Message& like, const FieldDescriptor& field,
                                 const std::string& value, const std::string& assignment) {
   std::unique_ptr<Message> holder(like.New());

@@ -22,7 +22,9 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-std::string ms(core::Duration d) { return decimal(core::seconds(d) * 1e3) + " ms"; }
+std::string ms(core::Duration d) {
+  return decimal(core::seconds(d) * 1e3) + " ms";
+}
 
 void check_between(core::Duration value, core::Duration lower, core::Duration upper,
                    const std::string& path, Problems& problems) {
@@ -137,10 +139,10 @@ Scene parse_scene(const std::string& text, const std::string& name,
 Scene load_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
   std::ifstream stream(file);
   if (!stream || std::filesystem::is_directory(file)) {
-    throw core::SceneError(file.string() + ": " +
-                           (std::filesystem::is_directory(file) ? "is a folder"
-                                                                : std::strerror(errno)) +
-                           "; must be a scene file that can be read");
+    throw core::SceneError(
+        file.string() + ": " +
+        (std::filesystem::is_directory(file) ? "is a folder" : std::strerror(errno)) +
+        "; must be a scene file that can be read");
   }
   std::stringstream text;
   text << stream.rdbuf();

@@ -1,6 +1,6 @@
 #pragma once
-/// A scene's text into its message, with positions; errors say file, line, column, and for an unknown
-/// field what there is instead.
+/// A scene's text into its message, with positions; errors say file, line, column, and for an
+/// unknown field what there is instead.
 
 #include <google/protobuf/text_format.h>
 

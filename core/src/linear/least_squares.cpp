@@ -36,8 +36,8 @@ void LeastSquares::run() noexcept {
   const int m = M > 0 ? M : n_x_;
   const int n = N > 0 ? N : n_q_;
   householder<M, N>(A_, b_, column_norm_, m, n);
-  // Smallest and largest |R_kk| of the equilibrated matrix; a zero or NaN column gives NaN, which no
-  // comparison below takes for full rank.
+  // Smallest and largest |R_kk| of the equilibrated matrix; a zero or NaN column gives NaN, which
+  // no comparison below takes for full rank.
   double smallest = 1.0, largest = 1.0;
   for (int k = 0; k < n; ++k) {
     const double scaled = std::abs(A_[k * m + k]) / column_norm_[k];

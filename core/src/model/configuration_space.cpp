@@ -23,9 +23,8 @@ ConfigurationSpace::ConfigurationSpace(std::vector<Coordinate> coordinates)
 }
 
 bool ConfigurationSpace::mixes_units() const noexcept {
-  return std::any_of(coordinates_.begin(), coordinates_.end(), [this](const Coordinate& c) {
-    return c.unit != coordinates_.front().unit;
-  });
+  return std::any_of(coordinates_.begin(), coordinates_.end(),
+                     [this](const Coordinate& c) { return c.unit != coordinates_.front().unit; });
 }
 
 void ConfigurationSpace::difference(const VecX& x, const VecX& x_probe, VecX& dx) const noexcept {

@@ -8,8 +8,8 @@ namespace haptic::core {
 
 DofLayout::DofLayout(std::span<const bool> actuated) : n_q_(static_cast<int>(actuated.size())) {
   if (actuated.empty() || actuated.size() > static_cast<std::size_t>(kMaxQ)) {
-    throw SceneError("device with " + std::to_string(actuated.size()) +
-                     " DoFs: must have 1 to " + std::to_string(kMaxQ));
+    throw SceneError("device with " + std::to_string(actuated.size()) + " DoFs: must have 1 to " +
+                     std::to_string(kMaxQ));
   }
   int n_n = 0;
   for (int i = 0; i < n_q_; ++i) {

@@ -28,8 +28,7 @@ void require_finite(double value, const char* name) {
 void require_range(double lower, double upper, const char* name) {
   if (!(std::isfinite(lower) && std::isfinite(upper) && lower < upper)) {
     throw SceneError(std::string("finger_exoskeleton.") + name + " from " + std::to_string(lower) +
-                     " to " + std::to_string(upper) +
-                     ": both must be finite, lower < upper");
+                     " to " + std::to_string(upper) + ": both must be finite, lower < upper");
   }
 }
 

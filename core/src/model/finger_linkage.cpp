@@ -12,12 +12,16 @@ using Complex = std::complex<double>;
 constexpr double dot(Complex a, Complex b) noexcept {
   return a.real() * b.real() + a.imag() * b.imag();
 }
-constexpr Complex times_i(Complex a) noexcept { return {-a.imag(), a.real()}; }
+constexpr Complex times_i(Complex a) noexcept {
+  return {-a.imag(), a.real()};
+}
 /// a b and a / b without the standard's care for infinities, which costs a library call each.
 constexpr Complex times(Complex a, Complex b) noexcept {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
-Complex turn(double angle) noexcept { return {std::cos(angle), std::sin(angle)}; }
+Complex turn(double angle) noexcept {
+  return {std::cos(angle), std::sin(angle)};
+}
 
 /// The unit vector u with u (c + i h) = p, i.e. conj((c + i h)/p): |p|^2 = c^2 + h^2.
 constexpr Complex direction(double c, double h, Complex p, double p_squared) noexcept {
@@ -109,11 +113,13 @@ bool FingerLinkage::hessian(double l, double t, LinkageHessian& out) const noexc
       const Complex D_km = tt ? -a.body_d : Complex{};
       const Complex E_km = tt ? -a.body_e : Complex{};
       const double q1_km = -(dot(a.n1, D_km) + p.c1_k[k] * p.q1_k[m] + p.c1_k[m] * p.q1_k[k] +
-                             dim_.rod1 * p.q1_k[k] * p.q1_k[m]) / a.c1;
+                             dim_.rod1 * p.q1_k[k] * p.q1_k[m]) /
+                           a.c1;
       const Complex w_km =
           E_km + dim_.proximal_phalanx * (p.q1_k[k] * p.q1_k[m] * a.u1 + q1_km * a.n1);
       const double phi_km = -(dot(a.n2, w_km) + p.c2_k[k] * p.phi_k[m] + p.c2_k[m] * p.phi_k[k] +
-                              dim_.rod2 * p.phi_k[k] * p.phi_k[m]) / a.c2;
+                              dim_.rod2 * p.phi_k[k] * p.phi_k[m]) /
+                            a.c2;
       out.H[0][k][m] = out.H[0][m][k] = q1_km;
       out.H[1][k][m] = out.H[1][m][k] = phi_km - q1_km;
     }

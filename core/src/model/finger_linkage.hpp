@@ -1,6 +1,6 @@
 #pragma once
-/// The planar linkage of METHOD 1.2 as plain arithmetic: forward map (1.3), derivatives (1.4), closed
-/// inverse (1.5). Names are METHOD's. Private to the finger's map.
+/// The planar linkage of METHOD 1.2 as plain arithmetic: forward map (1.3), derivatives (1.4),
+/// closed inverse (1.5). Names are METHOD's. Private to the finger's map.
 
 #include <complex>
 
@@ -10,8 +10,8 @@ namespace haptic::core {
 
 /// One assembled pose with its first derivatives; index 0 is l, 1 is t = q_B.
 struct LinkagePose {
-  double q1{0.0}, q2{0.0};     ///< MCP, PIP, rad
-  double c1{0.0}, c2{0.0};     ///< sliders, m
+  double q1{0.0}, q2{0.0};  ///< MCP, PIP, rad
+  double c1{0.0}, c2{0.0};  ///< sliders, m
   double q1_k[2]{}, phi_k[2]{};
   double c1_k[2]{}, c2_k[2]{};
 

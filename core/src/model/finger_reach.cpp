@@ -11,7 +11,16 @@ namespace haptic::core {
 namespace {
 
 enum Constraint : int {
-  kLLower, kLUpper, kTLower, kTUpper, kC1Lower, kC1Upper, kC2Lower, kC2Upper, kBranch, kNoClosure
+  kLLower,
+  kLUpper,
+  kTLower,
+  kTUpper,
+  kC1Lower,
+  kC1Upper,
+  kC2Lower,
+  kC2Upper,
+  kBranch,
+  kNoClosure
 };
 
 constexpr double kScaleL = 0.02;  // m per unit of scaled travel (METHOD 1.2)
@@ -26,21 +35,31 @@ double squared_distance(const ReachPoint& p, double q1, double q2) noexcept {
 
 }  // namespace
 
-FingerReach::FingerReach(const FingerLinkage& linkage) : linkage_(linkage) { trace(); }
+FingerReach::FingerReach(const FingerLinkage& linkage) : linkage_(linkage) {
+  trace();
+}
 
-double FingerReach::value(int constraint, double l, double t,
-                          const LinkagePose& p) const noexcept {
+double FingerReach::value(int constraint, double l, double t, const LinkagePose& p) const noexcept {
   const FingerDimensions& d = linkage_.dimensions();
   switch (constraint) {
-    case kLLower: return l - d.l_x_lower;
-    case kLUpper: return d.l_x_upper - l;
-    case kTLower: return t - d.q_B_lower;
-    case kTUpper: return d.q_B_upper - t;
-    case kC1Lower: return p.c1 - d.slider1_lower;
-    case kC1Upper: return d.slider1_upper - p.c1;
-    case kC2Lower: return p.c2 - d.slider2_lower;
-    case kC2Upper: return d.slider2_upper - p.c2;
-    default: return p.det() * p.c1 * p.c2;  // of the order of a length: the s of METHOD 1.5
+    case kLLower:
+      return l - d.l_x_lower;
+    case kLUpper:
+      return d.l_x_upper - l;
+    case kTLower:
+      return t - d.q_B_lower;
+    case kTUpper:
+      return d.q_B_upper - t;
+    case kC1Lower:
+      return p.c1 - d.slider1_lower;
+    case kC1Upper:
+      return d.slider1_upper - p.c1;
+    case kC2Lower:
+      return p.c2 - d.slider2_lower;
+    case kC2Upper:
+      return d.slider2_upper - p.c2;
+    default:
+      return p.det() * p.c1 * p.c2;  // of the order of a length: the s of METHOD 1.5
   }
 }
 
@@ -53,20 +72,39 @@ int FingerReach::violated(double l, double t) const noexcept {
   return -1;
 }
 
-bool FingerReach::contains(double l, double t) const noexcept { return violated(l, t) < 0; }
+bool FingerReach::contains(double l, double t) const noexcept {
+  return violated(l, t) < 0;
+}
 
 bool FingerReach::gradient(int constraint, double l, double t, const LinkagePose& p, double& g_l,
                            double& g_t) const noexcept {
   switch (constraint) {
-    case kLLower: g_l = 1.0, g_t = 0.0; return true;
-    case kLUpper: g_l = -1.0, g_t = 0.0; return true;
-    case kTLower: g_l = 0.0, g_t = 1.0; return true;
-    case kTUpper: g_l = 0.0, g_t = -1.0; return true;
-    case kC1Lower: g_l = p.c1_k[0], g_t = p.c1_k[1]; return true;
-    case kC1Upper: g_l = -p.c1_k[0], g_t = -p.c1_k[1]; return true;
-    case kC2Lower: g_l = p.c2_k[0], g_t = p.c2_k[1]; return true;
-    case kC2Upper: g_l = -p.c2_k[0], g_t = -p.c2_k[1]; return true;
-    default: break;
+    case kLLower:
+      g_l = 1.0, g_t = 0.0;
+      return true;
+    case kLUpper:
+      g_l = -1.0, g_t = 0.0;
+      return true;
+    case kTLower:
+      g_l = 0.0, g_t = 1.0;
+      return true;
+    case kTUpper:
+      g_l = 0.0, g_t = -1.0;
+      return true;
+    case kC1Lower:
+      g_l = p.c1_k[0], g_t = p.c1_k[1];
+      return true;
+    case kC1Upper:
+      g_l = -p.c1_k[0], g_t = -p.c1_k[1];
+      return true;
+    case kC2Lower:
+      g_l = p.c2_k[0], g_t = p.c2_k[1];
+      return true;
+    case kC2Upper:
+      g_l = -p.c2_k[0], g_t = -p.c2_k[1];
+      return true;
+    default:
+      break;
   }
   LinkageHessian h;
   if (!linkage_.hessian(l, t, h)) return false;

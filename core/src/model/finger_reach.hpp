@@ -1,11 +1,13 @@
 #pragma once
-/// The set of poses the finger's subspace proxy may take (box, slider limits, the branch det J > 0),
-/// and the nearest of them to an x outside its image: Eq. (6) where x is unreachable (METHOD 3.4).
+/// The set of poses the finger's subspace proxy may take (box, slider limits, the branch det J >
+/// 0), and the nearest of them to an x outside its image: Eq. (6) where x is unreachable
+/// (METHOD 3.4).
 ///
-/// At construction the edge of the set is traced once, as points that know which constraint they lie on.
-/// nearest() takes the best traced point of each constraint and slides it along its curve by 1-D
-/// Gauss-Newton steps. Since det J does not vanish inside, a minimum with a residual lies on the edge:
-/// the answer is global up to the trace's grid, and needs no seed, no history, no allocation.
+/// At construction the edge of the set is traced once, as points that know which constraint they
+/// lie on. nearest() takes the best traced point of each constraint and slides it along its curve
+/// by 1-D Gauss-Newton steps. Since det J does not vanish inside, a minimum with a residual lies on
+/// the edge: the answer is global up to the trace's grid, and needs no seed, no history, no
+/// allocation.
 
 #include <vector>
 

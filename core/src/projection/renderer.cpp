@@ -8,10 +8,14 @@ using Any = std::variant<Standard, NullSpace, SubspaceLinear, SubspaceExact>;
 
 Any make(RendererKind kind, const Kinematics& kinematics) {
   switch (kind) {
-    case RendererKind::kStandard: return Standard(kinematics);
-    case RendererKind::kNullSpace: return NullSpace(kinematics);
-    case RendererKind::kSubspaceLinear: return SubspaceLinear(kinematics);
-    case RendererKind::kSubspaceExact: break;
+    case RendererKind::kStandard:
+      return Standard(kinematics);
+    case RendererKind::kNullSpace:
+      return NullSpace(kinematics);
+    case RendererKind::kSubspaceLinear:
+      return SubspaceLinear(kinematics);
+    case RendererKind::kSubspaceExact:
+      break;
   }
   return SubspaceExact(kinematics);
 }
@@ -20,10 +24,14 @@ Any make(RendererKind kind, const Kinematics& kinematics) {
 
 std::string_view name(RendererKind kind) noexcept {
   switch (kind) {
-    case RendererKind::kStandard: return "standard";
-    case RendererKind::kNullSpace: return "null_space";
-    case RendererKind::kSubspaceLinear: return "subspace_linear";
-    case RendererKind::kSubspaceExact: return "subspace_exact";
+    case RendererKind::kStandard:
+      return "standard";
+    case RendererKind::kNullSpace:
+      return "null_space";
+    case RendererKind::kSubspaceLinear:
+      return "subspace_linear";
+    case RendererKind::kSubspaceExact:
+      return "subspace_exact";
   }
   return "unknown";
 }

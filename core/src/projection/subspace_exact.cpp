@@ -114,8 +114,8 @@ void SubspaceExact::box_step(const VecA& stiffness) noexcept {
     }
     if (worst >= 0) {
       fixed[worst] = true;
-      step_[worst] = (q_[worst] + step_[worst] > upper_[worst] ? upper_[worst] : lower_[worst]) -
-                     q_[worst];
+      step_[worst] =
+          (q_[worst] + step_[worst] > upper_[worst] ? upper_[worst] : lower_[worst]) - q_[worst];
       continue;
     }
     // All free ones are inside: let go of a limit that the residual pulls away from, once each.

@@ -6,14 +6,22 @@ namespace haptic::core {
 
 std::string_view name(DeviceState state) noexcept {
   switch (state) {
-    case DeviceState::kInit: return "INIT";
-    case DeviceState::kIdle: return "IDLE";
-    case DeviceState::kArmed: return "ARMED";
-    case DeviceState::kEngaging: return "ENGAGING";
-    case DeviceState::kEngaged: return "ENGAGED";
-    case DeviceState::kReleasing: return "RELEASING";
-    case DeviceState::kFault: return "FAULT";
-    case DeviceState::kClosing: return "CLOSING";
+    case DeviceState::kInit:
+      return "INIT";
+    case DeviceState::kIdle:
+      return "IDLE";
+    case DeviceState::kArmed:
+      return "ARMED";
+    case DeviceState::kEngaging:
+      return "ENGAGING";
+    case DeviceState::kEngaged:
+      return "ENGAGED";
+    case DeviceState::kReleasing:
+      return "RELEASING";
+    case DeviceState::kFault:
+      return "FAULT";
+    case DeviceState::kClosing:
+      return "CLOSING";
   }
   return "UNKNOWN";
 }

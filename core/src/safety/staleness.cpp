@@ -25,8 +25,8 @@ double ladder(Duration age, const StalenessLimits& limits) noexcept {
 Duration default_fresh_end(double rate_hz) noexcept {
   constexpr double kPeriods = 2.5;
   constexpr double kShortest = 5e6, kLongest = 80e6;  // ns
-  return Duration(static_cast<Duration::rep>(
-      std::clamp(kPeriods * 1e9 / rate_hz, kShortest, kLongest)));
+  return Duration(
+      static_cast<Duration::rep>(std::clamp(kPeriods * 1e9 / rate_hz, kShortest, kLongest)));
 }
 
 const char* check(const StalenessLimits& limits) noexcept {

@@ -63,8 +63,12 @@ Pipeline::~Pipeline() = default;
 Pipeline::Pipeline(Pipeline&&) noexcept = default;
 Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
 
-TickRecord Pipeline::tick(const TickInput& input) noexcept { return stages_->tick(input); }
+TickRecord Pipeline::tick(const TickInput& input) noexcept {
+  return stages_->tick(input);
+}
 
-const PipelineConfig& Pipeline::config() const noexcept { return stages_->config(); }
+const PipelineConfig& Pipeline::config() const noexcept {
+  return stages_->config();
+}
 
 }  // namespace haptic::core

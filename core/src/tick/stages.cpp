@@ -14,7 +14,9 @@ constexpr int kRecentPeriods = 3;
 constexpr Duration kEngageGapless{std::chrono::milliseconds(200)};
 constexpr std::uint64_t kEngageSamples = 10;
 
-double milliseconds_of(Duration d) noexcept { return seconds(d) * 1e3; }
+double milliseconds_of(Duration d) noexcept {
+  return seconds(d) * 1e3;
+}
 
 bool carries_force(DeviceState state) noexcept {
   return state == DeviceState::kEngaging || state == DeviceState::kEngaged ||
@@ -135,8 +137,8 @@ void Pipeline::Stages::device(const TickInput& input, TickRecord& record) noexce
 void Pipeline::Stages::proxy(const TickInput& input, TickRecord& record) noexcept {
   const CommandSnapshot& command = input.command;
   const ProxySnapshot& sample = input.proxy;
-  const bool of_this_lease = command.lease_held && sample.mode != ProxyMode::kNone &&
-                             sample.epoch == command.lease_epoch;
+  const bool of_this_lease =
+      command.lease_held && sample.mode != ProxyMode::kNone && sample.epoch == command.lease_epoch;
   const bool fits = sample.mode == ProxyMode::kFree ||
                     (sample.x.size() == kinematics_.space().n_x() && all_finite_x(sample.x));
   if (carries_force(machine_.state())) {
@@ -153,9 +155,9 @@ void Pipeline::Stages::proxy(const TickInput& input, TickRecord& record) noexcep
 
   has_proxy_ = local_proxy_.mode() != ProxyMode::kNone;
   record.proxy_age = has_proxy_ ? input.now - local_proxy_.sample().born : Duration::zero();
-  record.staleness = has_proxy_ ? staleness(record.proxy_age, local_proxy_.sample().valid_for,
-                                            settings_.staleness)
-                                : Staleness::kLost;
+  record.staleness =
+      has_proxy_ ? staleness(record.proxy_age, local_proxy_.sample().valid_for, settings_.staleness)
+                 : Staleness::kLost;
   ladder_ = has_proxy_ ? ladder(record.proxy_age, settings_.staleness) : 0.0;
 }
 
@@ -294,14 +296,15 @@ void Pipeline::Stages::state(const TickInput& input, TickRecord& record) noexcep
   }
 
   const bool device_follows = !silent_too_long(input.now);
-  const bool wanted = (record.state == DeviceState::kEngaging ||
-                       record.state == DeviceState::kEngaged) && device_follows;
+  const bool wanted =
+      (record.state == DeviceState::kEngaging || record.state == DeviceState::kEngaged) &&
+      device_follows;
   record.gain = gain_.step(wanted, ladder_, record.dt,
                            settings_.staleness.fade_end - settings_.staleness.hold_end);
-  record.damping_gain = damping_gain_.step(
-      force_granted_ && local_proxy_.mode() != ProxyMode::kFree &&
-          device_sample_is_recent(input.now),
-      record.dt);
+  record.damping_gain =
+      damping_gain_.step(force_granted_ && local_proxy_.mode() != ProxyMode::kFree &&
+                             device_sample_is_recent(input.now),
+                         record.dt);
   if (!force_granted_ && !carries_force(record.state)) damping_gain_.zero();
   if (record.state == DeviceState::kFault || record.state == DeviceState::kClosing) gain_.zero();
   record.gain = gain_.value();

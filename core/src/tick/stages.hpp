@@ -34,7 +34,8 @@ class Pipeline::Stages {
   void keep_last_anchor(TickRecord& record) noexcept;
   /// Requests of people: stop, clear, release, engage.
   void requests(const TickInput& input, TickRecord& record) noexcept;
-  [[nodiscard]] EngageAnswer judge_engage(const TickInput& input, const TickRecord& record) noexcept;
+  [[nodiscard]] EngageAnswer judge_engage(const TickInput& input,
+                                          const TickRecord& record) noexcept;
   /// Step 4, second half: the state and its gain.
   void state(const TickInput& input, TickRecord& record) noexcept;
   /// Steps 8-10: force, and its limits.
@@ -67,8 +68,8 @@ class Pipeline::Stages {
   double ladder_{0.0};
   bool has_proxy_{false};
   std::uint32_t last_epoch_{0};
-  /// An Engage was accepted and neither Release, end of lease nor a fault has ended what it allowed:
-  /// damping stays on after the elastic force was lost (WIRE 4, level "lost").
+  /// An Engage was accepted and neither Release, end of lease nor a fault has ended what it
+  /// allowed: damping stays on after the elastic force was lost (WIRE 4, level "lost").
   bool force_granted_{false};
   bool released_{false};
   bool engage_accepted_{false};
@@ -82,11 +83,11 @@ class Pipeline::Stages {
   VecX x_probe_{};
   MatXQ J_{};
   VecX dx_{};
-  VecA dq_a_{};                  ///< S (q* - q)
+  VecA dq_a_{};  ///< S (q* - q)
   Projection projection_{};
   bool map_ok_{false};
-  bool has_anchor_{false};       ///< projection_.q_star is of the proxy in use
-  bool project_anew_{true};      ///< the proxy changed since the renderer last saw it
+  bool has_anchor_{false};   ///< projection_.q_star is of the proxy in use
+  bool project_anew_{true};  ///< the proxy changed since the renderer last saw it
 };
 
 }  // namespace haptic::core

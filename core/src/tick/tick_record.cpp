@@ -6,7 +6,9 @@ namespace haptic::core {
 
 namespace {
 
-bool same(double a, double b) noexcept { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool same(double a, double b) noexcept {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
 
 template <typename Vector>
 bool same_bits(const Vector& a, const Vector& b) noexcept {

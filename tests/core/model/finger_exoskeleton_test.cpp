@@ -94,13 +94,12 @@ TEST_F(FingerExoskeleton, DerivativesAgreeWithCentralDifferences) {
       ASSERT_EQ(finger->second_order(q, k, J_k), MapStatus::kOk);
       for (int i = 0; i < 2; ++i) {
         largest_J = std::max(largest_J, std::abs(J(i, k)) * scale[k]);
-        error_J = std::max(error_J,
-                           std::abs((plus[i] - minus[i]) / (2 * h) - J(i, k)) * scale[k]);
+        error_J = std::max(error_J, std::abs((plus[i] - minus[i]) / (2 * h) - J(i, k)) * scale[k]);
         for (int m = 0; m < 2; ++m) {
           const double s = scale[k] * scale[m];
           largest_H = std::max(largest_H, std::abs(J_k(i, m)) * s);
-          error_H = std::max(
-              error_H, std::abs((J_plus(i, m) - J_minus(i, m)) / (2 * h) - J_k(i, m)) * s);
+          error_H =
+              std::max(error_H, std::abs((J_plus(i, m) - J_minus(i, m)) / (2 * h) - J_k(i, m)) * s);
         }
       }
     }
@@ -135,7 +134,8 @@ TEST_F(FingerExoskeleton, BothClosedFormsAgreeOverTheValidRegionAndTheLinkageClo
   EXPECT_LT(closure, 1e-15);
 }
 
-/// The nearest feasible pose by exhaustion, refined twice: the algebra of nobody but the forward map.
+/// The nearest feasible pose by exhaustion, refined twice: the algebra of nobody but the forward
+/// map.
 double brute_force_residual(const FingerDimensions& d, double mcp, double pip, VecQ& best) {
   double lowest = std::numeric_limits<double>::infinity();
   double l_from = d.l_x_lower, l_to = d.l_x_upper, t_from = d.q_B_lower, t_to = d.q_B_upper;
@@ -174,9 +174,12 @@ TEST_F(FingerExoskeleton, UnreachableProxiesGiveTheGlobalConstrainedOptimum) {
   struct Row {
     double mcp, pip, residual_deg, l_mm, q_B_deg;  // 0: METHOD gives no figure
   };
-  constexpr Row kRows[] = {{-0.5, 0.3, 4.87, 10.15, 41.5},  {-0.7, 0.35, 16.07, 10.15, 41.5},
-                           {-1.0, 0.3, 33.26, 10.15, 41.5}, {-0.5, -0.5, 38.66, 1e-9, 32.25},
-                           {2.2, 1.0, 0, 0, 0},             {0.3, 2.9, 0, 0, 0}};
+  constexpr Row kRows[] = {{-0.5, 0.3, 4.87, 10.15, 41.5},
+                           {-0.7, 0.35, 16.07, 10.15, 41.5},
+                           {-1.0, 0.3, 33.26, 10.15, 41.5},
+                           {-0.5, -0.5, 38.66, 1e-9, 32.25},
+                           {2.2, 1.0, 0, 0, 0},
+                           {0.3, 2.9, 0, 0, 0}};
   for (const Row& row : kRows) {
     SCOPED_TRACE(::testing::Message() << row.mcp << ", " << row.pip);
     VecQ q, brute;

@@ -132,7 +132,8 @@ TEST(Renderers, OnABlockDiagonalDeviceStandardAndNullSpaceAreTheSame) {
   }
 }
 
-/// METHOD 6, case 6: tau_null = K_null dq_a with K_null = k J_a^T N J_a, dq_a the deviation of Eq. (8).
+/// METHOD 6, case 6: tau_null = K_null dq_a with K_null = k J_a^T N J_a, dq_a the deviation of Eq.
+/// (8).
 TEST(Renderers, NullSpaceIsTheSubspaceMethodWithAnotherStiffness) {
   std::mt19937_64 random(6);
   for (int i = 0; i < 500; ++i) {
@@ -145,8 +146,7 @@ TEST(Renderers, NullSpaceIsTheSubspaceMethodWithAnotherStiffness) {
     const Eigen::MatrixXd N = Eigen::MatrixXd::Identity(6, 6) -
                               J_n * J_n.completeOrthogonalDecomposition().pseudoInverse();
     const Eigen::MatrixXd K_null = 900.0 / J_a.squaredNorm() * J_a.transpose() * N * J_a;
-    const Eigen::VectorXd dq_a =
-        force(RendererKind::kSubspaceLinear, *map, q, x, Z_q) / 900.0;
+    const Eigen::VectorXd dq_a = force(RendererKind::kSubspaceLinear, *map, q, x, Z_q) / 900.0;
     const Eigen::VectorXd expected = K_null * dq_a;
     ASSERT_LT((force(RendererKind::kNullSpace, *map, q, x, Z_q) - expected).norm(),
               1e-13 * 10 * expected.norm());
@@ -162,7 +162,7 @@ TEST(Renderers, TheSubspaceForceIsTheSameInMetresAndMillimetres) {
     const VecX x = random_matrix(random, 4, 1);
     const auto metres = linear_map(A, 1);
     Eigen::MatrixXd scaled = A;
-    scaled.col(0) /= 1000.0;  // actuated, in mm
+    scaled.col(0) /= 1000.0;              // actuated, in mm
     scaled.col(2) *= 57.295779513082323;  // sensed, per degree instead of per rad, inverted
     VecQ q_scaled = q;
     q_scaled[0] *= 1000.0;
@@ -197,7 +197,8 @@ TEST(Renderers, ASingularWideOrZeroJacobianGivesAFiniteAnswerThatSaysSo) {
       if (kind != RendererKind::kStandard) {
         EXPECT_TRUE(out.status == ProjectionStatus::kRankDeficient ||
                     out.status == ProjectionStatus::kIllConditioned)
-            << name(kind) << "\n" << A;
+            << name(kind) << "\n"
+            << A;
       }
     }
   }

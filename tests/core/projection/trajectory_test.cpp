@@ -79,8 +79,7 @@ class Trajectory {
       down[0] -= h;
       const double partial = 1e-3 * (tau(kind, up) - tau(kind, down)) / (2.0 * h);
       m.exact_partial_min = std::min(m.exact_partial_min, partial);
-      m.exact_partial_max =
-          tau_mm.size() == 1 ? partial : std::max(m.exact_partial_max, partial);
+      m.exact_partial_max = tau_mm.size() == 1 ? partial : std::max(m.exact_partial_max, partial);
       positive += partial > 0.0;
     }
     m.exact_pct = 100.0 * positive / 4000.0;

@@ -9,15 +9,15 @@ namespace haptic::core {
 
 /// 1..31 latching faults. Bit n of a FaultSet is the fault of number n.
 enum class Fault : std::uint8_t {
-  kDeviceSilent = 1,    ///< no sample for longer than the device's max_silence
-  kDeviceLost = 2,      ///< the device reports its link or itself gone
-  kSampleNotFinite = 3, ///< NaN or infinity in q
-  kSampleOutOfRange = 4,///< q outside the DoF's range and its margin
-  kLoopLate = 5,        ///< one wake-up later than loop_late_fault (also a suspend)
-  kLateBucketFull = 6,  ///< too many late ticks: bucket reached 100
-  kEmergencyStop = 7,   ///< asked for by a person or a program
-  kForceOverLimit = 8,  ///< the device measured more force than it is allowed to give
-  kOutputNotFinite = 9, ///< the computed command was NaN or infinite: our own defect
+  kDeviceSilent = 1,      ///< no sample for longer than the device's max_silence
+  kDeviceLost = 2,        ///< the device reports its link or itself gone
+  kSampleNotFinite = 3,   ///< NaN or infinity in q
+  kSampleOutOfRange = 4,  ///< q outside the DoF's range and its margin
+  kLoopLate = 5,          ///< one wake-up later than loop_late_fault (also a suspend)
+  kLateBucketFull = 6,    ///< too many late ticks: bucket reached 100
+  kEmergencyStop = 7,     ///< asked for by a person or a program
+  kForceOverLimit = 8,    ///< the device measured more force than it is allowed to give
+  kOutputNotFinite = 9,   ///< the computed command was NaN or infinite: our own defect
 };
 
 /// 0..31 limiters, one tick each. Bit n of a LimiterSet is the limiter of number n.
@@ -40,7 +40,9 @@ class BitSet32 {
   [[nodiscard]] constexpr bool any() const noexcept { return bits_ != 0; }
   [[nodiscard]] constexpr std::uint32_t bits() const noexcept { return bits_; }
   friend constexpr bool operator==(BitSet32, BitSet32) = default;
-  friend constexpr BitSet32 operator|(BitSet32 a, BitSet32 b) { return BitSet32(a.bits_ | b.bits_); }
+  friend constexpr BitSet32 operator|(BitSet32 a, BitSet32 b) {
+    return BitSet32(a.bits_ | b.bits_);
+  }
 
  private:
   static constexpr std::uint32_t mask(E e) noexcept {

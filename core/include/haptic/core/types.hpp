@@ -1,6 +1,6 @@
 #pragma once
-/// Bounded vectors and matrices: sized at run time, stored in place. Copying one copies what is used;
-/// none of them ever allocates.
+/// Bounded vectors and matrices: sized at run time, stored in place. Copying one copies what is
+/// used; none of them ever allocates.
 
 #include <Eigen/Core>
 

@@ -12,7 +12,8 @@ namespace haptic::core {
 class Rate {
  public:
   explicit Rate(int n_a) : value_(VecA::Zero(n_a)) {}
-  /// A new sample of q_a measured at `time`. Samples more than `longest` apart, or not in order, give rate 0.
+  /// A new sample of q_a measured at `time`. Samples more than `longest` apart, or not in order,
+  /// give rate 0.
   void update(const VecA& q_a, TimePoint time, Duration longest) noexcept;
   /// Samples stopped coming: the rate is not known, and taken as 0.
   void forget() noexcept;

@@ -8,8 +8,8 @@
 namespace haptic::core {
 
 /// A (m x n, leading dimension m) becomes R in its upper triangle; b (m) becomes Q^T b. m >= n.
-/// `column_norm` (n) gets the norms of A's columns, so that R_kk / column_norm[k] is the diagonal of
-/// the R of the equilibrated matrix: column scaling changes R by that factor and Q not at all.
+/// `column_norm` (n) gets the norms of A's columns, so that R_kk / column_norm[k] is the diagonal
+/// of the R of the equilibrated matrix: column scaling changes R by that factor and Q not at all.
 template <int M, int N>
 inline void householder(double* A, double* b, double* column_norm, int m_run = M,
                         int n_run = N) noexcept {
@@ -30,7 +30,8 @@ inline void householder(double* A, double* b, double* column_norm, int m_run = M
     const double norm = k == 0 ? column_norm[0] : std::sqrt(head * head + below);
     const double alpha = head > 0.0 ? -norm : norm;
     const double v0 = head - alpha;  // no cancellation: opposite signs
-    // H = I - beta v v^T with v = (v0, column below), beta = 2 / v^T v = 1 / (norm (norm + |head|)).
+    // H = I - beta v v^T with v = (v0, column below), beta = 2 / v^T v = 1 / (norm (norm +
+    // |head|)).
     const double beta = -1.0 / (alpha * v0);
     for (int j = k + 1; j < n; ++j) {
       double* other = A + j * m;

@@ -2,8 +2,8 @@
 /// min ||J dq - dx|| for the small Jacobians of devices, by Householder QR of [J_n | J_a]: one
 /// factorisation gives the linearised subspace proxy and the null-space force alike (METHOD 4.2).
 /// Full column rank is solved directly; where min|R_kk|/max|R_kk| of the equilibrated J falls below
-/// 1e-8, or n_x < n_q, the answer is the one of minimum norm in a metric whose actuated block is Z_q
-/// (METHOD 4.3): bounded, unit-free, and said so by the status.
+/// 1e-8, or n_x < n_q, the answer is the one of minimum norm in a metric whose actuated block is
+/// Z_q (METHOD 4.3): bounded, unit-free, and said so by the status.
 
 #include "haptic/core/model/dof_layout.hpp"
 #include "haptic/core/projection/projection.hpp"
@@ -44,7 +44,7 @@ class LeastSquares {
   DofLayout layout_;
   int n_x_;
   int n_q_;
-  int order_[kMaxQ]{};           ///< column k of [J_n | J_a] is column order_[k] of J
+  int order_[kMaxQ]{};  ///< column k of [J_n | J_a] is column order_[k] of J
   void (LeastSquares::*kernel_)() noexcept;
   double A_[kMaxX * kMaxQ];
   double b_[kMaxX];

@@ -17,13 +17,13 @@ struct Point2 {
 
 /// Lengths in m, angles in rad. Defaults: METHOD 1.2.
 struct FingerDimensions {
-  double proximal_phalanx{0.045};          ///< L1, MCP to PIP axis
-  Point2 rail_origin{-0.012, 0.008};       ///< P0
-  double rail_angle{37.0 * 0.017453292519943295};  ///< gamma
-  Point2 body_d{0.0285, 0.0};              ///< d: where rod 1 meets the body link
-  Point2 body_e{0.077, -0.039};            ///< e: where rod 2 meets the body link
-  double rod1{0.023};                      ///< h1
-  double rod2{0.014};                      ///< h2
+  double proximal_phalanx{0.045};                     ///< L1, MCP to PIP axis
+  Point2 rail_origin{-0.012, 0.008};                  ///< P0
+  double rail_angle{37.0 * 0.017453292519943295};     ///< gamma
+  Point2 body_d{0.0285, 0.0};                         ///< d: where rod 1 meets the body link
+  Point2 body_e{0.077, -0.039};                       ///< e: where rod 2 meets the body link
+  double rod1{0.023};                                 ///< h1
+  double rod2{0.014};                                 ///< h2
   double slider1_lower{0.004}, slider1_upper{0.046};  ///< c1
   double slider2_lower{0.004}, slider2_upper{0.040};  ///< c2
   double l_x_lower{0.0}, l_x_upper{0.050};            ///< stroke of the Firgelli L16-50
@@ -32,7 +32,8 @@ struct FingerDimensions {
 
 /// Throws SceneError naming the dimension that cannot be (a length <= 0, a lower limit above its
 /// upper one, a linkage that closes nowhere in its box).
-[[nodiscard]] std::unique_ptr<Kinematics> make_finger_exoskeleton(const FingerDimensions& dimensions);
+[[nodiscard]] std::unique_ptr<Kinematics> make_finger_exoskeleton(
+    const FingerDimensions& dimensions);
 
 /// One pose with the linkage's inner coordinates, for reports, tests and pictures.
 struct FingerPose {

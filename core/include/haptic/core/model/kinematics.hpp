@@ -47,8 +47,7 @@ class Kinematics {
   [[nodiscard]] virtual MapStatus evaluate(const VecQ& q, VecX& x_probe,
                                            MatXQ& J) const noexcept = 0;
   /// J_k = dJ/dq_k (n_x by n_q), the term Eq. (2), (5), (9) leave out.
-  [[nodiscard]] virtual MapStatus second_order(const VecQ& q, int k,
-                                               MatXQ& J_k) const noexcept = 0;
+  [[nodiscard]] virtual MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept = 0;
   /// q = argmin ||x - f(q)|| over the box and the device's own constraints, stateless: Eq. (6).
   [[nodiscard]] virtual InverseStatus inverse(const VecX& x, VecQ& q) const noexcept {
     static_cast<void>(x);

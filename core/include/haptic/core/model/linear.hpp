@@ -11,8 +11,8 @@ namespace haptic::core {
 struct LinearMap {
   std::vector<DofSpec> dofs{};
   std::vector<Coordinate> coordinates{};
-  MatXQ A{};    ///< n_x by n_q
-  VecX x_0{};   ///< n_x
+  MatXQ A{};   ///< n_x by n_q
+  VecX x_0{};  ///< n_x
 };
 
 /// Throws SceneError: shapes that do not fit, entries that are not finite, limits out of order.

@@ -26,10 +26,10 @@ struct Probe {
 };
 
 struct Projection {
-  VecQ q_star{};              ///< n_q; where the spring is anchored
+  VecQ q_star{};  ///< n_q; where the spring is anchored
   ProjectionStatus status{ProjectionStatus::kNone};
-  double residual{0.0};       ///< ||x (-) f(q*)|| (exact) or ||dx - J dq|| (linearised)
-  double condition{0.0};      ///< max|R_kk|/min|R_kk| of the equilibrated J; 0 where J was not used
+  double residual{0.0};   ///< ||x (-) f(q*)|| (exact) or ||dx - J dq|| (linearised)
+  double condition{0.0};  ///< max|R_kk|/min|R_kk| of the equilibrated J; 0 where J was not used
 };
 
 }  // namespace haptic::core

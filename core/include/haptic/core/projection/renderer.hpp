@@ -18,10 +18,10 @@ class Renderer {
   Renderer(RendererKind kind, const Kinematics& kinematics);
 
   [[nodiscard]] RendererKind kind() const noexcept;
-  /// Writes the subspace proxy for proxy `x` with dx = x (-) x_probe. Never allocates, locks, throws.
-  /// `stiffness` is the actuated stiffness Z_q (n_a, diagonal); the baselines Eq. (1), (4) answer
-  /// with the equivalent anchor S q* = q_a + Z_q^{-1} tau_a, so that tau_a = Z_q S(q* - q) for all.
-  /// `proxy_changed` false promises that x is the one of the previous call.
+  /// Writes the subspace proxy for proxy `x` with dx = x (-) x_probe. Never allocates, locks,
+  /// throws. `stiffness` is the actuated stiffness Z_q (n_a, diagonal); the baselines Eq. (1), (4)
+  /// answer with the equivalent anchor S q* = q_a + Z_q^{-1} tau_a, so that tau_a = Z_q S(q* - q)
+  /// for all. `proxy_changed` false promises that x is the one of the previous call.
   void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                bool proxy_changed, Projection& out) noexcept;
   /// Forgets warm starts and cached solutions.

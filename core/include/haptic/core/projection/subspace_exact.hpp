@@ -1,7 +1,8 @@
 #pragma once
 /// Eq. (6): q* = argmin ||x (-) f(q*)||^2 over the box of q*, solved once per change of the proxy
-/// (METHOD 3.3, case A: full column rank). By the map's closed form where it offers one; otherwise by Gauss-Newton from
-/// the last q*, each step a least-squares problem in the box, halved until the cost does not rise.
+/// (METHOD 3.3, case A: full column rank). By the map's closed form where it offers one; otherwise
+/// by Gauss-Newton from the last q*, each step a least-squares problem in the box, halved until the
+/// cost does not rise.
 
 #include "haptic/core/linear/least_squares.hpp"
 #include "haptic/core/model/kinematics.hpp"
@@ -11,9 +12,10 @@ namespace haptic::core {
 
 class SubspaceExact {
  public:
-  static constexpr int kMaxSteps = 10;       ///< Gauss-Newton steps per change of the proxy
-  static constexpr int kMaxHalvings = 8;     ///< of one step
-  static constexpr double kTolerance = 1e-12;///< step relative to the box, that ends the iteration
+  static constexpr int kMaxSteps = 10;    ///< Gauss-Newton steps per change of the proxy
+  static constexpr int kMaxHalvings = 8;  ///< of one step
+  static constexpr double kTolerance =
+      1e-12;  ///< step relative to the box, that ends the iteration
 
   explicit SubspaceExact(const Kinematics& kinematics);
   void project(const Probe& probe, const VecX& x, const VecA& stiffness, bool proxy_changed,

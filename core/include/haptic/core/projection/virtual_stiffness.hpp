@@ -1,13 +1,14 @@
 #pragma once
-/// The paper's Z_x = z_x I for the baselines Eq. (1), (4): the actuator's stiffness with the average
-/// scale of J_a factored out (section VI.C).
+/// The paper's Z_x = z_x I for the baselines Eq. (1), (4): the actuator's stiffness with the
+/// average scale of J_a factored out (section VI.C).
 
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/types.hpp"
 
 namespace haptic::core {
 
-/// Unit of force per unit of x. `stiffness`: n_a. A map that does not move with its actuators has none.
+/// Unit of force per unit of x. `stiffness`: n_a. A map that does not move with its actuators has
+/// none.
 [[nodiscard]] inline double virtual_stiffness(const VecA& stiffness, double mean_J_a) noexcept {
   return mean_J_a > 0.0 ? stiffness.mean() / (mean_J_a * mean_J_a) : 0.0;
 }

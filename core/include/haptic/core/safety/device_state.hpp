@@ -31,8 +31,8 @@ enum class DeviceState : std::uint8_t {
 /// What a tick knows when it asks for the next state. Several may hold at once: a fault wins over
 /// everything, the end of force (closing, release, lease) over its loss, loss over progress.
 struct StateEvents {
-  bool fault{false};          ///< any fault is latched
-  bool closing{false};        ///< SIGTERM was received
+  bool fault{false};    ///< any fault is latched
+  bool closing{false};  ///< SIGTERM was received
   bool lease_held{false};
   bool lease_changed{false};  ///< the epoch moved: preempted, or taken anew
   bool armed{false};          ///< the device says it would follow

@@ -29,8 +29,8 @@ struct StalenessLimits {
 [[nodiscard]] double ladder(Duration age, const StalenessLimits& limits) noexcept;
 /// 2.5 nominal periods of a client of this rate, clamped to 5..80 ms (WIRE 4). rate_hz > 0.
 [[nodiscard]] Duration default_fresh_end(double rate_hz) noexcept;
-/// nullptr where the limits hold together (0 < fresh_end <= hold_end, fade_end - hold_end >= 50 ms);
-/// else what is wrong, to be shown with the values.
+/// nullptr where the limits hold together (0 < fresh_end <= hold_end, fade_end - hold_end >= 50
+/// ms); else what is wrong, to be shown with the values.
 [[nodiscard]] const char* check(const StalenessLimits& limits) noexcept;
 
 }  // namespace haptic::core

@@ -28,7 +28,7 @@ struct DeviceLimits {
 struct PipelineConfig {
   std::shared_ptr<const Kinematics> kinematics{};
   DeviceLimits device{};
-  RenderSettings scene{};               ///< the widest settings; a session's are held within these
+  RenderSettings scene{};  ///< the widest settings; a session's are held within these
   Duration loop_late_fault{std::chrono::milliseconds(20)};
   int late_bucket_full{LateBucket::kFull};
 };

@@ -28,8 +28,8 @@ enum class DeviceHealth : std::uint8_t {
 /// Answer of Device::read: the newest sample, or none (which is normal: METHOD 1.1, the board's
 /// USB link is half as fast as its loop).
 struct DeviceReading {
-  bool fresh{false};    ///< `sample` was not delivered before
-  bool armed{false};    ///< the device would follow a force now
+  bool fresh{false};  ///< `sample` was not delivered before
+  bool armed{false};  ///< the device would follow a force now
   DeviceHealth health{DeviceHealth::kOk};
   DeviceSample sample{};
 };
@@ -48,8 +48,8 @@ struct ProxySnapshot {
   /// What its age is counted from: the local arrival, or earlier where a synchronised source time
   /// says so; never later.
   TimePoint born{};
-  Duration valid_for{0};   ///< the client's own bound on its freshness; 0 = none given
-  VecX x{};                ///< n_x; ignored in free mode
+  Duration valid_for{0};  ///< the client's own bound on its freshness; 0 = none given
+  VecX x{};               ///< n_x; ignored in free mode
   /// The stream's health, kept by the ingress for Engage (WIRE 2).
   TimePoint gapless_since{};         ///< first sample after the last gap longer than hold_end
   std::uint64_t gapless_samples{0};  ///< accepted since then
@@ -58,14 +58,14 @@ struct ProxySnapshot {
 /// What people and programs ask of the device. Requests are counters: a tick acts on a counter that
 /// moved, so that none is lost in a newest-wins mailbox and none acts twice.
 struct CommandSnapshot {
-  std::uint32_t lease_epoch{0};   ///< rises by one with every new controller
+  std::uint32_t lease_epoch{0};  ///< rises by one with every new controller
   bool lease_held{false};
   std::uint64_t engage_id{0};
   std::uint64_t release_id{0};
-  std::uint64_t stop_id{0};       ///< emergency stop
+  std::uint64_t stop_id{0};  ///< emergency stop
   std::uint64_t clear_id{0};
-  FaultSet clear{};               ///< the faults that clear_id names
-  bool closing{false};            ///< SIGTERM
+  FaultSet clear{};     ///< the faults that clear_id names
+  bool closing{false};  ///< SIGTERM
 };
 
 /// What a running session may change, always within the scene (tighten-only).
@@ -73,18 +73,18 @@ struct RenderSettings {
   std::uint64_t id{0};
   RendererKind renderer{RendererKind::kSubspaceLinear};
   bool direction_guard{false};
-  VecA stiffness{};     ///< K of Z_q, n_a, diagonal; N/m or N m/rad
-  VecA damping{};       ///< B of Z_q, n_a, diagonal; N s/m or N m s/rad
-  VecA force_limit{};   ///< n_a; N or N m
-  VecA slew_limit{};    ///< n_a; N/s or N m/s
-  VecA engage_window{}; ///< n_a; largest |Z_q (q*_a - q_a)| at which force may be switched on
+  VecA stiffness{};      ///< K of Z_q, n_a, diagonal; N/m or N m/rad
+  VecA damping{};        ///< B of Z_q, n_a, diagonal; N s/m or N m s/rad
+  VecA force_limit{};    ///< n_a; N or N m
+  VecA slew_limit{};     ///< n_a; N/s or N m/s
+  VecA engage_window{};  ///< n_a; largest |Z_q (q*_a - q_a)| at which force may be switched on
   StalenessLimits staleness{};
 };
 
 /// What the loop says of itself.
 struct LoopReport {
-  Duration lateness{0};          ///< now minus the deadline of this tick
-  std::uint32_t skipped{0};      ///< deadlines passed over since the last tick
+  Duration lateness{0};      ///< now minus the deadline of this tick
+  std::uint32_t skipped{0};  ///< deadlines passed over since the last tick
 };
 
 struct TickInput {

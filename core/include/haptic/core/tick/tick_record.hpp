@@ -11,14 +11,14 @@ namespace haptic::core {
 
 /// Answer to the Engage request `engage_id` of the command snapshot.
 enum class EngageVerdict : std::uint8_t {
-  kNone = 0,             ///< no request so far
+  kNone = 0,  ///< no request so far
   kAccepted = 1,
-  kNotArmed = 2,         ///< wrong state: ARMED is needed
-  kStreamTooYoung = 3,   ///< value: ms without a gap, limit: 200
-  kTooFewSamples = 4,    ///< value: samples without a gap, limit: 10
-  kStreamStale = 5,      ///< value: age of the newest proxy in ms, limit: hold_end in ms
-  kDeviceStale = 6,      ///< value: age of the newest device sample in ms, limit: 3 of its periods
-  kOutsideWindow = 7,    ///< value: |Z_q (q*_a - q_a)| of DoF `index`, limit: its engage window
+  kNotArmed = 2,        ///< wrong state: ARMED is needed
+  kStreamTooYoung = 3,  ///< value: ms without a gap, limit: 200
+  kTooFewSamples = 4,   ///< value: samples without a gap, limit: 10
+  kStreamStale = 5,     ///< value: age of the newest proxy in ms, limit: hold_end in ms
+  kDeviceStale = 6,     ///< value: age of the newest device sample in ms, limit: 3 of its periods
+  kOutsideWindow = 7,   ///< value: |Z_q (q*_a - q_a)| of DoF `index`, limit: its engage window
 };
 
 struct EngageAnswer {
@@ -38,7 +38,7 @@ struct ClearAnswer {
 struct TickRecord {
   TickInput input{};
   std::uint64_t tick{0};
-  Duration dt{0};                ///< since the previous tick; the period on the first
+  Duration dt{0};  ///< since the previous tick; the period on the first
 
   DeviceState state{DeviceState::kInit};
   bool lost{false};              ///< event LOST: force was given up in this tick, proxy too old
@@ -52,22 +52,22 @@ struct TickRecord {
   std::uint64_t settings_id{0};  ///< settings in effect
 
   Staleness staleness{Staleness::kLost};
-  Duration proxy_age{0};         ///< now - born; 0 where there is no proxy
-  double gain{0.0};              ///< g
-  double damping_gain{0.0};      ///< g_d
+  Duration proxy_age{0};     ///< now - born; 0 where there is no proxy
+  double gain{0.0};          ///< g
+  double damping_gain{0.0};  ///< g_d
 
-  VecQ q{};                      ///< n_q, newest sample (held below max_silence)
-  VecA q_a_dot{};                ///< n_a, from device time stamps; m/s or rad/s
-  VecX x_probe{};                ///< f(q)
-  VecX x{};                      ///< proxy in use at `now`
-  VecQ q_star{};                 ///< subspace proxy in use
+  VecQ q{};        ///< n_q, newest sample (held below max_silence)
+  VecA q_a_dot{};  ///< n_a, from device time stamps; m/s or rad/s
+  VecX x_probe{};  ///< f(q)
+  VecX x{};        ///< proxy in use at `now`
+  VecQ q_star{};   ///< subspace proxy in use
   ProjectionStatus projection{ProjectionStatus::kNone};
   double residual{0.0};
   double condition{0.0};
 
-  VecA tau_elastic{};            ///< g Z_q S (q* - q), saturated, guarded, under the envelope
-  VecA tau_damping{};            ///< -g_d B q_a_dot
-  VecA tau_a{};                  ///< command to the device, n_a; N or N m
+  VecA tau_elastic{};  ///< g Z_q S (q* - q), saturated, guarded, under the envelope
+  VecA tau_damping{};  ///< -g_d B q_a_dot
+  VecA tau_a{};        ///< command to the device, n_a; N or N m
 };
 
 /// Equal to the bit, NaNs included: the test of replay.

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Every path in README.md's tables (in backquotes, with a slash) exists.
 #
-#   readme_symbols.sh [ROOT]
+#   readme_tables.sh [ROOT]
 set -u
 root=$(cd "${1:-$(dirname "$0")/../..}" && pwd)
 cd "$root" || exit 2

@@ -1,0 +1,51 @@
+#!/bin/sh
+# The positive control of the small checks: each passes a good tree and catches a bad one.
+#
+#   checks_test.sh SCRATCH-FOLDER
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+scratch=${1:?a scratch folder}
+failures=0
+
+# expect STATUS CHECK ARGUMENT
+expect() {
+  status=0
+  sh "$here/$2.sh" "$3" >"$scratch.log" 2>&1 || status=$?
+  if [ "$status" -ne "$1" ]; then
+    echo "FAILED: $2: expected status $1, got $status"
+    cat "$scratch.log"
+    failures=1
+  fi
+}
+
+rm -rf "$scratch"
+mkdir -p "$scratch/core" "$scratch/docs"
+# A repository of its own, so that the scratch folder's files are not those of the project around it.
+git -C "$scratch" init -q 2>/dev/null || true
+
+echo 'int a;' >"$scratch/core/a.cpp"
+printf 'See [the code](../core/a.cpp#L1) and [the web](https://github.com/x).\n' >"$scratch/docs/a.md"
+expect 0 file_length "$scratch"
+expect 0 no_machine_names "$scratch"
+expect 0 markdown_links "$scratch"
+
+yes 'int x;' | head -n 451 >"$scratch/core/long.cpp"
+expect 1 file_length "$scratch"
+rm "$scratch/core/long.cpp"
+
+for line in 'open("/wo''rk/x");' 'path = /tm''p/socket' 'FROM registry https://mirror.example.net/x'; do
+  echo "$line" >"$scratch/core/b.cpp"
+  expect 1 no_machine_names "$scratch"
+done
+rm "$scratch/core/b.cpp"
+
+echo '[gone](nowhere.md)' >>"$scratch/docs/a.md"
+expect 1 markdown_links "$scratch"
+
+printf '# why\nrace:libgrpc\nrace:libabsl\nrace:libprotobuf\n' >"$scratch/tsan.supp"
+expect 0 tsan_suppressions "$scratch/tsan.supp"
+for rule in 'race:haptic::server' 'race:*' 'race:libgrpc_and_ours' 'thread:hapticd' 'race:std::'; do
+  printf 'race:libgrpc\n%s\n' "$rule" >"$scratch/tsan.supp"
+  expect 1 tsan_suppressions "$scratch/tsan.supp"
+done
+exit $failures

@@ -1,0 +1,17 @@
+#!/bin/sh
+# A scene loads, and what --print-scene shows of it loads again and shows the same.
+#
+#   scene_round_trip.sh HAPTICD SCENE SCRATCH-FOLDER
+set -eu
+hapticd=$1
+scene=$2
+mkdir -p "$3"
+# Beside the scene's own name, so that two scenes of one run do not meet.
+first="$3/$(basename "$scene" .textproto).first.textproto"
+second="$3/$(basename "$scene" .textproto).second.textproto"
+
+"$hapticd" --scene "$scene" --check-scene
+"$hapticd" --scene "$scene" --print-scene >"$first"
+"$hapticd" --scene "$first" --check-scene
+"$hapticd" --scene "$first" --print-scene >"$second"
+diff -u "$first" "$second"

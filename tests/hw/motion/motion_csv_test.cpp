@@ -1,0 +1,124 @@
+#include "hw/motion/motion_csv.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "haptic/core/error.hpp"
+#include "tests/hw/temporary_file.hpp"
+
+namespace haptic::hw {
+namespace {
+
+using test::TemporaryFile;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+MotionTable read(const TemporaryFile& file) {
+  return read_motion_csv(file.path(), {{"l_x", "q_B"}, joint_angle_columns()});
+}
+
+std::string error_of(std::string_view text) {
+  const TemporaryFile file(text);
+  try {
+    static_cast<void>(read(file));
+  } catch (const core::DeviceError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(MotionCsv, ReadsColumnsInAnyOrderAndIgnoresOthers) {
+  const TemporaryFile file(
+      "note,q_o2_pip_rad,time_s,q_o1_mcp_rad\n"
+      "first,0.2,5.0,0.1\n"
+      ",0.4,5.5,+0.3\n");
+  const MotionTable table = read(file);
+  EXPECT_EQ(table.alternative, 1u);
+  EXPECT_THAT(table.time_s, ElementsAre(0.0, 0.5));
+  EXPECT_THAT(table.values[0], ElementsAre(0.1, 0.3));
+  EXPECT_THAT(table.values[1], ElementsAre(0.2, 0.4));
+  EXPECT_THAT(table.line, ElementsAre(2u, 3u));
+}
+
+TEST(MotionCsv, TakesTheFirstAlternativeThatIsThere) {
+  const TemporaryFile file(
+      "time_s,q_o1_mcp_rad,q_o2_pip_rad,l_x,q_B\n0,1,2,0.01,0.1\n1,1,2,0.02,0.2\n");
+  const MotionTable table = read(file);
+  EXPECT_EQ(table.alternative, 0u);
+  EXPECT_THAT(table.values[0], ElementsAre(0.01, 0.02));
+}
+
+TEST(MotionCsv, AcceptsWindowsLineEndsByteOrderMarkAndBlankLines) {
+  const TemporaryFile file("\xEF\xBB\xBFtime_s, l_x ,q_B\r\n0,1,2\r\n1, 3 ,4e-1\r\n\r\n\r\n");
+  const MotionTable table = read(file);
+  EXPECT_THAT(table.values[0], ElementsAre(1.0, 3.0));
+  EXPECT_THAT(table.values[1], ElementsAre(2.0, 0.4));
+}
+
+TEST(MotionCsv, NamesAMissingColumnAndTheColumnsFound) {
+  EXPECT_THAT(error_of("time_s,q_o1_mcp_rad,other\n0,1,2\n1,2,3\n"),
+              AllOf(HasSubstr("motion.csv:1"), HasSubstr("missing: q_o2_pip_rad"),
+                    HasSubstr("found: time_s, q_o1_mcp_rad, other"), HasSubstr("l_x")));
+}
+
+TEST(MotionCsv, RefusesAColumnThatStandsTwice) {
+  EXPECT_THAT(error_of("time_s,l_x,q_B,l_x\n0,1,2,3\n1,1,2,3\n"), HasSubstr("l_x stands twice"));
+}
+
+TEST(MotionCsv, NamesLineColumnAndValueOfWhatIsNotANumber) {
+  const std::string start = "time_s,l_x,q_B\n0,1,2\n";
+  for (const char* value :
+       {"abc", "1.5x", "", "nan", "inf", "-inf", "1e999", "0x10", "+-1", "1 2"}) {
+    EXPECT_THAT(error_of(start + "1,2," + value + "\n"),
+                AllOf(HasSubstr("motion.csv:3"), HasSubstr("column q_B"),
+                      HasSubstr("'" + std::string(value) + "'"), HasSubstr("finite number")))
+        << value;
+  }
+}
+
+TEST(MotionCsv, NamesALineThatEndsTooSoon) {
+  EXPECT_THAT(error_of("time_s,l_x,q_B\n0,1,2\n1,2\n"),
+              AllOf(HasSubstr("motion.csv:3"), HasSubstr("column q_B"), HasSubstr("2 value(s)")));
+}
+
+TEST(MotionCsv, RefusesTimeThatDoesNotIncrease) {
+  const std::string start = "time_s,l_x,q_B\n0,1,2\n0.5,1,2\n";
+  for (const char* time : {"0.5", "0.4", "-3"}) {
+    EXPECT_THAT(error_of(start + time + ",1,2\n"),
+                AllOf(HasSubstr("motion.csv:4"), HasSubstr("time_s"), HasSubstr("later")))
+        << time;
+  }
+  EXPECT_THAT(error_of("time_s,l_x,q_B\n1e300,1,2\n2e300,1,2\n"), HasSubstr("9e9"));
+}
+
+TEST(MotionCsv, RefusesFewerThanTwoRows) {
+  EXPECT_THAT(error_of("time_s,l_x,q_B\n"), HasSubstr("0 row(s)"));
+  EXPECT_THAT(error_of("time_s,l_x,q_B\n0,1,2"), HasSubstr("1 row(s)"));
+  EXPECT_THAT(error_of(""), HasSubstr("is empty"));
+}
+
+TEST(MotionCsv, NamesAFileThatCannotBeRead) {
+  const auto message = [](const std::filesystem::path& path) -> std::string {
+    try {
+      static_cast<void>(read_motion_csv(path, {joint_angle_columns()}));
+    } catch (const core::DeviceError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_THAT(message("no/such/file.csv"),
+              AllOf(HasSubstr("no/such/file.csv"), HasSubstr("cannot be read")));
+  EXPECT_THAT(message(testing::TempDir()), HasSubstr("cannot be read"));
+}
+
+TEST(MotionCsv, FiftyMillisecondsAreNoGapAtAnyOffset) {
+  for (int i = 0; i < 2000; ++i) {
+    const double t = 0.05 * i;
+    EXPECT_FALSE(is_gap(t, 0.05 * (i + 1))) << i;
+    EXPECT_TRUE(is_gap(t, t + 0.050001)) << i;
+  }
+}
+
+}  // namespace
+}  // namespace haptic::hw

@@ -1,0 +1,84 @@
+#include "hw/open_device.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/model/linear.hpp"
+
+namespace haptic::hw {
+namespace {
+
+using testing::HasSubstr;
+
+std::shared_ptr<const core::Kinematics> linear(int n) {
+  core::LinearMap map;
+  for (int i = 0; i < n; ++i) {
+    const std::string name = "z" + std::to_string(i);
+    map.dofs.push_back({name, core::Unit::kMetre, i == 0, -1.0, 1.0});
+    map.coordinates.push_back({name});
+  }
+  map.A = core::MatXQ::Identity(n, n);
+  map.x_0 = core::VecX::Zero(n);
+  return core::make_linear(map);
+}
+
+std::string error_of(const DeviceConfig& config,
+                     std::shared_ptr<const core::Kinematics> kinematics) {
+  try {
+    static_cast<void>(open_device(config, std::move(kinematics)));
+  } catch (const core::DeviceError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(OpenDevice, OpensTheKindThatTheConfigurationNames) {
+  const auto finger = open_device(SimulatedFingerConfig{}, core::make_finger_exoskeleton({}));
+  EXPECT_EQ(finger->info().kind, "simulated");
+  EXPECT_EQ(finger->info().dofs.size(), 2u);
+
+  SimulatedLinearConfig masses;
+  masses.mass = core::VecQ::Ones(3);
+  masses.max_effort = core::VecA::Constant(1, 5.0);
+  const auto linear_device = open_device(masses, linear(3));
+  EXPECT_EQ(linear_device->info().dofs.size(), 3u);
+  EXPECT_EQ(linear_device->info().limits.max_effort[0], 5.0);
+
+  ReplayConfig replay;
+  replay.file = HAPTIC_SOURCE_DIR "/server/scenes/motion/reach_and_grasp.csv";
+  replay.max_effort = core::VecA::Constant(1, 40.0);
+  const auto recording = open_device(replay, core::make_finger_exoskeleton({}));
+  EXPECT_EQ(recording->info().kind, "replay");
+  EXPECT_THAT(recording->info().model, HasSubstr("0 row(s) outside the reach"));
+}
+
+TEST(OpenDevice, AFingerNeedsTheFingersKinematics) {
+  EXPECT_THAT(error_of(SimulatedFingerConfig{}, linear(1)), HasSubstr("finger_exoskeleton"));
+  EXPECT_THAT(error_of(SimulatedFingerConfig{}, linear(2)), HasSubstr("inverse"));
+}
+
+TEST(OpenDevice, MassesNeedALinearMap) {
+  SimulatedLinearConfig config;
+  config.mass = core::VecQ::Ones(2);
+  config.max_effort = core::VecA::Ones(1);
+  EXPECT_THAT(error_of(config, core::make_finger_exoskeleton({})), HasSubstr("must be linear"));
+}
+
+TEST(OpenDevice, ARecordingNeedsTheEffortOfItsDevice) {
+  ReplayConfig config;
+  config.file = HAPTIC_SOURCE_DIR "/server/scenes/motion/reach_and_grasp.csv";
+  EXPECT_THAT(error_of(config, core::make_finger_exoskeleton({})),
+              HasSubstr("max_effort: has 0 value(s); must have one per actuated DoF, 1"));
+  config.max_effort = core::VecA::Constant(1, -3.0);
+  EXPECT_THAT(error_of(config, core::make_finger_exoskeleton({})),
+              HasSubstr("max_effort[0] = -3: must be finite and > 0"));
+}
+
+TEST(OpenDevice, NeedsAKinematics) {
+  EXPECT_THAT(error_of(SimulatedFingerConfig{}, nullptr), HasSubstr("kinematics"));
+}
+
+}  // namespace
+}  // namespace haptic::hw

@@ -1,0 +1,243 @@
+/// The mechanics of METHOD 2.4, checked by its published end states, by energy, and by statics from
+/// independent algebra.
+#include "hw/simulated/finger_physics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include <cmath>
+#include <numbers>
+
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "hw/motion/minimum_jerk.hpp"
+
+namespace haptic::hw {
+namespace {
+
+constexpr double kDeg = std::numbers::pi / 180.0;
+constexpr double kDt = 1e-4;
+
+std::shared_ptr<const core::Kinematics> finger() {
+  static const std::shared_ptr<const core::Kinematics> kFinger = core::make_finger_exoskeleton({});
+  return kFinger;
+}
+
+/// Lets the user rise from (0, 0) to x_des in 0.8 s under a constant force; 2 s in all.
+FingerPhysics pressed(FingerParameters p, const Eigen::Vector2d& x_des, double tau_a) {
+  FingerPhysics physics(p, finger(), Eigen::Vector2d::Zero());
+  for (int i = 0; i < 20000; ++i) physics.step(kDt, minimum_jerk(i * kDt / 0.8) * x_des, tau_a);
+  return physics;
+}
+
+/// w = dl_x/dx by central differences of the inverse map alone.
+Eigen::Vector2d lever_arms(const Eigen::Vector2d& x) {
+  constexpr double h = 1e-6;
+  Eigen::Vector2d w;
+  for (int i = 0; i < 2; ++i) {
+    core::VecX ahead(2), behind(2);
+    ahead << x[0], x[1];
+    behind = ahead;
+    ahead[i] += h;
+    behind[i] -= h;
+    core::VecQ q_ahead = core::VecQ::Zero(2), q_behind = core::VecQ::Zero(2);
+    EXPECT_EQ(finger()->inverse(ahead, q_ahead), core::InverseStatus::kExact);
+    EXPECT_EQ(finger()->inverse(behind, q_behind), core::InverseStatus::kExact);
+    w[i] = (q_ahead[0] - q_behind[0]) / (2 * h);
+  }
+  return w;
+}
+
+TEST(FingerPhysics, WithoutForceTheFingerReachesItsAim) {
+  // METHOD 2.4, column "none": 50, 50 deg.
+  const FingerPhysics physics = pressed({}, {50 * kDeg, 50 * kDeg}, 0.0);
+  EXPECT_NEAR(physics.x()[0], 50 * kDeg, 1e-6);
+  EXPECT_NEAR(physics.x()[1], 50 * kDeg, 1e-6);
+  EXPECT_TRUE(physics.in_reach());
+}
+
+TEST(FingerPhysics, StandsWhereThePublishedForcesLetItStand) {
+  // METHOD 2.4: force and end state, both rounded there. Its two rows of +10.4 and +19 N are left
+  // out: they rest only because their method's force changes with x; held constant it snaps
+  // through.
+  struct Row {
+    double tau_a, mcp, pip;
+  };
+  for (const Row& row : {Row{-4.6, 47.4, 44.8}, Row{-9.1, 44.4, 39.1}, Row{-16.1, 38.5, 29.2},
+                         Row{-12.2, 42.0, 34.9}, Row{1.6, 50.8, 51.7}}) {
+    const FingerPhysics physics = pressed({}, {50 * kDeg, 50 * kDeg}, row.tau_a);
+    EXPECT_NEAR(physics.x()[0] / kDeg, row.mcp, 0.35) << row.tau_a;
+    EXPECT_NEAR(physics.x()[1] / kDeg, row.pip, 0.35) << row.tau_a;
+  }
+}
+
+TEST(FingerPhysics, AtRestTheForceBalancesTheHand) {
+  // w tau_a = K_h (x - x_des), both joints.
+  const FingerParameters p;
+  for (const double tau_a : {-14.0, -6.0, -1.0, 0.5, 4.0}) {
+    for (const Eigen::Vector2d& aim :
+         {Eigen::Vector2d(50 * kDeg, 50 * kDeg), Eigen::Vector2d(30 * kDeg, 40 * kDeg)}) {
+      const FingerPhysics physics = pressed(p, aim, tau_a);
+      ASSERT_TRUE(physics.in_reach());
+      EXPECT_LT(physics.x_dot().norm(), 1e-6);
+      const Eigen::Vector2d user = p.hand_stiffness * (physics.x() - aim);
+      const Eigen::Vector2d device = lever_arms(physics.x()) * tau_a;
+      EXPECT_LT((user - device).norm(), 1e-6 * (1.0 + user.norm())) << tau_a;
+    }
+  }
+}
+
+TEST(FingerPhysics, APositiveForcePushesTowardsLargerLx) {
+  for (const double tau_a : {0.2, 1.0, 5.0}) {
+    FingerPhysics pushed({}, finger(), {30 * kDeg, 30 * kDeg});
+    FingerPhysics pulled = pushed;
+    const double start = pushed.q()[0];
+    for (int i = 0; i < 50; ++i) {
+      pushed.step(kDt, {30 * kDeg, 30 * kDeg}, tau_a);
+      pulled.step(kDt, {30 * kDeg, 30 * kDeg}, -tau_a);
+    }
+    EXPECT_GT(pushed.q()[0], start);
+    EXPECT_LT(pulled.q()[0], start);
+  }
+}
+
+TEST(FingerPhysics, TheFirstStepFollowsNewton) {
+  // From rest, no damping: x_ddot = (I + m w w^T)^-1 (K_h (x_des - x) + w tau_a).
+  FingerParameters p;
+  p.hand_damping = 0.0;
+  p.actuator_damping = 0.0;
+  const Eigen::Vector2d x(30 * kDeg, 30 * kDeg), aim(40 * kDeg, 20 * kDeg);
+  FingerPhysics physics(p, finger(), x);
+  physics.step(1e-6, aim, 7.0);
+  // METHOD 1.2 prints J at (30, 30) deg; w is the first row of its inverse.
+  Eigen::Matrix2d J;
+  J << -47.670, -1.424, 78.460, 0.484;
+  const Eigen::Vector2d w = J.inverse().row(0).transpose();
+  Eigen::Matrix2d M = 0.05 * w * w.transpose();
+  M(0, 0) += 1.2e-4;
+  M(1, 1) += 4e-5;
+  const Eigen::Vector2d expected = M.inverse() * (0.6 * (aim - x) + w * 7.0);
+  EXPECT_LT((physics.x_dot() / 1e-6 - expected).norm(), 1e-3 * expected.norm());
+}
+
+TEST(FingerPhysics, TheActuatorsMassMovesWithTheLinkage) {
+  // A free finger in flight, no user, no losses: kinetic energy stays while M(x) changes, and only
+  // because of the velocity-product term (without it a quarter of it is gone).
+  const auto drift = [](double dt) {
+    FingerParameters p;
+    p.hand_stiffness = 1e-12;
+    p.hand_damping = 0.0;
+    p.actuator_damping = 0.0;
+    FingerPhysics physics(p, finger(), {10 * kDeg, 20 * kDeg});
+    const Eigen::Vector2d kick =
+        Eigen::Vector2d(2.5e8, 3e8) / dt;  // one impulse, whatever the step
+    for (int i = 0; i < 10; ++i) physics.step(dt, kick, 0.0);
+    const double start = physics.kinetic();
+    for (double t = 0.0; t < 0.02; t += dt) physics.step(dt, physics.x(), 0.0);
+    EXPECT_TRUE(physics.in_reach());
+    EXPECT_GT((physics.x() - Eigen::Vector2d(10 * kDeg, 20 * kDeg)).norm(), 5 * kDeg);
+    return std::abs(physics.kinetic() / start - 1.0);
+  };
+  const double coarse = drift(1e-5);
+  EXPECT_LT(coarse, 1e-3);
+  EXPECT_LT(drift(1e-6), 0.3 * coarse);
+}
+
+TEST(FingerPhysics, NeverHoldsMoreEnergyThanTheUserGave) {
+  // No force: kinetic energy <= work of the user, at every step, friction and stops included.
+  for (const double friction : {0.0, 3.0}) {
+    FingerParameters p;
+    p.actuator_friction = friction;
+    FingerPhysics physics(p, finger(), Eigen::Vector2d::Zero());
+    for (int i = 0; i < 40000; ++i) {
+      const double t = i * kDt;
+      physics.step(kDt, {0.6 + 0.7 * std::sin(9.0 * t), 0.7 + 0.8 * std::sin(5.0 * t)}, 0.0);
+      ASSERT_LE(physics.kinetic(), physics.energy().by_user + 1e-6) << "t = " << t;
+    }
+    EXPECT_GT(physics.energy().by_user, 0.01);
+  }
+}
+
+TEST(FingerPhysics, AccountsForAllEnergyUnderForce) {
+  FingerParameters p;
+  p.actuator_friction = 1.0;
+  FingerPhysics physics(p, finger(), Eigen::Vector2d::Zero());
+  for (int i = 0; i < 30000; ++i) {
+    const double t = i * kDt;
+    physics.step(kDt, {0.8 + 0.2 * std::sin(4.0 * t), 0.8}, 6.0 * std::sin(7.0 * t));
+  }
+  const FingerEnergy& e = physics.energy();
+  const double put_in = e.by_user + e.by_actuator;
+  const double taken = physics.kinetic() + e.damping + e.friction + e.stop;
+  EXPECT_GT(e.damping + e.friction, 0.01);
+  EXPECT_NEAR(put_in, taken, 0.03 * (e.damping + e.friction));
+  EXPECT_LE(taken, put_in + 1e-6);
+}
+
+TEST(FingerPhysics, FrictionAndDampingOnlyTake) {
+  FingerParameters p;
+  p.actuator_friction = 4.0;
+  FingerPhysics physics(p, finger(), Eigen::Vector2d::Zero());
+  FingerEnergy last;
+  for (int i = 0; i < 20000; ++i) {
+    const double t = i * kDt;
+    physics.step(kDt, {0.6 + 0.3 * std::sin(11.0 * t), 0.6}, 9.0 * std::cos(13.0 * t));
+    ASSERT_GE(physics.energy().friction, last.friction);
+    ASSERT_GE(physics.energy().damping, last.damping);
+    last = physics.energy();
+  }
+  EXPECT_GT(last.friction, 0.0);
+}
+
+TEST(FingerPhysics, FrictionSticksWithoutCreeping) {
+  // A force below F_c does not move the slider at all; one above it does.
+  FingerParameters p;
+  p.actuator_friction = 5.0;
+  const Eigen::Vector2d x(30 * kDeg, 30 * kDeg);
+  FingerPhysics stuck(p, finger(), x);
+  FingerPhysics loose = stuck;
+  const double start = stuck.q()[0];
+  for (int i = 0; i < 10000; ++i) {
+    stuck.step(kDt, x, 4.9);
+    loose.step(kDt, x, 6.0);
+  }
+  EXPECT_NEAR(stuck.q()[0], start, 1e-9);
+  EXPECT_GT(loose.q()[0] - start, 1e-4);
+}
+
+TEST(FingerPhysics, AStopHoldsTheFingerInReach) {
+  // METHOD 6, case 16: aims far outside. The finger rests at the edge, at most
+  // K_h / (K_stop + K_h) of the way from the nearest pose towards its aim.
+  for (const Eigen::Vector2d& aim :
+       {Eigen::Vector2d(-0.5, 0.3), Eigen::Vector2d(-0.7, 0.35), Eigen::Vector2d(-1.0, 0.3),
+        Eigen::Vector2d(-0.5, -0.5), Eigen::Vector2d(2.2, 1.0), Eigen::Vector2d(0.3, 2.9)}) {
+    const FingerPhysics physics = pressed({}, aim, 0.0);
+    EXPECT_LT(physics.x_dot().norm(), 1e-6);
+    EXPECT_FALSE(physics.in_reach());
+    core::VecX x(2), edge(2);
+    x << physics.x()[0], physics.x()[1];
+    core::VecQ q = core::VecQ::Zero(2);
+    core::MatXQ J = core::MatXQ::Zero(2, 2);
+    ASSERT_EQ(finger()->inverse(x, q), core::InverseStatus::kUnreachable);
+    ASSERT_EQ(finger()->evaluate(q, edge, J), core::MapStatus::kOk);
+    const double beyond = (x - edge).norm();
+    EXPECT_LT(beyond, 0.025 * (aim - Eigen::Vector2d(edge[0], edge[1])).norm() + 1e-4);
+    for (int i = 0; i < 2; ++i) {
+      const core::DofSpec& dof = finger()->dofs()[static_cast<std::size_t>(i)];
+      EXPECT_GE(physics.q()[i], dof.lower);
+      EXPECT_LE(physics.q()[i], dof.upper);
+    }
+  }
+}
+
+TEST(FingerPhysics, TheLargestForceAtTheStopComesToRest) {
+  for (const double tau_a : {-40.0, 40.0}) {
+    const FingerPhysics physics = pressed({}, {50 * kDeg, 50 * kDeg}, tau_a);
+    EXPECT_TRUE(physics.x().allFinite());
+    EXPECT_LT(physics.x_dot().norm(), 1e-3);
+    EXPECT_GT(physics.energy().stop, 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace haptic::hw

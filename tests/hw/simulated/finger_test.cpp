@@ -1,0 +1,313 @@
+#include "hw/simulated/finger.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/model/linear.hpp"
+#include "tests/hw/temporary_file.hpp"
+#include "tests/hw/virtual_loop.hpp"
+
+namespace haptic::hw {
+namespace {
+
+using namespace std::chrono_literals;
+using test::VirtualLoop;
+
+std::shared_ptr<const core::Kinematics> finger() {
+  static const std::shared_ptr<const core::Kinematics> kFinger = core::make_finger_exoskeleton({});
+  return kFinger;
+}
+
+SimulatedFingerConfig aiming_at(double mcp, double pip) {
+  SimulatedFingerConfig config;
+  config.target_mcp = mcp;
+  config.target_pip = pip;
+  return config;
+}
+
+bool same_bits(double a, double b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+TEST(SimulatedFinger, GivesOneSamplePerReadAtTheTimeOfTheRead) {
+  SimulatedFinger device(aiming_at(0.5, 0.5), finger());
+  VirtualLoop loop(device);
+  for (std::uint64_t seq = 1; seq <= 100; ++seq) {
+    const core::TimePoint now = loop.now();
+    const core::DeviceReading& reading = loop.tick();
+    EXPECT_TRUE(reading.fresh);
+    EXPECT_EQ(reading.health, core::DeviceHealth::kOk);
+    EXPECT_EQ(reading.sample.seq, seq);
+    EXPECT_EQ(reading.sample.time, now);
+    EXPECT_EQ(reading.sample.q.size(), 2);
+    EXPECT_EQ(reading.sample.tau_measured.size(), 0);
+  }
+}
+
+TEST(SimulatedFinger, WhereTimeStandsStillThereIsNoNewSample) {
+  SimulatedFinger device(aiming_at(0.5, 0.5), finger());
+  core::DeviceReading reading;
+  device.read(core::TimePoint(1s), reading);
+  device.read(core::TimePoint(1s), reading);
+  EXPECT_FALSE(reading.fresh);
+  EXPECT_EQ(reading.sample.seq, 1u);
+  device.read(core::TimePoint(900ms), reading);
+  EXPECT_FALSE(reading.fresh);
+}
+
+TEST(SimulatedFinger, TheSameSeedGivesTheSameBits) {
+  SimulatedFingerConfig config = aiming_at(0.7, 0.6);
+  config.noise_l_x = 2e-5;
+  config.noise_q_B = 1e-3;
+  config.actuator_friction = 1.0;
+  SimulatedFinger a(config, finger()), b(config, finger());
+  config.seed = 2;
+  SimulatedFinger c(config, finger());
+  VirtualLoop loop_a(a), loop_b(b), loop_c(c);
+  int differs = 0;
+  for (int i = 0; i < 2000; ++i) {
+    for (VirtualLoop* loop : {&loop_a, &loop_b, &loop_c}) loop->push(3.0 * std::sin(0.01 * i));
+    const core::VecQ q_a = loop_a.tick().sample.q;
+    const core::VecQ q_b = loop_b.tick().sample.q;
+    ASSERT_TRUE(same_bits(q_a[0], q_b[0]) && same_bits(q_a[1], q_b[1])) << i;
+    differs += same_bits(q_a[0], loop_c.tick().sample.q[0]) ? 0 : 1;
+  }
+  EXPECT_GT(differs, 1990);
+}
+
+TEST(SimulatedFinger, RunsInVirtualTimeWhateverThePeriod) {
+  // The same physics seen through another period and with jitter: the same pose at the same time.
+  const auto pose = [](core::Duration period, core::Duration jitter) {
+    SimulatedFinger device(aiming_at(0.9, 0.8), finger());
+    core::DeviceReading reading;
+    const core::TimePoint start(5s);
+    bool odd = false;
+    for (core::Duration t = 0s; t < 600ms; t += period) {
+      device.read(start + t + (odd && t > 0s ? jitter : 0ns), reading);
+      odd = !odd;
+    }
+    device.read(start + 600ms, reading);
+    return reading.sample.q;
+  };
+  const core::VecQ reference = pose(1ms, 0ns);
+  EXPECT_TRUE(same_bits(pose(2ms, 0ns)[0], reference[0]));
+  EXPECT_TRUE(same_bits(pose(500us, 123us)[1], reference[1]));
+}
+
+TEST(SimulatedFinger, TheRateOfItsSamplesIsSmoothOnAJitteryClock) {
+  // Times off the 0.1 ms grid of the physics must not show as speed.
+  SimulatedFinger device(aiming_at(0.9, 0.8), finger());
+  core::DeviceReading reading;
+  core::TimePoint now(1s), last_time{};
+  double last_q = 0.0, last_rate = 0.0, roughest = 0.0, fastest = 0.0;
+  for (int i = 0; i < 800; ++i) {
+    now += 1ms + ((i * 7919) % 83 - 41) * 1us;
+    device.read(now, reading);
+    const double rate = (reading.sample.q[0] - last_q) / core::seconds(now - last_time);
+    if (i > 2) roughest = std::max(roughest, std::abs(rate - last_rate));
+    if (i > 1) fastest = std::max(fastest, std::abs(rate));
+    last_q = reading.sample.q[0];
+    last_time = now;
+    last_rate = rate;
+  }
+  EXPECT_GT(fastest, 0.02);
+  EXPECT_LT(roughest, 0.02 * fastest);
+}
+
+TEST(SimulatedFinger, AJumpOfTheClockIsSkippedNotSimulated) {
+  SimulatedFinger device(aiming_at(0.9, 0.8), finger());
+  VirtualLoop loop(device);
+  loop.run(100ms);
+  const double before = device.elapsed();
+  loop.set_period(1h);
+  loop.tick();
+  loop.set_period(1ms);
+  loop.tick();
+  EXPECT_NEAR(device.elapsed() - before, 0.102, 0.002);
+  EXPECT_TRUE(loop.reading().fresh);
+}
+
+TEST(SimulatedFinger, IsArmedOneTickAfterArmIsWanted) {
+  SimulatedFinger device(aiming_at(0.5, 0.5), finger());
+  VirtualLoop loop(device);
+  EXPECT_FALSE(loop.tick().armed);
+  loop.push(5.0);
+  EXPECT_FALSE(loop.tick().armed);
+  EXPECT_EQ(device.tau_a(), 0.0) << "a device that is arming follows no force";
+  EXPECT_TRUE(loop.tick().armed);
+  EXPECT_EQ(device.tau_a(), 5.0);
+  loop.disarm();
+  EXPECT_TRUE(loop.tick().armed);
+  EXPECT_EQ(device.tau_a(), 0.0);
+  EXPECT_FALSE(loop.tick().armed);
+}
+
+TEST(SimulatedFinger, UnarmedItIgnoresForce) {
+  SimulatedFinger quiet(aiming_at(0.7, 0.7), finger()), pushed(aiming_at(0.7, 0.7), finger());
+  VirtualLoop a(quiet), b(pushed);
+  b.push(20.0);
+  b.disarm();
+  a.run(500ms);
+  b.run(500ms);
+  EXPECT_TRUE(same_bits(a.reading().sample.q[0], b.reading().sample.q[0]));
+}
+
+TEST(SimulatedFinger, ForceStaysWithinTheActuatorsLimit) {
+  SimulatedFinger device(aiming_at(0.5, 0.5), finger());
+  VirtualLoop loop(device);
+  loop.push(1e6);
+  loop.run(3ms);
+  EXPECT_EQ(device.tau_a(), 40.0);
+  loop.push(-1e6);
+  loop.tick();
+  EXPECT_EQ(device.tau_a(), -40.0);
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    loop.push(bad);
+    loop.tick();
+    EXPECT_EQ(device.tau_a(), 0.0);
+  }
+  loop.run(50ms);
+  EXPECT_TRUE(loop.reading().sample.q.allFinite());
+}
+
+TEST(SimulatedFinger, ClosedItIsLostAndGivesNoForce) {
+  SimulatedFinger device(aiming_at(0.5, 0.5), finger());
+  VirtualLoop loop(device);
+  loop.push(5.0);
+  loop.run(5ms);
+  device.close();
+  device.close();
+  loop.run(5ms);
+  EXPECT_EQ(loop.reading().health, core::DeviceHealth::kLost);
+  EXPECT_FALSE(loop.reading().fresh);
+  EXPECT_FALSE(loop.reading().armed);
+  EXPECT_EQ(device.tau_a(), 0.0);
+}
+
+TEST(SimulatedFinger, NoiseHasItsSizeAndNoMean) {
+  SimulatedFingerConfig config = aiming_at(0.0, 0.0);
+  config.noise_l_x = 2e-5;
+  config.noise_q_B = 3e-3;
+  SimulatedFinger device(config, finger());
+  VirtualLoop loop(device);
+  constexpr int kSamples = 20000;
+  Eigen::Array2d sum = Eigen::Array2d::Zero(), square = Eigen::Array2d::Zero();
+  double product = 0.0;
+  int within_one = 0;
+  const core::VecQ truth = device.physics().q();  // at rest on its aim: it stays
+  for (int i = 0; i < kSamples; ++i) {
+    const core::VecQ q = loop.tick().sample.q;
+    const Eigen::Array2d z((q[0] - truth[0]) / 2e-5, (q[1] - truth[1]) / 3e-3);
+    sum += z;
+    square += z * z;
+    product += z[0] * z[1];
+    within_one += std::abs(z[0]) < 1.0 ? 1 : 0;
+  }
+  // Bounds of five standard errors of n = 20000 normal samples.
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_NEAR(sum[i] / kSamples, 0.0, 5.0 / std::sqrt(kSamples));
+    EXPECT_NEAR(square[i] / kSamples, 1.0, 5.0 * std::sqrt(2.0 / kSamples));
+  }
+  EXPECT_NEAR(product / kSamples, 0.0, 5.0 / std::sqrt(kSamples));
+  EXPECT_NEAR(within_one / double(kSamples), 0.6827, 5.0 * std::sqrt(0.6827 * 0.3173 / kSamples));
+}
+
+TEST(SimulatedFinger, SamplesAreMultiplesOfTheResolution) {
+  SimulatedFingerConfig config = aiming_at(0.8, 0.8);
+  config.resolution_l_x = 5e-5;
+  config.resolution_q_B = 2e-3;
+  SimulatedFinger device(config, finger());
+  VirtualLoop loop(device);
+  for (int i = 0; i < 800; ++i) {
+    const core::VecQ q = loop.tick().sample.q;
+    EXPECT_NEAR(std::remainder(q[0], 5e-5), 0.0, 1e-15);
+    EXPECT_NEAR(std::remainder(q[1], 2e-3), 0.0, 1e-13);
+    EXPECT_LE(std::abs(q[0] - device.physics().q()[0]), 2.6e-5);
+  }
+}
+
+TEST(SimulatedFinger, FollowsARecordedMotionFromItsRestPose) {
+  // Still rows at (0.6, 0.7): after the rise the finger stands there, and never jumped.
+  const test::TemporaryFile file("time_s,q_o1_mcp_rad,q_o2_pip_rad\n0,0.6,0.7\n0.5,0.6,0.7\n");
+  SimulatedFingerConfig config;
+  config.motion_file = file.path();
+  SimulatedFinger device(config, finger());
+  EXPECT_EQ(device.physics().x(), Eigen::Vector2d::Zero().eval());
+  VirtualLoop loop(device);
+  for (int i = 0; i < 3000; ++i) {
+    const Eigen::Vector2d before = device.physics().x();
+    loop.tick();
+    EXPECT_LT((device.physics().x() - before).norm(), 0.005);
+  }
+  EXPECT_NEAR(device.physics().x()[0], 0.6, 1e-6);
+  EXPECT_NEAR(device.physics().x()[1], 0.7, 1e-6);
+}
+
+TEST(Intent, OfARecordingRepeatsWithoutAJump) {
+  const test::TemporaryFile file(
+      "time_s,q_o1_mcp_rad,q_o2_pip_rad\n0,0.1,0.2\n0.5,0.9,0.3\n1.0,0.6,0.9\n");
+  const Intent intent(Eigen::Vector2d::Zero(), file.path());
+  Eigen::Vector2d last = intent.at(0.0);
+  EXPECT_EQ(last, Eigen::Vector2d::Zero().eval());
+  for (double t = 0.0; t < 10.0; t += 0.001) {
+    EXPECT_LT((intent.at(t) - last).norm(), 0.01) << t;
+    last = intent.at(t);
+  }
+  // 1 s of recording and 0.5 s of return make a round: its rows come back every 1.5 s.
+  for (int round = 1; round < 5; ++round) {
+    EXPECT_NEAR(intent.at(1.5 * round + 0.5)[0], 0.9, 1e-9);
+    EXPECT_NEAR(intent.at(1.5 * round + 0.5)[1], 0.3, 1e-9);
+    EXPECT_NEAR(intent.at(1.5 * round + 1.0)[1], 0.9, 1e-9);
+  }
+}
+
+TEST(SimulatedFinger, DescribesItself) {
+  const SimulatedFinger device(aiming_at(0.0, 0.0), finger());
+  const DeviceInfo& info = device.info();
+  EXPECT_EQ(info.kind, "simulated");
+  EXPECT_TRUE(info.moves);
+  EXPECT_EQ(info.limits.sample_period, 1ms);
+  EXPECT_EQ(info.limits.max_silence, 10ms);
+  EXPECT_EQ(info.limits.silence_policy, core::SilencePolicy::kFault);
+  ASSERT_EQ(info.limits.max_effort.size(), 1);
+  EXPECT_EQ(info.limits.max_effort[0], 40.0);
+  // Stroke 0..50 mm and 5 % of its span.
+  EXPECT_NEAR(info.limits.q_lower[0], -0.0025, 1e-15);
+  EXPECT_NEAR(info.limits.q_upper[0], 0.0525, 1e-15);
+}
+
+TEST(SimulatedFinger, RefusesAParameterByItsNameInTheScene) {
+  const auto message = [](auto change) -> std::string {
+    SimulatedFingerConfig config;
+    change(config);
+    try {
+      SimulatedFinger device(config, finger());
+    } catch (const core::DeviceError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  using C = SimulatedFingerConfig;
+  using testing::HasSubstr;
+  EXPECT_THAT(message([](C& c) { c.actuator_mass = -1.0; }), HasSubstr("actuator_mass_kg = -1"));
+  EXPECT_THAT(message([](C& c) { c.actuator_mass = 0.0; }), HasSubstr("> 0"));
+  EXPECT_THAT(message([](C& c) { c.inertia_pip = 0.0; }), HasSubstr("inertia_pip"));
+  EXPECT_THAT(message([](C& c) { c.hand_stiffness = 0.0; }), HasSubstr("hand_stiffness"));
+  EXPECT_THAT(message([](C& c) { c.hand_damping = -1e-9; }), HasSubstr("hand_damping"));
+  EXPECT_THAT(message([](C& c) { c.actuator_friction = -2.0; }), HasSubstr("actuator_friction_n"));
+  EXPECT_THAT(message([](C& c) { c.actuator_force_limit = 0.0; }), HasSubstr("force_limit_n"));
+  EXPECT_THAT(message([](C& c) { c.noise_l_x = std::nan(""); }), HasSubstr("noise_l_x_m"));
+  EXPECT_THAT(message([](C& c) { c.resolution_q_B = -1.0; }), HasSubstr("resolution_q_B_rad"));
+  EXPECT_THAT(message([](C& c) { c.target_pip = std::nan(""); }), HasSubstr("target_pip_rad"));
+  EXPECT_THAT(message([](C& c) { c.motion_file = "no/such.csv"; }), HasSubstr("no/such.csv"));
+}
+
+}  // namespace
+}  // namespace haptic::hw

@@ -1,6 +1,7 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "finger_linkage.hpp"
@@ -52,6 +53,8 @@ const FingerDimensions& checked(const FingerDimensions& d) {
   return d;
 }
 
+constexpr double kSlack = 1e-12;  // m, rad: rounding at a limit is not a violation
+
 class FingerExoskeleton final : public Kinematics {
  public:
   explicit FingerExoskeleton(const FingerDimensions& d)
@@ -95,10 +98,10 @@ class FingerExoskeleton final : public Kinematics {
 
   InverseStatus inverse(const VecX& x, VecQ& q) const noexcept override {
     q.resize(2);
-    double l = 0.0, t = 0.0;
-    if (linkage_.closed_inverse(x[0], x[1], l, t) && reach_.contains(l, t) && reproduces(x, l, t)) {
-      q[0] = l;
-      q[1] = t;
+    ClosedPose closed;
+    if (linkage_.closed_inverse(x[0], x[1], closed) && acceptable(x, closed)) {
+      q[0] = closed.l;
+      q[1] = closed.t;
       return InverseStatus::kExact;
     }
     const ReachPoint nearest = reach_.nearest(x[0], x[1]);
@@ -108,13 +111,15 @@ class FingerExoskeleton final : public Kinematics {
   }
 
  private:
-  /// The closed form knows the normals only: it also answers for rods on the far side of their
-  /// joints and for angles a turn away, which the linkage does not assemble to.
-  [[nodiscard]] bool reproduces(const VecX& x, double l, double t) const noexcept {
-    constexpr double kTolerance = 1e-6;
-    LinkagePose p;
-    return linkage_.pose(l, t, p) && std::abs(p.q1 - x[0]) < kTolerance &&
-           std::abs(p.q2 - x[1]) < kTolerance;
+  /// Box and slider limits (the latter exclude rods on the far side of their joints), and angles
+  /// that are not a turn away from what the linkage assembles to.
+  [[nodiscard]] bool acceptable(const VecX& x, const ClosedPose& p) const noexcept {
+    const FingerDimensions& d = linkage_.dimensions();
+    return p.l >= d.l_x_lower - kSlack && p.l <= d.l_x_upper + kSlack &&
+           p.t >= d.q_B_lower - kSlack && p.t <= d.q_B_upper + kSlack &&
+           p.c1 >= d.slider1_lower - kSlack && p.c1 <= d.slider1_upper + kSlack &&
+           p.c2 >= d.slider2_lower - kSlack && p.c2 <= d.slider2_upper + kSlack &&
+           std::abs(x[0]) <= std::numbers::pi && std::abs(x[1]) <= std::numbers::pi;
   }
 
   FingerLinkage linkage_;

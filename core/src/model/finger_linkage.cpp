@@ -127,7 +127,7 @@ bool FingerLinkage::hessian(double l, double t, LinkageHessian& out) const noexc
   return true;
 }
 
-bool FingerLinkage::closed_inverse(double q1, double q2, double& l, double& t) const noexcept {
+bool FingerLinkage::closed_inverse(double q1, double q2, ClosedPose& out) const noexcept {
   const Complex u1 = std::conj(turn(q1));
   const Complex u2 = std::conj(turn(q1 + q2));
   const Complex n1 = times_i(u1), n2 = times_i(u2);
@@ -137,15 +137,21 @@ bool FingerLinkage::closed_inverse(double q1, double q2, double& l, double& t) c
   const double A1 = dot(n1, d_), B1 = dot(n1, times_i(d_));
   const double A2 = dot(n2, e_), B2 = dot(n2, times_i(e_));
   const double alpha = k1 * A2 - k2 * A1, beta = k1 * B2 - k2 * B1, g = k1 * r2 - k2 * r1;
-  const double s2 = alpha * alpha + beta * beta - g * g;
+  const double radius2 = alpha * alpha + beta * beta;
+  const double s2 = radius2 - g * g;
   if (!(s2 >= 0.0) || (k1 == 0.0 && k2 == 0.0)) return false;
   const double s = std::sqrt(s2);
-  const double cosine = alpha * g + beta * s, sine = beta * g - alpha * s;
-  t = std::atan2(sine, cosine);
-  const double r = std::sqrt(cosine * cosine + sine * sine);
-  const double ct = cosine / r, st = sine / r;
-  l = std::abs(k1) >= std::abs(k2) ? (r1 - A1 * ct - B1 * st) / k1 : (r2 - A2 * ct - B2 * st) / k2;
-  return std::isfinite(l) && std::isfinite(t);
+  // (cos t, sin t) scaled by alpha^2 + beta^2 = g^2 + s^2.
+  const Complex rotation{(alpha * g + beta * s) / radius2, (beta * g - alpha * s) / radius2};
+  out.t = std::atan2(rotation.imag(), rotation.real());
+  out.l = std::abs(k1) >= std::abs(k2) ? (r1 - A1 * rotation.real() - B1 * rotation.imag()) / k1
+                                       : (r2 - A2 * rotation.real() - B2 * rotation.imag()) / k2;
+  const Complex P{P0_.real() + out.l * e_a_.real(), P0_.imag() + out.l * e_a_.imag()};
+  const Complex D = P + times(rotation, d_);
+  const Complex E = P + times(rotation, e_);
+  out.c1 = dot(u1, D);
+  out.c2 = dot(u2, E) - dim_.proximal_phalanx * dot(u2, u1);
+  return std::isfinite(out.l) && std::isfinite(out.t);
 }
 
 double FingerLinkage::closure(double l, double t, const LinkagePose& p) const noexcept {

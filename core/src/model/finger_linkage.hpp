@@ -26,6 +26,12 @@ struct LinkageHessian {
   double H[2][2][2]{};
 };
 
+/// What the closed inverse answers.
+struct ClosedPose {
+  double l{0.0}, t{0.0};    ///< m, rad
+  double c1{0.0}, c2{0.0};  ///< m
+};
+
 class FingerLinkage {
  public:
   /// A rod this close over its joint has no usable Jacobian: the linkage counts as not closing.
@@ -35,8 +41,9 @@ class FingerLinkage {
 
   [[nodiscard]] bool pose(double l, double t, LinkagePose& out) const noexcept;
   [[nodiscard]] bool hessian(double l, double t, LinkageHessian& out) const noexcept;
-  /// The candidate of METHOD 1.5 on the branch det J > 0; not checked against any limit.
-  [[nodiscard]] bool closed_inverse(double q1, double q2, double& l, double& t) const noexcept;
+  /// The candidate of METHOD 1.5 on the branch det J > 0, with its sliders; not checked against any
+  /// limit. With c1 > 0 and c2 > 0 it is the pose the linkage assembles to: det J = s/(c1 c2).
+  [[nodiscard]] bool closed_inverse(double q1, double q2, ClosedPose& out) const noexcept;
   /// Largest distance by which the two rods miss their ends, m.
   [[nodiscard]] double closure(double l, double t, const LinkagePose& pose) const noexcept;
 

@@ -1,0 +1,220 @@
+/// haptic-bench-core: what one tick costs, and what the choices inside it cost, with their errors.
+#include <Eigen/Dense>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "haptic/core/linear/least_squares.hpp"
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/projection/renderer.hpp"
+#include "haptic/core/tick/pipeline.hpp"
+#include "tests/bench/paired.hpp"
+
+namespace {
+
+using namespace haptic;
+using core::VecA;
+using core::VecQ;
+using core::VecX;
+
+constexpr double kDegree = 0.017453292519943295;
+constexpr int kPoses = 512;
+
+/// Poses along a grasp, and the proxy that a stop at 18 and 25 degrees makes of each.
+struct Poses {
+  std::unique_ptr<core::Kinematics> finger = core::make_finger_exoskeleton({});
+  std::vector<VecQ> q{}, q_star{};
+  std::vector<VecX> x{};
+
+  Poses() {
+    for (int i = 0; i < kPoses; ++i) {
+      const double phase = 2.0 * M_PI * i / kPoses;
+      VecX at(2), proxy(2);
+      at << (22 + 8 * std::sin(phase)) * kDegree, (30 + 9 * std::sin(phase + 0.3)) * kDegree;
+      proxy << std::min(at[0], 18 * kDegree), std::min(at[1], 25 * kDegree);
+      VecQ pose, anchor;
+      if (finger->inverse(at, pose) != core::InverseStatus::kExact ||
+          finger->inverse(proxy, anchor) != core::InverseStatus::kExact) {
+        std::fprintf(stderr, "a pose of the benchmark is out of reach\n");
+        std::abort();
+      }
+      q.push_back(pose);
+      q_star.push_back(anchor);
+      x.push_back(proxy);
+    }
+  }
+};
+
+double sink = 0.0;
+
+core::TickInput tick_input(const Poses& poses, const core::PipelineConfig& config, int i) {
+  core::TickInput input;
+  input.now = core::TimePoint(std::chrono::milliseconds(i + 1));
+  input.device.fresh = input.device.armed = true;
+  input.device.sample.seq = static_cast<std::uint64_t>(i);
+  input.device.sample.time = input.now;
+  input.device.sample.q = poses.q[static_cast<std::size_t>(i % kPoses)];
+  input.command.lease_epoch = 1;
+  input.command.lease_held = true;
+  input.command.engage_id = i > 250 ? 1 : 0;
+  input.proxy.mode = core::ProxyMode::kHeld;
+  input.proxy.epoch = 1;
+  input.proxy.seq = static_cast<std::uint64_t>(i / 16 + 1);  // 60 Hz
+  input.proxy.gapless_samples = static_cast<std::uint64_t>(i);
+  input.proxy.born = input.now;
+  input.proxy.x = poses.x[static_cast<std::size_t>((i / 16 * 16) % kPoses)];
+  input.settings = config.scene;
+  return input;
+}
+
+core::PipelineConfig tick_config(const core::RendererKind kind, bool guard) {
+  core::PipelineConfig config;
+  config.kinematics = core::make_finger_exoskeleton({});
+  config.device.q_lower = (VecQ(2) << -0.0025, -1.5).finished();
+  config.device.q_upper = (VecQ(2) << 0.0525, 0.85).finished();
+  config.device.max_effort = VecA::Constant(1, 40.0);
+  config.scene.renderer = kind;
+  config.scene.direction_guard = guard;
+  config.scene.stiffness = VecA::Constant(1, 1500.0);
+  config.scene.damping = VecA::Constant(1, 2.0);
+  config.scene.force_limit = VecA::Constant(1, 20.0);
+  config.scene.slew_limit = VecA::Constant(1, 2000.0);
+  config.scene.engage_window = VecA::Constant(1, 1000.0);
+  return config;
+}
+
+/// p50 of single ticks in ns, the clock's own cost (measured in the same block) taken off.
+double tick_p50(const Poses& poses, core::RendererKind kind, bool guard) {
+  const core::PipelineConfig config = tick_config(kind, guard);
+  core::Pipeline pipeline(config);
+  std::vector<double> ticks, clocks;
+  bool engaged = false;
+  for (int i = 0; i < 4000; ++i) {
+    const core::TickInput input = tick_input(poses, config, i);
+    const auto t0 = std::chrono::steady_clock::now();
+    const auto t1 = std::chrono::steady_clock::now();
+    const core::TickRecord record = pipeline.tick(input);
+    const auto t2 = std::chrono::steady_clock::now();
+    engaged = record.state == core::DeviceState::kEngaged;
+    sink += record.tau_a[0];
+    if (i < 1000) continue;
+    clocks.push_back(std::chrono::duration<double, std::nano>(t1 - t0).count());
+    ticks.push_back(std::chrono::duration<double, std::nano>(t2 - t1).count());
+  }
+  if (!engaged) std::abort();  // a tick without force would be a flattering figure
+  std::nth_element(ticks.begin(), ticks.begin() + 1500, ticks.end());
+  std::nth_element(clocks.begin(), clocks.begin() + 1500, clocks.end());
+  return ticks[1500] - clocks[1500];
+}
+
+}  // namespace
+
+int main() {
+  const Poses poses;
+  const core::Kinematics& finger = *poses.finger;
+  const VecA Z_q = VecA::Constant(1, 1500.0);
+  VecX x_probe, dx;
+  core::MatXQ J;
+  bench::print_header();
+
+  for (const core::RendererKind kind :
+       {core::RendererKind::kStandard, core::RendererKind::kNullSpace,
+        core::RendererKind::kSubspaceLinear, core::RendererKind::kSubspaceExact}) {
+    for (const bool guard : {false, true}) {
+      bench::print(bench::measure(
+          "tick " + std::string(core::name(kind)) + (guard ? " with guard" : "") + " p50", "ns",
+          [&] { return tick_p50(poses, kind, guard); }, 1000.0));
+    }
+  }
+
+  core::LeastSquares solver(2, finger.layout());
+  const auto ours = [&](int n) {  // f, J, Eq. (8)
+    for (int i = 0; i < n; ++i) {
+      const std::size_t k = static_cast<std::size_t>(i % kPoses);
+      static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));
+      finger.space().difference(poses.x[k], x_probe, dx);
+      solver.solve(J, dx, Z_q);
+      sink += solver.dq()[0];
+    }
+  };
+  const auto eigen = [&](int n) {  // the same formula as it stands in the paper, fixed-size Eigen
+    for (int i = 0; i < n; ++i) {
+      const std::size_t k = static_cast<std::size_t>(i % kPoses);
+      static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));
+      const Eigen::Matrix2d J2 = J;
+      const Eigen::Vector2d d = poses.x[k] - x_probe;
+      const Eigen::Vector2d dq = (J2.transpose() * J2).llt().solve(J2.transpose() * d);
+      sink += dq[0];
+    }
+  };
+  const auto eigen_qr = [&](int n) {
+    for (int i = 0; i < n; ++i) {
+      const std::size_t k = static_cast<std::size_t>(i % kPoses);
+      static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));
+      const Eigen::Matrix2d J2 = J;
+      const Eigen::Vector2d d = poses.x[k] - x_probe;
+      const Eigen::Vector2d dq = J2.householderQr().solve(d);
+      sink += dq[0];
+    }
+  };
+  const auto warm_step = [&](int n) {  // one Gauss-Newton step from the previous q*
+    VecQ q_star = poses.q_star[0];
+    for (int i = 0; i < n; ++i) {
+      const std::size_t k = static_cast<std::size_t>(i % kPoses);
+      static_cast<void>(finger.evaluate(q_star, x_probe, J));
+      finger.space().difference(poses.x[k], x_probe, dx);
+      solver.solve(J, dx, Z_q);
+      q_star += solver.dq();
+      sink += q_star[0];
+    }
+  };
+  const auto closed_form = [&](int n) {
+    VecQ q_star;
+    for (int i = 0; i < n; ++i) {
+      const std::size_t k = static_cast<std::size_t>(i % kPoses);
+      static_cast<void>(finger.inverse(poses.x[k], q_star));
+      sink += q_star[0];
+    }
+  };
+  constexpr int kCalls = 16384;
+  const auto block = [](const auto& body) {
+    return [&body] { return bench::ns_per_call(kCalls, body); };
+  };
+  const std::string eq8 = "Eq. (8) f + J + solve";
+  bench::print(bench::compare(eq8, "fixed-size Eigen (J^T J)^-1 J^T dx by LLT", "ns", block(ours),
+                              block(eigen), 1.0));
+  bench::print(bench::compare(eq8, "fixed-size Eigen HouseholderQR", "ns", block(ours),
+                              block(eigen_qr), 1.0));
+  bench::print(bench::compare("Eq. (6) one warm Gauss-Newton step", "Eq. (8)", "ns",
+                              block(warm_step), block(ours), 1.2));
+  bench::print(
+      bench::compare("Eq. (6) closed form", "Eq. (8)", "ns", block(closed_form), block(ours), 1.5));
+
+  // Errors on the same poses, of q*_a in metres, against the pose the proxy was made from.
+  double worst_linear = 0.0, worst_warm = 0.0, worst_closed = 0.0;
+  VecQ warm = poses.q_star[0];
+  for (int i = 0; i < 2 * kPoses; ++i) {
+    const std::size_t k = static_cast<std::size_t>(i % kPoses);
+    static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));
+    finger.space().difference(poses.x[k], x_probe, dx);
+    solver.solve(J, dx, Z_q);
+    worst_linear =
+        std::max(worst_linear, std::abs(poses.q[k][0] + solver.dq()[0] - poses.q_star[k][0]));
+    static_cast<void>(finger.evaluate(warm, x_probe, J));
+    finger.space().difference(poses.x[k], x_probe, dx);
+    solver.solve(J, dx, Z_q);
+    warm += solver.dq();
+    if (i >= kPoses) worst_warm = std::max(worst_warm, std::abs(warm[0] - poses.q_star[k][0]));
+    VecQ closed;
+    static_cast<void>(finger.inverse(poses.x[k], closed));
+    VecX back;
+    static_cast<void>(finger.evaluate(closed, back, J));
+    worst_closed = std::max(worst_closed, (back - poses.x[k]).cwiseAbs().maxCoeff());
+  }
+  std::printf(
+      "# error of q*_a: Eq. (8) %.3g m; one warm step (1 kHz proxies) %.3g m; closed form "
+      "%.3g rad round trip\n",
+      worst_linear, worst_warm, worst_closed);
+  std::fprintf(stderr, "%s", sink == 0.123 ? "\n" : "");  // the work was not for nothing
+  return 0;
+}

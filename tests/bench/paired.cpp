@@ -1,0 +1,113 @@
+#include "tests/bench/paired.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <random>
+
+namespace haptic::bench {
+
+namespace {
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
+
+Ratio with_interval(const std::vector<double>& values) {
+  constexpr int kResamples = 2000;
+  std::mt19937_64 random(1);
+  std::vector<double> medians, sample(values.size());
+  for (int i = 0; i < kResamples; ++i) {
+    for (double& v : sample) v = values[random() % values.size()];
+    medians.push_back(median(sample));
+  }
+  std::sort(medians.begin(), medians.end());
+  return {median(values), medians[kResamples * 25 / 1000], medians[kResamples * 975 / 1000]};
+}
+
+const char* verdict(const Row& row) {
+  if (row.target <= 0.0) return "reported";
+  if (row.ratio.lower <= row.target) return "met";
+  const bool noisy = row.a_a.upper > row.target || row.a_a.lower > row.target;
+  return noisy ? "not resolvable here" : "missed";
+}
+
+}  // namespace
+
+Row compare(const std::string& what, const std::string& against, const std::string& unit,
+            const Block& ours, const Block& theirs, double target, int blocks) {
+  Row row{what, against, unit};
+  row.target = target;
+  std::vector<double> a, b, ratios, a_a;
+  static_cast<void>(ours());  // warm-up, not counted
+  static_cast<void>(theirs());
+  for (int i = 0; i < blocks; ++i) {
+    double mine = 0.0, first = 0.0, second = 0.0;
+    if (i % 2 == 0) {
+      mine = ours();
+      first = theirs();
+      second = theirs();
+    } else {
+      second = theirs();
+      first = theirs();
+      mine = ours();
+    }
+    a.push_back(mine);
+    b.push_back(first);
+    ratios.push_back(mine / first);
+    a_a.push_back(second / first);
+  }
+  row.ours = median(a);
+  row.theirs = median(b);
+  row.ratio = with_interval(ratios);
+  row.a_a = with_interval(a_a);
+  return row;
+}
+
+Figure measure(const std::string& what, const std::string& unit, const Block& block, double target,
+               int blocks) {
+  std::vector<double> values;
+  static_cast<void>(block());
+  for (int i = 0; i < blocks; ++i) values.push_back(block());
+  return {what, unit, with_interval(values), target};
+}
+
+void print_header() {
+  std::printf("what,against,unit,ours,theirs,ratio,lower,upper,aa_lower,aa_upper,target,verdict\n");
+}
+
+void print(const Row& row) {
+  std::printf("%s,%s,%s,%.4g,%.4g,%.3f,%.3f,%.3f,%.3f,%.3f,%.3g,%s\n", row.what.c_str(),
+              row.against.c_str(), row.unit.c_str(), row.ours, row.theirs, row.ratio.median,
+              row.ratio.lower, row.ratio.upper, row.a_a.lower, row.a_a.upper, row.target,
+              verdict(row));
+  std::fflush(stdout);
+}
+
+void print(const Figure& figure) {
+  const char* word = figure.target <= 0.0                  ? "reported"
+                     : figure.value.lower <= figure.target ? "met"
+                                                           : "missed";
+  std::printf("%s,-,%s,%.4g,,,%.4g,%.4g,,,%.4g,%s\n", figure.what.c_str(), figure.unit.c_str(),
+              figure.value.median, figure.value.lower, figure.value.upper, figure.target, word);
+  std::fflush(stdout);
+}
+
+double ns_per_call(int calls, const std::function<void(int)>& body) {
+  // In eight stretches; the median of them sheds a stretch in which the machine did something else.
+  constexpr int kStretches = 8;
+  std::vector<double> stretches;
+  const int each = std::max(1, calls / kStretches);
+  for (int s = 0; s < kStretches; ++s) {
+    const auto start = std::chrono::steady_clock::now();
+    body(each);
+    stretches.push_back(
+        std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count() /
+        each);
+  }
+  return median(stretches);
+}
+
+}  // namespace haptic::bench

@@ -1,0 +1,55 @@
+#pragma once
+/// The measuring rule of HOUSE 5: two programs in alternating blocks of one run, the median of the
+/// paired ratios with its bootstrap 95 % interval, and an A/A row of the peer against itself.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace haptic::bench {
+
+/// Measures one block and answers with its figure (ns per call, a percentile in us, ...).
+using Block = std::function<double()>;
+
+struct Ratio {
+  double median{0.0};
+  double lower{0.0}, upper{0.0};  ///< bootstrap 95 % interval of the median
+};
+
+struct Row {
+  std::string what{};
+  std::string against{};
+  std::string unit{};
+  double ours{0.0}, theirs{0.0};  ///< medians over the blocks
+  Ratio ratio{};                  ///< ours / theirs
+  Ratio a_a{};                    ///< theirs / theirs
+  double target{0.0};             ///< on the ratio; 0: none
+};
+
+/// `blocks` >= 20 alternations of ours, theirs, theirs again; the order turns from block to block.
+[[nodiscard]] Row compare(const std::string& what, const std::string& against,
+                          const std::string& unit, const Block& ours, const Block& theirs,
+                          double target, int blocks = 24);
+
+/// A figure without a peer: median over blocks with its interval.
+struct Figure {
+  std::string what{};
+  std::string unit{};
+  Ratio value{};
+  double target{0.0};
+};
+[[nodiscard]] Figure measure(const std::string& what, const std::string& unit, const Block& block,
+                             double target, int blocks = 24);
+
+/// One CSV line each:
+/// what,against,unit,ours,theirs,ratio,lower,upper,aa_lower,aa_upper,target,verdict. Verdict: met
+/// where the interval's lower end is at or below the target; "not resolvable here" where the A/A
+/// interval alone exceeds the target's distance from 1.
+void print_header();
+void print(const Row& row);
+void print(const Figure& figure);
+
+/// Median time of one call in ns, over `calls` calls in one block.
+[[nodiscard]] double ns_per_call(int calls, const std::function<void(int)>& body);
+
+}  // namespace haptic::bench

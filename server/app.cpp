@@ -11,23 +11,36 @@
 #include "server/telemetry/recorder.hpp"
 
 namespace haptic::server {
-
 namespace {
 
-using std::chrono::milliseconds;
-
-/// WIRE 4: always shorter than a board's watchdog, longer where the host may hold a tick up.
-constexpr core::Duration kLateFaultRealtime = milliseconds(8);
-constexpr core::Duration kLateFaultElsewhere = milliseconds(20);
-constexpr core::Duration kLongestRelease = std::chrono::seconds(3);
+/// Together with 200 ms per device for close() they stay below the 5 s of WIRE 4. A release takes
+/// fade_end - hold_end, 80 ms by default.
+constexpr core::Duration kLongestRelease = std::chrono::milliseconds(2500);
 constexpr core::Duration kCallsGrace = std::chrono::seconds(1);
 
-}  // namespace
+void log_grant(const RealtimeFacts& grant) {
+  const auto level = grant.grade == "real-time" ? spdlog::level::info : spdlog::level::warn;
+  spdlog::log(level, "real-time grade '{}': {}", grant.grade, grant.explanation);
+}
 
-class App::Rpc : public RpcServer {
- public:
-  using RpcServer::RpcServer;
-};
+std::unique_ptr<RendererComparison> comparison(const RecordScene& record,
+                                               const DeviceScene& device) {
+  if (!record.compare_renderers) return nullptr;
+  return std::make_unique<RendererComparison>(device.kinematics, device.settings);
+}
+
+template <typename T>
+std::vector<T*> pointers(const std::vector<std::unique_ptr<T>>& owners) {
+  std::vector<T*> answer;
+  for (const auto& owner : owners) answer.push_back(owner.get());
+  return answer;
+}
+
+double microseconds(core::Duration d) {
+  return core::seconds(d) * 1e6;
+}
+
+}  // namespace
 
 const char* version() noexcept {
   return HAPTIC_VERSION;
@@ -40,47 +53,27 @@ App::~App() {
 }
 
 void App::start() {
-  started_ = steady_now();
-  loop_ = std::make_unique<Loop>(scene_.loop.period);
-  realtime_ = loop_->prepare({options_.realtime, scene_.loop.priority, scene_.loop.cpu});
-  const std::string line = "real-time: " + realtime_.grade + " - " + realtime_.explanation;
-  if (realtime_.grade == "real-time") {
-    spdlog::info(line);
-  } else {
-    spdlog::warn(line);
+  try {
+    started_ = steady_now();
+    const LoopScene& loop = scene_.loop;
+    loop_ = std::make_unique<Loop>(
+        RealtimeRequest{options_.realtime, loop.priority, loop.cpu, loop.loop_late_fault},
+        loop.period);
+    realtime_ = loop_->grant();
+    log_grant(realtime_.facts);
+    open_devices();
+    telemetry_ = std::make_unique<Telemetry>(pointers(units_));
+    listen_to_devices();
+    rpc_ = std::make_unique<RpcServer>(
+        RpcConfig{scene_.server.listen, scene_.server.max_sessions, loop.period},
+        pointers(sessions_), *telemetry_, [this] { return facts(); });
+    rpc_->start();
+    telemetry_->start();
+    loop_->begin(pointers(units_), *telemetry_);
+  } catch (...) {
+    stop();
+    throw;
   }
-  running_ = true;
-  open_devices();
-
-  std::vector<DeviceUnit*> units;
-  for (const auto& unit : units_) units.push_back(unit.get());
-  telemetry_ = std::make_unique<Telemetry>(units);
-  std::vector<DeviceSessions*> sessions;
-  for (std::size_t i = 0; i < units.size(); ++i) {
-    sessions_.push_back(std::make_unique<DeviceSessions>(
-        *units[i], *telemetry_, i,
-        SessionRules{scene_.server.lease_timeout, scene_.devices[i].fresh_end}));
-    sessions.push_back(sessions_.back().get());
-    listeners_.push_back(std::make_unique<EventLog>(units[i]->name()));
-    telemetry_->add(i, listeners_.back().get());
-    if (scene_.record) {
-      auto comparison = scene_.record->compare_renderers
-                            ? std::make_unique<RendererComparison>(scene_.devices[i].kinematics,
-                                                                   scene_.devices[i].settings)
-                            : nullptr;
-      listeners_.push_back(std::make_unique<Recorder>(
-          record_file(scene_.record->file, units[i]->name(), units.size()),
-          scene_.devices[i].kinematics, std::move(comparison)));
-      telemetry_->add(i, listeners_.back().get());
-    }
-  }
-  rpc_ = std::make_unique<Rpc>(
-      RpcConfig{scene_.server.listen, scene_.server.max_sessions, scene_.loop.period}, sessions,
-      *telemetry_, [this] { return facts(); });
-  telemetry_->start();
-  loop_->run(units, *telemetry_);
-  rpc_->start();
-  for (const std::string& address : rpc_->bound_addresses()) spdlog::info("serving {}", address);
 }
 
 void App::open_devices() {
@@ -90,8 +83,7 @@ void App::open_devices() {
     config.kinematics = scene.kinematics;
     config.device = device->info().limits;
     config.scene = scene.settings;
-    config.loop_late_fault = scene_.loop.loop_late_fault.value_or(
-        realtime_.sched_fifo ? kLateFaultRealtime : kLateFaultElsewhere);
+    config.loop_late_fault = realtime_.loop_late_fault;
     config.late_bucket_full = scene_.loop.late_bucket_full;
     spdlog::info("{}: {} ({})", scene.name, device->info().model, device->info().kind);
     units_.push_back(
@@ -99,18 +91,36 @@ void App::open_devices() {
   }
 }
 
+void App::listen_to_devices() {
+  for (std::size_t i = 0; i < units_.size(); ++i) {
+    const DeviceScene& device = scene_.devices[i];
+    sessions_.push_back(std::make_unique<DeviceSessions>(
+        *units_[i], *telemetry_, i, SessionRules{scene_.server.lease_timeout, device.fresh_end}));
+    DeviceSessions& sessions = *sessions_.back();
+    listeners_.push_back(
+        std::make_unique<EventLog>(device.name, [&sessions] { return sessions.controller(); }));
+    telemetry_->add(i, listeners_.back().get(), ListenerRank::kBackground);
+    if (!scene_.record) continue;
+    const auto file = record_file(scene_.record->file, device.name, units_.size());
+    spdlog::info("{}: recorded in {}", device.name, file.string());
+    listeners_.push_back(
+        std::make_unique<Recorder>(file, device.kinematics, comparison(*scene_.record, device)));
+    telemetry_->add(i, listeners_.back().get(), ListenerRank::kBackground);
+  }
+}
+
 void App::stop() {
-  if (!running_) return;
-  running_ = false;
   for (const auto& sessions : sessions_) sessions->begin_closing();
-  loop_->finish(kLongestRelease);
-  if (rpc_) rpc_->shutdown(kCallsGrace);
-  if (telemetry_) telemetry_->stop();
+  if (loop_) loop_->finish(kLongestRelease);
   for (const auto& unit : units_) unit->device().close();
+  if (telemetry_) telemetry_->stop();
+  if (rpc_) rpc_->shutdown(kCallsGrace);
   rpc_.reset();
   sessions_.clear();
   telemetry_.reset();
   listeners_.clear();
+  loop_.reset();
+  units_.clear();
 }
 
 std::vector<std::string> App::addresses() const {
@@ -118,13 +128,21 @@ std::vector<std::string> App::addresses() const {
 }
 
 LoopFacts App::loop_facts() const {
-  LoopFacts out = loop_ ? loop_->facts() : LoopFacts{};
-  for (const auto& unit : units_) out.records_dropped += unit->records.dropped();
-  return out;
+  const LoopStatistics now = loop_->statistics();
+  LoopFacts facts;
+  facts.ticks = now.ticks;
+  facts.skipped = now.skipped;
+  facts.lateness_p50_us = microseconds(now.lateness.p50);
+  facts.lateness_p99_us = microseconds(now.lateness.p99);
+  facts.lateness_max_us = microseconds(now.lateness.max);
+  facts.tick_p50_us = microseconds(now.tick_time.p50);
+  facts.tick_p99_us = microseconds(now.tick_time.p99);
+  for (const auto& unit : units_) facts.records_dropped += unit->records.dropped();
+  return facts;
 }
 
 ServerFacts App::facts() const {
-  return {version(), scene_.name, realtime_, loop_facts(), steady_now() - started_};
+  return {version(), scene_.name, realtime_.facts, loop_facts(), steady_now() - started_};
 }
 
 }  // namespace haptic::server

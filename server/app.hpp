@@ -1,12 +1,15 @@
 #pragma once
 /// The composition root: the one place that knows everything.
 ///
-/// | thread       | owns                                        | how it stops |
-/// |--------------|---------------------------------------------|---------------------------------------|
-/// | main         | the App, signals                            | stop() returns | | haptic-rt    |
-/// loop, devices' read and write, pipelines    | every unit CLOSING, or 3 s            | |
-/// haptic-drain | rings' reading end, events, recorder, log   | Telemetry::stop() | | gRPC's |
-/// calls; they post to mailboxes under a mutex | RpcServer::shutdown(), 1 s            |
+/// | thread    | what it owns                                    | how it stops |
+/// |-----------|-------------------------------------------------|----------------------------------|
+/// | main      | the App; waits for signals                      | App::stop() returned | | loop |
+/// units: device read and write, pipeline          | every unit CLOSING, or 2.5 s     | | telemetry
+/// | reading end of the rings; lease clock, events,  | Telemetry::stop(), after a last  | | |
+/// states to streams, recorder, log                | drain                            | | gRPC's |
+/// calls; they post to mailboxes under a mutex     | RpcServer::shutdown(), 1 s       |
+///
+/// All but main block every signal (gRPC's inherit SIGTERM, SIGINT and SIGHUP blocked from main).
 
 #include <memory>
 #include <string>
@@ -19,6 +22,8 @@
 
 namespace haptic::server {
 
+class RpcServer;
+
 struct AppOptions {
   RealtimeMode realtime{RealtimeMode::kTry};
 };
@@ -26,41 +31,45 @@ struct AppOptions {
 class App {
  public:
   App(Scene scene, AppOptions options);
+  /// stop().
   ~App();
   App(const App&) = delete;
   App& operator=(const App&) = delete;
 
-  /// Opens the devices, starts the loop, serves. Throws SceneError, DeviceError, RealtimeError,
+  /// Once. Gets the real-time grant, opens the devices, binds the addresses, starts the loop:
+  /// nothing ticks before all of it stands. Throws SceneError, DeviceError, RealtimeError,
   /// TransportError; what was started by then is stopped.
   void start();
   /// SIGTERM of WIRE 4: force fades out, devices are disarmed, telemetry drained, calls ended; less
   /// than 5 s. Idempotent.
   void stop();
 
+  /// As bound, ports filled in; empty unless running.
   [[nodiscard]] std::vector<std::string> addresses() const;
-  [[nodiscard]] const RealtimeFacts& realtime() const noexcept { return realtime_; }
+  [[nodiscard]] const RealtimeGrant& realtime() const noexcept { return realtime_; }
+  /// Any thread, between start() and stop().
   [[nodiscard]] LoopFacts loop_facts() const;
   [[nodiscard]] DeviceSessions& sessions(std::size_t device) { return *sessions_.at(device); }
 
  private:
-  class Rpc;
   void open_devices();
+  void listen_to_devices();
   [[nodiscard]] ServerFacts facts() const;
 
   const Scene scene_;
   const AppOptions options_;
   core::TimePoint started_{};
-  RealtimeFacts realtime_{};
+  RealtimeGrant realtime_{};
+  // Destroyed from the last to the first: each uses those above it.
   std::vector<std::unique_ptr<DeviceUnit>> units_{};
-  std::unique_ptr<Telemetry> telemetry_{};
   std::vector<std::unique_ptr<RecordListener>> listeners_{};
+  std::unique_ptr<Telemetry> telemetry_{};
   std::vector<std::unique_ptr<DeviceSessions>> sessions_{};
-  std::unique_ptr<Rpc> rpc_{};
+  std::unique_ptr<RpcServer> rpc_{};
   std::unique_ptr<Loop> loop_{};
-  bool running_{false};
 };
 
-/// "0.1.0": the project's version.
+/// The project's version.
 [[nodiscard]] const char* version() noexcept;
 
 }  // namespace haptic::server

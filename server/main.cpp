@@ -1,4 +1,4 @@
-/// hapticd: reads the command line and a scene, serves until SIGTERM or SIGINT.
+/// hapticd: reads the command line and a scene, serves until SIGTERM, SIGINT or SIGHUP.
 /// Exit codes: 0 served and stopped, 1 could not serve, 2 bad command line or scene.
 
 #include <spdlog/sinks/stdout_color_sinks.h>
@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <cstring>
 #include <iostream>
 #include <map>
 
@@ -26,12 +27,14 @@ struct CommandLine {
   bool check_scene{false};
 };
 
-/// Signals are taken by sigwait() on this thread alone: every other thread inherits the block.
+/// Signals are taken by sigwait() on this thread alone: every other thread inherits the block. A
+/// second one stays pending while the first is being obeyed, so that the end stays an orderly one.
 sigset_t block_signals() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
   sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
   return signals;
@@ -43,7 +46,7 @@ int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& 
   app.start();
   int signal = 0;
   sigwait(&signals, &signal);
-  spdlog::info("{}: releasing", signal == SIGINT ? "SIGINT" : "SIGTERM");
+  spdlog::info("SIG{}: force fades out, devices are disarmed", sigabbrev_np(signal));
   app.stop();
   spdlog::info("stopped");
   return 0;

@@ -1,31 +1,25 @@
 #pragma once
-/// The loop's deadlines: start, start + period, start + 2 period ... The grid never moves. A loop that
-/// wakes late serves the newest deadline it missed and skips the others: late ticks are counted, never
-/// made up for in a burst.
-
-#include <algorithm>
+/// When the loop ticks. The deadlines are a fixed grid, first + n period; a tick that comes late
+/// never moves it, and deadlines that have passed meanwhile are skipped and counted, never made up
+/// for.
 
 #include "haptic/core/tick/tick_input.hpp"
+#include "haptic/core/time.hpp"
 
 namespace haptic::server {
 
 class DeadlineGrid {
  public:
+  /// period > 0.
   DeadlineGrid(core::TimePoint first, core::Duration period) : deadline_(first), period_(period) {}
 
-  /// What the loop is to sleep until.
+  /// The deadline to wait for.
   [[nodiscard]] core::TimePoint deadline() const noexcept { return deadline_; }
 
-  /// The loop woke at `now` for deadline(). Lateness is counted from that deadline, also where it was
-  /// passed over by whole periods. Waking early (a clock that was set) is not late.
-  core::LoopReport woke(core::TimePoint now) noexcept {
-    core::LoopReport report;
-    report.lateness = std::max(now - deadline_, core::Duration::zero());
-    const auto missed = report.lateness / period_;
-    report.skipped = static_cast<std::uint32_t>(std::min<decltype(missed)>(missed, 0xffffffffLL));
-    deadline_ += period_ * (missed + 1);
-    return report;
-  }
+  /// The wait for deadline() ended at `now`; the tick that follows is that deadline's. Lateness
+  /// counts from it, plus `suspended`: time that the steady clock itself slept through. Skipped are
+  /// the deadlines after it that `now` has reached as well.
+  [[nodiscard]] core::LoopReport wake(core::TimePoint now, core::Duration suspended) noexcept;
 
  private:
   core::TimePoint deadline_;

@@ -11,6 +11,7 @@ DeviceUnit::DeviceUnit(std::string name, std::unique_ptr<hw::Device> device,
       name_(std::move(name)),
       device_(std::move(device)),
       pipeline_(std::move(config)) {
+  input_.settings = settings.value();
   command_.tau_a = core::VecA::Zero(pipeline_.config().kinematics->layout().n_a());
 }
 
@@ -19,19 +20,70 @@ void DeviceUnit::tick(core::TimePoint now, core::Duration period,
   input_.now = now;
   input_.period = period;
   input_.loop = loop;
+
+  input_.device.fresh = false;
   device_->read(now, input_.device);
+
   if (proxies.take()) input_.proxy = proxies.value();
   if (commands.take()) input_.command = commands.value();
-  settings.take();
-  input_.settings = settings.value();
+  if (settings.take()) input_.settings = settings.value();
 
   const core::TickRecord record = pipeline_.tick(input_);
 
   command_.arm = record.arm;
   command_.tau_a = record.tau_a;
   device_->write(now, command_);
-  state_ = record.state;
+
   records.push(record);
+  state_.store(record.state, std::memory_order_release);
+}
+
+namespace {
+
+/// Ticks of a rehearsal: IDLE, ARMED, a healthy stream of 200 ms, ENGAGING to ENGAGED and out
+/// again.
+constexpr int kRehearsalTicks = 800;
+constexpr int kEngageAt = 300;
+constexpr int kReleaseAt = 650;
+
+/// A device in the middle of its range and a proxy where its probe is: every stage has work.
+core::TickInput resting(const core::PipelineConfig& config) {
+  core::TickInput input;
+  input.settings = config.scene;
+  input.device.armed = true;
+  input.device.sample.q = 0.5 * (config.device.q_lower + config.device.q_upper);
+  core::MatXQ J;
+  const auto status = config.kinematics->evaluate(input.device.sample.q, input.proxy.x, J);
+  if (status != core::MapStatus::kOk) {
+    input.proxy.x = core::VecX::Zero(config.kinematics->space().n_x());
+  }
+  input.proxy.mode = core::ProxyMode::kHeld;
+  input.proxy.epoch = 1;
+  return input;
+}
+
+}  // namespace
+
+void DeviceUnit::rehearse() const {
+  using namespace std::chrono_literals;
+  core::Pipeline understudy(config());
+  core::TickInput input = resting(config());
+  input.now = core::TimePoint(1h);
+  input.proxy.gapless_since = input.now;
+  input.command.lease_epoch = 1;
+  input.command.lease_held = true;
+  for (int i = 1; i <= kRehearsalTicks; ++i) {
+    input.now += input.period;
+    input.device.fresh = true;
+    input.device.sample.seq++;
+    input.device.sample.time = input.now;
+    input.proxy.seq++;
+    input.proxy.born = input.now;
+    input.proxy.gapless_samples++;
+    input.command.engage_id = i >= kEngageAt ? 1 : 0;
+    input.command.release_id = i >= kReleaseAt ? 1 : 0;
+    static_cast<void>(understudy.tick(input));
+  }
 }
 
 }  // namespace haptic::server

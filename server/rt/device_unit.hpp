@@ -1,7 +1,8 @@
 #pragma once
-/// One device with its pipeline and its mailboxes: the place where the real-time side and the rest of
-/// the server meet. Steps 1 to 13 of HOUSE 3 are its tick().
+/// One device with its pipeline and its mailboxes: the place where the real-time side and the rest
+/// of the server meet. Steps 1 to 13 of HOUSE 3 are its tick().
 
+#include <atomic>
 #include <memory>
 #include <string>
 
@@ -25,13 +26,19 @@ class DeviceUnit {
   /// logs, throws, blocks.
   void tick(core::TimePoint now, core::Duration period, const core::LoopReport& loop) noexcept;
 
+  /// Before the first tick: runs a second pipeline through its ways of working, so that code and
+  /// tables are in memory when the first deadline comes. Leaves no trace in the unit. Allocates.
+  void rehearse() const;
+
+  /// The device's state after the newest tick. Any thread.
+  [[nodiscard]] core::DeviceState state() const noexcept {
+    return state_.load(std::memory_order_acquire);
+  }
+
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] hw::Device& device() noexcept { return *device_; }
   [[nodiscard]] const hw::Device& device() const noexcept { return *device_; }
   [[nodiscard]] const core::PipelineConfig& config() const noexcept { return pipeline_.config(); }
-
-  /// Real-time thread: the state after the last tick.
-  [[nodiscard]] core::DeviceState state() const noexcept { return state_; }
 
   /// Written by the ingress, under its mutex.
   core::Mailbox<core::ProxySnapshot> proxies;
@@ -47,7 +54,7 @@ class DeviceUnit {
   core::Pipeline pipeline_;
   core::TickInput input_{};
   hw::Command command_{};
-  core::DeviceState state_{core::DeviceState::kInit};
+  std::atomic<core::DeviceState> state_{core::DeviceState::kInit};
 };
 
 }  // namespace haptic::server

@@ -1,117 +1,109 @@
 #include "server/rt/loop.hpp"
 
-#include <csignal>
-#include <ctime>
+#include <algorithm>
+#include <limits>
+#include <utility>
 
-#include "server/rpc/steady_now.hpp"
-#include "server/rt/deadline_grid.hpp"
+#include "server/rt/thread_setup.hpp"
 
 namespace haptic::server {
 
-namespace {
+LoopBody::LoopBody(std::vector<DeviceUnit*> units, Telemetry& telemetry, core::Duration period,
+                   LoopClock& clock)
+    : units_(std::move(units)),
+      telemetry_(telemetry),
+      period_(period),
+      clock_(clock),
+      finish_by_ns_(std::numeric_limits<std::int64_t>::max()) {}
 
-void sleep_until(core::TimePoint deadline) noexcept {
-  const auto ns = deadline.time_since_epoch().count();
-  timespec at{};
-  at.tv_sec = static_cast<std::time_t>(ns / 1'000'000'000);
-  at.tv_nsec = static_cast<long>(ns % 1'000'000'000);
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr) == EINTR) {
+void LoopBody::run() noexcept {
+  DeadlineGrid grid(clock_.now() + period_, period_);
+  for (;;) {
+    const Wake wake = clock_.wait_until(grid.deadline());
+    tick(wake, grid.wake(wake.now, wake.suspended));
+    if (finished(wake.now)) return;
   }
 }
 
-}  // namespace
+void LoopBody::tick(const Wake& wake, const core::LoopReport& report) noexcept {
+  for (DeviceUnit* unit : units_) unit->tick(wake.now, period_, report);
+  telemetry_.wake();
 
-Loop::Loop(core::Duration period) : period_(period) {}
-
-Loop::~Loop() {
-  if (!thread_.joinable()) return;
-  if (!told_) {
-    go_.set_value(false);
-    thread_.join();
-  } else {
-    finish(core::Duration::zero());
-  }
+  ticks_.fetch_add(1, std::memory_order_relaxed);
+  skipped_.fetch_add(report.skipped, std::memory_order_relaxed);
+  lateness_.add(wake.now, report.lateness);
+  tick_time_.add(wake.now, clock_.now() - wake.now);
 }
 
-RealtimeFacts Loop::prepare(const RealtimeRequest& request) {
-  std::promise<RealtimeFacts> granted;
-  std::future<RealtimeFacts> answer = granted.get_future();
-  std::future<bool> go = go_.get_future();
-  thread_ = std::thread([this, request, granted = std::move(granted),
-                         go = std::move(go)]() mutable {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, nullptr);
-    pthread_setname_np(pthread_self(), "haptic-rt");
-    try {
-      granted.set_value(apply_realtime(request));
-    } catch (...) {
-      granted.set_exception(std::current_exception());
-      return;
-    }
-    if (go.get()) main();
+void LoopBody::finish(core::TimePoint latest) noexcept {
+  finish_by_ns_.store(latest.time_since_epoch().count(), std::memory_order_release);
+}
+
+bool LoopBody::finished(core::TimePoint now) const noexcept {
+  const std::int64_t by = finish_by_ns_.load(std::memory_order_acquire);
+  if (by == std::numeric_limits<std::int64_t>::max()) return false;
+  if (now.time_since_epoch().count() >= by) return true;
+  return std::all_of(units_.begin(), units_.end(), [](const DeviceUnit* unit) {
+    return unit->state() == core::DeviceState::kClosing;
   });
+}
+
+LoopStatistics LoopBody::statistics() const noexcept {
+  return {ticks_.load(std::memory_order_relaxed), skipped_.load(std::memory_order_relaxed),
+          lateness_.read(), tick_time_.read()};
+}
+
+Loop::Loop(const RealtimeRequest& request, core::Duration period, RealtimeHost& host)
+    : period_(period) {
+  std::future<RealtimeGrant> granted = granted_.get_future();
+  thread_ = std::thread([this, request, &host] { live(request, host); });
   try {
-    return answer.get();
+    grant_ = granted.get();
   } catch (...) {
     thread_.join();
     throw;
   }
 }
 
-void Loop::run(std::vector<DeviceUnit*> units, Telemetry& telemetry) {
-  units_ = std::move(units);
-  telemetry_ = &telemetry;
-  told_ = true;
-  go_.set_value(true);
+Loop::~Loop() {
+  finish(core::Duration::zero());
 }
 
-bool Loop::all_closing() const noexcept {
-  for (const DeviceUnit* unit : units_) {
-    if (unit->state() != core::DeviceState::kClosing) return false;
+void Loop::live(const RealtimeRequest& request, RealtimeHost& host) {
+  set_thread_up("loop");
+  std::future<LoopBody*> begun = begun_.get_future();
+  try {
+    granted_.set_value(apply_realtime(request, host));
+  } catch (...) {
+    granted_.set_exception(std::current_exception());
+    return;
   }
-  return true;
+  LoopBody* const body = begun.get();
+  if (body == nullptr) return;
+  for (const DeviceUnit* unit : to_rehearse_) unit->rehearse();
+  body->run();
 }
 
-void Loop::main() {
-  DeadlineGrid grid(steady_now() + period_, period_);
-  while (true) {
-    sleep_until(grid.deadline());
-    const core::TimePoint now = steady_now();
-    const core::LoopReport report = grid.woke(now);
-    for (DeviceUnit* unit : units_) unit->tick(now, period_, report);
-    telemetry_->wake();
-
-    lateness_.add(report.lateness, now);
-    work_.add(steady_now() - now, now);
-    ticks_.fetch_add(1, std::memory_order_relaxed);
-    skipped_.fetch_add(report.skipped, std::memory_order_relaxed);
-    if (finishing_.load(std::memory_order_acquire) &&
-        (all_closing() || now >= give_up_.load(std::memory_order_relaxed))) {
-      return;
-    }
-  }
+void Loop::begin(std::vector<DeviceUnit*> units, Telemetry& telemetry) {
+  to_rehearse_.assign(units.begin(), units.end());
+  body_storage_ = std::make_unique<LoopBody>(std::move(units), telemetry, period_, clock_);
+  body_.store(body_storage_.get(), std::memory_order_release);
+  begun_.set_value(body_storage_.get());
 }
 
-void Loop::finish(core::Duration longest) {
+void Loop::finish(core::Duration at_most) {
   if (!thread_.joinable()) return;
-  give_up_.store(steady_now() + longest, std::memory_order_relaxed);
-  finishing_.store(true, std::memory_order_release);
+  if (body_storage_) {
+    body_storage_->finish(clock_.now() + at_most);
+  } else {
+    begun_.set_value(nullptr);
+  }
   thread_.join();
 }
 
-LoopFacts Loop::facts() const {
-  LoopFacts out;
-  const Percentiles late = lateness_.read();
-  const Percentiles work = work_.read();
-  out.ticks = ticks_.load(std::memory_order_relaxed);
-  out.skipped = skipped_.load(std::memory_order_relaxed);
-  out.lateness_p50_us = late.p50_us;
-  out.lateness_p99_us = late.p99_us;
-  out.lateness_max_us = late.max_us;
-  out.tick_p50_us = work.p50_us;
-  out.tick_p99_us = work.p99_us;
-  return out;
+LoopStatistics Loop::statistics() const noexcept {
+  const LoopBody* body = body_.load(std::memory_order_acquire);
+  return body != nullptr ? body->statistics() : LoopStatistics{};
 }
 
 }  // namespace haptic::server

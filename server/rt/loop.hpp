@@ -1,52 +1,98 @@
 #pragma once
-/// The loop: one thread, absolute deadlines, every unit in order, then the telemetry's bell. It owns
-/// its thread from prepare() to join(); the thread blocks all signals.
+/// The 1 kHz loop: one thread that waits for each deadline, ticks every unit in order and wakes the
+/// telemetry. It takes no mutex, and all signals are blocked on it.
+///
+///   construct          the thread starts, gets its real-time grant, and waits
+///   begin(units)       rehearses the units, then ticks
+///   finish(at_most)    ticks on until every unit is CLOSING, or the time is up; then the thread
+///   ends
+///
+/// The grant comes first because the units are built with what it says (loop_late_fault).
 
 #include <atomic>
 #include <future>
+#include <memory>
 #include <thread>
 #include <vector>
 
+#include "server/rt/deadline_grid.hpp"
 #include "server/rt/device_unit.hpp"
-#include "server/rt/loop_statistics.hpp"
+#include "server/rt/loop_clock.hpp"
 #include "server/rt/realtime.hpp"
+#include "server/rt/rolling_histogram.hpp"
 #include "server/telemetry/telemetry.hpp"
 
 namespace haptic::server {
 
+struct LoopStatistics {
+  std::uint64_t ticks{0};
+  std::uint64_t skipped{0};
+  Percentiles lateness{};
+  Percentiles tick_time{};  ///< from the wake-up to the end of the tick, all units
+};
+
+/// The loop's work without its thread: a test runs it on virtual time.
+class LoopBody {
+ public:
+  /// `units`, `telemetry` and `clock` must outlive the body.
+  LoopBody(std::vector<DeviceUnit*> units, Telemetry& telemetry, core::Duration period,
+           LoopClock& clock);
+
+  /// Ticks until finish() and its conditions. Allocates nothing.
+  void run() noexcept;
+  /// Any thread: run() returns after the tick in which every unit is CLOSING, or the first one at
+  /// or after `latest`.
+  void finish(core::TimePoint latest) noexcept;
+
+  [[nodiscard]] LoopStatistics statistics() const noexcept;
+
+ private:
+  void tick(const Wake& wake, const core::LoopReport& report) noexcept;
+  [[nodiscard]] bool finished(core::TimePoint now) const noexcept;
+
+  const std::vector<DeviceUnit*> units_;
+  Telemetry& telemetry_;
+  const core::Duration period_;
+  LoopClock& clock_;
+
+  std::atomic<std::int64_t> finish_by_ns_;
+  std::atomic<std::uint64_t> ticks_{0};
+  std::atomic<std::uint64_t> skipped_{0};
+  RollingHistogram lateness_;
+  RollingHistogram tick_time_;
+};
+
 class Loop {
  public:
-  explicit Loop(core::Duration period);
+  /// Returns when the thread has its grant. Throws RealtimeError (mode kRequire).
+  Loop(const RealtimeRequest& request, core::Duration period, RealtimeHost& host = real_host());
+  /// finish(0).
   ~Loop();
   Loop(const Loop&) = delete;
   Loop& operator=(const Loop&) = delete;
 
-  /// Starts the thread and applies the request to it; it then waits for run(). Throws RealtimeError.
-  RealtimeFacts prepare(const RealtimeRequest& request);
-  /// Ticks from now on. Units and telemetry must outlive the loop.
-  void run(std::vector<DeviceUnit*> units, Telemetry& telemetry);
-  /// Ends the loop once every unit is CLOSING, or after `longest` in any case; joins.
-  void finish(core::Duration longest);
+  [[nodiscard]] const RealtimeGrant& grant() const noexcept { return grant_; }
 
-  /// Any thread.
-  [[nodiscard]] LoopFacts facts() const;
+  /// Once. Units and telemetry must outlive the loop.
+  void begin(std::vector<DeviceUnit*> units, Telemetry& telemetry);
+  /// Returns when the thread has ended. Idempotent.
+  void finish(core::Duration at_most);
+
+  /// Any thread; zeros before begin().
+  [[nodiscard]] LoopStatistics statistics() const noexcept;
 
  private:
-  void main();
-  [[nodiscard]] bool all_closing() const noexcept;
+  void live(const RealtimeRequest& request, RealtimeHost& host);
 
   const core::Duration period_;
-  std::vector<DeviceUnit*> units_{};
-  Telemetry* telemetry_{nullptr};
-  SlidingPercentiles lateness_{};
-  SlidingPercentiles work_{};
-  std::atomic<std::uint64_t> ticks_{0};
-  std::atomic<std::uint64_t> skipped_{0};
-  std::atomic<bool> finishing_{false};
-  std::atomic<core::TimePoint> give_up_{core::TimePoint::max()};
-  std::promise<bool> go_{};
-  bool told_{false};
-  std::thread thread_{};
+  RealtimeGrant grant_{};
+  MonotonicClock clock_{};
+  std::unique_ptr<LoopBody> body_storage_;
+  std::vector<const DeviceUnit*> to_rehearse_;
+  std::atomic<LoopBody*> body_{nullptr};  ///< of body_storage_, for statistics()
+  std::promise<RealtimeGrant> granted_;
+  std::promise<LoopBody*> begun_;  ///< nullptr: end without a tick
+  std::thread thread_;
 };
 
 }  // namespace haptic::server

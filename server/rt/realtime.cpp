@@ -1,126 +1,193 @@
 #include "server/rt/realtime.hpp"
 
-#include <pthread.h>
-#include <sched.h>
-#include <sys/mman.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
-
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <string>
+#include <sstream>
+#include <vector>
 
 #include "haptic/core/error.hpp"
 
 namespace haptic::server {
-
 namespace {
 
-constexpr unsigned kCapIpcLock = 14;  // linux/capability.h
+/// A share of the processor below which real-time throttling may strike a 1 kHz loop in earnest.
+/// The kernel's default is 0.95.
+constexpr double kScantShare = 0.5;
 
-bool has_capability(unsigned number) {
-  std::ifstream status("/proc/self/status");
-  std::string line;
-  while (std::getline(status, line)) {
-    if (line.rfind("CapEff:", 0) == 0) {
-      return ((std::stoull(line.substr(7), nullptr, 16) >> number) & 1U) != 0;
+/// "EPERM: Operation not permitted".
+std::string error_text(int error) {
+  const char* short_name = strerrorname_np(error);
+  return std::string(short_name != nullptr ? short_name : "error") + ": " + strerrordesc_np(error);
+}
+
+std::string milliseconds(core::Duration d) {
+  std::ostringstream text;
+  text << core::seconds(d) * 1e3 << " ms";
+  return text.str();
+}
+
+std::string kilobytes(std::uint64_t bytes) {
+  return std::to_string(bytes / 1024) + " KB";
+}
+
+/// The parts of one explanation.
+struct Account {
+  std::vector<std::string> granted{};
+  std::vector<std::string> refused{};
+  std::vector<std::string> notes{};
+};
+
+std::string why_fifo_was_refused(int error, RealtimeHost& host) {
+  std::string why = error_text(error);
+  if (error != EPERM) return why;
+  if (host.may_set_any_priority()) {
+    return why +
+           ", although CAP_SYS_NICE is held: the control group or container gives no "
+           "real-time budget";
+  }
+  return why + "; needs CAP_SYS_NICE or RLIMIT_RTPRIO > 0";
+}
+
+void ask_for_fifo(const RealtimeRequest& request, RealtimeHost& host, RealtimeGrant& grant,
+                  Account& account) {
+  int priority = request.priority;
+  int error = host.set_fifo(priority);
+  if (error == EPERM) {
+    // Without the capability a lower priority may still be free for the taking.
+    const ResourceLimit limit = host.priority_limit();
+    const auto allowed = limit.soft.value_or(99);
+    if (allowed > 0 && allowed < static_cast<std::uint64_t>(priority)) {
+      priority = static_cast<int>(allowed);
+      error = host.set_fifo(priority);
     }
   }
-  return false;
+  if (error != 0) {
+    account.refused.push_back("SCHED_FIFO refused (" + why_fifo_was_refused(error, host) +
+                              "): other programs may delay a tick");
+    return;
+  }
+  grant.facts.sched_fifo = true;
+  grant.facts.priority = priority;
+  account.granted.push_back("SCHED_FIFO " + std::to_string(priority));
+  if (priority != request.priority) {
+    account.notes.push_back("RLIMIT_RTPRIO allows priority " + std::to_string(priority) +
+                            ", not the scene's " + std::to_string(request.priority));
+  }
+  const auto share = host.realtime_share();
+  if (share && *share < kScantShare) {
+    account.notes.push_back("sched_rt_runtime_us leaves all real-time threads together " +
+                            std::to_string(static_cast<int>(*share * 100.0)) +
+                            " % of the time: the kernel may halt the loop");
+  }
 }
 
-/// nullptr-like empty string: locked. Otherwise why not.
-std::string lock_memory() {
-  if (!has_capability(kCapIpcLock)) {
-    // Under a finite limit MCL_FUTURE would let the next thread's stack fail and end the process.
-    rlimit limit{};
-    getrlimit(RLIMIT_MEMLOCK, &limit);
-    if (limit.rlim_max == RLIM_INFINITY && limit.rlim_cur != RLIM_INFINITY) {
-      limit.rlim_cur = RLIM_INFINITY;
-      setrlimit(RLIMIT_MEMLOCK, &limit);
-      getrlimit(RLIMIT_MEMLOCK, &limit);
-    }
-    if (limit.rlim_cur != RLIM_INFINITY) {
-      return "RLIMIT_MEMLOCK is " + std::to_string(limit.rlim_cur / 1024) +
-             " kB and CAP_IPC_LOCK is missing";
+/// MCL_FUTURE under a limit that binds would fail the next thread's stack, and with it the process:
+/// then nothing is locked.
+void ask_for_memory(RealtimeHost& host, RealtimeGrant& grant, Account& account) {
+  const std::string meaning = ": a page fault may delay a tick";
+  if (host.memory_limit().soft && !host.may_lock_any_memory()) {
+    if (!host.memory_limit().hard) host.raise_memory_limit();
+    if (const auto limit = host.memory_limit().soft) {
+      account.refused.push_back("memory locking refused (RLIMIT_MEMLOCK is " + kilobytes(*limit) +
+                                ", must be unlimited, or CAP_IPC_LOCK held)" + meaning);
+      return;
     }
   }
-  if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) return std::strerror(errno);
-  return {};
+  const int error = host.lock_memory();
+  if (error != 0) {
+    account.refused.push_back("memory locking refused (" + error_text(error) + ")" + meaning);
+    return;
+  }
+  grant.facts.memory_locked = true;
+  account.granted.push_back("memory locked");
 }
 
-std::string set_fifo(int priority) {
-  sched_param parameter{};
-  parameter.sched_priority = priority;
-  const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter);
-  return error == 0 ? std::string() : std::strerror(error);
+void ask_for_cpu(const RealtimeRequest& request, RealtimeHost& host, RealtimeGrant& grant,
+                 Account& account) {
+  if (!request.cpu) return;
+  const int error = host.set_cpu(*request.cpu);
+  if (error != 0) {
+    account.refused.push_back("pinning to CPU " + std::to_string(*request.cpu) + " refused (" +
+                              error_text(error) + "): the loop may move between CPUs");
+    return;
+  }
+  grant.facts.cpu = *request.cpu;
+  account.granted.push_back("pinned to CPU " + std::to_string(*request.cpu));
 }
 
-std::string pin(int cpu) {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  CPU_SET(static_cast<unsigned>(cpu), &set);
-  const int error = pthread_setaffinity_np(pthread_self(), sizeof set, &set);
-  return error == 0 ? std::string() : std::strerror(error);
+void ask_for_timer_slack(RealtimeHost& host, RealtimeGrant& grant, Account& account) {
+  const int error = host.set_timer_slack_ns(1);
+  grant.facts.timer_slack = error == 0;
+  if (error != 0) {
+    account.refused.push_back("timer slack of 1 ns refused (" + error_text(error) +
+                              "): wake-ups may be late by 50 us");
+  }
 }
 
-/// Touches the stack that the loop will use, so that no tick takes the page fault.
-void prefault_stack() {
-  constexpr std::size_t kBytes = 256 * 1024;
-  volatile char stack[kBytes];
-  for (std::size_t i = 0; i < kBytes; i += 1024) stack[i] = 0;
-  static_cast<void>(stack[0]);
+void append(std::string& text, const std::vector<std::string>& parts, const char* separator) {
+  for (const std::string& part : parts) {
+    if (!text.empty()) text += separator;
+    text += part;
+  }
+}
+
+std::string late_fault_clause(const RealtimeRequest& request, const RealtimeGrant& grant) {
+  const std::string value = "loop_late_fault is " + milliseconds(grant.loop_late_fault);
+  if (request.loop_late_fault) return value + " (the scene's)";
+  return grant.facts.sched_fifo ? value : value + " instead of " + milliseconds(kLateFaultRealtime);
+}
+
+std::string explain(const RealtimeRequest& request, const RealtimeGrant& grant,
+                    const Account& account) {
+  std::string text;
+  if (request.mode == RealtimeMode::kOff) {
+    text = "no real-time scheduling asked for (--realtime=off): other programs may delay a tick";
+  }
+  append(text, account.refused, "; ");
+  std::string granted;
+  append(granted, account.granted, ", ");
+  if (!granted.empty()) text += (text.empty() ? "" : "; granted: ") + granted;
+  append(text, account.notes, "; ");
+  return text + "; " + late_fault_clause(request, grant);
 }
 
 }  // namespace
 
-RealtimeFacts apply_realtime(const RealtimeRequest& request) {
-  RealtimeFacts facts;
-  prefault_stack();
-  if (request.mode == RealtimeMode::kOff) {
-    facts.requested = "off";
-    facts.grade = "best-effort";
-    facts.explanation =
-        "real-time scheduling was not asked for: any other program may delay a tick";
-    return facts;
+std::string_view name(RealtimeMode mode) noexcept {
+  switch (mode) {
+    case RealtimeMode::kRequire:
+      return "require";
+    case RealtimeMode::kTry:
+      return "try";
+    case RealtimeMode::kOff:
+      return "off";
   }
-  facts.requested = request.mode == RealtimeMode::kRequire ? "require" : "try";
+  return "?";
+}
 
-  const std::string no_fifo = set_fifo(request.priority);
-  facts.sched_fifo = no_fifo.empty();
-  facts.priority = facts.sched_fifo ? request.priority : 0;
-  const std::string no_lock = lock_memory();
-  facts.memory_locked = no_lock.empty();
-  facts.timer_slack = prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL) == 0;
-  std::string no_pin;
-  if (request.cpu) {
-    no_pin = pin(*request.cpu);
-    if (no_pin.empty()) facts.cpu = *request.cpu;
+RealtimeGrant apply_realtime(const RealtimeRequest& request, RealtimeHost& host) {
+  RealtimeGrant grant;
+  grant.facts.requested = name(request.mode);
+  Account account;
+  ask_for_timer_slack(host, grant, account);
+  ask_for_cpu(request, host, grant, account);
+  if (request.mode != RealtimeMode::kOff) {
+    ask_for_fifo(request, host, grant, account);
+    ask_for_memory(host, grant, account);
   }
+  host.touch_stack();
 
-  if (facts.sched_fifo) {
-    facts.explanation = "SCHED_FIFO " + std::to_string(facts.priority) +
-                        ": only the kernel and higher priorities may delay a tick";
-  } else {
-    facts.explanation = "SCHED_FIFO refused (" + no_fifo +
-                        "): any other program may delay a tick, a late loop is a fault after 20 ms "
-                        "instead of 8 ms; run as root, or grant CAP_SYS_NICE or an rtprio limit";
+  grant.loop_late_fault = request.loop_late_fault.value_or(
+      grant.facts.sched_fifo ? kLateFaultRealtime : kLateFaultElsewhere);
+  const bool all = account.refused.empty() && account.notes.empty();
+  grant.facts.grade = request.mode == RealtimeMode::kOff ? "best-effort"
+                      : all                              ? "real-time"
+                                                         : "degraded";
+  grant.facts.explanation = explain(request, grant, account);
+  if (request.mode == RealtimeMode::kRequire && !all) {
+    throw core::RealtimeError("--realtime=require: " + grant.facts.explanation);
   }
-  facts.explanation += facts.memory_locked
-                           ? "; memory is locked as it is touched"
-                           : "; memory is not locked (" + no_lock +
-                                 "): a page fault may delay a tick; raise the memlock limit";
-  if (!no_pin.empty()) {
-    facts.explanation +=
-        "; CPU " + std::to_string(*request.cpu) + " refused (" + no_pin + "): not pinned";
-  }
-  const bool whole = facts.sched_fifo && facts.memory_locked && no_pin.empty();
-  facts.grade = whole ? "real-time" : "degraded";
-  if (request.mode == RealtimeMode::kRequire && !whole) {
-    throw core::RealtimeError("--realtime=require: " + facts.explanation);
-  }
-  return facts;
+  return grant;
 }
 
 }  // namespace haptic::server

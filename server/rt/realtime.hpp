@@ -1,28 +1,47 @@
 #pragma once
-/// What the loop asks of the host: SCHED_FIFO, locked memory, 1 ns of timer slack, one CPU. What was
-/// refused is said with the reason and with what it means.
+/// Real-time behaviour asked of the host, and an honest account of what it granted.
 
 #include <optional>
+#include <string>
+#include <string_view>
 
+#include "haptic/core/time.hpp"
 #include "server/rpc/server_facts.hpp"
+#include "server/rt/realtime_host.hpp"
 
 namespace haptic::server {
 
-enum class RealtimeMode : std::uint8_t {
-  kRequire,  ///< refuse to start without SCHED_FIFO and locked memory
-  kTry,      ///< take what is granted, say what was not
-  kOff,      ///< ask for nothing
+enum class RealtimeMode {
+  kRequire,  ///< all of it, or the server does not start
+  kTry,      ///< what can be had; the rest is reported
+  kOff,      ///< nothing is asked for (but the timer slack, which every thread may set)
 };
+
+[[nodiscard]] std::string_view name(RealtimeMode mode) noexcept;  ///< "require", "try", "off"
 
 struct RealtimeRequest {
   RealtimeMode mode{RealtimeMode::kTry};
-  int priority{80};           ///< SCHED_FIFO, 1..98
-  std::optional<int> cpu{};   ///< absent: not pinned
+  int priority{80};          ///< SCHED_FIFO, 1..98
+  std::optional<int> cpu{};  ///< absent: not pinned
+  /// The scene's; absent: 8 ms where SCHED_FIFO was granted, 20 ms elsewhere (WIRE 4).
+  std::optional<core::Duration> loop_late_fault{};
 };
 
-/// Applies the request to the calling thread and the whole process (memory). Call it on the loop's
-/// thread before its first tick. Memory is locked as it is touched (MCL_ONFAULT): locking all of it
-/// at once takes an idle gRPC server from 13 to 137 MB. Throws RealtimeError where kRequire is refused.
-[[nodiscard]] RealtimeFacts apply_realtime(const RealtimeRequest& request);
+struct RealtimeGrant {
+  RealtimeFacts facts{};
+  /// The scene's, or the one that goes with what was granted.
+  core::Duration loop_late_fault{std::chrono::milliseconds(20)};
+};
+
+inline constexpr core::Duration kLateFaultRealtime{std::chrono::milliseconds(8)};
+inline constexpr core::Duration kLateFaultElsewhere{std::chrono::milliseconds(20)};
+
+/// Applies `request` to the calling thread (scheduling, timer slack, affinity, stack) and to the
+/// process (memory locking). The grade is "real-time" where all that was asked for was granted,
+/// "degraded" where some of it was refused or given in part, "best-effort" where nothing was asked
+/// for; the explanation says what was granted, what was not and why, and what that means. In mode
+/// kRequire throws RealtimeError, with the explanation, where the grade is not "real-time".
+[[nodiscard]] RealtimeGrant apply_realtime(const RealtimeRequest& request,
+                                           RealtimeHost& host = real_host());
 
 }  // namespace haptic::server

@@ -2,32 +2,55 @@
 
 #include <spdlog/spdlog.h>
 
+#include <utility>
+#include <vector>
+
 namespace haptic::server {
+namespace {
+
+spdlog::level::level_enum level_of(DeviceEvent::Kind kind) {
+  switch (kind) {
+    case DeviceEvent::Kind::kFault:
+      return spdlog::level::err;
+    case DeviceEvent::Kind::kLost:
+    case DeviceEvent::Kind::kLeaseExpired:
+      return spdlog::level::warn;
+    case DeviceEvent::Kind::kStaleness:
+      return spdlog::level::debug;
+    case DeviceEvent::Kind::kState:
+    case DeviceEvent::Kind::kFaultCleared:
+    case DeviceEvent::Kind::kClosing:
+      return spdlog::level::info;
+  }
+  return spdlog::level::info;
+}
+
+}  // namespace
+
+EventLog::EventLog(std::string device, std::function<std::string()> holder)
+    : device_(std::move(device)), holder_(std::move(holder)) {}
 
 void EventLog::on_record(const core::TickRecord& record) {
-  const core::CommandSnapshot& command = record.input.command;
-  if (command.lease_held != held_ || command.lease_epoch != epoch_) {
-    held_ = command.lease_held;
-    epoch_ = command.lease_epoch;
-    spdlog::info("{}: lease {} {}", device_, epoch_, held_ ? "granted" : "ended");
-  }
-  events_.clear();
-  detector_.step(record, {}, events_);
-  for (const DeviceEvent& event : events_) {
-    switch (event.kind) {
-      case DeviceEvent::Kind::kFault:
-        spdlog::error("{}: fault {}: {}", device_, event.reason, event.message);
-        break;
-      case DeviceEvent::Kind::kLost:
-        spdlog::warn("{}: force given up: {}", device_, event.message);
-        break;
-      case DeviceEvent::Kind::kStaleness:
-        spdlog::debug("{}: proxy {}", device_, event.reason);
-        break;
-      default:
-        spdlog::info("{}: {}", device_, event.reason);
+  std::vector<DeviceEvent> events;
+  detector_.step(record, "", events);
+  for (const DeviceEvent& event : events) {
+    if (event.message.empty()) {
+      spdlog::log(level_of(event.kind), "{}: {}", device_, event.reason);
+    } else {
+      spdlog::log(level_of(event.kind), "{}: {}: {}", device_, event.reason, event.message);
     }
   }
+  lease(record.input.command);
+}
+
+void EventLog::lease(const core::CommandSnapshot& command) {
+  if (command.lease_held && (!held_ || command.lease_epoch != epoch_)) {
+    spdlog::info("{}: lease {} granted to '{}'", device_, command.lease_epoch, holder_());
+  } else if (!command.lease_held && held_) {
+    spdlog::info("{}: lease {} ended", device_, epoch_);
+  }
+  held_ = command.lease_held;
+  epoch_ = command.lease_epoch;
 }
 
 }  // namespace haptic::server

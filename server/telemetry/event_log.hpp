@@ -1,8 +1,8 @@
 #pragma once
-/// What happened to a device, as lines of the log; on the telemetry's thread, never the loop's.
+/// What happens to a device, in the server's log: states, faults, leases. On the telemetry's drain.
 
+#include <functional>
 #include <string>
-#include <vector>
 
 #include "server/session/device_event.hpp"
 #include "server/telemetry/telemetry.hpp"
@@ -11,13 +11,17 @@ namespace haptic::server {
 
 class EventLog final : public RecordListener {
  public:
-  explicit EventLog(std::string device) : device_(std::move(device)) {}
+  /// `holder` answers with the client name of the lease's holder; called on the drain's thread.
+  EventLog(std::string device, std::function<std::string()> holder);
+
   void on_record(const core::TickRecord& record) override;
 
  private:
-  std::string device_;
-  EventDetector detector_{};
-  std::vector<DeviceEvent> events_{};
+  void lease(const core::CommandSnapshot& command);
+
+  const std::string device_;
+  const std::function<std::string()> holder_;
+  EventDetector detector_;
   std::uint32_t epoch_{0};
   bool held_{false};
 };

@@ -1,55 +1,88 @@
 #pragma once
-/// Every tick as a row of a CSV file, written on the telemetry's thread.
+/// Scene.record: every tick of one device as a row of a CSV file, written on the telemetry's drain.
 ///
-/// Columns, in this order; <dof> and <coordinate> are the device's names, u their unit (m, rad), f the
-/// unit of force of an actuated DoF (n, nm):
-///   time_s, tick, state, staleness, proxy_age_us, mode, gain, damping_gain,
-///   q_<dof>_<u>..., qdot_<actuated dof>_<u>_per_s..., xprobe_<coordinate>_<u>..., x_<coordinate>_<u>...,
-///   qstar_<dof>_<u>..., tau_elastic_<dof>_<f>..., tau_damping_<dof>_<f>..., tau_<dof>_<f>...,
-///   projection, faults, limiters, lateness_us, skipped
-/// and with compare_renderers: tau_standard_<dof>_<f>..., tau_null_space_..., tau_subspace_linear_...,
-/// tau_subspace_exact_...
-/// The compared forces are what each renderer, without the direction guard, would give on this tick's q and x:
-/// g Z_q S (q* - q) with the settings in effect, saturated at the force limit; slew, envelope and damping are
-/// left out. time_s counts from the first row. x is empty (nan) where there is no proxy; mode is
-/// none, held or free.
+/// The header, in this order. DOF stands for each DoF's name ("l_x"), ACT for each actuated DoF's,
+/// COORD for each virtual coordinate's; UNIT is m or rad, FORCE is n (N) or n_m (N m).
+///
+///   time_s                   since the first recorded tick, on the server's steady clock
+///   tick                     counts from 1; a step of more than one: records were dropped
+///   state                    INIT, IDLE, ARMED, ENGAGING, ENGAGED, RELEASING, FAULT, CLOSING
+///   staleness                FRESH, HOLD, FADE, LOST
+///   proxy_age_us             age of the newest proxy; 0 while there is none
+///   mode                     NONE, HELD, FREE
+///   gain, damping_gain       g and g_d, 0..1
+///   DOF                      q in m or rad, one column per DoF under its bare name: what a
+///                            replayed device looks for, so that every recording can be played
+///   q_dot_ACT_UNIT_per_s     rate of the actuated DoFs
+///   x_probe_COORD_UNIT       haptic probe f(q)
+///   x_COORD_UNIT             proxy in use; empty while there is none
+///   q_star_DOF_UNIT          subspace proxy in use
+///   tau_elastic_ACT_FORCE, tau_damping_ACT_FORCE, tau_a_ACT_FORCE
+///   projection               NONE, EXACT, CONVERGED, CAPPED, UNREACHABLE, ILL_CONDITIONED,
+///                            RANK_DEFICIENT, MAP_FAILED
+///   faults, limiters         reasons joined by '|'; empty: none
+///   lateness_us, skipped     of the loop
+///
+/// with compare_renderers also, for R in standard, null_space, subspace_linear, subspace_exact:
+///   tau_R_ACT_FORCE          see renderer_comparison.hpp; nan where f has no value at q
+///
+/// The finger exoskeleton's header thus reads: time_s,tick,state,staleness,proxy_age_us,mode,gain,
+/// damping_gain,l_x,q_B,q_dot_l_x_m_per_s,x_probe_q_o1_mcp_rad,x_probe_q_o2_pip_rad,
+/// x_q_o1_mcp_rad,x_q_o2_pip_rad,q_star_l_x_m,q_star_q_B_rad,tau_elastic_l_x_n,tau_damping_l_x_n,
+/// tau_a_l_x_n,projection,faults,limiters,lateness_us,skipped[,tau_standard_l_x_n,
+/// tau_null_space_l_x_n,tau_subspace_linear_l_x_n,tau_subspace_exact_l_x_n].
+///
+/// Numbers have full precision: reading them back gives the same bits.
 
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
-#include <vector>
 
-#include "haptic/core/projection/renderer.hpp"
+#include "haptic/core/model/kinematics.hpp"
+#include "server/telemetry/renderer_comparison.hpp"
 #include "server/telemetry/telemetry.hpp"
 
 namespace haptic::server {
 
 class Recorder final : public RecordListener {
  public:
-  /// Throws DeviceError where the file cannot be written. `unit` must outlive the recorder.
-  Recorder(const DeviceUnit& unit, const std::filesystem::path& file, bool compare_renderers);
+  /// `comparison` absent: no columns of the other renderers. Throws SceneError where `file` cannot
+  /// be created (path and the system's reason).
+  Recorder(const std::filesystem::path& file, std::shared_ptr<const core::Kinematics> kinematics,
+           std::unique_ptr<RendererComparison> comparison = nullptr);
+  /// Writes what is buffered and closes. The recorder must have been removed from the telemetry.
   ~Recorder() override;
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
 
+  /// The header line, without its newline.
+  [[nodiscard]] static std::string header(const core::Kinematics& kinematics, bool compare);
+
+  /// Appends a row; now and then writes the buffer to the file. Where writing fails (disk full) the
+  /// recording ends there, with one warning in the log; the loop and the sessions go on.
   void on_record(const core::TickRecord& record) override;
 
- private:
-  void header();
-  void number(double value);
-  void numbers(const double* values, int count, int wanted);
-  void text(std::string_view value);
-  void comparison(const core::TickRecord& record);
+  /// Rows handed to the file or waiting in the buffer.
+  [[nodiscard]] std::uint64_t rows() const noexcept { return rows_; }
 
-  const core::Kinematics& kinematics_;
-  struct Close {
-    void operator()(std::FILE* file) const noexcept { std::fclose(file); }
-  };
-  std::unique_ptr<std::FILE, Close> file_;
-  std::vector<core::Renderer> renderers_;
-  std::string row_{};
-  core::TimePoint first_{};
-  bool has_first_{false};
-  std::uint64_t compared_seq_{0};
+ private:
+  void append(const core::TickRecord& record);
+  void flush();
+
+  const std::filesystem::path file_;
+  const std::shared_ptr<const core::Kinematics> kinematics_;
+  const std::unique_ptr<RendererComparison> comparison_;
+  std::FILE* stream_{nullptr};
+  std::string buffer_;
+  std::uint64_t rows_{0};
+  std::optional<core::TimePoint> start_{};
 };
+
+/// Where device `name` of `devices` is recorded: `file` itself for an only device, else its name is
+/// added before the extension ("run.csv" -> "run-left.csv").
+[[nodiscard]] std::filesystem::path record_file(const std::filesystem::path& file,
+                                                const std::string& name, std::size_t devices);
 
 }  // namespace haptic::server

@@ -1,103 +1,155 @@
 #include "server/telemetry/telemetry.hpp"
 
-#include <pthread.h>
-
 #include <algorithm>
-#include <csignal>
+#include <condition_variable>
+#include <mutex>
+
+#include "server/rt/thread_setup.hpp"
 
 namespace haptic::server {
 
-struct Telemetry::Channel {
-  explicit Channel(DeviceUnit& u) : unit(u) {}
+/// One unit's records on their way to its listeners. A listener is called without the mutex held,
+/// so that it may add and remove; `called_` says who is being called, so that remove() can wait.
+class Telemetry::Channel {
+ public:
+  explicit Channel(DeviceUnit& unit) : unit_(unit) {}
 
-  DeviceUnit& unit;
-  /// Held while listeners are called, so that remove() returns only when none is being called.
-  /// Recursive: a listener may remove itself.
-  std::recursive_mutex listening;
-  std::vector<RecordListener*> listeners;
-  mutable std::mutex newest_mutex;
-  core::TickRecord newest;
+  void add(RecordListener* listener, ListenerRank rank) {
+    const std::lock_guard lock(mutex_);
+    const auto after = std::upper_bound(
+        listeners_.begin(), listeners_.end(), rank,
+        [](ListenerRank wanted, const Listener& other) { return wanted < other.rank; });
+    listeners_.insert(after, {listener, rank});
+  }
+
+  void remove(RecordListener* listener) {
+    std::unique_lock lock(mutex_);
+    std::erase_if(listeners_, [&](const Listener& other) { return other.call == listener; });
+    if (caller_ == std::this_thread::get_id()) return;
+    call_ended_.wait(lock, [&] { return called_ != listener; });
+  }
+
+  void drain() {
+    const core::TickRecord* record = unit_.records.front();
+    if (record == nullptr) return;
+    listeners_at_start();
+    for (; record != nullptr; record = unit_.records.front()) {
+      keep(*record);
+      for (RecordListener* listener : round_) {
+        call(listener, [&] { listener->on_record(*record); });
+      }
+      unit_.records.pop();
+    }
+    // Only this thread writes newest_: reading it here needs no lock.
+    for (RecordListener* listener : round_) call(listener, [&] { listener->on_newest(newest_); });
+  }
+
+  [[nodiscard]] core::TickRecord newest() const {
+    const std::lock_guard lock(newest_mutex_);
+    return newest_;
+  }
+
+ private:
+  struct Listener {
+    RecordListener* call{nullptr};
+    ListenerRank rank{ListenerRank::kService};
+  };
+
+  void keep(const core::TickRecord& record) {
+    const std::lock_guard lock(newest_mutex_);
+    newest_ = record;
+  }
+
+  void listeners_at_start() {
+    const std::lock_guard lock(mutex_);
+    round_.clear();
+    for (const Listener& listener : listeners_) round_.push_back(listener.call);
+  }
+
+  /// Calls a listener, unless it was removed meanwhile.
+  template <typename Call>
+  void call(RecordListener* listener, const Call& run) {
+    {
+      const std::lock_guard lock(mutex_);
+      const bool still_there = std::any_of(listeners_.begin(), listeners_.end(),
+                                           [&](const Listener& l) { return l.call == listener; });
+      if (!still_there) return;
+      called_ = listener;
+      caller_ = std::this_thread::get_id();
+    }
+    run();
+    {
+      const std::lock_guard lock(mutex_);
+      called_ = nullptr;
+      caller_ = {};
+    }
+    call_ended_.notify_all();
+  }
+
+  DeviceUnit& unit_;
+
+  std::mutex mutex_;
+  std::condition_variable call_ended_;
+  std::vector<Listener> listeners_;
+  RecordListener* called_{nullptr};
+  std::thread::id caller_{};
+
+  mutable std::mutex newest_mutex_;
+  core::TickRecord newest_{};
+
+  std::vector<RecordListener*> round_;  ///< the drain's own
 };
 
 Telemetry::Telemetry(std::vector<DeviceUnit*> units) {
   for (DeviceUnit* unit : units) channels_.push_back(std::make_unique<Channel>(*unit));
 }
 
-Telemetry::~Telemetry() { stop(); }
+Telemetry::~Telemetry() {
+  stop();
+}
 
 void Telemetry::start() {
   if (thread_.joinable()) return;
   stopping_.store(false);
-  thread_ = std::thread([this] {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, nullptr);
-    pthread_setname_np(pthread_self(), "haptic-drain");
-    std::uint32_t heard = bell_.load(std::memory_order_acquire);
-    while (!stopping_.load(std::memory_order_acquire)) {
-      drain();
-      bell_.wait(heard, std::memory_order_acquire);
-      heard = bell_.load(std::memory_order_acquire);
-    }
-    drain();
-  });
+  thread_ = std::thread([this] { serve(); });
 }
 
 void Telemetry::stop() {
   if (!thread_.joinable()) return;
-  stopping_.store(true, std::memory_order_release);
-  wake();
+  stopping_.store(true);
+  bell_.ring();
   thread_.join();
 }
 
-void Telemetry::wake() noexcept {
-  bell_.fetch_add(1, std::memory_order_release);
-  bell_.notify_one();  // a futex call where the drain sleeps, nothing otherwise; takes no lock
-}
-
-void Telemetry::drain() {
-  for (const auto& channel : channels_) {
-    bool any = false;
-    const std::lock_guard lock(channel->listening);
-    const auto tell = [&channel](auto call) {
-      // By index: a listener may add or remove while it is called.
-      for (std::size_t i = 0; i < channel->listeners.size(); ++i) {
-        if (channel->listeners[i] != nullptr) call(*channel->listeners[i]);
-      }
-    };
-    while (const core::TickRecord* record = channel->unit.records.front()) {
-      {
-        const std::lock_guard newest_lock(channel->newest_mutex);
-        channel->newest = *record;
-      }
-      tell([record](RecordListener& listener) { listener.on_record(*record); });
-      channel->unit.records.pop();
-      any = true;
-    }
-    if (any) {
-      tell([&channel](RecordListener& listener) { listener.on_newest(channel->newest); });
-    }
-    std::erase(channel->listeners, nullptr);
+void Telemetry::serve() noexcept {
+  set_thread_up("telemetry");
+  for (;;) {
+    const std::uint32_t heard = bell_.rings();
+    const bool last_round = stopping_.load();
+    drain();
+    if (last_round) return;
+    bell_.sleep(heard);
   }
 }
 
-void Telemetry::add(std::size_t unit, RecordListener* listener) {
-  Channel& channel = *channels_.at(unit);
-  const std::lock_guard lock(channel.listening);
-  channel.listeners.push_back(listener);
+void Telemetry::drain() {
+  for (const auto& channel : channels_) channel->drain();
+}
+
+void Telemetry::add(std::size_t unit, RecordListener* listener, ListenerRank rank) {
+  channels_.at(unit)->add(listener, rank);
 }
 
 void Telemetry::remove(std::size_t unit, RecordListener* listener) {
-  Channel& channel = *channels_.at(unit);
-  const std::lock_guard lock(channel.listening);
-  std::replace(channel.listeners.begin(), channel.listeners.end(), listener,
-               static_cast<RecordListener*>(nullptr));
+  channels_.at(unit)->remove(listener);
 }
 
 core::TickRecord Telemetry::newest(std::size_t unit) const {
-  const Channel& channel = *channels_.at(unit);
-  const std::lock_guard lock(channel.newest_mutex);
-  return channel.newest;
+  return channels_.at(unit)->newest();
+}
+
+void Telemetry::wake() noexcept {
+  bell_.ring();
 }
 
 }  // namespace haptic::server

@@ -2,16 +2,14 @@
 /// The telemetry drain: one thread that empties every unit's ring, keeps the newest record of each,
 /// and tells those who listen. The loop wakes it with a futex and never waits for it.
 
-#include <array>
 #include <atomic>
 #include <memory>
-#include <mutex>
-#include <span>
 #include <thread>
 #include <vector>
 
 #include "haptic/core/tick/tick_record.hpp"
 #include "server/rt/device_unit.hpp"
+#include "server/telemetry/bell.hpp"
 
 namespace haptic::server {
 
@@ -25,34 +23,43 @@ class RecordListener {
   virtual void on_newest(const core::TickRecord& record) { static_cast<void>(record); }
 };
 
+/// Who is told first: what sessions and force depend on, then what may come later.
+enum class ListenerRank : std::uint8_t { kService, kBackground };
+
 class Telemetry {
  public:
-  /// The units must outlive the telemetry. start() and stop() own the thread; without start() a test
-  /// calls drain() itself.
+  /// The units must outlive the telemetry. start() and stop() own the thread; without start() a
+  /// test calls drain() itself.
   explicit Telemetry(std::vector<DeviceUnit*> units);
   ~Telemetry();
 
   void start();
   void stop();
 
-  /// Empties every ring once, on the caller's thread.
+  /// Empties every ring once, on the caller's thread. One thread at a time.
   void drain();
 
-  /// `unit`: index in the constructor's list. Listeners may be added and removed at any time from any
-  /// thread; after remove() returned the listener is not called again.
-  void add(std::size_t unit, RecordListener* listener);
+  /// `unit`: index in the constructor's list. Listeners may be added and removed at any time from
+  /// any thread, also from within a call of their own; after remove() returned the listener is not
+  /// called again. Of one rank, they are called in the order in which they were added.
+  /// remove() waits for a call of this listener that is under way on another thread: do not hold a
+  /// lock that the listener takes.
+  void add(std::size_t unit, RecordListener* listener, ListenerRank rank = ListenerRank::kService);
   void remove(std::size_t unit, RecordListener* listener);
 
   /// The newest record of a unit; a default one before the first tick. Any thread.
   [[nodiscard]] core::TickRecord newest(std::size_t unit) const;
 
-  /// The loop's call at the end of a tick, real-time safe: wakes the drain.
+  /// The loop's call at the end of a tick, real-time safe: wakes the drain. Takes no lock in user
+  /// space and never waits; costs one system call where the drain sleeps.
   void wake() noexcept;
 
  private:
-  struct Channel;
+  class Channel;
+  void serve() noexcept;
+
   std::vector<std::unique_ptr<Channel>> channels_;
-  std::atomic<std::uint32_t> bell_{0};
+  Bell bell_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

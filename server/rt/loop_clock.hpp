@@ -1,0 +1,43 @@
+#pragma once
+/// The loop's clock: what it waits on and reads. Linux's in the server, a scripted one in tests.
+
+#include "haptic/core/time.hpp"
+
+namespace haptic::server {
+
+struct Wake {
+  core::TimePoint now{};
+  /// How long the machine was suspended since the last wake-up. CLOCK_MONOTONIC stands still then,
+  /// so that nothing else would tell.
+  core::Duration suspended{0};
+};
+
+class LoopClock {
+ public:
+  virtual ~LoopClock() = default;
+  LoopClock(const LoopClock&) = delete;
+  LoopClock& operator=(const LoopClock&) = delete;
+
+  /// Real-time thread. Returns at `deadline` or later; at once where it has passed.
+  virtual Wake wait_until(core::TimePoint deadline) noexcept = 0;
+  [[nodiscard]] virtual core::TimePoint now() const noexcept = 0;
+
+ protected:
+  LoopClock() = default;
+};
+
+/// clock_nanosleep on CLOCK_MONOTONIC (libstdc++'s steady_clock) to absolute deadlines.
+class MonotonicClock final : public LoopClock {
+ public:
+  MonotonicClock() noexcept;
+  Wake wait_until(core::TimePoint deadline) noexcept override;
+  [[nodiscard]] core::TimePoint now() const noexcept override;
+
+ private:
+  /// CLOCK_BOOTTIME, which runs on in a suspend, minus CLOCK_MONOTONIC: the largest lower bound
+  /// seen. A preemption between the two readings only makes a bound smaller, so it is never taken
+  /// for a suspend.
+  core::Duration asleep_so_far_{core::Duration::min()};
+};
+
+}  // namespace haptic::server

@@ -1,0 +1,29 @@
+#pragma once
+/// A bell between two threads: the real-time one rings, the other sleeps until it rings.
+///
+/// A futex and not std::atomic::notify: libstdc++'s keeps its waiters in a table shared with
+/// everybody else in the process, and a ring costs a system call whether or not anybody sleeps.
+
+#include <atomic>
+#include <cstdint>
+
+namespace haptic::server {
+
+class Bell {
+ public:
+  /// Any thread, real-time safe. One system call where somebody sleeps, else two atomic operations.
+  void ring() noexcept;
+
+  /// One thread. The number of rings so far, for sleep().
+  [[nodiscard]] std::uint32_t rings() const noexcept {
+    return rings_.load(std::memory_order_seq_cst);
+  }
+  /// The same thread: until the bell has rung more often than `heard` (or a spurious wake-up).
+  void sleep(std::uint32_t heard) noexcept;
+
+ private:
+  std::atomic<std::uint32_t> rings_{0};
+  std::atomic<bool> sleeping_{false};
+};
+
+}  // namespace haptic::server

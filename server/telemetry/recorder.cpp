@@ -1,0 +1,254 @@
+#include "server/telemetry/recorder.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include "haptic/core/error.hpp"
+
+namespace haptic::server {
+namespace {
+
+/// About a quarter of a second of the finger's rows: what a killed server may lose at most.
+constexpr std::size_t kFlushAt = 128 * 1024;
+constexpr std::size_t kLongestRow = 32 * 1024;
+
+const char* unit(core::Unit unit) {
+  return unit == core::Unit::kMetre ? "m" : "rad";
+}
+const char* force_unit(core::Unit unit) {
+  return unit == core::Unit::kMetre ? "n" : "n_m";
+}
+
+std::string_view text(core::Staleness level) {
+  switch (level) {
+    case core::Staleness::kFresh:
+      return "FRESH";
+    case core::Staleness::kHold:
+      return "HOLD";
+    case core::Staleness::kFade:
+      return "FADE";
+    case core::Staleness::kLost:
+      return "LOST";
+  }
+  return "?";
+}
+
+std::string_view text(core::ProxyMode mode) {
+  switch (mode) {
+    case core::ProxyMode::kNone:
+      return "NONE";
+    case core::ProxyMode::kHeld:
+      return "HELD";
+    case core::ProxyMode::kFree:
+      return "FREE";
+  }
+  return "?";
+}
+
+std::string_view text(core::ProjectionStatus status) {
+  switch (status) {
+    case core::ProjectionStatus::kNone:
+      return "NONE";
+    case core::ProjectionStatus::kExact:
+      return "EXACT";
+    case core::ProjectionStatus::kConverged:
+      return "CONVERGED";
+    case core::ProjectionStatus::kCapped:
+      return "CAPPED";
+    case core::ProjectionStatus::kUnreachable:
+      return "UNREACHABLE";
+    case core::ProjectionStatus::kIllConditioned:
+      return "ILL_CONDITIONED";
+    case core::ProjectionStatus::kRankDeficient:
+      return "RANK_DEFICIENT";
+    case core::ProjectionStatus::kMapFailed:
+      return "MAP_FAILED";
+  }
+  return "?";
+}
+
+/// One row, field by field, at the end of a buffer.
+class Row {
+ public:
+  explicit Row(std::string& buffer) : buffer_(buffer) {}
+
+  void add(std::string_view value) {
+    separate();
+    buffer_ += value;
+  }
+  template <typename Number>
+  void number(Number value) {
+    separate();
+    char digits[32];
+    const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+    buffer_.append(digits, end);
+  }
+  /// Exactly `size` fields: empty ones where the vector has another size.
+  template <typename Vector>
+  void vector(const Vector& values, int size) {
+    for (int i = 0; i < size; ++i) {
+      if (values.size() == size) {
+        number(values[i]);
+      } else {
+        add("");
+      }
+    }
+  }
+  template <typename E>
+  void reasons(core::BitSet32<E> set) {
+    separate();
+    bool first = true;
+    for (std::uint8_t bit = 0; bit < 32; ++bit) {
+      const auto member = static_cast<E>(bit);
+      if (!set.has(member)) continue;
+      if (!first) buffer_ += '|';
+      buffer_ += core::reason(member);
+      first = false;
+    }
+  }
+  void end() { buffer_ += '\n'; }
+
+ private:
+  void separate() {
+    if (!first_) buffer_ += ',';
+    first_ = false;
+  }
+  std::string& buffer_;
+  bool first_{true};
+};
+
+double microseconds(core::Duration d) {
+  return static_cast<double>(d.count()) * 1e-3;
+}
+
+/// Names of the columns of one quantity over the actuated DoFs: "tau_a_l_x_n".
+void add_forces(Row& row, const core::Kinematics& kinematics, const std::string& quantity) {
+  for (const core::DofSpec& dof : kinematics.dofs()) {
+    if (dof.actuated) row.add(quantity + "_" + dof.name + "_" + force_unit(dof.unit));
+  }
+}
+
+void add_coordinates(Row& row, const core::Kinematics& kinematics, const std::string& quantity) {
+  for (const core::Coordinate& c : kinematics.space().coordinates()) {
+    row.add(quantity + "_" + c.name + "_" + unit(c.unit));
+  }
+}
+
+}  // namespace
+
+std::string Recorder::header(const core::Kinematics& kinematics, bool compare) {
+  std::string line;
+  Row row(line);
+  for (const char* name :
+       {"time_s", "tick", "state", "staleness", "proxy_age_us", "mode", "gain", "damping_gain"}) {
+    row.add(name);
+  }
+  for (const core::DofSpec& dof : kinematics.dofs()) row.add(dof.name);
+  for (const core::DofSpec& dof : kinematics.dofs()) {
+    if (dof.actuated) row.add("q_dot_" + dof.name + "_" + unit(dof.unit) + "_per_s");
+  }
+  add_coordinates(row, kinematics, "x_probe");
+  add_coordinates(row, kinematics, "x");
+  for (const core::DofSpec& dof : kinematics.dofs()) {
+    row.add("q_star_" + dof.name + "_" + unit(dof.unit));
+  }
+  for (const char* quantity : {"tau_elastic", "tau_damping", "tau_a"}) {
+    add_forces(row, kinematics, quantity);
+  }
+  for (const char* name : {"projection", "faults", "limiters", "lateness_us", "skipped"}) {
+    row.add(name);
+  }
+  if (compare) {
+    for (const core::RendererKind kind : RendererComparison::kKinds) {
+      add_forces(row, kinematics, "tau_" + std::string(core::name(kind)));
+    }
+  }
+  return line;
+}
+
+Recorder::Recorder(const std::filesystem::path& file,
+                   std::shared_ptr<const core::Kinematics> kinematics,
+                   std::unique_ptr<RendererComparison> comparison)
+    : file_(file),
+      kinematics_(std::move(kinematics)),
+      comparison_(std::move(comparison)),
+      stream_(std::fopen(file.c_str(), "we")) {
+  if (stream_ == nullptr) {
+    throw core::SceneError("record.file = '" + file.string() +
+                           "': cannot be created: " + std::strerror(errno));
+  }
+  std::setvbuf(stream_, nullptr, _IONBF, 0);  // buffer_ is the buffer
+  buffer_.reserve(kFlushAt + kLongestRow);
+  buffer_ = header(*kinematics_, comparison_ != nullptr) + '\n';
+}
+
+Recorder::~Recorder() {
+  flush();
+  if (stream_ != nullptr) std::fclose(stream_);
+}
+
+void Recorder::on_record(const core::TickRecord& record) {
+  if (stream_ == nullptr) return;
+  if (!start_) start_ = record.input.now;
+  append(record);
+  ++rows_;
+  if (buffer_.size() >= kFlushAt) flush();
+}
+
+void Recorder::append(const core::TickRecord& record) {
+  const int n_q = kinematics_->layout().n_q();
+  const int n_a = kinematics_->layout().n_a();
+  const int n_x = kinematics_->space().n_x();
+  Row row(buffer_);
+  row.number(core::seconds(record.input.now - *start_));
+  row.number(record.tick);
+  row.add(core::name(record.state));
+  row.add(text(record.staleness));
+  row.number(microseconds(record.proxy_age));
+  row.add(text(record.input.proxy.mode));
+  row.number(record.gain);
+  row.number(record.damping_gain);
+  row.vector(record.q, n_q);
+  row.vector(record.q_a_dot, n_a);
+  row.vector(record.x_probe, n_x);
+  row.vector(record.x, n_x);
+  row.vector(record.q_star, n_q);
+  row.vector(record.tau_elastic, n_a);
+  row.vector(record.tau_damping, n_a);
+  row.vector(record.tau_a, n_a);
+  row.add(text(record.projection));
+  row.reasons(record.faults);
+  row.reasons(record.limiters);
+  row.number(microseconds(record.input.loop.lateness));
+  row.number(record.input.loop.skipped);
+  if (comparison_) {
+    for (const core::VecA& tau : comparison_->evaluate(record)) row.vector(tau, n_a);
+  }
+  row.end();
+}
+
+void Recorder::flush() {
+  if (stream_ == nullptr || buffer_.empty()) return;
+  const bool written = std::fwrite(buffer_.data(), 1, buffer_.size(), stream_) == buffer_.size();
+  buffer_.clear();
+  if (written) return;
+  spdlog::warn("recording to {} ends here, after about {} rows: {}", file_.string(), rows_,
+               std::strerror(errno));
+  std::fclose(stream_);
+  stream_ = nullptr;
+}
+
+std::filesystem::path record_file(const std::filesystem::path& file, const std::string& name,
+                                  std::size_t devices) {
+  if (devices <= 1) return file;
+  std::filesystem::path own = file;
+  own.replace_filename(file.stem().string() + "-" + name + file.extension().string());
+  return own;
+}
+
+}  // namespace haptic::server

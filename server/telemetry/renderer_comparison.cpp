@@ -1,0 +1,72 @@
+#include "server/telemetry/renderer_comparison.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace haptic::server {
+namespace {
+
+/// The value in effect in the tick: the session's, never wider than the scene's.
+double in_effect(const core::VecA& session, const core::VecA& scene, Eigen::Index i) {
+  const bool given = session.size() == scene.size() && session[i] >= 0.0;
+  return given ? std::min(session[i], scene[i]) : scene[i];
+}
+
+core::VecA in_effect(const core::VecA& session, const core::VecA& scene) {
+  core::VecA value = scene;
+  for (Eigen::Index i = 0; i < scene.size(); ++i) value[i] = in_effect(session, scene, i);
+  return value;
+}
+
+}  // namespace
+
+RendererComparison::RendererComparison(std::shared_ptr<const core::Kinematics> kinematics,
+                                       core::RenderSettings scene)
+    : kinematics_(std::move(kinematics)),
+      scene_(std::move(scene)),
+      renderers_{core::Renderer(kKinds[0], *kinematics_), core::Renderer(kKinds[1], *kinematics_),
+                 core::Renderer(kKinds[2], *kinematics_), core::Renderer(kKinds[3], *kinematics_)} {
+}
+
+bool RendererComparison::probe(const core::TickRecord& record) {
+  const int n_x = kinematics_->space().n_x();
+  x_probe_.setZero(n_x);
+  J_.setZero(n_x, kinematics_->layout().n_q());
+  return kinematics_->evaluate(record.q, x_probe_, J_) == core::MapStatus::kOk;
+}
+
+const std::array<core::VecA, RendererComparison::kKinds.size()>& RendererComparison::evaluate(
+    const core::TickRecord& record) {
+  const core::DofLayout& layout = kinematics_->layout();
+  for (core::VecA& tau : tau_) tau.setZero(layout.n_a());
+  if (record.projection == core::ProjectionStatus::kNone ||
+      record.x.size() != kinematics_->space().n_x()) {
+    return tau_;
+  }
+  if (!probe(record)) {
+    for (core::VecA& tau : tau_) tau.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return tau_;
+  }
+  kinematics_->space().difference(record.x, x_probe_, dx_);
+  const bool proxy_changed = last_x_.size() != record.x.size() || last_x_ != record.x;
+  last_x_ = record.x;
+
+  const core::VecA stiffness = in_effect(record.input.settings.stiffness, scene_.stiffness);
+  const core::VecA limit = in_effect(record.input.settings.force_limit, scene_.force_limit);
+  const core::VecA q_a = layout.select(record.q);
+  for (std::size_t k = 0; k < kKinds.size(); ++k) {
+    renderers_[k].project(core::Probe{record.q, x_probe_, J_}, record.x, dx_, stiffness,
+                          proxy_changed, projection_);
+    const core::VecA q_star_a = layout.select(projection_.q_star);
+    for (int i = 0; i < layout.n_a(); ++i) {
+      const double elastic = record.gain * stiffness[i] * (q_star_a[i] - q_a[i]);  // Eq. (6), (7)
+      const double most = record.gain * limit[i];
+      tau_[k][i] = std::isfinite(elastic) ? std::clamp(elastic, -most, most) : elastic;
+    }
+  }
+  return tau_;
+}
+
+}  // namespace haptic::server

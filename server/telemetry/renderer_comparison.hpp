@@ -1,0 +1,49 @@
+#pragma once
+/// What each of the paper's renderers would have commanded in a tick that happened: for pictures in
+/// which the methods are compared on the same data.
+///
+/// All four get the q, the proxy x and the stiffness Z_q of the record and answer
+///   tau = clamp(g Z_q S (q* - q), +-g tau_max)
+/// with the gain g and the force limit tau_max of that tick, so that the curves share one scale.
+/// Left out for all: damping, direction guard, slew limit. The renderer in use is computed anew
+/// like the others. In free mode and without a proxy the force is 0.
+
+#include <array>
+#include <memory>
+
+#include "haptic/core/projection/renderer.hpp"
+#include "haptic/core/tick/pipeline.hpp"
+#include "haptic/core/tick/tick_record.hpp"
+
+namespace haptic::server {
+
+class RendererComparison {
+ public:
+  static constexpr std::array kKinds{core::RendererKind::kStandard, core::RendererKind::kNullSpace,
+                                     core::RendererKind::kSubspaceLinear,
+                                     core::RendererKind::kSubspaceExact};
+
+  /// `kinematics` may be shared. `scene`: the widest settings of the device.
+  RendererComparison(std::shared_ptr<const core::Kinematics> kinematics,
+                     core::RenderSettings scene);
+
+  /// tau_a (n_a, N or N m) by kind, in the order of kKinds; NaN where f has no value at q. Records
+  /// in the order of their ticks: the exact renderer starts from its last answer.
+  [[nodiscard]] const std::array<core::VecA, kKinds.size()>& evaluate(
+      const core::TickRecord& record);
+
+ private:
+  [[nodiscard]] bool probe(const core::TickRecord& record);
+
+  const std::shared_ptr<const core::Kinematics> kinematics_;
+  const core::RenderSettings scene_;
+  std::array<core::Renderer, kKinds.size()> renderers_;
+  std::array<core::VecA, kKinds.size()> tau_{};
+  core::VecX last_x_{};
+  core::VecX x_probe_{};
+  core::VecX dx_{};
+  core::MatXQ J_{};
+  core::Projection projection_{};
+};
+
+}  // namespace haptic::server

@@ -3,7 +3,6 @@
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
-#include <spdlog/spdlog.h>
 
 #include <utility>
 
@@ -66,7 +65,6 @@ class RpcServer::Impl {
     if (!server_) throw core::TransportError("the gRPC server did not start");
     for (std::size_t i = 0; i < addresses.size(); ++i) {
       bound_.push_back(with_port(addresses[i], ports[i]));
-      spdlog::info("serving haptic.v1 on {} (no TLS: this host only)", bound_.back());
     }
     health_ = std::make_unique<HealthKeeper>(*server_->GetHealthCheckService(), context_.devices);
   }

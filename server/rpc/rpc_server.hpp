@@ -17,7 +17,7 @@ struct RpcConfig {
   /// "host:port" (port 0: any free one) or "unix:/path". Without TLS only loopback and UNIX
   /// sockets.
   std::vector<std::string> listen{"127.0.0.1:50051"};
-  /// Session streams and watches together.
+  /// Session streams; and, apart from them, watches.
   unsigned max_sessions{32};
   core::Duration period{std::chrono::milliseconds(1)};  ///< of the loop
   /// States per second that all watches together may cost; what is above is conflated, fairly.

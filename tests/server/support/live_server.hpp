@@ -26,10 +26,20 @@ template <typename Condition>
   return condition();
 }
 
+/// The rig's settings with a long hold: a test of requests must not lose its force to a busy
+/// machine.
+inline core::PipelineConfig patient_config() {
+  core::PipelineConfig config = rig_config();
+  config.scene.staleness.hold_end = 5s;
+  config.scene.staleness.fade_end = 6s;
+  return config;
+}
+
 class LiveServer {
  public:
   explicit LiveServer(server::RpcConfig config = {{"127.0.0.1:0"}},
-                      core::PipelineConfig pipeline = rig_config(), server::SessionRules rules = {})
+                      core::PipelineConfig pipeline = patient_config(),
+                      server::SessionRules rules = {})
       : rig(std::move(pipeline), rules, server::steady_now()),
         rpc(std::move(config), {rig.sessions.get()}, *rig.telemetry, [] {
           server::ServerFacts facts;

@@ -3,6 +3,8 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <mutex>
@@ -45,7 +47,7 @@ inline v1::SessionRequest open_message(v1::Role role, const std::string& name) {
   v1::SessionRequest message;
   message.mutable_open()->set_role(role);
   message.mutable_open()->set_client_name(name);
-  if (role == v1::ROLE_CONTROLLER) message.mutable_open()->set_nominal_rate_hz(500.0);
+  if (role == v1::ROLE_CONTROLLER) message.mutable_open()->set_nominal_rate_hz(100.0);
   return message;
 }
 
@@ -62,12 +64,20 @@ class TestSession {
 
   ~TestSession() {
     context_.TryCancel();
+    stop_streaming();
     reader_.join();
     static_cast<void>(status());  // Finish must be called once, by whoever comes first
   }
 
-  bool send(const v1::SessionRequest& message) { return stream_->Write(message); }
-  void half_close() { stream_->WritesDone(); }
+  bool send(const v1::SessionRequest& message) {
+    const std::lock_guard lock(write_mutex_);
+    return !half_closed_ && stream_->Write(message);
+  }
+  void half_close() {
+    const std::lock_guard lock(write_mutex_);
+    half_closed_ = true;
+    stream_->WritesDone();
+  }
   void cancel() { context_.TryCancel(); }
 
   bool publish(std::vector<double> x, std::uint64_t number) {
@@ -80,19 +90,29 @@ class TestSession {
   }
   bool publish(std::vector<double> x) { return publish(std::move(x), ++seq); }
 
-  /// Publishes every 2 ms until `condition` holds.
-  template <typename Condition>
-  [[nodiscard]] bool stream_until(double a, Condition condition) {
-    return eventually([&] {
-      publish({a, 0.0});
-      std::this_thread::sleep_for(2ms);
-      return condition();
+  /// Publishes (a, 0) at the nominal rate from a thread of its own, whatever else the test does.
+  void stream(double a) {
+    a_ = a;
+    if (publisher_.joinable()) return;
+    streaming_ = true;
+    publisher_ = std::thread([this] {
+      auto next = std::chrono::steady_clock::now();
+      while (streaming_) {
+        publish({a_, 0.0});
+        next = std::max(next + kPeriod, std::chrono::steady_clock::now());
+        std::this_thread::sleep_until(next);
+      }
     });
+  }
+  void stop_streaming() {
+    streaming_ = false;
+    if (publisher_.joinable()) publisher_.join();
   }
 
   /// Streams and asks for force until it is fully on.
   [[nodiscard]] bool press(double a = 0.01) {
-    return stream_until(a, [&] {
+    stream(a);
+    return eventually([&] {
       if (state().state() == v1::DEVICE_STATE_NAME_ARMED) static_cast<void>(engage());
       return state().state() == v1::DEVICE_STATE_NAME_ENGAGED;
     });
@@ -133,9 +153,11 @@ class TestSession {
     return status_;
   }
   [[nodiscard]] v1::HapticService::Stub& stub() { return *stub_; }
-  std::uint64_t seq{0};
+  std::atomic<std::uint64_t> seq{0};
 
  private:
+  static constexpr std::chrono::milliseconds kPeriod{10};
+
   template <typename T>
   T get(const T& value) {
     const std::lock_guard lock(mutex_);
@@ -161,6 +183,11 @@ class TestSession {
   grpc::ClientContext context_;
   std::unique_ptr<v1::HapticService::Stub> stub_;
   std::unique_ptr<grpc::ClientReaderWriter<v1::SessionRequest, v1::SessionResponse>> stream_;
+  std::mutex write_mutex_;
+  bool half_closed_{false};
+  std::atomic<double> a_{0.0};
+  std::atomic<bool> streaming_{false};
+  std::thread publisher_;
   std::mutex mutex_;
   v1::SessionOpened opened_;
   v1::DeviceState state_;

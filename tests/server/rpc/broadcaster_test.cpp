@@ -1,0 +1,76 @@
+// Who gets which state, on virtual time.
+#include "server/rpc/broadcaster.hpp"
+
+#include <gtest/gtest.h>
+
+#include "server/rpc/pace.hpp"
+#include "tests/server/support/device_rig.hpp"
+
+namespace haptic::test {
+namespace {
+
+class Counter final : public server::Subscriber {
+ public:
+  bool offer(const core::TickRecord& record, server::StateFrame&, bool allowed) override {
+    ++asked;
+    if (!allowed || !pace.due(record.tick)) return false;
+    pace.sent(record.tick);
+    ++sent;
+    return true;
+  }
+  server::Pace pace{1000.0, 0.0};
+  int asked{0};
+  int sent{0};
+};
+
+class BroadcasterTest : public testing::Test {
+ protected:
+  std::shared_ptr<Counter> join(server::Broadcaster::Rank rank) {
+    auto counter = std::make_shared<Counter>();
+    broadcaster.add(rank, counter);
+    return counter;
+  }
+  DeviceRig rig;
+  server::WatchBudget budget{500.0};
+  server::Broadcaster broadcaster{*rig.telemetry, 0, budget};
+};
+
+TEST_F(BroadcasterTest, TheControllerGetsEveryTickWhateverTheWatchersCost) {
+  const auto controller = join(server::Broadcaster::Rank::kController);
+  for (int i = 0; i < 16; ++i) join(server::Broadcaster::Rank::kOther);
+  rig.tick(1000);
+  EXPECT_EQ(controller->sent, 1000);
+}
+
+TEST_F(BroadcasterTest, WatchersShareTheBudgetFairlyAndWhatTheyMissIsCounted) {
+  std::vector<std::shared_ptr<Counter>> watchers;
+  for (int i = 0; i < 4; ++i) watchers.push_back(join(server::Broadcaster::Rank::kOther));
+  rig.tick(4000);  // 4 s at 500 states/s, for four who want 1000 each
+  int total = 0;
+  for (const auto& watcher : watchers) {
+    EXPECT_NEAR(watcher->sent, 500, 5);
+    EXPECT_NEAR(static_cast<double>(watcher->pace.conflated()), 3500.0, 10.0);
+    EXPECT_EQ(watcher->asked, 4000);  // events go through even where states do not
+    total += watcher->sent;
+  }
+  EXPECT_NEAR(total, 2000, 5);
+}
+
+TEST_F(BroadcasterTest, WithinTheBudgetNobodyMissesAnything) {
+  const auto watcher = join(server::Broadcaster::Rank::kOther);
+  watcher->pace = server::Pace(1000.0, 400.0);
+  rig.tick(1000);
+  EXPECT_EQ(watcher->sent, 400);
+  EXPECT_EQ(watcher->pace.conflated(), 0U);
+}
+
+TEST_F(BroadcasterTest, WhoLeftIsNotAskedAgain) {
+  const auto watcher = join(server::Broadcaster::Rank::kOther);
+  rig.tick(10);
+  broadcaster.remove(watcher.get());
+  rig.tick(10);
+  EXPECT_EQ(watcher->asked, 10);
+}
+
+}  // namespace
+}  // namespace haptic::test

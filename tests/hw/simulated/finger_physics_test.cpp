@@ -230,6 +230,22 @@ TEST(FingerPhysics, AStopHoldsTheFingerInReach) {
   }
 }
 
+TEST(FingerPhysics, TheStopTakesEnergyAndGivesNone) {
+  // Aims in and out of reach on every side, with and without force: at the end all is at rest, and
+  // the finger never holds more than user and actuator gave.
+  for (const double mcp : {-0.8, 0.4, 2.0}) {
+    for (const double pip : {-0.8, 0.8, 2.8}) {
+      for (const double tau_a : {-40.0, 0.0, 10.0}) {
+        const FingerPhysics physics = pressed({}, {mcp, pip}, tau_a);
+        const FingerEnergy& e = physics.energy();
+        EXPECT_GT(e.stop, -1e-6) << mcp << ", " << pip << ", " << tau_a;
+        EXPECT_LE(physics.kinetic(), e.by_user + e.by_actuator) << mcp << ", " << pip;
+        EXPECT_LT(physics.x_dot().norm(), 1e-3) << mcp << ", " << pip << ", " << tau_a;
+      }
+    }
+  }
+}
+
 TEST(FingerPhysics, TheLargestForceAtTheStopComesToRest) {
   for (const double tau_a : {-40.0, 40.0}) {
     const FingerPhysics physics = pressed({}, {50 * kDeg, 50 * kDeg}, tau_a);

@@ -1,3 +1,4 @@
+# shellcheck shell=sh
 # Sourced by the checks: `files_of ROOT` prints the project's own files, relative to ROOT, one a line.
 # From git where there is a repository (tracked and new files), else from the tree itself.
 files_of() {

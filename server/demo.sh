@@ -1,0 +1,148 @@
+#!/usr/bin/env bash
+# The main job in one command: a finger in an exoskeleton (simulated) closes on a soft object that
+# another process simulates. Shows it live, prints a summary, leaves pictures.
+#
+#   server/demo.sh [--seconds N] [--motion FILE] [--output DIR] [--no-build] [--build DIR]
+#
+#   --seconds N    stop after N s (default 20)
+#   --motion FILE  moves the hand by a recording: CSV, columns time_s,q_o1_mcp_rad,q_o2_pip_rad
+#   --output DIR   where summary, recording and pictures go (default: demo-output beside the README)
+#   --no-build     neither installs nor builds
+#   --build DIR    uses the programs of this build folder (implies --no-build)
+#
+# Exit status: 0 contact was felt and free motion was free; else what went wrong is said.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+seconds=20
+motion=
+output=$root/demo-output
+build=true
+programs=$root/build/release
+while (($#)); do
+  case "$1" in
+    --seconds) seconds=${2:?--seconds needs a number}; shift 2 ;;
+    --motion) motion=$(realpath -e -- "${2:?--motion needs a file}"); shift 2 ;;
+    --output) output=${2:?--output needs a folder}; shift 2 ;;
+    --no-build) build=false; shift ;;
+    --build) build=false; programs=$(realpath -e -- "${2:?--build needs a folder}"); shift 2 ;;
+    -h | --help) sed -n '2,13s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    *) echo "demo.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
+  esac
+done
+if ! [[ $seconds =~ ^[0-9]+$ ]] || ((seconds < 3)); then
+  echo "demo.sh: --seconds must be a whole number, at least 3" >&2
+  exit 2
+fi
+
+if $build; then
+  sh "$root/docker/install-deps.sh" build test
+  (cd "$root" && cmake --preset release --log-level=WARNING >/dev/null &&
+    cmake --build --preset release --parallel "$(nproc)" \
+      --target hapticd hapticctl haptic-example-soft-grasp)
+fi
+
+program() {  # program NAME: where the build put it
+  local found
+  found=$(find "$programs" -type f -name "$1" -perm -u+x -print -quit 2>/dev/null || true)
+  [[ -n $found ]] || { echo "demo.sh: no program $1 in $programs; build first" >&2; return 1; }
+  echo "$found"
+}
+hapticd=$(program hapticd)
+hapticctl=$(program hapticctl)
+grasp=$(program haptic-example-soft-grasp)
+command -v gnuplot >/dev/null || { echo "demo.sh: gnuplot is missing (docker/install-deps.sh)" >&2; exit 1; }
+
+mkdir -p "$output"
+output=$(cd "$output" && pwd)
+folder=$(mktemp -d)
+server=unix:$folder/socket
+recording=$output/recording.csv
+declare -A running=()  # name -> process id: what is ours to end
+
+# shellcheck disable=SC2317  # called by the trap
+finish() {
+  local name
+  for name in watch grasp hapticd; do
+    if [[ -n ${running[$name]:-} ]]; then kill "${running[$name]}" 2>/dev/null || true; fi
+  done
+  for name in "${!running[@]}"; do wait "${running[$name]}" 2>/dev/null || true; done
+  rm -rf "$folder"
+}
+trap finish EXIT
+trap 'exit 130' INT TERM
+
+give_up() {  # give_up MESSAGE LOG
+  echo "demo.sh: $1" >&2
+  tail -n 20 "$2" >&2 || true
+  exit 1
+}
+alive() { kill -0 "${running[$1]}" 2>/dev/null; }
+end() {  # end NAME: asks it to stop and returns its exit status
+  local id=${running[$1]} status=0
+  unset "running[$1]"
+  kill -TERM "$id" 2>/dev/null || true
+  wait "$id" || status=$?
+  return "$status"
+}
+
+scene=$root/server/scenes/finger_soft_grasp.textproto
+settings=(--set "record.file=\"$recording\"" --set record.compare_renderers=true)
+if [[ -n $motion ]]; then settings+=(--set "device[0].simulated_finger.motion_file=\"$motion\""); fi
+
+"$hapticd" --scene "$scene" --listen "$server" "${settings[@]}" 2>"$folder/hapticd.log" &
+running[hapticd]=$!
+for _ in {1..100}; do
+  [[ -S $folder/socket ]] && break
+  alive hapticd || give_up "hapticd did not start" "$folder/hapticd.log"
+  sleep 0.1
+done
+[[ -S $folder/socket ]] || give_up "hapticd does not listen" "$folder/hapticd.log"
+head -n 3 "$folder/hapticd.log"
+
+"$grasp" "$server" >"$folder/grasp.log" 2>&1 &
+running[grasp]=$!
+
+# Live in a terminal; elsewhere the summary has to do.
+if [[ -t 1 ]]; then
+  "$hapticctl" --server "$server" watch &
+  running[watch]=$!
+fi
+end_at=$((SECONDS + seconds))
+while ((SECONDS < end_at)); do
+  alive hapticd || give_up "hapticd ended before its time" "$folder/hapticd.log"
+  alive grasp || give_up "the soft grasp ended before its time" "$folder/grasp.log"
+  sleep 0.2
+done
+if [[ -n ${running[watch]:-} ]]; then
+  end watch || true
+  echo
+fi
+end grasp || true  # a client that is told to go may say so in its status
+end hapticd || give_up "hapticd did not stop cleanly" "$folder/hapticd.log"
+
+# How the force was computed, as the scene in use says.
+method=$("$hapticd" --scene "$scene" "${settings[@]}" --print-scene |
+  grep -oE '\b(standard|null_space|subspace_linear|subspace_exact)\b' | head -n 1)
+
+status=0
+{
+  echo "soft grasp, ${motion:+moved by $(basename -- "$motion"), }method $method"
+  awk -f "$root/server/demo/summary.awk" -v stretches="$folder/contact" "$recording"
+} >"$output/summary.txt" || status=$?
+cat "$output/summary.txt"
+
+# About 4000 points per curve: more than the picture can show, and the SVG stays small.
+if [[ ! -s $folder/contact ]]; then echo "-1 -1" >"$folder/contact"; fi
+tr ' ' ',' <"$folder/contact" >"$folder/contact.csv"
+rows=$(wc -l <"$recording")
+awk -v every=$((rows / 4000 + 1)) 'NR == 1 || NR % every == 0' "$recording" >"$folder/figure.csv"
+heading="hapticd: soft grasp with one finger"
+if [[ -n $motion ]]; then heading+=", moved by $(basename -- "$motion" | sed 's/_/\\\\_/g')"; fi
+gnuplot -e "data='$folder/figure.csv'; contact='$folder/contact.csv'; output='$output/soft-grasp'" \
+  -e "method='$method'; heading=\"$heading\"" "$root/server/demo/figure.gp" ||
+  give_up "gnuplot could not draw the figure" /dev/null
+echo "  pictures          $output/soft-grasp.png, .svg; every tick: $recording"
+
+((status == 0)) || echo "demo.sh: not as promised (see the summary)" >&2
+exit "$status"

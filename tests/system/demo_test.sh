@@ -1,0 +1,35 @@
+#!/bin/sh
+# The demo, short: contact is felt, free motion is free, the pictures are there and show something.
+#
+#   demo_test.sh BUILD-FOLDER OUTPUT-FOLDER
+set -eu
+demo=$(cd "$(dirname "$0")/../../server" && pwd)/demo.sh
+output=$2
+rm -rf "$output"
+
+"$demo" --build "$1" --seconds 6 --output "$output" </dev/null
+
+check() {  # check WHAT COMMAND...
+  what=$1
+  shift
+  "$@" || { echo "FAILED: $what"; exit 1; }
+}
+summary=$output/summary.txt
+check "the summary names a contact force" grep -qE 'contact +peak \|tau_a\| [0-9.]+ N' "$summary"
+check "the summary gives its verdict" grep -q 'within 2 %' "$summary"
+check "the summary counts ticks" grep -qE '[1-9][0-9]{3} ticks' "$summary"
+# A figure without curves is a few kB.
+check "the PNG shows something" test "$(wc -c <"$output/soft-grasp.png")" -gt 40000
+check "the PNG is one" sh -c 'head -c 8 "$1" | od -An -tx1 | grep -q "89 50 4e 47"' - "$output/soft-grasp.png"
+check "the SVG shows curves" test "$(grep -c '<path' "$output/soft-grasp.svg")" -gt 10
+check "the recording compares the methods" grep -q 'tau_subspace_exact_l_x_n' "$output/recording.csv"
+
+# Errors are said, not swallowed.
+if "$demo" --build "$1" --seconds x --output "$output" 2>/dev/null; then
+  echo "FAILED: --seconds x was accepted"
+  exit 1
+fi
+if "$demo" --build "$1" --seconds 3 --motion "$output/nowhere.csv" 2>/dev/null; then
+  echo "FAILED: a motion file that does not exist was accepted"
+  exit 1
+fi

@@ -1,0 +1,49 @@
+#pragma once
+/// The server: what it is, what it has, sessions and telemetry, stop and clear.
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "haptic/client/session.hpp"
+#include "haptic/client/watch.hpp"
+
+namespace haptic::client {
+
+class Connection {
+ public:
+  /// "host:port" or "unix:/path". Does not wait for the server.
+  explicit Connection(const std::string& address);
+  ~Connection();
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  [[nodiscard]] ServerInfo server_info(std::chrono::milliseconds timeout = std::chrono::seconds(5));
+  [[nodiscard]] std::vector<DeviceInfo> devices(
+      std::chrono::milliseconds timeout = std::chrono::seconds(5));
+
+  /// Opens a session and waits for the server's word. Throws ClientError. The session may outlive
+  /// the connection.
+  [[nodiscard]] std::unique_ptr<Session> open(SessionOptions options);
+
+  /// `rate_hz` 0: the server's default.
+  [[nodiscard]] std::unique_ptr<Watch> watch(const std::string& device, double rate_hz,
+                                             std::function<void(const DeviceState&)> on_state,
+                                             std::function<void(const Event&)> on_event = {});
+
+  /// Needs no session. Returns the devices now in FAULT. Device empty: all.
+  std::vector<std::string> emergency_stop(const std::string& device = {},
+                                          const std::string& reason = {});
+  /// `faults` empty: all that are active. Returns what was cleared; throws kNotReady where a cause
+  /// persists.
+  std::vector<std::uint32_t> clear_fault(const std::string& device = {},
+                                         const std::vector<std::uint32_t>& faults = {});
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace haptic::client

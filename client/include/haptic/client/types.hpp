@@ -1,0 +1,126 @@
+#pragma once
+/// What a client sees of the server, its devices and their states. SI units; arrays in the order of
+/// DeviceInfo.
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace haptic::client {
+
+enum class Mode : std::uint8_t { kHeld = 1, kFree = 2 };
+enum class Staleness : std::uint8_t { kUnknown = 0, kFresh = 1, kHold = 2, kFade = 3, kLost = 4 };
+enum class Transport : std::uint8_t { kUnknown = 0, kGrpc = 1, kUdp = 2 };
+enum class State : std::uint8_t {
+  kUnknown = 0,
+  kInit = 1,
+  kIdle = 2,
+  kArmed = 3,
+  kEngaging = 4,
+  kEngaged = 5,
+  kReleasing = 6,
+  kFault = 7,
+  kClosing = 8,
+};
+enum class Renderer : std::uint8_t {
+  kUnchanged = 0,
+  kStandard = 1,
+  kNullSpace = 2,
+  kSubspaceLinear = 3,
+  kSubspaceExact = 4,
+};
+[[nodiscard]] const char* name(State state) noexcept;          ///< "ENGAGED"
+[[nodiscard]] const char* name(Staleness staleness) noexcept;  ///< "FRESH"
+[[nodiscard]] const char* name(Transport transport) noexcept;  ///< "GRPC"
+
+struct DegreeOfFreedom {
+  std::string name{}, unit{};  ///< unit "m" or "rad"
+  bool actuated{false};
+  double lower{0.0}, upper{0.0};
+  double max_effort{0.0};  ///< N or N m
+};
+
+struct VirtualCoordinate {
+  std::string name{}, unit{}, kind{};
+};
+
+struct DeviceInfo {
+  std::string name{}, kind{}, model{}, serial{};
+  bool moves{true};
+  std::vector<DegreeOfFreedom> dofs{};
+  std::vector<VirtualCoordinate> coordinates{};
+  std::vector<double> stiffness_limit{}, damping_limit{}, force_limit{}, slew_limit{},
+      engage_window{};  ///< per actuated DoF
+  double loop_rate_hz{0.0};
+  State state{State::kUnknown};
+  std::uint32_t faults{0};
+  std::string controller{};  ///< who holds the lease; empty: nobody
+  Renderer renderer{Renderer::kUnchanged};
+  unsigned observers{0};
+};
+
+struct ServerInfo {
+  std::string version{}, protocol{}, scene{};
+  std::string realtime_grade{}, realtime_explanation{};
+  std::vector<std::string> insecure{};
+  std::uint64_t ticks{0}, skipped_ticks{0}, records_dropped{0};
+  double lateness_p50_us{0.0}, lateness_p99_us{0.0}, lateness_max_us{0.0};
+  double tick_p50_us{0.0}, tick_p99_us{0.0};
+  unsigned sessions{0};
+  std::chrono::nanoseconds uptime{0};
+};
+
+/// The device at one tick. Field by field as DeviceState in proto/haptic/v1/session.proto.
+struct DeviceState {
+  std::uint64_t seq{0};
+  std::int64_t server_time_ns{0};
+  std::vector<double> q{}, q_dot{}, x_probe{}, x{}, q_star{}, tau_a{}, tau_elastic{},
+      stiffness_in_effect{};
+  std::uint64_t proxy_seq_used{0};
+  std::chrono::microseconds proxy_age{0};
+  Staleness staleness{Staleness::kUnknown};
+  double gain{0.0};
+  Transport transport{Transport::kUnknown};
+  State state{State::kUnknown};
+  std::uint32_t faults{0}, limiters{0};
+  unsigned projection{0};
+  double condition{0.0};
+  std::uint32_t lease_epoch{0};
+  Mode mode{Mode::kFree};
+  /// This machine's steady clock when the state arrived.
+  std::chrono::steady_clock::time_point received{};
+};
+
+struct Event {
+  unsigned kind{0};  ///< number of Event.Kind in session.proto
+  std::string reason{}, message{};
+  State state{State::kUnknown};
+  std::int64_t server_time_ns{0};
+};
+
+/// One state of the proxy in the simulation.
+struct Proxy {
+  Mode mode{Mode::kFree};
+  std::vector<double> position{};  ///< per virtual coordinate; may be empty when free
+  std::uint64_t device_seq_used{0};
+  std::chrono::microseconds valid_for{0};  ///< 0: the scene's limit alone
+
+  [[nodiscard]] static Proxy held(std::vector<double> x) {
+    return {Mode::kHeld, std::move(x), 0, {}};
+  }
+  [[nodiscard]] static Proxy free() { return {}; }
+};
+
+/// Samples since the session opened.
+struct PublishStatistics {
+  std::uint64_t published{0};  ///< calls of publish()
+  std::uint64_t sent{0};       ///< handed to the transport
+  std::uint64_t conflated{0};  ///< replaced by a newer one before they could be sent
+  std::uint64_t accepted{0}, rejected_old{0}, rejected_invalid{0}, backlog{0};  ///< server's word
+  std::string last_rejection{};
+};
+
+}  // namespace haptic::client

@@ -1,0 +1,95 @@
+#include "haptic/client/connection.hpp"
+
+#include <grpcpp/grpcpp.h>
+
+#include "convert.hpp"
+#include "error_mapping.hpp"
+#include "session_impl.hpp"
+#include "watch_impl.hpp"
+
+namespace haptic::client {
+
+class Connection::Impl {
+ public:
+  explicit Impl(const std::string& address) {
+    grpc::ChannelArguments arguments;
+    arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
+    arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 100);
+    arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
+    // Every connection of this library is its own: one that is stuck must not hold up another.
+    arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+    channel = grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+    stub = v1::HapticService::NewStub(channel);
+  }
+
+  static void deadline(grpc::ClientContext& context, std::chrono::milliseconds timeout) {
+    context.set_deadline(std::chrono::system_clock::now() + timeout);
+  }
+
+  std::shared_ptr<grpc::Channel> channel;
+  std::unique_ptr<v1::HapticService::Stub> stub;
+};
+
+namespace {
+constexpr std::chrono::milliseconds kAnswer{5000};
+}
+
+Connection::Connection(const std::string& address) : impl_(std::make_unique<Impl>(address)) {}
+Connection::~Connection() = default;
+
+ServerInfo Connection::server_info(std::chrono::milliseconds timeout) {
+  grpc::ClientContext context;
+  Impl::deadline(context, timeout);
+  v1::GetServerInfoResponse response;
+  check(impl_->stub->GetServerInfo(&context, {}, &response));
+  return to_info(response);
+}
+
+std::vector<DeviceInfo> Connection::devices(std::chrono::milliseconds timeout) {
+  grpc::ClientContext context;
+  Impl::deadline(context, timeout);
+  v1::ListDevicesResponse response;
+  check(impl_->stub->ListDevices(&context, {}, &response));
+  std::vector<DeviceInfo> devices;
+  for (const v1::Device& device : response.devices()) devices.push_back(to_info(device));
+  return devices;
+}
+
+std::unique_ptr<Session> Connection::open(SessionOptions options) {
+  auto session = std::make_unique<Session::Impl>(impl_->channel, std::move(options));
+  session->open();
+  return std::unique_ptr<Session>(new Session(std::move(session)));
+}
+
+std::unique_ptr<Watch> Connection::watch(const std::string& device, double rate_hz,
+                                         std::function<void(const DeviceState&)> on_state,
+                                         std::function<void(const Event&)> on_event) {
+  return std::unique_ptr<Watch>(new Watch(std::make_unique<Watch::Impl>(
+      impl_->channel, device, rate_hz, std::move(on_state), std::move(on_event))));
+}
+
+std::vector<std::string> Connection::emergency_stop(const std::string& device,
+                                                    const std::string& reason) {
+  grpc::ClientContext context;
+  Impl::deadline(context, kAnswer);
+  v1::EmergencyStopRequest request;
+  request.set_device(device);
+  request.set_reason(reason);
+  v1::EmergencyStopResponse response;
+  check(impl_->stub->EmergencyStop(&context, request, &response));
+  return {response.stopped().begin(), response.stopped().end()};
+}
+
+std::vector<std::uint32_t> Connection::clear_fault(const std::string& device,
+                                                   const std::vector<std::uint32_t>& faults) {
+  grpc::ClientContext context;
+  Impl::deadline(context, kAnswer);
+  v1::ClearFaultRequest request;
+  request.set_device(device);
+  request.mutable_fault_ids()->Add(faults.begin(), faults.end());
+  v1::ClearFaultResponse response;
+  check(impl_->stub->ClearFault(&context, request, &response));
+  return {response.cleared().begin(), response.cleared().end()};
+}
+
+}  // namespace haptic::client

@@ -1,0 +1,102 @@
+#include "convert.hpp"
+
+namespace haptic::client {
+
+namespace {
+
+std::vector<double> list(const google::protobuf::RepeatedField<double>& field) {
+  return {field.begin(), field.end()};
+}
+
+}  // namespace
+
+std::chrono::nanoseconds to_duration(const google::protobuf::Duration& message) {
+  return std::chrono::seconds(message.seconds()) + std::chrono::nanoseconds(message.nanos());
+}
+
+void set_duration(std::chrono::nanoseconds value, google::protobuf::Duration& message) {
+  message.set_seconds(value.count() / 1'000'000'000);
+  message.set_nanos(static_cast<int>(value.count() % 1'000'000'000));
+}
+
+DeviceState to_state(const v1::DeviceState& m) {
+  DeviceState s;
+  s.seq = m.seq();
+  s.server_time_ns = m.server_time_ns();
+  s.q = list(m.q());
+  s.q_dot = list(m.q_dot());
+  s.x_probe = list(m.x_probe());
+  s.x = list(m.x());
+  s.q_star = list(m.q_star());
+  s.tau_a = list(m.tau_a());
+  s.tau_elastic = list(m.tau_elastic());
+  s.stiffness_in_effect = list(m.stiffness_in_effect());
+  s.proxy_seq_used = m.proxy_seq_used();
+  s.proxy_age = std::chrono::microseconds(m.proxy_age_us());
+  s.staleness = static_cast<Staleness>(m.staleness());
+  s.gain = m.gain();
+  s.transport = static_cast<Transport>(m.transport());
+  s.state = static_cast<State>(m.state());
+  s.faults = m.faults();
+  s.limiters = m.limiters();
+  s.projection = static_cast<unsigned>(m.projection());
+  s.condition = m.condition();
+  s.lease_epoch = m.lease_epoch();
+  s.mode = m.mode() == v1::PROXY_MODE_HELD ? Mode::kHeld : Mode::kFree;
+  s.received = std::chrono::steady_clock::now();
+  return s;
+}
+
+Event to_event(const v1::Event& m) {
+  return {static_cast<unsigned>(m.kind()), m.reason(), m.message(), static_cast<State>(m.state()),
+          m.server_time_ns()};
+}
+
+DeviceInfo to_info(const v1::Device& m) {
+  DeviceInfo d;
+  d.name = m.name();
+  d.kind = m.kind();
+  d.model = m.model();
+  d.serial = m.serial();
+  d.moves = m.moves();
+  for (const auto& dof : m.dofs()) {
+    d.dofs.push_back(
+        {dof.name(), dof.unit(), dof.actuated(), dof.lower(), dof.upper(), dof.max_effort()});
+  }
+  for (const auto& c : m.coordinates()) d.coordinates.push_back({c.name(), c.unit(), c.kind()});
+  d.stiffness_limit = list(m.stiffness_limit());
+  d.damping_limit = list(m.damping_limit());
+  d.force_limit = list(m.force_limit());
+  d.slew_limit = list(m.slew_limit());
+  d.engage_window = list(m.engage_window());
+  d.loop_rate_hz = m.loop_rate_hz();
+  d.state = static_cast<State>(m.state());
+  d.faults = m.faults();
+  d.controller = m.controller();
+  d.renderer = static_cast<Renderer>(m.renderer());
+  d.observers = m.observers();
+  return d;
+}
+
+ServerInfo to_info(const v1::GetServerInfoResponse& m) {
+  ServerInfo s;
+  s.version = m.version();
+  s.protocol = m.protocol();
+  s.scene = m.scene();
+  s.realtime_grade = m.realtime().grade();
+  s.realtime_explanation = m.realtime().explanation();
+  s.insecure.assign(m.insecure().begin(), m.insecure().end());
+  s.ticks = m.loop().ticks();
+  s.skipped_ticks = m.loop().skipped();
+  s.records_dropped = m.loop().records_dropped();
+  s.lateness_p50_us = m.loop().lateness_p50_us();
+  s.lateness_p99_us = m.loop().lateness_p99_us();
+  s.lateness_max_us = m.loop().lateness_max_us();
+  s.tick_p50_us = m.loop().tick_p50_us();
+  s.tick_p99_us = m.loop().tick_p99_us();
+  s.sessions = m.sessions();
+  s.uptime = to_duration(m.uptime());
+  return s;
+}
+
+}  // namespace haptic::client

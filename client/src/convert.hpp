@@ -1,0 +1,17 @@
+#pragma once
+/// Messages -> the library's types.
+
+#include "haptic/client/types.hpp"
+#include "haptic/v1/haptic_service.pb.h"
+#include "haptic/v1/session.pb.h"
+
+namespace haptic::client {
+
+[[nodiscard]] DeviceState to_state(const v1::DeviceState& message);
+[[nodiscard]] Event to_event(const v1::Event& message);
+[[nodiscard]] DeviceInfo to_info(const v1::Device& message);
+[[nodiscard]] ServerInfo to_info(const v1::GetServerInfoResponse& message);
+[[nodiscard]] std::chrono::nanoseconds to_duration(const google::protobuf::Duration& message);
+void set_duration(std::chrono::nanoseconds value, google::protobuf::Duration& message);
+
+}  // namespace haptic::client

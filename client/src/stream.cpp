@@ -1,0 +1,87 @@
+#include "stream.hpp"
+
+namespace haptic::client {
+
+Stream::Stream(v1::HapticService::Stub& stub, StreamSink& sink) : stub_(stub), sink_(sink) {}
+
+Stream::~Stream() {
+  cancel();
+  wait_done();
+}
+
+void Stream::start(const v1::OpenSession& open) {
+  const std::lock_guard lock(mutex_);
+  *outgoing_.mutable_open() = open;
+  stub_.async()->Session(&context_, this);
+  AddHold();
+  started_ = held_ = writing_ = true;
+  StartWrite(&outgoing_);
+  StartRead(&incoming_);
+  StartCall();
+}
+
+bool Stream::send(const v1::ProxySample& sample) {
+  const std::lock_guard lock(mutex_);
+  if (!started_ || broken_) return false;
+  const bool replaced = pending_.has_value();
+  pending_ = sample;
+  if (!writing_) write_locked();
+  return replaced;
+}
+
+void Stream::write_locked() {
+  *outgoing_.mutable_proxy() = std::move(*pending_);
+  pending_.reset();
+  writing_ = true;
+  StartWrite(&outgoing_);
+}
+
+void Stream::OnWriteDone(bool ok) {
+  bool was_sample = false;
+  {
+    const std::lock_guard lock(mutex_);
+    writing_ = false;
+    was_sample = outgoing_.has_proxy();
+    if (!ok) {
+      broken_ = true;
+    } else if (pending_ && !broken_) {
+      write_locked();
+    }
+  }
+  if (ok && was_sample) sink_.on_sent();
+}
+
+void Stream::OnReadDone(bool ok) {
+  if (!ok) {
+    const std::lock_guard lock(mutex_);
+    broken_ = true;
+    if (std::exchange(held_, false)) RemoveHold();
+    return;
+  }
+  sink_.on_message(incoming_);
+  const std::lock_guard lock(mutex_);
+  if (broken_ && !held_) return;
+  StartRead(&incoming_);
+}
+
+void Stream::cancel() {
+  const std::lock_guard lock(mutex_);
+  if (!started_) return;
+  broken_ = true;
+  context_.TryCancel();
+  // The pending read now fails and gives the hold back.
+}
+
+void Stream::OnDone(const grpc::Status& status) {
+  sink_.on_done(status);
+  const std::lock_guard lock(mutex_);
+  done_ = true;
+  changed_.notify_all();
+}
+
+void Stream::wait_done() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return done_ || !started_; });
+}
+
+}  // namespace haptic::client

@@ -1,0 +1,61 @@
+#pragma once
+/// One Session stream on gRPC's callback API, from open to done. It owns gRPC's rule of one
+/// outstanding write: send() keeps only the newest sample that could not be written yet.
+
+#include <grpcpp/grpcpp.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+
+#include "haptic/v1/haptic_service.grpc.pb.h"
+
+namespace haptic::client {
+
+/// Where a stream's messages go. Called on gRPC's threads, one at a time; must not block.
+class StreamSink {
+ public:
+  virtual ~StreamSink() = default;
+  virtual void on_message(const v1::SessionResponse& message) = 0;
+  virtual void on_sent() = 0;  ///< one sample left for the transport
+  virtual void on_done(const grpc::Status& status) = 0;
+};
+
+class Stream final : public grpc::ClientBidiReactor<v1::SessionRequest, v1::SessionResponse> {
+ public:
+  /// `stub` and `sink` must outlive the stream.
+  Stream(v1::HapticService::Stub& stub, StreamSink& sink);
+  ~Stream() override;
+
+  void start(const v1::OpenSession& open);
+  /// Any thread; never waits for the network. True: it took the place of one that had not been sent.
+  bool send(const v1::ProxySample& sample);
+  /// Ends the stream at once; wait_done() returns soon after. Idempotent.
+  void cancel();
+  /// Until gRPC is through with this object.
+  void wait_done();
+
+ private:
+  void OnReadDone(bool ok) override;
+  void OnWriteDone(bool ok) override;
+  void OnDone(const grpc::Status& status) override;
+  void write_locked();
+
+  v1::HapticService::Stub& stub_;
+  StreamSink& sink_;
+  grpc::ClientContext context_;
+  /// Recursive: gRPC may call back from inside StartWrite on the same thread.
+  std::recursive_mutex mutex_;
+  std::condition_variable_any changed_;
+  v1::SessionRequest outgoing_;
+  v1::SessionResponse incoming_;
+  std::optional<v1::ProxySample> pending_;
+  bool started_{false};
+  bool writing_{false};
+  bool broken_{false};  ///< no further operation may be started
+  bool held_{false};    ///< our hold on the call, which keeps send() legal
+  bool done_{false};
+};
+
+}  // namespace haptic::client

@@ -1,0 +1,145 @@
+/// Publishing: newest wins, numbers rise, the server's word reaches the statistics.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "haptic/client/client.hpp"
+#include "tests/client/support/fake_server.hpp"
+
+namespace haptic::test {
+namespace {
+
+using client::Connection;
+using client::Proxy;
+
+/// Seq strictly rises; true also for none.
+bool rising(const std::vector<v1::ProxySample>& samples) {
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    if (samples[i].seq() <= samples[i - 1].seq()) return false;
+  }
+  return true;
+}
+
+TEST(Publish, CarriesWhatWasGiven) {
+  FakeServer server;
+  const auto session = Connection(server.address()).open({});
+  Proxy proxy = Proxy::held({0.25, -1.5});
+  proxy.valid_for = std::chrono::microseconds(12345);
+  proxy.device_seq_used = 77;
+  session->publish(proxy);
+  ASSERT_TRUE(server.until([&] { return !server.samples().empty(); }));
+  const v1::ProxySample sample = server.samples().front();
+  EXPECT_EQ(sample.mode(), v1::PROXY_MODE_HELD);
+  ASSERT_EQ(sample.position_size(), 2);
+  EXPECT_EQ(sample.position(0), 0.25);
+  EXPECT_EQ(sample.position(1), -1.5);
+  EXPECT_EQ(sample.valid_for_us(), 12345U);
+  EXPECT_EQ(sample.device_seq_used(), 77U);
+  EXPECT_GE(sample.seq(), 1U);
+  EXPECT_EQ(sample.velocity_size(), 0);
+}
+
+TEST(Publish, TheSourceTimeIsThisMachinesSteadyClock) {
+  FakeServer server;
+  const auto session = Connection(server.address()).open({});
+  const auto before = std::chrono::steady_clock::now().time_since_epoch();
+  session->publish(Proxy::free());
+  const auto after = std::chrono::steady_clock::now().time_since_epoch();
+  ASSERT_TRUE(server.until([&] { return !server.samples().empty(); }));
+  const std::chrono::nanoseconds source(server.samples().front().source_time_ns());
+  EXPECT_GE(source, before);
+  EXPECT_LE(source, after);
+}
+
+TEST(Publish, TheModeEpochRisesWithEveryChangeOfModeAndOnlyThen) {
+  FakeServer server;
+  const auto session = Connection(server.address()).open({});
+  const Proxy script[] = {Proxy::free(), Proxy::free(), Proxy::held({1.0}), Proxy::held({2.0}),
+                          Proxy::free()};
+  std::size_t sent = 0;
+  for (const Proxy& proxy : script) {  // one at a time, so that none is replaced
+    session->publish(proxy);
+    ++sent;
+    ASSERT_TRUE(server.until([&] { return server.samples().size() == sent; }));
+  }
+  const auto samples = server.samples();
+  EXPECT_EQ(samples[1].mode_epoch(), samples[0].mode_epoch());
+  EXPECT_GT(samples[2].mode_epoch(), samples[1].mode_epoch());
+  EXPECT_EQ(samples[3].mode_epoch(), samples[2].mode_epoch());
+  EXPECT_GT(samples[4].mode_epoch(), samples[3].mode_epoch());
+}
+
+TEST(Publish, TheNewestWinsWhereTheServerDoesNotRead) {
+  FakeServer server;
+  server.read_samples(false);
+  const auto session = Connection(server.address()).open({});
+  // 16 KiB each: 64 MiB in all, far more than flow control and sockets take in.
+  constexpr std::uint64_t kSamples = 4096;
+  for (std::uint64_t i = 1; i <= kSamples; ++i) {
+    session->publish(Proxy::held(std::vector<double>(2048, static_cast<double>(i))));
+  }
+  server.read_samples(true);
+  ASSERT_TRUE(server.until([&] {
+    const auto samples = server.samples();
+    return !samples.empty() && samples.back().position(0) == static_cast<double>(kSamples);
+  })) << "the newest sample never arrived";
+  const auto samples = server.samples();
+  EXPECT_TRUE(rising(samples));
+  EXPECT_LT(samples.size(), kSamples);
+  EXPECT_TRUE(server.until([&] { return session->statistics().sent == samples.size(); }));
+  const auto statistics = session->statistics();
+  EXPECT_EQ(statistics.published, kSamples);
+  EXPECT_EQ(statistics.sent + statistics.conflated, kSamples) << "every sample has one fate";
+}
+
+TEST(Publish, NumbersRiseOnTheWireWhicheverThreadPublishes) {
+  FakeServer server;
+  const auto session = Connection(server.address()).open({});
+  constexpr int kThreads = 4, kEach = 2000;
+  std::vector<std::thread> threads;
+  for (int t = 0; t < kThreads; ++t) {
+    threads.emplace_back([&] {
+      for (int i = 0; i < kEach; ++i) session->publish(Proxy::held({static_cast<double>(i)}));
+    });
+  }
+  for (auto& thread : threads) thread.join();
+  ASSERT_TRUE(server.until([&] {
+    const auto s = session->statistics();
+    return s.sent + s.conflated == kThreads * kEach && server.samples().size() == s.sent;
+  }));
+  EXPECT_TRUE(rising(server.samples()));
+}
+
+TEST(Publish, TheServersCountsReachTheStatistics) {
+  FakeServer server;
+  const auto session = Connection(server.address()).open({});
+  v1::SessionResponse message;
+  v1::SampleAck& ack = *message.mutable_ack();
+  ack.set_accepted(11);
+  ack.set_rejected_old(2);
+  ack.set_rejected_invalid(3);
+  ack.set_conflated_backlog(5);
+  ack.set_last_rejection("position[0] = nan: must be finite");
+  server.send(message);
+  ASSERT_TRUE(server.until([&] { return session->statistics().accepted == 11; }));
+  const auto statistics = session->statistics();
+  EXPECT_EQ(statistics.rejected_old, 2U);
+  EXPECT_EQ(statistics.rejected_invalid, 3U);
+  EXPECT_EQ(statistics.backlog, 5U);
+  EXPECT_EQ(statistics.last_rejection, "position[0] = nan: must be finite");
+}
+
+TEST(Publish, NamesTheNewestStateItCouldHaveUsed) {
+  FakeServer server;
+  const auto session = Connection(server.address()).open({});
+  server.send_state(41);
+  ASSERT_EQ(session->wait_for_state().seq, 41U);
+  session->publish(Proxy::free());
+  ASSERT_TRUE(server.until([&] { return !server.samples().empty(); }));
+  EXPECT_EQ(server.samples().front().device_seq_used(), 41U);
+}
+
+}  // namespace
+}  // namespace haptic::test

@@ -1,0 +1,216 @@
+/// A session from opening to its end: errors by reason, states, ends that never hang.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <stdexcept>
+
+#include "haptic/client/client.hpp"
+#include "tests/client/support/fake_server.hpp"
+
+namespace haptic::test {
+namespace {
+
+using client::ClientError;
+using client::Connection;
+using client::ErrorReason;
+using std::chrono::milliseconds;
+
+/// Runs `action` and returns the ClientError it throws; fails the test where it throws none.
+template <typename Action>
+ClientError error_of(Action action) {
+  try {
+    action();
+  } catch (const ClientError& error) {
+    return error;
+  }
+  ADD_FAILURE() << "no ClientError";
+  return {ErrorReason::kProtocol, "none"};
+}
+
+struct Mapping {
+  grpc::StatusCode code;
+  const char* server_reason;
+  ErrorReason reason;
+};
+
+class ErrorMapping : public testing::TestWithParam<Mapping> {};
+
+TEST_P(ErrorMapping, ARefusedOpeningSaysWhyByReason) {
+  FakeServer server;
+  server.refuse_opening(refusal(GetParam().code, GetParam().server_reason, "held by \"other\""));
+  Connection connection(server.address());
+  const ClientError error = error_of([&] { static_cast<void>(connection.open({})); });
+  EXPECT_EQ(error.reason(), GetParam().reason);
+  EXPECT_EQ(error.server_reason(), GetParam().server_reason);
+  EXPECT_STREQ(error.what(), "held by \"other\"");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    ByCode, ErrorMapping,
+    testing::Values(
+        Mapping{grpc::StatusCode::UNAVAILABLE, "CLOSING", ErrorReason::kUnreachable},
+        Mapping{grpc::StatusCode::DEADLINE_EXCEEDED, "NO_ANSWER", ErrorReason::kTimeout},
+        Mapping{grpc::StatusCode::NOT_FOUND, "NO_SUCH_DEVICE", ErrorReason::kNoSuchDevice},
+        Mapping{grpc::StatusCode::ALREADY_EXISTS, "LEASE_HELD", ErrorReason::kLeaseHeld},
+        Mapping{grpc::StatusCode::INVALID_ARGUMENT, "INVALID_ARGUMENT",
+                ErrorReason::kInvalidArgument},
+        Mapping{grpc::StatusCode::FAILED_PRECONDITION, "NOT_ARMED", ErrorReason::kNotReady},
+        Mapping{grpc::StatusCode::PERMISSION_DENIED, "NOT_CONTROLLER",
+                ErrorReason::kPermissionDenied},
+        Mapping{grpc::StatusCode::UNIMPLEMENTED, "", ErrorReason::kProtocol}));
+
+TEST(Session, OpensWithWhatWasAskedFor) {
+  FakeServer server;
+  client::SessionOptions options;
+  options.device = "finger";
+  options.client_name = "a test";
+  options.nominal_rate_hz = 90.0;
+  options.state_rate_hz = 30.0;
+  options.hold_end = milliseconds(1050);
+  const auto session = Connection(server.address()).open(options);
+  ASSERT_EQ(server.openings().size(), 1U);
+  const v1::OpenSession open = server.openings().front();
+  EXPECT_EQ(open.device(), "finger");
+  EXPECT_EQ(open.role(), v1::ROLE_CONTROLLER);
+  EXPECT_EQ(open.client_name(), "a test");
+  EXPECT_EQ(open.nominal_rate_hz(), 90.0);
+  EXPECT_EQ(open.state_rate_hz(), 30.0);
+  EXPECT_FALSE(open.has_fresh_end());
+  ASSERT_TRUE(open.has_hold_end());
+  EXPECT_EQ(open.hold_end().seconds(), 1);
+  EXPECT_EQ(open.hold_end().nanos(), 50'000'000);
+  EXPECT_TRUE(session->connected());
+  EXPECT_EQ(session->lease_epoch(), 1U);
+  EXPECT_EQ(session->device().name, "finger");
+  EXPECT_EQ(session->device().dofs.at(0).unit, "m");
+}
+
+TEST(Session, NoServerIsUnreachable) {
+  FakeServer server;
+  server.die();
+  Connection connection(server.address());
+  EXPECT_EQ(error_of([&] { static_cast<void>(connection.open({})); }).reason(),
+            ErrorReason::kUnreachable);
+  EXPECT_EQ(error_of([&] { static_cast<void>(connection.devices()); }).reason(),
+            ErrorReason::kUnreachable);
+}
+
+TEST(Session, AServerThatSaysNothingIsATimeout) {
+  FakeServer server;
+  server.answer_opening(false);
+  Connection connection(server.address());
+  client::SessionOptions options;
+  options.timeout = milliseconds(50);
+  EXPECT_EQ(error_of([&] { static_cast<void>(connection.open(options)); }).reason(),
+            ErrorReason::kTimeout);
+}
+
+TEST(Session, WaitingReturnsEachStateOnceAndThenTimesOut) {
+  FakeServer server;
+  client::SessionOptions options;
+  options.timeout = milliseconds(50);
+  const auto session = Connection(server.address()).open(options);
+  EXPECT_EQ(session->state().seq, 0U);
+  server.send_state(7);
+  EXPECT_EQ(session->wait_for_state().seq, 7U);
+  EXPECT_EQ(session->state().seq, 7U);
+  EXPECT_EQ(error_of([&] { static_cast<void>(session->wait_for_state()); }).reason(),
+            ErrorReason::kTimeout);
+}
+
+TEST(Session, EndsWhileTheServerHangs) {
+  FakeServer server;
+  server.read_samples(false);
+  auto session = Connection(server.address()).open({});
+  for (int i = 0; i < 1000; ++i) session->publish(client::Proxy::held(std::vector(2048, 1.0)));
+  session.reset();  // a hang is ended by the test's own time limit
+}
+
+TEST(Session, EndsWhileItWaitsToReconnectToAServerThatSaysNothing) {
+  FakeServer server;
+  client::SessionOptions options;
+  options.reconnect = client::Reconnect::kWithBackoff;
+  options.timeout = std::chrono::hours(1);  // whatever waits for an answer waits for ever
+  auto session = Connection(server.address()).open(options);
+  server.answer_opening(false);
+  server.end_session({grpc::StatusCode::UNAVAILABLE, "gone"});
+  ASSERT_TRUE(server.until([&] { return server.openings().size() == 2; }));
+  session.reset();
+}
+
+TEST(Session, AThrowingCallbackHarmsNobody) {
+  FakeServer server;
+  std::atomic<int> states{0}, events{0};
+  client::SessionOptions options;
+  options.on_state = [&](const client::DeviceState&) {
+    ++states;
+    throw std::runtime_error("the user's");
+  };
+  options.on_event = [&](const client::Event&) {
+    ++events;
+    throw 5;
+  };
+  const auto session = Connection(server.address()).open(options);
+  for (int i = 1; i <= 3; ++i) {
+    server.send_state(static_cast<std::uint64_t>(i));
+    server.send_event(v1::Event::KIND_STATE, "IDLE -> ARMED");
+    ASSERT_TRUE(server.until([&] { return states == i && events == i; }));
+  }
+  EXPECT_TRUE(session->connected());
+}
+
+TEST(Session, ASlowCallbackSeesTheNewestStateAndNeverTwoAtOnce) {
+  FakeServer server;
+  std::atomic<std::uint64_t> newest{0};
+  std::atomic<int> calls{0}, inside{0}, overlaps{0};
+  std::atomic<bool> blocked{true};
+  client::SessionOptions options;
+  options.on_state = [&](const client::DeviceState& state) {
+    if (++inside > 1) ++overlaps;
+    ++calls;
+    static_cast<void>(server.until([&] { return !blocked; }));
+    newest = state.seq;
+    --inside;
+  };
+  const auto session = Connection(server.address()).open(options);
+  server.send_state(1);
+  ASSERT_TRUE(server.until([&] { return calls == 1; }));
+  for (std::uint64_t seq = 2; seq <= 50; ++seq) server.send_state(seq);
+  // The transport is not held up by the callback: the poll sees all of them.
+  ASSERT_TRUE(server.until([&] { return session->state().seq == 50; }));
+  blocked = false;
+  ASSERT_TRUE(server.until([&] { return newest == 50; }));
+  EXPECT_EQ(calls, 2) << "what came meanwhile is conflated to the newest";
+  EXPECT_EQ(overlaps, 0);
+}
+
+TEST(Session, SettingsTravelAndClampsComeBack) {
+  FakeServer server;
+  const auto session = Connection(server.address()).open({});
+  client::Settings settings;
+  settings.stiffness = {900.0};
+  const client::AppliedSettings answer = session->update(settings);
+  const v1::UpdateSettingsRequest heard = server.last_update();
+  EXPECT_EQ(heard.session_id(), "session-1");
+  ASSERT_EQ(heard.stiffness_size(), 1);
+  EXPECT_EQ(heard.stiffness(0), 900.0);
+  EXPECT_EQ(heard.damping_size(), 0);
+  EXPECT_EQ(heard.renderer(), v1::RENDERER_UNSPECIFIED);
+  EXPECT_FALSE(heard.has_direction_guard());
+  ASSERT_EQ(answer.clamped.size(), 1U);
+  EXPECT_EQ(answer.clamped[0].field, "stiffness[0]");
+  EXPECT_EQ(answer.clamped[0].applied, 400.0);
+  EXPECT_EQ(answer.applied.renderer, client::Renderer::kSubspaceLinear);
+}
+
+TEST(Session, ClearingAFaultWhoseCausePersistsIsNotReady) {
+  FakeServer server;
+  Connection connection(server.address());
+  const ClientError error = error_of([&] { connection.clear_fault(); });
+  EXPECT_EQ(error.reason(), ErrorReason::kNotReady);
+  EXPECT_EQ(error.server_reason(), "CAUSE_PERSISTS");
+}
+
+}  // namespace
+}  // namespace haptic::test

@@ -1,0 +1,151 @@
+#include "tests/client/support/fake_server.hpp"
+
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+#include "tests/client/support/fake_streams.hpp"
+
+namespace haptic::test {
+
+grpc::Status refusal(grpc::StatusCode code, const std::string& reason, const std::string& message) {
+  google::rpc::Status status;
+  status.set_code(code);
+  status.set_message(message);
+  google::rpc::ErrorInfo info;
+  info.set_reason(reason);
+  info.set_domain("hapticd");
+  status.add_details()->PackFrom(info);
+  return {code, message, status.SerializeAsString()};
+}
+
+FakeServer::FakeServer() {
+  listen();
+}
+
+FakeServer::~FakeServer() {
+  die();
+}
+
+void FakeServer::listen() {
+  grpc::ServerBuilder builder;
+  int bound = 0;
+  builder.AddListeningPort("127.0.0.1:" + std::to_string(port_), grpc::InsecureServerCredentials(),
+                           &bound);
+  builder.RegisterService(this);
+  server_ = builder.BuildAndStart();
+  if (!server_ || bound == 0) throw std::runtime_error("fake server: cannot listen");
+  port_ = bound;
+}
+
+std::string FakeServer::address() const {
+  return "127.0.0.1:" + std::to_string(port_);
+}
+
+void FakeServer::die() {
+  if (server_) server_->Shutdown(std::chrono::system_clock::now());  // cancels every stream
+  server_.reset();
+}
+
+void FakeServer::revive() {
+  listen();
+}
+
+void FakeServer::refuse_opening(const grpc::Status& status) {
+  const Lock lock(mutex_);
+  refusal_ = status;
+}
+
+void FakeServer::answer_opening(bool answer) {
+  const Lock lock(mutex_);
+  answer_opening_ = answer;
+}
+
+void FakeServer::read_samples(bool read) {
+  const Lock lock(mutex_);
+  if (read && !read_ && session_ != nullptr) session_->read_on();
+  read_ = read;
+}
+
+void FakeServer::answer_engage(const grpc::Status& status) {
+  const Lock lock(mutex_);
+  engage_answers_.push_back(status);
+}
+
+std::size_t FakeServer::engage_answers_left() const {
+  const Lock lock(mutex_);
+  return engage_answers_.size();
+}
+
+void FakeServer::send(const v1::SessionResponse& message) {
+  const Lock lock(mutex_);
+  if (session_ == nullptr) throw std::logic_error("fake server: no session to send on");
+  session_->send(message);
+}
+
+void FakeServer::send_state(std::uint64_t seq, v1::DeviceStateName state) {
+  v1::SessionResponse message;
+  message.mutable_state()->set_seq(seq);
+  message.mutable_state()->set_state(state);
+  message.mutable_state()->add_x_probe(static_cast<double>(seq));
+  send(message);
+}
+
+void FakeServer::send_event(v1::Event::Kind kind, const std::string& reason) {
+  v1::SessionResponse message;
+  message.mutable_event()->set_kind(kind);
+  message.mutable_event()->set_reason(reason);
+  send(message);
+}
+
+void FakeServer::end_session(const grpc::Status& status) {
+  const Lock lock(mutex_);
+  if (session_ == nullptr) throw std::logic_error("fake server: no session to end");
+  session_->end(status);
+}
+
+void FakeServer::send_watch(const v1::WatchResponse& message) {
+  const Lock lock(mutex_);
+  if (watch_ == nullptr) throw std::logic_error("fake server: no watch to send on");
+  watch_->send(message);
+}
+
+void FakeServer::end_watch(const grpc::Status& status) {
+  const Lock lock(mutex_);
+  if (watch_ == nullptr) throw std::logic_error("fake server: no watch to end");
+  watch_->end(status);
+}
+
+std::vector<v1::ProxySample> FakeServer::samples() const {
+  const Lock lock(mutex_);
+  return samples_;
+}
+
+std::vector<v1::OpenSession> FakeServer::openings() const {
+  const Lock lock(mutex_);
+  return openings_;
+}
+
+std::size_t FakeServer::engages() const {
+  const Lock lock(mutex_);
+  return engages_;
+}
+
+std::size_t FakeServer::releases() const {
+  const Lock lock(mutex_);
+  return releases_;
+}
+
+v1::UpdateSettingsRequest FakeServer::last_update() const {
+  const Lock lock(mutex_);
+  return last_update_;
+}
+
+v1::WatchRequest FakeServer::last_watch() const {
+  const Lock lock(mutex_);
+  return last_watch_;
+}
+
+}  // namespace haptic::test

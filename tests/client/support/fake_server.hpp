@@ -1,0 +1,104 @@
+#pragma once
+/// A scripted peer on a real loopback socket: says what the test tells it to, remembers what it
+/// heard.
+
+#include <grpcpp/grpcpp.h>
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "haptic/v1/haptic_service.grpc.pb.h"
+
+namespace haptic::test {
+
+/// A status as hapticd packs it: google.rpc.Status with an ErrorInfo in the details.
+[[nodiscard]] grpc::Status refusal(grpc::StatusCode code, const std::string& reason,
+                                   const std::string& message);
+
+class FakeServer final
+    : public v1::HapticService::WithCallbackMethod_Session<
+          v1::HapticService::WithCallbackMethod_Watch<v1::HapticService::Service>> {
+ public:
+  FakeServer();
+  ~FakeServer() override;
+
+  [[nodiscard]] std::string address() const;
+
+  // The script; to be set before it is needed.
+  void refuse_opening(const grpc::Status& status);  ///< the next OpenSession only
+  void answer_opening(bool answer);                 ///< false: hears OpenSession and says nothing
+  void read_samples(bool read);                     ///< false: leaves them in the socket
+  void answer_engage(const grpc::Status& status);   ///< queued; OK where the queue is empty
+  [[nodiscard]] std::size_t engage_answers_left() const;
+
+  // Down the newest open session.
+  void send_state(std::uint64_t seq, v1::DeviceStateName state = v1::DEVICE_STATE_NAME_ARMED);
+  void send_event(v1::Event::Kind kind, const std::string& reason);
+  void send(const v1::SessionResponse& message);
+  void end_session(const grpc::Status& status);
+  /// Down every Watch.
+  void send_watch(const v1::WatchResponse& message);
+  void end_watch(const grpc::Status& status);
+
+  /// The process dies: sockets close, sessions end. revive() listens on the same port again.
+  void die();
+  void revive();
+
+  // What was heard. All counts since construction.
+  [[nodiscard]] std::vector<v1::ProxySample> samples() const;
+  [[nodiscard]] std::vector<v1::OpenSession> openings() const;
+  [[nodiscard]] std::size_t engages() const;
+  [[nodiscard]] std::size_t releases() const;
+  [[nodiscard]] v1::UpdateSettingsRequest last_update() const;
+  [[nodiscard]] v1::WatchRequest last_watch() const;
+
+  /// Until `condition` (evaluated without any lock held) or 20 s; false on the latter.
+  [[nodiscard]] bool until(const std::function<bool()>& condition) const;
+
+ private:
+  class SessionReactor;
+  class WatchReactor;
+  using Lock = std::unique_lock<std::recursive_mutex>;
+  grpc::ServerBidiReactor<v1::SessionRequest, v1::SessionResponse>* Session(
+      grpc::CallbackServerContext*) override;
+  grpc::ServerWriteReactor<v1::WatchResponse>* Watch(grpc::CallbackServerContext*,
+                                                     const v1::WatchRequest* request) override;
+  grpc::Status ListDevices(grpc::ServerContext*, const v1::ListDevicesRequest*,
+                           v1::ListDevicesResponse* response) override;
+  grpc::Status GetServerInfo(grpc::ServerContext*, const v1::GetServerInfoRequest*,
+                             v1::GetServerInfoResponse* response) override;
+  grpc::Status Engage(grpc::ServerContext*, const v1::EngageRequest*, v1::EngageResponse*) override;
+  grpc::Status Release(grpc::ServerContext*, const v1::ReleaseRequest*,
+                       v1::ReleaseResponse*) override;
+  grpc::Status UpdateSettings(grpc::ServerContext*, const v1::UpdateSettingsRequest* request,
+                              v1::UpdateSettingsResponse* response) override;
+  grpc::Status ClearFault(grpc::ServerContext*, const v1::ClearFaultRequest*,
+                          v1::ClearFaultResponse*) override;
+  void listen();
+
+  /// Recursive: a test's condition may ask for what a reactor holds.
+  mutable std::recursive_mutex mutex_;
+  mutable std::condition_variable_any changed_;
+  std::unique_ptr<grpc::Server> server_;
+  int port_{0};
+  grpc::Status refusal_;
+  bool answer_opening_{true};
+  bool read_{true};
+  std::deque<grpc::Status> engage_answers_;
+  std::uint32_t epoch_{0};
+  SessionReactor* session_{nullptr};  ///< the newest; null once it ended
+  WatchReactor* watch_{nullptr};
+  std::vector<v1::ProxySample> samples_;
+  std::vector<v1::OpenSession> openings_;
+  std::size_t engages_{0}, releases_{0};
+  v1::UpdateSettingsRequest last_update_;
+  v1::WatchRequest last_watch_;
+};
+
+}  // namespace haptic::test

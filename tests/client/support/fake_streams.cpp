@@ -1,0 +1,138 @@
+#include "tests/client/support/fake_streams.hpp"
+
+#include <chrono>
+#include <thread>
+
+namespace haptic::test {
+
+grpc::ServerBidiReactor<v1::SessionRequest, v1::SessionResponse>* FakeServer::Session(
+    grpc::CallbackServerContext* /*context*/) {
+  return new SessionReactor(*this);  // OnDone deletes it
+}
+
+grpc::ServerWriteReactor<v1::WatchResponse>* FakeServer::Watch(
+    grpc::CallbackServerContext* /*context*/, const v1::WatchRequest* request) {
+  const Lock lock(mutex_);
+  last_watch_ = *request;
+  return watch_ = new WatchReactor(*this);  // OnDone deletes it
+}
+
+void FakeServer::SessionReactor::OnReadDone(bool ok) {
+  const Lock lock(server_.mutex_);
+  if (!ok) {  // the client half-closed or is gone
+    end(grpc::Status::OK);
+    return;
+  }
+  if (request_.has_open()) open();
+  if (request_.has_proxy()) server_.samples_.push_back(request_.proxy());
+  paused_ = !server_.read_;
+  if (!paused_) StartRead(&request_);
+}
+
+void FakeServer::SessionReactor::open() {
+  server_.openings_.push_back(request_.open());
+  if (!server_.refusal_.ok()) {
+    end(std::exchange(server_.refusal_, grpc::Status::OK));
+    return;
+  }
+  if (!server_.answer_opening_) return;
+  server_.session_ = this;
+  v1::SessionResponse message;
+  v1::SessionOpened& opened = *message.mutable_opened();
+  opened.set_device("finger");
+  opened.set_role(request_.open().role());
+  opened.set_lease_epoch(++server_.epoch_);
+  opened.set_session_id("session-" + std::to_string(server_.epoch_));
+  send(message);
+}
+
+void FakeServer::SessionReactor::OnDone() {
+  {
+    const Lock lock(server_.mutex_);
+    if (server_.session_ == this) server_.session_ = nullptr;
+  }
+  delete this;
+}
+
+void FakeServer::WatchReactor::OnDone() {
+  {
+    const Lock lock(server_.mutex_);
+    if (server_.watch_ == this) server_.watch_ = nullptr;
+  }
+  delete this;
+}
+
+grpc::Status FakeServer::ListDevices(grpc::ServerContext* /*context*/,
+                                     const v1::ListDevicesRequest* /*request*/,
+                                     v1::ListDevicesResponse* response) {
+  v1::Device& device = *response->add_devices();
+  device.set_name("finger");
+  v1::DegreeOfFreedom& dof = *device.add_dofs();
+  dof.set_name("l_x");
+  dof.set_unit("m");
+  dof.set_actuated(true);
+  dof.set_upper(0.05);
+  return grpc::Status::OK;
+}
+
+grpc::Status FakeServer::GetServerInfo(grpc::ServerContext* /*context*/,
+                                       const v1::GetServerInfoRequest* /*request*/,
+                                       v1::GetServerInfoResponse* response) {
+  response->set_version("1.2.3");
+  response->set_protocol("haptic.v1");
+  response->mutable_uptime()->set_seconds(3);
+  response->mutable_uptime()->set_nanos(500'000'000);
+  return grpc::Status::OK;
+}
+
+grpc::Status FakeServer::Engage(grpc::ServerContext* /*context*/,
+                                const v1::EngageRequest* /*request*/,
+                                v1::EngageResponse* /*response*/) {
+  const Lock lock(mutex_);
+  ++engages_;
+  if (engage_answers_.empty()) return grpc::Status::OK;
+  const grpc::Status answer = engage_answers_.front();
+  engage_answers_.pop_front();
+  return answer;
+}
+
+grpc::Status FakeServer::Release(grpc::ServerContext* /*context*/,
+                                 const v1::ReleaseRequest* /*request*/,
+                                 v1::ReleaseResponse* /*response*/) {
+  const Lock lock(mutex_);
+  ++releases_;
+  return grpc::Status::OK;
+}
+
+grpc::Status FakeServer::UpdateSettings(grpc::ServerContext* /*context*/,
+                                        const v1::UpdateSettingsRequest* request,
+                                        v1::UpdateSettingsResponse* response) {
+  const Lock lock(mutex_);
+  last_update_ = *request;
+  response->add_stiffness(400.0);
+  response->set_renderer(v1::RENDERER_SUBSPACE_LINEAR);
+  auto& clamp = *response->add_clamped();
+  clamp.set_field("stiffness[0]");
+  clamp.set_asked(900.0);
+  clamp.set_applied(400.0);
+  clamp.set_why("the scene's limit");
+  return grpc::Status::OK;
+}
+
+grpc::Status FakeServer::ClearFault(grpc::ServerContext* /*context*/,
+                                    const v1::ClearFaultRequest* /*request*/,
+                                    v1::ClearFaultResponse* /*response*/) {
+  return refusal(grpc::StatusCode::FAILED_PRECONDITION, "CAUSE_PERSISTS", "DEVICE_LOST persists");
+}
+
+bool FakeServer::until(const std::function<bool()>& condition) const {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::seconds kPatience{20};  // only ever waited for by a test that fails
+  for (const auto end = Clock::now() + kPatience; Clock::now() < end;) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
+
+}  // namespace haptic::test

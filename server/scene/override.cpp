@@ -1,104 +1,126 @@
 #include "server/scene/override.hpp"
 
-#include <google/protobuf/io/tokenizer.h>
-#include <google/protobuf/text_format.h>
+#include <google/protobuf/stubs/strutil.h>
 
 #include <memory>
+#include <vector>
 
 #include "haptic/core/error.hpp"
 #include "server/scene/field_path.hpp"
+#include "server/scene/problems.hpp"
+#include "server/scene/spelling.hpp"
 #include "server/scene/text_format.hpp"
 
 namespace haptic::server {
-
 namespace {
 
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
-using google::protobuf::Reflection;
 
-class FirstError final : public google::protobuf::io::ErrorCollector {
+/// One --set while it is being applied; everything it throws names it.
+class Override {
  public:
-  void AddError(int, int, const std::string& message) override {
-    if (text.empty()) text = message;
+  explicit Override(const std::string& assignment) : assignment_(assignment) {}
+
+  /// The message that `step` leads to, created where it was absent.
+  Message& descend(Message& message, const FieldStep& step) const;
+  void assign(Message& message, const FieldStep& step, const std::string& value) const;
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw core::SceneError("--set " + assignment_ + ": " + why);
   }
-  std::string text{};
+
+ private:
+  const FieldDescriptor& find(const Message& message, const FieldStep& step) const;
+  std::unique_ptr<Message> parsed(const Message& like, const FieldDescriptor& field,
+                                  bool whole_list, const std::string& value) const;
+
+  const std::string& assignment_;
 };
 
-[[noreturn]] void refuse(const std::string& assignment, const std::string& why) {
-  throw core::SceneError("--set " + assignment + ": " + why);
+bool is_message(const FieldDescriptor& field) {
+  return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
 }
 
-const FieldDescriptor& find(const Message& message, const FieldStep& step,
-                            const std::string& assignment) {
-  const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(step.name);
-  if (step.malformed) refuse(assignment, "'" + step.name + "' must be name or name[number]");
+std::string wanted(const FieldDescriptor& field) {
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_MESSAGE:
+      return "a message { field: value ... } with " + fields_of(*field.message_type(), "");
+    case FieldDescriptor::CPPTYPE_STRING:
+      return "text";
+    case FieldDescriptor::CPPTYPE_BOOL:
+      return "true or false";
+    case FieldDescriptor::CPPTYPE_DOUBLE:
+      return "a number";
+    case FieldDescriptor::CPPTYPE_UINT32:
+    case FieldDescriptor::CPPTYPE_UINT64:
+      return "a whole number >= 0";
+    default:
+      return "a whole number";
+  }
+}
+
+const FieldDescriptor& Override::find(const Message& message, const FieldStep& step) const {
+  if (!step.well_formed) refuse("'" + step.text + "': must be name or name[number]");
+  const google::protobuf::Descriptor& type = *message.GetDescriptor();
+  const FieldDescriptor* field = type.FindFieldByName(step.name);
   if (field == nullptr) {
-    refuse(assignment, "no field '" + step.name +
-                           "'; there are: " + fields_of(*message.GetDescriptor(), step.name));
+    refuse("'" + step.name + "': no such field; there are: " + fields_of(type, step.name));
   }
-  if (step.index >= 0 && !field->is_repeated()) {
-    refuse(assignment, "'" + step.name + "' is one value, not a list");
+  if (step.index < 0) return *field;
+  if (!field->is_repeated()) {
+    refuse("'" + step.text + "': " + step.name + " is no list, leave the index out");
   }
-  if (step.index < 0 && field->is_repeated()) {
-    refuse(assignment, "'" + step.name + "' is a list: say which, " + step.name + "[0]");
-  }
-  if (field->is_repeated()) {
-    const int size = message.GetReflection()->FieldSize(message, field);
-    if (step.index > size) {
-      refuse(assignment, step.name + "[" + std::to_string(step.index) + "]: the list has " +
-                             std::to_string(size) + "; [" + std::to_string(size) + "] appends");
-    }
+  const int size = message.GetReflection()->FieldSize(message, field);
+  if (step.index > size) {
+    refuse("'" + step.text + "': the list has " + std::to_string(size) + "; " + step.name + "[" +
+           std::to_string(size) + "] would append");
   }
   return *field;
 }
 
-Message& descend(Message& message, const FieldStep& step, const std::string& assignment) {
-  const FieldDescriptor& field = find(message, step, assignment);
-  if (field.cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) {
-    refuse(assignment, "'" + step.name + "' has no fields of its own");
-  }
-  const Reflection& reflection = *message.GetReflection();
+Message& Override::descend(Message& message, const FieldStep& step) const {
+  const FieldDescriptor& field = find(message, step);
+  if (!is_message(field)) refuse("'" + step.text + "': is a value, it has no fields of its own");
+  const google::protobuf::Reflection& reflection = *message.GetReflection();
   if (!field.is_repeated()) return *reflection.MutableMessage(&message, &field);
-  return step.index == reflection.FieldSize(message, &field)
-             ? *reflection.AddMessage(&message, &field)
-             : *reflection.MutableRepeatedMessage(&message, &field, step.index);
+  if (step.index < 0) {
+    refuse("'" + step.text + "': is a list, say which one: " + step.name + "[0]");
+  }
+  if (step.index == reflection.FieldSize(message, &field)) {
+    return *reflection.AddMessage(&message, &field);
+  }
+  return *reflection.MutableRepeatedMessage(&message, &field, step.index);
 }
 
-/// Parses the value as the field's only one in a message of its own, so that a bad value changes
-/// nothing.
-std::unique_ptr<Message> parsed(const Message& like, const FieldDescriptor& field,
-                                const std::string& value, const std::string& assignment) {
+/// The value as the only field of a message like `like`.
+std::unique_ptr<Message> Override::parsed(const Message& like, const FieldDescriptor& field,
+                                          bool whole_list, const std::string& value) const {
   std::unique_ptr<Message> holder(like.New());
-  const bool bare_string = field.cpp_type() == FieldDescriptor::CPPTYPE_STRING &&
-                           (value.empty() || (value.front() != '"' && value.front() != '\''));
-  if (bare_string) {
-    if (field.is_repeated()) {
-      holder->GetReflection()->AddString(holder.get(), &field, value);
-    } else {
-      holder->GetReflection()->SetString(holder.get(), &field, value);
-    }
-    return holder;
+  const char first = value.empty() ? ' ' : value.front();
+  const bool bare = field.cpp_type() == FieldDescriptor::CPPTYPE_STRING && first != '"' &&
+                    first != '\'' && !(whole_list && first == '[');
+  const std::string text = bare ? '"' + google::protobuf::CEscape(value) + '"' : value;
+  const std::string why = parse_fragment(field.name() + ": " + text, *holder);
+  if (!why.empty()) {
+    refuse(quoted(value) + ": must be " + wanted(field) + (whole_list ? ", or a list" : "") + " (" +
+           why + ")");
   }
-  FirstError error;
-  google::protobuf::TextFormat::Parser parser;
-  parser.RecordErrorsTo(&error);
-  const bool message = field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
-  const std::string text = field.name() + (message ? " " : ": ") + value;
-  if (!parser.ParseFromString(text, holder.get())) {
-    refuse(assignment, "'" + value + "' is not a " +
-                           (message ? "message, as in { field: value }" : field.cpp_type_name()) +
-                           std::string(": ") + error.text);
-  }
+  std::vector<const FieldDescriptor*> found;
+  const google::protobuf::Reflection& reflection = *holder->GetReflection();
+  reflection.ListFields(*holder, &found);
+  const bool others = found.size() > 1 || (found.size() == 1 && found.front() != &field);
+  const bool several =
+      field.is_repeated() && !whole_list && reflection.FieldSize(*holder, &field) != 1;
+  if (others || several) refuse(quoted(value) + ": must be one value, " + wanted(field));
   return holder;
 }
 
-void put(Message& message, const FieldStep& step, const std::string& value,
-         const std::string& assignment) {
-  const FieldDescriptor& field = find(message, step, assignment);
-  const std::unique_ptr<Message> holder = parsed(message, field, value, assignment);
-  const Reflection& reflection = *message.GetReflection();
-  if (!field.is_repeated()) {
+void Override::assign(Message& message, const FieldStep& step, const std::string& value) const {
+  const FieldDescriptor& field = find(message, step);
+  const bool whole_list = field.is_repeated() && step.index < 0;
+  const std::unique_ptr<Message> holder = parsed(message, field, whole_list, value);
+  const google::protobuf::Reflection& reflection = *message.GetReflection();
+  if (!field.is_repeated() || whole_list) {
     reflection.ClearField(&message, &field);
     message.MergeFrom(*holder);
     return;
@@ -113,19 +135,22 @@ void put(Message& message, const FieldStep& step, const std::string& value,
 
 }  // namespace
 
-void apply_override(const std::string& assignment, v1::Scene& scene) {
+std::string apply_override(const std::string& assignment, v1::Scene& scene) {
+  const Override override(assignment);
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0) {
-    refuse(assignment, "must be path=value, as in loop.priority=50");
+    override.refuse("must be path=value, as in loop.priority=50");
   }
-  const std::vector<FieldStep> steps = split_path(assignment.substr(0, equals));
+  const std::string path = assignment.substr(0, equals);
+  const std::vector<FieldStep> steps = split_path(path);
   v1::Scene changed = scene;
   Message* message = &changed;
   for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
-    message = &descend(*message, steps[i], assignment);
+    message = &override.descend(*message, steps[i]);
   }
-  put(*message, steps.back(), assignment.substr(equals + 1), assignment);
+  override.assign(*message, steps.back(), assignment.substr(equals + 1));
   scene = std::move(changed);
+  return path;
 }
 
 }  // namespace haptic::server

@@ -1,58 +1,96 @@
 #include "server/scene/problems.hpp"
 
+#include <google/protobuf/stubs/strutil.h>
+
+#include <algorithm>
 #include <charconv>
 
 #include "haptic/core/error.hpp"
 #include "server/scene/field_path.hpp"
 
 namespace haptic::server {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+
+constexpr std::size_t kLongestQuote = 80;
+
+bool is_message(const FieldDescriptor& field) {
+  return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
+}
+
+/// Line of a field in its message, from 1; 0 where it is not in the file.
+/// protobuf keeps one line for all of `[1, 2, 3]`, so an element without a line
+/// of its own stands on its list's.
+int line_in(const Problems::Tree& tree, const FieldDescriptor& field, int index) {
+  if (!field.is_repeated()) return tree.GetLocation(&field, -1).line + 1;
+  const int own = tree.GetLocation(&field, std::max(index, 0)).line;
+  return (own >= 0 || is_message(field) ? own : tree.GetLocation(&field, 0).line) + 1;
+}
+
+}  // namespace
+
+bool Problems::overridden_at_or_below(const std::string& path) const {
+  return std::any_of(overrides_.begin(), overrides_.end(),
+                     [&](const std::string& set) { return stands_within(set, path); });
+}
+
+/// The field's line, or that of the nearest message around it that stands in
+/// the file.
+std::string Problems::place_of(const std::string& path) const {
+  const bool replaced =
+      std::any_of(overrides_.begin(), overrides_.end(),
+                  [&](const std::string& set) { return stands_within(path, set); });
+  if (replaced) return "--set: ";
+  const google::protobuf::Descriptor* type = &root_;
+  const Tree* tree = &tree_;
+  int line = 0;
+  std::string walked;
+  for (const FieldStep& step : split_path(path)) {
+    walked += (walked.empty() ? "" : ".") + step.text;
+    const FieldDescriptor* field = type->FindFieldByName(step.name);
+    const int own = field == nullptr ? 0 : line_in(*tree, *field, step.index);
+    if (own == 0) {
+      if (overridden_at_or_below(walked)) return "--set: ";
+      break;
+    }
+    line = own;
+    if (!is_message(*field)) break;
+    if (field->is_repeated() && step.index < 0) break;  // the list as a whole: its first element
+    tree = tree->GetTreeForNested(field, step.index);
+    type = field->message_type();
+    if (tree == nullptr) break;
+  }
+  return name_ + (line > 0 ? ":" + std::to_string(line) : "") + ": ";
+}
+
+void Problems::wrong(const std::string& path, const std::string& value, const std::string& rule) {
+  add(place_of(path) + path + " = " + value + ": " + rule);
+}
+
+void Problems::missing(const std::string& path, const std::string& rule) {
+  add(place_of(path) + path + ": is required: " + rule);
+}
+
+void Problems::raise() const {
+  std::string all;
+  for (const std::string& line : lines_) all += (all.empty() ? "" : "\n") + line;
+  if (any()) throw core::SceneError(all);
+}
 
 std::string decimal(double value) {
   char digits[32];
   return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
 }
 
-int Problems::line_of(const std::string& path) const {
-  const google::protobuf::Descriptor* type = &root_;
-  const google::protobuf::TextFormat::ParseInfoTree* tree = &tree_;
-  int line = 0;
-  for (const FieldStep& step : split_path(path)) {
-    const google::protobuf::FieldDescriptor* field =
-        type != nullptr ? type->FindFieldByName(step.name) : nullptr;
-    if (field == nullptr || tree == nullptr) break;
-    // protobuf checks the index of singular fields too: -1 is theirs.
-    const int index = field->is_repeated() ? std::max(step.index, 0) : -1;
-    const auto location = tree->GetLocation(field, index);
-    if (location.line < 0) break;
-    line = location.line + 1;
-    if (field->cpp_type() != google::protobuf::FieldDescriptor::CPPTYPE_MESSAGE) break;
-    tree = tree->GetTreeForNested(field, index);
-    type = field->message_type();
-  }
-  return line;
+std::string decimal_ms(core::Duration duration) {
+  return decimal(static_cast<double>(duration.count()) / 1e6) + " ms";
 }
 
-void Problems::add(const std::string& path, const std::string& value, const std::string& allowed) {
-  const int line = line_of(path);
-  lines_.push_back(name_ + (line > 0 ? ":" + std::to_string(line) : "") + ": " + path + " = " +
-                   value + ": " + allowed);
-}
-
-void Problems::add(const std::string& path, double value, const std::string& allowed) {
-  add(path, decimal(value), allowed);
-}
-
-void Problems::missing(const std::string& path, const std::string& wanted) {
-  const int line = line_of(path);
-  lines_.push_back(name_ + (line > 0 ? ":" + std::to_string(line) : "") + ": " + path +
-                   ": missing; " + wanted);
-}
-
-void Problems::raise() const {
-  if (lines_.empty()) return;
-  std::string all;
-  for (const std::string& line : lines_) all += (all.empty() ? "" : "\n") + line;
-  throw core::SceneError(all);
+std::string quoted(const std::string& text) {
+  const bool long_text = text.size() > kLongestQuote;
+  return '"' + google::protobuf::strings::Utf8SafeCEscape(text.substr(0, kLongestQuote)) +
+         (long_text ? "...\"" : "\"");
 }
 
 }  // namespace haptic::server

@@ -2,6 +2,8 @@
 
 #include <google/protobuf/text_format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -10,99 +12,74 @@
 
 #include "haptic/core/error.hpp"
 #include "haptic/v1/scene.pb.h"
+#include "server/scene/daemon_scene.hpp"
 #include "server/scene/device_scene.hpp"
 #include "server/scene/override.hpp"
+#include "server/scene/passivity_warning.hpp"
 #include "server/scene/problems.hpp"
 #include "server/scene/text_format.hpp"
 
 namespace haptic::server {
-
 namespace {
 
-using std::chrono::milliseconds;
-using std::chrono::seconds;
+constexpr std::size_t kLongestName = 64;
 
-std::string ms(core::Duration d) {
-  return decimal(core::seconds(d) * 1e3) + " ms";
-}
-
-void check_between(core::Duration value, core::Duration lower, core::Duration upper,
-                   const std::string& path, Problems& problems) {
-  if (value < lower || value > upper) {
-    problems.add(path, ms(value), "must be " + ms(lower) + " to " + ms(upper));
-  }
-}
-
-void check_between(std::int64_t value, std::int64_t lower, std::int64_t upper,
-                   const std::string& path, Problems& problems) {
-  if (value < lower || value > upper) {
-    problems.add(path, std::to_string(value),
-                 "must be " + std::to_string(lower) + " to " + std::to_string(upper));
-  }
-}
-
-bool is_address(const std::string& text) {
-  if (text.rfind("unix:", 0) == 0) return text.size() > 5;
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string::npos || colon == 0 || colon + 1 == text.size()) return false;
-  const std::string port = text.substr(colon + 1);
-  if (port.size() > 5 || port.find_first_not_of("0123456789") != std::string::npos) return false;
-  const std::string host = text.substr(0, colon);
-  const bool bracketed = host.front() == '[' && host.back() == ']' && host.size() > 2;
-  return std::stoi(port) <= 65535 && (bracketed || host.find(':') == std::string::npos);
-}
-
-ServerScene read_server(v1::ServerScene& message, Problems& problems) {
-  ServerScene scene;
-  if (message.listen().empty()) message.add_listen(scene.listen.front());
-  scene.listen.assign(message.listen().begin(), message.listen().end());
-  for (std::size_t i = 0; i < scene.listen.size(); ++i) {
-    if (!is_address(scene.listen[i])) {
-      problems.add("server.listen[" + std::to_string(i) + "]", "\"" + scene.listen[i] + "\"",
-                   "must be host:port, [v6]:port (port 0 to 65535) or unix:/path");
+/// Applies every override, so that all that are wrong are named.
+void apply(const std::vector<std::string>& overrides, v1::Scene& message, Problems& problems) {
+  bool refused = false;
+  for (const std::string& assignment : overrides) {
+    try {
+      problems.came_from_command_line(apply_override(assignment, message));
+    } catch (const core::SceneError& error) {
+      problems.add(error.what());
+      refused = true;
     }
   }
-  const bool has_lease = message.has_lease_timeout();
-  scene.lease_timeout =
-      read_duration(*message.mutable_lease_timeout(), has_lease, scene.lease_timeout);
-  check_between(scene.lease_timeout, milliseconds(500), seconds(60), "server.lease_timeout",
-                problems);
-  if (!message.has_max_sessions()) message.set_max_sessions(scene.max_sessions);
-  scene.max_sessions = message.max_sessions();
-  check_between(scene.max_sessions, 1, 256, "server.max_sessions", problems);
-  return scene;
+  if (refused) problems.raise();  // what else is wrong may come of it
 }
 
-LoopScene read_loop(v1::LoopScene& message, Problems& problems) {
-  LoopScene scene;
-  const bool has_period = message.has_period();
-  scene.period = read_duration(*message.mutable_period(), has_period, scene.period);
-  check_between(scene.period, std::chrono::microseconds(500), milliseconds(10), "loop.period",
-                problems);
-  if (message.has_loop_late_fault()) {
-    scene.loop_late_fault = read_duration(*message.mutable_loop_late_fault(), true, {});
-    check_between(*scene.loop_late_fault, 2 * scene.period, seconds(10), "loop.loop_late_fault",
-                  problems);
-  }
-  if (!message.has_late_bucket_full()) message.set_late_bucket_full(scene.late_bucket_full);
-  scene.late_bucket_full = message.late_bucket_full();
-  check_between(scene.late_bucket_full, 10, 1'000'000, "loop.late_bucket_full", problems);
-  if (!message.has_priority()) message.set_priority(scene.priority);
-  scene.priority = message.priority();
-  check_between(scene.priority, 1, 98, "loop.priority", problems);
-  if (message.has_cpu()) {
-    scene.cpu = message.cpu();
-    check_between(message.cpu(), 0, 1023, "loop.cpu", problems);
-  }
-  return scene;
+bool is_one_line(const std::string& text) {
+  return std::none_of(text.begin(), text.end(),
+                      [](unsigned char c) { return std::iscntrl(c) != 0; });
 }
 
-RecordScene read_record(const v1::RecordScene& message, Problems& problems) {
-  const std::filesystem::path file(message.file());
-  if (file.extension() != ".csv") {
-    problems.add("record.file", "\"" + message.file() + "\"", "must be a file named *.csv");
+void read_name(const std::string& name, Problems& problems) {
+  if (name.empty()) {
+    problems.missing("name", "what people call this scene");
+  } else if (name.size() > kLongestName || !is_one_line(name)) {
+    problems.wrong("name", quoted(name),
+                   "must be 1 to " + std::to_string(kLongestName) + " characters on one line");
   }
-  return {file, message.compare_renderers()};
+}
+
+std::vector<DeviceScene> read_devices(v1::Scene& message, const std::filesystem::path& folder,
+                                      Problems& problems) {
+  if (message.device().empty()) problems.missing("device", "at least one");
+  std::vector<DeviceScene> devices;
+  std::set<std::string> names;
+  for (int i = 0; i < message.device_size(); ++i) {
+    const std::string path = "device[" + std::to_string(i) + "]";
+    devices.push_back(read_device(*message.mutable_device(i), path, folder, problems));
+    const std::string& name = devices.back().name;
+    if (!names.insert(name).second) {
+      problems.wrong(path + ".name", quoted(name), "must be another: this one is taken");
+    }
+  }
+  return devices;
+}
+
+/// The message with every default, and a word on what has none.
+std::string printed(const v1::Scene& message) {
+  google::protobuf::TextFormat::Printer printer;
+  printer.SetUseShortRepeatedPrimitives(true);
+  std::string text;
+  printer.PrintToString(message, &text);
+  return "# Every default is filled in. Absent, because decided later: "
+         "loop.loop_late_fault (8 ms "
+         "with\n# real-time scheduling, 20 ms without), staleness.fresh_end "
+         "(2.5 periods of the "
+         "client).\n" +
+         text;
 }
 
 }  // namespace
@@ -110,43 +87,37 @@ RecordScene read_record(const v1::RecordScene& message, Problems& problems) {
 Scene parse_scene(const std::string& text, const std::string& name,
                   const std::filesystem::path& folder, const std::vector<std::string>& overrides) {
   v1::Scene message;
-  google::protobuf::TextFormat::ParseInfoTree tree;
-  parse_text(text, name, message, tree);
-  for (const std::string& assignment : overrides) apply_override(assignment, message);
-
+  Problems::Tree tree;
   Problems problems(name, *v1::Scene::descriptor(), tree);
+  parse_text(text, name, message, tree, problems);
+  apply(overrides, message, problems);
+
   Scene scene;
+  read_name(message.name(), problems);
   scene.name = message.name();
-  if (scene.name.empty()) problems.missing("name", "must be given");
-  if (message.device().empty()) problems.missing("device", "at least one must be given");
-  std::set<std::string> names;
-  for (int i = 0; i < message.device_size(); ++i) {
-    const std::string path = "device[" + std::to_string(i) + "]";
-    scene.devices.push_back(read_device(*message.mutable_device(i), path, folder, problems));
-    if (!names.insert(scene.devices.back().name).second) {
-      problems.add(path + ".name", "\"" + scene.devices.back().name + "\"",
-                   "another device has this name");
-    }
-  }
+  scene.devices = read_devices(message, folder, problems);
   scene.server = read_server(*message.mutable_server(), problems);
   scene.loop = read_loop(*message.mutable_loop(), problems);
-  if (message.has_record()) scene.record = read_record(message.record(), problems);
+  if (message.has_record()) scene.record = read_record(*message.mutable_record(), problems);
   problems.raise();
-  google::protobuf::TextFormat::PrintToString(message, &scene.resolved);
+  scene.resolved = printed(message);
+  scene.warnings = passivity_warnings(scene);
   return scene;
 }
 
 Scene load_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  std::error_code error;
+  const bool regular = std::filesystem::is_regular_file(file, error);
   std::ifstream stream(file);
-  if (!stream || std::filesystem::is_directory(file)) {
-    throw core::SceneError(
-        file.string() + ": " +
-        (std::filesystem::is_directory(file) ? "is a folder" : std::strerror(errno)) +
-        "; must be a scene file that can be read");
+  if (!regular || !stream) {
+    const std::string why = std::filesystem::is_directory(file, error) ? "is a folder"
+                            : errno != 0                               ? std::strerror(errno)
+                                                                       : "is no file";
+    throw core::SceneError(file.string() + ": " + why + "; must be a scene that can be read");
   }
   std::stringstream text;
   text << stream.rdbuf();
-  return parse_scene(text.str(), file.filename().string(), file.parent_path(), overrides);
+  return parse_scene(text.str(), file.string(), file.parent_path(), overrides);
 }
 
 }  // namespace haptic::server

@@ -1,6 +1,6 @@
 #pragma once
-/// The scene as the rest of the server sees it: plain values, defaults filled in, checked. Protobuf
-/// ends here.
+/// The scene as the rest of the server sees it: plain values, defaults filled
+/// in, checked. Protobuf ends here.
 
 #include <filesystem>
 #include <memory>
@@ -18,7 +18,8 @@ struct DeviceScene {
   hw::DeviceConfig source{};
   std::shared_ptr<const core::Kinematics> kinematics{};
   core::RenderSettings settings{};  ///< the widest a session may ask for
-  /// An upper bound on every session's fresh_end; absent: 2.5 nominal periods of the client.
+  /// An upper bound on every session's fresh_end; absent: 2.5 nominal periods
+  /// of the client.
   std::optional<core::Duration> fresh_end{};
 };
 
@@ -30,7 +31,8 @@ struct ServerScene {
 
 struct LoopScene {
   core::Duration period{std::chrono::milliseconds(1)};
-  /// Absent: 8 ms where real-time scheduling was granted, 20 ms elsewhere (WIRE 4).
+  /// Absent: 8 ms where real-time scheduling was granted, 20 ms elsewhere (WIRE
+  /// 4).
   std::optional<core::Duration> loop_late_fault{};
   /// Level at which many small lags become a fault (WIRE 4).
   int late_bucket_full{core::LateBucket::kFull};
@@ -49,16 +51,22 @@ struct Scene {
   ServerScene server{};
   LoopScene loop{};
   std::optional<RecordScene> record{};
-  std::string resolved{};  ///< the scene as text with every default, as --print-scene shows it
+  /// The scene as text with every default, as --print-scene shows it. Reads
+  /// back as the same scene, from any folder: files stand with their full path.
+  std::string resolved{};
+  /// What may be served but deserves a word, each "field = value: why".
+  std::vector<std::string> warnings{};
 };
 
 /// Reads a scene. `overrides` are "path=value" as of --set, e.g.
-/// "device[0].impedance.stiffness_n_per_m[0]=800". Throws SceneError: file, line, field, value and
-/// what is allowed.
+/// "device[0].impedance.stiffness_n_per_m[0]=800". Throws SceneError with one
+/// line for everything that is wrong: file, line, field, value and what is
+/// allowed.
 [[nodiscard]] Scene load_scene(const std::filesystem::path& file,
                                const std::vector<std::string>& overrides = {});
-/// The same from text; `name` stands for the file in messages, relative paths are relative to
-/// `folder`.
+/// The same from text; `name` stands for the file in messages. Recordings that
+/// are read are relative to `folder`; the file that is written (record.file) is
+/// relative to the working directory.
 [[nodiscard]] Scene parse_scene(const std::string& text, const std::string& name,
                                 const std::filesystem::path& folder,
                                 const std::vector<std::string>& overrides = {});

@@ -1,21 +1,24 @@
 #pragma once
-/// A scene's text into its message, with positions; errors say file, line, column, and for an
-/// unknown field what there is instead.
-
-#include <google/protobuf/text_format.h>
-
-#include <string>
+/// A scene's text into its message, with positions.
 
 #include "haptic/v1/scene.pb.h"
+#include "server/scene/problems.hpp"
 
 namespace haptic::server {
 
-/// Throws SceneError.
-void parse_text(const std::string& text, const std::string& name, v1::Scene& message,
-                google::protobuf::TextFormat::ParseInfoTree& tree);
+/// Deepest nesting of messages that is read; a scene needs four.
+inline constexpr int kDeepestNesting = 16;
 
-/// The fields of a message type, closest in spelling to `wanted` first: "a, b, c".
-[[nodiscard]] std::string fields_of(const google::protobuf::Descriptor& type,
-                                    const std::string& wanted);
+/// Reads `text` into `message`, and into `tree` where each field stands. Text
+/// that is no textproto throws SceneError at its first error,
+/// "name:line:column: what". Unknown fields go to `problems`, all of them, each
+/// with its line, column and the fields there are.
+void parse_text(const std::string& text, const std::string& name, v1::Scene& message,
+                Problems::Tree& tree, Problems& problems);
+
+/// Reads `text` as one message of --set. Empty where it went well; else what is
+/// wrong, for people.
+[[nodiscard]] std::string parse_fragment(const std::string& text,
+                                         google::protobuf::Message& message);
 
 }  // namespace haptic::server

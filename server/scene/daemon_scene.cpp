@@ -1,0 +1,111 @@
+#include "server/scene/daemon_scene.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include "server/scene/field_reader.hpp"
+
+namespace haptic::server {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// Default of loop_late_fault on a real-time host (WIRE 4): the tighter of the
+/// two the app may pick.
+constexpr core::Duration kTightestLateFault{milliseconds(8)};
+constexpr int kMostCpus = 1024;                // CPU_SETSIZE
+constexpr std::size_t kLongestUnixPath = 107;  // sockaddr_un
+
+bool is_port(const std::string& text) {
+  const bool digits = !text.empty() && text.size() <= 5 &&
+                      text.find_first_not_of("0123456789") == std::string::npos;
+  return digits && std::stoi(text) <= 65535;
+}
+
+/// "host:port", "[v6]:port" or "unix:/path": the form only. Whether it can be
+/// served is said when it is bound.
+bool is_address(const std::string& text) {
+  const std::string scheme = "unix:";
+  if (text.rfind(scheme, 0) == 0) {
+    const std::string path = text.substr(scheme.size());
+    return path.size() >= 2 && path.size() <= kLongestUnixPath && path.front() == '/';
+  }
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos || !is_port(text.substr(colon + 1))) return false;
+  const std::string host = text.substr(0, colon);
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
+    return host.find_first_not_of("0123456789abcdefABCDEF:.", 1) == host.size() - 1;
+  }
+  return !host.empty() && std::all_of(host.begin(), host.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '.' || c == '-';
+  });
+}
+
+}  // namespace
+
+ServerScene read_server(v1::ServerScene& message, Problems& problems) {
+  const FieldReader reader(message, "server", problems);
+  ServerScene server;
+  if (message.listen().empty()) message.add_listen(server.listen.front());
+  server.listen.assign(message.listen().begin(), message.listen().end());
+  std::set<std::string> addresses;
+  for (std::size_t i = 0; i < server.listen.size(); ++i) {
+    const std::string& address = server.listen[i];
+    const std::string field = "listen[" + std::to_string(i) + "]";
+    if (!is_address(address)) {
+      reader.wrong(field, quoted(address),
+                   "must be \"host:port\", \"[v6]:port\" (port 0 to 65535) or "
+                   "\"unix:/path\"");
+    } else if (!addresses.insert(address).second) {
+      reader.wrong(field, quoted(address), "must be another: this one is listed already");
+    }
+  }
+  server.lease_timeout =
+      reader.duration("lease_timeout", server.lease_timeout, {milliseconds(500), seconds(60)});
+  if (!message.has_max_sessions()) message.set_max_sessions(server.max_sessions);
+  server.max_sessions = message.max_sessions();
+  reader.whole_number("max_sessions", message.max_sessions(), 1, 256);
+  return server;
+}
+
+LoopScene read_loop(v1::LoopScene& message, Problems& problems) {
+  const FieldReader reader(message, "loop", problems);
+  LoopScene loop;
+  loop.period = reader.duration("period", loop.period, {microseconds(500), milliseconds(10)});
+  loop.loop_late_fault = reader.duration("loop_late_fault", {core::Duration(1), seconds(10)});
+  if (loop.loop_late_fault && *loop.loop_late_fault <= loop.period) {
+    reader.wrong("loop_late_fault", decimal_ms(*loop.loop_late_fault),
+                 "must be above the period, " + decimal_ms(loop.period));
+  } else if (!message.has_loop_late_fault() && loop.period >= kTightestLateFault) {
+    reader.wrong("period", decimal_ms(loop.period),
+                 "must be below loop_late_fault, which is " + decimal_ms(kTightestLateFault) +
+                     " by default on a real-time host: give a longer one");
+  }
+  if (!message.has_priority()) message.set_priority(loop.priority);
+  loop.priority = message.priority();
+  reader.whole_number("priority", loop.priority, 1, 98);
+  if (message.has_cpu()) {
+    loop.cpu = message.cpu();
+    reader.whole_number("cpu", message.cpu(), 0, kMostCpus - 1);
+  }
+  if (!message.has_late_bucket_full()) message.set_late_bucket_full(loop.late_bucket_full);
+  loop.late_bucket_full = message.late_bucket_full();
+  reader.whole_number("late_bucket_full", loop.late_bucket_full, 10, 1'000'000);
+  return loop;
+}
+
+RecordScene read_record(v1::RecordScene& message, Problems& problems) {
+  const FieldReader reader(message, "record", problems);
+  const std::filesystem::path file(message.file());
+  if (message.file().empty()) {
+    reader.missing("file", "the name of a .csv file");
+  } else if (file.extension() != ".csv") {
+    reader.wrong("file", quoted(message.file()), "must end in \".csv\"");
+  }
+  return {file, message.compare_renderers()};
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,68 @@
+#pragma once
+/// Small scenes as text, and what the loader says of them.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "haptic/core/error.hpp"
+#include "server/scene/scene.hpp"
+
+namespace haptic::test {
+
+inline const std::filesystem::path kScenes =
+    std::filesystem::path(HAPTIC_SOURCE_DIR) / "server/scenes";
+
+/// The shortest scene of a finger. Stiffness stands on line 7, the limits on line 9.
+inline const std::string kFinger = R"(name: "t"
+device {
+  name: "finger"
+  simulated_finger {}
+  finger_exoskeleton {}
+  impedance {
+    stiffness_n_per_m: 1500
+  }
+  limits { force_n: 20 }
+}
+)";
+
+/// Two DoFs, the second one sensed; one coordinate.
+inline const std::string kLinear = R"(name: "t"
+device {
+  name: "d"
+  simulated_linear { mass: [1, 2] max_effort: 5 }
+  linear {
+    dof { name: "s" unit: "m" actuated: true lower: -1 upper: 1 }
+    dof { name: "r" unit: "rad" lower: -2 upper: 2 }
+    coordinate { name: "x" unit: "m" }
+    A: [1, 0.5]
+  }
+  impedance { stiffness_n_per_m: 5 }
+  limits { force_n: 2 }
+}
+)";
+
+inline server::Scene parse(const std::string& text, const std::vector<std::string>& set = {}) {
+  return server::parse_scene(text, "t.textproto", kScenes, set);
+}
+
+/// The loader's message; "no error" where it found none.
+inline std::string error_of(const std::string& text, const std::vector<std::string>& set = {}) {
+  try {
+    static_cast<void>(parse(text, set));
+  } catch (const core::SceneError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+/// `text` with the first `from` replaced; there must be one.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+}  // namespace haptic::test

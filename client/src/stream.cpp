@@ -20,13 +20,12 @@ void Stream::start(const v1::OpenSession& open) {
   StartCall();
 }
 
-bool Stream::send(const v1::ProxySample& sample) {
+void Stream::send(const v1::ProxySample& sample) {
   const std::lock_guard lock(mutex_);
-  if (!started_ || broken_) return false;
-  const bool replaced = pending_.has_value();
+  if (!started_ || broken_) return;
+  if (pending_) ++replaced_;
   pending_ = sample;
   if (!writing_) write_locked();
-  return replaced;
 }
 
 void Stream::write_locked() {
@@ -37,18 +36,18 @@ void Stream::write_locked() {
 }
 
 void Stream::OnWriteDone(bool ok) {
-  bool was_sample = false;
+  std::uint64_t replaced = 0;
   {
     const std::lock_guard lock(mutex_);
     writing_ = false;
-    was_sample = outgoing_.has_proxy();
+    replaced = std::exchange(replaced_, 0);
     if (!ok) {
       broken_ = true;
     } else if (pending_ && !broken_) {
       write_locked();
     }
   }
-  if (ok && was_sample) sink_.on_sent();
+  if (ok) sink_.on_sent(replaced);
 }
 
 void Stream::OnReadDone(bool ok) {

@@ -18,7 +18,7 @@ class StreamSink {
  public:
   virtual ~StreamSink() = default;
   virtual void on_message(const v1::SessionResponse& message) = 0;
-  virtual void on_sent() = 0;  ///< one sample left for the transport
+  virtual void on_sent(std::uint64_t samples_replaced) = 0;
   virtual void on_done(const grpc::Status& status) = 0;
 };
 
@@ -29,8 +29,8 @@ class Stream final : public grpc::ClientBidiReactor<v1::SessionRequest, v1::Sess
   ~Stream() override;
 
   void start(const v1::OpenSession& open);
-  /// Any thread; never waits for the network. True: it took the place of one that had not been sent.
-  bool send(const v1::ProxySample& sample);
+  /// Any thread; never waits for the network.
+  void send(const v1::ProxySample& sample);
   /// Ends the stream at once; wait_done() returns soon after. Idempotent.
   void cancel();
   /// Until gRPC is through with this object.
@@ -51,6 +51,7 @@ class Stream final : public grpc::ClientBidiReactor<v1::SessionRequest, v1::Sess
   v1::SessionRequest outgoing_;
   v1::SessionResponse incoming_;
   std::optional<v1::ProxySample> pending_;
+  std::uint64_t replaced_{0};
   bool started_{false};
   bool writing_{false};
   bool broken_{false};  ///< no further operation may be started

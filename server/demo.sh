@@ -100,7 +100,7 @@ done
 [[ -S $folder/socket ]] || give_up "hapticd does not listen" "$folder/hapticd.log"
 head -n 3 "$folder/hapticd.log"
 
-"$grasp" "$server" >"$folder/grasp.log" 2>&1 &
+"$grasp" --server "$server" >"$folder/grasp.log" 2>&1 &
 running[grasp]=$!
 
 # Live in a terminal; elsewhere the summary has to do.
@@ -131,6 +131,7 @@ status=0
   awk -f "$root/server/demo/summary.awk" -v stretches="$folder/contact" "$recording"
 } >"$output/summary.txt" || status=$?
 cat "$output/summary.txt"
+sed -n 's/^soft grasp: /  client            /p' "$folder/grasp.log"
 
 # About 4000 points per curve: more than the picture can show, and the SVG stays small.
 if [[ ! -s $folder/contact ]]; then echo "-1 -1" >"$folder/contact"; fi

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <functional>
 #include <memory>
+#include <ostream>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -33,6 +34,7 @@ struct Case {
   const char* name;
   std::function<void()> run;
 };
+void PrintTo(const Case& a_case, std::ostream* out) { *out << a_case.name; }
 
 class AllocationGuardSees : public testing::TestWithParam<Case> {};
 

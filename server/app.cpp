@@ -70,6 +70,9 @@ void App::start() {
     rpc_->start();
     telemetry_->start();
     loop_->begin(pointers(units_), *telemetry_);
+    for (const std::string& address : addresses()) {
+      spdlog::info("serving '{}' on {} (no TLS: this host only)", scene_.name, address);
+    }
   } catch (...) {
     stop();
     throw;

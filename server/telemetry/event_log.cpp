@@ -34,7 +34,7 @@ void EventLog::on_record(const core::TickRecord& record) {
   std::vector<DeviceEvent> events;
   detector_.step(record, "", events);
   for (const DeviceEvent& event : events) {
-    if (event.message.empty()) {
+    if (event.message.empty() || event.message == event.reason) {
       spdlog::log(level_of(event.kind), "{}: {}", device_, event.reason);
     } else {
       spdlog::log(level_of(event.kind), "{}: {}: {}", device_, event.reason, event.message);

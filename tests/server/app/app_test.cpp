@@ -1,0 +1,141 @@
+#include "server/app.hpp"
+
+#include <gmock/gmock.h>
+#include <grpcpp/grpcpp.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "haptic/core/error.hpp"
+#include "tests/server/support/live_server.hpp"
+#include "tests/server/support/test_client.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using haptic::server::App;
+using haptic::server::load_scene;
+using haptic::server::RealtimeMode;
+using haptic::server::Scene;
+using haptic::test::eventually;
+using testing::HasSubstr;
+
+Scene soft_grasp() {
+  Scene scene =
+      load_scene(std::string(HAPTIC_SOURCE_DIR) + "/server/scenes/finger_soft_grasp.textproto");
+  scene.server.listen = {"127.0.0.1:0"};
+  return scene;
+}
+
+/// Without memory locking, which is the process's and would outlive a test.
+constexpr haptic::server::AppOptions kPlain{RealtimeMode::kOff};
+
+std::shared_ptr<grpc::Channel> channel_to(const App& app) {
+  return grpc::CreateChannel(app.addresses().front(), grpc::InsecureChannelCredentials());
+}
+
+TEST(App, StartsTicksAndStopsWithinFiveSeconds) {
+  App app(soft_grasp(), kPlain);
+  app.start();
+  ASSERT_EQ(app.addresses().size(), 1u);
+  EXPECT_THAT(app.addresses().front(), HasSubstr("127.0.0.1:"));
+  EXPECT_THAT(app.addresses().front(), testing::Not(testing::EndsWith(":0")));
+  EXPECT_TRUE(eventually([&] { return app.loop_facts().ticks > 100; }));
+  EXPECT_TRUE(eventually(
+      [&] { return app.sessions(0).newest().state == haptic::core::DeviceState::kIdle; }));
+
+  const auto begin = std::chrono::steady_clock::now();
+  app.stop();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 5s);
+  EXPECT_TRUE(app.addresses().empty());
+  app.stop();  // idempotent
+}
+
+TEST(App, ServesItsFacts) {
+  App app(soft_grasp(), kPlain);
+  app.start();
+  const auto stub = haptic::v1::HapticService::NewStub(channel_to(app));
+  haptic::v1::GetServerInfoResponse info;
+  grpc::ClientContext context;
+  ASSERT_TRUE(stub->GetServerInfo(&context, {}, &info).ok());
+  EXPECT_EQ(info.realtime().grade(), "best-effort");
+  EXPECT_THAT(info.DebugString(), HasSubstr(haptic::server::version()));
+}
+
+TEST(App, StopsWithinFiveSecondsWhileAClientWatches) {
+  App app(soft_grasp(), kPlain);
+  app.start();
+  const auto stub = haptic::v1::HapticService::NewStub(channel_to(app));
+  grpc::ClientContext context;
+  haptic::v1::WatchRequest request;
+  const auto reader = stub->Watch(&context, request);
+  haptic::v1::WatchResponse response;
+  ASSERT_TRUE(reader->Read(&response));
+  const auto begin = std::chrono::steady_clock::now();
+  app.stop();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 5s);
+  while (reader->Read(&response)) {
+  }
+  EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
+}
+
+TEST(App, APortInUseIsAnErrorThatNamesIt) {
+  App first(soft_grasp(), kPlain);
+  first.start();
+  const std::string taken = first.addresses().front();
+  Scene scene = soft_grasp();
+  scene.server.listen = {taken};
+  App second(std::move(scene), kPlain);
+  try {
+    second.start();
+    FAIL() << "must throw";
+  } catch (const haptic::core::TransportError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(taken));
+  }
+  EXPECT_TRUE(first.loop_facts().ticks > 0 ||
+              eventually([&] { return first.loop_facts().ticks > 0; }));
+}
+
+TEST(App, ADeviceThatCannotBeOpenedIsAnErrorAndLeavesNothingRunning) {
+  Scene scene = soft_grasp();
+  std::get<haptic::hw::SimulatedFingerConfig>(scene.devices[0].source).motion_file =
+      "no/such/motion.csv";
+  App app(std::move(scene), kPlain);
+  EXPECT_THROW(app.start(), haptic::core::DeviceError);
+  EXPECT_TRUE(app.addresses().empty());
+}
+
+TEST(App, RecordsEveryTickWhereTheSceneSaysSo) {
+  const auto file =
+      std::filesystem::temp_directory_path() / ("haptic-app-" + std::to_string(getpid()) + ".csv");
+  Scene scene = soft_grasp();
+  scene.record = haptic::server::RecordScene{file, true};
+  std::uint64_t ticks = 0;
+  {
+    App app(std::move(scene), kPlain);
+    app.start();
+    EXPECT_TRUE(eventually([&] { return app.loop_facts().ticks > 50; }));
+    ticks = app.loop_facts().ticks;
+  }
+  std::ifstream stream(file);
+  std::uint64_t lines = 0;
+  for (std::string line; std::getline(stream, line);) ++lines;
+  EXPECT_GE(lines, ticks + 1);
+  std::filesystem::remove(file);
+}
+
+// The grant of this host, whatever it is, decides the loop's patience (WIRE 4). In a process of its
+// own would be cleaner, but memory is locked as it is touched: the tests that follow do not notice.
+TEST(App, TheLateFaultGoesWithTheGrant) {
+  App app(soft_grasp(), {RealtimeMode::kTry});
+  app.start();
+  const bool fifo = app.realtime().facts.sched_fifo;
+  EXPECT_EQ(app.sessions(0).unit().config().loop_late_fault, fifo ? 8ms : 20ms);
+  EXPECT_FALSE(app.realtime().facts.explanation.empty());
+}
+
+}  // namespace

@@ -1,0 +1,208 @@
+#include "server/rt/loop.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <functional>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "haptic/core/error.hpp"
+#include "tests/server/support/device_rig.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using haptic::core::DeviceState;
+using haptic::core::Duration;
+using haptic::core::TickRecord;
+using haptic::core::TimePoint;
+using haptic::server::Loop;
+using haptic::server::LoopBody;
+using haptic::server::LoopClock;
+using haptic::server::Wake;
+using haptic::test::DeviceRig;
+
+constexpr TimePoint kStart{Duration(2h)};
+constexpr TimePoint kFirstDeadline = kStart + 1ms;
+constexpr TimePoint kNever = TimePoint::max() - 1ns;
+
+/// Time stands still but for the waits: each ends at its deadline plus what the test says.
+class VirtualClock final : public LoopClock {
+ public:
+  std::function<Duration(int wait)> late{[](int) { return Duration::zero(); }};
+  std::function<Duration(int wait)> suspended{[](int) { return Duration::zero(); }};
+  std::function<void(int wait)> before{[](int) {}};
+
+  Wake wait_until(TimePoint deadline) noexcept override {
+    before(waits_);
+    now_ = std::max(now_, deadline) + late(waits_);
+    return {now_, suspended(waits_++)};
+  }
+  [[nodiscard]] TimePoint now() const noexcept override { return now_; }
+  void set(TimePoint now) { now_ = now; }
+
+ private:
+  TimePoint now_{kStart};
+  int waits_{0};
+};
+
+class Keeper final : public haptic::server::RecordListener {
+ public:
+  void on_record(const TickRecord& record) override { records.push_back(record); }
+  std::vector<TickRecord> records{};
+};
+
+class VirtualLoop : public testing::Test {
+ protected:
+  /// Runs until the body is done, and collects the records.
+  void run() {
+    rig.telemetry->add(0, &keeper);
+    body.run();
+    rig.telemetry->drain();
+    rig.telemetry->remove(0, &keeper);
+  }
+  DeviceRig rig{};
+  VirtualClock clock{};
+  Keeper keeper{};
+  LoopBody body{{rig.unit.get()}, *rig.telemetry, 1ms, clock};
+};
+
+TEST_F(VirtualLoop, TicksOnTheGridAndEndsAtItsLatest) {
+  body.finish(kFirstDeadline + 9ms);
+  run();
+  ASSERT_EQ(keeper.records.size(), 10u);
+  for (std::size_t i = 0; i < keeper.records.size(); ++i) {
+    EXPECT_EQ(keeper.records[i].input.now, kFirstDeadline + static_cast<int>(i) * 1ms);
+    EXPECT_EQ(keeper.records[i].input.period, 1ms);
+    EXPECT_EQ(keeper.records[i].input.loop.skipped, 0u);
+  }
+  EXPECT_EQ(body.statistics().ticks, 10u);
+}
+
+TEST_F(VirtualLoop, ALateWakeIsOneTickThatSaysSo) {
+  clock.late = [](int wait) { return wait == 3 ? Duration(3700us) : Duration::zero(); };
+  body.finish(kFirstDeadline + 9ms);
+  run();
+  ASSERT_EQ(keeper.records.size(), 7u);  // 10 deadlines, 3 passed over
+  const TickRecord& late = keeper.records[3];
+  EXPECT_EQ(late.input.now, kFirstDeadline + 3ms + 3700us);
+  EXPECT_EQ(late.input.loop.lateness, 3700us);
+  EXPECT_EQ(late.input.loop.skipped, 3u);
+  EXPECT_EQ(keeper.records[4].input.now, kFirstDeadline + 7ms);
+  EXPECT_EQ(keeper.records[4].input.loop.lateness, 0ns);
+  EXPECT_EQ(body.statistics().skipped, 3u);
+  EXPECT_EQ(body.statistics().lateness.max, 3700us);
+}
+
+TEST_F(VirtualLoop, ASuspendOfTheMachineIsAFault) {
+  clock.suspended = [](int wait) { return wait == 5 ? Duration(30s) : Duration::zero(); };
+  body.finish(kFirstDeadline + 9ms);
+  run();
+  ASSERT_GT(keeper.records.size(), 6u);
+  EXPECT_FALSE(keeper.records[4].faults.any());
+  EXPECT_TRUE(keeper.records[5].faults.has(haptic::core::Fault::kLoopLate));
+  EXPECT_EQ(keeper.records[5].state, DeviceState::kFault);
+}
+
+TEST_F(VirtualLoop, TicksOnWhileForceFadesAndEndsWhenTheDeviceIsClosing) {
+  clock.before = [this](int wait) {
+    if (wait != 5) return;
+    rig.sessions->begin_closing();
+    body.finish(kNever);
+  };
+  run();
+  // The request is posted before the wait: the sixth tick sees it.
+  ASSERT_EQ(keeper.records.size(), 6u);
+  EXPECT_EQ(keeper.records[4].state, DeviceState::kIdle);
+  EXPECT_EQ(keeper.records[5].state, DeviceState::kClosing);
+  EXPECT_FALSE(keeper.records[5].arm);
+}
+
+TEST_F(VirtualLoop, UnderForceReleasesFirst) {
+  rig.control();
+  rig.press();
+  ASSERT_EQ(rig.state(), DeviceState::kEngaged);
+  const TimePoint start = rig.now;
+  clock.set(start);
+  clock.before = [this, start](int wait) {
+    rig.now = start + wait * 1ms;
+    rig.publish(0.01);
+    if (wait != 3) return;
+    rig.sessions->begin_closing();
+    body.finish(kNever);
+  };
+  run();
+  std::set<DeviceState> seen;
+  double last_gain = 2.0;
+  for (const TickRecord& record : keeper.records) {
+    seen.insert(record.state);
+    if (record.state == DeviceState::kReleasing) {
+      EXPECT_LE(record.gain, last_gain);
+      last_gain = record.gain;
+    }
+  }
+  EXPECT_TRUE(seen.contains(DeviceState::kReleasing));
+  EXPECT_EQ(keeper.records.back().state, DeviceState::kClosing);
+  EXPECT_EQ(rig.device->force.load(), 0.0);
+  // fade_end - hold_end = 80 ms, and the ticks at both ends.
+  EXPECT_LT(keeper.records.size(), 90u);
+  EXPECT_GT(keeper.records.size(), 75u);
+}
+
+TEST_F(VirtualLoop, AllocatesNothing) {
+  body.finish(kFirstDeadline + 500ms);
+  const haptic::test::AllocationGuard guard;
+  body.run();
+  EXPECT_EQ(guard.allocations(), 0u);
+  EXPECT_EQ(guard.releases(), 0u);
+}
+
+haptic::server::RealtimeRequest off() {
+  haptic::server::RealtimeRequest request;
+  request.mode = haptic::server::RealtimeMode::kOff;
+  return request;
+}
+
+TEST(Loop, EndsWithoutATickWhereItNeverBegan) {
+  const Loop loop(off(), 1ms);
+  EXPECT_EQ(loop.grant().facts.grade, "best-effort");
+  EXPECT_EQ(loop.statistics().ticks, 0u);
+}
+
+TEST(Loop, ARefusedGrantIsThrownToWhoeverBuildsIt) {
+  class Refusing final : public haptic::server::RealtimeHost {
+    int set_fifo(int) override { return EPERM; }
+    haptic::server::ResourceLimit priority_limit() override { return {0, 0}; }
+    bool may_set_any_priority() override { return false; }
+    std::optional<double> realtime_share() override { return std::nullopt; }
+    int set_timer_slack_ns(unsigned long) override { return 0; }
+    int set_cpu(int) override { return 0; }
+    haptic::server::ResourceLimit memory_limit() override { return {0, 0}; }
+    int raise_memory_limit() override { return EPERM; }
+    bool may_lock_any_memory() override { return false; }
+    int lock_memory() override { return EPERM; }
+    void touch_stack() override {}
+  } host;
+  haptic::server::RealtimeRequest request;
+  request.mode = haptic::server::RealtimeMode::kRequire;
+  EXPECT_THROW(Loop(request, 1ms, host), haptic::core::RealtimeError);
+}
+
+TEST(Loop, RunsOnItsThreadUntilEveryUnitIsClosing) {
+  DeviceRig rig;
+  Loop loop(off(), 1ms);
+  rig.telemetry->start();
+  loop.begin({rig.unit.get()}, *rig.telemetry);
+  while (loop.statistics().ticks < 20) std::this_thread::yield();
+  rig.sessions->begin_closing();
+  loop.finish(30s);  // returns long before that
+  rig.telemetry->stop();
+  EXPECT_EQ(rig.unit->state(), DeviceState::kClosing);
+  EXPECT_EQ(rig.newest().state, DeviceState::kClosing);
+}
+
+}  // namespace

@@ -1,0 +1,215 @@
+// What the server says of its real-time grant, on hosts of all kinds.
+#include "server/rt/realtime.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cerrno>
+#include <string>
+
+#include "haptic/core/error.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using haptic::server::apply_realtime;
+using haptic::server::RealtimeGrant;
+using haptic::server::RealtimeHost;
+using haptic::server::RealtimeMode;
+using haptic::server::RealtimeRequest;
+using haptic::server::ResourceLimit;
+using testing::HasSubstr;
+using testing::Not;
+
+/// A host that grants everything, until a test takes something away.
+class FakeHost final : public RealtimeHost {
+ public:
+  int highest_priority{99};
+  bool sys_nice{true};
+  ResourceLimit rtprio{0, 0};
+  std::optional<double> share{0.95};
+  int slack_error{0};
+  int cpu_error{0};
+  ResourceLimit memlock{8192 * 1024, 8192 * 1024};
+  bool ipc_lock{true};
+  int lock_error{0};
+
+  int locks{0};
+  int raises{0};
+  int fifo_calls{0};
+  bool stack_touched{false};
+
+  int set_fifo(int priority) override {
+    ++fifo_calls;
+    return priority <= highest_priority ? 0 : EPERM;
+  }
+  ResourceLimit priority_limit() override { return rtprio; }
+  bool may_set_any_priority() override { return sys_nice; }
+  std::optional<double> realtime_share() override { return share; }
+  int set_timer_slack_ns(unsigned long) override { return slack_error; }
+  int set_cpu(int) override { return cpu_error; }
+  ResourceLimit memory_limit() override { return memlock; }
+  int raise_memory_limit() override {
+    ++raises;
+    memlock.soft = memlock.hard;
+    return 0;
+  }
+  bool may_lock_any_memory() override { return ipc_lock; }
+  int lock_memory() override {
+    ++locks;
+    return lock_error;
+  }
+  void touch_stack() override { stack_touched = true; }
+};
+
+/// A container without SYS_NICE and IPC_LOCK.
+void take_everything_away(FakeHost& host) {
+  host.highest_priority = 0;
+  host.sys_nice = false;
+  host.ipc_lock = false;
+}
+
+TEST(Realtime, AllGrantedIsRealTimeAndTakesTheShortLateFault) {
+  FakeHost host;
+  const RealtimeGrant grant = apply_realtime({RealtimeMode::kTry, 80, 1, {}}, host);
+  EXPECT_EQ(grant.facts.grade, "real-time");
+  EXPECT_EQ(grant.facts.requested, "try");
+  EXPECT_TRUE(grant.facts.sched_fifo);
+  EXPECT_EQ(grant.facts.priority, 80);
+  EXPECT_TRUE(grant.facts.memory_locked);
+  EXPECT_TRUE(grant.facts.timer_slack);
+  EXPECT_EQ(grant.facts.cpu, 1);
+  EXPECT_EQ(grant.loop_late_fault, 8ms);
+  EXPECT_TRUE(host.stack_touched);
+  EXPECT_EQ(grant.facts.explanation,
+            "pinned to CPU 1, SCHED_FIFO 80, memory locked; loop_late_fault is 8 ms");
+}
+
+TEST(Realtime, ABareContainerIsDegradedAndSaysWhatThatMeans) {
+  FakeHost host;
+  take_everything_away(host);
+  const RealtimeGrant grant = apply_realtime({}, host);
+  EXPECT_EQ(grant.facts.grade, "degraded");
+  EXPECT_FALSE(grant.facts.sched_fifo);
+  EXPECT_EQ(grant.facts.priority, 0);
+  EXPECT_FALSE(grant.facts.memory_locked);
+  EXPECT_EQ(grant.loop_late_fault, 20ms);
+  EXPECT_THAT(grant.facts.explanation,
+              HasSubstr("SCHED_FIFO refused (EPERM: Operation not permitted"));
+  EXPECT_THAT(grant.facts.explanation, HasSubstr("other programs may delay a tick"));
+  EXPECT_THAT(grant.facts.explanation, HasSubstr("RLIMIT_MEMLOCK is 8192 KB"));
+  EXPECT_THAT(grant.facts.explanation, HasSubstr("loop_late_fault is 20 ms instead of 8 ms"));
+}
+
+TEST(Realtime, RequireThrowsWithTheSameWords) {
+  FakeHost host;
+  take_everything_away(host);
+  try {
+    static_cast<void>(apply_realtime({RealtimeMode::kRequire, 80, {}, {}}, host));
+    FAIL() << "must throw";
+  } catch (const haptic::core::RealtimeError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("--realtime=require"));
+    EXPECT_THAT(error.what(), HasSubstr("EPERM"));
+  }
+}
+
+TEST(Realtime, RequireIsContentWhereAllIsGranted) {
+  FakeHost host;
+  EXPECT_EQ(apply_realtime({RealtimeMode::kRequire, 80, {}, {}}, host).facts.grade, "real-time");
+}
+
+TEST(Realtime, OffAsksForNothing) {
+  FakeHost host;
+  const RealtimeGrant grant = apply_realtime({RealtimeMode::kOff, 80, {}, {}}, host);
+  EXPECT_EQ(grant.facts.grade, "best-effort");
+  EXPECT_EQ(host.fifo_calls, 0);
+  EXPECT_EQ(host.locks, 0);
+  EXPECT_EQ(grant.loop_late_fault, 20ms);
+  EXPECT_THAT(grant.facts.explanation, HasSubstr("--realtime=off"));
+}
+
+TEST(Realtime, TheScenesLateFaultWinsWhateverWasGranted) {
+  FakeHost host;
+  RealtimeRequest request;
+  request.loop_late_fault = 5ms;
+  const RealtimeGrant grant = apply_realtime(request, host);
+  EXPECT_EQ(grant.loop_late_fault, 5ms);
+  EXPECT_THAT(grant.facts.explanation, HasSubstr("loop_late_fault is 5 ms (the scene's)"));
+}
+
+// MCL_FUTURE under a limit that binds would end the process at the next thread.
+TEST(Realtime, NeverLocksMemoryUnderALimitThatBinds) {
+  FakeHost host;
+  host.ipc_lock = false;
+  const RealtimeGrant grant = apply_realtime({}, host);
+  EXPECT_EQ(host.locks, 0);
+  EXPECT_FALSE(grant.facts.memory_locked);
+  EXPECT_TRUE(grant.facts.sched_fifo);
+  EXPECT_EQ(grant.facts.grade, "degraded");
+  EXPECT_EQ(grant.loop_late_fault, 8ms);
+}
+
+TEST(Realtime, RaisesTheMemoryLimitWhereTheHardOneIsUnlimited) {
+  FakeHost host;
+  host.ipc_lock = false;
+  host.memlock.hard = std::nullopt;
+  const RealtimeGrant grant = apply_realtime({}, host);
+  EXPECT_EQ(host.raises, 1);
+  EXPECT_EQ(host.locks, 1);
+  EXPECT_TRUE(grant.facts.memory_locked);
+}
+
+TEST(Realtime, AnUnlimitedMemoryLimitNeedsNoCapability) {
+  FakeHost host;
+  host.ipc_lock = false;
+  host.memlock = {};
+  EXPECT_TRUE(apply_realtime({}, host).facts.memory_locked);
+  EXPECT_EQ(host.raises, 0);
+}
+
+TEST(Realtime, ARefusedLockNamesItsErrno) {
+  FakeHost host;
+  host.lock_error = ENOMEM;
+  EXPECT_THAT(apply_realtime({}, host).facts.explanation,
+              HasSubstr("memory locking refused (ENOMEM: Cannot allocate memory)"));
+}
+
+TEST(Realtime, ALowerPriorityIsTakenWhereTheLimitAllowsIt) {
+  FakeHost host;
+  host.highest_priority = 20;
+  host.sys_nice = false;
+  host.rtprio = {20, 20};
+  const RealtimeGrant grant = apply_realtime({}, host);
+  EXPECT_TRUE(grant.facts.sched_fifo);
+  EXPECT_EQ(grant.facts.priority, 20);
+  EXPECT_EQ(grant.facts.grade, "degraded");
+  EXPECT_EQ(grant.loop_late_fault, 8ms);
+  EXPECT_THAT(grant.facts.explanation, HasSubstr("priority 20, not the scene's 80"));
+}
+
+TEST(Realtime, ARefusalInSpiteOfTheCapabilityPointsToTheControlGroup) {
+  FakeHost host;
+  host.highest_priority = 0;
+  EXPECT_THAT(apply_realtime({}, host).facts.explanation,
+              HasSubstr("the control group or container gives no real-time budget"));
+}
+
+TEST(Realtime, AScantRealTimeShareIsSaid) {
+  FakeHost host;
+  host.share = 0.1;
+  const RealtimeGrant grant = apply_realtime({}, host);
+  EXPECT_EQ(grant.facts.grade, "degraded");
+  EXPECT_THAT(grant.facts.explanation, HasSubstr("sched_rt_runtime_us"));
+  EXPECT_THAT(grant.facts.explanation, HasSubstr("10 %"));
+}
+
+TEST(Realtime, ACpuThatIsNotThereIsRefusedByItsNumber) {
+  FakeHost host;
+  host.cpu_error = EINVAL;
+  const RealtimeGrant grant = apply_realtime({RealtimeMode::kTry, 80, 63, {}}, host);
+  EXPECT_EQ(grant.facts.cpu, -1);
+  EXPECT_EQ(grant.facts.grade, "degraded");
+  EXPECT_THAT(grant.facts.explanation, HasSubstr("pinning to CPU 63 refused (EINVAL"));
+}
+
+}  // namespace

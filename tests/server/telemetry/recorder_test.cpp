@@ -1,0 +1,280 @@
+#include "server/telemetry/recorder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "hw/open_device.hpp"
+#include "tests/server/support/device_rig.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using haptic::core::ProjectionStatus;
+using haptic::core::TickRecord;
+using haptic::core::TimePoint;
+using haptic::server::record_file;
+using haptic::server::Recorder;
+using haptic::server::RendererComparison;
+using haptic::test::DeviceRig;
+using haptic::test::rig_config;
+
+/// A file of this test process that is gone afterwards.
+class ScratchFile {
+ public:
+  explicit ScratchFile(const std::string& name)
+      : path_(std::filesystem::temp_directory_path() /
+              ("haptic-" + std::to_string(getpid()) + "-" + name)) {}
+  ~ScratchFile() { std::filesystem::remove(path_); }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+using Fields = std::vector<std::string>;
+
+Fields split(const std::string& line) {
+  Fields fields;
+  std::stringstream stream(line);
+  for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
+  if (!line.empty() && line.back() == ',') fields.emplace_back();
+  return fields;
+}
+
+/// The file as one map per row: column name -> text.
+std::vector<std::map<std::string, std::string>> read_csv(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  const Fields names = split(line);
+  std::vector<std::map<std::string, std::string>> rows;
+  while (std::getline(file, line)) {
+    const Fields values = split(line);
+    EXPECT_EQ(values.size(), names.size()) << line;
+    auto& row = rows.emplace_back();
+    for (std::size_t i = 0; i < std::min(names.size(), values.size()); ++i) {
+      row[names[i]] = values[i];
+    }
+  }
+  return rows;
+}
+
+double number(const std::string& text) {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  EXPECT_TRUE(error == std::errc() && end == text.data() + text.size()) << "'" << text << "'";
+  return value;
+}
+
+#define EXPECT_SAME_BITS(text, expected)                                                        \
+  EXPECT_EQ(std::bit_cast<std::uint64_t>(number(text)), std::bit_cast<std::uint64_t>(expected)) \
+      << (text) << " and " << (expected)
+
+TEST(Recorder, TheHeaderIsTheDocumentedOne) {
+  const auto kinematics = haptic::core::make_finger_exoskeleton({});
+  EXPECT_EQ(Recorder::header(*kinematics, false),
+            "time_s,tick,state,staleness,proxy_age_us,mode,gain,damping_gain,l_x,q_B,"
+            "q_dot_l_x_m_per_s,x_probe_q_o1_mcp_rad,x_probe_q_o2_pip_rad,x_q_o1_mcp_rad,"
+            "x_q_o2_pip_rad,q_star_l_x_m,q_star_q_B_rad,tau_elastic_l_x_n,tau_damping_l_x_n,"
+            "tau_a_l_x_n,projection,faults,limiters,lateness_us,skipped");
+  EXPECT_THAT(Recorder::header(*kinematics, true),
+              testing::EndsWith(",skipped,tau_standard_l_x_n,tau_null_space_l_x_n,"
+                                "tau_subspace_linear_l_x_n,tau_subspace_exact_l_x_n"));
+}
+
+TEST(Recorder, EveryNumberReadsBackToTheRecordsBits) {
+  ScratchFile file("run.csv");
+  DeviceRig rig;
+  struct Keeper final : haptic::server::RecordListener {
+    std::vector<TickRecord> records{};
+    void on_record(const TickRecord& record) override { records.push_back(record); }
+  } keeper;
+  {
+    Recorder recorder(file.path(), rig_config().kinematics);
+    rig.telemetry->add(0, &keeper);
+    rig.telemetry->add(0, &recorder);
+    rig.control();
+    rig.press();
+    rig.stream(20, 1.0 / 3.0);
+    rig.telemetry->remove(0, &recorder);
+    rig.telemetry->remove(0, &keeper);
+    EXPECT_EQ(recorder.rows(), keeper.records.size());
+  }
+  const auto rows = read_csv(file.path());
+  ASSERT_EQ(rows.size(), keeper.records.size());
+  bool force = false;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    auto row = rows[i];
+    const TickRecord& record = keeper.records[i];
+    ASSERT_EQ(row["tick"], std::to_string(record.tick));
+    EXPECT_EQ(row["state"], haptic::core::name(record.state));
+    EXPECT_NEAR(number(row["time_s"]), 1e-3 * static_cast<double>(i), 1e-12);
+    EXPECT_SAME_BITS(row["gain"], record.gain);
+    EXPECT_SAME_BITS(row["damping_gain"], record.damping_gain);
+    EXPECT_SAME_BITS(row["slide"], record.q[0]);
+    EXPECT_SAME_BITS(row["swing"], record.q[1]);
+    EXPECT_SAME_BITS(row["q_dot_slide_m_per_s"], record.q_a_dot[0]);
+    EXPECT_SAME_BITS(row["x_probe_a_m"], record.x_probe[0]);
+    EXPECT_SAME_BITS(row["q_star_slide_m"], record.q_star[0]);
+    EXPECT_SAME_BITS(row["q_star_swing_m"], record.q_star[1]);
+    EXPECT_SAME_BITS(row["tau_elastic_slide_n"], record.tau_elastic[0]);
+    EXPECT_SAME_BITS(row["tau_damping_slide_n"], record.tau_damping[0]);
+    EXPECT_SAME_BITS(row["tau_a_slide_n"], record.tau_a[0]);
+    if (record.x.size() == 2) {
+      EXPECT_SAME_BITS(row["x_a_m"], record.x[0]);
+      EXPECT_SAME_BITS(row["x_b_m"], record.x[1]);
+    } else {
+      EXPECT_EQ(row["x_a_m"], "");
+    }
+    force = force || record.tau_a[0] != 0.0;
+  }
+  EXPECT_TRUE(force);
+}
+
+TickRecord record_with_everything() {
+  TickRecord record;
+  record.input.now = TimePoint(1h);
+  record.input.proxy.mode = haptic::core::ProxyMode::kFree;
+  record.input.loop = {12500ns, 3};
+  record.tick = 42;
+  record.state = haptic::core::DeviceState::kFault;
+  record.staleness = haptic::core::Staleness::kFade;
+  record.proxy_age = 120500us;
+  record.faults.set(haptic::core::Fault::kDeviceLost);
+  record.faults.set(haptic::core::Fault::kEmergencyStop);
+  record.limiters.set(haptic::core::Limiter::kSlew);
+  record.projection = ProjectionStatus::kIllConditioned;
+  return record;
+}
+
+TEST(Recorder, NamesStatesLevelsFaultsAndLimiters) {
+  ScratchFile file("names.csv");
+  {
+    Recorder recorder(file.path(), rig_config().kinematics);
+    recorder.on_record(record_with_everything());
+  }
+  auto row = read_csv(file.path()).at(0);
+  EXPECT_EQ(row["time_s"], "0");
+  EXPECT_EQ(row["tick"], "42");
+  EXPECT_EQ(row["state"], "FAULT");
+  EXPECT_EQ(row["staleness"], "FADE");
+  EXPECT_EQ(row["proxy_age_us"], "120500");
+  EXPECT_EQ(row["mode"], "FREE");
+  EXPECT_EQ(row["projection"], "ILL_CONDITIONED");
+  EXPECT_EQ(row["faults"], "DEVICE_LOST|EMERGENCY_STOP");
+  EXPECT_EQ(row["limiters"], "SLEW");
+  EXPECT_EQ(row["lateness_us"], "12.5");
+  EXPECT_EQ(row["skipped"], "3");
+  EXPECT_EQ(row["x_a_m"], "");
+}
+
+TEST(Recorder, AFileThatCannotBeCreatedIsNamed) {
+  const std::string path = "/proc/no/such/folder/run.csv";
+  try {
+    const Recorder recorder(path, rig_config().kinematics);
+    FAIL() << "must throw";
+  } catch (const haptic::core::SceneError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr(path));
+    EXPECT_THAT(error.what(), testing::HasSubstr("cannot be created"));
+  }
+}
+
+TEST(Recorder, AFullDiskEndsTheRecordingAndNothingElse) {
+  Recorder recorder("/dev/full", rig_config().kinematics);
+  for (int i = 0; i < 5000; ++i) recorder.on_record(record_with_everything());
+  EXPECT_LT(recorder.rows(), 5000u);
+}
+
+TEST(Recorder, EveryDeviceOfAManyHandedSceneHasItsOwnFile) {
+  EXPECT_EQ(record_file("out/run.csv", "left", 1), "out/run.csv");
+  EXPECT_EQ(record_file("out/run.csv", "left", 2), "out/run-left.csv");
+}
+
+TEST(Recorder, ARecordingCanBePlayedByAReplayedDevice) {
+  ScratchFile file("replay.csv");
+  {
+    DeviceRig rig;
+    Recorder recorder(file.path(), rig_config().kinematics);
+    rig.telemetry->add(0, &recorder);
+    rig.tick(10);
+    rig.telemetry->remove(0, &recorder);
+  }
+  haptic::hw::ReplayConfig replay;
+  replay.file = file.path();
+  replay.max_effort = haptic::core::VecA::Constant(1, 10.0);
+  const auto device = haptic::hw::open_device(replay, rig_config().kinematics);
+  EXPECT_EQ(device->info().kind, "replay");
+}
+
+/// A tick of the rig's map (x = q), 100 N/m, 10 N: proxy 2 cm from the probe at q = 0.
+TickRecord pressing(double gain, double x) {
+  TickRecord record;
+  record.input.settings = rig_config().scene;
+  record.projection = ProjectionStatus::kExact;
+  record.gain = gain;
+  record.q = haptic::core::VecQ::Zero(2);
+  record.x = haptic::core::VecX::Zero(2);
+  record.x[0] = x;
+  return record;
+}
+
+// Where the map is the identity nothing couples the DoFs: all four methods are the same spring.
+TEST(RendererComparison, AllAgreeWhereTheMapIsTheIdentity) {
+  RendererComparison comparison(rig_config().kinematics, rig_config().scene);
+  for (const auto& tau : comparison.evaluate(pressing(1.0, 0.02))) EXPECT_NEAR(tau[0], 2.0, 1e-12);
+  for (const auto& tau : comparison.evaluate(pressing(0.25, 0.02))) EXPECT_NEAR(tau[0], 0.5, 1e-12);
+}
+
+TEST(RendererComparison, HoldsEveryForceUnderGainTimesLimit) {
+  RendererComparison comparison(rig_config().kinematics, rig_config().scene);
+  for (const auto& tau : comparison.evaluate(pressing(0.5, 0.4))) EXPECT_EQ(tau[0], 5.0);
+  for (const auto& tau : comparison.evaluate(pressing(0.5, -0.4))) EXPECT_EQ(tau[0], -5.0);
+}
+
+TEST(RendererComparison, UsesASessionsTighterSettings) {
+  RendererComparison comparison(rig_config().kinematics, rig_config().scene);
+  TickRecord record = pressing(1.0, 0.02);
+  record.input.settings.stiffness[0] = 50.0;
+  for (const auto& tau : comparison.evaluate(record)) EXPECT_NEAR(tau[0], 1.0, 1e-12);
+  record.input.settings.stiffness[0] = 1000.0;  // wider than the scene: the scene's holds
+  for (const auto& tau : comparison.evaluate(record)) EXPECT_NEAR(tau[0], 2.0, 1e-12);
+}
+
+TEST(RendererComparison, IsZeroWithoutAProxy) {
+  RendererComparison comparison(rig_config().kinematics, rig_config().scene);
+  TickRecord record = pressing(1.0, 0.02);
+  record.projection = ProjectionStatus::kNone;
+  for (const auto& tau : comparison.evaluate(record)) EXPECT_EQ(tau[0], 0.0);
+}
+
+TEST(RendererComparison, IsNotANumberWhereTheLinkageCannotClose) {
+  const std::shared_ptr<const haptic::core::Kinematics> kinematics =
+      haptic::core::make_finger_exoskeleton({});
+  haptic::core::RenderSettings scene;
+  scene.stiffness = haptic::core::VecA::Constant(1, 1500.0);
+  scene.force_limit = haptic::core::VecA::Constant(1, 25.0);
+  RendererComparison comparison(kinematics, scene);
+  TickRecord record = pressing(1.0, 0.02);
+  record.input.settings = scene;
+  record.projection = ProjectionStatus::kMapFailed;
+  record.q[0] = 0.02;
+  record.q[1] = -101.0 * 3.14159265358979 / 180.0;  // the rods do not reach
+  for (const auto& tau : comparison.evaluate(record)) EXPECT_TRUE(std::isnan(tau[0]));
+}
+
+}  // namespace

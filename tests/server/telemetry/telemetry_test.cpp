@@ -1,0 +1,196 @@
+#include "server/telemetry/telemetry.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/server/support/device_rig.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using haptic::core::TickRecord;
+using haptic::server::ListenerRank;
+using haptic::server::RecordListener;
+using haptic::server::Telemetry;
+using haptic::test::DeviceRig;
+
+/// Writes its letter into a shared diary: small for every record, `!` after it for the newest.
+class Diarist final : public RecordListener {
+ public:
+  Diarist(std::string& diary, std::string letter) : diary_(diary), letter_(std::move(letter)) {}
+  void on_record(const TickRecord&) override { diary_ += letter_; }
+  void on_newest(const TickRecord&) override { diary_ += letter_ + "!"; }
+
+ private:
+  std::string& diary_;
+  std::string letter_;
+};
+
+void tick(DeviceRig& rig, int n) {
+  for (int i = 0; i < n; ++i) {
+    rig.now += 1ms;
+    rig.unit->tick(rig.now, 1ms, {});
+  }
+}
+
+TEST(Telemetry, TellsEveryRecordInOrderAndThenTheNewest) {
+  DeviceRig rig;
+  struct : RecordListener {
+    void on_record(const TickRecord& record) override { ticks.push_back(record.tick); }
+    void on_newest(const TickRecord& record) override { newest.push_back(record.tick); }
+    std::vector<std::uint64_t> ticks, newest;
+  } listener;
+  rig.telemetry->add(0, &listener);
+  tick(rig, 3);
+  rig.telemetry->drain();
+  rig.telemetry->drain();  // nothing new: nobody is called
+  tick(rig, 1);
+  rig.telemetry->drain();
+  rig.telemetry->remove(0, &listener);
+  EXPECT_EQ(listener.ticks, (std::vector<std::uint64_t>{1, 2, 3, 4}));
+  EXPECT_EQ(listener.newest, (std::vector<std::uint64_t>{3, 4}));
+  EXPECT_EQ(rig.telemetry->newest(0).tick, 4u);
+}
+
+TEST(Telemetry, TellsServiceBeforeBackgroundAndElseInTheOrderOfAdding) {
+  DeviceRig rig;
+  std::string diary;
+  Diarist a(diary, "a"), b(diary, "b"), c(diary, "c"), d(diary, "d");
+  rig.telemetry->add(0, &a, ListenerRank::kBackground);
+  rig.telemetry->add(0, &b);
+  rig.telemetry->add(0, &c, ListenerRank::kBackground);
+  rig.telemetry->add(0, &d);
+  tick(rig, 2);
+  rig.telemetry->drain();
+  EXPECT_EQ(diary, "bdacbdacb!d!a!c!");
+  for (Diarist* diarist : {&a, &b, &c, &d}) rig.telemetry->remove(0, diarist);
+}
+
+TEST(Telemetry, AListenerMayRemoveItselfAndOthersWhileItIsCalled) {
+  DeviceRig rig;
+  std::string diary;
+  Diarist other(diary, "o");
+  struct Quitter final : RecordListener {
+    Telemetry* telemetry{nullptr};
+    RecordListener* other{nullptr};
+    int calls{0};
+    void on_record(const TickRecord&) override {
+      ++calls;
+      telemetry->remove(0, other);
+      telemetry->remove(0, this);
+    }
+    void on_newest(const TickRecord&) override { ++calls; }
+  } quitter;
+  quitter.telemetry = rig.telemetry.get();
+  quitter.other = &other;
+  rig.telemetry->add(0, &quitter);
+  rig.telemetry->add(0, &other);
+  tick(rig, 3);
+  rig.telemetry->drain();
+  EXPECT_EQ(quitter.calls, 1);
+  EXPECT_EQ(diary, "");
+}
+
+TEST(Telemetry, AListenerAddedWhileOneIsCalledHearsFromTheNextRoundOn) {
+  DeviceRig rig;
+  std::string diary;
+  Diarist late(diary, "l");
+  struct Host final : RecordListener {
+    Telemetry* telemetry{nullptr};
+    RecordListener* guest{nullptr};
+    void on_record(const TickRecord&) override {
+      if (guest != nullptr) telemetry->add(0, guest);
+      guest = nullptr;
+    }
+  } host;
+  host.telemetry = rig.telemetry.get();
+  host.guest = &late;
+  rig.telemetry->add(0, &host);
+  tick(rig, 2);
+  rig.telemetry->drain();
+  EXPECT_EQ(diary, "");
+  tick(rig, 1);
+  rig.telemetry->drain();
+  EXPECT_EQ(diary, "ll!");
+  rig.telemetry->remove(0, &late);
+  rig.telemetry->remove(0, &host);
+}
+
+// A loop that ticks as fast as it can, the drain awake by its bell alone, four threads that come
+// and go: nobody is called after remove() returned. What matters most is that tsan finds nothing.
+TEST(Telemetry, NobodyIsCalledAfterRemoveUnderLoad) {
+  struct Visitor final : RecordListener {
+    std::atomic<bool> present{false};
+    std::atomic<int> calls{0};
+    std::atomic<int> calls_while_away{0};
+    void on_record(const TickRecord&) override {
+      ++calls;
+      if (!present) ++calls_while_away;
+    }
+  };
+  DeviceRig rig;
+  rig.telemetry->start();
+  std::atomic<bool> running{true};
+  std::thread loop([&] {
+    while (running) {
+      tick(rig, 1);
+      rig.telemetry->wake();
+      std::this_thread::yield();
+    }
+  });
+  std::vector<Visitor> visitors(4);
+  std::vector<std::thread> threads;
+  for (Visitor& visitor : visitors) {
+    threads.emplace_back([&] {
+      for (int i = 0; i < 200; ++i) {
+        const int before = visitor.calls;
+        visitor.present = true;
+        rig.telemetry->add(0, &visitor);
+        while (visitor.calls == before) std::this_thread::yield();
+        rig.telemetry->remove(0, &visitor);
+        visitor.present = false;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  running = false;
+  loop.join();
+  rig.telemetry->stop();
+  for (const Visitor& visitor : visitors) {
+    EXPECT_GE(visitor.calls.load(), 200);
+    EXPECT_EQ(visitor.calls_while_away.load(), 0);
+  }
+}
+
+TEST(Telemetry, StopDrainsWhatIsLeft) {
+  DeviceRig rig;
+  std::string diary;
+  Diarist listener(diary, "x");
+  rig.telemetry->add(0, &listener);
+  rig.telemetry->start();
+  tick(rig, 50);  // without a bell
+  rig.telemetry->stop();
+  EXPECT_EQ(
+      std::count(diary.begin(), diary.end(), 'x') - std::count(diary.begin(), diary.end(), '!'),
+      50);
+  rig.telemetry->remove(0, &listener);
+}
+
+TEST(Telemetry, OneBellPerTickIsEnough) {
+  DeviceRig rig;
+  rig.telemetry->start();
+  for (std::uint64_t i = 1; i <= 2000; ++i) {
+    tick(rig, 1);
+    rig.telemetry->wake();
+    // The drain must hear of every tick by its one bell, however the two threads interleave.
+    while (rig.telemetry->newest(0).tick != i) std::this_thread::yield();
+  }
+  rig.telemetry->stop();
+}
+
+}  // namespace

@@ -50,6 +50,7 @@ do for [kind in "svg png"] {
   set ylabel offset 0.5,0
   set key at screen 0.765, graph 1.0 left top Left reverse samplen 2 spacing 1.3 noautotitle
   set style fill solid 1.0 noborder
+  set offsets graph 0, graph 0, graph 0.04, graph 0.04  # a line at a limit is not on the frame
   set format x ""
 
   set ylabel "joint angle / deg"

@@ -1,0 +1,35 @@
+/// The first thing to try: watch a device as an observer and print where it is.
+
+#include <cstdio>
+#include <thread>
+
+#include "haptic/client/client.hpp"
+#include "until_signal.hpp"
+
+int main(int argc, char** argv) {
+  haptic::examples::stop_on_signal();
+  try {
+    haptic::client::Connection server(argc > 1 ? argv[1] : "127.0.0.1:50051");
+    haptic::client::SessionOptions options;
+    options.observer = true;
+    options.client_name = "echo state";
+    options.state_rate_hz = 5;
+    options.on_state = [](const haptic::client::DeviceState& state) {
+      std::printf("%8llu  %-9s  q", static_cast<unsigned long long>(state.seq),
+                  haptic::client::name(state.state));
+      for (const double q : state.q) std::printf(" %9.5f", q);
+      std::printf("  x_probe");
+      for (const double x : state.x_probe) std::printf(" %9.5f", x);
+      std::printf("\n");
+      std::fflush(stdout);
+    };
+    const auto session = server.open(options);
+    while (session->connected() && haptic::examples::stop_requested == 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return 0;
+  } catch (const haptic::client::ClientError& error) {
+    std::fprintf(stderr, "echo state: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,63 @@
+#pragma once
+/// A soft two-phalanx finger in the plane, closing on a soft cylinder held in the palm: the
+/// simulation whose proxy the soft-grasp example streams.
+///
+/// Hand frame: origin at the MCP axis, +x distal, +y dorsal; m, rad; flexion positive, so that
+/// phalanx k points along (cos a, -sin a), a = q1 for the proximal and q1 + q2 for the distal one.
+/// Pads: points on the palmar side of each phalanx, each a spring of `pad_stiffness` once it is
+/// inside the cylinder. The proxy minimises
+///   E(x) = 1/2 coupling |x - x_probe|^2 + 1/2 pad_stiffness sum_i max(0, radius - |p_i(x) -
+///   centre|)^2,
+/// the classical proxy (nearest to the probe) with soft constraints.
+
+#include <array>
+
+namespace haptic::examples {
+
+using Joints = std::array<double, 2>;  ///< MCP, PIP; rad
+
+struct SoftFingerModel {
+  double proximal{0.045}, distal{0.040};     ///< phalanx lengths, m
+  double pad_depth{0.008};                   ///< axis to palmar surface, m
+  double pad_stiffness{400.0};               ///< N/m per point: pad and object in series
+  double coupling{0.02};                     ///< N m/rad between probe and proxy
+  double centre_x{0.045}, centre_y{-0.052};  ///< of the cylinder, m
+  double radius{0.025};                      ///< m
+};
+
+class SoftFinger {
+ public:
+  static constexpr int kPadsPerPhalanx = 6;
+
+  explicit SoftFinger(const SoftFingerModel& model = {}) : model_(model) {}
+
+  struct Energy {
+    double value{0.0};
+    Joints gradient{};
+    std::array<double, 3> hessian{};  ///< 11, 12, 22; Gauss-Newton's: positive semidefinite
+  };
+  [[nodiscard]] Energy contact(const Joints& x) const;
+
+  /// Largest distance any pad is inside the cylinder; negative: the smallest clearance. m.
+  [[nodiscard]] double depth(const Joints& x) const;
+
+  struct Step {
+    bool touching{false};
+    Joints x{};          ///< the proxy; the probe itself where nothing touches
+    double energy{0.0};  ///< of the contact, J
+  };
+  /// One simulation step. Contact ends only with `kRelease` of clearance, so that noise does not
+  /// toggle it.
+  [[nodiscard]] Step step(const Joints& x_probe);
+
+ private:
+  static constexpr double kRelease = 0.0005;  // m
+  [[nodiscard]] Joints minimise(const Joints& x_probe, const Joints& seed) const;
+  [[nodiscard]] double total(const Joints& x, const Joints& x_probe) const;
+
+  SoftFingerModel model_;
+  bool touching_{false};
+  Joints last_{};
+};
+
+}  // namespace haptic::examples

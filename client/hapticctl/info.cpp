@@ -1,0 +1,123 @@
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "haptic/client/client.hpp"
+
+namespace haptic::ctl {
+
+namespace {
+
+using nlohmann::json;
+
+json to_json(const client::ServerInfo& server) {
+  return {{"version", server.version},
+          {"protocol", server.protocol},
+          {"scene", server.scene},
+          {"uptime_s", std::chrono::duration<double>(server.uptime).count()},
+          {"sessions", server.sessions},
+          {"insecure", server.insecure},
+          {"realtime",
+           {{"grade", server.realtime_grade}, {"explanation", server.realtime_explanation}}},
+          {"loop",
+           {{"ticks", server.ticks},
+            {"skipped", server.skipped_ticks},
+            {"lateness_p50_us", server.lateness_p50_us},
+            {"lateness_p99_us", server.lateness_p99_us},
+            {"lateness_max_us", server.lateness_max_us},
+            {"tick_p50_us", server.tick_p50_us},
+            {"tick_p99_us", server.tick_p99_us},
+            {"records_dropped", server.records_dropped}}}};
+}
+
+json to_json(const client::DeviceInfo& device) {
+  json dofs = json::array(), coordinates = json::array();
+  for (const auto& dof : device.dofs) {
+    dofs.push_back({{"name", dof.name},
+                    {"unit", dof.unit},
+                    {"actuated", dof.actuated},
+                    {"lower", dof.lower},
+                    {"upper", dof.upper},
+                    {"max_effort", dof.max_effort}});
+  }
+  for (const auto& c : device.coordinates) {
+    coordinates.push_back({{"name", c.name}, {"unit", c.unit}, {"kind", c.kind}});
+  }
+  return {{"name", device.name},
+          {"kind", device.kind},
+          {"model", device.model},
+          {"serial", device.serial},
+          {"moves", device.moves},
+          {"state", client::name(device.state)},
+          {"faults", fault_names(device.faults)},
+          {"controller", device.controller},
+          {"observers", device.observers},
+          {"loop_rate_hz", device.loop_rate_hz},
+          {"dofs", dofs},
+          {"coordinates", coordinates},
+          {"stiffness_limit", device.stiffness_limit},
+          {"damping_limit", device.damping_limit},
+          {"force_limit", device.force_limit},
+          {"slew_limit", device.slew_limit},
+          {"engage_window", device.engage_window}};
+}
+
+void print(const client::ServerInfo& s) {
+  std::printf("hapticd %s (%s), scene \"%s\", up %.0f s, %u sessions\n", s.version.c_str(),
+              s.protocol.c_str(), s.scene.c_str(), std::chrono::duration<double>(s.uptime).count(),
+              s.sessions);
+  std::printf("  %s: %s\n", s.realtime_grade.c_str(), s.realtime_explanation.c_str());
+  std::printf(
+      "  loop: %llu ticks, %llu skipped, late by %.1f us p50, %.1f us p99, %.1f us max; "
+      "tick %.2f us p50, %.2f us p99\n",
+      static_cast<unsigned long long>(s.ticks), static_cast<unsigned long long>(s.skipped_ticks),
+      s.lateness_p50_us, s.lateness_p99_us, s.lateness_max_us, s.tick_p50_us, s.tick_p99_us);
+  for (const std::string& line : s.insecure) std::printf("  insecure: %s\n", line.c_str());
+}
+
+void print(const client::DeviceInfo& d) {
+  std::printf("\n%s: %s (%s)%s\n", d.name.c_str(), d.model.c_str(), d.kind.c_str(),
+              d.moves ? "" : ", moves nothing");
+  std::printf("  %s, faults %s, controller %s, %u observers\n", client::name(d.state),
+              fault_names(d.faults).c_str(), d.controller.empty() ? "nobody" : d.controller.c_str(),
+              d.observers);
+  std::size_t actuated = 0;
+  for (const auto& dof : d.dofs) {
+    std::printf("  %-12s %-4s %10.5f .. %-10.5f", dof.name.c_str(), dof.unit.c_str(), dof.lower,
+                dof.upper);
+    if (dof.actuated && actuated < d.stiffness_limit.size()) {
+      const char* force = dof.unit == "m" ? "N" : "N m";
+      std::printf("  stiffness <= %g %s/%s, force <= %g of %g %s", d.stiffness_limit[actuated],
+                  force, dof.unit.c_str(), d.force_limit[actuated], dof.max_effort, force);
+      ++actuated;
+    } else {
+      std::printf("  sensed only");
+    }
+    std::printf("\n");
+  }
+  for (const auto& c : d.coordinates) {
+    std::printf("  -> %-12s %s\n", c.name.c_str(), c.unit.c_str());
+  }
+}
+
+}  // namespace
+
+int info(const Options& options) {
+  client::Connection server(options.server);
+  const client::ServerInfo facts = server.server_info();
+  const auto devices = server.devices();
+  if (options.json) {
+    json all = to_json(facts);
+    all["devices"] = json::array();
+    for (const auto& device : devices) all["devices"].push_back(to_json(device));
+    std::printf("%s\n", all.dump(2).c_str());
+    return 0;
+  }
+  print(facts);
+  for (const auto& device : devices) {
+    if (options.device.empty() || options.device == device.name) print(device);
+  }
+  return 0;
+}
+
+}  // namespace haptic::ctl

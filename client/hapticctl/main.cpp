@@ -1,0 +1,51 @@
+/// hapticctl: look at a server and its devices, ask for force, stop, clear.
+/// Exit codes: 0 done, 1 refused or failed, 2 bad command line.
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "commands.hpp"
+#include "haptic/client/client.hpp"
+
+int main(int argc, char** argv) {
+  haptic::ctl::Options options;
+  CLI::App cli("hapticctl - command-line client of hapticd");
+  cli.require_subcommand(1);
+  cli.fallthrough();
+  cli.add_option("--server", options.server, "host:port or unix:/path")->capture_default_str();
+  cli.add_option("--device", options.device, "its name; the only one where there is one");
+
+  CLI::App* info = cli.add_subcommand("info", "the server, its real-time grade, its devices");
+  info->add_flag("--json", options.json, "one JSON object");
+  CLI::App* watch = cli.add_subcommand("watch", "a live table of the device");
+  watch->add_flag("--json", options.json, "one JSON object per line, for scripts");
+  watch->add_option("--rate", options.rate_hz, "lines or refreshes per second")
+      ->check(CLI::Range(1.0, 1000.0));
+  watch->add_option("--seconds", options.seconds, "stop after this long; 0: until interrupted");
+  CLI::App* engage =
+      cli.add_subcommand("engage", "take the lease, engage, print states until interrupted");
+  engage->add_flag("--hold", options.hold,
+                   "hold the device where it is (default: free, no force at all)");
+  engage->add_option("--seconds", options.seconds, "stop after this long; 0: until interrupted");
+  CLI::App* stop = cli.add_subcommand("estop", "zero force now, latched");
+  stop->add_option("--reason", options.reason, "for the log");
+  CLI::App* clear = cli.add_subcommand("clear-fault", "clear latched faults");
+  clear->add_option("fault", options.faults, "fault numbers; none: all that are active");
+
+  try {
+    cli.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return cli.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    if (*info) return haptic::ctl::info(options);
+    if (*watch) return haptic::ctl::watch(options);
+    if (*engage) return haptic::ctl::engage(options);
+    if (*stop) return haptic::ctl::estop(options);
+    return haptic::ctl::clear_fault(options);
+  } catch (const haptic::client::ClientError& error) {
+    std::fprintf(stderr, "hapticctl: %s%s%s\n", error.what(),
+                 error.server_reason().empty() ? "" : " - ", error.server_reason().c_str());
+    return 1;
+  }
+}

@@ -217,7 +217,9 @@ bool FingerReach::allowed_beside(int constraint, double l, double t) const noexc
 }
 
 ReachPoint FingerReach::slide(ReachPoint from, double q1, double q2) const noexcept {
-  constexpr int kSteps = 20, kHalvings = 45;
+  constexpr int kSteps = 20;
+  constexpr double kShortest =
+      1e-10;  // scaled travel: below it a step changes nothing that is felt
   ReachPoint best = from;
   for (int i = 0; i < kSteps; ++i) {
     LinkagePose p;
@@ -236,8 +238,9 @@ ReachPoint FingerReach::slide(ReachPoint from, double q1, double q2) const noexc
     // No further than a few cells of the trace at once: the curve is only locally straight.
     const double longest = 0.1 / std::hypot(tangent_l / kScaleL, tangent_t);
     s = std::clamp(s, -longest, longest);
+    const double per_s = std::hypot(tangent_l / kScaleL, tangent_t);
     bool moved = false;
-    for (int h = 0; h < kHalvings && !moved; ++h, s *= 0.5) {
+    for (; !moved && std::abs(s) * per_s > kShortest; s *= 0.5) {
       ReachPoint next = best;
       next.l = best.l + s * tangent_l;
       next.t = best.t + s * tangent_t;
@@ -253,7 +256,7 @@ ReachPoint FingerReach::slide(ReachPoint from, double q1, double q2) const noexc
         moved = true;
       }
     }
-    if (!moved || std::abs(s) * std::hypot(tangent_l / kScaleL, tangent_t) < 1e-12) break;
+    if (!moved) break;
   }
   return best;
 }
@@ -274,8 +277,8 @@ ReachPoint FingerReach::nearest(double q1, double q2) const noexcept {
       closest = std::min(closest, d2);
     }
   }
-  // A traced point is at most about a cell from the best of its curve: others cannot win.
-  const double worth_trying = std::sqrt(closest) + 0.2;
+  // A traced point lies within a cell of the best of its curve: those far behind cannot win.
+  const double worth_trying = std::sqrt(closest) + 0.05;
   ReachPoint best = edge_.front();
   double best_distance = kFar;
   for (int c = 0; c < kConstraints; ++c) {

@@ -127,6 +127,11 @@ void Session::Impl::on_message(const v1::SessionResponse& message) {
   switch (message.message_case()) {
     case v1::SessionResponse::kOpened:
       opened_ = message.opened();
+      // A server that was started anew counts its ticks and our samples from the beginning.
+      newest_ = {};
+      waited_seq_ = 0;
+      state_pending_ = false;
+      earlier_ = statistics_;
       phase_ = Phase::kOpen;
       break;
     case v1::SessionResponse::kState:
@@ -138,10 +143,10 @@ void Session::Impl::on_message(const v1::SessionResponse& message) {
       break;
     case v1::SessionResponse::kAck: {
       const v1::SampleAck& ack = message.ack();
-      statistics_.accepted = ack.accepted();
-      statistics_.rejected_old = ack.rejected_old();
-      statistics_.rejected_invalid = ack.rejected_invalid();
-      statistics_.backlog = ack.conflated_backlog();
+      statistics_.accepted = earlier_.accepted + ack.accepted();
+      statistics_.rejected_old = earlier_.rejected_old + ack.rejected_old();
+      statistics_.rejected_invalid = earlier_.rejected_invalid + ack.rejected_invalid();
+      statistics_.backlog = earlier_.backlog + ack.conflated_backlog();
       statistics_.last_rejection = ack.last_rejection();
       break;
     }
@@ -153,8 +158,7 @@ void Session::Impl::on_message(const v1::SessionResponse& message) {
 
 void Session::Impl::on_sent(std::uint64_t samples_replaced) {
   const std::lock_guard lock(mutex_);
-  // The first write of a stream is OpenSession; what was published before counts as replaced.
-  if (phase_ == Phase::kOpen) ++statistics_.sent;
+  ++statistics_.sent;
   statistics_.conflated += samples_replaced;
 }
 
@@ -168,6 +172,7 @@ void Session::Impl::on_done(const grpc::Status& status) {
 
 void Session::Impl::publish(Proxy proxy) noexcept {
   try {
+    const std::lock_guard in_order(publish_mutex_);
     v1::ProxySample sample;
     std::shared_ptr<Stream> stream;
     const auto now = Clock::now();
@@ -243,6 +248,11 @@ void Session::Impl::want_force(bool wanted) {
 
 void Session::Impl::release() {
   want_force(false);
+  {
+    // An Engage under way would otherwise be able to overtake the Release.
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return engage_call_ == nullptr; });  // it has a deadline
+  }
   v1::ReleaseRequest request;
   request.set_session_id(session_id());
   grpc::ClientContext context;
@@ -328,8 +338,10 @@ void Session::Impl::deliver(std::unique_lock<std::mutex>& lock) {
   while (!events_.empty() && !closing_) {
     const Event event = std::move(events_.front());
     events_.pop_front();
-    constexpr unsigned kLost = v1::Event::KIND_LOST;
-    if (event.kind == kLost && !options_.re_engage) want_force_ = false;
+    const bool lost = event.kind == static_cast<unsigned>(v1::Event::KIND_LOST);
+    const bool fault = event.kind == static_cast<unsigned>(v1::Event::KIND_FAULT);
+    // Whoever clears a fault, perhaps an emergency stop, must not start a motor by that.
+    if (fault || (lost && !options_.re_engage)) want_force_ = false;
     lock.unlock();
     call(options_.on_event, event);
     lock.lock();

@@ -61,6 +61,7 @@ class Session::Impl final : public StreamSink {
   std::unique_ptr<v1::HapticService::Stub> stub_;
   DeviceInfo device_{};
 
+  std::mutex publish_mutex_;  ///< samples leave in the order of their numbers; before mutex_
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   Phase phase_{Phase::kDone};
@@ -74,6 +75,7 @@ class Session::Impl final : public StreamSink {
   bool state_pending_{false};
   std::deque<Event> events_;
   PublishStatistics statistics_{};
+  PublishStatistics earlier_{};  ///< of the streams before this one: the server counts per stream
   std::uint64_t seq_{0};
   Mode last_mode_{Mode::kFree};
   std::uint32_t mode_epoch_{0};

@@ -37,17 +37,19 @@ void Stream::write_locked() {
 
 void Stream::OnWriteDone(bool ok) {
   std::uint64_t replaced = 0;
+  bool was_sample = false;  // or the opening
   {
     const std::lock_guard lock(mutex_);
     writing_ = false;
-    replaced = std::exchange(replaced_, 0);
+    was_sample = outgoing_.has_proxy();
+    if (ok && was_sample) replaced = std::exchange(replaced_, 0);
     if (!ok) {
       broken_ = true;
     } else if (pending_ && !broken_) {
       write_locked();
     }
   }
-  if (ok) sink_.on_sent(replaced);
+  if (ok && was_sample) sink_.on_sent(replaced);
 }
 
 void Stream::OnReadDone(bool ok) {
@@ -65,9 +67,8 @@ void Stream::OnReadDone(bool ok) {
 
 void Stream::cancel() {
   const std::lock_guard lock(mutex_);
-  if (!started_) return;
-  broken_ = true;
-  context_.TryCancel();
+  if (started_) broken_ = true;
+  context_.TryCancel();  // of a call that is yet to start: it then ends at once
   // The pending read now fails and gives the hold back.
 }
 

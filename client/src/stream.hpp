@@ -18,6 +18,7 @@ class StreamSink {
  public:
   virtual ~StreamSink() = default;
   virtual void on_message(const v1::SessionResponse& message) = 0;
+  /// One sample was handed over; so many before it gave way to newer ones.
   virtual void on_sent(std::uint64_t samples_replaced) = 0;
   virtual void on_done(const grpc::Status& status) = 0;
 };

@@ -45,6 +45,7 @@ std::string FakeServer::address() const {
 }
 
 void FakeServer::die() {
+  hold_engage(false);
   if (server_) server_->Shutdown(std::chrono::system_clock::now());  // cancels every stream
   server_.reset();
 }
@@ -77,6 +78,12 @@ void FakeServer::answer_engage(const grpc::Status& status) {
 std::size_t FakeServer::engage_answers_left() const {
   const Lock lock(mutex_);
   return engage_answers_.size();
+}
+
+void FakeServer::hold_engage(bool hold) {
+  const Lock lock(mutex_);
+  hold_engage_ = hold;
+  changed_.notify_all();
 }
 
 void FakeServer::send(const v1::SessionResponse& message) {

@@ -4,6 +4,7 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -36,6 +37,7 @@ class FakeServer final
   void read_samples(bool read);                     ///< false: leaves them in the socket
   void answer_engage(const grpc::Status& status);   ///< queued; OK where the queue is empty
   [[nodiscard]] std::size_t engage_answers_left() const;
+  void hold_engage(bool hold);  ///< true: Engage is heard but not answered yet
 
   // Down the newest open session.
   void send_state(std::uint64_t seq, v1::DeviceStateName state = v1::DEVICE_STATE_NAME_ARMED);
@@ -58,8 +60,10 @@ class FakeServer final
   [[nodiscard]] v1::UpdateSettingsRequest last_update() const;
   [[nodiscard]] v1::WatchRequest last_watch() const;
 
-  /// Until `condition` (evaluated without any lock held) or 20 s; false on the latter.
-  [[nodiscard]] bool until(const std::function<bool()>& condition) const;
+  /// Until `condition` (evaluated without any lock held) or `patience`; false on the latter. Short
+  /// patience is for what must not happen: a slow machine then passes, it never fails.
+  [[nodiscard]] bool until(const std::function<bool()>& condition,
+                           std::chrono::milliseconds patience = std::chrono::seconds(20)) const;
 
  private:
   class SessionReactor;
@@ -91,6 +95,7 @@ class FakeServer final
   bool answer_opening_{true};
   bool read_{true};
   std::deque<grpc::Status> engage_answers_;
+  bool hold_engage_{false};
   std::uint32_t epoch_{0};
   SessionReactor* session_{nullptr};  ///< the newest; null once it ended
   WatchReactor* watch_{nullptr};

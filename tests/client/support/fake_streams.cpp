@@ -88,8 +88,9 @@ grpc::Status FakeServer::GetServerInfo(grpc::ServerContext* /*context*/,
 grpc::Status FakeServer::Engage(grpc::ServerContext* /*context*/,
                                 const v1::EngageRequest* /*request*/,
                                 v1::EngageResponse* /*response*/) {
-  const Lock lock(mutex_);
+  Lock lock(mutex_);
   ++engages_;
+  changed_.wait(lock, [this] { return !hold_engage_; });
   if (engage_answers_.empty()) return grpc::Status::OK;
   const grpc::Status answer = engage_answers_.front();
   engage_answers_.pop_front();
@@ -125,10 +126,10 @@ grpc::Status FakeServer::ClearFault(grpc::ServerContext* /*context*/,
   return refusal(grpc::StatusCode::FAILED_PRECONDITION, "CAUSE_PERSISTS", "DEVICE_LOST persists");
 }
 
-bool FakeServer::until(const std::function<bool()>& condition) const {
+bool FakeServer::until(const std::function<bool()>& condition,
+                       std::chrono::milliseconds patience) const {
   using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::seconds kPatience{20};  // only ever waited for by a test that fails
-  for (const auto end = Clock::now() + kPatience; Clock::now() < end;) {
+  for (const auto end = Clock::now() + patience; Clock::now() < end;) {
     if (condition()) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }

@@ -28,6 +28,7 @@ struct SessionOptions {
   Reconnect reconnect{Reconnect::kNever};
   /// After force was lost (stale proxy, reconnect) ask for it again as soon as the server would
   /// agree.
+  /// Never after a fault: clearing one must not start a motor. Ask again with engage_when_ready().
   bool re_engage{false};
   std::chrono::milliseconds timeout{5000};  ///< of calls that wait for an answer
   std::function<void(const DeviceState&)> on_state{};
@@ -62,7 +63,7 @@ class Session {
   /// and counted. Only this call creates sequence numbers.
   void publish(Proxy proxy) noexcept;
 
-  /// The newest state; seq 0 before the first.
+  /// The newest state; seq 0 before the first, also after a reconnect.
   [[nodiscard]] DeviceState state() const;
   /// Waits for a state newer than the last one this call returned. Throws kTimeout, kClosed.
   [[nodiscard]] DeviceState wait_for_state();
@@ -70,6 +71,7 @@ class Session {
   /// Asks for force, once. Throws kNotReady naming what is missing.
   void engage();
   /// Asks for force as soon as the server would agree, in the background. Idempotent.
+  /// Ends with a refusal that time cannot cure, and with a fault.
   void engage_when_ready();
   /// Gives force up; it fades out. Also ends engage_when_ready().
   void release();

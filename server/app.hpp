@@ -1,13 +1,13 @@
 #pragma once
 /// The composition root: the one place that knows everything.
 ///
-/// | thread    | what it owns                                    | how it stops |
-/// |-----------|-------------------------------------------------|----------------------------------|
-/// | main      | the App; waits for signals                      | App::stop() returned | | loop |
-/// units: device read and write, pipeline          | every unit CLOSING, or 2.5 s     | | telemetry
-/// | reading end of the rings; lease clock, events,  | Telemetry::stop(), after a last  | | |
-/// states to streams, recorder, log                | drain                            | | gRPC's |
-/// calls; they post to mailboxes under a mutex     | RpcServer::shutdown(), 1 s       |
+/// | thread    | what it owns                                    | how it stops                 |
+/// |-----------|-------------------------------------------------|------------------------------|
+/// | main      | the App; waits for signals                      | App::stop() returned         |
+/// | loop      | units: device read and write, pipeline          | every unit CLOSING, or 2.5 s |
+/// | telemetry | reading end of the rings; lease clock, events,  | Telemetry::stop(), after a   |
+/// |           | states to streams, recorder, log                | last drain                   |
+/// | gRPC's    | calls; they post to mailboxes under a mutex     | RpcServer::shutdown(), 1 s   |
 ///
 /// All but main block every signal (gRPC's inherit SIGTERM, SIGINT and SIGHUP blocked from main).
 

@@ -1,0 +1,133 @@
+// The contract of WIRE 4 over real sockets: pressing, then the client is killed, or paused.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <mutex>
+#include <thread>
+
+#include "haptic/client/client.hpp"
+#include "server/app.hpp"
+#include "tests/system/process.hpp"
+
+namespace haptic {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// A finger at rest at 30, 30 degrees; a virtual wall that it presses against from another process.
+class Pressing : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    app_.start();
+    address_ = app_.addresses().front();
+    connection_ = std::make_unique<client::Connection>(address_);
+    watch_ = connection_->watch("finger", 1000.0, [this](const client::DeviceState& state) {
+      const std::lock_guard lock(mutex_);
+      states_.push_back(state);
+    });
+    wall_ = std::make_unique<test::Process>(
+        std::string(HAPTIC_BINARY_DIR) + "/client/haptic-example-virtual-wall",
+        std::vector<std::string>{"--server", address_, "--stop", "0.49"});
+    ASSERT_TRUE(eventually([](const client::DeviceState& s) {
+      return s.state == client::State::kEngaged && std::abs(s.tau_elastic.at(0)) > 0.5;
+    })) << "the wall is never pressed";
+  }
+
+  /// Waits, generously, for a state that holds.
+  template <typename Rule>
+  bool eventually(Rule rule) {
+    const auto give_up = std::chrono::steady_clock::now() + seconds(20);
+    while (std::chrono::steady_clock::now() < give_up) {
+      {
+        const std::lock_guard lock(mutex_);
+        if (!states_.empty() && rule(states_.back())) return true;
+      }
+      std::this_thread::sleep_for(milliseconds(5));
+    }
+    return false;
+  }
+
+  std::vector<client::DeviceState> states() {
+    const std::lock_guard lock(mutex_);
+    return states_;
+  }
+
+  /// In every state that was seen: silence has an end, recovery is a ramp.
+  void expect_the_contract() {
+    const auto seen = states();
+    for (std::size_t i = 1; i < seen.size(); ++i) {
+      const client::DeviceState& s = seen[i];
+      if (s.proxy_seq_used > 0 && s.proxy_age >= milliseconds(200)) {
+        ASSERT_EQ(s.tau_elastic.at(0), 0.0) << "age " << s.proxy_age.count() << " us";
+      }
+      const double dt = static_cast<double>(s.server_time_ns - seen[i - 1].server_time_ns) * 1e-9;
+      ASSERT_LE(s.gain - seen[i - 1].gain, dt / 0.2 + 1e-9) << "gain rose by a step";
+    }
+  }
+
+  server::App app_{
+      server::load_scene(std::string(HAPTIC_SOURCE_DIR) + "/server/scenes/finger_constant.textproto",
+                         {"server.listen[0]=127.0.0.1:0", "loop.late_bucket_full=1000000",
+                          "loop.loop_late_fault={seconds: 5}"}),
+      {server::RealtimeMode::kTry}};
+  std::string address_;
+  std::mutex mutex_;
+  std::vector<client::DeviceState> states_;
+  std::unique_ptr<client::Connection> connection_;
+  std::unique_ptr<client::Watch> watch_;
+  std::unique_ptr<test::Process> wall_;
+};
+
+client::SessionOptions controller(const char* name) {
+  client::SessionOptions options;
+  options.client_name = name;
+  options.nominal_rate_hz = 100;
+  return options;
+}
+
+TEST_F(Pressing, AKilledClientLeavesNoForceAndAFreeLease) {
+  wall_->signal(SIGKILL);
+  wall_->wait();
+  ASSERT_TRUE(eventually([](const client::DeviceState& s) {
+    return s.tau_elastic.at(0) == 0.0 && s.state == client::State::kIdle;
+  }));
+  expect_the_contract();
+  const auto next = connection_->open(controller("the next one"));
+  EXPECT_TRUE(next->connected());
+}
+
+TEST_F(Pressing, APausedClientLosesForceThenItsLeaseAndNobodyElseMayComeBefore) {
+  try {
+    static_cast<void>(connection_->open(controller("impatient")));
+    FAIL() << "two controllers";
+  } catch (const client::ClientError& error) {
+    EXPECT_EQ(error.reason(), client::ErrorReason::kLeaseHeld);
+    EXPECT_NE(std::string(error.what()).find("virtual wall"), std::string::npos) << error.what();
+  }
+  wall_->signal(SIGSTOP);
+  ASSERT_TRUE(eventually([](const client::DeviceState& s) {
+    return s.state == client::State::kArmed && s.tau_elastic.at(0) == 0.0;
+  }));
+  ASSERT_TRUE(eventually([](const client::DeviceState& s) {
+    return s.state == client::State::kIdle && s.tau_a.at(0) == 0.0;
+  })) << "the lease must end by its clock";
+  expect_the_contract();
+  EXPECT_TRUE(connection_->open(controller("the next one"))->connected());
+  wall_->signal(SIGCONT);
+}
+
+TEST_F(Pressing, ABriefPauseComesBackAsARamp) {
+  wall_->signal(SIGSTOP);
+  ASSERT_TRUE(eventually([](const client::DeviceState& s) {
+    return s.state == client::State::kArmed && s.tau_elastic.at(0) == 0.0;
+  }));
+  wall_->signal(SIGCONT);
+  EXPECT_TRUE(eventually([](const client::DeviceState& s) {
+    return s.state == client::State::kEngaged && std::abs(s.tau_elastic.at(0)) > 0.5;
+  })) << "the wall asks for force again by itself (re_engage)";
+  expect_the_contract();
+}
+
+}  // namespace
+}  // namespace haptic

@@ -8,22 +8,25 @@ failures=0
 
 # recording FREE-FORCE CONTACT-FORCE: 1 s free, 1 s contact, 1 s free, at 1 kHz. In contact the force
 # is CONTACT-FORCE; after it, for 100 ms, a tenth of it; else FREE-FORCE.
+# The last 100 ms are in state LAST.
 recording() {
-  awk -v free="$1" -v contact="$2" 'BEGIN {
-    print "time_s,tick,proxy_age_us,mode,gain,tau_a_l_x_n,lateness_us,skipped,faults"
+  awk -v free="$1" -v contact="$2" -v last="$3" 'BEGIN {
+    print "time_s,tick,state,proxy_age_us,mode,gain,tau_a_l_x_n,lateness_us,skipped,faults"
     for (i = 0; i < 3000; ++i) {
       held = i >= 1000 && i < 2000
       force = held ? contact : i >= 2000 && i < 2100 ? contact / 10 : free
       # Lateness 0..99 us, each a hundredth of the ticks; one skipped deadline in all.
-      printf "%.3f,%d,%d,%s,1,%.6f,%d,%d,\n", i / 1000, i + 1, 4000, held ? "HELD" : "FREE", force,
-             i % 100, i == 1500
+      state = i < 2900 ? "ENGAGED" : last
+      fault = state == "FAULT" ? "LOOP_LATE" : ""
+      printf("%.3f,%d,%s,%d,%s,1,%.6f,%d,%d,%s\n", i / 1000, i + 1, state, 4000,
+             held ? "HELD" : "FREE", force, i % 100, i == 1500, fault)
     }
   }'
 }
 
-expect() {  # expect STATUS PATTERN FREE-FORCE CONTACT-FORCE
+expect() {  # expect STATUS PATTERN FREE-FORCE CONTACT-FORCE [LAST]
   status=0
-  text=$(recording "$3" "$4" | awk -f "$summary") || status=$?
+  text=$(recording "$3" "$4" "${5:-ENGAGED}" | awk -f "$summary") || status=$?
   if [ "$status" -ne "$1" ] || ! echo "$text" | grep -qE "$2"; then
     echo "FAILED: force $3 N free, $4 N in contact: status $status, expected $1 and /$2/ in"
     echo "$text"
@@ -41,6 +44,9 @@ expect 0 'max 0.100 N = 2.00 %' 0.1 5
 expect 4 'MORE THAN 2 %' 0.101 5
 expect 4 'MORE THAN 2 %' -0.2 5
 expect 3 'no contact' 0 0
+expect 7 'FAULT +LOOP_LATE, 100 ticks' 0.02 5 FAULT
+expect 0 'free motion +2.0 s' 0.02 5
+expect 0 'free motion +1.9 s' 0.02 5 IDLE
 
 status=0
 echo "time_s,tick" | awk -f "$summary" >/dev/null || status=$?

@@ -102,19 +102,14 @@ Joints SoftFinger::minimise(const Joints& x_probe, const Joints& seed) const {
 }
 
 SoftFinger::Step SoftFinger::step(const Joints& x_probe) {
-  const double inside = depth(x_probe);
-  const bool was_touching = touching_;
-  touching_ = inside > (was_touching ? -kRelease : 0.0);
+  // In contact from the last proxy, not from the probe: a probe pushed through the object and out at
+  // its back must not count as free, nor draw the proxy after it.
+  const Joints x = touching_ ? minimise(x_probe, last_) : minimise(x_probe, x_probe);
+  touching_ = depth(x) > (touching_ ? -kRelease : 0.0);
   Step out;
   out.touching = touching_;
-  out.x = x_probe;
-  if (touching_ && inside > 0.0) {
-    // From the last proxy where that is a better start: the finger stays on its side of the object.
-    const Joints seed =
-        was_touching && total(last_, x_probe) < total(x_probe, x_probe) ? last_ : x_probe;
-    out.x = minimise(x_probe, seed);
-    out.energy = contact(out.x).value;
-  }
+  out.x = touching_ ? x : x_probe;
+  out.energy = touching_ ? contact(x).value : 0.0;
   last_ = out.x;
   return out;
 }

@@ -46,7 +46,7 @@ class SoftFinger {
     Joints x{};          ///< the proxy; the probe itself where nothing touches
     double energy{0.0};  ///< of the contact, J
   };
-  /// One simulation step. Contact ends only with `kRelease` of clearance, so that noise does not
+  /// One simulation step; in contact the proxy stays on the side it came from. Contact ends only with `kRelease` of clearance, so that noise does not
   /// toggle it.
   [[nodiscard]] Step step(const Joints& x_probe);
 

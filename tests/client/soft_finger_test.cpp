@@ -1,0 +1,151 @@
+/// The soft finger of the soft-grasp example: its energy, its contact, its proxy.
+
+#include "soft_finger.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace haptic::examples {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// Poses over the motion that the example is made for: MCP 0..60, PIP 0..70 degrees.
+template <typename Visit>
+void over_the_motion(Visit visit) {
+  for (int mcp = 0; mcp <= 60; mcp += 5) {
+    for (int pip = 0; pip <= 70; pip += 5) visit(Joints{mcp * kDegree, pip * kDegree});
+  }
+}
+
+/// Depth of the deepest pad by METHOD 1.2's kinematics, written with complex numbers.
+double depth_by_complex_numbers(const SoftFingerModel& m, const Joints& x) {
+  using Complex = std::complex<double>;
+  const Complex u1 = std::polar(1.0, -x[0]), u2 = std::polar(1.0, -(x[0] + x[1]));
+  const Complex palmar(0.0, -1.0), centre(m.centre_x, m.centre_y);
+  double deepest = -1.0;
+  for (int i = 1; i <= SoftFinger::kPadsPerPhalanx; ++i) {
+    const double part = static_cast<double>(i) / SoftFinger::kPadsPerPhalanx;
+    const Complex first = (part * m.proximal + palmar * m.pad_depth) * u1;
+    const Complex second = m.proximal * u1 + (part * m.distal + palmar * m.pad_depth) * u2;
+    deepest = std::max(
+        {deepest, m.radius - std::abs(first - centre), m.radius - std::abs(second - centre)});
+  }
+  return deepest;
+}
+
+TEST(SoftFinger, PadsFollowTheKinematicsOfTheMethod) {
+  const SoftFingerModel model;
+  const SoftFinger finger(model);
+  over_the_motion([&](const Joints& x) {
+    EXPECT_NEAR(finger.depth(x), depth_by_complex_numbers(model, x), 1e-15);
+  });
+}
+
+TEST(SoftFinger, TheGradientIsTheDifferenceOfTheEnergy) {
+  const SoftFinger finger;
+  constexpr double h = 1e-6;
+  over_the_motion([&](const Joints& x) {
+    const auto energy = finger.contact(x);
+    for (std::size_t k = 0; k < 2; ++k) {
+      Joints up = x, down = x;
+      up[k] += h;
+      down[k] -= h;
+      const double difference = (finger.contact(up).value - finger.contact(down).value) / (2.0 * h);
+      // Energies reach a few J; a pad crossing the surface within h adds its k depth^2 / h.
+      EXPECT_NEAR(energy.gradient[k], difference, 1e-6) << x[0] << ' ' << x[1];
+    }
+  });
+}
+
+TEST(SoftFinger, TheHessianKeepsNewtonGoingDownhill) {
+  const SoftFinger finger;
+  over_the_motion([&](const Joints& x) {
+    const auto [h11, h12, h22] = finger.contact(x).hessian;  // one off-diagonal: symmetric by type
+    EXPECT_GE(h11, 0.0);
+    EXPECT_GE(h22, 0.0);
+    EXPECT_GE(h11 * h22 - h12 * h12, -1e-9 * (1.0 + h11 * h22));
+  });
+}
+
+TEST(SoftFinger, TheMotionMakesAndLeavesContact) {
+  const SoftFinger finger;
+  int touching = 0, apart = 0;
+  over_the_motion([&](const Joints& x) { ++(finger.depth(x) > 0.0 ? touching : apart); });
+  EXPECT_LT(finger.depth({0.0, 0.0}), 0.0) << "the open hand touches nothing";
+  EXPECT_GT(touching, 0);
+  EXPECT_GT(apart, 0);
+}
+
+TEST(SoftFinger, OutOfContactTheProxyIsTheProbeAndThereIsNoEnergy) {
+  over_the_motion([](const Joints& probe) {
+    SoftFinger finger;
+    if (finger.depth(probe) > 0.0) return;
+    const auto step = finger.step(probe);
+    EXPECT_FALSE(step.touching);
+    EXPECT_EQ(step.x, probe);
+    EXPECT_EQ(step.energy, 0.0);
+  });
+}
+
+TEST(SoftFinger, ContactOpensTheFinger) {
+  over_the_motion([](const Joints& probe) {
+    SoftFinger finger;
+    if (finger.depth(probe) <= 0.0) return;
+    const auto step = finger.step(probe);
+    EXPECT_TRUE(step.touching);
+    EXPECT_LT(finger.depth(step.x), finger.depth(probe)) << probe[0] << ' ' << probe[1];
+  });
+}
+
+TEST(SoftFinger, AProbePushedThroughTheObjectStaysInContactAndComesBackOnItsOwnSide) {
+  SoftFinger finger;
+  const auto pose = [](int percent) {
+    return Joints{0.6 * percent * kDegree, 0.7 * percent * kDegree};
+  };
+  ASSERT_LT(finger.depth(pose(100)), 0.0) << "the fist is behind the object, or this tests nothing";
+  bool touched = false;
+  for (int percent = 0; percent <= 100; ++percent) {
+    const auto step = finger.step(pose(percent));
+    EXPECT_TRUE(step.touching || !touched) << "let go while closing, at " << percent << " %";
+    touched = touched || step.touching;
+    EXPECT_LE(step.x[0], pose(percent)[0] + 1e-12) << "contact can only hold the finger back";
+  }
+  EXPECT_TRUE(touched);
+  for (int percent = 100; percent >= 0; --percent) static_cast<void>(finger.step(pose(percent)));
+  EXPECT_FALSE(finger.step(pose(0)).touching);
+}
+
+TEST(SoftFinger, TheProxyIsAnEquilibrium) {
+  const SoftFingerModel model;
+  SoftFinger finger(model);
+  for (int percent = 0; percent <= 100; ++percent) {  // closing steadily, as a hand does
+    const Joints probe{0.6 * percent * kDegree, 0.7 * percent * kDegree};
+    const auto step = finger.step(probe);
+    if (!step.touching) continue;
+    const auto contact = finger.contact(step.x);
+    for (std::size_t k = 0; k < 2; ++k) {
+      EXPECT_NEAR(contact.gradient[k] + model.coupling * (step.x[k] - probe[k]), 0.0, 1e-7)
+          << percent;
+    }
+  }
+}
+
+TEST(SoftFinger, ContactEndsOnlyWithAMarginOfClearance) {
+  const SoftFinger probe_only;
+  SoftFinger finger;
+  const auto pose = [](double degrees) { return Joints{degrees * kDegree, degrees * kDegree}; };
+  double touch = 0.0;  // closing: the first pose in contact
+  while (probe_only.depth(pose(touch)) <= 0.0) touch += 0.001;
+  ASSERT_LT(touch, 60.0);
+  EXPECT_FALSE(finger.step(pose(touch - 0.001)).touching);
+  EXPECT_TRUE(finger.step(pose(touch)).touching);
+  EXPECT_TRUE(finger.step(pose(touch - 0.001)).touching) << "noise must not toggle the mode";
+  EXPECT_FALSE(finger.step(pose(0.0)).touching);
+}
+
+}  // namespace
+}  // namespace haptic::examples

@@ -1,11 +1,11 @@
 #pragma once
 /// A program of ours as a child process, ended by its id.
 
-#include <csignal>
-#include <string>
 #include <sys/types.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <csignal>
+#include <string>
 #include <vector>
 
 namespace haptic::test {

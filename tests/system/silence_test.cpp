@@ -66,11 +66,11 @@ class Pressing : public ::testing::Test {
     }
   }
 
-  server::App app_{
-      server::load_scene(std::string(HAPTIC_SOURCE_DIR) + "/server/scenes/finger_constant.textproto",
-                         {"server.listen[0]=127.0.0.1:0", "loop.late_bucket_full=1000000",
-                          "loop.loop_late_fault={seconds: 5}"}),
-      {server::RealtimeMode::kTry}};
+  server::App app_{server::load_scene(
+                       std::string(HAPTIC_SOURCE_DIR) + "/server/scenes/finger_constant.textproto",
+                       {"server.listen[0]=127.0.0.1:0", "loop.late_bucket_full=1000000",
+                        "loop.loop_late_fault={seconds: 5}"}),
+                   {server::RealtimeMode::kTry}};
   std::string address_;
   std::mutex mutex_;
   std::vector<client::DeviceState> states_;

@@ -23,14 +23,15 @@ constexpr double kNoStop = 999.0;
 struct Row {
   double stop_mcp, stop_pip, stiffness;
 };
-constexpr Row kRows[] = {{18, kNoStop, 1500}, {18, kNoStop, 6000}, {kNoStop, 25, 1500}, {18, 25, 1500}};
+constexpr Row kRows[] = {
+    {18, kNoStop, 1500}, {18, kNoStop, 6000}, {kNoStop, 25, 1500}, {18, 25, 1500}};
 
 struct Felt {
-  double end_mcp{0}, end_pip{0};       ///< deg
-  double end_force{0};                 ///< N
-  double worst_penetration{0};         ///< deg beyond a stop, at the end
-  double work{0};                      ///< J put into the finger by the elastic force
-  double most_against{0};              ///< most negative tau_x . dx in any tick, N m rad
+  double end_mcp{0}, end_pip{0};  ///< deg
+  double end_force{0};            ///< N
+  double worst_penetration{0};    ///< deg beyond a stop, at the end
+  double work{0};                 ///< J put into the finger by the elastic force
+  double most_against{0};         ///< most negative tau_x . dx in any tick, N m rad
 };
 
 Felt press(const Row& row, core::RendererKind kind, bool guard, bool force) {

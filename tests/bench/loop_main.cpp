@@ -1,0 +1,109 @@
+/// haptic-bench-loop: how late the product's loop wakes, against a bare clock_nanosleep loop with the same
+/// settings, idle and beside two busy threads. One block is 500 ticks of each.
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <ctime>
+#include <thread>
+#include <vector>
+
+#include "server/rt/loop.hpp"
+#include "server/scene/scene.hpp"
+#include "tests/bench/paired.hpp"
+
+namespace {
+
+using namespace haptic;
+using std::chrono::milliseconds;
+
+constexpr int kTicks = 500;
+constexpr milliseconds kPeriod{1};
+
+double percentile(std::vector<double> values, double p) {
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1,
+                         static_cast<std::size_t>(p * static_cast<double>(values.size())))];
+}
+
+class Lateness final : public server::RecordListener {
+ public:
+  void on_record(const core::TickRecord& record) override {
+    us.push_back(core::seconds(record.input.loop.lateness) * 1e6);
+  }
+  std::vector<double> us{};
+};
+
+/// Lateness of `kTicks` ticks of the product's loop with one finger, in us.
+std::vector<double> product(const server::Scene& scene) {
+  const server::DeviceScene& device = scene.devices.front();
+  auto opened = hw::open_device(device.source, device.kinematics);
+  core::PipelineConfig config;
+  config.kinematics = device.kinematics;
+  config.device = opened->info().limits;
+  config.scene = device.settings;
+  server::DeviceUnit unit(device.name, std::move(opened), config);
+  server::Telemetry telemetry({&unit});
+  Lateness lateness;
+  telemetry.add(0, &lateness);
+  telemetry.start();
+  {
+    server::Loop loop({}, kPeriod);
+    loop.begin({&unit}, telemetry);
+    std::this_thread::sleep_for(kPeriod * kTicks);
+    loop.finish(core::Duration::zero());
+  }
+  telemetry.stop();
+  return lateness.us;
+}
+
+std::vector<double> bare() {
+  std::vector<double> us;
+  us.reserve(kTicks);
+  std::thread thread([&us] {
+    static_cast<void>(server::apply_realtime({}, server::real_host()));
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    std::int64_t deadline = now.tv_sec * 1'000'000'000LL + now.tv_nsec;
+    for (int i = 0; i < kTicks; ++i) {
+      deadline += core::Duration(kPeriod).count();
+      const timespec at{static_cast<std::time_t>(deadline / 1'000'000'000),
+                        static_cast<long>(deadline % 1'000'000'000)};
+      clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr);
+      clock_gettime(CLOCK_MONOTONIC, &now);
+      us.push_back(static_cast<double>(now.tv_sec * 1'000'000'000LL + now.tv_nsec - deadline) *
+                   1e-3);
+    }
+  });
+  thread.join();
+  return us;
+}
+
+void rows(const server::Scene& scene, const std::string& under) {
+  for (const double p : {0.5, 0.99}) {
+    bench::print(bench::compare(
+        "loop wake lateness " + under + (p < 0.9 ? " p50" : " p99"), "bare clock_nanosleep loop",
+        "us", [&] { return percentile(product(scene), p); }, [&] { return percentile(bare(), p); },
+        1.2, 20));
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const server::Scene scene = server::load_scene(
+      argc > 1 ? argv[1] : HAPTIC_SOURCE_DIR "/server/scenes/finger_constant.textproto");
+  bench::print_header();
+  rows(scene, "idle");
+  std::atomic<bool> stop{false};
+  std::vector<std::thread> hogs;
+  for (int i = 0; i < 2; ++i) {
+    hogs.emplace_back([&stop] {
+      volatile double x = 1.0;
+      while (!stop.load(std::memory_order_relaxed)) x = x * 1.0000001;
+    });
+  }
+  rows(scene, "beside two CPU hogs");
+  stop = true;
+  for (std::thread& hog : hogs) hog.join();
+  return 0;
+}

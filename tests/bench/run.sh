@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# Measures what README.md promises, in one run, by the rule of HOUSE 5: alternating blocks, median paired
+# ratio with its bootstrap 95 % interval, an A/A row in the same line. Writes CSV to standard output.
+# Run it on a machine that does nothing else.
+#
+#   tests/bench/run.sh [core|loop|wire|memory]...      default: all, about 8 minutes
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+cd "$root"
+sh docker/install-deps.sh build test >&2
+cmake --preset release -DHAPTIC_BUILD_BENCHMARKS=ON >&2
+cmake --build --preset release --parallel "$(nproc)" \
+  --target haptic-bench-core haptic-bench-loop haptic-bench-wire hapticd >&2
+bin=build/release
+
+memory() {  # resident memory of an idle hapticd, after 5 s and after the rest, without and with locking
+  local seconds=${MEMORY_SECONDS:-30}
+  echo "what,after_s,resident_kb"
+  for mode in off try; do
+    local socket
+    socket=$(mktemp -u /var/tmp/haptic-bench-XXXXXX.sock)
+    "$bin/server/hapticd" --scene server/scenes/finger_constant.textproto --realtime="$mode" \
+      --listen "unix:$socket" --log-level error &
+    local id=$!
+    for after in 5 "$seconds"; do
+      sleep "$([ "$after" = 5 ] && echo 5 || echo $((seconds - 5)))"
+      echo "hapticd --realtime=$mode,$after,$(awk '/VmRSS/ {print $2}' "/proc/$id/status")"
+    done
+    kill -TERM "$id"
+    wait "$id"
+  done
+}
+
+for part in "${@:-core loop wire memory}"; do
+  for one in $part; do
+    case "$one" in
+      core | loop | wire) echo "# $one"; "$bin/tests/bench/haptic-bench-$one" ;;
+      memory) echo "# memory"; memory ;;
+      *) echo "run.sh: unknown part '$one' (core, loop, wire, memory)" >&2; exit 2 ;;
+    esac
+  done
+done

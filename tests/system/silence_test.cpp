@@ -28,7 +28,7 @@ class Pressing : public ::testing::Test {
     });
     wall_ = std::make_unique<test::Process>(
         std::string(HAPTIC_BINARY_DIR) + "/client/haptic-example-virtual-wall",
-        std::vector<std::string>{"--server", address_, "--stop", "0.49"});
+        std::vector<std::string>{"--server", address_, "--stop", "0.3"});
     ASSERT_TRUE(eventually([](const client::DeviceState& s) {
       return s.state == client::State::kEngaged && std::abs(s.tau_elastic.at(0)) > 0.5;
     })) << "the wall is never pressed";

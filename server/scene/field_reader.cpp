@@ -89,6 +89,7 @@ std::vector<double> FieldReader::list(const ListField& field,
     for (const double value : *fallback) entries.Add(value);
   }
   std::vector<double> values;
+  values.reserve(static_cast<std::size_t>(entries.size()));
   for (int i = 0; i < entries.size(); ++i) values.push_back(entries.Get(i));
   if (values.empty() && field.size != 0 && !fallback) missing(field.name, wanted);
   for (std::size_t i = 0; i < values.size(); ++i) {

@@ -44,8 +44,8 @@ class FieldReader {
   /// `path` is the message's: "device[0].impedance". All must outlive this.
   FieldReader(google::protobuf::Message& message, std::string path, Problems& problems);
 
-  void wrong(const std::string& field, const std::string& value, const std::string& rule) const;
-  void missing(const std::string& field, const std::string& rule) const;
+  void wrong(const std::string& field, const std::string& value, const std::string& why) const;
+  void missing(const std::string& field, const std::string& why) const;
   [[nodiscard]] std::string path(const std::string& field) const;
 
   /// Each number as it is in the message where it is there, else its default

@@ -15,7 +15,7 @@ std::string entry(const char* list, int i) {
 
 core::Unit read_unit(const FieldReader& reader, const std::string& text) {
   if (text != "m" && text != "rad") {
-    reader.wrong("unit", quoted(text), "must be \"m\" or \"rad\"");
+    reader.wrong("unit", quoted(text), R"(must be "m" or "rad")");
   }
   return text == "rad" ? core::Unit::kRadian : core::Unit::kMetre;
 }
@@ -62,7 +62,7 @@ core::Coordinate read_coordinate(v1::LinearScene::Coordinate& coordinate, const 
   check_name(reader, coordinate.name(), names);
   const core::Unit unit = read_unit(reader, coordinate.unit());
   if (coordinate.full_circle() && unit != core::Unit::kRadian) {
-    reader.wrong("full_circle", "true", "must be a coordinate in \"rad\"");
+    reader.wrong("full_circle", "true", R"(must be a coordinate in "rad")");
   }
   return {coordinate.name(), unit,
           coordinate.full_circle() ? core::CoordinateKind::kAngle : core::CoordinateKind::kLinear};

@@ -141,7 +141,7 @@ std::string apply_override(const std::string& assignment, v1::Scene& scene) {
   if (equals == std::string::npos || equals == 0) {
     override.refuse("must be path=value, as in loop.priority=50");
   }
-  const std::string path = assignment.substr(0, equals);
+  std::string path = assignment.substr(0, equals);
   const std::vector<FieldStep> steps = split_path(path);
   v1::Scene changed = scene;
   Message* message = &changed;

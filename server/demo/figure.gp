@@ -44,7 +44,7 @@ do for [kind in "svg png"] {
   set xrange [time_min:time_max]
   set y2range [0:1]
   unset y2tics
-  set border 3 linecolor rgb "#404040" back
+  set border 3 linecolor rgb "#404040" front
   set grid xtics ytics linecolor rgb "#d4d8dd" linewidth 0.6 linetype 1 back
   set tics nomirror out scale 0.5
   set ylabel offset 0.5,0

@@ -42,8 +42,10 @@ sigset_t block_signals() {
 
 int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& signals) {
   if (!line.listen.empty()) scene.server.listen = line.listen;
+  const std::vector<std::string> warnings = scene.warnings;
   haptic::server::App app(std::move(scene), {line.realtime});
   app.start();
+  for (const std::string& warning : warnings) spdlog::warn(warning);
   int signal = 0;
   sigwait(&signals, &signal);
   spdlog::info("SIG{}: force fades out, devices are disarmed", sigabbrev_np(signal));

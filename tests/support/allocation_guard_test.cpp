@@ -34,7 +34,9 @@ struct Case {
   const char* name;
   std::function<void()> run;
 };
-void PrintTo(const Case& a_case, std::ostream* out) { *out << a_case.name; }
+void PrintTo(const Case& a_case, std::ostream* out) {
+  *out << a_case.name;
+}
 
 class AllocationGuardSees : public testing::TestWithParam<Case> {};
 

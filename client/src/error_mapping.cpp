@@ -20,7 +20,8 @@ ErrorReason reason_of(grpc::StatusCode code) {
     case grpc::StatusCode::INVALID_ARGUMENT:
       return ErrorReason::kInvalidArgument;
     case grpc::StatusCode::FAILED_PRECONDITION:
-    case grpc::StatusCode::RESOURCE_EXHAUSTED:  // all sessions are taken
+      return ErrorReason::kNotReady;
+    case grpc::StatusCode::RESOURCE_EXHAUSTED:
       return ErrorReason::kNotReady;
     case grpc::StatusCode::PERMISSION_DENIED:
       return ErrorReason::kPermissionDenied;

@@ -22,9 +22,6 @@ void Session::engage() {
 void Session::engage_when_ready() {
   impl_->want_force(true);
 }
-std::optional<ClientError> Session::engage_refusal() const {
-  return impl_->engage_refusal();
-}
 void Session::release() {
   impl_->release();
 }
@@ -35,7 +32,7 @@ bool Session::connected() const {
   return impl_->connected();
 }
 Transport Session::transport() const {
-  return impl_->transport();
+  return impl_->state().transport;
 }
 std::uint32_t Session::lease_epoch() const {
   return impl_->lease_epoch();

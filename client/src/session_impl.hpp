@@ -1,9 +1,9 @@
 #pragma once
 /// A session's state, its worker thread and its streams, one after another.
 ///
-/// Threads: gRPC's deliver messages into fields under mutex_ (session_receive.cpp); the worker calls
-/// the user's callbacks, asks for force, reconnects (session_worker.cpp). Lock order: publish_mutex_,
-/// then mutex_; no Stream is called and no callback runs with mutex_ held.
+/// Threads: gRPC's deliver messages into fields under mutex_; the worker calls the user's
+/// callbacks, asks for force, reconnects. Lock order: none of ours is held while a Stream is
+/// called, but for `stream_` itself being copied out.
 
 #include <condition_variable>
 #include <deque>
@@ -30,9 +30,7 @@ class Session::Impl final : public StreamSink {
   void want_force(bool wanted);
   void release();
   AppliedSettings update(const Settings& settings);
-  [[nodiscard]] std::optional<ClientError> engage_refusal() const;
   [[nodiscard]] bool connected() const;
-  [[nodiscard]] Transport transport() const;
   [[nodiscard]] std::uint32_t lease_epoch() const;
   [[nodiscard]] PublishStatistics statistics() const;
   [[nodiscard]] const DeviceInfo& device() const { return device_; }
@@ -40,93 +38,53 @@ class Session::Impl final : public StreamSink {
 
  private:
   using Clock = std::chrono::steady_clock;
-  using Lock = std::unique_lock<std::mutex>;
   enum class Phase { kOpening, kOpen, kDone };
-  /// One Engage in flight; owns what gRPC writes to.
-  struct EngageCall {
-    grpc::ClientContext context;
-    v1::EngageRequest request;
-    v1::EngageResponse response;
-  };
+  struct EngageCall;
 
-  // session_receive.cpp: on gRPC's threads.
   void on_message(const v1::SessionResponse& message) override;
   void on_sent(std::uint64_t samples_replaced) override;
   void on_done(const grpc::Status& status) override;
-  void received(const v1::SessionOpened& opened);
-  void received(const v1::DeviceState& state);
-  void received(const v1::Event& event);
-  void received(const v1::SampleAck& ack);
 
   /// One attempt at a stream; throws where the server refused or did not answer.
   void connect();
-  void fetch_device();
-  void set_deadline(grpc::ClientContext& context) const;
-  [[nodiscard]] v1::OpenSession opening() const;
-  [[nodiscard]] std::string session_id() const;
-  /// A copy for the caller; the next sample is taken to be computed from it. Under mutex_.
-  [[nodiscard]] DeviceState hand_out() const;
-
-  // session_worker.cpp: on the worker's thread.
   void work();
-  void deliver(Lock& lock);
-  void handle_end(Lock& lock);
-  void reconnect(Lock& lock);
-  template <typename Callback, typename... Arguments>
-  void call(Lock& lock, const Callback& callback, const Arguments&... arguments);
-
-  // session_force.cpp.
-  void ask_for_force(Lock& lock);
+  void deliver(std::unique_lock<std::mutex>& lock);
+  void handle_end(std::unique_lock<std::mutex>& lock);
+  void reconnect(std::unique_lock<std::mutex>& lock);
+  void ask_for_force(std::unique_lock<std::mutex>& lock);
   void force_answered(const grpc::Status& status);
-  /// Ends the asking for a reason that waiting must not cure. Under mutex_.
-  void give_up_force(const ClientError& why);
+  [[nodiscard]] std::string session_id() const;
+  void fetch_device();
 
   const SessionOptions options_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<v1::HapticService::Stub> stub_;
   DeviceInfo device_{};
 
-  std::mutex publish_mutex_;  ///< samples leave in the order of their numbers
+  std::mutex publish_mutex_;  ///< samples leave in the order of their numbers; before mutex_
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
-
-  // The stream.
   Phase phase_{Phase::kDone};
-  std::shared_ptr<Stream> stream_;
-  v1::SessionOpened opened_{};
   grpc::Status end_{};
   bool end_pending_{false};  ///< the worker has not dealt with the end yet
   bool closing_{false};
-
-  // What came down.
+  std::shared_ptr<Stream> stream_;
+  v1::SessionOpened opened_{};
   DeviceState newest_{};
-  bool state_pending_{false};    ///< on_state has not seen newest_ yet
-  std::uint64_t waited_seq_{0};  ///< newest that wait_for_state() returned
-  mutable std::uint64_t handed_seq_{
-      0};  ///< newest that the user was given, and when it had arrived
-  mutable Clock::time_point handed_received_{};
+  std::uint64_t waited_seq_{0};
+  bool state_pending_{false};
   std::deque<Event> events_;
-
-  // What goes up.
   PublishStatistics statistics_{};
   PublishStatistics earlier_{};  ///< of the streams before this one: the server counts per stream
   std::uint64_t seq_{0};
   Mode last_mode_{Mode::kFree};
   std::uint32_t mode_epoch_{0};
-
-  // Force.
   bool want_force_{false};
-  Clock::time_point asked_at_{};  ///< when the user last asked
   std::shared_ptr<EngageCall> engage_call_;
   Clock::time_point next_engage_{};
-  std::optional<ClientError> refusal_{};
-
-  // The worker.
-  std::chrono::milliseconds backoff_{};
+  std::chrono::milliseconds backoff_{100};
   Clock::time_point next_connect_{};
   bool reconnecting_{false};
-  bool calling_{false};  ///< a callback of the user's is running
-  std::thread::id worker_id_{};
   std::thread worker_;
 };
 

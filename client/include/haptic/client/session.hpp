@@ -1,10 +1,5 @@
 #pragma once
 /// A session on a device: publish proxies, receive states, ask for force.
-///
-/// Threads: on_state, on_event and on_disconnect run on one thread of the session's own, one at a
-/// time. A slow one holds up nobody: states are conflated to the newest, events wait in order. In a
-/// callback everything of the session may be called but its destructor. The other members may be
-/// called from any thread.
 
 #include <chrono>
 #include <functional>
@@ -32,8 +27,8 @@ struct SessionOptions {
   std::optional<std::chrono::nanoseconds> fresh_end{}, hold_end{}, fade_end{};  ///< tighten only
   Reconnect reconnect{Reconnect::kNever};
   /// After force was lost (stale proxy, reconnect) ask for it again as soon as the server would
-  /// agree. Never after a fault: clearing one must not start a motor. Ask again with
-  /// engage_when_ready().
+  /// agree.
+  /// Never after a fault: clearing one must not start a motor. Ask again with engage_when_ready().
   bool re_engage{false};
   std::chrono::milliseconds timeout{5000};  ///< of calls that wait for an answer
   std::function<void(const DeviceState&)> on_state{};
@@ -64,10 +59,8 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Never waits for the network, never throws. The newest sample wins: one that could not be sent
-  /// yet is replaced and counted; without a stream it is dropped. Only this call creates sequence
-  /// numbers; they rise over reconnects too. `device_seq_used` 0 means the state that was last given
-  /// to the user, by call or callback.
+  /// Never blocks, never throws. The newest sample wins: one that could not be sent yet is replaced
+  /// and counted. Only this call creates sequence numbers.
   void publish(Proxy proxy) noexcept;
 
   /// The newest state; seq 0 before the first, also after a reconnect.
@@ -77,14 +70,10 @@ class Session {
 
   /// Asks for force, once. Throws kNotReady naming what is missing.
   void engage();
-  /// Asks for force as soon as the server would agree, in the background, every 50 ms. Idempotent.
-  /// Ends with a refusal that time cannot cure, with a fault, and, without `re_engage`, with a loss.
+  /// Asks for force as soon as the server would agree, in the background. Idempotent.
+  /// Ends with a refusal that time cannot cure, and with a fault.
   void engage_when_ready();
-  /// Why engage_when_ready() has no force yet, or why it gave up; empty once the server agreed, and
-  /// where nobody asks.
-  [[nodiscard]] std::optional<ClientError> engage_refusal() const;
-  /// Gives force up; it fades out. Also ends engage_when_ready(). Without a stream there is nothing
-  /// to give up: returns.
+  /// Gives force up; it fades out. Also ends engage_when_ready().
   void release();
   AppliedSettings update(const Settings& settings);
 
@@ -94,9 +83,7 @@ class Session {
   [[nodiscard]] PublishStatistics statistics() const;
   [[nodiscard]] const DeviceInfo& device() const;
 
-  /// Ends the session; force fades out at the server. When it returns no callback runs or will run
-  /// (called in one: that one is the last). Does not wait for the server. The destructor does the
-  /// same.
+  /// Ends the session; force fades out at the server. The destructor does the same.
   void close();
 
  private:

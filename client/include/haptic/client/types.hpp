@@ -114,8 +114,7 @@ struct Proxy {
   [[nodiscard]] static Proxy free() { return {}; }
 };
 
-/// Samples since the session opened, over reconnects. Samples that are neither sent nor conflated
-/// waited for the transport, or had none.
+/// Samples since the session opened.
 struct PublishStatistics {
   std::uint64_t published{0};  ///< calls of publish()
   std::uint64_t sent{0};       ///< handed to the transport

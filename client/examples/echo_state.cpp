@@ -1,5 +1,6 @@
 /// The first thing to try: watch a device as an observer and print where it is.
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <thread>
 
@@ -7,9 +8,13 @@
 #include "until_signal.hpp"
 
 int main(int argc, char** argv) {
+  std::string address = "127.0.0.1:50051";
+  CLI::App cli("haptic-example-echo-state - the states of a device");
+  cli.add_option("--server", address, "host:port or unix:/path");
+  CLI11_PARSE(cli, argc, argv);
   haptic::examples::stop_on_signal();
   try {
-    haptic::client::Connection server(argc > 1 ? argv[1] : "127.0.0.1:50051");
+    haptic::client::Connection server(address);
     haptic::client::SessionOptions options;
     options.observer = true;
     options.client_name = "echo state";

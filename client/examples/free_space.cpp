@@ -1,6 +1,7 @@
 /// The smallest controller: the world is empty. The proxy is free, so that the device is engaged
 /// and yet neither pulls nor drags.
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <thread>
 
@@ -8,9 +9,13 @@
 #include "until_signal.hpp"
 
 int main(int argc, char** argv) {
+  std::string address = "127.0.0.1:50051";
+  CLI::App cli("haptic-example-free-space - engaged, and nothing to feel");
+  cli.add_option("--server", address, "host:port or unix:/path");
+  CLI11_PARSE(cli, argc, argv);
   haptic::examples::stop_on_signal();
   try {
-    haptic::client::Connection server(argc > 1 ? argv[1] : "127.0.0.1:50051");
+    haptic::client::Connection server(address);
     haptic::client::SessionOptions options;
     options.client_name = "free space";
     options.nominal_rate_hz = 100;

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "haptic/client/client.hpp"
+
 namespace haptic::ctl {
 
 struct Options {
@@ -24,8 +26,14 @@ int engage(const Options& options);
 int estop(const Options& options);
 int clear_fault(const Options& options);
 
-/// Fault numbers as names, "DEVICE_SILENT, LOOP_LATE"; "none".
-[[nodiscard]] std::string fault_names(std::uint32_t faults);
+/// The server's devices that are meant: the one named, all where `name` is empty. Throws
+/// kNoSuchDevice with the names there are.
+[[nodiscard]] std::vector<client::DeviceInfo> meant(client::Connection& server,
+                                                    const std::string& name);
+/// "DEVICE_SILENT, LOOP_LATE"; "none".
+[[nodiscard]] std::string joined(const std::vector<std::string>& names);
+/// "N" or "N m": what acts on a coordinate of this unit.
+[[nodiscard]] std::string effort_unit(const std::string& unit);
 /// False once SIGINT or SIGTERM came, or `seconds` (0: never) have passed since the first call.
 [[nodiscard]] bool go_on(double seconds);
 

@@ -2,7 +2,6 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "haptic/client/client.hpp"
 
 namespace haptic::ctl {
 
@@ -49,7 +48,7 @@ json to_json(const client::DeviceInfo& device) {
           {"serial", device.serial},
           {"moves", device.moves},
           {"state", client::name(device.state)},
-          {"faults", fault_names(device.faults)},
+          {"faults", client::fault_names(device.faults)},
           {"controller", device.controller},
           {"observers", device.observers},
           {"loop_rate_hz", device.loop_rate_hz},
@@ -78,26 +77,29 @@ void print(const client::ServerInfo& s) {
 void print(const client::DeviceInfo& d) {
   std::printf("\n%s: %s (%s)%s\n", d.name.c_str(), d.model.c_str(), d.kind.c_str(),
               d.moves ? "" : ", moves nothing");
-  std::printf("  %s, faults %s, controller %s, %u observers\n", client::name(d.state),
-              fault_names(d.faults).c_str(), d.controller.empty() ? "nobody" : d.controller.c_str(),
-              d.observers);
-  std::size_t actuated = 0;
+  std::printf("  %s, faults %s, controller %s, %u observers, %g Hz\n", client::name(d.state),
+              joined(client::fault_names(d.faults)).c_str(),
+              d.controller.empty() ? "nobody" : d.controller.c_str(), d.observers, d.loop_rate_hz);
+  std::printf("  %-12s %-4s %21s  %14s %16s %20s %12s\n", "DoF", "unit", "range",
+              "stiffness <=", "damping <=", "force <= (spec)", "slew <=");
+  std::size_t a = 0;  // actuated so far
   for (const auto& dof : d.dofs) {
-    std::printf("  %-12s %-4s %10.5f .. %-10.5f", dof.name.c_str(), dof.unit.c_str(), dof.lower,
+    std::printf("  %-12s %-4s %9.5f .. %8.5f", dof.name.c_str(), dof.unit.c_str(), dof.lower,
                 dof.upper);
-    if (dof.actuated && actuated < d.stiffness_limit.size()) {
-      const char* force = dof.unit == "m" ? "N" : "N m";
-      std::printf("  stiffness <= %g %s/%s, force <= %g of %g %s", d.stiffness_limit[actuated],
-                  force, dof.unit.c_str(), d.force_limit[actuated], dof.max_effort, force);
-      ++actuated;
+    if (dof.actuated && a < d.stiffness_limit.size()) {
+      const std::string effort = effort_unit(dof.unit);
+      const char* unit = dof.unit.c_str();
+      std::printf("  %7g %s/%-3s %7g %s s/%-3s %8g (%g) %s %8g %s/s\n", d.stiffness_limit[a],
+                  effort.c_str(), unit, d.damping_limit[a], effort.c_str(), unit, d.force_limit[a],
+                  dof.max_effort, effort.c_str(), d.slew_limit[a], effort.c_str());
+      ++a;
     } else {
-      std::printf("  sensed only");
+      std::printf("  sensed only\n");
     }
-    std::printf("\n");
   }
-  for (const auto& c : d.coordinates) {
-    std::printf("  -> %-12s %s\n", c.name.c_str(), c.unit.c_str());
-  }
+  std::printf("  virtual:");
+  for (const auto& c : d.coordinates) std::printf(" %s (%s)", c.name.c_str(), c.unit.c_str());
+  std::printf("\n");
 }
 
 }  // namespace
@@ -105,7 +107,7 @@ void print(const client::DeviceInfo& d) {
 int info(const Options& options) {
   client::Connection server(options.server);
   const client::ServerInfo facts = server.server_info();
-  const auto devices = server.devices();
+  const auto devices = meant(server, options.device);
   if (options.json) {
     json all = to_json(facts);
     all["devices"] = json::array();
@@ -114,9 +116,7 @@ int info(const Options& options) {
     return 0;
   }
   print(facts);
-  for (const auto& device : devices) {
-    if (options.device.empty() || options.device == device.name) print(device);
-  }
+  for (const auto& device : devices) print(device);
   return 0;
 }
 

@@ -5,7 +5,6 @@
 #include <cstdio>
 
 #include "commands.hpp"
-#include "haptic/client/client.hpp"
 
 int main(int argc, char** argv) {
   haptic::ctl::Options options;
@@ -13,11 +12,11 @@ int main(int argc, char** argv) {
   cli.require_subcommand(1);
   cli.fallthrough();
   cli.add_option("--server", options.server, "host:port or unix:/path")->capture_default_str();
-  cli.add_option("--device", options.device, "its name; the only one where there is one");
+  cli.add_option("--device", options.device, "its name; default: the only one, or all");
 
   CLI::App* info = cli.add_subcommand("info", "the server, its real-time grade, its devices");
   info->add_flag("--json", options.json, "one JSON object");
-  CLI::App* watch = cli.add_subcommand("watch", "a live table of the device");
+  CLI::App* watch = cli.add_subcommand("watch", "live tables of the devices");
   watch->add_flag("--json", options.json, "one JSON object per line, for scripts");
   watch->add_option("--rate", options.rate_hz, "lines or refreshes per second")
       ->check(CLI::Range(1.0, 1000.0));
@@ -30,7 +29,8 @@ int main(int argc, char** argv) {
   CLI::App* stop = cli.add_subcommand("estop", "zero force now, latched");
   stop->add_option("--reason", options.reason, "for the log");
   CLI::App* clear = cli.add_subcommand("clear-fault", "clear latched faults");
-  clear->add_option("fault", options.faults, "fault numbers; none: all that are active");
+  clear->add_option("fault", options.faults, "fault numbers; none: all that are active")
+      ->check(CLI::Range(1, 31));
 
   try {
     cli.parse(argc, argv);

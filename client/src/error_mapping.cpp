@@ -20,11 +20,11 @@ ErrorReason reason_of(grpc::StatusCode code) {
     case grpc::StatusCode::INVALID_ARGUMENT:
       return ErrorReason::kInvalidArgument;
     case grpc::StatusCode::FAILED_PRECONDITION:
-      return ErrorReason::kNotReady;
-    case grpc::StatusCode::RESOURCE_EXHAUSTED:
+    case grpc::StatusCode::RESOURCE_EXHAUSTED:  // all sessions are taken
       return ErrorReason::kNotReady;
     case grpc::StatusCode::PERMISSION_DENIED:
       return ErrorReason::kPermissionDenied;
+    case grpc::StatusCode::ABORTED:
     case grpc::StatusCode::CANCELLED:
     case grpc::StatusCode::OK:
       return ErrorReason::kClosed;

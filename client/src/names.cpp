@@ -1,6 +1,39 @@
-#include "haptic/client/client.hpp"
+#include <array>
+
+#include "haptic/client/types.hpp"
 
 namespace haptic::client {
+
+namespace {
+
+// Numbers as in proto/README.md; fault 0 is no fault.
+constexpr std::array<const char*, 10> kFaults{
+    "",          "DEVICE_SILENT",    "DEVICE_LOST",    "SAMPLE_NOT_FINITE", "SAMPLE_OUT_OF_RANGE",
+    "LOOP_LATE", "LATE_BUCKET_FULL", "EMERGENCY_STOP", "FORCE_OVER_LIMIT",  "OUTPUT_NOT_FINITE"};
+constexpr std::array<const char*, 5> kLimiters{"SATURATION", "SLEW", "ENVELOPE", "DIRECTION_GUARD",
+                                               "RANGE_CLAMP"};
+
+/// A bit without a name is of a newer server: its number stands for it.
+template <std::size_t N>
+std::vector<std::string> names(std::uint32_t bits, const std::array<const char*, N>& known) {
+  std::vector<std::string> found;
+  for (std::uint32_t bit = 0; bit < 32; ++bit) {
+    if ((bits >> bit & 1U) == 0) continue;
+    const bool named = bit < N && *known.at(bit) != '\0';
+    found.push_back(named ? std::string(known.at(bit)) : std::to_string(bit));
+  }
+  return found;
+}
+
+}  // namespace
+
+std::vector<std::string> fault_names(std::uint32_t faults) {
+  return names(faults, kFaults);
+}
+
+std::vector<std::string> limiter_names(std::uint32_t limiters) {
+  return names(limiters, kLimiters);
+}
 
 const char* name(State state) noexcept {
   switch (state) {

@@ -22,6 +22,9 @@ void Session::engage() {
 void Session::engage_when_ready() {
   impl_->want_force(true);
 }
+std::optional<ClientError> Session::engage_refusal() const {
+  return impl_->engage_refusal();
+}
 void Session::release() {
   impl_->release();
 }
@@ -32,7 +35,7 @@ bool Session::connected() const {
   return impl_->connected();
 }
 Transport Session::transport() const {
-  return impl_->state().transport;
+  return impl_->transport();
 }
 std::uint32_t Session::lease_epoch() const {
   return impl_->lease_epoch();

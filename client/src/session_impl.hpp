@@ -1,9 +1,9 @@
 #pragma once
 /// A session's state, its worker thread and its streams, one after another.
 ///
-/// Threads: gRPC's deliver messages into fields under mutex_; the worker calls the user's
-/// callbacks, asks for force, reconnects. Lock order: none of ours is held while a Stream is
-/// called, but for `stream_` itself being copied out.
+/// Threads: gRPC's bring messages into fields under mutex_ and call on_state (session_receive.cpp);
+/// the worker calls on_event and on_disconnect, asks for force, reconnects (session_worker.cpp). Lock
+/// order: publish_mutex_, then mutex_; no Stream is called and no callback runs with mutex_ held.
 
 #include <condition_variable>
 #include <deque>
@@ -15,6 +15,10 @@
 #include "stream.hpp"
 
 namespace haptic::client {
+
+[[nodiscard]] inline bool has_force(State state) noexcept {
+  return state == State::kEngaging || state == State::kEngaged;
+}
 
 class Session::Impl final : public StreamSink {
  public:
@@ -30,7 +34,9 @@ class Session::Impl final : public StreamSink {
   void want_force(bool wanted);
   void release();
   AppliedSettings update(const Settings& settings);
+  [[nodiscard]] std::optional<ClientError> engage_refusal() const;
   [[nodiscard]] bool connected() const;
+  [[nodiscard]] Transport transport() const;
   [[nodiscard]] std::uint32_t lease_epoch() const;
   [[nodiscard]] PublishStatistics statistics() const;
   [[nodiscard]] const DeviceInfo& device() const { return device_; }
@@ -38,54 +44,122 @@ class Session::Impl final : public StreamSink {
 
  private:
   using Clock = std::chrono::steady_clock;
+  using Lock = std::unique_lock<std::mutex>;
   enum class Phase { kOpening, kOpen, kDone };
-  struct EngageCall;
+  /// Who runs a callback of the user's: close() waits for others, not for itself.
+  struct Caller {
+    bool busy{false};
+    std::thread::id thread{};
+  };
+  /// One Engage in flight; owns what gRPC writes to.
+  struct EngageCall {
+    grpc::ClientContext context;
+    v1::EngageRequest request;
+    v1::EngageResponse response;
+  };
 
+  // session_receive.cpp: on gRPC's threads.
   void on_message(const v1::SessionResponse& message) override;
+  void after_message() override;
   void on_sent(std::uint64_t samples_replaced) override;
   void on_done(const grpc::Status& status) override;
+  void received(const v1::SessionOpened& opened);
+  void received(const v1::DeviceState& state);
+  void received(const v1::Event& event);
+  void received(const v1::SampleAck& ack);
 
   /// One attempt at a stream; throws where the server refused or did not answer.
   void connect();
-  void work();
-  void deliver(std::unique_lock<std::mutex>& lock);
-  void handle_end(std::unique_lock<std::mutex>& lock);
-  void reconnect(std::unique_lock<std::mutex>& lock);
-  void ask_for_force(std::unique_lock<std::mutex>& lock);
-  void force_answered(const grpc::Status& status);
-  [[nodiscard]] std::string session_id() const;
   void fetch_device();
+  void set_deadline(grpc::ClientContext& context) const;
+  [[nodiscard]] v1::OpenSession opening() const;
+  [[nodiscard]] std::string session_id() const;
+  void leave_for_lease();  ///< under mutex_
+  /// A copy for the caller; the next sample is taken to be computed from it. Under mutex_.
+  [[nodiscard]] DeviceState hand_out() const;
+
+  // session_worker.cpp: on the worker's thread.
+  void work();
+  /// The earliest time at which waiting is over without a word from anybody.
+  [[nodiscard]] Clock::time_point next_due() const;
+  [[nodiscard]] bool force_due() const;
+  void deliver_events(Lock& lock);
+  void handle_end(Lock& lock);
+  void reconnect(Lock& lock);
+  /// Runs the user's code without our locks; what it throws ends here.
+  template <typename Callback, typename... Arguments>
+  void call(Lock& lock, Caller& caller, const Callback& callback, const Arguments&... arguments);
+
+  // session_force.cpp.
+  void ask_for_force(Lock& lock);
+  void force_answered(const grpc::Status& status);
+  /// Ends the asking for a reason that waiting must not cure. Under mutex_.
+  void give_up_force(const ClientError& why);
 
   const SessionOptions options_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<v1::HapticService::Stub> stub_;
   DeviceInfo device_{};
 
-  std::mutex publish_mutex_;  ///< samples leave in the order of their numbers; before mutex_
+  std::mutex publish_mutex_;  ///< samples leave in the order of their numbers
   mutable std::mutex mutex_;
-  mutable std::condition_variable changed_;
+  mutable std::condition_variable changed_;  ///< for whoever waits in a call
+  std::condition_variable work_;             ///< for the worker: there may be something to do
+
+  // The stream.
   Phase phase_{Phase::kDone};
+  std::shared_ptr<Stream> stream_;
+  v1::SessionOpened opened_{};
   grpc::Status end_{};
   bool end_pending_{false};  ///< the worker has not dealt with the end yet
   bool closing_{false};
-  std::shared_ptr<Stream> stream_;
-  v1::SessionOpened opened_{};
+  bool lease_lost_{false};  ///< the stream lives, its lease does not
+
+  // What came down.
   DeviceState newest_{};
-  std::uint64_t waited_seq_{0};
-  bool state_pending_{false};
+  bool state_pending_{false};    ///< on_state has not seen newest_ yet
+  std::uint64_t waited_seq_{0};  ///< newest that wait_for_state() returned
+  /// The newest that the user was given, and when it had arrived.
+  mutable std::uint64_t handed_seq_{0};
+  mutable Clock::time_point handed_received_{};
   std::deque<Event> events_;
+
+  // What goes up.
   PublishStatistics statistics_{};
   PublishStatistics earlier_{};  ///< of the streams before this one: the server counts per stream
   std::uint64_t seq_{0};
   Mode last_mode_{Mode::kFree};
   std::uint32_t mode_epoch_{0};
+
+  // Force.
   bool want_force_{false};
+  Clock::time_point asked_at_{};  ///< when the user last asked
   std::shared_ptr<EngageCall> engage_call_;
   Clock::time_point next_engage_{};
-  std::chrono::milliseconds backoff_{100};
+  std::optional<ClientError> refusal_{};
+
+  // The worker.
+  std::chrono::milliseconds backoff_{};
   Clock::time_point next_connect_{};
   bool reconnecting_{false};
   std::thread worker_;
+
+  Caller states_{}, events_and_end_{};
 };
+
+template <typename Callback, typename... Arguments>
+void Session::Impl::call(Lock& lock, Caller& caller, const Callback& callback,
+                         const Arguments&... arguments) {
+  if (!callback || closing_) return;
+  caller = {true, std::this_thread::get_id()};
+  lock.unlock();
+  try {
+    callback(arguments...);
+  } catch (...) {  // NOLINT(bugprone-empty-catch): the contract: no exception crosses a callback
+  }
+  lock.lock();
+  caller = {};
+  changed_.notify_all();  // close() may wait for this
+}
 
 }  // namespace haptic::client

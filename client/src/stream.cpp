@@ -60,9 +60,12 @@ void Stream::OnReadDone(bool ok) {
     return;
   }
   sink_.on_message(incoming_);
-  const std::lock_guard lock(mutex_);
-  if (broken_ && !held_) return;
-  StartRead(&incoming_);
+  {
+    const std::lock_guard lock(mutex_);
+    if (!broken_ || held_) StartRead(&incoming_);
+  }
+  // gRPC counts this reaction until it returns: OnDone, and so our destructor, wait for it.
+  sink_.after_message();
 }
 
 void Stream::cancel() {

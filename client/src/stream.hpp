@@ -13,11 +13,15 @@
 
 namespace haptic::client {
 
-/// Where a stream's messages go. Called on gRPC's threads, one at a time; must not block.
+/// Where a stream's messages go. Called on gRPC's threads, but for after_message() one at a time;
+/// must not block.
 class StreamSink {
  public:
   virtual ~StreamSink() = default;
   virtual void on_message(const v1::SessionResponse& message) = 0;
+  /// Follows on_message() when the next message is already being read: may take its time, and may
+  /// overlap with calls for later messages.
+  virtual void after_message() = 0;
   /// One sample was handed over; so many before it gave way to newer ones.
   virtual void on_sent(std::uint64_t samples_replaced) = 0;
   virtual void on_done(const grpc::Status& status) = 0;

@@ -196,6 +196,48 @@ TEST(ServerDies, WithBackoffTheSessionComesBackAndItsStatesBeginAnew) {
   EXPECT_TRUE(server.until([&] { return session->statistics().accepted == 7; }));
 }
 
+TEST(ServerDies, ARefusalThatNoWaitingCuresEndsTheTrying) {
+  FakeServer server;
+  std::atomic<int> losses{0}, ends{0};
+  client::SessionOptions options;
+  options.reconnect = client::Reconnect::kWithBackoff;
+  options.on_disconnect = [&](const ClientError& error, bool will_retry) {
+    will_retry ? ++losses : ++ends;
+    if (!will_retry) {
+      EXPECT_EQ(error.reason(), ErrorReason::kNoSuchDevice);
+    }
+  };
+  const auto session = Connection(server.address()).open(options);
+  server.refuse_opening(refusal(grpc::StatusCode::NOT_FOUND, "NO_SUCH_DEVICE", "another scene"));
+  server.end_session({grpc::StatusCode::UNAVAILABLE, "restarts"});
+  ASSERT_TRUE(server.until([&] { return ends == 1; }));
+  EXPECT_EQ(losses, 1);
+  EXPECT_FALSE(server.until([&] { return server.openings().size() > 2; }, kLongEnough));
+  try {
+    static_cast<void>(session->wait_for_state());
+    FAIL() << "there is no state to come";
+  } catch (const ClientError& error) {
+    EXPECT_EQ(error.reason(), ErrorReason::kClosed);
+  }
+}
+
+TEST(LeaseExpired, TheNextSampleOpensTheSessionAnewWhereItReconnects) {
+  FakeServer server;
+  client::SessionOptions options;
+  options.reconnect = client::Reconnect::kWithBackoff;
+  std::atomic<bool> told{false};
+  options.on_event = [&](const client::Event&) { told = true; };
+  const auto session = Connection(server.address()).open(options);
+  server.send_event(v1::Event::KIND_LEASE_EXPIRED, "LEASE_EXPIRED");
+  ASSERT_TRUE(server.until([&] { return told.load(); }));
+  EXPECT_FALSE(server.until([&] { return server.openings().size() > 1; }, milliseconds(300)))
+      << "a silent client took the device back";
+  session->publish(client::Proxy::free());
+  ASSERT_TRUE(server.until([&] { return session->connected() && session->lease_epoch() == 2; }));
+  session->publish(client::Proxy::free());
+  EXPECT_TRUE(server.until([&] { return !server.samples().empty(); }));
+}
+
 TEST(ServerDies, ForceReturnsAfterReconnectOnlyWhereAskedFor) {
   for (const bool wanted : {false, true}) {
     FakeServer server;

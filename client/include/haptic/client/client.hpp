@@ -9,9 +9,10 @@
 ///     session->publish(haptic::client::Proxy::held(step(state.x_probe)));
 ///   }
 ///
-/// SI units throughout; arrays in the order of DeviceInfo. Threads: callbacks run on one thread of
-/// the library's own, one at a time, and must not block for long; everything else may be called
-/// from any thread. Destructors close what is open and join.
+/// SI units throughout; arrays in the order of DeviceInfo. Threads: session.hpp and watch.hpp say
+/// whose thread a callback runs on; everything else may be called from any thread. Destructors cancel
+/// what is open, wait for a running callback and join; they never wait for the server, and must not
+/// be called in a callback of the same object.
 
 #include "haptic/client/connection.hpp"
 #include "haptic/client/error.hpp"

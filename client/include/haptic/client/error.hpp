@@ -14,7 +14,7 @@ enum class ErrorReason : std::uint8_t {
   kNoSuchDevice,
   kLeaseHeld,         ///< another controller has the device; the message names it
   kInvalidArgument,   ///< the message names field, value and what is allowed
-  kNotReady,          ///< Engage or ClearFault: the message names what is not good enough yet
+  kNotReady,          ///< the message names what is not good enough yet, or used up
   kPermissionDenied,  ///< not this session's to ask
   kClosed,            ///< the session ended
   kProtocol,          ///< the server answered what this library does not understand

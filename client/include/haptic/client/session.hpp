@@ -1,5 +1,12 @@
 #pragma once
 /// A session on a device: publish proxies, receive states, ask for force.
+///
+/// Threads: on_state runs on the thread of gRPC that received the state, so that nothing lies between
+/// the wire and your code: take what you need and return; while it runs, states are conflated to the
+/// newest. A simulation's step belongs in a loop of its own, with wait_for_state(). on_event and
+/// on_disconnect run on one thread of the session's own, and may take their time: events wait in
+/// order. None runs twice at once, but on_state may run beside the other two. In a callback everything
+/// of the session may be called but its destructor; the members may be called from any thread.
 
 #include <chrono>
 #include <functional>
@@ -14,8 +21,10 @@
 namespace haptic::client {
 
 enum class Reconnect : std::uint8_t {
-  kNever,       ///< the session ends with its stream
-  kWithBackoff  ///< opened anew after 0.1, 0.2, 0.4 ... 2 s; force never returns by itself
+  kNever,  ///< the session ends with its stream; a lease that expired leaves it as observer
+  /// Opened anew after 0.1, 0.2, 0.4 ... 2 s, and with the first sample after a lease that expired,
+  /// until the server says what no waiting can change; force never returns by itself.
+  kWithBackoff
 };
 
 struct SessionOptions {
@@ -27,13 +36,14 @@ struct SessionOptions {
   std::optional<std::chrono::nanoseconds> fresh_end{}, hold_end{}, fade_end{};  ///< tighten only
   Reconnect reconnect{Reconnect::kNever};
   /// After force was lost (stale proxy, reconnect) ask for it again as soon as the server would
-  /// agree.
-  /// Never after a fault: clearing one must not start a motor. Ask again with engage_when_ready().
+  /// agree. Never after a fault: clearing one must not start a motor. Ask again with
+  /// engage_when_ready().
   bool re_engage{false};
   std::chrono::milliseconds timeout{5000};  ///< of calls that wait for an answer
   std::function<void(const DeviceState&)> on_state{};
   std::function<void(const Event&)> on_event{};
-  /// The session ended (or lost its stream and will try again: `will_retry`).
+  /// The session lost its stream: once, with `will_retry` where it tries again, and once more, without,
+  /// where that has become hopeless.
   std::function<void(const ClientError&, bool will_retry)> on_disconnect{};
 };
 
@@ -59,8 +69,10 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Never blocks, never throws. The newest sample wins: one that could not be sent yet is replaced
-  /// and counted. Only this call creates sequence numbers.
+  /// Never waits for the network, never throws. The newest sample wins: one that could not be sent
+  /// yet is replaced and counted; without a stream it is dropped. Only this call creates sequence
+  /// numbers; they rise over reconnects too. `device_seq_used` 0 means the state that was last given
+  /// to the user, by call or callback.
   void publish(Proxy proxy) noexcept;
 
   /// The newest state; seq 0 before the first, also after a reconnect.
@@ -70,10 +82,14 @@ class Session {
 
   /// Asks for force, once. Throws kNotReady naming what is missing.
   void engage();
-  /// Asks for force as soon as the server would agree, in the background. Idempotent.
-  /// Ends with a refusal that time cannot cure, and with a fault.
+  /// Asks for force as soon as the server would agree, in the background, every 50 ms. Idempotent.
+  /// Ends with a refusal that time cannot cure, with a fault, and, without `re_engage`, with a loss.
   void engage_when_ready();
-  /// Gives force up; it fades out. Also ends engage_when_ready().
+  /// Why engage_when_ready() has no force yet, or why it gave up; empty once the server agreed, and
+  /// where nobody asks.
+  [[nodiscard]] std::optional<ClientError> engage_refusal() const;
+  /// Gives force up; it fades out. Also ends engage_when_ready(). Without a stream there is nothing
+  /// to give up: returns.
   void release();
   AppliedSettings update(const Settings& settings);
 
@@ -83,7 +99,9 @@ class Session {
   [[nodiscard]] PublishStatistics statistics() const;
   [[nodiscard]] const DeviceInfo& device() const;
 
-  /// Ends the session; force fades out at the server. The destructor does the same.
+  /// Ends the session; force fades out at the server. When it returns no callback runs or will run
+  /// (called in one: that one is the last). Does not wait for the server. The destructor does the
+  /// same.
   void close();
 
  private:

@@ -35,6 +35,9 @@ enum class Renderer : std::uint8_t {
 [[nodiscard]] const char* name(State state) noexcept;          ///< "ENGAGED"
 [[nodiscard]] const char* name(Staleness staleness) noexcept;  ///< "FRESH"
 [[nodiscard]] const char* name(Transport transport) noexcept;  ///< "GRPC"
+/// The bits of DeviceState::faults, and of limiters, by name: {"LOOP_LATE", "EMERGENCY_STOP"}.
+[[nodiscard]] std::vector<std::string> fault_names(std::uint32_t faults);
+[[nodiscard]] std::vector<std::string> limiter_names(std::uint32_t limiters);
 
 struct DegreeOfFreedom {
   std::string name{}, unit{};  ///< unit "m" or "rad"
@@ -114,7 +117,8 @@ struct Proxy {
   [[nodiscard]] static Proxy free() { return {}; }
 };
 
-/// Samples since the session opened.
+/// Samples since the session opened, over reconnects. Samples that are neither sent nor conflated
+/// waited for the transport, or had none.
 struct PublishStatistics {
   std::uint64_t published{0};  ///< calls of publish()
   std::uint64_t sent{0};       ///< handed to the transport

@@ -1,5 +1,9 @@
 #pragma once
 /// Telemetry without a session.
+///
+/// Threads: the callbacks run on a thread of gRPC, one at a time per watch. The next message is read
+/// when a callback returned, so that a slow one conflates at the server once the connection's buffers
+/// are full; a fast loop uses a session as observer, which conflates at once.
 
 #include <memory>
 #include <optional>
@@ -9,7 +13,7 @@
 
 namespace haptic::client {
 
-/// Telemetry of a device until destroyed.
+/// Telemetry of a device until destroyed; not in one of its own callbacks.
 class Watch {
  public:
   ~Watch();

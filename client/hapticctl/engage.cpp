@@ -1,0 +1,58 @@
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+#include "commands.hpp"
+
+namespace haptic::ctl {
+
+namespace {
+
+using std::chrono::milliseconds;
+constexpr milliseconds kPeriod{10};
+constexpr int kStepsPerLine = 50;
+
+void print(const client::Session& session, const client::DeviceState& state) {
+  std::printf("%-9s gain %.2f  tau_a", client::name(state.state), state.gain);
+  for (const double tau : state.tau_a) std::printf(" %8.3f", tau);
+  if (const auto refusal = session.engage_refusal()) std::printf("  waits: %s", refusal->what());
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+/// A controller without a simulation: free, or held where the device was when its force began.
+int engage(const Options& options) {
+  client::Connection server(options.server);
+  client::SessionOptions wanted;
+  wanted.device = options.device;
+  wanted.client_name = "hapticctl engage";
+  wanted.nominal_rate_hz = 1000.0 / static_cast<double>(kPeriod.count());
+  const auto session = server.open(wanted);
+  std::vector<double> anchor;
+  session->engage_when_ready();
+  auto next = std::chrono::steady_clock::now();
+  for (int step = 0; go_on(options.seconds); ++step) {
+    if (!session->connected()) {
+      throw client::ClientError(client::ErrorReason::kClosed, "the session ended");
+    }
+    const client::DeviceState state = session->state();
+    if (state.faults != 0) {
+      throw client::ClientError(
+          client::ErrorReason::kNotReady,
+          "the device is in FAULT: " + joined(client::fault_names(state.faults)));
+    }
+    const bool has_force =
+        state.state == client::State::kEngaging || state.state == client::State::kEngaged;
+    if (options.hold && !has_force) anchor = state.x_probe;
+    session->publish(anchor.empty() ? client::Proxy::free() : client::Proxy::held(anchor));
+    if (step % kStepsPerLine == 0) print(*session, state);
+    next = std::max(next + kPeriod, std::chrono::steady_clock::now());
+    std::this_thread::sleep_until(next);
+  }
+  session->release();
+  return 0;
+}
+
+}  // namespace haptic::ctl

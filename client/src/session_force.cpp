@@ -1,0 +1,104 @@
+/// Asking for force, in the foreground and in the background, and giving it up.
+
+#include <algorithm>
+
+#include "error_mapping.hpp"
+#include "session_impl.hpp"
+
+namespace haptic::client {
+
+namespace {
+
+constexpr std::chrono::milliseconds kEngageRetry{50};
+constexpr std::chrono::milliseconds kEngageAnswer{1000};
+
+/// Refusals that time and more samples can cure.
+bool worth_retrying(const grpc::Status& status) {
+  constexpr const char* kCurable[] = {"NOT_ARMED",    "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES",
+                                      "STREAM_STALE", "DEVICE_STALE",     "OUTSIDE_WINDOW",
+                                      "NO_ANSWER"};
+  if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED ||
+      status.error_code() == grpc::StatusCode::UNAVAILABLE) {
+    return true;
+  }
+  const std::string reason = to_error(status).server_reason();
+  return std::any_of(std::begin(kCurable), std::end(kCurable),
+                     [&](const char* curable) { return reason == curable; });
+}
+
+}  // namespace
+
+void Session::Impl::engage() {
+  v1::EngageRequest request;
+  request.set_session_id(session_id());
+  grpc::ClientContext context;
+  set_deadline(context);
+  v1::EngageResponse response;
+  check(stub_->Engage(&context, request, &response));
+  if (options_.re_engage) want_force(true);
+}
+
+void Session::Impl::want_force(bool wanted) {
+  const std::lock_guard lock(mutex_);
+  want_force_ = wanted;
+  refusal_.reset();
+  asked_at_ = next_engage_ = Clock::now();
+  changed_.notify_all();
+  work_.notify_all();
+}
+
+void Session::Impl::give_up_force(const ClientError& why) {
+  if (want_force_) refusal_ = why;
+  want_force_ = false;
+}
+
+void Session::Impl::release() {
+  want_force(false);
+  {
+    // An Engage under way would otherwise be able to overtake the Release.
+    Lock lock(mutex_);
+    changed_.wait(lock, [this] { return engage_call_ == nullptr; });  // it has a deadline
+    if (phase_ != Phase::kOpen) return;  // with its stream gone the force is already fading out
+  }
+  v1::ReleaseRequest request;
+  request.set_session_id(session_id());
+  grpc::ClientContext context;
+  set_deadline(context);
+  v1::ReleaseResponse response;
+  check(stub_->Release(&context, request, &response));
+}
+
+void Session::Impl::ask_for_force(Lock& lock) {
+  auto engage = std::make_shared<EngageCall>();
+  engage->request.set_session_id(opened_.session_id());
+  engage->context.set_deadline(std::chrono::system_clock::now() + kEngageAnswer);
+  engage_call_ = engage;
+  lock.unlock();
+  stub_->async()->Engage(&engage->context, &engage->request, &engage->response,
+                         [this, engage](const grpc::Status& status) { force_answered(status); });
+  lock.lock();
+}
+
+void Session::Impl::force_answered(const grpc::Status& status) {
+  const std::lock_guard lock(mutex_);
+  next_engage_ = Clock::now() + kEngageRetry;
+  if (status.ok()) {
+    // Asked again only where the caller wants it back after a loss; states say ENGAGING soon.
+    if (want_force_) refusal_.reset();
+    want_force_ = want_force_ && options_.re_engage;
+    next_engage_ = Clock::now() + 4 * kEngageRetry;
+  } else if (want_force_) {
+    refusal_ = to_error(status);
+    if (!worth_retrying(status)) want_force_ = false;
+  }
+  engage_call_.reset();
+  changed_.notify_all();
+  work_.notify_all();
+}
+
+std::optional<ClientError> Session::Impl::engage_refusal() const {
+  const std::lock_guard lock(mutex_);
+  return refusal_;
+}
+
+}  // namespace haptic::client

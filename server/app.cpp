@@ -63,6 +63,8 @@ void App::start() {
     log_grant(realtime_.facts);
     open_devices();
     telemetry_ = std::make_unique<Telemetry>(pointers(units_));
+    telemetry_->allow_watching(realtime_.facts.sched_fifo &&
+                               std::thread::hardware_concurrency() > 1);
     listen_to_devices();
     rpc_ = std::make_unique<RpcServer>(
         RpcConfig{scene_.server.listen, scene_.server.max_sessions, loop.period},

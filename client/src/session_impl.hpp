@@ -60,7 +60,8 @@ class Session::Impl final : public StreamSink {
 
   // session_receive.cpp: on gRPC's threads.
   void on_message(const v1::SessionResponse& message) override;
-  void after_message() override;
+  void deliver() override;
+  [[nodiscard]] bool delivers_quickly() const override;
   void on_sent(std::uint64_t samples_replaced) override;
   void on_done(const grpc::Status& status) override;
   void received(const v1::SessionOpened& opened);
@@ -145,6 +146,7 @@ class Session::Impl final : public StreamSink {
   std::thread worker_;
 
   Caller states_{}, events_and_end_{};
+  int quick_in_a_row_{0};  ///< calls of on_state
 };
 
 template <typename Callback, typename... Arguments>

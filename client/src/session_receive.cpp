@@ -1,5 +1,7 @@
 /// What the server says, on gRPC's threads: into fields, and a state to the user at once.
 
+#include <algorithm>
+
 #include "convert.hpp"
 #include "session_impl.hpp"
 
@@ -10,6 +12,11 @@ namespace {
 /// A FAULT state this soon after the user asked for force may be older than the ClearFault that the
 /// user had sent before; one that is still seen later is not.
 constexpr std::chrono::milliseconds kFaultMayBeOld{250};
+
+/// A user's callback that was done in this time so often in a row may keep the next message waiting;
+/// one that was not loses that trust at once, and no state grows old in the transport's buffers.
+constexpr std::chrono::microseconds kQuick{200};
+constexpr int kTrusted = 100;
 
 }  // namespace
 
@@ -39,13 +46,20 @@ void Session::Impl::on_message(const v1::SessionResponse& message) {
 
 /// Whoever finds a state that on_state has not seen hands it over, and then what came meanwhile: a
 /// slow callback gets the newest only, and no thread's wake-up lies between arrival and callback.
-void Session::Impl::after_message() {
+void Session::Impl::deliver() {
   if (!options_.on_state) return;
   Lock lock(mutex_);
   while (state_pending_ && !states_.busy && !closing_) {
     state_pending_ = false;
+    const Clock::time_point begin = Clock::now();
     call(lock, states_, options_.on_state, hand_out());
+    quick_in_a_row_ = Clock::now() - begin < kQuick ? std::min(quick_in_a_row_ + 1, kTrusted) : 0;
   }
+}
+
+bool Session::Impl::delivers_quickly() const {
+  const std::lock_guard lock(mutex_);
+  return quick_in_a_row_ == kTrusted;
 }
 
 void Session::Impl::received(const v1::SessionOpened& opened) {

@@ -60,12 +60,14 @@ void Stream::OnReadDone(bool ok) {
     return;
   }
   sink_.on_message(incoming_);
+  const bool at_once = sink_.delivers_quickly();
+  if (at_once) sink_.deliver();
   {
     const std::lock_guard lock(mutex_);
     if (!broken_ || held_) StartRead(&incoming_);
   }
   // gRPC counts this reaction until it returns: OnDone, and so our destructor, wait for it.
-  sink_.after_message();
+  if (!at_once) sink_.deliver();
 }
 
 void Stream::cancel() {

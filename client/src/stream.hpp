@@ -13,15 +13,18 @@
 
 namespace haptic::client {
 
-/// Where a stream's messages go. Called on gRPC's threads, but for after_message() one at a time;
-/// must not block.
+/// Where a stream's messages go. Called on gRPC's threads; on_message() one at a time, and it must
+/// not block.
 class StreamSink {
  public:
   virtual ~StreamSink() = default;
   virtual void on_message(const v1::SessionResponse& message) = 0;
-  /// Follows on_message() when the next message is already being read: may take its time, and may
-  /// overlap with calls for later messages.
-  virtual void after_message() = 0;
+  /// After on_message(): tell the user. May overlap with calls for later messages where
+  /// delivers_quickly() was false: the next message is then being read already.
+  virtual void deliver() = 0;
+  /// deliver() will not take its time. To ask for the next message costs as much as a wake-up, and
+  /// may then wait.
+  [[nodiscard]] virtual bool delivers_quickly() const = 0;
   /// One sample was handed over; so many before it gave way to newer ones.
   virtual void on_sent(std::uint64_t samples_replaced) = 0;
   virtual void on_done(const grpc::Status& status) = 0;

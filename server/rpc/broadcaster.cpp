@@ -21,10 +21,12 @@ Broadcaster::Broadcaster(Telemetry& telemetry, std::size_t index, WatchBudget& b
 
 Broadcaster::~Broadcaster() {
   telemetry_.remove(index_, this);
+  telemetry_.watch(-static_cast<int>(controllers_.size()));
 }
 
 void Broadcaster::add(Rank rank, std::shared_ptr<Subscriber> subscriber) {
   const std::lock_guard lock(mutex_);
+  if (rank == Rank::kController) telemetry_.watch(+1);
   (rank == Rank::kController ? controllers_ : others_).push_back(std::move(subscriber));
 }
 
@@ -35,6 +37,7 @@ void Broadcaster::remove(const Subscriber* subscriber) {
   for (auto* list : {&controllers_, &others_}) {
     const auto found = std::find_if(list->begin(), list->end(), is_it);
     if (found == list->end()) continue;
+    if (list == &controllers_) telemetry_.watch(-1);
     released.push_back(std::move(*found));
     list->erase(found);
   }

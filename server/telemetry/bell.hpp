@@ -6,6 +6,9 @@
 
 #include <atomic>
 #include <cstdint>
+#include <ctime>
+
+#include "haptic/core/time.hpp"
 
 namespace haptic::server {
 
@@ -20,8 +23,14 @@ class Bell {
   }
   /// The same thread: until the bell has rung more often than `heard` (or a spurious wake-up).
   void sleep(std::uint32_t heard) noexcept;
+  /// The same thread, where the next ring is due soon after `expected` (steady clock): sleeps by
+  /// the clock until then, and stays awake for `patience`, so that nobody pays for a wake-up.
+  /// Returns at the ring, or without one when patience ends: sleep() then.
+  void meet(std::uint32_t heard, core::TimePoint expected, core::Duration patience) noexcept;
 
  private:
+  void wait(std::uint32_t heard, const timespec* until) noexcept;
+
   std::atomic<std::uint32_t> rings_{0};
   std::atomic<bool> sleeping_{false};
 };

@@ -1,5 +1,7 @@
 #include "server/telemetry/telemetry.hpp"
 
+#include <sys/prctl.h>
+
 #include <algorithm>
 #include <condition_variable>
 #include <mutex>
@@ -7,6 +9,11 @@
 #include "server/rt/thread_setup.hpp"
 
 namespace haptic::server {
+
+namespace {
+/// How long after a tick's deadline its end is watched for: the loop's usual lateness and a tick.
+constexpr core::Duration kPatience = std::chrono::microseconds(60);
+}  // namespace
 
 /// One unit's records on their way to its listeners. A listener is called without the mutex held,
 /// so that it may add and remove; `called_` says who is being called, so that remove() can wait.
@@ -42,6 +49,11 @@ class Telemetry::Channel {
     }
     // Only this thread writes newest_: reading it here needs no lock.
     for (RecordListener* listener : round_) call(listener, [&] { listener->on_newest(newest_); });
+  }
+
+  /// Deadline of the tick after the newest record's. The drain's thread only.
+  [[nodiscard]] core::TimePoint next_tick() const {
+    return newest_.input.now - newest_.input.loop.lateness + newest_.input.period;
   }
 
   [[nodiscard]] core::TickRecord newest() const {
@@ -123,13 +135,24 @@ void Telemetry::stop() {
 
 void Telemetry::serve() noexcept {
   set_thread_up("telemetry");
+  if (may_watch_) prctl(PR_SET_TIMERSLACK, 1UL, 0, 0, 0);  // it has an appointment with the loop
   for (;;) {
     const std::uint32_t heard = bell_.rings();
     const bool last_round = stopping_.load();
     drain();
     if (last_round) return;
-    bell_.sleep(heard);
+    wait_for_ring(heard);
   }
+}
+
+void Telemetry::wait_for_ring(std::uint32_t heard) noexcept {
+  if (may_watch_ && watchers_.load(std::memory_order_relaxed) > 0) {
+    core::TimePoint next{};
+    for (const auto& channel : channels_) next = std::max(next, channel->next_tick());
+    bell_.meet(heard, next, kPatience);
+    if (bell_.rings() != heard) return;
+  }
+  bell_.sleep(heard);
 }
 
 void Telemetry::drain() {

@@ -2,6 +2,7 @@
 /// bare gRPC stream of the same messages on the same host; and the controller's proxy age beside 16 watchers at
 /// 1 kHz. All clocks are this host's one steady clock.
 #include <grpcpp/grpcpp.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
@@ -69,6 +70,8 @@ class Product {
         sessions_(*unit_, telemetry_, 0, {}),
         rpc_({{"127.0.0.1:0"}}, {&sessions_}, telemetry_, [] { return server::ServerFacts{}; }),
         loop_(server::RealtimeRequest{}, milliseconds(1)) {
+    telemetry_.allow_watching(loop_.grant().facts.sched_fifo &&
+                              std::thread::hardware_concurrency() > 1);
     telemetry_.add(0, &arrivals);
     telemetry_.start();
     rpc_.start();
@@ -331,6 +334,7 @@ Ages ages_block(Product& product, int watchers) {
 }  // namespace
 
 int main() {
+  spdlog::set_level(spdlog::level::warn);  // sessions that come and go
   bench::print_header();
   Product product;
   BareServer service;

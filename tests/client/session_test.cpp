@@ -185,6 +185,33 @@ TEST(Session, ASlowCallbackSeesTheNewestStateAndNeverTwoAtOnce) {
   EXPECT_EQ(overlaps, 0);
 }
 
+TEST(Session, ACallbackThatTurnsSlowAfterManyQuickOnesStillEndsWithTheNewest) {
+  FakeServer server;
+  std::atomic<std::uint64_t> newest{0};
+  std::atomic<bool> blocks{false}, blocked{false};
+  client::SessionOptions options;
+  options.on_state = [&](const client::DeviceState& state) {
+    if (blocks.exchange(false)) {
+      blocked = true;
+      static_cast<void>(server.until([&] { return !blocked; }));
+    }
+    newest = state.seq;
+  };
+  const auto session = Connection(server.address()).open(options);
+  std::uint64_t seq = 0;
+  while (seq < 300) {
+    server.send_state(++seq);
+    ASSERT_TRUE(server.until([&] { return newest == seq; }));
+  }
+  blocks = true;
+  for (int i = 0; i < 50; ++i) server.send_state(++seq);
+  ASSERT_TRUE(server.until([&] { return blocked.load(); }));
+  session->publish(client::Proxy::free());
+  EXPECT_TRUE(server.until([&] { return server.samples().size() == 1; })) << "held up by it";
+  blocked = false;
+  EXPECT_TRUE(server.until([&] { return newest == seq; }));
+}
+
 TEST(Session, SettingsTravelAndClampsComeBack) {
   FakeServer server;
   const auto session = Connection(server.address()).open({});

@@ -23,7 +23,7 @@ only(mode, v) = strcol("mode") eq mode ? v : NaN
 
 names = "standard null_space subspace_linear subspace_exact"
 titles = "'standard, Eq. (1)' 'null-space, Eq. (3)-(4)' 'subspace linear, Eq. (8)' 'subspace exact, Eq. (6)'"
-hues = grey." ".purple." ".red." ".green
+hues = grey." ".purple." ".blue." ".green
 index_in_use = 0
 do for [i = 1:4] { if (word(names, i) eq method) { index_in_use = i } }
 in_use = index_in_use ? word(titles, index_in_use) : method

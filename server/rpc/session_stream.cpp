@@ -22,7 +22,7 @@ Refusal protocol_error(const std::string& message) {
 
 SessionStream* SessionStream::begin(ServiceContext& context) {
   auto stream = std::make_shared<SessionStream>(context);
-  stream->self_ = stream;
+  stream->keep_alive();
   stream->StartRead(&stream->incoming_);
   context.streams.add(stream);
   return stream.get();
@@ -99,11 +99,11 @@ void SessionStream::open(const v1::OpenSession& request) {
 
 void SessionStream::open_as_controller(const v1::OpenSession& request) {
   target_.device->open_controller(from_proto(request, id_, client_name_), steady_now(),
-                                  [weak = weak_from_this()](const Outcome<Lease>& outcome) {
-                                    const auto stream = weak.lock();
-                                    if (!stream) return;
-                                    if (!outcome) return stream->end(to_status(outcome.refusal));
-                                    stream->granted(*outcome.value);
+                                  [this, weak = weak_from_this()](const Outcome<Lease>& outcome) {
+                                    const auto alive = weak.lock();
+                                    if (!alive) return;
+                                    if (!outcome) return end(to_status(outcome.refusal));
+                                    granted(*outcome.value);
                                   });
 }
 
@@ -197,66 +197,9 @@ void SessionStream::flush() {
   }
 }
 
-void SessionStream::write(grpc::ByteBuffer buffer) {
-  writing_ = true;
-  outgoing_.Swap(&buffer);
-  StartWrite(&outgoing_);
-}
-
-void SessionStream::OnWriteDone(bool ok) {
-  bool finish = false;
-  {
-    const std::lock_guard lock(mutex_);
-    writing_ = false;
-    finish = ended_;
-    if (ok) flush();
-  }
-  if (finish) {
-    Finish(final_status_);
-  } else if (!ok) {
-    end(grpc::Status::CANCELLED);
-  }
-}
-
-void SessionStream::OnCancel() {
-  end(grpc::Status::CANCELLED);
-}
-
-void SessionStream::server_closes() {
-  end(to_status({Refusal::Code::kUnavailable, "CLOSING", "the server is shutting down", {}}));
-}
-
-void SessionStream::end(const grpc::Status& status) {
-  const auto keep = shared_from_this();  // Finish may be followed by OnDone before it returns here
-  bool finish = false;
-  {
-    const std::lock_guard lock(mutex_);
-    if (ended_) return;
-    ended_ = true;
-    final_status_ = status;
-    finish = !writing_;  // else the write's own completion finishes
-  }
-  give_up_what_is_held();
-  if (finish) Finish(status);
-}
-
-void SessionStream::give_up_what_is_held() {
-  ServiceContext::Target target;
-  std::string id;
-  {
-    const std::lock_guard lock(mutex_);
-    target = target_;
-    id = id_;
-  }
-  if (target.device == nullptr) return;
-  target.device->close(id);
-  target.broadcaster->remove(this);
-  context_.registry.remove(id);
-}
-
 void SessionStream::OnDone() {
   if (!client_name_.empty()) spdlog::info("session '{}' ended", client_name_);
-  const auto last = std::move(self_);
+  ResponseStream::OnDone();
 }
 
 }  // namespace haptic::server

@@ -11,7 +11,7 @@ namespace haptic::server {
 
 WatchStream* WatchStream::begin(ServiceContext& context, const grpc::ByteBuffer& request) {
   auto stream = std::make_shared<WatchStream>(context);
-  stream->self_ = stream;
+  stream->keep_alive();
   stream->open(request);
   context.streams.add(stream);
   return stream.get();
@@ -60,59 +60,6 @@ void WatchStream::flush() {
   *response.mutable_event() = to_proto(*event);
   response.set_conflated(pace_.conflated());
   write(to_buffer(response));
-}
-
-void WatchStream::write(grpc::ByteBuffer buffer) {
-  writing_ = true;
-  outgoing_.Swap(&buffer);
-  StartWrite(&outgoing_);
-}
-
-void WatchStream::OnWriteDone(bool ok) {
-  bool finish = false;
-  {
-    const std::lock_guard lock(mutex_);
-    writing_ = false;
-    finish = ended_;
-    if (ok) flush();
-  }
-  if (finish) {
-    Finish(final_status_);
-  } else if (!ok) {
-    end(grpc::Status::CANCELLED);
-  }
-}
-
-void WatchStream::OnCancel() {
-  end(grpc::Status::CANCELLED);
-}
-
-void WatchStream::server_closes() {
-  end(to_status({Refusal::Code::kUnavailable, "CLOSING", "the server is shutting down", {}}));
-}
-
-void WatchStream::end(const grpc::Status& status) {
-  const auto keep = shared_from_this();  // Finish may be followed by OnDone before it returns here
-  bool finish = false;
-  ServiceContext::Target target;
-  {
-    const std::lock_guard lock(mutex_);
-    if (ended_) return;
-    ended_ = true;
-    final_status_ = status;
-    finish = !writing_;  // else the write's own completion finishes
-    target = target_;
-  }
-  if (target.device != nullptr) {
-    target.device->close(id_);
-    target.broadcaster->remove(this);
-    context_.registry.remove(id_);
-  }
-  if (finish) Finish(status);
-}
-
-void WatchStream::OnDone() {
-  const auto last = std::move(self_);
 }
 
 }  // namespace haptic::server

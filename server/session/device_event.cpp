@@ -1,8 +1,9 @@
 #include "server/session/device_event.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <utility>
+
+#include "server/session/figures.hpp"
 
 namespace haptic::server {
 namespace {
@@ -12,26 +13,6 @@ constexpr core::Fault kFaults[] = {
     core::Fault::kSampleOutOfRange, core::Fault::kLoopLate,       core::Fault::kLateBucketFull,
     core::Fault::kEmergencyStop,    core::Fault::kForceOverLimit, core::Fault::kOutputNotFinite,
 };
-
-const char* level_name(core::Staleness level) {
-  switch (level) {
-    case core::Staleness::kFresh:
-      return "FRESH";
-    case core::Staleness::kHold:
-      return "HOLD";
-    case core::Staleness::kFade:
-      return "FADE";
-    case core::Staleness::kLost:
-      return "LOST";
-  }
-  return "UNKNOWN";
-}
-
-std::string milliseconds(core::Duration d) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g ms", core::seconds(d) * 1e3);
-  return text;
-}
 
 std::string fault_sentence(core::Fault fault, const core::TickRecord& record,
                            const std::string& stop_reason) {
@@ -89,7 +70,7 @@ void EventDetector::step(const core::TickRecord& record, const std::string& stop
   }
   if (record.staleness != staleness_) {
     add(DeviceEvent::Kind::kStaleness,
-        std::string(level_name(staleness_)) + " -> " + level_name(record.staleness),
+        std::string(core::name(staleness_)) + " -> " + std::string(core::name(record.staleness)),
         "the newest proxy is " + milliseconds(record.proxy_age) + " old");
   }
   state_ = record.state;

@@ -2,18 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <utility>
 
+#include "server/session/figures.hpp"
+
 namespace haptic::server {
 namespace {
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
 
 Refusal not_yet(const char* reason, std::string message) {
   return {Refusal::Code::kPrecondition, reason, std::move(message), {}};
@@ -21,8 +16,8 @@ Refusal not_yet(const char* reason, std::string message) {
 
 Outcome<Done> engage_outcome(const core::EngageAnswer& answer, core::DeviceState state) {
   using Verdict = core::EngageVerdict;
-  const std::string value = number(answer.value);
-  const std::string limit = number(answer.limit);
+  const std::string value = figure(answer.value);
+  const std::string limit = figure(answer.limit);
   switch (answer.verdict) {
     case Verdict::kAccepted:
       return Done{};

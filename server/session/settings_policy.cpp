@@ -3,20 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
+
+#include "server/session/figures.hpp"
 
 namespace haptic::server {
 namespace {
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
-
-std::string milliseconds(core::Duration d) {
-  return number(core::seconds(d) * 1e3) + " ms";
-}
 
 Refusal invalid(std::string field, const std::string& rest) {
   Refusal refusal{Refusal::Code::kInvalid, "INVALID_ARGUMENT", field + " " + rest, {}};
@@ -40,7 +31,7 @@ class Tightener {
       const std::string field = std::string(name) + "[" + std::to_string(i) + "]";
       const bool in_range = zero_allowed ? asked[i] >= 0.0 : asked[i] > 0.0;
       if (!std::isfinite(asked[i]) || !in_range) {
-        return invalid(field, "= " + number(asked[i]) + ": must be finite and " +
+        return invalid(field, "= " + figure(asked[i]) + ": must be finite and " +
                                   (zero_allowed ? ">= 0" : "> 0"));
       }
       const auto k = static_cast<Eigen::Index>(i);
@@ -115,7 +106,7 @@ Outcome<core::StalenessLimits> lease_staleness(const LeaseRequest& request,
                                                std::optional<core::Duration> fresh_bound) {
   const double rate = request.nominal_rate_hz;
   if (!(rate >= 1.0 && rate <= 2000.0)) {
-    return invalid("nominal_rate_hz", "= " + number(rate) + ": a controller must say 1..2000");
+    return invalid("nominal_rate_hz", "= " + figure(rate) + ": a controller must say 1..2000");
   }
   std::optional<Refusal> refusal;
   core::StalenessLimits limits;

@@ -24,20 +24,6 @@ const char* force_unit(core::Unit unit) {
   return unit == core::Unit::kMetre ? "n" : "n_m";
 }
 
-std::string_view text(core::Staleness level) {
-  switch (level) {
-    case core::Staleness::kFresh:
-      return "FRESH";
-    case core::Staleness::kHold:
-      return "HOLD";
-    case core::Staleness::kFade:
-      return "FADE";
-    case core::Staleness::kLost:
-      return "LOST";
-  }
-  return "?";
-}
-
 std::string_view text(core::ProxyMode mode) {
   switch (mode) {
     case core::ProxyMode::kNone:
@@ -46,28 +32,6 @@ std::string_view text(core::ProxyMode mode) {
       return "HELD";
     case core::ProxyMode::kFree:
       return "FREE";
-  }
-  return "?";
-}
-
-std::string_view text(core::ProjectionStatus status) {
-  switch (status) {
-    case core::ProjectionStatus::kNone:
-      return "NONE";
-    case core::ProjectionStatus::kExact:
-      return "EXACT";
-    case core::ProjectionStatus::kConverged:
-      return "CONVERGED";
-    case core::ProjectionStatus::kCapped:
-      return "CAPPED";
-    case core::ProjectionStatus::kUnreachable:
-      return "UNREACHABLE";
-    case core::ProjectionStatus::kIllConditioned:
-      return "ILL_CONDITIONED";
-    case core::ProjectionStatus::kRankDeficient:
-      return "RANK_DEFICIENT";
-    case core::ProjectionStatus::kMapFailed:
-      return "MAP_FAILED";
   }
   return "?";
 }
@@ -208,7 +172,7 @@ void Recorder::append(const core::TickRecord& record) {
   row.number(core::seconds(record.input.now - *start_));
   row.number(record.tick);
   row.add(core::name(record.state));
-  row.add(text(record.staleness));
+  row.add(core::name(record.staleness));
   row.number(microseconds(record.proxy_age));
   row.add(text(record.input.proxy.mode));
   row.number(record.gain);
@@ -221,7 +185,7 @@ void Recorder::append(const core::TickRecord& record) {
   row.vector(record.tau_elastic, n_a);
   row.vector(record.tau_damping, n_a);
   row.vector(record.tau_a, n_a);
-  row.add(text(record.projection));
+  row.add(core::name(record.projection));
   row.reasons(record.faults);
   row.reasons(record.limiters);
   row.number(microseconds(record.input.loop.lateness));

@@ -6,6 +6,20 @@ namespace haptic::core {
 
 using std::chrono::milliseconds;
 
+std::string_view name(Staleness level) noexcept {
+  switch (level) {
+    case Staleness::kFresh:
+      return "FRESH";
+    case Staleness::kHold:
+      return "HOLD";
+    case Staleness::kFade:
+      return "FADE";
+    case Staleness::kLost:
+      return "LOST";
+  }
+  return "UNKNOWN";
+}
+
 Staleness staleness(Duration age, Duration valid_for, const StalenessLimits& limits) noexcept {
   const Duration fresh_end =
       valid_for > Duration::zero() ? std::min(valid_for, limits.fresh_end) : limits.fresh_end;

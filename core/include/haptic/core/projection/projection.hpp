@@ -2,6 +2,7 @@
 /// What a renderer is given and what it answers (METHOD 2, 3).
 
 #include <cstdint>
+#include <string_view>
 
 #include "haptic/core/types.hpp"
 
@@ -17,6 +18,8 @@ enum class ProjectionStatus : std::uint8_t {
   kRankDeficient = 6,   ///< a column of J depends on the others; minimum-norm answer in metric Z_q
   kMapFailed = 7,       ///< f has no value at q: the last q* is kept (METHOD 6, case 17)
 };
+
+[[nodiscard]] std::string_view name(ProjectionStatus status) noexcept;  ///< "EXACT", ...
 
 /// The device in X at this tick. References must outlive the call only.
 struct Probe {

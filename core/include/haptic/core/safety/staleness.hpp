@@ -2,6 +2,7 @@
 /// Age of the newest proxy -> level and ladder (WIRE 4). Intervals are half-open.
 
 #include <cstdint>
+#include <string_view>
 
 #include "haptic/core/time.hpp"
 
@@ -13,6 +14,8 @@ enum class Staleness : std::uint8_t {
   kFade = 3,   ///< age < fade_end: frozen, ladder falls linearly 1 -> 0
   kLost = 4,   ///< beyond, or no proxy at all: no elastic force
 };
+
+[[nodiscard]] std::string_view name(Staleness level) noexcept;  ///< "FRESH", ...
 
 struct StalenessLimits {
   Duration fresh_end{std::chrono::milliseconds(20)};

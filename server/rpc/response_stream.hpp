@@ -1,0 +1,113 @@
+#pragma once
+/// What every stream of responses does alike (private to server/rpc): one write at a time, an end
+/// that happens once, whatever it came from, and a life as long as gRPC or an answer needs it.
+
+#include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/status.h>
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "server/rpc/service_context.hpp"
+#include "server/rpc/status.hpp"
+
+namespace haptic::server {
+
+/// `Reactor`: gRPC's, writing ByteBuffers.
+template <typename Reactor>
+class ResponseStream : public Reactor,
+                       public Subscriber,
+                       public OpenStream,
+                       public std::enable_shared_from_this<ResponseStream<Reactor>> {
+ public:
+  explicit ResponseStream(ServiceContext& context)
+      : OpenStream(context.streams), context_(context) {}
+
+  void server_closes() override {
+    end(to_status({Refusal::Code::kUnavailable, "CLOSING", "the server is shutting down", {}}));
+  }
+  void OnCancel() override { end(grpc::Status::CANCELLED); }
+  void OnWriteDone(bool ok) override;
+  void OnDone() override { const auto last = std::move(self_); }
+
+ protected:
+  /// Lives until gRPC is done with it.
+  void keep_alive() { self_ = this->shared_from_this(); }
+  /// Under the mutex: starts the next write that is not a state, if none is under way.
+  virtual void flush() = 0;
+  /// Under the mutex; no other write is under way.
+  void write(grpc::ByteBuffer buffer);
+  void end(const grpc::Status& status);
+  /// Lease, place in the broadcast and session id, so far as they were had.
+  void give_up_what_is_held();
+
+  ServiceContext& context_;
+  std::mutex mutex_;
+  bool ended_{false};
+  bool writing_{false};
+  ServiceContext::Target target_{};
+  std::string id_;
+  std::shared_ptr<EventQueue> events_;
+
+ private:
+  std::shared_ptr<ResponseStream> self_;
+  grpc::Status final_status_;
+  grpc::ByteBuffer outgoing_;
+};
+
+template <typename Reactor>
+void ResponseStream<Reactor>::write(grpc::ByteBuffer buffer) {
+  writing_ = true;
+  outgoing_.Swap(&buffer);
+  this->StartWrite(&outgoing_);
+}
+
+template <typename Reactor>
+void ResponseStream<Reactor>::OnWriteDone(bool ok) {
+  bool finish = false;
+  {
+    const std::lock_guard lock(mutex_);
+    writing_ = false;
+    finish = ended_;
+    if (ok) flush();
+  }
+  if (finish) {
+    this->Finish(final_status_);
+  } else if (!ok) {
+    end(grpc::Status::CANCELLED);
+  }
+}
+
+template <typename Reactor>
+void ResponseStream<Reactor>::end(const grpc::Status& status) {
+  // Finish may be followed by OnDone before it returns here.
+  const auto keep = this->shared_from_this();
+  bool finish = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (ended_) return;
+    ended_ = true;
+    final_status_ = status;
+    finish = !writing_;  // else the write's own completion finishes
+  }
+  give_up_what_is_held();
+  if (finish) this->Finish(status);
+}
+
+template <typename Reactor>
+void ResponseStream<Reactor>::give_up_what_is_held() {
+  ServiceContext::Target target;
+  std::string id;
+  {
+    const std::lock_guard lock(mutex_);
+    target = target_;
+    id = id_;
+  }
+  if (target.device == nullptr) return;
+  target.device->close(id);
+  target.broadcaster->remove(this);
+  context_.registry.remove(id);
+}
+
+}  // namespace haptic::server

@@ -109,7 +109,7 @@ TEST(Session, AServerThatSaysNothingIsATimeout) {
 TEST(Session, WaitingReturnsEachStateOnceAndThenTimesOut) {
   FakeServer server;
   client::SessionOptions options;
-  options.timeout = milliseconds(50);
+  options.timeout = milliseconds(1000);  // also of the opening, on a slow machine
   const auto session = Connection(server.address()).open(options);
   EXPECT_EQ(session->state().seq, 0U);
   server.send_state(7);

@@ -38,8 +38,7 @@ void set(google::protobuf::Duration& message, core::Duration d) {
 }
 
 void to_proto(const core::TickRecord& record, v1::DeviceState& state) {
-  const core::ProxySnapshot& proxy = record.input.proxy;
-  const bool has_proxy = proxy.mode != core::ProxyMode::kNone;
+  const bool has_proxy = record.proxy_mode != core::ProxyMode::kNone;
   state.set_seq(record.tick);
   state.set_server_time_ns(record.input.now.time_since_epoch().count());
   copy(record.q, state.mutable_q());
@@ -49,7 +48,7 @@ void to_proto(const core::TickRecord& record, v1::DeviceState& state) {
   copy(record.q_star, state.mutable_q_star());
   copy(record.tau_a, state.mutable_tau_a());
   copy(record.tau_elastic, state.mutable_tau_elastic());
-  state.set_proxy_seq_used(proxy.seq);
+  state.set_proxy_seq_used(record.proxy_seq);
   const auto age = std::chrono::duration_cast<std::chrono::microseconds>(record.proxy_age).count();
   state.set_proxy_age_us(static_cast<std::uint64_t>(std::max<std::int64_t>(0, age)));
   state.set_staleness(static_cast<v1::StalenessLevel>(record.staleness));
@@ -64,7 +63,7 @@ void to_proto(const core::TickRecord& record, v1::DeviceState& state) {
   state.set_projection(static_cast<v1::ProjectionStatus>(record.projection));
   state.set_condition(record.condition);
   state.set_lease_epoch(record.input.command.lease_epoch);
-  state.set_mode(static_cast<v1::ProxyMode>(proxy.mode));
+  state.set_mode(static_cast<v1::ProxyMode>(record.proxy_mode));
 }
 
 v1::Event to_proto(const DeviceEvent& event) {
@@ -74,6 +73,7 @@ v1::Event to_proto(const DeviceEvent& event) {
   message.set_reason(event.reason);
   message.set_message(event.message);
   message.set_state(static_cast<v1::DeviceStateName>(event.state));
+  message.set_lease_epoch(event.lease_epoch);
   return message;
 }
 

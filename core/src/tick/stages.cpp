@@ -154,6 +154,8 @@ void Pipeline::Stages::proxy(const TickInput& input, TickRecord& record) noexcep
   }
 
   has_proxy_ = local_proxy_.mode() != ProxyMode::kNone;
+  record.proxy_mode = local_proxy_.mode();
+  record.proxy_seq = has_proxy_ ? local_proxy_.sample().seq : 0;
   record.proxy_age = has_proxy_ ? input.now - local_proxy_.sample().born : Duration::zero();
   record.staleness =
       has_proxy_ ? staleness(record.proxy_age, local_proxy_.sample().valid_for, settings_.staleness)
@@ -211,8 +213,10 @@ void Pipeline::Stages::requests(const TickInput& input, TickRecord& record) noex
 
   if (command.clear_id != clear_.id) {
     clear_.id = command.clear_id;
-    clear_.refused = FaultSet(command.clear.bits() & causes_.bits());
-    latched_.clear(FaultSet(command.clear.bits() & ~causes_.bits()));
+    FaultSet persisting = causes_;
+    if (command.clear_stop_id != stop_id_) persisting.set(Fault::kEmergencyStop);
+    clear_.refused = FaultSet(command.clear.bits() & persisting.bits());
+    latched_.clear(FaultSet(command.clear.bits() & ~persisting.bits()));
   }
 
   released_ = command.release_id != release_id_;

@@ -33,7 +33,8 @@ bool identical(const ProxySnapshot& a, const ProxySnapshot& b) noexcept {
 bool identical(const CommandSnapshot& a, const CommandSnapshot& b) noexcept {
   return a.lease_epoch == b.lease_epoch && a.lease_held == b.lease_held &&
          a.engage_id == b.engage_id && a.release_id == b.release_id && a.stop_id == b.stop_id &&
-         a.clear_id == b.clear_id && a.clear == b.clear && a.closing == b.closing;
+         a.clear_id == b.clear_id && a.clear == b.clear && a.clear_stop_id == b.clear_stop_id &&
+         a.closing == b.closing;
 }
 
 bool identical(const RenderSettings& a, const RenderSettings& b) noexcept {
@@ -62,6 +63,7 @@ bool identical(const TickRecord& a, const TickRecord& b) noexcept {
          a.lost == b.lost && a.faults == b.faults && a.limiters == b.limiters && a.arm == b.arm &&
          identical(a.engage, b.engage) && a.release_id == b.release_id && a.stop_id == b.stop_id &&
          a.clear.id == b.clear.id && a.clear.refused == b.clear.refused &&
+         a.proxy_mode == b.proxy_mode && a.proxy_seq == b.proxy_seq &&
          a.settings_id == b.settings_id && a.staleness == b.staleness &&
          a.proxy_age == b.proxy_age && same(a.gain, b.gain) &&
          same(a.damping_gain, b.damping_gain) && same_bits(a.q, b.q) &&

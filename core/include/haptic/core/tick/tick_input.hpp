@@ -64,7 +64,9 @@ struct CommandSnapshot {
   std::uint64_t release_id{0};
   std::uint64_t stop_id{0};  ///< emergency stop
   std::uint64_t clear_id{0};
-  FaultSet clear{};     ///< the faults that clear_id names
+  FaultSet clear{};  ///< the faults that clear_id names
+  /// The newest stop that whoever clears has seen: a later one is not theirs to clear.
+  std::uint64_t clear_stop_id{0};
   bool closing{false};  ///< SIGTERM
 };
 

@@ -29,7 +29,8 @@ struct EngageAnswer {
   double limit{0.0};
 };
 
-/// Answer to the clear request `clear_id`: which faults persist because their cause does.
+/// Answer to the clear request `clear_id`: which faults persist because their cause does, or because
+/// they came after the request.
 struct ClearAnswer {
   std::uint64_t id{0};
   FaultSet refused{};
@@ -51,6 +52,8 @@ struct TickRecord {
   ClearAnswer clear{};           ///< to the newest ClearFault
   std::uint64_t settings_id{0};  ///< settings in effect
 
+  ProxyMode proxy_mode{ProxyMode::kNone};  ///< of the sample in use, which may not be the newest
+  std::uint64_t proxy_seq{0};              ///< of the sample in use; 0 where there is none
   Staleness staleness{Staleness::kLost};
   Duration proxy_age{0};     ///< now - born; 0 where there is no proxy
   double gain{0.0};          ///< g

@@ -1,33 +1,28 @@
 #include "callback_scope.hpp"
 
+#include <algorithm>
+
 namespace haptic::client {
 
 namespace {
-// Counters: a callback may publish, and so cause another on the same thread.
-thread_local int callbacks = 0;
-thread_local int on_grpc = 0;
+constexpr int kNone = 0, kOwnThread = 1, kGrpcThread = 2;
+thread_local int running = kNone;
 }  // namespace
 
 bool in_callback() noexcept {
-  return callbacks > 0;
+  return running != kNone;
 }
 
 bool in_callback_of_grpc() noexcept {
-  return callbacks > 0 && on_grpc > 0;
+  return running == kGrpcThread;
 }
 
-CallbackScope::CallbackScope() noexcept {
-  ++callbacks;
+CallbackScope::CallbackScope(bool on_grpc_thread) noexcept : before_(running) {
+  running = std::max(before_, on_grpc_thread ? kGrpcThread : kOwnThread);
 }
+
 CallbackScope::~CallbackScope() {
-  --callbacks;
-}
-
-GrpcThreadScope::GrpcThreadScope() noexcept {
-  ++on_grpc;
-}
-GrpcThreadScope::~GrpcThreadScope() {
-  --on_grpc;
+  running = before_;
 }
 
 }  // namespace haptic::client

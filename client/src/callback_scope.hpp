@@ -12,19 +12,13 @@ namespace haptic::client {
 /// Around a callback.
 class CallbackScope {
  public:
-  CallbackScope() noexcept;
+  explicit CallbackScope(bool on_grpc_thread) noexcept;
   ~CallbackScope();
   CallbackScope(const CallbackScope&) = delete;
   CallbackScope& operator=(const CallbackScope&) = delete;
-};
 
-/// Around a callback on a thread of gRPC's, beside the CallbackScope.
-class GrpcThreadScope {
- public:
-  GrpcThreadScope() noexcept;
-  ~GrpcThreadScope();
-  GrpcThreadScope(const GrpcThreadScope&) = delete;
-  GrpcThreadScope& operator=(const GrpcThreadScope&) = delete;
+ private:
+  const int before_;
 };
 
 }  // namespace haptic::client

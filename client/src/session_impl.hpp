@@ -47,8 +47,9 @@ class Session::Impl final : public StreamSink {
   using Clock = std::chrono::steady_clock;
   using Lock = std::unique_lock<std::mutex>;
   enum class Phase { kOpening, kOpen, kDone };
-  /// A callback of the user's runs.
+  /// Where callbacks of the user's run, one at a time.
   struct Caller {
+    bool on_grpc_thread{false};
     bool busy{false};
   };
   /// One Engage or Release in flight; owns what gRPC writes to.
@@ -152,7 +153,7 @@ class Session::Impl final : public StreamSink {
   bool reconnecting_{false};
   std::thread worker_;
 
-  Caller states_{}, events_and_end_{};
+  Caller states_{true}, events_and_end_{};
   int quick_in_a_row_{0};  ///< calls of on_state
 };
 
@@ -163,12 +164,12 @@ void Session::Impl::call(Lock& lock, Caller& caller, const Callback& callback,
   caller.busy = true;
   lock.unlock();
   try {
-    const CallbackScope scope;
+    const CallbackScope scope(caller.on_grpc_thread);
     callback(arguments...);
   } catch (...) {  // NOLINT(bugprone-empty-catch): the contract: no exception crosses a callback
   }
   lock.lock();
-  caller = {};
+  caller.busy = false;
   changed_.notify_all();  // close() may wait for this
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "callback_scope.hpp"
 #include "convert.hpp"
 #include "session_impl.hpp"
 
@@ -53,7 +52,6 @@ void Session::Impl::deliver() {
   while (state_pending_ && !states_.busy && !closing_) {
     state_pending_ = false;
     const Clock::time_point begin = Clock::now();
-    const GrpcThreadScope on_grpc_thread;
     call(lock, states_, options_.on_state, hand_out());
     quick_in_a_row_ = Clock::now() - begin < kQuick ? std::min(quick_in_a_row_ + 1, kTrusted) : 0;
   }

@@ -47,7 +47,10 @@ Pipeline::Stages::Stages(PipelineConfig config)
       x_probe_(VecX::Zero(kinematics_.space().n_x())),
       J_(MatXQ::Zero(kinematics_.space().n_x(), layout_.n_q())),
       dx_(VecX::Zero(kinematics_.space().n_x())),
-      dq_a_(VecA::Zero(layout_.n_a())) {
+      dq_a_(VecA::Zero(layout_.n_a())),
+      anchor_(VecA::Zero(layout_.n_a())),
+      tau_controller_(VecA::Zero(layout_.n_a())) {
+  if (config_.passivity.enabled()) passivity_.emplace(config_.passivity, layout_.n_a());
   projection_.q_star = q_;
 }
 
@@ -113,6 +116,7 @@ void Pipeline::Stages::device(const TickInput& input, TickRecord& record) noexce
   if (reading.health == DeviceHealth::kLost) causes_.set(Fault::kDeviceLost);
   if (reading.health == DeviceHealth::kForceOverLimit) causes_.set(Fault::kForceOverLimit);
 
+  fresh_ = false;
   if (reading.fresh) {
     const VecQ& q = reading.sample.q;
     if (q.size() != layout_.n_q() || !all_finite(q)) {
@@ -123,7 +127,7 @@ void Pipeline::Stages::device(const TickInput& input, TickRecord& record) noexce
       q_ = q;
       rate_.update(layout_.select(q_), reading.sample.time, kRecentPeriods * limits.sample_period);
       last_sample_now_ = input.now;
-      ready_ = true;
+      ready_ = fresh_ = true;
     }
   }
   if (!device_sample_is_recent(input.now)) rate_.forget();
@@ -290,6 +294,7 @@ void Pipeline::Stages::state(const TickInput& input, TickRecord& record) noexcep
   record.lost = machine_.lost_now();
 
   if (engage_accepted_) force_granted_ = true;
+  if (engage_accepted_ && before == DeviceState::kArmed && passivity_) passivity_->restart();
   const bool force_given_up = before == DeviceState::kReleasing && record.state != before;
   if (!machine_.wants_armed() || record.state == DeviceState::kIdle || force_given_up) {
     force_granted_ = false;
@@ -319,17 +324,48 @@ void Pipeline::Stages::state(const TickInput& input, TickRecord& record) noexcep
   record.settings_id = settings_.id;
 }
 
+bool Pipeline::Stages::withheld(TickRecord& record) noexcept {
+  if (!settings_.direction_guard || !has_anchor_ || !map_ok_) return false;
+  const VecA elastic = settings_.stiffness.cwiseProduct(dq_a_);
+  if (guard_.allows(Probe{q_, x_probe_, J_}, dx_, elastic)) return false;
+  dq_a_.setZero();
+  for (int i = 0; i < layout_.n_a(); ++i) {
+    projection_.q_star[layout_.actuated(i)] = q_[layout_.actuated(i)];
+  }
+  record.limiters.set(Limiter::kDirectionGuard);
+  return true;
+}
+
+void Pipeline::Stages::passivity(TickRecord& record, bool spring_is_off) noexcept {
+  const VecA q_a = layout_.select(q_);
+  passivity_->measure(q_a, fresh_, device_sample_is_recent(record.input.now), record.dt);
+  SpringStorage spring;
+  spring.stiffness = settings_.stiffness;
+  spring.limit = settings_.force_limit;
+  // A spring that is not there stores nothing over the tick either, however far the device moves.
+  spring.gain = spring_is_off ? 0.0 : record.gain;
+  anchor_ = passivity_->admit(spring, spring_is_off ? q_a : layout_.select(projection_.q_star));
+  if (!spring_is_off) {
+    dq_a_ = anchor_ - q_a;
+    for (int i = 0; i < layout_.n_a(); ++i) {
+      projection_.q_star[layout_.actuated(i)] = anchor_[i];
+    }
+  }
+  record.passivity = passivity_->record();
+  // Where nothing is in the way there is no drag, whatever the book says.
+  if (has_anchor_ && record.damping_gain > 0.0) {
+    tau_controller_ = passivity_->controller();
+  } else {
+    tau_controller_.setZero();
+    record.passivity.alpha = 0.0;
+  }
+}
+
 void Pipeline::Stages::force(TickRecord& record) noexcept {
   const int n_a = layout_.n_a();
-  VecA elastic = settings_.stiffness.cwiseProduct(dq_a_);  // Eq. (6), (7): Z_q S dq
-  if (settings_.direction_guard && has_anchor_ && map_ok_ &&
-      !guard_.allows(Probe{q_, x_probe_, J_}, dx_, elastic)) {
-    elastic.setZero();
-    for (int i = 0; i < n_a; ++i) {
-      projection_.q_star[layout_.actuated(i)] = q_[layout_.actuated(i)];
-    }
-    record.limiters.set(Limiter::kDirectionGuard);
-  }
+  const bool guarded = withheld(record);
+  if (passivity_) passivity(record, guarded || !has_anchor_);
+  const VecA elastic = settings_.stiffness.cwiseProduct(dq_a_);  // Eq. (6), (7): Z_q S dq
   if (projection_.status == ProjectionStatus::kUnreachable) {
     record.limiters.set(Limiter::kRangeClamp);
   }
@@ -343,7 +379,8 @@ void Pipeline::Stages::force(TickRecord& record) noexcept {
       limiters_[i].zero();
       continue;
     }
-    const double damping = -record.damping_gain * settings_.damping[i] * record.q_a_dot[i];
+    double damping = -record.damping_gain * settings_.damping[i] * record.q_a_dot[i];
+    if (passivity_) damping += tau_controller_[i];
     const LimitedForce limited =
         limiters_[i].step(record.gain * elastic[i], damping, record.gain, settings_.force_limit[i],
                           settings_.slew_limit[i], record.dt, record.limiters);
@@ -359,6 +396,7 @@ void Pipeline::Stages::force(TickRecord& record) noexcept {
     record.tau_elastic.setZero();
     for (int i = 0; i < n_a; ++i) limiters_[i].zero();
   }
+  if (passivity_) passivity_->hold(record.tau_elastic, record.tau_damping);
   record.q_star = projection_.q_star;
   record.projection = projection_.status;
   record.residual = projection_.residual;

@@ -54,6 +54,14 @@ bool identical(const EngageAnswer& a, const EngageAnswer& b) noexcept {
          same(a.limit, b.limit);
 }
 
+bool identical(const PassivityRecord& a, const PassivityRecord& b) noexcept {
+  return same(a.storage, b.storage) && same(a.injected, b.injected) && same(a.scale, b.scale) &&
+         a.throttled == b.throttled && same(a.tank, b.tank) && same(a.hold.leak, b.hold.leak) &&
+         same(a.hold.limits, b.hold.limits) && same(a.hold.rendered, b.hold.rendered) &&
+         same(a.hold.device_damping, b.hold.device_damping) && same(a.observed, b.observed) &&
+         same(a.alpha, b.alpha);
+}
+
 }  // namespace
 
 bool identical(const TickRecord& a, const TickRecord& b) noexcept {
@@ -68,7 +76,7 @@ bool identical(const TickRecord& a, const TickRecord& b) noexcept {
          same_bits(a.x, b.x) && same_bits(a.q_star, b.q_star) && a.projection == b.projection &&
          same(a.residual, b.residual) && same(a.condition, b.condition) &&
          same_bits(a.tau_elastic, b.tau_elastic) && same_bits(a.tau_damping, b.tau_damping) &&
-         same_bits(a.tau_a, b.tau_a);
+         same_bits(a.tau_a, b.tau_a) && identical(a.passivity, b.passivity);
 }
 
 }  // namespace haptic::core

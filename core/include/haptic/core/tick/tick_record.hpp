@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "haptic/core/passivity/passivity.hpp"
 #include "haptic/core/projection/projection.hpp"
 #include "haptic/core/safety/device_state.hpp"
 #include "haptic/core/tick/tick_input.hpp"
@@ -66,8 +67,10 @@ struct TickRecord {
   double condition{0.0};
 
   VecA tau_elastic{};  ///< g Z_q S (q* - q), saturated, guarded, under the envelope
-  VecA tau_damping{};  ///< -g_d B q_a_dot
+  VecA tau_damping{};  ///< -g_d B q_a_dot, and the passivity controller's part
   VecA tau_a{};        ///< command to the device, n_a; N or N m
+
+  PassivityRecord passivity{};  ///< tank and observer; zeros where neither is on
 };
 
 /// Equal to the bit, NaNs included: the test of replay.

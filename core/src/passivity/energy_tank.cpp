@@ -14,11 +14,11 @@ void EnergyTank::refill(double dt, const HoldAccount& account) noexcept {
 
 double EnergyTank::admit(double before, const SpringStorage& after, const VecA& d) noexcept {
   const double cost = after.energy(d) - before;
-  const double available = std::max(level_, 0.0);
-  if (cost <= available) {
+  if (cost <= 0.0 || level_ - cost >= -kRounding) {
     level_ = std::min(level_ - cost, settings_.capacity);
     return 1.0;
   }
+  const double available = std::max(level_, 0.0);
   level_ -= available;  // all of it; a debt stays
   return after.scale_to(d, before + available);
 }

@@ -28,6 +28,10 @@ struct HoldAccount {
 
 class EnergyTank {
  public:
+  /// J, once in all: the anchor of a finger at rest is computed anew in every tick, and rounding must
+  /// not look like a change that an empty tank cannot pay.
+  static constexpr double kRounding = 1e-12;
+
   explicit EnergyTank(const TankSettings& settings) : settings_(settings) { restart(); }
 
   /// The level of an Engage: initial, every debt forgiven.

@@ -105,7 +105,13 @@ void Passivity::book(const VecA& q_a) noexcept {
 }
 
 const VecA& Passivity::admit(const SpringStorage& spring, const VecA& anchor) noexcept {
-  const double before = spring_.energy(VecA(anchor_ - q_a_));
+  const VecA stretch = anchor_ - q_a_;
+  double before = spring_.energy(stretch);
+  if (spring_.gain == 0.0 && spring.gain > 0.0) {
+    // A spring that begins now would have stored this had it been there one tick earlier, where the
+    // device was; what the hold then leaked the device's damping pays as always.
+    before = std::min(spring.energy(stretch), record_.hold.device_damping);
+  }
   const VecA wanted = anchor - q_a_;
   record_.scale = settings_.tank.enabled ? tank_.admit(before, spring, wanted) : 1.0;
   record_.throttled = record_.scale < 1.0;

@@ -41,6 +41,7 @@ Pipeline::Stages::Stages(PipelineConfig config)
       settings_(config_.scene),
       renderer_(config_.scene.renderer, kinematics_),
       guard_(kinematics_),
+      local_proxy_(kinematics_.space()),
       rate_(layout_.n_a()),
       late_bucket_(config_.late_bucket_full),
       q_(VecQ::Zero(layout_.n_q())),
@@ -143,8 +144,7 @@ void Pipeline::Stages::proxy(const TickInput& input, TickRecord& record) noexcep
   const ProxySnapshot& sample = input.proxy;
   const bool of_this_lease =
       command.lease_held && sample.mode != ProxyMode::kNone && sample.epoch == command.lease_epoch;
-  const bool fits = sample.mode == ProxyMode::kFree ||
-                    (sample.x.size() == kinematics_.space().n_x() && all_finite_x(sample.x));
+  const bool fits = sample.mode == ProxyMode::kFree || fits_space(sample);
   if (carries_force(machine_.state())) {
     // The force of one lease is never led by the samples of the next: it fades out where it is.
     if (of_this_lease && fits && sample.epoch == local_proxy_.sample().epoch) {
@@ -165,6 +165,15 @@ void Pipeline::Stages::proxy(const TickInput& input, TickRecord& record) noexcep
   ladder_ = has_proxy_ ? ladder(record.proxy_age, settings_.staleness) : 0.0;
 }
 
+bool Pipeline::Stages::fits_space(const ProxySnapshot& sample) const noexcept {
+  const int n_x = kinematics_.space().n_x();
+  if (sample.x.size() != n_x || !all_finite_x(sample.x)) return false;
+  if (sample.mode != ProxyMode::kPlanes || sample.planes.size() == 0) return true;
+  const PlaneSet& planes = sample.planes;
+  return planes.normals.rows() == n_x && planes.normals.cols() == planes.size() &&
+         planes.normals.allFinite() && planes.offsets.allFinite();
+}
+
 void Pipeline::Stages::projection(TickRecord& record) noexcept {
   map_ok_ = ready_ && kinematics_.evaluate(q_, x_probe_, J_) == MapStatus::kOk;
   record.x_probe = x_probe_;
@@ -173,7 +182,11 @@ void Pipeline::Stages::projection(TickRecord& record) noexcept {
   projection_.status = ProjectionStatus::kNone;
   dq_a_.setZero();
 
-  if (local_proxy_.mode() != ProxyMode::kHeld) {
+  record.planes = local_proxy_.planes();
+  record.active_planes = local_proxy_.active_planes();
+  if (record.planes == PlaneStatus::kInfeasible) record.limiters.set(Limiter::kInfeasiblePlanes);
+
+  if (!local_proxy_.constrained()) {
     has_anchor_ = false;
     projection_.q_star = q_;
     projection_.residual = projection_.condition = 0.0;
@@ -306,10 +319,9 @@ void Pipeline::Stages::state(const TickInput& input, TickRecord& record) noexcep
       device_follows;
   record.gain = gain_.step(wanted, ladder_, record.dt,
                            settings_.staleness.fade_end - settings_.staleness.hold_end);
-  record.damping_gain =
-      damping_gain_.step(force_granted_ && local_proxy_.mode() != ProxyMode::kFree &&
-                             device_sample_is_recent(input.now),
-                         record.dt);
+  record.damping_gain = damping_gain_.step(
+      force_granted_ && local_proxy_.constrained() && device_sample_is_recent(input.now),
+      record.dt);
   if (!force_granted_ && !carries_force(record.state)) damping_gain_.zero();
   if (record.state == DeviceState::kFault || record.state == DeviceState::kClosing) gain_.zero();
   record.gain = gain_.value();
@@ -352,9 +364,11 @@ void Pipeline::Stages::passivity(TickRecord& record, bool spring_is_off) noexcep
     }
   }
   record.passivity = passivity_->record();
+  if (record.passivity.throttled) record.limiters.set(Limiter::kEnergyTank);
   // Where nothing is in the way there is no drag, whatever the book says.
   if (has_anchor_ && record.damping_gain > 0.0) {
     tau_controller_ = passivity_->controller();
+    if (record.passivity.alpha > 0.0) record.limiters.set(Limiter::kPassivity);
   } else {
     tau_controller_.setZero();
     record.passivity.alpha = 0.0;

@@ -48,6 +48,8 @@ class Pipeline::Stages {
   /// Steps 8-10: force, and its limits.
   void force(TickRecord& record) noexcept;
 
+  /// A held or planes sample of the right sizes, every number finite.
+  [[nodiscard]] bool fits_space(const ProxySnapshot& sample) const noexcept;
   [[nodiscard]] bool device_sample_is_recent(TimePoint now) const noexcept;
   [[nodiscard]] bool silent_too_long(TimePoint now) const noexcept;
 

@@ -12,7 +12,7 @@ bool same(double a, double b) noexcept {
 
 template <typename Vector>
 bool same_bits(const Vector& a, const Vector& b) noexcept {
-  return a.size() == b.size() &&
+  return a.rows() == b.rows() && a.cols() == b.cols() &&
          std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
 }
 
@@ -25,7 +25,9 @@ bool identical(const DeviceReading& a, const DeviceReading& b) noexcept {
 
 bool identical(const ProxySnapshot& a, const ProxySnapshot& b) noexcept {
   return a.mode == b.mode && a.epoch == b.epoch && a.seq == b.seq && a.born == b.born &&
-         a.valid_for == b.valid_for && same_bits(a.x, b.x) && a.gapless_since == b.gapless_since &&
+         a.valid_for == b.valid_for && same_bits(a.x, b.x) &&
+         same_bits(a.planes.normals, b.planes.normals) &&
+         same_bits(a.planes.offsets, b.planes.offsets) && a.gapless_since == b.gapless_since &&
          a.gapless_samples == b.gapless_samples;
 }
 
@@ -73,7 +75,8 @@ bool identical(const TickRecord& a, const TickRecord& b) noexcept {
          a.proxy_age == b.proxy_age && same(a.gain, b.gain) &&
          same(a.damping_gain, b.damping_gain) && same_bits(a.q, b.q) &&
          same_bits(a.q_a_dot, b.q_a_dot) && same_bits(a.x_probe, b.x_probe) &&
-         same_bits(a.x, b.x) && same_bits(a.q_star, b.q_star) && a.projection == b.projection &&
+         same_bits(a.x, b.x) && a.planes == b.planes && a.active_planes == b.active_planes &&
+         same_bits(a.q_star, b.q_star) && a.projection == b.projection &&
          same(a.residual, b.residual) && same(a.condition, b.condition) &&
          same_bits(a.tau_elastic, b.tau_elastic) && same_bits(a.tau_damping, b.tau_damping) &&
          same_bits(a.tau_a, b.tau_a) && identical(a.passivity, b.passivity);

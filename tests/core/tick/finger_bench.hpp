@@ -62,6 +62,7 @@ class Bench {
     if (p.gapless_samples++ == 0) p.gapless_since = input.now;
     ++p.seq;
     p.born = input.now;
+    if (shape) p = shape(p);
     return pipeline.tick(input);
   }
   TickRecord engage() {
@@ -77,6 +78,7 @@ class Bench {
   Pipeline pipeline;
   TickInput input{};
   VecX target = joints(0.5, 0.5);
+  ProxySnapshot (*shape)(ProxySnapshot){nullptr};  ///< changes each sample; none: as it is
 };
 
 inline constexpr RendererKind kAllRenderers[] = {RendererKind::kStandard, RendererKind::kNullSpace,

@@ -24,7 +24,7 @@ struct Press {
   std::function<Eigen::Vector2d(double)> aim{};
   double stiffness{1500.0};  ///< N/m
   bool force{true};
-  bool planes{false};  ///< the stops as planes instead of a held proxy
+  bool planes{false};  ///< the stops as planes, 60 samples a second, instead of a held proxy
   core::RendererKind renderer{core::RendererKind::kSubspaceLinear};
   bool direction_guard{false};
   double seconds{2.0};
@@ -95,6 +95,11 @@ inline Pressed run(const Press& press) {
   in.proxy.epoch = 1;
   in.proxy.mode = core::ProxyMode::kHeld;
   in.proxy.x.resize(2);
+  if (press.planes) {
+    in.proxy.mode = core::ProxyMode::kPlanes;
+    in.proxy.planes.normals = core::MatXQ::Identity(2, 2);
+    in.proxy.planes.offsets = stop;
+  }
 
   Pressed out;
   double net = 0.0, motion = 0.0, tau = 0.0;
@@ -106,8 +111,10 @@ inline Pressed run(const Press& press) {
     in.device.sample.q = finger.q();
     if (in.proxy.gapless_samples++ == 0) in.proxy.gapless_since = in.now;
     in.proxy.born = in.now;
-    ++in.proxy.seq;
-    for (int j = 0; j < 2; ++j) in.proxy.x[j] = std::min(finger.x()[j], stop[j]);
+    if (!press.planes || k % 17 == 0) {
+      ++in.proxy.seq;
+      for (int j = 0; j < 2; ++j) in.proxy.x[j] = std::min(finger.x()[j], stop[j]);
+    }
     if (k == kSettle / 2 && press.force) ++in.command.engage_id;
     const core::TickRecord record = pipeline.tick(in);
     tau = press.force ? record.tau_a[0] : 0.0;

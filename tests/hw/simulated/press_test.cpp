@@ -110,6 +110,24 @@ TEST(Press, APlainPressIsNotThrottledByAnEmptyTankAndFeelsTheSame) {
   }
 }
 
+TEST(Press, PlanesAtSixtyHertzFeelLikeAClientAtOneKilohertz) {
+  for (const RendererKind renderer : kAll) {
+    for (const Row& row : kRows) {
+      SCOPED_TRACE(std::string(core::name(renderer)) + " at " + std::to_string(row.stiffness));
+      Press press = press_of(renderer, row);
+      press.direction_guard = true;
+      press.passivity = tank_of(0.0);
+      const Pressed held = run(press);
+      press.planes = true;
+      const Pressed planes = run(press);
+      EXPECT_NEAR((planes.end - held.end).norm(), 0.0, 0.1);
+      EXPECT_NEAR(planes.end_force, held.end_force, 0.05);
+      EXPECT_GE(planes.least_power, 0.0);
+      EXPECT_LE(planes.most_net, 1e-9);
+    }
+  }
+}
+
 TEST(Press, RoundsThatPumpAreHeldToWhatTheTankHolds) {
   for (const RendererKind renderer : kAll) {
     for (const double initial : {0.0, 1e-3}) {

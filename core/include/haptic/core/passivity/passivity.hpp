@@ -29,7 +29,7 @@ struct PassivitySettings {
 /// The book's state after a tick. Zeros where passivity is off.
 struct PassivityRecord {
   double storage{0.0};    ///< V of the spring in use, J
-  double injected{0.0};   ///< dV admitted in this tick (change of q*, gain, stiffness), J
+  double injected{0.0};   ///< dV that the tank paid in this tick (change of q*, gain, stiffness), J
   double scale{0.0};      ///< s: deviation in use / deviation wanted; 1 = as wanted
   bool throttled{false};  ///< the tank held this tick's change back
   double tank{0.0};       ///< level, J; 0 where there is no tank

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "haptic/core/passivity/passivity.hpp"
+#include "haptic/core/projection/plane_projection.hpp"
 #include "haptic/core/projection/projection.hpp"
 #include "haptic/core/safety/device_state.hpp"
 #include "haptic/core/tick/tick_input.hpp"
@@ -61,7 +62,9 @@ struct TickRecord {
   VecA q_a_dot{};  ///< n_a, from device time stamps; m/s or rad/s
   VecX x_probe{};  ///< f(q)
   VecX x{};        ///< proxy in use at `now`
-  VecQ q_star{};   ///< subspace proxy in use
+  PlaneStatus planes{PlaneStatus::kFree};
+  std::uint32_t active_planes{0};  ///< bit i: plane i of the sample holds x
+  VecQ q_star{};                   ///< subspace proxy in use
   ProjectionStatus projection{ProjectionStatus::kNone};
   double residual{0.0};
   double condition{0.0};

@@ -13,14 +13,14 @@ void EnergyTank::refill(double dt, const HoldAccount& account) noexcept {
 }
 
 double EnergyTank::admit(double before, const SpringStorage& after, const VecA& d) noexcept {
-  const double cost = after.energy(d) - before;
-  if (cost <= 0.0 || level_ - cost >= -kRounding) {
-    level_ = std::min(level_ - cost, settings_.capacity);
+  const double allowed = before + level_;
+  const double wanted = after.energy(d);
+  if (wanted <= allowed + kRounding) {
+    level_ = std::min(allowed - wanted, settings_.capacity);
     return 1.0;
   }
-  const double available = std::max(level_, 0.0);
-  level_ -= available;  // all of it; a debt stays
-  return after.scale_to(d, before + available);
+  level_ = std::min(allowed, 0.0);
+  return after.scale_to(d, allowed);
 }
 
 }  // namespace haptic::core

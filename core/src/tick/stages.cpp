@@ -52,6 +52,7 @@ Pipeline::Stages::Stages(PipelineConfig config)
       anchor_(VecA::Zero(layout_.n_a())),
       tau_controller_(VecA::Zero(layout_.n_a())) {
   if (config_.passivity.enabled()) passivity_.emplace(config_.passivity, layout_.n_a());
+  if (config_.monotone_envelope && layout_.n_a() == 1) envelope_.emplace(kinematics_);
   projection_.q_star = q_;
 }
 
@@ -337,14 +338,25 @@ void Pipeline::Stages::state(const TickInput& input, TickRecord& record) noexcep
 }
 
 bool Pipeline::Stages::withheld(TickRecord& record) noexcept {
-  if (!settings_.direction_guard || !has_anchor_ || !map_ok_) return false;
-  const VecA elastic = settings_.stiffness.cwiseProduct(dq_a_);
-  if (guard_.allows(Probe{q_, x_probe_, J_}, dx_, elastic)) return false;
+  if (!has_anchor_ || !map_ok_) return false;
+  const Probe probe{q_, x_probe_, J_};
+  if (envelope_) {
+    const EnvelopeAnswer answer = envelope_->apply(probe, dx_, renderer_.kind(), projection_);
+    if (answer != EnvelopeAnswer::kProxy) record.limiters.set(Limiter::kMonotoneEnvelope);
+    if (answer == EnvelopeAnswer::kEarlier) {
+      dq_a_ = layout_.select(projection_.q_star) - layout_.select(q_);
+    }
+    if (answer != EnvelopeAnswer::kWithheld) return false;
+  } else {
+    const bool guarded = settings_.direction_guard || config_.monotone_envelope;
+    const VecA elastic = settings_.stiffness.cwiseProduct(dq_a_);
+    if (!guarded || guard_.allows(probe, dx_, elastic)) return false;
+    record.limiters.set(Limiter::kDirectionGuard);
+  }
   dq_a_.setZero();
   for (int i = 0; i < layout_.n_a(); ++i) {
     projection_.q_star[layout_.actuated(i)] = q_[layout_.actuated(i)];
   }
-  record.limiters.set(Limiter::kDirectionGuard);
   return true;
 }
 
@@ -377,8 +389,8 @@ void Pipeline::Stages::passivity(TickRecord& record, bool spring_is_off) noexcep
 
 void Pipeline::Stages::force(TickRecord& record) noexcept {
   const int n_a = layout_.n_a();
-  const bool guarded = withheld(record);
-  if (passivity_) passivity(record, guarded || !has_anchor_);
+  const bool taken_off = withheld(record);
+  if (passivity_) passivity(record, taken_off || !has_anchor_);
   const VecA elastic = settings_.stiffness.cwiseProduct(dq_a_);  // Eq. (6), (7): Z_q S dq
   if (projection_.status == ProjectionStatus::kUnreachable) {
     record.limiters.set(Limiter::kRangeClamp);

@@ -8,6 +8,7 @@
 #include "haptic/core/passivity/passivity.hpp"
 #include "haptic/core/projection/direction_guard.hpp"
 #include "haptic/core/projection/local_proxy.hpp"
+#include "haptic/core/projection/monotone_envelope.hpp"
 #include "haptic/core/projection/renderer.hpp"
 #include "haptic/core/safety/device_state.hpp"
 #include "haptic/core/safety/late_bucket.hpp"
@@ -41,7 +42,7 @@ class Pipeline::Stages {
                                           const TickRecord& record) noexcept;
   /// Step 4, second half: the state and its gain.
   void state(const TickInput& input, TickRecord& record) noexcept;
-  /// Step 7, last part: the direction guard. True where the elastic force is withheld.
+  /// Step 7, last part: envelope or direction guard. True where the elastic force is withheld.
   [[nodiscard]] bool withheld(TickRecord& record) noexcept;
   /// Steps 7 and 9: the tank decides the anchor in use, the observer what it adds to the damping.
   void passivity(TickRecord& record, bool spring_is_off) noexcept;
@@ -60,6 +61,7 @@ class Pipeline::Stages {
   RenderSettings settings_;
   Renderer renderer_;
   DirectionGuard guard_;
+  std::optional<MonotoneEnvelope> envelope_;  ///< only where the scene asks for it
   LocalProxy local_proxy_;
   DeviceStateMachine machine_;
   Gain gain_;

@@ -44,14 +44,19 @@ TEST(EnergyTank, ShortensTheSpringByTheFactorOfMethod53) {
   EXPECT_EQ(tank.level(), 0.0);
 }
 
-TEST(EnergyTank, DebtAdmitsNothingThatCostsAndIsKept) {
+TEST(EnergyTank, DebtIsPaidByTheSpring) {
   EnergyTank tank(tank_of(0.0));
   HoldAccount leak;
   leak.leak = 0.003;
   tank.refill(1e-3, leak);
   EXPECT_NEAR(tank.level(), -0.003, 1e-18);
-  EXPECT_NEAR(tank.admit(0.002, spring(1000.0), one(0.004)), 0.5, 1e-15);
-  EXPECT_NEAR(tank.level(), -0.003, 1e-18);
+  // 8 mJ stored and kept: 3 mJ of it pay, s = sqrt(5 / 8).
+  EXPECT_NEAR(tank.admit(0.008, spring(1000.0), one(0.004)), std::sqrt(5.0 / 8.0), 1e-15);
+  EXPECT_EQ(tank.level(), 0.0);
+  tank.refill(1e-3, leak);
+  EXPECT_EQ(tank.admit(0.002, spring(1000.0), one(0.004)), 0.0)
+      << "all of it, and that is not enough";
+  EXPECT_NEAR(tank.level(), -0.001, 1e-18);
 }
 
 TEST(EnergyTank, TheDevicesDampingPaysTheLeakAndIsNeverCredited) {

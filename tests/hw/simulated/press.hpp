@@ -27,6 +27,7 @@ struct Press {
   bool planes{false};  ///< the stops as planes, 60 samples a second, instead of a held proxy
   core::RendererKind renderer{core::RendererKind::kSubspaceLinear};
   bool direction_guard{false};
+  bool monotone_envelope{false};
   double seconds{2.0};
   core::PassivitySettings passivity{};
 };
@@ -40,6 +41,7 @@ struct Pressed {
   double peak_force{0.0};   ///< N
   double end_force{0.0};    ///< N
   double least_power{0.0};  ///< smallest tau_x . dx, N m rad: below 0 the finger is pulled away
+  double debt{0.0};         ///< of the tank, largest, J
   int throttled{0};         ///< ticks that the tank held back
   int ticks{0};
 };
@@ -57,6 +59,7 @@ inline core::PipelineConfig pipeline_of(const Press& press) {
   c.scene.force_limit = core::VecA::Constant(1, 40.0);
   c.scene.slew_limit = core::VecA::Constant(1, 1e7);
   c.scene.engage_window = core::VecA::Constant(1, 1e6);
+  c.monotone_envelope = press.monotone_envelope;
   c.passivity = press.passivity;
   return c;
 }
@@ -137,6 +140,7 @@ inline Pressed run(const Press& press) {
     out.most_net = std::max(out.most_net, net);
     out.mean_force += std::abs(tau);
     out.peak_force = std::max(out.peak_force, std::abs(tau));
+    out.debt = std::max(out.debt, -record.passivity.tank);
     out.throttled += record.passivity.throttled ? 1 : 0;
     out.least_power =
         std::min(out.least_power, power_towards(*pipeline.config().kinematics, record));

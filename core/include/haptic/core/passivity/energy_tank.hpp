@@ -2,9 +2,11 @@
 /// The energy tank (METHOD 5.3): a change of the spring may put only as much energy into the device
 /// as the tank holds. From V(q_a) and what was really held over each tick,
 ///   energy given to the user, net of the device's own damping, <= initial + integral P_env dt + debt
-/// whatever the client, the renderer, the rate and the delay. Debt, a level below 0, comes only from
-/// what the tank cannot refuse: the hold's leak on a device whose damping is unknown or too small,
-/// and a limited or late force. The observer (5.2) works it off.
+/// whatever the client, the renderer, the rate and the delay. A level below 0 comes only from what
+/// the tank cannot refuse: the hold's leak on a device whose damping is unknown or too small (K T/2 >
+/// b, METHOD 5.1), and a limited or late force. The spring then pays at once, out of what it stores;
+/// debt is what even the whole spring could not pay. (METHOD keeps the spring and only refuses
+/// more; measured, that lets a stiff one give a hundred times as much.)
 
 #include "haptic/core/passivity/spring_storage.hpp"
 #include "haptic/core/types.hpp"
@@ -41,11 +43,11 @@ class EnergyTank {
   void refill(double dt, const HoldAccount& account) noexcept;
 
   /// A change of the spring at one q_a, from stored energy `before` (J) to `after` at deviation d
-  /// (n_a). Debits the change and returns s in [0, 1]: s d is the deviation that may be used. A rise
-  /// of gain or stiffness that cannot be paid shortens the spring like any other change.
+  /// (n_a). Debits it and returns s in [0, 1]: s d is the deviation that may be used. A rise of gain
+  /// or stiffness that cannot be paid shortens the spring like any other change.
   [[nodiscard]] double admit(double before, const SpringStorage& after, const VecA& d) noexcept;
 
-  /// J; negative = debt, nothing that costs energy is admitted.
+  /// J; negative after admit() = debt, the spring is gone.
   [[nodiscard]] double level() const noexcept { return level_; }
 
  private:

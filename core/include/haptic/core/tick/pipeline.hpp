@@ -32,6 +32,8 @@ struct PipelineConfig {
   RenderSettings scene{};  ///< the widest settings; a session's are held within these
   Duration loop_late_fault{std::chrono::milliseconds(20)};
   int late_bucket_full{LateBucket::kFull};
+  /// METHOD 2.4, with one actuated DoF; with more of them it means the direction guard.
+  bool monotone_envelope{false};
   PassivitySettings passivity{};  ///< energy tank and observer; off by default
 };
 

@@ -32,6 +32,8 @@ std::string_view text(core::ProxyMode mode) {
       return "HELD";
     case core::ProxyMode::kFree:
       return "FREE";
+    case core::ProxyMode::kPlanes:
+      return "PLANES";
   }
   return "?";
 }

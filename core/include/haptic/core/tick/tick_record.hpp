@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "haptic/core/passivity/passivity.hpp"
+#include "haptic/core/projection/plane_projection.hpp"
 #include "haptic/core/projection/projection.hpp"
 #include "haptic/core/safety/device_state.hpp"
 #include "haptic/core/tick/tick_input.hpp"
@@ -63,14 +65,18 @@ struct TickRecord {
   VecA q_a_dot{};  ///< n_a, from device time stamps; m/s or rad/s
   VecX x_probe{};  ///< f(q)
   VecX x{};        ///< proxy in use at `now`
-  VecQ q_star{};   ///< subspace proxy in use
+  PlaneStatus planes{PlaneStatus::kFree};
+  std::uint32_t active_planes{0};  ///< bit i: plane i of the sample holds x
+  VecQ q_star{};                   ///< subspace proxy in use
   ProjectionStatus projection{ProjectionStatus::kNone};
   double residual{0.0};
   double condition{0.0};
 
   VecA tau_elastic{};  ///< g Z_q S (q* - q), saturated, guarded, under the envelope
-  VecA tau_damping{};  ///< -g_d B q_a_dot
+  VecA tau_damping{};  ///< -g_d B q_a_dot, and the passivity controller's part
   VecA tau_a{};        ///< command to the device, n_a; N or N m
+
+  PassivityRecord passivity{};  ///< tank and observer; zeros where neither is on
 };
 
 /// Equal to the bit, NaNs included: the test of replay.

@@ -1,0 +1,14 @@
+#pragma once
+/// The subcommands of haptic-report, one file each. Every one prints CSV with a header line on
+/// standard output and nothing else there; remarks go to standard error.
+
+#include <CLI/CLI.hpp>
+
+namespace haptic::report {
+
+void add_kinematics(CLI::App& app);
+void add_fig4(CLI::App& app);
+void add_scan(CLI::App& app);
+void add_radius(CLI::App& app);
+
+}  // namespace haptic::report

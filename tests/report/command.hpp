@@ -10,5 +10,6 @@ void add_kinematics(CLI::App& app);
 void add_fig4(CLI::App& app);
 void add_scan(CLI::App& app);
 void add_radius(CLI::App& app);
+void add_finger(CLI::App& app);
 
 }  // namespace haptic::report

@@ -19,12 +19,17 @@ template <std::integral Whole>
   return std::to_string(value);
 }
 
+/// The cells with commas between, without the line's end.
 template <typename First, typename... Rest>
-void row(const First& first, const Rest&... rest) {
+[[nodiscard]] std::string line_of(const First& first, const Rest&... rest) {
   std::string line = cell(first);
   ((line += ',', line += cell(rest)), ...);
-  line += '\n';
-  std::fputs(line.c_str(), stdout);
+  return line;
+}
+
+template <typename... Cells>
+void row(const Cells&... cells) {
+  std::puts(line_of(cells...).c_str());
 }
 
 }  // namespace haptic::report

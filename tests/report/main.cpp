@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   haptic::report::add_fig4(app);
   haptic::report::add_scan(app);
   haptic::report::add_radius(app);
+  haptic::report::add_finger(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,7 +1,7 @@
 #!/bin/sh
 # haptic-report's cheap subcommands against what METHOD and the issue print: headers, values, statuses.
 #
-#   report_test.sh HAPTIC-REPORT
+#   report_test.sh HAPTIC-REPORT [values|grid]      grid: the presses of METHOD 2.4 alone
 set -u
 report=$1
 failed=0
@@ -40,6 +40,16 @@ refused() {  # refused arguments...: exit status 2, a reason on standard error, 
   [ -z "$output" ] || fail "haptic-report $*: must print nothing"
   [ -n "$("$report" "$@" 2>&1 >/dev/null)" ] || fail "haptic-report $*: must say why"
 }
+
+if [ "${2:-values}" = grid ]; then
+  # METHOD 2.4, 24 runs: deeper than without force standard 2, (6) 4; with the guard none.
+  deeper() { "$report" finger --grid "$@" | grep deeper | cut -d, -f1 | sort | uniq -c | tr -s ' \n' ' '; }
+  found=$(deeper)
+  [ "$found" = " 2 standard 4 subspace_exact " ] || fail "finger --grid: deeper are '$found'"
+  found=$(deeper --guard)
+  [ -z "$found" ] || fail "finger --grid --guard: deeper are '$found'"
+  exit $failed
+fi
 
 # METHOD 1.2, the table of poses; x in rad.
 header "name,value" kinematics --x 0,0
@@ -107,5 +117,31 @@ near subspace_linear,1 5.5 0.2
 near subspace_linear,5 8.0 0.2
 near subspace_linear,50 18.0 0.2
 
+# METHOD 2.4: the end state of each row and the energy put into the finger.
+header "method,stop_mcp_deg,stop_pip_deg,target_mcp_deg,target_pip_deg,stiffness_n_per_m,end_mcp_deg,\
+end_pip_deg,max_penetration_deg,no_force_penetration_deg,peak_force_n,work_mj,verdict" \
+  finger --stop 18,999 --method standard
+rows=$("$report" finger)
+finger() {  # finger METHOD STOP K end_mcp end_pip [work]: within 0.15 deg, 4 % and METHOD's digits
+  line=$(echo "$rows" | grep "^$1,$2,50,50,$3,")
+  csv="$(echo "$line" | cut -d, -f1-7)"
+  near "$1,$2,50,50,$3" "$4" 0.15
+  csv="$(echo "$line" | cut -d, -f1-6,8)"
+  near "$1,$2,50,50,$3" "$5" 0.15
+  [ $# -eq 6 ] || return 0
+  csv="$(echo "$line" | cut -d, -f1-6,12)"
+  near "$1,$2,50,50,$3" "$6" "$(awk "BEGIN { print ${6#-} * 0.04 + 0.5 }")"
+}
+finger standard 18,999 1500 54.8 60.4 51
+finger null_space 18,999 1500 47.7 45.5 -14
+finger subspace_linear 18,999 1500 47.4 44.8 -22
+finger subspace_exact 18,999 1500 50.8 51.7 -8
+finger standard 18,999 6000 42.1 76.0 166
+finger null_space 18,999 6000 42.0 34.9 -34
+finger subspace_linear 18,999 6000 38.5 29.2 -48
+finger subspace_linear 999,25 1500 46.6 43.3
+finger subspace_exact 18,25 1500 44.2 38.7
+echo "$rows" | grep -q "^subspace_exact,18,999,50,50,6000,.*,deeper and gives energy$" ||
+  fail "finger: (6) on an MCP stop at 6000 N/m pulls the finger into the wall (METHOD 2.4)"
 [ $failed -eq 0 ] && echo "haptic-report: as METHOD prints it"
 exit $failed

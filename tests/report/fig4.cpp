@@ -96,6 +96,10 @@ void print_series(const core::TrajectoryAnalysis& analysis, const std::vector<do
   for (const core::RendererKind kind : kMethods) {
     const core::TrajectorySeries s = analysis.series(kind);
     for (std::size_t i = 0; i < path.q.size(); ++i) {
+      if (i < path.gap_before.size() && path.gap_before[i] != 0) {
+        // Nothing was measured here: a line drawn through the rows must break.
+        row(core::name(kind), time_s[i], NAN, NAN, NAN, NAN, NAN, NAN, NAN);
+      }
       row(core::name(kind), time_s[i], path.x_probe[i][0] / kDegree, path.x_probe[i][1] / kDegree,
           kMm * path.q[i][0], kMm * s.tau[i], s.theory[i], s.exact_partial[i],
           i < s.measured.size() ? s.measured[i] : NAN);

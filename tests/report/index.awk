@@ -15,10 +15,29 @@ function shown(cell) {  # four significant digits for numbers, text as it is
   if (cell + 0 == int(cell + 0) && length(cell) < 8) return cell
   return sprintf("%.4g", cell)
 }
+function cells_of(line, cells,   n, quoted, i, c, cell) {  # a CSV line, quotes and all
+  n = 0
+  cell = ""
+  quoted = 0
+  for (i = 1; i <= length(line); i++) {
+    c = substr(line, i, 1)
+    if (c == "\"") {
+      if (quoted && substr(line, i + 1, 1) == "\"") { cell = cell c; i++ }
+      else quoted = !quoted
+    } else if (c == "," && !quoted) {
+      cells[++n] = cell
+      cell = ""
+    } else {
+      cell = cell c
+    }
+  }
+  cells[++n] = cell
+  return n
+}
 function table(file, columns,   line, n, i, cells, wanted, count, head, rule, row) {
   count = 0
   while ((getline line < file) > 0) {
-    n = split(line, cells, ",")
+    n = cells_of(line, cells)
     if (count++ == 0) {
       for (i = 1; i <= n; i++) wanted[i] = columns == "" || index("," columns ",", "," cells[i] ",")
       head = rule = "|"

@@ -14,11 +14,14 @@ int main(int argc, char** argv) {
   haptic::report::add_scan(app);
   haptic::report::add_radius(app);
   haptic::report::add_finger(app);
+  haptic::report::add_hard_cases(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     const int status = app.exit(error);
     return status == 0 ? 0 : 2;
+  } catch (const haptic::report::FigureFailed&) {
+    return 1;
   } catch (const haptic::core::Error& error) {
     std::fprintf(stderr, "haptic-report: %s\n", error.what());
     return 2;

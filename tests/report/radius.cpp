@@ -8,6 +8,7 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
+#include "tests/report/valid_region.hpp"
 #include "tests/report/values.hpp"
 
 namespace haptic::report {
@@ -18,13 +19,6 @@ struct Sample {
   core::VecX x{};
 };
 
-/// METHOD 1.2, "valid region": the box, the sliders and the joints' own range.
-bool valid(const core::FingerDimensions& d, const core::FingerPose& pose) {
-  return pose.status == core::MapStatus::kOk && pose.c1 > d.slider1_lower &&
-         pose.c1 < d.slider1_upper && pose.c2 > d.slider2_lower && pose.c2 < d.slider2_upper &&
-         pose.q_o1 > -0.3 && pose.q_o1 < 1.75 && pose.q_o2 > -0.3 && pose.q_o2 < 2.0;
-}
-
 /// A grid of steps by steps poses over the box of q, those in the valid region.
 std::vector<Sample> region(int steps) {
   const core::FingerDimensions d;
@@ -34,7 +28,7 @@ std::vector<Sample> region(int steps) {
       const double l = d.l_x_lower + (d.l_x_upper - d.l_x_lower) * (i + 0.5) / steps;
       const double t = d.q_B_lower + (d.q_B_upper - d.q_B_lower) * (k + 0.5) / steps;
       const core::FingerPose pose = core::finger_pose(d, l, t);
-      if (!valid(d, pose)) continue;
+      if (!in_valid_region(d, pose)) continue;
       samples.push_back(
           {(core::VecQ(2) << l, t).finished(), (core::VecX(2) << pose.q_o1, pose.q_o2).finished()});
     }

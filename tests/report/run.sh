@@ -3,7 +3,7 @@
 #
 #   tests/report/run.sh [--output DIR] [--build DIR] [part...]
 #
-#   part           kinematics fig4 recordings scan radius finger; default: all
+#   part           kinematics fig4 recordings scan radius finger hard_cases; default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
 #
@@ -24,7 +24,7 @@ while (($#)); do
     *) parts+=("$1"); shift ;;
   esac
 done
-((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger)
+((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger hard_cases)
 
 if [[ -z $programs ]]; then
   sh "$root/docker/install-deps.sh" build test report
@@ -115,6 +115,10 @@ make_finger() {
   (cd "$output" && awk -F, -v OFS=, 'FNR == 1 { guard = FILENAME ~ /guard/ ? "on" : "off"; next }
     { n[guard OFS $1 OFS $13]++ } END { for (key in n) print key, n[key] }' finger_grid.csv finger_guard_grid.csv |
     sort | { echo "guard,method,verdict,runs"; cat; } >finger_counts.csv)
+}
+
+make_hard_cases() {
+  csv hard_cases hard-cases || echo "run.sh: a hard case did not pass" >&2
 }
 
 for part in "${parts[@]}"; do

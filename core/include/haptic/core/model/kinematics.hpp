@@ -54,6 +54,12 @@ class Kinematics {
     static_cast<void>(q);
     return InverseStatus::kNotOffered;
   }
+  /// Of the q that mean the same pose of the device (a rotation vector has several), writes the one
+  /// nearest to `near`. Most maps have one q per pose and nothing to do.
+  virtual void nearest_representative(const VecQ& near, VecQ& q) const noexcept {
+    static_cast<void>(near);
+    static_cast<void>(q);
+  }
   /// Mean of ||J_a|| (Frobenius) over the reachable workspace: the scale that the paper's Z_x
   /// factors out (section VI.C).
   [[nodiscard]] virtual double mean_actuated_jacobian() const noexcept = 0;

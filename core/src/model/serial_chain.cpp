@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "haptic/core/error.hpp"
@@ -85,13 +84,6 @@ class ChainBuilder {
   std::vector<DofSpec> dofs_{};
 };
 
-void require_length(double value, const char* name) {
-  if (!(std::isfinite(value) && value > 0.0)) {
-    throw SceneError(std::string("stylus.") + name + " = " + std::to_string(value) +
-                     " m: must be finite and > 0");
-  }
-}
-
 }  // namespace
 
 std::unique_ptr<Kinematics> make_serial_chain(const SerialChainParameters& parameters) {
@@ -105,27 +97,6 @@ std::unique_ptr<Kinematics> make_serial_chain(const SerialChainParameters& param
   for (const ChainJoint& joint : parameters.joints) builder.add(joint);
   for (const ChainOutput& output : parameters.outputs) builder.add(output);
   return std::move(builder).finish();
-}
-
-SerialChainParameters stylus_chain(const StylusDimensions& d) {
-  require_length(d.upper_arm, "upper_arm_m");
-  require_length(d.forearm, "forearm_m");
-  require_length(d.tip, "tip_m");
-  constexpr JointKind kTurn = JointKind::kRevolute;
-  const auto along_x = [](double x) { return Pose3{{x, 0.0, 0.0}, {}}; };
-  // +x away from the base, +y to the left, +z up; pitch is positive upwards, hence axis -y.
-  const Point3 up{0.0, 0.0, 1.0}, pitch{0.0, -1.0, 0.0}, stylus{1.0, 0.0, 0.0};
-  SerialChainParameters chain;
-  chain.joints = {
-      {"turntable", kTurn, true, "", {}, up, d.turntable_lower, d.turntable_upper},
-      {"shoulder", kTurn, true, "", {}, pitch, d.shoulder_lower, d.shoulder_upper},
-      {"elbow", kTurn, true, "", along_x(d.upper_arm), pitch, d.elbow_lower, d.elbow_upper},
-      {"gimbal_yaw", kTurn, false, "", along_x(d.forearm), up, d.gimbal_lower, d.gimbal_upper},
-      {"gimbal_pitch", kTurn, false, "", {}, pitch, d.gimbal_lower, d.gimbal_upper},
-      {"gimbal_roll", kTurn, false, "", {}, stylus, d.roll_lower, d.roll_upper},
-  };
-  chain.outputs = {{"tip", "", OutputKind::kFrame, along_x(d.tip)}};
-  return chain;
 }
 
 }  // namespace haptic::core

@@ -51,22 +51,4 @@ struct SerialChainParameters {
 [[nodiscard]] std::unique_ptr<Kinematics> make_serial_chain(
     const SerialChainParameters& parameters);
 
-/// A desk stylus: six sensed joints, the first three actuated (turntable, shoulder, elbow), three
-/// gimbal joints that are only read. Lengths in m, angles in rad; defaults: our choice, the reach
-/// of a small desktop device, held level in front of it at q = 0.
-struct StylusDimensions {
-  double upper_arm{0.13};
-  double forearm{0.13};
-  double tip{0.03};  ///< from the gimbal's centre to the stylus tip, along the stylus
-  double turntable_lower{-0.9}, turntable_upper{0.9};
-  double shoulder_lower{-0.3}, shoulder_upper{1.5};
-  double elbow_lower{-2.4}, elbow_upper{-0.4};
-  double gimbal_lower{-1.2}, gimbal_upper{1.2};  ///< yaw and pitch; +-pi/2 would be singular
-  double roll_lower{-2.6}, roll_upper{2.6};
-};
-
-/// The stylus as a chain whose one output is the frame of its tip, "tip". Throws SceneError: a
-/// length that is not > 0 or limits out of order.
-[[nodiscard]] SerialChainParameters stylus_chain(const StylusDimensions& dimensions);
-
 }  // namespace haptic::core

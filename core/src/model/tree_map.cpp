@@ -10,20 +10,6 @@
 
 namespace haptic::core {
 
-namespace {
-
-DofLayout layout_of(const std::vector<DofSpec>& dofs) {
-  if (dofs.size() > static_cast<std::size_t>(kMaxQ)) {
-    throw SceneError("device with " + std::to_string(dofs.size()) + " DoFs: must have at most " +
-                     std::to_string(kMaxQ));
-  }
-  bool actuated[kMaxQ]{};
-  for (std::size_t i = 0; i < dofs.size(); ++i) actuated[i] = dofs[i].actuated;
-  return DofLayout(std::span<const bool>(actuated, dofs.size()));
-}
-
-}  // namespace
-
 TreeMap::TreeMap(RigidTree tree, std::vector<DofSpec> dofs, std::vector<TreeDrive> drives,
                  int rotation)
     : tree_(std::move(tree)),

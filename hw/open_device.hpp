@@ -32,7 +32,7 @@ struct SimulatedFingerConfig {
   double resolution_q_B{0.0};         ///< rad; 0: none
 };
 
-/// Independent masses on the DoFs of a linear map, pulled towards a target. All sizes n_q, but
+/// Independent masses on the DoFs, pulled towards a target, under whatever map. All sizes n_q, but
 /// max_effort n_a.
 struct SimulatedLinearConfig {
   core::VecQ mass{};

@@ -43,8 +43,8 @@ struct SimulatedLinearConfig {
   core::VecA max_effort{};
 };
 
-/// A recording: time_s and the device's DoFs by name, or time_s,q_o1_mcp_rad,q_o2_pip_rad through
-/// the inverse kinematics.
+/// A recording: time_s and the device's DoFs by name (a tracked palm's orientation also as a
+/// quaternion), or time_s,q_o1_mcp_rad,q_o2_pip_rad through the inverse kinematics.
 struct ReplayConfig {
   std::filesystem::path file{};
   bool repeat{false};

@@ -31,7 +31,7 @@ VecQ workspace_sample(const Kinematics& kinematics, int i) {
   return q;
 }
 
-double mean_actuated_jacobian(const Kinematics& kinematics, const VecX& root_weights) {
+double mean_actuated_jacobian(const Kinematics& kinematics) {
   const DofLayout& layout = kinematics.layout();
   VecX x;
   MatXQ J;
@@ -41,9 +41,7 @@ double mean_actuated_jacobian(const Kinematics& kinematics, const VecX& root_wei
     if (kinematics.evaluate(workspace_sample(kinematics, s), x, J) != MapStatus::kOk) continue;
     double squares = 0.0;
     for (int a = 0; a < layout.n_a(); ++a) {
-      const auto column = J.col(layout.actuated(a));
-      squares += root_weights.size() == 0 ? column.squaredNorm()
-                                          : root_weights.cwiseProduct(column).squaredNorm();
+      squares += J.col(layout.actuated(a)).squaredNorm();
     }
     sum += std::sqrt(squares);
     ++counted;

@@ -9,9 +9,7 @@ namespace haptic::core {
 /// The i-th point of the Halton sequence (i >= 0) in the box of q. n_q values, m or rad.
 [[nodiscard]] VecQ workspace_sample(const Kinematics& kinematics, int i);
 
-/// Mean of ||W^{1/2} J_a|| (Frobenius) over the box. `root_weights`: n_x square roots of a diagonal
-/// W_x; empty: W = I. 0 where f has no value at any sample.
-[[nodiscard]] double mean_actuated_jacobian(const Kinematics& kinematics,
-                                            const VecX& root_weights = {});
+/// Mean of ||J_a|| (Frobenius) over the box; 0 where f has no value at any sample.
+[[nodiscard]] double mean_actuated_jacobian(const Kinematics& kinematics);
 
 }  // namespace haptic::core

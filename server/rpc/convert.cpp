@@ -29,6 +29,18 @@ const char* unit_name(core::Unit unit) {
   return unit == core::Unit::kMetre ? "m" : "rad";
 }
 
+const char* kind_name(core::CoordinateKind kind) {
+  switch (kind) {
+    case core::CoordinateKind::kAngle:
+      return "angle";
+    case core::CoordinateKind::kQuaternion:
+      return "quaternion";
+    case core::CoordinateKind::kLinear:
+      break;
+  }
+  return "linear";
+}
+
 }  // namespace
 
 void set(google::protobuf::Duration& message, core::Duration d) {
@@ -149,8 +161,9 @@ v1::Device describe(const DeviceSessions& device, core::Duration period) {
   for (const core::Coordinate& coordinate : config.kinematics->space().coordinates()) {
     auto* entry = message.add_coordinates();
     entry->set_name(coordinate.name);
-    entry->set_unit(unit_name(coordinate.unit));
-    entry->set_kind(coordinate.kind == core::CoordinateKind::kAngle ? "angle" : "linear");
+    const bool quaternion = coordinate.kind == core::CoordinateKind::kQuaternion;
+    entry->set_unit(quaternion ? "1" : unit_name(coordinate.unit));
+    entry->set_kind(kind_name(coordinate.kind));
   }
   copy(config.scene.stiffness, message.mutable_stiffness_limit());
   copy(config.scene.damping, message.mutable_damping_limit());

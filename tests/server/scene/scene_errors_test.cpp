@@ -93,7 +93,7 @@ TEST(SceneErrors, OfTheDeviceNameLineFieldValueAndWhatIsAllowed) {
       {"masses on a finger",
        finger("simulated_finger {}", "simulated_linear { mass: [1, 2] max_effort: 40 }"),
        "t.textproto:4: device[0].simulated_linear = { ... } with finger_exoskeleton: must go with "
-       "linear"},
+       "another kinematics"},
   });
 }
 

@@ -59,7 +59,7 @@ void Session::Impl::release() {
     // An Engage under way would otherwise be able to overtake the Release.
     Lock lock(mutex_);
     if (in_callback_of_grpc()) {
-      release_again_ = engage_call_ != nullptr;  // its answer may need this very thread
+      superseded_ = engage_call_ != nullptr;  // its answer may need this very thread
     } else {
       changed_.wait(lock, [this] { return engage_call_ == nullptr; });  // it has a deadline
     }
@@ -103,7 +103,11 @@ void Session::Impl::ask_for_force(Lock& lock) {
 void Session::Impl::force_answered(const grpc::Status& status) {
   Lock lock(mutex_);
   next_engage_ = Clock::now() + kEngageRetry;
-  if (status.ok()) {
+  if (std::exchange(superseded_, false)) {
+    // Its force, if any, is to go; where the user asked anew since then, that is still to be done.
+    // Before engage_call_ is reset, or the destructor would take this for the last answer.
+    if (!want_force_) release_again(lock);
+  } else if (status.ok()) {
     // Asked again only where the caller wants it back after a loss; states say ENGAGING soon.
     if (want_force_) refusal_.reset();
     want_force_ = want_force_ && options_.re_engage;
@@ -112,8 +116,6 @@ void Session::Impl::force_answered(const grpc::Status& status) {
     refusal_ = to_error(status);
     if (!worth_retrying(status)) want_force_ = false;
   }
-  // First the Release, that the destructor does not take this for the last answer.
-  if (std::exchange(release_again_, false) && !want_force_) release_again(lock);
   engage_call_.reset();
   changed_.notify_all();
   work_.notify_all();

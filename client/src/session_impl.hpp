@@ -143,7 +143,7 @@ class Session::Impl final : public StreamSink {
   Clock::time_point asked_at_{};  ///< when the user last asked
   std::shared_ptr<EngageCall> engage_call_;
   std::shared_ptr<ReleaseCall> release_call_;
-  bool release_again_{false};
+  bool superseded_{false};  ///< by a release() that could not wait for engage_call_
   Clock::time_point next_engage_{};
   std::optional<ClientError> refusal_{};
 

@@ -129,9 +129,10 @@ Ticket DeviceSessions::emergency_stop(const std::string& reason, Answer answer) 
 Ticket DeviceSessions::clear_faults(core::FaultSet faults, ClearAnswered answer) {
   {
     const std::lock_guard lock(mutex_);
-    const core::FaultSet wanted(faults.any() ? faults.bits() : ~std::uint32_t{0});
-    if ((newest_.faults.bits() & wanted.bits()) != 0) {
-      const Ticket ticket = pending_.add_clear(wanted, std::move(answer));
+    const std::uint32_t wanted = faults.any() ? faults.bits() : ~std::uint32_t{0};
+    const core::FaultSet active(newest_.faults.bits() & wanted);
+    if (active.any()) {
+      const Ticket ticket = pending_.add_clear({active, newest_.stop_id}, std::move(answer));
       post_next_clear();
       return ticket;
     }
@@ -142,7 +143,13 @@ Ticket DeviceSessions::clear_faults(core::FaultSet faults, ClearAnswered answer)
 
 bool DeviceSessions::cancel(Ticket ticket) {
   const std::lock_guard lock(mutex_);
-  return pending_.cancel(ticket);
+  const auto cancelled = pending_.cancel(ticket);
+  if (cancelled == PendingRequests::Cancelled::kEngage) {
+    // Whoever was told that it failed must not feel it act: a tick that comes after all releases.
+    ++command_.release_id;
+    post();
+  }
+  return cancelled != PendingRequests::Cancelled::kNothing;
 }
 
 Outcome<SettingsAnswer> DeviceSessions::update_settings(const std::string& session_id,
@@ -247,8 +254,9 @@ void DeviceSessions::post() noexcept {
 
 void DeviceSessions::post_next_clear() noexcept {
   if (!pending_.clear_waits()) return;
-  command_.clear = pending_.begin_clear(++command_.clear_id, newest_.faults);
-  command_.clear_stop_id = newest_.stop_id;
+  const AskedClear asked = pending_.begin_clear(++command_.clear_id);
+  command_.clear = asked.faults;
+  command_.clear_stop_id = asked.stop_id;
   post();
 }
 

@@ -44,6 +44,8 @@ Outcome<Done> engage_outcome(const core::EngageAnswer& answer, core::DeviceState
     case Verdict::kDeviceStale:
       return not_yet("DEVICE_STALE", "the newest device sample is " + value + " ms old: at most " +
                                          limit + " ms is needed");
+    case Verdict::kReleased:
+      return not_yet("NOT_ARMED", "a Release came with it: ask again");
     case Verdict::kOutsideWindow:
       return not_yet("OUTSIDE_WINDOW", "force on actuated DoF " + std::to_string(answer.index) +
                                            " would start at " + value + " (N or N m): at most " +
@@ -99,10 +101,10 @@ Ticket PendingRequests::add_stop(std::uint64_t id, Answer answer) {
   return add(std::move(request));
 }
 
-Ticket PendingRequests::add_clear(core::FaultSet wanted, ClearAnswered answer) {
+Ticket PendingRequests::add_clear(const AskedClear& asked, ClearAnswered answer) {
   Request request;
   request.kind = Kind::kClear;
-  request.faults = wanted;
+  request.clear = asked;
   request.cleared = std::move(answer);
   return add(std::move(request));
 }
@@ -113,12 +115,11 @@ bool PendingRequests::clear_waits() const noexcept {
   return first != requests_.end() && first->id == 0;
 }
 
-core::FaultSet PendingRequests::begin_clear(std::uint64_t id, core::FaultSet active) noexcept {
+AskedClear PendingRequests::begin_clear(std::uint64_t id) noexcept {
   const auto first = std::find_if(requests_.begin(), requests_.end(),
                                   [](const Request& r) { return r.kind == Kind::kClear; });
   first->id = id;
-  first->faults = core::FaultSet(first->faults.bits() & active.bits());
-  return first->faults;
+  return first->clear;
 }
 
 bool PendingRequests::resolve(Request& request, const core::TickRecord& record,
@@ -140,7 +141,7 @@ bool PendingRequests::resolve(Request& request, const core::TickRecord& record,
       if (request.id == 0 || record.clear.id < request.id) return false;
       closures.push_back(
           [call = std::move(request.cleared),
-           outcome = clear_outcome(request.faults, record.clear.refused)] { call(outcome); });
+           outcome = clear_outcome(request.clear.faults, record.clear.refused)] { call(outcome); });
       return true;
   }
   return false;
@@ -187,8 +188,13 @@ void PendingRequests::lease_ended(const std::string& session_id, Closures& closu
   }
 }
 
-bool PendingRequests::cancel(Ticket ticket) {
-  return std::erase_if(requests_, [&](const Request& r) { return r.ticket == ticket; }) > 0;
+PendingRequests::Cancelled PendingRequests::cancel(Ticket ticket) {
+  const auto found = std::find_if(requests_.begin(), requests_.end(),
+                                  [&](const Request& r) { return r.ticket == ticket; });
+  if (found == requests_.end()) return Cancelled::kNothing;
+  const bool engage = found->kind == Kind::kEngage;
+  requests_.erase(found);
+  return engage ? Cancelled::kEngage : Cancelled::kRequest;
 }
 
 }  // namespace haptic::server

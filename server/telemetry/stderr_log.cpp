@@ -1,64 +1,45 @@
 #include "server/telemetry/stderr_log.hpp"
 
-#include <poll.h>
-#include <spdlog/sinks/base_sink.h>
+#include <spdlog/async.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
-#include <climits>
+#include <chrono>
 #include <memory>
-#include <mutex>
-#include <string>
+#include <thread>
 
 namespace haptic::server {
 namespace {
 
-class StderrSink final : public spdlog::sinks::base_sink<std::mutex> {
- protected:
-  void sink_it_(const spdlog::details::log_msg& message) override {
-    if (!takes_a_line()) {
-      ++lost_;
-      return;
-    }
-    if (lost_ > 0) {
-      write(std::to_string(lost_) + " lines of this log were lost: nobody read it\n");
-      lost_ = 0;
-      if (!takes_a_line()) {
-        ++lost_;
-        return;
-      }
-    }
-    spdlog::memory_buf_t line;
-    formatter_->format(message, line);
-    write({line.data(), line.size()});
-  }
-  void flush_() override {}
+constexpr std::size_t kMostLines = 1024;
+constexpr std::chrono::milliseconds kLastPatience{200};
+constexpr std::chrono::milliseconds kLook{2};
 
- private:
-  /// A pipe, a socket or a terminal that polls as writable takes PIPE_BUF bytes without waiting, a
-  /// file always does.
-  static bool takes_a_line() {
-    pollfd standard_error{STDERR_FILENO, POLLOUT, 0};
-    return poll(&standard_error, 1, 0) == 1 && (standard_error.revents & POLLOUT) != 0;
-  }
-  static void write(std::string line) {
-    if (line.size() > PIPE_BUF) {
-      line.resize(PIPE_BUF);
-      line.back() = '\n';
-    }
-    // A reader that went away is no reason to stop: SIGPIPE is ignored, and so is this.
-    static_cast<void>(::write(STDERR_FILENO, line.data(), line.size()) < 0);
-  }
-
-  std::uint64_t lost_{0};
-};
+/// Never destroyed: its destructor would join a thread that may wait for a reader for ever.
+std::shared_ptr<spdlog::details::thread_pool>& pool() {
+  static auto* const lines = new std::shared_ptr<spdlog::details::thread_pool>(
+      std::make_shared<spdlog::details::thread_pool>(kMostLines, 1));
+  return *lines;
+}
 
 }  // namespace
 
 void log_to_stderr() {
-  spdlog::set_default_logger(
-      std::make_shared<spdlog::logger>("hapticd", std::make_shared<StderrSink>()));
-  spdlog::set_pattern("%H:%M:%S.%e %l %v");
+  auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
+  spdlog::set_default_logger(std::make_shared<spdlog::async_logger>(
+      "hapticd", std::move(sink), pool(), spdlog::async_overflow_policy::overrun_oldest));
+  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+}
+
+void finish_log() {
+  const std::size_t gave_way = pool()->overrun_counter();
+  if (gave_way > 0) spdlog::warn("{} lines of this log were lost: nobody read it", gave_way);
+  // Behind everything else in the queue: when it has left, the lines before it are written.
+  spdlog::default_logger()->flush();
+  const auto give_up = std::chrono::steady_clock::now() + kLastPatience;
+  while (pool()->queue_size() > 0 && std::chrono::steady_clock::now() < give_up) {
+    std::this_thread::sleep_for(kLook);
+  }
 }
 
 }  // namespace haptic::server

@@ -36,6 +36,30 @@ TEST(Callback, ReleaseInOnStateDoesNotWaitForTheEngageUnderWayAndIsSaidAgainAfte
       << "the force that the Engage brought afterwards stays on";
 }
 
+TEST(Callback, AForceAskedForAnewAfterReleaseInOnStateIsAskedForAnew) {
+  FakeServer server;
+  server.hold_engage(true);
+  std::atomic<client::Session*> mine{nullptr};
+  std::atomic<bool> done{false};
+  client::SessionOptions options;
+  options.on_state = [&](const client::DeviceState& state) {
+    static_cast<void>(server.until([&] { return mine != nullptr; }));
+    if (state.seq != 1) return;
+    mine.load()->release();
+    mine.load()->engage_when_ready();
+    done = true;
+  };
+  const auto session = Connection(server.address()).open(options);
+  mine = session.get();
+  session->engage_when_ready();
+  ASSERT_TRUE(server.until([&] { return server.engages() == 1; }));
+  server.send_state(1);
+  ASSERT_TRUE(server.until([&] { return done.load(); }));
+  server.hold_engage(false);
+  EXPECT_TRUE(server.until([&] { return server.engages() >= 2; })) << "the last word was: engage";
+  EXPECT_EQ(server.releases(), 1U);
+}
+
 TEST(Callback, TwoThatCloseTheSessionAtTheSameTimeBothReturn) {
   FakeServer server;
   std::atomic<client::Session*> mine{nullptr};

@@ -1,6 +1,7 @@
 // Nobody reads hapticd's log: no path to zero force may wait for that.
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <pty.h>
 
 #include <filesystem>
 #include <memory>
@@ -25,24 +26,29 @@ bool eventually(Rule rule, std::chrono::seconds limit = std::chrono::seconds(20)
   return true;
 }
 
-/// A pipe as small as the kernel makes them, and a way to fill it.
-class Pipe {
+/// What a daemon may have as standard error, unread: a pipe as small as the kernel makes them, or a
+/// terminal.
+class Unread {
  public:
-  Pipe() {
-    EXPECT_EQ(pipe(ends_), 0);
-    EXPECT_GT(fcntl(ends_[1], F_SETPIPE_SZ, 4096), 0);
+  explicit Unread(bool terminal) {
+    if (terminal) {
+      EXPECT_EQ(openpty(&ends_[0], &ends_[1], nullptr, nullptr, nullptr), 0);
+    } else {
+      EXPECT_EQ(pipe(ends_), 0);
+      EXPECT_GT(fcntl(ends_[1], F_SETPIPE_SZ, 4096), 0);
+    }
   }
-  ~Pipe() {
+  ~Unread() {
     close(ends_[0]);
     close(ends_[1]);
   }
-  Pipe(const Pipe&) = delete;
-  Pipe& operator=(const Pipe&) = delete;
+  Unread(const Unread&) = delete;
+  Unread& operator=(const Unread&) = delete;
   [[nodiscard]] int end() const { return ends_[1]; }
   void fill() const {
     // Through a description of our own: O_NONBLOCK on the shared one would be the daemon's too.
-    const int own =
-        open(("/proc/self/fd/" + std::to_string(ends_[1])).c_str(), O_WRONLY | O_NONBLOCK);
+    const std::string same = "/proc/self/fd/" + std::to_string(ends_[1]);
+    const int own = open(same.c_str(), O_WRONLY | O_NONBLOCK | O_NOCTTY);
     ASSERT_GE(own, 0);
     while (write(own, "x", 1) == 1) {
     }
@@ -53,8 +59,10 @@ class Pipe {
   int ends_[2]{-1, -1};
 };
 
-TEST(UnreadLog, NeitherLeaseNorStopNorSigtermWaitsForIt) {
-  const Pipe log;
+class UnreadLog : public testing::TestWithParam<bool> {};
+
+TEST_P(UnreadLog, NeitherLeaseNorStopNorSigtermWaitsForIt) {
+  const Unread log(GetParam());
   const std::string socket =
       (std::filesystem::temp_directory_path() / ("haptic-log-" + std::to_string(getpid())))
           .string();
@@ -83,6 +91,13 @@ TEST(UnreadLog, NeitherLeaseNorStopNorSigtermWaitsForIt) {
   ASSERT_TRUE(eventually([&] { return device().state == client::State::kEngaged; }));
 
   log.fill();
+  // More lines than any buffer on the way holds.
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_EQ(connection.emergency_stop({}, std::string(150, 'x')).size(), 1U);
+    static_cast<void>(connection.clear_fault());
+  }
+  wall = press();
+  ASSERT_TRUE(eventually([&] { return device().state == client::State::kEngaged; }));
   wall->signal(SIGSTOP);
   EXPECT_TRUE(eventually([&] { return device().state == client::State::kIdle; }))
       << "the lease of a silent controller ends";
@@ -99,6 +114,10 @@ TEST(UnreadLog, NeitherLeaseNorStopNorSigtermWaitsForIt) {
   EXPECT_LT(Clock::now() - asked, std::chrono::seconds(5));
   std::filesystem::remove(socket);
 }
+
+INSTANTIATE_TEST_SUITE_P(Of, UnreadLog, testing::Values(false, true), [](const auto& of) {
+  return of.param ? std::string("ATerminal") : std::string("APipe");
+});
 
 }  // namespace
 }  // namespace haptic

@@ -243,6 +243,9 @@ void Pipeline::Stages::requests(const TickInput& input, TickRecord& record) noex
   engage_accepted_ = false;
   if (command.engage_id != engage_.id) {
     engage_ = judge_engage(input, record);
+    if (released_ && engage_.verdict == EngageVerdict::kAccepted) {
+      engage_.verdict = EngageVerdict::kReleased;
+    }
     engage_accepted_ = engage_.verdict == EngageVerdict::kAccepted;
   }
 }

@@ -21,6 +21,7 @@ enum class EngageVerdict : std::uint8_t {
   kStreamStale = 5,     ///< value: age of the newest proxy in ms, limit: hold_end in ms
   kDeviceStale = 6,     ///< value: age of the newest device sample in ms, limit: 3 of its periods
   kOutsideWindow = 7,   ///< value: |Z_q (q*_a - q_a)| of DoF `index`, limit: its engage window
+  kReleased = 8,        ///< a Release came in the same tick; nobody knows which was later
 };
 
 struct EngageAnswer {

@@ -21,7 +21,7 @@ packages() {
                 "protobuf-compiler protobuf-compiler-grpc libspdlog-dev libcli11-dev" \
                 "nlohmann-json3-dev" ;;
     test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" ;;
-    report) echo "gnuplot-nox" ;;
+    report) echo "gnuplot-nox liblapack-dev" ;;
     firmware | containers) ;;  # filled by what first needs a package
     *)
       echo "install-deps.sh: no group '$1' (groups: runtime build test report firmware containers)" >&2

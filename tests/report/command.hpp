@@ -16,5 +16,6 @@ void add_scan(CLI::App& app);
 void add_radius(CLI::App& app);
 void add_finger(CLI::App& app);
 void add_hard_cases(CLI::App& app);
+void add_linear_algebra(CLI::App& app);
 
 }  // namespace haptic::report

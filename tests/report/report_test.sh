@@ -144,6 +144,7 @@ finger subspace_exact 18,25 1500 44.2 38.7
 echo "$rows" | grep -q "^subspace_exact,18,999,50,50,6000,.*,deeper and gives energy$" ||
   fail "finger: (6) on an MCP stop at 6000 N/m pulls the finger into the wall (METHOD 2.4)"
 header "case,expected,got,verdict" hard-cases
+header "rows,cols,method,cond,ns,max_relative_error" linear-algebra --calls 8
 
 [ $failed -eq 0 ] && echo "haptic-report: as METHOD prints it"
 exit $failed

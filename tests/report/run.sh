@@ -3,7 +3,7 @@
 #
 #   tests/report/run.sh [--output DIR] [--build DIR] [part...]
 #
-#   part           kinematics fig4 recordings scan radius finger hard_cases; default: all
+#   part           kinematics fig4 recordings scan radius finger hard_cases linear_algebra; default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
 #
@@ -24,7 +24,7 @@ while (($#)); do
     *) parts+=("$1"); shift ;;
   esac
 done
-((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger hard_cases)
+((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger hard_cases linear_algebra)
 
 if [[ -z $programs ]]; then
   sh "$root/docker/install-deps.sh" build test report
@@ -119,6 +119,11 @@ make_finger() {
 
 make_hard_cases() {
   csv hard_cases hard-cases || echo "run.sh: a hard case did not pass" >&2
+}
+make_linear_algebra() {
+  csv linear_algebra linear-algebra
+  csv linear_algebra_paired linear-algebra --paired
+  draw linear_algebra linear_algebra "csv='$output/linear_algebra.csv'"
 }
 
 for part in "${parts[@]}"; do

@@ -5,16 +5,9 @@
 #include <limits>
 
 #include "haptic/core/linear/minimum_norm.hpp"
+#include "haptic/core/linear/rank_metric.hpp"
 
 namespace haptic::core {
-
-namespace {
-
-constexpr double square(double value) noexcept {
-  return value * value;
-}
-
-}  // namespace
 
 LeastSquares::LeastSquares(int n_x, const DofLayout& layout)
     : layout_(layout),
@@ -38,37 +31,21 @@ void LeastSquares::load(const MatXQ& J, const VecX& dx) noexcept {
 }
 
 void LeastSquares::solve(const MatXQ& J, const VecX& dx, const VecA& Z_q) noexcept {
-  diagonal_ = {};
+  condition_ = std::numeric_limits<double>::infinity();
   if (n_x_ >= n_q_) {
     load(J, dx);
-    kernel_.factor(n_x_, n_q_, A_, b_, column_norm2_, inverse_diagonal_);
-    diagonal_ = diagonal_range(n_x_, n_q_, A_, column_norm2_);
-    if (diagonal_.smallest2 > 0.0 &&
-        diagonal_.smallest2 < square(kDiagonalThreshold) * diagonal_.largest2) {
-      diagonal_.smallest2 =
-          std::min(diagonal_.smallest2,
-                   smallest_singular2(n_x_, n_q_, A_, column_norm2_, inverse_diagonal_, y_));
-    }
-    if (diagonal_.smallest2 > 0.0 &&
-        diagonal_.smallest2 >= square(kRankThreshold) * diagonal_.largest2) {
-      kernel_.back_substitute(n_x_, n_q_, A_, b_, inverse_diagonal_, y_);
-      double finite = 0.0;  // 0 times what is not finite is not 0
-      for (int k = 0; k < n_q_; ++k) {
-        dq_[order_[k]] = y_[k];
-        finite += 0.0 * y_[k];
-      }
+    const FullRank full =
+        solve_full_rank(kernel_, n_x_, n_q_, A_, b_, column_norm2_, inverse_diagonal_, y_);
+    condition_ = full.condition;
+    if (full.solved) {
+      for (int k = 0; k < n_q_; ++k) dq_[order_[k]] = y_[k];
       residual2_ = 0.0;
       for (int i = n_q_; i < n_x_; ++i) residual2_ += b_[i] * b_[i];
       status_ = ProjectionStatus::kExact;
-      if (finite == 0.0) return;
+      return;
     }
   }
   solve_in_doubt(J, dx, Z_q);
-}
-
-double LeastSquares::condition() const noexcept {
-  return diagonal_.smallest2 > 0.0 ? std::sqrt(diagonal_.largest2 / diagonal_.smallest2)
-                                   : std::numeric_limits<double>::infinity();
 }
 
 double LeastSquares::residual() const noexcept {
@@ -102,7 +79,7 @@ void LeastSquares::solve_in_doubt(const MatXQ& J, const VecX& dx, const VecA& Z_
   residual2_ = dx.allFinite() ? dx.squaredNorm() : 0.0;
   if (!J.allFinite() || !dx.allFinite()) return;
 
-  const VecQ weight = doubt_weight(J, Z_q);
+  const VecQ weight = rank_metric_root(J, layout_, Z_q);
   for (int k = 0; k < n_q_; ++k) {
     for (int i = 0; i < n_x_; ++i) A_[k * n_x_ + i] = J(i, k) * weight[k];
   }
@@ -114,30 +91,6 @@ void LeastSquares::solve_in_doubt(const MatXQ& J, const VecX& dx, const VecA& Z_
   if (rank == n_q_) status_ = ProjectionStatus::kIllConditioned;
   residual2_ = (dx - J.lazyProduct(dq_)).squaredNorm();
   forces_in_doubt(J, dx);
-}
-
-/// The square root of M^{-1}: its actuated block is Z_q, and sensed DoFs are weighted by what they do
-/// in X per unit, so that no choice of units changes the answer.
-VecQ LeastSquares::doubt_weight(const MatXQ& J, const VecA& Z_q) const noexcept {
-  VecQ weight = VecQ::Ones(n_q_);
-  double z_x = 0.0;
-  int counted = 0;
-  for (int i = 0; i < layout_.n_a(); ++i) {
-    const double column = J.col(layout_.actuated(i)).squaredNorm();
-    if (column > 0.0 && Z_q[i] > 0.0) {
-      z_x += Z_q[i] / column;
-      ++counted;
-    }
-  }
-  z_x = counted > 0 ? z_x / counted : 1.0;
-  for (int i = 0; i < layout_.n_a(); ++i) {
-    if (Z_q[i] > 0.0) weight[layout_.actuated(i)] = 1.0 / std::sqrt(Z_q[i]);
-  }
-  for (int i = 0; i < layout_.n_n(); ++i) {
-    const double column = J.col(layout_.sensed(i)).squaredNorm();
-    if (column > 0.0) weight[layout_.sensed(i)] = 1.0 / std::sqrt(z_x * column);
-  }
-  return weight;
 }
 
 /// Eq. (3) by its definition: f* = dx less its part in the span of J_n, then J_a^T f*.

@@ -12,8 +12,8 @@
 namespace haptic::core {
 namespace {
 
-using test::gaussian;
-using test::with_condition;
+using samples::gaussian;
+using samples::with_condition;
 
 struct Solved {
   Eigen::MatrixXd R{};

@@ -12,8 +12,8 @@
 namespace haptic::core {
 namespace {
 
-using test::gaussian;
-using test::with_condition;
+using samples::gaussian;
+using samples::with_condition;
 
 DofLayout layout_of(int n_q, int n_a) {
   bool actuated[kMaxQ]{};

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace haptic::core::test {
+namespace haptic::core::samples {
 
 inline Eigen::MatrixXd gaussian(std::mt19937_64& random, int rows, int columns) {
   std::normal_distribution<double> normal;
@@ -26,4 +26,4 @@ inline Eigen::MatrixXd with_condition(std::mt19937_64& random, int m, int n, dou
   return U * s.asDiagonal() * V.transpose();
 }
 
-}  // namespace haptic::core::test
+}  // namespace haptic::core::samples

@@ -6,7 +6,7 @@
 /// minimum norm in a metric whose actuated block is Z_q (METHOD 4.3): bounded, unit-free, and said
 /// so by the status.
 
-#include "haptic/core/linear/householder.hpp"
+#include "haptic/core/linear/full_rank.hpp"
 #include "haptic/core/model/dof_layout.hpp"
 #include "haptic/core/projection/projection.hpp"
 #include "haptic/core/types.hpp"
@@ -15,10 +15,8 @@ namespace haptic::core {
 
 class LeastSquares {
  public:
-  /// Below this ratio of the diagonal of R (equilibrated) the rank is in doubt.
-  static constexpr double kRankThreshold = 1e-8;
-  /// Below this one the diagonal is not believed and the smallest singular value is estimated.
-  static constexpr double kDiagonalThreshold = 1e-4;
+  /// Below this ratio of singular values (equilibrated) the rank is in doubt.
+  static constexpr double kRankThreshold = core::kRankThreshold;
 
   LeastSquares(int n_x, const DofLayout& layout);
 
@@ -37,7 +35,7 @@ class LeastSquares {
   [[nodiscard]] VecA standard_force() const noexcept;
   /// Of the equilibrated J: max|R_kk|/min|R_kk|, beyond 1e4 by the inverse of R; infinite where J is
   /// singular.
-  [[nodiscard]] double condition() const noexcept;
+  [[nodiscard]] double condition() const noexcept { return condition_; }
   /// kExact, kIllConditioned or kRankDeficient.
   [[nodiscard]] ProjectionStatus status() const noexcept { return status_; }
   /// ||dx - J dq||.
@@ -48,7 +46,6 @@ class LeastSquares {
   [[nodiscard]] VecA force_from_row(int first) const noexcept;
   void solve_in_doubt(const MatXQ& J, const VecX& dx, const VecA& Z_q) noexcept;
   void forces_in_doubt(const MatXQ& J, const VecX& dx) noexcept;
-  [[nodiscard]] VecQ doubt_weight(const MatXQ& J, const VecA& Z_q) const noexcept;
 
   DofLayout layout_;
   int n_x_;
@@ -60,9 +57,9 @@ class LeastSquares {
   double y_[kMaxQ];
   double column_norm2_[kMaxQ];
   double inverse_diagonal_[kMaxQ];
-  DiagonalRange diagonal_{};
   VecQ dq_{};
   VecA null_in_doubt_{}, standard_in_doubt_{};  ///< where the QR above does not give them
+  double condition_{0.0};
   double residual2_{0.0};
   ProjectionStatus status_{ProjectionStatus::kNone};
 };

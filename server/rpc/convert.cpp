@@ -65,6 +65,17 @@ void to_proto(const core::TickRecord& record, v1::DeviceState& state) {
   state.set_condition(record.condition);
   state.set_lease_epoch(record.input.command.lease_epoch);
   state.set_mode(static_cast<v1::ProxyMode>(proxy.mode));
+  state.set_active_planes(record.active_planes);
+  if (!record.passivity.on) {
+    state.clear_passivity();
+    return;
+  }
+  v1::PassivityState& passivity = *state.mutable_passivity();
+  passivity.set_tank(record.passivity.tank);
+  passivity.set_storage(record.passivity.storage);
+  passivity.set_scale(record.passivity.scale);
+  passivity.set_observed(record.passivity.observed);
+  passivity.set_alpha(record.passivity.alpha);
 }
 
 v1::Event to_proto(const DeviceEvent& event) {
@@ -173,6 +184,14 @@ ProxyCandidate from_proto(const v1::ProxySample& sample, std::uint32_t epoch) {
   candidate.seq = sample.seq();
   if (sample.mode() == v1::PROXY_MODE_HELD) candidate.mode = core::ProxyMode::kHeld;
   if (sample.mode() == v1::PROXY_MODE_FREE) candidate.mode = core::ProxyMode::kFree;
+  if (sample.mode() == v1::PROXY_MODE_PLANES) candidate.mode = core::ProxyMode::kPlanes;
+  candidate.plane_count = sample.planes_size();
+  const int taken = std::min(candidate.plane_count, static_cast<int>(candidate.planes.size()));
+  for (int i = 0; i < taken; ++i) {
+    const v1::Plane& plane = sample.planes(i);
+    candidate.planes[static_cast<std::size_t>(i)] = {plane.normal().data(), plane.normal_size(),
+                                                     plane.offset()};
+  }
   candidate.valid_for = std::chrono::microseconds(sample.valid_for_us());
   candidate.position = sample.position().data();
   candidate.position_size = sample.position_size();

@@ -29,6 +29,14 @@ const char* unit_name(core::Unit unit) {
   return unit == core::Unit::kMetre ? "m" : "rad";
 }
 
+void to_passivity(const core::PassivityRecord& record, v1::PassivityState& state) {
+  state.set_tank(record.tank);
+  state.set_storage(record.storage);
+  state.set_scale(record.scale);
+  state.set_observed(record.observed);
+  state.set_alpha(record.alpha);
+}
+
 }  // namespace
 
 void set(google::protobuf::Duration& message, core::Duration d) {
@@ -46,9 +54,15 @@ void to_proto(const core::TickRecord& record, v1::DeviceState& state) {
   copy(record.q_a_dot, state.mutable_q_dot());
   copy(record.x_probe, state.mutable_x_probe());
   copy(record.x, state.mutable_x());
+  state.set_active_planes(record.active_planes);
   copy(record.q_star, state.mutable_q_star());
   copy(record.tau_a, state.mutable_tau_a());
   copy(record.tau_elastic, state.mutable_tau_elastic());
+  if (record.passivity.on) {
+    to_passivity(record.passivity, *state.mutable_passivity());
+  } else {
+    state.clear_passivity();
+  }
   state.set_proxy_seq_used(proxy.seq);
   const auto age = std::chrono::duration_cast<std::chrono::microseconds>(record.proxy_age).count();
   state.set_proxy_age_us(static_cast<std::uint64_t>(std::max<std::int64_t>(0, age)));
@@ -65,17 +79,6 @@ void to_proto(const core::TickRecord& record, v1::DeviceState& state) {
   state.set_condition(record.condition);
   state.set_lease_epoch(record.input.command.lease_epoch);
   state.set_mode(static_cast<v1::ProxyMode>(proxy.mode));
-  state.set_active_planes(record.active_planes);
-  if (!record.passivity.on) {
-    state.clear_passivity();
-    return;
-  }
-  v1::PassivityState& passivity = *state.mutable_passivity();
-  passivity.set_tank(record.passivity.tank);
-  passivity.set_storage(record.passivity.storage);
-  passivity.set_scale(record.passivity.scale);
-  passivity.set_observed(record.passivity.observed);
-  passivity.set_alpha(record.passivity.alpha);
 }
 
 v1::Event to_proto(const DeviceEvent& event) {

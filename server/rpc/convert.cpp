@@ -19,6 +19,14 @@ std::vector<double> values(const Doubles& from) {
   return {from.begin(), from.end()};
 }
 
+void to_passivity(const core::PassivityRecord& record, v1::PassivityState& state) {
+  state.set_tank(record.tank);
+  state.set_storage(record.storage);
+  state.set_scale(record.scale);
+  state.set_observed(record.observed);
+  state.set_alpha(record.alpha);
+}
+
 core::Duration duration(const google::protobuf::Duration& message) {
   // Far beyond any limit of ours, far below what 64 bits of nanoseconds hold.
   const std::int64_t seconds = std::clamp<std::int64_t>(message.seconds(), -86400, 86400);
@@ -27,14 +35,6 @@ core::Duration duration(const google::protobuf::Duration& message) {
 
 const char* unit_name(core::Unit unit) {
   return unit == core::Unit::kMetre ? "m" : "rad";
-}
-
-void to_passivity(const core::PassivityRecord& record, v1::PassivityState& state) {
-  state.set_tank(record.tank);
-  state.set_storage(record.storage);
-  state.set_scale(record.scale);
-  state.set_observed(record.observed);
-  state.set_alpha(record.alpha);
 }
 
 }  // namespace
@@ -55,14 +55,14 @@ void to_proto(const core::TickRecord& record, v1::DeviceState& state) {
   copy(record.x_probe, state.mutable_x_probe());
   copy(record.x, state.mutable_x());
   state.set_active_planes(record.active_planes);
-  copy(record.q_star, state.mutable_q_star());
-  copy(record.tau_a, state.mutable_tau_a());
-  copy(record.tau_elastic, state.mutable_tau_elastic());
   if (record.passivity.on) {
     to_passivity(record.passivity, *state.mutable_passivity());
   } else {
     state.clear_passivity();
   }
+  copy(record.q_star, state.mutable_q_star());
+  copy(record.tau_a, state.mutable_tau_a());
+  copy(record.tau_elastic, state.mutable_tau_elastic());
   state.set_proxy_seq_used(proxy.seq);
   const auto age = std::chrono::duration_cast<std::chrono::microseconds>(record.proxy_age).count();
   state.set_proxy_age_us(static_cast<std::uint64_t>(std::max<std::int64_t>(0, age)));

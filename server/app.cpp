@@ -89,6 +89,8 @@ void App::open_devices() {
     config.kinematics = scene.kinematics;
     config.device = device->info().limits;
     config.scene = scene.settings;
+    config.monotone_envelope = scene.monotone_envelope;
+    config.passivity = scene.passivity;
     config.loop_late_fault = realtime_.loop_late_fault;
     config.late_bucket_full = scene_.loop.late_bucket_full;
     spdlog::info("{}: {} ({})", scene.name, device->info().model, device->info().kind);

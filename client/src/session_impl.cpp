@@ -94,6 +94,7 @@ void Session::Impl::connect() {
 DeviceState Session::Impl::hand_out() const {
   handed_seq_ = newest_.seq;
   handed_received_ = newest_.received;
+  handed_x_probe_ = newest_.x_probe;
   return newest_;
 }
 

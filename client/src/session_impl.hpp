@@ -79,6 +79,7 @@ class Session::Impl final : public StreamSink {
   void set_deadline(grpc::ClientContext& context) const;
   [[nodiscard]] v1::OpenSession opening() const;
   [[nodiscard]] std::string session_id() const;
+  void to_planes(Proxy& proxy) const;
   void leave_for_lease();  ///< under mutex_
   /// A copy for the caller; the next sample is taken to be computed from it. Under mutex_.
   [[nodiscard]] DeviceState hand_out() const;
@@ -129,6 +130,7 @@ class Session::Impl final : public StreamSink {
   /// The newest that the user was given, and when it had arrived.
   mutable std::uint64_t handed_seq_{0};
   mutable Clock::time_point handed_received_{};
+  mutable std::vector<double> handed_x_probe_{};
   std::deque<Event> events_;
 
   // What goes up.

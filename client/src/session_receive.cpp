@@ -68,6 +68,7 @@ void Session::Impl::received(const v1::SessionOpened& opened) {
   newest_ = {};
   waited_seq_ = 0;
   handed_seq_ = 0;
+  handed_x_probe_.clear();
   state_pending_ = false;
   earlier_ = statistics_;
   lease_lost_ = false;

@@ -18,6 +18,8 @@ struct DeviceScene {
   hw::DeviceConfig source{};
   std::shared_ptr<const core::Kinematics> kinematics{};
   core::RenderSettings settings{};  ///< the widest a session may ask for
+  bool monotone_envelope{false};
+  core::PassivitySettings passivity{};
   /// An upper bound on every session's fresh_end; absent: 2.5 nominal periods
   /// of the client.
   std::optional<core::Duration> fresh_end{};

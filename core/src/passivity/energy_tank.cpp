@@ -15,7 +15,8 @@ void EnergyTank::refill(double dt, const HoldAccount& account) noexcept {
 double EnergyTank::admit(double before, const SpringStorage& after, const VecA& d) noexcept {
   const double allowed = before + level_;
   const double wanted = after.energy(d);
-  if (wanted <= allowed + kRounding) {
+  if (wanted <= allowed + kRounding ||
+      wanted == 0.0) {  // where there is no spring, nothing is held
     level_ = std::min(allowed - wanted, settings_.capacity);
     return 1.0;
   }

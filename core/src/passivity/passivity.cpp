@@ -59,6 +59,7 @@ Passivity::Passivity(const PassivitySettings& settings, int n_a)
       damping_(VecA::Zero(n_a)) {
   if (settings_.device_damping.size() == 0) settings_.device_damping = VecA::Zero(n_a);
   spring_.stiffness = spring_.limit = VecA::Zero(n_a);
+  record_.on = true;
 }
 
 void Passivity::restart() noexcept {

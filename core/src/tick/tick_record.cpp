@@ -59,9 +59,10 @@ bool identical(const EngageAnswer& a, const EngageAnswer& b) noexcept {
 }
 
 bool identical(const PassivityRecord& a, const PassivityRecord& b) noexcept {
-  return same(a.storage, b.storage) && same(a.injected, b.injected) && same(a.scale, b.scale) &&
-         a.throttled == b.throttled && same(a.tank, b.tank) && same(a.hold.leak, b.hold.leak) &&
-         same(a.hold.limits, b.hold.limits) && same(a.hold.rendered, b.hold.rendered) &&
+  return a.on == b.on && same(a.storage, b.storage) && same(a.injected, b.injected) &&
+         same(a.scale, b.scale) && a.throttled == b.throttled && same(a.tank, b.tank) &&
+         same(a.hold.leak, b.hold.leak) && same(a.hold.limits, b.hold.limits) &&
+         same(a.hold.rendered, b.hold.rendered) &&
          same(a.hold.device_damping, b.hold.device_damping) && same(a.observed, b.observed) &&
          same(a.alpha, b.alpha);
 }

@@ -72,6 +72,12 @@ grpc::Status FakeServer::ListDevices(grpc::ServerContext* /*context*/,
   dof.set_unit("m");
   dof.set_actuated(true);
   dof.set_upper(0.05);
+  for (const char* joint : {"mcp", "pip"}) {
+    v1::VirtualCoordinate& coordinate = *device.add_coordinates();
+    coordinate.set_name(joint);
+    coordinate.set_unit("rad");
+    coordinate.set_kind("linear");
+  }
   return grpc::Status::OK;
 }
 

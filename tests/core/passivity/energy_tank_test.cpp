@@ -57,6 +57,8 @@ TEST(EnergyTank, DebtIsPaidByTheSpring) {
   EXPECT_EQ(tank.admit(0.002, spring(1000.0), one(0.004)), 0.0)
       << "all of it, and that is not enough";
   EXPECT_NEAR(tank.level(), -0.001, 1e-18);
+  EXPECT_EQ(tank.admit(0.0, spring(1000.0), one(0.0)), 1.0) << "no spring: nothing is held back";
+  EXPECT_NEAR(tank.level(), -0.001, 1e-18) << "the debt stays";
 }
 
 TEST(EnergyTank, TheDevicesDampingPaysTheLeakAndIsNeverCredited) {

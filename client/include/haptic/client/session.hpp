@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "haptic/client/error.hpp"
+#include "haptic/client/planes.hpp"
 #include "haptic/client/types.hpp"
 
 namespace haptic::client {
@@ -34,6 +35,10 @@ struct SessionOptions {
   std::string client_name{"haptic client"};
   double nominal_rate_hz{60.0};  ///< of publish(); controller only
   double state_rate_hz{0.0};     ///< 0: every tick
+  /// Sends held proxies as planes, one per constrained block of `blocks` (planes.hpp), derived from
+  /// the haptic probe of the state that the proxy was computed from: the one last given to the user.
+  bool derive_planes{false};
+  std::vector<Block> blocks{};  ///< empty: all coordinates are one
   std::optional<std::chrono::nanoseconds> fresh_end{}, hold_end{}, fade_end{};  ///< tighten only
   Reconnect reconnect{Reconnect::kNever};
   /// After force was lost (stale proxy, reconnect) ask for it again as soon as the server would

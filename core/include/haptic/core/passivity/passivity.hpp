@@ -28,6 +28,7 @@ struct PassivitySettings {
 
 /// The book's state after a tick. Zeros where passivity is off.
 struct PassivityRecord {
+  bool on{false};
   double storage{0.0};    ///< V of the spring in use, J
   double injected{0.0};   ///< dV that the tank paid in this tick (change of q*, gain, stiffness), J
   double scale{0.0};      ///< s: deviation in use / deviation wanted; 1 = as wanted

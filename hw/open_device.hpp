@@ -44,7 +44,8 @@ struct SimulatedLinearConfig {
 };
 
 /// A recording: time_s and the device's DoFs by name (a tracked palm's orientation also as a
-/// quaternion), or time_s,q_o1_mcp_rad,q_o2_pip_rad through the inverse kinematics.
+/// quaternion), or joint angles through the inverse kinematics: time_s and each coordinate's name with
+/// _rad, time_s,q_o1_mcp_rad,q_o2_pip_rad for a finger.
 struct ReplayConfig {
   std::filesystem::path file{};
   bool repeat{false};

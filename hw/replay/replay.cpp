@@ -21,11 +21,16 @@ ColumnSet dof_names(const core::Kinematics& kinematics) {
   return names;
 }
 
-bool maps_joint_angles(const core::Kinematics& kinematics) {
-  if (kinematics.space().n_x() != static_cast<int>(joint_angle_columns().size())) return false;
+/// The joint angles of a map with an inverse in closed form, NAME_rad; empty without one.
+ColumnSet joint_angles_of(const core::Kinematics& kinematics) {
+  ColumnSet names;
   core::VecQ q = core::VecQ::Zero(kinematics.layout().n_q());
   const core::VecX x = core::VecX::Zero(kinematics.space().n_x());
-  return kinematics.inverse(x, q) != core::InverseStatus::kNotOffered;
+  if (kinematics.inverse(x, q) == core::InverseStatus::kNotOffered) return names;
+  for (const core::Coordinate& coordinate : kinematics.space().coordinates()) {
+    names.push_back(coordinate.name + "_rad");
+  }
+  return names;
 }
 
 std::string summary(const std::filesystem::path& file, const ReplayFacts& facts) {
@@ -52,8 +57,8 @@ Replay::Replay(const ReplayConfig& config, std::shared_ptr<const core::Kinematic
   const std::optional<std::size_t> rotation = rotation_vector_in(info_.dofs);
   if (rotation) {
     alternatives.push_back(with_quaternion(alternatives.front(), *rotation));
-  } else if (maps_joint_angles(*kinematics_)) {
-    alternatives.push_back(joint_angle_columns());
+  } else if (const ColumnSet angles = joint_angles_of(*kinematics_); !angles.empty()) {
+    alternatives.push_back(angles);
   }
   MotionTable table = read_motion_csv(config.file, alternatives);
   facts_.rows = table.time_s.size();
@@ -103,18 +108,17 @@ Columns Replay::bring_into_reach(MotionTable& table) {
   const int n_q = kinematics_->layout().n_q();
   Columns columns(static_cast<std::size_t>(n_q), std::vector<double>(facts_.rows));
   core::VecQ q = core::VecQ::Zero(n_q);
-  core::VecX x(2);
-  core::VecX reached(2);
-  core::MatXQ J(2, n_q);
+  core::VecX x(kinematics_->space().n_x());
+  core::VecX reached;
+  core::MatXQ J;
   for (std::size_t row = 0; row < facts_.rows; ++row) {
-    x << table.values[0][row], table.values[1][row];
+    for (int i = 0; i < x.size(); ++i) x[i] = table.values[static_cast<std::size_t>(i)][row];
     const bool exact = kinematics_->inverse(x, q) == core::InverseStatus::kExact;
     for (int i = 0; i < n_q; ++i) columns[static_cast<std::size_t>(i)][row] = q[i];
     if (exact) continue;
     ++facts_.replaced;
     if (kinematics_->evaluate(q, reached, J) != core::MapStatus::kOk) continue;
-    table.values[0][row] = reached[0];
-    table.values[1][row] = reached[1];
+    for (int i = 0; i < x.size(); ++i) table.values[static_cast<std::size_t>(i)][row] = reached[i];
   }
   return columns;
 }

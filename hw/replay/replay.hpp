@@ -38,7 +38,7 @@ class Replay final : public Device {
   static constexpr core::Duration kPause{std::chrono::milliseconds(500)};
 
   /// Throws DeviceError: see read_motion_csv; also a device state outside its DoF's range (with
-  /// margin), joint angles for a kinematics that offers no inverse or has not two coordinates.
+  /// margin), joint angles for a kinematics that offers no inverse.
   Replay(const ReplayConfig& config, std::shared_ptr<const core::Kinematics> kinematics);
 
   [[nodiscard]] const DeviceInfo& info() const noexcept override { return info_; }

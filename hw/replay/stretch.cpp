@@ -34,11 +34,11 @@ Stretch::Stretch(const std::vector<double>& time_s, const Columns& q, const Colu
 /// Looks twice per millisecond: the edge of the reach is smooth on the scale of a hand's motion.
 bool Stretch::leaves_reach(double from, double to) const {
   const int looks = static_cast<int>(std::ceil((to - from) / 0.0005));
-  core::VecX x(2);
+  core::VecX x(static_cast<Eigen::Index>(x_.size()));
   core::VecQ q = core::VecQ::Zero(static_cast<Eigen::Index>(q_.size()));
   for (int i = 1; i < looks; ++i) {
     const double t = from + (to - from) * i / looks;
-    x << x_[0](t), x_[1](t);
+    for (std::size_t c = 0; c < x_.size(); ++c) x[static_cast<Eigen::Index>(c)] = x_[c](t);
     if (kinematics_->inverse(x, q) != core::InverseStatus::kExact) return true;
   }
   return false;
@@ -46,8 +46,8 @@ bool Stretch::leaves_reach(double from, double to) const {
 
 void Stretch::at(double t, core::VecQ& q) const noexcept {
   if (!in_reach_.empty() && in_reach_[x_[0].interval(t)] != 0) {
-    core::VecX x(2);
-    x << x_[0](t), x_[1](t);
+    core::VecX x(static_cast<Eigen::Index>(x_.size()));
+    for (std::size_t c = 0; c < x_.size(); ++c) x[static_cast<Eigen::Index>(c)] = x_[c](t);
     static_cast<void>(kinematics_->inverse(x, q));
     return;
   }

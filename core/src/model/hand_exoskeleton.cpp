@@ -120,6 +120,7 @@ std::unique_ptr<Kinematics> make_hand_exoskeleton(const std::vector<HandFinger>&
                      std::to_string(kMaxQ / kPerFinger));
   }
   std::vector<FingerBlock> blocks;
+  blocks.reserve(fingers.size());
   for (const HandFinger& finger : fingers) blocks.push_back(finger_block(finger, blocks));
   return std::make_unique<HandExoskeleton>(std::move(blocks));
 }

@@ -150,7 +150,8 @@ void RigidTree::second_order(const double* y, int k, MatXQ& J_k) const noexcept 
       if (same_rotation(i, k)) {
         // d/dphi_k of w_i x r and 1/2 w_i Q: w_i changes, and r and Q turn with w_k.
         const int first = first_[static_cast<std::size_t>(rotation_of_[k])] + 3;
-        const Vector3d dw = before * rotation.dJ_l[k - first].col(i - first);
+        const Vector3d dw =
+            before * rotation.dJ_l[static_cast<std::size_t>(k - first)].col(i - first);
         const Vector3d r = p - s.c[k];
         J_k.block<3, 1>(row, i) = dw.cross(r) + s.w[i].cross(s.w[k].cross(r));
         if (frame) {

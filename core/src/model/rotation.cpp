@@ -56,7 +56,8 @@ RotationDerivative rotation_derivative(const Eigen::Vector3d& phi) noexcept {
   out.J_l = Eigen::Matrix3d::Identity() + c.a * P + c.b * P2;
   for (int m = 0; m < 3; ++m) {
     const Eigen::Matrix3d E = cross(Eigen::Vector3d::Unit(m));
-    out.dJ_l[m] = phi[m] * (c.a_slope * P + c.b_slope * P2) + c.a * E + c.b * (E * P + P * E);
+    out.dJ_l[static_cast<std::size_t>(m)] =
+        phi[m] * (c.a_slope * P + c.b_slope * P2) + c.a * E + c.b * (E * P + P * E);
   }
   return out;
 }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 
 #include "haptic/core/model/rigid_pose.hpp"
 
@@ -10,8 +11,8 @@ namespace haptic::core {
 
 /// omega = left_jacobian(phi) phi_dot, and how it changes with phi.
 struct RotationDerivative {
-  Eigen::Matrix3d J_l{};      ///< left Jacobian of exp at phi; column i is omega of phi_i
-  Eigen::Matrix3d dJ_l[3]{};  ///< d J_l / d phi_m
+  Eigen::Matrix3d J_l{};  ///< left Jacobian of exp at phi; column i is omega of phi_i
+  std::array<Eigen::Matrix3d, 3> dJ_l{};  ///< d J_l / d phi_m
 };
 
 [[nodiscard]] Eigen::Quaterniond exponential(const Eigen::Vector3d& phi) noexcept;

@@ -19,7 +19,7 @@ class ChainBuilder {
     if (!palm) return;
     append_palm(*palm, dofs_);
     base_ = 0;
-    bodies_.push_back("base");
+    bodies_.emplace_back("base");
     joints_.push_back({TreeJoint::Motion::kFree});
   }
 

@@ -20,75 +20,74 @@ TreeMap::TreeMap(RigidTree tree, std::vector<DofSpec> dofs, std::vector<TreeDriv
       rotation_(rotation),
       mean_J_a_(core::mean_actuated_jacobian(*this)) {}
 
-bool TreeMap::joints_of(const VecQ& q, double* y) const noexcept {
+struct TreeMap::Joints {
+  double y[kMaxQ];
+  Eigen::Matrix2d D[kMaxQ / 2];  // dy/dq of each drive
+};
+
+bool TreeMap::joints_of(const VecQ& q, Joints& joints) const noexcept {
   if (q.size() != layout_.n_q() || !q.allFinite()) return false;
-  std::copy(q.data(), q.data() + q.size(), y);
-  VecX angles;
-  MatXQ unused;
-  for (const TreeDrive& drive : drives_) {
-    const VecQ part = q.segment(drive.first, drive.mechanism->layout().n_q());
-    if (drive.mechanism->evaluate(part, angles, unused) != MapStatus::kOk) return false;
-    std::copy(angles.data(), angles.data() + angles.size(), y + drive.first);
+  std::copy(q.data(), q.data() + q.size(), joints.y);
+  VecX y;
+  MatXQ D;
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    const VecQ part = q.segment<2>(drives_[i].first);
+    if (drives_[i].mechanism->evaluate(part, y, D) != MapStatus::kOk) return false;
+    std::copy(y.data(), y.data() + 2, joints.y + drives_[i].first);
+    joints.D[i] = D;
   }
   return true;
 }
 
-bool TreeMap::through_mechanisms(const VecQ& q, MatXQ& J) const noexcept {
-  VecX angles;
-  MatXQ D;
-  for (const TreeDrive& drive : drives_) {
-    const int n = drive.mechanism->layout().n_q();
-    if (drive.mechanism->evaluate(q.segment(drive.first, n), angles, D) != MapStatus::kOk) {
-      return false;
-    }
-    for (int row = 0; row < J.rows(); ++row) {
-      double product[kMaxQ];
-      for (int c = 0; c < n; ++c) {
-        product[c] = 0.0;
-        for (int m = 0; m < n; ++m) product[c] += J(row, drive.first + m) * D(m, c);
-      }
-      for (int c = 0; c < n; ++c) J(row, drive.first + c) = product[c];
+void TreeMap::through_mechanisms(const Joints& joints, MatXQ& J) const noexcept {
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    const Eigen::Matrix2d& D = joints.D[i];
+    double* first = J.data() + drives_[i].first * J.rows();
+    double* second = first + J.rows();
+    for (Eigen::Index row = 0; row < J.rows(); ++row) {
+      const double a = first[row], b = second[row];
+      first[row] = a * D(0, 0) + b * D(1, 0);
+      second[row] = a * D(0, 1) + b * D(1, 1);
     }
   }
-  return true;
 }
 
 MapStatus TreeMap::evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexcept {
-  double y[kMaxQ];
-  if (!joints_of(q, y)) return MapStatus::kCannotClose;
-  tree_.evaluate(y, x_probe, J);
-  return through_mechanisms(q, J) ? MapStatus::kOk : MapStatus::kCannotClose;
+  Joints joints;
+  if (!joints_of(q, joints)) return MapStatus::kCannotClose;
+  tree_.evaluate(joints.y, x_probe, J);
+  through_mechanisms(joints, J);
+  return MapStatus::kOk;
 }
 
 MapStatus TreeMap::second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept {
-  double y[kMaxQ];
-  if (!joints_of(q, y)) return MapStatus::kCannotClose;
+  Joints joints;
+  if (!joints_of(q, joints)) return MapStatus::kCannotClose;
   const auto drive = std::find_if(drives_.begin(), drives_.end(), [k](const TreeDrive& d) {
-    return k >= d.first && k < d.first + d.mechanism->layout().n_q();
+    return k >= d.first && k < d.first + 2;
   });
   if (drive == drives_.end()) {
-    tree_.second_order(y, k, J_k);
-    return through_mechanisms(q, J_k) ? MapStatus::kOk : MapStatus::kCannotClose;
+    tree_.second_order(joints.y, k, J_k);
+    through_mechanisms(joints, J_k);
+    return MapStatus::kOk;
   }
   // d(J_y D)/dq_k = (sum_m dJ_y/dy_m D_mk) D + J_y dD/dq_k, D = dy/dq of this mechanism.
-  const Kinematics& mechanism = *drive->mechanism;
-  const int n = mechanism.layout().n_q();
-  const VecQ part = q.segment(drive->first, n);
-  VecX angles, x;
-  MatXQ D, dD, J_y, term;
-  if (mechanism.evaluate(part, angles, D) != MapStatus::kOk ||
-      mechanism.second_order(part, k - drive->first, dD) != MapStatus::kOk) {
+  VecX x;
+  MatXQ J_y, dD, term;
+  const VecQ part = q.segment<2>(drive->first);
+  if (drive->mechanism->second_order(part, k - drive->first, dD) != MapStatus::kOk) {
     return MapStatus::kCannotClose;
   }
+  const Eigen::Matrix2d& D = joints.D[drive - drives_.begin()];
   J_k.setZero(tree_.n_x(), tree_.n_y());
-  for (int m = 0; m < n; ++m) {
-    tree_.second_order(y, drive->first + m, term);
+  for (int m = 0; m < 2; ++m) {
+    tree_.second_order(joints.y, drive->first + m, term);
     J_k += D(m, k - drive->first) * term;
   }
-  if (!through_mechanisms(q, J_k)) return MapStatus::kCannotClose;
-  tree_.evaluate(y, x, J_y);
-  for (int c = 0; c < n; ++c) {
-    for (int m = 0; m < n; ++m) J_k.col(drive->first + c) += dD(m, c) * J_y.col(drive->first + m);
+  through_mechanisms(joints, J_k);
+  tree_.evaluate(joints.y, x, J_y);
+  for (int c = 0; c < 2; ++c) {
+    for (int m = 0; m < 2; ++m) J_k.col(drive->first + c) += dD(m, c) * J_y.col(drive->first + m);
   }
   return MapStatus::kOk;
 }

@@ -10,7 +10,7 @@
 
 namespace haptic::core {
 
-/// y[first, first + n) = f(q[first, first + n)): as many joints as DoFs.
+/// y[first, first + 2) = f(q[first, first + 2)): two DoFs drive two joints.
 struct TreeDrive {
   int first{0};
   std::shared_ptr<const Kinematics> mechanism{};
@@ -31,10 +31,11 @@ class TreeMap final : public Kinematics {
   void nearest_representative(const VecQ& near, VecQ& q) const noexcept override;
 
  private:
-  /// Joint variables of q. False where q is not finite or a mechanism cannot close.
-  [[nodiscard]] bool joints_of(const VecQ& q, double* y) const noexcept;
-  /// J_q = J_y dy/dq, in place. False as above.
-  [[nodiscard]] bool through_mechanisms(const VecQ& q, MatXQ& J) const noexcept;
+  struct Joints;  // y and dy/dq at one q
+  /// False where q is not finite or a mechanism cannot close.
+  [[nodiscard]] bool joints_of(const VecQ& q, Joints& joints) const noexcept;
+  /// J_q = J_y dy/dq, in place.
+  void through_mechanisms(const Joints& joints, MatXQ& J) const noexcept;
 
   RigidTree tree_;
   std::vector<DofSpec> dofs_;

@@ -9,21 +9,13 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/workspace.hpp"
 #include "tests/core/model/derivatives.hpp"
+#include "tests/core/model/sample_hands.hpp"
 #include "tests/support/allocation_guard.hpp"
 
 namespace haptic::core {
 namespace {
 
 constexpr double kDegree = 0.017453292519943295;
-
-const std::vector<HandFinger>& five() {
-  static const std::vector<HandFinger> fingers = {{"thumb", scaled({}, 0.8)},
-                                                  {"index", {}},
-                                                  {"middle", scaled({}, 1.1)},
-                                                  {"ring", {}},
-                                                  {"little", scaled({}, 0.75)}};
-  return fingers;
-}
 
 /// Joint angles of all fingers well inside the valid region (METHOD 1.2).
 VecX random_joints(std::mt19937_64& random, int fingers) {
@@ -58,7 +50,7 @@ TEST(ScaledFinger, KeepsItsAngles) {
 }
 
 TEST(HandExoskeleton, NamesEachFingersDofsAndCoordinates) {
-  const auto hand = make_hand_exoskeleton(five());
+  const auto hand = make_hand_exoskeleton(five_fingers());
   EXPECT_EQ(hand->layout().n_q(), 10);
   ASSERT_EQ(hand->layout().n_a(), 5);
   for (int i = 0; i < 5; ++i) EXPECT_EQ(hand->layout().actuated(i), 2 * i);
@@ -70,10 +62,10 @@ TEST(HandExoskeleton, NamesEachFingersDofsAndCoordinates) {
 }
 
 TEST(HandExoskeleton, IsItsFingersSideBySide) {
-  const auto hand = make_hand_exoskeleton(five());
+  const auto hand = make_hand_exoskeleton(five_fingers());
   ASSERT_EQ(hand->blocks().size(), 5u);
   std::vector<std::unique_ptr<Kinematics>> alone;
-  for (const HandFinger& finger : five())
+  for (const HandFinger& finger : five_fingers())
     alone.push_back(make_finger_exoskeleton(finger.dimensions));
   std::mt19937_64 random(2);
   for (int trial = 0; trial < 200; ++trial) {
@@ -107,7 +99,7 @@ TEST(HandExoskeleton, IsItsFingersSideBySide) {
 }
 
 TEST(HandExoskeleton, HasTheDerivativesThatCentralDifferencesFind) {
-  const auto hand = make_hand_exoskeleton(five());
+  const auto hand = make_hand_exoskeleton(five_fingers());
   std::mt19937_64 random(3);
   for (int trial = 0; trial < 200; ++trial) {
     const DerivativeErrors e = derivative_errors(*hand, reach(*hand, random_joints(random, 5)));
@@ -117,7 +109,7 @@ TEST(HandExoskeleton, HasTheDerivativesThatCentralDifferencesFind) {
 }
 
 TEST(HandExoskeleton, OneFingerOutOfReachLeavesTheOthersExact) {
-  const auto hand = make_hand_exoskeleton(five());
+  const auto hand = make_hand_exoskeleton(five_fingers());
   std::mt19937_64 random(4);
   VecX x = random_joints(random, 5);
   const VecQ reached = reach(*hand, x);
@@ -134,7 +126,7 @@ TEST(HandExoskeleton, OneFingerOutOfReachLeavesTheOthersExact) {
 
 /// METHOD 6, case 17, of one finger.
 TEST(HandExoskeleton, FailsWhereOneFingerCannotClose) {
-  const auto hand = make_hand_exoskeleton(five());
+  const auto hand = make_hand_exoskeleton(five_fingers());
   std::mt19937_64 random(5);
   VecQ q = reach(*hand, random_joints(random, 5));
   VecX x;
@@ -167,27 +159,6 @@ TEST(HandExoskeleton, SaysWhichFingerIsWrong) {
 
 // --- on a tracked palm ---------------------------------------------------------------------------
 
-/// Fingers beside each other across the palm, the thumb turned towards them.
-TrackedHandParameters tracked(OutputKind kind = OutputKind::kPoint) {
-  TrackedHandParameters hand;
-  double across = 0.03;
-  for (const HandFinger& finger : five()) {
-    const double turn = finger.name == "thumb" ? 0.5 : 0.0;
-    hand.fingers.push_back(
-        {finger, {{0.09, 0.0, across}, {std::sin(turn), 0.0, 0.0, std::cos(turn)}}});
-    across -= 0.02;
-    hand.outputs.push_back(
-        {finger.name + "_tip", finger.name, Phalanx::kMiddle, kind, {{0.03, -0.008, 0.0}, {}}});
-    hand.outputs.push_back({finger.name + "_pad",
-                            finger.name,
-                            Phalanx::kProximal,
-                            OutputKind::kPoint,
-                            {{0.025, -0.01, 0.0}, {}}});
-  }
-  hand.outputs.push_back({"palm", "", Phalanx::kMiddle, kind, {{0.04, -0.02, 0.0}, {}}});
-  return hand;
-}
-
 VecQ pose(std::mt19937_64& random, const VecQ& fingers, double turn = 1.5) {
   std::uniform_real_distribution<double> metres(-0.3, 0.3), radians(-turn, turn);
   VecQ q(6 + fingers.size());
@@ -200,7 +171,7 @@ VecQ pose(std::mt19937_64& random, const VecQ& fingers, double turn = 1.5) {
 }
 
 TEST(TrackedHand, SensesThePalmAndDrivesTheFingers) {
-  const auto hand = make_tracked_hand(tracked());
+  const auto hand = make_tracked_hand(five_fingers_on_a_palm());
   EXPECT_EQ(hand->layout().n_q(), 16);
   ASSERT_EQ(hand->layout().n_a(), 5);
   EXPECT_EQ(hand->layout().actuated(0), 6);
@@ -213,9 +184,9 @@ TEST(TrackedHand, SensesThePalmAndDrivesTheFingers) {
 
 /// Points of METHOD 1.2's plane, turned and moved by the palm.
 TEST(TrackedHand, PutsThePhalangesWhereThePlaneAndThePalmPutThem) {
-  const TrackedHandParameters parameters = tracked();
+  const TrackedHandParameters parameters = five_fingers_on_a_palm();
   const auto hand = make_tracked_hand(parameters);
-  const auto plain = make_hand_exoskeleton(five());
+  const auto plain = make_hand_exoskeleton(five_fingers());
   std::mt19937_64 random(6);
   for (int trial = 0; trial < 100; ++trial) {
     const VecX angles = random_joints(random, 5);
@@ -250,9 +221,9 @@ TEST(TrackedHand, PutsThePhalangesWhereThePlaneAndThePalmPutThem) {
 
 TEST(TrackedHand, HasTheDerivativesThatCentralDifferencesFind) {
   std::mt19937_64 random(7);
-  const auto plain = make_hand_exoskeleton(five());
+  const auto plain = make_hand_exoskeleton(five_fingers());
   for (const OutputKind kind : {OutputKind::kPoint, OutputKind::kFrame}) {
-    const auto hand = make_tracked_hand(tracked(kind));
+    const auto hand = make_tracked_hand(five_fingers_on_a_palm(kind));
     for (int trial = 0; trial < 100; ++trial) {
       const VecQ q = pose(random, reach(*plain, random_joints(random, 5)));
       const DerivativeErrors e = derivative_errors(*hand, q);
@@ -264,8 +235,8 @@ TEST(TrackedHand, HasTheDerivativesThatCentralDifferencesFind) {
 
 TEST(TrackedHand, NeverAllocates) {
   std::mt19937_64 random(8);
-  const auto plain = make_hand_exoskeleton(five());
-  const auto hand = make_tracked_hand(tracked(OutputKind::kFrame));
+  const auto plain = make_hand_exoskeleton(five_fingers());
+  const auto hand = make_tracked_hand(five_fingers_on_a_palm(OutputKind::kFrame));
   const VecQ fingers = reach(*plain, random_joints(random, 5)), q = pose(random, fingers);
   VecX x;
   MatXQ J;
@@ -281,7 +252,7 @@ TEST(TrackedHand, NeverAllocates) {
 
 TEST(TrackedHand, SaysWhatIsWrong) {
   const auto with = [](auto change) -> std::string {
-    TrackedHandParameters parameters = tracked();
+    TrackedHandParameters parameters = five_fingers_on_a_palm();
     change(parameters);
     try {
       static_cast<void>(make_tracked_hand(parameters));

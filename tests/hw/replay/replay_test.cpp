@@ -8,6 +8,7 @@
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/model/hand_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
 #include "tests/hw/temporary_file.hpp"
 #include "tests/hw/virtual_loop.hpp"
@@ -75,6 +76,32 @@ TEST(Replay, JointAnglesComeBackThroughTheMap) {
     ASSERT_EQ(finger()->evaluate(loop.reading().sample.q, x, J), core::MapStatus::kOk);
     EXPECT_NEAR(x[0], mcp(0.001 * ms), 1e-12);
     EXPECT_NEAR(x[1], pip(0.001 * ms), 1e-12);
+  }
+}
+
+TEST(Replay, AHandsJointAnglesComeBackThroughTheMap) {
+  const std::shared_ptr<const core::Kinematics> hand =
+      core::make_hand_exoskeleton({{"index", {}}, {"ring", core::scaled({}, 0.9)}});
+  const TemporaryFile file(
+      "time_s,ring.q_o2_pip_rad,index.q_o1_mcp_rad,index.q_o2_pip_rad,ring.q_o1_mcp_rad\n"
+      "0,0.6,0.2,0.3,0.4\n0.04,0.7,0.3,0.5,0.4\n0.08,0.8,0.5,0.6,0.5\n");
+  ReplayConfig config = playing(file);
+  config.max_effort = core::VecA::Constant(2, 40.0);
+  Replay device(config, hand);
+  EXPECT_TRUE(device.facts().joint_angles);
+  EXPECT_EQ(device.facts().replaced, 0u);
+  const std::vector<double> time{0, 0.04, 0.08};
+  const Pchip expected[] = {{time, {0.2, 0.3, 0.5}},
+                            {time, {0.3, 0.5, 0.6}},
+                            {time, {0.4, 0.4, 0.5}},
+                            {time, {0.6, 0.7, 0.8}}};
+  VirtualLoop loop(device);
+  core::VecX x;
+  core::MatXQ J;
+  for (int ms = 0; ms <= 80; ++ms) {
+    ASSERT_TRUE(loop.tick().fresh);
+    ASSERT_EQ(hand->evaluate(loop.reading().sample.q, x, J), core::MapStatus::kOk);
+    for (int i = 0; i < 4; ++i) EXPECT_NEAR(x[i], expected[i](0.001 * ms), 1e-12);
   }
 }
 

@@ -36,11 +36,11 @@ enum class OutputKind : std::uint8_t {
 /// tracker's reading enters q. q and -q give the same; zero or not finite gives zero.
 [[nodiscard]] Eigen::Vector3d rotation_vector(const UnitQuaternion& orientation) noexcept;
 
-/// exp of a rotation vector; |w| <= 1, norm 1 to rounding.
-[[nodiscard]] UnitQuaternion unit_quaternion(const Eigen::Vector3d& rotation_vector) noexcept;
+/// exp of the rotation vector phi; |w| <= 1, norm 1 to rounding.
+[[nodiscard]] UnitQuaternion unit_quaternion(const Eigen::Vector3d& phi) noexcept;
 
-/// Of the rotation vectors that mean the same rotation, the one nearest to `near`.
-[[nodiscard]] Eigen::Vector3d nearest_rotation_vector(const Eigen::Vector3d& rotation_vector,
+/// Of the rotation vectors that mean the same rotation as phi, the one nearest to `near`.
+[[nodiscard]] Eigen::Vector3d nearest_rotation_vector(const Eigen::Vector3d& phi,
                                                       const Eigen::Vector3d& near) noexcept;
 
 /// A tracked body below the device: six sensed, unactuated DoFs named NAME.x .y .z [m] and NAME.rx

@@ -25,7 +25,7 @@ class BlockRenderer {
 
  private:
   struct Part {
-    Part(RendererKind kind, const MapBlock& at);
+    Part(RendererKind kind, const MapBlock& block);
     void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                  bool proxy_changed) noexcept;
 

@@ -20,7 +20,8 @@ packages() {
     build) echo "g++ cmake ninja-build pkg-config libeigen3-dev libgrpc++-dev libprotobuf-dev" \
                 "protobuf-compiler protobuf-compiler-grpc libspdlog-dev libcli11-dev" \
                 "nlohmann-json3-dev" ;;
-    test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" ;;
+    test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" \
+                "liborocos-kdl-dev" ;;
     report) echo "gnuplot-nox" ;;
     firmware | containers) ;;  # filled by what first needs a package
     *)

@@ -32,7 +32,7 @@ struct SimulatedFingerConfig {
   double resolution_q_B{0.0};         ///< rad; 0: none
 };
 
-/// Independent masses on the DoFs of a linear map, pulled towards a target. All sizes n_q, but
+/// Independent masses on the DoFs, pulled towards a target, under whatever map. All sizes n_q, but
 /// max_effort n_a.
 struct SimulatedLinearConfig {
   core::VecQ mass{};
@@ -43,8 +43,8 @@ struct SimulatedLinearConfig {
   core::VecA max_effort{};
 };
 
-/// A recording: time_s and the device's DoFs by name, or time_s,q_o1_mcp_rad,q_o2_pip_rad through
-/// the inverse kinematics.
+/// A recording: time_s and the device's DoFs by name (a tracked palm's orientation also as a
+/// quaternion), or time_s,q_o1_mcp_rad,q_o2_pip_rad through the inverse kinematics.
 struct ReplayConfig {
   std::filesystem::path file{};
   bool repeat{false};

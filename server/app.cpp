@@ -107,7 +107,7 @@ void App::listen_to_devices() {
         std::make_unique<EventLog>(device.name, [&sessions] { return sessions.controller(); }));
     telemetry_->add(i, listeners_.back().get(), ListenerRank::kBackground);
     if (!scene_.record) continue;
-    const auto file = record_file(scene_.record->file, device.name, units_.size());
+    const auto file = record_file(scene_, i);
     spdlog::info("{}: recorded in {}", device.name, file.string());
     listeners_.push_back(
         std::make_unique<Recorder>(file, device.kinematics, comparison(*scene_.record, device)));

@@ -1,7 +1,6 @@
 /// hapticd: reads the command line and a scene, serves until SIGTERM, SIGINT or SIGHUP.
 /// Exit codes: 0 served and stopped, 1 could not serve, 2 bad command line or scene.
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +12,7 @@
 #include "haptic/core/error.hpp"
 #include "hw/open_device.hpp"
 #include "server/app.hpp"
+#include "server/telemetry/stderr_log.hpp"
 
 namespace {
 
@@ -88,8 +88,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return cli.exit(error) == 0 ? 0 : 2;
   }
-  spdlog::set_default_logger(spdlog::stderr_color_mt("hapticd"));
-  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  haptic::server::log_to_stderr();
   spdlog::set_level(spdlog::level::from_str(line.log_level));
 
   const sigset_t signals = block_signals();

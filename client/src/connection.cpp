@@ -4,6 +4,7 @@
 
 #include "convert.hpp"
 #include "error_mapping.hpp"
+#include "haptic/wire/utf8.hpp"
 #include "session_impl.hpp"
 #include "watch_impl.hpp"
 
@@ -73,8 +74,9 @@ std::vector<std::string> Connection::emergency_stop(const std::string& device,
   grpc::ClientContext context;
   Impl::deadline(context, kAnswer);
   v1::EmergencyStopRequest request;
-  request.set_device(device);
-  request.set_reason(reason);
+  // Bytes that are no text must not keep the stop from being read: in doubt all devices stop.
+  request.set_device(wire::is_utf8(device) ? device : "");
+  request.set_reason(wire::is_utf8(reason) ? reason : "(a reason that is not UTF-8)");
   v1::EmergencyStopResponse response;
   check(impl_->stub->EmergencyStop(&context, request, &response));
   return {response.stopped().begin(), response.stopped().end()};

@@ -6,6 +6,7 @@
 
 #include "haptic/core/error.hpp"
 #include "hw/device_limits.hpp"
+#include "hw/replay/tracked_orientation.hpp"
 
 namespace haptic::hw {
 namespace {
@@ -48,20 +49,38 @@ Replay::Replay(const ReplayConfig& config, std::shared_ptr<const core::Kinematic
   info_.moves = false;
 
   std::vector<ColumnSet> alternatives{dof_names(*kinematics_)};
-  if (maps_joint_angles(*kinematics_)) alternatives.push_back(joint_angle_columns());
+  const std::optional<std::size_t> rotation = rotation_vector_in(info_.dofs);
+  if (rotation) {
+    alternatives.push_back(with_quaternion(alternatives.front(), *rotation));
+  } else if (maps_joint_angles(*kinematics_)) {
+    alternatives.push_back(joint_angle_columns());
+  }
   MotionTable table = read_motion_csv(config.file, alternatives);
   facts_.rows = table.time_s.size();
   facts_.length = duration(table.time_s.back());
-  facts_.joint_angles = table.alternative == 1;
+  facts_.joint_angles = table.alternative == 1 && !rotation;
   if (facts_.joint_angles) {
     const Columns q = bring_into_reach(table);
     cut_at_gaps(table.time_s, q, table.values);
   } else {
+    if (table.alternative == 1) from_quaternions(table, *rotation, config.file);
+    fold(table.values, *kinematics_);
     check_range(table, config.file);
+    unfold(table.values, *kinematics_);
     cut_at_gaps(table.time_s, table.values, {});
   }
   info_.model = summary(config.file, facts_);
-  q_ = core::VecQ::Zero(kinematics_->layout().n_q());
+  q_ = home_ = core::VecQ::Zero(kinematics_->layout().n_q());
+}
+
+void Replay::from_quaternions(MotionTable& table, std::size_t at,
+                              const std::filesystem::path& file) const {
+  const std::optional<std::size_t> zero = to_rotation_vectors(table.values, at);
+  if (!zero) return;
+  const std::string& first = info_.dofs[at].name;
+  throw core::DeviceError(file.string() + ":" + std::to_string(table.line[*zero]) + ": columns " +
+                          first.substr(0, first.size() - 2) +
+                          "qx .qy .qz .qw = 0, 0, 0, 0: must be a quaternion other than zero");
 }
 
 void Replay::check_range(const MotionTable& table, const std::filesystem::path& file) const {
@@ -156,6 +175,7 @@ void Replay::read(core::TimePoint now, core::DeviceReading& reading) noexcept {
   const Stretch* stretch = stretch_at(into);
   if (stretch == nullptr) return;
   stretch->at(core::seconds(into), q_);
+  kinematics_->nearest_representative(home_, q_);
   reading.fresh = true;
   reading.sample.seq = ++seq_;
   reading.sample.time = now;

@@ -2,6 +2,9 @@
 /// A recording as a device: it plays at its original timing, its force is computed and reported,
 /// nothing moves.
 ///
+/// A tracked palm's orientation may be recorded as a quaternion, NAME.qx .qy .qz .qw; it is played as
+/// q holds it, the rotation vector of at most pi.
+///
 /// Joint angles go through the inverse kinematics (see Stretch). Rows outside the reach are
 /// replaced at load by the nearest pose in reach, Eq. (6) with the box and the slider limits, and
 /// counted. Gaps and the pause between rounds have no samples: reading.fresh is false, nothing else
@@ -46,6 +49,8 @@ class Replay final : public Device {
   [[nodiscard]] const ReplayFacts& facts() const noexcept { return facts_; }
 
  private:
+  void from_quaternions(MotionTable& table, std::size_t at,
+                        const std::filesystem::path& file) const;
   void check_range(const MotionTable& table, const std::filesystem::path& file) const;
   [[nodiscard]] Columns bring_into_reach(MotionTable& table);
   void cut_at_gaps(const std::vector<double>& time_s, const Columns& q, const Columns& x);
@@ -59,7 +64,8 @@ class Replay final : public Device {
   bool started_{false};
   core::TimePoint start_{};
   core::TimePoint last_read_{core::TimePoint::min()};
-  core::VecQ q_{};  ///< newest sample
+  core::VecQ q_{};     ///< newest sample
+  core::VecQ home_{};  ///< zero: what rotation vectors are kept near
   std::uint64_t seq_{0};
   Arming arming_{};
   bool closed_{false};

@@ -12,28 +12,6 @@ namespace {
 
 constexpr double kStep = core::seconds(Substeps::kStep);
 
-/// J at three points of the box's diagonal is one and the same.
-void require_linear(const core::Kinematics& kinematics) {
-  const auto& dofs = kinematics.dofs();
-  const auto n_q = static_cast<Eigen::Index>(dofs.size());
-  core::MatXQ J[3];
-  for (int at = 0; at < 3; ++at) {
-    core::VecQ q(n_q);
-    for (Eigen::Index i = 0; i < n_q; ++i) {
-      const core::DofSpec& dof = dofs[static_cast<std::size_t>(i)];
-      q[i] = dof.lower + 0.5 * at * (dof.upper - dof.lower);
-    }
-    core::VecX x(kinematics.space().n_x());
-    J[at].resize(kinematics.space().n_x(), n_q);
-    const bool defined = kinematics.evaluate(q, x, J[at]) == core::MapStatus::kOk;
-    if (!defined || !J[at].isApprox(J[0], 1e-12)) {
-      throw core::DeviceError(
-          "simulated_linear: the kinematics is not linear (its Jacobian changes with q); must be "
-          "linear");
-    }
-  }
-}
-
 void size_or_zero(const char* name, Eigen::Index n_q, core::VecQ& values, bool may_be_negative) {
   if (values.size() == 0) values = core::VecQ::Zero(n_q);
   if (values.size() != n_q) {
@@ -60,7 +38,6 @@ SimulatedLinearConfig checked(SimulatedLinearConfig c, const core::Kinematics& k
   size_or_zero("hand_stiffness", n_q, c.hand_stiffness, false);
   size_or_zero("hand_damping", n_q, c.hand_damping, false);
   size_or_zero("target", n_q, c.target, true);
-  require_linear(kinematics);
   return c;
 }
 
@@ -71,7 +48,7 @@ SimulatedLinear::SimulatedLinear(const SimulatedLinearConfig& config,
     : config_(checked(config, *kinematics)), kinematics_(std::move(kinematics)) {
   const Eigen::Index n_q = kinematics_->layout().n_q();
   info_.kind = "simulated";
-  info_.model = "masses on the DoFs of a linear map";
+  info_.model = "masses on the DoFs";
   info_.dofs = kinematics_->dofs();
   info_.limits = device_limits(*kinematics_, config_.max_effort);
   lower_.resize(n_q);

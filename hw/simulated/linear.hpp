@@ -1,7 +1,8 @@
 #pragma once
-/// Independent masses on the DoFs of a linear map, as a device: m q_ddot = tau + K_h (target - q)
-/// - (b + B_h) q_dot per DoF, in kg and m or kg m^2 and rad. Starts at rest on the target. Ends of
-/// a DoF's box are rigid and inelastic. Linearly implicit Euler, so any stiffness is stable.
+/// Independent masses on the DoFs, as a device with linear dynamics under whatever map:
+/// m q_ddot = tau + K_h (target - q) - (b + B_h) q_dot per DoF, in kg and m or kg m^2 and rad.
+/// Starts at rest on the target. Ends of a DoF's box are rigid and inelastic. Linearly implicit
+/// Euler, so any stiffness is stable.
 
 #include <cstdint>
 #include <memory>
@@ -16,7 +17,7 @@ namespace haptic::hw {
 class SimulatedLinear final : public Device {
  public:
   /// Vectors of size 0 other than mass and max_effort are zero. Throws DeviceError: sizes that do
-  /// not fit, a mass that is not > 0, a value below 0, a kinematics that is not linear.
+  /// not fit, a mass that is not > 0, a value below 0.
   SimulatedLinear(const SimulatedLinearConfig& config,
                   std::shared_ptr<const core::Kinematics> kinematics);
 

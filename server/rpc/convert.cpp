@@ -29,6 +29,18 @@ const char* unit_name(core::Unit unit) {
   return unit == core::Unit::kMetre ? "m" : "rad";
 }
 
+const char* kind_name(core::CoordinateKind kind) {
+  switch (kind) {
+    case core::CoordinateKind::kAngle:
+      return "angle";
+    case core::CoordinateKind::kQuaternion:
+      return "quaternion";
+    case core::CoordinateKind::kLinear:
+      break;
+  }
+  return "linear";
+}
+
 }  // namespace
 
 void set(google::protobuf::Duration& message, core::Duration d) {
@@ -38,8 +50,7 @@ void set(google::protobuf::Duration& message, core::Duration d) {
 }
 
 void to_proto(const core::TickRecord& record, v1::DeviceState& state) {
-  const core::ProxySnapshot& proxy = record.input.proxy;
-  const bool has_proxy = proxy.mode != core::ProxyMode::kNone;
+  const bool has_proxy = record.proxy_mode != core::ProxyMode::kNone;
   state.set_seq(record.tick);
   state.set_server_time_ns(record.input.now.time_since_epoch().count());
   copy(record.q, state.mutable_q());
@@ -49,7 +60,7 @@ void to_proto(const core::TickRecord& record, v1::DeviceState& state) {
   copy(record.q_star, state.mutable_q_star());
   copy(record.tau_a, state.mutable_tau_a());
   copy(record.tau_elastic, state.mutable_tau_elastic());
-  state.set_proxy_seq_used(proxy.seq);
+  state.set_proxy_seq_used(record.proxy_seq);
   const auto age = std::chrono::duration_cast<std::chrono::microseconds>(record.proxy_age).count();
   state.set_proxy_age_us(static_cast<std::uint64_t>(std::max<std::int64_t>(0, age)));
   state.set_staleness(static_cast<v1::StalenessLevel>(record.staleness));
@@ -64,7 +75,7 @@ void to_proto(const core::TickRecord& record, v1::DeviceState& state) {
   state.set_projection(static_cast<v1::ProjectionStatus>(record.projection));
   state.set_condition(record.condition);
   state.set_lease_epoch(record.input.command.lease_epoch);
-  state.set_mode(static_cast<v1::ProxyMode>(proxy.mode));
+  state.set_mode(static_cast<v1::ProxyMode>(record.proxy_mode));
 }
 
 v1::Event to_proto(const DeviceEvent& event) {
@@ -74,6 +85,7 @@ v1::Event to_proto(const DeviceEvent& event) {
   message.set_reason(event.reason);
   message.set_message(event.message);
   message.set_state(static_cast<v1::DeviceStateName>(event.state));
+  message.set_lease_epoch(event.lease_epoch);
   return message;
 }
 
@@ -149,8 +161,9 @@ v1::Device describe(const DeviceSessions& device, core::Duration period) {
   for (const core::Coordinate& coordinate : config.kinematics->space().coordinates()) {
     auto* entry = message.add_coordinates();
     entry->set_name(coordinate.name);
-    entry->set_unit(unit_name(coordinate.unit));
-    entry->set_kind(coordinate.kind == core::CoordinateKind::kAngle ? "angle" : "linear");
+    const bool quaternion = coordinate.kind == core::CoordinateKind::kQuaternion;
+    entry->set_unit(quaternion ? "1" : unit_name(coordinate.unit));
+    entry->set_kind(kind_name(coordinate.kind));
   }
   copy(config.scene.stiffness, message.mutable_stiffness_limit());
   copy(config.scene.damping, message.mutable_damping_limit());

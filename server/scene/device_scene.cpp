@@ -23,10 +23,21 @@ SharedKinematics read_kinematics(v1::DeviceScene& message, const std::string& pa
                                      path + ".finger_exoskeleton", problems);
     case v1::DeviceScene::kLinear:
       return read_linear(*message.mutable_linear(), path + ".linear", problems);
+    case v1::DeviceScene::kHandExoskeleton:
+      return read_hand_exoskeleton(*message.mutable_hand_exoskeleton(), path + ".hand_exoskeleton",
+                                   problems);
+    case v1::DeviceScene::kTrackedHand:
+      return read_tracked_hand(*message.mutable_tracked_hand(), path + ".tracked_hand", problems);
+    case v1::DeviceScene::kStylus:
+      return read_stylus(*message.mutable_stylus(), path + ".stylus", problems);
+    case v1::DeviceScene::kSerialChain:
+      return read_serial_chain(*message.mutable_serial_chain(), path + ".serial_chain", problems);
     case v1::DeviceScene::KINEMATICS_NOT_SET:
       break;
   }
-  problems.missing(path + ".kinematics", "one of finger_exoskeleton, linear");
+  problems.missing(
+      path + ".kinematics",
+      "one of finger_exoskeleton, linear, hand_exoskeleton, tracked_hand, stylus, serial_chain");
   return nullptr;
 }
 

@@ -1,12 +1,12 @@
-#include "haptic/core/error.hpp"
-#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "server/scene/finger_scene.hpp"
+
 #include "server/scene/field_reader.hpp"
 #include "server/scene/kinematics_scene.hpp"
 
 namespace haptic::server {
 namespace {
 
-core::FingerDimensions read_dimensions(const FieldReader& reader) {
+core::FingerDimensions read_numbers(const FieldReader& reader) {
   core::FingerDimensions d;
   reader.numbers({
       {"proximal_phalanx_m", &d.proximal_phalanx, Allowed::kPositive},
@@ -49,19 +49,20 @@ void check_order(const FieldReader& reader, const core::FingerDimensions& d) {
 
 }  // namespace
 
+core::FingerDimensions read_dimensions(v1::FingerExoskeletonScene& message, const std::string& path,
+                                       Problems& problems) {
+  const FieldReader reader(message, path, problems);
+  const core::FingerDimensions dimensions = read_numbers(reader);
+  check_order(reader, dimensions);
+  return dimensions;
+}
+
 SharedKinematics read_finger_exoskeleton(v1::FingerExoskeletonScene& message,
                                          const std::string& path, Problems& problems) {
   const std::size_t before = problems.count();
-  const FieldReader reader(message, path, problems);
-  const core::FingerDimensions dimensions = read_dimensions(reader);
-  check_order(reader, dimensions);
+  const core::FingerDimensions dimensions = read_dimensions(message, path, problems);
   if (problems.count() > before) return nullptr;
-  try {
-    return core::make_finger_exoskeleton(dimensions);
-  } catch (const core::SceneError& error) {
-    problems.wrong(path, "{ ... }", error.what());
-    return nullptr;
-  }
+  return made([&] { return core::make_finger_exoskeleton(dimensions); }, path, problems);
 }
 
 }  // namespace haptic::server

@@ -1,6 +1,7 @@
 #pragma once
 /// The map of a device: f : Q -> X from its message.
 
+#include <functional>
 #include <memory>
 
 #include "haptic/core/model/kinematics.hpp"
@@ -17,5 +18,20 @@ using SharedKinematics = std::shared_ptr<const core::Kinematics>;
                                                        const std::string& path, Problems& problems);
 [[nodiscard]] SharedKinematics read_linear(v1::LinearScene& message, const std::string& path,
                                            Problems& problems);
+[[nodiscard]] SharedKinematics read_hand_exoskeleton(v1::HandExoskeletonScene& message,
+                                                     const std::string& path, Problems& problems);
+[[nodiscard]] SharedKinematics read_tracked_hand(v1::TrackedHandScene& message,
+                                                 const std::string& path, Problems& problems);
+[[nodiscard]] SharedKinematics read_stylus(v1::StylusScene& message, const std::string& path,
+                                           Problems& problems);
+[[nodiscard]] SharedKinematics read_serial_chain(v1::SerialChainScene& message,
+                                                 const std::string& path, Problems& problems);
+
+/// What `make` makes; null where it throws SceneError, which goes to `problems`.
+[[nodiscard]] SharedKinematics made(const std::function<std::unique_ptr<core::Kinematics>()>& make,
+                                    const std::string& path, Problems& problems);
+/// Reports metres beside radians in x.
+void check_one_unit(const core::ConfigurationSpace& space, const std::string& path,
+                    Problems& problems);
 
 }  // namespace haptic::server

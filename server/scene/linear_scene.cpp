@@ -1,37 +1,21 @@
 #include <cmath>
 #include <set>
 
-#include "haptic/core/error.hpp"
 #include "haptic/core/model/linear.hpp"
+#include "server/scene/entry_name.hpp"
 #include "server/scene/field_reader.hpp"
 #include "server/scene/kinematics_scene.hpp"
 
 namespace haptic::server {
 namespace {
 
-std::string entry(const char* list, int i) {
-  return std::string(list) + "[" + std::to_string(i) + "]";
-}
+constexpr std::size_t kLongestName = 32;
 
 core::Unit read_unit(const FieldReader& reader, const std::string& text) {
   if (text != "m" && text != "rad") {
     reader.wrong("unit", quoted(text), R"(must be "m" or "rad")");
   }
   return text == "rad" ? core::Unit::kRadian : core::Unit::kMetre;
-}
-
-/// Names are columns of recordings and heads of tables.
-void check_name(const FieldReader& reader, const std::string& name, std::set<std::string>& names) {
-  const bool well_formed = !name.empty() && name.size() <= 32 &&
-                           name.find_first_not_of(
-                               "abcdefghijklmnopqrstuvwxyz"
-                               "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                               "0123456789_-") == std::string::npos;
-  if (!well_formed) {
-    reader.wrong("name", quoted(name), "must be 1 to 32 of letters, digits, _ and -");
-  } else if (!names.insert(name).second) {
-    reader.wrong("name", quoted(name), "must be another: this one is taken");
-  }
 }
 
 /// Between 1 and `most`; what is above is reported and not read.
@@ -48,7 +32,7 @@ bool has_entries(const FieldReader& reader, const char* list, int count, int mos
 
 core::DofSpec read_dof(v1::LinearScene::Dof& dof, const FieldReader& reader,
                        std::set<std::string>& names) {
-  check_name(reader, dof.name(), names);
+  check_entry_name(reader, dof.name(), kLongestName, names);
   if (!std::isfinite(dof.lower())) reader.wrong("lower", decimal(dof.lower()), "must be finite");
   if (!std::isfinite(dof.upper()) || dof.upper() <= dof.lower()) {
     reader.wrong("upper", decimal(dof.upper()),
@@ -59,7 +43,7 @@ core::DofSpec read_dof(v1::LinearScene::Dof& dof, const FieldReader& reader,
 
 core::Coordinate read_coordinate(v1::LinearScene::Coordinate& coordinate, const FieldReader& reader,
                                  std::set<std::string>& names) {
-  check_name(reader, coordinate.name(), names);
+  check_entry_name(reader, coordinate.name(), kLongestName, names);
   const core::Unit unit = read_unit(reader, coordinate.unit());
   if (coordinate.full_circle() && unit != core::Unit::kRadian) {
     reader.wrong("full_circle", "true", R"(must be a coordinate in "rad")");
@@ -91,12 +75,8 @@ void read_coordinates(v1::LinearScene& message, const std::string& path, Problem
                              problems);
     map.coordinates.push_back(read_coordinate(*message.mutable_coordinate(i), reader, names));
   }
-  if (problems.count() == before && core::ConfigurationSpace(map.coordinates).mixes_units()) {
-    problems.wrong(path + ".coordinate", "[metres and radians]",
-                   "must be of one unit: a distance over both needs a metric "
-                   "W_x, which a scene "
-                   "cannot give yet");
-  }
+  if (problems.count() > before) return;
+  check_one_unit(core::ConfigurationSpace(map.coordinates), path + ".coordinate", problems);
 }
 
 }  // namespace
@@ -121,12 +101,7 @@ SharedKinematics read_linear(v1::LinearScene& message, const std::string& path,
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   map.A = Eigen::Map<const RowMajor>(A.data(), n_x, n_q);
   map.x_0 = Eigen::Map<const Eigen::VectorXd>(x_0.data(), n_x);
-  try {
-    return core::make_linear(map);
-  } catch (const core::SceneError& error) {
-    problems.wrong(path, "{ ... }", error.what());
-    return nullptr;
-  }
+  return made([&] { return core::make_linear(map); }, path, problems);
 }
 
 }  // namespace haptic::server

@@ -58,6 +58,10 @@ struct Scene {
   std::vector<std::string> warnings{};
 };
 
+/// Where device number `device` of a scene with a record is recorded: `record.file` itself for an
+/// only device, else with the device's name ("run.csv" -> "run-left.csv").
+[[nodiscard]] std::filesystem::path record_file(const Scene& scene, std::size_t device);
+
 /// Reads a scene. `overrides` are "path=value" as of --set, e.g.
 /// "device[0].impedance.stiffness_n_per_m[0]=800". Throws SceneError with one
 /// line for everything that is wrong: file, line, field, value and what is

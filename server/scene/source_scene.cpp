@@ -99,15 +99,18 @@ hw::ReplayConfig read_replay(v1::Replay& message, const std::string& path, const
   return c;
 }
 
-/// Reports a simulation that goes with the other map.
+/// Reports a simulation that goes with another map.
 void check_fit(const v1::DeviceScene& message, const std::string& path, Problems& problems) {
-  if (message.has_simulated_finger() && message.has_linear()) {
-    problems.wrong(path + ".simulated_finger", "{ ... } with linear",
+  const auto* oneof = message.GetDescriptor()->FindOneofByName("kinematics");
+  const auto* map = message.GetReflection()->GetOneofFieldDescriptor(message, oneof);
+  if (map == nullptr) return;  // reported elsewhere
+  if (message.has_simulated_finger() && !message.has_finger_exoskeleton()) {
+    problems.wrong(path + ".simulated_finger", "{ ... } with " + map->name(),
                    "must go with finger_exoskeleton");
   }
   if (message.has_simulated_linear() && message.has_finger_exoskeleton()) {
-    problems.wrong(path + ".simulated_linear", "{ ... } with finger_exoskeleton",
-                   "must go with linear");
+    problems.wrong(path + ".simulated_linear", "{ ... } with " + map->name(),
+                   "must go with another kinematics: a finger has simulated_finger");
   }
 }
 

@@ -99,21 +99,26 @@ Ticket PendingRequests::add_stop(std::uint64_t id, Answer answer) {
   return add(std::move(request));
 }
 
-Ticket PendingRequests::add_clear(std::uint64_t id, core::FaultSet faults, ClearAnswered answer) {
+Ticket PendingRequests::add_clear(core::FaultSet wanted, ClearAnswered answer) {
   Request request;
   request.kind = Kind::kClear;
-  request.id = id;
-  request.faults = faults;
+  request.faults = wanted;
   request.cleared = std::move(answer);
   return add(std::move(request));
 }
 
-core::FaultSet PendingRequests::faults_to_clear() const noexcept {
-  core::FaultSet all;
-  for (const Request& request : requests_) {
-    if (request.kind == Kind::kClear) all = all | request.faults;
-  }
-  return all;
+bool PendingRequests::clear_waits() const noexcept {
+  const auto first = std::find_if(requests_.begin(), requests_.end(),
+                                  [](const Request& r) { return r.kind == Kind::kClear; });
+  return first != requests_.end() && first->id == 0;
+}
+
+core::FaultSet PendingRequests::begin_clear(std::uint64_t id, core::FaultSet active) noexcept {
+  const auto first = std::find_if(requests_.begin(), requests_.end(),
+                                  [](const Request& r) { return r.kind == Kind::kClear; });
+  first->id = id;
+  first->faults = core::FaultSet(first->faults.bits() & active.bits());
+  return first->faults;
 }
 
 bool PendingRequests::resolve(Request& request, const core::TickRecord& record,
@@ -132,7 +137,7 @@ bool PendingRequests::resolve(Request& request, const core::TickRecord& record,
     case Kind::kStop:
       return record.stop_id >= request.id && answer(Done{});
     case Kind::kClear:
-      if (record.clear.id < request.id) return false;
+      if (request.id == 0 || record.clear.id < request.id) return false;
       closures.push_back(
           [call = std::move(request.cleared),
            outcome = clear_outcome(request.faults, record.clear.refused)] { call(outcome); });

@@ -30,11 +30,13 @@ class PendingRequests {
   Ticket add_engage(std::uint64_t id, std::string session_id, Answer answer);
   Ticket add_release(std::uint64_t id, std::string session_id, Answer answer);
   Ticket add_stop(std::uint64_t id, Answer answer);
-  Ticket add_clear(std::uint64_t id, core::FaultSet faults, ClearAnswered answer);
-
-  /// The faults that open clear requests name together: what the command snapshot must carry, or a
-  /// second request would overwrite the first in the newest-wins mailbox.
-  [[nodiscard]] core::FaultSet faults_to_clear() const noexcept;
+  /// Waits for its turn: one clear is under way at a time, or the second would overwrite the first
+  /// in the newest-wins mailbox, and together they would clear more than each of them asked for.
+  Ticket add_clear(core::FaultSet wanted, ClearAnswered answer);
+  [[nodiscard]] bool clear_waits() const noexcept;
+  /// The clear that has waited longest is under way as `id`; of `active` it clears the returned
+  /// faults. Only where clear_waits().
+  core::FaultSet begin_clear(std::uint64_t id, core::FaultSet active) noexcept;
 
   /// Collects what `record` answers, and what has waited too long.
   void step(const core::TickRecord& record, Closures& closures);
@@ -48,7 +50,7 @@ class PendingRequests {
   struct Request {
     Ticket ticket{0};
     Kind kind{Kind::kEngage};
-    std::uint64_t id{0};
+    std::uint64_t id{0};  ///< 0: not posted yet
     int patience{kPatience};
     std::string session_id{};
     core::FaultSet faults{};

@@ -32,6 +32,8 @@ std::string_view text(core::ProxyMode mode) {
       return "HELD";
     case core::ProxyMode::kFree:
       return "FREE";
+    case core::ProxyMode::kPlanes:
+      return "PLANES";
   }
   return "?";
 }
@@ -174,7 +176,7 @@ void Recorder::append(const core::TickRecord& record) {
   row.add(core::name(record.state));
   row.add(core::name(record.staleness));
   row.number(microseconds(record.proxy_age));
-  row.add(text(record.input.proxy.mode));
+  row.add(text(record.proxy_mode));
   row.number(record.gain);
   row.number(record.damping_gain);
   row.vector(record.q, n_q);
@@ -205,14 +207,6 @@ void Recorder::flush() {
                std::strerror(errno));
   std::fclose(stream_);
   stream_ = nullptr;
-}
-
-std::filesystem::path record_file(const std::filesystem::path& file, const std::string& name,
-                                  std::size_t devices) {
-  if (devices <= 1) return file;
-  std::filesystem::path own = file;
-  own.replace_filename(file.stem().string() + "-" + name + file.extension().string());
-  return own;
 }
 
 }  // namespace haptic::server

@@ -80,9 +80,4 @@ class Recorder final : public RecordListener {
   std::optional<core::TimePoint> start_{};
 };
 
-/// Where device `name` of `devices` is recorded: `file` itself for an only device, else its name is
-/// added before the extension ("run.csv" -> "run-left.csv").
-[[nodiscard]] std::filesystem::path record_file(const std::filesystem::path& file,
-                                                const std::string& name, std::size_t devices);
-
 }  // namespace haptic::server

@@ -6,6 +6,7 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
+#include "haptic/core/model/stylus.hpp"
 
 namespace haptic::hw {
 namespace {
@@ -59,11 +60,17 @@ TEST(OpenDevice, AFingerNeedsTheFingersKinematics) {
   EXPECT_THAT(error_of(SimulatedFingerConfig{}, linear(2)), HasSubstr("inverse"));
 }
 
-TEST(OpenDevice, MassesNeedALinearMap) {
+TEST(OpenDevice, MassesGoWithAnyMap) {
   SimulatedLinearConfig config;
-  config.mass = core::VecQ::Ones(2);
-  config.max_effort = core::VecA::Ones(1);
-  EXPECT_THAT(error_of(config, core::make_finger_exoskeleton({})), HasSubstr("must be linear"));
+  config.mass = core::VecQ::Ones(6);
+  config.max_effort = core::VecA::Ones(3);
+  config.target = core::VecQ::Constant(6, 0.2);
+  config.target[2] = -1.0;
+  const auto stylus = open_device(config, core::make_stylus({}));
+  core::DeviceReading reading;
+  stylus->read(core::TimePoint(std::chrono::seconds(1)), reading);
+  EXPECT_EQ(reading.sample.q, config.target) << "at rest on the target";
+  EXPECT_EQ(stylus->info().dofs[1].name, "shoulder");
 }
 
 TEST(OpenDevice, ARecordingNeedsTheEffortOfItsDevice) {

@@ -131,6 +131,17 @@ class FingerExoskeleton final : public Kinematics {
 
 }  // namespace
 
+FingerDimensions scaled(const FingerDimensions& dimensions, double size) noexcept {
+  FingerDimensions d = dimensions;
+  for (double* length :
+       {&d.proximal_phalanx, &d.rail_origin.x, &d.rail_origin.y, &d.body_d.x, &d.body_d.y,
+        &d.body_e.x, &d.body_e.y, &d.rod1, &d.rod2, &d.slider1_lower, &d.slider1_upper,
+        &d.slider2_lower, &d.slider2_upper, &d.l_x_lower, &d.l_x_upper}) {
+    *length *= size;
+  }
+  return d;
+}
+
 std::unique_ptr<Kinematics> make_finger_exoskeleton(const FingerDimensions& dimensions) {
   return std::make_unique<FingerExoskeleton>(dimensions);
 }

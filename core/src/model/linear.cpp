@@ -10,18 +10,6 @@ namespace haptic::core {
 
 namespace {
 
-DofLayout layout_of(const std::vector<DofSpec>& dofs) {
-  bool actuated[kMaxQ]{};
-  for (std::size_t i = 0; i < dofs.size() && i < static_cast<std::size_t>(kMaxQ); ++i) {
-    actuated[i] = dofs[i].actuated;
-  }
-  if (dofs.size() > static_cast<std::size_t>(kMaxQ)) {
-    throw SceneError("linear map with " + std::to_string(dofs.size()) +
-                     " DoFs: must have at most " + std::to_string(kMaxQ));
-  }
-  return DofLayout(std::span<const bool>(actuated, dofs.size()));
-}
-
 class Linear final : public Kinematics {
  public:
   explicit Linear(const LinearMap& map)

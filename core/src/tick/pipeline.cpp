@@ -27,7 +27,6 @@ void require_entries(const VecA& values, int n_a, const char* name, double lowes
 
 PipelineConfig checked(PipelineConfig config) {
   require(config.kinematics != nullptr, "kinematics: must be given");
-  require_rank(ProjectionModel(*config.kinematics, config.projection));
   const int n_q = config.kinematics->layout().n_q();
   const int n_a = config.kinematics->layout().n_a();
   const DeviceLimits& device = config.device;
@@ -51,6 +50,8 @@ PipelineConfig checked(PipelineConfig config) {
   }
   const char* wrong = check(scene.staleness);
   require(wrong == nullptr, std::string("staleness: ") + (wrong != nullptr ? wrong : ""));
+  wrong = check(config.passivity, n_a);
+  require(wrong == nullptr, std::string("passivity: ") + (wrong != nullptr ? wrong : ""));
   require(config.loop_late_fault > Duration::zero(), "loop_late_fault: must be > 0");
   require(config.late_bucket_full > 0, "late_bucket_full: must be > 0");
   return config;

@@ -123,7 +123,7 @@ grpc::Status FakeServer::UpdateSettings(grpc::ServerContext* /*context*/,
 grpc::Status FakeServer::ClearFault(grpc::ServerContext* /*context*/,
                                     const v1::ClearFaultRequest* /*request*/,
                                     v1::ClearFaultResponse* /*response*/) {
-  return refusal(grpc::StatusCode::FAILED_PRECONDITION, "CAUSE_PERSISTS", "DEVICE_LOST persists");
+  return refusal(grpc::StatusCode::FAILED_PRECONDITION, "FAULT_PERSISTS", "DEVICE_LOST persists");
 }
 
 bool FakeServer::until(const std::function<bool()>& condition,

@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "haptic/core/error.hpp"
-#include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
 #include "tests/hw/virtual_loop.hpp"
 
@@ -148,7 +147,6 @@ TEST(SimulatedLinear, RefusesWhatDoesNotFit) {
   EXPECT_THAT(message([](C& c) { c.target = core::VecQ::Ones(1); }, plane()), HasSubstr("target"));
   EXPECT_THAT(message([](C& c) { c.max_effort = core::VecA::Ones(2); }, plane()),
               HasSubstr("max_effort"));
-  EXPECT_THAT(message([](C&) {}, core::make_finger_exoskeleton({})), HasSubstr("linear"));
 }
 
 }  // namespace

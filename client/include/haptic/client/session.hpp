@@ -6,7 +6,8 @@
 /// newest. A simulation's step belongs in a loop of its own, with wait_for_state(). on_event and
 /// on_disconnect run on one thread of the session's own, and may take their time: events wait in
 /// order. None runs twice at once, but on_state may run beside the other two. In a callback everything
-/// of the session may be called but its destructor; the members may be called from any thread.
+/// of the session may be called but its destructor and, in on_state, wait_for_state(); the members may
+/// be called from any thread.
 
 #include <chrono>
 #include <functional>
@@ -77,7 +78,8 @@ class Session {
 
   /// The newest state; seq 0 before the first, also after a reconnect.
   [[nodiscard]] DeviceState state() const;
-  /// Waits for a state newer than the last one this call returned. Throws kTimeout, kClosed.
+  /// Waits for a state newer than the last one this call returned. Throws kTimeout, kClosed, and
+  /// kInvalidArgument in on_state, where it could only wait in vain.
   [[nodiscard]] DeviceState wait_for_state();
 
   /// Asks for force, once. Throws kNotReady naming what is missing.
@@ -99,8 +101,8 @@ class Session {
   [[nodiscard]] PublishStatistics statistics() const;
   [[nodiscard]] const DeviceInfo& device() const;
 
-  /// Ends the session; force fades out at the server. When it returns no callback runs or will run
-  /// (called in one: that one is the last). Does not wait for the server. The destructor does the
+  /// Ends the session; force fades out at the server. When it returns no callback runs or will run;
+  /// called in a callback it waits for none, and none begins any more. Does not wait for the server. The destructor does the
   /// same.
   void close();
 

@@ -1,6 +1,13 @@
 #pragma once
 /// X: the coordinates of the virtual object, their names, units and kinds, and the difference
-/// x (-) x_probe taken in tangent coordinates.
+/// x (-) x_probe.
+///
+/// A rotation stands in X as the four parts of a unit quaternion, and so does its difference:
+/// sign x/|x| - x_probe with the sign that makes it the shorter one (x and -x are one rotation).
+/// That is a chord of the unit sphere: twice its length is 4 sin(theta/4), 0.3 % short of the angle
+/// at 0.5 rad and 1.0 % at 1 rad, smooth up to theta = pi, and its derivative is exactly -J, so
+/// no Jacobian of a logarithm enters (METHOD 4.4's 2 sin(theta/2) is 4 % short at 1 rad, flat at
+/// pi).
 
 #include <string>
 #include <vector>
@@ -11,7 +18,8 @@ namespace haptic::core {
 
 enum class Unit : std::uint8_t { kMetre, kRadian };
 /// kLinear: the real line (a length, or a joint angle between stops). kAngle: a full circle.
-enum class CoordinateKind : std::uint8_t { kLinear, kAngle };
+/// kQuaternion: a part of a unit quaternion (x, y, z, w: always four in a row), half radians.
+enum class CoordinateKind : std::uint8_t { kLinear, kAngle, kQuaternion };
 
 struct Coordinate {
   std::string name{};
@@ -28,11 +36,15 @@ class ConfigurationSpace {
   [[nodiscard]] const std::vector<Coordinate>& coordinates() const noexcept { return coordinates_; }
   /// True where metres and radians stand side by side: a metric W_x is then required.
   [[nodiscard]] bool mixes_units() const noexcept;
-  /// dx = x (-) x_probe: componentwise; kAngle in (-pi, pi]. Allocates nothing.
+  /// Index in x of each quaternion's first part.
+  [[nodiscard]] const std::vector<int>& quaternions() const noexcept { return quaternions_; }
+  /// dx = x (-) x_probe: componentwise; kAngle in (-pi, pi]; quaternions as above, x need not be
+  /// normalised, and zero is taken as it is. Allocates nothing.
   void difference(const VecX& x, const VecX& x_probe, VecX& dx) const noexcept;
 
  private:
   std::vector<Coordinate> coordinates_{};
+  std::vector<int> quaternions_{};  ///< index of the first of each four
 };
 
 }  // namespace haptic::core

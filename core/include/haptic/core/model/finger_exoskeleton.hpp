@@ -30,6 +30,10 @@ struct FingerDimensions {
   double q_B_lower{-75.0 * 0.017453292519943295}, q_B_upper{41.5 * 0.017453292519943295};
 };
 
+/// The same linkage `size` times as large: every length and stroke multiplied, no angle changed. The
+/// joints then follow q_B and l_x / size as before.
+[[nodiscard]] FingerDimensions scaled(const FingerDimensions& dimensions, double size) noexcept;
+
 /// Throws SceneError naming the dimension that cannot be (a length <= 0, a lower limit above its
 /// upper one, a linkage that closes nowhere in its box).
 [[nodiscard]] std::unique_ptr<Kinematics> make_finger_exoskeleton(

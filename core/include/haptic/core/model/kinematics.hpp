@@ -4,6 +4,7 @@
 /// by threads. No method allocates or throws after construction.
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,20 @@ struct DofSpec {
   double upper{0.0};
 };
 
+/// S of these DoFs. Throws SceneError: none or more than kMaxQ, or none actuated.
+[[nodiscard]] DofLayout layout_of(const std::vector<DofSpec>& dofs);
+
+class Kinematics;
+
+/// A part of a device that is a device of its own: J has its entries only where its DoFs meet its
+/// coordinates.
+struct MapBlock {
+  const Kinematics* kinematics{nullptr};  ///< lives as long as the map it is a part of
+  int first_q{0};                         ///< index in q of its first DoF
+  int first_a{0};                         ///< index in q_a of its first actuated DoF
+  int first_x{0};                         ///< index in x of its first coordinate
+};
+
 class Kinematics {
  public:
   virtual ~Kinematics() = default;
@@ -53,6 +68,16 @@ class Kinematics {
     static_cast<void>(x);
     static_cast<void>(q);
     return InverseStatus::kNotOffered;
+  }
+  /// The independent parts of this map, in the order of q, q_a and x, covering all of them; empty
+  /// where it has no such parts. Each part can be projected by itself (METHOD 7: one finger at a
+  /// time).
+  [[nodiscard]] virtual std::span<const MapBlock> blocks() const noexcept { return {}; }
+  /// Of the q that mean the same pose of the device (a rotation vector has several), writes the one
+  /// nearest to `near`. Most maps have one q per pose and nothing to do.
+  virtual void nearest_representative(const VecQ& near, VecQ& q) const noexcept {
+    static_cast<void>(near);
+    static_cast<void>(q);
   }
   /// Mean of ||J_a|| (Frobenius) over the reachable workspace: the scale that the paper's Z_x
   /// factors out (section VI.C).

@@ -1,0 +1,55 @@
+#pragma once
+/// Poses of rigid bodies as scenes and maps state them: position in m, orientation as a unit
+/// quaternion (x, y, z, w). A device's orientation stands in q as a rotation vector (three DoFs, so
+/// that q* = q + dq and J keep their meaning); an output's orientation stands in x as the
+/// quaternion itself (METHOD 4.4).
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+
+#include "haptic/core/types.hpp"
+
+namespace haptic::core {
+
+struct Point3 {
+  double x{0.0}, y{0.0}, z{0.0};
+};
+
+struct UnitQuaternion {
+  double x{0.0}, y{0.0}, z{0.0}, w{1.0};
+};
+
+/// A frame in another: p_outer = position + orientation p_inner orientation^-1.
+struct Pose3 {
+  Point3 position{};             ///< m
+  UnitQuaternion orientation{};  ///< normalised where it is read; must not be zero
+};
+
+/// What an output contributes to X.
+enum class OutputKind : std::uint8_t {
+  kPoint,  ///< 3 coordinates: x, y, z [m]
+  kFrame,  ///< 7 coordinates: x, y, z [m], quaternion x, y, z, w
+};
+
+/// The rotation vector (axis times angle, rad) of a unit quaternion, angle in [0, pi]: how a
+/// tracker's reading enters q. q and -q give the same; zero or not finite gives zero.
+[[nodiscard]] Eigen::Vector3d rotation_vector(const UnitQuaternion& orientation) noexcept;
+
+/// exp of a rotation vector; |w| <= 1, norm 1 to rounding.
+[[nodiscard]] UnitQuaternion unit_quaternion(const Eigen::Vector3d& rotation_vector) noexcept;
+
+/// Of the rotation vectors that mean the same rotation, the one nearest to `near`.
+[[nodiscard]] Eigen::Vector3d nearest_rotation_vector(const Eigen::Vector3d& rotation_vector,
+                                                      const Eigen::Vector3d& near) noexcept;
+
+/// A tracked body below the device: six sensed, unactuated DoFs named NAME.x .y .z [m] and NAME.rx
+/// .ry .rz [rotation vector, rad], in the world. The rotation's box is +-1.5 pi per component: wide
+/// enough for q* to follow a turn through pi, where the tracker's own reading jumps to -pi.
+struct TrackedPalm {
+  std::string name{"palm"};
+  double position_lower{-1.0};  ///< m, box of q* in x, y and z
+  double position_upper{1.0};   ///< m
+};
+
+}  // namespace haptic::core

@@ -1,0 +1,53 @@
+#pragma once
+/// A renderer for every independent block of a map (the fingers of a hand), behind the call of one:
+/// a block is projected by itself, and in Eq. (6) not at all while its part of the proxy stays
+/// (METHOD 7, "model only what a scene needs"). A map without blocks is one block, and so is one
+/// whose metric W_x weighs coordinates of different blocks together.
+
+#include <optional>
+#include <vector>
+
+#include "haptic/core/projection/renderer.hpp"
+
+namespace haptic::core {
+
+class BlockRenderer {
+ public:
+  /// The model is copied; its kinematics must outlive the renderer.
+  BlockRenderer(RendererKind kind, const ProjectionModel& model);
+  /// Another renderer from here on, without memory of this one. Never allocates.
+  void change(RendererKind kind) noexcept;
+
+  [[nodiscard]] RendererKind kind() const noexcept { return kind_; }
+  /// As Renderer::project. Of several blocks: the worst status and condition, and the residual of
+  /// all; the baselines' virtual stiffness is each block's own.
+  void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
+               bool proxy_changed, Projection& out) noexcept;
+  /// Forgets warm starts and cached solutions.
+  void reset() noexcept;
+
+ private:
+  struct Part {
+    Part(RendererKind kind, const ProjectionModel& model, const MapBlock& at);
+    void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
+                 bool proxy_changed) noexcept;
+
+    ProjectionModel model;
+    Renderer renderer;
+    MapBlock at;
+    int n_q, n_a, n_x;
+    bool seen{false};  ///< `x` is the proxy of the last call
+    VecQ q{};
+    VecX x_probe{}, x{}, dx{};
+    MatXQ J{};
+    VecA stiffness{};
+    Projection out{};
+  };
+
+  RendererKind kind_;
+  ProjectionModel model_;
+  std::optional<Renderer> whole_{};  ///< of a map without blocks
+  std::vector<Part> parts_{};        ///< else one per block
+};
+
+}  // namespace haptic::core

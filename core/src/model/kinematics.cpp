@@ -1,0 +1,19 @@
+#include "haptic/core/model/kinematics.hpp"
+
+#include <algorithm>
+
+#include "haptic/core/error.hpp"
+
+namespace haptic::core {
+
+DofLayout layout_of(const std::vector<DofSpec>& dofs) {
+  if (dofs.size() > static_cast<std::size_t>(kMaxQ)) {
+    throw SceneError("device with " + std::to_string(dofs.size()) + " DoFs: must have at most " +
+                     std::to_string(kMaxQ));
+  }
+  bool actuated[kMaxQ]{};
+  for (std::size_t i = 0; i < dofs.size(); ++i) actuated[i] = dofs[i].actuated;
+  return DofLayout(std::span<const bool>(actuated, dofs.size()));
+}
+
+}  // namespace haptic::core

@@ -1,0 +1,55 @@
+#pragma once
+/// A rigid tree as a device's map: q itself drives the tree, except where a mechanism (a finger
+/// exoskeleton) stands between its DoFs and the joints they turn.
+
+#include <memory>
+#include <vector>
+
+#include "haptic/core/model/kinematics.hpp"
+#include "rigid_tree.hpp"
+
+namespace haptic::core {
+
+/// y[first, first + n) = f(q[first, first + n)): as many joints as DoFs.
+struct TreeDrive {
+  int first{0};
+  std::shared_ptr<const Kinematics> mechanism{};
+};
+
+class TreeMap final : public Kinematics {
+ public:
+  /// `dofs`: one per variable of the tree. `rotation`: index of the palm's rotation vector in q, or
+  /// -1. Throws SceneError: no or too many DoFs, none actuated, too many coordinates.
+  TreeMap(RigidTree tree, std::vector<DofSpec> dofs, std::vector<TreeDrive> drives, int rotation);
+
+  const DofLayout& layout() const noexcept override { return layout_; }
+  const std::vector<DofSpec>& dofs() const noexcept override { return dofs_; }
+  const ConfigurationSpace& space() const noexcept override { return space_; }
+  double mean_actuated_jacobian() const noexcept override { return mean_J_a_; }
+  MapStatus evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexcept override;
+  MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override;
+  void nearest_representative(const VecQ& near, VecQ& q) const noexcept override;
+
+ private:
+  /// Joint variables of q. False where q is not finite or a mechanism cannot close.
+  [[nodiscard]] bool joints_of(const VecQ& q, double* y) const noexcept;
+  /// J_q = J_y dy/dq, in place. False as above.
+  [[nodiscard]] bool through_mechanisms(const VecQ& q, MatXQ& J) const noexcept;
+
+  RigidTree tree_;
+  std::vector<DofSpec> dofs_;
+  std::vector<TreeDrive> drives_;
+  DofLayout layout_;
+  ConfigurationSpace space_;
+  int rotation_;
+  double mean_J_a_;
+};
+
+/// Six specs of a tracked palm: position, rotation vector; sensed, unactuated.
+void append_palm(const TrackedPalm& palm, std::vector<DofSpec>& dofs);
+/// Throws SceneError unless the name is given and new among the specs.
+void require_new_name(const std::string& name, const std::vector<DofSpec>& dofs);
+/// Throws SceneError naming `where` unless finite (and, for quaternions, not zero).
+void require_pose(const Pose3& pose, const std::string& where);
+
+}  // namespace haptic::core

@@ -1,0 +1,311 @@
+#include "haptic/core/model/hand_exoskeleton.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <random>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/workspace.hpp"
+#include "tests/core/model/derivatives.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+namespace haptic::core {
+namespace {
+
+constexpr double kDegree = 0.017453292519943295;
+
+const std::vector<HandFinger>& five() {
+  static const std::vector<HandFinger> fingers = {{"thumb", scaled({}, 0.8)},
+                                                  {"index", {}},
+                                                  {"middle", scaled({}, 1.1)},
+                                                  {"ring", {}},
+                                                  {"little", scaled({}, 0.75)}};
+  return fingers;
+}
+
+/// Joint angles of all fingers well inside the valid region (METHOD 1.2).
+VecX random_joints(std::mt19937_64& random, int fingers) {
+  std::uniform_real_distribution<double> mcp(15 * kDegree, 45 * kDegree);
+  std::uniform_real_distribution<double> pip(20 * kDegree, 60 * kDegree);
+  VecX x(2 * fingers);
+  for (int i = 0; i < fingers; ++i) x.segment<2>(2 * i) << mcp(random), pip(random);
+  return x;
+}
+
+VecQ reach(const Kinematics& map, const VecX& x) {
+  VecQ q;
+  EXPECT_EQ(map.inverse(x, q), InverseStatus::kExact);
+  return q;
+}
+
+TEST(ScaledFinger, KeepsItsAngles) {
+  const auto finger = make_finger_exoskeleton({});
+  const auto large = make_finger_exoskeleton(scaled({}, 1.3));
+  std::mt19937_64 random(1);
+  for (int trial = 0; trial < 200; ++trial) {
+    VecQ q = reach(*finger, random_joints(random, 1));
+    VecX x, x_large;
+    MatXQ J, J_large;
+    ASSERT_EQ(finger->evaluate(q, x, J), MapStatus::kOk);
+    q[0] *= 1.3;
+    ASSERT_EQ(large->evaluate(q, x_large, J_large), MapStatus::kOk);
+    EXPECT_LT((x_large - x).norm(), 1e-14);
+    EXPECT_LT((1.3 * J_large.col(0) - J.col(0)).norm(), 1e-12 * J.col(0).norm());
+    EXPECT_LT((J_large.col(1) - J.col(1)).norm(), 1e-12 * J.col(1).norm());
+  }
+}
+
+TEST(HandExoskeleton, NamesEachFingersDofsAndCoordinates) {
+  const auto hand = make_hand_exoskeleton(five());
+  EXPECT_EQ(hand->layout().n_q(), 10);
+  ASSERT_EQ(hand->layout().n_a(), 5);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(hand->layout().actuated(i), 2 * i);
+  EXPECT_EQ(hand->dofs()[4].name, "middle.l_x");
+  EXPECT_NEAR(hand->dofs()[4].upper, 0.055, 1e-15);
+  EXPECT_EQ(hand->dofs()[9].name, "little.q_B");
+  EXPECT_EQ(hand->space().coordinates()[3].name, "index.q_o2_pip");
+  EXPECT_FALSE(hand->space().mixes_units());
+}
+
+TEST(HandExoskeleton, IsItsFingersSideBySide) {
+  const auto hand = make_hand_exoskeleton(five());
+  ASSERT_EQ(hand->blocks().size(), 5u);
+  std::vector<std::unique_ptr<Kinematics>> alone;
+  for (const HandFinger& finger : five())
+    alone.push_back(make_finger_exoskeleton(finger.dimensions));
+  std::mt19937_64 random(2);
+  for (int trial = 0; trial < 200; ++trial) {
+    const VecX goal = random_joints(random, 5);
+    const VecQ q = reach(*hand, goal);
+    VecX x, x_finger;
+    MatXQ J, J_finger, J_k, J_k_finger;
+    ASSERT_EQ(hand->evaluate(q, x, J), MapStatus::kOk);
+    EXPECT_LT((x - goal).norm(), 1e-12);
+    Eigen::MatrixXd rest = J;
+    for (std::size_t i = 0; i < 5; ++i) {
+      const auto& finger = alone[i];
+      const int at = 2 * static_cast<int>(i);
+      EXPECT_EQ(hand->blocks()[i].first_q, at);
+      EXPECT_EQ(hand->blocks()[i].first_x, at);
+      EXPECT_EQ(hand->blocks()[i].first_a, static_cast<int>(i));
+      const VecQ part = q.segment<2>(at);
+      ASSERT_EQ(finger->evaluate(part, x_finger, J_finger), MapStatus::kOk);
+      EXPECT_EQ(VecX(x.segment<2>(at)), x_finger);
+      EXPECT_TRUE((J.block<2, 2>(at, at) == J_finger));
+      rest.block<2, 2>(at, at).setZero();
+      for (int k = 0; k < 2; ++k) {
+        ASSERT_EQ(hand->second_order(q, at + k, J_k), MapStatus::kOk);
+        ASSERT_EQ(finger->second_order(part, k, J_k_finger), MapStatus::kOk);
+        EXPECT_TRUE((J_k.block<2, 2>(at, at) == J_k_finger));
+        EXPECT_NEAR(J_k.norm(), J_k_finger.norm(), 1e-12 * J_k.norm()) << "nothing beside it";
+      }
+    }
+    EXPECT_EQ(rest.norm(), 0.0) << "block by block";
+  }
+}
+
+TEST(HandExoskeleton, HasTheDerivativesThatCentralDifferencesFind) {
+  const auto hand = make_hand_exoskeleton(five());
+  std::mt19937_64 random(3);
+  for (int trial = 0; trial < 200; ++trial) {
+    const DerivativeErrors e = derivative_errors(*hand, reach(*hand, random_joints(random, 5)));
+    EXPECT_LT(e.J, 2e-7);
+    EXPECT_LT(e.dJ, 5e-7);
+  }
+}
+
+TEST(HandExoskeleton, OneFingerOutOfReachLeavesTheOthersExact) {
+  const auto hand = make_hand_exoskeleton(five());
+  std::mt19937_64 random(4);
+  VecX x = random_joints(random, 5);
+  const VecQ reached = reach(*hand, x);
+  x.segment<2>(4) << -0.7, 0.35;  // METHOD 6, case 16
+  VecQ q;
+  EXPECT_EQ(hand->inverse(x, q), InverseStatus::kUnreachable);
+  for (int i = 0; i < 10; ++i) {
+    if (i == 4 || i == 5) continue;
+    EXPECT_EQ(q[i], reached[i]) << i;
+  }
+  EXPECT_NEAR(q[4], 0.01015 * 1.1, 2e-4);  // METHOD 6, case 16: at (10.15 mm, 41.5 deg)
+  EXPECT_NEAR(q[5], 41.5 * kDegree, 1e-9);
+}
+
+/// METHOD 6, case 17, of one finger.
+TEST(HandExoskeleton, FailsWhereOneFingerCannotClose) {
+  const auto hand = make_hand_exoskeleton(five());
+  std::mt19937_64 random(5);
+  VecQ q = reach(*hand, random_joints(random, 5));
+  VecX x;
+  MatXQ J;
+  ASSERT_EQ(hand->evaluate(q, x, J), MapStatus::kOk);
+  const VecX before = x;
+  q.segment<2>(2) << 0.0298, -1.998;  // D falls on the MCP axis, closer than rod 1 is long
+  EXPECT_EQ(hand->evaluate(q, x, J), MapStatus::kCannotClose);
+  EXPECT_EQ(x, before) << "untouched";
+  EXPECT_EQ(hand->evaluate(VecQ::Zero(4), x, J), MapStatus::kCannotClose);
+}
+
+TEST(HandExoskeleton, SaysWhichFingerIsWrong) {
+  const auto refusal = [](const std::vector<HandFinger>& fingers) -> std::string {
+    try {
+      static_cast<void>(make_hand_exoskeleton(fingers));
+    } catch (const SceneError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal({}), "hand with 0 fingers: must have 1 to 12");
+  EXPECT_EQ(refusal({{"a", {}}, {"a", {}}}), "finger a given twice: names must differ");
+  EXPECT_EQ(refusal({{"", {}}}), "a finger's name is empty: must be given");
+  FingerDimensions bad;
+  bad.rod1 = -1.0;
+  EXPECT_EQ(refusal({{"a", {}}, {"b", bad}}),
+            "finger b: finger_exoskeleton.rod1_m = -1.000000: must be finite and > 0");
+}
+
+// --- on a tracked palm ---------------------------------------------------------------------------
+
+/// Fingers beside each other across the palm, the thumb turned towards them.
+TrackedHandParameters tracked(OutputKind kind = OutputKind::kPoint) {
+  TrackedHandParameters hand;
+  double across = 0.03;
+  for (const HandFinger& finger : five()) {
+    const double turn = finger.name == "thumb" ? 0.5 : 0.0;
+    hand.fingers.push_back(
+        {finger, {{0.09, 0.0, across}, {std::sin(turn), 0.0, 0.0, std::cos(turn)}}});
+    across -= 0.02;
+    hand.outputs.push_back(
+        {finger.name + "_tip", finger.name, Phalanx::kMiddle, kind, {{0.03, -0.008, 0.0}, {}}});
+    hand.outputs.push_back({finger.name + "_pad",
+                            finger.name,
+                            Phalanx::kProximal,
+                            OutputKind::kPoint,
+                            {{0.025, -0.01, 0.0}, {}}});
+  }
+  hand.outputs.push_back({"palm", "", Phalanx::kMiddle, kind, {{0.04, -0.02, 0.0}, {}}});
+  return hand;
+}
+
+VecQ pose(std::mt19937_64& random, const VecQ& fingers, double turn = 1.5) {
+  std::uniform_real_distribution<double> metres(-0.3, 0.3), radians(-turn, turn);
+  VecQ q(6 + fingers.size());
+  for (int i = 0; i < 3; ++i) {
+    q[i] = metres(random);
+    q[3 + i] = radians(random);
+  }
+  q.tail(fingers.size()) = fingers;
+  return q;
+}
+
+TEST(TrackedHand, SensesThePalmAndDrivesTheFingers) {
+  const auto hand = make_tracked_hand(tracked());
+  EXPECT_EQ(hand->layout().n_q(), 16);
+  ASSERT_EQ(hand->layout().n_a(), 5);
+  EXPECT_EQ(hand->layout().actuated(0), 6);
+  EXPECT_EQ(hand->space().n_x(), 33) << "dim X > dim Q";
+  EXPECT_TRUE(hand->blocks().empty()) << "the palm moves them all";
+  EXPECT_EQ(hand->dofs()[3].name, "palm.rx");
+  EXPECT_EQ(hand->dofs()[8].name, "index.l_x");
+  EXPECT_EQ(hand->space().coordinates()[6].name, "index_tip.x");
+}
+
+/// Points of METHOD 1.2's plane, turned and moved by the palm.
+TEST(TrackedHand, PutsThePhalangesWhereThePlaneAndThePalmPutThem) {
+  const TrackedHandParameters parameters = tracked();
+  const auto hand = make_tracked_hand(parameters);
+  const auto plain = make_hand_exoskeleton(five());
+  std::mt19937_64 random(6);
+  for (int trial = 0; trial < 100; ++trial) {
+    const VecX angles = random_joints(random, 5);
+    const VecQ q = pose(random, reach(*plain, angles));
+    VecX x;
+    MatXQ J;
+    ASSERT_EQ(hand->evaluate(q, x, J), MapStatus::kOk);
+    const Eigen::Vector3d phi = q.segment<3>(3), p = q.head<3>();
+    const Eigen::AngleAxisd palm(phi.norm(), phi.normalized());
+    for (int i = 0; i < 5; ++i) {
+      const MountedFinger& mounted = parameters.fingers[static_cast<std::size_t>(i)];
+      const double L1 = mounted.finger.dimensions.proximal_phalanx;
+      const double q1 = angles[2 * i], phi2 = q1 + angles[2 * i + 1];
+      // u = e^{-i q1} and its dorsal normal i u, METHOD 1.2.
+      const Eigen::Vector3d u1(std::cos(q1), -std::sin(q1), 0), n1(std::sin(q1), std::cos(q1), 0);
+      const Eigen::Vector3d u2(std::cos(phi2), -std::sin(phi2), 0);
+      const Eigen::Vector3d n2(std::sin(phi2), std::cos(phi2), 0);
+      const Pose3& m = mounted.mount;
+      const Eigen::Quaterniond turn(m.orientation.w, m.orientation.x, m.orientation.y,
+                                    m.orientation.z);
+      const auto world = [&](const Eigen::Vector3d& in_finger) -> Eigen::Vector3d {
+        const Eigen::Vector3d at(m.position.x, m.position.y, m.position.z);
+        return p + palm * (at + turn * in_finger);
+      };
+      const Eigen::Vector3d tip = world(L1 * u1 + 0.03 * u2 - 0.008 * n2);
+      const Eigen::Vector3d pad = world(0.025 * u1 - 0.01 * n1);
+      EXPECT_LT((x.segment<3>(6 * i) - tip).norm(), 1e-13);
+      EXPECT_LT((x.segment<3>(6 * i + 3) - pad).norm(), 1e-13);
+    }
+  }
+}
+
+TEST(TrackedHand, HasTheDerivativesThatCentralDifferencesFind) {
+  std::mt19937_64 random(7);
+  const auto plain = make_hand_exoskeleton(five());
+  for (const OutputKind kind : {OutputKind::kPoint, OutputKind::kFrame}) {
+    const auto hand = make_tracked_hand(tracked(kind));
+    for (int trial = 0; trial < 100; ++trial) {
+      const VecQ q = pose(random, reach(*plain, random_joints(random, 5)));
+      const DerivativeErrors e = derivative_errors(*hand, q);
+      EXPECT_LT(e.J, 2e-7);
+      EXPECT_LT(e.dJ, 5e-7);
+    }
+  }
+}
+
+TEST(TrackedHand, NeverAllocates) {
+  std::mt19937_64 random(8);
+  const auto plain = make_hand_exoskeleton(five());
+  const auto hand = make_tracked_hand(tracked(OutputKind::kFrame));
+  const VecQ fingers = reach(*plain, random_joints(random, 5)), q = pose(random, fingers);
+  VecX x;
+  MatXQ J;
+  VecQ back;
+  const test::AllocationGuard guard;
+  ASSERT_EQ(hand->evaluate(q, x, J), MapStatus::kOk);
+  for (int k = 0; k < q.size(); ++k) ASSERT_EQ(hand->second_order(q, k, J), MapStatus::kOk);
+  ASSERT_EQ(plain->evaluate(fingers, x, J), MapStatus::kOk);
+  for (int k = 0; k < 10; ++k) ASSERT_EQ(plain->second_order(fingers, k, J), MapStatus::kOk);
+  ASSERT_EQ(plain->inverse(x, back), InverseStatus::kExact);
+  EXPECT_EQ(guard.allocations(), 0u);
+}
+
+TEST(TrackedHand, SaysWhatIsWrong) {
+  const auto with = [](auto change) -> std::string {
+    TrackedHandParameters parameters = tracked();
+    change(parameters);
+    try {
+      static_cast<void>(make_tracked_hand(parameters));
+    } catch (const SceneError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  using P = TrackedHandParameters;
+  EXPECT_EQ(with([](P&) {}), "accepted");
+  EXPECT_EQ(with([](P& p) { p.fingers.clear(); }), "tracked hand with 0 fingers: must have 1 to 9");
+  EXPECT_EQ(with([](P& p) { p.outputs[2].finger = "toe"; }),
+            "output index_tip.finger = toe: must be one of the hand's");
+  EXPECT_EQ(with([](P& p) { p.outputs[2].name = "thumb_tip"; }),
+            "output thumb_tip given twice: names must differ");
+  EXPECT_EQ(
+      with([](P& p) {
+        p.fingers[1].mount.orientation = {0, 0, 0, 0};
+      }),
+      "finger index.mount.orientation of norm 0.000000: must be a quaternion other than zero");
+  EXPECT_EQ(with([](P& p) { p.palm.position_lower = 2.0; }),
+            "palm.position from 2.000000 to 1.000000 m: both must be finite, lower < upper");
+  EXPECT_NE(with([](P& p) { p.outputs.clear(); }), "accepted");
+}
+
+}  // namespace
+}  // namespace haptic::core

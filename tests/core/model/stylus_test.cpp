@@ -1,0 +1,128 @@
+#include "haptic/core/model/stylus.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/workspace.hpp"
+#include "haptic/core/projection/renderer.hpp"
+#include "tests/core/model/derivatives.hpp"
+
+namespace haptic::core {
+namespace {
+
+VecQ joints(double a, double b, double c, double d, double e, double f) {
+  return (VecQ(6) << a, b, c, d, e, f).finished();
+}
+
+/// Three marks on the stylus that are not in a line: its pose in metres alone.
+std::vector<ChainOutput> marks() {
+  return {{"tip", "", OutputKind::kPoint, {{0.03, 0, 0}, {}}},
+          {"end", "", OutputKind::kPoint, {{-0.10, 0, 0}, {}}},
+          {"button", "", OutputKind::kPoint, {{0, 0, 0.03}, {}}}};
+}
+
+TEST(Stylus, SensesSixDofsAndDrivesThree) {
+  const auto stylus = make_stylus({});
+  EXPECT_EQ(stylus->layout().n_q(), 6);
+  ASSERT_EQ(stylus->layout().n_a(), 3);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(stylus->layout().actuated(i), i);
+  EXPECT_EQ(stylus->space().n_x(), 7);
+  EXPECT_TRUE(stylus->space().mixes_units()) << "a frame needs a metric";
+  EXPECT_FALSE(make_stylus({}, marks())->space().mixes_units());
+}
+
+/// Trigonometry in the vertical plane that the turntable turns.
+TEST(Stylus, StandsWhereTrigonometryPutsIt) {
+  const StylusDimensions d;
+  const auto stylus = make_stylus(d);
+  const double turn = 0.4, shoulder = 0.9, elbow = -1.3, pitch = 0.25, roll = 0.7;
+  VecX x;
+  MatXQ J;
+  ASSERT_EQ(stylus->evaluate(joints(turn, shoulder, elbow, 0, pitch, roll), x, J), MapStatus::kOk);
+  const double forearm = shoulder + elbow, along = forearm + pitch;
+  const double radius =
+      d.upper_arm * std::cos(shoulder) + d.forearm * std::cos(forearm) + d.tip * std::cos(along);
+  const double height =
+      d.upper_arm * std::sin(shoulder) + d.forearm * std::sin(forearm) + d.tip * std::sin(along);
+  EXPECT_NEAR(x[0], radius * std::cos(turn), 1e-15);
+  EXPECT_NEAR(x[1], radius * std::sin(turn), 1e-15);
+  EXPECT_NEAR(x[2], height, 1e-15);
+  const Eigen::Matrix3d R = (Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) *
+                             Eigen::AngleAxisd(-along, Eigen::Vector3d::UnitY()) *
+                             Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))
+                                .toRotationMatrix();
+  const Eigen::Quaterniond Q(x[6], x[3], x[4], x[5]);
+  EXPECT_LT((Q.toRotationMatrix() - R).cwiseAbs().maxCoeff(), 1e-15);
+}
+
+TEST(Stylus, HasTheDerivativesThatCentralDifferencesFind) {
+  for (const auto& stylus : {make_stylus({}), make_stylus({}, marks())}) {
+    for (int s = 0; s < 500; ++s) {
+      const DerivativeErrors e = derivative_errors(*stylus, workspace_sample(*stylus, s));
+      EXPECT_LT(e.J, 2e-7);
+      EXPECT_LT(e.dJ, 5e-7);
+    }
+  }
+}
+
+/// The gimbal cannot be pushed, but it must not lock: full column rank all over the box.
+TEST(Stylus, IsNowhereSingularInItsBox) {
+  const auto stylus = make_stylus({});
+  double worst = 0.0;
+  VecX x;
+  MatXQ J;
+  for (int s = 0; s < 2000; ++s) {
+    ASSERT_EQ(stylus->evaluate(workspace_sample(*stylus, s), x, J), MapStatus::kOk);
+    Eigen::MatrixXd scaled = J;  // lengths by 0.1 m: both units alike
+    scaled.topRows(3) /= 0.1;
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled);
+    worst = std::max(worst, svd.singularValues()(0) / svd.singularValues()(5));
+  }
+  EXPECT_LT(worst, 40.0);
+  RecordProperty("worst_condition", std::to_string(worst));
+}
+
+/// The proxy is a pose the device can take, so every metric has the same minimum: that pose.
+TEST(Stylus, TheExactProxyIsThePoseItself) {
+  for (const auto& stylus : {make_stylus({}), make_stylus({}, marks())}) {
+    const VecA Z_q = VecA::Constant(3, 2.0);
+    Renderer renderer(RendererKind::kSubspaceExact, *stylus);
+    for (int s = 0; s < 300; ++s) {
+      const VecQ goal = workspace_sample(*stylus, s);
+      VecQ q = goal;
+      for (int i = 0; i < 6; ++i) q[i] += 0.2 * ((s >> i & 1) != 0 ? 1.0 : -1.0);
+      VecX x, x_probe, dx;
+      MatXQ J;
+      ASSERT_EQ(stylus->evaluate(goal, x, J), MapStatus::kOk);
+      ASSERT_EQ(stylus->evaluate(q, x_probe, J), MapStatus::kOk);
+      stylus->space().difference(x, x_probe, dx);
+      Projection out;
+      renderer.reset();
+      renderer.project(Probe{q, x_probe, J}, x, dx, Z_q, true, out);
+      EXPECT_EQ(out.status, ProjectionStatus::kConverged);
+      EXPECT_LT((out.q_star - goal).cwiseAbs().maxCoeff(), 1e-9) << s;
+    }
+  }
+}
+
+TEST(Stylus, SaysWhichLengthCannotBe) {
+  StylusDimensions d;
+  d.forearm = 0.0;
+  try {
+    static_cast<void>(make_stylus(d));
+    FAIL() << "accepted";
+  } catch (const SceneError& error) {
+    EXPECT_STREQ(error.what(), "stylus.forearm_m = 0.000000: must be finite and > 0");
+  }
+  d = {};
+  d.elbow_upper = d.elbow_lower;
+  EXPECT_THROW(static_cast<void>(make_stylus(d)), SceneError);
+}
+
+}  // namespace
+}  // namespace haptic::core

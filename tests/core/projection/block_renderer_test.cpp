@@ -1,0 +1,180 @@
+#include "haptic/core/projection/block_renderer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "haptic/core/model/hand_exoskeleton.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+namespace haptic::core {
+namespace {
+
+constexpr double kDegree = 0.017453292519943295;
+constexpr RendererKind kAll[] = {RendererKind::kStandard, RendererKind::kNullSpace,
+                                 RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact};
+
+const Kinematics& hand() {
+  static const auto map = make_hand_exoskeleton(
+      {{"thumb", scaled({}, 0.8)}, {"index", {}}, {"middle", scaled({}, 1.1)}});
+  return *map;
+}
+
+VecX random_joints(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> angle(15 * kDegree, 45 * kDegree);
+  VecX x(6);
+  for (int i = 0; i < 6; ++i) x[i] = angle(random);
+  return x;
+}
+
+/// One instant of a hand: pose, proxy, difference.
+struct Instant {
+  VecQ q{};
+  VecX x_probe{}, x{}, dx{};
+  MatXQ J{};
+  VecA stiffness = (VecA(3) << 900, 1500, 2000).finished();
+
+  Instant(const Kinematics& map, const VecX& pose, const VecX& proxy) : x(proxy) {
+    EXPECT_EQ(map.inverse(pose, q), InverseStatus::kExact);
+    EXPECT_EQ(map.evaluate(q, x_probe, J), MapStatus::kOk);
+    map.space().difference(x, x_probe, dx);
+  }
+  [[nodiscard]] Probe probe() const { return {q, x_probe, J}; }
+};
+
+TEST(BlockRenderer, RendersEachFingerAsIfItWereAlone) {
+  std::mt19937_64 random(1);
+  for (const RendererKind kind : kAll) {
+    SCOPED_TRACE(std::string(name(kind)));
+    BlockRenderer renderer(kind, hand());
+    EXPECT_EQ(renderer.kind(), kind);
+    std::vector<Renderer> alone;
+    for (const MapBlock& block : hand().blocks()) alone.emplace_back(kind, *block.kinematics);
+    for (int trial = 0; trial < 100; ++trial) {
+      const Instant all(hand(), random_joints(random), random_joints(random));
+      Projection out;
+      renderer.project(all.probe(), all.x, all.dx, all.stiffness, true, out);
+      double squares = 0.0;
+      for (int i = 0; i < 3; ++i) {
+        const auto finger = static_cast<std::size_t>(i);
+        const VecQ q = all.q.segment<2>(2 * i);
+        const VecX x_probe = all.x_probe.segment<2>(2 * i), x = all.x.segment<2>(2 * i);
+        const VecX dx = all.dx.segment<2>(2 * i);
+        const MatXQ J = all.J.block<2, 2>(2 * i, 2 * i);
+        Projection one;
+        alone[finger].project(Probe{q, x_probe, J}, x, dx, all.stiffness.segment<1>(i), true, one);
+        EXPECT_EQ(VecQ(out.q_star.segment<2>(2 * i)), one.q_star);
+        EXPECT_GE(out.status, one.status);
+        EXPECT_GE(out.condition, one.condition);
+        squares += one.residual * one.residual;
+      }
+      EXPECT_DOUBLE_EQ(out.residual, std::sqrt(squares));
+    }
+  }
+}
+
+/// Eq. (6) and (8) do not care whether J is block diagonal; the dense solve is the independent word.
+TEST(BlockRenderer, AgreesWithTheDenseSolve) {
+  std::mt19937_64 random(2);
+  for (const RendererKind kind : {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
+    BlockRenderer blocks(kind, hand());
+    Renderer dense(kind, hand());
+    for (int trial = 0; trial < 200; ++trial) {
+      const Instant all(hand(), random_joints(random), random_joints(random));
+      Projection one, other;
+      blocks.project(all.probe(), all.x, all.dx, all.stiffness, true, one);
+      dense.project(all.probe(), all.x, all.dx, all.stiffness, true, other);
+      EXPECT_LT((one.q_star - other.q_star).norm(), 1e-11 * other.q_star.norm());
+      EXPECT_EQ(one.status, other.status);
+    }
+  }
+}
+
+/// A finger that counts how often Eq. (6) is solved on it.
+class Counting final : public Kinematics {
+ public:
+  mutable int solved{0};
+  const DofLayout& layout() const noexcept override { return finger().layout(); }
+  const std::vector<DofSpec>& dofs() const noexcept override { return finger().dofs(); }
+  const ConfigurationSpace& space() const noexcept override { return finger().space(); }
+  double mean_actuated_jacobian() const noexcept override { return 1.0; }
+  MapStatus evaluate(const VecQ& q, VecX& x, MatXQ& J) const noexcept override {
+    return finger().evaluate(q, x, J);
+  }
+  MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override {
+    return finger().second_order(q, k, J_k);
+  }
+  InverseStatus inverse(const VecX& x, VecQ& q) const noexcept override {
+    ++solved;
+    return finger().inverse(x, q);
+  }
+
+ private:
+  static const Kinematics& finger() { return *hand().blocks()[1].kinematics; }
+};
+
+/// Three of them side by side.
+class CountingHand final : public Kinematics {
+ public:
+  Counting fingers[3];
+  const DofLayout& layout() const noexcept override { return hand().layout(); }
+  const std::vector<DofSpec>& dofs() const noexcept override { return hand().dofs(); }
+  const ConfigurationSpace& space() const noexcept override { return hand().space(); }
+  double mean_actuated_jacobian() const noexcept override { return 1.0; }
+  std::span<const MapBlock> blocks() const noexcept override { return blocks_; }
+  MapStatus evaluate(const VecQ& q, VecX& x, MatXQ& J) const noexcept override {
+    return hand().evaluate(q, x, J);
+  }
+  MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override {
+    return hand().second_order(q, k, J_k);
+  }
+
+ private:
+  std::vector<MapBlock> blocks_{
+      {&fingers[0], 0, 0, 0}, {&fingers[1], 2, 1, 2}, {&fingers[2], 4, 2, 4}};
+};
+
+TEST(BlockRenderer, DoesNotSolveABlockWhoseProxyDidNotChange) {
+  std::mt19937_64 random(3);
+  CountingHand counting;
+  BlockRenderer renderer(RendererKind::kSubspaceExact, counting);
+  Instant all(hand(), random_joints(random), random_joints(random));
+  Projection first, out;
+  const auto solve = [&](bool changed) {
+    renderer.project(all.probe(), all.x, all.dx, all.stiffness, changed, out);
+  };
+  solve(true);
+  first = out;
+  all.x[3] += 0.01;  // the second finger's PIP
+  solve(true);
+  EXPECT_EQ(counting.fingers[0].solved, 1);
+  EXPECT_EQ(counting.fingers[1].solved, 2);
+  EXPECT_EQ(counting.fingers[2].solved, 1);
+  EXPECT_EQ(VecQ(out.q_star.segment<2>(0)), VecQ(first.q_star.segment<2>(0)));
+  EXPECT_NE(VecQ(out.q_star.segment<2>(2)), VecQ(first.q_star.segment<2>(2)));
+  solve(true);  // a frame that says the same
+  solve(false);
+  EXPECT_EQ(counting.fingers[1].solved, 2);
+  renderer.reset();
+  solve(true);
+  for (const Counting& finger : counting.fingers) EXPECT_GE(finger.solved, 2);
+}
+
+TEST(BlockRenderer, NeverAllocates) {
+  std::mt19937_64 random(4);
+  const Instant all(hand(), random_joints(random), random_joints(random));
+  for (const RendererKind kind : kAll) {
+    BlockRenderer renderer(kind, hand());
+    Projection out;
+    const test::AllocationGuard guard;
+    renderer.project(all.probe(), all.x, all.dx, all.stiffness, true, out);
+    renderer.reset();
+    renderer.project(all.probe(), all.x, all.dx, all.stiffness, false, out);
+    EXPECT_EQ(guard.allocations(), 0u);
+  }
+}
+
+}  // namespace
+}  // namespace haptic::core

@@ -1,0 +1,156 @@
+/// The scenes of the general kinematics, each through the real Pipeline: on simulated masses, and on a
+/// recording.
+
+#include <cmath>
+#include <iomanip>
+#include <numbers>
+#include <sstream>
+
+#include "tests/hw/temporary_file.hpp"
+#include "tests/server/scene/scene_run.hpp"
+#include "tests/server/scene/scene_text.hpp"
+
+namespace haptic::test {
+namespace {
+
+using core::VecA;
+using core::VecQ;
+
+struct Expected {
+  const char* file;
+  int n_q, n_a, n_x;
+  bool full_rank;  ///< Eq. (6) then has one answer
+};
+
+class KinematicsScenes : public testing::TestWithParam<Expected> {
+ protected:
+  server::Scene scene = server::load_scene(kScenes / (std::string(GetParam().file) + ".textproto"));
+  const server::DeviceScene& device = scene.devices.front();
+  const core::DofLayout& layout = device.kinematics->layout();
+  const hw::SimulatedLinearConfig& masses = std::get<hw::SimulatedLinearConfig>(device.source);
+
+  /// A pose whose actuated DoFs are as far from the target as a fifth of the force limit bends Z_q,
+  /// alternately to both sides, and whose sensed DoFs are a hundredth of their box away.
+  [[nodiscard]] VecQ beside_the_target() const {
+    VecQ q = masses.target;
+    double side = 1.0;
+    for (int i = 0; i < layout.n_a(); ++i, side = -side) {
+      q[layout.actuated(i)] +=
+          side * 0.2 * device.settings.force_limit[i] / device.settings.stiffness[i];
+    }
+    for (int i = 0; i < layout.n_n(); ++i, side = -side) {
+      const core::DofSpec& dof =
+          device.kinematics->dofs()[static_cast<std::size_t>(layout.sensed(i))];
+      q[layout.sensed(i)] += side * 0.01 * (dof.upper - dof.lower);
+    }
+    return q;
+  }
+
+  void expect_a_sound_tick(const core::TickRecord& record) const {
+    EXPECT_FALSE(record.faults.any());
+    EXPECT_NE(record.projection, core::ProjectionStatus::kNone);
+    EXPECT_NE(record.projection, core::ProjectionStatus::kMapFailed);
+    EXPECT_TRUE(record.q_star.allFinite());
+    EXPECT_TRUE(record.tau_a.allFinite());
+    EXPECT_TRUE((record.tau_a.cwiseAbs().array() <= device.settings.force_limit.array()).all());
+  }
+};
+
+TEST_P(KinematicsScenes, SayWhatTheDeviceIs) {
+  EXPECT_EQ(layout.n_q(), GetParam().n_q);
+  EXPECT_EQ(layout.n_a(), GetParam().n_a);
+  EXPECT_EQ(device.kinematics->space().n_x(), GetParam().n_x);
+  EXPECT_FALSE(device.kinematics->space().mixes_units());
+}
+
+TEST_P(KinematicsScenes, AProxyAtTheProbeIsNoForce) {
+  SceneRun run(device, device.source);
+  run.engage();
+  for (int i = 0; i < 200; ++i) {
+    const core::TickRecord& record = run.tick();
+    expect_a_sound_tick(record);
+    EXPECT_LT((record.tau_a.array() / device.settings.force_limit.array()).abs().maxCoeff(), 1e-9);
+  }
+}
+
+/// Full rank: at rest K (q*_a - q_a) = K_h (q_a - target), with q*_a the proxy's own pose, whatever
+/// the sensed DoFs do. Otherwise: at rest, and nearer to the proxy.
+TEST_P(KinematicsScenes, AHeldProxyPullsTheDeviceToWhereTheForcesBalance) {
+  SceneRun run(device, device.source);
+  run.engage();
+  const VecQ goal = beside_the_target();
+  run.hold(goal);
+  for (int i = 0; i < 3000; ++i) expect_a_sound_tick(run.tick());
+  const core::TickRecord& record = run.record();
+  const VecA q_a = layout.select(record.q), target_a = layout.select(masses.target);
+  const VecA K = device.settings.stiffness, K_h = layout.select(masses.hand_stiffness);
+  const VecA balance = record.tau_elastic - K_h.cwiseProduct(q_a - target_a);
+  EXPECT_LT((balance.array() / device.settings.force_limit.array()).abs().maxCoeff(), 1e-6);
+  EXPECT_GT((record.tau_elastic.array() / device.settings.force_limit.array()).abs().maxCoeff(),
+            0.01);
+  if (GetParam().full_rank) {
+    const VecA rest =
+        (K.cwiseProduct(layout.select(goal)) + K_h.cwiseProduct(target_a)).cwiseQuotient(K + K_h);
+    EXPECT_LT((q_a - rest).cwiseAbs().maxCoeff(), 1e-7);
+    EXPECT_LT((record.q_star - goal).cwiseAbs().maxCoeff(), 1e-7);
+    EXPECT_LT(record.residual, 1e-9);
+  } else {
+    EXPECT_EQ(record.projection, core::ProjectionStatus::kRankDeficient);
+    core::VecX x_start, dx;
+    core::MatXQ J;
+    ASSERT_EQ(device.kinematics->evaluate(masses.target, x_start, J), core::MapStatus::kOk);
+    device.kinematics->space().difference(record.x, x_start, dx);
+    const double distance_before = dx.norm();
+    device.kinematics->space().difference(record.x, record.x_probe, dx);
+    EXPECT_LT(dx.norm(), 0.8 * distance_before);
+  }
+}
+
+/// The user's own motion, all DoFs at once: 2 s about `rest`, by `amplitude` and back.
+std::string recording(const core::Kinematics& kinematics, const VecQ& rest, const VecQ& amplitude) {
+  std::ostringstream csv;
+  csv << std::setprecision(17) << "time_s";
+  for (const core::DofSpec& dof : kinematics.dofs()) csv << ',' << dof.name;
+  for (int row = 0; row <= 200; ++row) {
+    csv << '\n' << 0.01 * row;
+    for (int i = 0; i < rest.size(); ++i) {
+      const double phase = 2.0 * std::numbers::pi * 0.01 * row * (1.0 + 0.1 * i);
+      csv << ',' << rest[i] + amplitude[i] * std::sin(phase);
+    }
+  }
+  return csv.str() + "\n";
+}
+
+TEST_P(KinematicsScenes, ARecordingIsRenderedAsEqSixAndSevenSay) {
+  const TemporaryFile file(
+      recording(*device.kinematics, masses.target, 0.7 * (beside_the_target() - masses.target)),
+      std::string(GetParam().file) + ".csv");
+  SceneRun run(device, hw::ReplayConfig{file.path(), true, masses.max_effort});
+  run.engage();
+  double largest = 0.0;
+  int unlimited = 0;
+  for (int i = 0; i < 1200; ++i) {
+    const core::TickRecord& record = run.tick();
+    expect_a_sound_tick(record);
+    if (record.gain < 1.0 || record.limiters.any()) continue;
+    ++unlimited;
+    // Z_q S (q* - q), and nothing else where no limiter acts.
+    const VecA elastic = device.settings.stiffness.cwiseProduct(layout.select(record.q_star) -
+                                                                layout.select(record.q));
+    EXPECT_LT((record.tau_elastic - elastic).norm(), 1e-9);
+    largest = std::max(largest, elastic.cwiseAbs().maxCoeff());
+  }
+  EXPECT_GT(unlimited, 1000);
+  EXPECT_GT(largest, 0.05 * device.settings.force_limit.minCoeff());
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, KinematicsScenes,
+                         testing::Values(Expected{"hand_five_fingers", 10, 5, 10, true},
+                                         Expected{"hand_tracked_palm", 16, 5, 39, true},
+                                         Expected{"stylus_three_of_six", 6, 3, 9, true},
+                                         Expected{"chain_pick_arm", 4, 2, 6, true},
+                                         Expected{"chain_redundant", 5, 3, 3, false}),
+                         [](const auto& test) { return std::string(test.param.file); });
+
+}  // namespace
+}  // namespace haptic::test

@@ -1,0 +1,96 @@
+#pragma once
+/// A device of a scene in virtual time, under a client that holds a proxy: what hapticd does with it,
+/// without threads and sockets.
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <memory>
+#include <utility>
+
+#include "haptic/core/tick/pipeline.hpp"
+#include "hw/open_device.hpp"
+#include "server/scene/scene.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+namespace haptic::test {
+
+class SceneRun {
+ public:
+  /// `source`: what moves instead of the scene's own source.
+  SceneRun(const server::DeviceScene& scene, const hw::DeviceConfig& source)
+      : device_(hw::open_device(source, scene.kinematics)),
+        pipeline_(config(scene, *device_)),
+        kinematics_(*scene.kinematics) {
+    input_.settings = scene.settings;
+    input_.command.lease_epoch = 1;
+    input_.command.lease_held = true;
+    input_.proxy.mode = core::ProxyMode::kHeld;
+    input_.proxy.epoch = 1;
+    command_.tau_a = core::VecA::Zero(kinematics_.layout().n_a());
+    device_->read(input_.now, input_.device);
+    hold(input_.device.sample.q);
+  }
+
+  /// The proxy from now on: where the device would be at `q`.
+  void hold(const core::VecQ& q) {
+    core::MatXQ J;
+    ASSERT_EQ(kinematics_.evaluate(q, input_.proxy.x, J), core::MapStatus::kOk);
+  }
+
+  /// One tick, one frame of the client every ten. Nothing in it may allocate.
+  const core::TickRecord& tick() {
+    const AllocationGuard guard;
+    input_.now += std::chrono::milliseconds(1);
+    if (++ticks_ % 10 == 1) publish();
+    device_->read(input_.now, input_.device);
+    record_ = pipeline_.tick(input_);
+    command_.arm = record_.arm;
+    command_.tau_a = record_.tau_a;
+    device_->write(input_.now, command_);
+    EXPECT_EQ(guard.allocations() + guard.releases(), 0u);
+    return record_;
+  }
+  const core::TickRecord& run(int ticks) {
+    for (int i = 0; i < ticks; ++i) tick();
+    return record_;
+  }
+  /// To ENGAGED with g = 1.
+  void engage() {
+    run(300);
+    ++input_.command.engage_id;
+    run(250);
+    ASSERT_EQ(record_.engage.verdict, core::EngageVerdict::kAccepted);
+    ASSERT_EQ(record_.state, core::DeviceState::kEngaged);
+    ASSERT_EQ(record_.gain, 1.0);
+  }
+
+  [[nodiscard]] const core::TickRecord& record() const { return record_; }
+
+ private:
+  static core::PipelineConfig config(const server::DeviceScene& scene, const hw::Device& device) {
+    core::PipelineConfig config;
+    config.kinematics = scene.kinematics;
+    config.device = device.info().limits;
+    config.scene = scene.settings;
+    return config;
+  }
+
+  void publish() {
+    core::ProxySnapshot& proxy = input_.proxy;
+    if (proxy.gapless_samples == 0) proxy.gapless_since = input_.now;
+    ++proxy.seq;
+    ++proxy.gapless_samples;
+    proxy.born = input_.now;
+  }
+
+  std::unique_ptr<hw::Device> device_;
+  core::Pipeline pipeline_;
+  const core::Kinematics& kinematics_;
+  core::TickInput input_{.now = core::TimePoint(std::chrono::seconds(100))};
+  core::TickRecord record_{};
+  hw::Command command_{};
+  int ticks_{0};
+};
+
+}  // namespace haptic::test

@@ -18,8 +18,9 @@ bool take(const VecX& all, int first, VecX& part) noexcept {
 
 }  // namespace
 
-BlockRenderer::Part::Part(RendererKind kind, const MapBlock& block)
-    : renderer(kind, *block.kinematics),
+BlockRenderer::Part::Part(RendererKind kind, const ProjectionModel& part, const MapBlock& block)
+    : model(part),
+      renderer(kind, model),
       at(block),
       n_q(block.kinematics->layout().n_q()),
       n_a(block.kinematics->layout().n_a()),
@@ -45,9 +46,24 @@ void BlockRenderer::Part::project(const Probe& probe, const VecX& all_x, const V
   renderer.project(Probe{q, x_probe, J}, x, dx, stiffness, changed, out);
 }
 
-BlockRenderer::BlockRenderer(RendererKind kind, const Kinematics& kinematics) : kind_(kind) {
-  if (kinematics.blocks().empty()) whole_.emplace(kind, kinematics);
-  for (const MapBlock& block : kinematics.blocks()) parts_.emplace_back(kind, block);
+BlockRenderer::BlockRenderer(RendererKind kind, const ProjectionModel& model)
+    : kind_(kind), model_(model) {
+  if (!model_.has_parts()) {
+    whole_.emplace(kind, model_);
+    return;
+  }
+  for (const MapBlock& block : model_.kinematics().blocks()) {
+    parts_.emplace_back(kind, model_.part(block), block);
+  }
+}
+
+void BlockRenderer::change(RendererKind kind) noexcept {
+  kind_ = kind;
+  if (whole_) whole_.emplace(kind, model_);
+  for (Part& part : parts_) {
+    part.renderer = Renderer(kind, part.model);
+    part.seen = false;
+  }
 }
 
 void BlockRenderer::project(const Probe& probe, const VecX& x, const VecX& dx,
@@ -58,13 +74,14 @@ void BlockRenderer::project(const Probe& probe, const VecX& x, const VecX& dx,
   }
   out.q_star.resize(probe.q.size());
   out.status = ProjectionStatus::kNone;
-  out.condition = 0.0;
+  out.condition = out.storage = 0.0;
   double squares = 0.0;
   for (Part& part : parts_) {
     part.project(probe, x, dx, stiffness, proxy_changed);
     out.q_star.segment(part.at.first_q, part.n_q) = part.out.q_star;
     out.status = std::max(out.status, part.out.status);  // in the order of their gravity
     out.condition = std::max(out.condition, part.out.condition);
+    out.storage += part.out.storage;
     squares += part.out.residual * part.out.residual;
   }
   out.residual = std::sqrt(squares);

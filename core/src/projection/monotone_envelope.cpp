@@ -12,22 +12,23 @@ constexpr int kSteps = 2;
 
 }  // namespace
 
-MonotoneEnvelope::MonotoneEnvelope(const Kinematics& kinematics)
-    : kinematics_(&kinematics),
-      actuated_(kinematics.layout().actuated(0)),
-      solver_(kinematics.space().n_x(), kinematics.layout()),
-      one_(VecA::Ones(kinematics.layout().n_a())),
-      q_(VecQ::Zero(kinematics.layout().n_q())),
-      x_at_(VecX::Zero(kinematics.space().n_x())),
+MonotoneEnvelope::MonotoneEnvelope(const ProjectionModel& model)
+    : model_(model),
+      actuated_(model.layout().actuated(0)),
+      solver_(model.n_x(), model.layout()),
+      one_(VecA::Ones(model.layout().n_a())),
+      q_(VecQ::Zero(model.layout().n_q())),
+      x_at_(VecX::Zero(model.n_x())),
       x_(x_at_),
       r_(x_at_),
-      J_(MatXQ::Zero(kinematics.space().n_x(), kinematics.layout().n_q())) {
+      J_(MatXQ::Zero(model.n_x(), model.layout().n_q())) {
   best_ = q_;
 }
 
 EnvelopeAnswer MonotoneEnvelope::apply(const Probe& probe, const VecX& dx, RendererKind renderer,
                                        Projection& out) noexcept {
-  solver_.solve(probe.J, dx, one_);
+  const TaskMetric& metric = model_.metric();
+  solver_.solve(metric.weighed(probe.J, J_W_), metric.weighed(dx, dx_W_), one_);
   const double towards = solver_.dq()[actuated_] < 0.0 ? -1.0 : 1.0;
   const double q_a = probe.q[actuated_];
   const double at_proxy = towards * (out.q_star[actuated_] - q_a);
@@ -52,12 +53,12 @@ EnvelopeAnswer MonotoneEnvelope::apply(const Probe& probe, const VecX& dx, Rende
 
 bool MonotoneEnvelope::reach(const VecX& x_at) noexcept {
   for (int n = 0; n < kSteps; ++n) {
-    if (kinematics_->evaluate(q_, x_, J_) != MapStatus::kOk) return false;
-    kinematics_->space().difference(x_at, x_, r_);
-    solver_.solve(J_, r_, one_);
+    if (model_.kinematics().evaluate(q_, x_, J_) != MapStatus::kOk) return false;
+    model_.kinematics().space().difference(x_at, x_, r_);
+    solver_.solve(model_.metric().weighed(J_, J_W_), model_.metric().weighed(r_, dx_W_), one_);
     q_ += solver_.dq();
   }
-  const auto& dofs = kinematics_->dofs();
+  const auto& dofs = model_.kinematics().dofs();
   for (Eigen::Index i = 0; i < q_.size(); ++i) {
     const DofSpec& dof = dofs[static_cast<std::size_t>(i)];
     if (!(q_[i] >= dof.lower && q_[i] <= dof.upper)) return false;

@@ -106,6 +106,17 @@ ProjectionModel::ProjectionModel(const Kinematics& kinematics, ProjectionSetting
   mean_J_a_ = weighed_mean(kinematics, settings_.metric);
 }
 
+ProjectionModel ProjectionModel::part(const MapBlock& block) const {
+  ProjectionSettings settings = settings_;
+  settings.metric = settings_.metric.part(block.first_x, block.kinematics->space().n_x());
+  if (settings_.prior) {
+    const int first_n = block.first_q - block.first_a;  // blocks come in the order of q and of q_a
+    settings.prior->sensed_stiffness =
+        settings_.prior->sensed_stiffness.segment(first_n, block.kinematics->layout().n_n());
+  }
+  return ProjectionModel(*block.kinematics, std::move(settings));
+}
+
 VecQ ProjectionModel::prior_weight(const VecA& stiffness) const noexcept {
   const DofLayout& map = layout();
   VecQ weight(map.n_q());

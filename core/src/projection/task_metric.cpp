@@ -58,6 +58,14 @@ TaskMetric TaskMetric::from_matrix(const Eigen::Ref<const Eigen::MatrixXd>& W) {
   return metric;
 }
 
+TaskMetric TaskMetric::part(int first, int count) const noexcept {
+  TaskMetric metric;
+  if (is_identity()) return metric;
+  metric.n_x_ = count;
+  metric.diagonal_ = diagonal_.segment(first, count);
+  return metric;
+}
+
 void TaskMetric::weigh(double* column) const noexcept {
   if (upper_ == nullptr) {
     for (int i = 0; i < n_x_; ++i) column[i] *= diagonal_[i];

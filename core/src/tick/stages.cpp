@@ -53,7 +53,7 @@ Pipeline::Stages::Stages(PipelineConfig config)
       anchor_(VecA::Zero(layout_.n_a())),
       tau_controller_(VecA::Zero(layout_.n_a())) {
   if (config_.passivity.enabled()) passivity_.emplace(config_.passivity, layout_.n_a());
-  if (config_.monotone_envelope && layout_.n_a() == 1) envelope_.emplace(kinematics_);
+  if (config_.monotone_envelope && layout_.n_a() == 1) envelope_.emplace(model_);
   projection_.q_star = q_;
 }
 
@@ -99,7 +99,7 @@ void Pipeline::Stages::settings(const RenderSettings& wanted) noexcept {
   settings_.staleness.fade_end = std::min(settings_.staleness.fade_end, scene.staleness.fade_end);
   // Another renderer is another anchor: never under force.
   if (wanted.renderer != renderer_.kind() && !carries_force(machine_.state())) {
-    renderer_ = Renderer(wanted.renderer, model_);
+    renderer_.change(wanted.renderer);
     project_anew_ = true;
   }
   settings_.renderer = renderer_.kind();

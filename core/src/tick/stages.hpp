@@ -6,10 +6,10 @@
 
 #include "haptic/core/control/impedance.hpp"
 #include "haptic/core/passivity/passivity.hpp"
+#include "haptic/core/projection/block_renderer.hpp"
 #include "haptic/core/projection/direction_guard.hpp"
 #include "haptic/core/projection/local_proxy.hpp"
 #include "haptic/core/projection/monotone_envelope.hpp"
-#include "haptic/core/projection/renderer.hpp"
 #include "haptic/core/safety/device_state.hpp"
 #include "haptic/core/safety/late_bucket.hpp"
 #include "haptic/core/safety/limits.hpp"
@@ -60,7 +60,7 @@ class Pipeline::Stages {
   const ProjectionModel model_;
 
   RenderSettings settings_;
-  Renderer renderer_;
+  BlockRenderer renderer_;
   DirectionGuard guard_;
   std::optional<MonotoneEnvelope> envelope_;  ///< only where the scene asks for it
   LocalProxy local_proxy_;

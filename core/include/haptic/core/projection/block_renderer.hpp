@@ -1,7 +1,8 @@
 #pragma once
 /// A renderer for every independent block of a map (the fingers of a hand), behind the call of one:
 /// a block is projected by itself, and in Eq. (6) not at all while its part of the proxy stays
-/// (METHOD 7, "model only what a scene needs"). A map without blocks is one block.
+/// (METHOD 7, "model only what a scene needs"). A map without blocks is one block, and so is one
+/// whose metric W_x weighs coordinates of different blocks together.
 
 #include <optional>
 #include <vector>
@@ -12,8 +13,10 @@ namespace haptic::core {
 
 class BlockRenderer {
  public:
-  /// `kinematics` must outlive the renderer.
-  BlockRenderer(RendererKind kind, const Kinematics& kinematics);
+  /// The model is copied; its kinematics must outlive the renderer.
+  BlockRenderer(RendererKind kind, const ProjectionModel& model);
+  /// Another renderer from here on, without memory of this one. Never allocates.
+  void change(RendererKind kind) noexcept;
 
   [[nodiscard]] RendererKind kind() const noexcept { return kind_; }
   /// As Renderer::project. Of several blocks: the worst status and condition, and the residual of
@@ -25,10 +28,11 @@ class BlockRenderer {
 
  private:
   struct Part {
-    Part(RendererKind kind, const MapBlock& block);
+    Part(RendererKind kind, const ProjectionModel& model, const MapBlock& at);
     void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                  bool proxy_changed) noexcept;
 
+    ProjectionModel model;
     Renderer renderer;
     MapBlock at;
     int n_q, n_a, n_x;
@@ -41,6 +45,7 @@ class BlockRenderer {
   };
 
   RendererKind kind_;
+  ProjectionModel model_;
   std::optional<Renderer> whole_{};  ///< of a map without blocks
   std::vector<Part> parts_{};        ///< else one per block
 };

@@ -5,8 +5,8 @@
 /// switches, and equal to Eq. (6) where the way is monotone. For one actuated DoF.
 
 #include "haptic/core/linear/least_squares.hpp"
-#include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/projection/projection.hpp"
+#include "haptic/core/projection/projection_model.hpp"
 #include "haptic/core/projection/renderer_kind.hpp"
 
 namespace haptic::core {
@@ -22,8 +22,8 @@ class MonotoneEnvelope {
   /// Points looked at before the proxy, s = k / (kPoints + 1).
   static constexpr int kPoints = 3;
 
-  /// `kinematics` must outlive this, with one actuated DoF.
-  explicit MonotoneEnvelope(const Kinematics& kinematics);
+  /// The model is copied; its kinematics, with one actuated DoF, must outlive this.
+  explicit MonotoneEnvelope(const ProjectionModel& model);
 
   /// `out`: the renderer's answer for the proxy x_probe (+) dx. The anchors of Eq. (1), (4) and (8)
   /// grow in proportion to s: theirs is the proxy's, or none. Eq. (6) is followed by Gauss-Newton
@@ -35,13 +35,14 @@ class MonotoneEnvelope {
   /// Gauss-Newton from q_ to the point x_at_. False where it is not reached inside the box.
   [[nodiscard]] bool reach(const VecX& x_at) noexcept;
 
-  const Kinematics* kinematics_;
+  ProjectionModel model_;
   int actuated_;
   LeastSquares solver_;
   VecA one_;
   VecQ q_{}, best_{};
   VecX x_at_{}, x_{}, r_{};
-  MatXQ J_{};
+  MatXQ J_{}, J_W_{};  ///< J_W_, dx_W_: weighed by W^{1/2}
+  VecX dx_W_{};
 };
 
 }  // namespace haptic::core

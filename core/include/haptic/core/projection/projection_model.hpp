@@ -42,6 +42,13 @@ class ProjectionModel {
   /// fit. Copies allocate nothing.
   ProjectionModel(const Kinematics& kinematics, ProjectionSettings settings = {});
 
+  /// The same for one block of the map. Throws as the constructor does.
+  [[nodiscard]] ProjectionModel part(const MapBlock& block) const;
+  /// True where the map falls into blocks and the metric does not tie them together.
+  [[nodiscard]] bool has_parts() const noexcept {
+    return !kinematics_->blocks().empty() && settings_.metric.is_diagonal();
+  }
+
   [[nodiscard]] const Kinematics& kinematics() const noexcept { return *kinematics_; }
   [[nodiscard]] const DofLayout& layout() const noexcept { return kinematics_->layout(); }
   [[nodiscard]] int n_x() const noexcept { return kinematics_->space().n_x(); }

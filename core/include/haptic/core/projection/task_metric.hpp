@@ -24,6 +24,11 @@ class TaskMetric {
   /// 0 for the identity, which fits any.
   [[nodiscard]] int n_x() const noexcept { return n_x_; }
 
+  /// True where no coordinate's error weighs on another's, so that blocks of X stand alone.
+  [[nodiscard]] bool is_diagonal() const noexcept { return upper_ == nullptr; }
+  /// The metric of `count` coordinates from `first` on; of a diagonal one.
+  [[nodiscard]] TaskMetric part(int first, int count) const noexcept;
+
   /// v <- W^{1/2} v and J <- W^{1/2} J, with W^{1/2} = L^T of W = L L^T. n_x rows; never allocates.
   void weigh(VecX& v) const noexcept;
   void weigh(MatXQ& J) const noexcept;

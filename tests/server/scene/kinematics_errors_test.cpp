@@ -32,7 +32,9 @@ TEST(KinematicsErrors, OfAChainNameLineFieldValueAndWhatIsAllowed) {
   };
   const std::string a = "joint { name: \"a\" actuated: true lower: -1 upper: 1 } ";
   const std::string b = "joint { name: \"b\" lower: -1 upper: 1 ";
-  EXPECT_EQ(error_of(with(chain(a + b + "}"))), "no error");
+  // The point lies on both axes: nothing determines q but a prior.
+  const std::string prior = " prior { weight_per_j: 1 sensed_stiffness: 1 }";
+  EXPECT_EQ(error_of(with(chain(a + b + "}") + prior)), "no error");
   expect_each_says({
       {"no joint", chain(""), "t.textproto:5: device[0].serial_chain.joint: is required"},
       {"no output", "serial_chain { " + a + " }",
@@ -60,7 +62,7 @@ TEST(KinematicsErrors, OfAChainNameLineFieldValueAndWhatIsAllowed) {
       {"neither point nor frame", "serial_chain { " + a + b + "} output { name: \"tip\" } }",
        "device[0].serial_chain.output[0].what: is required: one of point, frame"},
       {"a frame without W", "serial_chain { " + a + b + "} output { name: \"tip\" frame {} } }",
-       "device[0].serial_chain.output = [metres and radians]: must be of one unit"},
+       "device[0].task_metric: is required: { scale: ... }"},
       {"link", "serial_chain { " + a + b + "} output { name: \"tip\" link: \"c\" point {} } }",
        "output tip.link = c: must be \"base\" or a joint given before"},
       {"what nothing moves",
@@ -82,7 +84,7 @@ TEST(KinematicsErrors, OfAStylusNameLineFieldValueAndWhatIsAllowed) {
       {"link", "stylus { output { name: \"a\" link: \"hip\" point {} } }",
        "output a.link = hip: must be \"base\" or a joint given before"},
       {"a frame without W", "stylus { output { name: \"a\" frame {} } }",
-       "device[0].stylus.output = [metres and radians]"},
+       "device[0].task_metric: is required: { scale: ... }"},
       {"masses", "stylus {" + kPoint + " }",
        "device[0].simulated_linear.mass = [1, 1]: must have one value per DoF, 6"},
   });
@@ -119,7 +121,7 @@ TEST(KinematicsErrors, OfAHandNameLineFieldValueAndWhatIsAllowed) {
        "finger[0].mount.orientation = [1, 0, 0]: must have one value per part x, y, z, w, 4"},
       {"a frame without W",
        "tracked_hand {" + finger + "output { name: \"t\" finger: \"a\" frame {} } }",
-       "device[0].tracked_hand.output = [metres and radians]"},
+       "device[0].task_metric: is required: { scale: ... }"},
   });
 }
 

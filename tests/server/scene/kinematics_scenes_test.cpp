@@ -95,7 +95,7 @@ TEST_P(KinematicsScenes, AHeldProxyPullsTheDeviceToWhereTheForcesBalance) {
     EXPECT_LT((record.q_star - goal).cwiseAbs().maxCoeff(), 1e-7);
     EXPECT_LT(record.residual, 1e-9);
   } else {
-    EXPECT_EQ(record.projection, core::ProjectionStatus::kRankDeficient);
+    EXPECT_EQ(record.projection, core::ProjectionStatus::kConverged) << "its prior decides";
     core::VecX x_start, dx;
     core::MatXQ J;
     ASSERT_EQ(device.kinematics->evaluate(masses.target, x_start, J), core::MapStatus::kOk);

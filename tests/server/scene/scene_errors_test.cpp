@@ -216,8 +216,9 @@ TEST(SceneErrors, OfTheMapNameLineFieldValueAndWhatIsAllowed) {
        "t.textproto:5: device[0].linear.coordinate: is required: 1 to 72"},
       {"metres and radians without W",
        linear("A: [1, 0.5]", "coordinate { name: \"a\" unit: \"rad\" }\n A: [1, 0.5, 1, 1]"),
-       "t.textproto:8: device[0].linear.coordinate = [metres and radians]: must be of one unit: a "
-       "distance over both needs a metric W_x"},
+       "t.textproto:2: device[0].task_metric: is required: { scale: ... }, for x has coordinates "
+       "in "
+       "m and in rad"},
   });
 }
 

@@ -72,6 +72,7 @@ class SceneRun {
     core::PipelineConfig config;
     config.kinematics = scene.kinematics;
     config.device = device.info().limits;
+    config.projection = scene.projection;
     config.scene = scene.settings;
     return config;
   }

@@ -17,5 +17,6 @@ void add_radius(CLI::App& app);
 void add_finger(CLI::App& app);
 void add_hard_cases(CLI::App& app);
 void add_linear_algebra(CLI::App& app);
+void add_scaling(CLI::App& app);
 
 }  // namespace haptic::report

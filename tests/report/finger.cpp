@@ -19,7 +19,7 @@ struct Options {
   std::optional<Pair> stop{}, target{};
   std::optional<double> stiffness{};
   std::string method{};
-  bool guard{false}, grid{false}, joints{false}, trace{false};
+  bool guard{false}, envelope{false}, tank{false}, grid{false}, joints{false}, trace{false};
 };
 
 /// METHOD 2.4: the table's rows; with --grid its 24 runs; with any of the three options that one.
@@ -31,6 +31,8 @@ std::vector<Press> runs(const Options& options) {
     press.target_deg = target;
     press.stiffness = stiffness;
     press.direction_guard = options.guard;
+    press.monotone_envelope = options.envelope;
+    press.energy_tank = options.tank;
     presses.push_back(press);
   };
   const Press standard{};
@@ -63,7 +65,7 @@ std::vector<core::RendererKind> methods(const Options& options) {
 
 std::string verdict(const Felt& felt, double no_force_deg) {
   const bool deeper = felt.max_penetration_deg > no_force_deg + kDeeper_deg;
-  const bool active = 1e3 * felt.work > kWork_mj;
+  const bool active = 1e3 * felt.net_work > kWork_mj;
   if (deeper) return active ? "deeper and gives energy" : "deeper";
   return active ? "gives energy" : "ok";
 }
@@ -85,7 +87,9 @@ void print_results(const Options& options) {
       "deg,"
       "end_pip_deg,max_penetration_deg,no_force_penetration_deg,peak_force_n,work_mj,verdict";
   if (options.joints) {
-    header += ",end_force_n,end_mcp_torque_nmm,end_pip_torque_nmm,withheld_ticks";
+    header +=
+        ",end_force_n,end_mcp_torque_nmm,end_pip_torque_nmm,net_work_mj,withheld_ticks,"
+        "throttled_ticks";
   }
   std::puts(header.c_str());
   std::map<std::tuple<double, double, double, double>, double> seen;
@@ -100,8 +104,9 @@ void print_results(const Options& options) {
                   felt.end.x_deg.first, felt.end.x_deg.second, felt.max_penetration_deg, no_force,
                   felt.peak_force, 1e3 * felt.work, verdict(felt, no_force));
       if (options.joints) {
-        line += "," + line_of(felt.end.tau_a, 1e3 * felt.end.tau_x.first,
-                              1e3 * felt.end.tau_x.second, felt.withheld);
+        line +=
+            "," + line_of(felt.end.tau_a, 1e3 * felt.end.tau_x.first, 1e3 * felt.end.tau_x.second,
+                          1e3 * felt.net_work, felt.withheld, felt.throttled);
       }
       std::puts(line.c_str());
     }
@@ -133,7 +138,7 @@ void add_finger(CLI::App& app) {
       "positive "
       "towards larger l_x; peak_force_n keeps its sign. work_mj: put into the finger; negative: "
       "taken from it.\nverdict: ok; deeper (more than 0.5 deg beyond where the finger ends without "
-      "any force); gives energy.");
+      "any force); gives energy (more than the device's own damping took back).");
   auto options = std::make_shared<Options>();
   command->add_option("--stop", options->stop, "M_DEG,P_DEG (18,999)");
   command->add_option("--target", options->target, "M_DEG,P_DEG (50,50)");
@@ -142,8 +147,12 @@ void add_finger(CLI::App& app) {
   command->add_option("--method", options->method, "this method alone")
       ->check(CLI::IsMember({"standard", "null_space", "subspace_linear", "subspace_exact"}));
   command->add_flag("--guard", options->guard, "with the direction guard");
+  command->add_flag("--envelope", options->envelope, "with the monotone envelope");
+  command->add_flag("--tank", options->tank, "with the energy tank, strictly passive");
   command->add_flag("--grid", options->grid, "METHOD 2.4's 24 runs");
-  command->add_flag("--joints", options->joints, "adds the end force at actuator and joints");
+  command->add_flag(
+      "--joints", options->joints,
+      "adds the end force at actuator and joints, the net work, ticks guarded and throttled");
   command->add_flag("--trace", options->trace, "every tick instead: what the plot is made of");
   command->callback([options] { (options->trace ? print_trace : print_results)(*options); });
 }

@@ -14,9 +14,11 @@ namespace {
 using core::VecA;
 using core::VecX;
 
+constexpr double kPeriod = 1e-3;    // s
 constexpr int kTicks = 2000;        // METHOD 2.4: end state after 1.5-2 s
 constexpr int kEngageTick = 205;    // a steady stream of 200 ms is asked for; the hand barely moved
 constexpr double kForceLimit = 40;  // N, METHOD 2.4
+constexpr double kDeviceDamping = 2.0;  // N s/m, METHOD 2.4: the simulated finger's own
 
 /// METHOD 2.4 compares at Z_x = Z_q/81.06^2, the mean of ||J_a|| on trajectory A. The renderers take
 /// the mean over the workspace; the baselines' stiffness makes up for it.
@@ -33,6 +35,9 @@ core::PipelineConfig pipeline_for(const Press& what, const hw::Device& device,
   config.device = device.info().limits;
   config.scene.renderer = what.method;
   config.scene.direction_guard = what.direction_guard;
+  config.monotone_envelope = what.monotone_envelope;
+  config.passivity.tank.enabled = what.energy_tank;
+  config.passivity.device_damping = VecA::Constant(1, kDeviceDamping);
   config.scene.stiffness = VecA::Constant(1, stiffness_of(what, *finger));
   config.scene.damping = VecA::Zero(1);
   config.scene.force_limit = VecA::Constant(1, kForceLimit);
@@ -103,17 +108,22 @@ Felt press(const Press& what, const std::function<void(const PressTick&)>& obser
     if (finger->evaluate(q, x_probe, J) != core::MapStatus::kOk) {
       throw core::SceneError("finger: the simulated finger left the linkage's range");
     }
-    // The force of the last tick was held over the way from its pose to this one.
-    if (last_q.size() == 2) felt.work += command.tau_a[0] * (q[0] - last_q[0]);
+    if (last_q.size() == 2) {
+      // The force of the last tick was held over the way from its pose to this one.
+      const double way = q[0] - last_q[0];
+      felt.work += command.tau_a[0] * way;
+      felt.net_work += command.tau_a[0] * way - kDeviceDamping * way * way / kPeriod;
+    }
     last_q = q;
     publish(input, x_probe.cwiseMin(stop));
     if (what.force && k == kEngageTick) ++input.command.engage_id;
     const core::TickRecord record = pipeline.tick(input);
     state = record.state;
     felt.withheld += record.limiters.has(core::Limiter::kDirectionGuard) ? 1 : 0;
+    felt.throttled += record.limiters.has(core::Limiter::kEnergyTank) ? 1 : 0;
     command = {record.arm, record.tau_a};
     device->write(input.now, command);
-    const PressTick tick = felt_at(1e-3 * k, x_probe, J, record.tau_a[0]);
+    const PressTick tick = felt_at(kPeriod * k, x_probe, J, record.tau_a[0]);
     account(what, tick, felt);
     if (observe) observe(tick);
   }

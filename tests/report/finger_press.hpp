@@ -17,7 +17,9 @@ struct Press {
   double stiffness{1500.0};      ///< Z_q, N/m
   core::RendererKind method{core::RendererKind::kSubspaceLinear};
   bool direction_guard{false};
-  bool force{true};  ///< false: the same without any force, for comparison
+  bool monotone_envelope{false};
+  bool energy_tank{false};  ///< strictly passive: tank_0 = 0, P_env = 0 (METHOD 5.3)
+  bool force{true};         ///< false: the same without any force, for comparison
 };
 
 /// What the finger felt in one tick.
@@ -33,7 +35,9 @@ struct Felt {
   double max_penetration_deg{0.0};  ///< deepest beyond any stop, over the run; 0: never met one
   double peak_force{0.0};           ///< the tau_a of largest magnitude, with its sign, N
   double work{0.0};                 ///< J that the force put into the finger
+  double net_work{0.0};             ///< the same less what the device's own damping took, J
   int withheld{0};                  ///< ticks in which the direction guard withheld the force
+  int throttled{0};                 ///< ticks in which the tank held a change back
 };
 
 /// 2 s of it. `observe` sees every tick. Throws SceneError where the force never came on.

@@ -25,7 +25,7 @@ std::vector<Size> sizes() {
                         {6, 6, solvers_6x6()},
                         {27, 10, solvers_27x10()}};
   for (Size& size : all) {
-    for (const auto& more : {solvers_rank_revealing(), solvers_lapack()}) {
+    for (const auto& more : {solvers_own(), solvers_rank_revealing(), solvers_lapack()}) {
       size.solvers.insert(size.solvers.end(), more.begin(), more.end());
     }
   }

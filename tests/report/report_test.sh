@@ -48,6 +48,11 @@ if [ "${2:-values}" = grid ]; then
   [ "$found" = " 2 standard 4 subspace_exact " ] || fail "finger --grid: deeper are '$found'"
   found=$(deeper --guard)
   [ -z "$found" ] || fail "finger --grid --guard: deeper are '$found'"
+  # With the tank behind it no run gives more than the device's own damping takes back.
+  for safe in --guard --envelope; do
+    found=$("$report" finger --grid --tank $safe | grep -c ',ok$')
+    [ "$found" = 96 ] || fail "finger --grid --tank $safe: $found of 96 runs are ok"
+  done
   exit $failed
 fi
 
@@ -144,6 +149,7 @@ finger subspace_exact 18,25 1500 44.2 38.7
 echo "$rows" | grep -q "^subspace_exact,18,999,50,50,6000,.*,deeper and gives energy$" ||
   fail "finger: (6) on an MCP stop at 6000 N/m pulls the finger into the wall (METHOD 2.4)"
 header "case,expected,got,verdict" hard-cases
+header "method,fingers_declared,fingers_in_contact,tick_ns,idle_share_pct" scaling --ticks 16
 header "rows,cols,method,cond,ns,max_relative_error" linear-algebra --calls 8
 
 [ $failed -eq 0 ] && echo "haptic-report: as METHOD prints it"

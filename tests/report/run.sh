@@ -3,7 +3,8 @@
 #
 #   tests/report/run.sh [--output DIR] [--build DIR] [part...]
 #
-#   part           kinematics fig4 recordings scan radius finger hard_cases linear_algebra; default: all
+#   part           kinematics fig4 recordings scan radius finger hard_cases linear_algebra scaling;
+#                  default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
 #
@@ -19,12 +20,12 @@ while (($#)); do
   case "$1" in
     --output) output=${2:?--output needs a folder}; shift 2 ;;
     --build) programs=$(realpath -e -- "${2:?--build needs a folder}"); shift 2 ;;
-    -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
     -*) echo "run.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
     *) parts+=("$1"); shift ;;
   esac
 done
-((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger hard_cases linear_algebra)
+((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger hard_cases linear_algebra scaling)
 
 if [[ -z $programs ]]; then
   sh "$root/docker/install-deps.sh" build test report
@@ -103,18 +104,23 @@ make_radius() {
 }
 make_finger() {
   local name
-  for name in finger finger_guard; do
-    local guard=()
-    [[ $name == finger ]] || guard=(--guard)
+  local guard heading
+  for name in finger finger_guard finger_envelope_tank; do
+    case $name in
+      finger) guard=() heading="no guard" ;;
+      finger_guard) guard=(--guard) heading="direction guard" ;;
+      *) guard=(--envelope --tank) heading="monotone envelope and energy tank" ;;
+    esac
     csv "$name" finger --joints "${guard[@]}"
     csv "${name}_trace" finger --trace "${guard[@]}"
     csv "${name}_grid" finger --grid --joints "${guard[@]}"
-    draw finger "$name" "csv='$output/${name}_trace.csv'; heading='Presses, direction guard $([[ $name == finger ]] && echo off || echo on)'"
+    draw finger "$name" "csv='$output/${name}_trace.csv'; heading='Presses, $heading'"
   done
   # How many of the 24 presses ended how.
-  (cd "$output" && awk -F, -v OFS=, 'FNR == 1 { guard = FILENAME ~ /guard/ ? "on" : "off"; next }
-    { n[guard OFS $1 OFS $13]++ } END { for (key in n) print key, n[key] }' finger_grid.csv finger_guard_grid.csv |
-    sort | { echo "guard,method,verdict,runs"; cat; } >finger_counts.csv)
+  (cd "$output" && awk -F, -v OFS=, 'FNR == 1 { 
+      with = FILENAME ~ /guard/ ? "guard" : FILENAME ~ /tank/ ? "envelope and tank" : "nothing"; next }
+    { n[with OFS $1 OFS $13]++ } END { for (key in n) print key, n[key] }' finger_grid.csv finger_guard_grid.csv finger_envelope_tank_grid.csv |
+    sort | { echo "with,method,verdict,runs"; cat; } >finger_counts.csv)
 }
 
 make_hard_cases() {
@@ -124,6 +130,10 @@ make_linear_algebra() {
   csv linear_algebra linear-algebra
   csv linear_algebra_paired linear-algebra --paired
   draw linear_algebra linear_algebra "csv='$output/linear_algebra.csv'"
+}
+make_scaling() {
+  csv scaling scaling
+  draw scaling scaling "csv='$output/scaling.csv'"
 }
 
 for part in "${parts[@]}"; do

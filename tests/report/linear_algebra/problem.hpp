@@ -24,7 +24,9 @@ struct Problem {
 [[nodiscard]] std::vector<Problem> problems(int m, int n, double cond, int count,
                                             std::uint64_t seed);
 
-/// Normal equations, own QR, Eigen's QR without and with pivoting. One file per size: decompositions
+/// haptic::core's kernel and back substitution: what a device's tick runs.
+[[nodiscard]] std::vector<Solver> solvers_own();
+/// Normal equations, Eigen's QR without and with pivoting. One file per size: decompositions
 /// of fixed size take the compiler long (METHOD 4.2).
 [[nodiscard]] std::vector<Solver> solvers_2x2();
 [[nodiscard]] std::vector<Solver> solvers_6x2();

@@ -1,13 +1,11 @@
 #pragma once
-/// The solvers of one size: normal equations, own QR, and Eigen's QRs. M, N > 0: sizes known to the
+/// The solvers of one size: normal equations and Eigen's QRs. M, N > 0: sizes known to the
 /// compiler; 0: bounded by 27 x 10 and known at run time, as METHOD 4.2 advises above some 40
 /// elements.
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
-#include <algorithm>
 
-#include "haptic/core/linear/householder.hpp"
 #include "tests/report/linear_algebra/problem.hpp"
 
 namespace haptic::report {
@@ -31,19 +29,6 @@ struct Sized {
     const Column Jtb = J.transpose() * right(b, m);
     answer(x, n) = JtJ.llt().solve(Jtb);
   }
-  /// haptic::core's kernel and back substitution: what a device's tick runs.
-  static void own_qr(const double* A, const double* b, double* x, int m_run, int n_run) {
-    const int m = M > 0 ? M : m_run, n = N > 0 ? N : n_run;
-    double R[kMaxRows * kMaxCols], y[kMaxRows], norms[kMaxCols];
-    std::copy(A, A + m * n, R);
-    std::copy(b, b + m, y);
-    core::householder<M, N>(R, y, norms, m, n);
-    for (int k = n - 1; k >= 0; --k) {
-      double sum = y[k];
-      for (int j = k + 1; j < n; ++j) sum -= R[j * m + k] * x[j];
-      x[k] = sum / R[k * m + k];
-    }
-  }
   template <typename Decomposition>
   static void eigen(const double* A, const double* b, double* x, int m, int n) {
     const Decomposition decomposition(matrix(A, m, n));
@@ -56,7 +41,6 @@ template <int M, int N>
   using S = Sized<M, N>;
   using Matrix = typename S::Matrix;
   return {{"normal_equations", &S::normal_equations},
-          {"own_qr", &S::own_qr},
           {"eigen_householder_qr", &S::template eigen<Eigen::HouseholderQR<Matrix>>},
           {"eigen_col_piv_qr", &S::template eigen<Eigen::ColPivHouseholderQR<Matrix>>}};
 }

@@ -1,0 +1,201 @@
+/// haptic-report scaling: what a tick of a hand costs, by fingers declared and fingers in contact.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/hand_exoskeleton.hpp"
+#include "haptic/core/tick/pipeline.hpp"
+#include "tests/report/command.hpp"
+#include "tests/report/csv.hpp"
+#include "tests/report/values.hpp"
+
+namespace haptic::report {
+namespace {
+
+using core::VecA;
+using core::VecQ;
+using core::VecX;
+
+constexpr int kFrame = 16;   // ticks between the client's frames: 60 Hz
+constexpr int kPoses = 512;  // of a grasp that repeats
+
+/// A hand in virtual time: its first fingers press on stops and move, the others rest at a pose that
+/// their proxy shares.
+class Hand {
+ public:
+  Hand(core::RendererKind kind, int declared, int in_contact)
+      : map_(make(declared)), pipeline_(config(kind, map_)) {
+    record_poses(in_contact);
+    input_.settings = pipeline_.config().scene;
+    input_.device.armed = true;
+    input_.command.lease_epoch = 1;
+    input_.command.lease_held = true;
+    for (int i = 0; i < 700; ++i) {
+      if (i == 260) ++input_.command.engage_id;
+      prepare();
+      state_ = pipeline_.tick(input_).state;
+    }
+    if (state_ != core::DeviceState::kEngaged) {
+      throw core::SceneError("scaling: the hand did not engage; a tick without force is no figure");
+    }
+  }
+
+  /// Median of `ticks` single ticks in ns, the clock's own cost taken off.
+  double median_tick(int ticks) {
+    using Clock = std::chrono::steady_clock;
+    std::vector<double> spent, clock;
+    for (int i = 0; i < ticks; ++i) {
+      prepare();
+      const auto before = Clock::now(), start = Clock::now();
+      const core::TickRecord record = pipeline_.tick(input_);
+      const auto end = Clock::now();
+      force_ += record.tau_a[0];
+      clock.push_back(std::chrono::duration<double, std::nano>(start - before).count());
+      spent.push_back(std::chrono::duration<double, std::nano>(end - start).count());
+    }
+    return middle(spent) - middle(clock);
+  }
+  [[nodiscard]] double force() const { return force_; }
+
+  static double middle(std::vector<double>& values) {
+    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+    return values[values.size() / 2];
+  }
+
+ private:
+  static std::shared_ptr<const core::Kinematics> make(int declared) {
+    std::vector<core::HandFinger> fingers;
+    for (int i = 0; i < declared; ++i) fingers.push_back({"finger" + std::to_string(i + 1), {}});
+    return core::make_hand_exoskeleton(fingers);
+  }
+  static core::PipelineConfig config(core::RendererKind kind,
+                                     const std::shared_ptr<const core::Kinematics>& map) {
+    const int n_a = map->layout().n_a(), n_q = map->layout().n_q();
+    core::PipelineConfig c;
+    c.kinematics = map;
+    c.device.q_lower = VecQ::Constant(n_q, -2.0);
+    c.device.q_upper = VecQ::Constant(n_q, 2.0);
+    c.device.max_effort = VecA::Constant(n_a, 40.0);
+    c.scene.renderer = kind;
+    c.scene.stiffness = VecA::Constant(n_a, 1500.0);
+    c.scene.damping = VecA::Constant(n_a, 2.0);
+    c.scene.force_limit = VecA::Constant(n_a, 20.0);
+    c.scene.slew_limit = VecA::Constant(n_a, 2000.0);
+    c.scene.engage_window = VecA::Constant(n_a, 1000.0);
+    return c;
+  }
+
+  void record_poses(int in_contact) {
+    const int n_x = map_->space().n_x();
+    for (int i = 0; i < kPoses; ++i) {
+      const double phase = 2 * M_PI * i / kPoses;
+      VecX at(n_x), proxy(n_x);
+      for (int f = 0; f < n_x / 2; ++f) {
+        const bool moves = f < in_contact;
+        at[2 * f] = (22 + (moves ? 8 * std::sin(phase) : -6)) * kDegree;
+        at[2 * f + 1] = (30 + (moves ? 9 * std::sin(phase + 0.3) : -6)) * kDegree;
+        proxy[2 * f] = std::min(at[2 * f], 18 * kDegree);
+        proxy[2 * f + 1] = std::min(at[2 * f + 1], 25 * kDegree);
+      }
+      VecQ q;
+      if (map_->inverse(at, q) != core::InverseStatus::kExact) {
+        throw core::SceneError("scaling: a pose of the grasp is out of reach");
+      }
+      q_.push_back(q);
+      // A finger at rest is where its proxy is, to the bit: the client saw it there.
+      VecX seen;
+      core::MatXQ J;
+      static_cast<void>(map_->evaluate(q, seen, J));
+      for (int k = 2 * in_contact; k < n_x; ++k) proxy[k] = seen[k];
+      x_.push_back(proxy);
+    }
+  }
+  void prepare() {
+    const std::size_t k = static_cast<std::size_t>(tick_ % kPoses);
+    input_.now += std::chrono::milliseconds(1);
+    input_.device.fresh = true;
+    ++input_.device.sample.seq;
+    input_.device.sample.time = input_.now;
+    input_.device.sample.q = q_[k];
+    core::ProxySnapshot& proxy = input_.proxy;
+    if (tick_++ % kFrame == 0) {
+      proxy.mode = core::ProxyMode::kHeld;
+      proxy.epoch = 1;
+      if (++proxy.seq == 1) proxy.gapless_since = input_.now;
+      ++proxy.gapless_samples;
+      proxy.born = input_.now;
+      proxy.x = x_[k];
+    }
+  }
+
+  std::shared_ptr<const core::Kinematics> map_;
+  core::Pipeline pipeline_;
+  core::TickInput input_{};
+  core::DeviceState state_{};
+  std::vector<VecQ> q_{};
+  std::vector<VecX> x_{};
+  int tick_{0};
+  double force_{0.0};
+};
+
+struct Row {
+  core::RendererKind kind;
+  int declared, in_contact;
+  std::unique_ptr<Hand> hand{};
+  std::vector<double> medians{};
+};
+
+}  // namespace
+
+void add_scaling(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("scaling", "Tick cost against fingers declared and fingers in contact");
+  command->footer(
+      "A hand of independent fingers, its first ones pressing on stops and moving, the others at "
+      "rest; frames at 60 Hz. Median tick in ns; the rows take turns, 20 times.\nidle_share_pct: "
+      "an idle "
+      "declared finger (against one finger less), in % of a finger in contact (against the same "
+      "finger not declared); from the rows with one contact and with all.");
+  auto ticks = std::make_shared<int>(1000);
+  command->add_option("--ticks", *ticks, "ticks per turn and row (1000)")
+      ->check(CLI::Range(16, 1'000'000));
+  command->callback([ticks] {
+    constexpr int kFingers = 5, kTurns = 20;
+    std::vector<Row> rows;
+    for (const core::RendererKind kind :
+         {core::RendererKind::kSubspaceLinear, core::RendererKind::kSubspaceExact}) {
+      for (int declared = 1; declared <= kFingers; ++declared) {
+        for (int in_contact = 0; in_contact <= declared; ++in_contact) {
+          rows.push_back(
+              {kind, declared, in_contact, std::make_unique<Hand>(kind, declared, in_contact)});
+        }
+      }
+    }
+    for (int turn = 0; turn < kTurns; ++turn) {
+      for (Row& one : rows) one.medians.push_back(one.hand->median_tick(*ticks));
+    }
+    const auto cost = [&](core::RendererKind kind, int declared, int in_contact) {
+      for (Row& one : rows) {
+        if (one.kind == kind && one.declared == declared && one.in_contact == in_contact) {
+          return Hand::middle(one.medians);
+        }
+      }
+      return std::nan("");
+    };
+    row("method", "fingers_declared", "fingers_in_contact", "tick_ns", "idle_share_pct");
+    for (const Row& one : rows) {
+      // One contact throughout: what the other declared fingers add, against what contacts add.
+      const double idle = (cost(one.kind, kFingers, 1) - cost(one.kind, 1, 1)) / (kFingers - 1);
+      const double contact =
+          (cost(one.kind, kFingers, kFingers) - cost(one.kind, 1, 1)) / (kFingers - 1);
+      row(core::name(one.kind), one.declared, one.in_contact,
+          cost(one.kind, one.declared, one.in_contact),
+          one.declared == kFingers ? 100.0 * idle / contact : std::nan(""));
+    }
+  });
+}
+
+}  // namespace haptic::report

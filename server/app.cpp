@@ -32,6 +32,7 @@ std::unique_ptr<RendererComparison> comparison(const RecordScene& record,
 template <typename T>
 std::vector<T*> pointers(const std::vector<std::unique_ptr<T>>& owners) {
   std::vector<T*> answer;
+  answer.reserve(owners.size());
   for (const auto& owner : owners) answer.push_back(owner.get());
   return answer;
 }

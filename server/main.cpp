@@ -11,6 +11,7 @@
 #include <map>
 
 #include "haptic/core/error.hpp"
+#include "hw/open_device.hpp"
 #include "server/app.hpp"
 
 namespace {
@@ -26,6 +27,14 @@ struct CommandLine {
   bool print_scene{false};
   bool check_scene{false};
 };
+
+/// What a scene's text cannot say: whether the files it names can be played. Opening a simulated or
+/// replayed device reads them, and moves nothing.
+void check_recordings(const haptic::server::Scene& scene) {
+  for (const haptic::server::DeviceScene& device : scene.devices) {
+    static_cast<void>(haptic::hw::open_device(device.source, device.kinematics));
+  }
+}
 
 /// Signals are taken by sigwait() on this thread alone: every other thread inherits the block. A
 /// second one stays pending while the first is being obeyed, so that the end stays an orderly one.
@@ -87,7 +96,10 @@ int main(int argc, char** argv) {
   try {
     haptic::server::Scene scene = haptic::server::load_scene(line.scene, line.set);
     if (line.print_scene) std::cout << scene.resolved;
-    if (line.check_scene) std::cout << line.scene << ": ok\n";
+    if (line.check_scene) {
+      check_recordings(scene);
+      std::cout << line.scene << ": ok\n";
+    }
     if (line.print_scene || line.check_scene) return 0;
     return serve(std::move(scene), line, signals);
   } catch (const haptic::core::SceneError& error) {

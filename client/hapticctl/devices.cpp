@@ -3,7 +3,7 @@
 namespace haptic::ctl {
 
 std::vector<client::DeviceInfo> meant(client::Connection& server, const std::string& name) {
-  const std::vector<client::DeviceInfo> all = server.devices();
+  std::vector<client::DeviceInfo> all = server.devices();
   if (name.empty()) return all;
   std::vector<std::string> names;
   for (const client::DeviceInfo& device : all) {

@@ -30,6 +30,7 @@ int engage(const Options& options) {
   wanted.client_name = "hapticctl engage";
   wanted.nominal_rate_hz = 1000.0 / static_cast<double>(kPeriod.count());
   const auto session = server.open(wanted);
+  static_cast<void>(session->wait_for_state());
   std::vector<double> anchor;
   session->engage_when_ready();
   auto next = std::chrono::steady_clock::now();

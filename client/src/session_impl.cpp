@@ -22,7 +22,7 @@ Session::Impl::~Impl() {
     changed_.wait(lock, [this] { return engage_call_ == nullptr; });
     stream = std::move(stream_);
   }
-  stream.reset();  // cancels and waits
+  if (stream) stream->end();
 }
 
 void Session::Impl::open() {
@@ -82,7 +82,7 @@ void Session::Impl::connect() {
   phase_ = Phase::kDone;
   stream_.reset();
   lock.unlock();
-  stream.reset();  // cancels and waits
+  stream->end();
   throw to_error(status);
 }
 

@@ -75,7 +75,9 @@ void Session::Impl::handle_end(Lock& lock) {
 void Session::Impl::reconnect(Lock& lock) {
   std::shared_ptr<Stream> old = std::move(stream_);
   lock.unlock();
-  old.reset();
+  // Not by its destructor: publish() may hold it for a moment longer, and its end must not be taken
+  // for the end of the next stream.
+  if (old) old->end();
   std::optional<ClientError> error;
   try {
     connect();

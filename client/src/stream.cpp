@@ -5,8 +5,7 @@ namespace haptic::client {
 Stream::Stream(v1::HapticService::Stub& stub, StreamSink& sink) : stub_(stub), sink_(sink) {}
 
 Stream::~Stream() {
-  cancel();
-  wait_done();
+  end();
 }
 
 void Stream::start(const v1::OpenSession& open) {
@@ -84,7 +83,8 @@ void Stream::OnDone(const grpc::Status& status) {
   changed_.notify_all();
 }
 
-void Stream::wait_done() {
+void Stream::end() {
+  cancel();
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return done_ || !started_; });
 }

@@ -39,10 +39,10 @@ class Stream final : public grpc::ClientBidiReactor<v1::SessionRequest, v1::Sess
   void start(const v1::OpenSession& open);
   /// Any thread; never waits for the network.
   void send(const v1::ProxySample& sample);
-  /// Ends the stream at once; wait_done() returns soon after. Idempotent.
+  /// Ends the stream; on_done() follows soon. Idempotent.
   void cancel();
-  /// Until gRPC is through with this object.
-  void wait_done();
+  /// The same, and waits: gRPC is then through with this object. Not from a call of gRPC's.
+  void end();
 
  private:
   void OnReadDone(bool ok) override;

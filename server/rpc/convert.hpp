@@ -27,6 +27,6 @@ void set(google::protobuf::Duration& message, core::Duration duration);
 [[nodiscard]] LeaseRequest from_proto(const v1::OpenSession& open, std::string session_id,
                                       std::string client_name);
 /// Refuses a renderer that the protocol does not know.
-[[nodiscard]] Outcome<SettingsRequest> from_proto(const v1::UpdateSettingsRequest& request);
+[[nodiscard]] Outcome<SettingsRequest> from_proto(const v1::UpdateSettingsRequest& message);
 
 }  // namespace haptic::server

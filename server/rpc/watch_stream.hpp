@@ -20,7 +20,7 @@ class WatchStream final : public ResponseStream<grpc::ServerWriteReactor<grpc::B
   bool offer(const core::TickRecord& record, StateFrame& frame, bool states_allowed) override;
 
  private:
-  void open(const grpc::ByteBuffer& request);
+  void open(const grpc::ByteBuffer& raw);
   void flush() override;
 
   Pace pace_{1000.0, kDefaultRateHz};

@@ -99,7 +99,7 @@ void ask_for_memory(RealtimeHost& host, RealtimeGrant& grant, Account& account) 
     return;
   }
   grant.facts.memory_locked = true;
-  account.granted.push_back("memory locked");
+  account.granted.emplace_back("memory locked");
 }
 
 void ask_for_cpu(const RealtimeRequest& request, RealtimeHost& host, RealtimeGrant& grant,

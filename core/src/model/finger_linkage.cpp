@@ -34,7 +34,7 @@ struct Assembly {
   Complex body_d, body_e;  // e^{it} d, e^{it} e
   Complex D, E, w;
   Complex u1, u2, n1, n2;
-  double c1, c2;
+  double c1{0.0}, c2{0.0};
 };
 
 bool assemble(const FingerDimensions& dim, Complex P0, Complex e_a, Complex d, Complex e, double l,
@@ -49,7 +49,6 @@ bool assemble(const FingerDimensions& dim, Complex P0, Complex e_a, Complex d, C
   a.c1 = std::sqrt(D2 - dim.rod1 * dim.rod1);
   if (!(a.c1 >= FingerLinkage::kSmallestSlider)) return false;  // NaN ends here too
   a.u1 = direction(a.c1, dim.rod1, a.D, D2);
-  a.u1 = {a.u1.real(), a.u1.imag()};
   a.w = a.E - dim.proximal_phalanx * a.u1;
   const double w2 = dot(a.w, a.w);
   a.c2 = std::sqrt(w2 - dim.rod2 * dim.rod2);

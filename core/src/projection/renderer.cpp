@@ -6,18 +6,18 @@ namespace {
 
 using Any = std::variant<Standard, NullSpace, SubspaceLinear, SubspaceExact>;
 
-Any make(RendererKind kind, const Kinematics& kinematics) {
+Any make(RendererKind kind, const ProjectionModel& model) {
   switch (kind) {
     case RendererKind::kStandard:
-      return Standard(kinematics);
+      return Standard(model);
     case RendererKind::kNullSpace:
-      return NullSpace(kinematics);
+      return NullSpace(model);
     case RendererKind::kSubspaceLinear:
-      return SubspaceLinear(kinematics);
+      return SubspaceLinear(model);
     case RendererKind::kSubspaceExact:
       break;
   }
-  return SubspaceExact(kinematics);
+  return SubspaceExact(model);
 }
 
 }  // namespace
@@ -36,8 +36,8 @@ std::string_view name(RendererKind kind) noexcept {
   return "unknown";
 }
 
-Renderer::Renderer(RendererKind kind, const Kinematics& kinematics)
-    : renderer_(make(kind, kinematics)) {}
+Renderer::Renderer(RendererKind kind, const ProjectionModel& model)
+    : renderer_(make(kind, model)) {}
 
 RendererKind Renderer::kind() const noexcept {
   return static_cast<RendererKind>(renderer_.index() + 1);
@@ -45,8 +45,9 @@ RendererKind Renderer::kind() const noexcept {
 
 void Renderer::project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                        bool proxy_changed, Projection& out) noexcept {
+  out.storage = 0.0;
   if (auto* linear = std::get_if<SubspaceLinear>(&renderer_)) {
-    linear->project(probe, dx, stiffness, out);
+    linear->project(probe, dx, stiffness, proxy_changed, out);
   } else if (auto* exact = std::get_if<SubspaceExact>(&renderer_)) {
     exact->project(probe, x, stiffness, proxy_changed, out);
   } else if (auto* null_space = std::get_if<NullSpace>(&renderer_)) {
@@ -58,6 +59,7 @@ void Renderer::project(const Probe& probe, const VecX& x, const VecX& dx, const 
 
 void Renderer::reset() noexcept {
   if (auto* exact = std::get_if<SubspaceExact>(&renderer_)) exact->reset();
+  if (auto* linear = std::get_if<SubspaceLinear>(&renderer_)) linear->reset();
 }
 
 }  // namespace haptic::core

@@ -4,17 +4,17 @@
 
 namespace haptic::core {
 
-Standard::Standard(const Kinematics& kinematics)
-    : kinematics_(&kinematics),
-      mean_J_a_(kinematics.mean_actuated_jacobian()),
-      tau_a_(VecA::Zero(kinematics.layout().n_a())) {}
+Standard::Standard(const ProjectionModel& model)
+    : model_(model), tau_a_(VecA::Zero(model.layout().n_a())) {}
 
 void Standard::project(const Probe& probe, const VecX& dx, const VecA& stiffness,
                        Projection& out) noexcept {
-  const DofLayout& layout = kinematics_->layout();
-  const double z_x = virtual_stiffness(stiffness, mean_J_a_);
+  const DofLayout& layout = model_.layout();
+  const MatXQ& J = model_.metric().weighed(probe.J, J_W_);
+  const VecX& d = model_.metric().weighed(dx, dx_W_);
+  const double z_x = virtual_stiffness(stiffness, model_.mean_actuated_jacobian());
   for (int i = 0; i < layout.n_a(); ++i) {
-    tau_a_[i] = z_x * probe.J.col(layout.actuated(i)).dot(dx);  // Eq. (1)
+    tau_a_[i] = z_x * J.col(layout.actuated(i)).dot(d);  // Eq. (1)
   }
   anchor_for(tau_a_, stiffness, layout, probe.q, out.q_star);
   out.status = ProjectionStatus::kExact;

@@ -27,6 +27,7 @@ void require_entries(const VecA& values, int n_a, const char* name, double lowes
 
 PipelineConfig checked(PipelineConfig config) {
   require(config.kinematics != nullptr, "kinematics: must be given");
+  require_rank(ProjectionModel(*config.kinematics, config.projection));
   const int n_q = config.kinematics->layout().n_q();
   const int n_a = config.kinematics->layout().n_a();
   const DeviceLimits& device = config.device;

@@ -38,9 +38,10 @@ Pipeline::Stages::Stages(PipelineConfig config)
     : config_(std::move(config)),
       kinematics_(*config_.kinematics),
       layout_(kinematics_.layout()),
+      model_(kinematics_, config_.projection),
       settings_(config_.scene),
-      renderer_(config_.scene.renderer, kinematics_),
-      guard_(kinematics_),
+      renderer_(config_.scene.renderer, model_),
+      guard_(model_, config_.scene.stiffness),
       rate_(layout_.n_a()),
       late_bucket_(config_.late_bucket_full),
       q_(VecQ::Zero(layout_.n_q())),
@@ -93,7 +94,7 @@ void Pipeline::Stages::settings(const RenderSettings& wanted) noexcept {
   settings_.staleness.fade_end = std::min(settings_.staleness.fade_end, scene.staleness.fade_end);
   // Another renderer is another anchor: never under force.
   if (wanted.renderer != renderer_.kind() && !carries_force(machine_.state())) {
-    renderer_ = Renderer(wanted.renderer, kinematics_);
+    renderer_ = Renderer(wanted.renderer, model_);
     project_anew_ = true;
   }
   settings_.renderer = renderer_.kind();

@@ -47,6 +47,7 @@ class Pipeline::Stages {
   PipelineConfig config_;
   const Kinematics& kinematics_;
   const DofLayout layout_;
+  const ProjectionModel model_;
 
   RenderSettings settings_;
   Renderer renderer_;

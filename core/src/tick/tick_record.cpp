@@ -1,5 +1,6 @@
 #include "haptic/core/tick/tick_record.hpp"
 
+#include <bit>
 #include <cstring>
 
 namespace haptic::core {
@@ -7,7 +8,7 @@ namespace haptic::core {
 namespace {
 
 bool same(double a, double b) noexcept {
-  return std::memcmp(&a, &b, sizeof a) == 0;
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
 template <typename Vector>

@@ -1,53 +1,42 @@
 #pragma once
-/// Householder triangularisation of a small matrix together with its right-hand side, in place
-/// (METHOD 4.2). Column-major storage; sizes fixed at compile time where M, N > 0 so that the loops
-/// unroll, taken from the arguments where they are 0. No pivoting: the caller orders the columns.
-
-#include <cmath>
+/// Householder QR of a small matrix together with its right-hand side (METHOD 4.2): the one
+/// factorisation behind every renderer. Sizes that devices have are unrolled (2x2, 6x2, 6x6, 27x10),
+/// every other size up to the bounds runs the same steps in loops. No pivoting: the caller orders
+/// the columns.
+///
+/// Equilibration. Scaling the columns, A C = Q (R C), leaves Q and so Q^T b alone and scales R's
+/// columns; the solution is C times that of the scaled system. Hence A is factored as it is, and the
+/// equilibrated R is read off R and the column norms: |R_kk| / ||A_k||, free of units.
 
 namespace haptic::core {
 
-/// A (m x n, leading dimension m) becomes R in its upper triangle; b (m) becomes Q^T b. m >= n.
-/// `column_norm` (n) gets the norms of A's columns, so that R_kk / column_norm[k] is the diagonal
-/// of the R of the equilibrated matrix: column scaling changes R by that factor and Q not at all.
-template <int M, int N>
-inline void householder(double* A, double* b, double* column_norm, int m_run = M,
-                        int n_run = N) noexcept {
-  const int m = M > 0 ? M : m_run;
-  const int n = N > 0 ? N : n_run;
-  for (int k = 0; k < n; ++k) {
-    double sum = 0.0;
-    for (int i = 0; i < m; ++i) sum += A[k * m + i] * A[k * m + i];
-    column_norm[k] = std::sqrt(sum);
-  }
-  for (int k = 0; k < n; ++k) {
-    if (k == m - 1) break;  // nothing below the diagonal
-    double* column = A + k * m;
-    double below = 0.0;
-    for (int i = k + 1; i < m; ++i) below += column[i] * column[i];
-    if (below == 0.0) continue;
-    const double head = column[k];
-    const double norm = k == 0 ? column_norm[0] : std::sqrt(head * head + below);
-    const double alpha = head > 0.0 ? -norm : norm;
-    const double v0 = head - alpha;  // no cancellation: opposite signs
-    // H = I - beta v v^T with v = (v0, column below), beta = 2 / v^T v = 1 / (norm (norm +
-    // |head|)).
-    const double beta = -1.0 / (alpha * v0);
-    for (int j = k + 1; j < n; ++j) {
-      double* other = A + j * m;
-      double s = v0 * other[k];
-      for (int i = k + 1; i < m; ++i) s += column[i] * other[i];
-      s *= beta;
-      other[k] -= s * v0;
-      for (int i = k + 1; i < m; ++i) other[i] -= s * column[i];
-    }
-    double s = v0 * b[k];
-    for (int i = k + 1; i < m; ++i) s += column[i] * b[i];
-    s *= beta;
-    b[k] -= s * v0;
-    for (int i = k + 1; i < m; ++i) b[i] -= s * column[i];
-    column[k] = alpha;
-  }
-}
+/// Matrices are column-major without gaps. m >= n >= 1.
+struct HouseholderKernel {
+  /// A (m x n) becomes R in its upper triangle (below it: scrap); b (m) becomes Q^T b. Writes the
+  /// squared norms of A's columns and 1 / R_kk (infinite where R_kk = 0), n each.
+  void (*factor)(int m, int n, double* A, double* b, double* column_norm2,
+                 double* inverse_diagonal) noexcept;
+  /// y (n) = R^{-1} b of what factor() left.
+  void (*back_substitute)(int m, int n, const double* R, const double* b,
+                          const double* inverse_diagonal, double* y) noexcept;
+};
+
+/// The fastest kernel for m x n.
+[[nodiscard]] HouseholderKernel householder_kernel(int m, int n) noexcept;
+
+/// What R says of the rank, in squares of singular values of the equilibrated matrix.
+struct DiagonalRange {
+  /// Smallest (R_kk / ||A_k||)^2; 0 where a column is zero, depends on the others, or is not finite.
+  double smallest2{0.0};
+  double largest2{0.0};
+};
+[[nodiscard]] DiagonalRange diagonal_range(int m, int n, const double* R,
+                                           const double* column_norm2) noexcept;
+
+/// 1 / ||(R C)^{-1}||_F^2: the smallest singular value, squared, to a factor between 1/n and 1. The
+/// diagonal alone may overestimate it a hundredfold; this costs as much as the factorisation, and is
+/// for the few matrices whose diagonal gives cause. `column` (n) is scratch.
+[[nodiscard]] double smallest_singular2(int m, int n, const double* R, const double* column_norm2,
+                                        const double* inverse_diagonal, double* column) noexcept;
 
 }  // namespace haptic::core

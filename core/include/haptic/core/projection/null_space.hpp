@@ -1,22 +1,24 @@
 #pragma once
-/// Eq. (3)-(4): tau_a = J_a^T (I - J_n J_n^+) Z_x dx, the force optimised under underactuation.
+/// Eq. (3)-(4): tau_a = J_a^T (I - J_n J_n^+) Z_x dx, the force optimised under underactuation. With
+/// Z_x = z_x W, and Eq. (3) in the metric W^{-1} on forces (METHOD 4.2).
 
 #include "haptic/core/linear/least_squares.hpp"
-#include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/projection/projection.hpp"
+#include "haptic/core/projection/projection_model.hpp"
 
 namespace haptic::core {
 
 class NullSpace {
  public:
-  explicit NullSpace(const Kinematics& kinematics);
+  explicit NullSpace(const ProjectionModel& model);
   void project(const Probe& probe, const VecX& dx, const VecA& stiffness, Projection& out) noexcept;
 
  private:
-  const Kinematics* kinematics_;
-  double mean_J_a_;
+  ProjectionModel model_;
   LeastSquares solver_;
   VecA tau_a_{};
+  VecX dx_W_{};  ///< W^{1/2} dx
+  MatXQ J_W_{};  ///< W^{1/2} J
 };
 
 }  // namespace haptic::core

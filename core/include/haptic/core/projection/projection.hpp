@@ -14,7 +14,7 @@ enum class ProjectionStatus : std::uint8_t {
   kConverged = 2,       ///< iterated to tolerance
   kCapped = 3,          ///< iteration cap reached; the best iterate is used
   kUnreachable = 4,     ///< no q reaches x; the constrained optimum is used
-  kIllConditioned = 5,  ///< min|R_kk|/max|R_kk| < 1e-8 after equilibration
+  kIllConditioned = 5,  ///< condition of the equilibrated J above 1e8
   kRankDeficient = 6,   ///< a column of J depends on the others; minimum-norm answer in metric Z_q
   kMapFailed = 7,       ///< f has no value at q: the last q* is kept (METHOD 6, case 17)
 };
@@ -31,8 +31,11 @@ struct Probe {
 struct Projection {
   VecQ q_star{};  ///< n_q; where the spring is anchored
   ProjectionStatus status{ProjectionStatus::kNone};
-  double residual{0.0};   ///< ||x (-) f(q*)|| (exact) or ||dx - J dq|| (linearised)
+  double residual{0.0};   ///< ||x (-) f(q*)||_W (exact) or ||dx - J dq||_W (linearised)
   double condition{0.0};  ///< max|R_kk|/min|R_kk| of the equilibrated J; 0 where J was not used
+  /// With a prior: what its springs store beside 1/2 ||q*_a - q_a||^2_{Z_q}, J (METHOD 3.3, case B);
+  /// the sum is the potential whose gradient tau_a is. 0 without a prior.
+  double storage{0.0};
 };
 
 }  // namespace haptic::core

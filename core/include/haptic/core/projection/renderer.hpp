@@ -14,8 +14,9 @@ namespace haptic::core {
 
 class Renderer {
  public:
-  /// `kinematics` must outlive the renderer.
-  Renderer(RendererKind kind, const Kinematics& kinematics);
+  /// The model is copied; its kinematics must outlive the renderer. A map alone makes the model
+  /// without metric and prior.
+  Renderer(RendererKind kind, const ProjectionModel& model);
 
   [[nodiscard]] RendererKind kind() const noexcept;
   /// Writes the subspace proxy for proxy `x` with dx = x (-) x_probe. Never allocates, locks,
@@ -24,7 +25,7 @@ class Renderer {
   /// for all. `proxy_changed` false promises that x is the one of the previous call.
   void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                bool proxy_changed, Projection& out) noexcept;
-  /// Forgets warm starts and cached solutions.
+  /// Forgets warm starts, cached solutions and q_n^ref.
   void reset() noexcept;
 
  private:

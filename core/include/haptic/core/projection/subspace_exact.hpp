@@ -1,41 +1,40 @@
 #pragma once
-/// Eq. (6): q* = argmin ||x (-) f(q*)||^2 over the box of q*, solved once per change of the proxy
-/// (METHOD 3.3, case A: full column rank). By the map's closed form where it offers one; otherwise
-/// by Gauss-Newton from the last q*, each step a least-squares problem in the box, halved until the
-/// cost does not rise.
+/// Eq. (6): q* = argmin ||x (-) f(q*)||_W^2 over the box of q* (METHOD 3.3).
+///
+/// Case A, no prior: q* depends on x alone, so it is solved once per change of the proxy and held in
+/// between; two flops per DoF are left for every other tick, and no cycle of q can pump energy. By
+/// the map's closed form where it offers one: exact within reach, and beyond it the map's own nearest
+/// pose, slider limits included, in the unweighted distance. Else by iteration.
+/// Case B, with a prior: its actuated part follows the device, so every tick iterates, from the last
+/// q*; q_n^ref is taken when the proxy changes.
 
-#include "haptic/core/linear/least_squares.hpp"
-#include "haptic/core/model/kinematics.hpp"
+#include "haptic/core/projection/prior_target.hpp"
 #include "haptic/core/projection/projection.hpp"
+#include "haptic/core/projection/projection_model.hpp"
+#include "haptic/core/projection/proxy_solver.hpp"
 
 namespace haptic::core {
 
 class SubspaceExact {
  public:
-  static constexpr int kMaxSteps = 10;    ///< Gauss-Newton steps per change of the proxy
-  static constexpr int kMaxHalvings = 8;  ///< of one step
-  static constexpr double kTolerance =
-      1e-12;  ///< step relative to the box, that ends the iteration
-
-  explicit SubspaceExact(const Kinematics& kinematics);
+  explicit SubspaceExact(const ProjectionModel& model);
   void project(const Probe& probe, const VecX& x, const VecA& stiffness, bool proxy_changed,
                Projection& out) noexcept;
-  void reset() noexcept { has_solution_ = false; }
+  /// Forgets q* and q_n^ref.
+  void reset() noexcept;
 
  private:
-  void iterate(const VecX& x, const VecA& stiffness) noexcept;
-  /// One Gauss-Newton step from q_ that stays in the box; active set, at most 2 n_q passes.
-  void box_step(const VecA& stiffness) noexcept;
-  [[nodiscard]] double cost_at(const VecQ& q, const VecX& x) noexcept;
+  void solve(const Probe& probe, const VecX& x, const VecA& stiffness) noexcept;
+  void solve_with_prior(const Probe& probe, const VecX& x, const VecA& stiffness,
+                        bool proxy_changed) noexcept;
 
-  const Kinematics* kinematics_;
-  LeastSquares solver_;
+  ProjectionModel model_;
+  ProxySolver solver_;
+  PriorTarget target_;
   bool has_solution_{false};
   Projection solution_{};
-  VecQ lower_{}, upper_{};
-  VecQ q_{}, trial_{}, step_{};
-  VecX x_at_{}, r_{}, rhs_{};
-  MatXQ J_{}, J_free_{};
+  VecX x_at_{}, r_{};
+  MatXQ J_{};
 };
 
 }  // namespace haptic::core

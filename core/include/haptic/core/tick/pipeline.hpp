@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "haptic/core/model/kinematics.hpp"
+#include "haptic/core/projection/projection_model.hpp"
 #include "haptic/core/safety/late_bucket.hpp"
 #include "haptic/core/tick/tick_input.hpp"
 #include "haptic/core/tick/tick_record.hpp"
@@ -27,6 +28,7 @@ struct DeviceLimits {
 
 struct PipelineConfig {
   std::shared_ptr<const Kinematics> kinematics{};
+  ProjectionSettings projection{};  ///< metric W_x, and the prior where the map needs one
   DeviceLimits device{};
   RenderSettings scene{};  ///< the widest settings; a session's are held within these
   Duration loop_late_fault{std::chrono::milliseconds(20)};

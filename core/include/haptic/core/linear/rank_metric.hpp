@@ -1,0 +1,16 @@
+#pragma once
+/// The metric M on Q that decides where J leaves dq open (METHOD 4.3): without one the answer would
+/// depend on the units of q.
+
+#include "haptic/core/model/dof_layout.hpp"
+#include "haptic/core/types.hpp"
+
+namespace haptic::core {
+
+/// The diagonal of M^{-1/2}, n_q, in the order of q. M's actuated block is Z_q (n_a): only then is
+/// the rendered stiffness positive semidefinite where J loses rank. Sensed DoFs are weighted by what
+/// they do in X per unit, on the scale of the actuated ones.
+[[nodiscard]] VecQ rank_metric_root(const MatXQ& J, const DofLayout& layout,
+                                    const VecA& Z_q) noexcept;
+
+}  // namespace haptic::core

@@ -1,0 +1,67 @@
+#pragma once
+/// The iteration behind Eq. (6) where the map has no closed form (METHOD 3.3):
+///   q* = argmin ||x (-) f(q*)||_W^2 + sum_i w_i^2 (q*_i - t_i)^2  over the box of q,
+/// by Gauss-Newton in the box; where a full step would raise the cost, by Levenberg-Marquardt with
+/// Marquardt's scale. No step is taken that raises the cost: the last iterate is the best one seen.
+/// Near the end the cost is flat to rounding while q* still moves by its square root; there a step
+/// counts as long as it is shorter than the one before.
+
+#include "haptic/core/linear/boxed_least_squares.hpp"
+#include "haptic/core/projection/projection.hpp"
+#include "haptic/core/projection/projection_model.hpp"
+
+namespace haptic::core {
+
+class ProxySolver {
+ public:
+  static constexpr int kMaxTrials = 8;  ///< of damping, where a Gauss-Newton step fails
+
+  explicit ProxySolver(const ProjectionModel& model);
+
+  /// w and t above, n_q; before the first call there is no prior (w = 0).
+  void set_prior(const VecQ& weight, const VecQ& target) noexcept;
+
+  /// From `seed`, put into the box. `stiffness` (n_a) decides between the q* of a J without full
+  /// column rank. Writes q_star, status (kConverged, kCapped, kUnreachable, kRankDeficient,
+  /// kIllConditioned; kMapFailed: f has no value at the seed), residual, condition. Never allocates.
+  void solve(const VecX& x, const VecQ& seed, const VecA& stiffness, Projection& out) noexcept;
+
+ private:
+  struct Point {
+    VecQ q{};
+    VecX x{}, r{};     ///< f(q); W^{1/2} (x (-) f(q))
+    MatXQ J{};         ///< W^{1/2} df/dq
+    double task{0.0};  ///< ||r||^2
+    double cost{0.0};  ///< task and prior; infinite where f has no value
+  };
+  enum class Step { kTaken, kConverged, kStuck };
+
+  void evaluate(const VecX& x, Point& point) noexcept;
+  /// One step from here(), by trial and error; swaps here() and trial() where it was taken.
+  [[nodiscard]] Step step(const VecX& x) noexcept;
+  [[nodiscard]] Step damped_step(const VecX& x) noexcept;
+  /// trial().q = here().q + the step of damping lambda. Returns its length relative to the box.
+  double propose(double lambda) noexcept;
+  [[nodiscard]] Point& here() noexcept { return points_[here_]; }
+  [[nodiscard]] Point& trial() noexcept { return points_[1 - here_]; }
+  [[nodiscard]] ProjectionStatus judge(Step last) noexcept;
+  /// What the whole box spans in X by the Jacobian here, squared.
+  [[nodiscard]] double span2() noexcept;
+
+  ProjectionModel model_;
+  BoxedLeastSquares linear_{};
+  VecQ lower_{}, upper_{}, metric_root_{};
+  bool has_prior_{false};
+  VecQ prior_weight_{}, prior_target_{};
+  VecQ marquardt_{};  ///< largest column norms so far
+  double lambda_{0.0};
+  double floor_{0.0};    ///< a cost of rounding alone
+  double length_{0.0};   ///< of the last undamped step, relative to the box
+  bool limited_{false};  ///< of the last undamped step, as are the next two
+  double condition_{0.0};
+  ProjectionStatus rank_{ProjectionStatus::kNone};
+  int here_{0};
+  Point points_[2]{};
+};
+
+}  // namespace haptic::core

@@ -1,0 +1,43 @@
+#pragma once
+/// W_x: what counts as near in X (METHOD 4.4). Everything that projects minimises ||x (-) f(q*)||_W,
+/// so it sees W^{1/2} J and W^{1/2} dx. Where X mixes metres and radians there is no natural W, and
+/// the scene must say one; elsewhere the default is the identity.
+
+#include <memory>
+
+#include "haptic/core/types.hpp"
+
+namespace haptic::core {
+
+class TaskMetric {
+ public:
+  /// The identity, for any n_x.
+  TaskMetric() = default;
+  /// W = diag(1 / scale_i^2): scale_i (unit of x_i) is the error in x_i that counts as 1. Throws
+  /// SceneError unless every scale is finite and > 0.
+  [[nodiscard]] static TaskMetric from_scales(const VecX& scale);
+  /// Any symmetric positive definite W (n_x by n_x; W_ij in 1 / (unit of x_i times unit of x_j)), for
+  /// instance sum_c k_c (J_c^T n_c)(J_c^T n_c)^T + eps I over contact normals. Throws SceneError.
+  [[nodiscard]] static TaskMetric from_matrix(const Eigen::Ref<const Eigen::MatrixXd>& W);
+
+  [[nodiscard]] bool is_identity() const noexcept { return n_x_ == 0; }
+  /// 0 for the identity, which fits any.
+  [[nodiscard]] int n_x() const noexcept { return n_x_; }
+
+  /// v <- W^{1/2} v and J <- W^{1/2} J, with W^{1/2} = L^T of W = L L^T. n_x rows; never allocates.
+  void weigh(VecX& v) const noexcept;
+  void weigh(MatXQ& J) const noexcept;
+  /// W^{1/2} of the argument: the argument itself for the identity, else `scratch`.
+  [[nodiscard]] const VecX& weighed(const VecX& v, VecX& scratch) const noexcept;
+  [[nodiscard]] const MatXQ& weighed(const MatXQ& J, MatXQ& scratch) const noexcept;
+
+ private:
+  void weigh(double* column) const noexcept;
+
+  int n_x_{0};
+  VecX diagonal_{};  ///< of W^{1/2}
+  /// W^{1/2}, upper triangular, where it is not diagonal. Shared: copies are made under way.
+  std::shared_ptr<const Eigen::MatrixXd> upper_{};
+};
+
+}  // namespace haptic::core

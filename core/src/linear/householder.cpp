@@ -1,0 +1,55 @@
+#include "haptic/core/linear/householder.hpp"
+
+#include <algorithm>
+
+#include "householder_steps.hpp"
+
+namespace haptic::core {
+
+namespace {
+
+template <int M, int N>
+constexpr HouseholderKernel kernel() noexcept {
+  return {&householder_steps::factor<M, N>, &householder_steps::back_substitute<M, N>};
+}
+
+}  // namespace
+
+HouseholderKernel householder_kernel(int m, int n) noexcept {
+  if (m == 2 && n == 2) return kernel<2, 2>();
+  if (m == 6 && n == 2) return kernel<6, 2>();
+  if (m == 6 && n == 6) return kernel<6, 6>();
+  if (m == 27 && n == 10) return kernel<27, 10>();
+  return kernel<0, 0>();
+}
+
+DiagonalRange diagonal_range(int m, int n, const double* R, const double* column_norm2) noexcept {
+  DiagonalRange range;
+  for (int k = 0; k < n; ++k) {
+    const double diagonal = R[k * m + k];
+    const double scaled2 = diagonal * diagonal / column_norm2[k];
+    // Also false for NaN, of which a zero column makes one.
+    if (!(scaled2 > 0.0 && scaled2 < 2.0)) return {0.0, range.largest2};
+    range.smallest2 = k == 0 ? scaled2 : std::min(range.smallest2, scaled2);
+    range.largest2 = std::max(range.largest2, scaled2);
+  }
+  return range;
+}
+
+double smallest_singular2(int m, int n, const double* R, const double* column_norm2,
+                          const double* inverse_diagonal, double* column) noexcept {
+  double sum = 0.0;
+  for (int k = 0; k < n; ++k) {  // column k of R^{-1}; row i of (R C)^{-1} is scaled by ||A_i||
+    column[k] = inverse_diagonal[k];
+    sum += column[k] * column[k] * column_norm2[k];
+    for (int i = k - 1; i >= 0; --i) {
+      double below = 0.0;
+      for (int j = i + 1; j <= k; ++j) below += R[j * m + i] * column[j];
+      column[i] = -below * inverse_diagonal[i];
+      sum += column[i] * column[i] * column_norm2[i];
+    }
+  }
+  return 1.0 / sum;
+}
+
+}  // namespace haptic::core

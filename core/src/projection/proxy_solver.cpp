@@ -1,0 +1,144 @@
+#include "haptic/core/projection/proxy_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "haptic/core/linear/rank_metric.hpp"
+
+namespace haptic::core {
+
+namespace {
+
+// Marquardt's usual numbers (METHOD 3.3).
+constexpr double kFirstLambda = 1e-3;
+constexpr double kRaise = 8.0;
+constexpr double kLower = 0.1;
+/// A step that promises less than this share of the cost is rounding.
+constexpr double kLeastPromise = 1e-12;
+/// A residual of this share of what the box spans in X is rounding.
+constexpr double kRounding = 1e-15;
+/// A residual below this share of what the box spans in X is none.
+constexpr double kNoResidual = 1e-9;
+
+}  // namespace
+
+ProxySolver::ProxySolver(const ProjectionModel& model) : model_(model) {
+  const int n_q = model.layout().n_q();
+  lower_.resize(n_q);
+  upper_.resize(n_q);
+  for (int i = 0; i < n_q; ++i) {
+    const DofSpec& dof = model.kinematics().dofs()[static_cast<std::size_t>(i)];
+    lower_[i] = dof.lower;
+    upper_[i] = dof.upper;
+  }
+  for (Point& point : points_) {
+    point.q = VecQ::Zero(n_q);
+    point.x = point.r = VecX::Zero(model.n_x());
+    point.J = MatXQ::Zero(model.n_x(), n_q);
+  }
+}
+
+void ProxySolver::set_prior(const VecQ& weight, const VecQ& target) noexcept {
+  has_prior_ = true;
+  prior_weight_ = weight;
+  prior_target_ = target;
+}
+
+void ProxySolver::solve(const VecX& x, const VecQ& seed, const VecA& stiffness,
+                        Projection& out) noexcept {
+  here().q = seed.cwiseMax(lower_).cwiseMin(upper_);
+  evaluate(x, here());
+  out.q_star = here().q;
+  out.residual = out.condition = 0.0;
+  out.status = ProjectionStatus::kMapFailed;
+  if (!std::isfinite(here().cost)) return;
+
+  metric_root_ = rank_metric_root(here().J, model_.layout(), stiffness);
+  marquardt_.setZero(model_.layout().n_q());
+  lambda_ = kFirstLambda;
+  length_ = std::numeric_limits<double>::infinity();
+  floor_ = kRounding * kRounding * span2();
+  Step last = Step::kTaken;
+  for (int i = 0; i < model_.iteration().max_steps && last == Step::kTaken; ++i) last = step(x);
+  out.q_star = here().q;
+  out.residual = std::sqrt(here().task);
+  out.condition = condition_;
+  out.status = judge(last);
+}
+
+void ProxySolver::evaluate(const VecX& x, Point& point) noexcept {
+  point.cost = std::numeric_limits<double>::infinity();
+  if (model_.kinematics().evaluate(point.q, point.x, point.J) != MapStatus::kOk) return;
+  model_.kinematics().space().difference(x, point.x, point.r);
+  model_.metric().weigh(point.r);
+  model_.metric().weigh(point.J);
+  point.task = point.r.squaredNorm();
+  point.cost = point.task;
+  if (has_prior_) {
+    point.cost += prior_weight_.cwiseProduct(point.q - prior_target_).squaredNorm();
+  }
+}
+
+double ProxySolver::propose(double lambda) noexcept {
+  const int n_q = model_.layout().n_q();
+  const int rows = model_.n_x() + (has_prior_ ? n_q : 0) + (lambda > 0.0 ? n_q : 0);
+  linear_.begin(rows, n_q);
+  linear_.add(here().J, here().r);
+  if (has_prior_) linear_.add_diagonal(prior_weight_, prior_target_ - here().q);
+  if (lambda > 0.0) {
+    marquardt_ = marquardt_.cwiseMax(linear_.column_norms());
+    linear_.add_diagonal(std::sqrt(lambda) * marquardt_, VecQ::Zero(n_q));
+  }
+  linear_.solve(lower_ - here().q, upper_ - here().q, metric_root_);
+  trial().q = (here().q + linear_.p()).cwiseMax(lower_).cwiseMin(upper_);
+  return (trial().q - here().q).cwiseAbs().cwiseQuotient(upper_ - lower_).maxCoeff();
+}
+
+ProxySolver::Step ProxySolver::step(const VecX& x) noexcept {
+  const double length = propose(0.0);
+  const double promise = here().cost - linear_.residual2();
+  limited_ = linear_.limited();
+  condition_ = linear_.condition();
+  rank_ = linear_.status();
+  evaluate(x, trial());
+  const bool flat = promise <= kLeastPromise * here().cost + floor_;
+  const bool better =
+      flat ? std::isfinite(trial().cost) && length < length_ : trial().cost <= here().cost;
+  length_ = length;
+  if (better) here_ = 1 - here_;
+  if (length < model_.iteration().tolerance || (flat && !better)) return Step::kConverged;
+  return better ? Step::kTaken : damped_step(x);
+}
+
+ProxySolver::Step ProxySolver::damped_step(const VecX& x) noexcept {
+  for (int trials = 0; trials < kMaxTrials; ++trials) {
+    propose(lambda_);
+    evaluate(x, trial());
+    if (trial().cost < here().cost) {
+      here_ = 1 - here_;
+      lambda_ *= kLower;
+      return Step::kTaken;
+    }
+    lambda_ *= kRaise;
+  }
+  return Step::kStuck;
+}
+
+double ProxySolver::span2() noexcept {
+  double sum = 0.0;
+  for (Eigen::Index k = 0; k < lower_.size(); ++k) {
+    const double width = upper_[k] - lower_[k];
+    sum += here().J.col(k).squaredNorm() * width * width;
+  }
+  return sum;
+}
+
+ProjectionStatus ProxySolver::judge(Step last) noexcept {
+  if (rank_ != ProjectionStatus::kExact) return rank_;
+  if (last != Step::kConverged) return ProjectionStatus::kCapped;
+  const bool out_of_reach = limited_ && here().task > kNoResidual * kNoResidual * span2();
+  return out_of_reach ? ProjectionStatus::kUnreachable : ProjectionStatus::kConverged;
+}
+
+}  // namespace haptic::core

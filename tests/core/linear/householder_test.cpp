@@ -1,0 +1,140 @@
+#include "haptic/core/linear/householder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tests/core/linear/random_matrix.hpp"
+
+namespace haptic::core {
+namespace {
+
+using samples::gaussian;
+using samples::with_condition;
+
+struct Solved {
+  Eigen::MatrixXd R{};
+  Eigen::VectorXd Qt_b{}, y{}, norm2{}, inverse{};
+  DiagonalRange diagonal{};
+};
+
+Solved solve(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  const int m = static_cast<int>(A.rows()), n = static_cast<int>(A.cols());
+  Solved s{A, b, Eigen::VectorXd(n), Eigen::VectorXd(n), Eigen::VectorXd(n), {}};
+  const HouseholderKernel kernel = householder_kernel(m, n);
+  kernel.factor(m, n, s.R.data(), s.Qt_b.data(), s.norm2.data(), s.inverse.data());
+  kernel.back_substitute(m, n, s.R.data(), s.Qt_b.data(), s.inverse.data(), s.y.data());
+  s.diagonal = diagonal_range(m, n, s.R.data(), s.norm2.data());
+  return s;
+}
+
+struct Size {
+  int m, n;
+};
+constexpr Size kSizes[] = {{1, 1}, {2, 1}, {2, 2}, {3, 2},   {3, 3},  {6, 2},
+                           {6, 6}, {7, 5}, {9, 4}, {27, 10}, {72, 24}};
+
+TEST(Householder, SolvesLikeEigenAtEverySize) {
+  std::mt19937_64 random(1);
+  for (const Size& size : kSizes) {
+    for (int trial = 0; trial < 300; ++trial) {
+      const Eigen::MatrixXd A = gaussian(random, size.m, size.n);
+      const Eigen::VectorXd b = gaussian(random, size.m, 1);
+      const Solved s = solve(A, b);
+      const Eigen::VectorXd want = A.colPivHouseholderQr().solve(b);
+      const Eigen::VectorXd singular = A.jacobiSvd().singularValues();
+      const double condition = singular[0] / singular[size.n - 1];
+      ASSERT_LT((s.y - want).norm(), 2e-15 * condition * condition * (want.norm() + b.norm()))
+          << size.m << " x " << size.n;
+    }
+  }
+}
+
+TEST(Householder, IsATriangularFactorOfTheGramMatrix) {
+  std::mt19937_64 random(2);
+  for (const Size& size : kSizes) {
+    const Eigen::MatrixXd A = gaussian(random, size.m, size.n);
+    const Eigen::VectorXd b = gaussian(random, size.m, 1);
+    const Solved s = solve(A, b);
+    const Eigen::MatrixXd R = s.R.topRows(size.n).triangularView<Eigen::Upper>();
+    EXPECT_LT((R.transpose() * R - A.transpose() * A).norm(), 1e-13 * A.squaredNorm());
+    // R^T (Q^T b) = A^T b, and Q keeps the length of b.
+    EXPECT_LT((R.transpose() * s.Qt_b.head(size.n) - A.transpose() * b).norm(),
+              1e-13 * A.norm() * b.norm());
+    EXPECT_NEAR(s.Qt_b.norm(), b.norm(), 1e-13 * b.norm());
+    for (int k = 0; k < size.n; ++k) {
+      EXPECT_NEAR(s.norm2[k], A.col(k).squaredNorm(), 1e-13 * A.squaredNorm());
+      EXPECT_NEAR(s.inverse[k] * s.R(k, k), 1.0, 1e-14);
+    }
+  }
+}
+
+/// METHOD 6, case 10: forward error below 10 eps cond from 1 to 1e16, and never a NaN.
+TEST(Householder, ErrorGrowsWithTheConditionAndNoFaster) {
+  std::mt19937_64 random(10);
+  constexpr double kEps = std::numeric_limits<double>::epsilon();
+  for (int power = 0; power <= 16; ++power) {
+    const double condition = std::pow(10.0, power);
+    for (int trial = 0; trial < 40; ++trial) {
+      const Eigen::MatrixXd A = with_condition(random, 6, 6, condition);
+      const Eigen::VectorXd want = gaussian(random, 6, 1);
+      const Eigen::VectorXd b = (A.cast<long double>() * want.cast<long double>()).cast<double>();
+      const Solved s = solve(A, b);
+      ASSERT_TRUE(s.y.allFinite());
+      ASSERT_LT((s.y - want).norm() / want.norm(), 10.0 * kEps * condition) << "1e" << power;
+    }
+  }
+}
+
+/// METHOD 6, case 11: 72 x 24, cond 1e4, residual 10 % of b.
+TEST(Householder, ALargeInconsistentSystemIsSolvedTo1em10) {
+  std::mt19937_64 random(11);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Eigen::MatrixXd A = with_condition(random, 72, 24, 1e4);
+    const Eigen::VectorXd want = gaussian(random, 24, 1);
+    Eigen::VectorXd aside = gaussian(random, 72, 1);
+    const Eigen::MatrixXd Q = A.householderQr().householderQ() * Eigen::MatrixXd::Identity(72, 24);
+    for (int pass = 0; pass < 2; ++pass) aside -= Q * (Q.transpose() * aside);
+    const Eigen::VectorXd fits = A * want;
+    const Solved s = solve(A, fits + 0.1 * fits.norm() / aside.norm() * aside);
+    EXPECT_LT((s.y - want).norm() / want.norm(), 1e-10);
+  }
+}
+
+TEST(Householder, TheDiagonalDoesNotKnowTheUnitsOfTheColumns) {
+  std::mt19937_64 random(3);
+  for (int trial = 0; trial < 200; ++trial) {
+    const Eigen::MatrixXd A = gaussian(random, 6, 4);
+    const Eigen::VectorXd units = (Eigen::VectorXd(4) << 1e3, 57.3, 1e-6, 1.0).finished();
+    const Eigen::VectorXd b = gaussian(random, 6, 1);
+    const DiagonalRange one = solve(A, b).diagonal;
+    const DiagonalRange other = solve(A * units.asDiagonal(), b).diagonal;
+    EXPECT_NEAR(one.smallest2 / other.smallest2, 1.0, 1e-11);
+    EXPECT_NEAR(one.largest2 / other.largest2, 1.0, 1e-11);
+  }
+}
+
+TEST(Householder, ZeroDependentAndNonFiniteColumnsShowInTheDiagonal) {
+  std::mt19937_64 random(4);
+  for (const Size& size : kSizes) {
+    const Eigen::VectorXd b = gaussian(random, size.m, 1);
+    Eigen::MatrixXd zero = gaussian(random, size.m, size.n);
+    zero.col(size.n - 1).setZero();
+    EXPECT_EQ(solve(zero, b).diagonal.smallest2, 0.0);
+    Eigen::MatrixXd broken = gaussian(random, size.m, size.n);
+    broken(size.m - 1, 0) = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(solve(broken, b).diagonal.smallest2, 0.0);
+    broken(size.m - 1, 0) = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(solve(broken, b).diagonal.smallest2, 0.0);
+    if (size.n < 2) continue;
+    Eigen::MatrixXd twice = gaussian(random, size.m, size.n);
+    twice.col(size.n - 1) = -2.5 * twice.col(0);
+    EXPECT_LT(solve(twice, b).diagonal.smallest2, 1e-28);
+  }
+}
+
+}  // namespace
+}  // namespace haptic::core

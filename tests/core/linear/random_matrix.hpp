@@ -1,0 +1,29 @@
+#pragma once
+/// Random matrices for tests: Gaussian, and with singular values as wanted.
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <random>
+
+namespace haptic::core::samples {
+
+inline Eigen::MatrixXd gaussian(std::mt19937_64& random, int rows, int columns) {
+  std::normal_distribution<double> normal;
+  Eigen::MatrixXd A(rows, columns);
+  for (int i = 0; i < A.size(); ++i) A.data()[i] = normal(random);
+  return A;
+}
+
+/// m x n (m >= n) with singular values from 1 down to 1/condition, evenly on a log scale.
+inline Eigen::MatrixXd with_condition(std::mt19937_64& random, int m, int n, double condition) {
+  const Eigen::MatrixXd U =
+      Eigen::HouseholderQR<Eigen::MatrixXd>(gaussian(random, m, n)).householderQ() *
+      Eigen::MatrixXd::Identity(m, n);
+  const Eigen::MatrixXd V =
+      Eigen::HouseholderQR<Eigen::MatrixXd>(gaussian(random, n, n)).householderQ();
+  Eigen::VectorXd s(n);
+  for (int i = 0; i < n; ++i) s[i] = std::pow(condition, n > 1 ? -double(i) / (n - 1) : 0.0);
+  return U * s.asDiagonal() * V.transpose();
+}
+
+}  // namespace haptic::core::samples

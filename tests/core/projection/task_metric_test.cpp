@@ -1,0 +1,185 @@
+// W_x of METHOD 4.4: what the scene says counts as near in X.
+#include "haptic/core/projection/task_metric.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/linear.hpp"
+#include "haptic/core/projection/direction_guard.hpp"
+#include "haptic/core/projection/renderer.hpp"
+#include "tests/core/linear/random_matrix.hpp"
+
+namespace haptic::core {
+namespace {
+
+using samples::gaussian;
+
+constexpr RendererKind kAll[] = {RendererKind::kStandard, RendererKind::kNullSpace,
+                                 RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact};
+
+/// `metres`: how many of the first coordinates are in m; the others are in rad.
+std::unique_ptr<Kinematics> linear_map(const Eigen::MatrixXd& A, int n_a, int metres) {
+  LinearMap map;
+  for (int i = 0; i < A.cols(); ++i) {
+    map.dofs.push_back({"q" + std::to_string(i), Unit::kMetre, i < n_a, -1e6, 1e6});
+  }
+  for (int i = 0; i < A.rows(); ++i) {
+    map.coordinates.push_back({"x" + std::to_string(i), i < metres ? Unit::kMetre : Unit::kRadian});
+  }
+  map.A = A;
+  return make_linear(map);
+}
+
+VecA force(RendererKind kind, const ProjectionModel& model, const VecX& x, const VecA& Z_q) {
+  VecX x_probe, dx;
+  MatXQ J;
+  const VecQ q = VecQ::Zero(model.layout().n_q());
+  EXPECT_EQ(model.kinematics().evaluate(q, x_probe, J), MapStatus::kOk);
+  model.kinematics().space().difference(x, x_probe, dx);
+  Renderer renderer(kind, model);
+  Projection out;
+  renderer.project(Probe{q, x_probe, J}, x, dx, Z_q, true, out);
+  return Z_q.cwiseProduct(model.layout().select(out.q_star));
+}
+
+ProjectionSettings with_metric(TaskMetric metric) {
+  ProjectionSettings settings;
+  settings.metric = std::move(metric);
+  return settings;
+}
+
+TEST(TaskMetric, IsRefusedAnyDefaultWhereUnitsDiffer) {
+  const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(3, 2);
+  const auto mixed = linear_map(A, 1, 2), metres = linear_map(A, 1, 3);
+  EXPECT_NO_THROW(ProjectionModel{*metres});
+  EXPECT_THROW(ProjectionModel{*mixed}, SceneError);
+  EXPECT_NO_THROW(ProjectionModel(*mixed, with_metric(TaskMetric::from_scales(VecX::Ones(3)))));
+  EXPECT_THROW(ProjectionModel(*mixed, with_metric(TaskMetric::from_scales(VecX::Ones(2)))),
+               SceneError);
+}
+
+TEST(TaskMetric, WhatIsNoMetricIsRefused) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (const double bad : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity()}) {
+    EXPECT_THROW((void)TaskMetric::from_scales((VecX(2) << 1.0, bad).finished()), SceneError);
+  }
+  EXPECT_THROW((void)TaskMetric::from_scales(VecX()), SceneError);
+  const auto refused = [](const Eigen::MatrixXd& W) {
+    EXPECT_THROW((void)TaskMetric::from_matrix(W), SceneError) << W;
+  };
+  refused((Eigen::Matrix2d() << 1, 0.1, 0.2, 1).finished());  // not symmetric
+  refused((Eigen::Matrix2d() << 1, 2, 2, 1).finished());      // not positive
+  refused((Eigen::Matrix2d() << 1, 0, 0, 0).finished());
+  refused((Eigen::Matrix2d() << 1, kNan, kNan, 1).finished());
+  refused(Eigen::MatrixXd::Identity(2, 3));
+}
+
+TEST(TaskMetric, ItsRootSquaredIsTheMetric) {
+  std::mt19937_64 random(1);
+  for (int n = 1; n <= kMaxX; n += 7) {
+    const Eigen::MatrixXd B = gaussian(random, n, n);
+    const Eigen::MatrixXd W = B * B.transpose() + Eigen::MatrixXd::Identity(n, n);
+    const TaskMetric metric = TaskMetric::from_matrix(W);
+    const VecX v = gaussian(random, n, 1);
+    VecX weighed = v;
+    metric.weigh(weighed);
+    EXPECT_NEAR(weighed.squaredNorm(), v.dot(W * v), 1e-12 * v.dot(W * v) * n);
+  }
+}
+
+/// Eq. (1), (4), (8) with Z_x = z_x W, written out densely.
+TEST(TaskMetric, EveryRendererMeasuresByIt) {
+  std::mt19937_64 random(2);
+  for (int trial = 0; trial < 400; ++trial) {
+    const int n_x = 4 + trial % 3, n_q = 3, n_a = 1 + trial % 2;
+    const Eigen::MatrixXd A = gaussian(random, n_x, n_q), B = gaussian(random, n_x, n_x);
+    const Eigen::MatrixXd W = B * B.transpose() + 0.1 * Eigen::MatrixXd::Identity(n_x, n_x);
+    const auto map = linear_map(A, n_a, n_x / 2);
+    const ProjectionModel model(*map, with_metric(TaskMetric::from_matrix(W)));
+    const VecX x = gaussian(random, n_x, 1);
+    const VecA Z_q = VecA::Constant(n_a, 300.0);
+    const Eigen::MatrixXd J_a = A.leftCols(n_a), J_n = A.rightCols(n_q - n_a);
+    const double z_x = 300.0 / (J_a.transpose() * W * J_a).trace();
+    const Eigen::VectorXd f = z_x * W * x;
+    // Eq. (3) in the metric W^{-1} on forces: f* = f - W J_n (J_n^T W J_n)^{-1} J_n^T f.
+    const Eigen::VectorXd f_star =
+        f - W * J_n * (J_n.transpose() * W * J_n).ldlt().solve(J_n.transpose() * f);
+    const Eigen::VectorXd dq = (A.transpose() * W * A).ldlt().solve(A.transpose() * W * x);
+    const Eigen::VectorXd want[] = {J_a.transpose() * f, J_a.transpose() * f_star,
+                                    300.0 * dq.head(n_a), 300.0 * dq.head(n_a)};
+    for (int k = 0; k < 4; ++k) {
+      const VecA got = force(kAll[k], model, x, Z_q);
+      ASSERT_LT((got - want[k]).norm(), 1e-8 * (want[k].norm() + 1.0)) << name(kAll[k]);
+    }
+  }
+}
+
+/// METHOD 6, case 14, with mixed units in X and Q: metres or millimetres, radians or degrees, the
+/// same force.
+TEST(TaskMetric, TheForceDoesNotKnowTheUnits) {
+  std::mt19937_64 random(3);
+  constexpr double kDegrees = 57.295779513082323;
+  for (int trial = 0; trial < 1000; ++trial) {
+    const Eigen::MatrixXd A = gaussian(random, 4, 3);
+    const VecX scale = (VecX(4) << 0.005, 0.005, 0.1, 0.1).finished();
+    const VecX in_x = (VecX(4) << 1e3, 1e3, kDegrees, kDegrees).finished();
+    const VecQ in_q = (VecQ(3) << 1e3, 1e3, kDegrees).finished();
+    const Eigen::MatrixXd A_units = in_x.asDiagonal() * A * in_q.cwiseInverse().asDiagonal();
+    const auto si = linear_map(A, 2, 2), other = linear_map(A_units, 2, 2);
+    const ProjectionModel model(*si, with_metric(TaskMetric::from_scales(scale)));
+    const ProjectionModel same(*other,
+                               with_metric(TaskMetric::from_scales(scale.cwiseProduct(in_x))));
+    const VecX x = scale.cwiseProduct(VecX(gaussian(random, 4, 1)));
+    const VecA Z_q = (VecA(2) << 1500.0, 700.0).finished();
+    for (const RendererKind kind : {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
+      const VecA newton = force(kind, model, x, Z_q);
+      // N/mm against N/m; a force in N comes out, in units of (N/mm) mm.
+      const VecA again = force(kind, same, x.cwiseProduct(in_x), Z_q / 1e3);
+      const double condition = 100.0;  // of most of these J; the bound is 1e-12 relative to it
+      ASSERT_LT((newton - again).norm(), 1e-12 * condition * (1.0 + newton.norm())) << name(kind);
+    }
+  }
+}
+
+TEST(TaskMetric, ItDecidesWhichErrorIsGivenUp) {
+  // One actuated DoF moves both coordinates; the proxy asks them apart.
+  const auto map = linear_map((Eigen::MatrixXd(2, 1) << 1.0, 1.0).finished(), 1, 2);
+  const VecX x = (VecX(2) << 0.01, -0.02).finished();
+  const auto q_star = [&](double s0, double s1) {
+    const ProjectionModel model(
+        *map, with_metric(TaskMetric::from_scales((VecX(2) << s0, s1).finished())));
+    return force(RendererKind::kSubspaceExact, model, x, VecA::Ones(1))[0];
+  };
+  EXPECT_NEAR(q_star(1.0, 1.0), -0.005, 1e-15);
+  EXPECT_NEAR(q_star(1e-4, 1.0), 0.01, 1e-8);
+  EXPECT_NEAR(q_star(1.0, 1e-4), -0.02, 1e-8);
+}
+
+TEST(TaskMetric, TheGuardNeverWithholdsTheLinearisedForce) {
+  std::mt19937_64 random(4);
+  for (int trial = 0; trial < 500; ++trial) {
+    const int n_q = 1 + trial % 4;  // wide where n_q > 3
+    const Eigen::MatrixXd A = gaussian(random, 3, n_q);
+    const auto map = linear_map(A, 1 + trial % n_q, 1);
+    const ProjectionModel model(
+        *map, with_metric(TaskMetric::from_scales((VecX(3) << 0.005, 0.1, 0.2).finished())));
+    VecA Z_q = VecA(gaussian(random, model.layout().n_a(), 1)).cwiseAbs() +
+               VecA::Constant(model.layout().n_a(), 0.1);
+    const VecX x = gaussian(random, 3, 1);
+    const VecA tau = force(RendererKind::kSubspaceLinear, model, x, Z_q);
+    DirectionGuard guard(model, Z_q);
+    const VecQ q = VecQ::Zero(n_q);
+    const VecX x_probe = VecX::Zero(3);
+    const MatXQ J = A;
+    ASSERT_TRUE(guard.allows(Probe{q, x_probe, J}, x, tau));
+    ASSERT_EQ(guard.allows(Probe{q, x_probe, J}, x, -tau), tau.norm() == 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace haptic::core

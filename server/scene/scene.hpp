@@ -17,6 +17,7 @@ struct DeviceScene {
   std::string name{};
   hw::DeviceConfig source{};
   std::shared_ptr<const core::Kinematics> kinematics{};
+  core::ProjectionSettings projection{};
   core::RenderSettings settings{};  ///< the widest a session may ask for
   /// An upper bound on every session's fresh_end; absent: 2.5 nominal periods
   /// of the client.

@@ -22,7 +22,7 @@ packages() {
                 "nlohmann-json3-dev" ;;
     test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" \
                 "liborocos-kdl-dev" ;;
-    report) echo "gnuplot-nox" ;;
+    report) echo "gnuplot-nox liblapack-dev" ;;
     firmware | containers) ;;  # filled by what first needs a package
     *)
       echo "install-deps.sh: no group '$1' (groups: runtime build test report firmware containers)" >&2

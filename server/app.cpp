@@ -91,6 +91,8 @@ void App::open_devices() {
     config.projection = scene.projection;
     config.device = device->info().limits;
     config.scene = scene.settings;
+    config.monotone_envelope = scene.monotone_envelope;
+    config.passivity = scene.passivity;
     config.loop_late_fault = realtime_.loop_late_fault;
     config.late_bucket_full = scene_.loop.late_bucket_full;
     spdlog::info("{}: {} ({})", scene.name, device->info().model, device->info().kind);
@@ -109,7 +111,7 @@ void App::listen_to_devices() {
         std::make_unique<EventLog>(device.name, [&sessions] { return sessions.controller(); }));
     telemetry_->add(i, listeners_.back().get(), ListenerRank::kBackground);
     if (!scene_.record) continue;
-    const auto file = record_file(scene_.record->file, device.name, units_.size());
+    const auto file = record_file(scene_, i);
     spdlog::info("{}: recorded in {}", device.name, file.string());
     listeners_.push_back(
         std::make_unique<Recorder>(file, device.kinematics, comparison(*scene_.record, device)));

@@ -30,10 +30,11 @@ while (($#)); do
     *) echo "demo.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
   esac
 done
-if ! [[ $seconds =~ ^[0-9]+$ ]] || ((seconds < 3)); then
-  echo "demo.sh: --seconds must be a whole number, at least 3" >&2
+if ! [[ $seconds =~ ^[0-9]{1,6}$ ]] || ((10#$seconds < 3)); then
+  echo "demo.sh: --seconds must be a whole number, 3 to 999999" >&2
   exit 2
 fi
+seconds=$((10#$seconds))
 
 if $build; then
   sh "$root/docker/install-deps.sh" build test

@@ -1,18 +1,21 @@
 /// hapticd: reads the command line and a scene, serves until SIGTERM, SIGINT or SIGHUP.
 /// Exit codes: 0 served and stopped, 1 could not serve, 2 bad command line or scene.
 
-#include <spdlog/sinks/stdout_color_sinks.h>
+#include <fcntl.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstring>
+#include <filesystem>
 #include <iostream>
 #include <map>
 
 #include "haptic/core/error.hpp"
 #include "hw/open_device.hpp"
 #include "server/app.hpp"
+#include "server/telemetry/stderr_log.hpp"
 
 namespace {
 
@@ -28,12 +31,17 @@ struct CommandLine {
   bool check_scene{false};
 };
 
-/// What a scene's text cannot say: whether the files it names can be played. Opening a simulated or
-/// replayed device reads them, and moves nothing.
-void check_recordings(const haptic::server::Scene& scene) {
+/// What a scene's text cannot say: whether the files it names can be played, and one be written.
+/// Opening a simulated or replayed device reads them, and moves nothing.
+void check_files(const haptic::server::Scene& scene) {
   for (const haptic::server::DeviceScene& device : scene.devices) {
     static_cast<void>(haptic::hw::open_device(device.source, device.kinematics));
   }
+  if (!scene.record) return;
+  const std::filesystem::path file = absolute(scene.record->file);
+  if (access((exists(file) ? file : file.parent_path()).c_str(), W_OK) == 0) return;
+  throw haptic::core::SceneError("record.file = '" + scene.record->file.string() +
+                                 "': cannot be created: " + std::strerror(errno));
 }
 
 /// Signals are taken by sigwait() on this thread alone: every other thread inherits the block. A
@@ -49,6 +57,15 @@ sigset_t block_signals() {
   return signals;
 }
 
+/// A file that is opened later must not become the log because that was closed.
+void hold_standard_streams() {
+  int number = 0;
+  do {
+    number = open("/dev/null", O_RDWR);
+  } while (number >= 0 && number <= STDERR_FILENO);
+  if (number > STDERR_FILENO) close(number);
+}
+
 int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& signals) {
   if (!line.listen.empty()) scene.server.listen = line.listen;
   const std::vector<std::string> warnings = scene.warnings;
@@ -60,12 +77,14 @@ int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& 
   spdlog::info("SIG{}: force fades out, devices are disarmed", sigabbrev_np(signal));
   app.stop();
   spdlog::info("stopped");
+  haptic::server::finish_log();
   return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  hold_standard_streams();
   CommandLine line;
   const std::map<std::string, RealtimeMode> modes{{"require", RealtimeMode::kRequire},
                                                   {"try", RealtimeMode::kTry},
@@ -88,8 +107,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return cli.exit(error) == 0 ? 0 : 2;
   }
-  spdlog::set_default_logger(spdlog::stderr_color_mt("hapticd"));
-  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  haptic::server::log_to_stderr();
   spdlog::set_level(spdlog::level::from_str(line.log_level));
 
   const sigset_t signals = block_signals();
@@ -97,7 +115,7 @@ int main(int argc, char** argv) {
     haptic::server::Scene scene = haptic::server::load_scene(line.scene, line.set);
     if (line.print_scene) std::cout << scene.resolved;
     if (line.check_scene) {
-      check_recordings(scene);
+      check_files(scene);
       std::cout << line.scene << ": ok\n";
     }
     if (line.print_scene || line.check_scene) return 0;

@@ -32,6 +32,7 @@ int run(const Options& options) {
   wanted.nominal_rate_hz = 60.0;
   wanted.reconnect = haptic::client::Reconnect::kWithBackoff;
   wanted.re_engage = true;
+  wanted.derive_planes = true;  // the object's surface, between two steps; one block: the finger
   const auto session = server.open(wanted);
   if (session->device().coordinates.size() != 2) {
     std::fprintf(stderr, "soft grasp needs a finger: a device with two joint angles\n");

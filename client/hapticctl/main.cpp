@@ -2,9 +2,28 @@
 /// Exit codes: 0 done, 1 refused or failed, 2 bad command line.
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 
 #include "commands.hpp"
+
+namespace {
+
+/// A number from `lowest` to `highest`; CLI::Range lets nan through.
+CLI::Validator between(double lowest, double highest) {
+  return {[=](std::string& text) {
+            double value = std::nan("");
+            const bool number = CLI::detail::lexical_cast(text, value);
+            if (number && value >= lowest && value <= highest) return std::string();
+            return "must be a number from " + CLI::detail::to_string(lowest) + " to " +
+                   CLI::detail::to_string(highest);
+          },
+          "NUMBER"};
+}
+
+constexpr double kLongest = 1e9;  // s
+
+}  // namespace
 
 int main(int argc, char** argv) {
   haptic::ctl::Options options;
@@ -19,13 +38,15 @@ int main(int argc, char** argv) {
   CLI::App* watch = cli.add_subcommand("watch", "live tables of the devices");
   watch->add_flag("--json", options.json, "one JSON object per line, for scripts");
   watch->add_option("--rate", options.rate_hz, "lines or refreshes per second")
-      ->check(CLI::Range(1.0, 1000.0));
-  watch->add_option("--seconds", options.seconds, "stop after this long; 0: until interrupted");
+      ->check(between(1.0, 1000.0));
+  watch->add_option("--seconds", options.seconds, "stop after this long; 0: until interrupted")
+      ->check(between(0.0, kLongest));
   CLI::App* engage =
       cli.add_subcommand("engage", "take the lease, engage, print states until interrupted");
   engage->add_flag("--hold", options.hold,
                    "hold the device where it is (default: free, no force at all)");
-  engage->add_option("--seconds", options.seconds, "stop after this long; 0: until interrupted");
+  engage->add_option("--seconds", options.seconds, "stop after this long; 0: until interrupted")
+      ->check(between(0.0, kLongest));
   CLI::App* stop = cli.add_subcommand("estop", "zero force now, latched");
   stop->add_option("--reason", options.reason, "for the log");
   CLI::App* clear = cli.add_subcommand("clear-fault", "clear latched faults");

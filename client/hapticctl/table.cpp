@@ -47,13 +47,25 @@ double at(const std::vector<double>& values, std::size_t i) {
   return i < values.size() ? values[i] : std::nan("");
 }
 
+const char* mode_name(client::Mode mode) {
+  switch (mode) {
+    case client::Mode::kHeld:
+      return "held";
+    case client::Mode::kPlanes:
+      return "planes";
+    case client::Mode::kFree:
+      break;
+  }
+  return "free";
+}
+
 }  // namespace
 
 Rows table(const client::DeviceInfo& device, const client::DeviceState& s, double seconds,
            std::uint64_t conflated) {
   Rows rows{text("%s  %s  %s  %s  gain %.2f  %s  t %.1f s", device.name.c_str(),
-                 client::name(s.state), s.mode == client::Mode::kHeld ? "held" : "free",
-                 age(s).c_str(), s.gain, client::name(s.transport), seconds)};
+                 client::name(s.state), mode_name(s.mode), age(s).c_str(), s.gain,
+                 client::name(s.transport), seconds)};
   std::size_t actuated = 0;
   for (std::size_t i = 0; i < device.dofs.size(); ++i) {
     const auto& dof = device.dofs[i];
@@ -88,11 +100,19 @@ std::string line(const client::DeviceInfo& device, const client::DeviceState& s,
 
 std::string json_line(const client::DeviceInfo& device, const client::DeviceState& s,
                       std::uint64_t conflated) {
+  nlohmann::json passivity;  // null where the scene has neither tank nor observer
+  if (s.passivity) {
+    passivity = {{"tank_j", s.passivity->tank},
+                 {"storage_j", s.passivity->storage},
+                 {"scale", s.passivity->scale},
+                 {"observed_j", s.passivity->observed},
+                 {"alpha_s", s.passivity->alpha}};
+  }
   return nlohmann::json({{"device", device.name},
                          {"seq", s.seq},
                          {"server_time_ns", s.server_time_ns},
                          {"state", client::name(s.state)},
-                         {"mode", s.mode == client::Mode::kHeld ? "held" : "free"},
+                         {"mode", mode_name(s.mode)},
                          {"staleness", client::name(s.staleness)},
                          {"proxy_seq_used", s.proxy_seq_used},
                          {"proxy_age_us", s.proxy_age.count()},
@@ -108,6 +128,8 @@ std::string json_line(const client::DeviceInfo& device, const client::DeviceStat
                          {"faults", s.faults},
                          {"fault_names", client::fault_names(s.faults)},
                          {"limiters", s.limiters},
+                         {"active_planes", s.active_planes},
+                         {"passivity", passivity},
                          {"projection", s.projection},
                          {"lease_epoch", s.lease_epoch},
                          {"conflated", conflated}})

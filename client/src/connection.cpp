@@ -4,6 +4,7 @@
 
 #include "convert.hpp"
 #include "error_mapping.hpp"
+#include "haptic/wire/utf8.hpp"
 #include "session_impl.hpp"
 #include "watch_impl.hpp"
 
@@ -32,7 +33,8 @@ class Connection::Impl {
 
 namespace {
 constexpr std::chrono::milliseconds kAnswer{5000};
-}
+constexpr std::size_t kLongestReason = 200;
+}  // namespace
 
 Connection::Connection(const std::string& address) : impl_(std::make_unique<Impl>(address)) {}
 Connection::~Connection() = default;
@@ -73,8 +75,11 @@ std::vector<std::string> Connection::emergency_stop(const std::string& device,
   grpc::ClientContext context;
   Impl::deadline(context, kAnswer);
   v1::EmergencyStopRequest request;
-  request.set_device(device);
-  request.set_reason(reason);
+  // Nothing in them may keep the stop from being read: in doubt all devices stop.
+  const bool name = device.size() <= kLongestReason && wire::is_utf8(device);
+  request.set_device(name ? device : "");
+  const bool fits = reason.size() <= kLongestReason && wire::is_utf8(reason);
+  request.set_reason(fits ? reason : "(a reason that is too long, or not UTF-8)");
   v1::EmergencyStopResponse response;
   check(impl_->stub->EmergencyStop(&context, request, &response));
   return {response.stopped().begin(), response.stopped().end()};

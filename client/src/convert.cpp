@@ -42,7 +42,14 @@ DeviceState to_state(const v1::DeviceState& m) {
   s.projection = static_cast<unsigned>(m.projection());
   s.condition = m.condition();
   s.lease_epoch = m.lease_epoch();
-  s.mode = m.mode() == v1::PROXY_MODE_HELD ? Mode::kHeld : Mode::kFree;
+  s.mode = m.mode() == v1::PROXY_MODE_HELD     ? Mode::kHeld
+           : m.mode() == v1::PROXY_MODE_PLANES ? Mode::kPlanes
+                                               : Mode::kFree;
+  s.active_planes = m.active_planes();
+  if (m.has_passivity()) {
+    const v1::PassivityState& p = m.passivity();
+    s.passivity = PassivityState{p.tank(), p.storage(), p.scale(), p.observed(), p.alpha()};
+  }
   s.received = std::chrono::steady_clock::now();
   return s;
 }

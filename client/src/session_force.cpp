@@ -1,6 +1,7 @@
 /// Asking for force, in the foreground and in the background, and giving it up.
 
 #include <algorithm>
+#include <utility>
 
 #include "error_mapping.hpp"
 #include "session_impl.hpp"
@@ -10,7 +11,7 @@ namespace haptic::client {
 namespace {
 
 constexpr std::chrono::milliseconds kEngageRetry{50};
-constexpr std::chrono::milliseconds kEngageAnswer{1000};
+constexpr std::chrono::milliseconds kForceAnswer{1000};
 
 /// Refusals that time and more samples can cure.
 bool worth_retrying(const grpc::Status& status) {
@@ -57,7 +58,11 @@ void Session::Impl::release() {
   {
     // An Engage under way would otherwise be able to overtake the Release.
     Lock lock(mutex_);
-    changed_.wait(lock, [this] { return engage_call_ == nullptr; });  // it has a deadline
+    if (in_callback_of_grpc()) {
+      superseded_ = engage_call_ != nullptr;  // its answer may need this very thread
+    } else {
+      changed_.wait(lock, [this] { return engage_call_ == nullptr; });  // it has a deadline
+    }
     if (phase_ != Phase::kOpen) return;  // with its stream gone the force is already fading out
   }
   v1::ReleaseRequest request;
@@ -68,10 +73,26 @@ void Session::Impl::release() {
   check(stub_->Release(&context, request, &response));
 }
 
+void Session::Impl::release_again(Lock& lock) {
+  if (release_call_ || phase_ != Phase::kOpen) return;
+  auto release = std::make_shared<ReleaseCall>();
+  release->request.set_session_id(opened_.session_id());
+  release->context.set_deadline(std::chrono::system_clock::now() + kForceAnswer);
+  release_call_ = release;
+  lock.unlock();
+  stub_->async()->Release(&release->context, &release->request, &release->response,
+                          [this, release](const grpc::Status&) {
+                            const std::lock_guard guard(mutex_);
+                            release_call_.reset();
+                            changed_.notify_all();
+                          });
+  lock.lock();
+}
+
 void Session::Impl::ask_for_force(Lock& lock) {
   auto engage = std::make_shared<EngageCall>();
   engage->request.set_session_id(opened_.session_id());
-  engage->context.set_deadline(std::chrono::system_clock::now() + kEngageAnswer);
+  engage->context.set_deadline(std::chrono::system_clock::now() + kForceAnswer);
   engage_call_ = engage;
   lock.unlock();
   stub_->async()->Engage(&engage->context, &engage->request, &engage->response,
@@ -80,9 +101,13 @@ void Session::Impl::ask_for_force(Lock& lock) {
 }
 
 void Session::Impl::force_answered(const grpc::Status& status) {
-  const std::lock_guard lock(mutex_);
+  Lock lock(mutex_);
   next_engage_ = Clock::now() + kEngageRetry;
-  if (status.ok()) {
+  if (std::exchange(superseded_, false)) {
+    // Its force, if any, is to go; where the user asked anew since then, that is still to be done.
+    // Before engage_call_ is reset, or the destructor would take this for the last answer.
+    if (!want_force_) release_again(lock);
+  } else if (status.ok()) {
     // Asked again only where the caller wants it back after a loss; states say ENGAGING soon.
     if (want_force_) refusal_.reset();
     want_force_ = want_force_ && options_.re_engage;

@@ -4,6 +4,7 @@
 
 #include "convert.hpp"
 #include "error_mapping.hpp"
+#include "haptic/wire/utf8.hpp"
 
 namespace haptic::client {
 
@@ -19,13 +20,17 @@ Session::Impl::~Impl() {
   {
     Lock lock(mutex_);
     if (engage_call_) engage_call_->context.TryCancel();
-    changed_.wait(lock, [this] { return engage_call_ == nullptr; });
+    if (release_call_) release_call_->context.TryCancel();
+    changed_.wait(lock, [this] { return engage_call_ == nullptr && release_call_ == nullptr; });
     stream = std::move(stream_);
   }
   if (stream) stream->end();
 }
 
 void Session::Impl::open() {
+  if (!wire::is_utf8(options_.client_name) || !wire::is_utf8(options_.device)) {
+    throw ClientError(ErrorReason::kInvalidArgument, "client_name, device: must be UTF-8");
+  }
   connect();
   fetch_device();
   worker_ = std::thread([this] {
@@ -89,6 +94,7 @@ void Session::Impl::connect() {
 DeviceState Session::Impl::hand_out() const {
   handed_seq_ = newest_.seq;
   handed_received_ = newest_.received;
+  handed_x_probe_ = newest_.x_probe;
   return newest_;
 }
 
@@ -98,6 +104,10 @@ DeviceState Session::Impl::state() const {
 }
 
 DeviceState Session::Impl::wait_for_state() {
+  if (in_callback_of_grpc()) {
+    throw ClientError(ErrorReason::kInvalidArgument,
+                      "wait_for_state() in on_state: no state comes before the callback returned");
+  }
   Lock lock(mutex_);
   const bool any = changed_.wait_for(lock, options_.timeout, [this] {
     return newest_.seq > waited_seq_ || closing_ ||
@@ -146,11 +156,10 @@ void Session::Impl::close() {
     stream = stream_;
     changed_.notify_all();
     work_.notify_all();
-    // No callback after close(); one that calls close() itself cannot wait for its own end.
-    const auto over = [](const Caller& caller) {
-      return !caller.busy || caller.thread == std::this_thread::get_id();
-    };
-    changed_.wait(lock, [&] { return over(states_) && over(events_and_end_); });
+    // A callback cannot wait for its own end, nor for another's that may be waiting for this one.
+    if (!in_callback()) {
+      changed_.wait(lock, [&] { return !states_.busy && !events_and_end_.busy; });
+    }
   }
   if (stream) stream->cancel();
 }

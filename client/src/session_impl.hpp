@@ -11,6 +11,7 @@
 #include <mutex>
 #include <thread>
 
+#include "callback_scope.hpp"
 #include "haptic/client/session.hpp"
 #include "stream.hpp"
 
@@ -46,17 +47,20 @@ class Session::Impl final : public StreamSink {
   using Clock = std::chrono::steady_clock;
   using Lock = std::unique_lock<std::mutex>;
   enum class Phase { kOpening, kOpen, kDone };
-  /// Who runs a callback of the user's: close() waits for others, not for itself.
+  /// Where callbacks of the user's run, one at a time.
   struct Caller {
+    bool on_grpc_thread{false};
     bool busy{false};
-    std::thread::id thread{};
   };
-  /// One Engage in flight; owns what gRPC writes to.
-  struct EngageCall {
+  /// One Engage or Release in flight; owns what gRPC writes to.
+  template <typename Request, typename Response>
+  struct ForceCall {
     grpc::ClientContext context;
-    v1::EngageRequest request;
-    v1::EngageResponse response;
+    Request request;
+    Response response;
   };
+  using EngageCall = ForceCall<v1::EngageRequest, v1::EngageResponse>;
+  using ReleaseCall = ForceCall<v1::ReleaseRequest, v1::ReleaseResponse>;
 
   // session_receive.cpp: on gRPC's threads.
   void on_message(const v1::SessionResponse& message) override;
@@ -75,6 +79,7 @@ class Session::Impl final : public StreamSink {
   void set_deadline(grpc::ClientContext& context) const;
   [[nodiscard]] v1::OpenSession opening() const;
   [[nodiscard]] std::string session_id() const;
+  void to_planes(Proxy& proxy) const;
   void leave_for_lease();  ///< under mutex_
   /// A copy for the caller; the next sample is taken to be computed from it. Under mutex_.
   [[nodiscard]] DeviceState hand_out() const;
@@ -94,6 +99,8 @@ class Session::Impl final : public StreamSink {
   // session_force.cpp.
   void ask_for_force(Lock& lock);
   void force_answered(const grpc::Status& status);
+  /// Takes back the force that an Engage brought which release() could not wait for.
+  void release_again(Lock& lock);
   /// Ends the asking for a reason that waiting must not cure. Under mutex_.
   void give_up_force(const ClientError& why);
 
@@ -123,6 +130,7 @@ class Session::Impl final : public StreamSink {
   /// The newest that the user was given, and when it had arrived.
   mutable std::uint64_t handed_seq_{0};
   mutable Clock::time_point handed_received_{};
+  mutable std::vector<double> handed_x_probe_{};
   std::deque<Event> events_;
 
   // What goes up.
@@ -136,6 +144,8 @@ class Session::Impl final : public StreamSink {
   bool want_force_{false};
   Clock::time_point asked_at_{};  ///< when the user last asked
   std::shared_ptr<EngageCall> engage_call_;
+  std::shared_ptr<ReleaseCall> release_call_;
+  bool superseded_{false};  ///< by a release() that could not wait for engage_call_
   Clock::time_point next_engage_{};
   std::optional<ClientError> refusal_{};
 
@@ -145,7 +155,7 @@ class Session::Impl final : public StreamSink {
   bool reconnecting_{false};
   std::thread worker_;
 
-  Caller states_{}, events_and_end_{};
+  Caller states_{true}, events_and_end_{};
   int quick_in_a_row_{0};  ///< calls of on_state
 };
 
@@ -153,14 +163,15 @@ template <typename Callback, typename... Arguments>
 void Session::Impl::call(Lock& lock, Caller& caller, const Callback& callback,
                          const Arguments&... arguments) {
   if (!callback || closing_) return;
-  caller = {true, std::this_thread::get_id()};
+  caller.busy = true;
   lock.unlock();
   try {
+    const CallbackScope scope(caller.on_grpc_thread);
     callback(arguments...);
   } catch (...) {  // NOLINT(bugprone-empty-catch): the contract: no exception crosses a callback
   }
   lock.lock();
-  caller = {};
+  caller.busy = false;
   changed_.notify_all();  // close() may wait for this
 }
 

@@ -25,14 +25,20 @@ void Session::Impl::publish(Proxy proxy) noexcept {
     sample.set_source_time_ns(now.time_since_epoch().count());
     sample.set_valid_for_us(microseconds(proxy.valid_for));
     sample.mutable_position()->Add(proxy.position.begin(), proxy.position.end());
-    sample.set_mode(proxy.mode == Mode::kHeld ? v1::PROXY_MODE_HELD : v1::PROXY_MODE_FREE);
     {
       const std::lock_guard lock(mutex_);
+      to_planes(proxy);
       ++statistics_.published;
       sample.set_seq(++seq_);
       if (proxy.mode != last_mode_) ++mode_epoch_;
       last_mode_ = proxy.mode;
       sample.set_mode_epoch(mode_epoch_);
+      sample.set_mode(static_cast<v1::ProxyMode>(proxy.mode));
+      for (const Plane& plane : proxy.planes) {
+        v1::Plane& sent = *sample.add_planes();
+        sent.mutable_normal()->Add(plane.normal.begin(), plane.normal.end());
+        sent.set_offset(plane.offset);
+      }
       // The state that the user was given, not one that arrived while the simulation computed.
       const std::uint64_t used = proxy.device_seq_used != 0 ? proxy.device_seq_used : handed_seq_;
       sample.set_device_seq_used(used);
@@ -44,6 +50,15 @@ void Session::Impl::publish(Proxy proxy) noexcept {
     if (stream) stream->send(sample);
   } catch (...) {  // NOLINT(bugprone-empty-catch): out of memory loses this sample, not the caller
   }
+}
+
+/// Under mutex_. A proxy of a state that the user no longer holds stays held: its probe is not known.
+void Session::Impl::to_planes(Proxy& proxy) const {
+  if (!options_.derive_planes || proxy.mode != Mode::kHeld || handed_x_probe_.empty()) return;
+  if (proxy.device_seq_used != 0 && proxy.device_seq_used != handed_seq_) return;
+  proxy.mode = Mode::kPlanes;
+  proxy.planes =
+      derive_planes(device_.coordinates, proxy.position, handed_x_probe_, options_.blocks);
 }
 
 /// A simulation that was silent for the lease time and speaks again: its stream only observes, a new

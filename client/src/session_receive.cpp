@@ -68,6 +68,7 @@ void Session::Impl::received(const v1::SessionOpened& opened) {
   newest_ = {};
   waited_seq_ = 0;
   handed_seq_ = 0;
+  handed_x_probe_.clear();
   state_pending_ = false;
   earlier_ = statistics_;
   lease_lost_ = false;
@@ -88,8 +89,11 @@ void Session::Impl::received(const v1::DeviceState& state) {
 void Session::Impl::received(const v1::Event& event) {
   events_.push_back(to_event(event));
   work_.notify_all();
-  // There is one lease at a time, and this session's stands or fell before: it is ours.
-  if (event.kind() == v1::Event::KIND_LEASE_EXPIRED) lease_lost_ = !options_.observer;
+  // A predecessor's end may still be told to a session that opens at that very moment.
+  if (event.kind() == v1::Event::KIND_LEASE_EXPIRED && !options_.observer &&
+      event.lease_epoch() == opened_.lease_epoch()) {
+    lease_lost_ = true;
+  }
   if (event.kind() == v1::Event::KIND_FAULT) {
     // Whoever clears it, perhaps an emergency stop, must not start a motor by that.
     give_up_force({ErrorReason::kNotReady, "fault " + event.reason() + ": " + event.message()});

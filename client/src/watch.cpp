@@ -1,5 +1,6 @@
 #include "haptic/client/watch.hpp"
 
+#include "callback_scope.hpp"
 #include "convert.hpp"
 #include "error_mapping.hpp"
 #include "watch_impl.hpp"
@@ -33,6 +34,7 @@ void Watch::Impl::OnReadDone(bool ok) {
     conflated_ = response_.conflated();
   }
   try {
+    const CallbackScope scope(true);
     if (response_.has_state() && on_state_) on_state_(to_state(response_.state()));
     if (response_.has_event() && on_event_) on_event_(to_event(response_.event()));
   } catch (...) {  // NOLINT(bugprone-empty-catch): the contract: no exception crosses a callback

@@ -38,6 +38,14 @@ std::string_view reason(Limiter limiter) noexcept {
       return "DIRECTION_GUARD";
     case Limiter::kRangeClamp:
       return "RANGE_CLAMP";
+    case Limiter::kEnergyTank:
+      return "ENERGY_TANK";
+    case Limiter::kPassivity:
+      return "PASSIVITY";
+    case Limiter::kInfeasiblePlanes:
+      return "INFEASIBLE_PLANES";
+    case Limiter::kMonotoneEnvelope:
+      return "MONOTONE_ENVELOPE";
   }
   return "UNKNOWN_LIMITER";
 }

@@ -19,7 +19,7 @@ set datafile separator ","
 set datafile missing "nan"
 
 # Where a column is empty there is no proxy: a gap, not a line through it.
-only(mode, v) = strcol("mode") eq mode ? v : NaN
+touching(v) = strcol("mode") eq "HELD" || strcol("mode") eq "PLANES" ? v : NaN
 
 names = "standard null_space subspace_linear subspace_exact"
 titles = "'standard, Eq. (1)' 'null-space, Eq. (3)-(4)' 'subspace linear, Eq. (8)' 'subspace exact, Eq. (6)'"
@@ -56,15 +56,15 @@ do for [kind in "svg png"] {
   set ylabel "joint angle / deg"
   plot contact using 1:(0):1:2:(0):(1) axes x1y2 with boxxyerror fillcolor rgb shade title "in contact", \
        data using "time_s":(column("x_probe_q_o1_mcp_rad") * deg) with lines linecolor rgb blue linewidth 1.8 title "MCP, finger (x_{probe})", \
-       data using "time_s":(only("HELD", column("x_q_o1_mcp_rad") * deg)) with lines linecolor rgb dark_blue linewidth 2.4 dashtype (6,3) title "MCP, proxy (x)", \
+       data using "time_s":(touching(column("x_q_o1_mcp_rad") * deg)) with lines linecolor rgb dark_blue linewidth 2.4 dashtype (6,3) title "MCP, proxy (x)", \
        data using "time_s":(column("x_probe_q_o2_pip_rad") * deg) with lines linecolor rgb orange linewidth 1.8 title "PIP, finger (x_{probe})", \
-       data using "time_s":(only("HELD", column("x_q_o2_pip_rad") * deg)) with lines linecolor rgb dark_orange linewidth 2.4 dashtype (6,3) title "PIP, proxy (x)"
+       data using "time_s":(touching(column("x_q_o2_pip_rad") * deg)) with lines linecolor rgb dark_orange linewidth 2.4 dashtype (6,3) title "PIP, proxy (x)"
 
   unset label 1
   set ylabel "slider / mm"
   plot contact using 1:(0):1:2:(0):(1) axes x1y2 with boxxyerror fillcolor rgb shade, \
        data using "time_s":(column("l_x") * mm) with lines linecolor rgb blue linewidth 1.8 title "slider (q_a = l_x)", \
-       data using "time_s":(only("HELD", column("q_star_l_x_m") * mm)) with lines linecolor rgb dark_blue linewidth 2.4 dashtype (6,3) title "subspace proxy (q_a^*)"
+       data using "time_s":(touching(column("q_star_l_x_m") * mm)) with lines linecolor rgb dark_blue linewidth 2.4 dashtype (6,3) title "subspace proxy (q_a^*)"
 
   set format x "%g"
   set xlabel "time / s" offset 0,0.4

@@ -4,7 +4,7 @@
 #
 # Prints the summary; writes the contact phases ("begin end", s) to `stretches` for the figure.
 #
-# Contact: the proxy is held and the gain is above zero. Free motion: force is switched on (ENGAGED) and
+# Contact: the proxy is held, or kept behind planes, and the gain is above zero. Free motion: force is switched on (ENGAGED) and
 # the client says that nothing is in the way (mode FREE). |tau_a| is the whole command, damping included. When the finger lets go, the
 # slew limit and the damping's 200 ms ramp take the last of the command away; those 200 ms are
 # reported by themselves, and the bound of 2 % is asked of free motion after them.
@@ -25,6 +25,7 @@ function quantile(a, n, p,    i) {
   i = int(p * n + 0.999999)
   return a[i < 1 ? 1 : i]
 }
+function touching(mode) { return mode == "HELD" || mode == "PLANES" }
 function abs(v) { return v < 0 ? -v : v }
 function close_contact(t) {
   if (contact_since == "") return
@@ -56,7 +57,7 @@ NR == 1 {
   skipped += $column["skipped"]
   late[++n_late] = $column["lateness_us"] + 0
   if (mode != "NONE") age[++n_age] = $column["proxy_age_us"] * 1e-3
-  if (mode == "HELD" && gain > 0) {
+  if (touching(mode) && gain > 0) {
     if (contact_since == "") { contact_since = t; contacts++ }
     contact_s += dt
     if (force > peak) { peak = force; peak_at = t }
@@ -64,7 +65,7 @@ NR == 1 {
     close_contact(t)
   }
   if (mode == "FREE" && engaged) {
-    if (!last_free) free_since = last_mode == "HELD" ? t : t - ramp_s
+    if (!last_free) free_since = touching(last_mode) ? t : t - ramp_s
     free_s += dt
     if (force > free_any) free_any = force
     if (t - free_since >= ramp_s) free[++n_free] = force

@@ -1,7 +1,9 @@
 #include "server/ingress/ingress.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace haptic::server {
 namespace {
@@ -11,6 +13,9 @@ std::string coordinate(int i, double value) {
   std::snprintf(text, sizeof text, "position[%d] = %.6g", i, value);
   return text;
 }
+
+/// Below this a normal is none: its square would leave the range of a double.
+constexpr double kSmallestNormal = 1e-100;
 
 /// Numbers below the normal range cost a hundred times a normal one in every product of the loop.
 double flushed(double value) noexcept {
@@ -67,9 +72,9 @@ IngressVerdict Ingress::check(const ProxyCandidate& candidate, std::string* why)
                     : ": nobody holds the lease");
     });
   }
-  if (candidate.mode != core::ProxyMode::kHeld && candidate.mode != core::ProxyMode::kFree) {
+  if (candidate.mode == core::ProxyMode::kNone) {
     return refuse(IngressVerdict::kUnknownMode, counters_.unknown_mode,
-                  [] { return std::string("mode: must be HELD or FREE"); });
+                  [] { return std::string("mode: must be HELD, FREE or PLANES"); });
   }
   const bool may_be_empty = candidate.mode == core::ProxyMode::kFree;
   if (candidate.position_size != n_x_ && !(may_be_empty && candidate.position_size == 0)) {
@@ -89,6 +94,13 @@ IngressVerdict Ingress::check(const ProxyCandidate& candidate, std::string* why)
                     [&] { return coordinate(i, value) + ": must lie within +-1000"; });
     }
   }
+  if (candidate.plane_count > 0) {
+    std::string wrong = wrong_plane(candidate);
+    if (!wrong.empty()) {
+      return refuse(IngressVerdict::kBadPlane, counters_.bad_plane,
+                    [&] { return std::move(wrong); });
+    }
+  }
   if (candidate.seq <= newest_.seq) {
     return refuse(IngressVerdict::kOldSequence, counters_.old_sequence, [&] {
       return "seq = " + std::to_string(candidate.seq) + ": must be above " +
@@ -96,6 +108,39 @@ IngressVerdict Ingress::check(const ProxyCandidate& candidate, std::string* why)
     });
   }
   return IngressVerdict::kAccepted;
+}
+
+std::string Ingress::wrong_plane(const ProxyCandidate& candidate) const {
+  const auto text = [](int plane, const std::string& field, double value, const std::string& why) {
+    char number[32];
+    std::snprintf(number, sizeof number, "%.6g", value);
+    return "planes[" + std::to_string(plane) + "]." + field + " = " + number + ": " + why;
+  };
+  if (candidate.mode != core::ProxyMode::kPlanes) return "planes: only in mode PLANES";
+  if (candidate.plane_count > core::kMaxPlanes) {
+    return "planes has " + std::to_string(candidate.plane_count) + " entries: at most " +
+           std::to_string(core::kMaxPlanes);
+  }
+  for (int p = 0; p < candidate.plane_count; ++p) {
+    const PlaneCandidate& plane = candidate.planes[static_cast<std::size_t>(p)];
+    if (plane.normal_size != n_x_) {
+      return "planes[" + std::to_string(p) + "].normal has " + std::to_string(plane.normal_size) +
+             " values: must have " + std::to_string(n_x_) + ", one per virtual coordinate";
+    }
+    double largest = 0.0;
+    for (int i = 0; i < n_x_; ++i) {
+      const double value = plane.normal[i];
+      if (!(std::abs(value) <= kLargestNormal)) {
+        return text(p, "normal[" + std::to_string(i) + "]", value, "must lie within +-1e6");
+      }
+      largest = std::max(largest, std::abs(value));
+    }
+    if (!(largest >= kSmallestNormal)) return text(p, "normal", largest, "must have a direction");
+    if (!(std::abs(plane.offset) <= kLargestOffset)) {
+      return text(p, "offset", plane.offset, "must lie within +-1e9");
+    }
+  }
+  return {};
 }
 
 void Ingress::store(const ProxyCandidate& candidate, BacklogRule::Answer age,
@@ -115,6 +160,13 @@ void Ingress::store(const ProxyCandidate& candidate, BacklogRule::Answer age,
   newest_.valid_for = candidate.valid_for;
   newest_.x.resize(candidate.position_size);
   for (int i = 0; i < candidate.position_size; ++i) newest_.x[i] = flushed(candidate.position[i]);
+  newest_.planes.normals.resize(n_x_, candidate.plane_count);
+  newest_.planes.offsets.resize(candidate.plane_count);
+  for (int p = 0; p < candidate.plane_count; ++p) {
+    const PlaneCandidate& plane = candidate.planes[static_cast<std::size_t>(p)];
+    for (int i = 0; i < n_x_; ++i) newest_.planes.normals(i, p) = flushed(plane.normal[i]);
+    newest_.planes.offsets[p] = flushed(plane.offset);
+  }
   last_arrival_ = arrival;
   mailbox_.publish(newest_);
 }

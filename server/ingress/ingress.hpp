@@ -16,6 +16,7 @@
 /// whichever is longer. 5 ms is the shortest fresh_end (WIRE 4): clumping within it cannot make a
 /// sample look fresh that is not, and a 1 kHz stream clumps by that much on any busy host.
 
+#include <array>
 #include <cstdint>
 #include <mutex>
 #include <string>
@@ -25,6 +26,13 @@
 
 namespace haptic::server {
 
+/// A plane as it came off the wire.
+struct PlaneCandidate {
+  const double* normal{nullptr};
+  int normal_size{0};
+  double offset{0.0};
+};
+
 /// A sample as it came off the wire, before anything was checked but its syntax.
 struct ProxyCandidate {
   std::uint32_t epoch{0};
@@ -33,6 +41,9 @@ struct ProxyCandidate {
   core::Duration valid_for{0};
   const double* position{nullptr};
   int position_size{0};
+  std::array<PlaneCandidate, core::kMaxPlanes> planes{};
+  int plane_count{
+      0};  ///< as on the wire: may be more than kMaxPlanes, which are then not in `planes`
 };
 
 enum class IngressVerdict : std::uint8_t {
@@ -44,6 +55,7 @@ enum class IngressVerdict : std::uint8_t {
   kNotFinite,
   kOutOfBounds,  ///< |position| > 1000 (m or rad)
   kUnknownMode,
+  kBadPlane,  ///< too many, of a wrong size, not finite, too large, or without a direction
 };
 
 /// Totals since the current lease began.
@@ -56,6 +68,7 @@ struct IngressCounters {
   std::uint64_t not_finite{0};
   std::uint64_t out_of_bounds{0};
   std::uint64_t unknown_mode{0};
+  std::uint64_t bad_plane{0};
 };
 
 /// Tells back-log from a stream that keeps time. Not thread-safe.
@@ -86,6 +99,8 @@ class BacklogRule {
 class Ingress {
  public:
   static constexpr double kLargestCoordinate = 1000.0;
+  static constexpr double kLargestNormal = 1e6;  ///< of a component
+  static constexpr double kLargestOffset = 1e9;
 
   /// `mailbox` must outlive the ingress; `n_x` is the size of the virtual configuration.
   Ingress(core::Mailbox<core::ProxySnapshot>& mailbox, int n_x);
@@ -108,6 +123,8 @@ class Ingress {
 
  private:
   [[nodiscard]] IngressVerdict check(const ProxyCandidate& candidate, std::string* why);
+  /// What is wrong with the planes of a sample; empty: nothing.
+  [[nodiscard]] std::string wrong_plane(const ProxyCandidate& candidate) const;
   void store(const ProxyCandidate& candidate, BacklogRule::Answer age, core::TimePoint arrival);
 
   mutable std::mutex mutex_;

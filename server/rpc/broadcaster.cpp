@@ -14,7 +14,7 @@ void WatchBudget::refill(core::TimePoint now) noexcept {
   started_ = true;
 }
 
-Broadcaster::Broadcaster(Telemetry& telemetry, std::size_t index, WatchBudget& budget)
+Broadcaster::Broadcaster(Telemetry& telemetry, std::size_t index, WatchBudget budget)
     : telemetry_(telemetry), index_(index), budget_(budget) {
   telemetry_.add(index_, this);
 }
@@ -24,29 +24,53 @@ Broadcaster::~Broadcaster() {
   telemetry_.watch(-static_cast<int>(controllers_.size()));
 }
 
-void Broadcaster::add(Rank rank, std::shared_ptr<Subscriber> subscriber) {
+void Broadcaster::add(std::shared_ptr<Subscriber> subscriber, std::uint32_t epoch) {
   const std::lock_guard lock(mutex_);
-  if (rank == Rank::kController) telemetry_.watch(+1);
-  (rank == Rank::kController ? controllers_ : others_).push_back(std::move(subscriber));
+  if (epoch == 0) {
+    others_.push_back(std::move(subscriber));
+  } else {
+    telemetry_.watch(+1);
+    controllers_.push_back({epoch, std::move(subscriber)});
+  }
 }
 
 void Broadcaster::remove(const Subscriber* subscriber) {
-  const auto is_it = [&](const std::shared_ptr<Subscriber>& s) { return s.get() == subscriber; };
-  std::vector<std::shared_ptr<Subscriber>> released;  // destroyed when the mutex is free again
+  std::shared_ptr<Subscriber> released;  // destroyed when the mutex is free again
   const std::lock_guard lock(mutex_);
-  for (auto* list : {&controllers_, &others_}) {
-    const auto found = std::find_if(list->begin(), list->end(), is_it);
-    if (found == list->end()) continue;
-    if (list == &controllers_) telemetry_.watch(-1);
-    released.push_back(std::move(*found));
-    list->erase(found);
+  const auto other = std::find_if(others_.begin(), others_.end(),
+                                  [&](const auto& s) { return s.get() == subscriber; });
+  if (other != others_.end()) {
+    released = std::move(*other);
+    others_.erase(other);
   }
+  const auto controller =
+      std::find_if(controllers_.begin(), controllers_.end(),
+                   [&](const Controller& c) { return c.stream.get() == subscriber; });
+  if (controller != controllers_.end()) {
+    telemetry_.watch(-1);
+    released = std::move(controller->stream);
+    controllers_.erase(controller);
+  }
+}
+
+void Broadcaster::demote_expired(const core::CommandSnapshot& command) {
+  // A record from before the grant knows an earlier epoch, and ends nothing.
+  const auto over = [&](const Controller& c) {
+    return command.lease_epoch > c.epoch || (command.lease_epoch == c.epoch && !command.lease_held);
+  };
+  for (Controller& controller : controllers_) {
+    if (!over(controller)) continue;
+    telemetry_.watch(-1);
+    others_.push_back(std::move(controller.stream));
+  }
+  std::erase_if(controllers_, [](const Controller& c) { return c.stream == nullptr; });
 }
 
 void Broadcaster::on_newest(const core::TickRecord& record) {
   const std::lock_guard lock(mutex_);
   frame_.begin(record);
-  for (const auto& controller : controllers_) controller->offer(record, frame_, true);
+  demote_expired(record.input.command);
+  for (const Controller& controller : controllers_) controller.stream->offer(record, frame_, true);
 
   budget_.refill(record.input.now);
   const std::size_t n = others_.size();

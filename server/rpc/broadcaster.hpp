@@ -11,8 +11,8 @@
 
 namespace haptic::server {
 
-/// States per second that all streams but the controllers' may cost, over all devices: a bucket
-/// that time refills. One thread, the telemetry drain's.
+/// States per second that all streams of a device but its controller's may cost: a bucket that time
+/// refills. One thread, the telemetry drain's.
 class WatchBudget {
  public:
   explicit WatchBudget(double states_per_second) : rate_(states_per_second) {}
@@ -39,29 +39,35 @@ class Subscriber {
 
 class Broadcaster final : public RecordListener {
  public:
-  enum class Rank : std::uint8_t { kController, kOther };
-
   /// Listens to unit `index` for as long as it lives.
-  Broadcaster(Telemetry& telemetry, std::size_t index, WatchBudget& budget);
+  Broadcaster(Telemetry& telemetry, std::size_t index, WatchBudget budget);
   ~Broadcaster() override;
   Broadcaster(const Broadcaster&) = delete;
   Broadcaster& operator=(const Broadcaster&) = delete;
 
-  /// Any thread, but not from offer(). After remove() returned offer() is not called again.
-  void add(Rank rank, std::shared_ptr<Subscriber> subscriber);
+  /// The stream of lease `epoch` comes first while that lease lasts, and is one of the others when
+  /// it ended; epoch 0: one of the others from the beginning. Any thread, but not from offer(). After
+  /// remove() returned offer() is not called again.
+  void add(std::shared_ptr<Subscriber> subscriber, std::uint32_t epoch = 0);
   void remove(const Subscriber* subscriber);
 
   void on_record(const core::TickRecord& record) override { static_cast<void>(record); }
   void on_newest(const core::TickRecord& record) override;
 
  private:
+  struct Controller {
+    std::uint32_t epoch{0};
+    std::shared_ptr<Subscriber> stream{};
+  };
+  void demote_expired(const core::CommandSnapshot& command);
+
   Telemetry& telemetry_;
   const std::size_t index_;
-  WatchBudget& budget_;
+  WatchBudget budget_;
 
   std::mutex mutex_;
   StateFrame frame_;
-  std::vector<std::shared_ptr<Subscriber>> controllers_;
+  std::vector<Controller> controllers_;
   std::vector<std::shared_ptr<Subscriber>> others_;
   std::size_t turn_{0};  ///< who of the others is asked first: the first that got nothing last time
 };

@@ -19,6 +19,14 @@ std::vector<double> values(const Doubles& from) {
   return {from.begin(), from.end()};
 }
 
+void to_passivity(const core::PassivityRecord& record, v1::PassivityState& state) {
+  state.set_tank(record.tank);
+  state.set_storage(record.storage);
+  state.set_scale(record.scale);
+  state.set_observed(record.observed);
+  state.set_alpha(record.alpha);
+}
+
 core::Duration duration(const google::protobuf::Duration& message) {
   // Far beyond any limit of ours, far below what 64 bits of nanoseconds hold.
   const std::int64_t seconds = std::clamp<std::int64_t>(message.seconds(), -86400, 86400);
@@ -50,18 +58,23 @@ void set(google::protobuf::Duration& message, core::Duration d) {
 }
 
 void to_proto(const core::TickRecord& record, v1::DeviceState& state) {
-  const core::ProxySnapshot& proxy = record.input.proxy;
-  const bool has_proxy = proxy.mode != core::ProxyMode::kNone;
+  const bool has_proxy = record.proxy_mode != core::ProxyMode::kNone;
   state.set_seq(record.tick);
   state.set_server_time_ns(record.input.now.time_since_epoch().count());
   copy(record.q, state.mutable_q());
   copy(record.q_a_dot, state.mutable_q_dot());
   copy(record.x_probe, state.mutable_x_probe());
   copy(record.x, state.mutable_x());
+  state.set_active_planes(record.active_planes);
+  if (record.passivity.on) {
+    to_passivity(record.passivity, *state.mutable_passivity());
+  } else {
+    state.clear_passivity();
+  }
   copy(record.q_star, state.mutable_q_star());
   copy(record.tau_a, state.mutable_tau_a());
   copy(record.tau_elastic, state.mutable_tau_elastic());
-  state.set_proxy_seq_used(proxy.seq);
+  state.set_proxy_seq_used(record.proxy_seq);
   const auto age = std::chrono::duration_cast<std::chrono::microseconds>(record.proxy_age).count();
   state.set_proxy_age_us(static_cast<std::uint64_t>(std::max<std::int64_t>(0, age)));
   state.set_staleness(static_cast<v1::StalenessLevel>(record.staleness));
@@ -76,7 +89,7 @@ void to_proto(const core::TickRecord& record, v1::DeviceState& state) {
   state.set_projection(static_cast<v1::ProjectionStatus>(record.projection));
   state.set_condition(record.condition);
   state.set_lease_epoch(record.input.command.lease_epoch);
-  state.set_mode(static_cast<v1::ProxyMode>(proxy.mode));
+  state.set_mode(static_cast<v1::ProxyMode>(record.proxy_mode));
 }
 
 v1::Event to_proto(const DeviceEvent& event) {
@@ -86,6 +99,7 @@ v1::Event to_proto(const DeviceEvent& event) {
   message.set_reason(event.reason);
   message.set_message(event.message);
   message.set_state(static_cast<v1::DeviceStateName>(event.state));
+  message.set_lease_epoch(event.lease_epoch);
   return message;
 }
 
@@ -186,6 +200,14 @@ ProxyCandidate from_proto(const v1::ProxySample& sample, std::uint32_t epoch) {
   candidate.seq = sample.seq();
   if (sample.mode() == v1::PROXY_MODE_HELD) candidate.mode = core::ProxyMode::kHeld;
   if (sample.mode() == v1::PROXY_MODE_FREE) candidate.mode = core::ProxyMode::kFree;
+  if (sample.mode() == v1::PROXY_MODE_PLANES) candidate.mode = core::ProxyMode::kPlanes;
+  candidate.plane_count = sample.planes_size();
+  const int taken = std::min(candidate.plane_count, static_cast<int>(candidate.planes.size()));
+  for (int i = 0; i < taken; ++i) {
+    const v1::Plane& plane = sample.planes(i);
+    candidate.planes[static_cast<std::size_t>(i)] = {plane.normal().data(), plane.normal_size(),
+                                                     plane.offset()};
+  }
   candidate.valid_for = std::chrono::microseconds(sample.valid_for_us());
   candidate.position = sample.position().data();
   candidate.position_size = sample.position_size();

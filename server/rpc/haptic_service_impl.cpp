@@ -1,5 +1,6 @@
 #include "server/rpc/haptic_service_impl.hpp"
 
+#include <grpcpp/impl/codegen/proto_utils.h>
 #include <spdlog/spdlog.h>
 
 #include <memory>
@@ -112,15 +113,20 @@ grpc::ServerUnaryReactor* HapticServiceImpl::UpdateSettings(
 }
 
 grpc::ServerUnaryReactor* HapticServiceImpl::EmergencyStop(grpc::CallbackServerContext* call,
-                                                           const v1::EmergencyStopRequest* request,
-                                                           v1::EmergencyStopResponse* response) {
+                                                           const grpc::ByteBuffer* request,
+                                                           grpc::ByteBuffer* response) {
   std::vector<DeviceSessions*> devices = context_.devices;
-  if (!request->device().empty()) {
-    const auto target = context_.device(request->device());
-    if (!target) return finished(call, to_status(target.refusal));
-    devices = {target.value->device};
+  std::string reason = "by a request that could not be read";
+  v1::EmergencyStopRequest message;
+  grpc::ByteBuffer bytes(*request);
+  if (grpc::SerializationTraits<v1::EmergencyStopRequest>::Deserialize(&bytes, &message).ok()) {
+    reason = sanitised(message.reason(), kLongestReason);
+    if (!message.device().empty()) {
+      const auto target = context_.device(message.device());
+      if (!target) return finished(call, to_status(target.refusal));
+      devices = {target.value->device};
+    }
   }
-  const std::string reason = sanitised(request->reason(), kLongestReason);
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
   stop_all(devices, reason, reactor, response);
   spdlog::warn("emergency stop of {}: '{}'", devices.size() == 1 ? devices[0]->name() : "all",

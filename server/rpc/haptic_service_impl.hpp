@@ -1,6 +1,7 @@
 #pragma once
 /// HapticService on gRPC's callback API (private to server/rpc). Session and Watch speak bytes, so
-/// that one serialised state serves every stream.
+/// that one serialised state serves every stream; EmergencyStop does, so that no mistake in its
+/// message keeps it from stopping.
 
 #include "haptic/v1/haptic_service.grpc.pb.h"
 #include "server/rpc/service_context.hpp"
@@ -12,12 +13,12 @@ using TypedCalls = v1::HapticService::WithCallbackMethod_GetServerInfo<
     v1::HapticService::WithCallbackMethod_ListDevices<
         v1::HapticService::WithCallbackMethod_Engage<v1::HapticService::WithCallbackMethod_Release<
             v1::HapticService::WithCallbackMethod_UpdateSettings<
-                v1::HapticService::WithCallbackMethod_EmergencyStop<
-                    v1::HapticService::WithCallbackMethod_ClearFault<Base>>>>>>>;
-using RawStreams = v1::HapticService::WithRawCallbackMethod_Session<
-    v1::HapticService::WithRawCallbackMethod_Watch<v1::HapticService::Service>>;
+                v1::HapticService::WithCallbackMethod_ClearFault<Base>>>>>>;
+using RawCalls =
+    v1::HapticService::WithRawCallbackMethod_Session<v1::HapticService::WithRawCallbackMethod_Watch<
+        v1::HapticService::WithRawCallbackMethod_EmergencyStop<v1::HapticService::Service>>>;
 
-class HapticServiceImpl final : public TypedCalls<RawStreams> {
+class HapticServiceImpl final : public TypedCalls<RawCalls> {
  public:
   explicit HapticServiceImpl(ServiceContext& context) : context_(context) {}
 
@@ -40,15 +41,16 @@ class HapticServiceImpl final : public TypedCalls<RawStreams> {
   grpc::ServerUnaryReactor* UpdateSettings(grpc::CallbackServerContext* call,
                                            const v1::UpdateSettingsRequest* request,
                                            v1::UpdateSettingsResponse* response) override;
+  /// A request that cannot be read stops every device.
   grpc::ServerUnaryReactor* EmergencyStop(grpc::CallbackServerContext* call,
-                                          const v1::EmergencyStopRequest* request,
-                                          v1::EmergencyStopResponse* response) override;
+                                          const grpc::ByteBuffer* request,
+                                          grpc::ByteBuffer* response) override;
   grpc::ServerUnaryReactor* ClearFault(grpc::CallbackServerContext* call,
                                        const v1::ClearFaultRequest* request,
                                        v1::ClearFaultResponse* response) override;
 
  private:
-  using Ask = Ticket (DeviceSessions::*)(const std::string& session_id, Answer answer);
+  using Ask = Ticket (DeviceSessions::*)(const std::string& session_id, const Answer& answer);
   grpc::ServerUnaryReactor* ask(grpc::CallbackServerContext* call, const std::string& session_id,
                                 Ask question);
 

@@ -9,6 +9,7 @@
 #include "haptic/core/error.hpp"
 #include "server/rpc/haptic_service_impl.hpp"
 #include "server/rpc/health_keeper.hpp"
+#include "server/rpc/library_log.hpp"
 #include "server/rpc/listen_address.hpp"
 
 namespace haptic::server {
@@ -41,6 +42,7 @@ class RpcServer::Impl {
         service_(context_) {}
 
   void start() {
+    take_library_logs();
     const std::vector<std::string>& addresses = context_.config.listen;
     if (addresses.empty()) throw core::TransportError("no listen address");
     for (const std::string& address : addresses) check_listen_address(address);

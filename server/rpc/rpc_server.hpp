@@ -20,8 +20,8 @@ struct RpcConfig {
   /// Session streams; and, apart from them, watches.
   unsigned max_sessions{32};
   core::Duration period{std::chrono::milliseconds(1)};  ///< of the loop
-  /// States per second that everybody but the controllers may cost together; what is above is
-  /// conflated, in turns. Measured on a shared 2-core VM: 16 watchers at 1 kHz cost 6 % of a core per
+  /// States per second that everybody but the controllers may cost together, an equal share per
+  /// device; what is above is conflated, in turns. Measured on a shared 2-core VM: 16 watchers at 1 kHz cost 6 % of a core per
   /// 4000 states/s, and the controller's proxy age does not move; 8000 leaves a slower host room.
   unsigned watch_budget_hz{8000};
 };

@@ -21,6 +21,7 @@ void SampleLedger::book(std::uint64_t seq, IngressVerdict verdict, std::string w
     case IngressVerdict::kNotFinite:
     case IngressVerdict::kOutOfBounds:
     case IngressVerdict::kUnknownMode:
+    case IngressVerdict::kBadPlane:
       ack_.set_rejected_invalid(ack_.rejected_invalid() + 1);
       break;
   }

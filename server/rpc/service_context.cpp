@@ -52,10 +52,12 @@ ServiceContext::ServiceContext(RpcConfig rpc_config, std::vector<DeviceSessions*
     : config(std::move(rpc_config)),
       devices(std::move(device_sessions)),
       facts(std::move(facts_provider)),
-      registry(config.max_sessions),
-      budget(config.watch_budget_hz) {
+      registry(config.max_sessions) {
+  // A share for each device, so that the watchers of one cannot silence those of another.
+  const WatchBudget share(config.watch_budget_hz /
+                          static_cast<double>(std::max<std::size_t>(devices.size(), 1)));
   for (std::size_t i = 0; i < devices.size(); ++i) {
-    broadcasters.push_back(std::make_unique<Broadcaster>(telemetry, i, budget));
+    broadcasters.push_back(std::make_unique<Broadcaster>(telemetry, i, share));
   }
 }
 

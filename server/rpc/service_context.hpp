@@ -67,7 +67,6 @@ struct ServiceContext {
   const FactsProvider facts;
   SessionRegistry registry;
   OpenStreams streams;
-  WatchBudget budget;
   std::vector<std::unique_ptr<Broadcaster>> broadcasters;
 };
 

@@ -133,11 +133,9 @@ void SessionStream::opened(v1::Role role, const Lease& lease) {
     opened_ = true;
     flush();
   }
-  const bool controls = role == v1::ROLE_CONTROLLER;
-  target_.broadcaster->add(controls ? Broadcaster::Rank::kController : Broadcaster::Rank::kOther,
-                           shared_from_this());
+  target_.broadcaster->add(shared_from_this(), lease.epoch);
   spdlog::info("session '{}' opened on '{}' as {}", client_name_, target_.device->name(),
-               controls ? "controller" : "observer");
+               role == v1::ROLE_CONTROLLER ? "controller" : "observer");
   bool ended = false;
   {
     const std::lock_guard lock(mutex_);

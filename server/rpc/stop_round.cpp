@@ -3,6 +3,8 @@
 #include <mutex>
 #include <utility>
 
+#include "haptic/v1/haptic_service.pb.h"
+#include "server/rpc/state_frame.hpp"
 #include "server/rpc/status.hpp"
 #include "server/rpc/tick_reply.hpp"
 
@@ -19,7 +21,7 @@ struct Round {
 };
 
 void answered(Round& round, const DeviceSessions& device, const Outcome<Done>& outcome,
-              v1::EmergencyStopResponse* response) {
+              grpc::ByteBuffer* response) {
   std::string failed;
   std::vector<std::string> stopped;
   {
@@ -41,14 +43,16 @@ void answered(Round& round, const DeviceSessions& device, const Outcome<Done>& o
     return;
   }
   round.reply->finish(grpc::Status::OK, [&] {
-    for (const std::string& name : stopped) response->add_stopped(name);
+    v1::EmergencyStopResponse message;
+    for (const std::string& name : stopped) message.add_stopped(name);
+    *response = to_buffer(message);
   });
 }
 
 }  // namespace
 
 void stop_all(const std::vector<DeviceSessions*>& devices, const std::string& reason,
-              grpc::ServerUnaryReactor* reactor, v1::EmergencyStopResponse* response) {
+              grpc::ServerUnaryReactor* reactor, grpc::ByteBuffer* response) {
   const auto round = std::make_shared<Round>();
   round->open = devices.size();
   round->reply = std::make_shared<TickReply>(reactor);

@@ -37,7 +37,7 @@ void WatchStream::open(const grpc::ByteBuffer& raw) {
     events_ = target_.device->subscribe(id_);
     pace_ = Pace(context_.loop_hz(), request.rate_hz() > 0.0 ? request.rate_hz() : kDefaultRateHz);
   }
-  target_.broadcaster->add(Broadcaster::Rank::kOther, shared_from_this());
+  target_.broadcaster->add(shared_from_this());
 }
 
 bool WatchStream::offer(const core::TickRecord& record, StateFrame& frame, bool states_allowed) {

@@ -1,6 +1,7 @@
 #include "server/scene/device_scene.hpp"
 
 #include "server/scene/kinematics_scene.hpp"
+#include "server/scene/passivity_scene.hpp"
 #include "server/scene/projection_scene.hpp"
 #include "server/scene/render_scene.hpp"
 #include "server/scene/source_scene.hpp"
@@ -58,6 +59,13 @@ DeviceScene read_device(v1::DeviceScene& message, const std::string& path,
                                    source.max_effort, problems);
   device.settings = std::move(render.settings);
   device.fresh_end = render.fresh_end;
+  device.monotone_envelope = message.has_monotone_envelope();
+  if (message.has_passivity()) {
+    const OwnDynamics own =
+        layout == nullptr ? OwnDynamics{} : own_dynamics(source.config, *layout);
+    device.passivity = read_passivity(*message.mutable_passivity(), path + ".passivity",
+                                      layout == nullptr ? -1 : layout->n_a(), own, problems);
+  }
   return device;
 }
 

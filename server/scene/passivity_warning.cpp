@@ -2,31 +2,18 @@
 
 #include <algorithm>
 
+#include "server/scene/own_dynamics.hpp"
 #include "server/scene/problems.hpp"
 
 namespace haptic::server {
-namespace {
-
-/// The damping that the device has without us, per actuated DoF; the hand's is
-/// not counted, it may let go. Empty for devices that move nothing.
-core::VecA own_damping(const DeviceScene& device) {
-  if (const auto* finger = std::get_if<hw::SimulatedFingerConfig>(&device.source)) {
-    return core::VecA::Constant(1, finger->actuator_damping);
-  }
-  if (const auto* linear = std::get_if<hw::SimulatedLinearConfig>(&device.source)) {
-    return device.kinematics->layout().select(linear->damping);
-  }
-  return {};
-}
-
-}  // namespace
 
 std::vector<std::string> passivity_warnings(const Scene& scene) {
   std::vector<std::string> warnings;
   const double T = core::seconds(scene.loop.period);
   for (std::size_t d = 0; d < scene.devices.size(); ++d) {
     const core::RenderSettings& settings = scene.devices[d].settings;
-    const core::VecA b = own_damping(scene.devices[d]);
+    const DeviceScene& device = scene.devices[d];
+    const core::VecA b = own_dynamics(device.source, device.kinematics->layout()).damping;
     for (Eigen::Index i = 0; i < b.size(); ++i) {
       const double highest = std::max(0.0, 2.0 * (b[i] - settings.damping[i]) / T);
       if (settings.stiffness[i] <= highest) continue;

@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "haptic/core/error.hpp"
+#include "haptic/wire/utf8.hpp"
 #include "server/scene/field_path.hpp"
 
 namespace haptic::server {
@@ -89,8 +90,12 @@ std::string decimal_ms(core::Duration duration) {
 
 std::string quoted(const std::string& text) {
   const bool long_text = text.size() > kLongestQuote;
-  return '"' + google::protobuf::strings::Utf8SafeCEscape(text.substr(0, kLongestQuote)) +
-         (long_text ? "...\"" : "\"");
+  const std::string shown = text.substr(0, kLongestQuote);
+  // Bytes that are no character, be it by the cut, stand as numbers.
+  const std::string escaped = wire::is_utf8(shown)
+                                  ? google::protobuf::strings::Utf8SafeCEscape(shown)
+                                  : google::protobuf::CEscape(shown);
+  return '"' + escaped + (long_text ? "...\"" : "\"");
 }
 
 }  // namespace haptic::server

@@ -17,8 +17,10 @@ constexpr const char* kPer = "actuated DoF";
 constexpr core::Duration kLongestSilence{std::chrono::seconds(60)};
 /// What 2.5 periods of a client are clamped to at most (WIRE 4).
 constexpr core::Duration kWidestFreshEnd{milliseconds(80)};
-/// Shortest fade from full force to none (WIRE 4).
+/// Shortest fade from full force to none (WIRE 4), and the longest: a release, and so the server's
+/// own end, waits for it.
 constexpr core::Duration kShortestFade{milliseconds(50)};
+constexpr core::Duration kLongestFade{milliseconds(1000)};
 
 core::RendererKind read_renderer(v1::DeviceScene& message) {
   switch (message.renderer_case()) {
@@ -91,6 +93,10 @@ void read_staleness(v1::StalenessScene& message, const std::string& path, Render
     reader.wrong("fade_end", decimal_ms(limits.fade_end),
                  "must be at least hold_end + " + decimal_ms(kShortestFade) + ", " +
                      decimal_ms(limits.hold_end + kShortestFade));
+  } else if (limits.fade_end - limits.hold_end > kLongestFade) {
+    reader.wrong("fade_end", decimal_ms(limits.fade_end),
+                 "must be at most hold_end + " + decimal_ms(kLongestFade) + ", " +
+                     decimal_ms(limits.hold_end + kLongestFade));
   }
 }
 

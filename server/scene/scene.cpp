@@ -18,6 +18,7 @@
 #include "server/scene/passivity_warning.hpp"
 #include "server/scene/problems.hpp"
 #include "server/scene/text_format.hpp"
+#include "server/scene/whole_scene.hpp"
 
 namespace haptic::server {
 namespace {
@@ -92,6 +93,7 @@ Scene parse_scene(const std::string& text, const std::string& name,
   parse_text(text, name, message, tree, problems);
   apply(overrides, message, problems);
 
+  check_text(message, "", problems);
   Scene scene;
   read_name(message.name(), problems);
   scene.name = message.name();
@@ -99,10 +101,21 @@ Scene parse_scene(const std::string& text, const std::string& name,
   scene.server = read_server(*message.mutable_server(), problems);
   scene.loop = read_loop(*message.mutable_loop(), problems);
   if (message.has_record()) scene.record = read_record(*message.mutable_record(), problems);
+  check_silence(scene, problems);
+  check_recordings(scene, problems);
   problems.raise();
   scene.resolved = printed(message);
   scene.warnings = passivity_warnings(scene);
   return scene;
+}
+
+std::filesystem::path record_file(const Scene& scene, std::size_t device) {
+  const std::filesystem::path& file = scene.record->file;
+  if (scene.devices.size() <= 1) return file;
+  std::filesystem::path own = file;
+  own.replace_filename(file.stem().string() + "-" + scene.devices[device].name +
+                       file.extension().string());
+  return own;
 }
 
 Scene load_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides) {

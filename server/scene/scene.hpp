@@ -19,6 +19,8 @@ struct DeviceScene {
   std::shared_ptr<const core::Kinematics> kinematics{};
   core::ProjectionSettings projection{};
   core::RenderSettings settings{};  ///< the widest a session may ask for
+  bool monotone_envelope{false};
+  core::PassivitySettings passivity{};
   /// An upper bound on every session's fresh_end; absent: 2.5 nominal periods
   /// of the client.
   std::optional<core::Duration> fresh_end{};
@@ -58,6 +60,10 @@ struct Scene {
   /// What may be served but deserves a word, each "field = value: why".
   std::vector<std::string> warnings{};
 };
+
+/// Where device number `device` of a scene with a record is recorded: `record.file` itself for an
+/// only device, else with the device's name ("run.csv" -> "run-left.csv").
+[[nodiscard]] std::filesystem::path record_file(const Scene& scene, std::size_t device);
 
 /// Reads a scene. `overrides` are "path=value" as of --set, e.g.
 /// "device[0].impedance.stiffness_n_per_m[0]=800". Throws SceneError with one

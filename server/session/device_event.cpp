@@ -45,7 +45,9 @@ std::string fault_sentence(core::Fault fault, const core::TickRecord& record,
 void EventDetector::step(const core::TickRecord& record, const std::string& stop_reason,
                          std::vector<DeviceEvent>& events) {
   const auto add = [&](DeviceEvent::Kind kind, std::string reason, std::string message) {
-    events.push_back({kind, record.input.now, std::move(reason), std::move(message), record.state});
+    const core::CommandSnapshot& command = record.input.command;
+    events.push_back({kind, record.input.now, std::move(reason), std::move(message), record.state,
+                      command.lease_held ? command.lease_epoch : 0});
   };
   for (const core::Fault fault : kFaults) {
     const bool now = record.faults.has(fault);

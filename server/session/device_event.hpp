@@ -29,6 +29,7 @@ struct DeviceEvent {
   std::string reason{};    ///< stable
   std::string message{};   ///< for people
   core::DeviceState state{core::DeviceState::kInit};
+  std::uint32_t lease_epoch{0};  ///< the lease it happened under; 0: under none
 };
 
 /// Compares consecutive records of one device. One thread.

@@ -5,8 +5,9 @@
 namespace haptic::server {
 namespace {
 
-/// Ticks a newcomer waits for its predecessor's fade; the fade itself takes at most 200 ms.
-constexpr int kNewcomerPatience = 1000;
+/// How long a newcomer waits for its predecessor's fade, which takes fade_end - hold_end: 1 s at most
+/// (render_scene.cpp), and 80 ms by default.
+constexpr core::Duration kNewcomerPatience = std::chrono::milliseconds(1500);
 
 void run(const PendingRequests::Closures& closures) {
   for (const auto& closure : closures) closure();
@@ -61,7 +62,7 @@ void DeviceSessions::close(const std::string& session_id) {
 }
 
 void DeviceSessions::open_controller(const LeaseRequest& request, core::TimePoint now,
-                                     LeaseAnswer answer) {
+                                     const LeaseAnswer& answer) {
   Closures closures;
   std::optional<Refusal> refusal;
   {
@@ -77,7 +78,7 @@ void DeviceSessions::open_controller(const LeaseRequest& request, core::TimePoin
     } else if (!limits) {
       refusal = limits.refusal;
     } else {
-      newcomer_ = Newcomer{request, *limits.value, answer, kNewcomerPatience};
+      newcomer_ = Newcomer{request, *limits.value, answer, now + kNewcomerPatience};
       if (!force_is_on()) grant_newcomer(now, closures);
     }
   }
@@ -85,7 +86,7 @@ void DeviceSessions::open_controller(const LeaseRequest& request, core::TimePoin
   run(closures);
 }
 
-Ticket DeviceSessions::engage(const std::string& session_id, Answer answer) {
+Ticket DeviceSessions::engage(const std::string& session_id, const Answer& answer) {
   std::optional<Refusal> refusal;
   Ticket ticket = 0;
   {
@@ -101,7 +102,7 @@ Ticket DeviceSessions::engage(const std::string& session_id, Answer answer) {
   return ticket;
 }
 
-Ticket DeviceSessions::release(const std::string& session_id, Answer answer) {
+Ticket DeviceSessions::release(const std::string& session_id, const Answer& answer) {
   std::optional<Refusal> refusal;
   Ticket ticket = 0;
   {
@@ -131,9 +132,8 @@ Ticket DeviceSessions::clear_faults(core::FaultSet faults, ClearAnswered answer)
     const std::uint32_t wanted = faults.any() ? faults.bits() : ~std::uint32_t{0};
     const core::FaultSet active(newest_.faults.bits() & wanted);
     if (active.any()) {
-      const Ticket ticket = pending_.add_clear(++command_.clear_id, active, std::move(answer));
-      command_.clear = pending_.faults_to_clear();
-      post();
+      const Ticket ticket = pending_.add_clear({active, newest_.stop_id}, std::move(answer));
+      post_next_clear();
       return ticket;
     }
   }
@@ -143,7 +143,13 @@ Ticket DeviceSessions::clear_faults(core::FaultSet faults, ClearAnswered answer)
 
 bool DeviceSessions::cancel(Ticket ticket) {
   const std::lock_guard lock(mutex_);
-  return pending_.cancel(ticket);
+  const auto cancelled = pending_.cancel(ticket);
+  if (cancelled == PendingRequests::Cancelled::kEngage) {
+    // Whoever was told that it failed must not feel it act: a tick that comes after all releases.
+    ++command_.release_id;
+    post();
+  }
+  return cancelled != PendingRequests::Cancelled::kNothing;
 }
 
 Outcome<SettingsAnswer> DeviceSessions::update_settings(const std::string& session_id,
@@ -173,7 +179,8 @@ void DeviceSessions::begin_closing() {
       newcomer_.reset();
     }
     tell_everyone({DeviceEvent::Kind::kClosing, newest_.input.now, "CLOSING",
-                   "the server is shutting down", newest_.state});
+                   "the server is shutting down", newest_.state,
+                   command_.lease_held ? command_.lease_epoch : 0});
   }
   run(closures);
 }
@@ -217,7 +224,7 @@ void DeviceSessions::on_record(const core::TickRecord& record) {
       tell_everyone({DeviceEvent::Kind::kLeaseExpired, record.input.now, "LEASE_EXPIRED",
                      "'" + lease_.client_name() +
                          "' sent no valid sample for the lease time and is an observer now",
-                     record.state});
+                     record.state, command_.lease_epoch});
       end_lease(closures);
     }
     if (!force_is_on()) {
@@ -226,7 +233,7 @@ void DeviceSessions::on_record(const core::TickRecord& record) {
       } else if (settings_due_) {
         restore_scene_settings();
       }
-    } else if (newcomer_ && --newcomer_->patience <= 0) {
+    } else if (newcomer_ && record.input.now >= newcomer_->gives_up) {
       closures.push_back([call = std::move(newcomer_->answer)] {
         call(Refusal{Refusal::Code::kUnavailable,
                      "NO_ANSWER",
@@ -236,12 +243,21 @@ void DeviceSessions::on_record(const core::TickRecord& record) {
       newcomer_.reset();
     }
     pending_.step(record, closures);
+    post_next_clear();
   }
   run(closures);
 }
 
 void DeviceSessions::post() noexcept {
   unit_.commands.publish(command_);
+}
+
+void DeviceSessions::post_next_clear() noexcept {
+  if (!pending_.clear_waits()) return;
+  const AskedClear asked = pending_.begin_clear(++command_.clear_id);
+  command_.clear = asked.faults;
+  command_.clear_stop_id = asked.stop_id;
+  post();
 }
 
 void DeviceSessions::end_lease(Closures& closures) {

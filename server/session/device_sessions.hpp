@@ -59,11 +59,11 @@ class DeviceSessions final : public RecordListener {
 
   /// Asks for the lease. Refused: LEASE_HELD (kExists, names the holder), CLOSING, or limits that
   /// are off. Answered at g = 0.
-  void open_controller(const LeaseRequest& request, core::TimePoint now, LeaseAnswer answer);
+  void open_controller(const LeaseRequest& request, core::TimePoint now, const LeaseAnswer& answer);
 
   /// Each returns a ticket for cancel(), 0 where the answer was given at once.
-  Ticket engage(const std::string& session_id, Answer answer);
-  Ticket release(const std::string& session_id, Answer answer);
+  Ticket engage(const std::string& session_id, const Answer& answer);
+  Ticket release(const std::string& session_id, const Answer& answer);
   /// Posted before anything else is looked at; answered by the tick that latched.
   Ticket emergency_stop(const std::string& reason, Answer answer);
   /// `faults` empty: all that are active. Answered with what was cleared.
@@ -94,11 +94,12 @@ class DeviceSessions final : public RecordListener {
     LeaseRequest request{};
     core::StalenessLimits staleness{};
     LeaseAnswer answer{};
-    int patience{0};
+    core::TimePoint gives_up{};
   };
   using Closures = PendingRequests::Closures;
 
   void post() noexcept;
+  void post_next_clear() noexcept;
   void end_lease(Closures& closures);
   void grant_newcomer(core::TimePoint now, Closures& closures);
   void restore_scene_settings();

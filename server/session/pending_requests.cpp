@@ -44,6 +44,8 @@ Outcome<Done> engage_outcome(const core::EngageAnswer& answer, core::DeviceState
     case Verdict::kDeviceStale:
       return not_yet("DEVICE_STALE", "the newest device sample is " + value + " ms old: at most " +
                                          limit + " ms is needed");
+    case Verdict::kReleased:
+      return not_yet("NOT_ARMED", "a Release came with it: ask again");
     case Verdict::kOutsideWindow:
       return not_yet("OUTSIDE_WINDOW", "force on actuated DoF " + std::to_string(answer.index) +
                                            " would start at " + value + " (N or N m): at most " +
@@ -99,21 +101,25 @@ Ticket PendingRequests::add_stop(std::uint64_t id, Answer answer) {
   return add(std::move(request));
 }
 
-Ticket PendingRequests::add_clear(std::uint64_t id, core::FaultSet faults, ClearAnswered answer) {
+Ticket PendingRequests::add_clear(const AskedClear& asked, ClearAnswered answer) {
   Request request;
   request.kind = Kind::kClear;
-  request.id = id;
-  request.faults = faults;
+  request.clear = asked;
   request.cleared = std::move(answer);
   return add(std::move(request));
 }
 
-core::FaultSet PendingRequests::faults_to_clear() const noexcept {
-  core::FaultSet all;
-  for (const Request& request : requests_) {
-    if (request.kind == Kind::kClear) all = all | request.faults;
-  }
-  return all;
+bool PendingRequests::clear_waits() const noexcept {
+  const auto first = std::find_if(requests_.begin(), requests_.end(),
+                                  [](const Request& r) { return r.kind == Kind::kClear; });
+  return first != requests_.end() && first->id == 0;
+}
+
+AskedClear PendingRequests::begin_clear(std::uint64_t id) noexcept {
+  const auto first = std::find_if(requests_.begin(), requests_.end(),
+                                  [](const Request& r) { return r.kind == Kind::kClear; });
+  first->id = id;
+  return first->clear;
 }
 
 bool PendingRequests::resolve(Request& request, const core::TickRecord& record,
@@ -132,10 +138,10 @@ bool PendingRequests::resolve(Request& request, const core::TickRecord& record,
     case Kind::kStop:
       return record.stop_id >= request.id && answer(Done{});
     case Kind::kClear:
-      if (record.clear.id < request.id) return false;
+      if (request.id == 0 || record.clear.id < request.id) return false;
       closures.push_back(
           [call = std::move(request.cleared),
-           outcome = clear_outcome(request.faults, record.clear.refused)] { call(outcome); });
+           outcome = clear_outcome(request.clear.faults, record.clear.refused)] { call(outcome); });
       return true;
   }
   return false;
@@ -182,8 +188,13 @@ void PendingRequests::lease_ended(const std::string& session_id, Closures& closu
   }
 }
 
-bool PendingRequests::cancel(Ticket ticket) {
-  return std::erase_if(requests_, [&](const Request& r) { return r.ticket == ticket; }) > 0;
+PendingRequests::Cancelled PendingRequests::cancel(Ticket ticket) {
+  const auto found = std::find_if(requests_.begin(), requests_.end(),
+                                  [&](const Request& r) { return r.ticket == ticket; });
+  if (found == requests_.end()) return Cancelled::kNothing;
+  const bool engage = found->kind == Kind::kEngage;
+  requests_.erase(found);
+  return engage ? Cancelled::kEngage : Cancelled::kRequest;
 }
 
 }  // namespace haptic::server

@@ -2,20 +2,12 @@
 
 #include <spdlog/spdlog.h>
 
-#include <cerrno>
 #include <charconv>
-#include <cstring>
 #include <string_view>
 #include <utility>
 
-#include "haptic/core/error.hpp"
-
 namespace haptic::server {
 namespace {
-
-/// About a quarter of a second of the finger's rows: what a killed server may lose at most.
-constexpr std::size_t kFlushAt = 128 * 1024;
-constexpr std::size_t kLongestRow = 32 * 1024;
 
 const char* unit(core::Unit unit) {
   return unit == core::Unit::kMetre ? "m" : "rad";
@@ -32,6 +24,8 @@ std::string_view text(core::ProxyMode mode) {
       return "HELD";
     case core::ProxyMode::kFree:
       return "FREE";
+    case core::ProxyMode::kPlanes:
+      return "PLANES";
   }
   return "?";
 }
@@ -138,43 +132,41 @@ std::string Recorder::header(const core::Kinematics& kinematics, bool compare) {
 Recorder::Recorder(const std::filesystem::path& file,
                    std::shared_ptr<const core::Kinematics> kinematics,
                    std::unique_ptr<RendererComparison> comparison)
-    : file_(file),
+    : path_(file),
       kinematics_(std::move(kinematics)),
       comparison_(std::move(comparison)),
-      stream_(std::fopen(file.c_str(), "we")) {
-  if (stream_ == nullptr) {
-    throw core::SceneError("record.file = '" + file.string() +
-                           "': cannot be created: " + std::strerror(errno));
-  }
-  std::setvbuf(stream_, nullptr, _IONBF, 0);  // buffer_ is the buffer
-  buffer_.reserve(kFlushAt + kLongestRow);
-  buffer_ = header(*kinematics_, comparison_ != nullptr) + '\n';
+      file_(file) {
+  static_cast<void>(file_.append(header(*kinematics_, comparison_ != nullptr) + '\n'));
 }
 
 Recorder::~Recorder() {
-  flush();
-  if (stream_ != nullptr) std::fclose(stream_);
+  if (lost_ > 0 && !file_.ended()) {
+    spdlog::warn("recording to {} lacks {} rows: the disk was too slow", path_.string(), lost_);
+  }
 }
 
 void Recorder::on_record(const core::TickRecord& record) {
-  if (stream_ == nullptr) return;
   if (!start_) start_ = record.input.now;
-  append(record);
-  ++rows_;
-  if (buffer_.size() >= kFlushAt) flush();
+  compose(record);
+  if (file_.append(row_)) {
+    ++rows_;
+  } else if (++lost_ == 1 && !file_.ended()) {
+    spdlog::warn("recording to {} loses rows: the disk is too slow", path_.string());
+  }
 }
 
-void Recorder::append(const core::TickRecord& record) {
+void Recorder::compose(const core::TickRecord& record) {
   const int n_q = kinematics_->layout().n_q();
   const int n_a = kinematics_->layout().n_a();
   const int n_x = kinematics_->space().n_x();
-  Row row(buffer_);
+  row_.clear();
+  Row row(row_);
   row.number(core::seconds(record.input.now - *start_));
   row.number(record.tick);
   row.add(core::name(record.state));
   row.add(core::name(record.staleness));
   row.number(microseconds(record.proxy_age));
-  row.add(text(record.input.proxy.mode));
+  row.add(text(record.proxy_mode));
   row.number(record.gain);
   row.number(record.damping_gain);
   row.vector(record.q, n_q);
@@ -194,25 +186,6 @@ void Recorder::append(const core::TickRecord& record) {
     for (const core::VecA& tau : comparison_->evaluate(record)) row.vector(tau, n_a);
   }
   row.end();
-}
-
-void Recorder::flush() {
-  if (stream_ == nullptr || buffer_.empty()) return;
-  const bool written = std::fwrite(buffer_.data(), 1, buffer_.size(), stream_) == buffer_.size();
-  buffer_.clear();
-  if (written) return;
-  spdlog::warn("recording to {} ends here, after about {} rows: {}", file_.string(), rows_,
-               std::strerror(errno));
-  std::fclose(stream_);
-  stream_ = nullptr;
-}
-
-std::filesystem::path record_file(const std::filesystem::path& file, const std::string& name,
-                                  std::size_t devices) {
-  if (devices <= 1) return file;
-  std::filesystem::path own = file;
-  own.replace_filename(file.stem().string() + "-" + name + file.extension().string());
-  return own;
 }
 
 }  // namespace haptic::server

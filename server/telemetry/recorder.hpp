@@ -1,5 +1,6 @@
 #pragma once
-/// Scene.record: every tick of one device as a row of a CSV file, written on the telemetry's drain.
+/// Scene.record: every tick of one device as a row of a CSV file, composed on the telemetry's drain
+/// and written on a thread of its own.
 ///
 /// The header, in this order. DOF stands for each DoF's name ("l_x"), ACT for each actuated DoF's,
 /// COORD for each virtual coordinate's; UNIT is m or rad, FORCE is n (N) or n_m (N m).
@@ -34,13 +35,13 @@
 ///
 /// Numbers have full precision: reading them back gives the same bits.
 
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "haptic/core/model/kinematics.hpp"
+#include "server/telemetry/background_file.hpp"
 #include "server/telemetry/renderer_comparison.hpp"
 #include "server/telemetry/telemetry.hpp"
 
@@ -52,7 +53,7 @@ class Recorder final : public RecordListener {
   /// be created (path and the system's reason).
   Recorder(const std::filesystem::path& file, std::shared_ptr<const core::Kinematics> kinematics,
            std::unique_ptr<RendererComparison> comparison = nullptr);
-  /// Writes what is buffered and closes. The recorder must have been removed from the telemetry.
+  /// Writes what is left and closes. The recorder must have been removed from the telemetry.
   ~Recorder() override;
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -60,29 +61,26 @@ class Recorder final : public RecordListener {
   /// The header line, without its newline.
   [[nodiscard]] static std::string header(const core::Kinematics& kinematics, bool compare);
 
-  /// Appends a row; now and then writes the buffer to the file. Where writing fails (disk full) the
-  /// recording ends there, with one warning in the log; the loop and the sessions go on.
+  /// Appends a row; never waits for the disk. Where writing fails (disk full) the recording ends
+  /// there, with one warning in the log; rows that a slow disk leaves no room for are lost, and
+  /// counted in another.
   void on_record(const core::TickRecord& record) override;
 
-  /// Rows handed to the file or waiting in the buffer.
+  /// Rows in the file or on their way to it; rows that were lost.
   [[nodiscard]] std::uint64_t rows() const noexcept { return rows_; }
+  [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
 
  private:
-  void append(const core::TickRecord& record);
-  void flush();
+  void compose(const core::TickRecord& record);
 
-  const std::filesystem::path file_;
+  const std::filesystem::path path_;
   const std::shared_ptr<const core::Kinematics> kinematics_;
   const std::unique_ptr<RendererComparison> comparison_;
-  std::FILE* stream_{nullptr};
-  std::string buffer_;
+  BackgroundFile file_;
+  std::string row_;  ///< kept for its capacity
   std::uint64_t rows_{0};
+  std::uint64_t lost_{0};
   std::optional<core::TimePoint> start_{};
 };
-
-/// Where device `name` of `devices` is recorded: `file` itself for an only device, else its name is
-/// added before the extension ("run.csv" -> "run-left.csv").
-[[nodiscard]] std::filesystem::path record_file(const std::filesystem::path& file,
-                                                const std::string& name, std::size_t devices);
 
 }  // namespace haptic::server

@@ -67,14 +67,25 @@ core::TickInput tick_input(const Poses& poses, const core::PipelineConfig& confi
   return input;
 }
 
-core::PipelineConfig tick_config(const core::RendererKind kind, bool guard) {
+/// What a scene may add to a tick.
+struct Extras {
+  const char* name{""};
+  bool guard{false}, envelope{false}, tank{false}, observer{false};
+  int planes{0};
+};
+
+core::PipelineConfig tick_config(const core::RendererKind kind, const Extras& extras) {
   core::PipelineConfig config;
   config.kinematics = core::make_finger_exoskeleton({});
   config.device.q_lower = (VecQ(2) << -0.0025, -1.5).finished();
   config.device.q_upper = (VecQ(2) << 0.0525, 0.85).finished();
   config.device.max_effort = VecA::Constant(1, 40.0);
   config.scene.renderer = kind;
-  config.scene.direction_guard = guard;
+  config.scene.direction_guard = extras.guard;
+  config.monotone_envelope = extras.envelope;
+  config.passivity.tank.enabled = extras.tank;
+  config.passivity.observer.enabled = extras.observer;
+  config.passivity.observer.inertia = VecA::Constant(1, 0.05);
   config.scene.stiffness = VecA::Constant(1, 1500.0);
   config.scene.damping = VecA::Constant(1, 2.0);
   config.scene.force_limit = VecA::Constant(1, 20.0);
@@ -83,14 +94,28 @@ core::PipelineConfig tick_config(const core::RendererKind kind, bool guard) {
   return config;
 }
 
+/// Stops of MCP, PIP and of their sum, all of them pressed: MCP and PIP hold, the sum is redundant.
+void put_planes(int count, core::ProxySnapshot& proxy) {
+  const double normals[3][3] = {
+      {1.0, 0.0, 18 * kDegree}, {0.0, 1.0, 25 * kDegree}, {1.0, 1.0, 43.5 * kDegree}};
+  proxy.mode = core::ProxyMode::kPlanes;
+  proxy.planes.normals.resize(2, count);
+  proxy.planes.offsets.resize(count);
+  for (int k = 0; k < count; ++k) {
+    proxy.planes.normals.col(k) << normals[k][0], normals[k][1];
+    proxy.planes.offsets[k] = normals[k][2];
+  }
+}
+
 /// p50 of single ticks in ns, the clock's own cost (measured in the same block) taken off.
-double tick_p50(const Poses& poses, core::RendererKind kind, bool guard) {
-  const core::PipelineConfig config = tick_config(kind, guard);
+double tick_p50(const Poses& poses, core::RendererKind kind, const Extras& extras) {
+  const core::PipelineConfig config = tick_config(kind, extras);
   core::Pipeline pipeline(config);
   std::vector<double> ticks, clocks;
   bool engaged = false;
   for (int i = 0; i < 4000; ++i) {
-    const core::TickInput input = tick_input(poses, config, i);
+    core::TickInput input = tick_input(poses, config, i);
+    if (extras.planes > 0) put_planes(extras.planes, input.proxy);
     const auto t0 = std::chrono::steady_clock::now();
     const auto t1 = std::chrono::steady_clock::now();
     const core::TickRecord record = pipeline.tick(input);
@@ -120,10 +145,14 @@ int main() {
   for (const core::RendererKind kind :
        {core::RendererKind::kStandard, core::RendererKind::kNullSpace,
         core::RendererKind::kSubspaceLinear, core::RendererKind::kSubspaceExact}) {
-    for (const bool guard : {false, true}) {
+    for (const Extras& extras :
+         {Extras{}, Extras{" with guard", true}, Extras{" with tank", false, false, true},
+          Extras{" with 3 planes", false, false, false, false, 3},
+          Extras{" with 3 planes, guard, tank, observer", true, false, true, true, 3},
+          Extras{" with 3 planes, envelope, tank, observer", false, true, true, true, 3}}) {
       bench::print(bench::measure(
-          "tick " + std::string(core::name(kind)) + (guard ? " with guard" : "") + " p50", "ns",
-          [&] { return tick_p50(poses, kind, guard); }, 1000.0));
+          "tick " + std::string(core::name(kind)) + extras.name + " p50", "ns",
+          [&] { return tick_p50(poses, kind, extras); }, extras.planes > 0 ? 2000.0 : 1000.0));
     }
   }
 

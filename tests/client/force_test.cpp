@@ -238,6 +238,20 @@ TEST(LeaseExpired, TheNextSampleOpensTheSessionAnewWhereItReconnects) {
   EXPECT_TRUE(server.until([&] { return !server.samples().empty(); }));
 }
 
+TEST(LeaseExpired, OfAPredecessorIsNotTakenForOnesOwn) {
+  FakeServer server;
+  client::SessionOptions options;
+  options.reconnect = client::Reconnect::kWithBackoff;
+  std::atomic<bool> told{false};
+  options.on_event = [&](const client::Event&) { told = true; };
+  const auto session = Connection(server.address()).open(options);
+  server.send_event(v1::Event::KIND_LEASE_EXPIRED, "LEASE_EXPIRED", 7);
+  ASSERT_TRUE(server.until([&] { return told.load(); }));
+  session->publish(client::Proxy::free());
+  EXPECT_TRUE(server.until([&] { return !server.samples().empty(); }));
+  EXPECT_EQ(server.openings().size(), 1U);
+}
+
 TEST(ServerDies, ForceReturnsAfterReconnectOnlyWhereAskedFor) {
   for (const bool wanted : {false, true}) {
     FakeServer server;

@@ -236,7 +236,7 @@ TEST(Session, ClearingAFaultWhoseCausePersistsIsNotReady) {
   Connection connection(server.address());
   const ClientError error = error_of([&] { connection.clear_fault(); });
   EXPECT_EQ(error.reason(), ErrorReason::kNotReady);
-  EXPECT_EQ(error.server_reason(), "CAUSE_PERSISTS");
+  EXPECT_EQ(error.server_reason(), "FAULT_PERSISTS");
 }
 
 }  // namespace

@@ -41,10 +41,21 @@ says 1 'missing: q_o2_pip_rad' "$hapticd" --scene "$scene" --listen "unix:$folde
   --set "$motion=$folder/column.csv"
 says 1 'nonsense' "$hapticd" --scene "$scene" --check-scene --set "$motion=$folder/number.csv"
 says 0 'ok' "$hapticd" --scene "$scene" --check-scene
+printf 'time_s,q_o1_mcp_rad,q_o2_pip_rad\n0,0,0\n0.01,0,0\n' >"$folder/run.csv"
+ln "$folder/run.csv" "$folder/link.csv"
+says 2 'would be overwritten' "$hapticd" --scene "$scene" --listen "unix:$folder/s" \
+  --set "$motion=$folder/run.csv" --set "record.file=$folder/link.csv"
+says 2 'must be UTF-8' "$hapticd" --scene "$scene" --check-scene --set 'name="\377"'
+says 2 'no lease ends under force' "$hapticd" --scene "$scene" --check-scene \
+  --set 'device[0].staleness.fade_end={seconds: 2 nanos: 500000000}' \
+  --set 'device[0].staleness.hold_end={seconds: 2}'
 
 says 1 'connect' "$hapticctl" --server "unix:$folder/nobody" info
 says 2 '--bogus' "$hapticctl" engage --bogus
 says 2 '--rate' "$hapticctl" watch --rate 0
+says 2 '--rate' "$hapticctl" watch --rate nan
+says 2 '--seconds' "$hapticctl" watch --seconds -3
+says 2 '--seconds' "$hapticctl" engage --seconds nan
 
 # Beside a server: an address in use, a device that is not there.
 "$hapticd" --scene "$scene" --listen "unix:$folder/s" --realtime=off --log-level error 2>/dev/null &

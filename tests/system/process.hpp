@@ -12,13 +12,15 @@ namespace haptic::test {
 
 class Process {
  public:
-  Process(const std::string& program, std::vector<std::string> arguments) {
+  /// `standard_error`: where its words go; -1: to ours.
+  Process(const std::string& program, std::vector<std::string> arguments, int standard_error = -1) {
     arguments.insert(arguments.begin(), program);
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
     id_ = fork();
     if (id_ == 0) {
+      if (standard_error >= 0) dup2(standard_error, STDERR_FILENO);
       execv(program.c_str(), argv.data());
       _exit(127);
     }

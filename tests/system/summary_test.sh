@@ -48,6 +48,13 @@ expect 7 'FAULT +LOOP_LATE, 100 ticks' 0.02 5 FAULT
 expect 0 'free motion +2.0 s' 0.02 5
 expect 0 'free motion +1.9 s' 0.02 5 IDLE
 
+# A proxy behind planes is in contact like a held one.
+if ! recording 0.02 -5 ENGAGED | sed 's/HELD/PLANES/' | awk -f "$summary" |
+  grep -qE 'in contact +1.0 s in 1 contacts'; then
+  echo "FAILED: mode PLANES is no contact"
+  failures=1
+fi
+
 status=0
 echo "time_s,tick" | awk -f "$summary" >/dev/null || status=$?
 if [ "$status" -ne 6 ]; then

@@ -51,6 +51,8 @@ PipelineConfig checked(PipelineConfig config) {
   }
   const char* wrong = check(scene.staleness);
   require(wrong == nullptr, std::string("staleness: ") + (wrong != nullptr ? wrong : ""));
+  wrong = check(config.passivity, n_a);
+  require(wrong == nullptr, std::string("passivity: ") + (wrong != nullptr ? wrong : ""));
   require(config.loop_late_fault > Duration::zero(), "loop_late_fault: must be > 0");
   require(config.late_bucket_full > 0, "late_bucket_full: must be > 0");
   return config;

@@ -42,13 +42,18 @@ Pipeline::Stages::Stages(PipelineConfig config)
       settings_(config_.scene),
       renderer_(config_.scene.renderer, model_),
       guard_(model_, config_.scene.stiffness),
+      local_proxy_(kinematics_.space()),
       rate_(layout_.n_a()),
       late_bucket_(config_.late_bucket_full),
       q_(VecQ::Zero(layout_.n_q())),
       x_probe_(VecX::Zero(kinematics_.space().n_x())),
       J_(MatXQ::Zero(kinematics_.space().n_x(), layout_.n_q())),
       dx_(VecX::Zero(kinematics_.space().n_x())),
-      dq_a_(VecA::Zero(layout_.n_a())) {
+      dq_a_(VecA::Zero(layout_.n_a())),
+      anchor_(VecA::Zero(layout_.n_a())),
+      tau_controller_(VecA::Zero(layout_.n_a())) {
+  if (config_.passivity.enabled()) passivity_.emplace(config_.passivity, layout_.n_a());
+  if (config_.monotone_envelope && layout_.n_a() == 1) envelope_.emplace(kinematics_);
   projection_.q_star = q_;
 }
 
@@ -114,6 +119,7 @@ void Pipeline::Stages::device(const TickInput& input, TickRecord& record) noexce
   if (reading.health == DeviceHealth::kLost) causes_.set(Fault::kDeviceLost);
   if (reading.health == DeviceHealth::kForceOverLimit) causes_.set(Fault::kForceOverLimit);
 
+  fresh_ = false;
   if (reading.fresh) {
     const VecQ& q = reading.sample.q;
     if (q.size() != layout_.n_q() || !all_finite(q)) {
@@ -124,7 +130,7 @@ void Pipeline::Stages::device(const TickInput& input, TickRecord& record) noexce
       q_ = q;
       rate_.update(layout_.select(q_), reading.sample.time, kRecentPeriods * limits.sample_period);
       last_sample_now_ = input.now;
-      ready_ = true;
+      ready_ = fresh_ = true;
     }
   }
   if (!device_sample_is_recent(input.now)) rate_.forget();
@@ -140,8 +146,7 @@ void Pipeline::Stages::proxy(const TickInput& input, TickRecord& record) noexcep
   const ProxySnapshot& sample = input.proxy;
   const bool of_this_lease =
       command.lease_held && sample.mode != ProxyMode::kNone && sample.epoch == command.lease_epoch;
-  const bool fits = sample.mode == ProxyMode::kFree ||
-                    (sample.x.size() == kinematics_.space().n_x() && all_finite_x(sample.x));
+  const bool fits = sample.mode == ProxyMode::kFree || fits_space(sample);
   if (carries_force(machine_.state())) {
     // The force of one lease is never led by the samples of the next: it fades out where it is.
     if (of_this_lease && fits && sample.epoch == local_proxy_.sample().epoch) {
@@ -155,11 +160,22 @@ void Pipeline::Stages::proxy(const TickInput& input, TickRecord& record) noexcep
   }
 
   has_proxy_ = local_proxy_.mode() != ProxyMode::kNone;
+  record.proxy_mode = local_proxy_.mode();
+  record.proxy_seq = has_proxy_ ? local_proxy_.sample().seq : 0;
   record.proxy_age = has_proxy_ ? input.now - local_proxy_.sample().born : Duration::zero();
   record.staleness =
       has_proxy_ ? staleness(record.proxy_age, local_proxy_.sample().valid_for, settings_.staleness)
                  : Staleness::kLost;
   ladder_ = has_proxy_ ? ladder(record.proxy_age, settings_.staleness) : 0.0;
+}
+
+bool Pipeline::Stages::fits_space(const ProxySnapshot& sample) const noexcept {
+  const int n_x = kinematics_.space().n_x();
+  if (sample.x.size() != n_x || !all_finite_x(sample.x)) return false;
+  if (sample.mode != ProxyMode::kPlanes || sample.planes.size() == 0) return true;
+  const PlaneSet& planes = sample.planes;
+  return planes.normals.rows() == n_x && planes.normals.cols() == planes.size() &&
+         planes.normals.allFinite() && planes.offsets.allFinite();
 }
 
 void Pipeline::Stages::projection(TickRecord& record) noexcept {
@@ -170,7 +186,11 @@ void Pipeline::Stages::projection(TickRecord& record) noexcept {
   projection_.status = ProjectionStatus::kNone;
   dq_a_.setZero();
 
-  if (local_proxy_.mode() != ProxyMode::kHeld) {
+  record.planes = local_proxy_.planes();
+  record.active_planes = local_proxy_.active_planes();
+  if (record.planes == PlaneStatus::kInfeasible) record.limiters.set(Limiter::kInfeasiblePlanes);
+
+  if (!local_proxy_.constrained()) {
     has_anchor_ = false;
     projection_.q_star = q_;
     projection_.residual = projection_.condition = 0.0;
@@ -212,8 +232,10 @@ void Pipeline::Stages::requests(const TickInput& input, TickRecord& record) noex
 
   if (command.clear_id != clear_.id) {
     clear_.id = command.clear_id;
-    clear_.refused = FaultSet(command.clear.bits() & causes_.bits());
-    latched_.clear(FaultSet(command.clear.bits() & ~causes_.bits()));
+    FaultSet persisting = causes_;
+    if (command.clear_stop_id != stop_id_) persisting.set(Fault::kEmergencyStop);
+    clear_.refused = FaultSet(command.clear.bits() & persisting.bits());
+    latched_.clear(FaultSet(command.clear.bits() & ~persisting.bits()));
   }
 
   released_ = command.release_id != release_id_;
@@ -222,6 +244,9 @@ void Pipeline::Stages::requests(const TickInput& input, TickRecord& record) noex
   engage_accepted_ = false;
   if (command.engage_id != engage_.id) {
     engage_ = judge_engage(input, record);
+    if (released_ && engage_.verdict == EngageVerdict::kAccepted) {
+      engage_.verdict = EngageVerdict::kReleased;
+    }
     engage_accepted_ = engage_.verdict == EngageVerdict::kAccepted;
   }
 }
@@ -291,6 +316,7 @@ void Pipeline::Stages::state(const TickInput& input, TickRecord& record) noexcep
   record.lost = machine_.lost_now();
 
   if (engage_accepted_) force_granted_ = true;
+  if (engage_accepted_ && before == DeviceState::kArmed && passivity_) passivity_->restart();
   const bool force_given_up = before == DeviceState::kReleasing && record.state != before;
   if (!machine_.wants_armed() || record.state == DeviceState::kIdle || force_given_up) {
     force_granted_ = false;
@@ -302,10 +328,9 @@ void Pipeline::Stages::state(const TickInput& input, TickRecord& record) noexcep
       device_follows;
   record.gain = gain_.step(wanted, ladder_, record.dt,
                            settings_.staleness.fade_end - settings_.staleness.hold_end);
-  record.damping_gain =
-      damping_gain_.step(force_granted_ && local_proxy_.mode() != ProxyMode::kFree &&
-                             device_sample_is_recent(input.now),
-                         record.dt);
+  record.damping_gain = damping_gain_.step(
+      force_granted_ && local_proxy_.constrained() && device_sample_is_recent(input.now),
+      record.dt);
   if (!force_granted_ && !carries_force(record.state)) damping_gain_.zero();
   if (record.state == DeviceState::kFault || record.state == DeviceState::kClosing) gain_.zero();
   record.gain = gain_.value();
@@ -320,17 +345,61 @@ void Pipeline::Stages::state(const TickInput& input, TickRecord& record) noexcep
   record.settings_id = settings_.id;
 }
 
-void Pipeline::Stages::force(TickRecord& record) noexcept {
-  const int n_a = layout_.n_a();
-  VecA elastic = settings_.stiffness.cwiseProduct(dq_a_);  // Eq. (6), (7): Z_q S dq
-  if (settings_.direction_guard && has_anchor_ && map_ok_ &&
-      !guard_.allows(Probe{q_, x_probe_, J_}, dx_, elastic)) {
-    elastic.setZero();
-    for (int i = 0; i < n_a; ++i) {
-      projection_.q_star[layout_.actuated(i)] = q_[layout_.actuated(i)];
+bool Pipeline::Stages::withheld(TickRecord& record) noexcept {
+  if (!has_anchor_ || !map_ok_) return false;
+  const Probe probe{q_, x_probe_, J_};
+  if (envelope_) {
+    const EnvelopeAnswer answer = envelope_->apply(probe, dx_, renderer_.kind(), projection_);
+    if (answer != EnvelopeAnswer::kProxy) record.limiters.set(Limiter::kMonotoneEnvelope);
+    if (answer == EnvelopeAnswer::kEarlier) {
+      dq_a_ = layout_.select(projection_.q_star) - layout_.select(q_);
     }
+    if (answer != EnvelopeAnswer::kWithheld) return false;
+  } else {
+    const bool guarded = settings_.direction_guard || config_.monotone_envelope;
+    const VecA elastic = settings_.stiffness.cwiseProduct(dq_a_);
+    if (!guarded || guard_.allows(probe, dx_, elastic)) return false;
     record.limiters.set(Limiter::kDirectionGuard);
   }
+  dq_a_.setZero();
+  for (int i = 0; i < layout_.n_a(); ++i) {
+    projection_.q_star[layout_.actuated(i)] = q_[layout_.actuated(i)];
+  }
+  return true;
+}
+
+void Pipeline::Stages::passivity(TickRecord& record, bool spring_is_off) noexcept {
+  const VecA q_a = layout_.select(q_);
+  passivity_->measure(q_a, fresh_, device_sample_is_recent(record.input.now), record.dt);
+  SpringStorage spring;
+  spring.stiffness = settings_.stiffness;
+  spring.limit = settings_.force_limit;
+  // A spring that is not there stores nothing over the tick either, however far the device moves.
+  spring.gain = spring_is_off ? 0.0 : record.gain;
+  anchor_ = passivity_->admit(spring, spring_is_off ? q_a : layout_.select(projection_.q_star));
+  if (!spring_is_off) {
+    dq_a_ = anchor_ - q_a;
+    for (int i = 0; i < layout_.n_a(); ++i) {
+      projection_.q_star[layout_.actuated(i)] = anchor_[i];
+    }
+  }
+  record.passivity = passivity_->record();
+  if (record.passivity.throttled) record.limiters.set(Limiter::kEnergyTank);
+  // Where nothing is in the way there is no drag, whatever the book says.
+  if (has_anchor_ && record.damping_gain > 0.0) {
+    tau_controller_ = passivity_->controller();
+    if (record.passivity.alpha > 0.0) record.limiters.set(Limiter::kPassivity);
+  } else {
+    tau_controller_.setZero();
+    record.passivity.alpha = 0.0;
+  }
+}
+
+void Pipeline::Stages::force(TickRecord& record) noexcept {
+  const int n_a = layout_.n_a();
+  const bool taken_off = withheld(record);
+  if (passivity_) passivity(record, taken_off || !has_anchor_);
+  const VecA elastic = settings_.stiffness.cwiseProduct(dq_a_);  // Eq. (6), (7): Z_q S dq
   if (projection_.status == ProjectionStatus::kUnreachable) {
     record.limiters.set(Limiter::kRangeClamp);
   }
@@ -344,7 +413,8 @@ void Pipeline::Stages::force(TickRecord& record) noexcept {
       limiters_[i].zero();
       continue;
     }
-    const double damping = -record.damping_gain * settings_.damping[i] * record.q_a_dot[i];
+    double damping = -record.damping_gain * settings_.damping[i] * record.q_a_dot[i];
+    if (passivity_) damping += tau_controller_[i];
     const LimitedForce limited =
         limiters_[i].step(record.gain * elastic[i], damping, record.gain, settings_.force_limit[i],
                           settings_.slew_limit[i], record.dt, record.limiters);
@@ -360,6 +430,7 @@ void Pipeline::Stages::force(TickRecord& record) noexcept {
     record.tau_elastic.setZero();
     for (int i = 0; i < n_a; ++i) limiters_[i].zero();
   }
+  if (passivity_) passivity_->hold(record.tau_elastic, record.tau_damping);
   record.q_star = projection_.q_star;
   record.projection = projection_.status;
   record.residual = projection_.residual;

@@ -2,9 +2,13 @@
 /// The stages of one tick, in reading order, with every temporary as a member. Private to the
 /// pipeline.
 
+#include <optional>
+
 #include "haptic/core/control/impedance.hpp"
+#include "haptic/core/passivity/passivity.hpp"
 #include "haptic/core/projection/direction_guard.hpp"
 #include "haptic/core/projection/local_proxy.hpp"
+#include "haptic/core/projection/monotone_envelope.hpp"
 #include "haptic/core/projection/renderer.hpp"
 #include "haptic/core/safety/device_state.hpp"
 #include "haptic/core/safety/late_bucket.hpp"
@@ -38,9 +42,15 @@ class Pipeline::Stages {
                                           const TickRecord& record) noexcept;
   /// Step 4, second half: the state and its gain.
   void state(const TickInput& input, TickRecord& record) noexcept;
+  /// Step 7, last part: envelope or direction guard. True where the elastic force is withheld.
+  [[nodiscard]] bool withheld(TickRecord& record) noexcept;
+  /// Steps 7 and 9: the tank decides the anchor in use, the observer what it adds to the damping.
+  void passivity(TickRecord& record, bool spring_is_off) noexcept;
   /// Steps 8-10: force, and its limits.
   void force(TickRecord& record) noexcept;
 
+  /// A held or planes sample of the right sizes, every number finite.
+  [[nodiscard]] bool fits_space(const ProxySnapshot& sample) const noexcept;
   [[nodiscard]] bool device_sample_is_recent(TimePoint now) const noexcept;
   [[nodiscard]] bool silent_too_long(TimePoint now) const noexcept;
 
@@ -52,6 +62,7 @@ class Pipeline::Stages {
   RenderSettings settings_;
   Renderer renderer_;
   DirectionGuard guard_;
+  std::optional<MonotoneEnvelope> envelope_;  ///< only where the scene asks for it
   LocalProxy local_proxy_;
   DeviceStateMachine machine_;
   Gain gain_;
@@ -59,12 +70,14 @@ class Pipeline::Stages {
   Rate rate_;
   LateBucket late_bucket_;
   ForceLimiter limiters_[kMaxQ];
+  std::optional<Passivity> passivity_;  ///< only where the scene asks for it
 
   std::uint64_t ticks_{0};
   TimePoint last_now_{};
   FaultSet latched_{};
   FaultSet causes_{};            ///< faults whose cause is present in this tick
   bool ready_{false};            ///< a good sample was seen
+  bool fresh_{false};            ///< in this very tick
   TimePoint last_sample_now_{};  ///< tick at which the newest good sample came
   double ladder_{0.0};
   bool has_proxy_{false};
@@ -84,7 +97,9 @@ class Pipeline::Stages {
   VecX x_probe_{};
   MatXQ J_{};
   VecX dx_{};
-  VecA dq_a_{};  ///< S (q* - q)
+  VecA dq_a_{};            ///< S (q* - q)
+  VecA anchor_{};          ///< S q*
+  VecA tau_controller_{};  ///< the passivity controller's, n_a
   Projection projection_{};
   bool map_ok_{false};
   bool has_anchor_{false};   ///< projection_.q_star is of the proxy in use

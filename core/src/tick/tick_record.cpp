@@ -13,7 +13,7 @@ bool same(double a, double b) noexcept {
 
 template <typename Vector>
 bool same_bits(const Vector& a, const Vector& b) noexcept {
-  return a.size() == b.size() &&
+  return a.rows() == b.rows() && a.cols() == b.cols() &&
          std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
 }
 
@@ -26,14 +26,17 @@ bool identical(const DeviceReading& a, const DeviceReading& b) noexcept {
 
 bool identical(const ProxySnapshot& a, const ProxySnapshot& b) noexcept {
   return a.mode == b.mode && a.epoch == b.epoch && a.seq == b.seq && a.born == b.born &&
-         a.valid_for == b.valid_for && same_bits(a.x, b.x) && a.gapless_since == b.gapless_since &&
+         a.valid_for == b.valid_for && same_bits(a.x, b.x) &&
+         same_bits(a.planes.normals, b.planes.normals) &&
+         same_bits(a.planes.offsets, b.planes.offsets) && a.gapless_since == b.gapless_since &&
          a.gapless_samples == b.gapless_samples;
 }
 
 bool identical(const CommandSnapshot& a, const CommandSnapshot& b) noexcept {
   return a.lease_epoch == b.lease_epoch && a.lease_held == b.lease_held &&
          a.engage_id == b.engage_id && a.release_id == b.release_id && a.stop_id == b.stop_id &&
-         a.clear_id == b.clear_id && a.clear == b.clear && a.closing == b.closing;
+         a.clear_id == b.clear_id && a.clear == b.clear && a.clear_stop_id == b.clear_stop_id &&
+         a.closing == b.closing;
 }
 
 bool identical(const RenderSettings& a, const RenderSettings& b) noexcept {
@@ -55,6 +58,15 @@ bool identical(const EngageAnswer& a, const EngageAnswer& b) noexcept {
          same(a.limit, b.limit);
 }
 
+bool identical(const PassivityRecord& a, const PassivityRecord& b) noexcept {
+  return a.on == b.on && same(a.storage, b.storage) && same(a.injected, b.injected) &&
+         same(a.scale, b.scale) && a.throttled == b.throttled && same(a.tank, b.tank) &&
+         same(a.hold.leak, b.hold.leak) && same(a.hold.limits, b.hold.limits) &&
+         same(a.hold.rendered, b.hold.rendered) &&
+         same(a.hold.device_damping, b.hold.device_damping) && same(a.observed, b.observed) &&
+         same(a.alpha, b.alpha);
+}
+
 }  // namespace
 
 bool identical(const TickRecord& a, const TickRecord& b) noexcept {
@@ -62,14 +74,16 @@ bool identical(const TickRecord& a, const TickRecord& b) noexcept {
          a.lost == b.lost && a.faults == b.faults && a.limiters == b.limiters && a.arm == b.arm &&
          identical(a.engage, b.engage) && a.release_id == b.release_id && a.stop_id == b.stop_id &&
          a.clear.id == b.clear.id && a.clear.refused == b.clear.refused &&
+         a.proxy_mode == b.proxy_mode && a.proxy_seq == b.proxy_seq &&
          a.settings_id == b.settings_id && a.staleness == b.staleness &&
          a.proxy_age == b.proxy_age && same(a.gain, b.gain) &&
          same(a.damping_gain, b.damping_gain) && same_bits(a.q, b.q) &&
          same_bits(a.q_a_dot, b.q_a_dot) && same_bits(a.x_probe, b.x_probe) &&
-         same_bits(a.x, b.x) && same_bits(a.q_star, b.q_star) && a.projection == b.projection &&
+         same_bits(a.x, b.x) && a.planes == b.planes && a.active_planes == b.active_planes &&
+         same_bits(a.q_star, b.q_star) && a.projection == b.projection &&
          same(a.residual, b.residual) && same(a.condition, b.condition) &&
          same_bits(a.tau_elastic, b.tau_elastic) && same_bits(a.tau_damping, b.tau_damping) &&
-         same_bits(a.tau_a, b.tau_a);
+         same_bits(a.tau_a, b.tau_a) && identical(a.passivity, b.passivity);
 }
 
 }  // namespace haptic::core

@@ -100,10 +100,12 @@ void FakeServer::send_state(std::uint64_t seq, v1::DeviceStateName state) {
   send(message);
 }
 
-void FakeServer::send_event(v1::Event::Kind kind, const std::string& reason) {
+void FakeServer::send_event(v1::Event::Kind kind, const std::string& reason,
+                            std::uint32_t lease_epoch) {
   v1::SessionResponse message;
   message.mutable_event()->set_kind(kind);
   message.mutable_event()->set_reason(reason);
+  message.mutable_event()->set_lease_epoch(lease_epoch);
   send(message);
 }
 

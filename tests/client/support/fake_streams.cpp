@@ -72,6 +72,12 @@ grpc::Status FakeServer::ListDevices(grpc::ServerContext* /*context*/,
   dof.set_unit("m");
   dof.set_actuated(true);
   dof.set_upper(0.05);
+  for (const char* joint : {"mcp", "pip"}) {
+    v1::VirtualCoordinate& coordinate = *device.add_coordinates();
+    coordinate.set_name(joint);
+    coordinate.set_unit("rad");
+    coordinate.set_kind("linear");
+  }
   return grpc::Status::OK;
 }
 
@@ -123,7 +129,7 @@ grpc::Status FakeServer::UpdateSettings(grpc::ServerContext* /*context*/,
 grpc::Status FakeServer::ClearFault(grpc::ServerContext* /*context*/,
                                     const v1::ClearFaultRequest* /*request*/,
                                     v1::ClearFaultResponse* /*response*/) {
-  return refusal(grpc::StatusCode::FAILED_PRECONDITION, "CAUSE_PERSISTS", "DEVICE_LOST persists");
+  return refusal(grpc::StatusCode::FAILED_PRECONDITION, "FAULT_PERSISTS", "DEVICE_LOST persists");
 }
 
 bool FakeServer::until(const std::function<bool()>& condition,

@@ -260,6 +260,27 @@ TEST(Pipeline, WhatTheDeviceMustNotSayIsAFaultWithZeroCommandThatLatches) {
   }
 }
 
+TEST(Pipeline, AClearOfAStopLeavesALaterStopAlone) {
+  Bench bench;
+  bench.engage();
+  ++bench.input_.command.stop_id;
+  ASSERT_EQ(bench.tick().state, DeviceState::kFault);
+  const std::uint64_t seen = bench.input_.command.stop_id;
+  ++bench.input_.command.stop_id;  // somebody else's, whom the clearing one has not heard yet
+  bench.tick();
+  bench.input_.command.clear.set(Fault::kEmergencyStop);
+  bench.input_.command.clear_stop_id = seen;
+  ++bench.input_.command.clear_id;
+  TickRecord record = bench.tick();
+  EXPECT_TRUE(record.clear.refused.has(Fault::kEmergencyStop));
+  EXPECT_EQ(record.state, DeviceState::kFault);
+  bench.input_.command.clear_stop_id = bench.input_.command.stop_id;
+  ++bench.input_.command.clear_id;
+  record = bench.tick();
+  EXPECT_FALSE(record.clear.refused.any());
+  EXPECT_EQ(record.state, DeviceState::kIdle);
+}
+
 TEST(Pipeline, ASilentDeviceIsAFaultAndARecordingsGapIsARamp) {
   Bench hardware;
   hardware.engage();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -129,6 +130,76 @@ TEST_F(IngressTest, AGapLongerThanHoldEndRestartsTheStreamsHealth) {
   send({0, 0}, t0 + 200ms + 1ns);
   EXPECT_EQ(newest().gapless_since, t0 + 200ms + 1ns);
   EXPECT_EQ(newest().gapless_samples, 1U);
+}
+
+/// Planes of two coordinates; the last value of a row is the offset.
+class IngressPlanesTest : public IngressTest {
+ protected:
+  IngressVerdict send_planes(const std::vector<std::vector<double>>& rows,
+                             core::ProxyMode mode = core::ProxyMode::kPlanes) {
+    const double position[2] = {0.25, -0.5};
+    ProxyCandidate candidate;
+    candidate.epoch = epoch;
+    candidate.seq = ++seq;
+    candidate.mode = mode;
+    candidate.position = position;
+    candidate.position_size = 2;
+    candidate.plane_count = static_cast<int>(rows.size());
+    for (std::size_t i = 0; i < std::min(rows.size(), candidate.planes.size()); ++i) {
+      candidate.planes[i] = {rows[i].data(), static_cast<int>(rows[i].size()) - 1, rows[i].back()};
+    }
+    return ingress.accept(candidate, t0, &why);
+  }
+};
+
+TEST_F(IngressPlanesTest, PlanesReachTheMailboxAColumnEach) {
+  EXPECT_EQ(send_planes({{1, 2, 3}, {-4, 5e-320, 6}}), IngressVerdict::kAccepted);
+  EXPECT_EQ(newest().mode, core::ProxyMode::kPlanes);
+  const core::PlaneSet& planes = newest().planes;
+  ASSERT_EQ(planes.size(), 2);
+  ASSERT_EQ(planes.normals.rows(), 2);
+  EXPECT_EQ(planes.normals(1, 0), 2.0);
+  EXPECT_EQ(planes.normals(0, 1), -4.0);
+  EXPECT_EQ(planes.normals(1, 1), 0.0) << "subnormal numbers become 0";
+  EXPECT_EQ(planes.offsets[1], 6.0);
+  EXPECT_EQ(newest().x[0], 0.25);
+}
+
+TEST_F(IngressPlanesTest, NoPlaneIsNothingInTheWay) {
+  send_planes({{1, 2, 3}});
+  EXPECT_EQ(send_planes({}), IngressVerdict::kAccepted);
+  EXPECT_EQ(newest().planes.size(), 0);
+}
+
+TEST_F(IngressPlanesTest, AHeldSampleAfterPlanesHasNone) {
+  send_planes({{1, 2, 3}});
+  EXPECT_EQ(send({0, 0}, t0), IngressVerdict::kAccepted);
+  EXPECT_EQ(newest().planes.size(), 0);
+}
+
+TEST_F(IngressPlanesTest, WhatIsWrongWithAPlaneIsNamedAndChangesNothing) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double huge = std::numeric_limits<double>::infinity();
+  send_planes({{1, 2, 3}});
+  const std::vector<double> good{1, 0, 0};
+  EXPECT_EQ(send_planes({good, good, good, good, good, good, good}), IngressVerdict::kBadPlane);
+  EXPECT_NE(why.find("at most 6"), std::string::npos) << why;
+  EXPECT_EQ(send_planes({good, {1, 0}}), IngressVerdict::kBadPlane);
+  EXPECT_NE(why.find("planes[1].normal has 1 values"), std::string::npos) << why;
+  EXPECT_EQ(send_planes({{1, nan, 0}}), IngressVerdict::kBadPlane);
+  EXPECT_NE(why.find("planes[0].normal[1]"), std::string::npos) << why;
+  EXPECT_EQ(send_planes({{1.1e6, 0, 0}}), IngressVerdict::kBadPlane);
+  EXPECT_EQ(send_planes({{0, 0, 1}}), IngressVerdict::kBadPlane);
+  EXPECT_NE(why.find("direction"), std::string::npos) << why;
+  EXPECT_EQ(send_planes({{1, 0, huge}}), IngressVerdict::kBadPlane);
+  EXPECT_EQ(send_planes({good}, core::ProxyMode::kHeld), IngressVerdict::kBadPlane);
+  EXPECT_EQ(ingress.counters().bad_plane, 7U);
+  EXPECT_EQ(newest().planes.offsets[0], 3.0);
+  EXPECT_EQ(newest().seq, 1U);
+}
+
+TEST_F(IngressPlanesTest, PlanesNeedAPosition) {
+  EXPECT_EQ(send({}, t0, core::ProxyMode::kPlanes), IngressVerdict::kWrongSize);
 }
 
 }  // namespace

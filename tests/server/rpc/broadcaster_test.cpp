@@ -25,26 +25,38 @@ class Counter final : public server::Subscriber {
 
 class BroadcasterTest : public testing::Test {
  protected:
-  std::shared_ptr<Counter> join(server::Broadcaster::Rank rank) {
+  /// epoch 0: a watcher.
+  std::shared_ptr<Counter> join(std::uint32_t epoch = 0) {
     auto counter = std::make_shared<Counter>();
-    broadcaster.add(rank, counter);
+    broadcaster.add(counter, epoch);
     return counter;
   }
   DeviceRig rig;
-  server::WatchBudget budget{500.0};
-  server::Broadcaster broadcaster{*rig.telemetry, 0, budget};
+  server::Broadcaster broadcaster{*rig.telemetry, 0, server::WatchBudget(500.0)};
 };
 
 TEST_F(BroadcasterTest, TheControllerGetsEveryTickWhateverTheWatchersCost) {
-  const auto controller = join(server::Broadcaster::Rank::kController);
-  for (int i = 0; i < 16; ++i) join(server::Broadcaster::Rank::kOther);
-  rig.tick(1000);
+  const auto controller = join(rig.control().epoch);
+  for (int i = 0; i < 16; ++i) join();
+  rig.stream(1000, 0.0);
   EXPECT_EQ(controller->sent, 1000);
+}
+
+TEST_F(BroadcasterTest, WhoseLeaseEndedIsOneOfTheOthers) {
+  const auto controller = join(rig.control().epoch);
+  std::vector<std::shared_ptr<Counter>> watchers;
+  for (int i = 0; i < 4; ++i) watchers.push_back(join());
+  rig.tick(5000);  // 2 s of silence end the lease
+  ASSERT_FALSE(rig.sessions->holds_lease("s1"));
+  const int before = controller->sent;
+  rig.tick(5000);
+  EXPECT_NEAR(controller->sent - before, 500, 5);
+  EXPECT_GT(watchers[0]->sent, 500);
 }
 
 TEST_F(BroadcasterTest, WatchersShareTheBudgetFairlyAndWhatTheyMissIsCounted) {
   std::vector<std::shared_ptr<Counter>> watchers;
-  for (int i = 0; i < 4; ++i) watchers.push_back(join(server::Broadcaster::Rank::kOther));
+  for (int i = 0; i < 4; ++i) watchers.push_back(join());
   rig.tick(4000);  // 4 s at 500 states/s, for four who want 1000 each
   int total = 0;
   for (const auto& watcher : watchers) {
@@ -57,7 +69,7 @@ TEST_F(BroadcasterTest, WatchersShareTheBudgetFairlyAndWhatTheyMissIsCounted) {
 }
 
 TEST_F(BroadcasterTest, WithinTheBudgetNobodyMissesAnything) {
-  const auto watcher = join(server::Broadcaster::Rank::kOther);
+  const auto watcher = join();
   watcher->pace = server::Pace(1000.0, 400.0);
   rig.tick(1000);
   EXPECT_EQ(watcher->sent, 400);
@@ -65,7 +77,7 @@ TEST_F(BroadcasterTest, WithinTheBudgetNobodyMissesAnything) {
 }
 
 TEST_F(BroadcasterTest, WhoLeftIsNotAskedAgain) {
-  const auto watcher = join(server::Broadcaster::Rank::kOther);
+  const auto watcher = join();
   rig.tick(10);
   broadcaster.remove(watcher.get());
   rig.tick(10);

@@ -121,6 +121,45 @@ TEST(StateFrame, TheSharedBytesAreTheMessagesBytes) {
   EXPECT_EQ(session.state().state(), v1::DEVICE_STATE_NAME_ENGAGED);
 }
 
+TEST(StateFrame, TheBookOfEnergyIsPresentWhereTheSceneHasOne) {
+  core::TickRecord r = record();
+  r.active_planes = 5;
+  r.passivity.on = true;
+  r.passivity.tank = 0.003;
+  r.passivity.storage = 0.002;
+  r.passivity.scale = 0.5;
+  r.passivity.observed = -1e-4;
+  r.passivity.alpha = 2e-4;
+  v1::DeviceState state;
+  to_proto(r, state);
+  EXPECT_EQ(state.active_planes(), 5U);
+  ASSERT_TRUE(state.has_passivity());
+  EXPECT_EQ(state.passivity().tank(), 0.003);
+  EXPECT_EQ(state.passivity().storage(), 0.002);
+  EXPECT_EQ(state.passivity().scale(), 0.5);
+  EXPECT_EQ(state.passivity().observed(), -1e-4);
+  EXPECT_EQ(state.passivity().alpha(), 2e-4);
+  r.passivity = {};
+  to_proto(r, state);
+  EXPECT_FALSE(state.has_passivity());
+}
+
+TEST(Convert, APlanesSamplePointsIntoItsMessage) {
+  v1::ProxySample sample;
+  sample.set_mode(v1::PROXY_MODE_PLANES);
+  for (int i = 0; i < 8; ++i) {
+    v1::Plane& plane = *sample.add_planes();
+    plane.add_normal(i + 1.0);
+    plane.set_offset(0.5 * i);
+  }
+  const ProxyCandidate candidate = from_proto(sample, 1);
+  EXPECT_EQ(candidate.mode, core::ProxyMode::kPlanes);
+  EXPECT_EQ(candidate.plane_count, 8) << "as on the wire; the ingress refuses it";
+  EXPECT_EQ(candidate.planes[5].normal[0], 6.0);
+  EXPECT_EQ(candidate.planes[5].normal_size, 1);
+  EXPECT_EQ(candidate.planes[5].offset, 2.5);
+}
+
 TEST(StateFrame, ANewTickIsSerialisedAnew) {
   core::TickRecord r = record();
   StateFrame frame;

@@ -33,6 +33,43 @@ TEST(SessionService, PressesOverAUnixSocketToo) {
   EXPECT_EQ(session.state().transport(), v1::TRANSPORT_GRPC);
 }
 
+TEST(SessionService, PlanesKeepTheProxyAndTheirStateComesDown) {
+  core::PipelineConfig config = patient_config();
+  config.passivity.tank.enabled = true;
+  config.passivity.tank.initial = 0.002;
+  LiveServer server({{"127.0.0.1:0"}}, config);
+  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(session.wait_opened());
+  v1::SessionRequest message;
+  v1::ProxySample& sample = *message.mutable_proxy();
+  sample.set_seq(1);
+  sample.set_mode(v1::PROXY_MODE_PLANES);
+  sample.add_position(0.0);
+  sample.add_position(0.0);
+  v1::Plane& far = *sample.add_planes();
+  far.add_normal(0.0);
+  far.add_normal(1.0);
+  far.set_offset(5.0);
+  v1::Plane& near = *sample.add_planes();
+  near.add_normal(2.0);
+  near.add_normal(0.0);
+  near.set_offset(-0.02);  // a <= -0.01, the probe is at 0
+  ASSERT_TRUE(session.send(message));
+  ASSERT_TRUE(eventually([&] { return session.state().active_planes() == 2U; }));
+  const v1::DeviceState state = session.state();
+  EXPECT_EQ(state.mode(), v1::PROXY_MODE_PLANES);
+  EXPECT_NEAR(state.x(0), -0.01, 1e-12);
+  EXPECT_EQ(state.x(1), state.x_probe(1));
+  ASSERT_TRUE(state.has_passivity());
+  EXPECT_EQ(state.passivity().tank(), 0.002);
+
+  sample.set_seq(2);
+  sample.mutable_planes(1)->mutable_normal()->RemoveLast();
+  ASSERT_TRUE(session.send(message));
+  ASSERT_TRUE(eventually([&] { return session.ack().rejected_invalid() == 1; }));
+  EXPECT_NE(session.ack().last_rejection().find("planes[1].normal"), std::string::npos);
+}
+
 TEST(SessionService, ASecondControllerIsRefusedWithTheHoldersName) {
   LiveServer server;
   TestSession alice(server.channel(), v1::ROLE_CONTROLLER, "alice");

@@ -96,6 +96,17 @@ TEST_F(UnaryService, SettingsAreClampedToTheSceneAndSaySo) {
   EXPECT_EQ(field_of(wrong_size), "stiffness");
 }
 
+TEST_F(UnaryService, AnEmergencyStopThatCannotBeReadStopsEveryDevice) {
+  v1::EmergencyStopResponse stopped;
+  grpc::ClientContext context;
+  v1::EmergencyStopRequest request;
+  request.set_device("no such device");
+  request.set_reason("\xFF");  // no text: protobuf reads nothing of such a message
+  ASSERT_TRUE(stub->EmergencyStop(&context, request, &stopped).ok());
+  ASSERT_EQ(stopped.stopped_size(), 1);
+  EXPECT_EQ(server.rig.newest().state, core::DeviceState::kFault);
+}
+
 TEST_F(UnaryService, EmergencyStopNeedsNoSessionAndLatchesUntilCleared) {
   TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
   ASSERT_TRUE(session.wait_opened());

@@ -132,6 +132,15 @@ TEST(SceneErrors, OfImpedanceAndLimitsNameLineFieldValueAndWhatIsAllowed) {
        finger("limits {", "staleness { hold_end { nanos: 140000000 } }\n limits {"),
        "t.textproto:9: device[0].staleness.fade_end = 180 ms: must be at least hold_end + 50 ms, "
        "190 ms"},
+      {"fade too long", finger("limits {", "staleness { fade_end { seconds: 2 } }\n limits {"),
+       "t.textproto:9: device[0].staleness.fade_end = 2000 ms: must be at most hold_end + 1000 ms, "
+       "1100 ms"},
+      {"force outlives the lease",
+       finger("limits {",
+              "staleness { hold_end { seconds: 2 } fade_end { seconds: 2 nanos: 500000000 } }\n "
+              "limits {"),
+       "t.textproto:9: device[0].staleness.fade_end = 2500 ms: must be at most "
+       "server.lease_timeout, 2000 ms"},
       {"signs differ",
        finger("limits {", "staleness { hold_end { seconds: 1 nanos: -1 } }\n limits {"),
        "device[0].staleness.hold_end = { seconds: 1 nanos: -1 }: must be 1 ms to 60000 ms"},
@@ -262,6 +271,31 @@ TEST(SceneErrors, OfTheDaemonNameLineFieldValueAndWhatIsAllowed) {
        {"localhost:0", "127.0.0.1:65535", "[::1]:5", "unix:/run/h", "h-1.org:1"}) {
     EXPECT_EQ(error_of(plus("server { listen: \"" + std::string(address) + "\" }")), "no error");
   }
+}
+
+TEST(SceneErrors, TextThatIsNotUtf8IsNamedWhereverItStands) {
+  expect_each_says({
+      {"of the scene", replaced(kFinger, "name: \"t\"", "name: \"\\377\""),
+       "t.textproto:1: name = \"\\377\": must be UTF-8"},
+      {"of a listed text", kFinger + "server { listen: \"\\300\\257:1\" }",
+       "t.textproto:11: server.listen[0] = \"\\300\\257:1\": must be UTF-8"},
+      {"of an entry", linear("name: \"x\"", "name: \"\\355\\240\\200\""),
+       "t.textproto:8: device[0].linear.coordinate[0].name = \"\\355\\240\\200\": must be UTF-8"},
+  });
+}
+
+TEST(SceneErrors, ARecordingIsNeverWrittenOverWhatIsPlayed) {
+  const std::string playing =
+      replaced(kFinger, "simulated_finger {}",
+               "simulated_finger { motion_file: \"motion/reach_and_grasp.csv\" }");
+  const std::string same = (kScenes / "motion/reach_and_grasp.csv").string();
+  expect_each_says({{"by its own name", playing + "record { file: \"" + same + "\" }",
+                     "t.textproto:11: record.file = \"" + same +
+                         "\": must be another file: device 'finger' plays"}});
+  EXPECT_EQ(error_of(playing + "record { file: \"" + same + ".csv\" }"), "no error");
+  // Of several devices each has a file of its own: run-<device>.csv.
+  const std::string two = playing + kLinear.substr(kLinear.find("device"));
+  EXPECT_EQ(error_of(two + "record { file: \"" + same + "\" }"), "no error");
 }
 
 TEST(SceneErrors, AreToldAllAtOnceOneALine) {

@@ -72,6 +72,8 @@ class SceneRun {
     core::PipelineConfig config;
     config.kinematics = scene.kinematics;
     config.projection = scene.projection;
+    config.monotone_envelope = scene.monotone_envelope;
+    config.passivity = scene.passivity;
     config.device = device.info().limits;
     config.scene = scene.settings;
     return config;

@@ -128,6 +128,14 @@ TEST(Scene, WarnsOfASpringThatTheDevicesDampingCannotPayFor) {
   EXPECT_EQ(parse(replaced(kFinger, "1500", "1501"), slower).warnings.size(), 1u);
 }
 
+TEST(Scene, EveryDeviceOfAManyHandedSceneIsRecordedInAFileOfItsOwn) {
+  const std::string record = "record { file: \"out/run.csv\" }";
+  EXPECT_EQ(server::record_file(parse(kFinger + record), 0), "out/run.csv");
+  const server::Scene two = parse(kFinger + kLinear.substr(kLinear.find("device")) + record);
+  EXPECT_EQ(server::record_file(two, 0), "out/run-finger.csv");
+  EXPECT_EQ(server::record_file(two, 1), "out/run-d.csv");
+}
+
 TEST(Scene, AFileThatCannotBeReadIsNamed) {
   const auto says = [](const std::filesystem::path& file) -> std::string {
     try {

@@ -155,5 +155,30 @@ TEST(Engage, ALeaseThatEndsBeforeTheAnswerRefusesIt) {
   EXPECT_EQ(reason, "NOT_CONTROLLER");
 }
 
+TEST(Engage, OneThatWasGivenUpBringsNoForceWhenTheLoopGoesOn) {
+  DeviceRig rig;
+  rig.control();
+  rig.stream(250, 0.01);
+  bool answered = false;
+  const server::Ticket ticket =
+      rig.sessions->engage("s1", [&](const server::Outcome<server::Done>&) { answered = true; });
+  ASSERT_TRUE(rig.sessions->cancel(ticket));  // no tick came in time
+  rig.stream(300, 0.01);
+  EXPECT_FALSE(answered);
+  EXPECT_EQ(rig.state(), core::DeviceState::kArmed);
+  EXPECT_EQ(rig.newest().gain, 0.0);
+  EXPECT_EQ(rig.engage(), "") << "the next one is as good as ever";
+}
+
+TEST(Engage, WithAReleaseInTheSameTickIsRefused) {
+  DeviceRig rig;
+  rig.control();
+  rig.stream(250, 0.01);
+  rig.sessions->release("s1", [](const server::Outcome<server::Done>&) {});
+  EXPECT_EQ(rig.engage(), "NOT_ARMED");
+  EXPECT_NE(rig.refusal.find("Release"), std::string::npos) << rig.refusal;
+  EXPECT_EQ(rig.state(), core::DeviceState::kArmed);
+}
+
 }  // namespace
 }  // namespace haptic::test

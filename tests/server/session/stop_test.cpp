@@ -95,6 +95,23 @@ TEST(ClearFault, TwoRequestsInOneTickClearBothTheirFaults) {
   EXPECT_FALSE(rig.newest().faults.any());
 }
 
+TEST(ClearFault, OneThatWaitsItsTurnClearsNoStopThatCameMeanwhile) {
+  DeviceRig rig;
+  rig.tick(3);
+  rig.sessions->emergency_stop("first", [](const Outcome<Done>&) {});
+  rig.tick(2);
+  std::string reasons;
+  const auto note = [&](const Outcome<FaultSet>& o) {
+    reasons += o ? "ok " : o.refusal.reason + " ";
+  };
+  rig.sessions->clear_faults({}, note);
+  rig.sessions->clear_faults({}, note);
+  rig.sessions->emergency_stop("second", [](const Outcome<Done>&) {});
+  rig.tick(5);
+  EXPECT_EQ(reasons, "FAULT_PERSISTS FAULT_PERSISTS ");
+  EXPECT_EQ(rig.state(), DeviceState::kFault);
+}
+
 TEST(ClearFault, OfAFaultThatIsNotActiveClearsNothing) {
   DeviceRig rig;
   rig.tick(3);
@@ -123,8 +140,8 @@ TEST(Pending, ACancelledQuestionIsNeverAnswered) {
   server::PendingRequests pending;
   const server::Ticket ticket =
       pending.add_stop(1, [](const Outcome<Done>&) { FAIL() << "answered"; });
-  EXPECT_TRUE(pending.cancel(ticket));
-  EXPECT_FALSE(pending.cancel(ticket));
+  EXPECT_EQ(pending.cancel(ticket), server::PendingRequests::Cancelled::kRequest);
+  EXPECT_EQ(pending.cancel(ticket), server::PendingRequests::Cancelled::kNothing);
   core::TickRecord record;
   record.stop_id = 1;
   server::PendingRequests::Closures closures;

@@ -27,7 +27,6 @@ using namespace std::chrono_literals;
 using haptic::core::ProjectionStatus;
 using haptic::core::TickRecord;
 using haptic::core::TimePoint;
-using haptic::server::record_file;
 using haptic::server::Recorder;
 using haptic::server::RendererComparison;
 using haptic::test::DeviceRig;
@@ -149,7 +148,7 @@ TEST(Recorder, EveryNumberReadsBackToTheRecordsBits) {
 TickRecord record_with_everything() {
   TickRecord record;
   record.input.now = TimePoint(1h);
-  record.input.proxy.mode = haptic::core::ProxyMode::kFree;
+  record.proxy_mode = haptic::core::ProxyMode::kFree;
   record.input.loop = {12500ns, 3};
   record.tick = 42;
   record.state = haptic::core::DeviceState::kFault;
@@ -196,13 +195,11 @@ TEST(Recorder, AFileThatCannotBeCreatedIsNamed) {
 
 TEST(Recorder, AFullDiskEndsTheRecordingAndNothingElse) {
   Recorder recorder("/dev/full", rig_config().kinematics);
-  for (int i = 0; i < 5000; ++i) recorder.on_record(record_with_everything());
-  EXPECT_LT(recorder.rows(), 5000u);
-}
-
-TEST(Recorder, EveryDeviceOfAManyHandedSceneHasItsOwnFile) {
-  EXPECT_EQ(record_file("out/run.csv", "left", 1), "out/run.csv");
-  EXPECT_EQ(record_file("out/run.csv", "left", 2), "out/run-left.csv");
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (recorder.lost() == 0 && std::chrono::steady_clock::now() < give_up) {
+    recorder.on_record(record_with_everything());
+  }
+  EXPECT_GT(recorder.lost(), 0u);
 }
 
 TEST(Recorder, ARecordingCanBePlayedByAReplayedDevice) {

@@ -16,6 +16,7 @@
 
 #include "haptic/client/connection.hpp"
 #include "haptic/client/error.hpp"
+#include "haptic/client/planes.hpp"
 #include "haptic/client/session.hpp"
 #include "haptic/client/types.hpp"
 #include "haptic/client/watch.hpp"

@@ -6,7 +6,8 @@
 /// newest. A simulation's step belongs in a loop of its own, with wait_for_state(). on_event and
 /// on_disconnect run on one thread of the session's own, and may take their time: events wait in
 /// order. None runs twice at once, but on_state may run beside the other two. In a callback everything
-/// of the session may be called but its destructor; the members may be called from any thread.
+/// of the session may be called but its destructor and, in on_state, wait_for_state(); the members may
+/// be called from any thread.
 
 #include <chrono>
 #include <functional>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "haptic/client/error.hpp"
+#include "haptic/client/planes.hpp"
 #include "haptic/client/types.hpp"
 
 namespace haptic::client {
@@ -33,6 +35,10 @@ struct SessionOptions {
   std::string client_name{"haptic client"};
   double nominal_rate_hz{60.0};  ///< of publish(); controller only
   double state_rate_hz{0.0};     ///< 0: every tick
+  /// Sends held proxies as planes, one per constrained block of `blocks` (planes.hpp), derived from
+  /// the haptic probe of the state that the proxy was computed from: the one last given to the user.
+  bool derive_planes{false};
+  std::vector<Block> blocks{};  ///< empty: all coordinates are one
   std::optional<std::chrono::nanoseconds> fresh_end{}, hold_end{}, fade_end{};  ///< tighten only
   Reconnect reconnect{Reconnect::kNever};
   /// After force was lost (stale proxy, reconnect) ask for it again as soon as the server would
@@ -77,7 +83,8 @@ class Session {
 
   /// The newest state; seq 0 before the first, also after a reconnect.
   [[nodiscard]] DeviceState state() const;
-  /// Waits for a state newer than the last one this call returned. Throws kTimeout, kClosed.
+  /// Waits for a state newer than the last one this call returned. Throws kTimeout, kClosed, and
+  /// kInvalidArgument in on_state, where it could only wait in vain.
   [[nodiscard]] DeviceState wait_for_state();
 
   /// Asks for force, once. Throws kNotReady naming what is missing.
@@ -99,8 +106,8 @@ class Session {
   [[nodiscard]] PublishStatistics statistics() const;
   [[nodiscard]] const DeviceInfo& device() const;
 
-  /// Ends the session; force fades out at the server. When it returns no callback runs or will run
-  /// (called in one: that one is the last). Does not wait for the server. The destructor does the
+  /// Ends the session; force fades out at the server. When it returns no callback runs or will run;
+  /// called in a callback it waits for none, and none begins any more. Does not wait for the server. The destructor does the
   /// same.
   void close();
 

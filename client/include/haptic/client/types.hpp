@@ -11,7 +11,7 @@
 
 namespace haptic::client {
 
-enum class Mode : std::uint8_t { kHeld = 1, kFree = 2 };
+enum class Mode : std::uint8_t { kHeld = 1, kFree = 2, kPlanes = 3 };
 enum class Staleness : std::uint8_t { kUnknown = 0, kFresh = 1, kHold = 2, kFade = 3, kLost = 4 };
 enum class Transport : std::uint8_t { kUnknown = 0, kGrpc = 1, kUdp = 2 };
 enum class State : std::uint8_t {
@@ -76,6 +76,12 @@ struct ServerInfo {
   std::chrono::nanoseconds uptime{0};
 };
 
+/// The server's book of energy, J (session.proto, PassivityState).
+struct PassivityState {
+  double tank{0.0}, storage{0.0}, scale{0.0}, observed{0.0};
+  double alpha{0.0};  ///< s
+};
+
 /// The device at one tick. Field by field as DeviceState in proto/haptic/v1/session.proto.
 struct DeviceState {
   std::uint64_t seq{0};
@@ -93,6 +99,8 @@ struct DeviceState {
   double condition{0.0};
   std::uint32_t lease_epoch{0};
   Mode mode{Mode::kFree};
+  std::uint32_t active_planes{0};             ///< bit n: plane n of the newest sample holds x
+  std::optional<PassivityState> passivity{};  ///< where the scene has a tank or an observer
   /// This machine's steady clock when the state arrived.
   std::chrono::steady_clock::time_point received{};
 };
@@ -104,15 +112,27 @@ struct Event {
   std::int64_t server_time_ns{0};
 };
 
+/// What the proxy may not pass: normal . x <= offset, linearised at the sample's position.
+struct Plane {
+  std::vector<double> normal{};  ///< per virtual coordinate; its length is free
+  double offset{0.0};
+};
+
 /// One state of the proxy in the simulation.
 struct Proxy {
   Mode mode{Mode::kFree};
   std::vector<double> position{};  ///< per virtual coordinate; may be empty when free
   std::uint64_t device_seq_used{0};
   std::chrono::microseconds valid_for{0};  ///< 0: the scene's limit alone
+  std::vector<Plane> planes{};             ///< kPlanes: at most 6; none: nothing in the way
 
   [[nodiscard]] static Proxy held(std::vector<double> x) {
-    return {Mode::kHeld, std::move(x), 0, {}};
+    return {Mode::kHeld, std::move(x), 0, {}, {}};
+  }
+  /// The server keeps the haptic probe out of `planes` at 1 kHz; `x` is where they are linearised.
+  /// planes.hpp derives them from a proxy, where the simulation has none.
+  [[nodiscard]] static Proxy behind(std::vector<Plane> planes, std::vector<double> x) {
+    return {Mode::kPlanes, std::move(x), 0, {}, std::move(planes)};
   }
   [[nodiscard]] static Proxy free() { return {}; }
 };

@@ -1,8 +1,11 @@
 #pragma once
 /// The proxy between two samples: how x moves at 1 kHz while the simulation is silent (METHOD 5.4).
 /// held: x stays. free: x is the haptic probe itself, so that no force and no drag arise; a client
-/// that falls silent in free space leaves nothing behind that could pull.
+/// that falls silent in free space leaves nothing behind that could pull. planes: x is the haptic
+/// probe, kept out of the sample's planes; where none is in the way it is as free.
 
+#include "haptic/core/model/configuration_space.hpp"
+#include "haptic/core/projection/plane_projection.hpp"
 #include "haptic/core/tick/tick_input.hpp"
 #include "haptic/core/types.hpp"
 
@@ -10,6 +13,10 @@ namespace haptic::core {
 
 class LocalProxy {
  public:
+  /// `space` must outlive this. `W_x`: diagonal metric of X for planes, n_x; size 0 = identity.
+  explicit LocalProxy(const ConfigurationSpace& space, const VecX& W_x = {})
+      : projection_(space, W_x) {}
+
   /// Takes over an accepted sample; one that is already in use changes nothing.
   void accept(const ProxySnapshot& sample) noexcept;
   /// No proxy from now on.
@@ -17,17 +24,26 @@ class LocalProxy {
 
   /// The proxy at this tick, given the haptic probe; empty where there is none.
   [[nodiscard]] const VecX& at(const VecX& x_probe) noexcept;
-  /// True on the first call of at() after x changed by a new sample.
+  /// Of the last at(): something is in the way, x is not simply the haptic probe.
+  [[nodiscard]] bool constrained() const noexcept { return constrained_; }
+  /// Of the last at(): x may differ from the one before it.
   [[nodiscard]] bool changed() const noexcept { return changed_; }
+  [[nodiscard]] PlaneStatus planes() const noexcept { return planes_; }
+  /// Of the last at(): bit i, plane i of the sample holds x.
+  [[nodiscard]] std::uint32_t active_planes() const noexcept { return active_planes_; }
 
   [[nodiscard]] const ProxySnapshot& sample() const noexcept { return sample_; }
   [[nodiscard]] ProxyMode mode() const noexcept { return sample_.mode; }
 
  private:
   ProxySnapshot sample_{};
+  PlaneProjection projection_;
   VecX x_{};
+  PlaneStatus planes_{PlaneStatus::kFree};
+  std::uint32_t active_planes_{0};
   bool pending_{false};
   bool changed_{false};
+  bool constrained_{false};
 };
 
 }  // namespace haptic::core

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "haptic/core/model/kinematics.hpp"
+#include "haptic/core/passivity/passivity.hpp"
 #include "haptic/core/projection/projection_model.hpp"
 #include "haptic/core/safety/late_bucket.hpp"
 #include "haptic/core/tick/tick_input.hpp"
@@ -33,6 +34,9 @@ struct PipelineConfig {
   RenderSettings scene{};  ///< the widest settings; a session's are held within these
   Duration loop_late_fault{std::chrono::milliseconds(20)};
   int late_bucket_full{LateBucket::kFull};
+  /// METHOD 2.4, with one actuated DoF; with more of them it means the direction guard.
+  bool monotone_envelope{false};
+  PassivitySettings passivity{};  ///< energy tank and observer; off by default
 };
 
 class Pipeline {

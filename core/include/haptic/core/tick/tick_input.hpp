@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "haptic/core/fault.hpp"
+#include "haptic/core/projection/plane_set.hpp"
 #include "haptic/core/projection/renderer_kind.hpp"
 #include "haptic/core/safety/staleness.hpp"
 #include "haptic/core/time.hpp"
@@ -35,9 +36,10 @@ struct DeviceReading {
 };
 
 enum class ProxyMode : std::uint8_t {
-  kNone = 0,  ///< no proxy was ever accepted under this lease
-  kHeld = 1,  ///< x stays where the sample put it until the next one
-  kFree = 2,  ///< nothing in the way: no elastic force, no drag
+  kNone = 0,    ///< no proxy was ever accepted under this lease
+  kHeld = 1,    ///< x stays where the sample put it until the next one
+  kFree = 2,    ///< nothing in the way: no elastic force, no drag
+  kPlanes = 3,  ///< x is the haptic probe, kept out of the sample's planes in every tick
 };
 
 /// The newest accepted proxy sample.
@@ -49,7 +51,8 @@ struct ProxySnapshot {
   /// says so; never later.
   TimePoint born{};
   Duration valid_for{0};  ///< the client's own bound on its freshness; 0 = none given
-  VecX x{};               ///< n_x; ignored in free mode
+  VecX x{};               ///< n_x; ignored in free mode; in planes mode where they are linearised
+  PlaneSet planes{};      ///< planes mode; none: nothing in the way
   /// The stream's health, kept by the ingress for Engage (WIRE 2).
   TimePoint gapless_since{};         ///< first sample after the last gap longer than hold_end
   std::uint64_t gapless_samples{0};  ///< accepted since then
@@ -64,7 +67,9 @@ struct CommandSnapshot {
   std::uint64_t release_id{0};
   std::uint64_t stop_id{0};  ///< emergency stop
   std::uint64_t clear_id{0};
-  FaultSet clear{};     ///< the faults that clear_id names
+  FaultSet clear{};  ///< the faults that clear_id names
+  /// The newest stop that whoever clears has seen: a later one is not theirs to clear.
+  std::uint64_t clear_stop_id{0};
   bool closing{false};  ///< SIGTERM
 };
 

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "haptic/core/passivity/passivity.hpp"
+#include "haptic/core/projection/plane_projection.hpp"
 #include "haptic/core/projection/projection.hpp"
 #include "haptic/core/safety/device_state.hpp"
 #include "haptic/core/tick/tick_input.hpp"
@@ -19,6 +21,7 @@ enum class EngageVerdict : std::uint8_t {
   kStreamStale = 5,     ///< value: age of the newest proxy in ms, limit: hold_end in ms
   kDeviceStale = 6,     ///< value: age of the newest device sample in ms, limit: 3 of its periods
   kOutsideWindow = 7,   ///< value: |Z_q (q*_a - q_a)| of DoF `index`, limit: its engage window
+  kReleased = 8,        ///< a Release came in the same tick; nobody knows which was later
 };
 
 struct EngageAnswer {
@@ -29,7 +32,8 @@ struct EngageAnswer {
   double limit{0.0};
 };
 
-/// Answer to the clear request `clear_id`: which faults persist because their cause does.
+/// Answer to the clear request `clear_id`: which faults persist because their cause does, or because
+/// they came after the request.
 struct ClearAnswer {
   std::uint64_t id{0};
   FaultSet refused{};
@@ -51,6 +55,8 @@ struct TickRecord {
   ClearAnswer clear{};           ///< to the newest ClearFault
   std::uint64_t settings_id{0};  ///< settings in effect
 
+  ProxyMode proxy_mode{ProxyMode::kNone};  ///< of the sample in use, which may not be the newest
+  std::uint64_t proxy_seq{0};              ///< of the sample in use; 0 where there is none
   Staleness staleness{Staleness::kLost};
   Duration proxy_age{0};     ///< now - born; 0 where there is no proxy
   double gain{0.0};          ///< g
@@ -60,14 +66,18 @@ struct TickRecord {
   VecA q_a_dot{};  ///< n_a, from device time stamps; m/s or rad/s
   VecX x_probe{};  ///< f(q)
   VecX x{};        ///< proxy in use at `now`
-  VecQ q_star{};   ///< subspace proxy in use
+  PlaneStatus planes{PlaneStatus::kFree};
+  std::uint32_t active_planes{0};  ///< bit i: plane i of the sample holds x
+  VecQ q_star{};                   ///< subspace proxy in use
   ProjectionStatus projection{ProjectionStatus::kNone};
   double residual{0.0};
   double condition{0.0};
 
   VecA tau_elastic{};  ///< g Z_q S (q* - q), saturated, guarded, under the envelope
-  VecA tau_damping{};  ///< -g_d B q_a_dot
+  VecA tau_damping{};  ///< -g_d B q_a_dot, and the passivity controller's part
   VecA tau_a{};        ///< command to the device, n_a; N or N m
+
+  PassivityRecord passivity{};  ///< tank and observer; zeros where neither is on
 };
 
 /// Equal to the bit, NaNs included: the test of replay.

@@ -1,0 +1,63 @@
+#pragma once
+/// The client's projection, done by the server in every tick (METHOD 5.4):
+///   x = argmin ||x (-) x_probe||_W^2  such that  n_i^T x <= b_i,  at most kMaxPlanes planes,
+/// by an active set on the dual, min 1/2 l^T (G + eps) l - l^T r over l >= 0 with G = A W^-1 A^T and
+/// unit normals in W^-1. The small eps makes every set of planes have one answer:
+///   parallel, redundant   the same x as without the superfluous ones
+///   opposite, infeasible  x of least violation, min sum (n_i^T x - b_i)^2 with unit normals, and of
+///                         those the nearest to x_probe; status kInfeasible
+/// Where the planes can be met, eps is iterated away: x meets them to rounding. Planes that meet only
+/// beyond some hundred times their violation (an acute wedge seen from outside) count as infeasible.
+
+#include "haptic/core/model/configuration_space.hpp"
+#include "haptic/core/projection/plane_set.hpp"
+
+namespace haptic::core {
+
+enum class PlaneStatus : std::uint8_t {
+  kFree = 0,        ///< no plane in the way: x = x_probe
+  kActive = 1,      ///< held by at least one plane
+  kInfeasible = 2,  ///< no x meets them all: least violation
+};
+
+class PlaneProjection {
+ public:
+  /// `space` must outlive this. `W_x`: diagonal metric, n_x values > 0; size 0 = identity.
+  explicit PlaneProjection(const ConfigurationSpace& space, const VecX& W_x = {});
+
+  /// From now on these planes, linearised at `x` (n_x). A plane whose normal is 0 is left out.
+  void set(const PlaneSet& planes, const VecX& x) noexcept;
+
+  /// Writes x (n_x) for the haptic probe. Never allocates.
+  PlaneStatus project(const VecX& x_probe, VecX& x) noexcept;
+
+  /// Of the last project(): bit i is set where plane i holds x.
+  [[nodiscard]] std::uint32_t active() const noexcept { return active_; }
+  /// dx/dq = P_t J with P_t = I - W^-1 A^T (A W^-1 A^T)^-1 A, A the active normals, at the last
+  /// project(). J and dx_dq: n_x by n_q.
+  void slope(const MatXQ& J, MatXQ& dx_dq) const noexcept;
+
+ private:
+  using Small = Eigen::Matrix<double, kMaxPlanes, 1>;
+  using Gram = Eigen::Matrix<double, kMaxPlanes, kMaxPlanes>;
+
+  /// l_ = argmin 1/2 l^T (G + eps) l - l^T r, l >= 0 (C. L. Lawson and R. J. Hanson's active set).
+  void solve(const Small& r) noexcept;
+  /// s = (G + eps)^-1 r on the planes of `set`; 0 elsewhere.
+  void solve_on(std::uint32_t set, const Small& r, Small& s) const noexcept;
+
+  const ConfigurationSpace* space_;
+  VecX W_inverse_;
+  int count_{0};
+  std::uint32_t skipped_{0};  ///< planes without a direction
+  VecX at_;
+  PlaneSet::Normals A_{};  ///< unit in W^-1
+  PlaneSet::Normals D_{};  ///< W^-1 A
+  Small beta_{};           ///< offsets relative to at_
+  Gram G_{};
+  Small l_{};
+  std::uint32_t active_{0};
+  VecX y_{};
+};
+
+}  // namespace haptic::core

@@ -1,0 +1,140 @@
+#include "haptic/core/passivity/passivity.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic::core {
+
+namespace {
+
+bool bounded_below(const VecA& v, double lowest, bool open) noexcept {
+  for (Eigen::Index i = 0; i < v.size(); ++i) {
+    if (!std::isfinite(v[i]) || v[i] < lowest || (open && v[i] == lowest)) return false;
+  }
+  return true;
+}
+
+bool not_negative(double value) noexcept {
+  return std::isfinite(value) && value >= 0.0;
+}
+
+}  // namespace
+
+const char* check(const PassivitySettings& settings, int n_a) noexcept {
+  const TankSettings& tank = settings.tank;
+  const ObserverSettings& observer = settings.observer;
+  const auto none_or = [n_a](const VecA& v) { return v.size() == 0 || v.size() == n_a; };
+  if (!none_or(settings.device_damping) || !bounded_below(settings.device_damping, 0.0, false)) {
+    return "device_damping must have one value >= 0 per actuated DoF, or none";
+  }
+  if (tank.enabled) {
+    if (!std::isfinite(tank.capacity) || tank.capacity <= 0.0) return "tank.capacity must be > 0";
+    if (!not_negative(tank.initial) || tank.initial > tank.capacity) {
+      return "tank.initial must be in [0, capacity]";
+    }
+    if (!not_negative(tank.allowed_power)) return "tank.allowed_power must be >= 0";
+  }
+  if (observer.enabled) {
+    if (!not_negative(observer.allowance)) return "observer.allowance must be >= 0";
+    if (!not_negative(observer.forgetting)) return "observer.forgetting must be >= 0";
+    if (observer.inertia.size() != n_a || !bounded_below(observer.inertia, 0.0, true)) {
+      return "observer.inertia must have one value > 0 per actuated DoF";
+    }
+    if (!none_or(observer.slowest) || !bounded_below(observer.slowest, 0.0, false)) {
+      return "observer.slowest must have one value >= 0 per actuated DoF, or none";
+    }
+  }
+  return nullptr;
+}
+
+Passivity::Passivity(const PassivitySettings& settings, int n_a)
+    : settings_(settings),
+      tank_(settings.tank),
+      observer_(settings.observer, n_a),
+      q_a_(VecA::Zero(n_a)),
+      anchor_(VecA::Zero(n_a)),
+      elastic_sum_(VecA::Zero(n_a)),
+      damping_sum_(VecA::Zero(n_a)),
+      elastic_(VecA::Zero(n_a)),
+      damping_(VecA::Zero(n_a)) {
+  if (settings_.device_damping.size() == 0) settings_.device_damping = VecA::Zero(n_a);
+  spring_.stiffness = spring_.limit = VecA::Zero(n_a);
+  record_.on = true;
+}
+
+void Passivity::restart() noexcept {
+  tank_.restart();
+  observer_.restart();
+}
+
+void Passivity::measure(const VecA& q_a, bool fresh, bool recent, Duration dt) noexcept {
+  const double elapsed = seconds(dt);
+  elastic_sum_ += elapsed * elastic_;
+  damping_sum_ += elapsed * damping_;
+  since_sample_ += elapsed;
+  record_.hold = {};
+  if (!recent) observer_.release();
+  if (fresh) {
+    if (known_ && since_sample_ > 0.0) {
+      book(q_a);
+    }
+    if (!known_) anchor_ = q_a;
+    known_ = true;
+    q_a_ = q_a;
+    elastic_sum_.setZero();
+    damping_sum_.setZero();
+    since_sample_ = 0.0;
+  }
+  if (settings_.tank.enabled) tank_.refill(elapsed, record_.hold);
+}
+
+/// Where samples come slower than ticks, the force of each tick in between counts by its time: exact
+/// for a steady motion, and exactly the last tick's force where every tick has a sample.
+void Passivity::book(const VecA& q_a) noexcept {
+  const VecA dq = q_a - q_a_;
+  const VecA before = anchor_ - q_a_;
+  const VecA after = anchor_ - q_a;
+  const VecA law = spring_.force(before);
+  HoldAccount& account = record_.hold;
+  account.leak = spring_.energy(after) - spring_.energy(before) + law.dot(dq);
+  account.limits = -(elastic_sum_ / since_sample_ - law).dot(dq);
+  account.rendered = -(damping_sum_ / since_sample_).dot(dq);
+  account.device_damping = dq.dot(settings_.device_damping.cwiseProduct(dq)) / since_sample_;
+  if (settings_.observer.enabled) {
+    observer_.observe(account, dq, since_sample_, spring_.stiffness);
+  }
+}
+
+const VecA& Passivity::admit(const SpringStorage& spring, const VecA& anchor) noexcept {
+  const VecA stretch = anchor_ - q_a_;
+  double before = spring_.energy(stretch);
+  if (spring_.gain == 0.0 && spring.gain > 0.0) {
+    // A spring that begins now would have stored this had it been there one tick earlier, where the
+    // device was; what the hold then leaked the device's damping pays as always.
+    before = std::min(spring.energy(stretch), record_.hold.device_damping);
+  }
+  const VecA wanted = anchor - q_a_;
+  record_.scale = settings_.tank.enabled ? tank_.admit(before, spring, wanted) : 1.0;
+  record_.throttled = record_.scale < 1.0;
+  // Not q_a + (anchor - q_a): an anchor that stays must stay to the bit, or each tick would book a
+  // rounding error as a change.
+  if (record_.throttled) {
+    anchor_ = q_a_ + record_.scale * wanted;
+  } else {
+    anchor_ = anchor;
+  }
+  spring_ = spring;
+  record_.storage = spring_.energy(VecA(anchor_ - q_a_));
+  record_.injected = record_.storage - before;
+  record_.tank = settings_.tank.enabled ? tank_.level() : 0.0;
+  record_.observed = observer_.energy();
+  record_.alpha = observer_.alpha();
+  return anchor_;
+}
+
+void Passivity::hold(const VecA& tau_elastic, const VecA& tau_damping) noexcept {
+  elastic_ = tau_elastic;
+  damping_ = tau_damping;
+}
+
+}  // namespace haptic::core

@@ -1,0 +1,181 @@
+#include "haptic/core/projection/plane_projection.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic::core {
+
+namespace {
+
+/// Of the dual, relative to its unit diagonal: large against rounding, small against any wedge that
+/// a simulation means.
+constexpr double kEpsilon = 1e-10;
+/// A violation that stays above this share of the deepest one is not the iteration's: the planes
+/// contradict each other.
+constexpr double kInfeasible = 1e-4;
+constexpr int kRefinements = 3;  // each divides a violation by 1e4 or more
+
+constexpr bool has(std::uint32_t set, int i) noexcept {
+  return (set >> i & 1u) != 0;
+}
+
+}  // namespace
+
+PlaneProjection::PlaneProjection(const ConfigurationSpace& space, const VecX& W_x)
+    : space_(&space), W_inverse_(VecX::Ones(space.n_x())), at_(VecX::Zero(space.n_x())) {
+  if (W_x.size() == space.n_x()) W_inverse_ = W_x.cwiseInverse();
+}
+
+void PlaneProjection::set(const PlaneSet& planes, const VecX& x) noexcept {
+  count_ = planes.size();
+  skipped_ = active_ = 0;
+  at_ = x;
+  A_ = planes.normals;
+  D_.resize(A_.rows(), count_);
+  for (int i = 0; i < count_; ++i) {
+    const double norm = std::sqrt(A_.col(i).cwiseAbs2().cwiseProduct(W_inverse_).sum());
+    if (!(norm > 0.0) || !std::isfinite(norm)) {
+      skipped_ |= 1u << i;
+      A_.col(i).setZero();
+      D_.col(i).setZero();
+      beta_[i] = 0.0;
+      continue;
+    }
+    A_.col(i) /= norm;
+    D_.col(i) = A_.col(i).cwiseProduct(W_inverse_);
+    beta_[i] = planes.offsets[i] / norm - A_.col(i).dot(at_);
+  }
+  for (int i = 0; i < count_; ++i) {
+    for (int j = 0; j <= i; ++j) G_(i, j) = G_(j, i) = A_.col(i).dot(D_.col(j));
+    G_(i, i) += kEpsilon;
+  }
+}
+
+PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x) noexcept {
+  active_ = 0;
+  x = x_probe;
+  if (count_ == 0) return PlaneStatus::kFree;
+  space_->difference(x_probe, at_, y_);
+  Small r = Small::Zero();
+  double deepest = 0.0;
+  for (int i = 0; i < count_; ++i) {
+    r[i] = has(skipped_, i) ? -1.0 : A_.col(i).dot(y_) - beta_[i];
+    deepest = std::max(deepest, r[i]);
+  }
+  if (!(deepest > 0.0)) return PlaneStatus::kFree;
+
+  // Proximal steps on the dual, each with the multipliers of the last: towards eps = 0 where there
+  // is a solution; where there is none the first step is the answer.
+  PlaneStatus status = PlaneStatus::kActive;
+  Small shifted = r;
+  for (int n = 0; n <= kRefinements; ++n) {
+    const Small last = l_;
+    const std::uint32_t last_active = active_;
+    solve(shifted);
+    double violation = 0.0;
+    for (int i = 0; i < count_; ++i) {
+      double left = r[i] + kEpsilon * l_[i];
+      for (int j = 0; j < count_; ++j) left -= G_(i, j) * l_[j];
+      violation = std::max(violation, left);
+    }
+    if (n == 0 && violation > kInfeasible * deepest) {
+      status = PlaneStatus::kInfeasible;
+      break;
+    }
+    if (n > 0 && !l_.head(count_).allFinite()) {
+      l_ = last;
+      active_ = last_active;
+      break;
+    }
+    if (violation <= 1e-15 * deepest) break;
+    shifted = r + kEpsilon * l_;
+  }
+  for (int i = 0; i < count_; ++i) {
+    if (has(active_, i)) x -= l_[i] * D_.col(i);
+  }
+  return status;
+}
+
+void PlaneProjection::solve(const Small& r) noexcept {
+  l_.setZero();
+  active_ = 0;
+  double largest = 0.0;
+  for (int i = 0; i < count_; ++i) largest = std::max(largest, r[i]);
+  std::uint32_t refused = 0;
+  for (int pass = 0; pass < 4 * kMaxPlanes; ++pass) {
+    int wanted = -1;
+    double steepest = 1e-14 * largest;
+    for (int i = 0; i < count_; ++i) {
+      if (has(active_ | refused | skipped_, i)) continue;
+      double w = r[i];
+      for (int j = 0; j < count_; ++j) w -= G_(i, j) * l_[j];
+      if (w > steepest) {
+        steepest = w;
+        wanted = i;
+      }
+    }
+    if (wanted < 0) return;
+    const std::uint32_t before = active_;
+    active_ |= 1u << wanted;
+    for (int inner = 0; inner <= kMaxPlanes; ++inner) {
+      Small s;
+      solve_on(active_, r, s);
+      double step = 1.0;
+      for (int i = 0; i < count_; ++i) {
+        if (has(active_, i) && s[i] <= 0.0) step = std::min(step, l_[i] / (l_[i] - s[i]));
+      }
+      if (!(step >= 0.0)) step = 0.0;  // 0 / 0: a plane that was to enter with nothing
+      for (int i = 0; i < count_; ++i) {
+        if (!has(active_, i)) continue;
+        const bool leaves = s[i] <= 0.0 && l_[i] + step * (s[i] - l_[i]) <= 1e-15 * largest;
+        l_[i] = leaves ? 0.0 : l_[i] + step * (s[i] - l_[i]);
+        if (leaves) active_ &= ~(1u << i);
+      }
+      if (step >= 1.0) break;
+    }
+    // A plane that entered and left at once would do so for ever: rounding decided that it is met.
+    refused = active_ == before ? refused | 1u << wanted : 0;
+  }
+}
+
+void PlaneProjection::solve_on(std::uint32_t set, const Small& r, Small& s) const noexcept {
+  int index[kMaxPlanes]{};
+  int n = 0;
+  for (int i = 0; i < count_; ++i) {
+    if (has(set, i)) index[n++] = i;
+  }
+  Gram L;  // of Cholesky; eps keeps every pivot above 0
+  Small z;
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      double sum = G_(index[i], index[j]);
+      for (int k = 0; k < j; ++k) sum -= L(i, k) * L(j, k);
+      L(i, j) = i == j ? std::sqrt(std::max(sum, 0.5 * kEpsilon)) : sum / L(j, j);
+    }
+    double sum = r[index[i]];
+    for (int k = 0; k < i; ++k) sum -= L(i, k) * z[k];
+    z[i] = sum / L(i, i);
+  }
+  s.setZero();
+  for (int i = n - 1; i >= 0; --i) {
+    double sum = z[i];
+    for (int k = i + 1; k < n; ++k) sum -= L(k, i) * s[index[k]];
+    s[index[i]] = sum / L(i, i);
+  }
+}
+
+void PlaneProjection::slope(const MatXQ& J, MatXQ& dx_dq) const noexcept {
+  dx_dq = J;
+  if (active_ == 0) return;
+  for (Eigen::Index k = 0; k < J.cols(); ++k) {
+    Small r = Small::Zero();
+    for (int i = 0; i < count_; ++i) r[i] = A_.col(i).dot(J.col(k));
+    Small s;
+    solve_on(active_, r, s);
+    for (int i = 0; i < count_; ++i) {
+      if (has(active_, i)) dx_dq.col(k) -= s[i] * D_.col(i);
+    }
+  }
+}
+
+}  // namespace haptic::core

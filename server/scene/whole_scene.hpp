@@ -1,0 +1,19 @@
+#pragma once
+/// What holds for a scene as a whole, or for one part because of another.
+
+#include "haptic/v1/scene.pb.h"
+#include "server/scene/problems.hpp"
+#include "server/scene/scene.hpp"
+
+namespace haptic::server {
+
+/// Every text is UTF-8: names of a scene travel in answers, where other bytes would make the whole
+/// message unreadable.
+void check_text(const google::protobuf::Message& message, const std::string& path,
+                Problems& problems);
+/// Silence ends force before it ends the lease (WIRE 4).
+void check_silence(const Scene& scene, Problems& problems);
+/// What is recorded goes into no file that the scene plays.
+void check_recordings(const Scene& scene, Problems& problems);
+
+}  // namespace haptic::server

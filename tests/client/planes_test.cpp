@@ -1,0 +1,115 @@
+#include "haptic/client/planes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "haptic/client/client.hpp"
+#include "tests/client/support/fake_server.hpp"
+
+namespace haptic::test {
+namespace {
+
+using client::Block;
+using client::derive_planes;
+using client::Plane;
+using client::VirtualCoordinate;
+
+std::vector<VirtualCoordinate> linear(std::size_t n) {
+  return std::vector<VirtualCoordinate>(n, {"x", "m", "linear"});
+}
+
+double at(const Plane& plane, const std::vector<double>& x) {
+  double sum = -plane.offset;
+  for (std::size_t i = 0; i < x.size(); ++i) sum += plane.normal[i] * x[i];
+  return sum;
+}
+
+TEST(DerivePlanes, ThePlaneHoldsTheProxyAndLooksTowardsTheProbe) {
+  const std::vector<double> x{1.0, 2.0}, x_probe{4.0, 6.0};
+  const auto planes = derive_planes(linear(2), x, x_probe);
+  ASSERT_EQ(planes.size(), 1u);
+  EXPECT_NEAR(planes[0].normal[0], 0.6, 1e-15);
+  EXPECT_NEAR(planes[0].normal[1], 0.8, 1e-15);
+  EXPECT_NEAR(at(planes[0], x), 0.0, 1e-15);
+  EXPECT_NEAR(at(planes[0], x_probe), 5.0, 1e-14) << "the probe is outside by its distance";
+}
+
+TEST(DerivePlanes, ABlockThatIsNotConstrainedHasNone) {
+  EXPECT_TRUE(derive_planes(linear(2), {1, 2}, {1, 2}).empty());
+  const auto planes =
+      derive_planes(linear(4), {1, 2, 3, 4}, {1, 2, 3, 5}, {Block{0, 2}, Block{2, 2}});
+  ASSERT_EQ(planes.size(), 1u);
+  EXPECT_EQ(planes[0].normal, (std::vector<double>{0, 0, 0, 1}));
+  EXPECT_EQ(planes[0].offset, 4.0);
+}
+
+TEST(DerivePlanes, AFullCircleIsTakenTheShortWayRound) {
+  const std::vector<VirtualCoordinate> circle{{"phi", "rad", "angle"}};
+  const auto planes = derive_planes(circle, {3.1}, {-3.1});
+  ASSERT_EQ(planes.size(), 1u);
+  EXPECT_EQ(planes[0].normal[0], 1.0) << "-3.1 lies 0.08 rad beyond 3.1";
+}
+
+TEST(DerivePlanes, OfMoreThanSixTheDeepestStay) {
+  std::vector<double> x(8, 0.0), x_probe(8);
+  std::vector<Block> blocks;
+  for (std::size_t i = 0; i < 8; ++i) {
+    x_probe[i] = 1.0 + static_cast<double>(i);
+    blocks.push_back({i, 1});
+  }
+  const auto planes = derive_planes(linear(8), x, x_probe, blocks);
+  ASSERT_EQ(planes.size(), 6u);
+  for (const Plane& plane : planes) {
+    EXPECT_EQ(plane.normal[0], 0.0);
+    EXPECT_EQ(plane.normal[1], 0.0);
+  }
+}
+
+TEST(DerivePlanes, SizesThatDoNotFitGiveNone) {
+  EXPECT_TRUE(derive_planes(linear(2), {1}, {1, 2}).empty());
+  EXPECT_TRUE(derive_planes(linear(2), {1, 2}, {3, 4}, {Block{1, 2}}).empty());
+  EXPECT_TRUE(derive_planes(linear(2), {1, 2}, {3, 4}, {Block{5, 1}}).empty());
+}
+
+TEST(Publish, CarriesPlanes) {
+  FakeServer server;
+  const auto session = client::Connection(server.address()).open({});
+  session->publish(client::Proxy::behind({{{1.0, 0.5}, 0.25}, {{0.0, 1.0}, -2.0}}, {0.1, 0.2}));
+  ASSERT_TRUE(server.until([&] { return !server.samples().empty(); }));
+  const v1::ProxySample sample = server.samples().front();
+  EXPECT_EQ(sample.mode(), v1::PROXY_MODE_PLANES);
+  ASSERT_EQ(sample.planes_size(), 2);
+  EXPECT_EQ(sample.planes(0).normal(1), 0.5);
+  EXPECT_EQ(sample.planes(1).offset(), -2.0);
+  EXPECT_EQ(sample.position(1), 0.2);
+}
+
+TEST(Publish, DerivesPlanesWhereTheSimulationSendsNone) {
+  FakeServer server;
+  client::SessionOptions options;
+  options.derive_planes = true;
+  const auto session = client::Connection(server.address()).open(options);
+  const std::size_t n_x = session->device().coordinates.size();
+  session->publish(client::Proxy::held(std::vector<double>(n_x, 0.5)));
+  ASSERT_TRUE(server.until([&] { return !server.samples().empty(); }));
+  EXPECT_EQ(server.samples().back().mode(), v1::PROXY_MODE_HELD) << "no state, no probe";
+
+  v1::SessionResponse message;
+  message.mutable_state()->set_seq(5);
+  for (std::size_t i = 0; i < n_x; ++i) message.mutable_state()->add_x_probe(1.5);
+  server.send(message);
+  ASSERT_EQ(session->wait_for_state().seq, 5u);
+  session->publish(client::Proxy::held(std::vector<double>(n_x, 0.5)));
+  ASSERT_TRUE(
+      server.until([&] { return server.samples().back().mode() == v1::PROXY_MODE_PLANES; }));
+  const v1::ProxySample sample = server.samples().back();
+  ASSERT_EQ(sample.planes_size(), 1);
+  EXPECT_GT(sample.planes(0).normal(0), 0.0);
+  EXPECT_EQ(sample.device_seq_used(), 5u);
+  session->publish(client::Proxy::free());
+  ASSERT_TRUE(server.until([&] { return server.samples().back().mode() == v1::PROXY_MODE_FREE; }));
+}
+
+}  // namespace
+}  // namespace haptic::test

@@ -1,0 +1,208 @@
+#include "haptic/core/analysis/displayed_impedance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/model/linear.hpp"
+#include "haptic/core/projection/renderer.hpp"
+
+namespace haptic::core {
+namespace {
+
+constexpr RendererKind kAll[] = {RendererKind::kStandard, RendererKind::kNullSpace,
+                                 RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact};
+
+VecX joints(double mcp, double pip) {
+  VecX x(2);
+  x << mcp, pip;
+  return x;
+}
+
+/// x = A q with three rows, q0 actuated and q1 not: small enough for pencil and paper.
+/// A = [1 1; 0 1; 1 0]: J_a = (1,0,1), J_n = (1,1,0), N J_a = J_a - J_n/2 = (1/2,-1/2,1).
+std::unique_ptr<Kinematics> by_hand() {
+  LinearMap map;
+  map.dofs = {{"a", Unit::kMetre, true, -1, 1}, {"n", Unit::kMetre, false, -1, 1}};
+  map.coordinates = {{"x", Unit::kMetre}, {"y", Unit::kMetre}, {"z", Unit::kMetre}};
+  map.A = (MatXQ(3, 2) << 1, 1, 0, 1, 1, 0).finished();
+  map.x_0 = VecX::Zero(3);
+  return make_linear(map);
+}
+
+TEST(TheoreticalImpedance, IsThatOfEquations2And5And9) {
+  const auto map = by_hand();
+  RenderingImpedance impedance{VecA::Constant(1, 7.0), MatXX::Identity(3, 3) * 2.0};
+  const VecQ q = VecQ::Zero(2);
+  const auto at = [&](RendererKind kind) {
+    return theoretical_impedance(kind, *map, q, impedance).value();
+  };
+  // Eq. (2), Z_x = 2 I: -2 (J_a.J_a, J_a.J_n) = -2 (2, 1).
+  EXPECT_NEAR(at(RendererKind::kStandard)(0, 0), -4.0, 1e-14);
+  EXPECT_NEAR(at(RendererKind::kStandard)(0, 1), -2.0, 1e-14);
+  // Eq. (5): -2 (N J_a).(J_a, J_n) = -2 (3/2, 0).
+  EXPECT_NEAR(at(RendererKind::kNullSpace)(0, 0), -3.0, 1e-14);
+  EXPECT_NEAR(at(RendererKind::kNullSpace)(0, 1), 0.0, 1e-14);
+  // Eq. (9): -Z_q S.
+  for (const RendererKind kind : {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
+    EXPECT_EQ(at(kind)(0, 0), -7.0);
+    EXPECT_EQ(at(kind)(0, 1), 0.0);
+  }
+  // A Z_x that is no multiple of I couples the null-space force to q_n, as the paper warns:
+  // Z_x = diag(1,2,3): N J_a.(Z_x J_n) = 1/2 - 1 = -1/2; (Z_x J_a) = (1,0,3): 1/2 + 3.
+  impedance.Z_x = (VecX(3) << 1, 2, 3).finished().asDiagonal();
+  EXPECT_NEAR(at(RendererKind::kNullSpace)(0, 0), -3.5, 1e-14);
+  EXPECT_NEAR(at(RendererKind::kNullSpace)(0, 1), 0.5, 1e-14);
+}
+
+TEST(ExactImpedance, IsTheTheoryWhereJIsConstant) {
+  const auto map = by_hand();
+  RenderingImpedance impedance{VecA::Constant(1, 7.0), MatXX::Identity(3, 3)};
+  impedance.Z_x(1, 1) = 5.0;
+  const VecQ q = (VecQ(2) << 0.2, -0.1).finished();
+  const VecX x = (VecX(3) << 0.3, -0.4, 0.9).finished();
+  for (const RendererKind kind : kAll) {
+    const MatAQ theory = theoretical_impedance(kind, *map, q, impedance).value();
+    const MatAQ exact = exact_impedance(kind, *map, q, x, impedance).value();
+    EXPECT_LT((theory - exact).cwiseAbs().maxCoeff(), 1e-13) << name(kind);
+  }
+}
+
+/// Central differences of what the renderers themselves command.
+struct FingerForces : ::testing::Test {
+  std::unique_ptr<Kinematics> finger = make_finger_exoskeleton({});
+  const double Z_q = 1500.0;
+  RenderingImpedance impedance{VecA::Constant(1, Z_q), {}};
+
+  FingerForces() {
+    const double mean = finger->mean_actuated_jacobian();
+    impedance.Z_x = MatXX::Identity(2, 2) * (Z_q / (mean * mean));
+  }
+  double tau(RendererKind kind, const VecQ& q, const VecX& x) const {
+    VecX x_probe;
+    MatXQ J;
+    EXPECT_EQ(finger->evaluate(q, x_probe, J), MapStatus::kOk);
+    const VecX dx = x - x_probe;
+    Renderer renderer(kind, *finger);
+    Projection out;
+    renderer.project(Probe{q, x_probe, J}, x, dx, impedance.Z_q, true, out);
+    return Z_q * (out.q_star[0] - q[0]);
+  }
+};
+
+TEST_F(FingerForces, ExactImpedanceIsTheDerivativeOfEveryRenderersForce) {
+  std::mt19937_64 random(21);
+  std::uniform_real_distribution<double> mcp(0.1, 1.1), pip(0.1, 1.3);
+  const double h[2] = {2e-7, 1e-5};  // m, rad
+  for (int i = 0; i < 300; ++i) {
+    const VecX x = joints(mcp(random), pip(random));
+    VecQ q;
+    ASSERT_EQ(finger->inverse(joints(mcp(random), pip(random)), q), InverseStatus::kExact);
+    for (const RendererKind kind : kAll) {
+      const MatAQ exact = exact_impedance(kind, *finger, q, x, impedance).value();
+      for (int k = 0; k < 2; ++k) {
+        VecQ up = q, down = q;
+        up[k] += h[k];
+        down[k] -= h[k];
+        const double slope = (tau(kind, up, x) - tau(kind, down, x)) / (2.0 * h[k]);
+        const double scale = k == 0 ? Z_q : Z_q * 0.02;  // per rad: l_x moves by 20 mm/rad or so
+        EXPECT_NEAR(exact(0, k), slope, 2e-5 * (std::abs(slope) + scale)) << name(kind) << k;
+      }
+    }
+  }
+}
+
+TEST_F(FingerForces, ProxyGainIsTheDerivativeByTheProxyCurvatureIncluded) {
+  std::mt19937_64 random(22);
+  std::uniform_real_distribution<double> mcp(0.1, 1.1), pip(0.1, 1.3);
+  const double h = 1e-6;
+  for (int i = 0; i < 300; ++i) {
+    const VecX x = joints(mcp(random), pip(random));
+    VecQ q, q_star;
+    ASSERT_EQ(finger->inverse(joints(mcp(random), pip(random)), q), InverseStatus::kExact);
+    ASSERT_EQ(finger->inverse(x, q_star), InverseStatus::kExact);
+    for (const RendererKind kind : kAll) {
+      const MatAX gain = proxy_gain(kind, *finger, q, x, q_star, impedance).value();
+      for (int j = 0; j < 2; ++j) {
+        VecX up = x, down = x;
+        up[j] += h;
+        down[j] -= h;
+        const double slope = (tau(kind, q, up) - tau(kind, q, down)) / (2.0 * h);
+        EXPECT_NEAR(gain(0, j), slope, 1e-4 * (std::abs(slope) + 1.0)) << name(kind) << j;
+      }
+    }
+  }
+}
+
+/// A circle of radius 1 as f(q) = (cos q, sin q): q* is the angle of x, so dq*/dx turns with 1/|x|,
+/// which J* alone (Gauss-Newton) would miss.
+class Circle final : public Kinematics {
+ public:
+  const DofLayout& layout() const noexcept override { return layout_; }
+  const std::vector<DofSpec>& dofs() const noexcept override { return dofs_; }
+  const ConfigurationSpace& space() const noexcept override { return space_; }
+  double mean_actuated_jacobian() const noexcept override { return 1.0; }
+  MapStatus evaluate(const VecQ& q, VecX& x, MatXQ& J) const noexcept override {
+    x = (VecX(2) << std::cos(q[0]), std::sin(q[0])).finished();
+    J = (MatXQ(2, 1) << -std::sin(q[0]), std::cos(q[0])).finished();
+    return MapStatus::kOk;
+  }
+  MapStatus second_order(const VecQ& q, int, MatXQ& J_k) const noexcept override {
+    J_k = (MatXQ(2, 1) << -std::cos(q[0]), -std::sin(q[0])).finished();
+    return MapStatus::kOk;
+  }
+
+ private:
+  DofLayout layout_{true};
+  std::vector<DofSpec> dofs_{{"angle", Unit::kRadian, true, -3.0, 3.0}};
+  ConfigurationSpace space_{{{"x", Unit::kMetre}, {"y", Unit::kMetre}}};
+};
+
+TEST(ProxyGain, OfUnreachableProxiesTakesTheResidualIntoAccount) {
+  const Circle circle;
+  const RenderingImpedance impedance{VecA::Constant(1, 5.0), MatXX::Identity(2, 2)};
+  for (const double radius : {0.5, 1.0, 3.0}) {
+    const VecX x = radius * joints(std::cos(0.7), std::sin(0.7));
+    const VecQ q = VecQ::Constant(1, 0.2), q_star = VecQ::Constant(1, 0.7);
+    const auto gain =
+        proxy_gain(RendererKind::kSubspaceExact, circle, q, x, q_star, impedance).value();
+    EXPECT_NEAR(gain(0, 0), -5.0 * std::sin(0.7) / radius, 1e-12);
+    EXPECT_NEAR(gain(0, 1), 5.0 * std::cos(0.7) / radius, 1e-12);
+    // Eq. (8) with a residual: dq = t(q).x, d dq/dq = t'.x = -cos(q).x0 - sin(q).x1 = -f(q).x.
+    const auto exact =
+        exact_impedance(RendererKind::kSubspaceLinear, circle, q, x, impedance).value();
+    EXPECT_NEAR(exact(0, 0), -5.0 * radius * std::cos(0.7 - 0.2), 1e-12);
+  }
+  // On the box q* does not move; where neither box nor slope holds it, there is no answer.
+  const VecQ at_limit = VecQ::Constant(1, 3.0), off = VecQ::Constant(1, 1.5);
+  const VecX x = joints(-1.0, -0.1);
+  const auto held =
+      proxy_gain(RendererKind::kSubspaceExact, circle, at_limit, x, at_limit, impedance);
+  EXPECT_EQ(held.value().cwiseAbs().maxCoeff(), 0.0);
+  EXPECT_FALSE(proxy_gain(RendererKind::kSubspaceExact, circle, off, x, off, impedance));
+}
+
+TEST(ExactImpedance, HasNoAnswerWhereARankIsLostOrTheMapFails) {
+  LinearMap map;
+  map.dofs = {{"a", Unit::kMetre, true, -1, 1}, {"n", Unit::kMetre, false, -1, 1}};
+  map.coordinates = {{"x", Unit::kMetre}, {"y", Unit::kMetre}};
+  map.A = (MatXQ(2, 2) << 1, 0, 2, 0).finished();  // the sensed DoF moves nothing
+  map.x_0 = VecX::Zero(2);
+  const auto flat = make_linear(map);
+  const RenderingImpedance impedance{VecA::Ones(1), MatXX::Identity(2, 2)};
+  const VecQ q = VecQ::Zero(2);
+  const VecX x = VecX::Ones(2);
+  EXPECT_FALSE(exact_impedance(RendererKind::kNullSpace, *flat, q, x, impedance));
+  EXPECT_FALSE(exact_impedance(RendererKind::kSubspaceLinear, *flat, q, x, impedance));
+  EXPECT_TRUE(exact_impedance(RendererKind::kStandard, *flat, q, x, impedance));
+  const auto finger = make_finger_exoskeleton({});
+  const VecQ open = (VecQ(2) << 0.02, -1.76).finished();  // METHOD 6, case 17
+  for (const RendererKind kind : kAll) {
+    EXPECT_FALSE(exact_impedance(kind, *finger, open, x, impedance)) << name(kind);
+  }
+}
+
+}  // namespace
+}  // namespace haptic::core

@@ -1,0 +1,146 @@
+#include "haptic/core/analysis/passivity_radius.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/model/linear.hpp"
+
+namespace haptic::core {
+namespace {
+
+constexpr double kDegree = 0.017453292519943295;
+
+struct Finger : ::testing::Test {
+  std::unique_ptr<Kinematics> finger = make_finger_exoskeleton({});
+  const RenderingImpedance impedance{VecA::Constant(1, 1500.0), MatXX::Identity(2, 2)};
+
+  VecQ pose(double mcp_deg, double pip_deg) const {
+    VecX x(2);
+    x << mcp_deg * kDegree, pip_deg * kDegree;
+    VecQ q;
+    EXPECT_EQ(finger->inverse(x, q), InverseStatus::kExact);
+    return q;
+  }
+};
+using PassivityRadius = Finger;
+
+/// METHOD 2.1: g = S J^{-1} [J_,a J^{-1}], radius 1/||g||, margin 1 + g.dx, by 2 x 2 algebra.
+TEST_F(PassivityRadius, OfTheLinearisedMethodIsOneOverTheNormOfG) {
+  for (const auto& [mcp, pip] : {std::pair{30.0, 30.0}, {60.0, 70.0}, {10.0, 40.0}}) {
+    const VecQ q = pose(mcp, pip);
+    VecX x_probe;
+    MatXQ J, J_a;
+    ASSERT_EQ(finger->evaluate(q, x_probe, J), MapStatus::kOk);
+    ASSERT_EQ(finger->second_order(q, 0, J_a), MapStatus::kOk);
+    const Eigen::Matrix2d J2 = J, J_a2 = J_a;
+    const double det = J2(0, 0) * J2(1, 1) - J2(0, 1) * J2(1, 0);
+    Eigen::Matrix2d inverse;
+    inverse << J2(1, 1) / det, -J2(0, 1) / det, -J2(1, 0) / det, J2(0, 0) / det;
+    const Eigen::RowVector2d g = inverse.row(0) * (J_a2 * inverse);
+    const Eigen::Vector2d dx(0.1, -0.05);
+    const VecX x = x_probe + dx;
+    const auto certificate =
+        passivity_certificate(RendererKind::kSubspaceLinear, *finger, q, x, impedance).value();
+    EXPECT_NEAR(certificate.radius * g.norm(), 1.0, 1e-9);
+    EXPECT_NEAR(certificate.margin, 1.0 + g * dx, 1e-9);
+    // The null-space method's is the same length in another direction (METHOD 2.1).
+    const auto null_space =
+        passivity_certificate(RendererKind::kNullSpace, *finger, q, x, impedance).value();
+    EXPECT_NEAR(null_space.radius / certificate.radius, 1.0, 1e-9);
+  }
+}
+
+TEST_F(PassivityRadius, IsWhereTheExactImpedanceVanishes) {
+  const VecQ q = pose(40, 50);
+  for (const RendererKind kind :
+       {RendererKind::kStandard, RendererKind::kNullSpace, RendererKind::kSubspaceLinear}) {
+    VecX x_probe;
+    MatXQ J;
+    ASSERT_EQ(finger->evaluate(q, x_probe, J), MapStatus::kOk);
+    const double radius =
+        passivity_certificate(kind, *finger, q, x_probe, impedance).value().radius;
+    double worst = -1e300, worst_inside = -1e300;
+    for (int i = 0; i < 3600; ++i) {
+      const double angle = 0.1 * i * kDegree;
+      VecX dx(2);
+      dx << radius * std::cos(angle), radius * std::sin(angle);
+      const VecX on = x_probe + dx, inside = x_probe + 0.99 * dx;
+      worst = std::max(worst, (*exact_impedance(kind, *finger, q, on, impedance))(0, 0));
+      worst_inside =
+          std::max(worst_inside, (*exact_impedance(kind, *finger, q, inside, impedance))(0, 0));
+    }
+    const double at_rest = -(*exact_impedance(kind, *finger, q, x_probe, impedance))(0, 0);
+    EXPECT_NEAR(worst / at_rest, 0.0, 1e-4) << name(kind);
+    EXPECT_LT(worst_inside, 0.0) << name(kind);
+  }
+}
+
+TEST_F(PassivityRadius, OfTheExactMethodAndOfLinearMapsIsInfinite) {
+  const VecQ q = pose(40, 50);
+  const VecX x = VecX::Zero(2);
+  const auto exact =
+      passivity_certificate(RendererKind::kSubspaceExact, *finger, q, x, impedance).value();
+  EXPECT_TRUE(std::isinf(exact.radius));
+  EXPECT_NEAR(exact.margin, 1.0, 1e-12);
+}
+
+/// Two actuated DoFs with different stiffnesses and units: METHOD's general form holds the weighted
+/// norm below 1, so no dx inside the radius may turn the impedance.
+class Sheared final : public Kinematics {
+ public:
+  const DofLayout& layout() const noexcept override { return layout_; }
+  const std::vector<DofSpec>& dofs() const noexcept override { return dofs_; }
+  const ConfigurationSpace& space() const noexcept override { return space_; }
+  double mean_actuated_jacobian() const noexcept override { return 1.0; }
+  // f = (q0 + q0 q1, q1 + q0^2/2, q2 + q1 q2)
+  MapStatus evaluate(const VecQ& q, VecX& x, MatXQ& J) const noexcept override {
+    x = (VecX(3) << q[0] + q[0] * q[1], q[1] + 0.5 * q[0] * q[0], q[2] + q[1] * q[2]).finished();
+    J = (MatXQ(3, 3) << 1 + q[1], q[0], 0, q[0], 1, 0, 0, q[2], 1 + q[1]).finished();
+    return MapStatus::kOk;
+  }
+  MapStatus second_order(const VecQ&, int k, MatXQ& J_k) const noexcept override {
+    J_k = MatXQ::Zero(3, 3);
+    if (k == 0) J_k(0, 1) = J_k(1, 0) = 1.0;
+    if (k == 1) J_k(0, 0) = J_k(2, 2) = 1.0;
+    if (k == 2) J_k(2, 1) = 1.0;
+    return MapStatus::kOk;
+  }
+
+ private:
+  DofLayout layout_{true, true, false};
+  std::vector<DofSpec> dofs_{{"a", Unit::kMetre, true, -1, 1},
+                             {"b", Unit::kRadian, true, -1, 1},
+                             {"c", Unit::kMetre, false, -1, 1}};
+  ConfigurationSpace space_{{{"x", Unit::kMetre}, {"y", Unit::kMetre}, {"z", Unit::kMetre}}};
+};
+
+TEST(PassivityRadiusOfTwoActuators, NoProxyInsideTurnsTheImpedance) {
+  const Sheared map;
+  const VecQ q = (VecQ(3) << 0.2, -0.1, 0.3).finished();
+  const RenderingImpedance impedance{(VecA(2) << 4.0, 900.0).finished(), MatXX::Identity(3, 3)};
+  VecX x_probe;
+  MatXQ J;
+  ASSERT_EQ(map.evaluate(q, x_probe, J), MapStatus::kOk);
+  const RendererKind kind = RendererKind::kSubspaceLinear;
+  const double radius = passivity_certificate(kind, map, q, x_probe, impedance).value().radius;
+  ASSERT_GT(radius, 0.0);
+  ASSERT_LT(radius, 10.0);
+  double lowest_inside = 1.0, lowest_far = 1.0;
+  for (int i = 0; i < 2000; ++i) {  // directions of a spiral over the sphere
+    const double z = -1.0 + (i + 0.5) / 1000.0, phi = 2.4 * i, s = std::sqrt(1.0 - z * z);
+    const VecX u = (VecX(3) << s * std::cos(phi), s * std::sin(phi), z).finished();
+    const VecX in = x_probe + 0.999 * radius * u, far = x_probe + 40.0 * radius * u;
+    lowest_inside =
+        std::min(lowest_inside, passivity_certificate(kind, map, q, in, impedance)->margin);
+    lowest_far = std::min(lowest_far, passivity_certificate(kind, map, q, far, impedance)->margin);
+  }
+  EXPECT_GT(lowest_inside, 0.0);
+  EXPECT_LT(lowest_far, 0.0) << "the radius would bound nothing";
+}
+
+}  // namespace
+}  // namespace haptic::core

@@ -1,0 +1,179 @@
+#include "haptic/core/passivity/energy_tank.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "haptic/core/passivity/passivity.hpp"
+
+namespace haptic::core {
+namespace {
+
+using std::chrono::milliseconds;
+
+VecA one(double value) {
+  return VecA::Constant(1, value);
+}
+
+SpringStorage spring(double stiffness, double gain = 1.0, double limit = 1e9) {
+  return {one(stiffness), one(limit), gain};
+}
+
+TankSettings tank_of(double initial, double power = 0.0) {
+  TankSettings s;
+  s.enabled = true;
+  s.initial = initial;
+  s.allowed_power = power;
+  return s;
+}
+
+TEST(EnergyTank, AdmitsWhatItCanPayAndIsRefilledByWhatComesBack) {
+  EnergyTank tank(tank_of(0.010));
+  // 1000 N/m at 4 mm: 8 mJ.
+  EXPECT_EQ(tank.admit(0.0, spring(1000.0), one(0.004)), 1.0);
+  EXPECT_NEAR(tank.level(), 0.002, 1e-15);
+  EXPECT_EQ(tank.admit(0.008, spring(1000.0), one(0.002)), 1.0);
+  EXPECT_NEAR(tank.level(), 0.008, 1e-15);
+}
+
+TEST(EnergyTank, ShortensTheSpringByTheFactorOfMethod53) {
+  EnergyTank tank(tank_of(0.001));
+  // V_old 2 mJ, V_new 8 mJ: s = sqrt((2 + 1) / 8).
+  EXPECT_NEAR(tank.admit(0.002, spring(1000.0), one(0.004)), std::sqrt(3.0 / 8.0), 1e-15);
+  EXPECT_EQ(tank.level(), 0.0);
+}
+
+TEST(EnergyTank, DebtIsPaidByTheSpring) {
+  EnergyTank tank(tank_of(0.0));
+  HoldAccount leak;
+  leak.leak = 0.003;
+  tank.refill(1e-3, leak);
+  EXPECT_NEAR(tank.level(), -0.003, 1e-18);
+  // 8 mJ stored and kept: 3 mJ of it pay, s = sqrt(5 / 8).
+  EXPECT_NEAR(tank.admit(0.008, spring(1000.0), one(0.004)), std::sqrt(5.0 / 8.0), 1e-15);
+  EXPECT_EQ(tank.level(), 0.0);
+  tank.refill(1e-3, leak);
+  EXPECT_EQ(tank.admit(0.002, spring(1000.0), one(0.004)), 0.0)
+      << "all of it, and that is not enough";
+  EXPECT_NEAR(tank.level(), -0.001, 1e-18);
+  EXPECT_EQ(tank.admit(0.0, spring(1000.0), one(0.0)), 1.0) << "no spring: nothing is held back";
+  EXPECT_NEAR(tank.level(), -0.001, 1e-18) << "the debt stays";
+}
+
+TEST(EnergyTank, TheDevicesDampingPaysTheLeakAndIsNeverCredited) {
+  EnergyTank tank(tank_of(0.001));
+  HoldAccount account;
+  account.leak = 0.002;
+  account.device_damping = 0.005;
+  tank.refill(1e-3, account);
+  EXPECT_EQ(tank.level(), 0.001);
+  account.device_damping = 0.0015;
+  tank.refill(1e-3, account);
+  EXPECT_NEAR(tank.level(), 0.0005, 1e-18);
+  account = {};
+  account.rendered = 0.002;
+  account.limits = -0.001;
+  tank.refill(1e-3, account);
+  EXPECT_NEAR(tank.level(), 0.0015, 1e-18) << "rendered damping and limits as they were";
+}
+
+TEST(EnergyTank, FillsByTheAllowedPowerUpToItsCapacity) {
+  EnergyTank tank(tank_of(0.0, 2.0));
+  tank.refill(0.010, {});
+  EXPECT_NEAR(tank.level(), 0.020, 1e-16);
+  tank.refill(1.0, {});
+  EXPECT_EQ(tank.level(), 0.05);
+  EXPECT_EQ(tank.admit(1.0, spring(1000.0), one(0.0)), 1.0);
+  EXPECT_EQ(tank.level(), 0.05) << "what comes back does not overfill it either";
+}
+
+/// The law of METHOD 5.3 over thousands of arbitrary ticks: random anchors, stiffness, gain, motion, held
+/// forces that are not the law's. Work on the user, net of the device's damping, never exceeds the tank.
+TEST(Passivity, EnergyReturnedNeverExceedsTheTankWhateverChanges) {
+  constexpr double kInitial = 0.004, kPower = 0.02, kDeviceDamping = 1.5, T = 1e-3;
+  PassivitySettings settings;
+  settings.tank = tank_of(kInitial, kPower);
+  settings.device_damping = one(kDeviceDamping);
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    Passivity passivity(settings, 1);
+    double q = 0.0, held = 0.0, returned = 0.0, anchor = 0.0;
+    double stiffness = 1000.0, gain = 0.0;
+    int throttled = 0;
+    for (int k = 0; k < 3000; ++k) {
+      const double dq = k == 0 ? 0.0 : 4e-4 * (unit(random) - 0.5);
+      q += dq;
+      returned += held * dq - kDeviceDamping * dq * dq / T;
+      passivity.measure(one(q), true, true, milliseconds(1));
+      if (unit(random) < 0.05) anchor = q + 0.02 * (unit(random) - 0.5);
+      if (unit(random) < 0.05) stiffness = 2000.0 * unit(random);
+      if (unit(random) < 0.10) gain = unit(random);
+      const SpringStorage law = spring(stiffness, gain, 5.0);
+      const double used = passivity.admit(law, one(anchor))[0] - q;
+      throttled += passivity.record().throttled ? 1 : 0;
+      const double elastic = law.force(one(used))[0] + 0.5 * (unit(random) - 0.5);
+      const double damping = -3.0 * dq / T;
+      passivity.hold(one(elastic), one(damping));
+      held = elastic + damping;
+      const double allowed = kInitial + kPower * T * (k + 1);
+      ASSERT_LE(returned + passivity.record().storage, allowed + 1e-12)
+          << "seed " << seed << ", " << k;
+    }
+    EXPECT_GT(throttled, 10) << "this run must have bitten";
+  }
+}
+
+TEST(Passivity, WithoutTheTankTheSameKindOfRunReturnsMoreThanItHolds) {
+  PassivitySettings settings;
+  settings.observer.enabled = true;
+  settings.observer.inertia = one(0.05);
+  Passivity passivity(settings, 1);
+  double q = 0.0, held = 0.0, returned = 0.0;
+  for (int k = 0; k < 200; ++k) {
+    q += 1e-4;
+    returned += held * 1e-4;
+    passivity.measure(one(q), true, true, milliseconds(1));
+    const double used = passivity.admit(spring(1000.0), one(q + 0.004))[0] - q;
+    EXPECT_FALSE(passivity.record().throttled);
+    held = 1000.0 * used;
+    passivity.hold(one(held), one(0.0));
+  }
+  EXPECT_NEAR(returned, 199 * 4.0 * 1e-4, 1e-12);
+}
+
+TEST(Passivity, ASampleEverySecondTickIsBookedOverBoth) {
+  PassivitySettings settings;
+  settings.tank = tank_of(0.0);
+  settings.device_damping = one(2.0);
+  Passivity passivity(settings, 1);
+  passivity.measure(one(0.0), true, true, milliseconds(1));
+  passivity.admit(spring(0.0), one(0.0));
+  passivity.hold(one(0.0), one(-1.0));
+  passivity.measure(one(0.0), false, true, milliseconds(1));
+  EXPECT_EQ(passivity.record().hold.rendered, 0.0);
+  passivity.hold(one(0.0), one(-3.0));
+  passivity.measure(one(0.001), true, true, milliseconds(1));
+  EXPECT_NEAR(passivity.record().hold.rendered, 2.0 * 0.001, 1e-15);
+  EXPECT_NEAR(passivity.record().hold.device_damping, 2.0 * 1e-6 / 2e-3, 1e-15);
+}
+
+TEST(Passivity, SettingsThatDoNotHoldTogetherAreNamed) {
+  PassivitySettings settings;
+  EXPECT_EQ(check(settings, 1), nullptr);
+  settings.tank = tank_of(0.06);
+  EXPECT_STREQ(check(settings, 1), "tank.initial must be in [0, capacity]");
+  settings.tank = tank_of(0.0, -1.0);
+  EXPECT_STREQ(check(settings, 1), "tank.allowed_power must be >= 0");
+  settings.tank = tank_of(0.0);
+  settings.device_damping = VecA::Constant(2, 1.0);
+  EXPECT_NE(check(settings, 1), nullptr);
+  settings.device_damping = one(1.0);
+  EXPECT_EQ(check(settings, 1), nullptr);
+  settings.observer.enabled = true;
+  EXPECT_STREQ(check(settings, 1), "observer.inertia must have one value > 0 per actuated DoF");
+}
+
+}  // namespace
+}  // namespace haptic::core

@@ -1,0 +1,258 @@
+#include "haptic/core/projection/plane_projection.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "tests/support/allocation_guard.hpp"
+
+namespace haptic::core {
+namespace {
+
+ConfigurationSpace space_of(int n_x) {
+  return ConfigurationSpace(std::vector<Coordinate>(static_cast<std::size_t>(n_x)));
+}
+
+/// Rows of (normal..., offset).
+PlaneSet planes_of(int n_x, const std::vector<std::vector<double>>& rows) {
+  PlaneSet set;
+  set.normals.resize(n_x, static_cast<Eigen::Index>(rows.size()));
+  set.offsets.resize(static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (int j = 0; j < n_x; ++j) {
+      set.normals(j, static_cast<Eigen::Index>(i)) = rows[i][static_cast<std::size_t>(j)];
+    }
+    set.offsets[static_cast<Eigen::Index>(i)] = rows[i].back();
+  }
+  return set;
+}
+
+VecX at(double a, double b) {
+  return (VecX(2) << a, b).finished();
+}
+
+struct Answer {
+  VecX x{};
+  PlaneStatus status{};
+  std::uint32_t active{};
+};
+
+Answer project(const PlaneSet& set, const VecX& probe, const VecX& W = {}) {
+  const ConfigurationSpace space = space_of(static_cast<int>(probe.size()));
+  PlaneProjection projection(space, W);
+  projection.set(set, VecX::Constant(probe.size(), 0.3));  // where it is linearised must not matter
+  Answer answer;
+  answer.status = projection.project(probe, answer.x);
+  answer.active = projection.active();
+  return answer;
+}
+
+TEST(PlaneProjection, InFreeSpaceTheProxyIsTheProbeToTheBit) {
+  const Answer answer = project(planes_of(2, {{1, 0, 1}, {0, 1, 1}}), at(0.1, 0.9999));
+  EXPECT_EQ(answer.status, PlaneStatus::kFree);
+  EXPECT_EQ(answer.x, at(0.1, 0.9999));
+  EXPECT_EQ(answer.active, 0u);
+  EXPECT_EQ(project(planes_of(2, {}), at(7, 8)).x, at(7, 8)) << "no planes: nothing in the way";
+}
+
+TEST(PlaneProjection, OnePlaneTakesTheProxyStraightOntoIt) {
+  // 3 x + 4 y <= 5 seen from (3, 4): 4 beyond along (3, 4)/5.
+  const Answer answer = project(planes_of(2, {{3, 4, 5}}), at(3, 4));
+  EXPECT_EQ(answer.status, PlaneStatus::kActive);
+  EXPECT_NEAR(answer.x[0], 0.6, 1e-14);
+  EXPECT_NEAR(answer.x[1], 0.8, 1e-14);
+}
+
+TEST(PlaneProjection, TheMetricDecidesTheDirection) {
+  // min 4 (x-1)^2 + (y-1)^2 on x + y = 0: x - 1 = -2/5, y - 1 = -8/5.
+  const Answer answer = project(planes_of(2, {{1, 1, 0}}), at(1, 1), at(4, 1));
+  EXPECT_NEAR(answer.x[0], 0.6, 1e-14);
+  EXPECT_NEAR(answer.x[1], -0.6, 1e-14);
+}
+
+TEST(PlaneProjection, InACornerBothPlanesHold) {
+  const Answer answer = project(planes_of(2, {{1, 0, 0.2}, {0, 1, 0.3}}), at(1, 1));
+  EXPECT_EQ(answer.active, 3u);
+  EXPECT_NEAR((answer.x - at(0.2, 0.3)).norm(), 0.0, 1e-14);
+}
+
+TEST(PlaneProjection, OfParallelPlanesTheTighterHoldsAndACopyChangesNothing) {
+  const Answer parallel = project(planes_of(2, {{1, 0, 0.5}, {2, 0, 0.4}}), at(1, 1));
+  EXPECT_EQ(parallel.status, PlaneStatus::kActive);
+  EXPECT_EQ(parallel.active, 2u);
+  EXPECT_NEAR((parallel.x - at(0.2, 1)).norm(), 0.0, 1e-13);
+  const Answer copies = project(
+      planes_of(2, {{1, 0, 0.2}, {1, 0, 0.2}, {3, 0, 0.6}, {1, 1e-9, 0.2}, {1, 0, 0.2}, {1, 0, 9}}),
+      at(1, 1));
+  EXPECT_EQ(copies.status, PlaneStatus::kActive);
+  EXPECT_NEAR((copies.x - at(0.2, 1)).norm(), 0.0, 1e-8);
+}
+
+TEST(PlaneProjection, ARedundantPlaneThroughTheCornerChangesNothing) {
+  const Answer answer = project(planes_of(2, {{1, 0, 0.2}, {0, 1, 0.3}, {1, 1, 0.5}}), at(1, 1));
+  EXPECT_EQ(answer.status, PlaneStatus::kActive);
+  EXPECT_NEAR((answer.x - at(0.2, 0.3)).norm(), 0.0, 1e-12);
+}
+
+TEST(PlaneProjection, OppositePlanesLeaveASlab) {
+  const PlaneSet slab = planes_of(2, {{1, 0, 0.2}, {-1, 0, 0.1}});
+  EXPECT_EQ(project(slab, at(0.1, 5)).status, PlaneStatus::kFree);
+  EXPECT_NEAR((project(slab, at(1, 5)).x - at(0.2, 5)).norm(), 0.0, 1e-14);
+  EXPECT_NEAR((project(slab, at(-1, 5)).x - at(-0.1, 5)).norm(), 0.0, 1e-14);
+  const Answer shut = project(planes_of(2, {{1, 0, 0.2}, {-1, 0, -0.2}}), at(1, 5));
+  EXPECT_EQ(shut.status, PlaneStatus::kActive) << "a slab of no thickness is still one";
+  EXPECT_NEAR((shut.x - at(0.2, 5)).norm(), 0.0, 1e-6);
+}
+
+TEST(PlaneProjection, PlanesThatContradictGiveTheLeastViolationAndSaySo) {
+  // x <= 0 and x >= 1: the middle, whatever the probe's x; its y is not touched.
+  for (const double from : {-3.0, 0.2, 0.5, 4.0}) {
+    const Answer answer = project(planes_of(2, {{1, 0, 0}, {-1, 0, -1}}), at(from, 2));
+    EXPECT_EQ(answer.status, PlaneStatus::kInfeasible);
+    EXPECT_NEAR(answer.x[0], 0.5, 1e-5);
+    EXPECT_NEAR(answer.x[1], 2.0, 1e-12);
+  }
+  // Twice x <= 0 against once x >= 1: least squares of three violations, x = 1/3.
+  const Answer three = project(planes_of(2, {{1, 0, 0}, {1, 0, 0}, {-1, 0, -1}}), at(0.4, 2));
+  EXPECT_NEAR(three.x[0], 1.0 / 3.0, 1e-5);
+}
+
+TEST(PlaneProjection, APlaneWithoutADirectionIsLeftOut) {
+  const Answer answer = project(planes_of(2, {{0, 0, -1}, {1, 0, 0.2}}), at(1, 1));
+  EXPECT_EQ(answer.active, 2u);
+  EXPECT_NEAR((answer.x - at(0.2, 1)).norm(), 0.0, 1e-14);
+}
+
+TEST(PlaneProjection, AnAngleIsCountedFromWhereThePlaneWasLinearised) {
+  const ConfigurationSpace circle({{"phi", Unit::kRadian, CoordinateKind::kAngle}});
+  PlaneProjection projection(circle);
+  projection.set(planes_of(1, {{1, 3.1}}), VecX::Constant(1, 3.1));
+  VecX x;
+  // -3.1 is 0.083 rad past 3.1, the short way round.
+  EXPECT_EQ(projection.project(VecX::Constant(1, -3.1), x), PlaneStatus::kActive);
+  EXPECT_NEAR(std::remainder(x[0] - 3.1, 2.0 * M_PI), 0.0, 1e-12);
+}
+
+/// x by trying every subset of planes as equalities: independent algebra for the random cases.
+bool brute_force(const PlaneSet& set, const VecX& probe, const VecX& W, VecX& best) {
+  const int p = set.size();
+  double lowest = HUGE_VAL;
+  for (int mask = 0; mask < 1 << p; ++mask) {
+    std::vector<int> rows;
+    for (int i = 0; i < p; ++i) {
+      if ((mask >> i & 1) != 0) rows.push_back(i);
+    }
+    const auto n = static_cast<Eigen::Index>(rows.size());
+    if (n > probe.size()) continue;
+    Eigen::MatrixXd A(n, probe.size());
+    Eigen::VectorXd v(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      A.row(i) = set.normals.col(rows[static_cast<std::size_t>(i)]).transpose();
+      v[i] = A.row(i).dot(probe) - set.offsets[rows[static_cast<std::size_t>(i)]];
+    }
+    VecX x = probe;
+    if (n > 0) {
+      const Eigen::MatrixXd D = VecX(W.cwiseInverse()).asDiagonal() * A.transpose();
+      const Eigen::MatrixXd G = A * D;
+      if (std::abs(G.determinant()) < 1e-9) continue;
+      x -= D * G.inverse() * v;
+    }
+    const Eigen::VectorXd excess = set.normals.transpose() * x - set.offsets;
+    if (p > 0 && excess.maxCoeff() > 1e-9) continue;
+    const double distance = (x - probe).cwiseAbs2().cwiseProduct(W).sum();
+    if (distance < lowest) {
+      lowest = distance;
+      best = x;
+    }
+  }
+  return lowest < HUGE_VAL;
+}
+
+TEST(PlaneProjection, AgreesWithEverySubsetTriedOverRandomPlanes) {
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  std::uniform_real_distribution<double> weight(0.2, 5.0);
+  int active = 0;
+  for (int n = 0; n < 3000; ++n) {
+    const int n_x = 2 + n % 4, p = 1 + n % kMaxPlanes;
+    PlaneSet set;
+    set.normals.resize(n_x, p);
+    set.offsets.resize(p);
+    VecX probe(n_x), W(n_x), inside(n_x);
+    for (int j = 0; j < n_x; ++j) {
+      probe[j] = 2.0 * normal(random);
+      W[j] = weight(random);
+      inside[j] = normal(random);
+    }
+    for (int i = 0; i < p; ++i) {
+      for (int j = 0; j < n_x; ++j) set.normals(j, i) = normal(random);
+      set.offsets[i] = set.normals.col(i).dot(inside) + std::abs(normal(random));
+    }
+    VecX expected;
+    ASSERT_TRUE(brute_force(set, probe, W, expected));
+    const Answer got = project(set, probe, W);
+    ASSERT_NE(got.status, PlaneStatus::kInfeasible) << n;
+    active += got.status == PlaneStatus::kActive ? 1 : 0;
+    ASSERT_NEAR((got.x - expected).norm(), 0.0, 1e-8 * (1.0 + (expected - probe).norm())) << n;
+  }
+  EXPECT_GT(active, 1000);
+}
+
+TEST(PlaneProjection, AnythingElseGivesAFiniteBoundedAnswer) {
+  std::mt19937 random(12);
+  std::uniform_int_distribution<int> small(-1, 1);
+  std::uniform_real_distribution<double> jitter(-1e-9, 1e-9);
+  for (int n = 0; n < 5000; ++n) {
+    std::vector<std::vector<double>> rows;
+    for (int i = 0; i < kMaxPlanes; ++i) {
+      const int x = small(random), y = small(random);
+      // Nearly parallel, nearly opposite planes; a normal of the jitter alone would be a plane far off.
+      rows.push_back({x == 0 && y == 0 ? 1.0 : x + (n % 2) * jitter(random), y * 1.0,
+                      small(random) * 0.5 + (n % 3) * jitter(random)});
+    }
+    const Answer answer = project(planes_of(2, rows), at(0.7, -0.4));
+    ASSERT_TRUE(answer.x.allFinite()) << n;
+    ASSERT_LT(answer.x.norm(), 10.0) << n;
+  }
+}
+
+TEST(PlaneProjection, ItsSlopeIsThatOfItsDifferences) {
+  const ConfigurationSpace space = space_of(3);
+  const VecX W = (VecX(3) << 1.0, 2.0, 0.5).finished();
+  PlaneProjection projection(space, W);
+  const PlaneSet set = planes_of(3, {{1, 0.2, 0, 0.1}, {0.1, 1, 0.4, 0.2}, {0, 0, 1, 50}});
+  projection.set(set, VecX::Zero(3));
+  const VecX probe = (VecX(3) << 1.0, 1.2, 0.4).finished();
+  VecX x, up, down;
+  MatXQ slope(3, 3), J = MatXQ::Identity(3, 3);
+  projection.project(probe, x);
+  EXPECT_EQ(projection.active(), 3u);
+  projection.slope(J, slope);
+  for (int k = 0; k < 3; ++k) {
+    VecX step = VecX::Zero(3);
+    step[k] = 1e-4;
+    projection.project(probe + step, up);
+    projection.project(probe - step, down);
+    EXPECT_NEAR((slope.col(k) - (up - down) / 2e-4).norm(), 0.0, 1e-8);
+  }
+}
+
+TEST(PlaneProjection, AllocatesNothing) {
+  const ConfigurationSpace space = space_of(2);
+  PlaneProjection projection(space);
+  const PlaneSet set = planes_of(2, {{1, 0, 0.2}, {0, 1, 0.3}, {1, 1, 0.4}, {1, -1, 0.1}});
+  VecX x(2), probe = at(1, 1);
+  MatXQ slope(2, 2), J = MatXQ::Identity(2, 2);
+  const haptic::test::AllocationGuard guard;
+  projection.set(set, probe);
+  projection.project(probe, x);
+  projection.slope(J, slope);
+  EXPECT_EQ(guard.allocations(), 0u);
+}
+
+}  // namespace
+}  // namespace haptic::core

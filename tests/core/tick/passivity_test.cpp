@@ -1,0 +1,162 @@
+// The energy tank inside the tick (METHOD 5.3; METHOD 6, case 18).
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "haptic/core/error.hpp"
+#include "tests/core/tick/finger_bench.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+namespace haptic::core {
+namespace {
+
+using namespace test;
+
+double saturated_potential(double d) {
+  const double corner = kForceLimit / kStiffness;
+  return std::abs(d) <= corner
+             ? 0.5 * kStiffness * d * d
+             : 0.5 * kStiffness * corner * corner + kForceLimit * (std::abs(d) - corner);
+}
+
+TEST(TankInTheTick, AProxyStepOfOneRadianIsBookedExactly) {
+  PipelineConfig config = config_of(RendererKind::kSubspaceExact);
+  config.passivity.observer.enabled = true;  // books, and holds nothing back
+  config.passivity.observer.inertia = VecA::Constant(1, 0.05);
+  Bench bench(config);
+  bench.engage();
+  bench.target = joints(1.1, 1.3);  // from (0.5, 0.5)
+  const TickRecord record = bench.tick();
+  VecQ q_star = record.q;
+  ASSERT_EQ(config.kinematics->inverse(bench.target, q_star), InverseStatus::kExact);
+  const double d = q_star[0] - record.q[0];
+  EXPECT_NEAR(record.passivity.injected, saturated_potential(d), 1e-12);
+  EXPECT_NEAR(record.passivity.storage, saturated_potential(d), 1e-12);
+  EXPECT_LE(std::abs(record.tau_a[0]), kForceLimit);
+  EXPECT_FALSE(record.passivity.throttled);
+}
+
+TEST(TankInTheTick, AProxyStepOfOneRadianIsCappedByTheTankForEveryRenderer) {
+  constexpr double kInitial = 0.003;
+  for (const RendererKind renderer : kAllRenderers) {
+    SCOPED_TRACE(name(renderer));
+    Bench bench(with_tank(renderer, kInitial));
+    bench.engage();
+    bench.target = joints(1.1, 1.3);  // from (0.5, 0.5)
+    const TickRecord record = bench.tick();
+    EXPECT_TRUE(record.passivity.throttled);
+    EXPECT_NEAR(record.passivity.storage, kInitial, 1e-12);
+    EXPECT_EQ(record.passivity.tank, 0.0);
+    EXPECT_NEAR(std::abs(record.tau_a[0]), std::sqrt(2.0 * kStiffness * kInitial), 1e-9);
+    EXPECT_NEAR(record.q_star[0] - record.q[0], record.tau_a[0] / kStiffness, 1e-12);
+  }
+}
+
+TEST(TankInTheTick, TheTargetIsKeptAndTakenWhenThePotentialAllows) {
+  PipelineConfig config = with_tank(RendererKind::kSubspaceExact, 0.003);
+  config.passivity.device_damping = VecA::Constant(1, 1e3);  // pays the hold over the jumps below
+  Bench bench(config);
+  bench.engage();
+  bench.target = joints(0.9, 0.6);
+  EXPECT_TRUE(bench.tick().passivity.throttled);
+  // The user goes to the proxy: the wanted anchor then costs nothing, and is in use again.
+  bench.put(bench.target);
+  EXPECT_FALSE(bench.tick().passivity.throttled);
+  bench.put(joints(0.88, 0.6));
+  TickRecord record;
+  for (int i = 0; i < 3; ++i) record = bench.tick();
+  VecQ q_star = record.q;
+  ASSERT_EQ(bench.pipeline.config().kinematics->inverse(bench.target, q_star),
+            InverseStatus::kExact);
+  EXPECT_NEAR(record.q_star[0], q_star[0], 1e-12);
+}
+
+TEST(TankInTheTick, TheRampOfTheGainIsDebited) {
+  Bench bench(with_tank(RendererKind::kSubspaceExact, 0.02));
+  bench.target = joints(0.45, 0.45);
+  const TickRecord record = bench.engage();
+  const double d = record.q_star[0] - record.q[0];
+  EXPECT_FALSE(record.passivity.throttled);
+  EXPECT_NEAR(record.passivity.tank, 0.02 - saturated_potential(d), 1e-12);
+
+  Bench strict(with_tank(RendererKind::kSubspaceExact, 0.0));
+  strict.target = joints(0.45, 0.45);
+  EXPECT_EQ(strict.engage().tau_a[0], 0.0) << "nothing to pay the ramp with: no force";
+}
+
+TEST(TankInTheTick, ARiseOfTheStiffnessIsDebited) {
+  Bench bench(with_tank(RendererKind::kSubspaceExact, 0.02));
+  bench.input.settings.id = 1;
+  bench.input.settings.stiffness = VecA::Constant(1, 500.0);
+  bench.target = joints(0.45, 0.45);
+  const TickRecord before = bench.engage();
+  bench.input.settings.id = 2;
+  bench.input.settings.stiffness = VecA::Constant(1, 1500.0);
+  const TickRecord after = bench.tick();
+  EXPECT_GT(after.passivity.storage, 2.9 * before.passivity.storage);
+  EXPECT_NEAR(after.passivity.tank, before.passivity.tank - 2.0 * before.passivity.storage, 1e-12);
+}
+
+TEST(TankInTheTick, OffItChangesNotABitAndReportsZeros) {
+  for (const RendererKind renderer : kAllRenderers) {
+    Bench plain(config_of(renderer));
+    PipelineConfig open = with_tank(renderer, 1e6);
+    open.passivity.tank.capacity = 1e6;
+    Bench full(open);
+    plain.target = full.target = joints(0.45, 0.4);
+    plain.engage();
+    full.engage();
+    for (int i = 0; i < 200; ++i) {
+      const VecX x = joints(0.5 + 1e-3 * i, 0.5 - 5e-4 * i);
+      plain.put(x);
+      full.put(x);
+      const TickRecord a = plain.tick(), b = full.tick();
+      ASSERT_EQ(a.tau_a[0], b.tau_a[0]) << "a tank that can pay everything changes nothing";
+      ASSERT_EQ(a.passivity.storage, 0.0);
+      ASSERT_GT(b.passivity.storage, 0.0);
+    }
+  }
+}
+
+TEST(TankInTheTick, AllocatesNothingAndIsReplayedToTheBit) {
+  PipelineConfig config = with_tank(RendererKind::kSubspaceLinear, 0.001);
+  config.passivity.observer.enabled = true;
+  config.passivity.observer.inertia = VecA::Constant(1, 0.05);
+  config.passivity.device_damping = VecA::Constant(1, 1.0);
+  Bench bench(config);
+  std::vector<TickRecord> records;
+  bench.engage();
+  const auto allocated = [&bench] {
+    const haptic::test::AllocationGuard guard;
+    static_cast<void>(bench.tick());
+    return guard.allocations();
+  };
+  for (int i = 0; i < 100; ++i) {
+    bench.target = joints(0.5 + 0.1 * std::sin(0.3 * i), 0.5);
+    ASSERT_EQ(allocated(), 0u);
+  }
+  Bench again(config), third(config);
+  again.engage();
+  third.engage();
+  for (int i = 0; i < 300; ++i) {
+    again.target = third.target = joints(0.5 + 0.2 * std::sin(0.2 * i), 0.5);
+    const TickRecord a = again.tick();
+    TickRecord b = third.tick();
+    ASSERT_TRUE(identical(a, b));
+    b.passivity.tank += 1e-18;
+    ASSERT_EQ(identical(a, b), a.passivity.tank == b.passivity.tank);
+    b = a;
+    b.passivity.throttled = !a.passivity.throttled;
+    ASSERT_FALSE(identical(a, b));
+  }
+}
+
+TEST(TankInTheTick, RefusesSettingsThatDoNotFitTheDevice) {
+  PipelineConfig config = with_tank(RendererKind::kSubspaceLinear, 0.0);
+  config.passivity.device_damping = VecA::Ones(3);
+  EXPECT_THROW(Pipeline{config}, SceneError);
+}
+
+}  // namespace
+}  // namespace haptic::core

@@ -1,0 +1,208 @@
+// Planes in the tick (METHOD 5.4; METHOD 6, cases 22 and 23).
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/core/tick/finger_bench.hpp"
+#include "tests/core/tick/wall_run.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+namespace haptic::core {
+namespace {
+
+using namespace test;
+
+constexpr double kDelays[] = {0.0, 0.005, 0.010, 0.020, 0.050, 0.100};
+
+WallRun in_and_out(ProxyMode mode, double delay) {
+  WallRun run;
+  run.mode = mode;
+  run.delay = delay;
+  return run;
+}
+
+TEST(Planes, InAndOutOfAWallNothingIsGivenAndNothingDragsAtAnyDelay) {
+  for (const double stiffness : {500.0, 1500.0}) {
+    for (const double delay : kDelays) {
+      SCOPED_TRACE(std::to_string(delay));
+      WallRun run = in_and_out(ProxyMode::kPlanes, delay);
+      run.stiffness = stiffness;
+      const WallResult planes = run_wall(run);
+      EXPECT_GT(planes.peak, 3.0) << "the wall was felt";
+      EXPECT_EQ(planes.drag, 0.0);
+      EXPECT_LT(planes.most_net, 1e-9);  // case 22 asks for less than 2 mJ without the tank
+      EXPECT_LT(planes.largest_q, 0.03);
+    }
+  }
+}
+
+TEST(Planes, AHeldProxyDragsAsMuchAsMethod54Says) {
+  // K v (delay + half a period), 4 x 20 mm/s mean speed of the hand: what planes are for.
+  WallRun run = in_and_out(ProxyMode::kHeld, 0.020);
+  run.stiffness = 200.0;
+  const WallResult held = run_wall(run);
+  EXPECT_GT(held.drag, 0.2);
+  run.mode = ProxyMode::kPlanes;
+  EXPECT_LE(run_wall(run).drag, 0.01 * held.drag);
+}
+
+TEST(Planes, WithTheTankTheyFeelTheSame) {
+  WallRun run = in_and_out(ProxyMode::kPlanes, 0.020);
+  const WallResult plain = run_wall(run);
+  run.passivity = wall_tank(0.0);
+  const WallResult tank = run_wall(run);
+  EXPECT_EQ(tank.throttled, 0);
+  EXPECT_NEAR(tank.peak, plain.peak, 1e-9);
+  EXPECT_LE(tank.most_net, 1e-9);
+}
+
+TEST(Planes, APlaneThatComesLateIsPaidByTheTank) {
+  for (const double initial : {0.0, 2e-3}) {
+    for (const double delay : kDelays) {
+      SCOPED_TRACE(std::to_string(delay));
+      WallRun run = in_and_out(ProxyMode::kPlanes, delay);
+      run.derived = true;
+      run.passivity = wall_tank(initial);
+      EXPECT_LE(run_wall(run).most_net, initial + 1e-9);
+    }
+  }
+  WallRun run = in_and_out(ProxyMode::kPlanes, 0.050);
+  run.derived = true;
+  EXPECT_GT(run_wall(run).most_net, 1e-3) << "without it, it gives millijoules";
+}
+
+TEST(EnergyTankBehindANetwork, HoldsWhateverRateDelayLossDuplicatesAndOrder) {
+  for (const ProxyMode mode : {ProxyMode::kHeld, ProxyMode::kPlanes}) {
+    for (const double rate : {30.0, 60.0, 200.0, 1000.0}) {
+      for (const double delay : {0.0, 0.020, 0.050}) {
+        for (const bool disorder : {false, true}) {
+          SCOPED_TRACE(std::to_string(rate) + " Hz " + std::to_string(delay));
+          WallRun run = in_and_out(mode, delay);
+          run.rate = rate;
+          run.disorder = disorder;
+          run.lost = disorder ? 0.5 : 0.0;
+          run.passivity = wall_tank(1e-3);
+          const WallResult result = run_wall(run);
+          EXPECT_LE(result.most_net, 1e-3 + 1e-9);
+          EXPECT_LT(result.largest_q, 0.03) << "bounded by the hand";
+          EXPECT_GT(result.peak, 1.0) << "force was on";
+        }
+      }
+    }
+  }
+}
+
+TEST(EnergyTankBehindANetwork, WithoutItTheHeldProxyLeavesTheHand) {
+  EXPECT_GT(run_wall(in_and_out(ProxyMode::kHeld, 0.020)).most_net, 1.0);
+}
+
+ProxySnapshot with_stops(ProxySnapshot sample) {
+  sample.mode = ProxyMode::kPlanes;
+  sample.planes.normals = MatXQ::Identity(2, 2);
+  sample.planes.offsets = joints(0.3, 0.4);
+  return sample;
+}
+
+class PlanesInTheTick : public ::testing::Test {
+ protected:
+  PlanesInTheTick() : bench(config()) {
+    bench.target = joints(0.5, 0.5);
+    bench.shape = with_stops;
+  }
+  static PipelineConfig config() {
+    PipelineConfig c = config_of(RendererKind::kSubspaceLinear);
+    c.scene.damping = VecA::Constant(1, 2.0);
+    c.scene.engage_window = VecA::Constant(1, 1e3);
+    return c;
+  }
+  Bench bench;
+};
+
+TEST_F(PlanesInTheTick, TheProxyFollowsTheProbeAlongThePlanesWithoutANewSample) {
+  bench.put(joints(0.35, 0.2));
+  TickRecord record = bench.engage();
+  EXPECT_NEAR(record.x[0], 0.3, 1e-12);
+  EXPECT_NEAR(record.x[1], 0.2, 1e-12);
+  EXPECT_EQ(record.active_planes, 1u);
+  EXPECT_EQ(record.planes, PlaneStatus::kActive);
+  EXPECT_NE(record.tau_a[0], 0.0);
+  bench.put(joints(0.5, 0.6));
+  record = bench.tick();
+  EXPECT_NEAR((record.x - joints(0.3, 0.4)).norm(), 0.0, 1e-12);
+  EXPECT_EQ(record.active_planes, 3u);
+}
+
+TEST_F(PlanesInTheTick, OffThePlanesThereIsNoForceAndNoDamping) {
+  bench.put(joints(0.35, 0.2));
+  bench.engage();
+  TickRecord record;
+  for (int i = 0; i < 200; ++i) {
+    bench.put(joints(0.25 - 5e-4 * i, 0.2));
+    record = bench.tick();
+  }
+  EXPECT_EQ(record.planes, PlaneStatus::kFree);
+  EXPECT_EQ(record.x, record.x_probe);
+  EXPECT_GT(std::abs(record.q_a_dot[0]), 1e-4);
+  EXPECT_EQ(record.tau_a[0], 0.0);
+}
+
+TEST_F(PlanesInTheTick, PlanesThatContradictAreReported) {
+  bench.put(joints(0.35, 0.2));
+  bench.shape = [](ProxySnapshot sample) {
+    sample = with_stops(sample);
+    sample.planes.normals.row(0) << 1.0, -1.0;
+    sample.planes.normals.row(1).setZero();
+    sample.planes.offsets << 0.3, -0.4;
+    return sample;
+  };
+  const TickRecord record = bench.engage();
+  EXPECT_EQ(record.planes, PlaneStatus::kInfeasible);
+  EXPECT_TRUE(record.limiters.has(Limiter::kInfeasiblePlanes));
+  EXPECT_NEAR(record.x[0], 0.35, 1e-5);
+}
+
+TEST_F(PlanesInTheTick, ASampleWhosePlanesDoNotFitIsNotTaken) {
+  bench.put(joints(0.35, 0.2));
+  const TickRecord good = bench.engage();
+  bench.shape = [](ProxySnapshot sample) {
+    sample = with_stops(sample);
+    sample.planes.normals(0, 0) = std::nan("");
+    return sample;
+  };
+  EXPECT_EQ(bench.tick().x, good.x);
+  bench.shape = [](ProxySnapshot sample) {
+    sample = with_stops(sample);
+    sample.planes.offsets.resize(1);
+    return sample;
+  };
+  EXPECT_EQ(bench.tick().x, good.x);
+}
+
+TEST_F(PlanesInTheTick, TheyAllocateNothingAndAreReplayedToTheBit) {
+  const auto drive = [](Bench& b, int i) {
+    b.put(joints(0.4 + 0.2 * std::sin(0.05 * i), 0.45 + 0.1 * std::cos(0.05 * i)));
+    const haptic::test::AllocationGuard guard;
+    TickRecord record = b.tick();
+    EXPECT_EQ(guard.allocations(), 0u);
+    return record;
+  };
+  Bench first(config()), second(config());
+  for (Bench* b : {&first, &second}) {
+    b->shape = with_stops;
+    b->engage();
+  }
+  TickRecord a, b;
+  for (int i = 0; i < 300; ++i) {
+    a = drive(first, i);
+    b = drive(second, i);
+    ASSERT_TRUE(identical(a, b));
+  }
+  b.input.proxy.planes.offsets[1] += 1e-15;
+  EXPECT_FALSE(identical(a, b));
+  b = a;
+  b.active_planes ^= 1u;
+  EXPECT_FALSE(identical(a, b));
+}
+
+}  // namespace
+}  // namespace haptic::core

@@ -1,0 +1,21 @@
+#pragma once
+/// The subcommands of haptic-report, one file each. Every one prints CSV with a header line on
+/// standard output and nothing else there; remarks go to standard error.
+
+#include <CLI/CLI.hpp>
+
+namespace haptic::report {
+
+/// Thrown by a subcommand whose figures are not as they must be, after it has printed them: the
+/// program ends with 1.
+struct FigureFailed {};
+
+void add_kinematics(CLI::App& app);
+void add_fig4(CLI::App& app);
+void add_scan(CLI::App& app);
+void add_radius(CLI::App& app);
+void add_finger(CLI::App& app);
+void add_hard_cases(CLI::App& app);
+void add_linear_algebra(CLI::App& app);
+
+}  // namespace haptic::report

@@ -1,0 +1,151 @@
+/// haptic-report finger: what the finger feels (METHOD 2.4), on the real Pipeline with the simulated
+/// finger in virtual time.
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include "tests/report/command.hpp"
+#include "tests/report/csv.hpp"
+#include "tests/report/finger_press.hpp"
+
+namespace haptic::report {
+namespace {
+
+/// "never more penetration than without force", with METHOD 2.4's tolerance.
+constexpr double kDeeper_deg = 0.5;
+constexpr double kWork_mj = 1e-3;  // the integration's own noise is far below
+
+struct Options {
+  std::optional<Pair> stop{}, target{};
+  std::optional<double> stiffness{};
+  std::string method{};
+  bool guard{false}, grid{false}, joints{false}, trace{false};
+};
+
+/// METHOD 2.4: the table's rows; with --grid its 24 runs; with any of the three options that one.
+std::vector<Press> runs(const Options& options) {
+  std::vector<Press> presses;
+  const auto add = [&](const Pair& stop, const Pair& target, double stiffness) {
+    Press press;
+    press.stop_deg = stop;
+    press.target_deg = target;
+    press.stiffness = stiffness;
+    press.direction_guard = options.guard;
+    presses.push_back(press);
+  };
+  const Press standard{};
+  if (options.stop || options.target || options.stiffness) {
+    add(options.stop.value_or(standard.stop_deg), options.target.value_or(standard.target_deg),
+        options.stiffness.value_or(standard.stiffness));
+  } else if (options.grid) {
+    for (const Pair& target : {Pair{50, 50}, Pair{60, 80}, Pair{20, 60}}) {
+      for (const Pair& stop :
+           {Pair{18, kNoStop}, Pair{5, kNoStop}, Pair{kNoStop, 25}, Pair{18, 25}}) {
+        for (const double stiffness : {1500.0, 6000.0}) add(stop, target, stiffness);
+      }
+    }
+  } else {
+    add({18, kNoStop}, {50, 50}, 1500);
+    add({18, kNoStop}, {50, 50}, 6000);
+    add({kNoStop, 25}, {50, 50}, 1500);
+    add({18, 25}, {50, 50}, 1500);
+  }
+  return presses;
+}
+
+std::vector<core::RendererKind> methods(const Options& options) {
+  std::vector<core::RendererKind> chosen;
+  for (const core::RendererKind kind : kMethods) {
+    if (options.method.empty() || options.method == core::name(kind)) chosen.push_back(kind);
+  }
+  return chosen;
+}
+
+std::string verdict(const Felt& felt, double no_force_deg) {
+  const bool deeper = felt.max_penetration_deg > no_force_deg + kDeeper_deg;
+  const bool active = 1e3 * felt.work > kWork_mj;
+  if (deeper) return active ? "deeper and gives energy" : "deeper";
+  return active ? "gives energy" : "ok";
+}
+
+/// Penetration of the same press without force; no method makes a difference to it.
+double without_force(Press press,
+                     std::map<std::tuple<double, double, double, double>, double>& seen) {
+  const auto key = std::tuple(press.stop_deg.first, press.stop_deg.second, press.target_deg.first,
+                              press.target_deg.second);
+  const auto known = seen.find(key);
+  if (known != seen.end()) return known->second;
+  press.force = false;
+  return seen[key] = report::press(press).max_penetration_deg;
+}
+
+void print_results(const Options& options) {
+  std::string header =
+      "method,stop_mcp_deg,stop_pip_deg,target_mcp_deg,target_pip_deg,stiffness_n_per_m,end_mcp_"
+      "deg,"
+      "end_pip_deg,max_penetration_deg,no_force_penetration_deg,peak_force_n,work_mj,verdict";
+  if (options.joints) {
+    header += ",end_force_n,end_mcp_torque_nmm,end_pip_torque_nmm,withheld_ticks";
+  }
+  std::puts(header.c_str());
+  std::map<std::tuple<double, double, double, double>, double> seen;
+  for (Press press : runs(options)) {
+    const double no_force = without_force(press, seen);
+    for (const core::RendererKind kind : methods(options)) {
+      press.method = kind;
+      const Felt felt = report::press(press);
+      std::string line =
+          line_of(core::name(kind), press.stop_deg.first, press.stop_deg.second,
+                  press.target_deg.first, press.target_deg.second, press.stiffness,
+                  felt.end.x_deg.first, felt.end.x_deg.second, felt.max_penetration_deg, no_force,
+                  felt.peak_force, 1e3 * felt.work, verdict(felt, no_force));
+      if (options.joints) {
+        line += "," + line_of(felt.end.tau_a, 1e3 * felt.end.tau_x.first,
+                              1e3 * felt.end.tau_x.second, felt.withheld);
+      }
+      std::puts(line.c_str());
+    }
+  }
+}
+
+void print_trace(const Options& options) {
+  row("method", "stop_mcp_deg", "stop_pip_deg", "stiffness_n_per_m", "t_s", "mcp_deg", "pip_deg",
+      "force_n", "mcp_torque_nmm", "pip_torque_nmm");
+  for (Press press : runs(options)) {
+    for (const core::RendererKind kind : methods(options)) {
+      press.method = kind;
+      static_cast<void>(report::press(press, [&](const PressTick& tick) {
+        row(core::name(kind), press.stop_deg.first, press.stop_deg.second, press.stiffness,
+            tick.t_s, tick.x_deg.first, tick.x_deg.second, tick.tau_a, 1e3 * tick.tau_x.first,
+            1e3 * tick.tau_x.second);
+      }));
+    }
+  }
+}
+
+}  // namespace
+
+void add_finger(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("finger", "Presses against stops at the joints, as the finger feels them");
+  command->footer(
+      "Without options: the rows of METHOD 2.4. 999 = no stop. Forces in N at the actuator, "
+      "positive "
+      "towards larger l_x; peak_force_n keeps its sign. work_mj: put into the finger; negative: "
+      "taken from it.\nverdict: ok; deeper (more than 0.5 deg beyond where the finger ends without "
+      "any force); gives energy.");
+  auto options = std::make_shared<Options>();
+  command->add_option("--stop", options->stop, "M_DEG,P_DEG (18,999)");
+  command->add_option("--target", options->target, "M_DEG,P_DEG (50,50)");
+  command->add_option("--stiffness", options->stiffness, "Z_q in N/m (1500)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--method", options->method, "this method alone")
+      ->check(CLI::IsMember({"standard", "null_space", "subspace_linear", "subspace_exact"}));
+  command->add_flag("--guard", options->guard, "with the direction guard");
+  command->add_flag("--grid", options->grid, "METHOD 2.4's 24 runs");
+  command->add_flag("--joints", options->joints, "adds the end force at actuator and joints");
+  command->add_flag("--trace", options->trace, "every tick instead: what the plot is made of");
+  command->callback([options] { (options->trace ? print_trace : print_results)(*options); });
+}
+
+}  // namespace haptic::report

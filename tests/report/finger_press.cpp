@@ -1,0 +1,127 @@
+#include "tests/report/finger_press.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "hw/open_device.hpp"
+
+namespace haptic::report {
+namespace {
+
+using core::VecA;
+using core::VecX;
+
+constexpr int kTicks = 2000;        // METHOD 2.4: end state after 1.5-2 s
+constexpr int kEngageTick = 205;    // a steady stream of 200 ms is asked for; the hand barely moved
+constexpr double kForceLimit = 40;  // N, METHOD 2.4
+
+/// METHOD 2.4 compares at Z_x = Z_q/81.06^2, the mean of ||J_a|| on trajectory A. The renderers take
+/// the mean over the workspace; the baselines' stiffness makes up for it.
+double stiffness_of(const Press& what, const core::Kinematics& finger) {
+  constexpr double kMeanOnA = 81.06;  // rad/m
+  const bool baseline =
+      what.method == core::RendererKind::kStandard || what.method == core::RendererKind::kNullSpace;
+  return what.stiffness * (baseline ? std::pow(finger.mean_actuated_jacobian() / kMeanOnA, 2) : 1);
+}
+
+core::PipelineConfig pipeline_for(const Press& what, const hw::Device& device,
+                                  std::shared_ptr<const core::Kinematics> finger) {
+  core::PipelineConfig config;
+  config.device = device.info().limits;
+  config.scene.renderer = what.method;
+  config.scene.direction_guard = what.direction_guard;
+  config.scene.stiffness = VecA::Constant(1, stiffness_of(what, *finger));
+  config.scene.damping = VecA::Zero(1);
+  config.scene.force_limit = VecA::Constant(1, kForceLimit);
+  config.scene.slew_limit = VecA::Constant(1, 1e6);  // N/s: none
+  config.scene.engage_window = VecA::Constant(1, kForceLimit);
+  config.kinematics = std::move(finger);
+  return config;
+}
+
+std::unique_ptr<hw::Device> worn_device(const Press& what,
+                                        const std::shared_ptr<const core::Kinematics>& finger) {
+  hw::SimulatedFingerConfig hand;
+  hand.target_mcp = what.target_deg.first * kDegree;
+  hand.target_pip = what.target_deg.second * kDegree;
+  return hw::open_device(hand, finger);
+}
+
+/// The newest sample of a client without delay: the pose clipped at the stops.
+void publish(core::TickInput& input, const VecX& x) {
+  core::ProxySnapshot& proxy = input.proxy;
+  proxy.mode = core::ProxyMode::kHeld;
+  proxy.epoch = 1;
+  proxy.born = input.now;
+  if (++proxy.seq == 1) proxy.gapless_since = input.now;
+  ++proxy.gapless_samples;
+  proxy.x = x;
+}
+
+PressTick felt_at(double t_s, const VecX& x, const core::MatXQ& J, double tau_a) {
+  const double det = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
+  return {t_s,
+          {x[0] / kDegree, x[1] / kDegree},
+          tau_a,
+          {J(1, 1) / det * tau_a, -J(0, 1) / det * tau_a}};
+}
+
+void account(const Press& what, const PressTick& tick, Felt& felt) {
+  felt.end = tick;
+  felt.max_penetration_deg =
+      std::max({felt.max_penetration_deg, tick.x_deg.first - what.stop_deg.first,
+                tick.x_deg.second - what.stop_deg.second});
+  if (std::abs(tick.tau_a) > std::abs(felt.peak_force)) felt.peak_force = tick.tau_a;
+}
+
+}  // namespace
+
+Felt press(const Press& what, const std::function<void(const PressTick&)>& observe) {
+  const std::shared_ptr<const core::Kinematics> finger = core::make_finger_exoskeleton({});
+  const auto device = worn_device(what, finger);
+  core::Pipeline pipeline(pipeline_for(what, *device, finger));
+  const VecX stop =
+      (VecX(2) << what.stop_deg.first * kDegree, what.stop_deg.second * kDegree).finished();
+
+  core::TickInput input;
+  input.settings = pipeline.config().scene;
+  input.command.lease_epoch = 1;
+  input.command.lease_held = true;
+  hw::Command command{true, VecA::Zero(1)};
+  Felt felt;
+  core::VecQ last_q;
+  core::DeviceState state{};
+  VecX x_probe = VecX::Zero(2);
+  core::MatXQ J;
+  for (int k = 1; k <= kTicks; ++k) {
+    input.now = core::TimePoint(std::chrono::milliseconds(k));
+    device->read(input.now, input.device);
+    const core::VecQ q = input.device.sample.q;
+    if (finger->evaluate(q, x_probe, J) != core::MapStatus::kOk) {
+      throw core::SceneError("finger: the simulated finger left the linkage's range");
+    }
+    // The force of the last tick was held over the way from its pose to this one.
+    if (last_q.size() == 2) felt.work += command.tau_a[0] * (q[0] - last_q[0]);
+    last_q = q;
+    publish(input, x_probe.cwiseMin(stop));
+    if (what.force && k == kEngageTick) ++input.command.engage_id;
+    const core::TickRecord record = pipeline.tick(input);
+    state = record.state;
+    felt.withheld += record.limiters.has(core::Limiter::kDirectionGuard) ? 1 : 0;
+    command = {record.arm, record.tau_a};
+    device->write(input.now, command);
+    const PressTick tick = felt_at(1e-3 * k, x_probe, J, record.tau_a[0]);
+    account(what, tick, felt);
+    if (observe) observe(tick);
+  }
+  if (what.force && state != core::DeviceState::kEngaged) {
+    throw core::SceneError("finger: the device ended in state " + std::string(core::name(state)) +
+                           ", not ENGAGED: there was no force to judge");
+  }
+  return felt;
+}
+
+}  // namespace haptic::report

@@ -1,0 +1,43 @@
+#pragma once
+/// METHOD 2.4: a simulated finger that wears the exoskeleton presses against stops at its joints,
+/// the real Pipeline renders them, in virtual time. The client sends the clipped pose every tick.
+
+#include <functional>
+
+#include "haptic/core/tick/pipeline.hpp"
+#include "tests/report/values.hpp"
+
+namespace haptic::report {
+
+inline constexpr double kNoStop = 999.0;  ///< deg: a joint without a stop
+
+struct Press {
+  Pair stop_deg{18.0, kNoStop};  ///< MCP, PIP
+  Pair target_deg{50.0, 50.0};   ///< where the hand means to bring the joints
+  double stiffness{1500.0};      ///< Z_q, N/m
+  core::RendererKind method{core::RendererKind::kSubspaceLinear};
+  bool direction_guard{false};
+  bool force{true};  ///< false: the same without any force, for comparison
+};
+
+/// What the finger felt in one tick.
+struct PressTick {
+  double t_s{0.0};
+  Pair x_deg{};       ///< joints
+  double tau_a{0.0};  ///< at the actuator, N; positive towards larger l_x
+  Pair tau_x{};       ///< the same at the joints, w tau_a with w = (S J^-1)^T, N m, + flexes
+};
+
+struct Felt {
+  PressTick end{};
+  double max_penetration_deg{0.0};  ///< deepest beyond any stop, over the run; 0: never met one
+  double peak_force{0.0};           ///< the tau_a of largest magnitude, with its sign, N
+  double work{0.0};                 ///< J that the force put into the finger
+  int withheld{0};                  ///< ticks in which the direction guard withheld the force
+};
+
+/// 2 s of it. `observe` sees every tick. Throws SceneError where the force never came on.
+[[nodiscard]] Felt press(const Press& what,
+                         const std::function<void(const PressTick&)>& observe = {});
+
+}  // namespace haptic::report

@@ -1,0 +1,162 @@
+/// METHOD 6, cases 17, 24 and 26: the whole tick.
+#include <algorithm>
+#include <cmath>
+
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/tick/pipeline.hpp"
+#include "tests/report/finger_press.hpp"
+#include "tests/report/hard_cases/hard_case.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+namespace haptic::report {
+namespace {
+
+using core::VecA;
+using core::VecQ;
+using core::VecX;
+
+/// A pipeline with the device and the client played by the case, in virtual time.
+class Loop {
+ public:
+  Loop(core::RendererKind kind, double stiffness) : pipeline_(config(kind, stiffness)) {
+    input.settings = pipeline_.config().scene;
+    input.command.lease_epoch = 1;
+    input.command.lease_held = true;
+    input.device.armed = true;
+  }
+  core::TickRecord tick(const VecQ& q, const VecX& x) {
+    input.now += std::chrono::milliseconds(1);
+    input.device.fresh = true;
+    ++input.device.sample.seq;
+    input.device.sample.time = input.now;
+    input.device.sample.q = q;
+    core::ProxySnapshot& proxy = input.proxy;
+    proxy.mode = core::ProxyMode::kHeld;
+    proxy.epoch = 1;
+    proxy.born = input.now;
+    if (++proxy.seq == 1) proxy.gapless_since = input.now;
+    ++proxy.gapless_samples;
+    proxy.x = x;
+    return pipeline_.tick(input);
+  }
+  /// ENGAGED with g = 1.
+  core::TickRecord engage(const VecQ& q, const VecX& x) {
+    for (int i = 0; i < 250; ++i) static_cast<void>(tick(q, x));
+    ++input.command.engage_id;
+    core::TickRecord record;
+    for (int i = 0; i < 250; ++i) record = tick(q, x);
+    return record;
+  }
+  core::TickInput input{};
+
+ private:
+  static core::PipelineConfig config(core::RendererKind kind, double stiffness) {
+    core::PipelineConfig c;
+    c.kinematics = core::make_finger_exoskeleton({});
+    c.device.q_lower = (VecQ(2) << -0.0025, -3.0).finished();
+    c.device.q_upper = (VecQ(2) << 0.0525, 0.85).finished();
+    c.device.max_effort = VecA::Constant(1, 40.0);
+    c.scene.renderer = kind;
+    c.scene.direction_guard = true;
+    c.scene.stiffness = VecA::Constant(1, stiffness);
+    c.scene.damping = VecA::Constant(1, 2.0);
+    c.scene.force_limit = VecA::Constant(1, 20.0);
+    c.scene.slew_limit = VecA::Constant(1, 1e6);
+    c.scene.engage_window = VecA::Constant(1, 20.0);
+    return c;
+  }
+  core::Pipeline pipeline_;
+};
+
+/// Where |D| <= h1 the linkage cannot close.
+void map_fails(Outcomes& out) {
+  constexpr double kZ = 100.0;
+  Loop loop(core::RendererKind::kSubspaceExact, kZ);
+  const VecX x = VecX::Constant(2, 27 * kDegree);
+  const VecQ q = (VecQ(2) << 0.015864, -14.806 * kDegree).finished();  // METHOD 1.2: (30, 30) deg
+  const core::TickRecord before = loop.engage(q, x);
+  const VecQ beyond = (VecQ(2) << 0.02, -101 * kDegree).finished();
+  const core::TickRecord record = loop.tick(beyond, x);
+  const double expected = kZ * (before.q_star[0] - beyond[0]);
+  const bool told = record.projection == core::ProjectionStatus::kMapFailed;
+  const bool kept = record.q_star == before.q_star;
+  out.push_back(
+      {"17", "the map has no value at q: q* kept, tau = Z_q (q*_a - q_a) live, reported",
+       said("q* %s, tau %.4f of %.4f N, status %s", kept ? "kept" : "lost", record.tau_elastic[0],
+            expected, std::string(core::name(record.projection)).c_str()),
+       told && kept && std::abs(record.tau_elastic[0] - expected) < 1e-9});
+}
+
+void an_hour(Outcomes& out) {
+  constexpr int kTicks = 3'600'000;
+  std::uint64_t allocations = 0;
+  bool finite = true, engaged = true;
+  const auto finger = core::make_finger_exoskeleton({});
+  std::vector<VecQ> poses;
+  for (int i = 0; i < 1000; ++i) {
+    const double phase = 2 * M_PI * i / 1000;
+    VecQ q;
+    static_cast<void>(finger->inverse((VecX(2) << (24 + 10 * std::sin(phase)) * kDegree,
+                                       (30 + 12 * std::sin(phase + 0.3)) * kDegree)
+                                          .finished(),
+                                      q));
+    poses.push_back(q);
+  }
+  Loop loop(core::RendererKind::kSubspaceExact, 1500.0);
+  const VecX stop = (VecX(2) << 20 * kDegree, 25 * kDegree).finished();
+  static_cast<void>(loop.engage(poses[0], stop));
+  const test::AllocationGuard guard;
+  for (int i = 0; i < kTicks; ++i) {
+    const core::TickRecord record = loop.tick(poses[static_cast<std::size_t>(i % 1000)], stop);
+    finite = finite && std::isfinite(record.tau_a[0]);
+    engaged = engaged && record.state == core::DeviceState::kEngaged;
+  }
+  allocations = guard.allocations();
+  out.push_back(
+      {"24", "3.6e6 ticks in virtual time: no allocation, every force finite",
+       said("%llu allocations, %s, %s", static_cast<unsigned long long>(allocations),
+            finite ? "finite" : "not finite", engaged ? "engaged throughout" : "force lost"),
+       allocations == 0 && finite && engaged});
+}
+
+void felt_at_the_finger(Outcomes& out) {
+  constexpr Pair kStops[] = {{18, kNoStop}, {18, kNoStop}, {kNoStop, 25}, {18, 25}};
+  constexpr double kStiffness[] = {1500, 6000, 1500, 1500};
+  double against = 0.0, deeper = -HUGE_VAL, work = -HUGE_VAL;
+  for (int r = 0; r < 4; ++r) {
+    Press press;
+    press.stop_deg = kStops[r];
+    press.stiffness = kStiffness[r];
+    press.direction_guard = true;
+    press.force = false;
+    const double none = report::press(press).max_penetration_deg;
+    press.force = true;
+    for (const core::RendererKind kind : kMethods) {
+      press.method = kind;
+      const Felt felt = report::press(press, [&](const PressTick& tick) {
+        const double dx1 = std::min(0.0, press.stop_deg.first - tick.x_deg.first) * kDegree;
+        const double dx2 = std::min(0.0, press.stop_deg.second - tick.x_deg.second) * kDegree;
+        against = std::min(against, tick.tau_x.first * dx1 + tick.tau_x.second * dx2);
+      });
+      deeper = std::max(deeper, felt.max_penetration_deg - none);
+      work = std::max(work, felt.work);
+    }
+  }
+  out.push_back({"26",
+                 "the rows of METHOD 2.4, every renderer with the guard: tau_x.dx >= 0 in every "
+                 "tick, no more penetration than without force (0.5 deg), no work into the "
+                 "finger",
+                 said("tau_x.dx >= %.0e N m; at most %+.2f deg; at most %+.2f mJ", against, deeper,
+                      1e3 * work),
+                 against >= -1e-9 && deeper <= 0.5 && work <= 1e-6});
+}
+
+}  // namespace
+
+void loop_cases(Outcomes& out) {
+  map_fails(out);
+  an_hour(out);
+  felt_at_the_finger(out);
+}
+
+}  // namespace haptic::report

@@ -1,0 +1,31 @@
+/// haptic-report: the figures of the study, as CSV on standard output; tests/report/run.sh makes
+/// plots of them. Exit status: 0; 1 where a figure says so (see a subcommand's help); 2 where the
+/// figure could not be made.
+#include <cstdio>
+
+#include "haptic/core/error.hpp"
+#include "tests/report/command.hpp"
+
+int main(int argc, char** argv) {
+  CLI::App app{"Figures of rendering through underactuated devices, as CSV on standard output"};
+  app.require_subcommand(1);
+  haptic::report::add_kinematics(app);
+  haptic::report::add_fig4(app);
+  haptic::report::add_scan(app);
+  haptic::report::add_radius(app);
+  haptic::report::add_finger(app);
+  haptic::report::add_hard_cases(app);
+  haptic::report::add_linear_algebra(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int status = app.exit(error);
+    return status == 0 ? 0 : 2;
+  } catch (const haptic::report::FigureFailed&) {
+    return 1;
+  } catch (const haptic::core::Error& error) {
+    std::fprintf(stderr, "haptic-report: %s\n", error.what());
+    return 2;
+  }
+  return 0;
+}

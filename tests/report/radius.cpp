@@ -1,0 +1,107 @@
+/// haptic-report radius: how far the proxy may be from the probe before a method's exact displayed
+/// impedance turns (METHOD 2.1), over the valid region of the finger (METHOD 1.2).
+#include <algorithm>
+#include <cmath>
+
+#include "haptic/core/analysis/passivity_radius.hpp"
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "tests/report/command.hpp"
+#include "tests/report/csv.hpp"
+#include "tests/report/valid_region.hpp"
+#include "tests/report/values.hpp"
+
+namespace haptic::report {
+namespace {
+
+struct Sample {
+  core::VecQ q{};
+  core::VecX x{};
+};
+
+/// A grid of steps by steps poses over the box of q, those in the valid region.
+std::vector<Sample> region(int steps) {
+  const core::FingerDimensions d;
+  std::vector<Sample> samples;
+  for (int i = 0; i < steps; ++i) {
+    for (int k = 0; k < steps; ++k) {
+      const double l = d.l_x_lower + (d.l_x_upper - d.l_x_lower) * (i + 0.5) / steps;
+      const double t = d.q_B_lower + (d.q_B_upper - d.q_B_lower) * (k + 0.5) / steps;
+      const core::FingerPose pose = core::finger_pose(d, l, t);
+      if (!in_valid_region(d, pose)) continue;
+      samples.push_back(
+          {(core::VecQ(2) << l, t).finished(), (core::VecX(2) << pose.q_o1, pose.q_o2).finished()});
+    }
+  }
+  return samples;
+}
+
+std::vector<double> radii(const core::Kinematics& finger, const std::vector<Sample>& samples,
+                          core::RendererKind kind) {
+  const core::RenderingImpedance impedance{core::VecA::Ones(1), core::MatXX::Identity(2, 2)};
+  std::vector<double> result;
+  for (const Sample& at : samples) {
+    const auto certificate = core::passivity_certificate(kind, finger, at.q, at.x, impedance);
+    if (!certificate) throw core::SceneError("radius: a pose of the valid region has no impedance");
+    result.push_back(certificate->radius / kDegree);
+  }
+  return result;
+}
+
+void print_quantiles(const core::Kinematics& finger, const std::vector<Sample>& samples,
+                     const std::vector<core::RendererKind>& kinds) {
+  row("method", "quantile_pct", "radius_deg", "poses");
+  for (const core::RendererKind kind : kinds) {
+    std::vector<double> sorted = radii(finger, samples, kind);
+    std::sort(sorted.begin(), sorted.end());
+    for (const double percent : {0, 1, 5, 25, 50, 75, 95, 99, 100}) {
+      const double at = percent / 100.0 * static_cast<double>(sorted.size() - 1);
+      row(core::name(kind), percent, sorted[static_cast<std::size_t>(std::lround(at))],
+          sorted.size());
+    }
+  }
+}
+
+void print_map(const core::Kinematics& finger, const std::vector<Sample>& samples,
+               const std::vector<core::RendererKind>& kinds) {
+  row("method", "l_x_mm", "q_B_deg", "q_o1_mcp_deg", "q_o2_pip_deg", "radius_deg");
+  for (const core::RendererKind kind : kinds) {
+    const std::vector<double> values = radii(finger, samples, kind);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      row(core::name(kind), 1e3 * samples[i].q[0], samples[i].q[1] / kDegree,
+          samples[i].x[0] / kDegree, samples[i].x[1] / kDegree, values[i]);
+    }
+  }
+}
+
+}  // namespace
+
+void add_radius(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "radius", "Passivity radius of the linearised method over the valid region, quantiles");
+  command->footer(
+      "Within the radius (norm of dx in joint space) the exact d tau_a/dq_a is negative whatever "
+      "the direction of dx. Necessary for passivity, not sufficient: see the cycle work of fig4.");
+  struct Options {
+    int steps{200};
+    bool all{false}, map{false};
+  };
+  auto options = std::make_shared<Options>();
+  command->add_option("--grid", options->steps, "poses per DoF of the box (200)")
+      ->check(CLI::Range(2, 5000));
+  command->add_flag("--all", options->all, "the standard and the null-space method as well");
+  command->add_flag("--map", options->map, "every pose instead: what the plot is made of");
+  command->callback([options] {
+    std::vector<core::RendererKind> kinds{core::RendererKind::kSubspaceLinear};
+    if (options->all) {
+      kinds = {core::RendererKind::kStandard, core::RendererKind::kNullSpace,
+               core::RendererKind::kSubspaceLinear};
+    }
+    const auto finger = core::make_finger_exoskeleton({});
+    const std::vector<Sample> samples = region(options->steps);
+    if (samples.empty()) throw core::SceneError("radius: the grid has no pose in the valid region");
+    (options->map ? print_map : print_quantiles)(*finger, samples, kinds);
+  });
+}
+
+}  // namespace haptic::report

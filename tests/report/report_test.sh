@@ -1,0 +1,150 @@
+#!/bin/sh
+# haptic-report's cheap subcommands against what METHOD and the issue print: headers, values, statuses.
+#
+#   report_test.sh HAPTIC-REPORT [values|grid]      grid: the presses of METHOD 2.4 alone
+set -u
+report=$1
+failed=0
+fail() {
+  echo "FAILED: $*"
+  failed=1
+}
+
+header() {  # header EXPECTED arguments...: the first line
+  expected=$1
+  shift
+  found=$("$report" "$@" 2>/dev/null | head -n 1)
+  [ "$found" = "$expected" ] || fail "haptic-report $*: header '$found', expected '$expected'"
+}
+# near KEY EXPECTED TOLERANCE: the last column of the line of $csv that begins with KEY. Not in a
+# pipe: a failure there would be forgotten.
+near() {
+  awk -F, -v key="$1" -v expected="$2" -v tolerance="$3" '
+    index($0, key ",") == 1 { found = 1; value = $NF }
+    END {
+      d = value - expected
+      if (!found || value == "nan" || d > tolerance || d < -tolerance) {
+        printf "FAILED: %s = %s, expected %s +- %s\n", key, found ? value : "(none)", expected, tolerance
+        exit 1
+      }
+    }' <<CSV || failed=1
+$csv
+CSV
+}
+has() {  # has LINE: $csv holds it, whole
+  echo "$csv" | grep -qx "$1" || fail "no line '$1'"
+}
+refused() {  # refused arguments...: exit status 2, a reason on standard error, nothing on output
+  output=$("$report" "$@" 2>/dev/null)
+  [ $? -eq 2 ] || fail "haptic-report $*: must end with 2"
+  [ -z "$output" ] || fail "haptic-report $*: must print nothing"
+  [ -n "$("$report" "$@" 2>&1 >/dev/null)" ] || fail "haptic-report $*: must say why"
+}
+
+if [ "${2:-values}" = grid ]; then
+  # METHOD 2.4, 24 runs: deeper than without force standard 2, (6) 4; with the guard none.
+  deeper() { "$report" finger --grid "$@" | grep deeper | cut -d, -f1 | sort | uniq -c | tr -s ' \n' ' '; }
+  found=$(deeper)
+  [ "$found" = " 2 standard 4 subspace_exact " ] || fail "finger --grid: deeper are '$found'"
+  found=$(deeper --guard)
+  [ -z "$found" ] || fail "finger --grid --guard: deeper are '$found'"
+  exit $failed
+fi
+
+# METHOD 1.2, the table of poses; x in rad.
+header "name,value" kinematics --x 0,0
+pose() {  # pose MCP_RAD,PIP_RAD l_mm q_B_deg c1_mm c2_mm J11 J12 J21 J22
+  csv=$("$report" kinematics --x "$1")
+  near_m() { near "$1" "$(awk "BEGIN { print $2 / 1000 }")" "$3"; }
+  near_m l_x_m "$2" 6e-7
+  near q_B_rad "$(awk "BEGIN { print $3 * 0.017453292519943295 }")" 1e-5
+  near_m c1_m "$4" 6e-6
+  near_m c2_m "$5" 6e-6
+  near J11 "$6" 6e-4
+  near J12 "$7" 6e-4
+  near J21 "$8" 6e-4
+  near J22 "$9" 6e-4
+  has status,exact
+}
+pose 0,0 0.897 30.489 13.28 29.86 -45.332 -1.85 93.498 1.753
+pose 0.5235987755982988,0.5235987755982988 15.864 -14.806 19.31 28.10 -47.670 -1.424 78.460 0.484
+pose 1.0471975511965976,1.2217304763960306 26.976 -54.730 12.16 17.21 -81.598 -2.333 141.512 1.090
+# METHOD 6, case 16: residual 4.87 deg at (10.15 mm, 41.5 deg).
+csv=$("$report" kinematics --x -0.5,0.3)
+has status,unreachable
+near residual_rad 0.0850 5e-4
+near l_x_m 0.01015 5e-5
+# The way back: q of the first pose gives x = 0; beyond the linkage there is no pose.
+csv=$("$report" kinematics --q 0.015864,-0.258413)
+near q_o1_mcp_rad 0.5236 1e-3
+csv=$("$report" kinematics --q 0.02,-1.76)
+has status,cannot_close  # METHOD 6, case 17
+refused kinematics
+refused kinematics --x 3
+refused kinematics --x 0,0 --q 0,0
+refused
+
+# METHOD 2.3, trajectory A.
+header "method,metric,value" fig4
+csv=$("$report" fig4 --amplitude 35,50 --phase 15)
+fig4() {  # fig4 METHOD METRIC VALUE TOLERANCE
+  near "$1,$2" "$3" "$4"
+}
+fig4 standard tau_min -5.092 0.05
+fig4 standard exact_nonpassive_pct 39.50 0.05
+fig4 standard fd_nonpassive_pct 4.75 0.05
+fig4 null_space fd_all_nonpassive_pct 3.90 0.05
+fig4 null_space cycle_work_pct -7.645 0.05
+fig4 subspace_linear tau_min -13.885 0.05
+fig4 subspace_linear fd_excluded_pct 5.20 0.05
+fig4 subspace_linear cycle_work_reversed_pct -4.970 0.05
+fig4 subspace_exact exact_partial_max -1 1e-12
+fig4 subspace_exact cycle_work_pct 0 1e-9
+refused fig4 --amplitude 200,50
+refused fig4 --motion /nowhere.csv
+
+# METHOD 2: 150, 101, 88 and 0 of 168.
+header "method,trajectories,any_nonpassive,share_pct,worst_cycle_work_pct" scan
+csv=$("$report" scan | cut -d, -f1-3)
+for line in standard,168,150 null_space,168,101 subspace_linear,168,88 subspace_exact,168,0; do
+  has "$line"
+done
+
+# METHOD 2.1: 1 % 5.5, 5 % 8.0, median 18.0 deg (ranges depend on the grid).
+header "method,quantile_pct,radius_deg,poses" radius --grid 20
+csv=$("$report" radius | cut -d, -f1-3)
+near subspace_linear,1 5.5 0.2
+near subspace_linear,5 8.0 0.2
+near subspace_linear,50 18.0 0.2
+
+# METHOD 2.4: the end state of each row and the energy put into the finger.
+header "method,stop_mcp_deg,stop_pip_deg,target_mcp_deg,target_pip_deg,stiffness_n_per_m,end_mcp_deg,\
+end_pip_deg,max_penetration_deg,no_force_penetration_deg,peak_force_n,work_mj,verdict" \
+  finger --stop 18,999 --method standard
+rows=$("$report" finger)
+finger() {  # finger METHOD STOP K end_mcp end_pip [work]: within 0.15 deg, 4 % and METHOD's digits
+  line=$(echo "$rows" | grep "^$1,$2,50,50,$3,")
+  csv="$(echo "$line" | cut -d, -f1-7)"
+  near "$1,$2,50,50,$3" "$4" 0.15
+  csv="$(echo "$line" | cut -d, -f1-6,8)"
+  near "$1,$2,50,50,$3" "$5" 0.15
+  [ $# -eq 6 ] || return 0
+  csv="$(echo "$line" | cut -d, -f1-6,12)"
+  near "$1,$2,50,50,$3" "$6" "$(awk "BEGIN { print ${6#-} * 0.04 + 0.5 }")"
+}
+finger standard 18,999 1500 54.8 60.4 51
+finger null_space 18,999 1500 47.7 45.5 -14
+finger subspace_linear 18,999 1500 47.4 44.8 -22
+finger subspace_exact 18,999 1500 50.8 51.7 -8
+finger standard 18,999 6000 42.1 76.0 166
+finger null_space 18,999 6000 42.0 34.9 -34
+finger subspace_linear 18,999 6000 38.5 29.2 -48
+finger subspace_linear 999,25 1500 46.6 43.3
+finger subspace_exact 18,25 1500 44.2 38.7
+echo "$rows" | grep -q "^subspace_exact,18,999,50,50,6000,.*,deeper and gives energy$" ||
+  fail "finger: (6) on an MCP stop at 6000 N/m pulls the finger into the wall (METHOD 2.4)"
+header "case,expected,got,verdict" hard-cases
+header "rows,cols,method,cond,ns,max_relative_error" linear-algebra --calls 8
+
+[ $failed -eq 0 ] && echo "haptic-report: as METHOD prints it"
+exit $failed

@@ -1,0 +1,139 @@
+#!/usr/bin/env bash
+# Makes the report: figures of the study as CSV, plots (SVG, PNG) and an index.md that explains them.
+#
+#   tests/report/run.sh [--output DIR] [--build DIR] [part...]
+#
+#   part           kinematics fig4 recordings scan radius finger hard_cases linear_algebra; default: all
+#   --output DIR   default: report/ beside the README (ignored by git)
+#   --build DIR    uses haptic-report of this build folder; neither installs nor builds
+#
+# `recordings` draws Fig. 4 for the recorded motions of ../shared/data, where that is present.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+root=$(cd "$here/../.." && pwd)
+
+output=$root/report
+programs=
+parts=()
+while (($#)); do
+  case "$1" in
+    --output) output=${2:?--output needs a folder}; shift 2 ;;
+    --build) programs=$(realpath -e -- "${2:?--build needs a folder}"); shift 2 ;;
+    -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -*) echo "run.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
+    *) parts+=("$1"); shift ;;
+  esac
+done
+((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger hard_cases linear_algebra)
+
+if [[ -z $programs ]]; then
+  sh "$root/docker/install-deps.sh" build test report
+  (cd "$root" && cmake --preset release --log-level=WARNING >/dev/null &&
+    cmake --build --preset release --parallel "$(nproc)" --target haptic-report)
+  programs=$root/build/release
+fi
+report=$(find "$programs" -type f -name haptic-report -perm -u+x -print -quit)
+[[ -n $report ]] || { echo "run.sh: no program haptic-report in $programs; build it first" >&2; exit 1; }
+command -v gnuplot >/dev/null || { echo "run.sh: gnuplot is missing (docker/install-deps.sh report)" >&2; exit 1; }
+mkdir -p "$output"
+output=$(cd "$output" && pwd)
+
+csv() {  # csv NAME arguments...: what haptic-report prints, in NAME.csv
+  local name=$1
+  shift
+  echo "haptic-report $*" >&2
+  "$report" "$@" >"$output/$name.csv"
+}
+draw() {  # draw SCRIPT NAME [gnuplot assignments]: NAME.svg and NAME.png
+  (cd "$here/plots" && gnuplot -e "output='$output/$2'; ${3:-}" "$1.gp")
+}
+
+make_kinematics() {
+  local i=0 pose
+  for pose in "0,0" "0.523598775598,0.523598775598" "1.0471975512,1.221730476396" "-0.5,0.3"; do
+    csv "kinematics_$((i++))" kinematics --x "$pose"
+  done
+  # One table: names down, poses across.
+  (cd "$output" && paste -d, kinematics_[0-3].csv |
+    awk -F, -v OFS=, 'NR == 1 { print "name", "(0;0) deg", "(30;30) deg", "(60;70) deg", "(-28.6;17.2) deg"; next }
+                      { print $1, $2, $4, $6, $8 }' >kinematics.csv)
+  rm "$output"/kinematics_[0-3].csv
+}
+metrics_table() {  # metrics_table NAME: method,metric,value -> one row per metric, one column per method
+  awk -F, -v OFS=, 'NR > 1 { if (!($2 in row)) { row[$2] = ++n; metric[n] = $2 } value[$1, $2] = $3 }
+    END { print "metric", "standard", "null_space", "subspace_linear", "subspace_exact"
+          for (i = 1; i <= n; i++) print metric[i], value["standard", metric[i]], value["null_space", metric[i]],
+            value["subspace_linear", metric[i]], value["subspace_exact", metric[i]] }' \
+    "$output/$1.csv" >"$output/$1_table.csv"
+}
+make_fig4() {
+  local name amplitude phase
+  while read -r name amplitude phase; do
+    csv "fig4_$name" fig4 --amplitude "$amplitude" --phase "$phase"
+    csv "fig4_${name}_series" fig4 --amplitude "$amplitude" --phase "$phase" --series
+    metrics_table "fig4_$name"
+    draw fig4 "fig4_$name" "csv='$output/fig4_${name}_series.csv'; heading='Trajectory $name: amplitudes $amplitude°, phase $phase°'"
+  done <<<$'A 35,50 15\nB 56,70 25\nB_reversed 56,70 -25'
+}
+make_recordings() {
+  local file name last
+  echo "recording,method,fd_nonpassive_pct,cycle_work_pct,cycle_work_reversed_pct" >"$output/recordings.csv"
+  for file in "$root"/../shared/data/*.csv; do
+    [[ -f $file ]] || { echo "run.sh: no recordings in ../shared/data; left out" >&2; return 0; }
+    name=$(basename "$file" .csv)
+    csv "motion_$name" fig4 --motion "$file"
+    csv "motion_${name}_series" fig4 --motion "$file" --series
+    awk -F, -v OFS=, -v name="$name" 'NR > 1 { value[$1, $2] = $3; if (!seen[$1]++) order[++n] = $1 }
+      END { for (i = 1; i <= n; i++) print name, order[i], value[order[i], "fd_nonpassive_pct"],
+              value[order[i], "cycle_work_pct"], value[order[i], "cycle_work_reversed_pct"] }' \
+      "$output/motion_$name.csv" >>"$output/recordings.csv"
+    last=$(awk -F, 'END { print $2 }' "$output/motion_${name}_series.csv")
+    draw fig4 "motion_$name" "csv='$output/motion_${name}_series.csv'; from=0; to=$last; heading='recording ${name//_/ }'"
+  done
+}
+make_scan() {
+  csv scan scan
+  csv scan_list scan --list
+  draw scan scan "csv='$output/scan_list.csv'; shares='$output/scan.csv'"
+}
+make_radius() {
+  csv radius radius --all
+  csv radius_map radius --all --map --grid 120
+  draw radius radius "csv='$output/radius_map.csv'"
+}
+make_finger() {
+  local name
+  for name in finger finger_guard; do
+    local guard=()
+    [[ $name == finger ]] || guard=(--guard)
+    csv "$name" finger --joints "${guard[@]}"
+    csv "${name}_trace" finger --trace "${guard[@]}"
+    csv "${name}_grid" finger --grid --joints "${guard[@]}"
+    draw finger "$name" "csv='$output/${name}_trace.csv'; heading='Presses, direction guard $([[ $name == finger ]] && echo off || echo on)'"
+  done
+  # How many of the 24 presses ended how.
+  (cd "$output" && awk -F, -v OFS=, 'FNR == 1 { guard = FILENAME ~ /guard/ ? "on" : "off"; next }
+    { n[guard OFS $1 OFS $13]++ } END { for (key in n) print key, n[key] }' finger_grid.csv finger_guard_grid.csv |
+    sort | { echo "guard,method,verdict,runs"; cat; } >finger_counts.csv)
+}
+
+make_hard_cases() {
+  csv hard_cases hard-cases || echo "run.sh: a hard case did not pass" >&2
+}
+make_linear_algebra() {
+  csv linear_algebra linear-algebra
+  csv linear_algebra_paired linear-algebra --paired
+  draw linear_algebra linear_algebra "csv='$output/linear_algebra.csv'"
+}
+
+for part in "${parts[@]}"; do
+  declare -F "make_$part" >/dev/null || { echo "run.sh: unknown part '$part' (see --help)" >&2; exit 2; }
+done
+for part in "${parts[@]}"; do "make_$part"; done
+awk -v folder="$output" -v parts="${parts[*]}" -f "$here/index.awk" "$here/index.in" >"$output/index.md"
+{
+  echo
+  echo "Made by tests/report/run.sh at commit $(git -C "$root" describe --always --dirty 2>/dev/null || echo unknown)" \
+    "on $(nproc) core(s), $(awk -F': ' '/model name/ { print $2; exit }' /proc/cpuinfo)."
+} >>"$output/index.md"
+echo "$output/index.md"

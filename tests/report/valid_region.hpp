@@ -1,0 +1,16 @@
+#pragma once
+/// The finger's valid region, METHOD 1.2: the box, the sliders and the joints' own range.
+
+#include <random>
+
+#include "haptic/core/model/finger_exoskeleton.hpp"
+
+namespace haptic::report {
+
+[[nodiscard]] bool in_valid_region(const core::FingerDimensions& dimensions,
+                                   const core::FingerPose& pose);
+
+/// A pose of the region, uniform in (l_x, q_B).
+[[nodiscard]] core::VecQ random_pose(std::mt19937_64& random);
+
+}  // namespace haptic::report

@@ -1,0 +1,96 @@
+// Whoever records never waits for the disk.
+#include "server/telemetry/background_file.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <fstream>
+#include <mutex>
+#include <sstream>
+
+#include "haptic/core/error.hpp"
+
+namespace haptic::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::filesystem::path scratch(const char* name) {
+  return std::filesystem::temp_directory_path() /
+         ("haptic-" + std::to_string(getpid()) + "-" + name);
+}
+
+TEST(BackgroundFile, HoldsWhatWasAppendedInItsOrder) {
+  const auto path = scratch("order");
+  std::string expected;
+  {
+    BackgroundFile file(path);
+    for (int i = 0; i < 100'000; ++i) {
+      const std::string line = std::to_string(i) + "\n";
+      ASSERT_TRUE(file.append(line));
+      expected += line;
+    }
+  }
+  std::stringstream found;
+  found << std::ifstream(path).rdbuf();
+  EXPECT_EQ(found.str(), expected);
+  std::filesystem::remove(path);
+}
+
+/// A disk that hangs until it is let go.
+struct Hang {
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool released{false};
+  BackgroundFile::Write write(const std::shared_ptr<Hang>& self) {
+    return [self](int, const void*, std::size_t size) {
+      std::unique_lock lock(self->mutex);
+      self->changed.wait(lock, [&] { return self->released; });
+      return static_cast<ssize_t>(size);
+    };
+  }
+};
+
+TEST(BackgroundFile, ADiskThatHangsCostsTextAndASecondAtTheEndButNobodysTime) {
+  const auto path = scratch("hang");
+  const auto hang = std::make_shared<Hang>();
+  auto file = std::make_unique<BackgroundFile>(path, hang->write(hang));
+  const std::string text(4096, 'x');
+  const auto begin = Clock::now();
+  std::size_t taken = 0;
+  for (int i = 0; i < 10'000; ++i) taken += file->append(text) ? text.size() : 0;
+  EXPECT_LT(Clock::now() - begin, std::chrono::seconds(5));
+  EXPECT_GE(taken, BackgroundFile::kMostWaiting - text.size());
+  EXPECT_LT(taken, 2 * BackgroundFile::kMostWaiting);
+  EXPECT_FALSE(file->ended());
+  file.reset();
+  EXPECT_LT(Clock::now() - begin, std::chrono::seconds(20));
+  {
+    const std::lock_guard lock(hang->mutex);
+    hang->released = true;
+  }
+  hang->changed.notify_all();
+  std::filesystem::remove(path);
+}
+
+TEST(BackgroundFile, AFullDiskEndsIt) {
+  BackgroundFile file("/dev/full");
+  const std::string text(4096, 'x');
+  const auto give_up = Clock::now() + std::chrono::seconds(20);
+  while (!file.ended() && Clock::now() < give_up) static_cast<void>(file.append(text));
+  EXPECT_TRUE(file.ended());
+  EXPECT_FALSE(file.append(text));
+}
+
+TEST(BackgroundFile, ANamedPipeThatNobodyReadsIsRefusedAtOnce) {
+  const auto path = scratch("pipe");
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  EXPECT_THROW(BackgroundFile{path}, core::SceneError);
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace haptic::server

@@ -15,6 +15,22 @@ struct Candidate {
   Plane plane{};
 };
 
+/// Coordinate i of x_probe (-) x: an angle the short way round, a quaternion with the sign that is
+/// nearer to x.
+double difference(const std::vector<VirtualCoordinate>& coordinates,
+                  const std::vector<double>& x_probe, const std::vector<double>& x, std::size_t i) {
+  const std::string& kind = coordinates[i].kind;
+  if (kind == "angle") return std::remainder(x_probe[i] - x[i], 2.0 * kPi);
+  if (kind != "quaternion") return x_probe[i] - x[i];
+  // Four parts in a row: the first of them is as many whole quaternions after the run's begin.
+  std::size_t begin = i;
+  while (begin > 0 && coordinates[begin - 1].kind == "quaternion") --begin;
+  begin = i - (i - begin) % 4;
+  double same = 0.0;
+  for (std::size_t k = begin; k < std::min(begin + 4, x.size()); ++k) same += x_probe[k] * x[k];
+  return (same < 0.0 ? -x_probe[i] : x_probe[i]) - x[i];
+}
+
 }  // namespace
 
 std::vector<Plane> derive_planes(const std::vector<VirtualCoordinate>& coordinates,
@@ -29,8 +45,7 @@ std::vector<Plane> derive_planes(const std::vector<VirtualCoordinate>& coordinat
     Candidate candidate;
     candidate.plane.normal.assign(n_x, 0.0);
     for (std::size_t i = block.first; i < block.first + block.count; ++i) {
-      double away = x_probe[i] - x[i];
-      if (coordinates[i].kind == "angle") away = std::remainder(away, 2.0 * kPi);
+      const double away = difference(coordinates, x_probe, x, i);
       candidate.plane.normal[i] = away;
       candidate.distance = std::hypot(candidate.distance, away);
     }

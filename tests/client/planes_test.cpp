@@ -51,6 +51,18 @@ TEST(DerivePlanes, AFullCircleIsTakenTheShortWayRound) {
   EXPECT_EQ(planes[0].normal[0], 1.0) << "-3.1 lies 0.08 rad beyond 3.1";
 }
 
+TEST(DerivePlanes, AQuaternionAndItsNegativeAreOneRotation) {
+  std::vector<VirtualCoordinate> pose{{"z", "m", "linear"}};
+  for (const char* part : {"x", "y", "z", "w"}) pose.push_back({part, "rad", "quaternion"});
+  const std::vector<double> x{0, 0, 0, 0, 1}, turned{0, 0.6, 0, 0, 0.8},
+      negative{0, -0.6, 0, 0, -0.8};
+  const auto a = derive_planes(pose, x, turned), b = derive_planes(pose, x, negative);
+  ASSERT_EQ(a.size(), 1u);
+  ASSERT_EQ(b.size(), 1u);
+  EXPECT_EQ(a[0].normal, b[0].normal);
+  EXPECT_GT(a[0].normal[1], 0.9);
+}
+
 TEST(DerivePlanes, OfMoreThanSixTheDeepestStay) {
   std::vector<double> x(8, 0.0), x_probe(8);
   std::vector<Block> blocks;

@@ -64,13 +64,20 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x) noexcept {
   }
   if (!(deepest > 0.0)) return PlaneStatus::kFree;
 
-  // Proximal steps on the dual, each with the multipliers of the last: towards eps = 0 where there
-  // is a solution; where there is none the first step is the answer.
-  PlaneStatus status = PlaneStatus::kActive;
+  const PlaneStatus status = multipliers(r, deepest);
+  // From at_ on, not from x_probe: an angle or a rotation there may be one turn or one sign away.
+  x = at_ + y_;
+  for (int i = 0; i < count_; ++i) {
+    if (has(active_, i)) x -= l_[i] * D_.col(i);
+  }
+  return status;
+}
+
+/// Proximal steps on the dual, each with the multipliers of the last: towards eps = 0 where there is
+/// a solution; where there is none the first step is the answer.
+PlaneStatus PlaneProjection::multipliers(const Small& r, double deepest) noexcept {
   Small shifted = r;
   for (int n = 0; n <= kRefinements; ++n) {
-    const Small last = l_;
-    const std::uint32_t last_active = active_;
     solve(shifted);
     double violation = 0.0;
     for (int i = 0; i < count_; ++i) {
@@ -78,22 +85,11 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x) noexcept {
       for (int j = 0; j < count_; ++j) left -= G_(i, j) * l_[j];
       violation = std::max(violation, left);
     }
-    if (n == 0 && violation > kInfeasible * deepest) {
-      status = PlaneStatus::kInfeasible;
-      break;
-    }
-    if (n > 0 && !l_.head(count_).allFinite()) {
-      l_ = last;
-      active_ = last_active;
-      break;
-    }
+    if (n == 0 && violation > kInfeasible * deepest) return PlaneStatus::kInfeasible;
     if (violation <= 1e-15 * deepest) break;
     shifted = r + kEpsilon * l_;
   }
-  for (int i = 0; i < count_; ++i) {
-    if (has(active_, i)) x -= l_[i] * D_.col(i);
-  }
-  return status;
+  return PlaneStatus::kActive;
 }
 
 void PlaneProjection::solve(const Small& r) noexcept {

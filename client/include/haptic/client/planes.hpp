@@ -16,7 +16,8 @@ struct Block {
   std::size_t count{0};
 };
 
-/// The plane of a block has the normal x_probe - x (coordinates of kind "angle" the short way round)
+/// The plane of a block has the normal x_probe - x (kind "angle" the short way round, a "quaternion"
+/// with the sign nearer to x)
 /// and holds x: x is the point nearest to x_probe that it allows, the proxy as it was computed. A
 /// block whose proxy is its probe, to `least` (m or rad), is not constrained and has no plane. Of more
 /// than 6 the ones with the largest distance stay. `blocks` empty: all coordinates are one.

@@ -41,6 +41,8 @@ class PlaneProjection {
   using Small = Eigen::Matrix<double, kMaxPlanes, 1>;
   using Gram = Eigen::Matrix<double, kMaxPlanes, kMaxPlanes>;
 
+  /// l_ and active_ for violations r of x_probe, the deepest of them > 0.
+  PlaneStatus multipliers(const Small& r, double deepest) noexcept;
   /// l_ = argmin 1/2 l^T (G + eps) l - l^T r, l >= 0 (C. L. Lawson and R. J. Hanson's active set).
   void solve(const Small& r) noexcept;
   /// s = (G + eps)^-1 r on the planes of `set`; 0 elsewhere.

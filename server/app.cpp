@@ -26,7 +26,8 @@ void log_grant(const RealtimeFacts& grant) {
 std::unique_ptr<RendererComparison> comparison(const RecordScene& record,
                                                const DeviceScene& device) {
   if (!record.compare_renderers) return nullptr;
-  return std::make_unique<RendererComparison>(device.kinematics, device.settings);
+  return std::make_unique<RendererComparison>(device.kinematics, device.settings,
+                                              device.projection);
 }
 
 template <typename T>
@@ -87,6 +88,7 @@ void App::open_devices() {
     std::unique_ptr<hw::Device> device = hw::open_device(scene.source, scene.kinematics);
     core::PipelineConfig config;
     config.kinematics = scene.kinematics;
+    config.projection = scene.projection;
     config.device = device->info().limits;
     config.scene = scene.settings;
     config.monotone_envelope = scene.monotone_envelope;

@@ -49,13 +49,6 @@ core::ChainJoint read_joint(v1::SerialChainScene::Joint& message, const std::str
   return joint;
 }
 
-/// The map of a chain, of one unit.
-SharedKinematics checked(SharedKinematics map, const std::string& path, Problems& problems) {
-  const std::size_t before = problems.count();
-  if (map) check_one_unit(map->space(), path + ".output", problems);
-  return problems.count() > before ? nullptr : map;
-}
-
 }  // namespace
 
 SharedKinematics read_stylus(v1::StylusScene& message, const std::string& path,
@@ -79,8 +72,7 @@ SharedKinematics read_stylus(v1::StylusScene& message, const std::string& path,
   });
   const auto outputs = read_outputs(*message.mutable_output(), path, problems);
   if (problems.count() > before) return nullptr;
-  return checked(made([&] { return core::make_stylus(d, outputs); }, path, problems), path,
-                 problems);
+  return made([&] { return core::make_stylus(d, outputs); }, path, problems);
 }
 
 SharedKinematics read_serial_chain(v1::SerialChainScene& message, const std::string& path,
@@ -98,8 +90,7 @@ SharedKinematics read_serial_chain(v1::SerialChainScene& message, const std::str
   }
   chain.outputs = read_outputs(*message.mutable_output(), path, problems);
   if (problems.count() > before) return nullptr;
-  return checked(made([&] { return core::make_serial_chain(chain); }, path, problems), path,
-                 problems);
+  return made([&] { return core::make_serial_chain(chain); }, path, problems);
 }
 
 }  // namespace haptic::server

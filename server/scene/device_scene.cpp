@@ -2,6 +2,7 @@
 
 #include "server/scene/kinematics_scene.hpp"
 #include "server/scene/passivity_scene.hpp"
+#include "server/scene/projection_scene.hpp"
 #include "server/scene/render_scene.hpp"
 #include "server/scene/source_scene.hpp"
 
@@ -50,6 +51,7 @@ DeviceScene read_device(v1::DeviceScene& message, const std::string& path,
   DeviceScene device;
   device.name = message.name();
   device.kinematics = read_kinematics(message, path, problems);
+  device.projection = read_projection(message, path, device.kinematics.get(), problems);
   const core::DofLayout* layout = device.kinematics ? &device.kinematics->layout() : nullptr;
   const Source source = read_source(message, path, folder, layout, problems);
   device.source = source.config;

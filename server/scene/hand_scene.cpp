@@ -74,9 +74,7 @@ SharedKinematics read_tracked_hand(v1::TrackedHandScene& message, const std::str
     hand.outputs.push_back(read_phalanx_output(*message.mutable_output(i), at, outputs, problems));
   }
   if (problems.count() > before) return nullptr;
-  const auto map = made([&] { return core::make_tracked_hand(hand); }, path, problems);
-  if (map) check_one_unit(map->space(), path + ".output", problems);
-  return problems.count() > before ? nullptr : map;
+  return made([&] { return core::make_tracked_hand(hand); }, path, problems);
 }
 
 }  // namespace haptic::server

@@ -14,12 +14,4 @@ SharedKinematics made(const std::function<std::unique_ptr<core::Kinematics>()>& 
   }
 }
 
-void check_one_unit(const core::ConfigurationSpace& space, const std::string& path,
-                    Problems& problems) {
-  if (!space.mixes_units()) return;
-  problems.wrong(path, "[metres and radians]",
-                 "must be of one unit: a distance over both needs a metric W_x, which a scene "
-                 "cannot give yet");
-}
-
 }  // namespace haptic::server

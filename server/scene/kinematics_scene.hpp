@@ -30,8 +30,5 @@ using SharedKinematics = std::shared_ptr<const core::Kinematics>;
 /// What `make` makes; null where it throws SceneError, which goes to `problems`.
 [[nodiscard]] SharedKinematics made(const std::function<std::unique_ptr<core::Kinematics>()>& make,
                                     const std::string& path, Problems& problems);
-/// Reports metres beside radians in x.
-void check_one_unit(const core::ConfigurationSpace& space, const std::string& path,
-                    Problems& problems);
 
 }  // namespace haptic::server

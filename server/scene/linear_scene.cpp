@@ -69,14 +69,11 @@ void read_dofs(v1::LinearScene& message, const std::string& path, Problems& prob
 void read_coordinates(v1::LinearScene& message, const std::string& path, Problems& problems,
                       core::LinearMap& map) {
   std::set<std::string> names;
-  const std::size_t before = problems.count();
   for (int i = 0; i < message.coordinate_size(); ++i) {
     const FieldReader reader(*message.mutable_coordinate(i), path + "." + entry("coordinate", i),
                              problems);
     map.coordinates.push_back(read_coordinate(*message.mutable_coordinate(i), reader, names));
   }
-  if (problems.count() > before) return;
-  check_one_unit(core::ConfigurationSpace(map.coordinates), path + ".coordinate", problems);
 }
 
 }  // namespace

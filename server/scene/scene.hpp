@@ -17,6 +17,7 @@ struct DeviceScene {
   std::string name{};
   hw::DeviceConfig source{};
   std::shared_ptr<const core::Kinematics> kinematics{};
+  core::ProjectionSettings projection{};
   core::RenderSettings settings{};  ///< the widest a session may ask for
   bool monotone_envelope{false};
   core::PassivitySettings passivity{};

@@ -23,12 +23,13 @@ core::VecA in_effect(const core::VecA& session, const core::VecA& scene) {
 }  // namespace
 
 RendererComparison::RendererComparison(std::shared_ptr<const core::Kinematics> kinematics,
-                                       core::RenderSettings scene)
+                                       core::RenderSettings scene,
+                                       const core::ProjectionSettings& projection)
     : kinematics_(std::move(kinematics)),
       scene_(std::move(scene)),
-      renderers_{core::Renderer(kKinds[0], *kinematics_), core::Renderer(kKinds[1], *kinematics_),
-                 core::Renderer(kKinds[2], *kinematics_), core::Renderer(kKinds[3], *kinematics_)} {
-}
+      model_(*kinematics_, projection),
+      renderers_{core::Renderer(kKinds[0], model_), core::Renderer(kKinds[1], model_),
+                 core::Renderer(kKinds[2], model_), core::Renderer(kKinds[3], model_)} {}
 
 bool RendererComparison::probe(const core::TickRecord& record) {
   const int n_x = kinematics_->space().n_x();

@@ -24,8 +24,8 @@ class RendererComparison {
                                      core::RendererKind::kSubspaceExact};
 
   /// `kinematics` may be shared. `scene`: the widest settings of the device.
-  RendererComparison(std::shared_ptr<const core::Kinematics> kinematics,
-                     core::RenderSettings scene);
+  RendererComparison(std::shared_ptr<const core::Kinematics> kinematics, core::RenderSettings scene,
+                     const core::ProjectionSettings& projection = {});
 
   /// tau_a (n_a, N or N m) by kind, in the order of kKinds; NaN where f has no value at q. Records
   /// in the order of their ticks: the exact renderer starts from its last answer.
@@ -37,6 +37,7 @@ class RendererComparison {
 
   const std::shared_ptr<const core::Kinematics> kinematics_;
   const core::RenderSettings scene_;
+  const core::ProjectionModel model_;
   std::array<core::Renderer, kKinds.size()> renderers_;
   std::array<core::VecA, kKinds.size()> tau_{};
   core::VecX last_x_{};

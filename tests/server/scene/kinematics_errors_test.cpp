@@ -24,13 +24,14 @@ void expect_each_says(const std::vector<Bad>& table) {
   }
 }
 
-const std::string kPoint = " output { name: \"tip\" point {} }";
+const std::string kPoint = " output { name: \"tip\" point { position_m: [0.1, 0.2, 0.3] } }";
 
 TEST(KinematicsErrors, OfAChainNameLineFieldValueAndWhatIsAllowed) {
   const auto chain = [](const std::string& joints) {
     return "serial_chain { " + joints + kPoint + " }";
   };
-  const std::string a = "joint { name: \"a\" actuated: true lower: -1 upper: 1 } ";
+  const std::string a =
+      "joint { name: \"a\" kind: \"prismatic\" actuated: true lower: -1 upper: 1 } ";
   const std::string b = "joint { name: \"b\" lower: -1 upper: 1 ";
   EXPECT_EQ(error_of(with(chain(a + b + "}"))), "no error");
   expect_each_says({
@@ -60,7 +61,7 @@ TEST(KinematicsErrors, OfAChainNameLineFieldValueAndWhatIsAllowed) {
       {"neither point nor frame", "serial_chain { " + a + b + "} output { name: \"tip\" } }",
        "device[0].serial_chain.output[0].what: is required: one of point, frame"},
       {"a frame without W", "serial_chain { " + a + b + "} output { name: \"tip\" frame {} } }",
-       "device[0].serial_chain.output = [metres and radians]: must be of one unit"},
+       "device[0].metric: is required: x holds metres and radians"},
       {"link", "serial_chain { " + a + b + "} output { name: \"tip\" link: \"c\" point {} } }",
        "output tip.link = c: must be \"base\" or a joint given before"},
       {"what nothing moves",
@@ -82,7 +83,7 @@ TEST(KinematicsErrors, OfAStylusNameLineFieldValueAndWhatIsAllowed) {
       {"link", "stylus { output { name: \"a\" link: \"hip\" point {} } }",
        "output a.link = hip: must be \"base\" or a joint given before"},
       {"a frame without W", "stylus { output { name: \"a\" frame {} } }",
-       "device[0].stylus.output = [metres and radians]"},
+       "device[0].metric: is required: x holds metres and radians"},
       {"masses", "stylus {" + kPoint + " }",
        "device[0].simulated_linear.mass = [1, 1]: must have one value per DoF, 6"},
   });
@@ -119,7 +120,7 @@ TEST(KinematicsErrors, OfAHandNameLineFieldValueAndWhatIsAllowed) {
        "finger[0].mount.orientation = [1, 0, 0]: must have one value per part x, y, z, w, 4"},
       {"a frame without W",
        "tracked_hand {" + finger + "output { name: \"t\" finger: \"a\" frame {} } }",
-       "device[0].tracked_hand.output = [metres and radians]"},
+       "device[0].metric: is required: x holds metres and radians"},
   });
 }
 

@@ -216,8 +216,18 @@ TEST(SceneErrors, OfTheMapNameLineFieldValueAndWhatIsAllowed) {
        "t.textproto:5: device[0].linear.coordinate: is required: 1 to 72"},
       {"metres and radians without W",
        linear("A: [1, 0.5]", "coordinate { name: \"a\" unit: \"rad\" }\n A: [1, 0.5, 1, 1]"),
-       "t.textproto:8: device[0].linear.coordinate = [metres and radians]: must be of one unit: a "
-       "distance over both needs a metric W_x"},
+       "t.textproto:2: device[0].metric: is required: x holds metres and radians"},
+      {"fewer coordinates than DoFs without a prior",
+       linear("prior { weight: 0.1 sensed_stiffness: 3 }", ""),
+       "t.textproto:2: device[0] = { ... }: prior: must be given"},
+      {"scale", linear("limits {", "metric { scale_m: 0 } limits {"),
+       "t.textproto:12: device[0].metric.scale_m = 0: must be > 0"},
+      {"prior's weight", linear("weight: 0.1", "weight: 0"),
+       "t.textproto:13: device[0].prior.weight = 0: must be finite and > 0"},
+      {"prior's size", linear("sensed_stiffness: 3", "sensed_stiffness: [3, 3]"),
+       "device[0].prior.sensed_stiffness = [3, 3]: must have one value per sensed DoF, 1"},
+      {"prior of a finger", finger("limits {", "prior { weight: 1 sensed_stiffness: 1 } limits {"),
+       "prior: must be absent, for this map has an inverse in closed form"},
   });
 }
 

@@ -71,6 +71,9 @@ class SceneRun {
   static core::PipelineConfig config(const server::DeviceScene& scene, const hw::Device& device) {
     core::PipelineConfig config;
     config.kinematics = scene.kinematics;
+    config.projection = scene.projection;
+    config.monotone_envelope = scene.monotone_envelope;
+    config.passivity = scene.passivity;
     config.device = device.info().limits;
     config.scene = scene.settings;
     return config;

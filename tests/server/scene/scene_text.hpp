@@ -28,7 +28,7 @@ device {
 }
 )";
 
-/// Two DoFs, the second one sensed; one coordinate.
+/// Two DoFs, the second one sensed; one coordinate, and a prior for what it leaves free.
 inline const std::string kLinear = R"(name: "t"
 device {
   name: "d"
@@ -41,6 +41,7 @@ device {
   }
   impedance { stiffness_n_per_m: 5 }
   limits { force_n: 2 }
+  prior { weight: 0.1 sensed_stiffness: 3 }
 }
 )";
 

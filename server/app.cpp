@@ -86,13 +86,7 @@ void App::start() {
 void App::open_devices() {
   for (const DeviceScene& scene : scene_.devices) {
     std::unique_ptr<hw::Device> device = hw::open_device(scene.source, scene.kinematics);
-    core::PipelineConfig config;
-    config.kinematics = scene.kinematics;
-    config.projection = scene.projection;
-    config.device = device->info().limits;
-    config.scene = scene.settings;
-    config.monotone_envelope = scene.monotone_envelope;
-    config.passivity = scene.passivity;
+    core::PipelineConfig config = pipeline_config(scene, device->info().limits);
     config.loop_late_fault = realtime_.loop_late_fault;
     config.late_bucket_full = scene_.loop.late_bucket_full;
     spdlog::info("{}: {} ({})", scene.name, device->info().model, device->info().kind);

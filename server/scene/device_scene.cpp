@@ -69,4 +69,15 @@ DeviceScene read_device(v1::DeviceScene& message, const std::string& path,
   return device;
 }
 
+core::PipelineConfig pipeline_config(const DeviceScene& scene, const core::DeviceLimits& limits) {
+  core::PipelineConfig config;
+  config.kinematics = scene.kinematics;
+  config.projection = scene.projection;
+  config.device = limits;
+  config.scene = scene.settings;
+  config.monotone_envelope = scene.monotone_envelope;
+  config.passivity = scene.passivity;
+  return config;
+}
+
 }  // namespace haptic::server

@@ -26,6 +26,11 @@ struct DeviceScene {
   std::optional<core::Duration> fresh_end{};
 };
 
+/// What the scene says to the pipeline of a device with these limits; the loop's own settings keep
+/// their defaults.
+[[nodiscard]] core::PipelineConfig pipeline_config(const DeviceScene& scene,
+                                                   const core::DeviceLimits& limits);
+
 struct ServerScene {
   std::vector<std::string> listen{"127.0.0.1:50051"};
   core::Duration lease_timeout{std::chrono::seconds(2)};

@@ -1,8 +1,10 @@
 #include "server/telemetry/stderr_log.hpp"
 
 #include <spdlog/async.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/details/null_mutex.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <memory>
@@ -15,6 +17,24 @@ constexpr std::size_t kMostLines = 1024;
 constexpr std::chrono::milliseconds kLastPatience{200};
 constexpr std::chrono::milliseconds kLook{2};
 
+/// Past the C library's stream: a thread that is stuck in a write would hold its lock, and exit()
+/// waits for that. Only the log's own thread calls.
+class StderrSink final : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
+ protected:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    spdlog::memory_buf_t line;
+    formatter_->format(message, line);
+    const char* next = line.data();
+    const char* const end = next + line.size();
+    while (next < end) {
+      const ssize_t written = ::write(STDERR_FILENO, next, static_cast<std::size_t>(end - next));
+      if (written <= 0) return;  // its reader is gone
+      next += written;
+    }
+  }
+  void flush_() override {}
+};
+
 /// Never destroyed: its destructor would join a thread that may wait for a reader for ever.
 std::shared_ptr<spdlog::details::thread_pool>& pool() {
   static auto* const lines = new std::shared_ptr<spdlog::details::thread_pool>(
@@ -25,10 +45,10 @@ std::shared_ptr<spdlog::details::thread_pool>& pool() {
 }  // namespace
 
 void log_to_stderr() {
-  auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
-  spdlog::set_default_logger(std::make_shared<spdlog::async_logger>(
-      "hapticd", std::move(sink), pool(), spdlog::async_overflow_policy::overrun_oldest));
-  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::async_logger>("hapticd", std::make_shared<StderrSink>(), pool(),
+                                             spdlog::async_overflow_policy::overrun_oldest));
+  spdlog::set_pattern("%H:%M:%S.%e %l %v");
 }
 
 void finish_log() {

@@ -31,7 +31,7 @@ void SubspaceExact::solve(const Probe& probe, const VecX& x, const VecA& stiffne
   const Kinematics& kinematics = model_.kinematics();
   const InverseStatus inverse = kinematics.inverse(x, solution_.q_star);
   if (inverse == InverseStatus::kNotOffered) {
-    const VecQ seed = has_solution_ ? solution_.q_star : probe.q;
+    const VecQ seed = seed_near(probe.q);
     solver_.solve(x, seed, stiffness, solution_);
     return;
   }
@@ -52,7 +52,7 @@ void SubspaceExact::solve_with_prior(const Probe& probe, const VecX& x, const Ve
   const DofLayout& layout = model_.layout();
   const VecQ& target = target_.at(probe.q, layout, proxy_changed || !has_solution_);
   solver_.set_prior(model_.prior_weight(stiffness), target);
-  const VecQ seed = has_solution_ ? solution_.q_star : probe.q;
+  const VecQ seed = seed_near(probe.q);
   solver_.solve(x, seed, stiffness, solution_);
   const Prior& prior = *model_.prior();
   solution_.storage = 0.5 * solution_.residual * solution_.residual / prior.weight;
@@ -60,6 +60,15 @@ void SubspaceExact::solve_with_prior(const Probe& probe, const VecX& x, const Ve
     const double d = solution_.q_star[layout.sensed(i)] - target[layout.sensed(i)];
     solution_.storage += 0.5 * prior.sensed_stiffness[i] * d * d;
   }
+}
+
+/// The last solution, told as near to the device as the same pose can be: a palm that turns on beyond
+/// pi must not meet the end of its box.
+VecQ SubspaceExact::seed_near(const VecQ& q) const noexcept {
+  if (!has_solution_) return q;
+  VecQ seed = solution_.q_star;
+  model_.kinematics().nearest_representative(q, seed);
+  return seed;
 }
 
 }  // namespace haptic::core

@@ -91,7 +91,11 @@ TEST(Stylus, IsNowhereSingularInItsBox) {
 TEST(Stylus, TheExactProxyIsThePoseItself) {
   for (const auto& stylus : {make_stylus({}), make_stylus({}, marks())}) {
     const VecA Z_q = VecA::Constant(3, 2.0);
-    Renderer renderer(RendererKind::kSubspaceExact, *stylus);
+    ProjectionSettings settings;
+    if (stylus->space().mixes_units()) {
+      settings.metric = TaskMetric::from_scales(VecX::Constant(stylus->space().n_x(), 0.3));
+    }
+    Renderer renderer(RendererKind::kSubspaceExact, ProjectionModel(*stylus, settings));
     for (int s = 0; s < 300; ++s) {
       const VecQ goal = workspace_sample(*stylus, s);
       VecQ q = goal;

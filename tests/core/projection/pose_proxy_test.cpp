@@ -28,6 +28,13 @@ const Kinematics& palm() {
   return *map;
 }
 
+/// A metre counts as much as a radian: what the tests expect are poses, which every metric finds.
+ProjectionModel model() {
+  ProjectionSettings settings;
+  settings.metric = TaskMetric::from_scales(VecX::Ones(palm().space().n_x()));
+  return ProjectionModel(palm(), settings);
+}
+
 VecQ at(const Eigen::Vector3d& phi, double joint) {
   return (VecQ(7) << 0.1, -0.2, 0.3, phi, joint).finished();
 }
@@ -61,7 +68,7 @@ double apart(const VecQ& a, const VecQ& b) {
 TEST(PoseProxy, IsReachedFromFarAway) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> within(-1.0, 1.0);
-  Renderer renderer(RendererKind::kSubspaceExact, palm());
+  Renderer renderer(RendererKind::kSubspaceExact, model());
   for (int trial = 0; trial < 500; ++trial) {
     const Eigen::Vector3d from(within(random), within(random), within(random));
     const Eigen::Vector3d axis =
@@ -84,7 +91,7 @@ TEST(PoseProxy, IsReachedFromFarAway) {
 /// The proxy's quaternion changes its sign under way, as those of simulations do: nothing steps.
 TEST(PoseProxy, ASignFlipUnderWayIsNoStep) {
   for (const RendererKind kind : {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
-    Renderer renderer(kind, palm());
+    Renderer renderer(kind, model());
     const VecQ q = at({0.2, 0.1, -0.4}, 0.3);
     const VecX x = image(at({0.3, 0.0, -0.35}, 0.4));
     VecX flipped = x;
@@ -100,7 +107,7 @@ TEST(PoseProxy, ASignFlipUnderWayIsNoStep) {
 /// the reading itself.
 TEST(PoseProxy, TheReadingsJumpAtPiIsNoStepOfTheForce) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, -2) / 3.0;
-  Renderer renderer(RendererKind::kSubspaceLinear, palm());
+  Renderer renderer(RendererKind::kSubspaceLinear, model());
   const VecX x = image(at(3.2 * axis, 0.35));
   double last = 0.0;
   for (int i = 0; i <= 200; ++i) {
@@ -112,6 +119,22 @@ TEST(PoseProxy, TheReadingsJumpAtPiIsNoStepOfTheForce) {
     if (i == 0) last = force;
     EXPECT_LT(std::abs(force - last), 1e-4) << turn;
     last = force;
+  }
+}
+
+/// A palm that turns on and on, as its device reports it (never beyond pi): q* goes along.
+TEST(PoseProxy, APalmThatTurnsOnBeyondPiIsFollowed) {
+  const Eigen::Vector3d axis = Eigen::Vector3d(2, -1, 2) / 3.0;
+  Renderer renderer(RendererKind::kSubspaceExact, model());
+  for (int i = 0; i <= 800; ++i) {
+    const double turn = 0.02 * i;  // five times pi in all
+    VecQ q = at(turn * axis, 0.3);
+    palm().nearest_representative(VecQ::Zero(7), q);
+    VecQ goal = at((turn + 0.05) * axis, 0.35);
+    palm().nearest_representative(VecQ::Zero(7), goal);
+    const Projection out = project(renderer, q, image(goal));
+    ASSERT_EQ(out.status, ProjectionStatus::kConverged) << turn;
+    ASSERT_LT(apart(out.q_star, goal), 1e-8) << turn;
   }
 }
 

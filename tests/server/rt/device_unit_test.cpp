@@ -34,10 +34,7 @@ std::vector<std::filesystem::path> scenes() {
 
 std::unique_ptr<DeviceUnit> make_unit(const DeviceScene& scene) {
   auto device = haptic::hw::open_device(scene.source, scene.kinematics);
-  haptic::core::PipelineConfig config;
-  config.kinematics = scene.kinematics;
-  config.device = device->info().limits;
-  config.scene = scene.settings;
+  auto config = haptic::server::pipeline_config(scene, device->info().limits);
   return std::make_unique<DeviceUnit>(scene.name, std::move(device), std::move(config));
 }
 

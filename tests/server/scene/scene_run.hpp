@@ -20,7 +20,7 @@ class SceneRun {
   /// `source`: what moves instead of the scene's own source.
   SceneRun(const server::DeviceScene& scene, const hw::DeviceConfig& source)
       : device_(hw::open_device(source, scene.kinematics)),
-        pipeline_(config(scene, *device_)),
+        pipeline_(server::pipeline_config(scene, device_->info().limits)),
         kinematics_(*scene.kinematics) {
     input_.settings = scene.settings;
     input_.command.lease_epoch = 1;
@@ -68,17 +68,6 @@ class SceneRun {
   [[nodiscard]] const core::TickRecord& record() const { return record_; }
 
  private:
-  static core::PipelineConfig config(const server::DeviceScene& scene, const hw::Device& device) {
-    core::PipelineConfig config;
-    config.kinematics = scene.kinematics;
-    config.projection = scene.projection;
-    config.monotone_envelope = scene.monotone_envelope;
-    config.passivity = scene.passivity;
-    config.device = device.info().limits;
-    config.scene = scene.settings;
-    return config;
-  }
-
   void publish() {
     core::ProxySnapshot& proxy = input_.proxy;
     if (proxy.gapless_samples == 0) proxy.gapless_since = input_.now;

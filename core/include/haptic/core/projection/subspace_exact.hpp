@@ -24,6 +24,7 @@ class SubspaceExact {
   void reset() noexcept;
 
  private:
+  [[nodiscard]] VecQ seed_near(const VecQ& q) const noexcept;
   void solve(const Probe& probe, const VecX& x, const VecA& stiffness) noexcept;
   void solve_with_prior(const Probe& probe, const VecX& x, const VecA& stiffness,
                         bool proxy_changed) noexcept;

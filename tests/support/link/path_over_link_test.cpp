@@ -5,9 +5,7 @@
 
 #include <memory>
 
-#include "haptic/wire/clock_offset.hpp"
-#include "haptic/wire/path_machine.hpp"
-#include "haptic/wire/secure_channel.hpp"
+#include "haptic/wire/path_end.hpp"
 #include "tests/support/link/impaired_link.hpp"
 
 namespace haptic::test {
@@ -21,87 +19,50 @@ wire::TimePoint point(LinkTime time) {
   return wire::TimePoint(1000s + time);
 }
 
-/// One end: sends a datagram of data every `period` while its path is in use.
+/// One end: sends a message every 2 ms while its path is in use.
 struct LinkEnd {
   LinkEnd(wire::End which, const wire::PathKeys& keys, std::uint64_t seed, ImpairedLink& out)
-      : is_client(which == wire::End::kClient),
-        channel(which, keys),
-        machine({}, [random = Random(seed)]() mutable { return random.next(); }),
-        link(out) {}
+      : end({which,
+             keys,
+             {},
+             [this, &out](const wire::PeerAddress&, wire::ConstBytes datagram) {
+               out.send({datagram.begin(), datagram.end()}, now);
+             },
+             [random = Random(seed)]() mutable { return random.next(); }}) {}
+  LinkEnd(const LinkEnd&) = delete;
+  LinkEnd& operator=(const LinkEnd&) = delete;
 
-  void send(wire::DatagramType type, wire::ConstBytes payload, LinkTime now) {
-    Packet packet(wire::kLargestDatagram);
-    packet.resize(channel.seal(type, payload, packet));
-    ASSERT_FALSE(packet.empty());
-    link.send(std::move(packet), now);
+  /// `reading`: of this end's own clock.
+  [[nodiscard]] wire::TimePoint reading() const { return wire::TimePoint(1000s + clock(now)); }
+
+  void take(const Packet& packet) {
+    const wire::Received received = end.receive(packet, other, reading());
+    note(received.change);
+    if (!received.message) return;
+    ++messages;
+    newest_message = std::max(newest_message, wire::get_u64(*received.message));
   }
 
-  void take(const Packet& packet, LinkTime now) {
-    Packet payload(wire::kLargestPayload);
-    const wire::Opened opened = channel.open(packet, payload, point(now));
-    if (opened.rejection != wire::Rejection::kNone) return statistics.rejected(opened.rejection);
-    statistics.accepted(opened.header.packet_number, packet.size(), point(now));
-    payload.resize(opened.size);
-    if (!is_client) machine.heard(other, point(now));
-    if (opened.header.type == wire::DatagramType::kPathChallenge) {
-      answer(payload, now);
-    } else if (opened.header.type == wire::DatagramType::kPathResponse) {
-      hear_answer(*wire::read_response(payload), now);
-    } else {
-      EXPECT_GE(opened.size, 8U);
-      ++data;
-      newest_data = std::max(newest_data, wire::get_u64(payload));
-    }
-  }
-
-  void answer(Packet& payload, LinkTime now) {
-    const auto challenge = wire::read_challenge(payload);
-    ASSERT_TRUE(challenge);
-    const auto reading = (clock(now)).count();
-    wire::write(wire::PathResponse{challenge->token, reading, reading, statistics.packets(),
-                                   statistics.newest()},
-                payload);
-    send(wire::DatagramType::kPathResponse, payload, now);
-  }
-
-  void hear_answer(const wire::PathResponse& response, LinkTime now) {
-    if (const auto sent = machine.sent_at(response.token)) {
-      offset.add({*sent, wire::Duration(response.received_ns), wire::Duration(response.sent_ns),
-                  point(now)});
-    }
-    note(machine.responded(other, response, point(now)), now);
-  }
-
-  void step(LinkTime now) {
-    note(machine.step(point(now)), now);
-    while (const auto due = machine.due(point(now))) {
-      Packet payload(due->size);
-      wire::write(wire::PathChallenge{due->token}, payload);
-      send(wire::DatagramType::kPathChallenge, payload, now);
-    }
-    if (!machine.in_use() || now < next_data) return;
-    next_data = now + 2 * kMillisecond;
+  void step() {
+    note(end.step(reading()));
+    if (!end.in_use() || now < next_message) return;
+    next_message = now + 2 * kMillisecond;
     Packet payload(60);
-    wire::put(++data_sent, payload);
-    send(is_client ? wire::DatagramType::kProxy : wire::DatagramType::kState, payload, now);
-    in_use_at = now;
+    wire::put(++messages_sent, payload);
+    EXPECT_TRUE(end.send(payload));
   }
 
-  void note(wire::PathChange change, LinkTime now) {
+  void note(wire::PathChange change) {
     if (change != wire::PathChange::kNone) changes.emplace_back(now, change);
   }
 
-  bool is_client;
-  wire::SecureChannel channel;
-  wire::PathMachine machine;
-  ImpairedLink& link;
-  wire::LinkStatistics statistics{};
-  wire::ClockOffset offset{};
-  std::function<LinkTime(LinkTime)> clock{[](LinkTime now) { return now; }};
+  LinkTime now{0};
+  std::function<LinkTime(LinkTime)> clock{[](LinkTime truth) { return truth; }};
   wire::PeerAddress other{};
+  wire::PathEnd end;
   std::vector<std::pair<LinkTime, wire::PathChange>> changes{};
-  LinkTime next_data{0}, in_use_at{-1};
-  std::uint64_t data_sent{0}, data{0}, newest_data{0};
+  LinkTime next_message{0};
+  std::uint64_t messages_sent{0}, messages{0}, newest_message{0};
 };
 
 struct Trip {
@@ -116,12 +77,13 @@ struct Trip {
     client->clock = [rules = scenario.client_clock](LinkTime now) {
       return client_clock(rules, now);
     };
-    client->machine.start(client->other, point(LinkTime(0)));
+    client->end.start(client->other, client->reading());
     for (LinkTime now{0}; now < scenario.duration; now += kMillisecond) {
-      while (auto packet = up.receive(now)) server->take(packet->second, now);
-      while (auto packet = down.receive(now)) client->take(packet->second, now);
-      client->step(now);
-      server->step(now);
+      client->now = server->now = now;
+      while (auto packet = up.receive(now)) server->take(packet->second);
+      while (auto packet = down.receive(now)) client->take(packet->second);
+      client->step();
+      server->step();
     }
   }
 
@@ -143,18 +105,18 @@ class PathOverLink : public testing::TestWithParam<Scenario> {};
 
 TEST_P(PathOverLink, NothingPassesTwiceAndTheCountsAddUp) {
   Trip run(GetParam());
-  for (const LinkEnd* end : {run.client.get(), run.server.get()}) {
-    const LinkEnd& sender = end->is_client ? *run.server : *run.client;
-    EXPECT_LE(end->data, sender.data_sent);
-    EXPECT_LE(end->newest_data, sender.data_sent);
-    EXPECT_EQ(end->statistics.counters().rejections(wire::Rejection::kTag), 0U);
+  for (LinkEnd* const end : {run.client.get(), run.server.get()}) {
+    const LinkEnd& sender = end == run.client.get() ? *run.server : *run.client;
+    EXPECT_LE(end->messages, sender.messages_sent);
+    EXPECT_LE(end->newest_message, sender.messages_sent);
+    EXPECT_EQ(end->end.counters().rejections(wire::Rejection::kTag), 0U);
     // Every number up to the newest came, or is lost.
-    EXPECT_EQ(end->statistics.packets() + end->statistics.counters().lost,
-              end->statistics.newest());
+    EXPECT_EQ(end->end.statistics().packets() + end->end.counters().lost,
+              end->end.statistics().newest());
     if (GetParam().up.duplicate == 1.0) {
-      EXPECT_GT(end->statistics.counters().duplicate(), 100U);
+      EXPECT_GT(end->end.counters().duplicate(), 100U);
     } else {
-      EXPECT_EQ(end->statistics.counters().duplicate(), 0U);
+      EXPECT_EQ(end->end.counters().duplicate(), 0U);
     }
   }
 }
@@ -164,9 +126,9 @@ TEST_P(PathOverLink, TheClocksTruthLiesWithinItsBoundWhileNothingStepped) {
   if (!scenario.client_clock.steps.empty()) return;
   Trip run(scenario);
   const LinkTime end = scenario.duration - kMillisecond;
-  const auto estimate = run.server->offset.at(point(end));
+  const auto estimate = run.server->end.clock_offset().at(point(end));
   if (!estimate) return;  // no answer ever came through
-  const auto truth = client_clock(scenario.client_clock, end) - point(end).time_since_epoch();
+  const auto truth = client_clock(scenario.client_clock, end) - end;
   EXPECT_LE(std::chrono::abs(estimate->offset - truth), estimate->bound);
 }
 
@@ -177,8 +139,8 @@ TEST(PathOverScenario, UdpIsInUseWithinAFractionOfASecondOnAnyHealthyLink) {
   for (const char* name : {"clean", "delay_1ms", "delay_10ms", "delay_30ms", "delay_100ms",
                            "jitter_5ms", "jitter_20ms", "reorder_25", "duplicate_100", "loss_01"}) {
     Trip run(shipped(name));
-    EXPECT_TRUE(run.client->machine.in_use()) << name;
-    EXPECT_TRUE(run.server->machine.in_use()) << name;
+    EXPECT_TRUE(run.client->end.in_use()) << name;
+    EXPECT_TRUE(run.server->end.in_use()) << name;
     EXPECT_TRUE(has(*run.client, wire::PathChange::kUp, 0ms, 600ms)) << name;
   }
 }
@@ -187,7 +149,7 @@ TEST(PathOverScenario, StaysOnUdpUpTo10PercentLoss) {
   for (const char* name : {"loss_01", "loss_05", "loss_10", "burst_8ms", "burst_50ms"}) {
     Trip run(shipped(name));
     for (const LinkEnd* end : {run.client.get(), run.server.get()}) {
-      EXPECT_TRUE(end->machine.in_use()) << name;
+      EXPECT_TRUE(end->end.in_use()) << name;
       EXPECT_FALSE(has(*end, wire::PathChange::kLossy, 0s, 1h)) << name;
       EXPECT_FALSE(has(*end, wire::PathChange::kSilent, 0s, 1h)) << name;
     }
@@ -199,7 +161,7 @@ TEST(PathOverScenario, BlockedUdpFallsBackWithin150MsAndReturns) {
   for (const LinkEnd* end : {run.client.get(), run.server.get()}) {
     EXPECT_TRUE(has(*end, wire::PathChange::kSilent, 2s + 80ms, 2s + 150ms));
     EXPECT_TRUE(has(*end, wire::PathChange::kUp, 5s, 12s));
-    EXPECT_TRUE(end->machine.in_use());
+    EXPECT_TRUE(end->end.in_use());
   }
 }
 
@@ -208,7 +170,7 @@ TEST(PathOverScenario, OneWayIsAsGoodAsNone) {
     Trip run(shipped(name));
     for (const LinkEnd* end : {run.client.get(), run.server.get()}) {
       EXPECT_TRUE(has(*end, wire::PathChange::kSilent, 2s, 2s + 200ms)) << name;
-      EXPECT_TRUE(end->machine.in_use()) << name;  // and back at the end
+      EXPECT_TRUE(end->end.in_use()) << name;  // and back at the end
     }
   }
 }
@@ -222,16 +184,16 @@ TEST(PathOverScenario, BlockedTcpDoesNotConcernIt) {
 TEST(PathOverScenario, AStepOfTheClientsClockIsFollowed) {
   for (const auto& [name, by] : {std::pair("clock_step_forward", 1s), {"clock_step_back", -1s}}) {
     Trip run(shipped(name));
-    EXPECT_EQ(run.server->offset.steps(), 1U) << name;
-    const auto estimate = run.server->offset.at(point(8s));
+    EXPECT_EQ(run.server->end.clock_offset().steps(), 1U) << name;
+    const auto estimate = run.server->end.clock_offset().at(point(8s));
     ASSERT_TRUE(estimate);
-    EXPECT_LE(std::chrono::abs(estimate->offset + 1000s - by), estimate->bound) << name;
+    EXPECT_LE(std::chrono::abs(estimate->offset - by), estimate->bound) << name;
   }
 }
 
 TEST(PathOverScenario, ADriftOf200PpmIsFound) {
   Trip run(shipped("clock_drift"));
-  EXPECT_NEAR(run.server->offset.at(point(20s))->drift, 200e-6, 60e-6);
+  EXPECT_NEAR(run.server->end.clock_offset().at(point(20s))->drift, 200e-6, 60e-6);
 }
 
 }  // namespace

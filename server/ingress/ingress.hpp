@@ -16,6 +16,7 @@
 /// whichever is longer. 5 ms is the shortest fresh_end (WIRE 4): clumping within it cannot make a
 /// sample look fresh that is not, and a 1 kHz stream clumps by that much on any busy host.
 
+#include <atomic>
 #include <cstdint>
 #include <mutex>
 #include <string>
@@ -25,6 +26,9 @@
 
 namespace haptic::server {
 
+/// Which way a sample came.
+enum class Carrier : std::uint8_t { kNone = 0, kGrpc = 1, kUdp = 2 };
+
 /// A sample as it came off the wire, before anything was checked but its syntax.
 struct ProxyCandidate {
   std::uint32_t epoch{0};
@@ -33,6 +37,7 @@ struct ProxyCandidate {
   core::Duration valid_for{0};
   const double* position{nullptr};
   int position_size{0};
+  Carrier carrier{Carrier::kGrpc};
 };
 
 enum class IngressVerdict : std::uint8_t {
@@ -105,6 +110,10 @@ class Ingress {
   /// Local arrival of the newest accepted sample (back-log included: it shows that the client
   /// lives) under the current lease; TimePoint{} before the first one.
   [[nodiscard]] core::TimePoint last_accepted() const;
+  /// Of the newest accepted sample under the current lease; kNone before the first one. Any thread.
+  [[nodiscard]] Carrier carrier() const noexcept {
+    return carrier_.load(std::memory_order_relaxed);
+  }
 
  private:
   [[nodiscard]] IngressVerdict check(const ProxyCandidate& candidate, std::string* why);
@@ -117,6 +126,7 @@ class Ingress {
   IngressCounters counters_{};
   BacklogRule backlog_{};
   core::TimePoint last_arrival_{};
+  std::atomic<Carrier> carrier_{Carrier::kNone};
   core::Duration hold_end_{0};
   std::uint32_t epoch_{0};
   bool open_{false};

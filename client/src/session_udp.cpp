@@ -5,6 +5,7 @@
 namespace haptic::client {
 
 void Session::Impl::start_udp(Lock& lock) {
+  if (options_.carriers == Carriers::kGrpcOnly) return;  // whatever the server offers
   const bool required = options_.carriers == Carriers::kUdpOnly;
   if (!opened_.has_udp()) {
     if (!required) return;

@@ -28,8 +28,8 @@ struct UdpFigures {
 
 class UdpPath {
  public:
-  /// `host` stands in where the offer names none. `sink` must outlive stop(). Throws ClientError where the
-  /// offer has no keys.
+  /// `host` stands in where the offer names none. `sink` must outlive stop(). Throws ClientError
+  /// where the offer has no keys.
   UdpPath(const v1::UdpPath& offer, const std::string& host, std::chrono::nanoseconds period,
           UdpSink& sink);
   /// Only after stop().
@@ -37,11 +37,12 @@ class UdpPath {
   UdpPath(const UdpPath&) = delete;
   UdpPath& operator=(const UdpPath&) = delete;
 
-  /// Leaves the path and ends the thread; waits for a call of the sink's that is under way. Not from
-  /// there. Idempotent.
+  /// Leaves the path and ends the thread; waits for a call of the sink's that is under way. Not
+  /// from there. Idempotent.
   void stop();
 
-  /// Any thread, never waits for the network. False where the path is not in use: the stream's then.
+  /// Any thread, never waits for the network. False where the path is not in use: the stream's
+  /// then.
   [[nodiscard]] bool send(const v1::ProxySample& sample);
   /// New keys came on the stream.
   void rekey(const v1::UdpPath& offer);

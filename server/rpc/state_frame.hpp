@@ -18,8 +18,8 @@ namespace haptic::server {
 /// drain's.
 class StateFrame {
  public:
-  /// A new tick; nothing is serialised before somebody asks. `record` must outlive the use. `carrier`:
-  /// of the newest sample.
+  /// A new tick; nothing is serialised before somebody asks. `record` must outlive the use.
+  /// `carrier`: of the newest sample.
   void begin(const core::TickRecord& record, Carrier carrier = Carrier::kGrpc) noexcept;
   /// SessionResponse { state }.
   [[nodiscard]] grpc::ByteBuffer for_session();

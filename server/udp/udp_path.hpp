@@ -1,6 +1,6 @@
 #pragma once
-/// The UDP path of one session at the server: wire::PathEnd under a mutex, between the port's thread
-/// and the threads that send states.
+/// The UDP path of one session at the server: wire::PathEnd under a mutex, between the port's
+/// thread and the threads that send states.
 
 #include <functional>
 #include <memory>

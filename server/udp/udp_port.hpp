@@ -1,7 +1,8 @@
 #pragma once
-/// The server's UDP socket and its thread: every datagram that waits is taken at once, stamped with its
-/// arrival, and given to the path that its path id names; samples go on to the session and through the
-/// same ingress as those of the stream, in the order of arrival. The ingress's mailbox keeps the newest.
+/// The server's UDP socket and its thread: every datagram that waits is taken at once, stamped with
+/// its arrival, and given to the path that its path id names; samples go on to the session and
+/// through the same ingress as those of the stream, in the order of arrival. The ingress's mailbox
+/// keeps the newest.
 ///
 /// What fails is dropped without a word and counted: by its path once one is known, else here.
 
@@ -15,8 +16,8 @@ namespace haptic::server {
 
 class UdpPort {
  public:
-  /// Binds `listen`, "host:port" (port 0: any free one), loopback only while there is no TLS. Throws
-  /// TransportError.
+  /// Binds `listen`, "host:port" (port 0: any free one), loopback only while there is no TLS.
+  /// Throws TransportError.
   explicit UdpPort(const std::string& listen);
   /// stop().
   ~UdpPort();
@@ -27,8 +28,8 @@ class UdpPort {
   /// Ends the thread. Idempotent.
   void stop();
 
-  /// A path for a session, with fresh keys; `nominal_period` is that of its samples, or of its states
-  /// where it sends none. Any thread.
+  /// A path for a session, with fresh keys; `nominal_period` is that of its samples, or of its
+  /// states where it sends none. Any thread.
   struct Opened {
     std::shared_ptr<UdpPath> path{};
     wire::PathKeys keys{};

@@ -48,8 +48,8 @@ udp::endpoint endpoint(const wire::PeerAddress& peer, bool v4) {
   return {address, peer.port};
 }
 
-/// How long ago the kernel stamped the datagram. It does so with the wall clock; were that stepped in
-/// between, the age is off once, and never below nothing.
+/// How long ago the kernel stamped the datagram. It does so with the wall clock; were that stepped
+/// in between, the age is off once, and never below nothing.
 core::Duration waited(msghdr& message) {
   for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
     if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_TIMESTAMPNS) continue;

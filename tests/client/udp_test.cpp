@@ -1,5 +1,5 @@
-/// The UDP path of the client against a scripted server: samples by UDP where the path is good, by the
-/// stream where it is not, and never a sample lost to the change.
+/// The UDP path of the client against a scripted server: samples by UDP where the path is good, by
+/// the stream where it is not, and never a sample lost to the change.
 
 #include <gtest/gtest.h>
 

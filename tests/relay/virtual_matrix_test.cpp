@@ -1,5 +1,6 @@
-/// Every scenario of WIRE 6 on virtual time, through the shipped wire, ingress, sessions and pipeline:
-/// a client of 100 Hz that presses, over UDP where its path is in use, else over a stream.
+/// Every scenario of WIRE 6 on virtual time, through the shipped wire, ingress, sessions and
+/// pipeline: a client of 100 Hz that presses, over UDP where its path is in use, else over a
+/// stream.
 
 #include <gtest/gtest.h>
 

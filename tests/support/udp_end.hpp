@@ -1,6 +1,6 @@
 #pragma once
-/// One end of a UDP path on a real loopback socket, with a thread of its own: the plainest client, or the
-/// plainest server, on wire::PathEnd alone.
+/// One end of a UDP path on a real loopback socket, with a thread of its own: the plainest client,
+/// or the plainest server, on wire::PathEnd alone.
 
 #include <atomic>
 #include <mutex>

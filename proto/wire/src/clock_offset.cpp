@@ -63,8 +63,8 @@ void ClockOffset::fit() noexcept {
   base_ = points_[count_ - 1].when;
   Duration least = points_[0].rtt;
   for (std::size_t i = 0; i < count_; ++i) least = std::min(least, points_[i].rtt);
-  // A point's error is what its round trip has above the least: queues, mostly on one way. 10 us more,
-  // because time stamps of programs are no better.
+  // A point's error is what its round trip has above the least: queues, mostly on one way. 10 us
+  // more, because time stamps of programs are no better.
   double sum = 0.0, sum_t = 0.0, sum_o = 0.0;
   std::array<double, kIntervals> weight{};
   const double origin = ns(points_[count_ - 1].offset);

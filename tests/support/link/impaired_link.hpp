@@ -68,9 +68,9 @@ class ImpairedLink {
   LinkFigures figures_{};
 };
 
-/// The same trouble under a transport that keeps order and loses nothing, as TCP: what is lost is sent
-/// again after a time that doubles, and what came behind it waits. A model, for the fallback's ages
-/// in virtual time; true TCP is met by the relay.
+/// The same trouble under a transport that keeps order and loses nothing, as TCP: what is lost is
+/// sent again after a time that doubles, and what came behind it waits. A model, for the fallback's
+/// ages in virtual time; true TCP is met by the relay.
 class ReliableLink {
  public:
   /// Linux's least retransmission timeout, and the longest that matters here.

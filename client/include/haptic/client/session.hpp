@@ -2,8 +2,8 @@
 /// A session on a device: publish proxies, receive states, ask for force.
 ///
 /// Threads: on_state runs on the thread that received the state (gRPC's or the UDP path's), so that
-/// nothing lies between the wire and your code: take what you need and return; while it runs, states are conflated to the
-/// newest. A simulation's step belongs in a loop of its own, with wait_for_state(). on_event and
+/// nothing lies between the wire and your code: take what you need and return; while it runs,
+/// states are conflated to the newest. A simulation's step belongs in a loop of its own, with wait_for_state(). on_event and
 /// on_disconnect run on one thread of the session's own, and may take their time: events wait in
 /// order. None runs twice at once, but on_state may run beside the other two. In a callback everything
 /// of the session may be called but its destructor and, in on_state, wait_for_state(); the members may

@@ -1,6 +1,6 @@
 #pragma once
-/// AES-128-GCM of one direction of a path, by OpenSSL's EVP. Key schedule and contexts are set up once;
-/// a datagram then costs well under a microsecond and allocates nothing.
+/// AES-128-GCM of one direction of a path, by OpenSSL's EVP. Key schedule and contexts are set up
+/// once; a datagram then costs well under a microsecond and allocates nothing.
 
 #include <cstdint>
 #include <memory>

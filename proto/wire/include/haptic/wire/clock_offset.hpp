@@ -3,9 +3,9 @@
 /// NTP's, RFC 5905 8): the exchange of least round trip per interval, and a line through those.
 ///
 /// An exchange proves its offset to within half its round trip, whatever the queues did; the least
-/// round trip of many proves it best. The line through such points gives the drift, so that the offset
-/// still holds between exchanges. A clock that was stepped contradicts the proof: three exchanges in a
-/// row that exclude the line begin the estimate anew.
+/// round trip of many proves it best. The line through such points gives the drift, so that the
+/// offset still holds between exchanges. A clock that was stepped contradicts the proof: three
+/// exchanges in a row that exclude the line begin the estimate anew.
 
 #include <array>
 #include <cstddef>

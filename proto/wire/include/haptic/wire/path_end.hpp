@@ -1,7 +1,7 @@
 #pragma once
 /// One end of a UDP path, whole: opens what comes, answers challenges, decides whether its own
-/// messages go by UDP, and keeps the figures. Sockets and clocks stay outside: datagrams and times come
-/// in, datagrams go out by a function.
+/// messages go by UDP, and keeps the figures. Sockets and clocks stay outside: datagrams and times
+/// come in, datagrams go out by a function.
 
 #include <functional>
 #include <optional>
@@ -38,8 +38,8 @@ class PathEnd {
   /// Client: begins to probe the server's address.
   void start(const PeerAddress& server, TimePoint now) { machine_.start(server, now); }
 
-  /// A datagram that came at `arrival`, on this end's steady clock; all of WIRE 3's checks but those of
-  /// the message. A challenge is answered to `from`; nothing else ever is.
+  /// A datagram that came at `arrival`, on this end's steady clock; all of WIRE 3's checks but
+  /// those of the message. A challenge is answered to `from`; nothing else ever is.
   [[nodiscard]] Received receive(ConstBytes datagram, const PeerAddress& from, TimePoint arrival);
   /// The message of a datagram was none, although the tag was right.
   void message_unreadable() noexcept { statistics_.rejected(Rejection::kPayload); }
@@ -48,8 +48,8 @@ class PathEnd {
   PathChange step(TimePoint now);
   [[nodiscard]] TimePoint next_step() const noexcept { return machine_.next_step(); }
 
-  /// A PROXY or STATE, by what this end sends. False where the path is not in use, or the message too
-  /// large: then it is the stream's.
+  /// A PROXY or STATE, by what this end sends. False where the path is not in use, or the message
+  /// too large: then it is the stream's.
   bool send(ConstBytes message);
   /// Tells the other end that we leave, and sends no more.
   void close();

@@ -1,18 +1,20 @@
 #pragma once
-/// Whether our direction uses UDP, and to which address: challenge, make-before-break, fallback with
-/// back-off, return (WIRE 3). Both ends run one, each for what it sends; the stream is the fallback.
+/// Whether our direction uses UDP, and to which address: challenge, make-before-break, fallback
+/// with back-off, return (WIRE 3). Both ends run one, each for what it sends; the stream is the
+/// fallback.
 ///
 ///   off ---start---> probing ---4 of 5 came back---> in use ---silent, or lossy---> waiting
 ///                       |                                                              |
 ///                       +---fewer came back---> waiting ---back-off over---> probing <-+
 ///
 /// A round is five challenges, padded to 1200 bytes so that what fits later is known to fit, 20 ms
-/// apart. In use, short challenges go on ten times per allowed silence: they measure the round trip and
-/// are the evidence that both directions live. Silent is a challenge that nothing sent since was
-/// answered after, for max(100 ms, 4 nominal periods, 3 round trips).
+/// apart. In use, short challenges go on ten times per allowed silence: they measure the round trip
+/// and are the evidence that both directions live. Silent is a challenge that nothing sent since
+/// was answered after, for max(100 ms, 4 nominal periods, 3 round trips).
 ///
-/// Another address that sends genuine datagrams (a client behind a translator that forgot it) becomes
-/// the candidate of a round of its own; what we send stays where it went until that round is passed.
+/// Another address that sends genuine datagrams (a client behind a translator that forgot it)
+/// becomes the candidate of a round of its own; what we send stays where it went until that round
+/// is passed.
 
 #include <array>
 #include <cstdint>
@@ -86,8 +88,8 @@ class PathMachine {
   /// New keys: the other end's reports count from the beginning.
   void rekeyed() noexcept { loss_.restart(); }
 
-  /// Time passed. Handle what has arrived before: a program that was stopped must not take the silence
-  /// of its own buffers for the path's.
+  /// Time passed. Handle what has arrived before: a program that was stopped must not take the
+  /// silence of its own buffers for the path's.
   PathChange step(TimePoint now);
   /// The next challenge due at `now`; call until there is none.
   [[nodiscard]] std::optional<DueChallenge> due(TimePoint now);

@@ -16,10 +16,10 @@ set -eu
 packages() {
   case "$1" in
     runtime) echo "libgrpc++1.51|libgrpc++1.51t64 libprotobuf32|libprotobuf32t64" \
-                  "libspdlog1.10|libspdlog1.12" ;;
+                  "libspdlog1.10|libspdlog1.12" "libssl3|libssl3t64" ;;
     build) echo "g++ cmake ninja-build pkg-config libeigen3-dev libgrpc++-dev libprotobuf-dev" \
                 "protobuf-compiler protobuf-compiler-grpc libspdlog-dev libcli11-dev" \
-                "nlohmann-json3-dev" ;;
+                "nlohmann-json3-dev libssl-dev libasio-dev" ;;
     test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" \
                 "liborocos-kdl-dev" ;;
     report) echo "gnuplot-nox liblapack-dev" ;;

@@ -38,6 +38,15 @@ std::vector<T*> pointers(const std::vector<std::unique_ptr<T>>& owners) {
   return answer;
 }
 
+RpcConfig rpc_config(const Scene& scene) {
+  RpcConfig config;
+  config.listen = scene.server.listen;
+  config.max_sessions = scene.server.max_sessions;
+  config.period = scene.loop.period;
+  config.udp_listen = scene.server.udp_listen;
+  return config;
+}
+
 double microseconds(core::Duration d) {
   return core::seconds(d) * 1e6;
 }
@@ -68,12 +77,12 @@ void App::start() {
     telemetry_->allow_watching(realtime_.facts.sched_fifo &&
                                std::thread::hardware_concurrency() > 1);
     listen_to_devices();
-    rpc_ = std::make_unique<RpcServer>(
-        RpcConfig{scene_.server.listen, scene_.server.max_sessions, loop.period},
-        pointers(sessions_), *telemetry_, [this] { return facts(); });
+    rpc_ = std::make_unique<RpcServer>(rpc_config(scene_), pointers(sessions_), *telemetry_,
+                                       [this] { return facts(); });
     rpc_->start();
     telemetry_->start();
     loop_->begin(pointers(units_), *telemetry_);
+    if (rpc_->udp_port() != 0) spdlog::info("UDP path on port {}", rpc_->udp_port());
     for (const std::string& address : addresses()) {
       spdlog::info("serving '{}' on {} (no TLS: this host only)", scene_.name, address);
     }

@@ -7,6 +7,8 @@
 /// | loop      | units: device read and write, pipeline          | every unit CLOSING, or 2.5 s |
 /// | telemetry | reading end of the rings; lease clock, events,  | Telemetry::stop(), after a   |
 /// |           | states to streams, recorder, log                | last drain                   |
+/// | udp       | the UDP path's socket: samples in, challenges;  | UdpPort::stop(), by shutdown |
+/// |           | there only where the scene has udp_listen       |                              |
 /// | gRPC's    | calls; they post to mailboxes under a mutex     | RpcServer::shutdown(), 1 s   |
 ///
 /// All but main block every signal (gRPC's inherit SIGTERM, SIGINT and SIGHUP blocked from main).

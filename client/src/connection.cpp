@@ -12,7 +12,7 @@ namespace haptic::client {
 
 class Connection::Impl {
  public:
-  explicit Impl(const std::string& address) {
+  explicit Impl(const std::string& server) : address(server) {
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
     arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 100);
@@ -27,6 +27,7 @@ class Connection::Impl {
     context.set_deadline(std::chrono::system_clock::now() + timeout);
   }
 
+  const std::string address;
   std::shared_ptr<grpc::Channel> channel;
   std::unique_ptr<v1::HapticService::Stub> stub;
 };
@@ -58,7 +59,8 @@ std::vector<DeviceInfo> Connection::devices(std::chrono::milliseconds timeout) {
 }
 
 std::unique_ptr<Session> Connection::open(SessionOptions options) {
-  auto session = std::make_unique<Session::Impl>(impl_->channel, std::move(options));
+  auto session =
+      std::make_unique<Session::Impl>(impl_->channel, impl_->address, std::move(options));
   session->open();
   return std::unique_ptr<Session>(new Session(std::move(session)));
 }

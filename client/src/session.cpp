@@ -37,6 +37,9 @@ bool Session::connected() const {
 Transport Session::transport() const {
   return impl_->transport();
 }
+std::optional<UdpLink> Session::udp_link() const {
+  return impl_->udp_link();
+}
 std::uint32_t Session::lease_epoch() const {
   return impl_->lease_epoch();
 }

@@ -8,8 +8,10 @@
 
 namespace haptic::client {
 
-Session::Impl::Impl(std::shared_ptr<grpc::Channel> channel, SessionOptions options)
+Session::Impl::Impl(std::shared_ptr<grpc::Channel> channel, const std::string& address,
+                    SessionOptions options)
     : options_(std::move(options)),
+      udp_host_(udp_host(address)),
       channel_(std::move(channel)),
       stub_(v1::HapticService::NewStub(channel_)) {}
 
@@ -21,6 +23,7 @@ Session::Impl::~Impl() {
     Lock lock(mutex_);
     if (engage_call_) engage_call_->context.TryCancel();
     if (release_call_) release_call_->context.TryCancel();
+    stop_udp(lock);
     changed_.wait(lock, [this] { return engage_call_ == nullptr && release_call_ == nullptr; });
     stream = std::move(stream_);
   }
@@ -60,6 +63,7 @@ v1::OpenSession Session::Impl::opening() const {
   open.set_client_name(options_.client_name);
   open.set_nominal_rate_hz(options_.nominal_rate_hz);
   open.set_state_rate_hz(options_.state_rate_hz);
+  open.set_udp_wanted(options_.carriers != Carriers::kGrpcOnly);
   if (options_.fresh_end) set_duration(*options_.fresh_end, *open.mutable_fresh_end());
   if (options_.hold_end) set_duration(*options_.hold_end, *open.mutable_hold_end());
   if (options_.fade_end) set_duration(*options_.fade_end, *open.mutable_fade_end());
@@ -78,7 +82,7 @@ void Session::Impl::connect() {
   Lock lock(mutex_);
   const bool answered =
       changed_.wait_for(lock, options_.timeout, [this] { return phase_ != Phase::kOpening; });
-  if (answered && phase_ == Phase::kOpen) return;
+  if (answered && phase_ == Phase::kOpen) return start_udp(lock);
   const grpc::Status status =
       answered ? end_
                : grpc::Status(grpc::StatusCode::DEADLINE_EXCEEDED,

@@ -14,6 +14,7 @@
 #include "callback_scope.hpp"
 #include "haptic/client/session.hpp"
 #include "stream.hpp"
+#include "udp_path.hpp"
 
 namespace haptic::client {
 
@@ -21,9 +22,10 @@ namespace haptic::client {
   return state == State::kEngaging || state == State::kEngaged;
 }
 
-class Session::Impl final : public StreamSink {
+class Session::Impl final : public StreamSink, public UdpSink {
  public:
-  Impl(std::shared_ptr<grpc::Channel> channel, SessionOptions options);
+  /// `address`: what the channel was made of.
+  Impl(std::shared_ptr<grpc::Channel> channel, const std::string& address, SessionOptions options);
   ~Impl() override;
 
   /// Opens the first stream and waits for the server's word. Throws.
@@ -38,6 +40,7 @@ class Session::Impl final : public StreamSink {
   [[nodiscard]] std::optional<ClientError> engage_refusal() const;
   [[nodiscard]] bool connected() const;
   [[nodiscard]] Transport transport() const;
+  [[nodiscard]] std::optional<UdpLink> udp_link() const;
   [[nodiscard]] std::uint32_t lease_epoch() const;
   [[nodiscard]] PublishStatistics statistics() const;
   [[nodiscard]] const DeviceInfo& device() const { return device_; }
@@ -73,6 +76,17 @@ class Session::Impl final : public StreamSink {
   void received(const v1::Event& event);
   void received(const v1::SampleAck& ack);
 
+  // session_udp.cpp: on the UDP path's thread.
+  void on_udp_state(const v1::DeviceState& state) override;
+  void on_udp_fallback(const v1::ProxySample& newest) override;
+
+  /// session_udp.cpp: begins the path that `opened_` offers, if any. Throws where it is required.
+  void start_udp(Lock& lock);
+  /// Ends the path; without our locks meanwhile.
+  void stop_udp(Lock& lock);
+  /// By UDP where that is in use. False: the stream's.
+  [[nodiscard]] bool send_by_udp(const v1::ProxySample& sample, UdpPath* path);
+
   /// One attempt at a stream; throws where the server refused or did not answer.
   void connect();
   void fetch_device();
@@ -105,6 +119,7 @@ class Session::Impl final : public StreamSink {
   void give_up_force(const ClientError& why);
 
   const SessionOptions options_;
+  const std::string udp_host_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<v1::HapticService::Stub> stub_;
   DeviceInfo device_{};
@@ -117,6 +132,7 @@ class Session::Impl final : public StreamSink {
   // The stream.
   Phase phase_{Phase::kDone};
   std::shared_ptr<Stream> stream_;
+  std::shared_ptr<UdpPath> udp_;  ///< stopped by whoever takes it out
   v1::SessionOpened opened_{};
   grpc::Status end_{};
   bool end_pending_{false};  ///< the worker has not dealt with the end yet

@@ -21,6 +21,7 @@ void Session::Impl::publish(Proxy proxy) noexcept {
     const std::lock_guard in_order(publish_mutex_);
     v1::ProxySample sample;
     std::shared_ptr<Stream> stream;
+    std::shared_ptr<UdpPath> udp;
     const auto now = Clock::now();
     sample.set_source_time_ns(now.time_since_epoch().count());
     sample.set_valid_for_us(microseconds(proxy.valid_for));
@@ -44,10 +45,14 @@ void Session::Impl::publish(Proxy proxy) noexcept {
       sample.set_device_seq_used(used);
       if (used != 0 && used == handed_seq_)
         sample.set_hold_us(microseconds(now - handed_received_));
-      if (phase_ == Phase::kOpen) stream = stream_;
+      if (phase_ == Phase::kOpen) {
+        stream = stream_;
+        if (!closing_) udp = udp_;
+      }
       if (stream && lease_lost_ && options_.reconnect == Reconnect::kWithBackoff) leave_for_lease();
     }
-    if (stream) stream->send(sample);
+    if (send_by_udp(sample, udp.get())) return;
+    if (stream && options_.carriers != Carriers::kUdpOnly) stream->send(sample);
   } catch (...) {  // NOLINT(bugprone-empty-catch): out of memory loses this sample, not the caller
   }
 }

@@ -38,6 +38,9 @@ void Session::Impl::on_message(const v1::SessionResponse& message) {
     case v1::SessionResponse::kAck:
       received(message.ack());
       break;
+    case v1::SessionResponse::kUdp:
+      if (udp_) udp_->rekey(message.udp());
+      break;
     case v1::SessionResponse::MESSAGE_NOT_SET:
       return;  // of a newer protocol
   }
@@ -76,6 +79,8 @@ void Session::Impl::received(const v1::SessionOpened& opened) {
 }
 
 void Session::Impl::received(const v1::DeviceState& state) {
+  // The other carrier was faster.
+  if (newest_.seq != 0 && state.seq() <= newest_.seq) return;
   const bool had_force = has_force(newest_.state);
   newest_ = to_state(state);
   state_pending_ = true;

@@ -62,6 +62,7 @@ void Session::Impl::deliver_events(Lock& lock) {
 
 void Session::Impl::handle_end(Lock& lock) {
   end_pending_ = false;
+  stop_udp(lock);
   const ClientError error = to_error(end_);
   const bool again = options_.reconnect == Reconnect::kWithBackoff;
   if (!again || !options_.re_engage) give_up_force(error);  // force never returns by itself

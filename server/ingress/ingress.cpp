@@ -36,6 +36,7 @@ void Ingress::begin_lease(std::uint32_t epoch, double nominal_rate_hz, core::Dur
   hold_end_ = hold_end;
   counters_ = {};
   last_arrival_ = {};
+  carrier_ = Carrier::kNone;
   backlog_ = BacklogRule(std::chrono::duration_cast<core::Duration>(
       std::chrono::duration<double>(1.0 / nominal_rate_hz)));
   newest_ = {};
@@ -168,6 +169,7 @@ void Ingress::store(const ProxyCandidate& candidate, BacklogRule::Answer age,
     newest_.planes.offsets[p] = flushed(plane.offset);
   }
   last_arrival_ = arrival;
+  carrier_ = candidate.carrier;
   mailbox_.publish(newest_);
 }
 

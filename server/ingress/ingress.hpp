@@ -17,6 +17,7 @@
 /// sample look fresh that is not, and a 1 kHz stream clumps by that much on any busy host.
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <mutex>
 #include <string>
@@ -33,6 +34,9 @@ struct PlaneCandidate {
   double offset{0.0};
 };
 
+/// Which way a sample came.
+enum class Carrier : std::uint8_t { kNone = 0, kGrpc = 1, kUdp = 2 };
+
 /// A sample as it came off the wire, before anything was checked but its syntax.
 struct ProxyCandidate {
   std::uint32_t epoch{0};
@@ -44,6 +48,7 @@ struct ProxyCandidate {
   std::array<PlaneCandidate, core::kMaxPlanes> planes{};
   int plane_count{
       0};  ///< as on the wire: may be more than kMaxPlanes, which are then not in `planes`
+  Carrier carrier{Carrier::kGrpc};
 };
 
 enum class IngressVerdict : std::uint8_t {
@@ -120,6 +125,10 @@ class Ingress {
   /// Local arrival of the newest accepted sample (back-log included: it shows that the client
   /// lives) under the current lease; TimePoint{} before the first one.
   [[nodiscard]] core::TimePoint last_accepted() const;
+  /// Of the newest accepted sample under the current lease; kNone before the first one. Any thread.
+  [[nodiscard]] Carrier carrier() const noexcept {
+    return carrier_.load(std::memory_order_relaxed);
+  }
 
  private:
   [[nodiscard]] IngressVerdict check(const ProxyCandidate& candidate, std::string* why);
@@ -134,6 +143,7 @@ class Ingress {
   IngressCounters counters_{};
   BacklogRule backlog_{};
   core::TimePoint last_arrival_{};
+  std::atomic<Carrier> carrier_{Carrier::kNone};
   core::Duration hold_end_{0};
   std::uint32_t epoch_{0};
   bool open_{false};

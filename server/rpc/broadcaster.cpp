@@ -14,8 +14,9 @@ void WatchBudget::refill(core::TimePoint now) noexcept {
   started_ = true;
 }
 
-Broadcaster::Broadcaster(Telemetry& telemetry, std::size_t index, WatchBudget budget)
-    : telemetry_(telemetry), index_(index), budget_(budget) {
+Broadcaster::Broadcaster(Telemetry& telemetry, std::size_t index, WatchBudget budget,
+                         const Ingress& ingress)
+    : telemetry_(telemetry), index_(index), budget_(budget), ingress_(ingress) {
   telemetry_.add(index_, this);
 }
 
@@ -68,7 +69,7 @@ void Broadcaster::demote_expired(const core::CommandSnapshot& command) {
 
 void Broadcaster::on_newest(const core::TickRecord& record) {
   const std::lock_guard lock(mutex_);
-  frame_.begin(record);
+  frame_.begin(record, ingress_.carrier());
   demote_expired(record.input.command);
   for (const Controller& controller : controllers_) controller.stream->offer(record, frame_, true);
 

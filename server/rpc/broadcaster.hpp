@@ -39,8 +39,8 @@ class Subscriber {
 
 class Broadcaster final : public RecordListener {
  public:
-  /// Listens to unit `index` for as long as it lives.
-  Broadcaster(Telemetry& telemetry, std::size_t index, WatchBudget budget);
+  /// Listens to unit `index` for as long as it lives. `ingress`: says which way samples come.
+  Broadcaster(Telemetry& telemetry, std::size_t index, WatchBudget budget, const Ingress& ingress);
   ~Broadcaster() override;
   Broadcaster(const Broadcaster&) = delete;
   Broadcaster& operator=(const Broadcaster&) = delete;
@@ -64,6 +64,7 @@ class Broadcaster final : public RecordListener {
   Telemetry& telemetry_;
   const std::size_t index_;
   WatchBudget budget_;
+  const Ingress& ingress_;
 
   std::mutex mutex_;
   StateFrame frame_;

@@ -57,7 +57,7 @@ void set(google::protobuf::Duration& message, core::Duration d) {
   message.set_nanos(static_cast<std::int32_t>((d - whole).count()));
 }
 
-void to_proto(const core::TickRecord& record, v1::DeviceState& state) {
+void to_proto(const core::TickRecord& record, Carrier carrier, v1::DeviceState& state) {
   const bool has_proxy = record.proxy_mode != core::ProxyMode::kNone;
   state.set_seq(record.tick);
   state.set_server_time_ns(record.input.now.time_since_epoch().count());
@@ -79,7 +79,7 @@ void to_proto(const core::TickRecord& record, v1::DeviceState& state) {
   state.set_proxy_age_us(static_cast<std::uint64_t>(std::max<std::int64_t>(0, age)));
   state.set_staleness(static_cast<v1::StalenessLevel>(record.staleness));
   state.set_gain(record.gain);
-  state.set_transport(has_proxy ? v1::TRANSPORT_GRPC : v1::TRANSPORT_UNSPECIFIED);
+  state.set_transport(has_proxy ? static_cast<v1::Transport>(carrier) : v1::TRANSPORT_UNSPECIFIED);
   state.set_state(static_cast<v1::DeviceStateName>(record.state));
   state.set_faults(record.faults.bits());
   state.set_limiters(record.limiters.bits());
@@ -194,8 +194,35 @@ v1::Device describe(const DeviceSessions& device, core::Duration period) {
   return message;
 }
 
-ProxyCandidate from_proto(const v1::ProxySample& sample, std::uint32_t epoch) {
+void to_proto(const wire::PathKeys& keys, const UdpPort& port, v1::UdpPath& message) {
+  const auto bytes = [](const auto& array) { return std::string(array.begin(), array.end()); };
+  message.set_host(port.host());
+  message.set_port(port.port());
+  message.set_path_id(keys.path_id);
+  message.set_up_key(bytes(keys.up.key));
+  message.set_up_salt(bytes(keys.up.salt));
+  message.set_down_key(bytes(keys.down.key));
+  message.set_down_salt(bytes(keys.down.salt));
+}
+
+std::size_t largest_state(const core::PipelineConfig& config) {
+  // Vectors of numbers that are not 0 and every other field at its longest.
+  core::TickRecord record;
+  const auto n_q = config.kinematics->layout().n_q(), n_a = config.kinematics->layout().n_a(),
+             n_x = config.kinematics->space().n_x();
+  record.q = record.q_star = core::VecQ::Ones(n_q);
+  record.q_a_dot = record.tau_a = record.tau_elastic = core::VecA::Ones(n_a);
+  record.input.settings.stiffness = core::VecA::Ones(n_a);
+  record.x = record.x_probe = core::VecX::Ones(n_x);
+  v1::DeviceState state;
+  to_proto(record, Carrier::kUdp, state);
+  constexpr std::size_t kScalars = 120;  // 4 of 64 bits, 9 of 32, 2 doubles, with their tags
+  return state.ByteSizeLong() + kScalars;
+}
+
+ProxyCandidate from_proto(const v1::ProxySample& sample, std::uint32_t epoch, Carrier carrier) {
   ProxyCandidate candidate;
+  candidate.carrier = carrier;
   candidate.epoch = epoch;
   candidate.seq = sample.seq();
   if (sample.mode() == v1::PROXY_MODE_HELD) candidate.mode = core::ProxyMode::kHeld;

@@ -11,19 +11,26 @@
 #include "server/session/device_event.hpp"
 #include "server/session/device_sessions.hpp"
 #include "server/session/settings_policy.hpp"
+#include "server/udp/udp_port.hpp"
 
 namespace haptic::server {
 
-/// Overwrites every field of `state`; keeps its memory.
-void to_proto(const core::TickRecord& record, v1::DeviceState& state);
+/// Overwrites every field of `state`; keeps its memory. `carrier`: of the newest sample.
+void to_proto(const core::TickRecord& record, Carrier carrier, v1::DeviceState& state);
 [[nodiscard]] v1::Event to_proto(const DeviceEvent& event);
 [[nodiscard]] v1::UpdateSettingsResponse to_proto(const SettingsAnswer& answer);
 [[nodiscard]] v1::GetServerInfoResponse to_proto(const ServerFacts& facts);
 [[nodiscard]] v1::Device describe(const DeviceSessions& device, core::Duration period);
 void set(google::protobuf::Duration& message, core::Duration duration);
 
+/// Where the path ends and its keys; `port` is bound.
+void to_proto(const wire::PathKeys& keys, const UdpPort& port, v1::UdpPath& message);
+/// Bytes of a serialised DeviceState at most.
+[[nodiscard]] std::size_t largest_state(const core::PipelineConfig& config);
+
 /// Points into `sample`, which must outlive the candidate.
-[[nodiscard]] ProxyCandidate from_proto(const v1::ProxySample& sample, std::uint32_t epoch);
+[[nodiscard]] ProxyCandidate from_proto(const v1::ProxySample& sample, std::uint32_t epoch,
+                                        Carrier carrier = Carrier::kGrpc);
 [[nodiscard]] LeaseRequest from_proto(const v1::OpenSession& open, std::string session_id,
                                       std::string client_name);
 /// Refuses a renderer that the protocol does not know.

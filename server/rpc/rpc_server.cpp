@@ -46,6 +46,11 @@ class RpcServer::Impl {
     const std::vector<std::string>& addresses = context_.config.listen;
     if (addresses.empty()) throw core::TransportError("no listen address");
     for (const std::string& address : addresses) check_listen_address(address);
+    const std::string& udp = context_.config.udp_listen;
+    if (!udp.empty()) {
+      check_listen_address(udp);
+      context_.udp = std::make_unique<UdpPort>(udp);
+    }
 
     grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
@@ -68,6 +73,7 @@ class RpcServer::Impl {
     for (std::size_t i = 0; i < addresses.size(); ++i) {
       bound_.push_back(with_port(addresses[i], ports[i]));
     }
+    if (context_.udp) context_.udp->start();
     health_ = std::make_unique<HealthKeeper>(*server_->GetHealthCheckService(), context_.devices);
   }
 
@@ -79,10 +85,14 @@ class RpcServer::Impl {
                       std::chrono::duration_cast<std::chrono::system_clock::duration>(grace));
     server_.reset();
     context_.streams.wait_until_gone();
+    context_.udp.reset();  // nobody has a path any more
     bound_.clear();
   }
 
   [[nodiscard]] std::vector<std::string> bound() const { return bound_; }
+  [[nodiscard]] std::uint16_t udp_port() const {
+    return context_.udp ? context_.udp->port() : std::uint16_t{0};
+  }
 
  private:
   ServiceContext context_;
@@ -107,6 +117,10 @@ void RpcServer::start() {
 
 std::vector<std::string> RpcServer::bound_addresses() const {
   return impl_->bound();
+}
+
+std::uint16_t RpcServer::udp_port() const {
+  return impl_->udp_port();
 }
 
 void RpcServer::shutdown(core::Duration grace) {

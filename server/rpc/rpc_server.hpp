@@ -24,6 +24,8 @@ struct RpcConfig {
   /// device; what is above is conflated, in turns. Measured on a shared 2-core VM: 16 watchers at 1 kHz cost 6 % of a core per
   /// 4000 states/s, and the controller's proxy age does not move; 8000 leaves a slower host room.
   unsigned watch_budget_hz{8000};
+  /// Address of the UDP path, "host:port", loopback only; empty: there is none.
+  std::string udp_listen{};
 };
 
 class RpcServer {
@@ -40,6 +42,8 @@ class RpcServer {
   void start();
   /// The addresses as served, ports filled in; empty before start().
   [[nodiscard]] std::vector<std::string> bound_addresses() const;
+  /// Of the UDP path; 0 where there is none.
+  [[nodiscard]] std::uint16_t udp_port() const;
   /// Refuses new calls, ends streams (UNAVAILABLE), waits for at most `grace`, then cancels.
   /// Idempotent; the destructor calls it with 1 s.
   void shutdown(core::Duration grace);

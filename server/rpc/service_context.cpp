@@ -57,7 +57,8 @@ ServiceContext::ServiceContext(RpcConfig rpc_config, std::vector<DeviceSessions*
   const WatchBudget share(config.watch_budget_hz /
                           static_cast<double>(std::max<std::size_t>(devices.size(), 1)));
   for (std::size_t i = 0; i < devices.size(); ++i) {
-    broadcasters.push_back(std::make_unique<Broadcaster>(telemetry, i, share));
+    broadcasters.push_back(
+        std::make_unique<Broadcaster>(telemetry, i, share, devices[i]->ingress()));
   }
 }
 

@@ -10,6 +10,7 @@
 #include "server/rpc/broadcaster.hpp"
 #include "server/rpc/rpc_server.hpp"
 #include "server/rpc/session_registry.hpp"
+#include "server/udp/udp_port.hpp"
 
 namespace haptic::server {
 
@@ -67,6 +68,7 @@ struct ServiceContext {
   const FactsProvider facts;
   SessionRegistry registry;
   OpenStreams streams;
+  std::unique_ptr<UdpPort> udp;  ///< none where the scene has no udp_listen
   std::vector<std::unique_ptr<Broadcaster>> broadcasters;
 };
 

@@ -3,6 +3,7 @@
 #include <grpcpp/impl/codegen/proto_utils.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "server/rpc/convert.hpp"
@@ -16,6 +17,15 @@ constexpr std::size_t kLongestClientName = 64;
 
 Refusal protocol_error(const std::string& message) {
   return {Refusal::Code::kInvalid, "PROTOCOL", message, "message"};
+}
+
+/// What the path's silence is measured by: the samples of a controller, the states of an observer.
+core::Duration path_period(const v1::OpenSession& request, double loop_hz) {
+  const double states = request.state_rate_hz() > 0.0 ? request.state_rate_hz() : loop_hz;
+  const bool sends = request.role() == v1::ROLE_CONTROLLER;
+  // A rate that is off is refused when the lease is asked for; until then it must not harm.
+  const double rate = std::clamp(sends ? request.nominal_rate_hz() : states, 1.0, 2000.0);
+  return std::chrono::duration_cast<core::Duration>(std::chrono::duration<double>(1.0 / rate));
 }
 
 }  // namespace
@@ -42,7 +52,7 @@ void SessionStream::OnReadDone(bool ok) {
   if (request_.has_open()) {
     open(request_.open());
   } else if (request_.has_proxy()) {
-    take_sample(request_.proxy(), arrival);
+    take_sample(request_.proxy(), arrival, Carrier::kGrpc);
   } else {
     return end(to_status(protocol_error("must carry a ProxySample")));
   }
@@ -80,6 +90,8 @@ void SessionStream::open(const v1::OpenSession& request) {
     client_name_ = sanitised(request.client_name(), kLongestClientName);
     events_ = std::move(events);
     pace_ = Pace(context_.loop_hz(), request.state_rate_hz());
+    udp_wanted_ = request.udp_wanted();
+    nominal_period_ = path_period(request, context_.loop_hz());
     ended = ended_;
   }
   if (!ended && request.role() == v1::ROLE_OBSERVER) {
@@ -129,6 +141,7 @@ void SessionStream::opened(v1::Role role, const Lease& lease) {
     set(*message.mutable_fade_end(), lease.staleness.fade_end);
     message.set_transport(v1::TRANSPORT_GRPC);
     message.set_session_id(id_);
+    if (udp_wanted_) offer_udp(message);
     greeting_due_ = true;
     opened_ = true;
     flush();
@@ -144,7 +157,8 @@ void SessionStream::opened(v1::Role role, const Lease& lease) {
   if (ended) target_.broadcaster->remove(this);
 }
 
-void SessionStream::take_sample(const v1::ProxySample& sample, core::TimePoint arrival) {
+void SessionStream::take_sample(const v1::ProxySample& sample, core::TimePoint arrival,
+                                Carrier carrier) {
   std::uint32_t epoch = 0;
   {
     const std::lock_guard lock(mutex_);
@@ -155,25 +169,75 @@ void SessionStream::take_sample(const v1::ProxySample& sample, core::TimePoint a
   if (epoch == 0) {
     why = "this session does not hold the lease: its samples are not used";
   } else {
-    verdict = target_.device->ingress().accept(from_proto(sample, epoch), arrival, &why);
+    verdict = target_.device->ingress().accept(from_proto(sample, epoch, carrier), arrival, &why);
   }
   const std::lock_guard lock(mutex_);
   ledger_.book(sample.seq(), verdict, std::move(why));
+  const bool used = verdict == IngressVerdict::kAccepted || verdict == IngressVerdict::kBacklog;
+  if (!used || carrier == std::exchange(samples_by_, carrier)) return;
+  tell_transport(carrier == Carrier::kUdp ? "SAMPLES GRPC -> UDP" : "SAMPLES UDP -> GRPC",
+                 "the client's choice");
+}
+
+void SessionStream::on_udp_sample(const v1::ProxySample& sample, core::TimePoint arrival) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (ended_) return;
+  }
+  take_sample(sample, arrival, Carrier::kUdp);
+}
+
+void SessionStream::on_udp_change(wire::PathChange change) {
+  const std::lock_guard lock(mutex_);
+  if (ended_) return;
+  const bool by_udp = udp_->in_use();
+  if (by_udp == std::exchange(states_by_udp_, by_udp)) return;
+  tell_transport(by_udp ? "STATES GRPC -> UDP" : "STATES UDP -> GRPC", wire::name(change));
+}
+
+void SessionStream::on_udp_keys(const wire::PathKeys& keys) {
+  const std::lock_guard lock(mutex_);
+  new_keys_ = keys;
+}
+
+void SessionStream::offer_udp(v1::SessionOpened& message) {
+  if (!context_.udp) {
+    message.set_udp_refused("the scene has no server.udp_listen");
+    return;
+  }
+  const std::size_t largest = largest_state(target_.device->unit().config());
+  if (largest > wire::kLargestPayload) {
+    message.set_udp_refused("a state of this device has up to " + std::to_string(largest) +
+                            " bytes: a datagram carries " + std::to_string(wire::kLargestPayload));
+    return;
+  }
+  auto self = std::static_pointer_cast<SessionStream>(shared_from_this());
+  UdpPort::Opened opened = context_.udp->open(std::weak_ptr<UdpSink>(self), nominal_period_);
+  udp_ = std::move(opened.path);
+  to_proto(opened.keys, *context_.udp, *message.mutable_udp());
+}
+
+void SessionStream::tell_transport(const char* reason, const char* why) {
+  spdlog::info("session '{}': {} ({})", client_name_, reason, why);
+  events_->push({DeviceEvent::Kind::kTransport, steady_now(), reason, why,
+                 target_.device->unit().state(), epoch_});
 }
 
 bool SessionStream::offer(const core::TickRecord& record, StateFrame& frame, bool states_allowed) {
   const std::lock_guard lock(mutex_);
   if (ended_ || !opened_) return false;
   ledger_.look(record.input.now);
-  if (writing_) return false;
   // The greeting is the first word of a session, whatever else is waiting.
-  if (!greeting_due_ && states_allowed && pace_.due(record.tick)) {
-    pace_.sent(record.tick);
+  const bool state_due = !greeting_due_ && states_allowed && pace_.due(record.tick);
+  const bool by_udp = state_due && udp_ && udp_->send_state(frame.for_datagram());
+  if (by_udp || (state_due && !writing_)) pace_.sent(record.tick);
+  if (writing_) return by_udp;
+  if (state_due && !by_udp) {
     write(frame.for_session());
     return true;
   }
   flush();
-  return false;
+  return by_udp;
 }
 
 void SessionStream::flush() {
@@ -183,6 +247,11 @@ void SessionStream::flush() {
     return write(to_buffer(greeting_));
   }
   if (!opened_) return;
+  if (new_keys_) {
+    v1::SessionResponse response;
+    to_proto(*std::exchange(new_keys_, std::nullopt), *context_.udp, *response.mutable_udp());
+    return write(to_buffer(response));
+  }
   if (auto event = events_->pop()) {
     v1::SessionResponse response;
     *response.mutable_event() = to_proto(*event);
@@ -196,6 +265,7 @@ void SessionStream::flush() {
 }
 
 void SessionStream::OnDone() {
+  if (udp_) context_.udp->close(udp_);
   if (!client_name_.empty()) spdlog::info("session '{}' ended", client_name_);
   ResponseStream::OnDone();
 }

@@ -4,17 +4,20 @@
 
 #include <grpcpp/support/server_callback.h>
 
+#include <optional>
 #include <string>
 
 #include "haptic/v1/session.pb.h"
 #include "server/rpc/pace.hpp"
 #include "server/rpc/response_stream.hpp"
 #include "server/rpc/sample_ledger.hpp"
+#include "server/udp/udp_path.hpp"
 
 namespace haptic::server {
 
 class SessionStream final
-    : public ResponseStream<grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>> {
+    : public ResponseStream<grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>>,
+      public UdpSink {
  public:
   /// Begins to read; deletes itself when gRPC is done with it.
   [[nodiscard]] static SessionStream* begin(ServiceContext& context);
@@ -24,13 +27,20 @@ class SessionStream final
   void OnReadDone(bool ok) override;
   void OnDone() override;
 
+  // On the UDP port's thread.
+  void on_udp_sample(const v1::ProxySample& sample, core::TimePoint arrival) override;
+  void on_udp_change(wire::PathChange change) override;
+  void on_udp_keys(const wire::PathKeys& keys) override;
+
  private:
   void read_next();
   void open(const v1::OpenSession& request);
   void open_as_controller(const v1::OpenSession& request);
   void granted(const Lease& lease);
   void opened(v1::Role role, const Lease& lease);
-  void take_sample(const v1::ProxySample& sample, core::TimePoint arrival);
+  void take_sample(const v1::ProxySample& sample, core::TimePoint arrival, Carrier carrier);
+  void offer_udp(v1::SessionOpened& message);
+  void tell_transport(const char* reason, const char* why);
   void flush() override;
 
   // Of the reading side, one callback at a time.
@@ -45,6 +55,12 @@ class SessionStream final
   std::string client_name_;
   std::uint32_t epoch_{0};  ///< 0: never held the lease
   SampleLedger ledger_;
+  bool udp_wanted_{false};
+  core::Duration nominal_period_{0};
+  std::shared_ptr<UdpPath> udp_;
+  std::optional<wire::PathKeys> new_keys_;  ///< to be sent
+  Carrier samples_by_{Carrier::kGrpc};
+  bool states_by_udp_{false};
   Pace pace_{1000.0, 0.0};
 };
 

@@ -33,14 +33,15 @@ grpc::Slice to_slice(const google::protobuf::MessageLite& message) {
 
 }  // namespace
 
-void StateFrame::begin(const core::TickRecord& record) noexcept {
+void StateFrame::begin(const core::TickRecord& record, Carrier carrier) noexcept {
   record_ = &record;
+  carrier_ = carrier;
   ready_ = false;
 }
 
 void StateFrame::serialise() {
   if (ready_) return;
-  to_proto(*record_, state_);
+  to_proto(*record_, carrier_, state_);
   bytes_ = to_slice(state_);
   ready_ = true;
 }
@@ -50,6 +51,11 @@ grpc::ByteBuffer StateFrame::for_session() {
   const std::array<grpc::Slice, 2> slices{
       head(tag(v1::SessionResponse::kStateFieldNumber, kLengthDelimited), bytes_.size()), bytes_};
   return {slices.data(), slices.size()};
+}
+
+std::span<const std::uint8_t> StateFrame::for_datagram() {
+  serialise();
+  return {bytes_.begin(), bytes_.size()};
 }
 
 grpc::ByteBuffer StateFrame::for_watch(std::uint64_t conflated) {

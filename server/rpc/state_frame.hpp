@@ -4,9 +4,12 @@
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/slice.h>
 
+#include <span>
+
 #include "google/protobuf/message_lite.h"
 #include "haptic/core/tick/tick_record.hpp"
 #include "haptic/v1/session.pb.h"
+#include "server/ingress/ingress.hpp"
 
 namespace haptic::server {
 
@@ -16,9 +19,12 @@ namespace haptic::server {
 class StateFrame {
  public:
   /// A new tick; nothing is serialised before somebody asks. `record` must outlive the use.
-  void begin(const core::TickRecord& record) noexcept;
+  /// `carrier`: of the newest sample.
+  void begin(const core::TickRecord& record, Carrier carrier = Carrier::kGrpc) noexcept;
   /// SessionResponse { state }.
   [[nodiscard]] grpc::ByteBuffer for_session();
+  /// DeviceState alone, as a datagram carries it; until the next begin().
+  [[nodiscard]] std::span<const std::uint8_t> for_datagram();
   /// WatchResponse { state, conflated }.
   [[nodiscard]] grpc::ByteBuffer for_watch(std::uint64_t conflated);
 
@@ -26,6 +32,7 @@ class StateFrame {
   void serialise();
 
   const core::TickRecord* record_{nullptr};
+  Carrier carrier_{Carrier::kGrpc};
   bool ready_{false};
   v1::DeviceState state_{};
   grpc::Slice bytes_{};

@@ -63,6 +63,11 @@ ServerScene read_server(v1::ServerScene& message, Problems& problems) {
       reader.wrong(field, quoted(address), "must be another: this one is listed already");
     }
   }
+  const std::string& udp = server.udp_listen = message.udp_listen();
+  if (!udp.empty() && (!is_address(udp) || udp.rfind("unix:", 0) == 0)) {
+    reader.wrong("udp_listen", quoted(udp),
+                 "must be \"host:port\" or \"[v6]:port\" (port 0 to 65535)");
+  }
   server.lease_timeout =
       reader.duration("lease_timeout", server.lease_timeout, {milliseconds(500), seconds(60)});
   if (!message.has_max_sessions()) message.set_max_sessions(server.max_sessions);

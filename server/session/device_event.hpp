@@ -23,6 +23,7 @@ struct DeviceEvent {
     kLeaseExpired = 5,  ///< reason "LEASE_EXPIRED"
     kStaleness = 6,     ///< reason "FRESH -> HOLD"
     kClosing = 7,       ///< reason "CLOSING"
+    kTransport = 8,     ///< of a session, not of a record; reason "SAMPLES GRPC -> UDP"
   };
   Kind kind{Kind::kState};
   core::TimePoint time{};  ///< server's steady clock, of the tick

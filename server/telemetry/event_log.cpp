@@ -20,6 +20,7 @@ spdlog::level::level_enum level_of(DeviceEvent::Kind kind) {
     case DeviceEvent::Kind::kState:
     case DeviceEvent::Kind::kFaultCleared:
     case DeviceEvent::Kind::kClosing:
+    case DeviceEvent::Kind::kTransport:
       return spdlog::level::info;
   }
   return spdlog::level::info;

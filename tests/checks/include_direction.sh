@@ -67,8 +67,8 @@ $(includes server | grep -vE '^server/(rpc|udp|scene)/' | grep -E " [<\"]($grpc)
 LINES
 
 # "No clock read" is not an include, but belongs to the same contract.
-report "core reads no clock" <<LINES
-$(find core -name '*.[ch]pp' -exec grep -HnE '(::now[[:space:]]*\(|clock_gettime|gettimeofday)' {} + |
+report "core and wire read no clock" <<LINES
+$(find core $([ -d proto/wire ] && echo proto/wire) -name '*.[ch]pp' -exec grep -HnE '(::now[[:space:]]*\(|clock_gettime|gettimeofday)' {} + |
   grep -vE ':[0-9]+:[[:space:]]*//' | sed -E 's/^([^:]+:[0-9]+):.*/\1 "a clock/')
 LINES
 

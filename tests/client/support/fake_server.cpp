@@ -64,6 +64,11 @@ void FakeServer::answer_opening(bool answer) {
   answer_opening_ = answer;
 }
 
+void FakeServer::offer_udp(const v1::UdpPath& udp) {
+  const Lock lock(mutex_);
+  udp_ = udp;
+}
+
 void FakeServer::read_samples(bool read) {
   const Lock lock(mutex_);
   if (read && !read_ && session_ != nullptr) session_->read_on();

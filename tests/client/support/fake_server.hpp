@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,7 @@ class FakeServer final
   // The script; to be set before it is needed.
   void refuse_opening(const grpc::Status& status);  ///< the next OpenSession only
   void answer_opening(bool answer);                 ///< false: hears OpenSession and says nothing
+  void offer_udp(const v1::UdpPath& udp);           ///< with every SessionOpened from now on
   void read_samples(bool read);                     ///< false: leaves them in the socket
   void answer_engage(const grpc::Status& status);   ///< queued; OK where the queue is empty
   [[nodiscard]] std::size_t engage_answers_left() const;
@@ -95,6 +97,7 @@ class FakeServer final
   grpc::Status refusal_;
   bool answer_opening_{true};
   bool read_{true};
+  std::optional<v1::UdpPath> udp_;
   std::deque<grpc::Status> engage_answers_;
   bool hold_engage_{false};
   std::uint32_t epoch_{0};

@@ -43,6 +43,7 @@ void FakeServer::SessionReactor::open() {
   opened.set_role(request_.open().role());
   opened.set_lease_epoch(++server_.epoch_);
   opened.set_session_id("session-" + std::to_string(server_.epoch_));
+  if (server_.udp_) *opened.mutable_udp() = *server_.udp_;
   send(message);
 }
 

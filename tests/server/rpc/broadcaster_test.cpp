@@ -32,7 +32,8 @@ class BroadcasterTest : public testing::Test {
     return counter;
   }
   DeviceRig rig;
-  server::Broadcaster broadcaster{*rig.telemetry, 0, server::WatchBudget(500.0)};
+  server::Broadcaster broadcaster{*rig.telemetry, 0, server::WatchBudget(500.0),
+                                  rig.sessions->ingress()};
 };
 
 TEST_F(BroadcasterTest, TheControllerGetsEveryTickWhateverTheWatchersCost) {

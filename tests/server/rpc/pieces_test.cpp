@@ -102,7 +102,7 @@ core::TickRecord record() {
 TEST(StateFrame, TheSharedBytesAreTheMessagesBytes) {
   const core::TickRecord r = record();
   v1::WatchResponse expected;
-  to_proto(r, *expected.mutable_state());
+  to_proto(r, Carrier::kGrpc, *expected.mutable_state());
   expected.set_conflated(123456);
   StateFrame frame;
   frame.begin(r);

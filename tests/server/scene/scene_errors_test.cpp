@@ -237,6 +237,10 @@ TEST(SceneErrors, OfTheDaemonNameLineFieldValueAndWhatIsAllowed) {
       ": must be \"host:port\", \"[v6]:port\" (port 0 to 65535) or "
       "\"unix:/path\"";
   std::vector<Bad> table = {
+      {"a UDP path on a UNIX socket", plus("server { udp_listen: \"unix:/run/h\" }"),
+       "t.textproto:11: server.udp_listen = \"unix:/run/h\": must be \"host:port\""},
+      {"a UDP path without a port", plus("server { udp_listen: \"127.0.0.1\" }"),
+       "t.textproto:11: server.udp_listen = \"127.0.0.1\": must be \"host:port\""},
       {"twice", plus("server { listen: [\"[::1]:1\", \"[::1]:1\"] }"),
        "t.textproto:11: server.listen[1] = \"[::1]:1\": must be another"},
       {"lease", plus("server { lease_timeout { nanos: 499000000 } }"),

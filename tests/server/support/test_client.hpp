@@ -136,6 +136,7 @@ class TestSession {
   [[nodiscard]] v1::SessionOpened opened() { return get(opened_); }
   [[nodiscard]] v1::DeviceState state() { return get(state_); }
   [[nodiscard]] v1::SampleAck ack() { return get(ack_); }
+  [[nodiscard]] std::vector<v1::Event> events() { return get(events_); }
   [[nodiscard]] std::vector<std::uint64_t> sequence() { return get(sequence_); }
   [[nodiscard]] bool heard(v1::Event::Kind kind) {
     for (const v1::Event& event : get(events_)) {

@@ -1,9 +1,9 @@
 #pragma once
 /// A session on a device: publish proxies, receive states, ask for force.
 ///
-/// Threads: on_state runs on the thread of gRPC that received the state, so that nothing lies between
-/// the wire and your code: take what you need and return; while it runs, states are conflated to the
-/// newest. A simulation's step belongs in a loop of its own, with wait_for_state(). on_event and
+/// Threads: on_state runs on the thread that received the state (gRPC's or the UDP path's), so that
+/// nothing lies between the wire and your code: take what you need and return; while it runs,
+/// states are conflated to the newest. A simulation's step belongs in a loop of its own, with wait_for_state(). on_event and
 /// on_disconnect run on one thread of the session's own, and may take their time: events wait in
 /// order. None runs twice at once, but on_state may run beside the other two. In a callback everything
 /// of the session may be called but its destructor and, in on_state, wait_for_state(); the members may
@@ -29,6 +29,13 @@ enum class Reconnect : std::uint8_t {
   kWithBackoff
 };
 
+/// What carries samples and states. The stream stays open beside UDP, and is its fallback.
+enum class Carriers : std::uint8_t {
+  kAutomatic,  ///< UDP where the server offers it and the path proves good, else the stream
+  kGrpcOnly,
+  kUdpOnly  ///< samples wait for no fallback: without the path they are dropped. For measuring.
+};
+
 struct SessionOptions {
   std::string device{};  ///< empty: the only one
   bool observer{false};
@@ -40,6 +47,7 @@ struct SessionOptions {
   bool derive_planes{false};
   std::vector<Block> blocks{};  ///< empty: all coordinates are one
   std::optional<std::chrono::nanoseconds> fresh_end{}, hold_end{}, fade_end{};  ///< tighten only
+  Carriers carriers{Carriers::kAutomatic};
   Reconnect reconnect{Reconnect::kNever};
   /// After force was lost (stale proxy, reconnect) ask for it again as soon as the server would
   /// agree. Never after a fault: clearing one must not start a motor. Ask again with
@@ -102,6 +110,8 @@ class Session {
 
   [[nodiscard]] bool connected() const;
   [[nodiscard]] Transport transport() const;
+  /// What is known of the UDP path; empty where the server offers none, or it was not wanted.
+  [[nodiscard]] std::optional<UdpLink> udp_link() const;
   [[nodiscard]] std::uint32_t lease_epoch() const;
   [[nodiscard]] PublishStatistics statistics() const;
   [[nodiscard]] const DeviceInfo& device() const;

@@ -137,6 +137,13 @@ struct Proxy {
   [[nodiscard]] static Proxy free() { return {}; }
 };
 
+/// The UDP path of a session, as this end sees it.
+struct UdpLink {
+  bool in_use{false};                      ///< samples go by it
+  std::chrono::nanoseconds round_trip{0};  ///< smoothed; 0: not known yet
+  std::uint64_t received{0}, lost{0};      ///< datagrams of the server
+};
+
 /// Samples since the session opened, over reconnects. Samples that are neither sent nor conflated
 /// waited for the transport, or had none.
 struct PublishStatistics {

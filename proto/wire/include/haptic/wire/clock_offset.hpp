@@ -1,0 +1,74 @@
+#pragma once
+/// Where the other end's steady clock stands against ours, from exchanges of four time stamps (as
+/// NTP's, RFC 5905 8): the exchange of least round trip per interval, and a line through those.
+///
+/// An exchange proves its offset to within half its round trip, whatever the queues did; the least
+/// round trip of many proves it best. The line through such points gives the drift, so that the
+/// offset still holds between exchanges. A clock that was stepped contradicts the proof: three
+/// exchanges in a row that exclude the line begin the estimate anew.
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "haptic/wire/time.hpp"
+
+namespace haptic::wire {
+
+/// One question and its answer. Ours are points on our clock, theirs are readings of their clock.
+struct ClockExchange {
+  TimePoint sent{};       ///< ours, question left
+  Duration received{0};   ///< theirs, question came
+  Duration answered{0};   ///< theirs, answer left
+  TimePoint came_back{};  ///< ours
+};
+
+/// Not thread-safe.
+class ClockOffset {
+ public:
+  static constexpr Duration kInterval{std::chrono::milliseconds(500)};
+  static constexpr std::size_t kIntervals = 32;
+  /// Two quartz clocks differ by no more, with room: what an old point may have drifted until now.
+  static constexpr double kLargestDrift = 500e-6;
+  static constexpr int kContradictions = 3;
+
+  struct Estimate {
+    Duration offset{0};  ///< theirs minus ours, now
+    double drift{0.0};   ///< theirs runs faster by this share
+    Duration bound{0};   ///< the true offset lies within offset +- bound while drifts are plausible
+  };
+
+  /// Exchanges that cannot be (negative round trip) are passed over.
+  void add(const ClockExchange& exchange) noexcept;
+  /// None before the first exchange.
+  [[nodiscard]] std::optional<Estimate> at(TimePoint now) const noexcept;
+
+  /// When, by our clock, theirs showed `reading`, at the latest: the estimate and its bound. A
+  /// sample's life may be counted from there where that is earlier than its arrival (WIRE 4).
+  [[nodiscard]] std::optional<TimePoint> latest(Duration reading, TimePoint now) const noexcept;
+
+  /// Times the estimate began anew.
+  [[nodiscard]] unsigned steps() const noexcept { return steps_; }
+
+ private:
+  struct Point {
+    TimePoint when{};
+    Duration offset{0};
+    Duration rtt{0};
+  };
+  [[nodiscard]] bool contradicts(const Point& point) const noexcept;
+  void keep(const Point& point) noexcept;
+  void fit() noexcept;
+
+  std::array<Point, kIntervals> points_{};  ///< best of each interval, oldest first
+  std::size_t count_{0};
+  TimePoint interval_began_{};
+  int contradictions_{0};
+  unsigned steps_{0};
+  // The line: offset_ at base_, and its slope.
+  TimePoint base_{};
+  double offset_ns_{0.0};
+  double drift_{0.0};
+};
+
+}  // namespace haptic::wire

@@ -1,0 +1,118 @@
+#include "haptic/wire/path_end.hpp"
+
+#include <utility>
+
+namespace haptic::wire {
+
+PathEnd::PathEnd(PathEndSetup setup)
+    : end_(setup.end),
+      send_(std::move(setup.send)),
+      channel_(setup.end, setup.keys),
+      machine_(setup.rules, std::move(setup.token)),
+      counted_path_(setup.keys.path_id),
+      sending_path_(setup.keys.path_id) {}
+
+Received PathEnd::receive(ConstBytes datagram, const PeerAddress& from, TimePoint arrival) {
+  const Opened opened = channel_.open(datagram, payload_, arrival);
+  if (opened.rejection != Rejection::kNone) {
+    statistics_.rejected(opened.rejection);
+    return {opened.rejection, {}, PathChange::kNone};
+  }
+  count(opened.header, datagram.size(), arrival);
+  if (end_ == End::kServer && opened.header.type != DatagramType::kClose) {
+    machine_.heard(from, arrival);
+  }
+  const ConstBytes payload = ConstBytes(payload_).first(opened.size);
+  const auto unreadable = [this] {
+    message_unreadable();
+    return Received{Rejection::kPayload, {}, PathChange::kNone};
+  };
+  switch (opened.header.type) {
+    case DatagramType::kProxy:
+    case DatagramType::kState:
+      return {Rejection::kNone, payload, PathChange::kNone};
+    case DatagramType::kPathChallenge: {
+      const auto challenge = read_challenge(payload);
+      if (!challenge) return unreadable();
+      answer(*challenge, payload.size(), from, arrival);
+      return {};
+    }
+    case DatagramType::kPathResponse: {
+      const auto response = read_response(payload);
+      if (!response) return unreadable();
+      return {Rejection::kNone, {}, hear(*response, from, arrival)};
+    }
+    case DatagramType::kClose:
+      return {Rejection::kNone, {}, machine_.closed()};
+  }
+  return {};
+}
+
+void PathEnd::count(const Header& header, std::size_t size, TimePoint arrival) {
+  if (channel_.path_id() != sending_path_) {  // the server's change-over to new keys
+    sending_path_ = channel_.path_id();
+    machine_.rekeyed();
+  }
+  if (header.path_id != counted_path_ && header.path_id == channel_.path_id()) {
+    counted_path_ = header.path_id;
+    statistics_.renumber();
+  }
+  // Late ones under former keys were counted as lost; they are no part of this numbering.
+  if (header.path_id == counted_path_) {
+    statistics_.accepted(header.packet_number, size, arrival);
+  }
+}
+
+void PathEnd::answer(const PathChallenge& challenge, std::size_t size, const PeerAddress& to,
+                     TimePoint arrival) {
+  const std::int64_t reading = arrival.time_since_epoch().count();
+  const Bytes payload = Bytes(payload_).first(size);
+  write(
+      PathResponse{challenge.token, reading, reading, statistics_.packets(), statistics_.newest()},
+      payload);
+  seal_and_send(DatagramType::kPathResponse, payload, to);
+}
+
+PathChange PathEnd::hear(const PathResponse& response, const PeerAddress& from, TimePoint arrival) {
+  if (const auto sent = machine_.sent_at(response.token)) {
+    clock_offset_.add({*sent, Duration(response.received_ns), Duration(response.sent_ns), arrival});
+  }
+  return machine_.responded(from, response, arrival);
+}
+
+PathChange PathEnd::step(TimePoint now) {
+  const PathChange change = machine_.step(now);
+  while (const auto due = machine_.due(now)) {
+    const Bytes payload = Bytes(payload_).first(due->size);
+    write(PathChallenge{due->token}, payload);
+    seal_and_send(DatagramType::kPathChallenge, payload, due->to);
+  }
+  return change;
+}
+
+bool PathEnd::send(ConstBytes message) {
+  if (!machine_.in_use() || message.size() > kLargestPayload) return false;
+  seal_and_send(end_ == End::kClient ? DatagramType::kProxy : DatagramType::kState, message,
+                machine_.address());
+  return true;
+}
+
+void PathEnd::close() {
+  if (machine_.state() == PathState::kOff) return;
+  seal_and_send(DatagramType::kClose, {}, machine_.address());
+  machine_.stop();
+}
+
+void PathEnd::rekey(const PathKeys& next, OldKeys old) {
+  channel_.rekey(next, old);
+  if (channel_.path_id() == sending_path_) return;
+  sending_path_ = channel_.path_id();
+  machine_.rekeyed();
+}
+
+void PathEnd::seal_and_send(DatagramType type, ConstBytes payload, const PeerAddress& to) {
+  const std::size_t size = channel_.seal(type, payload, datagram_);
+  if (size > 0) send_(to, ConstBytes(datagram_).first(size));
+}
+
+}  // namespace haptic::wire

@@ -1,0 +1,223 @@
+#include "haptic/wire/path_machine.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace haptic::wire {
+namespace {
+
+constexpr Duration kLeastBetweenChallenges{std::chrono::milliseconds(10)};
+constexpr int kChallengesPerSilence = 10;
+
+}  // namespace
+
+const char* name(PathState state) noexcept {
+  switch (state) {
+    case PathState::kOff:
+      return "OFF";
+    case PathState::kProbing:
+      return "PROBING";
+    case PathState::kInUse:
+      return "IN_USE";
+    case PathState::kWaiting:
+      return "WAITING";
+  }
+  return "UNKNOWN";
+}
+
+const char* name(PathChange change) noexcept {
+  switch (change) {
+    case PathChange::kNone:
+      return "NONE";
+    case PathChange::kUp:
+      return "UDP_UP";
+    case PathChange::kMoved:
+      return "UDP_MOVED";
+    case PathChange::kRefused:
+      return "UDP_REFUSED";
+    case PathChange::kSilent:
+      return "UDP_SILENT";
+    case PathChange::kLossy:
+      return "UDP_LOSSY";
+    case PathChange::kClosed:
+      return "UDP_CLOSED";
+  }
+  return "UNKNOWN";
+}
+
+PathMachine::PathMachine(const PathRules& rules, std::function<std::uint64_t()> token)
+    : rules_(rules), token_(std::move(token)), backoff_(rules.first_backoff) {}
+
+void PathMachine::start(const PeerAddress& to, TimePoint now) {
+  stop();
+  backoff_ = rules_.first_backoff;
+  address_ = to;
+  state_ = PathState::kProbing;
+  begin_round(to, now);
+}
+
+void PathMachine::stop() noexcept {
+  state_ = PathState::kOff;
+  round_.reset();
+  unanswered_since_.reset();
+  forget_round_challenges();
+}
+
+void PathMachine::heard(const PeerAddress& from, TimePoint now) {
+  if (state_ == PathState::kOff) return start(from, now);
+  if (from == address_ || now < candidate_pause_) return;
+  if (state_ == PathState::kWaiting) {
+    address_ = from;  // nothing goes there before a round of its own
+    return;
+  }
+  if (round_ && round_->to == from) return;
+  // One candidate at a time, and a pause after it: genuine datagrams from many addresses must not
+  // make us send to many.
+  if (state_ == PathState::kInUse && round_) return;
+  candidate_pause_ = now + rules_.first_backoff;
+  address_ = state_ == PathState::kProbing ? from : address_;
+  begin_round(from, now);
+}
+
+void PathMachine::begin_round(const PeerAddress& to, TimePoint now) {
+  forget_round_challenges();
+  round_ = Round{to, 0, 0, now, {}};
+}
+
+void PathMachine::forget_round_challenges() noexcept {
+  for (Sent& sent : sent_) {
+    if (sent.of_round) sent.answered = true;
+  }
+}
+
+PathMachine::Sent* PathMachine::find(std::uint64_t token) noexcept {
+  const auto sent = std::find_if(sent_.begin(), sent_.end(),
+                                 [&](const Sent& s) { return !s.answered && s.token == token; });
+  return sent == sent_.end() ? nullptr : &*sent;
+}
+
+std::optional<TimePoint> PathMachine::sent_at(std::uint64_t token) const noexcept {
+  for (const Sent& sent : sent_) {
+    if (!sent.answered && sent.token == token) return sent.at;
+  }
+  return std::nullopt;
+}
+
+PathChange PathMachine::responded(const PeerAddress& from, const PathResponse& response,
+                                  TimePoint now) {
+  Sent* const sent = find(response.token);
+  // An answer from elsewhere proves nothing about where the challenge went.
+  if (sent == nullptr || !(sent->to == from)) return PathChange::kNone;
+  sent->answered = true;
+  round_trip_.add(now - sent->at);
+  if (sent->of_round) {
+    return round_ && ++round_->answered >= rules_.needed ? pass_round(now) : PathChange::kNone;
+  }
+  if (state_ != PathState::kInUse) return PathChange::kNone;
+  loss_.add(response.packets, response.newest, now);
+  // What was sent before this one and has no answer is lost or late; the silence runs from what was
+  // sent after.
+  std::optional<TimePoint> since;
+  for (const Sent& other : sent_) {
+    const bool open = !other.answered && !other.of_round && other.at > sent->at;
+    if (open && (!since || other.at < *since)) since = other.at;
+  }
+  unanswered_since_ = since;
+  return PathChange::kNone;
+}
+
+PathChange PathMachine::pass_round(TimePoint now) {
+  const bool was_in_use = in_use();
+  address_ = round_->to;
+  round_.reset();
+  forget_round_challenges();
+  state_ = PathState::kInUse;
+  up_since_ = now;
+  next_challenge_ = now;
+  unanswered_since_.reset();
+  loss_.restart();
+  return was_in_use ? PathChange::kMoved : PathChange::kUp;
+}
+
+PathChange PathMachine::closed() noexcept {
+  if (state_ == PathState::kOff) return PathChange::kNone;
+  stop();
+  return PathChange::kClosed;
+}
+
+void PathMachine::fall_back(TimePoint now) {
+  if (in_use() && now - up_since_ >= rules_.proven_after) backoff_ = rules_.first_backoff;
+  state_ = PathState::kWaiting;
+  round_.reset();
+  unanswered_since_.reset();
+  forget_round_challenges();
+  retry_at_ = now + backoff_;
+  backoff_ = std::min(2 * backoff_, rules_.longest_backoff);
+}
+
+PathChange PathMachine::step(TimePoint now) {
+  if (state_ == PathState::kWaiting && now >= retry_at_) {
+    state_ = PathState::kProbing;
+    begin_round(address_, now);
+  }
+  if (round_ && round_->sent == rules_.challenges && now >= round_->ends) {
+    if (!in_use()) {
+      fall_back(now);
+      return PathChange::kRefused;
+    }
+    round_.reset();  // the candidate's; the path in use is none the worse
+    forget_round_challenges();
+  }
+  if (!in_use()) return PathChange::kNone;
+  if (unanswered_since_ && now - *unanswered_since_ >= silence_limit()) {
+    fall_back(now);
+    return PathChange::kSilent;
+  }
+  const auto lost = loss_.share();
+  if (lost && *lost > rules_.lossy) {
+    fall_back(now);
+    return PathChange::kLossy;
+  }
+  return PathChange::kNone;
+}
+
+std::optional<DueChallenge> PathMachine::due(TimePoint now) {
+  if (round_ && round_->sent < rules_.challenges && now >= round_->next) {
+    ++round_->sent;
+    round_->next = now + rules_.spacing;
+    round_->ends = now + rules_.patience;
+    return challenge(round_->to, kPaddedChallenge, true, now);
+  }
+  if (in_use() && now >= next_challenge_) {
+    next_challenge_ =
+        now + std::max(kLeastBetweenChallenges, silence_limit() / kChallengesPerSilence);
+    if (!unanswered_since_) unanswered_since_ = now;
+    return challenge(address_, kShortChallenge, false, now);
+  }
+  return std::nullopt;
+}
+
+DueChallenge PathMachine::challenge(const PeerAddress& to, std::size_t size, bool of_round,
+                                    TimePoint now) {
+  const std::uint64_t token = token_();
+  sent_[next_slot_] = {token, to, now, of_round, false};
+  next_slot_ = (next_slot_ + 1) % kRemembered;
+  return {to, token, size};
+}
+
+Duration PathMachine::silence_limit() const noexcept {
+  return std::max({rules_.least_silence, 4 * rules_.nominal_period, 3 * round_trip_.smoothed()});
+}
+
+TimePoint PathMachine::next_step() const noexcept {
+  if (state_ == PathState::kWaiting) return retry_at_;
+  TimePoint next = TimePoint::max();
+  if (round_) next = round_->sent < rules_.challenges ? round_->next : round_->ends;
+  if (in_use()) {
+    next = std::min(next, next_challenge_);
+    if (unanswered_since_) next = std::min(next, *unanswered_since_ + silence_limit());
+  }
+  return next;
+}
+
+}  // namespace haptic::wire

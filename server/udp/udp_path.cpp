@@ -1,0 +1,95 @@
+#include "server/udp/udp_path.hpp"
+
+#include <utility>
+
+namespace haptic::server {
+namespace {
+
+wire::TimePoint to_wire(core::TimePoint time) noexcept {
+  return wire::TimePoint(time.time_since_epoch());
+}
+
+}  // namespace
+
+UdpPath::UdpPath(wire::PathEndSetup setup, std::weak_ptr<UdpSink> sink)
+    : end_(std::move(setup)), sink_(std::move(sink)) {}
+
+bool UdpPath::send_state(wire::ConstBytes state) {
+  const std::lock_guard lock(mutex_);
+  return end_.send(state);
+}
+
+bool UdpPath::in_use() const {
+  const std::lock_guard lock(mutex_);
+  return end_.in_use();
+}
+
+wire::LinkCounters UdpPath::counters() const {
+  const std::lock_guard lock(mutex_);
+  return end_.counters();
+}
+
+wire::RoundTrip UdpPath::round_trip() const {
+  const std::lock_guard lock(mutex_);
+  return end_.round_trip();
+}
+
+wire::Rejection UdpPath::receive(wire::ConstBytes datagram, const wire::PeerAddress& from,
+                                 core::TimePoint arrival) {
+  wire::Received received;
+  {
+    const std::lock_guard lock(mutex_);
+    received = end_.receive(datagram, from, to_wire(arrival));
+    if (received.message && !sample_.ParseFromArray(received.message->data(),
+                                                    static_cast<int>(received.message->size()))) {
+      end_.message_unreadable();
+      return wire::Rejection::kPayload;
+    }
+    if (received.message && sample_.source_time_ns() != 0) {
+      end_.statistics().timed(wire::Duration(sample_.source_time_ns()), to_wire(arrival));
+    }
+  }
+  tell(received.change);
+  if (!received.message) return received.rejection;
+  if (const auto sink = sink_.lock()) sink->on_udp_sample(sample_, arrival);
+  return wire::Rejection::kNone;
+}
+
+void UdpPath::step(core::TimePoint now) {
+  wire::PathChange change{};
+  {
+    const std::lock_guard lock(mutex_);
+    change = end_.step(to_wire(now));
+  }
+  tell(change);
+}
+
+core::TimePoint UdpPath::next_step() const {
+  const std::lock_guard lock(mutex_);
+  return core::TimePoint(end_.next_step().time_since_epoch());
+}
+
+bool UdpPath::wants_rekey() const {
+  const std::lock_guard lock(mutex_);
+  return end_.wants_rekey();
+}
+
+void UdpPath::rekey(const wire::PathKeys& keys) {
+  {
+    const std::lock_guard lock(mutex_);
+    end_.rekey(keys, wire::OldKeys::kFadeOut);
+  }
+  if (const auto sink = sink_.lock()) sink->on_udp_keys(keys);
+}
+
+void UdpPath::close() {
+  const std::lock_guard lock(mutex_);
+  end_.close();
+}
+
+void UdpPath::tell(wire::PathChange change) {
+  if (change == wire::PathChange::kNone) return;
+  if (const auto sink = sink_.lock()) sink->on_udp_change(change);
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,198 @@
+#include "server/udp/udp_port.hpp"
+
+#include <asio/steady_timer.hpp>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <thread>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "server/rpc/steady_now.hpp"
+#include "server/rt/thread_setup.hpp"
+#include "server/udp/udp_socket.hpp"
+
+namespace haptic::server {
+namespace {
+
+/// Between two looks at the paths' timers: a flood must not keep a challenge waiting for longer.
+constexpr int kLongestDrain = 256;
+/// Keys wear out over days: it is enough to look now and then.
+constexpr core::Duration kLongestPause = std::chrono::seconds(1);
+
+}  // namespace
+
+class UdpPort::Impl {
+ public:
+  explicit Impl(const std::string& listen) : socket_(context_, listen), timer_(context_) {}
+  ~Impl() { stop(); }
+
+  void start() {
+    wait_for_datagrams();
+    schedule();
+    thread_ = std::thread([this] {
+      set_thread_up("haptic-udp");
+      context_.run();
+    });
+  }
+
+  void stop() {
+    context_.stop();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  Opened open(std::weak_ptr<UdpSink> sink, core::Duration nominal_period) {
+    Opened opened;
+    wire::PathEndSetup setup;
+    setup.end = wire::End::kServer;
+    setup.rules.nominal_period = nominal_period;
+    setup.send = [this](const wire::PeerAddress& to, wire::ConstBytes datagram) {
+      socket_.send(to, datagram);
+    };
+    const std::lock_guard lock(mutex_);
+    opened.keys = setup.keys = unused_keys();
+    opened.path = std::make_shared<UdpPath>(std::move(setup), std::move(sink));
+    paths_[opened.keys.path_id] = opened.path;
+    return opened;
+  }
+
+  void close(const std::shared_ptr<UdpPath>& path) {
+    path->close();
+    const std::lock_guard lock(mutex_);
+    std::erase_if(paths_, [&](const auto& entry) { return entry.second == path; });
+  }
+
+  void rekey(const std::shared_ptr<UdpPath>& path) {
+    wire::PathKeys keys;
+    {
+      const std::lock_guard lock(mutex_);
+      keys = unused_keys();
+      paths_[keys.path_id] =
+          path;  // its former ids lead to it as well, and it knows which still hold
+    }
+    path->rekey(keys);
+  }
+
+  [[nodiscard]] asio::ip::udp::endpoint bound() const { return socket_.bound(); }
+  [[nodiscard]] std::uint64_t rejected(wire::Rejection why) const {
+    return rejected_[static_cast<std::size_t>(why)].load(std::memory_order_relaxed);
+  }
+
+ private:
+  using Paths = std::unordered_map<std::uint32_t, std::shared_ptr<UdpPath>>;
+
+  [[nodiscard]] wire::PathKeys unused_keys() const {
+    wire::PathKeys keys = wire::fresh_keys();
+    while (paths_.contains(keys.path_id)) keys = wire::fresh_keys();
+    return keys;
+  }
+
+  void wait_for_datagrams() {
+    socket_.waitable().async_wait(asio::socket_base::wait_read, [this](asio::error_code error) {
+      if (error) return;
+      drain();
+      step();
+      wait_for_datagrams();
+    });
+  }
+
+  void drain() {
+    for (int i = 0; i < kLongestDrain; ++i) {
+      const Arrived arrived = socket_.receive(buffer_);
+      if (!arrived.any) return;
+      take(arrived);
+    }
+  }
+
+  void take(const Arrived& arrived) {
+    if (arrived.size > wire::kLargestDatagram) return reject(wire::Rejection::kLength);
+    const auto datagram = wire::ConstBytes(buffer_).first(arrived.size);
+    const wire::HeaderReading reading = wire::read_header(datagram);
+    if (reading.rejection != wire::Rejection::kNone) return reject(reading.rejection);
+    std::shared_ptr<UdpPath> path;
+    {
+      const std::lock_guard lock(mutex_);
+      const auto entry = paths_.find(reading.header.path_id);
+      if (entry != paths_.end()) path = entry->second;
+    }
+    if (!path) return reject(wire::Rejection::kUnknownPath);
+    path->receive(datagram, arrived.from, arrived.at);
+  }
+
+  void reject(wire::Rejection why) {
+    rejected_[static_cast<std::size_t>(why)].fetch_add(1, std::memory_order_relaxed);
+  }
+
+  void step() {
+    const core::TimePoint now = steady_now();
+    std::vector<std::shared_ptr<UdpPath>> due;
+    {
+      const std::lock_guard lock(mutex_);
+      for (const auto& [id, path] : paths_) {
+        if (path->next_step() <= now || path->wants_rekey()) due.push_back(path);
+      }
+    }
+    for (const auto& path : due) {
+      path->step(now);
+      if (path->wants_rekey()) rekey(path);
+    }
+    schedule();
+  }
+
+  /// Paths change when something comes, and that leads to step(); so the timer is never late.
+  void schedule() {
+    core::TimePoint next = steady_now() + kLongestPause;
+    {
+      const std::lock_guard lock(mutex_);
+      for (const auto& [id, path] : paths_) next = std::min(next, path->next_step());
+    }
+    timer_.expires_at(std::chrono::steady_clock::time_point(next.time_since_epoch()));
+    timer_.async_wait([this](asio::error_code error) {
+      if (error) return;
+      drain();  // before any judgement about silence
+      step();
+    });
+  }
+
+  asio::io_context context_{1};
+  UdpSocket socket_;
+  asio::steady_timer timer_;
+  std::array<std::uint8_t, wire::kLargestDatagram + 1> buffer_{};
+  mutable std::mutex mutex_;
+  Paths paths_{};
+  std::array<std::atomic<std::uint64_t>, wire::kRejections> rejected_{};
+  std::thread thread_{};
+};
+
+UdpPort::UdpPort(const std::string& listen) : impl_(std::make_unique<Impl>(listen)) {}
+UdpPort::~UdpPort() = default;
+
+void UdpPort::start() {
+  impl_->start();
+}
+void UdpPort::stop() {
+  impl_->stop();
+}
+UdpPort::Opened UdpPort::open(std::weak_ptr<UdpSink> sink, core::Duration nominal_period) {
+  return impl_->open(std::move(sink), nominal_period);
+}
+void UdpPort::close(const std::shared_ptr<UdpPath>& path) {
+  impl_->close(path);
+}
+void UdpPort::rekey(const std::shared_ptr<UdpPath>& path) {
+  impl_->rekey(path);
+}
+std::string UdpPort::host() const {
+  const auto address = impl_->bound().address();
+  return address.is_unspecified() ? std::string{} : address.to_string();
+}
+std::uint16_t UdpPort::port() const {
+  return impl_->bound().port();
+}
+std::uint64_t UdpPort::rejected(wire::Rejection why) const {
+  return impl_->rejected(why);
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,98 @@
+#include "haptic/wire/aead.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/proto/wire/channel_pair.hpp"
+
+namespace haptic::wire {
+namespace {
+
+using test::bytes_of;
+using test::ByteVector;
+using test::test_keys;
+using test::to_hex;
+
+TEST(Nonce, IsSaltAndPacketNumberInBigEndian) {
+  EXPECT_EQ(to_hex(nonce({0xde, 0xad, 0xbe, 0xef}, 0x0102030405060708)),
+            "deadbeef0102030405060708");
+}
+
+TEST(FreshKeys, DifferInEveryPartAndBetweenCalls) {
+  std::set<std::string> keys, salts;
+  std::set<std::uint32_t> ids;
+  for (int i = 0; i < 50; ++i) {
+    const PathKeys fresh = fresh_keys();
+    EXPECT_NE(fresh.path_id, 0U);
+    ids.insert(fresh.path_id);
+    for (const auto& direction : {fresh.up, fresh.down}) {
+      keys.insert(to_hex(direction.key));
+      salts.insert(to_hex(direction.salt));
+    }
+  }
+  EXPECT_EQ(keys.size(), 100U);
+  EXPECT_GE(salts.size(), 99U);  // 32 bits may meet once in a long while
+  EXPECT_GE(ids.size(), 49U);
+}
+
+TEST(Sealer, NumbersRiseByOneFromOne) {
+  Sealer sealer(7, test_keys(1).up);
+  ByteVector out(kLargestDatagram);
+  for (std::uint64_t n = 1; n <= 3; ++n) {
+    ASSERT_EQ(sealer.seal(DatagramType::kProxy, bytes_of("abc"), out), 35U);
+    EXPECT_EQ(read_header(ConstBytes(out).first(35)).header.packet_number, n);
+    EXPECT_EQ(sealer.packets(), n);
+  }
+}
+
+TEST(Sealer, SameTextTwiceLooksDifferent) {
+  Sealer sealer(7, test_keys(1).up);
+  ByteVector first(35), second(35);
+  ASSERT_EQ(sealer.seal(DatagramType::kProxy, bytes_of("abc"), first), 35U);
+  ASSERT_EQ(sealer.seal(DatagramType::kProxy, bytes_of("abc"), second), 35U);
+  EXPECT_NE(ByteVector(first.begin() + 16, first.begin() + 19),
+            ByteVector(second.begin() + 16, second.begin() + 19));
+}
+
+TEST(Sealer, WhatDoesNotFitUsesNoNumber) {
+  Sealer sealer(7, test_keys(1).up);
+  ByteVector out(kLargestDatagram + 100), payload(kLargestPayload + 1);
+  EXPECT_EQ(sealer.seal(DatagramType::kProxy, payload, out), 0U);
+  payload.pop_back();
+  EXPECT_EQ(sealer.seal(DatagramType::kProxy, payload, Bytes(out).first(1199)), 0U);
+  EXPECT_EQ(sealer.packets(), 0U);
+  EXPECT_EQ(sealer.seal(DatagramType::kProxy, payload, out), 1200U);
+}
+
+TEST(Sealer, AKeyWearsOutAndAsksForAnotherHalfWay) {
+  ByteVector out(kLargestDatagram);
+  Sealer half(7, test_keys(1).up, Sealer::kPacketsPerKey / 2);
+  EXPECT_FALSE(half.wants_rekey());
+  EXPECT_GT(half.seal(DatagramType::kClose, {}, out), 0U);
+  EXPECT_TRUE(half.wants_rekey());
+  Sealer last(7, test_keys(1).up, Sealer::kPacketsPerKey);
+  EXPECT_EQ(last.seal(DatagramType::kClose, {}, out), 32U);
+  EXPECT_EQ(last.seal(DatagramType::kClose, {}, out), 0U);
+  EXPECT_EQ(last.seal(DatagramType::kClose, {}, out), 0U);
+}
+
+TEST(Opener, AnUnusedNumberOfAWrongTagStaysUnused) {
+  Sealer sealer(7, test_keys(1).up);
+  Opener opener(7, test_keys(1).up);
+  ByteVector out(35), payload(kLargestPayload);
+  ASSERT_EQ(sealer.seal(DatagramType::kProxy, bytes_of("abc"), out), 35U);
+  ByteVector forged = out;
+  forged.back() ^= 1U;
+  EXPECT_EQ(opener.open(read_header(forged).header, forged, payload).rejection, Rejection::kTag);
+  EXPECT_EQ(opener.newest(), 0U);
+  // A number far ahead, forged, must not push genuine ones out of the window.
+  forged = out;
+  put(std::uint64_t{1} << 40U, Bytes(forged).subspan(8));
+  EXPECT_EQ(opener.open(read_header(forged).header, forged, payload).rejection, Rejection::kTag);
+  EXPECT_EQ(opener.open(read_header(out).header, out, payload).rejection, Rejection::kNone);
+  EXPECT_EQ(opener.newest(), 1U);
+}
+
+}  // namespace
+}  // namespace haptic::wire

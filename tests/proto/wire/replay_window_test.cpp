@@ -1,0 +1,87 @@
+#include "haptic/wire/replay_window.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+namespace haptic::wire {
+namespace {
+
+using Verdict = ReplayWindow::Verdict;
+
+TEST(ReplayWindow, ZeroIsNoNumber) {
+  EXPECT_EQ(ReplayWindow().check(0), Verdict::kTooOld);
+}
+
+TEST(ReplayWindow, LookingDoesNotRemember) {
+  ReplayWindow window;
+  EXPECT_EQ(window.check(7), Verdict::kNew);
+  EXPECT_EQ(window.check(7), Verdict::kNew);
+  EXPECT_EQ(window.newest(), 0U);
+}
+
+TEST(ReplayWindow, EachNumberPassesOnce) {
+  ReplayWindow window;
+  for (const std::uint64_t n : {5U, 3U, 4U, 1030U, 8U, 7U}) {
+    EXPECT_EQ(window.check(n), Verdict::kNew) << n;
+    window.commit(n);
+    EXPECT_EQ(window.check(n), Verdict::kDuplicate) << n;
+  }
+}
+
+TEST(ReplayWindow, Reaches1023BehindTheNewest) {
+  ReplayWindow window;
+  window.commit(5000);
+  EXPECT_EQ(window.check(5000 - 1023), Verdict::kNew);
+  EXPECT_EQ(window.check(5000 - 1024), Verdict::kTooOld);
+}
+
+TEST(ReplayWindow, ALeapForgetsAllOfTheWindow) {
+  ReplayWindow window;
+  for (std::uint64_t n = 1; n <= 1024; ++n) window.commit(n);
+  window.commit(1'000'000);
+  for (std::uint64_t n = 1'000'000 - 1023; n < 1'000'000; ++n) {
+    ASSERT_EQ(window.check(n), Verdict::kNew) << n;
+  }
+}
+
+TEST(ReplayWindow, HoldsUpToTheLastNumberThereIs) {
+  constexpr std::uint64_t kLast = ~std::uint64_t{0};
+  ReplayWindow window;
+  window.commit(kLast - 1);
+  EXPECT_EQ(window.check(kLast), Verdict::kNew);
+  window.commit(kLast);
+  EXPECT_EQ(window.check(kLast), Verdict::kDuplicate);
+  EXPECT_EQ(window.check(kLast - 1), Verdict::kDuplicate);
+  EXPECT_EQ(window.check(kLast - 2), Verdict::kNew);
+  EXPECT_EQ(window.check(1), Verdict::kTooOld);  // numbers do not wrap
+}
+
+/// The definition itself, with a set of all that came, over random walks with leaps.
+TEST(ReplayWindow, AgreesWithTheSetOfAllThatCame) {
+  std::mt19937_64 random(11);
+  for (int run = 0; run < 20; ++run) {
+    ReplayWindow window;
+    std::set<std::uint64_t> came;
+    std::uint64_t newest = 0;
+    for (int i = 0; i < 20'000; ++i) {
+      const bool leap = random() % 500 == 0;
+      const std::uint64_t ahead = random() % (leap ? 3000 : 40);
+      const std::uint64_t behind = random() % (random() % 50 == 0 ? 1200 : 60);
+      const std::uint64_t n = newest + ahead > behind ? newest + ahead - behind : 0;
+      const bool too_old = n == 0 || n + 1024 <= newest;
+      const Verdict expected = too_old              ? Verdict::kTooOld
+                               : came.count(n) != 0 ? Verdict::kDuplicate
+                                                    : Verdict::kNew;
+      ASSERT_EQ(window.check(n), expected) << "run " << run << " step " << i << " number " << n;
+      if (expected != Verdict::kNew || random() % 4 == 0) continue;  // some are never genuine
+      window.commit(n);
+      came.insert(n);
+      newest = std::max(newest, n);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace haptic::wire

@@ -1,0 +1,188 @@
+#include "haptic/wire/secure_channel.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "tests/proto/wire/channel_pair.hpp"
+
+namespace haptic::wire {
+namespace {
+
+using namespace std::chrono_literals;
+using test::ByteVector;
+using test::ChannelPair;
+using test::test_keys;
+using test::TestEnd;
+
+constexpr auto kProxy = DatagramType::kProxy;
+constexpr auto kState = DatagramType::kState;
+
+TEST(SecureChannel, CarriesBothWaysAndEveryLength) {
+  ChannelPair pair;
+  for (std::size_t size = 0; size <= kLargestPayload; size += 73) {
+    const std::string text(size, static_cast<char>('a' + size % 26));
+    EXPECT_EQ(pair.server.open(pair.client.seal(kProxy, text)), text);
+    EXPECT_EQ(pair.client.open(pair.server.seal(kState, text)), text);
+  }
+}
+
+TEST(SecureChannel, EveryFlippedBitIsRejected) {
+  ChannelPair pair;
+  const ByteVector good = pair.client.seal(kProxy, "a proxy sample");
+  for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
+    ByteVector bad = good;
+    bad[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
+    const std::string answer = pair.server.open(bad);
+    const std::size_t byte = bit / 8;
+    if (byte < 2) {
+      EXPECT_EQ(answer, "MAGIC");
+    } else if (byte == 2) {
+      EXPECT_EQ(answer, "VERSION");
+    } else if (byte == 3) {
+      EXPECT_TRUE(answer == "TYPE" || answer == "TAG") << answer;
+    } else if (byte < 8) {
+      EXPECT_EQ(answer, "UNKNOWN_PATH");
+    } else if (bad[15] == 0 && byte == 15) {
+      EXPECT_EQ(answer, "TOO_OLD");  // number 1 became 0
+    } else {
+      EXPECT_EQ(answer, "TAG") << "bit " << bit;
+    }
+  }
+  EXPECT_EQ(pair.server.open(good), "a proxy sample");  // none of them moved the window
+}
+
+TEST(SecureChannel, EveryTruncationAndExtensionIsRejected) {
+  ChannelPair pair;
+  const ByteVector good = pair.client.seal(kProxy, "a proxy sample");
+  for (std::size_t size = 0; size < good.size(); ++size) {
+    const std::string answer =
+        pair.server.open({good.begin(), good.begin() + static_cast<long>(size)});
+    EXPECT_EQ(answer, size < 32 ? "LENGTH" : "TAG") << size;
+  }
+  ByteVector longer = good;
+  for (int i = 0; i < 20; ++i) {
+    longer.push_back(0);
+    EXPECT_EQ(pair.server.open(longer), "TAG");
+  }
+}
+
+TEST(SecureChannel, AReplayedDatagramIsADuplicate) {
+  ChannelPair pair;
+  const ByteVector datagram = pair.client.seal(kProxy, "x");
+  EXPECT_EQ(pair.server.open(datagram), "x");
+  EXPECT_EQ(pair.server.open(datagram), "DUPLICATE");
+}
+
+TEST(SecureChannel, AReplayedCaptureIsTooOld) {
+  ChannelPair pair;
+  std::vector<ByteVector> capture;
+  for (int i = 0; i < 1500; ++i) {
+    capture.push_back(pair.client.seal(kProxy, "x"));
+    ASSERT_EQ(pair.server.open(capture.back()), "x");
+  }
+  for (std::size_t i = 0; i < capture.size(); ++i) {
+    EXPECT_EQ(pair.server.open(capture[i]), i < 1500 - 1024 ? "TOO_OLD" : "DUPLICATE");
+  }
+}
+
+TEST(SecureChannel, OrderDoesNotMatterWithinTheWindow) {
+  ChannelPair pair;
+  std::vector<ByteVector> sent;
+  for (int i = 0; i < 1000; ++i) sent.push_back(pair.client.seal(kProxy, std::to_string(i)));
+  std::shuffle(sent.begin(), sent.end(), std::mt19937(3));
+  std::set<std::string> came;
+  for (const ByteVector& datagram : sent) came.insert(pair.server.open(datagram));
+  EXPECT_EQ(came.size(), 1000U);  // each text once, no reason among them
+  EXPECT_EQ(came.count("DUPLICATE") + came.count("TOO_OLD"), 0U);
+}
+
+TEST(SecureChannel, ADatagramReflectedToItsSenderIsRejected) {
+  ChannelPair pair;
+  EXPECT_EQ(pair.client.open(pair.client.seal(kProxy, "x")), "TYPE");
+  EXPECT_EQ(pair.server.open(pair.server.seal(kState, "x")), "TYPE");
+  // Types that go both ways are told apart by the keys.
+  EXPECT_EQ(pair.client.open(pair.client.seal(DatagramType::kPathChallenge, "x")), "TAG");
+  EXPECT_EQ(pair.server.open(pair.server.seal(DatagramType::kClose, "")), "TAG");
+}
+
+TEST(SecureChannel, AWrongKeyOrSaltInTheRightNameIsRejected) {
+  const PathKeys good = test_keys(1);
+  for (int part = 0; part < 2; ++part) {
+    PathKeys wrong = good;
+    (part == 0 ? wrong.up.key[15] : wrong.up.salt[3]) ^= 1U;
+    TestEnd client(End::kClient, wrong), server(End::kServer, good);
+    EXPECT_EQ(server.open(client.seal(kProxy, "x")), "TAG");
+  }
+}
+
+TEST(SecureChannel, AnotherSessionsDatagramIsOfAnUnknownPath) {
+  ChannelPair one(1), two(2);
+  EXPECT_EQ(two.server.open(one.client.seal(kProxy, "x")), "UNKNOWN_PATH");
+}
+
+TEST(Rekey, TheServerKeepsSendingWithTheOldKeysUntilTheNewOnesCame) {
+  ChannelPair pair;
+  pair.server.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  EXPECT_TRUE(pair.server.channel.rekeying());
+  EXPECT_EQ(pair.client.open(pair.server.seal(kState, "old")), "old");
+  EXPECT_EQ(pair.server.open(pair.client.seal(kProxy, "old")), "old");
+  pair.client.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  EXPECT_EQ(pair.client.open(pair.server.seal(kState, "old, under way")), "old, under way");
+  EXPECT_EQ(pair.server.open(pair.client.seal(kProxy, "new")), "new");
+  EXPECT_FALSE(pair.server.channel.rekeying());
+  EXPECT_EQ(pair.server.channel.path_id(), test_keys(2).path_id);
+  EXPECT_EQ(pair.client.open(pair.server.seal(kState, "new")), "new");
+}
+
+TEST(Rekey, NumbersBeginAnewUnderNewKeys) {
+  ChannelPair pair;
+  for (int i = 0; i < 5; ++i) ASSERT_EQ(pair.server.open(pair.client.seal(kProxy, "x")), "x");
+  pair.server.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  pair.client.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  const ByteVector first = pair.client.seal(kProxy, "x");
+  EXPECT_EQ(read_header(first).header.packet_number, 1U);
+  EXPECT_EQ(pair.server.open(first), "x");
+  EXPECT_EQ(pair.client.channel.sent(), 1U);
+}
+
+TEST(Rekey, WhatIsUnderWayUnderTheOldKeysIsOpenedForOneSecond) {
+  ChannelPair pair;
+  const ByteVector a = pair.client.seal(kProxy, "a"), b = pair.client.seal(kProxy, "b"),
+                   replayed = pair.client.seal(kProxy, "c");
+  ASSERT_EQ(pair.server.open(replayed), "c");
+  pair.server.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  pair.client.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  const TimePoint taken{10s};
+  ASSERT_EQ(pair.server.open(pair.client.seal(kProxy, "new"), taken), "new");
+  EXPECT_EQ(pair.server.open(a, taken + 999ms), "a");
+  EXPECT_EQ(pair.server.open(replayed, taken + 999ms), "DUPLICATE");
+  EXPECT_EQ(pair.server.open(b, taken + 1s), "UNKNOWN_PATH");
+}
+
+TEST(Rekey, TheClientForgetsTheOldKeysOneSecondAfterTheServersFirstNewDatagram) {
+  ChannelPair pair;
+  const ByteVector a = pair.server.seal(kState, "a"), b = pair.server.seal(kState, "b"),
+                   c = pair.server.seal(kState, "c");
+  pair.server.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  pair.client.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  EXPECT_EQ(pair.client.open(a, TimePoint(5s)), "a");  // the server has not changed over yet
+  ASSERT_EQ(pair.server.open(pair.client.seal(kProxy, "new")), "new");
+  ASSERT_EQ(pair.client.open(pair.server.seal(kState, "new"), TimePoint(10s)), "new");
+  EXPECT_EQ(pair.client.open(b, TimePoint(10s + 999ms)), "b");
+  EXPECT_EQ(pair.client.open(c, TimePoint(11s)), "UNKNOWN_PATH");
+}
+
+TEST(Rekey, ANewLeaseForgetsTheOldKeysAtOnce) {
+  ChannelPair pair;
+  const ByteVector old = pair.client.seal(kProxy, "old");
+  pair.server.channel.rekey(test_keys(2), OldKeys::kForget);
+  EXPECT_EQ(pair.server.open(old), "UNKNOWN_PATH");
+  pair.client.channel.rekey(test_keys(2), OldKeys::kForget);
+  EXPECT_EQ(pair.server.open(pair.client.seal(kProxy, "new")), "new");
+}
+
+}  // namespace
+}  // namespace haptic::wire

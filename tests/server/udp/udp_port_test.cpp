@@ -1,0 +1,160 @@
+/// The port alone: true times of arrival, counters by reason, new keys.
+
+#include "server/udp/udp_port.hpp"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "server/rpc/steady_now.hpp"
+#include "tests/proto/wire/channel_pair.hpp"
+#include "tests/server/support/live_server.hpp"
+#include "tests/support/udp_end.hpp"
+
+namespace haptic::test {
+namespace {
+
+class RecordingSink final : public server::UdpSink {
+ public:
+  struct Sample {
+    std::uint64_t seq{0};
+    core::TimePoint arrival{};
+  };
+  void on_udp_sample(const v1::ProxySample& sample, core::TimePoint arrival) override {
+    const std::lock_guard lock(mutex_);
+    samples_.push_back({sample.seq(), arrival});
+  }
+  void on_udp_change(wire::PathChange change) override {
+    const std::lock_guard lock(mutex_);
+    changes_.push_back(change);
+  }
+  void on_udp_keys(const wire::PathKeys& keys) override {
+    const std::lock_guard lock(mutex_);
+    keys_.push_back(keys);
+  }
+  [[nodiscard]] std::vector<Sample> samples() const {
+    const std::lock_guard lock(mutex_);
+    return samples_;
+  }
+  [[nodiscard]] std::vector<wire::PathChange> changes() const {
+    const std::lock_guard lock(mutex_);
+    return changes_;
+  }
+  [[nodiscard]] std::vector<wire::PathKeys> keys() const {
+    const std::lock_guard lock(mutex_);
+    return keys_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<Sample> samples_{};
+  std::vector<wire::PathChange> changes_{};
+  std::vector<wire::PathKeys> keys_{};
+};
+
+std::string sample(std::uint64_t seq) {
+  v1::ProxySample message;
+  message.set_seq(seq);
+  message.set_mode(v1::PROXY_MODE_FREE);
+  return message.SerializeAsString();
+}
+
+class UdpPortTest : public testing::Test {
+ protected:
+  std::shared_ptr<RecordingSink> sink = std::make_shared<RecordingSink>();
+  server::UdpPort port{"127.0.0.1:0"};
+  server::UdpPort::Opened opened = port.open(sink, 10ms);
+  /// Bytes to the port, from a socket that nobody answers.
+  UdpEnd sender{wire::End::kServer, wire::fresh_keys()};
+  TestEnd client{wire::End::kClient, opened.keys};
+};
+
+TEST_F(UdpPortTest, WhatWaitedInTheSocketIsAsOldAsItIs) {
+  // The port's thread is not there yet, as if the host had stopped it.
+  sender.send_raw(client.seal(wire::DatagramType::kProxy, sample(1)), port.port());
+  const core::TimePoint sent = server::steady_now();
+  std::this_thread::sleep_for(100ms);
+  port.start();
+  ASSERT_TRUE(eventually([&] { return sink->samples().size() == 1; }));
+  EXPECT_LT(sink->samples().front().arrival - sent, 50ms);
+  EXPECT_GT(server::steady_now() - sink->samples().front().arrival, 100ms - 1ms);
+}
+
+TEST_F(UdpPortTest, WhatIsRejectedIsCountedByItsReasonAndNeverAnswered) {
+  port.start();
+  const ByteVector good = client.seal(wire::DatagramType::kProxy, sample(1));
+  ByteVector magic = good, version = good, type = good, path = good, tag = good;
+  magic[0] = 0;
+  version[2] = 9;
+  type[3] = 77;
+  path[7] ^= 1U;
+  tag.back() ^= 1U;
+  const ByteVector unreadable = client.seal(wire::DatagramType::kProxy, "\xFF\xFF\xFF");
+  for (const ByteVector& bytes : {ByteVector(31, 0), ByteVector(1201, 0), magic, version, type,
+                                  path, tag, unreadable, good, good}) {
+    sender.send_raw(bytes, port.port());
+  }
+  ASSERT_TRUE(eventually([&] { return opened.path->counters().duplicate() == 1; }));
+  EXPECT_EQ(port.rejected(wire::Rejection::kLength), 2U);
+  EXPECT_EQ(port.rejected(wire::Rejection::kMagic), 1U);
+  EXPECT_EQ(port.rejected(wire::Rejection::kVersion), 1U);
+  EXPECT_EQ(port.rejected(wire::Rejection::kType), 1U);
+  EXPECT_EQ(port.rejected(wire::Rejection::kUnknownPath), 1U);
+  EXPECT_EQ(opened.path->counters().rejections(wire::Rejection::kTag), 1U);
+  EXPECT_EQ(opened.path->counters().rejections(wire::Rejection::kPayload), 1U);
+  EXPECT_EQ(sink->samples().size(), 1U);
+}
+
+TEST_F(UdpPortTest, ABurstIsTakenWholeAndInOrder) {
+  for (std::uint64_t seq = 1; seq <= 300; ++seq) {
+    sender.send_raw(client.seal(wire::DatagramType::kProxy, sample(seq)), port.port());
+  }
+  port.start();
+  ASSERT_TRUE(eventually([&] { return sink->samples().size() == 300; }));
+  std::uint64_t expected = 0;
+  for (const auto& taken : sink->samples()) EXPECT_EQ(taken.seq, ++expected);
+}
+
+TEST_F(UdpPortTest, NewKeysAreHandedOutAndTakenWithoutAGap) {
+  port.start();
+  UdpEnd end(wire::End::kClient, opened.keys, port.port());
+  ASSERT_TRUE(eventually([&] { return end.in_use() && opened.path->in_use(); }));
+  port.rekey(opened.path);
+  ASSERT_EQ(sink->keys().size(), 1U);
+  EXPECT_NE(sink->keys().front().path_id, opened.keys.path_id);
+  ASSERT_TRUE(end.send(sample(1)));
+  end.rekey(sink->keys().front());
+  for (std::uint64_t seq = 2; seq <= 50; ++seq) {
+    ASSERT_TRUE(end.send(sample(seq)));
+    ASSERT_TRUE(opened.path->send_state(bytes_of("state")));
+    std::this_thread::sleep_for(2ms);
+  }
+  ASSERT_TRUE(eventually([&] { return sink->samples().size() == 50; }));
+  ASSERT_TRUE(eventually([&] { return end.messages().size() == 49; }));
+  EXPECT_EQ(sink->changes(), std::vector<wire::PathChange>{wire::PathChange::kUp});
+}
+
+TEST_F(UdpPortTest, AClosedPathIsUnknownAndItsClientIsTold) {
+  port.start();
+  UdpEnd end(wire::End::kClient, opened.keys, port.port());
+  ASSERT_TRUE(eventually([&] { return end.in_use() && opened.path->in_use(); }));
+  port.close(opened.path);
+  ASSERT_TRUE(eventually([&] { return !end.in_use(); }));
+  sender.send_raw(client.seal(wire::DatagramType::kProxy, sample(1)), port.port());
+  ASSERT_TRUE(eventually([&] { return port.rejected(wire::Rejection::kUnknownPath) > 0; }));
+  EXPECT_TRUE(sink->samples().empty());
+}
+
+TEST(UdpPort, AnAddressThatCannotBeBoundIsRefusedByName) {
+  server::UdpPort first("127.0.0.1:0");
+  const std::string taken = "127.0.0.1:" + std::to_string(first.port());
+  try {
+    server::UdpPort second(taken);
+    FAIL() << "bound twice";
+  } catch (const std::exception& error) {
+    EXPECT_NE(std::string(error.what()).find(taken), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace haptic::test

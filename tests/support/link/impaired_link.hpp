@@ -1,0 +1,94 @@
+#pragma once
+/// One direction of a link in trouble, on virtual time: packets go in at a time and come out at
+/// another, or not at all, or twice. No sockets, no sleeping, no clock: the same seed and the same
+/// packets give the same arrivals.
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "tests/support/link/random.hpp"
+#include "tests/support/link/scenario.hpp"
+
+namespace haptic::test {
+
+/// Times of bursts: known for any time, whoever sends when.
+class BurstSchedule {
+ public:
+  BurstSchedule(const BurstRule& rule, std::uint64_t seed);
+  /// Any order of times.
+  [[nodiscard]] bool blocked(LinkTime at);
+
+ private:
+  BurstRule rule_;
+  Random random_;
+  std::vector<LinkTime> starts_{};
+};
+
+using Packet = std::vector<std::uint8_t>;
+
+struct LinkFigures {
+  std::uint64_t sent{0}, delivered{0}, lost{0}, duplicated{0};
+};
+
+class ImpairedLink {
+ public:
+  /// `seed` of the scenario; `carrier` decides which of its windows hold.
+  ImpairedLink(const WayRules& rules, std::uint64_t seed, Carrier carrier);
+
+  /// `now` never falls.
+  void send(Packet packet, LinkTime now);
+  /// The next packet that has arrived at `now`, and when; call until there is none.
+  [[nodiscard]] std::optional<std::pair<LinkTime, Packet>> receive(LinkTime now);
+  /// Of the next packet; none is under way: LinkTime::max().
+  [[nodiscard]] LinkTime next_arrival() const noexcept;
+  [[nodiscard]] const LinkFigures& figures() const noexcept { return figures_; }
+
+ private:
+  friend class ReliableLink;
+  /// When a packet that leaves at `now` arrives; none: it is lost. One try, of its own luck.
+  [[nodiscard]] std::optional<LinkTime> fate(LinkTime now, std::size_t size);
+  [[nodiscard]] LinkTime travel(LinkTime departure, Random& luck) const;
+  [[nodiscard]] LinkTime stalled(LinkTime arrival) const;
+  [[nodiscard]] bool blocked(LinkTime now);
+  void deliver(LinkTime arrival, Packet packet);
+
+  const WayRules rules_;
+  const std::uint64_t seed_;
+  const Carrier carrier_;
+  std::vector<BurstSchedule> bursts_{};
+  std::uint64_t tries_{0};
+  LinkTime sender_free_{0};
+  LinkTime last_arrival_{0};
+  std::optional<LinkTime> second_copy_{};
+  std::multimap<LinkTime, Packet> under_way_{};
+  LinkFigures figures_{};
+};
+
+/// The same trouble under a transport that keeps order and loses nothing, as TCP: what is lost is
+/// sent again after a time that doubles, and what came behind it waits. A model, for the fallback's
+/// ages in virtual time; true TCP is met by the relay.
+class ReliableLink {
+ public:
+  /// Linux's least retransmission timeout, and the longest that matters here.
+  static constexpr LinkTime kFirstTimeout{std::chrono::milliseconds(200)};
+  static constexpr LinkTime kLongestTimeout{std::chrono::seconds(4)};
+
+  ReliableLink(const WayRules& rules, std::uint64_t seed);
+
+  void send(Packet packet, LinkTime now);
+  [[nodiscard]] std::optional<std::pair<LinkTime, Packet>> receive(LinkTime now);
+  [[nodiscard]] LinkTime next_arrival() const noexcept { return link_.next_arrival(); }
+
+ private:
+  ImpairedLink link_;
+  LinkTime last_arrival_{0};
+};
+
+/// The client's steady clock as the scenario has it.
+[[nodiscard]] LinkTime client_clock(const ClockRules& rules, LinkTime truth) noexcept;
+
+}  // namespace haptic::test

@@ -1,0 +1,105 @@
+/// Client library and server, both as shipped, over UDP.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <set>
+
+#include "haptic/client/client.hpp"
+#include "tests/server/support/live_server.hpp"
+
+namespace haptic::test {
+namespace {
+
+using client::Carriers;
+using client::Proxy;
+using client::SessionOptions;
+using client::State;
+using client::Transport;
+
+server::RpcConfig with_udp() {
+  server::RpcConfig config;
+  config.listen = {"127.0.0.1:0"};
+  config.udp_listen = "127.0.0.1:0";
+  return config;
+}
+
+/// Publishes every 10 ms until `condition`.
+template <typename Condition>
+bool while_publishing(client::Session& session, double a, Condition condition) {
+  return eventually([&] {
+    session.publish(Proxy::held({a, 0.0}));
+    std::this_thread::sleep_for(10ms);
+    return condition();
+  });
+}
+
+TEST(UdpEndToEnd, ForceIsFeltByUdpAndEventsTellOfTheChange) {
+  LiveServer server(with_udp());
+  client::Connection connection(server.address());
+  std::mutex mutex;
+  std::set<std::string> reasons;
+  SessionOptions options;
+  options.nominal_rate_hz = 100.0;
+  options.on_event = [&](const client::Event& event) {
+    const std::lock_guard lock(mutex);
+    reasons.insert(event.reason);
+  };
+  const auto session = connection.open(options);
+  session->engage_when_ready();
+  ASSERT_TRUE(while_publishing(*session, 0.01, [&] {
+    const auto state = session->state();
+    return state.state == State::kEngaged && state.transport == Transport::kUdp &&
+           std::abs(state.tau_a.at(0) - 1.0) < 1e-9;  // 0.01 m at 100 N/m
+  }));
+  EXPECT_TRUE(session->udp_link()->in_use);
+  EXPECT_TRUE(eventually([&] {
+    const std::lock_guard lock(mutex);
+    return reasons.count("SAMPLES GRPC -> UDP") == 1 && reasons.count("STATES GRPC -> UDP") == 1;
+  }));
+  EXPECT_EQ(session->statistics().rejected_invalid, 0U);
+  EXPECT_EQ(session->statistics().sent, session->statistics().published);
+}
+
+TEST(UdpEndToEnd, TheCarrierMakesNoDifferenceToTheForce) {
+  LiveServer server(with_udp());
+  client::Connection connection(server.address());
+  std::atomic<double> least{1e9};
+  std::atomic<bool> watching{false};
+  SessionOptions options;
+  options.nominal_rate_hz = 100.0;
+  options.on_state = [&](const client::DeviceState& state) {
+    if (watching && !state.tau_a.empty()) least = std::min<double>(least, state.tau_a[0]);
+  };
+  options.carriers = Carriers::kGrpcOnly;
+  // The first session presses over the stream; the second, by UDP, gets the same force to the bit.
+  double by_stream = 0.0;
+  {
+    const auto session = connection.open(options);
+    session->engage_when_ready();
+    ASSERT_TRUE(while_publishing(*session, 0.01, [&] {
+      return session->state().state == State::kEngaged && session->state().gain == 1.0;
+    }));
+    EXPECT_EQ(session->state().transport, Transport::kGrpc);
+    EXPECT_FALSE(session->udp_link());
+    by_stream = session->state().tau_elastic.at(0);
+  }
+  options.carriers = Carriers::kAutomatic;
+  const auto session = connection.open(options);
+  session->engage_when_ready();
+  ASSERT_TRUE(while_publishing(*session, 0.01, [&] {
+    return session->state().state == State::kEngaged && session->state().gain == 1.0;
+  }));
+  watching = true;
+  ASSERT_TRUE(while_publishing(*session, 0.01,
+                               [&] { return session->state().transport == Transport::kUdp; }));
+  for (int i = 0; i < 50; ++i) {
+    session->publish(Proxy::held({0.01, 0.0}));
+    std::this_thread::sleep_for(10ms);
+  }
+  EXPECT_EQ(session->state().tau_elastic.at(0), by_stream);
+  EXPECT_NEAR(least, 1.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace haptic::test

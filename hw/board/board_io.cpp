@@ -56,7 +56,7 @@ board::Identity BoardDevice::Io::greeted(core::Duration patience) {
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, patience, [this] { return identity_ || !refusal_.empty(); });
   if (identity_) return *identity_;
-  if (!refusal_.empty()) throw core::DeviceError(port_ + ": the board " + refusal_);
+  if (!refusal_.empty()) throw core::DeviceError(port_ + ": board refused: " + refusal_);
   throw core::DeviceError(port_ + ": nobody answered HELLO in " +
                           std::to_string(patience / std::chrono::milliseconds(1)) +
                           " ms; must be a board that speaks the protocol of hw/README.md");

@@ -54,6 +54,8 @@ class EmulatedBoard {
   /// How many more bytes the port takes now; what goes beyond is frames without room.
   void set_room(std::size_t bytes) noexcept { room_ = bytes; }
 
+  void add_fault(const FaultSpec& fault) { config_.faults.push_back(fault); }
+
   [[nodiscard]] const hb_board& firmware() const noexcept { return board_; }
   [[nodiscard]] const Rig& rig() const noexcept { return rig_; }
   [[nodiscard]] bool drives() const noexcept { return drives_; }          ///< the bridge is on

@@ -1,7 +1,6 @@
 #include "hw/board/board_io.hpp"
 
 #include <poll.h>
-#include <pthread.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -12,6 +11,7 @@
 #include <random>
 
 #include "haptic/core/error.hpp"
+#include "hw/thread_priority.hpp"
 
 namespace haptic::hw {
 namespace {
@@ -31,13 +31,6 @@ std::uint64_t fresh_seed() {
   return (static_cast<std::uint64_t>(source()) << 32) ^ source();
 }
 
-/// Where real-time scheduling is not granted the thread works as well, on a machine with time.
-void ask_for_priority(std::thread& thread) noexcept {
-  sched_param parameters{};
-  parameters.sched_priority = kPriority;
-  static_cast<void>(pthread_setschedparam(thread.native_handle(), SCHED_FIFO, &parameters));
-}
-
 }  // namespace
 
 BoardDevice::Io::Io(std::string port, int baud, board::Expectation expected)
@@ -49,7 +42,6 @@ BoardDevice::Io::Io(std::string port, int baud, board::Expectation expected)
       wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   if (wake_ < 0) throw core::DeviceError(std::string("eventfd: ") + std::strerror(errno));
   thread_ = std::thread([this] { run(); });
-  ask_for_priority(thread_);
 }
 
 board::Identity BoardDevice::Io::greeted(core::Duration patience) {
@@ -84,6 +76,7 @@ board::HostCounters BoardDevice::Io::counters() const {
 }
 
 void BoardDevice::Io::run() {
+  ask_for_priority(kPriority);
   host_.connect(now());
   while (!stopping_) {
     if (!link_) reopen(now());

@@ -6,10 +6,13 @@
 #include <algorithm>
 #include <vector>
 
+#include "hw/thread_priority.hpp"
+
 namespace haptic::hw::emulator {
 namespace {
 
 constexpr std::uint64_t kLongestPauseUs = 100000;
+constexpr int kPriority = 75;        // a board's firmware waits for nobody on the host
 constexpr std::size_t kRoom = 1024;  // bytes a board's transmit buffer holds
 
 std::uint64_t monotonic_us() noexcept {
@@ -61,6 +64,7 @@ void follow_plug(const EmulatedBoard& board, PseudoTerminal& terminal) {
 
 void serve(EmulatedBoard& board, PseudoTerminal& terminal, const std::atomic<bool>& stop,
            double seconds, const Watcher& watcher) {
+  ask_for_priority(kPriority);
   const auto length_us = static_cast<std::uint64_t>(seconds * 1e6);
   std::uint64_t start = monotonic_us() - board.now_us();
   Transmitter transmitter;
@@ -73,11 +77,10 @@ void serve(EmulatedBoard& board, PseudoTerminal& terminal, const std::atomic<boo
       start += now - board.now_us() - kLongestPauseUs;
       now = board.now_us() + kLongestPauseUs;
     }
-    // Bytes first: they came before what is caught up with now, or during it.
     const std::vector<std::uint8_t> bytes = terminal.read();
     const std::uint64_t before = board.now_us() / EmulatedBoard::kSampleUs;
-    if (!bytes.empty()) board.receive(bytes);
     board.advance(now);
+    if (!bytes.empty()) board.receive(bytes);  // they woke us just now
     follow_plug(board, terminal);
     transmitter.run(board, terminal);
     if (watcher && board.now_us() / EmulatedBoard::kSampleUs != before) watcher(board);

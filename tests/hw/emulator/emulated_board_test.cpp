@@ -89,6 +89,7 @@ TEST(EmulatedBoard, TooMuchForceInTheCellIsAFault) {
   link.run(2s);
   EXPECT_FALSE(link.board.drives());
   EXPECT_TRUE(link.host.reading().broken);
+  EXPECT_TRUE(link.host.reading().force_over_limit) << "the reason outlives its cause";
 }
 
 TEST(EmulatedBoard, SameSeedSameBits) {

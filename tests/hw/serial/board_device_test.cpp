@@ -2,14 +2,18 @@
 #include "hw/board/board_device.hpp"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
 
 #include "haptic/core/error.hpp"
@@ -31,6 +35,7 @@ struct Told {
   double reference{0.0};
   hb_state state{HB_DISARMED};
   std::uint32_t watchdog_stops{0};
+  std::uint64_t stopped_after_us{0};  ///< the drive went off so long after the newest command
 };
 
 class EmulatorThread {
@@ -66,8 +71,11 @@ class EmulatorThread {
  private:
   void look(const emulator::EmulatedBoard& board) {
     const std::lock_guard lock(mutex_);
+    const bool went_off = told_.drives && !board.drives();
+    const std::uint64_t after_us =
+        went_off ? board.now_us() - board.firmware().command_at : told_.stopped_after_us;
     told_ = {board.drives(), board.reference(), board.firmware().state,
-             board.firmware().counters.watchdog_stops};
+             board.firmware().counters.watchdog_stops, after_us};
     if (!wanted_fault_) return;
     wanted_fault_->at = static_cast<double>(board.now_us()) * 1e-6;
     board_.add_fault(*wanted_fault_);
@@ -191,6 +199,60 @@ TEST(BoardDevice, AFrozenLoopIsStoppedByTheBoardAndReportedWhenItRunsAgain) {
   ASSERT_TRUE(loop.run_until([&] { return loop.reading.health == core::DeviceHealth::kOk; }));
   loop.command.arm = true;
   EXPECT_TRUE(loop.run_until([&] { return loop.reading.armed; }));
+}
+
+/// Another process that opens the port it is told through a pipe, arms and presses 4 N for ever. It
+/// is made while this process has one thread only.
+class PressingProcess {
+ public:
+  PressingProcess() {
+    if (::pipe(pipe_) != 0) throw std::runtime_error("pipe");
+    id_ = ::fork();
+    if (id_ == 0) press();
+  }
+  ~PressingProcess() { kill(); }
+  PressingProcess(const PressingProcess&) = delete;
+  PressingProcess& operator=(const PressingProcess&) = delete;
+  void tell(const std::string& port) {
+    ASSERT_EQ(::write(pipe_[1], port.data(), port.size()), static_cast<ssize_t>(port.size()));
+    ::close(pipe_[1]);
+  }
+  void kill() {
+    if (id_ <= 0) return;
+    ::kill(id_, SIGKILL);
+    ::waitpid(id_, nullptr, 0);
+    id_ = -1;
+  }
+
+ private:
+  [[noreturn]] void press() {
+    std::array<char, 256> port{};
+    static_cast<void>(::read(pipe_[0], port.data(), port.size() - 1));
+    const auto device = open(config(port.data()));
+    Loop loop(*device);
+    loop.command.arm = true;
+    loop.command.tau_a[0] = 4.0;
+    for (;;) loop.run(1s);
+  }
+  int pipe_[2]{-1, -1};
+  pid_t id_{-1};
+};
+
+TEST(BoardDevice, AServerKilledWhilePressingIsStoppedByTheBoardWithinItsWatchdog) {
+  PressingProcess server;
+  EmulatorConfig c;
+  c.clock_ppm = 0.0;
+  EmulatorThread board(c);
+  server.tell(board.port());
+  for (int i = 0; i < 5000 && board.told().reference != 4.0; ++i) std::this_thread::sleep_for(1ms);
+  ASSERT_TRUE(board.told().drives);
+  server.kill();
+  for (int i = 0; i < 5000 && board.told().drives; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(board.told().state, HB_STOPPED);
+  EXPECT_EQ(board.told().watchdog_stops, 1U);
+  // By the board's own clock, looked at once a millisecond.
+  EXPECT_GT(board.told().stopped_after_us, c.watchdog_us);
+  EXPECT_LE(board.told().stopped_after_us, c.watchdog_us + 1000);
 }
 
 TEST(BoardDevice, UnpluggedItIsLostAndPluggedInAgainItIsBackDisarmed) {

@@ -240,8 +240,8 @@ void BoardHost::follow_arming(const State& state) noexcept {
   // A latched stop is news while it is that of our arming; later it only waits for the next one. A
   // fault that is there now is always news.
   reading_.broken = (latched && ours) || state.faults != 0;
-  reading_.force_over_limit = (state.faults & kForceOverLimit) != 0 ||
-                              (latched && ours && reading_.force_over_limit);
+  reading_.force_over_limit =
+      (state.faults & kForceOverLimit) != 0 || (latched && ours && reading_.force_over_limit);
 }
 
 void BoardHost::time_round_trip(const State& state, core::TimePoint now) noexcept {

@@ -51,7 +51,7 @@ class Terminal final : public ByteLink {
   static bool would_block() noexcept {
     return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
   }
-  int fd_;
+  int fd_{-1};
 };
 
 std::string group_of(const std::string& port) {

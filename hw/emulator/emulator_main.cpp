@@ -1,10 +1,10 @@
 /// haptic-board-emulator: the finger exoskeleton's board on a pseudo-terminal.
 
 #include <pthread.h>
-#include <signal.h>
 
 #include <CLI/CLI.hpp>
 #include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <map>
@@ -128,12 +128,13 @@ int run(const CommandLine& c) {
 
   std::atomic<bool> stop{false};
   std::thread waiter([&] {
-    int signal = 0;
-    sigwait(&signals, &signal);
+    const timespec patience{0, 100'000'000};  // then: did the time end it, and no signal?
+    while (!stop && sigtimedwait(&signals, nullptr, &patience) < 0) {
+    }
     stop = true;
   });
   hw::emulator::serve(board, terminal, stop, c.seconds, Reporter());
-  pthread_kill(waiter.native_handle(), SIGTERM);  // where the time ended it, not a signal
+  stop = true;
   waiter.join();
   print_counters(board);
   return 0;

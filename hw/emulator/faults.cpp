@@ -13,8 +13,8 @@ namespace haptic::hw::emulator {
 namespace {
 
 struct Entry {
-  FaultKind kind;
-  std::string_view name;
+  FaultKind kind{};
+  std::string_view name{};
 };
 constexpr std::array<Entry, 6> kKinds{{{FaultKind::kStall, "stall"},
                                        {FaultKind::kBrownOut, "brown-out"},

@@ -9,46 +9,28 @@ namespace haptic::hw::emulator {
 namespace {
 
 constexpr double kPeriod = 1e-3;  // s, the board's
+constexpr int kSteps = static_cast<int>(kPeriod / Rig::kStep + 0.5);
 constexpr int kSettle = 2000, kLast = 1000;
-
-/// The board's loop on an actuator that presses against a wall.
-class Bench {
- public:
-  Bench(const EmulatorConfig& config, double l)
-      : config_(config),
-        actuator_(config.actuator, l),
-        loop_(config.force_loop),
-        noise_(config.seed),
-        l_(l) {}
-
-  /// One millisecond; returns the true force at its end, N.
-  double tick(double reference) {
-    const double measured = actuator_.force() + config_.sensors.noise_force * noise_();
-    actuator_.drive(loop_.step(reference, measured, kPeriod), true);
-    for (int i = 0; i < static_cast<int>(kPeriod / Rig::kStep + 0.5); ++i) {
-      actuator_.step(Rig::kStep, l_, 0.0);
-    }
-    return actuator_.force();
-  }
-
- private:
-  EmulatorConfig config_;
-  LinearActuator actuator_;
-  core::ForceLoop loop_;
-  Gaussian noise_;
-  double l_;
-};
 
 }  // namespace
 
 ForceStep measure_force_step(const EmulatorConfig& config, double from, double to, double l) {
-  Bench bench(config, l);
-  for (int i = 0; i < kSettle; ++i) static_cast<void>(bench.tick(from));
+  // The board's loop on an actuator that presses against a wall.
+  LinearActuator actuator(config.actuator, l);
+  core::ForceLoop loop(config.force_loop);
+  Gaussian noise(config.seed);
+  const auto tick = [&](double reference) {
+    const double measured = actuator.force() + config.sensors.noise_force * noise();
+    actuator.drive(loop.step(reference, measured, kPeriod), true);
+    for (int i = 0; i < kSteps; ++i) actuator.step(Rig::kStep, l, 0.0);
+    return actuator.force();  // the true one, N
+  };
+  for (int i = 0; i < kSettle; ++i) static_cast<void>(tick(from));
   ForceStep result;
   result.settled = true;
   double at_10 = -1.0, at_90 = -1.0, peak = 0.0;
   for (int i = 0; i < kSettle; ++i) {
-    const double share = (bench.tick(to) - from) / (to - from);
+    const double share = (tick(to) - from) / (to - from);
     const double t = kPeriod * (i + 1);
     if (at_10 < 0.0 && share >= 0.1) at_10 = t;
     if (at_90 < 0.0 && share >= 0.9) at_90 = t;

@@ -1,9 +1,9 @@
 #include "hw/emulator/serve.hpp"
 
 #include <poll.h>
-#include <time.h>
 
 #include <algorithm>
+#include <ctime>
 #include <vector>
 
 #include "hw/thread_priority.hpp"

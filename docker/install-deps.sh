@@ -16,14 +16,16 @@ set -eu
 packages() {
   case "$1" in
     runtime) echo "libgrpc++1.51|libgrpc++1.51t64 libprotobuf32|libprotobuf32t64" \
-                  "libspdlog1.10|libspdlog1.12" "libssl3|libssl3t64" ;;
+                  "libspdlog1.10|libspdlog1.12" "libssl3|libssl3t64" \
+                  "libserialport0|libserialport0t64" ;;
     build) echo "g++ cmake ninja-build pkg-config libeigen3-dev libgrpc++-dev libprotobuf-dev" \
                 "protobuf-compiler protobuf-compiler-grpc libspdlog-dev libcli11-dev" \
-                "nlohmann-json3-dev libssl-dev libasio-dev" ;;
+                "nlohmann-json3-dev libssl-dev libasio-dev libserialport-dev" ;;
     test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" \
                 "liborocos-kdl-dev" ;;
     report) echo "gnuplot-nox liblapack-dev" ;;
-    firmware | containers) ;;  # filled by what first needs a package
+    firmware) echo "gcc-arm-none-eabi" ;;
+    containers) ;;  # filled by what first needs a package
     *)
       echo "install-deps.sh: no group '$1' (groups: runtime build test report firmware containers)" >&2
       return 2

@@ -21,11 +21,13 @@
 namespace haptic::hw {
 
 struct DeviceInfo {
-  std::string kind{};    ///< "simulated", "replay"
+  std::string kind{};    ///< "simulated", "replay", "board"
   std::string model{};   ///< for people: what it is, and what it was opened from
   std::string serial{};  ///< unique per device; empty where there is none
   std::vector<core::DofSpec> dofs{};
   core::DeviceLimits limits{};
+  /// What was found at the opening that a person should know; one line each.
+  std::vector<std::string> notes{};
   bool moves{true};  ///< false: commands are computed and reported, nothing moves (replay)
 };
 

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "haptic/core/error.hpp"
+#include "hw/board/board_device.hpp"
 #include "hw/replay/replay.hpp"
 #include "hw/simulated/finger.hpp"
 #include "hw/simulated/linear.hpp"
@@ -22,6 +23,10 @@ std::unique_ptr<Device> open(const SimulatedLinearConfig& config, SharedKinemati
 
 std::unique_ptr<Device> open(const ReplayConfig& config, SharedKinematics kinematics) {
   return std::make_unique<Replay>(config, std::move(kinematics));
+}
+
+std::unique_ptr<Device> open(const BoardConfig& config, SharedKinematics kinematics) {
+  return std::make_unique<BoardDevice>(config, kinematics);
 }
 
 }  // namespace

@@ -4,10 +4,12 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <variant>
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/kinematics.hpp"
+#include "haptic/core/time.hpp"
 #include "hw/device.hpp"
 
 namespace haptic::hw {
@@ -52,7 +54,18 @@ struct ReplayConfig {
   core::VecA max_effort{};  ///< n_a
 };
 
-using DeviceConfig = std::variant<SimulatedFingerConfig, SimulatedLinearConfig, ReplayConfig>;
+/// A board on a serial port that speaks the protocol of hw/README.md.
+struct BoardConfig {
+  std::string port{};    ///< "/dev/ttyACM0", a link under /dev/serial/by-id, or a pseudo-terminal
+  int baud{921600};      ///< of real serial ports; USB ignores it
+  std::string serial{};  ///< the board's own; empty: whichever answers
+  core::VecA max_effort{};  ///< n_a, N or N m; the board's dictionary must allow at least this
+  core::Duration max_silence{std::chrono::milliseconds(10)};
+  core::Duration longest_lateness{0};  ///< loop_late_fault: the board's watchdog must be longer
+};
+
+using DeviceConfig =
+    std::variant<SimulatedFingerConfig, SimulatedLinearConfig, ReplayConfig, BoardConfig>;
 
 /// Opens the device. Throws DeviceError: a file that cannot be read (path, line, column and what is
 /// expected), a value that is not allowed, a kinematics the device does not go with.

@@ -94,11 +94,18 @@ void App::start() {
 
 void App::open_devices() {
   for (const DeviceScene& scene : scene_.devices) {
-    std::unique_ptr<hw::Device> device = hw::open_device(scene.source, scene.kinematics);
+    hw::DeviceConfig source = scene.source;
+    // WIRE 4: loop_late_fault < the board's watchdog, always. Which of the two defaults it is, the
+    // grant has decided by now.
+    if (auto* board = std::get_if<hw::BoardConfig>(&source)) {
+      board->longest_lateness = realtime_.loop_late_fault;
+    }
+    std::unique_ptr<hw::Device> device = hw::open_device(source, scene.kinematics);
     core::PipelineConfig config = pipeline_config(scene, device->info().limits);
     config.loop_late_fault = realtime_.loop_late_fault;
     config.late_bucket_full = scene_.loop.late_bucket_full;
     spdlog::info("{}: {} ({})", scene.name, device->info().model, device->info().kind);
+    for (const std::string& note : device->info().notes) spdlog::warn("{}: {}", scene.name, note);
     units_.push_back(
         std::make_unique<DeviceUnit>(scene.name, std::move(device), std::move(config)));
   }

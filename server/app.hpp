@@ -5,6 +5,7 @@
 /// |-----------|-------------------------------------------------|------------------------------|
 /// | main      | the App; waits for signals                      | App::stop() returned         |
 /// | loop      | units: device read and write, pipeline          | every unit CLOSING, or 2.5 s |
+/// | board I/O | port and protocol of a board, one thread each   | Device::close(), 100 ms      |
 /// | telemetry | reading end of the rings; lease clock, events,  | Telemetry::stop(), after a   |
 /// |           | states to streams, recorder, log                | last drain                   |
 /// | udp       | the UDP path's socket: samples in, challenges;  | UdpPort::stop(), by shutdown |

@@ -2,10 +2,12 @@
 # The main job in one command: a finger in an exoskeleton (simulated) closes on a soft object that
 # another process simulates. Shows it live, prints a summary, leaves pictures.
 #
-#   server/demo.sh [--seconds N] [--motion FILE] [--output DIR] [--no-build] [--build DIR]
+#   server/demo.sh [--seconds N] [--motion FILE] [--serial] [--output DIR] [--no-build] [--build DIR]
 #
 #   --seconds N    stop after N s (default 20)
 #   --motion FILE  moves the hand by a recording: CSV, columns time_s,q_o1_mcp_rad,q_o2_pip_rad
+#   --serial       through a serial link: a board's firmware and a model of its actuator, emulated
+#                  on a pseudo-terminal (hw/README.md), instead of the simulated finger
 #   --output DIR   where summary, recording and pictures go (default: demo-output beside the README)
 #   --no-build     neither installs nor builds
 #   --build DIR    uses the programs of this build folder (implies --no-build)
@@ -16,6 +18,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 seconds=20
 motion=
+serial=false
 output=$root/demo-output
 build=true
 programs=$root/build/release
@@ -23,10 +26,11 @@ while (($#)); do
   case "$1" in
     --seconds) seconds=${2:?--seconds needs a number}; shift 2 ;;
     --motion) motion=$(realpath -e -- "${2:?--motion needs a file}"); shift 2 ;;
+    --serial) serial=true; shift ;;
     --output) output=${2:?--output needs a folder}; shift 2 ;;
     --no-build) build=false; shift ;;
     --build) build=false; programs=$(realpath -e -- "${2:?--build needs a folder}"); shift 2 ;;
-    -h | --help) sed -n '2,13s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,15s/^# \{0,1\}//p' "$0"; exit 0 ;;
     *) echo "demo.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
   esac
 done
@@ -40,7 +44,7 @@ if $build; then
   sh "$root/docker/install-deps.sh" build test
   (cd "$root" && cmake --preset release --log-level=WARNING >/dev/null &&
     cmake --build --preset release --parallel "$(nproc)" \
-      --target hapticd hapticctl haptic-example-soft-grasp)
+      --target hapticd hapticctl haptic-example-soft-grasp haptic-board-emulator)
 fi
 
 program() {  # program NAME: where the build put it
@@ -52,6 +56,7 @@ program() {  # program NAME: where the build put it
 hapticd=$(program hapticd)
 hapticctl=$(program hapticctl)
 grasp=$(program haptic-example-soft-grasp)
+if $serial; then emulator=$(program haptic-board-emulator); fi
 command -v gnuplot >/dev/null || { echo "demo.sh: gnuplot is missing (docker/install-deps.sh)" >&2; exit 1; }
 
 mkdir -p "$output"
@@ -64,7 +69,7 @@ declare -A running=()  # name -> process id: what is ours to end
 # shellcheck disable=SC2317  # called by the trap
 finish() {
   local name
-  for name in watch grasp hapticd; do
+  for name in watch grasp hapticd emulator; do
     if [[ -n ${running[$name]:-} ]]; then kill "${running[$name]}" 2>/dev/null || true; fi
   done
   for name in "${!running[@]}"; do wait "${running[$name]}" 2>/dev/null || true; done
@@ -92,7 +97,22 @@ scene=$root/server/scenes/finger_soft_grasp.textproto
 # takes the processor for that long, whatever was granted here, and this device is simulated.
 settings=(--set "record.file=\"$recording\"" --set record.compare_renderers=true
   --set loop.loop_late_fault.nanos=20000000)
-if [[ -n $motion ]]; then settings+=(--set "device[0].simulated_finger.motion_file=\"$motion\""); fi
+if $serial; then
+  port=$folder/board
+  # The watchdog of a host without real-time scheduling: above those 20 ms.
+  "$emulator" --link "$port" --watchdog-ms 25 \
+    --motion "${motion:-$root/server/scenes/motion/reach_and_grasp.csv}" \
+    >/dev/null 2>"$folder/emulator.log" &
+  running[emulator]=$!
+  for _ in {1..100}; do
+    [[ -L $port ]] && break
+    alive emulator || give_up "the board's emulator did not start" "$folder/emulator.log"
+    sleep 0.1
+  done
+  settings+=(--set "device[0].board={ port: \"$port\" max_effort: 40 }")
+elif [[ -n $motion ]]; then
+  settings+=(--set "device[0].simulated_finger.motion_file=\"$motion\"")
+fi
 
 "$hapticd" --scene "$scene" --listen "$server" "${settings[@]}" 2>"$folder/hapticd.log" &
 running[hapticd]=$!
@@ -124,6 +144,10 @@ if [[ -n ${running[watch]:-} ]]; then
 fi
 end grasp || true  # a client that is told to go may say so in its status
 end hapticd || give_up "hapticd did not stop cleanly" "$folder/hapticd.log"
+if $serial; then
+  end emulator || give_up "the board's emulator did not stop cleanly" "$folder/emulator.log"
+  sed -n '$s/^/  board             /p' "$folder/emulator.log"
+fi
 
 # How the force was computed, as the scene in use says.
 method=$("$hapticd" --scene "$scene" "${settings[@]}" --print-scene |
@@ -131,6 +155,7 @@ method=$("$hapticd" --scene "$scene" "${settings[@]}" --print-scene |
 
 status=0
 {
+  if $serial; then echo "soft grasp over a serial link to an emulated board"; fi
   echo "soft grasp, ${motion:+moved by $(basename -- "$motion"), }method $method"
   awk -f "$root/server/demo/summary.awk" -v stretches="$folder/contact" "$recording"
 } >"$output/summary.txt" || status=$?

@@ -32,9 +32,11 @@ struct CommandLine {
 };
 
 /// What a scene's text cannot say: whether the files it names can be played, and one be written.
-/// Opening a simulated or replayed device reads them, and moves nothing.
+/// Opening a simulated or replayed device reads them, and moves nothing. A board is hardware: a check
+/// does not touch it.
 void check_files(const haptic::server::Scene& scene) {
   for (const haptic::server::DeviceScene& device : scene.devices) {
+    if (std::holds_alternative<haptic::hw::BoardConfig>(device.source)) continue;
     static_cast<void>(haptic::hw::open_device(device.source, device.kinematics));
   }
   if (!scene.record) return;

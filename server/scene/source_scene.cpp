@@ -99,6 +99,23 @@ hw::ReplayConfig read_replay(v1::Replay& message, const std::string& path, const
   return c;
 }
 
+hw::BoardConfig read_board(v1::Board& message, const std::string& path, Sizes sizes,
+                           Problems& problems) {
+  const FieldReader reader(message, path, problems);
+  hw::BoardConfig c;
+  if (message.port().empty()) reader.missing("port", "a serial port, as in \"/dev/ttyACM0\"");
+  c.port = message.port();
+  if (!message.has_baud()) message.set_baud(static_cast<std::uint32_t>(c.baud));
+  reader.whole_number("baud", message.baud(), 9600, 12'000'000);
+  c.baud = static_cast<int>(message.baud());
+  c.serial = message.serial();
+  c.max_effort =
+      to_vector(reader.list({"max_effort", Allowed::kPositive, sizes.n_a, "actuated DoF"}));
+  c.max_silence = reader.duration("max_silence", c.max_silence,
+                                  {std::chrono::milliseconds(2), std::chrono::milliseconds(100)});
+  return c;
+}
+
 /// Reports a simulation that goes with another map.
 void check_fit(const v1::DeviceScene& message, const std::string& path, Problems& problems) {
   const auto* oneof = message.GetDescriptor()->FindOneofByName("kinematics");
@@ -136,10 +153,14 @@ Source read_source(v1::DeviceScene& message, const std::string& path, const fs::
           read_replay(*message.mutable_replay(), path + ".replay", folder, sizes, problems);
       return {config, config.max_effort};
     }
+    case v1::DeviceScene::kBoard: {
+      const auto config = read_board(*message.mutable_board(), path + ".board", sizes, problems);
+      return {config, config.max_effort};
+    }
     case v1::DeviceScene::SOURCE_NOT_SET:
       break;
   }
-  problems.missing(path + ".source", "one of simulated_finger, simulated_linear, replay");
+  problems.missing(path + ".source", "one of simulated_finger, simulated_linear, replay, board");
   return {};
 }
 

@@ -3,14 +3,17 @@
 # ratio with its bootstrap 95 % interval, an A/A row in the same line. Writes CSV to standard output.
 # Run it on a machine that does nothing else.
 #
-#   tests/bench/run.sh [core|linear|loop|wire|memory]...   default: all, about 8 minutes
+#   tests/bench/run.sh [core|linear|loop|wire|memory|serial]...   default: all but serial, about 8 minutes
+#
+# serial: 20 s each of the streaming and the 500 Hz link to the emulator; figures as text.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 cd "$root"
 sh docker/install-deps.sh build test >&2
 cmake --preset release -DHAPTIC_BUILD_BENCHMARKS=ON >&2
 cmake --build --preset release --parallel "$(nproc)" \
-  --target haptic-bench-core haptic-bench-linear haptic-bench-loop haptic-bench-wire hapticd >&2
+  --target haptic-bench-core haptic-bench-linear haptic-bench-loop haptic-bench-wire haptic-bench-serial \
+  hapticd >&2
 bin=build/release
 
 memory() {  # resident memory of an idle hapticd, after 5 s and after the rest, without and with locking
@@ -36,7 +39,13 @@ for part in "${@:-core linear loop wire memory}"; do
     case "$one" in
       core | linear | loop | wire) echo "# $one"; "$bin/tests/bench/haptic-bench-$one" ;;
       memory) echo "# memory"; memory ;;
-      *) echo "run.sh: unknown part '$one' (core, linear, loop, wire, memory)" >&2; exit 2 ;;
+      serial)
+        for period_ms in 0 2; do
+          echo "# serial, link period $period_ms ms"
+          "$bin/tests/bench/haptic-bench-serial" 20 "$period_ms"
+        done
+        ;;
+      *) echo "run.sh: unknown part '$one' (core, linear, loop, wire, memory, serial)" >&2; exit 2 ;;
     esac
   done
 done

@@ -1,0 +1,44 @@
+#pragma once
+/// A board on a serial port as a device. Its I/O thread owns the port and the protocol; the loop
+/// exchanges the newest reading and the newest command with it through mailboxes and never waits.
+///
+///   real-time thread   read(): newest reading      write(): newest command, and a wake-up
+///   I/O thread         polls port and wake-up; samples as they come, commands as they come
+///
+/// Unplugged, or silent for BoardHost::kSilence: LOST. The thread then looks for the port every
+/// 200 ms; when the same board (by its serial) answers there, health is kOk again, disarmed.
+
+#include <memory>
+
+#include "haptic/core/model/kinematics.hpp"
+#include "hw/board/board_host.hpp"
+#include "hw/device.hpp"
+
+namespace haptic::hw {
+
+struct BoardConfig;
+
+class BoardDevice final : public Device {
+ public:
+  /// Opens the port and shakes hands; blocks for at most 3 s. Throws DeviceError: the port cannot be
+  /// opened (why, and what to do), nobody answers, the board is not what the scene says.
+  BoardDevice(const BoardConfig& config, const std::shared_ptr<const core::Kinematics>& kinematics);
+  ~BoardDevice() override;
+
+  [[nodiscard]] const DeviceInfo& info() const noexcept override { return info_; }
+  void read(core::TimePoint now, core::DeviceReading& reading) noexcept override;
+  void write(core::TimePoint now, const Command& command) noexcept override;
+  void close() noexcept override;
+
+  /// Of the link, a moment ago. Any thread but the real-time one.
+  [[nodiscard]] board::HostCounters counters() const;
+
+ private:
+  class Io;
+  DeviceInfo info_;
+  std::unique_ptr<Io> io_;
+  board::Wanted wanted_{};
+  std::uint64_t last_seq_{0};
+};
+
+}  // namespace haptic::hw

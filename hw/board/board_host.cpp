@@ -1,0 +1,305 @@
+#include "hw/board/board_host.hpp"
+
+#include <algorithm>
+#include <sstream>
+#include <utility>
+
+namespace haptic::hw::board {
+namespace {
+
+double milliseconds(core::Duration d) {
+  return 1e3 * core::seconds(d);
+}
+
+const char* unit_name(bool radian) {
+  return radian ? "rad" : "m";
+}
+
+std::string version_difference(const Identity& identity) {
+  if (identity.version == kProtocolVersion) return {};
+  return "speaks version " + std::to_string(identity.version) + " of the protocol; must be " +
+         std::to_string(kProtocolVersion);
+}
+
+std::string watchdog_difference(const Identity& identity, core::Duration lateness) {
+  const core::Duration watchdog = std::chrono::microseconds(identity.watchdog_us);
+  if (watchdog > lateness) return {};
+  std::ostringstream text;
+  text << "its watchdog = " << milliseconds(watchdog)
+       << " ms: must be longer than loop_late_fault, " << milliseconds(lateness) << " ms";
+  return text.str();
+}
+
+/// What a DoF of the board's dictionary is not; empty where it fits.
+std::string dof_difference(const Dof& dof, const core::DofSpec& expected, double max_effort) {
+  std::ostringstream text;
+  const bool radian = expected.unit == core::Unit::kRadian;
+  if (dof.name != expected.name) {
+    text << "is called '" << dof.name << "'; must be '" << expected.name << "'";
+  } else if (dof.radian != radian) {
+    text << "is in " << unit_name(dof.radian) << "; must be in " << unit_name(radian);
+  } else if (dof.actuated != expected.actuated) {
+    text << (dof.actuated ? "is actuated; must be sensed only"
+                          : "is sensed only; must be actuated");
+  } else if (dof.actuated && static_cast<double>(dof.max_effort) < max_effort) {
+    text << "max effort = " << dof.max_effort << ": must be at least max_effort of the scene, "
+         << max_effort;
+  }
+  return text.str();
+}
+
+}  // namespace
+
+BoardHost::BoardHost(Expectation expected, std::uint64_t seed)
+    : expected_(std::move(expected)), random_(seed) {}
+
+std::uint32_t BoardHost::new_number(std::uint32_t unlike) {
+  std::uint32_t number = 0;
+  while (number == 0 || number == unlike) number = static_cast<std::uint32_t>(random_());
+  return number;
+}
+
+template <typename Message>
+std::uint32_t BoardHost::send(FrameType type, const Message& message) {
+  const Payload payload = write(message);
+  WireBuffer wire;
+  const std::size_t length = encode({type, ++tx_seq_, payload.view()}, wire);
+  if (length > output_.size() - output_length_) {
+    ++counters_.commands_held_back;
+    return 0;
+  }
+  std::copy_n(wire.begin(), length, output_.begin() + static_cast<std::ptrdiff_t>(output_length_));
+  output_length_ += length;
+  ++counters_.sent;
+  return tx_seq_;
+}
+
+void BoardHost::consume(std::size_t count) noexcept {
+  count = std::min(count, output_length_);
+  std::copy(output_.begin() + static_cast<std::ptrdiff_t>(count),
+            output_.begin() + static_cast<std::ptrdiff_t>(output_length_), output_.begin());
+  output_length_ -= count;
+}
+
+// ---- handshake ------------------------------------------------------------------------------------
+
+void BoardHost::connect(core::TimePoint now) {
+  disconnect();
+  session_ = new_number(session_);
+  stage_ = Stage::kGreeting;
+  greet(now);
+}
+
+void BoardHost::disconnect() {
+  stage_ = Stage::kClosed;
+  decoder_.reset();
+  output_length_ = 0;
+  reading_.open = reading_.broken = reading_.force_over_limit = false;
+  reading_.armed = 0;
+  nonce_ = board_nonce_ = 0;  // whoever armed it must ask anew
+  board_state_ = BoardState::kDisarmed;
+}
+
+void BoardHost::greet(core::TimePoint now) {
+  identified_ = false;
+  dofs_.fill(std::nullopt);
+  greeted_ = now;
+  send(FrameType::kHello, Hello{kProtocolVersion, session_});
+}
+
+std::string BoardHost::difference() const {
+  std::string found = version_difference(identity_);
+  if (found.empty()) found = watchdog_difference(identity_, expected_.longest_lateness);
+  if (!found.empty()) return found;
+  if (!expected_.serial.empty() && identity_.serial != expected_.serial) {
+    return "its serial = '" + identity_.serial + "': must be '" + expected_.serial + "'";
+  }
+  if (identity_.n_q != expected_.dofs.size()) {
+    return "has " + std::to_string(identity_.n_q) + " DoF(s); must have " +
+           std::to_string(expected_.dofs.size());
+  }
+  Eigen::Index a = 0;
+  for (std::size_t i = 0; i < expected_.dofs.size(); ++i) {
+    const core::DofSpec& expected = expected_.dofs[i];
+    const double effort = expected.actuated ? expected_.max_effort[a++] : 0.0;
+    const std::string wrong = dof_difference(*dofs_[i], expected, effort);
+    if (!wrong.empty()) return "DoF " + std::to_string(i) + " " + wrong;
+  }
+  return {};
+}
+
+void BoardHost::on_identity(const Frame& frame) {
+  const auto identity = read<Identity>(frame.payload);
+  if (!identity) {
+    ++counters_.malformed;
+    return;
+  }
+  if (stage_ != Stage::kGreeting || identity->session != session_) return;
+  filter_.restart(frame.seq);
+  identity_ = *identity;
+  identified_ = true;
+  if (identity_.version != kProtocolVersion) {  // its dictionary may not be ours to read
+    refusal_ = version_difference(identity_);
+    stage_ = Stage::kRefused;
+  }
+}
+
+void BoardHost::on_dof(const Dof& dof) {
+  if (stage_ != Stage::kGreeting || !identified_) return;
+  dofs_[dof.index] = dof;
+  const auto known = std::count_if(dofs_.begin(), dofs_.begin() + identity_.n_q,
+                                   [](const auto& entry) { return entry.has_value(); });
+  if (known < identity_.n_q) return;
+  refusal_ = difference();
+  stage_ = refusal_.empty() ? Stage::kOpen : Stage::kRefused;
+  if (stage_ != Stage::kOpen) return;
+  ++counters_.handshakes;
+  clock_.restart();
+}
+
+// ---- frames ---------------------------------------------------------------------------------------
+
+void BoardHost::receive(std::span<const std::uint8_t> bytes, core::TimePoint now) {
+  counters_.bytes += bytes.size();
+  for (const std::uint8_t byte : bytes) {
+    switch (decoder_.push(byte)) {
+      case FrameDecoder::Event::kFrame:
+        ++counters_.frames;
+        on_frame(decoder_.frame(), now);
+        break;
+      case FrameDecoder::Event::kMalformed:
+        ++counters_.malformed;
+        break;
+      case FrameDecoder::Event::kBadCrc:
+        ++counters_.bad_crc;
+        break;
+      case FrameDecoder::Event::kNone:
+        break;
+    }
+  }
+}
+
+/// The sequence rule, for everything but the IDENTITY that starts it.
+bool BoardHost::passes(const Frame& frame) {
+  const std::uint64_t lost = filter_.lost();
+  if (!filter_.accept(frame.seq)) {
+    ++counters_.not_newer;
+    return false;
+  }
+  counters_.lost += filter_.lost() - lost;
+  return true;
+}
+
+void BoardHost::on_frame(const Frame& frame, core::TimePoint now) {
+  if (stage_ == Stage::kClosed) return;
+  if (frame.type == FrameType::kIdentity && stage_ == Stage::kGreeting) {
+    on_identity(frame);
+    return;
+  }
+  if (!identified_ || !passes(frame)) return;  // of a session before this one
+  heard_ = now;
+  if (frame.type == FrameType::kDof) {
+    if (const auto dof = read<Dof>(frame.payload)) return on_dof(*dof);
+  } else if (frame.type == FrameType::kState) {
+    if (const auto state = read<State>(frame.payload)) return on_state(*state, now);
+  } else if (frame.type == FrameType::kCounters) {
+    if (const auto counters = read<Counters>(frame.payload)) {
+      counters_.board = *counters;
+      return;
+    }
+  } else if (frame.type == FrameType::kIdentity) {
+    return;  // the answer to a HELLO sent twice
+  }
+  ++counters_.malformed;
+}
+
+void BoardHost::on_state(const State& state, core::TimePoint now) {
+  if (stage_ != Stage::kOpen) return;
+  if (state.n_q != identity_.n_q || (state.measures_force && state.n_a != identity_.n_a)) {
+    ++counters_.malformed;
+    return;
+  }
+  ++counters_.states;
+  board_state_ = state.state;
+  board_nonce_ = state.nonce;
+  reading_.open = true;
+  ++reading_.seq;
+  reading_.time = clock_.map(state.time_us, now);
+  reading_.q.resize(state.n_q);
+  for (int i = 0; i < state.n_q; ++i) reading_.q[i] = static_cast<double>(state.q[i]);
+  reading_.force.resize(state.n_a);
+  for (int i = 0; i < state.n_a; ++i) reading_.force[i] = static_cast<double>(state.force[i]);
+  follow_arming(state);
+  time_round_trip(state, now);
+}
+
+void BoardHost::follow_arming(const State& state) noexcept {
+  const bool ours = nonce_ != 0 && state.nonce == nonce_;
+  const bool latched = state.state == BoardState::kStopped || state.state == BoardState::kFault;
+  reading_.armed = ours && state.state == BoardState::kArmed ? arming_ : 0;
+  // A latched stop is news while it is that of our arming; later it only waits for the next one. A
+  // fault that is there now is always news.
+  reading_.broken = (latched && ours) || state.faults != 0;
+  reading_.force_over_limit =
+      (state.faults & kForceOverLimit) != 0 || (latched && ours && reading_.force_over_limit);
+}
+
+void BoardHost::time_round_trip(const State& state, core::TimePoint now) noexcept {
+  const Sent& sent = sent_[state.command_seq % sent_.size()];
+  if (state.command_seq == 0 || sent.seq != state.command_seq || state.command_age_us == 65535) {
+    return;
+  }
+  const core::Duration way = now - sent.at - std::chrono::microseconds(state.command_age_us);
+  counters_.round_trip = way;
+  counters_.longest_round_trip = std::max(counters_.longest_round_trip, way);
+}
+
+// ---- arming and commands --------------------------------------------------------------------------
+
+void BoardHost::want(const Wanted& wanted, core::TimePoint now) {
+  const bool had = wanted_.arm;
+  wanted_ = wanted;
+  if (stage_ != Stage::kOpen) return;
+  if (!wanted.arm) {
+    if (!had && nonce_ == 0) return;
+    nonce_ = 0;
+    reading_.armed = 0;
+    asked_ = now;
+    send(FrameType::kDisarm, Disarm{});
+    return;
+  }
+  if (wanted.arming != arming_) {
+    arming_ = wanted.arming;
+    nonce_ = new_number(nonce_ != 0 ? nonce_ : board_nonce_);
+    asked_ = now;
+    send(FrameType::kArm, Arm{nonce_});
+  }
+  if (nonce_ == 0) return;  // the link was lost since: this arming is over
+  Command command;
+  command.nonce = nonce_;
+  command.n_a = identity_.n_a;
+  for (Eigen::Index i = 0; i < std::min<Eigen::Index>(wanted.tau_a.size(), identity_.n_a); ++i) {
+    command.value[static_cast<std::size_t>(i)] = static_cast<float>(wanted.tau_a[i]);
+  }
+  const std::uint32_t seq = send(FrameType::kCommand, command);
+  if (seq != 0) sent_[seq % sent_.size()] = {seq, now};
+}
+
+void BoardHost::poll(core::TimePoint now) {
+  if (stage_ == Stage::kGreeting && now - greeted_ >= kRepeat) greet(now);
+  if (stage_ != Stage::kOpen) return;
+  if (now - heard_ > kSilence) {
+    connect(now);
+    return;
+  }
+  if (now - asked_ < kAgain) return;
+  asked_ = now;
+  const bool latched = board_state_ == BoardState::kStopped || board_state_ == BoardState::kFault;
+  if (nonce_ != 0 && board_nonce_ != nonce_ && !(latched && reading_.broken)) {
+    send(FrameType::kArm, Arm{nonce_});
+  } else if (nonce_ == 0 && board_state_ == BoardState::kArmed) {
+    send(FrameType::kDisarm, Disarm{});
+  }
+}
+
+}  // namespace haptic::hw::board

@@ -1,0 +1,143 @@
+#pragma once
+/// The host's side of the board protocol (hw/README.md) without a port or a thread: bytes and time
+/// in, bytes and readings out. Pure, so that every rule is tested in virtual time.
+///
+///   CLOSED --connect()--> GREETING --IDENTITY and every DOF, as expected--> OPEN
+///                          ^   '--not as expected--> REFUSED                 |
+///                          '---------- nothing heard for kSilence -----------'
+///   disconnect() leads to CLOSED from everywhere.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "haptic/core/model/kinematics.hpp"
+#include "haptic/core/time.hpp"
+#include "haptic/core/types.hpp"
+#include "hw/board/clock_map.hpp"
+#include "hw/board/frame_codec.hpp"
+#include "hw/board/messages.hpp"
+
+namespace haptic::hw::board {
+
+/// What the scene takes for granted of the board; a board that differs is refused with a reason.
+struct Expectation {
+  std::vector<core::DofSpec> dofs{};
+  core::VecA max_effort{};             ///< n_a: the dictionary must allow at least this much
+  core::Duration longest_lateness{0};  ///< loop_late_fault; the board's watchdog must be longer
+  std::string serial{};                ///< empty: any board
+};
+
+/// What the loop wants; the newest counts.
+struct Wanted {
+  bool arm{false};
+  std::uint32_t arming{0};  ///< rises with every new wish to arm
+  core::VecA tau_a{};
+};
+
+/// What the loop gets.
+struct BoardReading {
+  bool open{false};    ///< handshake done, board heard from
+  bool broken{false};  ///< stopped by its watchdog under our arming, or a fault of its own
+  bool force_over_limit{false};  ///< that fault is this one
+  std::uint32_t armed{0};        ///< Wanted::arming it follows; 0: none
+  std::uint64_t seq{0};          ///< rises with every sample; 0: none yet
+  core::TimePoint time{};
+  core::VecQ q{};
+  core::VecA force{};  ///< size 0 where it measures none
+};
+
+/// Of this side of the link, since its opening. Every frame that is missing is in one of them.
+struct HostCounters {
+  std::uint64_t bytes{0}, frames{0}, states{0};
+  std::uint64_t bad_crc{0}, malformed{0}, not_newer{0}, lost{0};
+  std::uint64_t sent{0}, commands_held_back{0};  ///< held back: the port was not taking bytes
+  std::uint64_t handshakes{0};
+  core::Duration round_trip{0}, longest_round_trip{0};  ///< command to the state that tells of it
+  Counters board{};                                     ///< the newest of the board's own
+};
+
+class BoardHost {
+ public:
+  enum class Stage : std::uint8_t { kClosed, kGreeting, kRefused, kOpen };
+  static constexpr core::Duration kRepeat{std::chrono::milliseconds(100)};  ///< of HELLO
+  static constexpr core::Duration kAgain{std::chrono::milliseconds(20)};    ///< of ARM, DISARM
+  static constexpr core::Duration kSilence{std::chrono::milliseconds(250)};
+
+  /// `seed` makes session numbers and nonces: a different one per run.
+  BoardHost(Expectation expected, std::uint64_t seed);
+
+  void connect(core::TimePoint now);
+  void disconnect();
+  void receive(std::span<const std::uint8_t> bytes, core::TimePoint now);
+  /// Sends the newest wish on.
+  void want(const Wanted& wanted, core::TimePoint now);
+  /// Repeats what has not been answered. To be called at least every kAgain.
+  void poll(core::TimePoint now);
+
+  /// What is to be written to the port; consume() what was.
+  [[nodiscard]] std::span<const std::uint8_t> output() const noexcept {
+    return {output_.data(), output_length_};
+  }
+  void consume(std::size_t count) noexcept;
+
+  [[nodiscard]] Stage stage() const noexcept { return stage_; }
+  [[nodiscard]] const std::string& refusal() const noexcept { return refusal_; }  ///< of kRefused
+  [[nodiscard]] const BoardReading& reading() const noexcept { return reading_; }
+  [[nodiscard]] const HostCounters& counters() const noexcept { return counters_; }
+  [[nodiscard]] const ClockMap& clock() const noexcept { return clock_; }
+  [[nodiscard]] const Identity& identity() const noexcept { return identity_; }
+  /// From now on only this very board (after the first handshake: a replugged port).
+  void insist_on(const std::string& serial) { expected_.serial = serial; }
+
+ private:
+  void greet(core::TimePoint now);
+  void on_frame(const Frame& frame, core::TimePoint now);
+  void on_identity(const Frame& frame);
+  void on_dof(const Dof& dof);
+  void on_state(const State& state, core::TimePoint now);
+  void follow_arming(const State& state) noexcept;
+  void time_round_trip(const State& state, core::TimePoint now) noexcept;
+  [[nodiscard]] std::string difference() const;
+  [[nodiscard]] bool passes(const Frame& frame);
+  template <typename Message>
+  std::uint32_t send(FrameType type, const Message& message);
+  [[nodiscard]] std::uint32_t new_number(std::uint32_t unlike);
+
+  Expectation expected_;
+  std::mt19937_64 random_;
+  Stage stage_{Stage::kClosed};
+  std::string refusal_{};
+  FrameDecoder decoder_{};
+  SequenceFilter filter_{};
+  ClockMap clock_{};
+  HostCounters counters_{};
+  BoardReading reading_{};
+
+  std::uint32_t session_{0}, tx_seq_{0};
+  Identity identity_{};
+  std::array<std::optional<Dof>, kMaxDofs> dofs_{};
+  bool identified_{false};
+  core::TimePoint greeted_{}, heard_{}, asked_{};
+
+  Wanted wanted_{};
+  std::uint32_t nonce_{0};   ///< of the present arming; 0: none wanted
+  std::uint32_t arming_{0};  ///< Wanted::arming that nonce_ stands for
+  BoardState board_state_{BoardState::kDisarmed};
+  std::uint32_t board_nonce_{0};
+
+  struct Sent {
+    std::uint32_t seq{0};
+    core::TimePoint at{};
+  };
+  std::array<Sent, 64> sent_{};  ///< by seq modulo its size
+
+  std::array<std::uint8_t, 4 * kMaxWire> output_{};
+  std::size_t output_length_{0};
+};
+
+}  // namespace haptic::hw::board

@@ -1,0 +1,49 @@
+#pragma once
+/// The board's clock on the server's steady clock: when was a sample measured that arrived now?
+///
+/// arrival - board time = offset + drift * board time + delay of the link, with delay >= 0 and now
+/// and then large. Offset and drift come from a least-squares line whose weights decay with
+/// kMemory; arrivals far above the line are stragglers and do not move it. Samples are placed two
+/// mean deviations below the line, near the earliest arrivals: a constant delay cannot be seen one
+/// way, so what is left of it makes samples look younger, by at most the shortest delay of the link.
+/// Pure: no clock is read, nothing allocates.
+
+#include <cstdint>
+
+#include "haptic/core/time.hpp"
+
+namespace haptic::hw::board {
+
+class ClockMap {
+ public:
+  static constexpr double kMemory = 2.0;      ///< s
+  static constexpr double kStep = 0.1;        ///< s: further off than this, a clock was set anew
+  static constexpr double kMaxDrift = 1e-3;   ///< crystals stay below 200 ppm; more is noise
+  static constexpr double kStraggler = 5e-4;  ///< s above the line, at least, to be ignored
+  static constexpr int kRelearn = 100;        ///< stragglers in a row: the delay itself has changed
+
+  /// Takes the sample into account and says when it was measured: never after `arrival`.
+  [[nodiscard]] core::TimePoint map(std::uint64_t board_us, core::TimePoint arrival) noexcept;
+  /// Forgets everything: another board, or the same one started anew.
+  void restart() noexcept { *this = ClockMap{}; }
+
+  [[nodiscard]] double drift() const noexcept { return drift_; }  ///< s/s, of steady against board
+  [[nodiscard]] double deviation() const noexcept { return deviation_; }  ///< s, mean
+  [[nodiscard]] std::uint64_t stragglers() const noexcept { return stragglers_; }
+
+ private:
+  void begin(std::uint64_t board_us, core::TimePoint arrival) noexcept;
+  void fit(double elapsed, double offset) noexcept;
+
+  bool begun_{false};
+  std::uint64_t board_0_{0}, last_board_{0};
+  core::TimePoint arrival_0_{};
+  // Decayed sums over (age, offset), age = board time since the newest sample, <= 0.
+  double s0_{0.0}, s1_{0.0}, s2_{0.0}, y0_{0.0}, y1_{0.0};
+  double offset_{0.0}, drift_{0.0};  ///< the line at the newest sample
+  double deviation_{0.0};
+  int stragglers_in_a_row_{0};
+  std::uint64_t stragglers_{0};
+};
+
+}  // namespace haptic::hw::board

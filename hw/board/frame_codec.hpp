@@ -1,0 +1,92 @@
+#pragma once
+/// Frames on the serial link to a board, both ways: hw/README.md, "The board protocol".
+///
+///   00 | COBS( type 1 | seq 4 | payload 0..240 | CRC-32C 4 ) | 00        little-endian
+///
+/// A zero byte stands only between frames, so a reader that lost its place finds it at the next
+/// one. Each frame brings both its zeros: damage to one of them then never takes the neighbour
+/// along. The body is at most 249 bytes, so COBS adds exactly one.
+/// Source of COBS: S. Cheshire, M. Baker, IEEE/ACM Trans. Networking 7(2):159-172, 1999.
+/// Nothing here allocates, throws or reads a clock.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace haptic::hw::board {
+
+inline constexpr std::size_t kMaxPayload = 240;
+inline constexpr std::size_t kFrameOverhead = 9;                       ///< type, seq, CRC
+inline constexpr std::size_t kMaxBody = kMaxPayload + kFrameOverhead;  ///< before COBS
+inline constexpr std::size_t kMaxWire = kMaxBody + 3;                  ///< one code, two zeros
+
+/// What a frame means; below 0x80 the host speaks, from 0x80 on the board.
+enum class FrameType : std::uint8_t {
+  kHello = 0x01,
+  kArm = 0x02,
+  kDisarm = 0x03,
+  kCommand = 0x04,
+  kIdentity = 0x81,
+  kDof = 0x82,
+  kState = 0x83,
+  kCounters = 0x84,
+};
+
+struct Frame {
+  FrameType type{};  ///< any byte may come off the wire: unknown types are the reader's to drop
+  std::uint32_t seq{0};
+  std::span<const std::uint8_t> payload{};
+};
+
+using WireBuffer = std::array<std::uint8_t, kMaxWire>;
+
+/// Writes the frame with both its zeros. Returns its length; 0 where the payload is too long.
+[[nodiscard]] std::size_t encode(const Frame& frame, WireBuffer& wire) noexcept;
+
+/// Takes a stream byte by byte and finds the frames in it, whatever else is there.
+class FrameDecoder {
+ public:
+  enum class Event : std::uint8_t {
+    kNone,       ///< nothing ended with this byte
+    kFrame,      ///< frame() is whole and its CRC is right
+    kMalformed,  ///< no COBS, too short or too long to be a frame
+    kBadCrc,
+  };
+
+  [[nodiscard]] Event push(std::uint8_t byte) noexcept;
+  /// The frame of the last kFrame; its payload stays until the next push().
+  [[nodiscard]] const Frame& frame() const noexcept { return frame_; }
+  /// Forgets what has been read of a frame: the link was opened anew.
+  void reset() noexcept { length_ = 0; }
+
+ private:
+  [[nodiscard]] Event finish() noexcept;
+
+  std::array<std::uint8_t, kMaxBody + 1> chunk_{};  ///< between two zeros
+  std::size_t length_{0};                           ///< beyond chunk_'s size: too long already
+  Frame frame_{};
+};
+
+/// Sequence numbers rise by one per frame and wrap (RFC 1982): what is not ahead of the last one
+/// accepted came twice or too late.
+class SequenceFilter {
+ public:
+  /// Starts anew at `seq`, which counts as accepted.
+  void restart(std::uint32_t seq) noexcept { last_ = seq; }
+  /// True where `seq` is newer. Adds the numbers passed over to lost().
+  [[nodiscard]] bool accept(std::uint32_t seq) noexcept {
+    const std::uint32_t ahead = seq - last_;
+    if (ahead == 0 || ahead >= 0x80000000U) return false;
+    lost_ += ahead - 1;
+    last_ = seq;
+    return true;
+  }
+  [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
+
+ private:
+  std::uint32_t last_{0};
+  std::uint64_t lost_{0};
+};
+
+}  // namespace haptic::hw::board

@@ -1,0 +1,156 @@
+/// haptic-board-emulator: the finger exoskeleton's board on a pseudo-terminal.
+
+#include <pthread.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <map>
+#include <string>
+#include <thread>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "hw/emulator/serve.hpp"
+
+namespace {
+
+using namespace haptic;
+using hw::emulator::EmulatedBoard;
+using hw::emulator::EmulatorConfig;
+using hw::emulator::Gearing;
+
+struct CommandLine {
+  EmulatorConfig board{};
+  std::string link{};
+  std::string motion{};
+  double target_mcp{0.0}, target_pip{0.0};
+  double watchdog_ms{25.0}, link_period_ms{0.0}, seconds{0.0};
+  Gearing gearing{Gearing::k35};
+  std::vector<std::string> faults{};
+  int drawn_faults{0};
+};
+
+void describe(CLI::App& app, CommandLine& c) {
+  const std::map<std::string, Gearing> gearings{
+      {"35", Gearing::k35}, {"63", Gearing::k63}, {"150", Gearing::k150}};
+  app.add_option("--link", c.link, "path to be made a link to the port, across unplugging");
+  app.add_option("--seed", c.board.seed, "of noise, bytes and drawn faults");
+  app.add_option("--serial", c.board.serial, "serial number of the board (up to 16 characters)");
+  app.add_option("--watchdog-ms", c.watchdog_ms, "the board's watchdog")
+      ->check(CLI::Range(1.0, 1000.0));
+  app.add_option("--link-period-ms", c.link_period_ms,
+                 "bytes pass only this often, both ways; 2: the paper's 500 Hz; 0: at once")
+      ->check(CLI::Range(0.0, 100.0));
+  app.add_option("--clock-ppm", c.board.clock_ppm, "error of the board's crystal");
+  app.add_option("--gearing", c.gearing, "of the L16: 35, 63 or 150")
+      ->transform(CLI::CheckedTransformer(gearings));
+  app.add_option("--drop", c.board.drop, "share of bytes lost")->check(CLI::Range(0.0, 1.0));
+  app.add_option("--corrupt", c.board.corrupt, "share of bytes with a bit flipped")
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--fault", c.faults, "KIND@START[+LENGTH][=AMOUNT], as often as wanted");
+  app.add_option("--draw-faults", c.drawn_faults, "so many faults drawn from the seed")
+      ->check(CLI::Range(0, 1000));
+  app.add_option("--motion", c.motion, "CSV of joint angles the user follows");
+  app.add_option("--target-mcp", c.target_mcp, "rad, where there is no motion");
+  app.add_option("--target-pip", c.target_pip, "rad");
+  app.add_option("--seconds", c.seconds, "end after so long; 0: when told to")
+      ->check(CLI::NonNegativeNumber);
+}
+
+EmulatorConfig resolved(const CommandLine& c) {
+  EmulatorConfig config = c.board;
+  config.watchdog_us = static_cast<std::uint32_t>(1e3 * c.watchdog_ms);
+  config.link_period_us = static_cast<std::uint32_t>(1e3 * c.link_period_ms);
+  config.actuator = hw::emulator::l16(c.gearing);
+  for (const std::string& fault : c.faults) {
+    config.faults.push_back(hw::emulator::parse_fault(fault));
+  }
+  constexpr double kLong = 60.0;
+  for (const auto& fault : hw::emulator::draw_faults(config.seed, c.drawn_faults,
+                                                     c.seconds > 0.0 ? c.seconds : kLong)) {
+    config.faults.push_back(fault);
+  }
+  return config;
+}
+
+hw::Intent intent(const CommandLine& c) {
+  if (!c.motion.empty()) return {Eigen::Vector2d::Zero(), std::filesystem::path(c.motion)};
+  return {Eigen::Vector2d::Zero(), Eigen::Vector2d(c.target_mcp, c.target_pip)};
+}
+
+/// One line on standard error whenever something begins or ends.
+class Reporter {
+ public:
+  void operator()(const EmulatedBoard& board) {
+    static constexpr const char* kStates[] = {"DISARMED", "ARMED", "STOPPED", "FAULT"};
+    const auto state = board.firmware().state;
+    if (state == state_ && board.drives() == drives_ && board.plugged() == plugged_) return;
+    state_ = state;
+    drives_ = board.drives();
+    plugged_ = board.plugged();
+    std::fprintf(stderr, "%.3f s: %s, drive %s, %s, force %.2f N, faults %u\n",
+                 static_cast<double>(board.now_us()) * 1e-6, kStates[state], drives_ ? "on" : "off",
+                 plugged_ ? "plugged" : "unplugged", board.rig().actuator().force(),
+                 static_cast<unsigned>(board.firmware().faults));
+  }
+
+ private:
+  hb_state state_{HB_DISARMED};
+  bool drives_{false};
+  bool plugged_{true};
+};
+
+void print_counters(const EmulatedBoard& board) {
+  const hb_counters& n = board.firmware().counters;
+  std::fprintf(
+      stderr,
+      "accepted %u, bad CRC %u, malformed %u, not newer %u, wrong nonce %u, watchdog stops "
+      "%u, frames without room %u, sessions %u\n",
+      n.accepted, n.bad_crc, n.malformed, n.not_newer, n.wrong_nonce, n.watchdog_stops,
+      n.states_dropped, n.sessions);
+}
+
+int run(const CommandLine& c) {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+
+  std::shared_ptr<const core::Kinematics> kinematics = core::make_finger_exoskeleton({});
+  EmulatedBoard board(resolved(c), intent(c), kinematics);
+  hw::emulator::PseudoTerminal terminal(c.link);
+  std::printf("%s\n", c.link.empty() ? terminal.port().c_str() : c.link.c_str());
+  std::fflush(stdout);
+
+  std::atomic<bool> stop{false};
+  std::thread waiter([&] {
+    const timespec patience{0, 100'000'000};  // then: did the time end it, and no signal?
+    while (!stop && sigtimedwait(&signals, nullptr, &patience) < 0) {
+    }
+    stop = true;
+  });
+  hw::emulator::serve(board, terminal, stop, c.seconds, Reporter());
+  stop = true;
+  waiter.join();
+  print_counters(board);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CommandLine command_line;
+  CLI::App app("The board of a finger exoskeleton on a pseudo-terminal");
+  describe(app, command_line);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return run(command_line);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "haptic-board-emulator: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,17 @@
+#pragma once
+/// Real-time scheduling for threads that keep a device's millisecond.
+
+#include <pthread.h>
+#include <sched.h>
+
+namespace haptic::hw {
+
+/// Asks for SCHED_FIFO for the calling thread. Where it is not granted (hapticd says so at its
+/// start, for its loop) the thread works as well, on a machine with time to spare.
+inline void ask_for_priority(int priority) noexcept {
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters));
+}
+
+}  // namespace haptic::hw

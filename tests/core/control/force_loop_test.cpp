@@ -1,0 +1,121 @@
+#include "haptic/core/control/force_loop.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "haptic/core/error.hpp"
+
+namespace haptic::core {
+namespace {
+
+constexpr double kDt = 1e-4;
+
+/// A geared actuator against a spring: D v = u - F - d, F_dot = k v. With a = k / D: F_dot = a (u -
+/// F - d).
+struct GearedPlant {
+  double a{20.0};  ///< 1/s
+  double d{0.0};   ///< N, a disturbance
+  double F{0.0};   ///< N, what the load cell measures
+  void step(double u) { F += kDt * a * (u - F - d); }
+};
+
+TEST(ForceLoop, WithoutGainsTheReferenceIsTheOutput) {
+  ForceLoop loop({0.0, 0.0, 0.0, 1.0, 100.0});
+  EXPECT_EQ(loop.step(7.0, 3.0, kDt), 7.0);
+}
+
+TEST(ForceLoop, TheProportionalGainShortensTheTimeConstantByOnePlusIt) {
+  // F_dot = a (r + K_P (r - F) - F) = a (1 + K_P)(r - F).
+  ForceLoop loop({4.0, 0.0, 0.0, 1.0, 1e6});
+  GearedPlant plant;
+  const double T = 1.0 / (plant.a * 5.0);
+  for (int i = 0; i < static_cast<int>(std::lround(T / kDt)); ++i) {
+    plant.step(loop.step(10.0, plant.F, kDt));
+  }
+  EXPECT_NEAR(plant.F, 10.0 * (1.0 - std::exp(-1.0)), 0.03);  // of first order in dt
+}
+
+TEST(ForceLoop, TheIntegralTakesAConstantDisturbanceAway) {
+  GearedPlant plant{20.0, 6.0, 0.0};
+  ForceLoop without({4.0, 0.0, 0.0, 1.0, 1e3});
+  for (int i = 0; i < 50000; ++i) plant.step(without.step(10.0, plant.F, kDt));
+  EXPECT_NEAR(plant.F, 10.0 - 6.0 / 5.0, 1e-9);  // d / (1 + K_P) is left
+  ForceLoop with({4.0, 80.0, 0.0, 1.0, 1e3});
+  for (int i = 0; i < 50000; ++i) plant.step(with.step(10.0, plant.F, kDt));
+  EXPECT_NEAR(plant.F, 10.0, 1e-9);
+  EXPECT_NEAR(with.integral(), 6.0, 1e-9);
+}
+
+TEST(ForceLoop, FrictionIsFedForwardInTheDirectionOfTheErrorAndNotAtRest) {
+  const auto u = [](double e) {
+    ForceLoop loop({0.0, 0.0, 5.0, 0.5, 100.0});
+    return loop.step(0.0, -e, kDt);
+  };
+  EXPECT_EQ(u(0.0), 0.0);
+  EXPECT_DOUBLE_EQ(u(0.25), 2.5);
+  EXPECT_DOUBLE_EQ(u(3.0), 5.0);
+  EXPECT_DOUBLE_EQ(u(-3.0), -5.0);
+}
+
+TEST(ForceLoop, TheOutputStaysWithinItsLimit) {
+  ForceLoop loop({10.0, 100.0, 5.0, 0.5, 20.0});
+  for (int i = 0; i < 1000; ++i) {
+    EXPECT_LE(std::abs(loop.step(40.0 * std::sin(0.1 * i), 0.0, 1e-3)), 20.0);
+  }
+}
+
+TEST(ForceLoop, ASaturationOfAnyLengthLeavesNothingToWorkOff) {
+  const auto first_after = [](int saturated_steps) {
+    ForceLoop loop({2.0, 50.0, 0.0, 1.0, 20.0});
+    for (int i = 0; i < saturated_steps; ++i) static_cast<void>(loop.step(30.0, 0.0, 1e-3));
+    EXPECT_TRUE(loop.saturated());
+    return loop.step(5.0, 8.0, 1e-3);
+  };
+  EXPECT_LT(first_after(10), 20.0);
+  EXPECT_EQ(first_after(10), first_after(100000));
+}
+
+TEST(ForceLoop, WithinTheLimitsItIsAPlainPI) {
+  ForceLoop loop({2.0, 50.0, 0.0, 1.0, 1e6});
+  double integral = 0.0;
+  for (int i = 0; i < 100; ++i) {
+    const double reference = 3.0 + i % 7, measured = i % 5;
+    integral += 50.0 * (reference - measured) * 1e-3;
+    EXPECT_NEAR(loop.step(reference, measured, 1e-3),
+                reference + 2.0 * (reference - measured) + integral, 1e-12);
+  }
+}
+
+TEST(ForceLoop, AMeasurementThatIsNotFiniteStopsItForThatStepOnly) {
+  ForceLoop loop({2.0, 50.0, 0.0, 1.0, 20.0});
+  static_cast<void>(loop.step(1.0, 0.0, 1e-3));
+  const double before = loop.integral();
+  EXPECT_EQ(loop.step(1.0, std::numeric_limits<double>::quiet_NaN(), 1e-3), 0.0);
+  EXPECT_EQ(loop.integral(), before);
+  EXPECT_GT(loop.step(1.0, 0.0, 1e-3), 1.0);
+}
+
+TEST(ForceLoop, ResetForgetsTheIntegral) {
+  ForceLoop loop({0.0, 50.0, 0.0, 1.0, 20.0});
+  static_cast<void>(loop.step(1.0, 0.0, 1e-3));
+  loop.reset();
+  EXPECT_EQ(loop.step(2.0, 2.0, 1e-3), 2.0);
+}
+
+TEST(ForceLoop, AGainThatIsNotAllowedIsNamed) {
+  try {
+    ForceLoop({-1.0, 0.0, 0.0, 1.0, 1.0});
+    FAIL();
+  } catch (const SceneError& error) {
+    EXPECT_STREQ(error.what(), "force_loop.proportional = -1.000000: must be finite and >= 0");
+  }
+  EXPECT_THROW(ForceLoop({0.0, 0.0, 0.0, 0.0, 1.0}), SceneError);
+  EXPECT_THROW(ForceLoop({0.0, 0.0, 0.0, 1.0, 0.0}), SceneError);
+  EXPECT_THROW(ForceLoop({0.0, std::numeric_limits<double>::infinity(), 0.0, 1.0, 1.0}),
+               SceneError);
+}
+
+}  // namespace
+}  // namespace haptic::core

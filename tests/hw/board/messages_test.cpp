@@ -1,0 +1,184 @@
+/// The payloads against the document's vectors, which were made by another program.
+#include "hw/board/messages.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+#include "vectors.hpp"
+
+namespace haptic::hw::board {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr std::uint32_t kSession = 0x11223344, kNonce = 0xA1B2C3D4;
+
+template <typename Message>
+Bytes bytes_of(const Message& message) {
+  const Payload payload = write(message);
+  const auto view = payload.view();
+  return {view.begin(), view.end()};
+}
+
+Command command() {
+  Command c{kNonce, CommandKind::kForce, 1, {}};
+  c.value[0] = 2.5F;
+  return c;
+}
+
+Identity identity() {
+  Identity i;
+  i.n_q = 2;
+  i.n_a = 1;
+  i.capabilities = kForceLoop | kMeasuresForce;
+  i.session = kSession;
+  i.watchdog_us = 25000;
+  i.sample_period_us = 1000;
+  i.firmware = {1, 2, 3};
+  i.serial = "HX-0001";
+  i.model = "finger exoskeleton";
+  return i;
+}
+
+State state() {
+  State s;
+  s.time_us = 123456789;
+  s.nonce = kNonce;
+  s.command_seq = 3;
+  s.command_age_us = 850;
+  s.state = BoardState::kArmed;
+  s.n_q = 2;
+  s.n_a = 1;
+  s.measures_force = true;
+  s.q[0] = 0.015625F;
+  s.q[1] = -0.25F;
+  s.force[0] = 1.5F;
+  return s;
+}
+
+TEST(BoardMessages, WriteTheDocumentsVectors) {
+  EXPECT_EQ(bytes_of(Hello{1, kSession}), test::vector("HELLO").payload);
+  EXPECT_EQ(bytes_of(Arm{kNonce}), test::vector("ARM").payload);
+  EXPECT_EQ(bytes_of(Disarm{}), test::vector("DISARM").payload);
+  EXPECT_EQ(bytes_of(command()), test::vector("COMMAND").payload);
+  EXPECT_EQ(bytes_of(identity()), test::vector("IDENTITY").payload);
+  EXPECT_EQ(bytes_of(Dof{0, false, true, 0.0F, 0.05F, 40.0F, 0.03125F, "l_x"}),
+            test::vector("DOF").payload);
+  EXPECT_EQ(bytes_of(state()), test::vector("STATE").payload);
+  EXPECT_EQ(bytes_of(Counters{1000, 1, 2, 3, 4, 5, 6, 1}), test::vector("COUNTERS").payload);
+}
+
+TEST(BoardMessages, ReadTheDocumentsVectors) {
+  EXPECT_EQ(read<Hello>(test::vector("HELLO").payload)->session, kSession);
+  EXPECT_EQ(read<Arm>(test::vector("ARM").payload)->nonce, kNonce);
+  EXPECT_TRUE(read<Disarm>(test::vector("DISARM").payload));
+  const auto c = read<Command>(test::vector("COMMAND").payload);
+  ASSERT_TRUE(c);
+  EXPECT_EQ(c->nonce, kNonce);
+  EXPECT_EQ(c->n_a, 1);
+  EXPECT_EQ(c->value[0], 2.5F);
+  const auto i = read<Identity>(test::vector("IDENTITY").payload);
+  ASSERT_TRUE(i);
+  EXPECT_EQ(i->serial, "HX-0001");
+  EXPECT_EQ(i->model, "finger exoskeleton");
+  EXPECT_EQ(i->watchdog_us, 25000U);
+  EXPECT_EQ(i->firmware[2], 3);
+  const auto d = read<Dof>(test::vectors()[6].payload);
+  ASSERT_TRUE(d);
+  EXPECT_EQ(d->index, 1);
+  EXPECT_TRUE(d->radian);
+  EXPECT_FALSE(d->actuated);
+  EXPECT_EQ(d->lower, -1.25F);
+  EXPECT_EQ(d->name, "q_B");
+  const auto s = read<State>(test::vector("STATE").payload);
+  ASSERT_TRUE(s);
+  EXPECT_EQ(s->time_us, 123456789U);
+  EXPECT_EQ(s->command_age_us, 850);
+  EXPECT_EQ(s->q[1], -0.25F);
+  EXPECT_EQ(s->force[0], 1.5F);
+  const auto n = read<Counters>(test::vector("COUNTERS").payload);
+  ASSERT_TRUE(n);
+  EXPECT_EQ(n->accepted, 1000U);
+  EXPECT_EQ(n->sessions, 1U);
+}
+
+TEST(BoardMessages, APayloadOfAnotherLengthIsRefused) {
+  const auto refused = [](auto reader, const std::string& name) {
+    Bytes longer = test::vector(name).payload;
+    longer.push_back(0);
+    EXPECT_FALSE(reader(longer)) << name;
+    if (test::vector(name).payload.empty()) return;
+    longer.resize(longer.size() - 2);
+    EXPECT_FALSE(reader(longer)) << name;
+  };
+  refused([](const Bytes& b) { return read<Hello>(b).has_value(); }, "HELLO");
+  refused([](const Bytes& b) { return read<Arm>(b).has_value(); }, "ARM");
+  refused([](const Bytes& b) { return read<Disarm>(b).has_value(); }, "DISARM");
+  refused([](const Bytes& b) { return read<Command>(b).has_value(); }, "COMMAND");
+  refused([](const Bytes& b) { return read<Identity>(b).has_value(); }, "IDENTITY");
+  refused([](const Bytes& b) { return read<Dof>(b).has_value(); }, "DOF");
+  refused([](const Bytes& b) { return read<State>(b).has_value(); }, "STATE");
+  refused([](const Bytes& b) { return read<Counters>(b).has_value(); }, "COUNTERS");
+}
+
+TEST(BoardMessages, ACommandThatIsNotFiniteIsRefused) {
+  Command c = command();
+  for (const float value :
+       {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    c.value[0] = value;
+    EXPECT_FALSE(read<Command>(bytes_of(c)));
+  }
+}
+
+TEST(BoardMessages, AStateWithAForceThatIsNotFiniteIsRefusedButOneOfQIsTheLoopsToJudge) {
+  State s = state();
+  s.force[0] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(read<State>(bytes_of(s)));
+  s = state();
+  s.q[0] = std::numeric_limits<float>::quiet_NaN();
+  ASSERT_TRUE(read<State>(bytes_of(s)));
+}
+
+TEST(BoardMessages, CountsThatNoBoardHasAreRefused) {
+  Identity i = identity();
+  i.n_a = 3;
+  EXPECT_FALSE(read<Identity>(bytes_of(i)));
+  i = identity();
+  i.n_q = kMaxDofs + 1;
+  EXPECT_FALSE(read<Identity>(bytes_of(i)));
+  i = identity();
+  i.watchdog_us = 0;
+  EXPECT_FALSE(read<Identity>(bytes_of(i)));
+  Bytes lying = test::vector("STATE").payload;
+  lying[20] = 3;  // n_q, of a payload that has two
+  EXPECT_FALSE(read<State>(lying));
+}
+
+TEST(BoardMessages, ADofWithoutARangeOrAnActuatorsLimitIsRefused) {
+  const Dof good{0, false, true, 0.0F, 0.05F, 40.0F, 0.03125F, "l_x"};
+  Dof dof = good;
+  dof.upper = dof.lower;
+  EXPECT_FALSE(read<Dof>(bytes_of(dof)));
+  dof = good;
+  dof.max_effort = 0.0F;
+  EXPECT_FALSE(read<Dof>(bytes_of(dof)));
+  dof = good;
+  dof.name.clear();
+  EXPECT_FALSE(read<Dof>(bytes_of(dof)));
+}
+
+TEST(BoardMessages, TheLargestDeviceFits) {
+  State s = state();
+  s.n_q = s.n_a = kMaxDofs;
+  s.q.fill(1.0F);
+  s.force.fill(2.0F);
+  const auto back = read<State>(bytes_of(s));
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->q[kMaxDofs - 1], 1.0F);
+  EXPECT_EQ(back->force[kMaxDofs - 1], 2.0F);
+}
+
+}  // namespace
+}  // namespace haptic::hw::board

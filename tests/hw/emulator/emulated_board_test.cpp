@@ -1,0 +1,119 @@
+/// The rig with its force loop closed on the board.
+#include "hw/emulator/emulated_board.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "hw/emulator/force_step.hpp"
+#include "tests/hw/board/virtual_link.hpp"
+
+namespace haptic::hw::emulator {
+namespace {
+
+using namespace std::chrono_literals;
+using test::VirtualLink;
+
+/// Mean force in the cell over 0.2 s, N.
+double mean_force(VirtualLink& link) {
+  double sum = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    link.run(1ms);
+    sum += link.board.rig().actuator().force();
+  }
+  return sum / 200.0;
+}
+
+TEST(EmulatedBoard, TheForceInTheCellIsTheCommandOnceItHasSettled) {
+  for (const double wanted : {3.0, 8.0, -5.0}) {
+    VirtualLink link({}, test::expect_finger(), Eigen::Vector2d(0.5, 0.5));
+    link.run(1s);
+    link.arm(wanted);
+    link.run(2s);
+    EXPECT_NEAR(mean_force(link), wanted, 0.1 + 0.05 * std::abs(wanted));
+  }
+}
+
+TEST(EmulatedBoard, ArmedWithoutForceItGivesWayToTheFinger) {
+  VirtualLink link({}, test::expect_finger(), Eigen::Vector2d(0.6, 0.6));
+  link.run(1s);
+  const double locked = link.board.rig().finger().x().sum();
+  link.arm(0.0);
+  link.run(4s);
+  // Switched off, friction holds the finger far from where its user wants it; armed, it gets there.
+  EXPECT_LT(locked, 0.9);
+  EXPECT_NEAR(link.board.rig().finger().x().sum(), 1.2, 0.1);
+}
+
+TEST(EmulatedBoard, OnceItsDriveIsOffItPushesNoMore) {
+  VirtualLink link({}, test::expect_finger(), Eigen::Vector2d(0.5, 0.5));
+  link.run(1s);
+  link.arm(8.0);
+  link.run(1s);
+  const double x = link.board.rig().actuator().x();
+  link.mute = true;
+  link.run(500ms);
+  EXPECT_FALSE(link.board.drives());
+  EXPECT_NEAR(link.board.rig().actuator().x(), x, 2e-3);
+  EXPECT_EQ(link.board.rig().actuator().v(), 0.0);
+}
+
+TEST(EmulatedBoard, AStalledMotorDoesNotFollow) {
+  EmulatorConfig config;
+  config.faults = {{FaultKind::kStall, 1.0, 1e9, 0.0}};
+  VirtualLink link(config);
+  link.run(1s);
+  const double x = link.board.rig().actuator().x();
+  link.arm(20.0);
+  link.run(1s);
+  EXPECT_TRUE(link.board.drives());
+  EXPECT_NEAR(link.board.rig().actuator().x(), x, 1e-5);
+}
+
+TEST(EmulatedBoard, TheDriftingPotentiometerWandersAndTheRodDoesNot) {
+  EmulatorConfig config;
+  config.faults = {{FaultKind::kDrift, 0.5, 1e9, 0.001}};
+  VirtualLink link(config);
+  link.run(2500ms);
+  const double told = link.host.reading().q[0];
+  EXPECT_NEAR(told - link.board.rig().actuator().x(), 0.002, 1e-4);
+}
+
+TEST(EmulatedBoard, TooMuchForceInTheCellIsAFault) {
+  EmulatorConfig config;
+  config.force_over_limit = 5.0;
+  VirtualLink link(config);
+  link.run(10ms);
+  link.arm(15.0);
+  link.run(2s);
+  EXPECT_FALSE(link.board.drives());
+  EXPECT_TRUE(link.host.reading().broken);
+  EXPECT_TRUE(link.host.reading().force_over_limit) << "the reason outlives its cause";
+}
+
+TEST(EmulatedBoard, SameSeedSameBits) {
+  EmulatorConfig config;
+  config.drop = config.corrupt = 1e-3;
+  const auto run = [&] {
+    VirtualLink link(config);
+    link.arm(4.0);
+    link.run(1s);
+    return std::pair(link.host.counters().bytes, link.board.rig().actuator().x());
+  };
+  EXPECT_EQ(run(), run());
+}
+
+TEST(ForceStep, SettlesWithinTheLoopsPromise) {
+  for (const double from : {2.0, 10.0}) {
+    const ForceStep step = measure_force_step({}, from, from + 4.0);
+    std::printf("step %.0f to %.0f N: rise %.1f ms, bandwidth %.1f Hz, overshoot %.0f %%\n", from,
+                from + 4.0, 1e3 * step.rise, step.bandwidth, 100.0 * step.overshoot);
+    EXPECT_TRUE(step.settled);
+    EXPECT_LT(step.overshoot, 0.25);
+    EXPECT_GT(step.bandwidth, 5.0);
+  }
+}
+
+}  // namespace
+}  // namespace haptic::hw::emulator

@@ -1,0 +1,334 @@
+/// The board's state machine in virtual time, spoken to with the server's own codec.
+#include "hw/firmware/haptic_board.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "hw/board/messages.hpp"
+
+namespace haptic::hw::board {
+namespace {
+
+constexpr std::uint64_t kWatchdogUs = 10000;
+
+const hb_dof kDofs[2] = {{"l_x", false, true, 0.0F, 0.05F, 40.0F, 0.032F, 100},
+                         {"q_B", true, false, -1.3F, 0.7F, 0.0F, 0.0F, 0}};
+
+/// A board and what it sent; time moves only where a test says so.
+class FirmwareBoard : public testing::Test {
+ protected:
+  FirmwareBoard() { power_on(); }
+
+  void power_on() { hb_init(&board_, &config_, &FirmwareBoard::keep, this); }
+
+  template <typename Message>
+  void send(FrameType type, const Message& message) {
+    send_as(++seq_, type, message);
+  }
+  template <typename Message>
+  void send_as(std::uint32_t seq, FrameType type, const Message& message) {
+    const Payload payload = write(message);
+    WireBuffer wire;
+    const std::size_t length = encode({type, seq, payload.view()}, wire);
+    for (std::size_t i = 0; i < length; ++i) hb_receive(&board_, wire[i], now_);
+  }
+  void hello(std::uint32_t session = 77) { send(FrameType::kHello, Hello{1, session}); }
+  void arm(std::uint32_t nonce = 5) { send(FrameType::kArm, Arm{nonce}); }
+  void command(float force, std::uint32_t nonce = 5) {
+    Command c{nonce, CommandKind::kForce, 1, {}};
+    c.value[0] = force;
+    send(FrameType::kCommand, c);
+  }
+  /// What the drive is told; empty: off.
+  std::optional<float> reference() {
+    float value = -1.0F;
+    hb_kind kind = HB_FORCE;
+    const bool on = hb_reference(&board_, now_, &value, &kind);
+    EXPECT_TRUE(on || value == 0.0F) << value;
+    return on ? std::optional<float>(value) : std::nullopt;
+  }
+  /// A sample with a reading that moves; returns the State it sent, if any.
+  std::optional<State> sample(std::uint8_t faults = 0) {
+    const float q[2] = {0.01F + 1e-5F * static_cast<float>(++samples_ % 7), 0.2F};
+    const float force[1] = {1.0F};
+    state_.reset();
+    hb_sample(&board_, now_, q, force, faults);
+    return state_;
+  }
+
+  std::uint64_t now_{1'000'000};
+  std::uint32_t seq_{0};
+  hb_config config_{"T-1",       "test", {0, 1, 0}, HB_FORCE_LOOP | HB_MEASURES_FORCE,
+                    kWatchdogUs, 1000,   kDofs,     2};
+  hb_board board_{};
+  bool room_{true};
+  std::vector<FrameType> sent_{};
+  std::optional<State> state_{};
+  std::optional<Identity> identity_{};
+  std::vector<Dof> dofs_{};
+
+ private:
+  static bool keep(void* context, const std::uint8_t* bytes, size_t length) {
+    auto& self = *static_cast<FirmwareBoard*>(context);
+    if (!self.room_) return false;
+    for (std::size_t i = 0; i < length; ++i) {
+      if (self.decoder_.push(bytes[i]) != FrameDecoder::Event::kFrame) continue;
+      const Frame& frame = self.decoder_.frame();
+      self.sent_.push_back(frame.type);
+      if (frame.type == FrameType::kState) self.state_ = read<State>(frame.payload);
+      if (frame.type == FrameType::kIdentity) self.identity_ = read<Identity>(frame.payload);
+      if (frame.type == FrameType::kDof) self.dofs_.push_back(*read<Dof>(frame.payload));
+    }
+    return true;
+  }
+  FrameDecoder decoder_{};
+  int samples_{0};
+};
+
+TEST_F(FirmwareBoard, IsSilentUntilAHostSaysHello) {
+  EXPECT_FALSE(sample());
+  hello();
+  EXPECT_TRUE(sample());
+}
+
+TEST_F(FirmwareBoard, AnswersHelloWithItsIdentityAndDictionary) {
+  hello(4711);
+  ASSERT_TRUE(identity_);
+  EXPECT_EQ(identity_->session, 4711U);
+  EXPECT_EQ(identity_->n_q, 2);
+  EXPECT_EQ(identity_->n_a, 1);
+  EXPECT_EQ(identity_->watchdog_us, kWatchdogUs);
+  EXPECT_EQ(identity_->serial, "T-1");
+  ASSERT_EQ(dofs_.size(), 2U);
+  EXPECT_EQ(dofs_[0].name, "l_x");
+  EXPECT_TRUE(dofs_[0].actuated);
+  EXPECT_EQ(dofs_[1].lower, -1.3F);
+}
+
+TEST_F(FirmwareBoard, AHostOfAnotherVersionLearnsOursAndGetsNoSession) {
+  send(FrameType::kHello, Hello{2, 77});
+  ASSERT_TRUE(identity_);
+  EXPECT_EQ(identity_->version, 1);
+  EXPECT_FALSE(sample());
+}
+
+TEST_F(FirmwareBoard, FollowsOnlyArmedAndCommanded) {
+  hello();
+  command(3.0F);
+  EXPECT_FALSE(reference());
+  arm();
+  EXPECT_FALSE(reference());  // nothing to follow yet
+  command(3.0F);
+  EXPECT_EQ(reference(), 3.0F);
+  send(FrameType::kDisarm, Disarm{});
+  EXPECT_FALSE(reference());
+}
+
+TEST_F(FirmwareBoard, AReferenceIsClampedToTheDictionary) {
+  hello();
+  arm();
+  command(1000.0F);
+  EXPECT_EQ(reference(), 40.0F);
+  command(-1000.0F);
+  EXPECT_EQ(reference(), -40.0F);
+}
+
+TEST_F(FirmwareBoard, TheWatchdogStopsItAfterItsTimeAndNotBefore) {
+  hello();
+  arm();
+  command(3.0F);
+  now_ += kWatchdogUs;
+  EXPECT_EQ(reference(), 3.0F);
+  now_ += 1;
+  EXPECT_FALSE(reference());
+  ASSERT_TRUE(sample());
+  EXPECT_EQ(state_->state, BoardState::kStopped);
+  EXPECT_EQ(board_.counters.watchdog_stops, 1U);
+}
+
+TEST_F(FirmwareBoard, TheWatchdogRunsFromArmOn) {
+  hello();
+  arm();
+  now_ += kWatchdogUs + 1;
+  command(3.0F);
+  EXPECT_FALSE(reference());
+}
+
+TEST_F(FirmwareBoard, ALateCommandDoesNotReviveAnArming) {
+  hello();
+  arm();
+  command(3.0F);
+  now_ += kWatchdogUs + 1;
+  command(3.0F);  // seen by nobody in between: the command itself comes first
+  EXPECT_FALSE(reference());
+  EXPECT_EQ(board_.counters.wrong_nonce, 1U);
+}
+
+TEST_F(FirmwareBoard, ALatchedStopLeavesOnlyByANewNonce) {
+  hello();
+  arm(5);
+  now_ += kWatchdogUs + 1;
+  EXPECT_FALSE(reference());
+  arm(5);
+  send(FrameType::kDisarm, Disarm{});
+  EXPECT_EQ(sample()->state, BoardState::kStopped);
+  arm(6);
+  command(1.0F, 5);  // of the arming before: still in some buffer
+  EXPECT_FALSE(reference());
+  command(2.0F, 6);
+  EXPECT_EQ(reference(), 2.0F);
+}
+
+TEST_F(FirmwareBoard, OnlyAValidCommandRestartsTheWatchdog) {
+  hello();
+  arm();
+  command(3.0F);
+  for (int i = 0; i < 20; ++i) {
+    now_ += 1000;
+    hello();            // a host that lives, but commands nothing
+    command(3.0F, 99);  // wrong nonce
+    Command bad{5, CommandKind::kForce, 1, {std::numeric_limits<float>::quiet_NaN()}};
+    send(FrameType::kCommand, bad);
+    Command two{5, CommandKind::kForce, 2, {}};
+    send(FrameType::kCommand, two);
+  }
+  EXPECT_EQ(sample()->state, BoardState::kStopped);
+  EXPECT_EQ(board_.counters.malformed, 40U);
+}
+
+TEST_F(FirmwareBoard, RepeatedAndReorderedFramesAreDroppedAndCounted) {
+  hello();
+  arm();
+  command(1.0F);
+  const std::uint32_t last = seq_;
+  Command old{5, CommandKind::kForce, 1, {}};
+  old.value[0] = 9.0F;
+  send_as(last, FrameType::kCommand, old);
+  send_as(last - 1, FrameType::kCommand, old);
+  EXPECT_EQ(reference(), 1.0F);
+  EXPECT_EQ(board_.counters.not_newer, 2U);
+}
+
+TEST_F(FirmwareBoard, CorruptFramesAreDroppedAndCounted) {
+  hello();
+  arm();
+  command(1.0F);
+  Command c{5, CommandKind::kForce, 1, {}};
+  c.value[0] = 9.0F;
+  const Payload payload = write(c);
+  WireBuffer wire;
+  const std::size_t length = encode({FrameType::kCommand, ++seq_, payload.view()}, wire);
+  wire[length - 3] ^= 0x10;  // within the CRC
+  for (std::size_t i = 0; i < length; ++i) hb_receive(&board_, wire[i], now_);
+  EXPECT_EQ(reference(), 1.0F);
+  EXPECT_EQ(board_.counters.bad_crc, 1U);
+  command(2.0F);
+  EXPECT_EQ(reference(), 2.0F);
+}
+
+TEST_F(FirmwareBoard, ANewSessionDisarms) {
+  hello(1);
+  arm();
+  command(3.0F);
+  send_as(1, FrameType::kHello, Hello{1, 2});  // its numbers start anew
+  EXPECT_FALSE(reference());
+  EXPECT_EQ(sample()->state, BoardState::kDisarmed);
+  seq_ = 1;
+  arm(6);
+  command(1.0F, 6);
+  EXPECT_EQ(reference(), 1.0F);
+}
+
+TEST_F(FirmwareBoard, HelloOfThePresentSessionOnlyAnswers) {
+  hello(1);
+  arm();
+  command(3.0F);
+  identity_.reset();
+  hello(1);
+  EXPECT_TRUE(identity_);
+  EXPECT_EQ(reference(), 3.0F);
+}
+
+TEST_F(FirmwareBoard, AFaultStopsAtOnceAndIsLatchedWhenItsCauseIsGone) {
+  hello();
+  arm();
+  command(3.0F);
+  EXPECT_EQ(sample(HB_FORCE_OVER_LIMIT)->state, BoardState::kFault);
+  EXPECT_EQ(state_->faults, kForceOverLimit);
+  EXPECT_FALSE(reference());
+  arm(6);  // the cause persists
+  EXPECT_EQ(sample(HB_FORCE_OVER_LIMIT)->state, BoardState::kFault);
+  EXPECT_EQ(sample(0)->state, BoardState::kFault);
+  EXPECT_EQ(state_->faults, 0);
+  arm(7);
+  EXPECT_EQ(sample(0)->state, BoardState::kArmed);
+}
+
+TEST_F(FirmwareBoard, ASensorThatRepeatsItselfTooOftenIsStuck) {
+  hello();
+  const float q[2] = {0.01F, 0.2F};
+  // The first reading, and 99 that repeat it.
+  for (int i = 0; i < 100; ++i) hb_sample(&board_, now_ += 1000, q, nullptr, 0);
+  EXPECT_EQ(state_->state, BoardState::kDisarmed);
+  hb_sample(&board_, now_ += 1000, q, nullptr, 0);
+  EXPECT_EQ(state_->state, BoardState::kFault);
+  EXPECT_EQ(state_->faults, kSensorStuck);
+  EXPECT_EQ(sample()->faults, 0);  // it moves again
+}
+
+TEST_F(FirmwareBoard, AStateTellsWhichCommandItSawAndHowOldItWas) {
+  hello();
+  EXPECT_EQ(sample()->command_seq, 0U);
+  EXPECT_EQ(state_->command_age_us, 65535);
+  arm();
+  command(1.0F);
+  now_ += 300;
+  ASSERT_TRUE(sample());
+  EXPECT_EQ(state_->command_seq, seq_);
+  EXPECT_EQ(state_->command_age_us, 300);
+  EXPECT_EQ(state_->time_us, now_);
+  EXPECT_EQ(state_->nonce, 5U);
+  EXPECT_EQ(state_->force[0], 1.0F);
+}
+
+TEST_F(FirmwareBoard, CountsFramesWithoutRoomAndUsesTheirNumbers) {
+  hello();
+  ASSERT_TRUE(sample());  // brings the first COUNTERS along
+  room_ = false;
+  for (int i = 0; i < 3; ++i) static_cast<void>(sample());
+  room_ = true;
+  const std::uint32_t before = board_.tx_seq;
+  ASSERT_TRUE(sample());
+  EXPECT_EQ(board_.counters.states_dropped, 3U);
+  EXPECT_EQ(board_.tx_seq, before + 1);
+}
+
+TEST_F(FirmwareBoard, SendsCountersTenTimesASecond) {
+  hello();
+  sent_.clear();
+  for (int i = 0; i < 1000; ++i) {
+    now_ += 1000;
+    static_cast<void>(sample());
+  }
+  EXPECT_EQ(std::count(sent_.begin(), sent_.end(), FrameType::kState), 1000);
+  EXPECT_EQ(std::count(sent_.begin(), sent_.end(), FrameType::kCounters), 10);
+}
+
+TEST_F(FirmwareBoard, APositionIsRefusedByABoardThatHoldsNone) {
+  hello();
+  arm();
+  Command c{5, CommandKind::kPosition, 1, {}};
+  c.value[0] = 0.02F;
+  send(FrameType::kCommand, c);
+  EXPECT_FALSE(reference());
+  config_.capabilities |= HB_POSITION_COMMAND;
+  send(FrameType::kCommand, c);
+  EXPECT_EQ(reference(), 0.02F);
+}
+
+}  // namespace
+}  // namespace haptic::hw::board

@@ -1,0 +1,333 @@
+/// A board on a pseudo-terminal, in real time: port, I/O thread, emulator.
+#include "hw/board/board_device.hpp"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "hw/emulator/serve.hpp"
+#include "hw/open_device.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+namespace haptic::hw {
+namespace {
+
+using namespace std::chrono_literals;
+using emulator::EmulatorConfig;
+using emulator::FaultKind;
+
+/// What the emulator's thread tells of its board.
+struct Told {
+  bool drives{false};
+  double reference{0.0};
+  hb_state state{HB_DISARMED};
+  std::uint32_t watchdog_stops{0};
+  std::uint64_t stopped_after_us{0};  ///< the drive went off so long after the newest command
+};
+
+class EmulatorThread {
+ public:
+  explicit EmulatorThread(const EmulatorConfig& config = {})
+      : link_(std::filesystem::temp_directory_path() /
+              ("haptic-board-" + std::to_string(::getpid()) + "-" + std::to_string(++count_))),
+        board_(config, {Eigen::Vector2d::Zero(), Eigen::Vector2d(0.5, 0.5)},
+               core::make_finger_exoskeleton({})),
+        terminal_(link_),
+        thread_([this] {
+          serve(board_, terminal_, stop_, 0.0, [this](const auto& board) { look(board); });
+        }) {}
+  ~EmulatorThread() { end(); }
+  EmulatorThread(const EmulatorThread&) = delete;
+  EmulatorThread& operator=(const EmulatorThread&) = delete;
+
+  void end() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  [[nodiscard]] std::string port() const { return link_.string(); }
+  [[nodiscard]] Told told() const {
+    const std::lock_guard lock(mutex_);
+    return told_;
+  }
+  /// Makes a fault begin now, for `length` s.
+  void fault(FaultKind kind, double length) {
+    const std::lock_guard lock(mutex_);
+    wanted_fault_ = emulator::FaultSpec{kind, 0.0, length, 0.0};
+  }
+
+ private:
+  void look(const emulator::EmulatedBoard& board) {
+    const std::lock_guard lock(mutex_);
+    const bool went_off = told_.drives && !board.drives();
+    const std::uint64_t after_us =
+        went_off ? board.now_us() - board.firmware().command_at : told_.stopped_after_us;
+    told_ = {board.drives(), board.reference(), board.firmware().state,
+             board.firmware().counters.watchdog_stops, after_us};
+    if (!wanted_fault_) return;
+    wanted_fault_->at = static_cast<double>(board.now_us()) * 1e-6;
+    board_.add_fault(*wanted_fault_);
+    wanted_fault_.reset();
+  }
+  static inline int count_ = 0;
+  std::filesystem::path link_;
+  emulator::EmulatedBoard board_;
+  emulator::PseudoTerminal terminal_;
+  mutable std::mutex mutex_;
+  Told told_{};
+  std::optional<emulator::FaultSpec> wanted_fault_{};
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+BoardConfig config(const std::string& port) {
+  BoardConfig c;
+  c.port = port;
+  c.max_effort = core::VecA::Constant(1, 40.0);
+  c.longest_lateness = 20ms;
+  return c;
+}
+
+std::unique_ptr<Device> open(const BoardConfig& c) {
+  return open_device(c, core::make_finger_exoskeleton({}));
+}
+
+core::TimePoint now() {
+  return core::TimePoint(std::chrono::steady_clock::now().time_since_epoch());
+}
+
+/// The loop: a tick per millisecond, as long as `until` says no; false after `patience`.
+class Loop {
+ public:
+  explicit Loop(Device& device) : device_(device) { command.tau_a = core::VecA::Zero(1); }
+
+  bool run_until(const std::function<bool()>& until, core::Duration patience = 5s) {
+    const core::TimePoint end = now() + patience;
+    while (!until()) {
+      if (now() > end) return false;
+      tick();
+      std::this_thread::sleep_for(1ms);
+    }
+    return true;
+  }
+  void run(core::Duration length) {
+    static_cast<void>(run_until([] { return false; }, length));
+  }
+  void tick() {
+    device_.read(now(), reading);
+    device_.write(now(), command);
+    if (reading.fresh) ++samples;
+  }
+  Command command{};
+  core::DeviceReading reading{};
+  int samples{0};
+
+ private:
+  Device& device_;
+};
+
+TEST(BoardDevice, TellsWhoItIs) {
+  EmulatorThread board;
+  const auto device = open(config(board.port()));
+  EXPECT_EQ(device->info().kind, "board");
+  EXPECT_EQ(device->info().serial, "EMULATOR-1");
+  EXPECT_EQ(device->info().dofs.size(), 2U);
+  EXPECT_EQ(device->info().limits.max_silence, 10ms);
+  EXPECT_EQ(device->info().limits.max_effort[0], 40.0);
+}
+
+TEST(BoardDevice, GivesSamplesAndPressesOnceArmed) {
+  EmulatorThread board;
+  const auto device = open(config(board.port()));
+  Loop loop(*device);
+  ASSERT_TRUE(loop.run_until([&] { return loop.samples > 100; }));
+  EXPECT_EQ(loop.reading.health, core::DeviceHealth::kOk);
+  EXPECT_FALSE(loop.reading.armed);
+  EXPECT_EQ(loop.reading.sample.tau_measured.size(), 1);
+  loop.command.arm = true;
+  ASSERT_TRUE(loop.run_until([&] { return loop.reading.armed; }));
+  loop.command.tau_a[0] = 4.0;
+  EXPECT_TRUE(loop.run_until([&] { return board.told().reference == 4.0; }));
+  EXPECT_TRUE(board.told().drives);
+  loop.command.arm = false;
+  loop.tick();
+  loop.tick();
+  EXPECT_FALSE(loop.reading.armed) << "disarmed at once, whatever the board has heard yet";
+  EXPECT_TRUE(loop.run_until([&] { return board.told().state == HB_DISARMED; }));
+}
+
+TEST(BoardDevice, CloseDisarms) {
+  EmulatorThread board;
+  const auto device = open(config(board.port()));
+  Loop loop(*device);
+  loop.command.arm = true;
+  ASSERT_TRUE(loop.run_until([&] { return loop.reading.armed; }));
+  device->close();
+  device->close();
+  for (int i = 0; i < 1000 && board.told().state != HB_DISARMED; ++i) {
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_EQ(board.told().state, HB_DISARMED);
+  EXPECT_EQ(board.told().watchdog_stops, 0U);
+}
+
+TEST(BoardDevice, AFrozenLoopIsStoppedByTheBoardAndReportedWhenItRunsAgain) {
+  EmulatorThread board;
+  const auto device = open(config(board.port()));
+  Loop loop(*device);
+  loop.command.arm = true;
+  loop.command.tau_a[0] = 4.0;
+  ASSERT_TRUE(loop.run_until([&] { return board.told().drives; }));
+  for (int i = 0; i < 1000 && board.told().drives; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(board.told().state, HB_STOPPED);
+  loop.run(50ms);
+  EXPECT_EQ(loop.reading.health, core::DeviceHealth::kLost);
+  EXPECT_FALSE(board.told().drives);
+  loop.command.arm = false;  // what the pipeline does in FAULT
+  ASSERT_TRUE(loop.run_until([&] { return loop.reading.health == core::DeviceHealth::kOk; }));
+  loop.command.arm = true;
+  EXPECT_TRUE(loop.run_until([&] { return loop.reading.armed; }));
+}
+
+/// Another process that opens the port it is told through a pipe, arms and presses 4 N for ever. It
+/// is made while this process has one thread only.
+class PressingProcess {
+ public:
+  PressingProcess() {
+    if (::pipe(pipe_) != 0) throw std::runtime_error("pipe");
+    id_ = ::fork();
+    if (id_ == 0) press();
+  }
+  ~PressingProcess() { kill(); }
+  PressingProcess(const PressingProcess&) = delete;
+  PressingProcess& operator=(const PressingProcess&) = delete;
+  void tell(const std::string& port) {
+    ASSERT_EQ(::write(pipe_[1], port.data(), port.size()), static_cast<ssize_t>(port.size()));
+    ::close(pipe_[1]);
+  }
+  void kill() {
+    if (id_ <= 0) return;
+    ::kill(id_, SIGKILL);
+    ::waitpid(id_, nullptr, 0);
+    id_ = -1;
+  }
+
+ private:
+  [[noreturn]] void press() {
+    std::array<char, 256> port{};
+    static_cast<void>(::read(pipe_[0], port.data(), port.size() - 1));
+    const auto device = open(config(port.data()));
+    Loop loop(*device);
+    loop.command.arm = true;
+    loop.command.tau_a[0] = 4.0;
+    for (;;) loop.run(1s);
+  }
+  int pipe_[2]{-1, -1};
+  pid_t id_{-1};
+};
+
+TEST(BoardDevice, AServerKilledWhilePressingIsStoppedByTheBoardWithinItsWatchdog) {
+  PressingProcess server;
+  EmulatorConfig c;
+  c.clock_ppm = 0.0;
+  EmulatorThread board(c);
+  server.tell(board.port());
+  for (int i = 0; i < 5000 && board.told().reference != 4.0; ++i) std::this_thread::sleep_for(1ms);
+  ASSERT_TRUE(board.told().drives);
+  server.kill();
+  for (int i = 0; i < 5000 && board.told().drives; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(board.told().state, HB_STOPPED);
+  EXPECT_EQ(board.told().watchdog_stops, 1U);
+  // By the board's own clock, looked at once a millisecond.
+  EXPECT_GT(board.told().stopped_after_us, c.watchdog_us);
+  EXPECT_LE(board.told().stopped_after_us, c.watchdog_us + 1000);
+}
+
+TEST(BoardDevice, UnpluggedItIsLostAndPluggedInAgainItIsBackDisarmed) {
+  EmulatorThread board;
+  const auto device = open(config(board.port()));
+  Loop loop(*device);
+  loop.command.arm = true;
+  ASSERT_TRUE(loop.run_until([&] { return loop.reading.armed; }));
+  board.fault(FaultKind::kUnplug, 0.5);
+  ASSERT_TRUE(loop.run_until([&] { return loop.reading.health == core::DeviceHealth::kLost; }));
+  EXPECT_FALSE(loop.reading.armed);
+  EXPECT_TRUE(loop.run_until([&] { return !board.told().drives; }));
+  ASSERT_TRUE(loop.run_until([&] { return loop.reading.health == core::DeviceHealth::kOk; }));
+  loop.run(100ms);
+  EXPECT_FALSE(loop.reading.armed) << "an arming does not outlive its link";
+  loop.command.arm = false;
+  loop.tick();
+  loop.command.arm = true;
+  EXPECT_TRUE(loop.run_until([&] { return loop.reading.armed; }));
+}
+
+TEST(BoardDevice, ReadAndWriteAllocateNothing) {
+  EmulatorThread board;
+  const auto device = open(config(board.port()));
+  Loop loop(*device);
+  loop.command.arm = true;
+  ASSERT_TRUE(loop.run_until([&] { return loop.reading.armed; }));
+  for (int i = 0; i < 50; ++i) {
+    std::this_thread::sleep_for(1ms);
+    const test::AllocationGuard guard;
+    loop.tick();
+    EXPECT_EQ(guard.allocations() + guard.releases(), 0U);
+  }
+}
+
+std::string why(const BoardConfig& c) {
+  try {
+    static_cast<void>(open(c));
+  } catch (const core::DeviceError& error) {
+    return error.what();
+  }
+  return "opened";
+}
+
+TEST(BoardDevice, APortThatIsNotThereIsNamed) {
+  EXPECT_EQ(why(config("/dev/no-such-port")),
+            "/dev/no-such-port: No such file or directory; must be a serial port (is the board "
+            "plugged in?)");
+}
+
+TEST(BoardDevice, WhatIsNoSerialPortIsRefused) {
+  EXPECT_NE(why(config("/dev/null")).find("must be a serial port"), std::string::npos)
+      << why(config("/dev/null"));
+}
+
+TEST(BoardDevice, APortInUseIsRefused) {
+  EmulatorThread board;
+  const auto first = open(config(board.port()));
+  EXPECT_NE(why(config(board.port())).find("in use by another program"), std::string::npos);
+}
+
+TEST(BoardDevice, AnotherBoardThanTheScenesIsRefusedWithTheDifference) {
+  EmulatorThread board;
+  BoardConfig c = config(board.port());
+  c.serial = "HX-0002";
+  EXPECT_NE(why(c).find("board refused: its serial = 'EMULATOR-1': must be 'HX-0002'"),
+            std::string::npos)
+      << why(c);
+}
+
+TEST(BoardDevice, ASilentPortIsNoBoard) {
+  const emulator::PseudoTerminal terminal("");
+  EXPECT_NE(why(config(terminal.port())).find("nobody answered HELLO in 3000 ms"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace haptic::hw

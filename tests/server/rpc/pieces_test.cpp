@@ -131,7 +131,7 @@ TEST(StateFrame, TheBookOfEnergyIsPresentWhereTheSceneHasOne) {
   r.passivity.observed = -1e-4;
   r.passivity.alpha = 2e-4;
   v1::DeviceState state;
-  to_proto(r, state);
+  to_proto(r, Carrier::kGrpc, state);
   EXPECT_EQ(state.active_planes(), 5U);
   ASSERT_TRUE(state.has_passivity());
   EXPECT_EQ(state.passivity().tank(), 0.003);
@@ -140,7 +140,7 @@ TEST(StateFrame, TheBookOfEnergyIsPresentWhereTheSceneHasOne) {
   EXPECT_EQ(state.passivity().observed(), -1e-4);
   EXPECT_EQ(state.passivity().alpha(), 2e-4);
   r.passivity = {};
-  to_proto(r, state);
+  to_proto(r, Carrier::kGrpc, state);
   EXPECT_FALSE(state.has_passivity());
 }
 

@@ -33,7 +33,12 @@ std::vector<std::filesystem::path> scenes() {
 }
 
 std::unique_ptr<DeviceUnit> make_unit(const DeviceScene& scene) {
-  auto device = haptic::hw::open_device(scene.source, scene.kinematics);
+  // A board is hardware: its scene's pipeline then runs on the simulation of what it moves.
+  haptic::hw::DeviceConfig source = scene.source;
+  if (std::holds_alternative<haptic::hw::BoardConfig>(source)) {
+    source = haptic::hw::SimulatedFingerConfig{};
+  }
+  auto device = haptic::hw::open_device(source, scene.kinematics);
   auto config = haptic::server::pipeline_config(scene, device->info().limits);
   return std::make_unique<DeviceUnit>(scene.name, std::move(device), std::move(config));
 }

@@ -118,6 +118,7 @@ int main(int argc, char** argv) {
     if (line.print_scene) std::cout << scene.resolved;
     if (line.check_scene) {
       check_files(scene);
+      for (const std::string& warning : scene.warnings) std::cerr << "warning: " << warning << "\n";
       std::cout << line.scene << ": ok\n";
     }
     if (line.print_scene || line.check_scene) return 0;

@@ -4,7 +4,7 @@
 #   tests/run.sh [--preset release|debug|asan|tsan] [-L|--label REGEX] [--no-install] [-- CTEST-ARGS]
 #
 # Without --label: every test but those labelled network, slow and lint; with the sanitizers' presets
-# those labelled unit and service. Labels: unit, service, system, check, lint, network, slow.
+# those labelled unit and service. Labels: unit, service, system, check, lint.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 

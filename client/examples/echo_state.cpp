@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "haptic/client/client.hpp"
+#include "say.hpp"
 #include "until_signal.hpp"
 
 int main(int argc, char** argv) {
@@ -28,11 +29,13 @@ int main(int argc, char** argv) {
       std::printf("\n");
       std::fflush(stdout);
     };
+    options.on_event = haptic::examples::print_event;
+    options.on_disconnect = haptic::examples::print_end;
     const auto session = server.open(options);
     while (session->connected() && haptic::examples::stop_requested == 0) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
-    return 0;
+    return haptic::examples::stop_requested != 0 ? 0 : 1;
   } catch (const haptic::client::ClientError& error) {
     std::fprintf(stderr, "echo state: %s\n", error.what());
     return 1;

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "haptic/client/client.hpp"
+#include "say.hpp"
 #include "until_signal.hpp"
 
 int main(int argc, char** argv) {
@@ -23,8 +24,11 @@ int main(int argc, char** argv) {
     options.client_name = "virtual wall";
     options.nominal_rate_hz = 200;
     options.re_engage = true;
+    options.on_event = haptic::examples::print_event;
+    options.on_disconnect = haptic::examples::print_end;
     const auto session = server.open(options);
     session->engage_when_ready();
+    if (session->device().faults != 0) std::fprintf(stderr, "in FAULT: hapticctl clear-fault\n");
     auto next = std::chrono::steady_clock::now();
     while (session->connected() && haptic::examples::stop_requested == 0) {
       next = std::max(next + std::chrono::milliseconds(5), std::chrono::steady_clock::now());
@@ -36,7 +40,7 @@ int main(int argc, char** argv) {
       session->publish(touching ? haptic::client::Proxy::held(std::move(x))
                                 : haptic::client::Proxy::free());
     }
-    return 0;
+    return haptic::examples::stop_requested != 0 ? 0 : 1;
   } catch (const haptic::client::ClientError& error) {
     std::fprintf(stderr, "virtual wall: %s\n", error.what());
     return 1;

@@ -31,7 +31,8 @@ int main(int argc, char** argv) {
   cli.require_subcommand(1);
   cli.fallthrough();
   cli.add_option("--server", options.server, "host:port or unix:/path")->capture_default_str();
-  cli.add_option("--device", options.device, "its name; default: the only one, or all");
+  cli.add_option("--device", options.device,
+                 "its name; default: the only one; of watch, info and estop: all");
 
   CLI::App* info = cli.add_subcommand("info", "the server, its real-time grade, its devices");
   info->add_flag("--json", options.json, "one JSON object");
@@ -65,6 +66,9 @@ int main(int argc, char** argv) {
     if (*stop) return haptic::ctl::estop(options);
     return haptic::ctl::clear_fault(options);
   } catch (const haptic::client::ClientError& error) {
+    if (error.reason() == haptic::client::ErrorReason::kUnreachable) {
+      std::fprintf(stderr, "hapticctl: no hapticd answers at %s\n", options.server.c_str());
+    }
     std::fprintf(stderr, "hapticctl: %s%s%s\n", error.what(),
                  error.server_reason().empty() ? "" : " - ", error.server_reason().c_str());
     return 1;

@@ -54,9 +54,11 @@ const char* mode_name(client::Mode mode) {
     case client::Mode::kPlanes:
       return "planes";
     case client::Mode::kFree:
+      return "free";
+    case client::Mode::kNone:
       break;
   }
-  return "free";
+  return "none";
 }
 
 }  // namespace
@@ -65,7 +67,7 @@ Rows table(const client::DeviceInfo& device, const client::DeviceState& s, doubl
            std::uint64_t conflated) {
   Rows rows{text("%s  %s  %s  %s  gain %.2f  %s  t %.1f s", device.name.c_str(),
                  client::name(s.state), mode_name(s.mode), age(s).c_str(), s.gain,
-                 client::name(s.transport), seconds)};
+                 s.proxy_seq_used == 0 ? "-" : client::name(s.transport), seconds)};
   std::size_t actuated = 0;
   for (std::size_t i = 0; i < device.dofs.size(); ++i) {
     const auto& dof = device.dofs[i];

@@ -13,6 +13,7 @@ namespace haptic::client {
 class Connection::Impl {
  public:
   explicit Impl(const std::string& server) : address(server) {
+    check_form(address);
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
     arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 100);
@@ -25,6 +26,18 @@ class Connection::Impl {
 
   static void deadline(grpc::ClientContext& context, std::chrono::milliseconds timeout) {
     context.set_deadline(std::chrono::system_clock::now() + timeout);
+  }
+
+  /// The form only, so that gRPC need not guess. Throws.
+  static void check_form(const std::string& address) {
+    const std::string scheme = "unix:";
+    const bool socket = address.rfind(scheme, 0) == 0 && address.size() > scheme.size();
+    const std::size_t colon = address.rfind(':');
+    const bool port = colon != std::string::npos && colon > 0 && colon + 1 < address.size() &&
+                      address.find_first_not_of("0123456789", colon + 1) == std::string::npos;
+    if (socket || port) return;
+    throw ClientError(ErrorReason::kInvalidArgument,
+                      "server address '" + address + "': must be host:port or unix:/path");
   }
 
   const std::string address;

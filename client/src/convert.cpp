@@ -42,9 +42,7 @@ DeviceState to_state(const v1::DeviceState& m) {
   s.projection = static_cast<unsigned>(m.projection());
   s.condition = m.condition();
   s.lease_epoch = m.lease_epoch();
-  s.mode = m.mode() == v1::PROXY_MODE_HELD     ? Mode::kHeld
-           : m.mode() == v1::PROXY_MODE_PLANES ? Mode::kPlanes
-                                               : Mode::kFree;
+  s.mode = static_cast<Mode>(m.mode());
   s.active_planes = m.active_planes();
   if (m.has_passivity()) {
     const v1::PassivityState& p = m.passivity();

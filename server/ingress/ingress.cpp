@@ -31,6 +31,7 @@ Ingress::Ingress(core::Mailbox<core::ProxySnapshot>& mailbox, int n_x)
 
 void Ingress::begin_lease(std::uint32_t epoch, double nominal_rate_hz, core::Duration hold_end) {
   const std::lock_guard lock(mutex_);
+  last_refusal_.clear();
   open_ = true;
   epoch_ = epoch;
   hold_end_ = hold_end;
@@ -49,11 +50,17 @@ void Ingress::end_lease() {
   open_ = false;
 }
 
+std::string Ingress::last_refusal() const {
+  const std::lock_guard lock(mutex_);
+  return last_refusal_;
+}
+
 IngressVerdict Ingress::accept(const ProxyCandidate& candidate, core::TimePoint arrival,
                                std::string* why) {
   const std::lock_guard lock(mutex_);
   const IngressVerdict refused = check(candidate, why);
   if (refused != IngressVerdict::kAccepted) return refused;
+  last_refusal_.clear();
   const BacklogRule::Answer age = backlog_.step(arrival);
   store(candidate, age, arrival);
   ++(age.backlog ? counters_.backlog : counters_.accepted);
@@ -63,7 +70,9 @@ IngressVerdict Ingress::accept(const ProxyCandidate& candidate, core::TimePoint 
 IngressVerdict Ingress::check(const ProxyCandidate& candidate, std::string* why) {
   const auto refuse = [&](IngressVerdict verdict, std::uint64_t& counter, auto sentence) {
     ++counter;
-    if (why != nullptr) *why = sentence();
+    std::string text = sentence();
+    if (why != nullptr) *why = text;
+    if (open_ && candidate.epoch == epoch_) last_refusal_ = std::move(text);
     return verdict;
   };
   if (!open_ || candidate.epoch != epoch_) {

@@ -115,6 +115,8 @@ class Ingress {
   void begin_lease(std::uint32_t epoch, double nominal_rate_hz, core::Duration hold_end);
   /// No lease: everything is refused.
   void end_lease();
+  /// Why the newest sample of this lease that was refused was; empty where none was.
+  [[nodiscard]] std::string last_refusal() const;
 
   /// Any thread. Subnormal coordinates become 0. `why`, where given, gets a sentence that names
   /// field, value and what is allowed for every verdict but kAccepted and kBacklog.
@@ -137,6 +139,7 @@ class Ingress {
   void store(const ProxyCandidate& candidate, BacklogRule::Answer age, core::TimePoint arrival);
 
   mutable std::mutex mutex_;
+  std::string last_refusal_{};
   core::Mailbox<core::ProxySnapshot>& mailbox_;
   const int n_x_;
   core::ProxySnapshot newest_{};

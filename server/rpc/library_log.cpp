@@ -7,9 +7,9 @@
 namespace haptic::server {
 namespace {
 
+/// What a call or a start fails of is told where it fails, in our words.
 void from_grpc(gpr_log_func_args* word) {
-  const bool error = word->severity == GPR_LOG_SEVERITY_ERROR;
-  spdlog::log(error ? spdlog::level::warn : spdlog::level::debug, "gRPC: {}", word->message);
+  spdlog::debug("gRPC: {}", word->message);
 }
 
 /// What is wrong with a message is answered to whoever sent it, as often as it is sent.

@@ -86,6 +86,15 @@ void DeviceSessions::open_controller(const LeaseRequest& request, core::TimePoin
   run(closures);
 }
 
+/// A stream whose every sample is refused looks like no stream to the tick; here the reason is known.
+Outcome<Done> DeviceSessions::explained(Outcome<Done> outcome) const {
+  if (!outcome && outcome.refusal.reason == "STREAM_STALE") {
+    const std::string why = ingress_.last_refusal();
+    if (!why.empty()) outcome.refusal.message += "; a sample was refused: " + why;
+  }
+  return outcome;
+}
+
 Ticket DeviceSessions::engage(const std::string& session_id, const Answer& answer) {
   std::optional<Refusal> refusal;
   Ticket ticket = 0;
@@ -95,7 +104,9 @@ Ticket DeviceSessions::engage(const std::string& session_id, const Answer& answe
     if (!refusal) {
       ++command_.engage_id;
       post();
-      ticket = pending_.add_engage(command_.engage_id, session_id, answer);
+      ticket = pending_.add_engage(
+          command_.engage_id, session_id,
+          [this, answer](const Outcome<Done>& outcome) { answer(explained(outcome)); });
     }
   }
   if (refusal) answer(*refusal);

@@ -98,6 +98,7 @@ class DeviceSessions final : public RecordListener {
   };
   using Closures = PendingRequests::Closures;
 
+  [[nodiscard]] Outcome<Done> explained(Outcome<Done> outcome) const;
   void post() noexcept;
   void post_next_clear() noexcept;
   void end_lease(Closures& closures);

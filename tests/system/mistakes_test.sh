@@ -50,7 +50,9 @@ says 2 'no lease ends under force' "$hapticd" --scene "$scene" --check-scene \
   --set 'device[0].staleness.fade_end={seconds: 2 nanos: 500000000}' \
   --set 'device[0].staleness.hold_end={seconds: 2}'
 
-says 1 'connect' "$hapticctl" --server "unix:$folder/nobody" info
+says 1 'no hapticd answers' "$hapticctl" --server "unix:$folder/nobody" info
+says 1 'must be host:port or unix:/path' "$hapticctl" --server 127.0.0.1 info
+says 1 'must be host:port or unix:/path' "$hapticctl" --server '' info
 says 2 '--bogus' "$hapticctl" engage --bogus
 says 2 '--rate' "$hapticctl" watch --rate 0
 says 2 '--rate' "$hapticctl" watch --rate nan

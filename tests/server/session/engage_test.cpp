@@ -180,5 +180,16 @@ TEST(Engage, WithAReleaseInTheSameTickIsRefused) {
   EXPECT_EQ(rig.state(), core::DeviceState::kArmed);
 }
 
+TEST(Engage, AfterSamplesThatWereAllRefusedSaysWhyTheyWere) {
+  DeviceRig rig;
+  rig.control();
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_EQ(rig.publish(std::nan("")), server::IngressVerdict::kNotFinite);
+    rig.tick();
+  }
+  EXPECT_EQ(rig.engage(), "STREAM_STALE");
+  EXPECT_NE(rig.refusal.find("must be finite"), std::string::npos) << rig.refusal;
+}
+
 }  // namespace
 }  // namespace haptic::test

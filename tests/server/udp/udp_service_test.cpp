@@ -157,7 +157,7 @@ TEST(UdpService, BothCarriersGoThroughOneDoorInTheOrderOfTheNumbers) {
   ASSERT_TRUE(alice.session.publish({0.003, 0.0}, 12));
   ASSERT_TRUE(used(12));
   EXPECT_EQ(alice.newest_state().transport(), v1::TRANSPORT_GRPC);
-  EXPECT_TRUE(alice.heard_reason("SAMPLES UDP -> GRPC"));
+  EXPECT_TRUE(eventually([&] { return alice.heard_reason("SAMPLES UDP -> GRPC"); }));
 }
 
 TEST(UdpService, NoChangeOfCarrierMovesTheForce) {

@@ -11,7 +11,8 @@
 
 namespace haptic::client {
 
-enum class Mode : std::uint8_t { kHeld = 1, kFree = 2, kPlanes = 3 };
+/// kNone: of a state without a proxy in use; nothing to publish.
+enum class Mode : std::uint8_t { kNone = 0, kHeld = 1, kFree = 2, kPlanes = 3 };
 enum class Staleness : std::uint8_t { kUnknown = 0, kFresh = 1, kHold = 2, kFade = 3, kLost = 4 };
 enum class Transport : std::uint8_t { kUnknown = 0, kGrpc = 1, kUdp = 2 };
 enum class State : std::uint8_t {

@@ -136,7 +136,7 @@ TEST(UdpService, ForceFromSamplesByUdp) {
     return std::abs(alice.newest_state().tau_a(0) - 1.0) < 1e-9;  // 0.01 m at 100 N/m
   }));
   EXPECT_EQ(alice.newest_state().transport(), v1::TRANSPORT_UDP);
-  EXPECT_TRUE(alice.heard_reason("SAMPLES GRPC -> UDP"));
+  EXPECT_TRUE(eventually([&] { return alice.heard_reason("SAMPLES GRPC -> UDP"); }));
 }
 
 TEST(UdpService, BothCarriersGoThroughOneDoorInTheOrderOfTheNumbers) {

@@ -17,8 +17,9 @@ FullRank solve_full_rank(const HouseholderKernel& kernel, int m, int n, double* 
     range.smallest2 =
         std::min(range.smallest2, smallest_singular2(m, n, A, column_norm2, inverse_diagonal, y));
   }
+  // Judged in squares: nothing that follows waits for the root.
   answer.condition = std::sqrt(range.largest2 / range.smallest2);
-  if (!(answer.condition * kRankThreshold <= 1.0)) return answer;
+  if (!(range.largest2 * (kRankThreshold * kRankThreshold) <= range.smallest2)) return answer;
   kernel.back_substitute(m, n, A, b, inverse_diagonal, y);
   double finite = 0.0;  // 0 times what is not finite is not 0
   for (int k = 0; k < n; ++k) finite += 0.0 * y[k];

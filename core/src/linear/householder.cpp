@@ -1,6 +1,7 @@
 #include "haptic/core/linear/householder.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "householder_steps.hpp"
 
@@ -24,13 +25,17 @@ HouseholderKernel householder_kernel(int m, int n) noexcept {
 }
 
 DiagonalRange diagonal_range(int m, int n, const double* R, const double* column_norm2) noexcept {
-  DiagonalRange range;
-  for (int k = 0; k < n; ++k) {
+  // The first column depends on none before it: R_00^2 is its norm, unless that is no number.
+  if (!(column_norm2[0] > 0.0 && column_norm2[0] <= std::numeric_limits<double>::max())) {
+    return {0.0, 0.0};
+  }
+  DiagonalRange range{1.0, 1.0};
+  for (int k = 1; k < n; ++k) {
     const double diagonal = R[k * m + k];
     const double scaled2 = diagonal * diagonal / column_norm2[k];
     // Also false for NaN, of which a zero column makes one.
     if (!(scaled2 > 0.0 && scaled2 < 2.0)) return {0.0, range.largest2};
-    range.smallest2 = k == 0 ? scaled2 : std::min(range.smallest2, scaled2);
+    range.smallest2 = std::min(range.smallest2, scaled2);
     range.largest2 = std::max(range.largest2, scaled2);
   }
   return range;

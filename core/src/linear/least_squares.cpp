@@ -49,7 +49,7 @@ void LeastSquares::solve(const MatXQ& J, const VecX& dx, const VecA& Z_q) noexce
 }
 
 double LeastSquares::residual() const noexcept {
-  return std::sqrt(residual2_);
+  return residual2_ > 0.0 ? std::sqrt(residual2_) : residual2_;  // of a square J it is 0
 }
 
 VecA LeastSquares::force_from_row(int first) const noexcept {

@@ -79,8 +79,28 @@ int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& 
   spdlog::info("SIG{}: force fades out, devices are disarmed", sigabbrev_np(signal));
   app.stop();
   spdlog::info("stopped");
-  haptic::server::finish_log();
   return 0;
+}
+
+int run(const CommandLine& line) {
+  const sigset_t signals = block_signals();
+  try {
+    haptic::server::Scene scene = haptic::server::load_scene(line.scene, line.set);
+    if (line.print_scene) std::cout << scene.resolved;
+    if (line.check_scene) {
+      check_files(scene);
+      for (const std::string& warning : scene.warnings) std::cerr << "warning: " << warning << "\n";
+      std::cout << line.scene << ": ok\n";
+    }
+    if (line.print_scene || line.check_scene) return 0;
+    return serve(std::move(scene), line, signals);
+  } catch (const haptic::core::SceneError& error) {
+    std::cerr << "hapticd: " << error.what() << "\n";
+    return 2;
+  } catch (const std::exception& error) {
+    std::cerr << "hapticd: " << error.what() << "\n";
+    return 1;
+  }
 }
 
 }  // namespace
@@ -112,22 +132,7 @@ int main(int argc, char** argv) {
   haptic::server::log_to_stderr();
   spdlog::set_level(spdlog::level::from_str(line.log_level));
 
-  const sigset_t signals = block_signals();
-  try {
-    haptic::server::Scene scene = haptic::server::load_scene(line.scene, line.set);
-    if (line.print_scene) std::cout << scene.resolved;
-    if (line.check_scene) {
-      check_files(scene);
-      for (const std::string& warning : scene.warnings) std::cerr << "warning: " << warning << "\n";
-      std::cout << line.scene << ": ok\n";
-    }
-    if (line.print_scene || line.check_scene) return 0;
-    return serve(std::move(scene), line, signals);
-  } catch (const haptic::core::SceneError& error) {
-    std::cerr << "hapticd: " << error.what() << "\n";
-    return 2;
-  } catch (const std::exception& error) {
-    std::cerr << "hapticd: " << error.what() << "\n";
-    return 1;
-  }
+  const int code = run(line);
+  haptic::server::finish_log();
+  return code;
 }

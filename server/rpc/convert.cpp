@@ -214,6 +214,10 @@ std::size_t largest_state(const core::PipelineConfig& config) {
   record.q_a_dot = record.tau_a = record.tau_elastic = core::VecA::Ones(n_a);
   record.input.settings.stiffness = core::VecA::Ones(n_a);
   record.x = record.x_probe = core::VecX::Ones(n_x);
+  record.active_planes = ~std::uint32_t{0};
+  record.passivity.on = config.passivity.enabled();
+  record.passivity.tank = record.passivity.storage = record.passivity.scale = 1.0;
+  record.passivity.observed = record.passivity.alpha = 1.0;
   v1::DeviceState state;
   to_proto(record, Carrier::kUdp, state);
   constexpr std::size_t kScalars = 120;  // 4 of 64 bits, 9 of 32, 2 doubles, with their tags

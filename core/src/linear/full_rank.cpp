@@ -11,15 +11,14 @@ FullRank solve_full_rank(const HouseholderKernel& kernel, int m, int n, double* 
   FullRank answer{false, std::numeric_limits<double>::infinity()};
   if (m < n) return answer;
   kernel.factor(m, n, A, b, column_norm2, inverse_diagonal);
-  DiagonalRange range = diagonal_range(m, n, A, column_norm2);
-  if (!(range.smallest2 > 0.0)) return answer;
-  if (range.smallest2 < kDiagonalThreshold * kDiagonalThreshold * range.largest2) {
-    range.smallest2 =
-        std::min(range.smallest2, smallest_singular2(m, n, A, column_norm2, inverse_diagonal, y));
+  double condition2 = diagonal_condition2(n, column_norm2, inverse_diagonal);
+  if (!(condition2 <= std::numeric_limits<double>::max())) return answer;
+  if (condition2 > 1.0 / (kDiagonalThreshold * kDiagonalThreshold)) {
+    condition2 = std::max(condition2, inverse_norm2(m, n, A, column_norm2, inverse_diagonal, y));
   }
   // Judged in squares: nothing that follows waits for the root.
-  answer.condition = std::sqrt(range.largest2 / range.smallest2);
-  if (!(range.largest2 * (kRankThreshold * kRankThreshold) <= range.smallest2)) return answer;
+  answer.condition = std::sqrt(condition2);
+  if (!(condition2 <= 1.0 / (kRankThreshold * kRankThreshold))) return answer;
   kernel.back_substitute(m, n, A, b, inverse_diagonal, y);
   double finite = 0.0;  // 0 times what is not finite is not 0
   for (int k = 0; k < n; ++k) finite += 0.0 * y[k];

@@ -24,25 +24,22 @@ HouseholderKernel householder_kernel(int m, int n) noexcept {
   return kernel<0, 0>();
 }
 
-DiagonalRange diagonal_range(int m, int n, const double* R, const double* column_norm2) noexcept {
-  // The first column depends on none before it: R_00^2 is its norm, unless that is no number.
-  if (!(column_norm2[0] > 0.0 && column_norm2[0] <= std::numeric_limits<double>::max())) {
-    return {0.0, 0.0};
+double diagonal_condition2(int n, const double* column_norm2,
+                           const double* inverse_diagonal) noexcept {
+  double worst2 = 1.0;
+  for (int k = 0; k < n; ++k) {
+    const double scaled2 = column_norm2[k] * inverse_diagonal[k] * inverse_diagonal[k];
+    // At least 1 but for rounding. Also false for NaN, of which a zero column makes one.
+    if (!(scaled2 > 0.5 && scaled2 <= std::numeric_limits<double>::max())) {
+      return std::numeric_limits<double>::infinity();
+    }
+    worst2 = std::max(worst2, scaled2);
   }
-  DiagonalRange range{1.0, 1.0};
-  for (int k = 1; k < n; ++k) {
-    const double diagonal = R[k * m + k];
-    const double scaled2 = diagonal * diagonal / column_norm2[k];
-    // Also false for NaN, of which a zero column makes one.
-    if (!(scaled2 > 0.0 && scaled2 < 2.0)) return {0.0, range.largest2};
-    range.smallest2 = std::min(range.smallest2, scaled2);
-    range.largest2 = std::max(range.largest2, scaled2);
-  }
-  return range;
+  return worst2;
 }
 
-double smallest_singular2(int m, int n, const double* R, const double* column_norm2,
-                          const double* inverse_diagonal, double* column) noexcept {
+double inverse_norm2(int m, int n, const double* R, const double* column_norm2,
+                     const double* inverse_diagonal, double* column) noexcept {
   double sum = 0.0;
   for (int k = 0; k < n; ++k) {  // column k of R^{-1}; row i of (R C)^{-1} is scaled by ||A_i||
     column[k] = inverse_diagonal[k];
@@ -54,7 +51,7 @@ double smallest_singular2(int m, int n, const double* R, const double* column_no
       sum += column[i] * column[i] * column_norm2[i];
     }
   }
-  return 1.0 / sum;
+  return sum;
 }
 
 }  // namespace haptic::core

@@ -24,19 +24,17 @@ struct HouseholderKernel {
 /// The fastest kernel for m x n.
 [[nodiscard]] HouseholderKernel householder_kernel(int m, int n) noexcept;
 
-/// What R says of the rank, in squares of singular values of the equilibrated matrix.
-struct DiagonalRange {
-  /// Smallest (R_kk / ||A_k||)^2; 0 where a column is zero, depends on the others, or is not finite.
-  double smallest2{0.0};
-  double largest2{0.0};
-};
-[[nodiscard]] DiagonalRange diagonal_range(int m, int n, const double* R,
-                                           const double* column_norm2) noexcept;
+/// What R's diagonal says of the condition of the equilibrated matrix, squared: the largest
+/// (||A_k|| / R_kk)^2, for the largest R_kk / ||A_k|| is that of the first column, 1. At least 1;
+/// infinite where a column is zero, depends on the others, or is not finite. Neither divides nor
+/// takes a root.
+[[nodiscard]] double diagonal_condition2(int n, const double* column_norm2,
+                                         const double* inverse_diagonal) noexcept;
 
-/// 1 / ||(R C)^{-1}||_F^2: the smallest singular value, squared, to a factor between 1/n and 1. The
-/// diagonal alone may overestimate it a hundredfold; this costs as much as the factorisation, and is
-/// for the few matrices whose diagonal gives cause. `column` (n) is scratch.
-[[nodiscard]] double smallest_singular2(int m, int n, const double* R, const double* column_norm2,
-                                        const double* inverse_diagonal, double* column) noexcept;
+/// ||(R C)^{-1}||_F^2: one over the smallest singular value, squared, to a factor between 1 and n.
+/// The diagonal alone may underestimate it ten thousandfold; this costs as much as the
+/// factorisation, and is for the few matrices whose diagonal gives cause. `column` (n) is scratch.
+[[nodiscard]] double inverse_norm2(int m, int n, const double* R, const double* column_norm2,
+                                   const double* inverse_diagonal, double* column) noexcept;
 
 }  // namespace haptic::core

@@ -84,9 +84,10 @@ void BlockRenderer::project(const Probe& probe, const VecX& x, const VecX& dx,
   out.status = ProjectionStatus::kNone;
   out.condition = out.storage = 0.0;
   double squares = 0.0;
-  const bool by_dx = idle_possible_ && kind_ != RendererKind::kSubspaceExact;
   for (Part& part : parts_) {
-    if (by_dx && !part.displaced(dx)) {
+    const bool answered = part.held && !proxy_changed;
+    if (idle_possible_ && !answered && !part.displaced(dx)) {
+      part.seen = part.held = false;  // whatever is displaced next is solved
       const double* q = probe.q.data() + part.at.first_q;
       std::copy(q, q + part.n_q, out.q_star.data() + part.at.first_q);
       out.status = std::max(out.status, ProjectionStatus::kExact);

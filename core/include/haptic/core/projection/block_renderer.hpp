@@ -4,9 +4,9 @@
 /// (METHOD 7, "model only what a scene needs"). A map without blocks is one block, and so is one
 /// whose metric W_x weighs coordinates of different blocks together.
 ///
-/// A block whose proxy is where its probe is, dx = 0, is idle: its own pose is the answer of Eq. (1),
-/// (4) and (8), and neither J nor a solve is needed for it. Eq. (6) needs J in no block, and keeps
-/// the solution that it has.
+/// A block whose proxy is where its probe is, dx = 0, is idle: its own pose is the answer, and
+/// neither J nor a solve is needed for it. Eq. (6) needs J in no block, and keeps a solution that it
+/// has until the proxy changes.
 
 #include <optional>
 #include <vector>

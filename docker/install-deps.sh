@@ -6,7 +6,7 @@
 # Groups: runtime     what the installed programs load
 #         build       what compiles them
 #         test        what tests/run.sh and server/demo.sh need besides
-#         report      what draws figures
+#         report      what draws figures, and the peers in them
 #         firmware    the board's side
 #         containers  building and running images
 # Only what is missing is installed; with everything in place this is a no-op that needs neither
@@ -23,7 +23,7 @@ packages() {
                 "nlohmann-json3-dev libssl-dev libasio-dev libserialport-dev" ;;
     test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" \
                 "liborocos-kdl-dev" ;;
-    report) echo "gnuplot-nox liblapack-dev" ;;
+    report) echo "gnuplot-nox liblapack-dev libceres-dev libcminpack-dev" ;;
     firmware) echo "gcc-arm-none-eabi" ;;
     containers) ;;  # filled by what first needs a package
     *)

@@ -18,5 +18,6 @@ void add_finger(CLI::App& app);
 void add_hard_cases(CLI::App& app);
 void add_linear_algebra(CLI::App& app);
 void add_scaling(CLI::App& app);
+void add_work_precision(CLI::App& app);
 
 }  // namespace haptic::report

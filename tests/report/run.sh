@@ -3,8 +3,8 @@
 #
 #   tests/report/run.sh [--output DIR] [--build DIR] [part...]
 #
-#   part           kinematics fig4 recordings scan radius finger hard_cases linear_algebra scaling;
-#                  default: all
+#   part           kinematics fig4 recordings scan radius finger hard_cases linear_algebra scaling
+#                  work_precision; default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
 #
@@ -25,7 +25,7 @@ while (($#)); do
     *) parts+=("$1"); shift ;;
   esac
 done
-((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger hard_cases linear_algebra scaling)
+((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger hard_cases linear_algebra scaling work_precision)
 
 if [[ -z $programs ]]; then
   sh "$root/docker/install-deps.sh" build test report
@@ -134,6 +134,14 @@ make_linear_algebra() {
 make_scaling() {
   csv scaling scaling
   draw scaling scaling "csv='$output/scaling.csv'"
+}
+make_work_precision() {
+  csv work_precision work-precision
+  (cd "$output" && for map in finger hand tracked_hand chain; do
+    awk -F, -v map="$map" 'NR == 1 || $1 == map' work_precision.csv >"work_precision_$map.csv"
+  done
+  awk -F, 'NR == 1 || $8 != "eq8"' work_precision.csv >work_precision_parts.csv)
+  draw work_precision work_precision "csv='$output/work_precision.csv'"
 }
 
 for part in "${parts[@]}"; do

@@ -102,10 +102,10 @@ core::TickRecord record() {
 TEST(StateFrame, TheSharedBytesAreTheMessagesBytes) {
   const core::TickRecord r = record();
   v1::WatchResponse expected;
-  to_proto(r, Carrier::kGrpc, *expected.mutable_state());
+  to_proto(r, {Carrier::kUdp, 7}, *expected.mutable_state());
   expected.set_conflated(123456);
   StateFrame frame;
-  frame.begin(r);
+  frame.begin(r, {Carrier::kUdp, 7});
   grpc::Slice slice;
   ASSERT_TRUE(frame.for_watch(123456).DumpToSingleSlice(&slice).ok());
   v1::WatchResponse parsed;
@@ -116,6 +116,8 @@ TEST(StateFrame, TheSharedBytesAreTheMessagesBytes) {
   ASSERT_TRUE(session.ParseFromArray(slice.begin(), static_cast<int>(slice.size())));
   EXPECT_EQ(session.state().SerializeAsString(), expected.state().SerializeAsString());
   EXPECT_EQ(session.state().seq(), 77U);
+  EXPECT_EQ(session.state().transport(), v1::TRANSPORT_UDP);
+  EXPECT_EQ(session.state().lease_epoch(), 7U);
   EXPECT_EQ(session.state().server_time_ns(), 3'000'000'000);
   EXPECT_EQ(session.state().stiffness_in_effect(0), 50.0);
   EXPECT_EQ(session.state().state(), v1::DEVICE_STATE_NAME_ENGAGED);
@@ -131,7 +133,7 @@ TEST(StateFrame, TheBookOfEnergyIsPresentWhereTheSceneHasOne) {
   r.passivity.observed = -1e-4;
   r.passivity.alpha = 2e-4;
   v1::DeviceState state;
-  to_proto(r, Carrier::kGrpc, state);
+  to_proto(r, {}, state);
   EXPECT_EQ(state.active_planes(), 5U);
   ASSERT_TRUE(state.has_passivity());
   EXPECT_EQ(state.passivity().tank(), 0.003);
@@ -140,7 +142,7 @@ TEST(StateFrame, TheBookOfEnergyIsPresentWhereTheSceneHasOne) {
   EXPECT_EQ(state.passivity().observed(), -1e-4);
   EXPECT_EQ(state.passivity().alpha(), 2e-4);
   r.passivity = {};
-  to_proto(r, Carrier::kGrpc, state);
+  to_proto(r, {}, state);
   EXPECT_FALSE(state.has_passivity());
 }
 

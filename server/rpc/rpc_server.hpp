@@ -8,6 +8,7 @@
 
 #include "haptic/core/time.hpp"
 #include "server/rpc/server_facts.hpp"
+#include "server/rpc/steady_now.hpp"
 #include "server/session/device_sessions.hpp"
 #include "server/telemetry/telemetry.hpp"
 
@@ -26,6 +27,7 @@ struct RpcConfig {
   unsigned watch_budget_hz{8000};
   /// Address of the UDP path, "host:port", loopback only; empty: there is none.
   std::string udp_listen{};
+  ArrivalClock clock{steady_arrival};  ///< stamps what arrives, whatever carries it
 };
 
 class RpcServer {

@@ -8,7 +8,6 @@
 
 #include "server/rpc/convert.hpp"
 #include "server/rpc/status.hpp"
-#include "server/rpc/steady_now.hpp"
 
 namespace haptic::server {
 namespace {
@@ -39,7 +38,7 @@ SessionStream* SessionStream::begin(ServiceContext& context) {
 }
 
 void SessionStream::OnReadDone(bool ok) {
-  const core::TimePoint arrival = steady_now();
+  const core::TimePoint arrival = context_.config.clock({});
   if (!ok) return end(grpc::Status::OK);  // half-closed, or cancelled: then the status goes nowhere
   if (!grpc::SerializationTraits<v1::SessionRequest>::Deserialize(&incoming_, &request_).ok()) {
     return end(to_status(protocol_error("not a SessionRequest")));
@@ -110,7 +109,7 @@ void SessionStream::open(const v1::OpenSession& request) {
 }
 
 void SessionStream::open_as_controller(const v1::OpenSession& request) {
-  target_.device->open_controller(from_proto(request, id_, client_name_), steady_now(),
+  target_.device->open_controller(from_proto(request, id_, client_name_), context_.config.clock({}),
                                   [this, weak = weak_from_this()](const Outcome<Lease>& outcome) {
                                     const auto alive = weak.lock();
                                     if (!alive) return;
@@ -219,7 +218,7 @@ void SessionStream::offer_udp(v1::SessionOpened& message) {
 
 void SessionStream::tell_transport(const char* reason, const char* why) {
   spdlog::info("session '{}': {} ({})", client_name_, reason, why);
-  events_->push({DeviceEvent::Kind::kTransport, steady_now(), reason, why,
+  events_->push({DeviceEvent::Kind::kTransport, context_.config.clock({}), reason, why,
                  target_.device->unit().state(), epoch_});
 }
 

@@ -30,6 +30,12 @@ bool is_never_felt(const std::string& name) {
              "loss_01", "loss_05", "burst_8ms", "tcp_blocked", "udp_blocked", "narrow"});
 }
 
+/// Every third packet lost is more than the UDP path may lose, and more than a stream can bear: whether force
+/// is ever granted is luck, that it is safe is not.
+bool may_be_refused(const std::string& name) {
+  return name == "loss_30";
+}
+
 /// Silence above 180 ms on its way to the server, and over before the end.
 bool is_lost_and_back(const std::string& name) {
   return is_one_of(name, {"partition_1s_up", "partition_10s_up", "stall_backlog"});
@@ -67,7 +73,7 @@ TEST_P(NetworkMatrix, TheContractHoldsAtEveryTick) {
     Presser presser(daemon.behind_relay());
     std::this_thread::sleep_for(scenario.duration);
     // The longest retransmission and back-off may still be ahead of a client that was cut off.
-    if (!is_never_felt(scenario.name)) {
+    if (!is_never_felt(scenario.name) && !may_be_refused(scenario.name)) {
       EXPECT_TRUE(within(15s, [&] { return presser.state().state == client::State::kEngaged; }));
     }
     EXPECT_TRUE(presser.in_order());
@@ -85,7 +91,7 @@ TEST_P(NetworkMatrix, TheContractHoldsAtEveryTick) {
   ASSERT_GT(run.size(), 1000U);
   const RunFigures figures = judge(run, Presser::kFreshEnd, wrong);
   EXPECT_EQ(wrong, "");
-  EXPECT_TRUE(figures.engaged);
+  EXPECT_TRUE(figures.engaged || may_be_refused(scenario.name));
   if (is_never_felt(scenario.name)) {
     EXPECT_EQ(figures.losses, 0);
   }

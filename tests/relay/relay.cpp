@@ -47,7 +47,7 @@ class Relay::Impl {
       if (port != 0) {
         udp_.emplace(context_, clock_, setup.scenario,
                      endpoint<UdpRelay::Endpoint>(setup.listen_host, port),
-                     endpoint<UdpRelay::Endpoint>(setup.server_host, port));
+                     endpoint<UdpRelay::Endpoint>(setup.server_host, port), setup.attacker);
       }
     } catch (const std::system_error& error) {
       throw std::runtime_error("relay: " + setup.listen_host + ":" + std::to_string(port) + ": " +

@@ -11,10 +11,12 @@
 /// late where a packet would have been lost.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
-#include "tests/support/link/scenario.hpp"
+#include "tests/support/link/impaired_link.hpp"
 
 namespace haptic::test {
 
@@ -24,6 +26,9 @@ struct RelaySetup {
   std::string server_host{"127.0.0.1"};
   std::uint16_t tcp_port{0};  ///< 0: no TCP
   std::uint16_t udp_port{0};  ///< 0: no UDP
+  /// An attacker on the way: sees every datagram of the clients as it comes, on the relay's thread; what it
+  /// returns goes to the server at once, from the client's address as the server knows it.
+  std::function<std::vector<Packet>(const Packet&)> attacker{};
 };
 
 class Relay {

@@ -2,6 +2,8 @@
 
 #include <asio/buffer.hpp>
 
+#include <utility>
+
 namespace haptic::test {
 namespace {
 
@@ -15,25 +17,28 @@ std::uint64_t seed_of(const Scenario& scenario, std::uint64_t flow, bool down) {
 
 }  // namespace
 
-UdpRelay::Flow::Flow(UdpRelay& relay, const Endpoint& from, std::uint64_t number)
-    : client(from),
+UdpRelay::Flow::Flow(UdpRelay& owner, const Endpoint& from, std::uint64_t number)
+    : relay(owner),
+      client(from),
       socket(relay.context_, relay.server_.protocol()),
       up(relay.context_, relay.clock_,
          ImpairedLink(relay.scenario_.up, seed_of(relay.scenario_, number, false), Carrier::kUdp),
-         [this, &relay](const Packet& packet) {
-           asio::error_code dropped;
-           socket.send_to(asio::buffer(packet), relay.server_, 0, dropped);
-         }),
+         [this](const Packet& packet) { to_server(packet); }),
       down(
           relay.context_, relay.clock_,
           ImpairedLink(relay.scenario_.down, seed_of(relay.scenario_, number, true), Carrier::kUdp),
-          [this, &relay](const Packet& packet) {
+          [this](const Packet& packet) {
             asio::error_code dropped;
             relay.socket_.send_to(asio::buffer(packet), client, 0, dropped);
           }) {
   // From the relay's own address: what the server sees is then never the client's.
   socket.bind({relay.socket_.local_endpoint().address(), 0});
   read();
+}
+
+void UdpRelay::Flow::to_server(const Packet& packet) {
+  asio::error_code dropped;
+  socket.send_to(asio::buffer(packet), relay.server_, 0, dropped);
 }
 
 void UdpRelay::Flow::read() {
@@ -47,11 +52,12 @@ void UdpRelay::Flow::read() {
 }
 
 UdpRelay::UdpRelay(asio::io_context& context, RelayClock& clock, const Scenario& scenario,
-                   const Endpoint& listen, const Endpoint& server)
+                   const Endpoint& listen, const Endpoint& server, Attacker attacker)
     : context_(context),
       clock_(clock),
       scenario_(scenario),
       server_(server),
+      attacker_(std::move(attacker)),
       socket_(context, listen) {
   read();
 }
@@ -65,8 +71,11 @@ void UdpRelay::read() {
           entry = flows_.emplace(from_, std::make_unique<Flow>(*this, from_, flows_.size())).first;
         }
         if (!error && entry != flows_.end()) {
-          entry->second->up.send(
-              {buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(size)});
+          Packet packet(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(size));
+          if (attacker_) {
+            for (const Packet& forged : attacker_(packet)) entry->second->to_server(forged);
+          }
+          entry->second->up.send(std::move(packet));
         }
         read();
       });

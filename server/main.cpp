@@ -120,8 +120,10 @@ int main(int argc, char** argv) {
       ->take_all();
   cli.add_option("--listen", line.listen,
                  "host:port or unix:/path instead of the scene's addresses, may be repeated");
-  cli.add_option("--realtime", line.realtime, "require, try or off (default try)")
-      ->transform(CLI::CheckedTransformer(modes));
+  cli.add_option_function<std::string>(
+         "--realtime", [&](const std::string& mode) { line.realtime = modes.at(mode); },
+         "require, try or off (default try)")
+      ->check(CLI::IsMember({"require", "try", "off"}));
   cli.add_option("--log-level", line.log_level, "debug, info, warn or error")
       ->check(CLI::IsMember({"debug", "info", "warn", "error"}));
   cli.add_flag("--insecure-lab", line.insecure_lab,

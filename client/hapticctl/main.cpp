@@ -34,7 +34,7 @@ const std::map<std::string, Priority> priorities{
 int main(int argc, char** argv) {
   haptic::ctl::Options options;
   CLI::App cli("hapticctl - command-line client of hapticd");
-  cli.require_subcommand(1);
+  cli.require_subcommand(0, 1);  // an unknown command is then named, not called missing
   cli.fallthrough();
   cli.add_option("--server", options.server, "host:port or unix:/path")->capture_default_str();
   cli.add_option("--device", options.device,
@@ -78,6 +78,9 @@ int main(int argc, char** argv) {
 
   try {
     cli.parse(argc, argv);
+    if (cli.get_subcommands().empty()) {
+      throw CLI::RequiredError("a command: info, watch, engage, estop or clear-fault");
+    }
   } catch (const CLI::ParseError& error) {
     return cli.exit(error) == 0 ? 0 : 2;
   }

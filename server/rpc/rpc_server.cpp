@@ -54,7 +54,7 @@ class RpcServer::Impl {
     const std::string& udp = context_.config.udp_listen;
     if (!udp.empty()) {
       check_listen_address(udp, credentials.best());
-      context_.udp = std::make_unique<UdpPort>(udp);
+      context_.udp = std::make_unique<UdpPort>(udp, addresses, context_.config.clock);
     }
 
     grpc::EnableDefaultHealthCheckService(true);

@@ -9,6 +9,7 @@
 
 #include "haptic/core/time.hpp"
 #include "server/rpc/server_facts.hpp"
+#include "server/rpc/steady_now.hpp"
 #include "server/rpc/tls_config.hpp"
 #include "server/session/device_sessions.hpp"
 #include "server/telemetry/telemetry.hpp"
@@ -28,6 +29,10 @@ struct RpcConfig {
   unsigned watch_budget_hz{8000};
   /// Address of the UDP path, "host:port"; beyond loopback as `listen`. Empty: there is none.
   std::string udp_listen{};
+  ArrivalClock clock{steady_arrival};  ///< stamps what arrives, whatever carries it
+  /// A sample may be older than its arrival, by its source time. Off in a test whose clock is no
+  /// steady one: it does not run as the clients' do.
+  bool age_by_source_time{true};
   std::optional<TlsConfig> tls{};  ///< absent: plain text
   /// Plain text, and the keys of the UDP path in it, on any address. Said in the log and in
   /// GetServerInfo.

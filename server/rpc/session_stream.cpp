@@ -8,7 +8,6 @@
 
 #include "server/rpc/convert.hpp"
 #include "server/rpc/status.hpp"
-#include "server/rpc/steady_now.hpp"
 
 namespace haptic::server {
 namespace {
@@ -39,7 +38,7 @@ SessionStream* SessionStream::begin(ServiceContext& context, Peer peer) {
 }
 
 void SessionStream::OnReadDone(bool ok) {
-  const core::TimePoint arrival = steady_now();
+  const core::TimePoint arrival = context_.config.clock({});
   // Half-closed, or cancelled: then the status goes nowhere.
   if (!ok) return end(grpc::Status::OK, Ending::kLost);
   if (!grpc::SerializationTraits<v1::SessionRequest>::Deserialize(&incoming_, &request_).ok()) {
@@ -133,7 +132,7 @@ void SessionStream::open_as_controller(const v1::OpenSession& message) {
   // A client that asks for nothing has no more than its certificate allows.
   request.priority = std::min(request.priority, highest_priority(peer_, context_.config));
   target_.device->open_controller(
-      request, steady_now(),
+      request, context_.config.clock({}),
       [this, request, weak = weak_from_this()](const Outcome<Lease>& outcome) {
         const auto alive = weak.lock();
         if (!alive) return;
@@ -223,7 +222,7 @@ void SessionStream::take_sample(const v1::ProxySample& sample, core::TimePoint a
     why = "this session does not hold the lease: its samples are not used";
   } else {
     ProxyCandidate candidate = from_proto(sample, epoch, carrier);
-    candidate.left = left;
+    if (context_.config.age_by_source_time) candidate.left = left;
     verdict = target_.device->ingress().accept(candidate, arrival, &why);
   }
   const std::lock_guard lock(mutex_);
@@ -279,7 +278,7 @@ void SessionStream::offer_udp(v1::SessionOpened& message) {
 
 void SessionStream::tell_transport(const char* reason, const char* why) {
   spdlog::info("session '{}': {} ({})", client_name_, reason, why);
-  events_->push({DeviceEvent::Kind::kTransport, steady_now(), reason, why,
+  events_->push({DeviceEvent::Kind::kTransport, context_.config.clock({}), reason, why,
                  target_.device->unit().state(), epoch_});
 }
 

@@ -54,6 +54,7 @@ PipelineConfig checked(PipelineConfig config) {
   require(wrong == nullptr, std::string("passivity: ") + (wrong != nullptr ? wrong : ""));
   require(config.loop_late_fault > Duration::zero(), "loop_late_fault: must be > 0");
   require(config.late_bucket_full > 0, "late_bucket_full: must be > 0");
+  require_rank(ProjectionModel(*config.kinematics, config.projection));
   return config;
 }
 

@@ -78,23 +78,29 @@ std::optional<core::TimePoint> LinkWatch::came(
     figures.jitter += (difference - figures.jitter) / 16;
   }
   arrival.transit = transit;
-  exchange(stamp, figures);
+  const auto own = exchange(stamp, figures);
+  if (!own) return std::nullopt;
   auto best = clock_.at(to_wire(stamp.arrival));
   if (other && (!best || other->bound < best->bound)) best = other;
-  if (!best) return std::nullopt;
+  if (!best || !wire::ClockOffset::agrees(*own, *best)) return std::nullopt;
   const core::TimePoint left(reading - best->offset + best->bound);
   if (stamp.arrival - left > kWorthTelling) ++aged_;
   return std::min(left, stamp.arrival);
 }
 
-void LinkWatch::exchange(const SampleStamp& stamp, CarrierFigures& figures) noexcept {
+std::optional<wire::ClockExchange> LinkWatch::exchange(const SampleStamp& stamp,
+                                                       CarrierFigures& figures) noexcept {
   const Sent& sent = sent_[stamp.state_used % sent_.size()];
-  if (stamp.state_used == 0 || sent.tick != stamp.state_used) return;
+  if (stamp.state_used == 0 || sent.tick != stamp.state_used) return std::nullopt;
   const core::Duration round_trip = stamp.arrival - sent.at - stamp.hold;
-  if (round_trip < core::Duration(0)) return;  // held for longer than it was away: not true
+  // Held for longer than it was away: not true.
+  if (round_trip < core::Duration(0)) return std::nullopt;
   figures.round_trip.add(round_trip);
   const core::Duration source(stamp.source_time_ns);
-  clock_.add({to_wire(sent.at), source - stamp.hold, source, to_wire(stamp.arrival)});
+  const wire::ClockExchange own{to_wire(sent.at), source - stamp.hold, source,
+                                to_wire(stamp.arrival)};
+  clock_.add(own);
+  return own;
 }
 
 }  // namespace haptic::server

@@ -47,8 +47,9 @@ class LinkWatch {
   void state_sent(std::uint64_t tick, core::TimePoint now, Carrier carrier) noexcept;
 
   /// A sample came. When it left its source at the latest, by the tighter of our own estimate of the
-  /// client's clock and `other`, the path's: never later than its arrival. None where the client gave
-  /// no source time, or nothing is known of its clock.
+  /// client's clock and `other`, the path's: never later than its arrival. None where nothing is known
+  /// of the client's clock, and where the sample's own exchange does not agree with it: a clock that was
+  /// stepped must not make a sample old.
   [[nodiscard]] std::optional<core::TimePoint> came(
       const SampleStamp& stamp, const std::optional<wire::ClockOffset::Estimate>& other) noexcept;
   void judged(Carrier carrier, IngressVerdict verdict) noexcept;
@@ -67,13 +68,14 @@ class LinkWatch {
     core::TimePoint at{};
   };
   [[nodiscard]] CarrierFigures& of(Carrier carrier) noexcept;
-  void exchange(const SampleStamp& stamp, CarrierFigures& figures) noexcept;
+  [[nodiscard]] std::optional<wire::ClockExchange> exchange(const SampleStamp& stamp,
+                                                            CarrierFigures& figures) noexcept;
 
   struct Arrival {
     std::optional<core::TimePoint> last{};
     std::optional<core::Duration> transit{};
   };
-  std::array<Sent, 1024> sent_{};  ///< by tick, modulo: a round trip of a second at 1 kHz
+  std::array<Sent, 2048> sent_{};  ///< by tick, modulo: round trips of up to 2 s at 1 kHz
   std::array<CarrierFigures, 2> figures_{};
   std::array<Arrival, 2> arrivals_{};
   wire::ClockOffset clock_{};

@@ -159,6 +159,24 @@ TEST(NetworkRow, SpoofedSource) {
   EXPECT_FALSE(stranger.heard_anything());
 }
 
+TEST(NetworkRow, ACutConnectionIsResumed) {
+  MatrixRow row("network/cut_connection",
+                "contract; resumed within the lease; force back by itself");
+  Daemon daemon;
+  ASSERT_TRUE(serves(daemon.address()));
+  {
+    auto relay = std::make_unique<Relay>(between(daemon, "clean"));
+    Presser presser(daemon.behind_relay());
+    ASSERT_TRUE(engaged_by_udp(presser));
+    relay.reset();  // both carriers
+    relay = std::make_unique<Relay>(between(daemon, "clean"));
+    EXPECT_TRUE(within(10s, [&] { return presser.heard("LEASE_RESUMED"); }));
+    EXPECT_EQ(presser.session().lease_epoch(), 2U);
+    EXPECT_TRUE(engaged_by_udp(presser)) << "new keys, and a path of its own";
+    EXPECT_TRUE(presser.in_order());
+  }
+  row.got(end_and_judge(daemon).text());
+}
 TEST(NetworkRow, ClientKilled) {
   MatrixRow row("network/client_killed", "contract; no force and IDLE in the end");
   Daemon daemon;

@@ -141,7 +141,8 @@ v1::GetLinkStatsResponse link_stats(LiveServer& server, const std::string& devic
 }
 
 /// A step of a client that says which state it used, by the clock `offset` ahead of this process's.
-void publish_step(TestSession& session, std::chrono::nanoseconds offset) {
+void publish_step(TestSession& session, std::chrono::nanoseconds offset,
+                  std::chrono::milliseconds delay = {}) {
   v1::SessionRequest message;
   v1::ProxySample& sample = *message.mutable_proxy();
   sample.set_seq(++session.seq);
@@ -149,6 +150,7 @@ void publish_step(TestSession& session, std::chrono::nanoseconds offset) {
   sample.set_device_seq_used(session.state().seq());
   sample.set_source_time_ns((server::steady_now().time_since_epoch() + offset).count());
   sample.set_hold_us(1);
+  std::this_thread::sleep_for(delay);  // on its way
   session.send(message);
 }
 
@@ -209,7 +211,7 @@ TEST(LinkStatsService, ASampleThatWasHeldUpIsAsOldAsItIs) {
     publish_step(alice, 1h);
     std::this_thread::sleep_for(5ms);
   }
-  publish_step(alice, 1h - 500ms);  // its step ended half a second before it came
+  publish_step(alice, 1h, 500ms);
   ASSERT_TRUE(eventually([&] { return alice.state().proxy_seq_used() == alice.seq; }));
   EXPECT_GE(alice.state().proxy_age_us(), 300'000U);
   EXPECT_GE(link_stats(server).sessions(0).aged_by_clock(), 1U);

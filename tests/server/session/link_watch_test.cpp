@@ -22,6 +22,7 @@ using server::SampleStamp;
 class LinkWatchTest : public testing::Test {
  protected:
   static constexpr Duration kOffset = 1234567ms;
+  Duration offset{kOffset};  ///< the client's clock may be stepped
   static constexpr Duration kHold = 4ms;
   static constexpr Duration kEachWay = 10ms;
 
@@ -32,7 +33,7 @@ class LinkWatchTest : public testing::Test {
     SampleStamp stamp;
     stamp.carrier = carrier;
     stamp.bytes = 50;
-    stamp.source_time_ns = (left.time_since_epoch() + kOffset).count();
+    stamp.source_time_ns = (left.time_since_epoch() + offset).count();
     stamp.state_used = tick;
     stamp.hold = kHold;
     stamp.arrival = arrival = left + up;
@@ -108,10 +109,38 @@ TEST_F(LinkWatchTest, TheTighterOfTwoEstimatesIsUsed) {
   wire::ClockOffset::Estimate path;
   path.offset = kOffset;
   path.bound = 1ms;
+  watch.state_sent(++tick, now, Carrier::kGrpc);
   SampleStamp stamp;
-  stamp.source_time_ns = (now.time_since_epoch() + kOffset).count();
-  stamp.arrival = now + 10ms;
-  EXPECT_EQ(watch.came(stamp, path), now + 1ms);
+  stamp.source_time_ns = (now.time_since_epoch() + kEachWay + kOffset).count();
+  stamp.state_used = tick;
+  stamp.arrival = now + 2 * kEachWay;
+  EXPECT_EQ(watch.came(stamp, path), now + kEachWay + 1ms);
+}
+
+TEST_F(LinkWatchTest, AClockThatIsSteppedMakesNoSampleOld) {
+  for (const Duration step : {Duration(-1s), Duration(1s), Duration(-100ms)}) {
+    steady(100);
+    offset += step;
+    for (int i = 0; i < 20; ++i) {
+      const auto told = exchange(kEachWay, kEachWay);
+      if (told) {
+        EXPECT_LT(arrival - *told, 1ms);
+      }
+    }
+    // And the estimate has begun anew: what is held up now is seen again.
+    const auto held_up = exchange(kEachWay, kEachWay + 50ms);
+    ASSERT_TRUE(held_up);
+    EXPECT_NEAR(core::seconds(arrival - *held_up), 0.050, 0.001);
+  }
+  EXPECT_EQ(watch.clock().steps(), 3U);
+}
+
+TEST_F(LinkWatchTest, ASampleWithoutAnExchangeOfItsOwnIsAsYoungAsItsArrival) {
+  steady(100);
+  SampleStamp stamp;
+  stamp.source_time_ns = (now.time_since_epoch() + kOffset - 500ms).count();
+  stamp.arrival = now;
+  EXPECT_FALSE(watch.came(stamp, std::nullopt));
 }
 
 TEST_F(LinkWatchTest, NonsenseFromAClientChangesNothing) {

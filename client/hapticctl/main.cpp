@@ -32,10 +32,12 @@ int main(int argc, char** argv) {
   cli.fallthrough();
   cli.add_option("--server", options.server, "host:port or unix:/path")->capture_default_str();
   cli.add_option("--device", options.device,
-                 "its name; default: the only one; of watch, info and estop: all");
+                 "its name; default: the only one; of watch, info, health and estop: all");
 
   CLI::App* info = cli.add_subcommand("info", "the server, its real-time grade, its devices");
   info->add_flag("--json", options.json, "one JSON object");
+  CLI::App* health = cli.add_subcommand(
+      "health", "0 while the devices are open and the loop is on time, else 1: for scripts");
   CLI::App* watch = cli.add_subcommand("watch", "live tables of the devices");
   watch->add_flag("--json", options.json, "one JSON object per line, for scripts");
   watch->add_option("--rate", options.rate_hz, "lines or refreshes per second")
@@ -61,6 +63,7 @@ int main(int argc, char** argv) {
   }
   try {
     if (*info) return haptic::ctl::info(options);
+    if (*health) return haptic::ctl::health(options);
     if (*watch) return haptic::ctl::watch(options);
     if (*engage) return haptic::ctl::engage(options);
     if (*stop) return haptic::ctl::estop(options);

@@ -22,7 +22,7 @@ packages() {
                 "protobuf-compiler protobuf-compiler-grpc libspdlog-dev libcli11-dev" \
                 "nlohmann-json3-dev libssl-dev libasio-dev libserialport-dev" ;;
     test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" \
-                "liborocos-kdl-dev clang python3-grpcio python3-protobuf python3-cryptography tshark" ;;
+                "liborocos-kdl-dev clang python3-grpcio python3-protobuf python3-cryptography tshark openssl" ;;
     report) echo "gnuplot-nox liblapack-dev" ;;
     firmware) echo "gcc-arm-none-eabi" ;;
     containers) ;;  # filled by what first needs a package

@@ -29,6 +29,7 @@ class RpcServer;
 
 struct AppOptions {
   RealtimeMode realtime{RealtimeMode::kTry};
+  bool insecure_lab{false};  ///< plain text on any address (RpcConfig)
 };
 
 class App {

@@ -29,6 +29,7 @@ struct CommandLine {
   std::string log_level{"info"};
   bool print_scene{false};
   bool check_scene{false};
+  bool insecure_lab{false};
 };
 
 /// What a scene's text cannot say: whether the files it names can be played, and one be written.
@@ -39,6 +40,7 @@ void check_files(const haptic::server::Scene& scene) {
     if (std::holds_alternative<haptic::hw::BoardConfig>(device.source)) continue;
     static_cast<void>(haptic::hw::open_device(device.source, device.kinematics));
   }
+  if (scene.server.tls) static_cast<void>(haptic::server::load_tls(*scene.server.tls));
   if (!scene.record) return;
   const std::filesystem::path file = absolute(scene.record->file);
   if (access((exists(file) ? file : file.parent_path()).c_str(), W_OK) == 0) return;
@@ -71,7 +73,7 @@ void hold_standard_streams() {
 int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& signals) {
   if (!line.listen.empty()) scene.server.listen = line.listen;
   const std::vector<std::string> warnings = scene.warnings;
-  haptic::server::App app(std::move(scene), {line.realtime});
+  haptic::server::App app(std::move(scene), {line.realtime, line.insecure_lab});
   app.start();
   for (const std::string& warning : warnings) spdlog::warn(warning);
   int signal = 0;
@@ -124,6 +126,8 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"require", "try", "off"}));
   cli.add_option("--log-level", line.log_level, "debug, info, warn or error")
       ->check(CLI::IsMember({"debug", "info", "warn", "error"}));
+  cli.add_flag("--insecure-lab", line.insecure_lab,
+               "plain text on addresses beyond this host: for a network that is yours alone");
   cli.add_flag("--print-scene", line.print_scene, "print the scene with every default, and leave");
   cli.add_flag("--check-scene", line.check_scene, "check the scene, and leave");
   try {

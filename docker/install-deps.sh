@@ -24,8 +24,8 @@ packages() {
                 "nlohmann-json3-dev libssl-dev libasio-dev libserialport-dev" \
                 "libsystemd-dev libcpp-httplib-dev dpkg-dev" ;;
     test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" \
-                "liborocos-kdl-dev prometheus python3-grpcio python3-protobuf" \
-               "python3-cryptography systemd" ;;
+                "liborocos-kdl-dev clang python3-grpcio python3-protobuf python3-cryptography tshark openssl" \
+                "prometheus systemd" ;;
     report) echo "gnuplot-nox liblapack-dev" ;;
     firmware) echo "gcc-arm-none-eabi" ;;
     containers) ;;  # filled by what first needs a package

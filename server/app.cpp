@@ -41,8 +41,10 @@ std::vector<T*> pointers(const std::vector<std::unique_ptr<T>>& owners) {
   return answer;
 }
 
-RpcConfig rpc_config(const Scene& scene) {
+RpcConfig rpc_config(const Scene& scene, bool insecure_lab) {
   RpcConfig config;
+  config.tls = scene.server.tls;
+  config.insecure_lab = insecure_lab;
   config.listen = scene.server.listen;
   config.max_sessions = scene.server.max_sessions;
   config.period = scene.loop.period;
@@ -80,15 +82,20 @@ void App::start() {
     telemetry_->allow_watching(realtime_.facts.sched_fifo &&
                                std::thread::hardware_concurrency() > 1);
     listen_to_devices();
-    rpc_ = std::make_unique<RpcServer>(rpc_config(scene_), pointers(sessions_), *telemetry_,
-                                       [this] { return facts(); });
+    rpc_ =
+        std::make_unique<RpcServer>(rpc_config(scene_, options_.insecure_lab), pointers(sessions_),
+                                    *telemetry_, [this] { return facts(); });
     rpc_->start();
     listen_for_scrapes();
     telemetry_->start();
     loop_->begin(pointers(units_), *telemetry_);
     if (rpc_->udp_port() != 0) spdlog::info("UDP path on port {}", rpc_->udp_port());
-    for (const std::string& address : addresses()) {
-      spdlog::info("serving '{}' on {} (no TLS: this host only)", scene_.name, address);
+    for (const std::string& address : rpc_->served()) {
+      spdlog::info("serving '{}' on {}", scene_.name, address);
+    }
+    const auto level = options_.insecure_lab ? spdlog::level::warn : spdlog::level::info;
+    for (const std::string& weakness : rpc_->weaknesses()) {
+      spdlog::log(level, "not protected: {}", weakness);
     }
   } catch (...) {
     stop();
@@ -170,7 +177,7 @@ void App::listen_for_scrapes() {
   sources.sessions = [this] { return rpc_->sessions(); };
   sources.dropped_datagrams = [this] { return rpc_->dropped_datagrams(); };
   metrics_ = std::make_unique<MetricsPort>(
-      scene_.server.metrics_listen,
+      scene_.server.metrics_listen, options_.insecure_lab,
       [sources = std::move(sources)] { return metrics_text(sources); });
   spdlog::info("metrics on port {}", metrics_->port());
 }

@@ -33,6 +33,7 @@ class TickMetrics;
 
 struct AppOptions {
   RealtimeMode realtime{RealtimeMode::kTry};
+  bool insecure_lab{false};  ///< plain text on any address (RpcConfig)
 };
 
 class App {

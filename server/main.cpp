@@ -31,6 +31,7 @@ struct CommandLine {
   std::string log_level{"info"};
   bool print_scene{false};
   bool check_scene{false};
+  bool insecure_lab{false};
 };
 
 /// What a scene's text cannot say: whether the files it names can be played, and one be written.
@@ -41,6 +42,7 @@ void check_files(const haptic::server::Scene& scene) {
     if (std::holds_alternative<haptic::hw::BoardConfig>(device.source)) continue;
     static_cast<void>(haptic::hw::open_device(device.source, device.kinematics));
   }
+  if (scene.server.tls) static_cast<void>(haptic::server::load_tls(*scene.server.tls));
   if (!scene.record) return;
   const std::filesystem::path file = absolute(scene.record->file);
   if (access((exists(file) ? file : file.parent_path()).c_str(), W_OK) == 0) return;
@@ -92,7 +94,7 @@ int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& 
   if (!line.listen.empty()) scene.server.listen = line.listen;
   if (!line.metrics_listen.empty()) scene.server.metrics_listen = line.metrics_listen;
   const std::vector<std::string> warnings = scene.warnings;
-  haptic::server::App app(std::move(scene), {line.realtime});
+  haptic::server::App app(std::move(scene), {line.realtime, line.insecure_lab});
   app.start();
   for (const std::string& warning : warnings) spdlog::warn(warning);
   auto manager = haptic::server::ServiceManager::of_environment();
@@ -143,10 +145,14 @@ int main(int argc, char** argv) {
                  "host:port or unix:/path instead of the scene's addresses, may be repeated");
   cli.add_option("--metrics-listen", line.metrics_listen,
                  "host:port for Prometheus' scrapes instead of the scene's, if it has one");
-  cli.add_option("--realtime", line.realtime, "require, try or off (default try)")
-      ->transform(CLI::CheckedTransformer(modes));
+  cli.add_option_function<std::string>(
+         "--realtime", [&](const std::string& mode) { line.realtime = modes.at(mode); },
+         "require, try or off (default try)")
+      ->check(CLI::IsMember({"require", "try", "off"}));
   cli.add_option("--log-level", line.log_level, "debug, info, warn or error")
       ->check(CLI::IsMember({"debug", "info", "warn", "error"}));
+  cli.add_flag("--insecure-lab", line.insecure_lab,
+               "plain text on addresses beyond this host: for a network that is yours alone");
   cli.add_flag("--print-scene", line.print_scene, "print the scene with every default, and leave");
   cli.add_flag("--check-scene", line.check_scene, "check the scene, and leave");
   try {

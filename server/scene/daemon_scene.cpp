@@ -5,6 +5,7 @@
 #include <set>
 
 #include "server/scene/field_reader.hpp"
+#include "server/scene/tls_scene.hpp"
 
 namespace haptic::server {
 namespace {
@@ -46,7 +47,8 @@ bool is_address(const std::string& text) {
 
 }  // namespace
 
-ServerScene read_server(v1::ServerScene& message, Problems& problems) {
+ServerScene read_server(v1::ServerScene& message, const std::filesystem::path& folder,
+                        Problems& problems) {
   const FieldReader reader(message, "server", problems);
   ServerScene server;
   if (message.listen().empty()) message.add_listen(server.listen.front());
@@ -75,6 +77,7 @@ ServerScene read_server(v1::ServerScene& message, Problems& problems) {
   if (!message.has_max_sessions()) message.set_max_sessions(server.max_sessions);
   server.max_sessions = message.max_sessions();
   reader.whole_number("max_sessions", message.max_sessions(), 1, 256);
+  if (message.has_tls()) server.tls = read_tls(*message.mutable_tls(), folder, problems);
   return server;
 }
 

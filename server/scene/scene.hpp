@@ -10,6 +10,7 @@
 
 #include "haptic/core/tick/pipeline.hpp"
 #include "hw/open_device.hpp"
+#include "server/rpc/tls_config.hpp"
 
 namespace haptic::server {
 
@@ -37,6 +38,7 @@ struct ServerScene {
   std::string metrics_listen{};  ///< empty: no metrics
   core::Duration lease_timeout{std::chrono::seconds(2)};
   unsigned max_sessions{32};
+  std::optional<TlsConfig> tls{};  ///< absent: plain text
 };
 
 struct LoopScene {

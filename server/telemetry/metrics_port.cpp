@@ -28,8 +28,9 @@ std::string host_of(const std::string& listen) {
 
 class MetricsPort::Impl {
  public:
-  Impl(const std::string& listen, std::function<std::string()> page) : page_(std::move(page)) {
-    check_listen_address(listen);
+  Impl(const std::string& listen, bool insecure_lab, std::function<std::string()> page)
+      : page_(std::move(page)) {
+    check_listen_address(listen, insecure_lab ? Protection::kInsecureLab : Protection::kThisHost);
     server_.new_task_queue = [] { return new httplib::ThreadPool(1); };
     // The library's default lets a second server share the port.
     server_.set_socket_options([](socket_t socket) {
@@ -74,8 +75,9 @@ class MetricsPort::Impl {
   std::thread thread_{};
 };
 
-MetricsPort::MetricsPort(const std::string& listen, std::function<std::string()> page)
-    : impl_(std::make_unique<Impl>(listen, std::move(page))) {}
+MetricsPort::MetricsPort(const std::string& listen, bool insecure_lab,
+                         std::function<std::string()> page)
+    : impl_(std::make_unique<Impl>(listen, insecure_lab, std::move(page))) {}
 
 MetricsPort::~MetricsPort() = default;
 

@@ -24,6 +24,7 @@ struct Options {
 };
 
 int info(const Options& options);
+int health(const Options& options);
 int watch(const Options& options);
 int engage(const Options& options);
 int link(const Options& options);

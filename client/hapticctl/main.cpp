@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
   cli.fallthrough();
   cli.add_option("--server", options.server, "host:port or unix:/path")->capture_default_str();
   cli.add_option("--device", options.device,
-                 "its name; default: the only one; of watch, info and estop: all");
+                 "its name; default: the only one; of watch, info, health and estop: all");
 
   CLI::Option* tls = cli.add_flag("--tls", options.tls, "TLS; the system's list of issuers");
   CLI::Option* ca = cli.add_option("--ca", options.tls_options.ca_file,
@@ -54,6 +54,8 @@ int main(int argc, char** argv) {
 
   CLI::App* info = cli.add_subcommand("info", "the server, its real-time grade, its devices");
   info->add_flag("--json", options.json, "one JSON object");
+  CLI::App* health = cli.add_subcommand(
+      "health", "0 while the devices are open and the loop is on time, else 1: for scripts");
   CLI::App* watch = cli.add_subcommand("watch", "live tables of the devices");
   watch->add_flag("--json", options.json, "one JSON object per line, for scripts");
   watch->add_option("--rate", options.rate_hz, "lines or refreshes per second")
@@ -87,6 +89,7 @@ int main(int argc, char** argv) {
   options.tls = *tls || *ca || *certificate || *server_name;
   try {
     if (*info) return haptic::ctl::info(options);
+    if (*health) return haptic::ctl::health(options);
     if (*watch) return haptic::ctl::watch(options);
     if (*engage) return haptic::ctl::engage(options);
     if (*link) return haptic::ctl::link(options);

@@ -8,6 +8,7 @@
 #include "convert.hpp"
 #include "error_mapping.hpp"
 #include "haptic/wire/utf8.hpp"
+#include "health.hpp"
 #include "session_impl.hpp"
 #include "watch_impl.hpp"
 
@@ -92,6 +93,10 @@ ServerInfo Connection::server_info(std::chrono::milliseconds timeout) {
   v1::GetServerInfoResponse response;
   check(impl_->stub->GetServerInfo(&context, {}, &response));
   return to_info(response);
+}
+
+bool Connection::healthy(const std::string& device, std::chrono::milliseconds timeout) {
+  return client::healthy(impl_->channel, device, timeout);
 }
 
 std::vector<DeviceInfo> Connection::devices(std::chrono::milliseconds timeout) {

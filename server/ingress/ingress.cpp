@@ -24,6 +24,19 @@ double flushed(double value) noexcept {
 
 }  // namespace
 
+IngressCounters& IngressCounters::operator+=(const IngressCounters& other) noexcept {
+  accepted += other.accepted;
+  backlog += other.backlog;
+  old_sequence += other.old_sequence;
+  old_epoch += other.old_epoch;
+  wrong_size += other.wrong_size;
+  not_finite += other.not_finite;
+  out_of_bounds += other.out_of_bounds;
+  unknown_mode += other.unknown_mode;
+  bad_plane += other.bad_plane;
+  return *this;
+}
+
 Ingress::Ingress(core::Mailbox<core::ProxySnapshot>& mailbox, int n_x)
     : mailbox_(mailbox), n_x_(n_x) {
   newest_.x.resize(0);
@@ -36,6 +49,7 @@ void Ingress::begin_lease(std::uint32_t epoch, double nominal_rate_hz, core::Dur
   open_ = true;
   epoch_ = epoch;
   hold_end_ = hold_end;
+  before_ += counters_;
   counters_ = {};
   last_arrival_ = {};
   carrier_ = Carrier::kNone;
@@ -203,6 +217,12 @@ std::uint64_t Ingress::newest_seq() const {
 IngressCounters Ingress::counters() const {
   const std::lock_guard lock(mutex_);
   return counters_;
+}
+
+IngressCounters Ingress::totals() const {
+  const std::lock_guard lock(mutex_);
+  IngressCounters all = before_;
+  return all += counters_;
 }
 
 core::TimePoint Ingress::last_accepted() const {

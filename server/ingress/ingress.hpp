@@ -67,7 +67,6 @@ enum class IngressVerdict : std::uint8_t {
   kBadPlane,  ///< too many, of a wrong size, not finite, too large, or without a direction
 };
 
-/// Totals since the current lease began.
 struct IngressCounters {
   std::uint64_t accepted{0};
   std::uint64_t backlog{0};
@@ -78,6 +77,8 @@ struct IngressCounters {
   std::uint64_t out_of_bounds{0};
   std::uint64_t unknown_mode{0};
   std::uint64_t bad_plane{0};
+
+  IngressCounters& operator+=(const IngressCounters& other) noexcept;
 };
 
 /// Tells back-log from a stream that keeps time. Not thread-safe.
@@ -130,7 +131,10 @@ class Ingress {
   IngressVerdict accept(const ProxyCandidate& candidate, core::TimePoint arrival,
                         std::string* why = nullptr);
 
+  /// Since the current lease began.
   [[nodiscard]] IngressCounters counters() const;
+  /// Since the server started.
+  [[nodiscard]] IngressCounters totals() const;
   /// Local arrival of the newest accepted sample (back-log included: it shows that the client
   /// lives) under the current lease; TimePoint{} before the first one.
   [[nodiscard]] core::TimePoint last_accepted() const;
@@ -156,6 +160,7 @@ class Ingress {
   const int n_x_;
   core::ProxySnapshot newest_{};
   IngressCounters counters_{};
+  IngressCounters before_{};  ///< under the leases before this one
   BacklogRule backlog_{};
   core::TimePoint last_arrival_{};
   struct Carried {

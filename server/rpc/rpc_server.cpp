@@ -104,6 +104,16 @@ class RpcServer::Impl {
   [[nodiscard]] std::uint16_t udp_port() const {
     return context_.udp ? context_.udp->port() : std::uint16_t{0};
   }
+  [[nodiscard]] unsigned sessions() const { return context_.registry.sessions(); }
+  [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> dropped_datagrams() const {
+    std::vector<std::pair<std::string, std::uint64_t>> answer;
+    if (!context_.udp) return answer;
+    for (std::size_t i = 1; i < wire::kRejections; ++i) {
+      const auto why = static_cast<wire::Rejection>(i);
+      answer.emplace_back(wire::name(why), context_.udp->dropped(why));
+    }
+    return answer;
+  }
 
  private:
   ServiceContext context_;
@@ -141,6 +151,14 @@ std::vector<std::string> RpcServer::weaknesses() const {
 
 std::uint16_t RpcServer::udp_port() const {
   return impl_->udp_port();
+}
+
+unsigned RpcServer::sessions() const {
+  return impl_->sessions();
+}
+
+std::vector<std::pair<std::string, std::uint64_t>> RpcServer::dropped_datagrams() const {
+  return impl_->dropped_datagrams();
 }
 
 void RpcServer::shutdown(core::Duration grace) {

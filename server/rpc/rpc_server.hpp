@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "haptic/core/time.hpp"
@@ -59,6 +60,10 @@ class RpcServer {
   [[nodiscard]] std::vector<std::string> weaknesses() const;
   /// Of the UDP path; 0 where there is none.
   [[nodiscard]] std::uint16_t udp_port() const;
+  /// Session streams that are open.
+  [[nodiscard]] unsigned sessions() const;
+  /// Datagrams dropped since the start, by reason ("TAG", ...); empty where there is no UDP path.
+  [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> dropped_datagrams() const;
   /// Refuses new calls, ends streams (UNAVAILABLE), waits for at most `grace`, then cancels.
   /// Idempotent; the destructor calls it with 1 s.
   void shutdown(core::Duration grace);

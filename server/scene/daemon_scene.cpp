@@ -65,11 +65,13 @@ ServerScene read_server(v1::ServerScene& message, const std::filesystem::path& f
       reader.wrong(field, quoted(address), "must be another: this one is listed already");
     }
   }
-  const std::string& udp = server.udp_listen = message.udp_listen();
-  if (!udp.empty() && (!is_address(udp) || udp.rfind("unix:", 0) == 0)) {
-    reader.wrong("udp_listen", quoted(udp),
+  const auto host_and_port = [&](const char* field, const std::string& address) {
+    if (address.empty() || (is_address(address) && address.rfind("unix:", 0) != 0)) return;
+    reader.wrong(field, quoted(address),
                  "must be \"host:port\" or \"[v6]:port\" (port 0 to 65535)");
-  }
+  };
+  host_and_port("udp_listen", server.udp_listen = message.udp_listen());
+  host_and_port("metrics_listen", server.metrics_listen = message.metrics_listen());
   server.lease_timeout =
       reader.duration("lease_timeout", server.lease_timeout, {milliseconds(500), seconds(60)});
   if (!message.has_max_sessions()) message.set_max_sessions(server.max_sessions);

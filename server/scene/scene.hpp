@@ -34,7 +34,8 @@ struct DeviceScene {
 
 struct ServerScene {
   std::vector<std::string> listen{"127.0.0.1:50051"};
-  std::string udp_listen{};  ///< empty: no UDP path
+  std::string udp_listen{};      ///< empty: no UDP path
+  std::string metrics_listen{};  ///< empty: no metrics
   core::Duration lease_timeout{std::chrono::seconds(2)};
   unsigned max_sessions{32};
   std::optional<TlsConfig> tls{};  ///< absent: plain text

@@ -34,8 +34,9 @@ std::uint16_t free_port(int type) {
   throw std::runtime_error("no free port on 127.0.0.1 and 127.0.0.2");
 }
 
-std::string scene(std::uint16_t udp_port, const std::filesystem::path& record) {
-  return R"(name: "a finger behind a relay"
+std::string scene(std::uint16_t udp_port, const std::filesystem::path& record,
+                  const std::string& more) {
+  return more + R"(name: "a finger behind a relay"
 server { udp_listen: "127.0.0.1:)" +
          std::to_string(udp_port) + R"(" }
 record { file: ")" +
@@ -57,14 +58,15 @@ device {
 
 }  // namespace
 
-Daemon::Daemon() : tcp_port_(free_port(SOCK_STREAM)), udp_port_(free_port(SOCK_DGRAM)) {
+Daemon::Daemon(const std::string& more)
+    : tcp_port_(free_port(SOCK_STREAM)), udp_port_(free_port(SOCK_DGRAM)) {
   static std::atomic<int> number{0};
   folder_ = std::filesystem::temp_directory_path() /
             ("haptic-network-" + std::to_string(getpid()) + "-" + std::to_string(number++));
   std::filesystem::create_directories(folder_);
   record_ = folder_ / "record.csv";
   const auto file = folder_ / "scene.textproto";
-  std::ofstream(file) << scene(udp_port_, record_);
+  std::ofstream(file) << scene(udp_port_, record_, more);
   process_ =
       std::make_unique<Process>(std::string(HAPTIC_BINARY_DIR) + "/server/hapticd",
                                 std::vector<std::string>{"--scene", file.string(), "--listen",

@@ -17,7 +17,8 @@ class Daemon {
   static constexpr double kTank = 0.05;          ///< J, at every Engage
   static constexpr double kDeviceDamping = 2.0;  ///< N s/m, the simulated actuator's own
 
-  Daemon();
+  /// `more`: other fields of the scene.
+  explicit Daemon(const std::string& more = {});
   ~Daemon();
 
   [[nodiscard]] std::uint16_t tcp_port() const { return tcp_port_; }

@@ -171,12 +171,11 @@ void print_figures(const Options& options) {
     // What a throttled spring stores says nothing of the method.
     const bool throttled = f.throttled > 0 || f.peak_storage == 0.0;
     const double share = throttled ? NAN : 100.0 * f.given / f.peak_storage;
-    std::puts(
-        (what_it_is(row) + "," +
-         line_of(kMilli * f.given, kMilli * f.net, kMilli * f.most_net, kMilli * f.peak_storage,
-                 100.0 * f.given / f.peak_storage, f.mean_force, f.peak_force,
-                 f.max_penetration_deg, f.withheld, f.throttled, ok ? "ok" : "gives energy"))
-            .c_str());
+    std::puts((what_it_is(row) + "," +
+               line_of(kMilli * f.given, kMilli * f.net, kMilli * f.most_net,
+                       kMilli * f.peak_storage, share, f.mean_force, f.peak_force,
+                       f.max_penetration_deg, f.withheld, f.throttled, ok ? "ok" : "gives energy"))
+                  .c_str());
   }
 }
 

@@ -26,8 +26,8 @@ ClientSettings every_tick() {
 }
 
 /// The probe is where the clock is: a sample tells when it was computed.
-struct Run {
-  explicit Run(const ClientSettings& settings) : client(settings) {}
+struct Stream {
+  explicit Stream(const ClientSettings& settings) : client(settings) {}
   void tick() {
     t = ++k * 1e-3;
     const VecX x = VecX::Constant(1, t);
@@ -42,7 +42,7 @@ struct Run {
 TEST(RemoteClient, ASampleArrivesItsDelayAfterTheLook) {
   ClientSettings settings = every_tick();
   settings.delay_s = 0.020;
-  Run run(settings);
+  Stream run(settings);
   for (int i = 0; i < 20; ++i) run.tick();
   EXPECT_EQ(run.proxy.mode, ProxyMode::kNone);
   for (int i = 0; i < 200; ++i) {
@@ -57,7 +57,7 @@ TEST(RemoteClient, ItsPeriodVariesByTheJitterAndNoMore) {
   ClientSettings settings = every_tick();
   settings.rate_hz = 50.0;
   settings.jitter = 0.3;
-  Run run(settings);
+  Stream run(settings);
   run.tick();
   double last = run.proxy.x[0], shortest = 1.0, longest = 0.0;
   for (int i = 0; i < 20000; ++i) {
@@ -78,7 +78,7 @@ TEST(RemoteClient, AnOlderSampleNeverReplacesANewerAndLostOnesNeverCome) {
   settings.delay_s = 0.010;
   settings.disorder = true;
   settings.lost = 0.5;
-  Run run(settings);
+  Stream run(settings);
   double last = 0.0;
   for (int i = 0; i < 10000; ++i) {
     run.tick();
@@ -95,7 +95,7 @@ TEST(RemoteClient, AContactFlagIsFreeOffTheStops) {
   ClientSettings settings = every_tick();
   settings.stop = VecX::Constant(1, 0.005);
   settings.only_in_contact = true;
-  Run run(settings);
+  Stream run(settings);
   for (int i = 0; i < 5; ++i) run.tick();
   EXPECT_EQ(run.proxy.mode, ProxyMode::kFree);
   run.tick();
@@ -127,7 +127,7 @@ TEST(RemoteClient, ALawBetweenSamplesIsHandedOverAsAHeldProxyInEveryTick) {
   ClientSettings settings = every_tick();
   settings.rate_hz = 30.0;
   settings.between = [](const Between& b) { return VecX(b.x_probe - b.newest.x_probe); };
-  Run run(settings);
+  Stream run(settings);
   std::uint64_t seq = 0;
   for (int i = 0; i < 100; ++i) {
     run.tick();

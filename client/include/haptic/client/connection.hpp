@@ -33,6 +33,10 @@ class Connection {
   Connection& operator=(const Connection&) = delete;
 
   [[nodiscard]] ServerInfo server_info(std::chrono::milliseconds timeout = std::chrono::seconds(5));
+  /// The standard health service's word on a device (empty: on the server as a whole): the device is
+  /// open and the loop on time. Throws kUnreachable, kTimeout, kNoSuchDevice.
+  [[nodiscard]] bool healthy(const std::string& device = {},
+                             std::chrono::milliseconds timeout = std::chrono::seconds(5));
   [[nodiscard]] std::vector<DeviceInfo> devices(
       std::chrono::milliseconds timeout = std::chrono::seconds(5));
 

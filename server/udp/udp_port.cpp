@@ -102,6 +102,9 @@ class UdpPort::Impl {
   [[nodiscard]] std::uint64_t rejected(wire::Rejection why) const {
     return rejected_[static_cast<std::size_t>(why)].load(std::memory_order_relaxed);
   }
+  [[nodiscard]] std::uint64_t dropped(wire::Rejection why) const {
+    return rejected(why) + by_paths_[static_cast<std::size_t>(why)].load(std::memory_order_relaxed);
+  }
 
  private:
   using Paths = std::unordered_map<std::uint32_t, std::shared_ptr<UdpPath>>;
@@ -141,12 +144,15 @@ class UdpPort::Impl {
       if (entry != paths_.end()) path = entry->second;
     }
     if (!path) return reject(wire::Rejection::kUnknownPath);
-    path->receive(datagram, arrived.from, clock_(arrived.waited));
+    const wire::Rejection why = path->receive(datagram, arrived.from, clock_(arrived.waited));
+    if (why != wire::Rejection::kNone) count(by_paths_, why);
   }
 
-  void reject(wire::Rejection why) {
-    rejected_[static_cast<std::size_t>(why)].fetch_add(1, std::memory_order_relaxed);
+  using Counters = std::array<std::atomic<std::uint64_t>, wire::kRejections>;
+  static void count(Counters& counters, wire::Rejection why) {
+    counters[static_cast<std::size_t>(why)].fetch_add(1, std::memory_order_relaxed);
   }
+  void reject(wire::Rejection why) { count(rejected_, why); }
 
   void step() {
     const core::TimePoint now = clock_({});
@@ -188,7 +194,8 @@ class UdpPort::Impl {
   std::array<std::uint8_t, wire::kLargestDatagram + 1> buffer_{};
   mutable std::mutex mutex_;
   Paths paths_{};
-  std::array<std::atomic<std::uint64_t>, wire::kRejections> rejected_{};
+  Counters rejected_{};
+  Counters by_paths_{};
   std::thread thread_{};
 };
 
@@ -220,6 +227,9 @@ std::uint16_t UdpPort::port() const {
 }
 std::uint64_t UdpPort::rejected(wire::Rejection why) const {
   return impl_->rejected(why);
+}
+std::uint64_t UdpPort::dropped(wire::Rejection why) const {
+  return impl_->dropped(why);
 }
 
 }  // namespace haptic::server

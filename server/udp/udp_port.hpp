@@ -50,6 +50,8 @@ class UdpPort {
   [[nodiscard]] std::uint16_t port() const;
   /// Datagrams that no path answers for: length, magic, version, type, unknown path.
   [[nodiscard]] std::uint64_t rejected(wire::Rejection why) const;
+  /// The same and what paths dropped, those that are closed by now among them.
+  [[nodiscard]] std::uint64_t dropped(wire::Rejection why) const;
 
  private:
   class Impl;

@@ -61,11 +61,11 @@ void fuzz(const FuzzTarget& target, int executions) {
 }
 
 TEST(Fuzz, DatagramsDoNoHarm) {
-  fuzz(datagram_target(), 20'000);
+  fuzz(datagram_target(), 50'000);
 }
 
 TEST(Fuzz, SamplesOfAnythingDoNoHarm) {
-  fuzz(ingress_target(), 50'000);
+  fuzz(ingress_target(), 200'000);
 }
 
 TEST(Fuzz, ScenesOfAnythingLoadOrAreRefused) {

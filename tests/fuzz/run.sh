@@ -19,8 +19,9 @@ command -v clang++ >/dev/null || { echo "run.sh: no clang++ (docker/install-deps
 cd "$root"
 cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_C_COMPILER=clang \
   -DCMAKE_CXX_COMPILER=clang++ -DHAPTIC_FUZZERS=ON -DHAPTIC_SANITIZE=fuzzer-no-link,address,undefined
-cmake --build build/fuzz --target "haptic-libfuzzer-$target" haptic-fuzz-seeds
-corpus=build/fuzz/corpus
-build/fuzz/tests/fuzz/haptic-fuzz-seeds "$corpus"
-exec "build/fuzz/tests/fuzz/haptic-libfuzzer-$target" "$corpus/$target" \
-  -artifact_prefix="$corpus/$target/" -max_total_time="$seconds" -max_len=16384 -timeout=20
+cmake --build build/fuzz --target "haptic-libfuzzer-$target"
+corpus=build/fuzz/corpus/$target
+mkdir -p "$corpus"
+HAPTIC_FUZZ_SEEDS=$corpus "build/fuzz/tests/fuzz/haptic-libfuzzer-$target" -runs=0 2>/dev/null
+exec "build/fuzz/tests/fuzz/haptic-libfuzzer-$target" "$corpus" -artifact_prefix="$corpus/" \
+  -max_total_time="$seconds" -max_len=16384 -timeout=20

@@ -23,6 +23,7 @@ class Client:
         self.outgoing, self.state, self.opened = queue.Queue(), None, None
         self.events, self.by, self.seq, self.sample, self.refused = [], set(), 0, None, None
         self.path, self.stream_host, self.lock = None, stream_host, threading.Lock()
+        self.turned = lambda now: 0
         self.stream = self.stub.Session(iter(self.outgoing.get, None))
         request = session_pb2.SessionRequest()
         request.open.role = session_pb2.ROLE_CONTROLLER
@@ -56,7 +57,11 @@ class Client:
         self.path = UdpPath(
             self.opened.udp, self.stream_host, 1 / RATE_HZ,
             lambda payload: self.take(session_pb2.DeviceState.FromString(payload), "udp"),
-            lambda: self.send_by_stream(self.sample))
+            lambda: self.send_by_stream(self.sample), self.clock)
+
+    def clock(self):
+        """This client's steady clock, ns; where it does what a clock must not, by `turned`."""
+        return time.monotonic_ns() + int(self.turned(time.monotonic()))
 
     def send_by_stream(self, sample):
         self.outgoing.put(session_pb2.SessionRequest(proxy=sample))
@@ -65,7 +70,7 @@ class Client:
         self.seq += 1
         self.sample = session_pb2.ProxySample(
             seq=self.seq, mode=session_pb2.PROXY_MODE_HELD, position=position,
-            source_time_ns=time.monotonic_ns(), device_seq_used=self.state.seq)
+            source_time_ns=self.clock(), device_seq_used=self.state.seq)
         if not (self.path and self.path.send_sample(self.sample)):
             self.send_by_stream(self.sample)
 
@@ -106,6 +111,19 @@ def main():
             client.close()
 
 
+def turn_the_clock(client, pressed):
+    """WIRE 6: steps of +-1 s, and a drift of 200 ppm. Age counts from arrival: nothing is felt."""
+    begin = time.monotonic()
+    for turned in (lambda now: 1e9, lambda now: -1e9, lambda now: 200e-6 * (now - begin) * 1e9):
+        client.turned = turned
+        end = time.monotonic() + 0.7
+        before = client.state.proxy_seq_used
+        client.publish_until(lambda e=end: time.monotonic() > e, "time passes", pressed)
+        assert client.state.state == session_pb2.DEVICE_STATE_NAME_ENGAGED, client.state
+        assert client.state.gain == 1.0 and client.state.proxy_seq_used > before, client.state
+    assert "LOST" not in client.events, client.events
+
+
 def run(client):
     eventually(lambda: client.opened and client.state, "the session opens, and a state comes")
     assert client.opened.HasField("udp"), client.opened.udp_refused
@@ -121,6 +139,7 @@ def run(client):
     assert client.state.proxy_age_us < 1_000_000, client.state
     for reason in ("SAMPLES GRPC -> UDP", "STATES GRPC -> UDP"):
         eventually(lambda r=reason: r in client.events, reason)
+    turn_the_clock(client, pressed)
     # The client leaves the path: the stream carries at once, and nobody loses the lease.
     client.path.close()
     client.path = None

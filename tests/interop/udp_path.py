@@ -16,7 +16,9 @@ RESPONSE = struct.Struct(">8sqqQQ")
 class UdpPath:
     ROUND, NEEDED, SPACING, PATIENCE = 5, 4, 0.020, 0.5
 
-    def __init__(self, offer, stream_host, nominal_period, on_state, on_fallback):
+    def __init__(self, offer, stream_host, nominal_period, on_state, on_fallback, clock):
+        """`clock`: ns, what the other end may hear of this one's time."""
+        self.clock = clock
         up, down = (offer.up_key, offer.up_salt), (offer.down_key, offer.down_salt)
         self.sealer = datagram.Sealer(offer.path_id, *up)
         self.opener = datagram.Opener(offer.path_id, *down,
@@ -80,7 +82,7 @@ class UdpPath:
 
     def respond(self, payload, came):
         token = payload[:8]
-        response = RESPONSE.pack(token, came, time.monotonic_ns(), self.opener.count,
+        response = RESPONSE.pack(token, came, self.clock(), self.opener.count,
                                  self.opener.newest)
         self.send(PATH_RESPONSE, response.ljust(len(payload), b"\0"))
 
@@ -105,7 +107,7 @@ class UdpPath:
                 received = None
             except OSError:
                 received = None
-            came = time.monotonic_ns()
+            came = self.clock()
             if received is not None:
                 self.take(received, came)
             self.step()

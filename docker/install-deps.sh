@@ -17,12 +17,15 @@ packages() {
   case "$1" in
     runtime) echo "libgrpc++1.51|libgrpc++1.51t64 libprotobuf32|libprotobuf32t64" \
                   "libspdlog1.10|libspdlog1.12" "libssl3|libssl3t64" \
-                  "libserialport0|libserialport0t64" ;;
+                  "libserialport0|libserialport0t64" "libsystemd0" \
+                  "libcpp-httplib0.11|libcpp-httplib0.14t64" ;;
     build) echo "g++ cmake ninja-build pkg-config libeigen3-dev libgrpc++-dev libprotobuf-dev" \
                 "protobuf-compiler protobuf-compiler-grpc libspdlog-dev libcli11-dev" \
-                "nlohmann-json3-dev libssl-dev libasio-dev libserialport-dev" ;;
+                "nlohmann-json3-dev libssl-dev libasio-dev libserialport-dev" \
+                "libsystemd-dev libcpp-httplib-dev dpkg-dev" ;;
     test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" \
-                "liborocos-kdl-dev" ;;
+                "liborocos-kdl-dev clang python3-grpcio python3-protobuf python3-cryptography tshark openssl" \
+                "prometheus systemd" ;;
     report) echo "gnuplot-nox liblapack-dev" ;;
     firmware) echo "gcc-arm-none-eabi" ;;
     containers) ;;  # filled by what first needs a package

@@ -19,9 +19,16 @@ Duration drifted(Duration age) noexcept {
   return from_ns(ClockOffset::kLargestDrift * std::abs(ns(age)));
 }
 
+/// So that differences do not overflow: 146 years of uptime, which only nonsense has.
+bool plausible(Duration reading) noexcept {
+  constexpr Duration kLargest{std::int64_t{1} << 62};
+  return -kLargest < reading && reading < kLargest;
+}
+
 }  // namespace
 
 void ClockOffset::add(const ClockExchange& exchange) noexcept {
+  if (!plausible(exchange.received) || !plausible(exchange.answered)) return;
   const Duration there = exchange.answered - exchange.received;
   const Duration rtt = (exchange.came_back - exchange.sent) - there;
   if (there < Duration(0) || rtt < Duration(0)) return;

@@ -204,6 +204,32 @@ TEST(ListenAddress, WithoutTlsOnlyThisHostIsServed) {
   }
 }
 
+TEST(ListenAddress, BeyondThisHostTlsOrTheLabFlagIsNeeded) {
+  using server::Protection;
+  for (const char* address : {"0.0.0.0:50051", "[::]:50051", "192.168.1.7:50051", "robot:1"}) {
+    for (const Protection best :
+         {Protection::kTls, Protection::kMutualTls, Protection::kInsecureLab}) {
+      EXPECT_EQ(check_listen_address(address, best), best);
+    }
+    EXPECT_NE(refusal_of(address).find("--insecure-lab"), std::string::npos);
+    EXPECT_NE(refusal_of(address).find("server.tls"), std::string::npos);
+  }
+  EXPECT_EQ(check_listen_address("127.0.0.1:0", Protection::kMutualTls), Protection::kMutualTls);
+  EXPECT_EQ(check_listen_address("127.0.0.1:0", Protection::kInsecureLab), Protection::kThisHost);
+  EXPECT_EQ(check_listen_address("unix:/nowhere/s", Protection::kTls), Protection::kThisHost);
+}
+
+TEST(ListenAddress, WhatIsNotProtectedIsSaid) {
+  using server::Protection;
+  EXPECT_EQ(server::weakness("robot:1", Protection::kMutualTls), "");
+  for (const Protection weak :
+       {Protection::kThisHost, Protection::kTls, Protection::kInsecureLab}) {
+    EXPECT_NE(server::weakness("robot:1", weak).find("robot:1"), std::string::npos);
+  }
+  EXPECT_NE(server::weakness("robot:1", Protection::kInsecureLab).find("--insecure-lab"),
+            std::string::npos);
+}
+
 TEST(ListenAddress, NonsenseIsNamed) {
   for (const char* address : {"", "localhost", ":50051", "localhost:", "localhost:70000",
                               "localhost:http", "unix:", "unix:relative"}) {

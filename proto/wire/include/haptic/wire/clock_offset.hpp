@@ -38,7 +38,7 @@ class ClockOffset {
     Duration bound{0};   ///< the true offset lies within offset +- bound while drifts are plausible
   };
 
-  /// Exchanges that cannot be (negative round trip) are passed over.
+  /// Exchanges that cannot be (negative round trip, readings beyond 146 years) are passed over.
   void add(const ClockExchange& exchange) noexcept;
   /// None before the first exchange.
   [[nodiscard]] std::optional<Estimate> at(TimePoint now) const noexcept;

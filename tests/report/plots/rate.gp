@@ -26,7 +26,7 @@ do for [kind in "svg png"] {
       set format y "%g"
       if (row <= 2) { set logscale y; set yrange [20:9000] }
       if (row == 3) { set yrange [0:4.5] }
-      if (row == 4) { set logscale y; set yrange [1e-2:1e5] }
+      if (row == 4) { set logscale y; set yrange [1e-2:1e5]; set format y "10^{%L}" }
       set ylabel (r > 1 ? "" : row == 1 ? "K_{max}, steady press / N/m" : row == 2 ? "K_{max}, in and out / N/m" : \
         row == 3 ? "drag at 500 N/m / N" : "net energy at 500 N/m / mJ") offset 0.5,0
       column_of = row == 1 ? "k_max_press_n_per_m" : row == 2 ? "k_max_cycles_n_per_m" : row == 3 ? "drag_n" : "net_mj"

@@ -28,7 +28,9 @@ packages() {
                 "prometheus systemd" ;;
     report) echo "gnuplot-nox liblapack-dev" ;;
     firmware) echo "gcc-arm-none-eabi" ;;
-    containers) ;;  # filled by what first needs a package
+    # An engine that needs neither daemon nor registry. Where Docker runs, docker/test.sh takes that.
+    containers) echo "podman podman-compose runc netavark aardvark-dns iptables debootstrap" \
+                     "dpkg-dev python3" ;;
     *)
       echo "install-deps.sh: no group '$1' (groups: runtime build test report firmware containers)" >&2
       return 2

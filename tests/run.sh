@@ -35,7 +35,7 @@ if [[ -n $label ]]; then
 elif [[ $preset == asan || $preset == tsan ]]; then
   which=(--label-regex '^(unit|service)$')
 else
-  which=(--label-exclude '^(network|slow|lint)$')
+  which=(--label-exclude '^(network|slow|lint|container)$')
 fi
 log=build/$preset/ctest.log
 status=0

@@ -28,13 +28,18 @@ struct DeviceInfo {
   core::DeviceLimits limits{};
   /// What was found at the opening that a person should know; one line each.
   std::vector<std::string> notes{};
+  std::string calibrated{};       ///< the day its calibration was made; empty: none is in use
+  bool measures_force{false};     ///< samples carry tau_measured
+  bool closes_force_loop{false};  ///< tau_a is the reference of a loop of its own
+  bool takes_positions{false};    ///< follows Command::position
   bool moves{true};  ///< false: commands are computed and reported, nothing moves (replay)
 };
 
 /// The force command of one tick.
 struct Command {
-  bool arm{false};     ///< the server wants the device armed
-  core::VecA tau_a{};  ///< n_a; N or N m; all zero unless armed
+  bool arm{false};        ///< the server wants the device armed
+  core::VecA tau_a{};     ///< n_a; N or N m; all zero unless armed
+  core::VecA position{};  ///< n_a, m or rad: where to go, instead of tau_a; size 0: a force
 };
 
 class Device {

@@ -10,6 +10,7 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/time.hpp"
+#include "hw/board/calibration.hpp"
 #include "hw/device.hpp"
 
 namespace haptic::hw {
@@ -62,6 +63,7 @@ struct BoardConfig {
   core::VecA max_effort{};  ///< n_a, N or N m; the board's dictionary must allow at least this
   core::Duration max_silence{std::chrono::milliseconds(10)};
   core::Duration longest_lateness{0};  ///< loop_late_fault: the board's watchdog must be longer
+  std::optional<board::Calibration> calibration{};  ///< absent: the sensors mean what they say
 };
 
 using DeviceConfig =

@@ -10,9 +10,10 @@ namespace {
 constexpr std::array<const char*, 10> kFaults{
     "",          "DEVICE_SILENT",    "DEVICE_LOST",    "SAMPLE_NOT_FINITE", "SAMPLE_OUT_OF_RANGE",
     "LOOP_LATE", "LATE_BUCKET_FULL", "EMERGENCY_STOP", "FORCE_OVER_LIMIT",  "OUTPUT_NOT_FINITE"};
-constexpr std::array<const char*, 9> kLimiters{
-    "SATURATION",  "SLEW",      "ENVELOPE",          "DIRECTION_GUARD",  "RANGE_CLAMP",
-    "ENERGY_TANK", "PASSIVITY", "INFEASIBLE_PLANES", "MONOTONE_ENVELOPE"};
+constexpr std::array<const char*, 13> kLimiters{
+    "SATURATION",  "SLEW",        "ENVELOPE",          "DIRECTION_GUARD",   "RANGE_CLAMP",
+    "ENERGY_TANK", "PASSIVITY",   "INFEASIBLE_PLANES", "MONOTONE_ENVELOPE", "POWER",
+    "RATE",        "TEMPERATURE", "DRIVE_LIMIT"};
 
 /// A bit without a name is of a newer server: its number stands for it.
 template <std::size_t N>

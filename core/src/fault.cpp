@@ -46,6 +46,14 @@ std::string_view reason(Limiter limiter) noexcept {
       return "INFEASIBLE_PLANES";
     case Limiter::kMonotoneEnvelope:
       return "MONOTONE_ENVELOPE";
+    case Limiter::kPower:
+      return "POWER";
+    case Limiter::kRate:
+      return "RATE";
+    case Limiter::kTemperature:
+      return "TEMPERATURE";
+    case Limiter::kDriveLimit:
+      return "DRIVE_LIMIT";
   }
   return "UNKNOWN_LIMITER";
 }

@@ -4,6 +4,7 @@
 
 #include "haptic/core/error.hpp"
 #include "hw/board/board_io.hpp"
+#include "hw/board/board_reading.hpp"
 #include "hw/device_limits.hpp"
 #include "hw/open_device.hpp"
 
@@ -32,7 +33,8 @@ std::string describe(const board::Identity& identity, const std::string& port) {
 }  // namespace
 
 BoardDevice::BoardDevice(const BoardConfig& config,
-                         const std::shared_ptr<const core::Kinematics>& kinematics) {
+                         const std::shared_ptr<const core::Kinematics>& kinematics)
+    : layout_(kinematics->layout()), calibration_(config.calibration) {
   info_.kind = "board";
   info_.dofs = kinematics->dofs();
   info_.limits = device_limits(*kinematics, config.max_effort);
@@ -43,6 +45,14 @@ BoardDevice::BoardDevice(const BoardConfig& config,
   info_.serial = identity.serial;
   info_.limits.sample_period = std::chrono::microseconds(identity.sample_period_us);
   info_.notes = io_->notes();
+  info_.measures_force = (identity.capabilities & board::kMeasuresForce) != 0;
+  info_.closes_force_loop = (identity.capabilities & board::kForceLoop) != 0;
+  info_.takes_positions = (identity.capabilities & board::kPositionCommand) != 0;
+  if (calibration_) {
+    board::check(*calibration_, *kinematics, info_.serial, info_.measures_force);
+    board::apply(*calibration_, info_.limits);
+    info_.calibrated = calibration_->date;
+  }
   wanted_.tau_a = core::VecA::Zero(config.max_effort.size());
 }
 
@@ -60,26 +70,15 @@ board::HostCounters BoardDevice::counters() const {
 
 void BoardDevice::read(core::TimePoint, core::DeviceReading& reading) noexcept {
   static_cast<void>(io_->readings.take());
-  const board::BoardReading& newest = io_->readings.value();
-  reading.health = !newest.open              ? core::DeviceHealth::kLost
-                   : newest.force_over_limit ? core::DeviceHealth::kForceOverLimit
-                   : newest.broken           ? core::DeviceHealth::kLost
-                                             : core::DeviceHealth::kOk;
-  reading.armed = newest.open && wanted_.arm && newest.armed == wanted_.arming;
-  reading.fresh = newest.open && newest.seq > last_seq_;
-  if (!reading.fresh) return;
-  last_seq_ = newest.seq;
-  reading.sample.seq = newest.seq;
-  reading.sample.time = newest.time;
-  reading.sample.q = newest.q;
-  reading.sample.tau_measured = newest.force;
+  board::to_reading(io_->readings.value(), wanted_, last_seq_, reading);
+  if (calibration_ && reading.fresh) board::apply(*calibration_, reading.sample);
 }
 
 void BoardDevice::write(core::TimePoint, const Command& command) noexcept {
-  if (command.arm && !wanted_.arm) ++wanted_.arming;
-  wanted_.arm = command.arm;
-  if (command.tau_a.size() == wanted_.tau_a.size()) wanted_.tau_a = command.tau_a;
-  if (!command.arm) wanted_.tau_a.setZero();
+  board::to_wish(command, wanted_);
+  if (calibration_ && wanted_.position.size() > 0) {
+    wanted_.position = board::to_readings(*calibration_, layout_, wanted_.position);
+  }
   io_->want(wanted_);
 }
 

@@ -9,9 +9,11 @@
 /// 200 ms; when the same board (by its serial) answers there, health is kOk again, disarmed.
 
 #include <memory>
+#include <optional>
 
 #include "haptic/core/model/kinematics.hpp"
 #include "hw/board/board_host.hpp"
+#include "hw/board/calibration.hpp"
 #include "hw/device.hpp"
 
 namespace haptic::hw {
@@ -21,7 +23,7 @@ struct BoardConfig;
 class BoardDevice final : public Device {
  public:
   /// Opens the port and shakes hands; blocks for at most 3 s. Throws DeviceError: the port cannot be
-  /// opened (why, and what to do), nobody answers, the board is not what the scene says.
+  /// opened (why, and what to do), nobody answers, the board is not what the scene says, the calibration is another board's.
   BoardDevice(const BoardConfig& config, const std::shared_ptr<const core::Kinematics>& kinematics);
   ~BoardDevice() override;
 
@@ -37,6 +39,8 @@ class BoardDevice final : public Device {
   class Io;
   DeviceInfo info_;
   std::unique_ptr<Io> io_;
+  core::DofLayout layout_;
+  std::optional<board::Calibration> calibration_;
   board::Wanted wanted_{};
   std::uint64_t last_seq_{0};
 };

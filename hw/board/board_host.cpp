@@ -278,8 +278,11 @@ void BoardHost::want(const Wanted& wanted, core::TimePoint now) {
   Command command;
   command.nonce = nonce_;
   command.n_a = identity_.n_a;
-  for (Eigen::Index i = 0; i < std::min<Eigen::Index>(wanted.tau_a.size(), identity_.n_a); ++i) {
-    command.value[static_cast<std::size_t>(i)] = static_cast<float>(wanted.tau_a[i]);
+  const bool by_position = wanted.position.size() > 0;
+  if (by_position) command.kind = CommandKind::kPosition;
+  const core::VecA& value = by_position ? wanted.position : wanted.tau_a;
+  for (Eigen::Index i = 0; i < std::min<Eigen::Index>(value.size(), identity_.n_a); ++i) {
+    command.value[static_cast<std::size_t>(i)] = static_cast<float>(value[i]);
   }
   const std::uint32_t seq = send(FrameType::kCommand, command);
   if (seq != 0) sent_[seq % sent_.size()] = {seq, now};

@@ -37,6 +37,7 @@ struct Wanted {
   bool arm{false};
   std::uint32_t arming{0};  ///< rises with every new wish to arm
   core::VecA tau_a{};
+  core::VecA position{};  ///< n_a: where to go, instead of tau_a; size 0: a force
 };
 
 /// What the loop gets.

@@ -12,6 +12,27 @@ constexpr auto kStepUs = static_cast<std::uint64_t>(Rig::kStep * kSecond + 0.5);
 /// At one quantum rms of noise 100 readings that are the same do not happen.
 constexpr std::uint16_t kStuckAfter = 100;
 
+/// Of the position servo: N per m, and the friction fed forward beyond 0.1 mm. With the motor's
+/// back-EMF (3125 N s/m) it is damped well above critical.
+constexpr double kServo = 1e5, kServoFriction = 25.0, kServoBand = 1e-4;
+
+/// At full drive a sound L16 is beyond this in 10 ms; noise of the potentiometer is not.
+constexpr float kStandsStill = 2e-4F;  // m
+constexpr float kNearEnd = 1e-3F;      // m
+constexpr int kStallMs = 200;
+
+std::uint8_t capabilities(BoardControl control) {
+  switch (control) {
+    case BoardControl::kForceLoop:
+      return HB_FORCE_LOOP | HB_MEASURES_FORCE;
+    case BoardControl::kDrive:
+      return HB_MEASURES_FORCE;
+    case BoardControl::kPosition:
+      break;
+  }
+  return HB_MEASURES_FORCE | HB_POSITION_COMMAND;
+}
+
 hb_dof dictionary_entry(const core::DofSpec& dof, const ActuatorParameters& actuator) {
   hb_dof entry{};
   entry.name = dof.name.c_str();
@@ -42,7 +63,7 @@ EmulatedBoard::EmulatedBoard(const EmulatorConfig& config, Intent intent,
   board_config_ = {config_.serial.c_str(),
                    "emulated finger",
                    {1, 0, 0},
-                   HB_FORCE_LOOP | HB_MEASURES_FORCE,
+                   capabilities(config_.control),
                    config_.watchdog_us,
                    static_cast<std::uint32_t>(kSampleUs),
                    dofs_,
@@ -122,31 +143,60 @@ void EmulatedBoard::disturb(Readings& readings) {
       drift_ += fault.amount * static_cast<double>(kSampleUs) / kSecond;
     }
   }
-  readings.q[0] += static_cast<float>(drift_);
+  const double l_x = static_cast<double>(readings.q[0]) + drift_;
+  readings.q[0] = static_cast<float>(config_.l_x_scale * (l_x + config_.l_x_offset));
+  readings.force[0] += static_cast<float>(config_.force_offset);
   const bool stuck = is_active(FaultKind::kStuck);
   if (stuck && !was_stuck_) stuck_at_ = readings.q[0];
   if (stuck) readings.q[0] = stuck_at_;
   was_stuck_ = stuck;
 }
 
+/// As a board finds out that its motor is dead: the loop is at its limit and the rod does not move,
+/// though no end of its stroke is in the way.
+bool EmulatedBoard::stalled(const Readings& readings) noexcept {
+  const bool moved = std::abs(readings.q[0] - stood_at_) > kStandsStill;
+  const bool at_an_end =
+      readings.q[0] < dofs_[0].lower + kNearEnd || readings.q[0] > dofs_[0].upper - kNearEnd;
+  if (moved || at_an_end || !force_loop_.saturated()) {
+    stood_at_ = readings.q[0];
+    pushing_in_vain_ = 0;
+    return false;
+  }
+  return ++pushing_in_vain_ > kStallMs;
+}
+
+double EmulatedBoard::drive_force(const Readings& readings) noexcept {
+  switch (config_.control) {
+    case BoardControl::kForceLoop:
+      return force_loop_.step(reference_, static_cast<double>(readings.force[0]),
+                              static_cast<double>(kSampleUs) / kSecond);
+    case BoardControl::kDrive:
+      return reference_;
+    case BoardControl::kPosition:
+      break;
+  }
+  const double e = reference_ - static_cast<double>(readings.q[0]);
+  return kServo * e + kServoFriction * std::clamp(e / kServoBand, -1.0, 1.0);
+}
+
 /// What the firmware does every millisecond.
 void EmulatedBoard::control() {
-  drives_ = false;
+  const bool drove = std::exchange(drives_, false);
   reference_ = 0.0;
   if (has_supply() && !is_active(FaultKind::kHang)) {
     Readings readings = rig_.sense();
     disturb(readings);
     const bool over = std::abs(static_cast<double>(readings.force[0])) > config_.force_over_limit;
-    hb_sample(&board_, board_us(), readings.q, readings.force, over ? HB_FORCE_OVER_LIMIT : 0);
+    const auto faults = static_cast<std::uint8_t>((over ? HB_FORCE_OVER_LIMIT : 0) |
+                                                  (drove && stalled(readings) ? HB_ACTUATOR : 0));
+    hb_sample(&board_, board_us(), readings.q, readings.force, faults);
     float reference = 0.0F;
     hb_kind kind = HB_FORCE;
     drives_ = hb_reference(&board_, board_us(), &reference, &kind);
     reference_ = static_cast<double>(reference);
     if (!drives_) force_loop_.reset();
-    const double u = drives_ ? force_loop_.step(reference_, static_cast<double>(readings.force[0]),
-                                                static_cast<double>(kSampleUs) / kSecond)
-                             : 0.0;
-    rig_.actuator().drive(u, drives_);
+    rig_.actuator().drive(drives_ ? drive_force(readings) : 0.0, drives_);
   } else {
     rig_.actuator().drive(0.0, false);
   }

@@ -17,6 +17,13 @@
 
 namespace haptic::hw::emulator {
 
+/// What the board makes of a command.
+enum class BoardControl : std::uint8_t {
+  kForceLoop,  ///< the reference of its own loop on the load cell, as on the paper's device
+  kDrive,      ///< the drive's force itself: whoever commands closes the loop
+  kPosition,   ///< where the rod goes: a servo on the potentiometer
+};
+
 struct EmulatorConfig {
   std::uint64_t seed{1};
   std::string serial{"EMULATOR-1"};
@@ -30,7 +37,11 @@ struct EmulatorConfig {
   ActuatorParameters actuator{};
   SensorParameters sensors{};
   core::ForceLoopGains force_loop{20.0, 200.0, 15.0, 2.0, 131.0};
-  double force_over_limit{60.0};  ///< N: more in the cell than this is a fault
+  BoardControl control{BoardControl::kForceLoop};
+  /// Of the potentiometer of l_x: reading = scale (l_x + offset). Not calibrated: other than 1 and 0.
+  double l_x_scale{1.0}, l_x_offset{0.0};  ///< 1, m
+  double force_offset{0.0};                ///< N that the load cell reads without load
+  double force_over_limit{60.0};           ///< N: more in the cell than this is a fault
 };
 
 class EmulatedBoard {
@@ -54,6 +65,11 @@ class EmulatedBoard {
   /// How many more bytes the port takes now; what goes beyond is frames without room.
   void set_room(std::size_t bytes) noexcept { room_ = bytes; }
 
+  /// From now on this share of bytes is lost, and damaged.
+  void set_noise(double drop, double corrupt) noexcept {
+    config_.drop = drop;
+    config_.corrupt = corrupt;
+  }
   void add_fault(const FaultSpec& fault) { config_.faults.push_back(fault); }
 
   [[nodiscard]] const hb_board& firmware() const noexcept { return board_; }
@@ -67,6 +83,8 @@ class EmulatedBoard {
   [[nodiscard]] bool is_active(FaultKind kind) const noexcept;
   [[nodiscard]] std::uint64_t board_us() const noexcept;
   [[nodiscard]] bool has_supply();
+  [[nodiscard]] bool stalled(const Readings& readings) noexcept;
+  [[nodiscard]] double drive_force(const Readings& readings) noexcept;
   void control();
   void deliver();
   void disturb(Readings& readings);
@@ -86,6 +104,8 @@ class EmulatedBoard {
   double drift_{0.0};  ///< m, of the potentiometer
   float stuck_at_{0.0F};
   bool was_stuck_{false};
+  int pushing_in_vain_{0};  ///< ms with the loop at its limit and the rod standing
+  float stood_at_{0.0F};    ///< m
   std::size_t room_{1024};
   std::vector<std::uint8_t> incoming_{}, outgoing_{}, released_{};
 };

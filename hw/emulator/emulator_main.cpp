@@ -18,6 +18,7 @@
 namespace {
 
 using namespace haptic;
+using hw::emulator::BoardControl;
 using hw::emulator::EmulatedBoard;
 using hw::emulator::EmulatorConfig;
 using hw::emulator::Gearing;
@@ -47,6 +48,15 @@ void describe(CLI::App& app, CommandLine& c) {
   app.add_option("--clock-ppm", c.board.clock_ppm, "error of the board's crystal");
   app.add_option("--gearing", c.gearing, "of the L16: 35, 63 or 150")
       ->transform(CLI::CheckedTransformer(gearings));
+  const std::map<std::string, BoardControl> controls{{"force-loop", BoardControl::kForceLoop},
+                                                     {"drive", BoardControl::kDrive},
+                                                     {"position", BoardControl::kPosition}};
+  app.add_option("--control", c.board.control,
+                 "what the board makes of a command: force-loop, drive (force), position")
+      ->transform(CLI::CheckedTransformer(controls));
+  app.add_option("--l-x-scale", c.board.l_x_scale, "of a potentiometer that is not calibrated");
+  app.add_option("--l-x-offset", c.board.l_x_offset, "m, the same");
+  app.add_option("--force-offset", c.board.force_offset, "N that the load cell reads without load");
   app.add_option("--drop", c.board.drop, "share of bytes lost")->check(CLI::Range(0.0, 1.0));
   app.add_option("--corrupt", c.board.corrupt, "share of bytes with a bit flipped")
       ->check(CLI::Range(0.0, 1.0));

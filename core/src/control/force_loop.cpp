@@ -40,7 +40,7 @@ double ForceLoop::step(double reference, double measured, double dt) noexcept {
   const bool deeper = (wanted > limit && e > 0.0) || (wanted < -limit && e < 0.0);
   if (!deeper) integral_ = grown;
   const double u = direct + integral_;
-  saturated_ = std::abs(u) > limit;
+  saturated_ = deeper || std::abs(u) > limit;
   return std::clamp(u, -limit, limit);
 }
 

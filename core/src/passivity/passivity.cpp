@@ -67,7 +67,8 @@ void Passivity::restart() noexcept {
   observer_.restart();
 }
 
-void Passivity::measure(const VecA& q_a, bool fresh, bool recent, Duration dt) noexcept {
+void Passivity::measure(const VecA& q_a, bool fresh, bool recent, Duration dt,
+                        const VecA& force) noexcept {
   const double elapsed = seconds(dt);
   elastic_sum_ += elapsed * elastic_;
   damping_sum_ += elapsed * damping_;
@@ -76,11 +77,12 @@ void Passivity::measure(const VecA& q_a, bool fresh, bool recent, Duration dt) n
   if (!recent) observer_.release();
   if (fresh) {
     if (known_ && since_sample_ > 0.0) {
-      book(q_a);
+      book(q_a, force);
     }
     if (!known_) anchor_ = q_a;
     known_ = true;
     q_a_ = q_a;
+    force_ = force;
     elastic_sum_.setZero();
     damping_sum_.setZero();
     since_sample_ = 0.0;
@@ -90,14 +92,19 @@ void Passivity::measure(const VecA& q_a, bool fresh, bool recent, Duration dt) n
 
 /// Where samples come slower than ticks, the force of each tick in between counts by its time: exact
 /// for a steady motion, and exactly the last tick's force where every tick has a sample.
-void Passivity::book(const VecA& q_a) noexcept {
+/// A measured force is the mean of both ends: between them it went linearly as far as anyone knows.
+void Passivity::book(const VecA& q_a, const VecA& force) noexcept {
   const VecA dq = q_a - q_a_;
   const VecA before = anchor_ - q_a_;
   const VecA after = anchor_ - q_a;
   const VecA law = spring_.force(before);
   HoldAccount& account = record_.hold;
   account.leak = spring_.energy(after) - spring_.energy(before) + law.dot(dq);
-  account.limits = -(elastic_sum_ / since_sample_ - law).dot(dq);
+  VecA elastic = elastic_sum_ / since_sample_;
+  if (force.size() == dq.size() && force_.size() == dq.size()) {
+    elastic = 0.5 * (force + force_) - damping_sum_ / since_sample_;
+  }
+  account.limits = -(elastic - law).dot(dq);
   account.rendered = -(damping_sum_ / since_sample_).dot(dq);
   account.device_damping = dq.dot(settings_.device_damping.cwiseProduct(dq)) / since_sample_;
   if (settings_.observer.enabled) {

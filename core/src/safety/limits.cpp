@@ -26,8 +26,25 @@ bool within(const VecQ& v, const VecQ& lower, const VecQ& upper) noexcept {
   return true;
 }
 
+namespace {
+
+double held(double force, const ForceRange& range, LimiterSet& active) noexcept {
+  if (force > range.upper) {
+    active.set(range.upper_by);
+    return range.upper;
+  }
+  if (force < range.lower) {
+    active.set(range.lower_by);
+    return range.lower;
+  }
+  return force;
+}
+
+}  // namespace
+
 LimitedForce ForceLimiter::step(double elastic, double damping, double gain, double force_limit,
-                                double slew, Duration dt, LimiterSet& active) noexcept {
+                                double slew, Duration dt, LimiterSet& active,
+                                const ForceRange& range) noexcept {
   const double step = slew * seconds(dt);
   LimitedForce out;
 
@@ -40,10 +57,14 @@ LimitedForce ForceLimiter::step(double elastic, double damping, double gain, dou
 
   const double slewed = std::clamp(saturated, previous_.total - step, previous_.total + step);
   if (slewed != saturated || out.damping != damping_held) active.set(Limiter::kSlew);
+  // Damping that lags behind its slew limit may push; both parts are held, so that gain 0 still
+  // means: nothing elastic.
+  out.damping = held(out.damping, range, active);
 
   const double room = gain * force_limit;
   out.total = std::clamp(slewed, out.damping - room, out.damping + room);
   if (out.total != slewed) active.set(Limiter::kEnvelope);
+  out.total = held(out.total, range, active);
 
   return previous_ = out;
 }

@@ -52,6 +52,13 @@ PipelineConfig checked(PipelineConfig config) {
   require(wrong == nullptr, std::string("staleness: ") + (wrong != nullptr ? wrong : ""));
   wrong = check(config.passivity, n_a);
   require(wrong == nullptr, std::string("passivity: ") + (wrong != nullptr ? wrong : ""));
+  require(config.ratings.empty() || config.ratings.size() == static_cast<std::size_t>(n_a),
+          "ratings: must have one per actuated DoF, " + std::to_string(n_a) + ", or none");
+  for (std::size_t i = 0; i < config.ratings.size(); ++i) {
+    wrong = check(config.ratings[i]);
+    require(wrong == nullptr,
+            "ratings[" + std::to_string(i) + "]: " + (wrong != nullptr ? wrong : ""));
+  }
   require(config.loop_late_fault > Duration::zero(), "loop_late_fault: must be > 0");
   require(config.late_bucket_full > 0, "late_bucket_full: must be > 0");
   require_rank(ProjectionModel(*config.kinematics, config.projection));

@@ -51,6 +51,13 @@ Pipeline::Stages::Stages(PipelineConfig config)
       dq_a_(VecA::Zero(layout_.n_a())),
       anchor_(VecA::Zero(layout_.n_a())),
       tau_controller_(VecA::Zero(layout_.n_a())) {
+  if (!config_.ratings.empty()) {
+    ratings_.emplace(config_.ratings);
+    held_ = VecA::Zero(layout_.n_a());
+  }
+  if (config_.force_control.enabled()) {
+    force_control_.emplace(config_.force_control, layout_.n_a());
+  }
   if (config_.passivity.enabled()) passivity_.emplace(config_.passivity, layout_.n_a());
   if (config_.monotone_envelope && layout_.n_a() == 1) envelope_.emplace(model_);
   projection_.q_star = q_;
@@ -112,6 +119,11 @@ bool Pipeline::Stages::silent_too_long(TimePoint now) const noexcept {
   return ready_ && now - last_sample_now_ > config_.device.max_silence;
 }
 
+bool Pipeline::Stages::force_fits(const VecA& force) const noexcept {
+  if (force.size() == 0) return !force_control_;
+  return force.size() == layout_.n_a() && all_finite(force);
+}
+
 void Pipeline::Stages::device(const TickInput& input, TickRecord& record) noexcept {
   const DeviceReading& reading = input.device;
   const DeviceLimits& limits = config_.device;
@@ -121,12 +133,14 @@ void Pipeline::Stages::device(const TickInput& input, TickRecord& record) noexce
   fresh_ = false;
   if (reading.fresh) {
     const VecQ& q = reading.sample.q;
-    if (q.size() != layout_.n_q() || !all_finite(q)) {
+    const VecA& force = reading.sample.tau_measured;
+    if (q.size() != layout_.n_q() || !all_finite(q) || !force_fits(force)) {
       causes_.set(Fault::kSampleNotFinite);
     } else if (!within(q, limits.q_lower, limits.q_upper)) {
       causes_.set(Fault::kSampleOutOfRange);
     } else {
       q_ = q;
+      tau_measured_ = force;
       rate_.update(layout_.select(q_), reading.sample.time, kRecentPeriods * limits.sample_period);
       last_sample_now_ = input.now;
       ready_ = fresh_ = true;
@@ -351,98 +365,6 @@ void Pipeline::Stages::state(const TickInput& input, TickRecord& record) noexcep
   record.release_id = release_id_;
   record.stop_id = stop_id_;
   record.settings_id = settings_.id;
-}
-
-bool Pipeline::Stages::withheld(TickRecord& record) noexcept {
-  if (!has_anchor_ || !map_ok_) return false;
-  const Probe probe{q_, map_.x_probe(), map_.J()};
-  if (envelope_) {
-    const EnvelopeAnswer answer = envelope_->apply(probe, dx_, renderer_.kind(), projection_);
-    if (answer != EnvelopeAnswer::kProxy) record.limiters.set(Limiter::kMonotoneEnvelope);
-    if (answer == EnvelopeAnswer::kEarlier) {
-      dq_a_ = layout_.select(projection_.q_star) - layout_.select(q_);
-    }
-    if (answer != EnvelopeAnswer::kWithheld) return false;
-  } else {
-    const bool guarded = settings_.direction_guard || config_.monotone_envelope;
-    const VecA elastic = settings_.stiffness.cwiseProduct(dq_a_);
-    if (!guarded || guard_.allows(probe, dx_, elastic)) return false;
-    record.limiters.set(Limiter::kDirectionGuard);
-  }
-  dq_a_.setZero();
-  for (int i = 0; i < layout_.n_a(); ++i) {
-    projection_.q_star[layout_.actuated(i)] = q_[layout_.actuated(i)];
-  }
-  return true;
-}
-
-void Pipeline::Stages::passivity(TickRecord& record, bool spring_is_off) noexcept {
-  const VecA q_a = layout_.select(q_);
-  passivity_->measure(q_a, fresh_, device_sample_is_recent(record.input.now), record.dt);
-  SpringStorage spring;
-  spring.stiffness = settings_.stiffness;
-  spring.limit = settings_.force_limit;
-  // A spring that is not there stores nothing over the tick either, however far the device moves.
-  spring.gain = spring_is_off ? 0.0 : record.gain;
-  anchor_ = passivity_->admit(spring, spring_is_off ? q_a : layout_.select(projection_.q_star));
-  if (!spring_is_off) {
-    dq_a_ = anchor_ - q_a;
-    for (int i = 0; i < layout_.n_a(); ++i) {
-      projection_.q_star[layout_.actuated(i)] = anchor_[i];
-    }
-  }
-  record.passivity = passivity_->record();
-  if (record.passivity.throttled) record.limiters.set(Limiter::kEnergyTank);
-  // Where nothing is in the way there is no drag, whatever the book says.
-  if (has_anchor_ && record.damping_gain > 0.0) {
-    tau_controller_ = passivity_->controller();
-    if (record.passivity.alpha > 0.0) record.limiters.set(Limiter::kPassivity);
-  } else {
-    tau_controller_.setZero();
-    record.passivity.alpha = 0.0;
-  }
-}
-
-void Pipeline::Stages::force(TickRecord& record) noexcept {
-  const int n_a = layout_.n_a();
-  const bool taken_off = withheld(record);
-  if (passivity_) passivity(record, taken_off || !has_anchor_);
-  const VecA elastic = settings_.stiffness.cwiseProduct(dq_a_);  // Eq. (6), (7): Z_q S dq
-  if (projection_.status == ProjectionStatus::kUnreachable) {
-    record.limiters.set(Limiter::kRangeClamp);
-  }
-
-  record.tau_a.setZero(n_a);
-  record.tau_damping.setZero(n_a);
-  record.tau_elastic.setZero(n_a);
-  const bool powered = machine_.wants_armed() && record.state != DeviceState::kIdle;
-  for (int i = 0; i < n_a; ++i) {
-    if (!powered) {
-      limiters_[i].zero();
-      continue;
-    }
-    double damping = -record.damping_gain * settings_.damping[i] * record.q_a_dot[i];
-    if (passivity_) damping += tau_controller_[i];
-    const LimitedForce limited =
-        limiters_[i].step(record.gain * elastic[i], damping, record.gain, settings_.force_limit[i],
-                          settings_.slew_limit[i], record.dt, record.limiters);
-    record.tau_a[i] = limited.total;
-    record.tau_damping[i] = limited.damping;
-    record.tau_elastic[i] = limited.total - limited.damping;
-  }
-  if (!all_finite(record.tau_a)) {
-    latched_.set(Fault::kOutputNotFinite);
-    record.faults = latched_;
-    record.tau_a.setZero();
-    record.tau_damping.setZero();
-    record.tau_elastic.setZero();
-    for (int i = 0; i < n_a; ++i) limiters_[i].zero();
-  }
-  if (passivity_) passivity_->hold(record.tau_elastic, record.tau_damping);
-  record.q_star = projection_.q_star;
-  record.projection = projection_.status;
-  record.residual = projection_.residual;
-  record.condition = projection_.condition;
 }
 
 }  // namespace haptic::core

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "haptic/core/control/force_control.hpp"
 #include "haptic/core/control/impedance.hpp"
 #include "haptic/core/passivity/passivity.hpp"
 #include "haptic/core/projection/block_map.hpp"
@@ -11,6 +12,7 @@
 #include "haptic/core/projection/direction_guard.hpp"
 #include "haptic/core/projection/local_proxy.hpp"
 #include "haptic/core/projection/monotone_envelope.hpp"
+#include "haptic/core/safety/actuator_ratings.hpp"
 #include "haptic/core/safety/device_state.hpp"
 #include "haptic/core/safety/late_bucket.hpp"
 #include "haptic/core/safety/limits.hpp"
@@ -51,7 +53,13 @@ class Pipeline::Stages {
   void passivity(TickRecord& record, bool spring_is_off) noexcept;
   /// Steps 8-10: force, and its limits.
   void force(TickRecord& record) noexcept;
+  void limited_force(int i, double elastic, double damping, TickRecord& record) noexcept;
+  void no_output(TickRecord& record) noexcept;
+  /// Step 11: the force loop or the admittance, where the scene has one.
+  void drive(TickRecord& record, bool powered) noexcept;
 
+  /// The measured force of a sample: none (unless force control needs it), or n_a finite numbers.
+  [[nodiscard]] bool force_fits(const VecA& force) const noexcept;
   /// A held or planes sample of the right sizes, every number finite.
   [[nodiscard]] bool fits_space(const ProxySnapshot& sample) const noexcept;
   [[nodiscard]] bool device_sample_is_recent(TimePoint now) const noexcept;
@@ -75,6 +83,8 @@ class Pipeline::Stages {
   LateBucket late_bucket_;
   ForceLimiter limiters_[kMaxQ];
   std::optional<Passivity> passivity_;  ///< only where the scene asks for it
+  std::optional<RatedActuators> ratings_;
+  std::optional<ForceControl> force_control_;
 
   std::uint64_t ticks_{0};
   TimePoint last_now_{};
@@ -102,6 +112,8 @@ class Pipeline::Stages {
   VecA dq_a_{};            ///< S (q* - q)
   VecA anchor_{};          ///< S q*
   VecA tau_controller_{};  ///< the passivity controller's, n_a
+  VecA tau_measured_{};    ///< with the newest sample; size 0: the device measures none
+  VecA held_{};            ///< what the drives gave since the last tick, n_a; for their heat
   Projection projection_{};
   bool map_ok_{false};
   bool has_anchor_{false};   ///< projection_.q_star is of the proxy in use

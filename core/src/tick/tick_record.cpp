@@ -83,7 +83,9 @@ bool identical(const TickRecord& a, const TickRecord& b) noexcept {
          same_bits(a.q_star, b.q_star) && a.projection == b.projection &&
          same(a.residual, b.residual) && same(a.condition, b.condition) &&
          same_bits(a.tau_elastic, b.tau_elastic) && same_bits(a.tau_damping, b.tau_damping) &&
-         same_bits(a.tau_a, b.tau_a) && identical(a.passivity, b.passivity);
+         same_bits(a.tau_a, b.tau_a) && a.actuator_limiters == b.actuator_limiters &&
+         same_bits(a.temperature_c, b.temperature_c) && same_bits(a.drive, b.drive) &&
+         same_bits(a.position, b.position) && identical(a.passivity, b.passivity);
 }
 
 }  // namespace haptic::core

@@ -31,6 +31,10 @@ enum class Limiter : std::uint8_t {
   kPassivity = 6,         ///< the passivity controller adds damping (METHOD 5.2)
   kInfeasiblePlanes = 7,  ///< the planes contradict each other: least violation (METHOD 5.4)
   kMonotoneEnvelope = 8,  ///< q* taken from before the proxy on the way to it (METHOD 2.4)
+  kPower = 9,             ///< the actuator would give out more power than it is rated for
+  kRate = 10,             ///< no push beyond the actuator's rated rate
+  kTemperature = 11,      ///< force held at what the winding's estimated temperature allows
+  kDriveLimit = 12,       ///< force loop or admittance held at its output, rate or travel limit
 };
 
 template <typename E>

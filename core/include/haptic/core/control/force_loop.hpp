@@ -36,7 +36,7 @@ class ForceLoop {
   void reset() noexcept;
 
   [[nodiscard]] double integral() const noexcept { return integral_; }  ///< I, N or N m
-  /// u of the last step was held at the limit.
+  /// u of the last step was held at the limit, or its integral because of it.
   [[nodiscard]] bool saturated() const noexcept { return saturated_; }
 
  private:

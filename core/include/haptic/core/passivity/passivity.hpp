@@ -46,8 +46,11 @@ class Passivity {
   /// Force is granted anew: tank at its initial level, observer at 0.
   void restart() noexcept;
   /// q_a of this tick (n_a). `fresh`: a new sample; without one nothing is known to have moved, and
-  /// the observer pauses. `recent` false ends the controller: its rate is too old.
-  void measure(const VecA& q_a, bool fresh, bool recent, Duration dt) noexcept;
+  /// the observer pauses. `recent` false ends the controller: its rate is too old. `force`: what the
+  /// device measured with this sample, n_a; it is then what was really held, whatever was commanded.
+  /// Size 0: not measured, the command counts.
+  void measure(const VecA& q_a, bool fresh, bool recent, Duration dt,
+               const VecA& force = {}) noexcept;
   /// The spring of this tick and the anchor S q* that is wanted (n_a). Returns the anchor in use,
   /// q_a + s (S q* - q_a).
   const VecA& admit(const SpringStorage& spring, const VecA& anchor) noexcept;
@@ -59,7 +62,7 @@ class Passivity {
   [[nodiscard]] const PassivityRecord& record() const noexcept { return record_; }
 
  private:
-  void book(const VecA& q_a) noexcept;
+  void book(const VecA& q_a, const VecA& force) noexcept;
 
   PassivitySettings settings_;
   EnergyTank tank_;
@@ -71,6 +74,7 @@ class Passivity {
   SpringStorage spring_{};
   VecA elastic_sum_, damping_sum_;  ///< held since the last sample, times seconds
   VecA elastic_, damping_;          ///< held now
+  VecA force_{};                    ///< measured with the last sample; size 0: was not
   double since_sample_{0.0};        ///< s
 };
 

@@ -2,6 +2,7 @@
 /// The last borders before the device, in the order of HOUSE 3 step 10: saturation, slew, envelope.
 
 #include "haptic/core/fault.hpp"
+#include "haptic/core/safety/actuator_limits.hpp"
 #include "haptic/core/time.hpp"
 #include "haptic/core/types.hpp"
 
@@ -22,13 +23,14 @@ struct LimitedForce {
 ///   damping' = slewed and saturated damping
 ///   total    = clamp(elastic + damping', +-force_limit), slewed from the previous total
 ///   total    = clamp(total, damping' +- gain * force_limit)             (the envelope)
-/// The envelope acts after the slew limit: at gain 0 the elastic part is exactly 0, however steep
-/// that is, and it never makes the force grow.
+///   total    = clamp(total, range)                    (power and rate of the actuator)
+/// The last two act after the slew limit: at gain 0 the elastic part is exactly 0, however steep
+/// that is, a rated power is kept whatever the motion, and neither makes the force grow.
 class ForceLimiter {
  public:
   /// `elastic` already carries the gain. slew is N/s (N m/s).
   LimitedForce step(double elastic, double damping, double gain, double force_limit, double slew,
-                    Duration dt, LimiterSet& active) noexcept;
+                    Duration dt, LimiterSet& active, const ForceRange& range = {}) noexcept;
   /// Command zero now: a fault, or a device that is not armed.
   void zero() noexcept { previous_ = {}; }
 

@@ -3,10 +3,13 @@
 /// core's parts are put together. It owns every temporary, and the device's state and gain.
 
 #include <memory>
+#include <vector>
 
+#include "haptic/core/control/force_control.hpp"
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/passivity/passivity.hpp"
 #include "haptic/core/projection/projection_model.hpp"
+#include "haptic/core/safety/actuator_limits.hpp"
 #include "haptic/core/safety/late_bucket.hpp"
 #include "haptic/core/tick/tick_input.hpp"
 #include "haptic/core/tick/tick_record.hpp"
@@ -36,7 +39,9 @@ struct PipelineConfig {
   int late_bucket_full{LateBucket::kFull};
   /// METHOD 2.4, with one actuated DoF; with more of them it means the direction guard.
   bool monotone_envelope{false};
-  PassivitySettings passivity{};  ///< energy tank and observer; off by default
+  PassivitySettings passivity{};           ///< energy tank and observer; off by default
+  std::vector<ActuatorRatings> ratings{};  ///< n_a, or none: power, rate and temperature
+  ForceControlSettings force_control{};    ///< by the server; off by default
 };
 
 class Pipeline {

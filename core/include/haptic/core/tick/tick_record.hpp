@@ -1,6 +1,7 @@
 #pragma once
 /// What one tick saw and did: its whole input and its whole answer. A run is replayed from these.
 
+#include <array>
 #include <cstdint>
 
 #include "haptic/core/passivity/passivity.hpp"
@@ -76,6 +77,12 @@ struct TickRecord {
   VecA tau_elastic{};  ///< g Z_q S (q* - q), saturated, guarded, under the envelope
   VecA tau_damping{};  ///< -g_d B q_a_dot, and the passivity controller's part
   VecA tau_a{};        ///< command to the device, n_a; N or N m
+
+  /// Per actuated DoF, which limits of its own acted in this tick.
+  std::array<LimiterSet, kMaxQ> actuator_limiters{};
+  VecA temperature_c{};  ///< of the windings, estimated, n_a; nan without a model; size 0: none has
+  VecA drive{};     ///< what goes to the device instead of tau_a: the force loop's, N or N m, n_a
+  VecA position{};  ///< the admittance's, m or rad, n_a; both size 0 where the scene has neither
 
   PassivityRecord passivity{};  ///< tank and observer; zeros where neither is on
 };

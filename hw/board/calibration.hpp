@@ -1,0 +1,39 @@
+#pragma once
+/// What a board's sensors really mean: found once per device by `hapticctl calibrate`, kept with the
+/// device's serial number, and of no use to any other.
+
+#include <string>
+
+#include "haptic/core/model/kinematics.hpp"
+#include "haptic/core/tick/pipeline.hpp"
+#include "haptic/core/tick/tick_input.hpp"
+#include "haptic/core/types.hpp"
+
+namespace haptic::hw::board {
+
+/// q = scale reading + offset;  force = reading - force_zero. Sizes n_q, but force_zero n_a or 0.
+struct Calibration {
+  std::string source{};          ///< the file it was read from, for messages
+  std::string serial{};          ///< of the device it was made with
+  std::string date{};            ///< when, as in "2026-11-21"
+  core::VecQ scale{}, offset{};  ///< 1, m or rad
+  core::VecQ lower{}, upper{};   ///< travel, m or rad; within the DoF's range
+  core::VecA force_zero{};       ///< N or N m; size 0: the device measures none
+};
+
+/// Throws DeviceError: made with a device of another serial number, sizes that do not fit, a value
+/// that is not allowed, a travel that is not within the DoF's range.
+void check(const Calibration& calibration, const core::Kinematics& kinematics,
+           const std::string& serial, bool measures_force);
+
+/// A sample as the sensors meant it. Sizes as check() allows. Never allocates.
+void apply(const Calibration& calibration, core::DeviceSample& sample) noexcept;
+
+/// The range of a valid sample is then the travel, with the margin that device_limits gives a range.
+void apply(const Calibration& calibration, core::DeviceLimits& limits) noexcept;
+
+/// Where the sensors must be told to go so that the device goes to `position` (n_a).
+[[nodiscard]] core::VecA to_readings(const Calibration& calibration, const core::DofLayout& layout,
+                                     const core::VecA& position) noexcept;
+
+}  // namespace haptic::hw::board

@@ -1,0 +1,115 @@
+// Force control by the server in the pipeline, and the book of energy over the measured force.
+#include <cmath>
+
+#include "finger_bench.hpp"
+
+namespace haptic::core::test {
+namespace {
+
+PipelineConfig with_loop() {
+  PipelineConfig c = config_of(RendererKind::kSubspaceExact);
+  c.scene.stiffness = VecA::Constant(1, 400.0);
+  c.force_control.loops = {ForceLoopGains{1.5, 60.0, 0.0, 0.2, 25.0}};
+  return c;
+}
+
+/// A drive behind Coulomb friction and a lag, pushing on something that does not move.
+class StickyDrive {
+ public:
+  double measured() const { return force_; }
+  void give(double u) {
+    const double friction = 3.0;
+    const double through = u > friction ? u - friction : (u < -friction ? u + friction : 0.0);
+    force_ += 0.1 * (through - force_);  // 10 ms
+  }
+
+ private:
+  double force_{0.0};
+};
+
+TEST(ForceControlInTheTick, TheMeasuredForceBecomesTheCommandedOneThroughFriction) {
+  Bench bench(with_loop());
+  StickyDrive drive;
+  const auto step = [&] {
+    bench.input.device.sample.tau_measured = VecA::Constant(1, drive.measured());
+    const TickRecord record = bench.tick();
+    drive.give(record.drive[0]);
+    return record;
+  };
+  bench.input.device.sample.tau_measured = VecA::Zero(1);
+  bench.engage();
+  bench.put(joints(0.65, 0.65));
+  TickRecord record;
+  for (int i = 0; i < 1500; ++i) record = step();
+  ASSERT_GT(std::abs(record.tau_a[0]), 1.0);
+  EXPECT_NEAR(drive.measured(), record.tau_a[0], 1e-3 * std::abs(record.tau_a[0]));
+  EXPECT_NEAR(std::abs(record.drive[0]), std::abs(record.tau_a[0]) + 3.0, 0.05)
+      << "the drive gives the friction on top";
+}
+
+TEST(ForceControlInTheTick, WhatIsNotArmedIsNotDriven) {
+  Bench bench(with_loop());
+  bench.input.device.sample.tau_measured = VecA::Constant(1, 2.0);  // a hand leans on it
+  bench.input.device.armed = false;
+  bench.input.command.lease_held = false;
+  TickRecord record;
+  for (int i = 0; i < 200; ++i) record = bench.tick();
+  EXPECT_EQ(record.drive[0], 0.0);
+}
+
+TEST(ForceControlInTheTick, AFaultTakesTheDrivesForceWithinATick) {
+  Bench bench(with_loop());
+  bench.input.device.sample.tau_measured = VecA::Zero(1);
+  bench.engage();
+  bench.put(joints(0.65, 0.65));
+  TickRecord record;
+  for (int i = 0; i < 2000; ++i) record = bench.tick();  // measured stays 0: the integral winds up
+  EXPECT_GT(std::abs(record.drive[0]), 10.0);
+  EXPECT_TRUE(record.limiters.has(Limiter::kDriveLimit));
+  ++bench.input.command.stop_id;
+  record = bench.tick();
+  EXPECT_EQ(record.drive[0], 0.0);
+}
+
+TEST(ForceControlInTheTick, ASampleWithoutForceIsAFault) {
+  Bench bench(with_loop());
+  bench.input.device.sample.tau_measured = VecA::Zero(1);
+  bench.engage();
+  bench.input.device.sample.tau_measured = VecA{};
+  EXPECT_TRUE(bench.tick().faults.has(Fault::kSampleNotFinite));
+}
+
+TEST(ForceControlInTheTick, AForceThatIsNoNumberIsAFaultOfAnyDevice) {
+  Bench bench(config_of(RendererKind::kSubspaceExact));
+  bench.engage();
+  bench.input.device.sample.tau_measured = VecA::Constant(1, std::nan(""));
+  EXPECT_TRUE(bench.tick().faults.has(Fault::kSampleNotFinite));
+}
+
+TEST(ForceControlInTheTick, TheBookTakesWhatWasReallyHeld) {
+  PipelineConfig config = with_tank(RendererKind::kSubspaceExact, 0.05);
+  config.passivity.observer.enabled = true;
+  config.passivity.observer.inertia = VecA::Constant(1, 1.0);
+  Bench bench(config);
+  bench.input.device.sample.tau_measured = VecA::Zero(1);
+  TickRecord before = bench.engage();
+  double before_force = 0.0;
+  for (int i = 1; i <= 200; ++i) {
+    const double bend = 0.15 * std::sin(M_PI * i / 200.0);
+    bench.put(joints(0.5 + bend, 0.5 + bend));
+    // Nothing of what is commanded arrives: the board measures a force of its own.
+    const double force = 0.3 * std::sin(0.1 * i);
+    bench.input.device.sample.tau_measured = VecA::Constant(1, force);
+    const TickRecord record = bench.tick();
+    const PassivityRecord& book = record.passivity;
+    // Conservation: of what the measured force took from the user, what the spring did not store.
+    const double stored = (book.storage - book.injected) - before.passivity.storage;
+    const double work = 0.5 * (force + before_force) * (record.q[0] - before.q[0]);
+    EXPECT_NEAR(book.hold.limits + book.hold.rendered - book.hold.leak, -work - stored, 1e-12) << i;
+    before = record;
+    before_force = force;
+  }
+}
+
+}  // namespace
+}  // namespace haptic::core::test

@@ -1,0 +1,93 @@
+#include "hw/board/calibration.hpp"
+
+#include <gtest/gtest.h>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "hw/device_limits.hpp"
+
+namespace haptic::hw::board {
+namespace {
+
+core::VecQ two(double a, double b) {
+  return (core::VecQ(2) << a, b).finished();
+}
+
+Calibration good() {
+  Calibration c;
+  c.source = "hx-7.textproto";
+  c.serial = "HX-7";
+  c.date = "2026-11-21";
+  c.scale = two(1.25, -0.8);
+  c.offset = two(-0.004, 0.3);
+  c.lower = two(0.001, -1.2);
+  c.upper = two(0.049, 0.7);
+  c.force_zero = core::VecA::Constant(1, 0.7);
+  return c;
+}
+
+std::string why(const Calibration& c, const std::string& serial = "HX-7", bool force = true) {
+  try {
+    check(c, *core::make_finger_exoskeleton({}), serial, force);
+  } catch (const core::DeviceError& error) {
+    return error.what();
+  }
+  return "taken";
+}
+
+TEST(BoardCalibration, AppliesScaleOffsetAndZero) {
+  core::DeviceSample sample;
+  sample.q = two(0.02, 0.5);
+  sample.tau_measured = core::VecA::Constant(1, 2.7);
+  apply(good(), sample);
+  EXPECT_NEAR(sample.q[0], 1.25 * 0.02 - 0.004, 1e-15);
+  EXPECT_NEAR(sample.q[1], -0.8 * 0.5 + 0.3, 1e-15);
+  EXPECT_NEAR(sample.tau_measured[0], 2.0, 1e-15);
+}
+
+TEST(BoardCalibration, TheTravelIsTheRangeOfASample) {
+  const auto kinematics = core::make_finger_exoskeleton({});
+  core::DeviceLimits limits = device_limits(*kinematics, core::VecA::Constant(1, 40.0));
+  apply(good(), limits);
+  EXPECT_NEAR(limits.q_lower[0], 0.001 - 0.05 * 0.048, 1e-15);
+  EXPECT_NEAR(limits.q_upper[1], 0.7 + 0.05 * 1.9, 1e-15);
+}
+
+TEST(BoardCalibration, APositionGoesBackThroughIt) {
+  const auto kinematics = core::make_finger_exoskeleton({});
+  const core::VecA reading =
+      to_readings(good(), kinematics->layout(), core::VecA::Constant(1, 0.021));
+  EXPECT_NEAR(1.25 * reading[0] - 0.004, 0.021, 1e-15);
+}
+
+TEST(BoardCalibration, AnotherDevicesIsRefusedByName) {
+  EXPECT_EQ(why(good()), "taken");
+  EXPECT_EQ(
+      why(good(), "HX-8"),
+      "calibration hx-7.textproto: was made with the device 'HX-7' on 2026-11-21, this one is "
+      "'HX-8'; must be its own (hapticctl calibrate)");
+}
+
+TEST(BoardCalibration, WhatDoesNotFitIsRefusedWithTheReason) {
+  Calibration c = good();
+  c.scale[0] = 0.0;
+  EXPECT_NE(why(c).find("DoF 'l_x': scale = 0: must be finite, not 0"), std::string::npos)
+      << why(c);
+  c = good();
+  c.upper[0] = 0.06;
+  EXPECT_NE(why(c).find("DoF 'l_x': upper = 0.06: must be within"), std::string::npos) << why(c);
+  c = good();
+  c.lower[1] = 0.7;
+  EXPECT_NE(why(c).find("DoF 'q_B': lower = 0.7: must be below upper"), std::string::npos)
+      << why(c);
+  c = good();
+  c.offset.resize(1);
+  EXPECT_NE(why(c).find("has 1 DoF(s); must have 2"), std::string::npos) << why(c);
+  EXPECT_NE(why(good(), "HX-7", false).find("zero(s) of force"), std::string::npos);
+  c = good();
+  c.force_zero.resize(0);
+  EXPECT_NE(why(c).find("must have one per measured force, 1"), std::string::npos) << why(c);
+}
+
+}  // namespace
+}  // namespace haptic::hw::board

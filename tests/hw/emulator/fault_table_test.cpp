@@ -1,0 +1,271 @@
+// Each fault of the emulated board ends in its documented state (hw/README.md, "The emulator") in the
+// promised time: the tick's pipeline on the board's protocol, firmware and rig, in virtual time. The
+// moment of each fault is drawn from the seed.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/tick/pipeline.hpp"
+#include "hw/emulator/virtual_board.hpp"
+#include "hw/random.hpp"
+
+namespace haptic::hw::emulator {
+namespace {
+
+using core::DeviceState;
+using core::Fault;
+constexpr double kForceLimit = 20.0;
+
+/// A finger that goes on bending into a wall at its first joint, rendered through the board.
+class PressedBoard {
+ public:
+  explicit PressedBoard(const EmulatorConfig& config)
+      : finger_(core::make_finger_exoskeleton({})),
+        device_(config, {Eigen::Vector2d::Zero(), Eigen::Vector2d(0.9, 0.9)}, wanted(), finger_),
+        pipeline_(pipeline_config()) {
+    input_.settings = pipeline_.config().scene;
+    input_.command.lease_epoch = 1;
+    input_.command.lease_held = true;
+  }
+
+  core::TickRecord tick() {
+    input_.now += std::chrono::milliseconds(1);
+    device_.read(input_.now, input_.device);
+    core::VecX x;
+    core::MatXQ J;
+    if (input_.device.sample.q.size() == 2 &&
+        finger_->evaluate(input_.device.sample.q, x, J) == core::MapStatus::kOk) {
+      x[0] = std::min(x[0], kWall);
+      publish(x);
+    }
+    if (last_.state == DeviceState::kArmed && engages) ++input_.command.engage_id;
+    last_ = pipeline_.tick(input_);
+    device_.write(input_.now, {last_.arm, last_.tau_a, last_.position});
+    return last_;
+  }
+  core::TickRecord run_ms(int ms) {
+    for (int i = 0; i < ms; ++i) tick();
+    return last_;
+  }
+  void clear() {
+    ++input_.command.clear_id;
+    input_.command.clear = last_.faults;
+  }
+  [[nodiscard]] VirtualBoard& device() { return device_; }
+  [[nodiscard]] EmulatedBoard& board() { return device_.board(); }
+  [[nodiscard]] const core::TickRecord& last() const { return last_; }
+  /// A fault that begins now.
+  void fault(FaultKind kind, double length, double amount = 0.0) {
+    board().add_fault({kind, static_cast<double>(board().now_us()) * 1e-6, length, amount});
+  }
+  bool engages{true};
+
+ private:
+  static constexpr double kWall = 0.3;  // rad
+
+  static BoardConfig wanted() {
+    BoardConfig config;
+    config.max_effort = core::VecA::Constant(1, 40.0);
+    config.longest_lateness = std::chrono::milliseconds(20);
+    return config;
+  }
+  core::PipelineConfig pipeline_config() const {
+    core::PipelineConfig config;
+    config.kinematics = finger_;
+    config.device = device_.info().limits;
+    config.scene.direction_guard = true;
+    config.scene.stiffness = core::VecA::Constant(1, 500.0);
+    config.scene.damping = core::VecA::Constant(1, 0.5);
+    config.scene.force_limit = core::VecA::Constant(1, kForceLimit);
+    config.scene.slew_limit = core::VecA::Constant(1, 2000.0);
+    config.scene.engage_window = core::VecA::Constant(1, kForceLimit);
+    return config;
+  }
+  void publish(const core::VecX& x) {
+    core::ProxySnapshot& proxy = input_.proxy;
+    proxy.mode = core::ProxyMode::kHeld;
+    proxy.epoch = 1;
+    proxy.x = x;
+    proxy.born = input_.now;
+    if (++proxy.seq == 1) proxy.gapless_since = input_.now;
+    ++proxy.gapless_samples;
+  }
+
+  std::shared_ptr<const core::Kinematics> finger_;
+  VirtualBoard device_;
+  core::Pipeline pipeline_;
+  core::TickInput input_{};
+  core::TickRecord last_{};
+};
+
+/// When the faults of a seed begin, ms after the pressing began.
+int moment(std::uint64_t seed) {
+  std::mt19937_64 random(seed * 7919);
+  return 50 + static_cast<int>(400.0 * uniform(random));
+}
+
+struct PressedCase : ::testing::TestWithParam<std::uint64_t> {
+  static EmulatorConfig config() {
+    EmulatorConfig c;
+    c.seed = GetParam();
+    return c;
+  }
+  /// Engaged, with force, at the moment of this seed.
+  static void press(PressedBoard& finger) {
+    finger.run_ms(900 + moment(GetParam()));
+    ASSERT_EQ(finger.last().state, DeviceState::kEngaged);
+    ASSERT_GT(std::abs(finger.last().tau_a[0]), 0.5);
+    ASSERT_TRUE(finger.board().drives());
+  }
+  /// Ticks until FAULT; the command is zero from the very tick on, and stays.
+  static int until_fault(PressedBoard& finger, int at_most_ms) {
+    for (int ms = 1; ms <= at_most_ms; ++ms) {
+      const core::TickRecord record = finger.tick();
+      EXPECT_LE(std::abs(record.tau_a[0]), kForceLimit + 1e-9);
+      if (record.state != DeviceState::kFault) continue;
+      EXPECT_EQ(record.tau_a[0], 0.0);
+      return ms;
+    }
+    ADD_FAILURE() << "no fault within " << at_most_ms << " ms";
+    return at_most_ms + 1;
+  }
+  /// The board's drive is off after at most `ms`.
+  static void expect_drive_off(PressedBoard& finger, int ms) {
+    for (int i = 0; i < ms && finger.board().drives(); ++i) finger.tick();
+    EXPECT_FALSE(finger.board().drives());
+  }
+  /// The cause is gone: cleared, the device comes back to force by way of IDLE.
+  static void expect_return(PressedBoard& finger) {
+    finger.run_ms(600);
+    EXPECT_EQ(finger.last().state, DeviceState::kFault) << "latched until somebody clears it";
+    finger.clear();
+    bool idle = false;
+    for (int i = 0; i < 1000 && finger.last().state != DeviceState::kEngaged; ++i) {
+      finger.tick();
+      idle = idle || finger.last().state == DeviceState::kIdle;
+    }
+    EXPECT_TRUE(idle);
+    EXPECT_EQ(finger.last().state, DeviceState::kEngaged);
+  }
+};
+
+TEST_P(PressedCase, WithoutAFaultItStaysEngaged) {
+  PressedBoard finger(config());
+  press(finger);
+  finger.run_ms(2000);
+  EXPECT_EQ(finger.last().state, DeviceState::kEngaged);
+  EXPECT_FALSE(finger.last().faults.any());
+}
+
+TEST_P(PressedCase, FewLostAndDamagedBytesAreCountedAndNotFelt) {
+  EmulatorConfig c = config();
+  c.drop = c.corrupt = 1e-4;
+  PressedBoard finger(c);
+  press(finger);
+  finger.run_ms(4000);
+  EXPECT_EQ(finger.last().state, DeviceState::kEngaged);
+  const board::HostCounters& n = finger.device().counters();
+  const auto here = n.bad_crc + n.malformed + n.lost;
+  const auto& there = finger.board().firmware().counters;
+  EXPECT_GT(here, 0u);
+  EXPECT_GT(there.bad_crc + there.malformed, 0u);
+}
+
+TEST_P(PressedCase, ALinkThatLosesNearlyEverythingIsASilentDevice) {
+  EmulatorConfig c = config();
+  PressedBoard finger(c);
+  press(finger);
+  finger.board().set_noise(0.2, 0.2);
+  // 10 ms of silence and the tick that sees it, after the last frame that came through by luck.
+  until_fault(finger, 400);
+  EXPECT_TRUE(finger.last().faults.has(Fault::kDeviceSilent) ||
+              finger.last().faults.has(Fault::kDeviceLost));
+  expect_drive_off(finger, 400);
+}
+
+TEST_P(PressedCase, ABrownOutIsSilenceAndTheMotorIsOffAtOnce) {
+  PressedBoard finger(config());
+  press(finger);
+  finger.fault(FaultKind::kBrownOut, 0.3);
+  finger.tick();
+  EXPECT_FALSE(finger.board().drives());
+  EXPECT_LE(until_fault(finger, 100), 12);
+  EXPECT_TRUE(finger.last().faults.has(Fault::kDeviceSilent));
+  expect_return(finger);
+}
+
+TEST_P(PressedCase, AHangingFirmwareIsSilenceAndItsWatchdogCutsTheMotor) {
+  PressedBoard finger(config());
+  press(finger);
+  finger.fault(FaultKind::kHang, 0.3);
+  finger.tick();
+  EXPECT_FALSE(finger.board().drives());
+  EXPECT_LE(until_fault(finger, 100), 12);
+  EXPECT_TRUE(finger.last().faults.has(Fault::kDeviceSilent));
+  expect_return(finger);
+}
+
+TEST_P(PressedCase, UnpluggedItIsLostAndTheBoardStopsItself) {
+  PressedBoard finger(config());
+  press(finger);
+  finger.fault(FaultKind::kUnplug, 0.3);
+  EXPECT_LE(until_fault(finger, 100), 12);
+  EXPECT_TRUE(finger.last().faults.has(Fault::kDeviceLost));
+  expect_drive_off(finger, 26);  // the board's watchdog, 25 ms
+  EXPECT_EQ(finger.board().firmware().state, HB_STOPPED);
+  expect_return(finger);
+}
+
+TEST_P(PressedCase, AStuckSensorIsFoundByTheBoardWithin100Samples) {
+  PressedBoard finger(config());
+  press(finger);
+  finger.fault(FaultKind::kStuck, 0.4);
+  EXPECT_LE(until_fault(finger, 300), 103);
+  EXPECT_TRUE(finger.last().faults.has(Fault::kDeviceLost));
+  EXPECT_FALSE(finger.board().drives());
+  EXPECT_EQ(finger.board().firmware().state, HB_FAULT);
+  expect_return(finger);
+}
+
+TEST_P(PressedCase, ADeadMotorIsFoundByTheBoardOnceItsLoopPushesInVain) {
+  PressedBoard finger(config());
+  press(finger);
+  finger.fault(FaultKind::kStall, 60.0);
+  // As long as friction holds what is asked for there is nothing to find; then some seconds of the
+  // integral, and 200 ms at its limit.
+  until_fault(finger, 30'000);
+  EXPECT_TRUE(finger.last().faults.has(Fault::kDeviceLost));
+  EXPECT_FALSE(finger.board().drives());
+}
+
+TEST_P(PressedCase, ADriftingPotentiometerEndsOutOfRangeAndNeverAboveTheForceLimit) {
+  PressedBoard finger(config());
+  press(finger);
+  const double l_x = finger.last().q[0];
+  finger.fault(FaultKind::kDrift, 60.0, 0.01);
+  // 10 mm/s from where it is to the end of the range and its margin, 52.5 mm; the rod may follow.
+  const int latest = static_cast<int>((0.0525 - l_x) / 0.01 * 1e3) + 5000;
+  until_fault(finger, latest);
+  EXPECT_TRUE(finger.last().faults.has(Fault::kSampleOutOfRange));
+  expect_drive_off(finger, 3);
+}
+
+TEST_P(PressedCase, AKilledServerIsStoppedByTheBoardsWatchdog) {
+  PressedBoard finger(config());
+  press(finger);
+  finger.device().kill_server();
+  for (int ms = 1; ms <= 24; ++ms) finger.tick();
+  EXPECT_TRUE(finger.board().drives()) << "not before its time: 25 ms";
+  finger.run_ms(3);
+  EXPECT_FALSE(finger.board().drives());
+  EXPECT_EQ(finger.board().firmware().state, HB_STOPPED);
+  EXPECT_EQ(finger.board().firmware().counters.watchdog_stops, 1u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, PressedCase, ::testing::Values(1, 2, 3, 4, 5),
+                         [](const auto& seed) { return "seed" + std::to_string(seed.param); });
+
+}  // namespace
+}  // namespace haptic::hw::emulator

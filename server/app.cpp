@@ -112,6 +112,7 @@ void App::open_devices() {
       board->longest_lateness = realtime_.loop_late_fault;
     }
     std::unique_ptr<hw::Device> device = hw::open_device(source, scene.kinematics);
+    check_force_control(scene.force_control.place, device->info());
     core::PipelineConfig config = pipeline_config(scene, device->info().limits);
     config.loop_late_fault = realtime_.loop_late_fault;
     config.late_bucket_full = scene_.loop.late_bucket_full;

@@ -21,7 +21,12 @@ struct Options {
   bool hold{false};
   std::string reason{};
   std::vector<std::uint32_t> faults{};
+  double device_damping{1.0};  ///< of doctor: b, N s/m
+  double damping{0.0};         ///< of doctor: B of Z_q, N s/m
+  std::string output{};        ///< of calibrate: the file to be written
 };
+
+inline constexpr double kDoctorSeconds = 10.0;
 
 int info(const Options& options);
 int health(const Options& options);
@@ -30,6 +35,8 @@ int engage(const Options& options);
 int link(const Options& options);
 int estop(const Options& options);
 int clear_fault(const Options& options);
+int doctor(const Options& options);
+int calibrate(const Options& options);
 
 /// The server, by TLS where that is asked for.
 [[nodiscard]] client::Connection connect(const Options& options);

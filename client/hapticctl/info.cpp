@@ -47,6 +47,8 @@ json to_json(const client::DeviceInfo& device) {
           {"model", device.model},
           {"serial", device.serial},
           {"moves", device.moves},
+          {"calibrated", device.calibrated},
+          {"measures_force", device.measures_force},
           {"state", client::name(device.state)},
           {"faults", client::fault_names(device.faults)},
           {"controller", device.controller},

@@ -77,6 +77,20 @@ int main(int argc, char** argv) {
   CLI::App* clear = cli.add_subcommand("clear-fault", "clear latched faults");
   clear->add_option("fault", options.faults, "fault numbers; none: all that are active")
       ->check(CLI::Range(1, 31));
+  CLI::App* doctor =
+      cli.add_subcommand("doctor", "is this host fit, and how stiff may a spring be");
+  doctor->add_flag("--json", options.json, "one JSON object");
+  doctor->add_option("--seconds", options.seconds, "of measuring the loop's jitter; default 10")
+      ->check(between(0.1, 3600.0));
+  doctor->add_option("--device-damping", options.device_damping, "b of the device, N s/m")
+      ->check(between(0.0, 1e6))
+      ->capture_default_str();
+  doctor->add_option("--damping", options.damping, "B of the scene, N s/m")
+      ->check(between(0.0, 1e6))
+      ->capture_default_str();
+  CLI::App* calibrate =
+      cli.add_subcommand("calibrate", "find out, step by step, what a board's sensors really mean");
+  calibrate->add_option("--output", options.output, "the file to write; default SERIAL.textproto");
 
   try {
     cli.parse(argc, argv);
@@ -94,6 +108,8 @@ int main(int argc, char** argv) {
     if (*engage) return haptic::ctl::engage(options);
     if (*link) return haptic::ctl::link(options);
     if (*stop) return haptic::ctl::estop(options);
+    if (*doctor) return haptic::ctl::doctor(options);
+    if (*calibrate) return haptic::ctl::calibrate(options);
     return haptic::ctl::clear_fault(options);
   } catch (const haptic::client::ClientError& error) {
     if (error.reason() == haptic::client::ErrorReason::kUnreachable) {

@@ -39,6 +39,11 @@ DeviceState to_state(const v1::DeviceState& m) {
   s.state = static_cast<State>(m.state());
   s.faults = m.faults();
   s.limiters = m.limiters();
+  s.tau_measured = list(m.tau_measured());
+  s.temperature_c = list(m.temperature_c());
+  s.drive = list(m.drive());
+  s.reading = list(m.reading());
+  s.actuator_limiters.assign(m.actuator_limiters().begin(), m.actuator_limiters().end());
   s.projection = static_cast<unsigned>(m.projection());
   s.condition = m.condition();
   s.lease_epoch = m.lease_epoch();
@@ -64,6 +69,8 @@ DeviceInfo to_info(const v1::Device& m) {
   d.model = m.model();
   d.serial = m.serial();
   d.moves = m.moves();
+  d.calibrated = m.calibrated();
+  d.measures_force = m.measures_force();
   for (const auto& dof : m.dofs()) {
     d.dofs.push_back(
         {dof.name(), dof.unit(), dof.actuated(), dof.lower(), dof.upper(), dof.max_effort()});

@@ -27,6 +27,22 @@ void to_passivity(const core::PassivityRecord& record, v1::PassivityState& state
   state.set_alpha(record.alpha);
 }
 
+/// What only some devices have; a state of the others carries none of it.
+void to_actuators(const core::TickRecord& record, v1::DeviceState& state) {
+  copy(record.input.device.sample.tau_measured, state.mutable_tau_measured());
+  const core::VecQ& reading = record.input.device.sample.q;
+  const bool refused = reading.size() == record.q.size() && reading != record.q;
+  copy(refused ? reading : core::VecQ{}, state.mutable_reading());
+  copy(record.temperature_c, state.mutable_temperature_c());
+  copy(record.drive.size() > 0 ? record.drive : record.position, state.mutable_drive());
+  state.clear_actuator_limiters();
+  const auto n_a = static_cast<std::size_t>(record.tau_a.size());
+  const auto begin = record.actuator_limiters.begin();
+  const auto end = begin + static_cast<std::ptrdiff_t>(n_a);
+  if (std::none_of(begin, end, [](core::LimiterSet set) { return set.any(); })) return;
+  std::for_each(begin, end, [&](core::LimiterSet set) { state.add_actuator_limiters(set.bits()); });
+}
+
 core::Duration duration(const google::protobuf::Duration& message) {
   // Far beyond any limit of ours, far below what 64 bits of nanoseconds hold.
   const std::int64_t seconds = std::clamp<std::int64_t>(message.seconds(), -86400, 86400);
@@ -89,6 +105,7 @@ void to_proto(const core::TickRecord& record, DeviceSessions::Stamp stamp, v1::D
   state.set_condition(record.condition);
   state.set_lease_epoch(stamp.lease_epoch);
   state.set_mode(static_cast<v1::ProxyMode>(record.proxy_mode));
+  to_actuators(record, state);
 }
 
 v1::Event to_proto(const DeviceEvent& event) {
@@ -157,6 +174,8 @@ v1::Device describe(const DeviceSessions& device, core::Duration period) {
   message.set_model(info.model);
   message.set_serial(info.serial);
   message.set_moves(info.moves);
+  message.set_calibrated(info.calibrated);
+  message.set_measures_force(info.measures_force);
   Eigen::Index actuated = 0;
   for (const core::DofSpec& spec : info.dofs) {
     auto* dof = message.add_dofs();

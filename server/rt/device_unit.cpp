@@ -31,7 +31,8 @@ void DeviceUnit::tick(core::TimePoint now, core::Duration period,
   const core::TickRecord record = pipeline_.tick(input_);
 
   command_.arm = record.arm;
-  command_.tau_a = record.tau_a;
+  command_.tau_a = record.drive.size() > 0 ? record.drive : record.tau_a;
+  command_.position = record.position;
   device_->write(now, command_);
 
   records.push(record);

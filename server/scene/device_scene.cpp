@@ -1,8 +1,10 @@
 #include "server/scene/device_scene.hpp"
 
+#include "server/scene/force_control_scene.hpp"
 #include "server/scene/kinematics_scene.hpp"
 #include "server/scene/passivity_scene.hpp"
 #include "server/scene/projection_scene.hpp"
+#include "server/scene/ratings_scene.hpp"
 #include "server/scene/render_scene.hpp"
 #include "server/scene/source_scene.hpp"
 
@@ -53,13 +55,22 @@ DeviceScene read_device(v1::DeviceScene& message, const std::string& path,
   device.kinematics = read_kinematics(message, path, problems);
   device.projection = read_projection(message, path, device.kinematics.get(), problems);
   const core::DofLayout* layout = device.kinematics ? &device.kinematics->layout() : nullptr;
-  const Source source = read_source(message, path, folder, layout, problems);
+  const Source source = read_source(message, path, folder, device.kinematics.get(), problems);
   device.source = source.config;
   RenderScene render = read_render(message, path, layout == nullptr ? -1 : layout->n_a(),
                                    source.max_effort, problems);
   device.settings = std::move(render.settings);
   device.fresh_end = render.fresh_end;
   device.monotone_envelope = message.has_monotone_envelope();
+  if (message.has_limits()) {
+    device.ratings = read_ratings(*message.mutable_limits(), path + ".limits",
+                                  layout == nullptr ? -1 : layout->n_a(), problems);
+  }
+  if (message.has_force_control()) {
+    device.force_control =
+        read_force_control(message, path, device.kinematics.get(), device.settings.force_limit,
+                           source.max_effort, problems);
+  }
   if (message.has_passivity()) {
     const OwnDynamics own =
         layout == nullptr ? OwnDynamics{} : own_dynamics(source.config, *layout);
@@ -77,6 +88,8 @@ core::PipelineConfig pipeline_config(const DeviceScene& scene, const core::Devic
   config.scene = scene.settings;
   config.monotone_envelope = scene.monotone_envelope;
   config.passivity = scene.passivity;
+  config.ratings = scene.ratings;
+  config.force_control = scene.force_control.settings;
   return config;
 }
 

@@ -11,6 +11,7 @@
 #include "haptic/core/tick/pipeline.hpp"
 #include "hw/open_device.hpp"
 #include "server/rpc/tls_config.hpp"
+#include "server/scene/force_control.hpp"
 
 namespace haptic::server {
 
@@ -22,6 +23,8 @@ struct DeviceScene {
   core::RenderSettings settings{};  ///< the widest a session may ask for
   bool monotone_envelope{false};
   core::PassivitySettings passivity{};
+  std::vector<core::ActuatorRatings> ratings{};  ///< n_a, or none
+  ForceControlScene force_control{};
   /// An upper bound on every session's fresh_end; absent: 2.5 nominal periods
   /// of the client.
   std::optional<core::Duration> fresh_end{};

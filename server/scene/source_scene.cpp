@@ -1,5 +1,6 @@
 #include "server/scene/source_scene.hpp"
 
+#include "server/scene/calibration_scene.hpp"
 #include "server/scene/field_reader.hpp"
 
 namespace haptic::server {
@@ -99,8 +100,8 @@ hw::ReplayConfig read_replay(v1::Replay& message, const std::string& path, const
   return c;
 }
 
-hw::BoardConfig read_board(v1::Board& message, const std::string& path, Sizes sizes,
-                           Problems& problems) {
+hw::BoardConfig read_board(v1::Board& message, const std::string& path, const fs::path& folder,
+                           const core::Kinematics* kinematics, Sizes sizes, Problems& problems) {
   const FieldReader reader(message, path, problems);
   hw::BoardConfig c;
   if (message.port().empty()) reader.missing("port", "a serial port, as in \"/dev/ttyACM0\"");
@@ -113,6 +114,11 @@ hw::BoardConfig read_board(v1::Board& message, const std::string& path, Sizes si
       to_vector(reader.list({"max_effort", Allowed::kPositive, sizes.n_a, "actuated DoF"}));
   c.max_silence = reader.duration("max_silence", c.max_silence,
                                   {std::chrono::milliseconds(2), std::chrono::milliseconds(100)});
+  if (!message.calibration_file().empty()) {
+    const fs::path file = fs::absolute(folder / message.calibration_file()).lexically_normal();
+    c.calibration = read_calibration(file, path + ".calibration_file", kinematics, problems);
+    message.set_calibration_file(file.string());
+  }
   return c;
 }
 
@@ -134,9 +140,9 @@ void check_fit(const v1::DeviceScene& message, const std::string& path, Problems
 }  // namespace
 
 Source read_source(v1::DeviceScene& message, const std::string& path, const fs::path& folder,
-                   const core::DofLayout* layout, Problems& problems) {
+                   const core::Kinematics* kinematics, Problems& problems) {
   check_fit(message, path, problems);
-  const Sizes sizes(layout);
+  const Sizes sizes(kinematics == nullptr ? nullptr : &kinematics->layout());
   switch (message.source_case()) {
     case v1::DeviceScene::kSimulatedFinger: {
       const auto config = read_simulated_finger(*message.mutable_simulated_finger(),
@@ -154,7 +160,8 @@ Source read_source(v1::DeviceScene& message, const std::string& path, const fs::
       return {config, config.max_effort};
     }
     case v1::DeviceScene::kBoard: {
-      const auto config = read_board(*message.mutable_board(), path + ".board", sizes, problems);
+      const auto config = read_board(*message.mutable_board(), path + ".board", folder, kinematics,
+                                     sizes, problems);
       return {config, config.max_effort};
     }
     case v1::DeviceScene::SOURCE_NOT_SET:

@@ -16,10 +16,10 @@ struct Source {
 };
 
 /// Reads the source of a device whose path is `path`, and fills in its
-/// defaults; relative files are relative to `folder`. `layout` null: the
-/// kinematics is wrong, so sizes are not looked at.
+/// defaults; relative files are relative to `folder`. `kinematics` null: it
+/// is wrong, so sizes are not looked at.
 [[nodiscard]] Source read_source(v1::DeviceScene& message, const std::string& path,
-                                 const std::filesystem::path& folder, const core::DofLayout* layout,
-                                 Problems& problems);
+                                 const std::filesystem::path& folder,
+                                 const core::Kinematics* kinematics, Problems& problems);
 
 }  // namespace haptic::server

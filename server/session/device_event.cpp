@@ -1,6 +1,7 @@
 #include "server/session/device_event.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <utility>
 
 #include "server/session/figures.hpp"
@@ -40,7 +41,43 @@ std::string fault_sentence(core::Fault fault, const core::TickRecord& record,
   return "unknown fault";
 }
 
+/// The limits of an actuator's own; the others speak of the proxy and stand in every state.
+constexpr core::Limiter kActuatorLimiters[] = {
+    core::Limiter::kSaturation, core::Limiter::kSlew,        core::Limiter::kPower,
+    core::Limiter::kRate,       core::Limiter::kTemperature, core::Limiter::kDriveLimit,
+};
+
+std::string limiter_sentence(core::Limiter limiter, const core::TickRecord& record) {
+  std::string actuators;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(record.tau_a.size()); ++i) {
+    if (!record.actuator_limiters[i].has(limiter)) continue;
+    const auto a = static_cast<Eigen::Index>(i);
+    char text[96];
+    std::snprintf(text, sizeof text, "%sactuator %zu at %.3g", actuators.empty() ? "" : ", ", i,
+                  record.tau_a[a]);
+    actuators += text;
+    if (limiter != core::Limiter::kTemperature || a >= record.temperature_c.size()) continue;
+    std::snprintf(text, sizeof text, " and %.0f C", record.temperature_c[a]);
+    actuators += text;
+  }
+  return "a limit holds " + (actuators.empty() ? std::string("the force") : actuators);
+}
+
 }  // namespace
+
+void EventDetector::limiters(const core::TickRecord& record, std::vector<DeviceEvent>& events) {
+  for (const core::Limiter limiter : kActuatorLimiters) {
+    if (!record.limiters.has(limiter)) continue;
+    auto& acted = acted_[static_cast<std::size_t>(limiter)];
+    const bool anew = !acted || record.input.now - *acted > kQuiet;
+    acted = record.input.now;
+    if (!anew) continue;
+    const core::CommandSnapshot& command = record.input.command;
+    events.push_back({DeviceEvent::Kind::kLimiter, record.input.now,
+                      std::string(core::reason(limiter)), limiter_sentence(limiter, record),
+                      record.state, command.lease_held ? command.lease_epoch : 0});
+  }
+}
 
 void EventDetector::step(const core::TickRecord& record, const std::string& stop_reason,
                          std::vector<DeviceEvent>& events) {
@@ -75,6 +112,7 @@ void EventDetector::step(const core::TickRecord& record, const std::string& stop
         std::string(core::name(staleness_)) + " -> " + std::string(core::name(record.staleness)),
         "the newest proxy is " + milliseconds(record.proxy_age) + " old");
   }
+  limiters(record, events);
   state_ = record.state;
   faults_ = record.faults;
   staleness_ = record.staleness;

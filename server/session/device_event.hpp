@@ -1,6 +1,7 @@
 #pragma once
 /// What happened to a device, once each: found by comparing a tick's record with the one before.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -26,6 +27,7 @@ struct DeviceEvent {
     kTransport = 8,     ///< of a session, not of a record; reason "SAMPLES GRPC -> UDP"
     kLease = 9,         ///< not of a record; reason "LEASE_GRANTED", "LEASE_RESUMED", ...
     kClamp = 10,        ///< not of a record; reason "CLAMPED": a setting was held at the scene's
+    kLimiter = 20,      ///< a limit of an actuator began to act; reason: the limiter's
   };
   Kind kind{Kind::kState};
   core::TimePoint time{};  ///< server's steady clock, of the tick
@@ -38,14 +40,20 @@ struct DeviceEvent {
 /// Compares consecutive records of one device. One thread.
 class EventDetector {
  public:
+  /// A limit that acts again within this time is the same clamp: one event.
+  static constexpr core::Duration kQuiet{std::chrono::seconds(1)};
   /// `stop_reason`: what a person gave with the newest emergency stop, for its event's message.
   void step(const core::TickRecord& record, const std::string& stop_reason,
             std::vector<DeviceEvent>& events);
 
  private:
+  void limiters(const core::TickRecord& record, std::vector<DeviceEvent>& events);
+
   core::DeviceState state_{core::DeviceState::kInit};
   core::FaultSet faults_{};
   core::Staleness staleness_{core::Staleness::kLost};
+  /// Per limiter number, when it last acted; absent: never.
+  std::array<std::optional<core::TimePoint>, 32> acted_{};
 };
 
 /// Events on their way to one session. Bounded: a client that does not read loses the oldest, and

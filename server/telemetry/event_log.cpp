@@ -16,6 +16,7 @@ spdlog::level::level_enum level_of(DeviceEvent::Kind kind) {
     case DeviceEvent::Kind::kLeaseExpired:
       return spdlog::level::warn;
     case DeviceEvent::Kind::kStaleness:
+    case DeviceEvent::Kind::kLimiter:
       return spdlog::level::debug;
     case DeviceEvent::Kind::kState:
     case DeviceEvent::Kind::kFaultCleared:

@@ -54,6 +54,8 @@ struct VirtualCoordinate {
 struct DeviceInfo {
   std::string name{}, kind{}, model{}, serial{};
   bool moves{true};
+  std::string calibrated{};  ///< day of the calibration in use; empty: none is
+  bool measures_force{false};
   std::vector<DegreeOfFreedom> dofs{};
   std::vector<VirtualCoordinate> coordinates{};
   std::vector<double> stiffness_limit{}, damping_limit{}, force_limit{}, slew_limit{},
@@ -88,7 +90,8 @@ struct DeviceState {
   std::uint64_t seq{0};
   std::int64_t server_time_ns{0};
   std::vector<double> q{}, q_dot{}, x_probe{}, x{}, q_star{}, tau_a{}, tau_elastic{},
-      stiffness_in_effect{};
+      stiffness_in_effect{}, tau_measured{}, temperature_c{}, drive{},
+      reading{};
   std::uint64_t proxy_seq_used{0};
   std::chrono::microseconds proxy_age{0};
   Staleness staleness{Staleness::kUnknown};
@@ -96,6 +99,7 @@ struct DeviceState {
   Transport transport{Transport::kUnknown};
   State state{State::kUnknown};
   std::uint32_t faults{0}, limiters{0};
+  std::vector<std::uint32_t> actuator_limiters{};  ///< per actuated DoF; empty: none acted
   unsigned projection{0};
   double condition{0.0};
   std::uint32_t lease_epoch{0};

@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <iostream>
+#include <mutex>
+#include <thread>
+
+#include "calibration/guide.hpp"
+#include "commands.hpp"
+
+namespace haptic::ctl {
+namespace {
+
+/// A device behind hapticd. A controller that publishes "free" arms it at zero force, so that one
+/// that holds itself when it is off gives way to the hand.
+class ServedSensors final : public Sensors {
+ public:
+  ServedSensors(client::Connection& server, const std::string& device)
+      : server_(server), device_(device) {
+    session_ = open(false);
+    publisher_ = std::jthread([this](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        session_->publish(client::Proxy::free());
+        std::this_thread::sleep_for(std::chrono::milliseconds(16));
+      }
+    });
+  }
+  ~ServedSensors() override {
+    stop_publishing();
+    session_->close();  // no state is taken any more
+  }
+
+  /// Without a controller the device is disarmed.
+  void switch_off() override {
+    stop_publishing();
+    session_->close();
+    session_ = open(true);
+  }
+
+  void begin() override {
+    const std::lock_guard lock(mutex_);
+    seen_ = {};
+    forces_ = 0;
+  }
+  Statistics end() override {
+    if (!session_->connected()) {
+      throw client::ClientError(client::ErrorReason::kClosed, "the session ended");
+    }
+    const std::lock_guard lock(mutex_);
+    Statistics answer = seen_;
+    for (double& sum : answer.mean) sum /= static_cast<double>(answer.samples);
+    for (double& sum : answer.force) sum /= static_cast<double>(forces_);
+    return answer;
+  }
+  void pause(double seconds) override {
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  }
+
+ private:
+  std::unique_ptr<client::Session> open(bool observer) {
+    client::SessionOptions wanted;
+    wanted.device = device_;
+    wanted.observer = observer;
+    wanted.client_name = "hapticctl calibrate";
+    wanted.on_state = [this](const client::DeviceState& state) { take(state); };
+    return server_.open(wanted);
+  }
+  void stop_publishing() {
+    publisher_.request_stop();
+    if (publisher_.joinable()) publisher_.join();
+  }
+  void take(const client::DeviceState& state) {
+    const std::vector<double>& reading = state.reading.empty() ? state.q : state.reading;
+    const std::lock_guard lock(mutex_);
+    if (seen_.samples++ == 0) {
+      seen_.mean.assign(reading.size(), 0.0);
+      seen_.lowest = seen_.highest = reading;
+    }
+    for (std::size_t i = 0; i < std::min(reading.size(), seen_.mean.size()); ++i) {
+      seen_.mean[i] += reading[i];
+      seen_.lowest[i] = std::min(seen_.lowest[i], reading[i]);
+      seen_.highest[i] = std::max(seen_.highest[i], reading[i]);
+    }
+    if (state.tau_measured.empty()) return;
+    ++forces_;
+    seen_.force.resize(state.tau_measured.size());
+    for (std::size_t i = 0; i < seen_.force.size(); ++i) seen_.force[i] += state.tau_measured[i];
+  }
+
+  client::Connection& server_;
+  std::string device_;
+  std::mutex mutex_;
+  Statistics seen_{};  ///< sums in mean and force
+  std::uint64_t forces_{0};
+  std::unique_ptr<client::Session> session_;
+  std::jthread publisher_;
+};
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  std::tm day{};
+  ::localtime_r(&now, &day);
+  char text[16];
+  std::strftime(text, sizeof text, "%Y-%m-%d", &day);
+  return text;
+}
+
+/// The one device that is meant, if it can be calibrated.
+client::DeviceInfo device_of(client::Connection& server, const std::string& name) {
+  const auto refuse = [](const std::string& why) {
+    throw client::ClientError(client::ErrorReason::kInvalidArgument, why);
+  };
+  const auto devices = meant(server, name);
+  if (devices.size() != 1) refuse("several devices are served: say which, --device NAME");
+  const client::DeviceInfo& device = devices.front();
+  if (device.serial.empty()) {
+    refuse("'" + device.name + "' is a " + device.kind +
+           " device without a serial number: only a board can be calibrated");
+  }
+  if (!device.calibrated.empty()) {
+    refuse("'" + device.name + "' is served with its calibration of " + device.calibrated +
+           ": start hapticd without board.calibration_file to make another");
+  }
+  return device;
+}
+
+int save(Guide& guide, const std::string& text, const std::string& file) {
+  std::cout << '\n' << text << '\n';
+  if (!guide.agrees("Write this to " + file + "?")) {
+    std::fprintf(stderr, "nothing was written\n");
+    return 1;
+  }
+  std::ofstream stream(file);
+  stream << text;
+  stream.close();
+  if (!stream) {
+    std::fprintf(stderr, "hapticctl: %s cannot be written\n", file.c_str());
+    return 1;
+  }
+  std::cout << "written; a scene uses it by board { calibration_file: \"" << file << "\" }\n";
+  return 0;
+}
+
+}  // namespace
+
+int calibrate(const Options& options) {
+  client::Connection server(options.server);
+  const client::DeviceInfo device = device_of(server, options.device);
+  std::vector<SensedDof> dofs;
+  for (const auto& dof : device.dofs) dofs.push_back({dof.name, dof.unit, dof.lower, dof.upper});
+  ServedSensors sensors(server, device.name);
+  Guide guide(sensors, std::cin, std::cout);
+  try {
+    const CalibrationResult result = guide.run(dofs);
+    const std::string file = options.output.empty() ? device.serial + ".textproto" : options.output;
+    return save(guide, to_textproto(result, device.serial, today()), file);
+  } catch (const CalibrationAborted& aborted) {
+    std::fprintf(stderr, "hapticctl: calibration ended: %s; nothing was written\n", aborted.what());
+    return 1;
+  }
+}
+
+}  // namespace haptic::ctl

@@ -1,0 +1,77 @@
+#pragma once
+/// The guided calibration: asks a person to bring every DoF to two known places, through its whole
+/// travel, and to let go; computes what the readings mean. Reads answers from a stream and writes
+/// questions to another, so that a script can be the person.
+///
+///   per DoF    two places    q = scale reading + offset
+///              whole travel  lower, upper
+///   at last    hands off     force_zero
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "calibration/sensors.hpp"
+
+namespace haptic::ctl {
+
+struct DofCalibration {
+  std::string name{};
+  double scale{1.0}, offset{0.0};  ///< 1, m or rad
+  double lower{0.0}, upper{0.0};   ///< m or rad
+};
+
+struct CalibrationResult {
+  std::vector<DofCalibration> dofs{};
+  std::vector<double> force_zero{};
+};
+
+/// The person gave up ("q", or the end of the answers), or a step failed too often.
+class CalibrationAborted : public std::exception {
+ public:
+  explicit CalibrationAborted(std::string why) : why_(std::move(why)) {}
+  [[nodiscard]] const char* what() const noexcept override { return why_.c_str(); }
+
+ private:
+  std::string why_;
+};
+
+class Guide {
+ public:
+  static constexpr double kStill = 1.0;         ///< s over which a place is averaged
+  static constexpr int kTries = 5;              ///< of one step
+  static constexpr double kMostMotion = 0.01;   ///< of the DoF's range, while it is held still
+  static constexpr double kLeastApart = 0.2;    ///< of the range: the two places, and the travel
+  static constexpr double kBeyond = 0.05;       ///< of the range: how far travel may leave it
+  static constexpr std::uint64_t kFewest = 50;  ///< samples of a place
+
+  Guide(Sensors& sensors, std::istream& answers, std::ostream& questions)
+      : sensors_(sensors), in_(answers), out_(questions) {}
+
+  /// Throws CalibrationAborted.
+  [[nodiscard]] CalibrationResult run(const std::vector<SensedDof>& dofs);
+  /// The person agrees ("y").
+  [[nodiscard]] bool agrees(const std::string& question);
+
+ private:
+  struct Place {
+    double truth{0.0}, reading{0.0};
+  };
+  [[nodiscard]] DofCalibration one(const SensedDof& dof, std::size_t index);
+  [[nodiscard]] Place place(const SensedDof& dof, std::size_t index, const char* which,
+                            double otherwise);
+  [[nodiscard]] bool still(const SensedDof& dof, std::size_t index, double& reading);
+  void travel(const SensedDof& dof, std::size_t index, DofCalibration& found);
+  [[nodiscard]] std::vector<double> force_zero();
+  [[nodiscard]] std::string answer();
+
+  Sensors& sensors_;
+  std::istream& in_;
+  std::ostream& out_;
+};
+
+/// The file that hapticd reads (Calibration in scene.proto). `date`: YYYY-MM-DD.
+[[nodiscard]] std::string to_textproto(const CalibrationResult& result, const std::string& serial,
+                                       const std::string& date);
+
+}  // namespace haptic::ctl

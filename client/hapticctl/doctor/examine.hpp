@@ -1,0 +1,72 @@
+#pragma once
+/// Is this host fit to run a 1 kHz loop, what would make it fitter, and how stiff may a spring be on
+/// it (METHOD 5.1)? Pure: everything it judges is given to it.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "doctor/host_files.hpp"
+
+namespace haptic::ctl {
+
+/// Lateness of the wake-ups of a bare 1 kHz loop.
+struct Jitter {
+  std::uint64_t ticks{0};    ///< deadlines, those passed over included
+  std::uint64_t skipped{0};  ///< deadlines that had passed before the loop woke
+  double p50_us{0.0}, p99_us{0.0}, max_us{0.0};
+};
+
+/// What only asking the kernel tells. Errors are errno values; 0: granted.
+struct HostAnswers {
+  int fifo_error{0};                       ///< of SCHED_FIFO 80
+  bool sys_nice{false};                    ///< CAP_SYS_NICE is effective
+  std::optional<std::uint64_t> memlock{};  ///< RLIMIT_MEMLOCK, bytes; absent: unlimited
+  bool ipc_lock{false};                    ///< CAP_IPC_LOCK is effective
+  uid_t user{0};
+  std::vector<gid_t> groups{};  ///< effective and supplementary
+  Jitter jitter{};
+};
+
+/// What the cap is asked for.
+struct StiffnessQuestion {
+  double period_s{1e-3};
+  double device_damping{1.0};    ///< b, the device's own, N s/m or N m s/rad
+  double rendered_damping{0.0};  ///< B of Z_q
+};
+
+enum class Health : std::uint8_t { kGood, kImpaired, kBad };
+
+struct Finding {
+  std::string
+      what{};  ///< "kernel", "real-time", "memory", "cgroup", "governor", "serial", "jitter"
+  Health health{Health::kGood};
+  std::string found{};
+  std::string advice{};  ///< what to do; empty where there is nothing to do
+};
+
+/// METHOD 5.1, N/m or N m/rad.
+struct StiffnessCap {
+  double hold_s{0.0};   ///< the longest time that one force was held: period and largest lateness
+  double delay_s{0.0};  ///< t_d: lateness (p99) and what the serial link adds
+  double passive{0.0};  ///< 2 (b - B) / hold: never gives out more than the device absorbs
+  double stable{
+      0.0};  ///< (b + B) / (period / 2 + t_d): beyond it even a steady press may oscillate
+};
+
+struct Report {
+  std::string grade{};  ///< "real-time", "degraded", "unfit": as its worst finding
+  std::vector<Finding> findings{};
+  StiffnessCap cap{};
+};
+
+[[nodiscard]] Report examine(const HostFiles& host, const HostAnswers& answers,
+                             const StiffnessQuestion& question);
+
+/// For people: a line per finding, its advice below it, the grade, the cap.
+[[nodiscard]] std::string to_text(const Report& report, const StiffnessQuestion& question);
+/// One JSON object.
+[[nodiscard]] std::string to_json(const Report& report, const StiffnessQuestion& question);
+
+}  // namespace haptic::ctl

@@ -1,0 +1,38 @@
+#pragma once
+/// The files of /proc, /sys and /dev that the doctor reads, under a root folder: "/" on a host, a
+/// made-up one in a test.
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace haptic::ctl {
+
+class HostFiles {
+ public:
+  explicit HostFiles(std::filesystem::path root = "/") : root_(std::move(root)) {}
+
+  /// The whole text without the last newline; nothing where it cannot be read.
+  [[nodiscard]] std::optional<std::string> text(const std::string& path) const;
+  /// A whole number at the beginning of the file.
+  [[nodiscard]] std::optional<long long> number(const std::string& path) const;
+  /// Full paths of the entries of a folder whose names begin with `prefix`, sorted.
+  [[nodiscard]] std::vector<std::string> entries(const std::string& folder,
+                                                 const std::string& prefix) const;
+
+  struct Ownership {
+    mode_t mode{0};
+    uid_t user{0};
+    gid_t group{0};
+  };
+  [[nodiscard]] std::optional<Ownership> ownership(const std::string& path) const;
+
+ private:
+  [[nodiscard]] std::filesystem::path under_root(const std::string& path) const;
+  std::filesystem::path root_;
+};
+
+}  // namespace haptic::ctl

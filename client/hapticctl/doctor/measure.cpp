@@ -1,0 +1,104 @@
+#include "doctor/measure.hpp"
+
+#include <pthread.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <sstream>
+#include <thread>
+
+namespace haptic::ctl {
+namespace {
+
+constexpr int kPriority = 80;  // hapticd's default
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+// Bits of <linux/capability.h>.
+constexpr int kIpcLock = 14, kSysNice = 23;
+
+std::int64_t now_ns() {
+  timespec t{};
+  ::clock_gettime(CLOCK_MONOTONIC, &t);
+  return t.tv_sec * kSecond + t.tv_nsec;
+}
+
+void sleep_until(std::int64_t at_ns) {
+  const timespec t{at_ns / kSecond, at_ns % kSecond};
+  while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) != 0) {
+  }
+}
+
+/// The deadline grid of hapticd's loop: what was passed over is not made up for.
+Jitter run_loop(double seconds, double period_s) {
+  const auto period = static_cast<std::int64_t>(period_s * 1e9);
+  const auto ticks = static_cast<std::size_t>(std::max(0.0, seconds / period_s));
+  std::vector<double> lateness;
+  lateness.reserve(ticks + 1);
+  std::uint64_t skipped = 0;
+  const std::int64_t start = now_ns(), end = start + static_cast<std::int64_t>(ticks) * period;
+  for (std::int64_t deadline = start + period; deadline <= end;) {
+    sleep_until(deadline);
+    const std::int64_t late = now_ns() - deadline;
+    lateness.push_back(1e-3 * static_cast<double>(late));
+    const std::int64_t passed = late / period;
+    skipped += static_cast<std::uint64_t>(passed);
+    deadline += (passed + 1) * period;
+  }
+  return summarise(std::move(lateness), skipped);
+}
+
+bool has_capability(int bit) {
+  std::istringstream lines(HostFiles().text("/proc/self/status").value_or(""));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("CapEff:", 0) != 0) continue;
+    return (std::stoull(line.substr(7), nullptr, 16) >> bit & 1U) != 0;
+  }
+  return false;
+}
+
+}  // namespace
+
+Jitter summarise(std::vector<double> lateness_us, std::uint64_t skipped) {
+  Jitter jitter;
+  jitter.skipped = skipped;
+  jitter.ticks = lateness_us.size() + skipped;
+  if (lateness_us.empty()) return jitter;
+  std::sort(lateness_us.begin(), lateness_us.end());
+  const auto rank = [&](double share) {
+    const auto n = static_cast<double>(lateness_us.size());
+    return lateness_us[static_cast<std::size_t>(std::max(0.0, std::ceil(share * n) - 1.0))];
+  };
+  jitter.p50_us = rank(0.50);
+  jitter.p99_us = rank(0.99);
+  jitter.max_us = lateness_us.back();
+  return jitter;
+}
+
+HostAnswers ask_host(double seconds, double period_s) {
+  HostAnswers answers;
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+    answers.memlock = limit.rlim_cur;
+  }
+  answers.sys_nice = has_capability(kSysNice);
+  answers.ipc_lock = has_capability(kIpcLock);
+  answers.user = ::geteuid();
+  answers.groups.resize(static_cast<std::size_t>(std::max(0, ::getgroups(0, nullptr))));
+  static_cast<void>(::getgroups(static_cast<int>(answers.groups.size()), answers.groups.data()));
+  answers.groups.push_back(::getegid());
+  std::thread loop([&] {
+    static_cast<void>(::prctl(PR_SET_TIMERSLACK, 1UL));
+    sched_param parameters{};
+    parameters.sched_priority = kPriority;
+    answers.fifo_error = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &parameters);
+    answers.jitter = run_loop(seconds, period_s);
+  });
+  loop.join();
+  return answers;
+}
+
+}  // namespace haptic::ctl

@@ -1,0 +1,135 @@
+#include "server/scene/force_control_scene.hpp"
+
+#include <algorithm>
+#include <functional>
+
+#include "server/scene/field_reader.hpp"
+
+namespace haptic::server {
+namespace {
+
+constexpr const char* kPer = "actuated DoF";
+
+std::vector<double> constant(int n_a, double value) {
+  return std::vector<double>(static_cast<std::size_t>(std::max(n_a, 0)), value);
+}
+
+bool same_size(std::initializer_list<std::size_t> sizes) {
+  return std::adjacent_find(sizes.begin(), sizes.end(), std::not_equal_to<>{}) == sizes.end();
+}
+
+/// The force limit and the friction on top, as far as the device can give it.
+std::vector<double> default_output(const core::VecA& force_limit, const core::VecA& max_effort,
+                                   const std::vector<double>& friction) {
+  std::vector<double> output;
+  if (force_limit.size() != max_effort.size()) return output;
+  for (Eigen::Index i = 0; i < force_limit.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double added = k < friction.size() ? friction[k] : 0.0;
+    output.push_back(std::min(force_limit[i] + added, max_effort[i]));
+  }
+  return output;
+}
+
+std::vector<core::ForceLoopGains> read_server(v1::ServerForceLoopScene& message,
+                                              const std::string& path, int n_a,
+                                              const core::VecA& force_limit,
+                                              const core::VecA& max_effort, Problems& problems) {
+  const FieldReader reader(message, path, problems);
+  const auto proportional = reader.list({"proportional", Allowed::kNotNegative, n_a, kPer});
+  const auto integral = reader.list({"integral_per_s", Allowed::kNotNegative, n_a, kPer});
+  const auto friction =
+      reader.list({"friction_n", Allowed::kNotNegative, n_a, kPer}, constant(n_a, 0.0));
+  const auto band =
+      reader.list({"friction_band_n", Allowed::kPositive, n_a, kPer}, constant(n_a, 1.0));
+  const auto output = reader.list({"output_limit_n", Allowed::kPositive, n_a, kPer},
+                                  default_output(force_limit, max_effort, friction));
+  if (!same_size(
+          {proportional.size(), integral.size(), friction.size(), band.size(), output.size()})) {
+    return {};  // reported
+  }
+  std::vector<core::ForceLoopGains> loops;
+  for (std::size_t i = 0; i < proportional.size(); ++i) {
+    loops.push_back({proportional[i], integral[i], friction[i], band[i], output[i]});
+    const auto a = static_cast<Eigen::Index>(i);
+    if (a < max_effort.size() && output[i] > max_effort[a]) {
+      reader.wrong("output_limit_n[" + std::to_string(i) + "]", decimal(output[i]),
+                   "must be at most what the device can give, " + decimal(max_effort[a]));
+    }
+  }
+  return loops;
+}
+
+std::vector<core::AdmittanceParameters> read_admittance(v1::AdmittanceScene& message,
+                                                        const std::string& path,
+                                                        const core::Kinematics* kinematics,
+                                                        Problems& problems) {
+  const FieldReader reader(message, path, problems);
+  const int n_a = kinematics == nullptr ? -1 : kinematics->layout().n_a();
+  std::vector<double> stroke_begin, stroke_end;
+  for (int i = 0; i < n_a; ++i) {
+    const auto& dof =
+        kinematics->dofs()[static_cast<std::size_t>(kinematics->layout().actuated(i))];
+    stroke_begin.push_back(dof.lower);
+    stroke_end.push_back(dof.upper);
+  }
+  const auto mass = reader.list({"mass_kg", Allowed::kNotNegative, n_a, kPer}, constant(n_a, 0.0));
+  const auto damping = reader.list({"damping_n_s_per_m", Allowed::kPositive, n_a, kPer});
+  const auto rate = reader.list({"max_rate_m_per_s", Allowed::kPositive, n_a, kPer});
+  const auto lower = reader.list({"lower", Allowed::kFinite, n_a, kPer}, stroke_begin);
+  const auto upper = reader.list({"upper", Allowed::kFinite, n_a, kPer}, stroke_end);
+  if (!same_size({mass.size(), damping.size(), rate.size(), lower.size(), upper.size()})) return {};
+  std::vector<core::AdmittanceParameters> admittances;
+  for (std::size_t i = 0; i < mass.size(); ++i) {
+    admittances.push_back({mass[i], damping[i], rate[i], lower[i], upper[i]});
+    if (i >= stroke_begin.size()) continue;
+    const std::string at = "[" + std::to_string(i) + "]";
+    if (lower[i] < stroke_begin[i]) {
+      reader.wrong("lower" + at, decimal(lower[i]),
+                   "must be at least the DoF's own, " + decimal(stroke_begin[i]));
+    } else if (upper[i] > stroke_end[i]) {
+      reader.wrong("upper" + at, decimal(upper[i]),
+                   "must be at most the DoF's own, " + decimal(stroke_end[i]));
+    } else if (lower[i] >= upper[i]) {
+      reader.wrong("lower" + at, decimal(lower[i]), "must be below upper, " + decimal(upper[i]));
+    }
+  }
+  return admittances;
+}
+
+}  // namespace
+
+ForceControlScene read_force_control(v1::DeviceScene& device, const std::string& device_path,
+                                     const core::Kinematics* kinematics,
+                                     const core::VecA& force_limit, const core::VecA& max_effort,
+                                     Problems& problems) {
+  v1::ForceControlScene& message = *device.mutable_force_control();
+  const std::string path = device_path + ".force_control";
+  if (device.source_case() != v1::DeviceScene::kBoard &&
+      device.source_case() != v1::DeviceScene::SOURCE_NOT_SET) {
+    problems.wrong(path, "{ ... }", "must go with board: nothing else measures its force");
+  }
+  ForceControlScene scene;
+  switch (message.where_case()) {
+    case v1::ForceControlScene::kBoard:
+      scene.place = ForceControlPlace::kBoard;
+      break;
+    case v1::ForceControlScene::kServer:
+      scene.place = ForceControlPlace::kServer;
+      scene.settings.loops = read_server(*message.mutable_server(), path + ".server",
+                                         kinematics == nullptr ? -1 : kinematics->layout().n_a(),
+                                         force_limit, max_effort, problems);
+      break;
+    case v1::ForceControlScene::kAdmittance:
+      scene.place = ForceControlPlace::kAdmittance;
+      scene.settings.admittances = read_admittance(*message.mutable_admittance(),
+                                                   path + ".admittance", kinematics, problems);
+      break;
+    case v1::ForceControlScene::WHERE_NOT_SET:
+      problems.missing(path + ".where", "one of board, server, admittance");
+      break;
+  }
+  return scene;
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,17 @@
+#pragma once
+/// Reads force_control of a device.
+
+#include "haptic/core/model/kinematics.hpp"
+#include "haptic/v1/scene.pb.h"
+#include "server/scene/force_control.hpp"
+#include "server/scene/problems.hpp"
+
+namespace haptic::server {
+
+/// Reads the message of a device whose path is `path` and fills in its defaults. `kinematics` may be
+/// null: not known, sizes are not looked at. `force_limit`, `max_effort`: n_a, or empty.
+[[nodiscard]] ForceControlScene read_force_control(
+    v1::DeviceScene& message, const std::string& path, const core::Kinematics* kinematics,
+    const core::VecA& force_limit, const core::VecA& max_effort, Problems& problems);
+
+}  // namespace haptic::server

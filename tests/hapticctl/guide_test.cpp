@@ -1,0 +1,193 @@
+// A made-up device whose sensors are wrong by a known scale and offset, and a script for a person.
+#include "calibration/guide.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <sstream>
+
+namespace haptic::ctl {
+namespace {
+
+/// reading = (q - offset) / scale; every answer of the script moves the device on.
+struct WrongSensors final : Sensors {
+  void begin() override {
+    first = true;
+    take();
+  }
+  Statistics end() override {
+    take();
+    return {samples, readings(q), low, high, force};
+  }
+  void switch_off() override { off = true; }
+  void pause(double) override { take(); }
+
+  void take() {
+    std::vector<double> now = readings(q);
+    if (first) low = high = now;
+    first = false;
+    for (const auto& place : passed) widen(readings(place));
+    passed.clear();
+    widen(now);
+  }
+  void widen(const std::vector<double>& r) {
+    for (std::size_t i = 0; i < r.size(); ++i) {
+      low[i] = std::min(low[i], r[i] - shake);
+      high[i] = std::max(high[i], r[i] + shake);
+    }
+  }
+  [[nodiscard]] std::vector<double> readings(const std::vector<double>& truth) const {
+    return {(truth[0] - 0.004) / 1.25, (truth[1] - 0.3) / -0.8};
+  }
+
+  std::vector<double> q{0.0, 0.0};
+  std::vector<std::vector<double>> passed{};  ///< between begin() and end()
+  std::vector<double> low{}, high{}, force{0.7};
+  double shake{0.0};
+  std::uint64_t samples{500};
+  bool first{true}, off{false};
+};
+
+/// An input that does something with the device before each line is read.
+class Script : public std::stringbuf {
+ public:
+  using Step = std::pair<std::function<void()>, std::string>;
+  explicit Script(std::vector<Step> steps) : steps_(std::move(steps)) {}
+
+ protected:
+  int_type underflow() override {
+    if (next_ >= steps_.size()) return traits_type::eof();
+    steps_[next_].first();
+    str(steps_[next_++].second + "\n");
+    return traits_type::to_int_type(str().front());
+  }
+
+ private:
+  std::vector<Step> steps_;
+  std::size_t next_{0};
+};
+
+const std::vector<SensedDof> kDofs{{"l_x", "m", 0.0, 0.05}, {"q_B", "rad", -1.2, 0.7}};
+
+struct GuideRun : ::testing::Test {
+  WrongSensors device;
+  std::ostringstream asked;
+
+  auto at(double l_x, double q_B) {
+    return [this, l_x, q_B] { device.q = {l_x, q_B}; };
+  }
+  auto through(std::vector<std::vector<double>> places) {
+    return [this, places] { device.passed = places; };
+  }
+  std::vector<Script::Step> good() {
+    return {{at(0.01, 0.0), "0.01"},
+            {at(0.04, 0.0), "0.04"},
+            {through({{0.001, 0.0}, {0.049, 0.0}}), ""},
+            {at(0.02, -1.2), ""},  // Enter: its lower end
+            {at(0.02, 0.7), ""},
+            {through({{0.02, -1.1}, {0.02, 0.6}}), ""},
+            {at(0.02, 0.0), ""}};
+  }
+  CalibrationResult run(std::vector<Script::Step> steps) {
+    Script script(std::move(steps));
+    std::istream answers(&script);
+    Guide guide(device, answers, asked);
+    return guide.run(kDofs);
+  }
+  std::string why(std::vector<Script::Step> steps) {
+    try {
+      static_cast<void>(run(std::move(steps)));
+    } catch (const CalibrationAborted& aborted) {
+      return aborted.what();
+    }
+    return "done";
+  }
+};
+
+TEST_F(GuideRun, FindsWhatTheSensorsMean) {
+  const CalibrationResult result = run(good());
+  ASSERT_EQ(result.dofs.size(), 2u);
+  EXPECT_EQ(result.dofs[0].name, "l_x");
+  EXPECT_NEAR(result.dofs[0].scale, 1.25, 1e-12);
+  EXPECT_NEAR(result.dofs[0].offset, 0.004, 1e-12);
+  EXPECT_NEAR(result.dofs[0].lower, 0.001, 1e-12);
+  EXPECT_NEAR(result.dofs[0].upper, 0.049, 1e-12);
+  // A sensor that counts the other way: the ends of its readings change places.
+  EXPECT_NEAR(result.dofs[1].scale, -0.8, 1e-12);
+  EXPECT_NEAR(result.dofs[1].offset, 0.3, 1e-12);
+  EXPECT_NEAR(result.dofs[1].lower, -1.1, 1e-12);
+  EXPECT_NEAR(result.dofs[1].upper, 0.7, 1e-12) << "where it stood when the travel began";
+  EXPECT_EQ(result.force_zero, std::vector<double>{0.7});
+  EXPECT_TRUE(device.off) << "a loop closed on a cell with an offset would push";
+}
+
+TEST_F(GuideRun, AsksAgainWhereTheAnswerIsNoNumber) {
+  auto steps = good();
+  steps.insert(steps.begin(), {at(0.01, 0.0), "one"});
+  EXPECT_NEAR(run(steps).dofs[0].scale, 1.25, 1e-12);
+  EXPECT_NE(asked.str().find("'one' is no number"), std::string::npos);
+}
+
+TEST_F(GuideRun, AsksAgainWhereTheDeviceMoved) {
+  auto steps = good();
+  const auto shaken = [this] {
+    device.q = {0.01, 0.0};
+    device.shake = 0.001;
+  };
+  const auto calm = [this] {
+    device.q = {0.01, 0.0};
+    device.shake = 0.0;
+  };
+  steps[0] = {shaken, "0.01"};
+  steps.insert(steps.begin() + 1, {calm, "0.01"});
+  EXPECT_NEAR(run(steps).dofs[0].offset, 0.004, 1e-12);
+  EXPECT_NE(asked.str().find("hold it still"), std::string::npos);
+}
+
+TEST_F(GuideRun, TwoPlacesTooNearAreAskedForAgain) {
+  auto steps = good();
+  steps.insert(steps.begin(), {at(0.012, 0.0), "0.012"});
+  steps.insert(steps.begin(), {at(0.010, 0.0), "0.010"});
+  EXPECT_NEAR(run(steps).dofs[0].scale, 1.25, 1e-9);
+  EXPECT_NE(asked.str().find("both must differ"), std::string::npos);
+}
+
+TEST_F(GuideRun, ASensorThatDoesNotMoveIsNotCalibrated) {
+  std::vector<Script::Step> steps;
+  for (int i = 0; i < 2 * Guide::kTries; ++i) {
+    steps.push_back({at(0.02, 0.0), i % 2 == 0 ? "0.0" : "0.05"});
+  }
+  EXPECT_EQ(why(steps), "l_x: the two places were never far enough apart");
+}
+
+TEST_F(GuideRun, TravelBeyondTheScenesRangeIsQuestioned) {
+  auto steps = good();
+  steps[2] = {through({{-0.02, 0.0}, {0.049, 0.0}}), ""};
+  const auto anew = [this] { device.passed = {{0.0, 0.0}, {0.05, 0.0}}; };
+  steps.insert(steps.begin() + 3, {anew, ""});
+  EXPECT_NEAR(run(steps).dofs[0].lower, 0.0, 1e-12);
+  EXPECT_NE(asked.str().find("were the two places right?"), std::string::npos);
+}
+
+TEST_F(GuideRun, ASilentDeviceIsNamedAndGivenUp) {
+  device.samples = 3;
+  std::vector<Script::Step> steps(Guide::kTries, {at(0.01, 0.0), "0.01"});
+  EXPECT_EQ(why(steps), "l_x: no place was found in 5 tries");
+  EXPECT_NE(asked.str().find("only 3 samples"), std::string::npos);
+}
+
+TEST_F(GuideRun, EndsWhenToldTo) {
+  EXPECT_EQ(why({{at(0.0, 0.0), "q"}}), "given up");
+  EXPECT_EQ(why({}), "the answers ended");
+}
+
+TEST(CalibrationFile, HoldsEveryNumberToTheBit) {
+  const CalibrationResult result{{{"l_x", 1.0 / 3.0, -0.1, 0.001, 0.049}}, {0.7}};
+  EXPECT_EQ(to_textproto(result, "HX-\"1\"", "2026-11-21"),
+            "# hapticctl calibrate\ndevice_serial: \"HX-\\\"1\\\"\"\ndate: \"2026-11-21\"\n"
+            "dof { name: \"l_x\" scale: 0.3333333333333333 offset: -0.1 lower: 0.001 upper: 0.049 "
+            "}\nforce_zero: 0.7\n");
+}
+
+}  // namespace
+}  // namespace haptic::ctl

@@ -1,0 +1,77 @@
+#include <unistd.h>
+
+#include <fstream>
+
+#include "tests/server/scene/scene_text.hpp"
+
+namespace haptic::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A calibration file, and a scene that names it.
+class CalibratedScene : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    file_ = fs::temp_directory_path() /
+            ("haptic-calibration-" + std::to_string(::getpid()) + ".textproto");
+  }
+  void TearDown() override { fs::remove(file_); }
+  void write(const std::string& text) const { std::ofstream(file_) << text; }
+  [[nodiscard]] std::string scene() const {
+    return replaced(kFinger, "simulated_finger {}",
+                    "board { port: \"/dev/none\" max_effort: 40 calibration_file: \"" +
+                        file_.string() + "\" }");
+  }
+  [[nodiscard]] hw::board::Calibration calibration() const {
+    return *std::get<hw::BoardConfig>(parse(scene()).devices[0].source).calibration;
+  }
+  fs::path file_;
+};
+
+const std::string kHead = "device_serial: \"HX-7\" date: \"2026-11-21\"\n";
+const std::string kLx =
+    "dof { name: \"l_x\" scale: 1.1 offset: -0.002 lower: 0.001 upper: 0.048 }\n";
+const std::string kQb = "dof { name: \"q_B\" scale: -0.9 offset: 0.1 lower: -1.2 upper: 0.6 }\n";
+
+TEST_F(CalibratedScene, EachDofFindsItsPlaceWhateverTheOrderInTheFile) {
+  write(kHead + kQb + kLx + "force_zero: 0.4\n");
+  const hw::board::Calibration c = calibration();
+  EXPECT_EQ(c.serial, "HX-7");
+  EXPECT_EQ(c.date, "2026-11-21");
+  EXPECT_EQ(c.scale[0], 1.1);
+  EXPECT_EQ(c.offset[0], -0.002);
+  EXPECT_EQ(c.scale[1], -0.9);
+  EXPECT_EQ(c.upper[1], 0.6);
+  EXPECT_EQ(c.force_zero[0], 0.4);
+}
+
+TEST_F(CalibratedScene, TheResolvedSceneNamesTheFileInFull) {
+  write(kHead + kLx + kQb);
+  const server::Scene scene = parse(this->scene());
+  EXPECT_NE(scene.resolved.find("calibration_file: \"" + file_.string()), std::string::npos);
+  EXPECT_EQ(parse(scene.resolved).resolved, scene.resolved);
+}
+
+TEST_F(CalibratedScene, WhatIsWrongIsNamed) {
+  struct Case {
+    std::string text, error;
+  };
+  const Case cases[] = {
+      {"date: \"2026-11-21\"\n" + kLx + kQb, "device_serial: is required"},
+      {"device_serial: \"HX-7\" date: \"yesterday\"\n" + kLx + kQb, "must be YYYY-MM-DD"},
+      {kHead + kLx, "lacks DoF 'q_B'"},
+      {kHead + kLx + kLx, "has DoF 'l_x' twice"},
+      {kHead + kLx + kQb + replaced(kLx, "l_x", "l_y"), "has 3 DoFs; must have 2"},
+      {kHead + "dof { nmae: \"l_x\" }", "must be a file of hapticctl calibrate"},
+  };
+  for (const Case& c : cases) {
+    write(c.text);
+    EXPECT_NE(error_of(scene()).find(c.error), std::string::npos) << error_of(scene());
+  }
+  fs::remove(file_);
+  EXPECT_NE(error_of(scene()).find("it cannot be read"), std::string::npos) << error_of(scene());
+}
+
+}  // namespace
+}  // namespace haptic::test

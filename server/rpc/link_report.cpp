@@ -4,7 +4,6 @@
 
 #include "server/rpc/convert.hpp"
 #include "server/rpc/session_stream.hpp"
-#include "server/rpc/steady_now.hpp"
 
 namespace haptic::server {
 namespace {
@@ -111,7 +110,7 @@ void SessionStream::report(const std::string& device, v1::GetLinkStatsResponse& 
   const bool samples = link_.figures(Carrier::kGrpc).samples + link_.figures(Carrier::kUdp).samples;
   if (samples) message.set_samples_by(static_cast<v1::Transport>(samples_by_));
   message.set_states_by(static_cast<v1::Transport>(states_by_));
-  report_link(link_, udp_.get(), message.holds_lease(), steady_now(), message);
+  report_link(link_, udp_.get(), message.holds_lease(), context_.config.clock({}), message);
 }
 
 }  // namespace haptic::server

@@ -8,13 +8,12 @@
 #include <atomic>
 #include <bit>
 #include <map>
-#include <mutex>
 #include <thread>
 
-#include "haptic/client/client.hpp"
-#include "server/rpc/rpc_server.hpp"
 #include "server/scene/scene.hpp"
+#include "tests/server/support/test_client.hpp"
 #include "tests/support/link/impaired_link.hpp"
+#include "tests/support/udp_end.hpp"
 
 namespace haptic::test {
 namespace {
@@ -23,7 +22,7 @@ using namespace std::chrono_literals;
 
 constexpr core::Duration kTick = 1ms;
 constexpr int kTicks = 4000;
-constexpr int kFirstSample = 20, kSampleEvery = 10;  // ticks
+constexpr int kFirstSample = 20, kSampleEvery = 10;  // ticks; 100 Hz, as open_message() says
 constexpr int kEngageAt = 500;
 constexpr double kWall = 0.35;  // rad, where the soft grasp's finger is stopped
 
@@ -133,24 +132,33 @@ class InProcess final : public Way {
   bool granted_{false};
 };
 
-class ByClient final : public Way {
+/// A client on the bare stubs, and on one end of a UDP path where it shall use that. Its samples name no
+/// source time: its clock is not the test's.
+class ByWire final : public Way {
  public:
-  ByClient(Server& server, client::Carriers carriers) : connection_(server.address()) {
-    client::SessionOptions options;
-    options.nominal_rate_hz = 1000.0 / kSampleEvery;
-    options.carriers = carriers;
-    options.on_state = [this](const client::DeviceState& state) {
-      const std::lock_guard lock(mutex_);
-      if (!state.tau_a.empty()) heard_[state.seq] = state.tau_a[0];
-    };
-    session_ = connection_.open(options);
-    if (carriers != client::Carriers::kUdpOnly) return;
-    while (!session_->udp_link()->in_use) std::this_thread::sleep_for(1ms);
+  ByWire(Server& server, bool by_udp)
+      : session_(grpc::CreateChannel(server.address(), grpc::InsecureChannelCredentials()),
+                 opening(by_udp)) {
+    EXPECT_TRUE(session_.wait_opened());
+    if (!by_udp) return;
+    const v1::UdpPath& offer = session_.opened().udp();
+    udp_ = std::make_unique<UdpEnd>(wire::End::kClient, keys_of(offer),
+                                    static_cast<std::uint16_t>(offer.port()));
+    EXPECT_TRUE(eventually([this] { return udp_->in_use(); }));
   }
+
   void publish(Server& server, const std::vector<double>& x) override {
     const std::uint64_t before = server.accepted();
     while (server.accepted() == before) {
-      session_->publish(client::Proxy::held(x));
+      v1::SessionRequest message;
+      message.mutable_proxy()->set_seq(++seq_);
+      message.mutable_proxy()->set_mode(v1::PROXY_MODE_HELD);
+      message.mutable_proxy()->mutable_position()->Add(x.begin(), x.end());
+      if (udp_) {
+        static_cast<void>(udp_->send(message.proxy().SerializeAsString()));
+      } else {
+        ASSERT_TRUE(session_.send(message));
+      }
       // A datagram may be lost, and a path fall silent on a busy machine: then once more.
       const auto patience = std::chrono::steady_clock::now() + 2s;
       while (server.accepted() == before && std::chrono::steady_clock::now() < patience) {
@@ -160,22 +168,44 @@ class ByClient final : public Way {
     ASSERT_EQ(server.accepted(), before + 1);
   }
   void ask_for_force(Server& server) override {
-    asking_ = std::thread([this] { session_->engage(); });
+    asking_ = std::thread([this] { granted_ = session_.engage().ok(); });
     server.wait_for_request();
   }
-  void expect_force() override { asking_.join(); }
+  void expect_force() override {
+    asking_.join();
+    EXPECT_TRUE(granted_);
+  }
 
-  /// Force by tick, as the states that came down tell it.
-  [[nodiscard]] std::map<std::uint64_t, double> heard() {
-    const std::lock_guard lock(mutex_);
-    return heard_;
+  /// The newest state that came down, by either carrier.
+  [[nodiscard]] v1::DeviceState heard() {
+    v1::DeviceState newest = session_.state();
+    for (const std::string& message : udp_ ? udp_->messages() : std::vector<std::string>{}) {
+      v1::DeviceState state;
+      if (state.ParseFromString(message) && state.seq() > newest.seq()) newest = state;
+    }
+    return newest;
   }
 
  private:
-  std::mutex mutex_;
-  std::map<std::uint64_t, double> heard_{};
-  client::Connection connection_;
-  std::unique_ptr<client::Session> session_{};
+  static v1::SessionRequest opening(bool by_udp) {
+    v1::SessionRequest message = open_message(v1::ROLE_CONTROLLER, "by wire");
+    message.mutable_open()->set_udp_wanted(by_udp);
+    return message;
+  }
+  static wire::PathKeys keys_of(const v1::UdpPath& udp) {
+    wire::PathKeys keys;
+    keys.path_id = udp.path_id();
+    std::copy_n(udp.up_key().begin(), wire::kKeySize, keys.up.key.begin());
+    std::copy_n(udp.up_salt().begin(), wire::kSaltSize, keys.up.salt.begin());
+    std::copy_n(udp.down_key().begin(), wire::kKeySize, keys.down.key.begin());
+    std::copy_n(udp.down_salt().begin(), wire::kSaltSize, keys.down.salt.begin());
+    return keys;
+  }
+
+  TestSession session_;
+  std::unique_ptr<UdpEnd> udp_{};
+  std::uint64_t seq_{0};
+  std::atomic<bool> granted_{false};
   std::thread asking_{};
 };
 
@@ -230,18 +260,15 @@ const Trace& in_process() {
   return kTrace;
 }
 
-/// States are conflated where a stream is slow; those that came say what the loop did.
-void expect_same(const Trace& trace, ByClient& way) {
+/// States are conflated; the newest that came says what the loop did at its tick.
+void expect_same(const Trace& trace, ByWire& way) {
   EXPECT_EQ(trace.tau, in_process().tau);
   EXPECT_EQ(trace.elastic, in_process().elastic);
-  const auto heard = way.heard();
-  EXPECT_GT(heard.size(), 100U);
-  for (const auto& [tick, tau] : heard) {
-    const auto entry = trace.by_tick.find(tick);
-    if (entry != trace.by_tick.end()) {
-      ASSERT_EQ(tau, entry->second) << tick;
-    }
-  }
+  const v1::DeviceState state = way.heard();
+  const auto entry = trace.by_tick.find(state.seq());
+  ASSERT_NE(entry, trace.by_tick.end()) << state.seq();
+  ASSERT_EQ(state.tau_a_size(), 1);
+  EXPECT_EQ(state.tau_a(0), entry->second);
 }
 
 TEST(LockStep, TheRunHasForceAndTrouble) {
@@ -258,21 +285,21 @@ TEST(LockStep, InProcessTwiceIsTheSame) {
 TEST(LockStep, GrpcOverTcpIsTheSame) {
   Server server;
   server.serve("127.0.0.1:0");
-  ByClient way(server, client::Carriers::kGrpcOnly);
+  ByWire way(server, false);
   expect_same(run(server, way), way);
 }
 
 TEST(LockStep, GrpcOverAUnixSocketIsTheSame) {
   Server server;
   server.serve("unix:/tmp/haptic-lockstep-" + std::to_string(getpid()));
-  ByClient way(server, client::Carriers::kGrpcOnly);
+  ByWire way(server, false);
   expect_same(run(server, way), way);
 }
 
 TEST(LockStep, UdpIsTheSame) {
   Server server;
   server.serve("127.0.0.1:0");
-  ByClient way(server, client::Carriers::kUdpOnly);
+  ByWire way(server, true);
   expect_same(run(server, way), way);
   EXPECT_EQ(server.sessions().ingress().carrier(), server::Carrier::kUdp);
 }

@@ -6,7 +6,7 @@
 # Groups: runtime     what the installed programs load
 #         build       what compiles them
 #         test        what tests/run.sh and server/demo.sh need besides
-#         report      what draws figures
+#         report      what draws figures, and the peers in them
 #         firmware    the board's side
 #         containers  building and running images
 # Only what is missing is installed; with everything in place this is a no-op that needs neither
@@ -17,15 +17,20 @@ packages() {
   case "$1" in
     runtime) echo "libgrpc++1.51|libgrpc++1.51t64 libprotobuf32|libprotobuf32t64" \
                   "libspdlog1.10|libspdlog1.12" "libssl3|libssl3t64" \
-                  "libserialport0|libserialport0t64" ;;
+                  "libserialport0|libserialport0t64" "libsystemd0" \
+                  "libcpp-httplib0.11|libcpp-httplib0.14t64" ;;
     build) echo "g++ cmake ninja-build pkg-config libeigen3-dev libgrpc++-dev libprotobuf-dev" \
                 "protobuf-compiler protobuf-compiler-grpc libspdlog-dev libcli11-dev" \
-                "nlohmann-json3-dev libssl-dev libasio-dev libserialport-dev" ;;
+                "nlohmann-json3-dev libssl-dev libasio-dev libserialport-dev" \
+                "libsystemd-dev libcpp-httplib-dev dpkg-dev" ;;
     test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" \
-                "liborocos-kdl-dev" ;;
-    report) echo "gnuplot-nox liblapack-dev" ;;
+                "liborocos-kdl-dev clang python3-grpcio python3-protobuf python3-cryptography tshark openssl" \
+                "prometheus systemd" ;;
+    report) echo "gnuplot-nox liblapack-dev libceres-dev libcminpack-dev" ;;
     firmware) echo "gcc-arm-none-eabi" ;;
-    containers) ;;  # filled by what first needs a package
+    # An engine that needs neither daemon nor registry. Where Docker runs, docker/test.sh takes that.
+    containers) echo "podman podman-compose runc netavark aardvark-dns iptables debootstrap" \
+                     "dpkg-dev python3" ;;
     *)
       echo "install-deps.sh: no group '$1' (groups: runtime build test report firmware containers)" >&2
       return 2

@@ -8,7 +8,10 @@
 #include "server/rpc/rpc_server.hpp"
 #include "server/rpc/steady_now.hpp"
 #include "server/telemetry/event_log.hpp"
+#include "server/telemetry/metrics.hpp"
+#include "server/telemetry/metrics_port.hpp"
 #include "server/telemetry/recorder.hpp"
+#include "server/telemetry/tick_metrics.hpp"
 
 namespace haptic::server {
 namespace {
@@ -38,8 +41,10 @@ std::vector<T*> pointers(const std::vector<std::unique_ptr<T>>& owners) {
   return answer;
 }
 
-RpcConfig rpc_config(const Scene& scene) {
+RpcConfig rpc_config(const Scene& scene, bool insecure_lab) {
   RpcConfig config;
+  config.tls = scene.server.tls;
+  config.insecure_lab = insecure_lab;
   config.listen = scene.server.listen;
   config.max_sessions = scene.server.max_sessions;
   config.period = scene.loop.period;
@@ -77,14 +82,20 @@ void App::start() {
     telemetry_->allow_watching(realtime_.facts.sched_fifo &&
                                std::thread::hardware_concurrency() > 1);
     listen_to_devices();
-    rpc_ = std::make_unique<RpcServer>(rpc_config(scene_), pointers(sessions_), *telemetry_,
-                                       [this] { return facts(); });
+    rpc_ =
+        std::make_unique<RpcServer>(rpc_config(scene_, options_.insecure_lab), pointers(sessions_),
+                                    *telemetry_, [this] { return facts(); });
     rpc_->start();
+    listen_for_scrapes();
     telemetry_->start();
     loop_->begin(pointers(units_), *telemetry_);
     if (rpc_->udp_port() != 0) spdlog::info("UDP path on port {}", rpc_->udp_port());
-    for (const std::string& address : addresses()) {
-      spdlog::info("serving '{}' on {} (no TLS: this host only)", scene_.name, address);
+    for (const std::string& address : rpc_->served()) {
+      spdlog::info("serving '{}' on {}", scene_.name, address);
+    }
+    const auto level = options_.insecure_lab ? spdlog::level::warn : spdlog::level::info;
+    for (const std::string& weakness : rpc_->weaknesses()) {
+      spdlog::log(level, "not protected: {}", weakness);
     }
   } catch (...) {
     stop();
@@ -121,6 +132,13 @@ void App::listen_to_devices() {
     listeners_.push_back(
         std::make_unique<EventLog>(device.name, [&sessions] { return sessions.controller(); }));
     telemetry_->add(i, listeners_.back().get(), ListenerRank::kBackground);
+    if (!scene_.server.metrics_listen.empty()) {
+      auto ticks =
+          std::make_unique<TickMetrics>([&sessions] { return sessions.ingress().carrier(); });
+      tick_metrics_.push_back(ticks.get());
+      listeners_.push_back(std::move(ticks));
+      telemetry_->add(i, listeners_.back().get(), ListenerRank::kBackground);
+    }
     if (!scene_.record) continue;
     const auto file = record_file(scene_, i);
     spdlog::info("{}: recorded in {}", device.name, file.string());
@@ -134,11 +152,13 @@ void App::stop() {
   for (const auto& sessions : sessions_) sessions->begin_closing();
   if (loop_) loop_->finish(kLongestRelease);
   for (const auto& unit : units_) unit->device().close();
+  metrics_.reset();  // scrapes ask everything below
   if (telemetry_) telemetry_->stop();
   if (rpc_) rpc_->shutdown(kCallsGrace);
   rpc_.reset();
   sessions_.clear();
   telemetry_.reset();
+  tick_metrics_.clear();
   listeners_.clear();
   loop_.reset();
   units_.clear();
@@ -146,6 +166,25 @@ void App::stop() {
 
 std::vector<std::string> App::addresses() const {
   return rpc_ ? rpc_->bound_addresses() : std::vector<std::string>{};
+}
+
+void App::listen_for_scrapes() {
+  if (scene_.server.metrics_listen.empty()) return;
+  MetricsSources sources;
+  for (std::size_t i = 0; i < units_.size(); ++i) {
+    sources.devices.push_back({sessions_[i].get(), tick_metrics_[i], &units_[i]->records});
+  }
+  sources.facts = [this] { return facts(); };
+  sources.sessions = [this] { return rpc_->sessions(); };
+  sources.dropped_datagrams = [this] { return rpc_->dropped_datagrams(); };
+  metrics_ = std::make_unique<MetricsPort>(
+      scene_.server.metrics_listen, options_.insecure_lab,
+      [sources = std::move(sources)] { return metrics_text(sources); });
+  spdlog::info("metrics on port {}", metrics_->port());
+}
+
+std::uint16_t App::metrics_port() const {
+  return metrics_ ? metrics_->port() : std::uint16_t{0};
 }
 
 LoopFacts App::loop_facts() const {

@@ -10,6 +10,8 @@
 /// |           | states to streams, recorder, log                | last drain                   |
 /// | udp       | the UDP path's socket: samples in, challenges;  | UdpPort::stop(), by shutdown |
 /// |           | there only where the scene has udp_listen       |                              |
+/// | metrics   | scrapes, one at a time, and one that accepts    | MetricsPort::stop(), when    |
+/// |           | them; there only where the scene wants metrics  | the scrape under way is done |
 /// | gRPC's    | calls; they post to mailboxes under a mutex     | RpcServer::shutdown(), 1 s   |
 ///
 /// All but main block every signal (gRPC's inherit SIGTERM, SIGINT and SIGHUP blocked from main).
@@ -25,10 +27,13 @@
 
 namespace haptic::server {
 
+class MetricsPort;
 class RpcServer;
+class TickMetrics;
 
 struct AppOptions {
   RealtimeMode realtime{RealtimeMode::kTry};
+  bool insecure_lab{false};  ///< plain text on any address (RpcConfig)
 };
 
 class App {
@@ -49,6 +54,8 @@ class App {
 
   /// As bound, ports filled in; empty unless running.
   [[nodiscard]] std::vector<std::string> addresses() const;
+  /// Of the metrics; 0 where there are none.
+  [[nodiscard]] std::uint16_t metrics_port() const;
   [[nodiscard]] const RealtimeGrant& realtime() const noexcept { return realtime_; }
   /// Any thread, between start() and stop().
   [[nodiscard]] LoopFacts loop_facts() const;
@@ -57,6 +64,7 @@ class App {
  private:
   void open_devices();
   void listen_to_devices();
+  void listen_for_scrapes();
   [[nodiscard]] ServerFacts facts() const;
 
   const Scene scene_;
@@ -70,6 +78,8 @@ class App {
   std::vector<std::unique_ptr<DeviceSessions>> sessions_{};
   std::unique_ptr<RpcServer> rpc_{};
   std::unique_ptr<Loop> loop_{};
+  std::vector<TickMetrics*> tick_metrics_{};  ///< of listeners_; empty where there are no metrics
+  std::unique_ptr<MetricsPort> metrics_{};
 };
 
 /// The project's version.

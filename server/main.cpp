@@ -15,6 +15,7 @@
 #include "haptic/core/error.hpp"
 #include "hw/open_device.hpp"
 #include "server/app.hpp"
+#include "server/telemetry/service_manager.hpp"
 #include "server/telemetry/stderr_log.hpp"
 
 namespace {
@@ -25,10 +26,12 @@ struct CommandLine {
   std::string scene{};
   std::vector<std::string> set{};
   std::vector<std::string> listen{};
+  std::string metrics_listen{};
   RealtimeMode realtime{RealtimeMode::kTry};
   std::string log_level{"info"};
   bool print_scene{false};
   bool check_scene{false};
+  bool insecure_lab{false};
 };
 
 /// What a scene's text cannot say: whether the files it names can be played, and one be written.
@@ -39,6 +42,7 @@ void check_files(const haptic::server::Scene& scene) {
     if (std::holds_alternative<haptic::hw::BoardConfig>(device.source)) continue;
     static_cast<void>(haptic::hw::open_device(device.source, device.kinematics));
   }
+  if (scene.server.tls) static_cast<void>(haptic::server::load_tls(*scene.server.tls));
   if (!scene.record) return;
   const std::filesystem::path file = absolute(scene.record->file);
   if (access((exists(file) ? file : file.parent_path()).c_str(), W_OK) == 0) return;
@@ -68,14 +72,35 @@ void hold_standard_streams() {
   if (number > STDERR_FILENO) close(number);
 }
 
+/// Until a signal comes; meanwhile the service manager hears that the loop ticks.
+int wait_for_signal(const sigset_t& signals, const haptic::server::App& app,
+                    haptic::server::ServiceManager& manager) {
+  const auto period = manager.pulse_period();
+  int signal = 0;
+  if (!period) {
+    sigwait(&signals, &signal);
+    return signal;
+  }
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(*period);
+  const timespec at_most{seconds.count(), static_cast<long>((*period - seconds).count())};
+  do {
+    manager.pulse(app.loop_facts().ticks);
+    signal = sigtimedwait(&signals, nullptr, &at_most);
+  } while (signal <= 0);
+  return signal;
+}
+
 int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& signals) {
   if (!line.listen.empty()) scene.server.listen = line.listen;
+  if (!line.metrics_listen.empty()) scene.server.metrics_listen = line.metrics_listen;
   const std::vector<std::string> warnings = scene.warnings;
-  haptic::server::App app(std::move(scene), {line.realtime});
+  haptic::server::App app(std::move(scene), {line.realtime, line.insecure_lab});
   app.start();
   for (const std::string& warning : warnings) spdlog::warn(warning);
-  int signal = 0;
-  sigwait(&signals, &signal);
+  auto manager = haptic::server::ServiceManager::of_environment();
+  manager.ready(app.realtime().facts.grade + ": " + app.realtime().facts.explanation);
+  const int signal = wait_for_signal(signals, app, manager);
+  manager.stopping();
   spdlog::info("SIG{}: force fades out, devices are disarmed", sigabbrev_np(signal));
   app.stop();
   spdlog::info("stopped");
@@ -118,10 +143,16 @@ int main(int argc, char** argv) {
       ->take_all();
   cli.add_option("--listen", line.listen,
                  "host:port or unix:/path instead of the scene's addresses, may be repeated");
-  cli.add_option("--realtime", line.realtime, "require, try or off (default try)")
-      ->transform(CLI::CheckedTransformer(modes));
+  cli.add_option("--metrics-listen", line.metrics_listen,
+                 "host:port for Prometheus' scrapes instead of the scene's, if it has one");
+  cli.add_option_function<std::string>(
+         "--realtime", [&](const std::string& mode) { line.realtime = modes.at(mode); },
+         "require, try or off (default try)")
+      ->check(CLI::IsMember({"require", "try", "off"}));
   cli.add_option("--log-level", line.log_level, "debug, info, warn or error")
       ->check(CLI::IsMember({"debug", "info", "warn", "error"}));
+  cli.add_flag("--insecure-lab", line.insecure_lab,
+               "plain text on addresses beyond this host: for a network that is yours alone");
   cli.add_flag("--print-scene", line.print_scene, "print the scene with every default, and leave");
   cli.add_flag("--check-scene", line.check_scene, "check the scene, and leave");
   try {

@@ -4,7 +4,8 @@
 #   tests/run.sh [--preset release|debug|asan|tsan] [-L|--label REGEX] [--no-install] [-- CTEST-ARGS]
 #
 # Without --label: every test but those labelled network, slow and lint; with the sanitizers' presets
-# those labelled unit and service. Labels: unit, service, system, check, lint.
+# those labelled unit and service. Labels: unit, service, system, interop, check,
+# lint, network.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
@@ -17,7 +18,7 @@ while (($#)); do
     -L | --label) label=${2:?--label needs a regular expression}; shift 2 ;;
     --no-install) install=false; shift ;;
     --) shift; break ;;
-    -h | --help) sed -n '2,7s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
     *) echo "run.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
   esac
 done
@@ -34,7 +35,7 @@ if [[ -n $label ]]; then
 elif [[ $preset == asan || $preset == tsan ]]; then
   which=(--label-regex '^(unit|service)$')
 else
-  which=(--label-exclude '^(network|slow|lint)$')
+  which=(--label-exclude '^(network|slow|lint|container)$')
 fi
 log=build/$preset/ctest.log
 status=0

@@ -12,6 +12,9 @@ namespace haptic::ctl {
 struct Options {
   std::string server{"127.0.0.1:50051"};
   std::string device{};
+  bool tls{false};
+  client::TlsOptions tls_options{};
+  client::Priority priority{client::Priority::kPrimary};
   bool json{false};
   double rate_hz{10.0};
   double seconds{0.0};
@@ -26,13 +29,17 @@ struct Options {
 inline constexpr double kDoctorSeconds = 10.0;
 
 int info(const Options& options);
+int health(const Options& options);
 int watch(const Options& options);
 int engage(const Options& options);
+int link(const Options& options);
 int estop(const Options& options);
 int clear_fault(const Options& options);
 int doctor(const Options& options);
 int calibrate(const Options& options);
 
+/// The server, by TLS where that is asked for.
+[[nodiscard]] client::Connection connect(const Options& options);
 /// The server's devices that are meant: the one named, all where `name` is empty. Throws
 /// kNoSuchDevice with the names there are.
 [[nodiscard]] std::vector<client::DeviceInfo> meant(client::Connection& server,

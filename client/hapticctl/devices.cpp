@@ -2,6 +2,11 @@
 
 namespace haptic::ctl {
 
+client::Connection connect(const Options& options) {
+  if (options.tls) return client::Connection(options.server, options.tls_options);
+  return client::Connection(options.server);
+}
+
 std::vector<client::DeviceInfo> meant(client::Connection& server, const std::string& name) {
   std::vector<client::DeviceInfo> all = server.devices();
   if (name.empty()) return all;

@@ -24,10 +24,11 @@ void print(const client::Session& session, const client::DeviceState& state) {
 
 /// A controller without a simulation: free, or held where the device was when its force began.
 int engage(const Options& options) {
-  client::Connection server(options.server);
+  client::Connection server = connect(options);
   client::SessionOptions wanted;
   wanted.device = options.device;
   wanted.client_name = "hapticctl engage";
+  wanted.priority = options.priority;
   wanted.nominal_rate_hz = 1000.0 / static_cast<double>(kPeriod.count());
   const auto session = server.open(wanted);
   static_cast<void>(session->wait_for_state());

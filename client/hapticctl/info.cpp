@@ -107,7 +107,7 @@ void print(const client::DeviceInfo& d) {
 }  // namespace
 
 int info(const Options& options) {
-  client::Connection server(options.server);
+  client::Connection server = connect(options);
   const client::ServerInfo facts = server.server_info();
   const auto devices = meant(server, options.device);
   if (options.json) {

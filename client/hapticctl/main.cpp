@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <string>
 
 #include "commands.hpp"
 
@@ -23,19 +25,37 @@ CLI::Validator between(double lowest, double highest) {
 
 constexpr double kLongest = 1e9;  // s
 
+using haptic::client::Priority;
+const std::map<std::string, Priority> priorities{
+    {"test", Priority::kTest}, {"primary", Priority::kPrimary}, {"operator", Priority::kOperator}};
+
 }  // namespace
 
 int main(int argc, char** argv) {
   haptic::ctl::Options options;
   CLI::App cli("hapticctl - command-line client of hapticd");
-  cli.require_subcommand(1);
+  cli.require_subcommand(0, 1);  // an unknown command is then named, not called missing
   cli.fallthrough();
   cli.add_option("--server", options.server, "host:port or unix:/path")->capture_default_str();
   cli.add_option("--device", options.device,
-                 "its name; default: the only one; of watch, info and estop: all");
+                 "its name; default: the only one; of watch, info, health and estop: all");
+
+  CLI::Option* tls = cli.add_flag("--tls", options.tls, "TLS; the system's list of issuers");
+  CLI::Option* ca = cli.add_option("--ca", options.tls_options.ca_file,
+                                   "PEM file: who issued the server's certificate; means --tls");
+  CLI::Option* certificate = cli.add_option("--cert", options.tls_options.certificate_file,
+                                            "PEM file: this client's certificate; means --tls");
+  CLI::Option* key = cli.add_option("--key", options.tls_options.key_file, "PEM file: its key");
+  certificate->needs(key);
+  key->needs(certificate);
+  CLI::Option* server_name =
+      cli.add_option("--server-name", options.tls_options.server_name,
+                     "name in the server's certificate, if not the address's; means --tls");
 
   CLI::App* info = cli.add_subcommand("info", "the server, its real-time grade, its devices");
   info->add_flag("--json", options.json, "one JSON object");
+  CLI::App* health = cli.add_subcommand(
+      "health", "0 while the devices are open and the loop is on time, else 1: for scripts");
   CLI::App* watch = cli.add_subcommand("watch", "live tables of the devices");
   watch->add_flag("--json", options.json, "one JSON object per line, for scripts");
   watch->add_option("--rate", options.rate_hz, "lines or refreshes per second")
@@ -48,6 +68,10 @@ int main(int argc, char** argv) {
                    "hold the device where it is (default: free, no force at all)");
   engage->add_option("--seconds", options.seconds, "stop after this long; 0: until interrupted")
       ->check(between(0.0, kLongest));
+  engage->add_option("--priority", options.priority, "test, primary or operator")
+      ->transform(CLI::CheckedTransformer(priorities));
+  CLI::App* link = cli.add_subcommand("link", "what the links of the open sessions are doing");
+  link->add_flag("--json", options.json, "one JSON object");
   CLI::App* stop = cli.add_subcommand("estop", "zero force now, latched");
   stop->add_option("--reason", options.reason, "for the log");
   CLI::App* clear = cli.add_subcommand("clear-fault", "clear latched faults");
@@ -70,13 +94,19 @@ int main(int argc, char** argv) {
 
   try {
     cli.parse(argc, argv);
+    if (cli.get_subcommands().empty()) {
+      throw CLI::RequiredError("a command: info, watch, engage, estop or clear-fault");
+    }
   } catch (const CLI::ParseError& error) {
     return cli.exit(error) == 0 ? 0 : 2;
   }
+  options.tls = *tls || *ca || *certificate || *server_name;
   try {
     if (*info) return haptic::ctl::info(options);
+    if (*health) return haptic::ctl::health(options);
     if (*watch) return haptic::ctl::watch(options);
     if (*engage) return haptic::ctl::engage(options);
+    if (*link) return haptic::ctl::link(options);
     if (*stop) return haptic::ctl::estop(options);
     if (*doctor) return haptic::ctl::doctor(options);
     if (*calibrate) return haptic::ctl::calibrate(options);

@@ -5,7 +5,7 @@
 namespace haptic::ctl {
 
 int estop(const Options& options) {
-  client::Connection server(options.server);
+  client::Connection server = connect(options);
   for (const std::string& device : server.emergency_stop(options.device, options.reason)) {
     std::printf("stopped: %s\n", device.c_str());
   }
@@ -13,7 +13,7 @@ int estop(const Options& options) {
 }
 
 int clear_fault(const Options& options) {
-  client::Connection server(options.server);
+  client::Connection server = connect(options);
   std::uint32_t bits = 0;
   for (const std::uint32_t fault : server.clear_fault(options.device, options.faults)) {
     bits |= 1U << (fault & 31U);

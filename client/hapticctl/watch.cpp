@@ -71,7 +71,7 @@ class Watched {
 }  // namespace
 
 int watch(const Options& options) {
-  client::Connection server(options.server);
+  client::Connection server = connect(options);
   std::vector<std::unique_ptr<Watched>> all;
   for (const client::DeviceInfo& device : meant(server, options.device)) {
     all.push_back(std::make_unique<Watched>(server, device, options));

@@ -1,6 +1,7 @@
 #pragma once
 /// Messages -> the library's types.
 
+#include "haptic/client/link.hpp"
 #include "haptic/client/types.hpp"
 #include "haptic/v1/haptic_service.pb.h"
 #include "haptic/v1/session.pb.h"
@@ -11,6 +12,7 @@ namespace haptic::client {
 [[nodiscard]] Event to_event(const v1::Event& message);
 [[nodiscard]] DeviceInfo to_info(const v1::Device& message);
 [[nodiscard]] ServerInfo to_info(const v1::GetServerInfoResponse& message);
+[[nodiscard]] LinkReport to_report(const v1::GetLinkStatsResponse& message);
 [[nodiscard]] std::chrono::nanoseconds to_duration(const google::protobuf::Duration& message);
 void set_duration(std::chrono::nanoseconds value, google::protobuf::Duration& message);
 

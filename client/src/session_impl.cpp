@@ -8,6 +8,13 @@
 
 namespace haptic::client {
 
+namespace {
+
+/// A lease that waits for a client which will not come back keeps damping on.
+constexpr std::chrono::milliseconds kFarewell{100};
+
+}  // namespace
+
 Session::Impl::Impl(std::shared_ptr<grpc::Channel> channel, const std::string& address,
                     SessionOptions options)
     : options_(std::move(options)),
@@ -63,6 +70,9 @@ v1::OpenSession Session::Impl::opening() const {
   open.set_client_name(options_.client_name);
   open.set_nominal_rate_hz(options_.nominal_rate_hz);
   open.set_state_rate_hz(options_.state_rate_hz);
+  open.set_priority(static_cast<v1::Priority>(options_.priority));
+  open.set_resumable(resumable());
+  if (resumable()) open.set_resume(opened_.session_id());
   open.set_udp_wanted(options_.carriers != Carriers::kGrpcOnly);
   if (options_.fresh_end) set_duration(*options_.fresh_end, *open.mutable_fresh_end());
   if (options_.hold_end) set_duration(*options_.hold_end, *open.mutable_hold_end());
@@ -165,7 +175,12 @@ void Session::Impl::close() {
       changed_.wait(lock, [&] { return !states_.busy && !events_and_end_.busy; });
     }
   }
-  if (stream) stream->cancel();
+  if (!stream) return;
+  if (resumable()) {
+    stream->leave(in_callback() ? std::chrono::milliseconds(0) : kFarewell);
+    if (in_callback()) return;  // the server ends it; if not, the destructor does
+  }
+  stream->cancel();
 }
 
 }  // namespace haptic::client

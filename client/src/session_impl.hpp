@@ -92,6 +92,9 @@ class Session::Impl final : public StreamSink, public UdpSink {
   void fetch_device();
   void set_deadline(grpc::ClientContext& context) const;
   [[nodiscard]] v1::OpenSession opening() const;
+  [[nodiscard]] bool resumable() const noexcept {
+    return options_.reconnect == Reconnect::kWithBackoff && !options_.observer;
+  }
   [[nodiscard]] std::string session_id() const;
   void to_planes(Proxy& proxy) const;
   void leave_for_lease();  ///< under mutex_

@@ -69,7 +69,7 @@ void Session::Impl::to_planes(Proxy& proxy) const {
 /// A simulation that was silent for the lease time and speaks again: its stream only observes, a new
 /// one controls. Opened by the next sample and not before, lest a silent client holds the device.
 void Session::Impl::leave_for_lease() {
-  end_ = {grpc::StatusCode::ABORTED, "the lease had expired: no sample for the lease time"};
+  end_ = {grpc::StatusCode::ABORTED, "the lease is over: it had expired, or was preempted"};
   end_pending_ = true;
   phase_ = Phase::kDone;
   lease_lost_ = false;

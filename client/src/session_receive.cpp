@@ -67,12 +67,14 @@ bool Session::Impl::delivers_quickly() const {
 
 void Session::Impl::received(const v1::SessionOpened& opened) {
   opened_ = opened;
-  // A server that was started anew counts its ticks and our samples from the beginning.
-  newest_ = {};
-  waited_seq_ = 0;
-  handed_seq_ = 0;
-  handed_x_probe_.clear();
-  state_pending_ = false;
+  if (!opened.resumed()) {
+    // A server that was started anew counts its ticks and our samples from the beginning.
+    newest_ = {};
+    waited_seq_ = 0;
+    handed_seq_ = 0;
+    handed_x_probe_.clear();
+    state_pending_ = false;
+  }
   earlier_ = statistics_;
   lease_lost_ = false;
   phase_ = Phase::kOpen;
@@ -98,6 +100,10 @@ void Session::Impl::received(const v1::Event& event) {
   if (event.kind() == v1::Event::KIND_LEASE_EXPIRED && !options_.observer &&
       event.lease_epoch() == opened_.lease_epoch()) {
     lease_lost_ = true;
+  }
+  if (event.reason() == "LEASE_PREEMPTED" && event.lease_epoch() == opened_.lease_epoch()) {
+    lease_lost_ = true;
+    give_up_force({ErrorReason::kLeaseHeld, event.message()});
   }
   if (event.kind() == v1::Event::KIND_FAULT) {
     // Whoever clears it, perhaps an emergency stop, must not start a motor by that.

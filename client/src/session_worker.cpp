@@ -68,7 +68,7 @@ void Session::Impl::handle_end(Lock& lock) {
   if (!again || !options_.re_engage) give_up_force(error);  // force never returns by itself
   reconnecting_ = again;
   backoff_ = kFirstBackoff;
-  next_connect_ = Clock::now() + backoff_;
+  next_connect_ = Clock::now();  // while the force is still on it can be resumed
   changed_.notify_all();
   call(lock, events_and_end_, options_.on_disconnect, error, again);
 }
@@ -91,8 +91,8 @@ void Session::Impl::reconnect(Lock& lock) {
     next_engage_ = Clock::now();
     return;
   }
-  backoff_ = std::min(backoff_ * 2, kLongestBackoff);
   next_connect_ = Clock::now() + backoff_;
+  backoff_ = std::min(backoff_ * 2, kLongestBackoff);
   if (may_pass(error->reason())) return;  // on_disconnect has said that this goes on
   reconnecting_ = false;
   give_up_force(*error);

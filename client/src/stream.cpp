@@ -21,7 +21,7 @@ void Stream::start(const v1::OpenSession& open) {
 
 void Stream::send(const v1::ProxySample& sample) {
   const std::lock_guard lock(mutex_);
-  if (!started_ || broken_) return;
+  if (!started_ || broken_ || leaving_) return;
   if (pending_) ++replaced_;
   pending_ = sample;
   if (!writing_) write_locked();
@@ -30,6 +30,21 @@ void Stream::send(const v1::ProxySample& sample) {
 void Stream::write_locked() {
   *outgoing_.mutable_proxy() = std::move(*pending_);
   pending_.reset();
+  writing_ = true;
+  StartWrite(&outgoing_);
+}
+
+void Stream::leave(std::chrono::milliseconds patience) {
+  std::unique_lock lock(mutex_);
+  if (!started_ || broken_ || leaving_) return;
+  leaving_ = true;
+  pending_.reset();
+  if (!writing_) write_leave_locked();
+  changed_.wait_for(lock, patience, [this] { return done_ || broken_; });
+}
+
+void Stream::write_leave_locked() {
+  outgoing_.mutable_leave();
   writing_ = true;
   StartWrite(&outgoing_);
 }
@@ -44,6 +59,8 @@ void Stream::OnWriteDone(bool ok) {
     if (ok && was_sample) replaced = std::exchange(replaced_, 0);
     if (!ok) {
       broken_ = true;
+    } else if (leaving_ && !outgoing_.has_leave() && !broken_) {
+      write_leave_locked();
     } else if (pending_ && !broken_) {
       write_locked();
     }
@@ -55,6 +72,7 @@ void Stream::OnReadDone(bool ok) {
   if (!ok) {
     const std::lock_guard lock(mutex_);
     broken_ = true;
+    changed_.notify_all();
     if (std::exchange(held_, false)) RemoveHold();
     return;
   }

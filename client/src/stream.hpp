@@ -39,6 +39,9 @@ class Stream final : public grpc::ClientBidiReactor<v1::SessionRequest, v1::Sess
   void start(const v1::OpenSession& open);
   /// Any thread; never waits for the network.
   void send(const v1::ProxySample& sample);
+  /// Says LeaveSession, and waits for the server to end the stream, for at most `patience`. No sample
+  /// leaves any more.
+  void leave(std::chrono::milliseconds patience);
   /// Ends the stream; on_done() follows soon. Idempotent.
   void cancel();
   /// The same, and waits: gRPC is then through with this object. Not from a call of gRPC's.
@@ -49,6 +52,7 @@ class Stream final : public grpc::ClientBidiReactor<v1::SessionRequest, v1::Sess
   void OnWriteDone(bool ok) override;
   void OnDone(const grpc::Status& status) override;
   void write_locked();
+  void write_leave_locked();
 
   v1::HapticService::Stub& stub_;
   StreamSink& sink_;
@@ -62,6 +66,7 @@ class Stream final : public grpc::ClientBidiReactor<v1::SessionRequest, v1::Sess
   std::uint64_t replaced_{0};
   bool started_{false};
   bool writing_{false};
+  bool leaving_{false};
   bool broken_{false};  ///< no further operation may be started
   bool held_{false};    ///< our hold on the call, which keeps send() legal
   bool done_{false};

@@ -24,25 +24,45 @@ double flushed(double value) noexcept {
 
 }  // namespace
 
+IngressCounters& IngressCounters::operator+=(const IngressCounters& other) noexcept {
+  accepted += other.accepted;
+  backlog += other.backlog;
+  old_sequence += other.old_sequence;
+  old_epoch += other.old_epoch;
+  wrong_size += other.wrong_size;
+  not_finite += other.not_finite;
+  out_of_bounds += other.out_of_bounds;
+  unknown_mode += other.unknown_mode;
+  bad_plane += other.bad_plane;
+  return *this;
+}
+
 Ingress::Ingress(core::Mailbox<core::ProxySnapshot>& mailbox, int n_x)
     : mailbox_(mailbox), n_x_(n_x) {
   newest_.x.resize(0);
 }
 
-void Ingress::begin_lease(std::uint32_t epoch, double nominal_rate_hz, core::Duration hold_end) {
+void Ingress::begin_lease(std::uint32_t epoch, double nominal_rate_hz, core::Duration hold_end,
+                          std::uint32_t grant) {
   const std::lock_guard lock(mutex_);
   last_refusal_.clear();
   open_ = true;
   epoch_ = epoch;
   hold_end_ = hold_end;
+  before_ += counters_;
   counters_ = {};
   last_arrival_ = {};
   carrier_ = Carrier::kNone;
   backlog_ = BacklogRule(std::chrono::duration_cast<core::Duration>(
       std::chrono::duration<double>(1.0 / nominal_rate_hz)));
   newest_ = {};
-  newest_.epoch = epoch;
+  newest_.epoch = grant == 0 ? epoch : grant;
   mailbox_.publish(newest_);
+}
+
+void Ingress::renew_lease(std::uint32_t epoch) {
+  const std::lock_guard lock(mutex_);
+  epoch_ = epoch;
 }
 
 void Ingress::end_lease() {
@@ -166,7 +186,7 @@ void Ingress::store(const ProxyCandidate& candidate, BacklogRule::Answer age,
   }
   newest_.mode = candidate.mode;
   newest_.seq = candidate.seq;
-  newest_.born = age.born;
+  newest_.born = std::min(age.born, candidate.left.value_or(age.born));
   newest_.valid_for = candidate.valid_for;
   newest_.x.resize(candidate.position_size);
   for (int i = 0; i < candidate.position_size; ++i) newest_.x[i] = flushed(candidate.position[i]);
@@ -179,12 +199,30 @@ void Ingress::store(const ProxyCandidate& candidate, BacklogRule::Answer age,
   }
   last_arrival_ = arrival;
   carrier_ = candidate.carrier;
+  carried_[candidate.seq % carried_.size()] = {candidate.seq, newest_.born, candidate.carrier};
   mailbox_.publish(newest_);
+}
+
+Carrier Ingress::carrier_of(std::uint64_t seq, core::TimePoint born) const noexcept {
+  const std::lock_guard lock(mutex_);
+  const Carried& carried = carried_[seq % carried_.size()];
+  return carried.seq == seq && carried.born == born ? carried.carrier : Carrier::kNone;
+}
+
+std::uint64_t Ingress::newest_seq() const {
+  const std::lock_guard lock(mutex_);
+  return newest_.seq;
 }
 
 IngressCounters Ingress::counters() const {
   const std::lock_guard lock(mutex_);
   return counters_;
+}
+
+IngressCounters Ingress::totals() const {
+  const std::lock_guard lock(mutex_);
+  IngressCounters all = before_;
+  return all += counters_;
 }
 
 core::TimePoint Ingress::last_accepted() const {

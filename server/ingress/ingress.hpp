@@ -20,6 +20,7 @@
 #include <atomic>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "haptic/core/tick/mailbox.hpp"
@@ -49,6 +50,9 @@ struct ProxyCandidate {
   int plane_count{
       0};  ///< as on the wire: may be more than kMaxPlanes, which are then not in `planes`
   Carrier carrier{Carrier::kGrpc};
+  /// When it left its source at the latest, by a synchronised clock: its age counts from there where
+  /// that is before its arrival (WIRE 4).
+  std::optional<core::TimePoint> left{};
 };
 
 enum class IngressVerdict : std::uint8_t {
@@ -63,7 +67,6 @@ enum class IngressVerdict : std::uint8_t {
   kBadPlane,  ///< too many, of a wrong size, not finite, too large, or without a direction
 };
 
-/// Totals since the current lease began.
 struct IngressCounters {
   std::uint64_t accepted{0};
   std::uint64_t backlog{0};
@@ -74,6 +77,8 @@ struct IngressCounters {
   std::uint64_t out_of_bounds{0};
   std::uint64_t unknown_mode{0};
   std::uint64_t bad_plane{0};
+
+  IngressCounters& operator+=(const IngressCounters& other) noexcept;
 };
 
 /// Tells back-log from a stream that keeps time. Not thread-safe.
@@ -111,8 +116,11 @@ class Ingress {
   Ingress(core::Mailbox<core::ProxySnapshot>& mailbox, int n_x);
 
   /// A new lease: samples of older epochs are refused from now on; sequence, counters and the
-  /// stream's health start anew.
-  void begin_lease(std::uint32_t epoch, double nominal_rate_hz, core::Duration hold_end);
+  /// stream's health start anew. `grant`: what the loop knows the lease by; 0: its epoch.
+  void begin_lease(std::uint32_t epoch, double nominal_rate_hz, core::Duration hold_end,
+                   std::uint32_t grant = 0);
+  /// The lease goes on under another epoch: samples of the former are refused, all else stays.
+  void renew_lease(std::uint32_t epoch);
   /// No lease: everything is refused.
   void end_lease();
   /// Why the newest sample of this lease that was refused was; empty where none was.
@@ -123,7 +131,10 @@ class Ingress {
   IngressVerdict accept(const ProxyCandidate& candidate, core::TimePoint arrival,
                         std::string* why = nullptr);
 
+  /// Since the current lease began.
   [[nodiscard]] IngressCounters counters() const;
+  /// Since the server started.
+  [[nodiscard]] IngressCounters totals() const;
   /// Local arrival of the newest accepted sample (back-log included: it shows that the client
   /// lives) under the current lease; TimePoint{} before the first one.
   [[nodiscard]] core::TimePoint last_accepted() const;
@@ -131,6 +142,11 @@ class Ingress {
   [[nodiscard]] Carrier carrier() const noexcept {
     return carrier_.load(std::memory_order_relaxed);
   }
+  /// Who carried the sample that a tick used, named by its number and what its age counts from; kNone
+  /// where it is not among the last 256.
+  [[nodiscard]] Carrier carrier_of(std::uint64_t seq, core::TimePoint born) const noexcept;
+  /// Newest accepted under the current lease; 0 before the first.
+  [[nodiscard]] std::uint64_t newest_seq() const;
 
  private:
   [[nodiscard]] IngressVerdict check(const ProxyCandidate& candidate, std::string* why);
@@ -144,8 +160,15 @@ class Ingress {
   const int n_x_;
   core::ProxySnapshot newest_{};
   IngressCounters counters_{};
+  IngressCounters before_{};  ///< under the leases before this one
   BacklogRule backlog_{};
   core::TimePoint last_arrival_{};
+  struct Carried {
+    std::uint64_t seq{0};
+    core::TimePoint born{};
+    Carrier carrier{Carrier::kNone};
+  };
+  std::array<Carried, 256> carried_{};  ///< by seq, modulo
   std::atomic<Carrier> carrier_{Carrier::kNone};
   core::Duration hold_end_{0};
   std::uint32_t epoch_{0};

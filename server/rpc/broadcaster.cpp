@@ -15,8 +15,8 @@ void WatchBudget::refill(core::TimePoint now) noexcept {
 }
 
 Broadcaster::Broadcaster(Telemetry& telemetry, std::size_t index, WatchBudget budget,
-                         const Ingress& ingress)
-    : telemetry_(telemetry), index_(index), budget_(budget), ingress_(ingress) {
+                         const DeviceSessions& sessions)
+    : telemetry_(telemetry), index_(index), budget_(budget), sessions_(sessions) {
   telemetry_.add(index_, this);
 }
 
@@ -69,7 +69,7 @@ void Broadcaster::demote_expired(const core::CommandSnapshot& command) {
 
 void Broadcaster::on_newest(const core::TickRecord& record) {
   const std::lock_guard lock(mutex_);
-  frame_.begin(record, ingress_.carrier());
+  frame_.begin(record, sessions_.stamp(record));
   demote_expired(record.input.command);
   for (const Controller& controller : controllers_) controller.stream->offer(record, frame_, true);
 

@@ -39,13 +39,14 @@ class Subscriber {
 
 class Broadcaster final : public RecordListener {
  public:
-  /// Listens to unit `index` for as long as it lives. `ingress`: says which way samples come.
-  Broadcaster(Telemetry& telemetry, std::size_t index, WatchBudget budget, const Ingress& ingress);
+  /// Listens to unit `index` for as long as it lives. `sessions`: of the same device.
+  Broadcaster(Telemetry& telemetry, std::size_t index, WatchBudget budget,
+              const DeviceSessions& sessions);
   ~Broadcaster() override;
   Broadcaster(const Broadcaster&) = delete;
   Broadcaster& operator=(const Broadcaster&) = delete;
 
-  /// The stream of lease `epoch` comes first while that lease lasts, and is one of the others when
+  /// The stream of lease `epoch` (the loop's: Lease::grant) comes first while that lease lasts, and is one of the others when
   /// it ended; epoch 0: one of the others from the beginning. Any thread, but not from offer(). After
   /// remove() returned offer() is not called again.
   void add(std::shared_ptr<Subscriber> subscriber, std::uint32_t epoch = 0);
@@ -64,7 +65,7 @@ class Broadcaster final : public RecordListener {
   Telemetry& telemetry_;
   const std::size_t index_;
   WatchBudget budget_;
-  const Ingress& ingress_;
+  const DeviceSessions& sessions_;
 
   std::mutex mutex_;
   StateFrame frame_;

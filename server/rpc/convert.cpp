@@ -73,8 +73,7 @@ void set(google::protobuf::Duration& message, core::Duration d) {
   message.set_nanos(static_cast<std::int32_t>((d - whole).count()));
 }
 
-void to_proto(const core::TickRecord& record, Carrier carrier, v1::DeviceState& state) {
-  const bool has_proxy = record.proxy_mode != core::ProxyMode::kNone;
+void to_proto(const core::TickRecord& record, DeviceSessions::Stamp stamp, v1::DeviceState& state) {
   state.set_seq(record.tick);
   state.set_server_time_ns(record.input.now.time_since_epoch().count());
   copy(record.q, state.mutable_q());
@@ -95,7 +94,7 @@ void to_proto(const core::TickRecord& record, Carrier carrier, v1::DeviceState& 
   state.set_proxy_age_us(static_cast<std::uint64_t>(std::max<std::int64_t>(0, age)));
   state.set_staleness(static_cast<v1::StalenessLevel>(record.staleness));
   state.set_gain(record.gain);
-  state.set_transport(has_proxy ? static_cast<v1::Transport>(carrier) : v1::TRANSPORT_UNSPECIFIED);
+  state.set_transport(static_cast<v1::Transport>(stamp.carrier));
   state.set_state(static_cast<v1::DeviceStateName>(record.state));
   state.set_faults(record.faults.bits());
   state.set_limiters(record.limiters.bits());
@@ -104,7 +103,7 @@ void to_proto(const core::TickRecord& record, Carrier carrier, v1::DeviceState& 
   for (const double k : record.input.settings.stiffness) stiffness->Add(record.gain * k);
   state.set_projection(static_cast<v1::ProjectionStatus>(record.projection));
   state.set_condition(record.condition);
-  state.set_lease_epoch(record.input.command.lease_epoch);
+  state.set_lease_epoch(stamp.lease_epoch);
   state.set_mode(static_cast<v1::ProxyMode>(record.proxy_mode));
   to_actuators(record, state);
 }
@@ -238,7 +237,7 @@ std::size_t largest_state(const core::PipelineConfig& config) {
   record.passivity.tank = record.passivity.storage = record.passivity.scale = 1.0;
   record.passivity.observed = record.passivity.alpha = 1.0;
   v1::DeviceState state;
-  to_proto(record, Carrier::kUdp, state);
+  to_proto(record, {Carrier::kUdp, 0}, state);
   constexpr std::size_t kScalars = 120;  // 4 of 64 bits, 9 of 32, 2 doubles, with their tags
   return state.ByteSizeLong() + kScalars;
 }
@@ -270,6 +269,11 @@ LeaseRequest from_proto(const v1::OpenSession& open, std::string session_id,
   request.session_id = std::move(session_id);
   request.client_name = std::move(client_name);
   request.nominal_rate_hz = open.nominal_rate_hz();
+  if (open.priority() != v1::PRIORITY_UNSPECIFIED) {
+    request.priority = static_cast<Priority>(open.priority());
+  }
+  request.resumable = open.resumable();
+  request.resume = open.resume();
   if (open.has_fresh_end()) request.fresh_end = duration(open.fresh_end());
   if (open.has_hold_end()) request.hold_end = duration(open.hold_end());
   if (open.has_fade_end()) request.fade_end = duration(open.fade_end());

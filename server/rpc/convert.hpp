@@ -15,8 +15,8 @@
 
 namespace haptic::server {
 
-/// Overwrites every field of `state`; keeps its memory. `carrier`: of the newest sample.
-void to_proto(const core::TickRecord& record, Carrier carrier, v1::DeviceState& state);
+/// Overwrites every field of `state`; keeps its memory.
+void to_proto(const core::TickRecord& record, DeviceSessions::Stamp stamp, v1::DeviceState& state);
 [[nodiscard]] v1::Event to_proto(const DeviceEvent& event);
 [[nodiscard]] v1::UpdateSettingsResponse to_proto(const SettingsAnswer& answer);
 [[nodiscard]] v1::GetServerInfoResponse to_proto(const ServerFacts& facts);

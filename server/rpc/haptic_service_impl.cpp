@@ -6,6 +6,8 @@
 #include <memory>
 
 #include "server/rpc/convert.hpp"
+#include "server/rpc/link_report.hpp"
+#include "server/rpc/peer.hpp"
 #include "server/rpc/session_stream.hpp"
 #include "server/rpc/status.hpp"
 #include "server/rpc/stop_round.hpp"
@@ -44,8 +46,8 @@ grpc::ServerUnaryReactor* HapticServiceImpl::GetServerInfo(
     grpc::CallbackServerContext* call, const v1::GetServerInfoRequest* /*request*/,
     v1::GetServerInfoResponse* response) {
   *response = to_proto(context_.facts());
-  for (const std::string& address : context_.config.listen) {
-    response->add_insecure("gRPC without TLS on " + address + ", open to every user of this host");
+  for (std::string& sentence : context_.weaknesses()) {
+    response->add_insecure(std::move(sentence));
   }
   response->set_max_sessions(context_.config.max_sessions);
   response->set_sessions(context_.registry.sessions());
@@ -65,8 +67,8 @@ grpc::ServerUnaryReactor* HapticServiceImpl::ListDevices(grpc::CallbackServerCon
 }
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* HapticServiceImpl::Session(
-    grpc::CallbackServerContext* /*call*/) {
-  return SessionStream::begin(context_);
+    grpc::CallbackServerContext* call) {
+  return SessionStream::begin(context_, peer_of(*call));
 }
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* HapticServiceImpl::Watch(
@@ -109,6 +111,19 @@ grpc::ServerUnaryReactor* HapticServiceImpl::UpdateSettings(
   const auto answer = device->update_settings(request->session_id(), *settings.value);
   if (!answer) return finished(call, to_status(answer.refusal));
   *response = to_proto(*answer.value);
+  return finished(call, grpc::Status::OK);
+}
+
+grpc::ServerUnaryReactor* HapticServiceImpl::GetLinkStats(grpc::CallbackServerContext* call,
+                                                          const v1::GetLinkStatsRequest* request,
+                                                          v1::GetLinkStatsResponse* response) {
+  if (!request->device().empty()) {
+    const auto target = context_.device(request->device());
+    if (!target) return finished(call, to_status(target.refusal));
+  }
+  context_.streams.for_each(
+      [&](OpenStream& stream) { stream.report(request->device(), *response); });
+  if (context_.udp) report_unassigned(*context_.udp, *response);
   return finished(call, grpc::Status::OK);
 }
 

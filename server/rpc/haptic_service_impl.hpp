@@ -13,7 +13,8 @@ using TypedCalls = v1::HapticService::WithCallbackMethod_GetServerInfo<
     v1::HapticService::WithCallbackMethod_ListDevices<
         v1::HapticService::WithCallbackMethod_Engage<v1::HapticService::WithCallbackMethod_Release<
             v1::HapticService::WithCallbackMethod_UpdateSettings<
-                v1::HapticService::WithCallbackMethod_ClearFault<Base>>>>>>;
+                v1::HapticService::WithCallbackMethod_GetLinkStats<
+                    v1::HapticService::WithCallbackMethod_ClearFault<Base>>>>>>>;
 using RawCalls =
     v1::HapticService::WithRawCallbackMethod_Session<v1::HapticService::WithRawCallbackMethod_Watch<
         v1::HapticService::WithRawCallbackMethod_EmergencyStop<v1::HapticService::Service>>>;
@@ -41,6 +42,9 @@ class HapticServiceImpl final : public TypedCalls<RawCalls> {
   grpc::ServerUnaryReactor* UpdateSettings(grpc::CallbackServerContext* call,
                                            const v1::UpdateSettingsRequest* request,
                                            v1::UpdateSettingsResponse* response) override;
+  grpc::ServerUnaryReactor* GetLinkStats(grpc::CallbackServerContext* call,
+                                         const v1::GetLinkStatsRequest* request,
+                                         v1::GetLinkStatsResponse* response) override;
   /// A request that cannot be read stops every device.
   grpc::ServerUnaryReactor* EmergencyStop(grpc::CallbackServerContext* call,
                                           const grpc::ByteBuffer* request,

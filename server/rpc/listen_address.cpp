@@ -62,7 +62,8 @@ void check_unix(const std::string& address) {
   if (answers(socket_address)) refuse(address, "in use by another process");
 }
 
-void check_tcp(const std::string& address) {
+/// The host.
+std::string check_tcp(const std::string& address) {
   const std::size_t colon = address.rfind(':');
   if (colon == std::string::npos || colon == 0) {
     refuse(address, "must be host:port or unix:/path");
@@ -75,18 +76,57 @@ void check_tcp(const std::string& address) {
   if (!digits || std::stoi(port) > 65535) {
     refuse(address, "port '" + port + "': must be 0..65535");
   }
-  if (!is_loopback(host)) {
-    refuse(address,
-           "host '" + host +
-               "' is not loopback: without TLS only 127.0.0.0/8, [::1], localhost and unix:/path "
-               "are served");
-  }
+  return host;
 }
 
 }  // namespace
 
-void check_listen_address(const std::string& address) {
-  is_unix(address) ? check_unix(address) : check_tcp(address);
+Protection check_listen_address(const std::string& address, Protection best) {
+  if (is_unix(address)) {
+    check_unix(address);
+    return Protection::kThisHost;
+  }
+  const std::string host = check_tcp(address);
+  if (best == Protection::kTls || best == Protection::kMutualTls) return best;
+  if (is_loopback(host)) return Protection::kThisHost;
+  if (best == Protection::kInsecureLab) return best;
+  refuse(address, "host '" + host +
+                      "' is not loopback: without TLS only 127.0.0.0/8, [::1], localhost and "
+                      "unix:/path are served; give the scene server.tls, or hapticd "
+                      "--insecure-lab for plain text on a network that is yours alone");
+}
+
+const char* word(Protection protection) noexcept {
+  switch (protection) {
+    case Protection::kThisHost:
+      return "plain text, this host only";
+    case Protection::kTls:
+      return "TLS";
+    case Protection::kMutualTls:
+      return "TLS, clients by certificate";
+    case Protection::kInsecureLab:
+      break;
+  }
+  return "PLAIN TEXT, OPEN TO THE NETWORK";
+}
+
+std::string weakness(const std::string& address, Protection protection) {
+  switch (protection) {
+    case Protection::kThisHost:
+      return is_unix(address)
+                 ? "gRPC without TLS on " + address + ", open to whoever may open that file"
+                 : "gRPC without TLS on " + address + ", open to every user of this host";
+    case Protection::kTls:
+      return "TLS without client certificates on " + address +
+             ": whoever reaches it may take a device that is free";
+    case Protection::kMutualTls:
+      return {};
+    case Protection::kInsecureLab:
+      break;
+  }
+  return "gRPC without TLS on " + address +
+         " (--insecure-lab): whoever is on that network may read everything, the keys of the UDP "
+         "path too, and move the device";
 }
 
 std::string with_port(const std::string& address, int port) {

@@ -1,14 +1,30 @@
 #pragma once
-/// Addresses a server may listen on while it has no TLS (private to server/rpc).
+/// Addresses a server may listen on (private to server/rpc).
 
+#include <cstdint>
 #include <string>
 
 namespace haptic::server {
 
+/// What protects an address.
+enum class Protection : std::uint8_t {
+  kThisHost,     ///< plain text that does not leave this host: a UNIX socket, or loopback
+  kTls,          ///< whoever reaches it is served
+  kMutualTls,    ///< clients show a certificate
+  kInsecureLab,  ///< plain text on a network, because somebody asked for it
+};
+
 /// Throws TransportError naming the address: not "host:port" or "unix:/path"; a host other than
-/// loopback (plaintext stays on this machine); a UNIX socket that another process answers on (gRPC
-/// itself would take its path away silently), or a path that is too long or no socket.
-void check_listen_address(const std::string& address);
+/// loopback with `best` kThisHost (plain text stays on this machine); a UNIX socket that another
+/// process answers on (gRPC itself would take its path away silently), or a path that is too long or
+/// no socket. Else what protects it, where `best` is what the server has to offer.
+Protection check_listen_address(const std::string& address,
+                                Protection best = Protection::kThisHost);
+
+/// "TLS", ...: for people.
+[[nodiscard]] const char* word(Protection protection) noexcept;
+/// What is not protected at `address`, a sentence; empty: nothing.
+[[nodiscard]] std::string weakness(const std::string& address, Protection protection);
 
 /// `address` with the port that was bound in the place of its own.
 [[nodiscard]] std::string with_port(const std::string& address, int port);

@@ -27,24 +27,26 @@ class ResponseStream : public Reactor,
   void server_closes() override {
     end(to_status({Refusal::Code::kUnavailable, "CLOSING", "the server is shutting down", {}}));
   }
-  void OnCancel() override { end(grpc::Status::CANCELLED); }
+  void OnCancel() override { end(grpc::Status::CANCELLED, Ending::kLost); }
   void OnWriteDone(bool ok) override;
   void OnDone() override { const auto last = std::move(self_); }
 
  protected:
+  using Ending = DeviceSessions::Ending;
   /// Lives until gRPC is done with it.
   void keep_alive() { self_ = this->shared_from_this(); }
   /// Under the mutex: starts the next write that is not a state, if none is under way.
   virtual void flush() = 0;
   /// Under the mutex; no other write is under way.
   void write(grpc::ByteBuffer buffer);
-  void end(const grpc::Status& status);
+  void end(const grpc::Status& status, Ending ending = Ending::kGivenUp);
   /// Lease, place in the broadcast and session id, so far as they were had.
   void give_up_what_is_held();
 
   ServiceContext& context_;
   std::mutex mutex_;
   bool ended_{false};
+  Ending ending_{Ending::kGivenUp};  ///< where it ended
   bool writing_{false};
   ServiceContext::Target target_{};
   std::string id_;
@@ -75,12 +77,12 @@ void ResponseStream<Reactor>::OnWriteDone(bool ok) {
   if (finish) {
     this->Finish(final_status_);
   } else if (!ok) {
-    end(grpc::Status::CANCELLED);
+    end(grpc::Status::CANCELLED, Ending::kLost);
   }
 }
 
 template <typename Reactor>
-void ResponseStream<Reactor>::end(const grpc::Status& status) {
+void ResponseStream<Reactor>::end(const grpc::Status& status, Ending ending) {
   // Finish may be followed by OnDone before it returns here.
   const auto keep = this->shared_from_this();
   bool finish = false;
@@ -88,6 +90,7 @@ void ResponseStream<Reactor>::end(const grpc::Status& status) {
     const std::lock_guard lock(mutex_);
     if (ended_) return;
     ended_ = true;
+    ending_ = ending;
     final_status_ = status;
     finish = !writing_;  // else the write's own completion finishes
   }
@@ -99,13 +102,15 @@ template <typename Reactor>
 void ResponseStream<Reactor>::give_up_what_is_held() {
   ServiceContext::Target target;
   std::string id;
+  Ending ending{};
   {
     const std::lock_guard lock(mutex_);
     target = target_;
     id = id_;
+    ending = ending_;
   }
   if (target.device == nullptr) return;
-  target.device->close(id);
+  target.device->close(id, ending);
   target.broadcaster->remove(this);
   context_.registry.remove(id);
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "haptic/core/error.hpp"
+#include "server/rpc/credentials.hpp"
 #include "server/rpc/haptic_service_impl.hpp"
 #include "server/rpc/health_keeper.hpp"
 #include "server/rpc/library_log.hpp"
@@ -45,11 +46,15 @@ class RpcServer::Impl {
     take_library_logs();
     const std::vector<std::string>& addresses = context_.config.listen;
     if (addresses.empty()) throw core::TransportError("no listen address");
-    for (const std::string& address : addresses) check_listen_address(address);
+    const Credentials credentials(context_.config.tls, context_.config.insecure_lab);
+    std::vector<Protection> protections;
+    for (const std::string& address : addresses) {
+      protections.push_back(check_listen_address(address, credentials.best()));
+    }
     const std::string& udp = context_.config.udp_listen;
     if (!udp.empty()) {
-      check_listen_address(udp);
-      context_.udp = std::make_unique<UdpPort>(udp);
+      check_listen_address(udp, credentials.best());
+      context_.udp = std::make_unique<UdpPort>(udp, addresses, context_.config.clock);
     }
 
     grpc::EnableDefaultHealthCheckService(true);
@@ -58,7 +63,7 @@ class RpcServer::Impl {
     set_limits(builder, context_.config.max_sessions);
     std::vector<int> ports(addresses.size(), 0);
     for (std::size_t i = 0; i < addresses.size(); ++i) {
-      builder.AddListeningPort(addresses[i], grpc::InsecureServerCredentials(), &ports[i]);
+      builder.AddListeningPort(addresses[i], credentials.of(protections[i]), &ports[i]);
     }
     builder.RegisterService(&service_);
     server_ = builder.BuildAndStart();
@@ -72,6 +77,9 @@ class RpcServer::Impl {
     if (!server_) throw core::TransportError("the gRPC server did not start");
     for (std::size_t i = 0; i < addresses.size(); ++i) {
       bound_.push_back(with_port(addresses[i], ports[i]));
+      served_.push_back(bound_.back() + " (" + word(protections[i]) + ")");
+      std::string weak = weakness(bound_.back(), protections[i]);
+      if (!weak.empty()) context_.add_weakness(std::move(weak));
     }
     if (context_.udp) context_.udp->start();
     health_ = std::make_unique<HealthKeeper>(*server_->GetHealthCheckService(), context_.devices);
@@ -87,11 +95,24 @@ class RpcServer::Impl {
     context_.streams.wait_until_gone();
     context_.udp.reset();  // nobody has a path any more
     bound_.clear();
+    served_.clear();
   }
 
   [[nodiscard]] std::vector<std::string> bound() const { return bound_; }
+  [[nodiscard]] std::vector<std::string> served() const { return served_; }
+  [[nodiscard]] std::vector<std::string> weaknesses() const { return context_.weaknesses(); }
   [[nodiscard]] std::uint16_t udp_port() const {
     return context_.udp ? context_.udp->port() : std::uint16_t{0};
+  }
+  [[nodiscard]] unsigned sessions() const { return context_.registry.sessions(); }
+  [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> dropped_datagrams() const {
+    std::vector<std::pair<std::string, std::uint64_t>> answer;
+    if (!context_.udp) return answer;
+    for (std::size_t i = 1; i < wire::kRejections; ++i) {
+      const auto why = static_cast<wire::Rejection>(i);
+      answer.emplace_back(wire::name(why), context_.udp->dropped(why));
+    }
+    return answer;
   }
 
  private:
@@ -100,6 +121,7 @@ class RpcServer::Impl {
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<HealthKeeper> health_;
   std::vector<std::string> bound_;
+  std::vector<std::string> served_;
 };
 
 RpcServer::RpcServer(RpcConfig config, std::vector<DeviceSessions*> devices, Telemetry& telemetry,
@@ -119,8 +141,24 @@ std::vector<std::string> RpcServer::bound_addresses() const {
   return impl_->bound();
 }
 
+std::vector<std::string> RpcServer::served() const {
+  return impl_->served();
+}
+
+std::vector<std::string> RpcServer::weaknesses() const {
+  return impl_->weaknesses();
+}
+
 std::uint16_t RpcServer::udp_port() const {
   return impl_->udp_port();
+}
+
+unsigned RpcServer::sessions() const {
+  return impl_->sessions();
+}
+
+std::vector<std::pair<std::string, std::uint64_t>> RpcServer::dropped_datagrams() const {
+  return impl_->dropped_datagrams();
 }
 
 void RpcServer::shutdown(core::Duration grace) {

@@ -3,11 +3,15 @@
 /// protobuf stay behind this header.
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "haptic/core/time.hpp"
 #include "server/rpc/server_facts.hpp"
+#include "server/rpc/steady_now.hpp"
+#include "server/rpc/tls_config.hpp"
 #include "server/session/device_sessions.hpp"
 #include "server/telemetry/telemetry.hpp"
 
@@ -15,7 +19,7 @@ namespace haptic::server {
 
 struct RpcConfig {
   /// "host:port" (port 0: any free one) or "unix:/path". Without TLS only loopback and UNIX
-  /// sockets.
+  /// sockets, unless `insecure_lab`.
   std::vector<std::string> listen{"127.0.0.1:50051"};
   /// Session streams; and, apart from them, watches.
   unsigned max_sessions{32};
@@ -24,8 +28,16 @@ struct RpcConfig {
   /// device; what is above is conflated, in turns. Measured on a shared 2-core VM: 16 watchers at 1 kHz cost 6 % of a core per
   /// 4000 states/s, and the controller's proxy age does not move; 8000 leaves a slower host room.
   unsigned watch_budget_hz{8000};
-  /// Address of the UDP path, "host:port", loopback only; empty: there is none.
+  /// Address of the UDP path, "host:port"; beyond loopback as `listen`. Empty: there is none.
   std::string udp_listen{};
+  ArrivalClock clock{steady_arrival};  ///< stamps what arrives, whatever carries it
+  /// A sample may be older than its arrival, by its source time. Off in a test whose clock is no
+  /// steady one: it does not run as the clients' do.
+  bool age_by_source_time{true};
+  std::optional<TlsConfig> tls{};  ///< absent: plain text
+  /// Plain text, and the keys of the UDP path in it, on any address. Said in the log and in
+  /// GetServerInfo.
+  bool insecure_lab{false};
 };
 
 class RpcServer {
@@ -38,12 +50,20 @@ class RpcServer {
   RpcServer& operator=(const RpcServer&) = delete;
 
   /// Binds and serves. Throws TransportError naming the address: in use, not to be resolved, or not
-  /// allowed without TLS.
+  /// allowed without TLS; or the file of TLS that is wrong.
   void start();
   /// The addresses as served, ports filled in; empty before start().
   [[nodiscard]] std::vector<std::string> bound_addresses() const;
+  /// The same with a word on what protects each, for people.
+  [[nodiscard]] std::vector<std::string> served() const;
+  /// What is not protected, a sentence each.
+  [[nodiscard]] std::vector<std::string> weaknesses() const;
   /// Of the UDP path; 0 where there is none.
   [[nodiscard]] std::uint16_t udp_port() const;
+  /// Session streams that are open.
+  [[nodiscard]] unsigned sessions() const;
+  /// Datagrams dropped since the start, by reason ("TAG", ...); empty where there is no UDP path.
+  [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> dropped_datagrams() const;
   /// Refuses new calls, ends streams (UNAVAILABLE), waits for at most `grace`, then cancels.
   /// Idempotent; the destructor calls it with 1 s.
   void shutdown(core::Duration grace);

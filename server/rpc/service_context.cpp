@@ -31,15 +31,24 @@ void OpenStreams::add(const std::shared_ptr<OpenStream>& stream) {
 }
 
 void OpenStreams::close_all() {
-  std::vector<std::shared_ptr<OpenStream>> open;
   {
     const std::lock_guard lock(mutex_);
     closing_ = true;
-    for (const auto& weak : streams_) {
-      if (auto stream = weak.lock()) open.push_back(std::move(stream));
-    }
   }
-  for (const auto& stream : open) stream->server_closes();
+  for (const auto& stream : open()) stream->server_closes();
+}
+
+void OpenStreams::for_each(const std::function<void(OpenStream&)>& visit) const {
+  for (const auto& stream : open()) visit(*stream);
+}
+
+std::vector<std::shared_ptr<OpenStream>> OpenStreams::open() const {
+  std::vector<std::shared_ptr<OpenStream>> open;
+  const std::lock_guard lock(mutex_);
+  for (const auto& weak : streams_) {
+    if (auto stream = weak.lock()) open.push_back(std::move(stream));
+  }
+  return open;
 }
 
 void OpenStreams::wait_until_gone() {
@@ -57,8 +66,7 @@ ServiceContext::ServiceContext(RpcConfig rpc_config, std::vector<DeviceSessions*
   const WatchBudget share(config.watch_budget_hz /
                           static_cast<double>(std::max<std::size_t>(devices.size(), 1)));
   for (std::size_t i = 0; i < devices.size(); ++i) {
-    broadcasters.push_back(
-        std::make_unique<Broadcaster>(telemetry, i, share, devices[i]->ingress()));
+    broadcasters.push_back(std::make_unique<Broadcaster>(telemetry, i, share, *devices[i]));
   }
 }
 
@@ -73,6 +81,16 @@ Outcome<ServiceContext::Target> ServiceContext::device(const std::string& name) 
   if (name.empty()) return invalid_field("device", "is empty: must be one of " + names);
   return Refusal{Refusal::Code::kNotFound, "NO_SUCH_DEVICE",
                  "device '" + sanitised(name, 64) + "': must be one of " + names, "device"};
+}
+
+void ServiceContext::add_weakness(std::string sentence) {
+  const std::lock_guard lock(mutex_);
+  weaknesses_.push_back(std::move(sentence));
+}
+
+std::vector<std::string> ServiceContext::weaknesses() const {
+  const std::lock_guard lock(mutex_);
+  return weaknesses_;
 }
 
 std::optional<Refusal> ServiceContext::check_rate(const char* field, double rate_hz) const {

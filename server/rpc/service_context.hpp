@@ -2,11 +2,13 @@
 /// What the calls of the service share (private to server/rpc).
 
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
+#include "haptic/v1/haptic_service.pb.h"
 #include "server/rpc/broadcaster.hpp"
 #include "server/rpc/rpc_server.hpp"
 #include "server/rpc/session_registry.hpp"
@@ -23,12 +25,16 @@ class OpenStreams {
   void add(const std::shared_ptr<OpenStream>& stream);
   /// From now on streams that are added are closed at once.
   void close_all();
+  /// Calls `visit` with each that is open, with no lock held.
+  void for_each(const std::function<void(OpenStream&)>& visit) const;
   /// Until every stream was destroyed.
   void wait_until_gone();
 
  private:
   friend class OpenStream;
-  std::mutex mutex_;
+  [[nodiscard]] std::vector<std::shared_ptr<OpenStream>> open() const;
+
+  mutable std::mutex mutex_;
   std::condition_variable gone_;
   bool closing_{false};
   std::size_t alive_{0};
@@ -44,6 +50,13 @@ class OpenStream {
   OpenStream& operator=(const OpenStream&) = delete;
   /// Ends the stream with UNAVAILABLE; any thread, idempotent.
   virtual void server_closes() = 0;
+  /// The session `session_id` goes on with another stream: where it is this one's, this one ends.
+  virtual void goes_on_elsewhere(const std::string& session_id) { static_cast<void>(session_id); }
+  /// Adds what is known of the links of this stream, where it is a session on `device` (empty: any).
+  virtual void report(const std::string& device, v1::GetLinkStatsResponse& response) {
+    static_cast<void>(device);
+    static_cast<void>(response);
+  }
 
  private:
   OpenStreams& streams_;
@@ -63,6 +76,10 @@ struct ServiceContext {
   /// `rate_hz` as a stream may ask for it: 0, or 1 up to the loop's.
   [[nodiscard]] std::optional<Refusal> check_rate(const char* field, double rate_hz) const;
 
+  /// What is not protected, a sentence each. Calls may come before the last is known. Any thread.
+  void add_weakness(std::string sentence);
+  [[nodiscard]] std::vector<std::string> weaknesses() const;
+
   const RpcConfig config;
   const std::vector<DeviceSessions*> devices;
   const FactsProvider facts;
@@ -70,6 +87,10 @@ struct ServiceContext {
   OpenStreams streams;
   std::unique_ptr<UdpPort> udp;  ///< none where the scene has no udp_listen
   std::vector<std::unique_ptr<Broadcaster>> broadcasters;
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::string> weaknesses_;
 };
 
 }  // namespace haptic::server

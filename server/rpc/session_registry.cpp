@@ -28,7 +28,8 @@ Outcome<std::string> SessionRegistry::admit(Kind kind, DeviceSessions& device) {
                    "TOO_MANY_SESSIONS",
                    std::string(kind == Kind::kSession ? "sessions" : "watches") + ": all " +
                        std::to_string(limit_) + " are taken",
-                   {}};
+                   {},
+                   {{"limit", std::to_string(limit_)}}};
   }
   entries_[name] = {kind, &device};
   return name;

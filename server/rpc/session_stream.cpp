@@ -8,7 +8,6 @@
 
 #include "server/rpc/convert.hpp"
 #include "server/rpc/status.hpp"
-#include "server/rpc/steady_now.hpp"
 
 namespace haptic::server {
 namespace {
@@ -30,8 +29,8 @@ core::Duration path_period(const v1::OpenSession& request, double loop_hz) {
 
 }  // namespace
 
-SessionStream* SessionStream::begin(ServiceContext& context) {
-  auto stream = std::make_shared<SessionStream>(context);
+SessionStream* SessionStream::begin(ServiceContext& context, Peer peer) {
+  auto stream = std::make_shared<SessionStream>(context, std::move(peer));
   stream->keep_alive();
   stream->StartRead(&stream->incoming_);
   context.streams.add(stream);
@@ -39,8 +38,9 @@ SessionStream* SessionStream::begin(ServiceContext& context) {
 }
 
 void SessionStream::OnReadDone(bool ok) {
-  const core::TimePoint arrival = steady_now();
-  if (!ok) return end(grpc::Status::OK);  // half-closed, or cancelled: then the status goes nowhere
+  const core::TimePoint arrival = context_.config.clock({});
+  // Half-closed, or cancelled: then the status goes nowhere.
+  if (!ok) return end(grpc::Status::OK, Ending::kLost);
   if (!grpc::SerializationTraits<v1::SessionRequest>::Deserialize(&incoming_, &request_).ok()) {
     return end(to_status(protocol_error("not a SessionRequest")));
   }
@@ -53,8 +53,10 @@ void SessionStream::OnReadDone(bool ok) {
     open(request_.open());
   } else if (request_.has_proxy()) {
     take_sample(request_.proxy(), arrival, Carrier::kGrpc);
+  } else if (request_.has_leave()) {
+    return end(grpc::Status::OK);
   } else {
-    return end(to_status(protocol_error("must carry a ProxySample")));
+    return end(to_status(protocol_error("must carry a ProxySample or LeaveSession")));
   }
   read_next();
 }
@@ -64,21 +66,36 @@ void SessionStream::read_next() {
   if (!ended_) StartRead(&incoming_);
 }
 
-void SessionStream::open(const v1::OpenSession& request) {
-  const auto refuse = [&](const Refusal& refusal) { end(to_status(refusal)); };
+std::optional<Refusal> SessionStream::refusal_of(const v1::OpenSession& request) const {
   const auto target = context_.device(request.device());
-  if (!target) return refuse(target.refusal);
+  if (!target) return target.refusal;
   if (request.role() != v1::ROLE_CONTROLLER && request.role() != v1::ROLE_OBSERVER) {
-    return refuse(invalid_field("role", "must be CONTROLLER or OBSERVER"));
+    return invalid_field("role", "must be CONTROLLER or OBSERVER");
   }
   if (request.client_name().empty() || request.client_name().size() > kLongestClientName) {
-    return refuse(invalid_field(
-        "client_name",
-        "has " + std::to_string(request.client_name().size()) + " characters: must have 1..64"));
+    return invalid_field("client_name", "has " + std::to_string(request.client_name().size()) +
+                                            " characters: must have 1..64");
   }
-  if (auto wrong = context_.check_rate("state_rate_hz", request.state_rate_hz())) {
-    return refuse(*wrong);
+  if (!v1::Priority_IsValid(request.priority())) {
+    return invalid_field("priority", "= " + std::to_string(request.priority()) +
+                                         ": must be TEST, PRIMARY or OPERATOR");
   }
+  const Priority highest = highest_priority(peer_, context_.config);
+  if (request.priority() > static_cast<int>(highest)) {
+    return Refusal{
+        Refusal::Code::kPermission,
+        "PRIORITY_DENIED",
+        std::string("priority: this client's certificate allows ") + name(highest) + " at most",
+        {},
+        {{"highest", name(highest)}}};
+  }
+  return context_.check_rate("state_rate_hz", request.state_rate_hz());
+}
+
+void SessionStream::open(const v1::OpenSession& request) {
+  const auto refuse = [&](const Refusal& refusal) { end(to_status(refusal)); };
+  if (const auto refusal = refusal_of(request)) return refuse(*refusal);
+  const auto target = context_.device(request.device());
   auto id = context_.registry.admit(SessionRegistry::Kind::kSession, *target.value->device);
   if (!id) return refuse(id.refusal);
   auto events = target.value->device->subscribe(*id.value);
@@ -87,6 +104,7 @@ void SessionStream::open(const v1::OpenSession& request) {
     const std::lock_guard lock(mutex_);
     target_ = *target.value;
     id_ = *id.value;
+    role_ = request.role();
     client_name_ = sanitised(request.client_name(), kLongestClientName);
     events_ = std::move(events);
     pace_ = Pace(context_.loop_hz(), request.state_rate_hz());
@@ -109,22 +127,44 @@ void SessionStream::open(const v1::OpenSession& request) {
   if (ended) give_up_what_is_held();
 }
 
-void SessionStream::open_as_controller(const v1::OpenSession& request) {
-  target_.device->open_controller(from_proto(request, id_, client_name_), steady_now(),
-                                  [this, weak = weak_from_this()](const Outcome<Lease>& outcome) {
-                                    const auto alive = weak.lock();
-                                    if (!alive) return;
-                                    if (!outcome) return end(to_status(outcome.refusal));
-                                    granted(*outcome.value);
-                                  });
+void SessionStream::open_as_controller(const v1::OpenSession& message) {
+  LeaseRequest request = from_proto(message, id_, client_name_);
+  // A client that asks for nothing has no more than its certificate allows.
+  request.priority = std::min(request.priority, highest_priority(peer_, context_.config));
+  target_.device->open_controller(
+      request, context_.config.clock({}),
+      [this, request, weak = weak_from_this()](const Outcome<Lease>& outcome) {
+        const auto alive = weak.lock();
+        if (!alive) return;
+        if (!outcome) return end(to_status(outcome.refusal));
+        granted(*outcome.value, request);
+      });
 }
 
-void SessionStream::granted(const Lease& lease) {
+void SessionStream::granted(const Lease& lease, const LeaseRequest& request) {
   {
     const std::lock_guard lock(mutex_);
     epoch_ = lease.epoch;
+    grant_ = lease.grant;
+  }
+  if (!lease.taken_from.empty()) {
+    spdlog::warn("{}: '{}' ({}) took the lease from '{}'", target_.device->name(), client_name_,
+                 name(request.priority), lease.taken_from);
+  }
+  if (lease.resumed) {
+    context_.streams.for_each(
+        [&](OpenStream& stream) { stream.goes_on_elsewhere(request.resume); });
   }
   opened(v1::ROLE_CONTROLLER, lease);
+}
+
+void SessionStream::goes_on_elsewhere(const std::string& session_id) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (id_ != session_id) return;
+  }
+  end(to_status(
+      {Refusal::Code::kAborted, "RESUMED", "the session goes on with another stream", {}}));
 }
 
 void SessionStream::opened(v1::Role role, const Lease& lease) {
@@ -141,14 +181,18 @@ void SessionStream::opened(v1::Role role, const Lease& lease) {
     set(*message.mutable_fade_end(), lease.staleness.fade_end);
     message.set_transport(v1::TRANSPORT_GRPC);
     message.set_session_id(id_);
+    message.set_resumed(lease.resumed);
+    message.set_newest_seq(lease.newest_seq);
     if (udp_wanted_) offer_udp(message);
     greeting_due_ = true;
     opened_ = true;
     flush();
   }
-  target_.broadcaster->add(shared_from_this(), lease.epoch);
-  spdlog::info("session '{}' opened on '{}' as {}", client_name_, target_.device->name(),
-               role == v1::ROLE_CONTROLLER ? "controller" : "observer");
+  target_.broadcaster->add(shared_from_this(), lease.grant);
+  spdlog::info("session '{}' {} on '{}' as {}{}", client_name_,
+               lease.resumed ? "resumed" : "opened", target_.device->name(),
+               role == v1::ROLE_CONTROLLER ? "controller" : "observer",
+               peer_.names.empty() ? "" : ", certificate of '" + peer_.names.front() + "'");
   bool ended = false;
   {
     const std::lock_guard lock(mutex_);
@@ -159,19 +203,30 @@ void SessionStream::opened(v1::Role role, const Lease& lease) {
 
 void SessionStream::take_sample(const v1::ProxySample& sample, core::TimePoint arrival,
                                 Carrier carrier) {
+  const SampleStamp stamp{carrier,
+                          sample.ByteSizeLong(),
+                          sample.source_time_ns(),
+                          sample.device_seq_used(),
+                          std::chrono::microseconds(sample.hold_us()),
+                          arrival};
   std::uint32_t epoch = 0;
+  std::optional<core::TimePoint> left;
   {
     const std::lock_guard lock(mutex_);
     epoch = epoch_;
+    left = link_.came(stamp, udp_ ? udp_->clock(arrival) : std::nullopt);
   }
   std::string why;
   IngressVerdict verdict = IngressVerdict::kOldEpoch;
   if (epoch == 0) {
     why = "this session does not hold the lease: its samples are not used";
   } else {
-    verdict = target_.device->ingress().accept(from_proto(sample, epoch, carrier), arrival, &why);
+    ProxyCandidate candidate = from_proto(sample, epoch, carrier);
+    if (context_.config.age_by_source_time) candidate.left = left;
+    verdict = target_.device->ingress().accept(candidate, arrival, &why);
   }
   const std::lock_guard lock(mutex_);
+  link_.judged(carrier, verdict);
   ledger_.book(sample.seq(), verdict, std::move(why));
   const bool used = verdict == IngressVerdict::kAccepted || verdict == IngressVerdict::kBacklog;
   if (!used || carrier == std::exchange(samples_by_, carrier)) return;
@@ -205,6 +260,10 @@ void SessionStream::offer_udp(v1::SessionOpened& message) {
     message.set_udp_refused("the scene has no server.udp_listen");
     return;
   }
+  if (!may_have_keys(peer_, context_.config)) {
+    message.set_udp_refused("its keys travel only over TLS, a UNIX socket or loopback");
+    return;
+  }
   const std::size_t largest = largest_state(target_.device->unit().config());
   if (largest > wire::kLargestPayload) {
     message.set_udp_refused("a state of this device has up to " + std::to_string(largest) +
@@ -219,7 +278,7 @@ void SessionStream::offer_udp(v1::SessionOpened& message) {
 
 void SessionStream::tell_transport(const char* reason, const char* why) {
   spdlog::info("session '{}': {} ({})", client_name_, reason, why);
-  events_->push({DeviceEvent::Kind::kTransport, steady_now(), reason, why,
+  events_->push({DeviceEvent::Kind::kTransport, context_.config.clock({}), reason, why,
                  target_.device->unit().state(), epoch_});
 }
 
@@ -231,6 +290,7 @@ bool SessionStream::offer(const core::TickRecord& record, StateFrame& frame, boo
   const bool state_due = !greeting_due_ && states_allowed && pace_.due(record.tick);
   const bool by_udp = state_due && udp_ && udp_->send_state(frame.for_datagram());
   if (by_udp || (state_due && !writing_)) pace_.sent(record.tick);
+  watch_link(record, by_udp, state_due && !by_udp && !writing_);
   if (writing_) return by_udp;
   if (state_due && !by_udp) {
     write(frame.for_session());
@@ -238,6 +298,19 @@ bool SessionStream::offer(const core::TickRecord& record, StateFrame& frame, boo
   }
   flush();
   return by_udp;
+}
+
+void SessionStream::watch_link(const core::TickRecord& record, bool by_udp,
+                               bool by_stream) noexcept {
+  if (by_udp || by_stream) {
+    states_by_ = by_udp ? Carrier::kUdp : Carrier::kGrpc;
+    link_.state_sent(record.tick, record.input.now, states_by_);
+  }
+  const core::CommandSnapshot& command = record.input.command;
+  const bool ours = command.lease_held && grant_ != 0 && command.lease_epoch == grant_;
+  if (ours && record.proxy_mode != core::ProxyMode::kNone) {
+    link_.used(record.input.now, record.proxy_age);
+  }
 }
 
 void SessionStream::flush() {

@@ -6,11 +6,14 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "haptic/v1/session.pb.h"
 #include "server/rpc/pace.hpp"
+#include "server/rpc/peer.hpp"
 #include "server/rpc/response_stream.hpp"
 #include "server/rpc/sample_ledger.hpp"
+#include "server/session/link_watch.hpp"
 #include "server/udp/udp_path.hpp"
 
 namespace haptic::server {
@@ -20,10 +23,13 @@ class SessionStream final
       public UdpSink {
  public:
   /// Begins to read; deletes itself when gRPC is done with it.
-  [[nodiscard]] static SessionStream* begin(ServiceContext& context);
-  using ResponseStream::ResponseStream;
+  [[nodiscard]] static SessionStream* begin(ServiceContext& context, Peer peer);
+  SessionStream(ServiceContext& context, Peer peer)
+      : ResponseStream(context), peer_(std::move(peer)) {}
 
   bool offer(const core::TickRecord& record, StateFrame& frame, bool states_allowed) override;
+  void goes_on_elsewhere(const std::string& session_id) override;
+  void report(const std::string& device, v1::GetLinkStatsResponse& response) override;
   void OnReadDone(bool ok) override;
   void OnDone() override;
 
@@ -36,12 +42,16 @@ class SessionStream final
   void read_next();
   void open(const v1::OpenSession& request);
   void open_as_controller(const v1::OpenSession& request);
-  void granted(const Lease& lease);
+  void granted(const Lease& lease, const LeaseRequest& request);
   void opened(v1::Role role, const Lease& lease);
   void take_sample(const v1::ProxySample& sample, core::TimePoint arrival, Carrier carrier);
+  [[nodiscard]] std::optional<Refusal> refusal_of(const v1::OpenSession& request) const;
+  void watch_link(const core::TickRecord& record, bool by_udp, bool by_stream) noexcept;
   void offer_udp(v1::SessionOpened& message);
   void tell_transport(const char* reason, const char* why);
   void flush() override;
+
+  const Peer peer_;
 
   // Of the reading side, one callback at a time.
   grpc::ByteBuffer incoming_;
@@ -53,13 +63,17 @@ class SessionStream final
   v1::SessionResponse greeting_;
   bool greeting_due_{false};
   std::string client_name_;
+  v1::Role role_{v1::ROLE_UNSPECIFIED};
   std::uint32_t epoch_{0};  ///< 0: never held the lease
+  std::uint32_t grant_{0};  ///< what the loop knows that lease by
   SampleLedger ledger_;
+  LinkWatch link_;
   bool udp_wanted_{false};
   core::Duration nominal_period_{0};
   std::shared_ptr<UdpPath> udp_;
   std::optional<wire::PathKeys> new_keys_;  ///< to be sent
   Carrier samples_by_{Carrier::kGrpc};
+  Carrier states_by_{Carrier::kNone};
   bool states_by_udp_{false};
   Pace pace_{1000.0, 0.0};
 };

@@ -33,15 +33,15 @@ grpc::Slice to_slice(const google::protobuf::MessageLite& message) {
 
 }  // namespace
 
-void StateFrame::begin(const core::TickRecord& record, Carrier carrier) noexcept {
+void StateFrame::begin(const core::TickRecord& record, DeviceSessions::Stamp stamp) noexcept {
   record_ = &record;
-  carrier_ = carrier;
+  stamp_ = stamp;
   ready_ = false;
 }
 
 void StateFrame::serialise() {
   if (ready_) return;
-  to_proto(*record_, carrier_, state_);
+  to_proto(*record_, stamp_, state_);
   bytes_ = to_slice(state_);
   ready_ = true;
 }

@@ -9,7 +9,7 @@
 #include "google/protobuf/message_lite.h"
 #include "haptic/core/tick/tick_record.hpp"
 #include "haptic/v1/session.pb.h"
-#include "server/ingress/ingress.hpp"
+#include "server/session/device_sessions.hpp"
 
 namespace haptic::server {
 
@@ -19,8 +19,7 @@ namespace haptic::server {
 class StateFrame {
  public:
   /// A new tick; nothing is serialised before somebody asks. `record` must outlive the use.
-  /// `carrier`: of the newest sample.
-  void begin(const core::TickRecord& record, Carrier carrier = Carrier::kGrpc) noexcept;
+  void begin(const core::TickRecord& record, DeviceSessions::Stamp stamp = {}) noexcept;
   /// SessionResponse { state }.
   [[nodiscard]] grpc::ByteBuffer for_session();
   /// DeviceState alone, as a datagram carries it; until the next begin().
@@ -32,7 +31,7 @@ class StateFrame {
   void serialise();
 
   const core::TickRecord* record_{nullptr};
-  Carrier carrier_{Carrier::kGrpc};
+  DeviceSessions::Stamp stamp_{};
   bool ready_{false};
   v1::DeviceState state_{};
   grpc::Slice bytes_{};

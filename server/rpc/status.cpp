@@ -22,6 +22,8 @@ grpc::StatusCode code_of(Refusal::Code code) {
       return grpc::StatusCode::PERMISSION_DENIED;
     case Refusal::Code::kExhausted:
       return grpc::StatusCode::RESOURCE_EXHAUSTED;
+    case Refusal::Code::kAborted:
+      return grpc::StatusCode::ABORTED;
     case Refusal::Code::kUnavailable:
       return grpc::StatusCode::UNAVAILABLE;
   }
@@ -38,6 +40,7 @@ grpc::Status to_status(const Refusal& refusal) {
   google::rpc::ErrorInfo info;
   info.set_reason(refusal.reason);
   info.set_domain("hapticd");
+  for (const auto& [name, value] : refusal.details) (*info.mutable_metadata())[name] = value;
   status.add_details()->PackFrom(info);
   if (!refusal.field.empty()) {
     google::rpc::BadRequest bad;

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "server/scene/field_reader.hpp"
+#include "server/scene/tls_scene.hpp"
 
 namespace haptic::server {
 namespace {
@@ -46,7 +47,8 @@ bool is_address(const std::string& text) {
 
 }  // namespace
 
-ServerScene read_server(v1::ServerScene& message, Problems& problems) {
+ServerScene read_server(v1::ServerScene& message, const std::filesystem::path& folder,
+                        Problems& problems) {
   const FieldReader reader(message, "server", problems);
   ServerScene server;
   if (message.listen().empty()) message.add_listen(server.listen.front());
@@ -63,16 +65,19 @@ ServerScene read_server(v1::ServerScene& message, Problems& problems) {
       reader.wrong(field, quoted(address), "must be another: this one is listed already");
     }
   }
-  const std::string& udp = server.udp_listen = message.udp_listen();
-  if (!udp.empty() && (!is_address(udp) || udp.rfind("unix:", 0) == 0)) {
-    reader.wrong("udp_listen", quoted(udp),
+  const auto host_and_port = [&](const char* field, const std::string& address) {
+    if (address.empty() || (is_address(address) && address.rfind("unix:", 0) != 0)) return;
+    reader.wrong(field, quoted(address),
                  "must be \"host:port\" or \"[v6]:port\" (port 0 to 65535)");
-  }
+  };
+  host_and_port("udp_listen", server.udp_listen = message.udp_listen());
+  host_and_port("metrics_listen", server.metrics_listen = message.metrics_listen());
   server.lease_timeout =
       reader.duration("lease_timeout", server.lease_timeout, {milliseconds(500), seconds(60)});
   if (!message.has_max_sessions()) message.set_max_sessions(server.max_sessions);
   server.max_sessions = message.max_sessions();
   reader.whole_number("max_sessions", message.max_sessions(), 1, 256);
+  if (message.has_tls()) server.tls = read_tls(*message.mutable_tls(), folder, problems);
   return server;
 }
 

@@ -8,8 +8,9 @@
 namespace haptic::server {
 
 /// Each reads its message and fills in the defaults; what is wrong goes to
-/// `problems`.
-[[nodiscard]] ServerScene read_server(v1::ServerScene& message, Problems& problems);
+/// `problems`. Relative files are relative to `folder`.
+[[nodiscard]] ServerScene read_server(v1::ServerScene& message, const std::filesystem::path& folder,
+                                      Problems& problems);
 [[nodiscard]] LoopScene read_loop(v1::LoopScene& message, Problems& problems);
 [[nodiscard]] RecordScene read_record(v1::RecordScene& message, Problems& problems);
 

@@ -98,7 +98,7 @@ Scene parse_scene(const std::string& text, const std::string& name,
   read_name(message.name(), problems);
   scene.name = message.name();
   scene.devices = read_devices(message, folder, problems);
-  scene.server = read_server(*message.mutable_server(), problems);
+  scene.server = read_server(*message.mutable_server(), folder, problems);
   scene.loop = read_loop(*message.mutable_loop(), problems);
   if (message.has_record()) scene.record = read_record(*message.mutable_record(), problems);
   check_silence(scene, problems);

@@ -10,6 +10,7 @@
 
 #include "haptic/core/tick/pipeline.hpp"
 #include "hw/open_device.hpp"
+#include "server/rpc/tls_config.hpp"
 #include "server/scene/force_control.hpp"
 
 namespace haptic::server {
@@ -36,9 +37,11 @@ struct DeviceScene {
 
 struct ServerScene {
   std::vector<std::string> listen{"127.0.0.1:50051"};
-  std::string udp_listen{};  ///< empty: no UDP path
+  std::string udp_listen{};      ///< empty: no UDP path
+  std::string metrics_listen{};  ///< empty: no metrics
   core::Duration lease_timeout{std::chrono::seconds(2)};
   unsigned max_sessions{32};
+  std::optional<TlsConfig> tls{};  ///< absent: plain text
 };
 
 struct LoopScene {

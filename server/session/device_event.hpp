@@ -25,6 +25,8 @@ struct DeviceEvent {
     kStaleness = 6,     ///< reason "FRESH -> HOLD"
     kClosing = 7,       ///< reason "CLOSING"
     kTransport = 8,     ///< of a session, not of a record; reason "SAMPLES GRPC -> UDP"
+    kLease = 9,         ///< not of a record; reason "LEASE_GRANTED", "LEASE_RESUMED", ...
+    kClamp = 10,        ///< not of a record; reason "CLAMPED": a setting was held at the scene's
     kLimiter = 20,      ///< a limit of an actuator began to act; reason: the limiter's
   };
   Kind kind{Kind::kState};

@@ -2,22 +2,13 @@
 
 #include <utility>
 
+#include "server/session/figures.hpp"
+
 namespace haptic::server {
 namespace {
 
-/// How long a newcomer waits for its predecessor's fade, which takes fade_end - hold_end: 1 s at most
-/// (render_scene.cpp), and 80 ms by default.
-constexpr core::Duration kNewcomerPatience = std::chrono::milliseconds(1500);
-
 void run(const PendingRequests::Closures& closures) {
   for (const auto& closure : closures) closure();
-}
-
-Refusal held_by(const std::string& device, const std::string& holder) {
-  return {Refusal::Code::kExists,
-          "LEASE_HELD",
-          "device '" + device + "' is controlled by '" + holder + "'",
-          {}};
 }
 
 Refusal closing() {
@@ -48,42 +39,6 @@ std::shared_ptr<EventQueue> DeviceSessions::subscribe(const std::string& session
   const std::lock_guard lock(mutex_);
   queues_[session_id] = queue;
   return queue;
-}
-
-void DeviceSessions::close(const std::string& session_id) {
-  Closures closures;
-  {
-    const std::lock_guard lock(mutex_);
-    queues_.erase(session_id);
-    if (newcomer_ && newcomer_->request.session_id == session_id) newcomer_.reset();
-    if (lease_.held_by(session_id)) end_lease(closures);
-  }
-  run(closures);
-}
-
-void DeviceSessions::open_controller(const LeaseRequest& request, core::TimePoint now,
-                                     const LeaseAnswer& answer) {
-  Closures closures;
-  std::optional<Refusal> refusal;
-  {
-    const std::lock_guard lock(mutex_);
-    const Outcome<core::StalenessLimits> limits =
-        lease_staleness(request, unit_.config().scene.staleness, rules_.fresh_end);
-    if (command_.closing) {
-      refusal = closing();
-    } else if (lease_.held()) {
-      refusal = held_by(name(), lease_.client_name());
-    } else if (newcomer_) {
-      refusal = held_by(name(), newcomer_->request.client_name);
-    } else if (!limits) {
-      refusal = limits.refusal;
-    } else {
-      newcomer_ = Newcomer{request, *limits.value, answer, now + kNewcomerPatience};
-      if (!force_is_on()) grant_newcomer(now, closures);
-    }
-  }
-  if (refusal) answer(*refusal);
-  run(closures);
 }
 
 /// A stream whose every sample is refused looks like no stream to the tick; here the reason is known.
@@ -174,6 +129,12 @@ Outcome<SettingsAnswer> DeviceSessions::update_settings(const std::string& sessi
   if (outcome) {
     publish_settings(outcome.value->applied);
     outcome.value->applied = settings_;
+    for (const SettingsClamp& clamp : outcome.value->clamped) {
+      tell_everyone({DeviceEvent::Kind::kClamp, newest_.input.now, "CLAMPED",
+                     clamp.field + " = " + figure(clamp.asked) + ": held at " +
+                         figure(clamp.applied) + ", " + clamp.why,
+                     newest_.state, lease_.epoch()});
+    }
   }
   return outcome;
 }
@@ -191,7 +152,7 @@ void DeviceSessions::begin_closing() {
     }
     tell_everyone({DeviceEvent::Kind::kClosing, newest_.input.now, "CLOSING",
                    "the server is shutting down", newest_.state,
-                   command_.lease_held ? command_.lease_epoch : 0});
+                   lease_.held() ? lease_.epoch() : 0});
   }
   run(closures);
 }
@@ -212,9 +173,23 @@ unsigned DeviceSessions::observers() const {
   return static_cast<unsigned>(queues_.size()) - (holder_listens ? 1U : 0U);
 }
 
+bool DeviceSessions::may_be_resumed(const std::string& session_id) const {
+  const std::lock_guard lock(mutex_);
+  return lease_.held_by(session_id) && lease_.detached();
+}
+
 core::RenderSettings DeviceSessions::settings() const {
   const std::lock_guard lock(mutex_);
   return settings_;
+}
+
+DeviceSessions::Stamp DeviceSessions::stamp(const core::TickRecord& record) const noexcept {
+  const std::uint32_t grant = record.input.command.lease_epoch;
+  Stamp stamp{Carrier::kNone, grant == 0 ? 0 : grant + resumes_};
+  if (record.proxy_mode != core::ProxyMode::kNone) {
+    stamp.carrier = ingress_.carrier_of(record.proxy_seq, record.input.now - record.proxy_age);
+  }
+  return stamp;
 }
 
 core::TickRecord DeviceSessions::newest() const {
@@ -229,30 +204,13 @@ void DeviceSessions::on_record(const core::TickRecord& record) {
     newest_ = record;
     std::vector<DeviceEvent> events;
     detector_.step(record, stop_reason_, events);
-    for (const DeviceEvent& event : events) tell_everyone(event);
+    for (DeviceEvent& event : events) {
+      // Under the epoch that clients know; the record has the grant.
+      if (event.lease_epoch != 0) event.lease_epoch += lease_.resumes();
+      tell_everyone(event);
+    }
 
-    if (lease_.expired(record.input.now, ingress_.last_accepted())) {
-      tell_everyone({DeviceEvent::Kind::kLeaseExpired, record.input.now, "LEASE_EXPIRED",
-                     "'" + lease_.client_name() +
-                         "' sent no valid sample for the lease time and is an observer now",
-                     record.state, command_.lease_epoch});
-      end_lease(closures);
-    }
-    if (!force_is_on()) {
-      if (newcomer_) {
-        grant_newcomer(record.input.now, closures);
-      } else if (settings_due_) {
-        restore_scene_settings();
-      }
-    } else if (newcomer_ && record.input.now >= newcomer_->gives_up) {
-      closures.push_back([call = std::move(newcomer_->answer)] {
-        call(Refusal{Refusal::Code::kUnavailable,
-                     "NO_ANSWER",
-                     "the force of the previous controller did not fade out in time",
-                     {}});
-      });
-      newcomer_.reset();
-    }
+    look_after_lease(record, closures);
     pending_.step(record, closures);
     post_next_clear();
   }
@@ -269,34 +227,6 @@ void DeviceSessions::post_next_clear() noexcept {
   command_.clear = asked.faults;
   command_.clear_stop_id = asked.stop_id;
   post();
-}
-
-void DeviceSessions::end_lease(Closures& closures) {
-  const std::string session_id = lease_.session_id();
-  lease_.end();
-  ingress_.end_lease();
-  command_.lease_held = false;
-  post();
-  settings_due_ = true;
-  pending_.lease_ended(session_id, closures);
-}
-
-void DeviceSessions::grant_newcomer(core::TimePoint now, Closures& closures) {
-  Newcomer newcomer = std::move(*newcomer_);
-  newcomer_.reset();
-  const LeaseRequest& request = newcomer.request;
-  const std::uint32_t epoch = lease_.grant(request.session_id, request.client_name, now);
-  core::RenderSettings settings = unit_.config().scene;
-  settings.staleness = newcomer.staleness;
-  publish_settings(settings);
-  settings_due_ = false;
-  ingress_.begin_lease(epoch, request.nominal_rate_hz, newcomer.staleness.hold_end);
-  command_.lease_epoch = epoch;
-  command_.lease_held = true;
-  post();
-  closures.push_back([call = std::move(newcomer.answer), lease = Lease{epoch, newcomer.staleness}] {
-    call(lease);
-  });
 }
 
 void DeviceSessions::restore_scene_settings() {

@@ -6,11 +6,14 @@
 /// A lease ends when its session closes, or by the clock: every record that the telemetry drains
 /// brings the time, so it ends on time whether or not anybody calls anything. When it ends, force
 /// fades out (RELEASING); the settings go back to the scene's once g = 0, so that the fade itself
-/// never stiffens. A newcomer who comes during the fade is answered when g = 0.
+/// never stiffens. A newcomer who comes during the fade is answered when g = 0. A session that lost
+/// its stream may resume its lease while that lasts and nobody else wants it; a higher priority takes
+/// it from whoever has it.
 ///
 /// Threads: every method from any thread. Answers are called without a lock held, on the caller's
 /// thread where the answer is known at once, else on the telemetry drain's; they must not block.
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -54,11 +57,17 @@ class DeviceSessions final : public RecordListener {
 
   /// The session's events from now on, until close(). Every session subscribes, whatever its role.
   [[nodiscard]] std::shared_ptr<EventQueue> subscribe(const std::string& session_id);
-  /// The session is over, by whatever cause: its lease ends, its events stop. Idempotent.
-  void close(const std::string& session_id);
+  enum class Ending : std::uint8_t {
+    kGivenUp,  ///< on purpose, by either end
+    kLost,     ///< the stream broke: a resumable session may come back
+  };
+  /// The session is over, its events stop. Its lease ends; where it was lost and is resumable it is
+  /// detached instead. Idempotent.
+  void close(const std::string& session_id, Ending ending = Ending::kGivenUp);
 
-  /// Asks for the lease. Refused: LEASE_HELD (kExists, names the holder), CLOSING, or limits that
-  /// are off. Answered at g = 0.
+  /// Asks for the lease: to resume one, a free one, or that of a lower priority. Refused: LEASE_HELD
+  /// (kExists, names the holder), CLOSING, or limits that are off. Answered at g = 0; at once where
+  /// it resumes.
   void open_controller(const LeaseRequest& request, core::TimePoint now, const LeaseAnswer& answer);
 
   /// Each returns a ticket for cancel(), 0 where the answer was given at once.
@@ -86,6 +95,16 @@ class DeviceSessions final : public RecordListener {
   /// The newest record seen; a default one before the first tick.
   [[nodiscard]] core::TickRecord newest() const;
 
+  /// Who carried the sample in use of a record, and the epoch of its lease as clients know it: the
+  /// loop knows neither.
+  struct Stamp {
+    Carrier carrier{Carrier::kNone};
+    std::uint32_t lease_epoch{0};
+  };
+  [[nodiscard]] Stamp stamp(const core::TickRecord& record) const noexcept;
+  /// Its lease waits for it.
+  [[nodiscard]] bool may_be_resumed(const std::string& session_id) const;
+
   /// Telemetry's call, every tick.
   void on_record(const core::TickRecord& record) override;
 
@@ -95,14 +114,24 @@ class DeviceSessions final : public RecordListener {
     core::StalenessLimits staleness{};
     LeaseAnswer answer{};
     core::TimePoint gives_up{};
+    std::string taken_from{};  ///< client name of the preempted holder
+    bool granted{false};       ///< the lease is in the book already: it was taken from somebody
   };
   using Closures = PendingRequests::Closures;
 
   [[nodiscard]] Outcome<Done> explained(Outcome<Done> outcome) const;
   void post() noexcept;
   void post_next_clear() noexcept;
-  void end_lease(Closures& closures);
+  // device_lease.cpp
+  [[nodiscard]] bool resumes(const LeaseRequest& request) const noexcept;
+  void resume_lease(const LeaseRequest& request, core::TimePoint now, const LeaseAnswer& answer,
+                    Closures& closures);
+  void wait_for_lease(Newcomer newcomer, core::TimePoint now, Closures& closures);
   void grant_newcomer(core::TimePoint now, Closures& closures);
+  void look_after_lease(const core::TickRecord& record, Closures& closures);
+  void end_lease(Closures& closures);
+  void tell_lease(const char* reason, std::string message);
+
   void restore_scene_settings();
   void publish_settings(core::RenderSettings settings);
   void tell_everyone(const DeviceEvent& event);
@@ -117,6 +146,7 @@ class DeviceSessions final : public RecordListener {
 
   mutable std::mutex mutex_;
   LeaseBook lease_;
+  std::atomic<std::uint32_t> resumes_{0};  ///< lease_'s, for whoever has no mutex
   std::optional<Newcomer> newcomer_;  ///< waits for the force of the previous holder to fade out
   PendingRequests pending_;
   core::CommandSnapshot command_{};

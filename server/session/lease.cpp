@@ -1,23 +1,40 @@
 #include "server/session/lease.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace haptic::server {
 
-std::uint32_t LeaseBook::grant(std::string session_id, std::string client_name,
-                               core::TimePoint now) noexcept {
+std::uint32_t LeaseBook::grant(const LeaseRequest& request, core::TimePoint now) {
   held_ = true;
-  session_id_ = std::move(session_id);
-  client_name_ = std::move(client_name);
+  detached_ = false;
+  session_id_ = request.session_id;
+  client_name_ = request.client_name;
+  priority_ = request.priority;
+  resumable_ = request.resumable;
   opened_ = now;
-  return ++epoch_;
+  ++grants_;
+  return epoch();
 }
 
 void LeaseBook::end() noexcept {
-  held_ = false;
+  held_ = detached_ = resumable_ = false;
   session_id_.clear();
   client_name_.clear();
+}
+
+std::uint32_t LeaseBook::resume(const LeaseRequest& request, core::TimePoint now) {
+  detached_ = false;
+  session_id_ = request.session_id;
+  client_name_ = request.client_name;
+  priority_ = request.priority;
+  resumable_ = request.resumable;
+  opened_ = now;
+  ++resumes_;
+  return epoch();
+}
+
+bool LeaseBook::yields_to(Priority priority) const noexcept {
+  return !held_ || priority > priority_ || (detached_ && priority == priority_);
 }
 
 bool LeaseBook::expired(core::TimePoint now, core::TimePoint last_accepted) const noexcept {

@@ -7,6 +7,7 @@
 
 #include "haptic/core/safety/staleness.hpp"
 #include "haptic/core/time.hpp"
+#include "server/session/priority.hpp"
 
 namespace haptic::server {
 
@@ -14,19 +15,28 @@ namespace haptic::server {
 struct Lease {
   std::uint32_t epoch{0};
   core::StalenessLimits staleness{};  ///< in force
+  std::uint32_t grant{0};             ///< what the loop knows it by: a resumed lease keeps it
+  bool resumed{false};
+  std::uint64_t newest_seq{0};  ///< accepted so far
+  std::string taken_from{};     ///< client name of the preempted holder; empty: it was free
 };
 
 struct LeaseRequest {
   std::string session_id{};
   std::string client_name{};
   double nominal_rate_hz{0.0};
+  Priority priority{Priority::kPrimary};
+  bool resumable{false};
+  std::string resume{};  ///< session whose lease is to go on; empty: none
   std::optional<core::Duration> fresh_end{};
   std::optional<core::Duration> hold_end{};
   std::optional<core::Duration> fade_end{};
 };
 
-/// Exactly one holder or none, and an epoch that only rises. The clock of a lease runs from its
-/// last accepted sample, or from its opening before the first one; at `timeout` it has expired.
+/// Exactly one holder or none, and an epoch that only rises: by one with every grant and with every
+/// resume. The clock of a lease runs from its last accepted sample, or from its opening (or resume)
+/// before the first one; at `timeout` it has expired. A lease whose session lost its stream is
+/// detached: it is held against time only, not against others who want it.
 class LeaseBook {
  public:
   explicit LeaseBook(core::Duration timeout) : timeout_(timeout) {}
@@ -37,13 +47,26 @@ class LeaseBook {
   }
   [[nodiscard]] const std::string& session_id() const noexcept { return session_id_; }
   [[nodiscard]] const std::string& client_name() const noexcept { return client_name_; }
-  [[nodiscard]] std::uint32_t epoch() const noexcept { return epoch_; }
+  [[nodiscard]] Priority priority() const noexcept { return priority_; }
+  [[nodiscard]] bool detached() const noexcept { return held_ && detached_; }
+  [[nodiscard]] bool resumable() const noexcept { return held_ && resumable_; }
+  [[nodiscard]] std::uint32_t epoch() const noexcept { return grants_ + resumes_; }
+  /// Grants so far: what the loop knows a lease by, so that a resume changes nothing there.
+  [[nodiscard]] std::uint32_t grants() const noexcept { return grants_; }
+  [[nodiscard]] std::uint32_t resumes() const noexcept { return resumes_; }
   [[nodiscard]] core::Duration timeout() const noexcept { return timeout_; }
 
-  /// A new lease under a new epoch. Precondition: !held().
-  std::uint32_t grant(std::string session_id, std::string client_name,
-                      core::TimePoint now) noexcept;
+  /// A new lease under a new epoch, which is the answer. Precondition: !held().
+  std::uint32_t grant(const LeaseRequest& request, core::TimePoint now);
   void end() noexcept;
+  /// Its session lost the stream. Only where it is resumable.
+  void detach() noexcept { detached_ = true; }
+  /// The lease goes on for `request`, under a new epoch. Precondition: resumable().
+  std::uint32_t resume(const LeaseRequest& request, core::TimePoint now);
+  /// A newcomer of `priority` may have it: it is free, of lower priority, or detached and of the same.
+  [[nodiscard]] bool yields_to(Priority priority) const noexcept;
+  /// The clock runs from `now` on.
+  void restart_clock(core::TimePoint now) noexcept { opened_ = now; }
   /// `last_accepted`: of the ingress, under this lease; older than the opening before the first
   /// one.
   [[nodiscard]] bool expired(core::TimePoint now, core::TimePoint last_accepted) const noexcept;
@@ -51,7 +74,11 @@ class LeaseBook {
  private:
   core::Duration timeout_;
   bool held_{false};
-  std::uint32_t epoch_{0};
+  bool detached_{false};
+  bool resumable_{false};
+  Priority priority_{Priority::kPrimary};
+  std::uint32_t grants_{0};
+  std::uint32_t resumes_{0};
   core::TimePoint opened_{};
   std::string session_id_{};
   std::string client_name_{};

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace haptic::server {
 
@@ -17,12 +18,15 @@ struct Refusal {
     kPrecondition,  ///< not now; the message names the value that is not good enough yet
     kPermission,    ///< not this session's to ask
     kExhausted,     ///< a limit of the server is reached
+    kAborted,       ///< another call took this one's place
     kUnavailable,   ///< the server is closing, or its loop gave no answer in time
   };
   Code code{Code::kInvalid};
   std::string reason{};
   std::string message{};
   std::string field{};  ///< kInvalid: the field that is off
+  /// What a program may want to know besides, by name: {"holder", "alice"}.
+  std::vector<std::pair<std::string, std::string>> details{};
 };
 
 /// A value, or why there is none.

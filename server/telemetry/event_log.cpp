@@ -22,6 +22,8 @@ spdlog::level::level_enum level_of(DeviceEvent::Kind kind) {
     case DeviceEvent::Kind::kFaultCleared:
     case DeviceEvent::Kind::kClosing:
     case DeviceEvent::Kind::kTransport:
+    case DeviceEvent::Kind::kLease:
+    case DeviceEvent::Kind::kClamp:
       return spdlog::level::info;
   }
   return spdlog::level::info;

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "server/session/link_watch.hpp"
+
 namespace haptic::server {
 namespace {
 
@@ -34,6 +36,16 @@ wire::RoundTrip UdpPath::round_trip() const {
   return end_.round_trip();
 }
 
+std::optional<wire::ClockOffset::Estimate> UdpPath::clock(core::TimePoint now) const {
+  const std::lock_guard lock(mutex_);
+  return end_.clock_offset().at(to_wire(now));
+}
+
+wire::PeerReport UdpPath::peer_report() const {
+  const std::lock_guard lock(mutex_);
+  return end_.peer_report();
+}
+
 wire::Rejection UdpPath::receive(wire::ConstBytes datagram, const wire::PeerAddress& from,
                                  core::TimePoint arrival) {
   wire::Received received;
@@ -45,7 +57,7 @@ wire::Rejection UdpPath::receive(wire::ConstBytes datagram, const wire::PeerAddr
       end_.message_unreadable();
       return wire::Rejection::kPayload;
     }
-    if (received.message && sample_.source_time_ns() != 0) {
+    if (received.message && plausible_reading(sample_.source_time_ns())) {
       end_.statistics().timed(wire::Duration(sample_.source_time_ns()), to_wire(arrival));
     }
   }

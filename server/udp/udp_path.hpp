@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "haptic/core/time.hpp"
 #include "haptic/v1/session.pb.h"
@@ -32,6 +33,10 @@ class UdpPath {
   [[nodiscard]] bool in_use() const;
   [[nodiscard]] wire::LinkCounters counters() const;
   [[nodiscard]] wire::RoundTrip round_trip() const;
+  /// The client's steady clock against ours, by the path's challenges.
+  [[nodiscard]] std::optional<wire::ClockOffset::Estimate> clock(core::TimePoint now) const;
+  /// What the client says it received of our datagrams, under the keys in use.
+  [[nodiscard]] wire::PeerReport peer_report() const;
 
   // The port's.
   wire::Rejection receive(wire::ConstBytes datagram, const wire::PeerAddress& from,

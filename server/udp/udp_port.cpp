@@ -22,11 +22,33 @@ constexpr int kLongestDrain = 256;
 /// Keys wear out over days: it is enough to look now and then.
 constexpr core::Duration kLongestPause = std::chrono::seconds(1);
 
+/// What a client is told; empty: the host that it opened its stream to. To a UNIX socket that means
+/// 127.0.0.1.
+std::string host_told(const asio::ip::address& bound, const std::vector<std::string>& streams) {
+  if (bound.is_unspecified()) return {};
+  const std::string host = bound.to_string();
+  bool same = false;
+  for (const std::string& stream : streams) {
+    if (stream.rfind("unix:", 0) == 0) {
+      if (host != "127.0.0.1") return host;
+      continue;
+    }
+    std::string name = stream.substr(0, stream.rfind(':'));
+    if (name == "localhost") name = "127.0.0.1";
+    same = same || name == host || name == '[' + host + ']';
+  }
+  return same ? std::string{} : host;
+}
+
 }  // namespace
 
 class UdpPort::Impl {
  public:
-  explicit Impl(const std::string& listen) : socket_(context_, listen), timer_(context_) {}
+  Impl(const std::string& listen, const std::vector<std::string>& streams, ArrivalClock clock)
+      : clock_(std::move(clock)),
+        socket_(context_, listen),
+        timer_(context_),
+        host_(host_told(socket_.bound().address(), streams)) {}
   ~Impl() { stop(); }
 
   void start() {
@@ -75,9 +97,13 @@ class UdpPort::Impl {
     path->rekey(keys);
   }
 
+  [[nodiscard]] const std::string& host() const { return host_; }
   [[nodiscard]] asio::ip::udp::endpoint bound() const { return socket_.bound(); }
   [[nodiscard]] std::uint64_t rejected(wire::Rejection why) const {
     return rejected_[static_cast<std::size_t>(why)].load(std::memory_order_relaxed);
+  }
+  [[nodiscard]] std::uint64_t dropped(wire::Rejection why) const {
+    return rejected(why) + by_paths_[static_cast<std::size_t>(why)].load(std::memory_order_relaxed);
   }
 
  private:
@@ -118,15 +144,18 @@ class UdpPort::Impl {
       if (entry != paths_.end()) path = entry->second;
     }
     if (!path) return reject(wire::Rejection::kUnknownPath);
-    path->receive(datagram, arrived.from, arrived.at);
+    const wire::Rejection why = path->receive(datagram, arrived.from, clock_(arrived.waited));
+    if (why != wire::Rejection::kNone) count(by_paths_, why);
   }
 
-  void reject(wire::Rejection why) {
-    rejected_[static_cast<std::size_t>(why)].fetch_add(1, std::memory_order_relaxed);
+  using Counters = std::array<std::atomic<std::uint64_t>, wire::kRejections>;
+  static void count(Counters& counters, wire::Rejection why) {
+    counters[static_cast<std::size_t>(why)].fetch_add(1, std::memory_order_relaxed);
   }
+  void reject(wire::Rejection why) { count(rejected_, why); }
 
   void step() {
-    const core::TimePoint now = steady_now();
+    const core::TimePoint now = clock_({});
     std::vector<std::shared_ptr<UdpPath>> due;
     {
       const std::lock_guard lock(mutex_);
@@ -143,12 +172,13 @@ class UdpPort::Impl {
 
   /// Paths change when something comes, and that leads to step(); so the timer is never late.
   void schedule() {
-    core::TimePoint next = steady_now() + kLongestPause;
+    const core::TimePoint now = clock_({});
+    core::TimePoint next = now + kLongestPause;
     {
       const std::lock_guard lock(mutex_);
       for (const auto& [id, path] : paths_) next = std::min(next, path->next_step());
     }
-    timer_.expires_at(std::chrono::steady_clock::time_point(next.time_since_epoch()));
+    timer_.expires_after(std::max(next - now, core::Duration(0)));
     timer_.async_wait([this](asio::error_code error) {
       if (error) return;
       drain();  // before any judgement about silence
@@ -156,17 +186,22 @@ class UdpPort::Impl {
     });
   }
 
+  const ArrivalClock clock_;
   asio::io_context context_{1};
   UdpSocket socket_;
   asio::steady_timer timer_;
+  const std::string host_;
   std::array<std::uint8_t, wire::kLargestDatagram + 1> buffer_{};
   mutable std::mutex mutex_;
   Paths paths_{};
-  std::array<std::atomic<std::uint64_t>, wire::kRejections> rejected_{};
+  Counters rejected_{};
+  Counters by_paths_{};
   std::thread thread_{};
 };
 
-UdpPort::UdpPort(const std::string& listen) : impl_(std::make_unique<Impl>(listen)) {}
+UdpPort::UdpPort(const std::string& listen, const std::vector<std::string>& streams,
+                 ArrivalClock clock)
+    : impl_(std::make_unique<Impl>(listen, streams, std::move(clock))) {}
 UdpPort::~UdpPort() = default;
 
 void UdpPort::start() {
@@ -185,14 +220,16 @@ void UdpPort::rekey(const std::shared_ptr<UdpPath>& path) {
   impl_->rekey(path);
 }
 std::string UdpPort::host() const {
-  const auto address = impl_->bound().address();
-  return address.is_unspecified() ? std::string{} : address.to_string();
+  return impl_->host();
 }
 std::uint16_t UdpPort::port() const {
   return impl_->bound().port();
 }
 std::uint64_t UdpPort::rejected(wire::Rejection why) const {
   return impl_->rejected(why);
+}
+std::uint64_t UdpPort::dropped(wire::Rejection why) const {
+  return impl_->dropped(why);
 }
 
 }  // namespace haptic::server

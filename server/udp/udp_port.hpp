@@ -9,7 +9,9 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "server/rpc/steady_now.hpp"
 #include "server/udp/udp_path.hpp"
 
 namespace haptic::server {
@@ -17,8 +19,9 @@ namespace haptic::server {
 class UdpPort {
  public:
   /// Binds `listen`, "host:port" (port 0: any free one), loopback only while there is no TLS.
-  /// Throws TransportError.
-  explicit UdpPort(const std::string& listen);
+  /// Throws TransportError. `streams`: the addresses that sessions are opened at.
+  explicit UdpPort(const std::string& listen, const std::vector<std::string>& streams = {},
+                   ArrivalClock clock = steady_arrival);
   /// stop().
   ~UdpPort();
   UdpPort(const UdpPort&) = delete;
@@ -40,11 +43,15 @@ class UdpPort {
   /// Fresh keys for a path now; by itself that happens when the old ones wear out. Any thread.
   void rekey(const std::shared_ptr<UdpPath>& path);
 
-  /// Of the address bound; host empty where that is any address of this host.
+  /// Of the address bound; host empty where that is any address of this host, or where streams are
+  /// served at the same: a client knows that one by the name it came by, which a relay or a
+  /// translator between may have changed.
   [[nodiscard]] std::string host() const;
   [[nodiscard]] std::uint16_t port() const;
   /// Datagrams that no path answers for: length, magic, version, type, unknown path.
   [[nodiscard]] std::uint64_t rejected(wire::Rejection why) const;
+  /// The same and what paths dropped, those that are closed by now among them.
+  [[nodiscard]] std::uint64_t dropped(wire::Rejection why) const;
 
  private:
   class Impl;

@@ -7,7 +7,6 @@
 #include <cstring>
 
 #include "haptic/core/error.hpp"
-#include "server/rpc/steady_now.hpp"
 
 namespace haptic::server {
 namespace {
@@ -102,7 +101,7 @@ Arrived UdpSocket::receive(wire::Bytes buffer) noexcept {
   const ssize_t size = ::recvmsg(socket_.native_handle(), &message, MSG_DONTWAIT | MSG_TRUNC);
   if (size < 0) return {};
   from.resize(message.msg_namelen);
-  return {true, static_cast<std::size_t>(size), peer(from), steady_now() - waited(message)};
+  return {true, static_cast<std::size_t>(size), peer(from), waited(message)};
 }
 
 void UdpSocket::send(const wire::PeerAddress& to, wire::ConstBytes datagram) noexcept {

@@ -16,7 +16,7 @@ struct Arrived {
   bool any{false};      ///< false: nothing is waiting
   std::size_t size{0};  ///< above the buffer's size where the datagram was cut
   wire::PeerAddress from{};
-  core::TimePoint at{};  ///< when the kernel had it: what waited in the socket is not young
+  core::Duration waited{0};  ///< since the kernel had it: what waited in the socket is not young
 };
 
 class UdpSocket {

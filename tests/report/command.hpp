@@ -15,8 +15,11 @@ void add_fig4(CLI::App& app);
 void add_scan(CLI::App& app);
 void add_radius(CLI::App& app);
 void add_finger(CLI::App& app);
+void add_closed_loop(CLI::App& app);
+void add_rate(CLI::App& app);
 void add_hard_cases(CLI::App& app);
 void add_linear_algebra(CLI::App& app);
 void add_scaling(CLI::App& app);
+void add_work_precision(CLI::App& app);
 
 }  // namespace haptic::report

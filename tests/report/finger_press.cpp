@@ -23,15 +23,6 @@ constexpr double kForceLimit = 40;  // N, METHOD 2.4
 constexpr double kRodDamping = 0.5;     // N s/m, beyond the load cell of the emulated board
 constexpr double kDeviceDamping = 2.0;  // N s/m, METHOD 2.4: the simulated finger's own
 
-/// METHOD 2.4 compares at Z_x = Z_q/81.06^2, the mean of ||J_a|| on trajectory A. The renderers take
-/// the mean over the workspace; the baselines' stiffness makes up for it.
-double stiffness_of(const Press& what, const core::Kinematics& finger) {
-  constexpr double kMeanOnA = 81.06;  // rad/m
-  const bool baseline =
-      what.method == core::RendererKind::kStandard || what.method == core::RendererKind::kNullSpace;
-  return what.stiffness * (baseline ? std::pow(finger.mean_actuated_jacobian() / kMeanOnA, 2) : 1);
-}
-
 core::PipelineConfig pipeline_for(const Press& what, const hw::Device& device,
                                   std::shared_ptr<const core::Kinematics> finger) {
   core::PipelineConfig config;
@@ -41,7 +32,8 @@ core::PipelineConfig pipeline_for(const Press& what, const hw::Device& device,
   config.monotone_envelope = what.monotone_envelope;
   config.passivity.tank.enabled = what.energy_tank;
   config.passivity.device_damping = VecA::Constant(1, kDeviceDamping);
-  config.scene.stiffness = VecA::Constant(1, stiffness_of(what, *finger));
+  config.scene.stiffness =
+      VecA::Constant(1, stiffness_of_method(what.method, what.stiffness, *finger));
   config.scene.damping = VecA::Zero(1);
   config.scene.force_limit = VecA::Constant(1, kForceLimit);
   config.scene.slew_limit = VecA::Constant(1, 1e6);  // N/s: none
@@ -116,6 +108,14 @@ void account(const Press& what, const PressTick& tick, Felt& felt) {
 }
 
 }  // namespace
+
+double stiffness_of_method(core::RendererKind method, double stiffness,
+                           const core::Kinematics& finger) {
+  constexpr double kMeanOnA = 81.06;  // rad/m
+  const bool baseline =
+      method == core::RendererKind::kStandard || method == core::RendererKind::kNullSpace;
+  return stiffness * (baseline ? std::pow(finger.mean_actuated_jacobian() / kMeanOnA, 2) : 1);
+}
 
 Felt press(const Press& what, const std::function<void(const PressTick&)>& observe) {
   const std::shared_ptr<const core::Kinematics> finger = core::make_finger_exoskeleton({});

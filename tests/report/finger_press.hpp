@@ -44,6 +44,11 @@ struct Felt {
   int throttled{0};                 ///< ticks in which the tank held a change back
 };
 
+/// METHOD 2.4 compares at Z_x = Z_q/81.06^2, the mean of ||J_a|| on trajectory A. The renderers take
+/// the mean over the workspace; the stiffness of the two baselines makes up for it. N/m.
+[[nodiscard]] double stiffness_of_method(core::RendererKind method, double stiffness,
+                                         const core::Kinematics& finger);
+
 /// 2 s of it. `observe` sees every tick. Throws SceneError where the force never came on.
 [[nodiscard]] Felt press(const Press& what,
                          const std::function<void(const PressTick&)>& observe = {});

@@ -14,9 +14,12 @@ int main(int argc, char** argv) {
   haptic::report::add_scan(app);
   haptic::report::add_radius(app);
   haptic::report::add_finger(app);
+  haptic::report::add_closed_loop(app);
+  haptic::report::add_rate(app);
   haptic::report::add_hard_cases(app);
   haptic::report::add_linear_algebra(app);
   haptic::report::add_scaling(app);
+  haptic::report::add_work_precision(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

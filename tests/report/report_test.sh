@@ -149,7 +149,7 @@ finger subspace_exact 18,25 1500 44.2 38.7
 echo "$rows" | grep -q "^subspace_exact,18,999,50,50,6000,.*,deeper and gives energy$" ||
   fail "finger: (6) on an MCP stop at 6000 N/m pulls the finger into the wall (METHOD 2.4)"
 header "case,expected,got,verdict" hard-cases
-header "method,fingers_declared,fingers_in_contact,tick_ns,idle_share_pct" scaling --ticks 16
+header "method,proxy,fingers_declared,fingers_in_contact,tick_ns,idle_share_pct" scaling --ticks 16
 header "rows,cols,method,cond,ns,max_relative_error" linear-algebra --calls 8
 
 # The same presses through an emulated board: every method, at the actuator and at the finger.
@@ -157,6 +157,25 @@ rows=$("$report" finger --board --stop 18,999)
 [ "$(echo "$rows" | wc -l)" = 5 ] || fail "finger --board: must be a row per method"
 echo "$rows" | grep -q "peak_cell_n,end_cell_n,peak_mcp_torque_nmm,peak_pip_torque_nmm$" ||
   fail "finger --board: must end with cell and torques"
+
+# Errors of the ways to q*: the closed form is exact, each step of Gauss-Newton from q is nearer than the
+# one before, and Eq. (8) is the first of them.
+header "map,setting,method,ns,error_max,error_rms,error_unit,against,ratio,lower,upper,aa_lower,aa_upper" \
+  work-precision --map finger --blocks 1
+csv=$("$report" work-precision --map finger --blocks 1 2>/dev/null | tr ' ' _ | cut -d, -f1-3,5)
+near finger,1000_Hz,closed_form 0 1e-12
+near finger,60_Hz,closed_form 0 1e-12
+near finger,1000_Hz,lm_warm 0 1e-11
+near finger,1000_Hz,gn2_warm 0 1e-8
+near finger,1000_Hz,gn1_warm 0 1e-5
+echo "$csv" | awk -F, '
+  $2 == "1000_Hz" { error[$3] = $4 }
+  END {
+    ok = error["eq8"] > 1e-4 && error["gn1_cold"] > 0.999 * error["eq8"] && error["gn1_cold"] < 1.001 * error["eq8"]
+    for (n = 2; n <= 4; n++) ok = ok && error["gn" n "_cold"] < 0.5 * error["gn" (n - 1) "_cold"]
+    exit !ok
+  }' || fail "work-precision: Gauss-Newton from q does not converge: $csv"
+refused work-precision --map no_such_map
 
 [ $failed -eq 0 ] && echo "haptic-report: as METHOD prints it"
 exit $failed

@@ -3,8 +3,8 @@
 #
 #   tests/report/run.sh [--output DIR] [--build DIR] [part...]
 #
-#   part           kinematics fig4 recordings scan radius finger hard_cases linear_algebra scaling;
-#                  default: all
+#   part           kinematics fig4 recordings scan radius finger closed_loop rate hard_cases linear_algebra
+#                  scaling work_precision; default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
 #
@@ -20,12 +20,12 @@ while (($#)); do
   case "$1" in
     --output) output=${2:?--output needs a folder}; shift 2 ;;
     --build) programs=$(realpath -e -- "${2:?--build needs a folder}"); shift 2 ;;
-    -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
     -*) echo "run.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
     *) parts+=("$1"); shift ;;
   esac
 done
-((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger hard_cases linear_algebra scaling)
+((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger closed_loop rate hard_cases linear_algebra scaling work_precision)
 
 if [[ -z $programs ]]; then
   sh "$root/docker/install-deps.sh" build test report
@@ -123,6 +123,64 @@ make_finger() {
     sort | { echo "with,method,verdict,runs"; cat; } >finger_counts.csv)
 }
 
+closed_loop_tables() {  # of closed_loop.csv: by method; every tick without delay; free space
+  cd "$output"
+  awk -F, -v OFS=, 'NR == 1 || $2 == 80 { next }
+    { key = $4 OFS $8; if (!(key in rows)) order[++n] = key; rows[key]++; gives[key] += $20 != "ok"
+      if ($12 > worst[key] + 0) worst[key] = $12
+      if ($1 == "press" && ($5 == "held" || $5 == "planes" || $5 == "q_metric")) {
+        presses[key]++; throttled[key] += $19 > 0 }
+      force[key] += $15; plain[$4] += $8 == "nothing" ? $15 : 0 }
+    END { print "method", "with", "rows", "rows_that_give_energy", "worst_most_net_mj", "presses", "presses_throttled", "force_kept_pct"
+          for (i = 1; i <= n; i++) { key = order[i]; split(key, part, OFS)
+            print key, rows[key], gives[key], worst[key] + 0, presses[key], throttled[key],
+              int(100 * force[key] / plain[part[1]] + 0.5) } }' closed_loop.csv >closed_loop_methods.csv
+  awk -F, -v OFS=, '$2 != 80 && $1 != "press" && $6 == 1000 { key = $1 OFS $2 OFS $3 OFS $4
+      if (!(key in seen)) { seen[key] = 1; order[++n] = key }
+      net[key, $8, $9] = $11; share[key, $8, $9] = $14 }
+    END { print "motion", "stop_mcp_deg", "stop_pip_deg", "method", "net_mj", "net_reversed_mj", "given_pct", "given_reversed_pct",
+            "guard_tank_net_mj", "guard_tank_net_reversed_mj"
+          for (i = 1; i <= n; i++) { key = order[i]
+            print key, net[key, "nothing", "forward"], net[key, "nothing", "reversed"], share[key, "nothing", "forward"],
+              share[key, "nothing", "reversed"], net[key, "guard_tank", "forward"], net[key, "guard_tank", "reversed"] } }' \
+    closed_loop.csv >closed_loop_cycles.csv
+  awk -F, -v OFS=, '$2 == 80 && $8 == "nothing" && $4 != "q_metric" { key = $5 OFS $6 OFS $7
+      if (!(key in seen)) { seen[key] = 1; order[++n] = key }
+      drag[key, $4] = $15 }
+    END { print "proxy", "rate_hz", "delay_ms", "standard", "null_space", "subspace_linear", "subspace_exact"
+          for (i = 1; i <= n; i++) { key = order[i]
+            print key, drag[key, "standard"], drag[key, "null_space"], drag[key, "subspace_linear"], drag[key, "subspace_exact"] } }' \
+    closed_loop.csv >closed_loop_free.csv
+  cd "$OLDPWD"
+}
+rate_table() {  # rate_table COLUMN NAME: METHOD 5.4's layout of K_max, in rate_NAME.csv
+  awk -F, -v OFS=, -v column="$1" 'NR > 1 && ($3 == 0 || $3 == 20 || $3 == 100) { key = $2 OFS $3
+      if (!(key in seen)) { seen[key] = 1; order[++n] = key }
+      k[key, $1, $4] = int($column + 0.5) }
+    END { print "rate_hz", "delay_ms", "held_force", "held", "extrapolated", "flag", "planes", "derived_planes",
+            "held_with_tank", "flag_with_tank", "planes_with_tank", "derived_with_tank"
+          for (i = 1; i <= n; i++) { key = order[i]
+            print key, k[key, "held_force", "nothing"], k[key, "held", "nothing"], k[key, "extrapolated", "nothing"],
+              k[key, "flag", "nothing"], k[key, "planes", "nothing"], k[key, "derived_planes", "nothing"], k[key, "held", "tank"],
+              k[key, "flag", "tank"], k[key, "planes", "tank"], k[key, "derived_planes", "tank"] } }' \
+    "$output/rate.csv" >"$output/rate_$2.csv"
+}
+make_closed_loop() {
+  csv closed_loop closed-loop
+  csv closed_loop_trace closed-loop --trace --motion hand --stop 18,999 --rate 1000 --proxy held --direction reversed
+  draw closed_loop closed_loop "csv='$output/closed_loop.csv'; trace='$output/closed_loop_trace.csv'"
+  draw closed_loop_clients closed_loop_clients "csv='$output/closed_loop.csv'"
+  closed_loop_tables
+}
+make_rate() {
+  csv rate rate
+  csv rate_cycles rate --cycles
+  draw rate rate "csv='$output/rate.csv'; cycles='$output/rate_cycles.csv'"
+  rate_table 5 press
+  rate_table 6 in_and_out
+  awk -F, 'NR == 1 || ($2 == 60 && $3 == 20)' "$output/rate_cycles.csv" >"$output/rate_cycles_60_20.csv"
+}
+
 make_hard_cases() {
   csv hard_cases hard-cases || echo "run.sh: a hard case did not pass" >&2
 }
@@ -134,6 +192,14 @@ make_linear_algebra() {
 make_scaling() {
   csv scaling scaling
   draw scaling scaling "csv='$output/scaling.csv'"
+}
+make_work_precision() {
+  csv work_precision work-precision
+  (cd "$output" && for map in finger hand tracked_hand chain; do
+    awk -F, -v map="$map" 'NR == 1 || $1 == map' work_precision.csv >"work_precision_$map.csv"
+  done
+  awk -F, 'NR == 1 || $8 != "eq8"' work_precision.csv >work_precision_parts.csv)
+  draw work_precision work_precision "csv='$output/work_precision.csv'"
 }
 
 for part in "${parts[@]}"; do

@@ -21,13 +21,14 @@ using core::VecX;
 
 constexpr int kFrame = 16;   // ticks between the client's frames: 60 Hz
 constexpr int kPoses = 512;  // of a grasp that repeats
+constexpr double kStopMcp = 18 * kDegree, kStopPip = 25 * kDegree;
 
-/// A hand in virtual time: its first fingers press on stops and move, the others rest at a pose that
-/// their proxy shares.
+/// A hand in virtual time: its first fingers press on stops and move. The others are idle: with a held
+/// proxy they rest at a pose that the proxy shares; with planes they move freely, for none is theirs.
 class Hand {
  public:
-  Hand(core::RendererKind kind, int declared, int in_contact)
-      : map_(make(declared)), pipeline_(config(kind, map_)) {
+  Hand(core::RendererKind kind, core::ProxyMode mode, int declared, int in_contact)
+      : map_(make(declared)), pipeline_(config(kind, map_)), mode_(mode), in_contact_(in_contact) {
     record_poses(in_contact);
     input_.settings = pipeline_.config().scene;
     input_.device.armed = true;
@@ -94,11 +95,11 @@ class Hand {
       const double phase = 2 * M_PI * i / kPoses;
       VecX at(n_x), proxy(n_x);
       for (int f = 0; f < n_x / 2; ++f) {
-        const bool moves = f < in_contact;
+        const bool moves = f < in_contact || mode_ == core::ProxyMode::kPlanes;
         at[2 * f] = (22 + (moves ? 8 * std::sin(phase) : -6)) * kDegree;
         at[2 * f + 1] = (30 + (moves ? 9 * std::sin(phase + 0.3) : -6)) * kDegree;
-        proxy[2 * f] = std::min(at[2 * f], 18 * kDegree);
-        proxy[2 * f + 1] = std::min(at[2 * f + 1], 25 * kDegree);
+        proxy[2 * f] = std::min(at[2 * f], kStopMcp);
+        proxy[2 * f + 1] = std::min(at[2 * f + 1], kStopPip);
       }
       VecQ q;
       if (map_->inverse(at, q) != core::InverseStatus::kExact) {
@@ -122,17 +123,23 @@ class Hand {
     input_.device.sample.q = q_[k];
     core::ProxySnapshot& proxy = input_.proxy;
     if (tick_++ % kFrame == 0) {
-      proxy.mode = core::ProxyMode::kHeld;
+      proxy.mode = mode_;
       proxy.epoch = 1;
       if (++proxy.seq == 1) proxy.gapless_since = input_.now;
       ++proxy.gapless_samples;
       proxy.born = input_.now;
       proxy.x = x_[k];
+      if (mode_ != core::ProxyMode::kPlanes) return;
+      proxy.planes.normals.setZero(proxy.x.size(), in_contact_);  // one on each PIP joint
+      proxy.planes.offsets.setConstant(in_contact_, kStopPip);
+      for (int f = 0; f < in_contact_; ++f) proxy.planes.normals(2 * f + 1, f) = 1.0;
     }
   }
 
   std::shared_ptr<const core::Kinematics> map_;
   core::Pipeline pipeline_;
+  core::ProxyMode mode_;
+  int in_contact_;
   core::TickInput input_{};
   core::DeviceState state_{};
   std::vector<VecQ> q_{};
@@ -143,10 +150,55 @@ class Hand {
 
 struct Row {
   core::RendererKind kind;
+  core::ProxyMode mode;
   int declared, in_contact;
   std::unique_ptr<Hand> hand{};
   std::vector<double> medians{};
 };
+
+std::vector<Row> rows_of(int fingers) {
+  std::vector<Row> rows;
+  for (const core::RendererKind kind :
+       {core::RendererKind::kSubspaceLinear, core::RendererKind::kSubspaceExact}) {
+    for (const core::ProxyMode mode : {core::ProxyMode::kHeld, core::ProxyMode::kPlanes}) {
+      for (int declared = 1; declared <= fingers; ++declared) {
+        for (int in_contact = 0; in_contact <= declared; ++in_contact) {
+          rows.push_back({kind, mode, declared, in_contact,
+                          std::make_unique<Hand>(kind, mode, declared, in_contact)});
+        }
+      }
+    }
+  }
+  return rows;
+}
+
+double cost(std::vector<Row>& rows, const Row& like, int declared, int in_contact) {
+  for (Row& one : rows) {
+    if (one.kind == like.kind && one.mode == like.mode && one.declared == declared &&
+        one.in_contact == in_contact) {
+      return Hand::middle(one.medians);
+    }
+  }
+  return std::nan("");
+}
+
+void print_scaling(int ticks) {
+  constexpr int kFingers = 5, kTurns = 20;
+  std::vector<Row> rows = rows_of(kFingers);
+  for (int turn = 0; turn < kTurns; ++turn) {
+    for (Row& one : rows) one.medians.push_back(one.hand->median_tick(ticks));
+  }
+  row("method", "proxy", "fingers_declared", "fingers_in_contact", "tick_ns", "idle_share_pct");
+  for (const Row& one : rows) {
+    // One contact throughout: what the other declared fingers add, against what contacts add.
+    const double base = cost(rows, one, 1, 1);
+    const double idle = (cost(rows, one, kFingers, 1) - base) / (kFingers - 1);
+    const double contact = (cost(rows, one, kFingers, kFingers) - base) / (kFingers - 1);
+    row(core::name(one.kind), one.mode == core::ProxyMode::kHeld ? "held" : "planes", one.declared,
+        one.in_contact, cost(rows, one, one.declared, one.in_contact),
+        one.declared == kFingers ? 100.0 * idle / contact : std::nan(""));
+  }
+}
 
 }  // namespace
 
@@ -154,48 +206,15 @@ void add_scaling(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("scaling", "Tick cost against fingers declared and fingers in contact");
   command->footer(
-      "A hand of independent fingers, its first ones pressing on stops and moving, the others at "
-      "rest; frames at 60 Hz. Median tick in ns; the rows take turns, 20 times.\nidle_share_pct: "
-      "an idle "
-      "declared finger (against one finger less), in % of a finger in contact (against the same "
-      "finger not declared); from the rows with one contact and with all.");
+      "A hand of independent fingers, its first ones pressing on stops and moving, the others "
+      "idle: at rest with a held proxy, moving freely with planes; frames at 60 Hz. Median tick in "
+      "ns; the rows take turns, 20 times.\nidle_share_pct: an idle declared finger (against one "
+      "finger less), in % of a finger in contact (against the same finger not declared); from the "
+      "rows with one contact and with all.");
   auto ticks = std::make_shared<int>(1000);
   command->add_option("--ticks", *ticks, "ticks per turn and row (1000)")
       ->check(CLI::Range(16, 1'000'000));
-  command->callback([ticks] {
-    constexpr int kFingers = 5, kTurns = 20;
-    std::vector<Row> rows;
-    for (const core::RendererKind kind :
-         {core::RendererKind::kSubspaceLinear, core::RendererKind::kSubspaceExact}) {
-      for (int declared = 1; declared <= kFingers; ++declared) {
-        for (int in_contact = 0; in_contact <= declared; ++in_contact) {
-          rows.push_back(
-              {kind, declared, in_contact, std::make_unique<Hand>(kind, declared, in_contact)});
-        }
-      }
-    }
-    for (int turn = 0; turn < kTurns; ++turn) {
-      for (Row& one : rows) one.medians.push_back(one.hand->median_tick(*ticks));
-    }
-    const auto cost = [&](core::RendererKind kind, int declared, int in_contact) {
-      for (Row& one : rows) {
-        if (one.kind == kind && one.declared == declared && one.in_contact == in_contact) {
-          return Hand::middle(one.medians);
-        }
-      }
-      return std::nan("");
-    };
-    row("method", "fingers_declared", "fingers_in_contact", "tick_ns", "idle_share_pct");
-    for (const Row& one : rows) {
-      // One contact throughout: what the other declared fingers add, against what contacts add.
-      const double idle = (cost(one.kind, kFingers, 1) - cost(one.kind, 1, 1)) / (kFingers - 1);
-      const double contact =
-          (cost(one.kind, kFingers, kFingers) - cost(one.kind, 1, 1)) / (kFingers - 1);
-      row(core::name(one.kind), one.declared, one.in_contact,
-          cost(one.kind, one.declared, one.in_contact),
-          one.declared == kFingers ? 100.0 * idle / contact : std::nan(""));
-    }
-  });
+  command->callback([ticks] { print_scaling(*ticks); });
 }
 
 }  // namespace haptic::report

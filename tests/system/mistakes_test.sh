@@ -34,7 +34,7 @@ says 2 'at most what the device can give, 40' "$hapticd" --scene "$scene" --chec
   --set 'device[0].limits.force_n=41'
 says 2 "device[3]" "$hapticd" --scene "$scene" --check-scene --set 'device[3].name=x'
 says 2 'must be a whole number' "$hapticd" --scene "$scene" --check-scene --set loop.priority=abc
-says 2 '--realtime' "$hapticd" --scene "$scene" --realtime=maybe
+says 2 '--realtime: maybe not in {require,try,off}' "$hapticd" --scene "$scene" --realtime=maybe
 says 1 'missing: q_o2_pip_rad' "$hapticd" --scene "$scene" --check-scene \
   --set "$motion=$folder/column.csv"
 says 1 'missing: q_o2_pip_rad' "$hapticd" --scene "$scene" --listen "unix:$folder/s" \
@@ -53,6 +53,8 @@ says 2 'no lease ends under force' "$hapticd" --scene "$scene" --check-scene \
 says 1 'no hapticd answers' "$hapticctl" --server "unix:$folder/nobody" info
 says 1 'must be host:port or unix:/path' "$hapticctl" --server 127.0.0.1 info
 says 1 'must be host:port or unix:/path' "$hapticctl" --server '' info
+says 2 'wach' "$hapticctl" wach
+says 2 'a command: info, watch' "$hapticctl"
 says 2 '--bogus' "$hapticctl" engage --bogus
 says 2 '--rate' "$hapticctl" watch --rate 0
 says 2 '--rate' "$hapticctl" watch --rate nan

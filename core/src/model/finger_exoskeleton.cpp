@@ -86,6 +86,15 @@ class FingerExoskeleton final : public Kinematics {
     return MapStatus::kOk;
   }
 
+  MapStatus position(const VecQ& q, VecX& x_probe) const noexcept override {
+    double q1 = 0.0, q2 = 0.0;
+    if (!linkage_.joints(q[0], q[1], q1, q2)) return MapStatus::kCannotClose;
+    x_probe.resize(2);
+    x_probe[0] = q1;
+    x_probe[1] = q2;
+    return MapStatus::kOk;
+  }
+
   MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override {
     LinkageHessian h;
     if (!linkage_.hessian(q[0], q[1], h)) return MapStatus::kCannotClose;

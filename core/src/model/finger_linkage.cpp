@@ -59,6 +59,12 @@ bool assemble(const FingerDimensions& dim, Complex P0, Complex e_a, Complex d, C
   return std::isfinite(a.c1) && std::isfinite(a.c2);
 }
 
+void joints_of(const Assembly& a, double& q1, double& q2) noexcept {
+  q1 = std::atan2(-a.u1.imag(), a.u1.real());
+  const Complex relative = times(a.u1, std::conj(a.u2));
+  q2 = std::atan2(relative.imag(), relative.real());
+}
+
 struct First {
   Complex D_k[2], E_k[2];
   Complex w_k[2];
@@ -87,14 +93,19 @@ FingerLinkage::FingerLinkage(const FingerDimensions& dimensions)
       d_(dimensions.body_d.x, dimensions.body_d.y),
       e_(dimensions.body_e.x, dimensions.body_e.y) {}
 
+bool FingerLinkage::joints(double l, double t, double& q1, double& q2) const noexcept {
+  Assembly a;
+  if (!assemble(dim_, P0_, e_a_, d_, e_, l, t, a)) return false;
+  joints_of(a, q1, q2);
+  return true;
+}
+
 bool FingerLinkage::pose(double l, double t, LinkagePose& out) const noexcept {
   Assembly a;
   if (!assemble(dim_, P0_, e_a_, d_, e_, l, t, a)) return false;
   out.c1 = a.c1;
   out.c2 = a.c2;
-  out.q1 = std::atan2(-a.u1.imag(), a.u1.real());
-  const Complex relative = times(a.u1, std::conj(a.u2));
-  out.q2 = std::atan2(relative.imag(), relative.real());
+  joints_of(a, out.q1, out.q2);
   First f;
   first_derivatives(dim_, e_a_, a, f, out);
   return true;

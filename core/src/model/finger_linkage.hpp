@@ -39,6 +39,8 @@ class FingerLinkage {
 
   explicit FingerLinkage(const FingerDimensions& dimensions);
 
+  /// MCP and PIP angle alone, rad: the same to the bit as pose() gives them.
+  [[nodiscard]] bool joints(double l, double t, double& q1, double& q2) const noexcept;
   [[nodiscard]] bool pose(double l, double t, LinkagePose& out) const noexcept;
   [[nodiscard]] bool hessian(double l, double t, LinkageHessian& out) const noexcept;
   /// The candidate of METHOD 1.5 on the branch det J > 0, with its sliders; not checked against any

@@ -78,6 +78,22 @@ class HandExoskeleton final : public Kinematics {
     return MapStatus::kOk;
   }
 
+  MapStatus position(const VecQ& q, VecX& x_probe) const noexcept override {
+    if (q.size() != layout_.n_q()) return MapStatus::kCannotClose;
+    double x[kMaxQ];
+    VecX part;
+    for (const MapBlock& finger : blocks_) {
+      const VecQ q_of = q.segment<kPerFinger>(finger.first_q);
+      if (finger.kinematics->position(q_of, part) != MapStatus::kOk) {
+        return MapStatus::kCannotClose;
+      }
+      std::copy(part.data(), part.data() + kPerFinger, x + finger.first_x);
+    }
+    x_probe.resize(layout_.n_q());
+    std::copy(x, x + x_probe.size(), x_probe.data());
+    return MapStatus::kOk;
+  }
+
   MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override {
     const int at = k - k % kPerFinger;
     MatXQ block;

@@ -6,6 +6,11 @@
 
 namespace haptic::core {
 
+MapStatus Kinematics::position(const VecQ& q, VecX& x_probe) const noexcept {
+  MatXQ J;
+  return evaluate(q, x_probe, J);
+}
+
 DofLayout layout_of(const std::vector<DofSpec>& dofs) {
   if (dofs.size() > static_cast<std::size_t>(kMaxQ)) {
     throw SceneError("device with " + std::to_string(dofs.size()) + " DoFs: must have at most " +

@@ -34,20 +34,28 @@ BlockRenderer::Part::Part(RendererKind kind, const ProjectionModel& part, const 
   out.q_star = q;
 }
 
+bool BlockRenderer::Part::displaced(const VecX& all_dx) const noexcept {
+  const double* first = all_dx.data() + at.first_x;
+  return std::any_of(first, first + n_x, [](double d) { return d != 0.0; });
+}
+
 void BlockRenderer::Part::project(const Probe& probe, const VecX& all_x, const VecX& all_dx,
                                   const VecA& all_stiffness, bool proxy_changed) noexcept {
+  const bool changed = (proxy_changed || !seen) && (take(all_x, at.first_x, x) || !seen);
+  seen = true;
+  if (held && !changed) return;
   q = probe.q.segment(at.first_q, n_q);
   x_probe = probe.x_probe.segment(at.first_x, n_x);
   J = probe.J.block(at.first_x, at.first_q, n_x, n_q);
   dx = all_dx.segment(at.first_x, n_x);
   stiffness = all_stiffness.segment(at.first_a, n_a);
-  const bool changed = (proxy_changed || !seen) && (take(all_x, at.first_x, x) || !seen);
-  seen = true;
   renderer.project(Probe{q, x_probe, J}, x, dx, stiffness, changed, out);
+  held = renderer.kind() == RendererKind::kSubspaceExact && !model.prior() &&
+         out.status != ProjectionStatus::kMapFailed;
 }
 
 BlockRenderer::BlockRenderer(RendererKind kind, const ProjectionModel& model)
-    : kind_(kind), model_(model) {
+    : kind_(kind), model_(model), idle_possible_(!model.prior()) {
   if (!model_.has_parts()) {
     whole_.emplace(kind, model_);
     return;
@@ -62,7 +70,7 @@ void BlockRenderer::change(RendererKind kind) noexcept {
   if (whole_) whole_.emplace(kind, model_);
   for (Part& part : parts_) {
     part.renderer = Renderer(kind, part.model);
-    part.seen = false;
+    part.seen = part.held = false;
   }
 }
 
@@ -77,8 +85,17 @@ void BlockRenderer::project(const Probe& probe, const VecX& x, const VecX& dx,
   out.condition = out.storage = 0.0;
   double squares = 0.0;
   for (Part& part : parts_) {
+    const bool answered = part.held && !proxy_changed;
+    if (idle_possible_ && !answered && !part.displaced(dx)) {
+      part.seen = part.held = false;  // whatever is displaced next is solved
+      const double* q = probe.q.data() + part.at.first_q;
+      std::copy(q, q + part.n_q, out.q_star.data() + part.at.first_q);
+      out.status = std::max(out.status, ProjectionStatus::kExact);
+      continue;
+    }
     part.project(probe, x, dx, stiffness, proxy_changed);
-    out.q_star.segment(part.at.first_q, part.n_q) = part.out.q_star;
+    const VecQ& q_star = part.out.q_star;
+    std::copy(q_star.data(), q_star.data() + part.n_q, out.q_star.data() + part.at.first_q);
     out.status = std::max(out.status, part.out.status);  // in the order of their gravity
     out.condition = std::max(out.condition, part.out.condition);
     out.storage += part.out.storage;
@@ -87,11 +104,17 @@ void BlockRenderer::project(const Probe& probe, const VecX& x, const VecX& dx,
   out.residual = std::sqrt(squares);
 }
 
+BlockSet BlockRenderer::reads_J(BlockSet displaced) const noexcept {
+  if (kind_ == RendererKind::kSubspaceExact) return 0;
+  const BlockSet all = ~BlockSet{0};
+  return whole_ || !idle_possible_ ? all : displaced;
+}
+
 void BlockRenderer::reset() noexcept {
   if (whole_) whole_->reset();
   for (Part& part : parts_) {
     part.renderer.reset();
-    part.seen = false;
+    part.seen = part.held = false;
   }
 }
 

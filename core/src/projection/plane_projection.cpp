@@ -24,6 +24,9 @@ constexpr bool has(std::uint32_t set, int i) noexcept {
 PlaneProjection::PlaneProjection(const ConfigurationSpace& space, const VecX& W_x)
     : space_(&space), W_inverse_(VecX::Ones(space.n_x())), at_(VecX::Zero(space.n_x())) {
   if (W_x.size() == space.n_x()) W_inverse_ = W_x.cwiseInverse();
+  for (const Coordinate& c : space.coordinates()) {
+    linear_.push_back(c.kind == CoordinateKind::kLinear);
+  }
 }
 
 void PlaneProjection::set(const PlaneSet& planes, const VecX& x) noexcept {
@@ -65,10 +68,16 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x) noexcept {
   if (!(deepest > 0.0)) return PlaneStatus::kFree;
 
   const PlaneStatus status = multipliers(r, deepest);
-  // From at_ on, not from x_probe: an angle or a rotation there may be one turn or one sign away.
-  x = at_ + y_;
-  for (int i = 0; i < count_; ++i) {
-    if (has(active_, i)) x -= l_[i] * D_.col(i);
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    bool held = !linear_[static_cast<std::size_t>(k)];
+    for (int i = 0; i < count_; ++i) held = held || (has(active_, i) && D_(k, i) != 0.0);
+    // What no plane holds is where the probe is, to the bit: nothing is in its way.
+    if (!held) continue;
+    // From at_ on, not from x_probe: an angle or a rotation there may be one turn or one sign away.
+    x[k] = at_[k] + y_[k];
+    for (int i = 0; i < count_; ++i) {
+      if (has(active_, i)) x[k] -= l_[i] * D_(k, i);
+    }
   }
   return status;
 }

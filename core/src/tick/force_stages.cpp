@@ -7,7 +7,7 @@ namespace haptic::core {
 
 bool Pipeline::Stages::withheld(TickRecord& record) noexcept {
   if (!has_anchor_ || !map_ok_) return false;
-  const Probe probe{q_, x_probe_, J_};
+  const Probe probe{q_, map_.x_probe(), map_.J()};
   if (envelope_) {
     const EnvelopeAnswer answer = envelope_->apply(probe, dx_, renderer_.kind(), projection_);
     if (answer != EnvelopeAnswer::kProxy) record.limiters.set(Limiter::kMonotoneEnvelope);

@@ -61,6 +61,7 @@ PipelineConfig checked(PipelineConfig config) {
   }
   require(config.loop_late_fault > Duration::zero(), "loop_late_fault: must be > 0");
   require(config.late_bucket_full > 0, "late_bucket_full: must be > 0");
+  require_rank(ProjectionModel(*config.kinematics, config.projection));
   return config;
 }
 

@@ -40,14 +40,13 @@ Pipeline::Stages::Stages(PipelineConfig config)
       layout_(kinematics_.layout()),
       model_(kinematics_, config_.projection),
       settings_(config_.scene),
+      map_(kinematics_),
       renderer_(config_.scene.renderer, model_),
       guard_(model_, config_.scene.stiffness),
       local_proxy_(kinematics_.space()),
       rate_(layout_.n_a()),
       late_bucket_(config_.late_bucket_full),
       q_(VecQ::Zero(layout_.n_q())),
-      x_probe_(VecX::Zero(kinematics_.space().n_x())),
-      J_(MatXQ::Zero(kinematics_.space().n_x(), layout_.n_q())),
       dx_(VecX::Zero(kinematics_.space().n_x())),
       dq_a_(VecA::Zero(layout_.n_a())),
       anchor_(VecA::Zero(layout_.n_a())),
@@ -193,9 +192,9 @@ bool Pipeline::Stages::fits_space(const ProxySnapshot& sample) const noexcept {
 }
 
 void Pipeline::Stages::projection(TickRecord& record) noexcept {
-  map_ok_ = ready_ && kinematics_.evaluate(q_, x_probe_, J_) == MapStatus::kOk;
-  record.x_probe = x_probe_;
-  record.x = local_proxy_.at(x_probe_);
+  map_ok_ = ready_ && map_.move_to(q_);
+  record.x_probe = map_.x_probe();
+  record.x = local_proxy_.at(map_.x_probe());
   project_anew_ = project_anew_ || local_proxy_.changed();
   projection_.status = ProjectionStatus::kNone;
   dq_a_.setZero();
@@ -208,13 +207,15 @@ void Pipeline::Stages::projection(TickRecord& record) noexcept {
     has_anchor_ = false;
     projection_.q_star = q_;
     projection_.residual = projection_.condition = 0.0;
+    if (map_ok_) map_.differentiate(0);
   } else if (!map_ok_) {
-    keep_last_anchor(record);
+    keep_last_anchor();
   } else {
-    kinematics_.space().difference(record.x, x_probe_, dx_);
+    kinematics_.space().difference(record.x, map_.x_probe(), dx_);
+    map_.differentiate(needs_J());
     const VecQ last_anchor = projection_.q_star;
-    renderer_.project(Probe{q_, x_probe_, J_}, record.x, dx_, settings_.stiffness, project_anew_,
-                      projection_);
+    renderer_.project(Probe{q_, map_.x_probe(), map_.J()}, record.x, dx_, settings_.stiffness,
+                      project_anew_, projection_);
     if (all_finite(projection_.q_star)) {
       project_anew_ = false;
       has_anchor_ = true;
@@ -222,15 +223,22 @@ void Pipeline::Stages::projection(TickRecord& record) noexcept {
       projection_.q_star = last_anchor;
       renderer_.reset();
       project_anew_ = true;
-      keep_last_anchor(record);
+      keep_last_anchor();
     }
   }
   if (has_anchor_) dq_a_ = layout_.select(projection_.q_star) - layout_.select(q_);
 }
 
+BlockSet Pipeline::Stages::needs_J() const noexcept {
+  if (envelope_) return map_.all();
+  BlockSet displaced = map_.displaced(dx_);
+  if (displaced != 0 && !model_.has_parts()) displaced = map_.all();
+  const bool guarded = settings_.direction_guard || config_.monotone_envelope;
+  return guarded ? displaced | renderer_.reads_J(displaced) : renderer_.reads_J(displaced);
+}
+
 /// METHOD 6, case 17: f has no value here; the spring stays anchored where it was, and alive.
-void Pipeline::Stages::keep_last_anchor(TickRecord& record) noexcept {
-  static_cast<void>(record);
+void Pipeline::Stages::keep_last_anchor() noexcept {
   if (!has_anchor_) projection_.q_star = q_;
   projection_.status = ProjectionStatus::kMapFailed;
 }

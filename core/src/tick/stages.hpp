@@ -7,6 +7,7 @@
 #include "haptic/core/control/force_control.hpp"
 #include "haptic/core/control/impedance.hpp"
 #include "haptic/core/passivity/passivity.hpp"
+#include "haptic/core/projection/block_map.hpp"
 #include "haptic/core/projection/block_renderer.hpp"
 #include "haptic/core/projection/direction_guard.hpp"
 #include "haptic/core/projection/local_proxy.hpp"
@@ -37,7 +38,9 @@ class Pipeline::Stages {
   void proxy(const TickInput& input, TickRecord& record) noexcept;
   /// Steps 5-7: kinematics, proxy at `now`, subspace proxy.
   void projection(TickRecord& record) noexcept;
-  void keep_last_anchor(TickRecord& record) noexcept;
+  /// Of the blocks that the proxy displaces, whose J this tick reads.
+  [[nodiscard]] BlockSet needs_J() const noexcept;
+  void keep_last_anchor() noexcept;
   /// Requests of people: stop, clear, release, engage.
   void requests(const TickInput& input, TickRecord& record) noexcept;
   [[nodiscard]] EngageAnswer judge_engage(const TickInput& input,
@@ -68,6 +71,7 @@ class Pipeline::Stages {
   const ProjectionModel model_;
 
   RenderSettings settings_;
+  BlockMap map_;  ///< x_probe and J
   BlockRenderer renderer_;
   DirectionGuard guard_;
   std::optional<MonotoneEnvelope> envelope_;  ///< only where the scene asks for it
@@ -104,8 +108,6 @@ class Pipeline::Stages {
   std::uint64_t stop_id_{0};
 
   VecQ q_{};
-  VecX x_probe_{};
-  MatXQ J_{};
   VecX dx_{};
   VecA dq_a_{};            ///< S (q* - q)
   VecA anchor_{};          ///< S q*

@@ -19,17 +19,36 @@ Duration drifted(Duration age) noexcept {
   return from_ns(ClockOffset::kLargestDrift * std::abs(ns(age)));
 }
 
+/// So that differences do not overflow: 146 years of uptime, which only nonsense has.
+bool plausible(Duration reading) noexcept {
+  constexpr Duration kLargest{std::int64_t{1} << 62};
+  return -kLargest < reading && reading < kLargest;
+}
+
 }  // namespace
 
-void ClockOffset::add(const ClockExchange& exchange) noexcept {
+std::optional<ClockOffset::Point> ClockOffset::proof(const ClockExchange& exchange) noexcept {
+  if (!plausible(exchange.received) || !plausible(exchange.answered)) return std::nullopt;
   const Duration there = exchange.answered - exchange.received;
   const Duration rtt = (exchange.came_back - exchange.sent) - there;
-  if (there < Duration(0) || rtt < Duration(0)) return;
+  if (there < Duration(0) || rtt < Duration(0)) return std::nullopt;
   // Halfway between the two one-way differences: off by at most half the round trip.
   const Duration out = exchange.received - exchange.sent.time_since_epoch();
   const Duration back = exchange.answered - exchange.came_back.time_since_epoch();
-  const Point point{exchange.sent + (exchange.came_back - exchange.sent) / 2,
-                    back + (out - back) / 2, rtt};
+  return Point{exchange.sent + (exchange.came_back - exchange.sent) / 2, back + (out - back) / 2,
+               rtt};
+}
+
+bool ClockOffset::agrees(const ClockExchange& exchange, const Estimate& estimate) noexcept {
+  const auto point = proof(exchange);
+  return point &&
+         std::chrono::abs(point->offset - estimate.offset) <= point->rtt / 2 + estimate.bound;
+}
+
+void ClockOffset::add(const ClockExchange& exchange) noexcept {
+  const auto proven = proof(exchange);
+  if (!proven) return;
+  const Point& point = *proven;
   if (contradicts(point)) {
     if (++contradictions_ < kContradictions) return;
     count_ = 0;

@@ -52,6 +52,7 @@ void PathEnd::count(const Header& header, std::size_t size, TimePoint arrival) {
   if (channel_.path_id() != sending_path_) {  // the server's change-over to new keys
     sending_path_ = channel_.path_id();
     machine_.rekeyed();
+    peer_report_ = {};
   }
   if (header.path_id != counted_path_ && header.path_id == channel_.path_id()) {
     counted_path_ = header.path_id;
@@ -76,6 +77,9 @@ void PathEnd::answer(const PathChallenge& challenge, std::size_t size, const Pee
 PathChange PathEnd::hear(const PathResponse& response, const PeerAddress& from, TimePoint arrival) {
   if (const auto sent = machine_.sent_at(response.token)) {
     clock_offset_.add({*sent, Duration(response.received_ns), Duration(response.sent_ns), arrival});
+    if (response.newest >= peer_report_.newest) {
+      peer_report_ = {response.packets, response.newest};
+    }
   }
   return machine_.responded(from, response, arrival);
 }
@@ -108,6 +112,7 @@ void PathEnd::rekey(const PathKeys& next, OldKeys old) {
   if (channel_.path_id() == sending_path_) return;
   sending_path_ = channel_.path_id();
   machine_.rekeyed();
+  peer_report_ = {};
 }
 
 void PathEnd::seal_and_send(DatagramType type, ConstBytes payload, const PeerAddress& to) {

@@ -85,6 +85,11 @@ std::size_t FakeServer::engage_answers_left() const {
   return engage_answers_.size();
 }
 
+void FakeServer::resumable(bool yes) {
+  const Lock lock(mutex_);
+  resumable_ = yes;
+}
+
 void FakeServer::hold_engage(bool hold) {
   const Lock lock(mutex_);
   hold_engage_ = hold;
@@ -145,6 +150,11 @@ std::vector<v1::OpenSession> FakeServer::openings() const {
 std::size_t FakeServer::engages() const {
   const Lock lock(mutex_);
   return engages_;
+}
+
+std::size_t FakeServer::farewells() const {
+  const Lock lock(mutex_);
+  return farewells_;
 }
 
 std::size_t FakeServer::releases() const {

@@ -39,6 +39,7 @@ class FakeServer final
   void read_samples(bool read);                     ///< false: leaves them in the socket
   void answer_engage(const grpc::Status& status);   ///< queued; OK where the queue is empty
   [[nodiscard]] std::size_t engage_answers_left() const;
+  void resumable(bool yes);     ///< true: openings that ask to resume are resumed
   void hold_engage(bool hold);  ///< true: Engage is heard but not answered yet
 
   // Down the newest open session.
@@ -60,6 +61,7 @@ class FakeServer final
   [[nodiscard]] std::vector<v1::OpenSession> openings() const;
   [[nodiscard]] std::size_t engages() const;
   [[nodiscard]] std::size_t releases() const;
+  [[nodiscard]] std::size_t farewells() const;
   [[nodiscard]] v1::UpdateSettingsRequest last_update() const;
   [[nodiscard]] v1::WatchRequest last_watch() const;
 
@@ -100,12 +102,13 @@ class FakeServer final
   std::optional<v1::UdpPath> udp_;
   std::deque<grpc::Status> engage_answers_;
   bool hold_engage_{false};
+  bool resumable_{false};
   std::uint32_t epoch_{0};
   SessionReactor* session_{nullptr};  ///< the newest; null once it ended
   WatchReactor* watch_{nullptr};
   std::vector<v1::ProxySample> samples_;
   std::vector<v1::OpenSession> openings_;
-  std::size_t engages_{0}, releases_{0};
+  std::size_t engages_{0}, releases_{0}, farewells_{0};
   v1::UpdateSettingsRequest last_update_;
   v1::WatchRequest last_watch_;
 };

@@ -24,6 +24,11 @@ void FakeServer::SessionReactor::OnReadDone(bool ok) {
     return;
   }
   if (request_.has_open()) open();
+  if (request_.has_leave()) {
+    ++server_.farewells_;
+    end(grpc::Status::OK);
+    return;
+  }
   if (request_.has_proxy()) server_.samples_.push_back(request_.proxy());
   paused_ = !server_.read_;
   if (!paused_) StartRead(&request_);
@@ -43,6 +48,7 @@ void FakeServer::SessionReactor::open() {
   opened.set_role(request_.open().role());
   opened.set_lease_epoch(++server_.epoch_);
   opened.set_session_id("session-" + std::to_string(server_.epoch_));
+  opened.set_resumed(server_.resumable_ && !request_.open().resume().empty());
   if (server_.udp_) *opened.mutable_udp() = *server_.udp_;
   send(message);
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// Random matrices for tests: Gaussian, and with singular values as wanted.
+/// Random matrices for tests and the report: Gaussian, orthonormal, and with singular values as wanted.
 
 #include <Eigen/Dense>
 #include <cmath>
@@ -14,13 +14,15 @@ inline Eigen::MatrixXd gaussian(std::mt19937_64& random, int rows, int columns) 
   return A;
 }
 
+/// Random orthonormal columns; rows >= columns.
+inline Eigen::MatrixXd orthonormal(std::mt19937_64& random, int rows, int columns) {
+  return Eigen::HouseholderQR<Eigen::MatrixXd>(gaussian(random, rows, columns)).householderQ() *
+         Eigen::MatrixXd::Identity(rows, columns);
+}
+
 /// m x n (m >= n) with singular values from 1 down to 1/condition, evenly on a log scale.
 inline Eigen::MatrixXd with_condition(std::mt19937_64& random, int m, int n, double condition) {
-  const Eigen::MatrixXd U =
-      Eigen::HouseholderQR<Eigen::MatrixXd>(gaussian(random, m, n)).householderQ() *
-      Eigen::MatrixXd::Identity(m, n);
-  const Eigen::MatrixXd V =
-      Eigen::HouseholderQR<Eigen::MatrixXd>(gaussian(random, n, n)).householderQ();
+  const Eigen::MatrixXd U = orthonormal(random, m, n), V = orthonormal(random, n, n);
   Eigen::VectorXd s(n);
   for (int i = 0; i < n; ++i) s[i] = std::pow(condition, n > 1 ? -double(i) / (n - 1) : 0.0);
   return U * s.asDiagonal() * V.transpose();

@@ -1,5 +1,5 @@
 #pragma once
-/// METHOD 6: the cases every implementation should pass, as far as this one has what they need.
+/// METHOD 6: the cases every implementation should pass.
 /// Each adds one outcome; expected values come from METHOD or from algebra written out here.
 
 #include <string>
@@ -22,8 +22,11 @@ using Outcomes = std::vector<Outcome>;
 void kinematics_cases(Outcomes& out);  ///< 1, 2, 3
 void renderer_cases(Outcomes& out);    ///< 4, 5, 6, 14
 void trajectory_cases(Outcomes& out);  ///< 7, 8, 9, 19
+void prior_cases(Outcomes& out);       ///< 9b, 25
 void rank_cases(Outcomes& out);        ///< 10, 11, 12, 13
 void reach_cases(Outcomes& out);       ///< 15, 16
 void loop_cases(Outcomes& out);        ///< 17, 24, 26
+void energy_cases(Outcomes& out);      ///< 18, 22, 23
+void sample_cases(Outcomes& out);      ///< 20, 21
 
 }  // namespace haptic::report

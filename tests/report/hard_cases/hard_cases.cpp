@@ -29,6 +29,9 @@ void add_hard_cases(CLI::App& app) {
     rank_cases(all);
     reach_cases(all);
     loop_cases(all);
+    prior_cases(all);
+    energy_cases(all);
+    sample_cases(all);
     std::stable_sort(all.begin(), all.end(), [](const Outcome& a, const Outcome& b) {
       return std::atoi(a.id.c_str()) < std::atoi(b.id.c_str());
     });

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "haptic/core/tick/pipeline.hpp"
 #include "tests/report/finger_press.hpp"
 #include "tests/report/hard_cases/hard_case.hpp"
+#include "tests/report/hard_cases/loop.hpp"
 #include "tests/support/allocation_guard.hpp"
 
 namespace haptic::report {
@@ -14,59 +14,6 @@ namespace {
 using core::VecA;
 using core::VecQ;
 using core::VecX;
-
-/// A pipeline with the device and the client played by the case, in virtual time.
-class Loop {
- public:
-  Loop(core::RendererKind kind, double stiffness) : pipeline_(config(kind, stiffness)) {
-    input.settings = pipeline_.config().scene;
-    input.command.lease_epoch = 1;
-    input.command.lease_held = true;
-    input.device.armed = true;
-  }
-  core::TickRecord tick(const VecQ& q, const VecX& x) {
-    input.now += std::chrono::milliseconds(1);
-    input.device.fresh = true;
-    ++input.device.sample.seq;
-    input.device.sample.time = input.now;
-    input.device.sample.q = q;
-    core::ProxySnapshot& proxy = input.proxy;
-    proxy.mode = core::ProxyMode::kHeld;
-    proxy.epoch = 1;
-    proxy.born = input.now;
-    if (++proxy.seq == 1) proxy.gapless_since = input.now;
-    ++proxy.gapless_samples;
-    proxy.x = x;
-    return pipeline_.tick(input);
-  }
-  /// ENGAGED with g = 1.
-  core::TickRecord engage(const VecQ& q, const VecX& x) {
-    for (int i = 0; i < 250; ++i) static_cast<void>(tick(q, x));
-    ++input.command.engage_id;
-    core::TickRecord record;
-    for (int i = 0; i < 250; ++i) record = tick(q, x);
-    return record;
-  }
-  core::TickInput input{};
-
- private:
-  static core::PipelineConfig config(core::RendererKind kind, double stiffness) {
-    core::PipelineConfig c;
-    c.kinematics = core::make_finger_exoskeleton({});
-    c.device.q_lower = (VecQ(2) << -0.0025, -3.0).finished();
-    c.device.q_upper = (VecQ(2) << 0.0525, 0.85).finished();
-    c.device.max_effort = VecA::Constant(1, 40.0);
-    c.scene.renderer = kind;
-    c.scene.direction_guard = true;
-    c.scene.stiffness = VecA::Constant(1, stiffness);
-    c.scene.damping = VecA::Constant(1, 2.0);
-    c.scene.force_limit = VecA::Constant(1, 20.0);
-    c.scene.slew_limit = VecA::Constant(1, 1e6);
-    c.scene.engage_window = VecA::Constant(1, 20.0);
-    return c;
-  }
-  core::Pipeline pipeline_;
-};
 
 /// Where |D| <= h1 the linkage cannot close.
 void map_fails(Outcomes& out) {

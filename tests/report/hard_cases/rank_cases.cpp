@@ -9,6 +9,7 @@
 
 #include "haptic/core/linear/householder.hpp"
 #include "haptic/core/linear/least_squares.hpp"
+#include "tests/core/linear/random_matrix.hpp"
 #include "tests/report/hard_cases/hard_case.hpp"
 
 namespace haptic::report {
@@ -18,30 +19,13 @@ using core::MatXQ;
 using core::VecA;
 using core::VecQ;
 using core::VecX;
+using core::samples::gaussian;
+using core::samples::orthonormal;
+using core::samples::with_condition;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-
-MatrixXd random_matrix(std::mt19937_64& random, int rows, int cols) {
-  std::normal_distribution<double> normal;
-  MatrixXd A(rows, cols);
-  for (Eigen::Index i = 0; i < A.size(); ++i) A.data()[i] = normal(random);
-  return A;
-}
-
-MatrixXd orthonormal(std::mt19937_64& random, int rows, int cols) {
-  return Eigen::HouseholderQR<MatrixXd>(random_matrix(random, rows, cols)).householderQ() *
-         MatrixXd::Identity(rows, cols);
-}
-
-/// Singular values spread evenly in the exponent, 1 to 1/cond.
-MatrixXd conditioned(std::mt19937_64& random, int rows, int cols, double cond) {
-  VectorXd s(cols);
-  for (int i = 0; i < cols; ++i) s[i] = std::pow(cond, -static_cast<double>(i) / (cols - 1));
-  return orthonormal(random, rows, cols) * s.asDiagonal() *
-         orthonormal(random, cols, cols).transpose();
-}
 
 /// The kernel alone, with back substitution and no doubt about the rank.
 VectorXd by_kernel(const MatrixXd& A, const VectorXd& b) {
@@ -61,8 +45,8 @@ void conditioning(Outcomes& out) {
   for (int exponent = 0; exponent <= 16; ++exponent) {
     const double cond = std::pow(10.0, exponent);
     for (int i = 0; i < 40; ++i) {
-      const MatrixXd A = conditioned(random, 6, 6, cond);
-      const VectorXd solution = random_matrix(random, 6, 1), b = A * solution;
+      const MatrixXd A = with_condition(random, 6, 6, cond);
+      const VectorXd solution = gaussian(random, 6, 1), b = A * solution;
       const VectorXd found = by_kernel(A, b);
       worst = std::max(worst, (found - solution).norm() / solution.norm() / (kEps * cond));
       core::LeastSquares solver(6, {true, true, false, false, false, false});
@@ -90,8 +74,8 @@ void large_residual(Outcomes& out) {
     VectorXd s(24);
     for (int k = 0; k < 24; ++k) s[k] = std::pow(1e4, -k / 23.0);
     const MatrixXd A = Q.leftCols(24) * s.asDiagonal() * orthonormal(random, 24, 24).transpose();
-    const VectorXd solution = random_matrix(random, 24, 1);
-    VectorXd off = Q.rightCols(48) * random_matrix(random, 48, 1);
+    const VectorXd solution = gaussian(random, 24, 1);
+    VectorXd off = Q.rightCols(48) * gaussian(random, 48, 1);
     const VectorXd inside = A * solution;
     off *= 0.1 * inside.norm() / off.norm();
     const VectorXd b = inside + off;
@@ -132,11 +116,11 @@ void rank_loss(Outcomes& out) {
   bool finite = true, told = true;
   for (int i = 0; i < 1000; ++i) {
     const int n_x = i % 3 == 2 ? 2 : 6;  // dim X < dim Q
-    MatrixXd J = random_matrix(random, n_x, 4);
+    MatrixXd J = gaussian(random, n_x, 4);
     if (i % 3 == 0) J.col(i % 2 == 0 ? 0 : 3).setZero();
     if (i % 3 == 1) J.col(3) = J.col(i % 2 == 0 ? 0 : 2);
     const VecA Z_q = (VecA(2) << 1.0, 50.0).finished();
-    const VectorXd dx = random_matrix(random, n_x, 1);
+    const VectorXd dx = gaussian(random, n_x, 1);
     core::LeastSquares solver(n_x, {true, true, false, false});
     solver.solve(J, dx, Z_q);
     const VectorXd root = metric(J, 2, Z_q).cwiseSqrt().cwiseInverse();

@@ -1,7 +1,7 @@
 # Tick cost of a hand. csv: haptic-report scaling.
 load "style.gp"
 
-row_of(i, all) = column("fingers_in_contact") == (all ? column("fingers_declared") : 0) \
+row_of(i, all) = strcol("proxy") eq "held" && column("fingers_in_contact") == (all ? column("fingers_declared") : 0) \
   ? of(word(methods, i), column("tick_ns")) : NaN
 
 do for [kind in "svg png"] {

@@ -57,6 +57,44 @@ TEST_F(IngressTest, WithoutALeaseNothingIsAccepted) {
   EXPECT_EQ(ingress.counters().old_epoch, 1U);
 }
 
+TEST_F(IngressTest, WhereItLeftMakesASampleOlderNeverYounger) {
+  const std::vector<double> position{0.0, 0.0};
+  const auto born_of = [&](Duration left_before, TimePoint at) {
+    ProxyCandidate candidate;
+    candidate.epoch = epoch;
+    candidate.seq = ++seq;
+    candidate.mode = core::ProxyMode::kHeld;
+    candidate.position = position.data();
+    candidate.position_size = 2;
+    candidate.left = at - left_before;
+    EXPECT_EQ(ingress.accept(candidate, at), IngressVerdict::kAccepted);
+    return newest().born;
+  };
+  EXPECT_EQ(born_of(40ms, t0), t0 - 40ms);
+  EXPECT_EQ(born_of(-5ms, t0 + 16ms), t0 + 16ms);
+  EXPECT_EQ(ingress.last_accepted(), t0 + 16ms) << "the lease's clock counts arrivals";
+}
+
+TEST_F(IngressTest, ARenewedLeaseGoesOnUnderAnotherEpoch) {
+  EXPECT_EQ(send({0, 0}, t0), IngressVerdict::kAccepted);
+  ingress.renew_lease(7);
+  EXPECT_EQ(send({0, 0}, t0 + 16ms), IngressVerdict::kOldEpoch);
+  epoch = 7;
+  EXPECT_EQ(send({0, 0}, t0 + 32ms), IngressVerdict::kAccepted);
+  EXPECT_EQ(newest().epoch, 1U) << "to the loop it is the same lease";
+  EXPECT_EQ(newest().gapless_samples, 2U);
+  EXPECT_EQ(ingress.counters().accepted, 2U);
+  EXPECT_EQ(ingress.newest_seq(), seq);
+}
+
+TEST_F(IngressTest, WhoCarriedASampleIsKnownWhileItIsAmongTheLast256) {
+  for (int i = 0; i < 300; ++i) send({0, 0}, t0 + i * 16ms);
+  EXPECT_EQ(ingress.carrier_of(300, t0 + 299 * 16ms), Carrier::kGrpc);
+  EXPECT_EQ(ingress.carrier_of(45, t0 + 44 * 16ms), Carrier::kGrpc);
+  EXPECT_EQ(ingress.carrier_of(44, t0 + 43 * 16ms), Carrier::kNone) << "too long ago";
+  EXPECT_EQ(ingress.carrier_of(300, t0), Carrier::kNone) << "of another lease";
+}
+
 TEST_F(IngressTest, SamplesOfAnOlderLeaseAreRefusedWhateverTheirSequence) {
   ingress.begin_lease(2, 60.0, 100ms);
   seq = 1000;

@@ -32,8 +32,7 @@ class BroadcasterTest : public testing::Test {
     return counter;
   }
   DeviceRig rig;
-  server::Broadcaster broadcaster{*rig.telemetry, 0, server::WatchBudget(500.0),
-                                  rig.sessions->ingress()};
+  server::Broadcaster broadcaster{*rig.telemetry, 0, server::WatchBudget(500.0), *rig.sessions};
 };
 
 TEST_F(BroadcasterTest, TheControllerGetsEveryTickWhateverTheWatchersCost) {

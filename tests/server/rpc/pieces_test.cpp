@@ -102,10 +102,10 @@ core::TickRecord record() {
 TEST(StateFrame, TheSharedBytesAreTheMessagesBytes) {
   const core::TickRecord r = record();
   v1::WatchResponse expected;
-  to_proto(r, Carrier::kGrpc, *expected.mutable_state());
+  to_proto(r, {Carrier::kUdp, 7}, *expected.mutable_state());
   expected.set_conflated(123456);
   StateFrame frame;
-  frame.begin(r);
+  frame.begin(r, {Carrier::kUdp, 7});
   grpc::Slice slice;
   ASSERT_TRUE(frame.for_watch(123456).DumpToSingleSlice(&slice).ok());
   v1::WatchResponse parsed;
@@ -116,6 +116,8 @@ TEST(StateFrame, TheSharedBytesAreTheMessagesBytes) {
   ASSERT_TRUE(session.ParseFromArray(slice.begin(), static_cast<int>(slice.size())));
   EXPECT_EQ(session.state().SerializeAsString(), expected.state().SerializeAsString());
   EXPECT_EQ(session.state().seq(), 77U);
+  EXPECT_EQ(session.state().transport(), v1::TRANSPORT_UDP);
+  EXPECT_EQ(session.state().lease_epoch(), 7U);
   EXPECT_EQ(session.state().server_time_ns(), 3'000'000'000);
   EXPECT_EQ(session.state().stiffness_in_effect(0), 50.0);
   EXPECT_EQ(session.state().state(), v1::DEVICE_STATE_NAME_ENGAGED);
@@ -131,7 +133,7 @@ TEST(StateFrame, TheBookOfEnergyIsPresentWhereTheSceneHasOne) {
   r.passivity.observed = -1e-4;
   r.passivity.alpha = 2e-4;
   v1::DeviceState state;
-  to_proto(r, Carrier::kGrpc, state);
+  to_proto(r, {}, state);
   EXPECT_EQ(state.active_planes(), 5U);
   ASSERT_TRUE(state.has_passivity());
   EXPECT_EQ(state.passivity().tank(), 0.003);
@@ -140,7 +142,7 @@ TEST(StateFrame, TheBookOfEnergyIsPresentWhereTheSceneHasOne) {
   EXPECT_EQ(state.passivity().observed(), -1e-4);
   EXPECT_EQ(state.passivity().alpha(), 2e-4);
   r.passivity = {};
-  to_proto(r, Carrier::kGrpc, state);
+  to_proto(r, {}, state);
   EXPECT_FALSE(state.has_passivity());
 }
 
@@ -202,6 +204,32 @@ TEST(ListenAddress, WithoutTlsOnlyThisHostIsServed) {
     EXPECT_NE(refusal_of(address).find(address), std::string::npos) << address;
     EXPECT_NE(refusal_of(address).find("TLS"), std::string::npos) << address;
   }
+}
+
+TEST(ListenAddress, BeyondThisHostTlsOrTheLabFlagIsNeeded) {
+  using server::Protection;
+  for (const char* address : {"0.0.0.0:50051", "[::]:50051", "192.168.1.7:50051", "robot:1"}) {
+    for (const Protection best :
+         {Protection::kTls, Protection::kMutualTls, Protection::kInsecureLab}) {
+      EXPECT_EQ(check_listen_address(address, best), best);
+    }
+    EXPECT_NE(refusal_of(address).find("--insecure-lab"), std::string::npos);
+    EXPECT_NE(refusal_of(address).find("server.tls"), std::string::npos);
+  }
+  EXPECT_EQ(check_listen_address("127.0.0.1:0", Protection::kMutualTls), Protection::kMutualTls);
+  EXPECT_EQ(check_listen_address("127.0.0.1:0", Protection::kInsecureLab), Protection::kThisHost);
+  EXPECT_EQ(check_listen_address("unix:/nowhere/s", Protection::kTls), Protection::kThisHost);
+}
+
+TEST(ListenAddress, WhatIsNotProtectedIsSaid) {
+  using server::Protection;
+  EXPECT_EQ(server::weakness("robot:1", Protection::kMutualTls), "");
+  for (const Protection weak :
+       {Protection::kThisHost, Protection::kTls, Protection::kInsecureLab}) {
+    EXPECT_NE(server::weakness("robot:1", weak).find("robot:1"), std::string::npos);
+  }
+  EXPECT_NE(server::weakness("robot:1", Protection::kInsecureLab).find("--insecure-lab"),
+            std::string::npos);
 }
 
 TEST(ListenAddress, NonsenseIsNamed) {

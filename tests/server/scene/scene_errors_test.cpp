@@ -251,6 +251,8 @@ TEST(SceneErrors, OfTheDaemonNameLineFieldValueAndWhatIsAllowed) {
        "t.textproto:11: server.udp_listen = \"unix:/run/h\": must be \"host:port\""},
       {"a UDP path without a port", plus("server { udp_listen: \"127.0.0.1\" }"),
        "t.textproto:11: server.udp_listen = \"127.0.0.1\": must be \"host:port\""},
+      {"metrics without a port", plus("server { metrics_listen: \"127.0.0.1\" }"),
+       "t.textproto:11: server.metrics_listen = \"127.0.0.1\": must be \"host:port\""},
       {"twice", plus("server { listen: [\"[::1]:1\", \"[::1]:1\"] }"),
        "t.textproto:11: server.listen[1] = \"[::1]:1\": must be another"},
       {"lease", plus("server { lease_timeout { nanos: 499000000 } }"),

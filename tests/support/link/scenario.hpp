@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,11 @@ struct Scenario {
   WayRules up{}, down{};
   ClockRules client_clock{};
 };
+
+/// For GoogleTest: a scenario is told by its name.
+inline void PrintTo(const Scenario& scenario, std::ostream* out) {
+  *out << scenario.name;
+}
 
 /// Throws std::runtime_error: "FILE: up.loss = 1.5: must be 0..1".
 [[nodiscard]] Scenario read_scenario(const std::filesystem::path& file);

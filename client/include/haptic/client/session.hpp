@@ -24,10 +24,15 @@ namespace haptic::client {
 
 enum class Reconnect : std::uint8_t {
   kNever,  ///< the session ends with its stream; a lease that expired leaves it as observer
-  /// Opened anew after 0.1, 0.2, 0.4 ... 2 s, and with the first sample after a lease that expired,
-  /// until the server says what no waiting can change; force never returns by itself.
+  /// Taken up again at once, then after 0.1, 0.2, 0.4 ... 2 s, and with the first sample after a lease
+  /// that is over, until the server says what no waiting can change. Within the lease the session is
+  /// resumed: force, settings and sequence go on as if nothing had happened, event LEASE_RESUMED. Else
+  /// it is opened anew, event LEASE_GRANTED; force never returns by itself then.
   kWithBackoff
 };
+
+/// Who may take a device from whom: only a higher one.
+enum class Priority : std::uint8_t { kTest = 1, kPrimary = 2, kOperator = 3 };
 
 /// What carries samples and states. The stream stays open beside UDP, and is its fallback.
 enum class Carriers : std::uint8_t {
@@ -41,7 +46,9 @@ struct SessionOptions {
   bool observer{false};
   std::string client_name{"haptic client"};
   double nominal_rate_hz{60.0};  ///< of publish(); controller only
-  double state_rate_hz{0.0};     ///< 0: every tick
+  /// Where the server asks for certificates, at most what this client's allows.
+  Priority priority{Priority::kPrimary};
+  double state_rate_hz{0.0};  ///< 0: every tick
   /// Sends held proxies as planes, one per constrained block of `blocks` (planes.hpp), derived from
   /// the haptic probe of the state that the proxy was computed from: the one last given to the user.
   bool derive_planes{false};
@@ -117,8 +124,9 @@ class Session {
   [[nodiscard]] const DeviceInfo& device() const;
 
   /// Ends the session; force fades out at the server. When it returns no callback runs or will run;
-  /// called in a callback it waits for none, and none begins any more. Does not wait for the server. The destructor does the
-  /// same.
+  /// called in a callback it waits for none, and none begins any more. A session that reconnects says
+  /// farewell, and gives the server 100 ms to hear it; no other waits for the server. The destructor
+  /// does the same.
   void close();
 
  private:

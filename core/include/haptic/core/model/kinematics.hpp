@@ -61,6 +61,9 @@ class Kinematics {
   /// x_probe = f(q) and J = dx_probe/dq (n_x by n_q). On kCannotClose both are untouched.
   [[nodiscard]] virtual MapStatus evaluate(const VecQ& q, VecX& x_probe,
                                            MatXQ& J) const noexcept = 0;
+  /// f(q) alone, the same to the bit as evaluate() writes it; untouched on kCannotClose. Maps that
+  /// save something by leaving J out override it.
+  [[nodiscard]] virtual MapStatus position(const VecQ& q, VecX& x_probe) const noexcept;
   /// J_k = dJ/dq_k (n_x by n_q), the term Eq. (2), (5), (9) leave out.
   [[nodiscard]] virtual MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept = 0;
   /// q = argmin ||x - f(q)|| over the box and the device's own constraints, stateless: Eq. (6).

@@ -3,10 +3,15 @@
 /// a block is projected by itself, and in Eq. (6) not at all while its part of the proxy stays
 /// (METHOD 7, "model only what a scene needs"). A map without blocks is one block, and so is one
 /// whose metric W_x weighs coordinates of different blocks together.
+///
+/// A block whose proxy is where its probe is, dx = 0, is idle: its own pose is the answer, and
+/// neither J nor a solve is needed for it. Eq. (6) needs J in no block, and keeps a solution that it
+/// has until the proxy changes.
 
 #include <optional>
 #include <vector>
 
+#include "haptic/core/projection/block_map.hpp"
 #include "haptic/core/projection/renderer.hpp"
 
 namespace haptic::core {
@@ -20,9 +25,12 @@ class BlockRenderer {
 
   [[nodiscard]] RendererKind kind() const noexcept { return kind_; }
   /// As Renderer::project. Of several blocks: the worst status and condition, and the residual of
-  /// all; the baselines' virtual stiffness is each block's own.
+  /// all; the baselines' virtual stiffness is each block's own. An idle block is exact, with condition
+  /// 0.
   void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                bool proxy_changed, Projection& out) noexcept;
+  /// The blocks whose J project() reads where dx is not 0 in those of `displaced`.
+  [[nodiscard]] BlockSet reads_J(BlockSet displaced) const noexcept;
   /// Forgets warm starts and cached solutions.
   void reset() noexcept;
 
@@ -31,12 +39,14 @@ class BlockRenderer {
     Part(RendererKind kind, const ProjectionModel& model, const MapBlock& at);
     void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                  bool proxy_changed) noexcept;
+    [[nodiscard]] bool displaced(const VecX& all_dx) const noexcept;
 
     ProjectionModel model;
     Renderer renderer;
     MapBlock at;
     int n_q, n_a, n_x;
     bool seen{false};  ///< `x` is the proxy of the last call
+    bool held{false};  ///< `out` answers for `x`, whatever q is: Eq. (6) without a prior
     VecQ q{};
     VecX x_probe{}, x{}, dx{};
     MatXQ J{};
@@ -46,6 +56,7 @@ class BlockRenderer {
 
   RendererKind kind_;
   ProjectionModel model_;
+  bool idle_possible_{true};         ///< no prior, which pulls even where dx = 0
   std::optional<Renderer> whole_{};  ///< of a map without blocks
   std::vector<Part> parts_{};        ///< else one per block
 };

@@ -1,6 +1,9 @@
 #pragma once
 /// The direction guard (METHOD 2.4): the elastic force must not point away from the proxy as the
-/// finger feels it, tau_a^T (S J^+ dx) >= 0; otherwise it is withheld for the tick.
+/// finger feels it, tau_a^T (S J^+ dx) >= 0; otherwise it is withheld for the tick. Block by block
+/// where the map falls into blocks: a block without dx adds nothing, and its J is not looked at.
+
+#include <vector>
 
 #include "haptic/core/linear/least_squares.hpp"
 #include "haptic/core/projection/projection.hpp"
@@ -13,15 +16,23 @@ class DirectionGuard {
   /// The model is copied; its kinematics must outlive the guard. `stiffness` (n_a; size 0: ones)
   /// decides where J does not have full column rank, as it does for Eq. (8).
   explicit DirectionGuard(const ProjectionModel& model, const VecA& stiffness = {});
-  /// True where tau_a (n_a) points towards the proxy, or dx = 0. One linearised solve.
+  /// True where tau_a (n_a) points towards the proxy, or dx = 0. One linearised solve per block.
   [[nodiscard]] bool allows(const Probe& probe, const VecX& dx, const VecA& tau_a) noexcept;
 
  private:
-  ProjectionModel model_;
+  struct Part {
+    Part(const Kinematics& kinematics, const MapBlock& at, const TaskMetric& metric);
+    TaskMetric metric;
+    MapBlock at;
+    int n_q, n_a, n_x;
+    LeastSquares solver;
+    VecX dx{};  ///< W^{1/2} dx
+    MatXQ J{};  ///< W^{1/2} J
+    VecA stiffness{};
+  };
+
   VecA stiffness_;
-  LeastSquares solver_;
-  VecX dx_W_{};  ///< W^{1/2} dx
-  MatXQ J_W_{};  ///< W^{1/2} J
+  std::vector<Part> parts_{};  ///< one per block, or the whole map
 };
 
 }  // namespace haptic::core

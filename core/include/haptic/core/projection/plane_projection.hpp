@@ -9,6 +9,8 @@
 /// Where the planes can be met, eps is iterated away: x meets them to rounding. Planes that meet only
 /// beyond some hundred times their violation (an acute wedge seen from outside) count as infeasible.
 
+#include <vector>
+
 #include "haptic/core/model/configuration_space.hpp"
 #include "haptic/core/projection/plane_set.hpp"
 
@@ -28,7 +30,8 @@ class PlaneProjection {
   /// From now on these planes, linearised at `x` (n_x). A plane whose normal is 0 is left out.
   void set(const PlaneSet& planes, const VecX& x) noexcept;
 
-  /// Writes x (n_x) for the haptic probe. Never allocates.
+  /// Writes x (n_x) for the haptic probe; a linear coordinate that no active plane holds is the
+  /// probe's to the bit. Never allocates.
   PlaneStatus project(const VecX& x_probe, VecX& x) noexcept;
 
   /// Of the last project(): bit i is set where plane i holds x.
@@ -50,6 +53,7 @@ class PlaneProjection {
 
   const ConfigurationSpace* space_;
   VecX W_inverse_;
+  std::vector<bool> linear_{};  ///< per coordinate: the real line, no turns and no signs
   int count_{0};
   std::uint32_t skipped_{0};  ///< planes without a direction
   VecX at_;

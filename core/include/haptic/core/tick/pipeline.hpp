@@ -46,7 +46,8 @@ struct PipelineConfig {
 
 class Pipeline {
  public:
-  /// Throws SceneError where sizes or limits do not fit together.
+  /// Throws SceneError where sizes or limits do not fit together, and where x does not determine q
+  /// and no prior is given (require_rank: METHOD 6, case 25).
   explicit Pipeline(PipelineConfig config);
   ~Pipeline();
   Pipeline(Pipeline&&) noexcept;

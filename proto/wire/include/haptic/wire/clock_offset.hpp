@@ -38,10 +38,15 @@ class ClockOffset {
     Duration bound{0};   ///< the true offset lies within offset +- bound while drifts are plausible
   };
 
-  /// Exchanges that cannot be (negative round trip) are passed over.
+  /// Exchanges that cannot be (negative round trip, readings beyond 146 years) are passed over.
   void add(const ClockExchange& exchange) noexcept;
   /// None before the first exchange.
   [[nodiscard]] std::optional<Estimate> at(TimePoint now) const noexcept;
+
+  /// `exchange` may be true together with `estimate`: what it proves by itself does not exclude that. A
+  /// message that was under way for long agrees; one of a clock that was stepped does not.
+  [[nodiscard]] static bool agrees(const ClockExchange& exchange,
+                                   const Estimate& estimate) noexcept;
 
   /// When, by our clock, theirs showed `reading`, at the latest: the estimate and its bound. A
   /// sample's life may be counted from there where that is earlier than its arrival (WIRE 4).
@@ -56,6 +61,8 @@ class ClockOffset {
     Duration offset{0};
     Duration rtt{0};
   };
+  /// What an exchange proves; none where it cannot be.
+  [[nodiscard]] static std::optional<Point> proof(const ClockExchange& exchange) noexcept;
   [[nodiscard]] bool contradicts(const Point& point) const noexcept;
   void keep(const Point& point) noexcept;
   void fit() noexcept;

@@ -30,6 +30,12 @@ struct Received {
   PathChange change{PathChange::kNone};
 };
 
+/// What the other end received of ours, by its newest response, under the keys in use.
+struct PeerReport {
+  std::uint64_t received{0};
+  std::uint64_t newest{0};  ///< highest packet number among them
+};
+
 /// Not thread-safe.
 class PathEnd {
  public:
@@ -64,6 +70,7 @@ class PathEnd {
   [[nodiscard]] const RoundTrip& round_trip() const noexcept { return machine_.round_trip(); }
   [[nodiscard]] const LinkCounters& counters() const noexcept { return statistics_.counters(); }
   [[nodiscard]] LinkStatistics& statistics() noexcept { return statistics_; }
+  [[nodiscard]] const PeerReport& peer_report() const noexcept { return peer_report_; }
   /// The other end's steady clock against ours.
   [[nodiscard]] const ClockOffset& clock_offset() const noexcept { return clock_offset_; }
 
@@ -81,6 +88,7 @@ class PathEnd {
   PathMachine machine_;
   LinkStatistics statistics_{};
   ClockOffset clock_offset_{};
+  PeerReport peer_report_{};
   std::uint32_t counted_path_;  ///< whose packet numbers the statistics count
   std::uint32_t sending_path_;  ///< whose packet numbers the other end's reports count
   std::array<std::uint8_t, kLargestPayload> payload_{};

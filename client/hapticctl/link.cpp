@@ -1,0 +1,135 @@
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+
+namespace haptic::ctl {
+
+namespace {
+
+using nlohmann::json;
+using Time = std::optional<std::chrono::nanoseconds>;
+
+double microseconds(std::chrono::nanoseconds time) {
+  return std::chrono::duration<double, std::micro>(time).count();
+}
+
+/// null where it is not known.
+json number(const Time& time) {
+  return time ? json(microseconds(*time)) : json(nullptr);
+}
+
+json to_json(const std::vector<client::Rejected>& rejected) {
+  json all = json::object();
+  for (const client::Rejected& entry : rejected) all[entry.reason] = entry.count;
+  return all;
+}
+
+json to_json(const client::LinkDirection& d) {
+  return {{"received", d.received},
+          {"bytes", d.bytes},
+          {"lost", d.lost},
+          {"reordered", d.reordered},
+          {"duplicate", d.duplicate},
+          {"late", d.late},
+          {"rejected", to_json(d.rejected)},
+          {"longest_gap_us", number(d.longest_gap)},
+          {"jitter_us", number(d.jitter)}};
+}
+
+json to_json(const client::SessionLink& s) {
+  json transports = json::array(), clock = nullptr;
+  for (const client::LinkTransport& t : s.transports) {
+    transports.push_back({{"transport", client::name(t.transport)},
+                          {"up", to_json(t.up)},
+                          {"down", to_json(t.down)},
+                          {"round_trip_us", number(t.round_trip)},
+                          {"least_round_trip_us", number(t.least_round_trip)}});
+  }
+  if (s.clock) {
+    clock = {{"offset_ns", s.clock->offset.count()},
+             {"drift_ppm", s.clock->drift * 1e6},
+             {"bound_us", microseconds(s.clock->bound)},
+             {"steps", s.clock->steps}};
+  }
+  return {{"device", s.device},
+          {"client", s.client_name},
+          {"observer", s.observer},
+          {"lease_epoch", s.lease_epoch},
+          {"holds_lease", s.holds_lease},
+          {"samples_by", client::name(s.samples_by)},
+          {"states_by", client::name(s.states_by)},
+          {"transports", transports},
+          {"clock", clock},
+          {"age_p50_us", number(s.age_p50)},
+          {"age_p99_us", number(s.age_p99)},
+          {"age_error_bound_us", number(s.age_error_bound)},
+          {"aged_by_clock", s.aged_by_clock}};
+}
+
+/// In ms; "-" where it is not known.
+std::string text(const Time& time) {
+  if (!time) return "-";
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.3f", microseconds(*time) / 1e3);
+  return buffer;
+}
+
+std::string text(const std::vector<client::Rejected>& rejected) {
+  std::vector<std::string> entries;
+  for (const client::Rejected& entry : rejected) {
+    entries.push_back(entry.reason + " " + std::to_string(entry.count));
+  }
+  return joined(entries);
+}
+
+void print(const char* way, const client::LinkTransport& t, const client::LinkDirection& d) {
+  const auto count = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
+  std::printf("  %-5s %-4s %10llu %8llu %8llu %8llu %6llu %10s %8s\n", client::name(t.transport),
+              way, count(d.received), count(d.lost), count(d.reordered), count(d.duplicate),
+              count(d.late), text(d.longest_gap).c_str(), text(d.jitter).c_str());
+  if (!d.rejected.empty()) std::printf("             rejected: %s\n", text(d.rejected).c_str());
+}
+
+void print(const client::SessionLink& s) {
+  const char* role = s.observer ? "observer" : s.holds_lease ? "controller" : "lease over";
+  std::printf("\n%s: '%s', %s, lease epoch %u, samples by %s, states by %s\n", s.device.c_str(),
+              s.client_name.c_str(), role, s.lease_epoch, client::name(s.samples_by),
+              client::name(s.states_by));
+  std::printf("  %-5s %-4s %10s %8s %8s %8s %6s %10s %8s\n", "", "", "messages", "lost", "reorder",
+              "repeat", "late", "gap ms", "jitter");
+  for (const client::LinkTransport& t : s.transports) {
+    print("up", t, t.up);
+    print("down", t, t.down);
+    std::printf("  %-5s round trip %s ms, least %s ms\n", client::name(t.transport),
+                text(t.round_trip).c_str(), text(t.least_round_trip).c_str());
+  }
+  std::printf(
+      "  age at use p50 %s ms, p99 %s ms, short of the truth by at most %s ms; %llu by clock\n",
+      text(s.age_p50).c_str(), text(s.age_p99).c_str(), text(s.age_error_bound).c_str(),
+      static_cast<unsigned long long>(s.aged_by_clock));
+  if (!s.clock) return;
+  std::printf("  clock offset %.6f s +- %.3f ms, drift %.1f ppm, %u steps\n",
+              std::chrono::duration<double>(s.clock->offset).count(),
+              microseconds(s.clock->bound) / 1e3, s.clock->drift * 1e6, s.clock->steps);
+}
+
+}  // namespace
+
+int link(const Options& options) {
+  client::Connection server = connect(options);
+  const client::LinkReport report = server.links(options.device);
+  if (options.json) {
+    json sessions = json::array();
+    for (const client::SessionLink& session : report.sessions) sessions.push_back(to_json(session));
+    const json all = {{"sessions", sessions}, {"unassigned", to_json(report.unassigned)}};
+    std::printf("%s\n", all.dump(2).c_str());
+    return 0;
+  }
+  std::printf("%zu sessions; datagrams of no session: %s\n", report.sessions.size(),
+              text(report.unassigned).c_str());
+  for (const client::SessionLink& session : report.sessions) print(session);
+  return 0;
+}
+
+}  // namespace haptic::ctl

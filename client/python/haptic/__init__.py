@@ -1,0 +1,37 @@
+"""Client of hapticd for Python 3.11 over Debian's python3-grpcio.
+
+    with haptic.Connection("127.0.0.1:50051") as server:
+        with server.session(client_name="my simulation", nominal_rate_hz=60) as session:
+            session.engage_when_ready()
+            while running:
+                state = session.wait_for_state()
+                x = simulate(state.x_probe)  # where the object lets the finger be
+                session.publish(haptic.held(x) if touching else haptic.FREE)
+
+SI units; arrays in the order of Connection.devices(). proto/README.md is the protocol.
+"""
+
+from ._connection import Connection
+from ._errors import ClientError
+from ._session import Session
+from ._types import (
+    FREE,
+    Carriers,
+    Coordinate,
+    Device,
+    DeviceState,
+    DegreeOfFreedom,
+    Event,
+    Proxy,
+    SampleCounts,
+    ServerInfo,
+    Settings,
+    held,
+    behind,
+)
+
+__all__ = [
+    "FREE", "Carriers", "ClientError", "Connection", "Coordinate", "DegreeOfFreedom", "Device",
+    "DeviceState", "Event", "Proxy", "SampleCounts", "ServerInfo", "Session", "Settings", "behind",
+    "held",
+]

@@ -1,0 +1,89 @@
+"""The server: what it is, what it has, sessions, stop and clear."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import grpc
+
+from ._errors import ClientError, to_error
+from ._session import Session
+from ._types import Carriers, Device, DeviceState, Event, ServerInfo
+from .v1 import haptic_service_pb2 as service
+from .v1 import haptic_service_pb2_grpc as stubs
+
+_ANSWER_S = 5.0
+
+
+class Connection:
+    """A channel to "host:port" or "unix:/path". Does not wait for the server; every call that needs
+    an answer raises ClientError where there is none within 5 s."""
+
+    def __init__(self, address: str) -> None:
+        host, colon, port = address.rpartition(":")
+        if not (address.startswith("unix:/") or (host and colon and port.isdigit())):
+            raise ClientError("INVALID_ARGUMENT",
+                              f"server address '{address}': must be host:port or unix:/path")
+        self._address = address
+        self._channel = grpc.insecure_channel(
+            address, options=[("grpc.use_local_subchannel_pool", 1),
+                              ("grpc.initial_reconnect_backoff_ms", 100)])
+        self._stub = stubs.HapticServiceStub(self._channel)
+
+    def __enter__(self) -> Connection:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self._channel.close()
+
+    def server_info(self) -> ServerInfo:
+        return ServerInfo.of(_ask(self._stub.GetServerInfo, service.GetServerInfoRequest()))
+
+    def devices(self) -> list[Device]:
+        answer = _ask(self._stub.ListDevices, service.ListDevicesRequest())
+        return [Device.of(device) for device in answer.devices]
+
+    def session(self, *, client_name: str, nominal_rate_hz: float, device: str = "",
+                observer: bool = False, state_rate_hz: float | None = None,
+                carriers: Carriers = Carriers.BEST) -> Session:
+        """Opens a session and waits for the server's word; to be closed, or used in `with`. States come
+        at `state_rate_hz`; None: at the nominal rate; 0: every tick, which is much for Python."""
+        rate = nominal_rate_hz if state_rate_hz is None else state_rate_hz
+        return Session(self._stub, self._address, service_device=device, client_name=client_name,
+                       nominal_rate_hz=nominal_rate_hz, observer=observer, state_rate_hz=rate,
+                       carriers=carriers)
+
+    def watch(self, device: str = "", rate_hz: float = 30.0) -> Iterator[DeviceState | Event]:
+        """States and events of a device until the server ends, or the iterator is closed."""
+        call = self._stub.Watch(service.WatchRequest(device=device, rate_hz=rate_hz))
+        try:
+            for response in call:
+                if response.HasField("state"):
+                    yield DeviceState.of(response.state)
+                elif response.HasField("event"):
+                    yield Event.of(response.event)
+        except grpc.RpcError as error:
+            raise to_error(error) from None
+        finally:
+            call.cancel()
+
+    def emergency_stop(self, device: str = "", reason: str = "") -> list[str]:
+        """Needs no session. The devices now in FAULT; `device` empty: all."""
+        request = service.EmergencyStopRequest(device=device, reason=reason)
+        return list(_ask(self._stub.EmergencyStop, request).stopped)
+
+    def clear_fault(self, device: str = "", faults: Sequence[int] = ()) -> list[int]:
+        """`faults` empty: all that are active. Raises FAULT_PERSISTS where a cause does."""
+        request = service.ClearFaultRequest(device=device, fault_ids=faults)
+        return list(_ask(self._stub.ClearFault, request).cleared)
+
+
+def _ask(call: Any, request: Any) -> Any:
+    try:
+        return call(request, timeout=_ANSWER_S)
+    except grpc.RpcError as error:
+        raise to_error(error) from None

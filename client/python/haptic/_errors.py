@@ -1,0 +1,51 @@
+"""Statuses of gRPC, with the google.rpc details in them, as one exception."""
+
+from __future__ import annotations
+
+import functools
+import importlib.resources
+
+import grpc
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
+
+
+class ClientError(Exception):
+    """A call that failed. `reason` is for programs: the server's (proto/README.md, "Errors"), or the
+    status code's name where the server gave none, e.g. "UNAVAILABLE". str() is for people."""
+
+    def __init__(self, reason: str, message: str) -> None:
+        super().__init__(f"{message} ({reason})")
+        self.reason = reason
+        self.message = message
+
+
+# Refusals of Engage that time and more samples can cure.
+PASSING = frozenset({"NOT_ARMED", "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES", "STREAM_STALE",
+                     "DEVICE_STALE", "OUTSIDE_WINDOW"})
+
+
+@functools.cache
+def _types() -> dict[str, type]:
+    """google.rpc.Status and ErrorInfo in a pool of their own: a program may have others of that name."""
+    encoded = importlib.resources.files(__package__).joinpath("_details.bin").read_bytes()
+    pool = descriptor_pool.DescriptorPool()
+    for file in descriptor_pb2.FileDescriptorSet.FromString(encoded).file:
+        pool.Add(file)
+    factory = message_factory.MessageFactory(pool)
+    return {name: factory.GetPrototype(pool.FindMessageTypeByName("google.rpc." + name))
+            for name in ("Status", "ErrorInfo")}
+
+
+def _reason(error: grpc.Call) -> str:
+    for key, value in error.trailing_metadata() or ():
+        if key != "grpc-status-details-bin":
+            continue
+        for detail in _types()["Status"].FromString(value).details:
+            if detail.type_url.endswith("/google.rpc.ErrorInfo"):
+                return str(_types()["ErrorInfo"].FromString(detail.value).reason)
+    return str(error.code().name)
+
+
+def to_error(error: grpc.RpcError) -> ClientError:
+    """`error`: what a call of grpc raised; it is a grpc.Call as well."""
+    return ClientError(_reason(error), error.details() or "no answer")

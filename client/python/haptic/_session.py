@@ -1,0 +1,256 @@
+"""A session: samples up, states and events down, force."""
+
+from __future__ import annotations
+
+import collections
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import grpc
+
+from ._errors import PASSING, ClientError, to_error
+from ._types import Carriers, DeviceState, Event, Proxy, SampleCounts, Settings
+from ._udp import UdpPath
+from .v1 import haptic_service_pb2 as service
+from .v1 import session_pb2 as wire
+
+_ANSWER_S = 5.0
+_ENGAGE_EVERY_S = 0.05
+_MOST_EVENTS = 256  # kept for a caller who does not ask
+
+
+class Session:
+    """Made by Connection.session(); closes in `with`, or by close(). Every method from any thread.
+
+    publish() never waits: one sample waits to be sent, a newer one replaces it. States are conflated
+    to the newest. Force never comes back by itself: after an event LOST call engage() again."""
+
+    def __init__(self, stub: Any, address: str, *, service_device: str, client_name: str,
+                 nominal_rate_hz: float, observer: bool, state_rate_hz: float,
+                 carriers: Carriers) -> None:
+        self._stub = stub
+        self._period_s = 1.0 / nominal_rate_hz if nominal_rate_hz > 0 else 1.0
+        self._changed = threading.Condition()
+        self._state: DeviceState | None = None
+        self._events: collections.deque[Event] = collections.deque(maxlen=_MOST_EVENTS)
+        self._ack = wire.SampleAck()
+        self._waiting: wire.ProxySample | None = None  # to be sent on the stream
+        self._newest: wire.ProxySample | None = None
+        self._seq = self._replaced = self._mode_epoch = 0
+        self._ended: ClientError | None = None
+        self._closing = False
+        self._udp: UdpPath | None = None
+        opening = wire.OpenSession(
+            device=service_device, client_name=client_name, nominal_rate_hz=nominal_rate_hz,
+            state_rate_hz=state_rate_hz, udp_wanted=carriers is Carriers.BEST,
+            role=wire.ROLE_OBSERVER if observer else wire.ROLE_CONTROLLER)
+        self._call = stub.Session(self._requests(opening))
+        self._opened = self._open()
+        if self._opened.HasField("udp"):
+            self._udp = UdpPath(self._opened.udp, address, self._period_s, self._on_udp_state,
+                                self._on_udp_lost)
+        self._reader = threading.Thread(target=self._read, name="haptic session", daemon=True)
+        self._reader.start()
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Ends the session: force fades out, the lease is given up. Idempotent."""
+        with self._changed:
+            if self._closing:
+                return
+            self._closing = True
+            self._changed.notify_all()
+        if self._udp is not None:
+            self._udp.close()
+        self._reader.join(timeout=1.0)
+        self._call.cancel()
+
+    # What goes up.
+
+    def publish(self, proxy: Proxy) -> int:
+        """The newest proxy; its number. Raises only where the session has ended."""
+        with self._changed:
+            self._check()
+            before = self._newest
+            if before is None or before.mode != proxy.mode:
+                self._mode_epoch += 1
+            self._seq += 1
+            sample = wire.ProxySample(
+                seq=self._seq, source_time_ns=time.monotonic_ns(), mode=proxy.mode,
+                mode_epoch=self._mode_epoch, position=proxy.position,
+                device_seq_used=self._state.seq if self._state else 0,
+                planes=[wire.Plane(normal=n, offset=b) for n, b in proxy.planes])
+            self._newest = sample
+            if self._udp is not None and self._udp.send(sample.SerializeToString()):
+                return self._seq
+            self._offer(sample)
+            return self._seq
+
+    def _offer(self, sample: wire.ProxySample) -> None:
+        if self._waiting is not None:
+            self._replaced += 1
+        self._waiting = sample
+        self._changed.notify_all()
+
+    def _requests(self, opening: wire.OpenSession) -> Iterator[wire.SessionRequest]:
+        """On a thread of grpc, which asks for the next message once the last one was written."""
+        yield wire.SessionRequest(open=opening)
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._waiting is not None or self._closing)
+                sample, self._waiting = self._waiting, None
+                if self._closing:
+                    return
+            yield wire.SessionRequest(proxy=sample)
+
+    # Force.
+
+    def engage(self) -> None:
+        """Asks for force once. Raises ClientError with what is missing."""
+        self._ask(self._stub.Engage, service.EngageRequest(session_id=self._opened.session_id))
+
+    def engage_when_ready(self) -> None:
+        """Asks in the background, every 50 ms, as long as time can cure the refusal: until the server
+        agrees, the device is in FAULT, or the session ends. What else it says is raised by
+        publish() and wait_for_state()."""
+        threading.Thread(target=self._engage_when_ready, name="haptic engage", daemon=True).start()
+
+    def _engage_when_ready(self) -> None:
+        while not self._closing and self._ended is None:
+            try:
+                return self.engage()
+            except ClientError as error:
+                state = self._state
+                fault = state is not None and state.state == "FAULT"
+                if error.reason not in PASSING or fault:
+                    with self._changed:
+                        if not self._closing and self._ended is None:
+                            self._ended = error
+                            self._changed.notify_all()
+                    return
+            time.sleep(_ENGAGE_EVERY_S)
+
+    def release(self) -> None:
+        """Gives force up; it fades out."""
+        self._ask(self._stub.Release, service.ReleaseRequest(session_id=self._opened.session_id))
+
+    def update_settings(self, *, stiffness: Sequence[float] = (), damping: Sequence[float] = (),
+                        force_limit: Sequence[float] = (),
+                        slew_limit: Sequence[float] = ()) -> Settings:
+        """Within the scene; per actuated DoF. Empty leaves as it is."""
+        answer = self._ask(self._stub.UpdateSettings, service.UpdateSettingsRequest(
+            session_id=self._opened.session_id, stiffness=stiffness, damping=damping,
+            force_limit=force_limit, slew_limit=slew_limit))
+        clamped = (f"{c.field} = {c.asked:g}: {c.applied:g} applied, {c.why}" for c in answer.clamped)
+        return Settings(tuple(answer.stiffness), tuple(answer.damping), tuple(answer.force_limit),
+                        tuple(answer.slew_limit), tuple(clamped))
+
+    def _ask(self, call: Any, request: Any) -> Any:
+        try:
+            return call(request, timeout=_ANSWER_S)
+        except grpc.RpcError as error:
+            raise to_error(error) from None
+
+    # What comes down.
+
+    @property
+    def device(self) -> str:
+        return str(self._opened.device)
+
+    @property
+    def state(self) -> DeviceState | None:
+        """The newest; None before the first."""
+        with self._changed:
+            return self._state
+
+    def wait_for_state(self, timeout: float = 5.0) -> DeviceState:
+        """The next state that is newer than the newest now. Raises TIMEOUT, or why the session ended."""
+        with self._changed:
+            seen = self._state.seq if self._state else 0
+            self._changed.wait_for(
+                lambda: self._ended or (self._state is not None and self._state.seq > seen), timeout)
+            self._check()
+            if self._state is None or self._state.seq <= seen:
+                raise ClientError("TIMEOUT", f"no state within {timeout:g} s")
+            return self._state
+
+    def events(self) -> list[Event]:
+        """Those that came since the last call; of more than 256 the oldest are gone."""
+        with self._changed:
+            events = list(self._events)
+            self._events.clear()
+            return events
+
+    def samples(self) -> SampleCounts:
+        with self._changed:
+            a = self._ack
+            return SampleCounts(self._seq, self._replaced, a.accepted, a.rejected_old,
+                                a.rejected_invalid, a.conflated_backlog, a.last_rejection)
+
+    @property
+    def udp_in_use(self) -> bool:
+        """Whether samples go by UDP now."""
+        return self._udp is not None and self._udp.in_use
+
+    def _check(self) -> None:
+        if self._ended is not None:
+            raise self._ended
+        if self._closing:
+            raise ClientError("CLOSED", "the session was closed")
+
+    def _open(self) -> wire.SessionOpened:
+        try:
+            return next(self._call).opened
+        except grpc.RpcError as error:
+            self._closing = True
+            raise to_error(error) from None
+        except StopIteration:
+            raise ClientError("CLOSED", "the server ended the stream") from None
+
+    def _read(self) -> None:
+        ended = ClientError("CLOSED", "the server ended the session")
+        try:
+            for response in self._call:
+                self._take(response)
+        except grpc.RpcError as error:
+            ended = to_error(error)
+        with self._changed:
+            self._ended = self._ended or ended
+            self._changed.notify_all()
+
+    def _take(self, response: wire.SessionResponse) -> None:
+        if response.HasField("udp") and self._udp is not None:
+            self._udp.rekey(response.udp)
+        with self._changed:
+            if response.HasField("state"):
+                self._newest_state(response.state)
+            elif response.HasField("event"):
+                self._events.append(Event.of(response.event))
+            elif response.HasField("ack"):
+                self._ack = response.ack
+            self._changed.notify_all()
+
+    def _newest_state(self, state: wire.DeviceState) -> None:
+        if self._state is None or state.seq > self._state.seq:
+            self._state = DeviceState.of(state)
+
+    # The UDP path's calls, on its thread.
+
+    def _on_udp_state(self, payload: bytes) -> None:
+        state = wire.DeviceState.FromString(payload)
+        with self._changed:
+            self._newest_state(state)
+            self._changed.notify_all()
+
+    def _on_udp_lost(self) -> None:
+        """Make-before-break: the newest sample goes on the stream at once, under the number it has."""
+        with self._changed:
+            if self._newest is not None and not self._closing:
+                self._offer(self._newest)

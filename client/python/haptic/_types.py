@@ -1,0 +1,185 @@
+"""What goes in and out: plain frozen values. Fields as in proto/haptic/v1/*.proto."""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+from collections.abc import Sequence
+
+from .v1 import haptic_service_pb2 as service
+from .v1 import session_pb2 as wire
+
+
+class Carriers(enum.Enum):
+    """What may carry samples and states."""
+
+    BEST = "best"  # UDP while it proves good, the stream otherwise
+    STREAM = "stream"  # the gRPC stream alone
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Proxy:
+    """Where the virtual object lets the tool be. Made by held(), behind(), or FREE."""
+
+    mode: int
+    position: tuple[float, ...] = ()
+    planes: tuple[tuple[tuple[float, ...], float], ...] = ()
+
+
+FREE = Proxy(wire.PROXY_MODE_FREE)
+"""Nothing in the way: no elastic force, no drag."""
+
+
+def held(position: Sequence[float]) -> Proxy:
+    """The proxy stays here until the next sample; m or rad per virtual coordinate."""
+    return Proxy(wire.PROXY_MODE_HELD, tuple(map(float, position)))
+
+
+def behind(planes: Sequence[tuple[Sequence[float], float]], position: Sequence[float]) -> Proxy:
+    """The server keeps the probe out of `planes`, (normal, offset) each: normal . x <= offset; at
+    most 6, linearised at `position`."""
+    return Proxy(wire.PROXY_MODE_PLANES, tuple(map(float, position)),
+                 tuple((tuple(map(float, normal)), float(offset)) for normal, offset in planes))
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class DeviceState:
+    """The device at one tick."""
+
+    seq: int
+    server_time_ns: int
+    q: tuple[float, ...]
+    q_dot: tuple[float, ...]
+    x_probe: tuple[float, ...]
+    x: tuple[float, ...]
+    q_star: tuple[float, ...]
+    tau_a: tuple[float, ...]
+    tau_elastic: tuple[float, ...]
+    proxy_seq_used: int  # 0: none
+    proxy_age_s: float
+    staleness: str  # "FRESH", "HOLD", "FADE", "LOST"
+    gain: float
+    transport: str  # of the newest sample: "GRPC", "UDP", "UNSPECIFIED"
+    state: str  # "IDLE", "ARMED", "ENGAGED", ...
+    faults: int  # bit n: fault n
+    limiters: int  # bit n: limiter n
+    lease_epoch: int
+
+    @classmethod
+    def of(cls, m: wire.DeviceState) -> DeviceState:
+        return cls(m.seq, m.server_time_ns, tuple(m.q), tuple(m.q_dot), tuple(m.x_probe), tuple(m.x),
+                   tuple(m.q_star), tuple(m.tau_a), tuple(m.tau_elastic), m.proxy_seq_used,
+                   m.proxy_age_us * 1e-6, _name(wire.StalenessLevel, m.staleness, "STALENESS_LEVEL_"),
+                   m.gain, _name(wire.Transport, m.transport, "TRANSPORT_"),
+                   _name(wire.DeviceStateName, m.state, "DEVICE_STATE_NAME_"), m.faults, m.limiters,
+                   m.lease_epoch)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened once."""
+
+    kind: str  # "STATE", "LOST", "FAULT", ...
+    reason: str  # stable: "ENGAGED -> ARMED", ...
+    message: str  # for people
+    state: str
+    lease_epoch: int
+
+    @classmethod
+    def of(cls, m: wire.Event) -> Event:
+        return cls(_name(wire.Event.Kind, m.kind, "KIND_"), m.reason, m.message,
+                   _name(wire.DeviceStateName, m.state, "DEVICE_STATE_NAME_"), m.lease_epoch)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class SampleCounts:
+    """What became of the samples, totals of the session; `replaced`: by newer ones before they left."""
+
+    published: int
+    replaced: int
+    accepted: int
+    rejected_old: int
+    rejected_invalid: int
+    conflated_backlog: int
+    last_rejection: str
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class DegreeOfFreedom:
+    name: str
+    unit: str
+    actuated: bool
+    lower: float
+    upper: float
+    max_effort: float
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Coordinate:
+    name: str
+    unit: str
+    kind: str
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Device:
+    name: str
+    kind: str
+    model: str
+    dofs: tuple[DegreeOfFreedom, ...]
+    coordinates: tuple[Coordinate, ...]
+    stiffness_limit: tuple[float, ...]
+    damping_limit: tuple[float, ...]
+    force_limit: tuple[float, ...]
+    slew_limit: tuple[float, ...]
+    loop_rate_hz: float
+    state: str
+    faults: int
+    controller: str  # empty: nobody
+
+    @classmethod
+    def of(cls, m: service.Device) -> Device:
+        dofs = (DegreeOfFreedom(d.name, d.unit, d.actuated, d.lower, d.upper, d.max_effort)
+                for d in m.dofs)
+        coordinates = (Coordinate(c.name, c.unit, c.kind) for c in m.coordinates)
+        return cls(m.name, m.kind, m.model, tuple(dofs), tuple(coordinates), tuple(m.stiffness_limit),
+                   tuple(m.damping_limit), tuple(m.force_limit), tuple(m.slew_limit), m.loop_rate_hz,
+                   _name(wire.DeviceStateName, m.state, "DEVICE_STATE_NAME_"), m.faults, m.controller)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class ServerInfo:
+    version: str
+    scene: str
+    realtime_grade: str
+    realtime_explanation: str
+    insecure: tuple[str, ...]
+    ticks: int
+    skipped_ticks: int
+    lateness_p50_s: float
+    lateness_p99_s: float
+
+    @classmethod
+    def of(cls, m: service.GetServerInfoResponse) -> ServerInfo:
+        return cls(m.version, m.scene, m.realtime.grade, m.realtime.explanation, tuple(m.insecure),
+                   m.loop.ticks, m.loop.skipped, m.loop.lateness_p50_us * 1e-6,
+                   m.loop.lateness_p99_us * 1e-6)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Settings:
+    """As applied; `clamped` names what was held at a limit of the scene, and why."""
+
+    stiffness: tuple[float, ...]
+    damping: tuple[float, ...]
+    force_limit: tuple[float, ...]
+    slew_limit: tuple[float, ...]
+    clamped: tuple[str, ...]
+
+
+def _name(enum_type: type, value: int, prefix: str) -> str:
+    """A server may know more values than this library."""
+    try:
+        return enum_type.Name(value).removeprefix(prefix)
+    except ValueError:
+        return str(value)

@@ -1,0 +1,137 @@
+"""The UDP path of a session: a socket, a thread, the keys."""
+
+from __future__ import annotations
+
+import socket
+import struct
+import threading
+import time
+from collections.abc import Callable
+
+from ._channel import LARGEST, Keys, Type, read_header
+from ._path import KEEP_PAYLOAD, PathMachine, PathState
+from .v1 import session_pb2 as wire
+
+_RESPONSE = struct.Struct(">8sqqQQ")
+_OLD_KEYS_S = 1.0
+_TURN_S = 0.005  # how often the path is looked at; challenges are 10 ms apart at most
+
+
+class UdpPath:
+    """Carries samples up while in_use, and hands states to `on_state`; `on_lost` once per fallback.
+    Both are called on the path's thread, without a lock of it held."""
+
+    def __init__(self, offer: wire.UdpPath, address: str, period_s: float,
+                 on_state: Callable[[bytes], None], on_lost: Callable[[], None]) -> None:
+        host = offer.host or _host_of(address)
+        family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        self._socket = socket.socket(family, socket.SOCK_DGRAM)
+        self._socket.connect((host, offer.port))  # datagrams of other addresses do not come in
+        self._socket.settimeout(_TURN_S)
+        self._on_state, self._on_lost = on_state, on_lost
+        self._lock = threading.Lock()
+        self._keys = _keys_of(offer)
+        self._old: Keys | None = None
+        self._old_until = float("inf")  # runs from the first datagram under the new keys
+        self._machine = PathMachine(period_s, time.monotonic())
+        self._closing = False
+        self._thread = threading.Thread(target=self._serve, name="haptic udp", daemon=True)
+        self._thread.start()
+
+    @property
+    def in_use(self) -> bool:
+        return self._machine.state is PathState.IN_USE
+
+    def send(self, sample: bytes) -> bool:
+        """False where the path is not in use, or the sample does not fit."""
+        with self._lock:
+            if not self.in_use or len(sample) > LARGEST - 32:
+                return False
+            return self._send(Type.PROXY, sample)
+
+    def rekey(self, offer: wire.UdpPath) -> None:
+        with self._lock:
+            self._old, self._old_until = self._keys, float("inf")
+            self._keys = _keys_of(offer)
+            self._machine.rekeyed()
+
+    def close(self) -> None:
+        with self._lock:
+            self._closing = True
+            self._machine.closed()
+            self._send(Type.CLOSE, b"")
+        self._thread.join()
+        self._socket.close()
+
+    def _send(self, kind: Type, payload: bytes, keys: Keys | None = None) -> bool:
+        datagram = (keys or self._keys).seal(kind, payload)
+        if datagram is None:
+            return False
+        try:
+            self._socket.send(datagram)
+        except OSError:  # nobody listens there, or the queue is full: the silence will tell
+            return False
+        return True
+
+    def _serve(self) -> None:
+        used = False
+        while not self._closing:
+            try:
+                datagram = self._socket.recv(LARGEST + 1)
+            except OSError:
+                datagram = b""
+            now = time.monotonic()
+            payload = self._receive(datagram, now) if datagram else None
+            if payload is not None:
+                self._on_state(payload)
+            with self._lock:
+                challenge = self._machine.step(now)
+                if challenge is not None:
+                    self._send(Type.PATH_CHALLENGE, challenge)
+            if used and not self.in_use and not self._closing:
+                self._on_lost()
+            used = self.in_use
+
+    def _receive(self, datagram: bytes, now: float) -> bytes | None:
+        """What a datagram changes; the payload where it is a state."""
+        with self._lock:
+            keys = self._keys_for(datagram, now)
+            opened = keys.open(datagram) if keys is not None else None
+            if keys is None or opened is None:
+                return None
+            if keys is self._keys and self._old is not None and self._old_until == float("inf"):
+                self._old_until = now + _OLD_KEYS_S
+            kind, payload = opened
+            if kind is Type.STATE:
+                return payload
+            if kind is Type.CLOSE:
+                self._machine.closed()
+            elif len(payload) >= KEEP_PAYLOAD:
+                if kind is Type.PATH_CHALLENGE:
+                    self._answer(payload, keys)
+                else:
+                    token, came, left, packets, newest = _RESPONSE.unpack_from(payload)
+                    self._machine.responded(token, (left - came) * 1e-9, packets, newest, now)
+        return None
+
+    def _keys_for(self, datagram: bytes, now: float) -> Keys | None:
+        if self._old is not None and now > self._old_until:
+            self._old = None
+        reading = read_header(datagram)
+        both = (self._keys, self._old)
+        return next((k for k in both if reading and k and k.path_id == reading[1]), None)
+
+    def _answer(self, challenge: bytes, keys: Keys) -> None:
+        came = time.monotonic_ns()
+        response = _RESPONSE.pack(challenge[:8], came, time.monotonic_ns(), keys.received,
+                                  keys.window.newest)
+        self._send(Type.PATH_RESPONSE, response.ljust(len(challenge), b"\0"), keys)
+
+
+def _keys_of(offer: wire.UdpPath) -> Keys:
+    return Keys.of(offer.path_id, offer.up_key, offer.up_salt, offer.down_key, offer.down_salt)
+
+
+def _host_of(address: str) -> str:
+    """Of the stream's address; loopback where that is a UNIX socket."""
+    return "127.0.0.1" if address.startswith("unix:") else address.rpartition(":")[0].strip("[]")

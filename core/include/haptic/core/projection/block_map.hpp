@@ -1,0 +1,56 @@
+#pragma once
+/// f and J of the device at one tick, as far as they are asked for (METHOD 7, "model only what a scene
+/// needs"): block by block where the map falls into blocks (the fingers of a hand). A finger at rest
+/// is not evaluated again; one that nothing holds is asked for f alone, without J. What is evaluated
+/// is the same to the bit as by Kinematics::evaluate of the whole map.
+
+#include <cstdint>
+#include <vector>
+
+#include "haptic/core/model/kinematics.hpp"
+
+namespace haptic::core {
+
+/// A set of blocks: bit i is the i-th of Kinematics::blocks(). A map without blocks is one block.
+using BlockSet = std::uint32_t;
+
+class BlockMap {
+ public:
+  /// `kinematics` must outlive this.
+  explicit BlockMap(const Kinematics& kinematics);
+
+  /// x_probe() = f(q), q: n_q. False where f has no value there: x_probe() then stays as it was, and
+  /// J() means nothing. Never allocates.
+  bool move_to(const VecQ& q) noexcept;
+  /// After a move_to() that was true: J() of the blocks of `needed` is dx_probe/dq at its q, the other
+  /// blocks are left as they are. What was needed in one tick move_to() brings along in the next, f
+  /// and J in one evaluation. Never allocates.
+  void differentiate(BlockSet needed) noexcept;
+
+  [[nodiscard]] const VecX& x_probe() const noexcept { return x_probe_; }  ///< n_x; 0 before f
+  [[nodiscard]] const MatXQ& J() const noexcept { return J_; }  ///< n_x by n_q; 0 between blocks
+  [[nodiscard]] BlockSet all() const noexcept { return all_; }
+  /// The blocks in which dx (n_x) is not 0 throughout.
+  [[nodiscard]] BlockSet displaced(const VecX& dx) const noexcept;
+
+ private:
+  struct Part {
+    MapBlock at{};
+    int n_q{0}, n_x{0};
+    VecQ q{};            ///< where f was last asked for
+    VecX x{};            ///< f(q), where `closes`
+    bool known{false};   ///< q is set
+    bool closes{false};  ///< f has a value at q
+    bool has_J{false};   ///< the block in J_ is of q
+    bool wants_J{false};
+  };
+  void evaluate(Part& part) noexcept;
+
+  std::vector<Part> parts_{};
+  BlockSet all_{0};
+  VecX x_probe_{};
+  MatXQ J_{};
+  MatXQ block_{};  ///< J of one part
+};
+
+}  // namespace haptic::core

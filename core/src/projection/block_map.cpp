@@ -1,0 +1,89 @@
+#include "haptic/core/projection/block_map.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace haptic::core {
+
+namespace {
+
+/// Bits decide, so that a NaN is not new in every tick.
+bool same_bits(const double* a, const double* b, int n) noexcept {
+  return std::memcmp(a, b, sizeof(double) * static_cast<std::size_t>(n)) == 0;
+}
+
+}  // namespace
+
+BlockMap::BlockMap(const Kinematics& kinematics)
+    : x_probe_(VecX::Zero(kinematics.space().n_x())),
+      J_(MatXQ::Zero(kinematics.space().n_x(), kinematics.layout().n_q())) {
+  const MapBlock whole[] = {{&kinematics, 0, 0, 0}};
+  const std::span<const MapBlock> blocks =
+      kinematics.blocks().empty() ? std::span<const MapBlock>(whole) : kinematics.blocks();
+  for (const MapBlock& block : blocks) {
+    Part part;
+    part.at = block;
+    part.n_q = block.kinematics->layout().n_q();
+    part.n_x = block.kinematics->space().n_x();
+    part.q = VecQ::Zero(part.n_q);
+    part.x = VecX::Zero(part.n_x);
+    all_ |= BlockSet{1} << parts_.size();
+    parts_.push_back(part);
+  }
+}
+
+bool BlockMap::move_to(const VecQ& q) noexcept {
+  bool closes = true, moved = false;
+  for (Part& part : parts_) {
+    const double* at = q.data() + part.at.first_q;
+    if (!part.known || !same_bits(at, part.q.data(), part.n_q)) {
+      std::copy(at, at + part.n_q, part.q.data());
+      part.known = moved = true;
+      evaluate(part);
+    }
+    closes = closes && part.closes;
+  }
+  if (!closes || !moved) return closes;
+  for (const Part& part : parts_) {
+    std::copy(part.x.data(), part.x.data() + part.n_x, x_probe_.data() + part.at.first_x);
+  }
+  return true;
+}
+
+void BlockMap::differentiate(BlockSet needed) noexcept {
+  for (Part& part : parts_) {
+    part.wants_J = (needed & 1u) != 0;
+    needed >>= 1;
+    if (part.wants_J && !part.has_J) evaluate(part);
+  }
+}
+
+void BlockMap::evaluate(Part& part) noexcept {
+  const Kinematics& kinematics = *part.at.kinematics;
+  part.has_J = false;
+  if (!part.wants_J) {
+    part.closes = kinematics.position(part.q, part.x) == MapStatus::kOk;
+    return;
+  }
+  part.closes = kinematics.evaluate(part.q, part.x, block_) == MapStatus::kOk;
+  if (!part.closes) return;
+  part.has_J = true;
+  for (int k = 0; k < part.n_q; ++k) {
+    const double* from = block_.data() + k * part.n_x;
+    std::copy(from, from + part.n_x,
+              J_.data() + (part.at.first_q + k) * J_.rows() + part.at.first_x);
+  }
+}
+
+BlockSet BlockMap::displaced(const VecX& dx) const noexcept {
+  BlockSet found = 0;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const double* first = dx.data() + parts_[i].at.first_x;
+    if (std::any_of(first, first + parts_[i].n_x, [](double d) { return d != 0.0; })) {
+      found |= BlockSet{1} << i;
+    }
+  }
+  return found;
+}
+
+}  // namespace haptic::core

@@ -1,0 +1,38 @@
+# cpack -G DEB: hapticd, hapticd-client, python3-haptic, libhaptic-dev. Prefix /usr, whatever the build's is.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME hapticd)
+set(CPACK_PACKAGE_CONTACT "The hapticd authors <hapticd@localhost>")
+set(CPACK_PACKAGE_VENDOR "hapticd")
+set(CPACK_COMPONENTS_ALL server client python dev)
+set(CPACK_SET_DESTDIR ON)  # the unit and its scene are absolute paths
+set(CPACK_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_SERVER_PACKAGE_NAME hapticd)
+set(CPACK_DEBIAN_CLIENT_PACKAGE_NAME hapticd-client)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-haptic)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "python3 (>= 3.11), python3-grpcio, python3-protobuf, python3-cryptography")
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Python client of hapticd
+ Sessions, states, force and events over gRPC, with the UDP path where the server offers one.")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME libhaptic-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libgrpc++-dev, libprotobuf-dev, libssl-dev")
+set(CPACK_DEBIAN_SERVER_DESCRIPTION "networked haptic server for underactuated devices
+ A daemon that owns a haptic device and its 1 kHz loop. Simulations stream where their virtual
+ object lets the finger be; the daemon renders the force and ends it when they fall silent.")
+set(CPACK_DEBIAN_CLIENT_DESCRIPTION "command-line client and examples of hapticd
+ hapticctl looks at a server and its devices, asks for force, stops, and clears faults.")
+set(CPACK_DEBIAN_DEV_DESCRIPTION "development files of hapticd's clients
+ Headers, static libraries and protocol buffers of haptic::client, haptic::proto and haptic::wire.")
+set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA
+    ${CMAKE_CURRENT_SOURCE_DIR}/debian/conffiles ${CMAKE_CURRENT_SOURCE_DIR}/debian/postinst
+    ${CMAKE_CURRENT_SOURCE_DIR}/debian/prerm)
+set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_STRICT_PERMISSION TRUE)
+include(CPack)

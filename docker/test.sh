@@ -1,0 +1,93 @@
+#!/usr/bin/env bash
+# The container tests, end to end: image, composition, trouble from outside, .deb packages in a clean
+# container. With docker or podman, also where there is no registry and no systemd.
+#
+#   docker/test.sh [--prebuilt BUILD] [--engine docker|podman] [--logs FOLDER] [--keep-images]
+#
+# --prebuilt BUILD  takes programs and packages from a build folder instead of compiling in the image (the
+#                   same distribution, please)
+# --logs FOLDER     where every container's output goes; default: build/container-logs
+# --keep-images     leaves the images it built for the next run
+# Leaves no container, network or volume behind, and no image but the base it made.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+prebuilt=
+wanted=
+logs=$root/build/container-logs
+keep_images=false
+while (($#)); do
+  case "$1" in
+    --prebuilt) prebuilt=$(cd "${2:?--prebuilt needs a folder}" && pwd); shift 2 ;;
+    --engine) wanted=${2:?--engine needs docker or podman}; shift 2 ;;
+    --logs) logs=${2:?--logs needs a folder}; shift 2 ;;
+    --keep-images) keep_images=true; shift ;;
+    -h | --help) sed -n '2,13s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    *) echo "test.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
+  esac
+done
+mkdir -p "$logs"
+scratch=$(mktemp -d)
+project=haptictest$$
+image=localhost/hapticd-test:$$
+engine=
+# shellcheck source=docker/test/engine.sh
+. "$root/docker/test/engine.sh"
+
+collect() { # what every container said; those that are gone have been collected before
+  local service id
+  for service in hand board simulation observer relay; do
+    id=$(container "$service") || continue
+    if [[ -n $id ]]; then "$engine" logs "$id" >>"$logs/$service.log" 2>&1 || true; fi
+  done
+}
+# shellcheck disable=SC2317  # called by the trap
+finish() {
+  local status=$?
+  trap - EXIT
+  if [[ -n $engine ]]; then
+    collect
+    tear_down || status=1
+    if ! $keep_images; then "$engine" rmi --force "$image" >/dev/null 2>&1 || true; fi
+    local rest
+    rest=$(left_behind)
+    if [[ -n $rest ]]; then
+      echo "test.sh: left behind: $rest" >&2
+      status=1
+    fi
+  fi
+  rm -rf "$scratch" "$root/build/container"
+  if ((status == 0)); then echo "container tests passed"; else echo "container tests FAILED; see $logs" >&2; fi
+  exit "$status"
+}
+trap finish EXIT
+trap 'exit 130' INT TERM
+
+fail() {
+  echo "test.sh: $*" >&2
+  exit 1
+}
+step() { printf '%4d s  %s\n' "$SECONDS" "$*"; }
+eventually() { # eventually SECONDS COMMAND...: until it succeeds
+  local latest=$((SECONDS + $1))
+  shift
+  until "$@" >"$scratch/last" 2>&1; do
+    ((SECONDS < latest)) || { cat "$scratch/last" >&2; return 1; }
+    sleep 0.3
+  done
+}
+
+choose_engine "$wanted" || exit 1
+step "engine: $engine $("$engine" --version | grep -oE '[0-9]+\.[0-9.]+' | head -n 1)"
+for part in image staleness shutdown relay package; do
+  # shellcheck source=/dev/null
+  . "$root/docker/test/$part.sh"
+done
+rm -f "$logs"/*.log
+
+build_image
+start_composition
+test_staleness
+test_relay
+test_shutdown
+test_packages

@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+"""What an observer saw, judged: the contract of WIRE 4 from outside.
+
+    contract.py COMMAND FILE [FROM_LINE]
+
+FILE holds the lines of `hapticctl watch --json`; FROM_LINE is the number of lines there were before the
+trouble began. Commands:
+
+    pressing    the last line shows force, engaged
+    silence     samples stopped under force: the elastic force is zero within 200 ms of the last one, and
+                stays there until somebody engages anew
+    ramp        after the silence force came back by a ramp of the gain: no more than 1 per 200 ms
+    closing     force faded out; no force in the last state
+    transport NAME    samples came by NAME and force was on meanwhile
+    grasp       force was on, and off; the device was never in FAULT
+    never-lost  force was never given up
+
+Times are the server's own clock, as it stands in every state.
+"""
+
+import json
+import sys
+
+LIMIT_S = 0.200
+RAMP_PER_S = 1 / 0.200
+FELT_N = 0.5
+
+
+def force(state: dict) -> float:
+    return max(map(abs, state["tau_elastic"]), default=0.0)
+
+
+def seconds(state: dict) -> float:
+    return state["server_time_ns"] * 1e-9
+
+
+def fail(message: str) -> None:
+    sys.exit(f"contract.py: {message}")
+
+
+def need(states: list[dict]) -> list[dict]:
+    if not states:
+        fail("no states to judge")
+    return states
+
+
+def silence(states: list[dict]) -> None:
+    # The last sample before a silence of more than fade_end (180 ms): its time is the state's minus its age.
+    lost = next((i for i, s in enumerate(states) if s["staleness"] == "LOST"), None)
+    if lost is None:
+        fail("the proxy was never lost")
+    before = [s for s in states[:lost] if s["staleness"] == "FRESH"]
+    if not before:
+        fail("no fresh sample before the silence")
+    if max(map(force, before[-25:])) < FELT_N:
+        fail("there was no force to lose")
+    last_sample = seconds(before[-1]) - before[-1]["proxy_age_us"] * 1e-6
+    under_force = [s for s in states[:lost + 1] if force(s) > 0]
+    # The first state without force bounds the time from above; states come every 4 ms.
+    zero = next(s for s in states if seconds(s) > seconds(under_force[-1]))
+    took = seconds(zero) - last_sample
+    print(f"force was zero {took * 1e3:.0f} ms after the last sample")
+    if took > LIMIT_S:
+        fail(f"that is above {LIMIT_S * 1e3:.0f} ms")
+    for state in states[lost:]:
+        if state["state"] in ("ENGAGING", "ENGAGED"):
+            break
+        if force(state) > 0:
+            fail(f"force came back in {state['state']}")
+
+
+def ramp(states: list[dict]) -> None:
+    lost = next((i for i, s in enumerate(states) if s["staleness"] == "LOST"), None)
+    if lost is None:
+        fail("there was no silence")
+    back = next((i for i, s in enumerate(states[lost:], lost) if s["state"] == "ENGAGED"), None)
+    if back is None:
+        fail("force did not come back")
+    for a, b in zip(states[lost:back], states[lost + 1:back + 1]):
+        allowed = (seconds(b) - seconds(a)) * RAMP_PER_S + 1e-6
+        if b["gain"] - a["gain"] > allowed:
+            fail(f"the gain rose by {b['gain'] - a['gain']:.3f}, {allowed:.3f} is allowed")
+    print(f"force came back over {seconds(states[back]) - seconds(states[lost]):.2f} s after its loss")
+
+
+def closing(states: list[dict]) -> None:
+    if force(states[-1]) > 0 or states[-1]["gain"] > 0:
+        fail(f"force in the last state: {states[-1]}")
+    if max(map(force, states)) < FELT_N:
+        fail("there was no force to take back")
+    print("force had faded out when the server ended")
+
+
+def main() -> None:
+    command, file = sys.argv[1:3]
+    rest = sys.argv[3:]
+    name = rest.pop(0) if command == "transport" else ""
+    first = int(rest[0]) if rest else 0
+    with open(file, encoding="utf-8") as lines:
+        texts = [line for line in lines if line.startswith("{") and line.endswith("}\n")]
+    states = need([json.loads(line) for line in texts[first:]])
+    if command == "pressing":
+        state = states[-1]
+        if not (state["state"] == "ENGAGED" and force(state) > FELT_N):
+            fail(f"{state['state']}, {force(state):.2f} N")
+    elif command == "transport":
+        if not any(s["transport"] == name and force(s) > FELT_N for s in states):
+            fail(f"no force by {name}; seen: {sorted({s['transport'] for s in states})}")
+    elif command == "grasp":
+        forces = [force(s) for s in states if s["state"] == "ENGAGED"]
+        if not forces or max(forces) < FELT_N or min(forces) > 0.02 * max(forces):
+            fail(f"no grasp: {len(forces)} states engaged, {min(forces, default=0):.2f} to "
+                 f"{max(forces, default=0):.2f} N")
+        if any(s["state"] == "FAULT" for s in states):
+            fail("the device was in FAULT")
+        print(f"grasped with up to {max(forces):.1f} N, and let go")
+    elif command == "never-lost":
+        if any(s["staleness"] == "LOST" for s in states):
+            fail("force was given up")
+    else:
+        {"silence": silence, "ramp": ramp, "closing": closing}[command](states)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,32 @@
+# The .deb packages in a clean container (sourced by docker/test.sh).
+
+test_packages() {
+  local debs=$scratch/debs
+  mkdir -p "$debs"
+  if [[ -n $prebuilt ]]; then
+    cpack -G DEB --config "$prebuilt/CPackConfig.cmake" -B "$debs" >"$logs/cpack.log" 2>&1 ||
+      fail "cpack; see $logs/cpack.log"
+  else
+    packages_of_image "$debs"
+  fi
+  rm -rf "$debs/_CPack_Packages" "$debs"/libhaptic-dev_*
+  chmod -R a+rX "$scratch"
+  "$engine" run --rm --name "${project}_clean" --label "com.docker.compose.project=$project" \
+    --volume "$debs:/debs:ro" --volume "$root/docker/test/use_packages.sh:/use_packages.sh:ro" "$base" \
+    sh /use_packages.sh >"$logs/packages.log" 2>&1 || {
+    tail -n 20 "$logs/packages.log" >&2
+    fail "the packages do not work in a clean container"
+  }
+  step "packages: $(tail -n 1 "$logs/packages.log")"
+}
+
+# The build stage again, from the cache, with the packages as its result.
+packages_of_image() {
+  local tag=$image-packages id
+  "$engine" build --target build --build-arg "BASE=$base" --tag "$tag" --file "$root/docker/Dockerfile" \
+    "$root" >>"$logs/build.log" 2>&1 || fail "the build stage"
+  id=$("$engine" create --label "com.docker.compose.project=$project" "$tag")
+  "$engine" cp "$id:/packages/." "$1" >/dev/null
+  "$engine" rm "$id" >/dev/null
+  "$engine" rmi --force "$tag" >/dev/null
+}

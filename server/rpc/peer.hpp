@@ -1,0 +1,32 @@
+#pragma once
+/// Who is at the other end of a call, and what that entitles to (private to server/rpc).
+
+#include <grpcpp/server_context.h>
+
+#include <string>
+#include <vector>
+
+#include "server/rpc/rpc_server.hpp"
+
+namespace haptic::server {
+
+struct Peer {
+  bool encrypted{false};  ///< by TLS
+  bool this_host{false};  ///< a UNIX socket, or loopback
+  /// Of its certificate: the subject alternative names, else the common name. Empty: it showed none.
+  std::vector<std::string> names{};
+};
+
+[[nodiscard]] Peer peer_of(const grpc::ServerContextBase& call);
+
+/// Whether a gRPC peer's name ("ipv4:127.0.0.1:5", "unix:/path") is on this host.
+[[nodiscard]] bool is_this_host(const std::string& peer);
+
+/// Keys travel only over TLS, a UNIX socket or loopback (WIRE 3), unless `config` gives all up.
+[[nodiscard]] bool may_have_keys(const Peer& peer, const RpcConfig& config) noexcept;
+
+/// The highest priority it may ask for: what its certificate's names are entitled to; any where it
+/// shows none, because then nothing tells it from others who reach the address.
+[[nodiscard]] Priority highest_priority(const Peer& peer, const RpcConfig& config);
+
+}  // namespace haptic::server

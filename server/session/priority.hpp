@@ -1,0 +1,23 @@
+#pragma once
+/// Who may take a device from whom (WIRE 2): only a higher priority preempts.
+
+#include <cstdint>
+
+namespace haptic::server {
+
+/// Numbers of haptic.v1.Priority. kPrimary is what a client has that asks for nothing.
+enum class Priority : std::uint8_t { kTest = 1, kPrimary = 2, kOperator = 3 };
+
+[[nodiscard]] constexpr const char* name(Priority priority) noexcept {
+  switch (priority) {
+    case Priority::kTest:
+      return "test";
+    case Priority::kPrimary:
+      return "primary";
+    case Priority::kOperator:
+      break;
+  }
+  return "operator";
+}
+
+}  // namespace haptic::server

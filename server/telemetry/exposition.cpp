@@ -1,0 +1,73 @@
+#include "server/telemetry/exposition.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace haptic::server {
+namespace {
+
+/// Enough digits for any count below 2^53 and for any double to read back as itself.
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  double short_one = 0.0;
+  char shorter[32];
+  std::snprintf(shorter, sizeof shorter, "%.6g", value);
+  if (std::sscanf(shorter, "%lf", &short_one) == 1 && short_one == value) return shorter;
+  return text;
+}
+
+/// Of a label's value: backslash, quote and line feed.
+std::string escaped(std::string_view value) {
+  std::string out;
+  for (const char c : value) {
+    if (c == '\n') {
+      out += "\\n";
+      continue;
+    }
+    if (c == '\\' || c == '"') out += '\\';
+    out += c;
+  }
+  return out;
+}
+
+}  // namespace
+
+void Histogram::add(double value) noexcept {
+  const auto bound = std::lower_bound(bounds_.begin(), bounds_.end(), value);
+  ++counts_[static_cast<std::size_t>(bound - bounds_.begin())];
+  sum_ += value;
+}
+
+void Exposition::family(std::string_view name, std::string_view type, std::string_view help) {
+  name_ = name;
+  text_.append("# HELP ").append(name).append(" ").append(help).append("\n");
+  text_.append("# TYPE ").append(name).append(" ").append(type).append("\n");
+}
+
+void Exposition::line(std::string_view suffix, const Labels& labels, double value) {
+  text_.append(name_).append(suffix);
+  const char* separator = "{";
+  for (const auto& [label, content] : labels) {
+    text_.append(separator).append(label).append("=\"").append(escaped(content)).append("\"");
+    separator = ",";
+  }
+  if (!labels.empty()) text_.append("}");
+  text_.append(" ").append(number(value)).append("\n");
+}
+
+void Exposition::sample(const Labels& labels, const Histogram& values) {
+  std::uint64_t so_far = 0;
+  for (std::size_t i = 0; i < values.counts().size(); ++i) {
+    so_far += values.counts()[i];
+    const std::string bound =
+        i < values.bounds().size() ? number(values.bounds()[i]) : std::string("+Inf");
+    Labels with_bound = labels;
+    with_bound.emplace_back("le", bound);
+    line("_bucket", with_bound, static_cast<double>(so_far));
+  }
+  line("_sum", labels, values.sum());
+  line("_count", labels, static_cast<double>(so_far));
+}
+
+}  // namespace haptic::server

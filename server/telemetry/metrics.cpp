@@ -1,0 +1,175 @@
+#include "server/telemetry/metrics.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+
+namespace haptic::server {
+namespace {
+
+/// One scrape's copy, so that all lines are of the same moment.
+struct Reading {
+  std::string name{};
+  std::string controller{};
+  unsigned observers{0};
+  IngressCounters samples{};
+  std::uint64_t records_dropped{0};
+  TickTotals ticks{};
+};
+
+/// "ENERGY_TANK" as a label's value: "energy_tank".
+std::string lower(std::string_view name) {
+  std::string out(name);
+  std::transform(out.begin(), out.end(), out.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return out;
+}
+
+double count(std::uint64_t value) {
+  return static_cast<double>(value);
+}
+
+/// Resident memory, bytes; proc(5), statm: pages, the second number.
+double resident_bytes() {
+  std::ifstream file("/proc/self/statm");
+  double all = 0.0, resident = 0.0;
+  file >> all >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+void process(Exposition& page, const ServerFacts& facts) {
+  page.gauge("haptic_build_info", "What runs: always 1.");
+  page.sample({{"version", facts.version}, {"scene", facts.scene}}, 1.0);
+  page.gauge("haptic_realtime_info", "What the host granted of real time: always 1.");
+  page.sample({{"grade", facts.realtime.grade}}, 1.0);
+  page.gauge("haptic_uptime_seconds", "Time since the start.");
+  page.sample({}, core::seconds(facts.uptime));
+  page.gauge("process_resident_memory_bytes", "Resident memory size in bytes.");
+  page.sample({}, resident_bytes());
+}
+
+/// One loop ticks all devices: what the first saw of it is the loop's.
+void loop(Exposition& page, const ServerFacts& facts, const TickTotals& ticks) {
+  page.counter("haptic_loop_ticks_total", "Ticks of the loop.");
+  page.sample({}, count(facts.loop.ticks));
+  page.counter("haptic_loop_skipped_deadlines_total", "Deadlines that passed without a tick.");
+  page.sample({}, count(facts.loop.skipped));
+  page.histogram("haptic_loop_period_seconds", "Time from one tick to the next.");
+  page.sample({}, ticks.period);
+  page.histogram("haptic_loop_lateness_seconds", "Wake-up of the loop behind its deadline.");
+  page.sample({}, ticks.lateness);
+}
+
+void proxies(Exposition& page, const std::vector<Reading>& devices) {
+  page.histogram("haptic_proxy_age_seconds", "Age of the proxy at its use in a tick.");
+  for (const Reading& d : devices) page.sample({{"device", d.name}}, d.ticks.age);
+
+  page.counter("haptic_staleness_seconds_total", "Time spent at each staleness level of a lease.");
+  for (const Reading& d : devices) {
+    for (std::size_t i = 0; i < d.ticks.level_s.size(); ++i) {
+      const std::string level = lower(core::name(static_cast<core::Staleness>(i + 1)));
+      page.sample({{"device", d.name}, {"level", level}}, d.ticks.level_s[i]);
+    }
+  }
+  page.counter("haptic_proxy_samples_total",
+               "Proxy samples that came under a lease, by what became of them.");
+  for (const Reading& d : devices) {
+    const IngressCounters& c = d.samples;
+    const std::pair<const char*, std::uint64_t> verdicts[] = {
+        {"accepted", c.accepted},           {"backlog", c.backlog},
+        {"old_sequence", c.old_sequence},   {"old_epoch", c.old_epoch},
+        {"wrong_size", c.wrong_size},       {"not_finite", c.not_finite},
+        {"out_of_bounds", c.out_of_bounds}, {"unknown_mode", c.unknown_mode},
+        {"bad_plane", c.bad_plane}};
+    for (const auto& [verdict, n] : verdicts) {
+      page.sample({{"device", d.name}, {"verdict", verdict}}, count(n));
+    }
+  }
+}
+
+void carriers(Exposition& page, const std::vector<Reading>& devices,
+              const std::vector<std::pair<std::string, std::uint64_t>>& dropped) {
+  page.counter("haptic_carrier_seconds_total",
+               "Time of a lease led by samples of each carrier; none: before the first sample.");
+  for (const Reading& d : devices) {
+    const char* const names[] = {"none", "grpc", "udp"};
+    for (std::size_t i = 0; i < d.ticks.carrier_s.size(); ++i) {
+      page.sample({{"device", d.name}, {"carrier", names[i]}}, d.ticks.carrier_s[i]);
+    }
+  }
+  page.counter("haptic_carrier_changes_total",
+               "Times the samples of a lease changed their carrier.");
+  for (const Reading& d : devices) {
+    page.sample({{"device", d.name}}, count(d.ticks.carrier_changes));
+  }
+  if (dropped.empty()) return;
+  page.counter("haptic_udp_dropped_datagrams_total", "Datagrams dropped without an answer.");
+  for (const auto& [reason, n] : dropped) page.sample({{"reason", lower(reason)}}, count(n));
+}
+
+/// Limiters and faults: every one that has a name, also at 0, so that a rate can be asked for
+/// before the first.
+template <typename E>
+void named(Exposition& page, const char* label, const Reading& d,
+           const std::array<std::uint64_t, 32>& counts) {
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const std::string name = lower(core::reason(static_cast<E>(i)));
+    if (name.rfind("unknown_", 0) == 0) continue;
+    page.sample({{"device", d.name}, {label, name}}, count(counts[i]));
+  }
+}
+
+void force(Exposition& page, const std::vector<Reading>& devices) {
+  page.gauge("haptic_device_state", "1 for the state the device is in, 0 for the others.");
+  for (const Reading& d : devices) {
+    for (int s = 1; s <= static_cast<int>(core::DeviceState::kClosing); ++s) {
+      const auto state = static_cast<core::DeviceState>(s);
+      page.sample({{"device", d.name}, {"state", lower(core::name(state))}},
+                  d.ticks.newest.state == state ? 1.0 : 0.0);
+    }
+  }
+  page.gauge("haptic_gain_ratio", "Gain of the elastic force, 0 to 1.");
+  for (const Reading& d : devices) page.sample({{"device", d.name}}, d.ticks.newest.gain);
+  page.counter("haptic_limited_ticks_total", "Ticks in which a limiter held something back.");
+  for (const Reading& d : devices) named<core::Limiter>(page, "limiter", d, d.ticks.limited);
+  page.counter("haptic_faults_total", "Times a fault latched.");
+  for (const Reading& d : devices) named<core::Fault>(page, "fault", d, d.ticks.faults);
+  page.counter("haptic_force_lost_total", "Times force was given up for a proxy that was too old.");
+  for (const Reading& d : devices) page.sample({{"device", d.name}}, count(d.ticks.lost));
+}
+
+void people(Exposition& page, const std::vector<Reading>& devices, unsigned sessions) {
+  page.gauge("haptic_sessions", "Session streams that are open.");
+  page.sample({}, sessions);
+  page.gauge("haptic_device_controlled", "1 while somebody holds the lease.");
+  for (const Reading& d : devices)
+    page.sample({{"device", d.name}}, d.controller.empty() ? 0.0 : 1.0);
+  page.gauge("haptic_device_observers", "Sessions and watches without the lease.");
+  for (const Reading& d : devices) page.sample({{"device", d.name}}, d.observers);
+  page.counter("haptic_records_dropped_total",
+               "Ticks that telemetry, and with it this page, missed.");
+  for (const Reading& d : devices) page.sample({{"device", d.name}}, count(d.records_dropped));
+}
+
+}  // namespace
+
+std::string metrics_text(const MetricsSources& sources) {
+  std::vector<Reading> devices;
+  for (const MetricsSources::Device& d : sources.devices) {
+    devices.push_back({d.sessions->name(), d.sessions->controller(), d.sessions->observers(),
+                       d.sessions->ingress().totals(), d.records->dropped(), d.ticks->totals()});
+  }
+  const ServerFacts facts = sources.facts();
+  Exposition page;
+  process(page, facts);
+  if (!devices.empty()) loop(page, facts, devices.front().ticks);
+  people(page, devices, sources.sessions());
+  proxies(page, devices);
+  carriers(page, devices, sources.dropped_datagrams());
+  force(page, devices);
+  return page.text();
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,34 @@
+"""A hapticd of a test's own, on a socket in a folder of its own. $HAPTICD and $HAPTIC_SCENES say
+where program and scenes are."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import tempfile
+import time
+
+
+class Hapticd:
+    def __init__(self, scene: str, *, udp: bool = False) -> None:
+        self._folder = tempfile.TemporaryDirectory()
+        self.address = "unix:" + os.path.join(self._folder.name, "socket")
+        arguments = [os.environ["HAPTICD"], "--scene",
+                     os.path.join(os.environ["HAPTIC_SCENES"], scene + ".textproto"),
+                     "--realtime=off", "--log-level=warn", "--listen", self.address,
+                     # A loaded machine is no fault of the client.
+                     "--set", "loop.late_bucket_full=1000000",
+                     "--set", "loop.loop_late_fault={seconds: 10}"]
+        if udp:
+            arguments += ["--set", "server.udp_listen=127.0.0.1:0"]
+        self._process = subprocess.Popen(arguments, stderr=subprocess.DEVNULL)
+        latest = time.monotonic() + 20
+        while not os.path.exists(self.address.removeprefix("unix:")):
+            if time.monotonic() > latest or self._process.poll() is not None:
+                raise RuntimeError("hapticd did not start")
+            time.sleep(0.02)
+
+    def stop(self) -> None:
+        self._process.kill()
+        self._process.wait()
+        self._folder.cleanup()

@@ -1,0 +1,109 @@
+"""The path's states on virtual time, by the table of proto/README.md."""
+
+import unittest
+
+from haptic._path import PathMachine, PathState
+
+MS = 1e-3
+
+
+class Far:
+    """The other end: answers what reaches it, `delay_s` later; `up` says what does."""
+
+    def __init__(self, period_s: float = 0.01, delay_s: float = 0.001) -> None:
+        self.now = 100.0
+        self.machine = PathMachine(period_s, self.now)
+        self.delay_s = delay_s
+        self.up = True
+        self.sent: list[tuple[float, int]] = []
+        self.packets = self.newest = 0
+        self._answers: list[tuple[float, bytes]] = []
+
+    def run(self, seconds: float) -> None:
+        end = self.now + seconds
+        while self.now < end:
+            self.now += 1 * MS
+            due = [a for a in self._answers if a[0] <= self.now]
+            self._answers = [a for a in self._answers if a[0] > self.now]
+            for _, token in due:
+                self.machine.responded(token, 0.0, self.packets, self.newest, self.now)
+            challenge = self.machine.step(self.now)
+            if challenge is None:
+                continue
+            self.sent.append((self.now, len(challenge)))
+            self.newest += 1
+            if self.up:
+                self.packets += 1
+                self._answers.append((self.now + self.delay_s, challenge[:8]))
+
+
+class Path(unittest.TestCase):
+    def test_four_of_five_answers_bring_it_into_use(self) -> None:
+        far = Far()
+        far.run(0.050)  # three challenges
+        self.assertIs(far.machine.state, PathState.PROBING)
+        far.run(0.050)
+        self.assertIs(far.machine.state, PathState.IN_USE)
+        self.assertEqual([size for _, size in far.sent[:4]], [1168] * 4)
+        self.assertAlmostEqual(far.sent[1][0] - far.sent[0][0], 0.020, delta=1.5 * MS)
+
+    def test_a_round_without_answers_waits_with_a_back_off_that_doubles(self) -> None:
+        far = Far()
+        far.up = False
+        far.run(40.0)
+        rounds = [far.sent[i][0] for i in range(0, len(far.sent), 5)]
+        gaps = [b - a for a, b in zip(rounds, rounds[1:])]
+        # A round takes 4 x 20 ms and 500 ms more, then 0.5, 1, 2, 4, 8, 8 s.
+        for gap, back_off in zip(gaps, (0.5, 1, 2, 4, 8, 8)):
+            self.assertAlmostEqual(gap, 0.58 + back_off, delta=5 * MS)
+
+    def test_silence_is_100_ms_four_periods_or_three_round_trips(self) -> None:
+        self.assertAlmostEqual(Far(period_s=0.01).machine.silence_s, 0.100)
+        self.assertAlmostEqual(Far(period_s=0.05).machine.silence_s, 0.200)
+        far = Far(delay_s=0.080)
+        far.run(1.0)
+        self.assertAlmostEqual(far.machine.silence_s, 0.240, delta=0.006)
+
+    def test_silence_ends_its_use(self) -> None:
+        far = Far()
+        far.run(1.0)
+        self.assertIs(far.machine.state, PathState.IN_USE)
+        far.up = False
+        far.run(0.095)
+        self.assertIs(far.machine.state, PathState.IN_USE)
+        far.run(0.020)
+        self.assertIs(far.machine.state, PathState.WAITING)
+
+    def test_it_returns_once_the_far_end_does(self) -> None:
+        far = Far()
+        far.run(1.0)
+        far.up = False
+        far.run(0.2)
+        far.up = True
+        far.run(0.7)
+        self.assertIs(far.machine.state, PathState.IN_USE)
+
+    def test_losing_more_than_30_percent_over_a_second_ends_its_use(self) -> None:
+        for lost, ends in ((0.25, False), (0.35, True)):
+            far = Far()
+            far.run(0.2)
+            far.machine.responded(b"", 0.0, 0, 0, far.now)  # not ours: changes nothing
+            for _ in range(120):  # 1.2 s of data beside the challenges, of which a share gets through
+                far.newest += 99
+                far.packets += round(99 * (1 - lost))
+                far.run(0.010)
+            self.assertIs(far.machine.state,
+                          PathState.WAITING if ends else PathState.IN_USE, f"{lost}")
+
+    def test_a_path_the_far_end_left_stays_off(self) -> None:
+        far = Far()
+        far.run(1.0)
+        far.machine.closed()
+        count = len(far.sent)
+        far.run(30.0)
+        self.assertIs(far.machine.state, PathState.OFF)
+        self.assertEqual(len(far.sent), count)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,199 @@
+"""The client against a running hapticd."""
+
+import os
+import subprocess
+import sys
+import time
+import unittest
+from collections.abc import Callable
+
+import haptic
+from hapticd_process import Hapticd
+
+EXAMPLES = os.path.join(os.environ["HAPTIC_SCENES"], "../../client/python/examples")
+
+
+def eventually(condition: Callable[[], bool], seconds: float = 20.0) -> bool:
+    latest = time.monotonic() + seconds
+    while time.monotonic() < latest:
+        if condition():
+            return True
+        time.sleep(0.01)
+    return False
+
+
+class OneServer(unittest.TestCase):
+    udp = False
+
+    def setUp(self) -> None:
+        self.server = Hapticd("finger_constant", udp=self.udp)
+        self.addCleanup(self.server.stop)
+        self.connection = haptic.Connection(self.server.address)
+        self.addCleanup(self.connection.close)
+
+    def open(self, **options: object) -> haptic.Session:
+        session = self.connection.session(client_name="test", nominal_rate_hz=100, **options)
+        self.addCleanup(session.close)
+        return session
+
+    def hold(self, session: haptic.Session, until: Callable[[haptic.DeviceState], bool]) -> haptic.DeviceState:
+        """Publishes at the pace of the states, until `until`: where the probe is, and once there is
+        force, where it was when force began."""
+        place = session.wait_for_state().x_probe
+        latest = time.monotonic() + 20
+        while time.monotonic() < latest:
+            session.publish(haptic.held(place))
+            state = session.wait_for_state()
+            if until(state):
+                return state
+            if state.gain == 0:
+                place = state.x_probe
+        self.fail(f"still {state}")
+
+
+class Facts(OneServer):
+    def test_device_and_server(self) -> None:
+        device, = self.connection.devices()
+        self.assertEqual(device.name, "finger")
+        self.assertEqual([d.actuated for d in device.dofs], [True, False])
+        self.assertEqual(len(device.coordinates), 2)
+        self.assertEqual(device.force_limit, (25.0,))
+        self.assertEqual(self.connection.server_info().scene, "one finger at rest")
+
+    def test_watch_yields_states_and_ends_when_left(self) -> None:
+        states = self.connection.watch(rate_hz=100)
+        first, second = (next(s for s in states if isinstance(s, haptic.DeviceState)) for _ in "ab")
+        self.assertGreater(second.seq, first.seq)
+        states.close()
+
+
+class Force(OneServer):
+    def test_engage_ramps_to_full_gain_and_release_takes_it_back(self) -> None:
+        session = self.open()
+        session.engage_when_ready()
+        state = self.hold(session, lambda s: s.state == "ENGAGED")
+        self.assertEqual(state.gain, 1.0)
+        self.assertEqual(state.transport, "GRPC")
+        session.release()
+        self.hold(session, lambda s: s.state == "ARMED" and s.gain == 0.0)
+        reasons = [e.reason for e in session.events() if e.kind == "STATE"]
+        self.assertIn("ENGAGING -> ENGAGED", reasons)
+        self.assertIn("RELEASING -> ARMED", reasons)
+
+    def test_silence_ends_it_and_an_event_says_so(self) -> None:
+        session = self.open()
+        session.engage_when_ready()
+        self.hold(session, lambda s: s.state == "ENGAGED")
+        self.assertTrue(eventually(lambda: session.state.staleness == "LOST"))
+        self.assertEqual(session.wait_for_state().tau_elastic, (0.0,))
+        self.assertTrue(eventually(lambda: any(e.kind == "LOST" for e in session.events())))
+
+    def test_refusals_have_the_servers_reason(self) -> None:
+        session = self.open()
+        with self.assertRaises(haptic.ClientError) as refused:
+            session.engage()
+        self.assertIn(refused.exception.reason, {"NOT_ARMED", "STREAM_STALE", "TOO_FEW_SAMPLES"})
+        with self.assertRaises(haptic.ClientError) as refused:
+            self.connection.session(client_name="second", nominal_rate_hz=60)
+        self.assertEqual(refused.exception.reason, "LEASE_HELD")
+        self.assertIn("test", str(refused.exception))
+
+    def test_a_wrong_sample_is_named(self) -> None:
+        session = self.open()
+        session.publish(haptic.held([0.1, 0.2, 0.3]))
+        self.assertTrue(eventually(lambda: session.samples().rejected_invalid == 1))
+        self.assertIn("position", session.samples().last_rejection)
+
+    def test_settings_are_clamped_with_a_reason(self) -> None:
+        session = self.open()
+        applied = session.update_settings(stiffness=[1e6])
+        self.assertEqual(applied.stiffness, (1500.0,))
+        self.assertEqual(len(applied.clamped), 1)
+        self.assertIn("stiffness[0]", applied.clamped[0])
+
+    def test_an_emergency_stop_needs_no_session_and_is_cleared_by_number(self) -> None:
+        self.assertEqual(self.connection.emergency_stop(), ["finger"])
+        self.assertEqual(self.connection.clear_fault(), [7])
+
+
+class Session(OneServer):
+    def test_leaving_with_gives_the_lease_back_at_once(self) -> None:
+        with self.connection.session(client_name="first", nominal_rate_hz=60):
+            self.assertEqual(self.connection.devices()[0].controller, "first")
+        with self.connection.session(client_name="second", nominal_rate_hz=60):
+            self.assertEqual(self.connection.devices()[0].controller, "second")
+
+    def test_an_observer_sees_and_may_not_touch(self) -> None:
+        session = self.open(observer=True)
+        session.wait_for_state()
+        with self.assertRaises(haptic.ClientError) as refused:
+            session.engage()
+        self.assertEqual(refused.exception.reason, "NOT_CONTROLLER")
+
+    def test_calls_after_the_end_raise(self) -> None:
+        session = self.open()
+        session.close()
+        with self.assertRaises(haptic.ClientError):
+            session.publish(haptic.FREE)
+
+    def test_a_server_that_dies_is_told(self) -> None:
+        session = self.open()
+        session.wait_for_state()
+        self.server.stop()
+        with self.assertRaises(haptic.ClientError):
+            for _ in range(10000):
+                session.wait_for_state()
+
+
+class Udp(OneServer):
+    udp = True
+
+    def test_samples_go_by_udp_once_the_path_proved_good(self) -> None:
+        session = self.open()
+        session.engage_when_ready()
+        state = self.hold(session, lambda s: s.state == "ENGAGED" and s.transport == "UDP")
+        self.assertTrue(session.udp_in_use)
+        self.assertEqual(state.gain, 1.0)
+        self.assertTrue(any(e.reason == "SAMPLES GRPC -> UDP" for e in session.events()))
+
+    def test_a_path_that_falls_silent_gives_way_to_the_stream_without_losing_force(self) -> None:
+        session = self.open()
+        session.engage_when_ready()
+        self.hold(session, lambda s: s.state == "ENGAGED" and s.transport == "UDP")
+        session._udp._socket.connect(("127.0.0.1", 9))  # where nobody answers
+        state = self.hold(session, lambda s: s.transport == "GRPC")
+        self.assertFalse(any(e.kind == "LOST" for e in session.events()))
+        self.assertEqual(state.state, "ENGAGED")
+
+    def test_it_can_be_left_out(self) -> None:
+        session = self.open(carriers=haptic.Carriers.STREAM)
+        self.hold(session, lambda s: s.proxy_seq_used > 50)
+        self.assertFalse(session.udp_in_use)
+
+
+class Examples(unittest.TestCase):
+    def run_example(self, name: str, scene: str, seconds: float) -> str:
+        server = Hapticd(scene)
+        self.addCleanup(server.stop)
+        return subprocess.run(
+            [sys.executable, os.path.join(EXAMPLES, name), "--server", server.address,
+             "--seconds", str(seconds)],
+            check=True, capture_output=True, text=True, timeout=60).stdout
+
+    def test_the_wall_holds(self) -> None:
+        lines = self.run_example("wall.py", "finger_constant", 4).splitlines()
+        self.assertIn("ENGAGED", lines[-1])
+        force = float(lines[-1].split(",")[2].removesuffix("N"))
+        # The hand wants 0.52 rad, the wall stands at 0.3: the actuator pushes back.
+        self.assertLess(force, -1.0)
+
+    def test_the_grasp_is_felt_and_let_go(self) -> None:
+        output = self.run_example("soft_grasp.py", "finger_soft_grasp", 8)
+        self.assertIn("touching", output)
+        self.assertIn("free", output)
+        peak = float(output.split("largest elastic force ")[1].split(" ")[0])
+        self.assertGreater(peak, 0.5)
+
+
+if __name__ == "__main__":
+    unittest.main()

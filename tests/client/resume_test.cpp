@@ -1,0 +1,124 @@
+/// A session that lost its stream takes it up again, and says so.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <mutex>
+
+#include "haptic/client/client.hpp"
+#include "tests/client/support/fake_server.hpp"
+
+namespace haptic::test {
+namespace {
+
+using client::ClientError;
+using client::Connection;
+using client::ErrorReason;
+
+client::SessionOptions reconnecting() {
+  client::SessionOptions options;
+  options.client_name = "alice";
+  options.reconnect = client::Reconnect::kWithBackoff;
+  return options;
+}
+
+TEST(Resume, ALostStreamIsResumedByTheSessionsName) {
+  FakeServer server;
+  server.resumable(true);
+  std::mutex mutex;
+  std::vector<std::string> heard;
+  client::SessionOptions options = reconnecting();
+  options.on_event = [&](const client::Event& event) {
+    const std::lock_guard lock(mutex);
+    heard.push_back(event.reason);
+  };
+  const auto session = Connection(server.address()).open(options);
+  EXPECT_TRUE(server.openings().front().resumable());
+  EXPECT_EQ(server.openings().front().resume(), "");
+  server.send_state(100, v1::DEVICE_STATE_NAME_ENGAGED);
+  ASSERT_TRUE(server.until([&] { return session->state().seq == 100; }));
+  session->publish(client::Proxy::held({0.1, 0.2}));
+  ASSERT_TRUE(server.until([&] { return server.samples().size() == 1; }));
+
+  server.end_session({grpc::StatusCode::UNAVAILABLE, "the cable"});
+  ASSERT_TRUE(server.until([&] { return server.openings().size() == 2; }));
+  EXPECT_EQ(server.openings().back().resume(), "session-1");
+  ASSERT_TRUE(server.until([&] { return session->connected(); }));
+  EXPECT_EQ(session->state().seq, 100U) << "the device's ticks go on";
+  EXPECT_EQ(session->lease_epoch(), 2U);
+  server.send_event(v1::Event::KIND_LEASE, "LEASE_RESUMED", 2);
+  ASSERT_TRUE(server.until([&] {
+    const std::lock_guard lock(mutex);
+    return heard == std::vector<std::string>{"LEASE_RESUMED"};
+  }));
+  session->publish(client::Proxy::held({0.1, 0.2}));
+  ASSERT_TRUE(server.until([&] { return server.samples().size() == 2; }));
+  EXPECT_GT(server.samples().back().seq(), server.samples().front().seq());
+}
+
+TEST(Resume, WhereItCannotBeResumedItIsOpenedAnew) {
+  FakeServer server;
+  const auto session = Connection(server.address()).open(reconnecting());
+  server.send_state(100);
+  ASSERT_TRUE(server.until([&] { return session->state().seq == 100; }));
+  server.end_session({grpc::StatusCode::UNAVAILABLE, "gone"});
+  ASSERT_TRUE(server.until([&] { return session->lease_epoch() == 2U; }));
+  EXPECT_EQ(session->state().seq, 0U);
+}
+
+TEST(Resume, WithoutReconnectNothingIsAskedFor) {
+  FakeServer server;
+  auto session = Connection(server.address()).open({});
+  EXPECT_FALSE(server.openings().front().resumable());
+  session.reset();
+  EXPECT_EQ(server.farewells(), 0U);
+}
+
+TEST(Resume, ClosingSaysFarewellSoThatNoLeaseWaits) {
+  FakeServer server;
+  auto session = Connection(server.address()).open(reconnecting());
+  session.reset();
+  EXPECT_TRUE(server.until([&] { return server.farewells() == 1; }));
+}
+
+TEST(Resume, APreemptedSessionGivesForceUpAndComesBackWithItsNextSample) {
+  FakeServer server;
+  client::SessionOptions options = reconnecting();
+  options.priority = client::Priority::kTest;
+  const auto session = Connection(server.address()).open(options);
+  EXPECT_EQ(server.openings().front().priority(), v1::PRIORITY_TEST);
+  server.hold_engage(true);
+  session->engage_when_ready();
+  ASSERT_TRUE(server.until([&] { return server.engages() == 1; }));
+  server.send_event(v1::Event::KIND_LEASE, "LEASE_PREEMPTED", 1);
+  ASSERT_TRUE(server.until([&] {
+    const auto refusal = session->engage_refusal();
+    return refusal && refusal->reason() == ErrorReason::kLeaseHeld;
+  }));
+  server.hold_engage(false);
+  EXPECT_EQ(server.openings().size(), 1U);
+  session->publish(client::Proxy::free());
+  EXPECT_TRUE(server.until([&] { return server.openings().size() == 2; }));
+}
+
+TEST(Tls, FilesThatCannotBeReadAreNamed) {
+  const auto error_of = [](const client::TlsOptions& tls) -> std::string {
+    try {
+      const Connection connection("127.0.0.1:1", tls);
+    } catch (const ClientError& error) {
+      EXPECT_EQ(error.reason(), ErrorReason::kInvalidArgument);
+      return error.what();
+    }
+    return "";
+  };
+  client::TlsOptions tls;
+  EXPECT_EQ(error_of(tls), "");
+  tls.ca_file = "nowhere/ca.pem";
+  EXPECT_NE(error_of(tls).find("ca_file = 'nowhere/ca.pem'"), std::string::npos);
+  tls.ca_file.clear();
+  tls.key_file = "me.key";
+  EXPECT_NE(error_of(tls).find("together"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace haptic::test

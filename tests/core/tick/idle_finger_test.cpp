@@ -1,0 +1,197 @@
+// What an idle finger of a hand is spared, and what it still gets (METHOD 7, "model only what a scene
+// needs").
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/hand_exoskeleton.hpp"
+#include "tests/core/tick/finger_bench.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+namespace haptic::core {
+namespace {
+
+using namespace test;
+
+/// Some equal fingers in virtual time: the first presses on stops and moves, the second moves freely,
+/// the third rests. The proxy is what a client on this machine would send, held or as planes.
+class Hand {
+ public:
+  Hand(int fingers, RendererKind renderer, ProxyMode mode, bool guard = false)
+      : map_(make(fingers)), pipeline(config(map_, renderer, guard)), mode_(mode) {
+    input.settings = pipeline.config().scene;
+    input.device.armed = true;
+    input.device.fresh = true;
+    input.command.lease_epoch = 1;
+    input.command.lease_held = true;
+  }
+  TickRecord tick() {
+    const double phase = 0.01 * n_++;
+    const VecX angles =
+        (VecX(6) << 0.4 + 0.14 * std::sin(phase), 0.5 + 0.16 * std::sin(phase + 0.3),
+         0.4 + 0.1 * std::sin(2 * phase), 0.6 + 0.1 * std::cos(phase), 0.35, 0.45)
+            .finished();
+    EXPECT_EQ(map_->inverse(angles.head(map_->space().n_x()), input.device.sample.q),
+              InverseStatus::kExact);
+    input.now += std::chrono::milliseconds(1);
+    ++input.device.sample.seq;
+    input.device.sample.time = input.now;
+    sample_proxy();
+    const haptic::test::AllocationGuard guard;
+    TickRecord record = pipeline.tick(input);
+    EXPECT_EQ(guard.allocations(), 0u);
+    return record;
+  }
+  void engage() {
+    for (int i = 0; i < 250; ++i) tick();
+    ++input.command.engage_id;
+    for (int i = 0; i < 250; ++i) tick();
+  }
+  [[nodiscard]] VecX f_of(const VecQ& q) const {
+    VecX x;
+    MatXQ J;
+    EXPECT_EQ(map_->evaluate(q, x, J), MapStatus::kOk);
+    return x;
+  }
+
+ private:
+  std::shared_ptr<const Kinematics> map_;
+
+ public:
+  Pipeline pipeline;
+  TickInput input{};
+
+ private:
+  static std::shared_ptr<const Kinematics> make(int n) {
+    std::vector<HandFinger> fingers;
+    for (int i = 0; i < n; ++i) fingers.push_back({"finger" + std::to_string(i), {}});
+    return make_hand_exoskeleton(fingers);
+  }
+  static PipelineConfig config(const std::shared_ptr<const Kinematics>& map, RendererKind renderer,
+                               bool guard) {
+    PipelineConfig c;
+    c.kinematics = map;
+    const int n_a = map->layout().n_a();
+    c.device.q_lower = VecQ::Constant(2 * n_a, -2.0);
+    c.device.q_upper = VecQ::Constant(2 * n_a, 2.0);
+    c.device.max_effort = VecA::Constant(n_a, 40.0);
+    c.scene.renderer = renderer;
+    c.scene.direction_guard = guard;
+    c.scene.stiffness = VecA::Constant(n_a, kStiffness);
+    c.scene.damping = VecA::Constant(n_a, 2.0);
+    c.scene.force_limit = VecA::Constant(n_a, kForceLimit);
+    c.scene.slew_limit = VecA::Constant(n_a, 1e6);
+    c.scene.engage_window = VecA::Constant(n_a, 1e3);
+    return c;
+  }
+  void sample_proxy() {
+    const VecX at = f_of(input.device.sample.q);
+    ProxySnapshot& p = input.proxy;
+    p.mode = mode_;
+    p.epoch = 1;
+    p.born = input.now;
+    if (++p.seq == 1) p.gapless_since = input.now;
+    ++p.gapless_samples;
+    p.x = at;
+    if (mode_ == ProxyMode::kHeld) {
+      p.x[0] = std::min(at[0], 0.35);
+      p.x[1] = std::min(at[1], 0.45);
+      return;
+    }
+    p.planes.normals = MatXQ::Zero(at.size(), 2);
+    p.planes.normals(0, 0) = p.planes.normals(1, 1) = 1.0;
+    p.planes.offsets = joints(0.35, 0.45);
+  }
+
+  ProxyMode mode_;
+  int n_{0};
+};
+
+TEST(IdleFinger, TheActiveFingerFeelsToTheBitWhatItFeelsAlone) {
+  for (const RendererKind renderer : kAllRenderers) {
+    for (const ProxyMode mode : {ProxyMode::kHeld, ProxyMode::kPlanes}) {
+      for (const bool guard : {false, true}) {
+        SCOPED_TRACE(std::string(name(renderer)) + (guard ? " guarded" : ""));
+        Hand hand(3, renderer, mode, guard), alone(1, renderer, mode, guard);
+        hand.engage();
+        alone.engage();
+        double most = 0.0;
+        for (int i = 0; i < 700; ++i) {
+          const TickRecord both = hand.tick(), one = alone.tick();
+          ASSERT_EQ(both.state, DeviceState::kEngaged);
+          ASSERT_EQ(both.tau_a[0], one.tau_a[0]) << i;
+          ASSERT_EQ(both.q_star[0], one.q_star[0]);
+          ASSERT_EQ(VecX(both.x.head(2)), one.x);
+          most = std::max(most, std::abs(one.tau_elastic[0]));
+        }
+        EXPECT_GT(most, 1.0) << "the stops were felt";
+      }
+    }
+  }
+}
+
+TEST(IdleFinger, ItsStateIsToldInEveryTickAndNothingPullsIt) {
+  for (const RendererKind renderer : kAllRenderers) {
+    for (const ProxyMode mode : {ProxyMode::kHeld, ProxyMode::kPlanes}) {
+      SCOPED_TRACE(std::string(name(renderer)));
+      Hand hand(3, renderer, mode);
+      hand.engage();
+      for (int i = 0; i < 700; ++i) {
+        const TickRecord record = hand.tick();
+        ASSERT_EQ(record.x_probe, hand.f_of(record.q));
+        for (int k = 2; k < 6; ++k) ASSERT_EQ(record.x[k], record.x_probe[k]);
+        for (const int finger : {1, 2}) ASSERT_NEAR(record.tau_elastic[finger], 0.0, 1e-10);
+        ASSERT_NEAR((record.q_star - record.q).tail(4).norm(), 0.0, 1e-13);
+      }
+    }
+  }
+}
+
+TEST(IdleFinger, FreeModeTellsTheStateToo) {
+  Hand hand(3, RendererKind::kSubspaceLinear, ProxyMode::kFree);
+  for (int i = 0; i < 100; ++i) {
+    const TickRecord record = hand.tick();
+    ASSERT_EQ(record.x_probe, hand.f_of(record.q));
+    ASSERT_EQ(record.x, record.x_probe);
+  }
+}
+
+TEST(IdleFinger, IsReplayedToTheBit) {
+  for (const RendererKind renderer : kAllRenderers) {
+    Hand hand(3, renderer, ProxyMode::kPlanes, true);
+    Pipeline again(hand.pipeline.config());
+    for (int i = 0; i < 900; ++i) {
+      if (i == 250) ++hand.input.command.engage_id;
+      const TickRecord record = hand.tick();
+      ASSERT_TRUE(identical(again.tick(record.input), record)) << i;
+    }
+  }
+}
+
+/// METHOD 6, case 25: what the scene loader refuses, the pipeline refuses by itself.
+TEST(PipelineConfig, AMapThatDoesNotDetermineQNeedsAPrior) {
+  PipelineConfig c = config_of(RendererKind::kSubspaceLinear);
+  c.kinematics = make_hand_exoskeleton({{"one", {}}});
+  EXPECT_NO_THROW(Pipeline{c});
+  TrackedHandParameters hand;
+  hand.fingers.push_back(MountedFinger{HandFinger{"one", {}}, Pose3{}});
+  hand.outputs.push_back(PhalanxOutput{"tip", "one", Phalanx::kMiddle, OutputKind::kPoint,
+                                       Pose3{{0.03, 0.0, 0.0}, {}}});
+  c.kinematics = make_tracked_hand(hand);  // eight DoFs, three coordinates
+  c.device.q_lower = VecQ::Constant(8, -5.0);
+  c.device.q_upper = VecQ::Constant(8, 5.0);
+  try {
+    Pipeline refused(c);
+    ADD_FAILURE() << "not refused";
+  } catch (const SceneError& error) {
+    EXPECT_NE(std::string(error.what()).find("prior: must be given"), std::string::npos)
+        << error.what();
+  }
+  c.projection.prior = Prior{1e-3, VecQ::Ones(7)};
+  EXPECT_NO_THROW(Pipeline{c});
+}
+
+}  // namespace
+}  // namespace haptic::core

@@ -1,0 +1,70 @@
+"""hapticd as a child process with one finger at rest, TCP and UDP on free ports of the loopback."""
+
+import os
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+
+import grpc
+
+# Patient with late ticks and late samples: protocols are tested here, not this machine.
+SCENE = """
+name: "a finger for other people's software"
+loop {{ loop_late_fault {{ seconds: 2 }} late_bucket_full: 1000000 }}
+server {{ udp_listen: "127.0.0.1:{udp}" }}
+device {{
+  name: "finger"
+  simulated_finger {{ target_mcp_rad: 0.5236 target_pip_rad: 0.5236 }}
+  finger_exoskeleton {{}}
+  direction_guard {{}}
+  impedance {{ stiffness_n_per_m: 1500 damping_n_s_per_m: 0.5 }}
+  limits {{ force_n: 25 }}
+  staleness {{ hold_end {{ seconds: 1 }} fade_end {{ seconds: 1 nanos: 500000000 }} }}
+}}
+"""
+
+
+def free_port(kind):
+    with socket.socket(socket.AF_INET, kind) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class Server:
+    def __init__(self, program):
+        self.port = free_port(socket.SOCK_STREAM)
+        self.udp_port = free_port(socket.SOCK_DGRAM)
+        self.scene = tempfile.NamedTemporaryFile("w", suffix=".textproto")
+        self.scene.write(SCENE.format(udp=self.udp_port))
+        self.scene.flush()
+        self.address = f"127.0.0.1:{self.port}"
+        self.process = subprocess.Popen(
+            [program, "--scene", self.scene.name, "--listen", self.address])
+
+    def __enter__(self):
+        self.channel = grpc.insecure_channel(self.address)
+        grpc.channel_ready_future(self.channel).result(timeout=30)
+        return self
+
+    def __exit__(self, *_):
+        self.channel.close()
+        self.process.send_signal(signal.SIGTERM)
+        code = self.process.wait(timeout=10)
+        assert code == 0, f"hapticd ended with {code}"
+
+
+def eventually(condition, what, seconds=20.0):
+    """Waits, generously: a rule is tested, not this machine."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if condition():
+            return
+        time.sleep(0.005)
+    raise AssertionError(f"never: {what}")
+
+
+def argument(name):
+    """A folder or program that CMake names in the environment."""
+    return os.environ[name]

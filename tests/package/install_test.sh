@@ -1,0 +1,68 @@
+#!/bin/sh
+# Installs the build into an empty folder and builds a foreign project against it, by CMake and by
+# pkg-config; runs its client against the installed hapticd.
+#
+#   install_test.sh BUILD FOLDER
+set -eu
+build=$1
+folder=$2
+here=$(cd "$(dirname "$0")" && pwd)
+rm -rf "$folder"
+mkdir -p "$folder"
+folder=$(cd "$folder" && pwd)
+prefix=$folder/prefix
+server=
+finish() {
+  if [ -n "$server" ]; then
+    kill "$server" 2>/dev/null || true
+    wait "$server" || true
+  fi
+}
+trap finish EXIT
+fail() {
+  echo "install_test.sh: $*" >&2
+  exit 1
+}
+
+for component in server client dev; do
+  cmake --install "$build" --prefix "$prefix" --component $component >"$folder/$component.log"
+done
+
+# Nothing that was installed may point back at the sources or the build.
+source=$(cd "$here/../.." && pwd)
+if grep -rI -e "$source" "$prefix" --include='*.cmake' --include='*.pc' --include='*.service' |
+  sed "s|$prefix||g" | grep -F "$source"; then
+  fail "these name the source tree"
+fi
+
+# The installed tree alone: it is moved before it is used.
+mv "$prefix" "$folder/moved"
+prefix=$folder/moved
+unset CMAKE_PREFIX_PATH PKG_CONFIG_PATH
+cmake -S "$here/foreign" -B "$folder/foreign" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release \
+  >"$folder/configure.log" || { cat "$folder/configure.log"; fail "find_package(haptic) failed"; }
+cmake --build "$folder/foreign" >"$folder/build.log" || { cat "$folder/build.log"; fail "no build"; }
+
+pc=$(dirname "$(find "$prefix" -name haptic-client.pc)")
+export PKG_CONFIG_PATH=$pc
+# shellcheck disable=SC2046  # words are what is wanted
+"${CXX:-c++}" -std=c++20 "$here/foreign/client.cpp" $(pkg-config --cflags --libs haptic-client) \
+  -o "$folder/by_pkg_config"
+
+# The vector of proto/README.md.
+"$folder/foreign/foreign_proto" >"$folder/sample"
+grep -q "\`$(cat "$folder/sample")\`" "$source/proto/README.md" || fail "not the vector: $(cat "$folder/sample")"
+
+socket=$folder/socket
+"$prefix/bin/hapticd" --scene "$prefix/etc/hapticd/scene.textproto" --realtime=off \
+  --set loop.late_bucket_full=1000000 --set 'loop.loop_late_fault={seconds: 10}' \
+  --listen "unix:$socket" 2>"$folder/hapticd.log" &
+server=$!
+for _ in $(seq 100); do
+  [ -S "$socket" ] && break
+  kill -0 "$server" || fail "$(cat "$folder/hapticd.log")"
+  sleep 0.1
+done
+timeout 30 "$folder/foreign/foreign_client" "unix:$socket" || fail "the client found by CMake"
+timeout 30 "$folder/by_pkg_config" "unix:$socket" || fail "the client found by pkg-config"
+timeout 30 "$prefix/bin/hapticctl" --server "unix:$socket" info >/dev/null || fail "hapticctl"

@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""The metrics of a running hapticd: Prometheus' own opinion of them, and whether they tell what
+happened.
+
+    metrics_test.py HAPTICD HAPTICCTL SCENE
+
+77: promtool (Debian's prometheus) is not there.
+"""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import urllib.error
+import urllib.request
+
+HAPTICD, HAPTICCTL, SCENE = sys.argv[1:4]
+SAMPLE = re.compile(r"^([a-z_]+)(?:\{(.*)\})? (\S+)$")
+
+
+def parse(page: str) -> dict[tuple[str, str], float]:
+    return {(m[1], m[2] or ""): float(m[3]) for m in map(SAMPLE.match, page.splitlines()) if m}
+
+
+class Metrics(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.address = "unix:" + os.path.join(folder.name, "socket")
+        self.server = subprocess.Popen(
+            [HAPTICD, "--scene", SCENE, "--realtime=off", "--listen", self.address,
+             "--metrics-listen", "127.0.0.1:0", "--set", "loop.late_bucket_full=1000000",
+             "--set", "loop.loop_late_fault={seconds: 10}"],
+            stderr=subprocess.PIPE, text=True)
+        self.addCleanup(self.end)
+        for line in self.server.stderr:
+            found = re.search(r"metrics on port (\d+)", line)
+            if found:
+                self.url = f"http://127.0.0.1:{found[1]}/metrics"
+                return
+        self.fail("hapticd told no metrics port")
+
+    def end(self) -> None:
+        self.server.kill()
+        self.server.wait()
+        self.server.stderr.close()
+
+    def scrape(self) -> str:
+        with urllib.request.urlopen(self.url, timeout=10) as answer:
+            self.assertEqual(answer.headers["Content-Type"],
+                             "text/plain; version=0.0.4; charset=utf-8")
+            return answer.read().decode()
+
+    def test_promtool_finds_nothing(self) -> None:
+        judged = subprocess.run(["promtool", "check", "metrics"], input=self.scrape(), text=True,
+                                capture_output=True)
+        self.assertEqual((judged.returncode, judged.stdout + judged.stderr), (0, ""))
+
+    def test_promtool_bites(self) -> None:
+        judged = subprocess.run(["promtool", "check", "metrics"],
+                                input="# TYPE a_milliseconds counter\na_milliseconds 1\n", text=True,
+                                capture_output=True)
+        self.assertNotEqual(judged.returncode, 0)
+
+    def test_they_tell_what_happened(self) -> None:
+        before = parse(self.scrape())
+        device = 'device="finger"'
+        self.assertEqual(before["haptic_device_controlled", device], 0)
+        subprocess.run([HAPTICCTL, "--server", self.address, "engage", "--hold", "--seconds", "2"],
+                       check=True, stdout=subprocess.DEVNULL)
+        time.sleep(0.5)
+        after = parse(self.scrape())
+
+        def grown(name: str, labels: str = "") -> float:
+            return after[name, labels] - before[name, labels]
+
+        ticks = grown("haptic_loop_ticks_total")
+        self.assertGreater(ticks, 1000)
+        self.assertAlmostEqual(grown("haptic_loop_period_seconds_count"), ticks, delta=5)
+        self.assertAlmostEqual(grown("haptic_loop_lateness_seconds_count"), ticks, delta=5)
+        fresh = grown("haptic_staleness_seconds_total", device + ',level="fresh"')
+        self.assertGreater(fresh, 0.5)
+        self.assertGreater(grown("haptic_carrier_seconds_total", device + ',carrier="grpc"'), 0.5)
+        self.assertEqual(grown("haptic_carrier_seconds_total", device + ',carrier="udp"'), 0)
+        self.assertGreater(grown("haptic_proxy_samples_total", device + ',verdict="accepted"'), 10)
+        self.assertGreater(grown("haptic_proxy_age_seconds_count", device), 500)
+        self.assertEqual(after["haptic_sessions", ""], 0)
+        states = {k[1]: v for k, v in after.items() if k[0] == "haptic_device_state"}
+        self.assertEqual(sum(states.values()), 1)
+
+    def test_a_stop_is_a_fault_that_counts_once(self) -> None:
+        labels = 'device="finger",fault="emergency_stop"'
+        self.assertEqual(parse(self.scrape())["haptic_faults_total", labels], 0)
+        subprocess.run([HAPTICCTL, "--server", self.address, "estop"], check=True,
+                       stdout=subprocess.DEVNULL)
+        time.sleep(0.3)
+        self.assertEqual(parse(self.scrape())["haptic_faults_total", labels], 1)
+
+    def test_nothing_else_is_served(self) -> None:
+        with self.assertRaises(urllib.error.HTTPError) as refused:
+            urllib.request.urlopen(self.url.replace("/metrics", "/"), timeout=10)
+        self.assertEqual(refused.exception.code, 404)
+        refused.exception.close()
+
+
+if __name__ == "__main__":
+    if shutil.which("promtool") is None:
+        print("skipped: no promtool (Debian's prometheus)")
+        sys.exit(77)
+    unittest.main(argv=sys.argv[:1])

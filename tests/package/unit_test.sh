@@ -1,0 +1,21 @@
+#!/bin/sh
+# The systemd unit as installed: systemd's own opinion of it, and what this project promises of it.
+# 77: systemd-analyze is not there.
+#
+#   unit_test.sh BUILD FOLDER
+set -eu
+command -v systemd-analyze >/dev/null || { echo "skipped: no systemd-analyze"; exit 77; }
+rm -rf "$2"
+cmake --install "$1" --prefix "$2" --component server >/dev/null
+unit=$2/lib/systemd/system/hapticd.service
+complaints=$(systemd-analyze verify --man=no "$unit" 2>&1 || true)
+if [ -n "$complaints" ]; then
+  echo "$complaints" >&2
+  exit 1
+fi
+for line in Type=notify NotifyAccess=main WatchdogSec=2s LimitRTPRIO=95 LimitMEMLOCK=infinity \
+  "ExecStart=$2/bin/hapticd --scene $2/etc/hapticd/scene.textproto"; do
+  grep -qxF "$line" "$unit" || { echo "unit_test.sh: no line '$line'" >&2; exit 1; }
+done
+# What it starts is there, and right.
+"$2/bin/hapticd" --scene "$2/etc/hapticd/scene.textproto" --check-scene

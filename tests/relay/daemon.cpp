@@ -1,0 +1,87 @@
+#include "tests/relay/daemon.hpp"
+
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <fstream>
+#include <stdexcept>
+
+namespace haptic::test {
+namespace {
+
+bool is_free(const char* host, int type, std::uint16_t port) {
+  const int probe = ::socket(AF_INET, type | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  ::inet_pton(AF_INET, host, &address.sin_addr);
+  const bool bound =
+      ::bind(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  ::close(probe);
+  return bound;
+}
+
+/// Below the ports that the kernel gives out by itself.
+std::uint16_t free_port(int type) {
+  static std::atomic<unsigned> next{static_cast<unsigned>(getpid()) * 37U};
+  for (int i = 0; i < 2000; ++i) {
+    const auto port = static_cast<std::uint16_t>(12'000 + next++ % 18'000);
+    if (is_free("127.0.0.1", type, port) && is_free("127.0.0.2", type, port)) return port;
+  }
+  throw std::runtime_error("no free port on 127.0.0.1 and 127.0.0.2");
+}
+
+std::string scene(std::uint16_t udp_port, const std::filesystem::path& record,
+                  const std::string& more) {
+  return more + R"(name: "a finger behind a relay"
+server { udp_listen: "127.0.0.1:)" +
+         std::to_string(udp_port) + R"(" }
+record { file: ")" +
+         record.string() + R"(" }
+device {
+  name: "finger"
+  simulated_finger { target_mcp_rad: 0.5236 target_pip_rad: 0.5236 }
+  finger_exoskeleton {}
+  direction_guard {}
+  impedance { stiffness_n_per_m: 1500 damping_n_s_per_m: 0.5 }
+  limits { force_n: )" +
+         std::to_string(Daemon::kForceLimit) + " slew_n_per_s: " + std::to_string(Daemon::kSlew) +
+         R"( }
+  passivity { tank { initial_j: )" +
+         std::to_string(Daemon::kTank) + " capacity_j: " + std::to_string(Daemon::kTank) + R"( } }
+}
+)";
+}
+
+}  // namespace
+
+Daemon::Daemon(const std::string& more)
+    : tcp_port_(free_port(SOCK_STREAM)), udp_port_(free_port(SOCK_DGRAM)) {
+  static std::atomic<int> number{0};
+  folder_ = std::filesystem::temp_directory_path() /
+            ("haptic-network-" + std::to_string(getpid()) + "-" + std::to_string(number++));
+  std::filesystem::create_directories(folder_);
+  record_ = folder_ / "record.csv";
+  const auto file = folder_ / "scene.textproto";
+  std::ofstream(file) << scene(udp_port_, record_, more);
+  process_ =
+      std::make_unique<Process>(std::string(HAPTIC_BINARY_DIR) + "/server/hapticd",
+                                std::vector<std::string>{"--scene", file.string(), "--listen",
+                                                         address(), "--log-level", "warn"});
+}
+
+Daemon::~Daemon() {
+  process_.reset();
+  std::error_code ignored;
+  std::filesystem::remove_all(folder_, ignored);
+}
+
+int Daemon::stop() {
+  process_->signal(SIGTERM);
+  return process_->wait();
+}
+
+}  // namespace haptic::test

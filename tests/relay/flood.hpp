@@ -1,0 +1,65 @@
+#pragma once
+/// 100 000 datagrams per second to a port of the loopback, from a thread of its own.
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <thread>
+#include <vector>
+
+#include "tests/support/link/impaired_link.hpp"
+
+namespace haptic::test {
+
+/// A UDP socket on 127.0.0.1 that throws away what it gets, as fast as it can.
+class DiscardingSocket {
+ public:
+  DiscardingSocket();
+  ~DiscardingSocket();
+  DiscardingSocket(const DiscardingSocket&) = delete;
+  DiscardingSocket& operator=(const DiscardingSocket&) = delete;
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+
+ private:
+  int socket_;
+  std::uint16_t port_{0};
+  std::atomic<bool> running_{true};
+  std::thread thread_{};
+};
+
+class Flood {
+ public:
+  static constexpr std::uint64_t kPerMillisecond = 100;
+
+  /// Sends `packets` in turn until it is destroyed or `limit` were sent.
+  Flood(std::uint16_t port, std::vector<Packet> packets, std::uint64_t limit = UINT64_MAX);
+  ~Flood();
+  Flood(const Flood&) = delete;
+  Flood& operator=(const Flood&) = delete;
+
+  /// Ends it.
+  void stop();
+  [[nodiscard]] std::uint64_t sent() const { return sent_; }
+  [[nodiscard]] bool done() const { return done_; }
+  /// Anything came back to the socket it is sent from.
+  [[nodiscard]] bool answered() const;
+
+ private:
+  void run(std::uint64_t limit);
+
+  const std::vector<Packet> packets_;
+  int socket_;
+  std::atomic<std::uint64_t> sent_{0};
+  std::atomic<bool> running_{true}, done_{false};
+  std::thread thread_{};
+};
+
+/// Datagrams that the kernel dropped at a bound UDP port because its buffer was full (procfs).
+[[nodiscard]] std::uint64_t dropped_by_kernel(std::uint16_t port);
+
+/// 500 datagrams of any bytes and any length up to 1300.
+[[nodiscard]] std::vector<Packet> junk();
+/// 500 with a right header of a PROXY on `path_id`, and a payload that nobody sealed.
+[[nodiscard]] std::vector<Packet> headed(std::uint32_t path_id);
+
+}  // namespace haptic::test

@@ -1,0 +1,164 @@
+/// 100 000 datagrams per second: counted to the last, never answered, no deadline lost to them that the same
+/// flood to a discarding socket does not cost too, and a stop acts at once. Label `network`: on a machine that
+/// is busy with something else the figures say nothing.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "server/udp/udp_port.hpp"
+#include "tests/relay/daemon.hpp"
+#include "tests/relay/flood.hpp"
+#include "tests/relay/matrix_table.hpp"
+#include "tests/relay/presser.hpp"
+#include "tests/relay/relay.hpp"
+
+namespace haptic::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(Flood, EveryDatagramIsCountedByItsReasonAndNoneIsAnswered) {
+  MatrixRow row("network/flood_counters",
+                "sent = counted by reason + dropped by the kernel; no reply");
+  constexpr std::uint64_t kEach = 200'000;
+  server::UdpPort port("127.0.0.1:0");
+  const auto opened = port.open({}, 10ms);
+  port.start();
+  const auto counted = [&](wire::Rejection why) {
+    return port.rejected(why) + opened.path->counters().rejections(why);
+  };
+  const auto all = [&] {
+    std::uint64_t sum = 0;
+    for (std::size_t i = 1; i < wire::kRejections; ++i)
+      sum += counted(static_cast<wire::Rejection>(i));
+    return sum;
+  };
+  std::uint64_t short_or_long = 0;  // of the junk
+  const auto packets = junk();
+  for (std::uint64_t i = 0; i < kEach; ++i) {
+    const std::size_t size = packets[i % packets.size()].size();
+    short_or_long += size < 32 || size > wire::kLargestDatagram ? 1 : 0;
+  }
+  Flood first(port.port(), packets, kEach);
+  EXPECT_TRUE(within(60s, [&] { return first.done(); }));
+  Flood second(port.port(), headed(opened.keys.path_id), kEach);
+  EXPECT_TRUE(within(60s, [&] { return second.done(); }));
+  EXPECT_TRUE(within(10s, [&] { return all() + dropped_by_kernel(port.port()) == 2 * kEach; }));
+  const std::uint64_t dropped = dropped_by_kernel(port.port());
+  const std::uint64_t length = counted(wire::Rejection::kLength),
+                      magic = counted(wire::Rejection::kMagic),
+                      tag = counted(wire::Rejection::kTag);
+  EXPECT_EQ(length + magic + tag, all());  // no other reason fits
+  EXPECT_LE(length, short_or_long);
+  EXPECT_LE(magic, kEach - short_or_long);
+  EXPECT_LE(tag, kEach);
+  EXPECT_GE(length + magic + tag + dropped, 2 * kEach);
+  EXPECT_FALSE(first.answered());
+  EXPECT_FALSE(second.answered());
+  row.got(std::to_string(length) + " LENGTH; " + std::to_string(magic) + " MAGIC; " +
+          std::to_string(tag) + " TAG; " + std::to_string(dropped) + " dropped by the kernel");
+}
+
+/// What a flood of two seconds does to the loop and to a stop.
+struct Harm {
+  double skipped{0.0};   ///< deadlines, per thousand ticks
+  double stop_p99{0.0};  ///< ms from the call to its answer, which the tick gives that latched
+  double rate{0.0};      ///< datagrams per second, as sent
+  [[nodiscard]] std::string text(const std::string& what) const {
+    char line[120];
+    std::snprintf(line, sizeof line,
+                  "%s: %.2f of 1000 deadlines skipped, stop p99 %.2f ms at %.0f/s", what.c_str(),
+                  skipped, stop_p99, rate);
+    return line;
+  }
+};
+
+Harm measure(client::Connection& connection, std::uint16_t port, std::vector<Packet> packets) {
+  constexpr int kStops = 100;
+  Harm harm;
+  Flood flood(port, std::move(packets));
+  std::this_thread::sleep_for(200ms);
+  const std::uint64_t sent = flood.sent();
+  const auto begin = std::chrono::steady_clock::now();
+  const client::ServerInfo before = connection.server_info();
+  std::vector<double> stops;
+  for (int i = 0; i < kStops; ++i) {
+    const auto asked = std::chrono::steady_clock::now();
+    connection.emergency_stop();
+    stops.push_back(
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - asked)
+            .count());
+    connection.clear_fault();
+    std::this_thread::sleep_for(20ms);
+  }
+  const client::ServerInfo after = connection.server_info();
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  harm.rate = static_cast<double>(flood.sent() - sent) / seconds;
+  harm.skipped = 1000.0 * static_cast<double>(after.skipped_ticks - before.skipped_ticks) /
+                 static_cast<double>(std::max<std::uint64_t>(1, after.ticks - before.ticks));
+  std::sort(stops.begin(), stops.end());
+  harm.stop_p99 = stops.at(kStops * 99 / 100 - 1);
+  flood.stop();
+  EXPECT_FALSE(flood.answered());
+  return harm;
+}
+
+/// Each figure by itself.
+Harm median(const std::vector<Harm>& harms) {
+  const auto of = [&](double Harm::*figure) {
+    std::vector<double> values;
+    for (const Harm& harm : harms) values.push_back(harm.*figure);
+    std::nth_element(values.begin(), values.begin() + static_cast<int>(values.size() / 2),
+                     values.end());
+    return values.at(values.size() / 2);
+  };
+  return {of(&Harm::skipped), of(&Harm::stop_p99), of(&Harm::rate)};
+}
+
+TEST(Flood, CostsNoMoreThanToADiscardingSocketAndAStopActsWithin10Ms) {
+  MatrixRow row(
+      "network/flood_100000_per_s",
+      "no deadline skipped beyond what the flood to a discarding socket costs; EmergencyStop p99 "
+      "<= 10 ms; no reply");
+  // Late ticks are counted here, and must not end the run.
+  Daemon daemon("loop { loop_late_fault { seconds: 5 } late_bucket_full: 1000000 }\n");
+  ASSERT_TRUE(serves(daemon.address()));
+  std::atomic<std::uint32_t> path_id{0};
+  RelaySetup setup;
+  setup.scenario = read_scenario(HAPTIC_SOURCE_DIR "/tests/relay/scenarios/clean.textproto");
+  setup.tcp_port = daemon.tcp_port();
+  setup.udp_port = daemon.udp_port();
+  setup.attacker = [&](const Packet& packet) {
+    path_id = wire::read_header(packet).header.path_id;
+    return std::vector<Packet>{};
+  };
+  const Relay relay(setup);
+  Presser presser(daemon.behind_relay());
+  ASSERT_TRUE(within(20s, [&] { return presser.state().transport == client::Transport::kUdp; }));
+  client::Connection connection(daemon.address());
+  const DiscardingSocket nobody;
+  // Alternating, so that what else the machine does meets all alike.
+  std::vector<Harm> none, by_junk, by_header;
+  for (int round = 0; round < 5; ++round) {
+    none.push_back(measure(connection, nobody.port(), junk()));
+    by_junk.push_back(measure(connection, daemon.udp_port(), junk()));
+    by_header.push_back(measure(connection, daemon.udp_port(), headed(path_id)));
+  }
+  const Harm nothing = median(none);
+  row.got(nothing.text("discarded"));
+  for (const auto& [what, harms] :
+       {std::pair("junk", by_junk), std::pair("valid header", by_header)}) {
+    const Harm harm = median(harms);
+    row.got(harm.text(what));
+    // Two runs of the same differ by half a deadline in a thousand.
+    EXPECT_LE(harm.skipped, nothing.skipped + 0.5) << what;
+    EXPECT_LE(harm.stop_p99, std::max(10.0, nothing.stop_p99)) << what;
+    EXPECT_GT(harm.rate, 80'000.0) << what;
+  }
+  EXPECT_EQ(daemon.stop(), 0);
+}
+
+}  // namespace
+}  // namespace haptic::test

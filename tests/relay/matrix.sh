@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# Runs the matrix of WIRE 6 and writes its table: `row,expected,got,verdict`.
+#
+#   tests/relay/matrix.sh [--network] [--build FOLDER] [--out FILE]
+#
+# Without --network: every row on virtual time, seconds. With it also over real sockets through the relay:
+# ten minutes, on a machine that does nothing else. FOLDER: build/release by default, built already
+# (tests/run.sh does). FILE: matrix.csv in FOLDER by default. Exit status 1 where a row failed.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+build=$root/build/release
+out=
+programs=(haptic_matrix_tests)
+while (($#)); do
+  case "$1" in
+    --network) programs+=(haptic_network_tests); shift ;;
+    --build) build=${2:?--build needs a folder}; shift 2 ;;
+    --out) out=${2:?--out needs a file}; shift 2 ;;
+    -h | --help) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    *) echo "matrix.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
+  esac
+done
+out=${out:-$build/matrix.csv}
+rows=$(mktemp)
+trap 'rm -f "$rows"' EXIT
+status=0
+for program in "${programs[@]}"; do
+  if [[ ! -x $build/tests/$program ]]; then
+    echo "matrix.sh: no $build/tests/$program: build first (tests/run.sh)" >&2
+    exit 2
+  fi
+  HAPTIC_MATRIX_CSV=$rows "$build/tests/$program" --gtest_brief=1 >&2 || status=1
+done
+{ echo "row,expected,got,verdict"; sort "$rows"; } >"$out"
+awk -F, 'NR > 1 { if ($NF == "ok") ++ok; else { ++failed; print "FAILED: " $1 } }
+         END { printf "%d rows ok, %d failed\n", ok, failed }' "$out"
+echo "$out"
+exit $status

@@ -1,0 +1,30 @@
+#pragma once
+/// The matrix of WIRE 6 as a table: tests/relay/matrix.sh names a file in HAPTIC_MATRIX_CSV, and every
+/// row that ran appends `row,expected,got,verdict` to it. Without that variable nothing is written.
+
+#include <string>
+
+namespace haptic::test {
+
+/// A line of RFC 4180: what needs quotes gets them.
+[[nodiscard]] std::string csv_line(const std::string& row, const std::string& expected,
+                                   const std::string& got, bool passed);
+
+/// One row, written when it ends: passed where nothing of the test has failed by then.
+class MatrixRow {
+ public:
+  /// `row`: "virtual/loss_05".
+  MatrixRow(std::string row, std::string expected);
+  ~MatrixRow();
+  MatrixRow(const MatrixRow&) = delete;
+  MatrixRow& operator=(const MatrixRow&) = delete;
+
+  /// What was seen; parts are joined by "; ".
+  void got(const std::string& part);
+
+ private:
+  const std::string row_, expected_;
+  std::string got_{};
+};
+
+}  // namespace haptic::test

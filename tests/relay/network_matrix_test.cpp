@@ -1,0 +1,108 @@
+/// Every scenario of WIRE 6 over real sockets: hapticd as a process, the client library, the relay between
+/// them, and the record of every tick. They keep real time: a machine that is busy with something else
+/// fails them (label `network`).
+///
+/// The scenarios of the client's clock are not here: nothing between the ends can turn a process's clock.
+/// tests/interop/udp_client_test.py has a client that turns its own.
+
+#include <gtest/gtest.h>
+
+#include "tests/relay/daemon.hpp"
+#include "tests/relay/matrix_table.hpp"
+#include "tests/relay/presser.hpp"
+#include "tests/relay/relay.hpp"
+#include "tests/relay/run_record.hpp"
+
+namespace haptic::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+bool is_one_of(const std::string& name, std::initializer_list<const char*> names) {
+  return std::any_of(names.begin(), names.end(), [&](const char* one) { return name == one; });
+}
+
+/// Force stays on from Engage to the end: what is lost or late is less than the ladder allows.
+bool is_never_felt(const std::string& name) {
+  return is_one_of(
+      name, {"clean", "delay_1ms", "delay_10ms", "delay_30ms", "delay_100ms", "duplicate_100",
+             "reorder_25", "jitter_1ms", "jitter_1ms_in_order", "jitter_5ms", "jitter_5ms_in_order",
+             "loss_01", "loss_05", "burst_8ms", "tcp_blocked", "udp_blocked", "narrow"});
+}
+
+/// Every third packet lost is more than the UDP path may lose, and more than a stream can bear: whether force
+/// is ever granted is luck, that it is safe is not.
+bool may_be_refused(const std::string& name) {
+  return name == "loss_30";
+}
+
+/// Silence above 180 ms on its way to the server, and over before the end.
+bool is_lost_and_back(const std::string& name) {
+  return is_one_of(name, {"partition_1s_up", "partition_10s_up", "stall_backlog"});
+}
+
+std::string expectation(const std::string& name) {
+  std::string text =
+      "levels and gain by age; seq never back; force rises by at most the slew limit; no elastic "
+      "force 200 ms after the last sample; energy within the tank; no fault";
+  if (is_never_felt(name)) text += "; engaged throughout";
+  if (is_lost_and_back(name)) text += "; lost, and engaged again";
+  if (name == "udp_blocked") text += "; falls back to gRPC and returns to UDP";
+  return text;
+}
+
+std::vector<Scenario> scenarios() {
+  std::vector<Scenario> all = shipped_scenarios();
+  std::erase_if(all, [](const Scenario& s) { return s.name.rfind("clock_", 0) == 0; });
+  return all;
+}
+
+class NetworkMatrix : public testing::TestWithParam<Scenario> {};
+
+TEST_P(NetworkMatrix, TheContractHoldsAtEveryTick) {
+  const Scenario& scenario = GetParam();
+  MatrixRow row("network/" + scenario.name, expectation(scenario.name));
+  Daemon daemon;
+  ASSERT_TRUE(serves(daemon.address()));
+  {
+    RelaySetup setup;
+    setup.scenario = scenario;
+    setup.tcp_port = daemon.tcp_port();
+    setup.udp_port = daemon.udp_port();
+    const Relay relay(setup);
+    Presser presser(daemon.behind_relay());
+    std::this_thread::sleep_for(scenario.duration);
+    // The longest retransmission and back-off may still be ahead of a client that was cut off.
+    if (!is_never_felt(scenario.name) && !may_be_refused(scenario.name)) {
+      EXPECT_TRUE(within(15s, [&] { return presser.state().state == client::State::kEngaged; }));
+    }
+    EXPECT_TRUE(presser.in_order());
+    if (scenario.name == "udp_blocked") {
+      EXPECT_TRUE(presser.heard("SAMPLES UDP -> GRPC"));
+    }
+    if (is_never_felt(scenario.name)) {
+      EXPECT_TRUE(
+          within(10s, [&] { return presser.session().transport() == client::Transport::kUdp; }));
+    }
+  }
+  EXPECT_EQ(daemon.stop(), 0);
+  std::string wrong;
+  const std::vector<RecordedTick> run = read_record(daemon.record());
+  ASSERT_GT(run.size(), 1000U);
+  const RunFigures figures = judge(run, Presser::kFreshEnd, wrong);
+  EXPECT_EQ(wrong, "");
+  EXPECT_TRUE(figures.engaged || may_be_refused(scenario.name));
+  if (is_never_felt(scenario.name)) {
+    EXPECT_EQ(figures.losses, 0);
+  }
+  if (is_lost_and_back(scenario.name)) {
+    EXPECT_GE(figures.losses, 1);
+  }
+  row.got(figures.text());
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, NetworkMatrix, testing::ValuesIn(scenarios()),
+                         [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace haptic::test

@@ -1,0 +1,79 @@
+#include "tests/relay/presser.hpp"
+
+#include <cmath>
+
+namespace haptic::test {
+
+using namespace std::chrono_literals;
+
+Presser::Presser(const std::string& address, client::Carriers carriers) : connection_(address) {
+  client::SessionOptions options;
+  options.client_name = "presser";
+  options.nominal_rate_hz = kRate;
+  options.carriers = carriers;
+  options.reconnect = client::Reconnect::kWithBackoff;
+  options.re_engage = true;
+  options.timeout = 20s;  // through a link that loses every third packet
+  options.on_state = [this](const client::DeviceState& state) { on_state(state); };
+  options.on_event = [this](const client::Event& event) {
+    const std::lock_guard lock(mutex_);
+    events_.insert(event.reason);
+  };
+  session_ = connection_.open(options);
+  session_->engage_when_ready();
+  thread_ = std::thread([this] { run(); });
+}
+
+Presser::~Presser() {
+  running_ = false;
+  thread_.join();
+  session_->close();
+}
+
+bool Presser::heard(const std::string& reason) const {
+  const std::lock_guard lock(mutex_);
+  return events_.count(reason) > 0;
+}
+
+void Presser::on_state(const client::DeviceState& state) {
+  if (state.lease_epoch != epoch_) newest_used_ = 0;
+  epoch_ = state.lease_epoch;
+  if (state.proxy_seq_used == 0) return;
+  if (state.proxy_seq_used < newest_used_) in_order_ = false;
+  newest_used_ = state.proxy_seq_used;
+}
+
+/// The proxy is where the device is until there is force, then slowly up to 0.15 rad before it.
+void Presser::run() {
+  const auto begin = std::chrono::steady_clock::now();
+  auto next = begin;
+  double depth = 0.0;
+  while (running_) {
+    const client::DeviceState state = session_->state();
+    if (publishing && !state.x_probe.empty()) {
+      const double t =
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      const bool engaged = state.state == client::State::kEngaged;
+      depth = engaged ? std::min(0.15, depth + 0.002) : 0.0;
+      const double press = depth * (1.0 + 0.2 * std::sin(6.0 * t));
+      session_->publish(client::Proxy::held({engaged ? 0.5236 - press : state.x_probe[0],
+                                             engaged ? 0.5236 - press : state.x_probe[1]}));
+    }
+    next = std::max(next + 10ms, std::chrono::steady_clock::now());
+    std::this_thread::sleep_until(next);
+  }
+}
+
+bool serves(const std::string& address) {
+  client::Connection connection(address);
+  return within(30s, [&] {
+    try {
+      const auto devices = connection.devices(500ms);
+      return !devices.empty() && devices.front().state == client::State::kIdle;
+    } catch (const client::ClientError&) {
+      return false;
+    }
+  });
+}
+
+}  // namespace haptic::test

@@ -1,0 +1,137 @@
+#include "tests/relay/run_record.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+
+#include "tests/relay/daemon.hpp"
+
+namespace haptic::test {
+namespace {
+
+constexpr double kHoldEnd = 0.100, kFadeEnd = 0.180;  // WIRE 4, s
+constexpr double kSilent = 0.200;
+constexpr double kRampUp = 0.200;
+constexpr double kTiny = 1e-6;
+
+std::vector<std::string> fields_of(const std::string& line) {
+  std::vector<std::string> fields;
+  std::istringstream stream(line);
+  for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
+  return fields;
+}
+
+double number(const std::string& text) {
+  return text.empty() ? 0.0 : std::stod(text);
+}
+
+std::string level(double age, double fresh_end) {
+  if (age < fresh_end) return "FRESH";
+  if (age < kHoldEnd) return "HOLD";
+  return age < kFadeEnd ? "FADE" : "LOST";
+}
+
+double ladder(double age) {
+  return std::clamp((kFadeEnd - age) / (kFadeEnd - kHoldEnd), 0.0, 1.0);
+}
+
+/// What is wrong with one tick after another; empty: nothing.
+std::string breach(const RecordedTick& before, const RecordedTick& now, double fresh_end) {
+  const double dt = now.time - before.time;
+  if (!now.faults.empty()) return "fault " + now.faults;
+  const double rise = std::abs(now.tau_a) - std::abs(before.tau_a);
+  if (rise > Daemon::kSlew * dt + kTiny) {
+    return "force rose by " + std::to_string(rise) + " N in " + std::to_string(dt) + " s";
+  }
+  if (now.gain - before.gain > dt / kRampUp + kTiny) return "gain rose by a step";
+  if (std::abs(now.tau_elastic) > now.gain * Daemon::kForceLimit + kTiny) {
+    return "elastic force above gain times limit";
+  }
+  if (now.mode == "NONE") return {};
+  if (now.staleness != level(now.age, fresh_end)) {
+    return now.staleness + " at an age of " + std::to_string(now.age) + " s";
+  }
+  if (now.gain > ladder(now.age) + kTiny) return "gain above the ladder";
+  if (now.age >= kSilent && now.tau_elastic != 0.0) return "elastic force after 200 ms of silence";
+  return {};
+}
+
+bool force_on(const RecordedTick& tick) {
+  return tick.state == "ENGAGING" || tick.state == "ENGAGED";
+}
+
+}  // namespace
+
+std::vector<RecordedTick> read_record(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::string line;
+  std::getline(stream, line);
+  std::map<std::string, std::size_t> columns;
+  for (const std::string& name : fields_of(line)) columns.emplace(name, columns.size());
+  const auto column = [&](const char* name) {
+    const auto entry = columns.find(name);
+    if (entry == columns.end()) throw std::runtime_error(std::string("no column ") + name);
+    return entry->second;
+  };
+  const std::size_t time = column("time_s"), state = column("state"),
+                    staleness = column("staleness"), age = column("proxy_age_us"),
+                    mode = column("mode"), gain = column("gain"), slide = column("l_x"),
+                    elastic = column("tau_elastic_l_x_n"), tau = column("tau_a_l_x_n"),
+                    faults = column("faults"), skipped = column("skipped");
+  std::vector<RecordedTick> run;
+  while (std::getline(stream, line)) {
+    std::vector<std::string> f = fields_of(line);
+    f.resize(std::max(f.size(), columns.size()));
+    run.push_back({number(f[time]), f[state], f[staleness], f[mode], f[faults],
+                   1e-6 * number(f[age]), number(f[gain]), number(f[slide]), number(f[elastic]),
+                   number(f[tau]), number(f[skipped])});
+  }
+  return run;
+}
+
+RunFigures judge(const std::vector<RecordedTick>& run, double fresh_end, std::string& wrong) {
+  RunFigures figures;
+  double energy = 0.0;
+  for (std::size_t i = 1; i < run.size(); ++i) {
+    const RecordedTick& before = run[i - 1];
+    const RecordedTick& now = run[i];
+    const double dt = now.time - before.time;
+    if (wrong.empty()) {
+      wrong = breach(before, now, fresh_end);
+      if (!wrong.empty()) wrong = "at " + std::to_string(now.time) + " s: " + wrong;
+    }
+    figures.engages += now.state == "ENGAGING" && before.state != "ENGAGING" ? 1 : 0;
+    figures.losses += force_on(before) && now.state == "ARMED" ? 1 : 0;
+    figures.engaged = figures.engaged || now.state == "ENGAGED";
+    figures.skipped += now.skipped;
+    if (force_on(now)) figures.oldest = std::max(figures.oldest, now.age);
+    if (dt > 0.0) {
+      figures.steepest =
+          std::max(figures.steepest, (std::abs(now.tau_a) - std::abs(before.tau_a)) / dt);
+      // Work of the command held over the tick; what the actuator's own friction takes is not given.
+      const double move = now.slide - before.slide;
+      energy += before.tau_a * move - Daemon::kDeviceDamping * move * move / dt;
+      figures.energy = std::max(figures.energy, energy);
+    }
+    figures.last_state = now.state;
+  }
+  // Each Engage fills the tank anew; nothing else may put energy in.
+  if (wrong.empty() && figures.energy > Daemon::kTank * std::max(1, figures.engages) + 1e-3) {
+    wrong = std::to_string(figures.energy) + " J given out, more than the tank held";
+  }
+  return figures;
+}
+
+std::string RunFigures::text() const {
+  std::ostringstream text;
+  text << std::fixed << "oldest proxy " << static_cast<int>(1e3 * oldest) << " ms; " << engages
+       << " engages; " << losses << " losses; steepest rise " << static_cast<int>(steepest)
+       << " N/s; energy out " << static_cast<int>(1e3 * energy) << " mJ; "
+       << static_cast<int>(skipped) << " deadlines skipped; " << last_state << " at the end";
+  return text.str();
+}
+
+}  // namespace haptic::test

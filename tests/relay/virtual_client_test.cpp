@@ -1,0 +1,124 @@
+/// The rows of WIRE 6 about clients that go wrong and a server that ends, on virtual time.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/relay/matrix_table.hpp"
+#include "tests/relay/virtual_world.hpp"
+
+namespace haptic::test {
+namespace {
+
+constexpr LinkTime kTroubleAt = 2s;
+
+/// Steps to `until`; in every tick the elastic force is under what the age of the newest accepted
+/// sample allows (WIRE 4: full to 100 ms, linear to 0 at 180 ms) and rises by the slew limit at most.
+void watch(VirtualWorld& world, LinkTime until) {
+  while (world.time() < until) {
+    const double before = world.force();
+    world.step();
+    const core::TickRecord now = world.rig.newest();
+    const double age = std::chrono::duration<double>(now.input.now - world.last_accepted).count();
+    const double ladder = std::clamp((0.180 - age) / 0.080, 0.0, 1.0);
+    ASSERT_LE(std::abs(now.tau_elastic[0]), 10.0 * ladder + 1e-9) << world.time().count();
+    if (std::abs(now.tau_a[0]) > std::abs(before)) {
+      ASSERT_LE(std::abs(now.tau_a[0] - before), VirtualWorld::kSlewPerTick + 1e-9);
+    }
+    ASSERT_EQ(now.faults.bits(), 0U);
+  }
+}
+
+/// A number that no proxy may have: refused at the door, the last good sample ages and fades.
+void refuses(double bad, std::uint64_t server::IngressCounters::*counter) {
+  VirtualWorld world(shipped_scenario("delay_10ms"));
+  watch(world, kTroubleAt);
+  ASSERT_GT(world.force(), 0.5);
+  const auto good = world.proxy;
+  world.proxy = [bad](LinkTime) { return bad; };
+  watch(world, kTroubleAt + 500ms);
+  EXPECT_EQ(world.force(), 0.0);
+  EXPECT_GE(world.rig.sessions->ingress().counters().*counter,
+            48U);  // 500 ms at 100 Hz, 10 ms late
+  world.proxy = good;
+  watch(world, kTroubleAt + 2s);
+  EXPECT_EQ(world.rig.state(), core::DeviceState::kEngaged);
+}
+
+TEST(VirtualClient, NotANumberIsRefusedAndFadesOut) {
+  MatrixRow row("virtual/nan", "refused and counted; force by the ladder; back by a ramp");
+  refuses(std::numeric_limits<double>::quiet_NaN(), &server::IngressCounters::not_finite);
+  row.got("as expected");
+}
+
+TEST(VirtualClient, AHugeValueIsRefusedAndFadesOut) {
+  MatrixRow row("virtual/huge_values", "refused and counted; force by the ladder; back by a ramp");
+  refuses(1e300, &server::IngressCounters::out_of_bounds);
+  row.got("as expected");
+}
+
+TEST(VirtualClient, AKilledClientLeavesNoForceAndNoLease) {
+  MatrixRow row("virtual/client_killed",
+                "no elastic force after 200 ms; IDLE and command zero when the lease (2 s) ended");
+  VirtualWorld world(shipped_scenario("delay_10ms"));
+  watch(world, kTroubleAt);
+  world.alive = false;
+  watch(world, kTroubleAt + 2300ms);
+  EXPECT_EQ(world.rig.state(), core::DeviceState::kIdle);
+  EXPECT_EQ(world.force(), 0.0);
+  row.got("IDLE, 0 N");
+}
+
+TEST(VirtualClient, AClientPausedFor300MsLosesForceAndRampsBack) {
+  MatrixRow row("virtual/client_paused_300ms", "ladder to zero, LOST, back by Engage and a ramp");
+  VirtualWorld world(shipped_scenario("delay_10ms"));
+  watch(world, kTroubleAt);
+  world.publishing = false;
+  watch(world, kTroubleAt + 300ms);
+  EXPECT_EQ(world.rig.state(), core::DeviceState::kArmed);
+  EXPECT_EQ(world.force(), 0.0);
+  world.publishing = true;
+  watch(world, kTroubleAt + 1500ms);
+  EXPECT_EQ(world.rig.state(), core::DeviceState::kEngaged);
+  row.got("ARMED at 300 ms, ENGAGED 1.2 s later");
+}
+
+TEST(VirtualClient, SigtermUnderForceFadesOutWhateverTheClientSends) {
+  MatrixRow row("virtual/sigterm_under_load", "RELEASING, then CLOSING with command zero");
+  VirtualWorld world(shipped_scenario("delay_10ms"));
+  watch(world, kTroubleAt);
+  world.rig.sessions->begin_closing();
+  watch(world, kTroubleAt + 40ms);
+  EXPECT_EQ(world.rig.state(), core::DeviceState::kReleasing);
+  watch(world, kTroubleAt + 200ms);
+  EXPECT_EQ(world.rig.state(), core::DeviceState::kClosing);
+  EXPECT_EQ(world.force(), 0.0);
+  row.got("CLOSING, 0 N");
+}
+
+class Listener final : public server::RecordListener {
+ public:
+  void on_record(const core::TickRecord& record) override { records += record.tick > 0 ? 1 : 0; }
+  std::uint64_t records{0};
+};
+
+TEST(VirtualClient, SixteenObserversAt1KhzAreNotFelt) {
+  MatrixRow row("virtual/16_observers", "force identical to the bit to that without observers");
+  VirtualWorld alone(shipped_scenario("jitter_5ms")), watched(shipped_scenario("jitter_5ms"));
+  std::array<Listener, 16> observers;
+  for (auto& observer : observers) watched.rig.telemetry->add(0, &observer);
+  while (alone.time() < 3s) {
+    alone.step();
+    watched.step();
+    ASSERT_EQ(alone.force(), watched.force());
+  }
+  for (auto& observer : observers) {
+    EXPECT_EQ(observer.records, 3000U);
+    watched.rig.telemetry->remove(0, &observer);
+  }
+  row.got("3000 records to each");
+}
+
+}  // namespace
+}  // namespace haptic::test

@@ -1,0 +1,36 @@
+#pragma once
+/// How a simulation's proxy lives between two samples: what closed-loop and rate compare.
+
+#include <array>
+#include <string_view>
+
+#include "tests/support/loop/remote_client.hpp"
+
+namespace haptic::report {
+
+enum class ClientKind {
+  kHeldForce,      ///< not offered: the deviation stays, and with it the force
+  kHeld,           ///< x stays
+  kFlag,           ///< held in contact, free mode else
+  kExtrapolated,   ///< not offered: x goes on at the rate of the last two samples
+  kPlanes,         ///< every stop as a plane in every sample
+  kDerivedPlanes,  ///< a plane only while the simulation sees contact (client library)
+};
+
+inline constexpr std::array<ClientKind, 6> kClientKinds{
+    ClientKind::kHeldForce,    ClientKind::kHeld,   ClientKind::kFlag,
+    ClientKind::kExtrapolated, ClientKind::kPlanes, ClientKind::kDerivedPlanes};
+
+/// As on the command line and in the tables.
+[[nodiscard]] std::string_view name(ClientKind kind) noexcept;
+
+struct Network {
+  double rate_hz{60.0};
+  double delay_s{0.0};
+};
+
+/// METHOD 5.4: jitter 30 % of the period; none at 1 kHz, which is every tick. `stop`: n_x.
+[[nodiscard]] test::ClientSettings client_of(ClientKind kind, const Network& network,
+                                             const core::VecX& stop);
+
+}  // namespace haptic::report

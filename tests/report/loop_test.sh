@@ -1,0 +1,127 @@
+#!/bin/sh
+# haptic-report closed-loop and rate: what must hold with a client in the loop (METHOD headline 1, 2.4,
+# 5.3, 5.4), on a part of their rows, and that without the safeguards it does not.
+#
+#   loop_test.sh HAPTIC-REPORT
+set -u
+report=$1
+failed=0
+fail() {
+  echo "FAILED: $*"
+  failed=1
+}
+# every NAME ROWS CONDITION arguments...: at least ROWS rows, and the awk CONDITION holds in each. Its
+# words: the columns' names.
+every() {
+  name=$1 rows=$2 condition=$3
+  shift 3
+  found=$("$report" "$@") || { fail "$name: haptic-report $* ended with $?"; return; }
+  names=$(echo "$found" | head -n 1)
+  program=$(echo "$names" | awk -F, -v condition="$condition" '{
+    for (i = 1; i <= NF; i++) set = set $i " = $" i "; "
+    print "NR > 1 { " set " n++; if (!(" condition ")) print \"  \" $0 }"
+    print "END { if (n < least) print \"  only \" n + 0 \" rows\" }" }')
+  wrong=$(echo "$found" | awk -F, -v least="$rows" "$program")
+  [ -z "$wrong" ] || fail "$name: not everywhere $condition
+$wrong"
+}
+refused() {  # refused arguments...: exit status 2, a reason on standard error, nothing on output
+  output=$("$report" "$@" 2>/dev/null)
+  [ $? -eq 2 ] || fail "haptic-report $*: must end with 2"
+  [ -z "$output" ] || fail "haptic-report $*: must print nothing"
+  [ -n "$("$report" "$@" 2>&1 >/dev/null)" ] || fail "haptic-report $*: must say why"
+}
+number() {  # number COLUMN arguments...: that of the first row
+  column=$1
+  shift
+  "$report" "$@" | awk -F, -v column="$column" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == column) c = i }
+    NR == 2 { print $c }'
+}
+
+# Headline 1: 81 % of the spring's peak energy to the user in one direction, taken in the other.
+exact="--motion cycle --stop 18,999 --method subspace_exact --rate 1000 --proxy held --with nothing"
+# shellcheck disable=SC2086
+every "headline 1" 2 '(direction == "forward" ? -given_pct : given_pct) > 79 && given_pct < 83' \
+  closed-loop $exact
+# 5.3: the hand's cycle against an MCP stop, 171 mJ in four cycles with (8).
+every "the hand's cycle, (8)" 1 'most_net_mj > 150 && most_net_mj < 175' closed-loop --motion hand \
+  --stop 18,999 --method subspace_linear --rate 1000 --proxy held --with nothing --direction reversed
+# Without the tank every method gives energy in one direction, with the guard alone too.
+for method in standard null_space subspace_linear subspace_exact; do
+  for with in nothing guard; do
+    given=$("$report" closed-loop --motion hand --stop 18,999 --method $method --rate 1000 --proxy held \
+      --with $with | grep -c 'gives energy')
+    [ "$given" -ge 1 ] || fail "$method with $with: one direction must give energy, or nothing is tested"
+  done
+done
+
+# With guard (or envelope) and tank: never more than the tank held, any method, client and direction.
+within() {  # within ROWS TANK_MJ arguments...
+  rows=$1 tank=$2
+  shift 2
+  every "a tank of $tank mJ" "$rows" "most_net_mj <= $tank + 1e-6 && verdict == \"ok\"" closed-loop \
+    --tank-mj "$tank" "$@"
+}
+within 54 0 --motion cycle --with guard_tank --rate 1000
+within 56 0 --motion hand --with guard_tank --rate 60 --delay 20
+within 26 0 --motion hand --with guard_tank --rate 30 --delay 100 --proxy held
+within 28 0 --motion hand --with envelope_tank --rate 60 --delay 20 --proxy derived_planes
+within 28 0 --motion hand --with guard_tank --rate 200 --delay 50 --proxy flag
+within 28 2 --motion hand --with guard_tank --rate 60 --delay 20 --proxy held
+
+# A plain press is not throttled with (8) and (6), 0..100 ms late; and it is felt.
+for sending in "held --rate 1000" "held --rate 60 --delay 20" "held --rate 30 --delay 100" \
+  "planes --rate 60 --delay 20" "planes --rate 30 --delay 100"; do
+  for method in subspace_linear subspace_exact; do
+    # shellcheck disable=SC2086
+    every "a plain press" 3 'throttled_ticks == 0 && verdict == "ok" && peak_force_n > 1' closed-loop \
+      --motion press --with guard_tank --method $method --proxy $sending
+  done
+done
+
+# Free space: planes drag at most 1 % of what a held proxy does, at any delay.
+for delay in 0 20 100; do
+  for method in standard null_space subspace_linear subspace_exact; do
+    free="closed-loop --motion hand --stop 80,100 --rate 60 --delay $delay --method $method --with nothing"
+    # shellcheck disable=SC2086
+    held=$(number mean_force_n $free --proxy held)
+    for proxy in planes derived_planes; do
+      # shellcheck disable=SC2086
+      drag=$(number mean_force_n $free --proxy $proxy)
+      awk "BEGIN { exit !($held > 0.05 && $drag <= 0.01 * $held) }" ||
+        fail "$method, $delay ms: $proxy drag $drag N, a held proxy $held N"
+    done
+  done
+done
+
+# 5.4, rejected: the conservative form in the metric of Q pulls the finger into the MCP stop.
+every "the metric of Q" 1 'given_mj > 76 && given_mj < 158 && peak_force_n > 13 && peak_force_n < 21.5' \
+  closed-loop --motion press --stop 18,999 --method q_metric --rate 60 --with nothing
+
+# 5.4, one DoF: K_max within a step of the grid (10 %) where METHOD has the same experiment.
+near() {  # near NAME EXPECTED TOLERANCE_PCT FOUND
+  awk "BEGIN { d = $4 / $2 - 1; exit !(d < $3 / 100 && d > -$3 / 100) }" || fail "$1: $4, METHOD has $2"
+}
+k_max() { number k_max_press_n_per_m rate "$@"; }
+near "held proxy, 60 Hz, 20 ms" 2205 11 "$(k_max --proxy held --rate 60 --delay 20 --with nothing)"
+near "held proxy with tank, 60 Hz, 20 ms" 4297 1 "$(k_max --proxy held --rate 60 --delay 20 --with tank)"
+near "held proxy, 1 kHz, 20 ms" 2668 11 "$(k_max --proxy held --rate 1000 --delay 20 --with nothing)"
+# In and out of the wall: what a held proxy drags, what planes do not, what the tank bounds.
+near "drag of a held proxy, 60 Hz, 20 ms" 1.05 15 \
+  "$(number drag_n rate --cycles --stiffness 500 --proxy held --rate 60 --delay 20 --with nothing)"
+every "planes" 24 'drag_n == 0 && verdict == "ok" && peak_force_n > 3' rate --cycles --proxy planes --rate 60
+every "the tank" 72 'net_mj <= 1e-6' rate --cycles --rate 60 --with tank
+every "without it" 1 'verdict != "ok"' rate --cycles --rate 60 --delay 20 --proxy flag --stiffness 500 \
+  --with nothing
+
+refused closed-loop --stop 18
+refused closed-loop --rate 10
+refused closed-loop --delay 200
+refused closed-loop --with luck
+refused closed-loop --stiffness 0
+refused rate --stiffness 500
+refused rate --proxy nothing
+refused rate --rate 2000
+
+[ $failed -eq 0 ] && echo "closed-loop and rate: what must hold does"
+exit $failed

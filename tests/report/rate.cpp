@@ -1,0 +1,131 @@
+/// haptic-report rate: how stiff a wall may be behind a slow or late simulation, and what its drag and
+/// energy are (METHOD 5.4), on the real Pipeline in virtual time.
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "tests/report/command.hpp"
+#include "tests/report/csv.hpp"
+#include "tests/report/wall_loop.hpp"
+
+namespace haptic::report {
+namespace {
+
+constexpr double kRounding = 1e-9;  // J: of a few thousand ticks' sums
+constexpr double kMilli = 1e3;
+
+struct Options {
+  std::string proxy{}, with{};
+  std::optional<double> rate{}, delay{}, stiffness{};
+  bool cycles{false};
+};
+
+std::vector<WallLoop> cells(const Options& options) {
+  std::vector<double> rates{30, 60, 120, 200, 1000}, delays{0, 5, 10, 20, 50, 100};
+  if (options.rate) rates = {*options.rate};
+  if (options.delay) delays = {*options.delay};
+  std::vector<WallLoop> all;
+  for (const ClientKind kind : kClientKinds) {
+    if (!options.proxy.empty() && options.proxy != name(kind)) continue;
+    for (const bool tank : {false, true}) {
+      if (!options.with.empty() && (options.with == "tank") != tank) continue;
+      for (const double rate : rates) {
+        for (const double delay : delays) {
+          WallLoop cell;
+          cell.kind = kind;
+          cell.tank = tank;
+          cell.network = {rate, delay / kMilli};
+          all.push_back(cell);
+        }
+      }
+    }
+  }
+  return all;
+}
+
+std::string what_it_is(const WallLoop& cell) {
+  return line_of(name(cell.kind), cell.network.rate_hz, cell.network.delay_s * kMilli,
+                 cell.tank ? "tank" : "nothing");
+}
+constexpr std::string_view kWhat = "proxy,rate_hz,delay_ms,with";
+
+void print_stiffness(const Options& options) {
+  std::puts((std::string(kWhat) + ",k_max_press_n_per_m,k_max_cycles_n_per_m,top_of_grid_n_per_m")
+                .c_str());
+  for (WallLoop cell : cells(options)) {
+    cell.cycles = false;
+    const double press = largest_stiffness(cell);
+    cell.cycles = true;
+    const double cycles = largest_stiffness(cell);
+    std::puts((what_it_is(cell) + "," + line_of(press, cycles, grid_stiffness(kTop))).c_str());
+  }
+}
+
+void print_cycles(const Options& options) {
+  std::puts((std::string(kWhat) +
+             ",stiffness_n_per_m,drag_n,predicted_held_drag_n,given_mj,net_mj,peak_force_n,"
+             "top_speed_m_per_s,throttled_ticks,verdict")
+                .c_str());
+  std::vector<double> stiffnesses{500, 1500};
+  if (options.stiffness) stiffnesses = {*options.stiffness};
+  for (WallLoop cell : cells(options)) {
+    cell.cycles = true;
+    for (const double stiffness : stiffnesses) {
+      cell.stiffness = stiffness;
+      const WallFigures f = run(cell);
+      const double lag = cell.network.delay_s + 0.5 / cell.network.rate_hz;
+      const bool steady = stable(cell, f);
+      const bool gives = f.most_net > kRounding;
+      std::puts((what_it_is(cell) + "," +
+                 line_of(stiffness, f.drag, stiffness * kWallMeanSpeed * lag, kMilli * f.most_given,
+                         kMilli * f.most_net, f.peak_force,
+                         std::isfinite(f.top_speed) ? f.top_speed : NAN, f.throttled,
+                         !steady ? "unstable"
+                         : gives ? "gives energy"
+                                 : "ok"))
+                    .c_str());
+    }
+  }
+}
+
+constexpr const char* kFooter =
+    "One DoF as in METHOD 5.4: 0.15 kg, 1 N s/m; the hand 300 N/m, 2 N s/m; jitter 30 % of the "
+    "client's period, none at 1 kHz.\n"
+    "Clients: held_force - the force is held; held - the proxy is; flag - held in contact, free "
+    "else; "
+    "extrapolated - the proxy goes on for one period; planes - the wall as a plane in every "
+    "sample; "
+    "derived_planes - the plane only while the simulation sees contact. held_force and "
+    "extrapolated are "
+    "not offered by hapticd: they are measured beside it.\n"
+    "k_max_press: largest stiffness (grid 25 x 1.1^n N/m) up to which a steady press ends below 1 "
+    "mm/s rms; k_max_cycles: up to which moving in and out of the wall (20 mm, 1 Hz) is never "
+    "faster than "
+    "twice the hand's fastest. top_of_grid: there is no more.\n"
+    "drag_n: mean force outside the wall. given_mj: largest over time of the work on the device; "
+    "net_mj: less what its damping took. verdict: ok, gives energy (net_mj > 0) or unstable.";
+
+}  // namespace
+
+void add_rate(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "rate", "How stiff a wall may be behind a slow or late client, and its drag and energy");
+  command->footer(kFooter);
+  auto o = std::make_shared<Options>();
+  command->add_option("--proxy", o->proxy, "this kind of client alone")
+      ->check(CLI::IsMember(
+          {"held_force", "held", "flag", "extrapolated", "planes", "derived_planes"}));
+  command->add_option("--rate", o->rate, "of the client, Hz (30,60,120,200,1000)")
+      ->check(CLI::Range(30.0, 1000.0));
+  command->add_option("--delay", o->delay, "ms (0,5,10,20,50,100)")->check(CLI::Range(0.0, 100.0));
+  command->add_option("--with", o->with, "this safeguard alone")
+      ->check(CLI::IsMember({"nothing", "tank"}));
+  auto* cycles = command->add_flag("--cycles", o->cycles,
+                                   "instead: drag and energy of moving in and out, at a stiffness");
+  command->add_option("--stiffness", o->stiffness, "with --cycles: N/m (500 and 1500)")
+      ->check(CLI::Range(1.0, 10000.0))
+      ->needs(cycles);
+  command->callback([o] { (o->cycles ? print_cycles : print_stiffness)(*o); });
+}
+
+}  // namespace haptic::report

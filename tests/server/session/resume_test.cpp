@@ -1,0 +1,333 @@
+/// A lease that outlives its stream, and one that is taken away.
+
+#include <gtest/gtest.h>
+
+#include "tests/server/support/device_rig.hpp"
+
+namespace haptic::test {
+namespace {
+
+using core::DeviceState;
+using server::DeviceSessions;
+using server::IngressVerdict;
+using server::Lease;
+using server::LeaseRequest;
+using server::Outcome;
+using server::Priority;
+using server::Refusal;
+
+constexpr auto kLost = DeviceSessions::Ending::kLost;
+
+LeaseRequest request(const std::string& id, const std::string& client,
+                     Priority priority = Priority::kPrimary) {
+  LeaseRequest r;
+  r.session_id = id;
+  r.client_name = client;
+  r.nominal_rate_hz = 1000.0;
+  r.priority = priority;
+  r.resumable = true;
+  return r;
+}
+
+LeaseRequest resuming(const std::string& id, const std::string& former) {
+  LeaseRequest r = request(id, "alice");
+  r.resume = former;
+  return r;
+}
+
+class ResumeTest : public testing::Test {
+ protected:
+  struct Reply {
+    std::optional<Lease> lease;
+    std::optional<Refusal> refusal;
+  };
+  std::shared_ptr<Reply> ask(const LeaseRequest& wanted) {
+    auto reply = std::make_shared<Reply>();
+    rig.sessions->open_controller(wanted, rig.now, [reply](const Outcome<Lease>& outcome) {
+      if (outcome) {
+        reply->lease = *outcome.value;
+      } else {
+        reply->refusal = outcome.refusal;
+      }
+    });
+    return reply;
+  }
+  /// alice, resumable, with force of 1 N.
+  void press() {
+    rig.tick(3);
+    const auto reply = ask(request("s1", "alice"));
+    rig.tick(5);
+    ASSERT_TRUE(reply->lease);
+    rig.epoch = reply->lease->epoch;
+    rig.press("s1");
+    ASSERT_EQ(rig.state(), DeviceState::kEngaged);
+    ASSERT_EQ(rig.newest().gain, 1.0);
+  }
+  static std::vector<std::string> reasons(server::EventQueue& queue) {
+    std::vector<std::string> all;
+    while (auto event = queue.pop()) all.push_back(event->reason);
+    return all;
+  }
+  static long count(const std::vector<std::string>& all, const std::string& one) {
+    return std::count(all.begin(), all.end(), one);
+  }
+
+  DeviceRig rig;
+};
+
+TEST_F(ResumeTest, AgeAndGainAreUntouchedAndTheEpochRises) {
+  press();
+  rig.sessions->close("s1", kLost);
+  for (int i = 0; i < 30; ++i) {  // within fresh_end and hold_end
+    rig.tick();
+    EXPECT_EQ(rig.newest().gain, 1.0);
+  }
+  const core::Duration age = rig.newest().proxy_age;
+  EXPECT_GE(age, 30ms);
+  const auto reply = ask(resuming("s2", "s1"));
+  ASSERT_TRUE(reply->lease);  // at once: nothing has to fade
+  EXPECT_TRUE(reply->lease->resumed);
+  EXPECT_EQ(reply->lease->epoch, 2U);
+  EXPECT_EQ(reply->lease->newest_seq, rig.seq);
+  rig.tick();
+  EXPECT_EQ(rig.newest().gain, 1.0);
+  EXPECT_EQ(rig.newest().proxy_age, age + 1ms);
+  EXPECT_EQ(rig.sessions->stamp(rig.newest()).lease_epoch, 2U);
+  rig.epoch = 2;
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(rig.publish(0.01), IngressVerdict::kAccepted);
+    rig.tick();
+    EXPECT_EQ(rig.state(), DeviceState::kEngaged);
+    EXPECT_NEAR(rig.newest().tau_elastic[0], 1.0, 1e-9);
+  }
+}
+
+TEST_F(ResumeTest, WritesOfTheFormerEpochAreRefused) {
+  press();
+  rig.sessions->close("s1", kLost);
+  EXPECT_EQ(rig.publish(0.01), IngressVerdict::kAccepted);  // what was under way still counts
+  ASSERT_TRUE(ask(resuming("s2", "s1"))->lease);
+  EXPECT_EQ(rig.publish(0.01), IngressVerdict::kOldEpoch);
+}
+
+TEST_F(ResumeTest, TheSequenceGoesOn) {
+  press();
+  rig.sessions->close("s1", kLost);
+  ASSERT_TRUE(ask(resuming("s2", "s1"))->lease);
+  rig.epoch = 2;
+  rig.seq = 0;
+  EXPECT_EQ(rig.publish(0.01), IngressVerdict::kOldSequence);
+}
+
+TEST_F(ResumeTest, ASessionThatIsNotResumableEndsWithItsStream) {
+  rig.control();
+  rig.press();
+  rig.sessions->close("s1", kLost);
+  rig.tick(1);
+  EXPECT_EQ(rig.state(), DeviceState::kReleasing);
+  EXPECT_EQ(rig.sessions->controller(), "");
+}
+
+TEST_F(ResumeTest, WhoLeavesOnPurposeDoesNotComeBack) {
+  press();
+  rig.sessions->close("s1");
+  const auto reply = ask(resuming("s2", "s1"));
+  EXPECT_FALSE(reply->lease);
+  rig.tick(200);
+  ASSERT_TRUE(reply->lease);
+  EXPECT_FALSE(reply->lease->resumed);
+}
+
+TEST_F(ResumeTest, WithoutItsClientForceIsZeroIn200MillisecondsAndTheLeaseEndsIn2Seconds) {
+  press();
+  const auto queue = rig.sessions->subscribe("observer");
+  rig.sessions->close("s1", kLost);
+  rig.tick(200);
+  EXPECT_EQ(rig.newest().tau_elastic[0], 0.0);
+  EXPECT_TRUE(rig.sessions->may_be_resumed("s1"));
+  rig.tick(1800);
+  EXPECT_FALSE(rig.sessions->may_be_resumed("s1"));
+  rig.tick(3);
+  EXPECT_EQ(rig.state(), DeviceState::kIdle);
+  const auto all = reasons(*queue);
+  EXPECT_EQ(count(all, "LEASE_DETACHED"), 1);
+  EXPECT_EQ(count(all, "LEASE_EXPIRED"), 1);
+  const auto reply = ask(resuming("s2", "s1"));
+  ASSERT_TRUE(reply->lease);  // as any opening
+  EXPECT_FALSE(reply->lease->resumed);
+}
+
+TEST_F(ResumeTest, AStreamThatOnlyTheClientKnowsToBeLostIsResumedToo) {
+  press();
+  const auto reply = ask(resuming("s2", "s1"));
+  ASSERT_TRUE(reply->lease);
+  EXPECT_TRUE(reply->lease->resumed);
+  rig.sessions->close("s1", kLost);  // noticed now: it has nothing left to lose
+  EXPECT_TRUE(rig.sessions->holds_lease("s2"));
+  rig.tick(10);
+  EXPECT_EQ(rig.state(), DeviceState::kEngaged);
+}
+
+TEST_F(ResumeTest, AnotherSessionsNameResumesNothing) {
+  press();
+  const auto reply = ask(resuming("s2", "guess"));
+  ASSERT_TRUE(reply->refusal);
+  EXPECT_EQ(reply->refusal->reason, "LEASE_HELD");
+}
+
+TEST_F(ResumeTest, WhoWantsADetachedDeviceGetsItOnceItsForceIsGone) {
+  press();
+  rig.sessions->close("s1", kLost);
+  const auto test = ask(request("s2", "tester", Priority::kTest));
+  EXPECT_TRUE(test->refusal);  // it is of lower priority: only time helps
+  const auto bob = ask(request("s3", "bob"));
+  EXPECT_FALSE(bob->lease);
+  EXPECT_EQ(rig.publish(0.01), IngressVerdict::kOldEpoch);
+  const auto late = ask(resuming("s4", "s1"));
+  ASSERT_TRUE(late->refusal);
+  EXPECT_EQ(late->refusal->reason, "LEASE_HELD");
+  rig.tick(200);
+  ASSERT_TRUE(bob->lease);
+  EXPECT_EQ(bob->lease->taken_from, "alice");
+}
+
+TEST_F(ResumeTest, SettingsSurvive) {
+  press();
+  server::SettingsRequest settings;
+  settings.stiffness = {50.0};
+  ASSERT_TRUE(rig.sessions->update_settings("s1", settings));
+  rig.sessions->close("s1", kLost);
+  ASSERT_TRUE(ask(resuming("s2", "s1"))->lease);
+  EXPECT_EQ(rig.sessions->settings().stiffness[0], 50.0);
+  settings.stiffness = {60.0};
+  EXPECT_FALSE(rig.sessions->update_settings("s1", settings));
+  EXPECT_TRUE(rig.sessions->update_settings("s2", settings));
+}
+
+TEST_F(ResumeTest, ASettingThatIsHeldIsAnEventForEveryone) {
+  press();
+  const auto queue = rig.sessions->subscribe("observer");
+  server::SettingsRequest settings;
+  settings.stiffness = {500.0};  // the scene has 100
+  ASSERT_TRUE(rig.sessions->update_settings("s1", settings));
+  EXPECT_EQ(count(reasons(*queue), "CLAMPED"), 1);
+}
+
+TEST_F(ResumeTest, OnlyAHigherPriorityPreempts) {
+  press();
+  for (const Priority priority : {Priority::kTest, Priority::kPrimary}) {
+    const auto reply = ask(request("s2", "bob", priority));
+    ASSERT_TRUE(reply->refusal);
+    EXPECT_EQ(reply->refusal->reason, "LEASE_HELD");
+    const auto& details = reply->refusal->details;
+    EXPECT_NE(std::find(details.begin(), details.end(),
+                        std::pair<std::string, std::string>("holder", "alice")),
+              details.end());
+  }
+  EXPECT_TRUE(rig.sessions->holds_lease("s1"));
+}
+
+TEST_F(ResumeTest, PreemptionFadesTheOldHolderOutAndAnswersAtZero) {
+  press();
+  const auto queue = rig.sessions->subscribe("s1");
+  const auto boss = ask(request("s2", "boss", Priority::kOperator));
+  EXPECT_FALSE(boss->lease);
+  EXPECT_EQ(rig.publish(0.02), IngressVerdict::kOldEpoch);  // from this moment on
+  double last = rig.newest().tau_elastic[0];
+  int ticks = 0;
+  while (!boss->lease && ticks < 300) {
+    rig.tick();
+    ++ticks;
+    const core::TickRecord record = rig.newest();
+    EXPECT_EQ(rig.sessions->stamp(record).lease_epoch, 2U);  // the epoch rose at once
+    EXPECT_LE(record.tau_elastic[0], last + 1e-12);
+    EXPECT_EQ(boss->lease.has_value(), record.gain == 0.0);
+    EXPECT_NE(record.state, DeviceState::kIdle);  // never disarmed in between
+    last = record.tau_elastic[0];
+  }
+  EXPECT_GT(ticks, 50);  // 80 ms of fade, not a drop
+  ASSERT_TRUE(boss->lease);
+  EXPECT_EQ(boss->lease->epoch, 2U);
+  EXPECT_EQ(boss->lease->taken_from, "alice");
+  rig.tick(2);
+  EXPECT_EQ(rig.state(), DeviceState::kArmed);
+  EXPECT_EQ(rig.engage("s1"), "NOT_CONTROLLER");
+  const auto all = reasons(*queue);
+  EXPECT_EQ(count(all, "LEASE_PREEMPTED"), 1);
+  EXPECT_EQ(count(all, "LEASE_GRANTED"), 1);
+}
+
+TEST_F(ResumeTest, WithoutForcePreemptionKeepsTheDeviceArmed) {
+  rig.tick(3);
+  ASSERT_TRUE(ask(request("s1", "alice"))->lease);
+  rig.tick(5);
+  ASSERT_EQ(rig.state(), DeviceState::kArmed);
+  const auto boss = ask(request("s2", "boss", Priority::kOperator));
+  for (int i = 0; i < 3; ++i) {
+    rig.tick();
+    EXPECT_EQ(rig.state(), DeviceState::kArmed);
+  }
+  ASSERT_TRUE(boss->lease);
+}
+
+TEST_F(ResumeTest, APreemptedHolderCannotResume) {
+  press();
+  const auto boss = ask(request("s2", "boss", Priority::kOperator));
+  const auto back = ask(resuming("s3", "s1"));
+  ASSERT_TRUE(back->refusal);
+  EXPECT_NE(back->refusal->message.find("'boss'"), std::string::npos);
+  rig.tick(200);
+  EXPECT_TRUE(boss->lease);
+}
+
+TEST_F(ResumeTest, AnOperatorWhoLeavesWhileWaitingLeavesAFreeDevice) {
+  press();
+  const auto boss = ask(request("s2", "boss", Priority::kOperator));
+  rig.sessions->close("s2", kLost);
+  rig.tick(200);
+  EXPECT_FALSE(boss->lease);
+  EXPECT_EQ(rig.sessions->controller(), "");
+  EXPECT_EQ(rig.state(), DeviceState::kIdle);
+  EXPECT_EQ(rig.sessions->settings().stiffness[0], 100.0);
+}
+
+TEST_F(ResumeTest, WhoWaitsGivesWayToAHigherPriority) {
+  rig.tick(3);
+  ASSERT_TRUE(ask(request("s1", "alice", Priority::kTest))->lease);
+  rig.tick(5);
+  rig.epoch = 1;
+  rig.press("s1");
+  const auto bob = ask(request("s2", "bob"));
+  rig.tick(3);
+  const auto boss = ask(request("s3", "boss", Priority::kOperator));
+  ASSERT_TRUE(bob->refusal);
+  EXPECT_EQ(bob->refusal->reason, "LEASE_HELD");
+  rig.tick(200);
+  ASSERT_TRUE(boss->lease);
+  EXPECT_EQ(boss->lease->taken_from, "alice");
+}
+
+TEST_F(ResumeTest, TheCarrierOfAStateIsThatOfTheSampleInUse) {
+  press();
+  const double x[2] = {0.01, 0.0};
+  server::ProxyCandidate candidate;
+  candidate.epoch = 1;
+  candidate.seq = ++rig.seq;
+  candidate.mode = core::ProxyMode::kHeld;
+  candidate.position = x;
+  candidate.position_size = 2;
+  const core::TickRecord before = rig.newest();
+  candidate.carrier = server::Carrier::kUdp;
+  ASSERT_EQ(rig.sessions->ingress().accept(candidate, rig.now), IngressVerdict::kAccepted);
+  // The newest sample came by UDP; the record's tick used the one before it.
+  EXPECT_EQ(rig.sessions->ingress().carrier(), server::Carrier::kUdp);
+  EXPECT_EQ(rig.sessions->stamp(before).carrier, server::Carrier::kGrpc);
+  rig.tick();
+  EXPECT_EQ(rig.sessions->stamp(rig.newest()).carrier, server::Carrier::kUdp);
+  rig.sessions->close("s1");
+  rig.tick(300);
+  EXPECT_EQ(rig.sessions->stamp(rig.newest()).carrier, server::Carrier::kNone);
+}
+
+}  // namespace
+}  // namespace haptic::test

@@ -1,0 +1,59 @@
+#include "tests/support/loop/pipeline_loop.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "haptic/core/error.hpp"
+
+namespace haptic::test {
+
+void EnergyBook::add(double tau_held, double way, double dt) noexcept {
+  given_ += tau_held * way;
+  net_ += tau_held * way - damping_ * way * way / dt;
+  most_given_ = std::max(most_given_, given_);
+  most_net_ = std::max(most_net_, net_);
+}
+
+void EnergyBook::begin_cycle() noexcept {
+  given_before_ = given_;
+  net_before_ = net_;
+}
+
+PipelineLoop::PipelineLoop(const core::PipelineConfig& config, const ClientSettings& client,
+                           double device_damping)
+    : pipeline_(config), client_(client), energy_(device_damping) {
+  const core::Kinematics& map = *config.kinematics;
+  input_.settings = config.scene;
+  input_.device.fresh = input_.device.armed = true;
+  input_.command.lease_epoch = 1;
+  input_.command.lease_held = true;
+  x_probe_ = core::VecX::Zero(map.space().n_x());
+  J_ = core::MatXQ::Zero(map.space().n_x(), map.layout().n_q());
+}
+
+const core::TickRecord& PipelineLoop::tick(const core::VecQ& q) {
+  const core::Kinematics& map = *pipeline_.config().kinematics;
+  const double q_a = q[map.layout().actuated(0)];
+  if (ticks_ > 0) energy_.add(tau_, q_a - last_q_a_, kTick_s);
+  last_q_a_ = q_a;
+  if (map.evaluate(q, x_probe_, J_) != core::MapStatus::kOk) {
+    throw core::SceneError("loop: the device left the linkage's range");
+  }
+  ++ticks_;
+  input_.now = core::TimePoint(std::chrono::milliseconds(ticks_));
+  input_.device.sample.seq = static_cast<std::uint64_t>(ticks_);
+  input_.device.sample.time = input_.now;
+  input_.device.sample.q = q;
+  client_.step(time_s(), input_.now, q, x_probe_, input_.proxy);
+  record_ = pipeline_.tick(input_);
+  tau_ = record_.tau_a[0];
+  return record_;
+}
+
+void PipelineLoop::require_engaged() const {
+  if (record_.state == core::DeviceState::kEngaged) return;
+  throw core::SceneError("loop: the device is in state " + std::string(core::name(record_.state)) +
+                         ", not ENGAGED: there is no force to judge");
+}
+
+}  // namespace haptic::test

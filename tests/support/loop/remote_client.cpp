@@ -1,0 +1,87 @@
+#include "tests/support/loop/remote_client.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace haptic::test {
+namespace {
+
+/// A stamp of the sample's arrival, for the stream's health and its age.
+void stamp(core::TimePoint now, core::ProxySnapshot& proxy) {
+  proxy.epoch = 1;
+  proxy.born = now;
+  if (proxy.gapless_samples++ == 0) proxy.gapless_since = now;
+}
+
+}  // namespace
+
+RemoteClient::RemoteClient(ClientSettings settings)
+    : settings_(std::move(settings)), random_(settings_.seed) {}
+
+void RemoteClient::look(double t_s, const core::VecQ& q, const core::VecX& x_probe) {
+  const double period = 1.0 / settings_.rate_hz;
+  next_look_s_ += (1.0 + settings_.jitter * (2.0 * random_.uniform() - 1.0)) * period;
+  Frame frame;
+  frame.seen_s = t_s;
+  frame.seq = ++seq_;
+  frame.q = q;
+  frame.x_probe = x_probe;
+  frame.x = x_probe.cwiseMin(settings_.stop);
+  frame.contact = (x_probe.array() > settings_.stop.array()).any();
+  const bool lost = random_.uniform() < settings_.lost;
+  const double late = settings_.disorder ? 2.0 * random_.uniform() * period : 0.0;
+  if (lost) return;
+  frame.arrives_s = t_s + settings_.delay_s + late;
+  on_the_way_.push_back(frame);
+  if (!settings_.disorder) return;
+  frame.arrives_s += late;
+  on_the_way_.push_back(frame);
+}
+
+void RemoteClient::write_planes(const Frame& frame, core::PlaneSet& planes) const {
+  const Eigen::Index n_x = settings_.stop.size();
+  planes.normals.setZero(n_x, 0);
+  planes.offsets.resize(0);
+  for (Eigen::Index i = 0; i < n_x; ++i) {
+    if (!std::isfinite(settings_.stop[i])) continue;
+    if (settings_.only_in_contact && !(frame.x_probe[i] > settings_.stop[i])) continue;
+    const int k = planes.size();
+    planes.normals.conservativeResize(n_x, k + 1);
+    planes.normals.col(k) = core::VecX::Unit(n_x, i);
+    planes.offsets.conservativeResize(k + 1);
+    planes.offsets[k] = settings_.stop[i];
+  }
+}
+
+void RemoteClient::deliver(const Frame& frame, core::TimePoint now,
+                           core::ProxySnapshot& proxy) const {
+  const bool free =
+      settings_.mode == core::ProxyMode::kHeld && settings_.only_in_contact && !frame.contact;
+  proxy.mode = free ? core::ProxyMode::kFree : settings_.mode;
+  proxy.x = frame.x;
+  proxy.seq = frame.seq;
+  if (settings_.mode == core::ProxyMode::kPlanes) write_planes(frame, proxy.planes);
+  stamp(now, proxy);
+}
+
+void RemoteClient::step(double t_s, core::TimePoint now, const core::VecQ& q,
+                        const core::VecX& x_probe, core::ProxySnapshot& proxy) {
+  constexpr double kEarly = 1e-9;  // s: rounding of t_s must not make a sample a tick late
+  if (t_s + kEarly >= next_look_s_) look(t_s, q, x_probe);
+  const auto arrived = [&](const Frame& frame) { return frame.arrives_s <= t_s + kEarly; };
+  for (const Frame& frame : on_the_way_) {
+    if (!arrived(frame) || frame.seq <= newest_.seq) continue;
+    previous_ = newest_.seq == 0 ? frame : newest_;
+    newest_ = frame;
+    if (!settings_.between) deliver(frame, now, proxy);
+  }
+  std::erase_if(on_the_way_, arrived);
+  if (!settings_.between || newest_.seq == 0) return;
+  proxy.mode = core::ProxyMode::kHeld;
+  proxy.x = settings_.between({newest_, previous_, t_s - newest_.arrives_s, q, x_probe});
+  ++proxy.seq;
+  stamp(now, proxy);
+}
+
+}  // namespace haptic::test

@@ -1,0 +1,75 @@
+#pragma once
+/// A simulation behind a network, in virtual time: at its own rate it sees the haptic probe, computes
+/// the proxy (the probe clipped at stops), and its sample arrives at the pipeline a delay later. Sees
+/// and delivers as the ingress does: an older sample never replaces a newer one.
+
+#include <functional>
+#include <vector>
+
+#include "haptic/core/tick/tick_input.hpp"
+#include "tests/support/link/random.hpp"
+
+namespace haptic::test {
+
+/// What the simulation knew when it computed a sample.
+struct Frame {
+  double seen_s{0.0};     ///< when it looked at the device
+  double arrives_s{0.0};  ///< when the pipeline gets it
+  std::uint64_t seq{0};   ///< 1, 2, ...
+  core::VecQ q{};         ///< device, n_q
+  core::VecX x_probe{};   ///< haptic probe, n_x
+  core::VecX x{};         ///< proxy, n_x
+  bool contact{false};    ///< x is not simply the probe
+};
+
+/// What a law between two samples may look at.
+struct Between {
+  const Frame& newest;
+  const Frame& previous;      ///< the one delivered before; the newest itself at first
+  double since_arrival_s;     ///< of the newest
+  const core::VecQ& q;        ///< now
+  const core::VecX& x_probe;  ///< now
+};
+
+/// The proxy at every tick, computed beside the pipeline and handed to it as a held one: how what
+/// hapticd does not offer is measured on the real pipeline. Returns x, n_x.
+using LocalLaw = std::function<core::VecX(const Between&)>;
+
+struct ClientSettings {
+  core::ProxyMode mode{core::ProxyMode::kHeld};  ///< held or planes
+  /// Held: free mode while nothing is in the way (a bare contact flag). Planes: those in contact
+  /// alone, as the client library derives them; else all stops, always.
+  bool only_in_contact{false};
+  core::VecX stop{};     ///< n_x, x_i <= stop_i; infinity: none
+  double rate_hz{60.0};  ///< > 0
+  double delay_s{0.0};   ///< from the look at the device to the sample's arrival, >= 0
+  double jitter{0.3};    ///< of the period, uniform, +-; in [0, 1)
+  double lost{0.0};      ///< share of samples that never arrive
+  bool disorder{false};  ///< samples come twice, late by up to two periods and out of order
+  std::uint64_t seed{7};
+  LocalLaw between{};  ///< none: the pipeline's own local model (METHOD 5.4)
+};
+
+class RemoteClient {
+ public:
+  explicit RemoteClient(ClientSettings settings);
+
+  /// One tick at `t_s`: looks at the device if it is time to, and writes into `proxy` what has
+  /// arrived. `now` is the pipeline's clock; t_s never falls.
+  void step(double t_s, core::TimePoint now, const core::VecQ& q, const core::VecX& x_probe,
+            core::ProxySnapshot& proxy);
+
+ private:
+  void look(double t_s, const core::VecQ& q, const core::VecX& x_probe);
+  void deliver(const Frame& frame, core::TimePoint now, core::ProxySnapshot& proxy) const;
+  void write_planes(const Frame& frame, core::PlaneSet& planes) const;
+
+  ClientSettings settings_;
+  Random random_;
+  std::vector<Frame> on_the_way_{};
+  Frame newest_{}, previous_{};
+  double next_look_s_{0.0};
+  std::uint64_t seq_{0};
+};
+
+}  // namespace haptic::test

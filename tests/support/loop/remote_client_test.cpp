@@ -1,0 +1,141 @@
+#include "tests/support/loop/remote_client.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace haptic::test {
+namespace {
+
+using core::ProxyMode;
+using core::ProxySnapshot;
+using core::VecX;
+
+VecX two(double a, double b) {
+  return (VecX(2) << a, b).finished();
+}
+
+ClientSettings every_tick() {
+  ClientSettings settings;
+  settings.stop = VecX::Constant(1, 1e9);
+  settings.rate_hz = 1000.0;
+  settings.jitter = 0.0;
+  return settings;
+}
+
+/// The probe is where the clock is: a sample tells when it was computed.
+struct Stream {
+  explicit Stream(const ClientSettings& settings) : client(settings) {}
+  void tick() {
+    t = ++k * 1e-3;
+    const VecX x = VecX::Constant(1, t);
+    client.step(t, core::TimePoint(std::chrono::milliseconds(k)), x, x, proxy);
+  }
+  RemoteClient client;
+  ProxySnapshot proxy{};
+  int k{0};
+  double t{0.0};
+};
+
+TEST(RemoteClient, ASampleArrivesItsDelayAfterTheLook) {
+  ClientSettings settings = every_tick();
+  settings.delay_s = 0.020;
+  Stream run(settings);
+  for (int i = 0; i < 20; ++i) run.tick();
+  EXPECT_EQ(run.proxy.mode, ProxyMode::kNone);
+  for (int i = 0; i < 200; ++i) {
+    run.tick();
+    ASSERT_EQ(run.proxy.mode, ProxyMode::kHeld);
+    ASSERT_NEAR(run.proxy.x[0], run.t - 0.020, 1e-9);
+  }
+  EXPECT_EQ(run.proxy.gapless_samples, 200u);
+}
+
+TEST(RemoteClient, ItsPeriodVariesByTheJitterAndNoMore) {
+  ClientSettings settings = every_tick();
+  settings.rate_hz = 50.0;
+  settings.jitter = 0.3;
+  Stream run(settings);
+  run.tick();
+  double last = run.proxy.x[0], shortest = 1.0, longest = 0.0;
+  for (int i = 0; i < 20000; ++i) {
+    const std::uint64_t seq = run.proxy.seq;
+    run.tick();
+    if (run.proxy.seq == seq) continue;
+    shortest = std::min(shortest, run.proxy.x[0] - last);
+    longest = std::max(longest, run.proxy.x[0] - last);
+    last = run.proxy.x[0];
+  }
+  EXPECT_NEAR(shortest, 0.014, 0.001 + 1e-9);
+  EXPECT_NEAR(longest, 0.026, 0.001 + 1e-9);
+}
+
+TEST(RemoteClient, AnOlderSampleNeverReplacesANewerAndLostOnesNeverCome) {
+  ClientSettings settings = every_tick();
+  settings.rate_hz = 200.0;
+  settings.delay_s = 0.010;
+  settings.disorder = true;
+  settings.lost = 0.5;
+  Stream run(settings);
+  double last = 0.0;
+  for (int i = 0; i < 10000; ++i) {
+    run.tick();
+    if (run.proxy.seq == 0) continue;
+    ASSERT_GE(run.proxy.x[0], last);
+    last = run.proxy.x[0];
+  }
+  // 2000 looks, half of them lost, some overtaken by later ones.
+  EXPECT_GT(run.proxy.gapless_samples, 400u);
+  EXPECT_LT(run.proxy.gapless_samples, 1050u);
+}
+
+TEST(RemoteClient, AContactFlagIsFreeOffTheStops) {
+  ClientSettings settings = every_tick();
+  settings.stop = VecX::Constant(1, 0.005);
+  settings.only_in_contact = true;
+  Stream run(settings);
+  for (int i = 0; i < 5; ++i) run.tick();
+  EXPECT_EQ(run.proxy.mode, ProxyMode::kFree);
+  run.tick();
+  EXPECT_EQ(run.proxy.mode, ProxyMode::kHeld);
+  EXPECT_EQ(run.proxy.x[0], 0.005);
+}
+
+TEST(RemoteClient, PlanesAreTheStopsOrThoseInContact) {
+  ClientSettings settings = every_tick();
+  settings.mode = ProxyMode::kPlanes;
+  settings.stop = two(0.3, 0.4);
+  ProxySnapshot proxy;
+  const VecX x = two(0.2, 0.5);
+  RemoteClient(settings).step(0.001, {}, x, x, proxy);
+  EXPECT_EQ(proxy.planes.normals, core::MatXQ::Identity(2, 2));
+  EXPECT_EQ(proxy.planes.offsets, two(0.3, 0.4));
+  EXPECT_EQ(proxy.x, two(0.2, 0.4));
+  settings.only_in_contact = true;
+  RemoteClient(settings).step(0.001, {}, x, x, proxy);
+  ASSERT_EQ(proxy.planes.size(), 1);
+  EXPECT_EQ(VecX(proxy.planes.normals.col(0)), two(0.0, 1.0));
+  EXPECT_EQ(proxy.planes.offsets[0], 0.4);
+  settings.stop = two(std::numeric_limits<double>::infinity(), 0.6);
+  RemoteClient(settings).step(0.001, {}, x, x, proxy);
+  EXPECT_EQ(proxy.planes.size(), 0);
+}
+
+TEST(RemoteClient, ALawBetweenSamplesIsHandedOverAsAHeldProxyInEveryTick) {
+  ClientSettings settings = every_tick();
+  settings.rate_hz = 30.0;
+  settings.between = [](const Between& b) { return VecX(b.x_probe - b.newest.x_probe); };
+  Stream run(settings);
+  std::uint64_t seq = 0;
+  for (int i = 0; i < 100; ++i) {
+    run.tick();
+    ASSERT_EQ(run.proxy.mode, ProxyMode::kHeld);
+    ASSERT_EQ(run.proxy.seq, ++seq);
+    ASSERT_LE(run.proxy.x[0], 1.3 / 30.0 + 1e-3);
+  }
+}
+
+}  // namespace
+}  // namespace haptic::test

@@ -140,6 +140,7 @@ Felt press(const Press& what, const std::function<void(const PressTick&)>& obser
   for (int k = 1; k <= kTicks; ++k) {
     input.now = core::TimePoint(std::chrono::milliseconds(k));
     device->read(input.now, input.device);
+    if (input.device.sample.q.size() == 0) continue;  // a board's first sample is on its way
     const core::VecQ q = input.device.sample.q;
     const core::VecQ where = board == nullptr ? q : board->board().rig().finger().q();
     if (finger->evaluate(q, x_probe, J) != core::MapStatus::kOk) {

@@ -20,6 +20,7 @@ struct Options {
   std::optional<double> stiffness{};
   std::string method{};
   bool guard{false}, envelope{false}, tank{false}, grid{false}, joints{false}, trace{false};
+  bool board{false};
 };
 
 /// METHOD 2.4: the table's rows; with --grid its 24 runs; with any of the three options that one.
@@ -33,6 +34,7 @@ std::vector<Press> runs(const Options& options) {
     press.direction_guard = options.guard;
     press.monotone_envelope = options.envelope;
     press.energy_tank = options.tank;
+    press.board = options.board;
     presses.push_back(press);
   };
   const Press standard{};
@@ -91,6 +93,9 @@ void print_results(const Options& options) {
         ",end_force_n,end_mcp_torque_nmm,end_pip_torque_nmm,net_work_mj,withheld_ticks,"
         "throttled_ticks";
   }
+  if (options.board) {
+    header += ",peak_cell_n,end_cell_n,peak_mcp_torque_nmm,peak_pip_torque_nmm";
+  }
   std::puts(header.c_str());
   std::map<std::tuple<double, double, double, double>, double> seen;
   for (Press press : runs(options)) {
@@ -107,6 +112,10 @@ void print_results(const Options& options) {
         line +=
             "," + line_of(felt.end.tau_a, 1e3 * felt.end.tau_x.first, 1e3 * felt.end.tau_x.second,
                           1e3 * felt.net_work, felt.withheld, felt.throttled);
+      }
+      if (options.board) {
+        line += "," + line_of(felt.peak_cell, felt.end.cell, 1e3 * felt.peak_tau_x.first,
+                              1e3 * felt.peak_tau_x.second);
       }
       std::puts(line.c_str());
     }
@@ -149,6 +158,10 @@ void add_finger(CLI::App& app) {
   command->add_flag("--guard", options->guard, "with the direction guard");
   command->add_flag("--envelope", options->envelope, "with the monotone envelope");
   command->add_flag("--tank", options->tank, "with the energy tank, strictly passive");
+  command->add_flag(
+      "--board", options->board,
+      "through the serial protocol and an emulated board with its L16 and force loop; "
+      "work, cell and torques are then those of the load cell and the finger itself");
   command->add_flag("--grid", options->grid, "METHOD 2.4's 24 runs");
   command->add_flag(
       "--joints", options->joints,

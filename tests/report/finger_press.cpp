@@ -6,6 +6,7 @@
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
+#include "hw/emulator/virtual_board.hpp"
 #include "hw/open_device.hpp"
 
 namespace haptic::report {
@@ -13,11 +14,13 @@ namespace {
 
 using core::VecA;
 using core::VecX;
+using hw::emulator::VirtualBoard;
 
 constexpr double kPeriod = 1e-3;    // s
 constexpr int kTicks = 2000;        // METHOD 2.4: end state after 1.5-2 s
 constexpr int kEngageTick = 205;    // a steady stream of 200 ms is asked for; the hand barely moved
 constexpr double kForceLimit = 40;  // N, METHOD 2.4
+constexpr double kRodDamping = 0.5;     // N s/m, beyond the load cell of the emulated board
 constexpr double kDeviceDamping = 2.0;  // N s/m, METHOD 2.4: the simulated finger's own
 
 core::PipelineConfig pipeline_for(const Press& what, const hw::Device& device,
@@ -41,6 +44,14 @@ core::PipelineConfig pipeline_for(const Press& what, const hw::Device& device,
 
 std::unique_ptr<hw::Device> worn_device(const Press& what,
                                         const std::shared_ptr<const core::Kinematics>& finger) {
+  if (what.board) {
+    hw::BoardConfig config;
+    config.max_effort = VecA::Constant(1, kForceLimit);
+    const Eigen::Vector2d target(what.target_deg.first * kDegree, what.target_deg.second * kDegree);
+    return std::make_unique<VirtualBoard>(hw::emulator::EmulatorConfig{},
+                                          hw::Intent(Eigen::Vector2d::Zero(), target), config,
+                                          finger);
+  }
   hw::SimulatedFingerConfig hand;
   hand.target_mcp = what.target_deg.first * kDegree;
   hand.target_pip = what.target_deg.second * kDegree;
@@ -58,12 +69,31 @@ void publish(core::TickInput& input, const VecX& x) {
   proxy.x = x;
 }
 
-PressTick felt_at(double t_s, const VecX& x, const core::MatXQ& J, double tau_a) {
+PressTick felt_at(double t_s, const VecX& x, const core::MatXQ& J, double tau_a, double cell) {
   const double det = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
   return {t_s,
           {x[0] / kDegree, x[1] / kDegree},
           tau_a,
-          {J(1, 1) / det * tau_a, -J(0, 1) / det * tau_a}};
+          cell,
+          {J(1, 1) / det * cell, -J(0, 1) / det * cell}};
+}
+
+/// What really acts on the linkage, and where the finger really is: behind a board neither is what was
+/// commanded nor what was measured.
+PressTick felt_through(const VirtualBoard& device, const core::Kinematics& finger, double t_s,
+                       double tau_a) {
+  const hw::emulator::Rig& rig = device.board().rig();
+  VecX x;
+  core::MatXQ J;
+  if (finger.evaluate(rig.finger().q(), x, J) != core::MapStatus::kOk) {
+    throw core::SceneError("finger: the finger at the board left the linkage's range");
+  }
+  return felt_at(t_s, x, J, tau_a, rig.actuator().force());
+}
+
+/// The one of larger magnitude, with its sign.
+void keep_peak(double& peak, double value) {
+  if (std::abs(value) > std::abs(peak)) peak = value;
 }
 
 void account(const Press& what, const PressTick& tick, Felt& felt) {
@@ -71,7 +101,10 @@ void account(const Press& what, const PressTick& tick, Felt& felt) {
   felt.max_penetration_deg =
       std::max({felt.max_penetration_deg, tick.x_deg.first - what.stop_deg.first,
                 tick.x_deg.second - what.stop_deg.second});
-  if (std::abs(tick.tau_a) > std::abs(felt.peak_force)) felt.peak_force = tick.tau_a;
+  keep_peak(felt.peak_force, tick.tau_a);
+  keep_peak(felt.peak_cell, tick.cell);
+  keep_peak(felt.peak_tau_x.first, tick.tau_x.first);
+  keep_peak(felt.peak_tau_x.second, tick.tau_x.second);
 }
 
 }  // namespace
@@ -87,6 +120,7 @@ double stiffness_of_method(core::RendererKind method, double stiffness,
 Felt press(const Press& what, const std::function<void(const PressTick&)>& observe) {
   const std::shared_ptr<const core::Kinematics> finger = core::make_finger_exoskeleton({});
   const auto device = worn_device(what, finger);
+  const auto* board = dynamic_cast<const VirtualBoard*>(device.get());
   core::Pipeline pipeline(pipeline_for(what, *device, finger));
   const VecX stop =
       (VecX(2) << what.stop_deg.first * kDegree, what.stop_deg.second * kDegree).finished();
@@ -98,32 +132,42 @@ Felt press(const Press& what, const std::function<void(const PressTick&)>& obser
   hw::Command command{true, VecA::Zero(1)};
   Felt felt;
   core::VecQ last_q;
+  double last_cell = 0.0;
+  const double own_damping = board == nullptr ? kDeviceDamping : kRodDamping;
   core::DeviceState state{};
   VecX x_probe = VecX::Zero(2);
   core::MatXQ J;
   for (int k = 1; k <= kTicks; ++k) {
     input.now = core::TimePoint(std::chrono::milliseconds(k));
     device->read(input.now, input.device);
+    if (input.device.sample.q.size() == 0) continue;  // a board's first sample is on its way
     const core::VecQ q = input.device.sample.q;
+    const core::VecQ where = board == nullptr ? q : board->board().rig().finger().q();
     if (finger->evaluate(q, x_probe, J) != core::MapStatus::kOk) {
       throw core::SceneError("finger: the simulated finger left the linkage's range");
     }
     if (last_q.size() == 2) {
       // The force of the last tick was held over the way from its pose to this one.
-      const double way = q[0] - last_q[0];
-      felt.work += command.tau_a[0] * way;
-      felt.net_work += command.tau_a[0] * way - kDeviceDamping * way * way / kPeriod;
+      const double way = where[0] - last_q[0];
+      const double held = board == nullptr ? command.tau_a[0] : last_cell;
+      felt.work += held * way;
+      felt.net_work += held * way - own_damping * way * way / kPeriod;
     }
-    last_q = q;
+    last_q = where;
     publish(input, x_probe.cwiseMin(stop));
-    if (what.force && k == kEngageTick) ++input.command.engage_id;
+    if (what.force && k >= kEngageTick && state == core::DeviceState::kArmed) {
+      ++input.command.engage_id;
+    }
     const core::TickRecord record = pipeline.tick(input);
     state = record.state;
     felt.withheld += record.limiters.has(core::Limiter::kDirectionGuard) ? 1 : 0;
     felt.throttled += record.limiters.has(core::Limiter::kEnergyTank) ? 1 : 0;
-    command = {record.arm, record.tau_a};
+    command = {record.arm, record.tau_a, {}};
     device->write(input.now, command);
-    const PressTick tick = felt_at(kPeriod * k, x_probe, J, record.tau_a[0]);
+    const PressTick tick = board != nullptr
+                               ? felt_through(*board, *finger, kPeriod * k, record.tau_a[0])
+                               : felt_at(kPeriod * k, x_probe, J, record.tau_a[0], record.tau_a[0]);
+    last_cell = tick.cell;
     account(what, tick, felt);
     if (observe) observe(tick);
   }

@@ -19,6 +19,7 @@ struct Press {
   bool direction_guard{false};
   bool monotone_envelope{false};
   bool energy_tank{false};  ///< strictly passive: tank_0 = 0, P_env = 0 (METHOD 5.3)
+  bool board{false};        ///< through the serial protocol and an emulated board with its L16
   bool force{true};         ///< false: the same without any force, for comparison
 };
 
@@ -27,7 +28,8 @@ struct PressTick {
   double t_s{0.0};
   Pair x_deg{};       ///< joints
   double tau_a{0.0};  ///< at the actuator, N; positive towards larger l_x
-  Pair tau_x{};       ///< the same at the joints, w tau_a with w = (S J^-1)^T, N m, + flexes
+  double cell{0.0};   ///< what really acts on the linkage, N; tau_a itself without a board
+  Pair tau_x{};       ///< that at the joints, w cell with w = (S J^-1)^T, N m, + flexes
 };
 
 struct Felt {
@@ -37,6 +39,8 @@ struct Felt {
   double work{0.0};                 ///< J that the force put into the finger
   double net_work{0.0};             ///< the same less what the device's own damping took, J
   int withheld{0};                  ///< ticks in which the direction guard withheld the force
+  double peak_cell{0.0};            ///< the force on the linkage of largest magnitude, N
+  Pair peak_tau_x{};                ///< the torque of largest magnitude per joint, N m
   int throttled{0};                 ///< ticks in which the tank held a change back
 };
 

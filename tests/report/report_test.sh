@@ -152,6 +152,12 @@ header "case,expected,got,verdict" hard-cases
 header "method,proxy,fingers_declared,fingers_in_contact,tick_ns,idle_share_pct" scaling --ticks 16
 header "rows,cols,method,cond,ns,max_relative_error" linear-algebra --calls 8
 
+# The same presses through an emulated board: every method, at the actuator and at the finger.
+rows=$("$report" finger --board --stop 18,999)
+[ "$(echo "$rows" | wc -l)" = 5 ] || fail "finger --board: must be a row per method"
+echo "$rows" | grep -q "peak_cell_n,end_cell_n,peak_mcp_torque_nmm,peak_pip_torque_nmm$" ||
+  fail "finger --board: must end with cell and torques"
+
 # Errors of the ways to q*: the closed form is exact, each step of Gauss-Newton from q is nearer than the
 # one before, and Eq. (8) is the first of them.
 header "map,setting,method,ns,error_max,error_rms,error_unit,against,ratio,lower,upper,aa_lower,aa_upper" \

@@ -2,7 +2,7 @@
 # A server whose device is a board, and the board: haptic-board-emulator on a pseudo-terminal of the same
 # container. Arguments are hapticd's. Ends with the server's status.
 set -eu
-board=/tmp/board
+board=$PWD/board
 scenes=/usr/share/haptic/scenes
 # The board's own watchdog, above the lateness that a shared machine without real-time scheduling shows.
 haptic-board-emulator --link "$board" --watchdog-ms 1000 --motion "$scenes/motion/reach_and_grasp.csv" &

@@ -10,7 +10,7 @@ trouble began. Commands:
     silence     samples stopped under force: the elastic force is zero within 200 ms of the last one, and
                 stays there until somebody engages anew
     ramp        after the silence force came back by a ramp of the gain: no more than 1 per 200 ms
-    closing     force faded out; no force in the last state
+    closing     force was fading out, or gone, in the last state
     transport NAME    samples came by NAME and force was on meanwhile
     grasp       force was on, and off; the device was never in FAULT
     never-lost  force was never given up
@@ -60,8 +60,11 @@ def silence(states: list[dict]) -> None:
     zero = next(s for s in states if seconds(s) > seconds(under_force[-1]))
     took = seconds(zero) - last_sample
     print(f"force was zero {took * 1e3:.0f} ms after the last sample")
+    if seconds(under_force[-1]) - last_sample > LIMIT_S:
+        fail(f"there was force more than {LIMIT_S * 1e3:.0f} ms after the last sample")
     if took > LIMIT_S:
-        fail(f"that is above {LIMIT_S * 1e3:.0f} ms")
+        blind = seconds(zero) - seconds(under_force[-1])
+        fail(f"not resolvable: the observer saw nothing for {blind * 1e3:.0f} ms; the machine is too busy")
     for state in states[lost:]:
         if state["state"] in ("ENGAGING", "ENGAGED"):
             break
@@ -84,11 +87,13 @@ def ramp(states: list[dict]) -> None:
 
 
 def closing(states: list[dict]) -> None:
-    if force(states[-1]) > 0 or states[-1]["gain"] > 0:
-        fail(f"force in the last state: {states[-1]}")
+    last = states[-1]
+    # The stream ends with the server: its last state may be a few milliseconds before g = 0 (80 ms from 1).
+    if last["state"] not in ("RELEASING", "CLOSING") or last["gain"] > 0.15:
+        fail(f"the last state is {last['state']} with a gain of {last['gain']:.3f}")
     if max(map(force, states)) < FELT_N:
         fail("there was no force to take back")
-    print("force had faded out when the server ended")
+    print(f"force faded out; {force(last):.2f} N in the last state that was sent")
 
 
 def main() -> None:

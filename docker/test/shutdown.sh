@@ -12,6 +12,8 @@ test_shutdown() {
   [[ $status == 0 ]] || fail "the server ended with $status"
   ((took <= 5000)) || fail "the server took $took ms to end"
   "$engine" logs "$id" 2>&1 | tail -n 1 | grep -q 'stopped' || fail "the server's last word is not 'stopped'"
+  # RELEASING is left at g = 0 and not before.
+  "$engine" logs "$id" 2>&1 | grep -q 'RELEASING -> CLOSING' || fail "the server closed before the force was gone"
   step "SIGTERM under load: status 0 after $took ms"
   judge "SIGTERM under load" closing "$since"
 

@@ -48,7 +48,7 @@ finish() {
   if [[ -n $engine ]]; then
     collect
     tear_down || status=1
-    if ! $keep_images; then "$engine" rmi --force "$image" >/dev/null 2>&1 || true; fi
+    if ! $keep_images; then "$engine" rmi --force "$image" "$image-packages" >/dev/null 2>&1 || true; fi
     local rest
     rest=$(left_behind)
     if [[ -n $rest ]]; then

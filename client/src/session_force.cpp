@@ -63,7 +63,10 @@ void Session::Impl::release() {
     } else {
       changed_.wait(lock, [this] { return engage_call_ == nullptr; });  // it has a deadline
     }
-    if (phase_ != Phase::kOpen) return;  // with its stream gone the force is already fading out
+    if (phase_ != Phase::kOpen) {  // the force fades out, unless the session were resumed with it
+      release_due_ = true;
+      return;
+    }
   }
   v1::ReleaseRequest request;
   request.set_session_id(session_id());
@@ -74,6 +77,7 @@ void Session::Impl::release() {
 }
 
 void Session::Impl::release_again(Lock& lock) {
+  if (phase_ != Phase::kOpen) release_due_ = true;
   if (release_call_ || phase_ != Phase::kOpen) return;
   auto release = std::make_shared<ReleaseCall>();
   release->request.set_session_id(opened_.session_id());

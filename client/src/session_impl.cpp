@@ -72,7 +72,7 @@ v1::OpenSession Session::Impl::opening() const {
   open.set_state_rate_hz(options_.state_rate_hz);
   open.set_priority(static_cast<v1::Priority>(options_.priority));
   open.set_resumable(resumable());
-  if (resumable()) open.set_resume(opened_.session_id());
+  if (resumable() && !release_due_) open.set_resume(opened_.session_id());
   open.set_udp_wanted(options_.carriers != Carriers::kGrpcOnly);
   if (options_.fresh_end) set_duration(*options_.fresh_end, *open.mutable_fresh_end());
   if (options_.hold_end) set_duration(*options_.hold_end, *open.mutable_hold_end());
@@ -82,13 +82,15 @@ v1::OpenSession Session::Impl::opening() const {
 
 void Session::Impl::connect() {
   auto stream = std::make_shared<Stream>(*stub_, *this);
+  v1::OpenSession open;
   {
     const std::lock_guard lock(mutex_);
     if (closing_) throw ClientError(ErrorReason::kClosed, "the session was closed");
     phase_ = Phase::kOpening;
     stream_ = stream;
+    open = opening();
   }
-  stream->start(opening());
+  stream->start(open);
   Lock lock(mutex_);
   const bool answered =
       changed_.wait_for(lock, options_.timeout, [this] { return phase_ != Phase::kOpening; });

@@ -164,6 +164,9 @@ class Session::Impl final : public StreamSink, public UdpSink {
   Clock::time_point asked_at_{};  ///< when the user last asked
   std::shared_ptr<EngageCall> engage_call_;
   std::shared_ptr<ReleaseCall> release_call_;
+  /// Released while there was no stream: what is opened next takes up no force, and if it has already
+  /// resumed, lets it go.
+  bool release_due_{false};
   bool superseded_{false};  ///< by a release() that could not wait for engage_call_
   Clock::time_point next_engage_{};
   std::optional<ClientError> refusal_{};

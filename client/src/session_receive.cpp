@@ -74,6 +74,7 @@ void Session::Impl::received(const v1::SessionOpened& opened) {
     handed_seq_ = 0;
     handed_x_probe_.clear();
     state_pending_ = false;
+    release_due_ = false;
   }
   earlier_ = statistics_;
   lease_lost_ = false;

@@ -32,6 +32,10 @@ void Session::Impl::work() {
       handle_end(lock);
     } else if (reconnecting_ && Clock::now() >= next_connect_) {
       reconnect(lock);
+    } else if (release_due_ &&
+               phase_ == Phase::kOpen) {  // resumed, by an opening already under way
+      release_due_ = false;
+      release_again(lock);
     } else if (force_due() && Clock::now() >= next_engage_) {
       ask_for_force(lock);
     } else if (events_.empty()) {

@@ -233,6 +233,13 @@ std::size_t largest_state(const core::PipelineConfig& config) {
   record.input.settings.stiffness = core::VecA::Ones(n_a);
   record.x = record.x_probe = core::VecX::Ones(n_x);
   record.active_planes = ~std::uint32_t{0};
+  record.input.device.sample.tau_measured = core::VecA::Ones(n_a);
+  record.input.device.sample.q = 2.0 * record.q;  // refused: told as `reading` too
+  if (!config.ratings.empty()) record.temperature_c = core::VecA::Ones(n_a);
+  record.drive = core::VecA::Ones(n_a);
+  for (core::LimiterSet& limiters : record.actuator_limiters) {
+    limiters.set(core::Limiter::kDriveLimit);  // the longest number
+  }
   record.passivity.on = config.passivity.enabled();
   record.passivity.tank = record.passivity.storage = record.passivity.scale = 1.0;
   record.passivity.observed = record.passivity.alpha = 1.0;

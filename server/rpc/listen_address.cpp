@@ -118,7 +118,7 @@ std::string weakness(const std::string& address, Protection protection) {
                  : "gRPC without TLS on " + address + ", open to every user of this host";
     case Protection::kTls:
       return "TLS without client certificates on " + address +
-             ": whoever reaches it may take a device that is free";
+             ": whoever reaches it may take a device, also from whoever has it (PRIORITY_OPERATOR)";
     case Protection::kMutualTls:
       return {};
     case Protection::kInsecureLab:

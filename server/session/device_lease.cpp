@@ -82,7 +82,11 @@ bool DeviceSessions::resumes(const LeaseRequest& request) const noexcept {
 /// stream, if it still stands (its end may be known to the client only), goes on as an observer's.
 void DeviceSessions::resume_lease(const LeaseRequest& request, core::TimePoint now,
                                   const LeaseAnswer& answer, Closures& closures) {
-  pending_.lease_ended(lease_.session_id(), closures);
+  if (pending_.lease_ended(lease_.session_id(), closures)) {
+    // Whoever was told that Engage failed must not feel it act.
+    ++command_.release_id;
+    post();
+  }
   const std::uint32_t epoch = lease_.resume(request, now);
   resumes_ = lease_.resumes();
   ingress_.renew_lease(epoch);
@@ -141,7 +145,8 @@ void DeviceSessions::grant_newcomer(core::TimePoint now, Closures& closures) {
 
 void DeviceSessions::look_after_lease(const core::TickRecord& record, Closures& closures) {
   const core::TimePoint now = record.input.now;
-  if (lease_.expired(now, ingress_.last_accepted())) {
+  const bool promised = newcomer_ && newcomer_->granted;  // its clock starts when it is granted
+  if (!promised && lease_.expired(now, ingress_.last_accepted())) {
     tell_everyone({DeviceEvent::Kind::kLeaseExpired, now, "LEASE_EXPIRED",
                    "'" + lease_.client_name() +
                        (lease_.detached()
@@ -176,7 +181,7 @@ void DeviceSessions::end_lease(Closures& closures) {
   command_.lease_held = false;
   post();
   settings_due_ = true;
-  pending_.lease_ended(session_id, closures);
+  static_cast<void>(pending_.lease_ended(session_id, closures));  // the end of a lease releases
 }
 
 void DeviceSessions::tell_lease(const char* reason, std::string message) {

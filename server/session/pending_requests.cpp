@@ -167,7 +167,8 @@ void PendingRequests::step(const core::TickRecord& record, Closures& closures) {
   }
 }
 
-void PendingRequests::lease_ended(const std::string& session_id, Closures& closures) {
+bool PendingRequests::lease_ended(const std::string& session_id, Closures& closures) {
+  bool engage = false;
   for (auto it = requests_.begin(); it != requests_.end();) {
     const bool of_lease =
         (it->kind == Kind::kEngage || it->kind == Kind::kRelease) && it->session_id == session_id;
@@ -184,8 +185,10 @@ void PendingRequests::lease_ended(const std::string& session_id, Closures& closu
                                     "the lease ended before the loop answered",
                                     {}});
     closures.push_back([call = std::move(it->answer), outcome] { call(outcome); });
+    engage = engage || it->kind == Kind::kEngage;
     it = requests_.erase(it);
   }
+  return engage;
 }
 
 PendingRequests::Cancelled PendingRequests::cancel(Ticket ticket) {

@@ -46,8 +46,9 @@ class PendingRequests {
 
   /// Collects what `record` answers, and what has waited too long.
   void step(const core::TickRecord& record, Closures& closures);
-  /// The session lost its lease: its engages are refused, its releases are fulfilled.
-  void lease_ended(const std::string& session_id, Closures& closures);
+  /// The session lost its lease: its engages are refused, its releases are fulfilled. Whether there
+  /// was an engage: the loop may still read it.
+  [[nodiscard]] bool lease_ended(const std::string& session_id, Closures& closures);
   enum class Cancelled : std::uint8_t { kNothing, kRequest, kEngage };
   /// Not kNothing where the request was still open; its answer is then never called.
   Cancelled cancel(Ticket ticket);

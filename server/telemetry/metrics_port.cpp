@@ -30,6 +30,10 @@ class MetricsPort::Impl {
  public:
   Impl(const std::string& listen, bool insecure_lab, std::function<std::string()> page)
       : page_(std::move(page)) {
+    if (listen.rfind("unix:", 0) == 0) {
+      throw core::TransportError("metrics address '" + listen +
+                                 "': must be host:port (Prometheus asks by TCP)");
+    }
     check_listen_address(listen, insecure_lab ? Protection::kInsecureLab : Protection::kThisHost);
     server_.new_task_queue = [] { return new httplib::ThreadPool(1); };
     // The library's default lets a second server share the port.

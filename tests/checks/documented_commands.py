@@ -37,6 +37,16 @@ ELSEWHERE = {
     "cmake --build --preset release": ("tests/run.sh", "cmake --build --preset"),
     'cmake --install build/release --prefix "$HOME/.local"':
         ("tests/package/install_test.sh", 'cmake --install "$build" --prefix'),
+    "hapticctl doctor": ("tests/hapticctl/doctor_test.cpp", "MeasuresThisVeryHost"),
+    "hapticctl calibrate": ("tests/hapticctl/guide_test.cpp", "FindsWhatTheSensorsMean"),
+    "tests/relay/matrix.sh": ("tests/relay/matrix_test.sh", "tests/relay/matrix.sh"),
+    "tests/relay/matrix.sh --network": ("tests/relay/network_matrix_test.cpp", "TEST"),
+    "build/release/server/hapticd --scene server/scenes/finger_constant.textproto --set 'server.udp_listen=\"127.0.0.1:50052\"'":
+        ("tests/relay/daemon.cpp", "udp_listen"),
+    "build/release/tests/haptic-relay --scenario tests/relay/scenarios/loss_05.textproto --tcp 50051 --udp 50052":
+        ("docker/compose.yaml", "haptic-relay --scenario"),
+    "build/release/client/hapticctl --server 127.0.0.2:50051 watch":
+        ("tests/checks/documented_commands.py", '"hapticctl watch"'),
     "(cd build/release": ("tests/package/deb_test.sh", "cpack -G DEB"),
     "cpack -G DEB)": ("tests/package/deb_test.sh", "cpack -G DEB"),
 }

@@ -66,6 +66,23 @@ TEST(Resume, WhereItCannotBeResumedItIsOpenedAnew) {
   EXPECT_EQ(session->state().seq, 0U);
 }
 
+/// Resuming would carry on the force that was just given back.
+TEST(Resume, WhatWasReleasedWhileTheStreamWasGoneIsNotResumed) {
+  FakeServer server;
+  server.resumable(true);
+  std::atomic<client::Session*> held{nullptr};
+  client::SessionOptions options = reconnecting();
+  options.on_disconnect = [&](const ClientError&, bool) { held.load()->release(); };
+  const auto session = Connection(server.address()).open(options);
+  held = session.get();
+  server.send_state(100, v1::DEVICE_STATE_NAME_ENGAGED);
+  ASSERT_TRUE(server.until([&] { return session->state().seq == 100; }));
+  server.end_session({grpc::StatusCode::UNAVAILABLE, "the cable"});
+  ASSERT_TRUE(server.until([&] { return server.openings().size() == 2; }));
+  EXPECT_EQ(server.openings().back().resume(), "");
+  ASSERT_TRUE(server.until([&] { return session->connected(); }));
+}
+
 TEST(Resume, WithoutReconnectNothingIsAskedFor) {
   FakeServer server;
   auto session = Connection(server.address()).open({});

@@ -141,7 +141,8 @@ class ByWire final : public Way {
                  opening(by_udp)) {
     EXPECT_TRUE(session_.wait_opened());
     if (!by_udp) return;
-    const v1::UdpPath& offer = session_.opened().udp();
+    if (!session_.opened().has_udp()) throw std::runtime_error(session_.opened().udp_refused());
+    const v1::UdpPath offer = session_.opened().udp();
     udp_ = std::make_unique<UdpEnd>(wire::End::kClient, keys_of(offer),
                                     static_cast<std::uint16_t>(offer.port()));
     EXPECT_TRUE(eventually([this] { return udp_->in_use(); }));

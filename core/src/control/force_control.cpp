@@ -48,6 +48,7 @@ void ForceControl::step(const VecA& reference, const VecA& measured, double dt) 
   const bool known = measured.size() == reference.size();
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     const auto a = static_cast<Eigen::Index>(i);
+    if (!known) loops_[i].reset();  // the reference alone: what was integrated may be out of date
     drive_[a] = loops_[i].step(reference[a], known ? measured[a] : reference[a], dt);
     if (loops_[i].saturated()) limited_ |= std::uint32_t{1} << i;
   }

@@ -91,9 +91,11 @@ void Pipeline::Stages::no_output(TickRecord& record) noexcept {
   for (int i = 0; i < layout_.n_a(); ++i) limiters_[i].zero();
 }
 
-/// Step 11. A device that is not powered is not regulated either: its integral would only wind up.
+/// Step 11. A device that was not asked for force is not regulated either: the offset of a load cell
+/// would wind up the integral, and move it.
 void Pipeline::Stages::drive(TickRecord& record, bool powered) noexcept {
-  if (powered && !record.faults.has(Fault::kOutputNotFinite)) {
+  const bool asked_for = record.gain > 0.0 || record.damping_gain > 0.0;
+  if (powered && asked_for && !record.faults.has(Fault::kOutputNotFinite)) {
     const bool known = tau_measured_.size() > 0 && device_sample_is_recent(record.input.now);
     force_control_->step(record.tau_a, known ? tau_measured_ : VecA{}, seconds(record.dt));
   } else {
@@ -101,6 +103,14 @@ void Pipeline::Stages::drive(TickRecord& record, bool powered) noexcept {
   }
   record.drive = force_control_->drive();
   record.position = force_control_->position();
+  for (int i = 0; ratings_ && i < static_cast<int>(record.drive.size()); ++i) {
+    // What heats the winding is what the loop drives, not its reference.
+    const double allowed = ratings_->force(i, std::abs(record.drive[i]));
+    if (std::abs(record.drive[i]) <= allowed) continue;
+    record.drive[i] = std::copysign(allowed, record.drive[i]);
+    record.actuator_limiters[static_cast<std::size_t>(i)].set(Limiter::kTemperature);
+    record.limiters.set(Limiter::kTemperature);
+  }
   for (int i = 0; i < layout_.n_a(); ++i) {
     if (!force_control_->limited(i)) continue;
     record.actuator_limiters[static_cast<std::size_t>(i)].set(Limiter::kDriveLimit);

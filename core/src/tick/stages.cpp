@@ -337,6 +337,8 @@ void Pipeline::Stages::state(const TickInput& input, TickRecord& record) noexcep
   record.state = machine_.step(events, gain_.value());
   record.lost = machine_.lost_now();
 
+  // Whoever has the lease now did not ask for what the one before was granted.
+  if (events.lease_changed && record.state == DeviceState::kArmed) force_granted_ = false;
   if (engage_accepted_) force_granted_ = true;
   if (engage_accepted_ && before == DeviceState::kArmed && passivity_) passivity_->restart();
   const bool force_given_up = before == DeviceState::kReleasing && record.state != before;

@@ -287,10 +287,10 @@ TEST(Renderers, AllocateNothing) {
     map->space().difference(x, x_probe, dx);
     const VecA Z_q = VecA::Constant(map->layout().n_a(), 800.0);
     for (const RendererKind kind : kAll) {
-      const test::AllocationGuard allocations;
       Renderer renderer(kind, *map);
       DirectionGuard guard(*map);
       Projection out;
+      const test::AllocationGuard allocations;
       for (int i = 0; i < 20; ++i) {
         renderer.project(Probe{q, x_probe, J}, x, dx, Z_q, true, out);
         static_cast<void>(guard.allows(Probe{q, x_probe, J}, dx, Z_q));

@@ -57,6 +57,21 @@ TEST(ForceControlInTheTick, WhatIsNotArmedIsNotDriven) {
   EXPECT_EQ(record.drive[0], 0.0);
 }
 
+TEST(ForceControlInTheTick, ALeaseAloneDrivesNothingHoweverTheLoadCellIsOff) {
+  Bench bench(with_loop());
+  bench.input.device.sample.tau_measured = VecA::Constant(1, 0.5);
+  TickRecord record;
+  for (int i = 0; i < 500; ++i) ASSERT_EQ(bench.tick().drive[0], 0.0);
+  bench.engage();
+  bench.put(joints(0.65, 0.65));
+  for (int i = 0; i < 300; ++i) record = bench.tick();
+  EXPECT_GT(std::abs(record.drive[0]), 0.5);
+  ++bench.input.command.release_id;
+  for (int i = 0; i < 300; ++i) record = bench.tick();
+  ASSERT_EQ(record.state, DeviceState::kArmed);
+  EXPECT_EQ(record.drive[0], 0.0);
+}
+
 TEST(ForceControlInTheTick, AFaultTakesTheDrivesForceWithinATick) {
   Bench bench(with_loop());
   bench.input.device.sample.tau_measured = VecA::Zero(1);

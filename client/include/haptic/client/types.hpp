@@ -90,8 +90,7 @@ struct DeviceState {
   std::uint64_t seq{0};
   std::int64_t server_time_ns{0};
   std::vector<double> q{}, q_dot{}, x_probe{}, x{}, q_star{}, tau_a{}, tau_elastic{},
-      stiffness_in_effect{}, tau_measured{}, temperature_c{}, drive{},
-      reading{};
+      stiffness_in_effect{}, tau_measured{}, temperature_c{}, drive{}, reading{};
   std::uint64_t proxy_seq_used{0};
   std::chrono::microseconds proxy_age{0};
   Staleness staleness{Staleness::kUnknown};

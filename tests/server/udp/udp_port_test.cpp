@@ -70,6 +70,8 @@ class UdpPortTest : public testing::Test {
 };
 
 TEST_F(UdpPortTest, WhatWaitedInTheSocketIsAsOldAsItIs) {
+  // A kernel begins to stamp datagrams a moment after the first socket of the host asked for it.
+  std::this_thread::sleep_for(200ms);
   // The port's thread is not there yet, as if the host had stopped it.
   sender.send_raw(client.seal(wire::DatagramType::kProxy, sample(1)), port.port());
   const core::TimePoint sent = server::steady_now();

@@ -29,8 +29,8 @@ Scene soft_grasp() {
       load_scene(std::string(HAPTIC_SOURCE_DIR) + "/server/scenes/finger_soft_grasp.textproto");
   scene.server.listen = {"127.0.0.1:0"};
   // A machine that builds at the same time is late at times; that is another test's subject.
-  scene.loop_late_fault = 10s;
-  scene.late_bucket_full = 1'000'000;
+  scene.loop.loop_late_fault = 10s;
+  scene.loop.late_bucket_full = 1'000'000;
   return scene;
 }
 

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 
 #include "haptic/core/error.hpp"
 #include "tests/server/support/live_server.hpp"
@@ -134,7 +135,9 @@ TEST(App, RecordsEveryTickWhereTheSceneSaysSo) {
 // The grant of this host, whatever it is, decides the loop's patience (WIRE 4). In a process of its
 // own would be cleaner, but memory is locked as it is touched: the tests that follow do not notice.
 TEST(App, TheLateFaultGoesWithTheGrant) {
-  App app(soft_grasp(), {RealtimeMode::kTry});
+  Scene scene = soft_grasp();
+  scene.loop.loop_late_fault.reset();
+  App app(std::move(scene), {RealtimeMode::kTry});
   app.start();
   const bool fifo = app.realtime().facts.sched_fifo;
   EXPECT_EQ(app.sessions(0).unit().config().loop_late_fault, fifo ? 8ms : 20ms);

@@ -11,7 +11,7 @@ namespace haptic::client {
 namespace {
 
 /// A lease that waits for a client which will not come back keeps damping on.
-constexpr std::chrono::milliseconds kFarewell{100};
+constexpr std::chrono::milliseconds kFarewell{500};
 
 }  // namespace
 

@@ -9,7 +9,7 @@
 namespace haptic::hw::emulator {
 namespace {
 
-constexpr std::uint64_t kStepUs = 100, kPollUs = 1000, kHandshakeUs = 100'000;
+constexpr std::uint64_t kAdvanceUs = 100, kPollUs = 1000, kHandshakeUs = 100'000;
 constexpr std::uint64_t kLongestJumpUs = 100'000;
 
 board::Expectation expectation(const BoardConfig& config, const core::Kinematics& kinematics) {
@@ -33,7 +33,7 @@ VirtualBoard::VirtualBoard(const EmulatorConfig& board, const Intent& intent,
   const core::TimePoint before(std::chrono::microseconds(0));
   host_.connect(before);
   while (host_.stage() == board::BoardHost::Stage::kGreeting && elapsed_us_ < kHandshakeUs) {
-    pass_until(before + std::chrono::microseconds(elapsed_us_ + kStepUs));
+    pass_until(before + std::chrono::microseconds(elapsed_us_ + kAdvanceUs));
   }
   if (host_.stage() != board::BoardHost::Stage::kOpen) {
     throw core::DeviceError("emulated board refused: " + host_.refusal());
@@ -77,8 +77,8 @@ void VirtualBoard::pass_until(core::TimePoint now) {
     start_ = zero + std::chrono::microseconds(wanted - elapsed_us_ - kLongestJumpUs);
     return pass_until(now);
   }
-  while (elapsed_us_ + kStepUs <= wanted) {
-    elapsed_us_ += kStepUs;
+  while (elapsed_us_ + kAdvanceUs <= wanted) {
+    elapsed_us_ += kAdvanceUs;
     pass(zero + std::chrono::microseconds(elapsed_us_));
   }
 }

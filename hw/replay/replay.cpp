@@ -11,10 +11,6 @@
 namespace haptic::hw {
 namespace {
 
-core::Duration duration(double s) {
-  return core::Duration(std::llround(s * 1e9));
-}
-
 ColumnSet dof_names(const core::Kinematics& kinematics) {
   ColumnSet names;
   for (const core::DofSpec& dof : kinematics.dofs()) names.push_back(dof.name);
@@ -47,7 +43,7 @@ std::string summary(const std::filesystem::path& file, const ReplayFacts& facts)
 Replay::Replay(const ReplayConfig& config, std::shared_ptr<const core::Kinematics> kinematics)
     : kinematics_(std::move(kinematics)), repeat_(config.repeat) {
   info_.limits = device_limits(*kinematics_, config.max_effort);
-  info_.limits.max_silence = duration(kLongestStep);
+  info_.limits.max_silence = core::duration(kLongestStep);
   info_.limits.silence_policy = core::SilencePolicy::kRampOut;
   info_.kind = "replay";
   info_.dofs = kinematics_->dofs();
@@ -62,7 +58,7 @@ Replay::Replay(const ReplayConfig& config, std::shared_ptr<const core::Kinematic
   }
   MotionTable table = read_motion_csv(config.file, alternatives);
   facts_.rows = table.time_s.size();
-  facts_.length = duration(table.time_s.back());
+  facts_.length = core::duration(table.time_s.back());
   facts_.joint_angles = table.alternative == 1 && !rotation;
   if (facts_.joint_angles) {
     const Columns q = bring_into_reach(table);

@@ -6,10 +6,6 @@
 namespace haptic::hw {
 namespace {
 
-core::Duration duration(double s) {
-  return core::Duration(std::llround(s * 1e9));
-}
-
 std::vector<Pchip> curves(const std::vector<double>& time_s, const Columns& columns) {
   std::vector<Pchip> all;
   for (const auto& column : columns) all.emplace_back(time_s, column);
@@ -19,7 +15,9 @@ std::vector<Pchip> curves(const std::vector<double>& time_s, const Columns& colu
 }  // namespace
 
 Stretch::Stretch(const std::vector<double>& time_s, const Columns& q)
-    : begin_(duration(time_s.front())), end_(duration(time_s.back())), q_(curves(time_s, q)) {}
+    : begin_(core::duration(time_s.front())),
+      end_(core::duration(time_s.back())),
+      q_(curves(time_s, q)) {}
 
 Stretch::Stretch(const std::vector<double>& time_s, const Columns& q, const Columns& x,
                  std::shared_ptr<const core::Kinematics> kinematics)

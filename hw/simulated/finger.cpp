@@ -9,8 +9,6 @@
 namespace haptic::hw {
 namespace {
 
-constexpr double kStep = core::seconds(Substeps::kStep);
-
 /// The pose in which the simulation begins: the finger straight, METHOD 1.2's nominal pose.
 const Eigen::Vector2d kRest = Eigen::Vector2d::Zero();
 
@@ -92,7 +90,7 @@ SimulatedFinger::SimulatedFinger(const SimulatedFingerConfig& config,
       noise_(config.seed) {}
 
 double SimulatedFinger::elapsed() const noexcept {
-  return static_cast<double>(steps_) * kStep + core::seconds(substeps_.rest());
+  return static_cast<double>(steps_) * Substeps::kStepSeconds + core::seconds(substeps_.rest());
 }
 
 core::VecQ SimulatedFinger::measured(core::VecQ q) noexcept {
@@ -114,7 +112,8 @@ void SimulatedFinger::read(core::TimePoint now, core::DeviceReading& reading) no
   }
   for (int n = substeps_.advance(now); n > 0; --n) {
     ++steps_;
-    physics_.step(kStep, intent_.at(static_cast<double>(steps_) * kStep), tau_a_);
+    physics_.step(Substeps::kStepSeconds,
+                  intent_.at(static_cast<double>(steps_) * Substeps::kStepSeconds), tau_a_);
   }
   arming_.on_read();
   reading.armed = arming_.armed();

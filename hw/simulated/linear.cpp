@@ -10,8 +10,6 @@
 namespace haptic::hw {
 namespace {
 
-constexpr double kStep = core::seconds(Substeps::kStep);
-
 void size_or_zero(const char* name, Eigen::Index n_q, core::VecQ& values, bool may_be_negative) {
   if (values.size() == 0) values = core::VecQ::Zero(n_q);
   if (values.size() != n_q) {
@@ -68,8 +66,9 @@ void SimulatedLinear::step() noexcept {
     const double B = config_.hand_damping[i] + config_.damping[i];
     const double m = config_.mass[i];
     const double push = tau_[i] + K * (config_.target[i] - q_[i]);
-    q_dot_[i] = (m * q_dot_[i] + kStep * push) / (m + kStep * (B + kStep * K));
-    const double free = q_[i] + kStep * q_dot_[i];
+    q_dot_[i] = (m * q_dot_[i] + Substeps::kStepSeconds * push) /
+                (m + Substeps::kStepSeconds * (B + Substeps::kStepSeconds * K));
+    const double free = q_[i] + Substeps::kStepSeconds * q_dot_[i];
     q_[i] = std::clamp(free, lower_[i], upper_[i]);
     if (q_[i] != free) q_dot_[i] = 0.0;
   }

@@ -16,6 +16,7 @@ namespace haptic::hw {
 class Substeps {
  public:
   static constexpr core::Duration kStep{std::chrono::microseconds(100)};  ///< 10 kHz
+  static constexpr double kStepSeconds = core::seconds(kStep);
   static constexpr core::Duration kLongestAdvance{std::chrono::milliseconds(100)};
 
   /// Steps to make so that the physics stands at most one step before `now`. 0 on the first call,

@@ -46,6 +46,7 @@ class ResponseStream : public Reactor,
   ServiceContext& context_;
   std::mutex mutex_;
   bool ended_{false};
+  bool given_up_{false};             ///< what it held: from here on the client may hear of the end
   Ending ending_{Ending::kGivenUp};  ///< where it ended
   bool writing_{false};
   ServiceContext::Target target_{};
@@ -71,7 +72,7 @@ void ResponseStream<Reactor>::OnWriteDone(bool ok) {
   {
     const std::lock_guard lock(mutex_);
     writing_ = false;
-    finish = ended_;
+    finish = given_up_;
     if (ok) flush();
   }
   if (finish) {
@@ -85,16 +86,21 @@ template <typename Reactor>
 void ResponseStream<Reactor>::end(const grpc::Status& status, Ending ending) {
   // Finish may be followed by OnDone before it returns here.
   const auto keep = this->shared_from_this();
-  bool finish = false;
   {
     const std::lock_guard lock(mutex_);
     if (ended_) return;
     ended_ = true;
     ending_ = ending;
     final_status_ = status;
+  }
+  // Before the client hears of the end: it may open its next session at once.
+  give_up_what_is_held();
+  bool finish = false;
+  {
+    const std::lock_guard lock(mutex_);
+    given_up_ = true;
     finish = !writing_;  // else the write's own completion finishes
   }
-  give_up_what_is_held();
   if (finish) this->Finish(status);
 }
 

@@ -24,8 +24,9 @@ struct ListField {
   Allowed allowed;
   int size;         ///< how many there must be; -1: not known, because what it derives
                     ///< from is wrong
-  const char* per;  ///< "actuated DoF"
+  const char* per;  ///< kPerActuatedDof, "coordinate", ...
 };
+inline constexpr const char* kPerActuatedDof = "actuated DoF";
 
 /// An optional number and the value it stands for, which holds its default.
 struct NumberField {

@@ -8,8 +8,6 @@
 namespace haptic::server {
 namespace {
 
-constexpr const char* kPer = "actuated DoF";
-
 std::vector<double> constant(int n_a, double value) {
   return std::vector<double>(static_cast<std::size_t>(std::max(n_a, 0)), value);
 }
@@ -36,13 +34,15 @@ std::vector<core::ForceLoopGains> read_server(v1::ServerForceLoopScene& message,
                                               const core::VecA& force_limit,
                                               const core::VecA& max_effort, Problems& problems) {
   const FieldReader reader(message, path, problems);
-  const auto proportional = reader.list({"proportional", Allowed::kNotNegative, n_a, kPer});
-  const auto integral = reader.list({"integral_per_s", Allowed::kNotNegative, n_a, kPer});
+  const auto proportional =
+      reader.list({"proportional", Allowed::kNotNegative, n_a, kPerActuatedDof});
+  const auto integral =
+      reader.list({"integral_per_s", Allowed::kNotNegative, n_a, kPerActuatedDof});
   const auto friction =
-      reader.list({"friction_n", Allowed::kNotNegative, n_a, kPer}, constant(n_a, 0.0));
-  const auto band =
-      reader.list({"friction_band_n", Allowed::kPositive, n_a, kPer}, constant(n_a, 1.0));
-  const auto output = reader.list({"output_limit_n", Allowed::kPositive, n_a, kPer},
+      reader.list({"friction_n", Allowed::kNotNegative, n_a, kPerActuatedDof}, constant(n_a, 0.0));
+  const auto band = reader.list({"friction_band_n", Allowed::kPositive, n_a, kPerActuatedDof},
+                                constant(n_a, 1.0));
+  const auto output = reader.list({"output_limit_n", Allowed::kPositive, n_a, kPerActuatedDof},
                                   default_output(force_limit, max_effort, friction));
   if (!same_size(
           {proportional.size(), integral.size(), friction.size(), band.size(), output.size()})) {
@@ -73,11 +73,12 @@ std::vector<core::AdmittanceParameters> read_admittance(v1::AdmittanceScene& mes
     stroke_begin.push_back(dof.lower);
     stroke_end.push_back(dof.upper);
   }
-  const auto mass = reader.list({"mass_kg", Allowed::kNotNegative, n_a, kPer}, constant(n_a, 0.0));
-  const auto damping = reader.list({"damping_n_s_per_m", Allowed::kPositive, n_a, kPer});
-  const auto rate = reader.list({"max_rate_m_per_s", Allowed::kPositive, n_a, kPer});
-  const auto lower = reader.list({"lower", Allowed::kFinite, n_a, kPer}, stroke_begin);
-  const auto upper = reader.list({"upper", Allowed::kFinite, n_a, kPer}, stroke_end);
+  const auto mass =
+      reader.list({"mass_kg", Allowed::kNotNegative, n_a, kPerActuatedDof}, constant(n_a, 0.0));
+  const auto damping = reader.list({"damping_n_s_per_m", Allowed::kPositive, n_a, kPerActuatedDof});
+  const auto rate = reader.list({"max_rate_m_per_s", Allowed::kPositive, n_a, kPerActuatedDof});
+  const auto lower = reader.list({"lower", Allowed::kFinite, n_a, kPerActuatedDof}, stroke_begin);
+  const auto upper = reader.list({"upper", Allowed::kFinite, n_a, kPerActuatedDof}, stroke_end);
   if (!same_size({mass.size(), damping.size(), rate.size(), lower.size(), upper.size()})) return {};
   std::vector<core::AdmittanceParameters> admittances;
   for (std::size_t i = 0; i < mass.size(); ++i) {

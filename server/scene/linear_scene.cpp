@@ -9,7 +9,7 @@
 namespace haptic::server {
 namespace {
 
-constexpr std::size_t kLongestName = 32;
+constexpr std::size_t kLongestEntryName = 32;
 
 core::Unit read_unit(const FieldReader& reader, const std::string& text) {
   if (text != "m" && text != "rad") {
@@ -32,7 +32,7 @@ bool has_entries(const FieldReader& reader, const char* list, int count, int mos
 
 core::DofSpec read_dof(v1::LinearScene::Dof& dof, const FieldReader& reader,
                        std::set<std::string>& names) {
-  check_entry_name(reader, dof.name(), kLongestName, names);
+  check_entry_name(reader, dof.name(), kLongestEntryName, names);
   if (!std::isfinite(dof.lower())) reader.wrong("lower", decimal(dof.lower()), "must be finite");
   if (!std::isfinite(dof.upper()) || dof.upper() <= dof.lower()) {
     reader.wrong("upper", decimal(dof.upper()),
@@ -43,7 +43,7 @@ core::DofSpec read_dof(v1::LinearScene::Dof& dof, const FieldReader& reader,
 
 core::Coordinate read_coordinate(v1::LinearScene::Coordinate& coordinate, const FieldReader& reader,
                                  std::set<std::string>& names) {
-  check_entry_name(reader, coordinate.name(), kLongestName, names);
+  check_entry_name(reader, coordinate.name(), kLongestEntryName, names);
   const core::Unit unit = read_unit(reader, coordinate.unit());
   if (coordinate.full_circle() && unit != core::Unit::kRadian) {
     reader.wrong("full_circle", "true", R"(must be a coordinate in "rad")");

@@ -7,8 +7,6 @@
 namespace haptic::server {
 namespace {
 
-constexpr const char* kPer = "actuated DoF";
-
 std::vector<double> values(const core::VecA& v) {
   return {v.data(), v.data() + v.size()};
 }
@@ -39,11 +37,11 @@ core::ObserverSettings read_observer(v1::PassivityObserverScene& message, const 
   observer.enabled = true;
   reader.numbers({{"allowance_j", &observer.allowance, Allowed::kNotNegative},
                   {"forgetting_j", &observer.forgetting, Allowed::kNotNegative}});
-  const ListField inertia{"inertia_kg", Allowed::kPositive, n_a, kPer};
+  const ListField inertia{"inertia_kg", Allowed::kPositive, n_a, kPerActuatedDof};
   observer.inertia = to_vector(own.inertia.size() > 0 ? reader.list(inertia, values(own.inertia))
                                                       : reader.list(inertia));
-  observer.slowest =
-      to_vector(reader.list({"slowest_m_per_s", Allowed::kNotNegative, n_a, kPer}, zeros(n_a)));
+  observer.slowest = to_vector(
+      reader.list({"slowest_m_per_s", Allowed::kNotNegative, n_a, kPerActuatedDof}, zeros(n_a)));
   return observer;
 }
 
@@ -63,9 +61,9 @@ core::PassivitySettings read_passivity(v1::PassivityScene& message, const std::s
     settings.observer =
         read_observer(*message.mutable_observer(), path + ".observer", n_a, own, problems);
   }
-  settings.device_damping =
-      to_vector(reader.list({"device_damping_n_s_per_m", Allowed::kNotNegative, n_a, kPer},
-                            own.damping.size() > 0 ? values(own.damping) : zeros(n_a)));
+  settings.device_damping = to_vector(
+      reader.list({"device_damping_n_s_per_m", Allowed::kNotNegative, n_a, kPerActuatedDof},
+                  own.damping.size() > 0 ? values(own.damping) : zeros(n_a)));
   return settings;
 }
 

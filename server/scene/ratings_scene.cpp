@@ -7,12 +7,10 @@
 namespace haptic::server {
 namespace {
 
-constexpr const char* kPer = "actuated DoF";
-
 /// A list that may be absent altogether.
 std::vector<double> list_or_none(const FieldReader& reader, const char* name, int given, int n_a) {
   if (given == 0) return {};
-  return reader.list({name, Allowed::kPositive, n_a, kPer});
+  return reader.list({name, Allowed::kPositive, n_a, kPerActuatedDof});
 }
 
 core::ThermalParameters read_thermal(v1::ThermalScene& message, const std::string& path,

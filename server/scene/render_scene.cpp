@@ -11,7 +11,6 @@ using std::chrono::milliseconds;
 
 constexpr double kSlewPerForce = 100.0;  // 1/s: the whole force in 10 ms
 constexpr double kWindowPerForce = 0.25;
-constexpr const char* kPer = "actuated DoF";
 /// Longer silences than this are no jitter of a network; also the longest lease
 /// (WIRE 2).
 constexpr core::Duration kLongestSilence{std::chrono::seconds(60)};
@@ -41,9 +40,10 @@ core::RendererKind read_renderer(v1::DeviceScene& message) {
 void read_impedance(v1::ImpedanceScene& message, const std::string& path, int n_a,
                     core::RenderSettings& settings, Problems& problems) {
   const FieldReader reader(message, path, problems);
-  settings.stiffness = to_vector(reader.list({"stiffness_n_per_m", Allowed::kPositive, n_a, kPer}));
+  settings.stiffness =
+      to_vector(reader.list({"stiffness_n_per_m", Allowed::kPositive, n_a, kPerActuatedDof}));
   settings.damping =
-      to_vector(reader.list({"damping_n_s_per_m", Allowed::kNotNegative, n_a, kPer},
+      to_vector(reader.list({"damping_n_s_per_m", Allowed::kNotNegative, n_a, kPerActuatedDof},
                             std::vector<double>(static_cast<std::size_t>(std::max(n_a, 0)))));
 }
 
@@ -59,7 +59,8 @@ void read_limits(v1::LimitsScene& message, const std::string& path, int n_a,
                  const core::VecA& max_effort, core::RenderSettings& settings, Problems& problems) {
   const FieldReader reader(message, path, problems);
   const std::size_t before = problems.count();
-  const std::vector<double> force = reader.list({"force_n", Allowed::kPositive, n_a, kPer});
+  const std::vector<double> force =
+      reader.list({"force_n", Allowed::kPositive, n_a, kPerActuatedDof});
   settings.force_limit = to_vector(force);
   check_effort(reader, settings.force_limit, max_effort);
   const bool good = problems.count() == before;
@@ -68,10 +69,10 @@ void read_limits(v1::LimitsScene& message, const std::string& path, int n_a,
     for (double& value : values) value *= factor;
     return values;
   };
-  settings.slew_limit = to_vector(
-      reader.list({"slew_n_per_s", Allowed::kPositive, n_a, kPer}, times_force(kSlewPerForce)));
-  settings.engage_window = to_vector(reader.list({"engage_window_n", Allowed::kPositive, n_a, kPer},
-                                                 times_force(kWindowPerForce)));
+  settings.slew_limit = to_vector(reader.list(
+      {"slew_n_per_s", Allowed::kPositive, n_a, kPerActuatedDof}, times_force(kSlewPerForce)));
+  settings.engage_window = to_vector(reader.list(
+      {"engage_window_n", Allowed::kPositive, n_a, kPerActuatedDof}, times_force(kWindowPerForce)));
 }
 
 void read_staleness(v1::StalenessScene& message, const std::string& path, RenderScene& scene,

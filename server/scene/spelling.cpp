@@ -31,12 +31,12 @@ std::size_t unlikeness(const std::string& name, const std::string& wanted) {
                   2 * distance(name.substr(0, wanted.size()), wanted) + 1);
 }
 
-constexpr std::size_t kLongestName = 64;  // beyond, nobody misspelt anything
+constexpr std::size_t kLongestSpelt = 64;  // beyond, nobody misspelt anything
 
 }  // namespace
 
 std::string fields_of(const google::protobuf::Descriptor& type, const std::string& wanted) {
-  const std::string name = wanted.substr(0, kLongestName);
+  const std::string name = wanted.substr(0, kLongestSpelt);
   std::vector<std::pair<std::size_t, std::string>> fields;
   for (int i = 0; i < type.field_count(); ++i) {
     const std::string& field = type.field(i)->name();

@@ -11,10 +11,6 @@ namespace {
 /// (render_scene.cpp), and 80 ms by default.
 constexpr core::Duration kNewcomerPatience = std::chrono::milliseconds(1500);
 
-void run(const PendingRequests::Closures& closures) {
-  for (const auto& closure : closures) closure();
-}
-
 Refusal held_by(const std::string& device, const std::string& holder, Priority priority) {
   return {Refusal::Code::kExists,
           "LEASE_HELD",
@@ -42,7 +38,7 @@ void DeviceSessions::close(const std::string& session_id, Ending ending) {
       }
     }
   }
-  run(closures);
+  PendingRequests::run(closures);
 }
 
 void DeviceSessions::open_controller(const LeaseRequest& request, core::TimePoint now,
@@ -70,7 +66,7 @@ void DeviceSessions::open_controller(const LeaseRequest& request, core::TimePoin
     }
     if (refusal) closures.push_back([answer, refusal = *refusal] { answer(refusal); });
   }
-  run(closures);
+  PendingRequests::run(closures);
 }
 
 bool DeviceSessions::resumes(const LeaseRequest& request) const noexcept {

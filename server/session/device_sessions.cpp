@@ -7,10 +7,6 @@
 namespace haptic::server {
 namespace {
 
-void run(const PendingRequests::Closures& closures) {
-  for (const auto& closure : closures) closure();
-}
-
 Refusal closing() {
   return {Refusal::Code::kUnavailable, "CLOSING", "the server is shutting down", {}};
 }
@@ -154,7 +150,7 @@ void DeviceSessions::begin_closing() {
                    "the server is shutting down", newest_.state,
                    lease_.held() ? lease_.epoch() : 0});
   }
-  run(closures);
+  PendingRequests::run(closures);
 }
 
 bool DeviceSessions::holds_lease(const std::string& session_id) const {
@@ -214,7 +210,7 @@ void DeviceSessions::on_record(const core::TickRecord& record) {
     pending_.step(record, closures);
     post_next_clear();
   }
-  run(closures);
+  PendingRequests::run(closures);
 }
 
 void DeviceSessions::post() noexcept {

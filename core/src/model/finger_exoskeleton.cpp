@@ -53,8 +53,6 @@ const FingerDimensions& checked(const FingerDimensions& d) {
   return d;
 }
 
-constexpr double kSlack = 1e-12;  // m, rad: rounding at a limit is not a violation
-
 class FingerExoskeleton final : public Kinematics {
  public:
   explicit FingerExoskeleton(const FingerDimensions& d)
@@ -124,10 +122,14 @@ class FingerExoskeleton final : public Kinematics {
   /// that are not a turn away from what the linkage assembles to.
   [[nodiscard]] bool acceptable(const VecX& x, const ClosedPose& p) const noexcept {
     const FingerDimensions& d = linkage_.dimensions();
-    return p.l >= d.l_x_lower - kSlack && p.l <= d.l_x_upper + kSlack &&
-           p.t >= d.q_B_lower - kSlack && p.t <= d.q_B_upper + kSlack &&
-           p.c1 >= d.slider1_lower - kSlack && p.c1 <= d.slider1_upper + kSlack &&
-           p.c2 >= d.slider2_lower - kSlack && p.c2 <= d.slider2_upper + kSlack &&
+    return p.l >= d.l_x_lower - FingerLinkage::kLimitSlack &&
+           p.l <= d.l_x_upper + FingerLinkage::kLimitSlack &&
+           p.t >= d.q_B_lower - FingerLinkage::kLimitSlack &&
+           p.t <= d.q_B_upper + FingerLinkage::kLimitSlack &&
+           p.c1 >= d.slider1_lower - FingerLinkage::kLimitSlack &&
+           p.c1 <= d.slider1_upper + FingerLinkage::kLimitSlack &&
+           p.c2 >= d.slider2_lower - FingerLinkage::kLimitSlack &&
+           p.c2 <= d.slider2_upper + FingerLinkage::kLimitSlack &&
            std::abs(x[0]) <= std::numbers::pi && std::abs(x[1]) <= std::numbers::pi;
   }
 

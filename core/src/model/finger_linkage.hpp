@@ -36,6 +36,8 @@ class FingerLinkage {
  public:
   /// A rod this close over its joint has no usable Jacobian: the linkage counts as not closing.
   static constexpr double kSmallestSlider = 1e-4;  // m
+  /// m, rad: rounding at a limit is not a violation.
+  static constexpr double kLimitSlack = 1e-12;
 
   explicit FingerLinkage(const FingerDimensions& dimensions);
 

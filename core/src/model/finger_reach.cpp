@@ -24,8 +24,6 @@ enum Constraint : int {
 };
 
 constexpr double kScaleL = 0.02;  // m per unit of scaled travel (METHOD 1.2)
-constexpr double kSlack = 1e-12;  // m, rad: rounding at a limit is not a violation
-
 /// Joint limits of METHOD's valid region, rad; they bound the mean of ||J_a|| only.
 constexpr double kJointLower = -0.3, kMcpUpper = 1.75, kPipUpper = 2.0;
 
@@ -67,7 +65,7 @@ int FingerReach::violated(double l, double t) const noexcept {
   LinkagePose p;
   if (!linkage_.pose(l, t, p)) return kNoClosure;
   for (int c = 0; c < kConstraints; ++c) {
-    if (!(value(c, l, t, p) >= -kSlack)) return c;
+    if (!(value(c, l, t, p) >= -FingerLinkage::kLimitSlack)) return c;
   }
   return -1;
 }
@@ -211,7 +209,7 @@ bool FingerReach::allowed_beside(int constraint, double l, double t) const noexc
   LinkagePose p;
   if (!linkage_.pose(l, t, p)) return false;
   for (int c = 0; c < kConstraints; ++c) {
-    if (c != constraint && !(value(c, l, t, p) >= -kSlack)) return false;
+    if (c != constraint && !(value(c, l, t, p) >= -FingerLinkage::kLimitSlack)) return false;
   }
   return true;
 }

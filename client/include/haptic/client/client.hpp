@@ -12,7 +12,7 @@
 /// SI units throughout; arrays in the order of DeviceInfo. Threads: session.hpp and watch.hpp say
 /// whose thread a callback runs on; everything else may be called from any thread. Destructors cancel
 /// what is open, wait for a running callback and join; they never wait for the server (a session that
-/// reconnects: 100 ms, for its farewell), and must not be called in a callback of the same object.
+/// reconnects: 500 ms, for its farewell), and must not be called in a callback of the same object.
 
 #include "haptic/client/connection.hpp"
 #include "haptic/client/error.hpp"

@@ -125,7 +125,7 @@ class Session {
 
   /// Ends the session; force fades out at the server. When it returns no callback runs or will run;
   /// called in a callback it waits for none, and none begins any more. A session that reconnects says
-  /// farewell, and gives the server 100 ms to hear it; no other waits for the server. The destructor
+  /// farewell, and gives the server 500 ms to hear it; no other waits for the server. The destructor
   /// does the same.
   void close();
 

@@ -3,6 +3,7 @@
 /// says what time it is, so that every rule runs on recorded and on virtual time alike.
 
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 
 namespace haptic::core {
@@ -22,6 +23,11 @@ using TimePoint = SteadyClock::time_point;
 
 [[nodiscard]] constexpr double seconds(Duration d) noexcept {
   return std::chrono::duration<double>(d).count();
+}
+
+/// The nearest nanosecond; |s| < 9e9.
+[[nodiscard]] inline Duration duration(double s) noexcept {
+  return Duration(std::llround(s * 1e9));
 }
 
 }  // namespace haptic::core

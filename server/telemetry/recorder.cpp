@@ -118,7 +118,8 @@ std::string Recorder::header(const core::Kinematics& kinematics, bool compare) {
   for (const char* quantity : {"tau_elastic", "tau_damping", "tau_a"}) {
     add_forces(row, kinematics, quantity);
   }
-  for (const char* name : {"projection", "faults", "limiters", "lateness_us", "skipped"}) {
+  for (const char* name : {"projection", "faults", "limiters", "storage_j", "tank_j", "tank_scale",
+                           "observed_j", "lateness_us", "skipped"}) {
     row.add(name);
   }
   if (compare) {
@@ -180,6 +181,15 @@ void Recorder::compose(const core::TickRecord& record) {
   row.add(core::name(record.projection));
   row.reasons(record.faults);
   row.reasons(record.limiters);
+  const core::PassivityRecord& passivity = record.passivity;
+  for (const double value :
+       {passivity.storage, passivity.tank, passivity.scale, passivity.observed}) {
+    if (passivity.on) {
+      row.number(value);
+    } else {
+      row.add("");
+    }
+  }
   row.number(microseconds(record.input.loop.lateness));
   row.number(record.input.loop.skipped);
   if (comparison_) {

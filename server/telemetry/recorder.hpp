@@ -10,7 +10,7 @@
 ///   state                    INIT, IDLE, ARMED, ENGAGING, ENGAGED, RELEASING, FAULT, CLOSING
 ///   staleness                FRESH, HOLD, FADE, LOST
 ///   proxy_age_us             age of the newest proxy; 0 while there is none
-///   mode                     NONE, HELD, FREE
+///   mode                     NONE, HELD, FREE, PLANES
 ///   gain, damping_gain       g and g_d, 0..1
 ///   DOF                      q in m or rad, one column per DoF under its bare name: what a
 ///                            replayed device looks for, so that every recording can be played
@@ -22,6 +22,11 @@
 ///   projection               NONE, EXACT, CONVERGED, CAPPED, UNREACHABLE, ILL_CONDITIONED,
 ///                            RANK_DEFICIENT, MAP_FAILED
 ///   faults, limiters         reasons joined by '|'; empty: none
+///   storage_j                V of the spring in use; empty where the scene has neither tank nor
+///                            observer, and so are the next three
+///   tank_j                   level of the energy tank; below 0: debt (METHOD 5.3)
+///   tank_scale               deviation in use by deviation wanted; below 1: the tank held it back
+///   observed_j               E_obs of the passivity observer (METHOD 5.2)
 ///   lateness_us, skipped     of the loop
 ///
 /// with compare_renderers also, for R in standard, null_space, subspace_linear, subspace_exact:
@@ -30,8 +35,9 @@
 /// The finger exoskeleton's header thus reads: time_s,tick,state,staleness,proxy_age_us,mode,gain,
 /// damping_gain,l_x,q_B,q_dot_l_x_m_per_s,x_probe_q_o1_mcp_rad,x_probe_q_o2_pip_rad,
 /// x_q_o1_mcp_rad,x_q_o2_pip_rad,q_star_l_x_m,q_star_q_B_rad,tau_elastic_l_x_n,tau_damping_l_x_n,
-/// tau_a_l_x_n,projection,faults,limiters,lateness_us,skipped[,tau_standard_l_x_n,
-/// tau_null_space_l_x_n,tau_subspace_linear_l_x_n,tau_subspace_exact_l_x_n].
+/// tau_a_l_x_n,projection,faults,limiters,storage_j,tank_j,tank_scale,observed_j,lateness_us,
+/// skipped[,tau_standard_l_x_n,tau_null_space_l_x_n,tau_subspace_linear_l_x_n,
+/// tau_subspace_exact_l_x_n].
 ///
 /// Numbers have full precision: reading them back gives the same bits.
 

@@ -90,7 +90,8 @@ TEST(Recorder, TheHeaderIsTheDocumentedOne) {
             "time_s,tick,state,staleness,proxy_age_us,mode,gain,damping_gain,l_x,q_B,"
             "q_dot_l_x_m_per_s,x_probe_q_o1_mcp_rad,x_probe_q_o2_pip_rad,x_q_o1_mcp_rad,"
             "x_q_o2_pip_rad,q_star_l_x_m,q_star_q_B_rad,tau_elastic_l_x_n,tau_damping_l_x_n,"
-            "tau_a_l_x_n,projection,faults,limiters,lateness_us,skipped");
+            "tau_a_l_x_n,projection,faults,limiters,storage_j,tank_j,tank_scale,observed_j,"
+            "lateness_us,skipped");
   EXPECT_THAT(Recorder::header(*kinematics, true),
               testing::EndsWith(",skipped,tau_standard_l_x_n,tau_null_space_l_x_n,"
                                 "tau_subspace_linear_l_x_n,tau_subspace_exact_l_x_n"));
@@ -143,6 +144,30 @@ TEST(Recorder, EveryNumberReadsBackToTheRecordsBits) {
     force = force || record.tau_a[0] != 0.0;
   }
   EXPECT_TRUE(force);
+}
+
+TEST(Recorder, TheEnergyTankHasColumnsAndWithoutOneTheyAreEmpty) {
+  ScratchFile file("tank.csv");
+  {
+    Recorder recorder(file.path(), rig_config().kinematics);
+    TickRecord record;
+    recorder.on_record(record);
+    record.passivity.on = true;
+    record.passivity.storage = 1.0 / 3.0;
+    record.passivity.tank = -1e-7;
+    record.passivity.scale = 0.25;
+    record.passivity.observed = 0.1;
+    recorder.on_record(record);
+  }
+  auto rows = read_csv(file.path());
+  for (const char* name : {"storage_j", "tank_j", "tank_scale", "observed_j"}) {
+    ASSERT_EQ(rows.at(0).count(name), 1u) << name;
+    EXPECT_EQ(rows[0][name], "");
+  }
+  EXPECT_SAME_BITS(rows.at(1)["storage_j"], 1.0 / 3.0);
+  EXPECT_SAME_BITS(rows[1]["tank_j"], -1e-7);
+  EXPECT_SAME_BITS(rows[1]["tank_scale"], 0.25);
+  EXPECT_SAME_BITS(rows[1]["observed_j"], 0.1);
 }
 
 TickRecord record_with_everything() {

@@ -85,7 +85,9 @@ std::optional<Refusal> SessionStream::refusal_of(const v1::OpenSession& request)
     return Refusal{
         Refusal::Code::kPermission,
         "PRIORITY_DENIED",
-        std::string("priority: this client's certificate allows ") + name(highest) + " at most",
+        std::string(peer_.names.empty() ? "priority: over TLS without a client certificate"
+                                        : "priority: with this client's certificate") +
+            " at most " + name(highest) + " is allowed",
         {},
         {{"highest", name(highest)}}};
   }

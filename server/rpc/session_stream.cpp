@@ -98,9 +98,12 @@ void SessionStream::open(const v1::OpenSession& request) {
   const auto refuse = [&](const Refusal& refusal) { end(to_status(refusal)); };
   if (const auto refusal = refusal_of(request)) return refuse(*refusal);
   const auto target = context_.device(request.device());
-  auto id = context_.registry.admit(SessionRegistry::Kind::kSession, *target.value->device);
+  DeviceSessions& device = *target.value->device;
+  const bool resumes =
+      request.role() == v1::ROLE_CONTROLLER && device.would_resume(request.resume());
+  auto id = context_.registry.admit(SessionRegistry::Kind::kSession, device, resumes);
   if (!id) return refuse(id.refusal);
-  auto events = target.value->device->subscribe(*id.value);
+  auto events = device.subscribe(*id.value);
   bool ended = false;
   {
     const std::lock_guard lock(mutex_);

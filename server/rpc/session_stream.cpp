@@ -41,6 +41,7 @@ void SessionStream::OnReadDone(bool ok) {
   const core::TimePoint arrival = context_.config.clock({});
   // Half-closed, or cancelled: then the status goes nowhere.
   if (!ok) return end(grpc::Status::OK, Ending::kLost);
+  if (const auto refusal = too_large(incoming_.Length())) return end(to_status(*refusal));
   if (!grpc::SerializationTraits<v1::SessionRequest>::Deserialize(&incoming_, &request_).ok()) {
     return end(to_status(protocol_error("not a SessionRequest")));
   }

@@ -77,6 +77,8 @@ std::vector<double> ages(Product& product, const test::RelaySetup& trouble, bool
     if (at < begin.time_since_epoch().count() || seq == 0 || seq > published.size()) continue;
     answer.push_back(static_cast<double>(at - published[seq - 1]) * 1e-3);
   }
+  // A path that was down all the time: what a tick would have used is as old as the block, at least.
+  if (answer.empty()) answer.push_back(core::seconds(kSettling + kMeasured) * 1e6);
   product.arrivals.keep_used = false;
   product.arrivals.born.clear();
   product.arrivals.ages_us.clear();

@@ -3,7 +3,7 @@
 # median paired ratio with its bootstrap 95 % interval, an A/A row in the same line. Writes CSV to
 # standard output. Run it on a machine that does nothing else.
 #
-#   tests/bench/network.sh [datagram|udp|stream|age]...   default: all, about 40 minutes
+#   tests/bench/network.sh [datagram|udp|stream|age]...   default: all, about half an hour
 #
 #   datagram  one datagram at the server, split: receive, AEAD, parse, ingress
 #   udp       from a sample to the mailbox, against raw UDP of the same size

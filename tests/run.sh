@@ -1,21 +1,23 @@
 #!/usr/bin/env bash
 # Builds everything and runs the tests: one command, from any folder, with no terminal.
 #
-#   tests/run.sh [--preset release|debug|asan|tsan] [-L|--label REGEX] [--no-install] [-- CTEST-ARGS]
+#   tests/run.sh [--preset release|debug|asan|tsan] [-L|--label REGEX] [--ci] [--no-install] [-- CTEST-ARGS]
 #
-# Without --label: every test but those labelled network, slow and lint; with the sanitizers' presets
-# those labelled unit and service. Labels: unit, service, system, interop, check,
-# lint, network.
+# Without --label: every test but those labelled network, slow, lint and container; with the sanitizers' presets
+# those labelled unit and service. Labels: unit, service, system, interop, check, lint, network, container.
+# --ci: and then the container tests, with what was just built; where no container engine works, the reason.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 preset=release
 label=
 install=true
+ci=false
 while (($#)); do
   case "$1" in
     --preset) preset=${2:?--preset needs a name}; shift 2 ;;
     -L | --label) label=${2:?--label needs a regular expression}; shift 2 ;;
+    --ci) ci=true; shift ;;
     --no-install) install=false; shift ;;
     --) shift; break ;;
     -h | --help) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
@@ -40,6 +42,17 @@ fi
 log=build/$preset/ctest.log
 status=0
 ctest --preset "$preset" --parallel "$jobs" "${which[@]}" "$@" </dev/null 2>&1 | tee "$log" || status=$?
-# The one line that counts, last.
+
+containers() { # with their output: it has the times, and the reason where they cannot run
+  if $install && ! timeout 600 sh docker/install-deps.sh containers; then
+    echo "run.sh: what runs containers could not be installed; trying what is here" >&2
+  fi
+  ctest --preset "$preset" --label-regex '^container$' --verbose </dev/null 2>&1
+}
+container_log=build/$preset/container.log
+if $ci; then containers | tee "$container_log" || status=$?; fi
+
+# The lines that count, last.
+if $ci; then grep -oE 'container tests (passed|FAILED|NOT RUN).*' "$container_log" || true; fi
 grep -E '^[0-9]+% tests passed' "$log" || true
 exit "$status"

@@ -44,10 +44,10 @@ fi
 # a lost processor from a fault; which tests needed it is said last. No other test gets a second run.
 again=
 run_tests() {
-  local log=$1 status=0 numbers names others
+  local log=$1 lost=build/$preset/Testing/Temporary/LastTestsFailed.log status=0 numbers names others
   shift
+  rm -f "$lost"
   ctest --preset "$preset" "$@" </dev/null 2>&1 | tee "$log" || status=$?
-  local lost=build/$preset/Testing/Temporary/LastTestsFailed.log
   if ((status == 0)) || [[ ! -s $lost ]]; then return $status; fi
   numbers=0,0,0,$(cut -d: -f1 "$lost" | paste -sd,)
   names=$(cut -d: -f2- "$lost" | paste -sd' ')

@@ -47,6 +47,8 @@ ELSEWHERE = {
         ("docker/compose.yaml", "haptic-relay --scenario"),
     "build/release/client/hapticctl --server 127.0.0.2:50051 watch":
         ("tests/checks/documented_commands.py", '"hapticctl watch"'),
+    "PYTHONPATH=build/release/client/python python3 client/python/examples/ages.py":
+        ("tests/client/python/session_test.py", '"ages.py"'),
     "(cd build/release": ("tests/package/deb_test.sh", "cpack -G DEB"),
     "cpack -G DEB)": ("tests/package/deb_test.sh", "cpack -G DEB"),
 }

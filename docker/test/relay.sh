@@ -17,8 +17,8 @@ steady() { # steady WHAT
   for window in 1 2 3; do
     pressing "$1"
     mark
-    eventually 120 observed spans 4 "$since" || fail "$1: the observer is blind"
-    if observed never-lost "$since" 2>"$scratch/verdict"; then
+    eventually 120 observed spans 4 || fail "$1: the observer is blind"
+    if observed never-lost 2>"$scratch/verdict"; then
       step "$1: force stays (window $window)"
       return 0
     fi
@@ -31,8 +31,8 @@ test_relay() {
   through_relay delay_30ms
   steady "30 ms of delay"
   through_relay loss_10
-  eventually 120 observed transport UDP "$since" || fail "10 % of loss: $(cat "$scratch/last")"
-  judge "10 % of loss" transport UDP "$since"
+  eventually 120 observed transport UDP || fail "10 % of loss: $(cat "$scratch/last")"
+  judge "10 % of loss" transport UDP
   steady "10 % of loss"
   simulate
   pressing "without the relay"

@@ -47,6 +47,7 @@ collect() { # what every container said; those that are gone have been collected
 finish() {
   local status=$?
   trap - EXIT
+  exec >&3 2>&4
   if [[ -n $engine ]]; then
     collect
     tear_down 2>>"$logs/engine.log" || status=1
@@ -69,6 +70,7 @@ finish() {
   esac
   exit "$status"
 }
+exec 3>&1 4>&2 # where this script speaks, also when a signal comes while a condition's output goes elsewhere
 trap finish EXIT
 trap 'exit 130' INT TERM
 

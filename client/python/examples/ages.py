@@ -20,11 +20,13 @@ parser.add_argument("--rate", type=float, default=1000.0, help="samples per seco
 arguments = parser.parse_args()
 
 
-def publish(session: haptic.Session, count: int) -> None:
-    """On absolute deadlines: a late sample is followed by the next at its own time."""
+def publish(session: haptic.Session) -> None:
+    """On absolute deadlines; those that passed meanwhile are skipped, not made up for."""
     begin = time.monotonic()
-    for i in range(count):
-        time.sleep(max(begin + i / arguments.rate - time.monotonic(), 0.0))
+    deadline = 0
+    while (now := time.monotonic() - begin) < arguments.seconds:
+        deadline = max(deadline + 1, int(now * arguments.rate))
+        time.sleep(max(begin + deadline / arguments.rate - time.monotonic(), 0.0))
         session.publish(haptic.FREE)
 
 
@@ -32,7 +34,7 @@ with haptic.Connection(arguments.server) as server:
     with server.session(client_name="ages.py", nominal_rate_hz=arguments.rate,
                         state_rate_hz=STATE_RATE_HZ) as session:
         time.sleep(1.0)  # the UDP path has proved good by then, where there is one
-        publisher = threading.Thread(target=publish, args=(session, int(arguments.rate * arguments.seconds)))
+        publisher = threading.Thread(target=publish, args=(session,))
         begin = time.monotonic()
         publisher.start()
         ages, by_udp = [], 0

@@ -47,10 +47,10 @@ comes_back() { # comes_back WHAT
 }
 
 # The trouble, and the verdict on what was seen of it. Where a busy machine had stopped the stream before the
-# trouble did, there was nothing to see, and it is done again, three times at most; what is seen is final.
+# trouble did, there was nothing to see, and it is done again, five times at most; what is seen is final.
 silences() { # silences WHAT TROUBLE RECOVERY
   local attempt status
-  for attempt in 1 2 3; do
+  for attempt in 1 2 3 4 5; do
     pressing "before: $1"
     mark
     "$2" >>"$logs/engine.log" 2>&1 || fail "$1: $(tail -n 1 "$logs/engine.log")"
@@ -62,7 +62,7 @@ silences() { # silences WHAT TROUBLE RECOVERY
     "$3" "$1"
     if ((status == 0)); then return 0; fi
   done
-  fail "$1: three times nothing to be seen on this machine"
+  fail "$1: five times nothing to be seen on this machine"
 }
 
 kill_client() { "$engine" kill --signal KILL "$(container simulation)"; }

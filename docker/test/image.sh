@@ -6,6 +6,7 @@ readonly LARGEST_MB=150
 # first, which is nothing to do where CI has just built it: what is tested is what the sources say.
 usable() { # usable BUILD
   local cache=$1/CMakeCache.txt here there
+  [[ -f $cache ]] || { echo "$1 is no build folder"; return 1; }
   grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache" || { echo "$1 is a build of another tree"; return 1; }
   grep -qxF 'HAPTIC_SANITIZE:STRING=' "$cache" || { echo "$1 is a sanitizer's"; return 1; }
   here=$(distribution </etc/os-release)
@@ -16,7 +17,7 @@ usable() { # usable BUILD
     haptic_python >"$logs/prebuilt.log" 2>&1 || { echo "$1 does not build, see $logs/prebuilt.log"; return 1; }
 }
 distribution() { # of an os-release on standard input
-  (. /dev/stdin && echo "$ID ${VERSION_ID:-}")
+  (. /dev/stdin && echo "${ID:-unknown} ${VERSION_ID:-}")
 }
 
 stage_prebuilt() { # the installation of a build folder, inside the build context

@@ -103,11 +103,16 @@ says_its_grade() {
   esac
 }
 
-# The layers that podman keeps of a build, by the ids in its log, last first; those of other builds are not touched.
+# The layers that podman keeps of a build, by the ids in its log, last first, and the containers of a build that was
+# interrupted; those of other builds are not touched.
 remove_layers() {
-  local id
+  local id layers
   if [[ $engine != podman || ! -f $logs/build.log ]]; then return 0; fi
-  for id in $(grep -oE '^--> [0-9a-f]{11,}' "$logs/build.log" | cut -c 5- | tac); do
-    "$engine" rmi "$id" >/dev/null 2>&1 || true
+  layers=$(grep -oE '^--> [0-9a-f]{11,}' "$logs/build.log" | cut -c 5-15 | tac |
+    grep -vxF -e none -f <(grep -oE 'Using cache [0-9a-f]{11}' "$logs/build.log" | cut -c 13-) || true)
+  for id in $layers; do
+    podman ps --all --external --format '{{.ID}} {{.ImageID}}' | grep -F " $id" | cut -d ' ' -f 1 |
+      xargs --no-run-if-empty podman rm --force >/dev/null 2>&1 || true
+    podman rmi "$id" >/dev/null 2>&1 || true
   done
 }

@@ -33,8 +33,11 @@ project=haptictest$$
 image=localhost/hapticd-test:$$
 engine=
 base=
-# shellcheck source=docker/test/engine.sh
-. "$root/docker/test/engine.sh"
+witness=
+for part in engine image staleness shutdown relay package; do
+  # shellcheck source=/dev/null
+  . "$root/docker/test/$part.sh"
+done
 
 collect() { # what every container said; those that are gone have been collected before
   local service id
@@ -47,6 +50,8 @@ collect() { # what every container said; those that are gone have been collected
 finish() {
   local status=$?
   trap - EXIT
+  exec >&3 2>&4
+  forget_machine
   if [[ -n $engine ]]; then
     collect
     tear_down 2>>"$logs/engine.log" || status=1
@@ -69,6 +74,7 @@ finish() {
   esac
   exit "$status"
 }
+exec 3>&1 4>&2 # where this script speaks, also when a signal comes while a condition's output goes elsewhere
 trap finish EXIT
 trap 'exit 130' INT TERM
 
@@ -89,10 +95,6 @@ eventually() { # eventually SECONDS COMMAND...: until it succeeds
 rm -f "$logs"/*.log
 choose_engine "$wanted" || exit 3
 step "engine: $engine $("$engine" --version | grep -oE '[0-9]+\.[0-9.]+' | head -n 1)"
-for part in image staleness shutdown relay package; do
-  # shellcheck source=/dev/null
-  . "$root/docker/test/$part.sh"
-done
 
 build_image
 start_composition

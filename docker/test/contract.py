@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
 """What an observer saw, judged: the contract of WIRE 4 from outside.
 
-    contract.py COMMAND FILE [FROM_LINE]
+    contract.py COMMAND FILE [ARGUMENT]
 
-FILE holds the lines of `hapticctl watch --json`; FROM_LINE is the number of lines there were before the
-trouble began. Commands:
+FILE holds the lines of `hapticctl watch --json` from a little before the trouble on. Commands:
 
     pressing    the last line shows force, engaged
     silence     samples stopped under force: the elastic force is zero within 200 ms of the last one, and
@@ -126,20 +125,18 @@ def spans(states: list[dict], least_s: float) -> None:
 
 def main() -> None:
     command, file = sys.argv[1:3]
-    rest = sys.argv[3:]
-    name = rest.pop(0) if command in ("transport", "quiet", "spans") else ""
-    first = int(rest[0]) if rest else 0
+    argument = sys.argv[3] if len(sys.argv) > 3 else ""
     with open(file, encoding="utf-8") as lines:
         texts = [line for line in lines if line.startswith("{") and line.endswith("}\n")]
-    states = need([json.loads(line) for line in texts[first:]])
+    states = need([json.loads(line) for line in texts])
     if command == "pressing":
         state = states[-1]
         if not (state["state"] == "ENGAGED" and force(state) > FELT_N):
             fail(f"{state['state']}, {force(state):.2f} N")
     elif command == "transport":
-        if not any(s["transport"] == name and force(s) > FELT_N for s in states):
-            fail(f"no force by {name}; seen: {sorted({s['transport'] for s in states})}")
-        print(f"force by {name}")
+        if not any(s["transport"] == argument and force(s) > FELT_N for s in states):
+            fail(f"no force by {argument}; seen: {sorted({s['transport'] for s in states})}")
+        print(f"force by {argument}")
     elif command == "grasp":
         forces = [force(s) for s in states if s["state"] == "ENGAGED"]
         if not forces or max(forces) < FELT_N or min(forces) > 0.02 * max(forces):
@@ -149,7 +146,7 @@ def main() -> None:
             fail("the device was in FAULT")
         print(f"grasped with up to {max(forces):.1f} N, and let go")
     elif command in ("quiet", "spans"):
-        {"quiet": quiet, "spans": spans}[command](states, float(name))
+        {"quiet": quiet, "spans": spans}[command](states, float(argument))
     elif command == "never-lost":
         if any(s["staleness"] == "LOST" for s in states):
             fail("force was given up")

@@ -72,10 +72,9 @@ class Contract(unittest.TestCase):
         self.assertEqual(self.judge([*silenced(180), *slow, record(1800)], "ramp"), 0)
         self.assertEqual(self.judge([*silenced(180), *slow[:10], record(1640)], "ramp"), 1)
 
-    def test_spans_counts_the_servers_time_behind_a_line(self) -> None:
-        rows = pressed(4100)
-        self.assertEqual(self.judge(rows, "spans", "4"), 0)
-        self.assertEqual(self.judge(rows, "spans", "4", "500"), 1)
+    def test_spans_counts_the_servers_time(self) -> None:
+        self.assertEqual(self.judge(pressed(4100), "spans", "4"), 0)
+        self.assertEqual(self.judge(pressed(3900), "spans", "4"), 1)
 
     def test_one_loss_is_a_loss(self) -> None:
         self.assertEqual(self.judge(pressed(400), "never-lost"), 0)

@@ -6,6 +6,7 @@ readonly LARGEST_MB=150
 # first, which is nothing to do where CI has just built it: what is tested is what the sources say.
 usable() { # usable BUILD
   local cache=$1/CMakeCache.txt here there
+  [[ -f $cache ]] || { echo "$1 is no build folder"; return 1; }
   grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache" || { echo "$1 is a build of another tree"; return 1; }
   grep -qxF 'HAPTIC_SANITIZE:STRING=' "$cache" || { echo "$1 is a sanitizer's"; return 1; }
   here=$(distribution </etc/os-release)
@@ -16,7 +17,7 @@ usable() { # usable BUILD
     haptic_python >"$logs/prebuilt.log" 2>&1 || { echo "$1 does not build, see $logs/prebuilt.log"; return 1; }
 }
 distribution() { # of an os-release on standard input
-  (. /dev/stdin && echo "$ID ${VERSION_ID:-}")
+  (. /dev/stdin && echo "${ID:-unknown} ${VERSION_ID:-}")
 }
 
 stage_prebuilt() { # the installation of a build folder, inside the build context
@@ -102,11 +103,16 @@ says_its_grade() {
   esac
 }
 
-# The layers that podman keeps of a build, by the ids in its log, last first; those of other builds are not touched.
+# The layers that podman keeps of a build, by the ids in its log, last first, and the containers of a build that was
+# interrupted; those of other builds are not touched.
 remove_layers() {
-  local id
+  local id layers
   if [[ $engine != podman || ! -f $logs/build.log ]]; then return 0; fi
-  for id in $(grep -oE '^--> [0-9a-f]{11,}' "$logs/build.log" | cut -c 5- | tac); do
-    "$engine" rmi "$id" >/dev/null 2>&1 || true
+  layers=$(grep -oE '^--> [0-9a-f]{11,}' "$logs/build.log" | cut -c 5-15 | tac |
+    grep -vxF -e none -f <(grep -oE 'Using cache [0-9a-f]{11}' "$logs/build.log" | cut -c 13-) || true)
+  for id in $layers; do
+    podman ps --all --external --format '{{.ID}} {{.ImageID}}' | grep -F " $id" | cut -d ' ' -f 1 |
+      xargs --no-run-if-empty podman rm --force >/dev/null 2>&1 || true
+    podman rmi "$id" >/dev/null 2>&1 || true
   done
 }

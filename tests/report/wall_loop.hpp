@@ -1,10 +1,15 @@
 #pragma once
-/// METHOD 5.4's one-DoF experiment on the real Pipeline: a mass that a hand presses on a wall at 0, or
-/// moves in and out of it, with the simulation of the wall behind a network.
+/// METHOD 5.4's one-DoF experiment (tests/support/loop/wall_run.hpp) for the clients and networks of
+/// `rate`, and how stiff the wall may be before it is unstable.
 
 #include "tests/report/client_kind.hpp"
+#include "tests/support/loop/wall_run.hpp"
 
 namespace haptic::report {
+
+using test::kWallAmplitude;
+using test::kWallMeanSpeed;
+using test::WallFigures;
 
 struct WallLoop {
   bool cycles{false};       ///< in and out once a second; else a steady press
@@ -14,21 +19,7 @@ struct WallLoop {
   Network network{};
 };
 
-/// In and out: amplitude 20 mm at 1 Hz, hence a mean speed of 80 mm/s, METHOD 5.4.
-inline constexpr double kWallAmplitude = 0.020;               ///< m
-inline constexpr double kWallMeanSpeed = 4 * kWallAmplitude;  ///< m/s
-
-struct WallFigures {
-  double rms_speed{0.0};   ///< over the last second, m/s
-  double top_speed{0.0};   ///< m/s
-  double drag{0.0};        ///< mean of the force's magnitude while outside the wall, N
-  double peak_force{0.0};  ///< N
-  double most_given{0.0};  ///< largest over time of the work on the device, J
-  double most_net{0.0};    ///< the same less what the device's own damping took, J
-  int throttled{0};        ///< ticks
-};
-
-/// Throws SceneError where force never came on. Ends early where the mass reaches the device's end.
+/// Throws SceneError where force never came on.
 [[nodiscard]] WallFigures run(const WallLoop& what);
 
 /// METHOD 5.4: a press is stable where the rms speed ends below 1 mm/s. In and out: where nothing is

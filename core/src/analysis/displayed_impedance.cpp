@@ -1,39 +1,12 @@
 #include "haptic/core/analysis/displayed_impedance.hpp"
 
-#include <Eigen/QR>
 #include <cmath>
 
-#include "haptic/core/linear/least_squares.hpp"
+#include "full_column_rank.hpp"
 
 namespace haptic::core {
 
 namespace {
-
-/// The pseudo-inverse of a matrix of full column rank, and the projector onto what it does not
-/// reach. Columns are scaled to unit length first, so that no choice of units looks like a lost
-/// rank.
-struct FullColumnRank {
-  MatAX inverse{};  ///< A^+, n by n_x
-  MatXX off{};      ///< I - A A^+
-};
-
-std::optional<FullColumnRank> decompose(const MatXQ& A) {
-  const Eigen::Index m = A.rows(), n = A.cols();
-  FullColumnRank result{MatAX(n, m), MatXX::Identity(m, m)};
-  if (n == 0) return result;
-  if (m < n) return std::nullopt;
-  const VecQ norms = A.colwise().norm().transpose();
-  if (!(norms.minCoeff() > 0.0)) return std::nullopt;
-  const MatXQ scaled = A * norms.cwiseInverse().asDiagonal();
-  Eigen::ColPivHouseholderQR<MatXQ> qr(scaled);
-  qr.setThreshold(LeastSquares::kRankThreshold);
-  if (qr.rank() < n) return std::nullopt;
-  const MatXX identity = MatXX::Identity(m, m);
-  const MatAX pseudo_inverse = qr.solve(identity);
-  result.inverse = norms.cwiseInverse().asDiagonal() * pseudo_inverse;
-  result.off.noalias() -= A * result.inverse;
-  return result;
-}
 
 /// What every formula below is made of, at one pose.
 struct Pose {
@@ -130,7 +103,7 @@ std::optional<MatAX> exact_proxy_motion(const Kinematics& kinematics, const VecX
       return std::nullopt;
     }
   }
-  const std::optional<FullColumnRank> inverse = decompose(normal);
+  const std::optional<FullColumnRank> inverse = full_column_rank(normal);
   if (!inverse) return std::nullopt;
   const MatAX moved = inverse->inverse * J_free.transpose();
   for (int i = 0; i < n; ++i) G.row(free[i]) = moved.row(i);
@@ -147,7 +120,7 @@ std::optional<MatAQ> theoretical_impedance(RendererKind kind, const Kinematics& 
     case RendererKind::kStandard:  // Eq. (2)
       return MatAQ(-pose->J_a.transpose() * impedance.Z_x * pose->J);
     case RendererKind::kNullSpace: {  // Eq. (5)
-      const std::optional<FullColumnRank> n = decompose(pose->J_n);
+      const std::optional<FullColumnRank> n = full_column_rank(pose->J_n);
       if (!n) return std::nullopt;
       return MatAQ(-pose->J_a.transpose() * n->off * impedance.Z_x * pose->J);
     }
@@ -168,8 +141,8 @@ std::optional<MatAQ> exact_impedance(RendererKind kind, const Kinematics& kinema
   VecX dx(kinematics.space().n_x());
   kinematics.space().difference(x, pose->x_probe, dx);
   std::optional<FullColumnRank> part;
-  if (kind == RendererKind::kNullSpace) part = decompose(pose->J_n);
-  if (kind == RendererKind::kSubspaceLinear) part = decompose(pose->J);
+  if (kind == RendererKind::kNullSpace) part = full_column_rank(pose->J_n);
+  if (kind == RendererKind::kSubspaceLinear) part = full_column_rank(pose->J);
   if (kind != RendererKind::kStandard && !part) return std::nullopt;
 
   const VecX f = impedance.Z_x * dx;
@@ -210,7 +183,7 @@ std::optional<MatAX> proxy_gain(RendererKind kind, const Kinematics& kinematics,
   if (!pose) return std::nullopt;
   if (kind == RendererKind::kStandard) return MatAX(pose->J_a.transpose() * impedance.Z_x);
   const std::optional<FullColumnRank> part =
-      decompose(kind == RendererKind::kNullSpace ? pose->J_n : pose->J);
+      full_column_rank(kind == RendererKind::kNullSpace ? pose->J_n : pose->J);
   if (!part) return std::nullopt;
   if (kind == RendererKind::kNullSpace) {
     return MatAX(pose->J_a.transpose() * part->off * impedance.Z_x);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "haptic/core/projection/virtual_stiffness.hpp"
+
 namespace haptic::core {
 
 namespace {
@@ -14,6 +16,23 @@ bool take(const VecX& all, int first, VecX& part) noexcept {
   if (std::memcmp(all.data() + first, part.data(), bytes) == 0) return false;
   std::memcpy(part.data(), all.data() + first, bytes);
   return true;
+}
+
+/// tr(Z_q^{-1} J_a^T Z_x J_a) of the block of `model` that begins at row `x` and column `q` of J and
+/// actuator `a`, at least 1.
+double most_displayed(const ProjectionModel& model, const MatXQ& J, int x, int q, int a,
+                      const VecA& all_stiffness) noexcept {
+  const DofLayout& layout = model.layout();
+  const VecA stiffness = all_stiffness.segment(a, layout.n_a());
+  const double z_x = virtual_stiffness(stiffness, model.mean_actuated_jacobian());
+  double sum = 0.0;
+  for (int i = 0; i < layout.n_a(); ++i) {
+    if (!(stiffness[i] > 0.0)) continue;  // no force there
+    VecX column = J.col(q + layout.actuated(i)).segment(x, model.n_x());
+    model.metric().weigh(column);
+    sum += column.squaredNorm() / stiffness[i];
+  }
+  return std::isfinite(z_x * sum) ? std::max(1.0, z_x * sum) : 1.0;
 }
 
 }  // namespace
@@ -108,6 +127,24 @@ BlockSet BlockRenderer::reads_J(BlockSet displaced) const noexcept {
   if (kind_ == RendererKind::kSubspaceExact) return 0;
   const BlockSet all = ~BlockSet{0};
   return whole_ || !idle_possible_ ? all : displaced;
+}
+
+void BlockRenderer::displayed_bound(const Probe& probe, const VecX& dx, const VecA& stiffness,
+                                    VecA& ratio) const noexcept {
+  ratio.setOnes(stiffness.size());
+  if (kind_ != RendererKind::kStandard && kind_ != RendererKind::kNullSpace) return;
+  if (whole_) {
+    if ((dx.array() != 0.0).any())
+      ratio.setConstant(most_displayed(model_, probe.J, 0, 0, 0, stiffness));
+    return;
+  }
+  for (const Part& part : parts_) {
+    if (!part.displaced(dx)) continue;
+    const MapBlock& at = part.at;
+    ratio.segment(at.first_a, part.n_a)
+        .setConstant(
+            most_displayed(part.model, probe.J, at.first_x, at.first_q, at.first_a, stiffness));
+  }
 }
 
 void BlockRenderer::reset() noexcept {

@@ -28,23 +28,45 @@ bool Pipeline::Stages::withheld(TickRecord& record) noexcept {
   return true;
 }
 
+/// METHOD 5.3's spring, but as stiff as it can be felt: the same force from a stiffer spring with a
+/// nearer anchor. Any such choice keeps the book exact; with Z_q itself a baseline that displays three
+/// times as much is throttled in a plain press, for energy that the user did put in.
+void Pipeline::Stages::displayed() noexcept {
+  renderer_.displayed_bound({q_, map_.x_probe(), map_.J()}, dx_, settings_.stiffness, displayed_);
+  const VecA& damping = config_.passivity.device_damping;
+  const double hold = seconds(config_.device.sample_period);
+  for (int i = 0; i < layout_.n_a(); ++i) {
+    const double b = damping.size() > 0 ? damping[i] : 0.0;
+    const double paid = 2.0 * b / hold;  // METHOD 5.1: b > K T/2
+    displayed_[i] = std::clamp(displayed_[i], 1.0, std::max(1.0, paid / settings_.stiffness[i]));
+  }
+}
+
 void Pipeline::Stages::passivity(TickRecord& record, bool spring_is_off) noexcept {
   const VecA q_a = layout_.select(q_);
   passivity_->measure(q_a, fresh_, device_sample_is_recent(record.input.now), record.dt,
                       tau_measured_);
+  if (!spring_is_off && map_ok_) displayed();
   SpringStorage spring;
-  spring.stiffness = settings_.stiffness;
+  spring.stiffness = settings_.stiffness.cwiseProduct(displayed_);
   spring.limit = settings_.force_limit;
   // A spring that is not there stores nothing over the tick either, however far the device moves.
   spring.gain = spring_is_off ? 0.0 : record.gain;
-  anchor_ = passivity_->admit(spring, spring_is_off ? q_a : layout_.select(projection_.q_star));
-  if (!spring_is_off) {
-    dq_a_ = anchor_ - q_a;
-    for (int i = 0; i < layout_.n_a(); ++i) {
-      projection_.q_star[layout_.actuated(i)] = anchor_[i];
-    }
+  anchor_ = spring_is_off ? q_a : layout_.select(projection_.q_star);
+  for (int i = 0; i < layout_.n_a(); ++i) {  // a factor of 1 leaves the anchor's bits alone
+    if (displayed_[i] != 1.0) anchor_[i] = q_a[i] + (anchor_[i] - q_a[i]) / displayed_[i];
   }
+  anchor_ = passivity_->admit(spring, anchor_);
   record.passivity = passivity_->record();
+  for (int i = 0; i < layout_.n_a() && !spring_is_off; ++i) {
+    double& q_star = projection_.q_star[layout_.actuated(i)];
+    if (displayed_[i] == 1.0) {
+      q_star = anchor_[i];
+    } else if (record.passivity.throttled) {
+      q_star = q_a[i] + displayed_[i] * (anchor_[i] - q_a[i]);
+    }
+    dq_a_[i] = q_star - q_a[i];
+  }
   if (record.passivity.throttled) record.limiters.set(Limiter::kEnergyTank);
   // Where nothing is in the way there is no drag, whatever the book says.
   if (has_anchor_ && record.damping_gain > 0.0) {

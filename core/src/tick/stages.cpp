@@ -50,6 +50,7 @@ Pipeline::Stages::Stages(PipelineConfig config)
       dx_(VecX::Zero(kinematics_.space().n_x())),
       dq_a_(VecA::Zero(layout_.n_a())),
       anchor_(VecA::Zero(layout_.n_a())),
+      displayed_(VecA::Ones(layout_.n_a())),
       tau_controller_(VecA::Zero(layout_.n_a())) {
   if (!config_.ratings.empty()) {
     ratings_.emplace(config_.ratings);

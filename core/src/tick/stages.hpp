@@ -49,6 +49,9 @@ class Pipeline::Stages {
   void state(const TickInput& input, TickRecord& record) noexcept;
   /// Step 7, last part: envelope or direction guard. True where the elastic force is withheld.
   [[nodiscard]] bool withheld(TickRecord& record) noexcept;
+  /// How stiff the tank's spring is: as much as can be felt, but at least Z_q and no more than the
+  /// device's own damping pays the hold's leak of.
+  void displayed() noexcept;
   /// Steps 7 and 9: the tank decides the anchor in use, the observer what it adds to the damping.
   void passivity(TickRecord& record, bool spring_is_off) noexcept;
   /// Steps 8-10: force, and its limits.
@@ -110,7 +113,8 @@ class Pipeline::Stages {
   VecQ q_{};
   VecX dx_{};
   VecA dq_a_{};            ///< S (q* - q)
-  VecA anchor_{};          ///< S q*
+  VecA anchor_{};          ///< S q*, of the tank's spring
+  VecA displayed_{};       ///< that spring's stiffness by Z_q, n_a; >= 1
   VecA tau_controller_{};  ///< the passivity controller's, n_a
   VecA tau_measured_{};    ///< with the newest sample; size 0: the device measures none
   VecA held_{};            ///< what the drives gave since the last tick, n_a; for their heat

@@ -2,11 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <limits>
 
 #include "tests/core/linear/random_matrix.hpp"
+#include "tests/support/dense_oracle.hpp"
 
 namespace haptic::core {
 namespace {
@@ -33,7 +34,7 @@ double by_enumeration(const Eigen::MatrixXd& A, const Eigen::VectorXd& b,
     }
     if (!free.empty()) {
       const Eigen::MatrixXd F = A(Eigen::all, free);
-      const Eigen::VectorXd y = F.colPivHouseholderQr().solve(b - A * p);
+      const Eigen::VectorXd y = oracle::least_squares(F, b - A * p);
       for (std::size_t k = 0; k < free.size(); ++k) p[free[k]] = y[static_cast<int>(k)];
     }
     if ((p - lower).minCoeff() < -1e-12 || (upper - p).minCoeff() < -1e-12) continue;

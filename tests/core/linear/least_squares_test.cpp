@@ -2,12 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <limits>
 
 #include "haptic/core/linear/minimum_norm.hpp"
 #include "tests/core/linear/random_matrix.hpp"
+#include "tests/support/dense_oracle.hpp"
 
 namespace haptic::core {
 namespace {
@@ -19,16 +20,6 @@ DofLayout layout_of(int n_q, int n_a) {
   bool actuated[kMaxQ]{};
   std::fill(actuated, actuated + n_a, true);
   return DofLayout(std::span<const bool>(actuated, static_cast<std::size_t>(n_q)));
-}
-
-/// argmin ||b - A y|| of smallest ||M^{1/2} y||, diagonal M, by Eigen's decomposition.
-Eigen::VectorXd by_eigen(const Eigen::MatrixXd& A, const Eigen::VectorXd& b,
-                         const Eigen::VectorXd& M) {
-  const Eigen::MatrixXd root = M.cwiseSqrt().cwiseInverse().asDiagonal();
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
-  decomposition.setThreshold(1e-8);
-  decomposition.compute(A * root);
-  return root * decomposition.solve(b);
 }
 
 Eigen::VectorXd by_us(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, const Eigen::VectorXd& M,
@@ -49,17 +40,16 @@ TEST(LeastSquares, AllThreeForcesFallOutOfOneFactorisation) {
     const Eigen::VectorXd dx = gaussian(random, n_x, 1);
     LeastSquares solver(n_x, layout_of(n_q, n_a));
     solver.solve(J, dx, VecA::Ones(n_a));
-    const Eigen::VectorXd singular = J.jacobiSvd().singularValues();
-    const double condition = singular[0] / singular[n_q - 1];
+    const double condition = oracle::condition(J);
     if (condition > 1e4) continue;
     ASSERT_EQ(solver.status(), ProjectionStatus::kExact);
     const double tolerance = 1e-14 * condition * condition * (1.0 + J.norm() * dx.norm());
     const Eigen::MatrixXd J_a = J.leftCols(n_a), J_n = J.rightCols(n_q - n_a);
     Eigen::VectorXd f = dx;
-    if (n_q > n_a) f -= J_n * J_n.colPivHouseholderQr().solve(dx);
+    if (n_q > n_a) f -= J_n * oracle::least_squares(J_n, dx);
     ASSERT_LT((solver.standard_force() - J_a.transpose() * dx).norm(), tolerance);
     ASSERT_LT((solver.null_space_force() - J_a.transpose() * f).norm(), tolerance);
-    const Eigen::VectorXd dq = J.colPivHouseholderQr().solve(dx);
+    const Eigen::VectorXd dq = oracle::least_squares(J, dx);
     ASSERT_LT((solver.dq() - dq).norm(), tolerance * (1.0 + dq.norm()));
     ASSERT_NEAR(solver.residual(), (dx - J * dq).norm(), tolerance);
   }
@@ -96,8 +86,8 @@ TEST(MinimumNorm, IsTheSmallestInItsMetricAmongTheBest) {
     Eigen::VectorXd M(n);
     for (int i = 0; i < n; ++i) M[i] = std::pow(10.0, 0.3 * power(random));
     const Eigen::VectorXd dx = gaussian(random, m, 1);
-    const Eigen::VectorXd want = by_eigen(J, dx, M);
-    const Eigen::VectorXd singular = J.jacobiSvd().singularValues();
+    const Eigen::VectorXd want = oracle::least_squares_in_metric(J, dx, M, 1e-8);
+    const Eigen::VectorXd singular = oracle::singular_values(J);
     const int full = static_cast<int>((singular.array() > 1e-10 * singular[0]).count());
     if (singular[full - 1] < 1e-2 * singular[0])
       continue;  // the case is rank loss, not nearness to it
@@ -106,9 +96,9 @@ TEST(MinimumNorm, IsTheSmallestInItsMetricAmongTheBest) {
     ASSERT_EQ(rank, full);
     ASSERT_LT((got - want).norm(), 1e-12 * (1.0 + want.norm()) * 10) << J;
     // The reachable part of dx, which any correct answer shares.
-    ASSERT_LT((J * got - J * J.completeOrthogonalDecomposition().solve(dx)).norm(), 1e-12 * 10);
+    ASSERT_LT((J * got - J * oracle::least_squares(J, dx)).norm(), 1e-12 * 10);
     // No part of it lies in the null space, M-orthogonally: a zero residual would not show that.
-    const Eigen::MatrixXd kernel = J.fullPivLu().kernel();
+    const Eigen::MatrixXd kernel = oracle::null_space(J);
     ASSERT_LT((kernel.transpose() * M.asDiagonal() * got).norm(),
               1e-11 * kernel.norm() * M.norm() * (1.0 + got.norm()));
   }
@@ -125,7 +115,7 @@ Eigen::Matrix2d displayed(const Eigen::MatrixXd& J, const Eigen::Vector2d& Z_q, 
 }
 
 double smallest_symmetric(const Eigen::Matrix2d& K) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(0.5 * (K + K.transpose())).eigenvalues()[0];
+  return oracle::smallest_eigenvalue(0.5 * (K + K.transpose()));
 }
 
 /// METHOD 6, case 13: with the unit metric Z_q > 0 is no promise of passivity; with Z_q as the

@@ -1,9 +1,11 @@
 #pragma once
 /// Random matrices for tests and the report: Gaussian, orthonormal, and with singular values as wanted.
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <random>
+
+#include "tests/support/dense_oracle.hpp"
 
 namespace haptic::core::samples {
 
@@ -16,8 +18,7 @@ inline Eigen::MatrixXd gaussian(std::mt19937_64& random, int rows, int columns) 
 
 /// Random orthonormal columns; rows >= columns.
 inline Eigen::MatrixXd orthonormal(std::mt19937_64& random, int rows, int columns) {
-  return Eigen::HouseholderQR<Eigen::MatrixXd>(gaussian(random, rows, columns)).householderQ() *
-         Eigen::MatrixXd::Identity(rows, columns);
+  return oracle::orthonormal_basis(gaussian(random, rows, columns));
 }
 
 /// m x n (m >= n) with singular values from 1 down to 1/condition, evenly on a log scale.
@@ -25,7 +26,7 @@ inline Eigen::MatrixXd with_condition(std::mt19937_64& random, int m, int n, dou
   const Eigen::MatrixXd U = orthonormal(random, m, n), V = orthonormal(random, n, n);
   Eigen::VectorXd s(n);
   for (int i = 0; i < n; ++i) s[i] = std::pow(condition, n > 1 ? -double(i) / (n - 1) : 0.0);
-  return U * s.asDiagonal() * V.transpose();
+  return oracle::product(U * s.asDiagonal(), V.transpose());
 }
 
 }  // namespace haptic::core::samples

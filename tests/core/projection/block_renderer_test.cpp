@@ -7,10 +7,15 @@
 #include <string>
 
 #include "haptic/core/model/hand_exoskeleton.hpp"
+#include "tests/core/linear/random_matrix.hpp"
+#include "tests/core/projection/function_map.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/dense_oracle.hpp"
 
 namespace haptic::core {
 namespace {
+
+using samples::gaussian;
 
 constexpr double kDegree = 0.017453292519943295;
 constexpr RendererKind kAll[] = {RendererKind::kStandard, RendererKind::kNullSpace,
@@ -174,6 +179,65 @@ TEST(BlockRenderer, NeverAllocates) {
     renderer.project(all.probe(), all.x, all.dx, all.stiffness, false, out);
     EXPECT_EQ(guard.allocations(), 0u);
   }
+}
+
+/// -d tau_a/dq_a with the proxy held is found by moving each actuator by itself: on a linear map any
+/// step is exact.
+TEST(BlockRenderer, BoundsTheStiffnessThatABaselineDisplays) {
+  std::mt19937_64 random(7);
+  for (int trial = 0; trial < 300; ++trial) {
+    const int n_x = 4, n_q = 3, n_a = 1 + trial % 3;
+    const MatXQ A = (trial % 2 == 0 ? 3.0 : 0.3) * gaussian(random, n_x, n_q);
+    const samples::FunctionMap map(
+        samples::dofs(n_q, n_a, 1e6), samples::coordinates(n_x),
+        [A](const VecQ& q) { return VecX(A * q); }, [A](const VecQ&) { return A; });
+    const VecX x = gaussian(random, n_x, 1);
+    const VecA Z_q = VecA(gaussian(random, n_a, 1)).cwiseAbs() + VecA::Constant(n_a, 0.1);
+    for (const RendererKind kind : kAll) {
+      BlockRenderer renderer(kind, map);
+      VecA ratio, at_rest;
+      const auto force = [&](const VecQ& q) {
+        const VecX x_probe = A * q, dx = x - x_probe;
+        Projection out;
+        renderer.project({q, x_probe, A}, x, dx, Z_q, true, out);
+        renderer.displayed_bound({q, x_probe, A}, dx, Z_q, ratio);
+        return VecA(Z_q.cwiseProduct(map.layout().select(out.q_star - q)));
+      };
+      at_rest = force(VecQ::Zero(n_q));
+      Eigen::MatrixXd K(n_a, n_a);
+      for (int i = 0; i < n_a; ++i) K.col(i) = at_rest - force(VecQ::Unit(n_q, i));
+      ASSERT_GE(ratio.minCoeff(), 1.0);
+      const Eigen::MatrixXd room = Eigen::MatrixXd(ratio.cwiseProduct(Z_q).asDiagonal()) - K;
+      ASSERT_GE(oracle::smallest_eigenvalue(room), -1e-9 * Z_q.maxCoeff()) << name(kind);
+      if (n_a == 1 && kind == RendererKind::kStandard) {  // then it is no bound but the stiffness
+        ASSERT_NEAR(ratio[0], std::max(1.0, K(0, 0) / Z_q[0]), 1e-11 * ratio[0]);
+      }
+    }
+  }
+}
+
+TEST(BlockRenderer, BoundsEachFingerByItselfAndAnIdleOneNotAtAll) {
+  std::mt19937_64 random(8);
+  const VecX pose = random_joints(random);
+  VecX proxy = pose;
+  proxy.segment<2>(2) = random_joints(random).segment<2>(2);
+  const Instant all(hand(), pose, proxy);
+  BlockRenderer renderer(RendererKind::kStandard, hand());
+  BlockRenderer alone(RendererKind::kStandard, *hand().blocks()[1].kinematics);
+  VecX dx = all.dx;
+  for (const int idle : {0, 1, 4, 5}) dx[idle] = 0.0;  // the pose's own rounding
+  VecA ratio, one;
+  const VecQ q = all.q.segment<2>(2);
+  const VecX x_probe = all.x_probe.segment<2>(2), d = dx.segment<2>(2);
+  const MatXQ J = all.J.block<2, 2>(2, 2);
+  const VecA Z_q = all.stiffness.segment<1>(1);
+  const test::AllocationGuard allocations;
+  renderer.displayed_bound(all.probe(), dx, all.stiffness, ratio);
+  alone.displayed_bound({q, x_probe, J}, d, Z_q, one);
+  EXPECT_EQ(allocations.allocations(), 0u);
+  EXPECT_EQ(ratio[0], 1.0);
+  EXPECT_EQ(ratio[1], one[0]);
+  EXPECT_EQ(ratio[2], 1.0);
 }
 
 }  // namespace

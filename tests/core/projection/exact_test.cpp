@@ -1,14 +1,13 @@
 // Eq. (6) by iteration and by cache: METHOD 3.3 case A, and cases 14, 16, 20 of METHOD 6.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <numbers>
 #include <random>
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/projection/renderer.hpp"
-#include "tests/core/linear/random_matrix.hpp"
 #include "tests/core/projection/function_map.hpp"
 #include "tests/support/allocation_guard.hpp"
 

@@ -2,13 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
-
 #include <cmath>
 #include <random>
 #include <vector>
 
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/dense_oracle.hpp"
 
 namespace haptic::core {
 namespace {
@@ -157,9 +156,9 @@ bool brute_force(const PlaneSet& set, const VecX& probe, const VecX& W, VecX& be
     VecX x = probe;
     if (n > 0) {
       const Eigen::MatrixXd D = VecX(W.cwiseInverse()).asDiagonal() * A.transpose();
-      const Eigen::MatrixXd G = A * D;
-      if (std::abs(G.determinant()) < 1e-9) continue;
-      x -= D * G.inverse() * v;
+      const Eigen::MatrixXd G = oracle::product(A, D);
+      if (std::abs(oracle::determinant(G)) < 1e-9) continue;
+      x -= oracle::product(D, oracle::product(oracle::inverse(G), v));
     }
     const Eigen::VectorXd excess = set.normals.transpose() * x - set.offsets;
     if (p > 0 && excess.maxCoeff() > 1e-9) continue;

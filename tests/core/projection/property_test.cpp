@@ -2,7 +2,7 @@
 // wide, mixed units. Forces are finite, bounded, zero at dx = 0, and do not know the units.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <random>
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -13,6 +13,7 @@
 #include "haptic/core/projection/direction_guard.hpp"
 #include "haptic/core/projection/renderer.hpp"
 #include "tests/core/linear/random_matrix.hpp"
+#include "tests/support/dense_oracle.hpp"
 
 namespace haptic::core {
 namespace {
@@ -83,7 +84,8 @@ TEST(TaskMetric, ItsRootSquaredIsTheMetric) {
   std::mt19937_64 random(1);
   for (int n = 1; n <= kMaxX; n += 7) {
     const Eigen::MatrixXd B = gaussian(random, n, n);
-    const Eigen::MatrixXd W = B * B.transpose() + Eigen::MatrixXd::Identity(n, n);
+    Eigen::MatrixXd W = oracle::product(B, B.transpose());
+    W.diagonal().array() += 1.0;
     const TaskMetric metric = TaskMetric::from_matrix(W);
     const VecX v = gaussian(random, n, 1);
     VecX weighed = v;
@@ -98,18 +100,19 @@ TEST(TaskMetric, EveryRendererMeasuresByIt) {
   for (int trial = 0; trial < 400; ++trial) {
     const int n_x = 4 + trial % 3, n_q = 3, n_a = 1 + trial % 2;
     const Eigen::MatrixXd A = gaussian(random, n_x, n_q), B = gaussian(random, n_x, n_x);
-    const Eigen::MatrixXd W = B * B.transpose() + 0.1 * Eigen::MatrixXd::Identity(n_x, n_x);
+    Eigen::MatrixXd W = oracle::product(B, B.transpose());
+    W.diagonal().array() += 0.1;
     const auto map = linear_map(A, n_a, n_x / 2);
     const ProjectionModel model(*map, with_metric(TaskMetric::from_matrix(W)));
     const VecX x = gaussian(random, n_x, 1);
     const VecA Z_q = VecA::Constant(n_a, 300.0);
     const Eigen::MatrixXd J_a = A.leftCols(n_a), J_n = A.rightCols(n_q - n_a);
-    const double z_x = 300.0 / (J_a.transpose() * W * J_a).trace();
-    const Eigen::VectorXd f = z_x * W * x;
+    const double z_x = 300.0 / J_a.cwiseProduct(oracle::product(W, J_a)).sum();
+    const Eigen::VectorXd f = z_x * (W * x);
     // Eq. (3) in the metric W^{-1} on forces: f* = f - W J_n (J_n^T W J_n)^{-1} J_n^T f.
     const Eigen::VectorXd f_star =
-        f - W * J_n * (J_n.transpose() * W * J_n).ldlt().solve(J_n.transpose() * f);
-    const Eigen::VectorXd dq = (A.transpose() * W * A).ldlt().solve(A.transpose() * W * x);
+        z_x * (W * (x - J_n * oracle::weighted_least_squares(J_n, W, x)));
+    const Eigen::VectorXd dq = oracle::weighted_least_squares(A, W, x);
     const Eigen::VectorXd want[] = {J_a.transpose() * f, J_a.transpose() * f_star,
                                     300.0 * dq.head(n_a), 300.0 * dq.head(n_a)};
     for (int k = 0; k < 4; ++k) {

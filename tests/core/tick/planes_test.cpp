@@ -4,20 +4,23 @@
 #include <string>
 
 #include "tests/core/tick/finger_bench.hpp"
-#include "tests/core/tick/wall_run.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/loop/wall_run.hpp"
 
 namespace haptic::core {
 namespace {
 
 using namespace test;
+using haptic::test::wall_run;
+using haptic::test::wall_tank;
+using haptic::test::WallFigures;
+using haptic::test::WallRun;
 
 constexpr double kDelays[] = {0.0, 0.005, 0.010, 0.020, 0.050, 0.100};
 
 WallRun in_and_out(ProxyMode mode, double delay) {
-  WallRun run;
-  run.mode = mode;
-  run.delay = delay;
+  WallRun run = wall_run(mode);
+  run.client.delay_s = delay;
   return run;
 }
 
@@ -27,8 +30,8 @@ TEST(Planes, InAndOutOfAWallNothingIsGivenAndNothingDragsAtAnyDelay) {
       SCOPED_TRACE(std::to_string(delay));
       WallRun run = in_and_out(ProxyMode::kPlanes, delay);
       run.stiffness = stiffness;
-      const WallResult planes = run_wall(run);
-      EXPECT_GT(planes.peak, 3.0) << "the wall was felt";
+      const WallFigures planes = haptic::test::run(run);
+      EXPECT_GT(planes.peak_force, 3.0) << "the wall was felt";
       EXPECT_EQ(planes.drag, 0.0);
       EXPECT_LT(planes.most_net, 1e-9);  // case 22 asks for less than 2 mJ without the tank
       EXPECT_LT(planes.largest_q, 0.03);
@@ -40,19 +43,19 @@ TEST(Planes, AHeldProxyDragsAsMuchAsMethod54Says) {
   // K v (delay + half a period), 4 x 20 mm/s mean speed of the hand: what planes are for.
   WallRun run = in_and_out(ProxyMode::kHeld, 0.020);
   run.stiffness = 200.0;
-  const WallResult held = run_wall(run);
+  const WallFigures held = haptic::test::run(run);
   EXPECT_GT(held.drag, 0.2);
-  run.mode = ProxyMode::kPlanes;
-  EXPECT_LE(run_wall(run).drag, 0.01 * held.drag);
+  run.client.mode = ProxyMode::kPlanes;
+  EXPECT_LE(haptic::test::run(run).drag, 0.01 * held.drag);
 }
 
 TEST(Planes, WithTheTankTheyFeelTheSame) {
   WallRun run = in_and_out(ProxyMode::kPlanes, 0.020);
-  const WallResult plain = run_wall(run);
+  const WallFigures plain = haptic::test::run(run);
   run.passivity = wall_tank(0.0);
-  const WallResult tank = run_wall(run);
+  const WallFigures tank = haptic::test::run(run);
   EXPECT_EQ(tank.throttled, 0);
-  EXPECT_NEAR(tank.peak, plain.peak, 1e-9);
+  EXPECT_NEAR(tank.peak_force, plain.peak_force, 1e-9);
   EXPECT_LE(tank.most_net, 1e-9);
 }
 
@@ -61,14 +64,14 @@ TEST(Planes, APlaneThatComesLateIsPaidByTheTank) {
     for (const double delay : kDelays) {
       SCOPED_TRACE(std::to_string(delay));
       WallRun run = in_and_out(ProxyMode::kPlanes, delay);
-      run.derived = true;
+      run.client.only_in_contact = true;
       run.passivity = wall_tank(initial);
-      EXPECT_LE(run_wall(run).most_net, initial + 1e-9);
+      EXPECT_LE(haptic::test::run(run).most_net, initial + 1e-9);
     }
   }
   WallRun run = in_and_out(ProxyMode::kPlanes, 0.050);
-  run.derived = true;
-  EXPECT_GT(run_wall(run).most_net, 1e-3) << "without it, it gives millijoules";
+  run.client.only_in_contact = true;
+  EXPECT_GT(haptic::test::run(run).most_net, 1e-3) << "without it, it gives millijoules";
 }
 
 TEST(EnergyTankBehindANetwork, HoldsWhateverRateDelayLossDuplicatesAndOrder) {
@@ -78,14 +81,14 @@ TEST(EnergyTankBehindANetwork, HoldsWhateverRateDelayLossDuplicatesAndOrder) {
         for (const bool disorder : {false, true}) {
           SCOPED_TRACE(std::to_string(rate) + " Hz " + std::to_string(delay));
           WallRun run = in_and_out(mode, delay);
-          run.rate = rate;
-          run.disorder = disorder;
-          run.lost = disorder ? 0.5 : 0.0;
+          run.client.rate_hz = rate;
+          run.client.disorder = disorder;
+          run.client.lost = disorder ? 0.5 : 0.0;
           run.passivity = wall_tank(1e-3);
-          const WallResult result = run_wall(run);
+          const WallFigures result = haptic::test::run(run);
           EXPECT_LE(result.most_net, 1e-3 + 1e-9);
           EXPECT_LT(result.largest_q, 0.03) << "bounded by the hand";
-          EXPECT_GT(result.peak, 1.0) << "force was on";
+          EXPECT_GT(result.peak_force, 1.0) << "force was on";
         }
       }
     }
@@ -93,7 +96,7 @@ TEST(EnergyTankBehindANetwork, HoldsWhateverRateDelayLossDuplicatesAndOrder) {
 }
 
 TEST(EnergyTankBehindANetwork, WithoutItTheHeldProxyLeavesTheHand) {
-  EXPECT_GT(run_wall(in_and_out(ProxyMode::kHeld, 0.020)).most_net, 1.0);
+  EXPECT_GT(haptic::test::run(in_and_out(ProxyMode::kHeld, 0.020)).most_net, 1.0);
 }
 
 ProxySnapshot with_stops(ProxySnapshot sample) {

@@ -2,20 +2,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/core/tick/wall_run.hpp"
 #include "tests/report/hard_cases/hard_case.hpp"
 #include "tests/report/hard_cases/loop.hpp"
 #include "tests/report/values.hpp"
+#include "tests/support/loop/wall_run.hpp"
 
 namespace haptic::report {
 namespace {
 
 using core::VecQ;
 using core::VecX;
-using core::test::run_wall;
-using core::test::wall_tank;
-using core::test::WallResult;
-using core::test::WallRun;
+using test::wall_tank;
+using test::WallFigures;
+using test::WallRun;
 
 constexpr double kZ = 1500.0;    // N/m
 constexpr double kLimit = 20.0;  // N: hard_cases/loop.hpp
@@ -70,8 +69,7 @@ void proxy_step(Outcomes& out) {
 }
 
 WallRun in_and_out(core::ProxyMode mode, double initial) {
-  WallRun run;  // K = 1500 N/m, 60 Hz, 20 ms, jitter 30 %
-  run.mode = mode;
+  WallRun run = test::wall_run(mode);  // K = 1500 N/m, 60 Hz, 20 ms, jitter 30 %
   run.passivity = wall_tank(initial);
   return run;
 }
@@ -80,16 +78,16 @@ void late_and_jittered(Outcomes& out) {
   double over = -HUGE_VAL, q = 0.0;
   for (const core::ProxyMode mode : {core::ProxyMode::kHeld, core::ProxyMode::kPlanes}) {
     for (const double initial : {0.0, 2e-3}) {
-      const WallResult result = run_wall(in_and_out(mode, initial));
+      const WallFigures result = test::run(in_and_out(mode, initial));
       over = std::max(over, result.most_net - initial);
       q = std::max(q, result.largest_q);
     }
   }
   WallRun plain = in_and_out(core::ProxyMode::kPlanes, 0.0);
   plain.passivity = {};
-  const double planes = run_wall(plain).most_net;
-  plain.mode = core::ProxyMode::kHeld;
-  const double held = run_wall(plain).most_net;
+  const double planes = test::run(plain).most_net;
+  plain.client.mode = core::ProxyMode::kHeld;
+  const double held = test::run(plain).most_net;
   out.push_back({"22",
                  "in/out wall, K = 1500, 20 ms, jitter 30 %, held and planes: work net of damping "
                  "<= tank + 1e-9 J, q bounded; planes without the tank < 2 mJ",
@@ -106,10 +104,10 @@ void lost_and_disordered(Outcomes& out) {
     for (const double initial : {0.0, 2e-3}) {
       for (const double rate : {30.0, 60.0, 200.0}) {
         WallRun run = in_and_out(mode, initial);
-        run.rate = rate;
-        run.lost = 0.5;
-        run.disorder = true;
-        over = std::max(over, run_wall(run).most_net - initial);
+        run.client.rate_hz = rate;
+        run.client.lost = 0.5;
+        run.client.disorder = true;
+        over = std::max(over, test::run(run).most_net - initial);
         ++runs;
       }
     }

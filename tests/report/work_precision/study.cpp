@@ -53,6 +53,22 @@ VecX image(const core::Kinematics& map, const VecQ& q) {
   return x;
 }
 
+/// The residual at an optimum is orthogonal to every column of J: at most 1e-12 of X's unit along any.
+void require_stationary(const core::Kinematics& map, const VecX& x, const VecQ& q) {
+  constexpr double kLeft = 1e-12;
+  VecX at, r;
+  MatXQ J;
+  static_cast<void>(map.evaluate(q, at, J));
+  map.space().difference(x, at, r);
+  for (Eigen::Index k = 0; k < J.cols(); ++k) {
+    const double along = std::abs(J.col(k).dot(r)) / J.col(k).norm();
+    if (!(along <= kLeft)) {
+      throw core::SceneError("work-precision: a reference leaves " + std::to_string(along * 1e12) +
+                             "e-12 along column " + std::to_string(k) + ", at most 1e-12 allowed");
+    }
+  }
+}
+
 /// Gauss-Newton by Eigen's rank-revealing QR, from the pose that the proxy was made of. Independent of
 /// every solver that is measured.
 VecQ converged(const core::Kinematics& map, const VecX& x, VecQ q) {
@@ -73,6 +89,7 @@ VecQ converged(const core::Kinematics& map, const VecX& x, VecQ q) {
     }
   }
   if (!(step <= 1e-12)) throw core::SceneError("work-precision: a reference did not converge");
+  require_stationary(map, x, q);
   return q;
 }
 
@@ -150,8 +167,8 @@ Study chain_study(double rate_hz) {
     const double phase = phase_of(k, rate_hz);
     VecQ q(6), held(6);
     for (int i = 0; i < 6; ++i) {
-      q[i] = 0.6 + 0.4 * std::sin(phase + 0.7 * i);
-      held[i] = std::min(q[i], 0.7);
+      q[i] = 1.0 + 0.35 * std::sin(phase + 0.7 * i);  // no two axes near a line
+      held[i] = std::min(q[i], 1.1);
     }
     add_frame(study, q, held, phase, kInconsistent);
   }

@@ -105,7 +105,7 @@ if [ "$(id -u)" -ne 0 ]; then
     fail "missing:$missing - and neither root nor sudo is at hand to install them"
   as_root=sudo
 fi
-apt() { $as_root env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0 "$@"; }
+apt() { $as_root env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0 -o Acquire::Retries=3 "$@"; }
 
 resolve() {  # sets `chosen`, or `unknown` to the first entry that apt does not know
   chosen=

@@ -1,9 +1,9 @@
 #!/bin/sh
 # The project's own C++ is formatted by .clang-format and clean under .clang-tidy.
 #
-#   tests/lint.sh [format] [tidy [BUILD-FOLDER]]     default: both, with build/release
+#   tests/lint.sh [format|tidy]     default: both
 #
-# `tidy` reads the compile database of BUILD-FOLDER, which must have been built (generated headers).
+# `tidy` configures build/lint, a build with every source on its own, and makes the generated headers.
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/tests/checks/files.sh"
@@ -15,17 +15,17 @@ format() {
   done | xargs clang-format --dry-run -Werror
 }
 
-tidy() {  # tidy BUILD-FOLDER
-  database=$1/compile_commands.json
-  [ -f "$database" ] || { echo "lint.sh: no $database; build first" >&2; exit 2; }
-  sed -nE 's/^ *"file": "([^"]+)".*/\1/p' "$database" | sort -u | grep "^$root/" |
-    grep -v "^$root/build/" |
-    xargs -P "$(nproc)" -n 1 clang-tidy -p "$1" --quiet --warnings-as-errors='*'
+tidy() {
+  cmake -S . -B build/lint -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
+  cmake --build build/lint --target haptic_proto haptic_proto_grpc
+  sed -nE 's/^ *"file": "([^"]+)".*/\1/p' build/lint/compile_commands.json | sort -u |
+    grep "^$root/" | grep -v "^$root/build/" |
+    xargs -P "$(nproc)" -n 1 clang-tidy -p build/lint --quiet --warnings-as-errors='*'
 }
 
 case "${1:-both}" in
-  both) format; tidy "$root/build/release" ;;
+  both) format; tidy ;;
   format) format ;;
-  tidy) tidy "$(cd "${2:-$root/build/release}" && pwd)" ;;
+  tidy) tidy ;;
   *) sed -n '2,6s/^# \{0,1\}//p' "$0"; exit 2 ;;
 esac

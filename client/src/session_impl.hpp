@@ -97,6 +97,10 @@ class Session::Impl final : public StreamSink, public UdpSink {
   [[nodiscard]] bool resumable() const noexcept {
     return options_.reconnect == Reconnect::kWithBackoff && controls();
   }
+  /// Force is asked for again under the lease that follows one that is over.
+  [[nodiscard]] bool comes_back_with_force() const noexcept {
+    return resumable() && options_.re_engage;
+  }
   [[nodiscard]] std::string session_id() const;
   void to_planes(Proxy& proxy) const;
   void leave_for_lease();  ///< under mutex_
@@ -117,7 +121,8 @@ class Session::Impl final : public StreamSink, public UdpSink {
 
   // session_force.cpp.
   void ask_for_force(Lock& lock);
-  void force_answered(const grpc::Status& status);
+  void force_answered(const std::string& session_id, const grpc::Status& status);
+  [[nodiscard]] bool ends_asking(const std::string& session_id, const grpc::Status& status) const;
   /// Takes back the force that an Engage brought which release() could not wait for.
   void release_again(Lock& lock);
   /// Ends the asking for a reason that waiting must not cure. Under mutex_.

@@ -46,6 +46,7 @@ void SessionStream::OnReadDone(bool ok) {
   const core::TimePoint arrival = context_.config.clock({});
   // Half-closed, or cancelled: then the status goes nowhere.
   if (!ok) return end(grpc::Status::OK, Ending::kLost);
+  if (const auto refusal = too_large(incoming_.Length())) return end(to_status(*refusal));
   if (!grpc::SerializationTraits<v1::SessionRequest>::Deserialize(&incoming_, &request_).ok()) {
     return end(to_status(protocol_error("not a SessionRequest")));
   }
@@ -98,7 +99,9 @@ std::optional<Refusal> SessionStream::refusal_of(const v1::OpenSession& request)
     return Refusal{
         Refusal::Code::kPermission,
         "PRIORITY_DENIED",
-        std::string("priority: this client's certificate allows ") + name(highest) + " at most",
+        std::string(peer_.names.empty() ? "priority: over TLS without a client certificate"
+                                        : "priority: with this client's certificate") +
+            " at most " + name(highest) + " is allowed",
         {},
         {{"highest", name(highest)}}};
   }
@@ -109,9 +112,12 @@ void SessionStream::open(const v1::OpenSession& request) {
   const auto refuse = [&](const Refusal& refusal) { end(to_status(refusal)); };
   if (const auto refusal = refusal_of(request)) return refuse(*refusal);
   const auto target = context_.device(request.device());
-  auto id = context_.registry.admit(SessionRegistry::Kind::kSession, *target.value->device);
+  DeviceSessions& device = *target.value->device;
+  const bool resumes =
+      request.role() == v1::ROLE_CONTROLLER && device.would_resume(request.resume());
+  auto id = context_.registry.admit(SessionRegistry::Kind::kSession, device, resumes);
   if (!id) return refuse(id.refusal);
-  auto events = target.value->device->subscribe(*id.value);
+  auto events = device.subscribe(*id.value);
   bool ended = false;
   {
     const std::lock_guard lock(mutex_);

@@ -177,6 +177,11 @@ bool DeviceSessions::may_be_resumed(const std::string& session_id) const {
   return lease_.held_by(session_id) && lease_.detached();
 }
 
+bool DeviceSessions::would_resume(const std::string& resume) const {
+  const std::lock_guard lock(mutex_);
+  return !command_.closing && resumes(resume);
+}
+
 core::RenderSettings DeviceSessions::settings() const {
   const std::lock_guard lock(mutex_);
   return settings_;

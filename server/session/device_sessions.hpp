@@ -111,6 +111,9 @@ class DeviceSessions final : public RecordListener {
   [[nodiscard]] Stamp stamp(const core::TickRecord& record) const noexcept;
   /// Its lease waits for it.
   [[nodiscard]] bool may_be_resumed(const std::string& session_id) const;
+  /// A controller that opens now with this `resume` would go on with the lease of that session, whether
+  /// or not its stream is known to be lost.
+  [[nodiscard]] bool would_resume(const std::string& resume) const;
 
   /// Telemetry's call, every tick.
   void on_record(const core::TickRecord& record) override;
@@ -130,7 +133,7 @@ class DeviceSessions final : public RecordListener {
   void post() noexcept;
   void post_next_clear() noexcept;
   // device_lease.cpp
-  [[nodiscard]] bool resumes(const LeaseRequest& request) const noexcept;
+  [[nodiscard]] bool resumes(const std::string& former) const noexcept;
   void resume_lease(const LeaseRequest& request, core::TimePoint now, const LeaseAnswer& answer,
                     Closures& closures);
   void wait_for_lease(Newcomer newcomer, core::TimePoint now, Closures& closures);

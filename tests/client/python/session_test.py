@@ -6,6 +6,7 @@ import sys
 import time
 import unittest
 from collections.abc import Callable
+from unittest import mock
 
 import haptic
 from hapticd_process import Hapticd
@@ -24,9 +25,10 @@ def eventually(condition: Callable[[], bool], seconds: float = 20.0) -> bool:
 
 class OneServer(unittest.TestCase):
     udp = False
+    lease_s = 2
 
     def setUp(self) -> None:
-        self.server = Hapticd("finger_constant", udp=self.udp)
+        self.server = Hapticd("finger_constant", udp=self.udp, lease_s=self.lease_s)
         self.addCleanup(self.server.stop)
         self.connection = haptic.Connection(self.server.address)
         self.addCleanup(self.connection.close)
@@ -165,10 +167,28 @@ class Udp(OneServer):
         self.assertFalse(any(e.kind == "LOST" for e in session.events()))
         self.assertEqual(state.state, "ENGAGED")
 
+    def test_without_a_way_to_the_address_the_stream_goes_on_alone(self) -> None:
+        with mock.patch("haptic._udp.connect", side_effect=OSError("no route")):
+            session = self.open()
+        self.hold(session, lambda s: s.proxy_seq_used > 50 and s.transport == "GRPC")
+        self.assertFalse(session.udp_in_use)
+
     def test_it_can_be_left_out(self) -> None:
         session = self.open(carriers=haptic.Carriers.STREAM)
         self.hold(session, lambda s: s.proxy_seq_used > 50)
         self.assertFalse(session.udp_in_use)
+
+
+class UdpThatFails(OneServer):
+    udp = True
+    lease_s = 60  # who forgets a session keeps the device that long
+
+    def test_an_error_while_the_path_is_made_gives_the_lease_back(self) -> None:
+        with mock.patch("haptic._session.UdpPath", side_effect=ValueError("not a key")):
+            with self.assertRaises(ValueError):
+                self.connection.session(client_name="unlucky", nominal_rate_hz=60)
+        self.assertTrue(eventually(lambda: self.connection.devices()[0].controller == ""))
+        self.open().wait_for_state()
 
 
 class Examples(unittest.TestCase):

@@ -5,7 +5,7 @@
 
 namespace haptic::server {
 
-std::optional<TrackerRead> read_tracker(v1::TrackerScene& message, const std::string& path,
+std::optional<TrackerRead> read_tracker(v1::StalenessScene& message, const std::string& path,
                                         const core::Kinematics* kinematics, Problems& problems) {
   const StalenessRead staleness = read_staleness(message, path, problems);
   if (kinematics == nullptr) return std::nullopt;

@@ -16,7 +16,7 @@ struct TrackerRead {
 };
 
 /// `kinematics` nullptr: not known. Reports one without a tracked palm; the answer is then empty.
-[[nodiscard]] std::optional<TrackerRead> read_tracker(v1::TrackerScene& message,
+[[nodiscard]] std::optional<TrackerRead> read_tracker(v1::StalenessScene& message,
                                                       const std::string& path,
                                                       const core::Kinematics* kinematics,
                                                       Problems& problems);

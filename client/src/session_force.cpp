@@ -15,9 +15,9 @@ constexpr std::chrono::milliseconds kForceAnswer{1000};
 
 /// Refusals that time and more samples can cure.
 bool worth_retrying(const grpc::Status& status) {
-  constexpr const char* kCurable[] = {"NOT_ARMED",    "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES",
-                                      "STREAM_STALE", "DEVICE_STALE",     "OUTSIDE_WINDOW",
-                                      "NO_ANSWER"};
+  constexpr const char* kCurable[] = {"NOT_ARMED",     "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES",
+                                      "STREAM_STALE",  "DEVICE_STALE",     "OUTSIDE_WINDOW",
+                                      "TRACKER_STALE", "NO_ANSWER"};
   if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED ||
       status.error_code() == grpc::StatusCode::UNAVAILABLE) {
     return true;

@@ -31,6 +31,7 @@ class Session::Impl final : public StreamSink, public UdpSink {
   /// Opens the first stream and waits for the server's word. Throws.
   void open();
   void publish(Proxy proxy) noexcept;
+  void publish_pose(const Pose& pose) noexcept;
   [[nodiscard]] DeviceState state() const;
   [[nodiscard]] DeviceState wait_for_state();
   void engage();
@@ -92,8 +93,9 @@ class Session::Impl final : public StreamSink, public UdpSink {
   void fetch_device();
   void set_deadline(grpc::ClientContext& context) const;
   [[nodiscard]] v1::OpenSession opening() const;
+  [[nodiscard]] bool controls() const noexcept { return !options_.observer && !options_.tracker; }
   [[nodiscard]] bool resumable() const noexcept {
-    return options_.reconnect == Reconnect::kWithBackoff && !options_.observer;
+    return options_.reconnect == Reconnect::kWithBackoff && controls();
   }
   /// Force is asked for again under the lease that follows one that is over.
   [[nodiscard]] bool comes_back_with_force() const noexcept {

@@ -22,6 +22,7 @@ Refusal held_by(const std::string& device, const std::string& holder, Priority p
 }  // namespace
 
 void DeviceSessions::close(const std::string& session_id, Ending ending) {
+  if (tracker_) tracker_->close(session_id);
   Closures closures;
   {
     const std::lock_guard lock(mutex_);

@@ -22,6 +22,9 @@ DeviceSessions::DeviceSessions(DeviceUnit& unit, Telemetry& telemetry, std::size
       ingress_(unit.proxies, unit.config().kinematics->space().n_x()),
       lease_(rules.lease_timeout),
       settings_(unit.config().scene) {
+  if (unit.config().tracker) {
+    tracker_.emplace(unit.poses, unit.config(), rules.tracker_fresh_end, rules.lease_timeout);
+  }
   publish_settings(settings_);
   telemetry_.add(index_, this);
 }

@@ -26,6 +26,7 @@
 #include "server/ingress/ingress.hpp"
 #include "server/rt/device_unit.hpp"
 #include "server/session/device_event.hpp"
+#include "server/session/device_tracker.hpp"
 #include "server/session/lease.hpp"
 #include "server/session/pending_requests.hpp"
 #include "server/session/refusal.hpp"
@@ -38,6 +39,7 @@ struct SessionRules {
   core::Duration lease_timeout{std::chrono::seconds(2)};
   /// The scene's bound on every lease's fresh_end; absent: 2.5 nominal periods of the client.
   std::optional<core::Duration> fresh_end{};
+  std::optional<core::Duration> tracker_fresh_end{};  ///< the same of a tracker's poses
 };
 
 using LeaseAnswer = std::function<void(const Outcome<Lease>&)>;
@@ -53,6 +55,11 @@ class DeviceSessions final : public RecordListener {
   [[nodiscard]] const std::string& name() const noexcept { return unit_.name(); }
   [[nodiscard]] const DeviceUnit& unit() const noexcept { return unit_; }
   [[nodiscard]] Ingress& ingress() noexcept { return ingress_; }
+  /// None where the scene has no tracker.
+  [[nodiscard]] DeviceTracker* tracker() noexcept { return tracker_ ? &*tracker_ : nullptr; }
+  [[nodiscard]] const DeviceTracker* tracker() const noexcept {
+    return tracker_ ? &*tracker_ : nullptr;
+  }
   [[nodiscard]] core::Duration lease_timeout() const noexcept { return rules_.lease_timeout; }
 
   /// The session's events from now on, until close(). Every session subscribes, whatever its role.
@@ -146,6 +153,7 @@ class DeviceSessions final : public RecordListener {
   const std::size_t index_;
   const SessionRules rules_;
   Ingress ingress_;
+  std::optional<DeviceTracker> tracker_;
 
   mutable std::mutex mutex_;
   LeaseBook lease_;

@@ -4,11 +4,12 @@
 #
 #   docker/test.sh [--prebuilt BUILD] [--engine docker|podman] [--logs FOLDER] [--keep-images]
 #
-# --prebuilt BUILD  takes programs and packages from a build folder instead of compiling in the image (the
-#                   same distribution, please)
+# --prebuilt BUILD  takes programs and packages from a build folder of this tree, brought up to date, where the image
+#                   is of this host's distribution; else, and without it, they are compiled in the image
 # --logs FOLDER     where every container's output goes; default: build/container-logs
 # --keep-images     leaves the images it built for the next run
 # Leaves no container, network or volume behind, and no image but the base it made.
+# Ends with 0: all held; 1: something did not; 3: this host runs no containers, and why.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
@@ -22,7 +23,7 @@ while (($#)); do
     --engine) wanted=${2:?--engine needs docker or podman}; shift 2 ;;
     --logs) logs=${2:?--logs needs a folder}; shift 2 ;;
     --keep-images) keep_images=true; shift ;;
-    -h | --help) sed -n '2,13s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,14s/^# \{0,1\}//p' "$0"; exit 0 ;;
     *) echo "test.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
   esac
 done
@@ -31,8 +32,12 @@ scratch=$(mktemp -d)
 project=haptictest$$
 image=localhost/hapticd-test:$$
 engine=
-# shellcheck source=docker/test/engine.sh
-. "$root/docker/test/engine.sh"
+base=
+witness=
+for part in engine image staleness shutdown relay package; do
+  # shellcheck source=/dev/null
+  . "$root/docker/test/$part.sh"
+done
 
 collect() { # what every container said; those that are gone have been collected before
   local service id
@@ -45,10 +50,15 @@ collect() { # what every container said; those that are gone have been collected
 finish() {
   local status=$?
   trap - EXIT
+  exec >&3 2>&4
+  forget_machine
   if [[ -n $engine ]]; then
     collect
-    tear_down || status=1
-    if ! $keep_images; then "$engine" rmi --force "$image" "$image-packages" >/dev/null 2>&1 || true; fi
+    tear_down 2>>"$logs/engine.log" || status=1
+    if ! $keep_images; then
+      "$engine" rmi --force "$image" "$image-packages" >/dev/null 2>&1 || true
+      remove_layers
+    fi
     local rest
     rest=$(left_behind)
     if [[ -n $rest ]]; then
@@ -57,9 +67,14 @@ finish() {
     fi
   fi
   rm -rf "$scratch" "$root/build/container"
-  if ((status == 0)); then echo "container tests passed"; else echo "container tests FAILED; see $logs" >&2; fi
+  case $status in
+    0) echo "container tests passed in $SECONDS s" ;;
+    3) echo "container tests NOT RUN: no container engine works here" >&2 ;;
+    *) echo "container tests FAILED; see $logs" >&2 ;;
+  esac
   exit "$status"
 }
+exec 3>&1 4>&2 # where this script speaks, also when a signal comes while a condition's output goes elsewhere
 trap finish EXIT
 trap 'exit 130' INT TERM
 
@@ -77,13 +92,9 @@ eventually() { # eventually SECONDS COMMAND...: until it succeeds
   done
 }
 
-choose_engine "$wanted" || exit 1
-step "engine: $engine $("$engine" --version | grep -oE '[0-9]+\.[0-9.]+' | head -n 1)"
-for part in image staleness shutdown relay package; do
-  # shellcheck source=/dev/null
-  . "$root/docker/test/$part.sh"
-done
 rm -f "$logs"/*.log
+choose_engine "$wanted" || exit 3
+step "engine: $engine $("$engine" --version | grep -oE '[0-9]+\.[0-9.]+' | head -n 1)"
 
 build_image
 start_composition

@@ -127,7 +127,8 @@ void App::listen_to_devices() {
   for (std::size_t i = 0; i < units_.size(); ++i) {
     const DeviceScene& device = scene_.devices[i];
     sessions_.push_back(std::make_unique<DeviceSessions>(
-        *units_[i], *telemetry_, i, SessionRules{scene_.server.lease_timeout, device.fresh_end}));
+        *units_[i], *telemetry_, i,
+        SessionRules{scene_.server.lease_timeout, device.fresh_end, device.tracker_fresh_end}));
     DeviceSessions& sessions = *sessions_.back();
     listeners_.push_back(
         std::make_unique<EventLog>(device.name, [&sessions] { return sessions.controller(); }));

@@ -49,6 +49,11 @@ DeviceState to_state(const v1::DeviceState& m) {
   s.lease_epoch = m.lease_epoch();
   s.mode = static_cast<Mode>(m.mode());
   s.active_planes = m.active_planes();
+  if (m.has_tracker()) {
+    s.tracker =
+        TrackerState{m.tracker().seq_used(), std::chrono::microseconds(m.tracker().age_us()),
+                     static_cast<Staleness>(m.tracker().staleness())};
+  }
   if (m.has_passivity()) {
     const v1::PassivityState& p = m.passivity();
     s.passivity = PassivityState{p.tank(), p.storage(), p.scale(), p.observed(), p.alpha()};
@@ -87,6 +92,8 @@ DeviceInfo to_info(const v1::Device& m) {
   d.controller = m.controller();
   d.renderer = static_cast<Renderer>(m.renderer());
   d.observers = m.observers();
+  d.wants_tracker = m.wants_tracker();
+  d.tracker = m.tracker();
   return d;
 }
 

@@ -10,6 +10,9 @@ Session::~Session() = default;
 void Session::publish(Proxy proxy) noexcept {
   impl_->publish(std::move(proxy));
 }
+void Session::publish_pose(const Pose& pose) noexcept {
+  impl_->publish_pose(pose);
+}
 DeviceState Session::state() const {
   return impl_->state();
 }

@@ -15,9 +15,9 @@ constexpr std::chrono::milliseconds kForceAnswer{1000};
 
 /// Refusals that time and more samples can cure.
 bool worth_retrying(const grpc::Status& status) {
-  constexpr const char* kCurable[] = {"NOT_ARMED",    "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES",
-                                      "STREAM_STALE", "DEVICE_STALE",     "OUTSIDE_WINDOW",
-                                      "NO_ANSWER"};
+  constexpr const char* kCurable[] = {"NOT_ARMED",     "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES",
+                                      "STREAM_STALE",  "DEVICE_STALE",     "OUTSIDE_WINDOW",
+                                      "TRACKER_STALE", "NO_ANSWER"};
   if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED ||
       status.error_code() == grpc::StatusCode::UNAVAILABLE) {
     return true;
@@ -100,11 +100,20 @@ void Session::Impl::ask_for_force(Lock& lock) {
   engage_call_ = engage;
   lock.unlock();
   stub_->async()->Engage(&engage->context, &engage->request, &engage->response,
-                         [this, engage](const grpc::Status& status) { force_answered(status); });
+                         [this, engage](const grpc::Status& status) {
+                           force_answered(engage->request.session_id(), status);
+                         });
   lock.lock();
 }
 
-void Session::Impl::force_answered(const grpc::Status& status) {
+/// A lease that is over is no answer to whoever comes back for it: the session that is opened next asks
+/// again, and a preemption is told by its event. Nor is what was said to a session before this one.
+bool Session::Impl::ends_asking(const std::string& session_id, const grpc::Status& status) const {
+  if (worth_retrying(status) || session_id != opened_.session_id()) return false;
+  return !(comes_back_with_force() && to_error(status).server_reason() == "NOT_CONTROLLER");
+}
+
+void Session::Impl::force_answered(const std::string& session_id, const grpc::Status& status) {
   Lock lock(mutex_);
   next_engage_ = Clock::now() + kEngageRetry;
   if (std::exchange(superseded_, false)) {
@@ -118,7 +127,7 @@ void Session::Impl::force_answered(const grpc::Status& status) {
     next_engage_ = Clock::now() + 4 * kEngageRetry;
   } else if (want_force_) {
     refusal_ = to_error(status);
-    if (!worth_retrying(status)) want_force_ = false;
+    if (ends_asking(session_id, status)) want_force_ = false;
   }
   engage_call_.reset();
   changed_.notify_all();

@@ -41,6 +41,10 @@ void Session::Impl::open() {
   if (!wire::is_utf8(options_.client_name) || !wire::is_utf8(options_.device)) {
     throw ClientError(ErrorReason::kInvalidArgument, "client_name, device: must be UTF-8");
   }
+  if (options_.observer && options_.tracker) {
+    throw ClientError(ErrorReason::kInvalidArgument,
+                      "observer, tracker: must not be true both, a session has one role");
+  }
   connect();
   fetch_device();
   worker_ = std::thread([this] {
@@ -66,14 +70,16 @@ void Session::Impl::fetch_device() {
 v1::OpenSession Session::Impl::opening() const {
   v1::OpenSession open;
   open.set_device(options_.device);
-  open.set_role(options_.observer ? v1::ROLE_OBSERVER : v1::ROLE_CONTROLLER);
+  open.set_role(options_.observer  ? v1::ROLE_OBSERVER
+                : options_.tracker ? v1::ROLE_TRACKER
+                                   : v1::ROLE_CONTROLLER);
   open.set_client_name(options_.client_name);
   open.set_nominal_rate_hz(options_.nominal_rate_hz);
   open.set_state_rate_hz(options_.state_rate_hz);
   open.set_priority(static_cast<v1::Priority>(options_.priority));
   open.set_resumable(resumable());
   if (resumable() && !release_due_) open.set_resume(opened_.session_id());
-  open.set_udp_wanted(options_.carriers != Carriers::kGrpcOnly);
+  open.set_udp_wanted(options_.carriers != Carriers::kGrpcOnly && !options_.tracker);
   if (options_.fresh_end) set_duration(*options_.fresh_end, *open.mutable_fresh_end());
   if (options_.hold_end) set_duration(*options_.hold_end, *open.mutable_hold_end());
   if (options_.fade_end) set_duration(*options_.fade_end, *open.mutable_fade_end());

@@ -31,6 +31,7 @@ class Session::Impl final : public StreamSink, public UdpSink {
   /// Opens the first stream and waits for the server's word. Throws.
   void open();
   void publish(Proxy proxy) noexcept;
+  void publish_pose(const Pose& pose) noexcept;
   [[nodiscard]] DeviceState state() const;
   [[nodiscard]] DeviceState wait_for_state();
   void engage();
@@ -92,8 +93,13 @@ class Session::Impl final : public StreamSink, public UdpSink {
   void fetch_device();
   void set_deadline(grpc::ClientContext& context) const;
   [[nodiscard]] v1::OpenSession opening() const;
+  [[nodiscard]] bool controls() const noexcept { return !options_.observer && !options_.tracker; }
   [[nodiscard]] bool resumable() const noexcept {
-    return options_.reconnect == Reconnect::kWithBackoff && !options_.observer;
+    return options_.reconnect == Reconnect::kWithBackoff && controls();
+  }
+  /// Force is asked for again under the lease that follows one that is over.
+  [[nodiscard]] bool comes_back_with_force() const noexcept {
+    return resumable() && options_.re_engage;
   }
   [[nodiscard]] std::string session_id() const;
   void to_planes(Proxy& proxy) const;
@@ -115,7 +121,8 @@ class Session::Impl final : public StreamSink, public UdpSink {
 
   // session_force.cpp.
   void ask_for_force(Lock& lock);
-  void force_answered(const grpc::Status& status);
+  void force_answered(const std::string& session_id, const grpc::Status& status);
+  [[nodiscard]] bool ends_asking(const std::string& session_id, const grpc::Status& status) const;
   /// Takes back the force that an Engage brought which release() could not wait for.
   void release_again(Lock& lock);
   /// Ends the asking for a reason that waiting must not cure. Under mutex_.

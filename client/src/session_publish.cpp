@@ -57,6 +57,25 @@ void Session::Impl::publish(Proxy proxy) noexcept {
   }
 }
 
+void Session::Impl::publish_pose(const Pose& pose) noexcept {
+  try {
+    const std::lock_guard in_order(publish_mutex_);
+    v1::TrackerSample sample;
+    sample.set_valid_for_us(microseconds(pose.valid_for));
+    sample.mutable_position()->Add(pose.position.begin(), pose.position.end());
+    sample.mutable_orientation()->Add(pose.orientation.begin(), pose.orientation.end());
+    std::shared_ptr<Stream> stream;
+    {
+      const std::lock_guard lock(mutex_);
+      ++statistics_.published;
+      sample.set_seq(++seq_);
+      if (phase_ == Phase::kOpen) stream = stream_;
+    }
+    if (stream) stream->send(sample);
+  } catch (...) {  // NOLINT(bugprone-empty-catch): out of memory loses this pose, not the caller
+  }
+}
+
 /// Under mutex_. A proxy of a state that the user no longer holds stays held: its probe is not known.
 void Session::Impl::to_planes(Proxy& proxy) const {
   if (!options_.derive_planes || proxy.mode != Mode::kHeld || handed_x_probe_.empty()) return;

@@ -46,6 +46,7 @@ void Session::Impl::work() {
 }
 
 bool Session::Impl::force_due() const {
+  if (lease_lost_ && comes_back_with_force()) return false;  // in vain, until the next sample
   return want_force_ && phase_ == Phase::kOpen && !engage_call_ && !has_force(newest_.state);
 }
 

@@ -20,15 +20,27 @@ void Stream::start(const v1::OpenSession& open) {
 }
 
 void Stream::send(const v1::ProxySample& sample) {
+  v1::SessionRequest request;
+  *request.mutable_proxy() = sample;
+  keep_newest(std::move(request));
+}
+
+void Stream::send(const v1::TrackerSample& sample) {
+  v1::SessionRequest request;
+  *request.mutable_tracker() = sample;
+  keep_newest(std::move(request));
+}
+
+void Stream::keep_newest(v1::SessionRequest request) {
   const std::lock_guard lock(mutex_);
   if (!started_ || broken_ || leaving_) return;
   if (pending_) ++replaced_;
-  pending_ = sample;
+  pending_ = std::move(request);
   if (!writing_) write_locked();
 }
 
 void Stream::write_locked() {
-  *outgoing_.mutable_proxy() = std::move(*pending_);
+  outgoing_ = std::move(*pending_);
   pending_.reset();
   writing_ = true;
   StartWrite(&outgoing_);
@@ -55,7 +67,7 @@ void Stream::OnWriteDone(bool ok) {
   {
     const std::lock_guard lock(mutex_);
     writing_ = false;
-    was_sample = outgoing_.has_proxy();
+    was_sample = outgoing_.has_proxy() || outgoing_.has_tracker();
     if (ok && was_sample) replaced = std::exchange(replaced_, 0);
     if (!ok) {
       broken_ = true;

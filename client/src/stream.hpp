@@ -39,6 +39,7 @@ class Stream final : public grpc::ClientBidiReactor<v1::SessionRequest, v1::Sess
   void start(const v1::OpenSession& open);
   /// Any thread; never waits for the network.
   void send(const v1::ProxySample& sample);
+  void send(const v1::TrackerSample& sample);
   /// Says LeaveSession, and waits for the server to end the stream, for at most `patience`. No sample
   /// leaves any more.
   void leave(std::chrono::milliseconds patience);
@@ -51,6 +52,7 @@ class Stream final : public grpc::ClientBidiReactor<v1::SessionRequest, v1::Sess
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
   void OnDone(const grpc::Status& status) override;
+  void keep_newest(v1::SessionRequest request);
   void write_locked();
   void write_leave_locked();
 
@@ -62,7 +64,7 @@ class Stream final : public grpc::ClientBidiReactor<v1::SessionRequest, v1::Sess
   std::condition_variable_any changed_;
   v1::SessionRequest outgoing_;
   v1::SessionResponse incoming_;
-  std::optional<v1::ProxySample> pending_;
+  std::optional<v1::SessionRequest> pending_;
   std::uint64_t replaced_{0};
   bool started_{false};
   bool writing_{false};

@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
 """What an observer saw, judged: the contract of WIRE 4 from outside.
 
-    contract.py COMMAND FILE [FROM_LINE]
+    contract.py COMMAND FILE [ARGUMENT]
 
-FILE holds the lines of `hapticctl watch --json`; FROM_LINE is the number of lines there were before the
-trouble began. Commands:
+FILE holds the lines of `hapticctl watch --json` from a little before the trouble on. Commands:
 
     pressing    the last line shows force, engaged
     silence     samples stopped under force: the elastic force is zero within 200 ms of the last one, and
@@ -14,8 +13,11 @@ trouble began. Commands:
     transport NAME    samples came by NAME and force was on meanwhile
     grasp       force was on, and off; the device was never in FAULT
     never-lost  force was never given up
+    quiet SECONDS     the proxy was lost that long ago: `silence` has what it needs
+    spans SECONDS     the records are that long
 
-Times are the server's own clock, as it stands in every state.
+Times are the server's own clock, as it stands in every state; so a verdict does not depend on when it was asked
+for. Ends with 0: as promised; 1: not; 3: these records cannot tell, for this machine was too busy to show it.
 """
 
 import json
@@ -38,38 +40,52 @@ def fail(message: str) -> None:
     sys.exit(f"contract.py: {message}")
 
 
+def cannot_tell(message: str) -> None:
+    print(f"contract.py: not resolvable: {message}", file=sys.stderr)
+    sys.exit(3)
+
+
 def need(states: list[dict]) -> list[dict]:
     if not states:
         fail("no states to judge")
     return states
 
 
+def last_loss(states: list[dict]) -> int | None:
+    """Where the proxy was lost for the last time: a busy machine may have done so before the trouble did."""
+    lost = [s["staleness"] == "LOST" for s in states]
+    return next((i for i in reversed(range(len(states))) if lost[i] and not (i and lost[i - 1])), None)
+
+
 def silence(states: list[dict]) -> None:
     # The last sample before a silence of more than fade_end (180 ms): its time is the state's minus its age.
-    lost = next((i for i, s in enumerate(states) if s["staleness"] == "LOST"), None)
+    lost = last_loss(states)
     if lost is None:
         fail("the proxy was never lost")
-    before = [s for s in states[:lost] if s["staleness"] == "FRESH"]
-    if not before:
-        fail("no fresh sample before the silence")
-    if max(map(force, before[-25:])) < FELT_N:
-        fail("there was no force to lose")
-    last_sample = seconds(before[-1]) - before[-1]["proxy_age_us"] * 1e-6
-    under_force = [s for s in states[:lost + 1] if force(s) > 0]
-    # The first state without force bounds the time from above; states come every 4 ms.
-    zero = next(s for s in states if seconds(s) > seconds(under_force[-1]))
-    took = seconds(zero) - last_sample
-    print(f"force was zero {took * 1e3:.0f} ms after the last sample")
-    if seconds(under_force[-1]) - last_sample > LIMIT_S:
+    fresh = [i for i, s in enumerate(states[:lost]) if s["staleness"] == "FRESH"]
+    if not fresh:
+        cannot_tell("no fresh sample before the silence")
+    last = fresh[-1]
+    if max(force(states[i]) for i in fresh[-25:]) < FELT_N:
+        cannot_tell("there was no force to lose")
+    last_sample = seconds(states[last]) - states[last]["proxy_age_us"] * 1e-6
+    zero = next((i for i in range(last + 1, len(states)) if force(states[i]) == 0), None)
+    if zero is None or seconds(states[zero - 1]) - last_sample > LIMIT_S:
         fail(f"there was force more than {LIMIT_S * 1e3:.0f} ms after the last sample")
+    # The first state without force bounds the time from above; states come every 4 ms.
+    took = seconds(states[zero]) - last_sample
     if took > LIMIT_S:
-        blind = seconds(zero) - seconds(under_force[-1])
-        fail(f"not resolvable: the observer saw nothing for {blind * 1e3:.0f} ms; the machine is too busy")
-    for state in states[lost:]:
-        if state["state"] in ("ENGAGING", "ENGAGED"):
-            break
+        blind = seconds(states[zero]) - seconds(states[zero - 1])
+        cannot_tell(f"the observer saw nothing for {blind * 1e3:.0f} ms")
+    disengaged = False
+    for state in states[zero:]:
+        engaged = state["state"] in ("ENGAGING", "ENGAGED")
+        if engaged and disengaged:
+            break  # somebody asked anew
+        disengaged = disengaged or not engaged
         if force(state) > 0:
             fail(f"force came back in {state['state']}")
+    print(f"force was zero {took * 1e3:.0f} ms after the last sample")
 
 
 def ramp(states: list[dict]) -> None:
@@ -88,29 +104,39 @@ def ramp(states: list[dict]) -> None:
 
 def closing(states: list[dict]) -> None:
     last = states[-1]
+    if max(map(force, states)) < FELT_N:
+        cannot_tell("there was no force to take back")
     # The stream ends with the server: its last state may be a few milliseconds before g = 0 (80 ms from 1).
     if last["state"] not in ("RELEASING", "CLOSING") or last["gain"] > 0.15:
-        fail(f"the last state is {last['state']} with a gain of {last['gain']:.3f}")
-    if max(map(force, states)) < FELT_N:
-        fail("there was no force to take back")
+        cannot_tell(f"the last state that came is {last['state']} with a gain of {last['gain']:.3f}")
     print(f"force faded out; {force(last):.2f} N in the last state that was sent")
+
+
+def quiet(states: list[dict], least_s: float) -> None:
+    lost = last_loss(states)
+    if lost is None or seconds(states[-1]) - seconds(states[lost]) < least_s:
+        fail("not yet")
+
+
+def spans(states: list[dict], least_s: float) -> None:
+    if seconds(states[-1]) - seconds(states[0]) < least_s:
+        fail("not yet")
 
 
 def main() -> None:
     command, file = sys.argv[1:3]
-    rest = sys.argv[3:]
-    name = rest.pop(0) if command == "transport" else ""
-    first = int(rest[0]) if rest else 0
+    argument = sys.argv[3] if len(sys.argv) > 3 else ""
     with open(file, encoding="utf-8") as lines:
         texts = [line for line in lines if line.startswith("{") and line.endswith("}\n")]
-    states = need([json.loads(line) for line in texts[first:]])
+    states = need([json.loads(line) for line in texts])
     if command == "pressing":
         state = states[-1]
         if not (state["state"] == "ENGAGED" and force(state) > FELT_N):
             fail(f"{state['state']}, {force(state):.2f} N")
     elif command == "transport":
-        if not any(s["transport"] == name and force(s) > FELT_N for s in states):
-            fail(f"no force by {name}; seen: {sorted({s['transport'] for s in states})}")
+        if not any(s["transport"] == argument and force(s) > FELT_N for s in states):
+            fail(f"no force by {argument}; seen: {sorted({s['transport'] for s in states})}")
+        print(f"force by {argument}")
     elif command == "grasp":
         forces = [force(s) for s in states if s["state"] == "ENGAGED"]
         if not forces or max(forces) < FELT_N or min(forces) > 0.02 * max(forces):
@@ -119,6 +145,8 @@ def main() -> None:
         if any(s["state"] == "FAULT" for s in states):
             fail("the device was in FAULT")
         print(f"grasped with up to {max(forces):.1f} N, and let go")
+    elif command in ("quiet", "spans"):
+        {"quiet": quiet, "spans": spans}[command](states, float(argument))
     elif command == "never-lost":
         if any(s["staleness"] == "LOST" for s in states):
             fail("force was given up")

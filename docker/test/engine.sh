@@ -1,24 +1,44 @@
 # The container engine of docker/test.sh (sourced): which one, what it needs on this host, how it is called.
-# Sets `engine`; `compose` and the functions here call it. `scratch` is a folder of the caller's.
+# Sets `engine` and `base`; `compose` and the functions here call it. `scratch` is a folder of the caller's.
 
-# Docker where its daemon answers, else podman.
+# Docker where it does what the tests need, else podman; where neither does, why.
 choose_engine() { # choose_engine [NAME]
   local candidate why=()
   for candidate in ${1:-docker podman}; do
     if ! command -v "$candidate" >/dev/null; then
-      why+=("$candidate is not installed")
+      why+=("$candidate: not installed")
       continue
     fi
     if [[ $candidate == podman ]]; then configure_podman; fi
-    if "$candidate" info >"$scratch/info" 2>&1; then
-      engine=$candidate
-      return 0
-    fi
-    why+=("$candidate: $(tail -n 1 "$scratch/info")")
+    engine=$candidate
+    if probe >"$scratch/probe" 2>&1; then return 0; fi
+    why+=("$candidate: $(tail -n 2 "$scratch/probe" | tr '\n' ' ')")
+    tear_down >/dev/null 2>&1 || true
+    engine=
   done
   printf 'no container engine works here:\n' >&2
   printf '  %s\n' "${why[@]}" >&2
   return 1
+}
+
+# Everything the tests ask of an engine, with nothing of ours in it: what fails here is the host's. Its last
+# words are the reason.
+probe() {
+  local network=${project}_probe name=${project}_probe ours=(--label "com.docker.compose.project=$project")
+  "$engine" info || return 1
+  compose version || { echo "there is no compose for it"; return 1; }
+  base=$(base_image) || { echo "there is no base image and none can be made"; return 1; }
+  "$engine" run --rm "${ours[@]}" "$base" apt-get -qq -o Acquire::Retries=3 update ||
+    { echo "its containers reach no Debian mirror"; return 1; }
+  "$engine" network create --internal "${ours[@]}" "$network" || { echo "it makes no networks"; return 1; }
+  "$engine" run --detach --name "$name" "${ours[@]}" --network "$network" --read-only --tmpfs /tmp \
+    --cap-drop ALL --security-opt no-new-privileges --user 990:990 "$base" sleep 300 ||
+    { echo "it runs no container without privileges"; return 1; }
+  "$engine" exec "$name" getent hosts "$name" || { echo "its networks know no names"; return 1; }
+  { "$engine" pause "$name" && "$engine" unpause "$name"; } || { echo "it cannot pause"; return 1; }
+  { "$engine" network disconnect --force "$network" "$name" && "$engine" network connect "$network" "$name"; } ||
+    { echo "it cannot unplug a network"; return 1; }
+  "$engine" rm --force "$name" && "$engine" network rm "$network"
 }
 
 # A host whose cgroups are not version 2, or without systemd, needs words of its own (WIRE 7); elsewhere

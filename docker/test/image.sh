@@ -2,6 +2,24 @@
 
 readonly LARGEST_MB=150
 
+# Whether a build folder's programs are this tree's and run in the image; why not is printed. Brought up to date
+# first, which is nothing to do where CI has just built it: what is tested is what the sources say.
+usable() { # usable BUILD
+  local cache=$1/CMakeCache.txt here there
+  [[ -f $cache ]] || { echo "$1 is no build folder"; return 1; }
+  grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache" || { echo "$1 is a build of another tree"; return 1; }
+  grep -qxF 'HAPTIC_SANITIZE:STRING=' "$cache" || { echo "$1 is a sanitizer's"; return 1; }
+  here=$(distribution </etc/os-release)
+  there=$("$engine" run --rm --label "com.docker.compose.project=$project" "$base" cat /etc/os-release | distribution)
+  [[ $here == "$there" ]] || { echo "this host is $here, the image $there"; return 1; }
+  cmake --build "$1" --target hapticd hapticctl haptic-example-echo-state haptic-example-free-space \
+    haptic-example-virtual-wall haptic-example-soft-grasp haptic-relay haptic-board-emulator haptic-make-motion \
+    haptic_python >"$logs/prebuilt.log" 2>&1 || { echo "$1 does not build, see $logs/prebuilt.log"; return 1; }
+}
+distribution() { # of an os-release on standard input
+  (. /dev/stdin && echo "${ID:-unknown} ${VERSION_ID:-}")
+}
+
 stage_prebuilt() { # the installation of a build folder, inside the build context
   local component
   rm -rf "$root/build/container"
@@ -12,12 +30,18 @@ stage_prebuilt() { # the installation of a build folder, inside the build contex
 }
 
 build_image() {
-  local format=() arguments=()
-  base=$(base_image) || fail "no base image"
+  local format=() arguments=() why
   if [[ $engine == podman ]]; then format=(--format docker); fi # for the HEALTHCHECK
+  if [[ -n $prebuilt ]] && ! why=$(usable "$prebuilt"); then
+    step "not taken from a build: $why"
+    prebuilt=
+  fi
   if [[ -n $prebuilt ]]; then
+    step "programs and packages: those of $prebuilt"
     stage_prebuilt
     arguments=(--build-arg PREBUILT=build/container)
+  else
+    step "programs and packages: compiled in the image"
   fi
   "$engine" build "${format[@]}" --build-arg "BASE=$base" "${arguments[@]}" --tag "$image" \
     --file "$root/docker/Dockerfile" "$root" >"$logs/build.log" 2>&1 || {
@@ -30,7 +54,8 @@ build_image() {
   ((size <= LARGEST_MB)) || fail "the image has $size MB: at most $LARGEST_MB"
   [[ $("$engine" image inspect --format '{{.Config.User}}' "$image") == 990:990 ]] ||
     fail "the image runs as root"
-  "$engine" image inspect "$image" | grep -q '"hapticctl"' || fail "the image has no HEALTHCHECK"
+  "$engine" image inspect "$image" >"$scratch/inspected"
+  grep -q '"hapticctl"' "$scratch/inspected" || fail "the image has no HEALTHCHECK"
 }
 
 # The hand presses steadily, so that there is force to lose whenever trouble comes; it never lets go either, so
@@ -44,7 +69,7 @@ start_composition() {
   }
   local service
   for service in hand board; do
-    eventually 60 healthy "$(container "$service")" ||
+    eventually 120 healthy "$(container "$service")" ||
       fail "$service is not healthy"
   done
   if [[ $engine == podman ]]; then "$engine" healthcheck run "$(container hand)" >/dev/null; fi
@@ -68,11 +93,26 @@ healthy() { # healthy CONTAINER
 # Without SCHED_FIFO the server runs degraded, and its first words are so.
 says_its_grade() {
   local grade
-  grade=$("$engine" logs "$(container hand)" 2>&1 | grep -m 1 -o "real-time grade '[a-z-]*'.*")
+  "$engine" logs "$(container hand)" >"$scratch/words" 2>&1
+  grade=$(grep -m 1 -o "real-time grade '[a-z-]*'.*" "$scratch/words")
   step "$grade"
   case "$grade" in
     "real-time grade 'real-time'"*) ;;
     "real-time grade 'degraded': SCHED_FIFO refused"*) ;;
     *) fail "the server does not say what it was not granted" ;;
   esac
+}
+
+# The layers that podman keeps of a build, by the ids in its log, last first, and the containers of a build that was
+# interrupted; those of other builds are not touched.
+remove_layers() {
+  local id layers
+  if [[ $engine != podman || ! -f $logs/build.log ]]; then return 0; fi
+  layers=$(grep -oE '^--> [0-9a-f]{11,}' "$logs/build.log" | cut -c 5-15 | tac |
+    grep -vxF -e none -f <(grep -oE 'Using cache [0-9a-f]{11}' "$logs/build.log" | cut -c 13-) || true)
+  for id in $layers; do
+    podman ps --all --external --format '{{.ID}} {{.ImageID}}' | grep -F " $id" | cut -d ' ' -f 1 |
+      xargs --no-run-if-empty podman rm --force >/dev/null 2>&1 || true
+    podman rmi "$id" >/dev/null 2>&1 || true
+  done
 }

@@ -1,7 +1,7 @@
 # The .deb packages in a clean container (sourced by docker/test.sh).
 
 test_packages() {
-  local debs=$scratch/debs
+  local debs=$scratch/debs began=$SECONDS
   mkdir -p "$debs"
   if [[ -n $prebuilt ]]; then
     cpack -G DEB --config "$prebuilt/CPackConfig.cmake" -B "$debs" >"$logs/cpack.log" 2>&1 ||
@@ -17,7 +17,7 @@ test_packages() {
     tail -n 20 "$logs/packages.log" >&2
     fail "the packages do not work in a clean container"
   }
-  step "packages: $(tail -n 1 "$logs/packages.log")"
+  step "packages: $(tail -n 1 "$logs/packages.log"), in $((SECONDS - began)) s"
 }
 
 # The build stage again, from the cache, with the packages as its result.

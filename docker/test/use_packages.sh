@@ -2,18 +2,18 @@
 # Inside a clean container: installs the packages of /debs, runs the daemon as its unit would, talks to it
 # with hapticctl and from Python.
 set -eu
-apt-get -qq update
-apt-get -qq install -y --no-install-recommends /debs/*.deb >/dev/null
+apt-get -qq -o Acquire::Retries=3 update
+apt-get -qq -o Acquire::Retries=3 install -y --no-install-recommends /debs/*.deb >/dev/null
 grep -qx 'ExecStart=/usr/bin/hapticd --scene /etc/hapticd/scene.textproto' /usr/lib/systemd/system/hapticd.service
 hapticd --scene /etc/hapticd/scene.textproto --set loop.late_bucket_full=1000000 &
 server=$!
 tries=0
 until hapticctl health >/dev/null 2>&1; do
   tries=$((tries + 1))
-  [ "$tries" -lt 100 ]
+  [ "$tries" -lt 600 ]
   sleep 0.2
 done
-python3 - <<'PYTHON'
+timeout 120 python3 - <<'PYTHON'
 import haptic
 
 with haptic.Connection("127.0.0.1:50051") as server:

@@ -30,6 +30,26 @@ std::string watchdog_difference(const Identity& identity, core::Duration latenes
   return text.str();
 }
 
+/// What a board that came back is not; empty where it is the one that went.
+std::string change(const Identity& now, const Identity& before) {
+  std::ostringstream text;
+  if (now.serial != before.serial) {
+    text << "its serial = '" << now.serial << "': must be '" << before.serial << "'";
+  } else if (now.model != before.model) {
+    text << "its model = '" << now.model << "': must be '" << before.model << "'";
+  } else if (now.capabilities != before.capabilities) {
+    text << "its capabilities = " << static_cast<int>(now.capabilities) << ": must be "
+         << static_cast<int>(before.capabilities);
+  } else if (now.sample_period_us != before.sample_period_us) {
+    text << "its sample period = " << now.sample_period_us << " us: must be "
+         << before.sample_period_us << " us";
+  } else {
+    return {};
+  }
+  text << ", as before the port was lost";
+  return text.str();
+}
+
 /// What a DoF of the board's dictionary is not; empty where it fits.
 std::string dof_difference(const Dof& dof, const core::DofSpec& expected, double max_effort) {
   std::ostringstream text;
@@ -113,6 +133,10 @@ std::string BoardHost::difference() const {
   if (!found.empty()) return found;
   if (!expected_.serial.empty() && identity_.serial != expected_.serial) {
     return "its serial = '" + identity_.serial + "': must be '" + expected_.serial + "'";
+  }
+  if (known_) {
+    found = change(identity_, *known_);
+    if (!found.empty()) return found;
   }
   if (identity_.n_q != expected_.dofs.size()) {
     return "has " + std::to_string(identity_.n_q) + " DoF(s); must have " +

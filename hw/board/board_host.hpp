@@ -92,8 +92,10 @@ class BoardHost {
   [[nodiscard]] const HostCounters& counters() const noexcept { return counters_; }
   [[nodiscard]] const ClockMap& clock() const noexcept { return clock_; }
   [[nodiscard]] const Identity& identity() const noexcept { return identity_; }
-  /// From now on only this very board (after the first handshake: a replugged port).
-  void insist_on(const std::string& serial) { expected_.serial = serial; }
+  /// From now on only this board (after the first handshake: a replugged port): model, serial number,
+  /// what it can do, and its sample period, with which the loop was built. Its firmware's version and
+  /// its watchdog may change; the latter is looked at in every handshake.
+  void insist_on(const Identity& board) { known_ = board; }
 
  private:
   void greet(core::TimePoint now);
@@ -121,6 +123,7 @@ class BoardHost {
 
   std::uint32_t session_{0}, tx_seq_{0};
   Identity identity_{};
+  std::optional<Identity> known_{};  ///< of before the port was unplugged
   std::array<std::optional<Dof>, kMaxDofs> dofs_{};
   bool identified_{false};
   core::TimePoint greeted_{}, heard_{}, asked_{};

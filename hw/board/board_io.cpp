@@ -150,7 +150,7 @@ void BoardDevice::Io::publish() {
   if (identity_ || !refusal_.empty()) return;
   if (host_.stage() == board::BoardHost::Stage::kOpen) {
     identity_ = host_.identity();
-    host_.insist_on(identity_->serial);
+    host_.insist_on(*identity_);
   } else if (host_.stage() == board::BoardHost::Stage::kRefused) {
     refusal_ = host_.refusal();
   } else {

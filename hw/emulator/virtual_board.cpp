@@ -39,6 +39,7 @@ VirtualBoard::VirtualBoard(const EmulatorConfig& board, const Intent& intent,
     throw core::DeviceError("emulated board refused: " + host_.refusal());
   }
   const board::Identity& identity = host_.identity();
+  host_.insist_on(identity);
   info_.model = identity.model;
   info_.serial = identity.serial;
   info_.limits.sample_period = std::chrono::microseconds(identity.sample_period_us);

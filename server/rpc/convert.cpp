@@ -30,7 +30,13 @@ void to_passivity(const core::PassivityRecord& record, v1::PassivityState& state
 /// What only some devices have; a state of the others carries none of it.
 void to_actuators(const core::TickRecord& record, v1::DeviceState& state) {
   copy(record.input.device.sample.tau_measured, state.mutable_tau_measured());
-  const core::VecQ& reading = record.input.device.sample.q;
+  core::VecQ reading = record.input.device.sample.q;
+  if (record.tracker.on && reading.size() == record.q.size()) {
+    // What the device says of a tracked palm is not looked at.
+    constexpr auto kDofs = static_cast<Eigen::Index>(core::kPalmDofs);
+    reading.segment<kDofs>(record.tracker.first_dof) =
+        record.q.segment<kDofs>(record.tracker.first_dof);
+  }
   const bool refused = reading.size() == record.q.size() && reading != record.q;
   copy(refused ? reading : core::VecQ{}, state.mutable_reading());
   copy(record.temperature_c, state.mutable_temperature_c());
@@ -41,6 +47,17 @@ void to_actuators(const core::TickRecord& record, v1::DeviceState& state) {
   const auto end = begin + static_cast<std::ptrdiff_t>(n_a);
   if (std::none_of(begin, end, [](core::LimiterSet set) { return set.any(); })) return;
   std::for_each(begin, end, [&](core::LimiterSet set) { state.add_actuator_limiters(set.bits()); });
+}
+
+std::uint64_t whole_microseconds(core::Duration age) {
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(age).count();
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(0, us));
+}
+
+void to_tracker(const core::TrackerRecord& record, v1::TrackerState& state) {
+  state.set_seq_used(record.seq);
+  state.set_age_us(whole_microseconds(record.age));
+  state.set_staleness(static_cast<v1::StalenessLevel>(record.level));
 }
 
 core::Duration duration(const google::protobuf::Duration& message) {
@@ -90,8 +107,12 @@ void to_proto(const core::TickRecord& record, DeviceSessions::Stamp stamp, v1::D
   copy(record.tau_a, state.mutable_tau_a());
   copy(record.tau_elastic, state.mutable_tau_elastic());
   state.set_proxy_seq_used(record.proxy_seq);
-  const auto age = std::chrono::duration_cast<std::chrono::microseconds>(record.proxy_age).count();
-  state.set_proxy_age_us(static_cast<std::uint64_t>(std::max<std::int64_t>(0, age)));
+  state.set_proxy_age_us(whole_microseconds(record.proxy_age));
+  if (record.tracker.on) {
+    to_tracker(record.tracker, *state.mutable_tracker());
+  } else {
+    state.clear_tracker();
+  }
   state.set_staleness(static_cast<v1::StalenessLevel>(record.staleness));
   state.set_gain(record.gain);
   state.set_transport(static_cast<v1::Transport>(stamp.carrier));
@@ -209,6 +230,10 @@ v1::Device describe(const DeviceSessions& device, core::Duration period) {
   message.set_controller(device.controller());
   message.set_renderer(static_cast<v1::Renderer>(device.settings().renderer));
   message.set_observers(device.observers());
+  if (const DeviceTracker* const tracker = device.tracker()) {
+    message.set_wants_tracker(true);
+    message.set_tracker(tracker->client_name());
+  }
   return message;
 }
 
@@ -240,6 +265,10 @@ std::size_t largest_state(const core::PipelineConfig& config) {
   for (core::LimiterSet& limiters : record.actuator_limiters) {
     limiters.set(core::Limiter::kDriveLimit);  // the longest number
   }
+  record.tracker.on = config.tracker.has_value();
+  if (config.tracker) record.tracker.first_dof = config.tracker->first_dof;
+  record.tracker.seq = ~std::uint64_t{0};
+  record.tracker.age = core::Duration::max();
   record.passivity.on = config.passivity.enabled();
   record.passivity.tank = record.passivity.storage = record.passivity.scale = 1.0;
   record.passivity.observed = record.passivity.alpha = 1.0;
@@ -267,6 +296,17 @@ ProxyCandidate from_proto(const v1::ProxySample& sample, std::uint32_t epoch, Ca
   candidate.valid_for = std::chrono::microseconds(sample.valid_for_us());
   candidate.position = sample.position().data();
   candidate.position_size = sample.position_size();
+  return candidate;
+}
+
+PoseCandidate from_proto(const v1::TrackerSample& sample) {
+  PoseCandidate candidate;
+  candidate.seq = sample.seq();
+  candidate.valid_for = std::chrono::microseconds(sample.valid_for_us());
+  candidate.position = sample.position().data();
+  candidate.position_size = sample.position_size();
+  candidate.orientation = sample.orientation().data();
+  candidate.orientation_size = sample.orientation_size();
   return candidate;
 }
 

@@ -29,6 +29,7 @@ void to_proto(const wire::PathKeys& keys, const UdpPort& port, v1::UdpPath& mess
 [[nodiscard]] std::size_t largest_state(const core::PipelineConfig& config);
 
 /// Points into `sample`, which must outlive the candidate.
+[[nodiscard]] PoseCandidate from_proto(const v1::TrackerSample& sample);
 [[nodiscard]] ProxyCandidate from_proto(const v1::ProxySample& sample, std::uint32_t epoch,
                                         Carrier carrier = Carrier::kGrpc);
 [[nodiscard]] LeaseRequest from_proto(const v1::OpenSession& open, std::string session_id,

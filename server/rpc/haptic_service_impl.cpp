@@ -25,6 +25,13 @@ grpc::ServerUnaryReactor* finished(grpc::CallbackServerContext* call, const grpc
   return reactor;
 }
 
+/// Of a call whose message gRPC has read already.
+template <typename Message>
+std::optional<grpc::Status> oversized(const Message& request) {
+  const auto refusal = too_large(request.ByteSizeLong());
+  return refusal ? std::optional(to_status(*refusal)) : std::nullopt;
+}
+
 Refusal no_such_session() {
   return {Refusal::Code::kPermission, "NOT_CONTROLLER", "session_id: no such session is open", {}};
 }
@@ -42,9 +49,10 @@ Outcome<core::FaultSet> fault_set(const v1::ClearFaultRequest& request) {
 
 }  // namespace
 
-grpc::ServerUnaryReactor* HapticServiceImpl::GetServerInfo(
-    grpc::CallbackServerContext* call, const v1::GetServerInfoRequest* /*request*/,
-    v1::GetServerInfoResponse* response) {
+grpc::ServerUnaryReactor* HapticServiceImpl::GetServerInfo(grpc::CallbackServerContext* call,
+                                                           const v1::GetServerInfoRequest* request,
+                                                           v1::GetServerInfoResponse* response) {
+  if (const auto status = oversized(*request)) return finished(call, *status);
   *response = to_proto(context_.facts());
   for (std::string& sentence : context_.weaknesses()) {
     response->add_insecure(std::move(sentence));
@@ -58,8 +66,9 @@ grpc::ServerUnaryReactor* HapticServiceImpl::GetServerInfo(
 }
 
 grpc::ServerUnaryReactor* HapticServiceImpl::ListDevices(grpc::CallbackServerContext* call,
-                                                         const v1::ListDevicesRequest* /*request*/,
+                                                         const v1::ListDevicesRequest* request,
                                                          v1::ListDevicesResponse* response) {
+  if (const auto status = oversized(*request)) return finished(call, *status);
   for (const DeviceSessions* device : context_.devices) {
     *response->add_devices() = describe(*device, context_.config.period);
   }
@@ -92,18 +101,21 @@ grpc::ServerUnaryReactor* HapticServiceImpl::ask(grpc::CallbackServerContext* ca
 grpc::ServerUnaryReactor* HapticServiceImpl::Engage(grpc::CallbackServerContext* call,
                                                     const v1::EngageRequest* request,
                                                     v1::EngageResponse* /*response*/) {
+  if (const auto status = oversized(*request)) return finished(call, *status);
   return ask(call, request->session_id(), &DeviceSessions::engage);
 }
 
 grpc::ServerUnaryReactor* HapticServiceImpl::Release(grpc::CallbackServerContext* call,
                                                      const v1::ReleaseRequest* request,
                                                      v1::ReleaseResponse* /*response*/) {
+  if (const auto status = oversized(*request)) return finished(call, *status);
   return ask(call, request->session_id(), &DeviceSessions::release);
 }
 
 grpc::ServerUnaryReactor* HapticServiceImpl::UpdateSettings(
     grpc::CallbackServerContext* call, const v1::UpdateSettingsRequest* request,
     v1::UpdateSettingsResponse* response) {
+  if (const auto status = oversized(*request)) return finished(call, *status);
   DeviceSessions* device = context_.registry.find(request->session_id());
   if (device == nullptr) return finished(call, to_status(no_such_session()));
   const auto settings = from_proto(*request);
@@ -117,6 +129,7 @@ grpc::ServerUnaryReactor* HapticServiceImpl::UpdateSettings(
 grpc::ServerUnaryReactor* HapticServiceImpl::GetLinkStats(grpc::CallbackServerContext* call,
                                                           const v1::GetLinkStatsRequest* request,
                                                           v1::GetLinkStatsResponse* response) {
+  if (const auto status = oversized(*request)) return finished(call, *status);
   if (!request->device().empty()) {
     const auto target = context_.device(request->device());
     if (!target) return finished(call, to_status(target.refusal));
@@ -152,6 +165,7 @@ grpc::ServerUnaryReactor* HapticServiceImpl::EmergencyStop(grpc::CallbackServerC
 grpc::ServerUnaryReactor* HapticServiceImpl::ClearFault(grpc::CallbackServerContext* call,
                                                         const v1::ClearFaultRequest* request,
                                                         v1::ClearFaultResponse* response) {
+  if (const auto status = oversized(*request)) return finished(call, *status);
   const auto target = context_.device(request->device());
   if (!target) return finished(call, to_status(target.refusal));
   const auto faults = fault_set(*request);

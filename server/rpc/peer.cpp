@@ -42,7 +42,8 @@ bool may_have_keys(const Peer& peer, const RpcConfig& config) noexcept {
 }
 
 Priority highest_priority(const Peer& peer, const RpcConfig& config) {
-  if (peer.names.empty() || !config.tls) return Priority::kOperator;
+  if (peer.names.empty()) return peer.encrypted ? Priority::kPrimary : Priority::kOperator;
+  if (!config.tls) return Priority::kOperator;
   // Not listed is primary; listed more than once, by several names, is the highest of them.
   bool listed = false;
   Priority highest = Priority::kTest;

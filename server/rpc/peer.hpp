@@ -25,8 +25,10 @@ struct Peer {
 /// Keys travel only over TLS, a UNIX socket or loopback (WIRE 3), unless `config` gives all up.
 [[nodiscard]] bool may_have_keys(const Peer& peer, const RpcConfig& config) noexcept;
 
-/// The highest priority it may ask for: what its certificate's names are entitled to; any where it
-/// shows none, because then nothing tells it from others who reach the address.
+/// The highest priority it may ask for: what its certificate's names are entitled to. Over TLS without
+/// a certificate that is kPrimary: it may be anybody on the network, and nobody takes a device away from
+/// others without a name (WIRE 2). In plain text any: then it is a user of this host, or of a lab that
+/// gave all up.
 [[nodiscard]] Priority highest_priority(const Peer& peer, const RpcConfig& config);
 
 }  // namespace haptic::server

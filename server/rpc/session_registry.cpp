@@ -20,10 +20,10 @@ std::string random_name() {
 
 }  // namespace
 
-Outcome<std::string> SessionRegistry::admit(Kind kind, DeviceSessions& device) {
+Outcome<std::string> SessionRegistry::admit(Kind kind, DeviceSessions& device, bool resumes) {
   std::string name = random_name();
   const std::lock_guard lock(mutex_);
-  if (count(kind) >= limit_) {
+  if (count(kind) >= limit_ && !resumes) {
     return Refusal{Refusal::Code::kExhausted,
                    "TOO_MANY_SESSIONS",
                    std::string(kind == Kind::kSession ? "sessions" : "watches") + ": all " +

@@ -18,8 +18,9 @@ class SessionRegistry {
 
   enum class Kind : std::uint8_t { kSession, kWatch };
   /// A fresh name for a stream on `device`, 128 random bits in hexadecimal: who knows it speaks for
-  /// the session. Refused: RESOURCE_EXHAUSTED.
-  [[nodiscard]] Outcome<std::string> admit(Kind kind, DeviceSessions& device);
+  /// the session. Refused: RESOURCE_EXHAUSTED, unless the session `resumes` the lease of the device,
+  /// which no stranger may keep out: that is one more per device at most.
+  [[nodiscard]] Outcome<std::string> admit(Kind kind, DeviceSessions& device, bool resumes = false);
   void remove(const std::string& id);
   /// The device of an open session; nullptr where there is none of that name.
   [[nodiscard]] DeviceSessions* find(const std::string& id) const;

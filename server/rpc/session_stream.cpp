@@ -27,6 +27,11 @@ core::Duration path_period(const v1::OpenSession& request, double loop_hz) {
   return std::chrono::duration_cast<core::Duration>(std::chrono::duration<double>(1.0 / rate));
 }
 
+const char* role_name(v1::Role role) {
+  if (role == v1::ROLE_TRACKER) return "tracker";
+  return role == v1::ROLE_CONTROLLER ? "controller" : "observer";
+}
+
 }  // namespace
 
 SessionStream* SessionStream::begin(ServiceContext& context, Peer peer) {
@@ -41,6 +46,7 @@ void SessionStream::OnReadDone(bool ok) {
   const core::TimePoint arrival = context_.config.clock({});
   // Half-closed, or cancelled: then the status goes nowhere.
   if (!ok) return end(grpc::Status::OK, Ending::kLost);
+  if (const auto refusal = too_large(incoming_.Length())) return end(to_status(*refusal));
   if (!grpc::SerializationTraits<v1::SessionRequest>::Deserialize(&incoming_, &request_).ok()) {
     return end(to_status(protocol_error("not a SessionRequest")));
   }
@@ -53,10 +59,13 @@ void SessionStream::OnReadDone(bool ok) {
     open(request_.open());
   } else if (request_.has_proxy()) {
     take_sample(request_.proxy(), arrival, Carrier::kGrpc);
+  } else if (request_.has_tracker()) {
+    take_pose(request_.tracker(), arrival);
   } else if (request_.has_leave()) {
     return end(grpc::Status::OK);
   } else {
-    return end(to_status(protocol_error("must carry a ProxySample or LeaveSession")));
+    return end(
+        to_status(protocol_error("must carry a ProxySample, TrackerSample or LeaveSession")));
   }
   read_next();
 }
@@ -69,8 +78,13 @@ void SessionStream::read_next() {
 std::optional<Refusal> SessionStream::refusal_of(const v1::OpenSession& request) const {
   const auto target = context_.device(request.device());
   if (!target) return target.refusal;
-  if (request.role() != v1::ROLE_CONTROLLER && request.role() != v1::ROLE_OBSERVER) {
-    return invalid_field("role", "must be CONTROLLER or OBSERVER");
+  if (request.role() != v1::ROLE_CONTROLLER && request.role() != v1::ROLE_OBSERVER &&
+      request.role() != v1::ROLE_TRACKER) {
+    return invalid_field("role", "must be CONTROLLER, OBSERVER or TRACKER");
+  }
+  if (request.role() == v1::ROLE_TRACKER && target.value->device->tracker() == nullptr) {
+    return invalid_field("role", "= TRACKER: the scene of device '" + target.value->device->name() +
+                                     "' has no tracker");
   }
   if (request.client_name().empty() || request.client_name().size() > kLongestClientName) {
     return invalid_field("client_name", "has " + std::to_string(request.client_name().size()) +
@@ -85,7 +99,9 @@ std::optional<Refusal> SessionStream::refusal_of(const v1::OpenSession& request)
     return Refusal{
         Refusal::Code::kPermission,
         "PRIORITY_DENIED",
-        std::string("priority: this client's certificate allows ") + name(highest) + " at most",
+        std::string(peer_.names.empty() ? "priority: over TLS without a client certificate"
+                                        : "priority: with this client's certificate") +
+            " at most " + name(highest) + " is allowed",
         {},
         {{"highest", name(highest)}}};
   }
@@ -96,9 +112,12 @@ void SessionStream::open(const v1::OpenSession& request) {
   const auto refuse = [&](const Refusal& refusal) { end(to_status(refusal)); };
   if (const auto refusal = refusal_of(request)) return refuse(*refusal);
   const auto target = context_.device(request.device());
-  auto id = context_.registry.admit(SessionRegistry::Kind::kSession, *target.value->device);
+  DeviceSessions& device = *target.value->device;
+  const bool resumes =
+      request.role() == v1::ROLE_CONTROLLER && device.would_resume(request.resume());
+  auto id = context_.registry.admit(SessionRegistry::Kind::kSession, device, resumes);
   if (!id) return refuse(id.refusal);
-  auto events = target.value->device->subscribe(*id.value);
+  auto events = device.subscribe(*id.value);
   bool ended = false;
   {
     const std::lock_guard lock(mutex_);
@@ -116,6 +135,8 @@ void SessionStream::open(const v1::OpenSession& request) {
     Lease scenes;
     scenes.staleness = target_.device->unit().config().scene.staleness;
     opened(v1::ROLE_OBSERVER, scenes);
+  } else if (!ended && request.role() == v1::ROLE_TRACKER) {
+    open_as_tracker(request);
   } else if (!ended) {
     open_as_controller(request);
   }
@@ -139,6 +160,15 @@ void SessionStream::open_as_controller(const v1::OpenSession& message) {
         if (!outcome) return end(to_status(outcome.refusal));
         granted(*outcome.value, request);
       });
+}
+
+void SessionStream::open_as_tracker(const v1::OpenSession& message) {
+  const LeaseRequest request = from_proto(message, id_, client_name_);
+  const auto limits = target_.device->tracker()->open(request, context_.config.clock({}));
+  if (!limits) return end(to_status(limits.refusal));
+  Lease none;
+  none.staleness = *limits.value;
+  opened(v1::ROLE_TRACKER, none);
 }
 
 void SessionStream::granted(const Lease& lease, const LeaseRequest& request) {
@@ -190,8 +220,7 @@ void SessionStream::opened(v1::Role role, const Lease& lease) {
   }
   target_.broadcaster->add(shared_from_this(), lease.grant);
   spdlog::info("session '{}' {} on '{}' as {}{}", client_name_,
-               lease.resumed ? "resumed" : "opened", target_.device->name(),
-               role == v1::ROLE_CONTROLLER ? "controller" : "observer",
+               lease.resumed ? "resumed" : "opened", target_.device->name(), role_name(role),
                peer_.names.empty() ? "" : ", certificate of '" + peer_.names.front() + "'");
   bool ended = false;
   {
@@ -234,6 +263,23 @@ void SessionStream::take_sample(const v1::ProxySample& sample, core::TimePoint a
                  "the client's choice");
 }
 
+void SessionStream::take_pose(const v1::TrackerSample& sample, core::TimePoint arrival) {
+  {
+    const std::lock_guard lock(mutex_);
+    static_cast<void>(
+        link_.came({Carrier::kGrpc, sample.ByteSizeLong(), 0, 0, {}, arrival}, std::nullopt));
+  }
+  std::string why = "this session is no tracker's: its poses are not used";
+  IngressVerdict verdict = IngressVerdict::kOldEpoch;
+  if (role_ == v1::ROLE_TRACKER) {
+    const PoseCandidate pose = from_proto(sample);
+    verdict = target_.device->tracker()->accept(id_, pose, arrival, why);
+  }
+  const std::lock_guard lock(mutex_);
+  link_.judged(Carrier::kGrpc, verdict);
+  ledger_.book(sample.seq(), verdict, std::move(why));
+}
+
 void SessionStream::on_udp_sample(const v1::ProxySample& sample, core::TimePoint arrival) {
   {
     const std::lock_guard lock(mutex_);
@@ -256,6 +302,10 @@ void SessionStream::on_udp_keys(const wire::PathKeys& keys) {
 }
 
 void SessionStream::offer_udp(v1::SessionOpened& message) {
+  if (role_ == v1::ROLE_TRACKER) {
+    message.set_udp_refused("poses of a tracker go on the stream");
+    return;
+  }
   if (!context_.udp) {
     message.set_udp_refused("the scene has no server.udp_listen");
     return;

@@ -42,9 +42,11 @@ class SessionStream final
   void read_next();
   void open(const v1::OpenSession& request);
   void open_as_controller(const v1::OpenSession& request);
+  void open_as_tracker(const v1::OpenSession& request);
   void granted(const Lease& lease, const LeaseRequest& request);
   void opened(v1::Role role, const Lease& lease);
   void take_sample(const v1::ProxySample& sample, core::TimePoint arrival, Carrier carrier);
+  void take_pose(const v1::TrackerSample& sample, core::TimePoint arrival);
   [[nodiscard]] std::optional<Refusal> refusal_of(const v1::OpenSession& request) const;
   void watch_link(const core::TickRecord& record, bool by_udp, bool by_stream) noexcept;
   void offer_udp(v1::SessionOpened& message);

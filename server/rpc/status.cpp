@@ -57,6 +57,16 @@ Refusal invalid_field(std::string field, const std::string& rest) {
   return {Refusal::Code::kInvalid, "INVALID_ARGUMENT", std::move(message), std::move(field)};
 }
 
+std::optional<Refusal> too_large(std::size_t bytes) {
+  if (bytes <= kLargestMessage) return std::nullopt;
+  const std::string limit = std::to_string(kLargestMessage);
+  return Refusal{Refusal::Code::kExhausted,
+                 "MESSAGE_TOO_LARGE",
+                 "message of " + std::to_string(bytes) + " bytes: at most " + limit + " are taken",
+                 {},
+                 {{"limit", limit}}};
+}
+
 std::string sanitised(const std::string& text, std::size_t longest) {
   std::size_t size = text.size();
   if (size > longest) {

@@ -3,6 +3,7 @@
 
 #include <grpcpp/support/status.h>
 
+#include <optional>
 #include <string>
 
 #include "server/session/refusal.hpp"
@@ -15,6 +16,11 @@ namespace haptic::server {
 
 /// kInvalid, of one field: "name = value: what is allowed".
 [[nodiscard]] Refusal invalid_field(std::string field, const std::string& rest);
+
+/// The largest message of the protocol, 72 coordinates with velocities and planes, has a few KB.
+constexpr std::size_t kLargestMessage = 64 * 1024;
+/// RESOURCE_EXHAUSTED, where a message of `bytes` is larger than that.
+[[nodiscard]] std::optional<Refusal> too_large(std::size_t bytes);
 
 /// Text of a client, fit for logs, terminals and other clients: control characters become '?', at
 /// most `longest` bytes are kept (never half a UTF-8 character).

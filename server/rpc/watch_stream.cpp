@@ -18,6 +18,7 @@ WatchStream* WatchStream::begin(ServiceContext& context, const grpc::ByteBuffer&
 }
 
 void WatchStream::open(const grpc::ByteBuffer& raw) {
+  if (const auto refusal = too_large(raw.Length())) return end(to_status(*refusal));
   v1::WatchRequest request;
   grpc::ByteBuffer bytes(raw);
   if (!grpc::SerializationTraits<v1::WatchRequest>::Deserialize(&bytes, &request).ok()) {

@@ -25,6 +25,7 @@ void DeviceUnit::tick(core::TimePoint now, core::Duration period,
   device_->read(now, input_.device);
 
   if (proxies.take()) input_.proxy = proxies.value();
+  if (poses.take()) input_.tracker = poses.value();
   if (commands.take()) input_.command = commands.value();
   if (settings.take()) input_.settings = settings.value();
 
@@ -60,6 +61,13 @@ core::TickInput resting(const core::PipelineConfig& config) {
   }
   input.proxy.mode = core::ProxyMode::kHeld;
   input.proxy.epoch = 1;
+  if (config.tracker) {
+    for (std::size_t i = 0; i < core::kPalmDofs; ++i) {
+      const Eigen::Index dof = config.tracker->first_dof + static_cast<Eigen::Index>(i);
+      input.tracker.pose[i] = input.device.sample.q[dof];
+    }
+    input.tracker.staleness = config.tracker->staleness;
+  }
   return input;
 }
 
@@ -81,6 +89,8 @@ void DeviceUnit::rehearse() const {
     input.proxy.seq++;
     input.proxy.born = input.now;
     input.proxy.gapless_samples++;
+    input.tracker.seq++;
+    input.tracker.born = input.now;
     input.command.engage_id = i >= kEngageAt ? 1 : 0;
     input.command.release_id = i >= kReleaseAt ? 1 : 0;
     static_cast<void>(understudy.tick(input));

@@ -42,6 +42,8 @@ class DeviceUnit {
 
   /// Written by the ingress, under its mutex.
   core::Mailbox<core::ProxySnapshot> proxies;
+  /// Written by the device's tracker, under its mutex.
+  core::Mailbox<core::TrackerSnapshot> poses;
   /// Written by the device's sessions, under their mutex.
   core::Mailbox<core::CommandSnapshot> commands;
   core::Mailbox<core::RenderSettings> settings;

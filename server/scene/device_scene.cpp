@@ -7,6 +7,7 @@
 #include "server/scene/ratings_scene.hpp"
 #include "server/scene/render_scene.hpp"
 #include "server/scene/source_scene.hpp"
+#include "server/scene/tracker_scene.hpp"
 
 namespace haptic::server {
 namespace {
@@ -45,6 +46,12 @@ SharedKinematics read_kinematics(v1::DeviceScene& message, const std::string& pa
   return nullptr;
 }
 
+/// Of a board that has one; else null.
+const hw::board::Calibration* calibration_of(const hw::DeviceConfig& source) {
+  const auto* const board = std::get_if<hw::BoardConfig>(&source);
+  return board != nullptr && board->calibration ? &*board->calibration : nullptr;
+}
+
 }  // namespace
 
 DeviceScene read_device(v1::DeviceScene& message, const std::string& path,
@@ -66,10 +73,18 @@ DeviceScene read_device(v1::DeviceScene& message, const std::string& path,
     device.ratings = read_ratings(*message.mutable_limits(), path + ".limits",
                                   layout == nullptr ? -1 : layout->n_a(), problems);
   }
+  if (message.has_tracker()) {
+    const auto tracker = read_tracker(*message.mutable_tracker(), path + ".tracker",
+                                      device.kinematics.get(), problems);
+    if (tracker) {
+      device.tracker = tracker->settings;
+      device.tracker_fresh_end = tracker->fresh_end;
+    }
+  }
   if (message.has_force_control()) {
     device.force_control =
-        read_force_control(message, path, device.kinematics.get(), device.settings.force_limit,
-                           source.max_effort, problems);
+        read_force_control(message, path, device.kinematics.get(), calibration_of(device.source),
+                           device.settings.force_limit, source.max_effort, problems);
   }
   if (message.has_passivity()) {
     const OwnDynamics own =
@@ -90,6 +105,7 @@ core::PipelineConfig pipeline_config(const DeviceScene& scene, const core::Devic
   config.passivity = scene.passivity;
   config.ratings = scene.ratings;
   config.force_control = scene.force_control.settings;
+  config.tracker = scene.tracker;
   return config;
 }
 

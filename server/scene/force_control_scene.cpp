@@ -60,18 +60,40 @@ std::vector<core::ForceLoopGains> read_server(v1::ServerForceLoopScene& message,
   return loops;
 }
 
+/// Where an actuated DoF may be sent, and what says so.
+struct Travel {
+  double lower{0.0}, upper{0.0};
+  const char* whose{"the DoF's own"};
+};
+
+/// Beyond the calibrated travel a valid sample ends: an admittance must not lead there.
+std::vector<Travel> travels(const core::Kinematics* kinematics,
+                            const hw::board::Calibration* calibration) {
+  std::vector<Travel> all;
+  const int n_a = kinematics == nullptr ? 0 : kinematics->layout().n_a();
+  for (int i = 0; i < n_a; ++i) {
+    const int dof = kinematics->layout().actuated(i);
+    const core::DofSpec& spec = kinematics->dofs()[static_cast<std::size_t>(dof)];
+    all.push_back({spec.lower, spec.upper});
+    if (calibration == nullptr) continue;
+    all.back() = {std::max(spec.lower, calibration->lower[dof]),
+                  std::min(spec.upper, calibration->upper[dof]), "the calibrated travel's"};
+  }
+  return all;
+}
+
 std::vector<core::AdmittanceParameters> read_admittance(v1::AdmittanceScene& message,
                                                         const std::string& path,
                                                         const core::Kinematics* kinematics,
+                                                        const hw::board::Calibration* calibration,
                                                         Problems& problems) {
   const FieldReader reader(message, path, problems);
   const int n_a = kinematics == nullptr ? -1 : kinematics->layout().n_a();
   std::vector<double> stroke_begin, stroke_end;
-  for (int i = 0; i < n_a; ++i) {
-    const auto& dof =
-        kinematics->dofs()[static_cast<std::size_t>(kinematics->layout().actuated(i))];
-    stroke_begin.push_back(dof.lower);
-    stroke_end.push_back(dof.upper);
+  const std::vector<Travel> travel = travels(kinematics, calibration);
+  for (const Travel& each : travel) {
+    stroke_begin.push_back(each.lower);
+    stroke_end.push_back(each.upper);
   }
   const auto mass =
       reader.list({"mass_kg", Allowed::kNotNegative, n_a, kPerActuatedDof}, constant(n_a, 0.0));
@@ -86,11 +108,13 @@ std::vector<core::AdmittanceParameters> read_admittance(v1::AdmittanceScene& mes
     if (i >= stroke_begin.size()) continue;
     const std::string at = "[" + std::to_string(i) + "]";
     if (lower[i] < stroke_begin[i]) {
-      reader.wrong("lower" + at, decimal(lower[i]),
-                   "must be at least the DoF's own, " + decimal(stroke_begin[i]));
+      reader.wrong(
+          "lower" + at, decimal(lower[i]),
+          std::string("must be at least ") + travel[i].whose + ", " + decimal(stroke_begin[i]));
     } else if (upper[i] > stroke_end[i]) {
-      reader.wrong("upper" + at, decimal(upper[i]),
-                   "must be at most the DoF's own, " + decimal(stroke_end[i]));
+      reader.wrong(
+          "upper" + at, decimal(upper[i]),
+          std::string("must be at most ") + travel[i].whose + ", " + decimal(stroke_end[i]));
     } else if (lower[i] >= upper[i]) {
       reader.wrong("lower" + at, decimal(lower[i]), "must be below upper, " + decimal(upper[i]));
     }
@@ -102,6 +126,7 @@ std::vector<core::AdmittanceParameters> read_admittance(v1::AdmittanceScene& mes
 
 ForceControlScene read_force_control(v1::DeviceScene& device, const std::string& device_path,
                                      const core::Kinematics* kinematics,
+                                     const hw::board::Calibration* calibration,
                                      const core::VecA& force_limit, const core::VecA& max_effort,
                                      Problems& problems) {
   v1::ForceControlScene& message = *device.mutable_force_control();
@@ -123,8 +148,8 @@ ForceControlScene read_force_control(v1::DeviceScene& device, const std::string&
       break;
     case v1::ForceControlScene::kAdmittance:
       scene.place = ForceControlPlace::kAdmittance;
-      scene.settings.admittances = read_admittance(*message.mutable_admittance(),
-                                                   path + ".admittance", kinematics, problems);
+      scene.settings.admittances = read_admittance(
+          *message.mutable_admittance(), path + ".admittance", kinematics, calibration, problems);
       break;
     case v1::ForceControlScene::WHERE_NOT_SET:
       problems.missing(path + ".where", "one of board, server, admittance");

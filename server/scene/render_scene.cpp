@@ -3,23 +3,13 @@
 #include <algorithm>
 
 #include "server/scene/field_reader.hpp"
+#include "server/scene/staleness_scene.hpp"
 
 namespace haptic::server {
 namespace {
 
-using std::chrono::milliseconds;
-
 constexpr double kSlewPerForce = 100.0;  // 1/s: the whole force in 10 ms
 constexpr double kWindowPerForce = 0.25;
-/// Longer silences than this are no jitter of a network; also the longest lease
-/// (WIRE 2).
-constexpr core::Duration kLongestSilence{std::chrono::seconds(60)};
-/// What 2.5 periods of a client are clamped to at most (WIRE 4).
-constexpr core::Duration kWidestFreshEnd{milliseconds(80)};
-/// Shortest fade from full force to none (WIRE 4), and the longest: a release, and so the server's
-/// own end, waits for it.
-constexpr core::Duration kShortestFade{milliseconds(50)};
-constexpr core::Duration kLongestFade{milliseconds(1000)};
 
 core::RendererKind read_renderer(v1::DeviceScene& message) {
   switch (message.renderer_case()) {
@@ -75,32 +65,6 @@ void read_limits(v1::LimitsScene& message, const std::string& path, int n_a,
       {"engage_window_n", Allowed::kPositive, n_a, kPerActuatedDof}, times_force(kWindowPerForce)));
 }
 
-void read_staleness(v1::StalenessScene& message, const std::string& path, RenderScene& scene,
-                    Problems& problems) {
-  const FieldReader reader(message, path, problems);
-  const DurationRange any{milliseconds(1), kLongestSilence};
-  core::StalenessLimits& limits = scene.settings.staleness;
-  const std::size_t before = problems.count();
-  scene.fresh_end = reader.duration("fresh_end", any);
-  limits.hold_end = reader.duration("hold_end", limits.hold_end, any);
-  limits.fade_end = reader.duration("fade_end", limits.fade_end, any);
-  limits.fresh_end = scene.fresh_end.value_or(std::min(kWidestFreshEnd, limits.hold_end));
-  if (problems.count() > before) return;
-  if (limits.fresh_end > limits.hold_end) {
-    reader.wrong("fresh_end", decimal_ms(limits.fresh_end),
-                 "must be at most hold_end, " + decimal_ms(limits.hold_end));
-  }
-  if (limits.fade_end - limits.hold_end < kShortestFade) {
-    reader.wrong("fade_end", decimal_ms(limits.fade_end),
-                 "must be at least hold_end + " + decimal_ms(kShortestFade) + ", " +
-                     decimal_ms(limits.hold_end + kShortestFade));
-  } else if (limits.fade_end - limits.hold_end > kLongestFade) {
-    reader.wrong("fade_end", decimal_ms(limits.fade_end),
-                 "must be at most hold_end + " + decimal_ms(kLongestFade) + ", " +
-                     decimal_ms(limits.hold_end + kLongestFade));
-  }
-}
-
 }  // namespace
 
 RenderScene read_render(v1::DeviceScene& message, const std::string& path, int n_a,
@@ -118,7 +82,10 @@ RenderScene read_render(v1::DeviceScene& message, const std::string& path, int n
   } else {
     problems.missing(path + ".limits", "{ force_n: ... }");
   }
-  read_staleness(*message.mutable_staleness(), path + ".staleness", scene, problems);
+  const StalenessRead staleness =
+      read_staleness(*message.mutable_staleness(), path + ".staleness", problems);
+  scene.settings.staleness = staleness.limits;
+  scene.fresh_end = staleness.fresh_end;
   scene.settings.renderer = read_renderer(message);
   scene.settings.direction_guard = message.has_direction_guard();
   return scene;

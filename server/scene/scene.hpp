@@ -25,6 +25,9 @@ struct DeviceScene {
   core::PassivitySettings passivity{};
   std::vector<core::ActuatorRatings> ratings{};  ///< n_a, or none
   ForceControlScene force_control{};
+  /// A client says where the palm is, and the scene's bound on its fresh_end.
+  std::optional<core::TrackerSettings> tracker{};
+  std::optional<core::Duration> tracker_fresh_end{};
   /// An upper bound on every session's fresh_end; absent: 2.5 nominal periods
   /// of the client.
   std::optional<core::Duration> fresh_end{};

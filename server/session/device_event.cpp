@@ -96,7 +96,11 @@ void EventDetector::step(const core::TickRecord& record, const std::string& stop
       add(DeviceEvent::Kind::kFaultCleared, std::string(core::reason(fault)), "fault cleared");
     }
   }
-  if (record.lost) {
+  if (record.lost && record.staleness != core::Staleness::kLost) {
+    add(DeviceEvent::Kind::kLost, "TRACKER_LOST",
+        "force was given up: the tracker's newest pose is " + milliseconds(record.tracker.age) +
+            " old, beyond its limit; a new Engage is needed");
+  } else if (record.lost) {
     add(DeviceEvent::Kind::kLost, "LOST",
         "force was given up: the newest proxy is " + milliseconds(record.proxy_age) +
             " old, the limit is " + milliseconds(record.input.settings.staleness.fade_end) +

@@ -22,6 +22,7 @@ Refusal held_by(const std::string& device, const std::string& holder, Priority p
 }  // namespace
 
 void DeviceSessions::close(const std::string& session_id, Ending ending) {
+  if (tracker_) tracker_->close(session_id);
   Closures closures;
   {
     const std::lock_guard lock(mutex_);
@@ -54,7 +55,7 @@ void DeviceSessions::open_controller(const LeaseRequest& request, core::TimePoin
           Refusal{Refusal::Code::kUnavailable, "CLOSING", "the server is shutting down", {}, {}};
     } else if (!limits) {
       refusal = limits.refusal;
-    } else if (resumes(request)) {
+    } else if (resumes(request.resume)) {
       resume_lease(request, now, answer, closures);
     } else if (newcomer_ && request.priority <= newcomer_->request.priority) {
       refusal = held_by(name(), newcomer_->request.client_name, newcomer_->request.priority);
@@ -69,9 +70,8 @@ void DeviceSessions::open_controller(const LeaseRequest& request, core::TimePoin
   PendingRequests::run(closures);
 }
 
-bool DeviceSessions::resumes(const LeaseRequest& request) const noexcept {
-  return !request.resume.empty() && !newcomer_ && lease_.resumable() &&
-         lease_.held_by(request.resume);
+bool DeviceSessions::resumes(const std::string& former) const noexcept {
+  return !former.empty() && !newcomer_ && lease_.resumable() && lease_.held_by(former);
 }
 
 /// Age, gain, settings and limits stay as they are: to the loop nothing happens at all. The former

@@ -22,6 +22,9 @@ DeviceSessions::DeviceSessions(DeviceUnit& unit, Telemetry& telemetry, std::size
       ingress_(unit.proxies, unit.config().kinematics->space().n_x()),
       lease_(rules.lease_timeout),
       settings_(unit.config().scene) {
+  if (unit.config().tracker) {
+    tracker_.emplace(unit.poses, unit.config(), rules.tracker_fresh_end, rules.lease_timeout);
+  }
   publish_settings(settings_);
   telemetry_.add(index_, this);
 }
@@ -172,6 +175,11 @@ unsigned DeviceSessions::observers() const {
 bool DeviceSessions::may_be_resumed(const std::string& session_id) const {
   const std::lock_guard lock(mutex_);
   return lease_.held_by(session_id) && lease_.detached();
+}
+
+bool DeviceSessions::would_resume(const std::string& resume) const {
+  const std::lock_guard lock(mutex_);
+  return !command_.closing && resumes(resume);
 }
 
 core::RenderSettings DeviceSessions::settings() const {

@@ -26,6 +26,7 @@
 #include "server/ingress/ingress.hpp"
 #include "server/rt/device_unit.hpp"
 #include "server/session/device_event.hpp"
+#include "server/session/device_tracker.hpp"
 #include "server/session/lease.hpp"
 #include "server/session/pending_requests.hpp"
 #include "server/session/refusal.hpp"
@@ -38,6 +39,7 @@ struct SessionRules {
   core::Duration lease_timeout{std::chrono::seconds(2)};
   /// The scene's bound on every lease's fresh_end; absent: 2.5 nominal periods of the client.
   std::optional<core::Duration> fresh_end{};
+  std::optional<core::Duration> tracker_fresh_end{};  ///< the same of a tracker's poses
 };
 
 using LeaseAnswer = std::function<void(const Outcome<Lease>&)>;
@@ -53,6 +55,11 @@ class DeviceSessions final : public RecordListener {
   [[nodiscard]] const std::string& name() const noexcept { return unit_.name(); }
   [[nodiscard]] const DeviceUnit& unit() const noexcept { return unit_; }
   [[nodiscard]] Ingress& ingress() noexcept { return ingress_; }
+  /// None where the scene has no tracker.
+  [[nodiscard]] DeviceTracker* tracker() noexcept { return tracker_ ? &*tracker_ : nullptr; }
+  [[nodiscard]] const DeviceTracker* tracker() const noexcept {
+    return tracker_ ? &*tracker_ : nullptr;
+  }
   [[nodiscard]] core::Duration lease_timeout() const noexcept { return rules_.lease_timeout; }
 
   /// The session's events from now on, until close(). Every session subscribes, whatever its role.
@@ -104,6 +111,9 @@ class DeviceSessions final : public RecordListener {
   [[nodiscard]] Stamp stamp(const core::TickRecord& record) const noexcept;
   /// Its lease waits for it.
   [[nodiscard]] bool may_be_resumed(const std::string& session_id) const;
+  /// A controller that opens now with this `resume` would go on with the lease of that session, whether
+  /// or not its stream is known to be lost.
+  [[nodiscard]] bool would_resume(const std::string& resume) const;
 
   /// Telemetry's call, every tick.
   void on_record(const core::TickRecord& record) override;
@@ -123,7 +133,7 @@ class DeviceSessions final : public RecordListener {
   void post() noexcept;
   void post_next_clear() noexcept;
   // device_lease.cpp
-  [[nodiscard]] bool resumes(const LeaseRequest& request) const noexcept;
+  [[nodiscard]] bool resumes(const std::string& former) const noexcept;
   void resume_lease(const LeaseRequest& request, core::TimePoint now, const LeaseAnswer& answer,
                     Closures& closures);
   void wait_for_lease(Newcomer newcomer, core::TimePoint now, Closures& closures);
@@ -143,6 +153,7 @@ class DeviceSessions final : public RecordListener {
   const std::size_t index_;
   const SessionRules rules_;
   Ingress ingress_;
+  std::optional<DeviceTracker> tracker_;
 
   mutable std::mutex mutex_;
   LeaseBook lease_;

@@ -44,6 +44,12 @@ Outcome<Done> engage_outcome(const core::EngageAnswer& answer, core::DeviceState
     case Verdict::kDeviceStale:
       return not_yet("DEVICE_STALE", "the newest device sample is " + value + " ms old: at most " +
                                          limit + " ms is needed");
+    case Verdict::kTrackerStale:
+      if (!std::isfinite(answer.value)) {
+        return not_yet("TRACKER_STALE", "no pose of a tracker was accepted yet");
+      }
+      return not_yet("TRACKER_STALE", "the tracker's newest pose is " + value +
+                                          " ms old: less than " + limit + " ms is needed");
     case Verdict::kReleased:
       return not_yet("NOT_ARMED", "a Release came with it: ask again");
     case Verdict::kOutsideWindow:

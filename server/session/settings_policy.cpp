@@ -106,7 +106,8 @@ Outcome<core::StalenessLimits> lease_staleness(const LeaseRequest& request,
                                                std::optional<core::Duration> fresh_bound) {
   const double rate = request.nominal_rate_hz;
   if (!(rate >= 1.0 && rate <= 2000.0)) {
-    return invalid("nominal_rate_hz", "= " + figure(rate) + ": a controller must say 1..2000");
+    return invalid("nominal_rate_hz",
+                   "= " + figure(rate) + ": a controller or tracker must say 1..2000");
   }
   std::optional<Refusal> refusal;
   core::StalenessLimits limits;

@@ -5,6 +5,7 @@
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 scratch=${1:?a scratch folder}
+. "$here/../support/scratch.sh"
 failures=0
 
 # expect STATUS CHECK ARGUMENT
@@ -18,7 +19,7 @@ expect() {
   fi
 }
 
-rm -rf "$scratch"
+fresh_folder "$scratch"
 mkdir -p "$scratch/core" "$scratch/docs"
 # A repository of its own, so that the scratch folder's files are not those of the project around it.
 git -C "$scratch" init -q 2>/dev/null || true
@@ -48,4 +49,13 @@ for rule in 'race:haptic::server' 'race:*' 'race:libgrpc_and_ours' 'thread:hapti
   printf 'race:libgrpc\n%s\n' "$rule" >"$scratch/tsan.supp"
   expect 1 tsan_suppressions "$scratch/tsan.supp"
 done
+echo 'race:libssl' >"$scratch/tsan.supp"
+sh "$here/tsan_suppressions.sh" "$scratch/tsan.supp" libssl >/dev/null || { echo "FAILED: a library named"; failures=1; }
+
+# A folder that is somebody else's stays.
+mkdir "$scratch/theirs" && echo precious >"$scratch/theirs/file"
+if (fresh_folder "$scratch/theirs") 2>/dev/null || [ ! -s "$scratch/theirs/file" ]; then
+  echo "FAILED: fresh_folder removed what it had not made"
+  failures=1
+fi
 exit $failures

@@ -5,7 +5,8 @@
 
 Lines of ```sh blocks are commands. Each is found in the table below: either it is run here, against a hapticd of
 this test's own (programs from PROGRAMS, a build folder), or the table names the test that runs it, which has to
-exist. A command that is not in the table fails, and so does an entry that no document needs.
+exist. A command that is not in the table fails, and so does an entry that no document needs. Of whatever else names one
+of the programs with options, in code or between back-ticks, the options have to be in the program's help.
 """
 
 import os
@@ -17,6 +18,8 @@ import sys
 import tempfile
 import time
 
+PROGRAMS = {"hapticd": "server/hapticd", "hapticctl": "client/hapticctl",
+            "haptic-board-emulator": "hw/haptic-board-emulator", "haptic-make-motion": "hw/haptic-make-motion"}
 # What is run here, in the order of client/README.md; seconds after which an open end is interrupted.
 RUN = {
     "hapticctl info": None,
@@ -47,6 +50,8 @@ ELSEWHERE = {
         ("docker/compose.yaml", "haptic-relay --scenario"),
     "build/release/client/hapticctl --server 127.0.0.2:50051 watch":
         ("tests/checks/documented_commands.py", '"hapticctl watch"'),
+    "PYTHONPATH=build/release/client/python python3 client/python/examples/ages.py":
+        ("tests/client/python/session_test.py", '"ages.py"'),
     "(cd build/release": ("tests/package/deb_test.sh", "cpack -G DEB"),
     "cpack -G DEB)": ("tests/package/deb_test.sh", "cpack -G DEB"),
 }
@@ -112,11 +117,40 @@ def run_all(root: pathlib.Path, programs: pathlib.Path) -> list[str]:
     return wrong
 
 
+def options(root: pathlib.Path) -> dict[tuple[str, str], set[str]]:
+    """(program, subcommand or nothing) -> the options that the documents give it."""
+    found: dict[tuple[str, str], set[str]] = {}
+    word = "|".join(PROGRAMS)
+    for page in root.rglob("*.md"):
+        if {"build", ".git", "report"} & set(page.relative_to(root).parts):
+            continue
+        for name, rest in re.findall(rf"(?:^|[`/ ])({word})( [^`\n#|]*)", page.read_text(encoding="utf-8"), re.M):
+            used = {w for w in re.findall(r"(?<!\S)\[?(--[a-z][a-z-]*)", rest)}
+            command = next((w for w in rest.split() if w.isalpha()), "") if name == "hapticctl" else ""
+            if used:
+                found.setdefault((name, command), set()).update(used)
+    return found
+
+
+def check_options(root: pathlib.Path, programs: pathlib.Path) -> list[str]:
+    def known(*command: str) -> set[str]:
+        shown = subprocess.run([*command, "--help"], capture_output=True, text=True, check=True).stdout
+        return set(re.findall(r"--[a-z][a-z-]*", shown))
+
+    wrong = []
+    for (name, command), used in options(root).items():
+        program = str(programs / PROGRAMS[name])
+        allowed = known(program) | (known(program, command) if command else set())
+        wrong += [f"documents: `{name} {command}` has no {option}" for option in sorted(used - allowed)]
+    return wrong
+
+
 def main() -> None:
     root = pathlib.Path(sys.argv[1])
     wrong = check_table(root)
     if len(sys.argv) > 2:
-        wrong += run_all(root, pathlib.Path(sys.argv[2]))
+        programs = pathlib.Path(sys.argv[2])
+        wrong += check_options(root, programs) + run_all(root, programs)
     if wrong:
         sys.exit("\n".join(wrong))
     print(f"{len(commands(root))} commands")

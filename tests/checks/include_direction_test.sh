@@ -3,12 +3,14 @@
 #
 #   include_direction_test.sh SCRATCH-FOLDER
 set -eu
-check=$(cd "$(dirname "$0")" && pwd)/include_direction.sh
+here=$(cd "$(dirname "$0")" && pwd)
+check=$here/include_direction.sh
+. "$here/../support/scratch.sh"
 scratch=${1:?a scratch folder}
 failures=0
 
 fresh_tree() {
-  rm -rf "$scratch"
+  fresh_folder "$scratch"
   mkdir -p "$scratch/core/src/tick" "$scratch/hw/board" "$scratch/server/rpc" "$scratch/server/rt" \
     "$scratch/client/src" "$scratch/client/include/haptic/client" "$scratch/client/hapticctl" \
     "$scratch/proto/wire"
@@ -71,6 +73,6 @@ breach server/rt/a.cpp '#include <grpcpp/server.h>'
 breach server/rt/a.cpp '#include <google/protobuf/text_format.h>'
 breach server/rpc/a.cpp '#include "haptic/client/client.hpp"'
 
-rm -rf "$scratch" && mkdir -p "$scratch"
+fresh_folder "$scratch"
 expect 2 "an empty tree"
 exit $failures

@@ -6,12 +6,14 @@
 #   tsan_suppressions.sh [FILE]
 set -u
 file=${1:-$(dirname "$0")/../tsan.supp}
+[ $# -eq 0 ] || shift
+more=${*:+$(printf '|%s' "$@")}
 rules=$(grep -vE '^[[:space:]]*(#|$)' "$file") || { echo "$file: missing or without rules"; exit 2; }
 others=$(echo "$rules" |
   grep -vxF 'race:grpc::internal::CallOpClientRecvStatus::FinishOp' |
-  grep -vE '^(race|called_from_lib|mutex|deadlock|thread|signal|race_top):(libgrpc(\+\+)?|libabsl(_[a-z_]+)?|libprotobuf|libgpr)[.*so0-9]*$')
+  grep -vE '^(race|called_from_lib|mutex|deadlock|thread|signal|race_top):(libgrpc(\+\+)?|libabsl(_[a-z_]+)?|libprotobuf|libgpr'"$more"')[.*so0-9]*$')
 if [ -n "$others" ]; then
-  echo "$file: only libgrpc, libabsl and libprotobuf may be named; found:"
+  echo "$file: only libgrpc, libabsl, libprotobuf${*:+ and $*} may be named; found:"
   echo "$others"
   exit 1
 fi

@@ -252,6 +252,44 @@ TEST(LeaseExpired, OfAPredecessorIsNotTakenForOnesOwn) {
   EXPECT_EQ(server.openings().size(), 1U);
 }
 
+/// A client that was paused hears of the loss, asks for force at once, and is refused: its lease is
+/// over, which it hears only now. The next sample takes the device up again, force included.
+TEST(LeaseExpired, ForceIsAskedForAgainUnderTheNextLeaseAlthoughTheOldSessionWasRefused) {
+  FakeServer server;
+  client::SessionOptions options = re_engaging(client::Reconnect::kWithBackoff);
+  std::atomic<bool> told{false};
+  options.on_event = [&](const client::Event&) { told = true; };
+  const auto session = Connection(server.address()).open(options);
+  session->engage_when_ready();
+  ASSERT_TRUE(server.until([&] { return server.engages() == 1; }));
+  server.send_state(1, v1::DEVICE_STATE_NAME_ENGAGED);
+  ASSERT_TRUE(server.until([&] { return session->state().seq == 1; }));
+  server.answer_engage(
+      refusal(grpc::StatusCode::PERMISSION_DENIED, "NOT_CONTROLLER", "the lease is over"));
+  server.send_state(2, v1::DEVICE_STATE_NAME_ARMED);
+  ASSERT_TRUE(server.until([&] { return server.engages() >= 2; }));
+  server.send_event(v1::Event::KIND_LEASE_EXPIRED, "LEASE_EXPIRED");
+  ASSERT_TRUE(server.until([&] { return told.load(); }));
+  const std::size_t asked = server.engages() + 1;  // one may be under way
+  EXPECT_FALSE(server.until([&] { return server.engages() > asked; }, kLongEnough))
+      << "asked for force without a lease";
+  session->publish(client::Proxy::free());
+  ASSERT_TRUE(server.until([&] { return session->connected() && session->lease_epoch() == 2; }));
+  EXPECT_TRUE(server.until([&] { return server.engages() > asked; }));
+}
+
+TEST(LeaseExpired, WithoutReEngageARefusalForItEndsTheAsking) {
+  FakeServer server;
+  client::SessionOptions options;
+  options.reconnect = client::Reconnect::kWithBackoff;
+  const auto session = Connection(server.address()).open(options);
+  server.answer_engage(
+      refusal(grpc::StatusCode::PERMISSION_DENIED, "NOT_CONTROLLER", "the lease is over"));
+  session->engage_when_ready();
+  ASSERT_TRUE(server.until([&] { return server.engages() == 1; }));
+  EXPECT_FALSE(server.until([&] { return server.engages() > 1; }, kLongEnough));
+}
+
 TEST(ServerDies, ForceReturnsAfterReconnectOnlyWhereAskedFor) {
   for (const bool wanted : {false, true}) {
     FakeServer server;

@@ -11,7 +11,8 @@ fail() {
   echo "deb_test.sh: $*" >&2
   exit 1
 }
-rm -rf "$2"
+. "$(dirname "$0")/../support/scratch.sh"
+fresh_folder "$2"
 cpack -G DEB --config "$1/CPackConfig.cmake" -B "$2" >"$2.log" 2>&1 || { cat "$2.log"; fail "cpack"; }
 
 package() { # package NAME: its file

@@ -7,8 +7,8 @@ set -eu
 build=$1
 folder=$2
 here=$(cd "$(dirname "$0")" && pwd)
-rm -rf "$folder"
-mkdir -p "$folder"
+. "$here/../support/scratch.sh"
+fresh_folder "$folder"
 folder=$(cd "$folder" && pwd)
 prefix=$folder/prefix
 server=

@@ -5,7 +5,8 @@
 #   unit_test.sh BUILD FOLDER
 set -eu
 command -v systemd-analyze >/dev/null || { echo "skipped: no systemd-analyze"; exit 77; }
-rm -rf "$2"
+. "$(dirname "$0")/../support/scratch.sh"
+fresh_folder "$2"
 cmake --install "$1" --prefix "$2" --component server >/dev/null
 unit=$2/lib/systemd/system/hapticd.service
 complaints=$(systemd-analyze verify --man=no "$unit" 2>&1 || true)

@@ -113,12 +113,12 @@ TEST(ProtocolReadme, EveryReasonIsDocumentedAndNoOther) {
     EXPECT_TRUE(code.count(reason)) << reason << " is in proto/README.md, but no source says it";
   }
   // Words of events and of GetLinkStats have tables of their own.
-  const std::set<std::string> of_events = {"FRESH",          "HOLD",          "FADE",
-                                           "LOST",           "LEASE_EXPIRED", "LEASE_GRANTED",
-                                           "LEASE_DETACHED", "LEASE_RESUMED", "LEASE_PREEMPTED",
-                                           "LEASE_ENDED",    "CLAMPED",       "OLD_SEQUENCE",
-                                           "OLD_EPOCH",      "WRONG_SIZE",    "NOT_FINITE",
-                                           "OUT_OF_BOUNDS",  "UNKNOWN_MODE",  "BAD_PLANE"};
+  const std::set<std::string> of_events = {
+      "FRESH",           "HOLD",          "FADE",           "LOST",
+      "LEASE_EXPIRED",   "LEASE_GRANTED", "LEASE_DETACHED", "LEASE_RESUMED",
+      "LEASE_PREEMPTED", "LEASE_ENDED",   "CLAMPED",        "OLD_SEQUENCE",
+      "TRACKER_LOST",    "OLD_EPOCH",     "WRONG_SIZE",     "NOT_FINITE",
+      "OUT_OF_BOUNDS",   "UNKNOWN_MODE",  "BAD_PLANE"};
   for (const std::string& word : code) {
     if (word == "UNKNOWN") continue;  // for a level that does not exist
     // Verdicts that refuse nothing, and a word for people.

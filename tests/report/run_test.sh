@@ -4,7 +4,8 @@
 #   run_test.sh BUILD-FOLDER OUTPUT-FOLDER
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
-rm -rf "$2"
+. "$here/../support/scratch.sh"
+fresh_folder "$2"
 "$here/run.sh" --build "$1" --output "$2" kinematics scan radius 2>/dev/null
 
 for file in kinematics.csv scan.csv scan_list.csv scan.svg scan.png radius.svg radius.png index.md; do

@@ -5,7 +5,8 @@
 set -eu
 demo=$(cd "$(dirname "$0")/../../server" && pwd)/demo.sh
 output=$2
-rm -rf "$output"
+. "$(dirname "$0")/../support/scratch.sh"
+fresh_folder "$output"
 
 "$demo" --build "$1" --seconds 6 --output "$output" </dev/null
 

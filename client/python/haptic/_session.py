@@ -47,10 +47,12 @@ class Session:
             state_rate_hz=state_rate_hz, udp_wanted=carriers is Carriers.BEST,
             role=wire.ROLE_OBSERVER if observer else wire.ROLE_CONTROLLER)
         self._call = stub.Session(self._requests(opening))
-        self._opened = self._open()
-        if self._opened.HasField("udp"):
-            self._udp = UdpPath(self._opened.udp, address, self._period_s, self._on_udp_state,
-                                self._on_udp_lost)
+        try:
+            self._opened = self._open()
+            self._udp = self._open_udp(address)
+        except BaseException:  # nobody will have a session to close: the lease goes back now
+            self._end_stream()
+            raise
         self._reader = threading.Thread(target=self._read, name="haptic session", daemon=True)
         self._reader.start()
 
@@ -70,6 +72,12 @@ class Session:
         if self._udp is not None:
             self._udp.close()
         self._reader.join(timeout=1.0)
+        self._call.cancel()
+
+    def _end_stream(self) -> None:
+        with self._changed:
+            self._closing = True
+            self._changed.notify_all()
         self._call.cancel()
 
     # What goes up.
@@ -209,10 +217,19 @@ class Session:
         try:
             return next(self._call).opened
         except grpc.RpcError as error:
-            self._closing = True
             raise to_error(error) from None
         except StopIteration:
             raise ClientError("CLOSED", "the server ended the stream") from None
+
+    def _open_udp(self, address: str) -> UdpPath | None:
+        """None where the server offers none, or its address cannot be reached: the stream goes on alone."""
+        if not self._opened.HasField("udp"):
+            return None
+        try:
+            return UdpPath(self._opened.udp, address, self._period_s, self._on_udp_state,
+                           self._on_udp_lost)
+        except OSError:
+            return None
 
     def _read(self) -> None:
         ended = ClientError("CLOSED", "the server ended the session")

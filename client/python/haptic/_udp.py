@@ -23,11 +23,7 @@ class UdpPath:
 
     def __init__(self, offer: wire.UdpPath, address: str, period_s: float,
                  on_state: Callable[[bytes], None], on_lost: Callable[[], None]) -> None:
-        host = offer.host or _host_of(address)
-        family = socket.AF_INET6 if ":" in host else socket.AF_INET
-        self._socket = socket.socket(family, socket.SOCK_DGRAM)
-        self._socket.connect((host, offer.port))  # datagrams of other addresses do not come in
-        self._socket.settimeout(_TURN_S)
+        """OSError: the host has no address, or none can be reached from here."""
         self._on_state, self._on_lost = on_state, on_lost
         self._lock = threading.Lock()
         self._keys = _keys_of(offer)
@@ -35,6 +31,9 @@ class UdpPath:
         self._old_until = float("inf")  # runs from the first datagram under the new keys
         self._machine = PathMachine(period_s, time.monotonic())
         self._closing = False
+        # Last, and nothing after it that could fail: a socket without an owner would stay open.
+        self._socket = connect(offer.host or host_of(address), offer.port)
+        self._socket.settimeout(_TURN_S)
         self._thread = threading.Thread(target=self._serve, name="haptic udp", daemon=True)
         self._thread.start()
 
@@ -132,6 +131,25 @@ def _keys_of(offer: wire.UdpPath) -> Keys:
     return Keys.of(offer.path_id, offer.up_key, offer.up_salt, offer.down_key, offer.down_salt)
 
 
-def _host_of(address: str) -> str:
+def host_of(address: str) -> str:
     """Of the stream's address; loopback where that is a UNIX socket."""
     return "127.0.0.1" if address.startswith("unix:") else address.rpartition(":")[0].strip("[]")
+
+
+def connect(host: str, port: int) -> socket.socket:
+    """To the first address of `host`, a name or an IPv4 or IPv6 address, that can be reached; datagrams of other
+    addresses do not come in. OSError where there is none."""
+    failed = OSError(f"{host} has no address")
+    for family, kind, protocol, _, there in socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM):
+        try:
+            made = socket.socket(family, kind, protocol)
+        except OSError as error:  # this host has no such family
+            failed = error
+            continue
+        try:
+            made.connect(there)
+            return made
+        except OSError as error:
+            made.close()
+            failed = error
+    raise failed

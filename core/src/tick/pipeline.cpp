@@ -25,6 +25,20 @@ void require_entries(const VecA& values, int n_a, const char* name, double lowes
   }
 }
 
+void check_tracker(const TrackerSettings& tracker, const Kinematics& kinematics) {
+  constexpr int kDofs = static_cast<int>(kPalmDofs);
+  const int n_q = kinematics.layout().n_q();
+  require(tracker.first_dof >= 0 && tracker.first_dof + kDofs <= n_q,
+          "tracker.first_dof = " + std::to_string(tracker.first_dof) +
+              ": must leave room for six of " + std::to_string(n_q) + " DoFs");
+  for (int i = tracker.first_dof; i < tracker.first_dof + kDofs; ++i) {
+    const DofSpec& dof = kinematics.dofs()[static_cast<std::size_t>(i)];
+    require(!dof.actuated, "tracker: DoF " + dof.name + " is actuated: must be sensed only");
+  }
+  const char* const wrong = check(tracker.staleness);
+  require(wrong == nullptr, std::string("tracker.staleness: ") + (wrong != nullptr ? wrong : ""));
+}
+
 PipelineConfig checked(PipelineConfig config) {
   require(config.kinematics != nullptr, "kinematics: must be given");
   const int n_q = config.kinematics->layout().n_q();
@@ -59,6 +73,7 @@ PipelineConfig checked(PipelineConfig config) {
     require(wrong == nullptr,
             "ratings[" + std::to_string(i) + "]: " + (wrong != nullptr ? wrong : ""));
   }
+  if (config.tracker) check_tracker(*config.tracker, *config.kinematics);
   require(config.loop_late_fault > Duration::zero(), "loop_late_fault: must be > 0");
   require(config.late_bucket_full > 0, "late_bucket_full: must be > 0");
   require_rank(ProjectionModel(*config.kinematics, config.projection));

@@ -60,6 +60,7 @@ Pipeline::Stages::Stages(PipelineConfig config)
     force_control_.emplace(config_.force_control, layout_.n_a());
   }
   if (config_.passivity.enabled()) passivity_.emplace(config_.passivity, layout_.n_a());
+  if (config_.tracker) tracker_.emplace(*config_.tracker, config_.device);
   if (config_.monotone_envelope && layout_.n_a() == 1) envelope_.emplace(model_);
   projection_.q_star = q_;
 }
@@ -132,8 +133,10 @@ void Pipeline::Stages::device(const TickInput& input, TickRecord& record) noexce
   if (reading.health == DeviceHealth::kForceOverLimit) causes_.set(Fault::kForceOverLimit);
 
   fresh_ = false;
+  if (tracker_) tracker_->take(input.tracker, input.now, record.tracker);
   if (reading.fresh) {
-    const VecQ& q = reading.sample.q;
+    VecQ q = reading.sample.q;
+    if (tracker_ && q.size() == layout_.n_q()) tracker_->place(q);
     const VecA& force = reading.sample.tau_measured;
     if (q.size() != layout_.n_q() || !all_finite(q) || !force_fits(force)) {
       causes_.set(Fault::kSampleNotFinite);
@@ -147,6 +150,7 @@ void Pipeline::Stages::device(const TickInput& input, TickRecord& record) noexce
       ready_ = fresh_ = true;
     }
   }
+  if (tracker_ && ready_) tracker_->place(q_);
   if (!device_sample_is_recent(input.now)) rate_.forget();
   if (silent_too_long(input.now) && limits.silence_policy == SilencePolicy::kFault) {
     causes_.set(Fault::kDeviceSilent);
@@ -181,6 +185,7 @@ void Pipeline::Stages::proxy(const TickInput& input, TickRecord& record) noexcep
       has_proxy_ ? staleness(record.proxy_age, local_proxy_.sample().valid_for, settings_.staleness)
                  : Staleness::kLost;
   ladder_ = has_proxy_ ? ladder(record.proxy_age, settings_.staleness) : 0.0;
+  if (tracker_) ladder_ = std::min(ladder_, tracker_->ladder());
 }
 
 bool Pipeline::Stages::fits_space(const ProxySnapshot& sample) const noexcept {
@@ -311,6 +316,12 @@ EngageAnswer Pipeline::Stages::judge_engage(const TickInput& input,
     return refuse(EngageVerdict::kDeviceStale, milliseconds_of(input.now - last_sample_now_),
                   milliseconds_of(kRecentPeriods * config_.device.sample_period));
   }
+  const TrackerRecord& tracker = record.tracker;
+  if (tracker_ && (tracker.seq == 0 || tracker.age >= tracker_->limits().hold_end)) {
+    return refuse(EngageVerdict::kTrackerStale,
+                  tracker.seq != 0 ? milliseconds_of(tracker.age) : HUGE_VAL,
+                  milliseconds_of(tracker_->limits().hold_end));
+  }
   for (int i = 0; i < layout_.n_a(); ++i) {
     const double jump = std::abs(settings_.stiffness[i] * dq_a_[i]);
     if (!(jump <= settings_.engage_window[i])) {
@@ -331,7 +342,8 @@ void Pipeline::Stages::state(const TickInput& input, TickRecord& record) noexcep
   events.ready = ready_;
   events.engage = engage_accepted_;
   events.release = released_;
-  events.lost = record.staleness == Staleness::kLost;
+  events.lost = record.staleness == Staleness::kLost ||
+                (tracker_ && record.tracker.level == Staleness::kLost);
   last_epoch_ = command.lease_epoch;
 
   const DeviceState before = machine_.state();

@@ -17,6 +17,7 @@
 #include "haptic/core/safety/late_bucket.hpp"
 #include "haptic/core/safety/limits.hpp"
 #include "haptic/core/tick/pipeline.hpp"
+#include "palm_tracker.hpp"
 
 namespace haptic::core {
 
@@ -88,6 +89,7 @@ class Pipeline::Stages {
   std::optional<Passivity> passivity_;  ///< only where the scene asks for it
   std::optional<RatedActuators> ratings_;
   std::optional<ForceControl> force_control_;
+  std::optional<PalmTracker> tracker_;  ///< only where the scene has one
 
   std::uint64_t ticks_{0};
   TimePoint last_now_{};

@@ -1,5 +1,6 @@
 #include "haptic/core/tick/tick_record.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -32,6 +33,17 @@ bool identical(const ProxySnapshot& a, const ProxySnapshot& b) noexcept {
          a.gapless_samples == b.gapless_samples;
 }
 
+bool identical(const TrackerSnapshot& a, const TrackerSnapshot& b) noexcept {
+  return a.seq == b.seq && a.born == b.born && a.valid_for == b.valid_for &&
+         a.staleness == b.staleness &&
+         std::equal(a.pose.begin(), a.pose.end(), b.pose.begin(), same);
+}
+
+bool identical(const TrackerRecord& a, const TrackerRecord& b) noexcept {
+  return a.on == b.on && a.first_dof == b.first_dof && a.seq == b.seq && a.level == b.level &&
+         a.age == b.age;
+}
+
 bool identical(const CommandSnapshot& a, const CommandSnapshot& b) noexcept {
   return a.lease_epoch == b.lease_epoch && a.lease_held == b.lease_held &&
          a.engage_id == b.engage_id && a.release_id == b.release_id && a.stop_id == b.stop_id &&
@@ -49,8 +61,8 @@ bool identical(const RenderSettings& a, const RenderSettings& b) noexcept {
 bool identical(const TickInput& a, const TickInput& b) noexcept {
   return a.now == b.now && a.period == b.period && a.loop.lateness == b.loop.lateness &&
          a.loop.skipped == b.loop.skipped && identical(a.device, b.device) &&
-         identical(a.proxy, b.proxy) && identical(a.command, b.command) &&
-         identical(a.settings, b.settings);
+         identical(a.proxy, b.proxy) && identical(a.tracker, b.tracker) &&
+         identical(a.command, b.command) && identical(a.settings, b.settings);
 }
 
 bool identical(const EngageAnswer& a, const EngageAnswer& b) noexcept {
@@ -76,7 +88,7 @@ bool identical(const TickRecord& a, const TickRecord& b) noexcept {
          a.clear.id == b.clear.id && a.clear.refused == b.clear.refused &&
          a.proxy_mode == b.proxy_mode && a.proxy_seq == b.proxy_seq &&
          a.settings_id == b.settings_id && a.staleness == b.staleness &&
-         a.proxy_age == b.proxy_age && same(a.gain, b.gain) &&
+         a.proxy_age == b.proxy_age && identical(a.tracker, b.tracker) && same(a.gain, b.gain) &&
          same(a.damping_gain, b.damping_gain) && same_bits(a.q, b.q) &&
          same_bits(a.q_a_dot, b.q_a_dot) && same_bits(a.x_probe, b.x_probe) &&
          same_bits(a.x, b.x) && a.planes == b.planes && a.active_planes == b.active_planes &&

@@ -10,7 +10,7 @@ import time
 
 
 class Hapticd:
-    def __init__(self, scene: str, *, udp: bool = False) -> None:
+    def __init__(self, scene: str, *, udp: bool = False, lease_s: int = 2) -> None:
         self._folder = tempfile.TemporaryDirectory()
         self.address = "unix:" + os.path.join(self._folder.name, "socket")
         arguments = [os.environ["HAPTICD"], "--scene",
@@ -18,7 +18,8 @@ class Hapticd:
                      "--realtime=off", "--log-level=warn", "--listen", self.address,
                      # A loaded machine is no fault of the client.
                      "--set", "loop.late_bucket_full=1000000",
-                     "--set", "loop.loop_late_fault={seconds: 10}"]
+                     "--set", "loop.loop_late_fault={seconds: 10}",
+                     "--set", f"server.lease_timeout={{seconds: {lease_s}}}"]
         if udp:
             arguments += ["--set", "server.udp_listen=127.0.0.1:0"]
         self._process = subprocess.Popen(arguments, stderr=subprocess.DEVNULL)

@@ -6,6 +6,7 @@ import sys
 import time
 import unittest
 from collections.abc import Callable
+from unittest import mock
 
 import haptic
 from hapticd_process import Hapticd
@@ -24,9 +25,10 @@ def eventually(condition: Callable[[], bool], seconds: float = 20.0) -> bool:
 
 class OneServer(unittest.TestCase):
     udp = False
+    lease_s = 2
 
     def setUp(self) -> None:
-        self.server = Hapticd("finger_constant", udp=self.udp)
+        self.server = Hapticd("finger_constant", udp=self.udp, lease_s=self.lease_s)
         self.addCleanup(self.server.stop)
         self.connection = haptic.Connection(self.server.address)
         self.addCleanup(self.connection.close)
@@ -165,15 +167,33 @@ class Udp(OneServer):
         self.assertFalse(any(e.kind == "LOST" for e in session.events()))
         self.assertEqual(state.state, "ENGAGED")
 
+    def test_without_a_way_to_the_address_the_stream_goes_on_alone(self) -> None:
+        with mock.patch("haptic._udp.connect", side_effect=OSError("no route")):
+            session = self.open()
+        self.hold(session, lambda s: s.proxy_seq_used > 50 and s.transport == "GRPC")
+        self.assertFalse(session.udp_in_use)
+
     def test_it_can_be_left_out(self) -> None:
         session = self.open(carriers=haptic.Carriers.STREAM)
         self.hold(session, lambda s: s.proxy_seq_used > 50)
         self.assertFalse(session.udp_in_use)
 
 
+class UdpThatFails(OneServer):
+    udp = True
+    lease_s = 60  # who forgets a session keeps the device that long
+
+    def test_an_error_while_the_path_is_made_gives_the_lease_back(self) -> None:
+        with mock.patch("haptic._session.UdpPath", side_effect=ValueError("not a key")):
+            with self.assertRaises(ValueError):
+                self.connection.session(client_name="unlucky", nominal_rate_hz=60)
+        self.assertTrue(eventually(lambda: self.connection.devices()[0].controller == ""))
+        self.open().wait_for_state()
+
+
 class Examples(unittest.TestCase):
-    def run_example(self, name: str, scene: str, seconds: float) -> str:
-        server = Hapticd(scene)
+    def run_example(self, name: str, scene: str, seconds: float, *, udp: bool = False) -> str:
+        server = Hapticd(scene, udp=udp)
         self.addCleanup(server.stop)
         return subprocess.run(
             [sys.executable, os.path.join(EXAMPLES, name), "--server", server.address,
@@ -186,6 +206,17 @@ class Examples(unittest.TestCase):
         force = float(lines[-1].split(",")[2].removesuffix("N"))
         # The hand wants 0.52 rad, the wall stands at 0.3: the actuator pushes back.
         self.assertLess(force, -1.0)
+
+    def test_ages_are_the_servers(self) -> None:
+        published, ages = self.run_example("ages.py", "finger_constant", 3, udp=True).splitlines()
+        sent, accepted = (int(published.split(word)[1].split(" ")[0].rstrip(",")) for word in ("published ", "accepted "))
+        self.assertLessEqual(sent, 3001)  # 3 s at 1 kHz, and never faster
+        self.assertLessEqual(accepted, sent)
+        self.assertGreater(accepted, 100)  # a busy machine is slow, and says so
+        self.assertGreater(float(published.split("by UDP ")[1].removesuffix("%")), 50.0)
+        p50, p99 = (float(ages.split(p)[1].split(" ms")[0]) for p in ("p50 ", "p99 "))
+        self.assertLess(0.0, p50)
+        self.assertLessEqual(p50, p99)
 
     def test_the_grasp_is_felt_and_let_go(self) -> None:
         output = self.run_example("soft_grasp.py", "finger_soft_grasp", 8)

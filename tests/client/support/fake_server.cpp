@@ -142,6 +142,11 @@ std::vector<v1::ProxySample> FakeServer::samples() const {
   return samples_;
 }
 
+std::vector<v1::TrackerSample> FakeServer::poses() const {
+  const Lock lock(mutex_);
+  return poses_;
+}
+
 std::vector<v1::OpenSession> FakeServer::openings() const {
   const Lock lock(mutex_);
   return openings_;

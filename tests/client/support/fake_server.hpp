@@ -58,6 +58,7 @@ class FakeServer final
 
   // What was heard. All counts since construction.
   [[nodiscard]] std::vector<v1::ProxySample> samples() const;
+  [[nodiscard]] std::vector<v1::TrackerSample> poses() const;
   [[nodiscard]] std::vector<v1::OpenSession> openings() const;
   [[nodiscard]] std::size_t engages() const;
   [[nodiscard]] std::size_t releases() const;
@@ -107,6 +108,7 @@ class FakeServer final
   SessionReactor* session_{nullptr};  ///< the newest; null once it ended
   WatchReactor* watch_{nullptr};
   std::vector<v1::ProxySample> samples_;
+  std::vector<v1::TrackerSample> poses_;
   std::vector<v1::OpenSession> openings_;
   std::size_t engages_{0}, releases_{0}, farewells_{0};
   v1::UpdateSettingsRequest last_update_;

@@ -30,6 +30,7 @@ void FakeServer::SessionReactor::OnReadDone(bool ok) {
     return;
   }
   if (request_.has_proxy()) server_.samples_.push_back(request_.proxy());
+  if (request_.has_tracker()) server_.poses_.push_back(request_.tracker());
   paused_ = !server_.read_;
   if (!paused_) StartRead(&request_);
 }

@@ -159,6 +159,34 @@ TEST(BoardHost, ABrownOutEndsInANewSessionDisarmed) {
   EXPECT_TRUE(link.armed());
 }
 
+/// Of boards without a serial number any answers to it: what the loop was built with must hold too.
+TEST(BoardHost, AfterAReplugOnlyTheSameBoardIsOpened) {
+  EmulatorConfig nameless;
+  nameless.serial = "";
+  EmulatorConfig same = nameless, other_serial = nameless, other_control = nameless;
+  same.seed = 5;
+  other_serial.serial = "OTHER";
+  other_control.control = emulator::BoardControl::kPosition;
+  const auto refusal_after_replug = [&](const EmulatorConfig& next) {
+    const Intent still{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+    emulator::EmulatedBoard board(next, still, test::finger());
+    VirtualLink link(nameless);
+    link.run(10ms);
+    EXPECT_EQ(link.host.stage(), BoardHost::Stage::kOpen);
+    link.host.insist_on(link.host.identity());
+    link.replug(board);
+    link.run(200ms);
+    EXPECT_EQ(link.host.reading().open, link.host.refusal().empty());
+    return link.host.refusal();
+  };
+  EXPECT_EQ(refusal_after_replug(same), "");
+  EXPECT_EQ(refusal_after_replug(other_serial),
+            "its serial = 'OTHER': must be '', as before the port was lost");
+  // It takes positions where the other closed a force loop: the protocol's bits are 1, 2 and 4.
+  EXPECT_EQ(refusal_after_replug(other_control),
+            "its capabilities = 6: must be 3, as before the port was lost");
+}
+
 TEST(BoardHost, AStuckSensorIsAFaultOfTheBoard) {
   EmulatorConfig config;
   config.faults = {{FaultKind::kStuck, 0.1, 0.4, 0.0}};

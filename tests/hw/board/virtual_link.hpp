@@ -38,14 +38,14 @@ class VirtualLink {
   void run(core::Duration length) {
     for (const core::TimePoint end = now() + length; now() < end;) {
       elapsed_us_ += 100;
-      board.advance(elapsed_us_);
-      const auto bytes = board.take_output();
+      plugged_->advance(elapsed_us_);
+      const auto bytes = plugged_->take_output();
       if (!deaf) host.receive(bytes, now());
       if (elapsed_us_ % 1000 == 0) {
         if (!mute) host.want(wanted, now());
         host.poll(now());
       }
-      if (!mute) board.receive(host.output());
+      if (!mute) plugged_->receive(host.output());
       host.consume(host.output().size());
     }
   }
@@ -55,6 +55,12 @@ class VirtualLink {
     wanted.tau_a = core::VecA::Constant(1, tau_a);
   }
   void disarm() { wanted.arm = false; }
+  /// The port goes, and comes back with `other` behind it, which must outlive the link.
+  void replug(hw::emulator::EmulatedBoard& other) {
+    host.disconnect();
+    plugged_ = &other;
+    host.connect(now());
+  }
   [[nodiscard]] core::TimePoint now() const {
     return core::TimePoint(std::chrono::hours(5) + std::chrono::microseconds(elapsed_us_));
   }
@@ -69,6 +75,7 @@ class VirtualLink {
   bool deaf{false};  ///< nothing reaches the host
 
  private:
+  hw::emulator::EmulatedBoard* plugged_{&board};
   std::uint64_t elapsed_us_{0};
 };
 

@@ -78,6 +78,57 @@ TEST(ResumeService, TheFormerStreamEndsWhereItStillStood) {
   EXPECT_EQ(server.rig.sessions->controller(), "alice");
 }
 
+server::RpcConfig places(unsigned max_sessions) {
+  server::RpcConfig config{{"127.0.0.1:0"}};
+  config.max_sessions = max_sessions;
+  return config;
+}
+
+TEST(ResumeService, WhoResumesNeedsNoFreePlace) {
+  LiveServer server(places(1));
+  TestSession first(server.channel(), opening("alice"));
+  ASSERT_TRUE(first.wait_opened());
+  TestSession stranger(server.channel(), v1::ROLE_OBSERVER, "stranger");
+  ASSERT_TRUE(stranger.wait_ended());
+  EXPECT_EQ(reason_of(stranger.status()), "TOO_MANY_SESSIONS");
+  EXPECT_EQ(detail(stranger.status(), "limit"), "1");
+  TestSession second(server.channel(), opening("alice", first.opened().session_id()));
+  ASSERT_TRUE(second.wait_opened()) << second.status().error_message();
+  EXPECT_TRUE(second.opened().resumed());
+  ASSERT_TRUE(first.wait_ended());
+}
+
+TEST(ResumeService, NobodyWhoCameMeanwhileKeepsItOut) {
+  LiveServer server(places(2));
+  TestSession watcher(server.channel(), v1::ROLE_OBSERVER, "watcher");
+  ASSERT_TRUE(watcher.wait_opened());
+  TestSession first(server.channel(), opening("alice"));
+  ASSERT_TRUE(first.wait_opened());
+  first.cancel();
+  ASSERT_TRUE(eventually([&] { return heard(watcher, "LEASE_DETACHED"); }));
+  std::unique_ptr<TestSession> late;  // takes the place that became free
+  ASSERT_TRUE(eventually([&] {
+    late = std::make_unique<TestSession>(server.channel(), v1::ROLE_OBSERVER, "late");
+    return late->wait_opened();
+  }));
+  TestSession second(server.channel(), opening("alice", first.opened().session_id()));
+  ASSERT_TRUE(second.wait_opened()) << second.status().error_message();
+  EXPECT_TRUE(second.opened().resumed());
+}
+
+TEST(ResumeService, ANameThatResumesNothingOpensNoPlace) {
+  LiveServer server(places(1));
+  TestSession first(server.channel(), v1::ROLE_CONTROLLER, "alice");  // not resumable
+  ASSERT_TRUE(first.wait_opened());
+  v1::SessionRequest observing = open_message(v1::ROLE_OBSERVER, "alice");
+  observing.mutable_open()->set_resume(first.opened().session_id());
+  for (const auto& message : {opening("alice", first.opened().session_id()), observing}) {
+    TestSession second(server.channel(), message);
+    ASSERT_TRUE(second.wait_ended());
+    EXPECT_EQ(reason_of(second.status()), "TOO_MANY_SESSIONS");
+  }
+}
+
 TEST(ResumeService, FarewellEndsTheLeaseAtOnce) {
   LiveServer server;
   TestSession session(server.channel(), opening("alice"));

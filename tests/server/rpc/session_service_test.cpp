@@ -273,8 +273,20 @@ TEST(SessionService, AMessageLargerThanTheLimitEndsTheSessionAndNothingElse) {
   session.publish(std::vector<double>(20'000, 0.0));
   ASSERT_TRUE(session.wait_ended());
   EXPECT_EQ(session.status().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(reason_of(session.status()), "MESSAGE_TOO_LARGE");
+  EXPECT_NE(session.status().error_message().find("at most 65536"), std::string::npos);
   const std::size_t states = other.sequence().size();
   EXPECT_TRUE(eventually([&] { return other.sequence().size() > states + 20; }));
+}
+
+TEST(SessionService, FarBeyondTheLimitGrpcItselfRefuses) {
+  LiveServer server;
+  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(session.wait_opened());
+  session.publish(std::vector<double>(40'000, 0.0));
+  ASSERT_TRUE(session.wait_ended());
+  EXPECT_EQ(session.status().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(reason_of(session.status()), "");
 }
 
 TEST(SessionService, ShutdownEndsEveryStreamAndSaysWhy) {

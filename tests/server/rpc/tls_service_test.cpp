@@ -153,6 +153,22 @@ TEST_F(TlsTest, PriorityIsBoundByTheCertificate) {
   EXPECT_EQ(server.rig.sessions->controller(), "surgeon");
 }
 
+TEST_F(TlsTest, WithoutACertificateNobodyTakesADeviceFromOthers) {
+  LiveServer server(config(false));
+  TestSession alice(channel(server, "ca.pem"), v1::ROLE_CONTROLLER, "alice");
+  ASSERT_TRUE(alice.wait_opened());
+  v1::SessionRequest message = open_message(v1::ROLE_CONTROLLER, "anybody");
+  message.mutable_open()->set_priority(v1::PRIORITY_OPERATOR);
+  TestSession refused(channel(server, "ca.pem"), message);
+  ASSERT_TRUE(refused.wait_ended());
+  EXPECT_EQ(refused.status().error_code(), grpc::StatusCode::PERMISSION_DENIED);
+  EXPECT_EQ(reason_of(refused.status()), "PRIORITY_DENIED");
+  EXPECT_NE(refused.status().error_message().find("without a client certificate at most primary"),
+            std::string::npos)
+      << refused.status().error_message();
+  EXPECT_EQ(server.rig.sessions->controller(), "alice");
+}
+
 TEST_F(TlsTest, WrongFilesAreNamedAndNeverShown) {
   server::TlsConfig config = tls(true);
   EXPECT_EQ(load_error(config), "");
@@ -197,12 +213,22 @@ TEST(Peer, ThisHostIsKnownByItsAddress) {
   }
 }
 
+TEST(Peer, WhoShowsNoCertificateIsPrimaryOverTlsAndAnythingOnThisHost) {
+  server::RpcConfig config;
+  server::Peer peer;
+  peer.this_host = true;
+  EXPECT_EQ(highest_priority(peer, config), server::Priority::kOperator);
+  config.tls.emplace();
+  EXPECT_EQ(highest_priority(peer, config), server::Priority::kOperator) << "a UNIX socket";
+  peer.encrypted = true;
+  EXPECT_EQ(highest_priority(peer, config), server::Priority::kPrimary);
+}
+
 TEST(Peer, OfTwoListedNamesTheHigherCounts) {
   server::RpcConfig config;
   config.tls.emplace();
   config.tls->clients = {{"a", server::Priority::kTest}, {"b", server::Priority::kOperator}};
   server::Peer peer;
-  EXPECT_EQ(highest_priority(peer, config), server::Priority::kOperator) << "no certificate";
   peer.names = {"a"};
   EXPECT_EQ(highest_priority(peer, config), server::Priority::kTest);
   peer.names = {"a", "b"};

@@ -50,6 +50,49 @@ TEST_F(UnaryService, EngageIsRefusedWithTheReasonAndTheNumbers) {
   EXPECT_NE(outside.error_message().find("2.5"), std::string::npos);
 }
 
+TEST_F(UnaryService, AMessageBeyondTheLimitIsRefusedByNameInEveryCall) {
+  const std::string filling(70'000, 'x');
+  const auto refused = [](const grpc::Status& status) {
+    return status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED &&
+           reason_of(status) == "MESSAGE_TOO_LARGE";
+  };
+  const auto call = [&](auto method, auto request, auto response, auto fill) {
+    fill(request);
+    grpc::ClientContext context;
+    return refused((stub.get()->*method)(&context, request, &response));
+  };
+  using Stub = v1::HapticService::Stub;
+  const auto id = [&](auto& request) { request.set_session_id(filling); };
+  const auto device = [&](auto& request) { request.set_device(filling); };
+  const auto unknown = [&](auto& request) {  // of a newer protocol
+    request.GetReflection()->MutableUnknownFields(&request)->AddLengthDelimited(99, filling);
+  };
+  EXPECT_TRUE(call(&Stub::Engage, v1::EngageRequest(), v1::EngageResponse(), id));
+  EXPECT_TRUE(call(&Stub::Release, v1::ReleaseRequest(), v1::ReleaseResponse(), id));
+  EXPECT_TRUE(
+      call(&Stub::UpdateSettings, v1::UpdateSettingsRequest(), v1::UpdateSettingsResponse(), id));
+  EXPECT_TRUE(
+      call(&Stub::GetLinkStats, v1::GetLinkStatsRequest(), v1::GetLinkStatsResponse(), device));
+  EXPECT_TRUE(call(&Stub::ClearFault, v1::ClearFaultRequest(), v1::ClearFaultResponse(), device));
+  EXPECT_TRUE(
+      call(&Stub::GetServerInfo, v1::GetServerInfoRequest(), v1::GetServerInfoResponse(), unknown));
+  EXPECT_TRUE(
+      call(&Stub::ListDevices, v1::ListDevicesRequest(), v1::ListDevicesResponse(), unknown));
+  grpc::ClientContext context;
+  v1::WatchRequest watch;
+  watch.set_device(filling);
+  EXPECT_TRUE(refused(stub->Watch(&context, watch)->Finish()));
+}
+
+/// Whatever else is in it: a stop is a stop.
+TEST_F(UnaryService, AnEmergencyStopMayBeAsLargeAsItLikes) {
+  grpc::ClientContext context;
+  v1::EmergencyStopRequest request;
+  v1::EmergencyStopResponse response;
+  request.set_reason(std::string(200'000, 'x'));
+  EXPECT_TRUE(stub->EmergencyStop(&context, request, &response).ok());
+}
+
 TEST_F(UnaryService, ASessionNobodyKnowsMayAskForNothing) {
   grpc::ClientContext context;
   v1::EngageRequest request;

@@ -60,6 +60,12 @@ class ScriptedClient {
     command_.release_id = tick >= 1500 ? 1 : 0;
     command_.stop_id = tick >= 1800 ? 1 : 0;
     unit.commands.publish(command_);
+    if (unit.config().tracker) {
+      pose_.staleness = unit.config().tracker->staleness;
+      ++pose_.seq;
+      pose_.born = now;
+      unit.poses.publish(pose_);
+    }
     if (tick % 16 != 0 || newest_.x_probe.size() == 0) return;
     proxy_.mode = tick > 1000 && tick < 1200 ? haptic::core::ProxyMode::kFree
                                              : haptic::core::ProxyMode::kHeld;
@@ -79,6 +85,7 @@ class ScriptedClient {
   haptic::core::TickRecord newest_{};
   haptic::core::CommandSnapshot command_{};
   haptic::core::ProxySnapshot proxy_{};
+  haptic::core::TrackerSnapshot pose_{};
 };
 
 class EveryScene : public testing::TestWithParam<std::filesystem::path> {};

@@ -53,6 +53,27 @@ TEST_F(CalibratedScene, TheResolvedSceneNamesTheFileInFull) {
   EXPECT_EQ(parse(scene.resolved).resolved, scene.resolved);
 }
 
+TEST_F(CalibratedScene, AnAdmittanceKeepsWithinTheCalibratedTravel) {
+  write(kHead + kLx + kQb);
+  const auto with = [&](const std::string& more) {
+    return replaced(scene(), "limits {",
+                    "force_control { admittance { damping_n_s_per_m: 400 max_rate_m_per_s: 0.03 " +
+                        more + "} }\n  limits {");
+  };
+  const auto control = parse(with("")).devices[0].force_control.settings;
+  ASSERT_EQ(control.admittances.size(), 1u);
+  EXPECT_EQ(control.admittances[0].lower, 0.001);
+  EXPECT_EQ(control.admittances[0].upper, 0.048);
+  const std::string field = "device[0].force_control.admittance.";
+  EXPECT_NE(error_of(with("lower: 0 "))
+                .find(field + "lower[0] = 0: must be at least the calibrated travel's, 0.001"),
+            std::string::npos)
+      << error_of(with("lower: 0 "));
+  EXPECT_NE(error_of(with("upper: 0.05 "))
+                .find(field + "upper[0] = 0.05: must be at most the calibrated travel's, 0.048"),
+            std::string::npos);
+}
+
 TEST_F(CalibratedScene, WhatIsWrongIsNamed) {
   struct Case {
     std::string text, error;

@@ -18,6 +18,7 @@
 #include "haptic/client/error.hpp"
 #include "haptic/client/link.hpp"
 #include "haptic/client/planes.hpp"
+#include "haptic/client/pose.hpp"
 #include "haptic/client/session.hpp"
 #include "haptic/client/types.hpp"
 #include "haptic/client/watch.hpp"

@@ -18,6 +18,7 @@
 
 #include "haptic/client/error.hpp"
 #include "haptic/client/planes.hpp"
+#include "haptic/client/pose.hpp"
 #include "haptic/client/types.hpp"
 
 namespace haptic::client {
@@ -44,8 +45,9 @@ enum class Carriers : std::uint8_t {
 struct SessionOptions {
   std::string device{};  ///< empty: the only one
   bool observer{false};
+  bool tracker{false};  ///< says where the device's palm is: publish_pose(). Not both
   std::string client_name{"haptic client"};
-  double nominal_rate_hz{60.0};  ///< of publish(); controller only
+  double nominal_rate_hz{60.0};  ///< of publish() or publish_pose(); not for an observer
   /// Where the server asks for certificates, at most what this client's allows.
   Priority priority{Priority::kPrimary};
   double state_rate_hz{0.0};  ///< 0: every tick
@@ -95,6 +97,9 @@ class Session {
   /// numbers; they rise over reconnects too. `device_seq_used` 0 means the state that was last given
   /// to the user, by call or callback.
   void publish(Proxy proxy) noexcept;
+
+  /// The same of a tracker's poses.
+  void publish_pose(const Pose& pose) noexcept;
 
   /// The newest state; seq 0 before the first, also after a reconnect.
   [[nodiscard]] DeviceState state() const;

@@ -66,6 +66,8 @@ struct DeviceInfo {
   std::string controller{};  ///< who holds the lease; empty: nobody
   Renderer renderer{Renderer::kUnchanged};
   unsigned observers{0};
+  bool wants_tracker{false};  ///< a client in the role tracker says where its palm is
+  std::string tracker{};      ///< who does; empty: nobody
 };
 
 struct ServerInfo {
@@ -83,6 +85,13 @@ struct ServerInfo {
 struct PassivityState {
   double tank{0.0}, storage{0.0}, scale{0.0}, observed{0.0};
   double alpha{0.0};  ///< s
+};
+
+/// The tracker's pose in use (session.proto, TrackerState).
+struct TrackerState {
+  std::uint64_t seq_used{0};  ///< 0: none came so far
+  std::chrono::microseconds age{0};
+  Staleness staleness{Staleness::kUnknown};
 };
 
 /// The device at one tick. Field by field as DeviceState in proto/haptic/v1/session.proto.
@@ -104,6 +113,7 @@ struct DeviceState {
   std::uint32_t lease_epoch{0};
   Mode mode{Mode::kFree};
   std::uint32_t active_planes{0};             ///< bit n: plane n of the newest sample holds x
+  std::optional<TrackerState> tracker{};      ///< where the scene has a tracker
   std::optional<PassivityState> passivity{};  ///< where the scene has a tank or an observer
   /// This machine's steady clock when the state arrived.
   std::chrono::steady_clock::time_point received{};

@@ -3,6 +3,7 @@
 /// core's parts are put together. It owns every temporary, and the device's state and gain.
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "haptic/core/control/force_control.hpp"
@@ -30,6 +31,12 @@ struct DeviceLimits {
   VecA max_effort{};          ///< n_a, N or N m: what the device's spec sheet allows
 };
 
+/// A client says where the tracked palm is (WIRE 2, role tracker).
+struct TrackerSettings {
+  int first_dof{0};             ///< of the palm's six in q
+  StalenessLimits staleness{};  ///< of its pose, by the same rules as the proxy's
+};
+
 struct PipelineConfig {
   std::shared_ptr<const Kinematics> kinematics{};
   ProjectionSettings projection{};  ///< metric W_x, and the prior where the map needs one
@@ -39,9 +46,10 @@ struct PipelineConfig {
   int late_bucket_full{LateBucket::kFull};
   /// METHOD 2.4, with one actuated DoF; with more of them it means the direction guard.
   bool monotone_envelope{false};
-  PassivitySettings passivity{};           ///< energy tank and observer; off by default
-  std::vector<ActuatorRatings> ratings{};  ///< n_a, or none: power, rate and temperature
-  ForceControlSettings force_control{};    ///< by the server; off by default
+  PassivitySettings passivity{};             ///< energy tank and observer; off by default
+  std::vector<ActuatorRatings> ratings{};    ///< n_a, or none: power, rate and temperature
+  ForceControlSettings force_control{};      ///< by the server; off by default
+  std::optional<TrackerSettings> tracker{};  ///< absent: the device senses all of q
 };
 
 class Pipeline {

@@ -1,6 +1,7 @@
 #pragma once
 /// Everything one tick depends on. The record of a run is the sequence of these.
 
+#include <array>
 #include <cstdint>
 
 #include "haptic/core/fault.hpp"
@@ -58,6 +59,18 @@ struct ProxySnapshot {
   std::uint64_t gapless_samples{0};  ///< accepted since then
 };
 
+/// A tracked palm stands in q as position and rotation vector.
+inline constexpr std::size_t kPalmDofs = 6;
+
+/// The newest accepted pose of the tracked palm, where a client says it (role tracker).
+struct TrackerSnapshot {
+  std::uint64_t seq{0};         ///< 0: none was accepted so far
+  TimePoint born{};             ///< what its age is counted from: the local arrival, or earlier
+  Duration valid_for{0};        ///< the tracker's own bound on its freshness; 0 = none given
+  StalenessLimits staleness{};  ///< of its session; held within the scene's
+  std::array<double, kPalmDofs> pose{};  ///< x, y, z [m], rotation vector [rad], in the world
+};
+
 /// What people and programs ask of the device. Requests are counters: a tick acts on a counter that
 /// moved, so that none is lost in a newest-wins mailbox and none acts twice.
 struct CommandSnapshot {
@@ -98,6 +111,7 @@ struct TickInput {
   LoopReport loop{};
   DeviceReading device{};
   ProxySnapshot proxy{};
+  TrackerSnapshot tracker{};  ///< only where the scene has a tracker
   CommandSnapshot command{};
   RenderSettings settings{};
 };

@@ -23,6 +23,7 @@ enum class EngageVerdict : std::uint8_t {
   kDeviceStale = 6,     ///< value: age of the newest device sample in ms, limit: 3 of its periods
   kOutsideWindow = 7,   ///< value: |Z_q (q*_a - q_a)| of DoF `index`, limit: its engage window
   kReleased = 8,        ///< a Release came in the same tick; nobody knows which was later
+  kTrackerStale = 9,    ///< value: age of the palm's pose in ms, limit: its hold_end in ms
 };
 
 struct EngageAnswer {
@@ -38,6 +39,15 @@ struct EngageAnswer {
 struct ClearAnswer {
   std::uint64_t id{0};
   FaultSet refused{};
+};
+
+/// The tracked palm's pose in use, where a client says it.
+struct TrackerRecord {
+  bool on{false};        ///< the scene has a tracker; all else is meaningless without
+  int first_dof{0};      ///< of the six in q that are its
+  std::uint64_t seq{0};  ///< of the pose in use; 0: none came so far
+  Staleness level{Staleness::kLost};
+  Duration age{0};  ///< now - born; 0 where there is none
 };
 
 struct TickRecord {
@@ -59,7 +69,8 @@ struct TickRecord {
   ProxyMode proxy_mode{ProxyMode::kNone};  ///< of the sample in use, which may not be the newest
   std::uint64_t proxy_seq{0};              ///< of the sample in use; 0 where there is none
   Staleness staleness{Staleness::kLost};
-  Duration proxy_age{0};     ///< now - born; 0 where there is no proxy
+  Duration proxy_age{0};  ///< now - born; 0 where there is no proxy
+  TrackerRecord tracker{};
   double gain{0.0};          ///< g
   double damping_gain{0.0};  ///< g_d
 

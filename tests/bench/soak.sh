@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# The soak: builds, runs hapticd with a client over UDP beside a bare loop, says whether memory stayed flat, whether
+# more deadlines were missed than by the bare loop, and whether the lateness is as at the start (soak.py).
+# Run it on a machine that does nothing else.
+#
+#   tests/bench/soak.sh [--minutes N] [--csv FILE]      default: 30 minutes
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+case "${1:-}" in -h | --help) sed -n '2,6s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
+build=$root/build/release
+sh "$root/docker/install-deps.sh" build test >&2
+(cd "$root" && cmake --preset release -DHAPTIC_BUILD_BENCHMARKS=ON &&
+  cmake --build --preset release --parallel "$(nproc)" \
+    --target hapticd haptic-example-soft-grasp haptic-bare-loop) >&2
+exec python3 "$root/tests/bench/soak.py" --programs "$build" \
+  --scene "$root/server/scenes/finger_soft_grasp.textproto" "$@"

@@ -1,0 +1,72 @@
+"""Where the datagrams of the UDP path go: names and addresses of both families."""
+
+import socket
+import unittest
+from unittest import mock
+
+from haptic._udp import connect, host_of
+
+
+def listener(family: socket.AddressFamily, address: str) -> socket.socket:
+    made = socket.socket(family, socket.SOCK_DGRAM)
+    made.settimeout(10)
+    made.bind((address, 0))
+    return made
+
+
+class Connect(unittest.TestCase):
+    def reaches(self, family: socket.AddressFamily, address: str, host: str) -> None:
+        with listener(family, address) as far:
+            with connect(host, far.getsockname()[1]) as near:
+                self.assertEqual(near.family, family)
+                near.send(b"here")
+                self.assertEqual(far.recv(16), b"here")
+
+    def test_an_ipv4_address(self) -> None:
+        self.reaches(socket.AF_INET, "127.0.0.1", "127.0.0.1")
+
+    def test_an_ipv6_address(self) -> None:
+        try:
+            listener(socket.AF_INET6, "::1").close()
+        except OSError as error:
+            self.skipTest(f"no IPv6 here: {error}")
+        self.reaches(socket.AF_INET6, "::1", "::1")
+
+    def test_a_name(self) -> None:
+        with listener(socket.AF_INET, "127.0.0.1") as far, mock.patch(
+                "socket.getaddrinfo",
+                return_value=[(socket.AF_INET, socket.SOCK_DGRAM, 0, "", far.getsockname())]) as asked:
+            with connect("robot.example", 50052) as near:
+                near.send(b"here")
+                self.assertEqual(far.recv(16), b"here")
+            self.assertEqual(asked.call_args.args, ("robot.example", 50052))
+
+    def test_the_next_address_where_one_cannot_be_reached(self) -> None:
+        with listener(socket.AF_INET, "127.0.0.1") as far, mock.patch(
+                "socket.getaddrinfo",
+                return_value=[(socket.AF_INET, socket.SOCK_DGRAM, 0, "", ("255.255.255.255", 9)),
+                              (socket.AF_INET, socket.SOCK_DGRAM, 0, "", far.getsockname())]):
+            with connect("robot.example", 50052) as near:  # broadcast is refused without SO_BROADCAST
+                self.assertEqual(near.getpeername(), far.getsockname())
+
+    def test_no_address_is_an_oserror_and_leaves_no_socket(self) -> None:
+        with mock.patch("socket.getaddrinfo", return_value=[]):
+            with self.assertRaisesRegex(OSError, "robot.example has no address"):
+                connect("robot.example", 50052)
+        with mock.patch("socket.getaddrinfo", side_effect=socket.gaierror(-2, "unknown")):
+            with self.assertRaises(OSError):
+                connect("robot.example", 50052)
+
+
+class HostOf(unittest.TestCase):
+    def test_the_streams_host_without_port_and_brackets(self) -> None:
+        self.assertEqual(host_of("robot.example:50051"), "robot.example")
+        self.assertEqual(host_of("[::1]:50051"), "::1")
+        self.assertEqual(host_of("192.0.2.7:50051"), "192.0.2.7")
+
+    def test_loopback_for_a_unix_socket(self) -> None:
+        self.assertEqual(host_of("unix:/run/hapticd/socket"), "127.0.0.1")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,77 @@
+/// A session in the role tracker: what it opens with, what its poses carry, what its states say.
+
+#include <gtest/gtest.h>
+
+#include "haptic/client/client.hpp"
+#include "tests/client/support/fake_server.hpp"
+
+namespace haptic::test {
+namespace {
+
+using client::Connection;
+using client::Pose;
+
+TEST(Tracker, OpensInItsRoleAndPublishesPoses) {
+  FakeServer server;
+  const auto session =
+      Connection(server.address())
+          .open({.tracker = true, .client_name = "camera", .nominal_rate_hz = 120});
+  ASSERT_EQ(server.openings().size(), 1U);
+  const v1::OpenSession opening = server.openings().front();
+  EXPECT_EQ(opening.role(), v1::ROLE_TRACKER);
+  EXPECT_EQ(opening.nominal_rate_hz(), 120.0);
+  EXPECT_FALSE(opening.udp_wanted()) << "its samples go on the stream";
+  EXPECT_FALSE(opening.resumable()) << "it holds no lease";
+  Pose pose;
+  pose.position = {0.1, -0.2, 0.3};
+  pose.orientation = {0.0, 0.6, 0.0, 0.8};
+  pose.valid_for = std::chrono::microseconds(4321);
+  for (std::size_t sent = 1; sent <= 2; ++sent) {  // one at a time, so that none is replaced
+    session->publish_pose(pose);
+    ASSERT_TRUE(server.until([&] { return server.poses().size() == sent; }));
+  }
+  const auto poses = server.poses();
+  const std::vector<double> position(poses[0].position().begin(), poses[0].position().end());
+  const std::vector<double> turn(poses[0].orientation().begin(), poses[0].orientation().end());
+  EXPECT_EQ(position, (std::vector<double>{0.1, -0.2, 0.3}));
+  EXPECT_EQ(turn, (std::vector<double>{0.0, 0.6, 0.0, 0.8}));
+  EXPECT_EQ(poses[0].valid_for_us(), 4321U);
+  EXPECT_GT(poses[1].seq(), poses[0].seq());
+  EXPECT_TRUE(server.samples().empty());
+  EXPECT_EQ(session->statistics().published, 2U);
+}
+
+TEST(Tracker, StatesSayHowOldThePoseInUseIs) {
+  FakeServer server;
+  const auto session = Connection(server.address()).open({});
+  v1::SessionResponse message;
+  v1::DeviceState& state = *message.mutable_state();
+  state.set_seq(7);
+  server.send(message);
+  EXPECT_FALSE(session->wait_for_state().tracker.has_value());
+  state.set_seq(8);
+  state.mutable_tracker()->set_seq_used(12);
+  state.mutable_tracker()->set_age_us(3400);
+  state.mutable_tracker()->set_staleness(v1::STALENESS_LEVEL_HOLD);
+  server.send(message);
+  const client::DeviceState told = session->wait_for_state();
+  ASSERT_TRUE(told.tracker.has_value());
+  EXPECT_EQ(told.tracker->seq_used, 12U);
+  EXPECT_EQ(told.tracker->age, std::chrono::microseconds(3400));
+  EXPECT_EQ(told.tracker->staleness, client::Staleness::kHold);
+}
+
+TEST(Tracker, IsNoObserverToo) {
+  FakeServer server;
+  Connection connection(server.address());
+  try {
+    static_cast<void>(connection.open({.observer = true, .tracker = true}));
+    FAIL() << "must throw";
+  } catch (const client::ClientError& error) {
+    EXPECT_EQ(error.reason(), client::ErrorReason::kInvalidArgument);
+  }
+  EXPECT_TRUE(server.openings().empty());
+}
+
+}  // namespace
+}  // namespace haptic::test

@@ -1,0 +1,258 @@
+// A palm whose pose a client says (WIRE 2, role tracker; WIRE 4 for its age), in virtual time. One slide
+// of 500 N/m is carried by the palm: x is the sum of palm.x and the slide, and the palm's six DoFs. The
+// proxy is kept behind x[0] <= 0, so that the force is -K (palm.x + slide) by hand.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/linear.hpp"
+#include "haptic/core/tick/pipeline.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+namespace haptic::core {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double kStiffness = 500.0;
+constexpr double kPressed = 0.004;  // m: how far the palm is behind the wall
+
+PipelineConfig config_with_tracker() {
+  LinearMap map;
+  for (const char* name : {"palm.x", "palm.y", "palm.z", "palm.rx", "palm.ry", "palm.rz"}) {
+    map.dofs.push_back({name, Unit::kMetre, false, -0.8, 0.8});
+    map.coordinates.push_back({name, Unit::kMetre, CoordinateKind::kLinear});
+  }
+  map.dofs.push_back({"slide", Unit::kMetre, true, -0.8, 0.8});
+  map.coordinates.insert(map.coordinates.begin(), {"tip", Unit::kMetre, CoordinateKind::kLinear});
+  map.A = MatXQ::Zero(7, 7);
+  map.A(0, 0) = map.A(0, 6) = 1.0;
+  for (int i = 0; i < 6; ++i) map.A(i + 1, i) = 1.0;
+  map.x_0 = VecX::Zero(7);
+  PipelineConfig c;
+  c.kinematics = make_linear(map);
+  c.device.q_lower = VecQ::Constant(7, -1.0);
+  c.device.q_upper = VecQ::Constant(7, 1.0);
+  c.device.max_effort = VecA::Constant(1, 20.0);
+  c.scene.stiffness = VecA::Constant(1, kStiffness);
+  c.scene.damping = VecA::Zero(1);
+  c.scene.force_limit = VecA::Constant(1, 10.0);
+  c.scene.slew_limit = VecA::Constant(1, 1e6);
+  c.scene.engage_window = VecA::Constant(1, 10.0);
+  c.tracker = TrackerSettings{0, {}};
+  return c;
+}
+
+/// The device at rest, whose own palm is elsewhere; a controller and, while `tracking`, a tracker that
+/// speak in every tick.
+class Rig {
+ public:
+  explicit Rig(PipelineConfig config = config_with_tracker()) : pipeline(std::move(config)) {
+    input.settings = pipeline.config().scene;
+    input.device.armed = input.device.fresh = true;
+    input.device.sample.q = VecQ::Constant(7, 0.3);
+    input.device.sample.q[6] = 0.0;
+    input.command.lease_epoch = 1;
+    input.command.lease_held = true;
+    input.proxy.mode = ProxyMode::kPlanes;
+    input.proxy.epoch = 1;
+    input.proxy.x = VecX::Zero(7);
+    input.proxy.planes.normals.setZero(7, 1);
+    input.proxy.planes.normals(0, 0) = 1.0;
+    input.proxy.planes.offsets.setZero(1);
+    input.tracker.staleness = StalenessLimits{};
+    input.tracker.pose = {kPressed, 0.02, 0.03, 0.1, 0.2, 0.3};
+  }
+  TickRecord tick() {
+    input.now += 1ms;
+    ++input.device.sample.seq;
+    input.device.sample.time = input.now;
+    if (input.proxy.gapless_samples++ == 0) input.proxy.gapless_since = input.now;
+    ++input.proxy.seq;
+    input.proxy.born = input.now;
+    if (tracking) {
+      ++input.tracker.seq;
+      input.tracker.born = input.now;
+    }
+    return pipeline.tick(input);
+  }
+  TickRecord run(int ticks) {
+    TickRecord record;
+    for (int i = 0; i < ticks; ++i) record = tick();
+    return record;
+  }
+  TickRecord press() {
+    run(250);
+    ++input.command.engage_id;
+    const TickRecord record = run(250);
+    EXPECT_EQ(record.engage.verdict, EngageVerdict::kAccepted);
+    EXPECT_EQ(record.state, DeviceState::kEngaged);
+    return record;
+  }
+
+  Pipeline pipeline;
+  TickInput input{};
+  bool tracking{true};
+};
+
+TEST(PalmTracker, ItsPoseTakesThePlaceOfWhatTheDeviceSays) {
+  Rig rig;
+  const TickRecord record = rig.run(3);
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_EQ(record.q[i], rig.input.tracker.pose[static_cast<std::size_t>(i)]) << i;
+  }
+  EXPECT_EQ(record.q[6], 0.0);
+  EXPECT_DOUBLE_EQ(record.x_probe[0], kPressed);
+  EXPECT_TRUE(record.tracker.on);
+  EXPECT_EQ(record.tracker.seq, 3u);
+  EXPECT_EQ(record.tracker.level, Staleness::kFresh);
+}
+
+TEST(PalmTracker, AWallIsFeltWhereItSaysThePalmIs) {
+  Rig rig;
+  EXPECT_NEAR(rig.press().tau_a[0], -kStiffness * kPressed, 1e-9);
+  rig.input.tracker.pose[0] = 0.006;
+  EXPECT_NEAR(rig.tick().tau_a[0], -kStiffness * 0.006, 1e-9);
+  rig.input.tracker.pose[0] = -0.001;  // off the wall
+  EXPECT_EQ(rig.tick().tau_elastic[0], 0.0);
+}
+
+TEST(PalmTracker, WithoutNewPosesTheForceIsHeldFadesAndIsGoneWithin200Ms) {
+  Rig rig;
+  rig.press();
+  rig.tracking = false;
+  bool lost = false;
+  for (int age = 1; age <= 200; ++age) {
+    SCOPED_TRACE(age);
+    const TickRecord record = rig.tick();
+    // WIRE 4, with the defaults: full to 100 ms, linear to 0 at 180 ms.
+    const double ladder = age < 100 ? 1.0 : age < 180 ? (180.0 - age) / 80.0 : 0.0;
+    EXPECT_NEAR(record.gain, ladder, 1e-12);
+    EXPECT_NEAR(record.tau_elastic[0], -ladder * kStiffness * kPressed, 1e-9);
+    EXPECT_EQ(record.tracker.age, age * 1ms);
+    EXPECT_EQ(record.staleness, Staleness::kFresh) << "the proxy's";
+    lost = lost || record.lost;
+    EXPECT_EQ(lost, age >= 180);
+    EXPECT_EQ(record.state, age < 180 ? DeviceState::kEngaged : DeviceState::kArmed);
+  }
+  // Force never comes back by itself, and by a ramp of 200 ms where it is asked for.
+  rig.tracking = true;
+  EXPECT_EQ(rig.run(50).tau_elastic[0], 0.0);
+  ++rig.input.command.engage_id;
+  EXPECT_NEAR(rig.tick().gain, 1.0 / 200.0, 1e-12);
+}
+
+TEST(PalmTracker, WhoComesBackInTimeNeverLeftFullForce) {
+  Rig rig;
+  rig.press();
+  rig.tracking = false;
+  EXPECT_EQ(rig.run(99).tracker.level, Staleness::kHold);
+  rig.tracking = true;
+  const TickRecord record = rig.tick();
+  EXPECT_EQ(record.gain, 1.0);
+  EXPECT_EQ(record.tracker.level, Staleness::kFresh);
+}
+
+TEST(PalmTracker, EngagingNeedsARecentPose) {
+  Rig rig;
+  rig.tracking = false;
+  rig.run(300);
+  ++rig.input.command.engage_id;
+  TickRecord record = rig.tick();
+  EXPECT_EQ(record.engage.verdict, EngageVerdict::kTrackerStale);
+  EXPECT_TRUE(std::isinf(record.engage.value));
+  rig.tracking = true;
+  rig.tick();
+  rig.tracking = false;
+  rig.run(99);
+  ++rig.input.command.engage_id;
+  record = rig.tick();
+  EXPECT_EQ(record.engage.verdict, EngageVerdict::kTrackerStale);
+  EXPECT_DOUBLE_EQ(record.engage.value, 100.0);
+  EXPECT_DOUBLE_EQ(record.engage.limit, 100.0);
+}
+
+TEST(PalmTracker, BeforeTheFirstPoseThePalmRestsAtZero) {
+  Rig rig;
+  rig.tracking = false;
+  const TickRecord record = rig.run(3);
+  EXPECT_EQ(record.q.head(6), VecQ::Zero(6));
+  EXPECT_EQ(record.tracker.level, Staleness::kLost);
+  EXPECT_EQ(record.tracker.seq, 0u);
+  EXPECT_EQ(record.state, DeviceState::kArmed) << "the device itself is well";
+}
+
+TEST(PalmTracker, APoseThatIsNoNumberOrOutOfRangeIsLeftAsideAndTheLastOneAges) {
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), 1.1, -1.1,
+                           std::numeric_limits<double>::infinity()}) {
+    Rig rig;
+    rig.press();
+    const std::uint64_t last = rig.input.tracker.seq;
+    rig.input.tracker.pose[4] = bad;
+    const TickRecord record = rig.run(30);
+    EXPECT_EQ(record.q[4], 0.2);
+    EXPECT_EQ(record.tracker.seq, last);
+    EXPECT_EQ(record.tracker.age, 30ms);
+    EXPECT_FALSE(record.faults.any());
+  }
+}
+
+TEST(PalmTracker, ASessionMayTightenTheScenesLimitsAndNotWidenThem) {
+  Rig rig;
+  rig.input.tracker.staleness = {10ms, 40ms, 90ms};
+  rig.press();
+  rig.tracking = false;
+  EXPECT_EQ(rig.run(39).gain, 1.0);
+  EXPECT_NEAR(rig.run(26).gain, 0.5, 1e-12);  // 65 ms: half-way from 40 to 90
+  Rig wide;
+  wide.input.tracker.staleness = {80ms, 400ms, 900ms};
+  wide.press();
+  wide.tracking = false;
+  EXPECT_NEAR(wide.run(140).gain, 0.5, 1e-12);  // 140 ms: half-way from 100 to 180
+}
+
+TEST(PalmTracker, AllocatesNothingAndReplaysToTheBit) {
+  Pipeline again(config_with_tracker());
+  std::uint64_t allocations = 0;
+  Rig live;
+  for (int i = 0; i < 600; ++i) {
+    live.tracking = i < 300 || i > 550;
+    if (i == 260) ++live.input.command.engage_id;
+    live.input.tracker.pose[0] = kPressed * std::sin(0.01 * i);
+    const haptic::test::AllocationGuard guard;
+    const TickRecord record = live.tick();
+    allocations += guard.allocations();
+    ASSERT_TRUE(identical(again.tick(record.input), record)) << i;
+  }
+  EXPECT_EQ(allocations, 0u);
+  TickRecord a = live.tick(), b = a;
+  b.input.tracker.pose[5] = 0.31;
+  EXPECT_FALSE(identical(a, b));
+  b = a;
+  b.tracker.age += 1ns;
+  EXPECT_FALSE(identical(a, b));
+}
+
+TEST(PalmTracker, ItsDofsMustBeSensedOnesAndItsLimitsHoldTogether) {
+  const auto wrong = [](const TrackerSettings& tracker) -> std::string {
+    PipelineConfig config = config_with_tracker();
+    config.tracker = tracker;
+    try {
+      const Pipeline pipeline(std::move(config));
+    } catch (const SceneError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  EXPECT_EQ(wrong({0, {}}), "");
+  EXPECT_EQ(wrong({1, {}}), "tracker: DoF slide is actuated: must be sensed only");
+  EXPECT_EQ(wrong({2, {}}), "tracker.first_dof = 2: must leave room for six of 7 DoFs");
+  EXPECT_EQ(wrong({0, {20ms, 100ms, 120ms}}),
+            "tracker.staleness: fade_end - hold_end must be >= 50 ms");
+}
+
+}  // namespace
+}  // namespace haptic::core

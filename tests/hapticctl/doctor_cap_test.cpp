@@ -1,0 +1,181 @@
+// The stiffness that the doctor allows (METHOD 5.1), on the emulated board with the force loop in the
+// server: a proxy held beside the finger, over a grid of the workspace, must come to rest. Virtual time.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "doctor/examine.hpp"
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/tick/pipeline.hpp"
+#include "hw/emulator/virtual_board.hpp"
+
+namespace haptic::ctl {
+namespace {
+
+using hw::emulator::BoardControl;
+using hw::emulator::EmulatorConfig;
+using hw::emulator::VirtualBoard;
+
+/// Of linkage and finger at the rod (hw/README.md, "The emulator"), and what the scene renders.
+constexpr double kDeviceDamping = 0.5, kRenderedDamping = 0.0;  // N s/m
+
+/// What hapticctl doctor says of a host that is never late and whose serial ports add nothing.
+double allowed_stiffness() {
+  StiffnessQuestion question;
+  question.device_damping = kDeviceDamping;
+  question.rendered_damping = kRenderedDamping;
+  HostAnswers answers;
+  answers.jitter.ticks = 10'000;
+  const StiffnessCap cap = examine(HostFiles("/nonexistent"), answers, question).cap;
+  return std::min(cap.passive, cap.stable);
+}
+
+struct Law {
+  const char* name;
+  BoardControl control;
+  core::ForceControlSettings settings;
+};
+
+/// How much force and rod still move in the last half second of 7 s of pressing.
+struct Rest {
+  bool engaged{true};  ///< all the while
+  double force{0.0};   ///< N, mean of the true one
+  double ripple{0.0};  ///< N, from peak to peak
+  double travel{0.0};  ///< m
+};
+
+/// A finger that its hand bends to `pose`, rad, and an object that keeps it 0.2 rad out of it.
+class Press {
+ public:
+  Press(const Law& law, double stiffness, const core::VecX& pose)
+      : device_(emulator(law), {Eigen::Vector2d::Zero(), Eigen::Vector2d(pose[0], pose[1])},
+                board(), core::make_finger_exoskeleton({})),
+        pipeline_(config(law, stiffness)) {
+    input_.settings = pipeline_.config().scene;
+    input_.command.lease_epoch = 1;
+    input_.command.lease_held = true;
+    input_.proxy.mode = core::ProxyMode::kHeld;
+    input_.proxy.epoch = 1;
+    input_.proxy.x = pose - core::VecX::Constant(2, 0.2);
+  }
+
+  core::TickRecord tick() {
+    input_.now += std::chrono::milliseconds(1);
+    device_.read(input_.now, input_.device);
+    if (input_.proxy.gapless_samples++ == 0) input_.proxy.gapless_since = input_.now;
+    ++input_.proxy.seq;
+    input_.proxy.born = input_.now;
+    if (state_ == core::DeviceState::kArmed) ++input_.command.engage_id;
+    const core::TickRecord record = pipeline_.tick(input_);
+    state_ = record.state;
+    device_.write(input_.now, {record.arm, record.drive.size() > 0 ? record.drive : record.tau_a,
+                               record.position});
+    return record;
+  }
+
+  Rest rest() {
+    constexpr int kPressing = 6500, kLooking = 500;  // ms
+    for (int i = 0; i < kPressing; ++i) static_cast<void>(tick());
+    Rest rest;
+    const auto& actuator = device_.board().rig().actuator();
+    double lowest = 1e9, highest = -1e9, first = 1e9, last = -1e9;
+    for (int i = 0; i < kLooking; ++i) {
+      rest.engaged = tick().state == core::DeviceState::kEngaged && rest.engaged;
+      rest.force += actuator.force() / kLooking;
+      lowest = std::min(lowest, actuator.force());
+      highest = std::max(highest, actuator.force());
+      first = std::min(first, actuator.x());
+      last = std::max(last, actuator.x());
+    }
+    rest.ripple = highest - lowest;
+    rest.travel = last - first;
+    return rest;
+  }
+
+ private:
+  static EmulatorConfig emulator(const Law& law) {
+    EmulatorConfig config;
+    config.control = law.control;
+    return config;
+  }
+  static hw::BoardConfig board() {
+    hw::BoardConfig config;
+    config.max_effort = core::VecA::Constant(1, 50.0);  // what the L16 lifts
+    return config;
+  }
+  [[nodiscard]] core::PipelineConfig config(const Law& law, double stiffness) const {
+    core::PipelineConfig config;
+    config.kinematics = core::make_finger_exoskeleton({});
+    config.device = device_.info().limits;
+    config.scene.stiffness = core::VecA::Constant(1, stiffness);
+    config.scene.damping = core::VecA::Constant(1, kRenderedDamping);
+    config.scene.force_limit = core::VecA::Constant(1, 20.0);
+    config.scene.slew_limit = core::VecA::Constant(1, 2000.0);
+    config.scene.engage_window = core::VecA::Constant(1, 40.0);
+    config.force_control = law.settings;
+    return config;
+  }
+
+  VirtualBoard device_;
+  core::Pipeline pipeline_;
+  core::TickInput input_{};
+  core::DeviceState state_{core::DeviceState::kInit};
+};
+
+/// The worst of every pose of the grid.
+struct Worst {
+  int poses{0}, engaged{0};
+  double force{0.0}, ripple{0.0}, travel{0.0};
+};
+
+Worst over_the_workspace(const Law& law, double stiffness) {
+  Worst worst;
+  for (double mcp = 0.2; mcp < 1.25; mcp += 0.3) {
+    for (double pip = 0.2; pip < 1.45; pip += 0.4) {
+      const core::VecX pose = (core::VecX(2) << mcp, pip).finished();
+      core::VecQ q;
+      if (core::make_finger_exoskeleton({})->inverse(pose, q) != core::InverseStatus::kExact) {
+        continue;
+      }
+      const Rest rest = Press(law, stiffness, pose).rest();
+      ++worst.poses;
+      worst.engaged += rest.engaged ? 1 : 0;
+      worst.force = std::max(worst.force, std::abs(rest.force));
+      worst.ripple = std::max(worst.ripple, rest.ripple);
+      worst.travel = std::max(worst.travel, rest.travel);
+    }
+  }
+  std::printf("%-13s at %.0f N/m, %d poses: up to %.1f N; still moving by %.2f N and %.0f um\n",
+              law.name, stiffness, worst.poses, worst.force, worst.ripple, 1e6 * worst.travel);
+  return worst;
+}
+
+const Law kLaws[] = {
+    {"server {}", BoardControl::kDrive, {{{20.0, 100.0, 15.0, 2.0, 50.0}}, {}}},
+    {"admittance {}", BoardControl::kPosition, {{}, {{0.0, 150.0, 0.03, 0.0, 0.05}}}}};
+
+TEST(DoctorsCap, IsStableOverTheWorkspaceWithForceControlInTheServer) {
+  const double stiffness = allowed_stiffness();
+  // METHOD 5.1: 2 (b - B) / T and (b + B) / (T / 2), with b = 0.5, B = 0, T = 1 ms.
+  ASSERT_NEAR(stiffness, 1000.0, 1e-6);
+  for (const Law& law : kLaws) {
+    const Worst worst = over_the_workspace(law, stiffness);
+    EXPECT_GE(worst.poses, 12);
+    EXPECT_EQ(worst.engaged, worst.poses);
+    EXPECT_GT(worst.force, 2.0) << "there was something to hold";
+    EXPECT_LT(worst.ripple, 0.3);
+    EXPECT_LT(worst.travel, 5e-5);
+  }
+}
+
+/// The control: four times that is too stiff, and the test above would say so.
+TEST(DoctorsCap, FourTimesThatDoesNotComeToRest) {
+  for (const Law& law : kLaws) {
+    EXPECT_GT(over_the_workspace(law, 4.0 * allowed_stiffness()).ripple, 2.0);
+  }
+}
+
+}  // namespace
+}  // namespace haptic::ctl

@@ -1,0 +1,111 @@
+// Force control by the server over the board's link (hw/README.md, "Who closes the loop on the force?"):
+// a step of the reference, the true force between rod and a finger that its hand holds, which is soft: the
+// rod must travel for the force to change, and what slows it is the drive's own friction and speed. Virtual time.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "haptic/core/control/force_control.hpp"
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "hw/emulator/force_step.hpp"
+#include "hw/emulator/virtual_board.hpp"
+
+namespace haptic::hw::emulator {
+namespace {
+
+struct Law {
+  const char* name;
+  BoardControl control;
+  core::ForceControlSettings settings;
+  double slowest;  ///< Hz: its bandwidth is above, everywhere
+};
+
+Law force_loop() {
+  return {"server {}", BoardControl::kDrive, {{{20.0, 100.0, 15.0, 2.0, 50.0}}, {}}, 0.4};
+}
+Law admittance() {
+  return {"admittance {}", BoardControl::kPosition, {{}, {{0.0, 150.0, 0.03, 0.0, 0.05}}}, 1.0};
+}
+
+/// The board under a law of the server's, one tick per millisecond.
+class Loop {
+ public:
+  Loop(const Law& law, const Eigen::Vector2d& pose)
+      : device_(emulator_config(law), {Eigen::Vector2d::Zero(), pose}, board_config(),
+                core::make_finger_exoskeleton({})),
+        law_(law.settings, 1) {}
+
+  /// The true force after the tick, N.
+  double tick(double reference) {
+    now_ += std::chrono::milliseconds(1);
+    device_.read(now_, reading_);
+    if (reading_.armed) {
+      law_.step(core::VecA::Constant(1, reference), reading_.sample.tau_measured, 1e-3);
+    } else if (reading_.sample.q.size() == 2) {
+      law_.rest(reading_.sample.q.head(1));
+    }
+    device_.write(now_, {true, law_.drive().size() > 0 ? law_.drive() : core::VecA::Zero(1),
+                         law_.position()});
+    return device_.board().rig().actuator().force();
+  }
+
+ private:
+  static EmulatorConfig emulator_config(const Law& law) {
+    EmulatorConfig config;
+    config.control = law.control;
+    return config;
+  }
+  static BoardConfig board_config() {
+    BoardConfig config;
+    config.max_effort = core::VecA::Constant(1, 50.0);  // what the L16 lifts
+    return config;
+  }
+
+  VirtualBoard device_;
+  core::ForceControl law_;
+  core::DeviceReading reading_{};
+  core::TimePoint now_{};
+};
+
+ForceStep measure(const Law& law, const Eigen::Vector2d& pose, double from, double to) {
+  constexpr int kSettle = 3000, kLast = 1000;
+  Loop loop(law, pose);
+  for (int i = 0; i < kSettle; ++i) static_cast<void>(loop.tick(from));
+  ForceStep step;
+  step.settled = true;
+  double at_10 = -1.0, at_90 = -1.0, peak = 0.0;
+  for (int i = 1; i <= kSettle; ++i) {
+    const double share = (loop.tick(to) - from) / (to - from);
+    if (at_10 < 0.0 && share >= 0.1) at_10 = 1e-3 * i;
+    if (at_90 < 0.0 && share >= 0.9) at_90 = 1e-3 * i;
+    peak = std::max(peak, share);
+    if (i > kSettle - kLast && std::abs(share - 1.0) > 0.05) step.settled = false;
+  }
+  step.rise = at_90 < 0.0 ? 0.0 : std::max(at_90 - at_10, 1e-3);
+  step.bandwidth = at_90 < 0.0 ? 0.0 : 0.35 / step.rise;
+  step.overshoot = std::max(0.0, peak - 1.0);
+  return step;
+}
+
+TEST(ServerForce, AStepSettlesOverTheWorkspace) {
+  for (const Law& law : {force_loop(), admittance()}) {
+    for (const Eigen::Vector2d& pose :
+         {Eigen::Vector2d(0.3, 0.3), Eigen::Vector2d(0.6, 0.8), Eigen::Vector2d(1.0, 1.2)}) {
+      for (const double to : {-6.0, 6.0}) {
+        const ForceStep step = measure(law, pose, to / 3.0, to);
+        std::printf(
+            "%-13s at (%.1f, %.1f) rad, %2.0f to %2.0f N: rise %3.0f ms, bandwidth %5.1f Hz,"
+            " overshoot %2.0f %%%s\n",
+            law.name, pose[0], pose[1], to / 3.0, to, 1e3 * step.rise, step.bandwidth,
+            100.0 * step.overshoot, step.settled ? "" : ", not settled");
+        EXPECT_TRUE(step.settled);
+        EXPECT_GT(step.bandwidth, law.slowest);
+        EXPECT_LT(step.overshoot, 0.1);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace haptic::hw::emulator

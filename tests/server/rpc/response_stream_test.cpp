@@ -1,0 +1,161 @@
+// When a stream's status may leave: after everything that the session held was given up, and once.
+// gRPC is played by hand, so that a write completes exactly where a test wants it to.
+#include "server/rpc/response_stream.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "tests/server/support/device_rig.hpp"
+
+namespace haptic::test {
+namespace {
+
+using server::DeviceSessions;
+
+/// What ResponseStream needs of a gRPC reactor. As gRPC may, it is done before Finish() returns.
+class HandDrivenReactor {
+ public:
+  virtual ~HandDrivenReactor() = default;
+  virtual void OnCancel() {}
+  virtual void OnWriteDone(bool ok) = 0;
+  virtual void OnDone() = 0;
+
+  void StartWrite(const grpc::ByteBuffer* /*message*/) { ++writes; }
+  void Finish(const grpc::Status& status) {
+    ++finishes;
+    last_status = status;
+    if (on_finish) on_finish();
+    OnDone();
+  }
+
+  std::function<void()> on_finish;
+  int writes{0};
+  int finishes{0};
+  grpc::Status last_status;
+};
+
+class HandDrivenStream final : public server::ResponseStream<HandDrivenReactor> {
+ public:
+  using ResponseStream::end;
+  using ResponseStream::Ending;
+  using ResponseStream::ResponseStream;
+
+  /// Holds what an open session holds: `id`, a place in the broadcast, and the lease by that id.
+  void open(const server::ServiceContext::Target& target, const std::string& id,
+            std::uint32_t grant) {
+    keep_alive();
+    target_ = target;
+    id_ = id;
+    target.broadcaster->add(shared_from_this(), grant);
+  }
+  void begin_write() {
+    const std::lock_guard lock(mutex_);
+    write({});
+  }
+  bool offer(const core::TickRecord&, server::StateFrame&, bool) override {
+    ++offered;
+    return false;
+  }
+  int offered{0};
+
+ private:
+  void flush() override {}
+};
+
+class ResponseStreamTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    id = *context.registry.admit(server::SessionRegistry::Kind::kSession, *rig.sessions).value;
+    stream = std::make_shared<HandDrivenStream>(context);
+    const server::Lease lease = rig.control(id);
+    stream->open(*context.device("").value, id, lease.grant);
+    stream->on_finish = [this] { look(); };
+    rig.tick();
+    ASSERT_EQ(stream->offered, 1) << "it has no place in the broadcast";
+    ASSERT_TRUE(rig.sessions->holds_lease(id));
+  }
+
+  /// What is still held when the status leaves.
+  void look() {
+    lease_at_finish = rig.sessions->holds_lease(id);
+    id_at_finish = context.registry.find(id) != nullptr;
+    const int before = stream->offered;
+    rig.tick();
+    place_at_finish = stream->offered > before;
+  }
+  /// `act` is called in the middle of giving up: when the lease is gone, and the rest is not.
+  void while_giving_up(std::function<void()> act) {
+    rig.sessions->engage(id, [this, act = std::move(act)](const server::Outcome<server::Done>&) {
+      ++interleaved;
+      act();
+    });
+  }
+  void end_while_a_write_completes(bool ok) {
+    stream->begin_write();
+    while_giving_up([this, ok] {
+      stream->OnWriteDone(ok);
+      EXPECT_EQ(stream->finishes, 0) << "the client would hear of the end too early";
+    });
+    stream->end({grpc::StatusCode::UNAVAILABLE, "the first end's"});
+    EXPECT_EQ(interleaved, 1) << "nothing was interleaved: this test proves nothing";
+    expect_everything_was_given_up_first();
+    EXPECT_EQ(stream->last_status.error_message(), "the first end's");
+  }
+  void expect_everything_was_given_up_first() {
+    EXPECT_EQ(stream->finishes, 1);
+    EXPECT_FALSE(lease_at_finish);
+    EXPECT_FALSE(place_at_finish);
+    EXPECT_FALSE(id_at_finish);
+  }
+
+  DeviceRig rig;
+  server::ServiceContext context{
+      {}, {rig.sessions.get()}, *rig.telemetry, [] { return server::ServerFacts{}; }};
+  std::string id;
+  std::shared_ptr<HandDrivenStream> stream;
+  bool lease_at_finish{true}, place_at_finish{true}, id_at_finish{true};
+  int interleaved{0};
+};
+
+TEST_F(ResponseStreamTest, WithNoWriteUnderWayTheEndFinishes) {
+  stream->end(grpc::Status::OK);
+  expect_everything_was_given_up_first();
+}
+
+TEST_F(ResponseStreamTest, AWriteUnderWayIsWaitedFor) {
+  stream->begin_write();
+  stream->end(grpc::Status::OK);
+  EXPECT_EQ(stream->finishes, 0) << "gRPC allows no Finish beside a write";
+  EXPECT_EQ(context.registry.find(id), nullptr) << "what was held does not wait for a slow client";
+  stream->OnWriteDone(true);
+  expect_everything_was_given_up_first();
+}
+
+TEST_F(ResponseStreamTest, AWriteThatCompletesWhileThingsAreGivenUpDoesNotOvertakeThem) {
+  end_while_a_write_completes(true);
+}
+
+TEST_F(ResponseStreamTest, NorDoesOneThatFailsMeanwhile) {
+  end_while_a_write_completes(false);
+}
+
+TEST_F(ResponseStreamTest, ASecondEndMeanwhileChangesNothing) {
+  stream->begin_write();
+  while_giving_up([this] { stream->OnCancel(); });
+  stream->end({grpc::StatusCode::UNAVAILABLE, "the first end's"});
+  EXPECT_EQ(interleaved, 1);
+  stream->OnWriteDone(true);
+  expect_everything_was_given_up_first();
+  EXPECT_EQ(stream->last_status.error_message(), "the first end's");
+}
+
+TEST_F(ResponseStreamTest, AWriteThatFailsEndsTheStream) {
+  stream->begin_write();
+  stream->OnWriteDone(false);
+  expect_everything_was_given_up_first();
+  EXPECT_EQ(stream->last_status.error_code(), grpc::StatusCode::CANCELLED);
+}
+
+}  // namespace
+}  // namespace haptic::test

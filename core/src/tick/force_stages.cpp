@@ -28,9 +28,9 @@ bool Pipeline::Stages::withheld(TickRecord& record) noexcept {
   return true;
 }
 
-/// METHOD 5.3's spring, but as stiff as it can be felt: the same force from a stiffer spring with a
-/// nearer anchor. Any such choice keeps the book exact; with Z_q itself a baseline that displays three
-/// times as much is throttled in a plain press, for energy that the user did put in.
+/// METHOD 5.3's spring, but as stiff as it can be felt: the same force from a stiffer spring with
+/// a nearer anchor. Any such choice keeps the book exact; with Z_q itself a baseline that displays
+/// three times as much is throttled in a plain press, for energy that the user did put in.
 void Pipeline::Stages::displayed() noexcept {
   renderer_.displayed_bound({q_, map_.x_probe(), map_.J()}, dx_, settings_.stiffness, displayed_);
   const VecA& damping = config_.passivity.device_damping;

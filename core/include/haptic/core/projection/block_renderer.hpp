@@ -33,8 +33,8 @@ class BlockRenderer {
   [[nodiscard]] BlockSet reads_J(BlockSet displaced) const noexcept;
   /// What the energy tank's spring is made of (METHOD 5.3), n_a: how many times Z_q the displayed
   /// stiffness can be at this pose with the proxy held, at least 1. Eq. (6) and (8) display Z_q, 1.
-  /// Eq. (1) displays J_a^T Z_x J_a on its actuators (Eq. (2)) and Eq. (4) at most that, which their
-  /// single scale of Z_x lets be several times Z_q: METHOD's 1/2 tau^T Z_q^{-1} tau then books more
+  /// Eq. (1) displays J_a^T Z_x J_a on its actuators (Eq. (2)) and Eq. (4) at most that, which
+  /// their single scale of Z_x lets be several times Z_q: METHOD's 1/2 tau^T Z_q^{-1} tau then books more
   /// than anybody put in. Of several actuators in a block the trace of Z_q^{-1} J_a^T Z_x J_a stands
   /// for its largest eigenvalue. Idle blocks: 1. Never allocates.
   void displayed_bound(const Probe& probe, const VecX& dx, const VecA& stiffness,

@@ -7,6 +7,7 @@
 #         build       what compiles them
 #         test        what tests/run.sh and server/demo.sh need besides
 #         report      what draws figures, and the peers in them
+#         bench       the peer of tests/bench/network.sh
 #         firmware    the board's side
 #         containers  building and running images
 # Only what is missing is installed; with everything in place this is a no-op that needs neither
@@ -27,12 +28,13 @@ packages() {
                 "liborocos-kdl-dev clang python3-grpcio python3-protobuf python3-cryptography tshark openssl" \
                 "prometheus systemd" ;;
     report) echo "gnuplot-nox liblapack-dev libceres-dev libcminpack-dev" ;;
+    bench) echo "nodejs npm" ;;
     firmware) echo "gcc-arm-none-eabi" ;;
     # An engine that needs neither daemon nor registry. Where Docker runs, docker/test.sh takes that.
     containers) echo "podman podman-compose runc netavark aardvark-dns iptables debootstrap" \
                      "dpkg-dev python3" ;;
     *)
-      echo "install-deps.sh: no group '$1' (groups: runtime build test report firmware containers)" >&2
+      echo "install-deps.sh: no group '$1' (groups: runtime build test report bench firmware containers)" >&2
       return 2
       ;;
   esac

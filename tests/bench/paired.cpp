@@ -38,13 +38,23 @@ const char* verdict(const Row& row) {
 
 Row compare(const std::string& what, const std::string& against, const std::string& unit,
             const Block& ours, const Block& theirs, double target, int blocks) {
-  Row row{what, against, unit};
+  const auto as_list = [](const Block& block) {
+    return [&block] { return std::vector<double>{block()}; };
+  };
+  Row row = compare_all({what}, against, unit, as_list(ours), as_list(theirs), blocks).front();
   row.target = target;
-  std::vector<double> a, b, ratios, a_a;
+  return row;
+}
+
+std::vector<Row> compare_all(const std::vector<std::string>& what, const std::string& against,
+                             const std::string& unit, const Blocks& ours, const Blocks& theirs,
+                             int blocks) {
+  using Values = std::vector<double>;
   static_cast<void>(ours());  // warm-up, not counted
   static_cast<void>(theirs());
+  std::vector<Values> a(what.size()), b(what.size()), ratios(what.size()), a_a(what.size());
   for (int i = 0; i < blocks; ++i) {
-    double mine = 0.0, first = 0.0, second = 0.0;
+    Values mine, first, second;
     if (i % 2 == 0) {
       mine = ours();
       first = theirs();
@@ -54,16 +64,24 @@ Row compare(const std::string& what, const std::string& against, const std::stri
       first = theirs();
       mine = ours();
     }
-    a.push_back(mine);
-    b.push_back(first);
-    ratios.push_back(mine / first);
-    a_a.push_back(second / first);
+    for (std::size_t k = 0; k < what.size(); ++k) {
+      a[k].push_back(mine.at(k));
+      b[k].push_back(first.at(k));
+      ratios[k].push_back(mine.at(k) / first.at(k));
+      a_a[k].push_back(second.at(k) / first.at(k));
+    }
   }
-  row.ours = median(a);
-  row.theirs = median(b);
-  row.ratio = with_interval(ratios);
-  row.a_a = with_interval(a_a);
-  return row;
+  std::vector<Row> rows;
+  for (std::size_t k = 0; k < what.size(); ++k) {
+    Row row{what[k], against, unit};
+    row.own = with_interval(a[k]);
+    row.ours = row.own.median;
+    row.theirs = median(b[k]);
+    row.ratio = with_interval(ratios[k]);
+    row.a_a = with_interval(a_a[k]);
+    rows.push_back(row);
+  }
+  return rows;
 }
 
 Figure measure(const std::string& what, const std::string& unit, const Block& block, double target,

@@ -21,6 +21,7 @@ struct Row {
   std::string against{};
   std::string unit{};
   double ours{0.0}, theirs{0.0};  ///< medians over the blocks
+  Ratio own{};                    ///< ours by itself, no ratio: median and interval
   Ratio ratio{};                  ///< ours / theirs
   Ratio a_a{};                    ///< theirs / theirs
   double target{0.0};             ///< on the ratio; 0: none
@@ -30,6 +31,14 @@ struct Row {
 [[nodiscard]] Row compare(const std::string& what, const std::string& against,
                           const std::string& unit, const Block& ours, const Block& theirs,
                           double target, int blocks = 24);
+
+/// Several figures of one block, as many in every block.
+using Blocks = std::function<std::vector<double>()>;
+/// The same for each of the figures, `what[i]` the name of the i-th; without targets.
+[[nodiscard]] std::vector<Row> compare_all(const std::vector<std::string>& what,
+                                           const std::string& against, const std::string& unit,
+                                           const Blocks& ours, const Blocks& theirs,
+                                           int blocks = 24);
 
 /// A figure without a peer: median over blocks with its interval.
 struct Figure {

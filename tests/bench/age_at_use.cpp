@@ -1,0 +1,134 @@
+#include <cstdio>
+#include <stdexcept>
+#include <thread>
+
+#include "haptic/client/client.hpp"
+#include "tests/bench/network.hpp"
+#include "tests/bench/paired.hpp"
+#include "tests/bench/product.hpp"
+#include "tests/relay/relay.hpp"
+
+namespace haptic::bench {
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kRate = 100.0;  ///< Hz
+constexpr milliseconds kPeriod{10}, kSettling{500}, kMeasured{2000};
+/// WIRE's target for UDP: the delay and three periods.
+constexpr double kTargetUs = 10'000.0 + 3 * 10'000.0;
+constexpr double kLossUpToWhichItHolds = 0.10;
+
+/// The relay's link in block `block`: the scenario's trouble, its dice thrown anew.
+test::RelaySetup setup(const test::Scenario& scenario, int block, std::uint16_t tcp,
+                       std::uint16_t udp) {
+  test::RelaySetup relay;
+  relay.scenario = scenario;
+  relay.scenario.seed += 1000U * static_cast<std::uint64_t>(block);
+  relay.tcp_port = tcp;
+  relay.udp_port = udp;
+  return relay;
+}
+
+std::uint16_t port_of(const std::string& address) {
+  return static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
+}
+
+/// Waits until samples go by the carrier that is to be measured.
+void settle(const client::Session& session, bool by_udp) {
+  const auto give_up = Clock::now() + std::chrono::seconds(20);
+  const auto ready = [&] {
+    const auto link = session.udp_link();
+    return !by_udp || (link && link->in_use);
+  };
+  while (!ready()) {
+    if (Clock::now() > give_up) throw std::runtime_error("the UDP path never came into use");
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+}
+
+/// Age in us of what each tick used, from publish() on, in one block.
+std::vector<double> ages(Product& product, const test::RelaySetup& trouble, bool by_udp) {
+  const test::Relay relay(trouble);
+  client::Connection connection("127.0.0.2:" + std::to_string(trouble.tcp_port));
+  client::SessionOptions options;
+  options.client_name = "bench";
+  options.nominal_rate_hz = kRate;
+  options.carriers = by_udp ? client::Carriers::kUdpOnly : client::Carriers::kGrpcOnly;
+  const auto session = connection.open(options);
+  settle(*session, by_udp);
+  {
+    const std::lock_guard lock(product.arrivals.mutex);
+    product.arrivals.used.clear();
+    product.arrivals.keep_used = true;
+  }
+  std::vector<std::int64_t> published;
+  const auto begin = Clock::now() + kSettling;
+  for (auto next = Clock::now(); next < begin + kMeasured; next += kPeriod) {
+    std::this_thread::sleep_until(next);
+    published.push_back(now_ns());
+    session->publish(client::Proxy::held({0.4, 0.5}));
+  }
+  session->close();
+  std::vector<double> answer;
+  const std::lock_guard lock(product.arrivals.mutex);
+  for (const auto& [seq, at] : product.arrivals.used) {
+    if (at < begin.time_since_epoch().count() || seq == 0 || seq > published.size()) continue;
+    answer.push_back(static_cast<double>(at - published[seq - 1]) * 1e-3);
+  }
+  // A path that was down all the time: what a tick would have used is as old as the block, at least.
+  if (answer.empty()) answer.push_back(core::seconds(kSettling + kMeasured) * 1e6);
+  product.arrivals.keep_used = false;
+  product.arrivals.born.clear();
+  product.arrivals.ages_us.clear();
+  return answer;
+}
+
+std::vector<double> peer_block(const WebSocketPeer& peer, const test::RelaySetup& trouble) {
+  const test::Relay relay(trouble);
+  const std::string command = peer.client + " ws://127.0.0.2:" + std::to_string(peer.port) + " " +
+                              std::to_string(core::seconds(kMeasured)) + " " +
+                              std::to_string(kRate);
+  std::FILE* output = ::popen(command.c_str(), "r");
+  if (output == nullptr) throw std::runtime_error("cannot run: " + command);
+  double p50 = 0.0, p99 = 0.0;
+  const int read = std::fscanf(output, "%lf %lf", &p50, &p99);
+  if (::pclose(output) != 0 || read != 2 || p50 <= 0.0) {
+    throw std::runtime_error("no figures from: " + command);
+  }
+  return {p50, p99};
+}
+
+void one_loss(Product& product, const WebSocketPeer& peer, const test::Scenario& scenario,
+              bool by_udp, int blocks) {
+  int block = 0;
+  const auto ours = [&] {
+    const auto values = ages(
+        product, setup(scenario, ++block, port_of(product.address()), product.udp_port()), by_udp);
+    return std::vector<double>{percentile(values, 0.5), percentile(values, 0.99)};
+  };
+  const auto theirs = [&] { return peer_block(peer, setup(scenario, ++block, peer.port, 0)); };
+  char what[80];
+  std::snprintf(what, sizeof what, "proxy age at use by %s 10 ms %g %% loss",
+                by_udp ? "UDP" : "gRPC", scenario.up.loss * 100.0);
+  const std::string name = what;
+  const auto rows =
+      compare_all({name + " p50", name + " p99"}, "WebSocket and JSON", "us", ours, theirs, blocks);
+  for (const Row& row : rows) print(row);
+  const double target = by_udp && scenario.up.loss <= kLossUpToWhichItHolds ? kTargetUs : 0.0;
+  print(Figure{name + " p99", "us", rows.back().own, target});
+}
+
+}  // namespace
+
+void age_at_use(const WebSocketPeer& peer, int blocks) {
+  const std::string folder = HAPTIC_SOURCE_DIR "/tests/relay/scenarios/";
+  Product product({"127.0.0.1:0"}, "127.0.0.1:0");
+  for (const char* file : {"delay_10ms", "loss_01", "loss_05", "loss_10"}) {
+    const test::Scenario scenario = test::read_scenario(folder + file + ".textproto");
+    for (const bool by_udp : {true, false}) one_loss(product, peer, scenario, by_udp, blocks);
+  }
+}
+
+}  // namespace haptic::bench

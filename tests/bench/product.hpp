@@ -1,0 +1,115 @@
+#pragma once
+/// The server of hapticd in a benchmark's own process, with a listener at its telemetry. All
+/// clocks are this host's one steady clock.
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "server/rpc/rpc_server.hpp"
+#include "server/rt/loop.hpp"
+#include "server/scene/scene.hpp"
+#include "server/session/device_sessions.hpp"
+
+namespace haptic::bench {
+
+inline double percentile(std::vector<double> values, double p) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1,
+                         static_cast<std::size_t>(p * static_cast<double>(values.size())))];
+}
+inline std::int64_t now_ns() {
+  return std::chrono::steady_clock::now().time_since_epoch().count();
+}
+
+/// Arrival of each sample at the mailbox, its age in every tick, and, where wanted, which one each
+/// tick used.
+class Arrivals final : public server::RecordListener {
+ public:
+  void on_record(const core::TickRecord& record) override {
+    const std::lock_guard lock(mutex);
+    const core::ProxySnapshot& proxy = record.input.proxy;
+    if (proxy.seq != last_) born.emplace_back(proxy.seq, proxy.born.time_since_epoch().count());
+    last_ = proxy.seq;
+    ages_us.push_back(core::seconds(record.proxy_age) * 1e6);
+    if (keep_used && record.proxy_mode != core::ProxyMode::kNone) {
+      used.emplace_back(record.proxy_seq, record.input.now.time_since_epoch().count());
+    }
+    skipped += record.input.loop.skipped;
+  }
+  std::mutex mutex;
+  std::vector<std::pair<std::uint64_t, std::int64_t>> born{};
+  std::vector<double> ages_us{};
+  bool keep_used{false};
+  std::vector<std::pair<std::uint64_t, std::int64_t>> used{};  ///< seq, time of the tick in ns
+  std::uint64_t skipped{0};
+
+ private:
+  std::uint64_t last_{0};
+};
+
+/// The server of hapticd, in this process, with our listener at its telemetry.
+class Product {
+ public:
+  /// Serves at `listen`, and UDP at `udp_listen` (empty: none).
+  explicit Product(std::vector<std::string> listen = {"127.0.0.1:0"}, std::string udp_listen = {})
+      : scene_(server::load_scene(HAPTIC_SOURCE_DIR "/server/scenes/finger_constant.textproto")),
+        unit_(make_unit(scene_)),
+        telemetry_({unit_.get()}),
+        sessions_(*unit_, telemetry_, 0, {}),
+        rpc_(config(std::move(listen), std::move(udp_listen)), {&sessions_}, telemetry_,
+             [] { return server::ServerFacts{}; }),
+        loop_(server::RealtimeRequest{}, std::chrono::milliseconds(1)) {
+    telemetry_.allow_watching(loop_.grant().facts.sched_fifo &&
+                              std::thread::hardware_concurrency() > 1);
+    telemetry_.add(0, &arrivals);
+    telemetry_.start();
+    rpc_.start();
+    loop_.begin({unit_.get()}, telemetry_);
+  }
+  ~Product() {
+    sessions_.begin_closing();
+    loop_.finish(std::chrono::seconds(1));
+    rpc_.shutdown(std::chrono::seconds(1));
+    telemetry_.stop();
+  }
+  [[nodiscard]] std::string address(std::size_t i = 0) const {
+    return rpc_.bound_addresses().at(i);
+  }
+  [[nodiscard]] std::uint16_t udp_port() const { return rpc_.udp_port(); }
+
+  Arrivals arrivals;
+
+ private:
+  static server::RpcConfig config(std::vector<std::string> listen, std::string udp_listen) {
+    server::RpcConfig config;
+    config.listen = std::move(listen);
+    config.udp_listen = std::move(udp_listen);
+    return config;
+  }
+  static std::unique_ptr<server::DeviceUnit> make_unit(const server::Scene& scene) {
+    const server::DeviceScene& device = scene.devices.front();
+    auto opened = hw::open_device(device.source, device.kinematics);
+    core::PipelineConfig config;
+    config.kinematics = device.kinematics;
+    config.device = opened->info().limits;
+    config.scene = device.settings;
+    config.late_bucket_full = 1'000'000;
+    config.loop_late_fault = std::chrono::seconds(5);
+    return std::make_unique<server::DeviceUnit>(device.name, std::move(opened), config);
+  }
+  server::Scene scene_;
+  std::unique_ptr<server::DeviceUnit> unit_;
+  server::Telemetry telemetry_;
+  server::DeviceSessions sessions_;
+  server::RpcServer rpc_;
+  server::Loop loop_;
+};
+
+}  // namespace haptic::bench

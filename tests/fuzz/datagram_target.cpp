@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 
 #include "haptic/v1/session.pb.h"
@@ -112,8 +113,9 @@ void append(FuzzBytes& input, Step what, const FuzzBytes& bytes) {
 }
 
 FuzzBytes typed(wire::DatagramType type, const std::string& payload) {
-  FuzzBytes bytes{static_cast<std::uint8_t>(type)};
-  bytes.insert(bytes.end(), payload.begin(), payload.end());
+  FuzzBytes bytes(1 + payload.size());
+  bytes.front() = static_cast<std::uint8_t>(type);
+  std::copy(payload.begin(), payload.end(), bytes.begin() + 1);
   return bytes;
 }
 

@@ -3,8 +3,8 @@
 namespace haptic::ctl {
 
 client::Connection connect(const Options& options) {
-  if (options.tls) return client::Connection(options.server, options.tls_options);
-  return client::Connection(options.server);
+  return options.tls ? client::Connection(options.server, options.tls_options)
+                     : client::Connection(options.server);
 }
 
 std::vector<client::DeviceInfo> meant(client::Connection& server, const std::string& name) {

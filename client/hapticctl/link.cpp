@@ -77,6 +77,7 @@ std::string text(const Time& time) {
 
 std::string text(const std::vector<client::Rejected>& rejected) {
   std::vector<std::string> entries;
+  entries.reserve(rejected.size());
   for (const client::Rejected& entry : rejected) {
     entries.push_back(entry.reason + " " + std::to_string(entry.count));
   }

@@ -63,6 +63,7 @@ std::vector<Plane> derive_planes(const std::vector<VirtualCoordinate>& coordinat
     found.resize(kMaxPlanes);
   }
   std::vector<Plane> planes;
+  planes.reserve(found.size());
   for (Candidate& candidate : found) planes.push_back(std::move(candidate.plane));
   return planes;
 }

@@ -37,8 +37,9 @@ std::vector<std::string> HostFiles::entries(const std::string& folder,
   std::vector<std::string> found;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(under_root(folder), error)) {
-    const std::string name = entry.path().filename().string();
-    if (name.rfind(prefix, 0) == 0) found.push_back(folder + "/" + name);
+    const std::filesystem::path name = entry.path().filename();
+    if (name.string().rfind(prefix, 0) == 0)
+      found.push_back((std::filesystem::path(folder) / name).string());
   }
   std::sort(found.begin(), found.end());
   return found;

@@ -114,7 +114,7 @@ ProjectionModel ProjectionModel::part(const MapBlock& block) const {
     settings.prior->sensed_stiffness =
         settings_.prior->sensed_stiffness.segment(first_n, block.kinematics->layout().n_n());
   }
-  return ProjectionModel(*block.kinematics, std::move(settings));
+  return {*block.kinematics, std::move(settings)};
 }
 
 VecQ ProjectionModel::prior_weight(const VecA& stiffness) const noexcept {

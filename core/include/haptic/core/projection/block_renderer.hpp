@@ -44,7 +44,7 @@ class BlockRenderer {
 
  private:
   struct Part {
-    Part(RendererKind kind, const ProjectionModel& model, const MapBlock& at);
+    Part(RendererKind kind, const ProjectionModel& part, const MapBlock& block);
     void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                  bool proxy_changed) noexcept;
     [[nodiscard]] bool displaced(const VecX& all_dx) const noexcept;

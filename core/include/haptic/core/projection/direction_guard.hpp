@@ -21,7 +21,7 @@ class DirectionGuard {
 
  private:
   struct Part {
-    Part(const Kinematics& kinematics, const MapBlock& at, const TaskMetric& metric);
+    Part(const Kinematics& kinematics, const MapBlock& block, const TaskMetric& of_block);
     TaskMetric metric;
     MapBlock at;
     int n_q, n_a, n_x;

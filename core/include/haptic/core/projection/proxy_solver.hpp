@@ -12,7 +12,8 @@
 
 namespace haptic::core {
 
-class ProxySolver {
+// The identifier is clang's own, in the copy of an array.
+class ProxySolver {  // NOLINT(bugprone-reserved-identifier)
  public:
   static constexpr int kMaxTrials = 8;  ///< of damping, where a Gauss-Newton step fails
 

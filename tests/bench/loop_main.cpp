@@ -38,10 +38,7 @@ class Lateness final : public server::RecordListener {
 std::vector<double> product(const server::Scene& scene) {
   const server::DeviceScene& device = scene.devices.front();
   auto opened = hw::open_device(device.source, device.kinematics);
-  core::PipelineConfig config;
-  config.kinematics = device.kinematics;
-  config.device = opened->info().limits;
-  config.scene = device.settings;
+  const core::PipelineConfig config = server::pipeline_config(device, opened->info().limits);
   server::DeviceUnit unit(device.name, std::move(opened), config);
   server::Telemetry telemetry({&unit});
   Lateness lateness;

@@ -96,10 +96,7 @@ class Product {
   static std::unique_ptr<server::DeviceUnit> make_unit(const server::Scene& scene) {
     const server::DeviceScene& device = scene.devices.front();
     auto opened = hw::open_device(device.source, device.kinematics);
-    core::PipelineConfig config;
-    config.kinematics = device.kinematics;
-    config.device = opened->info().limits;
-    config.scene = device.settings;
+    core::PipelineConfig config = server::pipeline_config(device, opened->info().limits);
     config.late_bucket_full = 1'000'000;
     config.loop_late_fault = std::chrono::seconds(5);
     return std::make_unique<server::DeviceUnit>(device.name, std::move(opened), config);

@@ -20,10 +20,10 @@ memory() {  # resident memory of an idle hapticd, after 5 s and after the rest, 
   local seconds=${MEMORY_SECONDS:-30}
   echo "what,after_s,resident_kb"
   for mode in off try; do
-    local socket
-    socket=$(mktemp -u /var/tmp/haptic-bench-XXXXXX.sock)
+    local folder
+    folder=$(mktemp -d)
     "$bin/server/hapticd" --scene server/scenes/finger_constant.textproto --realtime="$mode" \
-      --listen "unix:$socket" --log-level error &
+      --listen "unix:$folder/socket" --log-level error &
     local id=$!
     for after in 5 "$seconds"; do
       sleep "$([ "$after" = 5 ] && echo 5 || echo $((seconds - 5)))"
@@ -31,6 +31,7 @@ memory() {  # resident memory of an idle hapticd, after 5 s and after the rest, 
     done
     kill -TERM "$id"
     wait "$id"
+    rm -rf "$folder"
   done
 }
 

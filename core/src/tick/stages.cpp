@@ -126,6 +126,13 @@ bool Pipeline::Stages::force_fits(const VecA& force) const noexcept {
   return force.size() == layout_.n_a() && all_finite(force);
 }
 
+const VecQ& Pipeline::Stages::sensed(const VecQ& q) noexcept {
+  if (!tracker_ || q.size() != layout_.n_q()) return q;
+  tracked_ = q;
+  tracker_->place(tracked_);
+  return tracked_;
+}
+
 void Pipeline::Stages::device(const TickInput& input, TickRecord& record) noexcept {
   const DeviceReading& reading = input.device;
   const DeviceLimits& limits = config_.device;
@@ -135,8 +142,7 @@ void Pipeline::Stages::device(const TickInput& input, TickRecord& record) noexce
   fresh_ = false;
   if (tracker_) tracker_->take(input.tracker, input.now, record.tracker);
   if (reading.fresh) {
-    VecQ q = reading.sample.q;
-    if (tracker_ && q.size() == layout_.n_q()) tracker_->place(q);
+    const VecQ& q = sensed(reading.sample.q);
     const VecA& force = reading.sample.tau_measured;
     if (q.size() != layout_.n_q() || !all_finite(q) || !force_fits(force)) {
       causes_.set(Fault::kSampleNotFinite);

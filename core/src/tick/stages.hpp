@@ -33,6 +33,8 @@ class Pipeline::Stages {
   void begin(const TickInput& input, TickRecord& record) noexcept;
   /// A session's settings, held within the scene's.
   void settings(const RenderSettings& wanted) noexcept;
+  /// The device's sample, with the tracker's pose where a client says the palm's; valid for one tick.
+  [[nodiscard]] const VecQ& sensed(const VecQ& q) noexcept;
   /// Step 3: the newest sample in q, or the fault that it is.
   void device(const TickInput& input, TickRecord& record) noexcept;
   /// Step 4, first half: age of the proxy, level and ladder.
@@ -113,6 +115,7 @@ class Pipeline::Stages {
   std::uint64_t stop_id_{0};
 
   VecQ q_{};
+  VecQ tracked_{};  ///< sensed()'s, where there is a tracker
   VecX dx_{};
   VecA dq_a_{};            ///< S (q* - q)
   VecA anchor_{};          ///< S q*, of the tank's spring

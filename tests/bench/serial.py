@@ -3,9 +3,9 @@
 
     serial.py --programs BUILD --root SOURCES [--minutes 10] [--mode streaming|500hz]
 
-haptic-board-emulator on a pseudo-terminal, its user moved by the motion that ships; hapticd on it; the soft grasp as its
-client. Rates and ages are of the time after settling; frames of the whole run, as both ends say when they close: hapticd in
-its log, the emulator on standard error. Judged by serial_verdict.py.
+haptic-board-emulator on a pseudo-terminal, its user moved by the motion that ships; hapticd on it; the soft grasp as
+its client. Rates and ages are of the time after settling; frames of the whole run, as both ends say when they close:
+hapticd in its log, the emulator on standard error. Judged by serial_verdict.py.
 """
 
 import argparse
@@ -92,11 +92,13 @@ def run(programs: pathlib.Path, root: pathlib.Path, link_period_ms: str, seconds
         folder = pathlib.Path(name)
         port, socket, server_log = folder / "board", folder / "socket", folder / "hapticd.log"
         with running([programs / "hw/haptic-board-emulator", "--link", port, "--link-period-ms", link_period_ms,
-                      "--motion", root / "server/scenes/motion/reach_and_grasp.csv"], folder / "board.log"):
+                      "--watchdog-ms", "1000", "--motion", root / "server/scenes/motion/reach_and_grasp.csv"], folder / "board.log"):
             until("the emulator's port", port.exists)
             with running([programs / "server/hapticd", "--scene", root / "server/scenes/finger_soft_grasp.textproto",
                           "--listen", f"unix:{socket}", "--metrics-listen", "127.0.0.1:0",
-                          "--set", f"device[0].board={{ port: \"{port}\" max_effort: 40 }}",
+                          "--set", f"device[0].board={{ port: \"{port}\" max_effort: 40 max_silence {{ nanos: 100000000 }} }}",
+                          # What is judged here is counted, not ended by a fault.
+                          "--set", "loop.late_bucket_full=1000000", "--set", "loop.loop_late_fault={nanos: 500000000}",
                           # As server/demo.sh: what the observer is told of a device.
                           "--set", "device[0].passivity.observer.inertia_kg=0.02",
                           "--set", "device[0].passivity.device_damping_n_s_per_m=0.5"], server_log) as server:
@@ -113,8 +115,8 @@ def run(programs: pathlib.Path, root: pathlib.Path, link_period_ms: str, seconds
                     last = Page(url)
                     if client.poll() is not None:
                         raise Failed("the client ended:\n" + (folder / "grasp.log").read_text())
-        # Both have ended, and said their last word; the board's own count of drops is as hapticd heard it last: once the
-        # port is closed nothing has room any more.
+        # Both have ended, and said their last word; the board's own count of drops is as hapticd heard it last: once
+        # the port is closed nothing has room any more.
         host, board = host_counters(server_log.read_text()), board_counters((folder / "board.log").read_text())
         board["without_room"] = numbers(server_log.read_text().rpartition("link closed")[2])["board_without_room"]
     ages = [(bound, n - before) for (bound, n), (_, before) in zip(last.ages, first.ages)]
@@ -134,7 +136,8 @@ def main() -> int:
         if arguments.mode not in (None, mode):
             continue
         try:
-            judged = verdicts(run(arguments.programs, arguments.root, link_period_ms, 60 * arguments.minutes), target_ms)
+            seconds = 60 * arguments.minutes
+            judged = verdicts(run(arguments.programs, arguments.root, link_period_ms, seconds), target_ms)
         except Failed as error:
             print(f"{mode}: {error}")
             return 1

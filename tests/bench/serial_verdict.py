@@ -1,8 +1,8 @@
 """What a run over a serial link says: rate, age of samples, and where every frame went (WIRE 5).
 
-Frames are counted at both ends. Up, the board numbers what it makes: the numbers that the host missed are `lost`, and each
-must stand in a counter as well, damaged on the way or never sent for want of room. Down, what the host sent must be what the
-board counted, taken or refused.
+Frames are counted at both ends. Up, the board numbers what it makes: the numbers that the host missed are `lost`, and
+each must stand in a counter as well, damaged on the way or never sent for want of room. Down, what the host sent must be
+what the board counted, taken or refused.
 """
 
 from __future__ import annotations

@@ -49,7 +49,7 @@ class EmulatedBoard {
   static constexpr std::uint64_t kSampleUs = 1000;
 
   EmulatedBoard(const EmulatorConfig& config, Intent intent,
-                std::shared_ptr<const core::Kinematics> kinematics);
+                const std::shared_ptr<const core::Kinematics>& kinematics);
   EmulatedBoard(const EmulatedBoard&) = delete;
   EmulatedBoard& operator=(const EmulatedBoard&) = delete;
 

@@ -28,7 +28,8 @@ struct Readings {
 
 class Rig {
  public:
-  static constexpr double kStep = 1e-4;  ///< s
+  static constexpr int kStepUs = 100;             ///< of the physics, us
+  static constexpr double kStep = kStepUs / 1e6;  ///< the same, s
 
   Rig(const ActuatorParameters& actuator, const SensorParameters& sensors, Intent intent,
       std::shared_ptr<const core::Kinematics> kinematics, std::uint64_t seed);

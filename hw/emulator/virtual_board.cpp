@@ -20,7 +20,7 @@ board::Expectation expectation(const BoardConfig& config, const core::Kinematics
 
 VirtualBoard::VirtualBoard(const EmulatorConfig& board, const Intent& intent,
                            const BoardConfig& config,
-                           std::shared_ptr<const core::Kinematics> kinematics)
+                           const std::shared_ptr<const core::Kinematics>& kinematics)
     : board_(board, intent, kinematics),
       host_(expectation(config, *kinematics), board.seed),
       layout_(kinematics->layout()),

@@ -76,7 +76,7 @@ struct GuideRun : ::testing::Test {
   auto at(double l_x, double q_B) {
     return [this, l_x, q_B] { device.q = {l_x, q_B}; };
   }
-  auto through(std::vector<std::vector<double>> places) {
+  auto through(const std::vector<std::vector<double>>& places) {
     return [this, places] { device.passed = places; };
   }
   std::vector<Script::Step> good() {
@@ -155,7 +155,7 @@ TEST_F(GuideRun, TwoPlacesTooNearAreAskedForAgain) {
 TEST_F(GuideRun, ASensorThatDoesNotMoveIsNotCalibrated) {
   std::vector<Script::Step> steps;
   for (int i = 0; i < 2 * Guide::kTries; ++i) {
-    steps.push_back({at(0.02, 0.0), i % 2 == 0 ? "0.0" : "0.05"});
+    steps.emplace_back(at(0.02, 0.0), i % 2 == 0 ? "0.0" : "0.05");
   }
   EXPECT_EQ(why(steps), "l_x: the two places were never far enough apart");
 }

@@ -169,6 +169,8 @@ void BoardDevice::Io::farewell() {
     transmit();
   }
   link_.reset();
+  const std::lock_guard lock(mutex_);
+  counters_ = host_.counters();  // with the farewell itself
 }
 
 }  // namespace haptic::hw

@@ -74,7 +74,8 @@ class EmulatedBoard {
 
   [[nodiscard]] const hb_board& firmware() const noexcept { return board_; }
   [[nodiscard]] const Rig& rig() const noexcept { return rig_; }
-  [[nodiscard]] bool drives() const noexcept { return drives_; }          ///< the bridge is on
+  [[nodiscard]] Rig& rig() noexcept { return rig_; }              ///< what the hand does with it
+  [[nodiscard]] bool drives() const noexcept { return drives_; }  ///< the bridge is on
   [[nodiscard]] double reference() const noexcept { return reference_; }  ///< N
   [[nodiscard]] std::uint64_t now_us() const noexcept { return now_us_; }
 

@@ -37,6 +37,12 @@ class Rig {
   void step() noexcept;  ///< kStep s
   [[nodiscard]] Readings sense() noexcept;
 
+  /// The hand takes the finger (if it had let go) and brings it to `target` (rad, MCP and PIP) within
+  /// Intent::kRise, from where it wants to be now.
+  void take_to(const Eigen::Vector2d& target);
+  /// The hand hangs loose: nothing pushes against the device any more.
+  void let_go() noexcept;
+
   [[nodiscard]] LinearActuator& actuator() noexcept { return actuator_; }
   [[nodiscard]] const LinearActuator& actuator() const noexcept { return actuator_; }
   [[nodiscard]] const FingerPhysics& finger() const noexcept { return finger_; }
@@ -45,6 +51,8 @@ class Rig {
  private:
   SensorParameters sensors_;
   Intent intent_;
+  double intent_since_{0.0};  ///< s
+  bool held_{true};
   FingerPhysics finger_;
   LinearActuator actuator_;
   Gaussian noise_;

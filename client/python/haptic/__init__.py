@@ -22,16 +22,18 @@ from ._types import (
     DeviceState,
     DegreeOfFreedom,
     Event,
+    Pose,
     Proxy,
     SampleCounts,
     ServerInfo,
     Settings,
+    TrackerState,
     held,
     behind,
 )
 
 __all__ = [
     "FREE", "Carriers", "ClientError", "Connection", "Coordinate", "DegreeOfFreedom", "Device",
-    "DeviceState", "Event", "Proxy", "SampleCounts", "ServerInfo", "Session", "Settings", "behind",
-    "held",
+    "DeviceState", "Event", "Pose", "Proxy", "SampleCounts", "ServerInfo", "Session", "Settings",
+    "TrackerState", "behind", "held",
 ]

@@ -13,7 +13,7 @@ namespace {
 template <int M, int N>
 struct Residual {
   using Scalar = double;
-  enum { NUM_RESIDUALS = M, NUM_PARAMETERS = N };
+  enum { NUM_RESIDUALS = M, NUM_PARAMETERS = N };  // NOLINT(readability-identifier-naming): its names
 
   bool operator()(const double* q, double* residual, double* jacobian) const {
     at = Eigen::Map<const Eigen::Matrix<double, N, 1>>(q);

@@ -13,7 +13,8 @@ namespace {
 template <int M, int N>
 struct Residual {
   using Scalar = double;
-  enum { NUM_RESIDUALS = M, NUM_PARAMETERS = N };  // NOLINT(readability-identifier-naming): its names
+  // NOLINTNEXTLINE(readability-identifier-naming): TinySolver's names
+  enum { NUM_RESIDUALS = M, NUM_PARAMETERS = N };
 
   bool operator()(const double* q, double* residual, double* jacobian) const {
     at = Eigen::Map<const Eigen::Matrix<double, N, 1>>(q);

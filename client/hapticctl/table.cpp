@@ -85,6 +85,12 @@ Rows table(const client::DeviceInfo& device, const client::DeviceState& s, doubl
     rows.push_back(text("  %-10s x_probe %9.5f  proxy %9.5f %s", device.coordinates[i].name.c_str(),
                         at(s.x_probe, i), at(s.x, i), device.coordinates[i].unit.c_str()));
   }
+  if (s.certificate) {
+    const bool computed = s.certificate->status == client::CertificateState::Status::kComputed;
+    rows.push_back(computed ? text("  certificate %.3f (block %u)", s.certificate->margin,
+                                   s.certificate->block)
+                            : text("  certificate %s", client::name(s.certificate->status)));
+  }
   rows.push_back(text("  faults %s  limiters %s  conflated %llu",
                       joined(client::fault_names(s.faults)).c_str(),
                       joined(client::limiter_names(s.limiters)).c_str(),
@@ -109,6 +115,16 @@ std::string json_line(const client::DeviceInfo& device, const client::DeviceStat
                  {"scale", s.passivity->scale},
                  {"observed_j", s.passivity->observed},
                  {"alpha_s", s.passivity->alpha}};
+  }
+  nlohmann::json certificate;  // null where the scene does not ask for it
+  if (s.certificate) {
+    certificate = {{"status", client::name(s.certificate->status)},
+                   {"margin", s.certificate->margin},
+                   {"block", s.certificate->block}};
+  }
+  nlohmann::json coupling = nlohmann::json::array();
+  for (const client::CouplingBlock& block : s.coupling_metric) {
+    coupling.push_back({{"coordinates", block.coordinates}, {"lower", block.lower}});
   }
   return nlohmann::json({{"device", device.name},
                          {"seq", s.seq},
@@ -136,6 +152,8 @@ std::string json_line(const client::DeviceInfo& device, const client::DeviceStat
                          {"drive", s.drive},
                          {"active_planes", s.active_planes},
                          {"passivity", passivity},
+                         {"certificate", certificate},
+                         {"coupling_metric", coupling},
                          {"projection", s.projection},
                          {"lease_epoch", s.lease_epoch},
                          {"conflated", conflated}})

@@ -43,6 +43,23 @@ def behind(planes: Sequence[tuple[Sequence[float], float]], position: Sequence[f
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
+class Certificate:
+    """How far the linearised method's force is from pushing along with a motion of the device."""
+
+    status: str  # "COMPUTED", else why there is no margin: "IDLE", "NOT_FULL_RANK", ...
+    margin: float  # 1 where the proxy is at the probe; not above 0: it does
+    block: int  # independent part where the margin is least
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class CouplingBlock:
+    """A metric for a projection of the client's own, of the next `coordinates` of x."""
+
+    coordinates: int
+    lower: tuple[float, ...]  # lower triangle row by row; empty: none here
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
 class DeviceState:
     """The device at one tick."""
 
@@ -64,6 +81,8 @@ class DeviceState:
     faults: int  # bit n: fault n
     limiters: int  # bit n: limiter n
     lease_epoch: int
+    certificate: Certificate | None = None  # where the scene asks for it
+    coupling_metric: tuple[CouplingBlock, ...] = ()  # in the order of x, where the scene has one
 
     @classmethod
     def of(cls, m: wire.DeviceState) -> DeviceState:
@@ -72,7 +91,8 @@ class DeviceState:
                    m.proxy_age_us * 1e-6, _name(wire.StalenessLevel, m.staleness, "STALENESS_LEVEL_"),
                    m.gain, _name(wire.Transport, m.transport, "TRANSPORT_"),
                    _name(wire.DeviceStateName, m.state, "DEVICE_STATE_NAME_"), m.faults, m.limiters,
-                   m.lease_epoch)
+                   m.lease_epoch, _certificate(m),
+                   tuple(CouplingBlock(b.coordinates, tuple(b.lower)) for b in m.coupling_metric))
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -175,6 +195,14 @@ class Settings:
     force_limit: tuple[float, ...]
     slew_limit: tuple[float, ...]
     clamped: tuple[str, ...]
+
+
+def _certificate(m: wire.DeviceState) -> Certificate | None:
+    if not m.HasField("certificate"):
+        return None
+    c = m.certificate
+    return Certificate(_name(wire.CertificateStatus, c.status, "CERTIFICATE_STATUS_"), c.margin,
+                       c.block)
 
 
 def _name(enum_type: type, value: int, prefix: str) -> str:

@@ -32,6 +32,11 @@
 ///   certificate_margin, certificate_block   while COMPUTED, else empty
 ///   lateness_us, skipped     of the loop
 ///
+/// where the scene has a tracker also (its pose itself is the palm's part of q):
+///   tracker_seq              of the pose in use; 0: none came so far
+///   tracker_age_us           of that pose; 0 while there is none
+///   tracker_staleness        FRESH, HOLD, FADE, LOST: of that age
+///
 /// with compare_renderers also, for R in standard, null_space, subspace_linear, subspace_exact:
 ///   tau_R_ACT_FORCE          see renderer_comparison.hpp; nan where f has no value at q
 ///
@@ -58,17 +63,18 @@ namespace haptic::server {
 
 class Recorder final : public RecordListener {
  public:
-  /// `comparison` absent: no columns of the other renderers. Throws SceneError where `file` cannot
+  /// `comparison` absent: no columns of the other renderers. `tracked`: the scene has a tracker. Throws SceneError where `file` cannot
   /// be created (path and the system's reason).
   Recorder(const std::filesystem::path& file, std::shared_ptr<const core::Kinematics> kinematics,
-           std::unique_ptr<RendererComparison> comparison = nullptr);
+           std::unique_ptr<RendererComparison> comparison = nullptr, bool tracked = false);
   /// Writes what is left and closes. The recorder must have been removed from the telemetry.
   ~Recorder() override;
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
   /// The header line, without its newline.
-  [[nodiscard]] static std::string header(const core::Kinematics& kinematics, bool compare);
+  [[nodiscard]] static std::string header(const core::Kinematics& kinematics, bool compare,
+                                          bool tracked = false);
 
   /// Appends a row; never waits for the disk. Where writing fails (disk full) the recording ends
   /// there, with one warning in the log; rows that a slow disk leaves no room for are lost, and
@@ -85,6 +91,7 @@ class Recorder final : public RecordListener {
   const std::filesystem::path path_;
   const std::shared_ptr<const core::Kinematics> kinematics_;
   const std::unique_ptr<RendererComparison> comparison_;
+  const bool tracked_;
   BackgroundFile file_;
   std::string row_;  ///< kept for its capacity
   std::uint64_t rows_{0};

@@ -24,16 +24,18 @@ from ._types import (
     DeviceState,
     DegreeOfFreedom,
     Event,
+    Pose,
     Proxy,
     SampleCounts,
     ServerInfo,
     Settings,
+    TrackerState,
     held,
     behind,
 )
 
 __all__ = [
     "FREE", "Carriers", "Certificate", "ClientError", "Connection", "Coordinate", "CouplingBlock",
-    "DegreeOfFreedom", "Device", "DeviceState", "Event", "Proxy", "SampleCounts", "ServerInfo",
-    "Session", "Settings", "behind", "held",
+    "DegreeOfFreedom", "Device", "DeviceState", "Event", "Pose", "Proxy", "SampleCounts",
+    "ServerInfo", "Session", "Settings", "TrackerState", "behind", "held",
 ]

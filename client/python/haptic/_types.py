@@ -60,6 +60,29 @@ class CouplingBlock:
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
+class Pose:
+    """Where the tracked body is that carries a device, in the world: what a tracker publishes."""
+
+    position: tuple[float, float, float]  # m
+    orientation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)  # unit quaternion x, y, z, w
+    valid_for_s: float = 0.0  # 0: the scene's limit alone
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class TrackerState:
+    """The tracker's pose in use."""
+
+    seq_used: int  # 0: none came so far, the body stands at rest
+    age_s: float  # meaningless while seq_used is 0
+    staleness: str  # of that age: "FRESH", "HOLD", "FADE", "LOST"
+
+    @classmethod
+    def of(cls, m: wire.TrackerState) -> TrackerState:
+        return cls(m.seq_used, m.age_us * 1e-6,
+                   _name(wire.StalenessLevel, m.staleness, "STALENESS_LEVEL_"))
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
 class DeviceState:
     """The device at one tick."""
 
@@ -81,6 +104,9 @@ class DeviceState:
     faults: int  # bit n: fault n
     limiters: int  # bit n: limiter n
     lease_epoch: int
+    tau_measured: tuple[float, ...]  # empty: the device measures no force
+    reading: tuple[float, ...]  # of a sample that was refused; empty: it is q
+    tracker: TrackerState | None  # None: the scene has none
     certificate: Certificate | None = None  # where the scene asks for it
     coupling_metric: tuple[CouplingBlock, ...] = ()  # in the order of x, where the scene has one
 
@@ -91,7 +117,8 @@ class DeviceState:
                    m.proxy_age_us * 1e-6, _name(wire.StalenessLevel, m.staleness, "STALENESS_LEVEL_"),
                    m.gain, _name(wire.Transport, m.transport, "TRANSPORT_"),
                    _name(wire.DeviceStateName, m.state, "DEVICE_STATE_NAME_"), m.faults, m.limiters,
-                   m.lease_epoch, _certificate(m),
+                   m.lease_epoch, tuple(m.tau_measured), tuple(m.reading),
+                   TrackerState.of(m.tracker) if m.HasField("tracker") else None, _certificate(m),
                    tuple(CouplingBlock(b.coordinates, tuple(b.lower)) for b in m.coupling_metric))
 
 
@@ -156,6 +183,10 @@ class Device:
     state: str
     faults: int
     controller: str  # empty: nobody
+    serial: str  # of a board; empty: it has none
+    calibrated: str  # day on which the calibration in use was made; empty: none is
+    wants_tracker: bool  # a session in the role tracker says where its palm is
+    tracker: str  # name of the client that does; empty: nobody
 
     @classmethod
     def of(cls, m: service.Device) -> Device:
@@ -164,7 +195,8 @@ class Device:
         coordinates = (Coordinate(c.name, c.unit, c.kind) for c in m.coordinates)
         return cls(m.name, m.kind, m.model, tuple(dofs), tuple(coordinates), tuple(m.stiffness_limit),
                    tuple(m.damping_limit), tuple(m.force_limit), tuple(m.slew_limit), m.loop_rate_hz,
-                   _name(wire.DeviceStateName, m.state, "DEVICE_STATE_NAME_"), m.faults, m.controller)
+                   _name(wire.DeviceStateName, m.state, "DEVICE_STATE_NAME_"), m.faults, m.controller,
+                   m.serial, m.calibrated, m.wants_tracker, m.tracker)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

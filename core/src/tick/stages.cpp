@@ -43,7 +43,7 @@ Pipeline::Stages::Stages(PipelineConfig config)
       map_(kinematics_),
       renderer_(config_.scene.renderer, model_),
       guard_(model_, config_.scene.stiffness),
-      local_proxy_(kinematics_.space()),
+      local_proxy_(kinematics_.space(), config_.projection.metric),
       rate_(layout_.n_a()),
       late_bucket_(config_.late_bucket_full),
       q_(VecQ::Zero(layout_.n_q())),

@@ -26,11 +26,11 @@ def eventually(condition: Callable[[], bool], seconds: float = 20.0) -> bool:
 class OneServer(unittest.TestCase):
     udp = False
     lease_s = 2
-    changes: tuple[str, ...] = ()
+    settings: tuple[str, ...] = ()
 
     def setUp(self) -> None:
         self.server = Hapticd("finger_constant", udp=self.udp, lease_s=self.lease_s,
-                              changes=self.changes)
+                              settings=self.settings)
         self.addCleanup(self.server.stop)
         self.connection = haptic.Connection(self.server.address)
         self.addCleanup(self.connection.close)
@@ -79,7 +79,7 @@ class WithoutDiagnostics(OneServer):
 
 
 class Diagnostics(OneServer):
-    changes = ("device[0].passivity_certificate={}", "device[0].coupling_metric={softness: 0.1}")
+    settings = ("device[0].passivity_certificate={}", "device[0].coupling_metric={softness: 0.1}")
 
     def test_the_certificate_is_computed_where_the_proxy_is_displaced(self) -> None:
         session = self.open()

@@ -267,17 +267,13 @@ void to_proto(const wire::PathKeys& keys, const UdpPort& port, v1::UdpPath& mess
 
 namespace {
 
-/// As many blocks as core::coupling_blocks() gives, none of them empty.
+/// A coupling metric in which no block is empty.
 std::vector<core::CouplingBlock> full_coupling(const core::PipelineConfig& config) {
-  std::vector<core::CouplingBlock> blocks;
-  const auto add = [&blocks](int n) {
-    blocks.push_back({n, std::vector<double>(static_cast<std::size_t>(n * (n + 1) / 2), 1.0)});
-  };
-  const core::Kinematics& map = *config.kinematics;
-  if (map.blocks().empty() || !config.projection.metric.is_diagonal()) {
-    add(map.space().n_x());
-  } else {
-    for (const core::MapBlock& block : map.blocks()) add(block.kinematics->space().n_x());
+  const core::ProjectionModel model(*config.kinematics, config.projection);
+  std::vector<core::CouplingBlock> blocks = core::coupling_blocks(model, {}, {}, 1.0);
+  for (core::CouplingBlock& block : blocks) {
+    const auto n = static_cast<std::size_t>(block.coordinates);
+    block.lower.assign(n * (n + 1) / 2, 1.0);
   }
   return blocks;
 }

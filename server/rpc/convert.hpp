@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "haptic/core/projection/coupling_metric.hpp"
+#include "haptic/core/analysis/coupling_metric.hpp"
 #include "haptic/core/tick/tick_record.hpp"
 #include "haptic/v1/haptic_service.pb.h"
 #include "haptic/v1/session.pb.h"

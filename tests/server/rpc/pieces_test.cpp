@@ -205,14 +205,17 @@ TEST(LargestState, AHandsMetricFitsADatagramAndAPalmsDoesNot) {
   core::TrackedHandParameters hand;
   for (const char* name : {"index", "middle", "ring", "little"}) {
     hand.fingers.push_back({{name, {}}, {}});
-    hand.outputs.push_back({std::string(name) + "_tip",
-                            name,
-                            core::Phalanx::kMiddle,
-                            core::OutputKind::kPoint,
-                            {{0.03, 0.0, 0.0}, {}}});
+    for (const auto phalanx : {core::Phalanx::kProximal, core::Phalanx::kMiddle}) {
+      hand.outputs.push_back({name + std::to_string(hand.outputs.size()),
+                              name,
+                              phalanx,
+                              core::OutputKind::kPoint,
+                              {{0.03, 0.0, 0.0}, {}}});
+    }
   }
-  config.kinematics = core::make_tracked_hand(hand);  // 12 coordinates in one block: 78 numbers
-  EXPECT_GT(largest_state(config, true), largest_state(config) + 78 * 8);
+  config.kinematics = core::make_tracked_hand(hand);  // 24 coordinates in one block: 300 numbers
+  EXPECT_LE(largest_state(config), wire::kLargestPayload);
+  EXPECT_GT(largest_state(config, true), wire::kLargestPayload);
 }
 
 TEST(Convert, APlanesSamplePointsIntoItsMessage) {

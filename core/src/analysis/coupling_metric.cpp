@@ -1,8 +1,8 @@
-#include "haptic/core/projection/coupling_metric.hpp"
+#include "haptic/core/analysis/coupling_metric.hpp"
 
 #include <cmath>
 
-#include "../analysis/full_column_rank.hpp"
+#include "full_column_rank.hpp"
 
 namespace haptic::core {
 

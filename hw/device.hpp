@@ -10,6 +10,7 @@
 /// One thread, the real-time loop, calls read() and write(); neither blocks, allocates, locks, logs
 /// or throws. Construction and close() belong to the main thread.
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -42,6 +43,13 @@ struct Command {
   core::VecA position{};  ///< n_a, m or rad: where to go, instead of tau_a; size 0: a force
 };
 
+/// Frames on a link since it was opened, by what became of them: one line of its book.
+struct LinkCount {
+  const char* end{""};   ///< who counted: "host", "board"
+  const char* what{""};  ///< "received", "lost", "bad_crc", ...: hw/README.md, "The board device"
+  std::uint64_t frames{0};
+};
+
 class Device {
  public:
   virtual ~Device() = default;
@@ -60,6 +68,10 @@ class Device {
   /// Main thread, after the loop ended: zero force, disarm, release what was opened. May block for
   /// at most 200 ms. Idempotent.
   virtual void close() noexcept = 0;
+
+  /// The book of the link to the device, a moment ago, also after close(); empty where there is none.
+  /// Any thread but the real-time one.
+  [[nodiscard]] virtual std::vector<LinkCount> link_counts() const { return {}; }
 
  protected:
   Device() = default;

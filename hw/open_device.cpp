@@ -25,7 +25,7 @@ std::unique_ptr<Device> open(const ReplayConfig& config, SharedKinematics kinema
   return std::make_unique<Replay>(config, std::move(kinematics));
 }
 
-std::unique_ptr<Device> open(const BoardConfig& config, SharedKinematics kinematics) {
+std::unique_ptr<Device> open(const BoardConfig& config, const SharedKinematics& kinematics) {
   return std::make_unique<BoardDevice>(config, kinematics);
 }
 

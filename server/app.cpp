@@ -33,6 +33,17 @@ std::unique_ptr<RendererComparison> comparison(const RecordScene& record,
                                               device.projection);
 }
 
+/// The last word on a link, when nothing is on its way any more.
+void log_link(const std::string& name, const std::vector<hw::LinkCount>& counts) {
+  if (counts.empty()) return;
+  std::string text;
+  for (const hw::LinkCount& n : counts) {
+    text += text.empty() ? "" : ", ";
+    text += std::string(n.end) + ' ' + n.what + ' ' + std::to_string(n.frames);
+  }
+  spdlog::info("{}: link closed, frames: {}", name, text);
+}
+
 template <typename T>
 std::vector<T*> pointers(const std::vector<std::unique_ptr<T>>& owners) {
   std::vector<T*> answer;
@@ -128,7 +139,8 @@ void App::listen_to_devices() {
     const DeviceScene& device = scene_.devices[i];
     sessions_.push_back(std::make_unique<DeviceSessions>(
         *units_[i], *telemetry_, i,
-        SessionRules{scene_.server.lease_timeout, device.fresh_end, device.tracker_fresh_end}));
+        SessionRules{scene_.server.lease_timeout, device.fresh_end, device.tracker_fresh_end,
+                     device.coupling_softness}));
     DeviceSessions& sessions = *sessions_.back();
     listeners_.push_back(
         std::make_unique<EventLog>(device.name, [&sessions] { return sessions.controller(); }));
@@ -144,7 +156,8 @@ void App::listen_to_devices() {
     const auto file = record_file(scene_, i);
     spdlog::info("{}: recorded in {}", device.name, file.string());
     listeners_.push_back(
-        std::make_unique<Recorder>(file, device.kinematics, comparison(*scene_.record, device)));
+        std::make_unique<Recorder>(file, device.kinematics, comparison(*scene_.record, device),
+                                   units_[i]->config().tracker.has_value()));
     telemetry_->add(i, listeners_.back().get(), ListenerRank::kBackground);
   }
 }
@@ -152,7 +165,10 @@ void App::listen_to_devices() {
 void App::stop() {
   for (const auto& sessions : sessions_) sessions->begin_closing();
   if (loop_) loop_->finish(kLongestRelease);
-  for (const auto& unit : units_) unit->device().close();
+  for (const auto& unit : units_) {
+    unit->device().close();
+    log_link(unit->name(), unit->device().link_counts());
+  }
   metrics_.reset();  // scrapes ask everything below
   if (telemetry_) telemetry_->stop();
   if (rpc_) rpc_->shutdown(kCallsGrace);
@@ -173,7 +189,8 @@ void App::listen_for_scrapes() {
   if (scene_.server.metrics_listen.empty()) return;
   MetricsSources sources;
   for (std::size_t i = 0; i < units_.size(); ++i) {
-    sources.devices.push_back({sessions_[i].get(), tick_metrics_[i], &units_[i]->records});
+    sources.devices.push_back(
+        {sessions_[i].get(), tick_metrics_[i], &units_[i]->records, &units_[i]->device()});
   }
   sources.facts = [this] { return facts(); };
   sources.sessions = [this] { return rpc_->sessions(); };

@@ -109,7 +109,11 @@ if $serial; then
     alive emulator || give_up "the board's emulator did not start" "$folder/emulator.log"
     sleep 0.1
   done
-  settings+=(--set "device[0].board={ port: \"$port\" max_effort: 40 }")
+  settings+=(--set "device[0].board={ port: \"$port\" max_effort: 40 }"
+    # What the observer knows of a simulated finger it must be told of a device: what moves for certain
+    # beyond the load cell, the end of the rod (hw/emulator/rig.cpp).
+    --set device[0].passivity.observer.inertia_kg=0.02
+    --set device[0].passivity.device_damping_n_s_per_m=0.5)
 elif [[ -n $motion ]]; then
   settings+=(--set "device[0].simulated_finger.motion_file=\"$motion\"")
 fi

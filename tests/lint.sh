@@ -19,7 +19,7 @@ tidy() {
   cmake -S . -B build/lint -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
   cmake --build build/lint --target haptic_proto haptic_proto_grpc
   sed -nE 's/^ *"file": "([^"]+)".*/\1/p' build/lint/compile_commands.json | sort -u |
-    grep "^$root/" | grep -v "^$root/build/" |
+    grep "^$root/.*\.cpp$" | grep -v "^$root/build/" |
     xargs -P "$(nproc)" -n 1 clang-tidy -p build/lint --quiet --warnings-as-errors='*'
 }
 

@@ -53,6 +53,8 @@ json to_json(const client::DeviceInfo& device) {
           {"faults", client::fault_names(device.faults)},
           {"controller", device.controller},
           {"observers", device.observers},
+          {"wants_tracker", device.wants_tracker},
+          {"tracker", device.tracker},
           {"loop_rate_hz", device.loop_rate_hz},
           {"dofs", dofs},
           {"coordinates", coordinates},
@@ -82,6 +84,9 @@ void print(const client::DeviceInfo& d) {
   std::printf("  %s, faults %s, controller %s, %u observers, %g Hz\n", client::name(d.state),
               joined(client::fault_names(d.faults)).c_str(),
               d.controller.empty() ? "nobody" : d.controller.c_str(), d.observers, d.loop_rate_hz);
+  if (d.wants_tracker) {
+    std::printf("  palm by a tracker: %s\n", d.tracker.empty() ? "nobody" : d.tracker.c_str());
+  }
   std::printf("  %-12s %-4s %21s  %14s %16s %20s %12s\n", "DoF", "unit", "range",
               "stiffness <=", "damping <=", "force <= (spec)", "slew <=");
   std::size_t a = 0;  // actuated so far

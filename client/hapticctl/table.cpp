@@ -43,6 +43,17 @@ std::string age(const client::DeviceState& s) {
               static_cast<double>(s.proxy_age.count()) * 1e-3);
 }
 
+/// Who says where the palm is, and how old that is; empty where the scene has no tracker.
+std::string tracker(const client::DeviceInfo& device, const client::DeviceState& s) {
+  if (!s.tracker) return {};
+  const std::string who = device.tracker.empty() ? "nobody" : device.tracker;
+  if (s.tracker->seq_used == 0) return "tracker " + who + ", no pose";
+  return text("tracker %s, pose %llu %s, age %.1f ms", who.c_str(),
+              static_cast<unsigned long long>(s.tracker->seq_used),
+              client::name(s.tracker->staleness),
+              static_cast<double>(s.tracker->age.count()) * 1e-3);
+}
+
 double at(const std::vector<double>& values, std::size_t i) {
   return i < values.size() ? values[i] : std::nan("");
 }
@@ -85,6 +96,13 @@ Rows table(const client::DeviceInfo& device, const client::DeviceState& s, doubl
     rows.push_back(text("  %-10s x_probe %9.5f  proxy %9.5f %s", device.coordinates[i].name.c_str(),
                         at(s.x_probe, i), at(s.x, i), device.coordinates[i].unit.c_str()));
   }
+  if (s.tracker) rows.push_back("  " + tracker(device, s));
+  if (s.certificate) {
+    const bool computed = s.certificate->status == client::CertificateState::Status::kComputed;
+    rows.push_back(computed ? text("  certificate %.3f (block %u)", s.certificate->margin,
+                                   s.certificate->block)
+                            : text("  certificate %s", client::name(s.certificate->status)));
+  }
   rows.push_back(text("  faults %s  limiters %s  conflated %llu",
                       joined(client::fault_names(s.faults)).c_str(),
                       joined(client::limiter_names(s.limiters)).c_str(),
@@ -97,6 +115,7 @@ std::string line(const client::DeviceInfo& device, const client::DeviceState& s,
                          client::name(s.state), age(s).c_str(), s.gain);
   for (std::size_t i = 0; i < s.q.size(); ++i) all += text(" q%zu %8.5f", i, s.q[i]);
   for (const double tau : s.tau_a) all += text("  tau_a %7.3f", tau);
+  if (s.tracker) all += "  " + tracker(device, s);
   return all + "  faults " + joined(client::fault_names(s.faults));
 }
 
@@ -109,6 +128,23 @@ std::string json_line(const client::DeviceInfo& device, const client::DeviceStat
                  {"scale", s.passivity->scale},
                  {"observed_j", s.passivity->observed},
                  {"alpha_s", s.passivity->alpha}};
+  }
+  nlohmann::json certificate;  // null where the scene does not ask for it
+  if (s.certificate) {
+    certificate = {{"status", client::name(s.certificate->status)},
+                   {"margin", s.certificate->margin},
+                   {"block", s.certificate->block}};
+  }
+  nlohmann::json coupling = nlohmann::json::array();
+  for (const client::CouplingBlock& block : s.coupling_metric) {
+    coupling.push_back({{"coordinates", block.coordinates}, {"lower", block.lower}});
+  }
+  nlohmann::json palm;  // null where the scene has no tracker
+  if (s.tracker) {
+    palm = {{"holder", device.tracker},
+            {"seq_used", s.tracker->seq_used},
+            {"age_us", s.tracker->age.count()},
+            {"staleness", client::name(s.tracker->staleness)}};
   }
   return nlohmann::json({{"device", device.name},
                          {"seq", s.seq},
@@ -136,6 +172,9 @@ std::string json_line(const client::DeviceInfo& device, const client::DeviceStat
                          {"drive", s.drive},
                          {"active_planes", s.active_planes},
                          {"passivity", passivity},
+                         {"tracker", palm},
+                         {"certificate", certificate},
+                         {"coupling_metric", coupling},
                          {"projection", s.projection},
                          {"lease_epoch", s.lease_epoch},
                          {"conflated", conflated}})

@@ -17,6 +17,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 /// Refreshes faster than this are a flicker to people; --json keeps --rate.
 constexpr double kFastestForPeople = 20.0;
+/// What a state does not carry is asked for this often.
+constexpr auto kFactsEvery = std::chrono::seconds(1);
 
 /// One device: its newest state, kept by the stream's thread for the loop that prints.
 class Watched {
@@ -33,6 +35,14 @@ class Watched {
     if (stream_->running()) return;
     throw stream_->error().value_or(
         client::ClientError(client::ErrorReason::kClosed, "the stream ended"));
+  }
+  [[nodiscard]] bool wants_tracker() const { return device_.wants_tracker; }
+  /// Trackers come and go while a device is watched.
+  void learn(const std::vector<client::DeviceInfo>& devices) {
+    const std::lock_guard lock(mutex_);
+    for (const client::DeviceInfo& device : devices) {
+      if (device.name == device_.name) device_.tracker = device.tracker;
+    }
   }
   [[nodiscard]] Rows rows() const {
     const std::lock_guard lock(mutex_);
@@ -79,11 +89,18 @@ int watch(const Options& options) {
   Screen screen;
   const bool in_place = isatty(STDOUT_FILENO) == 1;
   client::ServerInfo facts;
-  Clock::time_point next_facts{};
+  Clock::time_point next_facts{}, next_holders{};
+  const bool tracked = std::any_of(all.begin(), all.end(),
+                                   [](const auto& watched) { return watched->wants_tracker(); });
   const std::chrono::duration<double> pause(1.0 / std::min(options.rate_hz, kFastestForPeople));
   while (go_on(options.seconds)) {
     std::this_thread::sleep_for(pause);
     for (const auto& watched : all) watched->check();
+    if (tracked && Clock::now() >= next_holders) {
+      const auto devices = server.devices();
+      for (const auto& watched : all) watched->learn(devices);
+      next_holders = Clock::now() + kFactsEvery;
+    }
     if (options.json) continue;
     if (!in_place) {
       for (const auto& watched : all) watched->print();
@@ -91,7 +108,7 @@ int watch(const Options& options) {
     }
     if (Clock::now() >= next_facts) {
       facts = server.server_info();
-      next_facts = Clock::now() + std::chrono::seconds(1);
+      next_facts = Clock::now() + kFactsEvery;
     }
     Rows rows;
     for (const auto& watched : all) {

@@ -68,6 +68,24 @@ board::HostCounters BoardDevice::counters() const {
   return io_->counters();
 }
 
+std::vector<LinkCount> BoardDevice::link_counts() const {
+  const board::HostCounters n = counters();
+  const board::Counters& b = n.board;
+  return {{"host", "received", n.frames},
+          {"host", "lost", n.lost},
+          {"host", "bad_crc", n.bad_crc},
+          {"host", "malformed", n.malformed},
+          {"host", "not_newer", n.not_newer},
+          {"host", "sent", n.sent},
+          {"host", "held_back", n.commands_held_back},
+          {"board", "accepted", b.accepted},
+          {"board", "bad_crc", b.bad_crc},
+          {"board", "malformed", b.malformed},
+          {"board", "not_newer", b.not_newer},
+          {"board", "wrong_nonce", b.wrong_nonce},
+          {"board", "without_room", b.states_dropped}};
+}
+
 void BoardDevice::read(core::TimePoint, core::DeviceReading& reading) noexcept {
   static_cast<void>(io_->readings.take());
   board::to_reading(io_->readings.value(), wanted_, last_seq_, reading);
@@ -76,9 +94,7 @@ void BoardDevice::read(core::TimePoint, core::DeviceReading& reading) noexcept {
 
 void BoardDevice::write(core::TimePoint, const Command& command) noexcept {
   board::to_wish(command, wanted_);
-  if (calibration_ && wanted_.position.size() > 0) {
-    wanted_.position = board::to_readings(*calibration_, layout_, wanted_.position);
-  }
+  if (calibration_) board::to_board(*calibration_, layout_, info_.closes_force_loop, wanted_);
   io_->want(wanted_);
 }
 

@@ -31,6 +31,7 @@ class BoardDevice final : public Device {
   void read(core::TimePoint now, core::DeviceReading& reading) noexcept override;
   void write(core::TimePoint now, const Command& command) noexcept override;
   void close() noexcept override;
+  [[nodiscard]] std::vector<LinkCount> link_counts() const override;
 
   /// Of the link, a moment ago. Any thread but the real-time one.
   [[nodiscard]] board::HostCounters counters() const;

@@ -116,7 +116,7 @@ void BoardDevice::Io::wait() {
 }
 
 void BoardDevice::Io::receive(core::TimePoint at) {
-  std::array<std::uint8_t, 1024> bytes;
+  std::array<std::uint8_t, 1024> bytes{};
   // A bounded number of reads: a babbling port must not keep commands from going out.
   for (int reads = 0; reads < 8 && link_; ++reads) {
     const std::ptrdiff_t count = link_->read(bytes);
@@ -169,6 +169,8 @@ void BoardDevice::Io::farewell() {
     transmit();
   }
   link_.reset();
+  const std::lock_guard lock(mutex_);
+  counters_ = host_.counters();  // with the farewell itself
 }
 
 }  // namespace haptic::hw

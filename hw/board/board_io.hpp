@@ -37,9 +37,9 @@ class BoardDevice::Io {
 
  private:
   void run();
-  void reopen(core::TimePoint now);
+  void reopen(core::TimePoint at);
   void wait();
-  void receive(core::TimePoint now);
+  void receive(core::TimePoint at);
   void transmit();
   void lose_link();
   void publish();

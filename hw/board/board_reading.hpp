@@ -3,6 +3,7 @@
 
 #include "haptic/core/tick/tick_input.hpp"
 #include "hw/board/board_host.hpp"
+#include "hw/board/calibration.hpp"
 #include "hw/device.hpp"
 
 namespace haptic::hw::board {
@@ -15,5 +16,10 @@ void to_reading(const BoardReading& newest, const Wanted& wanted, std::uint64_t&
 /// The loop's newest command as a wish: every new arming has a number of its own, and what is not
 /// armed gets neither force nor position.
 void to_wish(const hw::Command& command, Wanted& wanted) noexcept;
+
+/// The same wish to a board whose sensors mean something else than they read: positions for its servo,
+/// and, where it closes the loop on the force itself, forces, as its own sensors will read them.
+void to_board(const Calibration& calibration, const core::DofLayout& layout, bool closes_force_loop,
+              Wanted& wanted) noexcept;
 
 }  // namespace haptic::hw::board

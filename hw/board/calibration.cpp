@@ -75,4 +75,9 @@ core::VecA to_readings(const Calibration& c, const core::DofLayout& layout,
   return readings;
 }
 
+core::VecA to_force_readings(const Calibration& c, const core::VecA& tau_a) noexcept {
+  if (c.force_zero.size() != tau_a.size()) return tau_a;  // it measures none
+  return tau_a + c.force_zero;
+}
+
 }  // namespace haptic::hw::board

@@ -36,4 +36,9 @@ void apply(const Calibration& calibration, core::DeviceLimits& limits) noexcept;
 [[nodiscard]] core::VecA to_readings(const Calibration& calibration, const core::DofLayout& layout,
                                      const core::VecA& position) noexcept;
 
+/// What the load cells must read so that the device holds `tau_a` (n_a): a loop that the board closes
+/// itself knows their readings only.
+[[nodiscard]] core::VecA to_force_readings(const Calibration& calibration,
+                                           const core::VecA& tau_a) noexcept;
+
 }  // namespace haptic::hw::board

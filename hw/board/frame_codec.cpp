@@ -42,7 +42,7 @@ bool unstuff(std::span<std::uint8_t> chunk) noexcept {
 
 std::size_t encode(const Frame& frame, WireBuffer& wire) noexcept {
   if (frame.payload.size() > kMaxPayload) return 0;
-  std::array<std::uint8_t, kMaxBody> body;
+  std::array<std::uint8_t, kMaxBody> body{};
   ByteWriter writer(body);
   writer.u8(static_cast<std::uint8_t>(frame.type));
   writer.u32(frame.seq);

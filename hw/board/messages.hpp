@@ -108,7 +108,7 @@ struct Counters {
 };
 
 struct Payload {
-  std::array<std::uint8_t, kMaxPayload> bytes;
+  std::array<std::uint8_t, kMaxPayload> bytes{};
   std::size_t length{0};
   [[nodiscard]] std::span<const std::uint8_t> view() const noexcept {
     return {bytes.data(), length};

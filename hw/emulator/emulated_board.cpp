@@ -8,7 +8,7 @@ namespace haptic::hw::emulator {
 namespace {
 
 constexpr double kSecond = 1e6;  // us
-constexpr auto kStepUs = static_cast<std::uint64_t>(Rig::kStep * kSecond + 0.5);
+constexpr std::uint64_t kStepUs = Rig::kStepUs;
 /// At one quantum rms of noise 100 readings that are the same do not happen.
 constexpr std::uint16_t kStuckAfter = 100;
 
@@ -51,7 +51,7 @@ hb_dof dictionary_entry(const core::DofSpec& dof, const ActuatorParameters& actu
 }  // namespace
 
 EmulatedBoard::EmulatedBoard(const EmulatorConfig& config, Intent intent,
-                             std::shared_ptr<const core::Kinematics> kinematics)
+                             const std::shared_ptr<const core::Kinematics>& kinematics)
     : config_(config),
       rig_(config.actuator, config.sensors, std::move(intent), kinematics, config.seed),
       force_loop_(config.force_loop),

@@ -49,7 +49,7 @@ class EmulatedBoard {
   static constexpr std::uint64_t kSampleUs = 1000;
 
   EmulatedBoard(const EmulatorConfig& config, Intent intent,
-                std::shared_ptr<const core::Kinematics> kinematics);
+                const std::shared_ptr<const core::Kinematics>& kinematics);
   EmulatedBoard(const EmulatedBoard&) = delete;
   EmulatedBoard& operator=(const EmulatedBoard&) = delete;
 
@@ -74,7 +74,8 @@ class EmulatedBoard {
 
   [[nodiscard]] const hb_board& firmware() const noexcept { return board_; }
   [[nodiscard]] const Rig& rig() const noexcept { return rig_; }
-  [[nodiscard]] bool drives() const noexcept { return drives_; }          ///< the bridge is on
+  [[nodiscard]] Rig& rig() noexcept { return rig_; }              ///< what the hand does with it
+  [[nodiscard]] bool drives() const noexcept { return drives_; }  ///< the bridge is on
   [[nodiscard]] double reference() const noexcept { return reference_; }  ///< N
   [[nodiscard]] std::uint64_t now_us() const noexcept { return now_us_; }
 

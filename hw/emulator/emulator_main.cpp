@@ -1,6 +1,7 @@
 /// haptic-board-emulator: the finger exoskeleton's board on a pseudo-terminal.
 
 #include <pthread.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <atomic>
@@ -8,12 +9,15 @@
 #include <cstdio>
 #include <exception>
 #include <map>
+#include <optional>
 #include <string>
 #include <thread>
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/emulator/serve.hpp"
+#include "hw/emulator/told_hand.hpp"
+#include "hw/emulator/truth_log.hpp"
 
 namespace {
 
@@ -27,6 +31,8 @@ struct CommandLine {
   EmulatorConfig board{};
   std::string link{};
   std::string motion{};
+  std::string truth{};
+  bool hand{false};
   double target_mcp{0.0}, target_pip{0.0};
   double watchdog_ms{25.0}, link_period_ms{0.0}, seconds{0.0};
   Gearing gearing{Gearing::k35};
@@ -66,6 +72,9 @@ void describe(CLI::App& app, CommandLine& c) {
   app.add_option("--motion", c.motion, "CSV of joint angles the user follows");
   app.add_option("--target-mcp", c.target_mcp, "rad, where there is no motion");
   app.add_option("--target-pip", c.target_pip, "rad");
+  app.add_flag("--hand", c.hand,
+               "lines of standard input move the hand: MCP PIP in rad, or let-go");
+  app.add_option("--truth", c.truth, "CSV of what rod, linkage and load cell really do");
   app.add_option("--seconds", c.seconds, "end after so long; 0: when told to")
       ->check(CLI::NonNegativeNumber);
 }
@@ -132,6 +141,8 @@ int run(const CommandLine& c) {
 
   std::shared_ptr<const core::Kinematics> kinematics = core::make_finger_exoskeleton({});
   EmulatedBoard board(resolved(c), intent(c), kinematics);
+  std::optional<hw::emulator::TruthLog> truth;
+  if (!c.truth.empty()) truth.emplace(c.truth);
   hw::emulator::PseudoTerminal terminal(c.link);
   std::printf("%s\n", c.link.empty() ? terminal.port().c_str() : c.link.c_str());
   std::fflush(stdout);
@@ -143,7 +154,13 @@ int run(const CommandLine& c) {
     }
     stop = true;
   });
-  hw::emulator::serve(board, terminal, stop, c.seconds, Reporter());
+  hw::emulator::ToldHand hand(c.hand ? STDIN_FILENO : -1);
+  hw::emulator::serve(board, terminal, stop, c.seconds,
+                      [&, report = Reporter()](EmulatedBoard& now) mutable {
+                        hand.follow(now.rig());
+                        if (truth) truth->write(now);
+                        report(now);
+                      });
   stop = true;
   waiter.join();
   print_counters(board);

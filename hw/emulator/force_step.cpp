@@ -8,8 +8,9 @@
 namespace haptic::hw::emulator {
 namespace {
 
-constexpr double kPeriod = 1e-3;  // s, the board's
-constexpr int kSteps = static_cast<int>(kPeriod / Rig::kStep + 0.5);
+constexpr int kPeriodUs = 1000;  // the board's
+constexpr double kPeriod = kPeriodUs / 1e6;
+constexpr int kSteps = kPeriodUs / Rig::kStepUs;
 constexpr int kSettle = 2000, kLast = 1000;
 
 }  // namespace

@@ -28,7 +28,20 @@ Rig::Rig(const ActuatorParameters& actuator, const SensorParameters& sensors, In
 void Rig::step() noexcept {
   ++steps_;
   actuator_.step(kStep, finger_.q()[0], finger_.l_dot());
-  finger_.step(kStep, intent_.at(elapsed()), actuator_.force());
+  finger_.step(kStep, intent_.at(elapsed() - intent_since_), actuator_.force());
+}
+
+void Rig::take_to(const Eigen::Vector2d& target) {
+  const Eigen::Vector2d from = held_ ? intent_.at(elapsed() - intent_since_) : finger_.x();
+  intent_ = Intent(from, target);
+  intent_since_ = elapsed();
+  held_ = true;
+  finger_.hold(true);
+}
+
+void Rig::let_go() noexcept {
+  held_ = false;
+  finger_.hold(false);
 }
 
 Readings Rig::sense() noexcept {

@@ -28,13 +28,20 @@ struct Readings {
 
 class Rig {
  public:
-  static constexpr double kStep = 1e-4;  ///< s
+  static constexpr int kStepUs = 100;             ///< of the physics, us
+  static constexpr double kStep = kStepUs / 1e6;  ///< the same, s
 
   Rig(const ActuatorParameters& actuator, const SensorParameters& sensors, Intent intent,
       std::shared_ptr<const core::Kinematics> kinematics, std::uint64_t seed);
 
   void step() noexcept;  ///< kStep s
   [[nodiscard]] Readings sense() noexcept;
+
+  /// The hand takes the finger (if it had let go) and brings it to `target` (rad, MCP and PIP) within
+  /// Intent::kRise, from where it wants to be now.
+  void take_to(const Eigen::Vector2d& target);
+  /// The hand hangs loose: nothing pushes against the device any more.
+  void let_go() noexcept;
 
   [[nodiscard]] LinearActuator& actuator() noexcept { return actuator_; }
   [[nodiscard]] const LinearActuator& actuator() const noexcept { return actuator_; }
@@ -44,6 +51,8 @@ class Rig {
  private:
   SensorParameters sensors_;
   Intent intent_;
+  double intent_since_{0.0};  ///< s
+  bool held_{true};
   FingerPhysics finger_;
   LinearActuator actuator_;
   Gaussian noise_;

@@ -9,8 +9,8 @@
 
 namespace haptic::hw::emulator {
 
-/// Called after every millisecond of the board's time that was caught up with.
-using Watcher = std::function<void(const EmulatedBoard& board)>;
+/// Called after every millisecond of the board's time that was caught up with; may move the hand.
+using Watcher = std::function<void(EmulatedBoard& board)>;
 
 /// Runs until `stop` or, where `seconds` > 0, for so long. Of a pause of this process (suspend,
 /// debugger) the board sees 100 ms at most. Unplugs and plugs the terminal as the board's faults

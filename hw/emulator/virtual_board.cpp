@@ -20,7 +20,7 @@ board::Expectation expectation(const BoardConfig& config, const core::Kinematics
 
 VirtualBoard::VirtualBoard(const EmulatorConfig& board, const Intent& intent,
                            const BoardConfig& config,
-                           std::shared_ptr<const core::Kinematics> kinematics)
+                           const std::shared_ptr<const core::Kinematics>& kinematics)
     : board_(board, intent, kinematics),
       host_(expectation(config, *kinematics), board.seed),
       layout_(kinematics->layout()),
@@ -94,9 +94,7 @@ void VirtualBoard::read(core::TimePoint now, core::DeviceReading& reading) noexc
 
 void VirtualBoard::write(core::TimePoint now, const Command& command) noexcept {
   board::to_wish(command, wanted_);
-  if (calibration_ && wanted_.position.size() > 0) {
-    wanted_.position = board::to_readings(*calibration_, layout_, wanted_.position);
-  }
+  if (calibration_) board::to_board(*calibration_, layout_, info_.closes_force_loop, wanted_);
   if (killed_) return;
   host_.want(wanted_, now);
   board_.receive(host_.output());

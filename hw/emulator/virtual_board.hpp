@@ -20,7 +20,7 @@ class VirtualBoard final : public Device {
   /// `config`: as of a real port, which (with baud) is not looked at. Shakes hands within the first
   /// 100 ms of virtual time, which begins with the first read(). Throws DeviceError as BoardDevice.
   VirtualBoard(const EmulatorConfig& board, const Intent& intent, const BoardConfig& config,
-               std::shared_ptr<const core::Kinematics> kinematics);
+               const std::shared_ptr<const core::Kinematics>& kinematics);
 
   [[nodiscard]] const DeviceInfo& info() const noexcept override { return info_; }
   /// Lets the board's time pass until `now`. Of a jump 100 ms are simulated, the rest is skipped.

@@ -18,7 +18,10 @@ Eigen::Matrix2d fixed(const core::MatXQ& m) {
 FingerPhysics::FingerPhysics(const FingerParameters& parameters,
                              std::shared_ptr<const core::Kinematics> kinematics,
                              const Eigen::Vector2d& x)
-    : p_(parameters), kinematics_(std::move(kinematics)), x_(x) {
+    : p_(parameters),
+      hand_stiffness_(parameters.hand_stiffness),
+      kinematics_(std::move(kinematics)),
+      x_(x) {
   linkage_.q = core::VecQ::Zero(2);
   linkage_.J = core::MatXQ::Identity(2, 2);
   search();
@@ -121,7 +124,7 @@ void FingerPhysics::step(double dt, const Eigen::Vector2d& x_des, double tau_a) 
   M.diagonal() += p_.inertia;
   Eigen::Matrix2d A = M + dt * (p_.actuator_damping * ww + stop_damping * n * n.transpose());
   A.diagonal().array() += dt * p_.hand_damping;
-  const Eigen::Vector2d spring = p_.hand_stiffness * (x_des - x_);
+  const Eigen::Vector2d spring = hand_stiffness_ * (x_des - x_);
   const Eigen::Vector2d stop = p_.stop_stiffness * linkage_.out;
   const Eigen::Vector2d push = spring + stop + w * (tau_a + p_.actuator_mass * velocity_product());
 

@@ -55,6 +55,9 @@ class FingerPhysics {
   /// One step of `dt` s with the force tau_a (N) and the user's aim x_des (rad).
   void step(double dt, const Eigen::Vector2d& x_des, double tau_a) noexcept;
 
+  /// Whether the hand moves the finger (K_h as given) or hangs loose (0). It holds at first.
+  void hold(bool held) noexcept { hand_stiffness_ = held ? p_.hand_stiffness : 0.0; }
+
   [[nodiscard]] const Eigen::Vector2d& x() const noexcept { return x_; }          ///< rad
   [[nodiscard]] const Eigen::Vector2d& x_dot() const noexcept { return x_dot_; }  ///< rad/s
   /// (l_x, q_B) at x, inside the box.
@@ -86,6 +89,7 @@ class FingerPhysics {
   [[nodiscard]] double velocity_product() const noexcept;
 
   FingerParameters p_;
+  double hand_stiffness_;  ///< N m/rad, now
   std::shared_ptr<const core::Kinematics> kinematics_;
   Eigen::Vector2d x_;
   Eigen::Vector2d x_dot_{Eigen::Vector2d::Zero()};

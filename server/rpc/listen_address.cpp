@@ -68,7 +68,7 @@ std::string check_tcp(const std::string& address) {
   if (colon == std::string::npos || colon == 0) {
     refuse(address, "must be host:port or unix:/path");
   }
-  const std::string host = address.substr(0, colon);
+  std::string host = address.substr(0, colon);
   const std::string port = address.substr(colon + 1);
   const bool digits =
       !port.empty() && port.size() <= 5 &&

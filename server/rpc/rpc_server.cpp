@@ -50,6 +50,7 @@ class RpcServer::Impl {
     if (addresses.empty()) throw core::TransportError("no listen address");
     const Credentials credentials(context_.config.tls, context_.config.insecure_lab);
     std::vector<Protection> protections;
+    protections.reserve(addresses.size());
     for (const std::string& address : addresses) {
       protections.push_back(check_listen_address(address, credentials.best()));
     }

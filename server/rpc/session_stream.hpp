@@ -41,8 +41,8 @@ class SessionStream final
  private:
   void read_next();
   void open(const v1::OpenSession& request);
-  void open_as_controller(const v1::OpenSession& request);
-  void open_as_tracker(const v1::OpenSession& request);
+  void open_as_controller(const v1::OpenSession& message);
+  void open_as_tracker(const v1::OpenSession& message);
   void granted(const Lease& lease, const LeaseRequest& request);
   void opened(v1::Role role, const Lease& lease);
   void take_sample(const v1::ProxySample& sample, core::TimePoint arrival, Carrier carrier);

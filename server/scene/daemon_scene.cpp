@@ -59,16 +59,14 @@ ServerScene read_server(v1::ServerScene& message, const std::filesystem::path& f
     const std::string field = "listen[" + std::to_string(i) + "]";
     if (!is_address(address)) {
       reader.wrong(field, quoted(address),
-                   "must be \"host:port\", \"[v6]:port\" (port 0 to 65535) or "
-                   "\"unix:/path\"");
+                   R"(must be "host:port", "[v6]:port" (port 0 to 65535) or "unix:/path")");
     } else if (!addresses.insert(address).second) {
       reader.wrong(field, quoted(address), "must be another: this one is listed already");
     }
   }
   const auto host_and_port = [&](const char* field, const std::string& address) {
     if (address.empty() || (is_address(address) && address.rfind("unix:", 0) != 0)) return;
-    reader.wrong(field, quoted(address),
-                 "must be \"host:port\" or \"[v6]:port\" (port 0 to 65535)");
+    reader.wrong(field, quoted(address), R"(must be "host:port" or "[v6]:port" (port 0 to 65535))");
   };
   host_and_port("udp_listen", server.udp_listen = message.udp_listen());
   host_and_port("metrics_listen", server.metrics_listen = message.metrics_listen());

@@ -9,7 +9,8 @@ namespace haptic::server {
 namespace {
 
 std::vector<double> constant(int n_a, double value) {
-  return std::vector<double>(static_cast<std::size_t>(std::max(n_a, 0)), value);
+  std::vector<double> values(static_cast<std::size_t>(std::max(n_a, 0)), value);
+  return values;
 }
 
 bool same_size(std::initializer_list<std::size_t> sizes) {

@@ -13,7 +13,7 @@ namespace haptic::server {
 /// null: not known, sizes are not looked at. `calibration`, null: none; an admittance keeps within its
 /// travel. `force_limit`, `max_effort`: n_a, or empty.
 [[nodiscard]] ForceControlScene read_force_control(
-    v1::DeviceScene& message, const std::string& path, const core::Kinematics* kinematics,
+    v1::DeviceScene& device, const std::string& device_path, const core::Kinematics* kinematics,
     const hw::board::Calibration* calibration, const core::VecA& force_limit,
     const core::VecA& max_effort, Problems& problems);
 

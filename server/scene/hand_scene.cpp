@@ -45,6 +45,7 @@ SharedKinematics read_hand_exoskeleton(v1::HandExoskeletonScene& message, const 
   std::set<std::string> names;
   std::vector<core::HandFinger> fingers;
   if (message.finger().empty()) problems.missing(path + ".finger", "1 to 12");
+  fingers.reserve(static_cast<std::size_t>(message.finger_size()));
   for (int i = 0; i < message.finger_size(); ++i) {
     fingers.push_back(
         read_finger(*message.mutable_finger(i), path + "." + entry("finger", i), names, problems));

@@ -124,8 +124,8 @@ hw::BoardConfig read_board(v1::Board& message, const std::string& path, const fs
 
 /// Reports a simulation that goes with another map.
 void check_fit(const v1::DeviceScene& message, const std::string& path, Problems& problems) {
-  const auto* oneof = message.GetDescriptor()->FindOneofByName("kinematics");
-  const auto* map = message.GetReflection()->GetOneofFieldDescriptor(message, oneof);
+  const auto* oneof = v1::DeviceScene::descriptor()->FindOneofByName("kinematics");
+  const auto* map = v1::DeviceScene::GetReflection()->GetOneofFieldDescriptor(message, oneof);
   if (map == nullptr) return;  // reported elsewhere
   if (message.has_simulated_finger() && !message.has_finger_exoskeleton()) {
     problems.wrong(path + ".simulated_finger", "{ ... } with " + map->name(),

@@ -25,7 +25,7 @@ Priority read_priority(const std::string& text, const FieldReader& reader) {
   for (const Priority priority : {Priority::kTest, Priority::kPrimary, Priority::kOperator}) {
     if (text == name(priority)) return priority;
   }
-  reader.wrong("highest_priority", quoted(text), "must be \"test\", \"primary\" or \"operator\"");
+  reader.wrong("highest_priority", quoted(text), R"(must be "test", "primary" or "operator")");
   return Priority::kTest;
 }
 

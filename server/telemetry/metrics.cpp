@@ -17,6 +17,7 @@ struct Reading {
   IngressCounters samples{};
   std::uint64_t records_dropped{0};
   TickTotals ticks{};
+  std::vector<hw::LinkCount> link{};
 };
 
 /// "ENERGY_TANK" as a label's value: "energy_tank".
@@ -153,13 +154,30 @@ void people(Exposition& page, const std::vector<Reading>& devices, unsigned sess
   for (const Reading& d : devices) page.sample({{"device", d.name}}, count(d.records_dropped));
 }
 
+/// The way to the device itself: samples as they were used, frames as both ends counted them.
+void links(Exposition& page, const std::vector<Reading>& devices) {
+  page.histogram("haptic_device_sample_age_seconds",
+                 "Age of the device's newest sample at its use in a tick.");
+  for (const Reading& d : devices) page.sample({{"device", d.name}}, d.ticks.sample_age);
+  const auto has_link = [](const Reading& d) { return !d.link.empty(); };
+  if (std::none_of(devices.begin(), devices.end(), has_link)) return;
+  page.counter("haptic_link_frames_total",
+               "Frames between a device and the server, by who counted and what became of them.");
+  for (const Reading& d : devices) {
+    for (const hw::LinkCount& n : d.link) {
+      page.sample({{"device", d.name}, {"end", n.end}, {"what", n.what}}, count(n.frames));
+    }
+  }
+}
+
 }  // namespace
 
 std::string metrics_text(const MetricsSources& sources) {
   std::vector<Reading> devices;
   for (const MetricsSources::Device& d : sources.devices) {
     devices.push_back({d.sessions->name(), d.sessions->controller(), d.sessions->observers(),
-                       d.sessions->ingress().totals(), d.records->dropped(), d.ticks->totals()});
+                       d.sessions->ingress().totals(), d.records->dropped(), d.ticks->totals(),
+                       d.device->link_counts()});
   }
   const ServerFacts facts = sources.facts();
   Exposition page;
@@ -169,6 +187,7 @@ std::string metrics_text(const MetricsSources& sources) {
   proxies(page, devices);
   carriers(page, devices, sources.dropped_datagrams());
   force(page, devices);
+  links(page, devices);
   return page.text();
 }
 

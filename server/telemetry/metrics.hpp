@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "haptic/core/tick/ring.hpp"
+#include "hw/device.hpp"
 #include "server/rpc/server_facts.hpp"
 #include "server/session/device_sessions.hpp"
 #include "server/telemetry/tick_metrics.hpp"
@@ -21,6 +22,7 @@ struct MetricsSources {
     DeviceSessions* sessions{nullptr};
     const TickMetrics* ticks{nullptr};
     const core::Ring<core::TickRecord>* records{nullptr};
+    const hw::Device* device{nullptr};
   };
   std::vector<Device> devices{};
   FactsProvider facts{};

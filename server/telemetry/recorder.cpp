@@ -80,6 +80,17 @@ class Row {
   bool first_{true};
 };
 
+void add_certificate(Row& row, const core::Certificate& certificate) {
+  row.add(certificate.status == core::CertificateStatus::kOff ? "" : name(certificate.status));
+  if (certificate.status == core::CertificateStatus::kComputed) {
+    row.number(certificate.margin);
+    row.number(certificate.block);
+  } else {
+    row.add("");
+    row.add("");
+  }
+}
+
 double microseconds(core::Duration d) {
   return static_cast<double>(d.count()) * 1e-3;
 }
@@ -99,7 +110,7 @@ void add_coordinates(Row& row, const core::Kinematics& kinematics, const std::st
 
 }  // namespace
 
-std::string Recorder::header(const core::Kinematics& kinematics, bool compare) {
+std::string Recorder::header(const core::Kinematics& kinematics, bool compare, bool tracked) {
   std::string line;
   Row row(line);
   for (const char* name :
@@ -118,9 +129,13 @@ std::string Recorder::header(const core::Kinematics& kinematics, bool compare) {
   for (const char* quantity : {"tau_elastic", "tau_damping", "tau_a"}) {
     add_forces(row, kinematics, quantity);
   }
-  for (const char* name : {"projection", "faults", "limiters", "storage_j", "tank_j", "tank_scale",
-                           "observed_j", "lateness_us", "skipped"}) {
+  for (const char* name :
+       {"projection", "faults", "limiters", "storage_j", "tank_j", "tank_scale", "observed_j",
+        "certificate", "certificate_margin", "certificate_block", "lateness_us", "skipped"}) {
     row.add(name);
+  }
+  if (tracked) {
+    for (const char* name : {"tracker_seq", "tracker_age_us", "tracker_staleness"}) row.add(name);
   }
   if (compare) {
     for (const core::RendererKind kind : RendererComparison::kKinds) {
@@ -132,12 +147,13 @@ std::string Recorder::header(const core::Kinematics& kinematics, bool compare) {
 
 Recorder::Recorder(const std::filesystem::path& file,
                    std::shared_ptr<const core::Kinematics> kinematics,
-                   std::unique_ptr<RendererComparison> comparison)
+                   std::unique_ptr<RendererComparison> comparison, bool tracked)
     : path_(file),
       kinematics_(std::move(kinematics)),
       comparison_(std::move(comparison)),
+      tracked_(tracked),
       file_(file) {
-  static_cast<void>(file_.append(header(*kinematics_, comparison_ != nullptr) + '\n'));
+  static_cast<void>(file_.append(header(*kinematics_, comparison_ != nullptr, tracked_) + '\n'));
 }
 
 Recorder::~Recorder() {
@@ -190,8 +206,15 @@ void Recorder::compose(const core::TickRecord& record) {
       row.add("");
     }
   }
+  add_certificate(row, record.certificate);
   row.number(microseconds(record.input.loop.lateness));
   row.number(record.input.loop.skipped);
+  if (tracked_) {
+    const core::TrackerRecord& tracker = record.tracker;
+    row.number(tracker.seq);
+    row.number(tracker.seq == 0 ? 0.0 : microseconds(tracker.age));
+    row.add(core::name(tracker.level));
+  }
   if (comparison_) {
     for (const core::VecA& tau : comparison_->evaluate(record)) row.vector(tau, n_a);
   }

@@ -27,7 +27,15 @@
 ///   tank_j                   level of the energy tank; below 0: debt (METHOD 5.3)
 ///   tank_scale               deviation in use by deviation wanted; below 1: the tank held it back
 ///   observed_j               E_obs of the passivity observer (METHOD 5.2)
+///   certificate              of the linearised method (METHOD 2.1): COMPUTED, or why it is not; empty
+///                            where the scene does not ask for it
+///   certificate_margin, certificate_block   while COMPUTED, else empty
 ///   lateness_us, skipped     of the loop
+///
+/// where the scene has a tracker also (its pose itself is the palm's part of q):
+///   tracker_seq              of the pose in use; 0: none came so far
+///   tracker_age_us           of that pose; 0 while there is none
+///   tracker_staleness        FRESH, HOLD, FADE, LOST: of that age
 ///
 /// with compare_renderers also, for R in standard, null_space, subspace_linear, subspace_exact:
 ///   tau_R_ACT_FORCE          see renderer_comparison.hpp; nan where f has no value at q
@@ -35,8 +43,8 @@
 /// The finger exoskeleton's header thus reads: time_s,tick,state,staleness,proxy_age_us,mode,gain,
 /// damping_gain,l_x,q_B,q_dot_l_x_m_per_s,x_probe_q_o1_mcp_rad,x_probe_q_o2_pip_rad,
 /// x_q_o1_mcp_rad,x_q_o2_pip_rad,q_star_l_x_m,q_star_q_B_rad,tau_elastic_l_x_n,tau_damping_l_x_n,
-/// tau_a_l_x_n,projection,faults,limiters,storage_j,tank_j,tank_scale,observed_j,lateness_us,
-/// skipped[,tau_standard_l_x_n,tau_null_space_l_x_n,tau_subspace_linear_l_x_n,
+/// tau_a_l_x_n,projection,faults,limiters,storage_j,tank_j,tank_scale,observed_j,
+/// certificate,certificate_margin,certificate_block,lateness_us,skipped[,tau_standard_l_x_n,tau_null_space_l_x_n,tau_subspace_linear_l_x_n,
 /// tau_subspace_exact_l_x_n].
 ///
 /// Numbers have full precision: reading them back gives the same bits.
@@ -55,17 +63,18 @@ namespace haptic::server {
 
 class Recorder final : public RecordListener {
  public:
-  /// `comparison` absent: no columns of the other renderers. Throws SceneError where `file` cannot
+  /// `comparison` absent: no columns of the other renderers. `tracked`: the scene has a tracker. Throws SceneError where `file` cannot
   /// be created (path and the system's reason).
   Recorder(const std::filesystem::path& file, std::shared_ptr<const core::Kinematics> kinematics,
-           std::unique_ptr<RendererComparison> comparison = nullptr);
+           std::unique_ptr<RendererComparison> comparison = nullptr, bool tracked = false);
   /// Writes what is left and closes. The recorder must have been removed from the telemetry.
   ~Recorder() override;
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
   /// The header line, without its newline.
-  [[nodiscard]] static std::string header(const core::Kinematics& kinematics, bool compare);
+  [[nodiscard]] static std::string header(const core::Kinematics& kinematics, bool compare,
+                                          bool tracked = false);
 
   /// Appends a row; never waits for the disk. Where writing fails (disk full) the recording ends
   /// there, with one warning in the log; rows that a slow disk leaves no room for are lost, and
@@ -82,6 +91,7 @@ class Recorder final : public RecordListener {
   const std::filesystem::path path_;
   const std::shared_ptr<const core::Kinematics> kinematics_;
   const std::unique_ptr<RendererComparison> comparison_;
+  const bool tracked_;
   BackgroundFile file_;
   std::string row_;  ///< kept for its capacity
   std::uint64_t rows_{0};

@@ -112,7 +112,8 @@ class Telemetry::Channel {
   std::vector<RecordListener*> round_;  ///< the drain's own
 };
 
-Telemetry::Telemetry(std::vector<DeviceUnit*> units) {
+Telemetry::Telemetry(const std::vector<DeviceUnit*>& units) {
+  channels_.reserve(units.size());
   for (DeviceUnit* unit : units) channels_.push_back(std::make_unique<Channel>(*unit));
 }
 

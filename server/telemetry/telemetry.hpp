@@ -30,7 +30,7 @@ class Telemetry {
  public:
   /// The units must outlive the telemetry. start() and stop() own the thread; without start() a
   /// test calls drain() itself.
-  explicit Telemetry(std::vector<DeviceUnit*> units);
+  explicit Telemetry(const std::vector<DeviceUnit*>& units);
   ~Telemetry();
 
   void start();

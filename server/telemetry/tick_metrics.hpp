@@ -17,9 +17,10 @@ namespace haptic::server {
 struct TickTotals {
   TickTotals();
 
-  Histogram period;    ///< s, from tick to tick
-  Histogram lateness;  ///< s, of the wake-up behind its deadline
-  Histogram age;       ///< s, of the proxy at its use in a tick; ticks without one do not count
+  Histogram period;      ///< s, from tick to tick
+  Histogram lateness;    ///< s, of the wake-up behind its deadline
+  Histogram age;         ///< s, of the proxy at its use in a tick; ticks without one do not count
+  Histogram sample_age;  ///< s, of the device's newest sample at its use in a tick
   std::array<double, 4> level_s{};  ///< s in FRESH, HOLD, FADE, LOST while a lease is held
   std::array<double, 3>
       carrier_s{};                   ///< s led by samples of Carrier 0, 1, 2, while a lease is held

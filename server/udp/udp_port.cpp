@@ -26,7 +26,7 @@ constexpr core::Duration kLongestPause = std::chrono::seconds(1);
 /// 127.0.0.1.
 std::string host_told(const asio::ip::address& bound, const std::vector<std::string>& streams) {
   if (bound.is_unspecified()) return {};
-  const std::string host = bound.to_string();
+  std::string host = bound.to_string();
   bool same = false;
   for (const std::string& stream : streams) {
     if (stream.rfind("unix:", 0) == 0) {

@@ -41,7 +41,7 @@ ELSEWHERE = {
     'cmake --install build/release --prefix "$HOME/.local"':
         ("tests/package/install_test.sh", 'cmake --install "$build" --prefix'),
     "hapticctl doctor": ("tests/hapticctl/doctor_test.cpp", "MeasuresThisVeryHost"),
-    "hapticctl calibrate": ("tests/hapticctl/guide_test.cpp", "FindsWhatTheSensorsMean"),
+    "hapticctl calibrate": ("tests/hapticctl/calibrate_test.py", '"calibrate", "--output"'),
     "tests/relay/matrix.sh": ("tests/relay/matrix_test.sh", "tests/relay/matrix.sh"),
     "tests/relay/matrix.sh --network": ("tests/relay/network_matrix_test.cpp", "TEST"),
     "build/release/server/hapticd --scene server/scenes/finger_constant.textproto --set 'server.udp_listen=\"127.0.0.1:50052\"'":

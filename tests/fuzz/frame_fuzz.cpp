@@ -65,7 +65,7 @@ class Execution {
     hw::board::WireBuffer wire;
     const std::size_t length = hw::board::encode(
         {static_cast<hw::board::FrameType>(frame.type), frame.seq, frame.payload}, wire);
-    std::array<std::uint8_t, HF_MAX_WIRE> c_wire;
+    std::array<std::uint8_t, HF_MAX_WIRE> c_wire{};
     const std::size_t c_length =
         hf_encode(frame.type, frame.seq, frame.payload.data(), frame.payload.size(), c_wire.data());
     if (!std::equal(wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length),

@@ -33,9 +33,9 @@ double allowed_stiffness() {
 }
 
 struct Law {
-  const char* name;
-  BoardControl control;
-  core::ForceControlSettings settings;
+  const char* name{};
+  BoardControl control{};
+  core::ForceControlSettings settings{};
 };
 
 /// How much force and rod still move in the last half second of 7 s of pressing.

@@ -101,7 +101,7 @@ RunFigures judge(const std::vector<RecordedTick>& run, double fresh_end, std::st
     const double dt = now.time - before.time;
     if (wrong.empty()) {
       wrong = breach(before, now, fresh_end);
-      if (!wrong.empty()) wrong = "at " + std::to_string(now.time) + " s: " + wrong;
+      if (!wrong.empty()) wrong.insert(0, "at " + std::to_string(now.time) + " s: ");
     }
     figures.engages += now.state == "ENGAGING" && before.state != "ENGAGING" ? 1 : 0;
     figures.losses += force_on(before) && now.state == "ARMED" ? 1 : 0;

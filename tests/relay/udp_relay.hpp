@@ -22,7 +22,7 @@ class UdpRelay {
  private:
   /// One client: an address of its own towards the server, so that answers find their way back.
   struct Flow {
-    Flow(UdpRelay& relay, const Endpoint& client, std::uint64_t number);
+    Flow(UdpRelay& owner, const Endpoint& from, std::uint64_t number);
     void read();
     void to_server(const Packet& packet);
 

@@ -92,7 +92,7 @@ class Path {
 /// The device: led along the path, or worn by a finger whose hand aims along it.
 class Device {
  public:
-  Device(const FingerLoop& what, std::shared_ptr<const core::Kinematics> finger)
+  Device(const FingerLoop& what, const std::shared_ptr<const core::Kinematics>& finger)
       : finger_(finger),
         path_(what, *finger_),
         led_(what.motion == Motion::kCycle),

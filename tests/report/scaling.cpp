@@ -115,7 +115,7 @@ class Hand {
     }
   }
   void prepare() {
-    const std::size_t k = static_cast<std::size_t>(tick_ % kPoses);
+    const auto k = static_cast<std::size_t>(tick_ % kPoses);
     input_.now += std::chrono::milliseconds(1);
     input_.device.fresh = true;
     ++input_.device.sample.seq;

@@ -25,6 +25,11 @@ check "the PNG is one" sh -c 'head -c 8 "$1" | od -An -tx1 | grep -q "89 50 4e 4
 check "the SVG shows curves" test "$(grep -c '<path' "$output/soft-grasp.svg")" -gt 10
 check "the recording compares the methods" grep -q 'tau_subspace_exact_l_x_n' "$output/recording.csv"
 
+# The same through a board: it ends with 0 where contact was felt and free motion free.
+check "the demo over serial" "$demo" --serial --build "$1" --seconds 10 --output "$output/serial" </dev/null
+check "its summary says so" grep -q 'over a serial link to an emulated board' "$output/serial/summary.txt"
+check "it names a contact force" grep -qE 'contact +peak \|tau_a\| [0-9.]+ N' "$output/serial/summary.txt"
+
 # Errors are said, not swallowed.
 if "$demo" --build "$1" --seconds x --output "$output" 2>/dev/null; then
   echo "FAILED: --seconds x was accepted"

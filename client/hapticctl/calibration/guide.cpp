@@ -145,9 +145,13 @@ DofCalibration Guide::one(const SensedDof& dof, std::size_t index) {
 }
 
 std::vector<double> Guide::force_zero() {
-  out_ << "Let go of the device so that nothing touches it, then press Enter\n";
+  // Off first: at zero force by a zero that is wrong, a device that nobody holds drives to an end of
+  // its travel, presses there with just that wrong force, and holds it once it is off.
+  out_ << "Hold the device away from its ends and press Enter: its motors go off\n";
   static_cast<void>(answer());
   sensors_.switch_off();
+  out_ << "Let go of the device so that nothing touches it, then press Enter\n";
+  static_cast<void>(answer());
   sensors_.pause(kStill);
   sensors_.begin();
   sensors_.pause(kStill);

@@ -5,7 +5,7 @@
 ///
 ///   per DoF    two places    q = scale reading + offset
 ///              whole travel  lower, upper
-///   at last    hands off     force_zero
+///   at last    hands off     force_zero; the motors off before the hands
 
 #include <iosfwd>
 #include <string>

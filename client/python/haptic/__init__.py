@@ -17,21 +17,25 @@ from ._session import Session
 from ._types import (
     FREE,
     Carriers,
+    Certificate,
     Coordinate,
+    CouplingBlock,
     Device,
     DeviceState,
     DegreeOfFreedom,
     Event,
+    Pose,
     Proxy,
     SampleCounts,
     ServerInfo,
     Settings,
+    TrackerState,
     held,
     behind,
 )
 
 __all__ = [
-    "FREE", "Carriers", "ClientError", "Connection", "Coordinate", "DegreeOfFreedom", "Device",
-    "DeviceState", "Event", "Proxy", "SampleCounts", "ServerInfo", "Session", "Settings", "behind",
-    "held",
+    "FREE", "Carriers", "Certificate", "ClientError", "Connection", "Coordinate", "CouplingBlock",
+    "DegreeOfFreedom", "Device", "DeviceState", "Event", "Pose", "Proxy", "SampleCounts",
+    "ServerInfo", "Session", "Settings", "TrackerState", "behind", "held",
 ]

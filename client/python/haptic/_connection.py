@@ -48,14 +48,16 @@ class Connection:
         return [Device.of(device) for device in answer.devices]
 
     def session(self, *, client_name: str, nominal_rate_hz: float, device: str = "",
-                observer: bool = False, state_rate_hz: float | None = None,
+                observer: bool = False, tracker: bool = False, state_rate_hz: float | None = None,
                 carriers: Carriers = Carriers.BEST) -> Session:
         """Opens a session and waits for the server's word; to be closed, or used in `with`. States come
-        at `state_rate_hz`; None: at the nominal rate; 0: every tick, which is much for Python."""
+        at `state_rate_hz`; None: at the nominal rate; 0: every tick, which is much for Python.
+        `observer`: only looks on. `tracker`: says by publish_pose() where the palm is that carries the
+        device. Not both."""
         rate = nominal_rate_hz if state_rate_hz is None else state_rate_hz
         return Session(self._stub, self._address, service_device=device, client_name=client_name,
-                       nominal_rate_hz=nominal_rate_hz, observer=observer, state_rate_hz=rate,
-                       carriers=carriers)
+                       nominal_rate_hz=nominal_rate_hz, observer=observer, tracker=tracker,
+                       state_rate_hz=rate, carriers=carriers)
 
     def watch(self, device: str = "", rate_hz: float = 30.0) -> Iterator[DeviceState | Event]:
         """States and events of a device until the server ends, or the iterator is closed."""

@@ -11,7 +11,7 @@ from typing import Any
 import grpc
 
 from ._errors import PASSING, ClientError, to_error
-from ._types import Carriers, DeviceState, Event, Proxy, SampleCounts, Settings
+from ._types import Carriers, DeviceState, Event, Pose, Proxy, SampleCounts, Settings
 from ._udp import UdpPath
 from .v1 import haptic_service_pb2 as service
 from .v1 import session_pb2 as wire
@@ -28,15 +28,19 @@ class Session:
     to the newest. Force never comes back by itself: after an event LOST call engage() again."""
 
     def __init__(self, stub: Any, address: str, *, service_device: str, client_name: str,
-                 nominal_rate_hz: float, observer: bool, state_rate_hz: float,
+                 nominal_rate_hz: float, observer: bool, tracker: bool, state_rate_hz: float,
                  carriers: Carriers) -> None:
+        if observer and tracker:
+            raise ClientError("INVALID_ARGUMENT",
+                              "observer, tracker: must not be true both, a session has one role")
         self._stub = stub
         self._period_s = 1.0 / nominal_rate_hz if nominal_rate_hz > 0 else 1.0
         self._changed = threading.Condition()
         self._state: DeviceState | None = None
         self._events: collections.deque[Event] = collections.deque(maxlen=_MOST_EVENTS)
         self._ack = wire.SampleAck()
-        self._waiting: wire.ProxySample | None = None  # to be sent on the stream
+        self._tracker = tracker
+        self._waiting: wire.SessionRequest | None = None  # to be sent on the stream
         self._newest: wire.ProxySample | None = None
         self._seq = self._replaced = self._mode_epoch = 0
         self._ended: ClientError | None = None
@@ -44,8 +48,10 @@ class Session:
         self._udp: UdpPath | None = None
         opening = wire.OpenSession(
             device=service_device, client_name=client_name, nominal_rate_hz=nominal_rate_hz,
-            state_rate_hz=state_rate_hz, udp_wanted=carriers is Carriers.BEST,
-            role=wire.ROLE_OBSERVER if observer else wire.ROLE_CONTROLLER)
+            state_rate_hz=state_rate_hz,
+            udp_wanted=carriers is Carriers.BEST and not tracker,  # poses go on the stream
+            role=wire.ROLE_TRACKER if tracker else
+            wire.ROLE_OBSERVER if observer else wire.ROLE_CONTROLLER)
         self._call = stub.Session(self._requests(opening))
         try:
             self._opened = self._open()
@@ -83,9 +89,12 @@ class Session:
     # What goes up.
 
     def publish(self, proxy: Proxy) -> int:
-        """The newest proxy; its number. Raises only where the session has ended."""
+        """The newest proxy; its number. Raises where the session has ended, or is a tracker's."""
         with self._changed:
             self._check()
+            if self._tracker:
+                raise ClientError("INVALID_ARGUMENT",
+                                  "publish: a session with tracker=True has publish_pose()")
             before = self._newest
             if before is None or before.mode != proxy.mode:
                 self._mode_epoch += 1
@@ -98,13 +107,27 @@ class Session:
             self._newest = sample
             if self._udp is not None and self._udp.send(sample.SerializeToString()):
                 return self._seq
-            self._offer(sample)
+            self._offer(wire.SessionRequest(proxy=sample))
             return self._seq
 
-    def _offer(self, sample: wire.ProxySample) -> None:
+    def publish_pose(self, pose: Pose) -> int:
+        """The newest pose of a tracker; its number. Raises where the session has ended, or is no
+        tracker's. A pose that the server cannot use is counted in samples()."""
+        with self._changed:
+            self._check()
+            if not self._tracker:
+                raise ClientError("INVALID_ARGUMENT",
+                                  "publish_pose: the session must have tracker=True")
+            self._seq += 1
+            self._offer(wire.SessionRequest(tracker=wire.TrackerSample(
+                seq=self._seq, valid_for_us=round(pose.valid_for_s * 1e6), position=pose.position,
+                orientation=pose.orientation)))
+            return self._seq
+
+    def _offer(self, request: wire.SessionRequest) -> None:
         if self._waiting is not None:
             self._replaced += 1
-        self._waiting = sample
+        self._waiting = request
         self._changed.notify_all()
 
     def _requests(self, opening: wire.OpenSession) -> Iterator[wire.SessionRequest]:
@@ -113,10 +136,10 @@ class Session:
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._waiting is not None or self._closing)
-                sample, self._waiting = self._waiting, None
+                request, self._waiting = self._waiting, None
                 if self._closing:
                     return
-            yield wire.SessionRequest(proxy=sample)
+            yield request
 
     # Force.
 
@@ -270,4 +293,4 @@ class Session:
         """Make-before-break: the newest sample goes on the stream at once, under the number it has."""
         with self._changed:
             if self._newest is not None and not self._closing:
-                self._offer(self._newest)
+                self._offer(wire.SessionRequest(proxy=self._newest))

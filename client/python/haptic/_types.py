@@ -43,6 +43,46 @@ def behind(planes: Sequence[tuple[Sequence[float], float]], position: Sequence[f
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
+class Certificate:
+    """How far the linearised method's force is from pushing along with a motion of the device."""
+
+    status: str  # "COMPUTED", else why there is no margin: "IDLE", "NOT_FULL_RANK", ...
+    margin: float  # 1 where the proxy is at the probe; not above 0: it does
+    block: int  # independent part where the margin is least
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class CouplingBlock:
+    """A metric for a projection of the client's own, of the next `coordinates` of x."""
+
+    coordinates: int
+    lower: tuple[float, ...]  # lower triangle row by row; empty: none here
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Pose:
+    """Where the tracked body is that carries a device, in the world: what a tracker publishes."""
+
+    position: tuple[float, float, float]  # m
+    orientation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)  # unit quaternion x, y, z, w
+    valid_for_s: float = 0.0  # 0: the scene's limit alone
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class TrackerState:
+    """The tracker's pose in use."""
+
+    seq_used: int  # 0: none came so far, the body stands at rest
+    age_s: float  # meaningless while seq_used is 0
+    staleness: str  # of that age: "FRESH", "HOLD", "FADE", "LOST"
+
+    @classmethod
+    def of(cls, m: wire.TrackerState) -> TrackerState:
+        return cls(m.seq_used, m.age_us * 1e-6,
+                   _name(wire.StalenessLevel, m.staleness, "STALENESS_LEVEL_"))
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
 class DeviceState:
     """The device at one tick."""
 
@@ -64,6 +104,11 @@ class DeviceState:
     faults: int  # bit n: fault n
     limiters: int  # bit n: limiter n
     lease_epoch: int
+    tau_measured: tuple[float, ...]  # empty: the device measures no force
+    reading: tuple[float, ...]  # of a sample that was refused; empty: it is q
+    tracker: TrackerState | None  # None: the scene has none
+    certificate: Certificate | None = None  # where the scene asks for it
+    coupling_metric: tuple[CouplingBlock, ...] = ()  # in the order of x, where the scene has one
 
     @classmethod
     def of(cls, m: wire.DeviceState) -> DeviceState:
@@ -72,7 +117,9 @@ class DeviceState:
                    m.proxy_age_us * 1e-6, _name(wire.StalenessLevel, m.staleness, "STALENESS_LEVEL_"),
                    m.gain, _name(wire.Transport, m.transport, "TRANSPORT_"),
                    _name(wire.DeviceStateName, m.state, "DEVICE_STATE_NAME_"), m.faults, m.limiters,
-                   m.lease_epoch)
+                   m.lease_epoch, tuple(m.tau_measured), tuple(m.reading),
+                   TrackerState.of(m.tracker) if m.HasField("tracker") else None, _certificate(m),
+                   tuple(CouplingBlock(b.coordinates, tuple(b.lower)) for b in m.coupling_metric))
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -136,6 +183,10 @@ class Device:
     state: str
     faults: int
     controller: str  # empty: nobody
+    serial: str  # of a board; empty: it has none
+    calibrated: str  # day on which the calibration in use was made; empty: none is
+    wants_tracker: bool  # a session in the role tracker says where its palm is
+    tracker: str  # name of the client that does; empty: nobody
 
     @classmethod
     def of(cls, m: service.Device) -> Device:
@@ -144,7 +195,8 @@ class Device:
         coordinates = (Coordinate(c.name, c.unit, c.kind) for c in m.coordinates)
         return cls(m.name, m.kind, m.model, tuple(dofs), tuple(coordinates), tuple(m.stiffness_limit),
                    tuple(m.damping_limit), tuple(m.force_limit), tuple(m.slew_limit), m.loop_rate_hz,
-                   _name(wire.DeviceStateName, m.state, "DEVICE_STATE_NAME_"), m.faults, m.controller)
+                   _name(wire.DeviceStateName, m.state, "DEVICE_STATE_NAME_"), m.faults, m.controller,
+                   m.serial, m.calibrated, m.wants_tracker, m.tracker)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -175,6 +227,14 @@ class Settings:
     force_limit: tuple[float, ...]
     slew_limit: tuple[float, ...]
     clamped: tuple[str, ...]
+
+
+def _certificate(m: wire.DeviceState) -> Certificate | None:
+    if not m.HasField("certificate"):
+        return None
+    c = m.certificate
+    return Certificate(_name(wire.CertificateStatus, c.status, "CERTIFICATE_STATUS_"), c.margin,
+                       c.block)
 
 
 def _name(enum_type: type, value: int, prefix: str) -> str:

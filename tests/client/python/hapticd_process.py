@@ -7,10 +7,12 @@ import os
 import subprocess
 import tempfile
 import time
+from collections.abc import Sequence
 
 
 class Hapticd:
-    def __init__(self, scene: str, *, udp: bool = False, lease_s: int = 2) -> None:
+    def __init__(self, scene: str, *, udp: bool = False, lease_s: int = 2,
+                 settings: Sequence[str] = ()) -> None:
         self._folder = tempfile.TemporaryDirectory()
         self.address = "unix:" + os.path.join(self._folder.name, "socket")
         arguments = [os.environ["HAPTICD"], "--scene",
@@ -22,6 +24,8 @@ class Hapticd:
                      "--set", f"server.lease_timeout={{seconds: {lease_s}}}"]
         if udp:
             arguments += ["--set", "server.udp_listen=127.0.0.1:0"]
+        for setting in settings:
+            arguments += ["--set", setting]
         self._process = subprocess.Popen(arguments, stderr=subprocess.DEVNULL)
         latest = time.monotonic() + 20
         while not os.path.exists(self.address.removeprefix("unix:")):

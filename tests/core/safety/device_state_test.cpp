@@ -47,11 +47,11 @@ DeviceStateMachine machine_in(DeviceState state) {
 }
 
 struct Transition {
-  const char* what;
-  DeviceState from;
-  StateEvents events;
-  double g;
-  DeviceState to;
+  const char* what{};
+  DeviceState from{};
+  StateEvents events{};
+  double g{};
+  DeviceState to{};
 };
 
 TEST(DeviceStateMachine, FollowsTheTableOfWire4) {

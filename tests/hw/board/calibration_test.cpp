@@ -4,6 +4,7 @@
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
+#include "hw/board/board_reading.hpp"
 #include "hw/device_limits.hpp"
 
 namespace haptic::hw::board {
@@ -58,6 +59,30 @@ TEST(BoardCalibration, APositionGoesBackThroughIt) {
   const core::VecA reading =
       to_readings(good(), kinematics->layout(), core::VecA::Constant(1, 0.021));
   EXPECT_NEAR(1.25 * reading[0] - 0.004, 0.021, 1e-15);
+}
+
+TEST(BoardCalibration, TheBoardsOwnForceLoopIsToldWhatItsCellWillRead) {
+  const core::DofLayout layout = core::make_finger_exoskeleton({})->layout();
+  hw::Command command{true, core::VecA::Constant(1, 2.0), {}};
+  Wanted wanted;
+  wanted.tau_a = core::VecA::Zero(1);
+  for (int tick = 0; tick < 3; ++tick) {  // not the zero of every tick on top of the last one's
+    to_wish(command, wanted);
+    to_board(good(), layout, true, wanted);
+    EXPECT_NEAR(wanted.tau_a[0], 2.7, 1e-15);
+  }
+  to_wish(command, wanted);
+  to_board(good(), layout, false, wanted);
+  EXPECT_EQ(wanted.tau_a[0], 2.0) << "a drive's force has no cell to be compared with";
+  command.arm = false;
+  to_wish(command, wanted);
+  to_board(good(), layout, true, wanted);
+  EXPECT_EQ(wanted.tau_a[0], 0.0) << "what is not armed is told nothing";
+  command = {true, {}, {}};  // no force at all
+  wanted.tau_a[0] = 2.7;
+  to_wish(command, wanted);
+  to_board(good(), layout, true, wanted);
+  EXPECT_NEAR(wanted.tau_a[0], 0.7, 1e-15);
 }
 
 TEST(BoardCalibration, AnotherDevicesIsRefusedByName) {

@@ -15,10 +15,10 @@ namespace haptic::hw::emulator {
 namespace {
 
 struct Law {
-  const char* name;
-  BoardControl control;
-  core::ForceControlSettings settings;
-  double slowest;  ///< Hz: its bandwidth is above, everywhere
+  const char* name{};
+  BoardControl control{};
+  core::ForceControlSettings settings{};
+  double slowest{};  ///< Hz: its bandwidth is above, everywhere
 };
 
 Law force_loop() {

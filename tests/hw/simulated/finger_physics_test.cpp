@@ -24,7 +24,7 @@ std::shared_ptr<const core::Kinematics> finger() {
 }
 
 /// Lets the user rise from (0, 0) to x_des in 0.8 s under a constant force; 2 s in all.
-FingerPhysics pressed(FingerParameters p, const Eigen::Vector2d& x_des, double tau_a) {
+FingerPhysics pressed(const FingerParameters& p, const Eigen::Vector2d& x_des, double tau_a) {
   FingerPhysics physics(p, finger(), Eigen::Vector2d::Zero());
   for (int i = 0; i < 20000; ++i) physics.step(kDt, minimum_jerk(i * kDt / 0.8) * x_des, tau_a);
   return physics;

@@ -21,6 +21,8 @@ struct Sized {
 
   static auto matrix(const double* A, int m, int n) { return Eigen::Map<const Matrix>(A, m, n); }
   static auto right(const double* b, int m) { return Eigen::Map<const Row>(b, m); }
+  /// Where an answer is written.
+  // NOLINTNEXTLINE(readability-non-const-parameter): Eigen writes through the map
   static auto answer(double* x, int n) { return Eigen::Map<Column>(x, n); }
 
   static void normal_equations(const double* A, const double* b, double* x, int m, int n) {

@@ -30,10 +30,10 @@ using Methods = std::vector<std::unique_ptr<Method>>;
 /// Eq. (8) as the tick solves it (first of all: what the others are compared with); the same block by
 /// block where the map has blocks; 1 to 4 steps of Gauss-Newton from q and from the last q*; core's
 /// iteration to 1e-12 with Levenberg-Marquardt where a step fails; the closed form.
-[[nodiscard]] Methods own_methods(const core::Kinematics& kinematics);
+[[nodiscard]] Methods own_methods(const core::Kinematics& map);
 /// Ceres' TinySolver from the last q*, tolerances 1e-12; none where its header was not there.
-[[nodiscard]] Methods tiny_solver_methods(const core::Kinematics& kinematics);
+[[nodiscard]] Methods tiny_solver_methods(const core::Kinematics& map);
 /// MINPACK's lmder from the last q*, tolerances 1e-12; none where cminpack was not there.
-[[nodiscard]] Methods cminpack_methods(const core::Kinematics& kinematics);
+[[nodiscard]] Methods cminpack_methods(const core::Kinematics& map);
 
 }  // namespace haptic::report

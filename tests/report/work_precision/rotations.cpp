@@ -34,12 +34,13 @@ struct Bench {
       const Vector3d axis = Vector3d(normal(random), normal(random), normal(random)).normalized();
       const Quaterniond a =
           Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
-      from.push_back(a.coeffs());
-      to.push_back((Quaterniond(Eigen::AngleAxisd(theta, axis)) * a).coeffs());
+      from.emplace_back(a.coeffs());
+      to.emplace_back((Quaterniond(Eigen::AngleAxisd(theta, axis)) * a).coeffs());
     }
   }
   [[nodiscard]] Quaterniond error(std::size_t i) const {
-    const Quaterniond a(Eigen::Vector4d(from[i])), b(Eigen::Vector4d(to[i]));
+    const Eigen::Vector4d before = from[i], after = to[i];
+    const Quaterniond a(before), b(after);
     return b * a.conjugate();
   }
   void chord_of_x() {

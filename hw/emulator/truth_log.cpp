@@ -1,0 +1,31 @@
+#include "hw/emulator/truth_log.hpp"
+
+#include <array>
+#include <cstdio>
+
+#include "haptic/core/error.hpp"
+
+namespace haptic::hw::emulator {
+namespace {
+
+constexpr std::uint64_t kEveryUs = 10000;
+
+}  // namespace
+
+TruthLog::TruthLog(const std::string& file) : csv_(file) {
+  csv_ << "time_s,l_x_m,q_B_rad,force_n" << std::endl;
+  if (!csv_) throw core::DeviceError("truth '" + file + "': must be a file that can be written");
+}
+
+void TruthLog::write(const EmulatedBoard& board) {
+  if (board.now_us() < next_us_) return;
+  next_us_ = board.now_us() + kEveryUs;
+  const Rig& rig = board.rig();
+  std::array<char, 128> row{};
+  std::snprintf(row.data(), row.size(), "%.3f,%.7f,%.6f,%.4f\n",
+                static_cast<double>(board.now_us()) * 1e-6, rig.actuator().x(), rig.finger().q()[1],
+                rig.actuator().force());
+  csv_ << row.data() << std::flush;
+}
+
+}  // namespace haptic::hw::emulator

@@ -1,0 +1,170 @@
+"""The role tracker against a running hapticd: who says where the palm is, and how everybody sees it."""
+
+import csv
+import json
+import math
+import os
+import pathlib
+import subprocess
+import tempfile
+import time
+import unittest
+from collections.abc import Callable
+
+import haptic
+from hapticd_process import Hapticd
+
+TURN = 0.4  # rad about z
+POSE = haptic.Pose((0.1, -0.2, 0.3), (0.0, 0.0, math.sin(TURN / 2), math.cos(TURN / 2)))
+PALM = (0.1, -0.2, 0.3, 0.0, 0.0, TURN)  # the same as position and rotation vector
+PATIENCE_S = 20.0
+
+
+class OnATrackedPalm(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.recording = pathlib.Path(folder.name, "recording.csv")
+        self.server = Hapticd("chain_on_tracked_palm", settings=[f'record.file="{self.recording}"'])
+        self.addCleanup(self.server.stop)
+        self.connection = haptic.Connection(self.server.address)
+        self.addCleanup(self.connection.close)
+
+    def open(self, **options: object) -> haptic.Session:
+        session = self.connection.session(nominal_rate_hz=100, **options)
+        self.addCleanup(session.close)
+        return session
+
+    def while_told(self, session: haptic.Session, tracker: haptic.Session,
+                   until: Callable[[haptic.DeviceState], bool]) -> haptic.DeviceState:
+        """Poses and held proxies at the pace of the states, until `until`."""
+        latest = time.monotonic() + PATIENCE_S
+        place: tuple[float, ...] = ()
+        while time.monotonic() < latest:
+            tracker.publish_pose(POSE)
+            state = session.wait_for_state()
+            if state.gain == 0:
+                place = state.x_probe
+            session.publish(haptic.held(place))
+            if until(state):
+                return state
+        self.fail(f"still {state}")
+
+    def hapticctl(self, *arguments: str) -> str:
+        return subprocess.run([os.environ["HAPTICCTL"], "--server", self.server.address, *arguments],
+                              check=True, capture_output=True, text=True, timeout=60).stdout
+
+
+class Poses(OnATrackedPalm):
+    def test_the_palm_stands_where_the_tracker_says(self) -> None:
+        session = self.open(client_name="simulation")
+        before = session.wait_for_state().tracker
+        assert before is not None
+        self.assertEqual((before.seq_used, before.staleness), (0, "LOST"))
+        tracker = self.open(tracker=True, client_name="camera")
+        self.assertFalse(tracker.udp_in_use)
+        state = self.while_told(session, tracker, lambda s: s.tracker.staleness == "FRESH")
+        for q, wanted in zip(state.q, PALM):
+            self.assertAlmostEqual(q, wanted, places=9)
+        self.assertLessEqual(state.tracker.seq_used, tracker.samples().published)
+        self.assertLess(state.tracker.age_s, 0.1)
+
+    def test_one_that_falls_silent_grows_old(self) -> None:
+        session = self.open(client_name="simulation")
+        tracker = self.open(tracker=True, client_name="camera")
+        tracker.publish_pose(POSE)
+        latest = time.monotonic() + PATIENCE_S
+        while (state := session.wait_for_state()).tracker.seq_used == 0 or state.tracker.staleness != "LOST":
+            self.assertLess(time.monotonic(), latest)
+        self.assertGreaterEqual(state.tracker.age_s, 0.18)
+        self.assertAlmostEqual(state.q[0], PALM[0], places=9)  # held, not forgotten
+
+    def test_force_needs_it_and_goes_with_it(self) -> None:
+        session = self.open(client_name="simulation")
+        tracker = self.open(tracker=True, client_name="camera")
+        session.engage_when_ready()
+        self.while_told(session, tracker, lambda s: s.state == "ENGAGED")
+        latest = time.monotonic() + PATIENCE_S
+        place = session.wait_for_state().x
+        events: list[haptic.Event] = []
+        while not any(e.reason == "TRACKER_LOST" for e in events):  # the proxies go on, the poses do not
+            session.publish(haptic.held(place))
+            state = session.wait_for_state()
+            events += session.events()
+            self.assertLess(time.monotonic(), latest, state)
+        self.assertEqual(session.wait_for_state().tau_elastic, (0.0, 0.0))
+
+    def test_a_pose_that_cannot_be_is_counted_with_the_reason(self) -> None:
+        tracker = self.open(tracker=True, client_name="camera")
+        tracker.publish_pose(haptic.Pose((5.0, 0.0, 0.0)))
+        latest = time.monotonic() + PATIENCE_S
+        while tracker.samples().rejected_invalid == 0:
+            self.assertLess(time.monotonic(), latest)
+            time.sleep(0.01)
+        self.assertIn("position", tracker.samples().last_rejection)
+
+
+class Role(OnATrackedPalm):
+    def test_it_is_one_of_its_own(self) -> None:
+        device, = self.connection.devices()
+        self.assertEqual((device.wants_tracker, device.tracker), (True, ""))
+        tracker = self.open(tracker=True, client_name="camera")
+        device, = self.connection.devices()
+        self.assertEqual((device.tracker, device.controller), ("camera", ""))
+        with self.assertRaises(haptic.ClientError) as refused:
+            self.open(tracker=True, client_name="another camera")
+        self.assertEqual(refused.exception.reason, "TRACKER_HELD")
+        self.assertIn("camera", str(refused.exception))
+        with self.assertRaises(haptic.ClientError) as refused:
+            tracker.engage()
+        self.assertEqual(refused.exception.reason, "NOT_CONTROLLER")
+        with self.assertRaises(haptic.ClientError) as refused:
+            tracker.publish(haptic.FREE)
+        self.assertIn("publish_pose", str(refused.exception))
+        with self.assertRaises(haptic.ClientError) as refused:
+            self.open(client_name="simulation").publish_pose(POSE)
+        self.assertIn("tracker=True", str(refused.exception))
+
+    def test_it_is_no_observer_too(self) -> None:
+        with self.assertRaises(haptic.ClientError) as refused:
+            self.open(observer=True, tracker=True, client_name="both")
+        self.assertEqual(refused.exception.reason, "INVALID_ARGUMENT")
+
+
+class Seen(OnATrackedPalm):
+    def test_hapticctl_and_the_recording_tell_who_and_how_old(self) -> None:
+        self.assertIn("palm by a tracker: nobody", self.hapticctl("info"))
+        session = self.open(client_name="simulation")
+        tracker = self.open(tracker=True, client_name="camera")
+        self.while_told(session, tracker, lambda s: s.tracker.seq_used > 3)
+        self.assertIn("palm by a tracker: camera", self.hapticctl("info"))
+        device, = json.loads(self.hapticctl("info", "--json"))["devices"]
+        self.assertEqual((device["wants_tracker"], device["tracker"]), (True, "camera"))
+        told = json.loads(self.hapticctl("watch", "--json", "--seconds", "1").splitlines()[-1])["tracker"]
+        self.assertEqual(told["holder"], "camera")
+        self.assertEqual(told["staleness"], "LOST")  # nobody publishes while this test reads
+        self.assertGreater(told["seq_used"], 3)
+        self.assertGreater(told["age_us"], 180000)
+        line = self.hapticctl("watch", "--seconds", "1").splitlines()[-1]
+        self.assertRegex(line, r"tracker camera, pose \d+ LOST, age \d")
+
+        latest = time.monotonic() + PATIENCE_S
+        while not any(row["tracker_staleness"] == "FRESH" for row in self.rows()):
+            self.assertLess(time.monotonic(), latest)
+            time.sleep(0.2)
+        rows = self.rows()
+        self.assertEqual((rows[0]["tracker_seq"], rows[0]["tracker_age_us"], rows[0]["tracker_staleness"]),
+                         ("0", "0", "LOST"))
+        fresh = next(row for row in rows if row["tracker_staleness"] == "FRESH")
+        self.assertGreater(int(fresh["tracker_seq"]), 0)
+        self.assertLess(float(fresh["tracker_age_us"]), 100e3)
+        for name, wanted in zip(("palm.x", "palm.y", "palm.z", "palm.rx", "palm.ry", "palm.rz"), PALM):
+            self.assertAlmostEqual(float(fresh[name]), wanted, places=9)
+
+    def rows(self) -> list[dict[str, str]]:
+        lines = self.recording.read_text().splitlines()
+        return list(csv.DictReader(lines[:-1]))  # the last one may be half written
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,256 @@
+#!/usr/bin/env python3
+"""`hapticctl calibrate` between live programs: the board emulator with a potentiometer that has drifted and stretches,
+and a load cell with an offset; hapticd on its pseudo-terminal; the command, with this script as the person, who knows
+the truth because the emulator writes it down. Then hapticd with the file that was made, and with a board that is not
+the file's.
+
+    calibrate_test.py HAPTICD HAPTICCTL HAPTIC-BOARD-EMULATOR SCENE        (package haptic on PYTHONPATH)
+
+Made for a busy machine: the board's patience and the server's are long, every step waits for what it needs.
+"""
+
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+from collections.abc import Callable
+
+import haptic
+
+HAPTICD, HAPTICCTL, EMULATOR, SCENE = sys.argv[1:5]
+STRAIGHT, HALFWAY, BENT = "0.2 0.2", "0.4 0.5", "0.7 0.9"  # rad, where the hand takes the joints
+PATIENCE_S = 40.0
+# What the stated resolution of the sensors leaves, over a second: a 12-bit potentiometer of 50 mm (12 um) and one of
+# 270 degrees (1.2 mrad), a load cell with 30 mN rms; and the places' own accuracy.
+L_X_M, Q_B_RAD, FORCE_N = 1e-4, 5e-3, 0.02
+
+
+def until(what: str, condition: Callable[[], bool]) -> None:
+    latest = time.monotonic() + PATIENCE_S
+    while not condition():
+        if time.monotonic() > latest:
+            raise AssertionError(f"not within {PATIENCE_S:g} s: {what}")
+        time.sleep(0.02)
+
+
+class Board:
+    """The emulator, and what it really does: rows (time_s, l_x_m, q_B_rad, force_n)."""
+
+    def __init__(self, folder: pathlib.Path, serial: str) -> None:
+        self.port = folder / "board"
+        self.truth = folder / "truth.csv"
+        self.process = subprocess.Popen(
+            [EMULATOR, "--link", self.port, "--hand", "--truth", self.truth, "--serial", serial,
+             "--watchdog-ms", "1000", "--l-x-scale", "1.04", "--force-offset", "0.8",
+             "--fault", "drift@0+1=0.001"],  # 1 mm within the first second, and there it stays
+            stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, text=True)
+        until("the emulator's port", self.port.exists)
+
+    def stop(self) -> None:
+        assert self.process.stdin is not None
+        self.process.stdin.close()
+        self.process.terminate()
+        self.process.wait()
+
+    def rows(self, seconds: float) -> list[tuple[float, ...]]:
+        """The newest so many seconds of the board's time."""
+        lines = self.truth.read_text().splitlines()[1:-1]  # the last one may be half written
+        rows = [tuple(map(float, line.split(","))) for line in lines[-int(100 * seconds):]]
+        return rows if len(rows) >= 100 * seconds else []
+
+    def hand(self, where: str) -> None:
+        """Takes the finger there, and waits until the rod has followed and all is at rest."""
+        assert self.process.stdin is not None
+        began = self.rows(0.01)[-1][0] if self.rows(0.01) else 0.0
+        self.process.stdin.write(where + "\n")
+        self.process.stdin.flush()
+
+        def rests() -> bool:
+            rows = self.rows(0.5)
+            return bool(rows) and rows[0][0] > began + 1.0 and all(
+                max(row[i] for row in rows) - min(row[i] for row in rows) < most for i, most in ((1, 5e-5), (2, 2e-3)))
+
+        until(f"the hand at rest at {where}", rests)
+
+
+class Server:
+    def __init__(self, folder: pathlib.Path, board: Board, *settings: str) -> None:
+        self.address = f"unix:{folder}/socket"
+        self.log = folder / "hapticd.log"
+        socket = folder / "socket"
+        socket.unlink(missing_ok=True)
+        arguments = [HAPTICD, "--scene", SCENE, "--listen", self.address, "--realtime=off"]
+        for setting in (f"device[0].board.port={board.port}", "device[0].board.max_silence={nanos: 100000000}",
+                        "loop.loop_late_fault={nanos: 500000000}", "loop.late_bucket_full=1000000", *settings):
+            arguments += ["--set", setting]
+        with open(self.log, "w", encoding="utf-8") as log:
+            self.process = subprocess.Popen(arguments, stderr=log)
+        until("hapticd serves or refuses", lambda: socket.exists() or self.process.poll() is not None)
+
+    def stop(self) -> None:
+        self.process.terminate()
+        self.process.wait()
+
+
+def person(process: subprocess.Popen[str], board: Board) -> list[str]:
+    """Answers what the command asks; the questions."""
+    asked = []
+    assert process.stdin is not None and process.stdout is not None
+    while question := next_question(process):
+        asked.append(question)
+        process.stdin.write(answer(question, board) + "\n")
+        process.stdin.flush()
+    return asked
+
+
+def next_question(process: subprocess.Popen[str]) -> str:
+    """Up to the prompt; empty: the command has ended."""
+    assert process.stdout is not None
+    text = ""
+    while not text.endswith("\n> ") and (letter := process.stdout.read(1)):
+        text += letter
+    return text.removesuffix("\n> ") if text.endswith("\n> ") else ""
+
+
+def answer(question: str, board: Board) -> str:
+    last = question.splitlines()[-1]
+    if last.startswith("Bring "):
+        board.hand(STRAIGHT if " first " in last else BENT)
+        row = board.rows(0.01)[-1]
+        return repr(row[1] if "l_x" in last else row[2])
+    if last.startswith("Move "):
+        for place in (BENT, STRAIGHT):
+            board.hand(place)
+        return ""
+    if last.startswith("Hold the device"):
+        board.hand(HALFWAY)
+        return ""
+    if last.startswith("Let go"):
+        board.hand("let-go")
+        return ""
+    if last.startswith("Write this to"):
+        return "y"
+    raise AssertionError(f"a question that the script does not know: {question}")
+
+
+class Calibrate(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.file = self.folder / "finger.textproto"
+
+    def board(self, serial: str) -> Board:
+        board = Board(self.folder, serial)
+        self.addCleanup(board.stop)
+        return board
+
+    def server(self, board: Board, *settings: str) -> Server:
+        server = Server(self.folder, board, *settings)
+        self.addCleanup(server.stop)
+        return server
+
+    def errors(self, server: Server, board: Board) -> tuple[float, float, float]:
+        """What the daemon says less what is, over the same second: l_x m, q_B rad, force N."""
+        said: list[haptic.DeviceState] = []
+        with haptic.Connection(server.address) as connection, connection.session(
+                client_name="reader", nominal_rate_hz=100) as session:
+            until("the device follows the hand", lambda: self.free(session).state == "ARMED")
+            board.hand(HALFWAY)
+            latest = time.monotonic() + 1.0
+            while time.monotonic() < latest:
+                said.append(self.free(session))
+            truth = board.rows(1.0)
+        def mean(values: list[float]) -> float:
+            return sum(values) / len(values)
+        return (mean([s.q[0] for s in said]) - mean([row[1] for row in truth]),
+                mean([s.q[1] for s in said]) - mean([row[2] for row in truth]),
+                mean([s.tau_measured[0] for s in said]) - mean([row[3] for row in truth]))
+
+    @staticmethod
+    def free(session: haptic.Session) -> haptic.DeviceState:
+        session.publish(haptic.FREE)
+        return session.wait_for_state(20.0)
+
+    def calibrate(self, server: Server, board: Board) -> list[str]:
+        process = subprocess.Popen([HAPTICCTL, "--server", server.address, "calibrate", "--output", self.file],
+                                   stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        watchdog = threading.Timer(5 * PATIENCE_S, process.kill)
+        watchdog.start()
+        try:
+            asked = person(process, board)
+            assert process.stderr is not None
+            self.assertEqual(process.wait(), 0, (process.stderr.read(), asked))
+            return asked
+        finally:
+            watchdog.cancel()
+            process.kill()
+            process.communicate()
+
+    def test_what_the_daemon_reads_is_right_afterwards_and_for_that_board_alone(self) -> None:
+        board = self.board("HX-0042")
+        server = self.server(board)
+        before = self.errors(server, board)
+        self.assertGreater(abs(before[0]), 10 * L_X_M, "the control: without calibration it is wrong")
+        self.assertGreater(abs(before[2]), 10 * FORCE_N)
+        asked = self.calibrate(server, board)
+        self.assertEqual(len(asked), 9, asked)  # two places and the travel of each DoF, off, let go, write
+        server.stop()
+
+        stored = f"device[0].board.calibration_file={self.file}"
+        server = self.server(board, stored)
+        with haptic.Connection(server.address) as connection:
+            device, = connection.devices()
+        self.assertEqual(device.serial, "HX-0042")
+        self.assertIn(f'date: "{device.calibrated}"', self.file.read_text())
+        l_x, q_B, force = self.errors(server, board)
+        self.assertLess(abs(l_x), L_X_M)
+        self.assertLess(abs(q_B), Q_B_RAD)
+        self.assertLess(abs(force), FORCE_N)
+        self.force_is_what_was_commanded(server, board)
+        again = subprocess.run([HAPTICCTL, "--server", server.address, "calibrate"], input="", capture_output=True,
+                               text=True, timeout=60)
+        self.assertEqual(again.returncode, 1)
+        self.assertIn("start hapticd without board.calibration_file", again.stderr)
+        server.stop()
+        board.stop()
+
+        other = Server(self.folder, self.board("HX-0043"), stored)
+        self.assertNotEqual(other.process.wait(timeout=60), 0)
+        self.assertIn("was made with the device 'HX-0042' on", other.log.read_text())
+        self.assertIn("this one is 'HX-0043'", other.log.read_text())
+
+    def force_is_what_was_commanded(self, server: Server, board: Board) -> None:
+        """The board closes its loop on what its load cell reads, which is 0.8 N off; what it holds is the command, but
+        for what friction leaves of it."""
+        with haptic.Connection(server.address) as connection, connection.session(
+                client_name="presser", nominal_rate_hz=100) as session:
+            session.engage_when_ready()
+            place = session.wait_for_state(20.0).x_probe
+            latest = time.monotonic() + PATIENCE_S
+            while (state := self.press(session, place)).state != "ENGAGED":
+                self.assertLess(time.monotonic(), latest, state)
+            pushed = tuple(x - 0.15 for x in place)  # the object stands in the finger
+            said: list[float] = []
+            latest = time.monotonic() + 4.0
+            while time.monotonic() < latest:
+                state = self.press(session, pushed)
+                if latest - time.monotonic() < 1.0:
+                    said.append(state.tau_a[0])
+            truth = [row[3] for row in board.rows(1.0)]
+        commanded, held = sum(said) / len(said), sum(truth) / len(truth)
+        self.assertGreater(abs(commanded), 1.0, "something was pressed")
+        self.assertLess(abs(held - commanded), 0.4, (commanded, held))
+
+    @staticmethod
+    def press(session: haptic.Session, place: tuple[float, ...]) -> haptic.DeviceState:
+        session.publish(haptic.held(place))
+        return session.wait_for_state(20.0)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

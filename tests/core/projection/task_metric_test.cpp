@@ -9,6 +9,7 @@
 #include <random>
 
 #include "haptic/core/error.hpp"
+#include "haptic/core/model/hand_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
 #include "haptic/core/projection/direction_guard.hpp"
 #include "haptic/core/projection/renderer.hpp"
@@ -125,6 +126,15 @@ TEST(TaskMetric, ABlockThatStandsAloneIsItsPartOfTheMatrix) {
   EXPECT_NEAR((metric.part(2, 2).matrix() - W.block(2, 2, 2, 2)).norm(), 0.0, 1e-14);
   const VecX a = gaussian(random, 6, 1);
   EXPECT_NEAR((W * metric.steepest(a) - a).norm(), 0.0, 1e-11 * a.norm());
+}
+
+TEST(TaskMetric, FingersStayApartUnlessItTiesThem) {
+  const auto hand = make_hand_exoskeleton({{"index", {}}, {"ring", {}}});
+  Eigen::MatrixXd W = Eigen::MatrixXd::Identity(4, 4);
+  W(0, 1) = W(1, 0) = 0.5;
+  EXPECT_TRUE(ProjectionModel(*hand, with_metric(TaskMetric::from_matrix(W))).has_parts());
+  W(1, 2) = W(2, 1) = 0.1;
+  EXPECT_FALSE(ProjectionModel(*hand, with_metric(TaskMetric::from_matrix(W))).has_parts());
 }
 
 TEST(TaskMetric, ItsRootSquaredIsTheMetric) {

@@ -232,12 +232,13 @@ TEST(CalibrateBoard, GivesAWrongPotentiometerItsMeaningBack) {
   VirtualBoard again(config, motion.intent(), calibrated, kinematics);
   EXPECT_EQ(again.info().calibrated, "2026-11-21");
   EXPECT_NEAR(again.info().limits.q_upper[0], result.dofs[0].upper, 5e-3) << "the travel";
-  for (const double asked : {0.0, 2.0}) {
-    const Held held = hold(again, asked);
+  for (const double tau_a : {0.0, 2.0}) {
+    const Held held = hold(again, tau_a);
     EXPECT_NEAR(held.l_x, again.board().rig().actuator().x(), 1e-4);
-    EXPECT_NEAR(held.measured, held.force, 0.02) << asked << " N asked for";
-    // The board closes the loop on what its cell reads; what it holds is what was asked for all the same.
-    EXPECT_NEAR(held.force, asked, 0.1);
+    EXPECT_NEAR(held.measured, held.force, 0.02) << tau_a << " N asked for";
+    // The board closes the loop on what its cell reads, 0.8 N more; what it holds is what was asked for
+    // all the same, but for what friction leaves of it within the second.
+    EXPECT_NEAR(held.force, tau_a, 0.4);
   }
 
   EmulatorConfig another = config;

@@ -225,7 +225,8 @@ class Calibrate(unittest.TestCase):
         self.assertIn("this one is 'HX-0043'", other.log.read_text())
 
     def force_is_what_was_commanded(self, server: Server, board: Board) -> None:
-        """The board closes its loop on what its load cell reads, which is 0.8 N off; what it holds is the command."""
+        """The board closes its loop on what its load cell reads, which is 0.8 N off; what it holds is the command, but
+        for what friction leaves of it."""
         with haptic.Connection(server.address) as connection, connection.session(
                 client_name="presser", nominal_rate_hz=100) as session:
             session.engage_when_ready()
@@ -243,7 +244,7 @@ class Calibrate(unittest.TestCase):
             truth = [row[3] for row in board.rows(1.0)]
         commanded, held = sum(said) / len(said), sum(truth) / len(truth)
         self.assertGreater(abs(commanded), 1.0, "something was pressed")
-        self.assertLess(abs(held - commanded), 0.2, (commanded, held))
+        self.assertLess(abs(held - commanded), 0.4, (commanded, held))
 
     @staticmethod
     def press(session: haptic.Session, place: tuple[float, ...]) -> haptic.DeviceState:

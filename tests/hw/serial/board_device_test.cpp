@@ -57,6 +57,8 @@ class EmulatorThread {
     stop_ = true;
     if (thread_.joinable()) thread_.join();
   }
+  /// After end(): the board's own last word.
+  [[nodiscard]] const hb_counters& counters() const { return board_.firmware().counters; }
   [[nodiscard]] std::string port() const { return link_.string(); }
   [[nodiscard]] Told told() const {
     const std::lock_guard lock(mutex_);
@@ -166,6 +168,35 @@ TEST(BoardDevice, GivesSamplesAndPressesOnceArmed) {
   loop.tick();
   EXPECT_FALSE(loop.reading.armed) << "disarmed at once, whatever the board has heard yet";
   EXPECT_TRUE(loop.run_until([&] { return board.told().state == HB_DISARMED; }));
+}
+
+TEST(BoardDevice, KeepsABookOfItsLinkThatBalancesWithTheBoards) {
+  EmulatorThread board;
+  const auto device = open(config(board.port()));
+  Loop loop(*device);
+  loop.command.arm = true;
+  ASSERT_TRUE(loop.run_until([&] { return loop.samples > 300; }));
+  device->close();
+  for (int i = 0; i < 1000 && board.told().state != HB_DISARMED; ++i) {
+    std::this_thread::sleep_for(1ms);
+  }
+  board.end();
+  const auto frames = [book = device->link_counts()](const std::string& end,
+                                                     const std::string& what) {
+    for (const LinkCount& line : book) {
+      if (line.end == end && line.what == what) return line.frames;
+    }
+    ADD_FAILURE() << "no " << end << ' ' << what;
+    return std::uint64_t{0};
+  };
+  EXPECT_GT(frames("host", "received"), 300U);
+  EXPECT_LE(frames("host", "lost"), frames("board", "without_room"));
+  EXPECT_GT(frames("board", "accepted"), 0U) << "as its COUNTERS told";
+  const hb_counters& n = board.counters();
+  EXPECT_EQ(frames("host", "sent"),
+            n.accepted + n.bad_crc + n.malformed + n.not_newer + n.wrong_nonce);
+  const auto other = open_device(SimulatedFingerConfig{}, core::make_finger_exoskeleton({}));
+  EXPECT_TRUE(other->link_counts().empty()) << "no link, no book";
 }
 
 TEST(BoardDevice, CloseDisarms) {

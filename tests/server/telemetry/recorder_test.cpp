@@ -95,6 +95,31 @@ TEST(Recorder, TheHeaderIsTheDocumentedOne) {
   EXPECT_THAT(Recorder::header(*kinematics, true),
               testing::EndsWith(",skipped,tau_standard_l_x_n,tau_null_space_l_x_n,"
                                 "tau_subspace_linear_l_x_n,tau_subspace_exact_l_x_n"));
+  EXPECT_THAT(Recorder::header(*kinematics, true, true),
+              testing::HasSubstr(
+                  ",skipped,tracker_seq,tracker_age_us,tracker_staleness,tau_standard_l_x_n,"));
+}
+
+TEST(Recorder, ATrackersPoseInUseIsToldWhereTheSceneHasOne) {
+  ScratchFile file("tracked.csv");
+  {
+    Recorder recorder(file.path(), rig_config().kinematics, nullptr, true);
+    TickRecord record;
+    record.tracker.on = true;
+    recorder.on_record(record);
+    record.tracker.seq = 7;
+    record.tracker.age = 3500us;
+    record.tracker.level = haptic::core::Staleness::kHold;
+    recorder.on_record(record);
+  }
+  auto rows = read_csv(file.path());
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0]["tracker_seq"], "0");
+  EXPECT_EQ(rows[0]["tracker_age_us"], "0");
+  EXPECT_EQ(rows[0]["tracker_staleness"], "LOST");
+  EXPECT_EQ(rows[1]["tracker_seq"], "7");
+  EXPECT_EQ(rows[1]["tracker_age_us"], "3500");
+  EXPECT_EQ(rows[1]["tracker_staleness"], "HOLD");
 }
 
 TEST(Recorder, EveryNumberReadsBackToTheRecordsBits) {

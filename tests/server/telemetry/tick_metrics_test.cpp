@@ -55,6 +55,22 @@ TEST(TickMetrics, EveryTickCountsOnceAndAgesOnlyWithAProxy) {
   EXPECT_EQ(all(rig.metrics.totals().age) - ages, 7u);
 }
 
+TEST(TickMetrics, ASamplesAgeIsThatOfTheNewestOneAlsoWhereATickHasNone) {
+  TickMetrics metrics([] { return Carrier::kNone; });
+  core::TickRecord record;
+  record.input.now = core::TimePoint(std::chrono::seconds(5));
+  metrics.on_record(record);
+  EXPECT_EQ(all(metrics.totals().sample_age), 0u) << "no sample came so far";
+  record.input.device.sample.seq = 1;
+  record.input.device.sample.time = record.input.now - std::chrono::microseconds(1600);
+  metrics.on_record(record);
+  record.input.now += std::chrono::milliseconds(1);
+  metrics.on_record(record);
+  const Histogram age = metrics.totals().sample_age;
+  EXPECT_EQ(all(age), 2u);
+  EXPECT_NEAR(age.sum(), 0.0016 + 0.0026, 1e-9);
+}
+
 TEST(TickMetrics, AFaultCountsWhenItLatchesNotForAsLongAsItLasts) {
   MeteredRig rig;
   rig.tick(5);

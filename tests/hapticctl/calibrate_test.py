@@ -4,7 +4,7 @@ and a load cell with an offset; hapticd on its pseudo-terminal; the command, wit
 the truth because the emulator writes it down. Then hapticd with the file that was made, and with a board that is not
 the file's.
 
-    calibrate_test.py HAPTICD HAPTICCTL HAPTIC-BOARD-EMULATOR SCENE        (package haptic on PYTHONPATH)
+    calibrate_test.py HAPTICD HAPTICCTL HAPTIC-BOARD-EMULATOR SCENE        (package haptic and tests/support on PYTHONPATH)
 
 Made for a busy machine: the board's patience and the server's are long, every step waits for what it needs. Where the
 processor was gone for more than 100 ms, the longest silence that a scene allows a board, the step is done again.
@@ -22,84 +22,14 @@ from collections.abc import Callable
 from typing import Any
 
 import haptic
+from board_rig import PATIENCE_S, Board, Disturbed, Server, sound, until
 
 HAPTICD, HAPTICCTL, EMULATOR, SCENE = sys.argv[1:5]
 STRAIGHT, HALFWAY, BENT = "0.2 0.2", "0.4 0.5", "0.7 0.9"  # rad, where the hand takes the joints
-PATIENCE_S, TRIES = 40.0, 6
+TRIES = 6
 # What the stated resolution of the sensors leaves, over a second: a 12-bit potentiometer of 50 mm (12 um) and one of
 # 270 degrees (1.2 mrad), a load cell with 30 mN rms; and the places' own accuracy.
 L_X_M, Q_B_RAD, FORCE_N = 1e-4, 5e-3, 0.02
-
-
-class Disturbed(Exception):
-    """The device went into FAULT for a silence that is this machine's doing."""
-
-
-def until(what: str, condition: Callable[[], bool]) -> None:
-    latest = time.monotonic() + PATIENCE_S
-    while not condition():
-        if time.monotonic() > latest:
-            raise AssertionError(f"not within {PATIENCE_S:g} s: {what}")
-        time.sleep(0.02)
-
-
-class Board:
-    """The emulator, and what it really does: rows (time_s, l_x_m, q_B_rad, force_n)."""
-
-    def __init__(self, folder: pathlib.Path, serial: str, offset_m: float = 0.0) -> None:
-        self.port = folder / "board"
-        self.truth = folder / "truth.csv"
-        self.process = subprocess.Popen(
-            [EMULATOR, "--link", self.port, "--hand", "--truth", self.truth, "--serial", serial,
-             "--watchdog-ms", "1000", "--l-x-scale", "1.04", "--force-offset", "0.8", "--l-x-offset", str(offset_m),
-             "--fault", "drift@0+1=0.001"],  # 1 mm within the first second, and there it stays
-            stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, text=True)
-        until("the emulator's port", self.port.exists)
-
-    def stop(self) -> None:
-        assert self.process.stdin is not None
-        self.process.stdin.close()
-        self.process.terminate()
-        self.process.wait()
-
-    def rows(self, seconds: float) -> list[tuple[float, ...]]:
-        """The newest so many seconds of the board's time."""
-        lines = self.truth.read_text().splitlines()[1:-1]  # the last one may be half written
-        rows = [tuple(map(float, line.split(","))) for line in lines[-int(100 * seconds):]]
-        return rows if len(rows) >= 100 * seconds else []
-
-    def hand(self, where: str) -> None:
-        """Takes the finger there, and waits until the rod has followed and all is at rest."""
-        assert self.process.stdin is not None
-        began = self.rows(0.01)[-1][0] if self.rows(0.01) else 0.0
-        self.process.stdin.write(where + "\n")
-        self.process.stdin.flush()
-
-        def rests() -> bool:
-            rows = self.rows(0.5)
-            return bool(rows) and rows[0][0] > began + 1.0 and all(
-                max(row[i] for row in rows) - min(row[i] for row in rows) < most for i, most in ((1, 5e-5), (2, 2e-3)))
-
-        until(f"the hand at rest at {where}", rests)
-
-
-class Server:
-    def __init__(self, folder: pathlib.Path, board: Board, *settings: str) -> None:
-        self.address = f"unix:{folder}/socket"
-        self.log = folder / "hapticd.log"
-        socket = folder / "socket"
-        socket.unlink(missing_ok=True)
-        arguments = [HAPTICD, "--scene", SCENE, "--listen", self.address]
-        for setting in (f"device[0].board.port={board.port}", "device[0].board.max_silence={nanos: 100000000}",
-                        "loop.loop_late_fault={nanos: 500000000}", "loop.late_bucket_full=1000000", *settings):
-            arguments += ["--set", setting]
-        with open(self.log, "w", encoding="utf-8") as log:
-            self.process = subprocess.Popen(arguments, stderr=log)
-        until("hapticd serves or refuses", lambda: socket.exists() or self.process.poll() is not None)
-
-    def stop(self) -> None:
-        self.process.terminate()
-        self.process.wait()
 
 
 def person(process: subprocess.Popen[str], board: Board) -> list[str]:
@@ -143,12 +73,6 @@ def answer(question: str, board: Board) -> str:
     raise AssertionError(f"a question that the script does not know: {question}")
 
 
-def sound(state: haptic.DeviceState) -> haptic.DeviceState:
-    if state.state == "FAULT":
-        raise Disturbed
-    return state
-
-
 class Calibrate(unittest.TestCase):
     def setUp(self) -> None:
         folder = tempfile.TemporaryDirectory()
@@ -157,12 +81,14 @@ class Calibrate(unittest.TestCase):
         self.file = self.folder / "finger.textproto"
 
     def board(self, serial: str, offset_m: float = 0.0) -> Board:
-        board = Board(self.folder, serial, offset_m)
+        board = Board(EMULATOR, self.folder, "--serial", serial, "--l-x-scale", "1.04", "--force-offset", "0.8",
+                      "--l-x-offset", str(offset_m),
+                      "--fault", "drift@0+1=0.001")  # 1 mm within the first second, and there it stays
         self.addCleanup(board.stop)
         return board
 
     def server(self, board: Board, *settings: str) -> Server:
-        server = Server(self.folder, board, *settings)
+        server = Server(HAPTICD, SCENE, self.folder, board, *settings)
         self.addCleanup(server.stop)
         return server
 
@@ -253,7 +179,7 @@ class Calibrate(unittest.TestCase):
         server.stop()
         board.stop()
 
-        other = Server(self.folder, self.board("HX-0043"), stored)
+        other = Server(HAPTICD, SCENE, self.folder, self.board("HX-0043"), stored)
         self.assertNotEqual(other.process.wait(timeout=60), 0)
         self.assertIn("was made with the device 'HX-0042' on", other.log.read_text())
         self.assertIn("this one is 'HX-0043'", other.log.read_text())

@@ -139,7 +139,8 @@ void App::listen_to_devices() {
     const DeviceScene& device = scene_.devices[i];
     sessions_.push_back(std::make_unique<DeviceSessions>(
         *units_[i], *telemetry_, i,
-        SessionRules{scene_.server.lease_timeout, device.fresh_end, device.tracker_fresh_end}));
+        SessionRules{scene_.server.lease_timeout, device.fresh_end, device.tracker_fresh_end,
+                     device.coupling_softness}));
     DeviceSessions& sessions = *sessions_.back();
     listeners_.push_back(
         std::make_unique<EventLog>(device.name, [&sessions] { return sessions.controller(); }));

@@ -97,6 +97,12 @@ Rows table(const client::DeviceInfo& device, const client::DeviceState& s, doubl
                         at(s.x_probe, i), at(s.x, i), device.coordinates[i].unit.c_str()));
   }
   if (s.tracker) rows.push_back("  " + tracker(device, s));
+  if (s.certificate) {
+    const bool computed = s.certificate->status == client::CertificateState::Status::kComputed;
+    rows.push_back(computed ? text("  certificate %.3f (block %u)", s.certificate->margin,
+                                   s.certificate->block)
+                            : text("  certificate %s", client::name(s.certificate->status)));
+  }
   rows.push_back(text("  faults %s  limiters %s  conflated %llu",
                       joined(client::fault_names(s.faults)).c_str(),
                       joined(client::limiter_names(s.limiters)).c_str(),
@@ -122,6 +128,16 @@ std::string json_line(const client::DeviceInfo& device, const client::DeviceStat
                  {"scale", s.passivity->scale},
                  {"observed_j", s.passivity->observed},
                  {"alpha_s", s.passivity->alpha}};
+  }
+  nlohmann::json certificate;  // null where the scene does not ask for it
+  if (s.certificate) {
+    certificate = {{"status", client::name(s.certificate->status)},
+                   {"margin", s.certificate->margin},
+                   {"block", s.certificate->block}};
+  }
+  nlohmann::json coupling = nlohmann::json::array();
+  for (const client::CouplingBlock& block : s.coupling_metric) {
+    coupling.push_back({{"coordinates", block.coordinates}, {"lower", block.lower}});
   }
   nlohmann::json palm;  // null where the scene has no tracker
   if (s.tracker) {
@@ -157,6 +173,8 @@ std::string json_line(const client::DeviceInfo& device, const client::DeviceStat
                          {"active_planes", s.active_planes},
                          {"passivity", passivity},
                          {"tracker", palm},
+                         {"certificate", certificate},
+                         {"coupling_metric", coupling},
                          {"projection", s.projection},
                          {"lease_epoch", s.lease_epoch},
                          {"conflated", conflated}})

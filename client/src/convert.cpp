@@ -58,6 +58,14 @@ DeviceState to_state(const v1::DeviceState& m) {
     const v1::PassivityState& p = m.passivity();
     s.passivity = PassivityState{p.tank(), p.storage(), p.scale(), p.observed(), p.alpha()};
   }
+  if (m.has_certificate()) {
+    s.certificate =
+        CertificateState{static_cast<CertificateState::Status>(m.certificate().status()),
+                         m.certificate().margin(), m.certificate().block()};
+  }
+  for (const v1::CouplingBlock& block : m.coupling_metric()) {
+    s.coupling_metric.push_back({block.coordinates(), list(block.lower())});
+  }
   s.received = std::chrono::steady_clock::now();
   return s;
 }

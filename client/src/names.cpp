@@ -37,6 +37,26 @@ std::vector<std::string> limiter_names(std::uint32_t limiters) {
   return names(limiters, kLimiters);
 }
 
+const char* name(CertificateState::Status status) noexcept {
+  switch (status) {
+    case CertificateState::Status::kUnknown:
+      break;
+    case CertificateState::Status::kComputed:
+      return "COMPUTED";
+    case CertificateState::Status::kIdle:
+      return "IDLE";
+    case CertificateState::Status::kOtherRenderer:
+      return "OTHER_RENDERER";
+    case CertificateState::Status::kMapFailed:
+      return "MAP_FAILED";
+    case CertificateState::Status::kNotFullRank:
+      return "NOT_FULL_RANK";
+    case CertificateState::Status::kNoStiffness:
+      return "NO_STIFFNESS";
+  }
+  return "UNKNOWN";
+}
+
 const char* name(State state) noexcept {
   switch (state) {
     case State::kInit:

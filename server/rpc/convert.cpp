@@ -126,7 +126,24 @@ void to_proto(const core::TickRecord& record, DeviceSessions::Stamp stamp, v1::D
   state.set_condition(record.condition);
   state.set_lease_epoch(stamp.lease_epoch);
   state.set_mode(static_cast<v1::ProxyMode>(record.proxy_mode));
+  if (record.certificate.status != core::CertificateStatus::kOff) {
+    v1::CertificateState& certificate = *state.mutable_certificate();
+    certificate.set_status(static_cast<v1::CertificateStatus>(record.certificate.status));
+    certificate.set_margin(record.certificate.margin);
+    certificate.set_block(static_cast<std::uint32_t>(record.certificate.block));
+  } else {
+    state.clear_certificate();
+  }
   to_actuators(record, state);
+}
+
+void to_proto(const std::vector<core::CouplingBlock>& blocks, v1::DeviceState& state) {
+  state.clear_coupling_metric();
+  for (const core::CouplingBlock& block : blocks) {
+    v1::CouplingBlock& message = *state.add_coupling_metric();
+    message.set_coordinates(static_cast<std::uint32_t>(block.coordinates));
+    message.mutable_lower()->Add(block.lower.begin(), block.lower.end());
+  }
 }
 
 v1::Event to_proto(const DeviceEvent& event) {
@@ -248,7 +265,22 @@ void to_proto(const wire::PathKeys& keys, const UdpPort& port, v1::UdpPath& mess
   message.set_down_salt(bytes(keys.down.salt));
 }
 
-std::size_t largest_state(const core::PipelineConfig& config) {
+namespace {
+
+/// A coupling metric in which no block is empty.
+std::vector<core::CouplingBlock> full_coupling(const core::PipelineConfig& config) {
+  const core::ProjectionModel model(*config.kinematics, config.projection);
+  std::vector<core::CouplingBlock> blocks = core::coupling_blocks(model, {}, {}, 1.0);
+  for (core::CouplingBlock& block : blocks) {
+    const auto n = static_cast<std::size_t>(block.coordinates);
+    block.lower.assign(n * (n + 1) / 2, 1.0);
+  }
+  return blocks;
+}
+
+}  // namespace
+
+std::size_t largest_state(const core::PipelineConfig& config, bool coupled) {
   // Vectors of numbers that are not 0 and every other field at its longest.
   core::TickRecord record;
   const auto n_q = config.kinematics->layout().n_q(), n_a = config.kinematics->layout().n_a(),
@@ -272,8 +304,12 @@ std::size_t largest_state(const core::PipelineConfig& config) {
   record.passivity.on = config.passivity.enabled();
   record.passivity.tank = record.passivity.storage = record.passivity.scale = 1.0;
   record.passivity.observed = record.passivity.alpha = 1.0;
+  if (config.passivity_certificate) {
+    record.certificate = {core::CertificateStatus::kNoStiffness, 31, 1.0};
+  }
   v1::DeviceState state;
   to_proto(record, {Carrier::kUdp, 0}, state);
+  if (coupled) to_proto(full_coupling(config), state);
   constexpr std::size_t kScalars = 120;  // 4 of 64 bits, 9 of 32, 2 doubles, with their tags
   return state.ByteSizeLong() + kScalars;
 }

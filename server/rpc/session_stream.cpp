@@ -314,7 +314,8 @@ void SessionStream::offer_udp(v1::SessionOpened& message) {
     message.set_udp_refused("its keys travel only over TLS, a UNIX socket or loopback");
     return;
   }
-  const std::size_t largest = largest_state(target_.device->unit().config());
+  const std::size_t largest = largest_state(target_.device->unit().config(),
+                                            target_.device->coupling_softness().has_value());
   if (largest > wire::kLargestPayload) {
     message.set_udp_refused("a state of this device has up to " + std::to_string(largest) +
                             " bytes: a datagram carries " + std::to_string(wire::kLargestPayload));

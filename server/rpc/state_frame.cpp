@@ -42,6 +42,11 @@ void StateFrame::begin(const core::TickRecord& record, DeviceSessions::Stamp sta
 void StateFrame::serialise() {
   if (ready_) return;
   to_proto(*record_, stamp_, state_);
+  if (coupling_) {
+    to_proto(core::coupling_blocks(coupling_->model, record_->q, record_->input.settings.stiffness,
+                                   coupling_->softness),
+             state_);
+  }
   bytes_ = to_slice(state_);
   ready_ = true;
 }

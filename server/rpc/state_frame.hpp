@@ -4,9 +4,11 @@
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/slice.h>
 
+#include <optional>
 #include <span>
 
 #include "google/protobuf/message_lite.h"
+#include "haptic/core/projection/projection_model.hpp"
 #include "haptic/core/tick/tick_record.hpp"
 #include "haptic/v1/session.pb.h"
 #include "server/session/device_sessions.hpp"
@@ -18,6 +20,10 @@ namespace haptic::server {
 /// drain's.
 class StateFrame {
  public:
+  StateFrame() = default;
+  /// Its states carry the coupling metric of this model, whose map must outlive the frame.
+  StateFrame(const core::ProjectionModel& model, double softness)
+      : coupling_(Coupling{model, softness}) {}
   /// A new tick; nothing is serialised before somebody asks. `record` must outlive the use.
   void begin(const core::TickRecord& record, DeviceSessions::Stamp stamp = {}) noexcept;
   /// SessionResponse { state }.
@@ -28,8 +34,13 @@ class StateFrame {
   [[nodiscard]] grpc::ByteBuffer for_watch(std::uint64_t conflated);
 
  private:
+  struct Coupling {
+    core::ProjectionModel model;
+    double softness;
+  };
   void serialise();
 
+  std::optional<Coupling> coupling_{};
   const core::TickRecord* record_{nullptr};
   DeviceSessions::Stamp stamp_{};
   bool ready_{false};

@@ -1,5 +1,6 @@
 #include "server/scene/device_scene.hpp"
 
+#include "server/scene/diagnostics_scene.hpp"
 #include "server/scene/force_control_scene.hpp"
 #include "server/scene/kinematics_scene.hpp"
 #include "server/scene/passivity_scene.hpp"
@@ -69,6 +70,8 @@ DeviceScene read_device(v1::DeviceScene& message, const std::string& path,
   device.settings = std::move(render.settings);
   device.fresh_end = render.fresh_end;
   device.monotone_envelope = message.has_monotone_envelope();
+  device.passivity_certificate = read_passivity_certificate(message, path, problems);
+  device.coupling_softness = read_coupling_metric(message, path, problems);
   if (message.has_limits()) {
     device.ratings = read_ratings(*message.mutable_limits(), path + ".limits",
                                   layout == nullptr ? -1 : layout->n_a(), problems);
@@ -102,6 +105,7 @@ core::PipelineConfig pipeline_config(const DeviceScene& scene, const core::Devic
   config.device = limits;
   config.scene = scene.settings;
   config.monotone_envelope = scene.monotone_envelope;
+  config.passivity_certificate = scene.passivity_certificate;
   config.passivity = scene.passivity;
   config.ratings = scene.ratings;
   config.force_control = scene.force_control.settings;

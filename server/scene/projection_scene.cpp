@@ -8,13 +8,32 @@
 namespace haptic::server {
 namespace {
 
+core::TaskMetric read_matrix(v1::MetricScene& message, const FieldReader& reader, int n_x) {
+  if (message.has_scale_m() || message.has_scale_rad()) {
+    reader.wrong("W", "{ beside scales }", "must be either W or scale_m and scale_rad");
+    return {};
+  }
+  const std::vector<double> values =
+      reader.list({"W", Allowed::kFinite, n_x * n_x, "pair of coordinates"});
+  if (values.empty()) return {};
+  try {
+    return core::TaskMetric::from_matrix(
+        Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+            values.data(), n_x, n_x));
+  } catch (const core::SceneError& error) {
+    reader.wrong("W", decimal(values), error.what());
+    return {};
+  }
+}
+
 core::TaskMetric read_metric(v1::MetricScene& message, const std::string& path,
                              const core::ConfigurationSpace& space, Problems& problems) {
   const std::size_t before = problems.count();
+  const FieldReader reader(message, path, problems);
+  if (message.w_size() > 0) return read_matrix(message, reader, space.n_x());
   double metres = 0.005, radians = 0.1;  // METHOD 4.4
-  FieldReader(message, path, problems)
-      .numbers(
-          {{"scale_m", &metres, Allowed::kPositive}, {"scale_rad", &radians, Allowed::kPositive}});
+  reader.numbers(
+      {{"scale_m", &metres, Allowed::kPositive}, {"scale_rad", &radians, Allowed::kPositive}});
   if (problems.count() > before) return {};
   core::VecX scale(space.n_x());
   for (int i = 0; i < space.n_x(); ++i) {

@@ -22,6 +22,9 @@ struct DeviceScene {
   core::ProjectionSettings projection{};
   core::RenderSettings settings{};  ///< the widest a session may ask for
   bool monotone_envelope{false};
+  bool passivity_certificate{false};
+  /// eps of the coupling metric that states carry (METHOD 5.5); absent: none.
+  std::optional<double> coupling_softness{};
   core::PassivitySettings passivity{};
   std::vector<core::ActuatorRatings> ratings{};  ///< n_a, or none
   ForceControlScene force_control{};

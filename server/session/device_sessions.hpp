@@ -40,6 +40,8 @@ struct SessionRules {
   /// The scene's bound on every lease's fresh_end; absent: 2.5 nominal periods of the client.
   std::optional<core::Duration> fresh_end{};
   std::optional<core::Duration> tracker_fresh_end{};  ///< the same of a tracker's poses
+  /// Softness of the coupling metric that states carry (METHOD 5.5); absent: none.
+  std::optional<double> coupling_softness{};
 };
 
 using LeaseAnswer = std::function<void(const Outcome<Lease>&)>;
@@ -61,6 +63,9 @@ class DeviceSessions final : public RecordListener {
     return tracker_ ? &*tracker_ : nullptr;
   }
   [[nodiscard]] core::Duration lease_timeout() const noexcept { return rules_.lease_timeout; }
+  [[nodiscard]] std::optional<double> coupling_softness() const noexcept {
+    return rules_.coupling_softness;
+  }
 
   /// The session's events from now on, until close(). Every session subscribes, whatever its role.
   [[nodiscard]] std::shared_ptr<EventQueue> subscribe(const std::string& session_id);

@@ -80,6 +80,17 @@ class Row {
   bool first_{true};
 };
 
+void add_certificate(Row& row, const core::Certificate& certificate) {
+  row.add(certificate.status == core::CertificateStatus::kOff ? "" : name(certificate.status));
+  if (certificate.status == core::CertificateStatus::kComputed) {
+    row.number(certificate.margin);
+    row.number(certificate.block);
+  } else {
+    row.add("");
+    row.add("");
+  }
+}
+
 double microseconds(core::Duration d) {
   return static_cast<double>(d.count()) * 1e-3;
 }
@@ -118,8 +129,9 @@ std::string Recorder::header(const core::Kinematics& kinematics, bool compare, b
   for (const char* quantity : {"tau_elastic", "tau_damping", "tau_a"}) {
     add_forces(row, kinematics, quantity);
   }
-  for (const char* name : {"projection", "faults", "limiters", "storage_j", "tank_j", "tank_scale",
-                           "observed_j", "lateness_us", "skipped"}) {
+  for (const char* name :
+       {"projection", "faults", "limiters", "storage_j", "tank_j", "tank_scale", "observed_j",
+        "certificate", "certificate_margin", "certificate_block", "lateness_us", "skipped"}) {
     row.add(name);
   }
   if (tracked) {
@@ -194,6 +206,7 @@ void Recorder::compose(const core::TickRecord& record) {
       row.add("");
     }
   }
+  add_certificate(row, record.certificate);
   row.number(microseconds(record.input.loop.lateness));
   row.number(record.input.loop.skipped);
   if (tracked_) {

@@ -27,6 +27,9 @@
 ///   tank_j                   level of the energy tank; below 0: debt (METHOD 5.3)
 ///   tank_scale               deviation in use by deviation wanted; below 1: the tank held it back
 ///   observed_j               E_obs of the passivity observer (METHOD 5.2)
+///   certificate              of the linearised method (METHOD 2.1): COMPUTED, or why it is not; empty
+///                            where the scene does not ask for it
+///   certificate_margin, certificate_block   while COMPUTED, else empty
 ///   lateness_us, skipped     of the loop
 ///
 /// where the scene has a tracker also (its pose itself is the palm's part of q):
@@ -40,8 +43,8 @@
 /// The finger exoskeleton's header thus reads: time_s,tick,state,staleness,proxy_age_us,mode,gain,
 /// damping_gain,l_x,q_B,q_dot_l_x_m_per_s,x_probe_q_o1_mcp_rad,x_probe_q_o2_pip_rad,
 /// x_q_o1_mcp_rad,x_q_o2_pip_rad,q_star_l_x_m,q_star_q_B_rad,tau_elastic_l_x_n,tau_damping_l_x_n,
-/// tau_a_l_x_n,projection,faults,limiters,storage_j,tank_j,tank_scale,observed_j,lateness_us,
-/// skipped[,tau_standard_l_x_n,tau_null_space_l_x_n,tau_subspace_linear_l_x_n,
+/// tau_a_l_x_n,projection,faults,limiters,storage_j,tank_j,tank_scale,observed_j,
+/// certificate,certificate_margin,certificate_block,lateness_us,skipped[,tau_standard_l_x_n,tau_null_space_l_x_n,tau_subspace_linear_l_x_n,
 /// tau_subspace_exact_l_x_n].
 ///
 /// Numbers have full precision: reading them back gives the same bits.

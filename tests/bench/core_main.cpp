@@ -6,6 +6,7 @@
 
 #include "haptic/core/linear/least_squares.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/projection/linear_certificate.hpp"
 #include "haptic/core/projection/renderer.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/bench/paired.hpp"
@@ -72,6 +73,7 @@ struct Extras {
   const char* name{""};
   bool guard{false}, envelope{false}, tank{false}, observer{false};
   int planes{0};
+  bool certificate{false};
 };
 
 core::PipelineConfig tick_config(const core::RendererKind kind, const Extras& extras) {
@@ -83,6 +85,7 @@ core::PipelineConfig tick_config(const core::RendererKind kind, const Extras& ex
   config.scene.renderer = kind;
   config.scene.direction_guard = extras.guard;
   config.monotone_envelope = extras.envelope;
+  config.passivity_certificate = extras.certificate;
   config.passivity.tank.enabled = extras.tank;
   config.passivity.observer.enabled = extras.observer;
   config.passivity.observer.inertia = VecA::Constant(1, 0.05);
@@ -156,6 +159,13 @@ int main() {
     }
   }
 
+  const Extras certified{" with certificate", false, false, false, false, 0, true};
+  constexpr core::RendererKind kEq8 = core::RendererKind::kSubspaceLinear;
+  bench::print(bench::compare(
+      "tick subspace_linear with certificate p50", "tick subspace_linear p50", "ns",
+      [&] { return tick_p50(poses, kEq8, certified); },
+      [&] { return tick_p50(poses, kEq8, Extras{}); }, 0.0));
+
   core::LeastSquares solver(2, finger.layout());
   const auto ours = [&](int n) {  // f, J, Eq. (8)
     for (int i = 0; i < n; ++i) {
@@ -205,6 +215,15 @@ int main() {
       sink += q_star[0];
     }
   };
+  core::LinearCertificate certificate{core::ProjectionModel(finger)};
+  const auto certify = [&](int n) {  // f, J, the certificate of METHOD 2.1
+    for (int i = 0; i < n; ++i) {
+      const std::size_t k = static_cast<std::size_t>(i % kPoses);
+      static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));
+      finger.space().difference(poses.x[k], x_probe, dx);
+      sink += certificate.at({poses.q[k], x_probe, J}, dx, Z_q).margin;
+    }
+  };
   constexpr int kCalls = 16384;
   const auto block = [](const auto& body) {
     return [&body] { return bench::ns_per_call(kCalls, body); };
@@ -216,6 +235,8 @@ int main() {
                               block(eigen_qr), 1.0));
   bench::print(bench::compare("Eq. (6) one warm Gauss-Newton step", "Eq. (8)", "ns",
                               block(warm_step), block(ours), 1.2));
+  bench::print(bench::compare("certificate f + J + margin", "Eq. (8)", "ns", block(certify),
+                              block(ours), 0.0));
   bench::print(
       bench::compare("Eq. (6) closed form", "Eq. (8)", "ns", block(closed_form), block(ours), 1.5));
 

@@ -16,6 +16,7 @@ void add_scan(CLI::App& app);
 void add_radius(CLI::App& app);
 void add_finger(CLI::App& app);
 void add_closed_loop(CLI::App& app);
+void add_coupling(CLI::App& app);
 void add_rate(CLI::App& app);
 void add_hard_cases(CLI::App& app);
 void add_linear_algebra(CLI::App& app);

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   haptic::report::add_radius(app);
   haptic::report::add_finger(app);
   haptic::report::add_closed_loop(app);
+  haptic::report::add_coupling(app);
   haptic::report::add_rate(app);
   haptic::report::add_hard_cases(app);
   haptic::report::add_linear_algebra(app);

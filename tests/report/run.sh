@@ -3,7 +3,7 @@
 #
 #   tests/report/run.sh [--output DIR] [--build DIR] [part...]
 #
-#   part           kinematics fig4 recordings scan radius finger closed_loop rate hard_cases linear_algebra
+#   part           kinematics fig4 recordings scan radius finger coupling closed_loop rate hard_cases linear_algebra
 #                  scaling work_precision; default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
@@ -25,7 +25,7 @@ while (($#)); do
     *) parts+=("$1"); shift ;;
   esac
 done
-((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger closed_loop rate hard_cases linear_algebra scaling work_precision)
+((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger coupling closed_loop rate hard_cases linear_algebra scaling work_precision)
 
 if [[ -z $programs ]]; then
   sh "$root/docker/install-deps.sh" build test report
@@ -171,6 +171,19 @@ make_closed_loop() {
   draw closed_loop closed_loop "csv='$output/closed_loop.csv'; trace='$output/closed_loop_trace.csv'"
   draw closed_loop_clients closed_loop_clients "csv='$output/closed_loop.csv'"
   closed_loop_tables
+}
+make_coupling() {
+  csv coupling coupling
+  draw coupling coupling "csv='$output/coupling.csv'"
+  # The median error and the mean depth over poses, penetrations and stiffnesses.
+  (cd "$output" && awk -F, 'NR > 1 { print $3 "," $6 "," $10 "," $12 / $5 "," $13 }' coupling.csv | sort -t, -k1,2 -k3,3g |
+    awk -F, -v OFS=, 'function close_group() {
+        if (n) print stop, metric, n, error[int((n + 1) / 2)], 100 * depth / stays, in_ + 0, opposite + 0, leaves + 0 }
+      BEGIN { print "stop", "metric", "presses", "median_force_error", "mean_depth_pct_of_meant", "pulled_in", "opposite_sign", "left_the_workspace" }
+      $1 != stop || $2 != metric { close_group(); stop = $1; metric = $2; n = depth = stays = in_ = opposite = leaves = 0 }
+      { error[++n] = $3; in_ += $5 == "pulls in"; opposite += $5 == "opposite sign"
+        if ($5 ~ /^leaves/) leaves++; else { depth += $4; stays++ } }
+      END { close_group() }' >coupling_table.csv)
 }
 make_rate() {
   csv rate rate

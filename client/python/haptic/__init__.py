@@ -17,7 +17,9 @@ from ._session import Session
 from ._types import (
     FREE,
     Carriers,
+    Certificate,
     Coordinate,
+    CouplingBlock,
     Device,
     DeviceState,
     DegreeOfFreedom,
@@ -33,7 +35,7 @@ from ._types import (
 )
 
 __all__ = [
-    "FREE", "Carriers", "ClientError", "Connection", "Coordinate", "DegreeOfFreedom", "Device",
-    "DeviceState", "Event", "Pose", "Proxy", "SampleCounts", "ServerInfo", "Session", "Settings",
-    "TrackerState", "behind", "held",
+    "FREE", "Carriers", "Certificate", "ClientError", "Connection", "Coordinate", "CouplingBlock",
+    "DegreeOfFreedom", "Device", "DeviceState", "Event", "Pose", "Proxy", "SampleCounts",
+    "ServerInfo", "Session", "Settings", "TrackerState", "behind", "held",
 ]

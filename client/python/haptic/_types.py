@@ -43,6 +43,23 @@ def behind(planes: Sequence[tuple[Sequence[float], float]], position: Sequence[f
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
+class Certificate:
+    """How far the linearised method's force is from pushing along with a motion of the device."""
+
+    status: str  # "COMPUTED", else why there is no margin: "IDLE", "NOT_FULL_RANK", ...
+    margin: float  # 1 where the proxy is at the probe; not above 0: it does
+    block: int  # independent part where the margin is least
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class CouplingBlock:
+    """A metric for a projection of the client's own, of the next `coordinates` of x."""
+
+    coordinates: int
+    lower: tuple[float, ...]  # lower triangle row by row; empty: none here
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
 class Pose:
     """Where the tracked body is that carries a device, in the world: what a tracker publishes."""
 
@@ -90,6 +107,8 @@ class DeviceState:
     tau_measured: tuple[float, ...]  # empty: the device measures no force
     reading: tuple[float, ...]  # of a sample that was refused; empty: it is q
     tracker: TrackerState | None  # None: the scene has none
+    certificate: Certificate | None = None  # where the scene asks for it
+    coupling_metric: tuple[CouplingBlock, ...] = ()  # in the order of x, where the scene has one
 
     @classmethod
     def of(cls, m: wire.DeviceState) -> DeviceState:
@@ -99,7 +118,8 @@ class DeviceState:
                    m.gain, _name(wire.Transport, m.transport, "TRANSPORT_"),
                    _name(wire.DeviceStateName, m.state, "DEVICE_STATE_NAME_"), m.faults, m.limiters,
                    m.lease_epoch, tuple(m.tau_measured), tuple(m.reading),
-                   TrackerState.of(m.tracker) if m.HasField("tracker") else None)
+                   TrackerState.of(m.tracker) if m.HasField("tracker") else None, _certificate(m),
+                   tuple(CouplingBlock(b.coordinates, tuple(b.lower)) for b in m.coupling_metric))
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -207,6 +227,14 @@ class Settings:
     force_limit: tuple[float, ...]
     slew_limit: tuple[float, ...]
     clamped: tuple[str, ...]
+
+
+def _certificate(m: wire.DeviceState) -> Certificate | None:
+    if not m.HasField("certificate"):
+        return None
+    c = m.certificate
+    return Certificate(_name(wire.CertificateStatus, c.status, "CERTIFICATE_STATUS_"), c.margin,
+                       c.block)
 
 
 def _name(enum_type: type, value: int, prefix: str) -> str:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace haptic::core {
 
@@ -21,9 +22,8 @@ constexpr bool has(std::uint32_t set, int i) noexcept {
 
 }  // namespace
 
-PlaneProjection::PlaneProjection(const ConfigurationSpace& space, const VecX& W_x)
-    : space_(&space), W_inverse_(VecX::Ones(space.n_x())), at_(VecX::Zero(space.n_x())) {
-  if (W_x.size() == space.n_x()) W_inverse_ = W_x.cwiseInverse();
+PlaneProjection::PlaneProjection(const ConfigurationSpace& space, TaskMetric metric)
+    : space_(&space), metric_(std::move(metric)), at_(VecX::Zero(space.n_x())) {
   for (const Coordinate& c : space.coordinates()) {
     linear_.push_back(c.kind == CoordinateKind::kLinear);
   }
@@ -36,7 +36,8 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x) noexcept {
   A_ = planes.normals;
   D_.resize(A_.rows(), count_);
   for (int i = 0; i < count_; ++i) {
-    const double norm = std::sqrt(A_.col(i).cwiseAbs2().cwiseProduct(W_inverse_).sum());
+    D_.col(i) = metric_.steepest(A_.col(i));
+    const double norm = std::sqrt(A_.col(i).dot(D_.col(i)));
     if (!(norm > 0.0) || !std::isfinite(norm)) {
       skipped_ |= 1u << i;
       A_.col(i).setZero();
@@ -45,7 +46,7 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x) noexcept {
       continue;
     }
     A_.col(i) /= norm;
-    D_.col(i) = A_.col(i).cwiseProduct(W_inverse_);
+    D_.col(i) /= norm;
     beta_[i] = planes.offsets[i] / norm - A_.col(i).dot(at_);
   }
   for (int i = 0; i < count_; ++i) {

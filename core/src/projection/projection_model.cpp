@@ -48,6 +48,17 @@ double actuated_norm(const MatXQ& J, const DofLayout& layout) {
   return std::sqrt(sum);
 }
 
+/// A quaternion and its negative are one rotation: what ties its parts to anything else would change
+/// sign with the way it happens to be written.
+void require_rotations_apart(const ConfigurationSpace& space, const TaskMetric& metric) {
+  for (const int first : space.quaternions()) {
+    if (metric.separates(first, 4)) continue;
+    throw SceneError("task metric: W ties the rotation of coordinates " + std::to_string(first) +
+                     " to " + std::to_string(first + 3) +
+                     " to other coordinates: must be 0 there, for q and -q are one rotation");
+  }
+}
+
 void check(const Kinematics& kinematics, const ProjectionSettings& settings) {
   const ConfigurationSpace& space = kinematics.space();
   if (settings.metric.is_identity() && space.mixes_units()) {
@@ -57,6 +68,7 @@ void check(const Kinematics& kinematics, const ProjectionSettings& settings) {
     throw SceneError("task metric for " + std::to_string(settings.metric.n_x()) +
                      " coordinates: must be for " + std::to_string(space.n_x()));
   }
+  require_rotations_apart(space, settings.metric);
   if (settings.iteration.max_steps < 1 || !(settings.iteration.tolerance > 0.0)) {
     throw SceneError("iteration: max_steps must be >= 1, tolerance > 0");
   }
@@ -104,6 +116,10 @@ ProjectionModel::ProjectionModel(const Kinematics& kinematics, ProjectionSetting
     : kinematics_(&kinematics), settings_(std::move(settings)) {
   check(kinematics, settings_);
   mean_J_a_ = weighed_mean(kinematics, settings_.metric);
+  for (const MapBlock& block : kinematics.blocks()) {
+    has_parts_ = settings_.metric.separates(block.first_x, block.kinematics->space().n_x());
+    if (!has_parts_) break;
+  }
 }
 
 ProjectionModel ProjectionModel::part(const MapBlock& block) const {

@@ -1,7 +1,9 @@
 #include "haptic/core/projection/task_metric.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <cmath>
+#include <sstream>
 #include <string>
 
 #include "haptic/core/error.hpp"
@@ -14,6 +16,40 @@ void require_size(Eigen::Index n, const char* what) {
   if (n >= 1 && n <= kMaxX) return;
   throw SceneError(std::string("task metric with ") + std::to_string(n) + " " + what +
                    ": must be 1 to " + std::to_string(kMaxX));
+}
+
+[[noreturn]] void refuse(Eigen::Index i, Eigen::Index j, double value, const std::string& rule) {
+  std::ostringstream text;
+  text << "task metric: W(" << i << ", " << j << ") = " << value << ": " << rule;
+  throw SceneError(text.str());
+}
+
+void require_symmetric(const Eigen::Ref<const Eigen::MatrixXd>& W) {
+  for (Eigen::Index i = 0; i < W.rows(); ++i) {
+    if (!W.row(i).allFinite()) throw SceneError("task metric: W must be finite");
+    if (!(W(i, i) > 0.0)) refuse(i, i, W(i, i), "must be > 0 on the diagonal");
+    for (Eigen::Index j = 0; j < i; ++j) {
+      // Relative to the diagonal, so that units do not decide what is symmetric.
+      if (std::abs(W(i, j) - W(j, i)) <= 1e-9 * std::sqrt(W(i, i) * W(j, j))) continue;
+      std::ostringstream mirrored;
+      mirrored << "must be symmetric, W(" << j << ", " << i << ") = " << W(j, i);
+      refuse(i, j, W(i, j), mirrored.str());
+    }
+  }
+}
+
+/// `symmetric`: with a diagonal > 0.
+void require_positive_definite(const Eigen::MatrixXd& symmetric) {
+  const Eigen::VectorXd scale = symmetric.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * symmetric * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled, Eigen::EigenvaluesOnly);
+  const double least = solver.eigenvalues()[0];
+  if (least > TaskMetric::kLeastEigenvalue) return;
+  std::ostringstream text;
+  text << "task metric: W must be positive definite; with its diagonal scaled to 1 its smallest "
+          "eigenvalue is "
+       << least << ", must be > " << TaskMetric::kLeastEigenvalue;
+  throw SceneError(text.str());
 }
 
 }  // namespace
@@ -38,32 +74,59 @@ TaskMetric TaskMetric::from_matrix(const Eigen::Ref<const Eigen::MatrixXd>& W) {
     throw SceneError("task metric of " + std::to_string(W.rows()) + " x " +
                      std::to_string(W.cols()) + ": must be square");
   }
-  if (!W.allFinite()) throw SceneError("task metric: must be finite");
-  // Relative to the diagonal, so that units do not decide what is symmetric.
-  const Eigen::VectorXd size = W.diagonal().cwiseAbs().cwiseSqrt();
-  for (Eigen::Index i = 0; i < W.rows(); ++i) {
-    for (Eigen::Index j = 0; j < i; ++j) {
-      if (std::abs(W(i, j) - W(j, i)) <= 1e-9 * size[i] * size[j]) continue;
-      throw SceneError("task metric: entry " + std::to_string(i) + "," + std::to_string(j) +
-                       " differs from its mirror image: must be symmetric");
-    }
-  }
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(0.5 * (W + W.transpose()));
-  if (cholesky.info() != Eigen::Success) {
-    throw SceneError("task metric: must be positive definite");
-  }
+  require_symmetric(W);
+  const Eigen::MatrixXd symmetric = 0.5 * (W + W.transpose());
+  require_positive_definite(symmetric);
   TaskMetric metric;
   metric.n_x_ = static_cast<int>(W.rows());
-  metric.upper_ = std::make_shared<const Eigen::MatrixXd>(cholesky.matrixU());
+  if (symmetric.isDiagonal(0.0)) {
+    metric.diagonal_ = symmetric.diagonal().cwiseSqrt();
+  } else {
+    metric.upper_ =
+        std::make_shared<const Eigen::MatrixXd>(Eigen::LLT<Eigen::MatrixXd>(symmetric).matrixU());
+  }
   return metric;
 }
 
-TaskMetric TaskMetric::part(int first, int count) const noexcept {
+Eigen::MatrixXd TaskMetric::matrix() const {
+  if (upper_ != nullptr) return upper_->transpose() * *upper_;
+  return Eigen::MatrixXd(diagonal_.cwiseAbs2().asDiagonal());
+}
+
+/// W and its triangular root have the same blocks.
+bool TaskMetric::separates(int first, int count) const noexcept {
+  if (upper_ == nullptr) return true;
+  const Eigen::Index end = first + count, after = n_x_ - end;
+  return (upper_->block(0, first, first, count).array() == 0.0).all() &&
+         (upper_->block(first, end, count, after).array() == 0.0).all();
+}
+
+TaskMetric TaskMetric::part(int first, int count) const {
   TaskMetric metric;
   if (is_identity()) return metric;
   metric.n_x_ = count;
-  metric.diagonal_ = diagonal_.segment(first, count);
+  if (upper_ == nullptr) {
+    metric.diagonal_ = diagonal_.segment(first, count);
+  } else {
+    metric.upper_ =
+        std::make_shared<const Eigen::MatrixXd>(upper_->block(first, first, count, count));
+  }
   return metric;
+}
+
+bool TaskMetric::is_uniform(int first, int count) const noexcept {
+  if (is_identity()) return true;
+  for (int i = first; i < first + count; ++i) {
+    if (upper_ == nullptr) {
+      if (diagonal_[i] != diagonal_[first]) return false;
+      continue;
+    }
+    if ((*upper_)(i, i) != (*upper_)(first, first)) return false;
+    for (int j = i + 1; j < first + count; ++j) {
+      if ((*upper_)(i, j) != 0.0) return false;
+    }
+  }
+  return true;
 }
 
 void TaskMetric::weigh(double* column) const noexcept {
@@ -99,6 +162,21 @@ const MatXQ& TaskMetric::weighed(const MatXQ& J, MatXQ& scratch) const noexcept 
   scratch = J;
   weigh(scratch);
   return scratch;
+}
+
+VecX TaskMetric::steepest(VecX a) const noexcept {
+  if (is_identity()) return a;
+  if (upper_ == nullptr) return a.cwiseQuotient(diagonal_.cwiseAbs2());
+  const Eigen::MatrixXd& U = *upper_;
+  for (int i = 0; i < n_x_; ++i) {  // U^T z = a
+    for (int j = 0; j < i; ++j) a[i] -= U(j, i) * a[j];
+    a[i] /= U(i, i);
+  }
+  for (int i = n_x_ - 1; i >= 0; --i) {  // U d = z
+    for (int j = i + 1; j < n_x_; ++j) a[i] -= U(i, j) * a[j];
+    a[i] /= U(i, i);
+  }
+  return a;
 }
 
 }  // namespace haptic::core

@@ -43,7 +43,7 @@ Pipeline::Stages::Stages(PipelineConfig config)
       map_(kinematics_),
       renderer_(config_.scene.renderer, model_),
       guard_(model_, config_.scene.stiffness),
-      local_proxy_(kinematics_.space()),
+      local_proxy_(kinematics_.space(), config_.projection.metric),
       rate_(layout_.n_a()),
       late_bucket_(config_.late_bucket_full),
       q_(VecQ::Zero(layout_.n_q())),
@@ -62,6 +62,7 @@ Pipeline::Stages::Stages(PipelineConfig config)
   if (config_.passivity.enabled()) passivity_.emplace(config_.passivity, layout_.n_a());
   if (config_.tracker) tracker_.emplace(*config_.tracker, config_.device);
   if (config_.monotone_envelope && layout_.n_a() == 1) envelope_.emplace(model_);
+  if (config_.passivity_certificate) certificate_.emplace(model_);
   projection_.q_star = q_;
 }
 
@@ -239,6 +240,21 @@ void Pipeline::Stages::projection(TickRecord& record) noexcept {
     }
   }
   if (has_anchor_) dq_a_ = layout_.select(projection_.q_star) - layout_.select(q_);
+  if (certificate_) certify(record);
+}
+
+void Pipeline::Stages::certify(TickRecord& record) noexcept {
+  CertificateStatus& status = record.certificate.status;
+  if (!local_proxy_.constrained()) {
+    status = CertificateStatus::kIdle;
+  } else if (projection_.status == ProjectionStatus::kMapFailed) {
+    status = CertificateStatus::kMapFailed;
+  } else if (renderer_.kind() != RendererKind::kSubspaceLinear) {
+    status = CertificateStatus::kOtherRenderer;
+  } else {
+    const Probe probe{q_, map_.x_probe(), map_.J()};
+    record.certificate = certificate_->at(probe, dx_, settings_.stiffness);
+  }
 }
 
 BlockSet Pipeline::Stages::needs_J() const noexcept {

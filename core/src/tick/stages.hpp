@@ -10,6 +10,7 @@
 #include "haptic/core/projection/block_map.hpp"
 #include "haptic/core/projection/block_renderer.hpp"
 #include "haptic/core/projection/direction_guard.hpp"
+#include "haptic/core/projection/linear_certificate.hpp"
 #include "haptic/core/projection/local_proxy.hpp"
 #include "haptic/core/projection/monotone_envelope.hpp"
 #include "haptic/core/safety/actuator_ratings.hpp"
@@ -44,6 +45,8 @@ class Pipeline::Stages {
   /// Of the blocks that the proxy displaces, whose J this tick reads.
   [[nodiscard]] BlockSet needs_J() const noexcept;
   void keep_last_anchor() noexcept;
+  /// The certificate of METHOD 2.1 for the projection of this tick.
+  void certify(TickRecord& record) noexcept;
   /// Requests of people: stop, clear, release, engage.
   void requests(const TickInput& input, TickRecord& record) noexcept;
   [[nodiscard]] EngageAnswer judge_engage(const TickInput& input,
@@ -80,7 +83,8 @@ class Pipeline::Stages {
   BlockMap map_;  ///< x_probe and J
   BlockRenderer renderer_;
   DirectionGuard guard_;
-  std::optional<MonotoneEnvelope> envelope_;  ///< only where the scene asks for it
+  std::optional<MonotoneEnvelope> envelope_;      ///< only where the scene asks for it
+  std::optional<LinearCertificate> certificate_;  ///< only where the scene asks for it
   LocalProxy local_proxy_;
   DeviceStateMachine machine_;
   Gain gain_;

@@ -65,6 +65,10 @@ bool identical(const TickInput& a, const TickInput& b) noexcept {
          identical(a.command, b.command) && identical(a.settings, b.settings);
 }
 
+bool identical(const Certificate& a, const Certificate& b) noexcept {
+  return a.status == b.status && a.block == b.block && same(a.margin, b.margin);
+}
+
 bool identical(const EngageAnswer& a, const EngageAnswer& b) noexcept {
   return a.id == b.id && a.verdict == b.verdict && a.index == b.index && same(a.value, b.value) &&
          same(a.limit, b.limit);
@@ -94,8 +98,9 @@ bool identical(const TickRecord& a, const TickRecord& b) noexcept {
          same_bits(a.x, b.x) && a.planes == b.planes && a.active_planes == b.active_planes &&
          same_bits(a.q_star, b.q_star) && a.projection == b.projection &&
          same(a.residual, b.residual) && same(a.condition, b.condition) &&
-         same_bits(a.tau_elastic, b.tau_elastic) && same_bits(a.tau_damping, b.tau_damping) &&
-         same_bits(a.tau_a, b.tau_a) && a.actuator_limiters == b.actuator_limiters &&
+         identical(a.certificate, b.certificate) && same_bits(a.tau_elastic, b.tau_elastic) &&
+         same_bits(a.tau_damping, b.tau_damping) && same_bits(a.tau_a, b.tau_a) &&
+         a.actuator_limiters == b.actuator_limiters &&
          same_bits(a.temperature_c, b.temperature_c) && same_bits(a.drive, b.drive) &&
          same_bits(a.position, b.position) && identical(a.passivity, b.passivity);
 }

@@ -26,9 +26,11 @@ def eventually(condition: Callable[[], bool], seconds: float = 20.0) -> bool:
 class OneServer(unittest.TestCase):
     udp = False
     lease_s = 2
+    settings: tuple[str, ...] = ()
 
     def setUp(self) -> None:
-        self.server = Hapticd("finger_constant", udp=self.udp, lease_s=self.lease_s)
+        self.server = Hapticd("finger_constant", udp=self.udp, lease_s=self.lease_s,
+                              settings=self.settings)
         self.addCleanup(self.server.stop)
         self.connection = haptic.Connection(self.server.address)
         self.addCleanup(self.connection.close)
@@ -67,6 +69,37 @@ class Facts(OneServer):
         first, second = (next(s for s in states if isinstance(s, haptic.DeviceState)) for _ in "ab")
         self.assertGreater(second.seq, first.seq)
         states.close()
+
+
+class WithoutDiagnostics(OneServer):
+    def test_a_scene_that_does_not_ask_for_them_has_none(self) -> None:
+        state = self.open().wait_for_state()
+        self.assertIsNone(state.certificate)
+        self.assertEqual(state.coupling_metric, ())
+
+
+class Diagnostics(OneServer):
+    settings = ("device[0].passivity_certificate={}", "device[0].coupling_metric={softness: 0.1}")
+
+    def test_the_certificate_is_computed_where_the_proxy_is_displaced(self) -> None:
+        session = self.open()
+        self.assertEqual(session.wait_for_state().certificate.status, "IDLE")
+        mcp, pip = session.wait_for_state().x_probe
+        latest = time.monotonic() + 20
+        while time.monotonic() < latest:
+            session.publish(haptic.held([mcp - 0.1, pip]))
+            certificate = session.wait_for_state().certificate
+            if certificate.status == "COMPUTED":
+                break
+        self.assertEqual((certificate.status, certificate.block), ("COMPUTED", 0))
+        self.assertNotEqual(certificate.margin, 1.0)
+
+    def test_the_coupling_metric_is_definite(self) -> None:
+        block, = self.open().wait_for_state().coupling_metric
+        self.assertEqual(block.coordinates, 2)
+        w00, w10, w11 = block.lower
+        self.assertGreater(w00, 0.0)
+        self.assertGreater(w00 * w11 - w10 * w10, 0.0)
 
 
 class Force(OneServer):

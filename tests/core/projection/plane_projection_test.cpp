@@ -40,9 +40,9 @@ struct Answer {
   std::uint32_t active{};
 };
 
-Answer project(const PlaneSet& set, const VecX& probe, const VecX& W = {}) {
+Answer project(const PlaneSet& set, const VecX& probe, const TaskMetric& metric = {}) {
   const ConfigurationSpace space = space_of(static_cast<int>(probe.size()));
-  PlaneProjection projection(space, W);
+  PlaneProjection projection(space, metric);
   projection.set(set, VecX::Constant(probe.size(), 0.3));  // where it is linearised must not matter
   Answer answer;
   answer.status = projection.project(probe, answer.x);
@@ -68,9 +68,18 @@ TEST(PlaneProjection, OnePlaneTakesTheProxyStraightOntoIt) {
 
 TEST(PlaneProjection, TheMetricDecidesTheDirection) {
   // min 4 (x-1)^2 + (y-1)^2 on x + y = 0: x - 1 = -2/5, y - 1 = -8/5.
-  const Answer answer = project(planes_of(2, {{1, 1, 0}}), at(1, 1), at(4, 1));
+  const Answer answer =
+      project(planes_of(2, {{1, 1, 0}}), at(1, 1), TaskMetric::from_scales(at(0.5, 1)));
   EXPECT_NEAR(answer.x[0], 0.6, 1e-14);
   EXPECT_NEAR(answer.x[1], -0.6, 1e-14);
+}
+
+TEST(PlaneProjection, AMetricThatTiesCoordinatesMovesOneThatThePlaneDoesNotName) {
+  // min 2 u^2 + 2 u v + v^2 on u = -0.5 (v = y - 1): u + v = 0, v = 0.5.
+  const TaskMetric metric = TaskMetric::from_matrix((Eigen::Matrix2d() << 2, 1, 1, 1).finished());
+  const Answer answer = project(planes_of(2, {{1, 0, 0.5}}), at(1, 1), metric);
+  EXPECT_NEAR(answer.x[0], 0.5, 1e-14);
+  EXPECT_NEAR(answer.x[1], 1.5, 1e-14);
 }
 
 TEST(PlaneProjection, InACornerBothPlanesHold) {
@@ -137,7 +146,7 @@ TEST(PlaneProjection, AnAngleIsCountedFromWhereThePlaneWasLinearised) {
 }
 
 /// x by trying every subset of planes as equalities: independent algebra for the random cases.
-bool brute_force(const PlaneSet& set, const VecX& probe, const VecX& W, VecX& best) {
+bool brute_force(const PlaneSet& set, const VecX& probe, const Eigen::MatrixXd& W, VecX& best) {
   const int p = set.size();
   double lowest = HUGE_VAL;
   for (int mask = 0; mask < 1 << p; ++mask) {
@@ -155,14 +164,14 @@ bool brute_force(const PlaneSet& set, const VecX& probe, const VecX& W, VecX& be
     }
     VecX x = probe;
     if (n > 0) {
-      const Eigen::MatrixXd D = VecX(W.cwiseInverse()).asDiagonal() * A.transpose();
+      const Eigen::MatrixXd D = oracle::product(oracle::inverse(W), A.transpose());
       const Eigen::MatrixXd G = oracle::product(A, D);
       if (std::abs(oracle::determinant(G)) < 1e-9) continue;
       x -= oracle::product(D, oracle::product(oracle::inverse(G), v));
     }
     const Eigen::VectorXd excess = set.normals.transpose() * x - set.offsets;
     if (p > 0 && excess.maxCoeff() > 1e-9) continue;
-    const double distance = (x - probe).cwiseAbs2().cwiseProduct(W).sum();
+    const double distance = (x - probe).dot(W * (x - probe));
     if (distance < lowest) {
       lowest = distance;
       best = x;
@@ -171,20 +180,31 @@ bool brute_force(const PlaneSet& set, const VecX& probe, const VecX& W, VecX& be
   return lowest < HUGE_VAL;
 }
 
+/// Any symmetric positive definite one, or (`tied` false) a diagonal one.
+Eigen::MatrixXd random_metric(std::mt19937& random, int n_x, bool tied) {
+  std::normal_distribution<double> normal(0.0, 1.0);
+  std::uniform_real_distribution<double> weight(0.2, 5.0);
+  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(n_x, n_x);
+  for (int j = 0; j < n_x; ++j) W(j, j) = weight(random);
+  if (!tied) return W;
+  Eigen::MatrixXd B(n_x, n_x);
+  for (double& entry : B.reshaped()) entry = normal(random);
+  return W + oracle::product(B, B.transpose());
+}
+
 TEST(PlaneProjection, AgreesWithEverySubsetTriedOverRandomPlanes) {
   std::mt19937 random(11);
   std::normal_distribution<double> normal(0.0, 1.0);
-  std::uniform_real_distribution<double> weight(0.2, 5.0);
   int active = 0;
   for (int n = 0; n < 3000; ++n) {
     const int n_x = 2 + n % 4, p = 1 + n % kMaxPlanes;
     PlaneSet set;
     set.normals.resize(n_x, p);
     set.offsets.resize(p);
-    VecX probe(n_x), W(n_x), inside(n_x);
+    const Eigen::MatrixXd W = random_metric(random, n_x, n % 2 == 1);
+    VecX probe(n_x), inside(n_x);
     for (int j = 0; j < n_x; ++j) {
       probe[j] = 2.0 * normal(random);
-      W[j] = weight(random);
       inside[j] = normal(random);
     }
     for (int i = 0; i < p; ++i) {
@@ -193,7 +213,7 @@ TEST(PlaneProjection, AgreesWithEverySubsetTriedOverRandomPlanes) {
     }
     VecX expected;
     ASSERT_TRUE(brute_force(set, probe, W, expected));
-    const Answer got = project(set, probe, W);
+    const Answer got = project(set, probe, TaskMetric::from_matrix(W));
     ASSERT_NE(got.status, PlaneStatus::kInfeasible) << n;
     active += got.status == PlaneStatus::kActive ? 1 : 0;
     ASSERT_NEAR((got.x - expected).norm(), 0.0, 1e-8 * (1.0 + (expected - probe).norm())) << n;
@@ -221,28 +241,31 @@ TEST(PlaneProjection, AnythingElseGivesAFiniteBoundedAnswer) {
 
 TEST(PlaneProjection, ItsSlopeIsThatOfItsDifferences) {
   const ConfigurationSpace space = space_of(3);
-  const VecX W = (VecX(3) << 1.0, 2.0, 0.5).finished();
-  PlaneProjection projection(space, W);
-  const PlaneSet set = planes_of(3, {{1, 0.2, 0, 0.1}, {0.1, 1, 0.4, 0.2}, {0, 0, 1, 50}});
-  projection.set(set, VecX::Zero(3));
-  const VecX probe = (VecX(3) << 1.0, 1.2, 0.4).finished();
-  VecX x, up, down;
-  MatXQ slope(3, 3), J = MatXQ::Identity(3, 3);
-  projection.project(probe, x);
-  EXPECT_EQ(projection.active(), 3u);
-  projection.slope(J, slope);
-  for (int k = 0; k < 3; ++k) {
-    VecX step = VecX::Zero(3);
-    step[k] = 1e-4;
-    projection.project(probe + step, up);
-    projection.project(probe - step, down);
-    EXPECT_NEAR((slope.col(k) - (up - down) / 2e-4).norm(), 0.0, 1e-8);
+  std::mt19937 random(13);
+  for (const bool tied : {false, true}) {
+    PlaneProjection projection(space, TaskMetric::from_matrix(random_metric(random, 3, tied)));
+    const PlaneSet set = planes_of(3, {{1, 0.2, 0, 0.1}, {0.1, 1, 0.4, 0.2}, {0, 0, 1, 50}});
+    projection.set(set, VecX::Zero(3));
+    const VecX probe = (VecX(3) << 1.0, 1.2, 0.4).finished();
+    VecX x, up, down;
+    MatXQ slope(3, 3), J = MatXQ::Identity(3, 3);
+    projection.project(probe, x);
+    ASSERT_EQ(projection.active(), 3u);
+    projection.slope(J, slope);
+    for (int k = 0; k < 3; ++k) {
+      VecX step = VecX::Zero(3);
+      step[k] = 1e-4;
+      projection.project(probe + step, up);
+      projection.project(probe - step, down);
+      EXPECT_NEAR((slope.col(k) - (up - down) / 2e-4).norm(), 0.0, 1e-8);
+    }
   }
 }
 
 TEST(PlaneProjection, AllocatesNothing) {
   const ConfigurationSpace space = space_of(2);
-  PlaneProjection projection(space);
+  PlaneProjection projection(space,
+                             TaskMetric::from_matrix((Eigen::Matrix2d() << 2, 1, 1, 1).finished()));
   const PlaneSet set = planes_of(2, {{1, 0, 0.2}, {0, 1, 0.3}, {1, 1, 0.4}, {1, -1, 0.1}});
   VecX x(2), probe = at(1, 1);
   MatXQ slope(2, 2), J = MatXQ::Identity(2, 2);

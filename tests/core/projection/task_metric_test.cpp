@@ -80,6 +80,53 @@ TEST(TaskMetric, WhatIsNoMetricIsRefused) {
   refused(Eigen::MatrixXd::Identity(2, 3));
 }
 
+TEST(TaskMetric, WhatIsNearlySingularIsRefusedInAnyUnits) {
+  const auto metric = [](double unit, double rest) {
+    Eigen::Matrix2d W;
+    W << 1.0, unit, unit, unit * unit * (1.0 + rest);
+    return W;
+  };
+  for (const double unit : {1e-6, 1.0, 1e6}) {
+    EXPECT_NO_THROW((void)TaskMetric::from_matrix(metric(unit, 1e-9))) << unit;
+    EXPECT_THROW((void)TaskMetric::from_matrix(metric(unit, 1e-13)), SceneError) << unit;
+  }
+}
+
+/// q and -q are one rotation: what a tie to them weighs would depend on which of them is written.
+TEST(TaskMetric, ARotationIsTiedToNothingElse) {
+  LinearMap map;
+  for (int i = 0; i < 5; ++i) {
+    map.dofs.push_back({"q" + std::to_string(i), Unit::kMetre, i == 0, -1.0, 1.0});
+    const auto kind = i == 0 ? CoordinateKind::kLinear : CoordinateKind::kQuaternion;
+    map.coordinates.push_back({"x" + std::to_string(i), Unit::kRadian, kind});
+  }
+  map.A = Eigen::MatrixXd::Identity(5, 5);
+  const auto kinematics = make_linear(map);
+  Eigen::MatrixXd W = Eigen::MatrixXd::Identity(5, 5);
+  W(2, 1) = W(1, 2) = 0.5;
+  EXPECT_NO_THROW(ProjectionModel(*kinematics, with_metric(TaskMetric::from_matrix(W))));
+  W(2, 0) = W(0, 2) = 0.1;
+  EXPECT_THROW(ProjectionModel(*kinematics, with_metric(TaskMetric::from_matrix(W))), SceneError);
+}
+
+TEST(TaskMetric, ABlockThatStandsAloneIsItsPartOfTheMatrix) {
+  std::mt19937_64 random(5);
+  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(6, 6);
+  for (int first = 0; first < 6; first += 2) {
+    const Eigen::MatrixXd B = gaussian(random, 2, 2);
+    W.block(first, first, 2, 2) = oracle::product(B, B.transpose());
+  }
+  W(0, 4) = W(4, 0) = 1e-3;
+  const TaskMetric metric = TaskMetric::from_matrix(W);
+  EXPECT_NEAR((metric.matrix() - W).norm(), 0.0, 1e-14 * W.norm());
+  EXPECT_FALSE(metric.separates(0, 2));
+  EXPECT_TRUE(metric.separates(2, 2));
+  EXPECT_FALSE(metric.separates(4, 2));
+  EXPECT_NEAR((metric.part(2, 2).matrix() - W.block(2, 2, 2, 2)).norm(), 0.0, 1e-14);
+  const VecX a = gaussian(random, 6, 1);
+  EXPECT_NEAR((W * metric.steepest(a) - a).norm(), 0.0, 1e-11 * a.norm());
+}
+
 TEST(TaskMetric, ItsRootSquaredIsTheMetric) {
   std::mt19937_64 random(1);
   for (int n = 1; n <= kMaxX; n += 7) {

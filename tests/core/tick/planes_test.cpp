@@ -135,6 +135,20 @@ TEST_F(PlanesInTheTick, TheProxyFollowsTheProbeAlongThePlanesWithoutANewSample) 
   EXPECT_EQ(record.active_planes, 3u);
 }
 
+TEST_F(PlanesInTheTick, TheMetricOfTheSceneSaysWhichPointOfThePlaneIsNear) {
+  PipelineConfig weighed = config();
+  weighed.projection.metric =
+      TaskMetric::from_matrix((Eigen::Matrix2d() << 4.0, 1.5, 1.5, 1.0).finished());
+  Bench other(weighed);
+  other.target = joints(0.5, 0.5);
+  other.shape = with_stops;
+  other.put(joints(0.35, 0.2));
+  const TickRecord record = other.engage();
+  // 0.05 back along W^-1 (1, 0), which is along (1, -1.5).
+  EXPECT_NEAR((record.x - joints(0.3, 0.275)).norm(), 0.0, 1e-12);
+  EXPECT_EQ(record.active_planes, 1u);
+}
+
 TEST_F(PlanesInTheTick, OffThePlanesThereIsNoForceAndNoDamping) {
   bench.put(joints(0.35, 0.2));
   bench.engage();

@@ -13,6 +13,7 @@ namespace {
 template <int M, int N>
 struct Residual {
   using Scalar = double;
+  // NOLINTNEXTLINE(readability-identifier-naming): TinySolver's names
   enum { NUM_RESIDUALS = M, NUM_PARAMETERS = N };
 
   bool operator()(const double* q, double* residual, double* jacobian) const {

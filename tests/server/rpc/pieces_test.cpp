@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "haptic/core/error.hpp"
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/model/hand_exoskeleton.hpp"
 #include "haptic/v1/haptic_service.pb.h"
 #include "server/rpc/broadcaster.hpp"
 #include "server/rpc/convert.hpp"
@@ -144,6 +146,76 @@ TEST(StateFrame, TheBookOfEnergyIsPresentWhereTheSceneHasOne) {
   r.passivity = {};
   to_proto(r, {}, state);
   EXPECT_FALSE(state.has_passivity());
+}
+
+TEST(StateFrame, TheCertificateIsPresentWhereTheSceneAsksForIt) {
+  core::TickRecord r = record();
+  r.certificate = {core::CertificateStatus::kComputed, 3, -0.25};
+  v1::DeviceState state;
+  to_proto(r, {}, state);
+  ASSERT_TRUE(state.has_certificate());
+  EXPECT_EQ(state.certificate().status(), v1::CERTIFICATE_STATUS_COMPUTED);
+  EXPECT_EQ(state.certificate().margin(), -0.25);
+  EXPECT_EQ(state.certificate().block(), 3U);
+  r.certificate = {};
+  to_proto(r, {}, state);
+  EXPECT_FALSE(state.has_certificate());
+}
+
+/// For a square J the metric reads J^T W J = diag(Z_q, eps k_x ||J_n||^2) (coupling_metric.hpp).
+TEST(StateFrame, TheCouplingMetricIsOfTheTicksPoseAndStiffness) {
+  const auto finger = core::make_finger_exoskeleton({});
+  core::TickRecord r = record();
+  r.q = (core::VecQ(2) << 0.016, -0.26).finished();
+  r.input.settings.stiffness = core::VecA::Constant(1, 900.0);
+  StateFrame frame(core::ProjectionModel(*finger), 0.1);
+  const auto state_of = [&frame](const core::TickRecord& tick) {
+    frame.begin(tick);
+    const auto bytes = frame.for_datagram();
+    v1::DeviceState state;
+    EXPECT_TRUE(state.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())));
+    return state;
+  };
+  const v1::DeviceState state = state_of(r);
+  ASSERT_EQ(state.coupling_metric_size(), 1);
+  EXPECT_EQ(state.coupling_metric(0).coordinates(), 2U);
+  ASSERT_EQ(state.coupling_metric(0).lower_size(), 3);
+  const auto& w = state.coupling_metric(0).lower();
+  core::VecX x_probe;
+  core::MatXQ J;
+  ASSERT_EQ(finger->evaluate(r.q, x_probe, J), core::MapStatus::kOk);
+  const auto cost = [&](int a, int b) {
+    return J(0, a) * (w[0] * J(0, b) + w[1] * J(1, b)) +
+           J(1, a) * (w[1] * J(0, b) + w[2] * J(1, b));
+  };
+  EXPECT_NEAR(cost(0, 0), 900.0, 1e-6);
+  EXPECT_NEAR(cost(0, 1), 0.0, 1e-6);
+  EXPECT_NEAR(cost(1, 1), 0.1 * 900.0 * J.col(1).squaredNorm() / J.col(0).squaredNorm(), 1e-6);
+  r.q.resize(0);  // no sample of the device yet
+  EXPECT_EQ(state_of(r).coupling_metric(0).lower_size(), 0);
+}
+
+TEST(LargestState, AHandsMetricFitsADatagramAndAPalmsDoesNot) {
+  core::PipelineConfig config;
+  config.kinematics = core::make_hand_exoskeleton(
+      {{"thumb", {}}, {"index", {}}, {"middle", {}}, {"ring", {}}, {"little", {}}});
+  const std::size_t plain = largest_state(config), coupled = largest_state(config, true);
+  EXPECT_GT(coupled, plain + 5 * 3 * 8);
+  EXPECT_LE(coupled, wire::kLargestPayload);
+  core::TrackedHandParameters hand;
+  for (const char* name : {"index", "middle", "ring", "little"}) {
+    hand.fingers.push_back({{name, {}}, {}});
+    for (const auto phalanx : {core::Phalanx::kProximal, core::Phalanx::kMiddle}) {
+      hand.outputs.push_back({name + std::to_string(hand.outputs.size()),
+                              name,
+                              phalanx,
+                              core::OutputKind::kPoint,
+                              {{0.03, 0.0, 0.0}, {}}});
+    }
+  }
+  config.kinematics = core::make_tracked_hand(hand);  // 24 coordinates in one block: 300 numbers
+  EXPECT_LE(largest_state(config), wire::kLargestPayload);
+  EXPECT_GT(largest_state(config, true), wire::kLargestPayload);
 }
 
 TEST(Convert, APlanesSamplePointsIntoItsMessage) {

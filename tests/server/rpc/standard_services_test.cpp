@@ -111,7 +111,7 @@ TEST(Reflection, ListsOurServiceAndHealth) {
 TEST(Reflection, KnowsTheServicesDescriptor) {
   LiveServer server;
   const std::string symbol = "haptic.v1.HapticService";
-  const std::string question = std::string("\x22") + static_cast<char>(symbol.size()) + symbol;
+  const std::string question = std::string(1, '\x22') + static_cast<char>(symbol.size()) + symbol;
   const std::string answer = reflect(server.channel(), question);  // file_containing_symbol
   EXPECT_NE(answer.find("haptic/v1/haptic_service.proto"), std::string::npos);
   EXPECT_NE(answer.find("UpdateSettings"), std::string::npos);

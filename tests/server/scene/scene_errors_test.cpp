@@ -232,6 +232,21 @@ TEST(SceneErrors, OfTheMapNameLineFieldValueAndWhatIsAllowed) {
        "t.textproto:2: device[0] = { ... }: prior: must be given"},
       {"scale", linear("limits {", "metric { scale_m: 0 } limits {"),
        "t.textproto:12: device[0].metric.scale_m = 0: must be > 0"},
+      {"W's size", linear("limits {", "metric { W: [1, 0] } limits {"),
+       "t.textproto:12: device[0].metric.W = [1, 0]: must have one value per pair of coordinates, "
+       "1"},
+      {"W and scales", linear("limits {", "metric { scale_m: 1 W: 1 } limits {"),
+       "device[0].metric.W = { beside scales }: must be either W or scale_m and scale_rad"},
+      {"W that is not symmetric", finger("limits {", "metric { W: [1, 0.5, 0.25, 1] } limits {"),
+       "device[0].metric.W = [1, 0.5, 0.25, 1]: task metric: W(1, 0) = 0.25: must be symmetric, "
+       "W(0, 1) = 0.5"},
+      {"W without a positive diagonal", finger("limits {", "metric { W: [1, 0, 0, 0] } limits {"),
+       "task metric: W(1, 1) = 0: must be > 0 on the diagonal"},
+      {"W that is not positive definite", finger("limits {", "metric { W: [1, 4, 4, 4] } limits {"),
+       "device[0].metric.W = [1, 4, 4, 4]: task metric: W must be positive definite; with its "
+       "diagonal scaled to 1 its smallest eigenvalue is -1, must be > 1e-12"},
+      {"W that is not finite", finger("limits {", "metric { W: [1, 0, 0, inf] } limits {"),
+       "device[0].metric.W[3] = inf: must be finite"},
       {"prior's weight", linear("weight: 0.1", "weight: 0"),
        "t.textproto:13: device[0].prior.weight = 0: must be finite and > 0"},
       {"prior's size", linear("sensed_stiffness: 3", "sensed_stiffness: [3, 3]"),

@@ -37,6 +37,8 @@ class SceneRun {
     core::MatXQ J;
     ASSERT_EQ(kinematics_.evaluate(q, input_.proxy.x, J), core::MapStatus::kOk);
   }
+  /// The proxy from now on: `x`, reached by the device or not.
+  void hold_at(const core::VecX& x) { input_.proxy.x = x; }
 
   /// One tick, one frame of the client every ten. Nothing in it may allocate.
   const core::TickRecord& tick() {

@@ -91,7 +91,7 @@ TEST(Recorder, TheHeaderIsTheDocumentedOne) {
             "q_dot_l_x_m_per_s,x_probe_q_o1_mcp_rad,x_probe_q_o2_pip_rad,x_q_o1_mcp_rad,"
             "x_q_o2_pip_rad,q_star_l_x_m,q_star_q_B_rad,tau_elastic_l_x_n,tau_damping_l_x_n,"
             "tau_a_l_x_n,projection,faults,limiters,storage_j,tank_j,tank_scale,observed_j,"
-            "lateness_us,skipped");
+            "certificate,certificate_margin,certificate_block,lateness_us,skipped");
   EXPECT_THAT(Recorder::header(*kinematics, true),
               testing::EndsWith(",skipped,tau_standard_l_x_n,tau_null_space_l_x_n,"
                                 "tau_subspace_linear_l_x_n,tau_subspace_exact_l_x_n"));
@@ -193,6 +193,27 @@ TEST(Recorder, TheEnergyTankHasColumnsAndWithoutOneTheyAreEmpty) {
   EXPECT_SAME_BITS(rows[1]["tank_j"], -1e-7);
   EXPECT_SAME_BITS(rows[1]["tank_scale"], 0.25);
   EXPECT_SAME_BITS(rows[1]["observed_j"], 0.1);
+}
+
+TEST(Recorder, TheCertificateIsEmptyWhereNobodyAsksForIt) {
+  ScratchFile file("certificate.csv");
+  {
+    Recorder recorder(file.path(), rig_config().kinematics);
+    TickRecord record;
+    recorder.on_record(record);
+    record.certificate = {haptic::core::CertificateStatus::kNotFullRank, 3, 0.0};
+    recorder.on_record(record);
+    record.certificate = {haptic::core::CertificateStatus::kComputed, 2, -1.0 / 3.0};
+    recorder.on_record(record);
+  }
+  auto rows = read_csv(file.path());
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[0].at("certificate"), "");
+  EXPECT_EQ(rows[1].at("certificate"), "NOT_FULL_RANK");
+  for (const std::size_t none : {0u, 1u}) EXPECT_EQ(rows[none].at("certificate_margin"), "");
+  EXPECT_EQ(rows[2].at("certificate"), "COMPUTED");
+  EXPECT_SAME_BITS(rows[2].at("certificate_margin"), -1.0 / 3.0);
+  EXPECT_EQ(rows[2].at("certificate_block"), "2");
 }
 
 TickRecord record_with_everything() {

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "haptic/client/diagnostics.hpp"
+
 namespace haptic::client {
 
 /// kNone: of a state without a proxy in use; nothing to publish.
@@ -112,9 +114,11 @@ struct DeviceState {
   double condition{0.0};
   std::uint32_t lease_epoch{0};
   Mode mode{Mode::kFree};
-  std::uint32_t active_planes{0};             ///< bit n: plane n of the newest sample holds x
-  std::optional<TrackerState> tracker{};      ///< where the scene has a tracker
-  std::optional<PassivityState> passivity{};  ///< where the scene has a tank or an observer
+  std::uint32_t active_planes{0};                 ///< bit n: plane n of the newest sample holds x
+  std::optional<TrackerState> tracker{};          ///< where the scene has a tracker
+  std::optional<PassivityState> passivity{};      ///< where the scene has a tank or an observer
+  std::optional<CertificateState> certificate{};  ///< where the scene asks for it
+  std::vector<CouplingBlock> coupling_metric{};   ///< in the order of x, where the scene has one
   /// This machine's steady clock when the state arrived.
   std::chrono::steady_clock::time_point received{};
 };

@@ -13,9 +13,9 @@ namespace haptic::core {
 
 class LocalProxy {
  public:
-  /// `space` must outlive this. `W_x`: diagonal metric of X for planes, n_x; size 0 = identity.
-  explicit LocalProxy(const ConfigurationSpace& space, const VecX& W_x = {})
-      : projection_(space, W_x) {}
+  /// `space` must outlive this. `metric`: W_x, in which planes keep x out by the shortest way.
+  explicit LocalProxy(const ConfigurationSpace& space, TaskMetric metric = {})
+      : projection_(space, std::move(metric)) {}
 
   /// Takes over an accepted sample; one that is already in use changes nothing.
   void accept(const ProxySnapshot& sample) noexcept;

@@ -38,16 +38,14 @@ struct ProjectionSettings {
 class ProjectionModel {
  public:
   /// `kinematics` must outlive the model and its copies. Throws SceneError: X mixes units and there
-  /// is no metric; a prior for a map that has an inverse in closed form; sizes or values that do not
+  /// is no metric; one that ties a rotation to another coordinate; a prior for a map that has an inverse in closed form; sizes or values that do not
   /// fit. Copies allocate nothing.
   ProjectionModel(const Kinematics& kinematics, ProjectionSettings settings = {});
 
   /// The same for one block of the map. Throws as the constructor does.
   [[nodiscard]] ProjectionModel part(const MapBlock& block) const;
   /// True where the map falls into blocks and the metric does not tie them together.
-  [[nodiscard]] bool has_parts() const noexcept {
-    return !kinematics_->blocks().empty() && settings_.metric.is_diagonal();
-  }
+  [[nodiscard]] bool has_parts() const noexcept { return has_parts_; }
 
   [[nodiscard]] const Kinematics& kinematics() const noexcept { return *kinematics_; }
   [[nodiscard]] const DofLayout& layout() const noexcept { return kinematics_->layout(); }
@@ -64,6 +62,7 @@ class ProjectionModel {
   const Kinematics* kinematics_;
   ProjectionSettings settings_;
   double mean_J_a_{0.0};
+  bool has_parts_{false};
 };
 
 /// Above this, in half of the poses of the box, a scene needs a prior: errors of x are amplified a

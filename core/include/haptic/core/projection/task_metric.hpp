@@ -17,17 +17,27 @@ class TaskMetric {
   /// SceneError unless every scale is finite and > 0.
   [[nodiscard]] static TaskMetric from_scales(const VecX& scale);
   /// Any symmetric positive definite W (n_x by n_x; W_ij in 1 / (unit of x_i times unit of x_j)), for
-  /// instance sum_c k_c (J_c^T n_c)(J_c^T n_c)^T + eps I over contact normals. Throws SceneError.
+  /// instance sum_c k_c (J_c^T n_c)(J_c^T n_c)^T + eps I over contact normals. Throws SceneError, which
+  /// names the entry; positive definite is smallest eigenvalue > kLeastEigenvalue once the diagonal is
+  /// scaled to 1, so that units do not decide.
   [[nodiscard]] static TaskMetric from_matrix(const Eigen::Ref<const Eigen::MatrixXd>& W);
+
+  static constexpr double kLeastEigenvalue = 1e-12;
 
   [[nodiscard]] bool is_identity() const noexcept { return n_x_ == 0; }
   /// 0 for the identity, which fits any.
   [[nodiscard]] int n_x() const noexcept { return n_x_; }
+  /// W, n_x by n_x; empty for the identity. Allocates.
+  [[nodiscard]] Eigen::MatrixXd matrix() const;
 
-  /// True where no coordinate's error weighs on another's, so that blocks of X stand alone.
-  [[nodiscard]] bool is_diagonal() const noexcept { return upper_ == nullptr; }
-  /// The metric of `count` coordinates from `first` on; of a diagonal one.
-  [[nodiscard]] TaskMetric part(int first, int count) const noexcept;
+  /// True where no error of the `count` coordinates from `first` on weighs on one of the others: a
+  /// block of the map that has these coordinates stands alone.
+  [[nodiscard]] bool separates(int first, int count) const noexcept;
+  /// The metric of coordinates that it separates.
+  [[nodiscard]] TaskMetric part(int first, int count) const;
+  /// True where the block of these coordinates is a multiple of the identity: what is nearest there
+  /// is what is nearest without a metric. Of coordinates that it separates.
+  [[nodiscard]] bool is_uniform(int first, int count) const noexcept;
 
   /// v <- W^{1/2} v and J <- W^{1/2} J, with W^{1/2} = L^T of W = L L^T. n_x rows; never allocates.
   void weigh(VecX& v) const noexcept;
@@ -35,6 +45,9 @@ class TaskMetric {
   /// W^{1/2} of the argument: the argument itself for the identity, else `scratch`.
   [[nodiscard]] const VecX& weighed(const VecX& v, VecX& scratch) const noexcept;
   [[nodiscard]] const MatXQ& weighed(const MatXQ& J, MatXQ& scratch) const noexcept;
+  /// W^{-1} a of a covector a (n_x values in unit of 1 / x_i): the way that `a` gains most on per
+  /// length in ||.||_W. Never allocates.
+  [[nodiscard]] VecX steepest(VecX a) const noexcept;
 
  private:
   void weigh(double* column) const noexcept;

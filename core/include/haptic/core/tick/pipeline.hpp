@@ -46,6 +46,8 @@ struct PipelineConfig {
   int late_bucket_full{LateBucket::kFull};
   /// METHOD 2.4, with one actuated DoF; with more of them it means the direction guard.
   bool monotone_envelope{false};
+  /// That of Eq. (8) in every record (METHOD 2.1); not with a prior.
+  bool passivity_certificate{false};
   PassivitySettings passivity{};             ///< energy tank and observer; off by default
   std::vector<ActuatorRatings> ratings{};    ///< n_a, or none: power, rate and temperature
   ForceControlSettings force_control{};      ///< by the server; off by default

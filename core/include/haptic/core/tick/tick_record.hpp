@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "haptic/core/passivity/passivity.hpp"
+#include "haptic/core/projection/linear_certificate.hpp"
 #include "haptic/core/projection/plane_projection.hpp"
 #include "haptic/core/projection/projection.hpp"
 #include "haptic/core/safety/device_state.hpp"
@@ -84,6 +85,7 @@ struct TickRecord {
   ProjectionStatus projection{ProjectionStatus::kNone};
   double residual{0.0};
   double condition{0.0};
+  Certificate certificate{};  ///< of the linearised method, where the scene asks for it
 
   VecA tau_elastic{};  ///< g Z_q S (q* - q), saturated, guarded, under the envelope
   VecA tau_damping{};  ///< -g_d B q_a_dot, and the passivity controller's part

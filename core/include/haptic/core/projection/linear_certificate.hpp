@@ -1,0 +1,78 @@
+#pragma once
+/// The certificate of the linearised method, live (METHOD 2.1): does the force of Eq. (8) still oppose
+/// every motion of the actuated DoFs, with J changing as it does? Eq. (9) answers -Z_q whatever
+/// happens, for it takes J as constant. Necessary, not sufficient for passivity.
+///
+/// Per independent block, with the proxy held where it is in this tick:
+///   margin = lambda_min sym( I + Z_q^{1/2} (S B S^T) Z_q^{-1/2} ),
+///   B e_k  = J^+ J_,k dq - (J^T J)^{-1} J_,k^T r = -(d_k dq + e_k),   r = dx - J dq,
+/// where J, J_,k = dJ/dq_k and dx are weighed by W_x^{1/2}. For one actuated DoF it is 1 + g.dx. 1 at
+/// dx = 0; not above 0: the spring pushes along with some motion. The same number as the margin of
+/// passivity_certificate() (analysis/passivity_radius.hpp), which is offline and knows no W_x.
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "haptic/core/linear/householder.hpp"
+#include "haptic/core/projection/projection.hpp"
+#include "haptic/core/projection/projection_model.hpp"
+
+namespace haptic::core {
+
+enum class CertificateStatus : std::uint8_t {
+  kOff = 0,            ///< the scene does not ask for it
+  kComputed = 1,       ///< the only one with a margin
+  kIdle = 2,           ///< no proxy, or none that is displaced: nothing pulls
+  kOtherRenderer = 3,  ///< another one than Eq. (8) renders
+  kMapFailed = 4,      ///< f or dJ/dq has no value at q
+  kNotFullRank = 5,    ///< J of `block` has not full column rank (condition above 1e8)
+  kNoStiffness = 6,    ///< an actuator of `block` has stiffness 0: nothing to compare with
+};
+
+[[nodiscard]] std::string_view name(CertificateStatus status) noexcept;  ///< "COMPUTED", ...
+
+struct Certificate {
+  CertificateStatus status{CertificateStatus::kOff};
+  /// Of Kinematics::blocks(), 0 for a map without: where the margin is least, or which block has none.
+  int block{0};
+  double margin{0.0};  ///< the least of the displaced blocks'
+};
+
+class LinearCertificate {
+ public:
+  /// The model's kinematics must outlive this. Throws SceneError where it has a prior: Eq. (8) is then
+  /// another function of q.
+  explicit LinearCertificate(const ProjectionModel& model);
+
+  /// dx = x (-) x_probe, n_x; stiffness: Z_q, n_a; probe.J of the blocks that dx displaces. A block
+  /// that cannot be judged ends it: the others' margins would vouch for less than they seem to.
+  /// Never allocates, locks, throws.
+  [[nodiscard]] Certificate at(const Probe& probe, const VecX& dx, const VecA& stiffness) noexcept;
+
+ private:
+  using MatAA = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxQ, kMaxQ>;
+  struct Part {
+    MapBlock at{};
+    TaskMetric metric{};
+    int n_q{0}, n_a{0}, n_x{0};
+    HouseholderKernel kernel{};
+  };
+  [[nodiscard]] CertificateStatus judge(const Part& part, const Probe& probe, const VecX& dx,
+                                        const VecA& stiffness, double& margin) noexcept;
+  /// y = J_^+ b, n_q, and R in A_; false where J_ has not full column rank.
+  [[nodiscard]] bool solve(const Part& part, const VecX& b, VecQ& y) noexcept;
+  /// y -= (J_^T J_)^{-1} J_k_^T r_, by the R of the last solve().
+  void take_off_residual(const Part& part, VecQ& y) noexcept;
+  /// Of M_; false where it is not finite.
+  [[nodiscard]] bool smallest_eigenvalue(double& value) const noexcept;
+
+  std::vector<Part> parts_{};
+  VecQ q_{}, dq_{}, column_{};
+  VecX r_{}, turned_{};
+  MatXQ J_{}, J_k_{};  ///< weighed
+  MatAA M_{};          ///< I + Z_q^{1/2} (S B S^T) Z_q^{-1/2}, symmetric part
+  double A_[kMaxX * kMaxQ], b_[kMaxX], column_norm2_[kMaxQ], inverse_diagonal_[kMaxQ];
+};
+
+}  // namespace haptic::core

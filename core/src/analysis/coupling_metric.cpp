@@ -1,0 +1,84 @@
+#include "haptic/core/analysis/coupling_metric.hpp"
+
+#include <cmath>
+
+#include "full_column_rank.hpp"
+
+namespace haptic::core {
+
+namespace {
+
+/// W_x^{1/2}, n_x by n_x.
+Eigen::MatrixXd root_of(const TaskMetric& W_x, int n_x) {
+  Eigen::MatrixXd root(n_x, n_x);
+  for (int j = 0; j < n_x; ++j) {
+    VecX column = VecX::Unit(n_x, j);
+    W_x.weigh(column);
+    root.col(j) = column;
+  }
+  return root;
+}
+
+}  // namespace
+
+std::optional<Eigen::MatrixXd> coupling_metric(const Kinematics& map, const TaskMetric& W_x,
+                                               const VecQ& q, const VecA& stiffness,
+                                               double softness) {
+  const DofLayout& layout = map.layout();
+  VecX x_probe;
+  MatXQ A;
+  if (q.size() != layout.n_q() || stiffness.size() != layout.n_a()) return std::nullopt;
+  if (!(stiffness.minCoeff() > 0.0)) return std::nullopt;
+  if (map.evaluate(q, x_probe, A) != MapStatus::kOk) return std::nullopt;
+  W_x.weigh(A);
+  if (!A.allFinite()) return std::nullopt;
+  const std::optional<FullColumnRank> rank = full_column_rank(A);
+  if (!rank) return std::nullopt;
+
+  double k_x = 0.0;
+  for (int i = 0; i < layout.n_a(); ++i) {
+    k_x += stiffness[i] / A.col(layout.actuated(i)).squaredNorm();
+  }
+  k_x *= softness / layout.n_a();
+  Eigen::VectorXd weight(layout.n_q());
+  for (int i = 0; i < layout.n_a(); ++i) weight[layout.actuated(i)] = stiffness[i];
+  for (int i = 0; i < layout.n_n(); ++i) {
+    weight[layout.sensed(i)] = k_x * A.col(layout.sensed(i)).squaredNorm();
+  }
+  const Eigen::MatrixXd root = root_of(W_x, static_cast<int>(A.rows()));
+  const Eigen::MatrixXd to_q = rank->inverse * root;  // dx -> dq
+  Eigen::MatrixXd W = to_q.transpose() * weight.asDiagonal() * to_q;
+  if (A.rows() > A.cols()) {
+    const Eigen::MatrixXd rest = rank->off * root;
+    W += k_x * (rest.transpose() * rest);
+  }
+  if (!W.allFinite()) return std::nullopt;
+  return Eigen::MatrixXd(0.5 * (W + W.transpose()));
+}
+
+std::vector<CouplingBlock> coupling_blocks(const ProjectionModel& model, const VecQ& q,
+                                           const VecA& stiffness, double softness) {
+  const MapBlock whole[] = {{&model.kinematics(), 0, 0, 0}};
+  const std::span<const MapBlock> blocks =
+      model.has_parts() ? model.kinematics().blocks() : std::span<const MapBlock>(whole);
+  std::vector<CouplingBlock> answer;
+  for (const MapBlock& block : blocks) {
+    const Kinematics& map = *block.kinematics;
+    const int n_q = map.layout().n_q(), n_a = map.layout().n_a(), n_x = map.space().n_x();
+    CouplingBlock entry{n_x, {}};
+    const bool known = q.size() >= block.first_q + n_q && stiffness.size() >= block.first_a + n_a;
+    const auto W =
+        known
+            ? coupling_metric(
+                  map, model.has_parts() ? model.metric().part(block.first_x, n_x) : model.metric(),
+                  q.segment(block.first_q, n_q), stiffness.segment(block.first_a, n_a), softness)
+            : std::nullopt;
+    for (int i = 0; W && i < n_x; ++i) {
+      for (int j = 0; j <= i; ++j) entry.lower.push_back((*W)(i, j));
+    }
+    answer.push_back(std::move(entry));
+  }
+  return answer;
+}
+
+}  // namespace haptic::core

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pathlib
 import subprocess
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import haptic
 
@@ -28,6 +28,7 @@ class Board:
     """The emulator, and what it really does: rows (time_s, l_x_m, q_B_rad, force_n)."""
 
     def __init__(self, emulator: str, folder: pathlib.Path, *arguments: str, watchdog_ms: int = 1000) -> None:
+        folder.mkdir(exist_ok=True)
         self.port, self.truth, self.log = folder / "board", folder / "truth.csv", folder / "board.log"
         self.truth.unlink(missing_ok=True)
         with open(self.log, "w", encoding="utf-8") as log:
@@ -68,16 +69,19 @@ class Board:
 
 
 class Server:
-    """hapticd on that board, with the longest patience its scene allows."""
+    """hapticd on these boards, with the longest patience its scene allows."""
 
-    def __init__(self, hapticd: str, scene: str, folder: pathlib.Path, board: Board, *settings: str) -> None:
+    def __init__(self, hapticd: str, scene: str, folder: pathlib.Path, boards: Board | Sequence[Board],
+                 *settings: str) -> None:
         self.address = f"unix:{folder}/socket"
         self.log = folder / "hapticd.log"
         socket = folder / "socket"
         socket.unlink(missing_ok=True)
         arguments = [hapticd, "--scene", scene, "--listen", self.address]
-        for setting in (f"device[0].board.port={board.port}", "device[0].board.max_silence={nanos: 100000000}",
-                        "loop.loop_late_fault={nanos: 500000000}", "loop.late_bucket_full=1000000", *settings):
+        for i, board in enumerate([boards] if isinstance(boards, Board) else boards):
+            arguments += ["--set", f"device[{i}].board.port={board.port}",
+                          "--set", f"device[{i}].board.max_silence={{nanos: 100000000}}"]
+        for setting in ("loop.loop_late_fault={nanos: 500000000}", "loop.late_bucket_full=1000000", *settings):
             arguments += ["--set", setting]
         with open(self.log, "w", encoding="utf-8") as log:
             self.process = subprocess.Popen(arguments, stderr=log)

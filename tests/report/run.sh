@@ -116,6 +116,15 @@ make_finger() {
     csv "${name}_grid" finger --grid --joints "${guard[@]}"
     draw finger "$name" "csv='$output/${name}_trace.csv'; heading='Presses, $heading'"
   done
+  # The corner of a straight MCP and a bent PIP: the MCP stopped at 0, the hand aims at (5, 80) degrees.
+  local with
+  : >"$output/finger_corner.csv"
+  while read -r with; do
+    csv corner finger --stop=0,999 --target 5,80 --joints $with
+    awk -v with="${with:-nothing}" 'NR > 1 { print with "," $0 } NR == 1 && with == "nothing" { print "with," $0 }' \
+      "$output/corner.csv" | sed 's/^--//; s/ --/ and /' >>"$output/finger_corner.csv"
+  done <<<$'\n--guard\n--guard --tank\n--envelope --tank'
+  rm "$output/corner.csv"
   # How many of the 24 presses ended how.
   (cd "$output" && awk -F, -v OFS=, 'FNR == 1 { 
       with = FILENAME ~ /guard/ ? "guard" : FILENAME ~ /tank/ ? "envelope and tank" : "nothing"; next }
@@ -123,7 +132,7 @@ make_finger() {
     sort | { echo "with,method,verdict,runs"; cat; } >finger_counts.csv)
 }
 
-closed_loop_tables() {  # of closed_loop.csv: by method; every tick without delay; free space
+closed_loop_tables() {  # of closed_loop.csv: by method; every tick without delay; free space; late contacts
   cd "$output"
   awk -F, -v OFS=, 'NR == 1 || $2 == 80 { next }
     { key = $4 OFS $8; if (!(key in rows)) order[++n] = key; rows[key]++; gives[key] += $20 != "ok"
@@ -151,6 +160,17 @@ closed_loop_tables() {  # of closed_loop.csv: by method; every tick without dela
           for (i = 1; i <= n; i++) { key = order[i]
             print key, drag[key, "standard"], drag[key, "null_space"], drag[key, "subspace_linear"], drag[key, "subspace_exact"] } }' \
     closed_loop.csv >closed_loop_free.csv
+  awk -F, -v OFS=, '$1 == "press" && $2 != 80 && $4 != "q_metric" && ($8 == "guard" || $8 == "guard_tank") {
+      key = $5 OFS $4; stop = $2 OFS $3 OFS $6 OFS $7
+      if ($8 == "guard") { plain[key, stop] = $15; next }
+      if (!(key in presses)) { order[++n] = key; least[key] = 100 }
+      presses[key]++; touched[key] += $19 > 0; if ($19 > most[key] + 0) most[key] = $19
+      kept = plain[key, stop] > 0 ? 100 * $15 / plain[key, stop] : 100
+      if (kept < least[key]) least[key] = kept }
+    END { print "proxy", "method", "presses", "presses_throttled", "most_throttled_ticks", "least_force_kept_pct"
+          for (i = 1; i <= n; i++) { key = order[i]
+            printf "%s,%d,%d,%d,%.2f\n", key, presses[key], touched[key], most[key], least[key] } }' \
+    closed_loop.csv >closed_loop_presses.csv
   cd "$OLDPWD"
 }
 rate_table() {  # rate_table COLUMN NAME: METHOD 5.4's layout of K_max, in rate_NAME.csv

@@ -86,7 +86,7 @@ void print_study(const Study& study, const std::string& setting, int blocks) {
 }
 
 void print_parts(int blocks) {
-  for (const auto& make : {&plane_figures, &envelope_figures, &rotation_figures}) {
+  for (const auto& make : {&plane_figures, &envelope_figures, &tank_figures, &rotation_figures}) {
     for (const PartFigure& part : make()) {
       const bench::Row timed =
           bench::compare(part.method, part.against, "ns", block_of(part.ours, part.calls),

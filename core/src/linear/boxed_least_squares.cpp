@@ -31,6 +31,16 @@ void BoxedLeastSquares::add_diagonal(const VecQ& weight, const VecQ& target) noe
   }
 }
 
+void BoxedLeastSquares::turn(int k, const double (&first)[2], const double (&second)[2]) noexcept {
+  double* a = A_ + k * m_;
+  double* b = a + m_;
+  for (int i = 0; i < m_; ++i) {
+    const double along = first[0] * a[i] + first[1] * b[i];
+    b[i] = second[0] * a[i] + second[1] * b[i];
+    a[i] = along;
+  }
+}
+
 void BoxedLeastSquares::solve(const VecQ& lower, const VecQ& upper,
                               const VecQ& metric_root) noexcept {
   p_.setZero(n_);

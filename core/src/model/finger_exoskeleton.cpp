@@ -104,20 +104,32 @@ class FingerExoskeleton final : public Kinematics {
   }
 
   InverseStatus inverse(const VecX& x, VecQ& q) const noexcept override {
+    if (inverse_inside(x, q) == InverseStatus::kExact) return InverseStatus::kExact;
     q.resize(2);
-    ClosedPose closed;
-    if (linkage_.closed_inverse(x[0], x[1], closed) && acceptable(x, closed)) {
-      q[0] = closed.l;
-      q[1] = closed.t;
-      return InverseStatus::kExact;
-    }
     const ReachPoint nearest = reach_.nearest(x[0], x[1]);
     q[0] = nearest.l;
     q[1] = nearest.t;
     return InverseStatus::kUnreachable;
   }
 
+  InverseStatus inverse_inside(const VecX& x, VecQ& q) const noexcept override {
+    ClosedPose closed;
+    if (!linkage_.closed_inverse(x[0], x[1], closed) || !acceptable(x, closed)) {
+      return InverseStatus::kUnreachable;
+    }
+    q.resize(2);
+    q[0] = closed.l;
+    q[1] = closed.t;
+    return InverseStatus::kExact;
+  }
+
+  std::span<const int> limited_pairs() const noexcept override { return pair_; }
+  MapStatus pair_limits(int, double a, double b, PairLimits& limits) const noexcept override {
+    return reach_.limits(a, b, limits) ? MapStatus::kOk : MapStatus::kCannotClose;
+  }
+
  private:
+  static constexpr int pair_[] = {0};
   /// Box and slider limits (the latter exclude rods on the far side of their joints), and angles
   /// that are not a turn away from what the linkage assembles to.
   [[nodiscard]] bool acceptable(const VecX& x, const ClosedPose& p) const noexcept {

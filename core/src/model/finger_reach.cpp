@@ -117,6 +117,22 @@ bool FingerReach::gradient(int constraint, double l, double t, const LinkagePose
   return true;
 }
 
+bool FingerReach::limits(double l, double t, PairLimits& limits) const noexcept {
+  static_assert(kConstraints - kC1Lower == kPairLimits);
+  LinkagePose p;
+  if (!linkage_.pose(l, t, p)) return false;
+  for (int i = 0; i < kPairLimits; ++i) {
+    PairLimit& limit = limits[static_cast<std::size_t>(i)];
+    limit.room = value(kC1Lower + i, l, t, p);
+    // The branch's slope needs second derivatives: not where it is far off.
+    const bool far =
+        kC1Lower + i == kBranch && limit.room > 0.25 * linkage_.dimensions().proximal_phalanx;
+    limit.slope[0] = limit.slope[1] = 0.0;
+    if (!far && !gradient(kC1Lower + i, l, t, p, limit.slope[0], limit.slope[1])) return false;
+  }
+  return true;
+}
+
 void FingerReach::add(double l, double t, int constraint) {
   LinkagePose p;
   if (linkage_.pose(l, t, p)) edge_.push_back({l, t, p.q1, p.q2, constraint});

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "finger_linkage.hpp"
+#include "haptic/core/model/kinematics.hpp"
 
 namespace haptic::core {
 
@@ -28,6 +29,9 @@ class FingerReach {
 
   /// All limits hold, by at least -tolerance of the scaled coordinates.
   [[nodiscard]] bool contains(double l, double t) const noexcept;
+  /// The sliders' ends and the branch, the latter without a slope while it is far off. False where the
+  /// linkage does not close.
+  [[nodiscard]] bool limits(double l, double t, PairLimits& limits) const noexcept;
   /// argmin ||x - f(q)|| over the set's edge.
   [[nodiscard]] ReachPoint nearest(double q1, double q2) const noexcept;
   /// Mean ||J_a|| over the valid region of METHOD 1.2 on the trace's grid, rad/m.

@@ -43,6 +43,7 @@ class HandExoskeleton final : public Kinematics {
       blocks_.push_back({finger.kinematics.get(), kPerFinger * i, i, kPerFinger * i});
       const double mean = finger.kinematics->mean_actuated_jacobian();
       squares += mean * mean;
+      pairs_.push_back(kPerFinger * i);
     }
     mean_J_a_ = std::sqrt(squares);
   }
@@ -106,6 +107,11 @@ class HandExoskeleton final : public Kinematics {
     return MapStatus::kOk;
   }
 
+  std::span<const int> limited_pairs() const noexcept override { return pairs_; }
+  MapStatus pair_limits(int which, double a, double b, PairLimits& limits) const noexcept override {
+    return blocks_[static_cast<std::size_t>(which)].kinematics->pair_limits(0, a, b, limits);
+  }
+
   InverseStatus inverse(const VecX& x, VecQ& q) const noexcept override {
     q.resize(layout_.n_q());
     InverseStatus worst = InverseStatus::kExact;
@@ -125,6 +131,7 @@ class HandExoskeleton final : public Kinematics {
   DofLayout layout_;
   ConfigurationSpace space_;
   std::vector<MapBlock> blocks_{};
+  std::vector<int> pairs_{};
   double mean_J_a_{0.0};
 };
 

@@ -18,7 +18,9 @@ TreeMap::TreeMap(RigidTree tree, std::vector<DofSpec> dofs, std::vector<TreeDriv
       layout_(layout_of(dofs_)),
       space_(tree_.coordinates()),
       rotation_(rotation),
-      mean_J_a_(core::mean_actuated_jacobian(*this)) {}
+      mean_J_a_(core::mean_actuated_jacobian(*this)) {
+  for (const TreeDrive& drive : drives_) pairs_.push_back(drive.first);
+}
 
 struct TreeMap::Joints {
   double y[kMaxQ];
@@ -90,6 +92,10 @@ MapStatus TreeMap::second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept
     for (int m = 0; m < 2; ++m) J_k.col(drive->first + c) += dD(m, c) * J_y.col(drive->first + m);
   }
   return MapStatus::kOk;
+}
+
+MapStatus TreeMap::pair_limits(int which, double a, double b, PairLimits& limits) const noexcept {
+  return drives_[static_cast<std::size_t>(which)].mechanism->pair_limits(0, a, b, limits);
 }
 
 void TreeMap::nearest_representative(const VecQ& near, VecQ& q) const noexcept {

@@ -29,6 +29,8 @@ class TreeMap final : public Kinematics {
   MapStatus evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexcept override;
   MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override;
   void nearest_representative(const VecQ& near, VecQ& q) const noexcept override;
+  std::span<const int> limited_pairs() const noexcept override { return pairs_; }
+  MapStatus pair_limits(int which, double a, double b, PairLimits& limits) const noexcept override;
 
  private:
   struct Joints;  // y and dy/dq at one q
@@ -40,6 +42,7 @@ class TreeMap final : public Kinematics {
   RigidTree tree_;
   std::vector<DofSpec> dofs_;
   std::vector<TreeDrive> drives_;
+  std::vector<int> pairs_{};  ///< the drives' first DoFs
   DofLayout layout_;
   ConfigurationSpace space_;
   int rotation_;

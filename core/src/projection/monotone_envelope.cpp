@@ -52,6 +52,8 @@ EnvelopeAnswer MonotoneEnvelope::apply(const Probe& probe, const VecX& dx, Rende
 }
 
 bool MonotoneEnvelope::reach(const VecX& x_at) noexcept {
+  const InverseStatus closed = model_.kinematics().inverse_inside(x_at, q_);
+  if (closed != InverseStatus::kNotOffered) return closed == InverseStatus::kExact;
   for (int n = 0; n < kSteps; ++n) {
     if (model_.kinematics().evaluate(q_, x_, J_) != MapStatus::kOk) return false;
     model_.kinematics().space().difference(x_at, x_, r_);

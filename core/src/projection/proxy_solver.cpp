@@ -14,6 +14,8 @@ namespace {
 constexpr double kFirstLambda = 1e-3;
 constexpr double kRaise = 8.0;
 constexpr double kLower = 0.1;
+/// Of a step along a curved limit; a share this close to 1 is 1.
+constexpr double kLeastShare = 0.1, kMostShare = 4.0, kSameShare = 1e-3;
 /// A step that promises less than this share of the cost is rounding.
 constexpr double kLeastPromise = 1e-12;
 /// A residual of this share of what the box spans in X is rounding.
@@ -23,7 +25,8 @@ constexpr double kNoResidual = 1e-9;
 
 }  // namespace
 
-ProxySolver::ProxySolver(const ProjectionModel& model) : model_(model) {
+ProxySolver::ProxySolver(const ProjectionModel& model)
+    : model_(model), limits_(model.kinematics()) {
   const int n_q = model.layout().n_q();
   lower_.resize(n_q);
   upper_.resize(n_q);
@@ -48,6 +51,10 @@ void ProxySolver::set_prior(const VecQ& weight, const VecQ& target) noexcept {
 void ProxySolver::solve(const VecX& x, const VecQ& seed, const VecA& stiffness,
                         Projection& out) noexcept {
   here().q = seed.cwiseMax(lower_).cwiseMin(upper_);
+  if (!limits_.apart(here().q, VecQ::Zero(seed.size()))) {
+    static_cast<void>(limits_.restore(here().q));  // a seed beyond them still leads somewhere
+  }
+  here().inside = true;
   evaluate(x, here());
   out.q_star = here().q;
   out.residual = out.condition = 0.0;
@@ -58,6 +65,7 @@ void ProxySolver::solve(const VecX& x, const VecQ& seed, const VecA& stiffness,
   marquardt_.setZero(model_.layout().n_q());
   lambda_ = kFirstLambda;
   length_ = std::numeric_limits<double>::infinity();
+  share_ = 1.0;
   floor_ = kRounding * kRounding * span2();
   Step last = Step::kTaken;
   for (int i = 0; i < model_.iteration().max_steps && last == Step::kTaken; ++i) last = step(x);
@@ -69,6 +77,7 @@ void ProxySolver::solve(const VecX& x, const VecQ& seed, const VecA& stiffness,
 
 void ProxySolver::evaluate(const VecX& x, Point& point) noexcept {
   point.cost = std::numeric_limits<double>::infinity();
+  if (!point.inside) return;
   if (model_.kinematics().evaluate(point.q, point.x, point.J) != MapStatus::kOk) return;
   model_.kinematics().space().difference(x, point.x, point.r);
   model_.metric().weigh(point.r);
@@ -80,7 +89,7 @@ void ProxySolver::evaluate(const VecX& x, Point& point) noexcept {
   }
 }
 
-double ProxySolver::propose(double lambda) noexcept {
+void ProxySolver::assemble(double lambda) noexcept {
   const int n_q = model_.layout().n_q();
   const int rows = model_.n_x() + (has_prior_ ? n_q : 0) + (lambda > 0.0 ? n_q : 0);
   linear_.begin(rows, n_q);
@@ -90,9 +99,53 @@ double ProxySolver::propose(double lambda) noexcept {
     marquardt_ = marquardt_.cwiseMax(linear_.column_norms());
     linear_.add_diagonal(std::sqrt(lambda) * marquardt_, VecQ::Zero(n_q));
   }
+}
+
+double ProxySolver::propose(double lambda) noexcept {
+  assemble(lambda);
   linear_.solve(lower_ - here().q, upper_ - here().q, metric_root_);
-  trial().q = (here().q + linear_.p()).cwiseMax(lower_).cwiseMin(upper_);
+  step_ = linear_.p();
+  apart_ = limits_.apart(here().q, step_);
+  if (!apart_) {
+    limits_.look(here().q);
+    apart_ = limits_.apart(here().q, step_);
+  }
+  while (!apart_ && limits_.engage(step_)) {
+    assemble(lambda);
+    VecQ lower = lower_ - here().q, upper = upper_ - here().q, root = metric_root_;
+    limits_.turn(linear_, lower, upper, root);
+    linear_.solve(lower, upper, root);
+    step_ = linear_.p();
+    limits_.turn_back(step_);
+  }
+  put_trial(1.0);
   return (trial().q - here().q).cwiseAbs().cwiseQuotient(upper_ - lower_).maxCoeff();
+}
+
+void ProxySolver::put_trial(double share) noexcept {
+  trial().q = (here().q + share * step_).cwiseMax(lower_).cwiseMin(upper_);
+  trial().inside = apart_ || limits_.restore(trial().q);
+}
+
+/// Along a curved limit a Gauss-Newton step is too long or too short by the limit's curvature, and
+/// converges linearly at best. From the cost at both ends and its slope here follows which share of
+/// the step is the right one; near the end, where costs are rounding, the last one is. A share far
+/// beyond 1 is none of curvature's: a bound ends the step.
+void ProxySolver::follow_curvature(const VecX& x, double promise, bool flat) noexcept {
+  if (!flat) {
+    double squares = 0.0;  // of what the step does to the residual
+    for (Eigen::Index i = 0; i < here().r.size(); ++i) {
+      const double change = here().J.row(i).dot(step_);
+      squares += change * change;
+    }
+    if (has_prior_) squares += prior_weight_.cwiseProduct(step_).squaredNorm();
+    const double slope = 0.5 * (promise + squares);
+    const double share = slope / (trial().cost - here().cost + 2.0 * slope);
+    share_ = share > kMostShare || !(share > 0.0) ? 1.0 : std::max(share, kLeastShare);
+  }
+  if (std::abs(share_ - 1.0) < kSameShare) return;
+  put_trial(share_);
+  evaluate(x, trial());
 }
 
 ProxySolver::Step ProxySolver::step(const VecX& x) noexcept {
@@ -103,6 +156,7 @@ ProxySolver::Step ProxySolver::step(const VecX& x) noexcept {
   rank_ = linear_.status();
   evaluate(x, trial());
   const bool flat = promise <= kLeastPromise * here().cost + floor_;
+  if (!apart_ && limits_.engaged()) follow_curvature(x, promise, flat);
   const bool better =
       flat ? std::isfinite(trial().cost) && length < length_ : trial().cost <= here().cost;
   length_ = length;

@@ -9,7 +9,8 @@ SubspaceExact::SubspaceExact(const ProjectionModel& model)
       solver_(model),
       x_at_(VecX::Zero(model.n_x())),
       r_(VecX::Zero(model.n_x())),
-      J_(MatXQ::Zero(model.n_x(), model.layout().n_q())) {}
+      J_(MatXQ::Zero(model.n_x(), model.layout().n_q())),
+      uniform_(model.metric().is_uniform(0, model.n_x())) {}
 
 void SubspaceExact::reset() noexcept {
   has_solution_ = false;
@@ -33,6 +34,14 @@ void SubspaceExact::solve(const Probe& probe, const VecX& x, const VecA& stiffne
   if (inverse == InverseStatus::kNotOffered) {
     const VecQ seed = seed_near(probe.q);
     solver_.solve(x, seed, stiffness, solution_);
+    return;
+  }
+  if (inverse == InverseStatus::kUnreachable && !uniform_) {
+    const VecQ seed = solution_.q_star;
+    solver_.solve(x, seed, stiffness, solution_);
+    if (solution_.status == ProjectionStatus::kConverged) {
+      solution_.status = ProjectionStatus::kUnreachable;
+    }
     return;
   }
   solution_.status =

@@ -21,6 +21,9 @@ struct PartFigure {
 [[nodiscard]] std::vector<PartFigure> plane_figures();
 /// The monotone envelope of Eq. (6) with its few points against 400 of the closed form (METHOD 2.4).
 [[nodiscard]] std::vector<PartFigure> envelope_figures();
+/// What the tank's booking adds to a tick under Eq. (1) and (4): how stiff its spring is, by the trace,
+/// against the largest eigenvalue (METHOD 5.3); finger, and hand of five.
+[[nodiscard]] std::vector<PartFigure> tank_figures();
 /// The chord of a rotation that X uses, and METHOD 4.4's 2 sin(theta/2), against the logarithm: error
 /// is what they are short of the angle, relative.
 [[nodiscard]] std::vector<PartFigure> rotation_figures();

@@ -18,7 +18,8 @@ struct Block {
 
 /// The plane of a block has the normal x_probe - x (kind "angle" the short way round, a "quaternion"
 /// with the sign nearer to x)
-/// and holds x: x is the point nearest to x_probe that it allows, the proxy as it was computed. A
+/// and holds x: x is the point nearest to x_probe that it allows, the proxy as it was computed (in a
+/// scene with a metric that weighs a block's coordinates differently, a point of the same plane). A
 /// block whose proxy is its probe, to `least` (m or rad), is not constrained and has no plane. Of more
 /// than 6 the ones with the largest distance stay. `blocks` empty: all coordinates are one.
 ///

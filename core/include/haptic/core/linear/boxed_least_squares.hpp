@@ -21,6 +21,10 @@ class BoxedLeastSquares {
   /// weight_i p_i = weight_i target_i, n rows.
   void add_diagonal(const VecQ& weight, const VecQ& target) noexcept;
 
+  /// From here on DoFs k and k + 1 stand for first and second: p_k' first + p_k+1' second, each of n = 2,
+  /// takes the place of (p_k, p_k+1). Bounds and metric_root are then of these.
+  void turn(int k, const double (&first)[2], const double (&second)[2]) noexcept;
+
   /// lower <= p <= upper, where lower <= 0 <= upper: 0 is the p to start from. `metric_root`: the
   /// square root of M^{-1}, n, that decides p where columns depend on each other. All rows must have
   /// been added. Never allocates; what is not finite gives p = 0.

@@ -3,6 +3,7 @@
 /// the inverse where there is a closed form. Immutable after construction; one object may be shared
 /// by threads. No method allocates or throws after construction.
 
+#include <array>
 #include <memory>
 #include <span>
 #include <string>
@@ -36,6 +37,16 @@ struct DofSpec {
 
 /// S of these DoFs. Throws SceneError: none or more than kMaxQ, or none actuated.
 [[nodiscard]] DofLayout layout_of(const std::vector<DofSpec>& dofs);
+
+/// A limit that a mechanism has beside the box (a slider's end), on two DoFs that follow each other:
+/// it holds while room >= 0. In any unit, METHOD's of the limit.
+struct PairLimit {
+  double room{0.0};
+  double slope[2]{};  ///< d room / dq; 0 where the limit is out of a step's reach
+};
+/// Both ends of two sliders, and the branch (METHOD 1.5).
+inline constexpr int kPairLimits = 5;
+using PairLimits = std::array<PairLimit, kPairLimits>;
 
 class Kinematics;
 
@@ -71,6 +82,24 @@ class Kinematics {
     static_cast<void>(x);
     static_cast<void>(q);
     return InverseStatus::kNotOffered;
+  }
+  /// inverse() where x can be reached; where it cannot q is untouched and nothing is searched.
+  [[nodiscard]] virtual InverseStatus inverse_inside(const VecX& x, VecQ& q) const noexcept {
+    static_cast<void>(x);
+    static_cast<void>(q);
+    return InverseStatus::kNotOffered;
+  }
+  /// Indices in q of the first DoF of each pair that has limits beside the box; none: the box of
+  /// dofs() is complete.
+  [[nodiscard]] virtual std::span<const int> limited_pairs() const noexcept { return {}; }
+  /// Those of pair `which` where its DoFs stand at a and b; kCannotClose: it has no pose there.
+  [[nodiscard]] virtual MapStatus pair_limits(int which, double a, double b,
+                                              PairLimits& limits) const noexcept {
+    static_cast<void>(which);
+    static_cast<void>(a);
+    static_cast<void>(b);
+    static_cast<void>(limits);
+    return MapStatus::kCannotClose;
   }
   /// The independent parts of this map, in the order of q, q_a and x, covering all of them; empty
   /// where it has no such parts. Each part can be projected by itself (METHOD 7: one finger at a

@@ -26,13 +26,14 @@ class MonotoneEnvelope {
   explicit MonotoneEnvelope(const ProjectionModel& model);
 
   /// `out`: the renderer's answer for the proxy x_probe (+) dx. The anchors of Eq. (1), (4) and (8)
-  /// grow in proportion to s: theirs is the proxy's, or none. Eq. (6) is followed by Gauss-Newton
-  /// from point to point, as far as f and the box of q* reach. Never allocates.
+  /// grow in proportion to s: theirs is the proxy's, or none. Eq. (6) is followed from point to point,
+  /// by the map's closed form or by Gauss-Newton, as far as q* is in reach. Never allocates.
   [[nodiscard]] EnvelopeAnswer apply(const Probe& probe, const VecX& dx, RendererKind renderer,
                                      Projection& out) noexcept;
 
  private:
-  /// Gauss-Newton from q_ to the point x_at_. False where it is not reached inside the box.
+  /// q_ of the point x_at_, by Gauss-Newton from the q_ before where there is no closed form. False where
+  /// it is not reached inside the box.
   [[nodiscard]] bool reach(const VecX& x_at) noexcept;
 
   ProjectionModel model_;

@@ -1,12 +1,14 @@
 #pragma once
 /// The iteration behind Eq. (6) where the map has no closed form (METHOD 3.3):
-///   q* = argmin ||x (-) f(q*)||_W^2 + sum_i w_i^2 (q*_i - t_i)^2  over the box of q,
+///   q* = argmin ||x (-) f(q*)||_W^2 + sum_i w_i^2 (q*_i - t_i)^2  over the box of q and the limits
+/// that its mechanisms have beside it (sliders),
 /// by Gauss-Newton in the box; where a full step would raise the cost, by Levenberg-Marquardt with
 /// Marquardt's scale. No step is taken that raises the cost: the last iterate is the best one seen.
 /// Near the end the cost is flat to rounding while q* still moves by its square root; there a step
 /// counts as long as it is shorter than the one before.
 
 #include "haptic/core/linear/boxed_least_squares.hpp"
+#include "haptic/core/projection/mechanism_limits.hpp"
 #include "haptic/core/projection/projection.hpp"
 #include "haptic/core/projection/projection_model.hpp"
 
@@ -22,7 +24,7 @@ class ProxySolver {  // NOLINT(bugprone-reserved-identifier)
   /// w and t above, n_q; before the first call there is no prior (w = 0).
   void set_prior(const VecQ& weight, const VecQ& target) noexcept;
 
-  /// From `seed`, put into the box. `stiffness` (n_a) decides between the q* of a J without full
+  /// From `seed`, put into the box and, where that succeeds, inside the mechanisms' limits. `stiffness` (n_a) decides between the q* of a J without full
   /// column rank. Writes q_star, status (kConverged, kCapped, kUnreachable, kRankDeficient,
   /// kIllConditioned; kMapFailed: f has no value at the seed), residual, condition. Never allocates.
   void solve(const VecX& x, const VecQ& seed, const VecA& stiffness, Projection& out) noexcept;
@@ -30,10 +32,11 @@ class ProxySolver {  // NOLINT(bugprone-reserved-identifier)
  private:
   struct Point {
     VecQ q{};
-    VecX x{}, r{};     ///< f(q); W^{1/2} (x (-) f(q))
-    MatXQ J{};         ///< W^{1/2} df/dq
-    double task{0.0};  ///< ||r||^2
-    double cost{0.0};  ///< task and prior; infinite where f has no value
+    VecX x{}, r{};      ///< f(q); W^{1/2} (x (-) f(q))
+    MatXQ J{};          ///< W^{1/2} df/dq
+    double task{0.0};   ///< ||r||^2
+    double cost{0.0};   ///< task and prior; infinite where f has no value
+    bool inside{true};  ///< the mechanisms' limits; else there is no cost either
   };
   enum class Step { kTaken, kConverged, kStuck };
 
@@ -43,6 +46,11 @@ class ProxySolver {  // NOLINT(bugprone-reserved-identifier)
   [[nodiscard]] Step damped_step(const VecX& x) noexcept;
   /// trial().q = here().q + the step of damping lambda. Returns its length relative to the box.
   double propose(double lambda) noexcept;
+  /// trial().q = here().q + share of that step, inside the mechanisms' limits where that succeeds.
+  void put_trial(double share) noexcept;
+  void follow_curvature(const VecX& x, double promise, bool flat) noexcept;
+  /// All rows of the linear problem at here().
+  void assemble(double lambda) noexcept;
   [[nodiscard]] Point& here() noexcept { return points_[here_]; }
   [[nodiscard]] Point& trial() noexcept { return points_[1 - here_]; }
   [[nodiscard]] ProjectionStatus judge(Step last) noexcept;
@@ -51,11 +59,15 @@ class ProxySolver {  // NOLINT(bugprone-reserved-identifier)
 
   ProjectionModel model_;
   BoxedLeastSquares linear_{};
+  MechanismLimits limits_;
   VecQ lower_{}, upper_{}, metric_root_{};
   bool has_prior_{false};
   VecQ prior_weight_{}, prior_target_{};
   VecQ marquardt_{};  ///< largest column norms so far
   double lambda_{0.0};
+  VecQ step_{};          ///< the last proposed, n_q
+  bool apart_{true};     ///< its way is known to break no mechanism's limit
+  double share_{1.0};    ///< of a step along a curved limit
   double floor_{0.0};    ///< a cost of rounding alone
   double length_{0.0};   ///< of the last undamped step, relative to the box
   bool limited_{false};  ///< of the last undamped step, as are the next two

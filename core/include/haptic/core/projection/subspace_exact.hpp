@@ -1,10 +1,12 @@
 #pragma once
-/// Eq. (6): q* = argmin ||x (-) f(q*)||_W^2 over the box of q* (METHOD 3.3).
+/// Eq. (6): q* = argmin ||x (-) f(q*)||_W^2 over the box of q* and the mechanisms' own limits (METHOD
+/// 3.3).
 ///
 /// Case A, no prior: q* depends on x alone, so it is solved once per change of the proxy and held in
 /// between; two flops per DoF are left for every other tick, and no cycle of q can pump energy. By
 /// the map's closed form where it offers one: exact within reach, and beyond it the map's own nearest
-/// pose, slider limits included, in the unweighted distance. Else by iteration.
+/// pose; where W is not a multiple of the identity that is the unweighted distance's, and the iteration
+/// goes on from there. Else by iteration.
 /// Case B, with a prior: its actuated part follows the device, so every tick iterates, from the last
 /// q*; q_n^ref is taken when the proxy changes.
 
@@ -36,6 +38,7 @@ class SubspaceExact {
   Projection solution_{};
   VecX x_at_{}, r_{};
   MatXQ J_{};
+  bool uniform_;  ///< W is a multiple of the identity
 };
 
 }  // namespace haptic::core

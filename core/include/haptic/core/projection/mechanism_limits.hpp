@@ -1,0 +1,83 @@
+#pragma once
+/// The limits of a mechanism beside the box of q (sliders; the branch of METHOD 1.5) in the iteration
+/// behind Eq. (6), as METHOD 3.4 asks: constraints, not rejected steps, which stall.
+///
+/// In a linear step a limit that it would break is engaged: the two DoFs of its pair are turned into
+/// one across the limit and one along it, and across it the limit is a bound like any other of the
+/// box. The way along ends at the pair's other limits. After the step the pair is put back onto the
+/// limits' curves, so that every iterate keeps them.
+
+#include <array>
+#include <limits>
+#include <span>
+
+#include "haptic/core/linear/boxed_least_squares.hpp"
+#include "haptic/core/model/kinematics.hpp"
+
+namespace haptic::core {
+
+class MechanismLimits {
+ public:
+  /// `kinematics` must outlive this. A map without pairs costs nothing.
+  explicit MechanismLimits(const Kinematics& kinematics);
+
+  /// True where no limit can be broken from q to q + p: both are near where look() last was, by what its
+  /// rooms and slopes said; always without pairs. A warm step away from every limit costs no more.
+  [[nodiscard]] bool apart(const VecQ& q, const VecQ& p) const noexcept;
+  /// True where the last step is led by a limit.
+  [[nodiscard]] bool engaged() const noexcept;
+  /// A step from q is wanted, which keeps the limits: none is engaged.
+  void look(const VecQ& q) noexcept;
+  /// For each pair with an engaged limit: turns its columns, bounds (of the step, holding 0) and
+  /// entries of `metric_root` (see BoxedLeastSquares::solve).
+  void turn(BoxedLeastSquares& linear, VecQ& lower, VecQ& upper, VecQ& metric_root) noexcept;
+  /// The step in q for one in turned DoFs.
+  void turn_back(VecQ& p) noexcept;
+  /// Of each pair without an engaged limit, engages the one that the step breaks most; changes once to
+  /// another where the step leaves its limit and is held by that one. True where there was any.
+  bool engage(const VecQ& p) noexcept;
+  /// Moves each pair of q, within its box, onto the limits that it breaks. False where that does not
+  /// succeed, or the mechanism has no pose there.
+  [[nodiscard]] bool restore(VecQ& q) const noexcept;
+
+ private:
+  static constexpr int kBox = 4;  ///< limits that are the box's
+  using All = std::array<PairLimit, kPairLimits + kBox>;
+  /// Of a step in turned DoFs, in widths.
+  struct Bounds {
+    double nearest{0.0}, farthest{std::numeric_limits<double>::infinity()};
+    double back{-std::numeric_limits<double>::infinity()};
+    double on{std::numeric_limits<double>::infinity()};
+    double slant{0.0};               ///< along, per width across
+    int ends_back{-1}, ends_on{-1};  ///< whose the bounds along are
+  };
+  struct Pair {
+    int which{0}, first{0};
+    double lower[2]{}, upper[2]{}, width[2]{};
+    double seen[2]{};    ///< where look() was
+    double reach{-1.0};  ///< of what it saw, in widths; < 0: has not seen
+    All limits{};        ///< there
+    int engaged{-1};     ///< of `limits`
+    double across[2]{};  ///< unit vector in widths: the way off the engaged limit
+    double way[2]{};     ///< the way onto it, likewise: past the pair's other limits
+    Bounds bounds{};
+    int blocked_by{-1};     ///< of `limits`
+    bool changed{false};    ///< `engaged` is not the first
+    double steepness{0.0};  ///< room gained per width across
+  };
+  [[nodiscard]] static Bounds bounds_of(const Pair& pair) noexcept;
+  [[nodiscard]] static double reach_of(const Pair& pair) noexcept;
+  static void lead(Pair& pair, int limit) noexcept;
+  /// The mechanism's limits and the box's at (a, b); false where there is no pose.
+  [[nodiscard]] bool limits_at(const Pair& pair, double a, double b, All& all) const noexcept;
+  [[nodiscard]] bool restore(const Pair& pair, double& a, double& b) const noexcept;
+
+  [[nodiscard]] std::span<Pair> pairs() noexcept { return {pairs_.data(), count_}; }
+  [[nodiscard]] std::span<const Pair> pairs() const noexcept { return {pairs_.data(), count_}; }
+
+  const Kinematics* kinematics_;
+  std::size_t count_{0};
+  std::array<Pair, kMaxQ / 2> pairs_{};  ///< in place: a renderer is changed under way
+};
+
+}  // namespace haptic::core

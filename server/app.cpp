@@ -155,9 +155,9 @@ void App::listen_to_devices() {
     if (!scene_.record) continue;
     const auto file = record_file(scene_, i);
     spdlog::info("{}: recorded in {}", device.name, file.string());
-    listeners_.push_back(
-        std::make_unique<Recorder>(file, device.kinematics, comparison(*scene_.record, device),
-                                   units_[i]->config().tracker.has_value()));
+    listeners_.push_back(std::make_unique<Recorder>(file, device.kinematics,
+                                                    comparison(*scene_.record, device),
+                                                    units_[i]->config().tracker.has_value()));
     telemetry_->add(i, listeners_.back().get(), ListenerRank::kBackground);
   }
 }

@@ -49,6 +49,7 @@ class ServedSensors final : public Sensors {
       throw client::ClientError(client::ErrorReason::kClosed, "the session ended");
     }
     const std::lock_guard lock(mutex_);
+    refuse_fault();
     Statistics answer = seen_;
     for (double& sum : answer.mean) sum /= static_cast<double>(answer.samples);
     for (double& sum : answer.force) sum /= static_cast<double>(forces_);
@@ -67,6 +68,17 @@ class ServedSensors final : public Sensors {
     wanted.on_state = [this](const client::DeviceState& state) { take(state); };
     return server_.open(wanted);
   }
+  /// Under the mutex. In FAULT the device is disarmed: nobody could move it to the next place.
+  void refuse_fault() const {
+    if (faults_ == 0) return;
+    throw client::ClientError(
+        client::ErrorReason::kNotReady,
+        "'" + device_ + "' is in FAULT, " + joined(client::fault_names(faults_)) +
+            ": nothing was written. Clear it with hapticctl clear-fault and begin again; where a "
+            "reading left the scene's range and 5 % of its span, with places and travel inside it, "
+            "or "
+            "with a sensor put right first");
+  }
   void stop_publishing() {
     publisher_.request_stop();
     if (publisher_.joinable()) publisher_.join();
@@ -74,6 +86,7 @@ class ServedSensors final : public Sensors {
   void take(const client::DeviceState& state) {
     const std::vector<double>& reading = state.reading.empty() ? state.q : state.reading;
     const std::lock_guard lock(mutex_);
+    faults_ = state.faults;
     if (seen_.samples++ == 0) {
       seen_.mean.assign(reading.size(), 0.0);
       seen_.lowest = seen_.highest = reading;
@@ -94,6 +107,7 @@ class ServedSensors final : public Sensors {
   std::mutex mutex_;
   Statistics seen_{};  ///< sums in mean and force
   std::uint64_t forces_{0};
+  std::uint32_t faults_{0};
   std::unique_ptr<client::Session> session_;
   std::jthread publisher_;
 };

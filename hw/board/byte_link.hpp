@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -39,6 +40,10 @@ class ByteLink {
 [[nodiscard]] std::unique_ptr<ByteLink> open_serial_port(const std::string& port, int baud);
 /// Locks an open port against other processes; throws DeviceError naming `port` if one has it.
 void claim(int handle, const std::string& port);
+/// What to tell of an FTDI chip whose latency timer is 16 ms or more; empty where there is none, or
+/// it is short. `devices`: the folder of sysfs with one folder per USB serial port.
+[[nodiscard]] std::string latency_timer_note(
+    const std::string& port, const std::filesystem::path& devices = "/sys/bus/usb-serial/devices");
 /// DeviceError for a port that could not be opened because of `error` (errno).
 [[noreturn]] void throw_cannot_open(const std::string& port, int error);
 

@@ -5,7 +5,6 @@
 #include <sys/ioctl.h>
 
 #include <cerrno>
-#include <filesystem>
 #include <fstream>
 
 #include "haptic/core/error.hpp"
@@ -63,7 +62,7 @@ class SerialPort final : public ByteLink {
     throw_unless(sp_set_flowcontrol(port_, SP_FLOWCONTROL_NONE), name, "be set to no flow control");
     throw_unless(sp_flush(port_, SP_BUF_BOTH), name, "be flushed");
     ask_for_low_latency();
-    look_at_latency_timer(name);
+    if (std::string note = latency_timer_note(name); !note.empty()) notes_.push_back(note);
   }
 
   /// A hint, and only that: USB CDC has no such flag, and no need of it.
@@ -72,17 +71,6 @@ class SerialPort final : public ByteLink {
     if (::ioctl(fd_, TIOCGSERIAL, &settings) != 0) return;
     settings.flags |= ASYNC_LOW_LATENCY;
     static_cast<void>(::ioctl(fd_, TIOCSSERIAL, &settings));
-  }
-
-  void look_at_latency_timer(const std::string& name) {
-    const std::string tty = std::filesystem::path(name).filename().string();
-    const std::string setting = "/sys/bus/usb-serial/devices/" + tty + "/latency_timer";
-    std::ifstream file(setting);
-    int timer_ms = 0;
-    if (!(file >> timer_ms) || timer_ms < kSlowLatencyTimerMs) return;
-    notes_.push_back(name + ": the FTDI latency timer is " + std::to_string(timer_ms) +
-                     " ms, so samples come late and in bursts; must be 1 (echo 1 | sudo tee " +
-                     setting + ")");
   }
 
   void release() noexcept {
@@ -96,6 +84,16 @@ class SerialPort final : public ByteLink {
 };
 
 }  // namespace
+
+std::string latency_timer_note(const std::string& port, const std::filesystem::path& devices) {
+  const auto setting = devices / std::filesystem::path(port).filename() / "latency_timer";
+  std::ifstream file(setting);
+  int timer_ms = 0;
+  if (!(file >> timer_ms) || timer_ms < kSlowLatencyTimerMs) return {};
+  return port + ": the FTDI latency timer is " + std::to_string(timer_ms) +
+         " ms, so samples come late and in bursts; must be 1 (echo 1 | sudo tee " +
+         setting.string() + ")";
+}
 
 std::unique_ptr<ByteLink> open_serial_port(const std::string& port, int baud) {
   return std::make_unique<SerialPort>(port, baud);

@@ -13,8 +13,18 @@ constexpr std::uint64_t kEveryUs = 10000;
 }  // namespace
 
 TruthLog::TruthLog(const std::string& file) : csv_(file) {
-  csv_ << "time_s,l_x_m,q_B_rad,force_n" << std::endl;
+  csv_ << "time_s,l_x_m,q_B_rad,force_n\n" << std::flush;
   if (!csv_) throw core::DeviceError("truth '" + file + "': must be a file that can be written");
+  thread_ = std::thread([this] { drain(); });
+}
+
+TruthLog::~TruthLog() {
+  {
+    const std::lock_guard lock(mutex_);
+    closing_ = true;
+  }
+  changed_.notify_one();
+  thread_.join();
 }
 
 void TruthLog::write(const EmulatedBoard& board) {
@@ -25,7 +35,25 @@ void TruthLog::write(const EmulatedBoard& board) {
   std::snprintf(row.data(), row.size(), "%.3f,%.7f,%.6f,%.4f\n",
                 static_cast<double>(board.now_us()) * 1e-6, rig.actuator().x(), rig.finger().q()[1],
                 rig.actuator().force());
-  csv_ << row.data() << std::flush;
+  {
+    const std::lock_guard lock(mutex_);
+    pending_ += row.data();
+  }
+  changed_.notify_one();
+}
+
+void TruthLog::drain() {
+  std::string rows;
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return closing_ || !pending_.empty(); });
+    if (pending_.empty()) return;
+    rows.clear();
+    rows.swap(pending_);
+    lock.unlock();
+    csv_ << rows << std::flush;
+    lock.lock();
+  }
 }
 
 }  // namespace haptic::hw::emulator

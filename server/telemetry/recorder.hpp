@@ -63,8 +63,8 @@ namespace haptic::server {
 
 class Recorder final : public RecordListener {
  public:
-  /// `comparison` absent: no columns of the other renderers. `tracked`: the scene has a tracker. Throws SceneError where `file` cannot
-  /// be created (path and the system's reason).
+  /// `comparison` absent: no columns of the other renderers. `tracked`: the scene has a tracker. Throws
+  /// SceneError where `file` cannot be created (path and the system's reason).
   Recorder(const std::filesystem::path& file, std::shared_ptr<const core::Kinematics> kinematics,
            std::unique_ptr<RendererComparison> comparison = nullptr, bool tracked = false);
   /// Writes what is left and closes. The recorder must have been removed from the telemetry.

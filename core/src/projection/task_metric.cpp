@@ -2,8 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <charconv>
 #include <cmath>
-#include <sstream>
 #include <string>
 
 #include "haptic/core/error.hpp"
@@ -18,22 +18,28 @@ void require_size(Eigen::Index n, const char* what) {
                    ": must be 1 to " + std::to_string(kMaxX));
 }
 
-[[noreturn]] void refuse(Eigen::Index i, Eigen::Index j, double value, const std::string& rule) {
-  std::ostringstream text;
-  text << "task metric: W(" << i << ", " << j << ") = " << value << ": " << rule;
-  throw SceneError(text.str());
+std::string text(double value) {
+  char digits[32];
+  const auto written =
+      std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 6);
+  return {digits, written.ptr};
+}
+
+/// "W(i, j) = value".
+std::string entry(const Eigen::Ref<const Eigen::MatrixXd>& W, Eigen::Index i, Eigen::Index j) {
+  return "W(" + std::to_string(i) + ", " + std::to_string(j) + ") = " + text(W(i, j));
 }
 
 void require_symmetric(const Eigen::Ref<const Eigen::MatrixXd>& W) {
   for (Eigen::Index i = 0; i < W.rows(); ++i) {
     if (!W.row(i).allFinite()) throw SceneError("task metric: W must be finite");
-    if (!(W(i, i) > 0.0)) refuse(i, i, W(i, i), "must be > 0 on the diagonal");
+    if (!(W(i, i) > 0.0)) {
+      throw SceneError("task metric: " + entry(W, i, i) + ": must be > 0 on the diagonal");
+    }
     for (Eigen::Index j = 0; j < i; ++j) {
       // Relative to the diagonal, so that units do not decide what is symmetric.
       if (std::abs(W(i, j) - W(j, i)) <= 1e-9 * std::sqrt(W(i, i) * W(j, j))) continue;
-      std::ostringstream mirrored;
-      mirrored << "must be symmetric, W(" << j << ", " << i << ") = " << W(j, i);
-      refuse(i, j, W(i, j), mirrored.str());
+      throw SceneError("task metric: " + entry(W, i, j) + ": must be symmetric, " + entry(W, j, i));
     }
   }
 }
@@ -45,11 +51,10 @@ void require_positive_definite(const Eigen::MatrixXd& symmetric) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled, Eigen::EigenvaluesOnly);
   const double least = solver.eigenvalues()[0];
   if (least > TaskMetric::kLeastEigenvalue) return;
-  std::ostringstream text;
-  text << "task metric: W must be positive definite; with its diagonal scaled to 1 its smallest "
-          "eigenvalue is "
-       << least << ", must be > " << TaskMetric::kLeastEigenvalue;
-  throw SceneError(text.str());
+  throw SceneError(
+      "task metric: W must be positive definite; with its diagonal scaled to 1 its smallest "
+      "eigenvalue is " +
+      text(least) + ", must be > " + text(TaskMetric::kLeastEigenvalue));
 }
 
 }  // namespace

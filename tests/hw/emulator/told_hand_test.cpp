@@ -99,10 +99,12 @@ TEST(TruthLog, WritesWhatIsSoEvery10Milliseconds) {
   config.l_x_offset = 0.003;  // the sensor's business, not the truth's
   EmulatedBoard board(config, Intent(Eigen::Vector2d::Zero(), Eigen::Vector2d(0.5, 0.5)),
                       core::make_finger_exoskeleton({}));
-  TruthLog log(file.path().string());
-  for (std::uint64_t ms = 1; ms <= 100; ++ms) {
-    board.advance(1000 * ms);
-    log.write(board);
+  {
+    TruthLog log(file.path().string());
+    for (std::uint64_t ms = 1; ms <= 100; ++ms) {
+      board.advance(1000 * ms);
+      log.write(board);
+    }
   }
   std::ifstream csv(file.path());
   std::string header, row, last;

@@ -1,0 +1,72 @@
+#include "hw/board/byte_link.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+#include <memory>
+
+#include "haptic/core/error.hpp"
+#include "tests/hw/temporary_file.hpp"
+
+namespace haptic::hw::board {
+namespace {
+
+std::string why(int error, const std::string& port) {
+  try {
+    throw_cannot_open(port, error);
+  } catch (const core::DeviceError& thrown) {
+    return thrown.what();
+  }
+}
+
+/// What coreutils say of a file's group.
+std::string group_of(const std::string& path) {
+  const std::unique_ptr<FILE, int (*)(FILE*)> answer(
+      ::popen(("stat -c %G '" + path + "'").c_str(), "r"), &::pclose);
+  char name[64] = "";
+  if (answer != nullptr && std::fgets(name, sizeof name, answer.get()) == nullptr) return {};
+  return std::string(name).substr(0, std::string(name).find('\n'));
+}
+
+TEST(ByteLink, APermissionErrorNamesTheGroupAndWhatToDo) {
+  const test::TemporaryFile port("", "ttyACM0");
+  const std::string path = port.path().string(), group = group_of(path);
+  ASSERT_FALSE(group.empty());
+  for (const int error : {EACCES, EPERM}) {
+    const std::string text = why(error, path);
+    EXPECT_EQ(text.find(path + ": "), 0U) << text;
+    EXPECT_NE(text.find("it belongs to the group " + group), std::string::npos) << text;
+    EXPECT_NE(text.find("usermod -aG " + group), std::string::npos) << text;
+  }
+  EXPECT_NE(why(ENOENT, path).find("is the board plugged in?"), std::string::npos);
+  EXPECT_NE(why(EBUSY, path).find("in use by another program"), std::string::npos);
+}
+
+TEST(ByteLink, APortHasOneOwner) {
+  const test::TemporaryFile port("", "ttyACM0");
+  const int first = ::open(port.path().c_str(), O_RDWR | O_CLOEXEC);
+  const int second = ::open(port.path().c_str(), O_RDWR | O_CLOEXEC);
+  claim(first, "ttyACM0");
+  EXPECT_THROW(claim(second, "ttyACM0"), core::DeviceError);
+  ::close(first);
+  EXPECT_NO_THROW(claim(second, "ttyACM0"));
+  ::close(second);
+}
+
+TEST(ByteLink, AnFtdiTimerOf16MillisecondsIsToldWithTheFileToWrite) {
+  const test::TemporaryFile timer("16\n", "latency_timer");
+  const auto devices = timer.path().parent_path().parent_path();
+  const std::string port = "/dev/" + timer.path().parent_path().filename().string();
+  const std::string note = latency_timer_note(port, devices);
+  EXPECT_NE(note.find("latency timer is 16 ms"), std::string::npos) << note;
+  EXPECT_NE(note.find("sudo tee " + timer.path().string()), std::string::npos) << note;
+  std::ofstream(timer.path()) << "1\n";
+  EXPECT_EQ(latency_timer_note(port, devices), "");
+  EXPECT_EQ(latency_timer_note("/dev/ttyACM0", devices), "") << "no FTDI chip, no timer";
+}
+
+}  // namespace
+}  // namespace haptic::hw::board

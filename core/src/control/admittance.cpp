@@ -2,28 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
-#include "haptic/core/error.hpp"
+#include "require.hpp"
 
 namespace haptic::core {
-namespace {
-
-void require(bool holds, const char* name, double value, const char* rule) {
-  if (holds && std::isfinite(value)) return;
-  throw SceneError(std::string("admittance.") + name + " = " + std::to_string(value) +
-                   ": must be finite and " + rule);
-}
-
-}  // namespace
 
 Admittance::Admittance(const AdmittanceParameters& parameters)
     : p_(parameters), position_(parameters.lower) {
-  require(p_.mass >= 0.0, "mass", p_.mass, ">= 0");
-  require(p_.damping > 0.0, "damping", p_.damping, "> 0");
-  require(p_.max_rate > 0.0, "max_rate", p_.max_rate, "> 0");
-  require(true, "lower", p_.lower, "a number");
-  require(p_.upper > p_.lower, "upper", p_.upper, "above lower");
+  require(p_.mass >= 0.0, "admittance.mass", p_.mass, ">= 0");
+  require(p_.damping > 0.0, "admittance.damping", p_.damping, "> 0");
+  require(p_.max_rate > 0.0, "admittance.max_rate", p_.max_rate, "> 0");
+  require(true, "admittance.lower", p_.lower, "a number");
+  require(p_.upper > p_.lower, "admittance.upper", p_.upper, "above lower");
 }
 
 void Admittance::reset(double position) noexcept {

@@ -2,27 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
-#include "haptic/core/error.hpp"
+#include "require.hpp"
 
 namespace haptic::core {
-namespace {
-
-void require(bool holds, const char* name, double value, const char* rule) {
-  if (holds && std::isfinite(value)) return;
-  throw SceneError(std::string("force_loop.") + name + " = " + std::to_string(value) +
-                   ": must be finite and " + rule);
-}
-
-}  // namespace
 
 ForceLoop::ForceLoop(const ForceLoopGains& gains) : gains_(gains) {
-  require(gains.proportional >= 0.0, "proportional", gains.proportional, ">= 0");
-  require(gains.integral >= 0.0, "integral", gains.integral, ">= 0");
-  require(gains.friction >= 0.0, "friction", gains.friction, ">= 0");
-  require(gains.friction_band > 0.0, "friction_band", gains.friction_band, "> 0");
-  require(gains.output_limit > 0.0, "output_limit", gains.output_limit, "> 0");
+  require(gains.proportional >= 0.0, "force_loop.proportional", gains.proportional, ">= 0");
+  require(gains.integral >= 0.0, "force_loop.integral", gains.integral, ">= 0");
+  require(gains.friction >= 0.0, "force_loop.friction", gains.friction, ">= 0");
+  require(gains.friction_band > 0.0, "force_loop.friction_band", gains.friction_band, "> 0");
+  require(gains.output_limit > 0.0, "force_loop.output_limit", gains.output_limit, "> 0");
 }
 
 double ForceLoop::step(double reference, double measured, double dt) noexcept {

@@ -45,6 +45,7 @@ void ConfigurationSpace::difference(const VecX& x, const VecX& x_probe, VecX& dx
   for (std::size_t i = 0; i < coordinates_.size(); ++i) {
     if (coordinates_[i].kind != CoordinateKind::kAngle) continue;
     double& d = dx[static_cast<Eigen::Index>(i)];
+    if (d > -std::numbers::pi && d <= std::numbers::pi) continue;  // as nearly always
     d = std::remainder(d, 2.0 * std::numbers::pi);
     if (d <= -std::numbers::pi) d = std::numbers::pi;  // (-pi, pi]
   }

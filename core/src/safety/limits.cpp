@@ -45,6 +45,10 @@ double held(double force, const ForceRange& range, LimiterSet& active) noexcept 
 LimitedForce ForceLimiter::step(double elastic, double damping, double gain, double force_limit,
                                 double slew, Duration dt, LimiterSet& active,
                                 const ForceRange& range) noexcept {
+  const bool at_rest = elastic == 0.0 && damping == 0.0 && previous_.total == 0.0 &&
+                       previous_.damping == 0.0 && range.lower <= 0.0 && range.upper >= 0.0;
+  if (at_rest) return previous_;  // nothing to limit: an idle finger's, in every tick
+
   const double step = slew * seconds(dt);
   LimitedForce out;
 

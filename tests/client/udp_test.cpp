@@ -70,10 +70,12 @@ class ClientUdp : public testing::Test {
 };
 
 TEST_F(ClientUdp, IsTakenByItselfOnceThePathProvedGood) {
+  udp.cut = true;
   const auto session = open();
   EXPECT_TRUE(server.openings().front().udp_wanted());
   session->publish(Proxy::held({0.01}));
   ASSERT_TRUE(server.until([&] { return server.samples().size() == 1; }));  // by the stream so far
+  udp.cut = false;
   ASSERT_TRUE(in_use(*session));
   session->publish(Proxy::held({0.02}));
   ASSERT_TRUE(server.until([&] { return udp.messages().size() == 1; }));

@@ -169,7 +169,7 @@ int main() {
   core::LeastSquares solver(2, finger.layout());
   const auto ours = [&](int n) {  // f, J, Eq. (8)
     for (int i = 0; i < n; ++i) {
-      const std::size_t k = static_cast<std::size_t>(i % kPoses);
+      const auto k = static_cast<std::size_t>(i % kPoses);
       static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));
       finger.space().difference(poses.x[k], x_probe, dx);
       solver.solve(J, dx, Z_q);
@@ -178,7 +178,7 @@ int main() {
   };
   const auto eigen = [&](int n) {  // the same formula as it stands in the paper, fixed-size Eigen
     for (int i = 0; i < n; ++i) {
-      const std::size_t k = static_cast<std::size_t>(i % kPoses);
+      const auto k = static_cast<std::size_t>(i % kPoses);
       static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));
       const Eigen::Matrix2d J2 = J;
       const Eigen::Vector2d d = poses.x[k] - x_probe;
@@ -188,7 +188,7 @@ int main() {
   };
   const auto eigen_qr = [&](int n) {
     for (int i = 0; i < n; ++i) {
-      const std::size_t k = static_cast<std::size_t>(i % kPoses);
+      const auto k = static_cast<std::size_t>(i % kPoses);
       static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));
       const Eigen::Matrix2d J2 = J;
       const Eigen::Vector2d d = poses.x[k] - x_probe;
@@ -199,7 +199,7 @@ int main() {
   const auto warm_step = [&](int n) {  // one Gauss-Newton step from the previous q*
     VecQ q_star = poses.q_star[0];
     for (int i = 0; i < n; ++i) {
-      const std::size_t k = static_cast<std::size_t>(i % kPoses);
+      const auto k = static_cast<std::size_t>(i % kPoses);
       static_cast<void>(finger.evaluate(q_star, x_probe, J));
       finger.space().difference(poses.x[k], x_probe, dx);
       solver.solve(J, dx, Z_q);
@@ -210,7 +210,7 @@ int main() {
   const auto closed_form = [&](int n) {
     VecQ q_star;
     for (int i = 0; i < n; ++i) {
-      const std::size_t k = static_cast<std::size_t>(i % kPoses);
+      const auto k = static_cast<std::size_t>(i % kPoses);
       static_cast<void>(finger.inverse(poses.x[k], q_star));
       sink += q_star[0];
     }
@@ -218,7 +218,7 @@ int main() {
   core::LinearCertificate certificate{core::ProjectionModel(finger)};
   const auto certify = [&](int n) {  // f, J, the certificate of METHOD 2.1
     for (int i = 0; i < n; ++i) {
-      const std::size_t k = static_cast<std::size_t>(i % kPoses);
+      const auto k = static_cast<std::size_t>(i % kPoses);
       static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));
       finger.space().difference(poses.x[k], x_probe, dx);
       sink += certificate.at({poses.q[k], x_probe, J}, dx, Z_q).margin;
@@ -244,7 +244,7 @@ int main() {
   double worst_linear = 0.0, worst_warm = 0.0, worst_closed = 0.0;
   VecQ warm = poses.q_star[0];
   for (int i = 0; i < 2 * kPoses; ++i) {
-    const std::size_t k = static_cast<std::size_t>(i % kPoses);
+    const auto k = static_cast<std::size_t>(i % kPoses);
     static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));
     finger.space().difference(poses.x[k], x_probe, dx);
     solver.solve(J, dx, Z_q);

@@ -15,7 +15,7 @@ namespace haptic::report {
 namespace {
 
 struct Stop {
-  const char* name;
+  const char* name{};
   Eigen::Vector2d normal;
 };
 
@@ -30,7 +30,7 @@ const std::vector<Stop>& stops() {
 
 /// A metric of the client's: the identity, or the coupling metric of this softness.
 struct Metric {
-  const char* name;
+  const char* name{};
   std::optional<double> softness;
 };
 constexpr Metric kMetrics[] = {{"identity", std::nullopt},

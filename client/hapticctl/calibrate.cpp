@@ -76,8 +76,7 @@ class ServedSensors final : public Sensors {
         "'" + device_ + "' is in FAULT, " + joined(client::fault_names(faults_)) +
             ": nothing was written. Clear it with hapticctl clear-fault and begin again; where a "
             "reading left the scene's range and 5 % of its span, with places and travel inside it, "
-            "or "
-            "with a sensor put right first");
+            "or with a sensor put right first");
   }
   void stop_publishing() {
     publisher_.request_stop();

@@ -44,8 +44,8 @@
 /// damping_gain,l_x,q_B,q_dot_l_x_m_per_s,x_probe_q_o1_mcp_rad,x_probe_q_o2_pip_rad,
 /// x_q_o1_mcp_rad,x_q_o2_pip_rad,q_star_l_x_m,q_star_q_B_rad,tau_elastic_l_x_n,tau_damping_l_x_n,
 /// tau_a_l_x_n,projection,faults,limiters,storage_j,tank_j,tank_scale,observed_j,
-/// certificate,certificate_margin,certificate_block,lateness_us,skipped[,tau_standard_l_x_n,tau_null_space_l_x_n,tau_subspace_linear_l_x_n,
-/// tau_subspace_exact_l_x_n].
+/// certificate,certificate_margin,certificate_block,lateness_us,skipped[,tau_standard_l_x_n,
+/// tau_null_space_l_x_n,tau_subspace_linear_l_x_n,tau_subspace_exact_l_x_n].
 ///
 /// Numbers have full precision: reading them back gives the same bits.
 

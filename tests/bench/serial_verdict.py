@@ -10,6 +10,8 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 
+from verdict import Verdict
+
 RATE_HZ, RATE_WITHIN = 1010.0, 0.01  # 1000 samples and 10 times its counters
 IN_FLIGHT = 3  # frames that the port may still hold when the last one closes it
 
@@ -22,16 +24,6 @@ class Run:
     host: Mapping[str, int]  # of the whole run, as the host's last word
     board: Mapping[str, int]  # the same of the board
     faults: Mapping[str, int]  # times each fault latched
-
-
-@dataclasses.dataclass(frozen=True)
-class Verdict:
-    what: str
-    held: bool
-    figures: str
-
-    def __str__(self) -> str:
-        return f"{self.what:12} {'held' if self.held else 'NOT HELD'}: {self.figures}"
 
 
 def verdicts(run: Run, target_ms: float) -> list[Verdict]:

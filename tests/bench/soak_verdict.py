@@ -8,6 +8,8 @@ import random
 import statistics
 from collections.abc import Sequence
 
+from verdict import Verdict
+
 GROWTH_ALLOWED = 0.01  # of resident memory, or
 GROWTH_ALLOWED_BYTES = 256 * 1024  # which is a few thread stacks' worth of touched pages
 CHANCE = 0.01
@@ -21,16 +23,6 @@ class Second:
     p99_us: float
     bare_missed: int
     bare_p99_us: float
-
-
-@dataclasses.dataclass(frozen=True)
-class Verdict:
-    what: str
-    held: bool
-    figures: str
-
-    def __str__(self) -> str:
-        return f"{self.what:9} {'held' if self.held else 'NOT HELD'}: {self.figures}"
 
 
 def verdicts(rows: Sequence[Second]) -> list[Verdict]:

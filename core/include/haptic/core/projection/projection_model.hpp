@@ -38,8 +38,8 @@ struct ProjectionSettings {
 class ProjectionModel {
  public:
   /// `kinematics` must outlive the model and its copies. Throws SceneError: X mixes units and there
-  /// is no metric; one that ties a rotation to another coordinate; a prior for a map that has an inverse in closed form; sizes or values that do not
-  /// fit. Copies allocate nothing.
+  /// is no metric; one that ties a rotation to another coordinate; a prior for a map that has an
+  /// inverse in closed form; sizes or values that do not fit. Copies allocate nothing.
   ProjectionModel(const Kinematics& kinematics, ProjectionSettings settings = {});
 
   /// The same for one block of the map. Throws as the constructor does.

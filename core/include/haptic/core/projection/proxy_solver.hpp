@@ -24,8 +24,8 @@ class ProxySolver {  // NOLINT(bugprone-reserved-identifier)
   /// w and t above, n_q; before the first call there is no prior (w = 0).
   void set_prior(const VecQ& weight, const VecQ& target) noexcept;
 
-  /// From `seed`, put into the box and, where that succeeds, inside the mechanisms' limits. `stiffness` (n_a) decides between the q* of a J without full
-  /// column rank. Writes q_star, status (kConverged, kCapped, kUnreachable, kRankDeficient,
+  /// From `seed`, put into the box and, where that succeeds, inside the mechanisms' limits.
+  /// `stiffness` (n_a) decides between the q* of a J without full column rank. Writes q_star, status (kConverged, kCapped, kUnreachable, kRankDeficient,
   /// kIllConditioned; kMapFailed: f has no value at the seed), residual, condition. Never allocates.
   void solve(const VecX& x, const VecQ& seed, const VecA& stiffness, Projection& out) noexcept;
 

@@ -56,7 +56,7 @@ ELSEWHERE = {
 # tests/relay/README.md, "The relay by hand": beside one another, each until the last has ended.
 BY_HAND = [
     "build/release/server/hapticd --scene server/scenes/finger_constant.textproto --set 'server.udp_listen=\"127.0.0.1:50052\"'",
-    "build/release/tests/haptic-relay --scenario tests/relay/scenarios/loss_05.textproto --tcp 50051 --udp 50052",
+    "build/release/tests/relay/haptic-relay --scenario tests/relay/scenarios/loss_05.textproto --tcp 50051 --udp 50052",
     "build/release/client/hapticctl --server 127.0.0.2:50051 watch",
 ]
 # Scripts that documents name: who runs them. What takes minutes is run for its help and its refusals; what it

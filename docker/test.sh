@@ -104,6 +104,7 @@ step "engine: $engine $("$engine" --version | grep -oE '[0-9]+\.[0-9.]+' | head 
 
 build_image
 start_composition
+test_stream
 test_staleness
 test_relay
 test_shutdown

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <limits>
 
 #include "haptic/wire/secure_channel.hpp"
 #include "tests/relay/daemon.hpp"
@@ -222,6 +223,37 @@ TEST(NetworkRow, ClientPausedFor300Ms) {
   const RunFigures figures = end_and_judge(daemon);
   EXPECT_EQ(figures.losses, 1);
   row.got(figures.text());
+}
+
+/// A number that no proxy may have: refused and counted, as good as silence, and force comes back by a ramp.
+void refuses(const std::string& name, double bad) {
+  MatrixRow row("network/" + name, "contract; refused and counted; lost once, and engaged again");
+  Daemon daemon;
+  ASSERT_TRUE(serves(daemon.address()));
+  std::uint64_t refused = 0;
+  {
+    const Relay relay(between(daemon));
+    Presser presser(daemon.behind_relay());
+    ASSERT_TRUE(engaged_by_udp(presser));
+    presser.instead = &bad;
+    EXPECT_TRUE(within(5s, [&] { return presser.heard("LOST"); }));
+    presser.instead = nullptr;
+    EXPECT_TRUE(engaged_by_udp(presser));
+    refused = presser.session().statistics().rejected_invalid;
+  }
+  const RunFigures figures = end_and_judge(daemon);
+  EXPECT_EQ(figures.losses, 1);
+  EXPECT_GE(refused, 15U);  // 180 ms at 100 Hz, but for what the way had under way
+  row.got(std::to_string(refused) + " refused");
+  row.got(figures.text());
+}
+
+TEST(NetworkRow, NotANumber) {
+  refuses("nan", std::numeric_limits<double>::quiet_NaN());
+}
+
+TEST(NetworkRow, HugeValues) {
+  refuses("huge_values", 1e300);
 }
 
 TEST(NetworkRow, SixteenObserversAt1Khz) {

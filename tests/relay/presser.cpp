@@ -56,8 +56,10 @@ void Presser::run() {
       const bool engaged = state.state == client::State::kEngaged;
       depth = engaged ? std::min(0.15, depth + 0.002) : 0.0;
       const double press = depth * (1.0 + 0.2 * std::sin(6.0 * t));
-      session_->publish(client::Proxy::held({engaged ? 0.5236 - press : state.x_probe[0],
-                                             engaged ? 0.5236 - press : state.x_probe[1]}));
+      std::vector<double> x = state.x_probe;
+      if (engaged) x.assign(x.size(), 0.5236 - press);
+      if (const double* value = instead) x.assign(x.size(), *value);
+      session_->publish(client::Proxy::held(x));
     }
     next = std::max(next + 10ms, std::chrono::steady_clock::now());
     std::this_thread::sleep_until(next);

@@ -29,6 +29,8 @@ class Presser {
   /// The newest sample in use never went back, within one lease.
   [[nodiscard]] bool in_order() const { return in_order_; }
   std::atomic<bool> publishing{true};
+  /// While set, published in place of every coordinate.
+  std::atomic<const double*> instead{nullptr};
 
  private:
   void run();

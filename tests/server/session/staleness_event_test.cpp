@@ -1,0 +1,71 @@
+/// Events of staleness (WIRE 4): one per change of level, at the age at which the level changes.
+
+#include <gtest/gtest.h>
+
+#include "tests/server/support/device_rig.hpp"
+
+namespace haptic::test {
+namespace {
+
+using server::DeviceEvent;
+
+struct Change {
+  std::string reason{};
+  core::Duration age{};  ///< of the newest sample when it was told
+};
+
+/// The staleness events that wait, by their distance from `last_sample`.
+std::vector<Change> changes(server::EventQueue& queue, core::TimePoint last_sample) {
+  std::vector<Change> all;
+  while (const auto event = queue.pop()) {
+    if (event->kind != DeviceEvent::Kind::kStaleness) continue;
+    all.push_back({event->reason, event->time - last_sample});
+  }
+  return all;
+}
+
+class StalenessEvent : public testing::Test {
+ protected:
+  StalenessEvent() {
+    rig.tick(3);
+    rig.control();
+    rig.press();
+    queue = rig.sessions->subscribe("s1");
+    rig.publish(0.01);
+    last_sample = rig.now;
+  }
+
+  DeviceRig rig;
+  std::shared_ptr<server::EventQueue> queue;
+  core::TimePoint last_sample{};
+};
+
+TEST_F(StalenessEvent, EveryLevelOfASilenceIsToldOnceAndAtItsAge) {
+  rig.tick(400);
+  const auto told = changes(*queue, last_sample);
+  // A client of 1 kHz is fresh for 5 ms (2.5 periods, but at least that), holds to 100 and fades to 180.
+  const std::vector<Change> expected = {
+      {"FRESH -> HOLD", 5ms}, {"HOLD -> FADE", 100ms}, {"FADE -> LOST", 180ms}};
+  ASSERT_EQ(told.size(), expected.size());
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    EXPECT_EQ(told[i].reason, expected[i].reason);
+    EXPECT_EQ(told[i].age, expected[i].age) << told[i].reason;
+  }
+}
+
+TEST_F(StalenessEvent, TheFirstSampleAfterItIsToldToo) {
+  rig.tick(50);
+  rig.stream(20, 0.01);
+  const auto told = changes(*queue, last_sample);
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_EQ(told[0].reason, "FRESH -> HOLD");
+  EXPECT_EQ(told[1].reason, "HOLD -> FRESH");
+}
+
+TEST_F(StalenessEvent, ASteadyStreamTellsNothing) {
+  rig.stream(500, 0.01);
+  EXPECT_TRUE(changes(*queue, last_sample).empty());
+}
+
+}  // namespace
+}  // namespace haptic::test

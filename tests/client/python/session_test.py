@@ -121,7 +121,15 @@ class Force(OneServer):
         self.hold(session, lambda s: s.state == "ENGAGED")
         self.assertTrue(eventually(lambda: session.state.staleness == "LOST"))
         self.assertEqual(session.wait_for_state().tau_elastic, (0.0,))
-        self.assertTrue(eventually(lambda: any(e.kind == "LOST" for e in session.events())))
+        events: list[haptic.Event] = []
+
+        def lost() -> bool:
+            events.extend(session.events())
+            return {"LOST", "FADE -> LOST"} <= {e.reason for e in events}
+
+        self.assertTrue(eventually(lost))
+        levels = [e.reason for e in events if e.kind == "STALENESS"]
+        self.assertEqual(levels[-3:], ["FRESH -> HOLD", "HOLD -> FADE", "FADE -> LOST"])
 
     def test_refusals_have_the_servers_reason(self) -> None:
         session = self.open()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every command that the documents show is run by a test.
+"""Every command that the documents show is run by a test, and every piece of C++ and Python compiled.
 
     documented_commands.py SOURCE [PROGRAMS]
 
@@ -79,6 +79,13 @@ SCRIPTS = {
     "tests/churn/run.sh": ("tests/checks/long_commands_test.sh", "tests/churn/run.sh"),
     "tests/fuzz/run.sh": ("tests/checks/long_commands_test.sh", "tests/fuzz/run.sh"),
 }
+# Pieces of code per page and language, and who compiles or runs them.
+CODE = {
+    ("README.md", "cpp"): (1, "tests/checks/CMakeLists.txt", "readme_first_client"),
+    ("client/README.md", "cpp"): (4, "tests/checks/CMakeLists.txt", "haptic_readme_code(client 4 "),
+    ("client/README.md", "python"): (2, "tests/client/python/session_test.py", '"```python\\n"'),
+    ("hw/README.md", "cpp"): (1, "tests/checks/CMakeLists.txt", "haptic_readme_code(hw 1 "),
+}
 SCRIPT = re.compile(r"^((?:[A-Z_]+=\S+ )*)((?:\.ci|docker|server|tests)/(?:run|\S+\.sh))((?: .*)?)$")
 
 
@@ -152,6 +159,27 @@ def check_scripts(root: pathlib.Path, known: dict[str, tuple[str, str]]) -> list
                 wrong.append(f"{page}: `{script}` says nothing of {word}")
     named = {script for _, script, _, _ in shown}
     wrong += [f"documented_commands.py: no document names `{script}`" for script in known if script not in named]
+    return wrong
+
+
+def check_code(root: pathlib.Path, known: dict[tuple[str, str], tuple[int, str, str]]) -> list[str]:
+    """Code of a page has a test, all of it; Python compiles."""
+    wrong = []
+    shown: dict[tuple[str, str], int] = {}
+    for page in pages(root):
+        name = str(page.relative_to(root))
+        for language, block in re.findall(r"^```(cpp|python)\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S):
+            shown[name, language] = shown.get((name, language), 0) + 1
+            if language == "python":
+                compile(block, name, "exec")
+    for place, count in shown.items():
+        if known.get(place, (0,))[0] != count:
+            wrong.append(f"{place[0]}: {count} pieces of {place[1]}, tested are {known.get(place, (0,))[0]}")
+    for place, (_, file, words) in known.items():
+        if place not in shown:
+            wrong.append(f"documented_commands.py: {place[0]} has no {place[1]}")
+        elif words not in (root / file).read_text(encoding="utf-8"):
+            wrong.append(f"{file} does not test the {place[1]} of {place[0]}: no '{words}' in it")
     return wrong
 
 
@@ -253,7 +281,7 @@ def check_options(root: pathlib.Path, programs: pathlib.Path) -> list[str]:
 
 def main() -> None:
     root = pathlib.Path(sys.argv[1])
-    wrong = check_table(root) + check_scripts(root, SCRIPTS)
+    wrong = check_table(root) + check_scripts(root, SCRIPTS) + check_code(root, CODE)
     if len(sys.argv) > 2:
         programs = pathlib.Path(sys.argv[2])
         wrong += check_options(root, programs) + run_all(root, programs) + run_by_hand(root, programs)

@@ -6,7 +6,8 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from documented_commands import PROGRAMS, SCRIPTS, check_options, check_scripts, check_table, commands  # noqa: E402
+from documented_commands import (CODE, PROGRAMS, SCRIPTS, check_code, check_options, check_scripts,  # noqa: E402
+                                 check_table, commands)
 
 HELP = "#!/bin/sh\nif [ \"$1\" = watch ]; then echo --json; else echo --server; fi\n"
 
@@ -52,6 +53,17 @@ class Documents(unittest.TestCase):
         self.page("nothing\n")
         self.assertEqual(check_scripts(self.root, known), ["documented_commands.py: no document names `tests/bench/run.sh`"])
 
+    def test_code_that_no_test_knows_is_named(self) -> None:
+        self.page("```cpp\nint x;\n```\n```cpp\nint y;\n```\n")
+        self.assertEqual(check_code(self.root, {}), ["README.md: 2 pieces of cpp, tested are 0"])
+        (self.root / "a_test").write_text("pieces\n", encoding="utf-8")
+        self.assertEqual(check_code(self.root, {("README.md", "cpp"): (2, "a_test", "pieces")}), [])
+        self.assertEqual(check_code(self.root, {("README.md", "cpp"): (2, "a_test", "other")}),
+                         ["a_test does not test the cpp of README.md: no 'other' in it"])
+        self.page("```python\nif:\n```\n")
+        with self.assertRaises(SyntaxError):
+            check_code(self.root, {})
+
     def test_a_command_that_no_test_runs_is_named(self) -> None:
         self.page("```sh\nmake coffee && make tea   # both\n```\n")
         self.assertEqual(list(commands(self.root)), ["make coffee", "make tea"])
@@ -60,6 +72,7 @@ class Documents(unittest.TestCase):
         root = pathlib.Path(__file__).parents[2]
         self.assertEqual(check_table(root), [])  # ... but there
         self.assertEqual(check_scripts(root, SCRIPTS), [])
+        self.assertEqual(check_code(root, CODE), [])
 
 
 if __name__ == "__main__":

@@ -1,10 +1,10 @@
 #!/bin/sh
-# Prints the first fenced code block of a language in a Markdown file.
+# Prints a fenced code block of a language in a Markdown file: the first, or that of a number.
 #
-#   extract_code.sh FILE LANGUAGE
+#   extract_code.sh FILE LANGUAGE [NUMBER]
 set -eu
-awk -v fence="\`\`\`$2" '
-  !found && $0 == fence { found = inside = 1; next }
+awk -v fence="\`\`\`$2" -v number="${3:-1}" '
+  $0 == fence && ++count == number { inside = 1; next }
   inside && /^```/ { inside = 0 }
   inside { print }
-  END { exit !found }' "$1"
+  END { exit count < number }' "$1"

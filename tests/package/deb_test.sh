@@ -32,7 +32,7 @@ folder=$2
 holds hapticd ./usr/bin/hapticd ./usr/lib/systemd/system/hapticd.service ./etc/hapticd/scene.textproto \
   ./usr/share/haptic/scenes/finger_soft_grasp.textproto ./usr/share/haptic/scenes/motion/reach_and_grasp.csv
 holds hapticd-client ./usr/bin/hapticctl ./usr/bin/haptic-example-soft-grasp
-holds python3-haptic ./usr/lib/python3/dist-packages/haptic/__init__.py \
+holds python3-haptic ./usr/lib/python3/dist-packages/haptic/__init__.py ./usr/lib/python3/dist-packages/haptic/py.typed \
   ./usr/lib/python3/dist-packages/haptic/v1/session_pb2.py
 holds libhaptic-dev ./usr/include/haptic/client/client.hpp ./usr/share/haptic/proto/haptic/v1/session.proto
 

@@ -22,19 +22,6 @@ bool heard(TestSession& session, const std::string& reason) {
                      [&](const v1::Event& event) { return event.reason() == reason; });
 }
 
-/// A detail of ErrorInfo; empty where there is none.
-std::string detail(const grpc::Status& status, const std::string& key) {
-  google::rpc::Status details;
-  details.ParseFromString(status.error_details());
-  for (const auto& any : details.details()) {
-    google::rpc::ErrorInfo info;
-    if (!any.UnpackTo(&info)) continue;
-    const auto found = info.metadata().find(key);
-    if (found != info.metadata().end()) return found->second;
-  }
-  return {};
-}
-
 TEST(ResumeService, ForceGoesOnWhereTheStreamWasLost) {
   LiveServer server;
   TestSession watcher(server.channel(), v1::ROLE_OBSERVER, "watcher");
@@ -91,7 +78,7 @@ TEST(ResumeService, WhoResumesNeedsNoFreePlace) {
   TestSession stranger(server.channel(), v1::ROLE_OBSERVER, "stranger");
   ASSERT_TRUE(stranger.wait_ended());
   EXPECT_EQ(reason_of(stranger.status()), "TOO_MANY_SESSIONS");
-  EXPECT_EQ(detail(stranger.status(), "limit"), "1");
+  EXPECT_EQ(detail_of(stranger.status(), "limit"), "1");
   TestSession second(server.channel(), opening("alice", first.opened().session_id()));
   ASSERT_TRUE(second.wait_opened()) << second.status().error_message();
   EXPECT_TRUE(second.opened().resumed());
@@ -156,8 +143,8 @@ TEST(ResumeService, AnOperatorTakesTheDeviceAndTheHolderIsTold) {
   TestSession bob(server.channel(), opening("bob", "", v1::PRIORITY_PRIMARY));
   ASSERT_TRUE(bob.wait_ended());
   EXPECT_EQ(reason_of(bob.status()), "LEASE_HELD");
-  EXPECT_EQ(detail(bob.status(), "holder"), "boss");
-  EXPECT_EQ(detail(bob.status(), "priority"), "operator");
+  EXPECT_EQ(detail_of(bob.status(), "holder"), "boss");
+  EXPECT_EQ(detail_of(bob.status(), "priority"), "operator");
 }
 
 TEST(ResumeService, APriorityThatIsNoneIsNamed) {

@@ -258,6 +258,8 @@ TEST(SessionService, SessionsAreLimitedAndASlotComesBack) {
     TestSession third(server.channel(), v1::ROLE_OBSERVER, "3");
     ASSERT_TRUE(third.wait_ended());
     EXPECT_EQ(third.status().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+    EXPECT_EQ(reason_of(third.status()), "TOO_MANY_SESSIONS");
+    EXPECT_EQ(detail_of(third.status(), "limit"), "2");
   }
   EXPECT_TRUE(eventually([&] {
     TestSession again(server.channel(), v1::ROLE_OBSERVER, "4");
@@ -275,6 +277,7 @@ TEST(SessionService, AMessageLargerThanTheLimitEndsTheSessionAndNothingElse) {
   EXPECT_EQ(session.status().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(reason_of(session.status()), "MESSAGE_TOO_LARGE");
   EXPECT_NE(session.status().error_message().find("at most 65536"), std::string::npos);
+  EXPECT_EQ(detail_of(session.status(), "limit"), "65536");
   const std::size_t states = other.sequence().size();
   EXPECT_TRUE(eventually([&] { return other.sequence().size() > states + 20; }));
 }

@@ -163,6 +163,7 @@ TEST_F(TlsTest, WithoutACertificateNobodyTakesADeviceFromOthers) {
   ASSERT_TRUE(refused.wait_ended());
   EXPECT_EQ(refused.status().error_code(), grpc::StatusCode::PERMISSION_DENIED);
   EXPECT_EQ(reason_of(refused.status()), "PRIORITY_DENIED");
+  EXPECT_EQ(detail_of(refused.status(), "highest"), "primary");
   EXPECT_NE(refused.status().error_message().find("without a client certificate at most primary"),
             std::string::npos)
       << refused.status().error_message();

@@ -171,6 +171,7 @@ TEST(TrackerService, OnePerDeviceAndOnlyWhereTheSceneHasOne) {
   ASSERT_TRUE(second.wait_ended());
   EXPECT_EQ(second.status().error_code(), grpc::StatusCode::ALREADY_EXISTS);
   EXPECT_EQ(reason_of(second.status()), "TRACKER_HELD");
+  EXPECT_EQ(detail_of(second.status(), "holder"), "camera");
   first.cancel();
   EXPECT_TRUE(eventually([&] { return server.app.sessions(0).tracker()->client_name().empty(); }));
   TestSession third(server.channel, tracker_opening("glove"));

@@ -72,6 +72,25 @@ TEST(WatchService, EventsReachAWatcher) {
   EXPECT_TRUE(eventually([&] { return watch.heard(v1::Event::KIND_FAULT); }));
 }
 
+TEST(WatchService, WatchesAreLimitedApartFromSessions) {
+  server::RpcConfig config{{"127.0.0.1:0"}};
+  config.max_sessions = 2;
+  LiveServer server(config);
+  TestWatch first(server.channel(), 100.0), second(server.channel(), 100.0);
+  ASSERT_TRUE(eventually([&] { return !first.sequence().empty() && !second.sequence().empty(); }));
+  const auto stub = v1::HapticService::NewStub(server.channel());
+  grpc::ClientContext context;
+  const auto third = stub->Watch(&context, v1::WatchRequest{});
+  v1::WatchResponse message;
+  EXPECT_FALSE(third->Read(&message));
+  const grpc::Status refused = third->Finish();
+  EXPECT_EQ(refused.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(reason_of(refused), "TOO_MANY_SESSIONS");
+  EXPECT_EQ(detail_of(refused, "limit"), "2");
+  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
+  EXPECT_TRUE(session.wait_opened());
+}
+
 TEST(WatchService, AWrongRateOrDeviceIsRefused) {
   LiveServer server;
   auto stub = v1::HapticService::NewStub(server.channel());

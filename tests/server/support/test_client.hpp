@@ -30,6 +30,19 @@ inline std::string reason_of(const grpc::Status& status) {
   return {};
 }
 
+/// Entry `key` of ErrorInfo's metadata; empty where there is none.
+inline std::string detail_of(const grpc::Status& status, const std::string& key) {
+  google::rpc::Status details;
+  if (!details.ParseFromString(status.error_details())) return {};
+  for (const auto& any : details.details()) {
+    google::rpc::ErrorInfo info;
+    if (!any.UnpackTo(&info)) continue;
+    const auto found = info.metadata().find(key);
+    if (found != info.metadata().end()) return found->second;
+  }
+  return {};
+}
+
 /// Field of the first BadRequest violation of a status; empty where there is none.
 inline std::string field_of(const grpc::Status& status) {
   google::rpc::Status details;

@@ -19,7 +19,7 @@ format() {
 
 configure() {
   cmake -S . -B build/lint -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
-  cmake --build build/lint --target haptic_proto haptic_proto_grpc
+  cmake --build build/lint --target haptic_proto haptic_proto_grpc client_readme_pieces hw_readme_pieces
 }
 
 batches() {

@@ -21,7 +21,8 @@ namespace {
 /// says which limit is meant (too_large).
 constexpr int kLargestReceived = 4 * static_cast<int>(kLargestMessage);
 
-int milliseconds(core::Duration time) {
+/// As gRPC takes a time.
+int argument_ms(core::Duration time) {
   return static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(time).count());
 }
 
@@ -32,8 +33,8 @@ void set_limits(grpc::ServerBuilder& builder, const RpcConfig& config) {
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
                              static_cast<int>(2 * config.max_sessions + 64));
   const KeepAlive& alive = config.keep_alive;
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, milliseconds(alive.ask_after));
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, milliseconds(alive.answer_within));
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, argument_ms(alive.ask_after));
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, argument_ms(alive.answer_within));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5'000);
 }

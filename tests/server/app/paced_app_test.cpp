@@ -2,11 +2,13 @@
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <filesystem>
-#include <mutex>
 #include <thread>
 
 #include "haptic/core/error.hpp"
@@ -76,6 +78,27 @@ haptic::server::Scene paced(const BoardThread& board) {
   return scene;
 }
 
+/// What a scrape of the metrics at `port` of this host answers.
+std::string scraped(std::uint16_t port) {
+  const int handle = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(port);
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  std::string page;
+  const std::string request = "GET /metrics HTTP/1.1\r\nHost: here\r\nConnection: close\r\n\r\n";
+  if (::connect(handle, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0 &&
+      ::send(handle, request.data(), request.size(), 0) == static_cast<ssize_t>(request.size())) {
+    std::array<char, 4096> part{};
+    for (ssize_t n = 1; n > 0;) {
+      n = ::recv(handle, part.data(), part.size(), 0);
+      if (n > 0) page.append(part.data(), static_cast<std::size_t>(n));
+    }
+  }
+  ::close(handle);
+  return page;
+}
+
 TEST(PacedApp, TheBoardsSamplesBeginTheTicksAndTheTimerWhereItIsSilent) {
   BoardThread board;
   App app(paced(board), kPlain);
@@ -110,6 +133,8 @@ TEST(PacedApp, TellsWhoPacesAndHowOften) {
   EXPECT_EQ(info.loop().paced_by(), "finger");
   EXPECT_GT(info.loop().paced_by_sample(), 50u);
   EXPECT_LE(info.loop().paced_by_sample(), info.loop().ticks());
+  EXPECT_THAT(scraped(app.metrics_port()),
+              HasSubstr("haptic_loop_sample_paced_ticks_total{device=\"finger\"} "));
 }
 
 TEST(PacedApp, ABoardOfAnotherPeriodIsRefused) {

@@ -1,6 +1,7 @@
 #pragma once
 /// The 1 kHz loop: one thread that waits for each deadline, or for each sample of the device that
-/// paces it, ticks every unit in order and wakes the telemetry. It takes no mutex, and all signals are blocked on it.
+/// paces it, ticks every unit in order and wakes the telemetry. It takes no mutex, and all signals
+/// are blocked on it.
 ///
 ///   construct          the thread starts, gets its real-time grant, and waits
 ///   begin(units)       rehearses the units, then ticks
@@ -36,8 +37,8 @@ struct LoopStatistics {
 /// The loop's work without its thread: a test runs it on virtual time.
 class LoopBody {
  public:
-  /// `units`, `telemetry`, `clock` and `samples` must outlive the body. `samples`: of the device that
-  /// paces the loop, one of the units; null: the timer does.
+  /// `units`, `telemetry`, `clock` and `samples` must outlive the body. `samples`: of the device
+  /// that paces the loop, one of the units; null: the timer does.
   LoopBody(std::vector<DeviceUnit*> units, Telemetry& telemetry, core::Duration period,
            LoopClock& clock, hw::SampleSignal* samples = nullptr);
 

@@ -18,6 +18,7 @@
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "haptic/core/tick/tick_input.hpp"
+#include "hw/sample_signal.hpp"
 
 namespace haptic::hw {
 
@@ -64,6 +65,11 @@ class Device {
 
   /// Real-time thread, once a tick. Never blocks. A device that is not armed ignores tau_a.
   virtual void write(core::TimePoint now, const Command& command) noexcept = 0;
+
+  /// Where a device that samples by a clock of its own tells of each new sample, so that the loop can
+  /// tick on its arrival; null: it has none, samples are there when asked for (simulated, replay).
+  /// Lives as long as the device.
+  [[nodiscard]] virtual SampleSignal* sample_signal() noexcept { return nullptr; }
 
   /// Main thread, after the loop ended: zero force, disarm, release what was opened. May block for
   /// at most 200 ms. Idempotent.

@@ -8,6 +8,7 @@
 #include "server/figures.hpp"
 #include "server/rpc/rpc_server.hpp"
 #include "server/rpc/steady_now.hpp"
+#include "server/scene/loop_pacing.hpp"
 #include "server/telemetry/event_log.hpp"
 #include "server/telemetry/metrics.hpp"
 #include "server/telemetry/metrics_port.hpp"
@@ -96,7 +97,7 @@ void App::start() {
     rpc_->start();
     listen_for_scrapes();
     telemetry_->start();
-    loop_->begin(pointers(units_), *telemetry_);
+    loop_->begin(pointers(units_), *telemetry_, pacing_samples());
     if (rpc_->udp_port() != 0) spdlog::info("UDP path on port {}", rpc_->udp_port());
     for (const std::string& address : rpc_->served()) {
       spdlog::info("serving '{}' on {}", scene_.name, address);
@@ -121,6 +122,7 @@ void App::open_devices() {
     }
     std::unique_ptr<hw::Device> device = hw::open_device(source, scene.kinematics);
     check_force_control(scene.force_control.place, device->info());
+    if (scene.name == scene_.loop.paced_by) check_pacing(scene_.loop, *device);
     core::PipelineConfig config = pipeline_config(scene, device->info().limits);
     config.loop_late_fault = realtime_.loop_late_fault;
     config.late_bucket_full = scene_.loop.late_bucket_full;
@@ -129,6 +131,13 @@ void App::open_devices() {
     units_.push_back(
         std::make_unique<DeviceUnit>(scene.name, std::move(device), std::move(config)));
   }
+}
+
+hw::SampleSignal* App::pacing_samples() {
+  for (const auto& unit : units_) {
+    if (unit->name() == scene_.loop.paced_by) return unit->device().sample_signal();
+  }
+  return nullptr;
 }
 
 void App::listen_to_devices() {
@@ -212,6 +221,8 @@ LoopFacts App::loop_facts() const {
   facts.lateness_max_us = microseconds(now.lateness.max);
   facts.tick_p50_us = microseconds(now.tick_time.p50);
   facts.tick_p99_us = microseconds(now.tick_time.p99);
+  facts.paced_by = scene_.loop.paced_by;
+  facts.paced_by_sample = now.paced_by_sample;
   for (const auto& unit : units_) facts.records_dropped += unit->records.dropped();
   return facts;
 }

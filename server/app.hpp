@@ -63,6 +63,8 @@ class App {
 
  private:
   void open_devices();
+  /// Of the board that paces the loop; null: the timer does.
+  [[nodiscard]] hw::SampleSignal* pacing_samples();
   void listen_to_devices();
   void listen_for_scrapes();
   [[nodiscard]] ServerFacts facts() const;

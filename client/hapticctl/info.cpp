@@ -26,7 +26,9 @@ json to_json(const client::ServerInfo& server) {
             {"lateness_max_us", server.lateness_max_us},
             {"tick_p50_us", server.tick_p50_us},
             {"tick_p99_us", server.tick_p99_us},
-            {"records_dropped", server.records_dropped}}}};
+            {"records_dropped", server.records_dropped},
+            {"paced_by", server.paced_by},
+            {"paced_by_sample", server.paced_by_sample}}}};
 }
 
 json to_json(const client::DeviceInfo& device) {
@@ -75,6 +77,11 @@ void print(const client::ServerInfo& s) {
       "tick %.2f us p50, %.2f us p99\n",
       static_cast<unsigned long long>(s.ticks), static_cast<unsigned long long>(s.skipped_ticks),
       s.lateness_p50_us, s.lateness_p99_us, s.lateness_max_us, s.tick_p50_us, s.tick_p99_us);
+  if (!s.paced_by.empty()) {
+    std::printf("  paced by %s: %llu ticks by its samples, %llu by the timer\n", s.paced_by.c_str(),
+                static_cast<unsigned long long>(s.paced_by_sample),
+                static_cast<unsigned long long>(s.ticks - s.paced_by_sample));
+  }
   for (const std::string& line : s.insecure) std::printf("  insecure: %s\n", line.c_str());
 }
 

@@ -121,6 +121,8 @@ ServerInfo to_info(const v1::GetServerInfoResponse& m) {
   s.lateness_max_us = m.loop().lateness_max_us();
   s.tick_p50_us = m.loop().tick_p50_us();
   s.tick_p99_us = m.loop().tick_p99_us();
+  s.paced_by = m.loop().paced_by();
+  s.paced_by_sample = m.loop().paced_by_sample();
   s.sessions = m.sessions();
   s.uptime = to_duration(m.uptime());
   return s;

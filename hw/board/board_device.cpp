@@ -64,6 +64,10 @@ void BoardDevice::close() noexcept {
   io_->stop();
 }
 
+SampleSignal* BoardDevice::sample_signal() noexcept {
+  return &io_->samples;
+}
+
 board::HostCounters BoardDevice::counters() const {
   return io_->counters();
 }

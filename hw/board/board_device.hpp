@@ -1,6 +1,7 @@
 #pragma once
 /// A board on a serial port as a device. Its I/O thread owns the port and the protocol; the loop
-/// exchanges the newest reading and the newest command with it through mailboxes and never waits.
+/// exchanges the newest reading and the newest command with it through mailboxes and never waits
+/// for it, unless it chose to tick with the samples: then it waits on sample_signal().
 ///
 ///   real-time thread   read(): newest reading      write(): newest command, and a wake-up
 ///   I/O thread         polls port and wake-up; samples as they come, commands as they come
@@ -30,6 +31,7 @@ class BoardDevice final : public Device {
   [[nodiscard]] const DeviceInfo& info() const noexcept override { return info_; }
   void read(core::TimePoint now, core::DeviceReading& reading) noexcept override;
   void write(core::TimePoint now, const Command& command) noexcept override;
+  [[nodiscard]] SampleSignal* sample_signal() noexcept override;
   void close() noexcept override;
   [[nodiscard]] std::vector<LinkCount> link_counts() const override;
 

@@ -85,6 +85,7 @@ void BoardDevice::Io::run() {
     wait();
     const core::TimePoint at = now();
     receive(at);
+    announce(at);
     if (wishes_.take()) host_.want(wishes_.value(), at);
     host_.poll(at);
   }
@@ -124,6 +125,15 @@ void BoardDevice::Io::receive(core::TimePoint at) {
     if (count <= 0) return;
     host_.receive({bytes.data(), static_cast<std::size_t>(count)}, at);
   }
+}
+
+/// A loop that ticks with the samples waits for just this: before anything else is done.
+void BoardDevice::Io::announce(core::TimePoint at) {
+  const std::uint64_t newest = host_.reading().seq;
+  if (newest == announced_) return;
+  announced_ = newest;
+  readings.publish(host_.reading());
+  samples.post(at);
 }
 
 void BoardDevice::Io::transmit() {

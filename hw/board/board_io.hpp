@@ -31,6 +31,8 @@ class BoardDevice::Io {
   /// Real-time thread: leaves the newest wish and wakes the thread. Never blocks.
   void want(const board::Wanted& wanted) noexcept;
   core::Mailbox<board::BoardReading> readings{};
+  /// Posted when a new sample is in `readings`.
+  SampleSignal samples{};
 
   [[nodiscard]] board::HostCounters counters() const;
   [[nodiscard]] const std::vector<std::string>& notes() const noexcept { return notes_; }
@@ -40,6 +42,7 @@ class BoardDevice::Io {
   void reopen(core::TimePoint at);
   void wait();
   void receive(core::TimePoint at);
+  void announce(core::TimePoint at);
   void transmit();
   void lose_link();
   void publish();
@@ -53,7 +56,8 @@ class BoardDevice::Io {
   int wake_;
   core::Mailbox<board::Wanted> wishes_{};
   std::atomic<bool> stopping_{false};
-  bool has_output_{false};  ///< the port did not take everything
+  bool has_output_{false};      ///< the port did not take everything
+  std::uint64_t announced_{0};  ///< BoardReading::seq
   core::TimePoint looked_for_port_{};
 
   mutable std::mutex mutex_;

@@ -53,24 +53,15 @@ class SerialPort final : public ByteLink {
     opened_ = true;
     throw_unless(sp_get_port_handle(port_, &fd_), name, "be used");
     claim(fd_, name);
-    // The lock keeps out a second hapticd, this whoever does not ask for locks (but not root).
-    static_cast<void>(::ioctl(fd_, TIOCEXCL));
+    static_cast<void>(keep_others_out(fd_));
     throw_unless(sp_set_baudrate(port_, baud), name, "be set to that speed");
     throw_unless(sp_set_bits(port_, 8), name, "be set to 8 bits");
     throw_unless(sp_set_parity(port_, SP_PARITY_NONE), name, "be set to no parity");
     throw_unless(sp_set_stopbits(port_, 1), name, "be set to 1 stop bit");
     throw_unless(sp_set_flowcontrol(port_, SP_FLOWCONTROL_NONE), name, "be set to no flow control");
     throw_unless(sp_flush(port_, SP_BUF_BOTH), name, "be flushed");
-    ask_for_low_latency();
+    static_cast<void>(ask_for_low_latency(fd_));
     if (std::string note = latency_timer_note(name); !note.empty()) notes_.push_back(note);
-  }
-
-  /// A hint, and only that: USB CDC has no such flag, and no need of it.
-  void ask_for_low_latency() noexcept {
-    serial_struct settings{};
-    if (::ioctl(fd_, TIOCGSERIAL, &settings) != 0) return;
-    settings.flags |= ASYNC_LOW_LATENCY;
-    static_cast<void>(::ioctl(fd_, TIOCSSERIAL, &settings));
   }
 
   void release() noexcept {
@@ -84,6 +75,17 @@ class SerialPort final : public ByteLink {
 };
 
 }  // namespace
+
+bool keep_others_out(int handle) noexcept {
+  return ::ioctl(handle, TIOCEXCL) == 0;
+}
+
+bool ask_for_low_latency(int handle) noexcept {
+  serial_struct settings{};
+  if (::ioctl(handle, TIOCGSERIAL, &settings) != 0) return false;
+  settings.flags |= ASYNC_LOW_LATENCY;
+  return ::ioctl(handle, TIOCSSERIAL, &settings) == 0;
+}
 
 std::string latency_timer_note(const std::string& port, const std::filesystem::path& devices) {
   const auto setting = devices / std::filesystem::path(port).filename() / "latency_timer";

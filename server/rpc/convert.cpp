@@ -199,6 +199,8 @@ v1::GetServerInfoResponse to_proto(const ServerFacts& facts) {
   loop.set_tick_p50_us(facts.loop.tick_p50_us);
   loop.set_tick_p99_us(facts.loop.tick_p99_us);
   loop.set_records_dropped(facts.loop.records_dropped);
+  loop.set_paced_by_sample(facts.loop.paced_by_sample);
+  loop.set_paced_by(facts.loop.paced_by);
   set(*info.mutable_uptime(), facts.uptime);
   return info;
 }

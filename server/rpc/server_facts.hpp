@@ -28,6 +28,8 @@ struct LoopFacts {
   double lateness_p50_us{0.0}, lateness_p99_us{0.0}, lateness_max_us{0.0};
   double tick_p50_us{0.0}, tick_p99_us{0.0};
   std::uint64_t records_dropped{0};
+  std::uint64_t paced_by_sample{0};  ///< ticks begun by a sample of `paced_by`
+  std::string paced_by{};            ///< empty: the timer begins every tick
 };
 
 struct ServerFacts {

@@ -9,20 +9,53 @@
 namespace haptic::server {
 
 LoopBody::LoopBody(std::vector<DeviceUnit*> units, Telemetry& telemetry, core::Duration period,
-                   LoopClock& clock)
+                   LoopClock& clock, hw::SampleSignal* samples)
     : units_(std::move(units)),
       telemetry_(telemetry),
       period_(period),
       clock_(clock),
+      samples_(samples),
       finish_by_ns_(std::numeric_limits<std::int64_t>::max()) {}
 
 void LoopBody::run() noexcept {
+  if (samples_ != nullptr) {
+    run_by_samples(*samples_);
+  } else {
+    run_by_timer();
+  }
+}
+
+void LoopBody::run_by_timer() noexcept {
   DeadlineGrid grid(clock_.now() + period_, period_);
   for (;;) {
     const Wake wake = clock_.wait_until(grid.deadline());
     tick(wake, grid.wake(wake.now, wake.suspended));
     if (finished(wake.now)) return;
   }
+}
+
+void LoopBody::run_by_samples(hw::SampleSignal& samples) noexcept {
+  SampleGrid grid(clock_.now() + period_, period_);
+  for (;;) {
+    const Wake wake = next_sample(samples, grid);
+    const SampleGrid::Tick due = grid.wake(wake.now, wake.suspended, wake.arrival);
+    samples.forget();  // what came while we woke up is read by this tick
+    tick(wake, due.report);
+    if (due.by_sample) paced_by_sample_.fetch_add(1, std::memory_order_release);
+    if (finished(wake.now)) return;
+  }
+}
+
+/// The end of the wait for the next tick: its sample's arrival, or where that is too early for a tick,
+/// the earliest moment for one; where none comes the timer's.
+Wake LoopBody::next_sample(hw::SampleSignal& samples, const SampleGrid& grid) noexcept {
+  const Wake wake = clock_.wait_for(samples, grid.latest());
+  const core::TimePoint due = wake.arrival ? grid.earliest() : grid.latest();
+  if (wake.now >= due) return wake;
+  Wake later = clock_.wait_until(due);
+  later.suspended += wake.suspended;
+  later.arrival = wake.arrival;
+  return later;
 }
 
 void LoopBody::tick(const Wake& wake, const core::LoopReport& report) noexcept {
@@ -49,8 +82,10 @@ bool LoopBody::finished(core::TimePoint now) const noexcept {
 }
 
 LoopStatistics LoopBody::statistics() const noexcept {
+  // First, as it is counted last: never more of them than ticks.
+  const std::uint64_t paced_by_sample = paced_by_sample_.load(std::memory_order_acquire);
   return {ticks_.load(std::memory_order_relaxed), skipped_.load(std::memory_order_relaxed),
-          lateness_.read(), tick_time_.read()};
+          paced_by_sample, lateness_.read(), tick_time_.read()};
 }
 
 Loop::Loop(const RealtimeRequest& request, core::Duration period, RealtimeHost& host)
@@ -84,9 +119,9 @@ void Loop::live(const RealtimeRequest& request, RealtimeHost& host) {
   body->run();
 }
 
-void Loop::begin(std::vector<DeviceUnit*> units, Telemetry& telemetry) {
+void Loop::begin(std::vector<DeviceUnit*> units, Telemetry& telemetry, hw::SampleSignal* samples) {
   to_rehearse_.assign(units.begin(), units.end());
-  body_storage_ = std::make_unique<LoopBody>(std::move(units), telemetry, period_, clock_);
+  body_storage_ = std::make_unique<LoopBody>(std::move(units), telemetry, period_, clock_, samples);
   body_.store(body_storage_.get(), std::memory_order_release);
   begun_.set_value(body_storage_.get());
 }

@@ -1,6 +1,7 @@
 #pragma once
-/// The 1 kHz loop: one thread that waits for each deadline, ticks every unit in order and wakes the
-/// telemetry. It takes no mutex, and all signals are blocked on it.
+/// The 1 kHz loop: one thread that waits for each deadline, or for each sample of the device that
+/// paces it, ticks every unit in order and wakes the telemetry. It takes no mutex, and all signals
+/// are blocked on it.
 ///
 ///   construct          the thread starts, gets its real-time grant, and waits
 ///   begin(units)       rehearses the units, then ticks
@@ -20,6 +21,7 @@
 #include "server/rt/loop_clock.hpp"
 #include "server/rt/realtime.hpp"
 #include "server/rt/rolling_histogram.hpp"
+#include "server/rt/sample_grid.hpp"
 #include "server/telemetry/telemetry.hpp"
 
 namespace haptic::server {
@@ -27,6 +29,7 @@ namespace haptic::server {
 struct LoopStatistics {
   std::uint64_t ticks{0};
   std::uint64_t skipped{0};
+  std::uint64_t paced_by_sample{0};  ///< ticks begun by a sample; the others by the timer
   Percentiles lateness{};
   Percentiles tick_time{};  ///< from the wake-up to the end of the tick, all units
 };
@@ -34,9 +37,10 @@ struct LoopStatistics {
 /// The loop's work without its thread: a test runs it on virtual time.
 class LoopBody {
  public:
-  /// `units`, `telemetry` and `clock` must outlive the body.
+  /// `units`, `telemetry`, `clock` and `samples` must outlive the body. `samples`: of the device
+  /// that paces the loop, one of the units; null: the timer does.
   LoopBody(std::vector<DeviceUnit*> units, Telemetry& telemetry, core::Duration period,
-           LoopClock& clock);
+           LoopClock& clock, hw::SampleSignal* samples = nullptr);
 
   /// Ticks until finish() and its conditions. Allocates nothing.
   void run() noexcept;
@@ -47,6 +51,9 @@ class LoopBody {
   [[nodiscard]] LoopStatistics statistics() const noexcept;
 
  private:
+  void run_by_timer() noexcept;
+  void run_by_samples(hw::SampleSignal& samples) noexcept;
+  [[nodiscard]] Wake next_sample(hw::SampleSignal& samples, const SampleGrid& grid) noexcept;
   void tick(const Wake& wake, const core::LoopReport& report) noexcept;
   [[nodiscard]] bool finished(core::TimePoint now) const noexcept;
 
@@ -54,10 +61,12 @@ class LoopBody {
   Telemetry& telemetry_;
   const core::Duration period_;
   LoopClock& clock_;
+  hw::SampleSignal* const samples_;
 
   std::atomic<std::int64_t> finish_by_ns_;
   std::atomic<std::uint64_t> ticks_{0};
   std::atomic<std::uint64_t> skipped_{0};
+  std::atomic<std::uint64_t> paced_by_sample_{0};
   RollingHistogram lateness_;
   RollingHistogram tick_time_;
 };
@@ -73,8 +82,9 @@ class Loop {
 
   [[nodiscard]] const RealtimeGrant& grant() const noexcept { return grant_; }
 
-  /// Once. Units and telemetry must outlive the loop.
-  void begin(std::vector<DeviceUnit*> units, Telemetry& telemetry);
+  /// Once. Units and telemetry must outlive the loop, and so must `samples` (LoopBody).
+  void begin(std::vector<DeviceUnit*> units, Telemetry& telemetry,
+             hw::SampleSignal* samples = nullptr);
   /// Returns when the thread has ended. Idempotent.
   void finish(core::Duration at_most);
 

@@ -40,6 +40,17 @@ Wake MonotonicClock::wait_until(core::TimePoint deadline) noexcept {
   until.tv_nsec = (since % std::chrono::seconds(1)).count();
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
   }
+  return awake();
+}
+
+Wake MonotonicClock::wait_for(hw::SampleSignal& samples, core::TimePoint deadline) noexcept {
+  const std::optional<core::TimePoint> arrival = samples.wait_until(deadline);
+  Wake wake = awake();
+  wake.arrival = arrival;
+  return wake;
+}
+
+Wake MonotonicClock::awake() noexcept {
   Wake wake;
   wake.now = now();
   const core::Duration asleep = asleep_at_least();

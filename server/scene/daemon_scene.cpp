@@ -96,6 +96,7 @@ LoopScene read_loop(v1::LoopScene& message, Problems& problems) {
     loop.cpu = message.cpu();
     reader.whole_number("cpu", message.cpu(), 0, kMostCpus - 1);
   }
+  loop.paced_by = message.paced_by();
   if (!message.has_late_bucket_full()) message.set_late_bucket_full(loop.late_bucket_full);
   loop.late_bucket_full = message.late_bucket_full();
   reader.whole_number("late_bucket_full", loop.late_bucket_full, 10, 1'000'000);

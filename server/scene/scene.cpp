@@ -101,6 +101,7 @@ Scene parse_scene(const std::string& text, const std::string& name,
   scene.server = read_server(*message.mutable_server(), folder, problems);
   scene.loop = read_loop(*message.mutable_loop(), problems);
   if (message.has_record()) scene.record = read_record(*message.mutable_record(), problems);
+  check_paced_by(message, scene, problems);
   check_silence(scene, problems);
   check_recordings(scene, problems);
   problems.raise();

@@ -59,6 +59,7 @@ struct LoopScene {
   int late_bucket_full{core::LateBucket::kFull};
   int priority{80};
   std::optional<int> cpu{};
+  std::string paced_by{};  ///< the board whose samples begin the ticks; empty: the timer
 };
 
 struct RecordScene {

@@ -56,6 +56,25 @@ void check_text(const google::protobuf::Message& message, const std::string& pat
   }
 }
 
+void check_paced_by(const v1::Scene& message, const Scene& scene, Problems& problems) {
+  if (!message.loop().has_paced_by()) return;
+  const std::string& name = message.loop().paced_by();
+  std::string boards;
+  for (const DeviceScene& device : scene.devices) {
+    const bool board = std::holds_alternative<hw::BoardConfig>(device.source);
+    if (device.name == name && board) return;
+    if (device.name == name) {
+      problems.wrong("loop.paced_by", quoted(name),
+                     "must be a board: simulated and replayed devices have no clock of their own");
+      return;
+    }
+    if (board) boards += (boards.empty() ? "" : ", ") + quoted(device.name);
+  }
+  problems.wrong("loop.paced_by", quoted(name),
+                 boards.empty() ? "must be absent: the scene has no board"
+                                : "must be the name of a board: " + boards);
+}
+
 void check_silence(const Scene& scene, Problems& problems) {
   for (std::size_t i = 0; i < scene.devices.size(); ++i) {
     const core::Duration fade_end = scene.devices[i].settings.staleness.fade_end;

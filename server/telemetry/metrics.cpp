@@ -57,6 +57,12 @@ void loop(Exposition& page, const ServerFacts& facts, const TickTotals& ticks) {
   page.sample({}, count(facts.loop.ticks));
   page.counter("haptic_loop_skipped_deadlines_total", "Deadlines that passed without a tick.");
   page.sample({}, count(facts.loop.skipped));
+  if (!facts.loop.paced_by.empty()) {
+    page.counter(
+        "haptic_loop_sample_paced_ticks_total",
+        "Ticks begun by a sample of the board that paces the loop; the others by the timer.");
+    page.sample({{"device", facts.loop.paced_by}}, count(facts.loop.paced_by_sample));
+  }
   page.histogram("haptic_loop_period_seconds", "Time from one tick to the next.");
   page.sample({}, ticks.period);
   page.histogram("haptic_loop_lateness_seconds", "Wake-up of the loop behind its deadline.");

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The serial link as a whole, by the counters of its two ends.
 
-    serial.py --programs BUILD --root SOURCES [--minutes 10] [--mode streaming|500hz]
+    serial.py --programs BUILD --root SOURCES [--minutes 10] [--mode streaming|500hz] [--paced]
 
 haptic-board-emulator on a pseudo-terminal, its user moved by the motion that ships; hapticd on it; the soft grasp as
 its client. Rates and ages are of the time after settling; frames of the whole run, as both ends say when they close:
@@ -25,6 +25,7 @@ SETTLING_S = 5.0
 MODES = {"streaming": ("0", 2.0), "500hz": ("2", 4.0)}  # link period in ms, target of p99 in ms
 FRAMES = re.compile(r'^haptic_link_frames_total\{.*end="host",what="received"\} (\S+)$', re.M)
 AGES = re.compile(r'^haptic_device_sample_age_seconds_bucket\{.*le="([^"]+)"\} (\S+)$', re.M)
+PACED = re.compile(r'^haptic_loop_sample_paced_ticks_total\{.*\} (\S+)$', re.M)
 FAULTS = re.compile(r'^haptic_faults_total\{.*fault="([^"]+)"\} (\S+)$', re.M)
 
 
@@ -64,6 +65,8 @@ class Page:
             raise Failed("no haptic_link_frames_total in the metrics")
         self.frames = int(float(frames[1]))
         self.ages = [(float(bound), int(float(n))) for bound, n in AGES.findall(text)]
+        paced = PACED.search(text)
+        self.paced = int(float(paced[1])) if paced else 0
         self.faults = {name: int(float(n)) for name, n in FAULTS.findall(text)}
 
 
@@ -87,7 +90,7 @@ def board_counters(log: str) -> dict[str, int]:
     return {"without_room": all_of_them.pop("frames_without_room"), **all_of_them}
 
 
-def run(programs: pathlib.Path, root: pathlib.Path, link_period_ms: str, seconds: float) -> Run:
+def run(programs: pathlib.Path, root: pathlib.Path, link_period_ms: str, seconds: float, paced: bool) -> Run:
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         port, socket, server_log = folder / "board", folder / "socket", folder / "hapticd.log"
@@ -99,6 +102,7 @@ def run(programs: pathlib.Path, root: pathlib.Path, link_period_ms: str, seconds
                           "--set", f"device[0].board={{ port: \"{port}\" max_effort: 40 max_silence {{ nanos: 100000000 }} }}",
                           # What is judged here is counted, not ended by a fault.
                           "--set", "loop.late_bucket_full=1000000", "--set", "loop.loop_late_fault={nanos: 500000000}",
+                          *(("--set", "loop.paced_by=finger") if paced else ()),
                           # As server/demo.sh: what the observer is told of a device.
                           "--set", "device[0].passivity.observer.inertia_kg=0.02",
                           "--set", "device[0].passivity.device_damping_n_s_per_m=0.5"], server_log) as server:
@@ -120,6 +124,8 @@ def run(programs: pathlib.Path, root: pathlib.Path, link_period_ms: str, seconds
         host, board = host_counters(server_log.read_text()), board_counters((folder / "board.log").read_text())
         board["without_room"] = numbers(server_log.read_text().rpartition("link closed")[2])["board_without_room"]
     ages = [(bound, n - before) for (bound, n), (_, before) in zip(last.ages, first.ages)]
+    if paced:
+        print(f"  ticks begun by a sample: {last.paced - first.paced} of {ages[-1][1]}, the others by the timer")
     return Run(last.at - first.at, last.frames - first.frames, ages, host, board, last.faults)
 
 
@@ -129,6 +135,7 @@ def main() -> int:
     parser.add_argument("--root", type=pathlib.Path, required=True)
     parser.add_argument("--minutes", type=float, default=10.0, help="of each mode")
     parser.add_argument("--mode", choices=MODES, help="one alone")
+    parser.add_argument("--paced", action="store_true", help="the board's samples begin the ticks (loop.paced_by)")
     parser.add_argument("--frames-only", action="store_true", help="judge what no busy machine can excuse")
     arguments = parser.parse_args()
     held = True
@@ -137,11 +144,12 @@ def main() -> int:
             continue
         try:
             seconds = 60 * arguments.minutes
-            judged = verdicts(run(arguments.programs, arguments.root, link_period_ms, seconds), target_ms)
+            print(f"{mode}{', paced by the board' if arguments.paced else ''}, {seconds:g} s")
+            judged = verdicts(run(arguments.programs, arguments.root, link_period_ms, seconds, arguments.paced),
+                              target_ms)
         except Failed as error:
             print(f"{mode}: {error}")
             return 1
-        print(f"{mode}, {60 * arguments.minutes:g} s")
         for verdict in judged:
             print(f"  {verdict}")
         held = held and all(v.held for v in judged if v.what.startswith("frames") or not arguments.frames_only)

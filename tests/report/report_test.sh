@@ -187,6 +187,22 @@ rows=$("$report" finger --board --stop 18,999)
 [ "$(echo "$rows" | wc -l)" = 5 ] || fail "finger --board: must be a row per method"
 echo "$rows" | grep -q "peak_cell_n,end_cell_n,peak_mcp_torque_nmm,peak_pip_torque_nmm$" ||
   fail "finger --board: must end with cell and torques"
+# Each of the four comes to rest with the force in the cell that it commands, within what the drive's friction leaves
+# to its loop, and with torques of that force's sign at both joints: the rod turns them the same way.
+"$report" finger --board --joints --stop 18,999 | awk -F, '
+  NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+  {
+    methods = methods $1 " "
+    commanded = $at["end_force_n"]; cell = $at["end_cell_n"]
+    mcp = $at["end_mcp_torque_nmm"]; pip = $at["end_pip_torque_nmm"]
+    off = cell - commanded
+    if (off > 0.3 || off < -0.3) { print "FAILED: finger --board " $1 ": cell " cell " N, commanded " commanded; bad = 1 }
+    if (!(cell * mcp > 0 && cell * pip > 0)) { print "FAILED: finger --board " $1 ": torques " mcp ", " pip; bad = 1 }
+  }
+  END {
+    if (methods != "standard null_space subspace_linear subspace_exact ") { print "FAILED: finger --board: " methods; bad = 1 }
+    exit bad
+  }' || failed=1
 
 # Errors of the ways to q*: the closed form is exact, each step of Gauss-Newton from q is nearer than the
 # one before, and Eq. (8) is the first of them.

@@ -211,12 +211,14 @@ class ServerInfo:
     skipped_ticks: int
     lateness_p50_s: float
     lateness_p99_s: float
+    paced_by: str  # the device whose samples begin ticks; empty: the timer
+    paced_by_sample: int
 
     @classmethod
     def of(cls, m: service.GetServerInfoResponse) -> ServerInfo:
         return cls(m.version, m.scene, m.realtime.grade, m.realtime.explanation, tuple(m.insecure),
                    m.loop.ticks, m.loop.skipped, m.loop.lateness_p50_us * 1e-6,
-                   m.loop.lateness_p99_us * 1e-6)
+                   m.loop.lateness_p99_us * 1e-6, m.loop.paced_by, m.loop.paced_by_sample)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

@@ -2,13 +2,16 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <fstream>
 #include <memory>
 
 #include "haptic/core/error.hpp"
+#include "hw/emulator/pseudo_terminal.hpp"
 #include "tests/hw/temporary_file.hpp"
 
 namespace haptic::hw::board {
@@ -56,6 +59,45 @@ TEST(ByteLink, APortHasOneOwner) {
   ::close(second);
 }
 
+TEST(ByteLink, ASecondOpeningOfAPseudoTerminalIsRefusedUntilTheFirstIsClosed) {
+  const emulator::PseudoTerminal terminal("");
+  const std::string port = terminal.port().string();
+  auto first = open_link(port, 921600);
+  try {
+    static_cast<void>(open_link(port, 921600));
+    FAIL() << "must throw";
+  } catch (const core::DeviceError& error) {
+    EXPECT_EQ(std::string(error.what()), port + ": is in use by another program; must be free");
+  }
+  first.reset();
+  EXPECT_NO_THROW(static_cast<void>(open_link(port, 921600)));
+}
+
+/// With a pseudo-terminal in place of a serial port: the kernel's terminals share this flag.
+TEST(ByteLink, APortIsKeptForOneProgram) {
+  const emulator::PseudoTerminal terminal("");
+  const int port = ::open(terminal.port().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  ASSERT_GE(port, 0);
+  int exclusive = -1;
+  ASSERT_EQ(::ioctl(port, TIOCGEXCL, &exclusive), 0);
+  EXPECT_EQ(exclusive, 0);
+  EXPECT_TRUE(keep_others_out(port));
+  ASSERT_EQ(::ioctl(port, TIOCGEXCL, &exclusive), 0);
+  EXPECT_EQ(exclusive, 1);
+  ::close(port);
+}
+
+TEST(ByteLink, WhoKnowsNoLowLatencyIsAskedInVainAndWithoutHarm) {
+  emulator::PseudoTerminal terminal("");
+  const auto link = open_link(terminal.port().string(), 921600);
+  EXPECT_FALSE(ask_for_low_latency(link->handle()));
+  EXPECT_FALSE(ask_for_low_latency(-1));
+  EXPECT_TRUE(link->notes().empty());
+  const std::array<std::uint8_t, 3> sent{0x00, 0x0D, 0xFF};
+  ASSERT_EQ(link->write(sent), 3) << "the port works as before";
+  EXPECT_EQ(terminal.read(), std::vector<std::uint8_t>(sent.begin(), sent.end()));
+}
+
 TEST(ByteLink, AnFtdiTimerOf16MillisecondsIsToldWithTheFileToWrite) {
   const test::TemporaryFile timer("16\n", "latency_timer");
   const auto devices = timer.path().parent_path().parent_path();
@@ -63,6 +105,8 @@ TEST(ByteLink, AnFtdiTimerOf16MillisecondsIsToldWithTheFileToWrite) {
   const std::string note = latency_timer_note(port, devices);
   EXPECT_NE(note.find("latency timer is 16 ms"), std::string::npos) << note;
   EXPECT_NE(note.find("sudo tee " + timer.path().string()), std::string::npos) << note;
+  std::ofstream(timer.path()) << "15\n";
+  EXPECT_EQ(latency_timer_note(port, devices), "") << "whoever changed it knows why";
   std::ofstream(timer.path()) << "1\n";
   EXPECT_EQ(latency_timer_note(port, devices), "");
   EXPECT_EQ(latency_timer_note("/dev/ttyACM0", devices), "") << "no FTDI chip, no timer";

@@ -170,6 +170,28 @@ TEST(BoardDevice, GivesSamplesAndPressesOnceArmed) {
   EXPECT_TRUE(loop.run_until([&] { return board.told().state == HB_DISARMED; }));
 }
 
+TEST(BoardDevice, TellsOfASampleWhenItCanBeRead) {
+  EmulatorThread board;
+  const auto device = open(config(board.port()));
+  SampleSignal* const samples = device->sample_signal();
+  ASSERT_NE(samples, nullptr);
+  core::DeviceReading reading;
+  int fresh = 0;
+  for (int i = 0; i < 300; ++i) {
+    const auto arrival = samples->wait_until(now() + 10s);
+    ASSERT_TRUE(arrival) << "a board that streams is never silent for so long";
+    EXPECT_LE(*arrival, now());
+    samples->forget();
+    device->read(now(), reading);
+    fresh += reading.fresh ? 1 : 0;
+    EXPECT_LE(reading.sample.time, now());
+  }
+  // One that comes between forget() and read() is read at once, and told of all the same.
+  EXPECT_GE(fresh, 250);
+  const auto other = open_device(SimulatedFingerConfig{}, core::make_finger_exoskeleton({}));
+  EXPECT_EQ(other->sample_signal(), nullptr) << "no clock of its own";
+}
+
 TEST(BoardDevice, KeepsABookOfItsLinkThatBalancesWithTheBoards) {
   EmulatorThread board;
   const auto device = open(config(board.port()));

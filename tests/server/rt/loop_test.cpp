@@ -42,6 +42,11 @@ class VirtualClock final : public LoopClock {
     now_ = std::max(now_, deadline) + late(waits_);
     return {now_, suspended(waits_++)};
   }
+  Wake wait_for(haptic::hw::SampleSignal& samples, TimePoint deadline) noexcept override {
+    Wake wake = wait_until(deadline);
+    wake.arrival = samples.wait_until({});
+    return wake;
+  }
   [[nodiscard]] TimePoint now() const noexcept override { return now_; }
   void set(TimePoint now) { now_ = now; }
 

@@ -79,6 +79,8 @@ struct ServerInfo {
   std::uint64_t ticks{0}, skipped_ticks{0}, records_dropped{0};
   double lateness_p50_us{0.0}, lateness_p99_us{0.0}, lateness_max_us{0.0};
   double tick_p50_us{0.0}, tick_p99_us{0.0};
+  std::string paced_by{};            ///< the device whose samples begin ticks; empty: the timer
+  std::uint64_t paced_by_sample{0};  ///< ticks that they began
   unsigned sessions{0};
   std::chrono::nanoseconds uptime{0};
 };

@@ -34,7 +34,7 @@ void require_symmetric(const Eigen::Ref<const Eigen::MatrixXd>& Z) {
   }
   for (Eigen::Index i = 0; i < Z.rows(); ++i) {
     for (Eigen::Index j = 0; j < i; ++j) {
-      const double scale = std::sqrt(Z(i, i) * Z(j, j));
+      const double scale = std::sqrt(Z(i, i)) * std::sqrt(Z(j, j));
       if (std::abs(Z(i, j) - Z(j, i)) <= kSameEntry * scale) continue;  // false for a NaN
       throw SceneError("stiffness matrix: " + entry(i, j, Z(i, j)) + " and " +
                        entry(j, i, Z(j, i)) +
@@ -55,7 +55,7 @@ StiffnessCoupling::StiffnessCoupling(const Eigen::Ref<const Eigen::MatrixXd>& Z_
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j < i; ++j) {
       C_(i, j) = C_(j, i) =
-          0.5 * (Z_q(i, j) + Z_q(j, i)) / std::sqrt(stiffness_[i] * stiffness_[j]);
+          0.5 * (Z_q(i, j) + Z_q(j, i)) / (std::sqrt(stiffness_[i]) * std::sqrt(stiffness_[j]));
     }
   }
   for (Eigen::Index i = 0; i < n; ++i) {  // Cholesky, row by row
@@ -87,7 +87,8 @@ MatAA StiffnessCoupling::matrix(const VecA& K) const noexcept {
   MatAA Z = C_;
   for (Eigen::Index i = 0; i < Z.rows(); ++i) {
     Z(i, i) = K[i];
-    for (Eigen::Index j = 0; j < i; ++j) Z(i, j) = Z(j, i) = C_(i, j) * std::sqrt(K[i] * K[j]);
+    for (Eigen::Index j = 0; j < i; ++j)
+      Z(i, j) = Z(j, i) = C_(i, j) * (std::sqrt(K[i]) * std::sqrt(K[j]));
   }
   return Z;
 }

@@ -26,7 +26,7 @@ packages() {
                 "libsystemd-dev libcpp-httplib-dev dpkg-dev" ;;
     test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" \
                 "liborocos-kdl-dev clang python3-grpcio python3-protobuf python3-cryptography tshark openssl" \
-                "prometheus systemd" ;;
+                "prometheus systemd mypy" ;;
     report) echo "gnuplot-nox liblapack-dev libceres-dev libcminpack-dev" ;;
     bench) echo "nodejs npm" ;;
     firmware) echo "gcc-arm-none-eabi" ;;

@@ -9,7 +9,8 @@
 # --logs FOLDER     where every container's output goes; default: build/container-logs
 # --keep-images     leaves the images it built for the next run
 # Leaves no container, network or volume behind, and no image but the base it made.
-# Ends with 0: all held; 1: something did not; 3: this host runs no containers, and why.
+# Ends with 0: all held; 1: something did not; 3: no engine can be made to work, and why. Where that is known
+# and accepted, HAPTIC_SKIP_CONTAINERS='the reason' skips them: the reason is said, the end is 77.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
@@ -23,10 +24,14 @@ while (($#)); do
     --engine) wanted=${2:?--engine needs docker or podman}; shift 2 ;;
     --logs) logs=${2:?--logs needs a folder}; shift 2 ;;
     --keep-images) keep_images=true; shift ;;
-    -h | --help) sed -n '2,14s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,15s/^# \{0,1\}//p' "$0"; exit 0 ;;
     *) echo "test.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
   esac
 done
+if [[ -n ${HAPTIC_SKIP_CONTAINERS:-} ]]; then
+  echo "container tests SKIPPED, HAPTIC_SKIP_CONTAINERS says: $HAPTIC_SKIP_CONTAINERS" >&2
+  exit 77
+fi
 mkdir -p "$logs"
 scratch=$(mktemp -d)
 project=haptictest$$
@@ -66,10 +71,11 @@ finish() {
       status=1
     fi
   fi
-  rm -rf "$scratch" "$root/build/container"
+  if [[ -n $engine ]]; then rm -rf "$root/build/container"; fi
+  rm -rf "$scratch"
   case $status in
     0) echo "container tests passed in $SECONDS s" ;;
-    3) echo "container tests NOT RUN: no container engine works here" >&2 ;;
+    3) echo "container tests FAILED: no container engine works here, for the reasons above" >&2 ;;
     *) echo "container tests FAILED; see $logs" >&2 ;;
   esac
   exit "$status"
@@ -98,6 +104,7 @@ step "engine: $engine $("$engine" --version | grep -oE '[0-9]+\.[0-9.]+' | head 
 
 build_image
 start_composition
+test_stream
 test_staleness
 test_relay
 test_shutdown

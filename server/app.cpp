@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "hw/open_device.hpp"
+#include "server/figures.hpp"
 #include "server/rpc/rpc_server.hpp"
 #include "server/rpc/steady_now.hpp"
 #include "server/telemetry/event_log.hpp"
@@ -61,10 +62,6 @@ RpcConfig rpc_config(const Scene& scene, bool insecure_lab) {
   config.period = scene.loop.period;
   config.udp_listen = scene.server.udp_listen;
   return config;
-}
-
-double microseconds(core::Duration d) {
-  return core::seconds(d) * 1e6;
 }
 
 }  // namespace

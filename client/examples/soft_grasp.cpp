@@ -22,7 +22,14 @@ struct Options {
   std::string device{};
   double seconds{0.0};
   bool verbose{false};
+  std::string carriers{"auto"};
 };
+
+haptic::client::Carriers carriers(const std::string& word) {
+  if (word == "grpc") return haptic::client::Carriers::kGrpcOnly;
+  if (word == "udp") return haptic::client::Carriers::kUdpOnly;
+  return haptic::client::Carriers::kAutomatic;
+}
 
 int run(const Options& options) {
   haptic::client::Connection server(options.server);
@@ -32,6 +39,7 @@ int run(const Options& options) {
   wanted.nominal_rate_hz = 60.0;
   wanted.reconnect = haptic::client::Reconnect::kWithBackoff;
   wanted.re_engage = true;
+  wanted.carriers = carriers(options.carriers);
   wanted.derive_planes = true;  // the object's surface, between two steps; one block: the finger
   const auto session = server.open(wanted);
   if (session->device().coordinates.size() != 2) {
@@ -83,6 +91,8 @@ int main(int argc, char** argv) {
   cli.add_option("--server", options.server, "host:port or unix:/path");
   cli.add_option("--device", options.device, "its name; the only one where there is one");
   cli.add_option("--seconds", options.seconds, "stop after this long; 0: until interrupted");
+  cli.add_option("--carriers", options.carriers, "auto, or one alone")
+      ->check(CLI::IsMember({"auto", "grpc", "udp"}));
   cli.add_flag("--verbose", options.verbose, "a line every second");
   CLI11_PARSE(cli, argc, argv);
   haptic::examples::stop_on_signal();

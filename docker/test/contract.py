@@ -11,7 +11,7 @@ FILE holds the lines of `hapticctl watch --json` from a little before the troubl
     ramp        after the silence force came back by a ramp of the gain: no more than 1 per 200 ms
     closing     force was fading out, or gone, in the last state
     transport NAME    samples came by NAME and force was on meanwhile
-    grasp       force was on, and off; the device was never in FAULT
+    only NAME   all force came by NAME, for two seconds at least
     never-lost  force was never given up
     quiet SECONDS     the proxy was lost that long ago: `silence` has what it needs
     spans SECONDS     the records are that long
@@ -112,6 +112,16 @@ def closing(states: list[dict]) -> None:
     print(f"force faded out; {force(last):.2f} N in the last state that was sent")
 
 
+def only(states: list[dict], carrier: str) -> None:
+    felt = [s for s in states if force(s) > FELT_N]
+    others = sorted({s["transport"] for s in felt} - {carrier})
+    if others:
+        fail(f"force by {', '.join(others)}, not by {carrier} alone")
+    if not felt or seconds(felt[-1]) - seconds(felt[0]) < 2:
+        fail("not yet two seconds of force")
+    print(f"force up to {max(map(force, felt)):.1f} N, all by {carrier}")
+
+
 def quiet(states: list[dict], least_s: float) -> None:
     lost = last_loss(states)
     if lost is None or seconds(states[-1]) - seconds(states[lost]) < least_s:
@@ -137,14 +147,8 @@ def main() -> None:
         if not any(s["transport"] == argument and force(s) > FELT_N for s in states):
             fail(f"no force by {argument}; seen: {sorted({s['transport'] for s in states})}")
         print(f"force by {argument}")
-    elif command == "grasp":
-        forces = [force(s) for s in states if s["state"] == "ENGAGED"]
-        if not forces or max(forces) < FELT_N or min(forces) > 0.02 * max(forces):
-            fail(f"no grasp: {len(forces)} states engaged, {min(forces, default=0):.2f} to "
-                 f"{max(forces, default=0):.2f} N")
-        if any(s["state"] == "FAULT" for s in states):
-            fail("the device was in FAULT")
-        print(f"grasped with up to {max(forces):.1f} N, and let go")
+    elif command == "only":
+        only(states, argument)
     elif command in ("quiet", "spans"):
         {"quiet": quiet, "spans": spans}[command](states, float(argument))
     elif command == "never-lost":

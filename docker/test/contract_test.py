@@ -41,6 +41,15 @@ class Contract(unittest.TestCase):
             return subprocess.run([sys.executable, CONTRACT, command[0], file.name, *command[1:]],
                                   capture_output=True).returncode
 
+    def test_force_by_one_carrier_alone_takes_two_seconds_to_be_seen(self) -> None:
+        self.assertEqual(self.judge(pressed(2500), "only", "UDP"), 0)
+        self.assertEqual(self.judge(pressed(1500), "only", "UDP"), 1)
+        self.assertEqual(self.judge(pressed(2500), "only", "GRPC"), 1)
+        mixed = [*pressed(2500), {**record(2504), "transport": "GRPC"}]
+        self.assertEqual(self.judge(mixed, "only", "UDP"), 1)
+        without = [{**record(2504, force=0.0), "transport": "GRPC"}]
+        self.assertEqual(self.judge([*pressed(2500), *without], "only", "UDP"), 0)
+
     def test_force_that_is_gone_in_time_is_as_promised(self) -> None:
         self.assertEqual(self.judge(silenced(180), "silence"), 0)
 

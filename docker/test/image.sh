@@ -56,6 +56,10 @@ build_image() {
     fail "the image runs as root"
   "$engine" image inspect "$image" >"$scratch/inspected"
   grep -q '"hapticctl"' "$scratch/inspected" || fail "the image has no HEALTHCHECK"
+  local label
+  for label in title description licenses; do
+    grep -q "\"org.opencontainers.image.$label\": \"..*\"" "$scratch/inspected" || fail "the image has no label $label"
+  done
 }
 
 # The hand presses steadily, so that there is force to lose whenever trouble comes; it never lets go either, so
@@ -74,7 +78,9 @@ start_composition() {
   done
   if [[ $engine == podman ]]; then "$engine" healthcheck run "$(container hand)" >/dev/null; fi
   "$engine" exec "$(container hand)" sh -c '[ "$(id -u)" = 990 ]' || fail "root in the container"
-  if "$engine" exec "$(container hand)" sh -c 'echo x >/usr/x' 2>/dev/null; then fail "the root is writable"; fi
+  # Not by writing: where the root were writable, who is not root could not tell.
+  "$engine" exec "$(container hand)" cat /proc/mounts >"$scratch/mounts"
+  grep -qE '^[^ ]+ / [^ ]+ ro(,| )' "$scratch/mounts" || fail "the root is writable: $(grep ' / ' "$scratch/mounts")"
   "$engine" exec "$(container board)" hapticctl info >"$scratch/board"
   grep -q '(board)' "$scratch/board" || fail "the second server has no board"
   says_its_grade

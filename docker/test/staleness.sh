@@ -26,7 +26,7 @@ is_pressing() {
   python3 "$root/docker/test/contract.py" pressing "$scratch/tail"
 }
 
-simulate() { # simulate [SERVER]: a simulation in the place of any other
+simulate() { # simulate [SERVER [CARRIERS]]: a simulation in the place of any other
   local id
   id=$(container simulation)
   if [[ -n $id ]]; then
@@ -34,7 +34,7 @@ simulate() { # simulate [SERVER]: a simulation in the place of any other
     "$engine" unpause "$id" >/dev/null 2>&1 || true
     "$engine" rm --force "$id" >>"$logs/engine.log" 2>&1
   fi
-  HAPTICD_SERVER=${1:-hand:50051} compose up --detach --no-build --no-deps simulation >>"$logs/compose.log" 2>&1
+  HAPTICD_SERVER=${1:-hand:50051} HAPTICD_CARRIERS=${2:-auto} compose up --detach --no-build --no-deps simulation >>"$logs/compose.log" 2>&1
 }
 
 # The force of a client that is heard again comes back by itself while its lease lasts (2 s of silence). On a slow
@@ -83,6 +83,18 @@ reconnect_client() {
   "$engine" network connect "$(laboratory)" "$(container simulation)" >/dev/null
   comes_back "network reconnected"
   judge "network reconnected" ramp
+}
+
+# Pinned, so that nothing but the stream can have brought what is felt.
+test_stream() {
+  simulate hand:50051 grpc
+  pressing "soft grasp over gRPC"
+  mark
+  eventually 120 observed only GRPC || fail "soft grasp over gRPC: $(cat "$scratch/last")"
+  judge "soft grasp over gRPC" only GRPC
+  simulate
+  pressing "soft grasp over any carrier"
+  mark
 }
 
 test_staleness() {

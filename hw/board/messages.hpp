@@ -128,4 +128,21 @@ struct Payload {
 template <typename Message>
 [[nodiscard]] std::optional<Message> read(std::span<const std::uint8_t> payload);
 
+template <>
+[[nodiscard]] std::optional<Hello> read<Hello>(std::span<const std::uint8_t> payload);
+template <>
+[[nodiscard]] std::optional<Arm> read<Arm>(std::span<const std::uint8_t> payload);
+template <>
+[[nodiscard]] std::optional<Disarm> read<Disarm>(std::span<const std::uint8_t> payload);
+template <>
+[[nodiscard]] std::optional<Command> read<Command>(std::span<const std::uint8_t> payload);
+template <>
+[[nodiscard]] std::optional<Identity> read<Identity>(std::span<const std::uint8_t> payload);
+template <>
+[[nodiscard]] std::optional<Dof> read<Dof>(std::span<const std::uint8_t> payload);
+template <>
+[[nodiscard]] std::optional<State> read<State>(std::span<const std::uint8_t> payload);
+template <>
+[[nodiscard]] std::optional<Counters> read<Counters>(std::span<const std::uint8_t> payload);
+
 }  // namespace haptic::hw::board

@@ -71,7 +71,7 @@ void report_link(const LinkWatch& link, const UdpPath* path, bool holds_lease, c
   set_round_trip(link.figures(Carrier::kGrpc).round_trip, stream);
   if (path != nullptr) report_udp(link.figures(Carrier::kUdp), *path, *message.add_transports());
 
-  auto clock = link.clock().at(wire::TimePoint(now.time_since_epoch()));
+  auto clock = link.clock().at(to_wire(now));
   const auto by_path = path != nullptr ? path->clock(now) : std::nullopt;
   if (by_path && (!clock || by_path->bound < clock->bound)) clock = by_path;
   if (clock) {

@@ -21,17 +21,19 @@ namespace {
 /// says which limit is meant (too_large).
 constexpr int kLargestReceived = 4 * static_cast<int>(kLargestMessage);
 
-void set_limits(grpc::ServerBuilder& builder, unsigned max_sessions) {
+int milliseconds(core::Duration time) {
+  return static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(time).count());
+}
+
+void set_limits(grpc::ServerBuilder& builder, const RpcConfig& config) {
   builder.SetMaxReceiveMessageSize(kLargestReceived);
   // Otherwise the kernel would let a second server share the port, and every other client.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
-                             static_cast<int>(2 * max_sessions + 64));
-  // A connection whose far end is gone without a word is given back within 30 s. Force does not
-  // wait for that: liveness is the data (WIRE 4). A client without an open call answers late: gRPC
-  // looks after its connection every 5 s, and what it asks next must not find it closed.
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 20'000);
+                             static_cast<int>(2 * config.max_sessions + 64));
+  const KeepAlive& alive = config.keep_alive;
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, milliseconds(alive.ask_after));
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, milliseconds(alive.answer_within));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5'000);
 }
@@ -64,7 +66,7 @@ class RpcServer::Impl {
     grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
     grpc::ServerBuilder builder;
-    set_limits(builder, context_.config.max_sessions);
+    set_limits(builder, context_.config);
     std::vector<int> ports(addresses.size(), 0);
     for (std::size_t i = 0; i < addresses.size(); ++i) {
       builder.AddListeningPort(addresses[i], credentials.of(protections[i]), &ports[i]);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "haptic/core/time.hpp"
+#include "server/rpc/keep_alive.hpp"
 #include "server/rpc/server_facts.hpp"
 #include "server/rpc/steady_now.hpp"
 #include "server/rpc/tls_config.hpp"
@@ -38,6 +39,7 @@ struct RpcConfig {
   /// Plain text, and the keys of the UDP path in it, on any address. Said in the log and in
   /// GetServerInfo.
   bool insecure_lab{false};
+  KeepAlive keep_alive{};  ///< of connections whose far end is gone without a word
 };
 
 class RpcServer {

@@ -2,10 +2,10 @@
 
 #include <cerrno>
 #include <cstring>
-#include <sstream>
 #include <vector>
 
 #include "haptic/core/error.hpp"
+#include "server/figures.hpp"
 
 namespace haptic::server {
 namespace {
@@ -18,12 +18,6 @@ constexpr double kScantShare = 0.5;
 std::string error_text(int error) {
   const char* short_name = strerrorname_np(error);
   return std::string(short_name != nullptr ? short_name : "error") + ": " + strerrordesc_np(error);
-}
-
-std::string milliseconds(core::Duration d) {
-  std::ostringstream text;
-  text << core::seconds(d) * 1e3 << " ms";
-  return text.str();
 }
 
 std::string kilobytes(std::uint64_t bytes) {

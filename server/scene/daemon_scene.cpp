@@ -10,13 +10,11 @@
 namespace haptic::server {
 namespace {
 
-using std::chrono::microseconds;
-using std::chrono::milliseconds;
-using std::chrono::seconds;
+using namespace std::chrono_literals;
 
 /// Default of loop_late_fault on a real-time host (WIRE 4): the tighter of the
 /// two the app may pick.
-constexpr core::Duration kTightestLateFault{milliseconds(8)};
+constexpr core::Duration kTightestLateFault{8ms};
 constexpr int kMostCpus = 1024;                // CPU_SETSIZE
 constexpr std::size_t kLongestUnixPath = 107;  // sockaddr_un
 
@@ -70,8 +68,7 @@ ServerScene read_server(v1::ServerScene& message, const std::filesystem::path& f
   };
   host_and_port("udp_listen", server.udp_listen = message.udp_listen());
   host_and_port("metrics_listen", server.metrics_listen = message.metrics_listen());
-  server.lease_timeout =
-      reader.duration("lease_timeout", server.lease_timeout, {milliseconds(500), seconds(60)});
+  server.lease_timeout = reader.duration("lease_timeout", server.lease_timeout, {500ms, 60s});
   if (!message.has_max_sessions()) message.set_max_sessions(server.max_sessions);
   server.max_sessions = message.max_sessions();
   reader.whole_number("max_sessions", message.max_sessions(), 1, 256);
@@ -82,8 +79,8 @@ ServerScene read_server(v1::ServerScene& message, const std::filesystem::path& f
 LoopScene read_loop(v1::LoopScene& message, Problems& problems) {
   const FieldReader reader(message, "loop", problems);
   LoopScene loop;
-  loop.period = reader.duration("period", loop.period, {microseconds(500), milliseconds(10)});
-  loop.loop_late_fault = reader.duration("loop_late_fault", {core::Duration(1), seconds(10)});
+  loop.period = reader.duration("period", loop.period, {500us, 10ms});
+  loop.loop_late_fault = reader.duration("loop_late_fault", {core::Duration(1), 10s});
   if (loop.loop_late_fault && *loop.loop_late_fault <= loop.period) {
     reader.wrong("loop_late_fault", decimal_ms(*loop.loop_late_fault),
                  "must be above the period, " + decimal_ms(loop.period));

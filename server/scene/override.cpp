@@ -37,10 +37,6 @@ class Override {
   const std::string& assignment_;
 };
 
-bool is_message(const FieldDescriptor& field) {
-  return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
-}
-
 std::string wanted(const FieldDescriptor& field) {
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_MESSAGE:
@@ -80,7 +76,8 @@ const FieldDescriptor& Override::find(const Message& message, const FieldStep& s
 
 Message& Override::descend(Message& message, const FieldStep& step) const {
   const FieldDescriptor& field = find(message, step);
-  if (!is_message(field)) refuse("'" + step.text + "': is a value, it has no fields of its own");
+  if (field.message_type() == nullptr)
+    refuse("'" + step.text + "': is a value, it has no fields of its own");
   const google::protobuf::Reflection& reflection = *message.GetReflection();
   if (!field.is_repeated()) return *reflection.MutableMessage(&message, &field);
   if (step.index < 0) {

@@ -16,17 +16,13 @@ using google::protobuf::FieldDescriptor;
 
 constexpr std::size_t kLongestQuote = 80;
 
-bool is_message(const FieldDescriptor& field) {
-  return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
-}
-
 /// Line of a field in its message, from 1; 0 where it is not in the file.
 /// protobuf keeps one line for all of `[1, 2, 3]`, so an element without a line
 /// of its own stands on its list's.
 int line_in(const Problems::Tree& tree, const FieldDescriptor& field, int index) {
   if (!field.is_repeated()) return tree.GetLocation(&field, -1).line + 1;
   const int own = tree.GetLocation(&field, std::max(index, 0)).line;
-  return (own >= 0 || is_message(field) ? own : tree.GetLocation(&field, 0).line) + 1;
+  return (own >= 0 || field.message_type() != nullptr ? own : tree.GetLocation(&field, 0).line) + 1;
 }
 
 }  // namespace
@@ -56,7 +52,7 @@ std::string Problems::place_of(const std::string& path) const {
       break;
     }
     line = own;
-    if (!is_message(*field)) break;
+    if (field->message_type() == nullptr) break;
     if (field->is_repeated() && step.index < 0) break;  // the list as a whole: its first element
     tree = tree->GetTreeForNested(field, step.index);
     type = field->message_type();

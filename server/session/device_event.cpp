@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "server/session/figures.hpp"
+#include "server/figures.hpp"
 
 namespace haptic::server {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "server/session/figures.hpp"
+#include "server/figures.hpp"
 
 namespace haptic::server {
 namespace {

@@ -8,10 +8,6 @@ namespace {
 /// What a tick cannot tell from nothing.
 constexpr core::Duration kWorthTelling = std::chrono::milliseconds(1);
 
-wire::TimePoint to_wire(core::TimePoint time) noexcept {
-  return wire::TimePoint(time.time_since_epoch());
-}
-
 std::size_t index(Carrier carrier) noexcept {
   return carrier == Carrier::kUdp ? 1 : 0;
 }

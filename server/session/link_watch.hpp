@@ -17,6 +17,11 @@
 
 namespace haptic::server {
 
+/// The datagram path's clock is the loop's.
+[[nodiscard]] constexpr wire::TimePoint to_wire(core::TimePoint time) noexcept {
+  return wire::TimePoint(time.time_since_epoch());
+}
+
 /// What a sample says of its way.
 struct SampleStamp {
   Carrier carrier{Carrier::kGrpc};

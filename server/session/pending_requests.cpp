@@ -5,7 +5,7 @@
 #include <iterator>
 #include <utility>
 
-#include "server/session/figures.hpp"
+#include "server/figures.hpp"
 
 namespace haptic::server {
 namespace {

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "server/session/figures.hpp"
+#include "server/figures.hpp"
 
 namespace haptic::server {
 namespace {

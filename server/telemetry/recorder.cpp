@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "server/figures.hpp"
+
 namespace haptic::server {
 namespace {
 
@@ -89,10 +91,6 @@ void add_certificate(Row& row, const core::Certificate& certificate) {
     row.add("");
     row.add("");
   }
-}
-
-double microseconds(core::Duration d) {
-  return static_cast<double>(d.count()) * 1e-3;
 }
 
 /// Names of the columns of one quantity over the actuated DoFs: "tau_a_l_x_n".

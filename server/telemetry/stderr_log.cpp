@@ -16,7 +16,7 @@ namespace haptic::server {
 namespace {
 
 constexpr std::size_t kMostLines = 1024;
-constexpr std::chrono::milliseconds kLastPatience{200};
+constexpr std::chrono::milliseconds kPatienceAtExit{200};
 constexpr std::chrono::milliseconds kLook{2};
 
 /// Past the C library's stream: a thread that is stuck in a write would hold its lock, and exit()
@@ -62,7 +62,7 @@ void finish_log() {
   if (gave_way > 0) spdlog::warn("{} lines of this log were lost: nobody read it", gave_way);
   // Behind everything else in the queue: when it has left, the lines before it are written.
   spdlog::default_logger()->flush();
-  const auto give_up = std::chrono::steady_clock::now() + kLastPatience;
+  const auto give_up = std::chrono::steady_clock::now() + kPatienceAtExit;
   while (pool()->queue_size() > 0 && std::chrono::steady_clock::now() < give_up) {
     std::this_thread::sleep_for(kLook);
   }

@@ -5,13 +5,6 @@
 #include "server/session/link_watch.hpp"
 
 namespace haptic::server {
-namespace {
-
-wire::TimePoint to_wire(core::TimePoint time) noexcept {
-  return wire::TimePoint(time.time_since_epoch());
-}
-
-}  // namespace
 
 UdpPath::UdpPath(wire::PathEndSetup setup, std::weak_ptr<UdpSink> sink)
     : end_(std::move(setup)), sink_(std::move(sink)) {}

@@ -5,9 +5,17 @@
 #
 #   tests/bench/run.sh [core|linear|loop|wire|memory|serial]...   default: all but serial, about 8 minutes
 #
-# serial: 20 s each of the streaming and the 500 Hz link to the emulator; figures as text.
+# serial: 20 s each of the streaming and the 500 Hz link to the emulator; figures as text. MEMORY_SECONDS=600
+# has `memory` look for so long.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+for part in "$@"; do
+  case "$part" in
+    core | linear | loop | wire | memory | serial) ;;
+    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    *) echo "run.sh: unknown part '$part' (core, linear, loop, wire, memory, serial)" >&2; exit 2 ;;
+  esac
+done
 cd "$root"
 sh docker/install-deps.sh build test >&2
 cmake --preset release -DHAPTIC_BUILD_BENCHMARKS=ON >&2
@@ -46,7 +54,6 @@ for part in "${@:-core linear loop wire memory}"; do
           "$bin/tests/bench/haptic-bench-serial" 20 "$period_ms"
         done
         ;;
-      *) echo "run.sh: unknown part '$one' (core, linear, loop, wire, memory, serial)" >&2; exit 2 ;;
     esac
   done
 done

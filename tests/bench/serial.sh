@@ -3,13 +3,21 @@
 # streaming, then over the paper's 500 Hz link; prints rate, age of samples and where every frame went, against the
 # targets of WIRE 5 (serial.py). Ends with 1 where one is not held. Run it on a machine that does nothing else.
 #
-#   tests/bench/serial.sh [--minutes N] [--mode streaming|500hz]      default: 10 minutes of each
+#   tests/bench/serial.sh [--minutes N] [--mode streaming|500hz] [--frames-only]      default: 10 minutes of each
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-case "${1:-}" in -h | --help) sed -n '2,6s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
+given=("$@")
+while (($#)); do
+  case "$1" in
+    -h | --help) sed -n '2,6s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    --frames-only) shift ;;
+    --minutes | --mode) shift 2 || { echo "serial.sh: $1 needs a value" >&2; exit 2; } ;;
+    *) echo "serial.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
+  esac
+done
 build=$root/build/release
 sh "$root/docker/install-deps.sh" build >&2
 (cd "$root" && cmake --preset release &&
   cmake --build --preset release --parallel "$(nproc)" \
     --target hapticd haptic-example-soft-grasp haptic-board-emulator) >&2
-exec python3 "$root/tests/bench/serial.py" --programs "$build" --root "$root" "$@"
+exec python3 "$root/tests/bench/serial.py" --programs "$build" --root "$root" "${given[@]}"

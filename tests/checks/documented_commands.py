@@ -6,13 +6,17 @@
 Lines of ```sh blocks are commands. Each is found in the table below: either it is run here, against a hapticd of
 this test's own (programs from PROGRAMS, a build folder), or the table names the test that runs it, which has to
 exist. A command that is not in the table fails, and so does an entry that no document needs. Of whatever else names one
-of the programs with options, in code or between back-ticks, the options have to be in the program's help.
+of the programs with options, in code or between back-ticks, the options have to be in the program's help. Every
+script that a document names between back-ticks is there, its arguments are words of its own usage, and SCRIPTS names
+the test that runs it.
 """
 
 import os
 import pathlib
 import re
 import shlex
+import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -43,26 +47,50 @@ ELSEWHERE = {
     "hapticctl doctor": ("tests/hapticctl/doctor_test.cpp", "MeasuresThisVeryHost"),
     "hapticctl calibrate": ("tests/hapticctl/calibrate_test.py", '"calibrate", "--output"'),
     "tests/relay/matrix.sh": ("tests/relay/matrix_test.sh", "tests/relay/matrix.sh"),
-    "tests/relay/matrix.sh --network": ("tests/relay/network_matrix_test.cpp", "TEST"),
-    "build/release/server/hapticd --scene server/scenes/finger_constant.textproto --set 'server.udp_listen=\"127.0.0.1:50052\"'":
-        ("tests/relay/daemon.cpp", "udp_listen"),
-    "build/release/tests/haptic-relay --scenario tests/relay/scenarios/loss_05.textproto --tcp 50051 --udp 50052":
-        ("docker/compose.yaml", "haptic-relay --scenario"),
-    "build/release/client/hapticctl --server 127.0.0.2:50051 watch":
-        ("tests/checks/documented_commands.py", '"hapticctl watch"'),
+    "tests/relay/matrix.sh --network": ("tests/CMakeLists.txt", "haptic_test_program(network network"),  # minutes
     "PYTHONPATH=build/release/client/python python3 client/python/examples/ages.py":
         ("tests/client/python/session_test.py", '"ages.py"'),
     "(cd build/release": ("tests/package/deb_test.sh", "cpack -G DEB"),
     "cpack -G DEB)": ("tests/package/deb_test.sh", "cpack -G DEB"),
 }
+# tests/relay/README.md, "The relay by hand": beside one another, each until the last has ended.
+BY_HAND = [
+    "build/release/server/hapticd --scene server/scenes/finger_constant.textproto --set 'server.udp_listen=\"127.0.0.1:50052\"'",
+    "build/release/tests/relay/haptic-relay --scenario tests/relay/scenarios/loss_05.textproto --tcp 50051 --udp 50052",
+    "build/release/client/hapticctl --server 127.0.0.2:50051 watch",
+]
+# Scripts that documents name: who runs them. What takes minutes is run for its help and its refusals; what it
+# runs has tests of its own.
+SCRIPTS = {
+    ".ci/run": ("CONTRIBUTING.md", "`.ci/run`"),  # by whoever asks for all of it: this test is in it
+    "docker/install-deps.sh": ELSEWHERE["docker/install-deps.sh"],
+    "docker/test.sh": ELSEWHERE["docker/test.sh"],
+    "server/demo.sh": ELSEWHERE["server/demo.sh"],
+    "tests/run.sh": ELSEWHERE["tests/run.sh"],
+    "tests/lint.sh": ("tests/checks/CMakeLists.txt", "../lint.sh tidy"),
+    "tests/checks/include_direction.sh": ("tests/checks/CMakeLists.txt", "include_direction.sh"),
+    "tests/checks/firmware.sh": ("tests/checks/CMakeLists.txt", "firmware.sh arm-none-eabi-gcc"),
+    "tests/relay/matrix.sh": ELSEWHERE["tests/relay/matrix.sh"],
+    "tests/report/run.sh": ("tests/report/run_test.sh", '"$here/run.sh" --build'),
+    "tests/bench/run.sh": ("tests/checks/long_commands_test.sh", "tests/bench/run.sh"),
+    "tests/bench/network.sh": ("tests/checks/long_commands_test.sh", "tests/bench/network.sh"),
+    "tests/bench/soak.sh": ("tests/checks/long_commands_test.sh", "tests/bench/soak.sh"),
+    "tests/bench/serial.sh": ("tests/checks/long_commands_test.sh", "tests/bench/serial.sh"),
+    "tests/churn/run.sh": ("tests/checks/long_commands_test.sh", "tests/churn/run.sh"),
+    "tests/fuzz/run.sh": ("tests/checks/long_commands_test.sh", "tests/fuzz/run.sh"),
+}
+SCRIPT = re.compile(r"^((?:[A-Z_]+=\S+ )*)((?:\.ci|docker|server|tests)/(?:run|\S+\.sh))((?: .*)?)$")
+
+
+def pages(root: pathlib.Path) -> list[pathlib.Path]:
+    return [page for page in sorted(root.rglob("*.md"))
+            if not {"build", ".git", "report"} & set(page.relative_to(root).parts)]
 
 
 def commands(root: pathlib.Path) -> dict[str, str]:
     """Command -> where it stands. `a && b` is two."""
     found = {}
-    for page in sorted(root.rglob("*.md")):
-        if {"build", ".git", "report"} & set(page.relative_to(root).parts):
-            continue
+    for page in pages(root):
         for block in re.findall(r"^```sh\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S):
             for line in block.splitlines():
                 for part in line.split(" #")[0].split("&&"):
@@ -75,15 +103,95 @@ def check_table(root: pathlib.Path) -> list[str]:
     wrong = []
     shown = commands(root)
     for command, page in shown.items():
-        if command not in RUN and command not in ELSEWHERE:
+        if command not in RUN and command not in ELSEWHERE and command not in BY_HAND:
             wrong.append(f"{page}: no test runs `{command}`")
-    for command in [*RUN, *ELSEWHERE]:
+    for command in [*RUN, *ELSEWHERE, *BY_HAND]:
         if command not in shown:
             wrong.append(f"documented_commands.py: no document shows `{command}`")
-    for command, (file, words) in ELSEWHERE.items():
+    for command, (file, words) in [*ELSEWHERE.items(), *SCRIPTS.items()]:
         if words not in (root / file).read_text(encoding="utf-8"):
             wrong.append(f"{file} does not run `{command}`: no '{words}' in it")
     return wrong
+
+
+def scripts(root: pathlib.Path) -> list[tuple[str, str, list[str], str]]:
+    """(variables, script, arguments, page) of every script that a page names between back-ticks."""
+    found = []
+    for page in pages(root):
+        text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+        for span in re.findall(r"`([^`]+)`", text):
+            if match := SCRIPT.match(" ".join(span.split())):
+                arguments = shlex.split(match[3])
+                if "--" in arguments:  # those behind it are another program's
+                    arguments = arguments[:arguments.index("--")]
+                found.append((match[1], match[2], arguments, str(page.relative_to(root))))
+    return found
+
+
+def check_scripts(root: pathlib.Path, known: dict[str, tuple[str, str]]) -> list[str]:
+    """Arguments by the script's own usage, the comment at its top: options and words stand there, of `a|b` each."""
+    wrong = []
+    shown = scripts(root)
+    for variables, script, arguments, page in shown:
+        if script not in known:
+            wrong.append(f"{page}: no test runs `{script}`")
+        if not os.access(root / script, os.X_OK):
+            wrong.append(f"{page}: `{script}` is not there, or no program")
+            continue
+        text = (root / script).read_text(encoding="utf-8")
+        usage = "\n".join(line for line in text.split("\n\n")[0].splitlines() if line.startswith("#"))
+        for variable in re.findall(r"([A-Z_]+)=", variables):
+            if not re.search(rf"\b{variable}\b", text):
+                wrong.append(f"{page}: `{script}` knows no {variable}")
+        if script.startswith("tests/checks/"):
+            continue  # their arguments are the compiler's
+        for word in (w for argument in arguments for w in argument.split("|")):
+            if word.isdigit() or re.fullmatch(r"[A-Z]+(\.[a-z]+)?", word):  # a number; a place for a value
+                continue
+            if not re.search(rf"(?<![\w-]){re.escape(word)}(?![\w-])", usage):
+                wrong.append(f"{page}: `{script}` says nothing of {word}")
+    named = {script for _, script, _, _ in shown}
+    wrong += [f"documented_commands.py: no document names `{script}`" for script in known if script not in named]
+    return wrong
+
+
+def free_ports() -> tuple[int, int]:
+    with socket.socket() as tcp, socket.socket(type=socket.SOCK_DGRAM) as udp:
+        tcp.bind(("127.0.0.1", 0))
+        udp.bind(("127.0.0.1", 0))
+        return tcp.getsockname()[1], udp.getsockname()[1]
+
+
+def run_by_hand(root: pathlib.Path, programs: pathlib.Path) -> list[str]:
+    """In the document's order, on ports of our own: server, relay, and somebody who watches through it."""
+    tcp, udp = map(str, free_ports())
+    made = [[w.replace("50051", tcp).replace("50052", udp).replace("build/release", str(programs))
+             for w in shlex.split(command)] for command in BY_HAND]
+    made[0] += ["--listen", f"127.0.0.1:{tcp}", "--realtime=off", "--set", "loop.late_bucket_full=1000000",
+                "--set", "loop.loop_late_fault={seconds: 10}"]
+    beside = []
+    try:
+        for command in made[:-1]:
+            beside.append(subprocess.Popen(command, cwd=root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+        watch: list[str] = []
+        latest = time.monotonic() + 60
+        while time.monotonic() < latest:
+            watcher = subprocess.Popen([*made[-1], "--json"], cwd=root, stdout=subprocess.PIPE,
+                                       stderr=subprocess.STDOUT, text=True)
+            time.sleep(1.0)
+            watcher.send_signal(signal.SIGINT)
+            output, _ = watcher.communicate(timeout=30)
+            watch.append(output)
+            if watcher.returncode == 0 and '"x_probe"' in output:
+                return []
+            if any(process.poll() is not None for process in beside):
+                break
+        return [f"`{BY_HAND[-1]}` showed no state: {watch[-1]}; of the others ended: "
+                f"{[process.poll() for process in beside]}"]
+    finally:
+        for process in reversed(beside):
+            process.terminate()
+            process.wait(timeout=10)
 
 
 def run_all(root: pathlib.Path, programs: pathlib.Path) -> list[str]:
@@ -106,7 +214,7 @@ def run_all(root: pathlib.Path, programs: pathlib.Path) -> list[str]:
                     stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
                 if seconds is not None:
                     time.sleep(seconds)
-                    process.send_signal(2)
+                    process.send_signal(signal.SIGINT)
                 output, _ = process.communicate(timeout=30)
                 if process.returncode != 0 or not output:
                     wrong.append(f"`{command}` ended with {process.returncode}: {output}")
@@ -121,9 +229,7 @@ def options(root: pathlib.Path) -> dict[tuple[str, str], set[str]]:
     """(program, subcommand or nothing) -> the options that the documents give it."""
     found: dict[tuple[str, str], set[str]] = {}
     word = "|".join(PROGRAMS)
-    for page in root.rglob("*.md"):
-        if {"build", ".git", "report"} & set(page.relative_to(root).parts):
-            continue
+    for page in pages(root):
         for name, rest in re.findall(rf"(?:^|[`/ ])({word})( [^`\n#|]*)", page.read_text(encoding="utf-8"), re.M):
             used = {w for w in re.findall(r"(?<!\S)\[?(--[a-z][a-z-]*)", rest)}
             command = next((w for w in rest.split() if w.isalpha()), "") if name == "hapticctl" else ""
@@ -147,13 +253,13 @@ def check_options(root: pathlib.Path, programs: pathlib.Path) -> list[str]:
 
 def main() -> None:
     root = pathlib.Path(sys.argv[1])
-    wrong = check_table(root)
+    wrong = check_table(root) + check_scripts(root, SCRIPTS)
     if len(sys.argv) > 2:
         programs = pathlib.Path(sys.argv[2])
-        wrong += check_options(root, programs) + run_all(root, programs)
+        wrong += check_options(root, programs) + run_all(root, programs) + run_by_hand(root, programs)
     if wrong:
         sys.exit("\n".join(wrong))
-    print(f"{len(commands(root))} commands")
+    print(f"{len(commands(root))} commands, {len(SCRIPTS)} scripts")
 
 
 if __name__ == "__main__":

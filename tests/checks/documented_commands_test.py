@@ -6,7 +6,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from documented_commands import PROGRAMS, check_options, check_table, commands  # noqa: E402
+from documented_commands import PROGRAMS, SCRIPTS, check_options, check_scripts, check_table, commands  # noqa: E402
 
 HELP = "#!/bin/sh\nif [ \"$1\" = watch ]; then echo --json; else echo --server; fi\n"
 
@@ -35,6 +35,23 @@ class Documents(unittest.TestCase):
         self.assertEqual(check_options(self.root, self.programs),
                          ["documents: `hapticctl watch` has no --jsn", "documents: `hapticd ` has no --secne"])
 
+    def test_a_scripts_words_are_those_of_its_usage(self) -> None:
+        script = self.root / "tests/bench/run.sh"
+        script.parent.mkdir(parents=True)
+        script.write_text("#!/bin/sh\n#   run.sh [core|loop]... [--out FILE]\n\n# wire\n: $SECONDS_EACH\n",
+                          encoding="utf-8")
+        script.chmod(0o755)
+        known = {"tests/bench/run.sh": ("a test", "words")}
+        self.page("`tests/bench/run.sh`, `SECONDS_EACH=2 tests/bench/run.sh core|loop --out FILE.csv`\n")
+        self.assertEqual(check_scripts(self.root, known), [])
+        self.page("`A=1 tests/bench/run.sh wire --put X -- --anything`, `server/demo.sh`\n")
+        self.assertEqual(check_scripts(self.root, known), [
+            "README.md: `tests/bench/run.sh` knows no A", "README.md: `tests/bench/run.sh` says nothing of wire",
+            "README.md: `tests/bench/run.sh` says nothing of --put", "README.md: no test runs `server/demo.sh`",
+            "README.md: `server/demo.sh` is not there, or no program"])
+        self.page("nothing\n")
+        self.assertEqual(check_scripts(self.root, known), ["documented_commands.py: no document names `tests/bench/run.sh`"])
+
     def test_a_command_that_no_test_runs_is_named(self) -> None:
         self.page("```sh\nmake coffee && make tea   # both\n```\n")
         self.assertEqual(list(commands(self.root)), ["make coffee", "make tea"])
@@ -42,6 +59,7 @@ class Documents(unittest.TestCase):
             check_table(self.root)
         root = pathlib.Path(__file__).parents[2]
         self.assertEqual(check_table(root), [])  # ... but there
+        self.assertEqual(check_scripts(root, SCRIPTS), [])
 
 
 if __name__ == "__main__":

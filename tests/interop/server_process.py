@@ -33,7 +33,7 @@ def free_port(kind):
 
 
 class Server:
-    def __init__(self, program):
+    def __init__(self, program, *arguments, stderr=None):
         self.port = free_port(socket.SOCK_STREAM)
         self.udp_port = free_port(socket.SOCK_DGRAM)
         self.scene = tempfile.NamedTemporaryFile("w", suffix=".textproto")
@@ -41,7 +41,7 @@ class Server:
         self.scene.flush()
         self.address = f"127.0.0.1:{self.port}"
         self.process = subprocess.Popen(
-            [program, "--scene", self.scene.name, "--listen", self.address])
+            [program, "--scene", self.scene.name, "--listen", self.address, *arguments], stderr=stderr)
 
     def __enter__(self):
         self.channel = grpc.insecure_channel(self.address)

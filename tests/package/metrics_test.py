@@ -2,7 +2,7 @@
 """The metrics of a running hapticd: Prometheus' own opinion of them, and whether they tell what
 happened.
 
-    metrics_test.py HAPTICD HAPTICCTL SCENE
+    metrics_test.py HAPTICD HAPTICCTL SCENE README
 
 77: promtool (Debian's prometheus) is not there.
 """
@@ -17,7 +17,7 @@ import unittest
 import urllib.error
 import urllib.request
 
-HAPTICD, HAPTICCTL, SCENE = sys.argv[1:4]
+HAPTICD, HAPTICCTL, SCENE, README = sys.argv[1:5]
 SAMPLE = re.compile(r"^([a-z_]+)(?:\{(.*)\})? (\S+)$")
 
 
@@ -32,7 +32,7 @@ class Metrics(unittest.TestCase):
         self.address = "unix:" + os.path.join(folder.name, "socket")
         self.server = subprocess.Popen(
             [HAPTICD, "--scene", SCENE, "--realtime=off", "--listen", self.address,
-             "--metrics-listen", "127.0.0.1:0", "--set", "loop.late_bucket_full=1000000",
+             "--metrics-listen", "127.0.0.1:0", "--set", "server.udp_listen=127.0.0.1:0", "--set", "loop.late_bucket_full=1000000",
              "--set", "loop.loop_late_fault={seconds: 10}"],
             stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.end)
@@ -83,13 +83,42 @@ class Metrics(unittest.TestCase):
         self.assertAlmostEqual(grown("haptic_loop_lateness_seconds_count"), ticks, delta=5)
         fresh = grown("haptic_staleness_seconds_total", device + ',level="fresh"')
         self.assertGreater(fresh, 0.5)
-        self.assertGreater(grown("haptic_carrier_seconds_total", device + ',carrier="grpc"'), 0.5)
-        self.assertEqual(grown("haptic_carrier_seconds_total", device + ',carrier="udp"'), 0)
+        # It begins on the stream, and goes on by UDP once that proved good.
+        grpc, udp = (grown("haptic_carrier_seconds_total", f'{device},carrier="{c}"') for c in ("grpc", "udp"))
+        self.assertGreater(grpc + udp, 0.5)
+        self.assertGreater(min(grpc, udp), 0)
+        self.assertGreaterEqual(grown("haptic_carrier_changes_total", device), 1)
         self.assertGreater(grown("haptic_proxy_samples_total", device + ',verdict="accepted"'), 10)
         self.assertGreater(grown("haptic_proxy_age_seconds_count", device), 500)
         self.assertEqual(after["haptic_sessions", ""], 0)
         states = {k[1]: v for k, v in after.items() if k[0] == "haptic_device_state"}
         self.assertEqual(sum(states.values()), 1)
+
+    def test_the_document_lists_what_is_served(self) -> None:
+        documented: dict[str, str] = {}
+        with open(README, encoding="utf-8") as page:
+            for names, kind in re.findall(r"^\| (`(?:haptic|process)_[^|]*) \| (\w+) \|", page.read(), re.M):
+                documented.update({name: kind for name in re.findall(r"`(\w+)`", names)})
+        served = dict(re.findall(r"^# TYPE (\w+) (\w+)$", self.scrape(), re.M))
+        # Of boards only, and here is none.
+        self.assertEqual(documented.pop("haptic_link_frames_total"), "counter")
+        self.assertEqual(documented, served)
+
+    def test_a_session_is_counted_while_it_is_open(self) -> None:
+        labels = 'device="finger"'
+        client = subprocess.Popen([HAPTICCTL, "--server", self.address, "engage", "--hold", "--seconds", "60"],
+                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(client.wait)
+        self.addCleanup(client.kill)
+        latest = time.monotonic() + 30
+        while True:
+            page = parse(self.scrape())
+            if page["haptic_device_controlled", labels] == 1 and page["haptic_gain_ratio", labels] == 1:
+                break
+            self.assertLess(time.monotonic(), latest)
+            time.sleep(0.1)
+        self.assertEqual(page["haptic_sessions", ""], 1)
+        self.assertEqual(page["haptic_device_state", labels + ',state="engaged"'], 1)
 
     def test_a_stop_is_a_fault_that_counts_once(self) -> None:
         labels = 'device="finger",fault="emergency_stop"'

@@ -141,5 +141,43 @@ TEST(ProtocolReadme, EveryCallIsInTheTable) {
   EXPECT_EQ(documented, wire);
 }
 
+bool names(const std::string& text, const std::string& word) {
+  return std::regex_search(text, std::regex("\\b" + word + "\\b"));
+}
+
+/// Fields of a message and of those inside it.
+void expect_fields(const google::protobuf::Descriptor* message, const std::string& text) {
+  for (int i = 0; i < message->field_count(); ++i) {
+    const std::string& field = message->field(i)->name();
+    EXPECT_TRUE(names(text, field)) << message->full_name() << "." << field;
+  }
+  for (int i = 0; i < message->nested_type_count(); ++i)
+    expect_fields(message->nested_type(i), text);
+}
+
+TEST(ProtocolReadme, EveryFieldOfTheWireIsNamed) {
+  const std::string text = readme();
+  for (const auto* file :
+       {v1::GetServerInfoRequest::descriptor()->file(), v1::ProxySample::descriptor()->file()}) {
+    ASSERT_GT(file->message_type_count(), 10);
+    for (int i = 0; i < file->message_type_count(); ++i) expect_fields(file->message_type(i), text);
+  }
+}
+
+TEST(ProtocolReadme, EveryKindOfEventIsInTheTable) {
+  std::set<std::string> wire, documented;
+  const auto* kinds = v1::Event::Kind_descriptor();
+  for (int i = 0; i < kinds->value_count(); ++i) {
+    if (kinds->value(i)->number() != 0) wire.insert(kinds->value(i)->name());
+  }
+  const std::regex kind("`(KIND_[A-Z_]+)`");
+  for (const auto& row : markdown_table(readme(), "`kind`")) {
+    const std::string& cell = row.at(0);
+    for (std::sregex_iterator it(cell.begin(), cell.end(), kind), end; it != end; ++it)
+      documented.insert((*it)[1]);
+  }
+  EXPECT_EQ(documented, wire);
+}
+
 }  // namespace
 }  // namespace haptic::test

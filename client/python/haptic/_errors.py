@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import importlib.resources
+from typing import Any
 
 import grpc
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
@@ -25,7 +26,7 @@ PASSING = frozenset({"NOT_ARMED", "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES", "STREAM
 
 
 @functools.cache
-def _types() -> dict[str, type]:
+def _types() -> dict[str, Any]:
     """google.rpc.Status and ErrorInfo in a pool of their own: a program may have others of that name."""
     encoded = importlib.resources.files(__package__).joinpath("_details.bin").read_bytes()
     pool = descriptor_pool.DescriptorPool()

@@ -30,6 +30,7 @@ class PathMachine:
         self._period_s = period_s
         self._srtt = 0.0
         self._back_off = 0
+        self._next = now
         self._probe(now)
 
     def step(self, now: float) -> bytes | None:

@@ -137,7 +137,7 @@ class Session:
             with self._changed:
                 self._changed.wait_for(lambda: self._waiting is not None or self._closing)
                 request, self._waiting = self._waiting, None
-                if self._closing:
+                if self._closing or request is None:
                     return
             yield request
 
@@ -238,7 +238,8 @@ class Session:
 
     def _open(self) -> wire.SessionOpened:
         try:
-            return next(self._call).opened
+            response: wire.SessionResponse = next(self._call)
+            return response.opened
         except grpc.RpcError as error:
             raise to_error(error) from None
         except StopIteration:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import enum
 from collections.abc import Sequence
+from typing import Any
 
 from .v1 import haptic_service_pb2 as service
 from .v1 import session_pb2 as wire
@@ -21,7 +22,7 @@ class Carriers(enum.Enum):
 class Proxy:
     """Where the virtual object lets the tool be. Made by held(), behind(), or FREE."""
 
-    mode: int
+    mode: wire.ProxyMode
     position: tuple[float, ...] = ()
     planes: tuple[tuple[tuple[float, ...], float], ...] = ()
 
@@ -237,9 +238,9 @@ def _certificate(m: wire.DeviceState) -> Certificate | None:
                        c.block)
 
 
-def _name(enum_type: type, value: int, prefix: str) -> str:
+def _name(enum_type: Any, value: int, prefix: str) -> str:
     """A server may know more values than this library."""
     try:
-        return enum_type.Name(value).removeprefix(prefix)
+        return str(enum_type.Name(value)).removeprefix(prefix)
     except ValueError:
         return str(value)

@@ -259,5 +259,24 @@ class Examples(unittest.TestCase):
         self.assertGreater(peak, 0.5)
 
 
+class Readme(unittest.TestCase):
+    def test_its_first_client_works_as_it_stands(self) -> None:
+        with open(os.path.join(os.environ["HAPTIC_SCENES"], "../../client/README.md"), encoding="utf-8") as page:
+            code = page.read().split("```python\n")[1].split("```")[0]
+        self.assertIn('"127.0.0.1:50051"', code)
+        self.assertLessEqual(len(code.splitlines()), 20)
+        server = Hapticd("finger_constant")
+        self.addCleanup(server.stop)
+        with haptic.Connection(server.address) as connection:
+            client = subprocess.Popen([sys.executable, "-c", code.replace("127.0.0.1:50051", server.address)])
+            self.addCleanup(client.kill)
+            latest = time.monotonic() + 30
+            # The hand wants 0.52 rad, the wall stands at 0.3: the actuator pushes back.
+            felt = next((s for s in connection.watch(rate_hz=200) if time.monotonic() > latest or
+                         isinstance(s, haptic.DeviceState) and s.state == "ENGAGED" and s.tau_elastic[0] < -1.0))
+            self.assertEqual(felt.state, "ENGAGED")
+            self.assertEqual(client.wait(timeout=30), 0)
+
+
 if __name__ == "__main__":
     unittest.main()

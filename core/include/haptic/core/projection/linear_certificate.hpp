@@ -10,34 +10,14 @@
 /// dx = 0; not above 0: the spring pushes along with some motion. The same number as the margin of
 /// passivity_certificate() (analysis/passivity_radius.hpp), which is offline and knows no W_x.
 
-#include <cstdint>
-#include <string_view>
 #include <vector>
 
 #include "haptic/core/linear/householder.hpp"
+#include "haptic/core/projection/certificate.hpp"
 #include "haptic/core/projection/projection.hpp"
 #include "haptic/core/projection/projection_model.hpp"
 
 namespace haptic::core {
-
-enum class CertificateStatus : std::uint8_t {
-  kOff = 0,            ///< the scene does not ask for it
-  kComputed = 1,       ///< the only one with a margin
-  kIdle = 2,           ///< no proxy, or none that is displaced: nothing pulls
-  kOtherRenderer = 3,  ///< another one than Eq. (8) renders
-  kMapFailed = 4,      ///< f or dJ/dq has no value at q
-  kNotFullRank = 5,    ///< J of `block` has not full column rank (condition above 1e8)
-  kNoStiffness = 6,    ///< an actuator of `block` has stiffness 0: nothing to compare with
-};
-
-[[nodiscard]] std::string_view name(CertificateStatus status) noexcept;  ///< "COMPUTED", ...
-
-struct Certificate {
-  CertificateStatus status{CertificateStatus::kOff};
-  /// Of Kinematics::blocks(), 0 for a map without: where the margin is least, or which block has none.
-  int block{0};
-  double margin{0.0};  ///< the least of the displaced blocks'
-};
 
 class LinearCertificate {
  public:

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "haptic/core/passivity/passivity.hpp"
-#include "haptic/core/projection/linear_certificate.hpp"
+#include "haptic/core/projection/certificate.hpp"
 #include "haptic/core/projection/plane_projection.hpp"
 #include "haptic/core/projection/projection.hpp"
 #include "haptic/core/safety/device_state.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-/// Numbers as refusals and events print them (private to server/session).
+/// Numbers and times as messages, events and summaries print them.
 
 #include <cstdio>
 #include <string>
@@ -12,6 +12,10 @@ namespace haptic::server {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
   return text;
+}
+
+[[nodiscard]] constexpr double microseconds(core::Duration d) noexcept {
+  return core::seconds(d) * 1e6;
 }
 
 [[nodiscard]] inline std::string milliseconds(core::Duration d) {

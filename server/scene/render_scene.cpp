@@ -29,8 +29,8 @@ core::RendererKind read_renderer(v1::DeviceScene& message) {
 }
 
 /// Z_q row by row: its diagonal as stiffness, the rest as coupling where there is any.
-void read_matrix(const v1::ImpedanceScene& message, const FieldReader& reader, int n_a,
-                 RenderScene& scene) {
+void read_stiffness_matrix(const v1::ImpedanceScene& message, const FieldReader& reader, int n_a,
+                           RenderScene& scene) {
   if (message.stiffness_n_per_m_size() > 0) {
     reader.wrong("stiffness_matrix", "{ beside stiffness_n_per_m }",
                  "must be either stiffness_matrix or stiffness_n_per_m");
@@ -54,7 +54,7 @@ void read_impedance(v1::ImpedanceScene& message, const std::string& path, int n_
   const FieldReader reader(message, path, problems);
   core::RenderSettings& settings = scene.settings;
   if (message.stiffness_matrix_size() > 0) {
-    read_matrix(message, reader, n_a, scene);
+    read_stiffness_matrix(message, reader, n_a, scene);
   } else {
     settings.stiffness =
         to_vector(reader.list({"stiffness_n_per_m", Allowed::kPositive, n_a, kPerActuatedDof}));

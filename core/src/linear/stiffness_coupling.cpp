@@ -15,29 +15,30 @@ constexpr double kSameEntry = 1e-12;
 /// stiffness: a slip of the pen, or a rank that rounding decides.
 constexpr double kLeastPivot2 = 1e-12;
 
-std::string entry(Eigen::Index i, Eigen::Index j, double value) {
+std::string named_entry(Eigen::Index i, Eigen::Index j, double value) {
   return "entry (" + std::to_string(i) + ", " + std::to_string(j) + ") = " + std::to_string(value);
 }
 
-void require_shape(const Eigen::Ref<const Eigen::MatrixXd>& Z) {
+void require_stiffness_shape(const Eigen::Ref<const Eigen::MatrixXd>& Z) {
   if (Z.rows() == Z.cols() && Z.rows() >= 1 && Z.rows() <= kMaxQ) return;
   throw SceneError("stiffness matrix of " + std::to_string(Z.rows()) + " x " +
                    std::to_string(Z.cols()) + ": must be square, 1 to " + std::to_string(kMaxQ) +
                    " rows");
 }
 
-void require_symmetric(const Eigen::Ref<const Eigen::MatrixXd>& Z) {
+void require_stiffness_symmetric(const Eigen::Ref<const Eigen::MatrixXd>& Z) {
   for (Eigen::Index i = 0; i < Z.rows(); ++i) {
     if (!(Z(i, i) > 0.0) || !std::isfinite(Z(i, i))) {
-      throw SceneError("stiffness matrix: " + entry(i, i, Z(i, i)) + ", must be finite and > 0");
+      throw SceneError("stiffness matrix: " + named_entry(i, i, Z(i, i)) +
+                       ", must be finite and > 0");
     }
   }
   for (Eigen::Index i = 0; i < Z.rows(); ++i) {
     for (Eigen::Index j = 0; j < i; ++j) {
       const double scale = std::sqrt(Z(i, i)) * std::sqrt(Z(j, j));
       if (std::abs(Z(i, j) - Z(j, i)) <= kSameEntry * scale) continue;  // false for a NaN
-      throw SceneError("stiffness matrix: " + entry(i, j, Z(i, j)) + " and " +
-                       entry(j, i, Z(j, i)) +
+      throw SceneError("stiffness matrix: " + named_entry(i, j, Z(i, j)) + " and " +
+                       named_entry(j, i, Z(j, i)) +
                        ", must be finite and symmetric: another has no potential");
     }
   }
@@ -46,8 +47,8 @@ void require_symmetric(const Eigen::Ref<const Eigen::MatrixXd>& Z) {
 }  // namespace
 
 StiffnessCoupling::StiffnessCoupling(const Eigen::Ref<const Eigen::MatrixXd>& Z_q) {
-  require_shape(Z_q);
-  require_symmetric(Z_q);
+  require_stiffness_shape(Z_q);
+  require_stiffness_symmetric(Z_q);
   const Eigen::Index n = Z_q.rows();
   stiffness_ = Z_q.diagonal();
   C_.setIdentity(n, n);

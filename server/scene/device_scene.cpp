@@ -1,5 +1,6 @@
 #include "server/scene/device_scene.hpp"
 
+#include "haptic/core/error.hpp"
 #include "server/scene/diagnostics_scene.hpp"
 #include "server/scene/force_control_scene.hpp"
 #include "server/scene/kinematics_scene.hpp"
@@ -47,6 +48,18 @@ SharedKinematics read_kinematics(v1::DeviceScene& message, const std::string& pa
   return nullptr;
 }
 
+/// Z_q couples DoFs of one device: fingers are devices of their own.
+void couple(const std::shared_ptr<const core::StiffnessCoupling>& coupling, const std::string& path,
+            DeviceScene& device, Problems& problems) {
+  if (!coupling || !device.kinematics) return;
+  device.projection.coupling = coupling;
+  try {
+    core::check_coupling(*device.kinematics, *coupling);
+  } catch (const core::SceneError& error) {
+    problems.wrong(path + ".impedance.stiffness_matrix", "{ not diagonal }", error.what());
+  }
+}
+
 /// Of a board that has one; else null.
 const hw::board::Calibration* calibration_of(const hw::DeviceConfig& source) {
   const auto* const board = std::get_if<hw::BoardConfig>(&source);
@@ -68,6 +81,7 @@ DeviceScene read_device(v1::DeviceScene& message, const std::string& path,
   RenderScene render = read_render(message, path, layout == nullptr ? -1 : layout->n_a(),
                                    source.max_effort, problems);
   device.settings = std::move(render.settings);
+  couple(render.coupling, path, device, problems);
   device.fresh_end = render.fresh_end;
   device.monotone_envelope = message.has_monotone_envelope();
   device.passivity_certificate = read_passivity_certificate(message, path, problems);

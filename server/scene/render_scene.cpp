@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "haptic/core/error.hpp"
 #include "server/scene/field_reader.hpp"
 #include "server/scene/staleness_scene.hpp"
 
@@ -27,11 +28,37 @@ core::RendererKind read_renderer(v1::DeviceScene& message) {
   return core::RendererKind::kSubspaceLinear;
 }
 
+/// Z_q row by row: its diagonal as stiffness, the rest as coupling where there is any.
+void read_stiffness_matrix(const v1::ImpedanceScene& message, const FieldReader& reader, int n_a,
+                           RenderScene& scene) {
+  if (message.stiffness_n_per_m_size() > 0) {
+    reader.wrong("stiffness_matrix", "{ beside stiffness_n_per_m }",
+                 "must be either stiffness_matrix or stiffness_n_per_m");
+    return;
+  }
+  const std::vector<double> values = reader.list(
+      {"stiffness_matrix", Allowed::kFinite, n_a < 0 ? -1 : n_a * n_a, "pair of actuated DoFs"});
+  if (values.empty() || n_a < 0) return;
+  try {
+    const auto coupling = std::make_shared<const core::StiffnessCoupling>(
+        Eigen::Map<const Eigen::MatrixXd>(values.data(), n_a, n_a).transpose());
+    scene.settings.stiffness = coupling->scene_stiffness();
+    if (!coupling->is_diagonal()) scene.coupling = coupling;
+  } catch (const core::SceneError& error) {
+    reader.wrong("stiffness_matrix", decimal(values), error.what());
+  }
+}
+
 void read_impedance(v1::ImpedanceScene& message, const std::string& path, int n_a,
-                    core::RenderSettings& settings, Problems& problems) {
+                    RenderScene& scene, Problems& problems) {
   const FieldReader reader(message, path, problems);
-  settings.stiffness =
-      to_vector(reader.list({"stiffness_n_per_m", Allowed::kPositive, n_a, kPerActuatedDof}));
+  core::RenderSettings& settings = scene.settings;
+  if (message.stiffness_matrix_size() > 0) {
+    read_stiffness_matrix(message, reader, n_a, scene);
+  } else {
+    settings.stiffness =
+        to_vector(reader.list({"stiffness_n_per_m", Allowed::kPositive, n_a, kPerActuatedDof}));
+  }
   settings.damping =
       to_vector(reader.list({"damping_n_s_per_m", Allowed::kNotNegative, n_a, kPerActuatedDof},
                             std::vector<double>(static_cast<std::size_t>(std::max(n_a, 0)))));
@@ -71,8 +98,7 @@ RenderScene read_render(v1::DeviceScene& message, const std::string& path, int n
                         const core::VecA& max_effort, Problems& problems) {
   RenderScene scene;
   if (message.has_impedance()) {
-    read_impedance(*message.mutable_impedance(), path + ".impedance", n_a, scene.settings,
-                   problems);
+    read_impedance(*message.mutable_impedance(), path + ".impedance", n_a, scene, problems);
   } else {
     problems.missing(path + ".impedance", "{ stiffness_n_per_m: ... }");
   }
@@ -88,6 +114,12 @@ RenderScene read_render(v1::DeviceScene& message, const std::string& path, int n
   scene.fresh_end = staleness.fresh_end;
   scene.settings.renderer = read_renderer(message);
   scene.settings.direction_guard = message.has_direction_guard();
+  if (scene.coupling && !core::renders_Z_q(scene.settings.renderer)) {
+    problems.wrong(
+        path + ".renderer", std::string(core::name(scene.settings.renderer)),
+        "must be subspace_linear or subspace_exact beside a stiffness_matrix that is not "
+        "diagonal: the others have a virtual stiffness of their own");
+  }
   return scene;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 /// What is rendered on a device, and within which limits.
 
+#include <memory>
 #include <optional>
 
+#include "haptic/core/linear/stiffness_coupling.hpp"
 #include "haptic/core/tick/tick_input.hpp"
 #include "haptic/v1/scene.pb.h"
 #include "server/scene/problems.hpp"
@@ -11,7 +13,8 @@ namespace haptic::server {
 
 struct RenderScene {
   core::RenderSettings settings{};
-  std::optional<core::Duration> fresh_end{};  ///< as given in the scene
+  std::shared_ptr<const core::StiffnessCoupling> coupling{};  ///< of Z_q; null: it is diagonal
+  std::optional<core::Duration> fresh_end{};                  ///< as given in the scene
 };
 
 /// Reads impedance, limits, staleness, renderer and guard of a device whose

@@ -124,7 +124,7 @@ Outcome<SettingsAnswer> DeviceSessions::update_settings(const std::string& sessi
   // An Engage that the loop has not answered yet may switch force on before these settings arrive.
   const bool engaging = command_.engage_id != newest_.engage.id;
   const core::DeviceState state = engaging ? core::DeviceState::kEngaging : newest_.state;
-  Outcome<SettingsAnswer> outcome = apply_settings(request, settings_, unit_.config().scene, state);
+  Outcome<SettingsAnswer> outcome = apply_settings(request, settings_, unit_.config(), state);
   if (outcome) {
     publish_settings(outcome.value->applied);
     outcome.value->applied = settings_;

@@ -65,7 +65,9 @@ core::Duration tightened(const char* field, const std::optional<core::Duration>&
 
 Outcome<SettingsAnswer> apply_settings(const SettingsRequest& request,
                                        const core::RenderSettings& current,
-                                       const core::RenderSettings& scene, core::DeviceState state) {
+                                       const core::PipelineConfig& config,
+                                       core::DeviceState state) {
+  const core::RenderSettings& scene = config.scene;
   SettingsAnswer answer{current, {}};
   core::RenderSettings& applied = answer.applied;
   Tightener tighten(answer);
@@ -85,6 +87,15 @@ Outcome<SettingsAnswer> apply_settings(const SettingsRequest& request,
                      "renderer: may change in IDLE and ARMED only, the device is " +
                          std::string(core::name(state)),
                      {}};
+    }
+    if (config.projection.coupling && !core::renders_Z_q(*request.renderer)) {
+      return Refusal{
+          Refusal::Code::kPrecondition,
+          "STIFFNESS_COUPLED",
+          "renderer: must be subspace_linear or subspace_exact, for the scene's stiffness "
+          "matrix is not diagonal; asked for " +
+              std::string(core::name(*request.renderer)),
+          {}};
     }
     applied.renderer = *request.renderer;
   }

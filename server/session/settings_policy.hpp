@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "haptic/core/safety/device_state.hpp"
+#include "haptic/core/tick/pipeline.hpp"
 #include "haptic/core/tick/tick_input.hpp"
 #include "server/session/lease.hpp"
 #include "server/session/refusal.hpp"
@@ -31,13 +32,14 @@ struct SettingsAnswer {
   std::vector<SettingsClamp> clamped{};
 };
 
-/// `current` with `request` applied, held within `scene`. Values above the scene's are clamped and
+/// `current` with `request` applied, held within the scene's. Values above the scene's are clamped and
 /// reported; refused are: sizes other than n_a, values that are not finite, negative values (slew:
-/// not above 0), a change of renderer outside IDLE and ARMED, switching off the scene's guard.
+/// not above 0), a change of renderer outside IDLE and ARMED, or to a baseline where the scene couples
+/// Z_q, switching off the scene's guard.
 /// The id of the answer's settings is the caller's to set.
 [[nodiscard]] Outcome<SettingsAnswer> apply_settings(const SettingsRequest& request,
                                                      const core::RenderSettings& current,
-                                                     const core::RenderSettings& scene,
+                                                     const core::PipelineConfig& config,
                                                      core::DeviceState state);
 
 /// The staleness limits of a new lease (WIRE 4). Each of the scene's (fresh_end: 2.5 nominal

@@ -57,10 +57,19 @@ const std::array<core::VecA, RendererComparison::kKinds.size()>& RendererCompari
   const core::VecA stiffness = in_effect(record.input.settings.stiffness, scene_.stiffness);
   const core::VecA limit = in_effect(record.input.settings.force_limit, scene_.force_limit);
   const core::VecA q_a = layout.select(record.q);
+  if (model_.coupling()) {
+    spring_.gain = record.gain;
+    spring_.Z_q = model_.coupling()->matrix(stiffness);
+    spring_.hold_within(limit);
+  }
   for (std::size_t k = 0; k < kKinds.size(); ++k) {
     renderers_[k].project(core::Probe{record.q, x_probe_, J_}, record.x, dx_, stiffness,
                           proxy_changed, projection_);
     const core::VecA q_star_a = layout.select(projection_.q_star);
+    if (spring_.coupled() && core::renders_Z_q(kKinds[k])) {
+      tau_[k] = spring_.force(q_star_a - q_a);
+      continue;
+    }
     for (int i = 0; i < layout.n_a(); ++i) {
       const double elastic = record.gain * stiffness[i] * (q_star_a[i] - q_a[i]);  // Eq. (6), (7)
       const double most = record.gain * limit[i];

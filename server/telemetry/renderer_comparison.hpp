@@ -3,7 +3,7 @@
 /// which the methods are compared on the same data.
 ///
 /// All four get the q, the proxy x and the stiffness Z_q of the record and answer
-///   tau = clamp(g Z_q S (q* - q), +-g tau_max)
+///   tau = clamp(g Z_q S (q* - q), +-g tau_max), where Z_q is coupled the subspace methods as a whole,
 /// with the gain g and the force limit tau_max of that tick, so that the curves share one scale.
 /// Left out for all: damping, direction guard, slew limit. The renderer in use is computed anew
 /// like the others. In free mode and without a proxy the force is 0.
@@ -11,6 +11,7 @@
 #include <array>
 #include <memory>
 
+#include "haptic/core/passivity/spring_storage.hpp"
 #include "haptic/core/projection/renderer.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "haptic/core/tick/tick_record.hpp"
@@ -45,6 +46,7 @@ class RendererComparison {
   core::VecX dx_{};
   core::MatXQ J_{};
   core::Projection projection_{};
+  core::SpringStorage spring_{};  ///< of the subspace methods where Z_q is coupled
 };
 
 }  // namespace haptic::server

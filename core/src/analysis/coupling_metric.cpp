@@ -23,7 +23,7 @@ Eigen::MatrixXd root_of(const TaskMetric& W_x, int n_x) {
 
 std::optional<Eigen::MatrixXd> coupling_metric(const Kinematics& map, const TaskMetric& W_x,
                                                const VecQ& q, const VecA& stiffness,
-                                               double softness) {
+                                               double softness, const StiffnessCoupling* coupling) {
   const DofLayout& layout = map.layout();
   VecX x_probe;
   MatXQ A;
@@ -47,7 +47,14 @@ std::optional<Eigen::MatrixXd> coupling_metric(const Kinematics& map, const Task
   }
   const Eigen::MatrixXd root = root_of(W_x, static_cast<int>(A.rows()));
   const Eigen::MatrixXd to_q = rank->inverse * root;  // dx -> dq
-  Eigen::MatrixXd W = to_q.transpose() * weight.asDiagonal() * to_q;
+  Eigen::MatrixXd M = weight.asDiagonal();
+  if (coupling != nullptr) {
+    const MatAA Z_q = coupling->matrix(stiffness);
+    for (int i = 0; i < layout.n_a(); ++i) {
+      for (int j = 0; j < layout.n_a(); ++j) M(layout.actuated(i), layout.actuated(j)) = Z_q(i, j);
+    }
+  }
+  Eigen::MatrixXd W = to_q.transpose() * M * to_q;
   if (A.rows() > A.cols()) {
     const Eigen::MatrixXd rest = rank->off * root;
     W += k_x * (rest.transpose() * rest);
@@ -71,7 +78,8 @@ std::vector<CouplingBlock> coupling_blocks(const ProjectionModel& model, const V
         known
             ? coupling_metric(
                   map, model.has_parts() ? model.metric().part(block.first_x, n_x) : model.metric(),
-                  q.segment(block.first_q, n_q), stiffness.segment(block.first_a, n_a), softness)
+                  q.segment(block.first_q, n_q), stiffness.segment(block.first_a, n_a), softness,
+                  model.coupling().get())
             : std::nullopt;
     for (int i = 0; W && i < n_x; ++i) {
       for (int j = 0; j <= i; ++j) entry.lower.push_back((*W)(i, j));

@@ -34,18 +34,18 @@ std::optional<Pose> pose_at(const Kinematics& kinematics, const VecQ& q) {
 }
 
 /// -Z_q S: Eq. (9), and the exact impedance of Eq. (6).
-MatAQ subspace_impedance(const DofLayout& layout, const VecA& Z_q) {
+MatAQ subspace_impedance(const DofLayout& layout, const MatAA& Z_q) {
   MatAQ result = MatAQ::Zero(layout.n_a(), layout.n_q());
-  for (int i = 0; i < layout.n_a(); ++i) result(i, layout.actuated(i)) = -Z_q[i];
+  for (int i = 0; i < layout.n_a(); ++i) result.col(layout.actuated(i)) = -Z_q.col(i);
   return result;
 }
 
 /// Z_q S A.
 template <typename Matrix>
-MatAX actuated_rows(const DofLayout& layout, const VecA& Z_q, const Matrix& A) {
-  MatAX result(layout.n_a(), A.cols());
-  for (int i = 0; i < layout.n_a(); ++i) result.row(i) = Z_q[i] * A.row(layout.actuated(i));
-  return result;
+MatAX actuated_rows(const DofLayout& layout, const MatAA& Z_q, const Matrix& A) {
+  MatAX rows(layout.n_a(), A.cols());
+  for (int i = 0; i < layout.n_a(); ++i) rows.row(i) = A.row(layout.actuated(i));
+  return Z_q * rows;
 }
 
 /// Column k of the exact impedance of the standard method: J_a,k^T Z_x dx - J_a^T Z_x J_k.
@@ -112,6 +112,10 @@ std::optional<MatAX> exact_proxy_motion(const Kinematics& kinematics, const VecX
 
 }  // namespace
 
+MatAA RenderingImpedance::actuated() const noexcept {
+  return coupling ? coupling->matrix(Z_q) : MatAA(Z_q.asDiagonal());
+}
+
 std::optional<MatAQ> theoretical_impedance(RendererKind kind, const Kinematics& kinematics,
                                            const VecQ& q, const RenderingImpedance& impedance) {
   const std::optional<Pose> pose = pose_at(kinematics, q);
@@ -128,7 +132,7 @@ std::optional<MatAQ> theoretical_impedance(RendererKind kind, const Kinematics& 
     case RendererKind::kSubspaceExact:
       break;
   }
-  return subspace_impedance(kinematics.layout(), impedance.Z_q);  // Eq. (9)
+  return subspace_impedance(kinematics.layout(), impedance.actuated());  // Eq. (9)
 }
 
 std::optional<MatAQ> exact_impedance(RendererKind kind, const Kinematics& kinematics, const VecQ& q,
@@ -136,7 +140,7 @@ std::optional<MatAQ> exact_impedance(RendererKind kind, const Kinematics& kinema
   const DofLayout& layout = kinematics.layout();
   const std::optional<Pose> pose = pose_at(kinematics, q);
   if (!pose) return std::nullopt;
-  if (kind == RendererKind::kSubspaceExact) return subspace_impedance(layout, impedance.Z_q);
+  if (kind == RendererKind::kSubspaceExact) return subspace_impedance(layout, impedance.actuated());
 
   VecX dx(kinematics.space().n_x());
   kinematics.space().difference(x, pose->x_probe, dx);
@@ -145,6 +149,7 @@ std::optional<MatAQ> exact_impedance(RendererKind kind, const Kinematics& kinema
   if (kind == RendererKind::kSubspaceLinear) part = full_column_rank(pose->J);
   if (kind != RendererKind::kStandard && !part) return std::nullopt;
 
+  const MatAA Z_q = impedance.actuated();
   const VecX f = impedance.Z_x * dx;
   VecQ dq;
   VecX r;
@@ -158,7 +163,7 @@ std::optional<MatAQ> exact_impedance(RendererKind kind, const Kinematics& kinema
     if (kinematics.second_order(q, k, J_k) != MapStatus::kOk) return std::nullopt;
     if (kind == RendererKind::kSubspaceLinear) {
       const VecQ column = linear_column(*part, J_k, dq, r, k);
-      result.col(k) = impedance.Z_q.cwiseProduct(layout.select(column));
+      result.col(k) = Z_q * layout.select(column);
       continue;
     }
     const MatXQ J_a_k = columns(J_k, layout, true);
@@ -177,7 +182,7 @@ std::optional<MatAX> proxy_gain(RendererKind kind, const Kinematics& kinematics,
   if (kind == RendererKind::kSubspaceExact) {
     const std::optional<MatAX> G = exact_proxy_motion(kinematics, x, q_star);
     if (!G) return std::nullopt;
-    return actuated_rows(layout, impedance.Z_q, *G);
+    return actuated_rows(layout, impedance.actuated(), *G);
   }
   const std::optional<Pose> pose = pose_at(kinematics, q);
   if (!pose) return std::nullopt;
@@ -188,7 +193,7 @@ std::optional<MatAX> proxy_gain(RendererKind kind, const Kinematics& kinematics,
   if (kind == RendererKind::kNullSpace) {
     return MatAX(pose->J_a.transpose() * part->off * impedance.Z_x);
   }
-  return actuated_rows(layout, impedance.Z_q, part->inverse);
+  return actuated_rows(layout, impedance.actuated(), part->inverse);
 }
 
 }  // namespace haptic::core

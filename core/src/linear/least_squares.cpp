@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "haptic/core/linear/minimum_norm.hpp"
 #include "haptic/core/linear/rank_metric.hpp"
 
 namespace haptic::core {
 
-LeastSquares::LeastSquares(int n_x, const DofLayout& layout)
+LeastSquares::LeastSquares(int n_x, const DofLayout& layout,
+                           std::shared_ptr<const StiffnessCoupling> coupling)
     : layout_(layout),
+      coupling_(std::move(coupling)),
       n_x_(n_x),
       n_q_(layout.n_q()),
       kernel_(householder_kernel(n_x, layout.n_q())),
@@ -83,9 +86,16 @@ void LeastSquares::solve_in_doubt(const MatXQ& J, const VecX& dx, const VecA& Z_
   for (int k = 0; k < n_q_; ++k) {
     for (int i = 0; i < n_x_; ++i) A_[k * n_x_ + i] = J(i, k) * weight[k];
   }
+  if (coupling_) coupling_->relax_columns(A_, n_x_, layout_);
   std::copy_n(dx.data(), n_x_, b_);
   const int rank = core::minimum_norm(A_, b_, n_x_, n_q_, kRankThreshold, y_);
-  const VecQ dq = weight.cwiseProduct(Eigen::Map<const VecQ>(y_, n_q_));
+  VecQ dq = Eigen::Map<const VecQ>(y_, n_q_);
+  if (coupling_) {
+    VecA y_a = layout_.select(dq);
+    coupling_->relax(y_a);
+    for (int i = 0; i < layout_.n_a(); ++i) dq[layout_.actuated(i)] = y_a[i];
+  }
+  dq = weight.cwiseProduct(dq);
   if (!dq.allFinite()) return;
   dq_ = dq;
   if (rank == n_q_) status_ = ProjectionStatus::kIllConditioned;

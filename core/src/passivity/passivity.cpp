@@ -107,7 +107,10 @@ void Passivity::book(const VecA& q_a, const VecA& force) noexcept {
   account.limits = -(elastic - law).dot(dq);
   account.rendered = -(damping_sum_ / since_sample_).dot(dq);
   account.device_damping = dq.dot(settings_.device_damping.cwiseProduct(dq)) / since_sample_;
-  if (settings_.observer.enabled) {
+  if (!settings_.observer.enabled) return;
+  if (spring_.coupled()) {
+    observer_.observe(account, dq, since_sample_, spring_.Z_q);
+  } else {
     observer_.observe(account, dq, since_sample_, spring_.stiffness);
   }
 }

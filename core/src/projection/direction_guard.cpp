@@ -5,24 +5,27 @@
 namespace haptic::core {
 
 DirectionGuard::Part::Part(const Kinematics& kinematics, const MapBlock& block,
-                           const TaskMetric& of_block)
+                           const TaskMetric& of_block,
+                           const std::shared_ptr<const StiffnessCoupling>& coupling)
     : metric(of_block),
       at(block),
       n_q(kinematics.layout().n_q()),
       n_a(kinematics.layout().n_a()),
       n_x(kinematics.space().n_x()),
-      solver(n_x, kinematics.layout()) {}
+      solver(n_x, kinematics.layout(), coupling) {}
 
 DirectionGuard::DirectionGuard(const ProjectionModel& model, const VecA& stiffness)
     : stiffness_(stiffness.size() == 0 ? VecA(VecA::Ones(model.layout().n_a())) : stiffness) {
   const Kinematics& kinematics = model.kinematics();
   if (!model.has_parts()) {
-    parts_.emplace_back(kinematics, MapBlock{&kinematics, 0, 0, 0}, model.metric());
+    parts_.emplace_back(kinematics, MapBlock{&kinematics, 0, 0, 0}, model.metric(),
+                        model.coupling());
     return;
   }
   for (const MapBlock& block : kinematics.blocks()) {
     const int n_x = block.kinematics->space().n_x();
-    parts_.emplace_back(*block.kinematics, block, model.metric().part(block.first_x, n_x));
+    parts_.emplace_back(*block.kinematics, block, model.metric().part(block.first_x, n_x),
+                        model.coupling());
   }
 }
 

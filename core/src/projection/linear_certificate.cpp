@@ -29,7 +29,7 @@ std::string_view name(CertificateStatus status) noexcept {
   return "?";
 }
 
-LinearCertificate::LinearCertificate(const ProjectionModel& model) {
+LinearCertificate::LinearCertificate(const ProjectionModel& model) : coupling_(model.coupling()) {
   if (model.prior()) {
     throw SceneError("passivity certificate: must be absent where there is a prior");
   }
@@ -84,6 +84,7 @@ CertificateStatus LinearCertificate::judge(const Part& part, const Probe& probe,
   r_ -= J_.lazyProduct(dq_);
 
   M_.setIdentity(part.n_a, part.n_a);
+  if (coupling_) turn_.resize(part.n_a, part.n_a);
   for (int i = 0; i < part.n_a; ++i) {
     if (at.kinematics->second_order(q_, layout.actuated(i), J_k_) != MapStatus::kOk) {
       return CertificateStatus::kMapFailed;
@@ -93,11 +94,16 @@ CertificateStatus LinearCertificate::judge(const Part& part, const Probe& probe,
     if (!solve(part, turned_, column_)) return CertificateStatus::kNotFullRank;
     if (part.n_x > part.n_q) take_off_residual(part, column_);  // of a square J r is 0
     for (int j = 0; j < part.n_a; ++j) {
+      if (coupling_) {
+        turn_(j, i) = std::sqrt(K[j] / K[i]) * column_[layout.actuated(j)];
+        continue;
+      }
       const double half = 0.5 * std::sqrt(K[j] / K[i]) * column_[layout.actuated(j)];
       M_(j, i) += half;
       M_(i, j) += half;
     }
   }
+  if (coupling_) couple(*coupling_);
   return smallest_eigenvalue(margin) ? CertificateStatus::kComputed
                                      : CertificateStatus::kNotFullRank;
 }
@@ -121,6 +127,21 @@ void LinearCertificate::take_off_residual(const Part& part, VecQ& y) noexcept {
   double solution[kMaxQ];
   part.kernel.back_substitute(m, n, A_, b_, inverse_diagonal_, solution);
   for (int k = 0; k < n; ++k) y[k] -= solution[k];
+}
+
+/// R = L^T D: turn_ becomes L^T turn_ L^{-T}.
+void LinearCertificate::couple(const StiffnessCoupling& coupling) noexcept {
+  const int n = coupling.n_a();
+  for (int i = 0; i < n; ++i) {
+    VecA column = turn_.col(i);
+    coupling.stretch(column);
+    turn_.col(i) = column;
+  }
+  coupling.relax_columns(turn_.data(), n);
+  M_ += 0.5 * turn_;
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) M_(i, j) += 0.5 * turn_(j, i);
+  }
 }
 
 bool LinearCertificate::smallest_eigenvalue(double& value) const noexcept {

@@ -15,7 +15,7 @@ constexpr int kSteps = 2;
 MonotoneEnvelope::MonotoneEnvelope(const ProjectionModel& model)
     : model_(model),
       actuated_(model.layout().actuated(0)),
-      solver_(model.n_x(), model.layout()),
+      solver_(model.n_x(), model.layout(), model.coupling()),
       one_(VecA::Ones(model.layout().n_a())),
       q_(VecQ::Zero(model.layout().n_q())),
       x_at_(VecX::Zero(model.n_x())),

@@ -6,7 +6,7 @@ namespace haptic::core {
 
 NullSpace::NullSpace(const ProjectionModel& model)
     : model_(model),
-      solver_(model.n_x(), model.layout()),
+      solver_(model.n_x(), model.layout(), model.coupling()),
       tau_a_(VecA::Zero(model.layout().n_a())) {}
 
 void NullSpace::project(const Probe& probe, const VecX& dx, const VecA& stiffness,

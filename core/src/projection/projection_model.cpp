@@ -72,6 +72,7 @@ void check(const Kinematics& kinematics, const ProjectionSettings& settings) {
   if (settings.iteration.max_steps < 1 || !(settings.iteration.tolerance > 0.0)) {
     throw SceneError("iteration: max_steps must be >= 1, tolerance > 0");
   }
+  if (settings.coupling) check_coupling(kinematics, *settings.coupling);
   if (!settings.prior) return;
   const Prior& prior = *settings.prior;
   if (!(prior.weight > 0.0 && std::isfinite(prior.weight))) {
@@ -112,6 +113,20 @@ double weighed_mean(const Kinematics& kinematics, const TaskMetric& metric) {
 
 }  // namespace
 
+void check_coupling(const Kinematics& kinematics, const StiffnessCoupling& coupling) {
+  if (coupling.n_a() != kinematics.layout().n_a()) {
+    throw SceneError("stiffness matrix of " + std::to_string(coupling.n_a()) +
+                     " rows: must have one per actuated DoF, " +
+                     std::to_string(kinematics.layout().n_a()));
+  }
+  if (kinematics.blocks().size() > 1 || !kinematics.limited_pairs().empty()) {
+    throw SceneError(
+        "stiffness matrix: must be diagonal for a hand, whose fingers are devices of their own: "
+        "one "
+        "would be pushed by what another touches");
+  }
+}
+
 ProjectionModel::ProjectionModel(const Kinematics& kinematics, ProjectionSettings settings)
     : kinematics_(&kinematics), settings_(std::move(settings)) {
   check(kinematics, settings_);
@@ -144,6 +159,34 @@ VecQ ProjectionModel::prior_weight(const VecA& stiffness) const noexcept {
         std::sqrt(settings_.prior->weight * settings_.prior->sensed_stiffness[i]);
   }
   return weight;
+}
+
+void ProjectionModel::add_prior(const VecQ& weight, const VecQ& target,
+                                BoxedLeastSquares& rows) const noexcept {
+  const StiffnessCoupling* const coupling = settings_.coupling.get();
+  if (coupling == nullptr) {
+    rows.add_diagonal(weight, target);
+    return;
+  }
+  const DofLayout& map = layout();
+  MatXQ springs = MatXQ::Zero(map.n_q(), map.n_q());
+  for (int i = 0; i < map.n_n(); ++i) springs(map.sensed(i), map.sensed(i)) = weight[map.sensed(i)];
+  for (int i = 0; i < map.n_a(); ++i) {
+    for (int j = i; j < map.n_a(); ++j) {
+      springs(map.actuated(i), map.actuated(j)) = coupling->factor(i, j) * weight[map.actuated(j)];
+    }
+  }
+  rows.add(springs, springs.lazyProduct(target));
+}
+
+double ProjectionModel::prior_cost(const VecQ& weight, const VecQ& stretch) const noexcept {
+  if (settings_.coupling == nullptr) return weight.cwiseProduct(stretch).squaredNorm();
+  VecQ rows = weight.cwiseProduct(stretch);
+  const DofLayout& map = layout();
+  VecA actuated = map.select(rows);
+  settings_.coupling->stretch(actuated);
+  for (int i = 0; i < map.n_a(); ++i) rows[map.actuated(i)] = actuated[i];
+  return rows.squaredNorm();
 }
 
 void require_rank(const ProjectionModel& model) {

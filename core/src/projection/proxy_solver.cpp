@@ -85,7 +85,7 @@ void ProxySolver::evaluate(const VecX& x, Point& point) noexcept {
   point.task = point.r.squaredNorm();
   point.cost = point.task;
   if (has_prior_) {
-    point.cost += prior_weight_.cwiseProduct(point.q - prior_target_).squaredNorm();
+    point.cost += model_.prior_cost(prior_weight_, point.q - prior_target_);
   }
 }
 
@@ -94,7 +94,7 @@ void ProxySolver::assemble(double lambda) noexcept {
   const int rows = model_.n_x() + (has_prior_ ? n_q : 0) + (lambda > 0.0 ? n_q : 0);
   linear_.begin(rows, n_q);
   linear_.add(here().J, here().r);
-  if (has_prior_) linear_.add_diagonal(prior_weight_, prior_target_ - here().q);
+  if (has_prior_) model_.add_prior(prior_weight_, prior_target_ - here().q, linear_);
   if (lambda > 0.0) {
     marquardt_ = marquardt_.cwiseMax(linear_.column_norms());
     linear_.add_diagonal(std::sqrt(lambda) * marquardt_, VecQ::Zero(n_q));
@@ -138,7 +138,7 @@ void ProxySolver::follow_curvature(const VecX& x, double promise, bool flat) noe
       const double change = here().J.row(i).dot(step_);
       squares += change * change;
     }
-    if (has_prior_) squares += prior_weight_.cwiseProduct(step_).squaredNorm();
+    if (has_prior_) squares += model_.prior_cost(prior_weight_, step_);
     const double slope = 0.5 * (promise + squares);
     const double share = slope / (trial().cost - here().cost + 2.0 * slope);
     share_ = share > kMostShare || !(share > 0.0) ? 1.0 : std::max(share, kLeastShare);

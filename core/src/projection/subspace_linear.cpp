@@ -9,7 +9,7 @@ namespace haptic::core {
 
 SubspaceLinear::SubspaceLinear(const ProjectionModel& model)
     : model_(model),
-      solver_(model.n_x(), model.layout()),
+      solver_(model.n_x(), model.layout(), model.coupling()),
       unbounded_(VecQ::Constant(model.layout().n_q(), std::numeric_limits<double>::infinity())) {}
 
 void SubspaceLinear::project(const Probe& probe, const VecX& dx, const VecA& stiffness,
@@ -33,8 +33,8 @@ void SubspaceLinear::project_with_prior(const Probe& probe, const MatXQ& J, cons
   const int n_q = model_.layout().n_q();
   with_prior_.begin(model_.n_x() + n_q, n_q);
   with_prior_.add(J, dx);
-  with_prior_.add_diagonal(model_.prior_weight(stiffness),
-                           target_.at(probe.q, model_.layout(), false) - probe.q);
+  model_.add_prior(model_.prior_weight(stiffness),
+                   target_.at(probe.q, model_.layout(), false) - probe.q, with_prior_);
   with_prior_.solve(-unbounded_, unbounded_, rank_metric_root(J, model_.layout(), stiffness));
   out.q_star = probe.q + with_prior_.p();
   out.status = with_prior_.status();

@@ -5,6 +5,27 @@
 
 namespace haptic::core {
 
+VecA Pipeline::Stages::spring_force() const noexcept {
+  return coupled_ ? coupled_->force(dq_a_) : VecA(settings_.stiffness.cwiseProduct(dq_a_));
+}
+
+/// A warm winding narrows the whole spring: its own share cut off would leave a force that is no
+/// gradient. Power and rate are left to the limiters: they cut only what pushes along with a motion,
+/// which takes energy out of it whatever the others do.
+void Pipeline::Stages::hold_within_limits() noexcept {
+  VecA limit = settings_.force_limit;
+  for (int i = 0; ratings_ && i < layout_.n_a(); ++i) limit[i] = ratings_->force(i, limit[i]);
+  weakest_ = coupled_->hold_within(limit);
+}
+
+void Pipeline::Stages::report_saturation(TickRecord& record) noexcept {
+  if (weakest_ < 0 || !(coupled_->length(dq_a_) > coupled_->radius)) return;
+  const bool warm = coupled_->limit[weakest_] < settings_.force_limit[weakest_];
+  const Limiter by = warm ? Limiter::kTemperature : Limiter::kSaturation;
+  record.actuator_limiters[static_cast<std::size_t>(weakest_)].set(by);
+  record.limiters.set(by);
+}
+
 bool Pipeline::Stages::withheld(TickRecord& record) noexcept {
   if (!has_anchor_ || !map_ok_) return false;
   const Probe probe{q_, map_.x_probe(), map_.J()};
@@ -17,7 +38,7 @@ bool Pipeline::Stages::withheld(TickRecord& record) noexcept {
     if (answer != EnvelopeAnswer::kWithheld) return false;
   } else {
     const bool guarded = settings_.direction_guard || config_.monotone_envelope;
-    const VecA elastic = settings_.stiffness.cwiseProduct(dq_a_);
+    const VecA elastic = spring_force();
     if (!guarded || guard_.allows(probe, dx_, elastic)) return false;
     record.limiters.set(Limiter::kDirectionGuard);
   }
@@ -46,10 +67,14 @@ void Pipeline::Stages::passivity(TickRecord& record, bool spring_is_off) noexcep
   const VecA q_a = layout_.select(q_);
   passivity_->measure(q_a, fresh_, device_sample_is_recent(record.input.now), record.dt,
                       tau_measured_);
-  if (!spring_is_off && map_ok_) displayed();
   SpringStorage spring;
-  spring.stiffness = settings_.stiffness.cwiseProduct(displayed_);
-  spring.limit = settings_.force_limit;
+  if (coupled_) {
+    spring = *coupled_;  // of the subspace methods only: they display Z_q
+  } else {
+    if (!spring_is_off && map_ok_) displayed();
+    spring.stiffness = settings_.stiffness.cwiseProduct(displayed_);
+    spring.limit = settings_.force_limit;
+  }
   // A spring that is not there stores nothing over the tick either, however far the device moves.
   spring.gain = spring_is_off ? 0.0 : record.gain;
   anchor_ = spring_is_off ? q_a : layout_.select(projection_.q_star);
@@ -142,9 +167,11 @@ void Pipeline::Stages::drive(TickRecord& record, bool powered) noexcept {
 
 void Pipeline::Stages::force(TickRecord& record) noexcept {
   const int n_a = layout_.n_a();
+  if (ratings_) ratings_->warm(held_, record.dt);
+  if (coupled_) hold_within_limits();
   const bool taken_off = withheld(record);
   if (passivity_) passivity(record, taken_off || !has_anchor_);
-  const VecA elastic = settings_.stiffness.cwiseProduct(dq_a_);  // Eq. (6), (7): Z_q S dq
+  const VecA elastic = spring_force();
   if (projection_.status == ProjectionStatus::kUnreachable) {
     record.limiters.set(Limiter::kRangeClamp);
   }
@@ -152,7 +179,6 @@ void Pipeline::Stages::force(TickRecord& record) noexcept {
   record.tau_a.setZero(n_a);
   record.tau_damping.setZero(n_a);
   record.tau_elastic.setZero(n_a);
-  if (ratings_) ratings_->warm(held_, record.dt);
   const bool powered = machine_.wants_armed() && record.state != DeviceState::kIdle;
   for (int i = 0; i < n_a; ++i) {
     if (!powered) {
@@ -163,6 +189,7 @@ void Pipeline::Stages::force(TickRecord& record) noexcept {
     if (passivity_) damping += tau_controller_[i];
     limited_force(i, record.gain * elastic[i], damping, record);
   }
+  if (coupled_ && powered && record.gain > 0.0) report_saturation(record);
   if (!all_finite(record.tau_a)) no_output(record);
   if (passivity_) passivity_->hold(record.tau_elastic, record.tau_damping);
   if (force_control_) drive(record, powered);

@@ -64,6 +64,11 @@ PipelineConfig checked(PipelineConfig config) {
   }
   const char* wrong = check(scene.staleness);
   require(wrong == nullptr, std::string("staleness: ") + (wrong != nullptr ? wrong : ""));
+  require(
+      config.projection.coupling == nullptr || renders_Z_q(scene.renderer),
+      "renderer " + std::string(name(scene.renderer)) +
+          ": must be a subspace method where the stiffness matrix is not diagonal; the others have "
+          "a virtual stiffness of their own");
   wrong = check(config.passivity, n_a);
   require(wrong == nullptr, std::string("passivity: ") + (wrong != nullptr ? wrong : ""));
   require(config.ratings.empty() || config.ratings.size() == static_cast<std::size_t>(n_a),

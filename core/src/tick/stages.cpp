@@ -60,6 +60,12 @@ Pipeline::Stages::Stages(PipelineConfig config)
     force_control_.emplace(config_.force_control, layout_.n_a());
   }
   if (config_.passivity.enabled()) passivity_.emplace(config_.passivity, layout_.n_a());
+  if (model_.coupling()) {
+    coupled_.emplace();
+    coupled_->gain = 1.0;
+    coupled_->stiffness = settings_.stiffness;
+    coupled_->Z_q = model_.coupling()->matrix(settings_.stiffness);
+  }
   if (config_.tracker) tracker_.emplace(*config_.tracker, config_.device);
   if (config_.monotone_envelope && layout_.n_a() == 1) envelope_.emplace(model_);
   if (config_.passivity_certificate) certificate_.emplace(model_);
@@ -98,6 +104,10 @@ void Pipeline::Stages::settings(const RenderSettings& wanted) noexcept {
   const RenderSettings& scene = config_.scene;
   settings_.id = wanted.id;
   tighten(settings_.stiffness, wanted.stiffness, scene.stiffness);
+  if (coupled_) {
+    coupled_->stiffness = settings_.stiffness;
+    coupled_->Z_q = model_.coupling()->matrix(settings_.stiffness);
+  }
   tighten(settings_.damping, wanted.damping, scene.damping);
   tighten(settings_.force_limit, wanted.force_limit, scene.force_limit);
   tighten(settings_.slew_limit, wanted.slew_limit, scene.slew_limit);
@@ -107,7 +117,8 @@ void Pipeline::Stages::settings(const RenderSettings& wanted) noexcept {
   settings_.staleness.hold_end = std::min(settings_.staleness.hold_end, scene.staleness.hold_end);
   settings_.staleness.fade_end = std::min(settings_.staleness.fade_end, scene.staleness.fade_end);
   // Another renderer is another anchor: never under force.
-  if (wanted.renderer != renderer_.kind() && !carries_force(machine_.state())) {
+  const bool offered = !coupled_ || renders_Z_q(wanted.renderer);
+  if (offered && wanted.renderer != renderer_.kind() && !carries_force(machine_.state())) {
     renderer_.change(wanted.renderer);
     project_anew_ = true;
   }
@@ -344,8 +355,10 @@ EngageAnswer Pipeline::Stages::judge_engage(const TickInput& input,
                   tracker.seq != 0 ? milliseconds_of(tracker.age) : HUGE_VAL,
                   milliseconds_of(tracker_->limits().hold_end));
   }
+  const VecA unlimited = coupled_ ? VecA(coupled_->Z_q.lazyProduct(dq_a_))
+                                  : VecA(settings_.stiffness.cwiseProduct(dq_a_));
   for (int i = 0; i < layout_.n_a(); ++i) {
-    const double jump = std::abs(settings_.stiffness[i] * dq_a_[i]);
+    const double jump = std::abs(unlimited[i]);
     if (!(jump <= settings_.engage_window[i])) {
       return refuse(EngageVerdict::kOutsideWindow, jump, settings_.engage_window[i], i);
     }

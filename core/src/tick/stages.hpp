@@ -58,6 +58,11 @@ class Pipeline::Stages {
   /// How stiff the tank's spring is: as much as can be felt, but at least Z_q and no more than the
   /// device's own damping pays the hold's leak of.
   void displayed() noexcept;
+  /// Z_q S dq of this tick, Eq. (6), (7), without the gain; where Z_q is coupled saturated as a whole.
+  [[nodiscard]] VecA spring_force() const noexcept;
+  /// How far a coupled spring may be stretched in this tick, by what its actuators may give in it.
+  void hold_within_limits() noexcept;
+  void report_saturation(TickRecord& record) noexcept;
   /// Steps 7 and 9: the tank decides the anchor in use, the observer what it adds to the damping.
   void passivity(TickRecord& record, bool spring_is_off) noexcept;
   /// Steps 8-10: force, and its limits.
@@ -92,7 +97,8 @@ class Pipeline::Stages {
   Rate rate_;
   LateBucket late_bucket_;
   ForceLimiter limiters_[kMaxQ];
-  std::optional<Passivity> passivity_;  ///< only where the scene asks for it
+  std::optional<Passivity> passivity_;    ///< only where the scene asks for it
+  std::optional<SpringStorage> coupled_;  ///< of Z_q in effect and gain 1; only where it is coupled
   std::optional<RatedActuators> ratings_;
   std::optional<ForceControl> force_control_;
   std::optional<PalmTracker> tracker_;  ///< only where the scene has one
@@ -128,6 +134,7 @@ class Pipeline::Stages {
   VecA tau_measured_{};    ///< with the newest sample; size 0: the device measures none
   VecA held_{};            ///< what the drives gave since the last tick, n_a; for their heat
   Projection projection_{};
+  int weakest_{-1};  ///< the DoF whose limit is the coupled spring's
   bool map_ok_{false};
   bool has_anchor_{false};   ///< projection_.q_star is of the proxy in use
   bool project_anew_{true};  ///< the proxy changed since the renderer last saw it

@@ -1,6 +1,7 @@
 /// The scenes of the general kinematics, each through the real Pipeline: on simulated masses, and on a
 /// recording.
 
+#include <Eigen/LU>
 #include <cmath>
 #include <iomanip>
 #include <numbers>
@@ -46,6 +47,13 @@ class KinematicsScenes : public testing::TestWithParam<Expected> {
     return q;
   }
 
+  [[nodiscard]] Eigen::MatrixXd Z_q() const {
+    const VecA& K = device.settings.stiffness;
+    const auto& coupling = device.projection.coupling;
+    return coupling ? Eigen::MatrixXd(coupling->matrix(K))
+                    : Eigen::MatrixXd(Eigen::VectorXd(K).asDiagonal());
+  }
+
   void expect_a_sound_tick(const core::TickRecord& record) const {
     EXPECT_FALSE(record.faults.any());
     EXPECT_NE(record.projection, core::ProjectionStatus::kNone);
@@ -84,14 +92,15 @@ TEST_P(KinematicsScenes, AHeldProxyPullsTheDeviceToWhereTheForcesBalance) {
   for (int i = 0; i < 3000; ++i) expect_a_sound_tick(run.tick());
   const core::TickRecord& record = run.record();
   const VecA q_a = layout.select(record.q), target_a = layout.select(masses.target);
-  const VecA K = device.settings.stiffness, K_h = layout.select(masses.hand_stiffness);
+  const VecA K_h = layout.select(masses.hand_stiffness);
   const VecA balance = record.tau_elastic - K_h.cwiseProduct(q_a - target_a);
   EXPECT_LT((balance.array() / device.settings.force_limit.array()).abs().maxCoeff(), 1e-6);
   EXPECT_GT((record.tau_elastic.array() / device.settings.force_limit.array()).abs().maxCoeff(),
             0.01);
   if (GetParam().full_rank) {
-    const VecA rest =
-        (K.cwiseProduct(layout.select(goal)) + K_h.cwiseProduct(target_a)).cwiseQuotient(K + K_h);
+    const Eigen::MatrixXd hand = Eigen::VectorXd(K_h).asDiagonal();
+    const Eigen::VectorXd pull = Z_q() * layout.select(goal) + hand * target_a;
+    const VecA rest = Eigen::PartialPivLU<Eigen::MatrixXd>(Z_q() + hand).solve(pull);
     EXPECT_LT((q_a - rest).cwiseAbs().maxCoeff(), 1e-7);
     EXPECT_LT((record.q_star - goal).cwiseAbs().maxCoeff(), 1e-7);
     EXPECT_LT(record.residual, 1e-9);
@@ -135,8 +144,7 @@ TEST_P(KinematicsScenes, ARecordingIsRenderedAsEqSixAndSevenSay) {
     if (record.gain < 1.0 || record.limiters.any()) continue;
     ++unlimited;
     // Z_q S (q* - q), and nothing else where no limiter acts.
-    const VecA elastic = device.settings.stiffness.cwiseProduct(layout.select(record.q_star) -
-                                                                layout.select(record.q));
+    const VecA elastic = Z_q() * (layout.select(record.q_star) - layout.select(record.q));
     EXPECT_LT((record.tau_elastic - elastic).norm(), 1e-9);
     largest = std::max(largest, elastic.cwiseAbs().maxCoeff());
   }
@@ -148,6 +156,7 @@ INSTANTIATE_TEST_SUITE_P(Shipped, KinematicsScenes,
                          testing::Values(Expected{"hand_five_fingers", 10, 5, 10, true},
                                          Expected{"hand_tracked_palm", 16, 5, 39, true},
                                          Expected{"stylus_three_of_six", 6, 3, 7, true},
+                                         Expected{"stylus_cartesian", 6, 3, 7, true},
                                          Expected{"chain_pick_arm", 4, 2, 6, true},
                                          Expected{"chain_redundant", 5, 3, 3, false}),
                          [](const auto& test) { return std::string(test.param.file); });

@@ -30,7 +30,7 @@ TEST(SceneErrors, OfTheTextNameLineColumnAndWhatIsAllowedThere) {
   expect_each_says({
       {"unknown field", finger("stiffness_n_per_m", "stifness_n_per_m"),
        "t.textproto:7:5: stifness_n_per_m: unknown field; allowed here: stiffness_n_per_m, "
-       "damping_n_s_per_m"},
+       "stiffness_matrix, damping_n_s_per_m"},
       {"unknown message", finger("limits {", "\tlimit {"),
        "t.textproto:9:4: limit: unknown field; allowed here: limits, "},
       {"value on the next line", finger("1500", "1500\n    damping:\n 3"),

@@ -45,7 +45,8 @@ std::string mutated(std::string text, std::mt19937_64& random) {
 TEST(SceneMutations, LoadOrAreRefusedAndNothingElse) {
   std::vector<std::string> seeds = {kFinger, kLinear};
   for (const char* name : {"linear_underactuated.textproto", "finger_soft_grasp.textproto",
-                           "stylus_three_of_six.textproto", "chain_redundant.textproto"}) {
+                           "stylus_three_of_six.textproto", "stylus_cartesian.textproto",
+                           "chain_redundant.textproto"}) {
     std::ifstream stream(kScenes / name);
     std::stringstream whole;
     whole << stream.rdbuf();

@@ -25,6 +25,14 @@ void expect_same(const core::RenderSettings& a, const core::RenderSettings& b) {
   EXPECT_EQ(a.staleness, b.staleness);
 }
 
+void expect_same(const std::shared_ptr<const core::StiffnessCoupling>& a,
+                 const std::shared_ptr<const core::StiffnessCoupling>& b) {
+  ASSERT_EQ(a == nullptr, b == nullptr);
+  if (a) {
+    EXPECT_EQ(a->matrix(a->scene_stiffness()), b->matrix(b->scene_stiffness()));
+  }
+}
+
 TEST(ShippedScenes, OpenTheirDevices) {
   const auto files = shipped();
   EXPECT_GE(files.size(), 8u);
@@ -57,6 +65,7 @@ TEST(ShippedScenes, ReadBackFromTheirResolvedTextAsTheSameScene) {
       EXPECT_EQ(again.devices[i].fresh_end, scene.devices[i].fresh_end);
       EXPECT_EQ(again.devices[i].source.index(), scene.devices[i].source.index());
       expect_same(again.devices[i].settings, scene.devices[i].settings);
+      expect_same(again.devices[i].projection.coupling, scene.devices[i].projection.coupling);
     }
   }
 }

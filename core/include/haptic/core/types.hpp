@@ -16,5 +16,7 @@ using VecA = VecQ;                                                   ///< n_a, a
 using VecX = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxX, 1>;  ///< n_x; unit per coordinate
 /// n_x by n_q: columns in the order of q.
 using MatXQ = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxX, kMaxQ>;
+/// n_a by n_a.
+using MatAA = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxQ, kMaxQ>;
 
 }  // namespace haptic::core

@@ -24,12 +24,12 @@
 namespace haptic::core {
 
 /// W at q, n_x by n_x, symmetric positive definite, in J per product of the units of two coordinates.
-/// W_x: for the n_x of `map`. stiffness: Z_q, n_a. softness: eps, 0 < eps <= 1. Empty where f has no
+/// W_x: for the n_x of `map`. stiffness: diag(Z_q), n_a; `coupling`: of
+/// Z_q, null where it is diagonal. softness: eps, 0 < eps <= 1. Empty where f has no
 /// value at q, J has not full column rank, a stiffness is not above 0, or W is not finite.
-[[nodiscard]] std::optional<Eigen::MatrixXd> coupling_metric(const Kinematics& map,
-                                                             const TaskMetric& W_x, const VecQ& q,
-                                                             const VecA& stiffness,
-                                                             double softness);
+[[nodiscard]] std::optional<Eigen::MatrixXd> coupling_metric(
+    const Kinematics& map, const TaskMetric& W_x, const VecQ& q, const VecA& stiffness,
+    double softness, const StiffnessCoupling* coupling = nullptr);
 
 /// W of consecutive coordinates of x, which weighs nothing outside of them.
 struct CouplingBlock {

@@ -7,8 +7,10 @@
 /// results are n_a by n_q, columns in the order of q. A force that opposes motion has a negative
 /// d tau_a/dq_a.
 
+#include <memory>
 #include <optional>
 
+#include "haptic/core/linear/stiffness_coupling.hpp"
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/projection/renderer_kind.hpp"
 #include "haptic/core/types.hpp"
@@ -21,8 +23,12 @@ using MatXX = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxX, kM
 
 /// The two stiffnesses a comparison needs: that of the subspace methods and that of the baselines.
 struct RenderingImpedance {
-  VecA Z_q{};   ///< n_a, diagonal; N/m or N m/rad. Eq. (6), (8)
+  VecA Z_q{};   ///< n_a, its diagonal; N/m or N m/rad. Eq. (6), (8)
   MatXX Z_x{};  ///< n_x by n_x, symmetric; force per unit of x. Eq. (1), (4)
+  std::shared_ptr<const StiffnessCoupling> coupling{};  ///< of Z_q; null: it is diagonal
+
+  /// Z_q whole, n_a by n_a.
+  [[nodiscard]] MatAA actuated() const noexcept;
 };
 
 /// Eq. (2) standard, Eq. (5) null-space, Eq. (9) both subspace methods: J constant, x held.

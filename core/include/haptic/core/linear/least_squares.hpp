@@ -6,7 +6,10 @@
 /// minimum norm in a metric whose actuated block is Z_q (METHOD 4.3): bounded, unit-free, and said
 /// so by the status.
 
+#include <memory>
+
 #include "haptic/core/linear/full_rank.hpp"
+#include "haptic/core/linear/stiffness_coupling.hpp"
 #include "haptic/core/model/dof_layout.hpp"
 #include "haptic/core/projection/projection.hpp"
 #include "haptic/core/types.hpp"
@@ -18,9 +21,12 @@ class LeastSquares {
   /// Below this ratio of singular values (equilibrated) the rank is in doubt.
   static constexpr double kRankThreshold = core::kRankThreshold;
 
-  LeastSquares(int n_x, const DofLayout& layout);
+  /// `coupling`: of Z_q; null: it is diagonal. Looked at only where the rank is in doubt.
+  LeastSquares(int n_x, const DofLayout& layout,
+               std::shared_ptr<const StiffnessCoupling> coupling = nullptr);
 
-  /// J: n_x by n_q, columns in the order of q. dx: n_x. Z_q: n_a, the metric's actuated block.
+  /// J: n_x by n_q, columns in the order of q. dx: n_x. Z_q: n_a, its
+  /// diagonal; the whole is the metric's actuated block.
   /// Never allocates. J or dx that is not finite gives dq = 0 and kRankDeficient.
   void solve(const MatXQ& J, const VecX& dx, const VecA& Z_q) noexcept;
 
@@ -48,6 +54,7 @@ class LeastSquares {
   void forces_in_doubt(const MatXQ& J, const VecX& dx) noexcept;
 
   DofLayout layout_;
+  std::shared_ptr<const StiffnessCoupling> coupling_;
   int n_x_;
   int n_q_;
   int order_[kMaxQ]{};  ///< column k of [J_n | J_a] is column order_[k] of J

@@ -25,6 +25,9 @@ class PassivityObserver {
   /// Z_q (n_a): alpha = min(-(E_obs + E0) / (T v^T D v), alpha_max), alpha_max K_i / M_i <= 1/(2T).
   void observe(const HoldAccount& account, const VecA& dq, double T,
                const VecA& stiffness) noexcept;
+  /// The same with D = Z_q (n_a by n_a): alpha_max ||M_a^{-1/2} D M_a^{-1/2}||_inf <= 1/(2T), which
+  /// bounds the eigenvalue of METHOD 5.2.
+  void observe(const HoldAccount& account, const VecA& dq, double T, const MatAA& Z_q) noexcept;
   /// The rate is no longer known: no controller.
   void release() noexcept;
 
@@ -34,6 +37,11 @@ class PassivityObserver {
   [[nodiscard]] const VecA& tau() const noexcept { return tau_; }
 
  private:
+  /// E_obs += what the last hold took; how much is missing then, J; <= 0: nothing.
+  [[nodiscard]] double missing(const HoldAccount& account) noexcept;
+  /// Does anything move fast enough to be damped?
+  [[nodiscard]] bool moves(const VecA& dq, double T) const noexcept;
+
   ObserverSettings settings_;
   double energy_{0.0};
   double alpha_{0.0};

@@ -3,6 +3,7 @@
 /// finger feels it, tau_a^T (S J^+ dx) >= 0; otherwise it is withheld for the tick. Block by block
 /// where the map falls into blocks: a block without dx adds nothing, and its J is not looked at.
 
+#include <memory>
 #include <vector>
 
 #include "haptic/core/linear/least_squares.hpp"
@@ -13,15 +14,16 @@ namespace haptic::core {
 
 class DirectionGuard {
  public:
-  /// The model is copied; its kinematics must outlive the guard. `stiffness` (n_a; size 0: ones)
-  /// decides where J does not have full column rank, as it does for Eq. (8).
+  /// The model is copied; its kinematics must outlive the guard. `stiffness` (n_a; size 0: ones),
+  /// with the model's coupling, decides where J does not have full column rank, as it does for Eq. (8).
   explicit DirectionGuard(const ProjectionModel& model, const VecA& stiffness = {});
   /// True where tau_a (n_a) points towards the proxy, or dx = 0. One linearised solve per block.
   [[nodiscard]] bool allows(const Probe& probe, const VecX& dx, const VecA& tau_a) noexcept;
 
  private:
   struct Part {
-    Part(const Kinematics& kinematics, const MapBlock& block, const TaskMetric& of_block);
+    Part(const Kinematics& kinematics, const MapBlock& block, const TaskMetric& of_block,
+         const std::shared_ptr<const StiffnessCoupling>& coupling);
     TaskMetric metric;
     MapBlock at;
     int n_q, n_a, n_x;

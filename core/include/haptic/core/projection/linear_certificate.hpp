@@ -4,7 +4,7 @@
 /// happens, for it takes J as constant. Necessary, not sufficient for passivity.
 ///
 /// Per independent block, with the proxy held where it is in this tick:
-///   margin = lambda_min sym( I + Z_q^{1/2} (S B S^T) Z_q^{-1/2} ),
+///   margin = lambda_min sym( I + R (S B S^T) R^{-1} ),   Z_q = R^T R (diagonal: R = Z_q^{1/2}),
 ///   B e_k  = J^+ J_,k dq - (J^T J)^{-1} J_,k^T r = -(d_k dq + e_k),   r = dx - J dq,
 /// where J, J_,k = dJ/dq_k and dx are weighed by W_x^{1/2}. For one actuated DoF it is 1 + g.dx. 1 at
 /// dx = 0; not above 0: the spring pushes along with some motion. The same number as the margin of
@@ -25,13 +25,12 @@ class LinearCertificate {
   /// another function of q.
   explicit LinearCertificate(const ProjectionModel& model);
 
-  /// dx = x (-) x_probe, n_x; stiffness: Z_q, n_a; probe.J of the blocks that dx displaces. A block
+  /// dx = x (-) x_probe, n_x; stiffness: diag(Z_q), n_a; probe.J of the blocks that dx displaces. A block
   /// that cannot be judged ends it: the others' margins would vouch for less than they seem to.
   /// Never allocates, locks, throws.
   [[nodiscard]] Certificate at(const Probe& probe, const VecX& dx, const VecA& stiffness) noexcept;
 
  private:
-  using MatAA = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxQ, kMaxQ>;
   struct Part {
     MapBlock at{};
     TaskMetric metric{};
@@ -44,14 +43,18 @@ class LinearCertificate {
   [[nodiscard]] bool solve(const Part& part, const VecX& b, VecQ& y) noexcept;
   /// y -= (J_^T J_)^{-1} J_k_^T r_, by the R of the last solve().
   void take_off_residual(const Part& part, VecQ& y) noexcept;
+  /// M_ = I + the symmetric part of R (S B S^T) R^{-1} where R is not diagonal.
+  void couple(const StiffnessCoupling& coupling) noexcept;
   /// Of M_; false where it is not finite.
   [[nodiscard]] bool smallest_eigenvalue(double& value) const noexcept;
 
   std::vector<Part> parts_{};
+  std::shared_ptr<const StiffnessCoupling> coupling_{};
   VecQ q_{}, dq_{}, column_{};
   VecX r_{}, turned_{};
   MatXQ J_{}, J_k_{};  ///< weighed
-  MatAA M_{};          ///< I + Z_q^{1/2} (S B S^T) Z_q^{-1/2}, symmetric part
+  MatAA M_{};          ///< I + R (S B S^T) R^{-1}, symmetric part
+  MatAA turn_{};       ///< D (S B S^T) D^{-1}, where Z_q is coupled
   double A_[kMaxX * kMaxQ], b_[kMaxX], column_norm2_[kMaxQ], inverse_diagonal_[kMaxQ];
 };
 

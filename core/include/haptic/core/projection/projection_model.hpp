@@ -4,8 +4,11 @@
 /// a prior, or case B, with one, is a property of the scene: a rank decided from tick to tick would
 /// step the force.
 
+#include <memory>
 #include <optional>
 
+#include "haptic/core/linear/boxed_least_squares.hpp"
+#include "haptic/core/linear/stiffness_coupling.hpp"
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/projection/task_metric.hpp"
 
@@ -33,13 +36,16 @@ struct ProjectionSettings {
   TaskMetric metric{};
   std::optional<Prior> prior{};
   IterationLimits iteration{};
+  /// Of Z_q; null: it is diagonal. Between the DoFs of one device, not of fingers, which are devices of
+  /// their own.
+  std::shared_ptr<const StiffnessCoupling> coupling{};
 };
 
 class ProjectionModel {
  public:
   /// `kinematics` must outlive the model and its copies. Throws SceneError: X mixes units and there
   /// is no metric; one that ties a rotation to another coordinate; a prior for a map that has an
-  /// inverse in closed form; sizes or values that do not fit. Copies allocate nothing.
+  /// inverse in closed form; a stiffness that couples fingers; sizes or values that do not fit. Copies allocate nothing.
   ProjectionModel(const Kinematics& kinematics, ProjectionSettings settings = {});
 
   /// The same for one block of the map. Throws as the constructor does.
@@ -52,11 +58,19 @@ class ProjectionModel {
   [[nodiscard]] int n_x() const noexcept { return kinematics_->space().n_x(); }
   [[nodiscard]] const TaskMetric& metric() const noexcept { return settings_.metric; }
   [[nodiscard]] const std::optional<Prior>& prior() const noexcept { return settings_.prior; }
+  /// Null where Z_q is diagonal.
+  [[nodiscard]] const std::shared_ptr<const StiffnessCoupling>& coupling() const noexcept {
+    return settings_.coupling;
+  }
   [[nodiscard]] const IterationLimits& iteration() const noexcept { return settings_.iteration; }
   /// Mean of ||W^{1/2} J_a|| (Frobenius) over the workspace: what the paper's Z_x factors out.
   [[nodiscard]] double mean_actuated_jacobian() const noexcept { return mean_J_a_; }
   /// The prior's weight per DoF, sqrt(mu diag(Z_q, M_n)), in the order of q. With a prior only.
   [[nodiscard]] VecQ prior_weight(const VecA& stiffness) const noexcept;
+  /// The prior's springs as rows of least squares: of such a weight, pulling p to `target` (n_q).
+  void add_prior(const VecQ& weight, const VecQ& target, BoxedLeastSquares& rows) const noexcept;
+  /// The sum of squares of those rows at p - target = `stretch`.
+  [[nodiscard]] double prior_cost(const VecQ& weight, const VecQ& stretch) const noexcept;
 
  private:
   const Kinematics* kinematics_;
@@ -64,6 +78,10 @@ class ProjectionModel {
   double mean_J_a_{0.0};
   bool has_parts_{false};
 };
+
+/// Throws SceneError where Z_q cannot be coupled like this on this map: another number of actuated
+/// DoFs, or a hand.
+void check_coupling(const Kinematics& kinematics, const StiffnessCoupling& coupling);
 
 /// Above this, in half of the poses of the box, a scene needs a prior: errors of x are amplified a
 /// hundredfold. Measured medians: METHOD 3.2's hand known by three points per finger 264 with two

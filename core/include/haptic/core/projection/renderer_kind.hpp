@@ -15,4 +15,9 @@ enum class RendererKind : std::uint8_t {
 
 [[nodiscard]] std::string_view name(RendererKind kind) noexcept;  ///< "subspace_linear", ...
 
+/// True of those that display Z_q; the baselines have a virtual stiffness Z_x of their own.
+[[nodiscard]] constexpr bool renders_Z_q(RendererKind kind) noexcept {
+  return kind == RendererKind::kSubspaceLinear || kind == RendererKind::kSubspaceExact;
+}
+
 }  // namespace haptic::core

@@ -91,7 +91,7 @@ struct RenderSettings {
   std::uint64_t id{0};
   RendererKind renderer{RendererKind::kSubspaceLinear};
   bool direction_guard{false};
-  VecA stiffness{};      ///< K of Z_q, n_a, diagonal; N/m or N m/rad
+  VecA stiffness{};      ///< diag(K) of Z_q, n_a; N/m or N m/rad
   VecA damping{};        ///< B of Z_q, n_a, diagonal; N s/m or N m s/rad
   VecA force_limit{};    ///< n_a; N or N m
   VecA slew_limit{};     ///< n_a; N/s or N m/s

@@ -1,0 +1,395 @@
+// METHOD 4.5 in the tick: a Z_q that is not diagonal, saturated as a whole; 5.2-5.4 with it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/linear.hpp"
+#include "haptic/core/tick/pipeline.hpp"
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/dense_oracle.hpp"
+
+namespace haptic::core {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+const Matrix2d kZ = (Matrix2d() << 900.0, 500.0, 500.0, 600.0).finished();
+const Vector2d kLimit(5.0, 3.0);  // N; 3/sqrt(600) is less than 5/sqrt(900)
+constexpr RendererKind kSubspace[] = {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact};
+
+/// METHOD 4.5, written out.
+Vector2d law(const Vector2d& d, const Matrix2d& Z = kZ, const Vector2d& limit = kLimit) {
+  const double r = std::min(limit[0] / std::sqrt(Z(0, 0)), limit[1] / std::sqrt(Z(1, 1)));
+  const double length = std::sqrt(d.dot(Z * d));
+  return (length > r ? r / length : 1.0) * (Z * d);
+}
+
+const MatXQ& map_matrix() {
+  static const MatXQ A = (MatXQ(3, 3) << 1, 0.4, -0.3, 0.2, 1.1, 0.5, -0.6, 0.3, 0.9).finished();
+  return A;
+}
+
+/// Three DoFs, the first and the third actuated, three coordinates.
+PipelineConfig config_of(RendererKind renderer, const Matrix2d& Z = kZ) {
+  LinearMap map;
+  map.dofs = {{"a", Unit::kMetre, true, -1, 1},
+              {"s", Unit::kMetre, false, -1, 1},
+              {"b", Unit::kMetre, true, -1, 1}};
+  for (const char* x : {"x", "y", "z"}) map.coordinates.push_back({x, Unit::kMetre});
+  map.A = map_matrix();
+  map.x_0 = VecX::Zero(3);
+  PipelineConfig c;
+  c.kinematics = make_linear(map);
+  c.projection.coupling = std::make_shared<const StiffnessCoupling>(Z);
+  c.device.q_lower = VecQ::Constant(3, -2.0);
+  c.device.q_upper = VecQ::Constant(3, 2.0);
+  c.device.max_effort = VecA::Constant(2, 40.0);
+  c.scene.renderer = renderer;
+  c.scene.stiffness = c.projection.coupling->scene_stiffness();
+  c.scene.damping = VecA::Zero(2);
+  c.scene.force_limit = kLimit;
+  c.scene.slew_limit = VecA::Constant(2, 1e9);
+  c.scene.engage_window = VecA::Constant(2, 1e3);
+  return c;
+}
+
+class Bench {
+ public:
+  explicit Bench(const PipelineConfig& config) : pipeline(config) {
+    input.settings = config.scene;
+    input.device.armed = input.device.fresh = true;
+    input.device.sample.q = target = VecQ::Zero(3);
+    input.command.lease_epoch = 1;
+    input.command.lease_held = true;
+    input.proxy.mode = ProxyMode::kHeld;
+    input.proxy.epoch = 1;
+  }
+  const TickRecord& tick() {
+    input.now += std::chrono::milliseconds(1);
+    ++input.device.sample.seq;
+    input.device.sample.time = input.now;
+    ProxySnapshot& p = input.proxy;
+    if (p.mode == ProxyMode::kHeld) p.x = map_matrix() * target;
+    if (p.gapless_samples++ == 0) p.gapless_since = input.now;
+    ++p.seq;
+    p.born = input.now;
+    return record = pipeline.tick(input);
+  }
+  const TickRecord& engage() {
+    for (int i = 0; i < 250; ++i) tick();
+    ++input.command.engage_id;
+    tick();
+    EXPECT_EQ(record.engage.verdict, EngageVerdict::kAccepted);
+    for (int i = 0; i < 205; ++i) tick();
+    EXPECT_EQ(record.state, DeviceState::kEngaged);
+    return record;
+  }
+  VecQ& q() { return input.device.sample.q; }
+  [[nodiscard]] Vector2d q_a() const {
+    return {input.device.sample.q[0], input.device.sample.q[2]};
+  }
+  [[nodiscard]] Vector2d d() const {  // S (q* - q) of the map's own inverse
+    return {target[0] - input.device.sample.q[0], target[2] - input.device.sample.q[2]};
+  }
+
+  Pipeline pipeline;
+  TickInput input{};
+  VecQ target{};
+  TickRecord record{};
+};
+
+VecQ anywhere(std::mt19937_64& random, double size) {
+  std::uniform_real_distribution<double> part(-size, size);
+  return (VecQ(3) << part(random), part(random), part(random)).finished();
+}
+
+TEST(CoupledStiffness, TheForceIsTheLawAndSaysWhereItIsHeld) {
+  for (const RendererKind renderer : kSubspace) {
+    Bench bench(config_of(renderer));
+    bench.engage();
+    std::mt19937_64 random(1);
+    int held = 0;
+    for (int i = 0; i < 1000; ++i) {
+      bench.q() = anywhere(random, 0.006);
+      bench.target = anywhere(random, 0.006);
+      const TickRecord& record = bench.tick();
+      const Vector2d d = bench.d(), tau = law(d);
+      ASSERT_LT((Vector2d(record.tau_a) - tau).norm(), 1e-10);
+      ASSERT_TRUE((record.tau_a.cwiseAbs().array() <= kLimit.array()).all());
+      const bool saturated = tau.norm() < (1.0 - 1e-9) * (kZ * d).norm();
+      held += saturated ? 1 : 0;
+      LimiterSet expected;
+      if (saturated) expected.set(Limiter::kSaturation);
+      ASSERT_EQ(record.limiters, expected) << "and no other limiter has anything to do";
+      ASSERT_FALSE(record.actuator_limiters[0].any());
+      ASSERT_EQ(record.actuator_limiters[1], expected) << "the second actuator is the weaker one";
+    }
+    EXPECT_GT(held, 200);
+    EXPECT_LT(held, 900);
+  }
+}
+
+TEST(CoupledStiffness, TheGainScalesTheWholeForce) {
+  Bench bench(config_of(RendererKind::kSubspaceExact));
+  bench.target = (VecQ(3) << 0.008, 0.0, 0.004).finished();
+  for (int i = 0; i < 250; ++i) bench.tick();
+  ++bench.input.command.engage_id;
+  int ramping = 0;
+  for (int i = 0; i < 205; ++i) {
+    const TickRecord& record = bench.tick();
+    ramping += record.gain > 0.0 && record.gain < 1.0 ? 1 : 0;
+    ASSERT_LT((Vector2d(record.tau_a) - record.gain * law(bench.d())).norm(), 1e-10);
+    ASSERT_FALSE(record.limiters.has(Limiter::kEnvelope));
+  }
+  EXPECT_GT(ramping, 150);
+}
+
+/// Trapezoids of what is held, over loops that leave the radius and come back, the proxy held.
+TEST(CoupledStiffness, NoCycleOfTheDeviceReturnsEnergy) {
+  for (const RendererKind renderer : kSubspace) {
+    for (const double direction : {1.0, -1.0}) {
+      Bench bench(config_of(renderer));
+      bench.engage();
+      bench.target = (VecQ(3) << 0.002, 0.001, -0.001).finished();
+      constexpr int kSteps = 4000;
+      double net = 0.0, moved = 0.0;
+      int saturated = 0;
+      VecA last;
+      Vector2d from;
+      for (int i = 0; i <= kSteps; ++i) {
+        const double phase = direction * 2.0 * std::numbers::pi * i / kSteps;
+        bench.q() = (VecQ(3) << 0.006 * std::cos(phase), 0.003 * std::sin(2.0 * phase),
+                     0.006 * std::sin(phase))
+                        .finished();
+        const TickRecord& record = bench.tick();
+        saturated += record.limiters.has(Limiter::kSaturation) ? 1 : 0;
+        if (i > 0) {
+          const double part = 0.5 * Vector2d(record.tau_a + last).dot(bench.q_a() - from);
+          net += part;
+          moved += std::abs(part);
+        }
+        last = record.tau_a;
+        from = bench.q_a();
+      }
+      EXPECT_GT(saturated, kSteps / 10);
+      EXPECT_LT(saturated, kSteps);
+      EXPECT_LT(std::abs(net), 1e-6 * moved) << name(renderer);
+    }
+  }
+}
+
+/// A warm second winding narrows the whole spring; cut off alone it would turn the force.
+TEST(CoupledStiffness, AWarmWindingTakesTheWholeForceBack) {
+  PipelineConfig config = config_of(RendererKind::kSubspaceExact);
+  config.ratings.resize(2);
+  ThermalParameters motor;
+  motor.motor_constant = 0.5;
+  motor.winding_resistance = 5.0;
+  motor.winding_time = 2.0;
+  config.ratings[1].thermal = motor;
+  Bench bench(config);
+  bench.engage();
+  bench.target = (VecQ(3) << 0.004, 0.0, 0.005).finished();
+  const Vector2d cold(bench.tick().tau_a);
+  EXPECT_TRUE(bench.record.limiters.has(Limiter::kSaturation));
+  for (int i = 0; i < 10'000; ++i) {
+    const TickRecord& record = bench.tick();
+    const Vector2d tau(record.tau_a);
+    ASSERT_LT(std::abs(tau[0] * cold[1] - tau[1] * cold[0]), 1e-9) << "it keeps its direction";
+  }
+  const Vector2d warm(bench.record.tau_a);
+  EXPECT_LT(warm.norm(), 0.8 * cold.norm());
+  EXPECT_TRUE(bench.record.actuator_limiters[1].has(Limiter::kTemperature));
+  EXPECT_FALSE(bench.record.limiters.has(Limiter::kSaturation)) << "one reason, the right one";
+  EXPECT_FALSE(bench.record.actuator_limiters[0].any());
+}
+
+TEST(CoupledStiffness, ASessionLowersTheDiagonalAndWithItWhatCouples) {
+  Bench bench(config_of(RendererKind::kSubspaceExact));
+  bench.input.settings.id = 1;
+  bench.input.settings.stiffness =
+      (VecA(2) << 225.0, 1e9).finished();  // a quarter; at most the scene's
+  bench.engage();
+  Matrix2d Z = kZ;
+  Z(0, 0) /= 4.0;
+  Z(0, 1) /= 2.0;
+  Z(1, 0) /= 2.0;
+  bench.target = (VecQ(3) << 0.003, 0.0, 0.001).finished();
+  EXPECT_LT((Vector2d(bench.tick().tau_a) - law(bench.d(), Z)).norm(), 1e-10);
+  bench.input.settings.id = 2;
+  bench.input.settings.stiffness = (VecA(2) << 0.0, 600.0).finished();
+  const TickRecord& record = bench.tick();
+  EXPECT_EQ(record.tau_a[0], 0.0) << "without stiffness no force, not by coupling either";
+  EXPECT_NEAR(record.tau_a[1], 0.6, 1e-10);
+}
+
+TEST(CoupledStiffness, EngageLooksAtTheForceOfAllDofs) {
+  PipelineConfig config = config_of(RendererKind::kSubspaceExact);
+  config.scene.engage_window = VecA::Constant(2, 1.0);
+  Bench bench(config);
+  bench.target = (VecQ(3) << 0.002, 0.0, -0.002).finished();  // (0.8, -0.2) N; 1.8 N uncoupled
+  bench.engage();
+  Bench other(config);
+  other.target =
+      (VecQ(3) << 0.001, 0.0, 0.001).finished();  // (1.4, 1.1) N; 0.9 and 0.6 N uncoupled
+  for (int i = 0; i < 250; ++i) other.tick();
+  ++other.input.command.engage_id;
+  const EngageAnswer answer = other.tick().engage;
+  EXPECT_EQ(answer.verdict, EngageVerdict::kOutsideWindow);
+  EXPECT_EQ(answer.index, 0);
+  EXPECT_NEAR(answer.value, 1.4, 1e-10);
+}
+
+TEST(CoupledStiffness, IsForTheSubspaceMethodsOnly) {
+  for (const RendererKind renderer : {RendererKind::kStandard, RendererKind::kNullSpace}) {
+    EXPECT_THROW(Pipeline{config_of(renderer)}, SceneError);
+    Bench bench(config_of(RendererKind::kSubspaceLinear));
+    bench.input.settings.id = 1;
+    bench.input.settings.renderer = renderer;  // a session's wish
+    bench.engage();
+    bench.target = (VecQ(3) << 0.001, 0.0, 0.001).finished();
+    EXPECT_LT((Vector2d(bench.tick().tau_a) - law(bench.d())).norm(), 1e-10);
+  }
+}
+
+PipelineConfig guarded(RendererKind renderer, double initial) {
+  PipelineConfig config = config_of(renderer);
+  config.passivity.tank.enabled = true;
+  config.passivity.tank.initial = initial;
+  config.passivity.observer.enabled = true;
+  config.passivity.observer.inertia = VecA::Constant(2, 0.2);
+  config.passivity.device_damping = VecA::Constant(2, 1.0);  // 2 b / T > lambda_max = 1272 N/m
+  return config;
+}
+
+double potential(const Vector2d& d) {
+  const double r = kLimit[1] / std::sqrt(kZ(1, 1)), L = std::sqrt(d.dot(kZ * d));
+  return L <= r ? 0.5 * L * L : r * L - 0.5 * r * r;
+}
+
+/// METHOD 6, case 18: V jumps by dV, the tank pays it exactly, or the anchor stays on the way.
+TEST(CoupledStiffness, TheTankPaysTheJumpOrShortensTheSpringAlongItself) {
+  for (const RendererKind renderer : kSubspace) {
+    Bench rich(guarded(renderer, 0.05));
+    rich.engage();
+    rich.target = (VecQ(3) << 0.009, 0.0, -0.002).finished();
+    const TickRecord& paid = rich.tick();
+    EXPECT_FALSE(paid.passivity.throttled);
+    EXPECT_NEAR(paid.passivity.storage, potential(rich.d()), 1e-12);
+    EXPECT_NEAR(paid.passivity.tank, 0.05 - potential(rich.d()), 1e-12);
+
+    Bench poor(guarded(renderer, 0.004));
+    poor.engage();
+    poor.target = rich.target;
+    const TickRecord& held = poor.tick();
+    EXPECT_TRUE(held.passivity.throttled);
+    EXPECT_TRUE(held.limiters.has(Limiter::kEnergyTank));
+    EXPECT_EQ(held.passivity.tank, 0.0);
+    const Vector2d in_use(held.q_star[0], held.q_star[2]), wanted = poor.d();
+    EXPECT_NEAR(potential(in_use), 0.004, 1e-12);
+    EXPECT_NEAR(in_use[0] * wanted[1] - in_use[1] * wanted[0], 0.0, 1e-15) << "along s d";
+    EXPECT_LT((Vector2d(held.tau_a) - law(in_use)).norm(), 1e-10);
+  }
+}
+
+/// Whatever the proxy does and wherever the device goes: net of its damping the user gets no more
+/// than the tank was given.
+TEST(CoupledStiffness, BehindTheTankNoMotionAndNoProxyGivesMoreThanItHolds) {
+  constexpr double kInitial = 0.002, T = 1e-3;
+  for (const RendererKind renderer : kSubspace) {
+    for (unsigned seed = 1; seed <= 4; ++seed) {
+      Bench bench(guarded(renderer, kInitial));
+      bench.engage();
+      std::mt19937_64 random(seed);
+      double given = 0.0, most = 0.0, stored = 0.0;
+      int saturated = 0;
+      VecQ velocity = VecQ::Zero(3), wish = VecQ::Zero(3);
+      for (int i = 0; i < 8000; ++i) {
+        const Vector2d before = bench.q_a(), tau(bench.record.tau_a);
+        if (i % 17 == 0) bench.target = anywhere(random, 0.012);
+        if (i % 50 == 0) wish = anywhere(random, 0.008);
+        velocity += 0.1 * (20.0 * (wish - bench.q()) - velocity);
+        bench.q() += T * velocity;
+        const Vector2d dq = bench.q_a() - before;
+        given += tau.dot(dq) - dq.squaredNorm() / T;
+        most = std::max(most, given);
+        const TickRecord& record = bench.tick();
+        stored = std::max(stored, record.passivity.storage);
+        saturated += record.limiters.has(Limiter::kSaturation) ? 1 : 0;
+        ASSERT_FALSE(record.limiters.has(Limiter::kSlew));
+      }
+      EXPECT_LE(most, kInitial + 1e-9) << name(renderer) << ", seed " << seed;
+      EXPECT_GT(stored, 0.2 * kInitial) << "there was a spring";
+    }
+  }
+}
+
+/// METHOD 5.4: x = the probe kept out of n^T x <= b; the force follows S (q* - q) as ever.
+TEST(CoupledStiffness, RendersPlanesWithTheDirectionGuard) {
+  for (const RendererKind renderer : kSubspace) {
+    PipelineConfig config = config_of(renderer);
+    config.scene.direction_guard = true;
+    Bench bench(config);
+    ProxySnapshot& proxy = bench.input.proxy;
+    proxy.mode = ProxyMode::kPlanes;
+    proxy.x = VecX::Zero(3);
+    proxy.planes.normals = (VecX(3) << 1.0, 0.0, 0.0).finished();
+    proxy.planes.offsets = VecA::Constant(1, 0.0);
+    bench.q() = (VecQ(3) << -0.001, 0.0, 0.0).finished();
+    bench.engage();
+    EXPECT_EQ(bench.record.tau_a.norm(), 0.0) << "no drag where nothing is in the way";
+    const Eigen::MatrixXd to_q = oracle::inverse(map_matrix());
+    int felt = 0, withheld = 0;
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 500; ++i) {
+      bench.q() = anywhere(random, 0.004);
+      const TickRecord& record = bench.tick();
+      const VecX x_probe = map_matrix() * bench.q();
+      // The nearest point of the plane x = 0, told in q by the inverse of the map.
+      const VecX dx = (VecX(3) << std::min(0.0, -x_probe[0]), 0.0, 0.0).finished();
+      const Eigen::VectorXd dq = to_q * Eigen::VectorXd(dx);
+      const Vector2d d(dq[0], dq[2]);
+      if (record.limiters.has(Limiter::kDirectionGuard)) {
+        ++withheld;
+        ASSERT_EQ(record.tau_a.norm(), 0.0);
+        continue;
+      }
+      ASSERT_LT((Vector2d(record.tau_a) - law(d)).norm(), 1e-9);
+      felt += record.tau_a.norm() > 0.01 ? 1 : 0;
+    }
+    EXPECT_GT(felt, 100);
+    EXPECT_EQ(withheld, 0) << "d^T Z_q d >= 0: on a linear map the guard has nothing against it";
+  }
+}
+
+TEST(CoupledStiffness, ATickAllocatesNothingAndIsReplayedToTheBit) {
+  PipelineConfig config = guarded(RendererKind::kSubspaceExact, 0.01);
+  config.scene.direction_guard = true;
+  config.ratings.resize(2);
+  config.ratings[0].power = 0.5;
+  config.ratings[1].thermal = ThermalParameters{};
+  Bench bench(config), again(config);
+  bench.engage();
+  again.engage();
+  std::mt19937_64 random(5);
+  for (int i = 0; i < 500; ++i) {
+    bench.q() = again.q() = anywhere(random, 0.003);
+    bench.target = again.target = anywhere(random, 0.006);
+    if (i == 100) {  // a session's settings, in the loop as well
+      bench.input.settings.id = again.input.settings.id = 7;
+      bench.input.settings.stiffness = again.input.settings.stiffness =
+          (VecA(2) << 700.0, 600.0).finished();
+    }
+    const haptic::test::AllocationGuard guard;
+    bench.tick();
+    ASSERT_EQ(guard.allocations() + guard.releases(), 0u);
+    ASSERT_TRUE(identical(bench.record, again.tick()));
+  }
+}
+
+}  // namespace
+}  // namespace haptic::core

@@ -66,17 +66,17 @@ class Device {
   /// Real-time thread, once a tick. Never blocks. A device that is not armed ignores tau_a.
   virtual void write(core::TimePoint now, const Command& command) noexcept = 0;
 
-  /// Where a device that samples by a clock of its own tells of each new sample, so that the loop can
-  /// tick on its arrival; null: it has none, samples are there when asked for (simulated, replay).
-  /// Lives as long as the device.
+  /// Where a device that samples by a clock of its own tells of each new sample, so that the loop
+  /// can tick on its arrival; null: it has none, samples are there when asked for (simulated,
+  /// replay). Lives as long as the device.
   [[nodiscard]] virtual SampleSignal* sample_signal() noexcept { return nullptr; }
 
   /// Main thread, after the loop ended: zero force, disarm, release what was opened. May block for
   /// at most 200 ms. Idempotent.
   virtual void close() noexcept = 0;
 
-  /// The book of the link to the device, a moment ago, also after close(); empty where there is none.
-  /// Any thread but the real-time one.
+  /// The book of the link to the device, a moment ago, also after close(); empty where there is
+  /// none. Any thread but the real-time one.
   [[nodiscard]] virtual std::vector<LinkCount> link_counts() const { return {}; }
 
  protected:

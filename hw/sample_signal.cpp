@@ -16,8 +16,8 @@ SampleSignal::~SampleSignal() {
   ::sem_destroy(&posts_);
 }
 
-// Both sides exchange `pending_`, so that one of the two holds: the post finds it clear and rings, or
-// the one who cleared it last has not read yet and sees the sample.
+// Both sides exchange `pending_`, so that one of the two holds: the post finds it clear and rings,
+// or the one who cleared it last has not read yet and sees the sample.
 
 void SampleSignal::post(core::TimePoint arrival) noexcept {
   if (pending_.exchange(true, std::memory_order_acq_rel)) return;

@@ -6,8 +6,8 @@
 ///   device's thread   puts the sample where read() finds it, then post()
 ///   loop              wait_until(), then forget(), then read()
 ///
-/// What is posted while an earlier post has not been taken counts as that one: no backlog of samples
-/// can become a burst of ticks.
+/// What is posted while an earlier post has not been taken counts as that one: no backlog of
+/// samples can become a burst of ticks.
 
 #include <semaphore.h>
 
@@ -28,8 +28,8 @@ class SampleSignal {
   /// One thread, the device's. `arrival`: when the sample reached this host, steady clock.
   void post(core::TimePoint arrival) noexcept;
 
-  /// The loop. Waits for a post, or until `deadline`, where it has passed not at all. The arrival of
-  /// the first sample posted since the last one taken or forgotten; none: none was.
+  /// The loop. Waits for a post, or until `deadline`, where it has passed not at all. The arrival
+  /// of the first sample posted since the last one taken or forgotten; none: none was.
   [[nodiscard]] std::optional<core::TimePoint> wait_until(core::TimePoint deadline) noexcept;
 
   /// The loop, before it reads: what was posted by now will be read by this very tick.

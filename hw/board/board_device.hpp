@@ -23,8 +23,9 @@ struct BoardConfig;
 
 class BoardDevice final : public Device {
  public:
-  /// Opens the port and shakes hands; blocks for at most 3 s. Throws DeviceError: the port cannot be
-  /// opened (why, and what to do), nobody answers, the board is not what the scene says, the calibration is another board's.
+  /// Opens the port and shakes hands; blocks for at most 3 s. Throws DeviceError: the port cannot
+  /// be opened (why, and what to do), nobody answers, the board is not what the scene says, the
+  /// calibration is another board's.
   BoardDevice(const BoardConfig& config, const std::shared_ptr<const core::Kinematics>& kinematics);
   ~BoardDevice() override;
 

@@ -43,8 +43,8 @@ void claim(int handle, const std::string& port);
 /// Where the driver can: no other program opens the port meanwhile, also one that does not ask for
 /// locks (but root does). For real ports: of a pseudo-terminal it would outlive this program.
 bool keep_others_out(int handle) noexcept;
-/// Asks the driver to hand bytes on as they come. A hint: false where it knows of none, as USB CDC and
-/// pseudo-terminals, and no harm done.
+/// Asks the driver to hand bytes on as they come. A hint: false where it knows of none, as USB CDC
+/// and pseudo-terminals, and no harm done.
 bool ask_for_low_latency(int handle) noexcept;
 /// What to tell of an FTDI chip whose latency timer is 16 ms or more; empty where there is none, or
 /// it is short. `devices`: the folder of sysfs with one folder per USB serial port.

@@ -17,8 +17,8 @@
 namespace haptic::server {
 namespace {
 
-/// What gRPC itself takes in: what is beyond, it refuses without a word of ours. Up to here each call
-/// says which limit is meant (too_large).
+/// What gRPC itself takes in: what is beyond, it refuses without a word of ours. Up to here each
+/// call says which limit is meant (too_large).
 constexpr int kLargestReceived = 4 * static_cast<int>(kLargestMessage);
 
 /// As gRPC takes a time.

@@ -26,8 +26,9 @@ struct RpcConfig {
   unsigned max_sessions{32};
   core::Duration period{std::chrono::milliseconds(1)};  ///< of the loop
   /// States per second that everybody but the controllers may cost together, an equal share per
-  /// device; what is above is conflated, in turns. Measured on a shared 2-core VM: 16 watchers at 1 kHz cost 6 % of a core per
-  /// 4000 states/s, and the controller's proxy age does not move; 8000 leaves a slower host room.
+  /// device; what is above is conflated, in turns. Measured on a shared 2-core VM: 16 watchers at 1
+  /// kHz cost 6 % of a core per 4000 states/s, and the controller's proxy age does not move; 8000
+  /// leaves a slower host room.
   unsigned watch_budget_hz{8000};
   /// Address of the UDP path, "host:port"; beyond loopback as `listen`. Empty: there is none.
   std::string udp_listen{};

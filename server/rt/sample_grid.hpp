@@ -1,7 +1,8 @@
 #pragma once
 /// When a loop ticks that a device's samples pace: with each sample as it comes, and by the timer
 /// where none does. The timer has patience: a quarter of a period after a sample was due. While a
-/// device is silent its ticks go on a period apart, so that nothing that counts on time stands still.
+/// device is silent its ticks go on a period apart, so that nothing that counts on time stands
+/// still.
 ///
 ///   earliest   three quarters of a period after the last tick was due: samples that come in a heap,
 ///              or faster than they should, make no burst; those of a link that carries them in pairs
@@ -31,8 +32,8 @@ class SampleGrid {
     core::LoopReport report{};
     bool by_sample{false};  ///< else by the timer
   };
-  /// The wait ended at `now`. `arrival`: of the first sample since the last tick; absent: none came.
-  /// `suspended`: what the steady clock slept through, which is lateness too.
+  /// The wait ended at `now`. `arrival`: of the first sample since the last tick; absent: none
+  /// came. `suspended`: what the steady clock slept through, which is lateness too.
   [[nodiscard]] Tick wake(core::TimePoint now, core::Duration suspended,
                           std::optional<core::TimePoint> arrival) noexcept;
 

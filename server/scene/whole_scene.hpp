@@ -11,8 +11,8 @@ namespace haptic::server {
 /// message unreadable.
 void check_text(const google::protobuf::Message& message, const std::string& path,
                 Problems& problems);
-/// Only a board has a clock of its own to pace the loop by; which of its sample periods is the loop's is
-/// known when it has answered (check_pacing of loop_pacing.hpp).
+/// Only a board has a clock of its own to pace the loop by; which of its sample periods is the
+/// loop's is known when it has answered (check_pacing of loop_pacing.hpp).
 void check_paced_by(const v1::Scene& message, const Scene& scene, Problems& problems);
 /// Silence ends force before it ends the lease (WIRE 4).
 void check_silence(const Scene& scene, Problems& problems);

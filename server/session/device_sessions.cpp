@@ -40,7 +40,8 @@ std::shared_ptr<EventQueue> DeviceSessions::subscribe(const std::string& session
   return queue;
 }
 
-/// A stream whose every sample is refused looks like no stream to the tick; here the reason is known.
+/// A stream whose every sample is refused looks like no stream to the tick; here the reason is
+/// known.
 Outcome<Done> DeviceSessions::explained(Outcome<Done> outcome) const {
   if (!outcome && outcome.refusal.reason == "STREAM_STALE") {
     const std::string why = ingress_.last_refusal();

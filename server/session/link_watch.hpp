@@ -1,9 +1,9 @@
 #pragma once
 /// What the links of one session are doing, and how old a sample was when it came (WIRE 2, 4).
 ///
-/// Every sample brings a whole exchange of time stamps with it: the state it was computed from left at
-/// a tick of ours, the client received it `hold` before its source time, and the sample arrived. So
-/// round trip and clock offset are known on either carrier, without a message of their own.
+/// Every sample brings a whole exchange of time stamps with it: the state it was computed from left
+/// at a tick of ours, the client received it `hold` before its source time, and the sample arrived.
+/// So round trip and clock offset are known on either carrier, without a message of their own.
 
 #include <array>
 #include <cstdint>
@@ -51,10 +51,10 @@ class LinkWatch {
  public:
   void state_sent(std::uint64_t tick, core::TimePoint now, Carrier carrier) noexcept;
 
-  /// A sample came. When it left its source at the latest, by the tighter of our own estimate of the
-  /// client's clock and `other`, the path's: never later than its arrival. None where nothing is known
-  /// of the client's clock, and where the sample's own exchange does not agree with it: a clock that was
-  /// stepped must not make a sample old.
+  /// A sample came. When it left its source at the latest, by the tighter of our own estimate of
+  /// the client's clock and `other`, the path's: never later than its arrival. None where nothing
+  /// is known of the client's clock, and where the sample's own exchange does not agree with it: a
+  /// clock that was stepped must not make a sample old.
   [[nodiscard]] std::optional<core::TimePoint> came(
       const SampleStamp& stamp, const std::optional<wire::ClockOffset::Estimate>& other) noexcept;
   void judged(Carrier carrier, IngressVerdict verdict) noexcept;
@@ -88,7 +88,8 @@ class LinkWatch {
   std::uint64_t aged_{0};
 };
 
-/// A reading of a steady clock that its differences with ours do not overflow: (0, 2^62) ns, 146 years.
+/// A reading of a steady clock that its differences with ours do not overflow: (0, 2^62) ns, 146
+/// years.
 [[nodiscard]] constexpr bool plausible_reading(std::int64_t ns) noexcept {
   return ns > 0 && ns < (std::int64_t{1} << 62);
 }

@@ -32,11 +32,11 @@ struct SettingsAnswer {
   std::vector<SettingsClamp> clamped{};
 };
 
-/// `current` with `request` applied, held within the scene's. Values above the scene's are clamped and
-/// reported; refused are: sizes other than n_a, values that are not finite, negative values (slew:
-/// not above 0), a change of renderer outside IDLE and ARMED, or to a baseline where the scene couples
-/// Z_q, switching off the scene's guard.
-/// The id of the answer's settings is the caller's to set.
+/// `current` with `request` applied, held within the scene's. Values above the scene's are clamped
+/// and reported; refused are: sizes other than n_a, values that are not finite, negative values
+/// (slew: not above 0), a change of renderer outside IDLE and ARMED, or to a baseline where the
+/// scene couples Z_q, switching off the scene's guard. The id of the answer's settings is the
+/// caller's to set.
 [[nodiscard]] Outcome<SettingsAnswer> apply_settings(const SettingsRequest& request,
                                                      const core::RenderSettings& current,
                                                      const core::PipelineConfig& config,

@@ -41,8 +41,8 @@ class StderrSink final : public spdlog::sinks::base_sink<spdlog::details::null_m
 std::shared_ptr<spdlog::details::thread_pool>& pool() {
   static auto* const lines = new std::shared_ptr<spdlog::details::thread_pool>(
       std::make_shared<spdlog::details::thread_pool>(kMostLines, 1, [] {
-        // It is older than main's block of signals: one that main is too busy to take at once would end
-        // the process here.
+        // It is older than main's block of signals: one that main is too busy to take at once would
+        // end the process here.
         set_thread_up("haptic-log");
       }));
   return *lines;

@@ -1,4 +1,5 @@
-/// The C++ of client/README.md as it stands there, compiled: each piece inside what its reader has around it.
+/// The C++ of client/README.md as it stands there, compiled: each piece inside what its reader has
+/// around it.
 
 #include <array>
 #include <utility>

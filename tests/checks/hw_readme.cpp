@@ -1,4 +1,5 @@
-/// The device of hw/README.md as it stands there, compiled, and made: it forgets no method of the interface.
+/// The device of hw/README.md as it stands there, compiled, and made: it forgets no method of the
+/// interface.
 
 #include <cstdint>
 #include <memory>

@@ -1,5 +1,6 @@
-/// The rows of WIRE 6 that no scenario file can say, over real sockets: an attacker on the way, clients that
-/// die or pause, watchers, the end of the server under load. Real time, label `network`.
+/// The rows of WIRE 6 that no scenario file can say, over real sockets: an attacker on the way,
+/// clients that die or pause, watchers, the end of the server under load. Real time, label
+/// `network`.
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -46,7 +47,8 @@ RunFigures end_and_judge(Daemon& daemon) {
   return figures;
 }
 
-/// An attack during three seconds of pressing is not felt: never stale by more than a hold, on UDP all along.
+/// An attack during three seconds of pressing is not felt: never stale by more than a hold, on UDP
+/// all along.
 void siege(const std::string& name,
            const std::function<std::vector<Packet>(const Packet&)>& attacker,
            const std::function<void(Daemon&)>& meanwhile = {}) {
@@ -225,7 +227,8 @@ TEST(NetworkRow, ClientPausedFor300Ms) {
   row.got(figures.text());
 }
 
-/// A number that no proxy may have: refused and counted, as good as silence, and force comes back by a ramp.
+/// A number that no proxy may have: refused and counted, as good as silence, and force comes back
+/// by a ramp.
 void refuses(const std::string& name, double bad) {
   MatrixRow row("network/" + name, "contract; refused and counted; lost once, and engaged again");
   Daemon daemon;

@@ -1,6 +1,6 @@
 #pragma once
-/// A client of 100 Hz with the shipped library, pressing in a thread of its own: takes a while to find its
-/// wall, asks for force, asks again where it was lost.
+/// A client of 100 Hz with the shipped library, pressing in a thread of its own: takes a while to
+/// find its wall, asks for force, asks again where it was lost.
 
 #include <atomic>
 #include <memory>

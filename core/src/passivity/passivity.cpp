@@ -90,9 +90,9 @@ void Passivity::measure(const VecA& q_a, bool fresh, bool recent, Duration dt,
   if (settings_.tank.enabled) tank_.refill(elapsed, record_.hold);
 }
 
-/// Where samples come slower than ticks, the force of each tick in between counts by its time: exact
-/// for a steady motion, and exactly the last tick's force where every tick has a sample.
-/// A measured force is the mean of both ends: between them it went linearly as far as anyone knows.
+/// Where samples come slower than ticks, the force of each tick in between counts by its time:
+/// exact for a steady motion, and exactly the last tick's force where every tick has a sample. A
+/// measured force is the mean of both ends: between them it went linearly as far as anyone knows.
 void Passivity::book(const VecA& q_a, const VecA& force) noexcept {
   const VecA dq = q_a - q_a_;
   const VecA before = anchor_ - q_a_;

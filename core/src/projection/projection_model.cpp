@@ -28,7 +28,8 @@ VecQ pose(const std::vector<DofSpec>& dofs, int i) {
   return q;
 }
 
-/// Calls `visit` with J at the poses of the box where the map has a value; says how many there were.
+/// Calls `visit` with J at the poses of the box where the map has a value; says how many there
+/// were.
 template <typename Visit>
 int for_poses(const Kinematics& kinematics, Visit visit) {
   int found = 0;
@@ -48,8 +49,8 @@ double actuated_norm(const MatXQ& J, const DofLayout& layout) {
   return std::sqrt(sum);
 }
 
-/// A quaternion and its negative are one rotation: what ties its parts to anything else would change
-/// sign with the way it happens to be written.
+/// A quaternion and its negative are one rotation: what ties its parts to anything else would
+/// change sign with the way it happens to be written.
 void require_rotations_apart(const ConfigurationSpace& space, const TaskMetric& metric) {
   for (const int first : space.quaternions()) {
     if (metric.separates(first, 4)) continue;

@@ -10,8 +10,8 @@ VecA Pipeline::Stages::spring_force() const noexcept {
 }
 
 /// A warm winding narrows the whole spring: its own share cut off would leave a force that is no
-/// gradient. Power and rate are left to the limiters: they cut only what pushes along with a motion,
-/// which takes energy out of it whatever the others do.
+/// gradient. Power and rate are left to the limiters: they cut only what pushes along with a
+/// motion, which takes energy out of it whatever the others do.
 void Pipeline::Stages::hold_within_limits() noexcept {
   VecA limit = settings_.force_limit;
   for (int i = 0; ratings_ && i < layout_.n_a(); ++i) limit[i] = ratings_->force(i, limit[i]);
@@ -138,8 +138,8 @@ void Pipeline::Stages::no_output(TickRecord& record) noexcept {
   for (int i = 0; i < layout_.n_a(); ++i) limiters_[i].zero();
 }
 
-/// Step 11. A device that was not asked for force is not regulated either: the offset of a load cell
-/// would wind up the integral, and move it.
+/// Step 11. A device that was not asked for force is not regulated either: the offset of a load
+/// cell would wind up the integral, and move it.
 void Pipeline::Stages::drive(TickRecord& record, bool powered) noexcept {
   const bool asked_for = record.gain > 0.0 || record.damping_gain > 0.0;
   if (powered && asked_for && !record.faults.has(Fault::kOutputNotFinite)) {

@@ -34,7 +34,8 @@ class Pipeline::Stages {
   void begin(const TickInput& input, TickRecord& record) noexcept;
   /// A session's settings, held within the scene's.
   void settings(const RenderSettings& wanted) noexcept;
-  /// The device's sample, with the tracker's pose where a client says the palm's; valid for one tick.
+  /// The device's sample, with the tracker's pose where a client says the palm's; valid for one
+  /// tick.
   [[nodiscard]] const VecQ& sensed(const VecQ& q) noexcept;
   /// Step 3: the newest sample in q, or the fault that it is.
   void device(const TickInput& input, TickRecord& record) noexcept;
@@ -58,7 +59,8 @@ class Pipeline::Stages {
   /// How stiff the tank's spring is: as much as can be felt, but at least Z_q and no more than the
   /// device's own damping pays the hold's leak of.
   void displayed() noexcept;
-  /// Z_q S dq of this tick, Eq. (6), (7), without the gain; where Z_q is coupled saturated as a whole.
+  /// Z_q S dq of this tick, Eq. (6), (7), without the gain; where Z_q is coupled saturated as a
+  /// whole.
   [[nodiscard]] VecA spring_force() const noexcept;
   /// How far a coupled spring may be stretched in this tick, by what its actuators may give in it.
   void hold_within_limits() noexcept;

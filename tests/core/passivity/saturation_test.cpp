@@ -61,8 +61,8 @@ TEST(Saturation, TheClampOfACoupledStiffnessPumps) {
   EXPECT_GT(std::abs(loop_work(clamped).net), 1e-3 * loop_work(clamped).moved);
 }
 
-/// What the tick does there: scaled along the whole spring, by how far d is in the metric of Z, it is a
-/// gradient again and keeps every limit.
+/// What the tick does there: scaled along the whole spring, by how far d is in the metric of Z, it
+/// is a gradient again and keeps every limit.
 TEST(Saturation, ScaledRadiallyACoupledStiffnessPumpsNothing) {
   const Matrix2d Z = (Matrix2d() << 1500.0, 800.0, 800.0, 900.0).finished();
   SpringStorage spring;

@@ -1,5 +1,5 @@
-// What else Z_q stands in, where it is not diagonal: the prior (METHOD 3.3), the certificate (2.1), the
-// displayed impedance (Eq. (9)) and the coupling metric (5.5).
+// What else Z_q stands in, where it is not diagonal: the prior (METHOD 3.3), the certificate (2.1),
+// the displayed impedance (Eq. (9)) and the coupling metric (5.5).
 #include <gtest/gtest.h>
 
 #include <cmath>

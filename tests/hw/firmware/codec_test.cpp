@@ -1,4 +1,5 @@
-/// The board's codec (C99) against the document's vectors and against the server's (C++), both ways.
+/// The board's codec (C99) against the document's vectors and against the server's (C++), both
+/// ways.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -54,7 +55,8 @@ std::vector<std::uint32_t> taken(const Bytes& stream) {
   return seqs;
 }
 
-/// `damaged` between two good frames, numbers 7000 and 7001: these two must come out, and nothing else.
+/// `damaged` between two good frames, numbers 7000 and 7001: these two must come out, and nothing
+/// else.
 void expect_detected(const Bytes& damaged, const std::string& what) {
   const auto neighbour = [](std::uint32_t seq) {
     Bytes wire(HF_MAX_WIRE);

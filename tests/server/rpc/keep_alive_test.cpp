@@ -1,5 +1,5 @@
-/// Connections whose far end is gone without a word, seen from that end: HTTP/2 by hand (RFC 9113), so that a
-/// ping may be left without an answer.
+/// Connections whose far end is gone without a word, seen from that end: HTTP/2 by hand (RFC 9113),
+/// so that a ping may be left without an answer.
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>

@@ -135,8 +135,8 @@ TEST(SampleGrid, ASuspendIsLatenessThoughTheSteadyClockStoodStill) {
   EXPECT_EQ(grid.wake(kFirst + 20us, 30s, kFirst).report.lateness, 30s + 20us);
 }
 
-/// Whatever comes when: one tick per due time, due times at least three quarters of a period and at most a period
-/// and a quarter apart, and no due time forgotten.
+/// Whatever comes when: one tick per due time, due times at least three quarters of a period and at
+/// most a period and a quarter apart, and no due time forgotten.
 TEST(SampleGrid, DueTimesAreNeverCrowdedAndNeverFarApart) {
   SampleGrid grid(kFirst, kPeriod);
   std::uint64_t random = 1;

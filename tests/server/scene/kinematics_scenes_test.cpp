@@ -1,5 +1,5 @@
-/// The scenes of the general kinematics, each through the real Pipeline: on simulated masses, and on a
-/// recording.
+/// The scenes of the general kinematics, each through the real Pipeline: on simulated masses, and
+/// on a recording.
 
 #include <Eigen/LU>
 #include <cmath>

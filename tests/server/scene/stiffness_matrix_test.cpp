@@ -1,4 +1,5 @@
-// impedance { stiffness_matrix } of scene.proto: METHOD 4.5's coupled Z_q, from the text to the force.
+// impedance { stiffness_matrix } of scene.proto: METHOD 4.5's coupled Z_q, from the text to the
+// force.
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>

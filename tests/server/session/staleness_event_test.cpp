@@ -43,7 +43,8 @@ class StalenessEvent : public testing::Test {
 TEST_F(StalenessEvent, EveryLevelOfASilenceIsToldOnceAndAtItsAge) {
   rig.tick(400);
   const auto told = changes(*queue, last_sample);
-  // A client of 1 kHz is fresh for 5 ms (2.5 periods, but at least that), holds to 100 and fades to 180.
+  // A client of 1 kHz is fresh for 5 ms (2.5 periods, but at least that), holds to 100 and fades to
+  // 180.
   const std::vector<Change> expected = {
       {"FRESH -> HOLD", 5ms}, {"HOLD -> FADE", 100ms}, {"FADE -> LOST", 180ms}};
   ASSERT_EQ(told.size(), expected.size());

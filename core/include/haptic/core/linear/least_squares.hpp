@@ -1,10 +1,10 @@
 #pragma once
-/// min ||J dq - dx|| for the small Jacobians of devices, by Householder QR of [J_n | J_a]: out of one
-/// factorisation fall the linearised subspace proxy, the null-space force and the standard force
-/// (METHOD 4.2). Full column rank is solved directly; where the condition of the equilibrated J, by
-/// the diagonal of R, exceeds 1e8, or n_x < n_q, a column-pivoted QR decides the rank, and the answer is the one of
-/// minimum norm in a metric whose actuated block is Z_q (METHOD 4.3): bounded, unit-free, and said
-/// so by the status.
+/// min ||J dq - dx|| for the small Jacobians of devices, by Householder QR of [J_n | J_a]: out of
+/// one factorisation fall the linearised subspace proxy, the null-space force and the standard
+/// force (METHOD 4.2). Full column rank is solved directly; where the condition of the equilibrated
+/// J, by the diagonal of R, exceeds 1e8, or n_x < n_q, a column-pivoted QR decides the rank, and
+/// the answer is the one of minimum norm in a metric whose actuated block is Z_q (METHOD 4.3):
+/// bounded, unit-free, and said so by the status.
 
 #include <memory>
 
@@ -39,8 +39,8 @@ class LeastSquares {
   [[nodiscard]] VecA null_space_force() const noexcept;
   /// J_a^T dx = R12^T b_1 + R22^T b_2: Eq. (1) for Z_x = I. n_a.
   [[nodiscard]] VecA standard_force() const noexcept;
-  /// Of the equilibrated J: max|R_kk|/min|R_kk|, beyond 1e4 by the inverse of R; infinite where J is
-  /// singular.
+  /// Of the equilibrated J: max|R_kk|/min|R_kk|, beyond 1e4 by the inverse of R; infinite where J
+  /// is singular.
   [[nodiscard]] double condition() const noexcept { return condition_; }
   /// kExact, kIllConditioned or kRankDeficient.
   [[nodiscard]] ProjectionStatus status() const noexcept { return status_; }

@@ -1,9 +1,9 @@
 #pragma once
-/// Z_q where it is not diagonal: Z_q = D C D, with D = diag(sqrt(K)) of the stiffness per actuated DoF,
-/// K = diag(Z_q), and C = L L^T of unit diagonal, the coupling. C is the scene's and never changes; a
-/// session lowers K. Then Z_q stays positive semidefinite, and lambda_max(B^{-1/2} Z_q B^{-1/2}) never
-/// rises, whatever the diagonal B: what the device's damping pays for in the scene it pays for in every
-/// session (METHOD 5.1).
+/// Z_q where it is not diagonal: Z_q = D C D, with D = diag(sqrt(K)) of the stiffness per actuated
+/// DoF, K = diag(Z_q), and C = L L^T of unit diagonal, the coupling. C is the scene's and never
+/// changes; a session lowers K. Then Z_q stays positive semidefinite, and lambda_max(B^{-1/2} Z_q
+/// B^{-1/2}) never rises, whatever the diagonal B: what the device's damping pays for in the scene
+/// it pays for in every session (METHOD 5.1).
 
 #include <Eigen/Core>
 
@@ -15,12 +15,13 @@ namespace haptic::core {
 class StiffnessCoupling {
  public:
   /// From Z_q, n_a by n_a; entry (i, j) in J per unit of DoF i and of DoF j. Throws SceneError: not
-  /// square, more than kMaxQ rows, not finite, a diagonal entry that is not above 0, not symmetric, not
-  /// positive definite. Allocates; nothing below does.
+  /// square, more than kMaxQ rows, not finite, a diagonal entry that is not above 0, not symmetric,
+  /// not positive definite. Allocates; nothing below does.
   explicit StiffnessCoupling(const Eigen::Ref<const Eigen::MatrixXd>& Z_q);
 
   [[nodiscard]] int n_a() const noexcept { return static_cast<int>(C_.rows()); }
-  /// True where nothing is coupled: stiffness per DoF says it all, and a scene should leave this away.
+  /// True where nothing is coupled: stiffness per DoF says it all, and a scene should leave this
+  /// away.
   [[nodiscard]] bool is_diagonal() const noexcept;
   /// K of the matrix it was made of, n_a.
   [[nodiscard]] const VecA& scene_stiffness() const noexcept { return stiffness_; }
@@ -28,8 +29,8 @@ class StiffnessCoupling {
   /// Z_q = D C D of K (n_a, >= 0).
   [[nodiscard]] MatAA matrix(const VecA& K) const noexcept;
 
-  /// With R = L^T D, Z_q = R^T R. v (n_a) <- L^T v: of v = D d it makes R d, whose squares are twice
-  /// the spring's energy.
+  /// With R = L^T D, Z_q = R^T R. v (n_a) <- L^T v: of v = D d it makes R d, whose squares are
+  /// twice the spring's energy.
   void stretch(VecA& v) const noexcept;
   /// v (n_a) <- L^{-T} v: D^{-1} of it makes R^{-1} v.
   void relax(VecA& v) const noexcept;

@@ -2,14 +2,16 @@
 /// What the rendered spring stores, V(d) with d = q*_a - q_a, saturated as its force is (METHOD 4.5,
 /// 5.3), so that the force is its gradient and no cycle of q pumps energy.
 ///
-/// Z_q diagonal: per actuated DoF a Huber potential, quadratic up to the force limit r and linear beyond,
+/// Z_q diagonal: per actuated DoF a Huber potential, quadratic up to the force limit r and linear
+/// beyond,
 ///   V_i = g K_i d_i^2 / 2                    while K_i |d_i| <= r_i
 ///   V_i = g (r_i |d_i| - r_i^2 / (2 K_i))    beyond;    tau_i = g clamp(K_i d_i, +-r_i).
 /// Z_q coupled: the spring as a whole, by its length L = ||d||_{Z_q} = sqrt(d^T Z_q d),
 ///   V = g L^2 / 2             while L <= rho,    tau = g Z_q d
 ///   V = g (rho L - rho^2 / 2)   beyond;          tau = g Z_q d rho / L,
-/// rho = min_i r_i / sqrt((Z_q)_ii): by Cauchy-Schwarz |(Z_q d)_i| <= sqrt((Z_q)_ii) L, so |tau_i| <=
-/// g r_i for every i, and the clamp per component behind it, which would pump, has nothing to do.
+/// rho = min_i r_i / sqrt((Z_q)_ii): by Cauchy-Schwarz |(Z_q d)_i| <= sqrt((Z_q)_ii) L, so |tau_i|
+/// <= g r_i for every i, and the clamp per component behind it, which would pump, has nothing to
+/// do.
 
 #include "haptic/core/types.hpp"
 
@@ -23,9 +25,9 @@ struct SpringStorage {
   double radius{0.0};  ///< rho of a coupled spring, the square root of J; unused otherwise
 
   [[nodiscard]] bool coupled() const noexcept { return Z_q.size() > 0; }
-  /// Of a coupled spring: takes `r` as its limits and rho from them, a hair below, so that no component
-  /// comes to lie above its limit by rounding. Returns the DoF that rho is of, -1 where no stiffness
-  /// is left.
+  /// Of a coupled spring: takes `r` as its limits and rho from them, a hair below, so that no
+  /// component comes to lie above its limit by rounding. Returns the DoF that rho is of, -1 where
+  /// no stiffness is left.
   int hold_within(const VecA& r) noexcept;
   /// L, the square root of J. Of a coupled spring.
   [[nodiscard]] double length(const VecA& d) const noexcept;
@@ -34,7 +36,8 @@ struct SpringStorage {
   [[nodiscard]] double energy(const VecA& d) const noexcept;
   /// dV/dd = the elastic force of the law, n_a.
   [[nodiscard]] VecA force(const VecA& d) const noexcept;
-  /// The largest s in [0, 1] with V(s d) <= `energy` (J): exact, V(s d) is piecewise quadratic in s.
+  /// The largest s in [0, 1] with V(s d) <= `energy` (J): exact, V(s d) is piecewise quadratic in
+  /// s.
   [[nodiscard]] double scale_to(const VecA& d, double energy) const noexcept;
 
  private:

@@ -1,5 +1,6 @@
 #pragma once
-/// What the certificate of the linearised method says of one tick (linear_certificate.hpp, METHOD 2.1).
+/// What the certificate of the linearised method says of one tick (linear_certificate.hpp, METHOD
+/// 2.1).
 
 #include <cstdint>
 #include <string_view>
@@ -20,7 +21,8 @@ enum class CertificateStatus : std::uint8_t {
 
 struct Certificate {
   CertificateStatus status{CertificateStatus::kOff};
-  /// Of Kinematics::blocks(), 0 for a map without: where the margin is least, or which block has none.
+  /// Of Kinematics::blocks(), 0 for a map without: where the margin is least, or which block has
+  /// none.
   int block{0};
   double margin{0.0};  ///< the least of the displaced blocks'
 };

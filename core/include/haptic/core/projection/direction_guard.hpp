@@ -15,7 +15,8 @@ namespace haptic::core {
 class DirectionGuard {
  public:
   /// The model is copied; its kinematics must outlive the guard. `stiffness` (n_a; size 0: ones),
-  /// with the model's coupling, decides where J does not have full column rank, as it does for Eq. (8).
+  /// with the model's coupling, decides where J does not have full column rank, as it does for Eq.
+  /// (8).
   explicit DirectionGuard(const ProjectionModel& model, const VecA& stiffness = {});
   /// True where tau_a (n_a) points towards the proxy, or dx = 0. One linearised solve per block.
   [[nodiscard]] bool allows(const Probe& probe, const VecX& dx, const VecA& tau_a) noexcept;

@@ -1,14 +1,14 @@
 #pragma once
-/// The certificate of the linearised method, live (METHOD 2.1): does the force of Eq. (8) still oppose
-/// every motion of the actuated DoFs, with J changing as it does? Eq. (9) answers -Z_q whatever
-/// happens, for it takes J as constant. Necessary, not sufficient for passivity.
+/// The certificate of the linearised method, live (METHOD 2.1): does the force of Eq. (8) still
+/// oppose every motion of the actuated DoFs, with J changing as it does? Eq. (9) answers -Z_q
+/// whatever happens, for it takes J as constant. Necessary, not sufficient for passivity.
 ///
 /// Per independent block, with the proxy held where it is in this tick:
 ///   margin = lambda_min sym( I + R (S B S^T) R^{-1} ),   Z_q = R^T R (diagonal: R = Z_q^{1/2}),
 ///   B e_k  = J^+ J_,k dq - (J^T J)^{-1} J_,k^T r = -(d_k dq + e_k),   r = dx - J dq,
-/// where J, J_,k = dJ/dq_k and dx are weighed by W_x^{1/2}. For one actuated DoF it is 1 + g.dx. 1 at
-/// dx = 0; not above 0: the spring pushes along with some motion. The same number as the margin of
-/// passivity_certificate() (analysis/passivity_radius.hpp), which is offline and knows no W_x.
+/// where J, J_,k = dJ/dq_k and dx are weighed by W_x^{1/2}. For one actuated DoF it is 1 + g.dx. 1
+/// at dx = 0; not above 0: the spring pushes along with some motion. The same number as the margin
+/// of passivity_certificate() (analysis/passivity_radius.hpp), which is offline and knows no W_x.
 
 #include <vector>
 
@@ -21,13 +21,13 @@ namespace haptic::core {
 
 class LinearCertificate {
  public:
-  /// The model's kinematics must outlive this. Throws SceneError where it has a prior: Eq. (8) is then
-  /// another function of q.
+  /// The model's kinematics must outlive this. Throws SceneError where it has a prior: Eq. (8) is
+  /// then another function of q.
   explicit LinearCertificate(const ProjectionModel& model);
 
-  /// dx = x (-) x_probe, n_x; stiffness: diag(Z_q), n_a; probe.J of the blocks that dx displaces. A block
-  /// that cannot be judged ends it: the others' margins would vouch for less than they seem to.
-  /// Never allocates, locks, throws.
+  /// dx = x (-) x_probe, n_x; stiffness: diag(Z_q), n_a; probe.J of the blocks that dx displaces. A
+  /// block that cannot be judged ends it: the others' margins would vouch for less than they seem
+  /// to. Never allocates, locks, throws.
   [[nodiscard]] Certificate at(const Probe& probe, const VecX& dx, const VecA& stiffness) noexcept;
 
  private:

@@ -1,8 +1,8 @@
 #pragma once
 /// What the scene fixes about the projection, once and for all renderers: the map, the metric W_x,
-/// and whether a prior stands in where J does not have full column rank (METHOD 3.3). Case A, without
-/// a prior, or case B, with one, is a property of the scene: a rank decided from tick to tick would
-/// step the force.
+/// and whether a prior stands in where J does not have full column rank (METHOD 3.3). Case A,
+/// without a prior, or case B, with one, is a property of the scene: a rank decided from tick to
+/// tick would step the force.
 
 #include <memory>
 #include <optional>
@@ -16,11 +16,12 @@ namespace haptic::core {
 
 /// Case B. The subspace renderers minimise
 ///   ||x (-) f(q*)||_W^2 + mu ||q*_a - q_a||^2_{Z_q} + mu ||q*_n - q_n^ref||^2_{M_n}
-/// with the live q_a and a q_n^ref held from one sample of the proxy to the next. In springs: X pulls
-/// q* to the proxy with W / mu, the actuators' own Z_q pull it to where they are, M_n to where the
-/// sensed DoFs were. Then tau_a = Z_q (q*_a - q_a) is minus the gradient in q_a of the least energy
-/// those springs can have: no cycle of q pumps (METHOD 3.3). The metric of the actuated block must
-/// be Z_q: with another one the rendered stiffness can have negative eigenvalues (METHOD 4.3).
+/// with the live q_a and a q_n^ref held from one sample of the proxy to the next. In springs: X
+/// pulls q* to the proxy with W / mu, the actuators' own Z_q pull it to where they are, M_n to
+/// where the sensed DoFs were. Then tau_a = Z_q (q*_a - q_a) is minus the gradient in q_a of the
+/// least energy those springs can have: no cycle of q pumps (METHOD 3.3). The metric of the
+/// actuated block must be Z_q: with another one the rendered stiffness can have negative
+/// eigenvalues (METHOD 4.3).
 struct Prior {
   double weight{0.0};  ///< mu, 1/J, > 0: of 1 J in those springs against an error of 1 in ||.||_W
   VecQ sensed_stiffness{};  ///< M_n, n_n, > 0; N/m or N m/rad
@@ -36,8 +37,8 @@ struct ProjectionSettings {
   TaskMetric metric{};
   std::optional<Prior> prior{};
   IterationLimits iteration{};
-  /// Of Z_q; null: it is diagonal. Between the DoFs of one device, not of fingers, which are devices of
-  /// their own.
+  /// Of Z_q; null: it is diagonal. Between the DoFs of one device, not of fingers, which are
+  /// devices of their own.
   std::shared_ptr<const StiffnessCoupling> coupling{};
 };
 
@@ -45,7 +46,8 @@ class ProjectionModel {
  public:
   /// `kinematics` must outlive the model and its copies. Throws SceneError: X mixes units and there
   /// is no metric; one that ties a rotation to another coordinate; a prior for a map that has an
-  /// inverse in closed form; a stiffness that couples fingers; sizes or values that do not fit. Copies allocate nothing.
+  /// inverse in closed form; a stiffness that couples fingers; sizes or values that do not fit.
+  /// Copies allocate nothing.
   ProjectionModel(const Kinematics& kinematics, ProjectionSettings settings = {});
 
   /// The same for one block of the map. Throws as the constructor does.

@@ -35,8 +35,8 @@ struct EngageAnswer {
   double limit{0.0};
 };
 
-/// Answer to the clear request `clear_id`: which faults persist because their cause does, or because
-/// they came after the request.
+/// Answer to the clear request `clear_id`: which faults persist because their cause does, or
+/// because they came after the request.
 struct ClearAnswer {
   std::uint64_t id{0};
   FaultSet refused{};

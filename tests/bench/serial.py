@@ -25,6 +25,7 @@ SETTLING_S = 5.0
 MODES = {"streaming": ("0", 2.0), "500hz": ("2", 4.0)}  # link period in ms, target of p99 in ms
 FRAMES = re.compile(r'^haptic_link_frames_total\{.*end="host",what="received"\} (\S+)$', re.M)
 AGES = re.compile(r'^haptic_device_sample_age_seconds_bucket\{.*le="([^"]+)"\} (\S+)$', re.M)
+METRICS = re.compile(r"metrics on port (\d+)")
 PACED = re.compile(r'^haptic_loop_sample_paced_ticks_total\{.*\} (\S+)$', re.M)
 FAULTS = re.compile(r'^haptic_faults_total\{.*fault="([^"]+)"\} (\S+)$', re.M)
 
@@ -106,8 +107,9 @@ def run(programs: pathlib.Path, root: pathlib.Path, link_period_ms: str, seconds
                           # As server/demo.sh: what the observer is told of a device.
                           "--set", "device[0].passivity.observer.inertia_kg=0.02",
                           "--set", "device[0].passivity.device_damping_n_s_per_m=0.5"], server_log) as server:
-                until("hapticd's socket", lambda: socket.exists() or server.poll() is not None)
-                scrapes = re.search(r"metrics on port (\d+)", server_log.read_text())
+                until("hapticd's start", lambda: socket.exists() and METRICS.search(server_log.read_text())
+                      or server.poll() is not None)
+                scrapes = METRICS.search(server_log.read_text())
                 if scrapes is None or server.poll() is not None:
                     raise Failed("hapticd did not start:\n" + server_log.read_text())
                 url = f"http://127.0.0.1:{scrapes[1]}/metrics"

@@ -23,12 +23,26 @@ constexpr int kFrame = 16;   // ticks between the client's frames: 60 Hz
 constexpr int kPoses = 512;  // of a grasp that repeats
 constexpr double kStopMcp = 18 * kDegree, kStopPip = 25 * kDegree;
 
-/// A hand in virtual time: its first fingers press on stops and move. The others are idle: with a held
-/// proxy they rest at a pose that the proxy shares; with planes they move freely, for none is theirs.
+/// What a scene renders contact by.
+struct Way {
+  const char* name;
+  core::ProxyMode mode;
+  bool guarded;  ///< direction guard, tank and observer: what planes want (METHOD 5.4)
+};
+constexpr Way kWays[]{{"held", core::ProxyMode::kHeld, false},
+                      {"planes", core::ProxyMode::kPlanes, false},
+                      {"planes_guarded", core::ProxyMode::kPlanes, true}};
+
+/// A hand in virtual time: its first fingers press on stops and move. The others are idle: with a
+/// held proxy they rest at a pose that the proxy shares; with planes they move freely, for none is
+/// theirs.
 class Hand {
  public:
-  Hand(core::RendererKind kind, core::ProxyMode mode, int declared, int in_contact)
-      : map_(make(declared)), pipeline_(config(kind, map_)), mode_(mode), in_contact_(in_contact) {
+  Hand(core::RendererKind kind, const Way& way, int declared, int in_contact)
+      : map_(make(declared)),
+        pipeline_(config(kind, way.guarded, map_)),
+        mode_(way.mode),
+        in_contact_(in_contact) {
     record_poses(in_contact);
     input_.settings = pipeline_.config().scene;
     input_.device.armed = true;
@@ -72,7 +86,7 @@ class Hand {
     for (int i = 0; i < declared; ++i) fingers.push_back({"finger" + std::to_string(i + 1), {}});
     return core::make_hand_exoskeleton(fingers);
   }
-  static core::PipelineConfig config(core::RendererKind kind,
+  static core::PipelineConfig config(core::RendererKind kind, bool guarded,
                                      const std::shared_ptr<const core::Kinematics>& map) {
     const int n_a = map->layout().n_a(), n_q = map->layout().n_q();
     core::PipelineConfig c;
@@ -86,6 +100,11 @@ class Hand {
     c.scene.force_limit = VecA::Constant(n_a, 20.0);
     c.scene.slew_limit = VecA::Constant(n_a, 2000.0);
     c.scene.engage_window = VecA::Constant(n_a, 1000.0);
+    c.scene.direction_guard = guarded;
+    c.passivity.tank.enabled = guarded;
+    c.passivity.observer.enabled = guarded;
+    c.passivity.device_damping = VecA::Constant(n_a, 2.0);
+    c.passivity.observer.inertia = VecA::Constant(n_a, 0.05);
     return c;
   }
 
@@ -150,7 +169,7 @@ class Hand {
 
 struct Row {
   core::RendererKind kind;
-  core::ProxyMode mode;
+  const Way* way;
   int declared, in_contact;
   std::unique_ptr<Hand> hand{};
   std::vector<double> medians{};
@@ -160,11 +179,11 @@ std::vector<Row> rows_of(int fingers) {
   std::vector<Row> rows;
   for (const core::RendererKind kind :
        {core::RendererKind::kSubspaceLinear, core::RendererKind::kSubspaceExact}) {
-    for (const core::ProxyMode mode : {core::ProxyMode::kHeld, core::ProxyMode::kPlanes}) {
+    for (const Way& way : kWays) {
       for (int declared = 1; declared <= fingers; ++declared) {
         for (int in_contact = 0; in_contact <= declared; ++in_contact) {
-          rows.push_back({kind, mode, declared, in_contact,
-                          std::make_unique<Hand>(kind, mode, declared, in_contact)});
+          rows.push_back({kind, &way, declared, in_contact,
+                          std::make_unique<Hand>(kind, way, declared, in_contact)});
         }
       }
     }
@@ -174,7 +193,7 @@ std::vector<Row> rows_of(int fingers) {
 
 double cost(std::vector<Row>& rows, const Row& like, int declared, int in_contact) {
   for (Row& one : rows) {
-    if (one.kind == like.kind && one.mode == like.mode && one.declared == declared &&
+    if (one.kind == like.kind && one.way == like.way && one.declared == declared &&
         one.in_contact == in_contact) {
       return Hand::middle(one.medians);
     }
@@ -194,8 +213,8 @@ void print_scaling(int ticks) {
     const double base = cost(rows, one, 1, 1);
     const double idle = (cost(rows, one, kFingers, 1) - base) / (kFingers - 1);
     const double contact = (cost(rows, one, kFingers, kFingers) - base) / (kFingers - 1);
-    row(core::name(one.kind), one.mode == core::ProxyMode::kHeld ? "held" : "planes", one.declared,
-        one.in_contact, cost(rows, one, one.declared, one.in_contact),
+    row(core::name(one.kind), one.way->name, one.declared, one.in_contact,
+        cost(rows, one, one.declared, one.in_contact),
         one.declared == kFingers ? 100.0 * idle / contact : std::nan(""));
   }
 }
@@ -207,8 +226,10 @@ void add_scaling(CLI::App& app) {
       app.add_subcommand("scaling", "Tick cost against fingers declared and fingers in contact");
   command->footer(
       "A hand of independent fingers, its first ones pressing on stops and moving, the others "
-      "idle: at rest with a held proxy, moving freely with planes; frames at 60 Hz. Median tick in "
-      "ns; the rows take turns, 20 times.\nidle_share_pct: an idle declared finger (against one "
+      "idle: at rest with a held proxy, moving freely with planes, alone or with direction guard, "
+      "tank and observer (planes_guarded); frames at 60 Hz. Median tick in ns; the rows take "
+      "turns, "
+      "20 times.\nidle_share_pct: an idle declared finger (against one "
       "finger less), in % of a finger in contact (against the same finger not declared); from the "
       "rows with one contact and with all.");
   auto ticks = std::make_shared<int>(1000);

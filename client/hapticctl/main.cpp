@@ -68,8 +68,11 @@ int main(int argc, char** argv) {
                    "hold the device where it is (default: free, no force at all)");
   engage->add_option("--seconds", options.seconds, "stop after this long; 0: until interrupted")
       ->check(between(0.0, kLongest));
-  engage->add_option("--priority", options.priority, "test, primary or operator")
-      ->transform(CLI::CheckedTransformer(priorities));
+  engage
+      ->add_option_function<std::string>(
+          "--priority", [&](const std::string& word) { options.priority = priorities.at(word); },
+          "how it gets the lease from others")
+      ->check(CLI::IsMember(priorities));
   CLI::App* link = cli.add_subcommand("link", "what the links of the open sessions are doing");
   link->add_flag("--json", options.json, "one JSON object");
   CLI::App* stop = cli.add_subcommand("estop", "zero force now, latched");

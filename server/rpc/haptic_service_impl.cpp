@@ -157,8 +157,8 @@ grpc::ServerUnaryReactor* HapticServiceImpl::EmergencyStop(grpc::CallbackServerC
   }
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
   stop_all(devices, reason, reactor, response);
-  spdlog::warn("emergency stop of {}: '{}'", devices.size() == 1 ? devices[0]->name() : "all",
-               reason);
+  spdlog::warn("emergency stop of {}: {}", devices.size() == 1 ? devices[0]->name() : "all",
+               reason.empty() ? "no reason given" : "'" + reason + "'");
   return reactor;
 }
 

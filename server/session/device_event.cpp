@@ -114,7 +114,8 @@ void EventDetector::step(const core::TickRecord& record, const std::string& stop
   if (record.staleness != staleness_) {
     add(DeviceEvent::Kind::kStaleness,
         std::string(core::name(staleness_)) + " -> " + std::string(core::name(record.staleness)),
-        "the newest proxy is " + milliseconds(record.proxy_age) + " old");
+        record.proxy_seq == 0 ? "there is no proxy"
+                              : "the newest proxy is " + milliseconds(record.proxy_age) + " old");
   }
   limiters(record, events);
   state_ = record.state;

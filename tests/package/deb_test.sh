@@ -43,10 +43,13 @@ done
 field libhaptic-dev Depends | grep -qF libgrpc++-dev || fail "libhaptic-dev does not ask for gRPC"
 field python3-haptic Depends | grep -qF python3-grpcio || fail "python3-haptic does not ask for gRPC"
 for name in hapticd hapticd-client python3-haptic libhaptic-dev; do
+  holds $name ./usr/share/doc/$name/copyright
+  field $name Description | sed -n 1p >>"$folder/synopses"
   stray=$(dpkg-deb --contents "$(package $name "$folder")" | awk '{ print $6 }' |
     grep -vE '^\./$|^\./(usr|etc)/' || true)
   [ -z "$stray" ] || fail "$name puts files at $stray"
 done
+[ "$(sort -u "$folder/synopses" | wc -l)" = 4 ] || fail "packages that say the same of themselves: $(cat "$folder/synopses")"
 
 # The unit runs what is in the package; the scene is the owner's to change.
 root=$2/root

@@ -8,6 +8,7 @@ namespace haptic::test {
 namespace {
 
 using server::DeviceEvent;
+using server::EventDetector;
 
 struct Change {
   std::string reason{};
@@ -61,6 +62,19 @@ TEST_F(StalenessEvent, TheFirstSampleAfterItIsToldToo) {
   ASSERT_EQ(told.size(), 2U);
   EXPECT_EQ(told[0].reason, "FRESH -> HOLD");
   EXPECT_EQ(told[1].reason, "HOLD -> FRESH");
+}
+
+TEST_F(StalenessEvent, WhereANewLeaseHasNoProxyYetNoneIsSaidToBeOld) {
+  EventDetector detector;
+  core::TickRecord record;
+  record.staleness = core::Staleness::kHold;
+  std::vector<DeviceEvent> events;
+  detector.step(record, "", events);
+  record.staleness = core::Staleness::kLost;
+  detector.step(record, "", events);
+  ASSERT_FALSE(events.empty());
+  EXPECT_EQ(events.back().reason, "HOLD -> LOST");
+  EXPECT_EQ(events.back().message, "there is no proxy");
 }
 
 TEST_F(StalenessEvent, ASteadyStreamTellsNothing) {

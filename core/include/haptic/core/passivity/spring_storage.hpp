@@ -2,8 +2,7 @@
 /// What the rendered spring stores, V(d) with d = q*_a - q_a, saturated as its force is (METHOD 4.5,
 /// 5.3), so that the force is its gradient and no cycle of q pumps energy.
 ///
-/// Z_q diagonal: per actuated DoF a Huber potential, quadratic up to the force limit r and linear
-/// beyond,
+/// Z_q diagonal: per actuated DoF a Huber potential, quadratic up to the force limit r, then linear,
 ///   V_i = g K_i d_i^2 / 2                    while K_i |d_i| <= r_i
 ///   V_i = g (r_i |d_i| - r_i^2 / (2 K_i))    beyond;    tau_i = g clamp(K_i d_i, +-r_i).
 /// Z_q coupled: the spring as a whole, by its length L = ||d||_{Z_q} = sqrt(d^T Z_q d),
@@ -36,8 +35,7 @@ struct SpringStorage {
   [[nodiscard]] double energy(const VecA& d) const noexcept;
   /// dV/dd = the elastic force of the law, n_a.
   [[nodiscard]] VecA force(const VecA& d) const noexcept;
-  /// The largest s in [0, 1] with V(s d) <= `energy` (J): exact, V(s d) is piecewise quadratic in
-  /// s.
+  /// The largest s in [0, 1] with V(s d) <= `energy` (J): exact, piecewise quadratic in s.
   [[nodiscard]] double scale_to(const VecA& d, double energy) const noexcept;
 
  private:

@@ -10,6 +10,7 @@
 /// at dx = 0; not above 0: the spring pushes along with some motion. The same number as the margin
 /// of passivity_certificate() (analysis/passivity_radius.hpp), which is offline and knows no W_x.
 
+#include <memory>
 #include <vector>
 
 #include "haptic/core/linear/householder.hpp"

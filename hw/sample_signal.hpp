@@ -38,7 +38,7 @@ class SampleSignal {
  private:
   core::TimePoint take() noexcept;
 
-  sem_t posts_;  ///< 0 or 1
+  sem_t posts_{};  ///< 0 or 1
   std::atomic<bool> pending_{false};
   std::atomic<core::TimePoint> arrival_{};
 };

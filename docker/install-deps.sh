@@ -23,7 +23,7 @@ packages() {
     build) echo "g++ cmake ninja-build pkg-config libeigen3-dev libgrpc++-dev libprotobuf-dev" \
                 "protobuf-compiler protobuf-compiler-grpc libspdlog-dev libcli11-dev" \
                 "nlohmann-json3-dev libssl-dev libasio-dev libserialport-dev" \
-                "libsystemd-dev libcpp-httplib-dev dpkg-dev" ;;
+                "libsystemd-dev libcpp-httplib-dev dpkg-dev file" ;;
     test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" \
                 "liborocos-kdl-dev clang python3-grpcio python3-protobuf python3-cryptography tshark openssl" \
                 "prometheus systemd mypy" ;;

@@ -1,10 +1,10 @@
 #!/bin/sh
 # The .deb packages: what is in them and what they ask for. docker/test.sh installs them in a clean
-# container. 77: dpkg-deb or dpkg-shlibdeps is not there.
+# container. 77: dpkg-deb, dpkg-shlibdeps or file is not there.
 #
 #   deb_test.sh BUILD FOLDER
 set -eu
-for tool in dpkg-deb dpkg-shlibdeps; do
+for tool in dpkg-deb dpkg-shlibdeps file; do
   command -v $tool >/dev/null || { echo "skipped: no $tool"; exit 77; }
 done
 fail() {

@@ -3,9 +3,9 @@
 #
 #   tests/lint.sh [format|batches|tidy]     default: all
 #
-# `batches`: the sources of a room compile as one, so that no new file breaks the release build, which
-# compiles them in batches. This and `tidy` configure build/lint, a build with every source on its own,
-# and make the generated headers.
+# `batches`: the sources of a room, and of one folder of tests, compile as one, so that no new file
+# breaks the release build, which compiles them in batches. This and `tidy` configure build/lint, a build
+# with every source on its own, and make the generated headers.
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/tests/checks/files.sh"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every target outside tests/ compiles as one translation unit.
+"""Every target outside tests/ compiles as one translation unit, and every folder of a test program.
 
     batches.py COMPILE_COMMANDS
 
@@ -18,15 +18,21 @@ from concurrent.futures import ThreadPoolExecutor
 
 
 def targets(database: pathlib.Path) -> dict[str, list[dict[str, str]]]:
-    """The C++ compilations of the product by target, in the order of their files."""
+    """The C++ compilations by what the release preset takes batches of, in the order of their files."""
     root = pathlib.Path(__file__).resolve().parents[2]
     found: dict[str, list[dict[str, str]]] = {}
     for entry in sorted(json.loads(database.read_text()), key=lambda entry: entry["file"]):
         target = re.search(r"CMakeFiles/([^/]+)\.dir/", entry["command"])
         file = pathlib.Path(entry["file"])
         inside = file.is_relative_to(root) and not file.is_relative_to(root / "build")
-        if target and inside and file.suffix == ".cpp" and not file.is_relative_to(root / "tests"):
-            found.setdefault(target.group(1), []).append(entry)
+        if not (target and inside and file.suffix == ".cpp"):
+            continue
+        name = target.group(1)
+        if file.is_relative_to(root / "tests"):
+            if not name.endswith("_tests"):
+                continue
+            name += f" {file.parent.relative_to(root)}"
+        found.setdefault(name, []).append(entry)
     return found
 
 

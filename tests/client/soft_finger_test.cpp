@@ -1,17 +1,15 @@
 /// The soft finger of the soft-grasp example: its energy, its contact, its proxy.
 
 #include "soft_finger.hpp"
+#include "tests/support/angles.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <complex>
-#include <numbers>
 
 namespace haptic::examples {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// Poses over the motion that the example is made for: MCP 0..60, PIP 0..70 degrees.
 template <typename Visit>

@@ -119,7 +119,7 @@ FuzzBytes typed(wire::DatagramType type, const std::string& payload) {
   return bytes;
 }
 
-std::vector<FuzzBytes> seeds() {
+std::vector<FuzzBytes> datagram_seeds() {
   v1::ProxySample sample;
   sample.set_seq(7);
   sample.set_mode(v1::PROXY_MODE_HELD);
@@ -147,7 +147,7 @@ std::vector<FuzzBytes> seeds() {
 
 const FuzzTarget& datagram_target() {
   static const FuzzTarget kTarget{"datagram", [](FuzzInput input) { return Siege().run(input); },
-                                  seeds, 8192};
+                                  datagram_seeds, 8192};
   return kTarget;
 }
 

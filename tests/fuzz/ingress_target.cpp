@@ -101,7 +101,7 @@ class Door {
   std::string finding_{};
 };
 
-std::vector<FuzzBytes> seeds() {
+std::vector<FuzzBytes> ingress_seeds() {
   // A lease of epoch 1, then samples: what, time (3), epoch, wide (0: one byte), seq, mode, valid_for (8),
   // size, values (5 x 8), planes.
   FuzzBytes begin{0, 0, 0, 10, 1, 50};
@@ -134,7 +134,7 @@ std::vector<FuzzBytes> seeds() {
 
 const FuzzTarget& ingress_target() {
   static const FuzzTarget kTarget{"ingress", [](FuzzInput input) { return Door().run(input); },
-                                  seeds, 4096};
+                                  ingress_seeds, 4096};
   return kTarget;
 }
 

@@ -33,7 +33,7 @@ std::string run(FuzzInput input) {
   return {};
 }
 
-std::vector<FuzzBytes> seeds() {
+std::vector<FuzzBytes> scene_seeds() {
   std::vector<FuzzBytes> seeds;
   for (const auto& entry : std::filesystem::directory_iterator(kScenes)) {
     if (entry.path().extension() != ".textproto") continue;
@@ -50,7 +50,7 @@ std::vector<FuzzBytes> seeds() {
 }  // namespace
 
 const FuzzTarget& scene_target() {
-  static const FuzzTarget kTarget{"scene", run, seeds, 16384};
+  static const FuzzTarget kTarget{"scene", run, scene_seeds, 16384};
   return kTarget;
 }
 

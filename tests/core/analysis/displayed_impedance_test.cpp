@@ -8,18 +8,13 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
 #include "haptic/core/projection/renderer.hpp"
+#include "tests/support/vectors.hpp"
 
 namespace haptic::core {
 namespace {
 
 constexpr RendererKind kAll[] = {RendererKind::kStandard, RendererKind::kNullSpace,
                                  RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact};
-
-VecX joints(double mcp, double pip) {
-  VecX x(2);
-  x << mcp, pip;
-  return x;
-}
 
 /// x = A q with three rows, q0 actuated and q1 not: small enough for pencil and paper.
 /// A = [1 1; 0 1; 1 0]: J_a = (1,0,1), J_n = (1,1,0), N J_a = J_a - J_n/2 = (1/2,-1/2,1).
@@ -97,9 +92,9 @@ TEST_F(FingerForces, ExactImpedanceIsTheDerivativeOfEveryRenderersForce) {
   std::uniform_real_distribution<double> mcp(0.1, 1.1), pip(0.1, 1.3);
   const double h[2] = {2e-7, 1e-5};  // m, rad
   for (int i = 0; i < 300; ++i) {
-    const VecX x = joints(mcp(random), pip(random));
+    const VecX x = two(mcp(random), pip(random));
     VecQ q;
-    ASSERT_EQ(finger->inverse(joints(mcp(random), pip(random)), q), InverseStatus::kExact);
+    ASSERT_EQ(finger->inverse(two(mcp(random), pip(random)), q), InverseStatus::kExact);
     for (const RendererKind kind : kAll) {
       const MatAQ exact = exact_impedance(kind, *finger, q, x, impedance).value();
       for (int k = 0; k < 2; ++k) {
@@ -119,9 +114,9 @@ TEST_F(FingerForces, ProxyGainIsTheDerivativeByTheProxyCurvatureIncluded) {
   std::uniform_real_distribution<double> mcp(0.1, 1.1), pip(0.1, 1.3);
   const double h = 1e-6;
   for (int i = 0; i < 300; ++i) {
-    const VecX x = joints(mcp(random), pip(random));
+    const VecX x = two(mcp(random), pip(random));
     VecQ q, q_star;
-    ASSERT_EQ(finger->inverse(joints(mcp(random), pip(random)), q), InverseStatus::kExact);
+    ASSERT_EQ(finger->inverse(two(mcp(random), pip(random)), q), InverseStatus::kExact);
     ASSERT_EQ(finger->inverse(x, q_star), InverseStatus::kExact);
     for (const RendererKind kind : kAll) {
       const MatAX gain = proxy_gain(kind, *finger, q, x, q_star, impedance).value();
@@ -164,7 +159,7 @@ TEST(ProxyGain, OfUnreachableProxiesTakesTheResidualIntoAccount) {
   const Circle circle;
   const RenderingImpedance impedance{VecA::Constant(1, 5.0), MatXX::Identity(2, 2)};
   for (const double radius : {0.5, 1.0, 3.0}) {
-    const VecX x = radius * joints(std::cos(0.7), std::sin(0.7));
+    const VecX x = radius * two(std::cos(0.7), std::sin(0.7));
     const VecQ q = VecQ::Constant(1, 0.2), q_star = VecQ::Constant(1, 0.7);
     const auto gain =
         proxy_gain(RendererKind::kSubspaceExact, circle, q, x, q_star, impedance).value();
@@ -177,7 +172,7 @@ TEST(ProxyGain, OfUnreachableProxiesTakesTheResidualIntoAccount) {
   }
   // On the box q* does not move; where neither box nor slope holds it, there is no answer.
   const VecQ at_limit = VecQ::Constant(1, 3.0), off = VecQ::Constant(1, 1.5);
-  const VecX x = joints(-1.0, -0.1);
+  const VecX x = two(-1.0, -0.1);
   const auto held =
       proxy_gain(RendererKind::kSubspaceExact, circle, at_limit, x, at_limit, impedance);
   EXPECT_EQ(held.value().cwiseAbs().maxCoeff(), 0.0);

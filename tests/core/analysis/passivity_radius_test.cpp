@@ -8,11 +8,10 @@
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
+#include "tests/support/angles.hpp"
 
 namespace haptic::core {
 namespace {
-
-constexpr double kDegree = 0.017453292519943295;
 
 struct Finger : ::testing::Test {
   std::unique_ptr<Kinematics> finger = make_finger_exoskeleton({});

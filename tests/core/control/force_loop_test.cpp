@@ -10,7 +10,7 @@
 namespace haptic::core {
 namespace {
 
-constexpr double kDt = 1e-4;
+constexpr double kTick = 1e-4;
 
 /// A geared actuator against a spring: D v = u - F - d, F_dot = k v. With a = k / D: F_dot = a (u -
 /// F - d).
@@ -18,21 +18,21 @@ struct GearedPlant {
   double a{20.0};  ///< 1/s
   double d{0.0};   ///< N, a disturbance
   double F{0.0};   ///< N, what the load cell measures
-  void step(double u) { F += kDt * a * (u - F - d); }
+  void step(double u) { F += kTick * a * (u - F - d); }
 };
 
 TEST(ForceLoop, WithoutGainsTheReferenceIsTheOutput) {
   ForceLoop loop({0.0, 0.0, 0.0, 1.0, 100.0});
-  EXPECT_EQ(loop.step(7.0, 3.0, kDt), 7.0);
+  EXPECT_EQ(loop.step(7.0, 3.0, kTick), 7.0);
 }
 
 TEST(ForceLoop, TheProportionalGainShortensTheTimeConstantByOnePlusIt) {
   // F_dot = a (r + K_P (r - F) - F) = a (1 + K_P)(r - F).
   ForceLoop loop({4.0, 0.0, 0.0, 1.0, 1e6});
   GearedPlant plant;
-  const double T = 1.0 / (plant.a * 5.0);
-  for (int i = 0; i < static_cast<int>(std::lround(T / kDt)); ++i) {
-    plant.step(loop.step(10.0, plant.F, kDt));
+  const double time_constant = 1.0 / (plant.a * 5.0);
+  for (int i = 0; i < static_cast<int>(std::lround(time_constant / kTick)); ++i) {
+    plant.step(loop.step(10.0, plant.F, kTick));
   }
   EXPECT_NEAR(plant.F, 10.0 * (1.0 - std::exp(-1.0)), 0.03);  // of first order in dt
 }
@@ -40,10 +40,10 @@ TEST(ForceLoop, TheProportionalGainShortensTheTimeConstantByOnePlusIt) {
 TEST(ForceLoop, TheIntegralTakesAConstantDisturbanceAway) {
   GearedPlant plant{20.0, 6.0, 0.0};
   ForceLoop without({4.0, 0.0, 0.0, 1.0, 1e3});
-  for (int i = 0; i < 50000; ++i) plant.step(without.step(10.0, plant.F, kDt));
+  for (int i = 0; i < 50000; ++i) plant.step(without.step(10.0, plant.F, kTick));
   EXPECT_NEAR(plant.F, 10.0 - 6.0 / 5.0, 1e-9);  // d / (1 + K_P) is left
   ForceLoop with({4.0, 80.0, 0.0, 1.0, 1e3});
-  for (int i = 0; i < 50000; ++i) plant.step(with.step(10.0, plant.F, kDt));
+  for (int i = 0; i < 50000; ++i) plant.step(with.step(10.0, plant.F, kTick));
   EXPECT_NEAR(plant.F, 10.0, 1e-9);
   EXPECT_NEAR(with.integral(), 6.0, 1e-9);
 }
@@ -51,7 +51,7 @@ TEST(ForceLoop, TheIntegralTakesAConstantDisturbanceAway) {
 TEST(ForceLoop, FrictionIsFedForwardInTheDirectionOfTheErrorAndNotAtRest) {
   const auto u = [](double e) {
     ForceLoop loop({0.0, 0.0, 5.0, 0.5, 100.0});
-    return loop.step(0.0, -e, kDt);
+    return loop.step(0.0, -e, kTick);
   };
   EXPECT_EQ(u(0.0), 0.0);
   EXPECT_DOUBLE_EQ(u(0.25), 2.5);

@@ -3,16 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/rigid_pose.hpp"
+#include "tests/support/angles.hpp"
 
 namespace haptic::core {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 Coordinate part(const char* name) {
   return {name, Unit::kRadian, CoordinateKind::kQuaternion};

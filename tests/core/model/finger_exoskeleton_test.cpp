@@ -8,17 +8,11 @@
 
 #include "haptic/core/error.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/angles.hpp"
+#include "tests/support/vectors.hpp"
 
 namespace haptic::core {
 namespace {
-
-constexpr double kDegree = 0.017453292519943295;
-
-VecX joints(double mcp, double pip) {
-  VecX x(2);
-  x << mcp, pip;
-  return x;
-}
 
 VecQ pose(double l_x, double q_B) {
   VecQ q(2);
@@ -51,8 +45,7 @@ constexpr TableRow kTable[] = {
 TEST_F(FingerExoskeleton, HasTheCheckValuesOfMethod12) {
   for (const TableRow& row : kTable) {
     VecQ q;
-    ASSERT_EQ(finger->inverse(joints(row.mcp * kDegree, row.pip * kDegree), q),
-              InverseStatus::kExact);
+    ASSERT_EQ(finger->inverse(two(row.mcp * kDegree, row.pip * kDegree), q), InverseStatus::kExact);
     EXPECT_NEAR(q[0] * 1e3, row.l_mm, 5e-4);
     EXPECT_NEAR(q[1] / kDegree, row.q_B_deg, 5e-4);
     const FingerPose p = finger_pose(dimensions, q[0], q[1]);
@@ -123,7 +116,7 @@ TEST_F(FingerExoskeleton, BothClosedFormsAgreeOverTheValidRegionAndTheLinkageClo
     if (!valid(dimensions, p)) continue;
     ++poses;
     closure = std::max(closure, p.closure);
-    const VecX wanted = joints(p.q_o1, p.q_o2);
+    const VecX wanted = two(p.q_o1, p.q_o2);
     VecQ back;
     ASSERT_EQ(finger->inverse(wanted, back), InverseStatus::kExact);
     ASSERT_EQ(finger->evaluate(back, x, J), MapStatus::kOk);
@@ -183,7 +176,7 @@ TEST_F(FingerExoskeleton, UnreachableProxiesGiveTheGlobalConstrainedOptimum) {
   for (const Row& row : kRows) {
     SCOPED_TRACE(::testing::Message() << row.mcp << ", " << row.pip);
     VecQ q, brute;
-    ASSERT_EQ(finger->inverse(joints(row.mcp, row.pip), q), InverseStatus::kUnreachable);
+    ASSERT_EQ(finger->inverse(two(row.mcp, row.pip), q), InverseStatus::kUnreachable);
     const FingerPose p = finger_pose(dimensions, q[0], q[1]);
     ASSERT_EQ(p.status, MapStatus::kOk);
     const double residual = std::hypot(p.q_o1 - row.mcp, p.q_o2 - row.pip);
@@ -210,7 +203,7 @@ TEST_F(FingerExoskeleton, AnyProxyAtAllHasAFiniteAnswerInsideTheLimits) {
   std::uniform_real_distribution<double> angle(-4.0, 4.0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (int i = 0; i < 5000; ++i) {
-    VecX x = joints(angle(random), angle(random));
+    VecX x = two(angle(random), angle(random));
     if (i % 500 == 0) x[0] = nan;
     if (i % 500 == 1) x[1] = 1e300;
     VecQ q;
@@ -225,7 +218,7 @@ TEST_F(FingerExoskeleton, AnyProxyAtAllHasAFiniteAnswerInsideTheLimits) {
 
 /// METHOD 6, case 17: |D| <= h1.
 TEST_F(FingerExoskeleton, SaysWhereTheLinkageCannotClose) {
-  VecX x = joints(7, 7);
+  VecX x = two(7, 7);
   MatXQ J = MatXQ::Constant(2, 2, 7);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(finger->evaluate(pose(0.02, -101 * kDegree), x, J), MapStatus::kCannotClose);
@@ -239,14 +232,14 @@ TEST_F(FingerExoskeleton, MeanActuatedJacobianIsTheWorkspaceAverageOfMethod12) {
 }
 
 TEST_F(FingerExoskeleton, AllocatesNothingOnceBuilt) {
-  VecX x = joints(0.5, 0.5);
+  VecX x = two(0.5, 0.5);
   VecQ q = pose(0.01, 0.0);
   MatXQ J(2, 2), J_k(2, 2);
   const test::AllocationGuard guard;
   for (int i = 0; i < 100; ++i) {
     static_cast<void>(finger->evaluate(q, x, J));
     static_cast<void>(finger->second_order(q, 0, J_k));
-    static_cast<void>(finger->inverse(joints(0.02 * i - 1.0, 0.03 * i), q));
+    static_cast<void>(finger->inverse(two(0.02 * i - 1.0, 0.03 * i), q));
   }
   EXPECT_EQ(guard.allocations(), 0u);
 }

@@ -11,11 +11,10 @@
 #include "tests/core/model/derivatives.hpp"
 #include "tests/core/model/sample_hands.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/angles.hpp"
 
 namespace haptic::core {
 namespace {
-
-constexpr double kDegree = 0.017453292519943295;
 
 /// Joint angles of all fingers well inside the valid region (METHOD 1.2).
 VecX random_joints(std::mt19937_64& random, int fingers) {

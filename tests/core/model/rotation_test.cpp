@@ -1,15 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "haptic/core/model/rigid_pose.hpp"
+#include "tests/support/angles.hpp"
 
 namespace haptic::core {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 TEST(RotationVector, RoundTripsThroughTheQuaternion) {
   std::mt19937_64 random(2);

@@ -8,18 +8,16 @@
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainjnttojacdotsolver.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
-#include <numbers>
 #include <random>
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/workspace.hpp"
 #include "tests/core/model/derivatives.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/angles.hpp"
 
 namespace haptic::core {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 class Random {
  public:

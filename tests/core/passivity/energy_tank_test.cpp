@@ -6,15 +6,12 @@
 #include <random>
 
 #include "haptic/core/passivity/passivity.hpp"
+#include "tests/support/vectors.hpp"
 
 namespace haptic::core {
 namespace {
 
 using std::chrono::milliseconds;
-
-VecA one(double value) {
-  return VecA::Constant(1, value);
-}
 
 SpringStorage spring(double stiffness, double gain = 1.0, double limit = 1e9) {
   return {one(stiffness), one(limit), gain};

@@ -2,14 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/vectors.hpp"
+
 namespace haptic::core {
 namespace {
 
 constexpr double T = 1e-3, K = 1000.0;
-
-VecA one(double value) {
-  return VecA::Constant(1, value);
-}
 
 ObserverSettings settings() {
   ObserverSettings s;

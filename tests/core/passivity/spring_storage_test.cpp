@@ -7,7 +7,7 @@
 namespace haptic::core {
 namespace {
 
-SpringStorage spring(double gain = 1.0) {
+SpringStorage three_springs(double gain = 1.0) {
   SpringStorage s;
   s.stiffness = (VecA(3) << 1000.0, 50.0, 0.0).finished();
   s.limit = (VecA(3) << 4.0, 1.0, 2.0).finished();
@@ -20,7 +20,7 @@ VecA deviation(double a, double b, double c = 0.0) {
 }
 
 TEST(SpringStorage, IsQuadraticUpToTheLimitAndLinearBeyond) {
-  const SpringStorage s = spring(0.5);
+  const SpringStorage s = three_springs(0.5);
   EXPECT_DOUBLE_EQ(s.energy(deviation(0.002, 0.0)), 0.5 * 0.5 * 1000.0 * 4e-6);
   // Saturates at 4 mm: 8 mJ up to there, 4 N over the further 6 mm.
   EXPECT_DOUBLE_EQ(s.energy(deviation(-0.010, 0.0)), 0.5 * (0.008 + 4.0 * 0.006));
@@ -30,7 +30,7 @@ TEST(SpringStorage, IsQuadraticUpToTheLimitAndLinearBeyond) {
 TEST(SpringStorage, TheForceIsTheGradientOfTheEnergyAndHeldAtTheLimit) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> wide(-0.03, 0.03);
-  const SpringStorage s = spring(0.7);
+  const SpringStorage s = three_springs(0.7);
   constexpr double h = 1e-7;
   for (int n = 0; n < 500; ++n) {
     const VecA d = deviation(wide(random), wide(random), wide(random));
@@ -47,7 +47,7 @@ TEST(SpringStorage, TheForceIsTheGradientOfTheEnergyAndHeldAtTheLimit) {
 TEST(SpringStorage, ScalingSpendsExactlyTheEnergyGiven) {
   std::mt19937 random(6);
   std::uniform_real_distribution<double> wide(-0.05, 0.05), share(0.0, 1.0);
-  const SpringStorage s = spring(0.9);
+  const SpringStorage s = three_springs(0.9);
   for (int n = 0; n < 2000; ++n) {
     const VecA d = deviation(wide(random), wide(random), wide(random));
     const double energy = share(random) * s.energy(d);
@@ -60,12 +60,12 @@ TEST(SpringStorage, ScalingSpendsExactlyTheEnergyGiven) {
 
 TEST(SpringStorage, ScalingIsTheSquareRootBelowTheLimit) {
   const VecA d = deviation(0.003, 0.004);
-  const SpringStorage s = spring();
+  const SpringStorage s = three_springs();
   EXPECT_NEAR(s.scale_to(d, 0.25 * s.energy(d)), 0.5, 1e-15);
   EXPECT_EQ(s.scale_to(d, s.energy(d)), 1.0);
   EXPECT_EQ(s.scale_to(d, 0.0), 0.0);
   EXPECT_EQ(s.scale_to(d, -1.0), 0.0);
-  EXPECT_EQ(spring(0.0).scale_to(d, 0.0), 1.0) << "a spring without gain costs nothing";
+  EXPECT_EQ(three_springs(0.0).scale_to(d, 0.0), 1.0) << "a spring without gain costs nothing";
 }
 
 }  // namespace

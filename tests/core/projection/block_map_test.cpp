@@ -10,17 +10,15 @@
 #include "haptic/core/projection/block_renderer.hpp"
 #include "haptic/core/projection/direction_guard.hpp"
 #include "tests/core/model/sample_hands.hpp"
+#include "tests/core/projection/every_renderer.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/angles.hpp"
 #include "tests/support/dense_oracle.hpp"
 
 namespace haptic::core {
 namespace {
 
-constexpr double kDegree = 0.017453292519943295;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr RendererKind kAll[] = {RendererKind::kStandard, RendererKind::kNullSpace,
-                                 RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact};
-
 /// A finger that counts what it is asked for.
 class Counting final : public Kinematics {
  public:
@@ -205,7 +203,7 @@ TEST(Kinematics, PositionGivesTheBitsOfEvaluate) {
 /// A Jacobian that must not be looked at is full of NaN here.
 TEST_F(BlockMapTest, RendererAndGuardReadNoJacobianOfAnIdleFinger) {
   const VecA stiffness = VecA::LinSpaced(5, 800, 2000);
-  for (const RendererKind kind : kAll) {
+  for (const RendererKind kind : kEveryRenderer) {
     SCOPED_TRACE(std::string(name(kind)));
     BlockRenderer renderer(kind, hand.whole()), active_alone(kind, hand.whole());
     DirectionGuard guard(hand.whole(), stiffness);

@@ -8,18 +8,16 @@
 
 #include "haptic/core/model/hand_exoskeleton.hpp"
 #include "tests/core/linear/random_matrix.hpp"
+#include "tests/core/projection/every_renderer.hpp"
 #include "tests/core/projection/function_map.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/angles.hpp"
 #include "tests/support/dense_oracle.hpp"
 
 namespace haptic::core {
 namespace {
 
 using samples::gaussian;
-
-constexpr double kDegree = 0.017453292519943295;
-constexpr RendererKind kAll[] = {RendererKind::kStandard, RendererKind::kNullSpace,
-                                 RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact};
 
 const Kinematics& hand() {
   static const auto map = make_hand_exoskeleton(
@@ -51,7 +49,7 @@ struct Instant {
 
 TEST(BlockRenderer, RendersEachFingerAsIfItWereAlone) {
   std::mt19937_64 random(1);
-  for (const RendererKind kind : kAll) {
+  for (const RendererKind kind : kEveryRenderer) {
     SCOPED_TRACE(std::string(name(kind)));
     BlockRenderer renderer(kind, hand());
     EXPECT_EQ(renderer.kind(), kind);
@@ -98,7 +96,7 @@ TEST(BlockRenderer, AgreesWithTheDenseSolve) {
 }
 
 /// A finger that counts how often Eq. (6) is solved on it.
-class Counting final : public Kinematics {
+class SolvedFinger final : public Kinematics {
  public:
   mutable int solved{0};
   const DofLayout& layout() const noexcept override { return finger().layout(); }
@@ -121,9 +119,9 @@ class Counting final : public Kinematics {
 };
 
 /// Three of them side by side.
-class CountingHand final : public Kinematics {
+class SolvedHand final : public Kinematics {
  public:
-  Counting fingers[3];
+  SolvedFinger fingers[3];
   const DofLayout& layout() const noexcept override { return hand().layout(); }
   const std::vector<DofSpec>& dofs() const noexcept override { return hand().dofs(); }
   const ConfigurationSpace& space() const noexcept override { return hand().space(); }
@@ -143,8 +141,8 @@ class CountingHand final : public Kinematics {
 
 TEST(BlockRenderer, DoesNotSolveABlockWhoseProxyDidNotChange) {
   std::mt19937_64 random(3);
-  CountingHand counting;
-  BlockRenderer renderer(RendererKind::kSubspaceExact, counting);
+  SolvedHand solved_hand;
+  BlockRenderer renderer(RendererKind::kSubspaceExact, solved_hand);
   Instant all(hand(), random_joints(random), random_joints(random));
   Projection first, out;
   const auto solve = [&](bool changed) {
@@ -154,23 +152,23 @@ TEST(BlockRenderer, DoesNotSolveABlockWhoseProxyDidNotChange) {
   first = out;
   all.x[3] += 0.01;  // the second finger's PIP
   solve(true);
-  EXPECT_EQ(counting.fingers[0].solved, 1);
-  EXPECT_EQ(counting.fingers[1].solved, 2);
-  EXPECT_EQ(counting.fingers[2].solved, 1);
+  EXPECT_EQ(solved_hand.fingers[0].solved, 1);
+  EXPECT_EQ(solved_hand.fingers[1].solved, 2);
+  EXPECT_EQ(solved_hand.fingers[2].solved, 1);
   EXPECT_EQ(VecQ(out.q_star.segment<2>(0)), VecQ(first.q_star.segment<2>(0)));
   EXPECT_NE(VecQ(out.q_star.segment<2>(2)), VecQ(first.q_star.segment<2>(2)));
   solve(true);  // a frame that says the same
   solve(false);
-  EXPECT_EQ(counting.fingers[1].solved, 2);
+  EXPECT_EQ(solved_hand.fingers[1].solved, 2);
   renderer.reset();
   solve(true);
-  for (const Counting& finger : counting.fingers) EXPECT_GE(finger.solved, 2);
+  for (const SolvedFinger& finger : solved_hand.fingers) EXPECT_GE(finger.solved, 2);
 }
 
 TEST(BlockRenderer, NeverAllocates) {
   std::mt19937_64 random(4);
   const Instant all(hand(), random_joints(random), random_joints(random));
-  for (const RendererKind kind : kAll) {
+  for (const RendererKind kind : kEveryRenderer) {
     BlockRenderer renderer(kind, hand());
     Projection out;
     const test::AllocationGuard guard;
@@ -193,7 +191,7 @@ TEST(BlockRenderer, BoundsTheStiffnessThatABaselineDisplays) {
         [A](const VecQ& q) { return VecX(A * q); }, [A](const VecQ&) { return A; });
     const VecX x = gaussian(random, n_x, 1);
     const VecA Z_q = VecA(gaussian(random, n_a, 1)).cwiseAbs() + VecA::Constant(n_a, 0.1);
-    for (const RendererKind kind : kAll) {
+    for (const RendererKind kind : kEveryRenderer) {
       BlockRenderer renderer(kind, map);
       VecA ratio, at_rest;
       const auto force = [&](const VecQ& q) {

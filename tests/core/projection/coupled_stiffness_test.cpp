@@ -28,7 +28,7 @@ using samples::FunctionMap;
 using samples::gaussian;
 
 const MatrixXd kZ = (Eigen::Matrix2d() << 1.0, 4.0, 4.0, 50.0).finished();
-const VecX kX = (VecX(2) << 0.5, 0.9).finished();
+const VecX kTarget = (VecX(2) << 0.5, 0.9).finished();
 
 ProjectionSettings coupled(const MatrixXd& Z) {
   ProjectionSettings settings;
@@ -61,10 +61,10 @@ TEST(CoupledPrior, NoCycleOfTheDevicePumpsEnergy) {
       VecX x_probe, dx;
       MatXQ J;
       static_cast<void>(map.evaluate(q, x_probe, J));
-      map.space().difference(kX, x_probe, dx);
+      map.space().difference(kTarget, x_probe, dx);
       Projection out;
-      renderer.project(Probe{q, x_probe, J}, kX, dx, settings.coupling->scene_stiffness(), k == 0,
-                       out);
+      renderer.project(Probe{q, x_probe, J}, kTarget, dx, settings.coupling->scene_stiffness(),
+                       k == 0, out);
       ASSERT_EQ(out.status, ProjectionStatus::kConverged);
       const VectorXd tau = kZ * VectorXd((out.q_star - q).head(2));
       const VectorXd q_a = q.head(2);

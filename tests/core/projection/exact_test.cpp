@@ -10,6 +10,7 @@
 #include "haptic/core/projection/renderer.hpp"
 #include "tests/core/projection/function_map.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/angles.hpp"
 
 namespace haptic::core {
 namespace {
@@ -131,7 +132,6 @@ TEST(Iteration, UnreachableProxiesEndBoundedAndAreReported) {
 /// come from a search: 0.02 degrees above the optimum in two rows, so ours may be below.
 TEST(ClosedForm, UnreachableProxiesEndAtTheGlobalOptimum) {
   const auto finger = make_finger_exoskeleton({});
-  constexpr double kDegree = 0.017453292519943295;
   struct Row {
     double x0, x1, residual_deg, l_mm, q_B_deg;
   };
@@ -161,7 +161,6 @@ FunctionMap turntable() {
 /// the same proxy.
 TEST(Renderers, HalfATurnAwayIsFiniteAndAWholeTurnIsNothing) {
   const FunctionMap map = turntable();
-  constexpr double kPi = std::numbers::pi;
   const VecQ q = (VecQ(2) << 0.3, -0.4).finished();
   VecX x_probe;
   MatXQ J;

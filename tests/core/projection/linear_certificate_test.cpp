@@ -51,7 +51,7 @@ class Cases {
 };
 
 std::vector<ChainOutput>
-marks() {  // three points that are not in a line: nine coordinates of six DoFs
+three_marks() {  // three points that are not in a line: nine coordinates of six DoFs
   return {{"tip", "", OutputKind::kPoint, {{0.03, 0, 0}, {}}},
           {"end", "", OutputKind::kPoint, {{-0.10, 0, 0}, {}}},
           {"button", "", OutputKind::kPoint, {{0, 0, 0.03}, {}}}};
@@ -88,7 +88,7 @@ TEST(LinearCertificate, IsTheOfflineMarginOnTheFinger) {
 
 /// More coordinates than DoFs and three actuators: the residual's term and the eigenvalue count.
 TEST(LinearCertificate, IsTheOfflineMarginOnTheStylus) {
-  EXPECT_GT(expect_offline_margins(*make_stylus({}, marks()), 0.1, 200), 10);
+  EXPECT_GT(expect_offline_margins(*make_stylus({}, three_marks()), 0.1, 200), 10);
 }
 
 TEST(LinearCertificate, OfALinearMapIsOne) {
@@ -207,7 +207,7 @@ TEST(LinearCertificate, ABlockWithoutOneIsNamedWhateverTheOthersSay) {
 }
 
 TEST(LinearCertificate, IsRefusedWithAPrior) {
-  const auto stylus = make_stylus({}, marks());
+  const auto stylus = make_stylus({}, three_marks());
   ProjectionSettings settings;
   settings.prior = Prior{1.0, VecQ::Ones(3)};
   const ProjectionModel model(*stylus, settings);

@@ -15,6 +15,7 @@
 #include "tests/core/model/sample_hands.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/dense_oracle.hpp"
+#include "tests/support/vectors.hpp"
 
 namespace haptic::core {
 namespace {
@@ -61,10 +62,6 @@ Limited disk(bool with_line) {
             limits[1] = {0.25 - a * a - b * b, {-2.0 * a, -2.0 * b}};
             if (with_line) limits[3] = {0.6 - a - b, {-1.0, -1.0}};
           }};
-}
-
-VecX at(double a, double b) {
-  return (VecX(2) << a, b).finished();
 }
 
 ProjectionModel model_of(const Kinematics& map, const TaskMetric& metric = {}) {
@@ -131,14 +128,14 @@ int expect_none_nearer(const Kinematics& map, const VecX& x, const Projection& o
 TEST(MechanismLimits, OfADiskTheNearestPointIsOnTheRay) {
   const Limited map = disk(false);
   for (double angle = 0.0; angle < 6.0; angle += 0.4) {
-    const VecX x = 0.8 * at(std::cos(angle), std::sin(angle));
-    const Projection out = solve(model_of(map), x, at(-0.1, 0.2));
+    const VecX x = 0.8 * two(std::cos(angle), std::sin(angle));
+    const Projection out = solve(model_of(map), x, two(-0.1, 0.2));
     EXPECT_EQ(out.status, ProjectionStatus::kUnreachable);
     EXPECT_NEAR((out.q_star - 0.5 / 0.8 * x).norm(), 0.0, 1e-9) << angle;
   }
-  const Projection inside = solve(model_of(map), at(0.3, -0.3), at(-0.1, 0.2));
+  const Projection inside = solve(model_of(map), two(0.3, -0.3), two(-0.1, 0.2));
   EXPECT_EQ(inside.status, ProjectionStatus::kConverged);
-  EXPECT_NEAR((inside.q_star - at(0.3, -0.3)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((inside.q_star - two(0.3, -0.3)).norm(), 0.0, 1e-12);
 }
 
 /// (W + mu) q* = W x with the mu > 0 that brings q* onto the circle.
@@ -146,7 +143,7 @@ TEST(MechanismLimits, OfADiskInAMetricTheMultiplierSaysWhere) {
   const Limited map = disk(false);
   const Eigen::Matrix2d W = (Eigen::Matrix2d() << 3.0, 1.0, 1.0, 1.0).finished();
   for (double angle = 0.0; angle < 6.0; angle += 0.5) {
-    const VecX x = 0.8 * at(std::cos(angle), std::sin(angle));
+    const VecX x = 0.8 * two(std::cos(angle), std::sin(angle));
     double low = 0.0, high = 100.0;
     Eigen::Vector2d want;
     for (int n = 0; n < 200; ++n) {
@@ -155,7 +152,7 @@ TEST(MechanismLimits, OfADiskInAMetricTheMultiplierSaysWhere) {
       want = oracle::inverse(sum) * (W * x);
       (want.norm() > 0.5 ? low : high) = mu;
     }
-    const Projection out = solve(model_of(map, TaskMetric::from_matrix(W)), x, at(0.0, 0.1));
+    const Projection out = solve(model_of(map, TaskMetric::from_matrix(W)), x, two(0.0, 0.1));
     EXPECT_NEAR((out.q_star - want).norm(), 0.0, 1e-8) << angle;
   }
 }
@@ -164,24 +161,24 @@ TEST(MechanismLimits, WhereTwoMeetTheCornerHolds) {
   const Limited map = disk(true);
   // a + b = 0.6 on the circle: a = 0.3 +- sqrt(0.125 - 0.09). Beyond the corner along its cone.
   const double half = std::sqrt(0.125 - 0.09);
-  const VecX corner = at(0.3 + half, 0.3 - half);
+  const VecX corner = two(0.3 + half, 0.3 - half);
   for (const double share : {0.2, 0.5, 0.8}) {
     const VecX out_of_it =
-        corner + 0.3 * (share * corner.normalized() + (1.0 - share) * at(1, 1).normalized());
-    const Projection out = solve(model_of(map), out_of_it, at(0.1, 0.0));
+        corner + 0.3 * (share * corner.normalized() + (1.0 - share) * two(1, 1).normalized());
+    const Projection out = solve(model_of(map), out_of_it, two(0.1, 0.0));
     EXPECT_NEAR((out.q_star - corner).norm(), 0.0, 1e-9) << share;
   }
   // On the line between the corners.
-  const Projection line = solve(model_of(map), at(0.5, 0.4), at(0.0, -0.1));
-  EXPECT_NEAR((line.q_star - at(0.35, 0.25)).norm(), 0.0, 1e-9);
+  const Projection line = solve(model_of(map), two(0.5, 0.4), two(0.0, -0.1));
+  EXPECT_NEAR((line.q_star - two(0.35, 0.25)).norm(), 0.0, 1e-9);
 }
 
 TEST(MechanismLimits, AndWithTheBoxTheyMakeACornerToo) {
   Limited map = disk(false);
   const ProjectionModel model = model_of(map);
   // Seen from (0.2, 2) the circle; the box is not in its way. From a seed outside it ends inside.
-  const Projection out = solve(model, at(0.2, 0.9), at(0.9, 0.9));
-  EXPECT_NEAR((out.q_star - 0.5 * at(0.2, 0.9).normalized()).norm(), 0.0, 1e-9);
+  const Projection out = solve(model, two(0.2, 0.9), two(0.9, 0.9));
+  EXPECT_NEAR((out.q_star - 0.5 * two(0.2, 0.9).normalized()).norm(), 0.0, 1e-9);
 }
 
 /// METHOD 6, case 16 and others: the iteration, from beside it, ends where the traced edge of the closed
@@ -193,7 +190,7 @@ TEST(MechanismLimits, TheIterationEndsAtTheFingersOwnOptimum) {
       t(-0.05, 0.05);
   int judged = 0, elsewhere = 0;
   for (int trial = 0; trial < 400; ++trial) {
-    const VecX x = at(mcp(random), pip(random));
+    const VecX x = two(mcp(random), pip(random));
     VecQ best;
     if (map.map().inverse(x, best) != InverseStatus::kUnreachable) continue;
     VecX x_best;
@@ -201,7 +198,7 @@ TEST(MechanismLimits, TheIterationEndsAtTheFingersOwnOptimum) {
     ASSERT_EQ(map.evaluate(best, x_best, J), MapStatus::kOk);
     const double least = (x - x_best).norm();
     if (least > 0.7) continue;  // far off the surface other minima are as near
-    const VecQ seed = best + at(l(random), t(random));
+    const VecQ seed = best + two(l(random), t(random));
     PairLimits limits;
     if (map.pair_limits(0, seed[0], seed[1], limits) != MapStatus::kOk) continue;
     if (limits[0].room < 0.0 || limits[2].room < 0.0 || limits[4].room < 0.0) continue;
@@ -224,7 +221,7 @@ TEST(MechanismLimits, BeyondReachTheFingersPoseIsNearestInTheMetric) {
   const Eigen::Matrix2d W = (Eigen::Matrix2d() << 4.0, 1.5, 1.5, 1.0).finished();
   const ProjectionModel model = model_of(*finger, TaskMetric::from_matrix(W));
   for (const VecX& x :
-       {at(-0.5, 0.3), at(-0.7, 0.35), at(-0.5, -0.5), at(1.6, 1.0), at(0.3, 2.3)}) {
+       {two(-0.5, 0.3), two(-0.7, 0.35), two(-0.5, -0.5), two(1.6, 1.0), two(0.3, 2.3)}) {
     double least = HUGE_VAL;
     constexpr int kGrid = 400;
     for (int i = 0; i <= kGrid; ++i) {
@@ -235,12 +232,12 @@ TEST(MechanismLimits, BeyondReachTheFingersPoseIsNearestInTheMetric) {
             pose.c2 < 0.004 || pose.c2 > 0.040) {
           continue;
         }
-        const Eigen::Vector2d r = x - at(pose.q_o1, pose.q_o2);
+        const Eigen::Vector2d r = x - two(pose.q_o1, pose.q_o2);
         least = std::min(least, r.dot(W * r));
       }
     }
     SubspaceExact exact(model);
-    const VecQ q = at(0.015, -0.2);
+    const VecQ q = two(0.015, -0.2);
     VecX x_probe;
     MatXQ J;
     ASSERT_EQ(finger->evaluate(q, x_probe, J), MapStatus::kOk);
@@ -258,7 +255,7 @@ TEST(MechanismLimits, OfATrackedHandHoldTheSlidersOfEveryFinger) {
   const auto hand = make_tracked_hand(five_fingers_on_a_palm());
   ASSERT_EQ(hand->limited_pairs().size(), 5u);
   VecQ q = VecQ::Zero(hand->layout().n_q()), beyond;
-  for (int f = 0; f < 5; ++f) q.segment<2>(6 + 2 * f) = at(0.0118, -0.15);
+  for (int f = 0; f < 5; ++f) q.segment<2>(6 + 2 * f) = two(0.0118, -0.15);
   beyond = q;
   // The index's slider 2 ends here: METHOD's table has c2 near its upper limit at small flexion.
   PairLimits limits;
@@ -285,8 +282,8 @@ TEST(MechanismLimits, AllocateNothing) {
   const ProjectionModel model = model_of(map);
   ProxySolver solver(model);
   Projection out;
-  const VecX x = at(0.9, 0.2);
-  const VecQ seed = at(0.1, 0.0);
+  const VecX x = two(0.9, 0.2);
+  const VecQ seed = two(0.1, 0.0);
   const VecA Z_q = VecA::Constant(1, 1500.0);
   solver.solve(x, seed, Z_q, out);
   const test::AllocationGuard allocations;

@@ -8,11 +8,10 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/projection/renderer.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/angles.hpp"
 
 namespace haptic::core {
 namespace {
-
-constexpr double kDegree = 0.017453292519943295;
 
 VecX degrees(double mcp, double pip) {
   return (VecX(2) << mcp * kDegree, pip * kDegree).finished();

@@ -8,6 +8,7 @@
 
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/dense_oracle.hpp"
+#include "tests/support/vectors.hpp"
 
 namespace haptic::core {
 namespace {
@@ -30,10 +31,6 @@ PlaneSet planes_of(int n_x, const std::vector<std::vector<double>>& rows) {
   return set;
 }
 
-VecX at(double a, double b) {
-  return (VecX(2) << a, b).finished();
-}
-
 struct Answer {
   VecX x{};
   PlaneStatus status{};
@@ -51,16 +48,16 @@ Answer project(const PlaneSet& set, const VecX& probe, const TaskMetric& metric 
 }
 
 TEST(PlaneProjection, InFreeSpaceTheProxyIsTheProbeToTheBit) {
-  const Answer answer = project(planes_of(2, {{1, 0, 1}, {0, 1, 1}}), at(0.1, 0.9999));
+  const Answer answer = project(planes_of(2, {{1, 0, 1}, {0, 1, 1}}), two(0.1, 0.9999));
   EXPECT_EQ(answer.status, PlaneStatus::kFree);
-  EXPECT_EQ(answer.x, at(0.1, 0.9999));
+  EXPECT_EQ(answer.x, two(0.1, 0.9999));
   EXPECT_EQ(answer.active, 0u);
-  EXPECT_EQ(project(planes_of(2, {}), at(7, 8)).x, at(7, 8)) << "no planes: nothing in the way";
+  EXPECT_EQ(project(planes_of(2, {}), two(7, 8)).x, two(7, 8)) << "no planes: nothing in the way";
 }
 
 TEST(PlaneProjection, OnePlaneTakesTheProxyStraightOntoIt) {
   // 3 x + 4 y <= 5 seen from (3, 4): 4 beyond along (3, 4)/5.
-  const Answer answer = project(planes_of(2, {{3, 4, 5}}), at(3, 4));
+  const Answer answer = project(planes_of(2, {{3, 4, 5}}), two(3, 4));
   EXPECT_EQ(answer.status, PlaneStatus::kActive);
   EXPECT_NEAR(answer.x[0], 0.6, 1e-14);
   EXPECT_NEAR(answer.x[1], 0.8, 1e-14);
@@ -69,7 +66,7 @@ TEST(PlaneProjection, OnePlaneTakesTheProxyStraightOntoIt) {
 TEST(PlaneProjection, TheMetricDecidesTheDirection) {
   // min 4 (x-1)^2 + (y-1)^2 on x + y = 0: x - 1 = -2/5, y - 1 = -8/5.
   const Answer answer =
-      project(planes_of(2, {{1, 1, 0}}), at(1, 1), TaskMetric::from_scales(at(0.5, 1)));
+      project(planes_of(2, {{1, 1, 0}}), two(1, 1), TaskMetric::from_scales(two(0.5, 1)));
   EXPECT_NEAR(answer.x[0], 0.6, 1e-14);
   EXPECT_NEAR(answer.x[1], -0.6, 1e-14);
 }
@@ -77,62 +74,62 @@ TEST(PlaneProjection, TheMetricDecidesTheDirection) {
 TEST(PlaneProjection, AMetricThatTiesCoordinatesMovesOneThatThePlaneDoesNotName) {
   // min 2 u^2 + 2 u v + v^2 on u = -0.5 (v = y - 1): u + v = 0, v = 0.5.
   const TaskMetric metric = TaskMetric::from_matrix((Eigen::Matrix2d() << 2, 1, 1, 1).finished());
-  const Answer answer = project(planes_of(2, {{1, 0, 0.5}}), at(1, 1), metric);
+  const Answer answer = project(planes_of(2, {{1, 0, 0.5}}), two(1, 1), metric);
   EXPECT_NEAR(answer.x[0], 0.5, 1e-14);
   EXPECT_NEAR(answer.x[1], 1.5, 1e-14);
 }
 
 TEST(PlaneProjection, InACornerBothPlanesHold) {
-  const Answer answer = project(planes_of(2, {{1, 0, 0.2}, {0, 1, 0.3}}), at(1, 1));
+  const Answer answer = project(planes_of(2, {{1, 0, 0.2}, {0, 1, 0.3}}), two(1, 1));
   EXPECT_EQ(answer.active, 3u);
-  EXPECT_NEAR((answer.x - at(0.2, 0.3)).norm(), 0.0, 1e-14);
+  EXPECT_NEAR((answer.x - two(0.2, 0.3)).norm(), 0.0, 1e-14);
 }
 
 TEST(PlaneProjection, OfParallelPlanesTheTighterHoldsAndACopyChangesNothing) {
-  const Answer parallel = project(planes_of(2, {{1, 0, 0.5}, {2, 0, 0.4}}), at(1, 1));
+  const Answer parallel = project(planes_of(2, {{1, 0, 0.5}, {2, 0, 0.4}}), two(1, 1));
   EXPECT_EQ(parallel.status, PlaneStatus::kActive);
   EXPECT_EQ(parallel.active, 2u);
-  EXPECT_NEAR((parallel.x - at(0.2, 1)).norm(), 0.0, 1e-13);
+  EXPECT_NEAR((parallel.x - two(0.2, 1)).norm(), 0.0, 1e-13);
   const Answer copies = project(
       planes_of(2, {{1, 0, 0.2}, {1, 0, 0.2}, {3, 0, 0.6}, {1, 1e-9, 0.2}, {1, 0, 0.2}, {1, 0, 9}}),
-      at(1, 1));
+      two(1, 1));
   EXPECT_EQ(copies.status, PlaneStatus::kActive);
-  EXPECT_NEAR((copies.x - at(0.2, 1)).norm(), 0.0, 1e-8);
+  EXPECT_NEAR((copies.x - two(0.2, 1)).norm(), 0.0, 1e-8);
 }
 
 TEST(PlaneProjection, ARedundantPlaneThroughTheCornerChangesNothing) {
-  const Answer answer = project(planes_of(2, {{1, 0, 0.2}, {0, 1, 0.3}, {1, 1, 0.5}}), at(1, 1));
+  const Answer answer = project(planes_of(2, {{1, 0, 0.2}, {0, 1, 0.3}, {1, 1, 0.5}}), two(1, 1));
   EXPECT_EQ(answer.status, PlaneStatus::kActive);
-  EXPECT_NEAR((answer.x - at(0.2, 0.3)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((answer.x - two(0.2, 0.3)).norm(), 0.0, 1e-12);
 }
 
 TEST(PlaneProjection, OppositePlanesLeaveASlab) {
   const PlaneSet slab = planes_of(2, {{1, 0, 0.2}, {-1, 0, 0.1}});
-  EXPECT_EQ(project(slab, at(0.1, 5)).status, PlaneStatus::kFree);
-  EXPECT_NEAR((project(slab, at(1, 5)).x - at(0.2, 5)).norm(), 0.0, 1e-14);
-  EXPECT_NEAR((project(slab, at(-1, 5)).x - at(-0.1, 5)).norm(), 0.0, 1e-14);
-  const Answer shut = project(planes_of(2, {{1, 0, 0.2}, {-1, 0, -0.2}}), at(1, 5));
+  EXPECT_EQ(project(slab, two(0.1, 5)).status, PlaneStatus::kFree);
+  EXPECT_NEAR((project(slab, two(1, 5)).x - two(0.2, 5)).norm(), 0.0, 1e-14);
+  EXPECT_NEAR((project(slab, two(-1, 5)).x - two(-0.1, 5)).norm(), 0.0, 1e-14);
+  const Answer shut = project(planes_of(2, {{1, 0, 0.2}, {-1, 0, -0.2}}), two(1, 5));
   EXPECT_EQ(shut.status, PlaneStatus::kActive) << "a slab of no thickness is still one";
-  EXPECT_NEAR((shut.x - at(0.2, 5)).norm(), 0.0, 1e-6);
+  EXPECT_NEAR((shut.x - two(0.2, 5)).norm(), 0.0, 1e-6);
 }
 
 TEST(PlaneProjection, PlanesThatContradictGiveTheLeastViolationAndSaySo) {
   // x <= 0 and x >= 1: the middle, whatever the probe's x; its y is not touched.
   for (const double from : {-3.0, 0.2, 0.5, 4.0}) {
-    const Answer answer = project(planes_of(2, {{1, 0, 0}, {-1, 0, -1}}), at(from, 2));
+    const Answer answer = project(planes_of(2, {{1, 0, 0}, {-1, 0, -1}}), two(from, 2));
     EXPECT_EQ(answer.status, PlaneStatus::kInfeasible);
     EXPECT_NEAR(answer.x[0], 0.5, 1e-5);
     EXPECT_NEAR(answer.x[1], 2.0, 1e-12);
   }
   // Twice x <= 0 against once x >= 1: least squares of three violations, x = 1/3.
-  const Answer three = project(planes_of(2, {{1, 0, 0}, {1, 0, 0}, {-1, 0, -1}}), at(0.4, 2));
+  const Answer three = project(planes_of(2, {{1, 0, 0}, {1, 0, 0}, {-1, 0, -1}}), two(0.4, 2));
   EXPECT_NEAR(three.x[0], 1.0 / 3.0, 1e-5);
 }
 
 TEST(PlaneProjection, APlaneWithoutADirectionIsLeftOut) {
-  const Answer answer = project(planes_of(2, {{0, 0, -1}, {1, 0, 0.2}}), at(1, 1));
+  const Answer answer = project(planes_of(2, {{0, 0, -1}, {1, 0, 0.2}}), two(1, 1));
   EXPECT_EQ(answer.active, 2u);
-  EXPECT_NEAR((answer.x - at(0.2, 1)).norm(), 0.0, 1e-14);
+  EXPECT_NEAR((answer.x - two(0.2, 1)).norm(), 0.0, 1e-14);
 }
 
 TEST(PlaneProjection, AnAngleIsCountedFromWhereThePlaneWasLinearised) {
@@ -233,7 +230,7 @@ TEST(PlaneProjection, AnythingElseGivesAFiniteBoundedAnswer) {
       rows.push_back({x == 0 && y == 0 ? 1.0 : x + (n % 2) * jitter(random), y * 1.0,
                       small(random) * 0.5 + (n % 3) * jitter(random)});
     }
-    const Answer answer = project(planes_of(2, rows), at(0.7, -0.4));
+    const Answer answer = project(planes_of(2, rows), two(0.7, -0.4));
     ASSERT_TRUE(answer.x.allFinite()) << n;
     ASSERT_LT(answer.x.norm(), 10.0) << n;
   }
@@ -267,7 +264,7 @@ TEST(PlaneProjection, AllocatesNothing) {
   PlaneProjection projection(space,
                              TaskMetric::from_matrix((Eigen::Matrix2d() << 2, 1, 1, 1).finished()));
   const PlaneSet set = planes_of(2, {{1, 0, 0.2}, {0, 1, 0.3}, {1, 1, 0.4}, {1, -1, 0.1}});
-  VecX x(2), probe = at(1, 1);
+  VecX x(2), probe = two(1, 1);
   MatXQ slope(2, 2), J = MatXQ::Identity(2, 2);
   const haptic::test::AllocationGuard guard;
   projection.set(set, probe);

@@ -4,16 +4,14 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "haptic/core/model/serial_chain.hpp"
 #include "haptic/core/projection/renderer.hpp"
+#include "tests/support/angles.hpp"
 
 namespace haptic::core {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// A tracked palm with one joint; x is the palm's frame and a frame beyond the joint.
 const Kinematics& palm() {

@@ -9,15 +9,13 @@
 #include "haptic/core/model/linear.hpp"
 #include "haptic/core/projection/renderer.hpp"
 #include "tests/core/linear/random_matrix.hpp"
+#include "tests/core/projection/every_renderer.hpp"
 
 namespace haptic::core {
 namespace {
 
 using samples::gaussian;
 using samples::with_condition;
-
-constexpr RendererKind kAll[] = {RendererKind::kStandard, RendererKind::kNullSpace,
-                                 RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact};
 
 enum class Family { kFullRank, kNearlySingular, kSingular, kWide, kMixedUnits };
 constexpr Family kFamilies[] = {Family::kFullRank, Family::kNearlySingular, Family::kSingular,
@@ -49,7 +47,7 @@ Eigen::MatrixXd draw(Family family, std::mt19937_64& random, int trial) {
   return gaussian(random, m, n);
 }
 
-struct Case {
+struct Draw {
   std::unique_ptr<Kinematics> map{};
   Eigen::MatrixXd A{};
   VecQ q{};
@@ -58,8 +56,8 @@ struct Case {
 
 constexpr double kBox = 1e3;
 
-Case make_case(Family family, std::mt19937_64& random, int trial) {
-  Case c;
+Draw make_case(Family family, std::mt19937_64& random, int trial) {
+  Draw c;
   c.A = draw(family, random, trial);
   const int n_q = static_cast<int>(c.A.cols()), n_x = static_cast<int>(c.A.rows());
   const int n_a = 1 + trial % n_q;
@@ -75,7 +73,7 @@ Case make_case(Family family, std::mt19937_64& random, int trial) {
   return c;
 }
 
-Projection project(RendererKind kind, const ProjectionModel& model, const Case& c, const VecX& x) {
+Projection project(RendererKind kind, const ProjectionModel& model, const Draw& c, const VecX& x) {
   VecX x_probe, dx;
   MatXQ J;
   EXPECT_EQ(c.map->evaluate(c.q, x_probe, J), MapStatus::kOk);
@@ -86,7 +84,7 @@ Projection project(RendererKind kind, const ProjectionModel& model, const Case& 
   return out;
 }
 
-ProjectionSettings with_prior(const Case& c) {
+ProjectionSettings with_prior(const Draw& c) {
   ProjectionSettings settings;
   settings.prior = Prior{1e-3, VecQ::Ones(c.map->layout().n_n())};
   return settings;
@@ -97,12 +95,12 @@ class EveryJacobian : public testing::TestWithParam<Family> {};
 TEST_P(EveryJacobian, GivesAFiniteForceAndNoneWhereTheProxyIsTheProbe) {
   std::mt19937_64 random(11);
   for (int trial = 0; trial < 1000; ++trial) {
-    const Case c = make_case(GetParam(), random, trial);
+    const Draw c = make_case(GetParam(), random, trial);
     const VecX at = c.A * c.q;
     const VecX x = at + VecX(gaussian(random, static_cast<int>(c.A.rows()), 1));
     for (const bool prior : {false, true}) {
       const ProjectionModel model(*c.map, prior ? with_prior(c) : ProjectionSettings{});
-      for (const RendererKind kind : kAll) {
+      for (const RendererKind kind : kEveryRenderer) {
         ASSERT_TRUE(project(kind, model, c, x).q_star.allFinite()) << name(kind) << "\n" << c.A;
         const Projection rest = project(kind, model, c, at);
         // Rounding of x alone, through the worst direction that is not given up as lost.
@@ -120,7 +118,7 @@ TEST_P(EveryJacobian, GivesAFiniteForceAndNoneWhereTheProxyIsTheProbe) {
 TEST_P(EveryJacobian, BoundsTheForceByTheConditionItReports) {
   std::mt19937_64 random(12);
   for (int trial = 0; trial < 1000; ++trial) {
-    const Case c = make_case(GetParam(), random, trial);
+    const Draw c = make_case(GetParam(), random, trial);
     const int n_q = static_cast<int>(c.A.cols());
     const VecX dx = gaussian(random, static_cast<int>(c.A.rows()), 1);
     const VecX x = c.A * c.q + dx;
@@ -147,7 +145,7 @@ TEST_P(EveryJacobian, BoundsTheForceByTheConditionItReports) {
 TEST_P(EveryJacobian, WithAPriorBoundsTheForceByItsWeight) {
   std::mt19937_64 random(13);
   for (int trial = 0; trial < 1000; ++trial) {
-    const Case c = make_case(GetParam(), random, trial);
+    const Draw c = make_case(GetParam(), random, trial);
     const VecX dx = gaussian(random, static_cast<int>(c.A.rows()), 1);
     const ProjectionModel model(*c.map, with_prior(c));
     for (const RendererKind kind : {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
@@ -158,14 +156,14 @@ TEST_P(EveryJacobian, WithAPriorBoundsTheForceByItsWeight) {
   }
 }
 
-/// Case 14: q in other units per DoF, Z_q in theirs; the same physical force.
+/// Draw 14: q in other units per DoF, Z_q in theirs; the same physical force.
 TEST_P(EveryJacobian, RendersTheSameForceInMetresAndMillimetres) {
   std::mt19937_64 random(14);
   int judged = 0;
   for (int trial = 0; trial < 1000; ++trial) {
-    const Case c = make_case(GetParam(), random, trial);
+    const Draw c = make_case(GetParam(), random, trial);
     const VecX x = c.A * c.q + gaussian(random, static_cast<int>(c.A.rows()), 1);
-    Case other = make_case(GetParam(), random, trial);
+    Draw other = make_case(GetParam(), random, trial);
     const int n_q = static_cast<int>(c.A.cols());
     LinearMap linear;
     VecQ per(n_q);

@@ -9,14 +9,12 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
 #include "haptic/core/projection/direction_guard.hpp"
+#include "tests/core/projection/every_renderer.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/dense_oracle.hpp"
 
 namespace haptic::core {
 namespace {
-
-constexpr RendererKind kAll[] = {RendererKind::kStandard, RendererKind::kNullSpace,
-                                 RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact};
 
 std::unique_ptr<Kinematics> linear_map(const Eigen::MatrixXd& A, int n_a, double box = 1e6) {
   LinearMap map;
@@ -185,7 +183,7 @@ TEST(Renderers, ASingularWideOrZeroJacobianGivesAFiniteAnswerThatSaysSo) {
     const auto map = linear_map(A, 1, 10.0);
     const VecQ q = VecQ::Constant(n_q, 0.1);
     const VecX x = VecX::Constant(2, 0.7);
-    for (const RendererKind kind : kAll) {
+    for (const RendererKind kind : kEveryRenderer) {
       Projection out;
       const VecA tau = force(kind, *map, q, x, VecA::Constant(1, 1000.0), &out);
       ASSERT_TRUE(tau.allFinite()) << name(kind) << "\n" << A;
@@ -251,7 +249,7 @@ TEST(DirectionGuard, WithholdsWhatPointsAwayFromTheProxyAndNothingElse) {
     // tau_x . dx with tau_x = w tau_a, w = (S J^{-1})^T: the work the finger would feel.
     const Eigen::Matrix2d J2 = J;
     const double along = J2.inverse().row(0).dot(Eigen::Vector2d(dx));
-    for (const RendererKind kind : kAll) {
+    for (const RendererKind kind : kEveryRenderer) {
       const VecA tau = force(kind, *finger, q, x, Z_q);
       if (std::abs(tau[0] * along) < 1e-9) continue;
       const bool expected = tau[0] * along > 0.0;
@@ -281,7 +279,7 @@ TEST(Renderers, AllocateNothing) {
     const VecX x = x_probe + VecX::Constant(map->space().n_x(), 0.3);
     map->space().difference(x, x_probe, dx);
     const VecA Z_q = VecA::Constant(map->layout().n_a(), 800.0);
-    for (const RendererKind kind : kAll) {
+    for (const RendererKind kind : kEveryRenderer) {
       Renderer renderer(kind, *map);
       DirectionGuard guard(*map);
       Projection out;

@@ -14,15 +14,13 @@
 #include "haptic/core/projection/direction_guard.hpp"
 #include "haptic/core/projection/renderer.hpp"
 #include "tests/core/linear/random_matrix.hpp"
+#include "tests/core/projection/every_renderer.hpp"
 #include "tests/support/dense_oracle.hpp"
 
 namespace haptic::core {
 namespace {
 
 using samples::gaussian;
-
-constexpr RendererKind kAll[] = {RendererKind::kStandard, RendererKind::kNullSpace,
-                                 RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact};
 
 /// `metres`: how many of the first coordinates are in m; the others are in rad.
 std::unique_ptr<Kinematics> linear_map(const Eigen::MatrixXd& A, int n_a, int metres) {
@@ -173,8 +171,8 @@ TEST(TaskMetric, EveryRendererMeasuresByIt) {
     const Eigen::VectorXd want[] = {J_a.transpose() * f, J_a.transpose() * f_star,
                                     300.0 * dq.head(n_a), 300.0 * dq.head(n_a)};
     for (int k = 0; k < 4; ++k) {
-      const VecA got = force(kAll[k], model, x, Z_q);
-      ASSERT_LT((got - want[k]).norm(), 1e-8 * (want[k].norm() + 1.0)) << name(kAll[k]);
+      const VecA got = force(kEveryRenderer[k], model, x, Z_q);
+      ASSERT_LT((got - want[k]).norm(), 1e-8 * (want[k].norm() + 1.0)) << name(kEveryRenderer[k]);
     }
   }
 }

@@ -8,11 +8,11 @@
 #include "haptic/core/analysis/trajectory_metrics.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/projection/renderer.hpp"
+#include "tests/support/angles.hpp"
 
 namespace haptic::core {
 namespace {
 
-constexpr double kDegree = 0.017453292519943295;
 TrajectoryAnalysis analysis(const Kinematics& finger, double A1, double A2, double psi) {
   GraspCycle grasp;
   grasp.A1 = A1 * kDegree;

@@ -5,13 +5,12 @@
 #include <cmath>
 
 #include "tests/core/tick/finger_bench.hpp"
+#include "tests/support/angles.hpp"
 
 namespace haptic::core {
 namespace {
 
 using namespace test;
-
-constexpr double kDegree = 0.017453292519943295;
 
 struct Cycle {
   double returned{0.0};  ///< work on the user per cycle, J

@@ -57,9 +57,9 @@ PipelineConfig config_of(RendererKind renderer, const Matrix2d& Z = kZ) {
   return c;
 }
 
-class Bench {
+class CoupledBench {
  public:
-  explicit Bench(const PipelineConfig& config) : pipeline(config) {
+  explicit CoupledBench(const PipelineConfig& config) : pipeline(config) {
     input.settings = config.scene;
     input.device.armed = input.device.fresh = true;
     input.device.sample.q = target = VecQ::Zero(3);
@@ -109,7 +109,7 @@ VecQ anywhere(std::mt19937_64& random, double size) {
 
 TEST(CoupledStiffness, TheForceIsTheLawAndSaysWhereItIsHeld) {
   for (const RendererKind renderer : kSubspace) {
-    Bench bench(config_of(renderer));
+    CoupledBench bench(config_of(renderer));
     bench.engage();
     std::mt19937_64 random(1);
     int held = 0;
@@ -134,7 +134,7 @@ TEST(CoupledStiffness, TheForceIsTheLawAndSaysWhereItIsHeld) {
 }
 
 TEST(CoupledStiffness, TheGainScalesTheWholeForce) {
-  Bench bench(config_of(RendererKind::kSubspaceExact));
+  CoupledBench bench(config_of(RendererKind::kSubspaceExact));
   bench.target = (VecQ(3) << 0.008, 0.0, 0.004).finished();
   for (int i = 0; i < 250; ++i) bench.tick();
   ++bench.input.command.engage_id;
@@ -152,7 +152,7 @@ TEST(CoupledStiffness, TheGainScalesTheWholeForce) {
 TEST(CoupledStiffness, NoCycleOfTheDeviceReturnsEnergy) {
   for (const RendererKind renderer : kSubspace) {
     for (const double direction : {1.0, -1.0}) {
-      Bench bench(config_of(renderer));
+      CoupledBench bench(config_of(renderer));
       bench.engage();
       bench.target = (VecQ(3) << 0.002, 0.001, -0.001).finished();
       constexpr int kSteps = 4000;
@@ -191,7 +191,7 @@ TEST(CoupledStiffness, AWarmWindingTakesTheWholeForceBack) {
   motor.winding_resistance = 5.0;
   motor.winding_time = 2.0;
   config.ratings[1].thermal = motor;
-  Bench bench(config);
+  CoupledBench bench(config);
   bench.engage();
   bench.target = (VecQ(3) << 0.004, 0.0, 0.005).finished();
   const Vector2d cold(bench.tick().tau_a);
@@ -209,7 +209,7 @@ TEST(CoupledStiffness, AWarmWindingTakesTheWholeForceBack) {
 }
 
 TEST(CoupledStiffness, ASessionLowersTheDiagonalAndWithItWhatCouples) {
-  Bench bench(config_of(RendererKind::kSubspaceExact));
+  CoupledBench bench(config_of(RendererKind::kSubspaceExact));
   bench.input.settings.id = 1;
   bench.input.settings.stiffness =
       (VecA(2) << 225.0, 1e9).finished();  // a quarter; at most the scene's
@@ -230,10 +230,10 @@ TEST(CoupledStiffness, ASessionLowersTheDiagonalAndWithItWhatCouples) {
 TEST(CoupledStiffness, EngageLooksAtTheForceOfAllDofs) {
   PipelineConfig config = config_of(RendererKind::kSubspaceExact);
   config.scene.engage_window = VecA::Constant(2, 1.0);
-  Bench bench(config);
+  CoupledBench bench(config);
   bench.target = (VecQ(3) << 0.002, 0.0, -0.002).finished();  // (0.8, -0.2) N; 1.8 N uncoupled
   bench.engage();
-  Bench other(config);
+  CoupledBench other(config);
   other.target =
       (VecQ(3) << 0.001, 0.0, 0.001).finished();  // (1.4, 1.1) N; 0.9 and 0.6 N uncoupled
   for (int i = 0; i < 250; ++i) other.tick();
@@ -247,7 +247,7 @@ TEST(CoupledStiffness, EngageLooksAtTheForceOfAllDofs) {
 TEST(CoupledStiffness, IsForTheSubspaceMethodsOnly) {
   for (const RendererKind renderer : {RendererKind::kStandard, RendererKind::kNullSpace}) {
     EXPECT_THROW(Pipeline{config_of(renderer)}, SceneError);
-    Bench bench(config_of(RendererKind::kSubspaceLinear));
+    CoupledBench bench(config_of(RendererKind::kSubspaceLinear));
     bench.input.settings.id = 1;
     bench.input.settings.renderer = renderer;  // a session's wish
     bench.engage();
@@ -274,7 +274,7 @@ double potential(const Vector2d& d) {
 /// METHOD 6, case 18: V jumps by dV, the tank pays it exactly, or the anchor stays on the way.
 TEST(CoupledStiffness, TheTankPaysTheJumpOrShortensTheSpringAlongItself) {
   for (const RendererKind renderer : kSubspace) {
-    Bench rich(guarded(renderer, 0.05));
+    CoupledBench rich(guarded(renderer, 0.05));
     rich.engage();
     rich.target = (VecQ(3) << 0.009, 0.0, -0.002).finished();
     const TickRecord& paid = rich.tick();
@@ -282,7 +282,7 @@ TEST(CoupledStiffness, TheTankPaysTheJumpOrShortensTheSpringAlongItself) {
     EXPECT_NEAR(paid.passivity.storage, potential(rich.d()), 1e-12);
     EXPECT_NEAR(paid.passivity.tank, 0.05 - potential(rich.d()), 1e-12);
 
-    Bench poor(guarded(renderer, 0.004));
+    CoupledBench poor(guarded(renderer, 0.004));
     poor.engage();
     poor.target = rich.target;
     const TickRecord& held = poor.tick();
@@ -302,7 +302,7 @@ TEST(CoupledStiffness, BehindTheTankNoMotionAndNoProxyGivesMoreThanItHolds) {
   constexpr double kInitial = 0.002, T = 1e-3;
   for (const RendererKind renderer : kSubspace) {
     for (unsigned seed = 1; seed <= 4; ++seed) {
-      Bench bench(guarded(renderer, kInitial));
+      CoupledBench bench(guarded(renderer, kInitial));
       bench.engage();
       std::mt19937_64 random(seed);
       double given = 0.0, most = 0.0, stored = 0.0;
@@ -333,7 +333,7 @@ TEST(CoupledStiffness, RendersPlanesWithTheDirectionGuard) {
   for (const RendererKind renderer : kSubspace) {
     PipelineConfig config = config_of(renderer);
     config.scene.direction_guard = true;
-    Bench bench(config);
+    CoupledBench bench(config);
     ProxySnapshot& proxy = bench.input.proxy;
     proxy.mode = ProxyMode::kPlanes;
     proxy.x = VecX::Zero(3);
@@ -372,7 +372,7 @@ TEST(CoupledStiffness, ATickAllocatesNothingAndIsReplayedToTheBit) {
   config.ratings.resize(2);
   config.ratings[0].power = 0.5;
   config.ratings[1].thermal = ThermalParameters{};
-  Bench bench(config), again(config);
+  CoupledBench bench(config), again(config);
   bench.engage();
   again.engage();
   std::mt19937_64 random(5);

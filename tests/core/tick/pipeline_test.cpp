@@ -10,25 +10,22 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/angles.hpp"
+#include "tests/support/vectors.hpp"
 
 namespace haptic::core {
 namespace {
 
 using std::chrono::milliseconds;
-constexpr double kDegree = 0.017453292519943295;
-
-VecX joints(double mcp, double pip) {
-  return (VecX(2) << mcp, pip).finished();
-}
 
 /// A finger on virtual time: device and client are the test.
-class Bench {
+class PipelineBench {
  public:
-  explicit Bench(RendererKind renderer = RendererKind::kSubspaceLinear, bool guard = false,
-                 double slew = 1e4, SilencePolicy policy = SilencePolicy::kFault)
+  explicit PipelineBench(RendererKind renderer = RendererKind::kSubspaceLinear, bool guard = false,
+                         double slew = 1e4, SilencePolicy policy = SilencePolicy::kFault)
       : pipeline_(config(renderer, guard, slew, policy)) {
     input_.settings = pipeline_.config().scene;
-    put(joints(30 * kDegree, 30 * kDegree));
+    put(two(30 * kDegree, 30 * kDegree));
     input_.device.armed = true;
     input_.command.lease_epoch = 1;
     input_.command.lease_held = true;
@@ -95,13 +92,13 @@ class Bench {
   Pipeline pipeline_;
   TickInput input_{};
   ProxyMode mode{ProxyMode::kHeld};
-  VecX target = joints(27 * kDegree, 27 * kDegree);
+  VecX target = two(27 * kDegree, 27 * kDegree);
   std::vector<TickInput> inputs{};
   std::vector<TickRecord> records{};
 };
 
 TEST(Pipeline, RendersZqTimesTheDeviationOfTheSubspaceProxy) {
-  Bench bench;
+  PipelineBench bench;
   const TickRecord record = bench.engage();
   // Independent: the linearised deviation by Cramer's rule.
   VecX x_probe;
@@ -115,11 +112,11 @@ TEST(Pipeline, RendersZqTimesTheDeviationOfTheSubspaceProxy) {
 }
 
 TEST(Pipeline, FreeModeGivesNoForceAndNoDrag) {
-  Bench bench;
+  PipelineBench bench;
   bench.mode = ProxyMode::kFree;
   bench.engage();
   for (int i = 0; i < 50; ++i) {
-    bench.put(joints((30 + 0.2 * i) * kDegree, 30 * kDegree));
+    bench.put(two((30 + 0.2 * i) * kDegree, 30 * kDegree));
     const TickRecord record = bench.tick();
     ASSERT_EQ(record.tau_a[0], 0.0) << "tick " << i;
     ASSERT_EQ(record.state, DeviceState::kEngaged);
@@ -128,7 +125,7 @@ TEST(Pipeline, FreeModeGivesNoForceAndNoDrag) {
 
 TEST(Pipeline, SilenceOfTheClientEndsElasticForceIn200msWhateverTheSlewLimit) {
   for (const double slew : {1e4, 1.0}) {
-    Bench bench(RendererKind::kSubspaceLinear, false, slew);
+    PipelineBench bench(RendererKind::kSubspaceLinear, false, slew);
     TickRecord record = bench.engage();
     for (int i = 0; i < 20000 && slew < 10.0; ++i) record = bench.tick();
     ASSERT_LT(record.tau_elastic[0], -1.0);
@@ -154,7 +151,7 @@ TEST(Pipeline, SilenceOfTheClientEndsElasticForceIn200msWhateverTheSlewLimit) {
 }
 
 TEST(Pipeline, LeavingHoldNeedsNoRampAndLeavingFadeDoes) {
-  Bench bench;
+  PipelineBench bench;
   bench.engage();
   for (int i = 0; i < 90; ++i) bench.tick(true, false);
   EXPECT_EQ(bench.tick().gain, 1.0);
@@ -165,7 +162,7 @@ TEST(Pipeline, LeavingHoldNeedsNoRampAndLeavingFadeDoes) {
 }
 
 TEST(Pipeline, TheEndOfTheLeaseFadesAndThenCommandsZero) {
-  Bench bench;
+  PipelineBench bench;
   bench.engage();
   bench.input_.command.lease_held = false;
   TickRecord record = bench.tick(true, false);
@@ -182,12 +179,12 @@ TEST(Pipeline, TheEndOfTheLeaseFadesAndThenCommandsZero) {
 }
 
 TEST(Pipeline, AFadingForceIsNeverLedByTheNextLease) {
-  Bench bench;
+  PipelineBench bench;
   bench.engage();
   const VecX before = bench.records.back().x;
   ++bench.input_.command.lease_epoch;
   bench.input_.proxy.gapless_samples = 0;
-  bench.target = joints(60 * kDegree, 60 * kDegree);
+  bench.target = two(60 * kDegree, 60 * kDegree);
   for (int i = 0; i < 40; ++i) {
     const TickRecord record = bench.tick();
     ASSERT_EQ(record.state, DeviceState::kReleasing);
@@ -199,7 +196,7 @@ TEST(Pipeline, AFadingForceIsNeverLedByTheNextLease) {
 }
 
 TEST(Pipeline, EngageNamesWhatIsNotGoodEnough) {
-  Bench bench;
+  PipelineBench bench;
   const auto ask = [&bench](bool sample = true, bool proxy = true) {
     ++bench.input_.command.engage_id;
     return bench.tick(sample, proxy).engage;
@@ -214,12 +211,12 @@ TEST(Pipeline, EngageNamesWhatIsNotGoodEnough) {
   EXPECT_EQ(answer.verdict, EngageVerdict::kStreamTooYoung);
   EXPECT_LT(answer.value, 200.0);
   for (int i = 0; i < 250; ++i) bench.tick();
-  bench.target = joints(5 * kDegree, 5 * kDegree);
+  bench.target = two(5 * kDegree, 5 * kDegree);
   answer = ask();
   EXPECT_EQ(answer.verdict, EngageVerdict::kOutsideWindow);
   EXPECT_GT(answer.value, 10.0);
   EXPECT_EQ(answer.limit, 10.0);
-  bench.target = joints(27 * kDegree, 27 * kDegree);
+  bench.target = two(27 * kDegree, 27 * kDegree);
   for (int i = 0; i < 4; ++i) bench.tick(false);
   EXPECT_EQ(ask(false).verdict, EngageVerdict::kDeviceStale);
   bench.tick();
@@ -241,7 +238,7 @@ TEST(Pipeline, WhatTheDeviceMustNotSayIsAFaultWithZeroCommandThatLatches) {
                         {(VecQ(2) << 0.01, HUGE_VAL).finished(), Fault::kSampleNotFinite},
                         {(VecQ(2) << 0.2, 0.0).finished(), Fault::kSampleOutOfRange}};
   for (const Case& c : cases) {
-    Bench bench;
+    PipelineBench bench;
     bench.engage();
     const VecQ good = bench.input_.device.sample.q;
     bench.input_.device.sample.q = c.q;
@@ -261,7 +258,7 @@ TEST(Pipeline, WhatTheDeviceMustNotSayIsAFaultWithZeroCommandThatLatches) {
 }
 
 TEST(Pipeline, AClearOfAStopLeavesALaterStopAlone) {
-  Bench bench;
+  PipelineBench bench;
   bench.engage();
   ++bench.input_.command.stop_id;
   ASSERT_EQ(bench.tick().state, DeviceState::kFault);
@@ -282,7 +279,7 @@ TEST(Pipeline, AClearOfAStopLeavesALaterStopAlone) {
 }
 
 TEST(Pipeline, ASilentDeviceIsAFaultAndARecordingsGapIsARamp) {
-  Bench hardware;
+  PipelineBench hardware;
   hardware.engage();
   TickRecord record;
   for (int i = 0; i < 10; ++i) record = hardware.tick(false);
@@ -295,7 +292,7 @@ TEST(Pipeline, ASilentDeviceIsAFaultAndARecordingsGapIsARamp) {
   record = hardware.tick(false);
   EXPECT_TRUE(record.clear.refused.has(Fault::kDeviceSilent)) << "the cause persists";
 
-  Bench recording(RendererKind::kSubspaceLinear, false, 1e4, SilencePolicy::kRampOut);
+  PipelineBench recording(RendererKind::kSubspaceLinear, false, 1e4, SilencePolicy::kRampOut);
   recording.engage();
   for (int i = 0; i < 100; ++i) record = recording.tick(false);
   EXPECT_EQ(record.state, DeviceState::kEngaged);
@@ -304,21 +301,21 @@ TEST(Pipeline, ASilentDeviceIsAFaultAndARecordingsGapIsARamp) {
 }
 
 TEST(Pipeline, AnEmergencyStopActsInItsTickAndALateLoopIsAFault) {
-  Bench bench;
+  PipelineBench bench;
   bench.engage();
   ++bench.input_.command.stop_id;
   TickRecord record = bench.tick();
   EXPECT_TRUE(record.faults.has(Fault::kEmergencyStop));
   EXPECT_EQ(record.tau_a[0], 0.0);
 
-  Bench late;
+  PipelineBench late;
   late.engage();
   late.input_.loop.lateness = milliseconds(21);
   record = late.tick();
   EXPECT_TRUE(record.faults.has(Fault::kLoopLate));
   EXPECT_EQ(record.tau_a[0], 0.0);
 
-  Bench often;
+  PipelineBench often;
   often.engage();
   often.input_.loop.skipped = 1;
   for (int i = 0; i < 19; ++i) record = often.tick();
@@ -329,10 +326,10 @@ TEST(Pipeline, AnEmergencyStopActsInItsTickAndALateLoopIsAFault) {
 /// METHOD 6, case 17: the forward map fails; q* is kept and the spring stays alive.
 TEST(Pipeline, WhereTheMapFailsTheAnchorIsKept) {
   PipelineConfig config =
-      Bench::config(RendererKind::kSubspaceExact, false, 1e6, SilencePolicy::kFault);
+      PipelineBench::config(RendererKind::kSubspaceExact, false, 1e6, SilencePolicy::kFault);
   config.device.q_lower[1] = -3.0;
   config.scene.stiffness[0] = 100.0;
-  Bench bench(RendererKind::kSubspaceExact, false, 1e6);
+  PipelineBench bench(RendererKind::kSubspaceExact, false, 1e6);
   bench.pipeline_ = Pipeline(config);
   bench.input_.settings = config.scene;
   bench.engage();
@@ -345,12 +342,12 @@ TEST(Pipeline, WhereTheMapFailsTheAnchorIsKept) {
 }
 
 TEST(Pipeline, TheSceneIsTheWidestASessionGets) {
-  Bench bench;
+  PipelineBench bench;
   bench.input_.settings.id = 7;
   bench.input_.settings.stiffness[0] = 1e9;
   bench.input_.settings.force_limit[0] = 1e9;
   bench.engage();
-  bench.target = joints(0.0, 0.0);
+  bench.target = two(0.0, 0.0);
   TickRecord record;
   for (int i = 0; i < 50; ++i) record = bench.tick();
   EXPECT_LE(std::abs(record.tau_a[0]), 20.0);
@@ -361,14 +358,14 @@ TEST(Pipeline, TheSceneIsTheWidestASessionGets) {
 TEST(Pipeline, ReplaysBitForBit) {
   for (const RendererKind kind : {RendererKind::kStandard, RendererKind::kNullSpace,
                                   RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
-    Bench bench(kind, true);
+    PipelineBench bench(kind, true);
     std::mt19937_64 random(1);
     std::uniform_real_distribution<double> u(0.0, 1.0);
     bench.engage();
     for (int i = 0; i < 5000; ++i) {
-      bench.put(joints((35 + 20 * std::sin(0.01 * i)) * kDegree,
-                       (40 + 25 * std::sin(0.013 * i)) * kDegree));
-      bench.target = joints((30 + 20 * u(random)) * kDegree, 30 * kDegree);
+      bench.put(
+          two((35 + 20 * std::sin(0.01 * i)) * kDegree, (40 + 25 * std::sin(0.013 * i)) * kDegree));
+      bench.target = two((30 + 20 * u(random)) * kDegree, 30 * kDegree);
       bench.mode = u(random) < 0.2 ? ProxyMode::kFree : ProxyMode::kHeld;
       if (u(random) < 0.01) ++bench.input_.command.engage_id;
       if (u(random) < 0.002) ++bench.input_.command.release_id;
@@ -379,7 +376,7 @@ TEST(Pipeline, ReplaysBitForBit) {
       }
       bench.tick(u(random) < 0.9, u(random) < 0.5);
     }
-    Pipeline again(Bench::config(kind, true, 1e4, SilencePolicy::kFault));
+    Pipeline again(PipelineBench::config(kind, true, 1e4, SilencePolicy::kFault));
     for (std::size_t i = 0; i < bench.inputs.size(); ++i) {
       ASSERT_TRUE(identical(again.tick(bench.records[i].input), bench.records[i]))
           << name(kind) << ", tick " << i;
@@ -390,11 +387,11 @@ TEST(Pipeline, ReplaysBitForBit) {
 TEST(Pipeline, AllocatesNothing) {
   for (const RendererKind kind : {RendererKind::kStandard, RendererKind::kNullSpace,
                                   RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
-    Bench bench(kind, true);
+    PipelineBench bench(kind, true);
     bench.engage();
     TickInput input = bench.input_;
     TickRecord record = bench.records.back();
-    const test::AllocationGuard guard;
+    const haptic::test::AllocationGuard guard;
     for (int i = 0; i < 200; ++i) {
       input.now += milliseconds(1);
       input.device.sample.time = input.now;
@@ -412,7 +409,7 @@ TEST(Pipeline, AllocatesNothing) {
 
 TEST(PipelineConfig, WhatDoesNotFitIsRefusedWithItsName) {
   PipelineConfig config =
-      Bench::config(RendererKind::kSubspaceLinear, false, 1e4, SilencePolicy::kFault);
+      PipelineBench::config(RendererKind::kSubspaceLinear, false, 1e4, SilencePolicy::kFault);
   config.scene.force_limit[0] = 41.0;
   try {
     Pipeline pipeline(config);

@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <iomanip>
-#include <numbers>
 #include <sstream>
 
 #include "haptic/core/error.hpp"
@@ -14,6 +13,7 @@
 #include "hw/replay/replay.hpp"
 #include "tests/hw/temporary_file.hpp"
 #include "tests/hw/virtual_loop.hpp"
+#include "tests/support/angles.hpp"
 
 namespace haptic::hw {
 namespace {
@@ -21,8 +21,6 @@ namespace {
 using test::TemporaryFile;
 using test::VirtualLoop;
 using testing::HasSubstr;
-
-constexpr double kPi = std::numbers::pi;
 
 /// A joint on a tracked palm.
 std::shared_ptr<const core::Kinematics> palm() {
@@ -33,7 +31,7 @@ std::shared_ptr<const core::Kinematics> palm() {
   return core::make_serial_chain(chain);
 }
 
-ReplayConfig playing(const TemporaryFile& file) {
+ReplayConfig playing_palm(const TemporaryFile& file) {
   return {file.path(), false, core::VecA::Constant(1, 1.0)};
 }
 
@@ -56,7 +54,7 @@ TEST(TrackedOrientation, IsPlayedSmoothlyThroughATurnByPi) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1, -2, 2) / 3.0;
   const TemporaryFile file(turning(axis, 2.5, 100));  // 2.5 to 4.48 rad
   const auto kinematics = palm();
-  Replay device(playing(file), kinematics);
+  Replay device(playing_palm(file), kinematics);
   VirtualLoop loop(device);
   bool jumped = false;
   for (int ms = 0; ms <= 1980; ++ms) {
@@ -79,7 +77,7 @@ TEST(TrackedOrientation, MayStandAsARotationVectorToo) {
   const TemporaryFile file(
       "time_s,palm.rx,palm.ry,palm.rz,palm.x,palm.y,palm.z,a\n0,0.1,0.2,0.3,0,0,0,0\n"
       "0.02,0.1,0.2,0.3,0,0,0,0\n");
-  Replay device(playing(file), palm());
+  Replay device(playing_palm(file), palm());
   VirtualLoop loop(device);
   EXPECT_LT((loop.tick().sample.q.segment<3>(3) - Eigen::Vector3d(0.1, 0.2, 0.3)).norm(), 1e-15);
 }
@@ -88,7 +86,7 @@ TEST(TrackedOrientation, OfZeroIsRefused) {
   const TemporaryFile file(std::string(kHeader) +
                            "0,0,0,0,0,0,0,1,0\n0.02,0,0,0,0,0,0,0,0\n0.04,0,0,0,0,0,0,1,0\n");
   try {
-    Replay device(playing(file), palm());
+    Replay device(playing_palm(file), palm());
     FAIL() << "accepted";
   } catch (const core::DeviceError& error) {
     EXPECT_THAT(error.what(), HasSubstr(":3: columns palm.qx .qy .qz .qw = 0, 0, 0, 0"));
@@ -99,7 +97,7 @@ TEST(TrackedOrientation, ColumnsThatAreMissingAreNamed) {
   const TemporaryFile file(
       "time_s,palm.x,palm.y,palm.z,palm.qx,palm.qy,palm.qz,a\n0,0,0,0,0,0,0,0\n");
   try {
-    Replay device(playing(file), palm());
+    Replay device(playing_palm(file), palm());
     FAIL() << "accepted";
   } catch (const core::DeviceError& error) {
     EXPECT_THAT(error.what(), HasSubstr("palm.qw"));

@@ -11,6 +11,7 @@
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/motion/minimum_jerk.hpp"
+#include "tests/hw/simulated/one_finger.hpp"
 
 namespace haptic::hw {
 namespace {
@@ -18,14 +19,9 @@ namespace {
 constexpr double kDeg = std::numbers::pi / 180.0;
 constexpr double kDt = 1e-4;
 
-std::shared_ptr<const core::Kinematics> finger() {
-  static const std::shared_ptr<const core::Kinematics> kFinger = core::make_finger_exoskeleton({});
-  return kFinger;
-}
-
 /// Lets the user rise from (0, 0) to x_des in 0.8 s under a constant force; 2 s in all.
 FingerPhysics pressed(const FingerParameters& p, const Eigen::Vector2d& x_des, double tau_a) {
-  FingerPhysics physics(p, finger(), Eigen::Vector2d::Zero());
+  FingerPhysics physics(p, test::one_finger(), Eigen::Vector2d::Zero());
   for (int i = 0; i < 20000; ++i) physics.step(kDt, minimum_jerk(i * kDt / 0.8) * x_des, tau_a);
   return physics;
 }
@@ -41,8 +37,8 @@ Eigen::Vector2d lever_arms(const Eigen::Vector2d& x) {
     ahead[i] += h;
     behind[i] -= h;
     core::VecQ q_ahead = core::VecQ::Zero(2), q_behind = core::VecQ::Zero(2);
-    EXPECT_EQ(finger()->inverse(ahead, q_ahead), core::InverseStatus::kExact);
-    EXPECT_EQ(finger()->inverse(behind, q_behind), core::InverseStatus::kExact);
+    EXPECT_EQ(test::one_finger()->inverse(ahead, q_ahead), core::InverseStatus::kExact);
+    EXPECT_EQ(test::one_finger()->inverse(behind, q_behind), core::InverseStatus::kExact);
     w[i] = (q_ahead[0] - q_behind[0]) / (2 * h);
   }
   return w;
@@ -89,7 +85,7 @@ TEST(FingerPhysics, AtRestTheForceBalancesTheHand) {
 
 TEST(FingerPhysics, APositiveForcePushesTowardsLargerLx) {
   for (const double tau_a : {0.2, 1.0, 5.0}) {
-    FingerPhysics pushed({}, finger(), {30 * kDeg, 30 * kDeg});
+    FingerPhysics pushed({}, test::one_finger(), {30 * kDeg, 30 * kDeg});
     FingerPhysics pulled = pushed;
     const double start = pushed.q()[0];
     for (int i = 0; i < 50; ++i) {
@@ -107,7 +103,7 @@ TEST(FingerPhysics, TheFirstStepFollowsNewton) {
   p.hand_damping = 0.0;
   p.actuator_damping = 0.0;
   const Eigen::Vector2d x(30 * kDeg, 30 * kDeg), aim(40 * kDeg, 20 * kDeg);
-  FingerPhysics physics(p, finger(), x);
+  FingerPhysics physics(p, test::one_finger(), x);
   physics.step(1e-6, aim, 7.0);
   // METHOD 1.2 prints J at (30, 30) deg; w is the first row of its inverse.
   Eigen::Matrix2d J;
@@ -128,7 +124,7 @@ TEST(FingerPhysics, TheActuatorsMassMovesWithTheLinkage) {
     p.hand_stiffness = 1e-12;
     p.hand_damping = 0.0;
     p.actuator_damping = 0.0;
-    FingerPhysics physics(p, finger(), {10 * kDeg, 20 * kDeg});
+    FingerPhysics physics(p, test::one_finger(), {10 * kDeg, 20 * kDeg});
     const Eigen::Vector2d kick =
         Eigen::Vector2d(2.5e8, 3e8) / dt;  // one impulse, whatever the step
     for (int i = 0; i < 10; ++i) physics.step(dt, kick, 0.0);
@@ -148,7 +144,7 @@ TEST(FingerPhysics, NeverHoldsMoreEnergyThanTheUserGave) {
   for (const double friction : {0.0, 3.0}) {
     FingerParameters p;
     p.actuator_friction = friction;
-    FingerPhysics physics(p, finger(), Eigen::Vector2d::Zero());
+    FingerPhysics physics(p, test::one_finger(), Eigen::Vector2d::Zero());
     for (int i = 0; i < 40000; ++i) {
       const double t = i * kDt;
       physics.step(kDt, {0.6 + 0.7 * std::sin(9.0 * t), 0.7 + 0.8 * std::sin(5.0 * t)}, 0.0);
@@ -161,7 +157,7 @@ TEST(FingerPhysics, NeverHoldsMoreEnergyThanTheUserGave) {
 TEST(FingerPhysics, AccountsForAllEnergyUnderForce) {
   FingerParameters p;
   p.actuator_friction = 1.0;
-  FingerPhysics physics(p, finger(), Eigen::Vector2d::Zero());
+  FingerPhysics physics(p, test::one_finger(), Eigen::Vector2d::Zero());
   for (int i = 0; i < 30000; ++i) {
     const double t = i * kDt;
     physics.step(kDt, {0.8 + 0.2 * std::sin(4.0 * t), 0.8}, 6.0 * std::sin(7.0 * t));
@@ -177,7 +173,7 @@ TEST(FingerPhysics, AccountsForAllEnergyUnderForce) {
 TEST(FingerPhysics, FrictionAndDampingOnlyTake) {
   FingerParameters p;
   p.actuator_friction = 4.0;
-  FingerPhysics physics(p, finger(), Eigen::Vector2d::Zero());
+  FingerPhysics physics(p, test::one_finger(), Eigen::Vector2d::Zero());
   FingerEnergy last;
   for (int i = 0; i < 20000; ++i) {
     const double t = i * kDt;
@@ -194,7 +190,7 @@ TEST(FingerPhysics, FrictionSticksWithoutCreeping) {
   FingerParameters p;
   p.actuator_friction = 5.0;
   const Eigen::Vector2d x(30 * kDeg, 30 * kDeg);
-  FingerPhysics stuck(p, finger(), x);
+  FingerPhysics stuck(p, test::one_finger(), x);
   FingerPhysics loose = stuck;
   const double start = stuck.q()[0];
   for (int i = 0; i < 10000; ++i) {
@@ -218,12 +214,12 @@ TEST(FingerPhysics, AStopHoldsTheFingerInReach) {
     x << physics.x()[0], physics.x()[1];
     core::VecQ q = core::VecQ::Zero(2);
     core::MatXQ J = core::MatXQ::Zero(2, 2);
-    ASSERT_EQ(finger()->inverse(x, q), core::InverseStatus::kUnreachable);
-    ASSERT_EQ(finger()->evaluate(q, edge, J), core::MapStatus::kOk);
+    ASSERT_EQ(test::one_finger()->inverse(x, q), core::InverseStatus::kUnreachable);
+    ASSERT_EQ(test::one_finger()->evaluate(q, edge, J), core::MapStatus::kOk);
     const double beyond = (x - edge).norm();
     EXPECT_LT(beyond, 0.025 * (aim - Eigen::Vector2d(edge[0], edge[1])).norm() + 1e-4);
     for (int i = 0; i < 2; ++i) {
-      const core::DofSpec& dof = finger()->dofs()[static_cast<std::size_t>(i)];
+      const core::DofSpec& dof = test::one_finger()->dofs()[static_cast<std::size_t>(i)];
       EXPECT_GE(physics.q()[i], dof.lower);
       EXPECT_LE(physics.q()[i], dof.upper);
     }

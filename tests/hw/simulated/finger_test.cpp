@@ -12,6 +12,7 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
+#include "tests/hw/simulated/one_finger.hpp"
 #include "tests/hw/temporary_file.hpp"
 #include "tests/hw/virtual_loop.hpp"
 
@@ -20,11 +21,6 @@ namespace {
 
 using namespace std::chrono_literals;
 using test::VirtualLoop;
-
-std::shared_ptr<const core::Kinematics> finger() {
-  static const std::shared_ptr<const core::Kinematics> kFinger = core::make_finger_exoskeleton({});
-  return kFinger;
-}
 
 SimulatedFingerConfig aiming_at(double mcp, double pip) {
   SimulatedFingerConfig config;
@@ -38,7 +34,7 @@ bool same_bits(double a, double b) {
 }
 
 TEST(SimulatedFinger, GivesOneSamplePerReadAtTheTimeOfTheRead) {
-  SimulatedFinger device(aiming_at(0.5, 0.5), finger());
+  SimulatedFinger device(aiming_at(0.5, 0.5), test::one_finger());
   VirtualLoop loop(device);
   for (std::uint64_t seq = 1; seq <= 100; ++seq) {
     const core::TimePoint now = loop.now();
@@ -53,7 +49,7 @@ TEST(SimulatedFinger, GivesOneSamplePerReadAtTheTimeOfTheRead) {
 }
 
 TEST(SimulatedFinger, WhereTimeStandsStillThereIsNoNewSample) {
-  SimulatedFinger device(aiming_at(0.5, 0.5), finger());
+  SimulatedFinger device(aiming_at(0.5, 0.5), test::one_finger());
   core::DeviceReading reading;
   device.read(core::TimePoint(1s), reading);
   device.read(core::TimePoint(1s), reading);
@@ -68,9 +64,9 @@ TEST(SimulatedFinger, TheSameSeedGivesTheSameBits) {
   config.noise_l_x = 2e-5;
   config.noise_q_B = 1e-3;
   config.actuator_friction = 1.0;
-  SimulatedFinger a(config, finger()), b(config, finger());
+  SimulatedFinger a(config, test::one_finger()), b(config, test::one_finger());
   config.seed = 2;
-  SimulatedFinger c(config, finger());
+  SimulatedFinger c(config, test::one_finger());
   VirtualLoop loop_a(a), loop_b(b), loop_c(c);
   int differs = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -86,7 +82,7 @@ TEST(SimulatedFinger, TheSameSeedGivesTheSameBits) {
 TEST(SimulatedFinger, RunsInVirtualTimeWhateverThePeriod) {
   // The same physics seen through another period and with jitter: the same pose at the same time.
   const auto pose = [](core::Duration period, core::Duration jitter) {
-    SimulatedFinger device(aiming_at(0.9, 0.8), finger());
+    SimulatedFinger device(aiming_at(0.9, 0.8), test::one_finger());
     core::DeviceReading reading;
     const core::TimePoint start(5s);
     bool odd = false;
@@ -104,7 +100,7 @@ TEST(SimulatedFinger, RunsInVirtualTimeWhateverThePeriod) {
 
 TEST(SimulatedFinger, TheRateOfItsSamplesIsSmoothOnAJitteryClock) {
   // Times off the 0.1 ms grid of the physics must not show as speed.
-  SimulatedFinger device(aiming_at(0.9, 0.8), finger());
+  SimulatedFinger device(aiming_at(0.9, 0.8), test::one_finger());
   core::DeviceReading reading;
   core::TimePoint now(1s), last_time{};
   double last_q = 0.0, last_rate = 0.0, roughest = 0.0, fastest = 0.0;
@@ -123,7 +119,7 @@ TEST(SimulatedFinger, TheRateOfItsSamplesIsSmoothOnAJitteryClock) {
 }
 
 TEST(SimulatedFinger, AJumpOfTheClockIsSkippedNotSimulated) {
-  SimulatedFinger device(aiming_at(0.9, 0.8), finger());
+  SimulatedFinger device(aiming_at(0.9, 0.8), test::one_finger());
   VirtualLoop loop(device);
   loop.run(100ms);
   const double before = device.elapsed();
@@ -136,7 +132,7 @@ TEST(SimulatedFinger, AJumpOfTheClockIsSkippedNotSimulated) {
 }
 
 TEST(SimulatedFinger, IsArmedOneTickAfterArmIsWanted) {
-  SimulatedFinger device(aiming_at(0.5, 0.5), finger());
+  SimulatedFinger device(aiming_at(0.5, 0.5), test::one_finger());
   VirtualLoop loop(device);
   EXPECT_FALSE(loop.tick().armed);
   loop.push(5.0);
@@ -151,7 +147,8 @@ TEST(SimulatedFinger, IsArmedOneTickAfterArmIsWanted) {
 }
 
 TEST(SimulatedFinger, UnarmedItIgnoresForce) {
-  SimulatedFinger quiet(aiming_at(0.7, 0.7), finger()), pushed(aiming_at(0.7, 0.7), finger());
+  SimulatedFinger quiet(aiming_at(0.7, 0.7), test::one_finger()),
+      pushed(aiming_at(0.7, 0.7), test::one_finger());
   VirtualLoop a(quiet), b(pushed);
   b.push(20.0);
   b.disarm();
@@ -161,7 +158,7 @@ TEST(SimulatedFinger, UnarmedItIgnoresForce) {
 }
 
 TEST(SimulatedFinger, ForceStaysWithinTheActuatorsLimit) {
-  SimulatedFinger device(aiming_at(0.5, 0.5), finger());
+  SimulatedFinger device(aiming_at(0.5, 0.5), test::one_finger());
   VirtualLoop loop(device);
   loop.push(1e6);
   loop.run(3ms);
@@ -179,7 +176,7 @@ TEST(SimulatedFinger, ForceStaysWithinTheActuatorsLimit) {
 }
 
 TEST(SimulatedFinger, ClosedItIsLostAndGivesNoForce) {
-  SimulatedFinger device(aiming_at(0.5, 0.5), finger());
+  SimulatedFinger device(aiming_at(0.5, 0.5), test::one_finger());
   VirtualLoop loop(device);
   loop.push(5.0);
   loop.run(5ms);
@@ -196,7 +193,7 @@ TEST(SimulatedFinger, NoiseHasItsSizeAndNoMean) {
   SimulatedFingerConfig config = aiming_at(0.0, 0.0);
   config.noise_l_x = 2e-5;
   config.noise_q_B = 3e-3;
-  SimulatedFinger device(config, finger());
+  SimulatedFinger device(config, test::one_finger());
   VirtualLoop loop(device);
   constexpr int kSamples = 20000;
   Eigen::Array2d sum = Eigen::Array2d::Zero(), square = Eigen::Array2d::Zero();
@@ -224,7 +221,7 @@ TEST(SimulatedFinger, SamplesAreMultiplesOfTheResolution) {
   SimulatedFingerConfig config = aiming_at(0.8, 0.8);
   config.resolution_l_x = 5e-5;
   config.resolution_q_B = 2e-3;
-  SimulatedFinger device(config, finger());
+  SimulatedFinger device(config, test::one_finger());
   VirtualLoop loop(device);
   for (int i = 0; i < 800; ++i) {
     const core::VecQ q = loop.tick().sample.q;
@@ -239,7 +236,7 @@ TEST(SimulatedFinger, FollowsARecordedMotionFromItsRestPose) {
   const test::TemporaryFile file("time_s,q_o1_mcp_rad,q_o2_pip_rad\n0,0.6,0.7\n0.5,0.6,0.7\n");
   SimulatedFingerConfig config;
   config.motion_file = file.path();
-  SimulatedFinger device(config, finger());
+  SimulatedFinger device(config, test::one_finger());
   EXPECT_EQ(device.physics().x(), Eigen::Vector2d::Zero().eval());
   VirtualLoop loop(device);
   for (int i = 0; i < 3000; ++i) {
@@ -270,7 +267,7 @@ TEST(Intent, OfARecordingRepeatsWithoutAJump) {
 }
 
 TEST(SimulatedFinger, DescribesItself) {
-  const SimulatedFinger device(aiming_at(0.0, 0.0), finger());
+  const SimulatedFinger device(aiming_at(0.0, 0.0), test::one_finger());
   const DeviceInfo& info = device.info();
   EXPECT_EQ(info.kind, "simulated");
   EXPECT_TRUE(info.moves);
@@ -289,7 +286,7 @@ TEST(SimulatedFinger, RefusesAParameterByItsNameInTheScene) {
     SimulatedFingerConfig config;
     change(config);
     try {
-      SimulatedFinger device(config, finger());
+      SimulatedFinger device(config, test::one_finger());
     } catch (const core::DeviceError& error) {
       return error.what();
     }

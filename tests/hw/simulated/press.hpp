@@ -10,10 +10,10 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "hw/simulated/finger_physics.hpp"
+#include "tests/support/angles.hpp"
 
 namespace haptic::hw::test {
 
-inline constexpr double kDegree = 0.017453292519943295;
 inline constexpr double kNoStop = 999.0;
 
 /// Angles in degrees, (MCP, PIP).

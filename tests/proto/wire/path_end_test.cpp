@@ -14,7 +14,7 @@ using test::bytes_of;
 using test::ByteVector;
 using test::test_keys;
 
-PeerAddress address(std::uint16_t port) {
+PeerAddress port_only(std::uint16_t port) {
   PeerAddress answer;
   answer.port = port;
   return answer;
@@ -69,7 +69,7 @@ struct Joined {
 
   TimePoint now{100s};
   bool cut{false};
-  PeerAddress client_address{address(1)}, server_address{address(2)};
+  PeerAddress client_address{port_only(1)}, server_address{port_only(2)};
   std::deque<Datagram> under_way{}, passed{};
   std::vector<std::string> at_server{}, at_client{};
   PathEnd client, server;
@@ -113,7 +113,7 @@ TEST(PathEnd, ADatagramThatFailsIsNeverAnswered) {
   for (std::size_t at = 0; at < challenge.size(); ++at) {
     ByteVector bad = challenge;
     bad[at] ^= 0x80U;
-    EXPECT_NE(pair.server.receive(bad, address(66), pair.now).rejection, Rejection::kNone);
+    EXPECT_NE(pair.server.receive(bad, port_only(66), pair.now).rejection, Rejection::kNone);
   }
   pair.server.step(pair.now + 1s);
   EXPECT_TRUE(pair.under_way.empty());
@@ -136,20 +136,20 @@ TEST(PathEnd, StatesFollowAClientThatMovedOnlyAfterTheNewAddressAnswered) {
   Joined pair;
   pair.client.start(pair.server_address, pair.now);
   pair.run(200ms);
-  pair.client_address = address(9);
+  pair.client_address = port_only(9);
   EXPECT_TRUE(pair.client.send(bytes_of("from elsewhere")));
   pair.flush();
   EXPECT_EQ(pair.at_server.size(), 1U);  // the sample is genuine, wherever it came from
-  EXPECT_EQ(pair.server.address(), address(1));
+  EXPECT_EQ(pair.server.address(), port_only(1));
   pair.run(100ms);
-  EXPECT_EQ(pair.server.address(), address(9));
+  EXPECT_EQ(pair.server.address(), port_only(9));
 }
 
 TEST(PathEnd, ASpoofedSourceGetsAtMostOneRoundAndNoState) {
   Joined pair;
   pair.client.start(pair.server_address, pair.now);
   pair.run(200ms);
-  const PeerAddress victim = address(66);
+  const PeerAddress victim = port_only(66);
   // A genuine datagram, caught on its way and sent on under the victim's name.
   EXPECT_TRUE(pair.client.send(bytes_of("caught")));
   const ByteVector caught = pair.under_way.back().bytes;

@@ -30,7 +30,7 @@ using haptic::server::RealtimeMode;
 using haptic::test::eventually;
 using testing::HasSubstr;
 
-constexpr haptic::server::AppOptions kPlain{RealtimeMode::kOff};
+constexpr haptic::server::AppOptions kNotRealtime{RealtimeMode::kOff};
 
 class BoardThread {
  public:
@@ -101,7 +101,7 @@ std::string scraped(std::uint16_t port) {
 
 TEST(PacedApp, TheBoardsSamplesBeginTheTicksAndTheTimerWhereItIsSilent) {
   BoardThread board;
-  App app(paced(board), kPlain);
+  App app(paced(board), kNotRealtime);
   app.start();
   const auto facts = [&app] { return app.loop_facts(); };
   EXPECT_EQ(facts().paced_by, "finger");
@@ -122,7 +122,7 @@ TEST(PacedApp, TheBoardsSamplesBeginTheTicksAndTheTimerWhereItIsSilent) {
 
 TEST(PacedApp, TellsWhoPacesAndHowOften) {
   BoardThread board;
-  App app(paced(board), kPlain);
+  App app(paced(board), kNotRealtime);
   app.start();
   ASSERT_TRUE(eventually([&] { return app.loop_facts().paced_by_sample > 50; }));
   const auto stub = haptic::v1::HapticService::NewStub(
@@ -141,7 +141,7 @@ TEST(PacedApp, ABoardOfAnotherPeriodIsRefused) {
   BoardThread board;
   haptic::server::Scene scene = paced(board);
   scene.loop.period = 2ms;
-  App app(std::move(scene), kPlain);
+  App app(std::move(scene), kNotRealtime);
   try {
     app.start();
     FAIL() << "must throw";

@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include "tests/server/rt/grid_times.hpp"
+
 namespace {
 
 using namespace std::chrono_literals;
@@ -11,9 +13,8 @@ using haptic::core::Duration;
 using haptic::core::LoopReport;
 using haptic::core::TimePoint;
 using haptic::server::DeadlineGrid;
-
-constexpr TimePoint kFirst{Duration(1h)};
-constexpr Duration kPeriod = 1ms;
+using haptic::test::kFirst;
+using haptic::test::kPeriod;
 
 TEST(DeadlineGrid, OnTimeIsNeitherLateNorSkipped) {
   DeadlineGrid grid(kFirst, kPeriod);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "haptic/core/error.hpp"
+#include "tests/server/rt/record_keeper.hpp"
 #include "tests/server/support/device_rig.hpp"
 #include "tests/support/allocation_guard.hpp"
 
@@ -25,8 +26,9 @@ using haptic::server::LoopBody;
 using haptic::server::LoopClock;
 using haptic::server::Wake;
 using haptic::test::DeviceRig;
+using haptic::test::kStart;
+using haptic::test::RecordKeeper;
 
-constexpr TimePoint kStart{Duration(2h)};
 constexpr TimePoint kFirstDeadline = kStart + 1ms;
 constexpr TimePoint kNever = TimePoint::max() - 1ns;
 
@@ -55,12 +57,6 @@ class VirtualClock final : public LoopClock {
   int waits_{0};
 };
 
-class Keeper final : public haptic::server::RecordListener {
- public:
-  void on_record(const TickRecord& record) override { records.push_back(record); }
-  std::vector<TickRecord> records{};
-};
-
 class VirtualLoop : public testing::Test {
  protected:
   /// Runs until the body is done, and collects the records.
@@ -72,7 +68,7 @@ class VirtualLoop : public testing::Test {
   }
   DeviceRig rig{};
   VirtualClock clock{};
-  Keeper keeper{};
+  RecordKeeper keeper{};
   LoopBody body{{rig.unit.get()}, *rig.telemetry, 1ms, clock};
 };
 

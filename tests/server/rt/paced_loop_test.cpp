@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/rt/loop.hpp"
+#include "tests/server/rt/record_keeper.hpp"
 #include "tests/server/support/device_rig.hpp"
 #include "tests/support/allocation_guard.hpp"
 
@@ -23,8 +24,8 @@ using haptic::server::LoopBody;
 using haptic::server::LoopClock;
 using haptic::server::Wake;
 using haptic::test::DeviceRig;
-
-constexpr TimePoint kStart{Duration(2h)};
+using haptic::test::kStart;
+using haptic::test::RecordKeeper;
 
 /// Time stands still but for the waits. Samples come at the times it is given, in order.
 class SampleClock final : public LoopClock {
@@ -64,12 +65,6 @@ class SampleClock final : public LoopClock {
   int waits_{0};
 };
 
-class Keeper final : public haptic::server::RecordListener {
- public:
-  void on_record(const TickRecord& record) override { records.push_back(record); }
-  std::vector<TickRecord> records{};
-};
-
 class PacedLoop : public testing::Test {
  protected:
   /// One sample per period, the first at kStart + `first`.
@@ -87,7 +82,7 @@ class PacedLoop : public testing::Test {
 
   DeviceRig rig{};
   SampleClock clock{};
-  Keeper keeper{};
+  RecordKeeper keeper{};
   SampleSignal samples{};
   LoopBody body{{rig.unit.get()}, *rig.telemetry, 1ms, clock, &samples};
 };

@@ -14,7 +14,7 @@ using haptic::core::TimePoint;
 using haptic::server::Percentiles;
 using haptic::server::RollingHistogram;
 
-constexpr TimePoint kStart{Duration(1h)};
+constexpr TimePoint kBeginning{Duration(1h)};
 
 TEST(RollingHistogram, IsZeroBeforeTheFirstValue) {
   const RollingHistogram histogram;
@@ -34,7 +34,7 @@ TEST(RollingHistogram, PercentilesAreRightWithinASixtyFourth) {
     // 1 ns to 10 ms, evenly over the orders of magnitude.
     const double exponent = 7.0 * static_cast<double>(random >> 11) * 0x1p-53;
     values.push_back(static_cast<std::int64_t>(std::pow(10.0, exponent)));
-    histogram.add(kStart + i * 1ms, Duration(values.back()));
+    histogram.add(kBeginning + i * 1ms, Duration(values.back()));
   }
   std::sort(values.begin(), values.end());
   const Percentiles read = histogram.read();
@@ -53,8 +53,8 @@ TEST(RollingHistogram, EveryPowerOfTwoIsReadBackWithinASixtyFourth) {
     for (const std::int64_t offset : {-1, 0, 1}) {
       const std::int64_t ns = (std::int64_t{1} << bit) + offset;
       RollingHistogram histogram;
-      histogram.add(kStart, Duration(ns));
-      histogram.add(kStart, Duration(2 * ns + 100));  // keeps the maximum away from the median
+      histogram.add(kBeginning, Duration(ns));
+      histogram.add(kBeginning, Duration(2 * ns + 100));  // keeps the maximum away from the median
       const auto p50 = static_cast<double>(histogram.read().p50.count());
       ASSERT_NEAR(p50, static_cast<double>(ns), static_cast<double>(ns) / 64.0 + 0.5) << ns;
     }
@@ -63,22 +63,22 @@ TEST(RollingHistogram, EveryPowerOfTwoIsReadBackWithinASixtyFourth) {
 
 TEST(RollingHistogram, ForgetsWhatIsOlderThanTwoWindows) {
   RollingHistogram histogram;
-  histogram.add(kStart, 9ms);
-  histogram.add(kStart + 4s, 1us);
+  histogram.add(kBeginning, 9ms);
+  histogram.add(kBeginning + 4s, 1us);
   EXPECT_EQ(histogram.read().max, 9ms);
-  histogram.add(kStart + 6s, 2us);  // one window on: the 9 ms are still in the other one
+  histogram.add(kBeginning + 6s, 2us);  // one window on: the 9 ms are still in the other one
   EXPECT_EQ(histogram.read().max, 9ms);
   EXPECT_EQ(histogram.read().count, 3u);
-  histogram.add(kStart + 12s, 3us);
+  histogram.add(kBeginning + 12s, 3us);
   EXPECT_EQ(histogram.read().max, 3us);
   EXPECT_EQ(histogram.read().count, 2u);
 }
 
 TEST(RollingHistogram, TakesValuesBeyondItsRangeAtItsEnds) {
   RollingHistogram histogram;
-  histogram.add(kStart, -5ns);
+  histogram.add(kBeginning, -5ns);
   EXPECT_EQ(histogram.read().max, 0ns);
-  histogram.add(kStart, 48h);
+  histogram.add(kBeginning, 48h);
   EXPECT_EQ(histogram.read().max, Duration((std::int64_t{1} << 40) - 1));
 }
 

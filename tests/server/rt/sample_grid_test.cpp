@@ -4,15 +4,16 @@
 
 #include <optional>
 
+#include "tests/server/rt/grid_times.hpp"
+
 namespace {
 
 using namespace std::chrono_literals;
 using haptic::core::Duration;
 using haptic::core::TimePoint;
 using haptic::server::SampleGrid;
-
-constexpr TimePoint kFirst{Duration(1h)};
-constexpr Duration kPeriod = 1ms;
+using haptic::test::kFirst;
+using haptic::test::kPeriod;
 
 /// A sample that came at `at` woke the loop at once.
 SampleGrid::Tick on_time(SampleGrid& grid, TimePoint at) {

@@ -4,22 +4,22 @@ namespace haptic::test {
 namespace {
 
 /// A device with this kinematics; it starts on line 5.
-std::string with(const std::string& kinematics) {
+std::string device_with(const std::string& kinematics) {
   return "name: \"t\"\ndevice {\n  name: \"d\"\n"
          "  simulated_linear { mass: [1, 1] max_effort: [5] }\n  " +
          kinematics + "\n  impedance { stiffness_n_per_m: [5] }\n  limits { force_n: [2] }\n}\n";
 }
 
-struct Bad {
+struct BadKinematics {
   const char* what;
   std::string kinematics;
   const char* says;
 };
 
-void expect_each_says(const std::vector<Bad>& table) {
-  for (const Bad& bad : table) {
+void expect_each_map_says(const std::vector<BadKinematics>& table) {
+  for (const BadKinematics& bad : table) {
     SCOPED_TRACE(bad.what);
-    const std::string error = error_of(with(bad.kinematics));
+    const std::string error = error_of(device_with(bad.kinematics));
     EXPECT_NE(error.find(bad.says), std::string::npos) << error;
   }
 }
@@ -33,8 +33,8 @@ TEST(KinematicsErrors, OfAChainNameLineFieldValueAndWhatIsAllowed) {
   const std::string a =
       "joint { name: \"a\" kind: \"prismatic\" actuated: true lower: -1 upper: 1 } ";
   const std::string b = "joint { name: \"b\" lower: -1 upper: 1 ";
-  EXPECT_EQ(error_of(with(chain(a + b + "}"))), "no error");
-  expect_each_says({
+  EXPECT_EQ(error_of(device_with(chain(a + b + "}"))), "no error");
+  expect_each_map_says({
       {"no joint", chain(""), "t.textproto:5: device[0].serial_chain.joint: is required"},
       {"no output", "serial_chain { " + a + " }",
        "t.textproto:5: device[0].serial_chain.output: is required: at least one"},
@@ -74,7 +74,7 @@ TEST(KinematicsErrors, OfAChainNameLineFieldValueAndWhatIsAllowed) {
 }
 
 TEST(KinematicsErrors, OfAStylusNameLineFieldValueAndWhatIsAllowed) {
-  expect_each_says({
+  expect_each_map_says({
       {"length", "stylus { forearm_m: 0" + kPoint + " }",
        "t.textproto:5: device[0].stylus.forearm_m = 0: must be > 0"},
       {"limits", "stylus { elbow_upper_rad: -3" + kPoint + " }",
@@ -91,10 +91,10 @@ TEST(KinematicsErrors, OfAStylusNameLineFieldValueAndWhatIsAllowed) {
 
 TEST(KinematicsErrors, OfAHandNameLineFieldValueAndWhatIsAllowed) {
   const std::string finger = " finger { name: \"a\" } ";
-  EXPECT_EQ(error_of(with("hand_exoskeleton {" + finger + "}")), "no error");
+  EXPECT_EQ(error_of(device_with("hand_exoskeleton {" + finger + "}")), "no error");
   std::string thirteen;
   for (int i = 0; i < 13; ++i) thirteen += "finger { name: \"f" + std::to_string(i) + "\" } ";
-  expect_each_says({
+  expect_each_map_says({
       {"no finger", "hand_exoskeleton {}",
        "t.textproto:5: device[0].hand_exoskeleton.finger: is required: 1 to 12"},
       {"too many", "hand_exoskeleton { " + thirteen + "}",

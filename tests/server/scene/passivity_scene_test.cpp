@@ -3,10 +3,6 @@
 namespace haptic::test {
 namespace {
 
-std::string with(const std::string& text, const std::string& passivity) {
-  return replaced(text, "limits {", passivity + "\n  limits {");
-}
-
 TEST(PassivityScene, AbsentMeansOff) {
   const server::DeviceScene device = parse(kFinger).devices[0];
   EXPECT_FALSE(device.passivity.enabled());
@@ -16,7 +12,7 @@ TEST(PassivityScene, AbsentMeansOff) {
 
 TEST(PassivityScene, FillsInTheDocumentedDefaultsFromTheSimulatedDevice) {
   const server::Scene scene =
-      parse(with(kFinger, "passivity { tank {} observer {} }\n  monotone_envelope {}"));
+      parse(with_option(kFinger, "passivity { tank {} observer {} }\n  monotone_envelope {}"));
   const server::DeviceScene& device = scene.devices[0];
   EXPECT_TRUE(device.monotone_envelope);
   const core::PassivitySettings& p = device.passivity;
@@ -36,7 +32,7 @@ TEST(PassivityScene, FillsInTheDocumentedDefaultsFromTheSimulatedDevice) {
 }
 
 TEST(PassivityScene, GivenValuesReachTheirStructs) {
-  const core::PassivitySettings p = parse(with(kLinear, R"(passivity {
+  const core::PassivitySettings p = parse(with_option(kLinear, R"(passivity {
     tank { initial_j: 0.002 capacity_j: 0.01 allowed_power_w: 0.5 }
     observer { allowance_j: 0.001 forgetting_j: 0.003 inertia_kg: 0.7 slowest_m_per_s: 0.02 }
     device_damping_n_s_per_m: 0.25
@@ -55,7 +51,7 @@ TEST(PassivityScene, GivenValuesReachTheirStructs) {
 
 TEST(PassivityScene, OfALinearDeviceTheActuatedDoFsCount) {
   const core::PassivitySettings p =
-      parse(with(kLinear, "passivity { observer {} }")).devices[0].passivity;
+      parse(with_option(kLinear, "passivity { observer {} }")).devices[0].passivity;
   ASSERT_EQ(p.observer.inertia.size(), 1);
   EXPECT_EQ(p.observer.inertia[0], 1.0);
   EXPECT_FALSE(p.tank.enabled);
@@ -63,7 +59,7 @@ TEST(PassivityScene, OfALinearDeviceTheActuatedDoFsCount) {
 
 TEST(PassivityScene, WhatIsNotAllowedIsNamed) {
   const auto says = [](const std::string& passivity, const std::string& what) {
-    const std::string error = error_of(with(kFinger, passivity));
+    const std::string error = error_of(with_option(kFinger, passivity));
     EXPECT_NE(error.find(what), std::string::npos) << error;
   };
   says("passivity {}", "device[0].passivity.tank");
@@ -78,10 +74,10 @@ TEST(PassivityScene, ARecordingHasNoDynamicsToDeriveFrom) {
   const std::string replay =
       replaced(kFinger, "simulated_finger {}",
                "replay { file: \"motion/reach_and_grasp.csv\" max_effort: 40 }");
-  const std::string error = error_of(with(replay, "passivity { observer {} }"));
+  const std::string error = error_of(with_option(replay, "passivity { observer {} }"));
   EXPECT_NE(error.find("inertia_kg"), std::string::npos) << error;
   const core::PassivitySettings p =
-      parse(with(replay, "passivity { tank {} }")).devices[0].passivity;
+      parse(with_option(replay, "passivity { tank {} }")).devices[0].passivity;
   EXPECT_EQ(p.device_damping[0], 0.0);
 }
 

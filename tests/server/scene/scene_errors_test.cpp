@@ -5,20 +5,6 @@
 namespace haptic::test {
 namespace {
 
-struct Bad {
-  const char* what;
-  std::string text;
-  std::string says;  ///< stands in the message, as it is here
-};
-
-void expect_each_says(const std::vector<Bad>& table) {
-  for (const Bad& bad : table) {
-    const std::string message = error_of(bad.text);
-    EXPECT_NE(message.find(bad.says), std::string::npos)
-        << bad.what << "\n  wanted: " << bad.says << "\n  got:    " << message;
-  }
-}
-
 std::string finger(const std::string& from, const std::string& to) {
   return replaced(kFinger, from, to);
 }
@@ -261,7 +247,7 @@ TEST(SceneErrors, OfTheDaemonNameLineFieldValueAndWhatIsAllowed) {
   const std::string rule =
       ": must be \"host:port\", \"[v6]:port\" (port 0 to 65535) or "
       "\"unix:/path\"";
-  std::vector<Bad> table = {
+  std::vector<BadScene> table = {
       {"a UDP path on a UNIX socket", plus("server { udp_listen: \"unix:/run/h\" }"),
        "t.textproto:11: server.udp_listen = \"unix:/run/h\": must be \"host:port\""},
       {"a UDP path without a port", plus("server { udp_listen: \"127.0.0.1\" }"),

@@ -66,4 +66,24 @@ inline std::string replaced(std::string text, const std::string& from, const std
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
+/// A device's scene with one more message in it.
+inline std::string with_option(const std::string& text, const std::string& option) {
+  return replaced(text, "limits {", option + "\n  limits {");
+}
+
+/// A scene that is wrong, and what the loader must say of it.
+struct BadScene {
+  const char* what;
+  std::string text;
+  std::string says;  ///< stands in the message, as it is here
+};
+
+inline void expect_each_says(const std::vector<BadScene>& table) {
+  for (const BadScene& bad : table) {
+    const std::string message = error_of(bad.text);
+    EXPECT_NE(message.find(bad.says), std::string::npos)
+        << bad.what << "\n  wanted: " << bad.says << "\n  got:    " << message;
+  }
+}
+
 }  // namespace haptic::test

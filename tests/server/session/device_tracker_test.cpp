@@ -22,7 +22,7 @@ core::PipelineConfig config() {
   return c;
 }
 
-server::LeaseRequest request(const std::string& id, double rate_hz = 100.0) {
+server::LeaseRequest tracker_request(const std::string& id, double rate_hz = 100.0) {
   server::LeaseRequest r;
   r.session_id = id;
   r.client_name = "client of " + id;
@@ -47,7 +47,7 @@ struct Door {
     return tracker.accept(id, {seq, {}, position.data(), 3, orientation.data(), 4}, now, why);
   }
   std::string open_refusal(const std::string& id) {
-    const auto answer = tracker.open(request(id), now);
+    const auto answer = tracker.open(tracker_request(id), now);
     return answer ? "" : answer.refusal.reason;
   }
 };
@@ -162,7 +162,7 @@ TEST(DeviceTracker, ABurstAfterAStallIsNotYoung) {
 
 TEST(DeviceTracker, ARateIsRequired) {
   Door door;
-  const auto answer = door.tracker.open(request("a", 0.0), door.now);
+  const auto answer = door.tracker.open(tracker_request("a", 0.0), door.now);
   ASSERT_FALSE(answer);
   EXPECT_EQ(answer.refusal.field, "nominal_rate_hz");
 }

@@ -18,8 +18,8 @@ using server::Refusal;
 
 constexpr auto kLost = DeviceSessions::Ending::kLost;
 
-LeaseRequest request(const std::string& id, const std::string& client,
-                     Priority priority = Priority::kPrimary) {
+LeaseRequest resumable(const std::string& id, const std::string& client,
+                       Priority priority = Priority::kPrimary) {
   LeaseRequest r;
   r.session_id = id;
   r.client_name = client;
@@ -30,7 +30,7 @@ LeaseRequest request(const std::string& id, const std::string& client,
 }
 
 LeaseRequest resuming(const std::string& id, const std::string& former) {
-  LeaseRequest r = request(id, "alice");
+  LeaseRequest r = resumable(id, "alice");
   r.resume = former;
   return r;
 }
@@ -55,7 +55,7 @@ class ResumeTest : public testing::Test {
   /// alice, resumable, with force of 1 N.
   void press() {
     rig.tick(3);
-    const auto reply = ask(request("s1", "alice"));
+    const auto reply = ask(resumable("s1", "alice"));
     rig.tick(5);
     ASSERT_TRUE(reply->lease);
     rig.epoch = reply->lease->epoch;
@@ -178,9 +178,9 @@ TEST_F(ResumeTest, AnotherSessionsNameResumesNothing) {
 TEST_F(ResumeTest, WhoWantsADetachedDeviceGetsItOnceItsForceIsGone) {
   press();
   rig.sessions->close("s1", kLost);
-  const auto test = ask(request("s2", "tester", Priority::kTest));
+  const auto test = ask(resumable("s2", "tester", Priority::kTest));
   EXPECT_TRUE(test->refusal);  // it is of lower priority: only time helps
-  const auto bob = ask(request("s3", "bob"));
+  const auto bob = ask(resumable("s3", "bob"));
   EXPECT_FALSE(bob->lease);
   EXPECT_EQ(rig.publish(0.01), IngressVerdict::kOldEpoch);
   const auto late = ask(resuming("s4", "s1"));
@@ -216,7 +216,7 @@ TEST_F(ResumeTest, ASettingThatIsHeldIsAnEventForEveryone) {
 TEST_F(ResumeTest, OnlyAHigherPriorityPreempts) {
   press();
   for (const Priority priority : {Priority::kTest, Priority::kPrimary}) {
-    const auto reply = ask(request("s2", "bob", priority));
+    const auto reply = ask(resumable("s2", "bob", priority));
     ASSERT_TRUE(reply->refusal);
     EXPECT_EQ(reply->refusal->reason, "LEASE_HELD");
     const auto& details = reply->refusal->details;
@@ -230,7 +230,7 @@ TEST_F(ResumeTest, OnlyAHigherPriorityPreempts) {
 TEST_F(ResumeTest, PreemptionFadesTheOldHolderOutAndAnswersAtZero) {
   press();
   const auto queue = rig.sessions->subscribe("s1");
-  const auto boss = ask(request("s2", "boss", Priority::kOperator));
+  const auto boss = ask(resumable("s2", "boss", Priority::kOperator));
   EXPECT_FALSE(boss->lease);
   EXPECT_EQ(rig.publish(0.02), IngressVerdict::kOldEpoch);  // from this moment on
   double last = rig.newest().tau_elastic[0];
@@ -259,10 +259,10 @@ TEST_F(ResumeTest, PreemptionFadesTheOldHolderOutAndAnswersAtZero) {
 
 TEST_F(ResumeTest, WithoutForcePreemptionKeepsTheDeviceArmed) {
   rig.tick(3);
-  ASSERT_TRUE(ask(request("s1", "alice"))->lease);
+  ASSERT_TRUE(ask(resumable("s1", "alice"))->lease);
   rig.tick(5);
   ASSERT_EQ(rig.state(), DeviceState::kArmed);
-  const auto boss = ask(request("s2", "boss", Priority::kOperator));
+  const auto boss = ask(resumable("s2", "boss", Priority::kOperator));
   for (int i = 0; i < 3; ++i) {
     rig.tick();
     EXPECT_EQ(rig.state(), DeviceState::kArmed);
@@ -272,7 +272,7 @@ TEST_F(ResumeTest, WithoutForcePreemptionKeepsTheDeviceArmed) {
 
 TEST_F(ResumeTest, APreemptedHolderCannotResume) {
   press();
-  const auto boss = ask(request("s2", "boss", Priority::kOperator));
+  const auto boss = ask(resumable("s2", "boss", Priority::kOperator));
   const auto back = ask(resuming("s3", "s1"));
   ASSERT_TRUE(back->refusal);
   EXPECT_NE(back->refusal->message.find("'boss'"), std::string::npos);
@@ -282,7 +282,7 @@ TEST_F(ResumeTest, APreemptedHolderCannotResume) {
 
 TEST_F(ResumeTest, AnOperatorWhoLeavesWhileWaitingLeavesAFreeDevice) {
   press();
-  const auto boss = ask(request("s2", "boss", Priority::kOperator));
+  const auto boss = ask(resumable("s2", "boss", Priority::kOperator));
   rig.sessions->close("s2", kLost);
   rig.tick(200);
   EXPECT_FALSE(boss->lease);
@@ -293,13 +293,13 @@ TEST_F(ResumeTest, AnOperatorWhoLeavesWhileWaitingLeavesAFreeDevice) {
 
 TEST_F(ResumeTest, WhoWaitsGivesWayToAHigherPriority) {
   rig.tick(3);
-  ASSERT_TRUE(ask(request("s1", "alice", Priority::kTest))->lease);
+  ASSERT_TRUE(ask(resumable("s1", "alice", Priority::kTest))->lease);
   rig.tick(5);
   rig.epoch = 1;
   rig.press("s1");
-  const auto bob = ask(request("s2", "bob"));
+  const auto bob = ask(resumable("s2", "bob"));
   rig.tick(3);
-  const auto boss = ask(request("s3", "boss", Priority::kOperator));
+  const auto boss = ask(resumable("s3", "boss", Priority::kOperator));
   ASSERT_TRUE(bob->refusal);
   EXPECT_EQ(bob->refusal->reason, "LEASE_HELD");
   rig.tick(200);

@@ -8,6 +8,7 @@
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"
+#include "tests/support/vectors.hpp"
 
 namespace haptic::test {
 namespace {
@@ -16,10 +17,6 @@ using core::VecQ;
 using core::VecX;
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
-
-VecX two(double a, double b) {
-  return (VecX(2) << a, b).finished();
-}
 
 Frame frame(double seen, const VecX& x_probe, const VecX& x) {
   Frame f;

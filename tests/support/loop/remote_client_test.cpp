@@ -6,16 +6,14 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/vectors.hpp"
+
 namespace haptic::test {
 namespace {
 
 using core::ProxyMode;
 using core::ProxySnapshot;
 using core::VecX;
-
-VecX two(double a, double b) {
-  return (VecX(2) << a, b).finished();
-}
 
 ClientSettings every_tick() {
   ClientSettings settings;

@@ -8,6 +8,7 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "hw/open_device.hpp"
+#include "tests/support/angles.hpp"
 
 namespace haptic {
 namespace {
@@ -17,7 +18,6 @@ using core::VecQ;
 using core::VecX;
 using std::chrono::milliseconds;
 
-constexpr double kDegree = 0.017453292519943295;
 constexpr double kNoStop = 999.0;
 
 struct Row {

@@ -1,0 +1,14 @@
+#pragma once
+#include <memory>
+
+#include "haptic/core/model/finger_exoskeleton.hpp"
+
+namespace haptic::test {
+
+/// The exoskeleton of METHOD's dimensions.
+inline std::shared_ptr<const core::Kinematics> one_finger() {
+  static const std::shared_ptr<const core::Kinematics> kFinger = core::make_finger_exoskeleton({});
+  return kFinger;
+}
+
+}  // namespace haptic::test

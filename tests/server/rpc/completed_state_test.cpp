@@ -15,10 +15,10 @@ namespace {
 using namespace std::chrono_literals;
 
 /// The shipped hand, and the ring between its loop and its listeners.
-class HandUnit : public testing::Test, public server::RecordListener {
+class CompletedState : public testing::Test, public server::RecordListener {
  protected:
-  HandUnit() : telemetry_({unit_.get()}) { telemetry_.add(0, this); }
-  ~HandUnit() override { telemetry_.remove(0, this); }
+  CompletedState() : telemetry_({unit_.get()}) { telemetry_.add(0, this); }
+  ~CompletedState() override { telemetry_.remove(0, this); }
 
   void on_record(const core::TickRecord& record) override { heard_.push_back(record); }
   void on_newest(const core::TickRecord& record) override { newest_ = record; }
@@ -68,7 +68,7 @@ class HandUnit : public testing::Test, public server::RecordListener {
   core::TickRecord newest_{};
 };
 
-TEST_F(HandUnit, WhoeverReadsARecordOutsideTheLoopFindsEveryFinger) {
+TEST_F(CompletedState, WhoeverReadsARecordOutsideTheLoopFindsEveryFinger) {
   constexpr core::BlockSet kAll = 0b11111, kAllButIndex = 0b11101;
   for (const auto& [mode, open] :
        {std::pair{core::ProxyMode::kNone, kAll}, std::pair{core::ProxyMode::kFree, kAll},

@@ -108,6 +108,7 @@ BlockSet BlockMap::reached(const PlaneSet& planes) const noexcept {
 
 void BlockMap::fill(BlockSet blocks, double value, VecX& x) const noexcept {
   for (const Part& part : parts_) {
+    if (blocks == 0) return;
     if ((blocks & 1u) != 0) std::fill_n(x.data() + part.at.first_x, part.n_x, value);
     blocks >>= 1;
   }

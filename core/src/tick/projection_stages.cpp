@@ -88,9 +88,10 @@ void Pipeline::Stages::certify(TickRecord& record) noexcept {
 
 BlockSet Pipeline::Stages::needs_J() const noexcept {
   if (envelope_) return map_.all();
+  const bool guarded = settings_.direction_guard || config_.monotone_envelope;
+  if (!guarded && renderer_.reads_J(map_.all()) == 0) return 0;  // Eq. (6), whatever is displaced
   BlockSet displaced = map_.displaced(dx_);
   if (displaced != 0 && !model_.has_parts()) displaced = map_.all();
-  const bool guarded = settings_.direction_guard || config_.monotone_envelope;
   return guarded ? displaced | renderer_.reads_J(displaced) : renderer_.reads_J(displaced);
 }
 

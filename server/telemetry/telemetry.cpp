@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <mutex>
 
+#include "haptic/core/tick/probe_completion.hpp"
 #include "server/rt/thread_setup.hpp"
 
 namespace haptic::server {
@@ -19,7 +20,7 @@ constexpr core::Duration kPatience = std::chrono::microseconds(60);
 /// so that it may add and remove; `called_` says who is being called, so that remove() can wait.
 class Telemetry::Channel {
  public:
-  explicit Channel(DeviceUnit& unit) : unit_(unit) {}
+  explicit Channel(DeviceUnit& unit) : unit_(unit), completion_(*unit.config().kinematics) {}
 
   void add(RecordListener* listener, ListenerRank rank) {
     const std::lock_guard lock(mutex_);
@@ -42,12 +43,12 @@ class Telemetry::Channel {
     listeners_at_start();
     for (; record != nullptr; record = unit_.records.front()) {
       keep(*record);
-      for (RecordListener* listener : round_) {
-        call(listener, [&] { listener->on_record(*record); });
-      }
       unit_.records.pop();
+      // Only this thread writes newest_: reading it here needs no lock.
+      for (RecordListener* listener : round_) {
+        call(listener, [&] { listener->on_record(newest_); });
+      }
     }
-    // Only this thread writes newest_: reading it here needs no lock.
     for (RecordListener* listener : round_) call(listener, [&] { listener->on_newest(newest_); });
   }
 
@@ -67,9 +68,11 @@ class Telemetry::Channel {
     ListenerRank rank{ListenerRank::kService};
   };
 
+  /// The one way out of the loop: whoever reads a record finds it complete.
   void keep(const core::TickRecord& record) {
     const std::lock_guard lock(newest_mutex_);
     newest_ = record;
+    completion_.complete(newest_);
   }
 
   void listeners_at_start() {
@@ -99,6 +102,7 @@ class Telemetry::Channel {
   }
 
   DeviceUnit& unit_;
+  core::ProbeCompletion completion_;
 
   std::mutex mutex_;
   std::condition_variable call_ended_;

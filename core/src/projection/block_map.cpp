@@ -32,21 +32,28 @@ BlockMap::BlockMap(const Kinematics& kinematics)
   }
 }
 
-bool BlockMap::move_to(const VecQ& q) noexcept {
-  bool closes = true, moved = false;
+bool BlockMap::move_to(const VecQ& q, BlockSet left_out) noexcept {
+  bool closes = true;
+  BlockSet bit = 1;
   for (Part& part : parts_) {
+    const bool asked = (left_out & bit) == 0;
+    bit <<= 1;
+    if (!asked) continue;
     const double* at = q.data() + part.at.first_q;
     if (!part.known || !same_bits(at, part.q.data(), part.n_q)) {
       std::copy(at, at + part.n_q, part.q.data());
-      part.known = moved = true;
+      part.known = true;
+      told_ = false;
       evaluate(part);
     }
     closes = closes && part.closes;
   }
-  if (!closes || !moved) return closes;
+  unprobed_ = closes ? left_out : unprobed_ | left_out;
+  if (!closes || told_) return closes;
   for (const Part& part : parts_) {
     std::copy(part.x.data(), part.x.data() + part.n_x, x_probe_.data() + part.at.first_x);
   }
+  told_ = true;
   return true;
 }
 
@@ -84,6 +91,27 @@ BlockSet BlockMap::displaced(const VecX& dx) const noexcept {
     }
   }
   return found;
+}
+
+BlockSet BlockMap::reached(const PlaneSet& planes) const noexcept {
+  const Eigen::Index n_x = planes.normals.rows();
+  BlockSet found = 0, bit = 1;
+  for (const Part& part : parts_) {
+    for (int i = 0; i < planes.size(); ++i) {
+      const double* first = planes.normals.data() + i * n_x + part.at.first_x;
+      if (std::any_of(first, first + part.n_x, [](double n) { return n != 0.0; })) found |= bit;
+    }
+    bit <<= 1;
+  }
+  return found;
+}
+
+void BlockMap::fill(BlockSet blocks, double value, VecX& x) const noexcept {
+  for (const Part& part : parts_) {
+    if (blocks == 0) return;
+    if ((blocks & 1u) != 0) std::fill_n(x.data() + part.at.first_x, part.n_x, value);
+    blocks >>= 1;
+  }
 }
 
 }  // namespace haptic::core

@@ -41,6 +41,7 @@ Pipeline::Stages::Stages(PipelineConfig config)
       model_(kinematics_, config_.projection),
       settings_(config_.scene),
       map_(kinematics_),
+      leaves_out_(model_.has_parts() && !model_.prior() && kinematics_.blocks().size() > 1),
       renderer_(config_.scene.renderer, model_),
       guard_(model_, config_.scene.stiffness),
       local_proxy_(kinematics_.space(), config_.projection.metric),
@@ -213,73 +214,6 @@ bool Pipeline::Stages::fits_space(const ProxySnapshot& sample) const noexcept {
   const PlaneSet& planes = sample.planes;
   return planes.normals.rows() == n_x && planes.normals.cols() == planes.size() &&
          planes.normals.allFinite() && planes.offsets.allFinite();
-}
-
-void Pipeline::Stages::projection(TickRecord& record) noexcept {
-  map_ok_ = ready_ && map_.move_to(q_);
-  record.x_probe = map_.x_probe();
-  record.x = local_proxy_.at(map_.x_probe());
-  project_anew_ = project_anew_ || local_proxy_.changed();
-  projection_.status = ProjectionStatus::kNone;
-  dq_a_.setZero();
-
-  record.planes = local_proxy_.planes();
-  record.active_planes = local_proxy_.active_planes();
-  if (record.planes == PlaneStatus::kInfeasible) record.limiters.set(Limiter::kInfeasiblePlanes);
-
-  if (!local_proxy_.constrained()) {
-    has_anchor_ = false;
-    projection_.q_star = q_;
-    projection_.residual = projection_.condition = 0.0;
-    if (map_ok_) map_.differentiate(0);
-  } else if (!map_ok_) {
-    keep_last_anchor();
-  } else {
-    kinematics_.space().difference(record.x, map_.x_probe(), dx_);
-    map_.differentiate(needs_J());
-    const VecQ last_anchor = projection_.q_star;
-    renderer_.project(Probe{q_, map_.x_probe(), map_.J()}, record.x, dx_, settings_.stiffness,
-                      project_anew_, projection_);
-    if (all_finite(projection_.q_star)) {
-      project_anew_ = false;
-      has_anchor_ = true;
-    } else {
-      projection_.q_star = last_anchor;
-      renderer_.reset();
-      project_anew_ = true;
-      keep_last_anchor();
-    }
-  }
-  if (has_anchor_) dq_a_ = layout_.select(projection_.q_star) - layout_.select(q_);
-  if (certificate_) certify(record);
-}
-
-void Pipeline::Stages::certify(TickRecord& record) noexcept {
-  CertificateStatus& status = record.certificate.status;
-  if (!local_proxy_.constrained()) {
-    status = CertificateStatus::kIdle;
-  } else if (projection_.status == ProjectionStatus::kMapFailed) {
-    status = CertificateStatus::kMapFailed;
-  } else if (renderer_.kind() != RendererKind::kSubspaceLinear) {
-    status = CertificateStatus::kOtherRenderer;
-  } else {
-    const Probe probe{q_, map_.x_probe(), map_.J()};
-    record.certificate = certificate_->at(probe, dx_, settings_.stiffness);
-  }
-}
-
-BlockSet Pipeline::Stages::needs_J() const noexcept {
-  if (envelope_) return map_.all();
-  BlockSet displaced = map_.displaced(dx_);
-  if (displaced != 0 && !model_.has_parts()) displaced = map_.all();
-  const bool guarded = settings_.direction_guard || config_.monotone_envelope;
-  return guarded ? displaced | renderer_.reads_J(displaced) : renderer_.reads_J(displaced);
-}
-
-/// METHOD 6, case 17: f has no value here; the spring stays anchored where it was, and alive.
-void Pipeline::Stages::keep_last_anchor() noexcept {
-  if (!has_anchor_) projection_.q_star = q_;
-  projection_.status = ProjectionStatus::kMapFailed;
 }
 
 void Pipeline::Stages::requests(const TickInput& input, TickRecord& record) noexcept {

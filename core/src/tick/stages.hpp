@@ -43,6 +43,10 @@ class Pipeline::Stages {
   void proxy(const TickInput& input, TickRecord& record) noexcept;
   /// Steps 5-7: kinematics, proxy at `now`, subspace proxy.
   void projection(TickRecord& record) noexcept;
+  /// The blocks that nothing can hold in this tick: their f is not asked for, dx = 0, q* = q.
+  [[nodiscard]] BlockSet left_out() noexcept;
+  /// x_probe and the proxy `x` into the record, nan where the tick does not know them.
+  void tell_proxy(const VecX& x, TickRecord& record) const noexcept;
   /// Of the blocks that the proxy displaces, whose J this tick reads.
   [[nodiscard]] BlockSet needs_J() const noexcept;
   void keep_last_anchor() noexcept;
@@ -87,7 +91,9 @@ class Pipeline::Stages {
   const ProjectionModel model_;
 
   RenderSettings settings_;
-  BlockMap map_;  ///< x_probe and J
+  BlockMap map_;           ///< x_probe and J
+  const bool leaves_out_;  ///< blocks that nothing ties together
+  BlockSet reached_{0};    ///< blocks that the planes in use can hold
   BlockRenderer renderer_;
   DirectionGuard guard_;
   std::optional<MonotoneEnvelope> envelope_;      ///< only where the scene asks for it

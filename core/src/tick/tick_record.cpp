@@ -94,13 +94,13 @@ bool identical(const TickRecord& a, const TickRecord& b) noexcept {
          a.settings_id == b.settings_id && a.staleness == b.staleness &&
          a.proxy_age == b.proxy_age && identical(a.tracker, b.tracker) && same(a.gain, b.gain) &&
          same(a.damping_gain, b.damping_gain) && same_bits(a.q, b.q) &&
-         same_bits(a.q_a_dot, b.q_a_dot) && same_bits(a.x_probe, b.x_probe) &&
-         same_bits(a.x, b.x) && a.planes == b.planes && a.active_planes == b.active_planes &&
-         same_bits(a.q_star, b.q_star) && a.projection == b.projection &&
-         same(a.residual, b.residual) && same(a.condition, b.condition) &&
-         identical(a.certificate, b.certificate) && same_bits(a.tau_elastic, b.tau_elastic) &&
-         same_bits(a.tau_damping, b.tau_damping) && same_bits(a.tau_a, b.tau_a) &&
-         a.actuator_limiters == b.actuator_limiters &&
+         same_bits(a.q_a_dot, b.q_a_dot) && a.unprobed == b.unprobed &&
+         same_bits(a.x_probe, b.x_probe) && same_bits(a.x, b.x) && a.planes == b.planes &&
+         a.active_planes == b.active_planes && same_bits(a.q_star, b.q_star) &&
+         a.projection == b.projection && same(a.residual, b.residual) &&
+         same(a.condition, b.condition) && identical(a.certificate, b.certificate) &&
+         same_bits(a.tau_elastic, b.tau_elastic) && same_bits(a.tau_damping, b.tau_damping) &&
+         same_bits(a.tau_a, b.tau_a) && a.actuator_limiters == b.actuator_limiters &&
          same_bits(a.temperature_c, b.temperature_c) && same_bits(a.drive, b.drive) &&
          same_bits(a.position, b.position) && identical(a.passivity, b.passivity);
 }

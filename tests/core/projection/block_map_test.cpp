@@ -19,6 +19,13 @@ namespace haptic::core {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+constexpr BlockSet set_of(std::initializer_list<int> blocks) {
+  BlockSet set = 0;
+  for (const int block : blocks) set |= BlockSet{1} << block;
+  return set;
+}
+
 /// A finger that counts what it is asked for.
 class Counting final : public Kinematics {
  public:
@@ -159,6 +166,66 @@ TEST_F(BlockMapTest, WhereAFingerCannotCloseNothingChangesUntilAllCan) {
   ASSERT_TRUE(map.move_to(bad));
   map.differentiate(map.all());
   expect_as_the_whole(map, bad);
+}
+
+TEST_F(BlockMapTest, AFingerLeftOutIsNotAskedAndAskedAgainItIsThereInTheSameTick) {
+  BlockMap map(hand);
+  VecQ q = random_pose();
+  ASSERT_TRUE(map.move_to(q));
+  for (Counting& finger : hand.fingers) finger.positions = finger.evaluations = 0;
+  constexpr BlockSet kFree = set_of({0, 2, 3});
+  for (int tick = 0; tick < 10; ++tick) {
+    q = random_pose();
+    ASSERT_TRUE(map.move_to(q, kFree));
+    EXPECT_EQ(map.unprobed(), kFree);
+    VecX x;
+    MatXQ J;
+    ASSERT_EQ(hand.evaluate(q, x, J), MapStatus::kOk);
+    for (const int asked : {1, 4}) {
+      EXPECT_EQ(VecX(map.x_probe().segment(2 * asked, 2)), VecX(x.segment(2 * asked, 2)));
+    }
+  }
+  for (const std::size_t asked : {1u, 4u}) EXPECT_EQ(hand.fingers[asked].positions, 10);
+  for (const std::size_t free : {0u, 2u, 3u}) {
+    EXPECT_EQ(hand.fingers[free].positions + hand.fingers[free].evaluations, 0);
+  }
+  ASSERT_TRUE(map.move_to(q));
+  EXPECT_EQ(map.unprobed(), 0u);
+  map.differentiate(map.all());
+  expect_as_the_whole(map, q);
+}
+
+TEST_F(BlockMapTest, AFingerLeftOutHoldsNobodyUp) {
+  BlockMap map(hand);
+  VecQ q = random_pose();
+  q[2] = 0.02;
+  q[3] = -101 * kDegree;  // METHOD 6, case 17
+  constexpr BlockSet kBroken = set_of({1});
+  ASSERT_TRUE(map.move_to(q, kBroken));
+  const VecX first = map.x_probe();
+  ASSERT_FALSE(map.move_to(q)) << "asked for, it does";
+  EXPECT_EQ(map.unprobed(), kBroken) << "and has not been heard of since";
+  VecQ next = random_pose();
+  next.segment<2>(2) = q.segment<2>(2);
+  ASSERT_FALSE(map.move_to(next));
+  EXPECT_EQ(map.x_probe(), first);
+  ASSERT_TRUE(map.move_to(next, kBroken)) << "the others had moved meanwhile";
+  VecX x;
+  ASSERT_EQ(hand.fingers[0].position(next.head(2), x), MapStatus::kOk);
+  EXPECT_EQ(VecX(map.x_probe().head(2)), x);
+}
+
+TEST_F(BlockMapTest, PlanesReachTheFingersThatTheyName) {
+  const BlockMap map(hand);
+  PlaneSet planes;
+  EXPECT_EQ(map.reached(planes), 0u);
+  planes.normals.setZero(10, 3);
+  planes.offsets.setOnes(3);
+  EXPECT_EQ(map.reached(planes), 0u) << "without a direction";
+  planes.normals(3, 0) = 1.0;
+  planes.normals(8, 1) = -1e-300;
+  planes.normals(2, 2) = 0.5;
+  EXPECT_EQ(map.reached(planes), set_of({1, 4}));
 }
 
 TEST_F(BlockMapTest, NeverAllocates) {

@@ -24,6 +24,7 @@ void renderer_cases(Outcomes& out);    ///< 4, 5, 6, 14
 void trajectory_cases(Outcomes& out);  ///< 7, 8, 9, 19
 void prior_cases(Outcomes& out);       ///< 9b, 25
 void rank_cases(Outcomes& out);        ///< 10, 11, 12, 13
+void coupled_cases(Outcomes& out);     ///< 13b
 void reach_cases(Outcomes& out);       ///< 15, 16
 void loop_cases(Outcomes& out);        ///< 17, 24, 26
 void energy_cases(Outcomes& out);      ///< 18, 22, 23

@@ -27,6 +27,7 @@ void add_hard_cases(CLI::App& app) {
     renderer_cases(all);
     trajectory_cases(all);
     rank_cases(all);
+    coupled_cases(all);
     reach_cases(all);
     loop_cases(all);
     prior_cases(all);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "haptic/core/tick/probe_completion.hpp"
 #include "hw/open_device.hpp"
 #include "server/scene/scene.hpp"
 #include "tests/server/support/device_rig.hpp"
@@ -47,10 +48,12 @@ std::unique_ptr<DeviceUnit> make_unit(const DeviceScene& scene) {
 /// free, and lets go.
 class ScriptedClient {
  public:
+  explicit ScriptedClient(const DeviceUnit& unit) : completion_(*unit.config().kinematics) {}
   void step(DeviceUnit& unit, int tick, TimePoint now) {
     if (const auto* record = unit.records.front()) {
       newest_ = *record;
       unit.records.pop();
+      completion_.complete(newest_);  // as the telemetry drain does
     }
     seen.insert(newest_.state);
     most_force = std::max(most_force, newest_.tau_a.size() > 0 ? newest_.tau_a.norm() : 0.0);
@@ -82,6 +85,7 @@ class ScriptedClient {
   double most_force{0.0};
 
  private:
+  haptic::core::ProbeCompletion completion_;
   haptic::core::TickRecord newest_{};
   haptic::core::CommandSnapshot command_{};
   haptic::core::ProxySnapshot proxy_{};
@@ -94,7 +98,7 @@ TEST_P(EveryScene, TicksWithoutAllocation) {
   const haptic::server::Scene scene = haptic::server::load_scene(GetParam());
   for (const DeviceScene& device : scene.devices) {
     const auto unit = make_unit(device);
-    ScriptedClient client;
+    ScriptedClient client(*unit);
     TimePoint now(1h);
     std::uint64_t allocations = 0;
     std::uint64_t releases = 0;

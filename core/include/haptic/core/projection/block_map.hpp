@@ -1,37 +1,45 @@
 #pragma once
 /// f and J of the device at one tick, as far as they are asked for (METHOD 7, "model only what a scene
-/// needs"): block by block where the map falls into blocks (the fingers of a hand). A finger at rest
-/// is not evaluated again; one that nothing holds is asked for f alone, without J. What is evaluated
-/// is the same to the bit as by Kinematics::evaluate of the whole map.
+/// needs"): block by block where the map falls into blocks (the fingers of a hand). A finger that
+/// nothing can hold in this tick is left out; one at rest is not evaluated again; one that nothing
+/// does hold is asked for f alone, without J. What is evaluated is the same to the bit as by
+/// Kinematics::evaluate of the whole map.
 
-#include <cstdint>
 #include <vector>
 
+#include "haptic/core/model/block_set.hpp"
 #include "haptic/core/model/kinematics.hpp"
+#include "haptic/core/projection/plane_set.hpp"
 
 namespace haptic::core {
-
-/// A set of blocks: bit i is the i-th of Kinematics::blocks(). A map without blocks is one block.
-using BlockSet = std::uint32_t;
 
 class BlockMap {
  public:
   /// `kinematics` must outlive this.
   explicit BlockMap(const Kinematics& kinematics);
 
-  /// x_probe() = f(q), q: n_q. False where f has no value there: x_probe() then stays as it was, and
-  /// J() means nothing. Never allocates.
-  bool move_to(const VecQ& q) noexcept;
+  /// x_probe() = f(q), q: n_q, of all blocks but those of `left_out`, whose f is not asked for. False
+  /// where f has no value in a block that is not left out: x_probe() then stays as it was, and J()
+  /// means nothing. Never allocates.
+  bool move_to(const VecQ& q, BlockSet left_out = 0) noexcept;
   /// After a move_to() that was true: J() of the blocks of `needed` is dx_probe/dq at its q, the other
   /// blocks are left as they are. What was needed in one tick move_to() brings along in the next, f
   /// and J in one evaluation. Never allocates.
   void differentiate(BlockSet needed) noexcept;
 
   [[nodiscard]] const VecX& x_probe() const noexcept { return x_probe_; }  ///< n_x; 0 before f
+  /// The blocks of which x_probe() is of an older q than the others': left out by the last move_to(),
+  /// or left out before and held up since by one that has no f. Finite there, and of no meaning.
+  [[nodiscard]] BlockSet unprobed() const noexcept { return unprobed_; }
   [[nodiscard]] const MatXQ& J() const noexcept { return J_; }  ///< n_x by n_q; 0 between blocks
   [[nodiscard]] BlockSet all() const noexcept { return all_; }
   /// The blocks in which dx (n_x) is not 0 throughout.
   [[nodiscard]] BlockSet displaced(const VecX& dx) const noexcept;
+  /// The blocks that such planes (normals n_x by n) can hold: all but those in whose coordinates
+  /// every normal is exactly 0.
+  [[nodiscard]] BlockSet reached(const PlaneSet& planes) const noexcept;
+  /// Writes `value` into the coordinates of `blocks` in x (n_x).
+  void fill(BlockSet blocks, double value, VecX& x) const noexcept;
 
  private:
   struct Part {
@@ -48,6 +56,8 @@ class BlockMap {
 
   std::vector<Part> parts_{};
   BlockSet all_{0};
+  BlockSet unprobed_{0};
+  bool told_{true};  ///< x_probe_ has what was evaluated last
   VecX x_probe_{};
   MatXQ J_{};
   MatXQ block_{};  ///< J of one part

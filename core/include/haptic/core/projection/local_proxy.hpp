@@ -21,6 +21,8 @@ class LocalProxy {
   void accept(const ProxySnapshot& sample) noexcept;
   /// No proxy from now on.
   void forget() noexcept;
+  /// A sample was taken over that at() has not used yet.
+  [[nodiscard]] bool pending() const noexcept { return pending_; }
 
   /// The proxy at this tick, given the haptic probe; empty where there is none.
   [[nodiscard]] const VecX& at(const VecX& x_probe) noexcept;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "haptic/core/model/block_set.hpp"
 #include "haptic/core/passivity/passivity.hpp"
 #include "haptic/core/projection/certificate.hpp"
 #include "haptic/core/projection/plane_projection.hpp"
@@ -77,6 +78,10 @@ struct TickRecord {
 
   VecQ q{};        ///< n_q, newest sample (held below max_silence)
   VecA q_a_dot{};  ///< n_a, from device time stamps; m/s or rad/s
+  /// The blocks (fingers) that nothing could hold in this tick, so that it did not ask for their f:
+  /// nan in x_probe and x until ProbeCompletion has filled them in (tick/probe_completion.hpp). 0
+  /// where the map has no blocks, or a metric or prior ties them together.
+  BlockSet unprobed{0};
   VecX x_probe{};  ///< f(q)
   VecX x{};        ///< proxy in use at `now`
   PlaneStatus planes{PlaneStatus::kFree};

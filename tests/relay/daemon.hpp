@@ -27,8 +27,9 @@ class Daemon {
   [[nodiscard]] std::string behind_relay() const {
     return "127.0.0.2:" + std::to_string(tcp_port_);
   }
-  /// SIGTERM; its exit code. The record is complete then.
+  /// SIGTERM; its exit code, again where it has ended before. The record is complete then.
   int stop();
+  void signal(int number) const { process_->signal(number); }
   [[nodiscard]] const std::filesystem::path& record() const { return record_; }
 
  private:

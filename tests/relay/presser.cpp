@@ -1,6 +1,7 @@
 #include "tests/relay/presser.hpp"
 
 #include <cmath>
+#include <future>
 
 namespace haptic::test {
 
@@ -66,16 +67,30 @@ void Presser::run() {
   }
 }
 
-bool serves(const std::string& address) {
+std::optional<client::DeviceState> first_state(const std::string& address) {
   client::Connection connection(address);
-  return within(30s, [&] {
+  const auto open = [&] {
     try {
       const auto devices = connection.devices(500ms);
-      return !devices.empty() && devices.front().state == client::State::kIdle;
+      return !devices.empty() && devices.front().state > client::State::kInit;
     } catch (const client::ClientError&) {
       return false;
     }
+  };
+  if (!within(30s, open)) return {};
+  std::promise<client::DeviceState> first;
+  std::future<client::DeviceState> state = first.get_future();
+  std::atomic<bool> taken{false};
+  const auto watch = connection.watch("finger", 100.0, [&](const client::DeviceState& state) {
+    if (!taken.exchange(true)) first.set_value(state);
   });
+  if (state.wait_for(5s) != std::future_status::ready) return {};
+  return state.get();
+}
+
+bool serves(const std::string& address) {
+  const auto state = first_state(address);
+  return state && state->state == client::State::kIdle;
 }
 
 }  // namespace haptic::test

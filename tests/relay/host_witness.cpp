@@ -30,6 +30,8 @@ void sleep_until(nanoseconds due) {
   }
 }
 
+}  // namespace
+
 std::vector<int> own_processors() {
   cpu_set_t set;
   CPU_ZERO(&set);
@@ -41,18 +43,15 @@ std::vector<int> own_processors() {
   return processors;
 }
 
-/// The calling thread, alone above all others on `processor`; errno's value, 0: it is.
-int take(int processor) {
+int take_processor(int processor, int priority) {
   cpu_set_t set;
   CPU_ZERO(&set);
   CPU_SET(processor, &set);
   if (const int error = pthread_setaffinity_np(pthread_self(), sizeof set, &set)) return error;
   sched_param parameters{};
-  parameters.sched_priority = HostWitness::kPriority;
+  parameters.sched_priority = priority;
   return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
 }
-
-}  // namespace
 
 /// One processor's watch, written by its thread alone.
 struct HostWitness::Post {
@@ -87,7 +86,7 @@ HostWitness::HostWitness() {
     std::promise<void> done;
     taken.push_back(done.get_future());
     threads_.emplace_back([this, &post, processor, done = std::move(done)]() mutable {
-      post.error = take(processor);
+      post.error = take_processor(processor, kPriority);
       done.set_value();
       if (post.error == 0) post.watch(running_);
     });

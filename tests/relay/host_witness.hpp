@@ -19,6 +19,11 @@
 
 namespace haptic::test {
 
+/// Those that this process may use.
+[[nodiscard]] std::vector<int> own_processors();
+/// Pins the calling thread to `processor`, at SCHED_FIFO `priority`. 0, or errno's value.
+[[nodiscard]] int take_processor(int processor, int priority);
+
 class HostWitness {
  public:
   static constexpr int kPriority = 90;  ///< SCHED_FIFO; the loop's is 80, the kernel's own 50 or 99
@@ -27,7 +32,7 @@ class HostWitness {
   static constexpr std::chrono::nanoseconds kLate{std::chrono::milliseconds(1)};
   static constexpr std::size_t kStalls = 4096;  ///< per processor; what is more is not seen
 
-  /// On every processor that this process may use. Returns when each is watched, or refused.
+  /// On own_processors(). Returns when each is watched, or refused.
   HostWitness();
   ~HostWitness();
   HostWitness(const HostWitness&) = delete;

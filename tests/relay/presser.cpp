@@ -79,13 +79,13 @@ std::optional<client::DeviceState> first_state(const std::string& address) {
   };
   if (!within(30s, open)) return {};
   std::promise<client::DeviceState> first;
-  std::future<client::DeviceState> state = first.get_future();
+  std::future<client::DeviceState> arrival = first.get_future();
   std::atomic<bool> taken{false};
   const auto watch = connection.watch("finger", 100.0, [&](const client::DeviceState& state) {
     if (!taken.exchange(true)) first.set_value(state);
   });
-  if (state.wait_for(5s) != std::future_status::ready) return {};
-  return state.get();
+  if (arrival.wait_for(5s) != std::future_status::ready) return {};
+  return arrival.get();
 }
 
 bool serves(const std::string& address) {

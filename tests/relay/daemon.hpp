@@ -12,12 +12,13 @@ namespace haptic::test {
 
 class Daemon {
  public:
+  static constexpr double kTarget = 0.5236;      ///< rad, where both joints come to rest
   static constexpr double kForceLimit = 25.0;    ///< N
   static constexpr double kSlew = 1000.0;        ///< N/s
   static constexpr double kTank = 0.05;          ///< J, at every Engage
   static constexpr double kDeviceDamping = 2.0;  ///< N s/m, the simulated actuator's own
 
-  /// `more`: other fields of the scene.
+  /// `more`: other fields of the scene. Returns when it listens, or did not within 10 s.
   explicit Daemon(const std::string& more = {});
   ~Daemon();
 

@@ -58,8 +58,8 @@ template <typename Condition>
   return condition();
 }
 
-/// The first state seen of the finger at `address` once its device is open (IDLE, or FAULT); nothing
-/// after 30 s.
+/// The first state of the finger at `address` in which it has come to rest (IDLE), or is in FAULT;
+/// nothing after 30 s.
 [[nodiscard]] std::optional<client::DeviceState> first_state(const std::string& address);
 /// That state is IDLE.
 [[nodiscard]] bool serves(const std::string& address);

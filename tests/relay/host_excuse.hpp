@@ -1,8 +1,8 @@
 #pragma once
-/// Which run of a row counts. A host that takes the processors away for 12 ms makes the loop late as
-/// surely as a bug of ours would; the one may be tried again, the other may not. Whoever decides sees
-/// the record, what the witness saw (host_witness.hpp) and what was found wrong, and nothing else: no
-/// clock, no process.
+/// Which run of a row counts. A host that takes the processors away for 12 ms makes the loop late
+/// as surely as a bug of ours would; the one may be tried again, the other may not. Whoever decides
+/// sees the record, what the witness saw (host_witness.hpp) and what was found wrong, and nothing
+/// else: no clock, no process.
 
 #include <functional>
 #include <optional>
@@ -27,15 +27,16 @@ struct Testimony {
 /// "host stalled 12 ms at 8.9 s", where all of this holds:
 ///
 /// - every fault of the run is LOOP_LATE or LATE_BUCKET_FULL, and there is one;
-/// - LOOP_LATE: the tick was later than 8 ms (WIRE 4), and but for the stalls it would have missed no
-///   deadline: what no stall covers, from its deadline to its wake-up, is less than a period;
-/// - LATE_BUCKET_FULL: the recorded ticks fill the bucket (WIRE 4: +5 per skipped deadline, -1 per 20
-///   ticks on time, full at 100), and those that stalls do not explain fill less than half of it;
-/// - nothing was found wrong before the first of these faults. A finding without a time is taken for
-///   their consequence.
+/// - LOOP_LATE: the tick was later than 8 ms (WIRE 4), and but for the stalls it would have missed
+///   no deadline: what no stall covers, from its deadline to its wake-up, is less than a period;
+/// - LATE_BUCKET_FULL: the recorded ticks fill the bucket (WIRE 4: +5 per skipped deadline, -1 per
+///   20 ticks on time, full at 100), and those that stalls do not explain fill less than half of
+///   it;
+/// - nothing was found wrong before the first of these faults. A finding without a time is taken
+///   for their consequence.
 ///
-/// A stall of any processor counts: the loop is pinned to none, and the record does not say where it
-/// was.
+/// A stall of any processor counts: the loop is pinned to none, and the record does not say where
+/// it was.
 [[nodiscard]] std::optional<std::string> host_excuse(const std::vector<RecordedTick>& run,
                                                      const Testimony& testimony,
                                                      const std::vector<Finding>& findings);
@@ -54,8 +55,9 @@ struct RowReport {
 
 inline constexpr int kRunsAtMost = 3;
 
-/// Runs again while the host has an excuse to give, `kRunsAtMost` times in all; the first run without
-/// one counts, whatever it found. Where there is none the row fails, with the reason "host".
+/// Runs again while the host has an excuse to give, `kRunsAtMost` times in all; the first run
+/// without one counts, whatever it found. Where there is none the row fails, with the reason
+/// "host".
 [[nodiscard]] RowReport until_a_run_counts(const std::function<RunReport()>& run);
 
 }  // namespace haptic::test

@@ -117,8 +117,8 @@ std::vector<Case> single_lateness() {
   };
 }
 
-/// Lags of 4.1 ms, 10 per second. Each skips 4 deadlines: +20, and with the 95 ticks on time until the
-/// next one -4. The sixth fills the bucket, 20 + 5 x 16 = 100; the fifth does not, 84.
+/// Lags of 4.1 ms, 10 per second. Each skips 4 deadlines: +20, and with the 95 ticks on time until
+/// the next one -4. The sixth fills the bucket, 20 + 5 x 16 = 100; the fifth does not, 84.
 constexpr double kLag = 0.0041;
 
 double lag_at(int i) {

@@ -1,12 +1,13 @@
 #pragma once
-/// Sees the host (or the kernel) take processors away. A thread pinned to each processor naps for 1 ms
-/// at a time, at a real-time priority above hapticd's loop and everything else of ours; when it wakes
-/// late, no load of ours was the reason. Naps and notes need no memory but a table that is there from
-/// the start.
+/// Sees the host (or the kernel) take processors away. A thread pinned to each processor naps again
+/// and again for 1 ms, at a real-time priority above hapticd's loop and everything else of ours;
+/// when it wakes late, no load of ours was the reason. Naps and notes need no memory but a table
+/// that is there from the start.
 ///
-/// The one load that could make it late is a real-time thread of ours that leaves other programs no time
-/// for the better part of a second, so that the kernel holds all of them back (sched_rt_runtime_us).
-/// Such a loop has missed every deadline before, and its bucket is full without a stall to explain it.
+/// The one load that could make it late is a real-time thread of ours that leaves other programs no
+/// time for the better part of a second, so that the kernel holds all of them back
+/// (sched_rt_runtime_us). Such a loop has missed every deadline before, and its bucket is full
+/// without a stall to explain it.
 
 #include <atomic>
 #include <chrono>

@@ -1,6 +1,6 @@
-/// The witness sees what takes a processor from above, and nothing that ours could do; and a row tells
-/// the two from each other. Real time and real processors, for some milliseconds at a time: label
-/// `network`.
+/// The witness sees what takes a processor from above, and nothing that ours could do; and a row
+/// tells the two from each other. Real time and real processors, for some milliseconds at a time:
+/// label `network`.
 
 #include "tests/relay/host_witness.hpp"
 
@@ -17,8 +17,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Takes every processor at once, at `priority`, for `time`: what a host does, from above the witness;
-/// what ours may do, from below.
+/// Takes every processor at once, at `priority`, for `time`: what a host does, from above the
+/// witness; what ours may do, from below.
 void take_all_processors(int priority, std::chrono::milliseconds time) {
   const std::vector<int> processors = own_processors();
   std::latch all(static_cast<std::ptrdiff_t>(processors.size()));

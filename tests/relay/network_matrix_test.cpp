@@ -1,9 +1,10 @@
-/// Every scenario of WIRE 6 over real sockets: hapticd as a process, the client library, the relay between
-/// them, and the record of every tick. They keep real time: a machine that is busy with something else
-/// fails them (label `network`); a run that the host disturbed is done again (network_row.hpp).
+/// Every scenario of WIRE 6 over real sockets: hapticd as a process, the client library, the relay
+/// between them, and the record of every tick. They keep real time: a machine that is busy with
+/// something else fails them (label `network`); a run that the host disturbed is done again
+/// (network_row.hpp).
 ///
-/// The scenarios of the client's clock are not here: nothing between the ends can turn a process's clock.
-/// tests/interop/udp_client_test.py has a client that turns its own.
+/// The scenarios of the client's clock are not here: nothing between the ends can turn a process's
+/// clock. tests/interop/udp_client_test.py has a client that turns its own.
 
 #include <gtest/gtest.h>
 
@@ -27,8 +28,8 @@ bool is_never_felt(const std::string& name) {
              "loss_01", "loss_05", "burst_8ms", "tcp_blocked", "udp_blocked", "narrow"});
 }
 
-/// Every third packet lost is more than the UDP path may lose, and more than a stream can bear: whether force
-/// is ever granted is luck, that it is safe is not.
+/// Every third packet lost is more than the UDP path may lose, and more than a stream can bear:
+/// whether force is ever granted is luck, that it is safe is not.
 bool may_be_refused(const std::string& name) {
   return name == "loss_30";
 }

@@ -1,6 +1,6 @@
 #pragma once
-/// A row of the matrix over real sockets: an experiment with a daemon of its own, done again where the
-/// host took the processors away (host_excuse.hpp), judged by the run that counts.
+/// A row of the matrix over real sockets: an experiment with a daemon of its own, done again where
+/// the host took the processors away (host_excuse.hpp), judged by the run that counts.
 ///
 ///   network_row("nan", "refused and counted", [](RowRun& run) {
 ///     Presser presser(run.daemon().address());

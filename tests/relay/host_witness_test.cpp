@@ -65,9 +65,9 @@ TEST_F(Witness, IsNotMadeLateByTheLoopsPriority) {
   const HostWitness witness;
   std::this_thread::sleep_for(10ms);
   const auto before = std::chrono::steady_clock::now();
-  take_all_processors(80, 100ms);
+  take_all_processors(80, 200ms);
   std::this_thread::sleep_for(10ms);
-  EXPECT_LT(longest(witness, before), 0.050);  // the host's own stalls are shorter than that
+  EXPECT_LT(longest(witness, before), 0.100);  // the host's own stalls are shorter than that
 }
 
 void press_for_a_while(RowRun& run, const std::function<void()>& trouble) {
@@ -94,7 +94,7 @@ TEST_F(Witness, ALoopThatWasLateByItselfHasNone) {
     return run_once([](RowRun& run) {
       press_for_a_while(run, [&] {
         run.daemon().signal(SIGSTOP);
-        std::this_thread::sleep_for(60ms);  // longer than any stall of a host
+        std::this_thread::sleep_for(100ms);  // longer than the host's own stalls
         run.daemon().signal(SIGCONT);
       });
     });

@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 #include <sched.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +10,7 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <fstream>
 #include <future>
 
 namespace haptic::test {
@@ -28,6 +30,16 @@ void sleep_until(nanoseconds due) {
   until.tv_nsec = (due % std::chrono::seconds(1)).count();
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
   }
+}
+
+/// s, of all processors since the machine was started (proc(5), /proc/stat, the eighth figure).
+double stolen() {
+  std::ifstream stat("/proc/stat");
+  std::string cpu;
+  double ticks = 0.0;
+  stat >> cpu;
+  for (int figure = 1; figure <= 8; ++figure) stat >> ticks;
+  return stat ? ticks / static_cast<double>(sysconf(_SC_CLK_TCK)) : 0.0;
 }
 
 }  // namespace
@@ -79,7 +91,7 @@ struct HostWitness::Post {
   std::atomic<std::size_t> count{0};
 };
 
-HostWitness::HostWitness() {
+HostWitness::HostWitness() : stolen_before_(stolen()) {
   std::vector<std::future<void>> taken;
   for (const int processor : own_processors()) {
     Post& post = *posts_.emplace_back(std::make_unique<Post>());
@@ -129,8 +141,9 @@ std::string HostWitness::summary() const {
     longest = std::max(longest, stall.to - stall.from);
   }
   if (longest == 0.0) return "no stall of the host";
-  char text[60];
-  std::snprintf(text, sizeof text, "longest stall of the host %.0f ms", 1e3 * longest);
+  char text[80];
+  std::snprintf(text, sizeof text, "longest stall of the host %.0f ms, %.0f ms stolen",
+                1e3 * longest, 1e3 * (stolen() - stolen_before_));
   return text;
 }
 

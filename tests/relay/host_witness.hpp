@@ -44,11 +44,14 @@ class HostWitness {
   /// What it saw so far, each from the last sign of life before it to the next one, on a clock that
   /// shows 0 s at `origin` of CLOCK_MONOTONIC.
   [[nodiscard]] Testimony testimony(std::chrono::nanoseconds origin) const;
-  /// For the table: "longest stall of the host 3 ms", "no stall of the host", or the refusal.
+  /// For the table: "longest stall of the host 8 ms, 40 ms stolen", "no stall of the host", or the
+  /// refusal. Stolen is what the kernel itself knows of, of all processors in steps of 10 ms, where
+  /// the machine is a virtual one whose host says so: another word on whether host or kernel it was.
   [[nodiscard]] std::string summary() const;
 
  private:
   struct Post;
+  const double stolen_before_;  ///< s
   std::atomic<bool> running_{true};
   std::vector<std::unique_ptr<Post>> posts_{};
   std::vector<std::thread> threads_{};

@@ -45,8 +45,8 @@ class HostWitness {
   /// shows 0 s at `origin` of CLOCK_MONOTONIC.
   [[nodiscard]] Testimony testimony(std::chrono::nanoseconds origin) const;
   /// For the table: "longest stall of the host 8 ms, 40 ms stolen", "no stall of the host", or the
-  /// refusal. Stolen is what the kernel itself knows of, of all processors in steps of 10 ms, where
-  /// the machine is a virtual one whose host says so: another word on whether host or kernel it was.
+  /// refusal. Stolen is what the kernel itself counts, of all processors in steps of 10 ms, where
+  /// the host of a virtual machine tells it: another word on whether host or kernel it was.
   [[nodiscard]] std::string summary() const;
 
  private:

@@ -5,23 +5,40 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <stdexcept>
+#include <thread>
 
 namespace haptic::test {
 namespace {
 
-bool is_free(const char* host, int type, std::uint16_t port) {
+/// `call` (bind or connect) succeeds on a new socket.
+template <typename Call>
+bool succeeds(Call call, const char* host, int type, std::uint16_t port) {
   const int probe = ::socket(AF_INET, type | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(port);
   ::inet_pton(AF_INET, host, &address.sin_addr);
-  const bool bound =
-      ::bind(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  const bool success =
+      call(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
   ::close(probe);
-  return bound;
+  return success;
+}
+
+bool is_free(const char* host, int type, std::uint16_t port) {
+  return succeeds(::bind, host, type, port);
+}
+
+/// A client of gRPC that finds nobody tries again 5 s later; so nobody asks before.
+void wait_for_listener(std::uint16_t port) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (std::chrono::steady_clock::now() < end) {
+    if (succeeds(::connect, "127.0.0.1", SOCK_STREAM, port)) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
 }
 
 /// Below the ports that the kernel gives out by itself.
@@ -43,7 +60,9 @@ record { file: ")" +
          record.string() + R"(" }
 device {
   name: "finger"
-  simulated_finger { target_mcp_rad: 0.5236 target_pip_rad: 0.5236 }
+  simulated_finger { target_mcp_rad: )" +
+         std::to_string(Daemon::kTarget) + " target_pip_rad: " + std::to_string(Daemon::kTarget) +
+         R"( }
   finger_exoskeleton {}
   direction_guard {}
   impedance { stiffness_n_per_m: 1500 damping_n_s_per_m: 0.5 }
@@ -71,6 +90,7 @@ Daemon::Daemon(const std::string& more)
       std::make_unique<Process>(std::string(HAPTIC_BINARY_DIR) + "/server/hapticd",
                                 std::vector<std::string>{"--scene", file.string(), "--listen",
                                                          address(), "--log-level", "warn"});
+  wait_for_listener(tcp_port_);
 }
 
 Daemon::~Daemon() {

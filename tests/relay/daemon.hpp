@@ -12,12 +12,13 @@ namespace haptic::test {
 
 class Daemon {
  public:
+  static constexpr double kTarget = 0.5236;      ///< rad, where both joints come to rest
   static constexpr double kForceLimit = 25.0;    ///< N
   static constexpr double kSlew = 1000.0;        ///< N/s
   static constexpr double kTank = 0.05;          ///< J, at every Engage
   static constexpr double kDeviceDamping = 2.0;  ///< N s/m, the simulated actuator's own
 
-  /// `more`: other fields of the scene.
+  /// `more`: other fields of the scene. Returns when it listens, or did not within 10 s.
   explicit Daemon(const std::string& more = {});
   ~Daemon();
 
@@ -27,8 +28,9 @@ class Daemon {
   [[nodiscard]] std::string behind_relay() const {
     return "127.0.0.2:" + std::to_string(tcp_port_);
   }
-  /// SIGTERM; its exit code. The record is complete then.
+  /// SIGTERM; its exit code, again where it has ended before. The record is complete then.
   int stop();
+  void signal(int number) const { process_->signal(number); }
   [[nodiscard]] const std::filesystem::path& record() const { return record_; }
 
  private:

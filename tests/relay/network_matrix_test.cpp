@@ -1,17 +1,15 @@
-/// Every scenario of WIRE 6 over real sockets: hapticd as a process, the client library, the relay between
-/// them, and the record of every tick. They keep real time: a machine that is busy with something else
-/// fails them (label `network`).
+/// Every scenario of WIRE 6 over real sockets: hapticd as a process, the client library, the relay
+/// between them, and the record of every tick. They keep real time: a machine that is busy with
+/// something else fails them (label `network`); a run that the host disturbed is done again
+/// (network_row.hpp).
 ///
-/// The scenarios of the client's clock are not here: nothing between the ends can turn a process's clock.
-/// tests/interop/udp_client_test.py has a client that turns its own.
+/// The scenarios of the client's clock are not here: nothing between the ends can turn a process's
+/// clock. tests/interop/udp_client_test.py has a client that turns its own.
 
 #include <gtest/gtest.h>
 
-#include "tests/relay/daemon.hpp"
-#include "tests/relay/matrix_table.hpp"
-#include "tests/relay/presser.hpp"
+#include "tests/relay/network_row.hpp"
 #include "tests/relay/relay.hpp"
-#include "tests/relay/run_record.hpp"
 
 namespace haptic::test {
 namespace {
@@ -30,8 +28,8 @@ bool is_never_felt(const std::string& name) {
              "loss_01", "loss_05", "burst_8ms", "tcp_blocked", "udp_blocked", "narrow"});
 }
 
-/// Every third packet lost is more than the UDP path may lose, and more than a stream can bear: whether force
-/// is ever granted is luck, that it is safe is not.
+/// Every third packet lost is more than the UDP path may lose, and more than a stream can bear:
+/// whether force is ever granted is luck, that it is safe is not.
 bool may_be_refused(const std::string& name) {
   return name == "loss_30";
 }
@@ -57,48 +55,42 @@ std::vector<Scenario> scenarios() {
   return all;
 }
 
+/// A client presses through the scenario, from its first packet to its end.
+void press_through(RowRun& run, const Scenario& scenario) {
+  const std::string& name = scenario.name;
+  RelaySetup setup;
+  setup.scenario = scenario;
+  setup.tcp_port = run.daemon().tcp_port();
+  setup.udp_port = run.daemon().udp_port();
+  const Relay relay(setup);
+  Presser presser(run.daemon().behind_relay());
+  std::this_thread::sleep_for(scenario.duration);
+  const auto engaged = [&] { return presser.state().state == client::State::kEngaged; };
+  const auto by_udp = [&] { return presser.session().transport() == client::Transport::kUdp; };
+  // The longest retransmission and back-off may still be ahead of a client that was cut off.
+  if (!is_never_felt(name) && !may_be_refused(name)) {
+    run.expect(within(15s, engaged), "engaged within 15 s of the scenario's end");
+  }
+  run.expect(presser.in_order(), "a sequence in use that never goes back");
+  if (name == "udp_blocked") {
+    run.expect(presser.heard("SAMPLES UDP -> GRPC"), "a fallback to gRPC");
+  }
+  if (is_never_felt(name)) run.expect(within(10s, by_udp), "samples by UDP in the end");
+}
+
 class NetworkMatrix : public testing::TestWithParam<Scenario> {};
 
 TEST_P(NetworkMatrix, TheContractHoldsAtEveryTick) {
   const Scenario& scenario = GetParam();
-  MatrixRow row("network/" + scenario.name, expectation(scenario.name));
-  Daemon daemon;
-  ASSERT_TRUE(serves(daemon.address()));
-  {
-    RelaySetup setup;
-    setup.scenario = scenario;
-    setup.tcp_port = daemon.tcp_port();
-    setup.udp_port = daemon.udp_port();
-    const Relay relay(setup);
-    Presser presser(daemon.behind_relay());
-    std::this_thread::sleep_for(scenario.duration);
-    // The longest retransmission and back-off may still be ahead of a client that was cut off.
-    if (!is_never_felt(scenario.name) && !may_be_refused(scenario.name)) {
-      EXPECT_TRUE(within(15s, [&] { return presser.state().state == client::State::kEngaged; }));
-    }
-    EXPECT_TRUE(presser.in_order());
-    if (scenario.name == "udp_blocked") {
-      EXPECT_TRUE(presser.heard("SAMPLES UDP -> GRPC"));
-    }
-    if (is_never_felt(scenario.name)) {
-      EXPECT_TRUE(
-          within(10s, [&] { return presser.session().transport() == client::Transport::kUdp; }));
-    }
-  }
-  EXPECT_EQ(daemon.stop(), 0);
-  std::string wrong;
-  const std::vector<RecordedTick> run = read_record(daemon.record());
-  ASSERT_GT(run.size(), 1000U);
-  const RunFigures figures = judge(run, Presser::kFreshEnd, wrong);
-  EXPECT_EQ(wrong, "");
-  EXPECT_TRUE(figures.engaged || may_be_refused(scenario.name));
-  if (is_never_felt(scenario.name)) {
-    EXPECT_EQ(figures.losses, 0);
-  }
-  if (is_lost_and_back(scenario.name)) {
-    EXPECT_GE(figures.losses, 1);
-  }
-  row.got(figures.text());
+  network_row(scenario.name, expectation(scenario.name), [&](RowRun& run) {
+    press_through(run, scenario);
+    const RunFigures figures = run.judge();
+    run.expect(run.record().size() > 1000U, "more than 1000 ticks recorded");
+    run.expect(figures.engaged || may_be_refused(scenario.name), "engaged at some time");
+    run.expect(figures.losses == 0 || !is_never_felt(scenario.name), "force never lost");
+    run.expect(figures.losses >= 1 || !is_lost_and_back(scenario.name), "force lost, and back");
+    run.got(figures.text());
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(Shipped, NetworkMatrix, testing::ValuesIn(scenarios()),

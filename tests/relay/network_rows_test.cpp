@@ -1,6 +1,6 @@
 /// The rows of WIRE 6 that no scenario file can say, over real sockets: an attacker on the way,
 /// clients that die or pause, watchers, the end of the server under load. Real time, label
-/// `network`.
+/// `network`; a run that the host disturbed is done again, so all that a run knows is made in it.
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -11,11 +11,8 @@
 #include <limits>
 
 #include "haptic/wire/secure_channel.hpp"
-#include "tests/relay/daemon.hpp"
-#include "tests/relay/matrix_table.hpp"
-#include "tests/relay/presser.hpp"
+#include "tests/relay/network_row.hpp"
 #include "tests/relay/relay.hpp"
-#include "tests/relay/run_record.hpp"
 
 namespace haptic::test {
 namespace {
@@ -31,88 +28,94 @@ RelaySetup between(const Daemon& daemon, const char* scenario = "delay_10ms") {
   return setup;
 }
 
-bool engaged_by_udp(Presser& presser) {
-  return within(20s, [&] {
+/// The outcome is a finding of the run where it is not so.
+bool engages_by_udp(RowRun& run, Presser& presser) {
+  const bool engaged = within(20s, [&] {
     const auto state = presser.state();
     return state.state == client::State::kEngaged && state.transport == client::Transport::kUdp;
   });
+  return run.expect(engaged, "engaged over UDP within 20 s");
 }
 
-/// Ends the daemon and holds the contract against what it recorded.
-RunFigures end_and_judge(Daemon& daemon) {
-  EXPECT_EQ(daemon.stop(), 0);
-  std::string wrong;
-  const RunFigures figures = judge(read_record(daemon.record()), Presser::kFreshEnd, wrong);
-  EXPECT_EQ(wrong, "");
-  return figures;
-}
+struct Attack {
+  std::function<std::vector<Packet>(const Packet&)> forge;
+  std::function<void(const Daemon&)> meanwhile{};
+  std::function<void(RowRun&)> in_the_end{};
+};
 
 /// An attack during three seconds of pressing is not felt: never stale by more than a hold, on UDP
-/// all along.
-void siege(const std::string& name,
-           const std::function<std::vector<Packet>(const Packet&)>& attacker,
-           const std::function<void(Daemon&)>& meanwhile = {}) {
-  MatrixRow row("network/" + name, "contract; engaged throughout; stays on UDP; no reply");
-  Daemon daemon;
-  ASSERT_TRUE(serves(daemon.address()));
-  std::atomic<bool> attacking{false};
-  std::atomic<std::uint64_t> forged{0};
-  {
-    RelaySetup setup = between(daemon);
-    setup.attacker = [&](const Packet& packet) {
-      auto packets = attacker(packet);
-      if (!attacking) packets.clear();
-      forged += packets.size();
-      return packets;
-    };
-    const Relay relay(setup);
-    Presser presser(daemon.behind_relay());
-    ASSERT_TRUE(engaged_by_udp(presser));
-    attacking = true;
-    if (meanwhile) meanwhile(daemon);
-    std::this_thread::sleep_for(3s);
-    attacking = false;
-    EXPECT_FALSE(presser.heard("SAMPLES UDP -> GRPC"));
-    EXPECT_TRUE(presser.in_order());
-  }
-  const RunFigures figures = end_and_judge(daemon);
-  EXPECT_EQ(figures.losses, 0);
-  row.got(std::to_string(forged) + " forged datagrams");
-  row.got(figures.text());
+/// all along. `prepare` is called for each run.
+void siege(const std::string& name, const std::function<Attack()>& prepare) {
+  network_row(name, "contract; engaged throughout; stays on UDP; no reply", [&](RowRun& run) {
+    const Attack attack = prepare();
+    std::atomic<bool> attacking{false};
+    std::atomic<std::uint64_t> forged{0};
+    {
+      RelaySetup setup = between(run.daemon());
+      setup.attacker = [&](const Packet& packet) {
+        auto packets = attack.forge(packet);
+        if (!attacking) packets.clear();
+        forged += packets.size();
+        return packets;
+      };
+      const Relay relay(setup);
+      Presser presser(run.daemon().behind_relay());
+      if (!engages_by_udp(run, presser)) return;
+      attacking = true;
+      if (attack.meanwhile) attack.meanwhile(run.daemon());
+      std::this_thread::sleep_for(3s);
+      attacking = false;
+      run.expect(!presser.heard("SAMPLES UDP -> GRPC"), "UDP all along");
+      run.expect(presser.in_order(), "a sequence in use that never goes back");
+    }
+    if (attack.in_the_end) attack.in_the_end(run);
+    const RunFigures figures = run.judge();
+    run.expect(figures.losses == 0, "force never lost");
+    run.got(std::to_string(forged) + " forged datagrams");
+    run.got(figures.text());
+  });
 }
 
 TEST(NetworkRow, BitFlips) {
-  siege("bit_flips", [random = Random(3)](const Packet& packet) mutable {
-    std::vector<Packet> damaged(3, packet);
-    for (Packet& copy : damaged) {
-      copy[random.next() % copy.size()] ^= static_cast<std::uint8_t>(1U << random.next() % 8);
-    }
-    return damaged;
+  siege("bit_flips", [] {
+    const auto forge = [random = Random(3)](const Packet& packet) mutable {
+      std::vector<Packet> damaged(3, packet);
+      for (Packet& copy : damaged) {
+        copy[random.next() % copy.size()] ^= static_cast<std::uint8_t>(1U << random.next() % 8);
+      }
+      return damaged;
+    };
+    return Attack{forge};
   });
 }
 
 TEST(NetworkRow, WrongKey) {
-  std::unique_ptr<wire::SecureChannel> forger;
-  siege("wrong_key", [&](const Packet& packet) {
-    const wire::HeaderReading reading = wire::read_header(packet);
-    if (!forger) {
-      wire::PathKeys guessed = wire::fresh_keys();
-      guessed.path_id = reading.header.path_id;
-      forger = std::make_unique<wire::SecureChannel>(wire::End::kClient, guessed);
-    }
-    Packet forged(wire::kLargestDatagram);
-    forged.resize(forger->seal(wire::DatagramType::kProxy, Packet(40, 0x11), forged));
-    wire::put(reading.header.packet_number + 100, wire::Bytes(forged).subspan(8));
-    return std::vector<Packet>{forged};
+  siege("wrong_key", [] {
+    const auto forger = std::make_shared<std::unique_ptr<wire::SecureChannel>>();
+    const auto forge = [forger](const Packet& packet) {
+      const wire::HeaderReading reading = wire::read_header(packet);
+      if (!*forger) {
+        wire::PathKeys guessed = wire::fresh_keys();
+        guessed.path_id = reading.header.path_id;
+        *forger = std::make_unique<wire::SecureChannel>(wire::End::kClient, guessed);
+      }
+      Packet forged(wire::kLargestDatagram);
+      forged.resize((*forger)->seal(wire::DatagramType::kProxy, Packet(40, 0x11), forged));
+      wire::put(reading.header.packet_number + 100, wire::Bytes(forged).subspan(8));
+      return std::vector<Packet>{forged};
+    };
+    return Attack{forge};
   });
 }
 
 TEST(NetworkRow, ReplayedCapture) {
-  std::vector<Packet> capture;
-  std::size_t next = 0;
-  siege("replayed_capture", [&](const Packet& packet) {
-    capture.push_back(packet);
-    return std::vector<Packet>{capture[next++ / 2]};  // ever older ones
+  siege("replayed_capture", [] {
+    const auto forge = [capture = std::vector<Packet>{},
+                        next = std::size_t{0}](const Packet& packet) mutable {
+      capture.push_back(packet);
+      return std::vector<Packet>{capture[next++ / 2]};  // ever older ones
+    };
+    return Attack{forge};
   });
 }
 
@@ -140,115 +143,124 @@ class Stranger {
   int socket_;
 };
 
+/// Listens on the way, and sends what it heard from an address of its own.
+struct Eavesdropper {
+  Stranger stranger{};
+  std::mutex mutex{};
+  std::vector<Packet> seen{};
+};
+
 TEST(NetworkRow, SpoofedSource) {
-  const Stranger stranger;
-  std::mutex mutex;
-  std::vector<Packet> seen;
-  siege(
-      "spoofed_source",
-      [&](const Packet& packet) {
-        const std::lock_guard lock(mutex);
-        seen.push_back(packet);
-        return std::vector<Packet>{};
-      },
-      [&](Daemon& daemon) {
-        const std::lock_guard lock(mutex);
-        // Those of the last 10 ms may still be on their way.
-        for (std::size_t i = 0; i + 20 < seen.size(); ++i) {
-          stranger.send(seen[i], daemon.udp_port());
-        }
-      });
-  EXPECT_GT(seen.size(), 100U);
-  EXPECT_FALSE(stranger.heard_anything());
+  siege("spoofed_source", [] {
+    const auto ear = std::make_shared<Eavesdropper>();
+    Attack attack;
+    attack.forge = [ear](const Packet& packet) {
+      const std::lock_guard lock(ear->mutex);
+      ear->seen.push_back(packet);
+      return std::vector<Packet>{};
+    };
+    attack.meanwhile = [ear](const Daemon& daemon) {
+      const std::lock_guard lock(ear->mutex);
+      // Those of the last 10 ms may still be on their way.
+      for (std::size_t i = 0; i + 20 < ear->seen.size(); ++i) {
+        ear->stranger.send(ear->seen[i], daemon.udp_port());
+      }
+    };
+    attack.in_the_end = [ear](RowRun& run) {
+      run.expect(ear->seen.size() > 100U, "more than 100 datagrams overheard");
+      run.expect(!ear->stranger.heard_anything(), "no reply to the stranger");
+    };
+    return attack;
+  });
 }
 
 TEST(NetworkRow, ACutConnectionIsResumed) {
-  MatrixRow row("network/cut_connection",
-                "contract; resumed within the lease; force back by itself");
-  Daemon daemon;
-  ASSERT_TRUE(serves(daemon.address()));
-  {
-    auto relay = std::make_unique<Relay>(between(daemon, "clean"));
-    Presser presser(daemon.behind_relay());
-    ASSERT_TRUE(engaged_by_udp(presser));
-    relay.reset();  // both carriers
-    relay = std::make_unique<Relay>(between(daemon, "clean"));
-    EXPECT_TRUE(within(10s, [&] { return presser.heard("LEASE_RESUMED"); }));
-    EXPECT_EQ(presser.session().lease_epoch(), 2U);
-    EXPECT_TRUE(engaged_by_udp(presser)) << "new keys, and a path of its own";
-    EXPECT_TRUE(presser.in_order());
-  }
-  row.got(end_and_judge(daemon).text());
+  network_row("cut_connection", "contract; resumed within the lease; force back by itself",
+              [](RowRun& run) {
+                {
+                  auto relay = std::make_unique<Relay>(between(run.daemon(), "clean"));
+                  Presser presser(run.daemon().behind_relay());
+                  if (!engages_by_udp(run, presser)) return;
+                  relay.reset();  // both carriers
+                  relay = std::make_unique<Relay>(between(run.daemon(), "clean"));
+                  run.expect(within(10s, [&] { return presser.heard("LEASE_RESUMED"); }),
+                             "LEASE_RESUMED within 10 s");
+                  run.expect(presser.session().lease_epoch() == 2U, "lease epoch 2");
+                  engages_by_udp(run, presser);  // new keys, and a path of its own
+                  run.expect(presser.in_order(), "a sequence in use that never goes back");
+                }
+                run.got(run.judge().text());
+              });
 }
+
+/// The example client presses over the relay and is killed; returns false where it never pressed.
+bool kill_while_pressing(RowRun& run) {
+  const Relay relay(between(run.daemon()));
+  Process wall(HAPTIC_BINARY_DIR "/client/haptic-example-virtual-wall",
+               {"--server", run.daemon().behind_relay(), "--stop", "0.3"});
+  client::Connection watching(run.daemon().address());
+  std::atomic<bool> pressed{false};
+  const auto watch = watching.watch("finger", 100.0, [&](const client::DeviceState& state) {
+    if (state.state == client::State::kEngaged && state.gain == 1.0) pressed = true;
+  });
+  if (!run.expect(within(20s, [&] { return pressed.load(); }), "pressed within 20 s")) return false;
+  wall.signal(SIGKILL);
+  wall.wait();
+  std::this_thread::sleep_for(3s);
+  run.expect(watching.devices().front().state == client::State::kIdle, "IDLE 3 s later");
+  return true;
+}
+
 TEST(NetworkRow, ClientKilled) {
-  MatrixRow row("network/client_killed", "contract; no force and IDLE in the end");
-  Daemon daemon;
-  ASSERT_TRUE(serves(daemon.address()));
-  {
-    const Relay relay(between(daemon));
-    Process wall(HAPTIC_BINARY_DIR "/client/haptic-example-virtual-wall",
-                 {"--server", daemon.behind_relay(), "--stop", "0.3"});
-    client::Connection watching(daemon.address());
-    std::atomic<bool> pressed{false};
-    const auto watch = watching.watch("finger", 100.0, [&](const client::DeviceState& state) {
-      if (state.state == client::State::kEngaged && state.gain == 1.0) pressed = true;
-    });
-    ASSERT_TRUE(within(20s, [&] { return pressed.load(); }));
-    wall.signal(SIGKILL);
-    wall.wait();
-    std::this_thread::sleep_for(3s);
-    EXPECT_EQ(watching.devices().front().state, client::State::kIdle);
-  }
-  EXPECT_EQ(daemon.stop(), 0);
-  const auto run = read_record(daemon.record());
-  std::string wrong;
-  const RunFigures figures = judge(run, 2.5 / 200.0, wrong);  // the example's rate
-  EXPECT_EQ(wrong, "");
-  EXPECT_EQ(run.back().tau_a, 0.0);
-  row.got(figures.text());
+  network_row("client_killed", "contract; no force and IDLE in the end", [](RowRun& run) {
+    if (!kill_while_pressing(run)) return;
+    const RunFigures figures = run.judge(2.5 / 200.0);  // the example's rate
+    run.expect(run.record().back().tau_a == 0.0, "no force in the end");
+    run.got(figures.text());
+  });
 }
 
 TEST(NetworkRow, ClientPausedFor300Ms) {
-  MatrixRow row("network/client_paused_300ms", "contract; lost once, and engaged again");
-  Daemon daemon;
-  ASSERT_TRUE(serves(daemon.address()));
-  {
-    const Relay relay(between(daemon));
-    Presser presser(daemon.behind_relay());
-    ASSERT_TRUE(engaged_by_udp(presser));
-    presser.publishing = false;
-    std::this_thread::sleep_for(300ms);
-    presser.publishing = true;
-    EXPECT_TRUE(within(5s, [&] { return presser.heard("LOST"); }));
-    EXPECT_TRUE(engaged_by_udp(presser));
-  }
-  const RunFigures figures = end_and_judge(daemon);
-  EXPECT_EQ(figures.losses, 1);
-  row.got(figures.text());
+  network_row("client_paused_300ms", "contract; lost once, and engaged again", [](RowRun& run) {
+    {
+      const Relay relay(between(run.daemon()));
+      Presser presser(run.daemon().behind_relay());
+      if (!engages_by_udp(run, presser)) return;
+      presser.publishing = false;
+      std::this_thread::sleep_for(300ms);
+      presser.publishing = true;
+      run.expect(within(5s, [&] { return presser.heard("LOST"); }), "LOST within 5 s");
+      engages_by_udp(run, presser);
+    }
+    const RunFigures figures = run.judge();
+    run.expect(figures.losses == 1, "force lost once");
+    run.got(figures.text());
+  });
 }
 
 /// A number that no proxy may have: refused and counted, as good as silence, and force comes back
 /// by a ramp.
 void refuses(const std::string& name, double bad) {
-  MatrixRow row("network/" + name, "contract; refused and counted; lost once, and engaged again");
-  Daemon daemon;
-  ASSERT_TRUE(serves(daemon.address()));
-  std::uint64_t refused = 0;
-  {
-    const Relay relay(between(daemon));
-    Presser presser(daemon.behind_relay());
-    ASSERT_TRUE(engaged_by_udp(presser));
-    presser.instead = &bad;
-    EXPECT_TRUE(within(5s, [&] { return presser.heard("LOST"); }));
-    presser.instead = nullptr;
-    EXPECT_TRUE(engaged_by_udp(presser));
-    refused = presser.session().statistics().rejected_invalid;
-  }
-  const RunFigures figures = end_and_judge(daemon);
-  EXPECT_EQ(figures.losses, 1);
-  EXPECT_GE(refused, 15U);  // 180 ms at 100 Hz, but for what the way had under way
-  row.got(std::to_string(refused) + " refused");
-  row.got(figures.text());
+  network_row(name, "contract; refused and counted; lost once, and engaged again",
+              [bad](RowRun& run) {
+                std::uint64_t refused = 0;
+                {
+                  const Relay relay(between(run.daemon()));
+                  Presser presser(run.daemon().behind_relay());
+                  if (!engages_by_udp(run, presser)) return;
+                  presser.instead = &bad;
+                  run.expect(within(5s, [&] { return presser.heard("LOST"); }), "LOST within 5 s");
+                  presser.instead = nullptr;
+                  engages_by_udp(run, presser);
+                  refused = presser.session().statistics().rejected_invalid;
+                }
+                const RunFigures figures = run.judge();
+                run.expect(figures.losses == 1, "force lost once");
+                // 180 ms at 100 Hz, but for what the way had under way
+                run.expect(refused >= 15U, "15 refused or more");
+                run.got(std::to_string(refused) + " refused");
+                run.got(figures.text());
+              });
 }
 
 TEST(NetworkRow, NotANumber) {
@@ -260,41 +272,42 @@ TEST(NetworkRow, HugeValues) {
 }
 
 TEST(NetworkRow, SixteenObserversAt1Khz) {
-  MatrixRow row("network/16_observers", "contract; engaged throughout beside 16 watchers");
-  Daemon daemon;
-  ASSERT_TRUE(serves(daemon.address()));
-  std::atomic<std::uint64_t> states{0};
-  {
-    client::Connection connection(daemon.address());
-    std::vector<std::unique_ptr<client::Watch>> watches;
-    for (int i = 0; i < 16; ++i) {
-      watches.push_back(
-          connection.watch("finger", 1000.0, [&](const client::DeviceState&) { ++states; }));
+  network_row("16_observers", "contract; engaged throughout beside 16 watchers", [](RowRun& run) {
+    std::atomic<std::uint64_t> states{0};
+    {
+      client::Connection connection(run.daemon().address());
+      std::vector<std::unique_ptr<client::Watch>> watches;
+      for (int i = 0; i < 16; ++i) {
+        watches.push_back(
+            connection.watch("finger", 1000.0, [&](const client::DeviceState&) { ++states; }));
+      }
+      Presser presser(run.daemon().address());
+      const auto engaged = [&] { return presser.state().state == client::State::kEngaged; };
+      if (!run.expect(within(20s, engaged), "engaged within 20 s")) return;
+      std::this_thread::sleep_for(4s);
     }
-    Presser presser(daemon.address());
-    ASSERT_TRUE(within(20s, [&] { return presser.state().state == client::State::kEngaged; }));
-    std::this_thread::sleep_for(4s);
-  }
-  const RunFigures figures = end_and_judge(daemon);
-  EXPECT_EQ(figures.losses, 0);
-  EXPECT_GT(states, 16'000U);
-  row.got(std::to_string(states) + " states to them");
-  row.got(figures.text());
+    const RunFigures figures = run.judge();
+    run.expect(figures.losses == 0, "force never lost");
+    run.expect(states > 16'000U, "1000 states to each observer, or more");
+    run.got(std::to_string(states) + " states to them");
+    run.got(figures.text());
+  });
 }
 
 TEST(NetworkRow, SigtermUnderLoad) {
-  MatrixRow row("network/sigterm_under_load", "contract; CLOSING without force; exit 0 within 5 s");
-  Daemon daemon;
-  ASSERT_TRUE(serves(daemon.address()));
-  const Relay relay(between(daemon, "loss_05"));
-  Presser presser(daemon.behind_relay());
-  ASSERT_TRUE(engaged_by_udp(presser));
-  const auto before = std::chrono::steady_clock::now();
-  const RunFigures figures = end_and_judge(daemon);
-  EXPECT_LT(std::chrono::steady_clock::now() - before, 5s);
-  EXPECT_EQ(figures.last_state, "CLOSING");
-  EXPECT_EQ(read_record(daemon.record()).back().tau_a, 0.0);
-  row.got(figures.text());
+  network_row("sigterm_under_load", "contract; CLOSING without force; exit 0 within 5 s",
+              [](RowRun& run) {
+                const Relay relay(between(run.daemon(), "loss_05"));
+                Presser presser(run.daemon().behind_relay());
+                if (!engages_by_udp(run, presser)) return;
+                const auto before = std::chrono::steady_clock::now();
+                static_cast<void>(run.record());
+                run.expect(std::chrono::steady_clock::now() - before < 5s, "the end within 5 s");
+                const RunFigures figures = run.judge();
+                run.expect(figures.last_state == "CLOSING", "CLOSING in the end");
+                run.expect(run.record().back().tau_a == 0.0, "no force in the end");
+                run.got(figures.text());
+              });
 }
 
 }  // namespace

@@ -1,10 +1,24 @@
 #include "tests/relay/presser.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <future>
+
+#include "tests/relay/daemon.hpp"
 
 namespace haptic::test {
 
 using namespace std::chrono_literals;
+
+namespace {
+
+bool at_rest(const client::DeviceState& state) {
+  return !state.x_probe.empty() &&
+         std::all_of(state.x_probe.begin(), state.x_probe.end(),
+                     [](double x) { return std::abs(x - Daemon::kTarget) < 1e-4; });
+}
+
+}  // namespace
 
 Presser::Presser(const std::string& address, client::Carriers carriers) : connection_(address) {
   client::SessionOptions options;
@@ -57,7 +71,7 @@ void Presser::run() {
       depth = engaged ? std::min(0.15, depth + 0.002) : 0.0;
       const double press = depth * (1.0 + 0.2 * std::sin(6.0 * t));
       std::vector<double> x = state.x_probe;
-      if (engaged) x.assign(x.size(), 0.5236 - press);
+      if (engaged) x.assign(x.size(), Daemon::kTarget - press);
       if (const double* value = instead) x.assign(x.size(), *value);
       session_->publish(client::Proxy::held(x));
     }
@@ -66,16 +80,32 @@ void Presser::run() {
   }
 }
 
-bool serves(const std::string& address) {
+std::optional<client::DeviceState> first_state(const std::string& address) {
   client::Connection connection(address);
-  return within(30s, [&] {
+  const auto answers = [&] {
     try {
-      const auto devices = connection.devices(500ms);
-      return !devices.empty() && devices.front().state == client::State::kIdle;
+      return !connection.devices(500ms).empty();
     } catch (const client::ClientError&) {
       return false;
     }
+  };
+  if (!within(20s, answers)) return {};
+  std::promise<client::DeviceState> first;
+  std::future<client::DeviceState> arrival = first.get_future();
+  bool taken = false;  // by the watch's one thread
+  const auto watch = connection.watch("finger", 100.0, [&](const client::DeviceState& state) {
+    const bool idle = state.state == client::State::kIdle && at_rest(state);
+    if (taken || !(idle || state.state == client::State::kFault)) return;
+    taken = true;
+    first.set_value(state);
   });
+  if (arrival.wait_for(10s) != std::future_status::ready) return {};
+  return arrival.get();
+}
+
+bool serves(const std::string& address) {
+  const auto state = first_state(address);
+  return state && state->state == client::State::kIdle;
 }
 
 }  // namespace haptic::test

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -57,7 +58,10 @@ template <typename Condition>
   return condition();
 }
 
-/// Until `address` serves a device that is open; false after 30 s.
+/// The first state of the finger at `address` in which it has come to rest (IDLE), or is in FAULT;
+/// nothing after 30 s.
+[[nodiscard]] std::optional<client::DeviceState> first_state(const std::string& address);
+/// That state is IDLE.
 [[nodiscard]] bool serves(const std::string& address);
 
 }  // namespace haptic::test

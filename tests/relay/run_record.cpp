@@ -80,29 +80,27 @@ std::vector<RecordedTick> read_record(const std::filesystem::path& file) {
                     staleness = column("staleness"), age = column("proxy_age_us"),
                     mode = column("mode"), gain = column("gain"), slide = column("l_x"),
                     elastic = column("tau_elastic_l_x_n"), tau = column("tau_a_l_x_n"),
-                    faults = column("faults"), skipped = column("skipped");
+                    faults = column("faults"), tick = column("tick"),
+                    lateness = column("lateness_us"), skipped = column("skipped");
   std::vector<RecordedTick> run;
   while (std::getline(stream, line)) {
     std::vector<std::string> f = fields_of(line);
     f.resize(std::max(f.size(), columns.size()));
-    run.push_back({number(f[time]), f[state], f[staleness], f[mode], f[faults],
-                   1e-6 * number(f[age]), number(f[gain]), number(f[slide]), number(f[elastic]),
-                   number(f[tau]), number(f[skipped])});
+    run.push_back({number(f[time]), static_cast<std::uint64_t>(number(f[tick])), f[state],
+                   f[staleness], f[mode], f[faults], 1e-6 * number(f[age]), number(f[gain]),
+                   number(f[slide]), number(f[elastic]), number(f[tau]), 1e-6 * number(f[lateness]),
+                   number(f[skipped])});
   }
   return run;
 }
 
-RunFigures judge(const std::vector<RecordedTick>& run, double fresh_end, std::string& wrong) {
+RunFigures judge(const std::vector<RecordedTick>& run, double fresh_end) {
   RunFigures figures;
   double energy = 0.0;
   for (std::size_t i = 1; i < run.size(); ++i) {
     const RecordedTick& before = run[i - 1];
     const RecordedTick& now = run[i];
     const double dt = now.time - before.time;
-    if (wrong.empty()) {
-      wrong = breach(before, now, fresh_end);
-      if (!wrong.empty()) wrong.insert(0, "at " + std::to_string(now.time) + " s: ");
-    }
     figures.engages += now.state == "ENGAGING" && before.state != "ENGAGING" ? 1 : 0;
     figures.losses += force_on(before) && now.state == "ARMED" ? 1 : 0;
     figures.engaged = figures.engaged || now.state == "ENGAGED";
@@ -117,10 +115,13 @@ RunFigures judge(const std::vector<RecordedTick>& run, double fresh_end, std::st
       figures.energy = std::max(figures.energy, energy);
     }
     figures.last_state = now.state;
-  }
-  // Each Engage fills the tank anew; nothing else may put energy in.
-  if (wrong.empty() && figures.energy > Daemon::kTank * std::max(1, figures.engages) + 1e-3) {
-    wrong = std::to_string(figures.energy) + " J given out, more than the tank held";
+    if (figures.breach) continue;
+    std::string wrong = breach(before, now, fresh_end);
+    // Each Engage fills the tank anew; nothing else may put energy in.
+    if (wrong.empty() && figures.energy > Daemon::kTank * std::max(1, figures.engages) + 1e-3) {
+      wrong = std::to_string(figures.energy) + " J given out, more than the tank held";
+    }
+    if (!wrong.empty()) figures.breach = Finding{std::move(wrong), now.time};
   }
   return figures;
 }

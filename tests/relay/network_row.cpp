@@ -1,0 +1,73 @@
+#include "tests/relay/network_row.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/relay/matrix_table.hpp"
+
+namespace haptic::test {
+
+bool RowRun::expect(bool holds, const std::string& what) {
+  if (!holds) report_.findings.push_back({"not as expected: " + what, {}});
+  return holds;
+}
+
+const std::vector<RecordedTick>& RowRun::record() {
+  if (record_.empty()) {
+    expect(daemon_.stop() == 0, "the daemon's exit status 0");
+    record_ = read_record(daemon_.record());
+  }
+  return record_;
+}
+
+RunFigures RowRun::judge(double fresh_end) {
+  RunFigures figures = haptic::test::judge(record(), fresh_end);
+  if (figures.breach) report_.findings.push_back(*figures.breach);
+  return figures;
+}
+
+std::optional<std::chrono::nanoseconds> RowRun::origin() const {
+  if (!first_) return {};
+  const auto tick = std::find_if(record_.begin(), record_.end(),
+                                 [&](const RecordedTick& t) { return t.tick == first_->seq; });
+  if (tick == record_.end()) return {};
+  return std::chrono::nanoseconds(first_->server_time_ns - std::llround(1e9 * tick->time));
+}
+
+RunReport run_once(const Experiment& experiment) {
+  const HostWitness witness;
+  RowRun run;
+  const auto guarded = [&](const auto& part) {
+    try {
+      part();
+    } catch (const std::exception& error) {
+      run.expect(false, std::string("no exception, but: ") + error.what());
+    }
+  };
+  guarded([&] {
+    run.first_ = first_state(run.daemon().address());
+    const bool serves = run.first_ && run.first_->state == client::State::kIdle;
+    if (run.expect(serves, "a daemon that serves an idle finger at rest")) experiment(run);
+  });
+  guarded([&] {
+    static_cast<void>(run.record());
+    if (const auto origin = run.origin()) {
+      run.report_.excuse =
+          host_excuse(run.record_, witness.testimony(*origin), run.report_.findings);
+    }
+  });
+  run.report_.witness = witness.summary();
+  return std::move(run.report_);
+}
+
+void network_row(const std::string& name, const std::string& expected,
+                 const Experiment& experiment) {
+  MatrixRow row("network/" + name, expected);
+  const RowReport report = until_a_run_counts([&] { return run_once(experiment); });
+  for (const std::string& failure : report.failures) ADD_FAILURE() << failure;
+  for (const std::string& part : report.got) row.got(part);
+}
+
+}  // namespace haptic::test

@@ -1,0 +1,222 @@
+/// What it is worth that a board's samples begin the ticks (loop.paced_by): the product's loop with
+/// an emulated board on a pseudo-terminal, against the same loop by its timer; then how long the
+/// timer should wait for a sample, in virtual time (patience_study.hpp).
+///
+///   haptic-bench-pacing [patience]      patience: the second part alone
+///
+/// One block is a second of ticks, in four stretches: what a timer's tick finds depends on the phase
+/// between it and the board, which is another in every stretch. A block with a fault in it, with
+/// records lost, or paced without a tick begun by a sample, ends the program with 1.
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "hw/emulator/serve.hpp"
+#include "server/rt/loop.hpp"
+#include "server/scene/scene.hpp"
+#include "tests/bench/paired.hpp"
+#include "tests/bench/patience_study.hpp"
+
+namespace {
+
+using namespace haptic;
+using namespace std::chrono_literals;
+
+constexpr core::Duration kPeriod = 1ms;
+constexpr int kStretches = 4;
+constexpr auto kStretch = 250ms;
+constexpr int kBlocks = 20;
+
+double percentile(std::vector<double>& values, double share) {
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+std::string reasons(core::FaultSet faults) {
+  std::string all;
+  for (int n = 1; n < 32; ++n) {
+    const auto fault = static_cast<core::Fault>(n);
+    if (!faults.has(fault)) continue;
+    all += (all.empty() ? "" : ", ") + std::string(core::reason(fault));
+  }
+  return all;
+}
+
+/// The ticks of one block, by their records.
+class Ticks final : public server::RecordListener {
+ public:
+  void on_record(const core::TickRecord& record) override {
+    if (record.faults.any() && fault.empty()) fault = reasons(record.faults);
+    const core::TimePoint sampled = record.input.device.sample.time;
+    lateness_us.push_back(1e6 * core::seconds(record.input.loop.lateness));
+    age_us.push_back(1e6 * core::seconds(record.input.now - sampled));
+    skipped += record.input.loop.skipped;
+  }
+  std::vector<double> lateness_us{}, age_us{};
+  std::uint64_t skipped{0};
+  std::string fault{};  ///< those of the first tick with any
+};
+
+/// An emulated board, and hapticd's unit for it.
+class Board {
+ public:
+  Board()
+      : board_({}, {Eigen::Vector2d::Zero(), Eigen::Vector2d(0.5, 0.5)},
+               core::make_finger_exoskeleton({})),
+        thread_([this] { serve(board_, terminal_, stop_); }) {
+    const server::Scene scene =
+        server::load_scene(HAPTIC_SOURCE_DIR "/server/scenes/finger_board.textproto",
+                           {"device[0].board.port=" + terminal_.port().string()});
+    const server::DeviceScene& device = scene.devices.front();
+    auto opened = hw::open_device(device.source, device.kinematics);
+    const core::PipelineConfig config = server::pipeline_config(device, opened->info().limits);
+    unit_ = std::make_unique<server::DeviceUnit>(device.name, std::move(opened), config);
+  }
+  ~Board() {
+    if (unit_) unit_->device().close();
+    stop_ = true;
+    thread_.join();
+  }
+  Board(const Board&) = delete;
+  Board& operator=(const Board&) = delete;
+
+  [[nodiscard]] server::DeviceUnit& unit() { return *unit_; }
+
+ private:
+  hw::emulator::PseudoTerminal terminal_{""};
+  hw::emulator::EmulatedBoard board_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+  std::unique_ptr<server::DeviceUnit> unit_{};
+};
+
+/// One way to begin ticks, and what its blocks were like beside the figures that are compared.
+class Program {
+ public:
+  Program(server::DeviceUnit& unit, bool by_samples)
+      : unit_(unit), samples_(by_samples ? unit.device().sample_signal() : nullptr) {}
+
+  /// p50 and p99 of the sample's age when a tick uses it, p99 of the tick's lateness; us.
+  std::vector<double> block() {
+    Ticks ticks;
+    server::Telemetry telemetry({&unit_});
+    telemetry.add(0, &ticks);
+    telemetry.start();
+    std::uint64_t began = 0, by_sample = 0;
+    for (int i = 0; i < kStretches; ++i) {
+      std::this_thread::sleep_for(core::Duration(phase_(random_)));
+      server::Loop loop({}, kPeriod);
+      loop.begin({&unit_}, telemetry, samples_);
+      std::this_thread::sleep_for(kStretch);
+      loop.finish(core::Duration::zero());
+      began += loop.statistics().ticks;
+      by_sample += loop.statistics().paced_by_sample;
+    }
+    telemetry.stop();
+    check(ticks, began, by_sample);
+    const auto per_thousand = 1e3 / static_cast<double>(began);
+    by_timer.push_back(static_cast<double>(began - by_sample) * per_thousand);
+    skipped.push_back(static_cast<double>(ticks.skipped) * per_thousand);
+    return {percentile(ticks.age_us, 0.5), percentile(ticks.age_us, 0.99),
+            percentile(ticks.lateness_us, 0.99)};
+  }
+
+  std::vector<double> by_timer{}, skipped{};  ///< of a thousand ticks, per block
+
+ private:
+  void check(const Ticks& ticks, std::uint64_t began, std::uint64_t by_sample) const {
+    if (!ticks.fault.empty()) throw std::runtime_error("a block ended in " + ticks.fault);
+    if (ticks.age_us.size() != began || began == 0) {
+      throw std::runtime_error("a block of " + std::to_string(began) + " ticks left " +
+                               std::to_string(ticks.age_us.size()) + " records");
+    }
+    if (samples_ != nullptr && by_sample == 0) {
+      throw std::runtime_error("a block paced by the board has no tick that a sample began");
+    }
+  }
+
+  server::DeviceUnit& unit_;
+  hw::SampleSignal* samples_;
+  std::mt19937_64 random_{1};
+  std::uniform_int_distribution<std::int64_t> phase_{0, kPeriod.count() - 1};
+};
+
+void compare_with_timer() {
+  Board board;
+  Program paced(board.unit(), true), timed(board.unit(), false);
+  const std::vector<bench::Row> rows = bench::compare_all(
+      {"age of the board's sample at its tick p50", "age of the board's sample at its tick p99",
+       "loop wake lateness p99"},
+      "ticks by the timer", "us", [&] { return paced.block(); }, [&] { return timed.block(); },
+      kBlocks);
+  bench::print_header();
+  for (const bench::Row& row : rows) bench::print(row);
+  const auto beside = [](const std::string& what, std::vector<double> values) {
+    values.erase(values.begin());  // the warm-up
+    bench::print(bench::figure(what, "of 1000 ticks", values));
+  };
+  beside("paced: begun by the timer", paced.by_timer);
+  beside("paced: skipped", paced.skipped);
+  beside("by the timer: skipped", timed.skipped);
+}
+
+/// SampleLinks as they are met; the numbers of the second and third are those of USB.
+std::vector<bench::SampleLink> links() {
+  return {{"prompt: 20 us of jitter; 1 of 1000 held up", 60us, 20us, 0us, 0.0, 1e-3},
+          {"in frames of 1 ms (USB full speed)", 60us, 20us, 1ms, 0.0, 1e-3},
+          {"in pairs every 2 ms (500 Hz)", 60us, 20us, 2ms, 0.0, 1e-3},
+          {"jittery: 150 us", 60us, 150us, 0us, 0.0, 1e-3},
+          {"prompt; 2 % lost", 60us, 20us, 0us, 0.02, 1e-3}};
+}
+
+void study_of_patience() {
+  struct Patience {
+    const char* name;
+    std::optional<core::Duration> value;
+  };
+  std::printf(
+      "link,patience,age_p50_us,age_p99_us,by_timer_percent,shortest_gap_us,longest_gap_us,"
+      "gap_at_silence_us\n");
+  for (const bench::SampleLink& link : links()) {
+    for (const Patience& patience :
+         {Patience{"no pacing", std::nullopt}, Patience{"1/16 period", kPeriod / 16},
+          Patience{"1/8 period", kPeriod / 8}, Patience{"1/4 period", kPeriod / 4},
+          Patience{"1/2 period", kPeriod / 2}}) {
+      const bench::PatienceRow row = bench::study_patience(link, patience.value);
+      std::printf("%s,%s,%.0f,%.0f,%.2f,%.0f,%.0f,%.0f\n", link.name.c_str(), patience.name,
+                  row.age_p50_us, row.age_p99_us, row.by_timer_percent, row.shortest_gap_us,
+                  row.longest_gap_us, row.gap_at_silence_us);
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string part = argc > 1 ? argv[1] : "";
+  if (argc > 2 || (!part.empty() && part != "patience")) {
+    std::fprintf(stderr, "haptic-bench-pacing: unknown argument '%s' (patience, or none)\n",
+                 argv[argc - 1]);
+    return 2;
+  }
+  try {
+    if (part.empty()) compare_with_timer();
+    study_of_patience();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "haptic-bench-pacing: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -5,8 +5,9 @@
 ///   haptic-bench-pacing [patience]      patience: the second part alone
 ///
 /// One block is a second of ticks, in four stretches: what a timer's tick finds depends on the phase
-/// between it and the board, which is another in every stretch. A block with a fault in it, with
-/// records lost, or paced without a tick begun by a sample, ends the program with 1.
+/// between it and the board, which is another in every stretch. A block with a fault in it (the board
+/// silent for 100 ms, a tick half a second late, ...), with records lost, or paced without a tick
+/// begun by a sample, ends the program with 1.
 
 #include <algorithm>
 #include <atomic>
@@ -76,12 +77,16 @@ class Board {
       : board_({}, {Eigen::Vector2d::Zero(), Eigen::Vector2d(0.5, 0.5)},
                core::make_finger_exoskeleton({})),
         thread_([this] { serve(board_, terminal_, stop_); }) {
+    // As in serial.py: a late loop is counted here, not ended by a fault; a board that is gone is one.
     const server::Scene scene =
         server::load_scene(HAPTIC_SOURCE_DIR "/server/scenes/finger_board.textproto",
-                           {"device[0].board.port=" + terminal_.port().string()});
+                           {"device[0].board.port=" + terminal_.port().string(),
+                            "device[0].board.max_silence={ nanos: 100000000 }"});
     const server::DeviceScene& device = scene.devices.front();
     auto opened = hw::open_device(device.source, device.kinematics);
-    const core::PipelineConfig config = server::pipeline_config(device, opened->info().limits);
+    core::PipelineConfig config = server::pipeline_config(device, opened->info().limits);
+    config.loop_late_fault = 500ms;
+    config.late_bucket_full = 1'000'000;
     unit_ = std::make_unique<server::DeviceUnit>(device.name, std::move(opened), config);
   }
   ~Board() {

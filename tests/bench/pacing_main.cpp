@@ -36,6 +36,7 @@ using namespace std::chrono_literals;
 constexpr core::Duration kPeriod = 1ms;
 constexpr int kStretches = 4;
 constexpr auto kStretch = 250ms;
+constexpr int kSettling = 20;  ///< first ticks of a stretch, not judged: a phase is found in four
 constexpr int kBlocks = 20;
 
 double percentile(std::vector<double>& values, double share) {
@@ -55,19 +56,25 @@ std::string reasons(core::FaultSet faults) {
   return all;
 }
 
-/// The ticks of one block, by their records.
+/// The ticks of one block, by their records; of each stretch without the first.
 class Ticks final : public server::RecordListener {
  public:
+  void begin_stretch() { settling_ = kSettling; }
   void on_record(const core::TickRecord& record) override {
+    ++records;
     if (record.faults.any() && fault.empty()) fault = reasons(record.faults);
+    if (settling_-- > 0) return;
     const core::TimePoint sampled = record.input.device.sample.time;
     lateness_us.push_back(1e6 * core::seconds(record.input.loop.lateness));
     age_us.push_back(1e6 * core::seconds(record.input.now - sampled));
     skipped += record.input.loop.skipped;
   }
   std::vector<double> lateness_us{}, age_us{};
-  std::uint64_t skipped{0};
+  std::uint64_t records{0}, skipped{0};
   std::string fault{};  ///< those of the first tick with any
+
+ private:
+  int settling_{0};
 };
 
 /// An emulated board, and hapticd's unit for it.
@@ -116,24 +123,16 @@ class Program {
   /// p50 and p99 of the sample's age when a tick uses it, p99 of the tick's lateness; us.
   std::vector<double> block() {
     Ticks ticks;
-    server::Telemetry telemetry({&unit_});
-    telemetry.add(0, &ticks);
-    telemetry.start();
-    std::uint64_t began = 0, by_sample = 0;
-    for (int i = 0; i < kStretches; ++i) {
-      std::this_thread::sleep_for(core::Duration(phase_(random_)));
-      server::Loop loop({}, kPeriod);
-      loop.begin({&unit_}, telemetry, samples_);
-      std::this_thread::sleep_for(kStretch);
-      loop.finish(core::Duration::zero());
-      began += loop.statistics().ticks;
-      by_sample += loop.statistics().paced_by_sample;
-    }
-    telemetry.stop();
-    check(ticks, began, by_sample);
-    const auto per_thousand = 1e3 / static_cast<double>(began);
-    by_timer.push_back(static_cast<double>(began - by_sample) * per_thousand);
-    skipped.push_back(static_cast<double>(ticks.skipped) * per_thousand);
+    Counts counts;
+    for (int i = 0; i < kStretches; ++i) counts += stretch(ticks);
+    check(ticks, counts);
+    const auto of_thousand = [](std::uint64_t some, std::uint64_t all) {
+      return 1e3 * static_cast<double>(some) / static_cast<double>(all);
+    };
+    // Both are counted while the loop runs, one after the other: one may be ahead.
+    const std::uint64_t by_sample = std::min(counts.by_sample, counts.judged);
+    by_timer.push_back(of_thousand(counts.judged - by_sample, counts.judged));
+    skipped.push_back(of_thousand(ticks.skipped, ticks.age_us.size()));
     return {percentile(ticks.age_us, 0.5), percentile(ticks.age_us, 0.99),
             percentile(ticks.lateness_us, 0.99)};
   }
@@ -141,13 +140,40 @@ class Program {
   std::vector<double> by_timer{}, skipped{};  ///< of a thousand ticks, per block
 
  private:
-  void check(const Ticks& ticks, std::uint64_t began, std::uint64_t by_sample) const {
-    if (!ticks.fault.empty()) throw std::runtime_error("a block ended in " + ticks.fault);
-    if (ticks.age_us.size() != began || began == 0) {
-      throw std::runtime_error("a block of " + std::to_string(began) + " ticks left " +
-                               std::to_string(ticks.age_us.size()) + " records");
+  /// Ticks: of all; of those after the settling, and of these the ones that a sample began.
+  struct Counts {
+    std::uint64_t all{0}, judged{0}, by_sample{0};
+    void operator+=(const Counts& more) {
+      all += more.all;
+      judged += more.judged;
+      by_sample += more.by_sample;
     }
-    if (samples_ != nullptr && by_sample == 0) {
+  };
+
+  Counts stretch(Ticks& ticks) {
+    ticks.begin_stretch();
+    server::Telemetry telemetry({&unit_});
+    telemetry.add(0, &ticks);
+    telemetry.start();
+    std::this_thread::sleep_for(core::Duration(phase_(random_)));
+    server::Loop loop({}, kPeriod);
+    loop.begin({&unit_}, telemetry, samples_);
+    std::this_thread::sleep_for(kSettling * kPeriod);
+    const server::LoopStatistics settled = loop.statistics();
+    std::this_thread::sleep_for(kStretch);
+    loop.finish(core::Duration::zero());
+    telemetry.stop();
+    const server::LoopStatistics end = loop.statistics();
+    return {end.ticks, end.ticks - settled.ticks, end.paced_by_sample - settled.paced_by_sample};
+  }
+
+  void check(const Ticks& ticks, const Counts& counts) const {
+    if (!ticks.fault.empty()) throw std::runtime_error("a block ended in " + ticks.fault);
+    if (ticks.records != counts.all || ticks.age_us.empty() || counts.judged == 0) {
+      throw std::runtime_error("a block of " + std::to_string(counts.all) + " ticks left " +
+                               std::to_string(ticks.records) + " records");
+    }
+    if (samples_ != nullptr && counts.by_sample == 0) {
       throw std::runtime_error("a block paced by the board has no tick that a sample began");
     }
   }

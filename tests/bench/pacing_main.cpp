@@ -6,7 +6,7 @@
 ///
 /// One block is a second of ticks, in four stretches: what a timer's tick finds depends on the phase
 /// between it and the board, which is another in every stretch. A block with a fault in it (the board
-/// silent for 100 ms, a tick half a second late, ...), with records lost, or paced without a tick
+/// silent for 200 ms, a tick half a second late, ...), with records lost, or paced without a tick
 /// begun by a sample, ends the program with 1.
 
 #include <algorithm>
@@ -84,11 +84,12 @@ class Board {
       : board_({}, {Eigen::Vector2d::Zero(), Eigen::Vector2d(0.5, 0.5)},
                core::make_finger_exoskeleton({})),
         thread_([this] { serve(board_, terminal_, stop_); }) {
-    // As in serial.py: a late loop is counted here, not ended by a fault; a board that is gone is one.
+    // As in serial.py: a late loop is counted here, not ended by a fault; a board that is gone is one,
+    // which no host's stall should look like.
     const server::Scene scene =
         server::load_scene(HAPTIC_SOURCE_DIR "/server/scenes/finger_board.textproto",
                            {"device[0].board.port=" + terminal_.port().string(),
-                            "device[0].board.max_silence={ nanos: 100000000 }"});
+                            "device[0].board.max_silence={ nanos: 200000000 }"});
     const server::DeviceScene& device = scene.devices.front();
     auto opened = hw::open_device(device.source, device.kinematics);
     core::PipelineConfig config = server::pipeline_config(device, opened->info().limits);

@@ -1,6 +1,7 @@
 #include "tests/bench/patience_study.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -132,6 +133,15 @@ double percentile(std::vector<double>& values, double share) {
 }
 
 }  // namespace
+
+std::vector<SampleLink> usual_links() {
+  using namespace std::chrono_literals;
+  return {{"prompt: 60 us and 20 us of jitter; 1 of 1000 held up", 60us, 20us, 0us, 0.0, 1e-3},
+          {"the same and 2 % lost", 60us, 20us, 0us, 0.02, 1e-3},
+          {"in frames of 1 ms (USB full speed)", 60us, 20us, 1ms, 0.0, 1e-3},
+          {"150 us of jitter", 60us, 150us, 0us, 0.0, 1e-3},
+          {"in pairs every 2 ms (500 Hz)", 60us, 20us, 2ms, 0.0, 1e-3}};
+}
 
 PatienceRow study_patience(const SampleLink& link, std::optional<Duration> patience, int runs,
                            Duration length) {

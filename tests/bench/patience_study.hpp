@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "haptic/core/time.hpp"
 
@@ -20,6 +21,9 @@ struct SampleLink {
   double lost{0.0};         ///< share of samples
   double held_up{0.0};      ///< share of samples that come up to a period later
 };
+
+/// As they are met; the numbers of frames and pairs are those of USB.
+[[nodiscard]] std::vector<SampleLink> usual_links();
 
 /// One row: `runs` of `length` each, in even steps of the phase between samples and timer.
 struct PatienceRow {

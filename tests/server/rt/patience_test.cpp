@@ -2,7 +2,11 @@
 // makes every tick predictable. The table in server/README.md comes from the same study.
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <optional>
+#include <string>
 
 #include "tests/bench/patience_study.hpp"
 
@@ -76,6 +80,24 @@ TEST(Patience, NoTickIsFurtherFromTheLastThanAPeriodAndThePatienceWhateverTheLin
     EXPECT_GE(row.shortest_gap_us, 1000.0 - us(patience) - kUs);
     EXPECT_LT(row.by_timer_percent, by_timer) << "who waits longer gets more samples";
     by_timer = row.by_timer_percent;
+  }
+}
+
+TEST(Patience, TheTableInTheReadmeIsWhatTheStudyGives) {
+  std::ifstream page(HAPTIC_SOURCE_DIR "/server/README.md");
+  const std::string text{std::istreambuf_iterator<char>(page), {}};
+  for (const SampleLink& link : haptic::bench::usual_links()) {
+    const PatienceRow timer = study_patience(link, std::nullopt);
+    char piece[64];
+    std::snprintf(piece, sizeof piece, "%.0f / %.0f |", timer.age_p50_us, timer.age_p99_us);
+    std::string row = "| " + link.name + " | " + piece;
+    for (const Duration patience : kPatiences) {
+      const PatienceRow paced = study_patience(link, patience);
+      std::snprintf(piece, sizeof piece, " %.0f / %.0f, %.1f %% |", paced.age_p50_us,
+                    paced.age_p99_us, paced.by_timer_percent);
+      row += piece;
+    }
+    EXPECT_NE(text.find(row), std::string::npos) << row;
   }
 }
 

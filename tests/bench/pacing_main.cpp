@@ -56,13 +56,28 @@ std::string reasons(core::FaultSet faults) {
   return all;
 }
 
+double ms(core::Duration d) {
+  return 1e3 * core::seconds(d);
+}
+
+/// The faults of a tick, and whether the host stood still then: a tick late, or long after the last.
+std::string told(const core::TickRecord& record) {
+  char text[160];
+  std::snprintf(
+      text, sizeof text,
+      ": the newest sample was %.1f ms old, the tick %.1f ms late, %.1f ms after the last",
+      ms(record.input.now - record.input.device.sample.time), ms(record.input.loop.lateness),
+      ms(record.dt));
+  return reasons(record.faults) + text;
+}
+
 /// The ticks of one block, by their records; of each stretch without the first.
 class Ticks final : public server::RecordListener {
  public:
   void begin_stretch() { settling_ = kSettling; }
   void on_record(const core::TickRecord& record) override {
     ++records;
-    if (record.faults.any() && fault.empty()) fault = reasons(record.faults);
+    if (record.faults.any() && fault.empty()) fault = told(record);
     if (settling_-- > 0) return;
     const core::TimePoint sampled = record.input.device.sample.time;
     lateness_us.push_back(1e6 * core::seconds(record.input.loop.lateness));

@@ -1,6 +1,7 @@
 #pragma once
 /// Numbers and times as messages, events and summaries print them.
 
+#include <charconv>
 #include <cstdio>
 #include <string>
 
@@ -18,8 +19,12 @@ namespace haptic::server {
   return core::seconds(d) * 1e6;
 }
 
+/// "80 ms", "180.000001 ms": to the nanosecond, so that what breaks a limit never reads as the limit.
 [[nodiscard]] inline std::string milliseconds(core::Duration d) {
-  return figure(core::seconds(d) * 1e3) + " ms";
+  char digits[32];
+  const double ms = static_cast<double>(d.count()) / 1e6;
+  const auto end = std::to_chars(digits, digits + sizeof digits, ms, std::chars_format::fixed).ptr;
+  return std::string(digits, end) + " ms";
 }
 
 }  // namespace haptic::server

@@ -1,13 +1,18 @@
 #pragma once
 /// When a loop ticks that a device's samples pace: with each sample as it comes, and by the timer
-/// where none does. The timer has patience: a quarter of a period after a sample was due. While a
-/// device is silent its ticks go on a period apart, so that nothing that counts on time stands
-/// still.
+/// where none does. The timer has patience: by default a quarter of a period after a sample was due.
+/// While a device is silent its ticks go on a period apart, so that nothing that counts on time
+/// stands still.
 ///
-///   earliest   three quarters of a period after the last tick was due: samples that come in a heap,
-///              or faster than they should, make no burst; those of a link that carries them in pairs
-///              make ticks at the loop's rate
-///   latest     a quarter of a period after the next sample is expected: the timer's
+///   earliest   a period less the patience after the last tick was due, where a sample that is on
+///              time comes after a tick of the timer's: samples that come in a heap, or faster than
+///              they should, make no burst; those of a link that carries them in pairs make ticks at
+///              the loop's rate
+///   latest     the patience after the next sample is expected: the timer's
+///
+/// A quarter: less leaves ticks to the timer that a link's jitter would have brought a sample, more
+/// lets ticks be further apart, and older samples be used, where one is lost
+/// (tests/bench/patience_study.hpp; the table in server/README.md).
 ///
 /// A tick is due when its sample came, or at `latest`; lateness counts from there. As on
 /// DeadlineGrid, due times that have passed meanwhile are skipped and counted, never made up for.
@@ -23,10 +28,15 @@ class SampleGrid {
  public:
   /// `first`: when the first sample is expected. period > 0.
   SampleGrid(core::TimePoint first, core::Duration period)
-      : previous_(first - period), expected_(first), period_(period) {}
+      : SampleGrid(first, period, period / 4) {}
+  /// 0 < patience <= period / 2.
+  SampleGrid(core::TimePoint first, core::Duration period, core::Duration patience)
+      : previous_(first - period), expected_(first), period_(period), patience_(patience) {}
 
-  [[nodiscard]] core::TimePoint earliest() const noexcept { return previous_ + period_ * 3 / 4; }
-  [[nodiscard]] core::TimePoint latest() const noexcept { return expected_ + period_ / 4; }
+  [[nodiscard]] core::TimePoint earliest() const noexcept {
+    return previous_ + period_ - patience_;
+  }
+  [[nodiscard]] core::TimePoint latest() const noexcept { return expected_ + patience_; }
 
   struct Tick {
     core::LoopReport report{};
@@ -41,6 +51,7 @@ class SampleGrid {
   core::TimePoint previous_;  ///< due time of the last tick, or of the last one skipped after it
   core::TimePoint expected_;
   core::Duration period_;
+  core::Duration patience_;
 };
 
 }  // namespace haptic::server

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <set>
 
+#include "server/figures.hpp"
 #include "server/scene/field_reader.hpp"
 #include "server/scene/tls_scene.hpp"
 
@@ -82,11 +83,11 @@ LoopScene read_loop(v1::LoopScene& message, Problems& problems) {
   loop.period = reader.duration("period", loop.period, {500us, 10ms});
   loop.loop_late_fault = reader.duration("loop_late_fault", {core::Duration(1), 10s});
   if (loop.loop_late_fault && *loop.loop_late_fault <= loop.period) {
-    reader.wrong("loop_late_fault", decimal_ms(*loop.loop_late_fault),
-                 "must be above the period, " + decimal_ms(loop.period));
+    reader.wrong("loop_late_fault", milliseconds(*loop.loop_late_fault),
+                 "must be above the period, " + milliseconds(loop.period));
   } else if (!message.has_loop_late_fault() && loop.period >= kTightestLateFault) {
-    reader.wrong("period", decimal_ms(loop.period),
-                 "must be below loop_late_fault, which is " + decimal_ms(kTightestLateFault) +
+    reader.wrong("period", milliseconds(loop.period),
+                 "must be below loop_late_fault, which is " + milliseconds(kTightestLateFault) +
                      " by default on a real-time host: give a longer one");
   }
   if (!message.has_priority()) message.set_priority(loop.priority);

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/figures.hpp"
+
 namespace haptic::server {
 namespace {
 
@@ -106,7 +108,7 @@ std::optional<core::Duration> FieldReader::duration(const std::string& field,
   const auto& given = static_cast<const google::protobuf::Duration&>(
       message_.GetReflection()->GetMessage(message_, &find(field)));
   const std::string allowed =
-      "must be " + decimal_ms(range.lowest) + " to " + decimal_ms(range.highest);
+      "must be " + milliseconds(range.lowest) + " to " + milliseconds(range.highest);
   if (!is_valid(given)) {
     wrong(field,
           "{ seconds: " + std::to_string(given.seconds()) +
@@ -117,7 +119,7 @@ std::optional<core::Duration> FieldReader::duration(const std::string& field,
   const core::Duration value =
       std::chrono::seconds(given.seconds()) + core::Duration(given.nanos());
   if (value < range.lowest || value > range.highest) {
-    wrong(field, decimal_ms(value), allowed);
+    wrong(field, milliseconds(value), allowed);
     return std::nullopt;
   }
   return value;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "haptic/core/time.hpp"
 #include "haptic/core/types.hpp"
 #include "server/scene/problems.hpp"
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "haptic/core/error.hpp"
+#include "server/figures.hpp"
 #include "server/scene/problems.hpp"
 
 namespace haptic::server {
@@ -14,8 +15,8 @@ void check_pacing(const LoopScene& loop, hw::Device& device) {
   }
   const core::Duration period = device.info().limits.sample_period;
   if (period == loop.period) return;
-  throw core::DeviceError(field + "this board takes a sample every " + decimal_ms(period) +
-                          "; must be loop.period, " + decimal_ms(loop.period));
+  throw core::DeviceError(field + "this board takes a sample every " + milliseconds(period) +
+                          "; must be loop.period, " + milliseconds(loop.period));
 }
 
 }  // namespace haptic::server

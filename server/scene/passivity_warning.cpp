@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/figures.hpp"
 #include "server/scene/own_dynamics.hpp"
 #include "server/scene/problems.hpp"
 
@@ -30,8 +31,8 @@ double share_of_damping(const DeviceScene& device, const core::VecA& b, double T
 std::string coupled_warning(std::size_t d, double share, core::Duration T) {
   return "device[" + std::to_string(d) +
          "].impedance.stiffness_matrix: in its stiffest direction " + decimal(share) +
-         " times 2 (b - B) / T (the device's damping b, rendered damping B, T = " + decimal_ms(T) +
-         "): such a spring can give out more energy than the device absorbs";
+         " times 2 (b - B) / T (the device's damping b, rendered damping B, T = " +
+         milliseconds(T) + "): such a spring can give out more energy than the device absorbs";
 }
 
 }  // namespace
@@ -58,7 +59,7 @@ std::vector<std::string> passivity_warnings(const Scene& scene) {
                          ": is above " + decimal(highest) +
                          " = 2 (b - B) / T (the device's damping b = " + decimal(b[i]) +
                          ", rendered damping B = " + decimal(settings.damping[i]) +
-                         ", T = " + decimal_ms(scene.loop.period) +
+                         ", T = " + milliseconds(scene.loop.period) +
                          "): such a spring can give out more energy than the device absorbs");
     }
   }

@@ -80,10 +80,6 @@ std::string decimal(double value) {
   return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
 }
 
-std::string decimal_ms(core::Duration duration) {
-  return decimal(static_cast<double>(duration.count()) / 1e6) + " ms";
-}
-
 std::string quoted(const std::string& text) {
   const bool long_text = text.size() > kLongestQuote;
   const std::string shown = text.substr(0, kLongestQuote);

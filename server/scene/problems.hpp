@@ -10,8 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "haptic/core/time.hpp"
-
 namespace haptic::server {
 
 class Problems {
@@ -51,8 +49,6 @@ class Problems {
 
 /// Shortest decimal that reads back as the same double.
 [[nodiscard]] std::string decimal(double value);
-/// "80 ms".
-[[nodiscard]] std::string decimal_ms(core::Duration duration);
 /// In quotes, escaped, shortened where it is long: fit for a terminal.
 [[nodiscard]] std::string quoted(const std::string& text);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/figures.hpp"
 #include "server/scene/field_reader.hpp"
 
 namespace haptic::server {
@@ -19,17 +20,17 @@ constexpr core::Duration kLongestFade{std::chrono::milliseconds(1000)};
 
 void check_order(const FieldReader& reader, const core::StalenessLimits& limits) {
   if (limits.fresh_end > limits.hold_end) {
-    reader.wrong("fresh_end", decimal_ms(limits.fresh_end),
-                 "must be at most hold_end, " + decimal_ms(limits.hold_end));
+    reader.wrong("fresh_end", milliseconds(limits.fresh_end),
+                 "must be at most hold_end, " + milliseconds(limits.hold_end));
   }
   if (limits.fade_end - limits.hold_end < kShortestFade) {
-    reader.wrong("fade_end", decimal_ms(limits.fade_end),
-                 "must be at least hold_end + " + decimal_ms(kShortestFade) + ", " +
-                     decimal_ms(limits.hold_end + kShortestFade));
+    reader.wrong("fade_end", milliseconds(limits.fade_end),
+                 "must be at least hold_end + " + milliseconds(kShortestFade) + ", " +
+                     milliseconds(limits.hold_end + kShortestFade));
   } else if (limits.fade_end - limits.hold_end > kLongestFade) {
-    reader.wrong("fade_end", decimal_ms(limits.fade_end),
-                 "must be at most hold_end + " + decimal_ms(kLongestFade) + ", " +
-                     decimal_ms(limits.hold_end + kLongestFade));
+    reader.wrong("fade_end", milliseconds(limits.fade_end),
+                 "must be at most hold_end + " + milliseconds(kLongestFade) + ", " +
+                     milliseconds(limits.hold_end + kLongestFade));
   }
 }
 

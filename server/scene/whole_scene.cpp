@@ -1,6 +1,7 @@
 #include "server/scene/whole_scene.hpp"
 
 #include "haptic/wire/utf8.hpp"
+#include "server/figures.hpp"
 
 namespace haptic::server {
 namespace {
@@ -79,9 +80,9 @@ void check_silence(const Scene& scene, Problems& problems) {
   for (std::size_t i = 0; i < scene.devices.size(); ++i) {
     const core::Duration fade_end = scene.devices[i].settings.staleness.fade_end;
     if (fade_end <= scene.server.lease_timeout) continue;
-    problems.wrong(device_path(i) + ".staleness.fade_end", decimal_ms(fade_end),
+    problems.wrong(device_path(i) + ".staleness.fade_end", milliseconds(fade_end),
                    "must be at most server.lease_timeout, " +
-                       decimal_ms(scene.server.lease_timeout) + ": no lease ends under force");
+                       milliseconds(scene.server.lease_timeout) + ": no lease ends under force");
   }
 }
 

@@ -11,6 +11,7 @@
 #include "server/rt/loop.hpp"
 #include "server/scene/scene.hpp"
 #include "tests/bench/paired.hpp"
+#include "tests/bench/pressing_units.hpp"
 
 namespace {
 
@@ -85,30 +86,13 @@ void rows(const server::Scene& scene, const std::string& under) {
   }
 }
 
-/// ns of one tick of so many devices of the scene, in one thread, in order; simulation included.
+/// ns of one tick of so many devices of the scene that press, in one thread, in order; simulation
+/// included.
 double tick_ns(const server::Scene& scene, int devices) {
-  const server::DeviceScene& device = scene.devices.front();
-  std::vector<std::unique_ptr<server::DeviceUnit>> units;
-  for (int i = 0; i < devices; ++i) {
-    auto opened = hw::open_device(device.source, device.kinematics);
-    const core::DeviceLimits limits = opened->info().limits;
-    units.push_back(std::make_unique<server::DeviceUnit>(device.name, std::move(opened),
-                                                         server::pipeline_config(device, limits)));
-    core::CommandSnapshot command;
-    command.lease_epoch = 1;
-    command.lease_held = true;
-    units.back()->commands.publish(command);
-  }
-  core::TimePoint now{kPeriod};
-  return bench::ns_per_call(kTicks, [&](int ticks) {
-    for (int i = 0; i < ticks; ++i) {
-      now += kPeriod;
-      for (const auto& unit : units) {
-        unit->tick(now, kPeriod, {});
-        unit->records.pop();
-      }
-    }
-  });
+  bench::PressingUnits units(scene.devices.front(), devices);
+  const double ns = bench::ns_per_call(kTicks, [&](int ticks) { units.tick(ticks); });
+  units.check();
+  return ns;
 }
 
 }  // namespace
@@ -118,8 +102,8 @@ int main(int argc, char** argv) {
       argc > 1 ? argv[1] : HAPTIC_SOURCE_DIR "/server/scenes/finger_constant.textproto");
   bench::print_header();
   bench::print(bench::compare(
-      "tick of three devices", "three times that of one", "ns", [&] { return tick_ns(scene, 3); },
-      [&] { return 3.0 * tick_ns(scene, 1); }, 1.2));
+      "tick of three devices that press", "three times that of one", "ns",
+      [&] { return tick_ns(scene, 3); }, [&] { return 3.0 * tick_ns(scene, 1); }, 1.2));
   rows(scene, "idle");
   std::atomic<bool> stop{false};
   std::vector<std::thread> hogs;

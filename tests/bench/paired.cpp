@@ -84,12 +84,17 @@ std::vector<Row> compare_all(const std::vector<std::string>& what, const std::st
   return rows;
 }
 
+Figure figure(const std::string& what, const std::string& unit, const std::vector<double>& values,
+              double target) {
+  return {what, unit, with_interval(values), target};
+}
+
 Figure measure(const std::string& what, const std::string& unit, const Block& block, double target,
                int blocks) {
   std::vector<double> values;
   static_cast<void>(block());
   for (int i = 0; i < blocks; ++i) values.push_back(block());
-  return {what, unit, with_interval(values), target};
+  return figure(what, unit, values, target);
 }
 
 void print_header() {

@@ -47,6 +47,9 @@ struct Figure {
   Ratio value{};
   double target{0.0};
 };
+/// Of values that were gathered beside a comparison, one per block.
+[[nodiscard]] Figure figure(const std::string& what, const std::string& unit,
+                            const std::vector<double>& values, double target = 0.0);
 [[nodiscard]] Figure measure(const std::string& what, const std::string& unit, const Block& block,
                              double target, int blocks = 24);
 

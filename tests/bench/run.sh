@@ -5,14 +5,15 @@
 #
 #   tests/bench/run.sh [core|linear|loop|wire|memory|serial]...   default: all but serial, about 8 minutes
 #
-# serial: 20 s each of the streaming and the 500 Hz link to the emulator; figures as text. MEMORY_SECONDS=600
-# has `memory` look for so long.
+# serial: 20 s each of the streaming and the 500 Hz link to the emulator, figures as text; then ticks begun by the
+# board's samples against ticks by the timer, and how long the timer should wait. MEMORY_SECONDS=600 has `memory`
+# look for so long.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 for part in "$@"; do
   case "$part" in
     core | linear | loop | wire | memory | serial) ;;
-    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
     *) echo "run.sh: unknown part '$part' (core, linear, loop, wire, memory, serial)" >&2; exit 2 ;;
   esac
 done
@@ -21,7 +22,7 @@ sh docker/install-deps.sh build test >&2
 cmake --preset release -DHAPTIC_BUILD_BENCHMARKS=ON >&2
 cmake --build --preset release --parallel "$(nproc)" \
   --target haptic-bench-core haptic-bench-linear haptic-bench-loop haptic-bench-wire haptic-bench-serial \
-  hapticd >&2
+  haptic-bench-pacing hapticd >&2
 bin=build/release
 
 memory() {  # resident memory of an idle hapticd, after 5 s and after the rest, without and with locking
@@ -53,6 +54,8 @@ for part in "${@:-core linear loop wire memory}"; do
           echo "# serial, link period $period_ms ms"
           "$bin/tests/bench/haptic-bench-serial" 20 "$period_ms"
         done
+        echo "# serial, ticks by the board's samples"
+        "$bin/tests/bench/haptic-bench-pacing"
         ;;
     esac
   done

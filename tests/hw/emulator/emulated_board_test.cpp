@@ -110,8 +110,9 @@ TEST(ForceStep, SettlesWithinTheLoopsPromise) {
     std::printf("step %.0f to %.0f N: rise %.1f ms, bandwidth %.1f Hz, overshoot %.0f %%\n", from,
                 from + 4.0, 1e3 * step.rise, step.bandwidth, 100.0 * step.overshoot);
     EXPECT_TRUE(step.settled);
-    EXPECT_LT(step.overshoot, 0.25);
-    EXPECT_GT(step.bandwidth, 5.0);
+    // hw/README.md: 87 Hz and 1 %; a rise is counted in ms, one more of which is 70 Hz.
+    EXPECT_LT(step.overshoot, 0.03);
+    EXPECT_GT(step.bandwidth, 60.0);
   }
 }
 

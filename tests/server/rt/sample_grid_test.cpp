@@ -81,6 +81,23 @@ TEST(SampleGrid, ADeviceThatComesBackInAnyPhaseIsFollowedFromTheFourthTickOn) {
   }
 }
 
+TEST(SampleGrid, WhateverThePatienceASampleOnTimeAfterOneOfTheTimersTicksDoesNotWait) {
+  for (const Duration patience : {kPeriod / 8, kPeriod / 4, kPeriod / 2}) {
+    SampleGrid grid(kFirst, kPeriod, patience);
+    static_cast<void>(on_time(grid, kFirst));
+    EXPECT_EQ(grid.latest(), kFirst + kPeriod + patience);
+    static_cast<void>(silent(grid));
+    EXPECT_EQ(grid.earliest(), kFirst + 2 * kPeriod);
+    EXPECT_EQ(on_time(grid, kFirst + 2 * kPeriod).report.lateness, 0ns);
+  }
+}
+
+TEST(SampleGrid, ItsPatienceIsAQuarterOfAPeriodWhereNoneIsGiven) {
+  SampleGrid plain(kFirst, kPeriod), quarter(kFirst, kPeriod, 250us);
+  EXPECT_EQ(plain.latest(), quarter.latest());
+  EXPECT_EQ(plain.earliest(), quarter.earliest());
+}
+
 TEST(SampleGrid, SamplesInAHeapMakeNoBurst) {
   SampleGrid grid(kFirst, kPeriod);
   TimePoint last = kFirst;

@@ -1,0 +1,63 @@
+// The rule by which everything in tests/bench is judged, on blocks whose figures are given.
+#include "tests/bench/paired.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace {
+
+using haptic::bench::Block;
+using haptic::bench::Figure;
+using haptic::bench::Row;
+
+/// Answers with these figures in turn.
+Block turns(std::vector<double> values) {
+  return [values, i = std::size_t{0}]() mutable { return values[i++ % values.size()]; };
+}
+Block always(double value) {
+  return turns({value});
+}
+template <typename T>
+std::string printed(const T& row) {
+  testing::internal::CaptureStdout();
+  print(row);
+  std::string line = testing::internal::GetCapturedStdout();
+  if (!line.empty()) line.pop_back();  // its end
+  return line.substr(line.rfind(',') + 1);
+}
+Row row(const Block& ours, const Block& theirs, double target) {
+  return haptic::bench::compare("ours", "theirs", "ns", ours, theirs, target, 20);
+}
+
+TEST(Paired, TheVerdictIsTheLastFieldOfTheLine) {
+  EXPECT_EQ(printed(row(always(9.0), always(10.0), 1.2)), "met");
+  EXPECT_EQ(printed(row(always(12.0), always(10.0), 1.2)), "met");
+  EXPECT_EQ(printed(row(always(13.0), always(10.0), 1.2)), "missed");
+  EXPECT_EQ(printed(row(always(13.0), always(10.0), 0.0)), "reported");
+}
+
+TEST(Paired, AMissThatTheSameProgramWouldHaveIsNotResolvable) {
+  // After the warm-up the order of their two blocks turns: 10 and 15, 15 and 10, ...
+  const Row noisy = row(always(30.0), turns({10.0, 10.0, 15.0, 15.0}), 1.2);
+  EXPECT_GT(noisy.a_a.upper, 1.2);
+  EXPECT_EQ(printed(noisy), "not resolvable here");
+}
+
+TEST(Paired, TheMedianRatioIsThatOfThePairs) {
+  const Row r = row(turns({1.0, 2.0}), always(4.0), 0.0);
+  EXPECT_DOUBLE_EQ(r.ratio.median, 0.375);
+  EXPECT_DOUBLE_EQ(r.ratio.lower, 0.25);
+  EXPECT_DOUBLE_EQ(r.ratio.upper, 0.5);
+  EXPECT_DOUBLE_EQ(r.a_a.lower, 1.0);
+  EXPECT_DOUBLE_EQ(r.a_a.upper, 1.0);
+}
+
+TEST(Paired, AFigureWithoutAPeerIsJudgedByItsOwnInterval) {
+  EXPECT_EQ(printed(haptic::bench::figure("f", "us", {1.0, 1.0, 1.0}, 0.9)), "missed");
+  EXPECT_EQ(printed(haptic::bench::figure("f", "us", {1.0, 1.0, 1.0}, 1.0)), "met");
+  EXPECT_EQ(printed(haptic::bench::figure("f", "us", {1.0, 1.0, 1.0})), "reported");
+}
+
+}  // namespace

@@ -1,0 +1,85 @@
+#pragma once
+/// Units of one scene's device that all press: under a lease, engaged, with a new proxy in every
+/// tick. Ticked by hand, in order, in the caller's thread; time is counted, not kept.
+
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include "server/rt/device_unit.hpp"
+#include "server/scene/scene.hpp"
+
+namespace haptic::bench {
+
+class PressingUnits {
+ public:
+  /// Opens `count` of them and ticks until force is on. Throws where one gives none: its ticks would
+  /// flatter.
+  PressingUnits(const server::DeviceScene& device, int count) {
+    for (int i = 0; i < count; ++i) {
+      auto opened = hw::open_device(device.source, device.kinematics);
+      const core::PipelineConfig config = server::pipeline_config(device, opened->info().limits);
+      units_.push_back(
+          std::make_unique<server::DeviceUnit>(device.name, std::move(opened), config));
+    }
+    core::CommandSnapshot command;
+    command.lease_epoch = 1;
+    command.lease_held = true;
+    publish(command);
+    tick(kHandComesToRest);
+    proxy_.mode = core::ProxyMode::kHeld;
+    proxy_.epoch = 1;
+    proxy_.gapless_since = now_;
+    proxy_.x = x_probe_;
+    tick(kStream);
+    command.engage_id = 1;
+    publish(command);
+    tick(kRamp);
+    proxy_.x[0] += kPush;
+    tick(kRamp);
+    check();
+  }
+
+  /// So many of each.
+  void tick(int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      now_ += kPeriod;
+      proxy_.born = now_;
+      ++proxy_.seq;
+      ++proxy_.gapless_samples;
+      for (const auto& unit : units_) {
+        if (proxy_.mode != core::ProxyMode::kNone) unit->proxies.publish(proxy_);
+        unit->tick(now_, kPeriod, {});
+        const core::TickRecord& record = *unit->records.front();
+        x_probe_ = record.x_probe;
+        tau_ = record.tau_elastic;
+        unit->records.pop();
+      }
+    }
+  }
+
+  /// Throws unless all of them press.
+  void check() const {
+    bool all = tau_.size() > 0 && tau_.cwiseAbs().maxCoeff() > 0.0;
+    for (const auto& unit : units_) all = all && unit->state() == core::DeviceState::kEngaged;
+    if (!all) throw std::runtime_error("a unit whose ticks are measured does not press");
+  }
+
+ private:
+  static constexpr core::Duration kPeriod = std::chrono::milliseconds(1);
+  static constexpr int kHandComesToRest = 1000;  // its motion takes 0.8 s
+  static constexpr int kStream = 250, kRamp = 250;
+  static constexpr double kPush = 0.02;  // rad or m, of the first coordinate
+
+  void publish(const core::CommandSnapshot& command) {
+    for (const auto& unit : units_) unit->commands.publish(command);
+  }
+
+  std::vector<std::unique_ptr<server::DeviceUnit>> units_{};
+  core::TimePoint now_{kPeriod};
+  core::ProxySnapshot proxy_{};
+  core::VecX x_probe_{};
+  core::VecA tau_{};
+};
+
+}  // namespace haptic::bench

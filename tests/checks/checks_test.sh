@@ -40,6 +40,16 @@ for line in 'open("/wo''rk/x");' 'path = /tm''p/socket' 'FROM registry https://m
 done
 rm "$scratch/core/b.cpp"
 
+mkdir -p "$scratch/tests/core"
+printf '// A test.\nclass Bench {\n};\ndouble half(double x) {\n}\n' >"$scratch/tests/core/a_test.cpp"
+printf 'class Bench;\nusing A = B;\nint other() {\n}\n' >"$scratch/tests/core/b_test.cpp"
+expect 0 test_names "$scratch"
+for line in 'struct Bench {' 'VecX half(const VecX& x) {' 'constexpr double half = 0.5;' 'const int half[] = {1};'; do
+  echo "$line" >"$scratch/tests/core/c_test.cpp"
+  expect 1 test_names "$scratch"
+done
+rm -r "$scratch/tests"
+
 echo '[gone](nowhere.md)' >>"$scratch/docs/a.md"
 expect 1 markdown_links "$scratch"
 

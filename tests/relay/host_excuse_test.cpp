@@ -159,7 +159,7 @@ std::vector<Case> many_lags() {
   };
 }
 
-void judge(const std::vector<Case>& cases) {
+void verdict_on(const std::vector<Case>& cases) {
   for (const Case& each : cases) {
     EXPECT_EQ(host_excuse(each.run.ticks(), each.testimony, each.findings), each.excuse)
         << each.name;
@@ -167,11 +167,11 @@ void judge(const std::vector<Case>& cases) {
 }
 
 TEST(HostExcuse, ALateTickIsTheHostsWhereAStallCoversItsLateness) {
-  judge(single_lateness());
+  verdict_on(single_lateness());
 }
 
 TEST(HostExcuse, AFullBucketIsTheHostsWhereStallsFilledIt) {
-  judge(many_lags());
+  verdict_on(many_lags());
 }
 
 RunReport fine() {

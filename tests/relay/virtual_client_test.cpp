@@ -31,7 +31,7 @@ void watch(VirtualWorld& world, LinkTime until) {
 }
 
 /// A number that no proxy may have: refused at the door, the last good sample ages and fades.
-void refuses(double bad, std::uint64_t server::IngressCounters::*counter) {
+void is_refused(double bad, std::uint64_t server::IngressCounters::*counter) {
   VirtualWorld world(shipped_scenario("delay_10ms"));
   watch(world, kTroubleAt);
   ASSERT_GT(world.force(), 0.5);
@@ -48,13 +48,13 @@ void refuses(double bad, std::uint64_t server::IngressCounters::*counter) {
 
 TEST(VirtualClient, NotANumberIsRefusedAndFadesOut) {
   MatrixRow row("virtual/nan", "refused and counted; force by the ladder; back by a ramp");
-  refuses(std::numeric_limits<double>::quiet_NaN(), &server::IngressCounters::not_finite);
+  is_refused(std::numeric_limits<double>::quiet_NaN(), &server::IngressCounters::not_finite);
   row.got("as expected");
 }
 
 TEST(VirtualClient, AHugeValueIsRefusedAndFadesOut) {
   MatrixRow row("virtual/huge_values", "refused and counted; force by the ladder; back by a ramp");
-  refuses(1e300, &server::IngressCounters::out_of_bounds);
+  is_refused(1e300, &server::IngressCounters::out_of_bounds);
   row.got("as expected");
 }
 

@@ -17,7 +17,7 @@ using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
 template <typename Rule>
-bool eventually(Rule rule, std::chrono::seconds limit = std::chrono::seconds(20)) {
+bool within_a_while(Rule rule, std::chrono::seconds limit = std::chrono::seconds(20)) {
   const auto give_up = Clock::now() + limit;
   while (!rule()) {
     if (Clock::now() > give_up) return false;
@@ -73,7 +73,7 @@ TEST_P(UnreadLog, NeitherLeaseNorStopNorSigtermWaitsForIt) {
        "loop.loop_late_fault={seconds: 5}"},
       log.end());
   client::Connection connection("unix:" + socket);
-  ASSERT_TRUE(eventually([&] {
+  ASSERT_TRUE(within_a_while([&] {
     try {
       static_cast<void>(connection.server_info(milliseconds(500)));
       return true;
@@ -88,7 +88,7 @@ TEST_P(UnreadLog, NeitherLeaseNorStopNorSigtermWaitsForIt) {
   };
   auto wall = press();
   const auto device = [&] { return connection.devices().front(); };
-  ASSERT_TRUE(eventually([&] { return device().state == client::State::kEngaged; }));
+  ASSERT_TRUE(within_a_while([&] { return device().state == client::State::kEngaged; }));
 
   log.fill();
   // More lines than any buffer on the way holds.
@@ -97,16 +97,16 @@ TEST_P(UnreadLog, NeitherLeaseNorStopNorSigtermWaitsForIt) {
     static_cast<void>(connection.clear_fault());
   }
   wall = press();
-  ASSERT_TRUE(eventually([&] { return device().state == client::State::kEngaged; }));
+  ASSERT_TRUE(within_a_while([&] { return device().state == client::State::kEngaged; }));
   wall->signal(SIGSTOP);
-  EXPECT_TRUE(eventually([&] { return device().state == client::State::kIdle; }))
+  EXPECT_TRUE(within_a_while([&] { return device().state == client::State::kIdle; }))
       << "the lease of a silent controller ends";
   wall = press();
-  ASSERT_TRUE(eventually([&] { return device().state == client::State::kEngaged; }));
+  ASSERT_TRUE(within_a_while([&] { return device().state == client::State::kEngaged; }));
   EXPECT_EQ(connection.emergency_stop({}, "nobody reads this").size(), 1U);
   EXPECT_EQ(device().state, client::State::kFault);
   static_cast<void>(connection.clear_fault());
-  EXPECT_TRUE(eventually([&] { return device().state != client::State::kFault; }));
+  EXPECT_TRUE(within_a_while([&] { return device().state != client::State::kFault; }));
 
   const auto asked = Clock::now();
   daemon.signal(SIGTERM);

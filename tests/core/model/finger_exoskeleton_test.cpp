@@ -14,7 +14,7 @@
 namespace haptic::core {
 namespace {
 
-VecQ pose(double l_x, double q_B) {
+VecQ finger_pose(double l_x, double q_B) {
   VecQ q(2);
   q << l_x, q_B;
   return q;
@@ -70,7 +70,7 @@ TEST_F(FingerExoskeleton, DerivativesAgreeWithCentralDifferences) {
   int poses = 0;
   double worst_J = 0.0, worst_H = 0.0;
   while (poses < 2000) {
-    const VecQ q = pose(l(random), t(random));
+    const VecQ q = finger_pose(l(random), t(random));
     if (!valid(dimensions, finger_pose(dimensions, q[0], q[1]))) continue;
     ++poses;
     VecX x, plus, minus;
@@ -111,7 +111,7 @@ TEST_F(FingerExoskeleton, BothClosedFormsAgreeOverTheValidRegionAndTheLinkageClo
   VecX x;
   MatXQ J;
   while (poses < 100000) {
-    const VecQ q = pose(l(random), t(random));
+    const VecQ q = finger_pose(l(random), t(random));
     const FingerPose p = finger_pose(dimensions, q[0], q[1]);
     if (!valid(dimensions, p)) continue;
     ++poses;
@@ -157,7 +157,7 @@ double brute_force_residual(const FingerDimensions& d, double mcp, double pip, V
     l_to = std::min(d.l_x_upper, best_l + half_l);
     t_from = std::max(d.q_B_lower, best_t - half_t);
     t_to = std::min(d.q_B_upper, best_t + half_t);
-    best = pose(best_l, best_t);
+    best = finger_pose(best_l, best_t);
   }
   return lowest;
 }
@@ -221,8 +221,8 @@ TEST_F(FingerExoskeleton, SaysWhereTheLinkageCannotClose) {
   VecX x = two(7, 7);
   MatXQ J = MatXQ::Constant(2, 2, 7);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(finger->evaluate(pose(0.02, -101 * kDegree), x, J), MapStatus::kCannotClose);
-  EXPECT_EQ(finger->evaluate(pose(nan, 0.0), x, J), MapStatus::kCannotClose);
+  EXPECT_EQ(finger->evaluate(finger_pose(0.02, -101 * kDegree), x, J), MapStatus::kCannotClose);
+  EXPECT_EQ(finger->evaluate(finger_pose(nan, 0.0), x, J), MapStatus::kCannotClose);
   EXPECT_EQ(x[0], 7) << "left as it was";
   EXPECT_EQ(J(1, 1), 7);
 }
@@ -233,7 +233,7 @@ TEST_F(FingerExoskeleton, MeanActuatedJacobianIsTheWorkspaceAverageOfMethod12) {
 
 TEST_F(FingerExoskeleton, AllocatesNothingOnceBuilt) {
   VecX x = two(0.5, 0.5);
-  VecQ q = pose(0.01, 0.0);
+  VecQ q = finger_pose(0.01, 0.0);
   MatXQ J(2, 2), J_k(2, 2);
   const test::AllocationGuard guard;
   for (int i = 0; i < 100; ++i) {

@@ -158,7 +158,7 @@ TEST(HandExoskeleton, SaysWhichFingerIsWrong) {
 
 // --- on a tracked palm ---------------------------------------------------------------------------
 
-VecQ pose(std::mt19937_64& random, const VecQ& fingers, double turn = 1.5) {
+VecQ hand_pose(std::mt19937_64& random, const VecQ& fingers, double turn = 1.5) {
   std::uniform_real_distribution<double> metres(-0.3, 0.3), radians(-turn, turn);
   VecQ q(6 + fingers.size());
   for (int i = 0; i < 3; ++i) {
@@ -189,7 +189,7 @@ TEST(TrackedHand, PutsThePhalangesWhereThePlaneAndThePalmPutThem) {
   std::mt19937_64 random(6);
   for (int trial = 0; trial < 100; ++trial) {
     const VecX angles = random_joints(random, 5);
-    const VecQ q = pose(random, reach(*plain, angles));
+    const VecQ q = hand_pose(random, reach(*plain, angles));
     VecX x;
     MatXQ J;
     ASSERT_EQ(hand->evaluate(q, x, J), MapStatus::kOk);
@@ -224,7 +224,7 @@ TEST(TrackedHand, HasTheDerivativesThatCentralDifferencesFind) {
   for (const OutputKind kind : {OutputKind::kPoint, OutputKind::kFrame}) {
     const auto hand = make_tracked_hand(five_fingers_on_a_palm(kind));
     for (int trial = 0; trial < 100; ++trial) {
-      const VecQ q = pose(random, reach(*plain, random_joints(random, 5)));
+      const VecQ q = hand_pose(random, reach(*plain, random_joints(random, 5)));
       const DerivativeErrors e = derivative_errors(*hand, q);
       EXPECT_LT(e.J, 2e-7);
       EXPECT_LT(e.dJ, 5e-7);
@@ -236,7 +236,7 @@ TEST(TrackedHand, NeverAllocates) {
   std::mt19937_64 random(8);
   const auto plain = make_hand_exoskeleton(five_fingers());
   const auto hand = make_tracked_hand(five_fingers_on_a_palm(OutputKind::kFrame));
-  const VecQ fingers = reach(*plain, random_joints(random, 5)), q = pose(random, fingers);
+  const VecQ fingers = reach(*plain, random_joints(random, 5)), q = hand_pose(random, fingers);
   VecX x;
   MatXQ J;
   VecQ back;

@@ -15,16 +15,16 @@ SpringStorage three_springs(double gain = 1.0) {
   return s;
 }
 
-VecA deviation(double a, double b, double c = 0.0) {
+VecA stretch(double a, double b, double c = 0.0) {
   return (VecA(3) << a, b, c).finished();
 }
 
 TEST(SpringStorage, IsQuadraticUpToTheLimitAndLinearBeyond) {
   const SpringStorage s = three_springs(0.5);
-  EXPECT_DOUBLE_EQ(s.energy(deviation(0.002, 0.0)), 0.5 * 0.5 * 1000.0 * 4e-6);
+  EXPECT_DOUBLE_EQ(s.energy(stretch(0.002, 0.0)), 0.5 * 0.5 * 1000.0 * 4e-6);
   // Saturates at 4 mm: 8 mJ up to there, 4 N over the further 6 mm.
-  EXPECT_DOUBLE_EQ(s.energy(deviation(-0.010, 0.0)), 0.5 * (0.008 + 4.0 * 0.006));
-  EXPECT_EQ(s.energy(deviation(0.0, 0.0, 5.0)), 0.0) << "no stiffness stores nothing";
+  EXPECT_DOUBLE_EQ(s.energy(stretch(-0.010, 0.0)), 0.5 * (0.008 + 4.0 * 0.006));
+  EXPECT_EQ(s.energy(stretch(0.0, 0.0, 5.0)), 0.0) << "no stiffness stores nothing";
 }
 
 TEST(SpringStorage, TheForceIsTheGradientOfTheEnergyAndHeldAtTheLimit) {
@@ -33,7 +33,7 @@ TEST(SpringStorage, TheForceIsTheGradientOfTheEnergyAndHeldAtTheLimit) {
   const SpringStorage s = three_springs(0.7);
   constexpr double h = 1e-7;
   for (int n = 0; n < 500; ++n) {
-    const VecA d = deviation(wide(random), wide(random), wide(random));
+    const VecA d = stretch(wide(random), wide(random), wide(random));
     for (int i = 0; i < 3; ++i) {
       VecA up = d, down = d;
       up[i] += h;
@@ -49,7 +49,7 @@ TEST(SpringStorage, ScalingSpendsExactlyTheEnergyGiven) {
   std::uniform_real_distribution<double> wide(-0.05, 0.05), share(0.0, 1.0);
   const SpringStorage s = three_springs(0.9);
   for (int n = 0; n < 2000; ++n) {
-    const VecA d = deviation(wide(random), wide(random), wide(random));
+    const VecA d = stretch(wide(random), wide(random), wide(random));
     const double energy = share(random) * s.energy(d);
     const double scale = s.scale_to(d, energy);
     ASSERT_GE(scale, 0.0);
@@ -59,7 +59,7 @@ TEST(SpringStorage, ScalingSpendsExactlyTheEnergyGiven) {
 }
 
 TEST(SpringStorage, ScalingIsTheSquareRootBelowTheLimit) {
-  const VecA d = deviation(0.003, 0.004);
+  const VecA d = stretch(0.003, 0.004);
   const SpringStorage s = three_springs();
   EXPECT_NEAR(s.scale_to(d, 0.25 * s.energy(d)), 0.5, 1e-15);
   EXPECT_EQ(s.scale_to(d, s.energy(d)), 1.0);

@@ -19,7 +19,7 @@ namespace {
 
 using samples::gaussian;
 
-const Kinematics& hand() {
+const Kinematics& five_fingered() {
   static const auto map = make_hand_exoskeleton(
       {{"thumb", scaled({}, 0.8)}, {"index", {}}, {"middle", scaled({}, 1.1)}});
   return *map;
@@ -51,12 +51,13 @@ TEST(BlockRenderer, RendersEachFingerAsIfItWereAlone) {
   std::mt19937_64 random(1);
   for (const RendererKind kind : kEveryRenderer) {
     SCOPED_TRACE(std::string(name(kind)));
-    BlockRenderer renderer(kind, hand());
+    BlockRenderer renderer(kind, five_fingered());
     EXPECT_EQ(renderer.kind(), kind);
     std::vector<Renderer> alone;
-    for (const MapBlock& block : hand().blocks()) alone.emplace_back(kind, *block.kinematics);
+    for (const MapBlock& block : five_fingered().blocks())
+      alone.emplace_back(kind, *block.kinematics);
     for (int trial = 0; trial < 100; ++trial) {
-      const Instant all(hand(), random_joints(random), random_joints(random));
+      const Instant all(five_fingered(), random_joints(random), random_joints(random));
       Projection out;
       renderer.project(all.probe(), all.x, all.dx, all.stiffness, true, out);
       double squares = 0.0;
@@ -82,10 +83,10 @@ TEST(BlockRenderer, RendersEachFingerAsIfItWereAlone) {
 TEST(BlockRenderer, AgreesWithTheDenseSolve) {
   std::mt19937_64 random(2);
   for (const RendererKind kind : {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
-    BlockRenderer blocks(kind, hand());
-    Renderer dense(kind, hand());
+    BlockRenderer blocks(kind, five_fingered());
+    Renderer dense(kind, five_fingered());
     for (int trial = 0; trial < 200; ++trial) {
-      const Instant all(hand(), random_joints(random), random_joints(random));
+      const Instant all(five_fingered(), random_joints(random), random_joints(random));
       Projection one, other;
       blocks.project(all.probe(), all.x, all.dx, all.stiffness, true, one);
       dense.project(all.probe(), all.x, all.dx, all.stiffness, true, other);
@@ -115,23 +116,23 @@ class SolvedFinger final : public Kinematics {
   }
 
  private:
-  static const Kinematics& finger() { return *hand().blocks()[1].kinematics; }
+  static const Kinematics& finger() { return *five_fingered().blocks()[1].kinematics; }
 };
 
 /// Three of them side by side.
 class SolvedHand final : public Kinematics {
  public:
   SolvedFinger fingers[3];
-  const DofLayout& layout() const noexcept override { return hand().layout(); }
-  const std::vector<DofSpec>& dofs() const noexcept override { return hand().dofs(); }
-  const ConfigurationSpace& space() const noexcept override { return hand().space(); }
+  const DofLayout& layout() const noexcept override { return five_fingered().layout(); }
+  const std::vector<DofSpec>& dofs() const noexcept override { return five_fingered().dofs(); }
+  const ConfigurationSpace& space() const noexcept override { return five_fingered().space(); }
   double mean_actuated_jacobian() const noexcept override { return 1.0; }
   std::span<const MapBlock> blocks() const noexcept override { return blocks_; }
   MapStatus evaluate(const VecQ& q, VecX& x, MatXQ& J) const noexcept override {
-    return hand().evaluate(q, x, J);
+    return five_fingered().evaluate(q, x, J);
   }
   MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override {
-    return hand().second_order(q, k, J_k);
+    return five_fingered().second_order(q, k, J_k);
   }
 
  private:
@@ -143,7 +144,7 @@ TEST(BlockRenderer, DoesNotSolveABlockWhoseProxyDidNotChange) {
   std::mt19937_64 random(3);
   SolvedHand solved_hand;
   BlockRenderer renderer(RendererKind::kSubspaceExact, solved_hand);
-  Instant all(hand(), random_joints(random), random_joints(random));
+  Instant all(five_fingered(), random_joints(random), random_joints(random));
   Projection first, out;
   const auto solve = [&](bool changed) {
     renderer.project(all.probe(), all.x, all.dx, all.stiffness, changed, out);
@@ -167,9 +168,9 @@ TEST(BlockRenderer, DoesNotSolveABlockWhoseProxyDidNotChange) {
 
 TEST(BlockRenderer, NeverAllocates) {
   std::mt19937_64 random(4);
-  const Instant all(hand(), random_joints(random), random_joints(random));
+  const Instant all(five_fingered(), random_joints(random), random_joints(random));
   for (const RendererKind kind : kEveryRenderer) {
-    BlockRenderer renderer(kind, hand());
+    BlockRenderer renderer(kind, five_fingered());
     Projection out;
     const test::AllocationGuard guard;
     renderer.project(all.probe(), all.x, all.dx, all.stiffness, true, out);
@@ -219,9 +220,9 @@ TEST(BlockRenderer, BoundsEachFingerByItselfAndAnIdleOneNotAtAll) {
   const VecX pose = random_joints(random);
   VecX proxy = pose;
   proxy.segment<2>(2) = random_joints(random).segment<2>(2);
-  const Instant all(hand(), pose, proxy);
-  BlockRenderer renderer(RendererKind::kStandard, hand());
-  BlockRenderer alone(RendererKind::kStandard, *hand().blocks()[1].kinematics);
+  const Instant all(five_fingered(), pose, proxy);
+  BlockRenderer renderer(RendererKind::kStandard, five_fingered());
+  BlockRenderer alone(RendererKind::kStandard, *five_fingered().blocks()[1].kinematics);
   VecX dx = all.dx;
   for (const int idle : {0, 1, 4, 5}) dx[idle] = 0.0;  // the pose's own rounding
   VecA ratio, one;

@@ -71,7 +71,7 @@ ProjectionModel model_of(const Kinematics& map, const TaskMetric& metric = {}) {
   return {map, settings};
 }
 
-Projection solve(const ProjectionModel& model, const VecX& x, const VecQ& seed) {
+Projection solve_limited(const ProjectionModel& model, const VecX& x, const VecQ& seed) {
   ProxySolver solver(model);
   Projection out;
   solver.solve(x, seed, VecA::Constant(model.layout().n_a(), 1500.0), out);
@@ -129,11 +129,11 @@ TEST(MechanismLimits, OfADiskTheNearestPointIsOnTheRay) {
   const Limited map = disk(false);
   for (double angle = 0.0; angle < 6.0; angle += 0.4) {
     const VecX x = 0.8 * two(std::cos(angle), std::sin(angle));
-    const Projection out = solve(model_of(map), x, two(-0.1, 0.2));
+    const Projection out = solve_limited(model_of(map), x, two(-0.1, 0.2));
     EXPECT_EQ(out.status, ProjectionStatus::kUnreachable);
     EXPECT_NEAR((out.q_star - 0.5 / 0.8 * x).norm(), 0.0, 1e-9) << angle;
   }
-  const Projection inside = solve(model_of(map), two(0.3, -0.3), two(-0.1, 0.2));
+  const Projection inside = solve_limited(model_of(map), two(0.3, -0.3), two(-0.1, 0.2));
   EXPECT_EQ(inside.status, ProjectionStatus::kConverged);
   EXPECT_NEAR((inside.q_star - two(0.3, -0.3)).norm(), 0.0, 1e-12);
 }
@@ -152,7 +152,8 @@ TEST(MechanismLimits, OfADiskInAMetricTheMultiplierSaysWhere) {
       want = oracle::inverse(sum) * (W * x);
       (want.norm() > 0.5 ? low : high) = mu;
     }
-    const Projection out = solve(model_of(map, TaskMetric::from_matrix(W)), x, two(0.0, 0.1));
+    const Projection out =
+        solve_limited(model_of(map, TaskMetric::from_matrix(W)), x, two(0.0, 0.1));
     EXPECT_NEAR((out.q_star - want).norm(), 0.0, 1e-8) << angle;
   }
 }
@@ -165,11 +166,11 @@ TEST(MechanismLimits, WhereTwoMeetTheCornerHolds) {
   for (const double share : {0.2, 0.5, 0.8}) {
     const VecX out_of_it =
         corner + 0.3 * (share * corner.normalized() + (1.0 - share) * two(1, 1).normalized());
-    const Projection out = solve(model_of(map), out_of_it, two(0.1, 0.0));
+    const Projection out = solve_limited(model_of(map), out_of_it, two(0.1, 0.0));
     EXPECT_NEAR((out.q_star - corner).norm(), 0.0, 1e-9) << share;
   }
   // On the line between the corners.
-  const Projection line = solve(model_of(map), two(0.5, 0.4), two(0.0, -0.1));
+  const Projection line = solve_limited(model_of(map), two(0.5, 0.4), two(0.0, -0.1));
   EXPECT_NEAR((line.q_star - two(0.35, 0.25)).norm(), 0.0, 1e-9);
 }
 
@@ -177,7 +178,7 @@ TEST(MechanismLimits, AndWithTheBoxTheyMakeACornerToo) {
   Limited map = disk(false);
   const ProjectionModel model = model_of(map);
   // Seen from (0.2, 2) the circle; the box is not in its way. From a seed outside it ends inside.
-  const Projection out = solve(model, two(0.2, 0.9), two(0.9, 0.9));
+  const Projection out = solve_limited(model, two(0.2, 0.9), two(0.9, 0.9));
   EXPECT_NEAR((out.q_star - 0.5 * two(0.2, 0.9).normalized()).norm(), 0.0, 1e-9);
 }
 
@@ -203,7 +204,7 @@ TEST(MechanismLimits, TheIterationEndsAtTheFingersOwnOptimum) {
     if (map.pair_limits(0, seed[0], seed[1], limits) != MapStatus::kOk) continue;
     if (limits[0].room < 0.0 || limits[2].room < 0.0 || limits[4].room < 0.0) continue;
     ++judged;
-    const Projection out = solve(model_of(map), x, seed);
+    const Projection out = solve_limited(model_of(map), x, seed);
     expect_inside(map, out.q_star);
     EXPECT_GT(out.residual, least - 1e-6) << "the closed form's is the global one";
     if (out.residual < least + 1e-6) continue;
@@ -270,7 +271,7 @@ TEST(MechanismLimits, OfATrackedHandHoldTheSlidersOfEveryFinger) {
   VecX x;
   MatXQ J;
   ASSERT_EQ(hand->evaluate(beyond, x, J), MapStatus::kOk);
-  const Projection out = solve(model_of(*hand), x, q);
+  const Projection out = solve_limited(model_of(*hand), x, q);
   expect_inside(*hand, out.q_star);
   EXPECT_EQ(out.status, ProjectionStatus::kUnreachable);
   EXPECT_GT(out.residual, 1e-4);

@@ -44,7 +44,7 @@ VecX image(const VecQ& q) {
   return x;
 }
 
-Projection project(Renderer& renderer, const VecQ& q, const VecX& x) {
+Projection project_pose(Renderer& renderer, const VecQ& q, const VecX& x) {
   VecX x_probe, dx;
   MatXQ J;
   EXPECT_EQ(palm().evaluate(q, x_probe, J), MapStatus::kOk);
@@ -79,7 +79,7 @@ TEST(PoseProxy, IsReachedFromFarAway) {
     VecX x = image(goal);
     if (trial % 2 == 0) x.segment<4>(3) *= -1.3;
     renderer.reset();
-    const Projection out = project(renderer, at(from, 0.0), x);
+    const Projection out = project_pose(renderer, at(from, 0.0), x);
     EXPECT_EQ(out.status, ProjectionStatus::kConverged) << turn;
     EXPECT_LT(apart(out.q_star, goal), 1e-8) << turn;
     EXPECT_NEAR(out.q_star[6], goal[6], 1e-8);
@@ -95,8 +95,8 @@ TEST(PoseProxy, ASignFlipUnderWayIsNoStep) {
     VecX flipped = x;
     flipped.segment<4>(3) *= -1.0;
     flipped.segment<4>(10) *= -1.0;
-    const Projection before = project(renderer, q, x);
-    const Projection after = project(renderer, q, flipped);
+    const Projection before = project_pose(renderer, q, x);
+    const Projection after = project_pose(renderer, q, flipped);
     EXPECT_LT((after.q_star - before.q_star).norm(), 1e-12);
   }
 }
@@ -112,7 +112,7 @@ TEST(PoseProxy, TheReadingsJumpAtPiIsNoStepOfTheForce) {
     const double turn = kPi - 0.01 + 1e-4 * i;
     VecQ q = at(turn * axis, 0.3);
     palm().nearest_representative(VecQ::Zero(7), q);  // as a device reports it
-    const Projection out = project(renderer, q, x);
+    const Projection out = project_pose(renderer, q, x);
     const double force = out.q_star[6] - q[6];
     if (i == 0) last = force;
     EXPECT_LT(std::abs(force - last), 1e-4) << turn;
@@ -130,7 +130,7 @@ TEST(PoseProxy, APalmThatTurnsOnBeyondPiIsFollowed) {
     palm().nearest_representative(VecQ::Zero(7), q);
     VecQ goal = at((turn + 0.05) * axis, 0.35);
     palm().nearest_representative(VecQ::Zero(7), goal);
-    const Projection out = project(renderer, q, image(goal));
+    const Projection out = project_pose(renderer, q, image(goal));
     ASSERT_EQ(out.status, ProjectionStatus::kConverged) << turn;
     ASSERT_LT(apart(out.q_star, goal), 1e-8) << turn;
   }

@@ -73,7 +73,8 @@ Draw make_case(Family family, std::mt19937_64& random, int trial) {
   return c;
 }
 
-Projection project(RendererKind kind, const ProjectionModel& model, const Draw& c, const VecX& x) {
+Projection project_draw(RendererKind kind, const ProjectionModel& model, const Draw& c,
+                        const VecX& x) {
   VecX x_probe, dx;
   MatXQ J;
   EXPECT_EQ(c.map->evaluate(c.q, x_probe, J), MapStatus::kOk);
@@ -84,7 +85,7 @@ Projection project(RendererKind kind, const ProjectionModel& model, const Draw& 
   return out;
 }
 
-ProjectionSettings with_prior(const Draw& c) {
+ProjectionSettings draw_with_prior(const Draw& c) {
   ProjectionSettings settings;
   settings.prior = Prior{1e-3, VecQ::Ones(c.map->layout().n_n())};
   return settings;
@@ -99,10 +100,11 @@ TEST_P(EveryJacobian, GivesAFiniteForceAndNoneWhereTheProxyIsTheProbe) {
     const VecX at = c.A * c.q;
     const VecX x = at + VecX(gaussian(random, static_cast<int>(c.A.rows()), 1));
     for (const bool prior : {false, true}) {
-      const ProjectionModel model(*c.map, prior ? with_prior(c) : ProjectionSettings{});
+      const ProjectionModel model(*c.map, prior ? draw_with_prior(c) : ProjectionSettings{});
       for (const RendererKind kind : kEveryRenderer) {
-        ASSERT_TRUE(project(kind, model, c, x).q_star.allFinite()) << name(kind) << "\n" << c.A;
-        const Projection rest = project(kind, model, c, at);
+        ASSERT_TRUE(project_draw(kind, model, c, x).q_star.allFinite()) << name(kind) << "\n"
+                                                                        << c.A;
+        const Projection rest = project_draw(kind, model, c, at);
         // Rounding of x alone, through the worst direction that is not given up as lost.
         const double column = c.A.colwise().norm().minCoeff();
         const double blur = column > 0.0 ? 1e-15 * (1.0 + at.norm()) / column : 0.0;
@@ -123,7 +125,7 @@ TEST_P(EveryJacobian, BoundsTheForceByTheConditionItReports) {
     const VecX dx = gaussian(random, static_cast<int>(c.A.rows()), 1);
     const VecX x = c.A * c.q + dx;
     const ProjectionModel model(*c.map);
-    const Projection linear = project(RendererKind::kSubspaceLinear, model, c, x);
+    const Projection linear = project_draw(RendererKind::kSubspaceLinear, model, c, x);
     if (linear.status == ProjectionStatus::kExact) {
       ASSERT_LE(linear.condition, 1e8);
       for (int k = 0; k < n_q; ++k) {
@@ -135,7 +137,7 @@ TEST_P(EveryJacobian, BoundsTheForceByTheConditionItReports) {
                   linear.status == ProjectionStatus::kIllConditioned)
           << name(linear.status);
     }
-    const Projection exact = project(RendererKind::kSubspaceExact, model, c, x);
+    const Projection exact = project_draw(RendererKind::kSubspaceExact, model, c, x);
     ASSERT_LE(exact.q_star.cwiseAbs().maxCoeff(), kBox);
     ASSERT_LE(exact.residual, dx.norm() * (1.0 + 1e-9) + 1e-9) << "never worse than the seed";
   }
@@ -147,9 +149,9 @@ TEST_P(EveryJacobian, WithAPriorBoundsTheForceByItsWeight) {
   for (int trial = 0; trial < 1000; ++trial) {
     const Draw c = make_case(GetParam(), random, trial);
     const VecX dx = gaussian(random, static_cast<int>(c.A.rows()), 1);
-    const ProjectionModel model(*c.map, with_prior(c));
+    const ProjectionModel model(*c.map, draw_with_prior(c));
     for (const RendererKind kind : {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
-      const Projection out = project(kind, model, c, c.A * c.q + dx);
+      const Projection out = project_draw(kind, model, c, c.A * c.q + dx);
       const VecA d = c.map->layout().select(out.q_star - c.q);
       ASSERT_LE(0.5 * d.dot(c.Z_q.cwiseProduct(d)), dx.squaredNorm() / 2e-3 * (1.0 + 1e-9));
     }
@@ -180,8 +182,8 @@ TEST_P(EveryJacobian, RendersTheSameForceInMetresAndMillimetres) {
     const VecA in_a = c.map->layout().select(per);
     other.Z_q = c.Z_q.cwiseQuotient(in_a.cwiseAbs2());
     const ProjectionModel plain(*c.map), scaled(*other.map);
-    const Projection one = project(RendererKind::kSubspaceLinear, plain, c, x);
-    const Projection two = project(RendererKind::kSubspaceLinear, scaled, other, x);
+    const Projection one = project_draw(RendererKind::kSubspaceLinear, plain, c, x);
+    const Projection two = project_draw(RendererKind::kSubspaceLinear, scaled, other, x);
     // Beyond, the status itself turns on rounding.
     if (GetParam() == Family::kNearlySingular && !(one.condition < 1e7)) continue;
     ASSERT_EQ(one.status, two.status);

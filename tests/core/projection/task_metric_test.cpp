@@ -23,7 +23,7 @@ namespace {
 using samples::gaussian;
 
 /// `metres`: how many of the first coordinates are in m; the others are in rad.
-std::unique_ptr<Kinematics> linear_map(const Eigen::MatrixXd& A, int n_a, int metres) {
+std::unique_ptr<Kinematics> weighted_map(const Eigen::MatrixXd& A, int n_a, int metres) {
   LinearMap map;
   for (int i = 0; i < A.cols(); ++i) {
     map.dofs.push_back({"q" + std::to_string(i), Unit::kMetre, i < n_a, -1e6, 1e6});
@@ -35,7 +35,8 @@ std::unique_ptr<Kinematics> linear_map(const Eigen::MatrixXd& A, int n_a, int me
   return make_linear(map);
 }
 
-VecA force(RendererKind kind, const ProjectionModel& model, const VecX& x, const VecA& Z_q) {
+VecA weighted_force(RendererKind kind, const ProjectionModel& model, const VecX& x,
+                    const VecA& Z_q) {
   VecX x_probe, dx;
   MatXQ J;
   const VecQ q = VecQ::Zero(model.layout().n_q());
@@ -55,7 +56,7 @@ ProjectionSettings with_metric(TaskMetric metric) {
 
 TEST(TaskMetric, IsRefusedAnyDefaultWhereUnitsDiffer) {
   const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(3, 2);
-  const auto mixed = linear_map(A, 1, 2), metres = linear_map(A, 1, 3);
+  const auto mixed = weighted_map(A, 1, 2), metres = weighted_map(A, 1, 3);
   EXPECT_NO_THROW(ProjectionModel{*metres});
   EXPECT_THROW(ProjectionModel{*mixed}, SceneError);
   EXPECT_NO_THROW(ProjectionModel(*mixed, with_metric(TaskMetric::from_scales(VecX::Ones(3)))));
@@ -157,7 +158,7 @@ TEST(TaskMetric, EveryRendererMeasuresByIt) {
     const Eigen::MatrixXd A = gaussian(random, n_x, n_q), B = gaussian(random, n_x, n_x);
     Eigen::MatrixXd W = oracle::product(B, B.transpose());
     W.diagonal().array() += 0.1;
-    const auto map = linear_map(A, n_a, n_x / 2);
+    const auto map = weighted_map(A, n_a, n_x / 2);
     const ProjectionModel model(*map, with_metric(TaskMetric::from_matrix(W)));
     const VecX x = gaussian(random, n_x, 1);
     const VecA Z_q = VecA::Constant(n_a, 300.0);
@@ -171,7 +172,7 @@ TEST(TaskMetric, EveryRendererMeasuresByIt) {
     const Eigen::VectorXd want[] = {J_a.transpose() * f, J_a.transpose() * f_star,
                                     300.0 * dq.head(n_a), 300.0 * dq.head(n_a)};
     for (int k = 0; k < 4; ++k) {
-      const VecA got = force(kEveryRenderer[k], model, x, Z_q);
+      const VecA got = weighted_force(kEveryRenderer[k], model, x, Z_q);
       ASSERT_LT((got - want[k]).norm(), 1e-8 * (want[k].norm() + 1.0)) << name(kEveryRenderer[k]);
     }
   }
@@ -188,16 +189,16 @@ TEST(TaskMetric, TheForceDoesNotKnowTheUnits) {
     const VecX in_x = (VecX(4) << 1e3, 1e3, kDegrees, kDegrees).finished();
     const VecQ in_q = (VecQ(3) << 1e3, 1e3, kDegrees).finished();
     const Eigen::MatrixXd A_units = in_x.asDiagonal() * A * in_q.cwiseInverse().asDiagonal();
-    const auto si = linear_map(A, 2, 2), other = linear_map(A_units, 2, 2);
+    const auto si = weighted_map(A, 2, 2), other = weighted_map(A_units, 2, 2);
     const ProjectionModel model(*si, with_metric(TaskMetric::from_scales(scale)));
     const ProjectionModel same(*other,
                                with_metric(TaskMetric::from_scales(scale.cwiseProduct(in_x))));
     const VecX x = scale.cwiseProduct(VecX(gaussian(random, 4, 1)));
     const VecA Z_q = (VecA(2) << 1500.0, 700.0).finished();
     for (const RendererKind kind : {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
-      const VecA newton = force(kind, model, x, Z_q);
+      const VecA newton = weighted_force(kind, model, x, Z_q);
       // N/mm against N/m; a force in N comes out, in units of (N/mm) mm.
-      const VecA again = force(kind, same, x.cwiseProduct(in_x), Z_q / 1e3);
+      const VecA again = weighted_force(kind, same, x.cwiseProduct(in_x), Z_q / 1e3);
       const double condition = 100.0;  // of most of these J; the bound is 1e-12 relative to it
       ASSERT_LT((newton - again).norm(), 1e-12 * condition * (1.0 + newton.norm())) << name(kind);
     }
@@ -206,12 +207,12 @@ TEST(TaskMetric, TheForceDoesNotKnowTheUnits) {
 
 TEST(TaskMetric, ItDecidesWhichErrorIsGivenUp) {
   // One actuated DoF moves both coordinates; the proxy asks them apart.
-  const auto map = linear_map((Eigen::MatrixXd(2, 1) << 1.0, 1.0).finished(), 1, 2);
+  const auto map = weighted_map((Eigen::MatrixXd(2, 1) << 1.0, 1.0).finished(), 1, 2);
   const VecX x = (VecX(2) << 0.01, -0.02).finished();
   const auto q_star = [&](double s0, double s1) {
     const ProjectionModel model(
         *map, with_metric(TaskMetric::from_scales((VecX(2) << s0, s1).finished())));
-    return force(RendererKind::kSubspaceExact, model, x, VecA::Ones(1))[0];
+    return weighted_force(RendererKind::kSubspaceExact, model, x, VecA::Ones(1))[0];
   };
   EXPECT_NEAR(q_star(1.0, 1.0), -0.005, 1e-15);
   EXPECT_NEAR(q_star(1e-4, 1.0), 0.01, 1e-8);
@@ -223,13 +224,13 @@ TEST(TaskMetric, TheGuardNeverWithholdsTheLinearisedForce) {
   for (int trial = 0; trial < 500; ++trial) {
     const int n_q = 1 + trial % 4;  // wide where n_q > 3
     const Eigen::MatrixXd A = gaussian(random, 3, n_q);
-    const auto map = linear_map(A, 1 + trial % n_q, 1);
+    const auto map = weighted_map(A, 1 + trial % n_q, 1);
     const ProjectionModel model(
         *map, with_metric(TaskMetric::from_scales((VecX(3) << 0.005, 0.1, 0.2).finished())));
     VecA Z_q = VecA(gaussian(random, model.layout().n_a(), 1)).cwiseAbs() +
                VecA::Constant(model.layout().n_a(), 0.1);
     const VecX x = gaussian(random, 3, 1);
-    const VecA tau = force(RendererKind::kSubspaceLinear, model, x, Z_q);
+    const VecA tau = weighted_force(RendererKind::kSubspaceLinear, model, x, Z_q);
     DirectionGuard guard(model, Z_q);
     const VecQ q = VecQ::Zero(n_q);
     const VecX x_probe = VecX::Zero(3);

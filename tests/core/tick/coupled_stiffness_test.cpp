@@ -34,7 +34,7 @@ const MatXQ& map_matrix() {
 }
 
 /// Three DoFs, the first and the third actuated, three coordinates.
-PipelineConfig config_of(RendererKind renderer, const Matrix2d& Z = kZ) {
+PipelineConfig coupled_config(RendererKind renderer, const Matrix2d& Z = kZ) {
   LinearMap map;
   map.dofs = {{"a", Unit::kMetre, true, -1, 1},
               {"s", Unit::kMetre, false, -1, 1},
@@ -109,7 +109,7 @@ VecQ anywhere(std::mt19937_64& random, double size) {
 
 TEST(CoupledStiffness, TheForceIsTheLawAndSaysWhereItIsHeld) {
   for (const RendererKind renderer : kSubspace) {
-    CoupledBench bench(config_of(renderer));
+    CoupledBench bench(coupled_config(renderer));
     bench.engage();
     std::mt19937_64 random(1);
     int held = 0;
@@ -134,7 +134,7 @@ TEST(CoupledStiffness, TheForceIsTheLawAndSaysWhereItIsHeld) {
 }
 
 TEST(CoupledStiffness, TheGainScalesTheWholeForce) {
-  CoupledBench bench(config_of(RendererKind::kSubspaceExact));
+  CoupledBench bench(coupled_config(RendererKind::kSubspaceExact));
   bench.target = (VecQ(3) << 0.008, 0.0, 0.004).finished();
   for (int i = 0; i < 250; ++i) bench.tick();
   ++bench.input.command.engage_id;
@@ -152,7 +152,7 @@ TEST(CoupledStiffness, TheGainScalesTheWholeForce) {
 TEST(CoupledStiffness, NoCycleOfTheDeviceReturnsEnergy) {
   for (const RendererKind renderer : kSubspace) {
     for (const double direction : {1.0, -1.0}) {
-      CoupledBench bench(config_of(renderer));
+      CoupledBench bench(coupled_config(renderer));
       bench.engage();
       bench.target = (VecQ(3) << 0.002, 0.001, -0.001).finished();
       constexpr int kSteps = 4000;
@@ -184,7 +184,7 @@ TEST(CoupledStiffness, NoCycleOfTheDeviceReturnsEnergy) {
 
 /// A warm second winding narrows the whole spring; cut off alone it would turn the force.
 TEST(CoupledStiffness, AWarmWindingTakesTheWholeForceBack) {
-  PipelineConfig config = config_of(RendererKind::kSubspaceExact);
+  PipelineConfig config = coupled_config(RendererKind::kSubspaceExact);
   config.ratings.resize(2);
   ThermalParameters motor;
   motor.motor_constant = 0.5;
@@ -209,7 +209,7 @@ TEST(CoupledStiffness, AWarmWindingTakesTheWholeForceBack) {
 }
 
 TEST(CoupledStiffness, ASessionLowersTheDiagonalAndWithItWhatCouples) {
-  CoupledBench bench(config_of(RendererKind::kSubspaceExact));
+  CoupledBench bench(coupled_config(RendererKind::kSubspaceExact));
   bench.input.settings.id = 1;
   bench.input.settings.stiffness =
       (VecA(2) << 225.0, 1e9).finished();  // a quarter; at most the scene's
@@ -228,7 +228,7 @@ TEST(CoupledStiffness, ASessionLowersTheDiagonalAndWithItWhatCouples) {
 }
 
 TEST(CoupledStiffness, EngageLooksAtTheForceOfAllDofs) {
-  PipelineConfig config = config_of(RendererKind::kSubspaceExact);
+  PipelineConfig config = coupled_config(RendererKind::kSubspaceExact);
   config.scene.engage_window = VecA::Constant(2, 1.0);
   CoupledBench bench(config);
   bench.target = (VecQ(3) << 0.002, 0.0, -0.002).finished();  // (0.8, -0.2) N; 1.8 N uncoupled
@@ -246,8 +246,8 @@ TEST(CoupledStiffness, EngageLooksAtTheForceOfAllDofs) {
 
 TEST(CoupledStiffness, IsForTheSubspaceMethodsOnly) {
   for (const RendererKind renderer : {RendererKind::kStandard, RendererKind::kNullSpace}) {
-    EXPECT_THROW(Pipeline{config_of(renderer)}, SceneError);
-    CoupledBench bench(config_of(RendererKind::kSubspaceLinear));
+    EXPECT_THROW(Pipeline{coupled_config(renderer)}, SceneError);
+    CoupledBench bench(coupled_config(RendererKind::kSubspaceLinear));
     bench.input.settings.id = 1;
     bench.input.settings.renderer = renderer;  // a session's wish
     bench.engage();
@@ -257,7 +257,7 @@ TEST(CoupledStiffness, IsForTheSubspaceMethodsOnly) {
 }
 
 PipelineConfig guarded(RendererKind renderer, double initial) {
-  PipelineConfig config = config_of(renderer);
+  PipelineConfig config = coupled_config(renderer);
   config.passivity.tank.enabled = true;
   config.passivity.tank.initial = initial;
   config.passivity.observer.enabled = true;
@@ -331,7 +331,7 @@ TEST(CoupledStiffness, BehindTheTankNoMotionAndNoProxyGivesMoreThanItHolds) {
 /// METHOD 5.4: x = the probe kept out of n^T x <= b; the force follows S (q* - q) as ever.
 TEST(CoupledStiffness, RendersPlanesWithTheDirectionGuard) {
   for (const RendererKind renderer : kSubspace) {
-    PipelineConfig config = config_of(renderer);
+    PipelineConfig config = coupled_config(renderer);
     config.scene.direction_guard = true;
     CoupledBench bench(config);
     ProxySnapshot& proxy = bench.input.proxy;

@@ -17,7 +17,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kStiffness = 500.0;
+constexpr double kPalmStiffness = 500.0;
 constexpr double kPressed = 0.004;  // m: how far the palm is behind the wall
 
 PipelineConfig config_with_tracker() {
@@ -37,7 +37,7 @@ PipelineConfig config_with_tracker() {
   c.device.q_lower = VecQ::Constant(7, -1.0);
   c.device.q_upper = VecQ::Constant(7, 1.0);
   c.device.max_effort = VecA::Constant(1, 20.0);
-  c.scene.stiffness = VecA::Constant(1, kStiffness);
+  c.scene.stiffness = VecA::Constant(1, kPalmStiffness);
   c.scene.damping = VecA::Zero(1);
   c.scene.force_limit = VecA::Constant(1, 10.0);
   c.scene.slew_limit = VecA::Constant(1, 1e6);
@@ -113,9 +113,9 @@ TEST(PalmTracker, ItsPoseTakesThePlaceOfWhatTheDeviceSays) {
 
 TEST(PalmTracker, AWallIsFeltWhereItSaysThePalmIs) {
   Rig rig;
-  EXPECT_NEAR(rig.press().tau_a[0], -kStiffness * kPressed, 1e-9);
+  EXPECT_NEAR(rig.press().tau_a[0], -kPalmStiffness * kPressed, 1e-9);
   rig.input.tracker.pose[0] = 0.006;
-  EXPECT_NEAR(rig.tick().tau_a[0], -kStiffness * 0.006, 1e-9);
+  EXPECT_NEAR(rig.tick().tau_a[0], -kPalmStiffness * 0.006, 1e-9);
   rig.input.tracker.pose[0] = -0.001;  // off the wall
   EXPECT_EQ(rig.tick().tau_elastic[0], 0.0);
 }
@@ -131,7 +131,7 @@ TEST(PalmTracker, WithoutNewPosesTheForceIsHeldFadesAndIsGoneWithin200Ms) {
     // WIRE 4, with the defaults: full to 100 ms, linear to 0 at 180 ms.
     const double ladder = age < 100 ? 1.0 : age < 180 ? (180.0 - age) / 80.0 : 0.0;
     EXPECT_NEAR(record.gain, ladder, 1e-12);
-    EXPECT_NEAR(record.tau_elastic[0], -ladder * kStiffness * kPressed, 1e-9);
+    EXPECT_NEAR(record.tau_elastic[0], -ladder * kPalmStiffness * kPressed, 1e-9);
     EXPECT_EQ(record.tracker.age, age * 1ms);
     EXPECT_EQ(record.staleness, Staleness::kFresh) << "the proxy's";
     lost = lost || record.lost;

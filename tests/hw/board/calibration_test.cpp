@@ -27,7 +27,8 @@ Calibration good() {
   return c;
 }
 
-std::string why(const Calibration& c, const std::string& serial = "HX-7", bool force = true) {
+std::string why_refused(const Calibration& c, const std::string& serial = "HX-7",
+                        bool force = true) {
   try {
     check(c, *core::make_finger_exoskeleton({}), serial, force);
   } catch (const core::DeviceError& error) {
@@ -86,9 +87,9 @@ TEST(BoardCalibration, TheBoardsOwnForceLoopIsToldWhatItsCellWillRead) {
 }
 
 TEST(BoardCalibration, AnotherDevicesIsRefusedByName) {
-  EXPECT_EQ(why(good()), "taken");
+  EXPECT_EQ(why_refused(good()), "taken");
   EXPECT_EQ(
-      why(good(), "HX-8"),
+      why_refused(good(), "HX-8"),
       "calibration hx-7.textproto: was made with the device 'HX-7' on 2026-11-21, this one is "
       "'HX-8'; must be its own (hapticctl calibrate)");
 }
@@ -96,22 +97,24 @@ TEST(BoardCalibration, AnotherDevicesIsRefusedByName) {
 TEST(BoardCalibration, WhatDoesNotFitIsRefusedWithTheReason) {
   Calibration c = good();
   c.scale[0] = 0.0;
-  EXPECT_NE(why(c).find("DoF 'l_x': scale = 0: must be finite, not 0"), std::string::npos)
-      << why(c);
+  EXPECT_NE(why_refused(c).find("DoF 'l_x': scale = 0: must be finite, not 0"), std::string::npos)
+      << why_refused(c);
   c = good();
   c.upper[0] = 0.06;
-  EXPECT_NE(why(c).find("DoF 'l_x': upper = 0.06: must be within"), std::string::npos) << why(c);
+  EXPECT_NE(why_refused(c).find("DoF 'l_x': upper = 0.06: must be within"), std::string::npos)
+      << why_refused(c);
   c = good();
   c.lower[1] = 0.7;
-  EXPECT_NE(why(c).find("DoF 'q_B': lower = 0.7: must be below upper"), std::string::npos)
-      << why(c);
+  EXPECT_NE(why_refused(c).find("DoF 'q_B': lower = 0.7: must be below upper"), std::string::npos)
+      << why_refused(c);
   c = good();
   c.offset.resize(1);
-  EXPECT_NE(why(c).find("has 1 DoF(s); must have 2"), std::string::npos) << why(c);
-  EXPECT_NE(why(good(), "HX-7", false).find("zero(s) of force"), std::string::npos);
+  EXPECT_NE(why_refused(c).find("has 1 DoF(s); must have 2"), std::string::npos) << why_refused(c);
+  EXPECT_NE(why_refused(good(), "HX-7", false).find("zero(s) of force"), std::string::npos);
   c = good();
   c.force_zero.resize(0);
-  EXPECT_NE(why(c).find("must have one per measured force, 1"), std::string::npos) << why(c);
+  EXPECT_NE(why_refused(c).find("must have one per measured force, 1"), std::string::npos)
+      << why_refused(c);
 }
 
 }  // namespace

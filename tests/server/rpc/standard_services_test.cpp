@@ -117,7 +117,7 @@ TEST(Reflection, KnowsTheServicesDescriptor) {
   EXPECT_NE(answer.find("UpdateSettings"), std::string::npos);
 }
 
-std::string refusal_of(const std::string& address, DeviceRig& rig) {
+std::string answer_of(const std::string& address, DeviceRig& rig) {
   server::RpcServer second({{address}}, {rig.sessions.get()}, *rig.telemetry,
                            [] { return server::ServerFacts{}; });
   try {
@@ -131,7 +131,7 @@ std::string refusal_of(const std::string& address, DeviceRig& rig) {
 TEST(Address, APortInUseIsAnErrorThatNamesIt) {
   LiveServer server;
   DeviceRig other;
-  const std::string error = refusal_of(server.address(), other);
+  const std::string error = answer_of(server.address(), other);
   EXPECT_NE(error.find(server.address()), std::string::npos);
   EXPECT_NE(error.find("in use"), std::string::npos);
 }
@@ -140,7 +140,7 @@ TEST(Address, AUnixSocketInUseIsAnErrorAndStaysWithItsOwner) {
   const std::string address = "unix:/tmp/haptic_rpc_use_" + std::to_string(::getpid()) + ".sock";
   LiveServer server({{address}});
   DeviceRig other;
-  EXPECT_NE(refusal_of(address, other).find("in use"), std::string::npos);
+  EXPECT_NE(answer_of(address, other).find("in use"), std::string::npos);
   TestSession session(server.channel(), v1::ROLE_OBSERVER, "still here");
   EXPECT_TRUE(session.wait_opened());
 }
@@ -155,7 +155,7 @@ TEST(Address, ASocketThatNobodyServesAnyMoreIsTakenOver) {
 
 TEST(Address, PlaintextBeyondThisHostIsRefused) {
   DeviceRig rig;
-  EXPECT_NE(refusal_of("0.0.0.0:0", rig).find("TLS"), std::string::npos);
+  EXPECT_NE(answer_of("0.0.0.0:0", rig).find("TLS"), std::string::npos);
 }
 
 TEST(Address, SeveralAreServedAtOnce) {

@@ -34,7 +34,7 @@ wire::PathKeys keys_of(const v1::UdpPath& udp) {
   return keys;
 }
 
-std::string sample(std::uint64_t seq, double a) {
+std::string proxy_sample(std::uint64_t seq, double a) {
   v1::ProxySample message;
   message.set_seq(seq);
   message.set_mode(v1::PROXY_MODE_HELD);
@@ -123,7 +123,7 @@ TEST(UdpService, ForceFromSamplesByUdp) {
   ASSERT_TRUE(alice.wait_in_use());
   std::uint64_t seq = 0;
   ASSERT_TRUE(eventually([&] {
-    EXPECT_TRUE(alice.udp->send(sample(++seq, 0.01)));
+    EXPECT_TRUE(alice.udp->send(proxy_sample(++seq, 0.01)));
     std::this_thread::sleep_for(9ms);
     if (alice.newest_state().state() == v1::DEVICE_STATE_NAME_ARMED) {
       static_cast<void>(alice.session.engage());
@@ -131,7 +131,7 @@ TEST(UdpService, ForceFromSamplesByUdp) {
     return alice.newest_state().state() == v1::DEVICE_STATE_NAME_ENGAGED;
   }));
   ASSERT_TRUE(eventually([&] {
-    alice.udp->send(sample(++seq, 0.01));
+    alice.udp->send(proxy_sample(++seq, 0.01));
     std::this_thread::sleep_for(5ms);
     return std::abs(alice.newest_state().tau_a(0) - 1.0) < 1e-9;  // 0.01 m at 100 N/m
   }));
@@ -149,7 +149,7 @@ TEST(UdpService, BothCarriersGoThroughOneDoorInTheOrderOfTheNumbers) {
   ASSERT_TRUE(alice.session.publish({0.001, 0.0}, 10));
   ASSERT_TRUE(used(10));
   EXPECT_EQ(alice.newest_state().transport(), v1::TRANSPORT_GRPC);
-  ASSERT_TRUE(alice.udp->send(sample(11, 0.002)));
+  ASSERT_TRUE(alice.udp->send(proxy_sample(11, 0.002)));
   ASSERT_TRUE(used(11));
   EXPECT_EQ(alice.newest_state().transport(), v1::TRANSPORT_UDP);
   ASSERT_TRUE(alice.session.publish({0.003, 0.0}, 11));
@@ -179,7 +179,7 @@ TEST(UdpService, NoChangeOfCarrierMovesTheForce) {
   for (int i = 0; i < 60; ++i) {  // ten samples by each carrier, in turns, at the nominal 100 Hz
     ++seq;
     if (i / 10 % 2 == 0) {
-      ASSERT_TRUE(alice.udp->send(sample(seq, 0.01)));
+      ASSERT_TRUE(alice.udp->send(proxy_sample(seq, 0.01)));
     } else {
       ASSERT_TRUE(alice.session.publish({0.01, 0.0}, seq));
     }
@@ -196,7 +196,7 @@ TEST(UdpService, AReplayedCaptureAndJunkChangeNothingAndGetNoAnswer) {
   UdpSession alice(server);
   ASSERT_TRUE(alice.wait_in_use());
   UdpEnd attacker(wire::End::kServer, wire::fresh_keys());
-  std::vector<std::uint8_t> caught = alice.udp->seal(sample(1, 0.005));
+  std::vector<std::uint8_t> caught = alice.udp->seal(proxy_sample(1, 0.005));
   ASSERT_FALSE(caught.empty());
   alice.udp->send_raw(caught, server.rpc.udp_port());
   ASSERT_TRUE(eventually([&] { return alice.session.ack().accepted() == 1; }));
@@ -208,7 +208,7 @@ TEST(UdpService, AReplayedCaptureAndJunkChangeNothingAndGetNoAnswer) {
   caught[15] = 0xF0;  // a number of its own
   for (int i = 0; i < 200; ++i) attacker.send_raw(caught, server.rpc.udp_port());
   // Behind all of it in the same socket:
-  ASSERT_TRUE(alice.udp->send(sample(2, 0.006)));
+  ASSERT_TRUE(alice.udp->send(proxy_sample(2, 0.006)));
   ASSERT_TRUE(eventually([&] { return alice.session.ack().accepted() == 2; }));
   EXPECT_EQ(attacker.arrivals(), 0U);
   EXPECT_EQ(alice.session.ack().rejected_old(), 0U);

@@ -27,4 +27,9 @@ namespace haptic::server {
   return std::string(digits, end) + " ms";
 }
 
+/// A measured time, "203.418 ms": rounded up to the microsecond, for the same reason.
+[[nodiscard]] inline std::string measured_ms(core::Duration d) {
+  return milliseconds(std::chrono::ceil<std::chrono::microseconds>(d));
+}
+
 }  // namespace haptic::server

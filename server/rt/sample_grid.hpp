@@ -4,10 +4,10 @@
 /// While a device is silent its ticks go on a period apart, so that nothing that counts on time
 /// stands still.
 ///
-///   earliest   a period less the patience after the last tick was due, where a sample that is on
-///              time comes after a tick of the timer's: samples that come in a heap, or faster than
-///              they should, make no burst; those of a link that carries them in pairs make ticks at
-///              the loop's rate
+///   earliest   a period less the patience after the last tick was due; after a tick of the timer's
+///              that is when a sample comes that is on time again. Samples that come in a heap, or
+///              faster than they should, make no burst; those of a link that carries them in pairs
+///              make ticks at the loop's rate
 ///   latest     the patience after the next sample is expected: the timer's
 ///
 /// A quarter: less leaves ticks to the timer that a link's jitter would have brought a sample, more

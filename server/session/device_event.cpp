@@ -27,7 +27,7 @@ std::string fault_sentence(core::Fault fault, const core::TickRecord& record,
     case core::Fault::kSampleOutOfRange:
       return "the device reported a value outside its range";
     case core::Fault::kLoopLate:
-      return "the loop woke up " + milliseconds(record.input.loop.lateness) + " late";
+      return "the loop woke up " + measured_ms(record.input.loop.lateness) + " late";
     case core::Fault::kLateBucketFull:
       return "the loop was late too often";
     case core::Fault::kEmergencyStop:
@@ -98,11 +98,11 @@ void EventDetector::step(const core::TickRecord& record, const std::string& stop
   }
   if (record.lost && record.staleness != core::Staleness::kLost) {
     add(DeviceEvent::Kind::kLost, "TRACKER_LOST",
-        "force was given up: the tracker's newest pose is " + milliseconds(record.tracker.age) +
+        "force was given up: the tracker's newest pose is " + measured_ms(record.tracker.age) +
             " old, beyond its limit; a new Engage is needed");
   } else if (record.lost) {
     add(DeviceEvent::Kind::kLost, "LOST",
-        "force was given up: the newest proxy is " + milliseconds(record.proxy_age) +
+        "force was given up: the newest proxy is " + measured_ms(record.proxy_age) +
             " old, the limit is " + milliseconds(record.input.settings.staleness.fade_end) +
             "; a new Engage is needed");
   }
@@ -115,7 +115,7 @@ void EventDetector::step(const core::TickRecord& record, const std::string& stop
     add(DeviceEvent::Kind::kStaleness,
         std::string(core::name(staleness_)) + " -> " + std::string(core::name(record.staleness)),
         record.proxy_seq == 0 ? "there is no proxy"
-                              : "the newest proxy is " + milliseconds(record.proxy_age) + " old");
+                              : "the newest proxy is " + measured_ms(record.proxy_age) + " old");
   }
   limiters(record, events);
   state_ = record.state;

@@ -57,7 +57,7 @@ Outcome<core::StalenessLimits> DeviceTracker::open(const LeaseRequest& request,
     return held("the palm is tracked by '" + client_name_ + "'");
   }
   if (newest_.seq != 0 && now - newest_.born < newest_.staleness.fade_end) {
-    return held("the last pose of '" + client_name_ + "' is " + milliseconds(now - newest_.born) +
+    return held("the last pose of '" + client_name_ + "' is " + measured_ms(now - newest_.born) +
                 " old and still counts: try again");
   }
   session_id_ = request.session_id;

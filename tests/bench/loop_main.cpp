@@ -11,21 +11,17 @@
 #include "server/rt/loop.hpp"
 #include "server/scene/scene.hpp"
 #include "tests/bench/paired.hpp"
+#include "tests/bench/percentile.hpp"
 #include "tests/bench/pressing_units.hpp"
 
 namespace {
 
 using namespace haptic;
+using bench::percentile;
 using std::chrono::milliseconds;
 
 constexpr int kTicks = 500;
 constexpr milliseconds kPeriod{1};
-
-double percentile(std::vector<double> values, double p) {
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1,
-                         static_cast<std::size_t>(p * static_cast<double>(values.size())))];
-}
 
 class Lateness final : public server::RecordListener {
  public:

@@ -27,10 +27,12 @@
 #include "server/scene/scene.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/bench/patience_study.hpp"
+#include "tests/bench/percentile.hpp"
 
 namespace {
 
 using namespace haptic;
+using bench::percentile;
 using namespace std::chrono_literals;
 
 constexpr core::Duration kPeriod = 1ms;
@@ -38,13 +40,6 @@ constexpr int kStretches = 4;
 constexpr auto kStretch = 250ms;
 constexpr int kSettling = 20;  ///< first ticks of a stretch, not judged: a phase is found in four
 constexpr int kBlocks = 20;
-
-double percentile(std::vector<double>& values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 std::string reasons(core::FaultSet faults) {
   std::string all;

@@ -8,6 +8,7 @@
 
 #include "server/rt/deadline_grid.hpp"
 #include "server/rt/sample_grid.hpp"
+#include "tests/bench/percentile.hpp"
 
 namespace haptic::bench {
 namespace {
@@ -123,13 +124,6 @@ void run(const std::vector<Sample>& samples, Grid grid, Tally& tally) {
     }
     last = tick.now;
   }
-}
-
-double percentile(std::vector<double>& values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 }  // namespace

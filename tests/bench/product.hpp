@@ -15,15 +15,10 @@
 #include "server/rt/loop.hpp"
 #include "server/scene/scene.hpp"
 #include "server/session/device_sessions.hpp"
+#include "tests/bench/percentile.hpp"
 
 namespace haptic::bench {
 
-inline double percentile(std::vector<double> values, double p) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1,
-                         static_cast<std::size_t>(p * static_cast<double>(values.size())))];
-}
 inline std::int64_t now_ns() {
   return std::chrono::steady_clock::now().time_since_epoch().count();
 }

@@ -18,10 +18,12 @@
 #include "hw/emulator/serve.hpp"
 #include "hw/open_device.hpp"
 #include "hw/thread_priority.hpp"
+#include "tests/bench/percentile.hpp"
 
 namespace {
 
 using namespace haptic;
+using bench::percentile;
 
 core::TimePoint now() {
   return core::TimePoint(std::chrono::steady_clock::now().time_since_epoch());
@@ -64,12 +66,6 @@ Measured run(hw::Device& device, int seconds) {
     measured.age_ms.push_back(1e3 * core::seconds(at - reading.sample.time));
   }
   return measured;
-}
-
-double percentile(std::vector<double> values, double share) {
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
 }
 
 void print(const Measured& m, const hw::board::HostCounters& n) {

@@ -14,7 +14,7 @@ files_of . | grep -E '^tests/.*\.(cpp|hpp)$' | grep -vE '^tests/(bench|report|pa
   awk -v file="$file" '
     function told(name) { if (!(name in seen)) { seen[name] = 1; print folder "\t" name "\t" base } }
     BEGIN { n = split(file, part, "/"); base = part[n]; folder = substr(file, 1, length(file) - length(base) - 1) }
-    /^(class|struct|union|enum|enum class) +[A-Za-z_0-9]+;/ { next }
+    /^(class|struct|union|enum|enum class) +[A-Za-z_0-9]+(;|::)/ { next }
     /^(class|struct|union|enum|enum class) +[A-Za-z_0-9]+/ {
       line = $0; sub(/^enum class /, "enum ", line); split(line, word, /[ :;{<(]+/); told(word[2]); next
     }

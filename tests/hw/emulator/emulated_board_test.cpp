@@ -111,8 +111,8 @@ TEST(ForceStep, SettlesWithinTheLoopsPromise) {
                 from + 4.0, 1e3 * step.rise, step.bandwidth, 100.0 * step.overshoot);
     EXPECT_TRUE(step.settled);
     // hw/README.md: 87 Hz and 1 %; a rise is counted in ms, one more of which is 70 Hz.
-    EXPECT_LT(step.overshoot, 0.03);
-    EXPECT_GT(step.bandwidth, 60.0);
+    EXPECT_LT(step.overshoot, 0.02);
+    EXPECT_GT(step.bandwidth, 65.0);
   }
 }
 

@@ -138,9 +138,10 @@ std::optional<std::string> host_excuse(const std::vector<RecordedTick>& run,
     }
     latched = faults;
   }
-  const bool wrong_before = std::any_of(findings.begin(), findings.end(),
-                                        [&](const Finding& f) { return f.at && *f.at < first; });
-  return wrong_before ? std::nullopt : excuse;
+  const bool all_its_consequences =
+      std::all_of(findings.begin(), findings.end(),
+                  [&](const Finding& f) { return !f.is_final && f.at && *f.at >= first; });
+  return all_its_consequences ? excuse : std::nullopt;
 }
 
 RowReport until_a_run_counts(const std::function<RunReport()>& run) {

@@ -32,8 +32,9 @@ struct Testimony {
 /// - LATE_BUCKET_FULL: the recorded ticks fill the bucket (WIRE 4: +5 per skipped deadline, -1 per
 ///   20 ticks on time, full at 100), and those that stalls do not explain fill less than half of
 ///   it;
-/// - nothing was found wrong before the first of these faults. A finding without a time is taken
-///   for their consequence.
+/// - whatever else was found wrong may be a consequence of the first of these faults: it has a time,
+///   which is not before that tick's, and is not final. At that very tick the fault itself is
+///   found, and the energy of a command that was held for too long; a wrong force there is final.
 ///
 /// A stall of any processor counts: the loop is pinned to none, and the record does not say where
 /// it was.

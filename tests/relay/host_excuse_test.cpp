@@ -35,7 +35,10 @@ class Run {
   }
   /// Latched from the first tick at or after `time`.
   Run& fault(double time, const std::string& reasons) {
-    for (std::size_t i = index(time); i < ticks_.size(); ++i) ticks_[i].faults = reasons;
+    for (std::size_t i = index(time); i < ticks_.size(); ++i) {
+      ticks_[i].faults = reasons;
+      ticks_[i].state = reasons.empty() ? "ENGAGED" : "FAULT";
+    }
     return *this;
   }
   [[nodiscard]] const std::vector<RecordedTick>& ticks() const { return ticks_; }
@@ -107,13 +110,28 @@ std::vector<Case> single_lateness() {
        Run(1.0).late(0.5, 0.0071).fault(0.5, "LOOP_LATE"),
        {true, {{0.499, 0.507}}},
        ours},
-      {"SomethingWrongBefore", late_once(), {true, {{0.499, 0.512}}}, ours, {{"a step", 0.4}}},
-      {"SomethingWrongAfter", late_once(), {true, {{0.499, 0.512}}}, host, {{"a step", 0.6}}},
-      {"SomethingWrongWithTheRunAsAWhole",
-       late_once(),
-       {true, {{0.499, 0.512}}},
-       host,
-       {{"UDP", {}}}},
+  };
+}
+
+/// Beside an excused fault at 0.5121 s.
+std::vector<Case> other_findings() {
+  const auto with = [](const char* name, std::vector<Finding> findings, bool excused) {
+    std::optional<std::string> excuse;
+    if (excused) excuse = "host stalled 12 ms at 0.5 s";
+    return Case{name, late_once(), {true, {{0.499, 0.512}}}, excuse, std::move(findings)};
+  };
+  const Finding fault{"fault LOOP_LATE", 0.5121}, not_engaged{"not engaged", 0.9};
+  return {
+      with("TheFaultItself", {fault}, true),
+      with("WhatCameAfter", {fault, not_engaged}, true),
+      with("WhatCameBefore", {{"UDP given up", 0.4}, fault}, false),
+      with("WhatCameJustBefore", {{"UDP given up", 0.512}, fault}, false),
+      with("OneBeforeAmongOthersAfter", {fault, not_engaged, {"UDP given up", 0.4}}, false),
+      with("NobodyKnowsWhen", {fault, {"UDP given up", {}}}, false),
+      with("TheDaemonCrashed", {fault, {"exit status", {}, true}}, false),
+      with("ForceInTheVeryTick", {{"elastic force in FAULT", 0.5121, true}, fault}, false),
+      with("ForceLeftOn", {fault, {"a command after a fault", 0.6, true}}, false),
+      with("FinalAmongConsequences", {fault, not_engaged, {"seq went back", 0.8, true}}, false),
   };
 }
 
@@ -168,6 +186,10 @@ void verdict_on(const std::vector<Case>& cases) {
 
 TEST(HostExcuse, ALateTickIsTheHostsWhereAStallCoversItsLateness) {
   verdict_on(single_lateness());
+}
+
+TEST(HostExcuse, OnlyWhatMayBeItsConsequenceIsExcusedWithIt) {
+  verdict_on(other_findings());
 }
 
 TEST(HostExcuse, AFullBucketIsTheHostsWhereStallsFilledIt) {

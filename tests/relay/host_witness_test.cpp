@@ -81,11 +81,30 @@ void press_for_a_while(RowRun& run, const std::function<void()>& trouble) {
 }
 
 TEST_F(Witness, ALoopThatTheHostMadeLateHasAnExcuse) {
-  const RunReport report =
-      run_once([](RowRun& run) { press_for_a_while(run, [] { take_all_processors(95, 15ms); }); });
-  ASSERT_FALSE(report.findings.empty());
+  const RunReport report = run_once([](RowRun& run) {
+    press_for_a_while(run, [&] {
+      take_all_processors(95, 15ms);
+      std::this_thread::sleep_for(20ms);
+      run.expect(false, "what comes after");
+    });
+  });
+  ASSERT_EQ(report.findings.size(), 2U);  // and the fault
   ASSERT_TRUE(report.excuse) << report.findings.front().text() << ", " << report.witness;
   EXPECT_NE(report.excuse->find("host stalled"), std::string::npos);
+}
+
+TEST_F(Witness, WhatWasSeenBeforeTheHostTookTheProcessorsIsNotExcused) {
+  const RunReport report = run_once([](RowRun& run) {
+    press_for_a_while(run, [&] {
+      run.expect(false, "what came before");
+      std::this_thread::sleep_for(20ms);
+      take_all_processors(95, 15ms);
+    });
+  });
+  ASSERT_EQ(report.findings.size(), 2U);  // and the fault
+  ASSERT_TRUE(report.findings.front().at && report.findings.back().at);
+  EXPECT_LT(*report.findings.front().at, *report.findings.back().at);
+  EXPECT_FALSE(report.excuse) << *report.excuse;
 }
 
 /// As a row that fails with that fault, in the first run that the host itself left alone.

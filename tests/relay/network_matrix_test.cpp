@@ -71,7 +71,7 @@ void press_through(RowRun& run, const Scenario& scenario) {
   if (!is_never_felt(name) && !may_be_refused(name)) {
     run.expect(within(15s, engaged), "engaged within 15 s of the scenario's end");
   }
-  run.expect(presser.in_order(), "a sequence in use that never goes back");
+  run.insist(presser.in_order(), "a sequence in use that never goes back");
   if (name == "udp_blocked") {
     run.expect(presser.heard("SAMPLES UDP -> GRPC"), "a fallback to gRPC");
   }
@@ -85,9 +85,10 @@ TEST_P(NetworkMatrix, TheContractHoldsAtEveryTick) {
   network_row(scenario.name, expectation(scenario.name), [&](RowRun& run) {
     press_through(run, scenario);
     const RunFigures figures = run.judge();
-    run.expect(run.record().size() > 1000U, "more than 1000 ticks recorded");
+    run.insist(run.record().size() > 1000U, "more than 1000 ticks recorded");
     run.expect(figures.engaged || may_be_refused(scenario.name), "engaged at some time");
-    run.expect(figures.losses == 0 || !is_never_felt(scenario.name), "force never lost");
+    run.expect(figures.losses == 0 || !is_never_felt(scenario.name), "force never lost",
+               figures.last_loss);
     run.expect(figures.losses >= 1 || !is_lost_and_back(scenario.name), "force lost, and back");
     run.got(figures.text());
   });

@@ -9,23 +9,41 @@
 
 namespace haptic::test {
 
-bool RowRun::expect(bool holds, const std::string& what) {
-  if (!holds) report_.findings.push_back({"not as expected: " + what, {}});
+bool RowRun::expect(bool holds, const std::string& what, std::optional<double> at) {
+  if (holds) return true;
+  if (!at) {
+    const auto now = std::chrono::steady_clock::now().time_since_epoch();  // CLOCK_MONOTONIC
+    seen_live_.emplace_back(report_.findings.size(), now);
+  }
+  report_.findings.push_back({"not as expected: " + what, at});
+  return false;
+}
+
+bool RowRun::insist(bool holds, const std::string& what) {
+  if (!holds) report_.findings.push_back({"not as it must be: " + what, {}, true});
   return holds;
+}
+
+void RowRun::date_findings(std::chrono::nanoseconds origin) {
+  for (const auto& [index, seen] : seen_live_) {
+    report_.findings[index].at = std::chrono::duration<double>(seen - origin).count();
+  }
 }
 
 const std::vector<RecordedTick>& RowRun::record() {
   if (record_.empty()) {
-    expect(daemon_.stop() == 0, "the daemon's exit status 0");
+    insist(daemon_.stop() == 0, "the daemon's exit status 0");
     record_ = read_record(daemon_.record());
   }
   return record_;
 }
 
-RunFigures RowRun::judge(double fresh_end) {
-  RunFigures figures = haptic::test::judge(record(), fresh_end);
-  if (figures.breach) report_.findings.push_back(*figures.breach);
-  return figures;
+const RunFigures& RowRun::judge() {
+  if (!figures_) {
+    figures_ = haptic::test::judge(record(), fresh_end_);
+    for (const Finding& breach : figures_->breaches) report_.findings.push_back(breach);
+  }
+  return *figures_;
 }
 
 std::optional<std::chrono::nanoseconds> RowRun::origin() const {
@@ -43,7 +61,7 @@ RunReport run_once(const Experiment& experiment) {
     try {
       part();
     } catch (const std::exception& error) {
-      run.expect(false, std::string("no exception, but: ") + error.what());
+      run.insist(false, std::string("no exception, but: ") + error.what());
     }
   };
   guarded([&] {
@@ -52,8 +70,9 @@ RunReport run_once(const Experiment& experiment) {
     if (run.expect(serves, "a daemon that serves an idle finger at rest")) experiment(run);
   });
   guarded([&] {
-    static_cast<void>(run.record());
+    static_cast<void>(run.judge());
     if (const auto origin = run.origin()) {
+      run.date_findings(*origin);
       run.report_.excuse =
           host_excuse(run.record_, witness.testimony(*origin), run.report_.findings);
     }

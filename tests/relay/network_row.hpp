@@ -15,6 +15,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/relay/daemon.hpp"
@@ -29,30 +30,44 @@ class RowRun {
  public:
   [[nodiscard]] Daemon& daemon() { return daemon_; }
 
-  /// `what` should be, and is where `holds`; else a finding. Returns `holds`.
-  bool expect(bool holds, const std::string& what);
+  /// Of the row's client, if it is not a Presser; before what is judged.
+  void client_rate(double hz) { fresh_end_ = 2.5 / hz; }
+
+  /// `what` should be, and is where `holds`; else a finding of this moment, or of `at` (s, of the
+  /// record), which a stall of the host before it excuses. Returns `holds`.
+  bool expect(bool holds, const std::string& what, std::optional<double> at = {});
+  /// The same of what no stall can be the reason for: a final finding.
+  bool insist(bool holds, const std::string& what);
   /// For the table.
   void got(const std::string& part) { report_.got.push_back(part); }
 
   /// What the daemon recorded; ends it. Throws std::runtime_error where there is no record.
   [[nodiscard]] const std::vector<RecordedTick>& record();
-  /// Holds the contract against it; a breach is a finding.
-  RunFigures judge(double fresh_end = Presser::kFreshEnd);
+  /// Holds the contract against it; a breach is a finding. Done for every run, asked for or not.
+  const RunFigures& judge();
 
  private:
   friend RunReport run_once(const std::function<void(RowRun&)>& experiment);
   /// A clock that is 0 where the record's is, in CLOCK_MONOTONIC; the record must be there.
   [[nodiscard]] std::optional<std::chrono::nanoseconds> origin() const;
 
+  /// Gives what was found live its time.
+  void date_findings(std::chrono::nanoseconds origin);
+
   Daemon daemon_{};
   RunReport report_{};
+  /// Which of its findings were seen live, and when, in CLOCK_MONOTONIC.
+  std::vector<std::pair<std::size_t, std::chrono::nanoseconds>> seen_live_{};
+  double fresh_end_{Presser::kFreshEnd};  ///< s
+  std::optional<RunFigures> figures_{};
   std::optional<client::DeviceState> first_{};  ///< a tick by both clocks
   std::vector<RecordedTick> record_{};
 };
 
 using Experiment = std::function<void(RowRun&)>;
 
-/// One run under the witness's eyes, with a daemon that serves; whatever it throws is a finding.
+/// One run under the witness's eyes, with a daemon that serves; whatever it throws is a final
+/// finding.
 [[nodiscard]] RunReport run_once(const Experiment& experiment);
 
 /// The row "network/`name`" of the table, and the verdict of the test that it runs in.

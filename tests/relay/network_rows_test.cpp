@@ -66,11 +66,11 @@ void siege(const std::string& name, const std::function<Attack()>& prepare) {
       std::this_thread::sleep_for(3s);
       attacking = false;
       run.expect(!presser.heard("SAMPLES UDP -> GRPC"), "UDP all along");
-      run.expect(presser.in_order(), "a sequence in use that never goes back");
+      run.insist(presser.in_order(), "a sequence in use that never goes back");
     }
     if (attack.in_the_end) attack.in_the_end(run);
     const RunFigures figures = run.judge();
-    run.expect(figures.losses == 0, "force never lost");
+    run.expect(figures.losses == 0, "force never lost", figures.last_loss);
     run.got(std::to_string(forged) + " forged datagrams");
     run.got(figures.text());
   });
@@ -168,7 +168,7 @@ TEST(NetworkRow, SpoofedSource) {
     };
     attack.in_the_end = [ear](RowRun& run) {
       run.expect(ear->seen.size() > 100U, "more than 100 datagrams overheard");
-      run.expect(!ear->stranger.heard_anything(), "no reply to the stranger");
+      run.insist(!ear->stranger.heard_anything(), "no reply to the stranger");
     };
     return attack;
   });
@@ -187,7 +187,7 @@ TEST(NetworkRow, ACutConnectionIsResumed) {
                              "LEASE_RESUMED within 10 s");
                   run.expect(presser.session().lease_epoch() == 2U, "lease epoch 2");
                   engages_by_udp(run, presser);  // new keys, and a path of its own
-                  run.expect(presser.in_order(), "a sequence in use that never goes back");
+                  run.insist(presser.in_order(), "a sequence in use that never goes back");
                 }
                 run.got(run.judge().text());
               });
@@ -213,9 +213,10 @@ bool kill_while_pressing(RowRun& run) {
 
 TEST(NetworkRow, ClientKilled) {
   network_row("client_killed", "contract; no force and IDLE in the end", [](RowRun& run) {
+    run.client_rate(200.0);  // the example's
     if (!kill_while_pressing(run)) return;
-    const RunFigures figures = run.judge(2.5 / 200.0);  // the example's rate
-    run.expect(run.record().back().tau_a == 0.0, "no force in the end");
+    const RunFigures figures = run.judge();
+    run.insist(run.record().back().tau_a == 0.0, "no force in the end");
     run.got(figures.text());
   });
 }
@@ -233,7 +234,7 @@ TEST(NetworkRow, ClientPausedFor300Ms) {
       engages_by_udp(run, presser);
     }
     const RunFigures figures = run.judge();
-    run.expect(figures.losses == 1, "force lost once");
+    run.expect(figures.losses == 1, "force lost once", figures.last_loss);
     run.got(figures.text());
   });
 }
@@ -255,7 +256,7 @@ void refuses(const std::string& name, double bad) {
                   refused = presser.session().statistics().rejected_invalid;
                 }
                 const RunFigures figures = run.judge();
-                run.expect(figures.losses == 1, "force lost once");
+                run.expect(figures.losses == 1, "force lost once", figures.last_loss);
                 // 180 ms at 100 Hz, but for what the way had under way
                 run.expect(refused >= 15U, "15 refused or more");
                 run.got(std::to_string(refused) + " refused");
@@ -287,7 +288,7 @@ TEST(NetworkRow, SixteenObserversAt1Khz) {
       std::this_thread::sleep_for(4s);
     }
     const RunFigures figures = run.judge();
-    run.expect(figures.losses == 0, "force never lost");
+    run.expect(figures.losses == 0, "force never lost", figures.last_loss);
     run.expect(states > 16'000U, "1000 states to each observer, or more");
     run.got(std::to_string(states) + " states to them");
     run.got(figures.text());
@@ -302,10 +303,10 @@ TEST(NetworkRow, SigtermUnderLoad) {
                 if (!engages_by_udp(run, presser)) return;
                 const auto before = std::chrono::steady_clock::now();
                 static_cast<void>(run.record());
-                run.expect(std::chrono::steady_clock::now() - before < 5s, "the end within 5 s");
+                run.insist(std::chrono::steady_clock::now() - before < 5s, "the end within 5 s");
                 const RunFigures figures = run.judge();
-                run.expect(figures.last_state == "CLOSING", "CLOSING in the end");
-                run.expect(run.record().back().tau_a == 0.0, "no force in the end");
+                run.insist(figures.last_state == "CLOSING", "CLOSING in the end");
+                run.insist(run.record().back().tau_a == 0.0, "no force in the end");
                 run.got(figures.text());
               });
 }

@@ -38,10 +38,25 @@ double ladder(double age) {
   return std::clamp((kFadeEnd - age) / (kFadeEnd - kHoldEnd), 0.0, 1.0);
 }
 
-/// What is wrong with one tick after another; empty: nothing.
-std::string breach(const RecordedTick& before, const RecordedTick& now, double fresh_end) {
+/// WIRE 4: a fault takes the gain at once, and the command, damping too, within two ticks.
+std::string force_in_fault(const RecordedTick& before, const RecordedTick& now) {
+  if (now.state == "FAULT" && (now.gain != 0.0 || now.tau_elastic != 0.0)) {
+    return "elastic force in FAULT";
+  }
+  if (now.faults.empty() || before.faults.empty()) return {};
+  if (now.tau_a != 0.0) return "a command of " + std::to_string(now.tau_a) + " N after a fault";
+  const bool stopped = now.state == "FAULT" || now.state == "CLOSING" || now.state == "INIT";
+  return stopped ? "" : now.state + " while a fault is latched";
+}
+
+/// What no lateness explains in one tick after another; empty: nothing.
+std::string final_breach(const RecordedTick& before, const RecordedTick& now, double fresh_end) {
   const double dt = now.time - before.time;
-  if (!now.faults.empty()) return "fault " + now.faults;
+  if (now.tick <= before.tick || !(dt > 0.0)) return "a tick that is not after the one before";
+  for (const double value : {now.age, now.gain, now.slide, now.tau_elastic, now.tau_a}) {
+    if (!std::isfinite(value)) return "not a finite number";
+  }
+  if (std::string wrong = force_in_fault(before, now); !wrong.empty()) return wrong;
   const double rise = std::abs(now.tau_a) - std::abs(before.tau_a);
   if (rise > Daemon::kSlew * dt + kTiny) {
     return "force rose by " + std::to_string(rise) + " N in " + std::to_string(dt) + " s";
@@ -57,6 +72,14 @@ std::string breach(const RecordedTick& before, const RecordedTick& now, double f
   if (now.gain > ladder(now.age) + kTiny) return "gain above the ladder";
   if (now.age >= kSilent && now.tau_elastic != 0.0) return "elastic force after 200 ms of silence";
   return {};
+}
+
+/// The first of its kind is kept.
+void note(std::vector<Finding>& breaches, Finding finding) {
+  const bool known = std::any_of(breaches.begin(), breaches.end(), [&](const Finding& breach) {
+    return breach.is_final == finding.is_final;
+  });
+  if (!known && !finding.what.empty()) breaches.push_back(std::move(finding));
 }
 
 bool force_on(const RecordedTick& tick) {
@@ -102,7 +125,10 @@ RunFigures judge(const std::vector<RecordedTick>& run, double fresh_end) {
     const RecordedTick& now = run[i];
     const double dt = now.time - before.time;
     figures.engages += now.state == "ENGAGING" && before.state != "ENGAGING" ? 1 : 0;
-    figures.losses += force_on(before) && now.state == "ARMED" ? 1 : 0;
+    if (force_on(before) && now.state == "ARMED") {
+      ++figures.losses;
+      figures.last_loss = now.time;
+    }
     figures.engaged = figures.engaged || now.state == "ENGAGED";
     figures.skipped += now.skipped;
     if (force_on(now)) figures.oldest = std::max(figures.oldest, now.age);
@@ -115,13 +141,14 @@ RunFigures judge(const std::vector<RecordedTick>& run, double fresh_end) {
       figures.energy = std::max(figures.energy, energy);
     }
     figures.last_state = now.state;
-    if (figures.breach) continue;
-    std::string wrong = breach(before, now, fresh_end);
-    // Each Engage fills the tank anew; nothing else may put energy in.
-    if (wrong.empty() && figures.energy > Daemon::kTank * std::max(1, figures.engages) + 1e-3) {
-      wrong = std::to_string(figures.energy) + " J given out, more than the tank held";
+    note(figures.breaches, {final_breach(before, now, fresh_end), now.time, true});
+    if (!now.faults.empty()) note(figures.breaches, {"fault " + now.faults, now.time});
+    // Each Engage fills the tank anew; nothing else may put energy in. A late tick leaves the last
+    // command on for longer than the tank was asked about.
+    if (figures.energy > Daemon::kTank * std::max(1, figures.engages) + 1e-3) {
+      note(figures.breaches,
+           {std::to_string(figures.energy) + " J given out, more than the tank held", now.time});
     }
-    if (!wrong.empty()) figures.breach = Finding{std::move(wrong), now.time};
   }
   return figures;
 }

@@ -26,6 +26,7 @@ struct RecordedTick {
 struct Finding {
   std::string what{};
   std::optional<double> at{};  ///< s, of the record; absent: of the run as a whole
+  bool is_final{false};        ///< no lateness is a reason for it: never excused
   [[nodiscard]] std::string text() const {
     return at ? "at " + std::to_string(*at) + " s: " + what : what;
   }
@@ -37,18 +38,23 @@ struct Finding {
 /// What a run looked like, for the table.
 struct RunFigures {
   bool engaged{false};
-  int engages{0};        ///< ENGAGING was entered
-  int losses{0};         ///< force was given up for an old proxy: from ENGAGING or ENGAGED to ARMED
-  double oldest{0.0};    ///< s, while force was on
-  double steepest{0.0};  ///< N/s, of a rising force
-  double energy{0.0};    ///< J, the most that was given out, net of the device's damping
-  double skipped{0.0};   ///< deadlines
+  int engages{0};  ///< ENGAGING was entered
+  int losses{0};   ///< force was given up for an old proxy: from ENGAGING or ENGAGED to ARMED
+  std::optional<double> last_loss{};  ///< s, of the record
+  double oldest{0.0};                 ///< s, while force was on
+  double steepest{0.0};               ///< N/s, of a rising force
+  double energy{0.0};   ///< J, the most that was given out, net of the device's damping
+  double skipped{0.0};  ///< deadlines
   std::string last_state{};
-  std::optional<Finding> breach{};  ///< the first one of the contract; absent: none
+  /// Of the contract: the first that lateness may be a reason for (a fault, energy), and the first
+  /// that is final, in the order in which they came; empty: none.
+  std::vector<Finding> breaches{};
   [[nodiscard]] std::string text() const;
 };
 
-/// `fresh_end` s.
+/// To the record's end, whatever was found. Final is all that WIRE 4 promises of a tick by itself,
+/// however late it was: levels and gain by age, the force's limits, and in a fault no gain at once
+/// and no command from the second tick on. `fresh_end` s.
 [[nodiscard]] RunFigures judge(const std::vector<RecordedTick>& run, double fresh_end);
 
 }  // namespace haptic::test

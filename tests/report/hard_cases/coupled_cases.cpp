@@ -124,7 +124,7 @@ void nearly_singular(Outcomes& out) {
       const core::TickRecord record = bench.tick(q, target);
       const Law law(target[0] - q[0], target[2] - q[2]);
       for (int k = 0; k < 2; ++k) {
-        const double off = static_cast<double>(std::abs(record.tau_a[k] - law.tau[k]));
+        const auto off = static_cast<double>(std::abs(record.tau_a[k] - law.tau[k]));
         error = std::max(error, off);  // a NaN is within no limit
         within = within && std::abs(record.tau_a[k]) <= kLimit[k];
       }

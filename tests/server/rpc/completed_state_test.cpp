@@ -16,10 +16,11 @@ using namespace std::chrono_literals;
 
 /// The shipped hand, and the ring between its loop and its listeners.
 class CompletedState : public testing::Test, public server::RecordListener {
- protected:
+ public:
   CompletedState() : telemetry_({unit_.get()}) { telemetry_.add(0, this); }
   ~CompletedState() override { telemetry_.remove(0, this); }
 
+ protected:
   void on_record(const core::TickRecord& record) override { heard_.push_back(record); }
   void on_newest(const core::TickRecord& record) override { newest_ = record; }
 

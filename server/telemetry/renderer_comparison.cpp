@@ -28,15 +28,9 @@ RendererComparison::RendererComparison(std::shared_ptr<const core::Kinematics> k
     : kinematics_(std::move(kinematics)),
       scene_(std::move(scene)),
       model_(*kinematics_, projection),
-      renderers_{core::Renderer(kKinds[0], model_), core::Renderer(kKinds[1], model_),
-                 core::Renderer(kKinds[2], model_), core::Renderer(kKinds[3], model_)} {}
-
-bool RendererComparison::probe(const core::TickRecord& record) {
-  const int n_x = kinematics_->space().n_x();
-  x_probe_.setZero(n_x);
-  J_.setZero(n_x, kinematics_->layout().n_q());
-  return kinematics_->evaluate(record.q, x_probe_, J_) == core::MapStatus::kOk;
-}
+      map_(*kinematics_),
+      renderers_{core::BlockRenderer(kKinds[0], model_), core::BlockRenderer(kKinds[1], model_),
+                 core::BlockRenderer(kKinds[2], model_), core::BlockRenderer(kKinds[3], model_)} {}
 
 const std::array<core::VecA, RendererComparison::kKinds.size()>& RendererComparison::evaluate(
     const core::TickRecord& record) {
@@ -46,12 +40,15 @@ const std::array<core::VecA, RendererComparison::kKinds.size()>& RendererCompari
       record.x.size() != kinematics_->space().n_x()) {
     return tau_;
   }
-  if (!probe(record)) {
+  if (!map_.move_to(record.q, record.unprobed)) {
     for (core::VecA& tau : tau_) tau.setConstant(std::numeric_limits<double>::quiet_NaN());
     return tau_;
   }
-  kinematics_->space().difference(record.x, x_probe_, dx_);
-  const bool proxy_changed = last_x_.size() != record.x.size() || last_x_ != record.x;
+  map_.differentiate(map_.all() & ~record.unprobed);
+  kinematics_->space().difference(record.x, map_.x_probe(), dx_);
+  map_.fill(record.unprobed, 0.0, dx_);
+  const bool proxy_changed =
+      record.unprobed != 0 || last_x_.size() != record.x.size() || last_x_ != record.x;
   last_x_ = record.x;
 
   const core::VecA stiffness = in_effect(record.input.settings.stiffness, scene_.stiffness);
@@ -63,7 +60,7 @@ const std::array<core::VecA, RendererComparison::kKinds.size()>& RendererCompari
     spring_.hold_within(limit);
   }
   for (std::size_t k = 0; k < kKinds.size(); ++k) {
-    renderers_[k].project(core::Probe{record.q, x_probe_, J_}, record.x, dx_, stiffness,
+    renderers_[k].project(core::Probe{record.q, map_.x_probe(), map_.J()}, record.x, dx_, stiffness,
                           proxy_changed, projection_);
     const core::VecA q_star_a = layout.select(projection_.q_star);
     if (spring_.coupled() && core::renders_Z_q(kKinds[k])) {

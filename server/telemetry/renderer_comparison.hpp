@@ -12,7 +12,8 @@
 #include <memory>
 
 #include "haptic/core/passivity/spring_storage.hpp"
-#include "haptic/core/projection/renderer.hpp"
+#include "haptic/core/projection/block_map.hpp"
+#include "haptic/core/projection/block_renderer.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "haptic/core/tick/tick_record.hpp"
 
@@ -28,23 +29,22 @@ class RendererComparison {
   RendererComparison(std::shared_ptr<const core::Kinematics> kinematics, core::RenderSettings scene,
                      const core::ProjectionSettings& projection = {});
 
-  /// tau_a (n_a, N or N m) by kind, in the order of kKinds; NaN where f has no value at q. Records
-  /// in the order of their ticks: the exact renderer starts from its last answer.
+  /// tau_a (n_a, N or N m) by kind, in the order of kKinds; NaN where f has no value at q in a block
+  /// that the tick asked for it. In those that nothing could hold (TickRecord::unprobed) it is 0, as
+  /// the tick's is, whether f has a value or not. Records completed, and in the order of their ticks:
+  /// the exact renderer starts from its last answer.
   [[nodiscard]] const std::array<core::VecA, kKinds.size()>& evaluate(
       const core::TickRecord& record);
 
  private:
-  [[nodiscard]] bool probe(const core::TickRecord& record);
-
   const std::shared_ptr<const core::Kinematics> kinematics_;
   const core::RenderSettings scene_;
   const core::ProjectionModel model_;
-  std::array<core::Renderer, kKinds.size()> renderers_;
+  core::BlockMap map_;
+  std::array<core::BlockRenderer, kKinds.size()> renderers_;  ///< block by block, as in the tick
   std::array<core::VecA, kKinds.size()> tau_{};
   core::VecX last_x_{};
-  core::VecX x_probe_{};
   core::VecX dx_{};
-  core::MatXQ J_{};
   core::Projection projection_{};
   core::SpringStorage spring_{};  ///< of the subspace methods where Z_q is coupled
 };

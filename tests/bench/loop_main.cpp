@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdio>
 #include <ctime>
+#include <exception>
 #include <thread>
 #include <vector>
 
@@ -91,11 +92,8 @@ double tick_ns(const server::Scene& scene, int devices) {
   return ns;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  const server::Scene scene = server::load_scene(
-      argc > 1 ? argv[1] : HAPTIC_SOURCE_DIR "/server/scenes/finger_constant.textproto");
+void measure(const char* path) {
+  const server::Scene scene = server::load_scene(path);
   bench::print_header();
   bench::print(bench::compare(
       "tick of three devices that press", "three times that of one", "ns",
@@ -112,5 +110,18 @@ int main(int argc, char** argv) {
   rows(scene, "beside two CPU hogs");
   stop = true;
   for (std::thread& hog : hogs) hog.join();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const char* path =
+      argc > 1 ? argv[1] : HAPTIC_SOURCE_DIR "/server/scenes/finger_constant.textproto";
+  try {
+    measure(path);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "haptic-bench-loop: %s: %s\n", path, error.what());
+    return 1;
+  }
   return 0;
 }

@@ -2,10 +2,14 @@
 /// Units of one scene's device that all press: under a lease, engaged, with a new proxy in every
 /// tick. Ticked by hand, in order, in the caller's thread; time is counted, not kept.
 
+#include <algorithm>
 #include <memory>
 #include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "haptic/core/tick/probe_completion.hpp"
 #include "server/rt/device_unit.hpp"
 #include "server/scene/scene.hpp"
 
@@ -19,8 +23,7 @@ class PressingUnits {
     for (int i = 0; i < count; ++i) {
       auto opened = hw::open_device(device.source, device.kinematics);
       const core::PipelineConfig config = server::pipeline_config(device, opened->info().limits);
-      units_.push_back(
-          std::make_unique<server::DeviceUnit>(device.name, std::move(opened), config));
+      units_.push_back(std::make_unique<Unit>(device.name, std::move(opened), config));
     }
     core::CommandSnapshot command;
     command.lease_epoch = 1;
@@ -48,38 +51,53 @@ class PressingUnits {
       ++proxy_.seq;
       ++proxy_.gapless_samples;
       for (const auto& unit : units_) {
-        if (proxy_.mode != core::ProxyMode::kNone) unit->proxies.publish(proxy_);
-        unit->tick(now_, kPeriod, {});
-        const core::TickRecord& record = *unit->records.front();
-        x_probe_ = record.x_probe;
-        tau_ = record.tau_elastic;
-        unit->records.pop();
+        server::DeviceUnit& device = unit->device;
+        if (proxy_.mode != core::ProxyMode::kNone) device.proxies.publish(proxy_);
+        device.tick(now_, kPeriod, {});
+        const core::TickRecord& record = *device.records.front();
+        unit->presses = record.state == core::DeviceState::kEngaged &&
+                        record.tau_elastic.cwiseAbs().maxCoeff() > 0.0;
+        if (proxy_.mode == core::ProxyMode::kNone) {  // not measured: where the hand is
+          core::TickRecord completed = record;
+          unit->completion.complete(completed);
+          x_probe_ = completed.x_probe;
+        }
+        device.records.pop();
       }
     }
   }
 
   /// Throws unless all of them press.
   void check() const {
-    bool all = tau_.size() > 0 && tau_.cwiseAbs().maxCoeff() > 0.0;
-    for (const auto& unit : units_) all = all && unit->state() == core::DeviceState::kEngaged;
-    if (!all) throw std::runtime_error("a unit whose ticks are measured does not press");
+    const auto presses = [](const auto& unit) { return unit->presses; };
+    if (!std::all_of(units_.begin(), units_.end(), presses)) {
+      throw std::runtime_error("a unit whose ticks are measured does not press");
+    }
   }
 
  private:
+  struct Unit {
+    Unit(const std::string& name, std::unique_ptr<hw::Device> opened,
+         const core::PipelineConfig& config)
+        : device(name, std::move(opened), config), completion(*device.config().kinematics) {}
+    server::DeviceUnit device;
+    core::ProbeCompletion completion;  ///< of fingers that a tick leaves out while nothing is there
+    bool presses{false};               ///< in its last tick
+  };
+
   static constexpr core::Duration kPeriod = std::chrono::milliseconds(1);
   static constexpr int kHandComesToRest = 1000;  // its motion takes 0.8 s
   static constexpr int kStream = 250, kRamp = 250;
   static constexpr double kPush = 0.02;  // rad or m, of the first coordinate
 
   void publish(const core::CommandSnapshot& command) {
-    for (const auto& unit : units_) unit->commands.publish(command);
+    for (const auto& unit : units_) unit->device.commands.publish(command);
   }
 
-  std::vector<std::unique_ptr<server::DeviceUnit>> units_{};
+  std::vector<std::unique_ptr<Unit>> units_{};
   core::TimePoint now_{kPeriod};
   core::ProxySnapshot proxy_{};
   core::VecX x_probe_{};
-  core::VecA tau_{};
 };
 
 }  // namespace haptic::bench

@@ -33,28 +33,23 @@ BlockMap::BlockMap(const Kinematics& kinematics)
 }
 
 bool BlockMap::move_to(const VecQ& q, BlockSet left_out) noexcept {
-  bool closes = true;
+  BlockSet open = 0;  // asked for, and without an answer
   BlockSet bit = 1;
   for (Part& part : parts_) {
-    const bool asked = (left_out & bit) == 0;
+    const BlockSet asked = bit & ~left_out;
     bit <<= 1;
-    if (!asked) continue;
+    if (asked == 0) continue;
     const double* at = q.data() + part.at.first_q;
     if (!part.known || !same_bits(at, part.q.data(), part.n_q)) {
       std::copy(at, at + part.n_q, part.q.data());
       part.known = true;
-      told_ = false;
       evaluate(part);
+      if (part.closes) std::copy_n(part.x.data(), part.n_x, x_probe_.data() + part.at.first_x);
     }
-    closes = closes && part.closes;
+    if (!part.closes) open |= asked;
   }
-  unprobed_ = closes ? left_out : unprobed_ | left_out;
-  if (!closes || told_) return closes;
-  for (const Part& part : parts_) {
-    std::copy(part.x.data(), part.x.data() + part.n_x, x_probe_.data() + part.at.first_x);
-  }
-  told_ = true;
-  return true;
+  unprobed_ = left_out | (unprobed_ & open);
+  return open == 0;
 }
 
 void BlockMap::differentiate(BlockSet needed) noexcept {
@@ -104,6 +99,15 @@ BlockSet BlockMap::reached(const PlaneSet& planes) const noexcept {
     bit <<= 1;
   }
   return found;
+}
+
+void BlockMap::copy_q(BlockSet blocks, const VecQ& from, VecQ& to) const noexcept {
+  for (const Part& part : parts_) {
+    if (blocks == 0) return;
+    const int first = part.at.first_q;
+    if ((blocks & 1u) != 0) std::copy_n(from.data() + first, part.n_q, to.data() + first);
+    blocks >>= 1;
+  }
 }
 
 void BlockMap::fill(BlockSet blocks, double value, VecX& x) const noexcept {

@@ -5,8 +5,8 @@
 namespace haptic::core {
 
 void Pipeline::Stages::projection(TickRecord& record) noexcept {
-  const BlockSet free = left_out();
-  map_ok_ = ready_ && map_.move_to(q_, free);
+  const BlockSet left_out = blocks_left_out();
+  map_ok_ = ready_ && map_.move_to(q_, left_out);
   const VecX& x = local_proxy_.at(map_.x_probe());
   tell_proxy(x, record);
   project_anew_ = project_anew_ || local_proxy_.changed();
@@ -47,7 +47,7 @@ void Pipeline::Stages::projection(TickRecord& record) noexcept {
 
 /// METHOD 7, "model only what a scene needs". A held proxy can be anywhere; no proxy and a free one
 /// hold nothing; planes hold what they name.
-BlockSet Pipeline::Stages::left_out() noexcept {
+BlockSet Pipeline::Stages::blocks_left_out() noexcept {
   if (!leaves_out_) return 0;
   switch (local_proxy_.mode()) {
     case ProxyMode::kHeld:
@@ -95,9 +95,11 @@ BlockSet Pipeline::Stages::needs_J() const noexcept {
   return guarded ? displaced | renderer_.reads_J(displaced) : renderer_.reads_J(displaced);
 }
 
-/// METHOD 6, case 17: f has no value here; the spring stays anchored where it was, and alive.
+/// METHOD 6, case 17: f has no value here; the spring stays anchored where it was, and alive. A block
+/// that was left out has no spring that could stay: an anchor kept would pull it where it is free.
 void Pipeline::Stages::keep_last_anchor() noexcept {
   if (!has_anchor_) projection_.q_star = q_;
+  map_.copy_q(map_.unprobed(), q_, projection_.q_star);
   projection_.status = ProjectionStatus::kMapFailed;
 }
 

@@ -44,7 +44,7 @@ class Pipeline::Stages {
   /// Steps 5-7: kinematics, proxy at `now`, subspace proxy.
   void projection(TickRecord& record) noexcept;
   /// The blocks that nothing can hold in this tick: their f is not asked for, dx = 0, q* = q.
-  [[nodiscard]] BlockSet left_out() noexcept;
+  [[nodiscard]] BlockSet blocks_left_out() noexcept;
   /// x_probe and the proxy `x` into the record, nan where the tick does not know them.
   void tell_proxy(const VecX& x, TickRecord& record) const noexcept;
   /// Of the blocks that the proxy displaces, whose J this tick reads.

@@ -150,7 +150,7 @@ TEST_F(BlockMapTest, AFingerAtRestIsNotEvaluatedAndAFreeOneWithoutItsJacobian) {
   expect_as_the_whole(map, q);
 }
 
-TEST_F(BlockMapTest, WhereAFingerCannotCloseNothingChangesUntilAllCan) {
+TEST_F(BlockMapTest, AFingerThatCannotCloseKeepsItsLastAndTheOthersAreOfThisQ) {
   BlockMap map(hand);
   const VecQ good = random_pose();
   ASSERT_TRUE(map.move_to(good));
@@ -160,7 +160,14 @@ TEST_F(BlockMapTest, WhereAFingerCannotCloseNothingChangesUntilAllCan) {
   bad[2] = 0.02;
   bad[3] = -101 * kDegree;  // METHOD 6, case 17
   ASSERT_FALSE(map.move_to(bad));
-  EXPECT_EQ(map.x_probe(), before);
+  EXPECT_EQ(VecX(map.x_probe().segment(2, 2)), VecX(before.segment(2, 2)));
+  VecQ others = bad;
+  others.segment<2>(2) = good.segment<2>(2);
+  VecX x;
+  MatXQ J;
+  ASSERT_EQ(hand.evaluate(others, x, J), MapStatus::kOk);
+  EXPECT_EQ(map.x_probe(), x);
+  EXPECT_EQ(map.unprobed(), 0u);
   EXPECT_FALSE(map.move_to(bad));
   bad.segment<2>(2) = good.segment<2>(2);
   ASSERT_TRUE(map.move_to(bad));
@@ -202,17 +209,49 @@ TEST_F(BlockMapTest, AFingerLeftOutHoldsNobodyUp) {
   q[3] = -101 * kDegree;  // METHOD 6, case 17
   constexpr BlockSet kBroken = set_of({1});
   ASSERT_TRUE(map.move_to(q, kBroken));
-  const VecX first = map.x_probe();
   ASSERT_FALSE(map.move_to(q)) << "asked for, it does";
   EXPECT_EQ(map.unprobed(), kBroken) << "and has not been heard of since";
   VecQ next = random_pose();
   next.segment<2>(2) = q.segment<2>(2);
   ASSERT_FALSE(map.move_to(next));
-  EXPECT_EQ(map.x_probe(), first);
-  ASSERT_TRUE(map.move_to(next, kBroken)) << "the others had moved meanwhile";
+  EXPECT_EQ(map.unprobed(), kBroken) << "the others were asked, and answered";
   VecX x;
   ASSERT_EQ(hand.fingers[0].position(next.head(2), x), MapStatus::kOk);
   EXPECT_EQ(VecX(map.x_probe().head(2)), x);
+  ASSERT_TRUE(map.move_to(next, kBroken));
+  EXPECT_EQ(VecX(map.x_probe().head(2)), x);
+}
+
+TEST_F(BlockMapTest, AFingerFreeForLongIsOfThisQWhereAnotherCannotClose) {
+  BlockMap map(hand);
+  ASSERT_TRUE(map.move_to(random_pose()));
+  ASSERT_TRUE(map.move_to(random_pose(), map.all()));
+  VecQ q = random_pose();
+  VecX x;
+  MatXQ J;
+  ASSERT_EQ(hand.evaluate(q, x, J), MapStatus::kOk);
+  q.segment<2>(2) << 0.02, -101 * kDegree;
+  constexpr BlockSet kStillFree = set_of({2, 3, 4});
+  ASSERT_FALSE(map.move_to(q, kStillFree)) << "fingers 0 and 1 are named, 1 has no f";
+  EXPECT_EQ(VecX(map.x_probe().head(2)), VecX(x.head(2)));
+  EXPECT_EQ(map.unprobed(), kStillFree | set_of({1}));
+}
+
+TEST_F(BlockMapTest, AMapWithoutBlocksKeepsAllOfItsLast) {
+  const auto finger = make_finger_exoskeleton({});
+  BlockMap map(*finger);
+  ASSERT_TRUE(map.move_to(random_pose().segment<2>(2)));
+  const VecX before = map.x_probe();
+  ASSERT_FALSE(map.move_to((VecQ(2) << 0.02, -101 * kDegree).finished()));
+  EXPECT_EQ(map.x_probe(), before);
+  EXPECT_EQ(map.unprobed(), 0u);
+}
+
+TEST_F(BlockMapTest, CopiesTheDoFsOfTheBlocksThatAreAskedFor) {
+  const BlockMap map(hand);
+  VecQ to = VecQ::Zero(10);
+  map.copy_q(set_of({0, 3}), VecQ::LinSpaced(10, 1.0, 10.0), to);
+  EXPECT_EQ(to, (VecQ(10) << 1, 2, 0, 0, 0, 0, 7, 8, 0, 0).finished());
 }
 
 TEST_F(BlockMapTest, PlanesReachTheFingersThatTheyName) {

@@ -2,93 +2,18 @@
 // bit what it answers where it asks all of them, and a completed record has all that it left open.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <random>
 
 #include "haptic/core/tick/probe_completion.hpp"
-#include "tests/core/model/sample_hands.hpp"
-#include "tests/core/tick/finger_bench.hpp"
+#include "tests/core/tick/moving_hand.hpp"
 #include "tests/support/allocation_guard.hpp"
 
 namespace haptic::core {
 namespace {
 
 using namespace test;
-
-constexpr int kFingers = 5;
-constexpr BlockSet kAllFingers = (1u << kFingers) - 1;
-constexpr double kFar = 1e3;  // rad; no finger bends that far
-
-PipelineConfig hand_config(RendererKind renderer, bool guarded, bool certified = false) {
-  PipelineConfig c;
-  c.kinematics = make_hand_exoskeleton(five_fingers());
-  c.device.q_lower = VecQ::Constant(2 * kFingers, -2.0);
-  c.device.q_upper = VecQ::Constant(2 * kFingers, 2.0);
-  c.device.max_effort = VecA::Constant(kFingers, 40.0);
-  c.scene.renderer = renderer;
-  c.scene.direction_guard = guarded;
-  c.passivity.tank.enabled = guarded;
-  c.passivity.tank.initial = 1e-3;
-  c.passivity.observer.enabled = guarded;
-  c.passivity.device_damping = VecA::Constant(kFingers, 2.0);
-  c.passivity.observer.inertia = VecA::Constant(kFingers, 0.05);
-  c.passivity_certificate = certified;
-  c.scene.stiffness = VecA::LinSpaced(kFingers, 800.0, 1600.0);
-  c.scene.damping = VecA::Constant(kFingers, 2.0);
-  c.scene.force_limit = VecA::Constant(kFingers, kForceLimit);
-  c.scene.slew_limit = VecA::Constant(kFingers, 2000.0);
-  c.scene.engage_window = VecA::Constant(kFingers, 1e3);
-  return c;
-}
-
-/// One hand in virtual time, whose fingers all move; the proxy is what `sample` was set to last.
-class MovingHand {
- public:
-  explicit MovingHand(const PipelineConfig& config) : map(*config.kinematics) {
-    input.settings = config.scene;
-    input.device.armed = input.device.fresh = true;
-    input.command.lease_epoch = 1;
-    input.command.lease_held = true;
-    input.proxy.epoch = 1;
-    sample(ProxyMode::kFree);
-  }
-  void advance() {
-    const double phase = 0.02 * n_++;
-    VecX angles(2 * kFingers);
-    for (int f = 0; f < kFingers; ++f) {
-      angles[2 * f] = 0.4 + 0.12 * std::sin(phase + f);
-      angles[2 * f + 1] = 0.5 + 0.12 * std::sin(1.3 * phase + 2 * f);
-    }
-    EXPECT_EQ(map.inverse(angles, input.device.sample.q), InverseStatus::kExact);
-    input.now += std::chrono::milliseconds(1);
-    ++input.device.sample.seq;
-    input.device.sample.time = input.now;
-    input.command.engage_id = n_ > 260 ? 1 : 0;
-  }
-  /// A new frame of the client.
-  ProxySnapshot& sample(ProxyMode mode) {
-    ProxySnapshot& p = input.proxy;
-    p.mode = mode;
-    if (++p.seq == 1) p.gapless_since = input.now;
-    ++p.gapless_samples;
-    p.born = input.now;
-    p.x = input.device.sample.q.size() > 0 ? probe() : VecX(VecX::Zero(2 * kFingers));
-    p.planes = {};
-    return p;
-  }
-  [[nodiscard]] VecX probe() const {
-    VecX x;
-    MatXQ J;
-    EXPECT_EQ(map.evaluate(input.device.sample.q, x, J), MapStatus::kOk);
-    return x;
-  }
-
-  const Kinematics& map;
-  TickInput input{};
-
- private:
-  int n_{0};
-};
 
 /// Up to five planes, each on one to three fingers, some of them in the way. Writes which fingers.
 void random_planes(std::mt19937_64& random, ProxySnapshot& p, BlockSet& named) {
@@ -123,6 +48,13 @@ TickInput asking_all(TickInput input) {
   return input;
 }
 
+/// These fingers stay where they were in `last`.
+void rest(BlockSet fingers, const VecQ& last, TickInput& input) {
+  for (int k = 0; k < 2 * kFingers; ++k) {
+    if ((fingers >> (k / 2) & 1u) != 0) input.device.sample.q[k] = last[k];
+  }
+}
+
 void expect_open_exactly(const TickRecord& record, BlockSet open) {
   ASSERT_EQ(record.unprobed, open);
   for (int k = 0; k < 2 * kFingers; ++k) {
@@ -149,8 +81,11 @@ TEST_P(Unprobed, EveryAnswerIsToTheBitThatOfATickWhichAsksAllFingers) {
   ProbeCompletion completion(*config.kinematics);
   MovingHand hand(config);
   BlockSet named = 0;
-  int pressed_beside_open = 0;
+  int pressed_beside_open = 0, failures_beside_open = 0;
+  bool fails = false;
+  TickRecord previous;
   for (int i = 0; i < 4000; ++i) {
+    const VecQ last = hand.input.device.sample.q;
     hand.advance();
     if (i % 16 == 0) {
       const ProxyMode mode = i < 300 || i % 128 == 64 ? ProxyMode::kFree
@@ -162,10 +97,24 @@ TEST_P(Unprobed, EveryAnswerIsToTheBitThatOfATickWhichAsksAllFingers) {
       if (mode == ProxyMode::kHeld) p.x.array() -= 0.02;
       if (mode == ProxyMode::kPlanes) random_planes(random, p, named);
     }
+    // From time to time one that is named cannot close, while those that are not rest: an anchor kept
+    // and no anchor are then the same there.
+    if (i % 16 == 8)
+      fails = i % 48 == 8 && named != 0 && unstretched(previous, kAllFingers & ~named);
+    if (i % 16 == 14) fails = false;
+    const int broken = fails ? std::countr_zero(named) : -1;
+    const VecX probe = hand.probe();
+    if (fails) rest(kAllFingers & ~named, last, hand.input);
+    if (fails) break_finger(broken, hand.input);
     const TickInput all = asking_all(hand.input);
     const TickRecord expected = full.tick(all);
     ASSERT_EQ(expected.unprobed, 0u);
-    ASSERT_EQ(expected.x_probe, hand.probe());
+    for (int k = 0; k < 2 * kFingers; ++k) {
+      const bool rests = fails && (named >> (k / 2) & 1u) == 0;
+      const bool stands = rests || k / 2 == broken;
+      ASSERT_EQ(expected.x_probe[k], stands ? previous.x_probe[k] : probe[k]) << k;
+    }
+    previous = expected;
     const haptic::test::AllocationGuard guard;
     TickRecord record = lean.tick(hand.input);
     expect_open_exactly(record, kAllFingers & ~named);
@@ -174,12 +123,14 @@ TEST_P(Unprobed, EveryAnswerIsToTheBitThatOfATickWhichAsksAllFingers) {
     ASSERT_EQ(guard.allocations(), 0u);
     ASSERT_EQ(record.unprobed, kAllFingers & ~named) << "what the tick did not look at stays told";
     if (open && record.tau_elastic.norm() > 0.5) ++pressed_beside_open;
+    if (open && record.projection == ProjectionStatus::kMapFailed) ++failures_beside_open;
     record.input = expected.input;  // what differs by the plane more
     record.proxy_mode = expected.proxy_mode;
     record.unprobed = 0;
     ASSERT_TRUE(identical(record, expected)) << i;
   }
   EXPECT_GT(pressed_beside_open, 300);
+  EXPECT_GT(failures_beside_open, 30);
 }
 
 INSTANTIATE_TEST_SUITE_P(Ways, Unprobed,
@@ -245,64 +196,6 @@ TEST(UnprobedFinger, WhereTheMetricTiesFingersTogetherAllAreAsked) {
   const TickRecord record = pipeline.tick(hand.input);
   EXPECT_EQ(record.unprobed, 0u);
   EXPECT_EQ(record.x_probe, hand.probe());
-}
-
-/// METHOD 6, case 17, in a finger that nothing can hold: the others do not notice. Where a plane
-/// comes to name it, they do, as with a finger that was asked all the time.
-TEST(UnprobedFinger, OneThatCannotCloseDisturbsNobodyUntilAPlaneNamesIt) {
-  const PipelineConfig config = hand_config(RendererKind::kSubspaceLinear, true);
-  Pipeline sound(config), broken(config);
-  ProbeCompletion completion(*config.kinematics);
-  MovingHand hand(config);
-  constexpr BlockSet kMiddle = 1u << 2;
-  const auto planes_on = [&](std::initializer_list<int> fingers) {
-    ProxySnapshot& p = hand.sample(ProxyMode::kPlanes);
-    p.planes.normals.setZero(p.x.size(), static_cast<Eigen::Index>(fingers.size()));
-    p.planes.offsets.setConstant(static_cast<Eigen::Index>(fingers.size()), 0.36);
-    int k = 0;
-    for (const int finger : fingers) p.planes.normals(2 * finger + 1, k++) = 1.0;
-  };
-  const auto break_middle = [](TickInput input) {
-    input.device.sample.q[4] = 0.02;
-    input.device.sample.q[5] = -101 * 0.017453292519943295;
-    return input;
-  };
-  VecX before;
-  double most = 0.0;
-  for (int i = 0; i < 900; ++i) {
-    hand.advance();
-    if (i % 16 == 0) planes_on({0});
-    const TickRecord expected = sound.tick(hand.input);
-    TickRecord record = broken.tick(i < 600 ? hand.input : break_middle(hand.input));
-    ASSERT_EQ(record.unprobed, kAllFingers & ~1u);
-    completion.complete(record);
-    if (i == 599) before = record.x_probe;
-    if (i < 600) continue;
-    ASSERT_FALSE(record.faults.any());
-    ASSERT_EQ(record.projection, expected.projection);
-    ASSERT_EQ(record.tau_elastic, expected.tau_elastic);
-    for (int k = 0; k < 2 * kFingers; ++k) {
-      ASSERT_EQ(record.x_probe[k], k / 2 == 2 ? before[k] : hand.probe()[k]) << k;
-    }
-    ASSERT_EQ(record.x[4], before[4]) << "free: the proxy is where the probe was last";
-    most = std::max(most, record.tau_elastic.cwiseAbs().maxCoeff());
-  }
-  EXPECT_GT(most, 1.0);
-
-  planes_on({0, 2});
-  hand.advance();
-  TickRecord named = broken.tick(break_middle(hand.input));
-  EXPECT_EQ(named.projection, ProjectionStatus::kMapFailed);
-  EXPECT_NE(named.unprobed & kMiddle, 0u) << "asked for, and without an answer so far";
-  completion.complete(named);
-  EXPECT_EQ(named.x_probe[4], before[4]);
-  EXPECT_TRUE(named.x.allFinite());
-
-  hand.advance();  // and back: f is there in this very tick
-  TickRecord healed = broken.tick(hand.input);
-  EXPECT_NE(healed.projection, ProjectionStatus::kMapFailed);
-  EXPECT_EQ(healed.unprobed & (kMiddle | 1u), 0u);
-  EXPECT_EQ(VecX(healed.x_probe.segment(4, 2)), VecX(hand.probe().segment(4, 2)));
 }
 
 TEST(UnprobedFinger, IsPartOfWhatAReplayMustMatch) {

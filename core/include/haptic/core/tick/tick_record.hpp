@@ -79,8 +79,9 @@ struct TickRecord {
   VecQ q{};        ///< n_q, newest sample (held below max_silence)
   VecA q_a_dot{};  ///< n_a, from device time stamps; m/s or rad/s
   /// The blocks (fingers) that nothing could hold in this tick, so that it did not ask for their f:
-  /// nan in x_probe and x until ProbeCompletion has filled them in (tick/probe_completion.hpp). 0
-  /// where the map has no blocks, or a metric or prior ties them together.
+  /// nan in x_probe and x until ProbeCompletion has filled them in (tick/probe_completion.hpp); and
+  /// a block that was one of them and has had no f since it was asked again. 0 where the map has
+  /// fewer than two blocks (a hand of one finger), or a metric or prior ties them together.
   BlockSet unprobed{0};
   VecX x_probe{};  ///< f(q)
   VecX x{};        ///< proxy in use at `now`

@@ -115,12 +115,10 @@ void measure(const char* path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const char* path =
-      argc > 1 ? argv[1] : HAPTIC_SOURCE_DIR "/server/scenes/finger_constant.textproto";
   try {
-    measure(path);
+    measure(argc > 1 ? argv[1] : HAPTIC_SOURCE_DIR "/server/scenes/finger_constant.textproto");
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "haptic-bench-loop: %s: %s\n", path, error.what());
+    std::fprintf(stderr, "haptic-bench-loop: %s\n", error.what());
     return 1;
   }
   return 0;

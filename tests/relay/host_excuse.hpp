@@ -54,7 +54,7 @@ struct RowReport {
   std::vector<std::string> got{};
 };
 
-inline constexpr int kRunsAtMost = 3;
+inline constexpr int kRunsAtMost = 5;
 
 /// Runs again while the host has an excuse to give, `kRunsAtMost` times in all; the first run
 /// without one counts, whatever it found. Where there is none the row fails, with the reason

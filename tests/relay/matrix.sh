@@ -5,7 +5,7 @@
 #
 # Without --network: every row on virtual time, seconds. With it also over real sockets through the relay:
 # ten minutes, on a machine that does nothing else. A run in which the host took the processors away, as a
-# witness above hapticd's own priority saw, is done again, at most three times in all: `got` says which run
+# witness above hapticd's own priority saw, is done again, at most five times in all: `got` says which run
 # counted, and a row without an undisturbed one fails with the reason "host". FOLDER: build/release by
 # default, built already (tests/run.sh does). FILE: matrix.csv in FOLDER by default. Exit status 1 where a
 # row failed.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 
 #include "tests/relay/matrix_table.hpp"
 
@@ -54,7 +55,22 @@ std::optional<std::chrono::nanoseconds> RowRun::origin() const {
   return std::chrono::nanoseconds(first_->server_time_ns - std::llround(1e9 * tick->time));
 }
 
+/// Until the host has left the processors alone for a second, for 30 s at most: a run that begins in
+/// a bad spell would only have to be done again.
+void await_calm_host() {
+  constexpr double kBad = 0.004;  // s
+  const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  for (bool calm = false; !calm && std::chrono::steady_clock::now() < latest;) {
+    const HostWitness witness;
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    const std::vector<Stall> stalls = witness.testimony({}).stalls;
+    calm = std::none_of(stalls.begin(), stalls.end(),
+                        [](const Stall& stall) { return stall.to - stall.from > kBad; });
+  }
+}
+
 RunReport run_once(const Experiment& experiment) {
+  await_calm_host();
   const HostWitness witness;
   RowRun run;
   const auto guarded = [&](const auto& part) {

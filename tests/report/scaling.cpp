@@ -19,6 +19,7 @@ using core::VecA;
 using core::VecQ;
 using core::VecX;
 
+constexpr int kFingers = 5;  // of the largest hand
 constexpr int kFrame = 16;   // ticks between the client's frames: 60 Hz
 constexpr int kPoses = 512;  // of a grasp that repeats
 constexpr double kStopMcp = 18 * kDegree, kStopPip = 25 * kDegree;
@@ -75,7 +76,7 @@ class Hand {
   }
   [[nodiscard]] double force() const { return force_; }
 
-  static double middle(std::vector<double>& values) {
+  static double middle(std::vector<double> values) {
     std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
     return values[values.size() / 2];
   }
@@ -191,31 +192,37 @@ std::vector<Row> rows_of(int fingers) {
   return rows;
 }
 
-double cost(std::vector<Row>& rows, const Row& like, int declared, int in_contact) {
-  for (Row& one : rows) {
-    if (one.kind == like.kind && one.way == like.way && one.declared == declared &&
-        one.in_contact == in_contact) {
-      return Hand::middle(one.medians);
-    }
+const Row& row_of(const std::vector<Row>& rows, const Row& like, int declared, int in_contact) {
+  return *std::find_if(rows.begin(), rows.end(), [&](const Row& one) {
+    return one.kind == like.kind && one.way == like.way && one.declared == declared &&
+           one.in_contact == in_contact;
+  });
+}
+
+/// An idle declared finger in % of one in contact, with one contact throughout: what the other
+/// declared fingers add, against what contacts add. Turn by turn, so that a turn in which the machine
+/// was slow counts as one; the median of the turns.
+double idle_share(const std::vector<Row>& rows, const Row& like) {
+  const std::vector<double>& one = row_of(rows, like, 1, 1).medians;
+  const std::vector<double>& idle = row_of(rows, like, kFingers, 1).medians;
+  const std::vector<double>& contact = row_of(rows, like, kFingers, kFingers).medians;
+  std::vector<double> shares;
+  for (std::size_t turn = 0; turn < one.size(); ++turn) {
+    shares.push_back(100.0 * (idle[turn] - one[turn]) / (contact[turn] - one[turn]));
   }
-  return std::nan("");
+  return Hand::middle(shares);
 }
 
 void print_scaling(int ticks) {
-  constexpr int kFingers = 5, kTurns = 20;
+  constexpr int kTurns = 20;
   std::vector<Row> rows = rows_of(kFingers);
   for (int turn = 0; turn < kTurns; ++turn) {
     for (Row& one : rows) one.medians.push_back(one.hand->median_tick(ticks));
   }
   row("method", "proxy", "fingers_declared", "fingers_in_contact", "tick_ns", "idle_share_pct");
   for (const Row& one : rows) {
-    // One contact throughout: what the other declared fingers add, against what contacts add.
-    const double base = cost(rows, one, 1, 1);
-    const double idle = (cost(rows, one, kFingers, 1) - base) / (kFingers - 1);
-    const double contact = (cost(rows, one, kFingers, kFingers) - base) / (kFingers - 1);
     row(core::name(one.kind), one.way->name, one.declared, one.in_contact,
-        cost(rows, one, one.declared, one.in_contact),
-        one.declared == kFingers ? 100.0 * idle / contact : std::nan(""));
+        Hand::middle(one.medians), one.declared == kFingers ? idle_share(rows, one) : std::nan(""));
   }
 }
 
@@ -231,7 +238,7 @@ void add_scaling(CLI::App& app) {
       "turns, "
       "20 times.\nidle_share_pct: an idle declared finger (against one "
       "finger less), in % of a finger in contact (against the same finger not declared); from the "
-      "rows with one contact and with all.");
+      "rows with one contact and with all, turn by turn, median.");
   auto ticks = std::make_shared<int>(1000);
   command->add_option("--ticks", *ticks, "ticks per turn and row (1000)")
       ->check(CLI::Range(16, 1'000'000));

@@ -93,14 +93,14 @@ end() {  # end NAME: asks it to stop and returns its exit status
 }
 
 scene=$root/server/scenes/finger_soft_grasp.textproto
-# The loop may be 20 ms late, the default without real-time scheduling: a shared machine's host
-# takes the processor for that long, whatever was granted here, and this device is simulated.
+# Nobody wears this device, and the host of a shared machine takes the processors away for tens of ms,
+# again and again: what would be a fault of a real one is counted in the summary (lateness, skipped ticks).
 settings=(--set "record.file=\"$recording\"" --set record.compare_renderers=true
-  --set loop.loop_late_fault.nanos=20000000)
+  --set loop.loop_late_fault.nanos=100000000 --set loop.late_bucket_full=1000)
 if $serial; then
   port=$folder/board
-  # The watchdog of a host without real-time scheduling: above those 20 ms.
-  "$emulator" --link "$port" --watchdog-ms 25 \
+  # The board waits for longer than the loop may be late.
+  "$emulator" --link "$port" --watchdog-ms 125 \
     --motion "${motion:-$root/server/scenes/motion/reach_and_grasp.csv}" \
     >/dev/null 2>"$folder/emulator.log" &
   running[emulator]=$!
@@ -109,7 +109,7 @@ if $serial; then
     alive emulator || give_up "the board's emulator did not start" "$folder/emulator.log"
     sleep 0.1
   done
-  settings+=(--set "device[0].board={ port: \"$port\" max_effort: 40 }"
+  settings+=(--set "device[0].board={ port: \"$port\" max_effort: 40 max_silence { nanos: 100000000 } }"
     # What the observer knows of a simulated finger it must be told of a device: what moves for certain
     # beyond the load cell, the end of the rod (hw/emulator/rig.cpp).
     --set device[0].passivity.observer.inertia_kg=0.02

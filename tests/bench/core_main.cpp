@@ -11,6 +11,7 @@
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/bench/coupled_stiffness.hpp"
 #include "tests/bench/paired.hpp"
+#include "tests/bench/tick_input.hpp"
 
 namespace {
 
@@ -50,23 +51,8 @@ struct Poses {
 double sink = 0.0;
 
 core::TickInput tick_input(const Poses& poses, const core::PipelineConfig& config, int i) {
-  core::TickInput input;
-  input.now = core::TimePoint(std::chrono::milliseconds(i + 1));
-  input.device.fresh = input.device.armed = true;
-  input.device.sample.seq = static_cast<std::uint64_t>(i);
-  input.device.sample.time = input.now;
-  input.device.sample.q = poses.q[static_cast<std::size_t>(i % kPoses)];
-  input.command.lease_epoch = 1;
-  input.command.lease_held = true;
-  input.command.engage_id = i > 250 ? 1 : 0;
-  input.proxy.mode = core::ProxyMode::kHeld;
-  input.proxy.epoch = 1;
-  input.proxy.seq = static_cast<std::uint64_t>(i / 16 + 1);  // 60 Hz
-  input.proxy.gapless_samples = static_cast<std::uint64_t>(i);
-  input.proxy.born = input.now;
-  input.proxy.x = poses.x[static_cast<std::size_t>((i / 16 * 16) % kPoses)];
-  input.settings = config.scene;
-  return input;
+  return bench::held_tick(config, i, poses.q[static_cast<std::size_t>(i % kPoses)],
+                          poses.x[static_cast<std::size_t>((i / 16 * 16) % kPoses)]);
 }
 
 /// What a scene may add to a tick.

@@ -14,6 +14,7 @@
 #include "haptic/core/passivity/spring_storage.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/bench/paired.hpp"
+#include "tests/bench/tick_input.hpp"
 
 namespace haptic::bench {
 
@@ -97,23 +98,7 @@ core::PipelineConfig config_of(const Stylus& stylus, const Choice& choice) {
 }
 
 core::TickInput tick_input(const Stylus& stylus, const core::PipelineConfig& config, int i) {
-  core::TickInput input;
-  input.now = core::TimePoint(std::chrono::milliseconds(i + 1));
-  input.settings = config.scene;
-  input.device.fresh = input.device.armed = true;
-  input.device.sample.seq = static_cast<std::uint64_t>(i);
-  input.device.sample.time = input.now;
-  input.device.sample.q = stylus.q[static_cast<std::size_t>(i % kPoses)];
-  input.command.lease_epoch = 1;
-  input.command.lease_held = true;
-  input.command.engage_id = i > 250 ? 1 : 0;
-  input.proxy.mode = core::ProxyMode::kHeld;
-  input.proxy.epoch = 1;
-  input.proxy.seq = static_cast<std::uint64_t>(i / 16 + 1);  // 60 Hz
-  input.proxy.gapless_samples = static_cast<std::uint64_t>(i);
-  input.proxy.born = input.now;
-  input.proxy.x = stylus.x;
-  return input;
+  return held_tick(config, i, stylus.q[static_cast<std::size_t>(i % kPoses)], stylus.x);
 }
 
 /// p50 of single ticks in ns, the clock's own cost taken off.

@@ -29,9 +29,18 @@ stage_prebuilt() { # the installation of a build folder, inside the build contex
   done
 }
 
-build_image() {
-  local format=() arguments=() why
+# built TAG ARGUMENT...: of the Dockerfile. The same format throughout, or the second build finds nothing of the first
+# in its cache.
+built() {
+  local tag=$1 format=()
+  shift
   if [[ $engine == podman ]]; then format=(--format docker); fi # for the HEALTHCHECK
+  "$engine" build "${format[@]}" --build-arg "BASE=$base" "$@" --tag "$tag" --file "$root/docker/Dockerfile" "$root" \
+    >>"$logs/build.log" 2>&1
+}
+
+build_image() {
+  local arguments=() why
   if [[ -n $prebuilt ]] && ! why=$(usable "$prebuilt"); then
     step "not taken from a build: $why"
     prebuilt=
@@ -43,8 +52,7 @@ build_image() {
   else
     step "programs and packages: compiled in the image"
   fi
-  "$engine" build "${format[@]}" --build-arg "BASE=$base" "${arguments[@]}" --tag "$image" \
-    --file "$root/docker/Dockerfile" "$root" >"$logs/build.log" 2>&1 || {
+  built "$image" "${arguments[@]}" || {
     tail -n 30 "$logs/build.log" >&2
     fail "the image does not build"
   }

@@ -23,9 +23,9 @@ test_packages() {
 # The build stage again, from the cache, with the packages as its result.
 packages_of_image() {
   local tag=$image-packages id
-  "$engine" build --target build --build-arg "BASE=$base" --tag "$tag" --file "$root/docker/Dockerfile" \
-    "$root" >>"$logs/build.log" 2>&1 || fail "the build stage"
-  id=$("$engine" create --label "com.docker.compose.project=$project" "$tag")
+  built "$tag" --target build || fail "the build stage"
+  # Never started; but a stage that nobody runs names no command, and an engine wants one.
+  id=$("$engine" create --label "com.docker.compose.project=$project" "$tag" true)
   "$engine" cp "$id:/packages/." "$1" >/dev/null
   "$engine" rm "$id" >/dev/null
   "$engine" rmi --force "$tag" >/dev/null

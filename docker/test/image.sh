@@ -52,6 +52,7 @@ build_image() {
   else
     step "programs and packages: compiled in the image"
   fi
+  : >"$logs/build.log" # what an earlier run left there names layers that are not ours to remove
   built "$image" "${arguments[@]}" || {
     tail -n 30 "$logs/build.log" >&2
     fail "the image does not build"

@@ -12,6 +12,7 @@
 #include "tests/bench/coupled_stiffness.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/bench/tick_input.hpp"
+#include "tests/support/angles.hpp"
 
 namespace {
 
@@ -20,7 +21,6 @@ using core::VecA;
 using core::VecQ;
 using core::VecX;
 
-constexpr double kDegree = 0.017453292519943295;
 constexpr int kPoses = 512;
 
 /// Poses along a grasp, and the proxy that a stop at 18 and 25 degrees makes of each.

@@ -10,8 +10,10 @@
 #include "haptic/core/projection/renderer.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/bench/coupled_stiffness.hpp"
+#include "tests/bench/free_fingers.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/bench/tick_input.hpp"
+#include "tests/bench/tick_p50.hpp"
 #include "tests/support/angles.hpp"
 
 namespace {
@@ -97,29 +99,23 @@ void put_planes(int count, core::ProxySnapshot& proxy) {
   }
 }
 
-/// p50 of single ticks in ns, the clock's own cost (measured in the same block) taken off.
 double tick_p50(const Poses& poses, core::RendererKind kind, const Extras& extras) {
   const core::PipelineConfig config = tick_config(kind, extras);
   core::Pipeline pipeline(config);
-  std::vector<double> ticks, clocks;
   bool engaged = false;
-  for (int i = 0; i < 4000; ++i) {
-    core::TickInput input = tick_input(poses, config, i);
-    if (extras.planes > 0) put_planes(extras.planes, input.proxy);
-    const auto t0 = std::chrono::steady_clock::now();
-    const auto t1 = std::chrono::steady_clock::now();
-    const core::TickRecord record = pipeline.tick(input);
-    const auto t2 = std::chrono::steady_clock::now();
-    engaged = record.state == core::DeviceState::kEngaged;
-    sink += record.tau_a[0];
-    if (i < 1000) continue;
-    clocks.push_back(std::chrono::duration<double, std::nano>(t1 - t0).count());
-    ticks.push_back(std::chrono::duration<double, std::nano>(t2 - t1).count());
-  }
+  const double p50 = bench::tick_p50(
+      [&](int i) {
+        core::TickInput input = tick_input(poses, config, i);
+        if (extras.planes > 0) put_planes(extras.planes, input.proxy);
+        return input;
+      },
+      [&](const core::TickInput& input) {
+        const core::TickRecord record = pipeline.tick(input);
+        engaged = record.state == core::DeviceState::kEngaged;
+        sink += record.tau_a[0];
+      });
   if (!engaged) std::abort();  // a tick without force would be a flattering figure
-  std::nth_element(ticks.begin(), ticks.begin() + 1500, ticks.end());
-  std::nth_element(clocks.begin(), clocks.begin() + 1500, clocks.end());
-  return ticks[1500] - clocks[1500];
+  return p50;
 }
 
 }  // namespace
@@ -253,6 +249,7 @@ int main() {
       "%.3g rad round trip\n",
       worst_linear, worst_warm, worst_closed);
   bench::print_coupled_stiffness();
+  bench::print_free_fingers();
   std::fprintf(stderr, "%s", sink == 0.123 ? "\n" : "");  // the work was not for nothing
   return 0;
 }

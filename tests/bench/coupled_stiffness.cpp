@@ -2,7 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -15,6 +14,7 @@
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/bench/tick_input.hpp"
+#include "tests/bench/tick_p50.hpp"
 
 namespace haptic::bench {
 
@@ -101,27 +101,16 @@ core::TickInput tick_input(const Stylus& stylus, const core::PipelineConfig& con
   return held_tick(config, i, stylus.q[static_cast<std::size_t>(i % kPoses)], stylus.x);
 }
 
-/// p50 of single ticks in ns, the clock's own cost taken off.
 double tick_p50(const Stylus& stylus, const Choice& choice) {
-  using Clock = std::chrono::steady_clock;
   const core::PipelineConfig config = config_of(stylus, choice);
   core::Pipeline pipeline(config);
-  std::vector<double> ticks, clocks;
   core::TickRecord record;
-  for (int i = 0; i < 4000; ++i) {
-    const core::TickInput input = tick_input(stylus, config, i);
-    const auto before = Clock::now(), start = Clock::now();
-    record = pipeline.tick(input);
-    const auto end = Clock::now();
-    if (i < 1000) continue;
-    clocks.push_back(std::chrono::duration<double, std::nano>(start - before).count());
-    ticks.push_back(std::chrono::duration<double, std::nano>(end - start).count());
-  }
+  const double p50 =
+      bench::tick_p50([&](int i) { return tick_input(stylus, config, i); },
+                      [&](const core::TickInput& input) { record = pipeline.tick(input); });
   const bool force = record.state == core::DeviceState::kEngaged && record.tau_elastic.norm() > 0.0;
   if (!force) std::abort();  // a tick without force would be a flattering figure
-  std::nth_element(ticks.begin(), ticks.begin() + 1500, ticks.end());
-  std::nth_element(clocks.begin(), clocks.begin() + 1500, clocks.end());
-  return ticks[1500] - clocks[1500];
+  return p50;
 }
 
 /// Joules that the user gets out of one slow cycle of q_a about the anchor, by the trapezoidal rule: a

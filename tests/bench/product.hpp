@@ -52,10 +52,12 @@ class Arrivals final : public server::RecordListener {
 /// The server of hapticd, in this process, with our listener at its telemetry.
 class Product {
  public:
-  /// Serves at `listen`, and UDP at `udp_listen` (empty: none).
-  explicit Product(std::vector<std::string> listen = {"127.0.0.1:0"}, std::string udp_listen = {})
+  /// Serves at `listen`, and UDP at `udp_listen` (empty: none). `device`: null: the scene's simulated
+  /// finger, whose physics is part of every tick.
+  explicit Product(std::vector<std::string> listen = {"127.0.0.1:0"}, std::string udp_listen = {},
+                   std::unique_ptr<hw::Device> device = nullptr)
       : scene_(server::load_scene(HAPTIC_SOURCE_DIR "/server/scenes/finger_constant.textproto")),
-        unit_(make_unit(scene_)),
+        unit_(make_unit(scene_, std::move(device))),
         telemetry_({unit_.get()}),
         sessions_(*unit_, telemetry_, 0, {}),
         rpc_(config(std::move(listen), std::move(udp_listen)), {&sessions_}, telemetry_,
@@ -88,9 +90,10 @@ class Product {
     config.udp_listen = std::move(udp_listen);
     return config;
   }
-  static std::unique_ptr<server::DeviceUnit> make_unit(const server::Scene& scene) {
+  static std::unique_ptr<server::DeviceUnit> make_unit(const server::Scene& scene,
+                                                       std::unique_ptr<hw::Device> opened) {
     const server::DeviceScene& device = scene.devices.front();
-    auto opened = hw::open_device(device.source, device.kinematics);
+    if (opened == nullptr) opened = hw::open_device(device.source, device.kinematics);
     core::PipelineConfig config = server::pipeline_config(device, opened->info().limits);
     config.late_bucket_full = 1'000'000;
     config.loop_late_fault = std::chrono::seconds(5);

@@ -73,7 +73,7 @@ make_fig4() {
     csv "fig4_$name" fig4 --amplitude "$amplitude" --phase "$phase"
     csv "fig4_${name}_series" fig4 --amplitude "$amplitude" --phase "$phase" --series
     metrics_table "fig4_$name"
-    draw fig4 "fig4_$name" "csv='$output/fig4_${name}_series.csv'; heading='Trajectory $name: amplitudes $amplitude°, phase $phase°'"
+    draw fig4 "fig4_$name" "csv='$output/fig4_${name}_series.csv'; heading='Trajectory ${name//_/ }: amplitudes $amplitude°, phase $phase°'"
   done <<<$'A 35,50 15\nB 56,70 25\nB_reversed 56,70 -25'
 }
 make_recordings() {

@@ -17,14 +17,16 @@ error(p, i, hz) = here(p, hz) && kind_is(i, strcol("method")) ? column("error_ma
 
 do for [kind in "svg png"] {
   eval begin(kind, 1300, 1000)
-  set multiplot layout 2,2 margins screen 0.07, screen 0.985, screen 0.12, screen 0.95 spacing screen 0.08, screen 0.1
+  set multiplot layout 2,2 margins screen 0.07, screen 0.98, screen 0.14, screen 0.95 spacing screen 0.08, screen 0.1
   set logscale xy
-  set format x "%g"
+  set xrange [10:1e5]
+  set format x "10^{%T}"
   set format y "10^{%T}"
   set xlabel "time per solve / ns"
   do for [i = 1:7] {
-    set label 20 + i "● ".word(names, i) at screen 0.02 + 0.14 * (i - 1), screen 0.03 textcolor rgb colour(i) font ",10"
+    set label 20 + i "● ".word(names, i) at screen 0.06 + 0.235 * ((i - 1) % 4), screen 0.055 - 0.03 * ((i - 1) / 4) textcolor rgb colour(i)
   }
+  set label 28 "full: frames at 1 kHz; open: 60 Hz" at screen 0.06 + 0.235 * 3, screen 0.025
   unset key
   do for [p = 1:4] {
     set title word(panels, p).(p < 4 ? ": largest error of l_x / m" : ": largest error of an angle / rad")
@@ -32,9 +34,10 @@ do for [kind in "svg png"] {
       for [i = 2:3] csv using "ns":(error(p, i, "60 Hz")) with linespoints lc rgb colour(i) lw 1.2 dashtype 2 pt 6 ps 0.9, \
       for [i in "1 4 5 6 7"] csv using "ns":(error(p, i + 0, "1000 Hz")) with points lc rgb colour(i + 0) pt 7 ps 1.3, \
       for [i in "1 4 5 6 7"] csv using "ns":(error(p, i + 0, "60 Hz")) with points lc rgb colour(i + 0) pt 6 ps 1.6 lw 2
-    do for [i = 1:7] { unset label 20 + i }
+    do for [i = 1:8] { unset label 20 + i }
   }
   unset logscale
+  set autoscale x
   set format "%g"
   unset multiplot
   unset output

@@ -10,13 +10,14 @@ namespace haptic::test {
 
 class ScriptedDevice final : public hw::Device {
  public:
-  ScriptedDevice() {
+  /// `max_effort`: N.
+  explicit ScriptedDevice(double max_effort = 20.0) {
     info_.kind = "scripted";
     info_.model = "test";
     info_.dofs = dofs();
     info_.limits.q_lower = core::VecQ::Constant(2, -1.0);
     info_.limits.q_upper = core::VecQ::Constant(2, 1.0);
-    info_.limits.max_effort = core::VecA::Constant(1, 20.0);
+    info_.limits.max_effort = core::VecA::Constant(1, max_effort);
   }
 
   static std::vector<core::DofSpec> dofs() {
@@ -33,7 +34,7 @@ class ScriptedDevice final : public hw::Device {
     if (silent) return;
     ++reading.sample.seq;
     reading.sample.time = now;
-    reading.sample.q = core::VecQ::Zero(2);
+    reading.sample.q = q;
     reading.sample.tau_measured.resize(0);
   }
 
@@ -44,9 +45,10 @@ class ScriptedDevice final : public hw::Device {
 
   void close() noexcept override {}
 
-  std::atomic<bool> silent{false};  ///< gives no new sample
-  std::atomic<bool> lost{false};    ///< reports itself gone
-  std::atomic<double> force{0.0};   ///< N, of the last command
+  core::VecQ q = core::VecQ::Zero(2);  ///< of every sample; set before the first
+  std::atomic<bool> silent{false};     ///< gives no new sample
+  std::atomic<bool> lost{false};       ///< reports itself gone
+  std::atomic<double> force{0.0};      ///< N, of the last command
 
  private:
   hw::DeviceInfo info_{};

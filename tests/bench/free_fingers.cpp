@@ -8,19 +8,17 @@
 #include <string>
 #include <vector>
 
-#include "haptic/core/model/hand_exoskeleton.hpp"
-#include "haptic/core/tick/pipeline.hpp"
 #include "haptic/core/tick/probe_completion.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/bench/tick_input.hpp"
 #include "tests/bench/tick_p50.hpp"
 #include "tests/support/angles.hpp"
+#include "tests/support/equal_fingers.hpp"
 
 namespace haptic::bench {
 
 namespace {
 
-using core::VecA;
 using core::VecQ;
 using core::VecX;
 
@@ -30,7 +28,7 @@ constexpr double kStopPip = 25 * kDegree;
 
 /// Five fingers that close and open together. The plane of the first bears in half of the poses.
 struct Hand {
-  std::shared_ptr<const core::Kinematics> map = make();
+  std::shared_ptr<const core::Kinematics> map = equal_fingers(kFingers);
   std::vector<VecQ> q{};
   std::vector<VecX> x{};
 
@@ -48,30 +46,7 @@ struct Hand {
       x.push_back(at);
     }
   }
-
- private:
-  static std::shared_ptr<const core::Kinematics> make() {
-    std::vector<core::HandFinger> fingers;
-    for (int i = 0; i < kFingers; ++i) fingers.push_back({"finger" + std::to_string(i + 1), {}});
-    return core::make_hand_exoskeleton(fingers);
-  }
 };
-
-core::PipelineConfig config_of(const Hand& hand, core::RendererKind kind) {
-  const int n_a = hand.map->layout().n_a(), n_q = hand.map->layout().n_q();
-  core::PipelineConfig c;
-  c.kinematics = hand.map;
-  c.device.q_lower = VecQ::Constant(n_q, -2.0);
-  c.device.q_upper = VecQ::Constant(n_q, 2.0);
-  c.device.max_effort = VecA::Constant(n_a, 40.0);
-  c.scene.renderer = kind;
-  c.scene.stiffness = VecA::Constant(n_a, 1500.0);
-  c.scene.damping = VecA::Constant(n_a, 2.0);
-  c.scene.force_limit = VecA::Constant(n_a, 20.0);
-  c.scene.slew_limit = VecA::Constant(n_a, 2000.0);
-  c.scene.engage_window = VecA::Constant(n_a, 1000.0);
-  return c;
-}
 
 core::TickInput tick_input(const Hand& hand, const core::PipelineConfig& config, int i) {
   const auto at = static_cast<std::size_t>(i % kPoses);
@@ -86,7 +61,7 @@ core::TickInput tick_input(const Hand& hand, const core::PipelineConfig& config,
 /// `ask_all`: with f of the fingers that the tick left out, which makes the record of a tick that
 /// leaves none out.
 double tick_p50(const Hand& hand, core::RendererKind kind, bool ask_all) {
-  const core::PipelineConfig config = config_of(hand, kind);
+  const core::PipelineConfig config = pressing_config(hand.map, kind);
   core::Pipeline pipeline(config);
   core::ProbeCompletion completion(*hand.map);
   double force = 0.0;
@@ -103,7 +78,7 @@ double tick_p50(const Hand& hand, core::RendererKind kind, bool ask_all) {
 /// Largest difference in rad between the completed x_probe and f at the record's q, and how many
 /// fingers a tick left out on average once engaged.
 void print_errors(const Hand& hand) {
-  const core::PipelineConfig config = config_of(hand, core::RendererKind::kSubspaceExact);
+  const core::PipelineConfig config = pressing_config(hand.map, core::RendererKind::kSubspaceExact);
   core::Pipeline pipeline(config);
   core::ProbeCompletion completion(*hand.map);
   double worst = 0.0;

@@ -6,11 +6,10 @@
 #include <string>
 
 #include "haptic/core/error.hpp"
-#include "haptic/core/model/hand_exoskeleton.hpp"
-#include "haptic/core/tick/pipeline.hpp"
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
 #include "tests/report/values.hpp"
+#include "tests/support/equal_fingers.hpp"
 
 namespace haptic::report {
 namespace {
@@ -40,7 +39,7 @@ constexpr Way kWays[]{{"held", core::ProxyMode::kHeld, false},
 class Hand {
  public:
   Hand(core::RendererKind kind, const Way& way, int declared, int in_contact)
-      : map_(make(declared)),
+      : map_(equal_fingers(declared)),
         pipeline_(config(kind, way.guarded, map_)),
         mode_(way.mode),
         in_contact_(in_contact) {
@@ -82,25 +81,10 @@ class Hand {
   }
 
  private:
-  static std::shared_ptr<const core::Kinematics> make(int declared) {
-    std::vector<core::HandFinger> fingers;
-    for (int i = 0; i < declared; ++i) fingers.push_back({"finger" + std::to_string(i + 1), {}});
-    return core::make_hand_exoskeleton(fingers);
-  }
   static core::PipelineConfig config(core::RendererKind kind, bool guarded,
                                      const std::shared_ptr<const core::Kinematics>& map) {
-    const int n_a = map->layout().n_a(), n_q = map->layout().n_q();
-    core::PipelineConfig c;
-    c.kinematics = map;
-    c.device.q_lower = VecQ::Constant(n_q, -2.0);
-    c.device.q_upper = VecQ::Constant(n_q, 2.0);
-    c.device.max_effort = VecA::Constant(n_a, 40.0);
-    c.scene.renderer = kind;
-    c.scene.stiffness = VecA::Constant(n_a, 1500.0);
-    c.scene.damping = VecA::Constant(n_a, 2.0);
-    c.scene.force_limit = VecA::Constant(n_a, 20.0);
-    c.scene.slew_limit = VecA::Constant(n_a, 2000.0);
-    c.scene.engage_window = VecA::Constant(n_a, 1000.0);
+    const int n_a = map->layout().n_a();
+    core::PipelineConfig c = pressing_config(map, kind);
     c.scene.direction_guard = guarded;
     c.passivity.tank.enabled = guarded;
     c.passivity.observer.enabled = guarded;

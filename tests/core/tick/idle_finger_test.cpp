@@ -10,6 +10,7 @@
 #include "haptic/core/tick/probe_completion.hpp"
 #include "tests/core/tick/finger_bench.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/equal_fingers.hpp"
 
 namespace haptic::core {
 namespace {
@@ -21,7 +22,7 @@ using namespace test;
 class Hand {
  public:
   Hand(int fingers, RendererKind renderer, ProxyMode mode, bool guard = false)
-      : map_(make(fingers)),
+      : map_(equal_fingers(fingers)),
         pipeline(config(map_, renderer, guard)),
         mode_(mode),
         completion_(*map_) {
@@ -74,26 +75,14 @@ class Hand {
   TickInput input{};
 
  private:
-  static std::shared_ptr<const Kinematics> make(int n) {
-    std::vector<HandFinger> fingers;
-    for (int i = 0; i < n; ++i) fingers.push_back({"finger" + std::to_string(i), {}});
-    return make_hand_exoskeleton(fingers);
-  }
   static PipelineConfig config(const std::shared_ptr<const Kinematics>& map, RendererKind renderer,
                                bool guard) {
-    PipelineConfig c;
-    c.kinematics = map;
     const int n_a = map->layout().n_a();
-    c.device.q_lower = VecQ::Constant(2 * n_a, -2.0);
-    c.device.q_upper = VecQ::Constant(2 * n_a, 2.0);
-    c.device.max_effort = VecA::Constant(n_a, 40.0);
-    c.scene.renderer = renderer;
+    PipelineConfig c = pressing_config(map, renderer);
     c.scene.direction_guard = guard;
     c.scene.stiffness = VecA::Constant(n_a, kStiffness);
-    c.scene.damping = VecA::Constant(n_a, 2.0);
     c.scene.force_limit = VecA::Constant(n_a, kForceLimit);
     c.scene.slew_limit = VecA::Constant(n_a, 1e6);
-    c.scene.engage_window = VecA::Constant(n_a, 1e3);
     return c;
   }
   void sample_proxy() {

@@ -5,10 +5,9 @@
 #include <cmath>
 #include <memory>
 #include <string>
-#include <vector>
 
-#include "haptic/core/model/hand_exoskeleton.hpp"
 #include "tests/support/angles.hpp"
+#include "tests/support/equal_fingers.hpp"
 
 namespace haptic::server {
 namespace {
@@ -25,17 +24,12 @@ core::RenderSettings equal_settings(int n_a) {
 /// Some equal fingers, bent to 30 and 30 deg, each with its own comparison.
 struct ComparedHand {
   explicit ComparedHand(int count)
-      : kinematics(make(count)), comparison(kinematics, equal_settings(count)) {
+      : kinematics(equal_fingers(count)), comparison(kinematics, equal_settings(count)) {
     record.x_probe = core::VecX::Constant(2 * count, 30 * kDegree);
     EXPECT_EQ(kinematics->inverse(record.x_probe, record.q), core::InverseStatus::kExact);
     record.x = record.x_probe;
     record.projection = core::ProjectionStatus::kExact;
     record.gain = 1.0;
-  }
-  static std::shared_ptr<const core::Kinematics> make(int count) {
-    std::vector<core::HandFinger> fingers;
-    for (int i = 0; i < count; ++i) fingers.push_back({"finger" + std::to_string(i), {}});
-    return core::make_hand_exoskeleton(fingers);
   }
   /// A stop holds the first finger's first joint back.
   void press() { record.x[0] -= 0.05; }

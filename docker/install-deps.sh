@@ -47,7 +47,7 @@ fail() {
 
 installed() {  # installed NAME
   # Other builds of nodejs bring npm along, and conflict with Debian's package of it.
-  if [ "$1" = npm ] && command -v npm >/dev/null 2>&1; then return 0; fi
+  if [ "$1" = npm ] && [ -x /usr/bin/npm ] && installed nodejs; then return 0; fi
   status=$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null) || return 1
   [ "$status" = installed ]
 }

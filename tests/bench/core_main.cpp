@@ -2,6 +2,9 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "haptic/core/linear/least_squares.hpp"
@@ -11,9 +14,9 @@
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/bench/coupled_stiffness.hpp"
 #include "tests/bench/free_fingers.hpp"
+#include "tests/bench/p50_of_ticks.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/bench/tick_input.hpp"
-#include "tests/bench/tick_p50.hpp"
 #include "tests/support/angles.hpp"
 
 namespace {
@@ -103,7 +106,7 @@ double tick_p50(const Poses& poses, core::RendererKind kind, const Extras& extra
   const core::PipelineConfig config = tick_config(kind, extras);
   core::Pipeline pipeline(config);
   bool engaged = false;
-  const double p50 = bench::tick_p50(
+  const double p50 = bench::p50_of_ticks(
       [&](int i) {
         core::TickInput input = tick_input(poses, config, i);
         if (extras.planes > 0) put_planes(extras.planes, input.proxy);

@@ -12,9 +12,9 @@
 #include "haptic/core/model/stylus.hpp"
 #include "haptic/core/passivity/spring_storage.hpp"
 #include "haptic/core/tick/pipeline.hpp"
+#include "tests/bench/p50_of_ticks.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/bench/tick_input.hpp"
-#include "tests/bench/tick_p50.hpp"
 
 namespace haptic::bench {
 
@@ -106,8 +106,8 @@ double tick_p50(const Stylus& stylus, const Choice& choice) {
   core::Pipeline pipeline(config);
   core::TickRecord record;
   const double p50 =
-      bench::tick_p50([&](int i) { return tick_input(stylus, config, i); },
-                      [&](const core::TickInput& input) { record = pipeline.tick(input); });
+      bench::p50_of_ticks([&](int i) { return tick_input(stylus, config, i); },
+                          [&](const core::TickInput& input) { record = pipeline.tick(input); });
   const bool force = record.state == core::DeviceState::kEngaged && record.tau_elastic.norm() > 0.0;
   if (!force) std::abort();  // a tick without force would be a flattering figure
   return p50;

@@ -101,9 +101,18 @@ void print_header() {
   std::printf("what,against,unit,ours,theirs,ratio,lower,upper,aa_lower,aa_upper,target,verdict\n");
 }
 
+namespace {
+
+/// A field of CSV: in quotes where it has a comma.
+std::string field(const std::string& text) {
+  return text.find(',') == std::string::npos ? text : '"' + text + '"';
+}
+
+}  // namespace
+
 void print(const Row& row) {
-  std::printf("%s,%s,%s,%.4g,%.4g,%.3f,%.3f,%.3f,%.3f,%.3f,%.3g,%s\n", row.what.c_str(),
-              row.against.c_str(), row.unit.c_str(), row.ours, row.theirs, row.ratio.median,
+  std::printf("%s,%s,%s,%.4g,%.4g,%.3f,%.3f,%.3f,%.3f,%.3f,%.3g,%s\n", field(row.what).c_str(),
+              field(row.against).c_str(), row.unit.c_str(), row.ours, row.theirs, row.ratio.median,
               row.ratio.lower, row.ratio.upper, row.a_a.lower, row.a_a.upper, row.target,
               verdict(row));
   std::fflush(stdout);
@@ -113,8 +122,9 @@ void print(const Figure& figure) {
   const char* word = figure.target <= 0.0                  ? "reported"
                      : figure.value.lower <= figure.target ? "met"
                                                            : "missed";
-  std::printf("%s,-,%s,%.4g,,,%.4g,%.4g,,,%.4g,%s\n", figure.what.c_str(), figure.unit.c_str(),
-              figure.value.median, figure.value.lower, figure.value.upper, figure.target, word);
+  std::printf("%s,-,%s,%.4g,,,%.4g,%.4g,,,%.4g,%s\n", field(figure.what).c_str(),
+              figure.unit.c_str(), figure.value.median, figure.value.lower, figure.value.upper,
+              figure.target, word);
   std::fflush(stdout);
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -11,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "hw/device.hpp"
+#include "hw/open_device.hpp"
 #include "server/rpc/rpc_server.hpp"
 #include "server/rt/loop.hpp"
 #include "server/scene/scene.hpp"
@@ -52,8 +55,8 @@ class Arrivals final : public server::RecordListener {
 /// The server of hapticd, in this process, with our listener at its telemetry.
 class Product {
  public:
-  /// Serves at `listen`, and UDP at `udp_listen` (empty: none). `device`: null: the scene's simulated
-  /// finger, whose physics is part of every tick.
+  /// Serves at `listen`, and UDP at `udp_listen` (empty: none). `device`: null: the scene's
+  /// simulated finger, whose physics is part of every tick.
   explicit Product(std::vector<std::string> listen = {"127.0.0.1:0"}, std::string udp_listen = {},
                    std::unique_ptr<hw::Device> device = nullptr)
       : scene_(server::load_scene(HAPTIC_SOURCE_DIR "/server/scenes/finger_constant.textproto")),

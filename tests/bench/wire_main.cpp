@@ -1,15 +1,24 @@
 /// haptic-bench-wire: one way from publish() to the mailbox and from the tick to the client's callback, against a
 /// bare gRPC stream of the same messages on the same host; and the controller's proxy age beside 16 watchers at
 /// 1 kHz. All clocks are this host's one steady clock.
+#include <grpcpp/grpcpp.h>
 #include <spdlog/spdlog.h>
 
+#include <chrono>
 #include <cstdio>
-#include <cstdlib>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "tests/bench/one_way.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/server/support/scripted_device.hpp"
+#include "tests/support/angles.hpp"
 
 namespace {
 
@@ -64,27 +73,31 @@ struct Bare {
     builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
     builder.RegisterService(&service);
     server = builder.BuildAndStart();
+    if (server == nullptr) throw std::runtime_error("the bare gRPC server does not start");
     address = "127.0.0.1:" + std::to_string(port);
   }
   ~Bare() { server->Shutdown(std::chrono::system_clock::now() + std::chrono::seconds(1)); }
 };
 
-Row tick_to_callback(const std::string& device, Product& product, Bare& bare, double target) {
-  return bench::compare(
-      "tick -> client callback one way p50, " + device, "bare gRPC stream", "us",
+void print_tick_to_callback(const std::string& device, Product& product, Bare& bare) {
+  bench::print(bench::compare(
+      "tick -> client callback one way p50: " + device, "bare gRPC stream", "us",
       [&] { return product_block(product, product.address()).down_us; },
-      [&] { return bare_block(bare.service, bare.address).down_us; }, target, 20);
+      [&] { return bare_block(bare.service, bare.address).down_us; }, 1.3, 20));
 }
 
-/// A state is stamped at the begin of its tick. A board's newest sample lies ready there; a simulated
-/// device computes its own first, which is no part of the way to the client: shown, without target.
+/// A state is stamped at the begin of its tick. A board's newest sample only has to be fetched
+/// there; a simulated device computes its own first, which is no part of the way to the client.
 void with_a_sample_that_lies_ready(Bare& bare) {
-  auto device = std::make_unique<test::ScriptedDevice>(40.0);
-  const core::VecX x = core::VecX::Constant(2, 0.5236);
+  constexpr double kEffort = 40.0;        // N: more than the scene's force limit
+  constexpr double kBent = 30 * kDegree;  // both joints, the scene's target
+  auto device = std::make_unique<test::ScriptedDevice>(kEffort);
   const auto finger = core::make_finger_exoskeleton({});
-  if (finger->inverse(x, device->q) != core::InverseStatus::kExact) std::abort();
+  if (finger->inverse(core::VecX::Constant(2, kBent), device->q) != core::InverseStatus::kExact) {
+    throw std::runtime_error("the finger's pose is out of reach");
+  }
   Product product({"127.0.0.1:0"}, {}, std::move(device));
-  bench::print(tick_to_callback("sample lies ready", product, bare, 1.3));
+  print_tick_to_callback("sample lies ready", product, bare);
 }
 
 void with_the_simulated_finger(Bare& bare) {
@@ -93,7 +106,7 @@ void with_the_simulated_finger(Bare& bare) {
       "publish -> mailbox one way p50", "bare gRPC stream", "us",
       [&] { return product_block(product, product.address()).up_us; },
       [&] { return bare_block(bare.service, bare.address).up_us; }, 1.3, 20));
-  bench::print(tick_to_callback("simulated finger", product, bare, 0.0));
+  print_tick_to_callback("simulated finger", product, bare);
   double with = 0.0, without = 0.0;
   bench::print(bench::compare(
       "proxy age p99 beside 16 watchers at 1 kHz", "no watchers", "us",

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "haptic/core/error.hpp"
+#include "haptic/core/tick/pipeline.hpp"
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
 #include "tests/report/values.hpp"
-#include "tests/support/equal_fingers.hpp"
+#include "tests/support/pressing_hand.hpp"
 
 namespace haptic::report {
 namespace {

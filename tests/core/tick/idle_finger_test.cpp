@@ -10,7 +10,7 @@
 #include "haptic/core/tick/probe_completion.hpp"
 #include "tests/core/tick/finger_bench.hpp"
 #include "tests/support/allocation_guard.hpp"
-#include "tests/support/equal_fingers.hpp"
+#include "tests/support/pressing_hand.hpp"
 
 namespace haptic::core {
 namespace {

@@ -19,14 +19,14 @@ do for [kind in "svg png"] {
   eval begin(kind, 1300, 1000)
   set multiplot layout 2,2 margins screen 0.07, screen 0.98, screen 0.14, screen 0.95 spacing screen 0.08, screen 0.1
   set logscale xy
-  set xrange [10:1e5]
+  set xrange [10:*]
   set format x "10^{%T}"
   set format y "10^{%T}"
   set xlabel "time per solve / ns"
   do for [i = 1:7] {
     set label 20 + i "● ".word(names, i) at screen 0.06 + 0.235 * ((i - 1) % 4), screen 0.055 - 0.03 * ((i - 1) / 4) textcolor rgb colour(i)
   }
-  set label 28 "full: frames at 1 kHz; open: 60 Hz" at screen 0.06 + 0.235 * 3, screen 0.025
+  set label 28 "full: frames at 1 kHz; open, dashed: 60 Hz" at screen 0.06 + 0.235 * 3, screen 0.025
   unset key
   do for [p = 1:4] {
     set title word(panels, p).(p < 4 ? ": largest error of l_x / m" : ": largest error of an angle / rad")

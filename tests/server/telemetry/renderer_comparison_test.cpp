@@ -7,7 +7,7 @@
 #include <string>
 
 #include "tests/support/angles.hpp"
-#include "tests/support/equal_fingers.hpp"
+#include "tests/support/pressing_hand.hpp"
 
 namespace haptic::server {
 namespace {

@@ -5,10 +5,11 @@
 
 namespace haptic::bench {
 
-/// p50 of single ticks in ns: of 3000, after 1000 to warm up. `input(i)` makes what tick i is given,
-/// `tick(input)` is what is measured; the clock's own cost, measured in the same block, is taken off.
+/// p50 of single ticks in ns: of 3000, after 1000 to warm up. `input(i)` makes what tick i is
+/// given, `tick(input)` is what is measured; the clock's own cost, measured in the same block, is
+/// taken off.
 template <typename Input, typename Tick>
-double tick_p50(const Input& input, const Tick& tick) {
+double p50_of_ticks(const Input& input, const Tick& tick) {
   using Clock = std::chrono::steady_clock;
   constexpr int kWarmUp = 1000, kTicks = 3000;
   std::vector<double> ticks, clocks;

@@ -1,5 +1,5 @@
 #pragma once
-/// A hand of equal finger exoskeletons, METHOD 1's each, and a pipeline in which it presses.
+/// A hand of equal fingers that presses: its map, and the settings of its pipeline.
 
 #include <memory>
 #include <string>
@@ -10,15 +10,15 @@
 
 namespace haptic {
 
-/// Named finger1, finger2, ...
+/// Finger exoskeletons with the dimensions of METHOD 1, named finger1, finger2, ...
 inline std::shared_ptr<const core::Kinematics> equal_fingers(int count) {
   std::vector<core::HandFinger> fingers;
   for (int i = 1; i <= count; ++i) fingers.push_back({"finger" + std::to_string(i), {}});
   return core::make_hand_exoskeleton(fingers);
 }
 
-/// 1500 N/m and 2 N s/m per actuator, 20 N at most, 2000 N/s; limits of motion and the engage window
-/// so wide that they never bear. Nothing else is on.
+/// 1500 N/m and 2 N s/m per actuator, 20 N at most, 2000 N/s; limits of motion and the engage
+/// window so wide that they never bear. Nothing else is on.
 inline core::PipelineConfig pressing_config(const std::shared_ptr<const core::Kinematics>& map,
                                             core::RendererKind renderer) {
   const int n_a = map->layout().n_a(), n_q = map->layout().n_q();

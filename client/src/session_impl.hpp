@@ -85,7 +85,7 @@ class Session::Impl final : public StreamSink, public UdpSink {
   void start_udp(Lock& lock);
   /// Ends the path; without our locks meanwhile.
   void stop_udp(Lock& lock);
-  /// By UDP where that is in use. False: the stream's.
+  /// By UDP where that is in use. False: the stream should carry it, or carry it too.
   [[nodiscard]] bool send_by_udp(const v1::ProxySample& sample, UdpPath* path);
 
   /// One attempt at a stream; throws where the server refused or did not answer.

@@ -52,7 +52,7 @@ void Session::Impl::publish(Proxy proxy) noexcept {
       if (stream && lease_lost_ && options_.reconnect == Reconnect::kWithBackoff) leave_for_lease();
     }
     if (send_by_udp(sample, udp.get())) return;
-    if (stream && options_.carriers != Carriers::kUdpOnly) stream->send(sample);
+    if (stream) stream->send(sample);
   } catch (...) {  // NOLINT(bugprone-empty-catch): out of memory loses this sample, not the caller
   }
 }

@@ -37,10 +37,13 @@ void Session::Impl::stop_udp(Lock& lock) {
 }
 
 bool Session::Impl::send_by_udp(const v1::ProxySample& sample, UdpPath* path) {
-  if (path == nullptr || !path->send(sample)) return false;
-  const std::lock_guard lock(mutex_);
-  ++statistics_.sent;
-  return true;
+  const ByUdp sent = path != nullptr ? path->send(sample) : ByUdp::kNo;
+  const bool alone = sent == ByUdp::kYes || options_.carriers == Carriers::kUdpOnly;
+  if (sent != ByUdp::kNo && alone) {  // else the stream counts it
+    const std::lock_guard lock(mutex_);
+    ++statistics_.sent;
+  }
+  return alone;
 }
 
 void Session::Impl::on_udp_state(const v1::DeviceState& state) {

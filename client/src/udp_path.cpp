@@ -69,14 +69,14 @@ class UdpPath::Impl {
     if (thread_.joinable()) thread_.join();
   }
 
-  bool send(const v1::ProxySample& sample) {
+  ByUdp send(const v1::ProxySample& sample) {
     const std::lock_guard lock(mutex_);
-    if (!end_.in_use()) return false;
+    if (!end_.in_use()) return ByUdp::kNo;
     outgoing_.resize(sample.ByteSizeLong());
     sample.SerializeWithCachedSizesToArray(outgoing_.data());
-    if (!end_.send(outgoing_)) return false;
+    if (!end_.send(outgoing_)) return ByUdp::kNo;
     newest_ = sample;
-    return true;
+    return end_.in_doubt() ? ByUdp::kInDoubt : ByUdp::kYes;
   }
 
   void rekey(const v1::UdpPath& offer) {
@@ -106,6 +106,10 @@ class UdpPath::Impl {
   }
 
   void run() {
+    asio::error_code error;
+    for (const auto& found : udp::resolver(context_).resolve(host_, std::to_string(port_), error)) {
+      addresses_.push_back(found.endpoint());
+    }
     if (!connect()) return;  // the stream goes on alone
     {
       const std::lock_guard lock(mutex_);
@@ -117,17 +121,25 @@ class UdpPath::Impl {
     context_.run();
   }
 
+  /// To the next of the host's addresses that this system has a way to.
   bool connect() {
-    asio::error_code error;
-    udp::resolver resolver(context_);
-    for (const auto& found : resolver.resolve(host_, std::to_string(port_), error)) {
+    for (std::size_t i = 0; i < addresses_.size(); ++i) {
+      const udp::endpoint to = addresses_[next_address_++ % addresses_.size()];
+      asio::error_code error;
       socket_.close(error);
-      socket_.open(found.endpoint().protocol(), error);
-      if (error || socket_.connect(found.endpoint(), error)) continue;
+      socket_.open(to.protocol(), error);
+      if (error || socket_.connect(to, error)) continue;
       handle_ = socket_.native_handle();
       return !socket_.non_blocking(true, error);
     }
+    handle_ = -1;
     return false;
+  }
+
+  /// Under the mutex. A connected UDP socket does not tell whether anybody is there: "localhost" is
+  /// [::1] and 127.0.0.1, and a server may listen at one of them. An address that answered once stays.
+  bool try_another(wire::PathChange change) {
+    return change == wire::PathChange::kRefused && !answered_ && addresses_.size() > 1 && connect();
   }
 
   void wait_for_datagrams() {
@@ -152,19 +164,27 @@ class UdpPath::Impl {
     if (!told) sink_.on_udp_state(state_);
   }
 
+  /// What went by UDP may be lost, and did not go by the stream as well. `knew`: in doubt before.
+  bool became_late(wire::PathChange change, bool knew) const {
+    return !knew && (fell_back(change) || end_.in_doubt());
+  }
+
   /// True where it was a state newer than the one before.
   bool take(wire::ConstBytes datagram) {
     wire::PathChange change{};
     v1::ProxySample newest;
-    bool newer = false;
+    bool newer = false, late = false;
     {
       const std::lock_guard lock(mutex_);
+      const bool knew = end_.in_doubt();
       const wire::Received received = end_.receive(datagram, kServer, now());
       change = received.change;
+      answered_ = answered_ || change == wire::PathChange::kUp;
       if (received.message) newer = read(*received.message);
-      if (fell_back(change)) newest = newest_;
+      late = became_late(change, knew);
+      if (late) newest = newest_;
     }
-    if (fell_back(change)) sink_.on_udp_fallback(newest);
+    if (late) sink_.on_udp_fallback(newest);
     return newer;
   }
 
@@ -183,13 +203,18 @@ class UdpPath::Impl {
     wire::PathChange change{};
     v1::ProxySample newest;
     wire::TimePoint next;
+    bool moved = false, late = false;
     {
       const std::lock_guard lock(mutex_);
+      const bool knew = end_.in_doubt();
       change = end_.step(now());
-      if (fell_back(change)) newest = newest_;
+      moved = try_another(change);
+      late = became_late(change, knew);
+      if (late) newest = newest_;
       next = end_.next_step();
     }
-    if (fell_back(change)) sink_.on_udp_fallback(newest);
+    if (late) sink_.on_udp_fallback(newest);
+    if (moved) wait_for_datagrams();  // the wait at the former socket ended with it
     if (next == wire::TimePoint::max()) return;
     timer_.expires_at(Clock::time_point(next.time_since_epoch()));
     timer_.async_wait([this](asio::error_code error) {
@@ -209,11 +234,14 @@ class UdpPath::Impl {
   mutable std::mutex mutex_;
   wire::PathEnd end_;
   bool connected_{false};
+  bool answered_{false};  ///< the address in use, to a whole round of challenges
   int handle_{-1};
   std::vector<std::uint8_t> outgoing_{};
   v1::ProxySample newest_{};  ///< that went by UDP
 
   // The thread's own.
+  std::vector<udp::endpoint> addresses_{};
+  std::size_t next_address_{0};
   std::array<std::uint8_t, wire::kLargestDatagram> buffer_{};
   v1::DeviceState incoming_{}, state_{};
   std::thread thread_{};
@@ -229,7 +257,7 @@ UdpPath::~UdpPath() = default;
 void UdpPath::stop() {
   impl_->stop();
 }
-bool UdpPath::send(const v1::ProxySample& sample) {
+ByUdp UdpPath::send(const v1::ProxySample& sample) {
   return impl_->send(sample);
 }
 void UdpPath::rekey(const v1::UdpPath& offer) {

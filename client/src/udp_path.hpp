@@ -15,8 +15,16 @@ class UdpSink {
  public:
   virtual ~UdpSink() = default;
   virtual void on_udp_state(const v1::DeviceState& state) = 0;
-  /// Samples go by the stream again; `newest` is the last one that went by UDP, and may be lost.
+  /// Samples go by the stream again, or as well; `newest` is the last one that went by UDP, and may
+  /// be lost.
   virtual void on_udp_fallback(const v1::ProxySample& newest) = 0;
+};
+
+/// Whether a sample went by UDP.
+enum class ByUdp : std::uint8_t {
+  kNo,       ///< the path is not in use: the stream's then
+  kYes,      ///< nothing more to do
+  kInDoubt,  ///< it did, but answers are overdue: the stream should carry it too
 };
 
 /// What is known of the path at the moment.
@@ -41,9 +49,8 @@ class UdpPath {
   /// from there. Idempotent.
   void stop();
 
-  /// Any thread, never waits for the network. False where the path is not in use: the stream's
-  /// then.
-  [[nodiscard]] bool send(const v1::ProxySample& sample);
+  /// Any thread, never waits for the network.
+  [[nodiscard]] ByUdp send(const v1::ProxySample& sample);
   /// New keys came on the stream.
   void rekey(const v1::UdpPath& offer);
   [[nodiscard]] UdpFigures figures() const;

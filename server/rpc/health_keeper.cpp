@@ -22,32 +22,12 @@ HealthKeeper::HealthKeeper(grpc::HealthCheckServiceInterface& health,
                            std::vector<DeviceSessions*> devices)
     : health_(health), devices_(std::move(devices)) {
   look();
-  const std::lock_guard lock(mutex_);
-  set_alarm();
+  looks_ = std::make_unique<Every>(kEvery, [this] { look(); });
 }
 
 HealthKeeper::~HealthKeeper() {
-  std::unique_lock lock(mutex_);
-  stopping_ = true;
-  if (alarm_) alarm_->Cancel();
-  idle_.wait(lock, [&] { return !waiting_; });
-  lock.unlock();
+  looks_.reset();
   health_.SetServingStatus(false);
-}
-
-void HealthKeeper::set_alarm() {
-  waiting_ = true;
-  alarm_ = std::make_unique<grpc::Alarm>();
-  alarm_->Set(std::chrono::system_clock::now() + kEvery, [this](bool rang) {
-    if (rang) look();
-    const std::lock_guard lock(mutex_);
-    if (stopping_ || !rang) {
-      waiting_ = false;
-      idle_.notify_all();
-    } else {
-      set_alarm();
-    }
-  });
 }
 
 void HealthKeeper::look() {

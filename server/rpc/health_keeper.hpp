@@ -2,15 +2,13 @@
 /// Keeps the standard health service true: overall "" and one entry per device (private to
 /// server/rpc).
 
-#include <grpcpp/alarm.h>
 #include <grpcpp/health_check_service_interface.h>
 
 #include <chrono>
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <vector>
 
+#include "server/rpc/every.hpp"
 #include "server/session/device_sessions.hpp"
 
 namespace haptic::server {
@@ -31,15 +29,10 @@ class HealthKeeper {
 
  private:
   void look();
-  void set_alarm();
 
   grpc::HealthCheckServiceInterface& health_;
   const std::vector<DeviceSessions*> devices_;
-  std::mutex mutex_;
-  std::condition_variable idle_;
-  bool stopping_{false};
-  bool waiting_{false};
-  std::unique_ptr<grpc::Alarm> alarm_;
+  std::unique_ptr<Every> looks_;
 };
 
 }  // namespace haptic::server

@@ -118,7 +118,8 @@ std::string weakness(const std::string& address, Protection protection) {
                  : "gRPC without TLS on " + address + ", open to every user of this host";
     case Protection::kTls:
       return "TLS without client certificates on " + address +
-             ": whoever reaches it may take a device, also from whoever has it (PRIORITY_OPERATOR)";
+             ": whoever reaches it may take a device that nobody has, or that a client of a lower "
+             "priority has (PRIORITY_PRIMARY at most)";
     case Protection::kMutualTls:
       return {};
     case Protection::kInsecureLab:

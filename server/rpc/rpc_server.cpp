@@ -8,6 +8,7 @@
 
 #include "haptic/core/error.hpp"
 #include "server/rpc/credentials.hpp"
+#include "server/rpc/every.hpp"
 #include "server/rpc/haptic_service_impl.hpp"
 #include "server/rpc/health_keeper.hpp"
 #include "server/rpc/library_log.hpp"
@@ -31,7 +32,7 @@ void set_limits(grpc::ServerBuilder& builder, const RpcConfig& config) {
   // Otherwise the kernel would let a second server share the port, and every other client.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
-                             static_cast<int>(2 * config.max_sessions + 64));
+                             static_cast<int>(unopened_streams(config.max_sessions)));
   const KeepAlive& alive = config.keep_alive;
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, argument_ms(alive.ask_after));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, argument_ms(alive.answer_within));
@@ -90,10 +91,15 @@ class RpcServer::Impl {
     }
     if (context_.udp) context_.udp->start();
     health_ = std::make_unique<HealthKeeper>(*server_->GetHealthCheckService(), context_.devices);
+    const auto a_fifth =
+        std::chrono::duration_cast<std::chrono::milliseconds>(context_.config.open_within / 5);
+    overdue_ = std::make_unique<Every>(a_fifth,
+                                       [this] { context_.end_overdue(context_.config.clock({})); });
   }
 
   void shutdown(core::Duration grace) {
     if (!server_) return;
+    overdue_.reset();
     health_.reset();
     context_.streams.close_all();
     server_->Shutdown(std::chrono::system_clock::now() +
@@ -127,6 +133,7 @@ class RpcServer::Impl {
   HapticServiceImpl service_;
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<HealthKeeper> health_;
+  std::unique_ptr<Every> overdue_;
   std::vector<std::string> bound_;
   std::vector<std::string> served_;
 };

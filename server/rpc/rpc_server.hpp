@@ -40,8 +40,16 @@ struct RpcConfig {
   /// Plain text, and the keys of the UDP path in it, on any address. Said in the log and in
   /// GetServerInfo.
   bool insecure_lab{false};
+  /// A session stream has to send its OpenSession by then.
+  core::Duration open_within{std::chrono::seconds(5)};
   KeepAlive keep_alive{};  ///< of connections whose far end is gone without a word
 };
+
+/// Session streams that have not sent their OpenSession: so many at a time, of all connections
+/// together.
+[[nodiscard]] constexpr unsigned unopened_streams(unsigned max_sessions) noexcept {
+  return 2 * max_sessions + 64;
+}
 
 class RpcServer {
  public:

@@ -61,7 +61,8 @@ ServiceContext::ServiceContext(RpcConfig rpc_config, std::vector<DeviceSessions*
     : config(std::move(rpc_config)),
       devices(std::move(device_sessions)),
       facts(std::move(facts_provider)),
-      registry(config.max_sessions) {
+      registry(config.max_sessions),
+      waiting(unopened_streams(config.max_sessions), config.open_within) {
   // A share for each device, so that the watchers of one cannot silence those of another.
   const WatchBudget share(config.watch_budget_hz /
                           static_cast<double>(std::max<std::size_t>(devices.size(), 1)));
@@ -81,6 +82,17 @@ Outcome<ServiceContext::Target> ServiceContext::device(const std::string& name) 
   if (name.empty()) return invalid_field("device", "is empty: must be one of " + names);
   return Refusal{Refusal::Code::kNotFound, "NO_SUCH_DEVICE",
                  "device '" + sanitised(name, 64) + "': must be one of " + names, "device"};
+}
+
+void ServiceContext::end_overdue(core::TimePoint now) {
+  const auto milliseconds =
+      std::chrono::duration_cast<std::chrono::milliseconds>(waiting.patience());
+  for (const auto& stream : waiting.overdue(now)) {
+    stream->never_opened(
+        {Refusal::Code::kInvalid, "PROTOCOL",
+         "OpenSession did not come within " + std::to_string(milliseconds.count()) + " ms",
+         "message"});
+  }
 }
 
 void ServiceContext::add_weakness(std::string sentence) {

@@ -12,6 +12,7 @@
 #include "server/rpc/broadcaster.hpp"
 #include "server/rpc/rpc_server.hpp"
 #include "server/rpc/session_registry.hpp"
+#include "server/rpc/waiting_room.hpp"
 #include "server/udp/udp_port.hpp"
 
 namespace haptic::server {
@@ -52,6 +53,8 @@ class OpenStream {
   virtual void server_closes() = 0;
   /// The session `session_id` goes on with another stream: where it is this one's, this one ends.
   virtual void goes_on_elsewhere(const std::string& session_id) { static_cast<void>(session_id); }
+  /// The stream has to end because no session was opened on it.
+  virtual void never_opened(const Refusal& why) { static_cast<void>(why); }
   /// Adds what is known of the links of this stream, where it is a session on `device` (empty: any).
   virtual void report(const std::string& device, v1::GetLinkStatsResponse& response) {
     static_cast<void>(device);
@@ -76,6 +79,9 @@ struct ServiceContext {
   /// `rate_hz` as a stream may ask for it: 0, or 1 up to the loop's.
   [[nodiscard]] std::optional<Refusal> check_rate(const char* field, double rate_hz) const;
 
+  /// Ends the streams that waited too long for their first message. Any thread.
+  void end_overdue(core::TimePoint now);
+
   /// What is not protected, a sentence each. Calls may come before the last is known. Any thread.
   void add_weakness(std::string sentence);
   [[nodiscard]] std::vector<std::string> weaknesses() const;
@@ -85,6 +91,7 @@ struct ServiceContext {
   const FactsProvider facts;
   SessionRegistry registry;
   OpenStreams streams;
+  WaitingRoom waiting;
   std::unique_ptr<UdpPort> udp;  ///< none where the scene has no udp_listen
   std::vector<std::unique_ptr<Broadcaster>> broadcasters;
 

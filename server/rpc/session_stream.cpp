@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "server/rpc/convert.hpp"
@@ -23,7 +24,8 @@ core::Duration path_period(const v1::OpenSession& request, double loop_hz) {
   const double states = request.state_rate_hz() > 0.0 ? request.state_rate_hz() : loop_hz;
   const bool sends = request.role() == v1::ROLE_CONTROLLER;
   // A rate that is off is refused when the lease is asked for; until then it must not harm.
-  const double rate = std::clamp(sends ? request.nominal_rate_hz() : states, 1.0, 2000.0);
+  const double told = sends ? request.nominal_rate_hz() : states;
+  const double rate = std::isnan(told) ? 1.0 : std::clamp(told, 1.0, 2000.0);
   return std::chrono::duration_cast<core::Duration>(std::chrono::duration<double>(1.0 / rate));
 }
 
@@ -37,6 +39,14 @@ const char* role_name(v1::Role role) {
 SessionStream* SessionStream::begin(ServiceContext& context, Peer peer) {
   auto stream = std::make_shared<SessionStream>(context, std::move(peer));
   stream->keep_alive();
+  if (const auto longest = context.waiting.enter(stream, context.config.clock({}))) {
+    longest->never_opened({Refusal::Code::kExhausted,
+                           "TOO_MANY_SESSIONS",
+                           "streams without a session: all " +
+                               std::to_string(context.waiting.places()) +
+                               " places are taken, and this one waited longest",
+                           {}});
+  }
   stream->StartRead(&stream->incoming_);
   context.streams.add(stream);
   return stream.get();
@@ -51,6 +61,7 @@ void SessionStream::OnReadDone(bool ok) {
     return end(to_status(protocol_error("not a SessionRequest")));
   }
   const bool first = std::exchange(first_message_, false);
+  if (first) context_.waiting.leave(*this);
   if (first != request_.has_open()) {
     return end(to_status(protocol_error(first ? "the first message must be OpenSession"
                                               : "OpenSession must be the first message only")));
@@ -258,7 +269,8 @@ void SessionStream::take_sample(const v1::ProxySample& sample, core::TimePoint a
   link_.judged(carrier, verdict);
   ledger_.book(sample.seq(), verdict, std::move(why));
   const bool used = verdict == IngressVerdict::kAccepted || verdict == IngressVerdict::kBacklog;
-  if (!used || carrier == std::exchange(samples_by_, carrier)) return;
+  if (!used || carrier == samples_by_ || !tell_limit_.allows(arrival)) return;
+  samples_by_ = carrier;
   tell_transport(carrier == Carrier::kUdp ? "SAMPLES GRPC -> UDP" : "SAMPLES UDP -> GRPC",
                  "the client's choice");
 }
@@ -389,6 +401,7 @@ void SessionStream::flush() {
 }
 
 void SessionStream::OnDone() {
+  context_.waiting.leave(*this);
   if (udp_) context_.udp->close(udp_);
   if (!client_name_.empty()) spdlog::info("session '{}' ended", client_name_);
   ResponseStream::OnDone();

@@ -29,6 +29,7 @@ class SessionStream final
 
   bool offer(const core::TickRecord& record, StateFrame& frame, bool states_allowed) override;
   void goes_on_elsewhere(const std::string& session_id) override;
+  void never_opened(const Refusal& why) override { end(to_status(why)); }
   void report(const std::string& device, v1::GetLinkStatsResponse& response) override;
   void OnReadDone(bool ok) override;
   void OnDone() override;
@@ -53,6 +54,23 @@ class SessionStream final
   void tell_transport(const char* reason, const char* why);
   void flush() override;
 
+  /// A client may change its carrier with every sample, as large ones and small ones come in turns;
+  /// who listens is told four times a second at most, and of the last change in the end.
+  class TellLimit {
+   public:
+    [[nodiscard]] bool allows(core::TimePoint now) noexcept {
+      if (now - since_ >= std::chrono::seconds(1)) {
+        since_ = now;
+        told_ = 0;
+      }
+      return told_++ < 4;
+    }
+
+   private:
+    core::TimePoint since_{};
+    int told_{0};
+  };
+
   const Peer peer_;
 
   // Of the reading side, one callback at a time.
@@ -74,7 +92,8 @@ class SessionStream final
   core::Duration nominal_period_{0};
   std::shared_ptr<UdpPath> udp_;
   std::optional<wire::PathKeys> new_keys_;  ///< to be sent
-  Carrier samples_by_{Carrier::kGrpc};
+  Carrier samples_by_{Carrier::kGrpc};      ///< as told
+  TellLimit tell_limit_;
   Carrier states_by_{Carrier::kNone};
   bool states_by_udp_{false};
   Pace pace_{1000.0, 0.0};

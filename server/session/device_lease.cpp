@@ -83,7 +83,7 @@ void DeviceSessions::resume_lease(const LeaseRequest& request, core::TimePoint n
     ++command_.release_id;
     post();
   }
-  const std::uint32_t epoch = lease_.resume(request, now);
+  const std::uint32_t epoch = lease_.resume(request, now, ingress_.last_accepted());
   resumes_ = lease_.resumes();
   ingress_.renew_lease(epoch);
   tell_lease("LEASE_RESUMED", "'" + request.client_name + "' is back");

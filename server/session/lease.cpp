@@ -22,13 +22,14 @@ void LeaseBook::end() noexcept {
   client_name_.clear();
 }
 
-std::uint32_t LeaseBook::resume(const LeaseRequest& request, core::TimePoint now) {
+std::uint32_t LeaseBook::resume(const LeaseRequest& request, core::TimePoint now,
+                                core::TimePoint last_accepted) {
   detached_ = false;
   session_id_ = request.session_id;
   client_name_ = request.client_name;
   priority_ = request.priority;
   resumable_ = request.resumable;
-  opened_ = now;
+  if (last_accepted > opened_) opened_ = now;
   ++resumes_;
   return epoch();
 }

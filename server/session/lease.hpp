@@ -34,8 +34,9 @@ struct LeaseRequest {
 };
 
 /// Exactly one holder or none, and an epoch that only rises: by one with every grant and with every
-/// resume. The clock of a lease runs from its last accepted sample, or from its opening (or resume)
-/// before the first one; at `timeout` it has expired. A lease whose session lost its stream is
+/// resume. The clock of a lease runs from its last accepted sample, or from its opening before the
+/// first one; at `timeout` it has expired. A resume starts the clock anew only where a sample came
+/// since it was started: data is the sign of life, coming back is none. A lease whose session lost its stream is
 /// detached: it is held against time only, not against others who want it.
 class LeaseBook {
  public:
@@ -61,8 +62,10 @@ class LeaseBook {
   void end() noexcept;
   /// Its session lost the stream. Only where it is resumable.
   void detach() noexcept { detached_ = true; }
-  /// The lease goes on for `request`, under a new epoch. Precondition: resumable().
-  std::uint32_t resume(const LeaseRequest& request, core::TimePoint now);
+  /// The lease goes on for `request`, under a new epoch; `last_accepted` as for expired().
+  /// Precondition: resumable().
+  std::uint32_t resume(const LeaseRequest& request, core::TimePoint now,
+                       core::TimePoint last_accepted);
   /// A newcomer of `priority` may have it: it is free, of lower priority, or detached and of the same.
   [[nodiscard]] bool yields_to(Priority priority) const noexcept;
   /// The clock runs from `now` on.

@@ -74,9 +74,14 @@ core::TimePoint UdpPath::next_step() const {
   return core::TimePoint(end_.next_step().time_since_epoch());
 }
 
-bool UdpPath::wants_rekey() const {
+bool UdpPath::wants_rekey(core::TimePoint now) const {
   const std::lock_guard lock(mutex_);
-  return end_.wants_rekey();
+  return end_.wants_rekey(to_wire(now));
+}
+
+bool UdpPath::knows(std::uint32_t path_id, core::TimePoint now) {
+  const std::lock_guard lock(mutex_);
+  return end_.knows(path_id, to_wire(now));
 }
 
 void UdpPath::rekey(const wire::PathKeys& keys) {

@@ -43,7 +43,10 @@ class UdpPath {
                           core::TimePoint arrival);
   void step(core::TimePoint now);
   [[nodiscard]] core::TimePoint next_step() const;
-  [[nodiscard]] bool wants_rekey() const;
+  [[nodiscard]] bool wants_rekey(core::TimePoint now) const;
+  /// Its datagrams may come under this path id: of its keys, the next ones or, for a while, the
+  /// former.
+  [[nodiscard]] bool knows(std::uint32_t path_id, core::TimePoint now);
   /// Prepares both ends: ours here, the client's by the sink.
   void rekey(const wire::PathKeys& keys);
   void close();

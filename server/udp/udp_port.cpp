@@ -90,13 +90,23 @@ class UdpPort::Impl {
     wire::PathKeys keys;
     {
       const std::lock_guard lock(mutex_);
+      const core::TimePoint now = clock_({});
+      bool open = false;  // it may have been closed meanwhile
+      std::erase_if(paths_, [&](const auto& entry) {
+        open = open || entry.second == path;
+        return entry.second == path && !path->knows(entry.first, now);
+      });
+      if (!open) return;
       keys = unused_keys();
-      paths_[keys.path_id] =
-          path;  // its former ids lead to it as well, and it knows which still hold
+      paths_[keys.path_id] = path;
     }
     path->rekey(keys);
   }
 
+  [[nodiscard]] std::size_t path_ids() const {
+    const std::lock_guard lock(mutex_);
+    return paths_.size();
+  }
   [[nodiscard]] const std::string& host() const { return host_; }
   [[nodiscard]] asio::ip::udp::endpoint bound() const { return socket_.bound(); }
   [[nodiscard]] std::uint64_t rejected(wire::Rejection why) const {
@@ -160,12 +170,12 @@ class UdpPort::Impl {
     {
       const std::lock_guard lock(mutex_);
       for (const auto& [id, path] : paths_) {
-        if (path->next_step() <= now || path->wants_rekey()) due.push_back(path);
+        if (path->next_step() <= now || path->wants_rekey(now)) due.push_back(path);
       }
     }
     for (const auto& path : due) {
       path->step(now);
-      if (path->wants_rekey()) rekey(path);
+      if (path->wants_rekey(now)) rekey(path);
     }
     schedule();
   }
@@ -218,6 +228,9 @@ void UdpPort::close(const std::shared_ptr<UdpPath>& path) {
 }
 void UdpPort::rekey(const std::shared_ptr<UdpPath>& path) {
   impl_->rekey(path);
+}
+std::size_t UdpPort::path_ids() const {
+  return impl_->path_ids();
 }
 std::string UdpPort::host() const {
   return impl_->host();

@@ -1,9 +1,16 @@
 #include <array>
+#include <memory>
 #include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "haptic/wire/secure_channel.hpp"
 #include "server/ingress/ingress.hpp"
 #include "server/rpc/convert.hpp"
+#include "server/rpc/sample_ledger.hpp"
+#include "server/session/link_watch.hpp"
+#include "server/udp/udp_path.hpp"
 #include "server/udp/udp_socket.hpp"
 #include "tests/bench/network.hpp"
 #include "tests/bench/network_sample.hpp"
@@ -17,6 +24,10 @@ using std::chrono::milliseconds;
 /// Datagrams that wait when their receiving is timed; a default socket buffer holds twice that.
 constexpr int kWaiting = 100;
 constexpr int kRounds = 20;  ///< per block
+
+double ns_per_datagram(std::chrono::steady_clock::duration time) {
+  return std::chrono::duration<double, std::nano>(time).count() / (kRounds * kWaiting);
+}
 
 /// Everything that a datagram meets on its way to the mailbox, step by step.
 class Way {
@@ -91,12 +102,99 @@ class Way {
   std::array<v1::ProxySample, kWaiting> sample_{};
 };
 
+/// What a session does with a sample that came by UDP, of the server's own parts: the figures of the
+/// link, the client's clock, the door, the ledger (SessionStream::take_sample without gRPC).
+class Session final : public server::UdpSink {
+ public:
+  Session() : ingress_(mailbox_, 2) { ingress_.begin_lease(1, 1000.0, milliseconds(100)); }
+
+  void state_sent(std::uint64_t tick, core::TimePoint at) {
+    link_.state_sent(tick, at, server::Carrier::kUdp);
+  }
+  void on_udp_sample(const v1::ProxySample& sample, core::TimePoint arrival) override {
+    const server::SampleStamp stamp{server::Carrier::kUdp,
+                                    sample.ByteSizeLong(),
+                                    sample.source_time_ns(),
+                                    sample.device_seq_used(),
+                                    std::chrono::microseconds(sample.hold_us()),
+                                    arrival};
+    server::ProxyCandidate candidate = server::from_proto(sample, 1, server::Carrier::kUdp);
+    candidate.left = link_.came(stamp, path->clock(arrival));
+    const auto verdict = ingress_.accept(candidate, arrival, &why_);
+    if (verdict != server::IngressVerdict::kAccepted) throw std::runtime_error("not accepted");
+    link_.judged(server::Carrier::kUdp, verdict);
+    ledger_.book(sample.seq(), verdict, std::string());
+  }
+  void on_udp_change(wire::PathChange) override {}
+  void on_udp_keys(const wire::PathKeys&) override {}
+
+  std::shared_ptr<server::UdpPath> path{};
+
+ private:
+  core::Mailbox<core::ProxySnapshot> mailbox_{};
+  server::Ingress ingress_;
+  server::LinkWatch link_{};
+  server::SampleLedger ledger_{};
+  std::string why_{};
+};
+
+/// Of one datagram all that the server does, from the path on: locks, window, AEAD, figures, parse,
+/// clock, ingress, ledger. Datagrams are 1 ms apart, on a clock that the measurement turns.
+class WholePath {
+ public:
+  WholePath() : keys_(wire::fresh_keys()), client_(wire::End::kClient, keys_) {
+    wire::PathEndSetup setup;
+    setup.end = wire::End::kServer;
+    setup.keys = keys_;
+    setup.send = [](const wire::PeerAddress&, wire::ConstBytes) {};
+    session_->path = std::make_shared<server::UdpPath>(std::move(setup), session_);
+  }
+  ~WholePath() { session_->path.reset(); }
+  WholePath(const WholePath&) = delete;
+  WholePath& operator=(const WholePath&) = delete;
+
+  double block() {
+    std::chrono::steady_clock::duration time{0};
+    for (int round = 0; round < kRounds; ++round) {
+      core::TimePoint arrival = now_;
+      for (auto& datagram : datagrams_) datagram = sealed(arrival += milliseconds(1));
+      const auto start = std::chrono::steady_clock::now();
+      for (const auto& datagram : datagrams_) {
+        now_ += milliseconds(1);
+        if (session_->path->receive(datagram, {}, now_) != wire::Rejection::kNone) {
+          throw std::runtime_error("rejected");
+        }
+      }
+      time += std::chrono::steady_clock::now() - start;
+    }
+    return ns_per_datagram(time);
+  }
+
+ private:
+  std::vector<std::uint8_t> sealed(core::TimePoint arrival) {
+    v1::ProxySample sample;
+    fill(sample, ++seq_);
+    const auto left = arrival - std::chrono::microseconds(100);
+    sample.set_source_time_ns(left.time_since_epoch().count());
+    session_->state_sent(sample.device_seq_used(), left - std::chrono::microseconds(4100));
+    const std::string text = sample.SerializeAsString();
+    std::vector<std::uint8_t> out(wire::kLargestDatagram);
+    out.resize(client_.seal(
+        wire::DatagramType::kProxy,
+        wire::ConstBytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()), out));
+    return out;
+  }
+
+  wire::PathKeys keys_;
+  wire::SecureChannel client_;
+  std::shared_ptr<Session> session_ = std::make_shared<Session>();
+  std::uint64_t seq_{0};
+  core::TimePoint now_{std::chrono::hours(1)};
+  std::array<std::vector<std::uint8_t>, kWaiting> datagrams_{};
+};
+
 using Step = void (Way::*)(int);
 constexpr std::array<Step, 4> kSteps{&Way::receive, &Way::open, &Way::parse, &Way::accept};
-
-double ns_per_datagram(std::chrono::steady_clock::duration time) {
-  return std::chrono::duration<double, std::nano>(time).count() / (kRounds * kWaiting);
-}
 
 /// Time of step `timed` per datagram in one block; all the others are done around it.
 double step_block(Way& way, std::size_t timed) {
@@ -138,6 +236,10 @@ void datagram_cost(int blocks) {
   }
   print(measure(
       "one datagram: all of it", "ns", [&] { return all_block(*way); }, 3000.0, blocks));
+  WholePath whole;
+  print(measure(
+      "one datagram: from the path to the mailbox, with locks, figures, clock and ledger", "ns",
+      [&] { return whole.block(); }, 3000.0, blocks));
 }
 
 }  // namespace haptic::bench

@@ -74,13 +74,13 @@ class Client:
         if not (self.path and self.path.send_sample(self.sample)):
             self.send_by_stream(self.sample)
 
-    def publish_until(self, condition, what, position=None):
+    def publish_until(self, condition, what, position=None, seconds=20.0):
         """`position` None: the proxy is where the device is."""
         def once():
             self.publish(position or list(self.state.x_probe))
             time.sleep(1 / RATE_HZ)
             return condition()
-        eventually(once, what)
+        eventually(once, what, seconds)
 
     def engage(self):
         try:

@@ -9,6 +9,7 @@
 #include "server/udp/udp_port.hpp"
 #include "tests/relay/daemon.hpp"
 #include "tests/relay/flood.hpp"
+#include "tests/relay/host_witness.hpp"
 #include "tests/relay/matrix_table.hpp"
 #include "tests/relay/presser.hpp"
 #include "tests/relay/relay.hpp"
@@ -60,16 +61,23 @@ TEST(Flood, EveryDatagramIsCountedByItsReasonAndNoneIsAnswered) {
           std::to_string(tag) + " TAG; " + std::to_string(dropped) + " dropped by the kernel");
 }
 
-/// What a flood of two seconds does to the loop and to a stop.
+/// What a flood of two seconds does to the loop and to a stop, or several floods.
 struct Harm {
-  double skipped{0.0};   ///< deadlines, per thousand ticks
-  double stop_p99{0.0};  ///< ms from the call to its answer, which the tick gives that latched
-  double rate{0.0};      ///< datagrams per second, as sent
+  double skipped{0.0};  ///< deadlines, per thousand ticks
+  double rate{0.0};     ///< datagrams per second, as sent
+  /// ms from the call to its answer, which the tick gives that latched
+  std::vector<double> stops{};
+
+  [[nodiscard]] double stop_p99() const {
+    std::vector<double> sorted = stops;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted.at(sorted.size() * 99 / 100 - 1);
+  }
   [[nodiscard]] std::string text(const std::string& what) const {
-    char line[120];
+    char line[140];
     std::snprintf(line, sizeof line,
-                  "%s: %.2f of 1000 deadlines skipped, stop p99 %.2f ms at %.0f/s", what.c_str(),
-                  skipped, stop_p99, rate);
+                  "%s: %.2f of 1000 deadlines skipped, p99 of %zu stops %.2f ms at %.0f/s",
+                  what.c_str(), skipped, stops.size(), stop_p99(), rate);
     return line;
   }
 };
@@ -82,11 +90,10 @@ Harm measure(client::Connection& connection, std::uint16_t port, std::vector<Pac
   const std::uint64_t sent = flood.sent();
   const auto begin = std::chrono::steady_clock::now();
   const client::ServerInfo before = connection.server_info();
-  std::vector<double> stops;
   for (int i = 0; i < kStops; ++i) {
     const auto asked = std::chrono::steady_clock::now();
     connection.emergency_stop();
-    stops.push_back(
+    harm.stops.push_back(
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - asked)
             .count());
     connection.clear_fault();
@@ -98,30 +105,73 @@ Harm measure(client::Connection& connection, std::uint16_t port, std::vector<Pac
   harm.rate = static_cast<double>(flood.sent() - sent) / seconds;
   harm.skipped = 1000.0 * static_cast<double>(after.skipped_ticks - before.skipped_ticks) /
                  static_cast<double>(std::max<std::uint64_t>(1, after.ticks - before.ticks));
-  std::sort(stops.begin(), stops.end());
-  harm.stop_p99 = stops.at(kStops * 99 / 100 - 1);
   flood.stop();
   EXPECT_FALSE(flood.answered());
   return harm;
 }
 
-/// Each figure by itself.
-Harm median(const std::vector<Harm>& harms) {
-  const auto of = [&](double Harm::*figure) {
+/// The medians of the figures, and every stop.
+Harm pooled(const std::vector<Harm>& harms) {
+  const auto median = [&](double Harm::*figure) {
     std::vector<double> values;
     for (const Harm& harm : harms) values.push_back(harm.*figure);
     std::nth_element(values.begin(), values.begin() + static_cast<int>(values.size() / 2),
                      values.end());
     return values.at(values.size() / 2);
   };
-  return {of(&Harm::skipped), of(&Harm::stop_p99), of(&Harm::rate)};
+  Harm all{median(&Harm::skipped), median(&Harm::rate)};
+  for (const Harm& harm : harms) {
+    all.stops.insert(all.stops.end(), harm.stops.begin(), harm.stops.end());
+  }
+  return all;
+}
+
+constexpr double kStopWithin = 10.0;  // ms, WIRE 2, p99
+/// Two measurements of the same flood differ by that much.
+constexpr double kSkippedAlike = 0.5;  // deadlines per thousand ticks
+
+struct FloodMeasurement {
+  Harm discarded{}, junk{}, headed{};
+  std::string host{};         ///< what the witness saw
+  double longest_stall{0.0};  ///< s, of the host
+  [[nodiscard]] bool stops_in_time() const {
+    return std::max(junk.stop_p99(), headed.stop_p99()) <= kStopWithin;
+  }
+  [[nodiscard]] bool no_more_skipped() const {
+    return std::max(junk.skipped, headed.skipped) <= discarded.skipped + kSkippedAlike;
+  }
+  /// It failed, and the host was away for long enough to be the reason: for a deadline, or for as
+  /// long as makes a tick late (host_excuse.hpp).
+  [[nodiscard]] bool excused() const {
+    return (!no_more_skipped() && longest_stall > 0.002) ||
+           (!stops_in_time() && longest_stall > 0.008);
+  }
+};
+
+FloodMeasurement five_rounds(const Daemon& daemon, const std::atomic<std::uint32_t>& path_id) {
+  client::Connection connection(daemon.address());
+  const DiscardingSocket nobody;
+  const HostWitness witness;
+  // Alternating, so that what else the machine does meets all alike.
+  std::vector<Harm> none, by_junk, by_header;
+  for (int round = 0; round < 5; ++round) {
+    none.push_back(measure(connection, nobody.port(), junk()));
+    by_junk.push_back(measure(connection, daemon.udp_port(), junk()));
+    by_header.push_back(measure(connection, daemon.udp_port(), headed(path_id)));
+  }
+  const Testimony seen = witness.testimony({});
+  double longest = 0.0;
+  for (const Stall& stall : seen.stalls) longest = std::max(longest, stall.to - stall.from);
+  return {pooled(none), pooled(by_junk), pooled(by_header), witness.summary(),
+          seen.above_all ? longest : 0.0};
 }
 
 TEST(Flood, CostsNoMoreThanToADiscardingSocketAndAStopActsWithin10Ms) {
   MatrixRow row(
       "network/flood_100000_per_s",
       "no deadline skipped beyond what the flood to a discarding socket costs; EmergencyStop p99 "
-      "<= 10 ms; no reply");
+      "<= 10 ms of the stops of five rounds (all measured again, three times at most, where the "
+      "host stalled for as long as explains a failure); no reply");
   // Late ticks are counted here, and must not end the run.
   Daemon daemon("loop { loop_late_fault { seconds: 5 } late_bucket_full: 1000000 }\n");
   ASSERT_TRUE(serves(daemon.address()));
@@ -137,24 +187,20 @@ TEST(Flood, CostsNoMoreThanToADiscardingSocketAndAStopActsWithin10Ms) {
   const Relay relay(setup);
   Presser presser(daemon.behind_relay());
   ASSERT_TRUE(within(20s, [&] { return presser.state().transport == client::Transport::kUdp; }));
-  client::Connection connection(daemon.address());
-  const DiscardingSocket nobody;
-  // Alternating, so that what else the machine does meets all alike.
-  std::vector<Harm> none, by_junk, by_header;
-  for (int round = 0; round < 5; ++round) {
-    none.push_back(measure(connection, nobody.port(), junk()));
-    by_junk.push_back(measure(connection, daemon.udp_port(), junk()));
-    by_header.push_back(measure(connection, daemon.udp_port(), headed(path_id)));
+  constexpr int kMeasurementsAtMost = 3;
+  FloodMeasurement measured;
+  for (int number = 1; number <= kMeasurementsAtMost; ++number) {
+    measured = five_rounds(daemon, path_id);
+    row.got("measurement " + std::to_string(number) + ", " + measured.host);
+    row.got(measured.discarded.text("discarded"));
+    row.got(measured.junk.text("junk"));
+    row.got(measured.headed.text("valid header"));
+    if (!measured.excused()) break;
   }
-  const Harm nothing = median(none);
-  row.got(nothing.text("discarded"));
-  for (const auto& [what, harms] :
-       {std::pair("junk", by_junk), std::pair("valid header", by_header)}) {
-    const Harm harm = median(harms);
-    row.got(harm.text(what));
-    // Two runs of the same differ by half a deadline in a thousand.
-    EXPECT_LE(harm.skipped, nothing.skipped + 0.5) << what;
-    EXPECT_LE(harm.stop_p99, std::max(10.0, nothing.stop_p99)) << what;
+  for (const auto& [what, harm] :
+       {std::pair("junk", measured.junk), std::pair("valid header", measured.headed)}) {
+    EXPECT_LE(harm.skipped, measured.discarded.skipped + kSkippedAlike) << what;
+    EXPECT_LE(harm.stop_p99(), kStopWithin) << what;
     EXPECT_GT(harm.rate, 80'000.0) << what;
   }
   EXPECT_EQ(daemon.stop(), 0);

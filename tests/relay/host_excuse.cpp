@@ -13,6 +13,7 @@ constexpr double kLoopLate = 0.008;  // s, WIRE 4: where SCHED_FIFO was granted
 /// WIRE 4 again, in words of our own: the server's bucket is among what is judged.
 constexpr double kPerSkipped = 5.0, kFull = 100.0;
 constexpr int kGoodTicksPerDrop = 20;
+constexpr double kSkippedAtMost = 0.005;  // of the ticks
 
 class Bucket {
  public:
@@ -94,6 +95,8 @@ class Blame {
     stalled_since_ += hosts_ ? stalled_now_ : 0.0;
   }
 
+  /// But for the host this tick would have missed no deadline.
+  [[nodiscard]] bool hosts() const { return hosts_; }
   /// That `fault` was latched in this tick.
   [[nodiscard]] std::optional<std::string> excuse(const std::string& fault) const {
     if (fault == "LOOP_LATE" && now_.lateness > kLoopLate && hosts_) {
@@ -109,7 +112,7 @@ class Blame {
   const std::vector<Stall> stalls_;
   RecordedTick now_{};
   double stalled_now_{0.0};
-  bool hosts_{false};  ///< but for the host this tick would have missed no deadline
+  bool hosts_{false};
   Bucket all_{}, ours_{};
   int times_{0};  ///< since the bucket was empty: ticks that the host made late, and by how much
   double stalled_since_{0.0};
@@ -142,6 +145,21 @@ std::optional<std::string> host_excuse(const std::vector<RecordedTick>& run,
       std::all_of(findings.begin(), findings.end(),
                   [&](const Finding& f) { return !f.is_final && f.at && *f.at >= first; });
   return all_its_consequences ? excuse : std::nullopt;
+}
+
+std::optional<std::string> too_many_skipped(const std::vector<RecordedTick>& run,
+                                            const Testimony& testimony) {
+  Blame blame(testimony.above_all ? merged(testimony.stalls) : std::vector<Stall>{});
+  double ours = 0.0;
+  for (const RecordedTick& tick : run) {
+    blame.tick(tick);
+    ours += blame.hosts() ? 0.0 : tick.skipped;
+  }
+  if (ours <= kSkippedAtMost * static_cast<double>(run.size())) return {};
+  char text[100];
+  std::snprintf(text, sizeof text, "%.0f of %zu deadlines skipped without a stall of the host",
+                ours, run.size());
+  return text;
 }
 
 RowReport until_a_run_counts(const std::function<RunReport()>& run) {

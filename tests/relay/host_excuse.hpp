@@ -42,6 +42,12 @@ struct Testimony {
                                                      const Testimony& testimony,
                                                      const std::vector<Finding>& findings);
 
+/// "60 of 10000 deadlines skipped without a stall of the host", where these are more than 0.5 %: of
+/// every skipped deadline it is asked, as above, whether its tick would have missed none but for
+/// the stalls. Nothing: few enough. Every skipped one is ours where the witness was not above all.
+[[nodiscard]] std::optional<std::string> too_many_skipped(const std::vector<RecordedTick>& run,
+                                                          const Testimony& testimony);
+
 struct RunReport {
   std::vector<Finding> findings{};
   std::vector<std::string> got{};       ///< for the table

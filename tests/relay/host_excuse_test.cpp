@@ -196,6 +196,26 @@ TEST(HostExcuse, AFullBucketIsTheHostsWhereStallsFilledIt) {
   verdict_on(many_lags());
 }
 
+/// 4 deadlines each, of `count` lags in 4 s; 0.5 % of the ticks that are left are 19.9.
+Run lagging_in_4_s(int count) {
+  Run run(4.0);
+  for (int i = 0; i < count; ++i) run.late(lag_at(i), kLag);
+  return run;
+}
+
+TEST(SkippedDeadlines, AreFewBesidesThoseThatStallsExplain) {
+  const auto few = lagging_in_4_s(4), many = lagging_in_4_s(5);
+  EXPECT_FALSE(too_many_skipped(few.ticks(), {true, {}}));
+  EXPECT_EQ(too_many_skipped(many.ticks(), {true, {}}),
+            "20 of 3980 deadlines skipped without a stall of the host");
+  EXPECT_FALSE(too_many_skipped(many.ticks(), stalls_at({2})));
+  EXPECT_FALSE(too_many_skipped(many.ticks(), stalls_at({0, 1, 2, 3, 4})));
+  EXPECT_TRUE(too_many_skipped(many.ticks(), {true, {{0.15, 0.19}, {0.65, 0.9}}}));
+  Testimony unheard = stalls_at({0, 1, 2, 3, 4});
+  unheard.above_all = false;
+  EXPECT_TRUE(too_many_skipped(many.ticks(), unheard));
+}
+
 RunReport fine() {
   return {{}, {"figures"}, {}, "no stall of the host"};
 }

@@ -30,6 +30,12 @@ for row in bit_flips wrong_key replayed_capture spoofed_source nan huge_values j
     status=1
   fi
 done
+for row in cut_connection client_stopped_300ms; do  # only real sockets and processes have them
+  if ! grep -q "\"$row\"" "$root/tests/relay/network_rows_test.cpp"; then
+    echo "no row network/$row"
+    status=1
+  fi
+done
 if bash "$root/tests/relay/matrix.sh" --build "$folder/nothing" --out "$out.2" 2>/dev/null; then
   echo "matrix.sh is content with a build that is not there"
   status=1

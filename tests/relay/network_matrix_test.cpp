@@ -4,7 +4,7 @@
 /// (network_row.hpp).
 ///
 /// The scenarios of the client's clock are not here: nothing between the ends can turn a process's
-/// clock. tests/interop/udp_client_test.py has a client that turns its own.
+/// clock. tests/interop/clock_rows_test.py has a client that turns its own.
 
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ bool is_lost_and_back(const std::string& name) {
 
 std::string expectation(const std::string& name) {
   std::string text =
-      "levels and gain by age; seq never back; force rises by at most the slew limit; no elastic "
+      "levels and gain by age; seq never back; force moves by at most the slew limit; no elastic "
       "force 200 ms after the last sample; energy within the tank; no fault";
   if (is_never_felt(name)) text += "; engaged throughout";
   if (is_lost_and_back(name)) text += "; lost, and engaged again";

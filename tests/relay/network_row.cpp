@@ -88,9 +88,11 @@ RunReport run_once(const Experiment& experiment) {
   guarded([&] {
     static_cast<void>(run.judge());
     if (const auto origin = run.origin()) {
+      const Testimony testimony = witness.testimony(*origin);
+      const auto skipped = too_many_skipped(run.record_, testimony);
+      run.expect(!skipped, "at most 0.5 %, not " + skipped.value_or(""), run.record_.back().time);
       run.date_findings(*origin);
-      run.report_.excuse =
-          host_excuse(run.record_, witness.testimony(*origin), run.report_.findings);
+      run.report_.excuse = host_excuse(run.record_, testimony, run.report_.findings);
     }
   });
   run.report_.witness = witness.summary();

@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <limits>
 
@@ -37,16 +38,57 @@ bool engages_by_udp(RowRun& run, Presser& presser) {
   return run.expect(engaged, "engaged over UDP within 20 s");
 }
 
+/// Datagrams that the server dropped so far, up to the tag's check: of open sessions and of none.
+std::uint64_t rejected_datagrams(client::Connection& server) {
+  std::uint64_t sum = 0;
+  const auto add = [&sum](const std::vector<client::Rejected>& rejected) {
+    for (const client::Rejected& each : rejected) {
+      for (auto why = wire::Rejection::kLength; why <= wire::Rejection::kTag;
+           why = static_cast<wire::Rejection>(static_cast<int>(why) + 1)) {
+        if (each.reason == wire::name(why)) sum += each.count;
+      }
+    }
+  };
+  const client::LinkReport links = server.links();
+  add(links.unassigned);
+  for (const client::SessionLink& session : links.sessions) {
+    for (const client::LinkTransport& link : session.transports) {
+      if (link.transport == client::Transport::kUdp) add(link.up.rejected);
+    }
+  }
+  return sum;
+}
+
+/// That there was an attack, and that the server's counters show it; `before`: theirs without it.
+void expect_rejected(RowRun& run, client::Connection& server, std::uint64_t before,
+                     std::uint64_t forged) {
+  run.expect(forged > 100U, "more than 100 forged datagrams");
+  // But for what the last 100 ms may still have under way.
+  const double least = 0.9 * static_cast<double>(forged) - 20.0;
+  std::uint64_t rejected = 0;
+  const bool shown = within(2s, [&] {
+    const std::uint64_t now = rejected_datagrams(server);
+    rejected = now - std::min(now, before);
+    return static_cast<double>(rejected) >= least;
+  });
+  run.expect(shown, "nine of ten forged datagrams rejected, by the server's counters");
+  run.got(std::to_string(forged) + " forged datagrams, " + std::to_string(rejected) + " rejected");
+}
+
 struct Attack {
   std::function<std::vector<Packet>(const Packet&)> forge;
-  std::function<void(const Daemon&)> meanwhile{};
+  std::function<std::uint64_t(const Daemon&)> meanwhile{};  ///< how many it sent by itself
   std::function<void(RowRun&)> in_the_end{};
 };
 
-/// An attack during three seconds of pressing is not felt: never stale by more than a hold, on UDP
-/// all along. `prepare` is called for each run.
-void siege(const std::string& name, const std::function<Attack()>& prepare) {
-  network_row(name, "contract; engaged throughout; stays on UDP; no reply", [&](RowRun& run) {
+/// An attack during three seconds of pressing is rejected and counted, and not felt: never stale by
+/// more than a hold, on UDP all along. `prepare` is called for each run.
+void siege(const std::string& name, const std::function<Attack()>& prepare,
+           const std::string& more = {}) {
+  const std::string expected =
+      "contract; engaged throughout; stays on UDP; forgeries rejected, by the server's counters" +
+      more;
+  network_row(name, expected, [&](RowRun& run) {
     const Attack attack = prepare();
     std::atomic<bool> attacking{false};
     std::atomic<std::uint64_t> forged{0};
@@ -61,17 +103,19 @@ void siege(const std::string& name, const std::function<Attack()>& prepare) {
       const Relay relay(setup);
       Presser presser(run.daemon().behind_relay());
       if (!engages_by_udp(run, presser)) return;
+      client::Connection server(run.daemon().address());
+      const std::uint64_t before = rejected_datagrams(server);
       attacking = true;
-      if (attack.meanwhile) attack.meanwhile(run.daemon());
+      if (attack.meanwhile) forged += attack.meanwhile(run.daemon());
       std::this_thread::sleep_for(3s);
       attacking = false;
+      expect_rejected(run, server, before, forged);
       run.expect(!presser.heard("SAMPLES UDP -> GRPC"), "UDP all along");
       run.insist(presser.in_order(), "a sequence in use that never goes back");
     }
     if (attack.in_the_end) attack.in_the_end(run);
     const RunFigures figures = run.judge();
     run.expect(figures.losses == 0, "force never lost", figures.last_loss);
-    if (forged > 0) run.got(std::to_string(forged) + " forged datagrams");
     run.got(figures.text());
   });
 }
@@ -150,11 +194,10 @@ struct Eavesdropper {
   Stranger stranger{};
   std::mutex mutex{};
   std::vector<Packet> seen{};
-  int sent{0};
 };
 
 TEST(NetworkRow, SpoofedSource) {
-  siege("spoofed_source", [] {
+  const auto prepare = [] {
     const auto ear = std::make_shared<Eavesdropper>();
     Attack attack;
     attack.forge = [ear](const Packet& packet) {
@@ -165,24 +208,25 @@ TEST(NetworkRow, SpoofedSource) {
     attack.meanwhile = [ear](const Daemon& daemon) {
       // All through the siege, what came since the last look; the last 10 ms may still be on the way.
       std::size_t next = 0;
+      std::uint64_t sent = 0;
       const auto over = std::chrono::steady_clock::now() + 2s;
       while (std::chrono::steady_clock::now() < over) {
         {
           const std::lock_guard lock(ear->mutex);
           for (; next + 20 < ear->seen.size(); ++next) {
-            ear->sent += ear->stranger.send(ear->seen[next], daemon.udp_port()) ? 1 : 0;
+            sent += ear->stranger.send(ear->seen[next], daemon.udp_port()) ? 1 : 0;
           }
         }
         std::this_thread::sleep_for(10ms);
       }
+      return sent;
     };
     attack.in_the_end = [ear](RowRun& run) {
-      run.expect(ear->sent > 100, "more than 100 datagrams of the stranger");
-      run.got(std::to_string(ear->sent) + " datagrams of the stranger");
       run.insist(!ear->stranger.heard_anything(), "no reply to the stranger");
     };
     return attack;
-  });
+  };
+  siege("spoofed_source", prepare, "; no reply to the stranger");
 }
 
 TEST(NetworkRow, ACutConnectionIsResumed) {
@@ -204,27 +248,45 @@ TEST(NetworkRow, ACutConnectionIsResumed) {
               });
 }
 
-/// The example client presses over the relay and is killed; returns false where it never pressed.
+/// The example client as a process behind the relay, watched past it. It asks for force again.
+struct Wall {
+  static constexpr double kRate = 200.0;  ///< Hz, the example's
+
+  explicit Wall(const Daemon& daemon)
+      : relay(between(daemon)),
+        process(HAPTIC_BINARY_DIR "/client/haptic-example-virtual-wall",
+                {"--server", daemon.behind_relay(), "--stop", "0.3"}),
+        watching(daemon.address()),
+        watch(watching.watch("finger", 100.0, [this](const client::DeviceState& state) {
+          pressing = state.state == client::State::kEngaged && state.gain == 1.0;
+        })) {}
+
+  /// The outcome is a finding of the run where it is not so.
+  bool presses(RowRun& run) const {
+    return run.expect(within(20s, [&] { return pressing.load(); }), "pressed within 20 s");
+  }
+
+  const Relay relay;
+  Process process;
+  client::Connection watching;
+  std::atomic<bool> pressing{false};
+  std::unique_ptr<client::Watch> watch;
+};
+
+/// Returns false where it never pressed.
 bool kill_while_pressing(RowRun& run) {
-  const Relay relay(between(run.daemon()));
-  Process wall(HAPTIC_BINARY_DIR "/client/haptic-example-virtual-wall",
-               {"--server", run.daemon().behind_relay(), "--stop", "0.3"});
-  client::Connection watching(run.daemon().address());
-  std::atomic<bool> pressed{false};
-  const auto watch = watching.watch("finger", 100.0, [&](const client::DeviceState& state) {
-    if (state.state == client::State::kEngaged && state.gain == 1.0) pressed = true;
-  });
-  if (!run.expect(within(20s, [&] { return pressed.load(); }), "pressed within 20 s")) return false;
-  wall.signal(SIGKILL);
-  wall.wait();
+  Wall wall(run.daemon());
+  if (!wall.presses(run)) return false;
+  wall.process.signal(SIGKILL);
+  wall.process.wait();
   std::this_thread::sleep_for(3s);
-  run.expect(watching.devices().front().state == client::State::kIdle, "IDLE 3 s later");
+  run.expect(wall.watching.devices().front().state == client::State::kIdle, "IDLE 3 s later");
   return true;
 }
 
 TEST(NetworkRow, ClientKilled) {
   network_row("client_killed", "contract; no force and IDLE in the end", [](RowRun& run) {
-    run.client_rate(200.0);  // the example's
+    run.client_rate(Wall::kRate);
     if (!kill_while_pressing(run)) return;
     const RunFigures figures = run.judge();
     run.insist(run.record().back().tau_a == 0.0, "no force in the end");
@@ -232,6 +294,31 @@ TEST(NetworkRow, ClientKilled) {
   });
 }
 
+/// Its exit status is 0 only where SIGTERM finds it alive and well.
+TEST(NetworkRow, ClientStoppedFor300Ms) {
+  network_row("client_stopped_300ms",
+              "contract; a process stopped as a whole: lost, and engaged again; exit 0",
+              [](RowRun& run) {
+                run.client_rate(Wall::kRate);
+                {
+                  Wall wall(run.daemon());
+                  if (!wall.presses(run)) return;
+                  wall.process.signal(SIGSTOP);
+                  std::this_thread::sleep_for(300ms);
+                  wall.process.signal(SIGCONT);
+                  run.expect(within(1s, [&] { return !wall.pressing; }), "no force after 300 ms");
+                  if (!wall.presses(run)) return;
+                  wall.process.signal(SIGTERM);
+                  run.insist(wall.process.wait() == 0, "the client's exit status 0");
+                }
+                const RunFigures figures = run.judge();
+                run.expect(figures.losses >= 1, "force lost");
+                run.expect(figures.engages >= 2, "engaged again");
+                run.got(figures.text());
+              });
+}
+
+/// Only its samples: the library's threads go on.
 TEST(NetworkRow, ClientPausedFor300Ms) {
   network_row("client_paused_300ms", "contract; lost once, and engaged again", [](RowRun& run) {
     {

@@ -49,6 +49,33 @@ std::string force_in_fault(const RecordedTick& before, const RecordedTick& now) 
   return stopped ? "" : now.state + " while a fault is latched";
 }
 
+/// The same sign or nothing, and no more of it.
+bool only_taken(double before, double now) {
+  return std::abs(now) <= std::abs(before) && now * before >= 0.0;
+}
+
+/// WIRE 6: the command never steps by more than the slew limit, but for what is taken away after
+/// it: all of it by a fault, or where the device is not armed; its elastic part by the force
+/// envelope, down to gain times limit and no further. Everything else that acts on the force acts
+/// before the slew limit (guard, tank) or is damping (the passivity controller too), which has that
+/// limit for itself; of an actuator's ratings, which act after it, the scene has none.
+std::string force_step(const RecordedTick& before, const RecordedTick& now) {
+  const double dt = now.time - before.time;
+  const double most = Daemon::kSlew * dt + kTiny;
+  const double step = now.tau_a - before.tau_a;
+  if (std::abs(step) <= most) return {};
+  const bool armed = now.state == "ARMED" || now.state == "ENGAGING" || now.state == "ENGAGED" ||
+                     now.state == "RELEASING";
+  if ((!now.faults.empty() || !armed) && only_taken(before.tau_a, now.tau_a)) return {};
+  const double damping_step = step - (now.tau_elastic - before.tau_elastic);
+  const bool on_envelope = std::abs(now.tau_elastic) >= now.gain * Daemon::kForceLimit - kTiny;
+  if (on_envelope && only_taken(before.tau_elastic, now.tau_elastic) &&
+      std::abs(damping_step) <= most) {
+    return {};
+  }
+  return "force changed by " + std::to_string(step) + " N in " + std::to_string(dt) + " s";
+}
+
 /// What no lateness explains in one tick after another; empty: nothing.
 std::string final_breach(const RecordedTick& before, const RecordedTick& now, double fresh_end) {
   const double dt = now.time - before.time;
@@ -57,10 +84,7 @@ std::string final_breach(const RecordedTick& before, const RecordedTick& now, do
     if (!std::isfinite(value)) return "not a finite number";
   }
   if (std::string wrong = force_in_fault(before, now); !wrong.empty()) return wrong;
-  const double rise = std::abs(now.tau_a) - std::abs(before.tau_a);
-  if (rise > Daemon::kSlew * dt + kTiny) {
-    return "force rose by " + std::to_string(rise) + " N in " + std::to_string(dt) + " s";
-  }
+  if (std::string wrong = force_step(before, now); !wrong.empty()) return wrong;
   if (now.gain - before.gain > dt / kRampUp + kTiny) return "gain rose by a step";
   if (std::abs(now.tau_elastic) > now.gain * Daemon::kForceLimit + kTiny) {
     return "elastic force above gain times limit";
@@ -70,6 +94,10 @@ std::string final_breach(const RecordedTick& before, const RecordedTick& now, do
     return now.staleness + " at an age of " + std::to_string(now.age) + " s";
   }
   if (now.gain > ladder(now.age) + kTiny) return "gain above the ladder";
+  // Else the envelope would excuse any step of the force, by a step of the gain.
+  const double least = std::min(before.gain - dt / (kFadeEnd - kHoldEnd), ladder(now.age));
+  const bool taken = !now.faults.empty() || now.state == "FAULT" || now.state == "CLOSING";
+  if (now.gain < least - kTiny && !taken) return "gain fell by a step";
   if (now.age >= kSilent && now.tau_elastic != 0.0) return "elastic force after 200 ms of silence";
   return {};
 }

@@ -53,8 +53,8 @@ struct RunFigures {
 };
 
 /// To the record's end, whatever was found. Final is all that WIRE 4 promises of a tick by itself,
-/// however late it was: levels and gain by age, the force's limits, and in a fault no gain at once
-/// and no command from the second tick on. `fresh_end` s.
+/// however late it was: levels and gain by age, the force's limits and steps, and in a fault no gain
+/// at once and no command from the second tick on. `fresh_end` s.
 [[nodiscard]] RunFigures judge(const std::vector<RecordedTick>& run, double fresh_end);
 
 }  // namespace haptic::test

@@ -133,6 +133,120 @@ TEST(RunRecord, InAFaultNoForceIsLeft) {
   });
 }
 
+/// From `first` on: what the elastic part and the damping are.
+void force_from(Record& r, std::size_t first, double elastic, double damping = 0.0) {
+  for (std::size_t i = first; i < kRecorded; ++i) {
+    r[i].tau_elastic = elastic;
+    r[i].tau_a = elastic + damping;
+  }
+}
+
+/// The same with the ladder's gain at that age, and the level.
+void fade_from(Record& r, std::size_t first, double age, const std::string& level) {
+  for (std::size_t i = first; i < kRecorded; ++i) {
+    r[i].age = age;
+    r[i].staleness = level;
+    r[i].gain = level == "FADE" ? (0.180 - age) / 0.080 : 0.0;
+  }
+}
+
+/// 1 N per tick, either way.
+TEST(RunRecord, AForceThatStepsIsFinal) {
+  expect_breaches({
+      {"AFallAsItMay", pushing(), [](Record& r) { force_from(r, 30, 9.1); }, {}},
+      {"AFall", pushing(), [](Record& r) { force_from(r, 30, 5.0); }, {"final at 30: force"}},
+      {"AFallToNothing",
+       pushing(),
+       [](Record& r) { force_from(r, 30, 0.0); },
+       {"final at 30: force"}},
+      {"AnotherSign",
+       pushing(),
+       [](Record& r) { force_from(r, 30, -9.9); },
+       {"final at 30: force"}},
+      {"DampingThatFalls",
+       pushing(),
+       [](Record& r) {
+         force_from(r, 0, 10.0, -2.0);
+         force_from(r, 30, 10.0);
+       },
+       {"final at 30: force"}},
+  });
+}
+
+/// The envelope at an age of 172 ms is a tenth of 25 N.
+TEST(RunRecord, TheEnvelopeTakesElasticForceBeyondTheSlewLimit) {
+  const auto at_172_ms = [](double elastic, double damping) {
+    return [=](Record& r) {
+      fade_from(r, 30, 0.172, "FADE");
+      force_from(r, 30, elastic, damping);
+    };
+  };
+  const auto lost = [](double damping) {
+    return [=](Record& r) {
+      force_from(r, 0, 10.0, -2.0);
+      fade_from(r, 30, 0.190, "LOST");
+      force_from(r, 30, 0.0, damping);
+    };
+  };
+  const std::string step = "final at 30: force changed";
+  expect_breaches({
+      {"OntoIt", pushing(), at_172_ms(2.5, 0.0), {}},
+      {"OntoItAndADampingThatMayRiseSo", pushing(), at_172_ms(2.5, -0.9), {}},
+      {"OntoItAndADampingThatSteps", pushing(), at_172_ms(2.5, -1.1), {step}},
+      {"BelowIt", pushing(), at_172_ms(1.0, 0.0), {step}},
+      {"ToItsOtherSide", pushing(), at_172_ms(-2.5, 0.0), {step}},
+      {"AllOfItWithoutGain", pushing(), lost(-2.0), {}},  // and what is left points the other way
+      {"AllOfItWithoutGainAndADampingThatSteps", pushing(), lost(0.0), {step}},
+  });
+}
+
+/// By a tick's share of 80 ms, or as the ladder does.
+TEST(RunRecord, AGainThatStepsIsFinal) {
+  const auto gain_from_30 = [](double gain) {
+    return [=](Record& r) {
+      for (std::size_t i = 30; i < kRecorded; ++i) r[i].gain = gain;
+    };
+  };
+  expect_breaches({
+      {"AFallAsItMay", pushing(), gain_from_30(0.988), {}},
+      {"AFall", pushing(), gain_from_30(0.986), {"final at 30: gain fell"}},
+      {"AFallThatTakesTheForce",
+       pushing(),
+       [&](Record& r) {
+         gain_from_30(0.0)(r);
+         force_from(r, 30, 0.0);
+       },
+       {"final at 30: gain fell"}},
+      {"ARise", pushing(), [](Record& r) { r[29].gain = 0.99; }, {"final at 30: gain rose"}},
+  });
+}
+
+TEST(RunRecord, AFaultAndADisarmedDeviceTakeAllForceAndTurnNone) {
+  const std::string fault = "at 50: fault LOOP_LATE";
+  const auto idle = [](Record& r) {
+    fade_from(r, 0, 0.190, "LOST");
+    force_from(r, 0, 0.0, -5.0);
+    for (std::size_t i = 30; i < kRecorded; ++i) r[i].state = "IDLE";
+    force_from(r, 30, 0.0);
+  };
+  expect_breaches({
+      {"AFault", faulted(), {}, {fault}},
+      {"APartInTheVeryTick", faulted(), [](Record& r) { r[50].tau_a = 5.0; }, {fault}},
+      {"AnotherSignInTheVeryTick",
+       faulted(),
+       [](Record& r) { r[50].tau_a = -9.0; },
+       {"final at 50: force changed", fault}},
+      {"DampingOfADeviceNoLongerArmed", pushing(), idle, {}},
+      {"DampingOfAnArmedOne",
+       pushing(),
+       [&](Record& r) {
+         idle(r);
+         for (RecordedTick& tick : r) tick.state = "ARMED";
+       },
+       {"final at 30: force changed"}},
+  });
+}
+
 /// 10 N along 10 mm are 0.1 J, 0.08 J without what the damping takes; the tank held 0.05 J.
 TEST(RunRecord, EnergyDoesNotHideWhatComesAfter) {
   const auto pushed = [](Record& r) {

@@ -14,7 +14,7 @@ namespace {
 constexpr LinkTime kTroubleAt = 2s;
 
 /// Steps to `until`; in every tick the elastic force is under what the age of the newest accepted
-/// sample allows (WIRE 4: full to 100 ms, linear to 0 at 180 ms) and rises by the slew limit at most.
+/// sample allows (WIRE 4: full to 100 ms, linear to 0 at 180 ms) and moves by the slew limit at most.
 void watch(VirtualWorld& world, LinkTime until) {
   while (world.time() < until) {
     const double before = world.force();
@@ -23,9 +23,7 @@ void watch(VirtualWorld& world, LinkTime until) {
     const double age = std::chrono::duration<double>(now.input.now - world.last_accepted).count();
     const double ladder = std::clamp((0.180 - age) / 0.080, 0.0, 1.0);
     ASSERT_LE(std::abs(now.tau_elastic[0]), 10.0 * ladder + 1e-9) << world.time().count();
-    if (std::abs(now.tau_a[0]) > std::abs(before)) {
-      ASSERT_LE(std::abs(now.tau_a[0] - before), VirtualWorld::kSlewPerTick + 1e-9);
-    }
+    ASSERT_LE(std::abs(now.tau_a[0] - before), VirtualWorld::kSlewPerTick + 1e-9);
     ASSERT_EQ(now.faults.bits(), 0U);
   }
 }
@@ -38,7 +36,7 @@ void is_refused(double bad, std::uint64_t server::IngressCounters::*counter) {
   const auto good = world.proxy;
   world.proxy = [bad](LinkTime) { return bad; };
   watch(world, kTroubleAt + 500ms);
-  EXPECT_EQ(world.force(), 0.0);
+  EXPECT_EQ(world.rig.newest().tau_elastic[0], 0.0);
   EXPECT_GE(world.rig.sessions->ingress().counters().*counter,
             48U);  // 500 ms at 100 Hz, 10 ms late
   world.proxy = good;
@@ -77,7 +75,7 @@ TEST(VirtualClient, AClientPausedFor300MsLosesForceAndRampsBack) {
   world.publishing = false;
   watch(world, kTroubleAt + 300ms);
   EXPECT_EQ(world.rig.state(), core::DeviceState::kArmed);
-  EXPECT_EQ(world.force(), 0.0);
+  EXPECT_EQ(world.rig.newest().tau_elastic[0], 0.0);
   world.publishing = true;
   watch(world, kTroubleAt + 1500ms);
   EXPECT_EQ(world.rig.state(), core::DeviceState::kEngaged);
@@ -95,29 +93,6 @@ TEST(VirtualClient, SigtermUnderForceFadesOutWhateverTheClientSends) {
   EXPECT_EQ(world.rig.state(), core::DeviceState::kClosing);
   EXPECT_EQ(world.force(), 0.0);
   row.got("CLOSING, 0 N");
-}
-
-class Listener final : public server::RecordListener {
- public:
-  void on_record(const core::TickRecord& record) override { records += record.tick > 0 ? 1 : 0; }
-  std::uint64_t records{0};
-};
-
-TEST(VirtualClient, SixteenObserversAt1KhzAreNotFelt) {
-  MatrixRow row("virtual/16_observers", "force identical to the bit to that without observers");
-  VirtualWorld alone(shipped_scenario("jitter_5ms")), watched(shipped_scenario("jitter_5ms"));
-  std::array<Listener, 16> observers;
-  for (auto& observer : observers) watched.rig.telemetry->add(0, &observer);
-  while (alone.time() < 3s) {
-    alone.step();
-    watched.step();
-    ASSERT_EQ(alone.force(), watched.force());
-  }
-  for (auto& observer : observers) {
-    EXPECT_EQ(observer.records, 3000U);
-    watched.rig.telemetry->remove(0, &observer);
-  }
-  row.got("3000 records to each");
 }
 
 }  // namespace

@@ -10,18 +10,35 @@ double slow_press(LinkTime time) {
   return 0.01 + 0.002 * std::sin(std::chrono::duration<double>(time).count() * 6.0);
 }
 
-wire::PathRules path_rules() {
+/// In and out of the spring, one and a half times a second.
+double slow_hand(LinkTime time) {
+  return 0.005 * std::sin(std::chrono::duration<double>(time).count() * 3.0 * M_PI);
+}
+
+core::PipelineConfig world_config() {
+  core::PipelineConfig config = rig_config();
+  config.passivity.device_damping = core::VecA::Constant(1, VirtualWorld::kDeviceDamping);
+  config.passivity.tank.enabled = true;
+  config.passivity.tank.initial = config.passivity.tank.capacity = VirtualWorld::kTank;
+  return config;
+}
+
+wire::PathRules path_rules(LinkTime period) {
   wire::PathRules rules;
-  rules.nominal_period = VirtualWorld::kSamplePeriod;
+  rules.nominal_period = period;
   return rules;
 }
 
 }  // namespace
 
-Packet packed_sample(std::uint64_t seq, double a) {
-  Packet packet(16);
-  wire::put(seq, packet);
-  wire::put(std::bit_cast<std::uint64_t>(a), wire::Bytes(packet).subspan(8));
+Packet packed_sample(std::uint64_t seq, double a, const SampleTimes& times) {
+  Packet packet(40);
+  const wire::Bytes bytes(packet);
+  wire::put(seq, bytes);
+  wire::put(std::bit_cast<std::uint64_t>(a), bytes.subspan(8));
+  wire::put(static_cast<std::uint64_t>(times.source_time_ns), bytes.subspan(16));
+  wire::put(times.state_used, bytes.subspan(24));
+  wire::put(static_cast<std::uint64_t>(times.hold_ns), bytes.subspan(32));
   return packet;
 }
 
@@ -29,29 +46,33 @@ Scenario shipped_scenario(const std::string& name) {
   return read_scenario(HAPTIC_SOURCE_DIR "/tests/relay/scenarios/" + name + ".textproto");
 }
 
-VirtualWorld::VirtualWorld(const Scenario& which)
+VirtualWorld::VirtualWorld(const Scenario& which, LinkTime period)
     : scenario(which),
+      sample_period(period),
+      rig(world_config(), {}, kStart),
       udp_up(which.up, which.seed, haptic::test::Carrier::kUdp),
       udp_down(which.down, which.seed + 1000, haptic::test::Carrier::kUdp),
       stream_up(which.up, which.seed + 2000),
-      client({wire::End::kClient, keys, path_rules(),
+      stream_down(which.down, which.seed + 3000),
+      client({wire::End::kClient, keys, path_rules(period),
               [this](const wire::PeerAddress&, wire::ConstBytes datagram) {
                 Packet packet(datagram.begin(), datagram.end());
                 if (on_wire) on_wire(packet);
                 udp_up.send(std::move(packet), time());
               },
               [random = Random(1)]() mutable { return random.next(); }}),
-      server({wire::End::kServer, keys, path_rules(),
+      server({wire::End::kServer, keys, path_rules(period),
               [this](const wire::PeerAddress& to, wire::ConstBytes datagram) {
                 answered.push_back(to);
                 if (to == server_sees) udp_down.send({datagram.begin(), datagram.end()}, time());
               },
               [random = Random(2)]() mutable { return random.next(); }}),
-      proxy(slow_press) {
+      proxy(slow_press),
+      hand(slow_hand) {
   server::LeaseRequest request;
   request.session_id = "s1";
   request.client_name = "alice";
-  request.nominal_rate_hz = 100.0;
+  request.nominal_rate_hz = 1.0 / std::chrono::duration<double>(period).count();
   rig.tick(3);
   rig.sessions->open_controller(request, rig.now,
                                 [this](const server::Outcome<server::Lease>& outcome) {
@@ -80,34 +101,73 @@ void VirtualWorld::step() {
     static_cast<void>(deliver(packet->second, server_sees));
   }
   while (auto packet = stream_up.receive(time())) accept(packet->second, server::Carrier::kGrpc);
-  while (auto packet = udp_down.receive(time())) {
-    if (!alive) continue;
-    on_client_change(client.receive(packet->second, client_sees, client_reading()).change);
-  }
-  if (alive) on_client_change(client.step(client_reading()));
+  step_client();
   static_cast<void>(server.step(to_wire(rig.now)));
   if (time() >= next_sample) publish();
   if (alive && rig.state() == core::DeviceState::kArmed && time() % 50ms == 0ms) {
     static_cast<void>(rig.sessions->engage("s1", [](const auto&) {}));
   }
+  rig.device->q[0] = hand(time());
   rig.tick();
+  if (time() >= next_state) send_state();
+}
+
+void VirtualWorld::step_client() {
+  const bool knew = client.in_doubt();
+  const auto fell_back = [](wire::PathChange change) {
+    return change == wire::PathChange::kSilent || change == wire::PathChange::kLossy;
+  };
+  int lost = 0;
+  while (auto packet = udp_down.receive(time())) {
+    if (!alive) continue;
+    const auto received = client.receive(packet->second, client_sees, client_reading());
+    if (received.message) take_state(*received.message);
+    lost += fell_back(received.change) ? 1 : 0;
+  }
+  while (auto packet = stream_down.receive(time())) {
+    if (alive) take_state(packet->second);
+  }
+  if (!alive) return;
+  lost += fell_back(client.step(client_reading())) ? 1 : 0;
+  fallbacks += lost;
+  // As the client library: what may be lost goes by the stream, under the number it has.
+  if (!knew && (lost > 0 || client.in_doubt())) stream_up.send(newest, time());
+}
+
+void VirtualWorld::take_state(wire::ConstBytes state) {
+  const std::uint64_t tick = wire::get_u64(state);
+  if (tick <= state_used_) return;
+  state_used_ = tick;
+  state_came_ = client_reading();
+}
+
+void VirtualWorld::send_state() {
+  next_state += kStatePeriod;
+  const std::uint64_t tick = rig.newest().tick;
+  Packet state(8);
+  wire::put(tick, state);
+  const bool by_udp = server.send(state);
+  if (!by_udp) stream_down.send(state, time());
+  link.state_sent(tick, rig.now, by_udp ? server::Carrier::kUdp : server::Carrier::kGrpc);
 }
 
 void VirtualWorld::publish() {
-  next_sample += kSamplePeriod;
+  next_sample += sample_period;
   if (!alive || !publishing) return;
-  newest = packed_sample(++seq, proxy(time()));
-  if (!client.send(newest)) stream_up.send(newest, time());
-}
-
-void VirtualWorld::on_client_change(wire::PathChange change) {
-  if (change == wire::PathChange::kSilent || change == wire::PathChange::kLossy) {
-    ++fallbacks;
-    stream_up.send(newest, time());
-  }
+  const wire::TimePoint reading = client_reading();
+  newest = packed_sample(
+      ++seq, proxy(time()),
+      {reading.time_since_epoch().count(), state_used_, (reading - state_came_).count()});
+  ways[seq].published = rig.now;
+  if (!client.send(newest) || client.in_doubt()) stream_up.send(newest, time());
 }
 
 void VirtualWorld::accept(wire::ConstBytes bytes, server::Carrier carrier) {
+  const std::optional<core::TimePoint> left = link.came(
+      {carrier, bytes.size(), static_cast<std::int64_t>(wire::get_u64(bytes.subspan(16))),
+       wire::get_u64(bytes.subspan(24)),
+       core::Duration(static_cast<std::int64_t>(wire::get_u64(bytes.subspan(32)))), rig.now},
+      server.clock_offset().at(to_wire(rig.now)));
   const double position[2] = {std::bit_cast<double>(wire::get_u64(bytes.subspan(8))), 0.0};
   server::ProxyCandidate candidate;
   candidate.epoch = lease.epoch;
@@ -116,10 +176,13 @@ void VirtualWorld::accept(wire::ConstBytes bytes, server::Carrier carrier) {
   candidate.position = position;
   candidate.position_size = 2;
   candidate.carrier = carrier;
+  candidate.left = left;
   const auto verdict = rig.sessions->ingress().accept(candidate, rig.now);
   if (verdict == server::IngressVerdict::kAccepted || verdict == server::IngressVerdict::kBacklog) {
     last_accepted = rig.now;
     ++accepted;
+    ways[candidate.seq].accepted = rig.now;
+    ways[candidate.seq].backlog = verdict == server::IngressVerdict::kBacklog;
   }
 }
 

@@ -1,12 +1,14 @@
 #pragma once
-/// A client of 100 Hz that presses, and a server, on virtual time: the shipped wire, ingress, sessions
-/// and pipeline with a scenario's link between them; over UDP where the path is in use, else over a
-/// stream.
+/// A client that presses, and a server whose device a hand moves, on virtual time: the shipped wire,
+/// link watch, ingress, sessions and pipeline with a scenario's link between them, samples up and
+/// states down; over UDP where the path is in use, else over a stream.
 
 #include <functional>
+#include <map>
 #include <vector>
 
 #include "haptic/wire/path_end.hpp"
+#include "server/session/link_watch.hpp"
 #include "tests/server/support/device_rig.hpp"
 #include "tests/support/link/impaired_link.hpp"
 
@@ -18,10 +20,13 @@ namespace haptic::test {
 
 struct VirtualWorld {
   static constexpr LinkTime kSamplePeriod = 10ms;
+  static constexpr LinkTime kStatePeriod = 10ms;
   static constexpr double kSlewPerTick = 1000.0 * 1e-3;  // rig_config(), N
+  static constexpr double kTank = 0.005;                 // J, at every Engage
+  static constexpr double kDeviceDamping = 0.5;          // N s/m, what is known of it
   static constexpr core::TimePoint kStart{1h};
 
-  explicit VirtualWorld(const Scenario& which);
+  explicit VirtualWorld(const Scenario& which, LinkTime sample_period = kSamplePeriod);
   VirtualWorld(const VirtualWorld&) = delete;
   VirtualWorld& operator=(const VirtualWorld&) = delete;
 
@@ -36,36 +41,58 @@ struct VirtualWorld {
   wire::Rejection deliver(wire::ConstBytes datagram, const wire::PeerAddress& from);
   [[nodiscard]] double force() const { return rig.newest().tau_a[0]; }
 
+  /// What became of a sample, by the one true clock.
+  struct Way {
+    core::TimePoint published{}, accepted{};
+    bool backlog{false};
+  };
+
   const Scenario scenario;
+  const LinkTime sample_period;
   wire::PathKeys keys = wire::fresh_keys();
   wire::PeerAddress client_sees{{}, 1}, server_sees{{}, 2};
-  DeviceRig rig{rig_config(), {}, kStart};
+  DeviceRig rig;
   core::TimePoint began{}, last_accepted{};
   server::Lease lease{};
   ImpairedLink udp_up, udp_down;
-  ReliableLink stream_up;
+  ReliableLink stream_up, stream_down;
+  server::LinkWatch link{};
   wire::PathEnd client, server;
-  LinkTime next_sample{0};
+  LinkTime next_sample{0}, next_state{0};
   std::uint64_t seq{0}, accepted{0};
   Packet newest{};
+  std::map<std::uint64_t, Way> ways{};  ///< by the sample's number
   int fallbacks{0};
   bool alive{true};       ///< false: the client does nothing any more
   bool publishing{true};  ///< false: its simulation stands still, its transport lives
   std::vector<wire::PeerAddress> answered{};  ///< whom the server sent anything, in order
   /// Of a sample's first coordinate, m, at a time; by default a slow press.
   std::function<double(LinkTime)> proxy{};
+  /// Where the hand has the actuated DoF, m.
+  std::function<double(LinkTime)> hand{};
   /// Sees every datagram of the client, and may change it.
   std::function<void(Packet&)> on_wire{};
 
  private:
   [[nodiscard]] wire::TimePoint client_reading() const;
   void publish();
-  void on_client_change(wire::PathChange change);
+  void send_state();
+  void take_state(wire::ConstBytes state);
+  void step_client();
   void accept(wire::ConstBytes bytes, server::Carrier carrier);
+
+  std::uint64_t state_used_{0};  ///< the client's newest state, and when it came by its clock
+  wire::TimePoint state_came_{};
 };
 
+/// What a sample says of its way, on the client's clock (ProxySample).
+struct SampleTimes {
+  std::int64_t source_time_ns{0};
+  std::uint64_t state_used{0};
+  std::int64_t hold_ns{0};
+};
 /// A sample as these tests put it into a datagram; what protobuf does is tested elsewhere.
-[[nodiscard]] Packet packed_sample(std::uint64_t seq, double a);
+[[nodiscard]] Packet packed_sample(std::uint64_t seq, double a, const SampleTimes& times = {});
 
 [[nodiscard]] Scenario shipped_scenario(const std::string& name);
 

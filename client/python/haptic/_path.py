@@ -10,7 +10,7 @@ import secrets
 _ROUND, _NEEDED, _APART_S, _ROUND_OVER_S = 5, 4, 0.020, 0.500
 _BACK_OFF_S = (0.5, 1.0, 2.0, 4.0, 8.0)
 _PROVEN_S = 10.0
-_LEAST_SILENCE_S, _LEAST_APART_S = 0.100, 0.010
+_LEAST_SILENCE_S, _LEAST_APART_S, _OVERDUE_S = 0.100, 0.010, 0.030
 _MOST_LOSS, _LOSS_OVER_S, _LEAST_PACKETS = 0.30, 1.0, 10
 PROBE_PAYLOAD, KEEP_PAYLOAD = 1168, 40  # of challenges: datagrams of 1200 and 72 bytes
 
@@ -28,7 +28,7 @@ class PathMachine:
     def __init__(self, period_s: float, now: float) -> None:
         self.state = PathState.PROBING
         self._period_s = period_s
-        self._srtt = 0.0
+        self._srtt = self._variation = 0.0
         self._back_off = 0
         self._next = now
         self._probe(now)
@@ -60,7 +60,11 @@ class PathMachine:
         while self._pending and self._pending[0][1] <= sent:
             self._pending.popleft()
         rtt = max(now - sent - held_s, 0.0)
-        self._srtt = rtt if self._srtt == 0.0 else 0.875 * self._srtt + 0.125 * rtt
+        if self._srtt == 0.0:
+            self._srtt, self._variation = rtt, rtt / 2
+        else:
+            self._variation += 0.25 * (abs(self._srtt - rtt) - self._variation)
+            self._srtt += 0.125 * (rtt - self._srtt)
         if self.state is PathState.PROBING:
             self._answers += 1
             if self._answers >= _NEEDED:
@@ -84,6 +88,12 @@ class PathMachine:
     @property
     def silence_s(self) -> float:
         return max(_LEAST_SILENCE_S, 4 * self._period_s, 3 * self._srtt)
+
+    def in_doubt(self, now: float) -> bool:
+        """In use, but an answer is overdue: what must not be late goes by the stream as well."""
+        overdue = self._srtt + 4 * self._variation + _OVERDUE_S
+        return (self.state is PathState.IN_USE and bool(self._pending)
+                and now - self._pending[0][1] >= overdue)
 
     def _challenge(self, now: float, size: int, apart_s: float) -> bytes:
         token = secrets.token_bytes(8)

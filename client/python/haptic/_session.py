@@ -251,7 +251,7 @@ class Session:
             return None
         try:
             return UdpPath(self._opened.udp, address, self._period_s, self._on_udp_state,
-                           self._on_udp_lost)
+                           self._on_udp_late)
         except OSError:
             return None
 
@@ -290,7 +290,7 @@ class Session:
             self._newest_state(state)
             self._changed.notify_all()
 
-    def _on_udp_lost(self) -> None:
+    def _on_udp_late(self) -> None:
         """Make-before-break: the newest sample goes on the stream at once, under the number it has."""
         with self._changed:
             if self._newest is not None and not self._closing:

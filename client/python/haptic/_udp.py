@@ -18,21 +18,24 @@ _TURN_S = 0.005  # how often the path is looked at; challenges are 10 ms apart a
 
 
 class UdpPath:
-    """Carries samples up while in_use, and hands states to `on_state`; `on_lost` once per fallback.
-    Both are called on the path's thread, without a lock of it held."""
+    """Carries samples up while in_use, and hands states to `on_state`; `on_late` where the newest sample may be lost, at
+    a fallback and when the path gets in doubt. Both are called on the path's thread, without a lock of it held."""
 
     def __init__(self, offer: wire.UdpPath, address: str, period_s: float,
-                 on_state: Callable[[bytes], None], on_lost: Callable[[], None]) -> None:
+                 on_state: Callable[[bytes], None], on_late: Callable[[], None]) -> None:
         """OSError: the host has no address, or none can be reached from here."""
-        self._on_state, self._on_lost = on_state, on_lost
+        self._on_state, self._on_late = on_state, on_late
         self._lock = threading.Lock()
         self._keys = _keys_of(offer)
         self._old: Keys | None = None
         self._old_until = float("inf")  # runs from the first datagram under the new keys
         self._machine = PathMachine(period_s, time.monotonic())
         self._closing = False
+        self._where = offer.host or host_of(address), offer.port
+        self._turn = 0
+        self._answered = False  # the address in use, to a whole round of challenges
         # Last, and nothing after it that could fail: a socket without an owner would stay open.
-        self._socket = connect(offer.host or host_of(address), offer.port)
+        self._socket = connect(*self._where)
         self._socket.settimeout(_TURN_S)
         self._thread = threading.Thread(target=self._serve, name="haptic udp", daemon=True)
         self._thread.start()
@@ -42,11 +45,13 @@ class UdpPath:
         return self._machine.state is PathState.IN_USE
 
     def send(self, sample: bytes) -> bool:
-        """False where the path is not in use, or the sample does not fit."""
+        """False where the stream should carry it: the path is not in use, or the sample does not fit; or should carry
+        it too: the path's answers are overdue."""
         with self._lock:
             if not self.in_use or len(sample) > LARGEST - 32:
                 return False
-            return self._send(Type.PROXY, sample)
+            sent = self._send(Type.PROXY, sample)
+            return sent and not self._machine.in_doubt(time.monotonic())
 
     def rekey(self, offer: wire.UdpPath) -> None:
         with self._lock:
@@ -73,7 +78,7 @@ class UdpPath:
         return True
 
     def _serve(self) -> None:
-        used = False
+        used = doubted = False
         while not self._closing:
             try:
                 datagram = self._socket.recv(LARGEST + 1)
@@ -84,12 +89,29 @@ class UdpPath:
             if payload is not None:
                 self._on_state(payload)
             with self._lock:
+                probing = self._machine.state is PathState.PROBING
                 challenge = self._machine.step(now)
+                self._answered = self._answered or self.in_use
+                if probing and self._machine.state is PathState.WAITING and not self._answered:
+                    self._try_another()
                 if challenge is not None:
                     self._send(Type.PATH_CHALLENGE, challenge)
-            if used and not self.in_use and not self._closing:
-                self._on_lost()
-            used = self.in_use
+            doubt = self._machine.in_doubt(now)
+            if not self._closing and not doubted and (used and not self.in_use or doubt):
+                self._on_late()
+            used, doubted = self.in_use, doubt
+
+    def _try_another(self) -> None:
+        """A connected UDP socket does not tell whether anybody is there: "localhost" is ::1 and 127.0.0.1, and a
+        server may listen at one of them. An address that answered once stays."""
+        try:
+            made = connect(*self._where, self._turn + 1)
+        except OSError:
+            return
+        self._turn += 1
+        made.settimeout(_TURN_S)
+        self._socket.close()
+        self._socket = made
 
     def _receive(self, datagram: bytes, now: float) -> bytes | None:
         """What a datagram changes; the payload where it is a state."""
@@ -136,11 +158,13 @@ def host_of(address: str) -> str:
     return "127.0.0.1" if address.startswith("unix:") else address.rpartition(":")[0].strip("[]")
 
 
-def connect(host: str, port: int) -> socket.socket:
-    """To the first address of `host`, a name or an IPv4 or IPv6 address, that can be reached; datagrams of other
-    addresses do not come in. OSError where there is none."""
+def connect(host: str, port: int, turn: int = 0) -> socket.socket:
+    """To the first address of `host`, a name or an IPv4 or IPv6 address, that this system has a way to; in another
+    `turn` the look begins at another address. Datagrams of other addresses do not come in. OSError where there is none."""
     failed = OSError(f"{host} has no address")
-    for family, kind, protocol, _, there in socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM):
+    found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
+    first = turn % max(len(found), 1)
+    for family, kind, protocol, _, there in found[first:] + found[:first]:
         try:
             made = socket.socket(family, kind, protocol)
         except OSError as error:  # this host has no such family

@@ -1,5 +1,6 @@
 #include "haptic/wire/path_end.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace haptic::wire {
@@ -19,7 +20,9 @@ Received PathEnd::receive(ConstBytes datagram, const PeerAddress& from, TimePoin
     return {opened.rejection, {}, PathChange::kNone};
   }
   count(opened.header, datagram.size(), arrival);
-  if (end_ == End::kServer && opened.header.type != DatagramType::kClose) {
+  if (opened.header.type == DatagramType::kClose) {
+    if (!left_before(opened.header)) close_ = opened.header;
+  } else if (end_ == End::kServer && !left_before(opened.header)) {
     machine_.heard(from, arrival);
   }
   const ConstBytes payload = ConstBytes(payload_).first(opened.size);
@@ -64,6 +67,13 @@ void PathEnd::count(const Header& header, std::size_t size, TimePoint arrival) {
   }
 }
 
+/// A datagram that a CLOSE overtook says nothing of where the other end is: it has left.
+bool PathEnd::left_before(const Header& header) const noexcept {
+  if (!close_) return false;
+  if (header.path_id == close_->path_id) return header.packet_number < close_->packet_number;
+  return header.path_id != channel_.path_id();  // under former keys
+}
+
 void PathEnd::answer(const PathChallenge& challenge, std::size_t size, const PeerAddress& to,
                      TimePoint arrival) {
   const std::int64_t reading = arrival.time_since_epoch().count();
@@ -78,7 +88,8 @@ PathChange PathEnd::hear(const PathResponse& response, const PeerAddress& from, 
   if (const auto sent = machine_.sent_at(response.token)) {
     clock_offset_.add({*sent, Duration(response.received_ns), Duration(response.sent_ns), arrival});
     if (response.newest >= peer_report_.newest) {
-      peer_report_ = {response.packets, response.newest};
+      // A client may claim what it likes; more than we sent it cannot have had.
+      peer_report_ = {std::min(response.packets, response.newest), response.newest};
     }
   }
   return machine_.responded(from, response, arrival);

@@ -60,6 +60,7 @@ void PathMachine::stop() noexcept {
   state_ = PathState::kOff;
   round_.reset();
   unanswered_since_.reset();
+  in_doubt_ = false;
   forget_round_challenges();
 }
 
@@ -123,6 +124,7 @@ PathChange PathMachine::responded(const PeerAddress& from, const PathResponse& r
     if (open && (!since || other.at < *since)) since = other.at;
   }
   unanswered_since_ = since;
+  judge_doubt(now);
   return PathChange::kNone;
 }
 
@@ -135,6 +137,7 @@ PathChange PathMachine::pass_round(TimePoint now) {
   up_since_ = now;
   next_challenge_ = now;
   unanswered_since_.reset();
+  in_doubt_ = false;
   loss_.restart();
   return was_in_use ? PathChange::kMoved : PathChange::kUp;
 }
@@ -156,6 +159,16 @@ void PathMachine::fall_back(TimePoint now) {
 }
 
 PathChange PathMachine::step(TimePoint now) {
+  const PathChange change = judge(now);
+  judge_doubt(now);
+  return change;
+}
+
+void PathMachine::judge_doubt(TimePoint now) noexcept {
+  in_doubt_ = in_use() && unanswered_since_ && now - *unanswered_since_ >= doubt_limit();
+}
+
+PathChange PathMachine::judge(TimePoint now) {
   if (state_ == PathState::kWaiting && now >= retry_at_) {
     state_ = PathState::kProbing;
     begin_round(address_, now);
@@ -209,6 +222,10 @@ Duration PathMachine::silence_limit() const noexcept {
   return std::max({rules_.least_silence, 4 * rules_.nominal_period, 3 * round_trip_.smoothed()});
 }
 
+Duration PathMachine::doubt_limit() const noexcept {
+  return round_trip_.smoothed() + 4 * round_trip_.variation() + rules_.overdue;
+}
+
 TimePoint PathMachine::next_step() const noexcept {
   if (state_ == PathState::kWaiting) return retry_at_;
   TimePoint next = TimePoint::max();
@@ -216,6 +233,9 @@ TimePoint PathMachine::next_step() const noexcept {
   if (in_use()) {
     next = std::min(next, next_challenge_);
     if (unanswered_since_) next = std::min(next, *unanswered_since_ + silence_limit());
+    if (unanswered_since_ && !in_doubt_) {
+      next = std::min(next, *unanswered_since_ + doubt_limit());
+    }
   }
   return next;
 }

@@ -64,10 +64,12 @@ Opener* SecureChannel::opener_of(std::uint32_t path_id, TimePoint now) noexcept 
 void SecureChannel::take_next(TimePoint now) noexcept {
   former_ = std::exchange(current_, std::move(*next_));
   former_ends_ = now + kOldKeysLast;
+  current_since_ = now;
   next_.reset();
 }
 
-bool SecureChannel::wants_rekey() const noexcept {
+bool SecureChannel::wants_rekey(TimePoint now) const noexcept {
+  if (current_since_ && now - *current_since_ < kKeysLastAtLeast) return false;
   return !next_ &&
          (current_.sealer.wants_rekey() || current_.opener.newest() > Sealer::kPacketsPerKey / 2);
 }

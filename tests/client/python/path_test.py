@@ -57,6 +57,20 @@ class Path(unittest.TestCase):
         for gap, back_off in zip(gaps, (0.5, 1, 2, 4, 8, 8)):
             self.assertAlmostEqual(gap, 0.58 + back_off, delta=5 * MS)
 
+    def test_an_overdue_answer_is_doubt_before_it_is_silence(self) -> None:
+        far = Far()
+        far.run(1.0)
+        self.assertFalse(far.machine.in_doubt(far.now))
+        far.up = False
+        cut = far.now
+        while not far.machine.in_doubt(far.now):
+            far.run(1 * MS)
+        self.assertLess(far.now - cut, 0.050)  # round trip 1 ms, 30 ms, up to 10 ms to the next challenge
+        self.assertIs(far.machine.state, PathState.IN_USE)
+        far.up = True
+        far.run(0.020)
+        self.assertFalse(far.machine.in_doubt(far.now))
+
     def test_silence_is_100_ms_four_periods_or_three_round_trips(self) -> None:
         self.assertAlmostEqual(Far(period_s=0.01).machine.silence_s, 0.100)
         self.assertAlmostEqual(Far(period_s=0.05).machine.silence_s, 0.200)

@@ -1,6 +1,7 @@
 """The client against a running hapticd."""
 
 import os
+import socket
 import subprocess
 import sys
 import time
@@ -213,6 +214,17 @@ class Udp(OneServer):
             session = self.open()
         self.hold(session, lambda s: s.proxy_seq_used > 50 and s.transport == "GRPC")
         self.assertFalse(session.udp_in_use)
+
+    def test_the_next_address_is_tried_where_nobody_is_at_the_first(self) -> None:
+        system = socket.getaddrinfo
+
+        def both(host: str, port: int, **rest: int) -> list[tuple]:
+            return system("127.0.0.3", port, **rest) + system("127.0.0.1", port, **rest)
+
+        with mock.patch("haptic._udp.socket.getaddrinfo", both):
+            session = self.open()
+            self.hold(session, lambda s: s.transport == "UDP")
+        self.assertTrue(session.udp_in_use)
 
     def test_it_can_be_left_out(self) -> None:
         session = self.open(carriers=haptic.Carriers.STREAM)

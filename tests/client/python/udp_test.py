@@ -49,6 +49,14 @@ class Connect(unittest.TestCase):
             with connect("robot.example", 50052) as near:  # broadcast is refused without SO_BROADCAST
                 self.assertEqual(near.getpeername(), far.getsockname())
 
+    def test_each_turn_begins_at_another_address(self) -> None:
+        with listener(socket.AF_INET, "127.0.0.1") as a, listener(socket.AF_INET, "127.0.0.1") as b, mock.patch(
+                "socket.getaddrinfo",
+                return_value=[(socket.AF_INET, socket.SOCK_DGRAM, 0, "", far.getsockname()) for far in (a, b)]):
+            for turn, far in enumerate((a, b, a)):
+                with connect("robot.example", 50052, turn) as near:
+                    self.assertEqual(near.getpeername(), far.getsockname())
+
     def test_no_address_is_an_oserror_and_leaves_no_socket(self) -> None:
         with mock.patch("socket.getaddrinfo", return_value=[]):
             with self.assertRaisesRegex(OSError, "robot.example has no address"):

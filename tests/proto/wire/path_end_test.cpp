@@ -201,6 +201,45 @@ TEST(PathEnd, CloseIsHeardAndEndsTheUse) {
   EXPECT_TRUE(pair.passed.empty());
 }
 
+TEST(PathEnd, ADatagramThatACloseOvertookBeginsNothing) {
+  Joined pair;
+  pair.client.start(pair.server_address, pair.now);
+  pair.run(200ms);
+  ASSERT_TRUE(pair.client.send(bytes_of("late")));
+  const ByteVector late = pair.under_way.back().bytes;
+  pair.under_way.clear();
+  pair.client.close();
+  pair.flush();
+  ASSERT_EQ(pair.server.state(), PathState::kOff);
+  EXPECT_EQ(pair.server.receive(late, pair.client_address, pair.now).rejection, Rejection::kNone);
+  EXPECT_EQ(pair.server.state(), PathState::kOff);
+  pair.client.start(pair.server_address, pair.now);  // what comes after it does
+  pair.run(200ms);
+  EXPECT_EQ(pair.server.state(), PathState::kInUse);
+}
+
+TEST(PathEnd, AReportOfMoreThanWasSentIsCutToIt) {
+  Joined pair;
+  pair.client.start(pair.server_address, pair.now);
+  pair.run(200ms);
+  test::TestEnd liar(End::kClient, test_keys(2));
+  pair.server.rekey(test_keys(2), OldKeys::kForget);
+  static_cast<void>(pair.server.step(pair.now + 20ms));  // a challenge under the new keys
+  ASSERT_FALSE(pair.under_way.empty());
+  test::TestEnd reader(End::kClient, test_keys(2));
+  const std::string challenge = reader.open(pair.under_way.back().bytes, pair.now);
+  ByteVector response(challenge.size());
+  ASSERT_GE(response.size(), 40U);
+  const auto token = read_challenge(bytes_of(challenge));
+  ASSERT_TRUE(token);
+  write(PathResponse{token->token, 0, 0, 1000, 3}, response);
+  const ByteVector lie = liar.seal(DatagramType::kPathResponse, {response.begin(), response.end()});
+  ASSERT_EQ(pair.server.receive(lie, pair.client_address, pair.now + 21ms).rejection,
+            Rejection::kNone);
+  EXPECT_EQ(pair.server.peer_report().newest, 3U);
+  EXPECT_EQ(pair.server.peer_report().received, 3U);
+}
+
 TEST(PathEnd, AGenuineChallengeThatIsTooShortIsCountedNotAnswered) {
   Joined pair;
   test::TestEnd client(End::kClient, test_keys(1));

@@ -117,6 +117,41 @@ TEST(PathMachine, OneLostChallengeIsForgivenTwoAreNot) {
   }
 }
 
+TEST(PathMachine, IsInDoubtWhenAnAnswerIsOverdueAndOutOfItWhenOneComes) {
+  Rig rig;
+  rig.machine.start(kServer, rig.now);
+  static_cast<void>(rig.run(1s));
+  ASSERT_TRUE(rig.machine.in_use());
+  EXPECT_FALSE(rig.machine.in_doubt());
+  EXPECT_LT(rig.machine.doubt_limit(), 42ms);  // the round trip is 10 ms and does not vary
+  EXPECT_GE(rig.machine.doubt_limit(), 40ms);
+  rig.lost = [](int, const DueChallenge&) { return true; };
+  const TimePoint cut = rig.now;
+  while (!rig.machine.in_doubt()) ASSERT_EQ(rig.run(1ms), Changes{});
+  EXPECT_LE(rig.now - cut, 60ms);  // up to 10 ms to the next challenge, 10 ms for answers under way
+  EXPECT_TRUE(rig.machine.in_use());
+  EXPECT_LT(rig.machine.next_step(), rig.now + 10ms);
+  rig.lost = {};
+  while (rig.machine.in_doubt()) ASSERT_EQ(rig.run(1ms), Changes{});
+  EXPECT_LT(rig.now - cut, 85ms);
+  rig.lost = [](int, const DueChallenge&) { return true; };
+  EXPECT_EQ(rig.run(300ms), Changes{PathChange::kSilent});
+  EXPECT_FALSE(rig.machine.in_doubt());
+}
+
+TEST(PathMachine, ARoundTripThatVariesIsNoReasonForDoubt) {
+  Rig rig;
+  rig.machine.start(kServer, rig.now);
+  int doubts = 0;
+  for (int i = 0; i < 5000; ++i) {
+    rig.rtt = std::chrono::milliseconds(10 + 7 * (i % 5));  // 10..38 ms
+    static_cast<void>(rig.run(1ms));
+    doubts += rig.machine.in_doubt() ? 1 : 0;
+  }
+  EXPECT_TRUE(rig.machine.in_use());
+  EXPECT_EQ(doubts, 0);
+}
+
 TEST(PathMachine, ARepeatedAnswerCountsOnce) {
   Rig rig;
   rig.lost = [](int number, const DueChallenge&) { return number > 1; };

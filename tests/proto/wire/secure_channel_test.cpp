@@ -12,6 +12,7 @@ namespace haptic::wire {
 namespace {
 
 using namespace std::chrono_literals;
+using test::bytes_of;
 using test::ByteVector;
 using test::ChannelPair;
 using test::test_keys;
@@ -182,6 +183,48 @@ TEST(Rekey, ANewLeaseForgetsTheOldKeysAtOnce) {
   EXPECT_EQ(pair.server.open(old), "UNKNOWN_PATH");
   pair.client.channel.rekey(test_keys(2), OldKeys::kForget);
   EXPECT_EQ(pair.server.open(pair.client.seal(kProxy, "new")), "new");
+}
+
+/// A datagram under `keys` whose number is past the half of what a key bears.
+ByteVector leap(const PathKeys& keys) {
+  Sealer sealer(keys.path_id, keys.up, Sealer::kPacketsPerKey / 2 + 1);
+  ByteVector out(kLargestDatagram);
+  out.resize(sealer.seal(kProxy, bytes_of("leap"), out));
+  return out;
+}
+
+TEST(Rekey, NumbersThatLeapWearChangedKeysOutOnceAMinuteAtMost) {
+  TestEnd server(End::kServer, test_keys(1));
+  const TimePoint now{10s};
+  EXPECT_FALSE(server.channel.wants_rekey(now));
+  ASSERT_EQ(server.open(leap(test_keys(1)), now), "leap");
+  EXPECT_TRUE(server.channel.wants_rekey(now));
+  server.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  EXPECT_FALSE(server.channel.wants_rekey(now));  // handed out, not used yet
+  ASSERT_EQ(server.open(leap(test_keys(2)), now), "leap");
+  EXPECT_FALSE(server.channel.wants_rekey(now));
+  EXPECT_FALSE(server.channel.wants_rekey(now + 59'999ms));
+  EXPECT_TRUE(server.channel.wants_rekey(now + 60s));
+}
+
+TEST(Rekey, AChannelKnowsThePathIdsThatItOpens) {
+  ChannelPair pair;
+  const auto known = [&](TimePoint now) {
+    std::string ids;
+    for (std::uint8_t seed = 1; seed <= 3; ++seed) {
+      if (pair.server.channel.knows(test_keys(seed).path_id, now)) ids += std::to_string(seed);
+    }
+    return ids;
+  };
+  EXPECT_EQ(known(TimePoint(9s)), "1");
+  pair.server.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  pair.client.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  EXPECT_EQ(known(TimePoint(10s)), "12");
+  ASSERT_EQ(pair.server.open(pair.client.seal(kProxy, "new"), TimePoint(10s)), "new");
+  EXPECT_EQ(known(TimePoint(10'999ms)), "12");
+  EXPECT_EQ(known(TimePoint(11s)), "2");
+  pair.server.channel.rekey(test_keys(3), OldKeys::kFadeOut);
+  EXPECT_EQ(known(TimePoint(12s)), "23");
 }
 
 }  // namespace

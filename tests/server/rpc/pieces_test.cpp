@@ -302,6 +302,10 @@ TEST(ListenAddress, WhatIsNotProtectedIsSaid) {
   }
   EXPECT_NE(server::weakness("robot:1", Protection::kInsecureLab).find("--insecure-lab"),
             std::string::npos);
+  // Without a certificate nobody is an operator (TlsTest).
+  const std::string no_certificates = server::weakness("robot:1", Protection::kTls);
+  EXPECT_NE(no_certificates.find("PRIORITY_PRIMARY at most"), std::string::npos);
+  EXPECT_EQ(no_certificates.find("OPERATOR"), std::string::npos);
 }
 
 TEST(ListenAddress, NonsenseIsNamed) {

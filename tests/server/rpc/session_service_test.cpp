@@ -93,6 +93,67 @@ TEST(SessionService, TheFirstMessageMustOpen) {
   EXPECT_EQ(reason_of(session.status()), "PROTOCOL");
 }
 
+/// A stream on which the client says nothing.
+struct SilentStream {
+  explicit SilentStream(const std::shared_ptr<grpc::Channel>& channel)
+      : stub(v1::HapticService::NewStub(channel)), stream(stub->Session(&context)) {}
+  ~SilentStream() { context.TryCancel(); }
+  [[nodiscard]] grpc::Status status() {
+    v1::SessionResponse none;
+    EXPECT_FALSE(stream->Read(&none));
+    return stream->Finish();
+  }
+  grpc::ClientContext context;
+  std::unique_ptr<v1::HapticService::Stub> stub;
+  std::unique_ptr<grpc::ClientReaderWriter<v1::SessionRequest, v1::SessionResponse>> stream;
+};
+
+TEST(SessionService, AStreamThatOpensNoSessionInTimeIsEnded) {
+  server::RpcConfig config{{"127.0.0.1:0"}};
+  config.open_within = 300ms;
+  LiveServer server(config);
+  TestSession opens(server.channel(), v1::ROLE_OBSERVER, "alice");
+  ASSERT_TRUE(opens.wait_opened());
+  const auto begin = std::chrono::steady_clock::now();
+  SilentStream silent(server.channel());
+  const grpc::Status status = silent.status();
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, 300ms);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(reason_of(status), "PROTOCOL");
+  EXPECT_NE(status.error_message().find("OpenSession did not come within 300 ms"),
+            std::string::npos);
+  EXPECT_FALSE(opens.ended());  // who opened stays
+}
+
+TEST(SessionService, StreamsWithoutASessionKeepNobodyOut) {
+  server::RpcConfig config{{"127.0.0.1:0"}};
+  config.max_sessions = 1;  // and 66 streams without a session
+  config.open_within = 60s;
+  LiveServer server(config);
+  std::vector<std::unique_ptr<SilentStream>> silent;
+  for (int i = 0; i < 67; ++i) {
+    grpc::ChannelArguments own;  // a connection of its own each, so that no limit of one helps
+    own.SetInt("hapticd.test.connection", i);
+    silent.push_back(std::make_unique<SilentStream>(
+        grpc::CreateCustomChannel(server.address(), grpc::InsecureChannelCredentials(), own)));
+  }
+  // One too many: whoever waited longest has to go.
+  std::atomic<int> ended{0};
+  std::vector<std::thread> readers;
+  for (const auto& stream : silent) {
+    readers.emplace_back(
+        [&] { ended += reason_of(stream->status()) == "TOO_MANY_SESSIONS" ? 1 : 0; });
+  }
+  ASSERT_TRUE(eventually([&] {
+    TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
+    return session.wait_opened();
+  }));
+  EXPECT_TRUE(eventually([&] { return ended >= 1; }));
+  for (const auto& stream : silent) stream->context.TryCancel();
+  for (std::thread& reader : readers) reader.join();
+  EXPECT_LE(ended, 2);  // and one for alice, where she came last
+}
+
 TEST(SessionService, OpeningTwiceEndsTheSession) {
   LiveServer server;
   TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");

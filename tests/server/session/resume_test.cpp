@@ -157,6 +157,24 @@ TEST_F(ResumeTest, WithoutItsClientForceIsZeroIn200MillisecondsAndTheLeaseEndsIn
   EXPECT_FALSE(reply->lease->resumed);
 }
 
+TEST_F(ResumeTest, ComingBackAgainAndAgainIsNoSignOfLife) {
+  press();
+  int came_back = 0;
+  for (; came_back < 5; ++came_back) {
+    const std::string former = "s" + std::to_string(came_back + 1);
+    rig.sessions->close(former, kLost);
+    rig.tick(1900);
+    if (!rig.sessions->may_be_resumed(former)) break;
+    const auto reply = ask(resuming("s" + std::to_string(came_back + 2), former));
+    ASSERT_TRUE(reply->lease && reply->lease->resumed);
+    rig.tick(5);
+  }
+  // The first return started the clock anew, for a sample had come; the second did not.
+  EXPECT_EQ(came_back, 2);
+  rig.tick(3);
+  EXPECT_EQ(rig.state(), DeviceState::kIdle);
+}
+
 TEST_F(ResumeTest, AStreamThatOnlyTheClientKnowsToBeLostIsResumedToo) {
   press();
   const auto reply = ask(resuming("s2", "s1"));

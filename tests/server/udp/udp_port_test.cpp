@@ -136,6 +136,39 @@ TEST_F(UdpPortTest, NewKeysAreHandedOutAndTakenWithoutAGap) {
   EXPECT_EQ(sink->changes(), std::vector<wire::PathChange>{wire::PathChange::kUp});
 }
 
+TEST_F(UdpPortTest, PathIdsDoNotPileUpHoweverOftenKeysChange) {
+  port.start();
+  for (int i = 0; i < 1000; ++i) port.rekey(opened.path);
+  EXPECT_EQ(sink->keys().size(), 1000U);
+  EXPECT_LE(port.path_ids(), 3U);
+  sender.send_raw(client.seal(wire::DatagramType::kProxy, sample(1)), port.port());
+  EXPECT_TRUE(
+      eventually([&] { return sink->samples().size() == 1; }));  // the first keys still hold
+  port.close(opened.path);
+  EXPECT_EQ(port.path_ids(), 0U);
+  port.rekey(opened.path);
+  EXPECT_EQ(port.path_ids(), 0U);  // closed is closed
+  EXPECT_EQ(sink->keys().size(), 1000U);
+}
+
+TEST_F(UdpPortTest, AClientCannotHaveNewKeysMadeAsFastAsItLikes) {
+  port.start();
+  const auto leap = [&](const wire::PathKeys& keys) {
+    wire::Sealer sealer(keys.path_id, keys.up, wire::Sealer::kPacketsPerKey / 2 + 1);
+    ByteVector datagram(wire::kLargestDatagram);
+    datagram.resize(
+        sealer.seal(wire::DatagramType::kProxy, bytes_of(sample(1)), wire::Bytes(datagram)));
+    sender.send_raw(datagram, port.port());
+  };
+  leap(opened.keys);
+  ASSERT_TRUE(eventually([&] { return sink->keys().size() == 1; }));
+  leap(sink->keys().front());
+  ASSERT_TRUE(eventually([&] { return sink->samples().size() == 2; }));
+  std::this_thread::sleep_for(1200ms);  // the port looks once a second
+  EXPECT_EQ(sink->keys().size(), 1U);
+  EXPECT_LE(port.path_ids(), 3U);
+}
+
 TEST_F(UdpPortTest, AClosedPathIsUnknownAndItsClientIsTold) {
   port.start();
   UdpEnd end(wire::End::kClient, opened.keys, port.port());

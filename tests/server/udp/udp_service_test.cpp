@@ -160,6 +160,41 @@ TEST(UdpService, BothCarriersGoThroughOneDoorInTheOrderOfTheNumbers) {
   EXPECT_TRUE(eventually([&] { return alice.heard_reason("SAMPLES UDP -> GRPC"); }));
 }
 
+TEST(UdpService, ACarrierThatChangesWithEverySampleIsToldAFewTimesASecond) {
+  LiveServer server(with_udp());
+  UdpSession alice(server);
+  ASSERT_TRUE(alice.wait_in_use());
+  const auto begin = std::chrono::steady_clock::now();
+  for (std::uint64_t seq = 1; seq <= 120; ++seq) {  // the last one by UDP
+    if (seq % 2 == 1) {
+      ASSERT_TRUE(alice.session.publish({0.001, 0.0}, seq));
+    } else {
+      ASSERT_TRUE(alice.udp->send(proxy_sample(seq, 0.001)));
+    }
+    ASSERT_TRUE(eventually([&] { return alice.newest_state().proxy_seq_used() == seq; }));
+    std::this_thread::sleep_for(5ms);
+  }
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  // The end of it is told once there is leave, by the next sample that came the same way.
+  ASSERT_TRUE(eventually([&, seq = std::uint64_t{120}]() mutable {
+    alice.udp->send(proxy_sample(++seq, 0.001));
+    std::this_thread::sleep_for(10ms);
+    std::string last;
+    for (const v1::Event& event : alice.session.events()) {
+      if (event.reason().rfind("SAMPLES", 0) == 0) last = event.reason();
+    }
+    return last == "SAMPLES GRPC -> UDP";
+  }));
+  const auto events = alice.session.events();
+  const auto told = std::count_if(events.begin(), events.end(), [](const v1::Event& event) {
+    return event.reason().rfind("SAMPLES", 0) == 0;
+  });
+  EXPECT_GE(told, 4);
+  EXPECT_LE(static_cast<double>(told), 4.0 * (seconds + 3.0));
+  EXPECT_LT(told, 60);  // of 119 changes
+}
+
 TEST(UdpService, NoChangeOfCarrierMovesTheForce) {
   LiveServer server(with_udp());
   UdpSession alice(server);

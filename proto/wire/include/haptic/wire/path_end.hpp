@@ -61,10 +61,16 @@ class PathEnd {
   void close();
 
   void rekey(const PathKeys& next, OldKeys old);
-  [[nodiscard]] bool wants_rekey() const noexcept { return channel_.wants_rekey(); }
+  [[nodiscard]] bool wants_rekey(TimePoint now) const noexcept { return channel_.wants_rekey(now); }
+  /// Datagrams of this path id are this end's.
+  [[nodiscard]] bool knows(std::uint32_t path_id, TimePoint now) noexcept {
+    return channel_.knows(path_id, now);
+  }
   [[nodiscard]] bool rekeying() const noexcept { return channel_.rekeying(); }
 
   [[nodiscard]] bool in_use() const noexcept { return machine_.in_use(); }
+  /// In use, but answers are overdue: see PathMachine.
+  [[nodiscard]] bool in_doubt() const noexcept { return machine_.in_doubt(); }
   [[nodiscard]] PathState state() const noexcept { return machine_.state(); }
   [[nodiscard]] const PeerAddress& address() const noexcept { return machine_.address(); }
   [[nodiscard]] const RoundTrip& round_trip() const noexcept { return machine_.round_trip(); }
@@ -77,6 +83,7 @@ class PathEnd {
  private:
   void seal_and_send(DatagramType type, ConstBytes payload, const PeerAddress& to);
   void count(const Header& header, std::size_t size, TimePoint arrival);
+  [[nodiscard]] bool left_before(const Header& header) const noexcept;
   void answer(const PathChallenge& challenge, std::size_t size, const PeerAddress& to,
               TimePoint arrival);
   [[nodiscard]] PathChange hear(const PathResponse& response, const PeerAddress& from,
@@ -89,8 +96,9 @@ class PathEnd {
   LinkStatistics statistics_{};
   ClockOffset clock_offset_{};
   PeerReport peer_report_{};
-  std::uint32_t counted_path_;  ///< whose packet numbers the statistics count
-  std::uint32_t sending_path_;  ///< whose packet numbers the other end's reports count
+  std::optional<Header> close_{};  ///< the newest CLOSE that came
+  std::uint32_t counted_path_;     ///< whose packet numbers the statistics count
+  std::uint32_t sending_path_;     ///< whose packet numbers the other end's reports count
   std::array<std::uint8_t, kLargestPayload> payload_{};
   std::array<std::uint8_t, kLargestDatagram> datagram_{};
 };

@@ -12,6 +12,10 @@
 /// and are the evidence that both directions live. Silent is a challenge that nothing sent since
 /// was answered after, for max(100 ms, 4 nominal periods, 3 round trips).
 ///
+/// Before it is sure of that it is in doubt: an answer is overdue, for longer than this path's round
+/// trips vary. What must not be late then goes by the stream as well, so that a path that fails is
+/// not felt while the silence is waited for.
+///
 /// Another address that sends genuine datagrams (a client behind a translator that forgot it)
 /// becomes the candidate of a round of its own; what we send stays where it went until that round
 /// is passed.
@@ -41,7 +45,8 @@ struct PathRules {
   Duration spacing{std::chrono::milliseconds(20)};
   Duration patience{std::chrono::milliseconds(500)};  ///< after the last challenge of a round
   Duration least_silence{std::chrono::milliseconds(100)};
-  double lossy{0.30};  ///< share of our datagrams, over one second
+  Duration overdue{std::chrono::milliseconds(30)};  ///< on top of the round trip and 4 variations
+  double lossy{0.30};                               ///< share of our datagrams, over one second
   Duration first_backoff{std::chrono::milliseconds(500)};
   Duration longest_backoff{std::chrono::seconds(8)};
   /// In use for so long, the back-off begins anew.
@@ -98,12 +103,15 @@ class PathMachine {
 
   [[nodiscard]] PathState state() const noexcept { return state_; }
   [[nodiscard]] bool in_use() const noexcept { return state_ == PathState::kInUse; }
+  /// In use, and an answer was overdue at the last step() or response.
+  [[nodiscard]] bool in_doubt() const noexcept { return in_doubt_; }
   /// Where our datagrams go while in use.
   [[nodiscard]] const PeerAddress& address() const noexcept { return address_; }
   [[nodiscard]] const RoundTrip& round_trip() const noexcept { return round_trip_; }
   /// The challenge that a response of this token answers left at this time; for ClockOffset.
   [[nodiscard]] std::optional<TimePoint> sent_at(std::uint64_t token) const noexcept;
   [[nodiscard]] Duration silence_limit() const noexcept;
+  [[nodiscard]] Duration doubt_limit() const noexcept;
 
  private:
   struct Sent {
@@ -124,6 +132,8 @@ class PathMachine {
   void begin_round(const PeerAddress& to, TimePoint now);
   [[nodiscard]] PathChange pass_round(TimePoint now);
   void fall_back(TimePoint now);
+  [[nodiscard]] PathChange judge(TimePoint now);
+  void judge_doubt(TimePoint now) noexcept;
   [[nodiscard]] DueChallenge challenge(const PeerAddress& to, std::size_t size, bool of_round,
                                        TimePoint now);
   [[nodiscard]] Sent* find(std::uint64_t token) noexcept;
@@ -140,6 +150,7 @@ class PathMachine {
   TimePoint up_since_{};
   TimePoint next_challenge_{};
   std::optional<TimePoint> unanswered_since_{};
+  bool in_doubt_{false};
   Duration backoff_{0};
   TimePoint retry_at_{};
   static constexpr std::size_t kRemembered = 64;

@@ -22,6 +22,9 @@ class SecureChannel {
  public:
   /// How long datagrams sealed with the former keys are still opened.
   static constexpr Duration kOldKeysLast{std::chrono::seconds(1)};
+  /// Keys that were changed to are not worn out before. Who holds a key chooses its packet numbers,
+  /// and shall not have new keys made by them as fast as it likes.
+  static constexpr Duration kKeysLastAtLeast{std::chrono::minutes(1)};
 
   SecureChannel(End end, const PathKeys& keys);
 
@@ -33,7 +36,11 @@ class SecureChannel {
   /// All of WIRE 3's checks up to the commit of the window.
   [[nodiscard]] Opened open(ConstBytes datagram, Bytes payload, TimePoint now) noexcept;
 
-  [[nodiscard]] bool wants_rekey() const noexcept;
+  [[nodiscard]] bool wants_rekey(TimePoint now) const noexcept;
+  /// Datagrams of this path id are opened, by whichever keys.
+  [[nodiscard]] bool knows(std::uint32_t path_id, TimePoint now) noexcept {
+    return opener_of(path_id, now) != nullptr;
+  }
   /// Keys handed out that the other end has not used yet.
   [[nodiscard]] bool rekeying() const noexcept { return next_.has_value(); }
   /// Packet number of the newest datagram sent with the keys in use.
@@ -51,8 +58,9 @@ class SecureChannel {
 
   End end_;
   Keys current_;
-  std::optional<Keys> next_{};    ///< server: handed out, not yet seen in use
-  std::optional<Keys> former_{};  ///< still opened
+  std::optional<TimePoint> current_since_{};  ///< server: the change to them; none: the first keys
+  std::optional<Keys> next_{};                ///< server: handed out, not yet seen in use
+  std::optional<Keys> former_{};              ///< still opened
   std::optional<TimePoint> former_ends_{};
 };
 

@@ -1,0 +1,62 @@
+/// The row of WIRE 6 about watchers, on virtual time: through the shipped broadcaster and its budget.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <memory>
+
+#include "server/rpc/broadcaster.hpp"
+#include "server/rpc/pace.hpp"
+#include "tests/relay/matrix_table.hpp"
+#include "tests/relay/virtual_world.hpp"
+
+namespace haptic::test {
+namespace {
+
+/// A stream that wants every state.
+class Observer final : public server::Subscriber {
+ public:
+  bool offer(const core::TickRecord& record, server::StateFrame&, bool allowed) override {
+    if (!allowed || !pace.due(record.tick)) return false;
+    pace.sent(record.tick);
+    ++sent;
+    return true;
+  }
+  server::Pace pace{1000.0, 0.0};
+  std::uint64_t sent{0};
+};
+
+TEST(VirtualClient, SixteenObserversAt1KhzAreNotFelt) {
+  MatrixRow row("virtual/16_observers",
+                "force identical to the bit to that without observers; the controller gets every "
+                "state, the observers what is left, in equal parts, and what they miss is counted");
+  VirtualWorld alone(shipped_scenario("jitter_5ms")), watched(shipped_scenario("jitter_5ms"));
+  server::Broadcaster broadcaster(*watched.rig.telemetry, 0, server::WatchBudget(8000.0),
+                                  *watched.rig.sessions);
+  const auto controller = std::make_shared<Observer>();
+  broadcaster.add(controller, watched.lease.grant);
+  std::array<std::shared_ptr<Observer>, 16> observers;
+  for (auto& observer : observers) {
+    observer = std::make_shared<Observer>();
+    broadcaster.add(observer);
+  }
+  while (alone.time() < 3s) {
+    alone.step();
+    watched.step();
+    ASSERT_EQ(alone.force(), watched.force());
+    ASSERT_EQ(alone.rig.newest().proxy_age, watched.rig.newest().proxy_age);
+  }
+  ASSERT_EQ(watched.rig.state(), core::DeviceState::kEngaged);
+  EXPECT_EQ(controller->sent, 3000U);
+  for (const auto& observer : observers) {  // 8000 states per second for 16 who want 1000 each
+    EXPECT_NEAR(static_cast<double>(observer->sent), 1500.0, 10.0);
+    EXPECT_NEAR(static_cast<double>(observer->pace.conflated()), 1500.0, 10.0);
+    broadcaster.remove(observer.get());
+  }
+  broadcaster.remove(controller.get());
+  row.got("3000 states to the controller, " + std::to_string(observers[0]->sent) +
+          " to an observer");
+}
+
+}  // namespace
+}  // namespace haptic::test

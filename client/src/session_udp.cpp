@@ -58,7 +58,7 @@ void Session::Impl::on_udp_state(const v1::DeviceState& state) {
 
 /// The newest sample may be lost, and a simulation that holds still would not send another soon.
 void Session::Impl::on_udp_fallback(const v1::ProxySample& newest) {
-  if (options_.carriers == Carriers::kUdpOnly) return;
+  if (newest.seq() == 0 || options_.carriers == Carriers::kUdpOnly) return;
   const std::lock_guard in_order(publish_mutex_);
   std::shared_ptr<Stream> stream;
   {

@@ -137,17 +137,20 @@ class UdpPath::Impl {
   }
 
   /// Under the mutex. A connected UDP socket does not tell whether anybody is there: "localhost" is
-  /// [::1] and 127.0.0.1, and a server may listen at one of them. An address that answered once stays.
+  /// [::1] and 127.0.0.1, and a server may listen at one of them. An address that answered once
+  /// stays.
   bool try_another(wire::PathChange change) {
-    return change == wire::PathChange::kRefused && !answered_ && addresses_.size() > 1 && connect();
+    if (change != wire::PathChange::kRefused || answered_ || addresses_.size() < 2) return false;
+    ++turn_;
+    return connect();
   }
 
   void wait_for_datagrams() {
-    socket_.async_wait(asio::socket_base::wait_read, [this](asio::error_code error) {
-      if (error) return;
+    socket_.async_wait(asio::socket_base::wait_read, [this, of = turn_](asio::error_code error) {
+      if (error || of != turn_) return;  // a socket that is no more
       drain();
       step();
-      wait_for_datagrams();
+      if (of == turn_) wait_for_datagrams();
     });
   }
 
@@ -242,6 +245,7 @@ class UdpPath::Impl {
   // The thread's own.
   std::vector<udp::endpoint> addresses_{};
   std::size_t next_address_{0};
+  int turn_{0};  ///< which socket it is that is waited for
   std::array<std::uint8_t, wire::kLargestDatagram> buffer_{};
   v1::DeviceState incoming_{}, state_{};
   std::thread thread_{};

@@ -45,7 +45,8 @@ SessionStream* SessionStream::begin(ServiceContext& context, Peer peer) {
                            "streams without a session: all " +
                                std::to_string(context.waiting.places()) +
                                " places are taken, and this one waited longest",
-                           {}});
+                           {},
+                           {{"limit", std::to_string(context.waiting.places())}}});
   }
   stream->StartRead(&stream->incoming_);
   context.streams.add(stream);
@@ -61,7 +62,8 @@ void SessionStream::OnReadDone(bool ok) {
     return end(to_status(protocol_error("not a SessionRequest")));
   }
   const bool first = std::exchange(first_message_, false);
-  if (first) context_.waiting.leave(*this);
+  // Its time was up, or its place was needed, in this very moment: it is being ended.
+  if (first && !context_.waiting.leave(*this)) return;
   if (first != request_.has_open()) {
     return end(to_status(protocol_error(first ? "the first message must be OpenSession"
                                               : "OpenSession must be the first message only")));
@@ -269,8 +271,10 @@ void SessionStream::take_sample(const v1::ProxySample& sample, core::TimePoint a
   link_.judged(carrier, verdict);
   ledger_.book(sample.seq(), verdict, std::move(why));
   const bool used = verdict == IngressVerdict::kAccepted || verdict == IngressVerdict::kBacklog;
-  if (!used || carrier == samples_by_ || !tell_limit_.allows(arrival)) return;
+  if (!used) return;
   samples_by_ = carrier;
+  if (carrier == samples_told_by_ || !tell_limit_.allows(arrival)) return;
+  samples_told_by_ = carrier;
   tell_transport(carrier == Carrier::kUdp ? "SAMPLES GRPC -> UDP" : "SAMPLES UDP -> GRPC",
                  "the client's choice");
 }
@@ -401,7 +405,7 @@ void SessionStream::flush() {
 }
 
 void SessionStream::OnDone() {
-  context_.waiting.leave(*this);
+  static_cast<void>(context_.waiting.leave(*this));
   if (udp_) context_.udp->close(udp_);
   if (!client_name_.empty()) spdlog::info("session '{}' ended", client_name_);
   ResponseStream::OnDone();

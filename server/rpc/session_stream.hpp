@@ -54,16 +54,18 @@ class SessionStream final
   void tell_transport(const char* reason, const char* why);
   void flush() override;
 
-  /// A client may change its carrier with every sample, as large ones and small ones come in turns;
-  /// who listens is told four times a second at most, and of the last change in the end.
+  /// A client may change its carrier with every sample, as large ones and small ones come in turns:
+  /// who listens is told so often, and no more.
   class TellLimit {
    public:
+    static constexpr int kTold = 4;
+    static constexpr core::Duration kIn{std::chrono::seconds(1)};
     [[nodiscard]] bool allows(core::TimePoint now) noexcept {
-      if (now - since_ >= std::chrono::seconds(1)) {
+      if (now - since_ >= kIn) {
         since_ = now;
         told_ = 0;
       }
-      return told_++ < 4;
+      return told_++ < kTold;
     }
 
    private:
@@ -92,7 +94,7 @@ class SessionStream final
   core::Duration nominal_period_{0};
   std::shared_ptr<UdpPath> udp_;
   std::optional<wire::PathKeys> new_keys_;  ///< to be sent
-  Carrier samples_by_{Carrier::kGrpc};      ///< as told
+  Carrier samples_by_{Carrier::kGrpc}, samples_told_by_{Carrier::kGrpc};
   TellLimit tell_limit_;
   Carrier states_by_{Carrier::kNone};
   bool states_by_udp_{false};

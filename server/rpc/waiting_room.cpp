@@ -16,9 +16,9 @@ std::shared_ptr<OpenStream> WaitingRoom::enter(const std::shared_ptr<OpenStream>
   return longest;
 }
 
-void WaitingRoom::leave(const OpenStream& stream) {
+bool WaitingRoom::leave(const OpenStream& stream) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(guests_, [&](const Guest& guest) { return guest.name == &stream; });
+  return std::erase_if(guests_, [&](const Guest& guest) { return guest.name == &stream; }) > 0;
 }
 
 std::vector<std::shared_ptr<OpenStream>> WaitingRoom::overdue(core::TimePoint now) {

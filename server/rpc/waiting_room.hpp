@@ -22,8 +22,8 @@ class WaitingRoom {
   /// lost its own, and is returned: who opens at once is not kept out by those who never do.
   [[nodiscard]] std::shared_ptr<OpenStream> enter(const std::shared_ptr<OpenStream>& stream,
                                                   core::TimePoint now);
-  /// Its first message came, or it ended. Idempotent.
-  void leave(const OpenStream& stream);
+  /// Its first message came, or it ended. False where it waited no more.
+  [[nodiscard]] bool leave(const OpenStream& stream);
   /// Those who have waited for `patience`; they have left.
   [[nodiscard]] std::vector<std::shared_ptr<OpenStream>> overdue(core::TimePoint now);
 

@@ -36,8 +36,8 @@ struct LeaseRequest {
 /// Exactly one holder or none, and an epoch that only rises: by one with every grant and with every
 /// resume. The clock of a lease runs from its last accepted sample, or from its opening before the
 /// first one; at `timeout` it has expired. A resume starts the clock anew only where a sample came
-/// since it was started: data is the sign of life, coming back is none. A lease whose session lost its stream is
-/// detached: it is held against time only, not against others who want it.
+/// since it was started: data is the sign of life, coming back is none. A lease whose session lost
+/// its stream is detached: it is held against time only, not against others who want it.
 class LeaseBook {
  public:
   explicit LeaseBook(core::Duration timeout) : timeout_(timeout) {}

@@ -43,7 +43,8 @@ class UdpPort {
   /// Fresh keys for a path now; by itself that happens when the old ones wear out. Any thread.
   void rekey(const std::shared_ptr<UdpPath>& path);
 
-  /// Those that lead to a path: of each its keys', and while they change the next and the former.
+  /// Those that lead to a path: of each its keys', once keys changed the former, which is forgotten
+  /// at the next change, and while they change the next.
   [[nodiscard]] std::size_t path_ids() const;
   /// Of the address bound; host empty where that is any address of this host, or where streams are
   /// served at the same: a client knows that one by the name it came by, which a relay or a

@@ -154,6 +154,14 @@ TEST_F(ClientUdp, ASilentPathGivesTheSamplesBackToTheStreamWithTheNewestAtOnce) 
   EXPECT_EQ(server.samples().size(), 2U);
 }
 
+TEST_F(ClientUdp, WhoPublishedNothingHasNothingToSendAgain) {
+  const auto session = open();
+  ASSERT_TRUE(in_use(*session));
+  udp.cut = true;  // doubt first, silence then
+  ASSERT_TRUE(server.until([&] { return !session->udp_link()->in_use; }));
+  EXPECT_FALSE(server.until([&] { return !server.samples().empty(); }, 50ms));
+}
+
 TEST_F(ClientUdp, PinnedToTheStreamItAsksForNothingElse) {
   SessionOptions options;
   options.carriers = Carriers::kGrpcOnly;

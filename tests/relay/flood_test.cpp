@@ -137,14 +137,15 @@ struct FloodMeasurement {
   [[nodiscard]] bool stops_in_time() const {
     return std::max(junk.stop_p99(), headed.stop_p99()) <= kStopWithin;
   }
+  /// By the median of the rounds' differences: what the machine does besides is in both of a pair.
+  double more_by_junk{0.0}, more_by_header{0.0};
   [[nodiscard]] bool no_more_skipped() const {
-    return std::max(junk.skipped, headed.skipped) <= discarded.skipped + kSkippedAlike;
+    return std::max(more_by_junk, more_by_header) <= kSkippedAlike;
   }
-  /// It failed, and the host was away for long enough to be the reason: for a deadline, or for as
-  /// long as makes a tick late (host_excuse.hpp).
+  /// Stops were late, and nothing else was wrong, while the host was away for as long as makes a
+  /// tick late (host_excuse.hpp; a stall is told with the nap before it, 1 ms).
   [[nodiscard]] bool excused() const {
-    return (!no_more_skipped() && longest_stall > 0.002) ||
-           (!stops_in_time() && longest_stall > 0.008);
+    return !stops_in_time() && no_more_skipped() && longest_stall > 0.009;
   }
 };
 
@@ -162,8 +163,17 @@ FloodMeasurement five_rounds(const Daemon& daemon, const std::atomic<std::uint32
   const Testimony seen = witness.testimony({});
   double longest = 0.0;
   for (const Stall& stall : seen.stalls) longest = std::max(longest, stall.to - stall.from);
-  return {pooled(none), pooled(by_junk), pooled(by_header), witness.summary(),
-          seen.above_all ? longest : 0.0};
+  const auto more = [&](std::vector<Harm> harms) {
+    for (std::size_t i = 0; i < harms.size(); ++i) harms[i].skipped -= none[i].skipped;
+    return pooled(harms).skipped;
+  };
+  return {pooled(none),
+          pooled(by_junk),
+          pooled(by_header),
+          witness.summary(),
+          seen.above_all ? longest : 0.0,
+          more(by_junk),
+          more(by_header)};
 }
 
 TEST(Flood, CostsNoMoreThanToADiscardingSocketAndAStopActsWithin10Ms) {
@@ -171,7 +181,7 @@ TEST(Flood, CostsNoMoreThanToADiscardingSocketAndAStopActsWithin10Ms) {
       "network/flood_100000_per_s",
       "no deadline skipped beyond what the flood to a discarding socket costs; EmergencyStop p99 "
       "<= 10 ms of the stops of five rounds (all measured again, three times at most, where the "
-      "host stalled for as long as explains a failure); no reply");
+      "host stalled for as long as makes a stop late); no reply");
   // Late ticks are counted here, and must not end the run.
   Daemon daemon("loop { loop_late_fault { seconds: 5 } late_bucket_full: 1000000 }\n");
   ASSERT_TRUE(serves(daemon.address()));
@@ -197,9 +207,11 @@ TEST(Flood, CostsNoMoreThanToADiscardingSocketAndAStopActsWithin10Ms) {
     row.got(measured.headed.text("valid header"));
     if (!measured.excused()) break;
   }
+  EXPECT_TRUE(measured.no_more_skipped())
+      << measured.more_by_junk << " and " << measured.more_by_header
+      << " of 1000 deadlines more than by the discarded flood";
   for (const auto& [what, harm] :
        {std::pair("junk", measured.junk), std::pair("valid header", measured.headed)}) {
-    EXPECT_LE(harm.skipped, measured.discarded.skipped + kSkippedAlike) << what;
     EXPECT_LE(harm.stop_p99(), kStopWithin) << what;
     EXPECT_GT(harm.rate, 80'000.0) << what;
   }

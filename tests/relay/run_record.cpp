@@ -66,7 +66,9 @@ std::string force_step(const RecordedTick& before, const RecordedTick& now) {
   if (std::abs(step) <= most) return {};
   const bool armed = now.state == "ARMED" || now.state == "ENGAGING" || now.state == "ENGAGED" ||
                      now.state == "RELEASING";
-  if ((!now.faults.empty() || !armed) && only_taken(before.tau_a, now.tau_a)) return {};
+  const bool fault = !now.faults.empty() || now.state == "FAULT";
+  const bool had_spring = std::abs(before.tau_elastic) > kTiny;  // then it has to fade first
+  if ((fault || (!armed && !had_spring)) && only_taken(before.tau_a, now.tau_a)) return {};
   const double damping_step = step - (now.tau_elastic - before.tau_elastic);
   const bool on_envelope = std::abs(now.tau_elastic) >= now.gain * Daemon::kForceLimit - kTiny;
   if (on_envelope && only_taken(before.tau_elastic, now.tau_elastic) &&
@@ -89,15 +91,16 @@ std::string final_breach(const RecordedTick& before, const RecordedTick& now, do
   if (std::abs(now.tau_elastic) > now.gain * Daemon::kForceLimit + kTiny) {
     return "elastic force above gain times limit";
   }
+  // Else the envelope would excuse any step of the force, by a step of the gain.
+  double least = before.gain - dt / (kFadeEnd - kHoldEnd);
+  if (now.mode != "NONE") least = std::min(least, ladder(now.age));
+  const bool fault = !now.faults.empty() || now.state == "FAULT";
+  if (now.gain < least - kTiny && !fault) return "gain fell by a step";
   if (now.mode == "NONE") return {};
   if (now.staleness != level(now.age, fresh_end)) {
     return now.staleness + " at an age of " + std::to_string(now.age) + " s";
   }
   if (now.gain > ladder(now.age) + kTiny) return "gain above the ladder";
-  // Else the envelope would excuse any step of the force, by a step of the gain.
-  const double least = std::min(before.gain - dt / (kFadeEnd - kHoldEnd), ladder(now.age));
-  const bool taken = !now.faults.empty() || now.state == "FAULT" || now.state == "CLOSING";
-  if (now.gain < least - kTiny && !taken) return "gain fell by a step";
   if (now.age >= kSilent && now.tau_elastic != 0.0) return "elastic force after 200 ms of silence";
   return {};
 }

@@ -7,6 +7,7 @@ import struct
 import threading
 import time
 from collections.abc import Callable
+from typing import Any
 
 from ._channel import LARGEST, Keys, Type, read_header
 from ._path import KEEP_PAYLOAD, PathMachine, PathState
@@ -14,6 +15,8 @@ from .v1 import session_pb2 as wire
 
 _RESPONSE = struct.Struct(">8sqqQQ")
 _OLD_KEYS_S = 1.0
+_LONGEST_DRAIN = 256
+Address = tuple[socket.AddressFamily, socket.SocketKind, int, str, Any]  # as getaddrinfo has it
 _TURN_S = 0.005  # how often the path is looked at; challenges are 10 ms apart at most
 
 
@@ -31,11 +34,12 @@ class UdpPath:
         self._old_until = float("inf")  # runs from the first datagram under the new keys
         self._machine = PathMachine(period_s, time.monotonic())
         self._closing = False
-        self._where = offer.host or host_of(address), offer.port
+        self._addresses = addresses(offer.host or host_of(address), offer.port)
         self._turn = 0
         self._answered = False  # the address in use, to a whole round of challenges
+        self._doubt = False
         # Last, and nothing after it that could fail: a socket without an owner would stay open.
-        self._socket = connect(*self._where)
+        self._socket = connect(self._addresses)
         self._socket.settimeout(_TURN_S)
         self._thread = threading.Thread(target=self._serve, name="haptic udp", daemon=True)
         self._thread.start()
@@ -51,7 +55,7 @@ class UdpPath:
             if not self.in_use or len(sample) > LARGEST - 32:
                 return False
             sent = self._send(Type.PROXY, sample)
-            return sent and not self._machine.in_doubt(time.monotonic())
+            return sent and not self._doubt
 
     def rekey(self, offer: wire.UdpPath) -> None:
         with self._lock:
@@ -80,38 +84,50 @@ class UdpPath:
     def _serve(self) -> None:
         used = doubted = False
         while not self._closing:
-            try:
-                datagram = self._socket.recv(LARGEST + 1)
-            except OSError:
-                datagram = b""
+            self._take(0)  # waits
+            for _ in range(_LONGEST_DRAIN):  # all that waits, before any judgement about silence
+                if not self._take(socket.MSG_DONTWAIT):
+                    break
             now = time.monotonic()
-            payload = self._receive(datagram, now) if datagram else None
-            if payload is not None:
-                self._on_state(payload)
             with self._lock:
                 probing = self._machine.state is PathState.PROBING
                 challenge = self._machine.step(now)
+                refused = probing and self._machine.state is PathState.WAITING
                 self._answered = self._answered or self.in_use
-                if probing and self._machine.state is PathState.WAITING and not self._answered:
-                    self._try_another()
                 if challenge is not None:
                     self._send(Type.PATH_CHALLENGE, challenge)
-            doubt = self._machine.in_doubt(now)
-            if not self._closing and not doubted and (used and not self.in_use or doubt):
+                self._doubt = self._machine.in_doubt(now)
+            if refused and not self._answered:
+                self._try_another()
+            if not self._closing and not doubted and (used and not self.in_use or self._doubt):
                 self._on_late()
-            used, doubted = self.in_use, doubt
+            used, doubted = self.in_use, self._doubt
+
+    def _take(self, flags: int) -> bool:
+        """One datagram; False where none came."""
+        try:
+            datagram = self._socket.recv(LARGEST + 1, flags)
+        except OSError:
+            return False
+        payload = self._receive(datagram, time.monotonic())
+        if payload is not None:
+            self._on_state(payload)
+        return True
 
     def _try_another(self) -> None:
         """A connected UDP socket does not tell whether anybody is there: "localhost" is ::1 and 127.0.0.1, and a
         server may listen at one of them. An address that answered once stays."""
-        try:
-            made = connect(*self._where, self._turn + 1)
-        except OSError:
+        if len(self._addresses) < 2:
             return
         self._turn += 1
+        try:
+            made = connect(self._addresses, self._turn)
+        except OSError:
+            return
         made.settimeout(_TURN_S)
-        self._socket.close()
-        self._socket = made
+        with self._lock:
+            made, self._socket = self._socket, made
+        made.close()
 
     def _receive(self, datagram: bytes, now: float) -> bytes | None:
         """What a datagram changes; the payload where it is a state."""
@@ -158,12 +174,19 @@ def host_of(address: str) -> str:
     return "127.0.0.1" if address.startswith("unix:") else address.rpartition(":")[0].strip("[]")
 
 
-def connect(host: str, port: int, turn: int = 0) -> socket.socket:
-    """To the first address of `host`, a name or an IPv4 or IPv6 address, that this system has a way to; in another
-    `turn` the look begins at another address. Datagrams of other addresses do not come in. OSError where there is none."""
-    failed = OSError(f"{host} has no address")
+def addresses(host: str, port: int) -> list[Address]:
+    """Of `host`, a name or an IPv4 or IPv6 address; OSError where it has none."""
     found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
-    first = turn % max(len(found), 1)
+    if not found:
+        raise OSError(f"{host} has no address")
+    return found
+
+
+def connect(found: list[Address], turn: int = 0) -> socket.socket:
+    """To the first of these addresses that this system has a way to; in another `turn` the look begins at another one.
+    Datagrams of other addresses do not come in. OSError where there is none."""
+    failed = OSError("no address")
+    first = turn % len(found)
     for family, kind, protocol, _, there in found[first:] + found[:first]:
         try:
             made = socket.socket(family, kind, protocol)

@@ -87,9 +87,10 @@ void PathEnd::answer(const PathChallenge& challenge, std::size_t size, const Pee
 PathChange PathEnd::hear(const PathResponse& response, const PeerAddress& from, TimePoint arrival) {
   if (const auto sent = machine_.sent_at(response.token)) {
     clock_offset_.add({*sent, Duration(response.received_ns), Duration(response.sent_ns), arrival});
-    if (response.newest >= peer_report_.newest) {
-      // A client may claim what it likes; more than we sent it cannot have had.
-      peer_report_ = {std::min(response.packets, response.newest), response.newest};
+    // A peer may claim what it likes; more than we sent under these keys it cannot have had.
+    const std::uint64_t newest = std::min(response.newest, channel_.sent());
+    if (newest >= peer_report_.newest) {
+      peer_report_ = {std::min(response.packets, newest), newest};
     }
   }
   return machine_.responded(from, response, arrival);

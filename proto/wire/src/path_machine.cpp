@@ -65,7 +65,11 @@ void PathMachine::stop() noexcept {
 }
 
 void PathMachine::heard(const PeerAddress& from, TimePoint now) {
-  if (state_ == PathState::kOff) return start(from, now);
+  if (state_ == PathState::kOff) {
+    if (now < restart_pause_) return;  // who leaves and comes back at once, again and again
+    restart_pause_ = now + rules_.first_backoff;
+    return start(from, now);
+  }
   if (from == address_ || now < candidate_pause_) return;
   if (state_ == PathState::kWaiting) {
     address_ = from;  // nothing goes there before a round of its own

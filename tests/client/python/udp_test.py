@@ -4,7 +4,7 @@ import socket
 import unittest
 from unittest import mock
 
-from haptic._udp import connect, host_of
+from haptic._udp import addresses, connect, host_of
 
 
 def listener(family: socket.AddressFamily, address: str) -> socket.socket:
@@ -17,7 +17,7 @@ def listener(family: socket.AddressFamily, address: str) -> socket.socket:
 class Connect(unittest.TestCase):
     def reaches(self, family: socket.AddressFamily, address: str, host: str) -> None:
         with listener(family, address) as far:
-            with connect(host, far.getsockname()[1]) as near:
+            with connect(addresses(host, far.getsockname()[1])) as near:
                 self.assertEqual(near.family, family)
                 near.send(b"here")
                 self.assertEqual(far.recv(16), b"here")
@@ -36,7 +36,7 @@ class Connect(unittest.TestCase):
         with listener(socket.AF_INET, "127.0.0.1") as far, mock.patch(
                 "socket.getaddrinfo",
                 return_value=[(socket.AF_INET, socket.SOCK_DGRAM, 0, "", far.getsockname())]) as asked:
-            with connect("robot.example", 50052) as near:
+            with connect(addresses("robot.example", 50052)) as near:
                 near.send(b"here")
                 self.assertEqual(far.recv(16), b"here")
             self.assertEqual(asked.call_args.args, ("robot.example", 50052))
@@ -46,7 +46,7 @@ class Connect(unittest.TestCase):
                 "socket.getaddrinfo",
                 return_value=[(socket.AF_INET, socket.SOCK_DGRAM, 0, "", ("255.255.255.255", 9)),
                               (socket.AF_INET, socket.SOCK_DGRAM, 0, "", far.getsockname())]):
-            with connect("robot.example", 50052) as near:  # broadcast is refused without SO_BROADCAST
+            with connect(addresses("robot.example", 50052)) as near:  # broadcast is refused without SO_BROADCAST
                 self.assertEqual(near.getpeername(), far.getsockname())
 
     def test_each_turn_begins_at_another_address(self) -> None:
@@ -54,16 +54,16 @@ class Connect(unittest.TestCase):
                 "socket.getaddrinfo",
                 return_value=[(socket.AF_INET, socket.SOCK_DGRAM, 0, "", far.getsockname()) for far in (a, b)]):
             for turn, far in enumerate((a, b, a)):
-                with connect("robot.example", 50052, turn) as near:
+                with connect(addresses("robot.example", 50052), turn) as near:
                     self.assertEqual(near.getpeername(), far.getsockname())
 
     def test_no_address_is_an_oserror_and_leaves_no_socket(self) -> None:
         with mock.patch("socket.getaddrinfo", return_value=[]):
             with self.assertRaisesRegex(OSError, "robot.example has no address"):
-                connect("robot.example", 50052)
+                connect(addresses("robot.example", 50052))
         with mock.patch("socket.getaddrinfo", side_effect=socket.gaierror(-2, "unknown")):
             with self.assertRaises(OSError):
-                connect("robot.example", 50052)
+                connect(addresses("robot.example", 50052))
 
 
 class HostOf(unittest.TestCase):

@@ -31,7 +31,8 @@ TEST_F(WaitingRoomTest, WhoWaitedLongestMakesRoom) {
   EXPECT_EQ(room.enter(b, now), nullptr);
   EXPECT_EQ(room.enter(c, now), a);
   EXPECT_EQ(room.waiting(), 2U);
-  room.leave(*b);
+  EXPECT_FALSE(room.leave(*a));  // its place is gone
+  EXPECT_TRUE(room.leave(*b));
   EXPECT_EQ(room.enter(d, now), nullptr);
   EXPECT_EQ(room.enter(a, now), c);
 }
@@ -42,7 +43,7 @@ TEST_F(WaitingRoomTest, NobodyWaitsForLonger) {
   static_cast<void>(room.enter(b, now + 1ms));
   EXPECT_TRUE(room.overdue(now + 4999ms).empty());
   EXPECT_EQ(room.overdue(now + 5s), std::vector<std::shared_ptr<server::OpenStream>>{a});
-  room.leave(*b);
+  EXPECT_TRUE(room.leave(*b));
   EXPECT_TRUE(room.overdue(now + 1h).empty());
   EXPECT_EQ(room.waiting(), 0U);
 }

@@ -165,7 +165,8 @@ struct UdpLink {
 };
 
 /// Samples since the session opened, over reconnects. Samples that are neither sent nor conflated
-/// waited for the transport, or had none.
+/// waited for the transport, or had none. What goes by both carriers, while the UDP path is in doubt
+/// or was given up, is counted by each.
 struct PublishStatistics {
   std::uint64_t published{0};  ///< calls of publish()
   std::uint64_t sent{0};       ///< handed to the transport

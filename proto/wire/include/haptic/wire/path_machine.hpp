@@ -145,6 +145,7 @@ class PathMachine {
   PeerAddress address_{};
   std::optional<Round> round_{};  ///< while probing; in use: a candidate's
   TimePoint candidate_pause_{};   ///< no new candidate before
+  TimePoint restart_pause_{};     ///< what is heard begins no path before
   RoundTrip round_trip_{};
   LossReport loss_{};
   TimePoint up_since_{};

@@ -75,6 +75,12 @@ void expect_rejected(RowRun& run, client::Connection& server, std::uint64_t befo
   run.got(std::to_string(forged) + " forged datagrams, " + std::to_string(rejected) + " rejected");
 }
 
+/// After LOST was heard: the state in which force was on may still be the newest here.
+bool engages_again_by_udp(RowRun& run, Presser& presser) {
+  const bool off = within(5s, [&] { return presser.state().state != client::State::kEngaged; });
+  return run.expect(off, "no longer engaged within 5 s") && engages_by_udp(run, presser);
+}
+
 struct Attack {
   std::function<std::vector<Packet>(const Packet&)> forge;
   std::function<std::uint64_t(const Daemon&)> meanwhile{};  ///< how many it sent by itself
@@ -329,10 +335,11 @@ TEST(NetworkRow, ClientPausedFor300Ms) {
       std::this_thread::sleep_for(300ms);
       presser.publishing = true;
       run.expect(within(5s, [&] { return presser.heard("LOST"); }), "LOST within 5 s");
-      engages_by_udp(run, presser);
+      engages_again_by_udp(run, presser);
     }
     const RunFigures figures = run.judge();
     run.expect(figures.losses == 1, "force lost once", figures.last_loss);
+    run.expect(figures.engages == 2, "engaged twice");
     run.got(figures.text());
   });
 }
@@ -350,11 +357,12 @@ void refuses(const std::string& name, double bad) {
                   presser.instead = &bad;
                   run.expect(within(5s, [&] { return presser.heard("LOST"); }), "LOST within 5 s");
                   presser.instead = nullptr;
-                  engages_by_udp(run, presser);
+                  engages_again_by_udp(run, presser);
                   refused = presser.session().statistics().rejected_invalid;
                 }
                 const RunFigures figures = run.judge();
                 run.expect(figures.losses == 1, "force lost once", figures.last_loss);
+                run.expect(figures.engages == 2, "engaged twice");
                 // 180 ms at 100 Hz, but for what the way had under way
                 run.expect(refused >= 15U, "15 refused or more");
                 run.got(std::to_string(refused) + " refused");

@@ -14,6 +14,7 @@
 #include "tests/support/udp_end.hpp"
 
 /// The system's, but that two.example has two addresses, and nobody listens at the first.
+// NOLINTNEXTLINE(readability-inconsistent-declaration-parameter-name): netdb.h has reserved ones
 extern "C" int getaddrinfo(const char* host, const char* service, const addrinfo* hints,
                            addrinfo** found) {
   static const auto system =

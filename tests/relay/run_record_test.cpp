@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 
@@ -55,7 +56,7 @@ struct JudgedRecord {
 };
 
 std::string words_of(const Finding& finding) {
-  const auto tick = static_cast<int>(1e3 * finding.at.value_or(-1.0) + 0.5);
+  const auto tick = std::lround(1e3 * finding.at.value_or(-1.0));
   return (finding.is_final ? "final at " : "at ") + std::to_string(tick) + ": " + finding.what;
 }
 

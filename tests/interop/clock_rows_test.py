@@ -34,6 +34,7 @@ class Scenario:
         self.drift = sum(float(ppm) * 1e-6 for ppm in re.findall(r"drift_ppm: (\S+)", text))
         self.steps = [(float(at), float(by))
                       for at, by in re.findall(r"step \{ at_s: (\S+) by_s: (\S+) \}", text)]
+        assert self.drift or self.steps, f"{name} turns no clock, or says it in another way than is read here"
 
     def turned_ns(self, t):
         return 1e9 * (self.drift * t + sum(by for at, by in self.steps if t >= at))

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
 
 #include "tests/relay/matrix_table.hpp"
 #include "tests/relay/virtual_world.hpp"
@@ -127,6 +128,32 @@ TEST(VirtualMatrixRow, BlockedUdpFarAwayFadesAndIsNotLost) {
     EXPECT_LT(oldest_proxy(world, 1s, 12s), world.lease.staleness.fade_end) << milliseconds(period);
     EXPECT_EQ(world.fallbacks, 1);
     EXPECT_EQ(world.rig.state(), core::DeviceState::kEngaged);
+  }
+}
+
+/// What doubt buys at a cut, and what it costs on a path that only loses: beside a client that waits
+/// for silence, in one run.
+TEST(VirtualMatrixRow, DoubtBuysAHoldForAFewCopies) {
+  constexpr wire::Duration kNever = 1h;
+  for (const LinkTime period : {10ms, 33ms}) {
+    VirtualWorld doubts(shipped_scenario("udp_blocked"), period);
+    VirtualWorld waits(shipped_scenario("udp_blocked"), period, kNever);
+    const core::Duration with = oldest_proxy(doubts, 1s, 12s),
+                         without = oldest_proxy(waits, 1s, 12s);
+    std::printf("cut, a sample every %s: oldest proxy %s with doubt, %s without\n",
+                milliseconds(period).c_str(), milliseconds(with).c_str(),
+                milliseconds(without).c_str());
+    EXPECT_LE(with, 100ms);
+    EXPECT_GT(without, with + 40ms);
+    EXPECT_GT(doubts.copies, 0U);
+    EXPECT_EQ(waits.copies, 1U);  // the newest, at the fallback
+  }
+  for (const char* name : {"delay_10ms", "jitter_5ms", "jitter_20ms", "loss_05", "loss_10"}) {
+    VirtualWorld world(shipped_scenario(name));
+    world.run(world.scenario.duration);
+    const double share = static_cast<double>(world.copies) / static_cast<double>(world.seq);
+    std::printf("%s: %.1f %% of the samples also by the stream\n", name, 100.0 * share);
+    EXPECT_LE(share, 0.001) << name;
   }
 }
 

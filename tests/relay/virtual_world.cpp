@@ -23,9 +23,10 @@ core::PipelineConfig world_config() {
   return config;
 }
 
-wire::PathRules path_rules(LinkTime period) {
+wire::PathRules path_rules(LinkTime period, wire::Duration overdue) {
   wire::PathRules rules;
   rules.nominal_period = period;
+  rules.overdue = overdue;
   return rules;
 }
 
@@ -46,7 +47,7 @@ Scenario shipped_scenario(const std::string& name) {
   return read_scenario(HAPTIC_SOURCE_DIR "/tests/relay/scenarios/" + name + ".textproto");
 }
 
-VirtualWorld::VirtualWorld(const Scenario& which, LinkTime period)
+VirtualWorld::VirtualWorld(const Scenario& which, LinkTime period, wire::Duration overdue)
     : scenario(which),
       sample_period(period),
       rig(world_config(), {}, kStart),
@@ -54,14 +55,14 @@ VirtualWorld::VirtualWorld(const Scenario& which, LinkTime period)
       udp_down(which.down, which.seed + 1000, haptic::test::Carrier::kUdp),
       stream_up(which.up, which.seed + 2000),
       stream_down(which.down, which.seed + 3000),
-      client({wire::End::kClient, keys, path_rules(period),
+      client({wire::End::kClient, keys, path_rules(period, overdue),
               [this](const wire::PeerAddress&, wire::ConstBytes datagram) {
                 Packet packet(datagram.begin(), datagram.end());
                 if (on_wire) on_wire(packet);
                 udp_up.send(std::move(packet), time());
               },
               [random = Random(1)]() mutable { return random.next(); }}),
-      server({wire::End::kServer, keys, path_rules(period),
+      server({wire::End::kServer, keys, path_rules(period, overdue),
               [this](const wire::PeerAddress& to, wire::ConstBytes datagram) {
                 answered.push_back(to);
                 if (to == server_sees) udp_down.send({datagram.begin(), datagram.end()}, time());
@@ -131,7 +132,9 @@ void VirtualWorld::step_client() {
   lost += fell_back(client.step(client_reading())) ? 1 : 0;
   fallbacks += lost;
   // As the client library: what may be lost goes by the stream, under the number it has.
-  if (!knew && (lost > 0 || client.in_doubt())) stream_up.send(newest, time());
+  if (knew || (lost == 0 && !client.in_doubt())) return;
+  stream_up.send(newest, time());
+  ++copies;
 }
 
 void VirtualWorld::take_state(wire::ConstBytes state) {
@@ -159,7 +162,10 @@ void VirtualWorld::publish() {
       ++seq, proxy(time()),
       {reading.time_since_epoch().count(), state_used_, (reading - state_came_).count()});
   ways[seq].published = rig.now;
-  if (!client.send(newest) || client.in_doubt()) stream_up.send(newest, time());
+  const bool by_udp = client.send(newest);
+  if (by_udp && !client.in_doubt()) return;
+  stream_up.send(newest, time());
+  copies += by_udp ? 1 : 0;
 }
 
 void VirtualWorld::accept(wire::ConstBytes bytes, server::Carrier carrier) {

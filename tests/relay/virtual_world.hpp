@@ -26,7 +26,9 @@ struct VirtualWorld {
   static constexpr double kDeviceDamping = 0.5;          // N s/m, what is known of it
   static constexpr core::TimePoint kStart{1h};
 
-  explicit VirtualWorld(const Scenario& which, LinkTime sample_period = kSamplePeriod);
+  /// `overdue`: of both ends' PathRules.
+  explicit VirtualWorld(const Scenario& which, LinkTime sample_period = kSamplePeriod,
+                        wire::Duration overdue = wire::PathRules{}.overdue);
   VirtualWorld(const VirtualWorld&) = delete;
   VirtualWorld& operator=(const VirtualWorld&) = delete;
 
@@ -63,8 +65,9 @@ struct VirtualWorld {
   Packet newest{};
   std::map<std::uint64_t, Way> ways{};  ///< by the sample's number
   int fallbacks{0};
-  bool alive{true};       ///< false: the client does nothing any more
-  bool publishing{true};  ///< false: its simulation stands still, its transport lives
+  std::uint64_t copies{0};  ///< samples that went by the stream besides
+  bool alive{true};         ///< false: the client does nothing any more
+  bool publishing{true};    ///< false: its simulation stands still, its transport lives
   std::vector<wire::PeerAddress> answered{};  ///< whom the server sent anything, in order
   /// Of a sample's first coordinate, m, at a time; by default a slow press.
   std::function<double(LinkTime)> proxy{};

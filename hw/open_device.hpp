@@ -15,7 +15,7 @@
 
 namespace haptic::hw {
 
-/// The finger exoskeleton worn on a simulated finger, METHOD 2.4.
+/// The finger exoskeleton worn on a simulated finger, core/METHOD.md#forces-at-the-finger.
 struct SimulatedFingerConfig {
   std::uint64_t seed{1};
   std::filesystem::path motion_file{};  ///< joint angles the user aims at; empty: `target`
@@ -23,7 +23,7 @@ struct SimulatedFingerConfig {
   double target_pip{0.0};
   double hand_stiffness{0.6};  ///< K_h, N m/rad
   double hand_damping{0.012};  ///< B_h, N m s/rad
-  double inertia_mcp{1.2e-4};  ///< kg m^2, METHOD 2.4
+  double inertia_mcp{1.2e-4};  ///< kg m^2, core/METHOD.md#forces-at-the-finger
   double inertia_pip{4e-5};
   double actuator_mass{0.05};         ///< kg
   double actuator_damping{2.0};       ///< N s/m
@@ -47,8 +47,8 @@ struct SimulatedLinearConfig {
 };
 
 /// A recording: time_s and the device's DoFs by name (a tracked palm's orientation also as a
-/// quaternion), or joint angles through the inverse kinematics: time_s and each coordinate's name with
-/// _rad, time_s,q_o1_mcp_rad,q_o2_pip_rad for a finger.
+/// quaternion), or joint angles through the inverse kinematics: time_s and each coordinate's name
+/// with _rad, time_s,q_o1_mcp_rad,q_o2_pip_rad for a finger.
 struct ReplayConfig {
   std::filesystem::path file{};
   bool repeat{false};

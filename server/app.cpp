@@ -18,8 +18,8 @@
 namespace haptic::server {
 namespace {
 
-/// Together with 200 ms per device for close() they stay below the 5 s of WIRE 4. A release takes
-/// fade_end - hold_end, 80 ms by default.
+/// Together with 200 ms per device for close() they stay below the 5 s of
+/// proto/README.md#states-of-a-device. A release takes fade_end - hold_end, 80 ms by default.
 constexpr core::Duration kLongestRelease = std::chrono::milliseconds(2500);
 constexpr core::Duration kCallsGrace = std::chrono::seconds(1);
 
@@ -115,8 +115,8 @@ void App::start() {
 void App::open_devices() {
   for (const DeviceScene& scene : scene_.devices) {
     hw::DeviceConfig source = scene.source;
-    // WIRE 4: loop_late_fault < the board's watchdog, always. Which of the two defaults it is, the
-    // grant has decided by now.
+    // proto/README.md#states-of-a-device: loop_late_fault < the board's watchdog, always. Which of
+    // the two defaults it is, the grant has decided by now.
     if (auto* board = std::get_if<hw::BoardConfig>(&source)) {
       board->longest_lateness = realtime_.loop_late_fault;
     }

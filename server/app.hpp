@@ -48,8 +48,8 @@ class App {
   /// nothing ticks before all of it stands. Throws SceneError, DeviceError, RealtimeError,
   /// TransportError; what was started by then is stopped.
   void start();
-  /// SIGTERM of WIRE 4: force fades out, devices are disarmed, telemetry drained, calls ended; less
-  /// than 5 s. Idempotent.
+  /// SIGTERM of proto/README.md#states-of-a-device: force fades out, devices are disarmed,
+  /// telemetry drained, calls ended; less than 5 s. Idempotent.
   void stop();
 
   /// As bound, ports filled in; empty unless running.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What an observer saw, judged: the contract of WIRE 4 from outside.
+"""What an observer saw, judged: the contract of proto/README.md#staleness-and-gain from outside.
 
     contract.py COMMAND FILE [ARGUMENT]
 
@@ -58,7 +58,8 @@ def last_loss(states: list[dict]) -> int | None:
 
 
 def silence(states: list[dict]) -> None:
-    # The last sample before a silence of more than fade_end (180 ms): its time is the state's minus its age.
+    # The last sample before a silence of more than fade_end (180 ms): its time is the state's minus
+    # its age.
     lost = last_loss(states)
     if lost is None:
         fail("the proxy was never lost")
@@ -106,7 +107,8 @@ def closing(states: list[dict]) -> None:
     last = states[-1]
     if max(map(force, states)) < FELT_N:
         cannot_tell("there was no force to take back")
-    # The stream ends with the server: its last state may be a few milliseconds before g = 0 (80 ms from 1).
+    # The stream ends with the server: its last state may be a few milliseconds before g = 0 (80 ms
+    # from 1).
     if last["state"] not in ("RELEASING", "CLOSING") or last["gain"] > 0.15:
         cannot_tell(f"the last state that came is {last['state']} with a gain of {last['gain']:.3f}")
     print(f"force faded out; {force(last):.2f} N in the last state that was sent")

@@ -1,5 +1,6 @@
-# The container engine of docker/test.sh (sourced): which one, what it needs on this host, how it is called.
-# Sets `engine` and `base`; `compose` and the functions here call it. `scratch` is a folder of the caller's.
+# The container engine of docker/test.sh (sourced): which one, what it needs on this host, how it is
+# called. Sets `engine` and `base`; `compose` and the functions here call it. `scratch` is a folder
+# of the caller's.
 
 # Docker where it does what the tests need, else podman; where neither does, why.
 choose_engine() { # choose_engine [NAME]
@@ -21,8 +22,8 @@ choose_engine() { # choose_engine [NAME]
   return 1
 }
 
-# Everything the tests ask of an engine, with nothing of ours in it: what fails here is the host's. Its last
-# words are the reason.
+# Everything the tests ask of an engine, with nothing of ours in it: what fails here is the host's.
+# Its last words are the reason.
 probe() {
   local network=${project}_probe name=${project}_probe ours=(--label "com.docker.compose.project=$project")
   "$engine" info || return 1
@@ -41,8 +42,8 @@ probe() {
   "$engine" rm --force "$name" && "$engine" network rm "$network"
 }
 
-# A host whose cgroups are not version 2, or without systemd, needs words of its own (WIRE 7); elsewhere
-# podman's configuration stands.
+# A host whose cgroups are not version 2, or without systemd, needs words of its own
+#; elsewhere podman's configuration stands.
 configure_podman() {
   [[ -z ${CONTAINERS_CONF:-} ]] || return 0
   if [[ -f /sys/fs/cgroup/cgroup.controllers && -d /run/systemd/system ]]; then return 0; fi

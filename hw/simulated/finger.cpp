@@ -9,7 +9,8 @@
 namespace haptic::hw {
 namespace {
 
-/// The pose in which the simulation begins: the finger straight, METHOD 1.2's nominal pose.
+/// The pose in which the simulation begins: the finger straight, core/METHOD.md#finger-linkage's
+/// nominal pose.
 const Eigen::Vector2d kRest = Eigen::Vector2d::Zero();
 
 void check(const SimulatedFingerConfig& c) {

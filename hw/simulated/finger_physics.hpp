@@ -1,6 +1,7 @@
 #pragma once
-/// The mechanics of a finger that wears the exoskeleton, METHOD 2.4: two joints, moved by the
-/// user's hand, with the actuator's mass, damping, friction and force reflected to them.
+/// The mechanics of a finger that wears the exoskeleton, core/METHOD.md#forces-at-the-finger: two
+/// joints, moved by the user's hand, with the actuator's mass, damping, friction and force
+/// reflected to them.
 ///
 ///   (I + m w w^T) x_ddot = K_h (x_des - x) - B_h x_dot + tau_stop
 ///                          + w (tau_a - b l_dot - F_c(l_dot) + m w^T J_dot q_dot)

@@ -1,6 +1,6 @@
 #pragma once
-/// Where the simulated user means to bring the finger: x_des(t) of METHOD 2.4, a constant target or
-/// a recording that repeats.
+/// Where the simulated user means to bring the finger: x_des(t) of
+/// core/METHOD.md#forces-at-the-finger, a constant target or a recording that repeats.
 
 #include <Eigen/Core>
 #include <filesystem>
@@ -12,7 +12,8 @@ namespace haptic::hw {
 
 class Intent {
  public:
-  /// Rise from the rest pose to the target, or into the recording: METHOD 2.4.
+  /// Rise from the rest pose to the target, or into the recording:
+  /// core/METHOD.md#forces-at-the-finger.
   static constexpr double kRise = 0.8;  // s
   /// Way back from the end of a recording to its beginning.
   static constexpr double kReturn = 0.5;  // s

@@ -13,8 +13,9 @@
 /// clumps a healthy stream again and again does not add up to a lost one.
 ///
 /// Tolerance: half a period - two samples at once, which is one sample late by a period - or 5 ms,
-/// whichever is longer. 5 ms is the shortest fresh_end (WIRE 4): clumping within it cannot make a
-/// sample look fresh that is not, and a 1 kHz stream clumps by that much on any busy host.
+/// whichever is longer. 5 ms is the shortest fresh_end (proto/README.md#staleness-and-gain):
+/// clumping within it cannot make a sample look fresh that is not, and a 1 kHz stream clumps by
+/// that much on any busy host.
 
 #include <array>
 #include <atomic>
@@ -50,8 +51,8 @@ struct ProxyCandidate {
   int plane_count{
       0};  ///< as on the wire: may be more than kMaxPlanes, which are then not in `planes`
   Carrier carrier{Carrier::kGrpc};
-  /// When it left its source at the latest, by a synchronised clock: its age counts from there where
-  /// that is before its arrival (WIRE 4).
+  /// When it left its source at the latest, by a synchronised clock: its age counts from there
+  /// where that is before its arrival (proto/README.md#staleness-and-gain).
   std::optional<core::TimePoint> left{};
 };
 
@@ -142,8 +143,8 @@ class Ingress {
   [[nodiscard]] Carrier carrier() const noexcept {
     return carrier_.load(std::memory_order_relaxed);
   }
-  /// Who carried the sample that a tick used, named by its number and what its age counts from; kNone
-  /// where it is not among the last 256.
+  /// Who carried the sample that a tick used, named by its number and what its age counts from;
+  /// kNone where it is not among the last 256.
   [[nodiscard]] Carrier carrier_of(std::uint64_t seq, core::TimePoint born) const noexcept;
   /// Newest accepted under the current lease; 0 before the first.
   [[nodiscard]] std::uint64_t newest_seq() const;

@@ -1,7 +1,7 @@
 #pragma once
 /// How long a connection stays whose far end gives no sign of life (proto/README.md, "Every
-/// limit"). Force does not wait for that: liveness is the data (WIRE 4). This only gives its memory
-/// back.
+/// limit"). Force does not wait for that: liveness is the data
+/// (proto/README.md#staleness-and-gain). This only gives its memory back.
 
 #include <chrono>
 

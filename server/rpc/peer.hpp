@@ -13,7 +13,8 @@ namespace haptic::server {
 struct Peer {
   bool encrypted{false};  ///< by TLS
   bool this_host{false};  ///< a UNIX socket, or loopback
-  /// Of its certificate: the subject alternative names, else the common name. Empty: it showed none.
+  /// Of its certificate: the subject alternative names, else the common name. Empty: it showed
+  /// none.
   std::vector<std::string> names{};
 };
 
@@ -22,13 +23,14 @@ struct Peer {
 /// Whether a gRPC peer's name ("ipv4:127.0.0.1:5", "unix:/path") is on this host.
 [[nodiscard]] bool is_this_host(const std::string& peer);
 
-/// Keys travel only over TLS, a UNIX socket or loopback (WIRE 3), unless `config` gives all up.
+/// Keys travel only over TLS, a UNIX socket or loopback (proto/README.md#the-udp-path), unless
+/// `config` gives all up.
 [[nodiscard]] bool may_have_keys(const Peer& peer, const RpcConfig& config) noexcept;
 
-/// The highest priority it may ask for: what its certificate's names are entitled to. Over TLS without
-/// a certificate that is kPrimary: it may be anybody on the network, and nobody takes a device away from
-/// others without a name (WIRE 2). In plain text any: then it is a user of this host, or of a lab that
-/// gave all up.
+/// The highest priority it may ask for: what its certificate's names are entitled to. Over TLS
+/// without a certificate that is kPrimary: it may be anybody on the network, and nobody takes a
+/// device away from others without a name (proto/README.md#a-session). In plain text any: then it
+/// is a user of this host, or of a lab that gave all up.
 [[nodiscard]] Priority highest_priority(const Peer& peer, const RpcConfig& config);
 
 }  // namespace haptic::server

@@ -23,7 +23,8 @@ struct RealtimeRequest {
   RealtimeMode mode{RealtimeMode::kTry};
   int priority{80};          ///< SCHED_FIFO, 1..98
   std::optional<int> cpu{};  ///< absent: not pinned
-  /// The scene's; absent: 8 ms where SCHED_FIFO was granted, 20 ms elsewhere (WIRE 4).
+  /// The scene's; absent: 8 ms where SCHED_FIFO was granted, 20 ms elsewhere
+  /// (proto/README.md#states-of-a-device).
   std::optional<core::Duration> loop_late_fault{};
 };
 

@@ -13,8 +13,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Default of loop_late_fault on a real-time host (WIRE 4): the tighter of the
-/// two the app may pick.
+/// Default of loop_late_fault on a real-time host (proto/README.md#states-of-a-device): the tighter
+/// of the two the app may pick.
 constexpr core::Duration kTightestLateFault{8ms};
 constexpr int kMostCpus = 1024;                // CPU_SETSIZE
 constexpr std::size_t kLongestUnixPath = 107;  // sockaddr_un

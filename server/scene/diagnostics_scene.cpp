@@ -18,7 +18,7 @@ std::optional<double> read_coupling_metric(v1::DeviceScene& message, const std::
   if (!message.has_coupling_metric()) return std::nullopt;
   v1::CouplingMetricScene& metric = *message.mutable_coupling_metric();
   const FieldReader reader(metric, path + ".coupling_metric", problems);
-  double softness = 0.01;  // METHOD 5.5
+  double softness = 0.01;  // core/METHOD.md#anisotropic-coupling
   reader.numbers({{"softness", &softness, Allowed::kPositive}});
   if (softness > 1.0) reader.wrong("softness", decimal(softness), "must be at most 1");
   return softness;

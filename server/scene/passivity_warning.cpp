@@ -13,7 +13,7 @@ namespace haptic::server {
 namespace {
 
 /// lambda_max of Z_q relative to 2 (b - B) / T, in which the loop's hold is paid for whatever the
-/// direction (METHOD 5.1); infinite where an actuator has no damping left.
+/// direction (core/METHOD.md#sampled-data); infinite where an actuator has no damping left.
 double share_of_damping(const DeviceScene& device, const core::VecA& b, double T) {
   const core::RenderSettings& settings = device.settings;
   Eigen::MatrixXd Z = device.projection.coupling->matrix(settings.stiffness);

@@ -31,7 +31,7 @@ core::TaskMetric read_metric(v1::MetricScene& message, const std::string& path,
   const std::size_t before = problems.count();
   const FieldReader reader(message, path, problems);
   if (message.w_size() > 0) return read_matrix(message, reader, space.n_x());
-  double metres = 0.005, radians = 0.1;  // METHOD 4.4
+  double metres = 0.005, radians = 0.1;  // core/METHOD.md#metric-and-limits
   reader.numbers(
       {{"scale_m", &metres, Allowed::kPositive}, {"scale_rad", &radians, Allowed::kPositive}});
   if (problems.count() > before) return {};

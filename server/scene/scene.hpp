@@ -23,7 +23,8 @@ struct DeviceScene {
   core::RenderSettings settings{};  ///< the widest a session may ask for
   bool monotone_envelope{false};
   bool passivity_certificate{false};
-  /// eps of the coupling metric that states carry (METHOD 5.5); absent: none.
+  /// eps of the coupling metric that states carry (core/METHOD.md#anisotropic-coupling); absent:
+  /// none.
   std::optional<double> coupling_softness{};
   core::PassivitySettings passivity{};
   std::vector<core::ActuatorRatings> ratings{};  ///< n_a, or none
@@ -52,10 +53,10 @@ struct ServerScene {
 
 struct LoopScene {
   core::Duration period{std::chrono::milliseconds(1)};
-  /// Absent: 8 ms where real-time scheduling was granted, 20 ms elsewhere (WIRE
-  /// 4).
+  /// Absent: 8 ms where real-time scheduling was granted, 20 ms elsewhere (
+  /// proto/README.md#states-of-a-device).
   std::optional<core::Duration> loop_late_fault{};
-  /// Level at which many small lags become a fault (WIRE 4).
+  /// Level at which many small lags become a fault (proto/README.md#states-of-a-device).
   int late_bucket_full{core::LateBucket::kFull};
   int priority{80};
   std::optional<int> cpu{};

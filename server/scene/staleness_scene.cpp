@@ -9,12 +9,12 @@ namespace haptic::server {
 namespace {
 
 /// Longer silences than this are no jitter of a network; also the longest lease
-/// (WIRE 2).
+/// (proto/README.md#a-session).
 constexpr core::Duration kLongestSilence{std::chrono::seconds(60)};
-/// What 2.5 periods of a client are clamped to at most (WIRE 4).
+/// What 2.5 periods of a client are clamped to at most (proto/README.md#staleness-and-gain).
 constexpr core::Duration kWidestFreshEnd{std::chrono::milliseconds(80)};
-/// Shortest fade from full force to none (WIRE 4), and the longest: a release, and so the server's
-/// own end, waits for it.
+/// Shortest fade from full force to none (proto/README.md#staleness-and-gain), and the longest: a
+/// release, and so the server's own end, waits for it.
 constexpr core::Duration kShortestFade{std::chrono::milliseconds(50)};
 constexpr core::Duration kLongestFade{std::chrono::milliseconds(1000)};
 

@@ -14,7 +14,7 @@ void check_text(const google::protobuf::Message& message, const std::string& pat
 /// Only a board has a clock of its own to pace the loop by; which of its sample periods is the
 /// loop's is known when it has answered (check_pacing of loop_pacing.hpp).
 void check_paced_by(const v1::Scene& message, const Scene& scene, Problems& problems);
-/// Silence ends force before it ends the lease (WIRE 4).
+/// Silence ends force before it ends the lease (proto/README.md#states-of-a-device).
 void check_silence(const Scene& scene, Problems& problems);
 /// What is recorded goes into no file that the scene plays.
 void check_recordings(const Scene& scene, Problems& problems);

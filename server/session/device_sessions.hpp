@@ -1,14 +1,14 @@
 #pragma once
 /// Who has what of a device: the lease, its epoch and clock, engage and release, settings within
-/// the scene, clear and stop (WIRE 2). No gRPC here: time and records come in, verdicts go out, so
-/// that every rule runs on virtual time.
+/// the scene, clear and stop (proto/README.md#a-session). No gRPC here: time and records come in,
+/// verdicts go out, so that every rule runs on virtual time.
 ///
 /// A lease ends when its session closes, or by the clock: every record that the telemetry drains
 /// brings the time, so it ends on time whether or not anybody calls anything. When it ends, force
 /// fades out (RELEASING); the settings go back to the scene's once g = 0, so that the fade itself
 /// never stiffens. A newcomer who comes during the fade is answered when g = 0. A session that lost
-/// its stream may resume its lease while that lasts and nobody else wants it; a higher priority takes
-/// it from whoever has it.
+/// its stream may resume its lease while that lasts and nobody else wants it; a higher priority
+/// takes it from whoever has it.
 ///
 /// Threads: every method from any thread. Answers are called without a lock held, on the caller's
 /// thread where the answer is known at once, else on the telemetry drain's; they must not block.
@@ -40,7 +40,8 @@ struct SessionRules {
   /// The scene's bound on every lease's fresh_end; absent: 2.5 nominal periods of the client.
   std::optional<core::Duration> fresh_end{};
   std::optional<core::Duration> tracker_fresh_end{};  ///< the same of a tracker's poses
-  /// Softness of the coupling metric that states carry (METHOD 5.5); absent: none.
+  /// Softness of the coupling metric that states carry (core/METHOD.md#anisotropic-coupling);
+  /// absent: none.
   std::optional<double> coupling_softness{};
 };
 
@@ -77,9 +78,9 @@ class DeviceSessions final : public RecordListener {
   /// detached instead. Idempotent.
   void close(const std::string& session_id, Ending ending = Ending::kGivenUp);
 
-  /// Asks for the lease: to resume one, a free one, or that of a lower priority. Refused: LEASE_HELD
-  /// (kExists, names the holder), CLOSING, or limits that are off. Answered at g = 0; at once where
-  /// it resumes.
+  /// Asks for the lease: to resume one, a free one, or that of a lower priority. Refused:
+  /// LEASE_HELD (kExists, names the holder), CLOSING, or limits that are off. Answered at g = 0; at
+  /// once where it resumes.
   void open_controller(const LeaseRequest& request, core::TimePoint now, const LeaseAnswer& answer);
 
   /// Each returns a ticket for cancel(), 0 where the answer was given at once.
@@ -116,8 +117,8 @@ class DeviceSessions final : public RecordListener {
   [[nodiscard]] Stamp stamp(const core::TickRecord& record) const noexcept;
   /// Its lease waits for it.
   [[nodiscard]] bool may_be_resumed(const std::string& session_id) const;
-  /// A controller that opens now with this `resume` would go on with the lease of that session, whether
-  /// or not its stream is known to be lost.
+  /// A controller that opens now with this `resume` would go on with the lease of that session,
+  /// whether or not its stream is known to be lost.
   [[nodiscard]] bool would_resume(const std::string& resume) const;
 
   /// Telemetry's call, every tick.

@@ -1,12 +1,13 @@
 #pragma once
-/// Who says where a device's palm is, and the one door for what they say (WIRE 2, role tracker). At
-/// most one session per device; its place is free again when the session is over, or was silent for
-/// the lease time, and its last pose has faded out: force is never led from one tracker's world into
-/// the next one's. Takes a mutex; the loop never does.
+/// Who says where a device's palm is, and the one door for what they say
+/// (proto/README.md#a-session, role tracker). At most one session per device; its place is free
+/// again when the session is over, or was silent for the lease time, and its last pose has faded
+/// out: force is never led from one tracker's world into the next one's. Takes a mutex; the loop
+/// never does.
 ///
-/// A pose is used where it is finite, a rotation (a unit quaternion) within the palm's range, and newer
-/// than the last. Back-log is aged as that of proxies (ingress.hpp). What is refused changes nothing:
-/// the last good pose stays, and ages.
+/// A pose is used where it is finite, a rotation (a unit quaternion) within the palm's range, and
+/// newer than the last. Back-log is aged as that of proxies (ingress.hpp). What is refused changes
+/// nothing: the last good pose stays, and ages.
 
 #include <array>
 #include <mutex>

@@ -1,5 +1,6 @@
 #pragma once
-/// The lease: who may stream proxies to a device, since when, and until when (WIRE 2).
+/// The lease: who may stream proxies to a device, since when, and until when
+/// (proto/README.md#a-session).
 
 #include <cstdint>
 #include <optional>
@@ -66,7 +67,8 @@ class LeaseBook {
   /// Precondition: resumable().
   std::uint32_t resume(const LeaseRequest& request, core::TimePoint now,
                        core::TimePoint last_accepted);
-  /// A newcomer of `priority` may have it: it is free, of lower priority, or detached and of the same.
+  /// A newcomer of `priority` may have it: it is free, of lower priority, or detached and of the
+  /// same.
   [[nodiscard]] bool yields_to(Priority priority) const noexcept;
   /// The clock runs from `now` on.
   void restart_clock(core::TimePoint now) noexcept { opened_ = now; }

@@ -1,5 +1,6 @@
 #pragma once
-/// What the links of one session are doing, and how old a sample was when it came (WIRE 2, 4).
+/// What the links of one session are doing, and how old a sample was when it came
+/// (proto/README.md#a-session and proto/README.md#staleness-and-gain).
 ///
 /// Every sample brings a whole exchange of time stamps with it: the state it was computed from left
 /// at a tick of ours, the client received it `hold` before its source time, and the sample arrived.

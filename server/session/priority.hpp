@@ -1,5 +1,5 @@
 #pragma once
-/// Who may take a device from whom (WIRE 2): only a higher priority preempts.
+/// Who may take a device from whom (proto/README.md#a-session): only a higher priority preempts.
 
 #include <cstdint>
 

@@ -1,5 +1,6 @@
 #pragma once
-/// What a session may change of the scene's settings: tighten, never widen (WIRE 2).
+/// What a session may change of the scene's settings: tighten, never widen
+/// (proto/README.md#a-session).
 
 #include <optional>
 #include <string>
@@ -42,10 +43,10 @@ struct SettingsAnswer {
                                                      const core::PipelineConfig& config,
                                                      core::DeviceState state);
 
-/// The staleness limits of a new lease (WIRE 4). Each of the scene's (fresh_end: 2.5 nominal
-/// periods, at most `fresh_bound` and hold_end), or the request's where that is tighter; a wider
-/// wish is held at the scene's. Refused: a nominal rate outside 1..2000 Hz, a limit <= 0, and
-/// wishes that do not hold together with the rest.
+/// The staleness limits of a new lease (proto/README.md#staleness-and-gain). Each of the scene's
+/// (fresh_end: 2.5 nominal periods, at most `fresh_bound` and hold_end), or the request's where
+/// that is tighter; a wider wish is held at the scene's. Refused: a nominal rate outside 1..2000
+/// Hz, a limit <= 0, and wishes that do not hold together with the rest.
 [[nodiscard]] Outcome<core::StalenessLimits> lease_staleness(
     const LeaseRequest& request, const core::StalenessLimits& scene,
     std::optional<core::Duration> fresh_bound);

@@ -24,10 +24,11 @@
 ///   faults, limiters         reasons joined by '|'; empty: none
 ///   storage_j                V of the spring in use; empty where the scene has neither tank nor
 ///                            observer, and so are the next three
-///   tank_j                   level of the energy tank; below 0: debt (METHOD 5.3)
+///   tank_j                   level of the energy tank; below 0: debt (core/METHOD.md#energy-tank)
 ///   tank_scale               deviation in use by deviation wanted; below 1: the tank held it back
-///   observed_j               E_obs of the passivity observer (METHOD 5.2)
-///   certificate              of the linearised method (METHOD 2.1): COMPUTED, or why it is not; empty
+///   observed_j               E_obs of the passivity observer (core/METHOD.md#passivity-observer)
+///   certificate              of the linearised method (core/METHOD.md#exact-derivatives):
+///   COMPUTED, or why it is not; empty
 ///                            where the scene does not ask for it
 ///   certificate_margin, certificate_block   while COMPUTED, else empty
 ///   lateness_us, skipped     of the loop
@@ -63,8 +64,8 @@ namespace haptic::server {
 
 class Recorder final : public RecordListener {
  public:
-  /// `comparison` absent: no columns of the other renderers. `tracked`: the scene has a tracker. Throws
-  /// SceneError where `file` cannot be created (path and the system's reason).
+  /// `comparison` absent: no columns of the other renderers. `tracked`: the scene has a tracker.
+  /// Throws SceneError where `file` cannot be created (path and the system's reason).
   Recorder(const std::filesystem::path& file, std::shared_ptr<const core::Kinematics> kinematics,
            std::unique_ptr<RendererComparison> comparison = nullptr, bool tracked = false);
   /// Writes what is left and closes. The recorder must have been removed from the telemetry.

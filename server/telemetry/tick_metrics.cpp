@@ -6,7 +6,8 @@ namespace haptic::server {
 namespace {
 
 // Bounds in seconds. The period is looked at around 1 ms; lateness from the few microseconds of an
-// idle real-time host to the 20 ms of LOOP_LATE; ages by the levels of WIRE 4 (5..80, 100, 180 ms).
+// idle real-time host to the 20 ms of LOOP_LATE; ages by the levels of
+// proto/README.md#staleness-and-gain (5..80, 100, 180 ms).
 constexpr std::array<double, 13> kPeriods{0.0005,  0.0008,  0.0009, 0.00095, 0.00098,
                                           0.00102, 0.00105, 0.0011, 0.0012,  0.0015,
                                           0.002,   0.005,   0.02};
@@ -14,8 +15,9 @@ constexpr std::array<double, 13> kLateness{5e-6,  1e-5,  2e-5,  5e-5,  0.0001, 0
                                            0.001, 0.002, 0.005, 0.008, 0.01,   0.02};
 constexpr std::array<double, 13> kAges{0.001, 0.002, 0.005, 0.01, 0.02, 0.03, 0.04,
                                        0.05,  0.08,  0.1,   0.13, 0.18, 0.5};
-/// A board's samples: fine around the targets of WIRE 5, 2 ms streaming and 4 ms at 500 Hz, and
-/// below half a millisecond, where they are in a loop that they pace.
+/// A board's samples: fine around the targets of hw/README.md#the-board-protocol and
+/// proto/README.md#a-session ms streaming and 4 ms at 500 Hz, and below half a millisecond, where
+/// they are in a loop that they pace.
 constexpr std::array<double, 17> kSampleAges{5e-5,   0.0001,  0.0002, 0.0005, 0.001, 0.00125,
                                              0.0015, 0.00175, 0.002,  0.0025, 0.003, 0.0035,
                                              0.004,  0.005,   0.007,  0.01,   0.1};

@@ -202,7 +202,7 @@ int main() {
     }
   };
   core::LinearCertificate certificate{core::ProjectionModel(finger)};
-  const auto certify = [&](int n) {  // f, J, the certificate of METHOD 2.1
+  const auto certify = [&](int n) {  // f, J, the certificate of core/METHOD.md#exact-derivatives
     for (int i = 0; i < n; ++i) {
       const auto k = static_cast<std::size_t>(i % kPoses);
       static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));

@@ -40,8 +40,8 @@ Matrix3d wrist_jacobian(const VecQ& q) {
   return J.leftCols<3>();
 }
 
-/// A stylus that is moved about a proxy at rest, far enough that the coupled spring is at its limit in
-/// half of the poses; the diagonal one, per actuator, in none.
+/// A stylus that is moved about a proxy at rest, far enough that the coupled spring is at its limit
+/// in half of the poses; the diagonal one, per actuator, in none.
 struct Stylus {
   std::shared_ptr<const core::Kinematics> map = core::make_stylus({});
   VecQ rest = (VecQ(6) << 0, 0.9, -1.4, 0, 0.3, 0).finished();
@@ -72,7 +72,8 @@ core::PipelineConfig config_of(const Stylus& stylus, const Choice& choice) {
   const auto& coordinates = stylus.map->space().coordinates();
   VecX scale(coordinates.size());
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
-    // METHOD 4.4: 5 mm count as 0.1 rad; a chord of quaternions is half the angle.
+    // core/METHOD.md#metric-and-limits: 5 mm count as 0.1 rad; a chord of quaternions is half the
+    // angle.
     const bool metres = coordinates[i].unit == core::Unit::kMetre;
     scale[static_cast<Eigen::Index>(i)] = metres ? 0.005 : 0.05;
   }
@@ -113,8 +114,8 @@ double tick_p50(const Stylus& stylus, const Choice& choice) {
   return p50;
 }
 
-/// Joules that the user gets out of one slow cycle of q_a about the anchor, by the trapezoidal rule: a
-/// circle of 0.25 rad across shoulder and elbow, half of it in saturation.
+/// Joules that the user gets out of one slow cycle of q_a about the anchor, by the trapezoidal
+/// rule: a circle of 0.25 rad across shoulder and elbow, half of it in saturation.
 template <typename Force>
 double cycle_work(const Force& force) {
   constexpr int kSteps = 20000;

@@ -1,6 +1,6 @@
 #pragma once
 /// The measurements of the network's path, each a few lines of CSV (haptic-bench-network).
-/// `blocks`: alternations; HOUSE 5 wants 20 or more.
+/// `blocks`: alternations; CONTRIBUTING.md#measuring wants 20 or more.
 
 #include <cstdint>
 #include <string>

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Measures what the network's path costs, in one run, by the rule of HOUSE 5: alternating blocks,
-# median paired ratio with its bootstrap 95 % interval, an A/A row in the same line. Writes CSV to
-# standard output. Run it on a machine that does nothing else.
+# Measures what the network's path costs, in one run, by the rule of CONTRIBUTING.md#measuring:
+# alternating blocks, median paired ratio with its bootstrap 95 % interval, an A/A row in the same
+# line. Writes CSV to standard output. Run it on a machine that does nothing else.
 #
 #   tests/bench/network.sh [datagram|udp|stream|age]...   default: all, about half an hour
 #

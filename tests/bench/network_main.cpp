@@ -1,5 +1,5 @@
-/// haptic-bench-network: the measurements of the network's path, by the rule of HOUSE 5.
-/// tests/bench/network.sh starts the peer that it needs, and this.
+/// haptic-bench-network: the measurements of the network's path, by the rule of
+/// CONTRIBUTING.md#measuring. tests/bench/network.sh starts the peer that it needs, and this.
 ///
 ///   haptic-bench-network [datagram|udp|stream|age]... [--blocks N]
 ///                        [--peer-client COMMAND --peer-port PORT]

@@ -1,6 +1,7 @@
 #pragma once
-/// The measuring rule of HOUSE 5: two programs in alternating blocks of one run, the median of the
-/// paired ratios with its bootstrap 95 % interval, and an A/A row of the peer against itself.
+/// The measuring rule of CONTRIBUTING.md#measuring: two programs in alternating blocks of one run,
+/// the median of the paired ratios with its bootstrap 95 % interval, and an A/A row of the peer
+/// against itself.
 
 #include <functional>
 #include <string>

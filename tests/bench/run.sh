@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Measures what README.md promises, in one run, by the rule of HOUSE 5: alternating blocks, median paired
-# ratio with its bootstrap 95 % interval, an A/A row in the same line. Writes CSV to standard output.
-# Run it on a machine that does nothing else.
+# Measures what README.md promises, in one run, by the rule of CONTRIBUTING.md#measuring:
+# alternating blocks, median paired ratio with its bootstrap 95 % interval, an A/A row in the same
+# line. Writes CSV to standard output. Run it on a machine that does nothing else.
 #
 #   tests/bench/run.sh [core|linear|loop|wire|memory|serial]...   default: all but serial, about 8 minutes
 #
-# serial: 20 s each of the streaming and the 500 Hz link to the emulator, figures as text; then ticks begun by the
-# board's samples against ticks by the timer, and how long the timer should wait. MEMORY_SECONDS=600 has `memory`
-# look for so long.
+# serial: 20 s each of the streaming and the 500 Hz link to the emulator, figures as text; then
+# ticks begun by the board's samples against ticks by the timer, and how long the timer should wait.
+# MEMORY_SECONDS=600 has `memory` look for so long.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 for part in "$@"; do
@@ -25,7 +25,8 @@ cmake --build --preset release --parallel "$(nproc)" \
   haptic-bench-pacing hapticd >&2
 bin=build/release
 
-memory() {  # resident memory of an idle hapticd, after 5 s and after the rest, without and with locking
+memory() {  # resident memory of an idle hapticd, after 5 s and after the rest, without and with
+            # locking
   local seconds=${MEMORY_SECONDS:-30}
   echo "what,after_s,resident_kb"
   for mode in off try; do

@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
-# The serial link as a whole: builds, runs hapticd with the soft grasp over an emulated board on a pseudo-terminal, first
-# streaming, then over the paper's 500 Hz link; prints rate, age of samples and where every frame went, against the
-# targets of WIRE 5 (serial.py). Ends with 1 where one is not held. Run it on a machine that does nothing else.
+# The serial link as a whole: builds, runs hapticd with the soft grasp over an emulated board on a
+# pseudo-terminal, first streaming, then over the paper's 500 Hz link; prints rate, age of samples
+# and where every frame went, against the targets of hw/README.md#the-board-protocol (serial.py).
+# Ends with 1 where one is not held. Run it on a machine that does nothing else.
 #
-#   tests/bench/serial.sh [--minutes N] [--mode streaming|500hz] [--frames-only] [--paced]      default: 10 minutes of each
-#   --paced: ticks begin with the board's samples (loop.paced_by) in place of the timer
+#   tests/bench/serial.sh [--minutes N] [--mode streaming|500hz] [--frames-only] [--paced]     
+#   default: 10 minutes of each --paced: ticks begin with the board's samples (loop.paced_by) in
+#   place of the timer
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 given=("$@")

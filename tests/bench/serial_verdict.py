@@ -1,4 +1,4 @@
-"""What a run over a serial link says: rate, age of samples, and where every frame went (WIRE 5).
+"""What a run over a serial link says: rate, age of samples, and where every frame went (hw/README.md#the-board-protocol).
 
 Frames are counted at both ends. Up, the board numbers what it makes: the numbers that the host missed are `lost`, and
 each must stand in a counter as well, damaged on the way or never sent for want of room. Down, what the host sent must be
@@ -20,7 +20,8 @@ IN_FLIGHT = 3  # frames that the port may still hold when the last one closes it
 class Run:
     seconds: float  # between the first reading and the last
     frames: int  # from the board in that time
-    ages: Sequence[tuple[float, int]]  # of samples in that time: (upper bound in s, ticks in all up to it), +inf last
+    ages: Sequence[tuple[float, int]]  # of samples in that time: (upper bound in s, ticks in all up
+                                       # to it), +inf last
     host: Mapping[str, int]  # of the whole run, as the host's last word
     board: Mapping[str, int]  # the same of the board
     faults: Mapping[str, int]  # times each fault latched

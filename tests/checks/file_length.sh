@@ -1,5 +1,5 @@
 #!/bin/sh
-# No source file over 450 lines: one concept per file (HOUSE 5).
+# No source file over 450 lines: one concept per file (CONTRIBUTING.md#style).
 #
 #   file_length.sh [ROOT]
 set -u

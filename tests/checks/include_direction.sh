@@ -1,5 +1,6 @@
 #!/bin/sh
-# The direction of dependency (HOUSE 2): Eigen <- core <- hw <- server -> proto, wire <- client.
+# The direction of dependency (CONTRIBUTING.md#rooms): Eigen <- core <- hw <- server -> proto, wire
+# <- client.
 #
 #   include_direction.sh [ROOT]
 #

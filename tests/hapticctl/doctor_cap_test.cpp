@@ -1,5 +1,6 @@
-// The stiffness that the doctor allows (METHOD 5.1), on the emulated board with the force loop in the
-// server: a proxy held beside the finger, over a grid of the workspace, must come to rest. Virtual time.
+// The stiffness that the doctor allows (core/METHOD.md#sampled-data), on the emulated board with
+// the force loop in the server: a proxy held beside the finger, over a grid of the workspace, must
+// come to rest. Virtual time.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -158,7 +159,8 @@ const Law kLaws[] = {
 
 TEST(DoctorsCap, IsStableOverTheWorkspaceWithForceControlInTheServer) {
   const double stiffness = allowed_stiffness();
-  // METHOD 5.1: 2 (b - B) / T and (b + B) / (T / 2), with b = 0.5, B = 0, T = 1 ms.
+  // core/METHOD.md#sampled-data: 2 (b - B) / T and (b + B) / (T / 2), with b = 0.5, B = 0, T = 1
+  // ms.
   ASSERT_NEAR(stiffness, 1000.0, 1e-6);
   for (const Law& law : kLaws) {
     const Worst worst = over_the_workspace(law, stiffness);

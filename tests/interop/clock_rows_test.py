@@ -1,4 +1,4 @@
-"""The clock rows of WIRE 6 over real sockets: the client of udp_client.py behind the relay, with a steady clock that
+"""The clock rows of tests/relay/README.md#rows over real sockets: the client of udp_client.py behind the relay, with a steady clock that
 does what the scenario file says. Age is what it is: no step and no drift makes a sample older or younger.
 
 Rows "network/clock_*" of the matrix go to $HAPTIC_MATRIX_CSV where that is set (tests/relay/matrix.sh)."""

@@ -24,7 +24,7 @@ def main():
 
 
 def turn_the_clock(client, pressed):
-    """WIRE 6: steps of +-1 s, and a drift of 200 ppm. Age counts from arrival: nothing is felt."""
+    """tests/relay/README.md#rows: steps of +-1 s, and a drift of 200 ppm. Age counts from arrival: nothing is felt."""
     begin = time.monotonic()
     for turned in (lambda now: 1e9, lambda now: -1e9, lambda now: 200e-6 * (now - begin) * 1e9):
         client.turned = turned

@@ -1,6 +1,6 @@
-/// 100 000 datagrams per second: counted to the last, never answered, no deadline lost to them that the same
-/// flood to a discarding socket does not cost too, and a stop acts at once. Label `network`: on a machine that
-/// is busy with something else the figures say nothing.
+/// 100 000 datagrams per second: counted to the last, never answered, no deadline lost to them that
+/// the same flood to a discarding socket does not cost too, and a stop acts at once. Label
+/// `network`: on a machine that is busy with something else the figures say nothing.
 
 #include <gtest/gtest.h>
 
@@ -126,7 +126,7 @@ Harm pooled(const std::vector<Harm>& harms) {
   return all;
 }
 
-constexpr double kStopWithin = 10.0;  // ms, WIRE 2, p99
+constexpr double kStopWithin = 10.0;  // ms, proto/README.md#a-session, p99
 /// Two measurements of the same flood differ by that much.
 constexpr double kSkippedAlike = 0.5;  // deadlines per thousand ticks
 

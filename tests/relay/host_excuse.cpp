@@ -9,8 +9,10 @@ namespace haptic::test {
 namespace {
 
 constexpr double kPeriod = 0.001;    // s, of the daemon's loop
-constexpr double kLoopLate = 0.008;  // s, WIRE 4: where SCHED_FIFO was granted
-/// WIRE 4 again, in words of our own: the server's bucket is among what is judged.
+constexpr double kLoopLate = 0.008;  // s, proto/README.md#states-of-a-device: where SCHED_FIFO was
+                                     // granted
+/// proto/README.md#states-of-a-device again, in words of our own: the server's bucket is among what
+/// is judged.
 constexpr double kPerSkipped = 5.0, kFull = 100.0;
 constexpr int kGoodTicksPerDrop = 20;
 constexpr double kSkippedAtMost = 0.005;  // of the ticks

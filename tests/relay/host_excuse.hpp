@@ -27,12 +27,15 @@ struct Testimony {
 /// "host stalled 12 ms at 8.9 s", where all of this holds:
 ///
 /// - every fault of the run is LOOP_LATE or LATE_BUCKET_FULL, and there is one;
-/// - LOOP_LATE: the tick was later than 8 ms (WIRE 4), and but for the stalls it would have missed
+/// - LOOP_LATE: the tick was later than 8 ms (proto/README.md#states-of-a-device), and but for the
+/// stalls it would have missed
 ///   no deadline: what no stall covers, from its deadline to its wake-up, is less than a period;
-/// - LATE_BUCKET_FULL: the recorded ticks fill the bucket (WIRE 4: +5 per skipped deadline, -1 per
+/// - LATE_BUCKET_FULL: the recorded ticks fill the bucket (proto/README.md#states-of-a-device: +5
+/// per skipped deadline, -1 per
 ///   20 ticks on time, full at 100), and those that stalls do not explain fill less than half of
 ///   it;
-/// - whatever else was found wrong may be a consequence of the first of these faults: it has a time,
+/// - whatever else was found wrong may be a consequence of the first of these faults: it has a
+/// time,
 ///   which is not before that tick's, and is not final. At that very tick the fault itself is
 ///   found, and the energy of a command that was held for too long; a wrong force there is final.
 ///

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# Runs the matrix of WIRE 6 and writes its table: `row,expected,got,verdict`.
+# Runs the matrix of tests/relay/README.md#rows and writes its table: `row,expected,got,verdict`.
 #
 #   tests/relay/matrix.sh [--network] [--build FOLDER] [--out FILE]
 #
-# Without --network: every row on virtual time, seconds. With it also over real sockets through the relay:
-# ten minutes, on a machine that does nothing else. A run in which the host took the processors away, as a
-# witness above hapticd's own priority saw, is done again, at most five times in all: `got` says which run
-# counted, and a row without an undisturbed one fails with the reason "host". FOLDER: build/release by
-# default, built already (tests/run.sh does). FILE: matrix.csv in FOLDER by default. Exit status 1 where a
-# row failed.
+# Without --network: every row on virtual time, seconds. With it also over real sockets through the
+# relay: ten minutes, on a machine that does nothing else. A run in which the host took the
+# processors away, as a witness above hapticd's own priority saw, is done again, at most five times
+# in all: `got` says which run counted, and a row without an undisturbed one fails with the reason
+# "host". FOLDER: build/release by default, built already (tests/run.sh does). FILE: matrix.csv in
+# FOLDER by default. Exit status 1 where a row failed.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 build=$root/build/release

@@ -1,6 +1,7 @@
 #pragma once
-/// The matrix of WIRE 6 as a table: tests/relay/matrix.sh names a file in HAPTIC_MATRIX_CSV, and every
-/// row that ran appends `row,expected,got,verdict` to it. Without that variable nothing is written.
+/// The matrix of tests/relay/README.md#rows as a table: tests/relay/matrix.sh names a file in
+/// HAPTIC_MATRIX_CSV, and every row that ran appends `row,expected,got,verdict` to it. Without that
+/// variable nothing is written.
 
 #include <string>
 

@@ -1,7 +1,7 @@
 #!/bin/sh
-# The one command of the matrix, on virtual time: every scenario that is shipped has its row, every row of
-# WIRE 6 without a scenario too, all of them ok; and a failure would show. Over real sockets, which takes minutes,
-# the rows are there to be run.
+# The one command of the matrix, on virtual time: every scenario that is shipped has its row, every
+# row of tests/relay/README.md#rows without a scenario too, all of them ok; and a failure would
+# show. Over real sockets, which takes minutes, the rows are there to be run.
 #
 #   matrix_test.sh ROOT BUILD FOLDER
 set -eu
@@ -24,7 +24,8 @@ for scenario in "$root"/tests/relay/scenarios/*.textproto; do need "$(basename "
 for row in bit_flips wrong_key replayed_capture spoofed_source nan huge_values junk_100000_per_s \
   sigterm_under_load client_killed client_paused_300ms 16_observers; do
   need "$row"
-  if [ "$row" = junk_100000_per_s ]; then row=flood_100000_per_s; fi  # the whole of it, of junk and of valid headers
+  if [ "$row" = junk_100000_per_s ]; then row=flood_100000_per_s; fi  # the whole of it, of junk and
+                                                                      # of valid headers
   if ! grep -qE "\"(network/)?$row\"" "$root"/tests/relay/network_rows_test.cpp "$root/tests/relay/flood_test.cpp"; then
     echo "no row network/$row"
     status=1

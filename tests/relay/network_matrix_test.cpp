@@ -1,7 +1,7 @@
-/// Every scenario of WIRE 6 over real sockets: hapticd as a process, the client library, the relay
-/// between them, and the record of every tick. They keep real time: a machine that is busy with
-/// something else fails them (label `network`); a run that the host disturbed is done again
-/// (network_row.hpp).
+/// Every scenario of tests/relay/README.md#rows over real sockets: hapticd as a process, the client
+/// library, the relay between them, and the record of every tick. They keep real time: a machine
+/// that is busy with something else fails them (label `network`); a run that the host disturbed is
+/// done again (network_row.hpp).
 ///
 /// The scenarios of the client's clock are not here: nothing between the ends can turn a process's
 /// clock. tests/interop/clock_rows_test.py has a client that turns its own.

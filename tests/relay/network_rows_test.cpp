@@ -1,6 +1,7 @@
-/// The rows of WIRE 6 that no scenario file can say, over real sockets: an attacker on the way,
-/// clients that die or pause, watchers, the end of the server under load. Real time, label
-/// `network`; a run that the host disturbed is done again, so all that a run knows is made in it.
+/// The rows of tests/relay/README.md#rows that no scenario file can say, over real sockets: an
+/// attacker on the way, clients that die or pause, watchers, the end of the server under load. Real
+/// time, label `network`; a run that the host disturbed is done again, so all that a run knows is
+/// made in it.
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -212,7 +213,8 @@ TEST(NetworkRow, SpoofedSource) {
       return std::vector<Packet>{};
     };
     attack.meanwhile = [ear](const Daemon& daemon) {
-      // All through the siege, what came since the last look; the last 10 ms may still be on the way.
+      // All through the siege, what came since the last look; the last 10 ms may still be on the
+      // way.
       std::size_t next = 0;
       std::uint64_t sent = 0;
       const auto over = std::chrono::steady_clock::now() + 2s;

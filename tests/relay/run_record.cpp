@@ -12,7 +12,7 @@
 namespace haptic::test {
 namespace {
 
-constexpr double kHoldEnd = 0.100, kFadeEnd = 0.180;  // WIRE 4, s
+constexpr double kHoldEnd = 0.100, kFadeEnd = 0.180;  // proto/README.md#staleness-and-gain, s
 constexpr double kSilent = 0.200;
 constexpr double kRampUp = 0.200;
 constexpr double kTiny = 1e-6;
@@ -38,7 +38,8 @@ double ladder(double age) {
   return std::clamp((kFadeEnd - age) / (kFadeEnd - kHoldEnd), 0.0, 1.0);
 }
 
-/// WIRE 4: a fault takes the gain at once, and the command, damping too, within two ticks.
+/// proto/README.md#staleness-and-gain: a fault takes the gain at once, and the command, damping
+/// too, within two ticks.
 std::string force_in_fault(const RecordedTick& before, const RecordedTick& now) {
   if (now.state == "FAULT" && (now.gain != 0.0 || now.tau_elastic != 0.0)) {
     return "elastic force in FAULT";
@@ -54,11 +55,12 @@ bool only_taken(double before, double now) {
   return std::abs(now) <= std::abs(before) && now * before >= 0.0;
 }
 
-/// WIRE 6: the command never steps by more than the slew limit, but for what is taken away after
-/// it: all of it by a fault, or where the device is not armed; its elastic part by the force
-/// envelope, down to gain times limit and no further. Everything else that acts on the force acts
-/// before the slew limit (guard, tank) or is damping (the passivity controller too), which has that
-/// limit for itself; of an actuator's ratings, which act after it, the scene has none.
+/// tests/relay/README.md#rows: the command never steps by more than the slew limit, but for what is
+/// taken away after it: all of it by a fault, or where the device is not armed; its elastic part by
+/// the force envelope, down to gain times limit and no further. Everything else that acts on the
+/// force acts before the slew limit (guard, tank) or is damping (the passivity controller too),
+/// which has that limit for itself; of an actuator's ratings, which act after it, the scene has
+/// none.
 std::string force_step(const RecordedTick& before, const RecordedTick& now) {
   const double dt = now.time - before.time;
   const double most = Daemon::kSlew * dt + kTiny;
@@ -166,7 +168,8 @@ RunFigures judge(const std::vector<RecordedTick>& run, double fresh_end) {
     if (dt > 0.0) {
       figures.steepest =
           std::max(figures.steepest, (std::abs(now.tau_a) - std::abs(before.tau_a)) / dt);
-      // Work of the command held over the tick; what the actuator's own friction takes is not given.
+      // Work of the command held over the tick; what the actuator's own friction takes is not
+      // given.
       const double move = now.slide - before.slide;
       energy += before.tau_a * move - Daemon::kDeviceDamping * move * move / dt;
       figures.energy = std::max(figures.energy, energy);

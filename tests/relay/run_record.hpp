@@ -1,6 +1,7 @@
 #pragma once
-/// The recording of a run (hapticd's `record`, every tick), and the contract of WIRE 4 and 6 held against it
-/// tick by tick. Nothing of the server's own code judges here.
+/// The recording of a run (hapticd's `record`, every tick), and the contract of
+/// proto/README.md#staleness-and-gain and tests/relay/README.md#rows held against it tick by tick.
+/// Nothing of the server's own code judges here.
 
 #include <cstdint>
 #include <filesystem>
@@ -52,9 +53,9 @@ struct RunFigures {
   [[nodiscard]] std::string text() const;
 };
 
-/// To the record's end, whatever was found. Final is all that WIRE 4 promises of a tick by itself,
-/// however late it was: levels and gain by age, the force's limits and steps, and in a fault no gain
-/// at once and no command from the second tick on. `fresh_end` s.
+/// To the record's end, whatever was found. Final is all that proto/README.md#staleness-and-gain
+/// promises of a tick by itself, however late it was: levels and gain by age, the force's limits
+/// and steps, and in a fault no gain at once and no command from the second tick on. `fresh_end` s.
 [[nodiscard]] RunFigures judge(const std::vector<RecordedTick>& run, double fresh_end);
 
 }  // namespace haptic::test

@@ -1,5 +1,5 @@
 /// The judge of records, in tables: a good run, and what is wrong with one in which something was
-/// changed. Limits are WIRE 4's and the scene's (daemon.hpp).
+/// changed. Limits are proto/README.md#staleness-and-gain's and the scene's (daemon.hpp).
 
 #include "tests/relay/run_record.hpp"
 

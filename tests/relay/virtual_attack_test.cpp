@@ -1,5 +1,5 @@
-/// The rows of WIRE 6 that no scenario file can say: an attacker who can send anything, a client that
-/// goes wrong, a server that ends; on virtual time.
+/// The rows of tests/relay/README.md#rows that no scenario file can say: an attacker who can send
+/// anything, a client that goes wrong, a server that ends; on virtual time.
 
 #include <gtest/gtest.h>
 
@@ -17,8 +17,8 @@ constexpr LinkTime kAttackFrom = 2s;
 constexpr LinkTime kAttackTo = 4s;
 constexpr wire::PeerAddress kAttacker{{}, 666};
 
-/// An attack that changes nothing: the same world with and without it gives the same force to the bit,
-/// at every tick, and nobody but the client is ever sent anything.
+/// An attack that changes nothing: the same world with and without it gives the same force to the
+/// bit, at every tick, and nobody but the client is ever sent anything.
 struct Siege {
   /// `attack` runs in each millisecond of the attack, before the step.
   void run(const std::function<void(VirtualWorld&)>& attack) {

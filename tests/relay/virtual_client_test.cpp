@@ -1,4 +1,5 @@
-/// The rows of WIRE 6 about clients that go wrong and a server that ends, on virtual time.
+/// The rows of tests/relay/README.md#rows about clients that go wrong and a server that ends, on
+/// virtual time.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +15,8 @@ namespace {
 constexpr LinkTime kTroubleAt = 2s;
 
 /// Steps to `until`; in every tick the elastic force is under what the age of the newest accepted
-/// sample allows (WIRE 4: full to 100 ms, linear to 0 at 180 ms) and moves by the slew limit at most.
+/// sample allows (proto/README.md#staleness-and-gain: full to 100 ms, linear to 0 at 180 ms) and
+/// moves by the slew limit at most.
 void watch(VirtualWorld& world, LinkTime until) {
   while (world.time() < until) {
     const double before = world.force();

@@ -1,5 +1,5 @@
-/// Every scenario of WIRE 6 on virtual time, through the shipped wire, ingress, sessions and
-/// pipeline.
+/// Every scenario of tests/relay/README.md#rows on virtual time, through the shipped wire, ingress,
+/// sessions and pipeline.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,8 @@ std::string milliseconds(core::Duration time) {
   return std::to_string(time / 1ms) + " ms";
 }
 
-/// WIRE 4, written out once more: the code under test does not judge itself.
+/// proto/README.md#staleness-and-gain, written out once more: the code under test does not judge
+/// itself.
 struct Written {
   static constexpr core::Duration kFresh = 5 * kSamplePeriod / 2, kHold = 100ms, kFade = 180ms;
   static core::Staleness level(core::Duration age) {
@@ -131,8 +132,8 @@ TEST(VirtualMatrixRow, BlockedUdpFarAwayFadesAndIsNotLost) {
   }
 }
 
-/// What doubt buys at a cut, and what it costs on a path that only loses: beside a client that waits
-/// for silence, in one run.
+/// What doubt buys at a cut, and what it costs on a path that only loses: beside a client that
+/// waits for silence, in one run.
 TEST(VirtualMatrixRow, DoubtBuysAHoldForAFewCopies) {
   constexpr wire::Duration kNever = 1h;
   for (const LinkTime period : {10ms, 33ms}) {
@@ -180,8 +181,8 @@ TEST(VirtualMatrixRow, ADuplicateIsRejectedByTheWindowNotByTheDoor) {
   EXPECT_EQ(world.rig.sessions->ingress().counters().old_sequence, 0U);
 }
 
-/// 150 ms of samples arrive at once while force fades: the newest of them is a few ms old, and counts
-/// as old as the last one before the stall all the same, until the pace is normal again.
+/// 150 ms of samples arrive at once while force fades: the newest of them is a few ms old, and
+/// counts as old as the last one before the stall all the same, until the pace is normal again.
 TEST(VirtualMatrixRow, ABackLogIsNotRenderedAsFresh) {
   Scenario scenario = shipped_scenario("delay_10ms");
   scenario.up.stalls = {{2000ms, 2150ms}};

@@ -1,4 +1,5 @@
-/// The row of WIRE 6 about watchers, on virtual time: through the shipped broadcaster and its budget.
+/// The row of tests/relay/README.md#rows about watchers, on virtual time: through the shipped
+/// broadcaster and its budget.
 
 #include <gtest/gtest.h>
 

@@ -29,7 +29,8 @@ struct Network {
   double delay_s{0.0};
 };
 
-/// METHOD 5.4: jitter 30 % of the period; none at 1 kHz, which is every tick. `stop`: n_x.
+/// core/METHOD.md#local-models: jitter 30 % of the period; none at 1 kHz, which is every tick.
+/// `stop`: n_x.
 [[nodiscard]] test::ClientSettings client_of(ClientKind kind, const Network& network,
                                              const core::VecX& stop);
 

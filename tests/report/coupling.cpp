@@ -1,5 +1,5 @@
-/// haptic-report coupling: the force of an underactuated device against that of a fully actuated one, by
-/// the metric in which the client projects its proxy (METHOD 5.5).
+/// haptic-report coupling: the force of an underactuated device against that of a fully actuated
+/// one, by the metric in which the client projects its proxy (core/METHOD.md#anisotropic-coupling).
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -40,7 +40,9 @@ constexpr Metric kMetrics[] = {{"identity", std::nullopt},
                                {"eps_0.001", 0.001}};
 
 struct Scope {
-  std::vector<Pair> poses{{30.0, 30.0}, {60.0, 70.0}, {10.0, 40.0}};  // METHOD 1.2, and its corner
+  std::vector<Pair> poses{
+      {30.0, 30.0}, {60.0, 70.0}, {10.0, 40.0}};  // core/METHOD.md#finger-linkage,
+                                                  // and its corner
   std::vector<double> penetrations{1.0, 2.0, 5.0, 10.0, 15.0};
   std::vector<double> stiffnesses{1500.0, 6000.0};
 };
@@ -97,7 +99,8 @@ void add_coupling(CLI::App& app) {
       "error: "
       "of the actuator, relative to its part in a device that drives both DoFs. Metric: identity, "
       "or "
-      "the coupling metric of that softness (METHOD 5.5). end_deg: how deep the finger then is; "
+      "the coupling metric of that softness (core/METHOD.md#anisotropic-coupling). end_deg: how "
+      "deep the finger then is; "
       "beyond penetration_deg the force pulls it into the wall.");
   auto scope = std::make_shared<Scope>();
   command->add_option("--pose", scope->poses, "MCP_DEG,PIP_DEG on the plane; several")

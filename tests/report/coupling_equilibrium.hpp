@@ -1,6 +1,7 @@
 #pragma once
-/// A finger in the exoskeleton that presses on a plane in joint space, at rest (METHOD 5.5): what an
-/// underactuated device makes of a proxy, against one that drives both DoFs.
+/// A finger in the exoskeleton that presses on a plane in joint space, at rest
+/// (core/METHOD.md#anisotropic-coupling): what an underactuated device makes of a proxy, against
+/// one that drives both DoFs.
 
 #include <Eigen/Core>
 #include <optional>
@@ -17,7 +18,7 @@ struct Press {
   double stiffness{0.0};     ///< Z_q of the actuator, N/m
 };
 
-/// The user's own spring, METHOD 2.4; N m/rad.
+/// The user's own spring, core/METHOD.md#forces-at-the-finger; N m/rad.
 inline constexpr double kHandStiffness = 0.6;
 
 struct Rest {
@@ -26,13 +27,15 @@ struct Rest {
 };
 
 /// Springs of K = Z_q / ||J_a||^2 on both joints, J_a of the pose, which a device with an actuator on
-/// both DoFs renders exactly; tau_a is the part of it that acts on the first: J_a^T K (x - x_probe).
+/// both DoFs renders exactly; tau_a is the part of it that acts on the first: J_a^T K (x -
+/// x_probe).
 [[nodiscard]] std::optional<Rest> full_device(const core::Kinematics& finger, const Press& press);
 
-/// tau_a = Z_q S J^{-1} (x - x_probe), Eq. (8), on one DoF, the other not held back; the proxy is the
+/// tau_a = Z_q S J^{-1} (x - x_probe), Eq. (8), on one DoF, the other not held back; the proxy is
+/// the
 /// client's x = argmin ||x - x_probe||_W on the free side, W the coupling metric of that softness at
-/// the pose in question, or the identity without one. The rest that the finger comes to from the pose;
-/// empty where it leaves the workspace.
+/// the pose in question, or the identity without one. The rest that the finger comes to from the
+/// pose; empty where it leaves the workspace.
 [[nodiscard]] std::optional<Rest> underactuated(const core::Kinematics& finger, const Press& press,
                                                 std::optional<double> softness);
 

@@ -1,5 +1,6 @@
-/// haptic-report fig4: the paper's Fig. 4 and METHOD 2.3's metrics for one trajectory of the
-/// finger, with the proxy held at x = 0, Z_q = 1, forces in mm of l_x, unguarded.
+/// haptic-report fig4: the paper's Fig. 4 and core/METHOD.md#finite-difference-rule's metrics for
+/// one trajectory of the finger, with the proxy held at x = 0, Z_q = 1, forces in mm of l_x,
+/// unguarded.
 #include <cmath>
 
 #include "haptic/core/analysis/trajectory_metrics.hpp"
@@ -16,7 +17,7 @@ namespace {
 constexpr double kMm = 1e3;
 
 struct Options {
-  Pair amplitude_deg{35, 50};  // METHOD 2, trajectory A
+  Pair amplitude_deg{35, 50};  // core/METHOD.md#fig-4, trajectory A
   double phase_deg{15};
   std::string motion{};
   double noise_mm{0.0};

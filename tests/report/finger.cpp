@@ -1,5 +1,5 @@
-/// haptic-report finger: what the finger feels (METHOD 2.4), on the real Pipeline with the simulated
-/// finger in virtual time.
+/// haptic-report finger: what the finger feels (core/METHOD.md#forces-at-the-finger), on the real
+/// Pipeline with the simulated finger in virtual time.
 #include <map>
 #include <optional>
 #include <tuple>
@@ -11,7 +11,8 @@
 namespace haptic::report {
 namespace {
 
-/// "never more penetration than without force", with METHOD 2.4's tolerance.
+/// "never more penetration than without force", with core/METHOD.md#forces-at-the-finger's
+/// tolerance.
 constexpr double kDeeper_deg = 0.5;
 constexpr double kWork_mj = 1e-3;  // the integration's own noise is far below
 
@@ -23,7 +24,8 @@ struct Options {
   bool board{false};
 };
 
-/// METHOD 2.4: the table's rows; with --grid its 24 runs; with any of the three options that one.
+/// core/METHOD.md#forces-at-the-finger: the table's rows; with --grid its 24 runs; with any of the
+/// three options that one.
 std::vector<Press> runs(const Options& options) {
   std::vector<Press> presses;
   const auto add = [&](const Pair& stop, const Pair& target, double stiffness) {
@@ -143,7 +145,8 @@ void add_finger(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("finger", "Presses against stops at the joints, as the finger feels them");
   command->footer(
-      "Without options: the rows of METHOD 2.4. 999 = no stop. Forces in N at the actuator, "
+      "Without options: the rows of core/METHOD.md#forces-at-the-finger. 999 = no stop. Forces in "
+      "N at the actuator, "
       "positive "
       "towards larger l_x; peak_force_n keeps its sign. work_mj: put into the finger; negative: "
       "taken from it.\nverdict: ok; deeper (more than 0.5 deg beyond where the finger ends without "
@@ -162,7 +165,7 @@ void add_finger(CLI::App& app) {
       "--board", options->board,
       "through the serial protocol and an emulated board with its L16 and force loop; "
       "work, cell and torques are then those of the load cell and the finger itself");
-  command->add_flag("--grid", options->grid, "METHOD 2.4's 24 runs");
+  command->add_flag("--grid", options->grid, "core/METHOD.md#forces-at-the-finger's 24 runs");
   command->add_flag(
       "--joints", options->joints,
       "adds the end force at actuator and joints, the net work, ticks guarded and throttled");

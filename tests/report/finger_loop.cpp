@@ -17,11 +17,12 @@ using core::VecA;
 using core::VecQ;
 using core::VecX;
 
-constexpr double kEngage_s = 0.6;   // ten samples at 30 Hz, 100 ms late, and some
-constexpr double kLeave_s = 0.9;    // the gain's ramp is over
-constexpr double kBegin_s = 1.8;    // the way takes 0.8 s as in METHOD 2.4
-constexpr double kPress_s = 2.0;    // METHOD 2.4: end state after 1.5-2 s, from its beginning
-constexpr double kForceLimit = 40;  // N, METHOD 2.4
+constexpr double kEngage_s = 0.6;  // ten samples at 30 Hz, 100 ms late, and some
+constexpr double kLeave_s = 0.9;   // the gain's ramp is over
+constexpr double kBegin_s = 1.8;   // the way takes 0.8 s as in core/METHOD.md#forces-at-the-finger
+constexpr double kPress_s =
+    2.0;  // core/METHOD.md#forces-at-the-finger: end state after 1.5-2 s, from its beginning
+constexpr double kForceLimit = 40;  // N, core/METHOD.md#forces-at-the-finger
 const double kDeviceDamping = hw::FingerParameters{}.actuator_damping;
 constexpr int kSubsteps = 10;  // of 0.1 ms, as the simulated device takes them
 
@@ -43,7 +44,8 @@ core::PipelineConfig pipeline_for(const FingerLoop& what,
   config.scene.force_limit = VecA::Constant(1, kForceLimit);
   config.scene.slew_limit = VecA::Constant(1, 1e6);  // N/s: none
   config.scene.engage_window = VecA::Constant(1, kForceLimit);
-  // The ladder of WIRE 4 has its own tests; here a slow client is still a client.
+  // The ladder of proto/README.md#staleness-and-gain has its own tests; here a slow client is still
+  // a client.
   config.scene.staleness.hold_end = std::chrono::milliseconds(400);
   config.scene.staleness.fade_end = std::chrono::milliseconds(500);
   config.kinematics = std::move(finger);

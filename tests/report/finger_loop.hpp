@@ -19,7 +19,7 @@ enum class Motion {
   kHand,   ///< 5.3: the hand aims at (35 + 15 cos, 35 + 15 sin) deg, the finger is free to follow
   kPress,  ///< 2.4: the hand aims at (50, 50) deg and stays
 };
-inline constexpr int kCycles = 4;  ///< METHOD 5.3; the last one is reported
+inline constexpr int kCycles = 4;  ///< core/METHOD.md#energy-tank; the last one is reported
 
 enum class Safeguard { kNothing, kGuard, kGuardTank, kEnvelopeTank };
 

@@ -17,11 +17,12 @@ using core::VecX;
 using hw::emulator::VirtualBoard;
 
 constexpr double kPeriod = 1e-3;    // s
-constexpr int kTicks = 2000;        // METHOD 2.4: end state after 1.5-2 s
+constexpr int kTicks = 2000;        // core/METHOD.md#forces-at-the-finger: end state after 1.5-2 s
 constexpr int kEngageTick = 205;    // a steady stream of 200 ms is asked for; the hand barely moved
-constexpr double kForceLimit = 40;  // N, METHOD 2.4
+constexpr double kForceLimit = 40;  // N, core/METHOD.md#forces-at-the-finger
 constexpr double kRodDamping = 0.5;     // N s/m, beyond the load cell of the emulated board
-constexpr double kDeviceDamping = 2.0;  // N s/m, METHOD 2.4: the simulated finger's own
+constexpr double kDeviceDamping = 2.0;  // N s/m, core/METHOD.md#forces-at-the-finger: the simulated
+                                        // finger's own
 
 core::PipelineConfig pipeline_for(const Press& what, const hw::Device& device,
                                   std::shared_ptr<const core::Kinematics> finger) {
@@ -78,8 +79,8 @@ PressTick felt_at(double t_s, const VecX& x, const core::MatXQ& J, double tau_a,
           {J(1, 1) / det * cell, -J(0, 1) / det * cell}};
 }
 
-/// What really acts on the linkage, and where the finger really is: behind a board neither is what was
-/// commanded nor what was measured.
+/// What really acts on the linkage, and where the finger really is: behind a board neither is what
+/// was commanded nor what was measured.
 PressTick felt_through(const VirtualBoard& device, const core::Kinematics& finger, double t_s,
                        double tau_a) {
   const hw::emulator::Rig& rig = device.board().rig();

@@ -1,6 +1,7 @@
 #pragma once
-/// METHOD 2.4: a simulated finger that wears the exoskeleton presses against stops at its joints,
-/// the real Pipeline renders them, in virtual time. The client sends the clipped pose every tick.
+/// core/METHOD.md#forces-at-the-finger: a simulated finger that wears the exoskeleton presses
+/// against stops at its joints, the real Pipeline renders them, in virtual time. The client sends
+/// the clipped pose every tick.
 
 #include <functional>
 
@@ -18,7 +19,8 @@ struct Press {
   core::RendererKind method{core::RendererKind::kSubspaceLinear};
   bool direction_guard{false};
   bool monotone_envelope{false};
-  bool energy_tank{false};  ///< strictly passive: tank_0 = 0, P_env = 0 (METHOD 5.3)
+  bool energy_tank{false};  ///< strictly passive: tank_0 = 0, P_env = 0
+                            ///< (core/METHOD.md#energy-tank)
   bool board{false};        ///< through the serial protocol and an emulated board with its L16
   bool force{true};         ///< false: the same without any force, for comparison
 };
@@ -44,7 +46,7 @@ struct Felt {
   int throttled{0};                 ///< ticks in which the tank held a change back
 };
 
-/// METHOD 2.4 compares at Z_x = Z_q/81.06^2, the mean of ||J_a|| on trajectory A. The renderers take
+/// core/METHOD.md#forces-at-the-finger compares at Z_x = Z_q/81.06^2, the mean of ||J_a|| on trajectory A. The renderers take
 /// the mean over the workspace; the stiffness of the two baselines makes up for it. N/m.
 [[nodiscard]] double stiffness_of_method(core::RendererKind method, double stiffness,
                                          const core::Kinematics& finger);

@@ -1,4 +1,5 @@
-/// haptic-report kinematics: one pose of the finger exoskeleton (METHOD 1), from q or from x.
+/// haptic-report kinematics: one pose of the finger exoskeleton (core/METHOD.md#finger-linkage),
+/// from q or from x.
 #include <Eigen/SVD>
 #include <limits>
 

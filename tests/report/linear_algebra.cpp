@@ -1,5 +1,6 @@
-/// haptic-report linear-algebra: what a small least-squares solve costs and how exact it is, against
-/// the condition number of J (METHOD 4.1, 4.2).
+/// haptic-report linear-algebra: what a small least-squares solve costs and how exact it is,
+/// against the condition number of J (core/METHOD.md#solver-error and
+/// core/METHOD.md#solver-choice).
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -12,7 +13,7 @@
 namespace haptic::report {
 namespace {
 
-constexpr int kProblems = 40;  // METHOD 4.1
+constexpr int kProblems = 40;  // core/METHOD.md#solver-error
 
 struct Size {
   int m, n;
@@ -93,7 +94,8 @@ Solve named(const Size& size, const std::string& name) {
   return nullptr;
 }
 
-/// HOUSE 5: alternating blocks of one run, and the errors of both beside the ratio.
+/// CONTRIBUTING.md#measuring: alternating blocks of one run, and the errors of both beside the
+/// ratio.
 void print_paired() {
   constexpr int kCalls = 4000;
   constexpr double kTarget = 1.0 / 2.5;

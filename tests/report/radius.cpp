@@ -1,5 +1,6 @@
 /// haptic-report radius: how far the proxy may be from the probe before a method's exact displayed
-/// impedance turns (METHOD 2.1), over the valid region of the finger (METHOD 1.2).
+/// impedance turns (core/METHOD.md#exact-derivatives), over the valid region of the finger
+/// (core/METHOD.md#finger-linkage).
 #include <algorithm>
 #include <cmath>
 

@@ -1,5 +1,5 @@
-/// haptic-report rate: how stiff a wall may be behind a slow or late simulation, and what its drag and
-/// energy are (METHOD 5.4), on the real Pipeline in virtual time.
+/// haptic-report rate: how stiff a wall may be behind a slow or late simulation, and what its drag
+/// and energy are (core/METHOD.md#local-models), on the real Pipeline in virtual time.
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -89,7 +89,8 @@ void print_cycles(const Options& options) {
 }
 
 constexpr const char* kFooter =
-    "One DoF as in METHOD 5.4: 0.15 kg, 1 N s/m; the hand 300 N/m, 2 N s/m; jitter 30 % of the "
+    "One DoF as in core/METHOD.md#local-models: 0.15 kg, 1 N s/m; the hand 300 N/m, 2 N s/m; "
+    "jitter 30 % of the "
     "client's period, none at 1 kHz.\n"
     "Clients: held_force - the force is held; held - the proxy is; flag - held in contact, free "
     "else; "

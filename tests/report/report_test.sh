@@ -1,7 +1,9 @@
 #!/bin/sh
-# haptic-report's cheap subcommands against what METHOD and the issue print: headers, values, statuses.
+# haptic-report's cheap subcommands against what METHOD and the issue print: headers, values,
+# statuses.
 #
-#   report_test.sh HAPTIC-REPORT [values|grid]      grid: the presses of METHOD 2.4 alone
+#   report_test.sh HAPTIC-REPORT [values|grid]      grid: the presses of
+#   core/METHOD.md#forces-at-the-finger alone
 set -u
 report=$1
 failed=0
@@ -42,7 +44,8 @@ refused() {  # refused arguments...: exit status 2, a reason on standard error, 
 }
 
 if [ "${2:-values}" = grid ]; then
-  # METHOD 2.4, 24 runs: deeper than without force standard 2, (6) 4; with the guard none.
+  # core/METHOD.md#forces-at-the-finger, 24 runs: deeper than without force standard 2, (6) 4; with
+  # the guard none.
   deeper() { "$report" finger --grid "$@" | grep deeper | cut -d, -f1 | sort | uniq -c | tr -s ' \n' ' '; }
   found=$(deeper)
   [ "$found" = " 2 standard 4 subspace_exact " ] || fail "finger --grid: deeper are '$found'"
@@ -56,7 +59,7 @@ if [ "${2:-values}" = grid ]; then
   exit $failed
 fi
 
-# METHOD 1.2, the table of poses; x in rad.
+# core/METHOD.md#finger-linkage, the table of poses; x in rad.
 header "name,value" kinematics --x 0,0
 pose() {  # pose MCP_RAD,PIP_RAD l_mm q_B_deg c1_mm c2_mm J11 J12 J21 J22
   csv=$("$report" kinematics --x "$1")
@@ -74,7 +77,7 @@ pose() {  # pose MCP_RAD,PIP_RAD l_mm q_B_deg c1_mm c2_mm J11 J12 J21 J22
 pose 0,0 0.897 30.489 13.28 29.86 -45.332 -1.85 93.498 1.753
 pose 0.5235987755982988,0.5235987755982988 15.864 -14.806 19.31 28.10 -47.670 -1.424 78.460 0.484
 pose 1.0471975511965976,1.2217304763960306 26.976 -54.730 12.16 17.21 -81.598 -2.333 141.512 1.090
-# METHOD 6, case 16: residual 4.87 deg at (10.15 mm, 41.5 deg).
+# core/METHOD.md#unreachable-proxies: residual 4.87 deg at (10.15 mm, 41.5 deg).
 csv=$("$report" kinematics --x -0.5,0.3)
 has status,unreachable
 near residual_rad 0.0850 5e-4
@@ -83,13 +86,13 @@ near l_x_m 0.01015 5e-5
 csv=$("$report" kinematics --q 0.015864,-0.258413)
 near q_o1_mcp_rad 0.5236 1e-3
 csv=$("$report" kinematics --q 0.02,-1.76)
-has status,cannot_close  # METHOD 6, case 17
+has status,cannot_close  # core/METHOD.md#map-without-a-value
 refused kinematics
 refused kinematics --x 3
 refused kinematics --x 0,0 --q 0,0
 refused
 
-# METHOD 2.3, trajectory A.
+# core/METHOD.md#finite-difference-rule, trajectory A.
 header "method,metric,value" fig4
 csv=$("$report" fig4 --amplitude 35,50 --phase 15)
 fig4() {  # fig4 METHOD METRIC VALUE TOLERANCE
@@ -108,22 +111,23 @@ fig4 subspace_exact cycle_work_pct 0 1e-9
 refused fig4 --amplitude 200,50
 refused fig4 --motion /nowhere.csv
 
-# METHOD 2: 150, 101, 88 and 0 of 168.
+# core/METHOD.md#fig-4: 150, 101, 88 and 0 of 168.
 header "method,trajectories,any_nonpassive,share_pct,worst_cycle_work_pct" scan
 csv=$("$report" scan | cut -d, -f1-3)
 for line in standard,168,150 null_space,168,101 subspace_linear,168,88 subspace_exact,168,0; do
   has "$line"
 done
 
-# METHOD 2.1: 1 % 5.5, 5 % 8.0, median 18.0 deg (ranges depend on the grid).
+# core/METHOD.md#exact-derivatives: 1 % 5.5, 5 % 8.0, median 18.0 deg (ranges depend on the grid).
 header "method,quantile_pct,radius_deg,poses" radius --grid 20
 csv=$("$report" radius | cut -d, -f1-3)
 near subspace_linear,1 5.5 0.2
 near subspace_linear,5 8.0 0.2
 near subspace_linear,50 18.0 0.2
 
-# METHOD 5.5 by 2 x 2 algebra with METHOD 1.2's J at (30,30), for a press that is small: tau_a = -c s, c = Z_q w.g / n.g,
-# g = W^{-1} n; s = meant / (1 + c w.n / K_h) at rest. Of the coupling metric c = a / (a^2/Z_q + b^2/D_n), a, b = J_a.n, J_n.n.
+# core/METHOD.md#anisotropic-coupling by 2 x 2 algebra with core/METHOD.md#finger-linkage's J at
+# (30,30), for a press that is small: tau_a = -c s, c = Z_q w.g / n.g, g = W^{-1} n; s = meant / (1
+# + c w.n / K_h) at rest. Of the coupling metric c = a / (a^2/Z_q + b^2/D_n), a, b = J_a.n, J_n.n.
 header "pose_mcp_deg,pose_pip_deg,stop,stiffness_n_per_m,penetration_deg,metric,softness,tau_full_n,tau_n,\
 force_error,end_full_deg,end_deg,verdict" coupling --pose 30,30 --penetration 1 --stiffness 1500
 csv=$("$report" coupling --pose 30,30 --penetration 0.02 --stiffness 1500 | cut -d, -f1-6,9)
@@ -143,7 +147,8 @@ for stop in mcp pip; do
     near "30,30,$stop,1500,0.02,$name" "$want" "$(awk "BEGIN { print 0.02 * ${want#-} }")"
   done
 done
-# What index.md says of it: W = I never pulls in, eps = 1 does on an MCP stop but in the corner, and force falls with eps.
+# What index.md says of it: W = I never pulls in, eps = 1 does on an MCP stop but in the corner, and
+# force falls with eps.
 "$report" coupling | awk -F, 'NR > 1 {
     if ($6 == "identity" && ($13 == "pulls in" || $13 ~ /^leaves/)) bad = bad " identity pulls in: " $0 "\n"
     if ($6 == "eps_1" && $3 == "mcp" && $1 != 10 && $13 != "pulls in") bad = bad " eps 1 is good on an MCP stop: " $0 "\n"
@@ -152,7 +157,7 @@ done
     last = $13 ~ /^leaves/ ? "nan" : force; rows++ }
   END { if (rows != 600) bad = bad " rows " rows; printf "%s", bad; exit bad != "" }' || fail "coupling: see above"
 
-# METHOD 2.4: the end state of each row and the energy put into the finger.
+# core/METHOD.md#forces-at-the-finger: the end state of each row and the energy put into the finger.
 header "method,stop_mcp_deg,stop_pip_deg,target_mcp_deg,target_pip_deg,stiffness_n_per_m,end_mcp_deg,\
 end_pip_deg,max_penetration_deg,no_force_penetration_deg,peak_force_n,work_mj,verdict" \
   finger --stop 18,999 --method standard
@@ -177,7 +182,7 @@ finger subspace_linear 18,999 6000 38.5 29.2 -48
 finger subspace_linear 999,25 1500 46.6 43.3
 finger subspace_exact 18,25 1500 44.2 38.7
 echo "$rows" | grep -q "^subspace_exact,18,999,50,50,6000,.*,deeper and gives energy$" ||
-  fail "finger: (6) on an MCP stop at 6000 N/m pulls the finger into the wall (METHOD 2.4)"
+  fail "finger: (6) on an MCP stop at 6000 N/m pulls the finger into the wall (core/METHOD.md#forces-at-the-finger)"
 header "case,expected,got,verdict" hard-cases
 header "method,proxy,fingers_declared,fingers_in_contact,tick_ns,idle_share_pct" scaling --ticks 16
 header "rows,cols,method,cond,ns,max_relative_error" linear-algebra --calls 8
@@ -187,8 +192,9 @@ rows=$("$report" finger --board --stop 18,999)
 [ "$(echo "$rows" | wc -l)" = 5 ] || fail "finger --board: must be a row per method"
 echo "$rows" | grep -q "peak_cell_n,end_cell_n,peak_mcp_torque_nmm,peak_pip_torque_nmm$" ||
   fail "finger --board: must end with cell and torques"
-# Each of the four comes to rest with the force in the cell that it commands, within what the drive's friction leaves
-# to its loop, and with torques of that force's sign at both joints: the rod turns them the same way.
+# Each of the four comes to rest with the force in the cell that it commands, within what the
+# drive's friction leaves to its loop, and with torques of that force's sign at both joints: the rod
+# turns them the same way.
 "$report" finger --board --joints --stop 18,999 | awk -F, '
   NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
   {
@@ -204,8 +210,8 @@ echo "$rows" | grep -q "peak_cell_n,end_cell_n,peak_mcp_torque_nmm,peak_pip_torq
     exit bad
   }' || failed=1
 
-# Errors of the ways to q*: the closed form is exact, each step of Gauss-Newton from q is nearer than the
-# one before, and Eq. (8) is the first of them.
+# Errors of the ways to q*: the closed form is exact, each step of Gauss-Newton from q is nearer
+# than the one before, and Eq. (8) is the first of them.
 header "map,setting,method,ns,error_max,error_rms,error_unit,against,ratio,lower,upper,aa_lower,aa_upper" \
   work-precision --map finger --blocks 1
 csv=$("$report" work-precision --map finger --blocks 1 2>/dev/null | tr ' ' _ | cut -d, -f1-3,5)

@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
-# Makes the report: figures of the study as CSV, plots (SVG, PNG) and an index.md that explains them.
+# Makes the report: figures of the study as CSV, plots (SVG, PNG) and an index.md that explains
+# them.
 #
 #   tests/report/run.sh [--output DIR] [--build DIR] [part...]
 #
-#   part           kinematics fig4 recordings scan radius finger coupling closed_loop rate hard_cases linear_algebra
+#   part           kinematics fig4 recordings scan radius finger coupling closed_loop rate
+#   hard_cases linear_algebra
 #                  scaling work_precision; default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
@@ -60,7 +62,8 @@ make_kinematics() {
                       { print $1, $2, $4, $6, $8 }' >kinematics.csv)
   rm "$output"/kinematics_[0-3].csv
 }
-metrics_table() {  # metrics_table NAME: method,metric,value -> one row per metric, one column per method
+metrics_table() {  # metrics_table NAME: method,metric,value -> one row per metric, one column per
+                   # method
   awk -F, -v OFS=, 'NR > 1 { if (!($2 in row)) { row[$2] = ++n; metric[n] = $2 } value[$1, $2] = $3 }
     END { print "metric", "standard", "null_space", "subspace_linear", "subspace_exact"
           for (i = 1; i <= n; i++) print metric[i], value["standard", metric[i]], value["null_space", metric[i]],
@@ -116,7 +119,8 @@ make_finger() {
     csv "${name}_grid" finger --grid --joints "${guard[@]}"
     draw finger "$name" "csv='$output/${name}_trace.csv'; heading='Presses, $heading'"
   done
-  # The corner of a straight MCP and a bent PIP: the MCP stopped at 0, the hand aims at (5, 80) degrees.
+  # The corner of a straight MCP and a bent PIP: the MCP stopped at 0, the hand aims at (5, 80)
+  # degrees.
   local with
   : >"$output/finger_corner.csv"
   while read -r with; do
@@ -132,7 +136,8 @@ make_finger() {
     sort | { echo "with,method,verdict,runs"; cat; } >finger_counts.csv)
 }
 
-closed_loop_tables() {  # of closed_loop.csv: by method; every tick without delay; free space; late contacts
+closed_loop_tables() {  # of closed_loop.csv: by method; every tick without delay; free space; late
+                        # contacts
   cd "$output"
   awk -F, -v OFS=, 'NR == 1 || $2 == 80 { next }
     { key = $4 OFS $8; if (!(key in rows)) order[++n] = key; rows[key]++; gives[key] += $20 != "ok"
@@ -173,7 +178,8 @@ closed_loop_tables() {  # of closed_loop.csv: by method; every tick without dela
     closed_loop.csv >closed_loop_presses.csv
   cd "$OLDPWD"
 }
-rate_table() {  # rate_table COLUMN NAME: METHOD 5.4's layout of K_max, in rate_NAME.csv
+rate_table() {  # rate_table COLUMN NAME: core/METHOD.md#local-models's layout of K_max, in
+                # rate_NAME.csv
   awk -F, -v OFS=, -v column="$1" 'NR > 1 && ($3 == 0 || $3 == 20 || $3 == 100) { key = $2 OFS $3
       if (!(key in seen)) { seen[key] = 1; order[++n] = key }
       k[key, $1, $4] = int($column + 0.5) }

@@ -29,7 +29,8 @@ constexpr double kStopMcp = 18 * kDegree, kStopPip = 25 * kDegree;
 struct Way {
   const char* name;
   core::ProxyMode mode;
-  bool guarded;  ///< direction guard, tank and observer: what planes want (METHOD 5.4)
+  bool guarded;  ///< direction guard, tank and observer: what planes want
+                 ///< (core/METHOD.md#local-models)
 };
 constexpr Way kWays[]{{"held", core::ProxyMode::kHeld, false},
                       {"planes", core::ProxyMode::kPlanes, false},
@@ -186,8 +187,8 @@ const Row& row_of(const std::vector<Row>& rows, const Row& like, int declared, i
 }
 
 /// An idle declared finger in % of one in contact, with one contact throughout: what the other
-/// declared fingers add, against what contacts add. Turn by turn, so that a turn in which the machine
-/// was slow counts as one; the median of the turns.
+/// declared fingers add, against what contacts add. Turn by turn, so that a turn in which the
+/// machine was slow counts as one; the median of the turns.
 double idle_share(const std::vector<Row>& rows, const Row& like) {
   const std::vector<double>& one = row_of(rows, like, 1, 1).medians;
   const std::vector<double>& idle = row_of(rows, like, kFingers, 1).medians;

@@ -1,5 +1,5 @@
-/// haptic-report scan: METHOD 2.3's 168 trajectories; in how many of them does the paper's
-/// finite-difference test find any sample that is not passive?
+/// haptic-report scan: core/METHOD.md#finite-difference-rule's 168 trajectories; in how many of
+/// them does the paper's finite-difference test find any sample that is not passive?
 #include <algorithm>
 
 #include "haptic/core/analysis/trajectory_metrics.hpp"

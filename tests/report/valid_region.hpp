@@ -1,5 +1,6 @@
 #pragma once
-/// The finger's valid region, METHOD 1.2: the box, the sliders and the joints' own range.
+/// The finger's valid region, core/METHOD.md#finger-linkage: the box, the sliders and the joints'
+/// own range.
 
 #include <random>
 

@@ -16,7 +16,7 @@ WallFigures run(const WallLoop& what) {
 }
 
 bool stable(const WallLoop& what, const WallFigures& figures) noexcept {
-  constexpr double kStill = 1e-3;  // m/s, METHOD 5.4
+  constexpr double kStill = 1e-3;  // m/s, core/METHOD.md#local-models
   constexpr double kFastestHand = 2.0 * M_PI * kWallAmplitude;
   return what.cycles ? figures.top_speed <= 2.0 * kFastestHand : figures.rms_speed < kStill;
 }

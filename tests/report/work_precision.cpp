@@ -1,4 +1,5 @@
-/// haptic-report work-precision: what a way to q* costs, and how exact it is (METHOD 3.1, 3.2).
+/// haptic-report work-precision: what a way to q* costs, and how exact it is
+/// (core/METHOD.md#work-and-precision and core/METHOD.md#larger-devices).
 #include <algorithm>
 #include <chrono>
 #include <cmath>

@@ -10,7 +10,8 @@
 
 namespace haptic {
 
-/// Finger exoskeletons with the dimensions of METHOD 1, named finger1, finger2, ...
+/// Finger exoskeletons with the dimensions of core/METHOD.md#finger-linkage, named finger1,
+/// finger2, ...
 inline std::shared_ptr<const core::Kinematics> equal_fingers(int count) {
   std::vector<core::HandFinger> fingers;
   for (int i = 1; i <= count; ++i) fingers.push_back({"finger" + std::to_string(i), {}});

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""hapticd killed with SIGKILL while it presses: the board stops by its own watchdog (WIRE 5), and so it does where
+"""hapticd killed with SIGKILL while it presses: the board stops by its own watchdog (hw/README.md#the-board-protocol), and so it does where
 hapticd is only stopped (SIGSTOP). Whole programs; the times are the board's own.
 
     killed_test.py HAPTICD HAPTIC-BOARD-EMULATOR SCENE        (package haptic and tests/support on PYTHONPATH)
@@ -18,7 +18,8 @@ from board_rig import PATIENCE_S, Board, Disturbed, Server, sound, until
 
 HAPTICD, EMULATOR, SCENE = sys.argv[1:4]
 WATCHDOG_MS = 200  # a busy machine is no reason for it; loop_late_fault has to be shorter
-# The truth's newest row is up to 10 ms old and a moment on its way to the disk; bytes may be in the port.
+# The truth's newest row is up to 10 ms old and a moment on its way to the disk; bytes may be in the
+# port.
 SLACK_S = 0.15
 
 
@@ -47,7 +48,8 @@ class WhilePressing(unittest.TestCase):
                     session.engage_when_ready()
                 elif state.state == "ENGAGED":
                     if pressed == 0 and abs(state.tau_a[0]) < 0.5:
-                        place = tuple(x - 0.15 for x in state.x_probe)  # the object stands in the finger
+                        place = tuple(x - 0.15 for x in state.x_probe)  # the object stands in the
+                                                                        # finger
                     pressed += abs(state.tau_a[0]) > 1.0 and abs(board.rows(0.01)[-1][3]) > 1.0
             server.process.send_signal(how)  # the session is open still
             return board.rows(0.01)[-1][0]

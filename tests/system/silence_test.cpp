@@ -1,4 +1,5 @@
-// The contract of WIRE 4 over real sockets: pressing, then the client is killed, or paused.
+// The contract of proto/README.md#staleness-and-gain over real sockets: pressing, then the client
+// is killed, or paused.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -54,7 +55,8 @@ class Pressing : public ::testing::Test {
   }
 
   /// In every state that was seen: silence has an end, recovery is a ramp. The silence is timed by
-  /// the server's clock from the last sample that it used, so that it goes on where the lease ended.
+  /// the server's clock from the last sample that it used, so that it goes on where the lease
+  /// ended.
   void expect_the_contract() {
     std::this_thread::sleep_for(milliseconds(400));
     const auto seen = states();

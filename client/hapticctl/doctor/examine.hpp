@@ -1,6 +1,6 @@
 #pragma once
-/// Is this host fit to run a 1 kHz loop, what would make it fitter, and how stiff may a spring be on
-/// it (METHOD 5.1)? Pure: everything it judges is given to it.
+/// Is this host fit to run a 1 kHz loop, what would make it fitter, and how stiff may a spring be
+/// on it (core/METHOD.md#sampled-data)? Pure: everything it judges is given to it.
 
 #include <cstdint>
 #include <optional>
@@ -46,7 +46,7 @@ struct Finding {
   std::string advice{};  ///< what to do; empty where there is nothing to do
 };
 
-/// METHOD 5.1, N/m or N m/rad.
+/// core/METHOD.md#sampled-data, N/m or N m/rad.
 struct StiffnessCap {
   double hold_s{0.0};   ///< the longest time that one force was held: period and largest lateness
   double delay_s{0.0};  ///< t_d: lateness (p99) and what the serial link adds

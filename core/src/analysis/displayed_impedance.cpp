@@ -74,7 +74,7 @@ VecQ linear_column(const FullColumnRank& j, const MatXQ& J_k, const VecQ& dq, co
   return column;
 }
 
-/// G of METHOD 2.1 at q_star, n_q by n_x.
+/// G of core/METHOD.md#exact-derivatives at q_star, n_q by n_x.
 std::optional<MatAX> exact_proxy_motion(const Kinematics& kinematics, const VecX& x,
                                         const VecQ& q_star) {
   const std::optional<Pose> pose = pose_at(kinematics, q_star);

@@ -1,6 +1,6 @@
 #pragma once
-/// What the formulas of METHOD 2.1 need of a matrix of full column rank. In a file of its own, for
-/// the decomposition is what costs the compiler its time.
+/// What the formulas of core/METHOD.md#exact-derivatives need of a matrix of full column rank. In a
+/// file of its own, for the decomposition is what costs the compiler its time.
 
 #include <optional>
 
@@ -13,8 +13,8 @@ struct FullColumnRank {
   MatXX off{};      ///< I - A A^+, the projector onto what A does not reach
 };
 
-/// Empty where the rank of A, n_x by n, is below n. Columns are scaled to unit length first, so that
-/// no choice of units looks like a lost rank.
+/// Empty where the rank of A, n_x by n, is below n. Columns are scaled to unit length first, so
+/// that no choice of units looks like a lost rank.
 [[nodiscard]] std::optional<FullColumnRank> full_column_rank(const MatXQ& A);
 
 }  // namespace haptic::core

@@ -1,6 +1,6 @@
 #pragma once
-/// The planar linkage of METHOD 1.2 as plain arithmetic: forward map (1.3), derivatives (1.4),
-/// closed inverse (1.5). Names are METHOD's. Private to the finger's map.
+/// The planar linkage of core/METHOD.md#finger-linkage as plain arithmetic: forward map (1.3),
+/// derivatives (1.4), closed inverse (1.5). Names are METHOD's. Private to the finger's map.
 
 #include <complex>
 
@@ -45,8 +45,9 @@ class FingerLinkage {
   [[nodiscard]] bool joints(double l, double t, double& q1, double& q2) const noexcept;
   [[nodiscard]] bool pose(double l, double t, LinkagePose& out) const noexcept;
   [[nodiscard]] bool hessian(double l, double t, LinkageHessian& out) const noexcept;
-  /// The candidate of METHOD 1.5 on the branch det J > 0, with its sliders; not checked against any
-  /// limit. With c1 > 0 and c2 > 0 it is the pose the linkage assembles to: det J = s/(c1 c2).
+  /// The candidate of core/METHOD.md#inverse-map on the branch det J > 0, with its sliders; not
+  /// checked against any limit. With c1 > 0 and c2 > 0 it is the pose the linkage assembles to: det
+  /// J = s/(c1 c2).
   [[nodiscard]] bool closed_inverse(double q1, double q2, ClosedPose& out) const noexcept;
   /// Largest distance by which the two rods miss their ends, m.
   [[nodiscard]] double closure(double l, double t, const LinkagePose& pose) const noexcept;

@@ -23,7 +23,7 @@ enum Constraint : int {
   kNoClosure
 };
 
-constexpr double kScaleL = 0.02;  // m per unit of scaled travel (METHOD 1.2)
+constexpr double kScaleL = 0.02;  // m per unit of scaled travel (core/METHOD.md#finger-linkage)
 /// Joint limits of METHOD's valid region, rad; they bound the mean of ||J_a|| only.
 constexpr double kJointLower = -0.3, kMcpUpper = 1.75, kPipUpper = 2.0;
 
@@ -57,7 +57,8 @@ double FingerReach::value(int constraint, double l, double t, const LinkagePose&
     case kC2Upper:
       return d.slider2_upper - p.c2;
     default:
-      return p.det() * p.c1 * p.c2;  // of the order of a length: the s of METHOD 1.5
+      return p.det() * p.c1 * p.c2;  // of the order of a length: the s of
+                                     // core/METHOD.md#inverse-map
   }
 }
 

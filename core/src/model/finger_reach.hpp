@@ -1,7 +1,7 @@
 #pragma once
 /// The set of poses the finger's subspace proxy may take (box, slider limits, the branch det J >
 /// 0), and the nearest of them to an x outside its image: Eq. (6) where x is unreachable
-/// (METHOD 3.4).
+/// (core/METHOD.md#worst-cases).
 ///
 /// At construction the edge of the set is traced once, as points that know which constraint they
 /// lie on. nearest() takes the best traced point of each constraint and slides it along its curve
@@ -29,12 +29,12 @@ class FingerReach {
 
   /// All limits hold, by at least -tolerance of the scaled coordinates.
   [[nodiscard]] bool contains(double l, double t) const noexcept;
-  /// The sliders' ends and the branch, the latter without a slope while it is far off. False where the
-  /// linkage does not close.
+  /// The sliders' ends and the branch, the latter without a slope while it is far off. False where
+  /// the linkage does not close.
   [[nodiscard]] bool limits(double l, double t, PairLimits& limits) const noexcept;
   /// argmin ||x - f(q)|| over the set's edge.
   [[nodiscard]] ReachPoint nearest(double q1, double q2) const noexcept;
-  /// Mean ||J_a|| over the valid region of METHOD 1.2 on the trace's grid, rad/m.
+  /// Mean ||J_a|| over the valid region of core/METHOD.md#finger-linkage on the trace's grid, rad/m.
   [[nodiscard]] double mean_actuated_jacobian() const noexcept { return mean_J_a_; }
   [[nodiscard]] const std::vector<ReachPoint>& edge() const noexcept { return edge_; }
 

@@ -10,7 +10,7 @@ namespace haptic::core {
 
 namespace {
 
-// Marquardt's usual numbers (METHOD 3.3).
+// Marquardt's usual numbers (core/METHOD.md#projection-algorithm).
 constexpr double kFirstLambda = 1e-3;
 constexpr double kRaise = 8.0;
 constexpr double kLower = 0.1;

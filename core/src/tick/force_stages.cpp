@@ -49,16 +49,17 @@ bool Pipeline::Stages::withheld(TickRecord& record) noexcept {
   return true;
 }
 
-/// METHOD 5.3's spring, but as stiff as it can be felt: the same force from a stiffer spring with
-/// a nearer anchor. Any such choice keeps the book exact; with Z_q itself a baseline that displays
-/// three times as much is throttled in a plain press, for energy that the user did put in.
+/// core/METHOD.md#energy-tank's spring, but as stiff as it can be felt: the same force from a
+/// stiffer spring with a nearer anchor. Any such choice keeps the book exact; with Z_q itself a
+/// baseline that displays three times as much is throttled in a plain press, for energy that the
+/// user did put in.
 void Pipeline::Stages::displayed() noexcept {
   renderer_.displayed_bound({q_, map_.x_probe(), map_.J()}, dx_, settings_.stiffness, displayed_);
   const VecA& damping = config_.passivity.device_damping;
   const double hold = seconds(config_.device.sample_period);
   for (int i = 0; i < layout_.n_a(); ++i) {
     const double b = damping.size() > 0 ? damping[i] : 0.0;
-    const double paid = 2.0 * b / hold;  // METHOD 5.1: b > K T/2
+    const double paid = 2.0 * b / hold;  // core/METHOD.md#sampled-data: b > K T/2
     displayed_[i] = std::clamp(displayed_[i], 1.0, std::max(1.0, paid / settings_.stiffness[i]));
   }
 }

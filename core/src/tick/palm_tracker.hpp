@@ -1,9 +1,10 @@
 #pragma once
-/// The palm's pose as a client in the role tracker says it, in place of what the device says of these
-/// six DoFs. Private to the pipeline.
+/// The palm's pose as a client in the role tracker says it, in place of what the device says of
+/// these six DoFs. Private to the pipeline.
 ///
-/// Between two poses the newest one holds: to extrapolate would put energy in (WIRE 1). Its age has a
-/// ladder of its own, to the same rules as the proxy's (WIRE 4), and the gain is never above either.
+/// Between two poses the newest one holds: to extrapolate would put energy in
+/// (proto/README.md#design). Its age has a ladder of its own, to the same rules as the proxy's
+/// (proto/README.md#staleness-and-gain), and the gain is never above either.
 
 #include "haptic/core/tick/pipeline.hpp"
 

@@ -45,8 +45,8 @@ void Pipeline::Stages::projection(TickRecord& record) noexcept {
   if (certificate_) certify(record);
 }
 
-/// METHOD 7, "model only what a scene needs". A held proxy can be anywhere; no proxy and a free one
-/// hold nothing; planes hold what they name.
+/// core/METHOD.md#model-only-what-a-scene-needs, "model only what a scene needs". A held proxy can
+/// be anywhere; no proxy and a free one hold nothing; planes hold what they name.
 BlockSet Pipeline::Stages::blocks_left_out() noexcept {
   if (!leaves_out_) return 0;
   switch (local_proxy_.mode()) {
@@ -95,8 +95,9 @@ BlockSet Pipeline::Stages::needs_J() const noexcept {
   return guarded ? displaced | renderer_.reads_J(displaced) : renderer_.reads_J(displaced);
 }
 
-/// METHOD 6, case 17: f has no value here; the spring stays anchored where it was, and alive. A block
-/// that was left out has no spring that could stay: an anchor kept would pull it where it is free.
+/// core/METHOD.md#map-without-a-value: f has no value here; the spring stays anchored where it was,
+/// and alive. A block that was left out has no spring that could stay: an anchor kept would pull it
+/// where it is free.
 void Pipeline::Stages::keep_last_anchor() noexcept {
   if (!has_anchor_) projection_.q_star = q_;
   map_.copy_q(map_.unprobed(), q_, projection_.q_star);

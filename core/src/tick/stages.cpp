@@ -7,10 +7,10 @@ namespace haptic::core {
 
 namespace {
 
-/// A device sample older than this many of its periods is not recent (HOUSE 3, step 8).
+/// A device sample older than this many of its periods is not recent (core/README.md#one-tick).
 constexpr int kRecentPeriods = 3;
 
-/// What Engage asks of the stream (WIRE 2).
+/// What Engage asks of the stream (proto/README.md#a-session).
 constexpr Duration kEngageGapless{std::chrono::milliseconds(200)};
 constexpr std::uint64_t kEngageSamples = 10;
 

@@ -50,7 +50,7 @@ class Pipeline::Stages {
   /// Of the blocks that the proxy displaces, whose J this tick reads.
   [[nodiscard]] BlockSet needs_J() const noexcept;
   void keep_last_anchor() noexcept;
-  /// The certificate of METHOD 2.1 for the projection of this tick.
+  /// The certificate of core/METHOD.md#exact-derivatives for the projection of this tick.
   void certify(TickRecord& record) noexcept;
   /// Requests of people: stop, clear, release, engage.
   void requests(const TickInput& input, TickRecord& record) noexcept;
@@ -122,7 +122,8 @@ class Pipeline::Stages {
   bool has_proxy_{false};
   std::uint32_t last_epoch_{0};
   /// An Engage was accepted and neither Release, end of lease nor a fault has ended what it
-  /// allowed: damping stays on after the elastic force was lost (WIRE 4, level "lost").
+  /// allowed: damping stays on after the elastic force was lost
+  /// (proto/README.md#staleness-and-gain, level "lost").
   bool force_granted_{false};
   bool released_{false};
   bool engage_accepted_{false};

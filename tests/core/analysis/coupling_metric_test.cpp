@@ -86,7 +86,7 @@ TEST(CouplingMetric, OfAFullyActuatedDeviceIsItsStiffnessWhateverTheSoftness) {
   }
 }
 
-/// METHOD 6, case 14: the unit of no DoF and of no coordinate shows in ||dx||_W.
+/// core/METHOD.md#change-of-units: the unit of no DoF and of no coordinate shows in ||dx||_W.
 TEST(CouplingMetric, IsFreeOfUnits) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
@@ -147,8 +147,9 @@ TEST(CouplingMetric, ComesInBlocksRowByRow) {
   EXPECT_TRUE(none[0].lower.empty());
 }
 
-/// METHOD 5.5: the softer, the less of the way onto a plane is asked of the actuator, as long as the
-/// sensed DoF alone reaches it; the law is dq_a = -d Z_q^{-1} a / (a^2/Z_q + b^2/D_n), a = J_a.n, b = J_n.n.
+/// core/METHOD.md#anisotropic-coupling: the softer, the less of the way onto a plane is asked of
+/// the actuator, as long as the sensed DoF alone reaches it; the law is dq_a = -d Z_q^{-1} a /
+/// (a^2/Z_q + b^2/D_n), a = J_a.n, b = J_n.n.
 TEST(CouplingMetric, PullsAProxyOntoAPlaneAlongWhatIsSoft) {
   const auto finger = make_finger_exoskeleton({});
   const VecQ q = (VecQ(2) << 0.016, -0.26).finished();

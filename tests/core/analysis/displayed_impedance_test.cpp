@@ -193,7 +193,7 @@ TEST(ExactImpedance, HasNoAnswerWhereARankIsLostOrTheMapFails) {
   EXPECT_FALSE(exact_impedance(RendererKind::kSubspaceLinear, *flat, q, x, impedance));
   EXPECT_TRUE(exact_impedance(RendererKind::kStandard, *flat, q, x, impedance));
   const auto finger = make_finger_exoskeleton({});
-  const VecQ open = (VecQ(2) << 0.02, -1.76).finished();  // METHOD 6, case 17
+  const VecQ open = (VecQ(2) << 0.02, -1.76).finished();  // core/METHOD.md#map-without-a-value
   for (const RendererKind kind : kAll) {
     EXPECT_FALSE(exact_impedance(kind, *finger, open, x, impedance)) << name(kind);
   }

@@ -27,7 +27,7 @@ struct Finger : ::testing::Test {
 };
 using PassivityRadius = Finger;
 
-/// METHOD 2.1: g = S J^{-1} [J_,a J^{-1}], radius 1/||g||, margin 1 + g.dx, by 2 x 2 algebra.
+/// core/METHOD.md#exact-derivatives: g = S J^{-1} [J_,a J^{-1}], radius 1/||g||, margin 1 + g.dx, by 2 x 2 algebra.
 TEST_F(PassivityRadius, OfTheLinearisedMethodIsOneOverTheNormOfG) {
   for (const auto& [mcp, pip] : {std::pair{30.0, 30.0}, {60.0, 70.0}, {10.0, 40.0}}) {
     const VecQ q = pose(mcp, pip);
@@ -46,7 +46,8 @@ TEST_F(PassivityRadius, OfTheLinearisedMethodIsOneOverTheNormOfG) {
         passivity_certificate(RendererKind::kSubspaceLinear, *finger, q, x, impedance).value();
     EXPECT_NEAR(certificate.radius * g.norm(), 1.0, 1e-9);
     EXPECT_NEAR(certificate.margin, 1.0 + g * dx, 1e-9);
-    // The null-space method's is the same length in another direction (METHOD 2.1).
+    // The null-space method's is the same length in another direction
+    // (core/METHOD.md#exact-derivatives).
     const auto null_space =
         passivity_certificate(RendererKind::kNullSpace, *finger, q, x, impedance).value();
     EXPECT_NEAR(null_space.radius / certificate.radius, 1.0, 1e-9);

@@ -73,7 +73,7 @@ TEST(Householder, IsATriangularFactorOfTheGramMatrix) {
   }
 }
 
-/// METHOD 6, case 10: forward error below 10 eps cond from 1 to 1e16, and never a NaN.
+/// core/METHOD.md#condition-sweep: forward error below 10 eps cond from 1 to 1e16, and never a NaN.
 TEST(Householder, ErrorGrowsWithTheConditionAndNoFaster) {
   std::mt19937_64 random(10);
   constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -90,7 +90,7 @@ TEST(Householder, ErrorGrowsWithTheConditionAndNoFaster) {
   }
 }
 
-/// METHOD 6, case 11: 72 x 24, cond 1e4, residual 10 % of b.
+/// core/METHOD.md#large-residual: 72 x 24, cond 1e4, residual 10 % of b.
 TEST(Householder, ALargeInconsistentSystemIsSolvedTo1em10) {
   std::mt19937_64 random(11);
   for (int trial = 0; trial < 20; ++trial) {

@@ -1,4 +1,4 @@
-// Z_q = D C D (METHOD 4.5, 5.1; the metric of 4.3).
+// Z_q = D C D (core/METHOD.md#actuator-limits and core/METHOD.md#sampled-data; the metric of 4.3).
 #include "haptic/core/linear/stiffness_coupling.hpp"
 
 #include <gtest/gtest.h>
@@ -108,8 +108,8 @@ TEST(StiffnessCoupling, RelaxedColumnsAreThoseOfTheInverseMetric) {
   }
 }
 
-/// METHOD 4.3: -Z_q S J^+ J S^T is symmetric and negative semidefinite only with Z_q, all of it, as
-/// the metric's actuated block; and dq is the one of least spring energy.
+/// core/METHOD.md#rank-and-prior: -Z_q S J^+ J S^T is symmetric and negative semidefinite only with
+/// Z_q, all of it, as the metric's actuated block; and dq is the one of least spring energy.
 TEST(StiffnessCoupling, WhereRankIsLostTheRenderedStiffnessIsPassive) {
   std::mt19937_64 random(5);
   double worst_of_diagonal = 0.0;

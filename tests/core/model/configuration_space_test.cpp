@@ -47,7 +47,7 @@ TEST(ConfigurationSpace, TheChordOfARotationIsFourTimesTheSineOfAQuarter) {
   }
 }
 
-/// METHOD 6, case 20.
+/// core/METHOD.md#half-turns.
 TEST(ConfigurationSpace, ASignFlipOfAQuaternionIsNoJump) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> within(-3, 3);
@@ -62,7 +62,7 @@ TEST(ConfigurationSpace, ASignFlipOfAQuaternionIsNoJump) {
   }
 }
 
-/// METHOD 6, case 20.
+/// core/METHOD.md#half-turns.
 TEST(ConfigurationSpace, RotationsByPiAreFinite) {
   for (const double theta : {kPi - 1e-9, kPi, kPi + 1e-9}) {
     const VecX dx = difference(pose(0, {theta, 0, 0}), pose(0, {0, 0, 0}));

@@ -1,5 +1,6 @@
 #pragma once
-/// The measure of METHOD 6, case 2: analytic derivatives of a map against central differences.
+/// The measure of core/METHOD.md#derivatives: analytic derivatives of a map against central
+/// differences.
 
 #include <gtest/gtest.h>
 

@@ -20,7 +20,7 @@ VecQ finger_pose(double l_x, double q_B) {
   return q;
 }
 
-/// METHOD 1.2, valid region: limits of box, sliders and joints.
+/// core/METHOD.md#finger-linkage, valid region: limits of box, sliders and joints.
 bool valid(const FingerDimensions& d, const FingerPose& p) {
   return p.status == MapStatus::kOk && p.c1 > d.slider1_lower && p.c1 < d.slider1_upper &&
          p.c2 > d.slider2_lower && p.c2 < d.slider2_upper && p.q_o1 > -0.3 && p.q_o1 < 1.75 &&
@@ -61,8 +61,8 @@ TEST_F(FingerExoskeleton, HasTheCheckValuesOfMethod12) {
   }
 }
 
-/// METHOD 6, case 2: difference relative to the largest analytic entry of the pose, columns scaled
-/// by (0.02 m, 1 rad), central differences of 6e-6 scaled.
+/// core/METHOD.md#derivatives: difference relative to the largest analytic entry of the pose,
+/// columns scaled by (0.02 m, 1 rad), central differences of 6e-6 scaled.
 TEST_F(FingerExoskeleton, DerivativesAgreeWithCentralDifferences) {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> l(0.0, 0.05), t(-75 * kDegree, 41.5 * kDegree);
@@ -162,7 +162,7 @@ double brute_force_residual(const FingerDimensions& d, double mcp, double pip, V
   return lowest;
 }
 
-/// METHOD 6, case 16.
+/// core/METHOD.md#unreachable-proxies.
 TEST_F(FingerExoskeleton, UnreachableProxiesGiveTheGlobalConstrainedOptimum) {
   struct Row {
     double mcp, pip, residual_deg, l_mm, q_B_deg;  // 0: METHOD gives no figure
@@ -216,7 +216,7 @@ TEST_F(FingerExoskeleton, AnyProxyAtAllHasAFiniteAnswerInsideTheLimits) {
   }
 }
 
-/// METHOD 6, case 17: |D| <= h1.
+/// core/METHOD.md#map-without-a-value: |D| <= h1.
 TEST_F(FingerExoskeleton, SaysWhereTheLinkageCannotClose) {
   VecX x = two(7, 7);
   MatXQ J = MatXQ::Constant(2, 2, 7);

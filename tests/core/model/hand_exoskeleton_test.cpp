@@ -16,7 +16,7 @@
 namespace haptic::core {
 namespace {
 
-/// Joint angles of all fingers well inside the valid region (METHOD 1.2).
+/// Joint angles of all fingers well inside the valid region (core/METHOD.md#finger-linkage).
 VecX random_joints(std::mt19937_64& random, int fingers) {
   std::uniform_real_distribution<double> mcp(15 * kDegree, 45 * kDegree);
   std::uniform_real_distribution<double> pip(20 * kDegree, 60 * kDegree);
@@ -112,18 +112,19 @@ TEST(HandExoskeleton, OneFingerOutOfReachLeavesTheOthersExact) {
   std::mt19937_64 random(4);
   VecX x = random_joints(random, 5);
   const VecQ reached = reach(*hand, x);
-  x.segment<2>(4) << -0.7, 0.35;  // METHOD 6, case 16
+  x.segment<2>(4) << -0.7, 0.35;  // core/METHOD.md#unreachable-proxies
   VecQ q;
   EXPECT_EQ(hand->inverse(x, q), InverseStatus::kUnreachable);
   for (int i = 0; i < 10; ++i) {
     if (i == 4 || i == 5) continue;
     EXPECT_EQ(q[i], reached[i]) << i;
   }
-  EXPECT_NEAR(q[4], 0.01015 * 1.1, 2e-4);  // METHOD 6, case 16: at (10.15 mm, 41.5 deg)
+  EXPECT_NEAR(q[4], 0.01015 * 1.1, 2e-4);  // core/METHOD.md#unreachable-proxies: at (10.15 mm, 41.5
+                                           // deg)
   EXPECT_NEAR(q[5], 41.5 * kDegree, 1e-9);
 }
 
-/// METHOD 6, case 17, of one finger.
+/// core/METHOD.md#map-without-a-value, of one finger.
 TEST(HandExoskeleton, FailsWhereOneFingerCannotClose) {
   const auto hand = make_hand_exoskeleton(five_fingers());
   std::mt19937_64 random(5);
@@ -181,7 +182,7 @@ TEST(TrackedHand, SensesThePalmAndDrivesTheFingers) {
   EXPECT_EQ(hand->space().coordinates()[6].name, "index_tip.x");
 }
 
-/// Points of METHOD 1.2's plane, turned and moved by the palm.
+/// Points of core/METHOD.md#finger-linkage's plane, turned and moved by the palm.
 TEST(TrackedHand, PutsThePhalangesWhereThePlaneAndThePalmPutThem) {
   const TrackedHandParameters parameters = five_fingers_on_a_palm();
   const auto hand = make_tracked_hand(parameters);
@@ -199,7 +200,7 @@ TEST(TrackedHand, PutsThePhalangesWhereThePlaneAndThePalmPutThem) {
       const MountedFinger& mounted = parameters.fingers[static_cast<std::size_t>(i)];
       const double L1 = mounted.finger.dimensions.proximal_phalanx;
       const double q1 = angles[2 * i], phi2 = q1 + angles[2 * i + 1];
-      // u = e^{-i q1} and its dorsal normal i u, METHOD 1.2.
+      // u = e^{-i q1} and its dorsal normal i u, core/METHOD.md#finger-linkage.
       const Eigen::Vector3d u1(std::cos(q1), -std::sin(q1), 0), n1(std::sin(q1), std::cos(q1), 0);
       const Eigen::Vector3d u2(std::cos(phi2), -std::sin(phi2), 0);
       const Eigen::Vector3d n2(std::sin(phi2), std::cos(phi2), 0);

@@ -186,7 +186,7 @@ TEST(SerialChain, HasTheDerivativesThatCentralDifferencesFind) {
       worst = {std::max(worst.J, e.J), std::max(worst.dJ, e.dJ)};
     }
   }
-  EXPECT_LT(worst.J, 2e-7);  // METHOD 6, case 2
+  EXPECT_LT(worst.J, 2e-7);  // core/METHOD.md#derivatives
   EXPECT_LT(worst.dJ, 5e-7);
 }
 

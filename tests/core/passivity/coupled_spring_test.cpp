@@ -1,4 +1,5 @@
-// METHOD 4.5, 5.3: the potential of a spring whose Z_q is coupled, saturated as a whole.
+// core/METHOD.md#actuator-limits and core/METHOD.md#energy-tank: the potential of a spring whose
+// Z_q is coupled, saturated as a whole.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -63,7 +64,7 @@ TEST(CoupledSpring, ItsForceIsTheGradientOfItsEnergy) {
   EXPECT_LT(beyond, 900);
 }
 
-/// By the formulas of METHOD 4.5, written out.
+/// By the formulas of core/METHOD.md#actuator-limits, written out.
 TEST(CoupledSpring, IsZqDUpToItsRadiusAndAsLongBeyond) {
   std::mt19937_64 random(2);
   for (int trial = 0; trial < 500; ++trial) {
@@ -196,7 +197,8 @@ TEST(CoupledSpring, NothingOfItAllocates) {
   EXPECT_TRUE(std::isfinite(sum));
 }
 
-/// METHOD 5.2: -alpha Z_q v takes what is missing in one tick, and alpha is bounded by the inertia.
+/// core/METHOD.md#passivity-observer: -alpha Z_q v takes what is missing in one tick, and alpha is
+/// bounded by the inertia.
 TEST(CoupledSpring, TheObserversDampingTakesWhatIsMissing) {
   constexpr double T = 1e-3;
   std::mt19937_64 random(8);

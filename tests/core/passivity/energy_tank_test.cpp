@@ -85,8 +85,9 @@ TEST(EnergyTank, FillsByTheAllowedPowerUpToItsCapacity) {
   EXPECT_EQ(tank.level(), 0.05) << "what comes back does not overfill it either";
 }
 
-/// The law of METHOD 5.3 over thousands of arbitrary ticks: random anchors, stiffness, gain, motion, held
-/// forces that are not the law's. Work on the user, net of the device's damping, never exceeds the tank.
+/// The law of core/METHOD.md#energy-tank over thousands of arbitrary ticks: random anchors,
+/// stiffness, gain, motion, held forces that are not the law's. Work on the user, net of the
+/// device's damping, never exceeds the tank.
 TEST(Passivity, EnergyReturnedNeverExceedsTheTankWhateverChanges) {
   constexpr double kInitial = 0.004, kPower = 0.02, kDeviceDamping = 1.5, T = 1e-3;
   PassivitySettings settings;

@@ -31,7 +31,7 @@ TEST(PassivityObserver, AHeldSpringOnAnUnknownDeviceGetsHalfAPeriodOfItsStiffnes
   for (int k = 0; k < 50; ++k) {
     observer.observe(held(dq, tau), one(dq), T, one(K));
     tau = observer.tau()[0];
-    // alpha K = K T / 2: what METHOD 5.1 asks of a device's damping.
+    // alpha K = K T / 2: what core/METHOD.md#sampled-data asks of a device's damping.
     ASSERT_NEAR(observer.alpha(), T / 2, 1e-12);
     ASSERT_NEAR(tau, -0.5 * K * T * dq / T, 1e-12);
   }
@@ -55,7 +55,7 @@ TEST(PassivityObserver, TheDevicesInertiaBoundsTheDamping) {
   HoldAccount account;
   account.limits = -1.0;
   observer.observe(account, one(1e-4), T, one(K));
-  // alpha K / m <= 1 / (2 T), METHOD 5.2.
+  // alpha K / m <= 1 / (2 T), core/METHOD.md#passivity-observer.
   EXPECT_NEAR(observer.alpha() * K / 0.05, 1.0 / (2.0 * T), 1e-9);
 }
 

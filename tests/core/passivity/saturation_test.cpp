@@ -1,4 +1,5 @@
-// METHOD 4.5: which saturation is the gradient of a potential, and which pumps energy.
+// core/METHOD.md#actuator-limits: which saturation is the gradient of a potential, and which pumps
+// energy.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>

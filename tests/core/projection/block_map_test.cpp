@@ -158,7 +158,7 @@ TEST_F(BlockMapTest, AFingerThatCannotCloseKeepsItsLastAndTheOthersAreOfThisQ) {
   const VecX before = map.x_probe();
   VecQ bad = random_pose();
   bad[2] = 0.02;
-  bad[3] = -101 * kDegree;  // METHOD 6, case 17
+  bad[3] = -101 * kDegree;  // core/METHOD.md#map-without-a-value
   ASSERT_FALSE(map.move_to(bad));
   EXPECT_EQ(VecX(map.x_probe().segment(2, 2)), VecX(before.segment(2, 2)));
   VecQ others = bad;
@@ -206,7 +206,7 @@ TEST_F(BlockMapTest, AFingerLeftOutHoldsNobodyUp) {
   BlockMap map(hand);
   VecQ q = random_pose();
   q[2] = 0.02;
-  q[3] = -101 * kDegree;  // METHOD 6, case 17
+  q[3] = -101 * kDegree;  // core/METHOD.md#map-without-a-value
   constexpr BlockSet kBroken = set_of({1});
   ASSERT_TRUE(map.move_to(q, kBroken));
   ASSERT_FALSE(map.move_to(q)) << "asked for, it does";

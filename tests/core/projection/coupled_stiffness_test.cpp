@@ -1,5 +1,6 @@
-// What else Z_q stands in, where it is not diagonal: the prior (METHOD 3.3), the certificate (2.1),
-// the displayed impedance (Eq. (9)) and the coupling metric (5.5).
+// What else Z_q stands in, where it is not diagonal: the prior
+// (core/METHOD.md#projection-algorithm), the certificate (2.1), the displayed impedance (Eq. (9))
+// and the coupling metric (5.5).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +44,7 @@ ProjectionSettings coupled_prior(const MatrixXd& Z, double mu, const VecQ& M_n) 
   return settings;
 }
 
-/// METHOD 6, case 9b, with a Z_q that couples.
+/// core/METHOD.md#curved-wide-map, with a Z_q that couples.
 TEST(CoupledPrior, NoCycleOfTheDevicePumpsEnergy) {
   const FunctionMap map = samples::wide_map();
   const ProjectionSettings settings = coupled_prior(kZ, 0.1, VecQ::Ones(1));
@@ -205,7 +206,7 @@ TEST(CoupledImpedance, IsTheDerivativeOfTheForce) {
   }
 }
 
-/// METHOD 5.5: on the actuated DoFs W costs what the spring stores, twice.
+/// core/METHOD.md#anisotropic-coupling: on the actuated DoFs W costs what the spring stores, twice.
 TEST(CoupledMetric, WeighsTheActuatedDofsByAllOfZq) {
   const auto map = make_stylus({}, marks());
   std::mt19937_64 random(9);

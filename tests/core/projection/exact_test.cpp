@@ -1,4 +1,5 @@
-// Eq. (6) by iteration and by cache: METHOD 3.3 case A, and cases 14, 16, 20 of METHOD 6.
+// Eq. (6) by iteration and by cache: core/METHOD.md#projection-algorithm case A, and cases 14, 16,
+// 20 of core/METHOD.md#hard-cases.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -101,8 +102,8 @@ TEST(ExactMethod, IsSolvedOncePerChangeOfTheProxy) {
   EXPECT_NE(out.q_star, first.q_star);
 }
 
-/// METHOD 6, case 16, for the iteration: unreachable proxies end within the cap, in the box, no worse
-/// than they began, and are reported.
+/// core/METHOD.md#unreachable-proxies, for the iteration: unreachable proxies end within the cap,
+/// in the box, no worse than they began, and are reported.
 TEST(Iteration, UnreachableProxiesEndBoundedAndAreReported) {
   const FingerByIteration map;
   const VecQ seed = (VecQ(2) << 0.004, 0.4).finished();
@@ -128,8 +129,9 @@ TEST(Iteration, UnreachableProxiesEndBoundedAndAreReported) {
   }
 }
 
-/// The same proxies by the closed form with its constraints: the figures of METHOD 6, case 16, which
-/// come from a search: 0.02 degrees above the optimum in two rows, so ours may be below.
+/// The same proxies by the closed form with its constraints: the figures of
+/// core/METHOD.md#unreachable-proxies, which come from a search: 0.02 degrees above the optimum in
+/// two rows, so ours may be below.
 TEST(ClosedForm, UnreachableProxiesEndAtTheGlobalOptimum) {
   const auto finger = make_finger_exoskeleton({});
   struct Row {
@@ -157,8 +159,8 @@ FunctionMap turntable() {
       [](const VecQ&) { return MatXQ((MatXQ(2, 2) << 1.0, 0.5, 0.0, 1.0).finished()); });
 }
 
-/// METHOD 6, case 20, for angles: half a turn away everything stays finite, and a whole turn more is
-/// the same proxy.
+/// core/METHOD.md#half-turns, for angles: half a turn away everything stays finite, and a whole
+/// turn more is the same proxy.
 TEST(Renderers, HalfATurnAwayIsFiniteAndAWholeTurnIsNothing) {
   const FunctionMap map = turntable();
   const VecQ q = (VecQ(2) << 0.3, -0.4).finished();

@@ -106,7 +106,8 @@ TEST(LinearCertificate, OfALinearMapIsOne) {
   }
 }
 
-/// Each block alone has the offline margin of a finger; the record names the worst of the displaced.
+/// Each block alone has the offline margin of a finger; the record names the worst of the
+/// displaced.
 TEST(LinearCertificate, OfAHandIsItsWorstDisplacedFingers) {
   const std::vector<HandFinger> fingers{{"thumb", scaled({}, 0.8)}, {"index", {}}, {"middle", {}}};
   const auto hand = make_hand_exoskeleton(fingers);
@@ -191,7 +192,7 @@ TEST(LinearCertificate, SaysWhyThereIsNone) {
   flat.J(0, 0) = std::nan("");
   EXPECT_EQ(live.at(flat.probe(), c.dx, c.Z_q).status, CertificateStatus::kNotFullRank);
   Case open = c;
-  open.q << 0.0, -0.588;  // D opposite of P: |D| = 14 mm, below h1 (METHOD 1.3)
+  open.q << 0.0, -0.588;  // D opposite of P: |D| = 14 mm, below h1 (core/METHOD.md#forward-map)
   EXPECT_EQ(live.at(open.probe(), c.dx, c.Z_q).status, CertificateStatus::kMapFailed);
 }
 

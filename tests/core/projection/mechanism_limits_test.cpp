@@ -1,4 +1,5 @@
-// METHOD 3.3, 3.4: limits of the mechanism beside the box of q*, by active set in the iteration.
+// core/METHOD.md#projection-algorithm and core/METHOD.md#worst-cases: limits of the mechanism
+// beside the box of q*, by active set in the iteration.
 #include "haptic/core/projection/mechanism_limits.hpp"
 
 #include <gtest/gtest.h>
@@ -104,8 +105,8 @@ bool allowed(const Kinematics& map, const VecQ& q) {
   return true;
 }
 
-/// Of random allowed poses near q*, steps of `size` times the box, none may be nearer to x. Says how
-/// many there were.
+/// Of random allowed poses near q*, steps of `size` times the box, none may be nearer to x. Says
+/// how many there were.
 int expect_none_nearer(const Kinematics& map, const VecX& x, const Projection& out, double size) {
   std::mt19937_64 random(9);
   std::normal_distribution<double> step(0.0, size);
@@ -182,8 +183,8 @@ TEST(MechanismLimits, AndWithTheBoxTheyMakeACornerToo) {
   EXPECT_NEAR((out.q_star - 0.5 * two(0.2, 0.9).normalized()).norm(), 0.0, 1e-9);
 }
 
-/// METHOD 6, case 16 and others: the iteration, from beside it, ends where the traced edge of the closed
-/// form does.
+/// core/METHOD.md#unreachable-proxies and others: the iteration, from beside it, ends where the
+/// traced edge of the closed form does.
 TEST(MechanismLimits, TheIterationEndsAtTheFingersOwnOptimum) {
   const Limited map(make_finger_exoskeleton({}), {});
   std::mt19937_64 random(6);
@@ -215,8 +216,8 @@ TEST(MechanismLimits, TheIterationEndsAtTheFingersOwnOptimum) {
   EXPECT_GT(judged, 100);
 }
 
-/// Where W is no multiple of the identity the closed form's nearest pose is not the nearest: no pose of
-/// a grid over box and sliders is nearer than the answer.
+/// Where W is no multiple of the identity the closed form's nearest pose is not the nearest: no
+/// pose of a grid over box and sliders is nearer than the answer.
 TEST(MechanismLimits, BeyondReachTheFingersPoseIsNearestInTheMetric) {
   const auto finger = make_finger_exoskeleton({});
   const Eigen::Matrix2d W = (Eigen::Matrix2d() << 4.0, 1.5, 1.5, 1.0).finished();
@@ -250,8 +251,8 @@ TEST(MechanismLimits, BeyondReachTheFingersPoseIsNearestInTheMetric) {
   }
 }
 
-/// A hand whose iteration has no closed form: a proxy that asks for a finger beyond its sliders is not
-/// followed there, and near the answer nothing allowed is nearer.
+/// A hand whose iteration has no closed form: a proxy that asks for a finger beyond its sliders is
+/// not followed there, and near the answer nothing allowed is nearer.
 TEST(MechanismLimits, OfATrackedHandHoldTheSlidersOfEveryFinger) {
   const auto hand = make_tracked_hand(five_fingers_on_a_palm());
   ASSERT_EQ(hand->limited_pairs().size(), 5u);

@@ -51,7 +51,8 @@ TEST_F(MonotoneEnvelopeTest, OnAMonotoneWayItIsTheExactMethodToTheBit) {
 }
 
 TEST_F(MonotoneEnvelopeTest, WhereTheProxyPullsAwayAnEarlierPointIsUsed) {
-  // METHOD 2.4: MCP blocked at 18 deg, PIP free at 52 deg: x* pulls the wrong way.
+  // core/METHOD.md#forces-at-the-finger: MCP blocked at 18 deg, PIP free at 52 deg: x* pulls the
+  // wrong way.
   EXPECT_EQ(apply(degrees(50, 52), degrees(18, 52)), EnvelopeAnswer::kEarlier);
   EXPECT_LT(pull(wanted) * towards(), 0.0);
   EXPECT_GT(pull(used) * towards(), 0.0);

@@ -1,4 +1,4 @@
-/// Eq. (6) where x holds orientations: METHOD 4.4.
+/// Eq. (6) where x holds orientations: core/METHOD.md#metric-and-limits.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-// METHOD 3.3, case B: the prior where J does not have full column rank. Cases 9b, 12, 25 of METHOD 6.
+// core/METHOD.md#projection-algorithm, case B: the prior where J does not have full column rank.
+// Cases 9b, 12, 25 of core/METHOD.md#hard-cases.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -59,7 +60,7 @@ double loop_work(int i, int j, Force force) {
 
 constexpr int kPlanes[3][2] = {{0, 1}, {0, 2}, {1, 2}};
 
-/// METHOD 6, case 9b.
+/// core/METHOD.md#curved-wide-map.
 TEST(Prior, NoCycleOfTheDevicePumpsEnergy) {
   const FunctionMap map = samples::wide_map();
   for (const double mu : {1e-3, 0.1}) {
@@ -81,7 +82,8 @@ TEST(Prior, NoCycleOfTheDevicePumpsEnergy) {
   }
 }
 
-/// The same circles with what METHOD 3.3 forbids: the check above must be able to fail.
+/// The same circles with what core/METHOD.md#projection-algorithm forbids: the check above must be
+/// able to fail.
 TEST(Prior, ALiveSensedReferenceOrAnotherMetricPumps) {
   const FunctionMap map = samples::wide_map();
   for (const double mu : {1e-3, 0.1}) {
@@ -170,7 +172,8 @@ TEST(Prior, OnALinearMapBothSubspaceMethodsSolveTheNormalEquations) {
   }
 }
 
-/// METHOD 4.3: Z_q S (A + mu M)^{-1} A S^T is symmetric and positive semidefinite for every J, mu.
+/// core/METHOD.md#rank-and-prior: Z_q S (A + mu M)^{-1} A S^T is symmetric and positive
+/// semidefinite for every J, mu.
 TEST(Prior, TheRenderedStiffnessIsPositiveSemidefinite) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> decade(-3.0, 3.0);
@@ -228,12 +231,13 @@ TEST(Prior, ADirectionThatXDoesNotSeeHasNoForceAndNoDrag) {
   }
 }
 
-/// METHOD 6, case 25, and 3.2: without a prior the hand is refused, with one it is calm.
+/// core/METHOD.md#hand-without-prior, and 3.2: without a prior the hand is refused, with one it is
+/// calm.
 TEST(Prior, AHandKnownByPointsIsRefusedWithoutOne) {
   const FunctionMap hand = samples::hand(2);
   EXPECT_THROW(require_rank(ProjectionModel(hand)), SceneError);
   EXPECT_NO_THROW(require_rank(ProjectionModel(samples::hand(4))));  // its points do determine it
-  // METHOD 3.2's weights: 0.1 per m of the wrist, 5 mm per rad elsewhere.
+  // core/METHOD.md#larger-devices's weights: 0.1 per m of the wrist, 5 mm per rad elsewhere.
   VecQ M_n(12);
   M_n << VecQ::Constant(3, 400.0), VecQ::Ones(9);
   const ProjectionModel model(hand, with_prior(2.5e-5, M_n));

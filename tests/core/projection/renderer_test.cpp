@@ -85,7 +85,7 @@ TEST(Renderers, AgreeWithDenseAlgebraOnThousandsOfJacobians) {
       EXPECT_TRUE(near(force(RendererKind::kStandard, *map, q, x, Z_q), standard));
       EXPECT_TRUE(near(force(RendererKind::kNullSpace, *map, q, x, Z_q), null_space));
       EXPECT_TRUE(near(force(RendererKind::kSubspaceLinear, *map, q, x, Z_q), subspace));
-      // METHOD 6, case 4: on a linear map Eq. (6) is Eq. (8).
+      // core/METHOD.md#linear-map: on a linear map Eq. (6) is Eq. (8).
       EXPECT_TRUE(near(force(RendererKind::kSubspaceExact, *map, q, x, Z_q), subspace));
     }
   }
@@ -105,7 +105,7 @@ TEST(Renderers, OnALinearMapTheExactAndTheLinearisedAnchorAgreeToRounding) {
   }
 }
 
-/// METHOD 6, case 5: 3-DoF force, 6-DoF sensing, block-diagonal J.
+/// core/METHOD.md#block-diagonal-map: 3-DoF force, 6-DoF sensing, block-diagonal J.
 TEST(Renderers, OnABlockDiagonalDeviceStandardAndNullSpaceAreTheSame) {
   std::mt19937_64 random(5);
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(6, 6);
@@ -127,8 +127,8 @@ TEST(Renderers, OnABlockDiagonalDeviceStandardAndNullSpaceAreTheSame) {
   }
 }
 
-/// METHOD 6, case 6: tau_null = K_null dq_a with K_null = k J_a^T N J_a, dq_a the deviation of Eq.
-/// (8).
+/// core/METHOD.md#null-space-stiffness: tau_null = K_null dq_a with K_null = k J_a^T N J_a, dq_a
+/// the deviation of Eq. (8).
 TEST(Renderers, NullSpaceIsTheSubspaceMethodWithAnotherStiffness) {
   std::mt19937_64 random(6);
   for (int i = 0; i < 500; ++i) {
@@ -147,7 +147,8 @@ TEST(Renderers, NullSpaceIsTheSubspaceMethodWithAnotherStiffness) {
   }
 }
 
-/// METHOD 6, case 14: the force does not know the unit a coordinate of q is written in.
+/// core/METHOD.md#change-of-units: the force does not know the unit a coordinate of q is written
+/// in.
 TEST(Renderers, TheSubspaceForceIsTheSameInMetresAndMillimetres) {
   std::mt19937_64 random(14);
   for (int i = 0; i < 200; ++i) {
@@ -209,7 +210,8 @@ TEST(Renderers, TheWideAnswerHasMinimumNormInTheMetricWhoseActuatedBlockIsZq) {
   EXPECT_LT((tau - Z_q.cwiseProduct(dq)).norm(), 1e-12 * tau.norm());
 }
 
-/// Case by METHOD 2: the error of Eq. (8) against (6) falls with the square of the deviation.
+/// Case by core/METHOD.md#fig-4: the error of Eq. (8) against (6) falls with the square of the
+/// deviation.
 TEST(Renderers, TheExactMethodTendsToTheLinearisedAsTheDeviationVanishes) {
   const auto finger = make_finger_exoskeleton({});
   const VecA Z_q = VecA::Constant(1, 1500.0);
@@ -256,7 +258,8 @@ TEST(DirectionGuard, WithholdsWhatPointsAwayFromTheProxyAndNothingElse) {
       ASSERT_EQ(guard.allows(Probe{q, x_probe, J}, dx, tau), expected) << name(kind);
       (expected ? allowed : withheld) += 1;
       if (kind == RendererKind::kSubspaceLinear || kind == RendererKind::kNullSpace) {
-        ASSERT_TRUE(expected) << name(kind) << " is never away from the proxy (METHOD 2.4)";
+        ASSERT_TRUE(expected)
+            << name(kind) << " is never away from the proxy (core/METHOD.md#forces-at-the-finger)";
       }
     }
   }

@@ -1,4 +1,4 @@
-// W_x of METHOD 4.4: what the scene says counts as near in X.
+// W_x of core/METHOD.md#metric-and-limits: what the scene says counts as near in X.
 #include "haptic/core/projection/task_metric.hpp"
 
 #include <gtest/gtest.h>
@@ -178,8 +178,8 @@ TEST(TaskMetric, EveryRendererMeasuresByIt) {
   }
 }
 
-/// METHOD 6, case 14, with mixed units in X and Q: metres or millimetres, radians or degrees, the
-/// same force.
+/// core/METHOD.md#change-of-units, with mixed units in X and Q: metres or millimetres, radians or
+/// degrees, the same force.
 TEST(TaskMetric, TheForceDoesNotKnowTheUnits) {
   std::mt19937_64 random(3);
   constexpr double kDegrees = 57.295779513082323;

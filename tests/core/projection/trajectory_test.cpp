@@ -1,4 +1,5 @@
-// The paper's Fig. 4 with the metrics of METHOD 2.3: cases 7, 8 and 9 of METHOD 6, all unguarded.
+// The paper's Fig. 4 with the metrics of core/METHOD.md#finite-difference-rule: cases 7, 8 and 9 of
+// core/METHOD.md#hard-cases, all unguarded.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +22,7 @@ TrajectoryAnalysis analysis(const Kinematics& finger, double A1, double A2, doub
   return TrajectoryAnalysis(finger, sampled(finger, grasp), VecX::Zero(2), 1.0);
 }
 
-/// METHOD 2.3, the table of trajectory A; every entry within 0.05.
+/// core/METHOD.md#finite-difference-rule, the table of trajectory A; every entry within 0.05.
 TEST(TrajectoryA, ReproducesTheTable) {
   struct Row {
     RendererKind kind;
@@ -102,8 +103,8 @@ TEST(RecordedTrajectory, IsClosedByAStraightLineInJointSpace) {
   EXPECT_GT(std::abs(a.metrics(RendererKind::kSubspaceLinear).cycle_work_pct), 0.1);
 }
 
-/// METHOD 6, case 9: with x held Eq. (6) is a potential; a zero-order hold leaks exactly
-/// sum 1/2 dq^T Z_q dq.
+/// core/METHOD.md#held-proxy-potential: with x held Eq. (6) is a potential; a zero-order hold leaks
+/// exactly sum 1/2 dq^T Z_q dq.
 TEST(ExactMethod, WorkAndPotentialBalanceOverAMillionTicks) {
   const auto finger = make_finger_exoskeleton({});
   const double Z_q = 1500.0;

@@ -1,4 +1,4 @@
-// WIRE 4 as a table, on injected time.
+// proto/README.md#states-of-a-device as a table, on injected time.
 #include "haptic/core/safety/device_state.hpp"
 
 #include <gtest/gtest.h>

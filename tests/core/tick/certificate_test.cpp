@@ -1,4 +1,5 @@
-// The certificate of the linearised method in the record of every tick (METHOD 2.1).
+// The certificate of the linearised method in the record of every tick
+// (core/METHOD.md#exact-derivatives).
 #include <gtest/gtest.h>
 
 #include "haptic/core/analysis/passivity_radius.hpp"

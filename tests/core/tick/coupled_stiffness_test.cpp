@@ -1,4 +1,5 @@
-// METHOD 4.5 in the tick: a Z_q that is not diagonal, saturated as a whole; 5.2-5.4 with it.
+// core/METHOD.md#actuator-limits in the tick: a Z_q that is not diagonal, saturated as a whole;
+// 5.2-5.4 with it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +22,7 @@ const Matrix2d kZ = (Matrix2d() << 900.0, 500.0, 500.0, 600.0).finished();
 const Vector2d kLimit(5.0, 3.0);  // N; 3/sqrt(600) is less than 5/sqrt(900)
 constexpr RendererKind kSubspace[] = {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact};
 
-/// METHOD 4.5, written out.
+/// core/METHOD.md#actuator-limits, written out.
 Vector2d law(const Vector2d& d, const Matrix2d& Z = kZ, const Vector2d& limit = kLimit) {
   const double r = std::min(limit[0] / std::sqrt(Z(0, 0)), limit[1] / std::sqrt(Z(1, 1)));
   const double length = std::sqrt(d.dot(Z * d));
@@ -271,7 +272,8 @@ double potential(const Vector2d& d) {
   return L <= r ? 0.5 * L * L : r * L - 0.5 * r * r;
 }
 
-/// METHOD 6, case 18: V jumps by dV, the tank pays it exactly, or the anchor stays on the way.
+/// core/METHOD.md#proxy-step: V jumps by dV, the tank pays it exactly, or the anchor stays on the
+/// way.
 TEST(CoupledStiffness, TheTankPaysTheJumpOrShortensTheSpringAlongItself) {
   for (const RendererKind renderer : kSubspace) {
     CoupledBench rich(guarded(renderer, 0.05));
@@ -328,7 +330,8 @@ TEST(CoupledStiffness, BehindTheTankNoMotionAndNoProxyGivesMoreThanItHolds) {
   }
 }
 
-/// METHOD 5.4: x = the probe kept out of n^T x <= b; the force follows S (q* - q) as ever.
+/// core/METHOD.md#local-models: x = the probe kept out of n^T x <= b; the force follows S (q* - q)
+/// as ever.
 TEST(CoupledStiffness, RendersPlanesWithTheDirectionGuard) {
   for (const RendererKind renderer : kSubspace) {
     PipelineConfig config = coupled_config(renderer);

@@ -1,5 +1,5 @@
-// What an idle finger of a hand is spared, and what it still gets (METHOD 7, "model only what a scene
-// needs").
+// What an idle finger of a hand is spared, and what it still gets
+// (core/METHOD.md#model-only-what-a-scene-needs, "model only what a scene needs").
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,8 +17,9 @@ namespace {
 
 using namespace test;
 
-/// Some equal fingers in virtual time: the first presses on stops and moves, the second moves freely,
-/// the third rests. The proxy is what a client on this machine would send, held or as planes.
+/// Some equal fingers in virtual time: the first presses on stops and moves, the second moves
+/// freely, the third rests. The proxy is what a client on this machine would send, held or as
+/// planes.
 class Hand {
  public:
   Hand(int fingers, RendererKind renderer, ProxyMode mode, bool guard = false)
@@ -172,7 +173,8 @@ TEST(IdleFinger, IsReplayedToTheBit) {
   }
 }
 
-/// METHOD 6, case 25: what the scene loader refuses, the pipeline refuses by itself.
+/// core/METHOD.md#hand-without-prior: what the scene loader refuses, the pipeline refuses by
+/// itself.
 TEST(PipelineConfig, AMapThatDoesNotDetermineQNeedsAPrior) {
   PipelineConfig c = config_of(RendererKind::kSubspaceLinear);
   c.kinematics = make_hand_exoskeleton({{"one", {}}});

@@ -89,7 +89,7 @@ class MovingHand {
   int n_{0};
 };
 
-/// METHOD 6, case 17: the finger's linkage has no configuration there.
+/// core/METHOD.md#map-without-a-value: the finger's linkage has no configuration there.
 inline void break_finger(int finger, TickInput& input) {
   input.device.sample.q.segment<2>(2 * finger) << 0.02, -101 * kDegree;
 }

@@ -1,6 +1,7 @@
-// A palm whose pose a client says (WIRE 2, role tracker; WIRE 4 for its age), in virtual time. One slide
-// of 500 N/m is carried by the palm: x is the sum of palm.x and the slide, and the palm's six DoFs. The
-// proxy is kept behind x[0] <= 0, so that the force is -K (palm.x + slide) by hand.
+// A palm whose pose a client says (proto/README.md#a-session, role tracker;
+// proto/README.md#staleness-and-gain for its age), in virtual time. One slide of 500 N/m is carried
+// by the palm: x is the sum of palm.x and the slide, and the palm's six DoFs. The proxy is kept
+// behind x[0] <= 0, so that the force is -K (palm.x + slide) by hand.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -46,8 +47,8 @@ PipelineConfig config_with_tracker() {
   return c;
 }
 
-/// The device at rest, whose own palm is elsewhere; a controller and, while `tracking`, a tracker that
-/// speak in every tick.
+/// The device at rest, whose own palm is elsewhere; a controller and, while `tracking`, a tracker
+/// that speak in every tick.
 class Rig {
  public:
   explicit Rig(PipelineConfig config = config_with_tracker()) : pipeline(std::move(config)) {
@@ -128,7 +129,7 @@ TEST(PalmTracker, WithoutNewPosesTheForceIsHeldFadesAndIsGoneWithin200Ms) {
   for (int age = 1; age <= 200; ++age) {
     SCOPED_TRACE(age);
     const TickRecord record = rig.tick();
-    // WIRE 4, with the defaults: full to 100 ms, linear to 0 at 180 ms.
+    // proto/README.md#staleness-and-gain, with the defaults: full to 100 ms, linear to 0 at 180 ms.
     const double ladder = age < 100 ? 1.0 : age < 180 ? (180.0 - age) / 80.0 : 0.0;
     EXPECT_NEAR(record.gain, ladder, 1e-12);
     EXPECT_NEAR(record.tau_elastic[0], -ladder * kPalmStiffness * kPressed, 1e-9);

@@ -1,4 +1,4 @@
-// The energy tank inside the tick (METHOD 5.3; METHOD 6, case 18).
+// The energy tank inside the tick (core/METHOD.md#energy-tank; core/METHOD.md#proxy-step).
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -227,7 +227,7 @@ TEST(Pipeline, EngageNamesWhatIsNotGoodEnough) {
   EXPECT_EQ(bench.records.back().gain, 0.0);
 }
 
-/// METHOD 6, case 21, and the borders of the device.
+/// core/METHOD.md#bad-numbers, and the borders of the device.
 TEST(Pipeline, WhatTheDeviceMustNotSayIsAFaultWithZeroCommandThatLatches) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   struct Case {
@@ -323,7 +323,8 @@ TEST(Pipeline, AnEmergencyStopActsInItsTickAndALateLoopIsAFault) {
   EXPECT_TRUE(often.tick().faults.has(Fault::kLateBucketFull));
 }
 
-/// METHOD 6, case 17: the forward map fails; q* is kept and the spring stays alive.
+/// core/METHOD.md#map-without-a-value: the forward map fails; q* is kept and the spring stays
+/// alive.
 TEST(Pipeline, WhereTheMapFailsTheAnchorIsKept) {
   PipelineConfig config =
       PipelineBench::config(RendererKind::kSubspaceExact, false, 1e6, SilencePolicy::kFault);

@@ -1,4 +1,5 @@
-// Planes in the tick (METHOD 5.4; METHOD 6, cases 22 and 23).
+// Planes in the tick (core/METHOD.md#local-models; core/METHOD.md#late-client and
+// core/METHOD.md#lost-and-repeated-samples).
 #include <gtest/gtest.h>
 
 #include <string>

@@ -1,5 +1,5 @@
-// A linkage that cannot close (METHOD 6, case 17) in a hand of which the tick leaves fingers out: the
-// failure is that of what something holds, and of nobody else.
+// A linkage that cannot close (core/METHOD.md#map-without-a-value) in a hand of which the tick
+// leaves fingers out: the failure is that of what something holds, and of nobody else.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,8 +13,8 @@ namespace {
 
 using namespace test;
 
-/// METHOD 6, case 17, in a finger that nothing can hold: the others do not notice. Where a plane
-/// comes to name it, they do, as with a finger that was asked all the time.
+/// core/METHOD.md#map-without-a-value, in a finger that nothing can hold: the others do not notice.
+/// Where a plane comes to name it, they do, as with a finger that was asked all the time.
 TEST(UnprobedBesideFailure, OneThatCannotCloseDisturbsNobodyUntilAPlaneNamesIt) {
   const PipelineConfig config = hand_config(RendererKind::kSubspaceLinear, true);
   Pipeline sound(config), broken(config);
@@ -95,7 +95,8 @@ TEST(UnprobedBesideFailure, IsNotPulledWhereAnotherThatPressesCannotClose) {
       kept = std::max(kept, std::abs(record.q_star[0] - record.q[0]));
       moved = std::max(moved, (record.q - before).tail(8).cwiseAbs().maxCoeff());
       if (renderer == RendererKind::kStandard || renderer == RendererKind::kNullSpace) continue;
-      // The book's V is the one spring's that is left (METHOD 5.3; the baselines' is stiffer).
+      // The book's V is the one spring's that is left (core/METHOD.md#energy-tank; the baselines'
+      // is stiffer).
       const double K = config.scene.stiffness[0];
       const double d = std::abs(record.q_star[0] - record.q[0]);
       const double beyond = kForceLimit * d - 0.5 * kForceLimit * kForceLimit / K;

@@ -1,5 +1,6 @@
-// Fingers that nothing can hold are not asked for their f (METHOD 7): what the tick answers is to the
-// bit what it answers where it asks all of them, and a completed record has all that it left open.
+// Fingers that nothing can hold are not asked for their f
+// (core/METHOD.md#model-only-what-a-scene-needs): what the tick answers is to the bit what it
+// answers where it asks all of them, and a completed record has all that it left open.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -97,8 +98,8 @@ TEST_P(Unprobed, EveryAnswerIsToTheBitThatOfATickWhichAsksAllFingers) {
       if (mode == ProxyMode::kHeld) p.x.array() -= 0.02;
       if (mode == ProxyMode::kPlanes) random_planes(random, p, named);
     }
-    // From time to time one that is named cannot close, while those that are not rest: an anchor kept
-    // and no anchor are then the same there.
+    // From time to time one that is named cannot close, while those that are not rest: an anchor
+    // kept and no anchor are then the same there.
     if (i % 16 == 8)
       fails = i % 48 == 8 && named != 0 && unstretched(previous, kAllFingers & ~named);
     if (i % 16 == 14) fails = false;

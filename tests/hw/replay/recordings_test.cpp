@@ -42,8 +42,9 @@ double dot(Complex a, Complex b) {
   return a.real() * b.real() + a.imag() * b.imag();
 }
 
-/// Is (q1, q2) in reach? METHOD 1.2's loop equations by a scan: rod 1 gives l for each angle t of
-/// the body link, rod 2's residual is followed over t and its roots bisected. No closed form.
+/// Is (q1, q2) in reach? core/METHOD.md#finger-linkage's loop equations by a scan: rod 1 gives l
+/// for each angle t of the body link, rod 2's residual is followed over t and its roots bisected.
+/// No closed form.
 bool reachable(double q1, double q2) {
   const core::FingerDimensions dim;
   const Complex i(0.0, 1.0);

@@ -145,7 +145,8 @@ TEST(Replay, RepeatsAfterHalfASecondOfSilence) {
 }
 
 TEST(Replay, RowsOutsideTheReachAreReplacedByTheNearestPose) {
-  // METHOD 6, case 16: two of its points with the end poses that the global minimum has.
+  // core/METHOD.md#unreachable-proxies: two of its points with the end poses that the global
+  // minimum has.
   const TemporaryFile file(angles("0,0.3,0.3\n0.04,-0.5,0.3\n0.08,-0.5,-0.5\n0.12,0.3,0.3\n"));
   Replay device(playing(file), finger());
   EXPECT_EQ(device.facts().replaced, 2u);

@@ -1,5 +1,5 @@
-/// The mechanics of METHOD 2.4, checked by its published end states, by energy, and by statics from
-/// independent algebra.
+/// The mechanics of core/METHOD.md#forces-at-the-finger, checked by its published end states, by
+/// energy, and by statics from independent algebra.
 #include "hw/simulated/finger_physics.hpp"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ Eigen::Vector2d lever_arms(const Eigen::Vector2d& x) {
 }
 
 TEST(FingerPhysics, WithoutForceTheFingerReachesItsAim) {
-  // METHOD 2.4, column "none": 50, 50 deg.
+  // core/METHOD.md#forces-at-the-finger, column "none": 50, 50 deg.
   const FingerPhysics physics = pressed({}, {50 * kDeg, 50 * kDeg}, 0.0);
   EXPECT_NEAR(physics.x()[0], 50 * kDeg, 1e-6);
   EXPECT_NEAR(physics.x()[1], 50 * kDeg, 1e-6);
@@ -53,9 +53,9 @@ TEST(FingerPhysics, WithoutForceTheFingerReachesItsAim) {
 }
 
 TEST(FingerPhysics, StandsWhereThePublishedForcesLetItStand) {
-  // METHOD 2.4: force and end state, both rounded there. Its two rows of +10.4 and +19 N are left
-  // out: they rest only because their method's force changes with x; held constant it snaps
-  // through.
+  // core/METHOD.md#forces-at-the-finger: force and end state, both rounded there. Its two rows of
+  // +10.4 and +19 N are left out: they rest only because their method's force changes with x; held
+  // constant it snaps through.
   struct Row {
     double tau_a, mcp, pip;
   };
@@ -105,7 +105,7 @@ TEST(FingerPhysics, TheFirstStepFollowsNewton) {
   const Eigen::Vector2d x(30 * kDeg, 30 * kDeg), aim(40 * kDeg, 20 * kDeg);
   FingerPhysics physics(p, test::one_finger(), x);
   physics.step(1e-6, aim, 7.0);
-  // METHOD 1.2 prints J at (30, 30) deg; w is the first row of its inverse.
+  // core/METHOD.md#finger-linkage prints J at (30, 30) deg; w is the first row of its inverse.
   Eigen::Matrix2d J;
   J << -47.670, -1.424, 78.460, 0.484;
   const Eigen::Vector2d w = J.inverse().row(0).transpose();
@@ -202,7 +202,7 @@ TEST(FingerPhysics, FrictionSticksWithoutCreeping) {
 }
 
 TEST(FingerPhysics, AStopHoldsTheFingerInReach) {
-  // METHOD 6, case 16: aims far outside. The finger rests at the edge, at most
+  // core/METHOD.md#unreachable-proxies: aims far outside. The finger rests at the edge, at most
   // K_h / (K_stop + K_h) of the way from the nearest pose towards its aim.
   for (const Eigen::Vector2d& aim :
        {Eigen::Vector2d(-0.5, 0.3), Eigen::Vector2d(-0.7, 0.35), Eigen::Vector2d(-1.0, 0.3),

@@ -1,6 +1,7 @@
 #pragma once
-/// The experiment of METHOD 2.4: a finger that wears the exoskeleton presses against stops of its
-/// joints; a client without delay stops the proxy there in every tick of 1 ms.
+/// The experiment of core/METHOD.md#forces-at-the-finger: a finger that wears the exoskeleton
+/// presses against stops of its joints; a client without delay stops the proxy there in every tick
+/// of 1 ms.
 
 #include <algorithm>
 #include <cmath>
@@ -64,7 +65,8 @@ inline core::PipelineConfig pipeline_of(const Press& press) {
   return c;
 }
 
-/// A tank that holds `initial` (J; 0 = strictly passive) on a device of the simulated actuator's damping.
+/// A tank that holds `initial` (J; 0 = strictly passive) on a device of the simulated actuator's
+/// damping.
 inline core::PassivitySettings tank_of(double initial) {
   core::PassivitySettings p;
   p.tank.enabled = true;
@@ -73,7 +75,7 @@ inline core::PassivitySettings tank_of(double initial) {
   return p;
 }
 
-/// tau_x . dx of METHOD 2.4, from the test's own 2 x 2 inverse.
+/// tau_x . dx of core/METHOD.md#forces-at-the-finger, from the test's own 2 x 2 inverse.
 inline double power_towards(const core::Kinematics& kinematics, const core::TickRecord& r) {
   core::VecX x_probe(2);
   core::MatXQ J(2, 2);

@@ -1,4 +1,5 @@
-// METHOD 2.4 and 5.3 with the finger (METHOD 6, case 26): what a press is like under guard and tank.
+// core/METHOD.md#forces-at-the-finger and core/METHOD.md#energy-tank with the finger
+// (core/METHOD.md#guarded-press): what a press is like under guard and tank.
 #include "tests/hw/simulated/press.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +14,8 @@ using core::RendererKind;
 constexpr RendererKind kAll[] = {RendererKind::kStandard, RendererKind::kNullSpace,
                                  RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact};
 
-/// Stops and stiffnesses of METHOD 2.4's four rows, and both joints at 6000 N/m.
+/// Stops and stiffnesses of core/METHOD.md#forces-at-the-finger's four rows, and both joints at
+/// 6000 N/m.
 struct Row {
   Eigen::Vector2d stop;
   double stiffness;
@@ -50,7 +52,7 @@ TEST(Press, EndsWhereMethod24SaysForEveryRendererUnguarded) {
     int row;
     double mcp, pip, force;
   };
-  // METHOD 2.4's table, null-space and (8): the rows without a runaway.
+  // core/METHOD.md#forces-at-the-finger's table, null-space and (8): the rows without a runaway.
   const End ends[] = {{RendererKind::kNullSpace, 0, 47.7, 45.5, -4.0},
                       {RendererKind::kSubspaceLinear, 0, 47.4, 44.8, -4.6},
                       {RendererKind::kSubspaceExact, 0, 50.8, 51.7, +1.6},
@@ -110,7 +112,7 @@ TEST(Press, APlainPressIsNotThrottledByAnEmptyTankAndFeelsTheSame) {
   }
 }
 
-/// METHOD 2.4's 24 runs.
+/// core/METHOD.md#forces-at-the-finger's 24 runs.
 template <typename Visit>
 void over_method_24(Visit visit) {
   for (const Eigen::Vector2d& target :

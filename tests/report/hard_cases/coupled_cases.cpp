@@ -1,4 +1,5 @@
-/// METHOD 4.5 where it is hardest: a coupled Z_q that is all but singular, in the whole tick.
+/// core/METHOD.md#actuator-limits where it is hardest: a coupled Z_q that is all but singular, in
+/// the whole tick.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -16,8 +17,8 @@ using core::VecA;
 using core::VecQ;
 using core::VecX;
 
-/// Z_q = [a^2, r a b; r a b, b^2], r = 1 - 2^-40: exact in double, condition 2.3e12. Its weak direction
-/// (b, -a) has 7e-10 N/m.
+/// Z_q = [a^2, r a b; r a b, b^2], r = 1 - 2^-40: exact in double, condition 2.3e12. Its weak
+/// direction (b, -a) has 7e-10 N/m.
 constexpr double kA = 30.0, kB = 25.0, kGap = 0x1p-40;
 constexpr double kLimit[] = {5.0, 3.0};  // N
 
@@ -135,7 +136,8 @@ void nearly_singular(Outcomes& out) {
     }
   }
   out.push_back({"13b",
-                 "METHOD 4.5, Z_q of condition 2.3e12, Eq. (6) and (8): tau = Z_q d min(1, rho/L) "
+                 "core/METHOD.md#actuator-limits, Z_q of condition 2.3e12, Eq. (6) and (8): tau = "
+                 "Z_q d min(1, rho/L) "
                  "to 1e-11 N, "
                  "finite, each actuator within its limit, the whole within the sphere of rho",
                  said("%d ticks, %d saturated: error %.1e N, limits %s, length at most rho (%+.0e)",

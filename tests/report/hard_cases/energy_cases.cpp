@@ -1,4 +1,6 @@
-/// METHOD 6, cases 18, 22 and 23: what a change of the proxy brings into the loop, and the tank.
+/// core/METHOD.md#proxy-step, core/METHOD.md#late-client and
+/// core/METHOD.md#lost-and-repeated-samples: what a change of the proxy brings into the loop, and
+/// the tank.
 #include <algorithm>
 #include <cmath>
 
@@ -19,7 +21,8 @@ using test::WallRun;
 constexpr double kZ = 1500.0;    // N/m
 constexpr double kLimit = 20.0;  // N: hard_cases/loop.hpp
 
-/// Of the saturated spring, METHOD 4.5: quadratic up to the force limit, linear beyond.
+/// Of the saturated spring, core/METHOD.md#actuator-limits: quadratic up to the force limit, linear
+/// beyond.
 double stored(double stretch) {
   const double d = std::abs(stretch);
   return kZ * d <= kLimit ? 0.5 * kZ * d * d : kLimit * (d - 0.5 * kLimit / kZ);

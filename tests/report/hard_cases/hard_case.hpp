@@ -1,5 +1,5 @@
 #pragma once
-/// METHOD 6: the cases every implementation should pass.
+/// core/METHOD.md#hard-cases: the cases every implementation should pass.
 /// Each adds one outcome; expected values come from METHOD or from algebra written out here.
 
 #include <string>

@@ -1,4 +1,4 @@
-/// haptic-report hard-cases: METHOD 6.
+/// haptic-report hard-cases: core/METHOD.md#hard-cases.
 #include <algorithm>
 #include <cstdarg>
 #include <cstdlib>
@@ -19,7 +19,8 @@ std::string said(const char* format, ...) {
 }
 
 void add_hard_cases(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("hard-cases", "METHOD 6: case,expected,got,verdict");
+  CLI::App* command =
+      app.add_subcommand("hard-cases", "core/METHOD.md#hard-cases: case,expected,got,verdict");
   command->footer("Ends with 1 where a case did not pass.");
   command->callback([] {
     Outcomes all;

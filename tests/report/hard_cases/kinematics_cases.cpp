@@ -1,4 +1,5 @@
-/// METHOD 6, cases 1 to 3: the finger's map, its derivatives and its inverse.
+/// core/METHOD.md#check-poses, core/METHOD.md#derivatives and core/METHOD.md#inverse-round-trip:
+/// the finger's map, its derivatives and its inverse.
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -14,7 +15,7 @@ using core::MatXQ;
 using core::VecQ;
 using core::VecX;
 
-constexpr double kScale[2] = {0.02, 1.0};  ///< m, rad: METHOD 6, case 2
+constexpr double kScale[2] = {0.02, 1.0};  ///< m, rad: core/METHOD.md#derivatives
 
 void table_of_poses(const core::Kinematics& finger, Outcomes& out) {
   struct Row {
@@ -42,9 +43,10 @@ void table_of_poses(const core::Kinematics& finger, Outcomes& out) {
     const VecQ q = random_pose(random);
     closure = std::max(closure, core::finger_pose({}, q[0], q[1]).closure);
   }
-  out.push_back({"1", "f, J of METHOD 1.2 within 1e-3 as printed; loop closure < 1e-15 m",
-                 said("f within %.1e, J within %.1e; closure %.1e m", f, jacobian, closure),
-                 f <= 1e-3 && jacobian <= 1e-3 && closure < 1e-15});
+  out.push_back(
+      {"1", "f, J of core/METHOD.md#finger-linkage within 1e-3 as printed; loop closure < 1e-15 m",
+       said("f within %.1e, J within %.1e; closure %.1e m", f, jacobian, closure),
+       f <= 1e-3 && jacobian <= 1e-3 && closure < 1e-15});
 }
 
 /// Largest error of central differences relative to the largest entry, columns scaled by (0.02 m,

@@ -1,4 +1,5 @@
-/// METHOD 6, cases 17, 24 and 26: the whole tick.
+/// core/METHOD.md#map-without-a-value, core/METHOD.md#an-hour-of-ticks and
+/// core/METHOD.md#guarded-press: the whole tick.
 #include <algorithm>
 #include <cmath>
 
@@ -20,7 +21,9 @@ void map_fails(Outcomes& out) {
   constexpr double kZ = 100.0;
   Loop loop(core::RendererKind::kSubspaceExact, kZ);
   const VecX x = VecX::Constant(2, 27 * kDegree);
-  const VecQ q = (VecQ(2) << 0.015864, -14.806 * kDegree).finished();  // METHOD 1.2: (30, 30) deg
+  const VecQ q =
+      (VecQ(2) << 0.015864, -14.806 * kDegree).finished();  // core/METHOD.md#finger-linkage:
+                                                            // (30, 30) deg
   const core::TickRecord before = loop.engage(q, x);
   const VecQ beyond = (VecQ(2) << 0.02, -101 * kDegree).finished();
   const core::TickRecord record = loop.tick(beyond, x);
@@ -90,7 +93,8 @@ void felt_at_the_finger(Outcomes& out) {
     }
   }
   out.push_back({"26",
-                 "the rows of METHOD 2.4, every renderer with the guard: tau_x.dx >= 0 in every "
+                 "the rows of core/METHOD.md#forces-at-the-finger, every renderer with the guard: "
+                 "tau_x.dx >= 0 in every "
                  "tick, no more penetration than without force (0.5 deg), no work into the "
                  "finger",
                  said("tau_x.dx >= %.0e N m; at most %+.2f deg; at most %+.2f mJ", against, deeper,

@@ -1,4 +1,5 @@
-/// METHOD 6, cases 9b and 25: where x does not determine q.
+/// core/METHOD.md#curved-wide-map and core/METHOD.md#hand-without-prior: where x does not determine
+/// q.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -68,7 +69,8 @@ double rendered(const core::ProjectionModel& model, const int (&plane)[2]) {
   });
 }
 
-/// What METHOD 3.3 forbids: a prior in the metric M drawn to the live q, q_n included.
+/// What core/METHOD.md#projection-algorithm forbids: a prior in the metric M drawn to the live q,
+/// q_n included.
 double with_live_q(const core::ProjectionModel& model, double mu, const VecQ& M,
                    const int (&plane)[2]) {
   core::ProxySolver solver(model);
@@ -109,7 +111,8 @@ bool refused(const core::ProjectionModel& model) {
   return false;
 }
 
-/// METHOD 3.2's hand over random poses: condition of J, and how far Eq. (8) goes on 3 mm of noise.
+/// core/METHOD.md#larger-devices's hand over random poses: condition of J, and how far Eq. (8) goes
+/// on 3 mm of noise.
 struct Hand {
   double median_condition{0.0};
   double largest_dq{0.0};  ///< rad (m for the wrist's position)
@@ -151,7 +154,8 @@ void hand_known_by_points(Outcomes& out) {
   constexpr int kPoses = 300;
   const FunctionMap two = core::samples::hand(2);  // n = 14
   core::ProjectionSettings settings;
-  VecQ M_n(12);  // METHOD 3.2's weights: 0.1 per m of the wrist, 5 mm per rad elsewhere
+  VecQ M_n(12);  // core/METHOD.md#larger-devices's weights: 0.1 per m of the wrist, 5 mm per rad
+                 // elsewhere
   M_n << VecQ::Constant(3, 400.0), VecQ::Ones(9);
   settings.prior = core::Prior{2.5e-5, M_n};
   const core::ProjectionModel calm(two, settings);

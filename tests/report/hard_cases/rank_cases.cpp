@@ -1,4 +1,5 @@
-/// METHOD 6, cases 10 to 13: conditioning and loss of rank.
+/// core/METHOD.md#condition-sweep, core/METHOD.md#large-residual, core/METHOD.md#rank-loss and
+/// core/METHOD.md#unequal-stiffness: conditioning and loss of rank.
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <Eigen/SVD>
@@ -91,7 +92,7 @@ void large_residual(Outcomes& out) {
                  said("QR %.1e, normal equations %.1e", qr, normal_equations), qr < 1e-10});
 }
 
-/// M of METHOD 4.3: actuated block Z_q, sensed DoFs by what they move in X.
+/// M of core/METHOD.md#rank-and-prior: actuated block Z_q, sensed DoFs by what they move in X.
 VectorXd metric(const MatrixXd& J, int n_a, const VecA& Z_q) {
   VectorXd M(J.cols());
   double z_x = 0.0;

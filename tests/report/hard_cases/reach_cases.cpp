@@ -1,4 +1,5 @@
-/// METHOD 6, cases 15 and 16: near a fold of the map, and beyond its reach.
+/// core/METHOD.md#near-the-fold and core/METHOD.md#unreachable-proxies: near a fold of the map, and
+/// beyond its reach.
 #include <algorithm>
 #include <cmath>
 

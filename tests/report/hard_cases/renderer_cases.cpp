@@ -1,4 +1,6 @@
-/// METHOD 6, cases 4, 5, 6 and 14: identities of the four methods on linear maps.
+/// core/METHOD.md#linear-map, core/METHOD.md#block-diagonal-map,
+/// core/METHOD.md#null-space-stiffness and core/METHOD.md#change-of-units: identities of the four
+/// methods on linear maps.
 #include <Eigen/QR>
 #include <cmath>
 #include <random>
@@ -101,7 +103,8 @@ void block_diagonal_device(Outcomes& out) {
        same < 1e-12 && identity < 1e-12 && aligned < 1e-12 && generic > 0.1});
 }
 
-/// METHOD 4.2: tau_null = K_null dq_a with K_null = k J_a^T N J_a, N = I - J_n J_n^+.
+/// core/METHOD.md#solver-choice: tau_null = K_null dq_a with K_null = k J_a^T N J_a, N = I - J_n
+/// J_n^+.
 void null_space_identity(Outcomes& out) {
   std::mt19937_64 random(6);
   double worst = 0.0;
@@ -142,8 +145,9 @@ void units(Outcomes& out) {
       const double tau = force_of(kind, *device, q, x, Z_q)[0];
       const bool subspace =
           kind == RendererKind::kSubspaceLinear || kind == RendererKind::kSubspaceExact;
-      // The exact method of a rank-deficient J needs the prior of METHOD 3.3, which is no part of
-      // this case: q* there depends on where the iteration began.
+      // The exact method of a rank-deficient J needs the prior of
+      // core/METHOD.md#projection-algorithm, which is no part of this case: q* there depends on
+      // where the iteration began.
       if (kind == RendererKind::kSubspaceExact && n_x < 3) continue;
       const VecQ unit = (VecQ(3) << (subspace ? 1e-3 : 1.0), kDegree, 1.0).finished();
       const MatXQ B = 1e3 * A * unit.asDiagonal();

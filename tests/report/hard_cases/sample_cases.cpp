@@ -1,4 +1,5 @@
-/// METHOD 6, cases 20 and 21: proxies at the edge of what a number can say.
+/// core/METHOD.md#half-turns and core/METHOD.md#bad-numbers: proxies at the edge of what a number
+/// can say.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -18,7 +19,8 @@ using core::VecA;
 using core::VecQ;
 using core::VecX;
 
-/// dq of a renderer for the stylus' own pose turned by `angle` about `axis`; `sign`: of its quaternion.
+/// dq of a renderer for the stylus' own pose turned by `angle` about `axis`; `sign`: of its
+/// quaternion.
 VecQ turned(core::RendererKind kind, const core::ProjectionModel& model, const VecQ& q,
             const Eigen::Vector3d& axis, double angle, double sign) {
   VecX x_probe, dx;
@@ -37,7 +39,8 @@ void rotations_by_pi(Outcomes& out) {
   const auto stylus = core::make_stylus({});
   core::ProjectionSettings settings;
   VecX scales(7);
-  scales << VecX::Constant(3, 5e-3), VecX::Constant(4, 0.05);  // METHOD 4.4: m, half radians
+  scales << VecX::Constant(3, 5e-3), VecX::Constant(4, 0.05);  // core/METHOD.md#metric-and-limits:
+                                                               // m, half radians
   settings.metric = core::TaskMetric::from_scales(scales);
   const core::ProjectionModel model(*stylus, settings);
   const VecQ q = (VecQ(6) << 0.2, 0.5, -1.2, 0.1, 0.3, -0.4).finished();

@@ -1,4 +1,5 @@
-/// METHOD 6, cases 7, 8, 9 and 19: passivity along trajectories.
+/// core/METHOD.md#trajectory-a, core/METHOD.md#trajectory-b, core/METHOD.md#held-proxy-potential
+/// and core/METHOD.md#frozen-actuator: passivity along trajectories.
 #include <algorithm>
 #include <array>
 #include <cmath>

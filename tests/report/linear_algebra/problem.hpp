@@ -27,13 +27,14 @@ struct Problem {
 /// haptic::core's kernel and back substitution: what a device's tick runs.
 [[nodiscard]] std::vector<Solver> solvers_own();
 /// Normal equations, Eigen's QR without and with pivoting. One file per size: decompositions
-/// of fixed size take the compiler long (METHOD 4.2).
+/// of fixed size take the compiler long (core/METHOD.md#solver-choice).
 [[nodiscard]] std::vector<Solver> solvers_2x2();
 [[nodiscard]] std::vector<Solver> solvers_6x2();
 [[nodiscard]] std::vector<Solver> solvers_6x6();
 [[nodiscard]] std::vector<Solver> solvers_27x10();
-/// Eigen's complete orthogonal decomposition and SVD for any of these sizes, compiled once: of fixed
-/// size they take minutes of compile time and gain nothing that shows beside what they cost to run.
+/// Eigen's complete orthogonal decomposition and SVD for any of these sizes, compiled once: of
+/// fixed size they take minutes of compile time and gain nothing that shows beside what they cost
+/// to run.
 [[nodiscard]] std::vector<Solver> solvers_rank_revealing();
 /// dgelsy, dgelsd; none where LAPACK was not there when this was built.
 [[nodiscard]] std::vector<Solver> solvers_lapack();

@@ -1,7 +1,7 @@
 #pragma once
 /// The solvers of one size: normal equations and Eigen's QRs. M, N > 0: sizes known to the
-/// compiler; 0: bounded by 27 x 10 and known at run time, as METHOD 4.2 advises above some 40
-/// elements.
+/// compiler; 0: bounded by 27 x 10 and known at run time, as core/METHOD.md#solver-choice advises
+/// above some 40 elements.
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>

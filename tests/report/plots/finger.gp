@@ -1,4 +1,5 @@
-# The presses of METHOD 2.4. csv: haptic-report finger --trace, with or without --guard.
+# The presses of core/METHOD.md#forces-at-the-finger. csv: haptic-report finger --trace, with or
+# without --guard.
 load "style.gp"
 
 stops_mcp = "18 18 999 18"; stops_pip = "999 999 25 25"; stiffness = "1500 6000 1500 1500"

@@ -19,8 +19,8 @@ using core::VecX;
 constexpr int kSamples = 400;
 constexpr int kPoses = 240;
 
-/// METHOD 2.4's corner: the MCP stopped at 18 degrees, the PIP free and far, where (6) alone pulls into
-/// the stop.
+/// core/METHOD.md#forces-at-the-finger's corner: the MCP stopped at 18 degrees, the PIP free and
+/// far, where (6) alone pulls into the stop.
 Study pressed_at_the_mcp() {
   Study study{"finger", "m", core::make_finger_exoskeleton({})};
   for (int k = 0; k < kPoses; ++k) {

@@ -1,6 +1,6 @@
 #pragma once
-/// Speed and error of the parts of a tick that are not a way to q*: each against an independent answer
-/// that is slower or less simple.
+/// Speed and error of the parts of a tick that are not a way to q*: each against an independent
+/// answer that is slower or less simple.
 
 #include <functional>
 #include <string>
@@ -17,15 +17,17 @@ struct PartFigure {
   std::string error_unit{};
 };
 
-/// Planes by active set against every subset of them (METHOD 5.4), 1, 3 and 6 planes.
+/// Planes by active set against every subset of them (core/METHOD.md#local-models), 1, 3 and 6
+/// planes.
 [[nodiscard]] std::vector<PartFigure> plane_figures();
-/// The monotone envelope of Eq. (6) with its few points against 400 of the closed form (METHOD 2.4).
+/// The monotone envelope of Eq. (6) with its few points against 400 of the closed form
+/// (core/METHOD.md#forces-at-the-finger).
 [[nodiscard]] std::vector<PartFigure> envelope_figures();
-/// What the tank's booking adds to a tick under Eq. (1) and (4): how stiff its spring is, by the trace,
-/// against the largest eigenvalue (METHOD 5.3); finger, and hand of five.
+/// What the tank's booking adds to a tick under Eq. (1) and (4): how stiff its spring is, by the
+/// trace, against the largest eigenvalue (core/METHOD.md#energy-tank); finger, and hand of five.
 [[nodiscard]] std::vector<PartFigure> tank_figures();
-/// The chord of a rotation that X uses, and METHOD 4.4's 2 sin(theta/2), against the logarithm: error
-/// is what they are short of the angle, relative.
+/// The chord of a rotation that X uses, and core/METHOD.md#metric-and-limits's 2 sin(theta/2),
+/// against the logarithm: error is what they are short of the angle, relative.
 [[nodiscard]] std::vector<PartFigure> rotation_figures();
 
 }  // namespace haptic::report

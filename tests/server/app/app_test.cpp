@@ -132,8 +132,9 @@ TEST(App, RecordsEveryTickWhereTheSceneSaysSo) {
   std::filesystem::remove(file);
 }
 
-// The grant of this host, whatever it is, decides the loop's patience (WIRE 4). In a process of its
-// own would be cleaner, but memory is locked as it is touched: the tests that follow do not notice.
+// The grant of this host, whatever it is, decides the loop's patience
+// (proto/README.md#staleness-and-gain). In a process of its own would be cleaner, but memory is
+// locked as it is touched: the tests that follow do not notice.
 TEST(App, TheLateFaultGoesWithTheGrant) {
   Scene scene = soft_grasp();
   scene.loop.loop_late_fault.reset();

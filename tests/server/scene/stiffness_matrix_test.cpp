@@ -1,5 +1,5 @@
-// impedance { stiffness_matrix } of scene.proto: METHOD 4.5's coupled Z_q, from the text to the
-// force.
+// impedance { stiffness_matrix } of scene.proto: core/METHOD.md#actuator-limits's coupled Z_q, from
+// the text to the force.
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -150,7 +150,8 @@ struct Stylus : testing::Test {
     q.head(3) += Vector3d(turntable, shoulder, elbow);
     return q;
   }
-  /// METHOD 4.5, written out: all three limits are 0.6 N m, so the stiffest actuator decides.
+  /// core/METHOD.md#actuator-limits, written out: all three limits are 0.6 N m, so the stiffest
+  /// actuator decides.
   static Vector3d law(const Vector3d& d) {
     const double rho = kTorque / std::sqrt(7.9), length = std::sqrt(d.dot(kStylus * d));
     return (length > rho ? rho / length : 1.0) * (kStylus * d);

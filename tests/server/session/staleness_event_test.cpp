@@ -1,4 +1,5 @@
-/// Events of staleness (WIRE 4): one per change of level, at the age at which the level changes.
+/// Events of staleness (proto/README.md#staleness-and-gain): one per change of level, at the age at
+/// which the level changes.
 
 #include <gtest/gtest.h>
 

@@ -45,7 +45,7 @@ TEST(RendererComparison, AFingerThatNothingCanHoldIsNotPulledWhereItCannotClose)
     hand->press();
     hand->record.unprobed = 0b110u;
   }
-  broken.record.q.segment<2>(4) << 0.02, -101 * kDegree;  // METHOD 6, case 17
+  broken.record.q.segment<2>(4) << 0.02, -101 * kDegree;  // core/METHOD.md#map-without-a-value
   for (int tick = 0; tick < 3; ++tick) {
     const auto& expected = sound.comparison.evaluate(sound.record);
     const auto& tau = broken.comparison.evaluate(broken.record);
@@ -68,7 +68,8 @@ TEST(RendererComparison, OneThatTheTickAskedForAndThatCannotCloseHasNoAnswer) {
   }
 }
 
-/// As in the tick: fingers are devices of their own, the virtual stiffness of the baselines included.
+/// As in the tick: fingers are devices of their own, the virtual stiffness of the baselines
+/// included.
 TEST(RendererComparison, AFingerOfAHandGetsWhatItGetsAlone) {
   ComparedHand hand(4), alone(1);
   hand.press();

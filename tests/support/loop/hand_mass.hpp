@@ -1,6 +1,6 @@
 #pragma once
-/// METHOD 5.4's one-DoF experiment: a mass with viscous damping, moved by a hand through a spring and
-/// a damper. Damping of the device is implicit, hence never gives energy.
+/// core/METHOD.md#local-models's one-DoF experiment: a mass with viscous damping, moved by a hand
+/// through a spring and a damper. Damping of the device is implicit, hence never gives energy.
 
 #include <algorithm>
 
@@ -16,7 +16,8 @@ class HandMass {
 
   explicit HandMass(double q) : q_(q) {}
 
-  /// One step of `dt` s with the force tau (N), the hand aiming at `aim` (m) that moves at `aim_dot`.
+  /// One step of `dt` s with the force tau (N), the hand aiming at `aim` (m) that moves at
+  /// `aim_dot`.
   void step(double dt, double tau, double aim, double aim_dot) noexcept {
     const double push = kHandStiffness * (aim - q_) + kHandDamping * (aim_dot - v_) + tau;
     v_ = (v_ + dt * push / kMass) / (1.0 + dt * kDamping / kMass);

@@ -10,11 +10,12 @@ namespace {
 using core::VecQ;
 using core::VecX;
 
-/// Half the squared distance from `aim` in the metric (1, M_n / Z_q) of METHOD 5.4.
+/// Half the squared distance from `aim` in the metric (1, M_n / Z_q) of
+/// core/METHOD.md#local-models.
 class Distance {
  public:
   Distance(const QMetric& what, VecQ aim) : what_(what), aim_(std::move(aim)) {
-    constexpr double kLength = 0.02;  // m/rad, METHOD 5.4
+    constexpr double kLength = 0.02;  // m/rad, core/METHOD.md#local-models
     weight_.setConstant(what.sensed_weight * kLength * kLength);
     weight_[what.finger->layout().actuated(0)] = 1.0;
   }

@@ -8,14 +8,15 @@
 
 namespace haptic::test {
 
-/// x (-) x_probe of the newest sample stays: the force is held, not the proxy (METHOD 5.4: the worst
-/// option).
+/// x (-) x_probe of the newest sample stays: the force is held, not the proxy
+/// (core/METHOD.md#local-models: the worst option).
 [[nodiscard]] LocalLaw held_deviation();
 
-/// x goes on at the rate between the two newest samples, for one period at most (METHOD 5.4).
+/// x goes on at the rate between the two newest samples, for one period at most
+/// (core/METHOD.md#local-models).
 [[nodiscard]] LocalLaw extrapolated();
 
-/// METHOD 5.4's rejected form, conservative in the metric of Q:
+/// core/METHOD.md#local-models's rejected form, conservative in the metric of Q:
 ///   q* = argmin 1/2 Z_q (q*_a - q_a)^2 + 1/2 M_n (q*_n - q_n^ref)^2   s.t. f(q*) <= stop
 /// with q_n^ref held per sample and q_a live; the proxy is f(q*), so that the exact method renders
 /// just tau_a = Z_q (q*_a - q_a). For a finger: n_q = n_x = 2, one of them actuated, an inverse.

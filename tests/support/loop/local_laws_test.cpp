@@ -45,7 +45,7 @@ TEST(LocalLaw, ExtrapolationGoesOnForOnePeriodAtMost) {
   EXPECT_EQ(extrapolated()({first, first, 0.1, now, now}), first.x) << "one sample has no rate";
 }
 
-/// METHOD 5.4's rejected form for the finger, of the deviation in q_a.
+/// core/METHOD.md#local-models's rejected form for the finger, of the deviation in q_a.
 struct Finger {
   std::shared_ptr<const core::Kinematics> map = core::make_finger_exoskeleton({});
   VecX stop = two(0.3, kNone);

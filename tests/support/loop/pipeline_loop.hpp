@@ -1,13 +1,14 @@
 #pragma once
-/// The real Pipeline at 1 kHz in virtual time between a device that is somewhere and a client behind
-/// a network, and the book of the energy that the held force gives.
+/// The real Pipeline at 1 kHz in virtual time between a device that is somewhere and a client
+/// behind a network, and the book of the energy that the held force gives.
 
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/support/loop/remote_client.hpp"
 
 namespace haptic::test {
 
-/// What a force that is held over each tick does to the user (METHOD 5.2: exact, no velocity). J.
+/// What a force that is held over each tick does to the user (core/METHOD.md#passivity-observer:
+/// exact, no velocity). J.
 class EnergyBook {
  public:
   /// `damping`: what the device's own takes, n_a = 1, N s/m or N m s/rad.

@@ -1,7 +1,7 @@
 #pragma once
-/// A simulation behind a network, in virtual time: at its own rate it sees the haptic probe, computes
-/// the proxy (the probe clipped at stops), and its sample arrives at the pipeline a delay later. Sees
-/// and delivers as the ingress does: an older sample never replaces a newer one.
+/// A simulation behind a network, in virtual time: at its own rate it sees the haptic probe,
+/// computes the proxy (the probe clipped at stops), and its sample arrives at the pipeline a delay
+/// later. Sees and delivers as the ingress does: an older sample never replaces a newer one.
 
 #include <functional>
 #include <vector>
@@ -47,7 +47,7 @@ struct ClientSettings {
   double lost{0.0};      ///< share of samples that never arrive
   bool disorder{false};  ///< samples come twice, late by up to two periods and out of order
   std::uint64_t seed{7};
-  LocalLaw between{};  ///< none: the pipeline's own local model (METHOD 5.4)
+  LocalLaw between{};  ///< none: the pipeline's own local model (core/METHOD.md#local-models)
 };
 
 class RemoteClient {

@@ -35,7 +35,8 @@ core::PipelineConfig pipeline_for(const WallRun& what) {
   c.scene.force_limit = VecA::Constant(1, 60.0);
   c.scene.slew_limit = VecA::Constant(1, 1e7);
   c.scene.engage_window = VecA::Constant(1, 60.0);
-  // The ladder of WIRE 4 has its own tests; here a slow client is still a client.
+  // The ladder of proto/README.md#staleness-and-gain has its own tests; here a slow client is still
+  // a client.
   c.scene.staleness.hold_end = std::chrono::milliseconds(400);
   c.scene.staleness.fade_end = std::chrono::milliseconds(500);
   c.passivity = what.passivity;

@@ -1,6 +1,6 @@
 #pragma once
-/// METHOD 5.4's one-DoF experiment on the real Pipeline: a mass that a hand presses on a wall, or moves
-/// in and out of it, with the simulation of the wall behind a network.
+/// core/METHOD.md#local-models's one-DoF experiment on the real Pipeline: a mass that a hand
+/// presses on a wall, or moves in and out of it, with the simulation of the wall behind a network.
 
 #include "haptic/core/passivity/passivity.hpp"
 #include "tests/support/loop/hand_mass.hpp"
@@ -8,7 +8,7 @@
 
 namespace haptic::test {
 
-/// In and out: amplitude 20 mm at 1 Hz, hence a mean speed of 80 mm/s, METHOD 5.4.
+/// In and out: amplitude 20 mm at 1 Hz, hence a mean speed of 80 mm/s, core/METHOD.md#local-models.
 inline constexpr double kWallAmplitude = 0.020;               ///< m
 inline constexpr double kWallMeanSpeed = 4 * kWallAmplitude;  ///< m/s
 

@@ -1,5 +1,6 @@
-// METHOD 6, case 26: the rows of METHOD 2.4 on the real Pipeline and the simulated finger, every renderer
-// with the guard. Virtual time; the client has no delay.
+// core/METHOD.md#guarded-press: the rows of core/METHOD.md#forces-at-the-finger on the real
+// Pipeline and the simulated finger, every renderer with the guard. Virtual time; the client has no
+// delay.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -116,7 +117,7 @@ TEST(AtTheFinger, GuardedForceNeverPointsAwayFromTheProxyNorDeepensThePenetratio
   }
 }
 
-/// METHOD 2.4's end states, for the default renderer: (8).
+/// core/METHOD.md#forces-at-the-finger's end states, for the default renderer: (8).
 TEST(AtTheFinger, TheLinearisedMethodEndsWhereMethod24Says) {
   struct End {
     Row row;
@@ -135,7 +136,8 @@ TEST(AtTheFinger, TheLinearisedMethodEndsWhereMethod24Says) {
   }
 }
 
-/// Without the guard the paper's alternatives can pull the finger into the wall: the reason it exists.
+/// Without the guard the paper's alternatives can pull the finger into the wall: the reason it
+/// exists.
 TEST(AtTheFinger, UnguardedTheStandardAndTheExactMethodPullIntoTheWall) {
   const Row mcp = kRows[0];
   EXPECT_GT(press(mcp, core::RendererKind::kStandard, false, true).end_force, 5.0);

@@ -22,15 +22,19 @@ enum class Fault : std::uint8_t {
 
 /// 0..31 limiters, one tick each. Bit n of a LimiterSet is the limiter of number n.
 enum class Limiter : std::uint8_t {
-  kSaturation = 0,        ///< |tau_a| held at the force limit
-  kSlew = 1,              ///< d tau_a/dt held at the slew limit
-  kEnvelope = 2,          ///< elastic force held under g tau_max
-  kDirectionGuard = 3,    ///< elastic force withheld: it pointed away from the proxy (METHOD 2.4)
-  kRangeClamp = 4,        ///< q* held at its box or slider limits
-  kEnergyTank = 5,        ///< a change of the spring held back: the tank cannot pay it (METHOD 5.3)
-  kPassivity = 6,         ///< the passivity controller adds damping (METHOD 5.2)
-  kInfeasiblePlanes = 7,  ///< the planes contradict each other: least violation (METHOD 5.4)
-  kMonotoneEnvelope = 8,  ///< q* taken from before the proxy on the way to it (METHOD 2.4)
+  kSaturation = 0,      ///< |tau_a| held at the force limit
+  kSlew = 1,            ///< d tau_a/dt held at the slew limit
+  kEnvelope = 2,        ///< elastic force held under g tau_max
+  kDirectionGuard = 3,  ///< elastic force withheld: it pointed away from the proxy
+                        ///< (core/METHOD.md#forces-at-the-finger)
+  kRangeClamp = 4,      ///< q* held at its box or slider limits
+  kEnergyTank = 5,      ///< a change of the spring held back: the tank cannot pay it
+                        ///< (core/METHOD.md#energy-tank)
+  kPassivity = 6,  ///< the passivity controller adds damping (core/METHOD.md#passivity-observer)
+  kInfeasiblePlanes = 7,  ///< the planes contradict each other: least violation
+                          ///< (core/METHOD.md#local-models)
+  kMonotoneEnvelope = 8,  ///< q* taken from before the proxy on the way to it
+                          ///< (core/METHOD.md#forces-at-the-finger)
   kPower = 9,             ///< the actuator would give out more power than it is rated for
   kRate = 10,             ///< no push beyond the actuator's rated rate
   kTemperature = 11,      ///< force held at what the winding's estimated temperature allows

@@ -1,7 +1,7 @@
 #pragma once
 /// A metric on X for a client's own projection, x = argmin ||x - f(q)||_W over what its scene
-/// allows (METHOD 5.5): stiff where the device can render it, soft where it cannot. Made of the
-/// device's pose, not for the tick: it allocates.
+/// allows (core/METHOD.md#anisotropic-coupling): stiff where the device can render it, soft where
+/// it cannot. Made of the device's pose, not for the tick: it allocates.
 ///
 /// With A = W_x^{1/2} J of full column rank, A^+ = (A^T A)^{-1} A^T and dx weighed alike,
 ///   ||dx||_W^2 = dq_a^T Z_q dq_a + eps k_x sum_i ||A_i||^2 dq_n,i^2 + eps k_x ||dx - A dq||^2,

@@ -1,7 +1,8 @@
 #pragma once
-/// Energy over a path of the device, the test the paper lacks (METHOD 2.2, 2.3): a force that is
-/// the gradient of a potential does no work around a closed cycle, whichever way it is run.
-/// Trapezoidal rule. One actuated DoF; works of several DoFs add up.
+/// Energy over a path of the device, the test the paper lacks (core/METHOD.md#cyclic-energy and
+/// core/METHOD.md#finite-difference-rule): a force that is the gradient of a potential does no work
+/// around a closed cycle, whichever way it is run. Trapezoidal rule. One actuated DoF; works of
+/// several DoFs add up.
 
 #include <span>
 

@@ -1,7 +1,8 @@
 #pragma once
 /// The displayed impedance d tau_a/dq of the four renderers (paper, sections IV and V): by the
 /// paper's formulas, which hold the proxy and J still, and exactly, with dJ/dq and, where the proxy
-/// moves with the device, dx/dq (METHOD 2.1). For reports, diagnostics and tests, not for the tick.
+/// moves with the device, dx/dq (core/METHOD.md#exact-derivatives). For reports, diagnostics and
+/// tests, not for the tick.
 ///
 /// The rows of d tau/dq that belong to sensed DoFs are zero (tau = S^T tau_a) and are left out:
 /// results are n_a by n_q, columns in the order of q. A force that opposes motion has a negative
@@ -38,9 +39,9 @@ struct RenderingImpedance {
                                                          const VecQ& q,
                                                          const RenderingImpedance& impedance);
 
-/// The exact d tau_a/dq at q with the proxy held at x (METHOD 2.1). Empty as above, and where Eq.
-/// (8) needs J of full column rank and has it not. Eq. (6): -Z_q S, whatever J is, for q* does not
-/// depend on q.
+/// The exact d tau_a/dq at q with the proxy held at x (core/METHOD.md#exact-derivatives). Empty as
+/// above, and where Eq. (8) needs J of full column rank and has it not. Eq. (6): -Z_q S, whatever J
+/// is, for q* does not depend on q.
 [[nodiscard]] std::optional<MatAQ> exact_impedance(RendererKind kind, const Kinematics& kinematics,
                                                    const VecQ& q, const VecX& x,
                                                    const RenderingImpedance& impedance);

@@ -1,7 +1,8 @@
 #pragma once
 /// How far the proxy may be from the probe before a renderer's exact displayed impedance stops
-/// being negative definite on the actuated DoFs (METHOD 2.1). Necessary, not sufficient for
-/// passivity: Eq. (8) keeps within it on METHOD's trajectory A and still gives energy per cycle.
+/// being negative definite on the actuated DoFs (core/METHOD.md#exact-derivatives). Necessary, not
+/// sufficient for passivity: Eq. (8) keeps within it on METHOD's trajectory A and still gives
+/// energy per cycle.
 
 #include <optional>
 

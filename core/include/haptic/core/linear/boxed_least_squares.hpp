@@ -1,5 +1,5 @@
 #pragma once
-/// min ||A p - b|| over a box, by active set (METHOD 4.4; the method of Stark and Parker): from a
+/// min ||A p - b|| over a box, by active set (core/METHOD.md#metric-and-limits; the method of Stark and Parker): from a
 /// feasible p towards the best of the free coordinates, up to the first limit, which then holds; a
 /// limit that the residual pulls away from lets go. Each pass lowers the norm, so the last p is the
 /// best one seen. Rows beyond the Jacobian's carry a prior or Levenberg-Marquardt damping.
@@ -21,13 +21,13 @@ class BoxedLeastSquares {
   /// weight_i p_i = weight_i target_i, n rows.
   void add_diagonal(const VecQ& weight, const VecQ& target) noexcept;
 
-  /// From here on DoFs k and k + 1 stand for first and second: p_k' first + p_k+1' second, each of n = 2,
-  /// takes the place of (p_k, p_k+1). Bounds and metric_root are then of these.
+  /// From here on DoFs k and k + 1 stand for first and second: p_k' first + p_k+1' second, each of
+  /// n = 2, takes the place of (p_k, p_k+1). Bounds and metric_root are then of these.
   void turn(int k, const double (&first)[2], const double (&second)[2]) noexcept;
 
   /// lower <= p <= upper, where lower <= 0 <= upper: 0 is the p to start from. `metric_root`: the
-  /// square root of M^{-1}, n, that decides p where columns depend on each other. All rows must have
-  /// been added. Never allocates; what is not finite gives p = 0.
+  /// square root of M^{-1}, n, that decides p where columns depend on each other. All rows must
+  /// have been added. Never allocates; what is not finite gives p = 0.
   void solve(const VecQ& lower, const VecQ& upper, const VecQ& metric_root) noexcept;
 
   [[nodiscard]] const VecQ& p() const noexcept { return p_; }

@@ -1,5 +1,6 @@
 #pragma once
-/// Least squares by QR where the rank is beyond doubt, and a plain "no" where it is not (METHOD 4.2).
+/// Least squares by QR where the rank is beyond doubt, and a plain "no" where it is not
+/// (core/METHOD.md#solver-choice).
 
 #include "haptic/core/linear/householder.hpp"
 

@@ -1,11 +1,12 @@
 #pragma once
-/// Householder QR of a small matrix together with its right-hand side (METHOD 4.2): the one
-/// factorisation behind every renderer. Sizes that devices have are unrolled (2x2, 6x2, 6x6, 27x10),
-/// every other size up to the bounds runs the same steps in loops. No pivoting: the caller orders
-/// the columns.
+/// Householder QR of a small matrix together with its right-hand side
+/// (core/METHOD.md#solver-choice): the one factorisation behind every renderer. Sizes that devices
+/// have are unrolled (2x2, 6x2, 6x6, 27x10), every other size up to the bounds runs the same steps
+/// in loops. No pivoting: the caller orders the columns.
 ///
 /// Equilibration. Scaling the columns, A C = Q (R C), leaves Q and so Q^T b alone and scales R's
-/// columns; the solution is C times that of the scaled system. Hence A is factored as it is, and the
+/// columns; the solution is C times that of the scaled system. Hence A is factored as it is, and
+/// the
 /// equilibrated R is read off R and the column norms: |R_kk| / ||A_k||, free of units.
 
 namespace haptic::core {

@@ -1,10 +1,10 @@
 #pragma once
 /// min ||J dq - dx|| for the small Jacobians of devices, by Householder QR of [J_n | J_a]: out of
 /// one factorisation fall the linearised subspace proxy, the null-space force and the standard
-/// force (METHOD 4.2). Full column rank is solved directly; where the condition of the equilibrated
-/// J, by the diagonal of R, exceeds 1e8, or n_x < n_q, a column-pivoted QR decides the rank, and
-/// the answer is the one of minimum norm in a metric whose actuated block is Z_q (METHOD 4.3):
-/// bounded, unit-free, and said so by the status.
+/// force (core/METHOD.md#solver-choice). Full column rank is solved directly; where the condition
+/// of the equilibrated J, by the diagonal of R, exceeds 1e8, or n_x < n_q, a column-pivoted QR
+/// decides the rank, and the answer is the one of minimum norm in a metric whose actuated block is
+/// Z_q (core/METHOD.md#rank-and-prior): bounded, unit-free, and said so by the status.
 
 #include <memory>
 

@@ -1,6 +1,6 @@
 #pragma once
-/// The metric M on Q that decides where J leaves dq open (METHOD 4.3): without one the answer would
-/// depend on the units of q.
+/// The metric M on Q that decides where J leaves dq open (core/METHOD.md#rank-and-prior): without
+/// one the answer would depend on the units of q.
 
 #include "haptic/core/model/dof_layout.hpp"
 #include "haptic/core/types.hpp"

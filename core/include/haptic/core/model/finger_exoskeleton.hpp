@@ -1,8 +1,9 @@
 #pragma once
-/// The underactuated finger exoskeleton of the paper's section VI, in the planar linkage of METHOD
-/// 1.2: q = (l_x actuated [m], q_B sensed [rad]), x = (q_o1 MCP, q_o2 PIP) [rad, flexion positive].
-/// Hand frame: origin at the MCP axis, +x distal along the metacarpal, +y dorsal.
-/// Source: METHOD 1; dimensions are ours (the device's own are not public) and scene parameters.
+/// The underactuated finger exoskeleton of the paper's section VI, in the planar linkage of
+/// core/METHOD.md#finger-linkage: q = (l_x actuated [m], q_B sensed [rad]), x = (q_o1 MCP, q_o2
+/// PIP) [rad, flexion positive]. Hand frame: origin at the MCP axis, +x distal along the
+/// metacarpal, +y dorsal. Source: core/METHOD.md#finger-linkage; dimensions are ours (the device's
+/// own are not public) and scene parameters.
 
 #include <memory>
 
@@ -15,7 +16,7 @@ struct Point2 {
   double y{0.0};
 };
 
-/// Lengths in m, angles in rad. Defaults: METHOD 1.2.
+/// Lengths in m, angles in rad. Defaults: core/METHOD.md#finger-linkage.
 struct FingerDimensions {
   double proximal_phalanx{0.045};                     ///< L1, MCP to PIP axis
   Point2 rail_origin{-0.012, 0.008};                  ///< P0
@@ -30,8 +31,8 @@ struct FingerDimensions {
   double q_B_lower{-75.0 * 0.017453292519943295}, q_B_upper{41.5 * 0.017453292519943295};
 };
 
-/// The same linkage `size` times as large: every length and stroke multiplied, no angle changed. The
-/// joints then follow q_B and l_x / size as before.
+/// The same linkage `size` times as large: every length and stroke multiplied, no angle changed.
+/// The joints then follow q_B and l_x / size as before.
 [[nodiscard]] FingerDimensions scaled(const FingerDimensions& dimensions, double size) noexcept;
 
 /// Throws SceneError naming the dimension that cannot be (a length <= 0, a lower limit above its

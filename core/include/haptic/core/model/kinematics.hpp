@@ -17,7 +17,8 @@ namespace haptic::core {
 
 enum class MapStatus : std::uint8_t {
   kOk,
-  kCannotClose,  ///< the linkage has no configuration at this q (METHOD 6, case 17)
+  kCannotClose,  ///< the linkage has no configuration at this q
+                 ///< (core/METHOD.md#map-without-a-value)
 };
 
 enum class InverseStatus : std::uint8_t {
@@ -38,13 +39,13 @@ struct DofSpec {
 /// S of these DoFs. Throws SceneError: none or more than kMaxQ, or none actuated.
 [[nodiscard]] DofLayout layout_of(const std::vector<DofSpec>& dofs);
 
-/// A limit that a mechanism has beside the box (a slider's end), on two DoFs that follow each other:
-/// it holds while room >= 0. In any unit, METHOD's of the limit.
+/// A limit that a mechanism has beside the box (a slider's end), on two DoFs that follow each
+/// other: it holds while room >= 0. In any unit, METHOD's of the limit.
 struct PairLimit {
   double room{0.0};
   double slope[2]{};  ///< d room / dq; 0 where the limit is out of a step's reach
 };
-/// Both ends of two sliders, and the branch (METHOD 1.5).
+/// Both ends of two sliders, and the branch (core/METHOD.md#inverse-map).
 inline constexpr int kPairLimits = 5;
 using PairLimits = std::array<PairLimit, kPairLimits>;
 
@@ -102,8 +103,8 @@ class Kinematics {
     return MapStatus::kCannotClose;
   }
   /// The independent parts of this map, in the order of q, q_a and x, covering all of them; empty
-  /// where it has no such parts. Each part can be projected by itself (METHOD 7: one finger at a
-  /// time).
+  /// where it has no such parts. Each part can be projected by itself
+  /// (core/METHOD.md#model-only-what-a-scene-needs: one finger at a time).
   [[nodiscard]] virtual std::span<const MapBlock> blocks() const noexcept { return {}; }
   /// Of the q that mean the same pose of the device (a rotation vector has several), writes the one
   /// nearest to `near`. Most maps have one q per pose and nothing to do.

@@ -2,7 +2,7 @@
 /// Poses of rigid bodies as scenes and maps state them: position in m, orientation as a unit
 /// quaternion (x, y, z, w). A device's orientation stands in q as a rotation vector (three DoFs, so
 /// that q* = q + dq and J keep their meaning); an output's orientation stands in x as the
-/// quaternion itself (METHOD 4.4).
+/// quaternion itself (core/METHOD.md#metric-and-limits).
 
 #include <Eigen/Core>
 #include <cstdint>

@@ -1,12 +1,13 @@
 #pragma once
-/// The energy tank (METHOD 5.3): a change of the spring may put only as much energy into the device
-/// as the tank holds. From V(q_a) and what was really held over each tick,
-///   energy given to the user, net of the device's own damping, <= initial + integral P_env dt + debt
+/// The energy tank (core/METHOD.md#energy-tank): a change of the spring may put only as much energy
+/// into the device as the tank holds. From V(q_a) and what was really held over each tick,
+///   energy given to the user, net of the device's own damping, <= initial + integral P_env dt +
+///   debt
 /// whatever the client, the renderer, the rate and the delay. A level below 0 comes only from what
-/// the tank cannot refuse: the hold's leak on a device whose damping is unknown or too small (K T/2 >
-/// b, METHOD 5.1), and a limited or late force. The spring then pays at once, out of what it stores;
-/// debt is what even the whole spring could not pay. (METHOD keeps the spring and only refuses
-/// more; measured, that lets a stiff one give a hundred times as much.)
+/// the tank cannot refuse: the hold's leak on a device whose damping is unknown or too small (K T/2
+/// > b, core/METHOD.md#sampled-data), and a limited or late force. The spring then pays at once,
+/// out of what it stores; debt is what even the whole spring could not pay. (METHOD keeps the
+/// spring and only refuses more; measured, that lets a stiff one give a hundred times as much.)
 
 #include "haptic/core/passivity/spring_storage.hpp"
 #include "haptic/core/types.hpp"
@@ -20,7 +21,8 @@ struct TankSettings {
   double allowed_power{0.0};  ///< P_env, W: what a moving environment may put in; 0 = nothing
 };
 
-/// What the force held since the last sample did while q_a moved by dq (METHOD 5.1-5.3). J.
+/// What the force held since the last sample did while q_a moved by dq
+/// (core/METHOD.md#sampled-data-5.3). J.
 struct HoldAccount {
   double leak{0.0};            ///< of the hold: V after - V before + tau_law^T dq >= 0
   double limits{0.0};          ///< taken from the user by slew and other limits; of either sign
@@ -30,21 +32,21 @@ struct HoldAccount {
 
 class EnergyTank {
  public:
-  /// J, once in all: the anchor of a finger at rest is computed anew in every tick, and rounding must
-  /// not look like a change that an empty tank cannot pay.
+  /// J, once in all: the anchor of a finger at rest is computed anew in every tick, and rounding
+  /// must not look like a change that an empty tank cannot pay.
   static constexpr double kRounding = 1e-12;
 
   explicit EnergyTank(const TankSettings& settings) : settings_(settings) { restart(); }
 
   /// The level of an Engage: initial, every debt forgiven.
   void restart() noexcept { level_ = settings_.initial; }
-  /// The tick's refill: P_env, limits and rendered damping with what they did, the hold's leak beyond
-  /// what the device's damping pays. `dt` in s.
+  /// The tick's refill: P_env, limits and rendered damping with what they did, the hold's leak
+  /// beyond what the device's damping pays. `dt` in s.
   void refill(double dt, const HoldAccount& account) noexcept;
 
   /// A change of the spring at one q_a, from stored energy `before` (J) to `after` at deviation d
-  /// (n_a). Debits it and returns s in [0, 1]: s d is the deviation that may be used. A rise of gain
-  /// or stiffness that cannot be paid shortens the spring like any other change.
+  /// (n_a). Debits it and returns s in [0, 1]: s d is the deviation that may be used. A rise of
+  /// gain or stiffness that cannot be paid shortens the spring like any other change.
   [[nodiscard]] double admit(double before, const SpringStorage& after, const VecA& d) noexcept;
 
   /// J; negative after admit() = debt, the spring is gone.

@@ -1,6 +1,7 @@
 #pragma once
-/// Passivity of one device between two ticks: the book of METHOD 5.2 and 5.3 over the force really
-/// held, and its two readers, the energy tank and the observer. Per tick, in this order:
+/// Passivity of one device between two ticks: the book of core/METHOD.md#passivity-observer and
+/// core/METHOD.md#energy-tank over the force really held, and its two readers, the energy tank and
+/// the observer. Per tick, in this order:
 ///   measure   what the last hold did while q_a moved
 ///   admit     the spring and its anchor of this tick, held back by the tank
 ///   hold      the force that goes to the device
@@ -15,8 +16,8 @@ namespace haptic::core {
 struct PassivitySettings {
   TankSettings tank{};
   ObserverSettings observer{};
-  /// b_dev: known lower bound of the device's physical damping on q_a, n_a, N s/m or N m s/rad; size
-  /// 0: unknown, taken as 0. Serves tank and observer.
+  /// b_dev: known lower bound of the device's physical damping on q_a, n_a, N s/m or N m s/rad;
+  /// size 0: unknown, taken as 0. Serves tank and observer.
   VecA device_damping{};
 
   /// Off: nothing below is constructed and every tick is as without it.
@@ -46,9 +47,9 @@ class Passivity {
   /// Force is granted anew: tank at its initial level, observer at 0.
   void restart() noexcept;
   /// q_a of this tick (n_a). `fresh`: a new sample; without one nothing is known to have moved, and
-  /// the observer pauses. `recent` false ends the controller: its rate is too old. `force`: what the
-  /// device measured with this sample, n_a; it is then what was really held, whatever was commanded.
-  /// Size 0: not measured, the command counts.
+  /// the observer pauses. `recent` false ends the controller: its rate is too old. `force`: what
+  /// the device measured with this sample, n_a; it is then what was really held, whatever was
+  /// commanded. Size 0: not measured, the command counts.
   void measure(const VecA& q_a, bool fresh, bool recent, Duration dt,
                const VecA& force = {}) noexcept;
   /// The spring of this tick and the anchor S q* that is wanted (n_a). Returns the anchor in use,

@@ -1,7 +1,8 @@
 #pragma once
-/// The passivity observer and controller, exact for a zero-order hold (METHOD 5.2): counts what the
-/// held force took from the user beyond what the spring stores, and where that falls below what is
-/// allowed adds just the damping that makes up for it.
+/// The passivity observer and controller, exact for a zero-order hold
+/// (core/METHOD.md#passivity-observer): counts what the held force took from the user beyond what
+/// the spring stores, and where that falls below what is allowed adds just the damping that makes
+/// up for it.
 
 #include "haptic/core/passivity/energy_tank.hpp"
 #include "haptic/core/types.hpp"
@@ -26,7 +27,7 @@ class PassivityObserver {
   void observe(const HoldAccount& account, const VecA& dq, double T,
                const VecA& stiffness) noexcept;
   /// The same with D = Z_q (n_a by n_a): alpha_max ||M_a^{-1/2} D M_a^{-1/2}||_inf <= 1/(2T), which
-  /// bounds the eigenvalue of METHOD 5.2.
+  /// bounds the eigenvalue of core/METHOD.md#passivity-observer.
   void observe(const HoldAccount& account, const VecA& dq, double T, const MatAA& Z_q) noexcept;
   /// The rate is no longer known: no controller.
   void release() noexcept;

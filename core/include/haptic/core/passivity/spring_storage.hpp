@@ -1,8 +1,10 @@
 #pragma once
-/// What the rendered spring stores, V(d) with d = q*_a - q_a, saturated as its force is (METHOD 4.5,
-/// 5.3), so that the force is its gradient and no cycle of q pumps energy.
+/// What the rendered spring stores, V(d) with d = q*_a - q_a, saturated as its force is (
+/// core/METHOD.md#actuator-limits and core/METHOD.md#energy-tank), so that the force is its
+/// gradient and no cycle of q pumps energy.
 ///
-/// Z_q diagonal: per actuated DoF a Huber potential, quadratic up to the force limit r, then linear,
+/// Z_q diagonal: per actuated DoF a Huber potential, quadratic up to the force limit r, then
+/// linear,
 ///   V_i = g K_i d_i^2 / 2                    while K_i |d_i| <= r_i
 ///   V_i = g (r_i |d_i| - r_i^2 / (2 K_i))    beyond;    tau_i = g clamp(K_i d_i, +-r_i).
 /// Z_q coupled: the spring as a whole, by its length L = ||d||_{Z_q} = sqrt(d^T Z_q d),

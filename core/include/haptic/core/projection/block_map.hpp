@@ -1,9 +1,10 @@
 #pragma once
-/// f and J of the device at one tick, as far as they are asked for (METHOD 7, "model only what a scene
-/// needs"): block by block where the map falls into blocks (the fingers of a hand). A finger that
-/// nothing can hold in this tick is left out; one at rest is not evaluated again; one that nothing
-/// does hold is asked for f alone, without J. What is evaluated is the same to the bit as by
-/// Kinematics::evaluate of the whole map.
+/// f and J of the device at one tick, as far as they are asked for
+/// (core/METHOD.md#model-only-what-a-scene-needs, "model only what a scene needs"): block by block
+/// where the map falls into blocks (the fingers of a hand). A finger that nothing can hold in this
+/// tick is left out; one at rest is not evaluated again; one that nothing does hold is asked for f
+/// alone, without J. What is evaluated is the same to the bit as by Kinematics::evaluate of the
+/// whole map.
 
 #include <vector>
 
@@ -18,18 +19,18 @@ class BlockMap {
   /// `kinematics` must outlive this.
   explicit BlockMap(const Kinematics& kinematics);
 
-  /// x_probe() = f(q), q: n_q, of all blocks but those of `left_out`, whose f is not asked for. False
-  /// where f has no value in a block that is not left out: its x_probe() stays as it was, the other
-  /// blocks' is of q all the same, and J() means nothing. Never allocates.
+  /// x_probe() = f(q), q: n_q, of all blocks but those of `left_out`, whose f is not asked for.
+  /// False where f has no value in a block that is not left out: its x_probe() stays as it was, the
+  /// other blocks' is of q all the same, and J() means nothing. Never allocates.
   bool move_to(const VecQ& q, BlockSet left_out = 0) noexcept;
-  /// After a move_to() that was true: J() of the blocks of `needed` is dx_probe/dq at its q, the other
-  /// blocks are left as they are. What was needed in one tick move_to() brings along in the next, f
-  /// and J in one evaluation. Never allocates.
+  /// After a move_to() that was true: J() of the blocks of `needed` is dx_probe/dq at its q, the
+  /// other blocks are left as they are. What was needed in one tick move_to() brings along in the
+  /// next, f and J in one evaluation. Never allocates.
   void differentiate(BlockSet needed) noexcept;
 
   [[nodiscard]] const VecX& x_probe() const noexcept { return x_probe_; }  ///< n_x; 0 before f
-  /// The blocks of which x_probe() may be of any older q: left out by the last move_to(), or left out
-  /// before and without f at every q since that was asked for. Finite there.
+  /// The blocks of which x_probe() may be of any older q: left out by the last move_to(), or left
+  /// out before and without f at every q since that was asked for. Finite there.
   [[nodiscard]] BlockSet unprobed() const noexcept { return unprobed_; }
   [[nodiscard]] const MatXQ& J() const noexcept { return J_; }  ///< n_x by n_q; 0 between blocks
   [[nodiscard]] BlockSet all() const noexcept { return all_; }

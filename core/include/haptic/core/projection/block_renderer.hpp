@@ -1,12 +1,13 @@
 #pragma once
 /// A renderer for every independent block of a map (the fingers of a hand), behind the call of one:
 /// a block is projected by itself, and in Eq. (6) not at all while its part of the proxy stays
-/// (METHOD 7, "model only what a scene needs"). A map without blocks is one block, and so is one
-/// whose metric W_x weighs coordinates of different blocks together.
+/// (core/METHOD.md#model-only-what-a-scene-needs, "model only what a scene needs"). A map without
+/// blocks is one block, and so is one whose metric W_x weighs coordinates of different blocks
+/// together.
 ///
 /// A block whose proxy is where its probe is, dx = 0, is idle: its own pose is the answer, and
-/// neither J nor a solve is needed for it. Eq. (6) needs J in no block, and keeps a solution that it
-/// has until the proxy changes.
+/// neither J nor a solve is needed for it. Eq. (6) needs J in no block, and keeps a solution that
+/// it has until the proxy changes.
 
 #include <optional>
 #include <vector>
@@ -25,18 +26,18 @@ class BlockRenderer {
 
   [[nodiscard]] RendererKind kind() const noexcept { return kind_; }
   /// As Renderer::project. Of several blocks: the worst status and condition, and the residual of
-  /// all; the baselines' virtual stiffness is each block's own. An idle block is exact, with condition
-  /// 0.
+  /// all; the baselines' virtual stiffness is each block's own. An idle block is exact, with
+  /// condition 0.
   void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                bool proxy_changed, Projection& out) noexcept;
   /// The blocks whose J project() reads where dx is not 0 in those of `displaced`.
   [[nodiscard]] BlockSet reads_J(BlockSet displaced) const noexcept;
-  /// What the energy tank's spring is made of (METHOD 5.3), n_a: how many times Z_q the displayed
-  /// stiffness can be at this pose with the proxy held, at least 1. Eq. (6) and (8) display Z_q, 1.
-  /// Eq. (1) displays J_a^T Z_x J_a on its actuators (Eq. (2)) and Eq. (4) at most that, which
-  /// their single scale of Z_x lets be several times Z_q: METHOD's 1/2 tau^T Z_q^{-1} tau then books more
-  /// than anybody put in. Of several actuators in a block the trace of Z_q^{-1} J_a^T Z_x J_a stands
-  /// for its largest eigenvalue. Idle blocks: 1. Never allocates.
+  /// What the energy tank's spring is made of (core/METHOD.md#energy-tank), n_a: how many times Z_q
+  /// the displayed stiffness can be at this pose with the proxy held, at least 1. Eq. (6) and (8)
+  /// display Z_q, 1. Eq. (1) displays J_a^T Z_x J_a on its actuators (Eq. (2)) and Eq. (4) at most
+  /// that, which their single scale of Z_x lets be several times Z_q: METHOD's 1/2 tau^T Z_q^{-1}
+  /// tau then books more than anybody put in. Of several actuators in a block the trace of Z_q^{-1}
+  /// J_a^T Z_x J_a stands for its largest eigenvalue. Idle blocks: 1. Never allocates.
   void displayed_bound(const Probe& probe, const VecX& dx, const VecA& stiffness,
                        VecA& ratio) const noexcept;
   /// Forgets warm starts and cached solutions.

@@ -1,6 +1,6 @@
 #pragma once
-/// What the certificate of the linearised method says of one tick (linear_certificate.hpp, METHOD
-/// 2.1).
+/// What the certificate of the linearised method says of one tick (linear_certificate.hpp,
+/// core/METHOD.md#exact-derivatives).
 
 #include <cstdint>
 #include <string_view>

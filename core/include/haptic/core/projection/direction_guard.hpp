@@ -1,7 +1,8 @@
 #pragma once
-/// The direction guard (METHOD 2.4): the elastic force must not point away from the proxy as the
-/// finger feels it, tau_a^T (S J^+ dx) >= 0; otherwise it is withheld for the tick. Block by block
-/// where the map falls into blocks: a block without dx adds nothing, and its J is not looked at.
+/// The direction guard (core/METHOD.md#forces-at-the-finger): the elastic force must not point away
+/// from the proxy as the finger feels it, tau_a^T (S J^+ dx) >= 0; otherwise it is withheld for the
+/// tick. Block by block where the map falls into blocks: a block without dx adds nothing, and its J
+/// is not looked at.
 
 #include <memory>
 #include <vector>

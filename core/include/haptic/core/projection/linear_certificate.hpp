@@ -1,7 +1,8 @@
 #pragma once
-/// The certificate of the linearised method, live (METHOD 2.1): does the force of Eq. (8) still
-/// oppose every motion of the actuated DoFs, with J changing as it does? Eq. (9) answers -Z_q
-/// whatever happens, for it takes J as constant. Necessary, not sufficient for passivity.
+/// The certificate of the linearised method, live (core/METHOD.md#exact-derivatives): does the
+/// force of Eq. (8) still oppose every motion of the actuated DoFs, with J changing as it does? Eq.
+/// (9) answers -Z_q whatever happens, for it takes J as constant. Necessary, not sufficient for
+/// passivity.
 ///
 /// Per independent block, with the proxy held where it is in this tick:
 ///   margin = lambda_min sym( I + R (S B S^T) R^{-1} ),   Z_q = R^T R (diagonal: R = Z_q^{1/2}),

@@ -1,8 +1,9 @@
 #pragma once
-/// The proxy between two samples: how x moves at 1 kHz while the simulation is silent (METHOD 5.4).
-/// held: x stays. free: x is the haptic probe itself, so that no force and no drag arise; a client
-/// that falls silent in free space leaves nothing behind that could pull. planes: x is the haptic
-/// probe, kept out of the sample's planes; where none is in the way it is as free.
+/// The proxy between two samples: how x moves at 1 kHz while the simulation is silent
+/// (core/METHOD.md#local-models). held: x stays. free: x is the haptic probe itself, so that no
+/// force and no drag arise; a client that falls silent in free space leaves nothing behind that
+/// could pull. planes: x is the haptic probe, kept out of the sample's planes; where none is in the
+/// way it is as free.
 
 #include "haptic/core/model/configuration_space.hpp"
 #include "haptic/core/projection/plane_projection.hpp"

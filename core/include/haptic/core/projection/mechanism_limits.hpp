@@ -1,11 +1,12 @@
 #pragma once
-/// The limits of a mechanism beside the box of q (sliders; the branch of METHOD 1.5) in the iteration
-/// behind Eq. (6), as METHOD 3.4 asks: constraints, not rejected steps, which stall.
+/// The limits of a mechanism beside the box of q (sliders; the branch of
+/// core/METHOD.md#inverse-map) in the iteration behind Eq. (6), as core/METHOD.md#worst-cases asks:
+/// constraints, not rejected steps, which stall.
 ///
-/// In a linear step a limit that it would break is engaged: the two DoFs of its pair are turned into
-/// one across the limit and one along it, and across it the limit is a bound like any other of the
-/// box. The way along ends at the pair's other limits. After the step the pair is put back onto the
-/// limits' curves, so that every iterate keeps them.
+/// In a linear step a limit that it would break is engaged: the two DoFs of its pair are turned
+/// into one across the limit and one along it, and across it the limit is a bound like any other of
+/// the box. The way along ends at the pair's other limits. After the step the pair is put back onto
+/// the limits' curves, so that every iterate keeps them.
 
 #include <array>
 #include <limits>
@@ -21,8 +22,9 @@ class MechanismLimits {
   /// `kinematics` must outlive this. A map without pairs costs nothing.
   explicit MechanismLimits(const Kinematics& kinematics);
 
-  /// True where no limit can be broken from q to q + p: both are near where look() last was, by what its
-  /// rooms and slopes said; always without pairs. A warm step away from every limit costs no more.
+  /// True where no limit can be broken from q to q + p: both are near where look() last was, by
+  /// what its rooms and slopes said; always without pairs. A warm step away from every limit costs
+  /// no more.
   [[nodiscard]] bool apart(const VecQ& q, const VecQ& p) const noexcept;
   /// True where the last step is led by a limit.
   [[nodiscard]] bool engaged() const noexcept;
@@ -33,11 +35,11 @@ class MechanismLimits {
   void turn(BoxedLeastSquares& linear, VecQ& lower, VecQ& upper, VecQ& metric_root) noexcept;
   /// The step in q for one in turned DoFs.
   void turn_back(VecQ& p) noexcept;
-  /// Of each pair without an engaged limit, engages the one that the step breaks most; changes once to
-  /// another where the step leaves its limit and is held by that one. True where there was any.
+  /// Of each pair without an engaged limit, engages the one that the step breaks most; changes once
+  /// to another where the step leaves its limit and is held by that one. True where there was any.
   bool engage(const VecQ& p) noexcept;
-  /// Moves each pair of q, within its box, onto the limits that it breaks. False where that does not
-  /// succeed, or the mechanism has no pose there.
+  /// Moves each pair of q, within its box, onto the limits that it breaks. False where that does
+  /// not succeed, or the mechanism has no pose there.
   [[nodiscard]] bool restore(VecQ& q) const noexcept;
 
  private:

@@ -1,8 +1,9 @@
 #pragma once
-/// The monotone envelope (METHOD 2.4): of all subspace proxies met on the way from the haptic probe to
-/// the proxy, x_probe + s dx with s in (0, 1], the one that pulls hardest towards the proxy as the
-/// finger feels it, S q*(s) - q_a of the sign of S J^+ dx. Continuous where the direction guard
-/// switches, and equal to Eq. (6) where the way is monotone. For one actuated DoF.
+/// The monotone envelope (core/METHOD.md#forces-at-the-finger): of all subspace proxies met on the
+/// way from the haptic probe to the proxy, x_probe + s dx with s in (0, 1], the one that pulls
+/// hardest towards the proxy as the finger feels it, S q*(s) - q_a of the sign of S J^+ dx.
+/// Continuous where the direction guard switches, and equal to Eq. (6) where the way is monotone.
+/// For one actuated DoF.
 
 #include "haptic/core/linear/least_squares.hpp"
 #include "haptic/core/projection/projection.hpp"
@@ -26,14 +27,14 @@ class MonotoneEnvelope {
   explicit MonotoneEnvelope(const ProjectionModel& model);
 
   /// `out`: the renderer's answer for the proxy x_probe (+) dx. The anchors of Eq. (1), (4) and (8)
-  /// grow in proportion to s: theirs is the proxy's, or none. Eq. (6) is followed from point to point,
-  /// by the map's closed form or by Gauss-Newton, as far as q* is in reach. Never allocates.
+  /// grow in proportion to s: theirs is the proxy's, or none. Eq. (6) is followed from point to
+  /// point, by the map's closed form or by Gauss-Newton, as far as q* is in reach. Never allocates.
   [[nodiscard]] EnvelopeAnswer apply(const Probe& probe, const VecX& dx, RendererKind renderer,
                                      Projection& out) noexcept;
 
  private:
-  /// q_ of the point x_at_, by Gauss-Newton from the q_ before where there is no closed form. False where
-  /// it is not reached inside the box.
+  /// q_ of the point x_at_, by Gauss-Newton from the q_ before where there is no closed form. False
+  /// where it is not reached inside the box.
   [[nodiscard]] bool reach(const VecX& x_at) noexcept;
 
   ProjectionModel model_;

@@ -1,6 +1,6 @@
 #pragma once
-/// Eq. (3)-(4): tau_a = J_a^T (I - J_n J_n^+) Z_x dx, the force optimised under underactuation. With
-/// Z_x = z_x W, and Eq. (3) in the metric W^{-1} on forces (METHOD 4.2).
+/// Eq. (3)-(4): tau_a = J_a^T (I - J_n J_n^+) Z_x dx, the force optimised under underactuation.
+/// With Z_x = z_x W, and Eq. (3) in the metric W^{-1} on forces (core/METHOD.md#solver-choice).
 
 #include "haptic/core/linear/least_squares.hpp"
 #include "haptic/core/projection/projection.hpp"

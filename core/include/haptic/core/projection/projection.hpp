@@ -1,5 +1,6 @@
 #pragma once
-/// What a renderer is given and what it answers (METHOD 2, 3).
+/// What a renderer is given and what it answers (core/METHOD.md#fig-4 and
+/// core/METHOD.md#nonlinear-projection).
 
 #include <cstdint>
 #include <string_view>
@@ -16,7 +17,8 @@ enum class ProjectionStatus : std::uint8_t {
   kUnreachable = 4,     ///< no q reaches x; the constrained optimum is used
   kIllConditioned = 5,  ///< condition of the equilibrated J above 1e8
   kRankDeficient = 6,   ///< a column of J depends on the others; minimum-norm answer in metric Z_q
-  kMapFailed = 7,       ///< f has no value at q: the last q* is kept (METHOD 6, case 17)
+  kMapFailed = 7,       ///< f has no value at q: the last q* is kept
+                        ///< (core/METHOD.md#map-without-a-value)
 };
 
 [[nodiscard]] std::string_view name(ProjectionStatus status) noexcept;  ///< "EXACT", ...
@@ -33,7 +35,7 @@ struct Projection {
   ProjectionStatus status{ProjectionStatus::kNone};
   double residual{0.0};   ///< ||x (-) f(q*)||_W (exact) or ||dx - J dq||_W (linearised)
   double condition{0.0};  ///< max|R_kk|/min|R_kk| of the equilibrated J; 0 where J was not used
-  /// With a prior: what its springs store beside 1/2 ||q*_a - q_a||^2_{Z_q}, J (METHOD 3.3, case B);
+  /// With a prior: what its springs store beside 1/2 ||q*_a - q_a||^2_{Z_q}, J (core/METHOD.md#projection-algorithm, case B);
   /// the sum is the potential whose gradient tau_a is. 0 without a prior.
   double storage{0.0};
 };

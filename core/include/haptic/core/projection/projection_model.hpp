@@ -1,8 +1,8 @@
 #pragma once
 /// What the scene fixes about the projection, once and for all renderers: the map, the metric W_x,
-/// and whether a prior stands in where J does not have full column rank (METHOD 3.3). Case A,
-/// without a prior, or case B, with one, is a property of the scene: a rank decided from tick to
-/// tick would step the force.
+/// and whether a prior stands in where J does not have full column rank
+/// (core/METHOD.md#projection-algorithm). Case A, without a prior, or case B, with one, is a
+/// property of the scene: a rank decided from tick to tick would step the force.
 
 #include <memory>
 #include <optional>
@@ -19,15 +19,15 @@ namespace haptic::core {
 /// with the live q_a and a q_n^ref held from one sample of the proxy to the next. In springs: X
 /// pulls q* to the proxy with W / mu, the actuators' own Z_q pull it to where they are, M_n to
 /// where the sensed DoFs were. Then tau_a = Z_q (q*_a - q_a) is minus the gradient in q_a of the
-/// least energy those springs can have: no cycle of q pumps (METHOD 3.3). The metric of the
-/// actuated block must be Z_q: with another one the rendered stiffness can have negative
-/// eigenvalues (METHOD 4.3).
+/// least energy those springs can have: no cycle of q pumps (core/METHOD.md#projection-algorithm).
+/// The metric of the actuated block must be Z_q: with another one the rendered stiffness can have
+/// negative eigenvalues (core/METHOD.md#rank-and-prior).
 struct Prior {
   double weight{0.0};  ///< mu, 1/J, > 0: of 1 J in those springs against an error of 1 in ||.||_W
   VecQ sensed_stiffness{};  ///< M_n, n_n, > 0; N/m or N m/rad
 };
 
-/// When an iteration ends (METHOD 3.3).
+/// When an iteration ends (core/METHOD.md#projection-algorithm).
 struct IterationLimits {
   int max_steps{10};        ///< Gauss-Newton steps per projection
   double tolerance{1e-12};  ///< longest component of a step, relative to the box, that ends it
@@ -86,13 +86,14 @@ class ProjectionModel {
 void check_coupling(const Kinematics& kinematics, const StiffnessCoupling& coupling);
 
 /// Above this, in half of the poses of the box, a scene needs a prior: errors of x are amplified a
-/// hundredfold. Measured medians: METHOD 3.2's hand known by three points per finger 264 with two
-/// fingers, 19 with three, 11 with four; finger exoskeleton 3.
+/// hundredfold. Measured medians: core/METHOD.md#larger-devices's hand known by three points per
+/// finger 264 with two fingers, 19 with three, 11 with four; finger exoskeleton 3.
 inline constexpr double kWellConditioned = 100.0;
 
 /// Throws SceneError where the scene needs a prior and has none: the condition of J, weighed and
-/// equilibrated, exceeds kWellConditioned in at least half of the poses of the box (METHOD 6, case
-/// 25: without one the two-fingered hand answers 3 mm of noise with hundreds of radians).
+/// equilibrated, exceeds kWellConditioned in at least half of the poses of the box (
+/// core/METHOD.md#hand-without-prior: without one the two-fingered hand answers 3 mm of noise with
+/// hundreds of radians).
 void require_rank(const ProjectionModel& model);
 
 }  // namespace haptic::core

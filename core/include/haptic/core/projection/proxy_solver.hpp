@@ -1,5 +1,6 @@
 #pragma once
-/// The iteration behind Eq. (6) where the map has no closed form (METHOD 3.3):
+/// The iteration behind Eq. (6) where the map has no closed form
+/// (core/METHOD.md#projection-algorithm):
 ///   q* = argmin ||x (-) f(q*)||_W^2 + sum_i w_i^2 (q*_i - t_i)^2  over the box of q and the limits
 /// that its mechanisms have beside it (sliders),
 /// by Gauss-Newton in the box; where a full step would raise the cost, by Levenberg-Marquardt with
@@ -25,8 +26,9 @@ class ProxySolver {  // NOLINT(bugprone-reserved-identifier)
   void set_prior(const VecQ& weight, const VecQ& target) noexcept;
 
   /// From `seed`, put into the box and, where that succeeds, inside the mechanisms' limits.
-  /// `stiffness` (n_a) decides between the q* of a J without full column rank. Writes q_star, status (kConverged, kCapped, kUnreachable, kRankDeficient,
-  /// kIllConditioned; kMapFailed: f has no value at the seed), residual, condition. Never allocates.
+  /// `stiffness` (n_a) decides between the q* of a J without full column rank. Writes q_star,
+  /// status (kConverged, kCapped, kUnreachable, kRankDeficient, kIllConditioned; kMapFailed: f has
+  /// no value at the seed), residual, condition. Never allocates.
   void solve(const VecX& x, const VecQ& seed, const VecA& stiffness, Projection& out) noexcept;
 
  private:

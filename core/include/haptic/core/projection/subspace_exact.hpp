@@ -1,14 +1,14 @@
 #pragma once
-/// Eq. (6): q* = argmin ||x (-) f(q*)||_W^2 over the box of q* and the mechanisms' own limits (METHOD
-/// 3.3).
+/// Eq. (6): q* = argmin ||x (-) f(q*)||_W^2 over the box of q* and the mechanisms' own limits (
+/// core/METHOD.md#projection-algorithm).
 ///
-/// Case A, no prior: q* depends on x alone, so it is solved once per change of the proxy and held in
-/// between; two flops per DoF are left for every other tick, and no cycle of q can pump energy. By
-/// the map's closed form where it offers one: exact within reach, and beyond it the map's own nearest
-/// pose; where W is not a multiple of the identity that is the unweighted distance's, and the iteration
-/// goes on from there. Else by iteration.
-/// Case B, with a prior: its actuated part follows the device, so every tick iterates, from the last
-/// q*; q_n^ref is taken when the proxy changes.
+/// Case A, no prior: q* depends on x alone, so it is solved once per change of the proxy and held
+/// in between; two flops per DoF are left for every other tick, and no cycle of q can pump energy.
+/// By the map's closed form where it offers one: exact within reach, and beyond it the map's own
+/// nearest pose; where W is not a multiple of the identity that is the unweighted distance's, and
+/// the iteration goes on from there. Else by iteration.
+/// Case B, with a prior: its actuated part follows the device, so every tick iterates, from the
+/// last q*; q_n^ref is taken when the proxy changes.
 
 #include "haptic/core/projection/prior_target.hpp"
 #include "haptic/core/projection/projection.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 /// Eq. (7)-(8): dq = argmin ||dx - J dq||_W^2, q* = q + dq, the linearised subspace proxy. With a
-/// prior (METHOD 3.3, case B) its terms are added, linear as they are.
+/// prior (core/METHOD.md#projection-algorithm, case B) its terms are added, linear as they are.
 
 #include <optional>
 

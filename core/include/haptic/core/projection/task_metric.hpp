@@ -1,5 +1,5 @@
 #pragma once
-/// W_x: what counts as near in X (METHOD 4.4). Everything that projects minimises ||x (-) f(q*)||_W,
+/// W_x: what counts as near in X (core/METHOD.md#metric-and-limits). Everything that projects minimises ||x (-) f(q*)||_W,
 /// so it sees W^{1/2} J and W^{1/2} dx. Where X mixes metres and radians there is no natural W, and
 /// the scene must say one; elsewhere the default is the identity.
 
@@ -16,10 +16,10 @@ class TaskMetric {
   /// W = diag(1 / scale_i^2): scale_i (unit of x_i) is the error in x_i that counts as 1. Throws
   /// SceneError unless every scale is finite and > 0.
   [[nodiscard]] static TaskMetric from_scales(const VecX& scale);
-  /// Any symmetric positive definite W (n_x by n_x; W_ij in 1 / (unit of x_i times unit of x_j)), for
-  /// instance sum_c k_c (J_c^T n_c)(J_c^T n_c)^T + eps I over contact normals. Throws SceneError, which
-  /// names the entry; positive definite is smallest eigenvalue > kLeastEigenvalue once the diagonal is
-  /// scaled to 1, so that units do not decide.
+  /// Any symmetric positive definite W (n_x by n_x; W_ij in 1 / (unit of x_i times unit of x_j)),
+  /// for instance sum_c k_c (J_c^T n_c)(J_c^T n_c)^T + eps I over contact normals. Throws
+  /// SceneError, which names the entry; positive definite is smallest eigenvalue > kLeastEigenvalue
+  /// once the diagonal is scaled to 1, so that units do not decide.
   [[nodiscard]] static TaskMetric from_matrix(const Eigen::Ref<const Eigen::MatrixXd>& W);
 
   static constexpr double kLeastEigenvalue = 1e-12;

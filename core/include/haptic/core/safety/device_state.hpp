@@ -1,6 +1,7 @@
 #pragma once
-/// The device's state machine and its one gain g (WIRE 4). Table and rules only: the caller says
-/// what happened in the tick, this says which state follows and how g may move.
+/// The device's state machine and its one gain g (proto/README.md#states-of-a-device). Table and
+/// rules only: the caller says what happened in the tick, this says which state follows and how g
+/// may move.
 ///
 ///   INIT -> IDLE -> ARMED -> ENGAGING -> ENGAGED
 ///                     ^         |           |  Release, end of lease, preemption, SIGTERM

@@ -1,5 +1,6 @@
 #pragma once
-/// The last borders before the device, in the order of HOUSE 3 step 10: saturation, slew, envelope.
+/// The last borders before the device, in the order of core/README.md#one-tick: saturation, slew,
+/// envelope.
 
 #include "haptic/core/fault.hpp"
 #include "haptic/core/safety/actuator_limits.hpp"

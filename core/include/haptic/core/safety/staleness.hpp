@@ -1,5 +1,6 @@
 #pragma once
-/// Age of the newest proxy -> level and ladder (WIRE 4). Intervals are half-open.
+/// Age of the newest proxy -> level and ladder (proto/README.md#staleness-and-gain). Intervals are
+/// half-open.
 
 #include <cstdint>
 #include <string_view>
@@ -30,7 +31,8 @@ struct StalenessLimits {
                                   const StalenessLimits& limits) noexcept;
 /// 1 below hold_end, linear to 0 at fade_end.
 [[nodiscard]] double ladder(Duration age, const StalenessLimits& limits) noexcept;
-/// 2.5 nominal periods of a client of this rate, clamped to 5..80 ms (WIRE 4). rate_hz > 0.
+/// 2.5 nominal periods of a client of this rate, clamped to 5..80 ms
+/// (proto/README.md#staleness-and-gain). rate_hz > 0.
 [[nodiscard]] Duration default_fresh_end(double rate_hz) noexcept;
 /// nullptr where the limits hold together (0 < fresh_end <= hold_end, fade_end - hold_end >= 50
 /// ms); else what is wrong, to be shown with the values.

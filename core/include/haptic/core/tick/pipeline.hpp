@@ -1,6 +1,7 @@
 #pragma once
-/// One tick as a pure function of its input: steps 3 to 11 of HOUSE 3, and the only place where
-/// core's parts are put together. It owns every temporary, and the device's state and gain.
+/// One tick as a pure function of its input: steps 3 to 11 of core/README.md#one-tick, and the only
+/// place where core's parts are put together. It owns every temporary, and the device's state and
+/// gain.
 
 #include <memory>
 #include <optional>
@@ -31,7 +32,7 @@ struct DeviceLimits {
   VecA max_effort{};          ///< n_a, N or N m: what the device's spec sheet allows
 };
 
-/// A client says where the tracked palm is (WIRE 2, role tracker).
+/// A client says where the tracked palm is (proto/README.md#a-session, role tracker).
 struct TrackerSettings {
   int first_dof{0};             ///< of the palm's six in q
   StalenessLimits staleness{};  ///< of its pose, by the same rules as the proxy's
@@ -44,9 +45,10 @@ struct PipelineConfig {
   RenderSettings scene{};  ///< the widest settings; a session's are held within these
   Duration loop_late_fault{std::chrono::milliseconds(20)};
   int late_bucket_full{LateBucket::kFull};
-  /// METHOD 2.4, with one actuated DoF; with more of them it means the direction guard.
+  /// core/METHOD.md#forces-at-the-finger, with one actuated DoF; with more of them it means the
+  /// direction guard.
   bool monotone_envelope{false};
-  /// That of Eq. (8) in every record (METHOD 2.1); not with a prior.
+  /// That of Eq. (8) in every record (core/METHOD.md#exact-derivatives); not with a prior.
   bool passivity_certificate{false};
   PassivitySettings passivity{};             ///< energy tank and observer; off by default
   std::vector<ActuatorRatings> ratings{};    ///< n_a, or none: power, rate and temperature
@@ -57,7 +59,7 @@ struct PipelineConfig {
 class Pipeline {
  public:
   /// Throws SceneError where sizes or limits do not fit together, and where x does not determine q
-  /// and no prior is given (require_rank: METHOD 6, case 25).
+  /// and no prior is given (require_rank: core/METHOD.md#hand-without-prior).
   explicit Pipeline(PipelineConfig config);
   ~Pipeline();
   Pipeline(Pipeline&&) noexcept;

@@ -27,8 +27,8 @@ enum class DeviceHealth : std::uint8_t {
   kForceOverLimit = 2  ///< the device itself reports too much force: fault FORCE_OVER_LIMIT
 };
 
-/// Answer of Device::read: the newest sample, or none (which is normal: METHOD 1.1, the board's
-/// USB link is half as fast as its loop).
+/// Answer of Device::read: the newest sample, or none (which is normal:
+/// core/METHOD.md#the-device-of-the-paper, the board's USB link is half as fast as its loop).
 struct DeviceReading {
   bool fresh{false};  ///< `sample` was not delivered before
   bool armed{false};  ///< the device would follow a force now
@@ -54,7 +54,7 @@ struct ProxySnapshot {
   Duration valid_for{0};  ///< the client's own bound on its freshness; 0 = none given
   VecX x{};               ///< n_x; ignored in free mode; in planes mode where they are linearised
   PlaneSet planes{};      ///< planes mode; none: nothing in the way
-  /// The stream's health, kept by the ingress for Engage (WIRE 2).
+  /// The stream's health, kept by the ingress for Engage (proto/README.md#a-session).
   TimePoint gapless_since{};         ///< first sample after the last gap longer than hold_end
   std::uint64_t gapless_samples{0};  ///< accepted since then
 };

@@ -55,8 +55,9 @@ class Opener {
  public:
   Opener(std::uint32_t path_id, const DirectionKey& key);
 
-  /// WIRE 3 from the window on: window, tag, commit. `header` is read_header()'s, of this datagram;
-  /// `payload` has room for kLargestPayload bytes, and is garbage after a rejection.
+  /// proto/README.md#the-udp-path from the window on: window, tag, commit. `header` is
+  /// read_header()'s, of this datagram; `payload` has room for kLargestPayload bytes, and is
+  /// garbage after a rejection.
   [[nodiscard]] Opened open(const Header& header, ConstBytes datagram, Bytes payload) noexcept;
 
   [[nodiscard]] std::uint32_t path_id() const noexcept { return path_id_; }

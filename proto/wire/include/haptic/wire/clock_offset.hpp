@@ -43,13 +43,14 @@ class ClockOffset {
   /// None before the first exchange.
   [[nodiscard]] std::optional<Estimate> at(TimePoint now) const noexcept;
 
-  /// `exchange` may be true together with `estimate`: what it proves by itself does not exclude that. A
-  /// message that was under way for long agrees; one of a clock that was stepped does not.
+  /// `exchange` may be true together with `estimate`: what it proves by itself does not exclude
+  /// that. A message that was under way for long agrees; one of a clock that was stepped does not.
   [[nodiscard]] static bool agrees(const ClockExchange& exchange,
                                    const Estimate& estimate) noexcept;
 
   /// When, by our clock, theirs showed `reading`, at the latest: the estimate and its bound. A
-  /// sample's life may be counted from there where that is earlier than its arrival (WIRE 4).
+  /// sample's life may be counted from there where that is earlier than its arrival
+  /// (proto/README.md#staleness-and-gain).
   [[nodiscard]] std::optional<TimePoint> latest(Duration reading, TimePoint now) const noexcept;
 
   /// Times the estimate began anew.

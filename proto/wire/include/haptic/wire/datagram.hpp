@@ -1,6 +1,7 @@
 #pragma once
-/// The outside of a datagram (proto/README.md, "The UDP path"; WIRE 3): 16 bytes of header in the
-/// clear, which the tag covers, then the ciphertext of the payload, then 16 bytes of tag.
+/// The outside of a datagram (proto/README.md, "The UDP path"; proto/README.md#the-udp-path): 16
+/// bytes of header in the clear, which the tag covers, then the ciphertext of the payload, then 16
+/// bytes of tag.
 ///
 ///   0  2 magic 0x68 0x70 | 2  1 version 1 | 3  1 type | 4  4 path id | 8  8 packet number
 ///
@@ -29,7 +30,8 @@ inline constexpr std::array<std::uint8_t, 2> kMagicBytes{0x68, 0x70};  // "hp"
 inline constexpr std::uint8_t kProtocolVersion = 1;
 inline constexpr std::size_t kHeaderSize = 16;
 inline constexpr std::size_t kTagSize = 16;
-/// Fits every path of the Internet with IPv6's least MTU, tunnels included (WIRE 3).
+/// Fits every path of the Internet with IPv6's least MTU, tunnels included
+/// (proto/README.md#the-udp-path).
 inline constexpr std::size_t kLargestDatagram = 1200;
 inline constexpr std::size_t kLargestPayload = kLargestDatagram - kHeaderSize - kTagSize;
 

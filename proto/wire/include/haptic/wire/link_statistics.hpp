@@ -1,6 +1,6 @@
 #pragma once
-/// What one direction of a link is doing, judged by the packet numbers that came (WIRE 2,
-/// GetLinkStats).
+/// What one direction of a link is doing, judged by the packet numbers that came
+/// (proto/README.md#a-session, GetLinkStats).
 
 #include <array>
 #include <cstdint>

@@ -44,8 +44,9 @@ class PathEnd {
   /// Client: begins to probe the server's address.
   void start(const PeerAddress& server, TimePoint now) { machine_.start(server, now); }
 
-  /// A datagram that came at `arrival`, on this end's steady clock; all of WIRE 3's checks but
-  /// those of the message. A challenge is answered to `from`; nothing else ever is.
+  /// A datagram that came at `arrival`, on this end's steady clock; all of
+  /// proto/README.md#the-udp-path's checks but those of the message. A challenge is answered to
+  /// `from`; nothing else ever is.
   [[nodiscard]] Received receive(ConstBytes datagram, const PeerAddress& from, TimePoint arrival);
   /// The message of a datagram was none, although the tag was right.
   void message_unreadable() noexcept { statistics_.rejected(Rejection::kPayload); }

@@ -1,6 +1,7 @@
 #pragma once
 /// The keys of a path: one key and salt per direction, made by the server, delivered on the gRPC
-/// stream (TLS, a UNIX socket or loopback only, WIRE 3), fresh with every lease epoch and rekey.
+/// stream (TLS, a UNIX socket or loopback only, proto/README.md#the-udp-path), fresh with every
+/// lease epoch and rekey.
 
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #pragma once
 /// Whether our direction uses UDP, and to which address: challenge, make-before-break, fallback
-/// with back-off, return (WIRE 3). Both ends run one, each for what it sends; the stream is the
-/// fallback.
+/// with back-off, return (proto/README.md#the-udp-path). Both ends run one, each for what it sends;
+/// the stream is the fallback.
 ///
 ///   off ---start---> probing ---4 of 5 came back---> in use ---silent, or lossy---> waiting
 ///                       |                                                              |
@@ -12,9 +12,9 @@
 /// and are the evidence that both directions live. Silent is a challenge that nothing sent since
 /// was answered after, for max(100 ms, 4 nominal periods, 3 round trips).
 ///
-/// Before it is sure of that it is in doubt: an answer is overdue, for longer than this path's round
-/// trips vary. What must not be late then goes by the stream as well, so that a path that fails is
-/// not felt while the silence is waited for.
+/// Before it is sure of that it is in doubt: an answer is overdue, for longer than this path's
+/// round trips vary. What must not be late then goes by the stream as well, so that a path that
+/// fails is not felt while the silence is waited for.
 ///
 /// Another address that sends genuine datagrams (a client behind a translator that forgot it)
 /// becomes the candidate of a round of its own; what we send stays where it went until that round

@@ -1,5 +1,6 @@
 #pragma once
-/// Which packet numbers came already: a window of 1024 behind the newest (WIRE 3).
+/// Which packet numbers came already: a window of 1024 behind the newest
+/// (proto/README.md#the-udp-path).
 
 #include <array>
 #include <cstdint>

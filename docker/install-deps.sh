@@ -78,7 +78,7 @@ groups=
 for argument in "$@"; do
   case "$argument" in
     --list) list_only=true ;;
-    -h | --help) sed -n '2,13s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"; exit 0 ;;
     *) groups="$groups $argument" ;;
   esac
 done

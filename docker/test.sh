@@ -24,7 +24,7 @@ while (($#)); do
     --engine) wanted=${2:?--engine needs docker or podman}; shift 2 ;;
     --logs) logs=${2:?--logs needs a folder}; shift 2 ;;
     --keep-images) keep_images=true; shift ;;
-    -h | --help) sed -n '2,15s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"; exit 0 ;;
     *) echo "test.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
   esac
 done

@@ -30,7 +30,7 @@ while (($#)); do
     --output) output=${2:?--output needs a folder}; shift 2 ;;
     --no-build) build=false; shift ;;
     --build) build=false; programs=$(realpath -e -- "${2:?--build needs a folder}"); shift 2 ;;
-    -h | --help) sed -n '2,15s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"; exit 0 ;;
     *) echo "demo.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
   esac
 done

@@ -39,5 +39,5 @@ case "${1:-all}" in
   format) format ;;
   batches) batches ;;
   tidy) tidy ;;
-  *) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 2 ;;
+  *) sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"; exit 2 ;;
 esac

@@ -13,7 +13,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 for part in "$@"; do
   case "$part" in
     core | linear | loop | wire | memory | serial) ;;
-    -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"; exit 0 ;;
     *) echo "run.sh: unknown part '$part' (core, linear, loop, wire, memory, serial)" >&2; exit 2 ;;
   esac
 done

@@ -12,7 +12,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 given=("$@")
 while (($#)); do
   case "$1" in
-    -h | --help) sed -n '2,7s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"; exit 0 ;;
     --frames-only | --paced) shift ;;
     --minutes | --mode) shift 2 || { echo "serial.sh: $1 needs a value" >&2; exit 2; } ;;
     *) echo "serial.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;

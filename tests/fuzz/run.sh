@@ -16,7 +16,7 @@ case "$wanted" in
   frames) targets=() ;;
   datagram | ingress | scene) targets=("$wanted") ;;
   all) targets=(datagram ingress scene) ;;
-  -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  -h | --help) sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"; exit 0 ;;
   *) echo "run.sh: target '$wanted': must be datagram, ingress, scene, frames or all" >&2; exit 2 ;;
 esac
 case "$amount" in

@@ -20,7 +20,7 @@ while (($#)); do
     --network) network=true; programs+=(haptic_network_tests); shift ;;
     --build) build=${2:?--build needs a folder}; shift 2 ;;
     --out) out=${2:?--out needs a file}; shift 2 ;;
-    -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"; exit 0 ;;
     *) echo "matrix.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
   esac
 done

@@ -22,7 +22,7 @@ while (($#)); do
   case "$1" in
     --output) output=${2:?--output needs a folder}; shift 2 ;;
     --build) programs=$(realpath -e -- "${2:?--build needs a folder}"); shift 2 ;;
-    -h | --help) sed -n '2,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"; exit 0 ;;
     -*) echo "run.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
     *) parts+=("$1"); shift ;;
   esac

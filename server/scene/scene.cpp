@@ -75,11 +75,13 @@ std::string printed(const v1::Scene& message) {
   printer.SetUseShortRepeatedPrimitives(true);
   std::string text;
   printer.PrintToString(message, &text);
-  return "# Every default is filled in. Absent, because decided later: "
-         "loop.loop_late_fault (8 ms "
-         "with\n# real-time scheduling, 20 ms without), staleness.fresh_end "
-         "(2.5 periods of the "
-         "client).\n" +
+  return "# proto-file: haptic/v1/scene.proto\n"
+         "# proto-message: haptic.v1.Scene\n"
+         "#\n"
+         "# Every default is filled in, except those that are decided later: loop.loop_late_fault "
+         "(8 ms\n"
+         "# with real-time scheduling, 20 ms without) and staleness.fresh_end (2.5 periods of the\n"
+         "# client).\n" +
          text;
 }
 

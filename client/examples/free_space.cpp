@@ -9,7 +9,7 @@
 #include "until_signal.hpp"
 
 int main(int argc, char** argv) {
-  std::string address = "127.0.0.1:50051";
+  std::string address = haptic::client::kDefaultServer;
   CLI::App cli("haptic-example-free-space - engaged, and nothing to feel");
   cli.add_option("--server", address, "host:port or unix:/path");
   CLI11_PARSE(cli, argc, argv);

@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::microseconds kPeriod{1'000'000 / 60};
 
 struct Options {
-  std::string server{"127.0.0.1:50051"};
+  std::string server{haptic::client::kDefaultServer};
   std::string device{};
   double seconds{0.0};
   bool verbose{false};

@@ -11,7 +11,7 @@
 #include "until_signal.hpp"
 
 int main(int argc, char** argv) {
-  std::string address = "127.0.0.1:50051";
+  std::string address = haptic::client::kDefaultServer;
   double stop = 0.314;  // 18 degrees
   CLI::App cli("haptic-example-virtual-wall - a stop on the first coordinate");
   cli.add_option("--server", address, "host:port or unix:/path");

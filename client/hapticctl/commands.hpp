@@ -10,7 +10,7 @@
 namespace haptic::ctl {
 
 struct Options {
-  std::string server{"127.0.0.1:50051"};
+  std::string server{client::kDefaultServer};
   std::string device{};
   bool tls{false};
   client::TlsOptions tls_options{};

@@ -7,7 +7,7 @@ through_relay() { # through_relay SCENARIO
   HAPTICD_TROUBLE=$1 compose up --detach --no-build --no-deps relay >>"$logs/compose.log" 2>&1
   eventually 120 "$engine" exec "$(container relay)" true || fail "the relay did not start"
   mark
-  simulate relay:50051
+  simulate relay:29470
   pressing "$1"
 }
 

@@ -34,7 +34,7 @@ simulate() { # simulate [SERVER [CARRIERS]]: a simulation in the place of any ot
     "$engine" unpause "$id" >/dev/null 2>&1 || true
     "$engine" rm --force "$id" >>"$logs/engine.log" 2>&1
   fi
-  HAPTICD_SERVER=${1:-hand:50051} HAPTICD_CARRIERS=${2:-auto} compose up --detach --no-build --no-deps simulation >>"$logs/compose.log" 2>&1
+  HAPTICD_SERVER=${1:-hand:29470} HAPTICD_CARRIERS=${2:-auto} compose up --detach --no-build --no-deps simulation >>"$logs/compose.log" 2>&1
 }
 
 # The force of a client that is heard again comes back by itself while its lease lasts (2 s of silence). On a slow
@@ -87,7 +87,7 @@ reconnect_client() {
 
 # Pinned, so that nothing but the stream can have brought what is felt.
 test_stream() {
-  simulate hand:50051 grpc
+  simulate hand:29470 grpc
   pressing "soft grasp over gRPC"
   mark
   eventually 120 observed only GRPC || fail "soft grasp over gRPC: $(cat "$scratch/last")"

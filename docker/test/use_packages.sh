@@ -16,7 +16,7 @@ done
 timeout 120 python3 - <<'PYTHON'
 import haptic
 
-with haptic.Connection("127.0.0.1:50051") as server:
+with haptic.Connection("127.0.0.1:29470") as server:
     with server.session(client_name="clean container", nominal_rate_hz=60) as session:
         session.engage_when_ready()
         while session.wait_for_state().state != "ENGAGED":

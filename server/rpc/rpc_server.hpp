@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "haptic/core/time.hpp"
+#include "haptic/wire/ports.hpp"
 #include "server/rpc/keep_alive.hpp"
 #include "server/rpc/server_facts.hpp"
 #include "server/rpc/steady_now.hpp"
@@ -21,7 +22,7 @@ namespace haptic::server {
 struct RpcConfig {
   /// "host:port" (port 0: any free one) or "unix:/path". Without TLS only loopback and UNIX
   /// sockets, unless `insecure_lab`.
-  std::vector<std::string> listen{"127.0.0.1:50051"};
+  std::vector<std::string> listen{wire::kDefaultServer};
   /// Session streams; and, apart from them, watches.
   unsigned max_sessions{32};
   core::Duration period{std::chrono::milliseconds(1)};  ///< of the loop

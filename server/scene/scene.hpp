@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "haptic/core/tick/pipeline.hpp"
+#include "haptic/wire/ports.hpp"
 #include "hw/open_device.hpp"
 #include "server/rpc/tls_config.hpp"
 #include "server/scene/force_control.hpp"
@@ -43,7 +44,7 @@ struct DeviceScene {
                                                    const core::DeviceLimits& limits);
 
 struct ServerScene {
-  std::vector<std::string> listen{"127.0.0.1:50051"};
+  std::vector<std::string> listen{wire::kDefaultServer};
   std::string udp_listen{};      ///< empty: no UDP path
   std::string metrics_listen{};  ///< empty: no metrics
   core::Duration lease_timeout{std::chrono::seconds(2)};

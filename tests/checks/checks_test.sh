@@ -62,6 +62,24 @@ done
 echo 'race:libssl' >"$scratch/tsan.supp"
 sh "$here/tsan_suppressions.sh" "$scratch/tsan.supp" libssl >/dev/null || { echo "FAILED: a library named"; failures=1; }
 
+wire=$scratch/proto/wire/include/haptic/wire
+mkdir -p "$wire" "$scratch/client/python/haptic"
+printf 'int kGrpcPort = 29470;\nconst char* kDefaultServer = "127.0.0.1:29470";\n' |
+  sed 's/^int/inline constexpr std::uint16_t/' >"$wire/ports.hpp"
+echo 'GRPC_PORT = 29470' >"$scratch/client/python/haptic/_ports.py"
+echo 'Connection("127.0.0.1:29470")' >"$scratch/client/page.md"
+expect 0 ports "$scratch"
+echo 'Connection("127.0.0.1:29480")' >"$scratch/client/page.md"
+expect 1 ports "$scratch"
+rm "$scratch/client/page.md"
+for copy in 'int port = 29470;' 'server("127.0.0.1:50051")'; do
+  echo "$copy" >"$scratch/client/copy.cpp"
+  expect 1 ports "$scratch"
+done
+rm "$scratch/client/copy.cpp"
+echo 'GRPC_PORT = 29479' >"$scratch/client/python/haptic/_ports.py"
+expect 1 ports "$scratch"
+
 # A folder that is somebody else's stays.
 mkdir "$scratch/theirs" && echo precious >"$scratch/theirs/file"
 if (fresh_folder "$scratch/theirs") 2>/dev/null || [ ! -s "$scratch/theirs/file" ]; then

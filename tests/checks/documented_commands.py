@@ -55,9 +55,9 @@ ELSEWHERE = {
 }
 # tests/relay/README.md, "The relay by hand": beside one another, each until the last has ended.
 BY_HAND = [
-    "build/release/server/hapticd --scene server/scenes/finger_constant.textproto --set 'server.udp_listen=\"127.0.0.1:50052\"'",
-    "build/release/tests/relay/haptic-relay --scenario tests/relay/scenarios/loss_05.textproto --tcp 50051 --udp 50052",
-    "build/release/client/hapticctl --server 127.0.0.2:50051 watch",
+    "build/release/server/hapticd --scene server/scenes/finger_constant.textproto --set 'server.udp_listen=\"127.0.0.1:29471\"'",
+    "build/release/tests/relay/haptic-relay --scenario tests/relay/scenarios/loss_05.textproto --tcp 29470 --udp 29471",
+    "build/release/client/hapticctl --server 127.0.0.2:29470 watch",
 ]
 # Scripts that documents name: who runs them. What takes minutes is run for its help and its refusals; what it
 # runs has tests of its own.
@@ -193,7 +193,7 @@ def free_ports() -> tuple[int, int]:
 def run_by_hand(root: pathlib.Path, programs: pathlib.Path) -> list[str]:
     """In the document's order, on ports of our own: server, relay, and somebody who watches through it."""
     tcp, udp = map(str, free_ports())
-    made = [[w.replace("50051", tcp).replace("50052", udp).replace("build/release", str(programs))
+    made = [[w.replace("29470", tcp).replace("29471", udp).replace("build/release", str(programs))
              for w in shlex.split(command)] for command in BY_HAND]
     made[0] += ["--listen", f"127.0.0.1:{tcp}", "--realtime=off", "--set", "loop.late_bucket_full=1000000",
                 "--set", "loop.loop_late_fault={seconds: 10}"]

@@ -10,7 +10,7 @@ import tempfile
 import datagram
 from datagram import CLOSE, PATH_CHALLENGE, PROXY, STATE
 
-PATH_ID, SERVER_PORT, CLIENT_PORT = 0xC0FFEE01, 50052, 40000
+PATH_ID, SERVER_PORT, CLIENT_PORT = 0xC0FFEE01, 29471, 40000
 UP = datagram.Sealer(PATH_ID, bytes(range(16)), b"abcd")
 DOWN = datagram.Sealer(PATH_ID, bytes(range(16, 32)), b"efgh")
 FIELDS = ["hapticd.type", "hapticd.path_id", "hapticd.packet_number", "hapticd.payload_length",

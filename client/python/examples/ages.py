@@ -14,7 +14,7 @@ import haptic
 STATE_RATE_HZ = 100
 
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-parser.add_argument("--server", default="127.0.0.1:50051", help="host:port or unix:/path")
+parser.add_argument("--server", default=haptic.DEFAULT_SERVER, help="host:port or unix:/path")
 parser.add_argument("--seconds", type=float, default=60.0)
 parser.add_argument("--rate", type=float, default=1000.0, help="samples per second")
 arguments = parser.parse_args()

@@ -59,7 +59,7 @@ def balanced(probe: tuple[float, ...], start: tuple[float, float]) -> tuple[floa
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--server", default="127.0.0.1:50051", help="host:port or unix:/path")
+    parser.add_argument("--server", default=haptic.DEFAULT_SERVER, help="host:port or unix:/path")
     parser.add_argument("--seconds", type=float, default=20.0)
     arguments = parser.parse_args()
     with haptic.Connection(arguments.server) as server:

@@ -15,7 +15,7 @@ APPROACH_RAD_PER_S = 0.2
 RATE_HZ = 60
 
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-parser.add_argument("--server", default="127.0.0.1:50051", help="host:port or unix:/path")
+parser.add_argument("--server", default=haptic.DEFAULT_SERVER, help="host:port or unix:/path")
 parser.add_argument("--seconds", type=float, default=5.0)
 arguments = parser.parse_args()
 

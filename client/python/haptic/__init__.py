@@ -1,6 +1,6 @@
 """Client of hapticd for Python 3.11 over Debian's python3-grpcio.
 
-    with haptic.Connection("127.0.0.1:50051") as server:
+    with haptic.Connection() as server:
         with server.session(client_name="my simulation", nominal_rate_hz=60) as session:
             session.engage_when_ready()
             while running:
@@ -13,6 +13,7 @@ SI units; arrays in the order of Connection.devices(). proto/README.md is the pr
 
 from ._connection import Connection
 from ._errors import ClientError
+from ._ports import DEFAULT_SERVER
 from ._session import Session
 from ._types import (
     FREE,
@@ -35,7 +36,7 @@ from ._types import (
 )
 
 __all__ = [
-    "FREE", "Carriers", "Certificate", "ClientError", "Connection", "Coordinate", "CouplingBlock",
+    "DEFAULT_SERVER", "FREE", "Carriers", "Certificate", "ClientError", "Connection", "Coordinate", "CouplingBlock",
     "DegreeOfFreedom", "Device", "DeviceState", "Event", "Pose", "Proxy", "SampleCounts",
     "ServerInfo", "Session", "Settings", "TrackerState", "behind", "held",
 ]

@@ -8,6 +8,7 @@ from typing import Any
 import grpc
 
 from ._errors import ClientError, to_error
+from ._ports import DEFAULT_SERVER
 from ._session import Session
 from ._types import Carriers, Device, DeviceState, Event, ServerInfo
 from .v1 import haptic_service_pb2 as service
@@ -20,7 +21,7 @@ class Connection:
     """A channel to "host:port" or "unix:/path". Does not wait for the server; every call that needs
     an answer raises ClientError where there is none within 5 s."""
 
-    def __init__(self, address: str) -> None:
+    def __init__(self, address: str = DEFAULT_SERVER) -> None:
         host, colon, port = address.rpartition(":")
         if not (address.startswith("unix:/") or (host and colon and port.isdigit())):
             raise ClientError("INVALID_ARGUMENT",

@@ -283,12 +283,12 @@ class Readme(unittest.TestCase):
     def test_its_first_client_works_as_it_stands(self) -> None:
         with open(os.path.join(os.environ["HAPTIC_SCENES"], "../../client/README.md"), encoding="utf-8") as page:
             code = page.read().split("```python\n")[1].split("```")[0]
-        self.assertIn('"127.0.0.1:50051"', code)
+        self.assertIn('"127.0.0.1:29470"', code)
         self.assertLessEqual(len(code.splitlines()), 20)
         server = Hapticd("finger_constant")
         self.addCleanup(server.stop)
         with haptic.Connection(server.address) as connection:
-            client = subprocess.Popen([sys.executable, "-c", code.replace("127.0.0.1:50051", server.address)])
+            client = subprocess.Popen([sys.executable, "-c", code.replace("127.0.0.1:29470", server.address)])
             self.addCleanup(client.kill)
             latest = time.monotonic() + 30
             # The hand wants 0.52 rad, the wall stands at 0.3: the actuator pushes back.

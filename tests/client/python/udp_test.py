@@ -36,17 +36,17 @@ class Connect(unittest.TestCase):
         with listener(socket.AF_INET, "127.0.0.1") as far, mock.patch(
                 "socket.getaddrinfo",
                 return_value=[(socket.AF_INET, socket.SOCK_DGRAM, 0, "", far.getsockname())]) as asked:
-            with connect(addresses("robot.example", 50052)) as near:
+            with connect(addresses("robot.example", 29471)) as near:
                 near.send(b"here")
                 self.assertEqual(far.recv(16), b"here")
-            self.assertEqual(asked.call_args.args, ("robot.example", 50052))
+            self.assertEqual(asked.call_args.args, ("robot.example", 29471))
 
     def test_the_next_address_where_one_cannot_be_reached(self) -> None:
         with listener(socket.AF_INET, "127.0.0.1") as far, mock.patch(
                 "socket.getaddrinfo",
                 return_value=[(socket.AF_INET, socket.SOCK_DGRAM, 0, "", ("255.255.255.255", 9)),
                               (socket.AF_INET, socket.SOCK_DGRAM, 0, "", far.getsockname())]):
-            with connect(addresses("robot.example", 50052)) as near:  # broadcast is refused without SO_BROADCAST
+            with connect(addresses("robot.example", 29471)) as near:  # broadcast is refused without SO_BROADCAST
                 self.assertEqual(near.getpeername(), far.getsockname())
 
     def test_each_turn_begins_at_another_address(self) -> None:
@@ -54,23 +54,23 @@ class Connect(unittest.TestCase):
                 "socket.getaddrinfo",
                 return_value=[(socket.AF_INET, socket.SOCK_DGRAM, 0, "", far.getsockname()) for far in (a, b)]):
             for turn, far in enumerate((a, b, a)):
-                with connect(addresses("robot.example", 50052), turn) as near:
+                with connect(addresses("robot.example", 29471), turn) as near:
                     self.assertEqual(near.getpeername(), far.getsockname())
 
     def test_no_address_is_an_oserror_and_leaves_no_socket(self) -> None:
         with mock.patch("socket.getaddrinfo", return_value=[]):
             with self.assertRaisesRegex(OSError, "robot.example has no address"):
-                connect(addresses("robot.example", 50052))
+                connect(addresses("robot.example", 29471))
         with mock.patch("socket.getaddrinfo", side_effect=socket.gaierror(-2, "unknown")):
             with self.assertRaises(OSError):
-                connect(addresses("robot.example", 50052))
+                connect(addresses("robot.example", 29471))
 
 
 class HostOf(unittest.TestCase):
     def test_the_streams_host_without_port_and_brackets(self) -> None:
-        self.assertEqual(host_of("robot.example:50051"), "robot.example")
-        self.assertEqual(host_of("[::1]:50051"), "::1")
-        self.assertEqual(host_of("192.0.2.7:50051"), "192.0.2.7")
+        self.assertEqual(host_of("robot.example:29470"), "robot.example")
+        self.assertEqual(host_of("[::1]:29470"), "::1")
+        self.assertEqual(host_of("192.0.2.7:29470"), "192.0.2.7")
 
     def test_loopback_for_a_unix_socket(self) -> None:
         self.assertEqual(host_of("unix:/run/hapticd/socket"), "127.0.0.1")

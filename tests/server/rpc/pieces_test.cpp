@@ -267,11 +267,11 @@ std::string refusal_of(const std::string& address) {
 }
 
 TEST(ListenAddress, WithoutTlsOnlyThisHostIsServed) {
-  EXPECT_EQ(refusal_of("127.0.0.1:50051"), "");
+  EXPECT_EQ(refusal_of("127.0.0.1:29470"), "");
   EXPECT_EQ(refusal_of("127.8.9.1:0"), "");
   EXPECT_EQ(refusal_of("localhost:1"), "");
-  EXPECT_EQ(refusal_of("[::1]:50051"), "");
-  for (const char* address : {"0.0.0.0:50051", "[::]:50051", "192.168.1.7:50051", "robot:1",
+  EXPECT_EQ(refusal_of("[::1]:29470"), "");
+  for (const char* address : {"0.0.0.0:29470", "[::]:29470", "192.168.1.7:29470", "robot:1",
                               "127.evil.example:1", "127.0.0.1.evil.example:1"}) {
     EXPECT_NE(refusal_of(address).find(address), std::string::npos) << address;
     EXPECT_NE(refusal_of(address).find("TLS"), std::string::npos) << address;
@@ -280,7 +280,7 @@ TEST(ListenAddress, WithoutTlsOnlyThisHostIsServed) {
 
 TEST(ListenAddress, BeyondThisHostTlsOrTheLabFlagIsNeeded) {
   using server::Protection;
-  for (const char* address : {"0.0.0.0:50051", "[::]:50051", "192.168.1.7:50051", "robot:1"}) {
+  for (const char* address : {"0.0.0.0:29470", "[::]:29470", "192.168.1.7:29470", "robot:1"}) {
     for (const Protection best :
          {Protection::kTls, Protection::kMutualTls, Protection::kInsecureLab}) {
       EXPECT_EQ(check_listen_address(address, best), best);
@@ -309,7 +309,7 @@ TEST(ListenAddress, WhatIsNotProtectedIsSaid) {
 }
 
 TEST(ListenAddress, NonsenseIsNamed) {
-  for (const char* address : {"", "localhost", ":50051", "localhost:", "localhost:70000",
+  for (const char* address : {"", "localhost", ":29470", "localhost:", "localhost:70000",
                               "localhost:http", "unix:", "unix:relative"}) {
     EXPECT_NE(refusal_of(address), "") << address;
   }

@@ -20,7 +20,7 @@ TEST(Scene, FillsInTheDocumentedDefaults) {
   EXPECT_EQ(s.staleness.fade_end, 180ms);
   EXPECT_EQ(s.staleness.fresh_end, 80ms) << "the widest default a client may get";
   EXPECT_FALSE(scene.devices[0].fresh_end.has_value()) << "2.5 periods of the client";
-  EXPECT_EQ(scene.server.listen, std::vector<std::string>{"127.0.0.1:50051"});
+  EXPECT_EQ(scene.server.listen, std::vector<std::string>{"127.0.0.1:29470"});
   EXPECT_EQ(scene.server.lease_timeout, 2s);
   EXPECT_EQ(scene.server.max_sessions, 32u);
   EXPECT_EQ(scene.loop.period, 1ms);
@@ -104,7 +104,7 @@ TEST(Scene, TheResolvedTextHoldsEveryDefault) {
   for (const char* field :
        {"seed: 1", "hand_stiffness: 0.6", "proximal_phalanx_m: 0.045", "damping_n_s_per_m: [0]",
         "slew_n_per_s: [2000]", "engage_window_n: [5]", "hold_end", "fade_end", "subspace_linear",
-        "listen: \"127.0.0.1:50051\"", "lease_timeout", "max_sessions: 32", "priority: 80",
+        "listen: \"127.0.0.1:29470\"", "lease_timeout", "max_sessions: 32", "priority: 80",
         "late_bucket_full: 100"}) {
     EXPECT_NE(resolved.find(field), std::string::npos) << field << "\n" << resolved;
   }

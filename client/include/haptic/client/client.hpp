@@ -1,7 +1,7 @@
 #pragma once
 /// haptic::client - the C++ client of hapticd. No gRPC, protobuf or Eigen type appears here.
 ///
-///   haptic::client::Connection server("127.0.0.1:50051");
+///   haptic::client::Connection server(haptic::client::kDefaultServer);
 ///   auto session = server.open({.client_name = "my simulation", .nominal_rate_hz = 60});
 ///   session->engage_when_ready();
 ///   for (...) {

@@ -10,8 +10,11 @@
 #include "haptic/client/link.hpp"
 #include "haptic/client/session.hpp"
 #include "haptic/client/watch.hpp"
+#include "haptic/wire/ports.hpp"
 
 namespace haptic::client {
+
+using wire::kDefaultServer;
 
 /// TLS to the server. PEM files; each is read when the connection is made.
 struct TlsOptions {

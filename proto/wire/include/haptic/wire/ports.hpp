@@ -1,0 +1,18 @@
+#pragma once
+/// The ports that hapticd's pages, scenes, packages and programs use, and the address that a server
+/// and its clients take if none is given. They lie below the ephemeral range of Linux (32768), so
+/// that no outgoing connection takes one before hapticd starts, and IANA assigns them to no service.
+/// Python has the same values in `haptic/_ports.py`; tests/checks/ports.py compares all of them.
+
+#include <cstdint>
+
+namespace haptic::wire {
+
+inline constexpr std::uint16_t kGrpcPort = 29470;     ///< TCP: the service
+inline constexpr std::uint16_t kUdpPort = 29471;      ///< UDP: samples and states (optional)
+inline constexpr std::uint16_t kMetricsPort = 29472;  ///< TCP: Prometheus' metrics (optional)
+
+/// kGrpcPort on loopback, as "host:port".
+inline constexpr const char* kDefaultServer = "127.0.0.1:29470";
+
+}  // namespace haptic::wire

@@ -1,17 +1,18 @@
 #!/bin/sh
-# THE list of Debian packages that hapticd needs, and the one place that installs them.
+# The list of Debian packages that hapticd needs; no other file installs any.
 #
 #   docker/install-deps.sh [--list] [group...]      default: build test
 #
 # Groups: runtime     what the installed programs load
 #         build       what compiles them
-#         test        what tests/run.sh and server/demo.sh need besides
+#         demo        what server/demo.sh needs in addition to build
+#         test        what tests/run.sh needs in addition to build
 #         report      what draws figures, and the peers in them
-#         bench       the peer of tests/bench/network.sh
+#         node        npm, which fetches buf (proto/buf.sh) and the peer of tests/bench/network.sh
 #         firmware    the board's side
 #         containers  building and running images
 # Only what is missing is installed; with everything in place this is a no-op that needs neither
-# network nor root. "a|b" means: a, or b where the distribution calls it so.
+# network nor root. "a|b" means: a, or b if the distribution (Ubuntu) calls it so.
 set -eu
 
 packages() {
@@ -24,17 +25,18 @@ packages() {
                 "protobuf-compiler protobuf-compiler-grpc libspdlog-dev libcli11-dev" \
                 "nlohmann-json3-dev libssl-dev libasio-dev libserialport-dev" \
                 "libsystemd-dev libcpp-httplib-dev dpkg-dev file" ;;
+    demo) echo "gnuplot-nox" ;;
     test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" \
                 "liborocos-kdl-dev clang python3-grpcio python3-protobuf python3-cryptography tshark openssl" \
                 "prometheus systemd mypy" ;;
     report) echo "gnuplot-nox liblapack-dev libceres-dev libcminpack-dev" ;;
-    bench) echo "nodejs npm" ;;
+    node) echo "nodejs npm" ;;
     firmware) echo "gcc-arm-none-eabi" ;;
     # An engine that needs neither daemon nor registry. Where Docker runs, docker/test.sh takes that.
     containers) echo "podman podman-compose runc netavark aardvark-dns iptables debootstrap" \
                      "dpkg-dev python3" ;;
     *)
-      echo "install-deps.sh: no group '$1' (groups: runtime build test report bench firmware containers)" >&2
+      echo "install-deps.sh: no group '$1' (groups: runtime build demo test report node firmware containers)" >&2
       return 2
       ;;
   esac

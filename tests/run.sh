@@ -26,7 +26,13 @@ while (($#)); do
   esac
 done
 
-if $install; then sh "$root/docker/install-deps.sh" build test; fi
+if $install; then
+  sh "$root/docker/install-deps.sh" build test
+  if ! command -v npm >/dev/null || ! sh "$root/proto/buf.sh" install; then
+    echo "run.sh: buf could not be installed (needs npm: docker/install-deps.sh node);" \
+      "its check will be skipped" >&2
+  fi
+fi
 
 jobs=$(nproc)
 cd "$root"

@@ -34,7 +34,7 @@ fi
 peer=()
 case " ${parts[*]} " in
   *" age "*)
-    command -v npm > /dev/null || sh docker/install-deps.sh bench >&2
+    command -v npm > /dev/null || sh docker/install-deps.sh node >&2
     folder=$build/bench-peer
     mkdir -p "$folder"
     cp tests/bench/peer/package.json tests/bench/peer/*.js "$folder/"

@@ -9,7 +9,7 @@
 #   --serial       through a serial link: a board's firmware and a model of its actuator, emulated
 #                  on a pseudo-terminal (hw/README.md), instead of the simulated finger
 #   --output DIR   where summary, recording and pictures go (default: demo-output beside the README)
-#   --no-build     neither installs nor builds
+#   --no-build     does not install packages and does not build
 #   --build DIR    uses the programs of this build folder (implies --no-build)
 #
 # Exit status: 0 contact was felt and free motion was free; else what went wrong is said.
@@ -41,10 +41,15 @@ fi
 seconds=$((10#$seconds))
 
 if $build; then
-  sh "$root/docker/install-deps.sh" build test
-  (cd "$root" && cmake --preset release --log-level=WARNING >/dev/null &&
+  sh "$root/docker/install-deps.sh" build demo
+  (
+    cd "$root"
+    # Without the tests, whose packages the demo does not install; a folder that has them keeps them.
+    [[ -f build/release/build.ninja ]] ||
+      cmake --preset release -DHAPTIC_BUILD_TESTS=OFF --log-level=WARNING >/dev/null
     cmake --build --preset release --parallel "$(nproc)" \
-      --target hapticd hapticctl haptic-example-soft-grasp haptic-board-emulator)
+      --target hapticd hapticctl haptic-example-soft-grasp haptic-board-emulator
+  )
 fi
 
 program() {  # program NAME: where the build put it
@@ -57,7 +62,7 @@ hapticd=$(program hapticd)
 hapticctl=$(program hapticctl)
 grasp=$(program haptic-example-soft-grasp)
 if $serial; then emulator=$(program haptic-board-emulator); fi
-command -v gnuplot >/dev/null || { echo "demo.sh: gnuplot is missing (docker/install-deps.sh)" >&2; exit 1; }
+command -v gnuplot >/dev/null || { echo "demo.sh: gnuplot is missing (docker/install-deps.sh demo)" >&2; exit 1; }
 
 mkdir -p "$output"
 output=$(cd "$output" && pwd)

@@ -22,7 +22,7 @@ struct TankSettings {
 };
 
 /// What the force held since the last sample did while q_a moved by dq
-/// (core/METHOD.md#sampled-data-5.3). J.
+/// (core/METHOD.md#energy-tank). J.
 struct HoldAccount {
   double leak{0.0};            ///< of the hold: V after - V before + tau_law^T dq >= 0
   double limits{0.0};          ///< taken from the user by slew and other limits; of either sign

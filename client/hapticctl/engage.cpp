@@ -46,7 +46,7 @@ int engage(const Options& options) {
           "the device is in FAULT: " + joined(client::fault_names(state.faults)));
     }
     const bool has_force =
-        state.state == client::State::kEngaging || state.state == client::State::kEngaged;
+        state.state == client::Lifecycle::kEngaging || state.state == client::Lifecycle::kEngaged;
     if (options.hold && !has_force) anchor = state.x_probe;
     session->publish(anchor.empty() ? client::Proxy::free() : client::Proxy::held(anchor));
     if (step % kStepsPerLine == 0) print(*session, state);

@@ -39,8 +39,8 @@ json to_json(const client::LinkDirection& d) {
 
 json to_json(const client::SessionLink& s) {
   json transports = json::array(), clock = nullptr;
-  for (const client::LinkTransport& t : s.transports) {
-    transports.push_back({{"transport", client::name(t.transport)},
+  for (const client::LinkCarrier& t : s.carriers) {
+    transports.push_back({{"transport", client::name(t.carrier)},
                           {"up", to_json(t.up)},
                           {"down", to_json(t.down)},
                           {"round_trip_us", number(t.round_trip)},
@@ -84,10 +84,10 @@ std::string text(const std::vector<client::Rejected>& rejected) {
   return joined(entries);
 }
 
-void print(const char* way, const client::LinkTransport& t, const client::LinkDirection& d) {
+void print(const char* way, const client::LinkCarrier& t, const client::LinkDirection& d) {
   const auto count = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
-  std::printf("  %-5s %-4s %10llu %8llu %8llu %8llu %6llu %10s %8s\n", client::name(t.transport),
-              way, count(d.received), count(d.lost), count(d.reordered), count(d.duplicate),
+  std::printf("  %-5s %-4s %10llu %8llu %8llu %8llu %6llu %10s %8s\n", client::name(t.carrier), way,
+              count(d.received), count(d.lost), count(d.reordered), count(d.duplicate),
               count(d.late), text(d.longest_gap).c_str(), text(d.jitter).c_str());
   if (!d.rejected.empty()) std::printf("             rejected: %s\n", text(d.rejected).c_str());
 }
@@ -99,10 +99,10 @@ void print(const client::SessionLink& s) {
               client::name(s.states_by));
   std::printf("  %-5s %-4s %10s %8s %8s %8s %6s %10s %8s\n", "", "", "messages", "lost", "reorder",
               "repeat", "late", "gap ms", "jitter");
-  for (const client::LinkTransport& t : s.transports) {
+  for (const client::LinkCarrier& t : s.carriers) {
     print("up", t, t.up);
     print("down", t, t.down);
-    std::printf("  %-5s round trip %s ms, least %s ms\n", client::name(t.transport),
+    std::printf("  %-5s round trip %s ms, least %s ms\n", client::name(t.carrier),
                 text(t.round_trip).c_str(), text(t.least_round_trip).c_str());
   }
   std::printf(

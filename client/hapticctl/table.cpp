@@ -78,7 +78,7 @@ Rows table(const client::DeviceInfo& device, const client::DeviceState& s, doubl
            std::uint64_t conflated) {
   Rows rows{text("%s  %s  %s  %s  gain %.2f  %s  t %.1f s", device.name.c_str(),
                  client::name(s.state), mode_name(s.mode), age(s).c_str(), s.gain,
-                 s.proxy_seq_used == 0 ? "-" : client::name(s.transport), seconds)};
+                 s.proxy_seq_used == 0 ? "-" : client::name(s.carrier), seconds)};
   std::size_t actuated = 0;
   for (std::size_t i = 0; i < device.dofs.size(); ++i) {
     const auto& dof = device.dofs[i];
@@ -155,7 +155,7 @@ std::string json_line(const client::DeviceInfo& device, const client::DeviceStat
                          {"proxy_seq_used", s.proxy_seq_used},
                          {"proxy_age_us", s.proxy_age.count()},
                          {"gain", s.gain},
-                         {"transport", client::name(s.transport)},
+                         {"transport", client::name(s.carrier)},
                          {"q", s.q},
                          {"q_dot", s.q_dot},
                          {"x_probe", s.x_probe},

@@ -35,8 +35,8 @@ DeviceState to_state(const v1::DeviceState& m) {
   s.proxy_age = std::chrono::microseconds(m.proxy_age_us());
   s.staleness = static_cast<Staleness>(m.staleness());
   s.gain = m.gain();
-  s.transport = static_cast<Transport>(m.transport());
-  s.state = static_cast<State>(m.state());
+  s.carrier = static_cast<Carrier>(m.transport());
+  s.state = static_cast<Lifecycle>(m.state());
   s.faults = m.faults();
   s.limiters = m.limiters();
   s.tau_measured = list(m.tau_measured());
@@ -71,8 +71,8 @@ DeviceState to_state(const v1::DeviceState& m) {
 }
 
 Event to_event(const v1::Event& m) {
-  return {static_cast<unsigned>(m.kind()), m.reason(), m.message(), static_cast<State>(m.state()),
-          m.server_time_ns()};
+  return {static_cast<unsigned>(m.kind()), m.reason(), m.message(),
+          static_cast<Lifecycle>(m.state()), m.server_time_ns()};
 }
 
 DeviceInfo to_info(const v1::Device& m) {
@@ -95,7 +95,7 @@ DeviceInfo to_info(const v1::Device& m) {
   d.slew_limit = list(m.slew_limit());
   d.engage_window = list(m.engage_window());
   d.loop_rate_hz = m.loop_rate_hz();
-  d.state = static_cast<State>(m.state());
+  d.state = static_cast<Lifecycle>(m.state());
   d.faults = m.faults();
   d.controller = m.controller();
   d.renderer = static_cast<Renderer>(m.renderer());

@@ -37,12 +37,12 @@ SessionLink to_link(const v1::SessionLink& m) {
   link.observer = m.role() == v1::ROLE_OBSERVER;
   link.lease_epoch = m.lease_epoch();
   link.holds_lease = m.holds_lease();
-  link.samples_by = static_cast<Transport>(m.samples_by());
-  link.states_by = static_cast<Transport>(m.states_by());
+  link.samples_by = static_cast<Carrier>(m.samples_by());
+  link.states_by = static_cast<Carrier>(m.states_by());
   for (const v1::LinkTransport& t : m.transports()) {
-    link.transports.push_back({static_cast<Transport>(t.transport()), to_direction(t.up()),
-                               to_direction(t.down()), known(t.has_round_trip(), t.round_trip()),
-                               known(t.has_least_round_trip(), t.least_round_trip())});
+    link.carriers.push_back({static_cast<Carrier>(t.transport()), to_direction(t.up()),
+                             to_direction(t.down()), known(t.has_round_trip(), t.round_trip()),
+                             known(t.has_least_round_trip(), t.least_round_trip())});
   }
   if (m.has_clock()) {
     link.clock = LinkClock{std::chrono::nanoseconds(m.clock().offset_ns()), m.clock().drift(),

@@ -57,25 +57,25 @@ const char* name(CertificateState::Status status) noexcept {
   return "UNKNOWN";
 }
 
-const char* name(State state) noexcept {
+const char* name(Lifecycle state) noexcept {
   switch (state) {
-    case State::kInit:
+    case Lifecycle::kInit:
       return "INIT";
-    case State::kIdle:
+    case Lifecycle::kIdle:
       return "IDLE";
-    case State::kArmed:
+    case Lifecycle::kArmed:
       return "ARMED";
-    case State::kEngaging:
+    case Lifecycle::kEngaging:
       return "ENGAGING";
-    case State::kEngaged:
+    case Lifecycle::kEngaged:
       return "ENGAGED";
-    case State::kReleasing:
+    case Lifecycle::kReleasing:
       return "RELEASING";
-    case State::kFault:
+    case Lifecycle::kFault:
       return "FAULT";
-    case State::kClosing:
+    case Lifecycle::kClosing:
       return "CLOSING";
-    case State::kUnknown:
+    case Lifecycle::kUnknown:
       break;
   }
   return "UNKNOWN";
@@ -97,13 +97,13 @@ const char* name(Staleness staleness) noexcept {
   return "UNKNOWN";
 }
 
-const char* name(Transport transport) noexcept {
-  switch (transport) {
-    case Transport::kGrpc:
+const char* name(Carrier carrier) noexcept {
+  switch (carrier) {
+    case Carrier::kGrpc:
       return "GRPC";
-    case Transport::kUdp:
+    case Carrier::kUdp:
       return "UDP";
-    case Transport::kUnknown:
+    case Carrier::kUnknown:
       break;
   }
   return "UNKNOWN";

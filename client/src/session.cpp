@@ -37,9 +37,6 @@ AppliedSettings Session::update(const Settings& settings) {
 bool Session::connected() const {
   return impl_->connected();
 }
-Transport Session::transport() const {
-  return impl_->transport();
-}
 std::optional<UdpLink> Session::udp_link() const {
   return impl_->udp_link();
 }

@@ -155,11 +155,6 @@ bool Session::Impl::connected() const {
   return phase_ == Phase::kOpen && !closing_;
 }
 
-Transport Session::Impl::transport() const {
-  const std::lock_guard lock(mutex_);
-  return newest_.transport;
-}
-
 std::uint32_t Session::Impl::lease_epoch() const {
   const std::lock_guard lock(mutex_);
   return opened_.lease_epoch();

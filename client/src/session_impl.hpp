@@ -18,8 +18,8 @@
 
 namespace haptic::client {
 
-[[nodiscard]] inline bool has_force(State state) noexcept {
-  return state == State::kEngaging || state == State::kEngaged;
+[[nodiscard]] inline bool has_force(Lifecycle state) noexcept {
+  return state == Lifecycle::kEngaging || state == Lifecycle::kEngaged;
 }
 
 class Session::Impl final : public StreamSink, public UdpSink {
@@ -40,7 +40,6 @@ class Session::Impl final : public StreamSink, public UdpSink {
   AppliedSettings update(const Settings& settings);
   [[nodiscard]] std::optional<ClientError> engage_refusal() const;
   [[nodiscard]] bool connected() const;
-  [[nodiscard]] Transport transport() const;
   [[nodiscard]] std::optional<UdpLink> udp_link() const;
   [[nodiscard]] std::uint32_t lease_epoch() const;
   [[nodiscard]] PublishStatistics statistics() const;

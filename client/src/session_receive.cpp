@@ -89,7 +89,7 @@ void Session::Impl::received(const v1::DeviceState& state) {
   state_pending_ = true;
   if (want_force_ && had_force && !has_force(newest_.state)) work_.notify_all();
   // A fault may have latched while the stream was down: its event is then never seen.
-  if (newest_.state == State::kFault && newest_.received - asked_at_ > kFaultMayBeOld) {
+  if (newest_.state == Lifecycle::kFault && newest_.received - asked_at_ > kFaultMayBeOld) {
     give_up_force({ErrorReason::kNotReady, "the device is in FAULT"});
   }
 }

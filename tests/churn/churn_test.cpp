@@ -54,7 +54,7 @@ class Churn {
       for (int i = 0; i < 80 && running; ++i) {
         const client::DeviceState state = session->state();
         if (!state.x_probe.empty()) session->publish(client::Proxy::held(state.x_probe));
-        if (state.transport == client::Transport::kUdp) ++by_udp;
+        if (state.carrier == client::Carrier::kUdp) ++by_udp;
         std::this_thread::sleep_for(5ms);
       }
     };

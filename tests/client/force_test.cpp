@@ -99,7 +99,7 @@ TEST(ReEngage, AsksAgainAfterForceWasLost) {
   session->engage_when_ready();
   ASSERT_TRUE(server.until([&] { return server.engages() == 1; }));
   server.send_state(1, v1::DEVICE_STATE_NAME_ENGAGED);
-  ASSERT_TRUE(server.until([&] { return session->state().state == client::State::kEngaged; }));
+  ASSERT_TRUE(server.until([&] { return session->state().state == client::Lifecycle::kEngaged; }));
   server.send_event(v1::Event::KIND_LOST, "LOST");
   server.send_state(2, v1::DEVICE_STATE_NAME_ARMED);
   EXPECT_TRUE(server.until([&] { return server.engages() >= 2; }));
@@ -123,7 +123,7 @@ TEST(ReEngage, AFaultIsNoLossThatForceReturnsFromByItself) {
   session->engage_when_ready();
   ASSERT_TRUE(server.until([&] { return server.engages() == 1; }));
   server.send_state(1, v1::DEVICE_STATE_NAME_ENGAGED);
-  ASSERT_TRUE(server.until([&] { return session->state().state == client::State::kEngaged; }));
+  ASSERT_TRUE(server.until([&] { return session->state().state == client::Lifecycle::kEngaged; }));
   // Somebody hit the emergency stop; later somebody else clears it.
   server.send_event(v1::Event::KIND_FAULT, "EMERGENCY_STOP");
   server.send_state(2, v1::DEVICE_STATE_NAME_FAULT);

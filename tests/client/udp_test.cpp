@@ -127,7 +127,7 @@ TEST_F(ClientUdp, StatesByUdpReachTheCallbackAndOldOnesDoNot) {
   ASSERT_TRUE(server.until([&] { return udp.in_use(); }));
   send_state(5);
   ASSERT_TRUE(server.until([&] { return newest == 5; }));
-  EXPECT_EQ(session->state().transport, client::Transport::kUdp);
+  EXPECT_EQ(session->state().carrier, client::Carrier::kUdp);
   server.send_state(4);  // was slower, on the stream
   server.send_state(6);
   ASSERT_TRUE(server.until([&] { return newest == 6; }));

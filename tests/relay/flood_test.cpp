@@ -196,7 +196,7 @@ TEST(Flood, CostsNoMoreThanToADiscardingSocketAndAStopActsWithin10Ms) {
   };
   const Relay relay(setup);
   Presser presser(daemon.behind_relay());
-  ASSERT_TRUE(within(20s, [&] { return presser.state().transport == client::Transport::kUdp; }));
+  ASSERT_TRUE(within(20s, [&] { return presser.state().carrier == client::Carrier::kUdp; }));
   constexpr int kMeasurementsAtMost = 3;
   FloodMeasurement measured;
   for (int number = 1; number <= kMeasurementsAtMost; ++number) {

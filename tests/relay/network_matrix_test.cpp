@@ -65,8 +65,8 @@ void press_through(RowRun& run, const Scenario& scenario) {
   const Relay relay(setup);
   Presser presser(run.daemon().behind_relay());
   std::this_thread::sleep_for(scenario.duration);
-  const auto engaged = [&] { return presser.state().state == client::State::kEngaged; };
-  const auto by_udp = [&] { return presser.session().transport() == client::Transport::kUdp; };
+  const auto engaged = [&] { return presser.state().state == client::Lifecycle::kEngaged; };
+  const auto by_udp = [&] { return presser.state().carrier == client::Carrier::kUdp; };
   // The longest retransmission and back-off may still be ahead of a client that was cut off.
   if (!is_never_felt(name) && !may_be_refused(name)) {
     run.expect(within(15s, engaged), "engaged within 15 s of the scenario's end");

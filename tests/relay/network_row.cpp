@@ -82,7 +82,7 @@ RunReport run_once(const Experiment& experiment) {
   };
   guarded([&] {
     run.first_ = first_state(run.daemon().address());
-    const bool serves = run.first_ && run.first_->state == client::State::kIdle;
+    const bool serves = run.first_ && run.first_->state == client::Lifecycle::kIdle;
     if (run.expect(serves, "a daemon that serves an idle finger at rest")) experiment(run);
   });
   guarded([&] {

@@ -34,7 +34,7 @@ RelaySetup between(const Daemon& daemon, const char* scenario = "delay_10ms") {
 bool engages_by_udp(RowRun& run, Presser& presser) {
   const bool engaged = within(20s, [&] {
     const auto state = presser.state();
-    return state.state == client::State::kEngaged && state.transport == client::Transport::kUdp;
+    return state.state == client::Lifecycle::kEngaged && state.carrier == client::Carrier::kUdp;
   });
   return run.expect(engaged, "engaged over UDP within 20 s");
 }
@@ -53,8 +53,8 @@ std::uint64_t rejected_datagrams(client::Connection& server) {
   const client::LinkReport links = server.links();
   add(links.unassigned);
   for (const client::SessionLink& session : links.sessions) {
-    for (const client::LinkTransport& link : session.transports) {
-      if (link.transport == client::Transport::kUdp) add(link.up.rejected);
+    for (const client::LinkCarrier& link : session.carriers) {
+      if (link.carrier == client::Carrier::kUdp) add(link.up.rejected);
     }
   }
   return sum;
@@ -78,7 +78,7 @@ void expect_rejected(RowRun& run, client::Connection& server, std::uint64_t befo
 
 /// After LOST was heard: the state in which force was on may still be the newest here.
 bool engages_again_by_udp(RowRun& run, Presser& presser) {
-  const bool off = within(5s, [&] { return presser.state().state != client::State::kEngaged; });
+  const bool off = within(5s, [&] { return presser.state().state != client::Lifecycle::kEngaged; });
   return run.expect(off, "no longer engaged within 5 s") && engages_by_udp(run, presser);
 }
 
@@ -266,7 +266,7 @@ struct Wall {
                 {"--server", daemon.behind_relay(), "--stop", "0.3"}),
         watching(daemon.address()),
         watch(watching.watch("finger", 100.0, [this](const client::DeviceState& state) {
-          pressing = state.state == client::State::kEngaged && state.gain == 1.0;
+          pressing = state.state == client::Lifecycle::kEngaged && state.gain == 1.0;
         })) {}
 
   /// The outcome is a finding of the run where it is not so.
@@ -288,7 +288,7 @@ bool kill_while_pressing(RowRun& run) {
   wall.process.signal(SIGKILL);
   wall.process.wait();
   std::this_thread::sleep_for(3s);
-  run.expect(wall.watching.devices().front().state == client::State::kIdle, "IDLE 3 s later");
+  run.expect(wall.watching.devices().front().state == client::Lifecycle::kIdle, "IDLE 3 s later");
   return true;
 }
 
@@ -391,7 +391,7 @@ TEST(NetworkRow, SixteenObserversAt1Khz) {
             connection.watch("finger", 1000.0, [&](const client::DeviceState&) { ++states; }));
       }
       Presser presser(run.daemon().address());
-      const auto engaged = [&] { return presser.state().state == client::State::kEngaged; };
+      const auto engaged = [&] { return presser.state().state == client::Lifecycle::kEngaged; };
       if (!run.expect(within(20s, engaged), "engaged within 20 s")) return;
       std::this_thread::sleep_for(4s);
     }

@@ -67,7 +67,7 @@ void Presser::run() {
     if (publishing && !state.x_probe.empty()) {
       const double t =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-      const bool engaged = state.state == client::State::kEngaged;
+      const bool engaged = state.state == client::Lifecycle::kEngaged;
       depth = engaged ? std::min(0.15, depth + 0.002) : 0.0;
       const double press = depth * (1.0 + 0.2 * std::sin(6.0 * t));
       std::vector<double> x = state.x_probe;
@@ -94,8 +94,8 @@ std::optional<client::DeviceState> first_state(const std::string& address) {
   std::future<client::DeviceState> arrival = first.get_future();
   bool taken = false;  // by the watch's one thread
   const auto watch = connection.watch("finger", 100.0, [&](const client::DeviceState& state) {
-    const bool idle = state.state == client::State::kIdle && at_rest(state);
-    if (taken || !(idle || state.state == client::State::kFault)) return;
+    const bool idle = state.state == client::Lifecycle::kIdle && at_rest(state);
+    if (taken || !(idle || state.state == client::Lifecycle::kFault)) return;
     taken = true;
     first.set_value(state);
   });
@@ -105,7 +105,7 @@ std::optional<client::DeviceState> first_state(const std::string& address) {
 
 bool serves(const std::string& address) {
   const auto state = first_state(address);
-  return state && state->state == client::State::kIdle;
+  return state && state->state == client::Lifecycle::kIdle;
 }
 
 }  // namespace haptic::test

@@ -44,13 +44,13 @@ TEST(LongSilence, ForceReturnsUnderTheNextLeaseWhereItIsAskedFor) {
     const client::DeviceState state = session->state();
     if (!state.x_probe.empty()) session->publish(client::Proxy::held(state.x_probe));
   };
-  const auto engaged = [&] { return session->state().state == client::State::kEngaged; };
+  const auto engaged = [&] { return session->state().state == client::Lifecycle::kEngaged; };
   ASSERT_TRUE(eventually(engaged, speak));
   ASSERT_EQ(session->lease_epoch(), 1U);
 
   std::atomic<bool> idle{false};
   const auto watch = connection.watch("finger", 100.0, [&](const client::DeviceState& state) {
-    if (state.state == client::State::kIdle) idle = true;
+    if (state.state == client::Lifecycle::kIdle) idle = true;
   });
   ASSERT_TRUE(eventually([&] { return idle.load(); }, [] {})) << "the lease must end by its clock";
   EXPECT_EQ(session->lease_epoch(), 1U) << "a silent client took the device back";

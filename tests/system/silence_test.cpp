@@ -31,7 +31,7 @@ class Pressing : public ::testing::Test {
         std::string(HAPTIC_BINARY_DIR) + "/client/haptic-example-virtual-wall",
         std::vector<std::string>{"--server", address_, "--stop", "0.3"});
     ASSERT_TRUE(eventually([](const client::DeviceState& s) {
-      return s.state == client::State::kEngaged && std::abs(s.tau_elastic.at(0)) > 0.5;
+      return s.state == client::Lifecycle::kEngaged && std::abs(s.tau_elastic.at(0)) > 0.5;
     })) << "the wall is never pressed";
   }
 
@@ -103,7 +103,7 @@ TEST_F(Pressing, AKilledClientLeavesNoForceAndAFreeLease) {
   wall_->signal(SIGKILL);
   wall_->wait();
   ASSERT_TRUE(eventually([](const client::DeviceState& s) {
-    return s.tau_elastic.at(0) == 0.0 && s.state == client::State::kIdle;
+    return s.tau_elastic.at(0) == 0.0 && s.state == client::Lifecycle::kIdle;
   }));
   expect_the_contract();
   const auto next = connection_->open(controller("the next one"));
@@ -120,10 +120,10 @@ TEST_F(Pressing, APausedClientLosesForceThenItsLeaseAndNobodyElseMayComeBefore) 
   }
   wall_->signal(SIGSTOP);
   ASSERT_TRUE(eventually([](const client::DeviceState& s) {
-    return s.state == client::State::kArmed && s.tau_elastic.at(0) == 0.0;
+    return s.state == client::Lifecycle::kArmed && s.tau_elastic.at(0) == 0.0;
   }));
   ASSERT_TRUE(eventually([](const client::DeviceState& s) {
-    return s.state == client::State::kIdle && s.tau_a.at(0) == 0.0;
+    return s.state == client::Lifecycle::kIdle && s.tau_a.at(0) == 0.0;
   })) << "the lease must end by its clock";
   expect_the_contract();
   EXPECT_TRUE(connection_->open(controller("the next one"))->connected());
@@ -133,12 +133,12 @@ TEST_F(Pressing, APausedClientLosesForceThenItsLeaseAndNobodyElseMayComeBefore) 
 TEST_F(Pressing, ABriefPauseComesBackAsARamp) {
   wall_->signal(SIGSTOP);
   ASSERT_TRUE(eventually([](const client::DeviceState& s) {
-    return s.state == client::State::kArmed && s.tau_elastic.at(0) == 0.0 &&
+    return s.state == client::Lifecycle::kArmed && s.tau_elastic.at(0) == 0.0 &&
            s.proxy_age > milliseconds(300);
   }));
   wall_->signal(SIGCONT);
   EXPECT_TRUE(eventually([](const client::DeviceState& s) {
-    return s.state == client::State::kEngaged && std::abs(s.tau_elastic.at(0)) > 0.5;
+    return s.state == client::Lifecycle::kEngaged && std::abs(s.tau_elastic.at(0)) > 0.5;
   })) << "the wall asks for force again by itself (re_engage)";
   expect_the_contract();
 }

@@ -11,11 +11,11 @@
 namespace haptic::test {
 namespace {
 
+using client::Carrier;
 using client::Carriers;
+using client::Lifecycle;
 using client::Proxy;
 using client::SessionOptions;
-using client::State;
-using client::Transport;
 
 server::RpcConfig with_udp() {
   server::RpcConfig config;
@@ -49,7 +49,7 @@ TEST(UdpEndToEnd, ForceIsFeltByUdpAndEventsTellOfTheChange) {
   session->engage_when_ready();
   ASSERT_TRUE(while_publishing(*session, 0.01, [&] {
     const auto state = session->state();
-    return state.state == State::kEngaged && state.transport == Transport::kUdp &&
+    return state.state == Lifecycle::kEngaged && state.carrier == Carrier::kUdp &&
            std::abs(state.tau_a.at(0) - 1.0) < 1e-9;  // 0.01 m at 100 N/m
   }));
   EXPECT_TRUE(session->udp_link()->in_use);
@@ -78,9 +78,9 @@ TEST(UdpEndToEnd, TheCarrierMakesNoDifferenceToTheForce) {
     const auto session = connection.open(options);
     session->engage_when_ready();
     ASSERT_TRUE(while_publishing(*session, 0.01, [&] {
-      return session->state().state == State::kEngaged && session->state().gain == 1.0;
+      return session->state().state == Lifecycle::kEngaged && session->state().gain == 1.0;
     }));
-    EXPECT_EQ(session->state().transport, Transport::kGrpc);
+    EXPECT_EQ(session->state().carrier, Carrier::kGrpc);
     EXPECT_FALSE(session->udp_link());
     by_stream = session->state().tau_elastic.at(0);
   }
@@ -88,11 +88,11 @@ TEST(UdpEndToEnd, TheCarrierMakesNoDifferenceToTheForce) {
   const auto session = connection.open(options);
   session->engage_when_ready();
   ASSERT_TRUE(while_publishing(*session, 0.01, [&] {
-    return session->state().state == State::kEngaged && session->state().gain == 1.0;
+    return session->state().state == Lifecycle::kEngaged && session->state().gain == 1.0;
   }));
   watching = true;
-  ASSERT_TRUE(while_publishing(*session, 0.01,
-                               [&] { return session->state().transport == Transport::kUdp; }));
+  ASSERT_TRUE(
+      while_publishing(*session, 0.01, [&] { return session->state().carrier == Carrier::kUdp; }));
   for (int i = 0; i < 50; ++i) {
     session->publish(Proxy::held({0.01, 0.0}));
     std::this_thread::sleep_for(10ms);

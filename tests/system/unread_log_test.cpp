@@ -88,7 +88,7 @@ TEST_P(UnreadLog, NeitherLeaseNorStopNorSigtermWaitsForIt) {
   };
   auto wall = press();
   const auto device = [&] { return connection.devices().front(); };
-  ASSERT_TRUE(within_a_while([&] { return device().state == client::State::kEngaged; }));
+  ASSERT_TRUE(within_a_while([&] { return device().state == client::Lifecycle::kEngaged; }));
 
   log.fill();
   // More lines than any buffer on the way holds.
@@ -97,16 +97,16 @@ TEST_P(UnreadLog, NeitherLeaseNorStopNorSigtermWaitsForIt) {
     static_cast<void>(connection.clear_fault());
   }
   wall = press();
-  ASSERT_TRUE(within_a_while([&] { return device().state == client::State::kEngaged; }));
+  ASSERT_TRUE(within_a_while([&] { return device().state == client::Lifecycle::kEngaged; }));
   wall->signal(SIGSTOP);
-  EXPECT_TRUE(within_a_while([&] { return device().state == client::State::kIdle; }))
+  EXPECT_TRUE(within_a_while([&] { return device().state == client::Lifecycle::kIdle; }))
       << "the lease of a silent controller ends";
   wall = press();
-  ASSERT_TRUE(within_a_while([&] { return device().state == client::State::kEngaged; }));
+  ASSERT_TRUE(within_a_while([&] { return device().state == client::Lifecycle::kEngaged; }));
   EXPECT_EQ(connection.emergency_stop({}, "nobody reads this").size(), 1U);
-  EXPECT_EQ(device().state, client::State::kFault);
+  EXPECT_EQ(device().state, client::Lifecycle::kFault);
   static_cast<void>(connection.clear_fault());
-  EXPECT_TRUE(within_a_while([&] { return device().state != client::State::kFault; }));
+  EXPECT_TRUE(within_a_while([&] { return device().state != client::Lifecycle::kFault; }));
 
   const auto asked = Clock::now();
   daemon.signal(SIGTERM);

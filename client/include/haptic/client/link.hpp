@@ -26,8 +26,8 @@ struct LinkDirection {
   std::optional<std::chrono::nanoseconds> longest_gap{}, jitter{};
 };
 
-struct LinkTransport {
-  Transport transport{Transport::kUnknown};
+struct LinkCarrier {
+  Carrier carrier{Carrier::kUnknown};
   LinkDirection up{};    ///< client to server
   LinkDirection down{};  ///< server to client; of UDP as the client reports it
   std::optional<std::chrono::nanoseconds> round_trip{};  ///< smoothed
@@ -47,8 +47,8 @@ struct SessionLink {
   bool observer{false};
   std::uint32_t lease_epoch{0};  ///< 0: never had the lease
   bool holds_lease{false};
-  Transport samples_by{Transport::kUnknown}, states_by{Transport::kUnknown};
-  std::vector<LinkTransport> transports{};
+  Carrier samples_by{Carrier::kUnknown}, states_by{Carrier::kUnknown};
+  std::vector<LinkCarrier> carriers{};
   std::optional<LinkClock> clock{};
   std::optional<std::chrono::nanoseconds> age_p50{}, age_p99{};  ///< of the proxy at use
   std::optional<std::chrono::nanoseconds> age_error_bound{};

@@ -121,7 +121,6 @@ class Session {
   AppliedSettings update(const Settings& settings);
 
   [[nodiscard]] bool connected() const;
-  [[nodiscard]] Transport transport() const;
   /// What is known of the UDP path; empty where the server offers none, or it was not wanted.
   [[nodiscard]] std::optional<UdpLink> udp_link() const;
   [[nodiscard]] std::uint32_t lease_epoch() const;

@@ -16,8 +16,8 @@ namespace haptic::client {
 /// kNone: of a state without a proxy in use; nothing to publish.
 enum class Mode : std::uint8_t { kNone = 0, kHeld = 1, kFree = 2, kPlanes = 3 };
 enum class Staleness : std::uint8_t { kUnknown = 0, kFresh = 1, kHold = 2, kFade = 3, kLost = 4 };
-enum class Transport : std::uint8_t { kUnknown = 0, kGrpc = 1, kUdp = 2 };
-enum class State : std::uint8_t {
+enum class Carrier : std::uint8_t { kUnknown = 0, kGrpc = 1, kUdp = 2 };
+enum class Lifecycle : std::uint8_t {
   kUnknown = 0,
   kInit = 1,
   kIdle = 2,
@@ -35,9 +35,9 @@ enum class Renderer : std::uint8_t {
   kSubspaceLinear = 3,
   kSubspaceExact = 4,
 };
-[[nodiscard]] const char* name(State state) noexcept;          ///< "ENGAGED"
+[[nodiscard]] const char* name(Lifecycle state) noexcept;      ///< "ENGAGED"
 [[nodiscard]] const char* name(Staleness staleness) noexcept;  ///< "FRESH"
-[[nodiscard]] const char* name(Transport transport) noexcept;  ///< "GRPC"
+[[nodiscard]] const char* name(Carrier carrier) noexcept;      ///< "GRPC"
 /// The bits of DeviceState::faults, and of limiters, by name: {"LOOP_LATE", "EMERGENCY_STOP"}.
 [[nodiscard]] std::vector<std::string> fault_names(std::uint32_t faults);
 [[nodiscard]] std::vector<std::string> limiter_names(std::uint32_t limiters);
@@ -63,7 +63,7 @@ struct DeviceInfo {
   std::vector<double> stiffness_limit{}, damping_limit{}, force_limit{}, slew_limit{},
       engage_window{};  ///< per actuated DoF
   double loop_rate_hz{0.0};
-  State state{State::kUnknown};
+  Lifecycle state{Lifecycle::kUnknown};
   std::uint32_t faults{0};
   std::string controller{};  ///< who holds the lease; empty: nobody
   Renderer renderer{Renderer::kUnchanged};
@@ -108,8 +108,8 @@ struct DeviceState {
   std::chrono::microseconds proxy_age{0};
   Staleness staleness{Staleness::kUnknown};
   double gain{0.0};
-  Transport transport{Transport::kUnknown};
-  State state{State::kUnknown};
+  Carrier carrier{Carrier::kUnknown};
+  Lifecycle state{Lifecycle::kUnknown};
   std::uint32_t faults{0}, limiters{0};
   std::vector<std::uint32_t> actuator_limiters{};  ///< per actuated DoF; empty: none acted
   unsigned projection{0};
@@ -128,7 +128,7 @@ struct DeviceState {
 struct Event {
   unsigned kind{0};  ///< number of Event.Kind in session.proto
   std::string reason{}, message{};
-  State state{State::kUnknown};
+  Lifecycle state{Lifecycle::kUnknown};
   std::int64_t server_time_ns{0};
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-/// hapticd as it ships, a process of its own, with a finger at rest that a client presses: TCP and UDP on
-/// ports that are free on the relay's address too, every tick recorded.
+/// The shipped hapticd as a process, with a finger at rest that a client presses. Its TCP and UDP
+/// ports are free on the relay's address too, and it records every tick.
 
 #include <filesystem>
 #include <memory>
@@ -18,8 +18,8 @@ class Daemon {
   static constexpr double kTank = 0.05;          ///< J, at every Engage
   static constexpr double kDeviceDamping = 2.0;  ///< N s/m, the simulated actuator's own
 
-  /// `more`: other fields of the scene. Returns when it listens, or did not within 10 s.
-  explicit Daemon(const std::string& more = {});
+  /// Returns when it listens, or 10 s later.
+  Daemon();
   ~Daemon();
 
   [[nodiscard]] std::uint16_t tcp_port() const { return tcp_port_; }
@@ -28,9 +28,8 @@ class Daemon {
   [[nodiscard]] std::string behind_relay() const {
     return "127.0.0.2:" + std::to_string(tcp_port_);
   }
-  /// SIGTERM; its exit code, again where it has ended before. The record is complete then.
+  /// Sends SIGTERM and returns the exit code, also if it has ended before. Completes the record.
   int stop();
-  void signal(int number) const { process_->signal(number); }
   [[nodiscard]] const std::filesystem::path& record() const { return record_; }
 
  private:

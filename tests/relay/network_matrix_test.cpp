@@ -1,7 +1,5 @@
 /// Every scenario of tests/relay/README.md#rows over real sockets: hapticd as a process, the client
-/// library, the relay between them, and the record of every tick. They keep real time: a machine
-/// that is busy with something else fails them (label `network`); a run that the host disturbed is
-/// done again (network_row.hpp).
+/// library, the relay between them, and the record of every tick.
 ///
 /// The scenarios of the client's clock are not here: nothing between the ends can turn a process's
 /// clock. tests/interop/clock_rows_test.py has a client that turns its own.
@@ -20,7 +18,8 @@ bool is_one_of(const std::string& name, std::initializer_list<const char*> names
   return std::any_of(names.begin(), names.end(), [&](const char* one) { return name == one; });
 }
 
-/// Force stays on from Engage to the end: what is lost or late is less than the ladder allows.
+/// Force stays on from Engage to the end on a calm host: what is lost or late is less than the ladder
+/// allows.
 bool is_never_felt(const std::string& name) {
   return is_one_of(
       name, {"clean", "delay_1ms", "delay_10ms", "delay_30ms", "delay_100ms", "duplicate_100",
@@ -28,13 +27,13 @@ bool is_never_felt(const std::string& name) {
              "loss_01", "loss_05", "burst_8ms", "tcp_blocked", "udp_blocked", "narrow"});
 }
 
-/// Every third packet lost is more than the UDP path may lose, and more than a stream can bear:
-/// whether force is ever granted is luck, that it is safe is not.
+/// The UDP path gives up if every third packet is lost, and a stream hardly moves. Force may never be
+/// granted; it must be safe if it is.
 bool may_be_refused(const std::string& name) {
   return name == "loss_30";
 }
 
-/// Silence above 180 ms on its way to the server, and over before the end.
+/// Silence above 180 ms on the way to the server, which ends before the scenario does.
 bool is_lost_and_back(const std::string& name) {
   return is_one_of(name, {"partition_1s_up", "partition_10s_up", "stall_backlog"});
 }
@@ -43,7 +42,7 @@ std::string expectation(const std::string& name) {
   std::string text =
       "levels and gain by age; seq never back; force moves by at most the slew limit; no elastic "
       "force 200 ms after the last sample; energy within the tank; no fault";
-  if (is_never_felt(name)) text += "; engaged throughout";
+  if (is_never_felt(name)) text += "; engaged throughout (calm host)";
   if (is_lost_and_back(name)) text += "; lost, and engaged again";
   if (name == "udp_blocked") text += "; falls back to gRPC and returns to UDP";
   return text;
@@ -67,15 +66,13 @@ void press_through(RowRun& run, const Scenario& scenario) {
   std::this_thread::sleep_for(scenario.duration);
   const auto engaged = [&] { return presser.state().state == client::Lifecycle::kEngaged; };
   const auto by_udp = [&] { return presser.state().carrier == client::Carrier::kUdp; };
-  // The longest retransmission and back-off may still be ahead of a client that was cut off.
-  if (!is_never_felt(name) && !may_be_refused(name)) {
-    run.expect(within(15s, engaged), "engaged within 15 s of the scenario's end");
-  }
-  run.insist(presser.in_order(), "a sequence in use that never goes back");
+  // A client that was cut off may still wait for its longest retransmission and back-off.
+  if (!may_be_refused(name)) run.must(within(60s, engaged), "engaged within a minute of the end");
+  run.must(presser.in_order(), "a sequence in use that never goes back");
   if (name == "udp_blocked") {
-    run.expect(presser.heard("SAMPLES UDP -> GRPC"), "a fallback to gRPC");
+    run.must(presser.heard("SAMPLES UDP -> GRPC"), "a fallback to gRPC");
   }
-  if (is_never_felt(name)) run.expect(within(10s, by_udp), "samples by UDP in the end");
+  if (is_never_felt(name)) run.must(within(60s, by_udp), "samples by UDP in the end");
 }
 
 class NetworkMatrix : public testing::TestWithParam<Scenario> {};
@@ -85,12 +82,11 @@ TEST_P(NetworkMatrix, TheContractHoldsAtEveryTick) {
   network_row(scenario.name, expectation(scenario.name), [&](RowRun& run) {
     press_through(run, scenario);
     const RunFigures figures = run.judge();
-    run.insist(run.record().size() > 1000U, "more than 1000 ticks recorded");
-    run.expect(figures.engaged || may_be_refused(scenario.name), "engaged at some time");
-    run.expect(figures.losses == 0 || !is_never_felt(scenario.name), "force never lost",
-               figures.last_loss);
-    run.expect((figures.losses >= 1 && figures.engages >= 2) || !is_lost_and_back(scenario.name),
-               "force lost, and back");
+    run.must(run.record().size() > 1000U, "more than 1000 ticks recorded");
+    run.must(figures.engaged || may_be_refused(scenario.name), "engaged at some time");
+    run.calm(figures.losses == 0 || !is_never_felt(scenario.name), "force never lost");
+    run.must((figures.losses >= 1 && figures.engages >= 2) || !is_lost_and_back(scenario.name),
+             "force lost, and back");
     run.got(figures.text());
   });
 }

@@ -1,7 +1,5 @@
 /// The rows of tests/relay/README.md#rows that no scenario file can say, over real sockets: an
-/// attacker on the way, clients that die or pause, watchers, the end of the server under load. Real
-/// time, label `network`; a run that the host disturbed is done again, so all that a run knows is
-/// made in it.
+/// attacker on the way, clients that die or pause, watchers, the end of the server under load.
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -10,9 +8,11 @@
 
 #include <algorithm>
 #include <csignal>
+#include <functional>
 #include <limits>
 
 #include "haptic/wire/secure_channel.hpp"
+#include "tests/relay/flood.hpp"
 #include "tests/relay/network_row.hpp"
 #include "tests/relay/relay.hpp"
 
@@ -30,16 +30,16 @@ RelaySetup between(const Daemon& daemon, const char* scenario = "delay_10ms") {
   return setup;
 }
 
-/// The outcome is a finding of the run where it is not so.
 bool engages_by_udp(RowRun& run, Presser& presser) {
-  const bool engaged = within(20s, [&] {
+  const bool engaged = within(60s, [&] {
     const auto state = presser.state();
     return state.state == client::Lifecycle::kEngaged && state.carrier == client::Carrier::kUdp;
   });
-  return run.expect(engaged, "engaged over UDP within 20 s");
+  return run.must(engaged, "engaged over UDP within a minute");
 }
 
-/// Datagrams that the server dropped so far, up to the tag's check: of open sessions and of none.
+/// Datagrams that the server has rejected so far, for any reason up to the tag's check, in all
+/// sessions and outside of them.
 std::uint64_t rejected_datagrams(client::Connection& server) {
   std::uint64_t sum = 0;
   const auto add = [&sum](const std::vector<client::Rejected>& rejected) {
@@ -60,43 +60,43 @@ std::uint64_t rejected_datagrams(client::Connection& server) {
   return sum;
 }
 
-/// That there was an attack, and that the server's counters show it; `before`: theirs without it.
+/// Every forged datagram is rejected by the server or dropped by the kernel, whose buffer is finite.
+/// `before`: the counters before the attack.
 void expect_rejected(RowRun& run, client::Connection& server, std::uint64_t before,
                      std::uint64_t forged) {
-  run.expect(forged > 100U, "more than 100 forged datagrams");
-  // But for what the last 100 ms may still have under way.
+  run.must(forged > 100U, "more than 100 forged datagrams");
+  // The last 100 ms may still be on their way.
   const double least = 0.9 * static_cast<double>(forged) - 20.0;
   std::uint64_t rejected = 0;
-  const bool shown = within(2s, [&] {
+  const bool shown = within(20s, [&] {
     const std::uint64_t now = rejected_datagrams(server);
-    rejected = now - std::min(now, before);
+    rejected = now - std::min(now, before) + dropped_by_kernel(run.daemon().udp_port());
     return static_cast<double>(rejected) >= least;
   });
-  run.expect(shown, "nine of ten forged datagrams rejected, by the server's counters");
+  run.must(shown, "nine of ten forged datagrams rejected, by the server's counters");
   run.got(std::to_string(forged) + " forged datagrams, " + std::to_string(rejected) + " rejected");
 }
 
-/// After LOST was heard: the state in which force was on may still be the newest here.
+/// After LOST was heard. The newest state here may still be the one with force.
 bool engages_again_by_udp(RowRun& run, Presser& presser) {
-  const bool off = within(5s, [&] { return presser.state().state != client::Lifecycle::kEngaged; });
-  return run.expect(off, "no longer engaged within 5 s") && engages_by_udp(run, presser);
+  const bool off = within(60s, [&] { return presser.state().state != client::Lifecycle::kEngaged; });
+  return run.must(off, "force given up") && engages_by_udp(run, presser);
 }
 
 struct Attack {
   std::function<std::vector<Packet>(const Packet&)> forge;
-  std::function<std::uint64_t(const Daemon&)> meanwhile{};  ///< how many it sent by itself
+  std::function<std::uint64_t(const Daemon&)> meanwhile{};  ///< sends more; returns how many
   std::function<void(RowRun&)> in_the_end{};
 };
 
-/// An attack during three seconds of pressing is rejected and counted, and not felt: never stale by
-/// more than a hold, on UDP all along. `prepare` is called for each run.
-void siege(const std::string& name, const std::function<Attack()>& prepare,
-           const std::string& more = {}) {
+/// An attack during three seconds of pressing is rejected and counted. On a calm host the user does
+/// not feel it: force stays, on UDP all along.
+void siege(const std::string& name, const Attack& attack, const std::string& more = {}) {
   const std::string expected =
-      "contract; engaged throughout; stays on UDP; forgeries rejected, by the server's counters" +
+      "contract; forgeries rejected, by the server's counters; engaged throughout on UDP (calm "
+      "host)" +
       more;
   network_row(name, expected, [&](RowRun& run) {
-    const Attack attack = prepare();
     std::atomic<bool> attacking{false};
     std::atomic<std::uint64_t> forged{0};
     {
@@ -117,67 +117,61 @@ void siege(const std::string& name, const std::function<Attack()>& prepare,
       std::this_thread::sleep_for(3s);
       attacking = false;
       expect_rejected(run, server, before, forged);
-      run.expect(!presser.heard("SAMPLES UDP -> GRPC"), "UDP all along");
-      run.insist(presser.in_order(), "a sequence in use that never goes back");
+      run.calm(!presser.heard("SAMPLES UDP -> GRPC"), "UDP all along");
+      run.must(presser.in_order(), "a sequence in use that never goes back");
     }
     if (attack.in_the_end) attack.in_the_end(run);
     const RunFigures figures = run.judge();
-    run.expect(figures.losses == 0, "force never lost", figures.last_loss);
+    run.calm(figures.losses == 0, "force never lost");
     run.got(figures.text());
   });
 }
 
 TEST(NetworkRow, BitFlips) {
-  siege("bit_flips", [] {
-    const auto forge = [random = Random(3)](const Packet& packet) mutable {
-      std::vector<Packet> damaged(3, packet);
-      for (Packet& copy : damaged) {
-        copy[random.next() % copy.size()] ^= static_cast<std::uint8_t>(1U << random.next() % 8);
-      }
-      return damaged;
-    };
-    return Attack{forge};
-  });
+  const auto forge = [random = Random(3)](const Packet& packet) mutable {
+    std::vector<Packet> damaged(3, packet);
+    for (Packet& copy : damaged) {
+      copy[random.next() % copy.size()] ^= static_cast<std::uint8_t>(1U << random.next() % 8);
+    }
+    return damaged;
+  };
+  siege("bit_flips", {forge});
 }
 
 TEST(NetworkRow, WrongKey) {
-  siege("wrong_key", [] {
-    const auto forger = std::make_shared<std::unique_ptr<wire::SecureChannel>>();
-    const auto forge = [forger](const Packet& packet) {
-      const wire::HeaderReading reading = wire::read_header(packet);
-      if (!*forger) {
-        wire::PathKeys guessed = wire::fresh_keys();
-        guessed.path_id = reading.header.path_id;
-        *forger = std::make_unique<wire::SecureChannel>(wire::End::kClient, guessed);
-      }
-      Packet forged(wire::kLargestDatagram);
-      forged.resize((*forger)->seal(wire::DatagramType::kProxy, Packet(40, 0x11), forged));
-      wire::put(reading.header.packet_number + 100, wire::Bytes(forged).subspan(8));
-      return std::vector<Packet>{forged};
-    };
-    return Attack{forge};
-  });
+  const auto forger = std::make_shared<std::unique_ptr<wire::SecureChannel>>();
+  const auto forge = [forger](const Packet& packet) {
+    const wire::HeaderReading reading = wire::read_header(packet);
+    if (!*forger) {
+      wire::PathKeys guessed = wire::fresh_keys();
+      guessed.path_id = reading.header.path_id;
+      *forger = std::make_unique<wire::SecureChannel>(wire::End::kClient, guessed);
+    }
+    Packet forged(wire::kLargestDatagram);
+    forged.resize((*forger)->seal(wire::DatagramType::kProxy, Packet(40, 0x11), forged));
+    wire::put(reading.header.packet_number + 100, wire::Bytes(forged).subspan(8));
+    return std::vector<Packet>{forged};
+  };
+  siege("wrong_key", {forge});
 }
 
 TEST(NetworkRow, ReplayedCapture) {
-  siege("replayed_capture", [] {
-    const auto forge = [capture = std::vector<Packet>{},
-                        next = std::size_t{0}](const Packet& packet) mutable {
-      capture.push_back(packet);
-      return std::vector<Packet>{capture[next++ / 2]};  // ever older ones
-    };
-    return Attack{forge};
-  });
+  const auto forge = [capture = std::vector<Packet>{},
+                      next = std::size_t{0}](const Packet& packet) mutable {
+    capture.push_back(packet);
+    return std::vector<Packet>{capture[next++ / 2]};  // older and older ones
+  };
+  siege("replayed_capture", {forge});
 }
 
-/// A socket of an attacker's own: what it hears back.
+/// An attacker's own socket.
 class Stranger {
  public:
   Stranger() : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {}
   ~Stranger() { ::close(socket_); }
   Stranger(const Stranger&) = delete;
   Stranger& operator=(const Stranger&) = delete;
-  /// False where the packet did not leave.
+  /// Returns false if the packet did not leave.
   [[nodiscard]] bool send(const Packet& packet, std::uint16_t port) const {
     sockaddr_in to{};
     to.sin_family = AF_INET;
@@ -196,49 +190,40 @@ class Stranger {
   int socket_;
 };
 
-/// Listens on the way, and sends what it heard from an address of its own.
-struct Eavesdropper {
-  Stranger stranger{};
-  std::mutex mutex{};
-  std::vector<Packet> seen{};
-};
-
 TEST(NetworkRow, SpoofedSource) {
-  const auto prepare = [] {
-    const auto ear = std::make_shared<Eavesdropper>();
-    Attack attack;
-    attack.forge = [ear](const Packet& packet) {
-      const std::lock_guard lock(ear->mutex);
-      ear->seen.push_back(packet);
-      return std::vector<Packet>{};
-    };
-    attack.meanwhile = [ear](const Daemon& daemon) {
-      // All through the siege, what came since the last look; the last 10 ms may still be on the
-      // way.
-      std::size_t next = 0;
-      std::uint64_t sent = 0;
-      const auto over = std::chrono::steady_clock::now() + 2s;
-      while (std::chrono::steady_clock::now() < over) {
-        {
-          const std::lock_guard lock(ear->mutex);
-          for (; next + 20 < ear->seen.size(); ++next) {
-            sent += ear->stranger.send(ear->seen[next], daemon.udp_port()) ? 1 : 0;
-          }
-        }
-        std::this_thread::sleep_for(10ms);
-      }
-      return sent;
-    };
-    attack.in_the_end = [ear](RowRun& run) {
-      run.insist(!ear->stranger.heard_anything(), "no reply to the stranger");
-    };
-    return attack;
+  std::mutex mutex;
+  std::vector<Packet> seen;
+  Stranger stranger;  // sends what it heard on the way
+  Attack attack;
+  attack.forge = [&](const Packet& packet) {
+    const std::lock_guard lock(mutex);
+    seen.push_back(packet);
+    return std::vector<Packet>{};
   };
-  siege("spoofed_source", prepare, "; no reply to the stranger");
+  attack.meanwhile = [&](const Daemon& daemon) {
+    std::size_t next = 0;
+    std::uint64_t sent = 0;
+    const auto over = std::chrono::steady_clock::now() + 2s;
+    while (std::chrono::steady_clock::now() < over) {
+      {
+        const std::lock_guard lock(mutex);
+        // The newest 20 may not have reached the server yet.
+        for (; next + 20 < seen.size(); ++next) {
+          sent += stranger.send(seen[next], daemon.udp_port()) ? 1 : 0;
+        }
+      }
+      std::this_thread::sleep_for(10ms);
+    }
+    return sent;
+  };
+  attack.in_the_end = [&](RowRun& run) {
+    run.must(!stranger.heard_anything(), "no reply to the stranger");
+  };
+  siege("spoofed_source", attack, "; no reply to the stranger");
 }
 
 TEST(NetworkRow, ACutConnectionIsResumed) {
-  network_row("cut_connection", "contract; resumed within the lease; force back by itself",
+  network_row("cut_connection", "contract; force back by itself; resumed within the lease (calm host)",
               [](RowRun& run) {
                 {
                   auto relay = std::make_unique<Relay>(between(run.daemon(), "clean"));
@@ -246,17 +231,17 @@ TEST(NetworkRow, ACutConnectionIsResumed) {
                   if (!engages_by_udp(run, presser)) return;
                   relay.reset();  // both carriers
                   relay = std::make_unique<Relay>(between(run.daemon(), "clean"));
-                  run.expect(within(10s, [&] { return presser.heard("LEASE_RESUMED"); }),
-                             "LEASE_RESUMED within 10 s");
-                  run.expect(presser.session().lease_epoch() == 2U, "lease epoch 2");
-                  engages_by_udp(run, presser);  // new keys, and a path of its own
-                  run.insist(presser.in_order(), "a sequence in use that never goes back");
+                  run.calm(within(10s, [&] { return presser.heard("LEASE_RESUMED"); }),
+                           "LEASE_RESUMED within 10 s");
+                  run.calm(presser.session().lease_epoch() == 2U, "lease epoch 2");
+                  engages_by_udp(run, presser);  // with new keys, on a new path
+                  run.must(presser.in_order(), "a sequence in use that never goes back");
                 }
                 run.got(run.judge().text());
               });
 }
 
-/// The example client as a process behind the relay, watched past it. It asks for force again.
+/// The example client as a process behind the relay, watched without the relay.
 struct Wall {
   static constexpr double kRate = 200.0;  ///< Hz, the example's
 
@@ -269,9 +254,8 @@ struct Wall {
           pressing = state.state == client::Lifecycle::kEngaged && state.gain == 1.0;
         })) {}
 
-  /// The outcome is a finding of the run where it is not so.
   bool presses(RowRun& run) const {
-    return run.expect(within(20s, [&] { return pressing.load(); }), "pressed within 20 s");
+    return run.must(within(60s, [&] { return pressing.load(); }), "pressed within a minute");
   }
 
   const Relay relay;
@@ -281,28 +265,26 @@ struct Wall {
   std::unique_ptr<client::Watch> watch;
 };
 
-/// Returns false where it never pressed.
-bool kill_while_pressing(RowRun& run) {
-  Wall wall(run.daemon());
-  if (!wall.presses(run)) return false;
-  wall.process.signal(SIGKILL);
-  wall.process.wait();
-  std::this_thread::sleep_for(3s);
-  run.expect(wall.watching.devices().front().state == client::Lifecycle::kIdle, "IDLE 3 s later");
-  return true;
-}
-
 TEST(NetworkRow, ClientKilled) {
   network_row("client_killed", "contract; no force and IDLE in the end", [](RowRun& run) {
     run.client_rate(Wall::kRate);
-    if (!kill_while_pressing(run)) return;
+    {
+      Wall wall(run.daemon());
+      if (!wall.presses(run)) return;
+      wall.process.signal(SIGKILL);
+      wall.process.wait();
+      const auto idle = [&] {
+        return wall.watching.devices().front().state == client::Lifecycle::kIdle;
+      };
+      run.must(within(60s, idle), "IDLE after its lease");
+    }
     const RunFigures figures = run.judge();
-    run.insist(run.record().back().tau_a == 0.0, "no force in the end");
+    run.must(run.record().back().tau_a == 0.0, "no force in the end");
     run.got(figures.text());
   });
 }
 
-/// Its exit status is 0 only where SIGTERM finds it alive and well.
+/// The client's exit status is 0 only if SIGTERM finds it running.
 TEST(NetworkRow, ClientStoppedFor300Ms) {
   network_row("client_stopped_300ms",
               "contract; a process stopped as a whole: lost, and engaged again; exit 0",
@@ -313,63 +295,67 @@ TEST(NetworkRow, ClientStoppedFor300Ms) {
                   if (!wall.presses(run)) return;
                   wall.process.signal(SIGSTOP);
                   std::this_thread::sleep_for(300ms);
+                  run.must(within(60s, [&] { return !wall.pressing; }), "no force meanwhile");
                   wall.process.signal(SIGCONT);
-                  run.expect(within(1s, [&] { return !wall.pressing; }), "no force after 300 ms");
                   if (!wall.presses(run)) return;
                   wall.process.signal(SIGTERM);
-                  run.insist(wall.process.wait() == 0, "the client's exit status 0");
+                  run.must(wall.process.wait() == 0, "the client's exit status 0");
                 }
                 const RunFigures figures = run.judge();
-                run.expect(figures.losses >= 1, "force lost");
-                run.expect(figures.engages >= 2, "engaged again");
+                run.must(figures.losses >= 1, "force lost");
+                run.must(figures.engages >= 2, "engaged again");
                 run.got(figures.text());
               });
 }
 
-/// Only its samples: the library's threads go on.
+/// Presses, is silent from `begin` to `end`, which lie around the loss of force, and presses again.
+void loses_force_once(RowRun& run, const std::function<void(Presser&)>& begin,
+                      const std::function<void(Presser&)>& end) {
+  {
+    const Relay relay(between(run.daemon()));
+    Presser presser(run.daemon().behind_relay());
+    if (!engages_by_udp(run, presser)) return;
+    begin(presser);
+    run.must(within(60s, [&] { return presser.heard("LOST"); }), "LOST");
+    end(presser);
+    engages_again_by_udp(run, presser);
+  }
+  const RunFigures figures = run.judge();
+  run.must(figures.losses >= 1, "force lost");
+  run.must(figures.engages >= 2, "engaged again");
+  run.calm(figures.losses == 1, "force lost once");
+  run.got(figures.text());
+}
+
+/// Only its samples stop; the library's threads run on.
 TEST(NetworkRow, ClientPausedFor300Ms) {
-  network_row("client_paused_300ms", "contract; lost once, and engaged again", [](RowRun& run) {
-    {
-      const Relay relay(between(run.daemon()));
-      Presser presser(run.daemon().behind_relay());
-      if (!engages_by_udp(run, presser)) return;
-      presser.publishing = false;
-      std::this_thread::sleep_for(300ms);
-      presser.publishing = true;
-      run.expect(within(5s, [&] { return presser.heard("LOST"); }), "LOST within 5 s");
-      engages_again_by_udp(run, presser);
-    }
-    const RunFigures figures = run.judge();
-    run.expect(figures.losses == 1, "force lost once", figures.last_loss);
-    run.expect(figures.engages == 2, "engaged twice");
-    run.got(figures.text());
-  });
+  network_row("client_paused_300ms", "contract; lost (once on a calm host), and engaged again",
+              [](RowRun& run) {
+                loses_force_once(
+                    run,
+                    [](Presser& presser) {
+                      presser.publishing = false;
+                      std::this_thread::sleep_for(300ms);
+                    },
+                    [](Presser& presser) { presser.publishing = true; });
+              });
 }
 
-/// A number that no proxy may have: refused and counted, as good as silence, and force comes back
-/// by a ramp.
+/// A number that no proxy may have counts as silence, and force comes back by a ramp.
 void refuses(const std::string& name, double bad) {
-  network_row(name, "contract; refused and counted; lost once, and engaged again",
-              [bad](RowRun& run) {
-                std::uint64_t refused = 0;
-                {
-                  const Relay relay(between(run.daemon()));
-                  Presser presser(run.daemon().behind_relay());
-                  if (!engages_by_udp(run, presser)) return;
-                  presser.instead = &bad;
-                  run.expect(within(5s, [&] { return presser.heard("LOST"); }), "LOST within 5 s");
-                  presser.instead = nullptr;
-                  engages_again_by_udp(run, presser);
-                  refused = presser.session().statistics().rejected_invalid;
-                }
-                const RunFigures figures = run.judge();
-                run.expect(figures.losses == 1, "force lost once", figures.last_loss);
-                run.expect(figures.engages == 2, "engaged twice");
-                // 180 ms at 100 Hz, but for what the way had under way
-                run.expect(refused >= 15U, "15 refused or more");
-                run.got(std::to_string(refused) + " refused");
-                run.got(figures.text());
-              });
+  network_row(name, "contract; refused and counted; lost, and engaged again", [bad](RowRun& run) {
+    std::uint64_t refused = 0;
+    loses_force_once(
+        run, [&](Presser& presser) { presser.instead = &bad; },
+        [&](Presser& presser) {
+          presser.instead = nullptr;
+          const auto counted = [&] { return presser.session().statistics().rejected_invalid; };
+          run.must(within(60s, [&] { return counted() > 0U; }), "refusals counted");
+          refused = counted();
+        });
+    run.calm(refused >= 10U, "10 refused or more");  // 180 ms at 100 Hz, some still on the way
+    run.got(std::to_string(refused) + " refused");
+  });
 }
 
 TEST(NetworkRow, NotANumber) {
@@ -381,7 +367,7 @@ TEST(NetworkRow, HugeValues) {
 }
 
 TEST(NetworkRow, SixteenObserversAt1Khz) {
-  network_row("16_observers", "contract; engaged throughout beside 16 watchers", [](RowRun& run) {
+  network_row("16_observers", "contract; 1000 states per second to each of 16 watchers, engaged throughout (calm host)", [](RowRun& run) {
     std::atomic<std::uint64_t> states{0};
     {
       client::Connection connection(run.daemon().address());
@@ -392,12 +378,13 @@ TEST(NetworkRow, SixteenObserversAt1Khz) {
       }
       Presser presser(run.daemon().address());
       const auto engaged = [&] { return presser.state().state == client::Lifecycle::kEngaged; };
-      if (!run.expect(within(20s, engaged), "engaged within 20 s")) return;
+      if (!run.must(within(60s, engaged), "engaged within a minute")) return;
       std::this_thread::sleep_for(4s);
     }
     const RunFigures figures = run.judge();
-    run.expect(figures.losses == 0, "force never lost", figures.last_loss);
-    run.expect(states > 16'000U, "1000 states to each observer, or more");
+    run.calm(figures.losses == 0, "force never lost");
+    run.must(states > 0U, "states to the observers");
+    run.calm(states > 16'000U, "1000 states to each observer, or more");
     run.got(std::to_string(states) + " states to them");
     run.got(figures.text());
   });
@@ -411,10 +398,10 @@ TEST(NetworkRow, SigtermUnderLoad) {
                 if (!engages_by_udp(run, presser)) return;
                 const auto before = std::chrono::steady_clock::now();
                 static_cast<void>(run.record());
-                run.insist(std::chrono::steady_clock::now() - before < 5s, "the end within 5 s");
+                run.calm(std::chrono::steady_clock::now() - before < 5s, "the end within 5 s");
                 const RunFigures figures = run.judge();
-                run.insist(figures.last_state == "CLOSING", "CLOSING in the end");
-                run.insist(run.record().back().tau_a == 0.0, "no force in the end");
+                run.must(figures.last_state == "CLOSING", "CLOSING in the end");
+                run.must(run.record().back().tau_a == 0.0, "no force in the end");
                 run.got(figures.text());
               });
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <future>
 
 #include "tests/relay/daemon.hpp"
 
@@ -57,7 +56,7 @@ void Presser::on_state(const client::DeviceState& state) {
   newest_used_ = state.proxy_seq_used;
 }
 
-/// The proxy is where the device is until there is force, then slowly up to 0.15 rad before it.
+/// The proxy follows the device until force is granted, then moves up to 0.15 rad into it.
 void Presser::run() {
   const auto begin = std::chrono::steady_clock::now();
   auto next = begin;
@@ -80,7 +79,7 @@ void Presser::run() {
   }
 }
 
-std::optional<client::DeviceState> first_state(const std::string& address) {
+bool serves(const std::string& address) {
   client::Connection connection(address);
   const auto answers = [&] {
     try {
@@ -89,23 +88,12 @@ std::optional<client::DeviceState> first_state(const std::string& address) {
       return false;
     }
   };
-  if (!within(20s, answers)) return {};
-  std::promise<client::DeviceState> first;
-  std::future<client::DeviceState> arrival = first.get_future();
-  bool taken = false;  // by the watch's one thread
+  if (!within(60s, answers)) return false;
+  std::atomic<bool> rests{false};
   const auto watch = connection.watch("finger", 100.0, [&](const client::DeviceState& state) {
-    const bool idle = state.state == client::Lifecycle::kIdle && at_rest(state);
-    if (taken || !(idle || state.state == client::Lifecycle::kFault)) return;
-    taken = true;
-    first.set_value(state);
+    if (state.state == client::Lifecycle::kIdle && at_rest(state)) rests = true;
   });
-  if (arrival.wait_for(10s) != std::future_status::ready) return {};
-  return arrival.get();
-}
-
-bool serves(const std::string& address) {
-  const auto state = first_state(address);
-  return state && state->state == client::Lifecycle::kIdle;
+  return within(60s, [&] { return rests.load(); });
 }
 
 }  // namespace haptic::test

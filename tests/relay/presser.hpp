@@ -1,11 +1,10 @@
 #pragma once
-/// A client of 100 Hz with the shipped library, pressing in a thread of its own: takes a while to
-/// find its wall, asks for force, asks again where it was lost.
+/// A client of 100 Hz with the shipped library, in a thread of its own. It asks for force, presses
+/// slowly, and asks again if force was lost.
 
 #include <atomic>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -27,7 +26,7 @@ class Presser {
   [[nodiscard]] client::Session& session() { return *session_; }
   [[nodiscard]] bool heard(const std::string& reason) const;
   [[nodiscard]] client::DeviceState state() const { return session_->state(); }
-  /// The newest sample in use never went back, within one lease.
+  /// The number of the newest sample in use never went back within one lease.
   [[nodiscard]] bool in_order() const { return in_order_; }
   std::atomic<bool> publishing{true};
   /// While set, published in place of every coordinate.
@@ -47,7 +46,7 @@ class Presser {
   std::thread thread_{};
 };
 
-/// Waits for `condition`, generously.
+/// Polls `condition`, until it holds or `limit` has passed. Returns whether it holds.
 template <typename Condition>
 [[nodiscard]] bool within(std::chrono::milliseconds limit, Condition condition) {
   const auto end = std::chrono::steady_clock::now() + limit;
@@ -58,10 +57,7 @@ template <typename Condition>
   return condition();
 }
 
-/// The first state of the finger at `address` in which it has come to rest (IDLE), or is in FAULT;
-/// nothing after 30 s.
-[[nodiscard]] std::optional<client::DeviceState> first_state(const std::string& address);
-/// That state is IDLE.
+/// The finger at `address` comes to rest (IDLE) within a minute.
 [[nodiscard]] bool serves(const std::string& address);
 
 }  // namespace haptic::test

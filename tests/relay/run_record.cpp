@@ -16,6 +16,7 @@ constexpr double kHoldEnd = 0.100, kFadeEnd = 0.180;  // proto/README.md#stalene
 constexpr double kSilent = 0.200;
 constexpr double kRampUp = 0.200;
 constexpr double kTiny = 1e-6;
+constexpr double kPeriod = 0.001;  // s, of the daemon's loop
 
 std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields;
@@ -55,12 +56,11 @@ bool only_taken(double before, double now) {
   return std::abs(now) <= std::abs(before) && now * before >= 0.0;
 }
 
-/// tests/relay/README.md#rows: the command never steps by more than the slew limit, but for what is
-/// taken away after it: all of it by a fault, or where the device is not armed; its elastic part by
-/// the force envelope, down to gain times limit and no further. Everything else that acts on the
-/// force acts before the slew limit (guard, tank) or is damping (the passivity controller too),
-/// which has that limit for itself; of an actuator's ratings, which act after it, the scene has
-/// none.
+/// tests/relay/README.md#rows: the command never steps by more than the slew limit, except for what
+/// is taken away after that limit: all of it by a fault, or if the device is not armed; its elastic
+/// part by the force envelope, down to gain times limit and no further. Guard and tank act before
+/// the slew limit. Damping, including the passivity controller's, has a slew limit of its own. An
+/// actuator's ratings act after it, but this scene has none.
 std::string force_step(const RecordedTick& before, const RecordedTick& now) {
   const double dt = now.time - before.time;
   const double most = Daemon::kSlew * dt + kTiny;
@@ -80,8 +80,8 @@ std::string force_step(const RecordedTick& before, const RecordedTick& now) {
   return "force changed by " + std::to_string(step) + " N in " + std::to_string(dt) + " s";
 }
 
-/// What no lateness explains in one tick after another; empty: nothing.
-std::string final_breach(const RecordedTick& before, const RecordedTick& now, double fresh_end) {
+/// What is wrong with a tick after the one before it; empty: nothing.
+std::string breach_in(const RecordedTick& before, const RecordedTick& now, double fresh_end) {
   const double dt = now.time - before.time;
   if (now.tick <= before.tick || !(dt > 0.0)) return "a tick that is not after the one before";
   for (const double value : {now.age, now.gain, now.slide, now.tau_elastic, now.tau_a}) {
@@ -93,7 +93,7 @@ std::string final_breach(const RecordedTick& before, const RecordedTick& now, do
   if (std::abs(now.tau_elastic) > now.gain * Daemon::kForceLimit + kTiny) {
     return "elastic force above gain times limit";
   }
-  // Else the envelope would excuse any step of the force, by a step of the gain.
+  // Without this rule a step of the gain would allow any step of the force.
   double least = before.gain - dt / (kFadeEnd - kHoldEnd);
   if (now.mode != "NONE") least = std::min(least, ladder(now.age));
   const bool fault = !now.faults.empty() || now.state == "FAULT";
@@ -105,14 +105,6 @@ std::string final_breach(const RecordedTick& before, const RecordedTick& now, do
   if (now.gain > ladder(now.age) + kTiny) return "gain above the ladder";
   if (now.age >= kSilent && now.tau_elastic != 0.0) return "elastic force after 200 ms of silence";
   return {};
-}
-
-/// The first of its kind is kept.
-void note(std::vector<Finding>& breaches, Finding finding) {
-  const bool known = std::any_of(breaches.begin(), breaches.end(), [&](const Finding& breach) {
-    return breach.is_final == finding.is_final;
-  });
-  if (!known && !finding.what.empty()) breaches.push_back(std::move(finding));
 }
 
 bool force_on(const RecordedTick& tick) {
@@ -152,37 +144,40 @@ std::vector<RecordedTick> read_record(const std::filesystem::path& file) {
 
 RunFigures judge(const std::vector<RecordedTick>& run, double fresh_end) {
   RunFigures figures;
-  double energy = 0.0;
+  double energy = 0.0, late_work = 0.0;
   for (std::size_t i = 1; i < run.size(); ++i) {
     const RecordedTick& before = run[i - 1];
     const RecordedTick& now = run[i];
     const double dt = now.time - before.time;
     figures.engages += now.state == "ENGAGING" && before.state != "ENGAGING" ? 1 : 0;
-    if (force_on(before) && now.state == "ARMED") {
-      ++figures.losses;
-      figures.last_loss = now.time;
-    }
+    figures.losses += force_on(before) && now.state == "ARMED" ? 1 : 0;
     figures.engaged = figures.engaged || now.state == "ENGAGED";
     figures.skipped += now.skipped;
+    figures.latest = std::max(figures.latest, now.lateness);
     if (force_on(now)) figures.oldest = std::max(figures.oldest, now.age);
     if (dt > 0.0) {
       figures.steepest =
           std::max(figures.steepest, (std::abs(now.tau_a) - std::abs(before.tau_a)) / dt);
-      // Work of the command held over the tick; what the actuator's own friction takes is not
-      // given.
+      // Work of the command held over the tick, less what the actuator's own friction takes.
       const double move = now.slide - before.slide;
-      energy += before.tau_a * move - Daemon::kDeviceDamping * move * move / dt;
+      const double work = before.tau_a * move - Daemon::kDeviceDamping * move * move / dt;
+      energy += work;
       figures.energy = std::max(figures.energy, energy);
+      // A late tick leaves the last command on for longer than the tank was asked about.
+      if (dt > 1.5 * kPeriod) late_work += std::max(0.0, work);
     }
     figures.last_state = now.state;
-    note(figures.breaches, {final_breach(before, now, fresh_end), now.time, true});
-    if (!now.faults.empty()) note(figures.breaches, {"fault " + now.faults, now.time});
-    // Each Engage fills the tank anew; nothing else may put energy in. A late tick leaves the last
-    // command on for longer than the tank was asked about.
-    if (figures.energy > Daemon::kTank * std::max(1, figures.engages) + 1e-3) {
-      note(figures.breaches,
-           {std::to_string(figures.energy) + " J given out, more than the tank held", now.time});
+    if (!figures.breach.empty()) continue;
+    std::string wrong = breach_in(before, now, fresh_end);
+    if (wrong.empty() && before.faults.empty() && !now.faults.empty()) {
+      wrong = "fault " + now.faults;
     }
+    // Each Engage fills the tank; nothing else may put energy in.
+    if (wrong.empty() &&
+        figures.energy > Daemon::kTank * std::max(1, figures.engages) + late_work + 1e-3) {
+      wrong = std::to_string(figures.energy) + " J given out, more than the tank held";
+    }
+    if (!wrong.empty()) figures.breach = "at " + std::to_string(now.time) + " s: " + wrong;
   }
   return figures;
 }
@@ -192,7 +187,8 @@ std::string RunFigures::text() const {
   text << std::fixed << "oldest proxy " << static_cast<int>(1e3 * oldest) << " ms; " << engages
        << " engages; " << losses << " losses; steepest rise " << static_cast<int>(steepest)
        << " N/s; energy out " << static_cast<int>(1e3 * energy) << " mJ; "
-       << static_cast<int>(skipped) << " deadlines skipped; " << last_state << " at the end";
+       << static_cast<int>(skipped) << " deadlines skipped, latest tick "
+       << static_cast<int>(1e3 * latest) << " ms; " << last_state << " at the end";
   return text.str();
 }
 

@@ -38,7 +38,6 @@ project=haptictest$$
 image=localhost/hapticd-test:$$
 engine=
 base=
-witness=
 for part in engine image staleness shutdown relay package; do
   # shellcheck source=/dev/null
   . "$root/docker/test/$part.sh"
@@ -56,7 +55,6 @@ finish() {
   local status=$?
   trap - EXIT
   exec >&3 2>&4
-  forget_machine
   if [[ -n $engine ]]; then
     collect
     tear_down 2>>"$logs/engine.log" || status=1

@@ -1,23 +1,23 @@
 #!/usr/bin/env python3
-"""What an observer saw, judged: the contract of proto/README.md#staleness-and-gain from outside.
+"""Judges what an observer saw by the contract of proto/README.md#staleness-and-gain.
 
     contract.py COMMAND FILE [ARGUMENT]
 
-FILE holds the lines of `hapticctl watch --json` from a little before the trouble on. Commands:
+FILE holds lines of `hapticctl watch --json`, from shortly before the trouble. Commands:
 
     pressing    the last line shows force, engaged
     silence     samples stopped under force: the elastic force is zero within 200 ms of the last one, and
-                stays there until somebody engages anew
+                stays there until force is asked for again
     ramp        after the silence force came back by a ramp of the gain: no more than 1 per 200 ms
     closing     force was fading out, or gone, in the last state
     transport NAME    samples came by NAME and force was on meanwhile
-    only NAME   all force came by NAME, for two seconds at least
-    never-lost  force was never given up
+    only NAME   all force came by NAME, for at least two seconds
+    safe        there is no elastic force from LOST on, and the gain never rises faster than 1 per 200 ms
     quiet SECONDS     the proxy was lost that long ago: `silence` has what it needs
     spans SECONDS     the records are that long
 
-Times are the server's own clock, as it stands in every state; so a verdict does not depend on when it was asked
-for. Ends with 0: as promised; 1: not; 3: these records cannot tell, for this machine was too busy to show it.
+Times are by the server's clock, which is part of every state. Ends with 0: as promised; 1: not; 3: the records cannot
+tell, because this machine was too busy.
 """
 
 import json
@@ -52,7 +52,7 @@ def need(states: list[dict]) -> list[dict]:
 
 
 def last_loss(states: list[dict]) -> int | None:
-    """Where the proxy was lost for the last time: a busy machine may have done so before the trouble did."""
+    """Index of the last loss of the proxy. A busy machine may have lost it before the trouble began, too."""
     lost = [s["staleness"] == "LOST" for s in states]
     return next((i for i in reversed(range(len(states))) if lost[i] and not (i and lost[i - 1])), None)
 
@@ -82,11 +82,30 @@ def silence(states: list[dict]) -> None:
     for state in states[zero:]:
         engaged = state["state"] in ("ENGAGING", "ENGAGED")
         if engaged and disengaged:
-            break  # somebody asked anew
+            break  # force was asked for again
         disengaged = disengaged or not engaged
         if force(state) > 0:
             fail(f"force came back in {state['state']}")
     print(f"force was zero {took * 1e3:.0f} ms after the last sample")
+
+
+def no_jump(states: list[dict]) -> None:
+    for a, b in zip(states, states[1:]):
+        allowed = (seconds(b) - seconds(a)) * RAMP_PER_S + 1e-6
+        if b["gain"] - a["gain"] > allowed:
+            fail(f"the gain rose by {b['gain'] - a['gain']:.3f}, {allowed:.3f} is allowed")
+
+
+def safe(states: list[dict]) -> None:
+    no_jump(states)
+    for state in states:
+        if state["staleness"] == "LOST" and force(state) > 0:
+            fail(f"{force(state):.2f} N although the proxy was lost")
+        if state["faults"]:
+            fail(f"fault {state['faults']}")
+    lost = [s["staleness"] == "LOST" for s in states]
+    losses = sum(b and not a for a, b in zip(lost, lost[1:]))
+    print(f"{seconds(states[-1]) - seconds(states[0]):.1f} s, force lost {losses} times")
 
 
 def ramp(states: list[dict]) -> None:
@@ -96,10 +115,7 @@ def ramp(states: list[dict]) -> None:
     back = next((i for i, s in enumerate(states[lost:], lost) if s["state"] == "ENGAGED"), None)
     if back is None:
         fail("force did not come back")
-    for a, b in zip(states[lost:back], states[lost + 1:back + 1]):
-        allowed = (seconds(b) - seconds(a)) * RAMP_PER_S + 1e-6
-        if b["gain"] - a["gain"] > allowed:
-            fail(f"the gain rose by {b['gain'] - a['gain']:.3f}, {allowed:.3f} is allowed")
+    no_jump(states[lost:back + 1])
     print(f"force came back over {seconds(states[back]) - seconds(states[lost]):.2f} s after its loss")
 
 
@@ -153,11 +169,8 @@ def main() -> None:
         only(states, argument)
     elif command in ("quiet", "spans"):
         {"quiet": quiet, "spans": spans}[command](states, float(argument))
-    elif command == "never-lost":
-        if any(s["staleness"] == "LOST" for s in states):
-            fail("force was given up")
     else:
-        {"silence": silence, "ramp": ramp, "closing": closing}[command](states)
+        {"silence": silence, "ramp": ramp, "closing": closing, "safe": safe}[command](states)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ MS = 1_000_000
 def record(ms: float, *, age_ms: float = 5, force: float = 3.0, staleness: str = "FRESH", state: str = "ENGAGED",
            gain: float = 1.0) -> dict:
     return {"server_time_ns": int(ms * MS), "proxy_age_us": age_ms * 1000, "tau_elastic": [force],
-            "staleness": staleness, "state": state, "gain": gain, "transport": "UDP"}
+            "staleness": staleness, "state": state, "gain": gain, "transport": "UDP", "faults": ""}
 
 
 def pressed(until_ms: int) -> list[dict]:
@@ -85,9 +85,11 @@ class Contract(unittest.TestCase):
         self.assertEqual(self.judge(pressed(4100), "spans", "4"), 0)
         self.assertEqual(self.judge(pressed(3900), "spans", "4"), 1)
 
-    def test_one_loss_is_a_loss(self) -> None:
-        self.assertEqual(self.judge(pressed(400), "never-lost"), 0)
-        self.assertEqual(self.judge(silenced(180), "never-lost"), 1)
+    def test_a_loss_is_safe_without_force(self) -> None:
+        self.assertEqual(self.judge(silenced(180), "safe"), 0)
+        self.assertEqual(self.judge(silenced(220), "safe"), 1)
+        self.assertEqual(self.judge([*silenced(180), record(1640)], "safe"), 1)  # the gain jumps
+        self.assertEqual(self.judge([*pressed(400), {**record(404), "faults": "LOOP_LATE"}], "safe"), 1)
 
     def test_a_server_that_ends_under_force_is_not_seen_to_fade(self) -> None:
         fading = [record(400 + 4 * i, state="RELEASING", gain=1 - i / 20) for i in range(19)]

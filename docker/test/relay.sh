@@ -11,47 +11,22 @@ through_relay() { # through_relay SCENARIO
   pressing "$1"
 }
 
-# Four seconds without a loss of force. A stall of this machine looks like one: there are five windows, and where
-# a witness on this machine overslept in every one of them, it cannot be told here.
-steady() { # steady WHAT
-  local window before stalls=0
-  for window in 1 2 3 4 5; do
-    pressing "$1"
-    mark
-    before=$(wc -l <"$scratch/stalls")
-    eventually 120 observed spans 4 || fail "$1: the observer is blind"
-    if observed never-lost 2>"$scratch/verdict"; then
-      step "$1: force stays (window $window)"
-      return 0
-    fi
-    if (($(wc -l <"$scratch/stalls") > before)); then stalls=$((stalls + 1)); fi
-    step "$1: $(cat "$scratch/verdict") (window $window, $(tail -n +$((before + 1)) "$scratch/stalls" | wc -l) stalls)"
-  done
-  ((stalls == window)) || fail "$1: force does not stay"
-  step "$1: not resolvable here: this machine stalled in every window"
-}
-
-watch_machine() {
-  python3 "$root/docker/test/witness.py" "$scratch/stalls" &
-  witness=$!
-  eventually 60 test -e "$scratch/stalls"
-}
-forget_machine() {
-  if [[ -z ${witness:-} ]]; then return 0; fi
-  kill "$witness" 2>/dev/null || true
-  wait "$witness" 2>/dev/null || true
-  witness=
+# Four seconds of pressing, judged by what must never happen. On a busy machine force may be lost meanwhile; the
+# text says how often.
+bears() { # bears WHAT
+  pressing "$1"
+  mark
+  eventually 120 observed spans 4 || fail "$1: the observer is blind"
+  judge "$1" safe
 }
 
 test_relay() {
-  watch_machine
   through_relay delay_30ms
-  steady "30 ms of delay"
+  bears "30 ms of delay"
   through_relay loss_10
   eventually 120 observed transport UDP || fail "10 % of loss: $(cat "$scratch/last")"
   judge "10 % of loss" transport UDP
-  steady "10 % of loss"
-  forget_machine
+  bears "10 % of loss"
   simulate
   pressing "without the relay"
 }

@@ -53,8 +53,8 @@ std::uint64_t rejected_datagrams(client::Connection& server) {
   const client::LinkReport links = server.links();
   add(links.unassigned);
   for (const client::SessionLink& session : links.sessions) {
-    for (const client::LinkCarrier& link : session.carriers) {
-      if (link.carrier == client::Carrier::kUdp) add(link.up.rejected);
+    for (const client::LinkTransport& link : session.transports) {
+      if (link.transport == client::Carrier::kUdp) add(link.up.rejected);
     }
   }
   return sum;
@@ -223,7 +223,9 @@ TEST(NetworkRow, SpoofedSource) {
 }
 
 TEST(NetworkRow, ACutConnectionIsResumed) {
-  network_row("cut_connection", "contract; force back by itself; resumed within the lease (calm host)",
+  network_row("cut_connection",
+              "contract; force back by itself; resumed within the lease "
+              "(calm host)",
               [](RowRun& run) {
                 {
                   auto relay = std::make_unique<Relay>(between(run.daemon(), "clean"));
@@ -367,27 +369,31 @@ TEST(NetworkRow, HugeValues) {
 }
 
 TEST(NetworkRow, SixteenObserversAt1Khz) {
-  network_row("16_observers", "contract; 1000 states per second to each of 16 watchers, engaged throughout (calm host)", [](RowRun& run) {
-    std::atomic<std::uint64_t> states{0};
-    {
-      client::Connection connection(run.daemon().address());
-      std::vector<std::unique_ptr<client::Watch>> watches;
-      for (int i = 0; i < 16; ++i) {
-        watches.push_back(
-            connection.watch("finger", 1000.0, [&](const client::DeviceState&) { ++states; }));
-      }
-      Presser presser(run.daemon().address());
-      const auto engaged = [&] { return presser.state().state == client::Lifecycle::kEngaged; };
-      if (!run.must(within(60s, engaged), "engaged within a minute")) return;
-      std::this_thread::sleep_for(4s);
-    }
-    const RunFigures figures = run.judge();
-    run.calm(figures.losses == 0, "force never lost");
-    run.must(states > 0U, "states to the observers");
-    run.calm(states > 16'000U, "1000 states to each observer, or more");
-    run.got(std::to_string(states) + " states to them");
-    run.got(figures.text());
-  });
+  network_row(
+      "16_observers",
+      "contract; 1000 states per second to each of 16 watchers, engaged "
+      "throughout (calm host)",
+      [](RowRun& run) {
+        std::atomic<std::uint64_t> states{0};
+        {
+          client::Connection connection(run.daemon().address());
+          std::vector<std::unique_ptr<client::Watch>> watches;
+          for (int i = 0; i < 16; ++i) {
+            watches.push_back(
+                connection.watch("finger", 1000.0, [&](const client::DeviceState&) { ++states; }));
+          }
+          Presser presser(run.daemon().address());
+          const auto engaged = [&] { return presser.state().state == client::Lifecycle::kEngaged; };
+          if (!run.must(within(60s, engaged), "engaged within a minute")) return;
+          std::this_thread::sleep_for(4s);
+        }
+        const RunFigures figures = run.judge();
+        run.calm(figures.losses == 0, "force never lost");
+        run.must(states > 0U, "states to the observers");
+        run.calm(states > 16'000U, "1000 states to each observer, or more");
+        run.got(std::to_string(states) + " states to them");
+        run.got(figures.text());
+      });
 }
 
 TEST(NetworkRow, SigtermUnderLoad) {

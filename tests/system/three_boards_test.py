@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Three boards on three ports in one hapticd: the one that is unplugged goes into FAULT, and back to IDLE when it is
-there again and its fault was cleared; the others hold their force meanwhile. Whole programs.
+"""Three boards on three ports in one hapticd. One is unplugged: it goes into FAULT, and to IDLE when it is plugged in
+again and its fault is cleared. The others hold their force meanwhile.
 
     three_boards_test.py HAPTICD HAPTIC-BOARD-EMULATOR SCENE        (package haptic and tests/support on PYTHONPATH)
 """
@@ -13,15 +13,15 @@ import time
 import unittest
 
 import haptic
-from board_rig import PATIENCE_S, Board, Disturbed, Server, sound, until
+from board_rig import PATIENCE_S, Board, Server, sound
 
 HAPTICD, EMULATOR, SCENE = sys.argv[1:4]
 SERIALS = ("THUMB", "INDEX", "MIDDLE")  # as the scene wants them
-UNPLUGGED_AT_S, FOR_S = 12.0, 2.0  # of the board's time: by then the others are engaged, on a busy machine too
+UNPLUGGED_AT_S, FOR_S = 12.0, 2.0  # of the board's time; the others are engaged by then
 
 
 class ThreeBoards(unittest.TestCase):
-    def attempt(self) -> None:
+    def test_unplugging_one_does_not_disturb_the_others(self) -> None:
         folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
         boards = [Board(EMULATOR, folder / str(i), "--serial", SERIALS[i],
                         *(["--fault", f"unplug@{UNPLUGGED_AT_S}+{FOR_S}"] if i == 1 else [])) for i in range(3)]
@@ -46,21 +46,14 @@ class ThreeBoards(unittest.TestCase):
             before, now = len(seen), state_of(connection, names[1])
             seen.add(now)
             if now == "FAULT":
-                if before < len(seen):  # just now: the others do not feel it
+                if before < len(seen):  # the others do not feel it
                     self.assertEqual([state.state for state in states], ["ENGAGED"] * 2)
-                with contextlib.suppress(haptic.ClientError):  # as long as the port is away the fault persists
+                with contextlib.suppress(haptic.ClientError):  # refused while the port is away
                     connection.clear_fault(device=names[1])
             self.assertLess(time.monotonic(), latest, (seen, states))
         for session, x in zip(held, place):
             session.publish(haptic.held(x))
         self.assertEqual([sound(session.wait_for_state(20.0)).state for session in held], ["ENGAGED"] * 2)
-
-    def test_unplugging_one_does_not_disturb_the_others(self) -> None:
-        for _ in range(6):
-            with contextlib.suppress(Disturbed):  # one that stayed plugged: this machine was too busy
-                return self.attempt()
-            self.doCleanups()
-        self.fail("this machine is too busy for three boards")
 
 
 def state_of(connection: haptic.Connection, name: str) -> str:

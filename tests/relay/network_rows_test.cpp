@@ -53,8 +53,8 @@ std::uint64_t rejected_datagrams(client::Connection& server) {
   const client::LinkReport links = server.links();
   add(links.unassigned);
   for (const client::SessionLink& session : links.sessions) {
-    for (const client::LinkTransport& link : session.transports) {
-      if (link.transport == client::Carrier::kUdp) add(link.up.rejected);
+    for (const client::LinkCarrier& link : session.carriers) {
+      if (link.carrier == client::Carrier::kUdp) add(link.up.rejected);
     }
   }
   return sum;

@@ -1,24 +1,38 @@
 #pragma once
-/// Where the user's code runs: in a callback it must not wait for another, and on a thread of gRPC's
-/// not for what only such a thread can bring.
+/// Which thread the user's code runs on. In a callback it must not wait for another callback; on a
+/// thread of gRPC's also not for what only such a thread can bring, for there are few of them.
+
+#include <algorithm>
 
 namespace haptic::client {
 
-/// This thread runs a callback of the user's, of whatever session or watch.
-[[nodiscard]] bool in_callback() noexcept;
-/// And it is one of gRPC's: of its few threads this one brings nothing until the callback returned.
-[[nodiscard]] bool in_callback_of_grpc() noexcept;
-
-/// Around a callback.
+/// Exists while this thread runs a callback of the user's, of any session or watch.
 class CallbackScope {
  public:
-  explicit CallbackScope(bool on_grpc_thread) noexcept;
-  ~CallbackScope();
+  enum class Thread { kNone, kOwn, kGrpc };
+
+  explicit CallbackScope(bool on_grpc_thread) noexcept : before_(running()) {
+    running() = std::max(before_, on_grpc_thread ? Thread::kGrpc : Thread::kOwn);
+  }
+  ~CallbackScope() { running() = before_; }
   CallbackScope(const CallbackScope&) = delete;
   CallbackScope& operator=(const CallbackScope&) = delete;
 
+  /// Which kind of callback this thread is in.
+  [[nodiscard]] static Thread& running() noexcept {
+    thread_local Thread thread = Thread::kNone;
+    return thread;
+  }
+
  private:
-  const int before_;
+  const Thread before_;
 };
+
+[[nodiscard]] inline bool in_callback() noexcept {
+  return CallbackScope::running() != CallbackScope::Thread::kNone;
+}
+[[nodiscard]] inline bool in_callback_of_grpc() noexcept {
+  return CallbackScope::running() == CallbackScope::Thread::kGrpc;
+}
 
 }  // namespace haptic::client

@@ -1,16 +1,19 @@
 #include "haptic/client/connection.hpp"
 
+#include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
+#include <grpcpp/impl/codegen/proto_utils.h>
 
 #include <fstream>
+#include <future>
 #include <iterator>
 
+#include "call.hpp"
 #include "convert.hpp"
-#include "error_mapping.hpp"
+#include "grpc/health/v1/health.pb.h"
 #include "haptic/wire/utf8.hpp"
-#include "health.hpp"
-#include "session_impl.hpp"
-#include "watch_impl.hpp"
+#include "remote_session.hpp"
+#include "remote_watch.hpp"
 
 namespace haptic::client {
 
@@ -33,10 +36,6 @@ class Connection::Impl {
     stub = v1::HapticService::NewStub(channel);
   }
 
-  static void deadline(grpc::ClientContext& context, std::chrono::milliseconds timeout) {
-    context.set_deadline(std::chrono::system_clock::now() + timeout);
-  }
-
   /// The form only, so that gRPC need not guess. Throws.
   static void check_form(const std::string& address) {
     const std::string scheme = "unix:";
@@ -51,7 +50,7 @@ class Connection::Impl {
 
   const std::string address;
   std::shared_ptr<grpc::Channel> channel;
-  std::unique_ptr<v1::HapticService::Stub> stub;
+  std::unique_ptr<Stub> stub;
 };
 
 namespace {
@@ -88,76 +87,70 @@ Connection::Connection(const std::string& address, const TlsOptions& tls)
 Connection::~Connection() = default;
 
 ServerInfo Connection::server_info(std::chrono::milliseconds timeout) {
-  grpc::ClientContext context;
-  Impl::deadline(context, timeout);
-  v1::GetServerInfoResponse response;
-  check(impl_->stub->GetServerInfo(&context, {}, &response));
-  return to_info(response);
+  return to_info(call(*impl_->stub, &Stub::GetServerInfo, {}, timeout));
 }
 
 bool Connection::healthy(const std::string& device, std::chrono::milliseconds timeout) {
-  return client::healthy(impl_->channel, device, timeout);
+  using Request = grpc::health::v1::HealthCheckRequest;
+  using Response = grpc::health::v1::HealthCheckResponse;
+  grpc::TemplatedGenericStub<Request, Response> stub(impl_->channel);
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + timeout);
+  Request request;
+  request.set_service(device);
+  Response response;
+  std::promise<grpc::Status> answered;
+  stub.UnaryCall(&context, "/grpc.health.v1.Health/Check", {}, &request, &response,
+                 [&](grpc::Status status) { answered.set_value(std::move(status)); });
+  check(answered.get_future().get());
+  return response.status() == Response::SERVING;
 }
 
 std::vector<DeviceInfo> Connection::devices(std::chrono::milliseconds timeout) {
-  grpc::ClientContext context;
-  Impl::deadline(context, timeout);
-  v1::ListDevicesResponse response;
-  check(impl_->stub->ListDevices(&context, {}, &response));
+  const auto answer = call(*impl_->stub, &Stub::ListDevices, {}, timeout);
   std::vector<DeviceInfo> devices;
-  for (const v1::Device& device : response.devices()) devices.push_back(to_info(device));
+  for (const v1::Device& device : answer.devices()) devices.push_back(to_info(device));
   return devices;
 }
 
 std::unique_ptr<Session> Connection::open(SessionOptions options) {
   auto session =
-      std::make_unique<Session::Impl>(impl_->channel, impl_->address, std::move(options));
+      std::make_unique<RemoteSession>(impl_->channel, impl_->address, std::move(options));
   session->open();
-  return std::unique_ptr<Session>(new Session(std::move(session)));
+  return session;
 }
 
 std::unique_ptr<Watch> Connection::watch(const std::string& device, double rate_hz,
                                          std::function<void(const DeviceState&)> on_state,
                                          std::function<void(const Event&)> on_event) {
-  return std::unique_ptr<Watch>(new Watch(std::make_unique<Watch::Impl>(
-      impl_->channel, device, rate_hz, std::move(on_state), std::move(on_event))));
+  return watch_device(impl_->channel, device, rate_hz, std::move(on_state), std::move(on_event));
 }
 
 LinkReport Connection::links(const std::string& device) {
-  grpc::ClientContext context;
-  Impl::deadline(context, kAnswer);
   v1::GetLinkStatsRequest request;
   request.set_device(device);
-  v1::GetLinkStatsResponse response;
-  check(impl_->stub->GetLinkStats(&context, request, &response));
-  return to_report(response);
+  return to_report(call(*impl_->stub, &Stub::GetLinkStats, request, kAnswer));
 }
 
 std::vector<std::string> Connection::emergency_stop(const std::string& device,
                                                     const std::string& reason) {
-  grpc::ClientContext context;
-  Impl::deadline(context, kAnswer);
   v1::EmergencyStopRequest request;
   // Nothing in them may keep the stop from being read: in doubt all devices stop.
   const bool name = device.size() <= kLongestReason && wire::is_utf8(device);
   request.set_device(name ? device : "");
   const bool fits = reason.size() <= kLongestReason && wire::is_utf8(reason);
   request.set_reason(fits ? reason : "(a reason that is too long, or not UTF-8)");
-  v1::EmergencyStopResponse response;
-  check(impl_->stub->EmergencyStop(&context, request, &response));
-  return {response.stopped().begin(), response.stopped().end()};
+  const auto answer = call(*impl_->stub, &Stub::EmergencyStop, request, kAnswer);
+  return {answer.stopped().begin(), answer.stopped().end()};
 }
 
 std::vector<std::uint32_t> Connection::clear_fault(const std::string& device,
                                                    const std::vector<std::uint32_t>& faults) {
-  grpc::ClientContext context;
-  Impl::deadline(context, kAnswer);
   v1::ClearFaultRequest request;
   request.set_device(device);
   request.mutable_fault_ids()->Add(faults.begin(), faults.end());
-  v1::ClearFaultResponse response;
-  check(impl_->stub->ClearFault(&context, request, &response));
-  return {response.cleared().begin(), response.cleared().end()};
+  const auto answer = call(*impl_->stub, &Stub::ClearFault, request, kAnswer);
+  return {answer.cleared().begin(), answer.cleared().end()};
 }
 
 }  // namespace haptic::client

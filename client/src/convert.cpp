@@ -128,4 +128,29 @@ ServerInfo to_info(const v1::GetServerInfoResponse& m) {
   return s;
 }
 
+v1::UpdateSettingsRequest to_request(const Settings& settings) {
+  v1::UpdateSettingsRequest m;
+  m.mutable_stiffness()->Add(settings.stiffness.begin(), settings.stiffness.end());
+  m.mutable_damping()->Add(settings.damping.begin(), settings.damping.end());
+  m.mutable_force_limit()->Add(settings.force_limit.begin(), settings.force_limit.end());
+  m.mutable_slew_limit()->Add(settings.slew_limit.begin(), settings.slew_limit.end());
+  m.set_renderer(static_cast<v1::Renderer>(settings.renderer));
+  if (settings.direction_guard) m.set_direction_guard(*settings.direction_guard);
+  return m;
+}
+
+AppliedSettings to_settings(const v1::UpdateSettingsResponse& m) {
+  AppliedSettings s;
+  s.applied = {list(m.stiffness()),
+               list(m.damping()),
+               list(m.force_limit()),
+               list(m.slew_limit()),
+               static_cast<Renderer>(m.renderer()),
+               m.direction_guard()};
+  for (const auto& clamp : m.clamped()) {
+    s.clamped.push_back({clamp.field(), clamp.asked(), clamp.applied(), clamp.why()});
+  }
+  return s;
+}
+
 }  // namespace haptic::client

@@ -1,7 +1,8 @@
 #pragma once
-/// Messages -> the library's types.
+/// The library's types from messages, and the other way round.
 
 #include "haptic/client/link.hpp"
+#include "haptic/client/session.hpp"
 #include "haptic/client/types.hpp"
 #include "haptic/v1/haptic_service.pb.h"
 #include "haptic/v1/session.pb.h"
@@ -13,6 +14,8 @@ namespace haptic::client {
 [[nodiscard]] DeviceInfo to_info(const v1::Device& message);
 [[nodiscard]] ServerInfo to_info(const v1::GetServerInfoResponse& message);
 [[nodiscard]] LinkReport to_report(const v1::GetLinkStatsResponse& message);
+[[nodiscard]] v1::UpdateSettingsRequest to_request(const Settings& settings);
+[[nodiscard]] AppliedSettings to_settings(const v1::UpdateSettingsResponse& message);
 [[nodiscard]] std::chrono::nanoseconds to_duration(const google::protobuf::Duration& message);
 void set_duration(std::chrono::nanoseconds value, google::protobuf::Duration& message);
 

@@ -1,6 +1,8 @@
 #include <array>
+#include <cstring>
 
 #include "haptic/client/types.hpp"
+#include "haptic/v1/session.pb.h"
 
 namespace haptic::client {
 
@@ -27,6 +29,15 @@ std::vector<std::string> names(std::uint32_t bits, const std::array<const char*,
   return found;
 }
 
+/// The value's name without the prefix that all names of its enumeration share, as of value 0:
+/// "KIND_UNSPECIFIED", "KIND_STATE" -> "STATE".
+const char* word(const google::protobuf::EnumDescriptor* kind, int number) noexcept {
+  const auto* value = kind->FindValueByNumber(number);
+  if (number == 0 || value == nullptr) return "UNKNOWN";
+  const std::size_t prefix = kind->value(0)->name().size() - std::strlen("UNSPECIFIED");
+  return value->name().c_str() + prefix;
+}
+
 }  // namespace
 
 std::vector<std::string> fault_names(std::uint32_t faults) {
@@ -38,75 +49,19 @@ std::vector<std::string> limiter_names(std::uint32_t limiters) {
 }
 
 const char* name(CertificateState::Status status) noexcept {
-  switch (status) {
-    case CertificateState::Status::kUnknown:
-      break;
-    case CertificateState::Status::kComputed:
-      return "COMPUTED";
-    case CertificateState::Status::kIdle:
-      return "IDLE";
-    case CertificateState::Status::kOtherRenderer:
-      return "OTHER_RENDERER";
-    case CertificateState::Status::kMapFailed:
-      return "MAP_FAILED";
-    case CertificateState::Status::kNotFullRank:
-      return "NOT_FULL_RANK";
-    case CertificateState::Status::kNoStiffness:
-      return "NO_STIFFNESS";
-  }
-  return "UNKNOWN";
+  return word(v1::CertificateStatus_descriptor(), static_cast<int>(status));
 }
 
 const char* name(Lifecycle state) noexcept {
-  switch (state) {
-    case Lifecycle::kInit:
-      return "INIT";
-    case Lifecycle::kIdle:
-      return "IDLE";
-    case Lifecycle::kArmed:
-      return "ARMED";
-    case Lifecycle::kEngaging:
-      return "ENGAGING";
-    case Lifecycle::kEngaged:
-      return "ENGAGED";
-    case Lifecycle::kReleasing:
-      return "RELEASING";
-    case Lifecycle::kFault:
-      return "FAULT";
-    case Lifecycle::kClosing:
-      return "CLOSING";
-    case Lifecycle::kUnknown:
-      break;
-  }
-  return "UNKNOWN";
+  return word(v1::DeviceStateName_descriptor(), static_cast<int>(state));
 }
 
 const char* name(Staleness staleness) noexcept {
-  switch (staleness) {
-    case Staleness::kFresh:
-      return "FRESH";
-    case Staleness::kHold:
-      return "HOLD";
-    case Staleness::kFade:
-      return "FADE";
-    case Staleness::kLost:
-      return "LOST";
-    case Staleness::kUnknown:
-      break;
-  }
-  return "UNKNOWN";
+  return word(v1::StalenessLevel_descriptor(), static_cast<int>(staleness));
 }
 
 const char* name(Carrier carrier) noexcept {
-  switch (carrier) {
-    case Carrier::kGrpc:
-      return "GRPC";
-    case Carrier::kUdp:
-      return "UDP";
-    case Carrier::kUnknown:
-      break;
-  }
-  return "UNKNOWN";
+  return word(v1::Transport_descriptor(), static_cast<int>(carrier));
 }
 
 }  // namespace haptic::client

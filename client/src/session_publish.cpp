@@ -1,8 +1,10 @@
-/// publish(): the one place where sequence numbers are made.
+/// publish() and publish_pose(): the one place where samples get their numbers.
 
 #include <algorithm>
 
-#include "session_impl.hpp"
+#include "haptic/client/planes.hpp"
+#include "remote_session.hpp"
+#include "udp_carrier.hpp"
 
 namespace haptic::client {
 
@@ -16,24 +18,42 @@ std::uint32_t microseconds(Duration duration) {
 
 }  // namespace
 
-void Session::Impl::publish(Proxy proxy) noexcept {
+/// `fill` completes the sample under mutex_, given its number.
+template <typename Fill>
+void RemoteSession::publish_in_order(v1::SessionRequest& request, Fill fill) {
+  const std::lock_guard in_order(publish_mutex_);
+  std::shared_ptr<Stream> stream;
+  std::shared_ptr<UdpCarrier> udp;
+  {
+    const std::lock_guard lock(mutex_);
+    fill(++statistics_.published);
+    if (reconnection_.open()) {
+      stream = stream_;
+      udp = udp_;
+    }
+    if (resumable() && reconnection_.state() == Reconnection::State::kLeaseLost) {
+      // Only a new session controls the device. It begins with this sample and not before, so that a
+      // silent client does not hold the device.
+      reconnection_.ended(
+          {ErrorReason::kClosed, "the lease is over: it had expired, or was preempted"});
+      work_.notify_all();
+    }
+  }
+  if (request.has_proxy() && send_by_udp(request.proxy(), udp.get())) return;
+  if (stream) stream->send(std::move(request));
+}
+
+void RemoteSession::publish(Proxy proxy) noexcept {
   try {
-    const std::lock_guard in_order(publish_mutex_);
-    v1::ProxySample sample;
-    std::shared_ptr<Stream> stream;
-    std::shared_ptr<UdpPath> udp;
-    const auto now = Clock::now();
-    sample.set_source_time_ns(now.time_since_epoch().count());
+    v1::SessionRequest request;
+    v1::ProxySample& sample = *request.mutable_proxy();
     sample.set_valid_for_us(microseconds(proxy.valid_for));
     sample.mutable_position()->Add(proxy.position.begin(), proxy.position.end());
-    {
-      const std::lock_guard lock(mutex_);
+    publish_in_order(request, [&](std::uint64_t number) {
+      const auto now = Clock::now();
+      sample.set_source_time_ns(now.time_since_epoch().count());
+      sample.set_seq(number);
       to_planes(proxy);
-      ++statistics_.published;
-      sample.set_seq(++seq_);
-      if (proxy.mode != last_mode_) ++mode_epoch_;
-      last_mode_ = proxy.mode;
-      sample.set_mode_epoch(mode_epoch_);
       sample.set_mode(static_cast<v1::ProxyMode>(proxy.mode));
       for (const Plane& plane : proxy.planes) {
         v1::Plane& sent = *sample.add_planes();
@@ -41,58 +61,34 @@ void Session::Impl::publish(Proxy proxy) noexcept {
         sent.set_offset(plane.offset);
       }
       // The state that the user was given, not one that arrived while the simulation computed.
-      const std::uint64_t used = proxy.device_seq_used != 0 ? proxy.device_seq_used : handed_seq_;
+      const NewestState::Given& given = states_.given();
+      const std::uint64_t used = proxy.device_seq_used != 0 ? proxy.device_seq_used : given.seq;
       sample.set_device_seq_used(used);
-      if (used != 0 && used == handed_seq_)
-        sample.set_hold_us(microseconds(now - handed_received_));
-      if (phase_ == Phase::kOpen) {
-        stream = stream_;
-        if (!closing_) udp = udp_;
-      }
-      if (stream && lease_lost_ && options_.reconnect == Reconnect::kWithBackoff) leave_for_lease();
-    }
-    if (send_by_udp(sample, udp.get())) return;
-    if (stream) stream->send(sample);
+      if (used != 0 && used == given.seq) sample.set_hold_us(microseconds(now - given.received));
+    });
   } catch (...) {  // NOLINT(bugprone-empty-catch): out of memory loses this sample, not the caller
   }
 }
 
-void Session::Impl::publish_pose(const Pose& pose) noexcept {
+void RemoteSession::publish_pose(const Pose& pose) noexcept {
   try {
-    const std::lock_guard in_order(publish_mutex_);
-    v1::TrackerSample sample;
+    v1::SessionRequest request;
+    v1::TrackerSample& sample = *request.mutable_tracker();
     sample.set_valid_for_us(microseconds(pose.valid_for));
     sample.mutable_position()->Add(pose.position.begin(), pose.position.end());
     sample.mutable_orientation()->Add(pose.orientation.begin(), pose.orientation.end());
-    std::shared_ptr<Stream> stream;
-    {
-      const std::lock_guard lock(mutex_);
-      ++statistics_.published;
-      sample.set_seq(++seq_);
-      if (phase_ == Phase::kOpen) stream = stream_;
-    }
-    if (stream) stream->send(sample);
+    publish_in_order(request, [&](std::uint64_t number) { sample.set_seq(number); });
   } catch (...) {  // NOLINT(bugprone-empty-catch): out of memory loses this pose, not the caller
   }
 }
 
-/// Under mutex_. A proxy of a state that the user no longer holds stays held: its probe is not known.
-void Session::Impl::to_planes(Proxy& proxy) const {
-  if (!options_.derive_planes || proxy.mode != Mode::kHeld || handed_x_probe_.empty()) return;
-  if (proxy.device_seq_used != 0 && proxy.device_seq_used != handed_seq_) return;
+/// Under mutex_. A proxy that was computed from an older state stays held: its probe is not known.
+void RemoteSession::to_planes(Proxy& proxy) const {
+  const NewestState::Given& given = states_.given();
+  if (!options_.derive_planes || proxy.mode != Mode::kHeld || given.x_probe.empty()) return;
+  if (proxy.device_seq_used != 0 && proxy.device_seq_used != given.seq) return;
   proxy.mode = Mode::kPlanes;
-  proxy.planes =
-      derive_planes(device_.coordinates, proxy.position, handed_x_probe_, options_.blocks);
-}
-
-/// A simulation that was silent for the lease time and speaks again: its stream only observes, a new
-/// one controls. Opened by the next sample and not before, lest a silent client holds the device.
-void Session::Impl::leave_for_lease() {
-  end_ = {grpc::StatusCode::ABORTED, "the lease is over: it had expired, or was preempted"};
-  end_pending_ = true;
-  phase_ = Phase::kDone;
-  lease_lost_ = false;
-  work_.notify_all();
+  proxy.planes = derive_planes(device_.coordinates, proxy.position, given.x_probe, options_.blocks);
 }
 
 }  // namespace haptic::client

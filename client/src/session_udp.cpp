@@ -1,55 +1,54 @@
-/// The session's UDP path: samples up and states down beside the stream, which is its fallback.
+/// The session's UDP carrier: samples up and states down beside the stream, which is its fallback.
 
-#include "session_impl.hpp"
+#include "remote_session.hpp"
+#include "udp_carrier.hpp"
 
 namespace haptic::client {
 
-void Session::Impl::start_udp(Lock& lock) {
+void RemoteSession::start_udp(Lock& lock) {
   if (options_.carriers == Carriers::kGrpcOnly) return;  // whatever the server offers
-  const bool required = options_.carriers == Carriers::kUdpOnly;
   if (!opened_.has_udp()) {
-    if (!required) return;
-    const std::string why = opened_.udp_refused();
-    const std::shared_ptr<Stream> stream = std::move(stream_);
-    phase_ = Phase::kDone;
-    lock.unlock();
-    stream->end();
-    throw ClientError(ErrorReason::kInvalidArgument, "the server offers no UDP path: " + why);
+    if (options_.carriers != Carriers::kUdpOnly) return;
+    throw ClientError(ErrorReason::kInvalidArgument,
+                      "the server offers no UDP path: " + opened_.udp_refused());
   }
   const v1::UdpPath offer = opened_.udp();
-  // What the path's silence is measured by: an observer hears states, at the rate it asked for.
+  // An observer hears states, at the rate it asked for; the others send samples.
   const double states = options_.state_rate_hz > 0.0 ? options_.state_rate_hz : 1000.0;
   const double rate = options_.observer ? states : options_.nominal_rate_hz;
   const auto period = std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rate));
   lock.unlock();
-  auto path = std::make_shared<UdpPath>(offer, udp_host_, period, *this);
+  auto udp = std::make_shared<UdpCarrier>(
+      offer, address_, period,
+      UdpCarrier::Sink{[this](const v1::DeviceState& state) { on_udp_state(state); },
+                       [this](const v1::ProxySample& newest) { on_udp_late(newest); }});
   lock.lock();
-  udp_ = std::move(path);  // if the stream has ended by now, the worker ends this too
+  udp_ = std::move(udp);  // if the stream has ended by now, the worker ends this too
 }
 
-void Session::Impl::stop_udp(Lock& lock) {
-  const std::shared_ptr<UdpPath> path = std::move(udp_);
-  udp_.reset();
-  if (!path) return;
+void RemoteSession::stop_udp(Lock& lock) {
+  const std::shared_ptr<UdpCarrier> udp = std::exchange(udp_, nullptr);
+  if (!udp) return;
   lock.unlock();  // its thread may be waiting for our locks
-  path->stop();
+  udp->stop();
   lock.lock();
 }
 
-bool Session::Impl::send_by_udp(const v1::ProxySample& sample, UdpPath* path) {
-  const ByUdp sent = path != nullptr ? path->send(sample) : ByUdp::kNo;
-  const bool alone = sent == ByUdp::kYes || options_.carriers == Carriers::kUdpOnly;
-  if (sent != ByUdp::kNo && alone) {  // else the stream counts it
+bool RemoteSession::send_by_udp(const v1::ProxySample& sample, UdpCarrier* udp) {
+  using Sent = UdpCarrier::Sent;
+  const Sent sent = udp != nullptr ? udp->send(sample) : Sent::kNo;
+  const bool alone = sent == Sent::kYes || options_.carriers == Carriers::kUdpOnly;
+  if (sent != Sent::kNo && alone) {  // else the stream counts it
     const std::lock_guard lock(mutex_);
     ++statistics_.sent;
   }
   return alone;
 }
 
-void Session::Impl::on_udp_state(const v1::DeviceState& state) {
+void RemoteSession::on_udp_state(const v1::DeviceState& state) {
   {
     const std::lock_guard lock(mutex_);
-    if (phase_ != Phase::kOpen) return;
+    if (!reconnection_.open()) return;
     received(state);
     changed_.notify_all();
   }
@@ -57,26 +56,27 @@ void Session::Impl::on_udp_state(const v1::DeviceState& state) {
 }
 
 /// The newest sample may be lost, and a simulation that holds still would not send another soon.
-void Session::Impl::on_udp_fallback(const v1::ProxySample& newest) {
+void RemoteSession::on_udp_late(const v1::ProxySample& newest) {
   if (newest.seq() == 0 || options_.carriers == Carriers::kUdpOnly) return;
   const std::lock_guard in_order(publish_mutex_);
   std::shared_ptr<Stream> stream;
   {
     const std::lock_guard lock(mutex_);
-    if (phase_ == Phase::kOpen && newest.seq() == seq_) stream = stream_;
+    if (reconnection_.open() && newest.seq() == statistics_.published) stream = stream_;
   }
-  if (stream) stream->send(newest);
+  v1::SessionRequest request;
+  *request.mutable_proxy() = newest;
+  if (stream) stream->send(std::move(request));
 }
 
-std::optional<UdpLink> Session::Impl::udp_link() const {
-  std::shared_ptr<UdpPath> path;
+std::optional<UdpLink> RemoteSession::udp_link() const {
+  std::shared_ptr<UdpCarrier> udp;
   {
     const std::lock_guard lock(mutex_);
-    path = udp_;
+    udp = udp_;
   }
-  if (!path) return std::nullopt;
-  const UdpFigures figures = path->figures();
-  return UdpLink{figures.in_use, figures.round_trip, figures.received, figures.lost};
+  if (!udp) return std::nullopt;
+  return udp->figures();
 }
 
 }  // namespace haptic::client

@@ -1,88 +1,56 @@
-/// The session's own thread: events and the end to the user, the asking for force, the reconnecting.
+/// The session's own thread: brings events and the end of the stream to the user, asks for force,
+/// reconnects.
 
 #include <algorithm>
 
-#include "error_mapping.hpp"
-#include "session_impl.hpp"
+#include "remote_session.hpp"
 
 namespace haptic::client {
 
-namespace {
-
-using std::chrono::milliseconds;
-
-constexpr milliseconds kFirstBackoff{100}, kLongestBackoff{2000};
-
-/// What another attempt at the same opening may find changed: a server that comes back, a lease that
-/// runs out, sessions that end. A wrong argument stays wrong.
-bool may_pass(ErrorReason reason) {
-  return reason == ErrorReason::kUnreachable || reason == ErrorReason::kTimeout ||
-         reason == ErrorReason::kLeaseHeld || reason == ErrorReason::kNotReady ||
-         reason == ErrorReason::kClosed;
-}
-
-}  // namespace
-
-void Session::Impl::work() {
+void RemoteSession::work() {
   Lock lock(mutex_);
-  while (!closing_) {
+  while (!reconnection_.closed()) {
     deliver_events(lock);
-    if (closing_) break;
-    if (end_pending_) {
+    if (reconnection_.closed()) break;
+    const Clock::time_point now = Clock::now();
+    if (reconnection_.state() == Reconnection::State::kEnded) {
       handle_end(lock);
-    } else if (reconnecting_ && Clock::now() >= next_connect_) {
+    } else if (now >= reconnection_.due()) {
       reconnect(lock);
-    } else if (release_due_ &&
-               phase_ == Phase::kOpen) {  // resumed, by an opening already under way
-      release_due_ = false;
-      release_again(lock);
-    } else if (force_due() && Clock::now() >= next_engage_) {
-      ask_for_force(lock);
+    } else if (force_.owes_release() && reconnection_.open() && !release_call_) {
+      send_release(lock);
+    } else if (now >= engage_due()) {
+      send_engage(lock);
     } else if (events_.empty()) {
-      const Clock::time_point due = next_due();
+      const Clock::time_point due = std::min(reconnection_.due(), engage_due());
       due == Clock::time_point::max() ? work_.wait(lock) : void(work_.wait_until(lock, due));
     }
   }
 }
 
-bool Session::Impl::force_due() const {
-  if (lease_lost_ && comes_back_with_force()) return false;  // in vain, until the next sample
-  return want_force_ && phase_ == Phase::kOpen && !engage_call_ && !has_force(newest_.state);
-}
-
-Session::Impl::Clock::time_point Session::Impl::next_due() const {
-  Clock::time_point due = Clock::time_point::max();
-  if (reconnecting_) due = next_connect_;
-  if (force_due()) due = std::min(due, next_engage_);
-  return due;
-}
-
-void Session::Impl::deliver_events(Lock& lock) {
-  while (!events_.empty() && !closing_) {
+void RemoteSession::deliver_events(Lock& lock) {
+  while (!events_.empty() && !reconnection_.closed()) {
     const Event event = std::move(events_.front());
     events_.pop_front();
-    call(lock, events_and_end_, options_.on_event, event);
+    call_user(lock, on_event_or_end_, options_.on_event, event);
   }
 }
 
-void Session::Impl::handle_end(Lock& lock) {
-  end_pending_ = false;
+void RemoteSession::handle_end(Lock& lock) {
   stop_udp(lock);
-  const ClientError error = to_error(end_);
-  const bool again = options_.reconnect == Reconnect::kWithBackoff;
-  if (!again || !options_.re_engage) give_up_force(error);  // force never returns by itself
-  reconnecting_ = again;
-  backoff_ = kFirstBackoff;
-  next_connect_ = Clock::now();  // while the force is still on it can be resumed
+  const ClientError error = reconnection_.why();
+  const bool again = reconnection_.retry(Clock::now());      // at once: force may still be on
+  if (!again || !options_.re_engage) force_.give_up(error);  // force never returns by itself
   changed_.notify_all();
-  call(lock, events_and_end_, options_.on_disconnect, error, again);
+  call_user(lock, on_event_or_end_, options_.on_disconnect, error, again);
 }
 
-void Session::Impl::reconnect(Lock& lock) {
-  std::shared_ptr<Stream> old = std::move(stream_);
+void RemoteSession::reconnect(Lock& lock) {
+  const std::shared_ptr<Stream> old = std::move(stream_);
+  stream_.reset();
   lock.unlock();
-  // Not by its destructor: publish() may hold it for a moment longer, and its end must not be taken
-  // for the end of the next stream.
+  // publish() may hold the old stream for a moment longer than this function. Its end must come now,
+  // so that it is not taken for the end of the next stream.
   if (old) old->end();
   std::optional<ClientError> error;
   try {
@@ -91,18 +59,11 @@ void Session::Impl::reconnect(Lock& lock) {
     error = failed;
   }
   lock.lock();
-  if (!error) {
-    reconnecting_ = false;
-    next_engage_ = Clock::now();
-    return;
-  }
-  next_connect_ = Clock::now() + backoff_;
-  backoff_ = std::min(backoff_ * 2, kLongestBackoff);
-  if (may_pass(error->reason())) return;  // on_disconnect has said that this goes on
-  reconnecting_ = false;
-  give_up_force(*error);
+  force_.ask_at(Clock::now());
+  if (!error || reconnection_.retry(Clock::now())) return;  // on_disconnect said that this goes on
+  force_.give_up(*error);
   changed_.notify_all();
-  call(lock, events_and_end_, options_.on_disconnect, *error, false);
+  call_user(lock, on_event_or_end_, options_.on_disconnect, *error, false);
 }
 
 }  // namespace haptic::client

@@ -2,90 +2,56 @@
 
 namespace haptic::client {
 
-Stream::Stream(v1::HapticService::Stub& stub, StreamSink& sink) : stub_(stub), sink_(sink) {}
-
-Stream::~Stream() {
-  end();
-}
-
 void Stream::start(const v1::OpenSession& open) {
   const std::lock_guard lock(mutex_);
-  *outgoing_.mutable_open() = open;
+  v1::SessionRequest opening;
+  *opening.mutable_open() = open;
   stub_.async()->Session(&context_, this);
-  AddHold();
-  started_ = held_ = writing_ = true;
-  StartWrite(&outgoing_);
+  AddHold();  // keeps send() legal until the last read failed
+  state_ = State::kRunning;
+  write(outbox_.put(std::move(opening)));
   StartRead(&incoming_);
   StartCall();
 }
 
-void Stream::send(const v1::ProxySample& sample) {
-  v1::SessionRequest request;
-  *request.mutable_proxy() = sample;
-  keep_newest(std::move(request));
-}
-
-void Stream::send(const v1::TrackerSample& sample) {
-  v1::SessionRequest request;
-  *request.mutable_tracker() = sample;
-  keep_newest(std::move(request));
-}
-
-void Stream::keep_newest(v1::SessionRequest request) {
+void Stream::send(v1::SessionRequest sample) {
   const std::lock_guard lock(mutex_);
-  if (!started_ || broken_ || leaving_) return;
-  if (pending_) ++replaced_;
-  pending_ = std::move(request);
-  if (!writing_) write_locked();
+  if (state_ == State::kRunning) write(outbox_.put(std::move(sample)));
 }
 
-void Stream::write_locked() {
-  outgoing_ = std::move(*pending_);
-  pending_.reset();
-  writing_ = true;
-  StartWrite(&outgoing_);
+void Stream::write(const v1::SessionRequest* message) {
+  if (message != nullptr) StartWrite(message);
 }
 
 void Stream::leave(std::chrono::milliseconds patience) {
   std::unique_lock lock(mutex_);
-  if (!started_ || broken_ || leaving_) return;
-  leaving_ = true;
-  pending_.reset();
-  if (!writing_) write_leave_locked();
-  changed_.wait_for(lock, patience, [this] { return done_ || broken_; });
+  if (state_ != State::kRunning) return;
+  write(outbox_.leave());
+  changed_.wait_for(lock, patience, [this] { return state_ != State::kRunning; });
 }
 
-void Stream::write_leave_locked() {
-  outgoing_.mutable_leave();
-  writing_ = true;
-  StartWrite(&outgoing_);
+void Stream::break_off() {
+  if (state_ == State::kRunning) state_ = State::kBroken;
+  outbox_.stop();
+  changed_.notify_all();
 }
 
 void Stream::OnWriteDone(bool ok) {
-  std::uint64_t replaced = 0;
-  bool was_sample = false;  // or the opening
+  Outbox::Written written;
   {
     const std::lock_guard lock(mutex_);
-    writing_ = false;
-    was_sample = outgoing_.has_proxy() || outgoing_.has_tracker();
-    if (ok && was_sample) replaced = std::exchange(replaced_, 0);
-    if (!ok) {
-      broken_ = true;
-    } else if (leaving_ && !outgoing_.has_leave() && !broken_) {
-      write_leave_locked();
-    } else if (pending_ && !broken_) {
-      write_locked();
-    }
+    written = outbox_.written(ok);
+    if (!ok) break_off();
+    write(written.next);
   }
-  if (ok && was_sample) sink_.on_sent(replaced);
+  if (written.sample) sink_.on_sent(written.replaced);
 }
 
 void Stream::OnReadDone(bool ok) {
   if (!ok) {
     const std::lock_guard lock(mutex_);
-    broken_ = true;
-    changed_.notify_all();
-    if (std::exchange(held_, false)) RemoveHold();
+    break_off();
+    RemoveHold();
     return;
   }
   sink_.on_message(incoming_);
@@ -93,30 +59,29 @@ void Stream::OnReadDone(bool ok) {
   if (at_once) sink_.deliver();
   {
     const std::lock_guard lock(mutex_);
-    if (!broken_ || held_) StartRead(&incoming_);
+    StartRead(&incoming_);  // of a broken stream too: the read that fails gives the hold back
   }
-  // gRPC counts this reaction until it returns: OnDone, and so our destructor, wait for it.
+  // gRPC counts this reaction until it returns: OnDone, and so the destructor, wait for it.
   if (!at_once) sink_.deliver();
 }
 
 void Stream::cancel() {
   const std::lock_guard lock(mutex_);
-  if (started_) broken_ = true;
+  if (state_ != State::kNew) break_off();
   context_.TryCancel();  // of a call that is yet to start: it then ends at once
-  // The pending read now fails and gives the hold back.
 }
 
 void Stream::OnDone(const grpc::Status& status) {
   sink_.on_done(status);
   const std::lock_guard lock(mutex_);
-  done_ = true;
+  state_ = State::kDone;
   changed_.notify_all();
 }
 
 void Stream::end() {
   cancel();
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return done_ || !started_; });
+  changed_.wait(lock, [this] { return state_ == State::kDone || state_ == State::kNew; });
 }
 
 }  // namespace haptic::client

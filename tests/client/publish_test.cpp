@@ -38,7 +38,6 @@ TEST(Publish, CarriesWhatWasGiven) {
   EXPECT_EQ(sample.valid_for_us(), 12345U);
   EXPECT_EQ(sample.device_seq_used(), 77U);
   EXPECT_GE(sample.seq(), 1U);
-  EXPECT_EQ(sample.velocity_size(), 0);
 }
 
 TEST(Publish, TheSourceTimeIsThisMachinesSteadyClock) {
@@ -51,24 +50,6 @@ TEST(Publish, TheSourceTimeIsThisMachinesSteadyClock) {
   const std::chrono::nanoseconds source(server.samples().front().source_time_ns());
   EXPECT_GE(source, before);
   EXPECT_LE(source, after);
-}
-
-TEST(Publish, TheModeEpochRisesWithEveryChangeOfModeAndOnlyThen) {
-  FakeServer server;
-  const auto session = Connection(server.address()).open({});
-  const Proxy script[] = {Proxy::free(), Proxy::free(), Proxy::held({1.0}), Proxy::held({2.0}),
-                          Proxy::free()};
-  std::size_t sent = 0;
-  for (const Proxy& proxy : script) {  // one at a time, so that none is replaced
-    session->publish(proxy);
-    ++sent;
-    ASSERT_TRUE(server.until([&] { return server.samples().size() == sent; }));
-  }
-  const auto samples = server.samples();
-  EXPECT_EQ(samples[1].mode_epoch(), samples[0].mode_epoch());
-  EXPECT_GT(samples[2].mode_epoch(), samples[1].mode_epoch());
-  EXPECT_EQ(samples[3].mode_epoch(), samples[2].mode_epoch());
-  EXPECT_GT(samples[4].mode_epoch(), samples[3].mode_epoch());
 }
 
 TEST(Publish, TheNewestWinsWhereTheServerDoesNotRead) {

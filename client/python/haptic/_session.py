@@ -42,7 +42,7 @@ class Session:
         self._tracker = tracker
         self._waiting: wire.SessionRequest | None = None  # to be sent on the stream
         self._newest: wire.ProxySample | None = None
-        self._seq = self._replaced = self._mode_epoch = 0
+        self._seq = self._replaced = 0
         self._ended: ClientError | None = None
         self._closing = False
         self._udp: UdpPath | None = None
@@ -95,13 +95,10 @@ class Session:
             if self._tracker:
                 raise ClientError("INVALID_ARGUMENT",
                                   "publish: a session with tracker=True has publish_pose()")
-            before = self._newest
-            if before is None or before.mode != proxy.mode:
-                self._mode_epoch += 1
             self._seq += 1
             sample = wire.ProxySample(
                 seq=self._seq, source_time_ns=time.monotonic_ns(), mode=proxy.mode,
-                mode_epoch=self._mode_epoch, position=proxy.position,
+                position=proxy.position,
                 device_seq_used=self._state.seq if self._state else 0,
                 planes=[wire.Plane(normal=n, offset=b) for n, b in proxy.planes])
             self._newest = sample

@@ -1,7 +1,8 @@
 #pragma once
-/// haptic::client - the C++ client of hapticd. No gRPC, protobuf or Eigen type appears here.
+/// haptic::client - the C++ client of hapticd. One include for all of it; no gRPC, protobuf or Eigen
+/// type appears here.
 ///
-///   haptic::client::Connection server(haptic::client::kDefaultServer);
+///   haptic::client::Connection server("127.0.0.1:50051");
 ///   auto session = server.open({.client_name = "my simulation", .nominal_rate_hz = 60});
 ///   session->engage_when_ready();
 ///   for (...) {
@@ -9,10 +10,9 @@
 ///     session->publish(haptic::client::Proxy::held(step(state.x_probe)));
 ///   }
 ///
-/// SI units throughout; arrays in the order of DeviceInfo. Threads: session.hpp and watch.hpp say
-/// whose thread a callback runs on; everything else may be called from any thread. Destructors cancel
-/// what is open, wait for a running callback and join; they never wait for the server (a session that
-/// reconnects: 500 ms, for its farewell), and must not be called in a callback of the same object.
+/// Units are SI. An array has one value per degree of freedom or per virtual coordinate, in the order
+/// of DeviceInfo. Everything may be called from any thread; session.hpp and watch.hpp say on which
+/// threads callbacks run. Calls that wait for an answer throw ClientError (error.hpp).
 
 #include "haptic/client/connection.hpp"
 #include "haptic/client/error.hpp"

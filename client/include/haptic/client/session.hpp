@@ -1,17 +1,22 @@
 #pragma once
-/// A session on a device: publish proxies, receive states, ask for force.
+/// A session with one device: publish where the proxy is, receive the device's states, ask for force.
+/// Connection::open() makes one.
 ///
-/// Threads: on_state runs on the thread that received the state (gRPC's or the UDP path's), so that
-/// nothing lies between the wire and your code: take what you need and return; while it runs,
-/// states are conflated to the newest. A simulation's step belongs in a loop of its own, with wait_for_state(). on_event and
-/// on_disconnect run on one thread of the session's own, and may take their time: events wait in
-/// order. None runs twice at once, but on_state may run beside the other two. In a callback everything
-/// of the session may be called but its destructor and, in on_state, wait_for_state(); the members may
-/// be called from any thread.
+/// Words. The *haptic probe* is where the device is in the virtual space; the *proxy* is where the
+/// simulation's objects let it be. The server renders a force that pulls the probe to the proxy. The
+/// *lease* is a controller's right to the device; it expires after a while without samples.
+///
+/// Threads. Every member may be called from any thread. Three callbacks run on the library's threads:
+/// - on_state runs on the thread that received the state, so that it is called without delay. Copy
+///   what you need and return: while it runs, newer states replace each other and only the newest is
+///   kept. A step of a simulation belongs into a loop of its own, with wait_for_state().
+/// - on_event and on_disconnect share one thread and may take their time; events wait in order.
+/// No callback runs twice at once, but on_state may run at the same time as one of the other two. A
+/// callback may call every member but wait_for_state() (in on_state), and must not destroy the
+/// session. An exception that a callback throws is dropped.
 
 #include <chrono>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,121 +28,124 @@
 
 namespace haptic::client {
 
+/// What a session does when its stream is lost.
 enum class Reconnect : std::uint8_t {
-  kNever,  ///< the session ends with its stream; a lease that expired leaves it as observer
-  /// Taken up again at once, then after 0.1, 0.2, 0.4 ... 2 s, and with the first sample after a lease
-  /// that is over, until the server says what no waiting can change. Within the lease the session is
-  /// resumed: force, settings and sequence go on as if nothing had happened, event LEASE_RESUMED. Else
-  /// it is opened anew, event LEASE_GRANTED; force never returns by itself then.
+  kNever,  ///< the session ends
+  /// It opens another stream: at once, then after 0.1, 0.2, 0.4 ... 2 s, until the server refuses for
+  /// a reason that no waiting changes. If the lease has not expired by then, the session is resumed:
+  /// force, settings and sample numbers go on (event LEASE_RESUMED). Otherwise it begins anew (event
+  /// LEASE_GRANTED) without force. A session whose lease expired or was preempted begins anew with
+  /// the next sample that is published.
   kWithBackoff
 };
 
-/// Who may take a device from whom: only a higher one.
+/// A controller of higher priority takes the device from one of lower priority.
 enum class Priority : std::uint8_t { kTest = 1, kPrimary = 2, kOperator = 3 };
 
-/// What carries samples and states. The stream stays open beside UDP, and is its fallback.
+/// Which carriers a session may use. The gRPC stream stays open in every case.
 enum class Carriers : std::uint8_t {
-  kAutomatic,  ///< UDP where the server offers it and the path proves good, else the stream
+  kAutomatic,  ///< UDP while the server offers it and it works, otherwise the stream
   kGrpcOnly,
-  kUdpOnly  ///< samples wait for no fallback: without the path they are dropped. For measuring.
+  kUdpOnly  ///< drops samples while UDP does not work; for measurements
 };
 
 struct SessionOptions {
-  std::string device{};  ///< empty: the only one
-  bool observer{false};
-  bool tracker{false};  ///< says where the device's palm is: publish_pose(). Not both
-  std::string client_name{"haptic client"};
-  double nominal_rate_hz{60.0};  ///< of publish() or publish_pose(); not for an observer
-  /// Where the server asks for certificates, at most what this client's allows.
+  std::string device{};  ///< its name; empty: the only device of the server
+  bool observer{false};  ///< receives states and events, publishes nothing
+  bool tracker{false};   ///< publishes poses of the palm instead of proxies; not with `observer`
+  std::string client_name{"haptic client"};  ///< shown to other clients; 1 to 64 bytes of UTF-8
+  /// How often you will publish, Hz, 1 to 2000. Samples that come more than twice as fast do not
+  /// count as fresh. Not used by an observer.
+  double nominal_rate_hz{60.0};
+  /// A server that asks for certificates may refuse a priority above that of the certificate.
   Priority priority{Priority::kPrimary};
-  double state_rate_hz{0.0};  ///< 0: every tick
-  /// Sends held proxies as planes, one per constrained block of `blocks` (planes.hpp), derived from
-  /// the haptic probe of the state that the proxy was computed from: the one last given to the user.
+  double state_rate_hz{0.0};  ///< of the states that are received; 0: every tick of the loop
+  /// Sends each held proxy as planes, one per block of `blocks` (planes.hpp), derived from the state
+  /// that was last given to you.
   bool derive_planes{false};
-  std::vector<Block> blocks{};  ///< empty: all coordinates are one
-  std::optional<std::chrono::nanoseconds> fresh_end{}, hold_end{}, fade_end{};  ///< tighten only
+  std::vector<Block> blocks{};  ///< empty: all coordinates are one block
+  /// Ages at which a sample is no longer fresh, its force begins to fade, and has faded. Each may
+  /// only shorten the scene's limit.
+  std::optional<std::chrono::nanoseconds> fresh_end{}, hold_end{}, fade_end{};
   Carriers carriers{Carriers::kAutomatic};
   Reconnect reconnect{Reconnect::kNever};
-  /// After force was lost (stale proxy, reconnect) ask for it again as soon as the server would
-  /// agree. Never after a fault: clearing one must not start a motor. Ask again with
-  /// engage_when_ready().
+  /// Asks for force again after it was lost to a late proxy or a lost stream. Never after a fault:
+  /// whoever clears an emergency stop must not start a motor by that.
   bool re_engage{false};
-  std::chrono::milliseconds timeout{5000};  ///< of calls that wait for an answer
+  std::chrono::milliseconds timeout{5000};  ///< of every call that waits for an answer
   std::function<void(const DeviceState&)> on_state{};
   std::function<void(const Event&)> on_event{};
-  /// The session lost its stream: once, with `will_retry` where it tries again, and once more, without,
-  /// where that has become hopeless.
+  /// The stream was lost. Called with `will_retry` if the session reconnects, and again without it if
+  /// that turns out to be hopeless.
   std::function<void(const ClientError&, bool will_retry)> on_disconnect{};
 };
 
+/// Settings of the device, one value per actuated DoF: stiffness in N/m or N m/rad, damping in N s/m
+/// or N m s/rad, limits of the force in N or N m and of its slope in N/s or N m/s.
 struct Settings {
   std::vector<double> stiffness{}, damping{}, force_limit{}, slew_limit{};  ///< empty: unchanged
   Renderer renderer{Renderer::kUnchanged};
-  std::optional<bool> direction_guard{};
+  std::optional<bool> direction_guard{};  ///< whether the direction guard acts; empty: unchanged
 };
 
 struct AppliedSettings {
-  Settings applied{};
+  Settings applied{};  ///< all of them, as they are now
   struct Clamp {
     std::string field{};
     double asked{0.0}, applied{0.0};
     std::string why{};
   };
-  std::vector<Clamp> clamped{};
+  std::vector<Clamp> clamped{};  ///< wishes beyond a limit of the scene
 };
 
+/// Calls that wait for an answer throw ClientError.
 class Session {
  public:
-  ~Session();
+  /// As close(). Not in a callback of this session.
+  virtual ~Session() = default;
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Never waits for the network, never throws. The newest sample wins: one that could not be sent
-  /// yet is replaced and counted; without a stream it is dropped. Only this call creates sequence
-  /// numbers; they rise over reconnects too. `device_seq_used` 0 means the state that was last given
-  /// to the user, by call or callback.
-  void publish(Proxy proxy) noexcept;
+  /// Sends where the proxy is now. Never waits for the network, never throws. The newest sample wins:
+  /// one that could not be sent yet is replaced and counted; without a stream it is dropped. If
+  /// `device_seq_used` is 0, the sample is taken to be computed from the state that was last given to
+  /// you, by a call or a callback.
+  virtual void publish(Proxy proxy) noexcept = 0;
+  /// The same for the poses of a tracker.
+  virtual void publish_pose(const Pose& pose) noexcept = 0;
 
-  /// The same of a tracker's poses.
-  void publish_pose(const Pose& pose) noexcept;
+  /// The newest state; its `seq` is 0 before the first one, and after the session began anew.
+  [[nodiscard]] virtual DeviceState state() const = 0;
+  /// Waits for a state newer than the last one that this call returned. Throws kTimeout, kClosed, and
+  /// kInvalidArgument if called in on_state.
+  [[nodiscard]] virtual DeviceState wait_for_state() = 0;
 
-  /// The newest state; seq 0 before the first, also after a reconnect.
-  [[nodiscard]] DeviceState state() const;
-  /// Waits for a state newer than the last one this call returned. Throws kTimeout, kClosed, and
-  /// kInvalidArgument in on_state, where it could only wait in vain.
-  [[nodiscard]] DeviceState wait_for_state();
+  /// Asks for force once. Throws kNotReady and says what is missing.
+  virtual void engage() = 0;
+  /// Asks for force in the background, every 50 ms, until the server agrees. Gives up on a refusal
+  /// that more time cannot cure, on a fault, and, without `re_engage`, when force is lost. Idempotent.
+  virtual void engage_when_ready() = 0;
+  /// Why engage_when_ready() has no force yet, or why it gave up; empty after the server agreed.
+  [[nodiscard]] virtual std::optional<ClientError> engage_refusal() const = 0;
+  /// Gives force up; it fades out. Also ends engage_when_ready(). Without a stream it returns at once.
+  virtual void release() = 0;
+  virtual AppliedSettings update(const Settings& settings) = 0;
 
-  /// Asks for force, once. Throws kNotReady naming what is missing.
-  void engage();
-  /// Asks for force as soon as the server would agree, in the background, every 50 ms. Idempotent.
-  /// Ends with a refusal that time cannot cure, with a fault, and, without `re_engage`, with a loss.
-  void engage_when_ready();
-  /// Why engage_when_ready() has no force yet, or why it gave up; empty once the server agreed, and
-  /// where nobody asks.
-  [[nodiscard]] std::optional<ClientError> engage_refusal() const;
-  /// Gives force up; it fades out. Also ends engage_when_ready(). Without a stream there is nothing
-  /// to give up: returns.
-  void release();
-  AppliedSettings update(const Settings& settings);
+  /// Whether the session has a stream.
+  [[nodiscard]] virtual bool connected() const = 0;
+  /// What is known of the UDP path; empty if the session has none.
+  [[nodiscard]] virtual std::optional<UdpLink> udp_link() const = 0;
+  [[nodiscard]] virtual std::uint32_t lease_epoch() const = 0;  ///< rises with every lease; 0: none
+  [[nodiscard]] virtual PublishStatistics statistics() const = 0;
+  [[nodiscard]] virtual const DeviceInfo& device() const = 0;  ///< as it was at the first opening
 
-  [[nodiscard]] bool connected() const;
-  /// What is known of the UDP path; empty where the server offers none, or it was not wanted.
-  [[nodiscard]] std::optional<UdpLink> udp_link() const;
-  [[nodiscard]] std::uint32_t lease_epoch() const;
-  [[nodiscard]] PublishStatistics statistics() const;
-  [[nodiscard]] const DeviceInfo& device() const;
+  /// Ends the session; the server lets force fade out. No callback runs after close() returned; called
+  /// in a callback, it does not wait for that one. A session that reconnects gives the server up to
+  /// 500 ms to hear that it ends; other sessions do not wait for the server.
+  virtual void close() = 0;
 
-  /// Ends the session; force fades out at the server. When it returns no callback runs or will run;
-  /// called in a callback it waits for none, and none begins any more. A session that reconnects says
-  /// farewell, and gives the server 500 ms to hear it; no other waits for the server. The destructor
-  /// does the same.
-  void close();
-
- private:
-  friend class Connection;
-  class Impl;
-  explicit Session(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+ protected:
+  Session() = default;
 };
 
 }  // namespace haptic::client

@@ -1,35 +1,31 @@
 #pragma once
-/// Telemetry without a session.
+/// States and events of a device without a session. Connection::watch() begins it.
 ///
-/// Threads: the callbacks run on a thread of gRPC, one at a time per watch. The next message is read
-/// when a callback returned, so that a slow one conflates at the server once the connection's buffers
-/// are full; a fast loop uses a session as observer, which conflates at once.
+/// The callbacks run on a thread of gRPC, one at a time per watch. A slow callback makes the server
+/// leave states out, once the connection's buffers are full; a session as observer leaves them out at
+/// once.
 
-#include <memory>
+#include <cstdint>
 #include <optional>
 
 #include "haptic/client/error.hpp"
-#include "haptic/client/types.hpp"
 
 namespace haptic::client {
 
-/// Telemetry of a device until destroyed; not in one of its own callbacks.
 class Watch {
  public:
-  ~Watch();
+  /// Ends the watch; waits for a running callback. Not in one of its own callbacks.
+  virtual ~Watch() = default;
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;
   /// False once the stream ended; error() says why.
-  [[nodiscard]] bool running() const;
-  [[nodiscard]] std::optional<ClientError> error() const;
-  /// States the server left out because it or this stream was busy.
-  [[nodiscard]] std::uint64_t conflated() const;
+  [[nodiscard]] virtual bool running() const = 0;
+  [[nodiscard]] virtual std::optional<ClientError> error() const = 0;
+  /// Number of states that the server left out because this watch was too slow for them.
+  [[nodiscard]] virtual std::uint64_t conflated() const = 0;
 
- private:
-  friend class Connection;
-  class Impl;
-  explicit Watch(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+ protected:
+  Watch() = default;
 };
 
 }  // namespace haptic::client

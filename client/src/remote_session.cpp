@@ -1,28 +1,32 @@
-#include "session_impl.hpp"
+/// Opening and closing a session, and what the user may ask at any time.
+
+#include "remote_session.hpp"
 
 #include <pthread.h>
 
 #include "convert.hpp"
-#include "error_mapping.hpp"
 #include "haptic/wire/utf8.hpp"
 
 namespace haptic::client {
 
 namespace {
 
-/// A lease that waits for a client which will not come back keeps damping on.
+/// How long close() waits for the server to hear the farewell: a lease that waits for a client which
+/// will not come back keeps the device's damping on.
 constexpr std::chrono::milliseconds kFarewell{500};
 
 }  // namespace
 
-Session::Impl::Impl(std::shared_ptr<grpc::Channel> channel, const std::string& address,
-                    SessionOptions options)
+RemoteSession::RemoteSession(std::shared_ptr<grpc::Channel> channel, const std::string& address,
+                             SessionOptions options)
     : options_(std::move(options)),
-      udp_host_(udp_host(address)),
+      address_(address),
       channel_(std::move(channel)),
-      stub_(v1::HapticService::NewStub(channel_)) {}
+      stub_(v1::HapticService::NewStub(channel_)),
+      reconnection_(reconnects()),
+      force_(options_.re_engage, options_.re_engage && resumable()) {}
 
-Session::Impl::~Impl() {
+RemoteSession::~RemoteSession() {
   close();
   if (worker_.joinable()) worker_.join();
   std::shared_ptr<Stream> stream;
@@ -37,7 +41,7 @@ Session::Impl::~Impl() {
   if (stream) stream->end();
 }
 
-void Session::Impl::open() {
+void RemoteSession::open() {
   if (!wire::is_utf8(options_.client_name) || !wire::is_utf8(options_.device)) {
     throw ClientError(ErrorReason::kInvalidArgument, "client_name, device: must be UTF-8");
   }
@@ -53,21 +57,14 @@ void Session::Impl::open() {
   });
 }
 
-void Session::Impl::set_deadline(grpc::ClientContext& context) const {
-  context.set_deadline(std::chrono::system_clock::now() + options_.timeout);
-}
-
-void Session::Impl::fetch_device() {
-  grpc::ClientContext context;
-  set_deadline(context);
-  v1::ListDevicesResponse response;
-  check(stub_->ListDevices(&context, {}, &response));
-  for (const v1::Device& device : response.devices()) {
+void RemoteSession::fetch_device() {
+  const auto answer = call(*stub_, &Stub::ListDevices, {}, options_.timeout);
+  for (const v1::Device& device : answer.devices()) {
     if (device.name() == opened_.device()) device_ = to_info(device);
   }
 }
 
-v1::OpenSession Session::Impl::opening() const {
+v1::OpenSession RemoteSession::opening() const {
   v1::OpenSession open;
   open.set_device(options_.device);
   open.set_role(options_.observer  ? v1::ROLE_OBSERVER
@@ -78,7 +75,7 @@ v1::OpenSession Session::Impl::opening() const {
   open.set_state_rate_hz(options_.state_rate_hz);
   open.set_priority(static_cast<v1::Priority>(options_.priority));
   open.set_resumable(resumable());
-  if (resumable() && !release_due_) open.set_resume(opened_.session_id());
+  if (resumable() && !force_.owes_release()) open.set_resume(opened_.session_id());
   open.set_udp_wanted(options_.carriers != Carriers::kGrpcOnly && !options_.tracker);
   if (options_.fresh_end) set_duration(*options_.fresh_end, *open.mutable_fresh_end());
   if (options_.hold_end) set_duration(*options_.hold_end, *open.mutable_hold_end());
@@ -86,96 +83,101 @@ v1::OpenSession Session::Impl::opening() const {
   return open;
 }
 
-void Session::Impl::connect() {
+void RemoteSession::connect() {
   auto stream = std::make_shared<Stream>(*stub_, *this);
   v1::OpenSession open;
   {
     const std::lock_guard lock(mutex_);
-    if (closing_) throw ClientError(ErrorReason::kClosed, "the session was closed");
-    phase_ = Phase::kOpening;
+    if (!reconnection_.begin()) {
+      throw ClientError(ErrorReason::kClosed, "the session was closed");
+    }
     stream_ = stream;
     open = opening();
   }
   stream->start(open);
   Lock lock(mutex_);
-  const bool answered =
-      changed_.wait_for(lock, options_.timeout, [this] { return phase_ != Phase::kOpening; });
-  if (answered && phase_ == Phase::kOpen) return start_udp(lock);
-  const grpc::Status status =
-      answered ? end_
-               : grpc::Status(grpc::StatusCode::DEADLINE_EXCEEDED,
-                              "no answer to OpenSession in " +
-                                  std::to_string(options_.timeout.count()) + " ms");
-  phase_ = Phase::kDone;
+  const bool answered = changed_.wait_for(lock, options_.timeout, [this] {
+    return reconnection_.state() != Reconnection::State::kOpening;
+  });
+  if (!answered) {
+    const std::string waited = std::to_string(options_.timeout.count());
+    reconnection_.ended({ErrorReason::kTimeout, "no answer to OpenSession in " + waited + " ms"});
+  }
+  // close() says farewell on this stream, and ends it.
+  if (reconnection_.closed()) throw ClientError(ErrorReason::kClosed, "the session was closed");
+  if (reconnection_.open()) {
+    try {
+      start_udp(lock);
+      return;
+    } catch (const ClientError& error) {
+      if (!lock.owns_lock()) lock.lock();
+      reconnection_.ended(error);
+    }
+  }
+  const ClientError why = reconnection_.why();
   stream_.reset();
   lock.unlock();
   stream->end();
-  throw to_error(status);
+  throw why;
 }
 
-DeviceState Session::Impl::hand_out() const {
-  handed_seq_ = newest_.seq;
-  handed_received_ = newest_.received;
-  handed_x_probe_ = newest_.x_probe;
-  return newest_;
-}
-
-DeviceState Session::Impl::state() const {
+DeviceState RemoteSession::state() const {
   const std::lock_guard lock(mutex_);
-  return hand_out();
+  return states_.give();
 }
 
-DeviceState Session::Impl::wait_for_state() {
+DeviceState RemoteSession::wait_for_state() {
   if (in_callback_of_grpc()) {
     throw ClientError(ErrorReason::kInvalidArgument,
-                      "wait_for_state() in on_state: no state comes before the callback returned");
+                      "wait_for_state() in on_state: the next state comes after on_state returns");
   }
   Lock lock(mutex_);
-  const bool any = changed_.wait_for(lock, options_.timeout, [this] {
-    return newest_.seq > waited_seq_ || closing_ ||
-           (phase_ == Phase::kDone && !end_pending_ && !reconnecting_);
-  });
-  if (newest_.seq > waited_seq_ && !closing_) {
-    waited_seq_ = newest_.seq;
-    return hand_out();
-  }
-  if (any) throw ClientError(ErrorReason::kClosed, "the session ended");
+  const bool answered = changed_.wait_for(
+      lock, options_.timeout, [this] { return states_.to_return() || reconnection_.over(); });
+  if (states_.to_return() && !reconnection_.closed()) return states_.give_to_waiting();
+  if (answered) throw ClientError(ErrorReason::kClosed, "the session ended");
   throw ClientError(ErrorReason::kTimeout,
                     "no state in " + std::to_string(options_.timeout.count()) + " ms");
 }
 
-std::string Session::Impl::session_id() const {
+std::string RemoteSession::session_id() const {
   const std::lock_guard lock(mutex_);
-  if (phase_ != Phase::kOpen) throw ClientError(ErrorReason::kClosed, "the session is not open");
+  if (!reconnection_.open()) throw ClientError(ErrorReason::kClosed, "the session is not open");
   return opened_.session_id();
 }
 
-bool Session::Impl::connected() const {
+bool RemoteSession::connected() const {
   const std::lock_guard lock(mutex_);
-  return phase_ == Phase::kOpen && !closing_;
+  return reconnection_.open();
 }
 
-std::uint32_t Session::Impl::lease_epoch() const {
+std::uint32_t RemoteSession::lease_epoch() const {
   const std::lock_guard lock(mutex_);
   return opened_.lease_epoch();
 }
 
-PublishStatistics Session::Impl::statistics() const {
+PublishStatistics RemoteSession::statistics() const {
   const std::lock_guard lock(mutex_);
   return statistics_;
 }
 
-void Session::Impl::close() {
+AppliedSettings RemoteSession::update(const Settings& settings) {
+  v1::UpdateSettingsRequest request = to_request(settings);
+  request.set_session_id(session_id());
+  return to_settings(call(*stub_, &Stub::UpdateSettings, request, options_.timeout));
+}
+
+void RemoteSession::close() {
   std::shared_ptr<Stream> stream;
   {
     Lock lock(mutex_);
-    closing_ = true;
+    reconnection_.close();
     stream = stream_;
     changed_.notify_all();
     work_.notify_all();
     // A callback cannot wait for its own end, nor for another's that may be waiting for this one.
     if (!in_callback()) {
-      changed_.wait(lock, [&] { return !states_.busy && !events_and_end_.busy; });
+      changed_.wait(lock, [&] { return !on_state_.busy && !on_event_or_end_.busy; });
     }
   }
   if (!stream) return;

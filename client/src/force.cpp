@@ -1,0 +1,74 @@
+#include "force.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace haptic::client {
+
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kRetry{50};
+/// After the server agreed, a state says ENGAGING before this is over.
+constexpr milliseconds kAgreed{200};
+/// A FAULT this soon after want() may be older than the ClearFault that the user sent before it.
+constexpr milliseconds kFaultMayBeOld{250};
+
+/// Whether time and more samples can cure the refusal.
+bool curable(const ClientError& refused) {
+  constexpr const char* kCurable[] = {"NOT_ARMED",     "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES",
+                                      "STREAM_STALE",  "DEVICE_STALE",     "OUTSIDE_WINDOW",
+                                      "TRACKER_STALE", "NO_ANSWER"};
+  return refused.reason() == ErrorReason::kTimeout ||
+         refused.reason() == ErrorReason::kUnreachable ||
+         std::find(std::begin(kCurable), std::end(kCurable), refused.server_reason()) !=
+             std::end(kCurable);
+}
+
+}  // namespace
+
+void Force::want(TimePoint now) {
+  wanted_ = true;
+  refusal_.reset();
+  asked_at_ = due_ = now;
+}
+
+void Force::release(bool take_back) {
+  wanted_ = false;
+  refusal_.reset();
+  if (take_back && engage_ == Engage::kUnderWay) engage_ = Engage::kTakenBack;
+}
+
+void Force::give_up(const ClientError& why) {
+  if (std::exchange(wanted_, false)) refusal_ = why;
+}
+
+void Force::fault_seen(TimePoint now) {
+  if (now - asked_at_ > kFaultMayBeOld) {
+    give_up({ErrorReason::kNotReady, "the device is in FAULT"});
+  }
+}
+
+std::optional<Force::TimePoint> Force::due() const noexcept {
+  if (!wanted_ || engage_ != Engage::kNone) return std::nullopt;
+  return due_;
+}
+
+bool Force::answered(const std::optional<ClientError>& refused, bool same_session, TimePoint now) {
+  due_ = now + kRetry;
+  if (std::exchange(engage_, Engage::kNone) == Engage::kTakenBack) return !wanted_;
+  if (!wanted_) return false;
+  refusal_ = refused;
+  if (!refused) {
+    wanted_ = again_;
+    due_ = now + kAgreed;
+  } else if (same_session && !curable(*refused)) {
+    // A lease that is over ends nothing: the next session asks again. Its event tells of a preemption.
+    wanted_ = next_lease_ && refused->server_reason() == "NOT_CONTROLLER";
+  }
+  return false;
+}
+
+}  // namespace haptic::client

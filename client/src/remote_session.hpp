@@ -1,0 +1,176 @@
+#pragma once
+/// A session with a server: its worker thread and its streams, one after another.
+///
+/// Threads: gRPC's and the UDP carrier's bring messages into fields under mutex_ and call on_state
+/// (session_receive.cpp). The worker calls on_event and on_disconnect, asks for force and reconnects
+/// (session_worker.cpp). Lock order: publish_mutex_, then mutex_. No Stream and no UdpCarrier is
+/// called, and no callback runs, with mutex_ held.
+
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "call.hpp"
+#include "callback_scope.hpp"
+#include "force.hpp"
+#include "haptic/client/session.hpp"
+#include "newest_state.hpp"
+#include "reconnection.hpp"
+#include "stream.hpp"
+
+namespace haptic::client {
+
+class UdpCarrier;
+
+class RemoteSession final : public Session, public StreamSink {
+ public:
+  /// `address`: what the channel was made of.
+  RemoteSession(std::shared_ptr<grpc::Channel> channel, const std::string& address,
+                SessionOptions options);
+  ~RemoteSession() override;
+
+  /// Opens the first stream and waits for the server's answer. Throws.
+  void open();
+
+  void publish(Proxy proxy) noexcept override;
+  void publish_pose(const Pose& pose) noexcept override;
+  [[nodiscard]] DeviceState state() const override;
+  [[nodiscard]] DeviceState wait_for_state() override;
+  void engage() override;
+  void engage_when_ready() override;
+  [[nodiscard]] std::optional<ClientError> engage_refusal() const override;
+  void release() override;
+  AppliedSettings update(const Settings& settings) override;
+  [[nodiscard]] bool connected() const override;
+  [[nodiscard]] std::optional<UdpLink> udp_link() const override;
+  [[nodiscard]] std::uint32_t lease_epoch() const override;
+  [[nodiscard]] PublishStatistics statistics() const override;
+  [[nodiscard]] const DeviceInfo& device() const override { return device_; }
+  void close() override;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  using Lock = std::unique_lock<std::mutex>;
+  /// One of the two threads that call the user.
+  struct Caller {
+    bool on_grpc_thread{false};
+    bool busy{false};
+  };
+  /// One Engage or Release in flight; owns what gRPC writes to.
+  template <typename Request, typename Response>
+  struct ForceCall {
+    grpc::ClientContext context;
+    Request request;
+    Response response;
+  };
+  using EngageCall = ForceCall<v1::EngageRequest, v1::EngageResponse>;
+  using ReleaseCall = ForceCall<v1::ReleaseRequest, v1::ReleaseResponse>;
+
+  // session_receive.cpp
+  void on_message(const v1::SessionResponse& message) override;
+  void deliver() override;
+  [[nodiscard]] bool delivers_quickly() const override;
+  void on_sent(std::uint64_t replaced) override;
+  void on_done(const grpc::Status& status) override;
+  void received(const v1::SessionOpened& opened);
+  void received(const v1::DeviceState& state);
+  void received(const v1::Event& event);
+  void received(const v1::SampleAck& ack);
+
+  // session_udp.cpp
+  /// Begins to use the path that `opened_` offers, if any. Throws if the user requires one.
+  void start_udp(Lock& lock);
+  void stop_udp(Lock& lock);
+  /// By UDP if that is in use. False: the stream has to carry the sample, or carry it too.
+  [[nodiscard]] bool send_by_udp(const v1::ProxySample& sample, UdpCarrier* udp);
+  void on_udp_state(const v1::DeviceState& state);
+  void on_udp_late(const v1::ProxySample& newest);
+
+  // remote_session.cpp
+  /// One attempt at a stream; throws if the server refused or did not answer.
+  void connect();
+  void fetch_device();
+  [[nodiscard]] v1::OpenSession opening() const;
+  [[nodiscard]] std::string session_id() const;
+  [[nodiscard]] bool reconnects() const noexcept {
+    return options_.reconnect == Reconnect::kWithBackoff;
+  }
+  [[nodiscard]] bool resumable() const noexcept {
+    return reconnects() && !options_.observer && !options_.tracker;
+  }
+
+  // session_publish.cpp
+  template <typename Fill>
+  void publish_in_order(v1::SessionRequest& request, Fill fill);
+  void to_planes(Proxy& proxy) const;
+
+  // session_worker.cpp
+  void work();
+  void deliver_events(Lock& lock);
+  void handle_end(Lock& lock);
+  void reconnect(Lock& lock);
+  /// Runs the user's code without our locks; what it throws ends here.
+  template <typename Callback, typename... Arguments>
+  void call_user(Lock& lock, Caller& caller, const Callback& callback,
+                 const Arguments&... arguments);
+
+  // session_force.cpp
+  /// When to send Engage in the background; TimePoint::max() while that is of no use.
+  [[nodiscard]] Clock::time_point engage_due() const;
+  void send_engage(Lock& lock);
+  void send_release(Lock& lock);
+  void engage_answered(const std::string& session_id, const grpc::Status& status);
+
+  const SessionOptions options_;
+  const std::string address_;
+  std::shared_ptr<grpc::Channel> channel_;
+  std::unique_ptr<Stub> stub_;
+  DeviceInfo device_{};
+
+  std::mutex publish_mutex_;  ///< samples leave in the order of their numbers
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;  ///< wakes calls that wait
+  std::condition_variable work_;     ///< wakes the worker
+
+  Reconnection reconnection_;
+  std::shared_ptr<Stream> stream_;
+  std::shared_ptr<UdpCarrier> udp_;
+  v1::SessionOpened opened_{};
+
+  mutable NewestState states_;
+  std::deque<Event> events_;
+  PublishStatistics statistics_{};  ///< `published` is the number of the newest sample
+  PublishStatistics earlier_{};  ///< of the streams before this one: the server counts per stream
+
+  Force force_;
+  std::shared_ptr<EngageCall> engage_call_;
+  std::shared_ptr<ReleaseCall> release_call_;
+
+  Caller on_state_{true}, on_event_or_end_{};
+  int quick_in_a_row_{0};  ///< calls of on_state
+  std::thread worker_;
+};
+
+template <typename Callback, typename... Arguments>
+void RemoteSession::call_user(Lock& lock, Caller& caller, const Callback& callback,
+                              const Arguments&... arguments) {
+  if (!callback || reconnection_.closed()) return;
+  caller.busy = true;
+  lock.unlock();
+  try {
+    const CallbackScope scope(caller.on_grpc_thread);
+    callback(arguments...);
+  } catch (...) {  // NOLINT(bugprone-empty-catch): the contract: no exception crosses a callback
+  }
+  lock.lock();
+  caller.busy = false;
+  changed_.notify_all();  // close() may wait for this
+}
+
+[[nodiscard]] inline bool has_force(Lifecycle state) noexcept {
+  return state == Lifecycle::kEngaging || state == Lifecycle::kEngaged;
+}
+
+}  // namespace haptic::client

@@ -1,0 +1,99 @@
+#pragma once
+/// The client's end of a session's UDP path: a socket and a thread around wire::PathEnd.
+
+#include <asio/io_context.hpp>
+#include <asio/ip/udp.hpp>
+#include <asio/steady_timer.hpp>
+
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "haptic/client/types.hpp"
+#include "haptic/v1/session.pb.h"
+#include "haptic/wire/path_end.hpp"
+
+namespace haptic::client {
+
+class UdpCarrier {
+ public:
+  /// Whether a sample went by UDP.
+  enum class Sent : std::uint8_t {
+    kNo,       ///< no: the path is not in use
+    kInDoubt,  ///< yes, but answers are overdue: the stream should carry the sample too
+    kYes,
+  };
+  /// Called on the carrier's thread, without its lock.
+  struct Sink {
+    std::function<void(const v1::DeviceState&)> on_state{};
+    /// Samples go by the stream again, or as well. The newest one that went by UDP may be lost; its
+    /// number is 0 if there is none.
+    std::function<void(const v1::ProxySample& newest)> on_late{};
+  };
+
+  /// `stream_address`: what the channel was made of; its host stands in if the offer names none.
+  /// `period`: of what this end sends or hears, to measure the path's silence by. Throws ClientError
+  /// if the offer's keys are wrong.
+  UdpCarrier(const v1::UdpPath& offer, const std::string& stream_address,
+             std::chrono::nanoseconds period, Sink sink);
+  /// Only after stop().
+  ~UdpCarrier() = default;
+  UdpCarrier(const UdpCarrier&) = delete;
+  UdpCarrier& operator=(const UdpCarrier&) = delete;
+
+  /// Leaves the path and ends the thread; waits for a call of the sink that is under way. Not from
+  /// there. Idempotent.
+  void stop();
+  /// From any thread; never waits for the network.
+  [[nodiscard]] Sent send(const v1::ProxySample& sample);
+  /// New keys came on the stream.
+  void rekey(const v1::UdpPath& offer);
+  [[nodiscard]] UdpLink figures() const;
+
+ private:
+  /// The address of the server that datagrams go to.
+  enum class Address : std::uint8_t {
+    kNone,
+    kTried,  ///< connected; nothing has answered there yet
+    kKept,   ///< a whole round of challenges was answered: no other address is tried
+  };
+  using Udp = asio::ip::udp;
+
+  [[nodiscard]] wire::PathEndSetup setup(const v1::UdpPath& offer, std::chrono::nanoseconds period);
+  void run();
+  [[nodiscard]] bool connect();
+  [[nodiscard]] bool try_another(wire::PathChange change);
+  void wait_for_datagrams();
+  void drain();
+  [[nodiscard]] bool take(wire::ConstBytes datagram);
+  [[nodiscard]] bool read(wire::ConstBytes message);
+  void step();
+  template <typename Action>
+  void on_path(Action action);
+
+  const std::string host_;
+  const std::uint32_t port_;
+  const Sink sink_;
+  asio::io_context context_{1};
+  Udp::socket socket_{context_};
+  asio::steady_timer timer_{context_};
+
+  mutable std::mutex mutex_;
+  wire::PathEnd end_;
+  Address address_{Address::kNone};
+  int handle_{-1};
+  std::vector<std::uint8_t> outgoing_{};
+  v1::ProxySample newest_{};  ///< that went by UDP
+
+  // The thread's own.
+  std::vector<Udp::endpoint> addresses_{};
+  std::size_t next_address_{0};
+  int turn_{0};  ///< counts the sockets: a wait that names an earlier one is over
+  std::array<std::uint8_t, wire::kLargestDatagram> buffer_{};
+  v1::DeviceState incoming_{}, state_{};
+  std::thread thread_{};
+};
+
+}  // namespace haptic::client

@@ -5,15 +5,15 @@
 #include <utility>
 
 #include "hw/open_device.hpp"
-#include "server/figures.hpp"
+#include "server/base/figures.hpp"
+#include "server/base/steady_now.hpp"
+#include "server/metrics/metrics.hpp"
+#include "server/metrics/metrics_port.hpp"
+#include "server/metrics/tick_metrics.hpp"
+#include "server/owner/event_log.hpp"
 #include "server/rpc/rpc_server.hpp"
-#include "server/rpc/steady_now.hpp"
 #include "server/scene/loop_pacing.hpp"
-#include "server/telemetry/event_log.hpp"
-#include "server/telemetry/metrics.hpp"
-#include "server/telemetry/metrics_port.hpp"
 #include "server/telemetry/recorder.hpp"
-#include "server/telemetry/tick_metrics.hpp"
 
 namespace haptic::server {
 namespace {
@@ -97,7 +97,7 @@ void App::start() {
     rpc_->start();
     listen_for_scrapes();
     telemetry_->start();
-    loop_->begin(pointers(units_), *telemetry_, pacing_samples());
+    loop_->begin(pointers(units_), telemetry_->bell(), pacing_samples());
     if (rpc_->udp_port() != 0) spdlog::info("UDP path on port {}", rpc_->udp_port());
     for (const std::string& address : rpc_->served()) {
       spdlog::info("serving '{}' on {}", scene_.name, address);

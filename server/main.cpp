@@ -15,6 +15,7 @@
 #include "haptic/core/error.hpp"
 #include "hw/open_device.hpp"
 #include "server/app.hpp"
+#include "server/net/tls_files.hpp"
 #include "server/telemetry/service_manager.hpp"
 #include "server/telemetry/stderr_log.hpp"
 

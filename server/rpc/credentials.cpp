@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "server/net/tls_files.hpp"
+
 namespace haptic::server {
 
 Credentials::Credentials(const std::optional<TlsConfig>& tls, bool insecure_lab) {

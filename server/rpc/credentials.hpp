@@ -6,8 +6,8 @@
 #include <memory>
 #include <optional>
 
-#include "server/rpc/listen_address.hpp"
-#include "server/rpc/tls_config.hpp"
+#include "server/crossing/tls_config.hpp"
+#include "server/net/listen_address.hpp"
 
 namespace haptic::server {
 

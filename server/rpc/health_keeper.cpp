@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "server/rpc/steady_now.hpp"
+#include "server/base/steady_now.hpp"
 
 namespace haptic::server {
 namespace {

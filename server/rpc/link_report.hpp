@@ -2,7 +2,7 @@
 /// What GetLinkStats says of a session (private to server/rpc).
 
 #include "haptic/v1/haptic_service.pb.h"
-#include "server/session/link_watch.hpp"
+#include "server/front/link_watch.hpp"
 #include "server/udp/udp_path.hpp"
 #include "server/udp/udp_port.hpp"
 

@@ -7,12 +7,12 @@
 #include <utility>
 
 #include "haptic/core/error.hpp"
+#include "server/net/listen_address.hpp"
 #include "server/rpc/credentials.hpp"
 #include "server/rpc/every.hpp"
 #include "server/rpc/haptic_service_impl.hpp"
 #include "server/rpc/health_keeper.hpp"
 #include "server/rpc/library_log.hpp"
-#include "server/rpc/listen_address.hpp"
 #include "server/rpc/status.hpp"
 
 namespace haptic::server {

@@ -10,10 +10,10 @@
 
 #include "haptic/core/time.hpp"
 #include "haptic/wire/ports.hpp"
+#include "server/base/steady_now.hpp"
+#include "server/crossing/server_facts.hpp"
+#include "server/crossing/tls_config.hpp"
 #include "server/rpc/keep_alive.hpp"
-#include "server/rpc/server_facts.hpp"
-#include "server/rpc/steady_now.hpp"
-#include "server/rpc/tls_config.hpp"
 #include "server/session/device_sessions.hpp"
 #include "server/telemetry/telemetry.hpp"
 

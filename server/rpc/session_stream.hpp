@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "haptic/v1/session.pb.h"
-#include "server/rpc/pace.hpp"
+#include "server/front/link_watch.hpp"
+#include "server/front/pace.hpp"
+#include "server/front/sample_ledger.hpp"
 #include "server/rpc/peer.hpp"
 #include "server/rpc/response_stream.hpp"
-#include "server/rpc/sample_ledger.hpp"
-#include "server/session/link_watch.hpp"
 #include "server/udp/udp_path.hpp"
 
 namespace haptic::server {

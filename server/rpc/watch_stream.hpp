@@ -4,7 +4,7 @@
 #include <grpcpp/support/server_callback.h>
 
 #include "haptic/v1/haptic_service.pb.h"
-#include "server/rpc/pace.hpp"
+#include "server/front/pace.hpp"
 #include "server/rpc/response_stream.hpp"
 
 namespace haptic::server {

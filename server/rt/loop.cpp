@@ -4,14 +4,14 @@
 #include <limits>
 #include <utility>
 
-#include "server/rt/thread_setup.hpp"
+#include "server/base/thread_setup.hpp"
 
 namespace haptic::server {
 
-LoopBody::LoopBody(std::vector<DeviceUnit*> units, Telemetry& telemetry, core::Duration period,
+LoopBody::LoopBody(std::vector<DeviceUnit*> units, Bell& end_of_tick, core::Duration period,
                    LoopClock& clock, hw::SampleSignal* samples)
     : units_(std::move(units)),
-      telemetry_(telemetry),
+      end_of_tick_(end_of_tick),
       period_(period),
       clock_(clock),
       samples_(samples),
@@ -60,7 +60,7 @@ Wake LoopBody::next_sample(hw::SampleSignal& samples, const SampleGrid& grid) no
 
 void LoopBody::tick(const Wake& wake, const core::LoopReport& report) noexcept {
   for (DeviceUnit* unit : units_) unit->tick(wake.now, period_, report);
-  telemetry_.wake();
+  end_of_tick_.ring();
 
   ticks_.fetch_add(1, std::memory_order_relaxed);
   skipped_.fetch_add(report.skipped, std::memory_order_relaxed);
@@ -119,9 +119,10 @@ void Loop::live(const RealtimeRequest& request, RealtimeHost& host) {
   body->run();
 }
 
-void Loop::begin(std::vector<DeviceUnit*> units, Telemetry& telemetry, hw::SampleSignal* samples) {
+void Loop::begin(std::vector<DeviceUnit*> units, Bell& end_of_tick, hw::SampleSignal* samples) {
   to_rehearse_.assign(units.begin(), units.end());
-  body_storage_ = std::make_unique<LoopBody>(std::move(units), telemetry, period_, clock_, samples);
+  body_storage_ =
+      std::make_unique<LoopBody>(std::move(units), end_of_tick, period_, clock_, samples);
   body_.store(body_storage_.get(), std::memory_order_release);
   begun_.set_value(body_storage_.get());
 }

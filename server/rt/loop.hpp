@@ -1,6 +1,6 @@
 #pragma once
 /// The 1 kHz loop: one thread that waits for each deadline, or for each sample of the device that
-/// paces it, ticks every unit in order and wakes the telemetry. It takes no mutex, and all signals
+/// paces it, ticks every unit in order and rings a bell. It takes no mutex, and all signals
 /// are blocked on it.
 ///
 ///   construct          the thread starts, gets its real-time grant, and waits
@@ -16,13 +16,13 @@
 #include <thread>
 #include <vector>
 
+#include "server/base/bell.hpp"
+#include "server/base/rolling_histogram.hpp"
 #include "server/rt/deadline_grid.hpp"
 #include "server/rt/device_unit.hpp"
 #include "server/rt/loop_clock.hpp"
 #include "server/rt/realtime.hpp"
-#include "server/rt/rolling_histogram.hpp"
 #include "server/rt/sample_grid.hpp"
-#include "server/telemetry/telemetry.hpp"
 
 namespace haptic::server {
 
@@ -37,9 +37,9 @@ struct LoopStatistics {
 /// The loop's work without its thread: a test runs it on virtual time.
 class LoopBody {
  public:
-  /// `units`, `telemetry`, `clock` and `samples` must outlive the body. `samples`: of the device
-  /// that paces the loop, one of the units; null: the timer does.
-  LoopBody(std::vector<DeviceUnit*> units, Telemetry& telemetry, core::Duration period,
+  /// All that is passed must outlive the body. `end_of_tick` rings after every tick. `samples`: of
+  /// the unit whose device paces the loop; null: the timer does.
+  LoopBody(std::vector<DeviceUnit*> units, Bell& end_of_tick, core::Duration period,
            LoopClock& clock, hw::SampleSignal* samples = nullptr);
 
   /// Ticks until finish() and its conditions. Allocates nothing.
@@ -58,7 +58,7 @@ class LoopBody {
   [[nodiscard]] bool finished(core::TimePoint now) const noexcept;
 
   const std::vector<DeviceUnit*> units_;
-  Telemetry& telemetry_;
+  Bell& end_of_tick_;
   const core::Duration period_;
   LoopClock& clock_;
   hw::SampleSignal* const samples_;
@@ -82,8 +82,8 @@ class Loop {
 
   [[nodiscard]] const RealtimeGrant& grant() const noexcept { return grant_; }
 
-  /// Once. Units and telemetry must outlive the loop, and so must `samples` (LoopBody).
-  void begin(std::vector<DeviceUnit*> units, Telemetry& telemetry,
+  /// Once. The arguments are LoopBody's and must outlive the loop.
+  void begin(std::vector<DeviceUnit*> units, Bell& end_of_tick,
              hw::SampleSignal* samples = nullptr);
   /// Returns when the thread has ended. Idempotent.
   void finish(core::Duration at_most);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "haptic/core/error.hpp"
-#include "server/figures.hpp"
+#include "server/base/figures.hpp"
 
 namespace haptic::server {
 namespace {

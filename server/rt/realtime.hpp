@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "haptic/core/time.hpp"
-#include "server/rpc/server_facts.hpp"
+#include "server/crossing/server_facts.hpp"
 #include "server/rt/realtime_host.hpp"
 
 namespace haptic::server {

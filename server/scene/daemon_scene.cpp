@@ -4,7 +4,7 @@
 #include <cctype>
 #include <set>
 
-#include "server/figures.hpp"
+#include "server/base/figures.hpp"
 #include "server/scene/field_reader.hpp"
 #include "server/scene/tls_scene.hpp"
 

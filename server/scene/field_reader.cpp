@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/figures.hpp"
+#include "server/base/figures.hpp"
 
 namespace haptic::server {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "haptic/core/error.hpp"
-#include "server/figures.hpp"
+#include "server/base/figures.hpp"
 #include "server/scene/problems.hpp"
 
 namespace haptic::server {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "server/figures.hpp"
+#include "server/base/figures.hpp"
 #include "server/scene/own_dynamics.hpp"
 #include "server/scene/problems.hpp"
 

@@ -11,7 +11,7 @@
 #include "haptic/core/tick/pipeline.hpp"
 #include "haptic/wire/ports.hpp"
 #include "hw/open_device.hpp"
-#include "server/rpc/tls_config.hpp"
+#include "server/crossing/tls_config.hpp"
 #include "server/scene/force_control.hpp"
 
 namespace haptic::server {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/figures.hpp"
+#include "server/base/figures.hpp"
 #include "server/scene/field_reader.hpp"
 
 namespace haptic::server {

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "haptic/v1/scene.pb.h"
-#include "server/rpc/tls_config.hpp"
+#include "server/crossing/tls_config.hpp"
 #include "server/scene/problems.hpp"
 
 namespace haptic::server {

@@ -1,7 +1,7 @@
 #include "server/scene/whole_scene.hpp"
 
 #include "haptic/wire/utf8.hpp"
-#include "server/figures.hpp"
+#include "server/base/figures.hpp"
 
 namespace haptic::server {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "server/figures.hpp"
+#include "server/base/figures.hpp"
 
 namespace haptic::server {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "server/figures.hpp"
+#include "server/base/figures.hpp"
 
 namespace haptic::server {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "haptic/core/model/rigid_pose.hpp"
-#include "server/figures.hpp"
+#include "server/base/figures.hpp"
 #include "server/session/settings_policy.hpp"
 
 namespace haptic::server {

@@ -8,7 +8,7 @@
 
 #include "haptic/core/safety/staleness.hpp"
 #include "haptic/core/time.hpp"
-#include "server/session/priority.hpp"
+#include "server/crossing/priority.hpp"
 
 namespace haptic::server {
 

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <utility>
 
-#include "server/figures.hpp"
+#include "server/base/figures.hpp"
 
 namespace haptic::server {
 namespace {

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "server/figures.hpp"
+#include "server/base/figures.hpp"
 
 namespace haptic::server {
 namespace {

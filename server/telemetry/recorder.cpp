@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "server/figures.hpp"
+#include "server/base/figures.hpp"
 
 namespace haptic::server {
 namespace {

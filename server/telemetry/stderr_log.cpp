@@ -10,7 +10,7 @@
 #include <memory>
 #include <thread>
 
-#include "server/rt/thread_setup.hpp"
+#include "server/base/thread_setup.hpp"
 
 namespace haptic::server {
 namespace {

@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "haptic/core/tick/probe_completion.hpp"
-#include "server/rt/thread_setup.hpp"
+#include "server/base/thread_setup.hpp"
 
 namespace haptic::server {
 
@@ -174,10 +174,6 @@ void Telemetry::remove(std::size_t unit, RecordListener* listener) {
 
 core::TickRecord Telemetry::newest(std::size_t unit) const {
   return channels_.at(unit)->newest();
-}
-
-void Telemetry::wake() noexcept {
-  bell_.ring();
 }
 
 }  // namespace haptic::server

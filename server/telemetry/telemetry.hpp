@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "haptic/core/tick/tick_record.hpp"
+#include "server/base/bell.hpp"
 #include "server/rt/device_unit.hpp"
-#include "server/telemetry/bell.hpp"
 
 namespace haptic::server {
 
@@ -58,9 +58,8 @@ class Telemetry {
   /// The newest record of a unit; a default one before the first tick. Any thread.
   [[nodiscard]] core::TickRecord newest(std::size_t unit) const;
 
-  /// The loop's call at the end of a tick, real-time safe: wakes the drain. Takes no lock in user
-  /// space and never waits; costs one system call where the drain sleeps.
-  void wake() noexcept;
+  /// Wakes the drain: the loop rings it at the end of every tick.
+  [[nodiscard]] Bell& bell() noexcept { return bell_; }
 
  private:
   class Channel;

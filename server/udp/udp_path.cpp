@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "server/session/link_watch.hpp"
+#include "server/front/link_watch.hpp"
 
 namespace haptic::server {
 

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/rpc/steady_now.hpp"
-#include "server/rt/thread_setup.hpp"
+#include "server/base/steady_now.hpp"
+#include "server/base/thread_setup.hpp"
 #include "server/udp/udp_socket.hpp"
 
 namespace haptic::server {

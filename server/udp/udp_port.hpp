@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "server/rpc/steady_now.hpp"
+#include "server/base/steady_now.hpp"
 #include "server/udp/udp_path.hpp"
 
 namespace haptic::server {

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "haptic/wire/secure_channel.hpp"
+#include "server/front/link_watch.hpp"
+#include "server/front/sample_ledger.hpp"
 #include "server/ingress/ingress.hpp"
 #include "server/rpc/convert.hpp"
-#include "server/rpc/sample_ledger.hpp"
-#include "server/session/link_watch.hpp"
 #include "server/udp/udp_path.hpp"
 #include "server/udp/udp_socket.hpp"
 #include "tests/bench/network.hpp"

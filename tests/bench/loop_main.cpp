@@ -44,7 +44,7 @@ std::vector<double> product(const server::Scene& scene) {
   telemetry.start();
   {
     server::Loop loop({}, kPeriod);
-    loop.begin({&unit}, telemetry);
+    loop.begin({&unit}, telemetry.bell());
     std::this_thread::sleep_for(kPeriod * kTicks);
     loop.finish(core::Duration::zero());
   }

@@ -167,7 +167,7 @@ class Program {
     telemetry.start();
     std::this_thread::sleep_for(core::Duration(phase_(random_)));
     server::Loop loop({}, kPeriod);
-    loop.begin({&unit_}, telemetry, samples_);
+    loop.begin({&unit_}, telemetry.bell(), samples_);
     std::this_thread::sleep_for(kSettling * kPeriod);
     const server::LoopStatistics settled = loop.statistics();
     std::this_thread::sleep_for(kStretch);

@@ -71,7 +71,7 @@ class Product {
     telemetry_.add(0, &arrivals);
     telemetry_.start();
     rpc_.start();
-    loop_.begin({unit_.get()}, telemetry_);
+    loop_.begin({unit_.get()}, telemetry_.bell());
   }
   ~Product() {
     sessions_.begin_closing();

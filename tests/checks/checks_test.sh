@@ -11,7 +11,10 @@ failures=0
 # expect STATUS CHECK ARGUMENT
 expect() {
   status=0
-  sh "$here/$2.sh" "$3" >"$scratch.log" 2>&1 || status=$?
+  case $2 in
+    *.py) python3 "$here/$2" "$3" >"$scratch.log" 2>&1 || status=$? ;;
+    *) sh "$here/$2.sh" "$3" >"$scratch.log" 2>&1 || status=$? ;;
+  esac
   if [ "$status" -ne "$1" ]; then
     echo "FAILED: $2: expected status $1, got $status"
     cat "$scratch.log"
@@ -86,4 +89,13 @@ if (fresh_folder "$scratch/theirs") 2>/dev/null || [ ! -s "$scratch/theirs/file"
   echo "FAILED: fresh_folder removed what it had not made"
   failures=1
 fi
+fresh_folder "$scratch"
+expect 2 folder_circles.py "$scratch"
+mkdir -p "$scratch/core/src/a" "$scratch/core/include/haptic/core/b" "$scratch/core/src/c"
+echo '#include "haptic/core/b/b.hpp"' >"$scratch/core/src/a/a.cpp"
+echo '#include "core/src/c/c.hpp"' >"$scratch/core/include/haptic/core/b/b.hpp"
+echo '#include <array>' >"$scratch/core/src/c/c.hpp"
+expect 0 folder_circles.py "$scratch"
+echo '#include "haptic/core/a/a.hpp"' >>"$scratch/core/src/c/c.hpp"  # a -> b -> c -> a
+expect 1 folder_circles.py "$scratch"
 exit $failures

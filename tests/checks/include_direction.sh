@@ -63,8 +63,15 @@ allow client/include "$standard|\"haptic/client/" "client's public headers show 
 forbid client/hapticctl client/examples -- "$grpc" \
   "programs on the client library do without gRPC and protobuf"
 forbid server -- "haptic/client/|tests/" "server knows no client"
-report "proto types stop at server/rpc, server/udp, server/scene" <<LINES
-$(includes server | grep -vE '^server/(rpc|udp|scene)/' | grep -E " [<\"]($grpc)")
+owner=
+for room in base crossing ingress owner rt scene session telemetry; do owner="$owner server/$room"; done
+forbid $owner -- "grpc|asio|httplib|openssl/|server/(front|metrics|net|rpc|udp)/" \
+  "the owner of the devices knows no network"
+report "the owner of the devices knows no network" <<LINES
+$(for room in $owner; do includes "$room"; done | grep ' "haptic/wire/' | grep -vE '/(utf8|ports)\.hpp$')
+LINES
+report "proto types stop at server/rpc, server/udp, server/front, server/scene" <<LINES
+$(includes server | grep -vE '^server/(rpc|udp|front|scene)/' | grep -E " [<\"]($grpc)")
 LINES
 
 # "No clock read" is not an include, but belongs to the same contract.

@@ -71,6 +71,8 @@ breach client/hapticctl/main.cpp '#include <grpcpp/grpcpp.h>'
 breach server/rt/a.cpp '#include "haptic/v1/scene.pb.h"'
 breach server/rt/a.cpp '#include <grpcpp/server.h>'
 breach server/rt/a.cpp '#include <google/protobuf/text_format.h>'
+breach server/rt/a.cpp '#include "server/udp/udp_port.hpp"'
+breach server/rt/a.cpp '#include "haptic/wire/aead.hpp"'
 breach server/rpc/a.cpp '#include "haptic/client/client.hpp"'
 
 fresh_folder "$scratch"

@@ -6,8 +6,8 @@
 #include <array>
 #include <memory>
 
+#include "server/front/pace.hpp"
 #include "server/rpc/broadcaster.hpp"
-#include "server/rpc/pace.hpp"
 #include "tests/relay/matrix_table.hpp"
 #include "tests/relay/virtual_world.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/rpc/pace.hpp"
+#include "server/front/pace.hpp"
 #include "tests/server/support/device_rig.hpp"
 
 namespace haptic::test {

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "haptic/core/error.hpp"
+#include "server/net/tls_files.hpp"
 #include "server/rpc/peer.hpp"
 #include "tests/server/support/test_client.hpp"
 

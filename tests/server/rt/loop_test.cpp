@@ -69,7 +69,7 @@ class VirtualLoop : public testing::Test {
   DeviceRig rig{};
   VirtualClock clock{};
   RecordKeeper keeper{};
-  LoopBody body{{rig.unit.get()}, *rig.telemetry, 1ms, clock};
+  LoopBody body{{rig.unit.get()}, rig.telemetry->bell(), 1ms, clock};
 };
 
 TEST_F(VirtualLoop, TicksOnTheGridAndEndsAtItsLatest) {
@@ -197,7 +197,7 @@ TEST(Loop, RunsOnItsThreadUntilEveryUnitIsClosing) {
   DeviceRig rig;
   Loop loop(off(), 1ms);
   rig.telemetry->start();
-  loop.begin({rig.unit.get()}, *rig.telemetry);
+  loop.begin({rig.unit.get()}, rig.telemetry->bell());
   while (loop.statistics().ticks < 20) std::this_thread::yield();
   rig.sessions->begin_closing();
   loop.finish(30s);  // returns long before that

@@ -84,7 +84,7 @@ class PacedLoop : public testing::Test {
   SampleClock clock{};
   RecordKeeper keeper{};
   SampleSignal samples{};
-  LoopBody body{{rig.unit.get()}, *rig.telemetry, 1ms, clock, &samples};
+  LoopBody body{{rig.unit.get()}, rig.telemetry->bell(), 1ms, clock, &samples};
 };
 
 TEST_F(PacedLoop, TicksWhenTheSampleComes) {

@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "server/base/steady_now.hpp"
 #include "server/rpc/rpc_server.hpp"
-#include "server/rpc/steady_now.hpp"
 #include "tests/server/support/device_rig.hpp"
 
 namespace haptic::test {

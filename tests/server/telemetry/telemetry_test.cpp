@@ -139,7 +139,7 @@ TEST(Telemetry, NobodyIsCalledAfterRemoveUnderLoad) {
   std::thread loop([&] {
     while (running) {
       tick(rig, 1);
-      rig.telemetry->wake();
+      rig.telemetry->bell().ring();
       std::this_thread::yield();
     }
   });
@@ -186,7 +186,7 @@ TEST(Telemetry, OneBellPerTickIsEnough) {
   rig.telemetry->start();
   for (std::uint64_t i = 1; i <= 2000; ++i) {
     tick(rig, 1);
-    rig.telemetry->wake();
+    rig.telemetry->bell().ring();
     // The drain must hear of every tick by its one bell, however the two threads interleave.
     while (rig.telemetry->newest(0).tick != i) std::this_thread::yield();
   }

@@ -6,7 +6,7 @@
 
 #include <thread>
 
-#include "server/rpc/steady_now.hpp"
+#include "server/base/steady_now.hpp"
 #include "tests/proto/wire/channel_pair.hpp"
 #include "tests/server/support/live_server.hpp"
 #include "tests/support/udp_end.hpp"

@@ -4,7 +4,7 @@
 /// limit that the residual pulls away from lets go. Each pass lowers the norm, so the last p is the
 /// best one seen. Rows beyond the Jacobian's carry a prior or Levenberg-Marquardt damping.
 
-#include "haptic/core/projection/projection.hpp"
+#include "haptic/core/projection_status.hpp"
 #include "haptic/core/types.hpp"
 
 namespace haptic::core {

@@ -11,7 +11,7 @@
 #include "haptic/core/linear/full_rank.hpp"
 #include "haptic/core/linear/stiffness_coupling.hpp"
 #include "haptic/core/model/dof_layout.hpp"
-#include "haptic/core/projection/projection.hpp"
+#include "haptic/core/projection_status.hpp"
 #include "haptic/core/types.hpp"
 
 namespace haptic::core {

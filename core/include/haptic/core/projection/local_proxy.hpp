@@ -7,7 +7,7 @@
 
 #include "haptic/core/model/configuration_space.hpp"
 #include "haptic/core/projection/plane_projection.hpp"
-#include "haptic/core/tick/tick_input.hpp"
+#include "haptic/core/projection/proxy_snapshot.hpp"
 #include "haptic/core/types.hpp"
 
 namespace haptic::core {

@@ -2,26 +2,10 @@
 /// What a renderer is given and what it answers (core/METHOD.md#fig-4 and
 /// core/METHOD.md#nonlinear-projection).
 
-#include <cstdint>
-#include <string_view>
-
+#include "haptic/core/projection_status.hpp"
 #include "haptic/core/types.hpp"
 
 namespace haptic::core {
-
-enum class ProjectionStatus : std::uint8_t {
-  kNone = 0,            ///< nothing to project: no proxy, or free
-  kExact = 1,           ///< solved to rounding (closed form, or a direct linear solve)
-  kConverged = 2,       ///< iterated to tolerance
-  kCapped = 3,          ///< iteration cap reached; the best iterate is used
-  kUnreachable = 4,     ///< no q reaches x; the constrained optimum is used
-  kIllConditioned = 5,  ///< condition of the equilibrated J above 1e8
-  kRankDeficient = 6,   ///< a column of J depends on the others; minimum-norm answer in metric Z_q
-  kMapFailed = 7,       ///< f has no value at q: the last q* is kept
-                        ///< (core/METHOD.md#map-without-a-value)
-};
-
-[[nodiscard]] std::string_view name(ProjectionStatus status) noexcept;  ///< "EXACT", ...
 
 /// The device in X at this tick. References must outlive the call only.
 struct Probe {

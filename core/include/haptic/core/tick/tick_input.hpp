@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "haptic/core/fault.hpp"
-#include "haptic/core/projection/plane_set.hpp"
+#include "haptic/core/projection/proxy_snapshot.hpp"
 #include "haptic/core/projection/renderer_kind.hpp"
 #include "haptic/core/safety/staleness.hpp"
 #include "haptic/core/time.hpp"
@@ -34,29 +34,6 @@ struct DeviceReading {
   bool armed{false};  ///< the device would follow a force now
   DeviceHealth health{DeviceHealth::kOk};
   DeviceSample sample{};
-};
-
-enum class ProxyMode : std::uint8_t {
-  kNone = 0,    ///< no proxy was ever accepted under this lease
-  kHeld = 1,    ///< x stays where the sample put it until the next one
-  kFree = 2,    ///< nothing in the way: no elastic force, no drag
-  kPlanes = 3,  ///< x is the haptic probe, kept out of the sample's planes in every tick
-};
-
-/// The newest accepted proxy sample.
-struct ProxySnapshot {
-  ProxyMode mode{ProxyMode::kNone};
-  std::uint32_t epoch{0};  ///< lease epoch it was accepted under
-  std::uint64_t seq{0};
-  /// What its age is counted from: the local arrival, or earlier where a synchronised source time
-  /// says so; never later.
-  TimePoint born{};
-  Duration valid_for{0};  ///< the client's own bound on its freshness; 0 = none given
-  VecX x{};               ///< n_x; ignored in free mode; in planes mode where they are linearised
-  PlaneSet planes{};      ///< planes mode; none: nothing in the way
-  /// The stream's health, kept by the ingress for Engage (proto/README.md#a-session).
-  TimePoint gapless_since{};         ///< first sample after the last gap longer than hold_end
-  std::uint64_t gapless_samples{0};  ///< accepted since then
 };
 
 /// A tracked palm stands in q as position and rotation vector.

@@ -9,9 +9,9 @@
 
 #include "haptic/core/tick/ring.hpp"
 #include "hw/device.hpp"
-#include "server/rpc/server_facts.hpp"
+#include "server/crossing/server_facts.hpp"
+#include "server/metrics/tick_metrics.hpp"
 #include "server/session/device_sessions.hpp"
-#include "server/telemetry/tick_metrics.hpp"
 
 namespace haptic::server {
 

@@ -1,4 +1,4 @@
-#include "server/rpc/sample_ledger.hpp"
+#include "server/front/sample_ledger.hpp"
 
 namespace haptic::server {
 

@@ -1,4 +1,4 @@
-#include "server/telemetry/tick_metrics.hpp"
+#include "server/metrics/tick_metrics.hpp"
 
 #include <gtest/gtest.h>
 

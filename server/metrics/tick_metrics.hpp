@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "server/ingress/ingress.hpp"
-#include "server/telemetry/exposition.hpp"
+#include "server/metrics/exposition.hpp"
 #include "server/telemetry/telemetry.hpp"
 
 namespace haptic::server {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "server/session/link_watch.hpp"
+#include "server/front/link_watch.hpp"
 
 namespace haptic::test {
 namespace {

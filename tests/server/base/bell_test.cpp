@@ -1,4 +1,4 @@
-#include "server/telemetry/bell.hpp"
+#include "server/base/bell.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/rpc/tls_config.hpp"
+#include "server/net/tls_files.hpp"
 
 #include <openssl/pem.h>
 #include <openssl/x509.h>

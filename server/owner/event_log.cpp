@@ -1,4 +1,4 @@
-#include "server/telemetry/event_log.hpp"
+#include "server/owner/event_log.hpp"
 
 #include <spdlog/spdlog.h>
 

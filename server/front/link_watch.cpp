@@ -1,4 +1,4 @@
-#include "server/session/link_watch.hpp"
+#include "server/front/link_watch.hpp"
 
 #include <algorithm>
 

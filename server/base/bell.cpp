@@ -1,4 +1,4 @@
-#include "server/telemetry/bell.hpp"
+#include "server/base/bell.hpp"
 
 #include <linux/futex.h>
 #include <sys/syscall.h>

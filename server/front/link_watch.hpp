@@ -13,8 +13,8 @@
 #include "haptic/core/time.hpp"
 #include "haptic/wire/clock_offset.hpp"
 #include "haptic/wire/link_statistics.hpp"
+#include "server/base/rolling_histogram.hpp"
 #include "server/ingress/ingress.hpp"
-#include "server/rt/rolling_histogram.hpp"
 
 namespace haptic::server {
 

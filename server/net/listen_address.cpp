@@ -1,4 +1,4 @@
-#include "server/rpc/listen_address.hpp"
+#include "server/net/listen_address.hpp"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

@@ -1,4 +1,4 @@
-#include "server/rt/rolling_histogram.hpp"
+#include "server/base/rolling_histogram.hpp"
 
 #include <gtest/gtest.h>
 

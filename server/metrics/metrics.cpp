@@ -1,4 +1,4 @@
-#include "server/telemetry/metrics.hpp"
+#include "server/metrics/metrics.hpp"
 
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-#include "server/telemetry/metrics_port.hpp"
+#include "server/metrics/metrics_port.hpp"
 
 #include <httplib.h>
 
@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "haptic/core/error.hpp"
-#include "server/rpc/listen_address.hpp"
-#include "server/rt/thread_setup.hpp"
+#include "server/base/thread_setup.hpp"
+#include "server/net/listen_address.hpp"
 
 namespace haptic::server {
 namespace {

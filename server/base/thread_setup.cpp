@@ -1,4 +1,4 @@
-#include "server/rt/thread_setup.hpp"
+#include "server/base/thread_setup.hpp"
 
 #include <pthread.h>
 

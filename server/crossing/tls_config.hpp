@@ -1,11 +1,11 @@
 #pragma once
-/// What is needed to serve TLS: files, and what the bearers of client certificates may do.
+/// What a scene says about TLS: the files, and what the bearers of client certificates may do.
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "server/session/priority.hpp"
+#include "server/crossing/priority.hpp"
 
 namespace haptic::server {
 
@@ -21,16 +21,5 @@ struct TlsConfig {
   std::filesystem::path client_ca{};  ///< empty: clients need no certificate
   std::vector<TlsClient> clients{};   ///< others have kPrimary
 };
-
-/// The files' contents. Never to be logged.
-struct TlsFiles {
-  std::string certificate{};
-  std::string key{};
-  std::string client_ca{};
-};
-
-/// Reads and checks them: readable, PEM, the key that of the certificate, in date. Throws
-/// TransportError naming field, file and what is wrong; never what a file holds.
-[[nodiscard]] TlsFiles load_tls(const TlsConfig& config);
 
 }  // namespace haptic::server

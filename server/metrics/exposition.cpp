@@ -1,4 +1,4 @@
-#include "server/telemetry/exposition.hpp"
+#include "server/metrics/exposition.hpp"
 
 #include <algorithm>
 #include <cstdio>

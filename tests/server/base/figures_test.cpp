@@ -1,4 +1,4 @@
-#include "server/figures.hpp"
+#include "server/base/figures.hpp"
 
 #include <gtest/gtest.h>
 

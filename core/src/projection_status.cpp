@@ -1,4 +1,4 @@
-#include "haptic/core/projection/projection.hpp"
+#include "haptic/core/projection_status.hpp"
 
 namespace haptic::core {
 

@@ -28,6 +28,7 @@ packages() {
     demo) echo "gnuplot-nox" ;;
     test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" \
                 "liborocos-kdl-dev clang python3-grpcio python3-protobuf python3-cryptography tshark openssl" \
+                "python3-pip python3-setuptools python3-wheel" \
                 "prometheus systemd mypy" ;;
     report) echo "gnuplot-nox liblapack-dev libceres-dev libcminpack-dev" ;;
     node) echo "nodejs npm" ;;

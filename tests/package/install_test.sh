@@ -40,7 +40,12 @@ mv "$prefix" "$folder/moved"
 prefix=$folder/moved
 unset CMAKE_PREFIX_PATH PKG_CONFIG_PATH
 cmake -S "$here/foreign" -B "$folder/foreign" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release \
-  >"$folder/configure.log" || { cat "$folder/configure.log"; fail "find_package(haptic) failed"; }
+  >"$folder/configure.log" 2>&1 || { cat "$folder/configure.log"; fail "find_package(haptic) failed"; }
+if cmake -S "$here/foreign" -B "$folder/glove" -DCMAKE_PREFIX_PATH="$prefix" -DALSO=glove \
+  >"$folder/glove.log" 2>&1; then
+  fail "find_package(haptic COMPONENTS glove) did not fail"
+fi
+grep -q "no component 'glove'" "$folder/glove.log" || { cat "$folder/glove.log"; fail "not named"; }
 cmake --build "$folder/foreign" >"$folder/build.log" || { cat "$folder/build.log"; fail "no build"; }
 
 pc=$(dirname "$(find "$prefix" -name haptic-client.pc)")

@@ -15,6 +15,7 @@ from ._connection import Connection
 from ._errors import ClientError
 from ._ports import DEFAULT_SERVER
 from ._session import Session
+from ._version import __version__
 from ._types import (
     FREE,
     Carriers,
@@ -38,5 +39,5 @@ from ._types import (
 __all__ = [
     "DEFAULT_SERVER", "FREE", "Carriers", "Certificate", "ClientError", "Connection", "Coordinate", "CouplingBlock",
     "DegreeOfFreedom", "Device", "DeviceState", "Event", "Pose", "Proxy", "SampleCounts",
-    "ServerInfo", "Session", "Settings", "TrackerState", "behind", "held",
+    "ServerInfo", "Session", "Settings", "TrackerState", "__version__", "behind", "held",
 ]

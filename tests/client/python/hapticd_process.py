@@ -4,6 +4,7 @@ where program and scenes are."""
 from __future__ import annotations
 
 import os
+import socket
 import subprocess
 import tempfile
 import time
@@ -28,10 +29,15 @@ class Hapticd:
             arguments += ["--set", setting]
         self._process = subprocess.Popen(arguments, stderr=subprocess.DEVNULL)
         latest = time.monotonic() + 20
-        while not os.path.exists(self.address.removeprefix("unix:")):
+        while not self._listens():
             if time.monotonic() > latest or self._process.poll() is not None:
                 raise RuntimeError("hapticd did not start")
             time.sleep(0.02)
+
+    def _listens(self) -> bool:
+        """The socket's file is there a moment before connections are taken."""
+        with socket.socket(socket.AF_UNIX) as probe:
+            return probe.connect_ex(self.address.removeprefix("unix:")) == 0
 
     def stop(self) -> None:
         self._process.kill()

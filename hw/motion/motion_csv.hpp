@@ -22,8 +22,8 @@ struct MotionTable {
   std::vector<std::size_t> line{};            ///< line of the file a row stood on, from 1
 };
 
-/// A step of time longer than this is a gap: nothing was measured there (METHOD data: a tracker
-/// that lost the hand; the recordings' own jitter stays below 40 ms).
+/// A step of time longer than this is a gap: nothing was measured there (a tracker
+/// lost the hand; the recordings' own jitter stays below 40 ms).
 inline constexpr double kLongestStep = 0.050;  // s
 /// Is the step from a to b (s) a gap? Compared in whole nanoseconds, so that 50 ms is 50 ms.
 [[nodiscard]] bool is_gap(double a, double b) noexcept;

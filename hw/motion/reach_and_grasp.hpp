@@ -4,8 +4,8 @@
 /// Every stroke varies in amplitude, speed and pause. Physiological tremor lies on top. Sources:
 /// minimum-jerk strokes, see minimum_jerk.hpp; tremor of 8-12 Hz, R. J. Elble, W. C. Koller,
 /// Tremor, 1990, about 1 mrad at the fingers' joints. Amplitudes, durations and lag are chosen to
-/// look like the grasps recorded of people (METHOD's data), and stay in the reach of
-/// core/METHOD.md#finger-linkage's exoskeleton.
+/// look like the grasps recorded of people and stay in the reach of the exoskeleton
+/// (core/METHOD.md#finger-linkage).
 
 #include <cstdint>
 #include <iosfwd>

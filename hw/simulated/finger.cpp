@@ -9,8 +9,7 @@
 namespace haptic::hw {
 namespace {
 
-/// The pose in which the simulation begins: the finger straight, core/METHOD.md#finger-linkage's
-/// nominal pose.
+/// The pose in which the simulation begins: the finger straight, x = 0.
 const Eigen::Vector2d kRest = Eigen::Vector2d::Zero();
 
 void check(const SimulatedFingerConfig& c) {

@@ -15,9 +15,9 @@ constexpr std::array<double, 13> kLateness{5e-6,  1e-5,  2e-5,  5e-5,  0.0001, 0
                                            0.001, 0.002, 0.005, 0.008, 0.01,   0.02};
 constexpr std::array<double, 13> kAges{0.001, 0.002, 0.005, 0.01, 0.02, 0.03, 0.04,
                                        0.05,  0.08,  0.1,   0.13, 0.18, 0.5};
-/// A board's samples: fine around the targets of hw/README.md#the-board-protocol and
-/// proto/README.md#a-session ms streaming and 4 ms at 500 Hz, and below half a millisecond, where
-/// they are in a loop that they pace.
+/// A board's samples: fine around the targets, 2 ms streaming and 4 ms at 500 Hz
+/// (hw/README.md#the-board-device), and below half a millisecond, which is usual in a loop that they
+/// pace.
 constexpr std::array<double, 17> kSampleAges{5e-5,   0.0001,  0.0002, 0.0005, 0.001, 0.00125,
                                              0.0015, 0.00175, 0.002,  0.0025, 0.003, 0.0035,
                                              0.004,  0.005,   0.007,  0.01,   0.1};

@@ -16,7 +16,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kRate = 100.0;  ///< Hz
 constexpr milliseconds kPeriod{10}, kSettling{500}, kMeasured{2000};
-/// WIRE's target for UDP: the delay and three periods.
+/// Target for UDP: the delay and three periods.
 constexpr double kTargetUs = 10'000.0 + 3 * 10'000.0;
 constexpr double kLossUpToWhichItHolds = 0.10;
 

@@ -28,10 +28,11 @@ mkdir -p "$scratch/core" "$scratch/docs"
 git -C "$scratch" init -q 2>/dev/null || true
 
 echo 'int a;' >"$scratch/core/a.cpp"
-printf 'See [the code](../core/a.cpp#L1) and [the web](https://github.com/x).\n' >"$scratch/docs/a.md"
+printf '# A b, c\nSee [the code](../core/a.cpp#L1), [it](#a-b-c) and [the web](https://github.com/x).\n' \
+  >"$scratch/docs/a.md"
 expect 0 file_length "$scratch"
 expect 0 no_machine_names "$scratch"
-expect 0 markdown_links "$scratch"
+expect 0 references.py "$scratch"
 
 yes 'int x;' | head -n 451 >"$scratch/core/long.cpp"
 expect 1 file_length "$scratch"
@@ -53,8 +54,20 @@ for line in 'struct Bench {' 'VecX half(const VecX& x) {' 'constexpr double half
 done
 rm -r "$scratch/tests"
 
-echo '[gone](nowhere.md)' >>"$scratch/docs/a.md"
-expect 1 markdown_links "$scratch"
+echo '// docs/a''.md#a-b-c' >"$scratch/core/b.cpp"
+expect 0 references.py "$scratch"
+for line in '// docs/a''.md#gone' '// gone''.md#a-b-c' '// METHOD'' 5.3' '// WIRE'' 4'; do
+  echo "$line" >"$scratch/core/b.cpp"
+  expect 1 references.py "$scratch"
+done
+rm "$scratch/core/b.cpp"
+for line in '[gone](nowhere.md)' '[gone](a''.md#gone)' '| a table | `core/gone.cpp` |'; do
+  echo "$line" >"$scratch/README.md"
+  expect 1 references.py "$scratch"
+  printf '```\n[code](of/others.md)\n```\n' >"$scratch/README.md"
+  expect 0 references.py "$scratch"
+done
+rm "$scratch/README.md"
 
 printf '# why\nrace:libgrpc\nrace:libabsl\nrace:libprotobuf\n' >"$scratch/tsan.supp"
 expect 0 tsan_suppressions "$scratch/tsan.supp"

@@ -19,8 +19,7 @@ void over_the_motion(Visit visit) {
   }
 }
 
-/// Depth of the deepest pad by core/METHOD.md#finger-linkage's kinematics, written with complex
-/// numbers.
+/// Depth of the deepest pad by the kinematics of core/METHOD.md#finger-linkage in complex numbers.
 double depth_by_complex_numbers(const SoftFingerModel& m, const Joints& x) {
   using Complex = std::complex<double>;
   const Complex u1 = std::polar(1.0, -x[0]), u2 = std::polar(1.0, -(x[0] + x[1]));

@@ -1,5 +1,5 @@
-/// haptic-report closed-loop: energy per cycle with a client in the loop (METHOD headline 1,
-/// 5.2-5.4), on the real Pipeline in virtual time.
+/// haptic-report closed-loop: energy per cycle with a client in the loop (core/METHOD.md#results),
+/// on the real Pipeline in virtual time.
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -85,8 +85,8 @@ struct Row {
   std::string_view method{}, proxy{};
 };
 
-/// core/METHOD.md#local-models's rejected form: its proxy rendered by the exact method, which
-/// returns it as it is.
+/// The rejected form of core/METHOD.md#local-models: the exact method renders its proxy and returns
+/// it as it is.
 Row q_metric_row(const Options& options, const Pair& stop, const Network& network) {
   Row row;
   row.stop = stop;
@@ -194,18 +194,13 @@ void print_trace(const Options& options) {
 }
 
 constexpr const char* kFooter =
-    "Motions: cycle - the device is led round l_x +-2 mm, q_B +-0.05 rad about (30,30) deg (METHOD "
-    "headline 1); hand - the hand aims round (35 + 15 cos, 35 + 15 sin) deg, the finger follows "
-    "(METHOD "
-    "5.3); press - it aims at (50,50) deg and stays (core/METHOD.md#forces-at-the-finger). Of four "
-    "cycles of 1 s the last "
-    "is "
-    "reported; reversed: the other way round. The stop 80,100 is out of reach: what force is there "
-    "is "
-    "drag.\n"
-    "method q_metric: core/METHOD.md#local-models's rejected form, conservative in the metric of "
-    "Q, M_n = c (0.02 "
-    "m/rad)^2 Z_q.\n"
+    "Motions: cycle - the device is led round l_x +-2 mm, q_B +-0.05 rad about (30,30) deg; hand - "
+    "the hand aims round (35 + 15 cos, 35 + 15 sin) deg, the finger follows; press - it aims at "
+    "(50,50) deg and stays. The last of four cycles of 1 s is reported; reversed: the other way "
+    "round. The stop 80,100 is out of reach: a force there is drag.\n"
+    "method q_metric: the form that core/METHOD.md#local-models rejects, conservative in the "
+    "metric "
+    "of Q, M_n = c (0.02 m/rad)^2 Z_q.\n"
     "given_mj: to the user in the cycle or press; net_mj: less what the device's own damping, 2 N "
     "s/m, "
     "took; most_net_mj: the largest net sum over time since force came on. given_pct: of the "

@@ -1,5 +1,5 @@
-/// haptic-report fig4: the paper's Fig. 4 and core/METHOD.md#finite-difference-rule's metrics for
-/// one trajectory of the finger, with the proxy held at x = 0, Z_q = 1, forces in mm of l_x,
+/// haptic-report fig4: the paper's Fig. 4 and the metrics of core/METHOD.md#finite-difference-rule
+/// for one trajectory of the finger, with the proxy held at x = 0, Z_q = 1, forces in mm of l_x,
 /// unguarded.
 #include <cmath>
 

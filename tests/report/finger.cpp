@@ -11,8 +11,7 @@
 namespace haptic::report {
 namespace {
 
-/// "never more penetration than without force", with core/METHOD.md#forces-at-the-finger's
-/// tolerance.
+/// Tolerance of "never deeper than without force" (core/METHOD.md#forces-at-the-finger).
 constexpr double kDeeper_deg = 0.5;
 constexpr double kWork_mj = 1e-3;  // the integration's own noise is far below
 
@@ -165,7 +164,7 @@ void add_finger(CLI::App& app) {
       "--board", options->board,
       "through the serial protocol and an emulated board with its L16 and force loop; "
       "work, cell and torques are then those of the load cell and the finger itself");
-  command->add_flag("--grid", options->grid, "core/METHOD.md#forces-at-the-finger's 24 runs");
+  command->add_flag("--grid", options->grid, "the 24 runs of core/METHOD.md#forces-at-the-finger");
   command->add_flag(
       "--joints", options->joints,
       "adds the end force at actuator and joints, the net work, ticks guarded and throttled");

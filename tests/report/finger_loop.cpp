@@ -61,7 +61,7 @@ class Path {
  public:
   Path(const FingerLoop& what, const core::Kinematics& finger)
       : what_(what), finger_(finger), q_centre_(VecQ::Zero(2)) {
-    const Eigen::Vector2d centre = degrees(30, 30);  // METHOD, headline 1
+    const Eigen::Vector2d centre = degrees(30, 30);  // core/METHOD.md#results
     static_cast<void>(finger.inverse(VecX(centre), q_centre_));
   }
   [[nodiscard]] static Eigen::Vector2d ease() { return degrees(5, 5); }

@@ -1,6 +1,6 @@
 #pragma once
 /// A finger that wears the exoskeleton, the real Pipeline and a client behind a network, in virtual
-/// time (METHOD headline 1, 5.3, 5.4): how much energy the force gives per cycle.
+/// time (core/METHOD.md#results): how much energy the force gives per cycle.
 ///
 /// The finger stands still at its ease while force is switched on, goes to where the motion begins,
 /// and does it: kCycles times in a second each, or presses once.

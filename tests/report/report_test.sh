@@ -1,9 +1,7 @@
 #!/bin/sh
-# haptic-report's cheap subcommands against what METHOD and the issue print: headers, values,
-# statuses.
+# haptic-report's cheap subcommands against what core/METHOD.md prints: headers, values, statuses.
 #
-#   report_test.sh HAPTIC-REPORT [values|grid]      grid: the presses of
-#   core/METHOD.md#forces-at-the-finger alone
+#   report_test.sh HAPTIC-REPORT [values|grid]      grid: the presses at the finger alone
 set -u
 report=$1
 failed=0
@@ -77,10 +75,10 @@ pose() {  # pose MCP_RAD,PIP_RAD l_mm q_B_deg c1_mm c2_mm J11 J12 J21 J22
 pose 0,0 0.897 30.489 13.28 29.86 -45.332 -1.85 93.498 1.753
 pose 0.5235987755982988,0.5235987755982988 15.864 -14.806 19.31 28.10 -47.670 -1.424 78.460 0.484
 pose 1.0471975511965976,1.2217304763960306 26.976 -54.730 12.16 17.21 -81.598 -2.333 141.512 1.090
-# core/METHOD.md#unreachable-proxies: residual 4.87 deg at (10.15 mm, 41.5 deg).
+# core/METHOD.md#unreachable-proxies: residual 4.86 deg at (10.15 mm, 41.5 deg).
 csv=$("$report" kinematics --x -0.5,0.3)
 has status,unreachable
-near residual_rad 0.0850 5e-4
+near residual_rad 0.08482 5e-5
 near l_x_m 0.01015 5e-5
 # The way back: q of the first pose gives x = 0; beyond the linkage there is no pose.
 csv=$("$report" kinematics --q 0.015864,-0.258413)
@@ -95,7 +93,7 @@ refused
 # core/METHOD.md#finite-difference-rule, trajectory A.
 header "method,metric,value" fig4
 csv=$("$report" fig4 --amplitude 35,50 --phase 15)
-fig4() {  # fig4 METHOD METRIC VALUE TOLERANCE
+fig4() {  # fig4 RENDERER METRIC VALUE TOLERANCE
   near "$1,$2" "$3" "$4"
 }
 fig4 standard tau_min -5.092 0.05
@@ -125,8 +123,7 @@ near subspace_linear,1 5.5 0.2
 near subspace_linear,5 8.0 0.2
 near subspace_linear,50 18.0 0.2
 
-# core/METHOD.md#anisotropic-coupling by 2 x 2 algebra with core/METHOD.md#finger-linkage's J at
-# (30,30), for a press that is small: tau_a = -c s, c = Z_q w.g / n.g, g = W^{-1} n; s = meant / (1
+# core/METHOD.md#anisotropic-coupling by 2 x 2 algebra, with the finger's J at (30,30), for a press that is small: tau_a = -c s, c = Z_q w.g / n.g, g = W^{-1} n; s = meant / (1
 # + c w.n / K_h) at rest. Of the coupling metric c = a / (a^2/Z_q + b^2/D_n), a, b = J_a.n, J_n.n.
 header "pose_mcp_deg,pose_pip_deg,stop,stiffness_n_per_m,penetration_deg,metric,softness,tau_full_n,tau_n,\
 force_error,end_full_deg,end_deg,verdict" coupling --pose 30,30 --penetration 1 --stiffness 1500
@@ -162,7 +159,7 @@ header "method,stop_mcp_deg,stop_pip_deg,target_mcp_deg,target_pip_deg,stiffness
 end_pip_deg,max_penetration_deg,no_force_penetration_deg,peak_force_n,work_mj,verdict" \
   finger --stop 18,999 --method standard
 rows=$("$report" finger)
-finger() {  # finger METHOD STOP K end_mcp end_pip [work]: within 0.15 deg, 4 % and METHOD's digits
+finger() {  # finger RENDERER STOP K end_mcp end_pip [work]: within 0.15 deg, 4 % and the digits printed
   line=$(echo "$rows" | grep "^$1,$2,50,50,$3,")
   csv="$(echo "$line" | cut -d, -f1-7)"
   near "$1,$2,50,50,$3" "$4" 0.15
@@ -176,9 +173,9 @@ finger standard 18,999 1500 54.8 60.4 51
 finger null_space 18,999 1500 47.7 45.5 -14
 finger subspace_linear 18,999 1500 47.4 44.8 -22
 finger subspace_exact 18,999 1500 50.8 51.7 -8
-finger standard 18,999 6000 42.1 76.0 166
+finger standard 18,999 6000 42.1 76.0 169
 finger null_space 18,999 6000 42.0 34.9 -34
-finger subspace_linear 18,999 6000 38.5 29.2 -48
+finger subspace_linear 18,999 6000 38.5 29.2 -47
 finger subspace_linear 999,25 1500 46.6 43.3
 finger subspace_exact 18,25 1500 44.2 38.7
 echo "$rows" | grep -q "^subspace_exact,18,999,50,50,6000,.*,deeper and gives energy$" ||
@@ -229,5 +226,5 @@ echo "$csv" | awk -F, '
   }' || fail "work-precision: Gauss-Newton from q does not converge: $csv"
 refused work-precision --map no_such_map
 
-[ $failed -eq 0 ] && echo "haptic-report: as METHOD prints it"
+[ $failed -eq 0 ] && echo "haptic-report: as core/METHOD.md prints it"
 exit $failed

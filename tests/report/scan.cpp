@@ -1,4 +1,4 @@
-/// haptic-report scan: core/METHOD.md#finite-difference-rule's 168 trajectories; in how many of
+/// haptic-report scan: the 168 trajectories of core/METHOD.md#finite-difference-rule; in how many of
 /// them does the paper's finite-difference test find any sample that is not passive?
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 #pragma once
-/// core/METHOD.md#local-models's one-DoF experiment (tests/support/loop/wall_run.hpp) for the
+/// The one-DoF experiment of core/METHOD.md#local-models (tests/support/loop/wall_run.hpp) for the
 /// clients and networks of `rate`, and how stiff the wall may be before it is unstable.
 
 #include "tests/report/client_kind.hpp"

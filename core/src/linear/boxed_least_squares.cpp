@@ -51,9 +51,8 @@ void BoxedLeastSquares::solve(const VecQ& lower, const VecQ& upper,
   limited_ = false;
   update_residual();
   if (!std::isfinite(residual2_)) return;
-  // Each pass ends with one coordinate more on its limit, or at the best of the free ones;
-  // core/METHOD.md#metric-and-limits counts 2n of them, the rest is for limits that let go and take
-  // hold again.
+  // Each pass ends with one coordinate more on its limit, or at the best of the free ones: 2n of
+  // them are usual, the rest is for limits that let go and take hold again.
   for (int pass = 0; pass < 4 * n_; ++pass) {
     solve_free(metric_root);
     const bool arrived = advance(lower, upper);

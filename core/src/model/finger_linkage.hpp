@@ -1,6 +1,7 @@
 #pragma once
-/// The planar linkage of core/METHOD.md#finger-linkage as plain arithmetic: forward map (1.3),
-/// derivatives (1.4), closed inverse (1.5). Names are METHOD's. Private to the finger's map.
+/// The planar linkage of core/METHOD.md#finger-linkage as plain arithmetic: forward map, Eq.
+/// (10), its derivatives, Eq. (11), and its inverse in closed form, Eq. (12). Names are those of
+/// the equations. Private to the finger's map.
 
 #include <complex>
 

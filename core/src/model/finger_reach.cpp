@@ -24,7 +24,7 @@ enum Constraint : int {
 };
 
 constexpr double kScaleL = 0.02;  // m per unit of scaled travel (core/METHOD.md#finger-linkage)
-/// Joint limits of METHOD's valid region, rad; they bound the mean of ||J_a|| only.
+/// Joint limits of the valid region (core/METHOD.md#finger-linkage), rad; they bound the mean of ||J_a|| only.
 constexpr double kJointLower = -0.3, kMcpUpper = 1.75, kPipUpper = 2.0;
 
 double squared_distance(const ReachPoint& p, double q1, double q2) noexcept {

@@ -88,8 +88,8 @@ TEST_F(PassivityRadius, OfTheExactMethodAndOfLinearMapsIsInfinite) {
   EXPECT_NEAR(exact.margin, 1.0, 1e-12);
 }
 
-/// Two actuated DoFs with different stiffnesses and units: METHOD's general form holds the weighted
-/// norm below 1, so no dx inside the radius may turn the impedance.
+/// Two actuated DoFs with different stiffnesses and units: the general form of
+/// core/METHOD.md#exact-derivatives bounds the weighted norm by 1, so no dx inside the radius may turn the impedance.
 class Sheared final : public Kinematics {
  public:
   const DofLayout& layout() const noexcept override { return layout_; }

@@ -165,7 +165,7 @@ double brute_force_residual(const FingerDimensions& d, double mcp, double pip, V
 /// core/METHOD.md#unreachable-proxies.
 TEST_F(FingerExoskeleton, UnreachableProxiesGiveTheGlobalConstrainedOptimum) {
   struct Row {
-    double mcp, pip, residual_deg, l_mm, q_B_deg;  // 0: METHOD gives no figure
+    double mcp, pip, residual_deg, l_mm, q_B_deg;  // 0: no published figure
   };
   constexpr Row kRows[] = {{-0.5, 0.3, 4.87, 10.15, 41.5},
                            {-0.7, 0.35, 16.07, 10.15, 41.5},
@@ -183,7 +183,7 @@ TEST_F(FingerExoskeleton, UnreachableProxiesGiveTheGlobalConstrainedOptimum) {
     EXPECT_LE(residual, brute_force_residual(dimensions, row.mcp, row.pip, brute) + 1e-6)
         << "brute force found " << brute.transpose() << ", we " << q.transpose();
     if (row.residual_deg > 0.0) {
-      // METHOD's figures come from a grid: the optimum itself is up to 0.02 deg lower.
+      // The figures have two digits of a grid: the optimum itself is up to 0.02 deg lower.
       EXPECT_LE(residual / kDegree, row.residual_deg + 0.005);
       EXPECT_NEAR(residual / kDegree, row.residual_deg, 0.02);
       EXPECT_NEAR(q[0] * 1e3, row.l_mm, 0.06);

@@ -182,7 +182,7 @@ TEST(TrackedHand, SensesThePalmAndDrivesTheFingers) {
   EXPECT_EQ(hand->space().coordinates()[6].name, "index_tip.x");
 }
 
-/// Points of core/METHOD.md#finger-linkage's plane, turned and moved by the palm.
+/// Points of the plane of core/METHOD.md#finger-linkage, turned and moved by the palm.
 TEST(TrackedHand, PutsThePhalangesWhereThePlaneAndThePalmPutThem) {
   const TrackedHandParameters parameters = five_fingers_on_a_palm();
   const auto hand = make_tracked_hand(parameters);

@@ -83,7 +83,7 @@ int expect_offline_margins(const Kinematics& map, double far, int poses) {
 
 TEST(LinearCertificate, IsTheOfflineMarginOnTheFinger) {
   EXPECT_GT(expect_offline_margins(*make_finger_exoskeleton({}), 0.5, 300), 10)
-      << "within METHOD's 30 deg some margins are lost";
+      << "at deviations up to 30 deg some margins are lost";
 }
 
 /// More coordinates than DoFs and three actuators: the residual's term and the eigenvalue count.

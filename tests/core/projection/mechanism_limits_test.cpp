@@ -259,7 +259,7 @@ TEST(MechanismLimits, OfATrackedHandHoldTheSlidersOfEveryFinger) {
   VecQ q = VecQ::Zero(hand->layout().n_q()), beyond;
   for (int f = 0; f < 5; ++f) q.segment<2>(6 + 2 * f) = two(0.0118, -0.15);
   beyond = q;
-  // The index's slider 2 ends here: METHOD's table has c2 near its upper limit at small flexion.
+  // The index's slider 2 ends here: c2 is near its upper limit at small flexion.
   PairLimits limits;
   const int first = hand->limited_pairs()[1];
   double least = HUGE_VAL;

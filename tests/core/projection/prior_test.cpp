@@ -237,7 +237,7 @@ TEST(Prior, AHandKnownByPointsIsRefusedWithoutOne) {
   const FunctionMap hand = samples::hand(2);
   EXPECT_THROW(require_rank(ProjectionModel(hand)), SceneError);
   EXPECT_NO_THROW(require_rank(ProjectionModel(samples::hand(4))));  // its points do determine it
-  // core/METHOD.md#larger-devices's weights: 0.1 per m of the wrist, 5 mm per rad elsewhere.
+  // The weights of core/METHOD.md#larger-devices: 0.1 per m of the wrist, 5 mm per rad elsewhere.
   VecQ M_n(12);
   M_n << VecQ::Constant(3, 400.0), VecQ::Ones(9);
   const ProjectionModel model(hand, with_prior(2.5e-5, M_n));

@@ -1,4 +1,4 @@
-// A client in the loop (METHOD headline 1, 5.3): with the proxy held the exact method is conservative,
+// A client in the loop (core/METHOD.md#results, core/METHOD.md#energy-tank): with the proxy held the exact method is conservative,
 // with a client that computes x from q it is not, and the tank is what bounds the energy.
 #include <gtest/gtest.h>
 

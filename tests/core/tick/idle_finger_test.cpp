@@ -1,5 +1,5 @@
 // What an idle finger of a hand is spared, and what it still gets
-// (core/METHOD.md#model-only-what-a-scene-needs, "model only what a scene needs").
+// (core/METHOD.md#model-only-what-a-scene-needs).
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -42,8 +42,8 @@ double dot(Complex a, Complex b) {
   return a.real() * b.real() + a.imag() * b.imag();
 }
 
-/// Is (q1, q2) in reach? core/METHOD.md#finger-linkage's loop equations by a scan: rod 1 gives l
-/// for each angle t of the body link, rod 2's residual is followed over t and its roots bisected.
+/// Is (q1, q2) in reach? The loop equations of core/METHOD.md#finger-linkage by a scan: rod 1 gives
+/// l for each angle t of the body link, rod 2's residual is followed over t and its roots bisected.
 /// No closed form.
 bool reachable(double q1, double q2) {
   const core::FingerDimensions dim;

@@ -5,7 +5,7 @@
 
 namespace haptic::test {
 
-/// The exoskeleton of METHOD's dimensions.
+/// The exoskeleton with the dimensions of core/METHOD.md#finger-linkage.
 inline std::shared_ptr<const core::Kinematics> one_finger() {
   static const std::shared_ptr<const core::Kinematics> kFinger = core::make_finger_exoskeleton({});
   return kFinger;

@@ -14,7 +14,7 @@ using core::RendererKind;
 constexpr RendererKind kAll[] = {RendererKind::kStandard, RendererKind::kNullSpace,
                                  RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact};
 
-/// Stops and stiffnesses of core/METHOD.md#forces-at-the-finger's four rows, and both joints at
+/// Stops and stiffnesses of the table in core/METHOD.md#forces-at-the-finger, and both joints at
 /// 6000 N/m.
 struct Row {
   Eigen::Vector2d stop;
@@ -52,7 +52,7 @@ TEST(Press, EndsWhereMethod24SaysForEveryRendererUnguarded) {
     int row;
     double mcp, pip, force;
   };
-  // core/METHOD.md#forces-at-the-finger's table, null-space and (8): the rows without a runaway.
+  // The table of core/METHOD.md#forces-at-the-finger, null-space and (8): the rows without a runaway.
   const End ends[] = {{RendererKind::kNullSpace, 0, 47.7, 45.5, -4.0},
                       {RendererKind::kSubspaceLinear, 0, 47.4, 44.8, -4.6},
                       {RendererKind::kSubspaceExact, 0, 50.8, 51.7, +1.6},
@@ -112,7 +112,7 @@ TEST(Press, APlainPressIsNotThrottledByAnEmptyTankAndFeelsTheSame) {
   }
 }
 
-/// core/METHOD.md#forces-at-the-finger's 24 runs.
+/// The 24 runs of core/METHOD.md#forces-at-the-finger.
 template <typename Visit>
 void over_method_24(Visit visit) {
   for (const Eigen::Vector2d& target :

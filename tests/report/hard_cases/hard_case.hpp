@@ -1,6 +1,6 @@
 #pragma once
 /// core/METHOD.md#hard-cases: the cases every implementation should pass.
-/// Each adds one outcome; expected values come from METHOD or from algebra written out here.
+/// Each adds one outcome; expected values come from that page or from algebra written out here.
 
 #include <string>
 #include <string_view>

@@ -31,7 +31,7 @@ core::ProjectionModel with_prior(const FunctionMap& map, double mu) {
   return {map, settings};
 }
 
-/// Net work of tau_a around METHOD's circle in the plane of q_i and q_j, relative to the sum of its
+/// Net work of tau_a around the circle in the plane of q_i and q_j, relative to the sum of its
 /// parts' amounts. `q_star(q, first)`.
 template <typename Anchor>
 double loop_work(const int (&plane)[2], Anchor q_star) {
@@ -111,7 +111,7 @@ bool refused(const core::ProjectionModel& model) {
   return false;
 }
 
-/// core/METHOD.md#larger-devices's hand over random poses: condition of J, and how far Eq. (8) goes
+/// The hand of core/METHOD.md#larger-devices over random poses: condition of J, and how far Eq. (8) goes
 /// on 3 mm of noise.
 struct Hand {
   double median_condition{0.0};
@@ -154,7 +154,7 @@ void hand_known_by_points(Outcomes& out) {
   constexpr int kPoses = 300;
   const FunctionMap two = core::samples::hand(2);  // n = 14
   core::ProjectionSettings settings;
-  VecQ M_n(12);  // core/METHOD.md#larger-devices's weights: 0.1 per m of the wrist, 5 mm per rad
+  VecQ M_n(12);  // weights of core/METHOD.md#larger-devices: 0.1 per m of the wrist, 5 mm per rad
                  // elsewhere
   M_n << VecQ::Constant(3, 400.0), VecQ::Ones(9);
   settings.prior = core::Prior{2.5e-5, M_n};

@@ -167,7 +167,7 @@ void anisotropic_stiffness(Outcomes& out) {
     const Range euclidean = felt(pinv * J, Z_q);
     got += said(" %.2g", euclidean.smallest);
     passed = passed && std::abs(euclidean.smallest - kEuclidean[i]) <=
-                           0.06 * std::abs(kEuclidean[i]);  // METHOD prints two digits
+                           0.06 * std::abs(kEuclidean[i]);  // two digits are published
     MatrixXd projector(4, 4);
     core::LeastSquares solver(2, {true, true, false, false});
     for (int k = 0; k < 4; ++k) {

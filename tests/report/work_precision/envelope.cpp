@@ -19,7 +19,7 @@ using core::VecX;
 constexpr int kSamples = 400;
 constexpr int kPoses = 240;
 
-/// core/METHOD.md#forces-at-the-finger's corner: the MCP stopped at 18 degrees, the PIP free and
+/// The corner of core/METHOD.md#forces-at-the-finger: the MCP stopped at 18 degrees, the PIP free and
 /// far, where (6) alone pulls into the stop.
 Study pressed_at_the_mcp() {
   Study study{"finger", "m", core::make_finger_exoskeleton({})};

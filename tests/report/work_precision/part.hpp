@@ -26,8 +26,8 @@ struct PartFigure {
 /// What the tank's booking adds to a tick under Eq. (1) and (4): how stiff its spring is, by the
 /// trace, against the largest eigenvalue (core/METHOD.md#energy-tank); finger, and hand of five.
 [[nodiscard]] std::vector<PartFigure> tank_figures();
-/// The chord of a rotation that X uses, and core/METHOD.md#metric-and-limits's 2 sin(theta/2),
-/// against the logarithm: error is what they are short of the angle, relative.
+/// The chord of a rotation that X uses and the chord 2 sin(theta/2)
+/// (core/METHOD.md#metric-and-limits), against the logarithm: error is what they are short of the angle, relative.
 [[nodiscard]] std::vector<PartFigure> rotation_figures();
 
 }  // namespace haptic::report

@@ -1,4 +1,4 @@
-// metric { W } of scene.proto: core/METHOD.md#metric-and-limits's metric as a whole matrix.
+// metric { W } of scene.proto: the metric of core/METHOD.md#metric-and-limits as a whole matrix.
 #include <Eigen/Core>
 
 #include "tests/server/scene/scene_run.hpp"

@@ -1,5 +1,5 @@
-// impedance { stiffness_matrix } of scene.proto: core/METHOD.md#actuator-limits's coupled Z_q, from
-// the text to the force.
+// impedance { stiffness_matrix } of scene.proto: the coupled Z_q of core/METHOD.md#actuator-limits,
+// from the text to the force.
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>

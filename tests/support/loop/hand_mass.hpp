@@ -1,5 +1,5 @@
 #pragma once
-/// core/METHOD.md#local-models's one-DoF experiment: a mass with viscous damping, moved by a hand
+/// The one-DoF experiment of core/METHOD.md#local-models: a mass with viscous damping, moved by a hand
 /// through a spring and a damper. Damping of the device is implicit, hence never gives energy.
 
 #include <algorithm>

@@ -16,7 +16,7 @@ namespace haptic::test {
 /// (core/METHOD.md#local-models).
 [[nodiscard]] LocalLaw extrapolated();
 
-/// core/METHOD.md#local-models's rejected form, conservative in the metric of Q:
+/// The form that core/METHOD.md#local-models rejects, conservative in the metric of Q:
 ///   q* = argmin 1/2 Z_q (q*_a - q_a)^2 + 1/2 M_n (q*_n - q_n^ref)^2   s.t. f(q*) <= stop
 /// with q_n^ref held per sample and q_a live; the proxy is f(q*), so that the exact method renders
 /// just tau_a = Z_q (q*_a - q_a). For a finger: n_q = n_x = 2, one of them actuated, an inverse.

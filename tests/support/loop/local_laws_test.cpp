@@ -45,7 +45,7 @@ TEST(LocalLaw, ExtrapolationGoesOnForOnePeriodAtMost) {
   EXPECT_EQ(extrapolated()({first, first, 0.1, now, now}), first.x) << "one sample has no rate";
 }
 
-/// core/METHOD.md#local-models's rejected form for the finger, of the deviation in q_a.
+/// The form that core/METHOD.md#local-models rejects, for the finger, of the deviation in q_a.
 struct Finger {
   std::shared_ptr<const core::Kinematics> map = core::make_finger_exoskeleton({});
   VecX stop = two(0.3, kNone);

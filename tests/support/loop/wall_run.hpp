@@ -1,5 +1,5 @@
 #pragma once
-/// core/METHOD.md#local-models's one-DoF experiment on the real Pipeline: a mass that a hand
+/// The one-DoF experiment of core/METHOD.md#local-models on the real Pipeline: a mass that a hand
 /// presses on a wall, or moves in and out of it, with the simulation of the wall behind a network.
 
 #include "haptic/core/passivity/passivity.hpp"

@@ -117,8 +117,8 @@ TEST(AtTheFinger, GuardedForceNeverPointsAwayFromTheProxyNorDeepensThePenetratio
   }
 }
 
-/// core/METHOD.md#forces-at-the-finger's end states, for the default renderer: (8).
-TEST(AtTheFinger, TheLinearisedMethodEndsWhereMethod24Says) {
+/// The end states of core/METHOD.md#forces-at-the-finger, for the default renderer: (8).
+TEST(AtTheFinger, TheLinearisedMethodEndsAsPublished) {
   struct End {
     Row row;
     double mcp, pip, force;

@@ -6,8 +6,8 @@
 /// sign x/|x| - x_probe with the sign that makes it the shorter one (x and -x are one rotation).
 /// That is a chord of the unit sphere: twice its length is 4 sin(theta/4), 0.3 % short of the angle
 /// at 0.5 rad and 1.0 % at 1 rad, smooth up to theta = pi, and its derivative is exactly -J, so
-/// no Jacobian of a logarithm enters (core/METHOD.md#metric-and-limits's 2 sin(theta/2) is 4 %
-/// short at 1 rad, flat at pi).
+/// no Jacobian of a logarithm enters (the chord 2 sin(theta/2) would be 4 % short at
+/// 1 rad and flat at pi; core/METHOD.md#metric-and-limits).
 
 #include <string>
 #include <vector>

@@ -40,7 +40,7 @@ struct DofSpec {
 [[nodiscard]] DofLayout layout_of(const std::vector<DofSpec>& dofs);
 
 /// A limit that a mechanism has beside the box (a slider's end), on two DoFs that follow each
-/// other: it holds while room >= 0. In any unit, METHOD's of the limit.
+/// other: it holds while room >= 0. `room` may have any unit.
 struct PairLimit {
   double room{0.0};
   double slope[2]{};  ///< d room / dq; 0 where the limit is out of a step's reach

@@ -6,8 +6,9 @@
 /// whatever the client, the renderer, the rate and the delay. A level below 0 comes only from what
 /// the tank cannot refuse: the hold's leak on a device whose damping is unknown or too small (K T/2
 /// > b, core/METHOD.md#sampled-data), and a limited or late force. The spring then pays at once,
-/// out of what it stores; debt is what even the whole spring could not pay. (METHOD keeps the
-/// spring and only refuses more; measured, that lets a stiff one give a hundred times as much.)
+/// out of what it stores; debt is what even the whole spring could not pay. (To keep
+/// the spring and only refuse more would let a stiff one give a hundred times as much, as
+/// measured.)
 
 #include "haptic/core/passivity/spring_storage.hpp"
 #include "haptic/core/types.hpp"

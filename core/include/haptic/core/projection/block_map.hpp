@@ -1,6 +1,6 @@
 #pragma once
 /// f and J of the device at one tick, as far as they are asked for
-/// (core/METHOD.md#model-only-what-a-scene-needs, "model only what a scene needs"): block by block
+/// (core/METHOD.md#model-only-what-a-scene-needs): block by block
 /// where the map falls into blocks (the fingers of a hand). A finger that nothing can hold in this
 /// tick is left out; one at rest is not evaluated again; one that nothing does hold is asked for f
 /// alone, without J. What is evaluated is the same to the bit as by Kinematics::evaluate of the

@@ -1,7 +1,7 @@
 #pragma once
 /// A renderer for every independent block of a map (the fingers of a hand), behind the call of one:
 /// a block is projected by itself, and in Eq. (6) not at all while its part of the proxy stays
-/// (core/METHOD.md#model-only-what-a-scene-needs, "model only what a scene needs"). A map without
+/// (core/METHOD.md#model-only-what-a-scene-needs). A map without
 /// blocks is one block, and so is one whose metric W_x weighs coordinates of different blocks
 /// together.
 ///
@@ -35,9 +35,10 @@ class BlockRenderer {
   /// What the energy tank's spring is made of (core/METHOD.md#energy-tank), n_a: how many times Z_q
   /// the displayed stiffness can be at this pose with the proxy held, at least 1. Eq. (6) and (8)
   /// display Z_q, 1. Eq. (1) displays J_a^T Z_x J_a on its actuators (Eq. (2)) and Eq. (4) at most
-  /// that, which their single scale of Z_x lets be several times Z_q: METHOD's 1/2 tau^T Z_q^{-1}
-  /// tau then books more than anybody put in. Of several actuators in a block the trace of Z_q^{-1}
-  /// J_a^T Z_x J_a stands for its largest eigenvalue. Idle blocks: 1. Never allocates.
+  /// that, which their single scale of Z_x lets be several times Z_q: the energy
+  /// 1/2 tau^T Z_q^{-1} tau of a spring Z_q would be more than the user put in. If a block has
+  /// several actuators the trace of Z_q^{-1} J_a^T Z_x J_a stands for its largest eigenvalue. Idle
+  /// blocks: 1. Never allocates.
   void displayed_bound(const Probe& probe, const VecX& dx, const VecA& stiffness,
                        VecA& ratio) const noexcept;
   /// Forgets warm starts and cached solutions.

@@ -86,8 +86,8 @@ class ProjectionModel {
 void check_coupling(const Kinematics& kinematics, const StiffnessCoupling& coupling);
 
 /// Above this, in half of the poses of the box, a scene needs a prior: errors of x are amplified a
-/// hundredfold. Measured medians: core/METHOD.md#larger-devices's hand known by three points per
-/// finger 264 with two fingers, 19 with three, 11 with four; finger exoskeleton 3.
+/// hundredfold. Measured medians: the hand of core/METHOD.md#larger-devices, known by three points
+/// per finger, 264 with two fingers, 19 with three, 11 with four; finger exoskeleton 3.
 inline constexpr double kWellConditioned = 100.0;
 
 /// Throws SceneError where the scene needs a prior and has none: the condition of J, weighed and

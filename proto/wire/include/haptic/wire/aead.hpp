@@ -55,7 +55,7 @@ class Opener {
  public:
   Opener(std::uint32_t path_id, const DirectionKey& key);
 
-  /// proto/README.md#the-udp-path from the window on: window, tag, commit. `header` is
+  /// The checks from the replay window on (proto/README.md#receiving): window, tag, commit. `header` is
   /// read_header()'s, of this datagram; `payload` has room for kLargestPayload bytes, and is
   /// garbage after a rejection.
   [[nodiscard]] Opened open(const Header& header, ConstBytes datagram, Bytes payload) noexcept;

@@ -44,8 +44,8 @@ class PathEnd {
   /// Client: begins to probe the server's address.
   void start(const PeerAddress& server, TimePoint now) { machine_.start(server, now); }
 
-  /// A datagram that came at `arrival`, on this end's steady clock; all of
-  /// proto/README.md#the-udp-path's checks but those of the message. A challenge is answered to
+  /// A datagram that came at `arrival`, on this end's steady clock. Makes all
+  /// checks but those of the message (proto/README.md#receiving). A challenge is answered to
   /// `from`; nothing else ever is.
   [[nodiscard]] Received receive(ConstBytes datagram, const PeerAddress& from, TimePoint arrival);
   /// The message of a datagram was none, although the tag was right.

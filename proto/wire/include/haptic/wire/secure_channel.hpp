@@ -33,7 +33,7 @@ class SecureChannel {
 
   /// As Sealer::seal.
   [[nodiscard]] std::size_t seal(DatagramType type, ConstBytes payload, Bytes out) noexcept;
-  /// All of proto/README.md#the-udp-path's checks up to the commit of the window.
+  /// All checks of a datagram (proto/README.md#receiving), up to the commit of the window.
   [[nodiscard]] Opened open(ConstBytes datagram, Bytes payload, TimePoint now) noexcept;
 
   [[nodiscard]] bool wants_rekey(TimePoint now) const noexcept;

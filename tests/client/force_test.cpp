@@ -1,6 +1,5 @@
-/// Asking for force, giving it up, losing it; losing the server.
-
-#include <gtest/gtest.h>
+/// Asking for force, giving it up, losing it; losing the server. When the background asks, and when
+/// another stream is opened, is tested in rules/.
 
 #include <atomic>
 #include <thread>
@@ -14,6 +13,7 @@ namespace {
 using client::ClientError;
 using client::Connection;
 using client::ErrorReason;
+using client::Lifecycle;
 using std::chrono::milliseconds;
 
 /// Longer than any of the client's retries: what did not happen by then does not happen.
@@ -22,293 +22,211 @@ constexpr milliseconds kLongEnough{600};
 grpc::Status not_yet(const std::string& reason) {
   return refusal(grpc::StatusCode::FAILED_PRECONDITION, reason, "not good enough yet");
 }
+const grpc::Status kNoLease =
+    refusal(grpc::StatusCode::PERMISSION_DENIED, "NOT_CONTROLLER", "the lease is over");
 
-client::SessionOptions re_engaging(client::Reconnect reconnect) {
+client::SessionOptions with(client::Reconnect reconnect, bool re_engage = false) {
   client::SessionOptions options;
   options.reconnect = reconnect;
-  options.re_engage = true;
+  options.re_engage = re_engage;
   return options;
 }
+constexpr auto kNever = client::Reconnect::kNever;
+constexpr auto kWithBackoff = client::Reconnect::kWithBackoff;
 
-TEST(Engage, OnceThrowsWhatTheServerMisses) {
-  FakeServer server;
-  const auto session = Connection(server.address()).open({});
-  server.answer_engage(not_yet("STREAM_TOO_YOUNG"));
-  try {
-    session->engage();
-    FAIL() << "a refusal must throw";
-  } catch (const ClientError& error) {
-    EXPECT_EQ(error.reason(), ErrorReason::kNotReady);
-    EXPECT_EQ(error.server_reason(), "STREAM_TOO_YOUNG");
+/// A server and, once open() was called, a session with it.
+class ClientForce : public testing::Test {
+ protected:
+  void open(client::SessionOptions wanted) {
+    wanted.on_event = [this](const client::Event&) { ++events; };
+    session = Connection(server.address()).open(std::move(wanted));
   }
+  void open_and_engage(client::SessionOptions wanted) {
+    open(std::move(wanted));
+    session->engage_when_ready();
+    ASSERT_TRUE(asked(1));
+    server.send_state(1, v1::DEVICE_STATE_NAME_ENGAGED);
+    ASSERT_TRUE(server.until([&] { return session->state().state == Lifecycle::kEngaged; }));
+  }
+  [[nodiscard]] bool asked(std::size_t times, milliseconds patience = std::chrono::seconds(20)) {
+    return server.until([&] { return server.heard().engages >= times; }, patience);
+  }
+  [[nodiscard]] bool opened_again() {
+    return server.until([&] { return session->connected() && session->lease_epoch() == 2; });
+  }
+
+  FakeServer server;
+  std::atomic<int> events{0};
+  std::unique_ptr<client::Session> session;
+};
+
+TEST_F(ClientForce, EngageThrowsWhatIsMissing) {
+  open({});
+  server.answer_engage(not_yet("STREAM_TOO_YOUNG"));
+  const ClientError error = error_of([&] { return session->engage(), 0; });
+  EXPECT_EQ(error.reason(), ErrorReason::kNotReady);
+  EXPECT_EQ(error.server_reason(), "STREAM_TOO_YOUNG");
   session->engage();  // the script is empty: agreed
-  EXPECT_EQ(server.engages(), 2U);
+  EXPECT_EQ(server.heard().engages, 2U);
 }
 
-TEST(Engage, WhenReadyAsksUntilTheServerAgreesAndThenNoMore) {
-  FakeServer server;
-  const char* const curable[] = {"NOT_ARMED",    "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES",
-                                 "STREAM_STALE", "DEVICE_STALE",     "OUTSIDE_WINDOW"};
-  for (const char* reason : curable) server.answer_engage(not_yet(reason));
-  const auto session = Connection(server.address()).open({});
+TEST_F(ClientForce, IsAskedForUntilTheServerAgrees) {
+  for (const char* reason : {"NOT_ARMED", "STREAM_STALE"}) server.answer_engage(not_yet(reason));
+  open({});
   session->engage_when_ready();
-  ASSERT_TRUE(server.until([&] { return server.engages() == std::size(curable) + 1; }));
-  EXPECT_EQ(server.engage_answers_left(), 0U);
-  EXPECT_FALSE(server.until([&] { return server.engages() > std::size(curable) + 1; }, kLongEnough))
-      << "asked again after the server had agreed";
+  ASSERT_TRUE(asked(3));
+  EXPECT_FALSE(asked(4, kLongEnough)) << "asked again after the server had agreed";
 }
 
-TEST(Engage, WhenReadyStopsAtARefusalThatTimeCannotCure) {
-  FakeServer server;
-  server.answer_engage(refusal(grpc::StatusCode::PERMISSION_DENIED, "NOT_CONTROLLER", "observer"));
-  const auto session = Connection(server.address()).open({});
-  session->engage_when_ready();
-  ASSERT_TRUE(server.until([&] { return server.engages() == 1; }));
-  EXPECT_FALSE(server.until([&] { return server.engages() > 1; }, kLongEnough));
-}
-
-TEST(Engage, ReleaseEndsTheAsking) {
-  FakeServer server;
-  for (int i = 0; i < 1000; ++i) server.answer_engage(not_yet("STREAM_TOO_YOUNG"));
-  const auto session = Connection(server.address()).open({});
-  session->engage_when_ready();
-  ASSERT_TRUE(server.until([&] { return server.engages() >= 2; }));
-  session->release();
-  EXPECT_EQ(server.releases(), 1U);
-  const std::size_t asked = server.engages();
-  EXPECT_FALSE(server.until([&] { return server.engages() > asked; }, kLongEnough));
-}
-
-TEST(Engage, ReleaseIsSaidAfterTheAnswerToAnEngageUnderWay) {
-  FakeServer server;
+TEST_F(ClientForce, ReleaseFollowsAnEngageUnderWay) {
   server.hold_engage(true);
-  const auto session = Connection(server.address()).open({});
+  open({});
   session->engage_when_ready();
-  ASSERT_TRUE(server.until([&] { return server.engages() == 1; }));
+  ASSERT_TRUE(asked(1));
   std::thread releasing([&] { session->release(); });
-  EXPECT_FALSE(server.until([&] { return server.releases() > 0; }, milliseconds(100)))
+  EXPECT_FALSE(server.until([&] { return server.heard().releases > 0; }, milliseconds(100)))
       << "the server could engage after it was told to release";
   server.hold_engage(false);
   releasing.join();
-  EXPECT_EQ(server.releases(), 1U);
+  EXPECT_EQ(server.heard().releases, 1U);
 }
 
-TEST(ReEngage, AsksAgainAfterForceWasLost) {
-  FakeServer server;
-  const auto session = Connection(server.address()).open(re_engaging(client::Reconnect::kNever));
-  session->engage_when_ready();
-  ASSERT_TRUE(server.until([&] { return server.engages() == 1; }));
-  server.send_state(1, v1::DEVICE_STATE_NAME_ENGAGED);
-  ASSERT_TRUE(server.until([&] { return session->state().state == client::Lifecycle::kEngaged; }));
+TEST_F(ClientForce, ReEngageAsksAgainAfterALoss) {
+  open_and_engage(with(kNever, true));
   server.send_event(v1::Event::KIND_LOST, "LOST");
   server.send_state(2, v1::DEVICE_STATE_NAME_ARMED);
-  EXPECT_TRUE(server.until([&] { return server.engages() >= 2; }));
+  EXPECT_TRUE(asked(2));
 }
 
-TEST(ReEngage, ForceStaysAwayAfterALossWhereNobodyAskedForIt) {
-  FakeServer server;
-  const auto session = Connection(server.address()).open({});
+TEST_F(ClientForce, ALossEndsAnAskingWithoutReEngage) {
+  server.hold_engage(true);
+  open({});
   session->engage_when_ready();
-  ASSERT_TRUE(server.until([&] { return server.engages() == 1; }));
-  server.send_state(1, v1::DEVICE_STATE_NAME_ENGAGED);
+  ASSERT_TRUE(asked(1));
   server.send_event(v1::Event::KIND_LOST, "LOST");
-  server.send_state(2, v1::DEVICE_STATE_NAME_ARMED);
-  EXPECT_FALSE(server.until([&] { return server.engages() > 1; }, kLongEnough));
+  EXPECT_TRUE(server.until([&] { return session->engage_refusal().has_value(); }));
 }
 
-TEST(ReEngage, AFaultIsNoLossThatForceReturnsFromByItself) {
-  FakeServer server;
-  const auto session =
-      Connection(server.address()).open(re_engaging(client::Reconnect::kWithBackoff));
-  session->engage_when_ready();
-  ASSERT_TRUE(server.until([&] { return server.engages() == 1; }));
-  server.send_state(1, v1::DEVICE_STATE_NAME_ENGAGED);
-  ASSERT_TRUE(server.until([&] { return session->state().state == client::Lifecycle::kEngaged; }));
-  // Somebody hit the emergency stop; later somebody else clears it.
+TEST_F(ClientForce, AFaultEndsReEngageUntilTheUserAsks) {
+  open_and_engage(with(kWithBackoff, true));
+  // Somebody hits the emergency stop; later somebody else clears it.
   server.send_event(v1::Event::KIND_FAULT, "EMERGENCY_STOP");
   server.send_state(2, v1::DEVICE_STATE_NAME_FAULT);
   server.send_event(v1::Event::KIND_FAULT_CLEARED, "EMERGENCY_STOP");
   server.send_state(3, v1::DEVICE_STATE_NAME_ARMED);
   ASSERT_TRUE(server.until([&] { return session->state().seq == 3; }));
-  EXPECT_FALSE(server.until([&] { return server.engages() > 1; }, kLongEnough))
-      << "clearing a fault must not bring force back";
-  session->engage_when_ready();  // asked anew, by the user
-  EXPECT_TRUE(server.until([&] { return server.engages() == 2; }));
+  EXPECT_FALSE(asked(2, kLongEnough)) << "clearing a fault must not bring force back";
+  session->engage_when_ready();
+  EXPECT_TRUE(asked(2));
 }
 
-TEST(ServerDies, WithoutReconnectTheSessionEndsAndSaysSo) {
-  FakeServer server;
-  std::atomic<int> ends{0};
-  std::atomic<bool> retry{true};
-  client::SessionOptions options;
-  options.on_disconnect = [&](const ClientError&, bool will_retry) {
-    retry = will_retry;
-    ++ends;
-  };
-  const auto session = Connection(server.address()).open(options);
+TEST_F(ClientForce, WithoutReconnectTheEndIsFinal) {
+  std::atomic<int> ends{0}, retries{0};
+  client::SessionOptions wanted;
+  wanted.on_disconnect = [&](const ClientError&, bool retry) { retry ? ++retries : ++ends; };
+  open(wanted);
   server.die();
   ASSERT_TRUE(server.until([&] { return ends == 1; }));
-  EXPECT_FALSE(retry);
+  EXPECT_EQ(retries, 0);
   EXPECT_FALSE(session->connected());
-  session->publish(client::Proxy::free());  // goes nowhere, harms nobody
-  try {
-    static_cast<void>(session->wait_for_state());
-    FAIL() << "there is no state to come";
-  } catch (const ClientError& error) {
-    EXPECT_EQ(error.reason(), ErrorReason::kClosed);
-  }
-  try {
-    session->engage();
-    FAIL() << "there is nobody to ask";
-  } catch (const ClientError& error) {
-    EXPECT_EQ(error.reason(), ErrorReason::kClosed);
-  }
+  session->publish(client::Proxy::free());  // goes nowhere
+  EXPECT_EQ(error_of([&] { return session->wait_for_state(); }).reason(), ErrorReason::kClosed);
+  EXPECT_EQ(error_of([&] { return session->engage(), 0; }).reason(), ErrorReason::kClosed);
 }
 
-TEST(ServerDies, WithBackoffTheSessionComesBackAndItsStatesBeginAnew) {
-  FakeServer server;
-  std::atomic<bool> retry{false};
-  client::SessionOptions options;
-  options.reconnect = client::Reconnect::kWithBackoff;
-  options.on_disconnect = [&](const ClientError&, bool will_retry) { retry = will_retry; };
-  const auto session = Connection(server.address()).open(options);
+TEST_F(ClientForce, AReopenedSessionCountsOnAndItsStatesAnew) {
+  open(with(kWithBackoff));
   server.send_state(100);
   ASSERT_EQ(session->wait_for_state().seq, 100U);
   session->publish(client::Proxy::free());
-  ASSERT_TRUE(server.until([&] { return server.samples().size() == 1; }));
+  ASSERT_TRUE(server.until([&] { return server.heard().samples.size() == 1; }));
   v1::SessionResponse ack;
   ack.mutable_ack()->set_accepted(5);
   server.send(ack);
   ASSERT_TRUE(server.until([&] { return session->statistics().accepted == 5; }));
   server.die();
-  ASSERT_TRUE(server.until([&] { return retry.load(); }));
+  ASSERT_TRUE(server.until([&] { return !session->connected(); }));
   server.revive();
-  ASSERT_TRUE(server.until([&] { return session->connected(); }));
-  EXPECT_EQ(session->lease_epoch(), 2U);
+  ASSERT_TRUE(opened_again());
   server.send_state(1);  // a new server counts its ticks from the beginning
   EXPECT_EQ(session->wait_for_state().seq, 1U);
   session->publish(client::Proxy::free());
-  ASSERT_TRUE(server.until([&] { return server.samples().size() == 2; }));
-  EXPECT_GT(server.samples()[1].seq(), server.samples()[0].seq());
-  EXPECT_EQ(server.samples()[1].device_seq_used(), 1U);
+  ASSERT_TRUE(server.until([&] { return server.heard().samples.size() == 2; }));
+  const auto samples = server.heard().samples;
+  EXPECT_GT(samples[1].seq(), samples[0].seq());
+  EXPECT_EQ(samples[1].device_seq_used(), 1U);
   ack.mutable_ack()->set_accepted(2);  // the server counts per stream, the session all of them
   server.send(ack);
   EXPECT_TRUE(server.until([&] { return session->statistics().accepted == 7; }));
 }
 
-TEST(ServerDies, ARefusalThatNoWaitingCuresEndsTheTrying) {
-  FakeServer server;
+TEST_F(ClientForce, AHopelessRefusalEndsTheTrying) {
   std::atomic<int> losses{0}, ends{0};
-  client::SessionOptions options;
-  options.reconnect = client::Reconnect::kWithBackoff;
-  options.on_disconnect = [&](const ClientError& error, bool will_retry) {
+  client::SessionOptions wanted = with(kWithBackoff);
+  wanted.on_disconnect = [&](const ClientError& error, bool will_retry) {
     will_retry ? ++losses : ++ends;
-    if (!will_retry) {
-      EXPECT_EQ(error.reason(), ErrorReason::kNoSuchDevice);
-    }
+    EXPECT_TRUE(will_retry || error.reason() == ErrorReason::kNoSuchDevice);
   };
-  const auto session = Connection(server.address()).open(options);
+  open(wanted);
   server.refuse_opening(refusal(grpc::StatusCode::NOT_FOUND, "NO_SUCH_DEVICE", "another scene"));
   server.end_session({grpc::StatusCode::UNAVAILABLE, "restarts"});
   ASSERT_TRUE(server.until([&] { return ends == 1; }));
   EXPECT_EQ(losses, 1);
-  EXPECT_FALSE(server.until([&] { return server.openings().size() > 2; }, kLongEnough));
-  try {
-    static_cast<void>(session->wait_for_state());
-    FAIL() << "there is no state to come";
-  } catch (const ClientError& error) {
-    EXPECT_EQ(error.reason(), ErrorReason::kClosed);
-  }
+  EXPECT_EQ(server.heard().openings.size(), 2U);
+  EXPECT_EQ(error_of([&] { return session->wait_for_state(); }).reason(), ErrorReason::kClosed);
 }
 
-TEST(LeaseExpired, TheNextSampleOpensTheSessionAnewWhereItReconnects) {
-  FakeServer server;
-  client::SessionOptions options;
-  options.reconnect = client::Reconnect::kWithBackoff;
-  std::atomic<bool> told{false};
-  options.on_event = [&](const client::Event&) { told = true; };
-  const auto session = Connection(server.address()).open(options);
+TEST_F(ClientForce, AfterItsLeaseTheNextSampleReopens) {
+  open(with(kWithBackoff));
   server.send_event(v1::Event::KIND_LEASE_EXPIRED, "LEASE_EXPIRED");
-  ASSERT_TRUE(server.until([&] { return told.load(); }));
-  EXPECT_FALSE(server.until([&] { return server.openings().size() > 1; }, milliseconds(300)))
+  ASSERT_TRUE(server.until([&] { return events == 1; }));
+  EXPECT_FALSE(server.until([&] { return server.heard().openings.size() > 1; }, milliseconds(300)))
       << "a silent client took the device back";
   session->publish(client::Proxy::free());
-  ASSERT_TRUE(server.until([&] { return session->connected() && session->lease_epoch() == 2; }));
+  ASSERT_TRUE(opened_again());
   session->publish(client::Proxy::free());
-  EXPECT_TRUE(server.until([&] { return !server.samples().empty(); }));
+  EXPECT_TRUE(server.until([&] { return !server.heard().samples.empty(); }));
 }
 
-TEST(LeaseExpired, OfAPredecessorIsNotTakenForOnesOwn) {
-  FakeServer server;
-  client::SessionOptions options;
-  options.reconnect = client::Reconnect::kWithBackoff;
-  std::atomic<bool> told{false};
-  options.on_event = [&](const client::Event&) { told = true; };
-  const auto session = Connection(server.address()).open(options);
+TEST_F(ClientForce, AnEarlierLeaseIsNotOnesOwn) {
+  open(with(kWithBackoff));
   server.send_event(v1::Event::KIND_LEASE_EXPIRED, "LEASE_EXPIRED", 7);
-  ASSERT_TRUE(server.until([&] { return told.load(); }));
+  ASSERT_TRUE(server.until([&] { return events == 1; }));
   session->publish(client::Proxy::free());
-  EXPECT_TRUE(server.until([&] { return !server.samples().empty(); }));
-  EXPECT_EQ(server.openings().size(), 1U);
+  EXPECT_TRUE(server.until([&] { return !server.heard().samples.empty(); }));
+  EXPECT_EQ(server.heard().openings.size(), 1U);
 }
 
 /// A client that was paused hears of the loss, asks for force at once, and is refused: its lease is
-/// over, which it hears only now. The next sample takes the device up again, force included.
-TEST(LeaseExpired, ForceIsAskedForAgainUnderTheNextLeaseAlthoughTheOldSessionWasRefused) {
-  FakeServer server;
-  client::SessionOptions options = re_engaging(client::Reconnect::kWithBackoff);
-  std::atomic<bool> told{false};
-  options.on_event = [&](const client::Event&) { told = true; };
-  const auto session = Connection(server.address()).open(options);
-  session->engage_when_ready();
-  ASSERT_TRUE(server.until([&] { return server.engages() == 1; }));
-  server.send_state(1, v1::DEVICE_STATE_NAME_ENGAGED);
-  ASSERT_TRUE(server.until([&] { return session->state().seq == 1; }));
-  server.answer_engage(
-      refusal(grpc::StatusCode::PERMISSION_DENIED, "NOT_CONTROLLER", "the lease is over"));
+/// over, which it hears only then. The next sample takes the device up again, force included.
+TEST_F(ClientForce, IsAskedForUnderTheNextLease) {
+  open_and_engage(with(kWithBackoff, true));
+  server.answer_engage(kNoLease);
   server.send_state(2, v1::DEVICE_STATE_NAME_ARMED);
-  ASSERT_TRUE(server.until([&] { return server.engages() >= 2; }));
+  ASSERT_TRUE(asked(2));
   server.send_event(v1::Event::KIND_LEASE_EXPIRED, "LEASE_EXPIRED");
-  ASSERT_TRUE(server.until([&] { return told.load(); }));
-  const std::size_t asked = server.engages() + 1;  // one may be under way
-  EXPECT_FALSE(server.until([&] { return server.engages() > asked; }, kLongEnough))
-      << "asked for force without a lease";
+  ASSERT_TRUE(server.until([&] { return events == 1; }));
+  const std::size_t so_far = server.heard().engages + 1;  // one may be under way
+  EXPECT_FALSE(asked(so_far + 1, kLongEnough)) << "asked for force without a lease";
   session->publish(client::Proxy::free());
-  ASSERT_TRUE(server.until([&] { return session->connected() && session->lease_epoch() == 2; }));
-  EXPECT_TRUE(server.until([&] { return server.engages() > asked; }));
+  ASSERT_TRUE(opened_again());
+  EXPECT_TRUE(asked(so_far + 1));
 }
 
-TEST(LeaseExpired, WithoutReEngageARefusalForItEndsTheAsking) {
-  FakeServer server;
-  client::SessionOptions options;
-  options.reconnect = client::Reconnect::kWithBackoff;
-  const auto session = Connection(server.address()).open(options);
-  server.answer_engage(
-      refusal(grpc::StatusCode::PERMISSION_DENIED, "NOT_CONTROLLER", "the lease is over"));
-  session->engage_when_ready();
-  ASSERT_TRUE(server.until([&] { return server.engages() == 1; }));
-  EXPECT_FALSE(server.until([&] { return server.engages() > 1; }, kLongEnough));
-}
-
-TEST(ServerDies, ForceReturnsAfterReconnectOnlyWhereAskedFor) {
-  for (const bool wanted : {false, true}) {
-    FakeServer server;
-    client::SessionOptions options = re_engaging(client::Reconnect::kWithBackoff);
-    options.re_engage = wanted;
-    const auto session = Connection(server.address()).open(options);
-    session->engage_when_ready();
-    ASSERT_TRUE(server.until([&] { return server.engages() == 1; }));
-    server.send_state(1, v1::DEVICE_STATE_NAME_ENGAGED);
-    ASSERT_EQ(session->wait_for_state().seq, 1U);
-    server.die();
-    ASSERT_TRUE(server.until([&] { return !session->connected(); }));
-    server.revive();
-    ASSERT_TRUE(server.until([&] { return session->connected(); }));
-    if (wanted) {
-      EXPECT_TRUE(server.until([&] { return server.engages() == 2; }));
-    } else {
-      EXPECT_FALSE(server.until([&] { return server.engages() > 1; }, kLongEnough));
-    }
+TEST_F(ClientForce, ReturnsAfterReconnectOnlyIfAskedFor) {
+  for (const bool re_engage : {false, true}) {
+    FakeServer other;
+    const auto reopened = Connection(other.address()).open(with(kWithBackoff, re_engage));
+    reopened->engage_when_ready();
+    ASSERT_TRUE(other.until([&] { return other.heard().engages == 1; }));
+    other.send_state(1, v1::DEVICE_STATE_NAME_ENGAGED);
+    ASSERT_EQ(reopened->wait_for_state().seq, 1U);
+    other.die();
+    ASSERT_TRUE(other.until([&] { return !reopened->connected(); }));
+    other.revive();
+    ASSERT_TRUE(other.until([&] { return reopened->connected(); }));
+    const auto again = [&] { return other.heard().engages > 1; };
+    EXPECT_EQ(re_engage ? other.until(again) : other.until(again, kLongEnough), re_engage);
   }
 }
 

@@ -25,7 +25,7 @@ double at(const Plane& plane, const std::vector<double>& x) {
   return sum;
 }
 
-TEST(DerivePlanes, ThePlaneHoldsTheProxyAndLooksTowardsTheProbe) {
+TEST(DerivePlanes, TheyHoldTheProxyAndFaceTheProbe) {
   const std::vector<double> x{1.0, 2.0}, x_probe{4.0, 6.0};
   const auto planes = derive_planes(linear(2), x, x_probe);
   ASSERT_EQ(planes.size(), 1u);
@@ -35,7 +35,7 @@ TEST(DerivePlanes, ThePlaneHoldsTheProxyAndLooksTowardsTheProbe) {
   EXPECT_NEAR(at(planes[0], x_probe), 5.0, 1e-14) << "the probe is outside by its distance";
 }
 
-TEST(DerivePlanes, ABlockThatIsNotConstrainedHasNone) {
+TEST(DerivePlanes, AFreeBlockHasNone) {
   EXPECT_TRUE(derive_planes(linear(2), {1, 2}, {1, 2}).empty());
   const auto planes =
       derive_planes(linear(4), {1, 2, 3, 4}, {1, 2, 3, 5}, {Block{0, 2}, Block{2, 2}});
@@ -44,14 +44,14 @@ TEST(DerivePlanes, ABlockThatIsNotConstrainedHasNone) {
   EXPECT_EQ(planes[0].offset, 4.0);
 }
 
-TEST(DerivePlanes, AFullCircleIsTakenTheShortWayRound) {
+TEST(DerivePlanes, AnglesGoTheShortWayRound) {
   const std::vector<VirtualCoordinate> circle{{"phi", "rad", "angle"}};
   const auto planes = derive_planes(circle, {3.1}, {-3.1});
   ASSERT_EQ(planes.size(), 1u);
   EXPECT_EQ(planes[0].normal[0], 1.0) << "-3.1 lies 0.08 rad beyond 3.1";
 }
 
-TEST(DerivePlanes, AQuaternionAndItsNegativeAreOneRotation) {
+TEST(DerivePlanes, AQuaternionsSignDoesNotMatter) {
   std::vector<VirtualCoordinate> pose{{"z", "m", "linear"}};
   for (const char* part : {"x", "y", "z", "w"}) pose.push_back({part, "rad", "quaternion"});
   const std::vector<double> x{0, 0, 0, 0, 1}, turned{0, 0.6, 0, 0, 0.8},
@@ -63,7 +63,7 @@ TEST(DerivePlanes, AQuaternionAndItsNegativeAreOneRotation) {
   EXPECT_GT(a[0].normal[1], 0.9);
 }
 
-TEST(DerivePlanes, OfMoreThanSixTheDeepestStay) {
+TEST(DerivePlanes, TheSixDeepestStay) {
   std::vector<double> x(8, 0.0), x_probe(8);
   std::vector<Block> blocks;
   for (std::size_t i = 0; i < 8; ++i) {
@@ -78,7 +78,7 @@ TEST(DerivePlanes, OfMoreThanSixTheDeepestStay) {
   }
 }
 
-TEST(DerivePlanes, SizesThatDoNotFitGiveNone) {
+TEST(DerivePlanes, WrongSizesGiveNone) {
   EXPECT_TRUE(derive_planes(linear(2), {1}, {1, 2}).empty());
   EXPECT_TRUE(derive_planes(linear(2), {1, 2}, {3, 4}, {Block{1, 2}}).empty());
   EXPECT_TRUE(derive_planes(linear(2), {1, 2}, {3, 4}, {Block{5, 1}}).empty());
@@ -88,8 +88,8 @@ TEST(Publish, CarriesPlanes) {
   FakeServer server;
   const auto session = client::Connection(server.address()).open({});
   session->publish(client::Proxy::behind({{{1.0, 0.5}, 0.25}, {{0.0, 1.0}, -2.0}}, {0.1, 0.2}));
-  ASSERT_TRUE(server.until([&] { return !server.samples().empty(); }));
-  const v1::ProxySample sample = server.samples().front();
+  ASSERT_TRUE(server.until([&] { return !server.heard().samples.empty(); }));
+  const v1::ProxySample sample = server.heard().samples.front();
   EXPECT_EQ(sample.mode(), v1::PROXY_MODE_PLANES);
   ASSERT_EQ(sample.planes_size(), 2);
   EXPECT_EQ(sample.planes(0).normal(1), 0.5);
@@ -97,15 +97,15 @@ TEST(Publish, CarriesPlanes) {
   EXPECT_EQ(sample.position(1), 0.2);
 }
 
-TEST(Publish, DerivesPlanesWhereTheSimulationSendsNone) {
+TEST(Publish, DerivesPlanesFromHeldProxies) {
   FakeServer server;
   client::SessionOptions options;
   options.derive_planes = true;
   const auto session = client::Connection(server.address()).open(options);
   const std::size_t n_x = session->device().coordinates.size();
   session->publish(client::Proxy::held(std::vector<double>(n_x, 0.5)));
-  ASSERT_TRUE(server.until([&] { return !server.samples().empty(); }));
-  EXPECT_EQ(server.samples().back().mode(), v1::PROXY_MODE_HELD) << "no state, no probe";
+  ASSERT_TRUE(server.until([&] { return !server.heard().samples.empty(); }));
+  EXPECT_EQ(server.heard().samples.back().mode(), v1::PROXY_MODE_HELD) << "no state, no probe";
 
   v1::SessionResponse message;
   message.mutable_state()->set_seq(5);
@@ -114,13 +114,14 @@ TEST(Publish, DerivesPlanesWhereTheSimulationSendsNone) {
   ASSERT_EQ(session->wait_for_state().seq, 5u);
   session->publish(client::Proxy::held(std::vector<double>(n_x, 0.5)));
   ASSERT_TRUE(
-      server.until([&] { return server.samples().back().mode() == v1::PROXY_MODE_PLANES; }));
-  const v1::ProxySample sample = server.samples().back();
+      server.until([&] { return server.heard().samples.back().mode() == v1::PROXY_MODE_PLANES; }));
+  const v1::ProxySample sample = server.heard().samples.back();
   ASSERT_EQ(sample.planes_size(), 1);
   EXPECT_GT(sample.planes(0).normal(0), 0.0);
   EXPECT_EQ(sample.device_seq_used(), 5u);
   session->publish(client::Proxy::free());
-  ASSERT_TRUE(server.until([&] { return server.samples().back().mode() == v1::PROXY_MODE_FREE; }));
+  ASSERT_TRUE(
+      server.until([&] { return server.heard().samples.back().mode() == v1::PROXY_MODE_FREE; }));
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ client::SessionOptions reconnecting() {
   return options;
 }
 
-TEST(Resume, ALostStreamIsResumedByTheSessionsName) {
+TEST(Resume, ALostStreamIsResumed) {
   FakeServer server;
   server.resumable(true);
   std::mutex mutex;
@@ -33,16 +33,16 @@ TEST(Resume, ALostStreamIsResumedByTheSessionsName) {
     heard.push_back(event.reason);
   };
   const auto session = Connection(server.address()).open(options);
-  EXPECT_TRUE(server.openings().front().resumable());
-  EXPECT_EQ(server.openings().front().resume(), "");
+  EXPECT_TRUE(server.heard().openings.front().resumable());
+  EXPECT_EQ(server.heard().openings.front().resume(), "");
   server.send_state(100, v1::DEVICE_STATE_NAME_ENGAGED);
   ASSERT_TRUE(server.until([&] { return session->state().seq == 100; }));
   session->publish(client::Proxy::held({0.1, 0.2}));
-  ASSERT_TRUE(server.until([&] { return server.samples().size() == 1; }));
+  ASSERT_TRUE(server.until([&] { return server.heard().samples.size() == 1; }));
 
   server.end_session({grpc::StatusCode::UNAVAILABLE, "the cable"});
-  ASSERT_TRUE(server.until([&] { return server.openings().size() == 2; }));
-  EXPECT_EQ(server.openings().back().resume(), "session-1");
+  ASSERT_TRUE(server.until([&] { return server.heard().openings.size() == 2; }));
+  EXPECT_EQ(server.heard().openings.back().resume(), "session-1");
   ASSERT_TRUE(server.until([&] { return session->connected(); }));
   EXPECT_EQ(session->state().seq, 100U) << "the device's ticks go on";
   EXPECT_EQ(session->lease_epoch(), 2U);
@@ -52,11 +52,11 @@ TEST(Resume, ALostStreamIsResumedByTheSessionsName) {
     return heard == std::vector<std::string>{"LEASE_RESUMED"};
   }));
   session->publish(client::Proxy::held({0.1, 0.2}));
-  ASSERT_TRUE(server.until([&] { return server.samples().size() == 2; }));
-  EXPECT_GT(server.samples().back().seq(), server.samples().front().seq());
+  ASSERT_TRUE(server.until([&] { return server.heard().samples.size() == 2; }));
+  EXPECT_GT(server.heard().samples.back().seq(), server.heard().samples.front().seq());
 }
 
-TEST(Resume, WhereItCannotBeResumedItIsOpenedAnew) {
+TEST(Resume, OtherwiseTheSessionBeginsAnew) {
   FakeServer server;
   const auto session = Connection(server.address()).open(reconnecting());
   server.send_state(100);
@@ -67,7 +67,7 @@ TEST(Resume, WhereItCannotBeResumedItIsOpenedAnew) {
 }
 
 /// Resuming would carry on the force that was just given back.
-TEST(Resume, WhatWasReleasedWhileTheStreamWasGoneIsNotResumed) {
+TEST(Resume, ReleasedForceIsNotResumed) {
   FakeServer server;
   server.resumable(true);
   std::atomic<client::Session*> held{nullptr};
@@ -78,63 +78,60 @@ TEST(Resume, WhatWasReleasedWhileTheStreamWasGoneIsNotResumed) {
   server.send_state(100, v1::DEVICE_STATE_NAME_ENGAGED);
   ASSERT_TRUE(server.until([&] { return session->state().seq == 100; }));
   server.end_session({grpc::StatusCode::UNAVAILABLE, "the cable"});
-  ASSERT_TRUE(server.until([&] { return server.openings().size() == 2; }));
-  EXPECT_EQ(server.openings().back().resume(), "");
+  ASSERT_TRUE(server.until([&] { return server.heard().openings.size() == 2; }));
+  EXPECT_EQ(server.heard().openings.back().resume(), "");
   ASSERT_TRUE(server.until([&] { return session->connected(); }));
 }
 
-TEST(Resume, WithoutReconnectNothingIsAskedFor) {
+TEST(Resume, WithoutReconnectItIsNotAskedFor) {
   FakeServer server;
   auto session = Connection(server.address()).open({});
-  EXPECT_FALSE(server.openings().front().resumable());
+  EXPECT_FALSE(server.heard().openings.front().resumable());
   session.reset();
-  EXPECT_EQ(server.farewells(), 0U);
+  EXPECT_EQ(server.heard().farewells, 0U);
 }
 
-TEST(Resume, ClosingSaysFarewellSoThatNoLeaseWaits) {
+TEST(Resume, ClosingSaysFarewell) {
   FakeServer server;
   auto session = Connection(server.address()).open(reconnecting());
   session.reset();
-  EXPECT_TRUE(server.until([&] { return server.farewells() == 1; }));
+  EXPECT_TRUE(server.until([&] { return server.heard().farewells == 1; }));
 }
 
-TEST(Resume, APreemptedSessionGivesForceUpAndComesBackWithItsNextSample) {
+TEST(Resume, APreemptedSessionComesBackWithASample) {
   FakeServer server;
   client::SessionOptions options = reconnecting();
   options.priority = client::Priority::kTest;
   const auto session = Connection(server.address()).open(options);
-  EXPECT_EQ(server.openings().front().priority(), v1::PRIORITY_TEST);
+  EXPECT_EQ(server.heard().openings.front().priority(), v1::PRIORITY_TEST);
   server.hold_engage(true);
   session->engage_when_ready();
-  ASSERT_TRUE(server.until([&] { return server.engages() == 1; }));
+  ASSERT_TRUE(server.until([&] { return server.heard().engages == 1; }));
   server.send_event(v1::Event::KIND_LEASE, "LEASE_PREEMPTED", 1);
   ASSERT_TRUE(server.until([&] {
     const auto refusal = session->engage_refusal();
     return refusal && refusal->reason() == ErrorReason::kLeaseHeld;
   }));
   server.hold_engage(false);
-  EXPECT_EQ(server.openings().size(), 1U);
+  EXPECT_EQ(server.heard().openings.size(), 1U);
   session->publish(client::Proxy::free());
-  EXPECT_TRUE(server.until([&] { return server.openings().size() == 2; }));
+  EXPECT_TRUE(server.until([&] { return server.heard().openings.size() == 2; }));
 }
 
-TEST(Tls, FilesThatCannotBeReadAreNamed) {
-  const auto error_of = [](const client::TlsOptions& tls) -> std::string {
-    try {
-      const Connection connection("127.0.0.1:1", tls);
-    } catch (const ClientError& error) {
-      EXPECT_EQ(error.reason(), ErrorReason::kInvalidArgument);
-      return error.what();
-    }
-    return "";
+TEST(Tls, AnUnreadableFileIsNamed) {
+  const auto refusal = [](const client::TlsOptions& tls) {
+    const ClientError error =
+        error_of([&] { return std::make_unique<Connection>("127.0.0.1:1", tls); });
+    EXPECT_EQ(error.reason(), ErrorReason::kInvalidArgument);
+    return std::string(error.what());
   };
   client::TlsOptions tls;
-  EXPECT_EQ(error_of(tls), "");
+  const Connection without_files("127.0.0.1:1", tls);
   tls.ca_file = "nowhere/ca.pem";
-  EXPECT_NE(error_of(tls).find("ca_file = 'nowhere/ca.pem'"), std::string::npos);
+  EXPECT_NE(refusal(tls).find("ca_file = 'nowhere/ca.pem'"), std::string::npos);
   tls.ca_file.clear();
   tls.key_file = "me.key";
-  EXPECT_NE(error_of(tls).find("together"), std::string::npos);
+  EXPECT_NE(refusal(tls).find("together"), std::string::npos);
 }
 
 }  // namespace

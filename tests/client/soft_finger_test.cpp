@@ -78,7 +78,7 @@ TEST(SoftFinger, TheMotionMakesAndLeavesContact) {
   EXPECT_GT(apart, 0);
 }
 
-TEST(SoftFinger, OutOfContactTheProxyIsTheProbeAndThereIsNoEnergy) {
+TEST(SoftFinger, OutOfContactTheProxyIsTheProbe) {
   over_the_motion([](const Joints& probe) {
     SoftFinger finger;
     if (finger.depth(probe) > 0.0) return;
@@ -99,7 +99,7 @@ TEST(SoftFinger, ContactOpensTheFinger) {
   });
 }
 
-TEST(SoftFinger, AProbePushedThroughTheObjectStaysInContactAndComesBackOnItsOwnSide) {
+TEST(SoftFinger, APushedThroughProbeStaysInContact) {
   SoftFinger finger;
   const auto pose = [](int percent) {
     return Joints{0.6 * percent * kDegree, 0.7 * percent * kDegree};

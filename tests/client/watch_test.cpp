@@ -20,7 +20,7 @@ v1::WatchResponse state(std::uint64_t seq) {
   return message;
 }
 
-TEST(Watch, DeliversStatesAndEventsInOrderAndCountsWhatWasLeftOut) {
+TEST(Watch, DeliversInOrderAndCountsOmissions) {
   FakeServer server;
   std::mutex mutex;
   std::vector<std::string> heard;
@@ -33,8 +33,8 @@ TEST(Watch, DeliversStatesAndEventsInOrderAndCountsWhatWasLeftOut) {
           .watch(
               "finger", 25.0, [&](const client::DeviceState& s) { note(std::to_string(s.seq)); },
               [&](const client::Event& e) { note(e.reason); });
-  ASSERT_TRUE(server.until([&] { return server.last_watch().rate_hz() == 25.0; }));
-  EXPECT_EQ(server.last_watch().device(), "finger");
+  ASSERT_TRUE(server.until([&] { return server.heard().watch.rate_hz() == 25.0; }));
+  EXPECT_EQ(server.heard().watch.device(), "finger");
   server.send_watch(state(1));
   v1::WatchResponse event;
   event.mutable_event()->set_reason("DEVICE_SILENT");
@@ -69,7 +69,7 @@ TEST(Watch, TheCouplingMetricProjectsOntoAPlane) {
         const std::lock_guard lock(mutex);
         heard.push_back(s);
       });
-  ASSERT_TRUE(server.until([&] { return server.last_watch().rate_hz() == 25.0; }));
+  ASSERT_TRUE(server.until([&] { return server.heard().watch.rate_hz() == 25.0; }));
   v1::WatchResponse message = state(1);
   v1::DeviceState& full = *message.mutable_state();
   full.mutable_certificate()->set_status(v1::CERTIFICATE_STATUS_COMPUTED);
@@ -110,7 +110,7 @@ TEST(Watch, TheCouplingMetricProjectsOntoAPlane) {
 TEST(Watch, SaysWhyItEnded) {
   FakeServer server;
   const auto watch = Connection(server.address()).watch("finger", 25.0, {});
-  ASSERT_TRUE(server.until([&] { return server.last_watch().rate_hz() == 25.0; }));
+  ASSERT_TRUE(server.until([&] { return server.heard().watch.rate_hz() == 25.0; }));
   server.end_watch(refusal(grpc::StatusCode::NOT_FOUND, "NO_SUCH_DEVICE", "no device"));
   ASSERT_TRUE(server.until([&] { return !watch->running(); }));
   const auto error = watch->error();
@@ -127,7 +127,7 @@ TEST(Watch, AThrowingCallbackDoesNotEndIt) {
         ++calls;
         throw std::runtime_error("the user's");
       });
-  ASSERT_TRUE(server.until([&] { return server.last_watch().rate_hz() == 25.0; }));
+  ASSERT_TRUE(server.until([&] { return server.heard().watch.rate_hz() == 25.0; }));
   server.send_watch(state(1));
   server.send_watch(state(2));
   EXPECT_TRUE(server.until([&] { return calls == 2; }));
@@ -137,7 +137,7 @@ TEST(Watch, AThrowingCallbackDoesNotEndIt) {
 TEST(Watch, EndsWhileTheServerSaysNothing) {
   FakeServer server;
   auto watch = Connection(server.address()).watch("finger", 25.0, {});
-  ASSERT_TRUE(server.until([&] { return server.last_watch().rate_hz() == 25.0; }));
+  ASSERT_TRUE(server.until([&] { return server.heard().watch.rate_hz() == 25.0; }));
   watch.reset();  // a hang is ended by the test's own time limit
 }
 

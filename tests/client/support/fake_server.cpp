@@ -80,11 +80,6 @@ void FakeServer::answer_engage(const grpc::Status& status) {
   engage_answers_.push_back(status);
 }
 
-std::size_t FakeServer::engage_answers_left() const {
-  const Lock lock(mutex_);
-  return engage_answers_.size();
-}
-
 void FakeServer::resumable(bool yes) {
   const Lock lock(mutex_);
   resumable_ = yes;
@@ -137,44 +132,9 @@ void FakeServer::end_watch(const grpc::Status& status) {
   watch_->end(status);
 }
 
-std::vector<v1::ProxySample> FakeServer::samples() const {
+FakeServer::Heard FakeServer::heard() const {
   const Lock lock(mutex_);
-  return samples_;
-}
-
-std::vector<v1::TrackerSample> FakeServer::poses() const {
-  const Lock lock(mutex_);
-  return poses_;
-}
-
-std::vector<v1::OpenSession> FakeServer::openings() const {
-  const Lock lock(mutex_);
-  return openings_;
-}
-
-std::size_t FakeServer::engages() const {
-  const Lock lock(mutex_);
-  return engages_;
-}
-
-std::size_t FakeServer::farewells() const {
-  const Lock lock(mutex_);
-  return farewells_;
-}
-
-std::size_t FakeServer::releases() const {
-  const Lock lock(mutex_);
-  return releases_;
-}
-
-v1::UpdateSettingsRequest FakeServer::last_update() const {
-  const Lock lock(mutex_);
-  return last_update_;
-}
-
-v1::WatchRequest FakeServer::last_watch() const {
-  const Lock lock(mutex_);
-  return last_watch_;
+  return heard_;
 }
 
 }  // namespace haptic::test

@@ -3,6 +3,7 @@
 /// heard.
 
 #include <grpcpp/grpcpp.h>
+#include <gtest/gtest.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -15,9 +16,22 @@
 #include <string>
 #include <vector>
 
+#include "haptic/client/error.hpp"
 #include "haptic/v1/haptic_service.grpc.pb.h"
 
 namespace haptic::test {
+
+/// Runs `action` and returns the ClientError that it throws; fails the test if it throws none.
+template <typename Action>
+client::ClientError error_of(Action action) {
+  try {
+    static_cast<void>(action());
+  } catch (const client::ClientError& error) {
+    return error;
+  }
+  ADD_FAILURE() << "no ClientError";
+  return {client::ErrorReason::kProtocol, "none"};
+}
 
 /// A status as hapticd packs it: google.rpc.Status with an ErrorInfo in the details.
 [[nodiscard]] grpc::Status refusal(grpc::StatusCode code, const std::string& reason,
@@ -38,7 +52,6 @@ class FakeServer final
   void offer_udp(const v1::UdpPath& udp);           ///< with every SessionOpened from now on
   void read_samples(bool read);                     ///< false: leaves them in the socket
   void answer_engage(const grpc::Status& status);   ///< queued; OK where the queue is empty
-  [[nodiscard]] std::size_t engage_answers_left() const;
   void resumable(bool yes);     ///< true: openings that ask to resume are resumed
   void hold_engage(bool hold);  ///< true: Engage is heard but not answered yet
 
@@ -56,15 +69,16 @@ class FakeServer final
   void die();
   void revive();
 
-  // What was heard. All counts since construction.
-  [[nodiscard]] std::vector<v1::ProxySample> samples() const;
-  [[nodiscard]] std::vector<v1::TrackerSample> poses() const;
-  [[nodiscard]] std::vector<v1::OpenSession> openings() const;
-  [[nodiscard]] std::size_t engages() const;
-  [[nodiscard]] std::size_t releases() const;
-  [[nodiscard]] std::size_t farewells() const;
-  [[nodiscard]] v1::UpdateSettingsRequest last_update() const;
-  [[nodiscard]] v1::WatchRequest last_watch() const;
+  /// What was heard since construction.
+  struct Heard {
+    std::vector<v1::ProxySample> samples;
+    std::vector<v1::TrackerSample> poses;
+    std::vector<v1::OpenSession> openings;
+    std::size_t engages{0}, releases{0}, farewells{0};
+    v1::UpdateSettingsRequest update;  ///< the last one
+    v1::WatchRequest watch;            ///< the last one
+  };
+  [[nodiscard]] Heard heard() const;
 
   /// Until `condition` (evaluated without any lock held) or `patience`; false on the latter. Short
   /// patience is for what must not happen: a slow machine then passes, it never fails.
@@ -107,12 +121,7 @@ class FakeServer final
   std::uint32_t epoch_{0};
   SessionReactor* session_{nullptr};  ///< the newest; null once it ended
   WatchReactor* watch_{nullptr};
-  std::vector<v1::ProxySample> samples_;
-  std::vector<v1::TrackerSample> poses_;
-  std::vector<v1::OpenSession> openings_;
-  std::size_t engages_{0}, releases_{0}, farewells_{0};
-  v1::UpdateSettingsRequest last_update_;
-  v1::WatchRequest last_watch_;
+  Heard heard_;
 };
 
 }  // namespace haptic::test

@@ -13,7 +13,7 @@ grpc::ServerBidiReactor<v1::SessionRequest, v1::SessionResponse>* FakeServer::Se
 grpc::ServerWriteReactor<v1::WatchResponse>* FakeServer::Watch(
     grpc::CallbackServerContext* /*context*/, const v1::WatchRequest* request) {
   const Lock lock(mutex_);
-  last_watch_ = *request;
+  heard_.watch = *request;
   return watch_ = new WatchReactor(*this);  // OnDone deletes it
 }
 
@@ -25,18 +25,18 @@ void FakeServer::SessionReactor::OnReadDone(bool ok) {
   }
   if (request_.has_open()) open();
   if (request_.has_leave()) {
-    ++server_.farewells_;
+    ++server_.heard_.farewells;
     end(grpc::Status::OK);
     return;
   }
-  if (request_.has_proxy()) server_.samples_.push_back(request_.proxy());
-  if (request_.has_tracker()) server_.poses_.push_back(request_.tracker());
+  if (request_.has_proxy()) server_.heard_.samples.push_back(request_.proxy());
+  if (request_.has_tracker()) server_.heard_.poses.push_back(request_.tracker());
   paused_ = !server_.read_;
   if (!paused_) StartRead(&request_);
 }
 
 void FakeServer::SessionReactor::open() {
-  server_.openings_.push_back(request_.open());
+  server_.heard_.openings.push_back(request_.open());
   if (!server_.refusal_.ok()) {
     end(std::exchange(server_.refusal_, grpc::Status::OK));
     return;
@@ -103,7 +103,7 @@ grpc::Status FakeServer::Engage(grpc::ServerContext* /*context*/,
                                 const v1::EngageRequest* /*request*/,
                                 v1::EngageResponse* /*response*/) {
   Lock lock(mutex_);
-  ++engages_;
+  ++heard_.engages;
   changed_.wait(lock, [this] { return !hold_engage_; });
   if (engage_answers_.empty()) return grpc::Status::OK;
   const grpc::Status answer = engage_answers_.front();
@@ -115,7 +115,7 @@ grpc::Status FakeServer::Release(grpc::ServerContext* /*context*/,
                                  const v1::ReleaseRequest* /*request*/,
                                  v1::ReleaseResponse* /*response*/) {
   const Lock lock(mutex_);
-  ++releases_;
+  ++heard_.releases;
   return grpc::Status::OK;
 }
 
@@ -123,7 +123,7 @@ grpc::Status FakeServer::UpdateSettings(grpc::ServerContext* /*context*/,
                                         const v1::UpdateSettingsRequest* request,
                                         v1::UpdateSettingsResponse* response) {
   const Lock lock(mutex_);
-  last_update_ = *request;
+  heard_.update = *request;
   response->add_stiffness(400.0);
   response->set_renderer(v1::RENDERER_SUBSPACE_LINEAR);
   auto& clamp = *response->add_clamped();

@@ -1,0 +1,109 @@
+/// When a session opens another stream, on virtual time.
+
+#include "reconnection.hpp"
+
+#include <gtest/gtest.h>
+
+namespace haptic::client {
+namespace {
+
+using namespace std::chrono_literals;
+using State = Reconnection::State;
+constexpr Reconnection::TimePoint kEndedAt = Reconnection::TimePoint(1000s);
+const ClientError kGone(ErrorReason::kUnreachable, "gone");
+
+Reconnection open_session(bool wanted = true) {
+  Reconnection reconnection(wanted);
+  EXPECT_TRUE(reconnection.begin());
+  reconnection.opened();
+  EXPECT_TRUE(reconnection.open());
+  return reconnection;
+}
+
+/// Delay of the attempt that follows an end at kEndedAt.
+Reconnection::TimePoint::duration next_delay(Reconnection& reconnection) {
+  reconnection.ended(kGone);
+  EXPECT_TRUE(reconnection.retry(kEndedAt));
+  const auto due = reconnection.due();
+  EXPECT_TRUE(reconnection.begin());
+  return due - kEndedAt;
+}
+
+TEST(Reconnection, DelaysDoubleUpToTwoSeconds) {
+  Reconnection reconnection = open_session();
+  for (const auto delay : {0ms, 100ms, 200ms, 400ms, 800ms, 1600ms, 2000ms, 2000ms}) {
+    EXPECT_EQ(next_delay(reconnection), delay);
+  }
+  reconnection.opened();
+  EXPECT_EQ(next_delay(reconnection), 0ms) << "an opening begins the row anew";
+}
+
+TEST(Reconnection, WithoutItAnEndIsFinal) {
+  Reconnection reconnection = open_session(false);
+  reconnection.ended(kGone);
+  EXPECT_FALSE(reconnection.over()) << "the user has not heard of it yet";
+  EXPECT_FALSE(reconnection.retry(kEndedAt));
+  EXPECT_TRUE(reconnection.over());
+  EXPECT_EQ(reconnection.due(), Reconnection::TimePoint::max());
+}
+
+TEST(Reconnection, ARefusalThatStaysEndsTheTrying) {
+  for (const ErrorReason reason : {ErrorReason::kNoSuchDevice, ErrorReason::kInvalidArgument,
+                                   ErrorReason::kPermissionDenied, ErrorReason::kProtocol}) {
+    Reconnection reconnection = open_session();
+    static_cast<void>(next_delay(reconnection));
+    reconnection.ended({reason, "no"});
+    EXPECT_FALSE(reconnection.retry(kEndedAt));
+    EXPECT_TRUE(reconnection.over());
+    EXPECT_EQ(reconnection.why().reason(), reason);
+  }
+}
+
+TEST(Reconnection, ARefusalThatMayPassDoesNot) {
+  for (const ErrorReason reason :
+       {ErrorReason::kUnreachable, ErrorReason::kTimeout, ErrorReason::kLeaseHeld,
+        ErrorReason::kNotReady, ErrorReason::kClosed}) {
+    Reconnection reconnection = open_session();
+    static_cast<void>(next_delay(reconnection));
+    reconnection.ended({reason, "not now"});
+    EXPECT_TRUE(reconnection.retry(kEndedAt));
+  }
+}
+
+TEST(Reconnection, OnlyAnOpeningCanBeAnswered) {
+  Reconnection reconnection = open_session();
+  reconnection.ended(kGone);
+  reconnection.opened();  // after the attempt was given up
+  EXPECT_EQ(reconnection.state(), State::kEnded);
+}
+
+TEST(Reconnection, AnEndCountsOnce) {
+  Reconnection reconnection = open_session();
+  reconnection.ended(kGone);
+  EXPECT_TRUE(reconnection.retry(kEndedAt));
+  reconnection.ended({ErrorReason::kProtocol, "the same stream again"});
+  EXPECT_EQ(reconnection.state(), State::kWaiting);
+  EXPECT_EQ(reconnection.why().reason(), ErrorReason::kUnreachable);
+}
+
+TEST(Reconnection, ALostLeaseLeavesTheStreamOpen) {
+  Reconnection reconnection = open_session();
+  reconnection.lease_lost();
+  EXPECT_TRUE(reconnection.open());
+  EXPECT_EQ(reconnection.state(), State::kLeaseLost);
+  EXPECT_EQ(next_delay(reconnection), 0ms);
+}
+
+TEST(Reconnection, ClosedIsForGood) {
+  Reconnection reconnection = open_session();
+  reconnection.close();
+  EXPECT_FALSE(reconnection.open());
+  EXPECT_TRUE(reconnection.over());
+  reconnection.ended(kGone);
+  EXPECT_FALSE(reconnection.retry(kEndedAt));
+  EXPECT_FALSE(reconnection.begin());
+  EXPECT_TRUE(reconnection.closed());
+}
+
+}  // namespace
+}  // namespace haptic::client

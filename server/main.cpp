@@ -1,5 +1,5 @@
 /// hapticd: reads the command line and a scene, serves until SIGTERM, SIGINT or SIGHUP.
-/// Exit codes: 0 served and stopped, 1 could not serve, 2 bad command line or scene.
+/// Exit status: 0 served and stopped, 1 could not serve, 2 bad command line or scene.
 
 #include <fcntl.h>
 #include <spdlog/spdlog.h>
@@ -11,33 +11,37 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
+#include <optional>
+#include <sstream>
 
 #include "haptic/core/error.hpp"
 #include "hw/open_device.hpp"
 #include "server/app.hpp"
 #include "server/net/tls_files.hpp"
+#include "server/scene/shipped.hpp"
 #include "server/telemetry/service_manager.hpp"
 #include "server/telemetry/stderr_log.hpp"
 
 namespace {
 
+using haptic::server::LogFormat;
 using haptic::server::RealtimeMode;
 
 struct CommandLine {
   std::string scene{};
   std::vector<std::string> set{};
   std::vector<std::string> listen{};
-  std::string metrics_listen{};
   RealtimeMode realtime{RealtimeMode::kTry};
   std::string log_level{"info"};
+  std::string log_format{"text"};
   bool print_scene{false};
   bool check_scene{false};
   bool insecure_lab{false};
 };
 
-/// What a scene's text cannot say: whether the files it names can be played, and one be written.
-/// Opening a simulated or replayed device reads them, and moves nothing. A board is hardware: a check
-/// does not touch it.
+/// Checks what a scene's text cannot show: that the files it names can be read, and its recording
+/// written. To open a simulated or replayed device reads its files and moves nothing. A board is
+/// hardware, which a check does not touch.
 void check_files(const haptic::server::Scene& scene) {
   for (const haptic::server::DeviceScene& device : scene.devices) {
     if (std::holds_alternative<haptic::hw::BoardConfig>(device.source)) continue;
@@ -51,8 +55,8 @@ void check_files(const haptic::server::Scene& scene) {
                                  "': cannot be created: " + std::strerror(errno));
 }
 
-/// Signals are taken by sigwait() on this thread alone: every other thread inherits the block. A
-/// second one stays pending while the first is being obeyed, so that the end stays an orderly one.
+/// Blocks the signals in every thread, because threads inherit the block; main takes them by
+/// sigwait(). A second signal stays pending while hapticd stops, and does not cut the stop short.
 sigset_t block_signals() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -64,7 +68,8 @@ sigset_t block_signals() {
   return signals;
 }
 
-/// A file that is opened later must not become the log because that was closed.
+/// Opens /dev/null for each standard stream that is closed; otherwise the next file that is opened,
+/// such as a serial port, would get the number of the log and receive its lines.
 void hold_standard_streams() {
   int number = 0;
   do {
@@ -73,7 +78,7 @@ void hold_standard_streams() {
   if (number > STDERR_FILENO) close(number);
 }
 
-/// Until a signal comes; meanwhile the service manager hears that the loop ticks.
+/// Waits for a signal, and meanwhile tells the service manager that the loop ticks.
 int wait_for_signal(const sigset_t& signals, const haptic::server::App& app,
                     haptic::server::ServiceManager& manager) {
   const auto period = manager.pulse_period();
@@ -93,7 +98,6 @@ int wait_for_signal(const sigset_t& signals, const haptic::server::App& app,
 
 int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& signals) {
   if (!line.listen.empty()) scene.server.listen = line.listen;
-  if (!line.metrics_listen.empty()) scene.server.metrics_listen = line.metrics_listen;
   const std::vector<std::string> warnings = scene.warnings;
   haptic::server::App app(std::move(scene), {line.realtime, line.insecure_lab});
   app.start();
@@ -108,10 +112,34 @@ int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& 
   return 0;
 }
 
+/// A file, or the name of a scene that comes with hapticd.
+std::filesystem::path scene_file(const std::string& given) {
+  if (std::filesystem::exists(given)) return given;
+  return haptic::server::find_scene(given).value_or(given);
+}
+
+/// The scenes that come with hapticd, a line each; empty if there are none.
+std::string shipped_scenes() {
+  std::string text;
+  for (const auto& [name, summary] : haptic::server::shipped_scenes()) {
+    text +=
+        "  " + name + std::string(name.size() < 26 ? 26 - name.size() : 1, ' ') + summary + "\n";
+  }
+  return text;
+}
+
+/// Prints why hapticd does not serve; to the journal with the priority of an error.
+int refuse(const std::string& why, int status) {
+  const char* const priority = haptic::server::stderr_is_journal() ? "<3>" : "";
+  std::istringstream lines("hapticd: " + why);
+  for (std::string line; std::getline(lines, line);) std::cerr << priority << line << "\n";
+  return status;
+}
+
 int run(const CommandLine& line) {
   const sigset_t signals = block_signals();
   try {
-    haptic::server::Scene scene = haptic::server::load_scene(line.scene, line.set);
+    haptic::server::Scene scene = haptic::server::load_scene(scene_file(line.scene), line.set);
     if (line.print_scene) std::cout << scene.resolved;
     if (line.check_scene) {
       check_files(scene);
@@ -121,12 +149,47 @@ int run(const CommandLine& line) {
     if (line.print_scene || line.check_scene) return 0;
     return serve(std::move(scene), line, signals);
   } catch (const haptic::core::SceneError& error) {
-    std::cerr << "hapticd: " << error.what() << "\n";
-    return 2;
+    return refuse(error.what(), 2);
   } catch (const std::exception& error) {
-    std::cerr << "hapticd: " << error.what() << "\n";
-    return 1;
+    return refuse(error.what(), 1);
   }
+}
+
+/// Nothing: serve; else the exit status to leave with.
+std::optional<int> parse(int argc, char** argv, CommandLine& line) {
+  const std::map<std::string, RealtimeMode> modes{{"require", RealtimeMode::kRequire},
+                                                  {"try", RealtimeMode::kTry},
+                                                  {"off", RealtimeMode::kOff}};
+  CLI::App cli("hapticd - networked haptic server for underactuated devices", "hapticd");
+  cli.set_version_flag("--version", std::string("hapticd ") + haptic::server::version());
+  cli.footer("Exit status: 0 served and stopped, 1 could not serve, 2 bad command line or scene.");
+  cli.add_option("--scene", line.scene,
+                 "scene to serve: a file (textproto), or the name of one that comes with hapticd");
+  cli.add_option("--set", line.set, "PATH=VALUE: overrides a field of the scene; may be repeated")
+      ->take_all();
+  cli.add_option("--listen", line.listen,
+                 "host:port or unix:/path instead of the scene's addresses; may be repeated");
+  cli.add_option_function<std::string>(
+         "--realtime", [&](const std::string& mode) { line.realtime = modes.at(mode); },
+         "require, try or off (default try)")
+      ->check(CLI::IsMember({"require", "try", "off"}));
+  cli.add_option("--log-level", line.log_level, "debug, info, warn or error (default info)")
+      ->check(CLI::IsMember({"debug", "info", "warn", "error"}));
+  cli.add_option("--log-format", line.log_format, "text or json, a line per message (default text)")
+      ->check(CLI::IsMember({"text", "json"}));
+  cli.add_flag("--insecure-lab", line.insecure_lab,
+               "plain text on addresses beyond this host: for a network that is yours alone");
+  cli.add_flag("--print-scene", line.print_scene, "print the scene with every default, and exit");
+  cli.add_flag("--check-scene", line.check_scene, "check the scene, and exit");
+  try {
+    cli.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return cli.exit(error) == 0 ? 0 : 2;
+  }
+  if (!line.scene.empty()) return std::nullopt;
+  return refuse("--scene is missing: give a file, or one of the scenes that come with hapticd\n" +
+                    shipped_scenes() + "hapticd --help lists every option",
+                2);
 }
 
 }  // namespace
@@ -134,37 +197,11 @@ int run(const CommandLine& line) {
 int main(int argc, char** argv) {
   hold_standard_streams();
   CommandLine line;
-  const std::map<std::string, RealtimeMode> modes{{"require", RealtimeMode::kRequire},
-                                                  {"try", RealtimeMode::kTry},
-                                                  {"off", RealtimeMode::kOff}};
-  CLI::App cli("hapticd - networked haptic server for underactuated devices");
-  cli.set_version_flag("--version", std::string("hapticd ") + haptic::server::version());
-  cli.add_option("--scene", line.scene, "scene to serve (textproto)")->required();
-  cli.add_option("--set", line.set, "path=value: overrides a field of the scene, may be repeated")
-      ->take_all();
-  cli.add_option("--listen", line.listen,
-                 "host:port or unix:/path instead of the scene's addresses, may be repeated");
-  cli.add_option("--metrics-listen", line.metrics_listen,
-                 "host:port for Prometheus' scrapes instead of the scene's, if it has one");
-  cli.add_option_function<std::string>(
-         "--realtime", [&](const std::string& mode) { line.realtime = modes.at(mode); },
-         "require, try or off (default try)")
-      ->check(CLI::IsMember({"require", "try", "off"}));
-  cli.add_option("--log-level", line.log_level, "debug, info, warn or error")
-      ->check(CLI::IsMember({"debug", "info", "warn", "error"}));
-  cli.add_flag("--insecure-lab", line.insecure_lab,
-               "plain text on addresses beyond this host: for a network that is yours alone");
-  cli.add_flag("--print-scene", line.print_scene, "print the scene with every default, and leave");
-  cli.add_flag("--check-scene", line.check_scene, "check the scene, and leave");
-  try {
-    cli.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return cli.exit(error) == 0 ? 0 : 2;
-  }
-  haptic::server::log_to_stderr();
+  if (const auto status = parse(argc, argv, line)) return *status;
+  haptic::server::log_to_stderr(line.log_format == "json" ? LogFormat::kJson : LogFormat::kText);
   spdlog::set_level(spdlog::level::from_str(line.log_level));
 
-  const int code = run(line);
+  const int status = run(line);
   haptic::server::finish_log();
-  return code;
+  return status;
 }

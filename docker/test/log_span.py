@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Milliseconds between two lines of hapticd's log, by its own stamps.
+"""Milliseconds between two lines of hapticd's log, by the log's own times.
 
     log_span.py FILE FIRST LAST
 
-FIRST and LAST are words of the lines; LAST has to be in the last line of the log. Ends with 1 where it is not.
+FIRST and LAST are words of the lines; LAST has to be in the last line of the log. Ends with 1 if it is not.
 """
 
 import datetime
@@ -11,7 +11,7 @@ import sys
 
 
 def stamp(line: str) -> datetime.datetime:
-    return datetime.datetime.strptime(line.split(" ", 1)[0], "%H:%M:%S.%f")
+    return datetime.datetime.fromisoformat(line.split(" ", 1)[0])
 
 
 def main() -> None:
@@ -22,7 +22,7 @@ def main() -> None:
     if begin is None or last not in lines[-1]:
         sys.exit(f"log_span.py: no '{first}' ... '{last}' at the end of {file}")
     took = stamp(lines[-1]) - stamp(begin)
-    print(took // datetime.timedelta(milliseconds=1) % (24 * 60 * 60 * 1000))  # midnight may be between
+    print(took // datetime.timedelta(milliseconds=1))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 #pragma once
-/// What happens to a device, in the server's log: states, faults, leases. On the telemetry's drain.
+/// Writes a device's states, faults and leases to the server's log, on the telemetry's drain.
 
 #include <functional>
 #include <string>
@@ -11,7 +11,7 @@ namespace haptic::server {
 
 class EventLog final : public RecordListener {
  public:
-  /// `holder` answers with the client name of the lease's holder; called on the drain's thread.
+  /// `holder` returns the client name of the lease's holder; called on the drain's thread.
   EventLog(std::string device, std::function<std::string()> holder);
 
   void on_record(const core::TickRecord& record) override;

@@ -19,8 +19,8 @@ constexpr std::size_t kMostLines = 1024;
 constexpr std::chrono::milliseconds kPatienceAtExit{200};
 constexpr std::chrono::milliseconds kLook{2};
 
-/// Past the C library's stream: a thread that is stuck in a write would hold its lock, and exit()
-/// waits for that. Only the log's own thread calls.
+/// Writes without the C library's stream, because exit() waits for the stream's lock and a thread
+/// blocked in a write would hold it. Only the log's own thread calls.
 class StderrSink final : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
  protected:
   void sink_it_(const spdlog::details::log_msg& message) override {
@@ -30,19 +30,19 @@ class StderrSink final : public spdlog::sinks::base_sink<spdlog::details::null_m
     const char* const end = next + line.size();
     while (next < end) {
       const ssize_t written = ::write(STDERR_FILENO, next, static_cast<std::size_t>(end - next));
-      if (written <= 0) return;  // its reader is gone
+      if (written <= 0) return;  // the reader has closed its end
       next += written;
     }
   }
   void flush_() override {}
 };
 
-/// Never destroyed: its destructor would join a thread that may wait for a reader for ever.
+/// Never destroyed: the destructor would join a thread that may wait for a reader for ever.
 std::shared_ptr<spdlog::details::thread_pool>& pool() {
   static auto* const lines = new std::shared_ptr<spdlog::details::thread_pool>(
       std::make_shared<spdlog::details::thread_pool>(kMostLines, 1, [] {
-        // It is older than main's block of signals: one that main is too busy to take at once would
-        // end the process here.
+        // This thread starts before main blocks the signals; without a block of its own a signal
+        // that main cannot take at once would end the process here.
         set_thread_up("haptic-log");
       }));
   return *lines;
@@ -50,17 +50,18 @@ std::shared_ptr<spdlog::details::thread_pool>& pool() {
 
 }  // namespace
 
-void log_to_stderr() {
+void log_to_stderr(LogFormat format) {
   spdlog::set_default_logger(
       std::make_shared<spdlog::async_logger>("hapticd", std::make_shared<StderrSink>(), pool(),
                                              spdlog::async_overflow_policy::overrun_oldest));
-  spdlog::set_pattern("%H:%M:%S.%e %l %v");
+  spdlog::set_formatter(log_formatter(format, stderr_is_journal()));
 }
 
 void finish_log() {
-  const std::size_t gave_way = pool()->overrun_counter();
-  if (gave_way > 0) spdlog::warn("{} lines of this log were lost: nobody read it", gave_way);
-  // Behind everything else in the queue: when it has left, the lines before it are written.
+  const std::size_t dropped = pool()->overrun_counter();
+  if (dropped > 0)
+    spdlog::warn("{} lines of this log were lost: they were not read in time", dropped);
+  // The flush is the last entry of the queue: when it has left, the lines before it are written.
   spdlog::default_logger()->flush();
   const auto give_up = std::chrono::steady_clock::now() + kPatienceAtExit;
   while (pool()->queue_size() > 0 && std::chrono::steady_clock::now() < give_up) {

@@ -99,7 +99,7 @@ def run(programs: pathlib.Path, root: pathlib.Path, link_period_ms: str, seconds
                       "--watchdog-ms", "1000", "--motion", root / "server/scenes/motion/reach_and_grasp.csv"], folder / "board.log"):
             until("the emulator's port", port.exists)
             with running([programs / "server/hapticd", "--scene", root / "server/scenes/finger_soft_grasp.textproto",
-                          "--listen", f"unix:{socket}", "--metrics-listen", "127.0.0.1:0",
+                          "--listen", f"unix:{socket}", "--set", "server.metrics_listen=127.0.0.1:0",
                           "--set", f"device[0].board={{ port: \"{port}\" max_effort: 40 max_silence {{ nanos: 100000000 }} }}",
                           # What is judged here is counted, not ended by a fault.
                           "--set", "loop.late_bucket_full=1000000", "--set", "loop.loop_late_fault={nanos: 500000000}",

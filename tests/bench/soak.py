@@ -70,7 +70,7 @@ def started(programs: pathlib.Path, scene: str, folder: str) -> tuple[subprocess
     log = open(f"{folder}/hapticd.log", "w+", encoding="utf-8")
     server = subprocess.Popen(
         [programs / "server/hapticd", "--scene", scene, "--listen", f"unix:{folder}/socket",
-         "--metrics-listen", "127.0.0.1:0", "--set", "server.udp_listen=127.0.0.1:0",
+         "--set", "server.metrics_listen=127.0.0.1:0", "--set", "server.udp_listen=127.0.0.1:0",
          # What is judged here is counted, not ended by a fault.
          "--set", "loop.late_bucket_full=1000000", "--set", "loop.loop_late_fault={seconds: 10}"], stderr=log)
     latest = time.monotonic() + 60

@@ -32,7 +32,7 @@ class Metrics(unittest.TestCase):
         self.address = "unix:" + os.path.join(folder.name, "socket")
         self.server = subprocess.Popen(
             [HAPTICD, "--scene", SCENE, "--realtime=off", "--listen", self.address,
-             "--metrics-listen", "127.0.0.1:0", "--set", "server.udp_listen=127.0.0.1:0", "--set", "loop.late_bucket_full=1000000",
+             "--set", "server.metrics_listen=127.0.0.1:0", "--set", "server.udp_listen=127.0.0.1:0", "--set", "loop.late_bucket_full=1000000",
              "--set", "loop.loop_late_fault={seconds: 10}"],
             stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.end)

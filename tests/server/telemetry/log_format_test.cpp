@@ -1,0 +1,76 @@
+#include "server/telemetry/log_format.hpp"
+
+#include <gtest/gtest.h>
+#include <spdlog/details/log_msg.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <string>
+
+namespace haptic::server {
+namespace {
+
+std::string formatted(const std::string& text, LogFormat format, bool for_journal = false,
+                      spdlog::level::level_enum level = spdlog::level::warn) {
+  spdlog::memory_buf_t line;
+  log_formatter(format, for_journal)->format({"hapticd", level, text}, line);
+  return {line.data(), line.size()};
+}
+
+const std::string kTime = R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}[+-]\d\d:\d\d)";
+
+TEST(LogFormat, TextHasDateZoneAndLevel) {
+  const std::string line = formatted("finger: LOST", LogFormat::kText);
+  EXPECT_TRUE(std::regex_match(line, std::regex(kTime + " warning finger: LOST\n"))) << line;
+}
+
+TEST(LogFormat, JsonHoldsAnyMessageUnchanged) {
+  for (const std::string text : {"finger: LOST", "a \"quoted\"\\ name\n\x01", "\xC3\xA9"}) {
+    const std::string line = formatted(text, LogFormat::kJson);
+    const auto entry = nlohmann::json::parse(line);
+    EXPECT_EQ(entry["message"], text);
+    EXPECT_EQ(entry["level"], "warning");
+    EXPECT_TRUE(std::regex_match(entry["time"].get<std::string>(), std::regex(kTime)));
+    EXPECT_EQ(line.find('\n'), line.size() - 1);
+  }
+}
+
+TEST(LogFormat, InvalidUtf8StaysValidJson) {
+  const auto entry = nlohmann::json::parse(formatted("a\xFFz", LogFormat::kJson));
+  EXPECT_EQ(entry["message"], "a\xEF\xBF\xBDz");  // U+FFFD
+}
+
+TEST(LogFormat, TextMessageStaysOneLine) {
+  const std::string line = formatted("name\nfake\x1b[2J\\", LogFormat::kText);
+  EXPECT_NE(line.find("name\\x0afake\\x1b[2J\\\n"), std::string::npos) << line;
+}
+
+TEST(LogFormat, JournalLinesBeginWithTheirPriority) {
+  using spdlog::level::level_enum;
+  for (const auto& [level, priority] :
+       {std::pair{level_enum::critical, "<2>"}, std::pair{level_enum::err, "<3>"},
+        std::pair{level_enum::warn, "<4>"}, std::pair{level_enum::info, "<6>"},
+        std::pair{level_enum::debug, "<7>"}}) {
+    for (const LogFormat format : {LogFormat::kText, LogFormat::kJson}) {
+      EXPECT_EQ(formatted("x", format, true, level).substr(0, 3), priority);
+    }
+  }
+}
+
+TEST(LogFormat, JournalStreamMustBeStandardError) {
+  struct stat status {};
+  ASSERT_EQ(fstat(STDERR_FILENO, &status), 0);
+  const std::string device = std::to_string(status.st_dev) + ":";
+  setenv("JOURNAL_STREAM", (device + std::to_string(status.st_ino)).c_str(), 1);
+  EXPECT_TRUE(stderr_is_journal());
+  setenv("JOURNAL_STREAM", (device + std::to_string(status.st_ino + 1)).c_str(), 1);
+  EXPECT_FALSE(stderr_is_journal());
+  unsetenv("JOURNAL_STREAM");
+  EXPECT_FALSE(stderr_is_journal());
+}
+
+}  // namespace
+}  // namespace haptic::server

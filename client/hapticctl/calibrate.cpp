@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iostream>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "calibration/guide.hpp"
@@ -13,8 +14,8 @@
 namespace haptic::ctl {
 namespace {
 
-/// A device behind hapticd. A controller that publishes "free" arms it at zero force, so that one
-/// that holds itself when it is off gives way to the hand.
+/// A device behind hapticd. As a controller that publishes "free" it keeps the device armed at zero
+/// force, so that a device that holds itself when it is off gives way to the hand.
 class ServedSensors final : public Sensors {
  public:
   ServedSensors(client::Connection& server, const std::string& device)
@@ -29,7 +30,7 @@ class ServedSensors final : public Sensors {
   }
   ~ServedSensors() override {
     stop_publishing();
-    session_->close();  // no state is taken any more
+    session_->close();  // take() is not called any more
   }
 
   /// Without a controller the device is disarmed.
@@ -68,15 +69,14 @@ class ServedSensors final : public Sensors {
     wanted.on_state = [this](const client::DeviceState& state) { take(state); };
     return server_.open(wanted);
   }
-  /// Under the mutex. In FAULT the device is disarmed: nobody could move it to the next place.
+  /// Under the mutex. A device in FAULT is disarmed and cannot be moved to the next place.
   void refuse_fault() const {
     if (faults_ == 0) return;
-    throw client::ClientError(
-        client::ErrorReason::kNotReady,
+    throw DeviceInFault(
         "'" + device_ + "' is in FAULT, " + joined(client::fault_names(faults_)) +
-            ": nothing was written. Clear it with hapticctl clear-fault and begin again; where a "
-            "reading left the scene's range and 5 % of its span, with places and travel inside it, "
-            "or with a sensor put right first");
+        ": nothing was written. Clear it with hapticctl clear-fault and begin again; "
+        "if a reading left the scene's range by more than 5 % of its span, choose "
+        "places and travel within it, or repair the sensor first");
   }
   void stop_publishing() {
     publisher_.request_stop();
@@ -120,7 +120,7 @@ std::string today() {
   return text;
 }
 
-/// The one device that is meant, if it can be calibrated.
+/// The one device that the options name. Throws kInvalidArgument if it cannot be calibrated.
 client::DeviceInfo device_of(client::Connection& server, const std::string& name) {
   const auto refuse = [](const std::string& why) {
     throw client::ClientError(client::ErrorReason::kInvalidArgument, why);
@@ -134,41 +134,59 @@ client::DeviceInfo device_of(client::Connection& server, const std::string& name
   }
   if (!device.calibrated.empty()) {
     refuse("'" + device.name + "' is served with its calibration of " + device.calibrated +
-           ": start hapticd without board.calibration_file to make another");
+           ": start hapticd without board.calibration_file to make a new one");
   }
   return device;
 }
 
-int save(Guide& guide, const std::string& text, const std::string& file) {
-  std::cout << '\n' << text << '\n';
+nlohmann::json to_json(const CalibrationResult& result, const std::string& serial,
+                       const std::string& file) {
+  nlohmann::json dofs = nlohmann::json::array();
+  for (const DofCalibration& dof : result.dofs) {
+    dofs.push_back({{"name", dof.name},
+                    {"scale", dof.scale},
+                    {"offset", dof.offset},
+                    {"lower", dof.lower},
+                    {"upper", dof.upper}});
+  }
+  return {
+      {"device_serial", serial}, {"file", file}, {"dof", dofs}, {"force_zero", result.force_zero}};
+}
+
+/// Asks before it writes the file; false: nothing was written.
+bool save(Guide& guide, std::ostream& out, const std::string& text, const std::string& file) {
+  out << '\n' << text << '\n';
   if (!guide.agrees("Write this to " + file + "?")) {
     std::fprintf(stderr, "nothing was written\n");
-    return 1;
+    return false;
   }
   std::ofstream stream(file);
   stream << text;
   stream.close();
   if (!stream) {
     std::fprintf(stderr, "hapticctl: %s cannot be written\n", file.c_str());
-    return 1;
+    return false;
   }
-  std::cout << "written; a scene uses it by board { calibration_file: \"" << file << "\" }\n";
-  return 0;
+  out << "written; a scene uses it by board { calibration_file: \"" << file << "\" }\n";
+  return true;
 }
 
 }  // namespace
 
 int calibrate(const Options& options) {
-  client::Connection server(options.server);
+  client::Connection server = connect(options);
   const client::DeviceInfo device = device_of(server, options.device);
   std::vector<SensedDof> dofs;
   for (const auto& dof : device.dofs) dofs.push_back({dof.name, dof.unit, dof.lower, dof.upper});
   ServedSensors sensors(server, device.name);
-  Guide guide(sensors, std::cin, std::cout);
+  std::ostream& out = options.json ? std::cerr : std::cout;  // the questions
+  Guide guide(sensors, std::cin, out);
   try {
     const CalibrationResult result = guide.run(dofs);
     const std::string file = options.output.empty() ? device.serial + ".textproto" : options.output;
-    return save(guide, to_textproto(result, device.serial, today()), file);
+    if (!save(guide, out, to_textproto(result, device.serial, today()), file)) return 1;
+    if (options.json) std::cout << to_json(result, device.serial, file).dump() << '\n';
+    return 0;
   } catch (const CalibrationAborted& aborted) {
     std::fprintf(stderr, "hapticctl: calibration ended: %s; nothing was written\n", aborted.what());
     return 1;

@@ -1,5 +1,5 @@
 #pragma once
-/// The commands of hapticctl; each returns its exit code and throws ClientError.
+/// The commands of hapticctl. Each returns its exit status and throws ClientError.
 
 #include <cstdint>
 #include <string>
@@ -21,9 +21,9 @@ struct Options {
   bool hold{false};
   std::string reason{};
   std::vector<std::uint32_t> faults{};
-  double device_damping{1.0};  ///< of doctor: b, N s/m
-  double damping{0.0};         ///< of doctor: B of Z_q, N s/m
-  std::string output{};        ///< of calibrate: the file to be written
+  double device_damping{1.0};  ///< doctor: b, N s/m
+  double damping{0.0};         ///< doctor: B of Z_q, N s/m
+  std::string output{};        ///< calibrate: the file to write
 };
 
 inline constexpr double kDoctorSeconds = 10.0;
@@ -38,17 +38,24 @@ int clear_fault(const Options& options);
 int doctor(const Options& options);
 int calibrate(const Options& options);
 
-/// The server, by TLS where that is asked for.
+/// The device is in FAULT; hapticctl ends with a status of its own.
+class DeviceInFault : public client::ClientError {
+ public:
+  explicit DeviceInFault(const std::string& message)
+      : ClientError(client::ErrorReason::kNotReady, message) {}
+};
+
+/// The server, by TLS if the options ask for it.
 [[nodiscard]] client::Connection connect(const Options& options);
-/// The server's devices that are meant: the one named, all where `name` is empty. Throws
-/// kNoSuchDevice with the names there are.
+/// The server's devices: the one with this name, or all if `name` is empty. Throws kNoSuchDevice,
+/// naming the devices there are.
 [[nodiscard]] std::vector<client::DeviceInfo> meant(client::Connection& server,
                                                     const std::string& name);
-/// "DEVICE_SILENT, LOOP_LATE"; "none".
+/// "DEVICE_SILENT, LOOP_LATE"; "none" if there are none.
 [[nodiscard]] std::string joined(const std::vector<std::string>& names);
-/// "N" or "N m": what acts on a coordinate of this unit.
+/// "N" or "N m": the unit of what acts on a coordinate of this unit.
 [[nodiscard]] std::string effort_unit(const std::string& unit);
-/// False once SIGINT or SIGTERM came, or `seconds` (0: never) have passed since the first call.
+/// False once SIGINT or SIGTERM came, or `seconds` (0: no limit) have passed since the first call.
 [[nodiscard]] bool go_on(double seconds);
 
 }  // namespace haptic::ctl

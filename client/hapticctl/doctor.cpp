@@ -5,7 +5,7 @@
 
 namespace haptic::ctl {
 
-/// Needs no server: it is about the host that it runs on.
+/// Examines the host that it runs on; needs no server.
 int doctor(const Options& options) {
   StiffnessQuestion question;
   question.device_damping = options.device_damping;

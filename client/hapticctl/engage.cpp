@@ -1,5 +1,6 @@
 #include <chrono>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "commands.hpp"
@@ -12,17 +13,30 @@ using std::chrono::milliseconds;
 constexpr milliseconds kPeriod{10};
 constexpr int kStepsPerLine = 50;
 
-void print(const client::Session& session, const client::DeviceState& state) {
+void print(const client::Session& session, const client::DeviceState& state, bool as_json) {
+  const auto refusal = session.engage_refusal();
+  if (as_json) {
+    nlohmann::json waits;  // null: nothing is refused
+    if (refusal) waits = refusal->what();
+    const nlohmann::json all = {{"state", client::name(state.state)},
+                                {"gain", state.gain},
+                                {"tau_a", state.tau_a},
+                                {"waits", waits}};
+    std::printf("%s\n", all.dump().c_str());
+    std::fflush(stdout);
+    return;
+  }
   std::printf("%-9s gain %.2f  tau_a", client::name(state.state), state.gain);
   for (const double tau : state.tau_a) std::printf(" %8.3f", tau);
-  if (const auto refusal = session.engage_refusal()) std::printf("  waits: %s", refusal->what());
+  if (refusal) std::printf("  waits: %s", refusal->what());
   std::printf("\n");
   std::fflush(stdout);
 }
 
 }  // namespace
 
-/// A controller without a simulation: free, or held where the device was when its force began.
+/// A controller without a simulation. Its proxy is free, or held where the device was when the force
+/// began.
 int engage(const Options& options) {
   client::Connection server = connect(options);
   client::SessionOptions wanted;
@@ -41,15 +55,13 @@ int engage(const Options& options) {
     }
     const client::DeviceState state = session->state();
     if (state.faults != 0) {
-      throw client::ClientError(
-          client::ErrorReason::kNotReady,
-          "the device is in FAULT: " + joined(client::fault_names(state.faults)));
+      throw DeviceInFault("the device is in FAULT: " + joined(client::fault_names(state.faults)));
     }
     const bool has_force =
         state.state == client::Lifecycle::kEngaging || state.state == client::Lifecycle::kEngaged;
     if (options.hold && !has_force) anchor = state.x_probe;
     session->publish(anchor.empty() ? client::Proxy::free() : client::Proxy::held(anchor));
-    if (step % kStepsPerLine == 0) print(*session, state);
+    if (step % kStepsPerLine == 0) print(*session, state, options.json);
     next = std::max(next + kPeriod, std::chrono::steady_clock::now());
     std::this_thread::sleep_until(next);
   }

@@ -100,7 +100,7 @@ TEST(Doctor, SaysWhyRealTimeWasRefused) {
   Finding f = check_realtime(host.files(), answers);
   EXPECT_EQ(f.health, Health::kImpaired);
   EXPECT_TRUE(has(f.found, "EPERM")) << f.found;
-  EXPECT_TRUE(has(f.advice, "rtprio")) << f.advice;
+  EXPECT_TRUE(has(f.advice, "usermod -aG haptic")) << f.advice;
 
   answers.sys_nice = true;
   f = check_realtime(host.files(), answers);

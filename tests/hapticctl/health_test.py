@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What `hapticctl health` ends with, for scripts: against a server of this test's own, which says what it is told.
+"""The exit status of `hapticctl health`, against a server that answers as the test says.
 
     health_test.py HAPTICCTL
 """
@@ -53,24 +53,25 @@ class Health(unittest.TestCase):
         self.serve(NOT_SERVING)
         ended = self.health()
         self.assertEqual((ended.returncode, ended.stdout), (1, "not serving\n"))
+        self.assertEqual(self.health("--json").stdout, '{"serving":false}\n')
 
-    def test_a_device_is_asked_for_by_name(self) -> None:
+    def test_device_is_asked_by_name(self) -> None:
         self.serve(SERVING)
         self.assertEqual(self.health("--device", "finger").returncode, 0)
         self.assertEqual(self.asked, [b"\x0a\x06finger"])
 
-    def test_an_unknown_device_is_1_and_says_why(self) -> None:
+    def test_unknown_device_is_4(self) -> None:
         self.serve(grpc.StatusCode.NOT_FOUND)
         ended = self.health("--device", "nobody")
-        self.assertEqual((ended.returncode, ended.stdout), (1, ""))
+        self.assertEqual((ended.returncode, ended.stdout), (4, ""))
         self.assertIn("told to say so", ended.stderr)
 
-    def test_no_server_is_1_and_says_so(self) -> None:
+    def test_no_server_is_3(self) -> None:
         ended = self.health()
-        self.assertEqual((ended.returncode, ended.stdout), (1, ""))
+        self.assertEqual((ended.returncode, ended.stdout), (3, ""))
         self.assertNotEqual(ended.stderr, "")
 
-    def test_a_wrong_command_line_is_2(self) -> None:
+    def test_wrong_command_line_is_2(self) -> None:
         self.assertEqual(self.health("--no-such-option").returncode, 2)
 
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What a person gets wrong: each ends with a status and a sentence that names it.
+# Mistakes of a user: each ends with its own exit status and a message that names the mistake.
 #
 #   mistakes_test.sh HAPTICD HAPTICCTL SCENE
 set -u
@@ -8,7 +8,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 failures=0
 
-# says STATUS TEXT COMMAND...: it ends with STATUS and its words contain TEXT.
+# says STATUS TEXT COMMAND...: the command ends with STATUS and its output contains TEXT.
 says() {
   expected=$1 text=$2
   shift 2
@@ -16,7 +16,7 @@ says() {
   status=$?
   if [ "$status" -ne "$expected" ] || ! printf '%s' "$output" | grep -qF -- "$text"; then
     echo "FAILED: $*"
-    echo "  status $status, expected $expected; words, expected to contain '$text':"
+    echo "  status $status, expected $expected; output, expected to contain '$text':"
     echo "$output" | sed 's/^/    /'
     failures=$((failures + 1))
   fi
@@ -27,7 +27,9 @@ printf 'time_s,q_o1_mcp_rad\n0,0\n0.01,0\n' >"$folder/column.csv"
 printf 'time_s,q_o1_mcp_rad,q_o2_pip_rad\n0,0,0\n0.01,nonsense,0\n' >"$folder/number.csv"
 motion='device[0].simulated_finger.motion_file'
 
-says 2 '--scene is required' "$hapticd"
+says 2 '--scene is missing' "$hapticd"
+says 2 'finger_constant  ' "$hapticd"
+says 0 'ok' "$hapticd" --scene finger_constant --check-scene
 says 2 'No such file' "$hapticd" --scene "$folder/none"
 says 2 'stifness_n_per_m: unknown field' "$hapticd" --scene "$folder/typo.textproto" --check-scene
 says 2 'at most what the device can give, 40' "$hapticd" --scene "$scene" --check-scene \
@@ -50,25 +52,49 @@ says 2 'no lease ends under force' "$hapticd" --scene "$scene" --check-scene \
   --set 'device[0].staleness.fade_end={seconds: 2 nanos: 500000000}' \
   --set 'device[0].staleness.hold_end={seconds: 2}'
 
-says 1 'no hapticd answers' "$hapticctl" --server "unix:$folder/nobody" info
-says 1 'must be host:port or unix:/path' "$hapticctl" --server 127.0.0.1 info
-says 1 'must be host:port or unix:/path' "$hapticctl" --server '' info
+ctl() { # ctl STATUS TEXT ARGUMENT...: hapticctl at the socket of this test
+  status=$1 text=$2
+  shift 2
+  says "$status" "$text" "$hapticctl" --server "unix:$folder/s" "$@"
+}
+says 2 'must be host:port or unix:/path' "$hapticctl" --server 127.0.0.1 info
+says 2 'must be host:port or unix:/path' "$hapticctl" --server '' info
 says 2 'wach' "$hapticctl" wach
-says 2 'a command: info, watch' "$hapticctl"
+says 2 'a command is required' "$hapticctl"
 says 2 '--bogus' "$hapticctl" engage --bogus
-says 2 '--rate' "$hapticctl" watch --rate 0
-says 2 '--rate' "$hapticctl" watch --rate nan
-says 2 '--seconds' "$hapticctl" watch --seconds -3
+for option in '--rate 0' '--rate nan' '--seconds -3'; do
+  # shellcheck disable=SC2086
+  says 2 "${option% *}" "$hapticctl" watch $option
+done
 says 2 '--seconds' "$hapticctl" engage --seconds nan
+says 2 '--cert requires --key' env HAPTIC_CERT=client.pem "$hapticctl" info
+says 2 'none.toml' "$hapticctl" --config "$folder/none.toml" info
 
-# Beside a server: an address in use, a device that is not there.
-"$hapticd" --scene "$scene" --listen "unix:$folder/s" --realtime=off --log-level error 2>/dev/null &
+# The command line wins over the environment, that over the configuration file.
+export XDG_CONFIG_HOME="$folder" HOME="$folder"
+echo 'server = "unix:/of-file"' >"$folder/hapticctl.toml"
+ctl 3 "no hapticd answers at unix:$folder/s" info
+says 3 'no hapticd answers at unix:/of-file' "$hapticctl" info
+says 3 'no hapticd answers at unix:/of-environment' \
+  env HAPTIC_SERVER=unix:/of-environment "$hapticctl" info
+says 3 'no hapticd answers at unix:/of-command' \
+  env HAPTIC_SERVER=unix:/of-environment "$hapticctl" --server unix:/of-command info
+
+# With a server: an address in use, a device that is not there, one in FAULT; JSON from each command.
+"$hapticd" --scene "$scene" --listen "unix:$folder/s" --realtime=off --log-level error 2>/dev/null \
+  --set loop.late_bucket_full=1000000 --set 'loop.loop_late_fault={seconds: 10}' &
 server=$!
 tries=0
 until [ -S "$folder/s" ] || [ "$tries" -ge 100 ]; do tries=$((tries + 1)); sleep 0.1; done
 says 1 'in use' "$hapticd" --scene "$scene" --listen "unix:$folder/s"
-says 1 'must be one of finger' "$hapticctl" --server "unix:$folder/s" --device thumb info
-says 0 'finger' "$hapticctl" --server "unix:$folder/s" info
+ctl 4 'must be one of finger' --device thumb info
+ctl 0 'finger' info
+ctl 0 '{"serving":true}' health --json
+ctl 0 '"state":"' engage --json --seconds 0.2
+ctl 0 '"sessions": []' link --json
+ctl 0 '{"stopped":["finger"]}' estop --json
+ctl 5 'EMERGENCY_STOP' engage
+ctl 0 '{"cleared":["EMERGENCY_STOP"]}' clear-fault --json
 kill -TERM "$server"
 wait "$server" || { echo "FAILED: hapticd ended with status $?"; failures=$((failures + 1)); }
 

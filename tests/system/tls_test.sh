@@ -75,10 +75,10 @@ address=$(sed -n 's/.* on \(127\.0\.0\.1:[0-9]*\) .*/\1/p' log | head -1)
 [ -n "$address" ] || fail "no address in the log: $(cat log)"
 grep -q 'TLS, clients by certificate' log || fail "the log does not say what protects $address"
 
-says 1 'no hapticd answers' "$hapticctl" --server "$address" info
-says 1 'no hapticd answers' "$hapticctl" --server "$address" --ca ca.pem --server-name localhost info
+says 3 'no hapticd answers' "$hapticctl" --server "$address" info
+says 3 'no hapticd answers' "$hapticctl" --server "$address" --ca ca.pem --server-name localhost info
 says 2 '--key' "$hapticctl" --cert surgeon.pem info
-says 1 'must be a PEM file that can be read' "$hapticctl" --server "$address" --ca none.pem info
+says 2 'must be a PEM file that can be read' "$hapticctl" --server "$address" --ca none.pem info
 set -- --server "$address" --ca ca.pem --cert surgeon.pem --key surgeon.key --server-name localhost
 says 0 'hapticd' "$hapticctl" "$@" info
 says 0 'hapticd' "$hapticctl" --server "unix:$folder/s" info

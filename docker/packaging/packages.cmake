@@ -1,7 +1,7 @@
-# cpack -G DEB: hapticd, hapticd-client, python3-haptic, libhaptic-dev. Prefix /usr, whatever the build's is.
+# cpack -G DEB: hapticd, hapticd-client, python3-haptic, libhaptic-dev. The prefix is always /usr.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME hapticd)
-set(CPACK_PACKAGE_CONTACT "The hapticd authors <hapticd@localhost>")
+set(CPACK_PACKAGE_CONTACT "The hapticd authors <hapticd@users.noreply.github.com>")
 set(CPACK_PACKAGE_VENDOR "hapticd")
 set(CPACK_COMPONENTS_ALL server client python dev)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own first line
@@ -11,6 +11,7 @@ set(CPACK_STRIP_FILES ON)
 
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)  # as in debian/changelog
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_SERVER_PACKAGE_NAME hapticd)

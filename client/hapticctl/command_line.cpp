@@ -8,6 +8,7 @@
 #include <map>
 
 #include "exit_status.hpp"
+#include "haptic/wire/ports.hpp"
 
 namespace haptic::ctl {
 namespace {

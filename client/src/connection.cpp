@@ -11,11 +11,14 @@
 #include "call.hpp"
 #include "convert.hpp"
 #include "grpc/health/v1/health.pb.h"
+#include "haptic/wire/ports.hpp"
 #include "haptic/wire/utf8.hpp"
 #include "remote_session.hpp"
 #include "remote_watch.hpp"
 
 namespace haptic::client {
+
+const char* const kDefaultServer = wire::kDefaultServer;
 
 class Connection::Impl {
  public:

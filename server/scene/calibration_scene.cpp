@@ -3,7 +3,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "haptic/v1/scene.pb.h"
+#include "haptic/v1/calibration.pb.h"
 #include "server/scene/text_format.hpp"
 
 namespace haptic::server {

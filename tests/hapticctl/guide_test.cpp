@@ -183,10 +183,12 @@ TEST_F(GuideRun, EndsWhenToldTo) {
 
 TEST(CalibrationFile, HoldsEveryNumberToTheBit) {
   const CalibrationResult result{{{"l_x", 1.0 / 3.0, -0.1, 0.001, 0.049}}, {0.7}};
-  EXPECT_EQ(to_textproto(result, "HX-\"1\"", "2026-11-21"),
-            "# hapticctl calibrate\ndevice_serial: \"HX-\\\"1\\\"\"\ndate: \"2026-11-21\"\n"
-            "dof { name: \"l_x\" scale: 0.3333333333333333 offset: -0.1 lower: 0.001 upper: 0.049 "
-            "}\nforce_zero: 0.7\n");
+  EXPECT_EQ(
+      to_textproto(result, "HX-\"1\"", "2026-11-21"),
+      "# proto-file: haptic/v1/calibration.proto\n# proto-message: haptic.v1.Calibration\n"
+      "# Written by hapticctl calibrate.\ndevice_serial: \"HX-\\\"1\\\"\"\ndate: \"2026-11-21\"\n"
+      "dof { name: \"l_x\" scale: 0.3333333333333333 offset: -0.1 lower: 0.001 upper: 0.049 "
+      "}\nforce_zero: 0.7\n");
 }
 
 }  // namespace

@@ -173,7 +173,9 @@ std::string to_textproto(const CalibrationResult& result, const std::string& ser
     escaped += c;
   }
   std::string text =
-      "# hapticctl calibrate\ndevice_serial: \"" + escaped + "\"\ndate: \"" + date + "\"\n";
+      "# proto-file: haptic/v1/calibration.proto\n# proto-message: haptic.v1.Calibration\n"
+      "# Written by hapticctl calibrate.\ndevice_serial: \"" +
+      escaped + "\"\ndate: \"" + date + "\"\n";
   for (const DofCalibration& dof : result.dofs) {
     text += "dof { name: \"" + dof.name + "\" scale: " + shortest(dof.scale) +
             " offset: " + shortest(dof.offset) + " lower: " + shortest(dof.lower) +

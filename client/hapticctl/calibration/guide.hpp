@@ -70,7 +70,7 @@ class Guide {
   std::ostream& out_;
 };
 
-/// The file that hapticd reads (Calibration in scene.proto). `date`: YYYY-MM-DD.
+/// The file that hapticd reads (haptic/v1/calibration.proto). `date`: YYYY-MM-DD.
 [[nodiscard]] std::string to_textproto(const CalibrationResult& result, const std::string& serial,
                                        const std::string& date);
 

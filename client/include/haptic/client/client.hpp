@@ -2,7 +2,7 @@
 /// haptic::client - the C++ client of hapticd. One include for all of it; no gRPC, protobuf or Eigen
 /// type appears here.
 ///
-///   haptic::client::Connection server("127.0.0.1:50051");
+///   haptic::client::Connection server(haptic::client::kDefaultServer);
 ///   auto session = server.open({.client_name = "my simulation", .nominal_rate_hz = 60});
 ///   session->engage_when_ready();
 ///   for (...) {

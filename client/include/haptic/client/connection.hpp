@@ -10,11 +10,11 @@
 #include "haptic/client/link.hpp"
 #include "haptic/client/session.hpp"
 #include "haptic/client/watch.hpp"
-#include "haptic/wire/ports.hpp"
 
 namespace haptic::client {
 
-using wire::kDefaultServer;
+/// Address of a hapticd on this host that listens where it does by default, "127.0.0.1:PORT".
+extern const char* const kDefaultServer;
 
 /// TLS to the server. PEM files; each is read when the connection is made.
 struct TlsOptions {

@@ -3,10 +3,10 @@
 #
 #   docker/base-image.sh ENGINE [MIRROR]
 #
-# Needs root and debootstrap (docker/install-deps.sh containers). Does nothing where the image is there.
+# Needs root and debootstrap (docker/install-deps.sh containers). Does nothing if the image exists.
 set -eu
 engine=${1:?the engine: docker or podman}
-mirror=${2:-} # debootstrap knows one itself
+mirror=${2:-} # default: debootstrap's own
 image=localhost/debian:bookworm
 if "$engine" image inspect "$image" >/dev/null 2>&1; then exit 0; fi
 folder=$(mktemp -d)
@@ -17,7 +17,7 @@ debootstrap --variant=minbase bookworm "$folder/tree" ${mirror:+"$mirror"} >"$fo
   echo "base-image.sh: debootstrap failed" >&2
   exit 1
 }
-# Before the import: a later layer would hide it and weigh as much.
+# Before the import: a later layer would hide these files, and the image stay as large.
 rm -rf "$folder"/tree/var/cache/apt/* "$folder"/tree/var/lib/apt/lists/* "$folder"/tree/usr/share/doc/* \
   "$folder"/tree/usr/share/man/* "$folder"/tree/usr/share/locale/* "$folder"/tree/usr/share/info/* \
   "$folder"/tree/var/log/*.log

@@ -11,8 +11,7 @@
 #         node        npm, which fetches buf (proto/buf.sh) and the peer of tests/bench/network.sh
 #         firmware    the board's side
 #         containers  building and running images
-# Only what is missing is installed; with everything in place this is a no-op that needs neither
-# network nor root. "a|b" means: a, or b if the distribution (Ubuntu) calls it so.
+# Installs missing packages only; if none is missing it needs neither network nor root. "a|b" means: a, or b if the distribution (Ubuntu) calls it so.
 set -eu
 
 packages() {
@@ -33,7 +32,7 @@ packages() {
     report) echo "gnuplot-nox liblapack-dev libceres-dev libcminpack-dev" ;;
     node) echo "nodejs npm" ;;
     firmware) echo "gcc-arm-none-eabi" ;;
-    # An engine that needs neither daemon nor registry. Where Docker runs, docker/test.sh takes that.
+    # An engine that needs neither daemon nor registry; docker/test.sh uses Docker if it runs.
     containers) echo "podman podman-compose runc netavark aardvark-dns iptables debootstrap" \
                      "dpkg-dev python3" ;;
     *)
@@ -49,7 +48,7 @@ fail() {
 }
 
 installed() {  # installed NAME
-  # Other builds of nodejs bring npm along, and conflict with Debian's package of it.
+  # Other builds of nodejs contain npm, and conflict with Debian's package of it.
   if [ "$1" = npm ] && [ -x /usr/bin/npm ] && installed nodejs; then return 0; fi
   status=$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null) || return 1
   [ "$status" = installed ]
@@ -109,7 +108,7 @@ done
 as_root=
 if [ "$(id -u)" -ne 0 ]; then
   command -v sudo >/dev/null 2>&1 ||
-    fail "missing:$missing - and neither root nor sudo is at hand to install them"
+    fail "missing:$missing - and you are neither root nor have sudo to install them"
   as_root=sudo
 fi
 apt() { $as_root env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0 -o Acquire::Retries=3 "$@"; }
@@ -128,10 +127,10 @@ resolve() {  # sets `chosen`, or `unknown` to the first entry that apt does not 
 }
 
 echo "install-deps.sh: installing$missing" >&2
-# The package lists are fetched only when those at hand do not do.
+# The package lists are fetched only if the present ones are not enough.
 # shellcheck disable=SC2086
 if ! { resolve && apt install -y --no-install-recommends $chosen; }; then
-  apt update || fail "could not fetch the package lists - is the network there? Missing:$missing"
+  apt update || fail "could not fetch the package lists; is there a network? Missing:$missing"
   resolve || fail "the distribution has no package '$unknown' (Debian 12 and Ubuntu 24.04 do)"
   apt install -y --no-install-recommends $chosen ||
     fail "apt-get could not install:$chosen"

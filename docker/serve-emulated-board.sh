@@ -1,10 +1,10 @@
 #!/bin/sh
-# A server whose device is a board, and the board: haptic-board-emulator on a pseudo-terminal of the same
-# container. Arguments are hapticd's. Ends with the server's status.
+# Runs hapticd with a board: haptic-board-emulator on a pseudo-terminal of the same container. Arguments
+# are hapticd's. Ends with hapticd's status.
 set -eu
 board=$PWD/board
 scenes=/usr/share/haptic/scenes
-# The board's own watchdog, above the lateness that a shared machine without real-time scheduling shows.
+# The board's watchdog waits longer than a shared machine without real-time scheduling is late.
 haptic-board-emulator --link "$board" --watchdog-ms 1000 --motion "$scenes/motion/reach_and_grasp.csv" &
 emulator=$!
 while [ ! -L "$board" ]; do
@@ -17,7 +17,7 @@ stopping=false
 trap 'stopping=true; kill -TERM "$server"' TERM INT
 status=0
 wait "$server" || status=$?
-if $stopping; then # that wait was ended by the signal; this one has the server's status
+if $stopping; then # the signal ended that wait; this one returns the server's status
   status=0
   wait "$server" || status=$?
 fi

@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# The container tests, end to end: image, composition, trouble from outside, .deb packages in a clean
-# container. With docker or podman, also where there is no registry and no systemd.
+# Tests the containers: the image, the composition, network trouble, .deb packages in a clean container.
+# Works with docker and podman, also without a registry and without systemd.
 #
 #   docker/test.sh [--prebuilt BUILD] [--engine docker|podman] [--logs FOLDER] [--keep-images]
 #
-# --prebuilt BUILD  takes programs and packages from a build folder of this tree, brought up to date, where the image
-#                   is of this host's distribution; else, and without it, they are compiled in the image
-# --logs FOLDER     where every container's output goes; default: build/container-logs
-# --keep-images     leaves the images it built for the next run
-# Leaves no container, network or volume behind, and no image but the base it made.
-# Ends with 0: all held; 1: something did not; 3: no engine can be made to work, and why. Where that is known
-# and accepted, HAPTIC_SKIP_CONTAINERS='the reason' skips them: the reason is said, the end is 77.
+# --prebuilt BUILD  takes programs and packages from a build folder of this tree, which it updates, if the
+#                   image has this host's distribution; otherwise they are compiled in the image
+# --logs FOLDER     for the output of every container; default: build/container-logs
+# --keep-images     leaves the images that it built for the next run
+# Removes every container, network and volume of its own, and every image but the base that it made.
+# Exit status 0: every test passed; 1: one failed; 3: no engine works, with the reason. If you know that and
+# accept it, HAPTIC_SKIP_CONTAINERS='the reason' skips the tests with that message and status 77.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
@@ -43,7 +43,7 @@ for part in engine image staleness shutdown relay package; do
   . "$root/docker/test/$part.sh"
 done
 
-collect() { # what every container said; those that are gone have been collected before
+collect() { # the output of the containers that still run; that of the others is collected already
   local service id
   for service in hand board simulation observer relay; do
     id=$(container "$service") || continue

@@ -5,6 +5,8 @@ set -eu
 apt-get -qq -o Acquire::Retries=3 update
 apt-get -qq -o Acquire::Retries=3 install -y --no-install-recommends /debs/*.deb >/dev/null
 grep -qx 'ExecStart=/usr/bin/hapticd --scene /etc/hapticd/scene.textproto' /usr/lib/systemd/system/hapticd.service
+getent group haptic >/dev/null
+grep -q '^@haptic - rtprio 95$' /etc/security/limits.d/haptic.conf
 hapticd --scene /etc/hapticd/scene.textproto --set loop.late_bucket_full=1000000 &
 server=$!
 tries=0
@@ -24,7 +26,7 @@ with haptic.Connection("127.0.0.1:29470") as server:
 PYTHON
 kill -TERM "$server"
 wait "$server"
-# And away again, without a trace but what its owner may have changed.
+# A purge removes the settings too.
 apt-get -qq purge -y hapticd hapticd-client python3-haptic >/dev/null
-[ ! -e /etc/hapticd/scene.textproto ]
+[ ! -e /etc/hapticd/scene.textproto ] && [ ! -e /etc/security/limits.d/haptic.conf ]
 echo "installed, engaged from Python, stopped with status 0, purged"

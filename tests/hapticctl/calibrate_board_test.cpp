@@ -1,5 +1,5 @@
-// The guide, a script for a person, and an emulated board whose potentiometer is wrong; in virtual
-// time. What comes out must give the board's readings their meaning back.
+// The guide, a script that answers it, and an emulated board whose potentiometer is wrong, in virtual
+// time. With the calibration that results, the board's readings must be right.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -178,7 +178,7 @@ std::string exactly(double value) {
   return text;
 }
 
-TEST(CalibrateBoard, GivesAWrongPotentiometerItsMeaningBack) {
+TEST(CalibrateBoard, CorrectsAWrongPotentiometer) {
   const Motion motion;
   EmulatorConfig config;
   config.l_x_scale = 1.08;

@@ -19,7 +19,7 @@ using hw::emulator::BoardControl;
 using hw::emulator::EmulatorConfig;
 using hw::emulator::VirtualBoard;
 
-/// Of linkage and finger at the rod (hw/README.md, "The emulator"), and what the scene renders.
+/// Damping of linkage and finger at the rod (hw/README.md), and the damping that the scene renders.
 constexpr double kDeviceDamping = 0.5, kRenderedDamping = 0.0;  // N s/m
 
 /// What hapticctl doctor says of a host that is never late and whose serial ports add nothing.
@@ -157,7 +157,7 @@ const Law kLaws[] = {
     {"server {}", BoardControl::kDrive, {{{20.0, 100.0, 15.0, 2.0, 50.0}}, {}}},
     {"admittance {}", BoardControl::kPosition, {{}, {{0.0, 150.0, 0.03, 0.0, 0.05}}}}};
 
-TEST(DoctorsCap, IsStableOverTheWorkspaceWithForceControlInTheServer) {
+TEST(DoctorsCap, IsStableOverTheWorkspace) {
   const double stiffness = allowed_stiffness();
   // core/METHOD.md#sampled-data: 2 (b - B) / T and (b + B) / (T / 2), with b = 0.5, B = 0, T = 1
   // ms.
@@ -172,8 +172,8 @@ TEST(DoctorsCap, IsStableOverTheWorkspaceWithForceControlInTheServer) {
   }
 }
 
-/// The control: four times that is too stiff, and the test above would say so.
-TEST(DoctorsCap, FourTimesThatDoesNotComeToRest) {
+/// The positive control: the test above fails at four times the stiffness.
+TEST(DoctorsCap, FourTimesTheCapIsNot) {
   for (const Law& law : kLaws) {
     EXPECT_GT(over_the_workspace(law, 4.0 * allowed_stiffness()).ripple, 2.0);
   }

@@ -1,4 +1,4 @@
-// A made-up device whose sensors are wrong by a known scale and offset, and a script for a person.
+// A made-up device whose sensors are wrong by a known scale and offset; a script answers the guide.
 #include "calibration/guide.hpp"
 
 #include <gtest/gtest.h>
@@ -121,30 +121,25 @@ TEST_F(GuideRun, FindsWhatTheSensorsMean) {
   EXPECT_EQ(result.force_zero, std::vector<double>{0.7});
 }
 
-TEST_F(GuideRun, AsksAgainWhereTheAnswerIsNoNumber) {
+TEST_F(GuideRun, AsksAgainIfAnswerIsNoNumber) {
   auto steps = good();
   steps.insert(steps.begin(), {at(0.01, 0.0), "one"});
   EXPECT_NEAR(run(steps).dofs[0].scale, 1.25, 1e-12);
   EXPECT_NE(asked.str().find("'one' is no number"), std::string::npos);
 }
 
-TEST_F(GuideRun, AsksAgainWhereTheDeviceMoved) {
+TEST_F(GuideRun, AsksAgainIfTheDeviceMoved) {
   auto steps = good();
-  const auto shaken = [this] {
-    device.q = {0.01, 0.0};
-    device.shake = 0.001;
+  const auto shaken_by = [this](double shake) {
+    return [this, shake] { device.q = {0.01, 0.0}, device.shake = shake; };
   };
-  const auto calm = [this] {
-    device.q = {0.01, 0.0};
-    device.shake = 0.0;
-  };
-  steps[0] = {shaken, "0.01"};
-  steps.insert(steps.begin() + 1, {calm, "0.01"});
+  steps[0] = {shaken_by(0.001), "0.01"};
+  steps.insert(steps.begin() + 1, {shaken_by(0.0), "0.01"});
   EXPECT_NEAR(run(steps).dofs[0].offset, 0.004, 1e-12);
   EXPECT_NE(asked.str().find("hold it still"), std::string::npos);
 }
 
-TEST_F(GuideRun, TwoPlacesTooNearAreAskedForAgain) {
+TEST_F(GuideRun, AsksAgainIfPlacesAreTooNear) {
   auto steps = good();
   steps.insert(steps.begin(), {at(0.012, 0.0), "0.012"});
   steps.insert(steps.begin(), {at(0.010, 0.0), "0.010"});
@@ -152,7 +147,7 @@ TEST_F(GuideRun, TwoPlacesTooNearAreAskedForAgain) {
   EXPECT_NE(asked.str().find("both must differ"), std::string::npos);
 }
 
-TEST_F(GuideRun, ASensorThatDoesNotMoveIsNotCalibrated) {
+TEST_F(GuideRun, RefusesASensorThatDoesNotMove) {
   std::vector<Script::Step> steps;
   for (int i = 0; i < 2 * Guide::kTries; ++i) {
     steps.emplace_back(at(0.02, 0.0), i % 2 == 0 ? "0.0" : "0.05");
@@ -160,16 +155,16 @@ TEST_F(GuideRun, ASensorThatDoesNotMoveIsNotCalibrated) {
   EXPECT_EQ(why(steps), "l_x: the two places were never far enough apart");
 }
 
-TEST_F(GuideRun, TravelBeyondTheScenesRangeIsQuestioned) {
+TEST_F(GuideRun, QuestionsTravelBeyondTheRange) {
   auto steps = good();
   steps[2] = {through({{-0.02, 0.0}, {0.049, 0.0}}), ""};
-  const auto anew = [this] { device.passed = {{0.0, 0.0}, {0.05, 0.0}}; };
-  steps.insert(steps.begin() + 3, {anew, ""});
+  const auto within = [this] { device.passed = {{0.0, 0.0}, {0.05, 0.0}}; };
+  steps.insert(steps.begin() + 3, {within, ""});
   EXPECT_NEAR(run(steps).dofs[0].lower, 0.0, 1e-12);
   EXPECT_NE(asked.str().find("were the two places right?"), std::string::npos);
 }
 
-TEST_F(GuideRun, ASilentDeviceIsNamedAndGivenUp) {
+TEST_F(GuideRun, GivesUpOnASilentDevice) {
   device.samples = 3;
   std::vector<Script::Step> steps(Guide::kTries, {at(0.01, 0.0), "0.01"});
   EXPECT_EQ(why(steps), "l_x: no place was found in 5 tries");

@@ -1,10 +1,10 @@
 #!/bin/sh
-# The .deb packages: what is in them and what they ask for. docker/test.sh installs them in a clean
-# container. 77: dpkg-deb, dpkg-shlibdeps or file is not there.
+# The .deb packages: their contents, their dependencies, and lintian's errors. docker/test.sh installs
+# them in a clean container. 77: dpkg-deb, dpkg-shlibdeps, file, help2man or lintian is not there.
 #
 #   deb_test.sh BUILD FOLDER
 set -eu
-for tool in dpkg-deb dpkg-shlibdeps file; do
+for tool in dpkg-deb dpkg-shlibdeps file help2man lintian; do
   command -v $tool >/dev/null || { echo "skipped: no $tool"; exit 77; }
 done
 fail() {
@@ -30,8 +30,12 @@ holds() { # holds NAME PATH...
 }
 folder=$2
 holds hapticd ./usr/bin/hapticd ./usr/lib/systemd/system/hapticd.service ./etc/hapticd/scene.textproto \
-  ./usr/share/haptic/scenes/finger_soft_grasp.textproto ./usr/share/haptic/scenes/motion/reach_and_grasp.csv
-holds hapticd-client ./usr/bin/hapticctl ./usr/bin/haptic-example-soft-grasp
+  ./usr/share/haptic/scenes/finger_soft_grasp.textproto ./usr/share/haptic/scenes/motion/reach_and_grasp.csv \
+  ./etc/security/limits.d/haptic.conf ./usr/lib/udev/rules.d/60-haptic.rules \
+  ./usr/share/man/man8/hapticd.8.gz ./usr/share/bash-completion/completions/hapticd
+holds hapticd-client ./usr/bin/hapticctl ./usr/bin/haptic-example-soft-grasp \
+  ./usr/share/man/man1/hapticctl.1.gz ./usr/share/man/man1/hapticctl-watch.1.gz \
+  ./usr/share/bash-completion/completions/hapticctl
 holds python3-haptic ./usr/lib/python3/dist-packages/haptic/__init__.py ./usr/lib/python3/dist-packages/haptic/py.typed \
   ./usr/lib/python3/dist-packages/haptic/v1/session_pb2.py
 holds libhaptic-dev ./usr/include/haptic/client/client.hpp ./usr/share/haptic/proto/haptic/v1/session.proto
@@ -43,18 +47,20 @@ done
 field libhaptic-dev Depends | grep -qF libgrpc++-dev || fail "libhaptic-dev does not ask for gRPC"
 field python3-haptic Depends | grep -qF python3-grpcio || fail "python3-haptic does not ask for gRPC"
 for name in hapticd hapticd-client python3-haptic libhaptic-dev; do
-  holds $name ./usr/share/doc/$name/copyright
+  holds $name ./usr/share/doc/$name/copyright ./usr/share/doc/$name/changelog.Debian.gz
   field $name Description | sed -n 1p >>"$folder/synopses"
   stray=$(dpkg-deb --contents "$(package $name "$folder")" | awk '{ print $6 }' |
     grep -vE '^\./$|^\./(usr|etc)/' || true)
   [ -z "$stray" ] || fail "$name puts files at $stray"
 done
-[ "$(sort -u "$folder/synopses" | wc -l)" = 4 ] || fail "packages that say the same of themselves: $(cat "$folder/synopses")"
+[ "$(sort -u "$folder/synopses" | wc -l)" = 4 ] || fail "packages with the same description: $(cat "$folder/synopses")"
 
-# The unit runs what is in the package; the scene is the owner's to change.
+lintian --fail-on error "$folder"/*.deb >"$folder/lintian" 2>&1 || { cat "$folder/lintian"; fail "lintian"; }
+
+# The unit runs what is in the package; the user may change the scene and the limits.
 root=$2/root
 dpkg-deb --extract "$(package hapticd "$folder")" "$root"
 grep -qxF 'ExecStart=/usr/bin/hapticd --scene /etc/hapticd/scene.textproto' \
   "$root/usr/lib/systemd/system/hapticd.service" || fail "the unit starts something else"
-[ "$(dpkg-deb --info "$(package hapticd "$folder")" conffiles)" = /etc/hapticd/scene.textproto ] ||
-  fail "the scene is no conffile"
+[ "$(dpkg-deb --info "$(package hapticd "$folder")" conffiles | paste -s -d ' ')" = \
+  '/etc/hapticd/scene.textproto /etc/security/limits.d/haptic.conf' ] || fail "other conffiles"

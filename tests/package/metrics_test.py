@@ -32,8 +32,8 @@ class Metrics(unittest.TestCase):
         self.address = "unix:" + os.path.join(folder.name, "socket")
         self.server = subprocess.Popen(
             [HAPTICD, "--scene", SCENE, "--realtime=off", "--listen", self.address,
-             "--set", "server.metrics_listen=127.0.0.1:0", "--set", "server.udp_listen=127.0.0.1:0", "--set", "loop.late_bucket_full=1000000",
-             "--set", "loop.loop_late_fault={seconds: 10}"],
+             "--set", "server.metrics_listen=127.0.0.1:0", "--set", "server.udp_listen=127.0.0.1:0",
+             "--set", "loop.late_bucket_full=1000000", "--set", "loop.loop_late_fault={seconds: 10}"],
             stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.end)
         for line in self.server.stderr:
@@ -41,7 +41,7 @@ class Metrics(unittest.TestCase):
             if found:
                 self.url = f"http://127.0.0.1:{found[1]}/metrics"
                 return
-        self.fail("hapticd told no metrics port")
+        self.fail("hapticd logged no metrics port")
 
     def end(self) -> None:
         self.server.kill()
@@ -65,7 +65,7 @@ class Metrics(unittest.TestCase):
                                 capture_output=True)
         self.assertNotEqual(judged.returncode, 0)
 
-    def test_they_tell_what_happened(self) -> None:
+    def test_metrics_show_what_happened(self) -> None:
         before = parse(self.scrape())
         device = 'device="finger"'
         self.assertEqual(before["haptic_device_controlled", device], 0)
@@ -83,7 +83,7 @@ class Metrics(unittest.TestCase):
         self.assertAlmostEqual(grown("haptic_loop_lateness_seconds_count"), ticks, delta=5)
         fresh = grown("haptic_staleness_seconds_total", device + ',level="fresh"')
         self.assertGreater(fresh, 0.5)
-        # It begins on the stream, and goes on by UDP once that proved good.
+        # Samples begin on the stream and go by UDP once that has proved good.
         grpc, udp = (grown("haptic_carrier_seconds_total", f'{device},carrier="{c}"') for c in ("grpc", "udp"))
         self.assertGreater(grpc + udp, 0.5)
         self.assertGreater(min(grpc, udp), 0)
@@ -96,18 +96,18 @@ class Metrics(unittest.TestCase):
 
     maxDiff = None
 
-    def test_the_document_lists_what_is_served(self) -> None:
+    def test_page_lists_what_is_served(self) -> None:
         documented: dict[str, str] = {}
         with open(README, encoding="utf-8") as page:
             for names, kind in re.findall(r"^\| (`(?:haptic|process)_[^|]*) \| (\w+) \|", page.read(), re.M):
                 documented.update({name: kind for name in re.findall(r"`(\w+)`", names)})
         served = dict(re.findall(r"^# TYPE (\w+) (\w+)$", self.scrape(), re.M))
-        # Of boards only, and here is none.
+        # These exist for boards only, and this scene has none.
         for name in ("haptic_link_frames_total", "haptic_loop_sample_paced_ticks_total"):
             self.assertEqual(documented.pop(name), "counter")
         self.assertEqual(documented, served)
 
-    def test_a_session_is_counted_while_it_is_open(self) -> None:
+    def test_open_session_is_counted(self) -> None:
         labels = 'device="finger"'
         client = subprocess.Popen([HAPTICCTL, "--server", self.address, "engage", "--hold", "--seconds", "60"],
                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -123,7 +123,7 @@ class Metrics(unittest.TestCase):
         self.assertEqual(page["haptic_sessions", ""], 1)
         self.assertEqual(page["haptic_device_state", labels + ',state="engaged"'], 1)
 
-    def test_a_stop_is_a_fault_that_counts_once(self) -> None:
+    def test_stop_counts_as_one_fault(self) -> None:
         labels = 'device="finger",fault="emergency_stop"'
         self.assertEqual(parse(self.scrape())["haptic_faults_total", labels], 0)
         subprocess.run([HAPTICCTL, "--server", self.address, "estop"], check=True,

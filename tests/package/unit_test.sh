@@ -1,6 +1,6 @@
 #!/bin/sh
-# The systemd unit as installed: systemd's own opinion of it, and what this project promises of it.
-# 77: systemd-analyze is not there.
+# The systemd unit as installed: systemd finds no fault with it, and it has the lines that the pages
+# promise. 77: systemd-analyze is not there.
 #
 #   unit_test.sh BUILD FOLDER
 set -eu
@@ -14,9 +14,9 @@ if [ -n "$complaints" ]; then
   echo "$complaints" >&2
   exit 1
 fi
-for line in Type=notify NotifyAccess=main WatchdogSec=2s LimitRTPRIO=95 LimitMEMLOCK=infinity \
+for line in "Documentation=man:hapticd(8) man:hapticctl(1)" Type=notify NotifyAccess=main WatchdogSec=2s LimitRTPRIO=95 LimitMEMLOCK=infinity \
   "ExecStart=$2/bin/hapticd --scene $2/etc/hapticd/scene.textproto"; do
   grep -qxF "$line" "$unit" || { echo "unit_test.sh: no line '$line'" >&2; exit 1; }
 done
-# What it starts is there, and right.
+# The scene that it serves is there and valid.
 "$2/bin/hapticd" --scene "$2/etc/hapticd/scene.textproto" --check-scene

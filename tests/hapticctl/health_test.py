@@ -47,7 +47,8 @@ class Health(unittest.TestCase):
         self.serve(SERVING)
         ended = self.health()
         self.assertEqual((ended.returncode, ended.stdout), (0, "serving\n"))
-        self.assertEqual(self.asked, [b""])  # no service named: the whole server
+        self.assertEqual(self.health("--json").stdout, '{"serving":true}\n')
+        self.assertEqual(self.asked, [b"", b""])  # no service named: the whole server
 
     def test_not_serving_is_1(self) -> None:
         self.serve(NOT_SERVING)

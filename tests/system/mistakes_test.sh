@@ -89,7 +89,6 @@ until [ -S "$folder/s" ] || [ "$tries" -ge 100 ]; do tries=$((tries + 1)); sleep
 says 1 'in use' "$hapticd" --scene "$scene" --listen "unix:$folder/s"
 ctl 4 'must be one of finger' --device thumb info
 ctl 0 'finger' info
-ctl 0 '{"serving":true}' health --json
 ctl 0 '"state":"' engage --json --seconds 0.2
 ctl 0 '"sessions": []' link --json
 ctl 0 '{"stopped":["finger"]}' estop --json

@@ -65,7 +65,8 @@ bool Force::answered(const std::optional<ClientError>& refused, bool same_sessio
     wanted_ = again_;
     due_ = now + kAgreed;
   } else if (same_session && !curable(*refused)) {
-    // A lease that is over ends nothing: the next session asks again. Its event tells of a preemption.
+    // A lease that is over ends nothing: the next session asks again. Its event tells of a
+    // preemption.
     wanted_ = next_lease_ && refused->server_reason() == "NOT_CONTROLLER";
   }
   return false;

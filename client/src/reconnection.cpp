@@ -10,8 +10,8 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kFirstDelay{100}, kLongestDelay{2000};
 
-/// Whether waiting can change the answer to the same opening: a server comes back, a lease runs out,
-/// a session ends. A wrong argument stays wrong.
+/// Whether waiting can change the answer to the same opening: a server comes back, a lease runs
+/// out, a session ends. A wrong argument stays wrong.
 bool may_pass(ErrorReason reason) {
   return reason == ErrorReason::kUnreachable || reason == ErrorReason::kTimeout ||
          reason == ErrorReason::kLeaseHeld || reason == ErrorReason::kNotReady ||

@@ -1,6 +1,6 @@
 #pragma once
-/// Whether a session has a stream, and when the next attempt at one is due. This class neither reads
-/// a clock nor opens a stream: the session does, and reports here what came of it.
+/// Whether a session has a stream, and when the next attempt at one is due. This class neither
+/// reads a clock nor opens a stream: the session does, and reports here what came of it.
 
 #include <chrono>
 #include <cstdint>
@@ -32,7 +32,8 @@ class Reconnection {
   /// The stream ended, or the opening failed. Without effect if there was neither.
   void ended(const ClientError& why);
   /// After ended(): true if another attempt follows. The first one is due at once, the next after
-  /// 0.1, 0.2, 0.4 ... 2 s. None follows a refusal that no waiting changes, such as a wrong argument.
+  /// 0.1, 0.2, 0.4 ... 2 s. None follows a refusal that no waiting changes, such as a wrong
+  /// argument.
   [[nodiscard]] bool retry(TimePoint now);
   void close() noexcept { state_ = State::kClosed; }
 

@@ -11,8 +11,8 @@ namespace haptic::client {
 
 namespace {
 
-/// How long close() waits for the server to hear the farewell: a lease that waits for a client which
-/// will not come back keeps the device's damping on.
+/// How long close() waits for the server to hear the farewell: a lease that waits for a client
+/// which will not come back keeps the device's damping on.
 constexpr std::chrono::milliseconds kFarewell{500};
 
 }  // namespace

@@ -2,9 +2,9 @@
 /// A session with a server: its worker thread and its streams, one after another.
 ///
 /// Threads: gRPC's and the UDP carrier's bring messages into fields under mutex_ and call on_state
-/// (session_receive.cpp). The worker calls on_event and on_disconnect, asks for force and reconnects
-/// (session_worker.cpp). Lock order: publish_mutex_, then mutex_. No Stream and no UdpCarrier is
-/// called, and no callback runs, with mutex_ held.
+/// (session_receive.cpp). The worker calls on_event and on_disconnect, asks for force and
+/// reconnects (session_worker.cpp). Lock order: publish_mutex_, then mutex_. No Stream and no
+/// UdpCarrier is called, and no callback runs, with mutex_ held.
 
 #include <condition_variable>
 #include <deque>

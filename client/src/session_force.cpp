@@ -32,8 +32,8 @@ std::optional<ClientError> RemoteSession::engage_refusal() const {
 void RemoteSession::release() {
   {
     Lock lock(mutex_);
-    // An Engage under way could overtake the Release. A callback of gRPC cannot wait for its answer,
-    // which may need this very thread; it has a deadline.
+    // An Engage under way could overtake the Release. A callback of gRPC cannot wait for its
+    // answer, which may need this very thread; it has a deadline.
     force_.release(in_callback_of_grpc());
     if (!in_callback_of_grpc()) {
       changed_.wait(lock, [this] { return engage_call_ == nullptr; });

@@ -32,8 +32,8 @@ void RemoteSession::publish_in_order(v1::SessionRequest& request, Fill fill) {
       udp = udp_;
     }
     if (resumable() && reconnection_.state() == Reconnection::State::kLeaseLost) {
-      // Only a new session controls the device. It begins with this sample and not before, so that a
-      // silent client does not hold the device.
+      // Only a new session controls the device. It begins with this sample and not before, so that
+      // a silent client does not hold the device.
       reconnection_.ended(
           {ErrorReason::kClosed, "the lease is over: it had expired, or was preempted"});
       work_.notify_all();

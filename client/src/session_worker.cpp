@@ -49,8 +49,8 @@ void RemoteSession::reconnect(Lock& lock) {
   const std::shared_ptr<Stream> old = std::move(stream_);
   stream_.reset();
   lock.unlock();
-  // publish() may hold the old stream for a moment longer than this function. Its end must come now,
-  // so that it is not taken for the end of the next stream.
+  // publish() may hold the old stream for a moment longer than this function. Its end must come
+  // now, so that it is not taken for the end of the next stream.
   if (old) old->end();
   std::optional<ClientError> error;
   try {

@@ -18,8 +18,8 @@ class StreamSink {
   virtual ~StreamSink() = default;
   /// One at a time; must not block.
   virtual void on_message(const v1::SessionResponse& message) = 0;
-  /// Follows on_message(): tells the user. If delivers_quickly() was false the next message is being
-  /// read meanwhile, and calls may overlap.
+  /// Follows on_message(): tells the user. If delivers_quickly() was false the next message is
+  /// being read meanwhile, and calls may overlap.
   virtual void deliver() = 0;
   /// Whether deliver() returns so soon that the next read may wait for it. To start that read first
   /// costs the user's callback as much time as waking a thread.

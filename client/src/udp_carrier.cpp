@@ -142,8 +142,8 @@ bool UdpCarrier::connect() {
   return false;
 }
 
-/// Under the mutex. A connected UDP socket does not tell whether anything listens there: "localhost"
-/// is [::1] and 127.0.0.1, and a server may listen at one of them only.
+/// Under the mutex. A connected UDP socket does not tell whether anything listens there:
+/// "localhost" is [::1] and 127.0.0.1, and a server may listen at one of them only.
 bool UdpCarrier::try_another(wire::PathChange change) {
   if (change != wire::PathChange::kRefused || address_ == Address::kKept || addresses_.size() < 2) {
     return false;
@@ -174,8 +174,8 @@ void UdpCarrier::drain() {
   if (newer) sink_.on_state(state_);
 }
 
-/// Runs `action` on the path. If that leaves it fallen back or in doubt, the newest sample that went
-/// by UDP may be lost, and did not go by the stream as well.
+/// Runs `action` on the path. If that leaves it fallen back or in doubt, the newest sample that
+/// went by UDP may be lost, and did not go by the stream as well.
 template <typename Action>
 void UdpCarrier::on_path(Action action) {
   v1::ProxySample newest;

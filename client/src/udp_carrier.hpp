@@ -34,8 +34,8 @@ class UdpCarrier {
   };
 
   /// `stream_address`: what the channel was made of; its host stands in if the offer names none.
-  /// `period`: of what this end sends or hears, to measure the path's silence by. Throws ClientError
-  /// if the offer's keys are wrong.
+  /// `period`: of what this end sends or hears, to measure the path's silence by. Throws
+  /// ClientError if the offer's keys are wrong.
   UdpCarrier(const v1::UdpPath& offer, const std::string& stream_address,
              std::chrono::nanoseconds period, Sink sink);
   /// Only after stop().

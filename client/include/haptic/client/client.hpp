@@ -1,6 +1,6 @@
 #pragma once
-/// haptic::client - the C++ client of hapticd. One include for all of it; no gRPC, protobuf or Eigen
-/// type appears here.
+/// haptic::client - the C++ client of hapticd. One include for all of it; no gRPC, protobuf or
+/// Eigen type appears here.
 ///
 ///   haptic::client::Connection server(haptic::client::kDefaultServer);
 ///   auto session = server.open({.client_name = "my simulation", .nominal_rate_hz = 60});
@@ -10,9 +10,9 @@
 ///     session->publish(haptic::client::Proxy::held(step(state.x_probe)));
 ///   }
 ///
-/// Units are SI. An array has one value per degree of freedom or per virtual coordinate, in the order
-/// of DeviceInfo. Everything may be called from any thread; session.hpp and watch.hpp say on which
-/// threads callbacks run. Calls that wait for an answer throw ClientError (error.hpp).
+/// Units are SI. An array has one value per degree of freedom or per virtual coordinate, in the
+/// order of DeviceInfo. Everything may be called from any thread; session.hpp and watch.hpp say on
+/// which threads callbacks run. Calls that wait for an answer throw ClientError (error.hpp).
 
 #include "haptic/client/connection.hpp"
 #include "haptic/client/error.hpp"

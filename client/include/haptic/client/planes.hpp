@@ -1,7 +1,7 @@
 #pragma once
-/// Planes for a simulation that has none: one per constrained block, from the proxy and the haptic
-/// probe it was computed from. The server then moves the proxy along them at 1 kHz, so that nothing
-/// drags while the network is slow, and only a contact's first sample comes late.
+/// Planes for a simulation that only knows its proxy. A plane says what the haptic probe may not
+/// pass; the server keeps the probe out of it at 1 kHz. Compared with a held proxy, nothing drags
+/// along the surface while the network is slow, and only the first sample of a contact comes late.
 
 #include <cstddef>
 #include <vector>
@@ -10,20 +10,21 @@
 
 namespace haptic::client {
 
-/// Coordinates that are constrained together: a fingertip, a joint, a tool. `first` and how many.
+/// Consecutive coordinates that are constrained together: a fingertip, a joint, a tool.
 struct Block {
   std::size_t first{0};
   std::size_t count{0};
 };
 
-/// The plane of a block has the normal x_probe - x (kind "angle" the short way round, a "quaternion"
-/// with the sign nearer to x)
-/// and holds x: x is the point nearest to x_probe that it allows, the proxy as it was computed (in a
-/// scene with a metric that weighs a block's coordinates differently, a point of the same plane). A
-/// block whose proxy is its probe, to `least` (m or rad), is not constrained and has no plane. Of more
-/// than 6 the ones with the largest distance stay. `blocks` empty: all coordinates are one.
+/// One plane per block, from the proxy x and the haptic probe x_probe that x was computed from, one
+/// value per coordinate each. The plane passes through x and its normal is x_probe - x, so that x
+/// is the point nearest to x_probe that it allows. Coordinates of kind "angle" differ the short way
+/// round, a "quaternion" has the sign that is nearer to x.
 ///
-/// Sizes: x and x_probe one value per coordinate; else, and where a block lies outside, no plane.
+/// A block whose proxy is within `least` (m or rad) of its probe is not constrained and gets no
+/// plane. Of more than 6 planes those with the largest distance are returned. `blocks` empty: all
+/// coordinates are one block. If a size does not fit, or a block ends beyond the last coordinate,
+/// it has no plane.
 [[nodiscard]] std::vector<Plane> derive_planes(const std::vector<VirtualCoordinate>& coordinates,
                                                const std::vector<double>& x,
                                                const std::vector<double>& x_probe,

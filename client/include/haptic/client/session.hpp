@@ -1,18 +1,20 @@
 #pragma once
-/// A session with one device: publish where the proxy is, receive the device's states, ask for force.
-/// Connection::open() makes one.
+/// A session with one device: publish where the proxy is, receive the device's states, ask for
+/// force. Connection::open() makes one.
 ///
 /// Words. The *haptic probe* is where the device is in the virtual space; the *proxy* is where the
-/// simulation's objects let it be. The server renders a force that pulls the probe to the proxy. The
-/// *lease* is a controller's right to the device; it expires after a while without samples.
+/// simulation's objects let it be. The server renders a force that pulls the probe to the proxy.
+/// The *lease* is a controller's right to the device; it expires after a while without samples.
 ///
-/// Threads. Every member may be called from any thread. Three callbacks run on the library's threads:
+/// Threads. Every member may be called from any thread. Three callbacks run on the library's
+/// threads:
 /// - on_state runs on the thread that received the state, so that it is called without delay. Copy
-///   what you need and return: while it runs, newer states replace each other and only the newest is
-///   kept. A step of a simulation belongs into a loop of its own, with wait_for_state().
+///   what you need and return: while it runs, newer states replace each other, and it gets the
+///   newest next. A step of a simulation belongs in a loop of its own, with wait_for_state().
 /// - on_event and on_disconnect share one thread and may take their time; events wait in order.
-/// No callback runs twice at once, but on_state may run at the same time as one of the other two. A
-/// callback may call every member but wait_for_state() (in on_state), and must not destroy the
+///
+/// No callback runs twice at once, but on_state may run at the same time as one of the other two.
+/// A callback may call every member but wait_for_state() (in on_state), and must not destroy the
 /// session. An exception that a callback throws is dropped.
 
 #include <chrono>
@@ -31,11 +33,11 @@ namespace haptic::client {
 /// What a session does when its stream is lost.
 enum class Reconnect : std::uint8_t {
   kNever,  ///< the session ends
-  /// It opens another stream: at once, then after 0.1, 0.2, 0.4 ... 2 s, until the server refuses for
-  /// a reason that no waiting changes. If the lease has not expired by then, the session is resumed:
-  /// force, settings and sample numbers go on (event LEASE_RESUMED). Otherwise it begins anew (event
-  /// LEASE_GRANTED) without force. A session whose lease expired or was preempted begins anew with
-  /// the next sample that is published.
+  /// It opens another stream: at once, then after 0.1, 0.2, 0.4 ... 2 s, until the server refuses
+  /// for a reason that no waiting changes. If the lease has not expired by then, the session is
+  /// resumed: force, settings and sample numbers go on (event LEASE_RESUMED). Otherwise it begins
+  /// anew (event LEASE_GRANTED) without force. A session whose lease expired or was preempted
+  /// begins anew with the next sample that is published.
   kWithBackoff
 };
 
@@ -60,8 +62,8 @@ struct SessionOptions {
   /// A server that asks for certificates may refuse a priority above that of the certificate.
   Priority priority{Priority::kPrimary};
   double state_rate_hz{0.0};  ///< of the states that are received; 0: every tick of the loop
-  /// Sends each held proxy as planes, one per block of `blocks` (planes.hpp), derived from the state
-  /// that was last given to you.
+  /// Sends each held proxy as planes, one per block of `blocks` (planes.hpp), derived from the
+  /// state that was last given to you.
   bool derive_planes{false};
   std::vector<Block> blocks{};  ///< empty: all coordinates are one block
   /// Ages at which a sample is no longer fresh, its force begins to fade, and has faded. Each may
@@ -75,13 +77,13 @@ struct SessionOptions {
   std::chrono::milliseconds timeout{5000};  ///< of every call that waits for an answer
   std::function<void(const DeviceState&)> on_state{};
   std::function<void(const Event&)> on_event{};
-  /// The stream was lost. Called with `will_retry` if the session reconnects, and again without it if
-  /// that turns out to be hopeless.
+  /// The stream was lost. Called with `will_retry` if the session reconnects, and again without it
+  /// if that turns out to be hopeless.
   std::function<void(const ClientError&, bool will_retry)> on_disconnect{};
 };
 
-/// Settings of the device, one value per actuated DoF: stiffness in N/m or N m/rad, damping in N s/m
-/// or N m s/rad, limits of the force in N or N m and of its slope in N/s or N m/s.
+/// Settings of the device, one value per actuated DoF: stiffness in N/m or N m/rad, damping in N
+/// s/m or N m s/rad, limits of the force in N or N m and of its slope in N/s or N m/s.
 struct Settings {
   std::vector<double> stiffness{}, damping{}, force_limit{}, slew_limit{};  ///< empty: unchanged
   Renderer renderer{Renderer::kUnchanged};
@@ -106,28 +108,30 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Sends where the proxy is now. Never waits for the network, never throws. The newest sample wins:
-  /// one that could not be sent yet is replaced and counted; without a stream it is dropped. If
-  /// `device_seq_used` is 0, the sample is taken to be computed from the state that was last given to
-  /// you, by a call or a callback.
+  /// Sends where the proxy is now. Never waits for the network, never throws. The newest sample
+  /// wins: one that could not be sent yet is replaced and counted; without a stream it is dropped.
+  /// If `device_seq_used` is 0, the sample is taken to be computed from the state that was last
+  /// given to you, by a call or a callback.
   virtual void publish(Proxy proxy) noexcept = 0;
   /// The same for the poses of a tracker.
   virtual void publish_pose(const Pose& pose) noexcept = 0;
 
   /// The newest state; its `seq` is 0 before the first one, and after the session began anew.
   [[nodiscard]] virtual DeviceState state() const = 0;
-  /// Waits for a state newer than the last one that this call returned. Throws kTimeout, kClosed, and
-  /// kInvalidArgument if called in on_state.
+  /// Waits for a state newer than the last one that this call returned. Throws kTimeout, kClosed,
+  /// and kInvalidArgument if called in on_state.
   [[nodiscard]] virtual DeviceState wait_for_state() = 0;
 
   /// Asks for force once. Throws kNotReady and says what is missing.
   virtual void engage() = 0;
   /// Asks for force in the background, every 50 ms, until the server agrees. Gives up on a refusal
-  /// that more time cannot cure, on a fault, and, without `re_engage`, when force is lost. Idempotent.
+  /// that more time cannot cure, on a fault, and, without `re_engage`, when force is lost.
+  /// Idempotent.
   virtual void engage_when_ready() = 0;
   /// Why engage_when_ready() has no force yet, or why it gave up; empty after the server agreed.
   [[nodiscard]] virtual std::optional<ClientError> engage_refusal() const = 0;
-  /// Gives force up; it fades out. Also ends engage_when_ready(). Without a stream it returns at once.
+  /// Gives force up; it fades out. Also ends engage_when_ready(). Without a stream it returns at
+  /// once.
   virtual void release() = 0;
   virtual AppliedSettings update(const Settings& settings) = 0;
 
@@ -139,9 +143,9 @@ class Session {
   [[nodiscard]] virtual PublishStatistics statistics() const = 0;
   [[nodiscard]] virtual const DeviceInfo& device() const = 0;  ///< as it was at the first opening
 
-  /// Ends the session; the server lets force fade out. No callback runs after close() returned; called
-  /// in a callback, it does not wait for that one. A session that reconnects gives the server up to
-  /// 500 ms to hear that it ends; other sessions do not wait for the server.
+  /// Ends the session; the server lets force fade out. No callback runs after close() returned;
+  /// called in a callback, it does not wait for that one. A session that reconnects gives the
+  /// server up to 500 ms to hear that it ends; other sessions do not wait for the server.
   virtual void close() = 0;
 
  protected:

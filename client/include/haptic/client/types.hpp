@@ -1,6 +1,6 @@
 #pragma once
-/// What a client sees of the server, its devices and their states. SI units; arrays in the order of
-/// DeviceInfo.
+/// What a client sees of the server, its devices and their states. Units are SI. "Per DoF", "per
+/// actuated DoF" and "per coordinate" mean one value for each, in the order of DeviceInfo.
 
 #include <chrono>
 #include <cstdint>
@@ -13,147 +13,181 @@
 
 namespace haptic::client {
 
-/// kNone: of a state without a proxy in use; nothing to publish.
-enum class Mode : std::uint8_t { kNone = 0, kHeld = 1, kFree = 2, kPlanes = 3 };
+/// How a proxy acts between two samples.
+enum class Mode : std::uint8_t {
+  kNone = 0,    ///< only in states: no proxy is in use
+  kHeld = 1,    ///< it stays where it is
+  kFree = 2,    ///< nothing is in the way: no force
+  kPlanes = 3,  ///< the server keeps the probe out of planes
+};
+/// Of a sample in use: by its age force is full (FRESH, HOLD), fades (FADE) or is gone (LOST).
 enum class Staleness : std::uint8_t { kUnknown = 0, kFresh = 1, kHold = 2, kFade = 3, kLost = 4 };
+/// What brought a sample or a state.
 enum class Carrier : std::uint8_t { kUnknown = 0, kGrpc = 1, kUdp = 2 };
+/// What a device is ready for. Force is rendered from kEngaging to kReleasing only.
 enum class Lifecycle : std::uint8_t {
   kUnknown = 0,
-  kInit = 1,
-  kIdle = 2,
-  kArmed = 3,
-  kEngaging = 4,
-  kEngaged = 5,
-  kReleasing = 6,
-  kFault = 7,
-  kClosing = 8,
+  kInit = 1,       ///< the device opens
+  kIdle = 2,       ///< no controller has the device
+  kArmed = 3,      ///< a controller has it and may ask for force; damping only
+  kEngaging = 4,   ///< force rises
+  kEngaged = 5,    ///< force is fully on
+  kReleasing = 6,  ///< force fades out
+  kFault = 7,      ///< zero force until the fault is cleared
+  kClosing = 8,    ///< the server ends
 };
+/// How force is computed from proxy and probe; equations as in core/METHOD.md.
 enum class Renderer : std::uint8_t {
   kUnchanged = 0,
-  kStandard = 1,
-  kNullSpace = 2,
-  kSubspaceLinear = 3,
-  kSubspaceExact = 4,
+  kStandard = 1,        ///< a spring in the virtual space, Eq. (1)
+  kNullSpace = 2,       ///< the same without what the unactuated DoFs feel, Eq. (3)-(4)
+  kSubspaceLinear = 3,  ///< the subspace proxy, linearised, Eq. (7)-(8)
+  kSubspaceExact = 4,   ///< the subspace proxy, Eq. (6)
 };
 [[nodiscard]] const char* name(Lifecycle state) noexcept;      ///< "ENGAGED"
 [[nodiscard]] const char* name(Staleness staleness) noexcept;  ///< "FRESH"
 [[nodiscard]] const char* name(Carrier carrier) noexcept;      ///< "GRPC"
-/// The bits of DeviceState::faults, and of limiters, by name: {"LOOP_LATE", "EMERGENCY_STOP"}.
+/// The names of the bits of DeviceState::faults and DeviceState::limiters, for example
+/// {"LOOP_LATE", "EMERGENCY_STOP"}. A bit that this library does not know is named by its number.
 [[nodiscard]] std::vector<std::string> fault_names(std::uint32_t faults);
 [[nodiscard]] std::vector<std::string> limiter_names(std::uint32_t limiters);
 
 struct DegreeOfFreedom {
   std::string name{}, unit{};  ///< unit "m" or "rad"
   bool actuated{false};
-  double lower{0.0}, upper{0.0};
-  double max_effort{0.0};  ///< N or N m
+  double lower{0.0}, upper{0.0};  ///< its range, m or rad
+  double max_effort{0.0};         ///< N or N m
 };
 
 struct VirtualCoordinate {
-  std::string name{}, unit{}, kind{};
+  std::string name{}, unit{};
+  std::string kind{};  ///< "linear", "angle" (wraps) or "quaternion" (four in a row)
 };
 
 struct DeviceInfo {
   std::string name{}, kind{}, model{}, serial{};
-  bool moves{true};
+  bool moves{true};          ///< false: a recording, which no force moves
   std::string calibrated{};  ///< day of the calibration in use; empty: none is
   bool measures_force{false};
   std::vector<DegreeOfFreedom> dofs{};
   std::vector<VirtualCoordinate> coordinates{};
-  std::vector<double> stiffness_limit{}, damping_limit{}, force_limit{}, slew_limit{},
-      engage_window{};  ///< per actuated DoF
+  /// The most that Session::update() may set, per actuated DoF; see Settings.
+  std::vector<double> stiffness_limit{}, damping_limit{}, force_limit{}, slew_limit{};
+  /// Engage is refused while the spring's force would be larger, N or N m per actuated DoF.
+  std::vector<double> engage_window{};
   double loop_rate_hz{0.0};
   Lifecycle state{Lifecycle::kUnknown};
   std::uint32_t faults{0};
-  std::string controller{};  ///< who holds the lease; empty: nobody
+  std::string controller{};  ///< client_name of the one that has the lease; empty: none
   Renderer renderer{Renderer::kUnchanged};
   unsigned observers{0};
-  bool wants_tracker{false};  ///< a client in the role tracker says where its palm is
-  std::string tracker{};      ///< who does; empty: nobody
+  bool wants_tracker{false};  ///< a session with SessionOptions::tracker has to publish poses
+  std::string tracker{};      ///< client_name of that session; empty: none
 };
 
 struct ServerInfo {
   std::string version{}, protocol{}, scene{};
-  std::string realtime_grade{}, realtime_explanation{};
-  std::vector<std::string> insecure{};
-  std::uint64_t ticks{0}, skipped_ticks{0}, records_dropped{0};
-  double lateness_p50_us{0.0}, lateness_p99_us{0.0}, lateness_max_us{0.0};
-  double tick_p50_us{0.0}, tick_p99_us{0.0};
+  std::string realtime_grade{}, realtime_explanation{};  ///< which real-time rights it was given
+  std::vector<std::string> insecure{};  ///< what is not protected, for people; empty: nothing
+  std::uint64_t ticks{0}, skipped_ticks{0};
+  std::uint64_t records_dropped{0};  ///< ticks that are missing in recording and telemetry
+  double lateness_p50_us{0.0}, lateness_p99_us{0.0}, lateness_max_us{0.0};  ///< of a tick's begin
+  double tick_p50_us{0.0}, tick_p99_us{0.0};  ///< how long a tick took
   std::string paced_by{};            ///< the device whose samples begin ticks; empty: the timer
-  std::uint64_t paced_by_sample{0};  ///< ticks that they began
+  std::uint64_t paced_by_sample{0};  ///< number of ticks that began so
   unsigned sessions{0};
   std::chrono::nanoseconds uptime{0};
 };
 
-/// The server's book of energy, J (session.proto, PassivityState).
+/// The server's account of energy: core/METHOD.md#energy-tank and
+/// core/METHOD.md#passivity-observer.
 struct PassivityState {
-  double tank{0.0}, storage{0.0}, scale{0.0}, observed{0.0};
-  double alpha{0.0};  ///< s
+  double tank{0.0};      ///< J; what changes of the spring may still put in
+  double storage{0.0};   ///< J; stored in the spring in use
+  double scale{0.0};     ///< of the spring's deviation; below 1 the tank throttles it
+  double observed{0.0};  ///< J; taken from the user beyond what is stored
+  double alpha{0.0};     ///< s; the passivity controller adds alpha times the stiffness as damping
 };
 
-/// The tracker's pose in use (session.proto, TrackerState).
+/// The tracker's pose in use.
 struct TrackerState {
-  std::uint64_t seq_used{0};  ///< 0: none came so far
-  std::chrono::microseconds age{0};
+  std::uint64_t seq_used{0};         ///< 0: none came so far
+  std::chrono::microseconds age{0};  ///< meaningless while seq_used is 0
   Staleness staleness{Staleness::kUnknown};
 };
 
-/// The device at one tick. Field by field as DeviceState in proto/haptic/v1/session.proto.
+/// The device at one tick. A list that does not apply to the device is empty.
 struct DeviceState {
-  std::uint64_t seq{0};
-  std::int64_t server_time_ns{0};
-  std::vector<double> q{}, q_dot{}, x_probe{}, x{}, q_star{}, tau_a{}, tau_elastic{},
-      stiffness_in_effect{}, tau_measured{}, temperature_c{}, drive{}, reading{};
-  std::uint64_t proxy_seq_used{0};
-  std::chrono::microseconds proxy_age{0};
+  std::uint64_t seq{0};                       ///< number of the tick, from 1; 0: no state yet
+  std::int64_t server_time_ns{0};             ///< the server's steady clock
+  std::vector<double> q{};                    ///< where the device is, m or rad per DoF
+  std::vector<double> q_dot{};                ///< per actuated DoF, m/s or rad/s
+  std::vector<double> x_probe{};              ///< the haptic probe f(q), per coordinate
+  std::vector<double> x{};                    ///< the proxy in use, per coordinate
+  std::vector<double> q_star{};               ///< the subspace proxy in use, per DoF
+  std::vector<double> tau_a{};                ///< the command, N or N m per actuated DoF
+  std::vector<double> tau_elastic{};          ///< its elastic part
+  std::vector<double> stiffness_in_effect{};  ///< N/m or N m/rad per actuated DoF
+  std::vector<double> tau_measured{};         ///< if the device measures force; as tau_a
+  std::vector<double> temperature_c{};        ///< of the windings, estimated; nan: no model
+  /// Sent to the device instead of tau_a if the server closes the force loop (N or N m) or moves
+  /// the device by admittance (m or rad).
+  std::vector<double> drive{};
+  std::vector<double> reading{};  ///< what the sensors said, if that was refused; otherwise it is q
+  std::uint64_t proxy_seq_used{0};         ///< number of the sample in use; 0: none
+  std::chrono::microseconds proxy_age{0};  ///< meaningless while proxy_seq_used is 0
   Staleness staleness{Staleness::kUnknown};
-  double gain{0.0};
-  Carrier carrier{Carrier::kUnknown};
+  double gain{0.0};                    ///< on the elastic force, 0 to 1
+  Carrier carrier{Carrier::kUnknown};  ///< of the sample in use
   Lifecycle state{Lifecycle::kUnknown};
-  std::uint32_t faults{0}, limiters{0};
+  std::uint32_t faults{0}, limiters{0};            ///< bits; see fault_names(), limiter_names()
   std::vector<std::uint32_t> actuator_limiters{};  ///< per actuated DoF; empty: none acted
-  unsigned projection{0};
-  double condition{0.0};
-  std::uint32_t lease_epoch{0};
-  Mode mode{Mode::kFree};
-  std::uint32_t active_planes{0};                 ///< bit n: plane n of the newest sample holds x
-  std::optional<TrackerState> tracker{};          ///< where the scene has a tracker
-  std::optional<PassivityState> passivity{};      ///< where the scene has a tank or an observer
-  std::optional<CertificateState> certificate{};  ///< where the scene asks for it
-  std::vector<CouplingBlock> coupling_metric{};   ///< in the order of x, where the scene has one
+  unsigned projection{0};                 ///< of q_star: a ProjectionStatus of session.proto
+  double condition{0.0};                  ///< of the equilibrated Jacobian; 0: not computed
+  std::uint32_t lease_epoch{0};           ///< number of the lease; rises with every new controller
+  Mode mode{Mode::kFree};                 ///< of the sample in use
+  std::uint32_t active_planes{0};         ///< bit n: plane n of the newest sample holds x
+  std::optional<TrackerState> tracker{};  ///< if the scene has a tracker
+  std::optional<PassivityState> passivity{};      ///< if it has a tank or an observer
+  std::optional<CertificateState> certificate{};  ///< if it asks for one
+  std::vector<CouplingBlock> coupling_metric{};   ///< in the order of x, if it has one
   /// This machine's steady clock when the state arrived.
   std::chrono::steady_clock::time_point received{};
 };
 
+/// Something that happened once.
 struct Event {
-  unsigned kind{0};  ///< number of Event.Kind in session.proto
-  std::string reason{}, message{};
+  unsigned kind{0};       ///< an Event.Kind of session.proto
+  std::string reason{};   ///< for programs: "ENGAGED -> ARMED", "EMERGENCY_STOP", ...
+  std::string message{};  ///< for people
   Lifecycle state{Lifecycle::kUnknown};
   std::int64_t server_time_ns{0};
 };
 
 /// What the proxy may not pass: normal . x <= offset, linearised at the sample's position.
 struct Plane {
-  std::vector<double> normal{};  ///< per virtual coordinate; its length is free
+  std::vector<double> normal{};  ///< per coordinate; of any length but 0
   double offset{0.0};
 };
 
-/// One state of the proxy in the simulation.
+/// Where the simulation's objects let the probe be; made by held(), behind() or free().
 struct Proxy {
   Mode mode{Mode::kFree};
-  std::vector<double> position{};  ///< per virtual coordinate; may be empty when free
-  std::uint64_t device_seq_used{0};
-  std::chrono::microseconds valid_for{0};  ///< 0: the scene's limit alone
-  std::vector<Plane> planes{};             ///< kPlanes: at most 6; none: nothing in the way
+  std::vector<double> position{};    ///< x, per coordinate; may be empty if free
+  std::uint64_t device_seq_used{0};  ///< `seq` of the state it was computed from; 0: the last given
+  std::chrono::microseconds valid_for{0};  ///< may count as fresh for so long; 0: as the scene says
+  std::vector<Plane> planes{};             ///< of kPlanes: at most 6; none: nothing in the way
 
+  /// The proxy stays at `x` until the next sample.
   [[nodiscard]] static Proxy held(std::vector<double> x) {
     return {Mode::kHeld, std::move(x), 0, {}, {}};
   }
-  /// The server keeps the haptic probe out of `planes` at 1 kHz; `x` is where they are linearised.
-  /// planes.hpp derives them from a proxy, where the simulation has none.
+  /// The server keeps the probe out of `planes` at 1 kHz; `x` is where they are linearised. If the
+  /// simulation has no planes, derive_planes() in planes.hpp makes them from a proxy.
   [[nodiscard]] static Proxy behind(std::vector<Plane> planes, std::vector<double> x) {
     return {Mode::kPlanes, std::move(x), 0, {}, std::move(planes)};
   }
+  /// Nothing is in the way: no force, and no drag.
   [[nodiscard]] static Proxy free() { return {}; }
 };
 
@@ -164,14 +198,18 @@ struct UdpLink {
   std::uint64_t received{0}, lost{0};      ///< datagrams of the server
 };
 
-/// Samples since the session opened, over reconnects. Samples that are neither sent nor conflated
-/// waited for the transport, or had none. What goes by both carriers, while the UDP path is in doubt
-/// or was given up, is counted by each.
+/// Numbers of samples since the session opened, over reconnects. A sample that is neither sent nor
+/// conflated still waits, or there was no stream. One that goes by both carriers, while the UDP
+/// path is in doubt or was given up, is counted by each.
 struct PublishStatistics {
   std::uint64_t published{0};  ///< calls of publish()
-  std::uint64_t sent{0};       ///< handed to the transport
+  std::uint64_t sent{0};       ///< handed to a carrier
   std::uint64_t conflated{0};  ///< replaced by a newer one before they could be sent
-  std::uint64_t accepted{0}, rejected_old{0}, rejected_invalid{0}, backlog{0};  ///< server's word
+  // As the server counts them.
+  std::uint64_t accepted{0};
+  std::uint64_t rejected_old{0};      ///< came after a newer one, or without the lease
+  std::uint64_t rejected_invalid{0};  ///< for last_rejection, the newest reason
+  std::uint64_t backlog{0};           ///< accepted, but too fast to count as fresh
   std::string last_rejection{};
 };
 

@@ -2,8 +2,8 @@
 /// States and events of a device without a session. Connection::watch() begins it.
 ///
 /// The callbacks run on a thread of gRPC, one at a time per watch. A slow callback makes the server
-/// leave states out, once the connection's buffers are full; a session as observer leaves them out at
-/// once.
+/// leave states out, once the connection's buffers are full; a session as observer leaves them out
+/// at once.
 
 #include <cstdint>
 #include <optional>

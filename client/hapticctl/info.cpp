@@ -1,3 +1,4 @@
+#include <cinttypes>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -72,15 +73,14 @@ void print(const client::ServerInfo& s) {
               s.protocol.c_str(), s.scene.c_str(), std::chrono::duration<double>(s.uptime).count(),
               s.sessions);
   std::printf("  %s: %s\n", s.realtime_grade.c_str(), s.realtime_explanation.c_str());
-  std::printf(
-      "  loop: %llu ticks, %llu skipped, late by %.1f us p50, %.1f us p99, %.1f us max; "
-      "tick %.2f us p50, %.2f us p99\n",
-      static_cast<unsigned long long>(s.ticks), static_cast<unsigned long long>(s.skipped_ticks),
-      s.lateness_p50_us, s.lateness_p99_us, s.lateness_max_us, s.tick_p50_us, s.tick_p99_us);
+  std::printf("  loop: %" PRIu64 " ticks, %" PRIu64
+              " skipped, late by %.1f us p50, %.1f us p99, "
+              "%.1f us max; tick %.2f us p50, %.2f us p99\n",
+              s.ticks, s.skipped_ticks, s.lateness_p50_us, s.lateness_p99_us, s.lateness_max_us,
+              s.tick_p50_us, s.tick_p99_us);
   if (!s.paced_by.empty()) {
-    std::printf("  paced by %s: %llu ticks by its samples, %llu by the timer\n", s.paced_by.c_str(),
-                static_cast<unsigned long long>(s.paced_by_sample),
-                static_cast<unsigned long long>(s.ticks - s.paced_by_sample));
+    std::printf("  paced by %s: %" PRIu64 " ticks by its samples, %" PRIu64 " by the timer\n",
+                s.paced_by.c_str(), s.paced_by_sample, s.ticks - s.paced_by_sample);
   }
   for (const std::string& line : s.insecure) std::printf("  insecure: %s\n", line.c_str());
 }

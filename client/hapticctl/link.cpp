@@ -1,3 +1,4 @@
+#include <cinttypes>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -14,7 +15,7 @@ double microseconds(std::chrono::nanoseconds time) {
   return std::chrono::duration<double, std::micro>(time).count();
 }
 
-/// null where it is not known.
+/// null if it is not known.
 json number(const Time& time) {
   return time ? json(microseconds(*time)) : json(nullptr);
 }
@@ -67,7 +68,7 @@ json to_json(const client::SessionLink& s) {
           {"aged_by_clock", s.aged_by_clock}};
 }
 
-/// In ms; "-" where it is not known.
+/// In ms; "-" if it is not known.
 std::string text(const Time& time) {
   if (!time) return "-";
   char buffer[32];
@@ -85,10 +86,10 @@ std::string text(const std::vector<client::Rejected>& rejected) {
 }
 
 void print(const char* way, const client::LinkCarrier& t, const client::LinkDirection& d) {
-  const auto count = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
-  std::printf("  %-5s %-4s %10llu %8llu %8llu %8llu %6llu %10s %8s\n", client::name(t.carrier), way,
-              count(d.received), count(d.lost), count(d.reordered), count(d.duplicate),
-              count(d.late), text(d.longest_gap).c_str(), text(d.jitter).c_str());
+  std::printf("  %-5s %-4s %10" PRIu64 " %8" PRIu64 " %8" PRIu64 " %8" PRIu64 " %6" PRIu64
+              " %10s %8s\n",
+              client::name(t.carrier), way, d.received, d.lost, d.reordered, d.duplicate, d.late,
+              text(d.longest_gap).c_str(), text(d.jitter).c_str());
   if (!d.rejected.empty()) std::printf("             rejected: %s\n", text(d.rejected).c_str());
 }
 
@@ -105,10 +106,9 @@ void print(const client::SessionLink& s) {
     std::printf("  %-5s round trip %s ms, least %s ms\n", client::name(t.carrier),
                 text(t.round_trip).c_str(), text(t.least_round_trip).c_str());
   }
-  std::printf(
-      "  age at use p50 %s ms, p99 %s ms, short of the truth by at most %s ms; %llu by clock\n",
-      text(s.age_p50).c_str(), text(s.age_p99).c_str(), text(s.age_error_bound).c_str(),
-      static_cast<unsigned long long>(s.aged_by_clock));
+  std::printf("  age at use p50 %s ms, p99 %s ms, at most %s ms too low; %" PRIu64 " by clock\n",
+              text(s.age_p50).c_str(), text(s.age_p99).c_str(), text(s.age_error_bound).c_str(),
+              s.aged_by_clock);
   if (!s.clock) return;
   std::printf("  clock offset %.6f s +- %.3f ms, drift %.1f ppm, %u steps\n",
               std::chrono::duration<double>(s.clock->offset).count(),

@@ -11,7 +11,9 @@
 #         node        npm, which fetches buf (proto/buf.sh) and the peer of tests/bench/network.sh
 #         firmware    the board's side
 #         containers  building and running images
-# Installs missing packages only; if none is missing it needs neither network nor root. "a|b" means: a, or b if the distribution (Ubuntu) calls it so.
+# Installs missing packages only; if none is missing it needs neither network nor root. "a|b" means: a,
+# or b if the distribution calls it so. Debian 12 has all of it; Ubuntu 24.04 the groups runtime, build
+# and demo, with which the product builds and the demo runs there.
 set -eu
 
 packages() {
@@ -131,7 +133,7 @@ echo "install-deps.sh: installing$missing" >&2
 # shellcheck disable=SC2086
 if ! { resolve && apt install -y --no-install-recommends $chosen; }; then
   apt update || fail "could not fetch the package lists; is there a network? Missing:$missing"
-  resolve || fail "the distribution has no package '$unknown' (Debian 12 and Ubuntu 24.04 do)"
+  resolve || fail "the distribution has no package '$unknown' (Debian 12 has it)"
   apt install -y --no-install-recommends $chosen ||
     fail "apt-get could not install:$chosen"
 fi

@@ -1,3 +1,6 @@
+// Two orthogonal factorisations: a column-pivoted Householder QR of A finds the rank r, then the r
+// rows of R are orthonormalised, R = L Q^T, and y = Q L^{-1} Q_A^T b is the solution of least norm.
+// The rows are orthogonalised twice, because once is not enough if two of them are nearly parallel.
 #include "haptic/core/linear/minimum_norm.hpp"
 
 #include <algorithm>

@@ -1,3 +1,7 @@
+// A hand is several small problems instead of one large one, and most of them did not change. A block
+// is solved again only if its part of x, q, dx, J or stiffness changed in some bit (bits, so that a
+// NaN is not "new" in every tick). Under Eq. (6) without a prior the answer depends on x alone, so a
+// held block costs nothing while the finger moves.
 #include "haptic/core/projection/block_renderer.hpp"
 
 #include <algorithm>
@@ -132,7 +136,7 @@ BlockSet BlockRenderer::reads_J(BlockSet displaced) const noexcept {
 void BlockRenderer::displayed_bound(const Probe& probe, const VecX& dx, const VecA& stiffness,
                                     VecA& ratio) const noexcept {
   ratio.setOnes(stiffness.size());
-  if (kind_ != RendererKind::kStandard && kind_ != RendererKind::kNullSpace) return;
+  if (renders_Z_q(kind_)) return;
   if (whole_) {
     if ((dx.array() != 0.0).any())
       ratio.setConstant(most_displayed(model_, probe.J, 0, 0, 0, stiffness));

@@ -1,3 +1,12 @@
+// A slider's end is a curve in the plane of two DoFs (l_x, q_B). The iteration is linear in q, so the
+// curve is replaced by its tangent: the two DoFs are turned into one across the limit and one along
+// it ("turned" columns), and the limit becomes a plain bound of the first. After the step restore()
+// puts the pair back onto the curve by Newton's method.
+//
+// All lengths are in widths of the box, so that m and rad compare. apart() is the quick test: look()
+// remembers how far one may go from a pose before any limit can matter, and a warm step stays within
+// that distance almost always. If it is wrong, a step can pass a limit unseen: reach_of() is
+// therefore half of the linear estimate, and never more than 2 % of the box.
 #include "haptic/core/projection/mechanism_limits.hpp"
 
 #include <algorithm>
@@ -101,8 +110,8 @@ void MechanismLimits::look(const VecQ& q) noexcept {
   }
 }
 
-/// Half of the way to the nearest limit by its own slope, or by a quarter of the steepest one's where
-/// its own is small just here, and no further than slopes stay what they are.
+/// Half of the distance to the nearest limit, by its own slope (at least a quarter of the steepest
+/// one's, because a slope may be small just here), and no further than slopes stay what they are.
 double MechanismLimits::reach_of(const Pair& pair) noexcept {
   constexpr double kFarthest = 0.02, kShare = 0.5, kSlope = 0.25;
   double steepest = 0.0, reach = kFarthest, g[2];
@@ -138,9 +147,9 @@ void MechanismLimits::turn(BoxedLeastSquares& linear, VecQ& lower, VecQ& upper,
   }
 }
 
-/// What the pair's other limits leave of the way along the engaged one, once that is reached. Where
-/// reaching it straight would break another, the way there slants just past that one: a corner is
-/// then reached in one step.
+/// How far the pair's other limits let a step go along the engaged one, once that is reached. If the
+/// straight way to it would break another limit, the way is slanted just past that one, so that a
+/// corner is reached in one step.
 MechanismLimits::Bounds MechanismLimits::bounds_of(const Pair& pair) noexcept {
   const double n0 = pair.across[0], n1 = pair.across[1];
   const auto engaged = static_cast<std::size_t>(pair.engaged);

@@ -1,3 +1,12 @@
+// Eq. (27) by its dual, min 1/2 l^T (G + eps) l - l^T r over l >= 0: at most six unknowns, whatever
+// n_x is. r holds the violations of the probe, G = A W^-1 A^T with unit normals, and
+// x = x_probe - W^-1 A^T l.
+//
+// Without eps parallel or opposite planes make G singular. With it every set of planes has one
+// answer: planes that can all be met are met after a few proximal steps, each of which divides what
+// eps left by 1e4 or more; planes that contradict each other keep a violation, and the first step is
+// then the x of least violation. A larger eps would call an acute wedge infeasible, a smaller one
+// would be rounding.
 #include "haptic/core/projection/plane_projection.hpp"
 
 #include <algorithm>
@@ -8,11 +17,10 @@ namespace haptic::core {
 
 namespace {
 
-/// Of the dual, relative to its unit diagonal: large against rounding, small against any wedge that
-/// a simulation means.
+/// eps, relative to the dual's unit diagonal: large against rounding, small against any wedge that a
+/// simulation has.
 constexpr double kEpsilon = 1e-10;
-/// A violation that stays above this share of the deepest one is not the iteration's: the planes
-/// contradict each other.
+/// If a violation above this share of the deepest one remains, the planes contradict each other.
 constexpr double kInfeasible = 1e-4;
 constexpr int kRefinements = 3;  // each divides a violation by 1e4 or more
 
@@ -83,8 +91,8 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x) noexcept {
   return status;
 }
 
-/// Proximal steps on the dual, each with the multipliers of the last: towards eps = 0 where there is
-/// a solution; where there is none the first step is the answer.
+/// Proximal steps on the dual, each with the multipliers of the one before: they converge to eps = 0
+/// if all planes can be met; if not, the first step is the answer.
 PlaneStatus PlaneProjection::multipliers(const Small& r, double deepest) noexcept {
   Small shifted = r;
   for (int n = 0; n <= kRefinements; ++n) {

@@ -1,3 +1,16 @@
+// Eq. (6) by Gauss-Newton in the box, case A or Eq. (17) in case B.
+//
+// Each step solves a linear least-squares problem whose rows are W^{1/2} J, the prior's springs and,
+// if damped, Marquardt's diagonal; the box and the mechanism's limits are constraints of that
+// problem. A full step is tried first. If it would raise the cost, damped steps are tried, so the
+// last iterate is always the best one and a capped solve is still safe to use.
+//
+// Two details make it converge to rounding. Near the end the cost is flat to rounding while q* still
+// moves by its square root: from there on a step counts as long as it is shorter than the one
+// before. And along a curved limit a Gauss-Newton step has the wrong length, because the curvature
+// of the limit is not in the linear problem: follow_curvature() corrects the length from the cost at
+// both ends of the step. Without the first, case B is no gradient (the tank would book noise);
+// without the second, a proxy out of reach converges linearly and is reported CAPPED.
 #include "haptic/core/projection/proxy_solver.hpp"
 
 #include <algorithm>
@@ -14,7 +27,7 @@ namespace {
 constexpr double kFirstLambda = 1e-3;
 constexpr double kRaise = 8.0;
 constexpr double kLower = 0.1;
-/// Of a step along a curved limit; a share this close to 1 is 1.
+/// Bounds of the share of a step along a curved limit; a share this close to 1 counts as 1.
 constexpr double kLeastShare = 0.1, kMostShare = 4.0, kSameShare = 1e-3;
 /// A step that promises less than this share of the cost is rounding.
 constexpr double kLeastPromise = 1e-12;
@@ -127,10 +140,9 @@ void ProxySolver::put_trial(double share) noexcept {
   trial().inside = apart_ || limits_.restore(trial().q);
 }
 
-/// Along a curved limit a Gauss-Newton step is too long or too short by the limit's curvature, and
-/// converges linearly at best. From the cost at both ends and its slope here follows which share of
-/// the step is the right one; near the end, where costs are rounding, the last one is. A share far
-/// beyond 1 is none of curvature's: a bound ends the step.
+/// Takes the share of the step that the cost at both ends, and its slope here, say is right; near the
+/// end, when costs are rounding, the share of the last step. A share far beyond 1 is not due to
+/// curvature: there a bound ended the step.
 void ProxySolver::follow_curvature(const VecX& x, double promise, bool flat) noexcept {
   if (!flat) {
     double squares = 0.0;  // of what the step does to the residual

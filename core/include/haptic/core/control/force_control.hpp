@@ -25,7 +25,8 @@ class ForceControl {
   /// Throws SceneError: a number of entries that is not n_a, or a parameter that is not allowed.
   ForceControl(const ForceControlSettings& settings, int n_a);
 
-  /// Nothing is driven: integrals forgotten, positions where the device is. q_a: n_a.
+  /// The drives are off: forgets the integrals and sets the positions to where the device is. q_a:
+  /// n_a.
   void rest(const VecA& q_a) noexcept;
   /// One step of `dt` s (0: as the last one). `measured` empty: the force is not known now; the
   /// reference goes through open loop and nothing is integrated. Never allocates or throws.
@@ -33,7 +34,7 @@ class ForceControl {
 
   /// N or N m, n_a: what the drives are to give. Size 0 for an admittance.
   [[nodiscard]] const VecA& drive() const noexcept { return drive_; }
-  /// m or rad, n_a: where the drives are to go. Size 0 for a force loop.
+  /// m or rad, n_a: the position that the drives are to reach. Size 0 for a force loop.
   [[nodiscard]] const VecA& position() const noexcept { return position_; }
   /// DoF i was held at a limit of its loop in the last step.
   [[nodiscard]] bool limited(int i) const noexcept { return (limited_ >> i & 1U) != 0; }

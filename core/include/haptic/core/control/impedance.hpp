@@ -1,6 +1,6 @@
 #pragma once
 /// The rendering impedance Z_q = {K, B} on the actuated DoFs: tau_a = K S(q* - q) - B q_a_dot
-/// (paper Eq. (6), (7); damping is ours, on top, and only dissipates).
+/// (paper Eq. (6), (7); damping is an addition to the paper and only dissipates).
 
 #include "haptic/core/time.hpp"
 #include "haptic/core/types.hpp"
@@ -15,7 +15,7 @@ class Rate {
   /// A new sample of q_a measured at `time`. Samples more than `longest` apart, or not in order,
   /// give rate 0.
   void update(const VecA& q_a, TimePoint time, Duration longest) noexcept;
-  /// Samples stopped coming: the rate is not known, and taken as 0.
+  /// Samples stopped coming: the rate is unknown and taken as 0.
   void forget() noexcept;
   [[nodiscard]] const VecA& value() const noexcept { return value_; }
 

@@ -1,8 +1,7 @@
 #pragma once
-/// min ||A p - b|| over a box, by active set (core/METHOD.md#metric-and-limits; the method of Stark and Parker): from a
-/// feasible p towards the best of the free coordinates, up to the first limit, which then holds; a
-/// limit that the residual pulls away from lets go. Each pass lowers the norm, so the last p is the
-/// best one seen. Rows beyond the Jacobian's carry a prior or Levenberg-Marquardt damping.
+/// min ||A p - b|| over a box, by active set (the method of Stark and Parker;
+/// core/METHOD.md#metric-and-limits). Used for the steps of the iteration behind Eq. (6): rows of A
+/// are the Jacobian's, then those of a prior or of Levenberg-Marquardt damping.
 
 #include "haptic/core/projection_status.hpp"
 #include "haptic/core/types.hpp"
@@ -21,8 +20,8 @@ class BoxedLeastSquares {
   /// weight_i p_i = weight_i target_i, n rows.
   void add_diagonal(const VecQ& weight, const VecQ& target) noexcept;
 
-  /// From here on DoFs k and k + 1 stand for first and second: p_k' first + p_k+1' second, each of
-  /// n = 2, takes the place of (p_k, p_k+1). Bounds and metric_root are then of these.
+  /// Replaces the unknowns (p_k, p_k+1) by coefficients of the vectors `first` and `second`:
+  /// (p_k, p_k+1) = p_k' first + p_k+1' second. Bounds, metric_root and p() are then of these.
   void turn(int k, const double (&first)[2], const double (&second)[2]) noexcept;
 
   /// lower <= p <= upper, where lower <= 0 <= upper: 0 is the p to start from. `metric_root`: the
@@ -33,7 +32,7 @@ class BoxedLeastSquares {
   [[nodiscard]] const VecQ& p() const noexcept { return p_; }
   /// ||A p - b||^2.
   [[nodiscard]] double residual2() const noexcept { return residual2_; }
-  /// True where a limit holds p against the residual's pull.
+  /// True if a limit holds p against the pull of the residual.
   [[nodiscard]] bool limited() const noexcept { return limited_; }
   /// Of the free, equilibrated columns at the end; infinite where they depend on each other.
   [[nodiscard]] double condition() const noexcept { return condition_; }

@@ -1,5 +1,5 @@
 #pragma once
-/// Least squares by QR where the rank is beyond doubt, and a plain "no" where it is not
+/// Least squares by QR if the rank is beyond doubt; if not, it says so and solves nothing
 /// (core/METHOD.md#solver-choice).
 
 #include "haptic/core/linear/householder.hpp"
@@ -8,7 +8,7 @@ namespace haptic::core {
 
 /// Below this ratio of singular values (equilibrated columns) the rank is in doubt.
 inline constexpr double kRankThreshold = 1e-8;
-/// Below this one the diagonal of R is not believed and the smallest singular value is estimated.
+/// Below this ratio the diagonal of R is not trusted, and the smallest singular value is estimated.
 inline constexpr double kDiagonalThreshold = 1e-4;
 
 struct FullRank {

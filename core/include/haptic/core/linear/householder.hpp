@@ -5,9 +5,8 @@
 /// in loops. No pivoting: the caller orders the columns.
 ///
 /// Equilibration. Scaling the columns, A C = Q (R C), leaves Q and so Q^T b alone and scales R's
-/// columns; the solution is C times that of the scaled system. Hence A is factored as it is, and
-/// the
-/// equilibrated R is read off R and the column norms: |R_kk| / ||A_k||, free of units.
+/// columns; the solution is C times that of the scaled system. So A is factored as it is, and the
+/// equilibrated R is |R_kk| / ||A_k||, which has no units.
 
 namespace haptic::core {
 
@@ -25,16 +24,15 @@ struct HouseholderKernel {
 /// The fastest kernel for m x n.
 [[nodiscard]] HouseholderKernel householder_kernel(int m, int n) noexcept;
 
-/// What R's diagonal says of the condition of the equilibrated matrix, squared: the largest
-/// (||A_k|| / R_kk)^2, for the largest R_kk / ||A_k|| is that of the first column, 1. At least 1;
-/// infinite where a column is zero, depends on the others, or is not finite. Neither divides nor
-/// takes a root.
+/// Square of the condition of the equilibrated matrix as R's diagonal shows it: the largest
+/// (||A_k|| / R_kk)^2, since the largest R_kk / ||A_k|| is that of the first column, 1. At least 1;
+/// infinite if a column is zero, depends on the others, or is not finite.
 [[nodiscard]] double diagonal_condition2(int n, const double* column_norm2,
                                          const double* inverse_diagonal) noexcept;
 
 /// ||(R C)^{-1}||_F^2: one over the smallest singular value, squared, to a factor between 1 and n.
-/// The diagonal alone may underestimate it ten thousandfold; this costs as much as the
-/// factorisation, and is for the few matrices whose diagonal gives cause. `column` (n) is scratch.
+/// The diagonal alone may underestimate the condition ten thousandfold. This costs as much as the
+/// factorisation, so call it only if the diagonal gives cause. `column` (n) is scratch.
 [[nodiscard]] double inverse_norm2(int m, int n, const double* R, const double* column_norm2,
                                    const double* inverse_diagonal, double* column) noexcept;
 

@@ -1,10 +1,10 @@
 #pragma once
-/// min ||J dq - dx|| for the small Jacobians of devices, by Householder QR of [J_n | J_a]: out of
-/// one factorisation fall the linearised subspace proxy, the null-space force and the standard
-/// force (core/METHOD.md#solver-choice). Full column rank is solved directly; where the condition
-/// of the equilibrated J, by the diagonal of R, exceeds 1e8, or n_x < n_q, a column-pivoted QR
-/// decides the rank, and the answer is the one of minimum norm in a metric whose actuated block is
-/// Z_q (core/METHOD.md#rank-and-prior): bounded, unit-free, and said so by the status.
+/// min ||J dq - dx|| for the small Jacobians of devices, by Householder QR of [J_n | J_a]. One
+/// factorisation gives the linearised subspace proxy, Eq. (8), the null-space force, Eq. (4), and the
+/// standard force, Eq. (1) (core/METHOD.md#solver-choice). If the condition of the equilibrated J
+/// exceeds 1e8, or n_x < n_q, a column-pivoted QR decides the rank, and the answer is the one of
+/// minimum norm in a metric whose actuated block is Z_q (core/METHOD.md#rank-and-prior): bounded,
+/// independent of units, and reported by status().
 
 #include <memory>
 
@@ -21,7 +21,7 @@ class LeastSquares {
   /// Below this ratio of singular values (equilibrated) the rank is in doubt.
   static constexpr double kRankThreshold = core::kRankThreshold;
 
-  /// `coupling`: of Z_q; null: it is diagonal. Looked at only where the rank is in doubt.
+  /// `coupling`: of Z_q; null: it is diagonal. Used only if the rank is in doubt.
   LeastSquares(int n_x, const DofLayout& layout,
                std::shared_ptr<const StiffnessCoupling> coupling = nullptr);
 
@@ -39,8 +39,8 @@ class LeastSquares {
   [[nodiscard]] VecA null_space_force() const noexcept;
   /// J_a^T dx = R12^T b_1 + R22^T b_2: Eq. (1) for Z_x = I. n_a.
   [[nodiscard]] VecA standard_force() const noexcept;
-  /// Of the equilibrated J: max|R_kk|/min|R_kk|, beyond 1e4 by the inverse of R; infinite where J
-  /// is singular.
+  /// Of the equilibrated J: max|R_kk|/min|R_kk|; above 1e4 from the inverse of R; infinite if J is
+  /// singular.
   [[nodiscard]] double condition() const noexcept { return condition_; }
   /// kExact, kIllConditioned or kRankDeficient.
   [[nodiscard]] ProjectionStatus status() const noexcept { return status_; }

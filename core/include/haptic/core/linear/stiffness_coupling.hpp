@@ -1,5 +1,5 @@
 #pragma once
-/// Z_q where it is not diagonal: Z_q = D C D, with D = diag(sqrt(K)) of the stiffness per actuated
+/// A Z_q that is not diagonal: Z_q = D C D, with D = diag(sqrt(K)) of the stiffness per actuated
 /// DoF, K = diag(Z_q), and C = L L^T of unit diagonal, the coupling. C is the scene's and never
 /// changes; a session lowers K. Then Z_q stays positive semidefinite, and lambda_max(B^{-1/2} Z_q
 /// B^{-1/2}) never rises, whatever the diagonal B: what the device's damping pays for in the scene
@@ -20,8 +20,7 @@ class StiffnessCoupling {
   explicit StiffnessCoupling(const Eigen::Ref<const Eigen::MatrixXd>& Z_q);
 
   [[nodiscard]] int n_a() const noexcept { return static_cast<int>(C_.rows()); }
-  /// True where nothing is coupled: stiffness per DoF says it all, and a scene should leave this
-  /// away.
+  /// True if nothing is coupled: a scene should then give the stiffness per DoF instead.
   [[nodiscard]] bool is_diagonal() const noexcept;
   /// K of the matrix it was made of, n_a.
   [[nodiscard]] const VecA& scene_stiffness() const noexcept { return stiffness_; }

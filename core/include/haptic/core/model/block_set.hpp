@@ -5,7 +5,7 @@
 
 namespace haptic::core {
 
-/// Bit i is the i-th of Kinematics::blocks(). A map without blocks is one block.
+/// Bit i stands for the i-th of Kinematics::blocks(). A map without blocks counts as one block.
 using BlockSet = std::uint32_t;
 
 }  // namespace haptic::core

@@ -2,7 +2,7 @@
 /// X: the coordinates of the virtual object, their names, units and kinds, and the difference
 /// x (-) x_probe.
 ///
-/// A rotation stands in X as the four parts of a unit quaternion, and so does its difference:
+/// A rotation in X is the four parts of a unit quaternion, and so is the difference of two:
 /// sign x/|x| - x_probe with the sign that makes it the shorter one (x and -x are one rotation).
 /// That is a chord of the unit sphere: twice its length is 4 sin(theta/4), 0.3 % short of the angle
 /// at 0.5 rad and 1.0 % at 1 rad, smooth up to theta = pi, and its derivative is exactly -J, so
@@ -34,7 +34,7 @@ class ConfigurationSpace {
 
   [[nodiscard]] int n_x() const noexcept { return static_cast<int>(coordinates_.size()); }
   [[nodiscard]] const std::vector<Coordinate>& coordinates() const noexcept { return coordinates_; }
-  /// True where metres and radians stand side by side: a metric W_x is then required.
+  /// True if X has both metres and radians: a metric W_x is then required.
   [[nodiscard]] bool mixes_units() const noexcept;
   /// Index in x of each quaternion's first part.
   [[nodiscard]] const std::vector<int>& quaternions() const noexcept { return quaternions_; }

@@ -2,7 +2,7 @@
 /// A hand of finger exoskeletons (the paper's section VI, one per finger), in two forms:
 ///   hand          q = (l_x, q_B) of each finger, x = (MCP, PIP) of each: independent blocks
 ///   tracked hand  the same on a palm whose pose is tracked: six more sensed, unactuated DoFs, and x
-///                 in the world, so that dim X > dim Q and nothing is independent any more
+///                 in the world, so that dim X > dim Q and no finger is independent
 
 #include <memory>
 #include <string>

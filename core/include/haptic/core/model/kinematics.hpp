@@ -39,8 +39,8 @@ struct DofSpec {
 /// S of these DoFs. Throws SceneError: none or more than kMaxQ, or none actuated.
 [[nodiscard]] DofLayout layout_of(const std::vector<DofSpec>& dofs);
 
-/// A limit that a mechanism has beside the box (a slider's end), on two DoFs that follow each
-/// other: it holds while room >= 0. `room` may have any unit.
+/// A limit of a mechanism other than the box (a slider's end), on two DoFs that follow each other in
+/// q: it holds while room >= 0. `room` may have any unit.
 struct PairLimit {
   double room{0.0};
   double slope[2]{};  ///< d room / dq; 0 where the limit is out of a step's reach
@@ -51,8 +51,8 @@ using PairLimits = std::array<PairLimit, kPairLimits>;
 
 class Kinematics;
 
-/// A part of a device that is a device of its own: J has its entries only where its DoFs meet its
-/// coordinates.
+/// An independent part of a map, such as a finger of a hand: its coordinates depend on its own DoFs
+/// only, so that J is block diagonal.
 struct MapBlock {
   const Kinematics* kinematics{nullptr};  ///< lives as long as the map it is a part of
   int first_q{0};                         ///< index in q of its first DoF
@@ -73,8 +73,8 @@ class Kinematics {
   /// x_probe = f(q) and J = dx_probe/dq (n_x by n_q). On kCannotClose both are untouched.
   [[nodiscard]] virtual MapStatus evaluate(const VecQ& q, VecX& x_probe,
                                            MatXQ& J) const noexcept = 0;
-  /// f(q) alone, the same to the bit as evaluate() writes it; untouched on kCannotClose. Maps that
-  /// save something by leaving J out override it.
+  /// f(q) alone, the same bits as evaluate() writes; untouched on kCannotClose. A map for which this
+  /// is cheaper than evaluate() overrides it.
   [[nodiscard]] virtual MapStatus position(const VecQ& q, VecX& x_probe) const noexcept;
   /// J_k = dJ/dq_k (n_x by n_q), the term Eq. (2), (5), (9) leave out.
   [[nodiscard]] virtual MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept = 0;
@@ -84,16 +84,15 @@ class Kinematics {
     static_cast<void>(q);
     return InverseStatus::kNotOffered;
   }
-  /// inverse() where x can be reached; where it cannot q is untouched and nothing is searched.
+  /// inverse() if x can be reached; if not, q is untouched and nothing is searched.
   [[nodiscard]] virtual InverseStatus inverse_inside(const VecX& x, VecQ& q) const noexcept {
     static_cast<void>(x);
     static_cast<void>(q);
     return InverseStatus::kNotOffered;
   }
-  /// Indices in q of the first DoF of each pair that has limits beside the box; none: the box of
-  /// dofs() is complete.
+  /// Index in q of the first DoF of each pair with PairLimits; none: the box of dofs() says all.
   [[nodiscard]] virtual std::span<const int> limited_pairs() const noexcept { return {}; }
-  /// Those of pair `which` where its DoFs stand at a and b; kCannotClose: it has no pose there.
+  /// The limits of pair `which` with its DoFs at a and b; kCannotClose: it has no pose there.
   [[nodiscard]] virtual MapStatus pair_limits(int which, double a, double b,
                                               PairLimits& limits) const noexcept {
     static_cast<void>(which);
@@ -106,8 +105,8 @@ class Kinematics {
   /// where it has no such parts. Each part can be projected by itself
   /// (core/METHOD.md#model-only-what-a-scene-needs: one finger at a time).
   [[nodiscard]] virtual std::span<const MapBlock> blocks() const noexcept { return {}; }
-  /// Of the q that mean the same pose of the device (a rotation vector has several), writes the one
-  /// nearest to `near`. Most maps have one q per pose and nothing to do.
+  /// Several q may mean the same pose (a rotation vector has many); replaces q by the one nearest to
+  /// `near`. Most maps have one q per pose, and this does nothing.
   virtual void nearest_representative(const VecQ& near, VecQ& q) const noexcept {
     static_cast<void>(near);
     static_cast<void>(q);

@@ -1,5 +1,5 @@
 #pragma once
-/// Poses of rigid bodies as scenes and maps state them: position in m, orientation as a unit
+/// Poses of rigid bodies in scenes and maps: position in m, orientation as a unit
 /// quaternion (x, y, z, w). A device's orientation stands in q as a rotation vector (three DoFs, so
 /// that q* = q + dq and J keep their meaning); an output's orientation stands in x as the
 /// quaternion itself (core/METHOD.md#metric-and-limits).
@@ -39,7 +39,7 @@ enum class OutputKind : std::uint8_t {
 /// exp of the rotation vector phi; |w| <= 1, norm 1 to rounding.
 [[nodiscard]] UnitQuaternion unit_quaternion(const Eigen::Vector3d& phi) noexcept;
 
-/// Of the rotation vectors that mean the same rotation as phi, the one nearest to `near`.
+/// The rotation vector nearest to `near` that means the same rotation as phi.
 [[nodiscard]] Eigen::Vector3d nearest_rotation_vector(const Eigen::Vector3d& phi,
                                                       const Eigen::Vector3d& near) noexcept;
 

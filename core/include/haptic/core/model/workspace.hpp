@@ -1,6 +1,6 @@
 #pragma once
-/// Figures of a map taken over its box: the same points every time (Halton), so that a scene has
-/// the same answer wherever it is loaded. Set-up only.
+/// Averages over the box of a map, at the same points every time (Halton), so that a scene loads
+/// equally everywhere. For set-up only.
 
 #include "haptic/core/model/kinematics.hpp"
 
@@ -9,7 +9,7 @@ namespace haptic::core {
 /// The i-th point of the Halton sequence (i >= 0) in the box of q. n_q values, m or rad.
 [[nodiscard]] VecQ workspace_sample(const Kinematics& kinematics, int i);
 
-/// Mean of ||J_a|| (Frobenius) over the box; 0 where f has no value at any sample.
+/// Mean of ||J_a|| (Frobenius) over the box; 0 if f has no value at any sample.
 [[nodiscard]] double mean_actuated_jacobian(const Kinematics& kinematics);
 
 }  // namespace haptic::core

@@ -21,8 +21,8 @@ enum class CertificateStatus : std::uint8_t {
 
 struct Certificate {
   CertificateStatus status{CertificateStatus::kOff};
-  /// Of Kinematics::blocks(), 0 for a map without: where the margin is least, or which block has
-  /// none.
+  /// Index in Kinematics::blocks(), 0 for a map without blocks: the block with the least margin, or
+  /// the one that has none.
   int block{0};
   double margin{0.0};  ///< the least of the displaced blocks'
 };

@@ -1,15 +1,15 @@
 #pragma once
 /// The certificate of the linearised method, live (core/METHOD.md#exact-derivatives): does the
-/// force of Eq. (8) still oppose every motion of the actuated DoFs, with J changing as it does? Eq.
-/// (9) answers -Z_q whatever happens, for it takes J as constant. Necessary, not sufficient for
-/// passivity.
+/// force of Eq. (8) oppose every motion of the actuated DoFs, including the change of J? Eq. (9)
+/// cannot say: it takes J as constant and always answers -Z_q. The margin is necessary for
+/// passivity, not sufficient.
 ///
 /// Per independent block, with the proxy held where it is in this tick:
 ///   margin = lambda_min sym( I + R (S B S^T) R^{-1} ),   Z_q = R^T R (diagonal: R = Z_q^{1/2}),
 ///   B e_k  = J^+ J_,k dq - (J^T J)^{-1} J_,k^T r = -(d_k dq + e_k),   r = dx - J dq,
 /// where J, J_,k = dJ/dq_k and dx are weighed by W_x^{1/2}. For one actuated DoF it is 1 + g.dx. 1
 /// at dx = 0; not above 0: the spring pushes along with some motion. The same number as the margin
-/// of passivity_certificate() (analysis/passivity_radius.hpp), which is offline and knows no W_x.
+/// of the study's passivity_certificate(), which is offline and knows no W_x.
 
 #include <memory>
 #include <vector>
@@ -28,8 +28,7 @@ class LinearCertificate {
   explicit LinearCertificate(const ProjectionModel& model);
 
   /// dx = x (-) x_probe, n_x; stiffness: diag(Z_q), n_a; probe.J of the blocks that dx displaces. A
-  /// block that cannot be judged ends it: the others' margins would vouch for less than they seem
-  /// to. Never allocates, locks, throws.
+  /// block without a margin ends it, because the margins of the others alone would say too much. Never allocates, locks, throws.
   [[nodiscard]] Certificate at(const Probe& probe, const VecX& dx, const VecA& stiffness) noexcept;
 
  private:

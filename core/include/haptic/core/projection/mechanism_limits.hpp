@@ -1,11 +1,11 @@
 #pragma once
-/// The limits of a mechanism beside the box of q (sliders; the branch of
-/// core/METHOD.md#inverse-map) in the iteration behind Eq. (6), as core/METHOD.md#worst-cases asks:
-/// constraints, not rejected steps, which stall.
+/// The limits of a mechanism other than the box of q (the ends of sliders, the branch of
+/// core/METHOD.md#inverse-map) as constraints of the iteration behind Eq. (6). To reject steps that
+/// break them instead would stall (core/METHOD.md#worst-cases).
 ///
-/// In a linear step a limit that it would break is engaged: the two DoFs of its pair are turned
-/// into one across the limit and one along it, and across it the limit is a bound like any other of
-/// the box. The way along ends at the pair's other limits. After the step the pair is put back onto
+/// If a linear step would break a limit, that limit is *engaged*: the two DoFs of its pair are
+/// replaced by one across the limit and one along it, so that the limit is a bound like those of the
+/// box. The way along it ends at the pair's other limits. After the step the pair is put back onto
 /// the limits' curves, so that every iterate keeps them.
 
 #include <array>
@@ -22,24 +22,24 @@ class MechanismLimits {
   /// `kinematics` must outlive this. A map without pairs costs nothing.
   explicit MechanismLimits(const Kinematics& kinematics);
 
-  /// True where no limit can be broken from q to q + p: both are near where look() last was, by
-  /// what its rooms and slopes said; always without pairs. A warm step away from every limit costs
-  /// no more.
+  /// True if no limit can be broken between q and q + p, because both are near the q of the last
+  /// look(); always true without pairs. For most warm steps this is the only cost.
   [[nodiscard]] bool apart(const VecQ& q, const VecQ& p) const noexcept;
-  /// True where the last step is led by a limit.
+  /// True if a limit is engaged.
   [[nodiscard]] bool engaged() const noexcept;
-  /// A step from q is wanted, which keeps the limits: none is engaged.
+  /// Prepares a step from q: evaluates its limits and engages none.
   void look(const VecQ& q) noexcept;
   /// For each pair with an engaged limit: turns its columns, bounds (of the step, holding 0) and
   /// entries of `metric_root` (see BoxedLeastSquares::solve).
   void turn(BoxedLeastSquares& linear, VecQ& lower, VecQ& upper, VecQ& metric_root) noexcept;
   /// The step in q for one in turned DoFs.
   void turn_back(VecQ& p) noexcept;
-  /// Of each pair without an engaged limit, engages the one that the step breaks most; changes once
-  /// to another where the step leaves its limit and is held by that one. True where there was any.
+  /// For each pair: engages the limit that the step breaks most. If a limit is engaged already, and
+  /// the step leaves it and is stopped by another, changes to that one, once. True if any was engaged
+  /// or changed.
   bool engage(const VecQ& p) noexcept;
-  /// Moves each pair of q, within its box, onto the limits that it breaks. False where that does
-  /// not succeed, or the mechanism has no pose there.
+  /// Moves each pair of q, within its box, onto the limits that it breaks. False if that does not
+  /// succeed, or the mechanism has no pose there.
   [[nodiscard]] bool restore(VecQ& q) const noexcept;
 
  private:

@@ -1,8 +1,9 @@
 #pragma once
-/// The monotone envelope (core/METHOD.md#forces-at-the-finger): of all subspace proxies met on the
-/// way from the haptic probe to the proxy, x_probe + s dx with s in (0, 1], the one that pulls
-/// hardest towards the proxy as the finger feels it, S q*(s) - q_a of the sign of S J^+ dx.
-/// Continuous where the direction guard switches, and equal to Eq. (6) where the way is monotone.
+/// The monotone envelope, Eq. (16) (core/METHOD.md#forces-at-the-finger). The subspace proxies on the
+/// way from the probe to the proxy are q*(s) for x_probe + s dx, s in (0, 1]; this uses the one that
+/// pulls hardest towards the proxy as the finger feels it, that is, with the largest q*_a(s) - q_a of
+/// the sign of S J^+ dx. It is continuous where the direction guard switches, and equal to Eq. (6) if
+/// the way is monotone.
 /// For one actuated DoF.
 
 #include "haptic/core/linear/least_squares.hpp"
@@ -33,8 +34,8 @@ class MonotoneEnvelope {
                                      Projection& out) noexcept;
 
  private:
-  /// q_ of the point x_at_, by Gauss-Newton from the q_ before where there is no closed form. False
-  /// where it is not reached inside the box.
+  /// q_ of the point x_at, in closed form or else by Gauss-Newton from the q_ before. False if x_at
+  /// cannot be reached inside the box.
   [[nodiscard]] bool reach(const VecX& x_at) noexcept;
 
   ProjectionModel model_;

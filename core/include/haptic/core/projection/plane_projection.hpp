@@ -1,15 +1,14 @@
 #pragma once
-/// The client's projection, done by the server in every tick (core/METHOD.md#local-models):
+/// The client's projection, done by the server in every tick, Eq. (27) (core/METHOD.md#local-models):
 ///   x = argmin ||x (-) x_probe||_W^2  such that  n_i^T x <= b_i,  at most kMaxPlanes planes,
 /// W the scene's metric W_x: what is near for the planes is what is near for the renderer
 /// (core/METHOD.md#metric-and-limits). Solved by an active set on the dual, min 1/2 l^T (G + eps) l
 /// - l^T r over l >= 0 with G = A W^-1 A^T and unit normals in W^-1. The small eps makes every set
 /// of planes have one answer:
 ///   parallel, redundant   the same x as without the superfluous ones
-///   opposite, infeasible  x of least violation, min sum (n_i^T x - b_i)^2 with unit normals, and
-///   of
-///                         those the nearest to x_probe; status kInfeasible
-/// Where the planes can be met, eps is iterated away: x meets them to rounding. Planes that meet
+///   opposite, infeasible  the x of least violation, min sum (n_i^T x - b_i)^2 with unit normals,
+///                         that is nearest to x_probe; status kInfeasible
+/// If the planes can be met, eps is iterated away: x meets them to rounding. Planes that meet
 /// only beyond some hundred times their violation (an acute wedge seen from outside) count as
 /// infeasible.
 
@@ -36,9 +35,9 @@ class PlaneProjection {
   /// a W that is not diagonal 2 n_x^2 multiplications per plane; otherwise n_x. Never allocates.
   void set(const PlaneSet& planes, const VecX& x) noexcept;
 
-  /// Writes x (n_x) for the haptic probe; a linear coordinate that no active plane moves (in a W
-  /// that is not diagonal a plane also moves coordinates which it does not name) is the probe's to
-  /// the bit. Never allocates.
+  /// Writes x (n_x) for the haptic probe. A linear coordinate that no active plane moves keeps the
+  /// bits of the probe. (If W is not diagonal a plane also moves coordinates that it does not name.)
+  /// Never allocates.
   PlaneStatus project(const VecX& x_probe, VecX& x) noexcept;
 
   /// Of the last project(): bit i is set where plane i holds x.

@@ -1,7 +1,6 @@
 #pragma once
-/// What the scene fixes about the projection, once and for all renderers: the map, the metric W_x,
-/// and whether a prior stands in where J does not have full column rank
-/// (core/METHOD.md#projection-algorithm). Case A, without a prior, or case B, with one, is a
+/// What the scene fixes about the projection, for all renderers: the map, the metric W_x, and a prior
+/// if J may lose full column rank (core/METHOD.md#projection-algorithm). Case A, without a prior, or case B, with one, is a
 /// property of the scene: a rank decided from tick to tick would step the force.
 
 #include <memory>
@@ -37,8 +36,7 @@ struct ProjectionSettings {
   TaskMetric metric{};
   std::optional<Prior> prior{};
   IterationLimits iteration{};
-  /// Of Z_q; null: it is diagonal. Between the DoFs of one device, not of fingers, which are
-  /// devices of their own.
+  /// Of Z_q; null: it is diagonal. It couples DoFs of one block, never of two fingers.
   std::shared_ptr<const StiffnessCoupling> coupling{};
 };
 
@@ -52,7 +50,7 @@ class ProjectionModel {
 
   /// The same for one block of the map. Throws as the constructor does.
   [[nodiscard]] ProjectionModel part(const MapBlock& block) const;
-  /// True where the map falls into blocks and the metric does not tie them together.
+  /// True if the map has blocks and the metric does not tie them together.
   [[nodiscard]] bool has_parts() const noexcept { return has_parts_; }
 
   [[nodiscard]] const Kinematics& kinematics() const noexcept { return *kinematics_; }
@@ -60,7 +58,7 @@ class ProjectionModel {
   [[nodiscard]] int n_x() const noexcept { return kinematics_->space().n_x(); }
   [[nodiscard]] const TaskMetric& metric() const noexcept { return settings_.metric; }
   [[nodiscard]] const std::optional<Prior>& prior() const noexcept { return settings_.prior; }
-  /// Null where Z_q is diagonal.
+  /// Null if Z_q is diagonal.
   [[nodiscard]] const std::shared_ptr<const StiffnessCoupling>& coupling() const noexcept {
     return settings_.coupling;
   }
@@ -81,12 +79,12 @@ class ProjectionModel {
   bool has_parts_{false};
 };
 
-/// Throws SceneError where Z_q cannot be coupled like this on this map: another number of actuated
-/// DoFs, or a hand.
+/// Throws SceneError if Z_q cannot be coupled like this on this map: another number of actuated DoFs,
+/// or a hand.
 void check_coupling(const Kinematics& kinematics, const StiffnessCoupling& coupling);
 
-/// Above this, in half of the poses of the box, a scene needs a prior: errors of x are amplified a
-/// hundredfold. Measured medians: the hand of core/METHOD.md#larger-devices, known by three points
+/// A scene needs a prior if the condition exceeds this in half of the poses of the box: errors of x
+/// are then amplified a hundredfold. Measured medians: the hand of core/METHOD.md#larger-devices, known by three points
 /// per finger, 264 with two fingers, 19 with three, 11 with four; finger exoskeleton 3.
 inline constexpr double kWellConditioned = 100.0;
 

@@ -3,10 +3,8 @@
 /// (core/METHOD.md#projection-algorithm):
 ///   q* = argmin ||x (-) f(q*)||_W^2 + sum_i w_i^2 (q*_i - t_i)^2  over the box of q and the limits
 /// that its mechanisms have beside it (sliders),
-/// by Gauss-Newton in the box; where a full step would raise the cost, by Levenberg-Marquardt with
-/// Marquardt's scale. No step is taken that raises the cost: the last iterate is the best one seen.
-/// Near the end the cost is flat to rounding while q* still moves by its square root; there a step
-/// counts as long as it is shorter than the one before.
+/// by Gauss-Newton in the box, and by Levenberg-Marquardt if a full step would raise the cost. No
+/// step is taken that raises it: the last iterate is the best one seen.
 
 #include "haptic/core/linear/boxed_least_squares.hpp"
 #include "haptic/core/projection/mechanism_limits.hpp"
@@ -25,8 +23,8 @@ class ProxySolver {  // NOLINT(bugprone-reserved-identifier)
   /// w and t above, n_q; before the first call there is no prior (w = 0).
   void set_prior(const VecQ& weight, const VecQ& target) noexcept;
 
-  /// From `seed`, put into the box and, where that succeeds, inside the mechanisms' limits.
-  /// `stiffness` (n_a) decides between the q* of a J without full column rank. Writes q_star,
+  /// From `seed`, moved into the box and, if that succeeds, inside the mechanisms' limits. If J has
+  /// not full column rank `stiffness` (n_a) decides which q* is taken. Writes q_star,
   /// status (kConverged, kCapped, kUnreachable, kRankDeficient, kIllConditioned; kMapFailed: f has
   /// no value at the seed), residual, condition. Never allocates.
   void solve(const VecX& x, const VecQ& seed, const VecA& stiffness, Projection& out) noexcept;

@@ -1,6 +1,7 @@
 #pragma once
 /// The paper's renderers by name; the numbers are stable (recordings, wire).
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 
@@ -13,9 +14,14 @@ enum class RendererKind : std::uint8_t {
   kSubspaceExact = 4,   ///< Eq. (6)
 };
 
-[[nodiscard]] std::string_view name(RendererKind kind) noexcept;  ///< "subspace_linear", ...
+/// Every renderer, in the order of its number.
+inline constexpr std::array kRenderers{RendererKind::kStandard, RendererKind::kNullSpace,
+                                       RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact};
 
-/// True of those that display Z_q; the baselines have a virtual stiffness Z_x of their own.
+/// "subspace_linear", ...: also the name of its message in a scene.
+[[nodiscard]] std::string_view name(RendererKind kind) noexcept;
+
+/// True if it displays the stiffness Z_q; the baselines have a virtual stiffness Z_x instead.
 [[nodiscard]] constexpr bool renders_Z_q(RendererKind kind) noexcept {
   return kind == RendererKind::kSubspaceLinear || kind == RendererKind::kSubspaceExact;
 }

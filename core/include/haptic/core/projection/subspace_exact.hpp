@@ -3,10 +3,10 @@
 /// core/METHOD.md#projection-algorithm).
 ///
 /// Case A, no prior: q* depends on x alone, so it is solved once per change of the proxy and held
-/// in between; two flops per DoF are left for every other tick, and no cycle of q can pump energy.
-/// By the map's closed form where it offers one: exact within reach, and beyond it the map's own
-/// nearest pose; where W is not a multiple of the identity that is the unweighted distance's, and
-/// the iteration goes on from there. Else by iteration.
+/// in between: two flops per DoF remain for every other tick, and no cycle of q can pump energy. If
+/// the map has a closed form it is used: exact within reach, and beyond it the map's own nearest
+/// pose, which minimises the unweighted distance; if W is not a multiple of the identity the
+/// iteration goes on from there. Without a closed form q* is iterated.
 /// Case B, with a prior: its actuated part follows the device, so every tick iterates, from the
 /// last q*; q_n^ref is taken when the proxy changes.
 

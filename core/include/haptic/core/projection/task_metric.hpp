@@ -1,7 +1,8 @@
 #pragma once
-/// W_x: what counts as near in X (core/METHOD.md#metric-and-limits). Everything that projects minimises ||x (-) f(q*)||_W,
-/// so it sees W^{1/2} J and W^{1/2} dx. Where X mixes metres and radians there is no natural W, and
-/// the scene must say one; elsewhere the default is the identity.
+/// W_x: what counts as near in X (core/METHOD.md#metric-and-limits). Every projection minimises
+/// ||x (-) f(q*)||_W, which has no unit: W_ij is in 1 / (unit of x_i times unit of x_j). Renderers see
+/// W^{1/2} J and W^{1/2} dx. If X mixes metres and radians there is no natural W and the scene must
+/// give one; otherwise the default is the identity.
 
 #include <memory>
 
@@ -30,13 +31,13 @@ class TaskMetric {
   /// W, n_x by n_x; empty for the identity. Allocates.
   [[nodiscard]] Eigen::MatrixXd matrix() const;
 
-  /// True where no error of the `count` coordinates from `first` on weighs on one of the others: a
-  /// block of the map that has these coordinates stands alone.
+  /// True if W has no entry between the `count` coordinates from `first` on and the others: a block
+  /// of the map with these coordinates can be projected alone.
   [[nodiscard]] bool separates(int first, int count) const noexcept;
   /// The metric of coordinates that it separates.
   [[nodiscard]] TaskMetric part(int first, int count) const;
-  /// True where the block of these coordinates is a multiple of the identity: what is nearest there
-  /// is what is nearest without a metric. Of coordinates that it separates.
+  /// True if the block of these coordinates, which it must separate, is a multiple of the identity:
+  /// the nearest x is then the one without a metric.
   [[nodiscard]] bool is_uniform(int first, int count) const noexcept;
 
   /// v <- W^{1/2} v and J <- W^{1/2} J, with W^{1/2} = L^T of W = L L^T. n_x rows; never allocates.
@@ -45,8 +46,8 @@ class TaskMetric {
   /// W^{1/2} of the argument: the argument itself for the identity, else `scratch`.
   [[nodiscard]] const VecX& weighed(const VecX& v, VecX& scratch) const noexcept;
   [[nodiscard]] const MatXQ& weighed(const MatXQ& J, MatXQ& scratch) const noexcept;
-  /// W^{-1} a of a covector a (n_x values in unit of 1 / x_i): the way that `a` gains most on per
-  /// length in ||.||_W. Never allocates.
+  /// W^{-1} a of a covector a (n_x values in unit of 1 / x_i): the direction along which
+  /// a^T x rises most per length in ||.||_W. Never allocates.
   [[nodiscard]] VecX steepest(VecX a) const noexcept;
 
  private:

@@ -23,7 +23,7 @@ struct ActuatorRatings {
   }
 };
 
-/// nullptr where the ratings hold together; else what is wrong.
+/// nullptr if the ratings are consistent; else what is wrong.
 [[nodiscard]] const char* check(const ActuatorRatings& ratings) noexcept;
 
 /// The forces allowed in a tick, N or N m, and which limiter set either end. 0 is always inside.
@@ -34,8 +34,8 @@ struct ForceRange {
   Limiter upper_by{Limiter::kSaturation};
 };
 
-/// Of the rate limit, the share below which the force is not touched. Towards the limit what pushes
-/// on falls linearly to nothing: a force that is simply cut there would chatter.
+/// Share of the rate limit below which the force is not changed. Between here and the limit a force
+/// along the motion falls linearly to 0; one that is simply cut at the limit would chatter.
 inline constexpr double kFullForceBelow = 0.8;
 
 /// tau v <= ratings.power, and no push beyond ratings.rate. `rate`: of the DoF now, m/s or rad/s;

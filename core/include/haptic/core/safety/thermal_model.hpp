@@ -31,11 +31,11 @@ struct ThermalState {
   double housing_c{0.0};
 };
 
-/// nullptr where the parameters hold together; else what is wrong.
+/// nullptr if the parameters are consistent; else what is wrong.
 [[nodiscard]] const char* check(const ThermalParameters& parameters) noexcept;
 
-/// The state of a motor nobody knows anything about: winding at derate_from_c, housing as after a
-/// long time so. A restart of the server must not make a hot motor cold.
+/// The state of a motor with an unknown history: winding at derate_from_c, housing as after a long
+/// time at that temperature. A restart of the server must not make a hot motor cold.
 [[nodiscard]] ThermalState unknown_history(const ThermalParameters& parameters) noexcept;
 
 /// After `dt` under the force `tau` (N or N m). dt >= 0.

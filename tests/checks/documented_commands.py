@@ -48,6 +48,7 @@ ELSEWHERE = {
     "hapticctl calibrate": ("tests/hapticctl/calibrate_test.py", '"calibrate", "--output"'),
     "tests/relay/matrix.sh": ("tests/relay/matrix_test.sh", "tests/relay/matrix.sh"),
     "tests/relay/matrix.sh --network": ("tests/CMakeLists.txt", "haptic_test_program(network network"),  # minutes
+    "tests/relay/matrix.sh --network --calm": ("tests/CMakeLists.txt", "LABELS calm"),  # minutes
     "PYTHONPATH=build/release/client/python python3 client/python/examples/ages.py":
         ("tests/client/python/session_test.py", '"ages.py"'),
     "(cd build/release": ("tests/package/deb_test.sh", "cpack -G DEB"),

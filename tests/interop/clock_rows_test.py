@@ -1,7 +1,9 @@
-"""The clock rows of tests/relay/README.md#rows over real sockets: the client of udp_client.py behind the relay, with a steady clock that
-does what the scenario file says. Age is what it is: no step and no drift makes a sample older or younger.
+"""The clock rows of tests/relay/README.md#rows over real sockets: the client of udp_client.py
+behind the relay, with a steady clock that steps and drifts as the scenario file says. Neither makes
+a sample older or younger.
 
-Rows "network/clock_*" of the matrix go to $HAPTIC_MATRIX_CSV where that is set (tests/relay/matrix.sh)."""
+Rows "network/clock_*" of the matrix are added to $HAPTIC_MATRIX_CSV if that is set
+(tests/relay/matrix.sh)."""
 
 import csv
 import os
@@ -21,8 +23,8 @@ from haptic.v1 import session_pb2  # noqa: E402
 from udp_client import Client  # noqa: E402
 
 SCENARIOS = os.path.join(os.path.dirname(__file__), "../relay/scenarios")
-EXPECTED = ("engaged throughout; stays on UDP; seq never back; median age of the last second within 2 ms of that of "
-            "the first")
+EXPECTED = ("engaged throughout; stays on UDP; seq never back; median age of the last second "
+            "within 2 ms of that of the first")
 
 
 class Scenario:
@@ -34,15 +36,16 @@ class Scenario:
         self.drift = sum(float(ppm) * 1e-6 for ppm in re.findall(r"drift_ppm: (\S+)", text))
         self.steps = [(float(at), float(by))
                       for at, by in re.findall(r"step \{ at_s: (\S+) by_s: (\S+) \}", text)]
-        assert self.drift or self.steps, f"{name} turns no clock, or says it in another way than is read here"
+        assert self.drift or self.steps, f"{name}: no drift_ppm and no step that this test reads"
 
     def turned_ns(self, t):
         return 1e9 * (self.drift * t + sum(by for at, by in self.steps if t >= at))
 
 
 def behind_relay(server, scenario):
-    relay = subprocess.Popen([argument("HAPTIC_RELAY"), "--scenario", scenario.path, "--tcp", str(server.port),
-                              "--udp", str(server.udp_port)], stdout=subprocess.PIPE)
+    relay = subprocess.Popen(
+        [argument("HAPTIC_RELAY"), "--scenario", scenario.path, "--tcp", str(server.port),
+         "--udp", str(server.udp_port)], stdout=subprocess.PIPE)
     relay.stdout.readline()  # it listens
     return relay
 
@@ -74,7 +77,8 @@ def judge(states):
     ages = [s.proxy_age_us * 1e-3 for s in states]
     first, last = statistics.median(ages[:100]), statistics.median(ages[-100:])
     assert abs(last - first) < 2.0, f"median age {first:.1f} ms at first, {last:.1f} ms in the end"
-    return f"median age {first:.1f} ms at first, {last:.1f} ms in the end, oldest {max(ages):.1f} ms"
+    return (f"median age {first:.1f} ms at first, {last:.1f} ms in the end, "
+            f"oldest {max(ages):.1f} ms")
 
 
 def row(name, sign):
@@ -96,7 +100,8 @@ def row(name, sign):
 def main():
     failed = False
     # A clock that runs slow would make samples old, one that runs fast young: both.
-    for name, sign in (("clock_step_forward", 1), ("clock_step_back", 1), ("clock_drift", 1), ("clock_drift", -1)):
+    for name, sign in (("clock_step_forward", 1), ("clock_step_back", 1), ("clock_drift", 1),
+                       ("clock_drift", -1)):
         shown = name + ("_reversed" if sign < 0 else "")
         try:
             got, verdict = row(name, sign), "ok"
@@ -105,7 +110,8 @@ def main():
         print(f"{shown}: {got}: {verdict}", flush=True)
         if os.environ.get("HAPTIC_MATRIX_CSV"):
             with open(os.environ["HAPTIC_MATRIX_CSV"], "a", encoding="utf-8", newline="") as table:
-                csv.writer(table, lineterminator="\n").writerow(["network/" + shown, EXPECTED, got, verdict])
+                row_of = csv.writer(table, lineterminator="\n")
+                row_of.writerow(["network/" + shown, EXPECTED, got, verdict])
     sys.exit(1 if failed else 0)
 
 

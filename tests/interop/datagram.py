@@ -16,7 +16,7 @@ def nonce(salt, packet_number):
 
 
 class Sealer:
-    """One direction's keys, for who sends: numbers rise from 1."""
+    """One direction's keys, for the sender: packet numbers rise from 1."""
 
     def __init__(self, path_id, key, salt):
         self.path_id, self.aead, self.salt, self.sent = path_id, AESGCM(key), salt, 0
@@ -28,7 +28,7 @@ class Sealer:
 
 
 class Opener:
-    """One direction's keys, for who receives, with the document's checks in the document's order."""
+    """One direction's keys, for the receiver; checks in the order of the document."""
 
     WINDOW = 1024
 

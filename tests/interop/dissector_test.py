@@ -1,5 +1,5 @@
-"""proto/hapticd.lua in tshark, on a capture written here: datagrams sealed as the document says, and every
-way in which one can be wrong."""
+"""proto/hapticd.lua in tshark, on a capture written here: datagrams sealed as the document says,
+and every way in which one can be wrong."""
 
 import shutil
 import struct

@@ -1,5 +1,6 @@
-"""No key, token or payload in a log: a whole client works, and fails, against a hapticd that logs all it can;
-then nothing of what only the two may know stands in the log, however it may have been spelled."""
+"""No key, token or payload stands in a log. A whole client works, and makes mistakes, against a
+hapticd that logs all it can; then its log is searched for every secret of the two, in every
+spelling."""
 
 import base64
 import struct
@@ -15,7 +16,7 @@ from haptic.v1 import haptic_service_pb2, session_pb2  # noqa: E402
 
 from udp_client import Client  # noqa: E402
 
-# Values that nothing else here has; beyond 1000 rad a position is refused, and the refusal names it to the client.
+# Values that occur nowhere else. A position beyond 1000 rad is refused, and the refusal names it.
 POSITION = [0.271828182845904, 0.141421356237309]
 OUTSIDE = [POSITION[0], 1732.0508075688772]
 
@@ -48,7 +49,7 @@ def found(log, secrets):
 
 
 def work(server):
-    """A session in all its parts, mistakes included; what it learnt that nobody else may."""
+    """A session in all its parts, mistakes included; returns the secrets that it learnt."""
     client = Client(server.channel, "127.0.0.1")
     try:
         eventually(lambda: client.opened and client.state, "the session opens, and a state comes")
@@ -58,10 +59,11 @@ def work(server):
                              "samples go up by UDP", POSITION)
         accepted = client.sample
         client.publish(OUTSIDE)  # by UDP
-        client.path.send(1, b"\xff" + client.opened.udp.up_key)  # a genuine datagram that is no message
+        # A datagram with the right tag that is no message.
+        client.path.send(1, b"\xff" + client.opened.udp.up_key)
         client.seq += 1
-        client.send_by_stream(session_pb2.ProxySample(seq=client.seq, mode=session_pb2.PROXY_MODE_HELD,
-                                                      position=OUTSIDE))
+        client.send_by_stream(session_pb2.ProxySample(
+            seq=client.seq, mode=session_pb2.PROXY_MODE_HELD, position=OUTSIDE))
         wrong = client.opened.session_id[::-1]
         try:
             client.stub.Release(haptic_service_pb2.ReleaseRequest(session_id=wrong))
@@ -72,13 +74,14 @@ def work(server):
         return {"session id": client.opened.session_id.encode(), "wrong session id": wrong.encode(),
                 "up key": udp.up_key, "up salt": udp.up_salt, "down key": udp.down_key,
                 "down salt": udp.down_salt, "sample": accepted.SerializeToString(),
-                "positions": struct.pack("<2d", *POSITION), "state": client.state.SerializeToString()}
+                "positions": struct.pack("<2d", *POSITION),
+                "state": client.state.SerializeToString()}
     finally:
         client.close()
 
 
 def control():
-    """The search bites: a log that holds each secret in each spelling is found out."""
+    """The search finds each spelling of a secret."""
     secret = bytes(range(250, 256)) + b"key of a kind"
     for how, words in spellings(secret):
         assert found(b"[info] x: " + words + b"\n", {"s": secret}), how
@@ -92,7 +95,8 @@ def main():
             secrets = work(server)
         log.seek(0)
         text = log.read()
-    assert b"session 'python'" in text and b" debug finger: " in text, f"this is not all it can log: {text!r}"
+    whole = b"session 'python'" in text and b" debug finger: " in text
+    assert whole, f"this is not all it can log: {text!r}"
     leaked = found(text, secrets)
     leaked += [f"position {x}" for x in (*POSITION, OUTSIDE[1]) if repr(x)[:6].encode() in text]
     assert not leaked, f"the log holds: {', '.join(leaked)}"

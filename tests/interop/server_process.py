@@ -9,7 +9,7 @@ import time
 
 import grpc
 
-# Patient with late ticks and late samples: protocols are tested here, not this machine.
+# Late ticks and late samples are no fault: these tests judge protocols, not the machine.
 SCENE = """
 name: "a finger for other people's software"
 loop {{ loop_late_fault {{ seconds: 2 }} late_bucket_full: 1000000 }}
@@ -41,7 +41,8 @@ class Server:
         self.scene.flush()
         self.address = f"127.0.0.1:{self.port}"
         self.process = subprocess.Popen(
-            [program, "--scene", self.scene.name, "--listen", self.address, *arguments], stderr=stderr)
+            [program, "--scene", self.scene.name, "--listen", self.address, *arguments],
+            stderr=stderr)
 
     def __enter__(self):
         self.channel = grpc.insecure_channel(self.address)

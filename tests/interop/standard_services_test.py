@@ -1,6 +1,6 @@
-"""Server reflection and health, called with Debian's python3-grpcio. The packages grpcio-reflection and
-grpcio-health-checking are not in Debian: the few messages are described here, after the public
-grpc/reflection/v1alpha and grpc/health/v1."""
+"""Server reflection and health, called with Debian's python3-grpcio. Debian has no packages
+grpcio-reflection and grpcio-health-checking, so their few messages are described here, after the
+public grpc/reflection/v1alpha and grpc/health/v1."""
 
 import re
 import sys
@@ -39,7 +39,8 @@ def reflection_file():
                                               package="grpc.reflection.v1alpha", syntax="proto3")
     message(file, "ServerReflectionRequest", ("host", 1, FIELD.TYPE_STRING),
             ("file_by_filename", 3, FIELD.TYPE_STRING),
-            ("file_containing_symbol", 4, FIELD.TYPE_STRING), ("list_services", 7, FIELD.TYPE_STRING))
+            ("file_containing_symbol", 4, FIELD.TYPE_STRING),
+            ("list_services", 7, FIELD.TYPE_STRING))
     message(file, "FileDescriptorResponse", ("file_descriptor_proto", 1, FIELD.TYPE_BYTES, True))
     message(file, "ServiceResponse", ("name", 1, FIELD.TYPE_STRING))
     message(file, "ListServiceResponse", ("service", 1, "ServiceResponse", True))
@@ -138,7 +139,8 @@ def main(readme):
     with Server(argument("HAPTICD")) as server:
         check_health(server.channel, types)
         reflection = Reflection(server.channel, types)
-        services = {s.name for s in reflection.ask(list_services="*").list_services_response.service}
+        answer = reflection.ask(list_services="*").list_services_response
+        services = {s.name for s in answer.service}
         assert {"haptic.v1.HapticService", "grpc.health.v1.Health"} <= services, services
         files = reflection.files_of("haptic.v1.HapticService")
         methods = {m.name for file in files.values() for s in file.service for m in s.method

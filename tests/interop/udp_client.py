@@ -1,4 +1,4 @@
-"""A whole client written from proto/README.md: session, UDP path, samples, force, and the fallback."""
+"""A whole client written from proto/README.md: session, UDP path, samples, force, fallback."""
 
 import queue
 import sys

@@ -1,4 +1,5 @@
-"""The client of udp_client.py against a running hapticd: force by UDP, clocks that turn, the fallback."""
+"""The client of udp_client.py against a running hapticd: force by UDP, clocks that step and drift,
+the fallback."""
 
 import sys
 import time
@@ -24,7 +25,8 @@ def main():
 
 
 def turn_the_clock(client, pressed):
-    """tests/relay/README.md#rows: steps of +-1 s, and a drift of 200 ppm. Age counts from arrival: nothing is felt."""
+    """Steps of +-1 s and a drift of 200 ppm (tests/relay/README.md#rows). Age counts from arrival,
+    so that nothing is felt."""
     begin = time.monotonic()
     for turned in (lambda now: 1e9, lambda now: -1e9, lambda now: 200e-6 * (now - begin) * 1e9):
         client.turned = turned

@@ -1,5 +1,5 @@
-"""The client's end of a UDP path, after proto/README.md only: receives, answers challenges, probes, and
-says whether the path is in use. One thread; the user sends from another."""
+"""The client's end of a UDP path, written from proto/README.md alone: receives, answers challenges,
+probes, and decides whether the path is in use. One thread; the user sends from another."""
 
 import os
 import socket

@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""How old samples from Python are when the loop uses them: publishes at a steady rate and reads the server's figures.
+"""How old samples from Python are when the loop uses them.
+
+Publishes at a steady rate, and reads the age of the sample in use from the states.
 
 No force is asked for. The server needs `server.udp_listen` for samples to go by UDP.
 """
@@ -21,7 +23,7 @@ arguments = parser.parse_args()
 
 
 def publish(session: haptic.Session) -> None:
-    """On absolute deadlines; those that passed meanwhile are skipped, not made up for."""
+    """On absolute deadlines; a deadline that passed is skipped."""
     begin = time.monotonic()
     deadline = 0
     while (now := time.monotonic() - begin) < arguments.seconds:
@@ -33,7 +35,7 @@ def publish(session: haptic.Session) -> None:
 with haptic.Connection(arguments.server) as server:
     with server.session(client_name="ages.py", nominal_rate_hz=arguments.rate,
                         state_rate_hz=STATE_RATE_HZ) as session:
-        time.sleep(1.0)  # the UDP path has proved good by then, where there is one
+        time.sleep(1.0)  # the UDP path, if there is one, is in use by then
         publisher = threading.Thread(target=publish, args=(session,))
         begin = time.monotonic()
         publisher.start()

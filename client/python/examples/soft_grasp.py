@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """A soft finger on a soft cylinder, for finger_soft_grasp.textproto.
 
-Two phalanges in the plane of the finger, pressed onto a fixed cylinder. The proxy's joint angles are
-those at which the springs of the finger and of the contact are in balance; a few damped steps per
-frame towards that balance are the whole simulation.
+Two phalanges in the plane of the finger press onto a fixed cylinder. The proxy is the joint angles
+at which the springs of the finger and of the contact are in balance. The simulation takes a few
+damped steps per frame towards that balance.
 """
 
 import argparse
@@ -21,7 +21,7 @@ STEPS, DAMPING = 12, 0.2
 
 
 def contact_torque(q: tuple[float, float]) -> tuple[float, float]:
-    """Joint torques of the cylinder on the finger, N m; flexion positive (points turn towards -y)."""
+    """Joint torques of the cylinder on the finger, N m; flexion is positive (towards -y)."""
     torque = [0.0, 0.0]
     for phalanx in (0, 1):
         for i in range(1, SAMPLES + 1):

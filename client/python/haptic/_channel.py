@@ -1,4 +1,4 @@
-"""Datagrams of the UDP path: header, AES-128-GCM, replay window (proto/README.md, "The UDP path")."""
+"""Datagrams of the UDP path: header, AES-128-GCM, replay window (proto/README.md#the-udp-path)."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _DOWN = frozenset({Type.STATE, Type.PATH_CHALLENGE, Type.PATH_RESPONSE, Type.CLO
 
 
 class ReplayWindow:
-    """Which of the newest 1024 packet numbers came."""
+    """Which of the newest 1024 packet numbers have arrived."""
 
     def __init__(self) -> None:
         self.newest = 0
@@ -51,7 +51,7 @@ class ReplayWindow:
 
 @dataclasses.dataclass(slots=True)
 class Keys:
-    """One set of keys, both directions, and what went under them. Not thread-safe."""
+    """The keys of both directions, and the counts of the datagrams under them. Not thread-safe."""
 
     path_id: int
     up: AESGCM
@@ -59,11 +59,12 @@ class Keys:
     down: AESGCM
     down_salt: bytes
     sent: int = 0
-    received: int = 0  # genuine datagrams
+    received: int = 0  # datagrams whose tag was right
     window: ReplayWindow = dataclasses.field(default_factory=ReplayWindow)
 
     @classmethod
-    def of(cls, path_id: int, up_key: bytes, up_salt: bytes, down_key: bytes, down_salt: bytes) -> Keys:
+    def of(cls, path_id: int, up_key: bytes, up_salt: bytes, down_key: bytes,
+           down_salt: bytes) -> Keys:
         return cls(path_id, AESGCM(up_key), up_salt, AESGCM(down_key), down_salt)
 
     def seal(self, kind: Type, payload: bytes) -> bytes | None:
@@ -75,7 +76,7 @@ class Keys:
         return header + self.up.encrypt(self.up_salt + header[8:], payload, header)
 
     def open(self, datagram: bytes) -> tuple[Type, bytes] | None:
-        """A datagram down, in the order of checks that the protocol lays down; None: drop it."""
+        """Opens a datagram from the server. None: drop it. Checks in the protocol's order."""
         reading = read_header(datagram)
         if reading is None or reading[1] != self.path_id:
             return None
@@ -93,7 +94,7 @@ class Keys:
 
 
 def read_header(datagram: bytes) -> tuple[Type, int, int] | None:
-    """Type, path id and packet number of a datagram down; None: not one of ours."""
+    """Type, path id and packet number of a datagram from the server; None: it is not one."""
     if not HEADER.size + TAG_SIZE <= len(datagram) <= LARGEST:
         return None
     magic, version, kind, path_id, number = HEADER.unpack_from(datagram)

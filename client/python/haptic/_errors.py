@@ -11,8 +11,9 @@ from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
 
 class ClientError(Exception):
-    """A call that failed. `reason` is for programs: the server's (proto/README.md, "Errors"), or the
-    status code's name where the server gave none, e.g. "UNAVAILABLE". str() is for people."""
+    """A call failed. str() is for people. `reason` is for programs: the server's reason
+    (proto/README.md, "Errors"), or the name of the status code, such as "UNAVAILABLE", if the
+    server gave none."""
 
     def __init__(self, reason: str, message: str) -> None:
         super().__init__(f"{message} ({reason})")
@@ -27,7 +28,8 @@ PASSING = frozenset({"NOT_ARMED", "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES", "STREAM
 
 @functools.cache
 def _types() -> dict[str, Any]:
-    """google.rpc.Status and ErrorInfo in a pool of their own: a program may have others of that name."""
+    """google.rpc.Status and ErrorInfo, in their own pool: a program may have others of that
+    name."""
     encoded = importlib.resources.files(__package__).joinpath("_details.bin").read_bytes()
     pool = descriptor_pool.DescriptorPool()
     for file in descriptor_pb2.FileDescriptorSet.FromString(encoded).file:

@@ -1,5 +1,5 @@
-"""Whether the UDP path is good enough for what we send (proto/README.md, "Is the path good?").
-Time is given, in seconds of one steady clock; nothing here reads a clock or a socket."""
+"""Whether samples go by UDP (proto/README.md, "Is the path good?"). Time is an argument, in seconds
+of one steady clock; nothing here reads a clock or a socket."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class PathState(enum.Enum):
 
 
 class PathMachine:
-    """step() says which challenge is to be sent now; responded() and closed() say what came back."""
+    """step() returns the challenge to send now; responded() and closed() report what came back."""
 
     def __init__(self, period_s: float, now: float) -> None:
         self.state = PathState.PROBING
@@ -52,8 +52,8 @@ class PathMachine:
         return None
 
     def responded(self, token: bytes, held_s: float, packets: int, newest: int, now: float) -> None:
-        """A genuine response: the other end held the challenge for `held_s` and has had `packets` of
-        ours, `newest` their highest number."""
+        """A response arrived whose tag was right: the other end held the challenge for `held_s` and
+        has received `packets` of this end's datagrams, with `newest` as their highest number."""
         sent = next((at for t, at in self._pending if t == token), None)
         if sent is None:
             return
@@ -79,7 +79,7 @@ class PathMachine:
                 self._back_off = 0
 
     def rekeyed(self) -> None:
-        """Packet numbers, and with them the reports, begin anew."""
+        """New keys: packet numbers, and the reports of them, begin again."""
         self._reports.clear()
 
     def closed(self) -> None:
@@ -90,7 +90,7 @@ class PathMachine:
         return max(_LEAST_SILENCE_S, 4 * self._period_s, 3 * self._srtt)
 
     def in_doubt(self, now: float) -> bool:
-        """In use, but an answer is overdue: what must not be late goes by the stream as well."""
+        """In use, but an answer is overdue: samples should go by the stream as well."""
         overdue = self._srtt + 4 * self._variation + _OVERDUE_S
         return (self.state is PathState.IN_USE and bool(self._pending)
                 and now - self._pending[0][1] >= overdue)

@@ -12,7 +12,7 @@ import grpc
 
 from ._errors import PASSING, ClientError, to_error
 from ._types import Carriers, DeviceState, Event, Pose, Proxy, SampleCounts, Settings
-from ._udp import UdpPath
+from ._udp import UdpCarrier
 from .v1 import haptic_service_pb2 as service
 from .v1 import session_pb2 as wire
 
@@ -22,10 +22,12 @@ _MOST_EVENTS = 256  # kept for a caller who does not ask
 
 
 class Session:
-    """Made by Connection.session(); closes in `with`, or by close(). Every method from any thread.
+    """Connection.session() makes one; `with` or close() ends it. Every method may be called from
+    any thread.
 
-    publish() never waits: one sample waits to be sent, a newer one replaces it. States are conflated
-    to the newest. Force never comes back by itself: after an event LOST call engage() again."""
+    publish() never waits: one sample waits to be sent, and a newer one replaces it. Of the states
+    only the newest is kept. Force never comes back by itself: after an event LOST call engage()
+    again."""
 
     def __init__(self, stub: Any, address: str, *, service_device: str, client_name: str,
                  nominal_rate_hz: float, observer: bool, tracker: bool, state_rate_hz: float,
@@ -45,7 +47,7 @@ class Session:
         self._seq = self._replaced = 0
         self._ended: ClientError | None = None
         self._closing = False
-        self._udp: UdpPath | None = None
+        self._udp: UdpCarrier | None = None
         opening = wire.OpenSession(
             device=service_device, client_name=client_name, nominal_rate_hz=nominal_rate_hz,
             state_rate_hz=state_rate_hz,
@@ -56,7 +58,7 @@ class Session:
         try:
             self._opened = self._open()
             self._udp = self._open_udp(address)
-        except BaseException:  # nobody will have a session to close: the lease goes back now
+        except BaseException:  # the caller gets no session to close: give the lease back now
             self._end_stream()
             raise
         self._reader = threading.Thread(target=self._read, name="haptic session", daemon=True)
@@ -69,7 +71,7 @@ class Session:
         self.close()
 
     def close(self) -> None:
-        """Ends the session: force fades out, the lease is given up. Idempotent."""
+        """Ends the session: force fades out and the lease ends. Idempotent."""
         with self._changed:
             if self._closing:
                 return
@@ -89,7 +91,8 @@ class Session:
     # What goes up.
 
     def publish(self, proxy: Proxy) -> int:
-        """The newest proxy; its number. Raises where the session has ended, or is a tracker's."""
+        """Sends where the proxy is now; returns the number of the sample. Raises if the session has
+        ended, or is a tracker's."""
         with self._changed:
             self._check()
             if self._tracker:
@@ -108,8 +111,8 @@ class Session:
             return self._seq
 
     def publish_pose(self, pose: Pose) -> int:
-        """The newest pose of a tracker; its number. Raises where the session has ended, or is no
-        tracker's. A pose that the server cannot use is counted in samples()."""
+        """Sends the pose of a tracker; returns its number. Raises if the session has ended, or is
+        no tracker's. samples() counts the poses that the server cannot use."""
         with self._changed:
             self._check()
             if not self._tracker:
@@ -128,7 +131,7 @@ class Session:
         self._changed.notify_all()
 
     def _requests(self, opening: wire.OpenSession) -> Iterator[wire.SessionRequest]:
-        """On a thread of grpc, which asks for the next message once the last one was written."""
+        """Runs on a thread of grpc, which asks for a message once it wrote the one before."""
         yield wire.SessionRequest(open=opening)
         while True:
             with self._changed:
@@ -141,13 +144,13 @@ class Session:
     # Force.
 
     def engage(self) -> None:
-        """Asks for force once. Raises ClientError with what is missing."""
+        """Asks for force once. Raises ClientError and says what is missing."""
         self._ask(self._stub.Engage, service.EngageRequest(session_id=self._opened.session_id))
 
     def engage_when_ready(self) -> None:
-        """Asks in the background, every 50 ms, as long as time can cure the refusal: until the server
-        agrees, the device is in FAULT, or the session ends. What else it says is raised by
-        publish() and wait_for_state()."""
+        """Asks for force in the background, every 50 ms, until the server agrees, the device is in
+        FAULT, or the session ends. publish() and wait_for_state() raise a refusal that time cannot
+        cure."""
         threading.Thread(target=self._engage_when_ready, name="haptic engage", daemon=True).start()
 
     def _engage_when_ready(self) -> None:
@@ -172,11 +175,13 @@ class Session:
     def update_settings(self, *, stiffness: Sequence[float] = (), damping: Sequence[float] = (),
                         force_limit: Sequence[float] = (),
                         slew_limit: Sequence[float] = ()) -> Settings:
-        """Within the scene; per actuated DoF. Empty leaves as it is."""
+        """Changes settings within the limits of the scene, per actuated DoF; an empty one stays as
+        it is. Returns what was applied."""
         answer = self._ask(self._stub.UpdateSettings, service.UpdateSettingsRequest(
             session_id=self._opened.session_id, stiffness=stiffness, damping=damping,
             force_limit=force_limit, slew_limit=slew_limit))
-        clamped = (f"{c.field} = {c.asked:g}: {c.applied:g} applied, {c.why}" for c in answer.clamped)
+        clamped = (f"{c.field} = {c.asked:g}: {c.applied:g} applied, {c.why}"
+                   for c in answer.clamped)
         return Settings(tuple(answer.stiffness), tuple(answer.damping), tuple(answer.force_limit),
                         tuple(answer.slew_limit), tuple(clamped))
 
@@ -194,23 +199,24 @@ class Session:
 
     @property
     def state(self) -> DeviceState | None:
-        """The newest; None before the first."""
+        """The newest state; None before the first."""
         with self._changed:
             return self._state
 
     def wait_for_state(self, timeout: float = 5.0) -> DeviceState:
-        """The next state that is newer than the newest now. Raises TIMEOUT, or why the session ended."""
+        """Waits for a state newer than the newest now. Raises TIMEOUT, or why the session ended."""
         with self._changed:
             seen = self._state.seq if self._state else 0
             self._changed.wait_for(
-                lambda: self._ended or (self._state is not None and self._state.seq > seen), timeout)
+                lambda: self._ended or (self._state is not None and self._state.seq > seen),
+                timeout)
             self._check()
             if self._state is None or self._state.seq <= seen:
                 raise ClientError("TIMEOUT", f"no state within {timeout:g} s")
             return self._state
 
     def events(self) -> list[Event]:
-        """Those that came since the last call; of more than 256 the oldest are gone."""
+        """The events since the last call, at most the newest 256."""
         with self._changed:
             events = list(self._events)
             self._events.clear()
@@ -242,13 +248,13 @@ class Session:
         except StopIteration:
             raise ClientError("CLOSED", "the server ended the stream") from None
 
-    def _open_udp(self, address: str) -> UdpPath | None:
-        """None where the server offers none, or its address cannot be reached: the stream goes on alone."""
+    def _open_udp(self, address: str) -> UdpCarrier | None:
+        """None if the server offers none or cannot be reached: the stream carries all then."""
         if not self._opened.HasField("udp"):
             return None
         try:
-            return UdpPath(self._opened.udp, address, self._period_s, self._on_udp_state,
-                           self._on_udp_late)
+            return UdpCarrier(self._opened.udp, address, self._period_s, self._on_udp_state,
+                              self._on_udp_late)
         except OSError:
             return None
 
@@ -288,7 +294,7 @@ class Session:
             self._changed.notify_all()
 
     def _on_udp_late(self) -> None:
-        """Make-before-break: the newest sample goes on the stream at once, under the number it has."""
+        """The newest sample may be lost: it goes by the stream too, under the same number."""
         with self._changed:
             if self._newest is not None and not self._closing:
                 self._offer(wire.SessionRequest(proxy=self._newest))

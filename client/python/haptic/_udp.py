@@ -1,4 +1,4 @@
-"""The UDP path of a session: a socket, a thread, the keys."""
+"""The client's end of a session's UDP path: a socket, a thread, the keys."""
 
 from __future__ import annotations
 
@@ -20,13 +20,14 @@ Address = tuple[socket.AddressFamily, socket.SocketKind, int, str, Any]  # as ge
 _TURN_S = 0.005  # how often the path is looked at; challenges are 10 ms apart at most
 
 
-class UdpPath:
-    """Carries samples up while in_use, and hands states to `on_state`; `on_late` where the newest sample may be lost, at
-    a fallback and when the path gets in doubt. Both are called on the path's thread, without a lock of it held."""
+class UdpCarrier:
+    """Carries samples while `in_use`, and gives states to `on_state`. Calls `on_late` if the newest
+    sample may be lost: when the path is given up or in doubt. Both are called on the thread of this
+    object, without its lock."""
 
     def __init__(self, offer: wire.UdpPath, address: str, period_s: float,
                  on_state: Callable[[bytes], None], on_late: Callable[[], None]) -> None:
-        """OSError: the host has no address, or none can be reached from here."""
+        """Raises OSError if the host has no address that can be reached."""
         self._on_state, self._on_late = on_state, on_late
         self._lock = threading.Lock()
         self._keys = _keys_of(offer)
@@ -36,9 +37,9 @@ class UdpPath:
         self._closing = False
         self._addresses = addresses(offer.host or host_of(address), offer.port)
         self._turn = 0
-        self._answered = False  # the address in use, to a whole round of challenges
+        self._answered = False  # by the address in use, to a whole round of challenges
         self._doubt = False
-        # Last, and nothing after it that could fail: a socket without an owner would stay open.
+        # Last, so that nothing fails after it: a socket without an owner would stay open.
         self._socket = connect(self._addresses)
         self._socket.settimeout(_TURN_S)
         self._thread = threading.Thread(target=self._serve, name="haptic udp", daemon=True)
@@ -49,8 +50,8 @@ class UdpPath:
         return self._machine.state is PathState.IN_USE
 
     def send(self, sample: bytes) -> bool:
-        """False where the stream should carry it: the path is not in use, or the sample does not fit; or should carry
-        it too: the path's answers are overdue."""
+        """False: the stream has to carry the sample, because the path is not in use or the sample
+        too large, or it should carry it too, because answers of the path are overdue."""
         with self._lock:
             if not self.in_use or len(sample) > LARGEST - 32:
                 return False
@@ -77,7 +78,7 @@ class UdpPath:
             return False
         try:
             self._socket.send(datagram)
-        except OSError:  # nobody listens there, or the queue is full: the silence will tell
+        except OSError:  # nothing listens there, or the queue is full: the silence will tell
             return False
         return True
 
@@ -104,7 +105,7 @@ class UdpPath:
             used, doubted = self.in_use, self._doubt
 
     def _take(self, flags: int) -> bool:
-        """One datagram; False where none came."""
+        """Takes one datagram; False if none came."""
         try:
             datagram = self._socket.recv(LARGEST + 1, flags)
         except OSError:
@@ -115,8 +116,9 @@ class UdpPath:
         return True
 
     def _try_another(self) -> None:
-        """A connected UDP socket does not tell whether anybody is there: "localhost" is ::1 and 127.0.0.1, and a
-        server may listen at one of them. An address that answered once stays."""
+        """A connected UDP socket does not tell whether anything listens there: "localhost" is ::1
+        and 127.0.0.1, and a server may listen at one of them only. An address that answered once
+        stays."""
         if len(self._addresses) < 2:
             return
         self._turn += 1
@@ -130,7 +132,7 @@ class UdpPath:
         made.close()
 
     def _receive(self, datagram: bytes, now: float) -> bytes | None:
-        """What a datagram changes; the payload where it is a state."""
+        """Acts on a datagram; returns its payload if it is a state."""
         with self._lock:
             keys = self._keys_for(datagram, now)
             opened = keys.open(datagram) if keys is not None else None
@@ -170,12 +172,12 @@ def _keys_of(offer: wire.UdpPath) -> Keys:
 
 
 def host_of(address: str) -> str:
-    """Of the stream's address; loopback where that is a UNIX socket."""
+    """The host of the stream's address; loopback if that is a UNIX socket."""
     return "127.0.0.1" if address.startswith("unix:") else address.rpartition(":")[0].strip("[]")
 
 
 def addresses(host: str, port: int) -> list[Address]:
-    """Of `host`, a name or an IPv4 or IPv6 address; OSError where it has none."""
+    """Addresses of `host`, a name or an IPv4 or IPv6 address; OSError if it has none."""
     found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
     if not found:
         raise OSError(f"{host} has no address")
@@ -183,8 +185,8 @@ def addresses(host: str, port: int) -> list[Address]:
 
 
 def connect(found: list[Address], turn: int = 0) -> socket.socket:
-    """To the first of these addresses that this system has a way to; in another `turn` the look begins at another one.
-    Datagrams of other addresses do not come in. OSError where there is none."""
+    """A socket connected to the first of these addresses that this system has a route to, beginning
+    at number `turn`. It takes no datagrams from other addresses. OSError if there is no route."""
     failed = OSError("no address")
     first = turn % len(found)
     for family, kind, protocol, _, there in found[first:] + found[:first]:

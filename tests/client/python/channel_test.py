@@ -10,9 +10,10 @@ README = os.path.join(os.environ["HAPTIC_SCENES"], "../../proto/README.md")
 
 
 def keys() -> Keys:
-    """Those of the vectors, read from the page."""
+    """The keys of the test vectors, read from the page."""
     with open(README, encoding="utf-8") as page:
-        rows = dict(re.findall(r"^\| (up|down) \| `([0-9a-f]{32}` \| `[0-9a-f]{8})` \|$", page.read(), re.M))
+        rows = dict(re.findall(r"^\| (up|down) \| `([0-9a-f]{32}` \| `[0-9a-f]{8})` \|$",
+                               page.read(), re.M))
     up, down = (tuple(map(bytes.fromhex, rows[way].split("` | `"))) for way in ("up", "down"))
     return Keys.of(0xC0FFEE01, *up, *down)
 

@@ -38,7 +38,7 @@ class Far:
 
 
 class Path(unittest.TestCase):
-    def test_four_of_five_answers_bring_it_into_use(self) -> None:
+    def test_four_of_five_answers_suffice(self) -> None:
         far = Far()
         far.run(0.050)  # three challenges
         self.assertIs(far.machine.state, PathState.PROBING)
@@ -47,7 +47,7 @@ class Path(unittest.TestCase):
         self.assertEqual([size for _, size in far.sent[:4]], [1168] * 4)
         self.assertAlmostEqual(far.sent[1][0] - far.sent[0][0], 0.020, delta=1.5 * MS)
 
-    def test_a_round_without_answers_waits_with_a_back_off_that_doubles(self) -> None:
+    def test_the_back_off_doubles(self) -> None:
         far = Far()
         far.up = False
         far.run(40.0)
@@ -57,7 +57,7 @@ class Path(unittest.TestCase):
         for gap, back_off in zip(gaps, (0.5, 1, 2, 4, 8, 8)):
             self.assertAlmostEqual(gap, 0.58 + back_off, delta=5 * MS)
 
-    def test_an_overdue_answer_is_doubt_before_it_is_silence(self) -> None:
+    def test_doubt_comes_before_silence(self) -> None:
         far = Far()
         far.run(1.0)
         self.assertFalse(far.machine.in_doubt(far.now))
@@ -65,13 +65,14 @@ class Path(unittest.TestCase):
         cut = far.now
         while not far.machine.in_doubt(far.now):
             far.run(1 * MS)
-        self.assertLess(far.now - cut, 0.050)  # round trip 1 ms, 30 ms, up to 10 ms to the next challenge
+        # 1 ms round trip, 30 ms, and up to 10 ms until the next challenge.
+        self.assertLess(far.now - cut, 0.050)
         self.assertIs(far.machine.state, PathState.IN_USE)
         far.up = True
         far.run(0.020)
         self.assertFalse(far.machine.in_doubt(far.now))
 
-    def test_silence_is_100_ms_four_periods_or_three_round_trips(self) -> None:
+    def test_the_limit_of_silence(self) -> None:
         self.assertAlmostEqual(Far(period_s=0.01).machine.silence_s, 0.100)
         self.assertAlmostEqual(Far(period_s=0.05).machine.silence_s, 0.200)
         far = Far(delay_s=0.080)
@@ -97,19 +98,19 @@ class Path(unittest.TestCase):
         far.run(0.7)
         self.assertIs(far.machine.state, PathState.IN_USE)
 
-    def test_losing_more_than_30_percent_over_a_second_ends_its_use(self) -> None:
+    def test_a_loss_above_30_percent_ends_its_use(self) -> None:
         for lost, ends in ((0.25, False), (0.35, True)):
             far = Far()
             far.run(0.2)
             far.machine.responded(b"", 0.0, 0, 0, far.now)  # not ours: changes nothing
-            for _ in range(120):  # 1.2 s of data beside the challenges, of which a share gets through
+            for _ in range(120):  # 1.2 s of data, of which a share is lost
                 far.newest += 99
                 far.packets += round(99 * (1 - lost))
                 far.run(0.010)
             self.assertIs(far.machine.state,
                           PathState.WAITING if ends else PathState.IN_USE, f"{lost}")
 
-    def test_a_path_the_far_end_left_stays_off(self) -> None:
+    def test_a_closed_path_stays_off(self) -> None:
         far = Far()
         far.run(1.0)
         far.machine.closed()

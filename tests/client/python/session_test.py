@@ -41,9 +41,10 @@ class OneServer(unittest.TestCase):
         self.addCleanup(session.close)
         return session
 
-    def hold(self, session: haptic.Session, until: Callable[[haptic.DeviceState], bool]) -> haptic.DeviceState:
-        """Publishes at the pace of the states, until `until`: where the probe is, and once there is
-        force, where it was when force began."""
+    def hold(self, session: haptic.Session,
+             until: Callable[[haptic.DeviceState], bool]) -> haptic.DeviceState:
+        """Publishes a held proxy per state, until `until`: at the probe, and as soon as there is
+        force at the place where force began."""
         place = session.wait_for_state().x_probe
         latest = time.monotonic() + 20
         while time.monotonic() < latest:
@@ -73,7 +74,7 @@ class Facts(OneServer):
 
 
 class WithoutDiagnostics(OneServer):
-    def test_a_scene_that_does_not_ask_for_them_has_none(self) -> None:
+    def test_other_scenes_have_none(self) -> None:
         state = self.open().wait_for_state()
         self.assertIsNone(state.certificate)
         self.assertEqual(state.coupling_metric, ())
@@ -82,7 +83,7 @@ class WithoutDiagnostics(OneServer):
 class Diagnostics(OneServer):
     settings = ("device[0].passivity_certificate={}", "device[0].coupling_metric={softness: 0.1}")
 
-    def test_the_certificate_is_computed_where_the_proxy_is_displaced(self) -> None:
+    def test_a_displaced_proxy_has_a_certificate(self) -> None:
         session = self.open()
         self.assertEqual(session.wait_for_state().certificate.status, "IDLE")
         mcp, pip = session.wait_for_state().x_probe
@@ -104,7 +105,7 @@ class Diagnostics(OneServer):
 
 
 class Force(OneServer):
-    def test_engage_ramps_to_full_gain_and_release_takes_it_back(self) -> None:
+    def test_it_ramps_up_and_is_released(self) -> None:
         session = self.open()
         session.engage_when_ready()
         state = self.hold(session, lambda s: s.state == "ENGAGED")
@@ -116,7 +117,7 @@ class Force(OneServer):
         self.assertIn("ENGAGING -> ENGAGED", reasons)
         self.assertIn("RELEASING -> ARMED", reasons)
 
-    def test_silence_ends_it_and_an_event_says_so(self) -> None:
+    def test_silence_ends_it_with_an_event(self) -> None:
         session = self.open()
         session.engage_when_ready()
         self.hold(session, lambda s: s.state == "ENGAGED")
@@ -155,13 +156,13 @@ class Force(OneServer):
         self.assertEqual(len(applied.clamped), 1)
         self.assertIn("stiffness[0]", applied.clamped[0])
 
-    def test_an_emergency_stop_needs_no_session_and_is_cleared_by_number(self) -> None:
+    def test_an_emergency_stop_needs_no_session(self) -> None:
         self.assertEqual(self.connection.emergency_stop(), ["finger"])
         self.assertEqual(self.connection.clear_fault(), [7])
 
 
 class Session(OneServer):
-    def test_leaving_with_gives_the_lease_back_at_once(self) -> None:
+    def test_leaving_gives_the_lease_back(self) -> None:
         with self.connection.session(client_name="first", nominal_rate_hz=60):
             self.assertEqual(self.connection.devices()[0].controller, "first")
         with self.connection.session(client_name="second", nominal_rate_hz=60):
@@ -192,7 +193,7 @@ class Session(OneServer):
 class Udp(OneServer):
     udp = True
 
-    def test_samples_go_by_udp_once_the_path_proved_good(self) -> None:
+    def test_samples_go_by_udp(self) -> None:
         session = self.open()
         session.engage_when_ready()
         state = self.hold(session, lambda s: s.state == "ENGAGED" and s.transport == "UDP")
@@ -200,7 +201,7 @@ class Udp(OneServer):
         self.assertEqual(state.gain, 1.0)
         self.assertTrue(any(e.reason == "SAMPLES GRPC -> UDP" for e in session.events()))
 
-    def test_a_path_that_falls_silent_gives_way_to_the_stream_without_losing_force(self) -> None:
+    def test_a_silent_path_loses_no_force(self) -> None:
         session = self.open()
         session.engage_when_ready()
         self.hold(session, lambda s: s.state == "ENGAGED" and s.transport == "UDP")
@@ -209,13 +210,13 @@ class Udp(OneServer):
         self.assertFalse(any(e.kind == "LOST" for e in session.events()))
         self.assertEqual(state.state, "ENGAGED")
 
-    def test_without_a_way_to_the_address_the_stream_goes_on_alone(self) -> None:
+    def test_without_a_route_the_stream_carries(self) -> None:
         with mock.patch("haptic._udp.connect", side_effect=OSError("no route")):
             session = self.open()
         self.hold(session, lambda s: s.proxy_seq_used > 50 and s.transport == "GRPC")
         self.assertFalse(session.udp_in_use)
 
-    def test_the_next_address_is_tried_where_nobody_is_at_the_first(self) -> None:
+    def test_the_next_address_is_tried(self) -> None:
         system = socket.getaddrinfo
 
         def both(host: str, port: int, **rest: int) -> list[tuple]:
@@ -234,10 +235,10 @@ class Udp(OneServer):
 
 class UdpThatFails(OneServer):
     udp = True
-    lease_s = 60  # who forgets a session keeps the device that long
+    lease_s = 60  # a session that is not closed keeps the device that long
 
-    def test_an_error_while_the_path_is_made_gives_the_lease_back(self) -> None:
-        with mock.patch("haptic._session.UdpPath", side_effect=ValueError("not a key")):
+    def test_an_error_gives_the_lease_back(self) -> None:
+        with mock.patch("haptic._session.UdpCarrier", side_effect=ValueError("not a key")):
             with self.assertRaises(ValueError):
                 self.connection.session(client_name="unlucky", nominal_rate_hz=60)
         self.assertTrue(eventually(lambda: self.connection.devices()[0].controller == ""))
@@ -262,7 +263,8 @@ class Examples(unittest.TestCase):
 
     def test_ages_are_the_servers(self) -> None:
         published, ages = self.run_example("ages.py", "finger_constant", 3, udp=True).splitlines()
-        sent, accepted = (int(published.split(word)[1].split(" ")[0].rstrip(",")) for word in ("published ", "accepted "))
+        sent, accepted = (int(published.split(word)[1].split(" ")[0].rstrip(","))
+                          for word in ("published ", "accepted "))
         self.assertLessEqual(sent, 3001)  # 3 s at 1 kHz, and never faster
         self.assertLessEqual(accepted, sent)
         self.assertGreater(accepted, 100)  # a busy machine is slow, and says so
@@ -281,19 +283,22 @@ class Examples(unittest.TestCase):
 
 class Readme(unittest.TestCase):
     def test_its_first_client_works_as_it_stands(self) -> None:
-        with open(os.path.join(os.environ["HAPTIC_SCENES"], "../../client/README.md"), encoding="utf-8") as page:
+        readme = os.path.join(os.environ["HAPTIC_SCENES"], "../../client/README.md")
+        with open(readme, encoding="utf-8") as page:
             code = page.read().split("```python\n")[1].split("```")[0]
         self.assertIn('"127.0.0.1:29470"', code)
         self.assertLessEqual(len(code.splitlines()), 20)
         server = Hapticd("finger_constant")
         self.addCleanup(server.stop)
         with haptic.Connection(server.address) as connection:
-            client = subprocess.Popen([sys.executable, "-c", code.replace("127.0.0.1:29470", server.address)])
+            code = code.replace("127.0.0.1:29470", server.address)
+            client = subprocess.Popen([sys.executable, "-c", code])
             self.addCleanup(client.kill)
             latest = time.monotonic() + 30
             # The hand wants 0.52 rad, the wall stands at 0.3: the actuator pushes back.
-            felt = next((s for s in connection.watch(rate_hz=200) if time.monotonic() > latest or
-                         isinstance(s, haptic.DeviceState) and s.state == "ENGAGED" and s.tau_elastic[0] < -1.0))
+            states = (s for s in connection.watch(rate_hz=200) if isinstance(s, haptic.DeviceState))
+            felt = next(s for s in states if time.monotonic() > latest or
+                        s.state == "ENGAGED" and s.tau_elastic[0] < -1.0)
             self.assertEqual(felt.state, "ENGAGED")
             self.assertEqual(client.wait(timeout=30), 0)
 

@@ -1,4 +1,4 @@
-"""The role tracker against a running hapticd: who says where the palm is, and how everybody sees it."""
+"""The role tracker against a running hapticd: poses, their age, and what other clients see."""
 
 import csv
 import json
@@ -51,12 +51,13 @@ class OnATrackedPalm(unittest.TestCase):
         self.fail(f"still {state}")
 
     def hapticctl(self, *arguments: str) -> str:
-        return subprocess.run([os.environ["HAPTICCTL"], "--server", self.server.address, *arguments],
-                              check=True, capture_output=True, text=True, timeout=60).stdout
+        command = [os.environ["HAPTICCTL"], "--server", self.server.address, *arguments]
+        return subprocess.run(command, check=True, capture_output=True, text=True,
+                              timeout=60).stdout
 
 
 class Poses(OnATrackedPalm):
-    def test_the_palm_stands_where_the_tracker_says(self) -> None:
+    def test_the_palm_follows_the_tracker(self) -> None:
         session = self.open(client_name="simulation")
         before = session.wait_for_state().tracker
         assert before is not None
@@ -69,17 +70,20 @@ class Poses(OnATrackedPalm):
         self.assertLessEqual(state.tracker.seq_used, tracker.samples().published)
         self.assertLess(state.tracker.age_s, 0.1)
 
-    def test_one_that_falls_silent_grows_old(self) -> None:
+    def test_a_silent_tracker_grows_old(self) -> None:
         session = self.open(client_name="simulation")
         tracker = self.open(tracker=True, client_name="camera")
         tracker.publish_pose(POSE)
         latest = time.monotonic() + PATIENCE_S
-        while (state := session.wait_for_state()).tracker.seq_used == 0 or state.tracker.staleness != "LOST":
+        while True:
+            state = session.wait_for_state()
+            if state.tracker.seq_used > 0 and state.tracker.staleness == "LOST":
+                break
             self.assertLess(time.monotonic(), latest)
         self.assertGreaterEqual(state.tracker.age_s, 0.18)
         self.assertAlmostEqual(state.q[0], PALM[0], places=9)  # held, not forgotten
 
-    def test_force_needs_it_and_goes_with_it(self) -> None:
+    def test_force_needs_it(self) -> None:
         session = self.open(client_name="simulation")
         tracker = self.open(tracker=True, client_name="camera")
         session.engage_when_ready()
@@ -87,14 +91,15 @@ class Poses(OnATrackedPalm):
         latest = time.monotonic() + PATIENCE_S
         place = session.wait_for_state().x
         events: list[haptic.Event] = []
-        while not any(e.reason == "TRACKER_LOST" for e in events):  # the proxies go on, the poses do not
+        # The proxies go on, the poses do not.
+        while not any(e.reason == "TRACKER_LOST" for e in events):
             session.publish(haptic.held(place))
             state = session.wait_for_state()
             events += session.events()
             self.assertLess(time.monotonic(), latest, state)
         self.assertEqual(session.wait_for_state().tau_elastic, (0.0, 0.0))
 
-    def test_a_pose_that_cannot_be_is_counted_with_the_reason(self) -> None:
+    def test_an_impossible_pose_is_counted(self) -> None:
         tracker = self.open(tracker=True, client_name="camera")
         tracker.publish_pose(haptic.Pose((5.0, 0.0, 0.0)))
         latest = time.monotonic() + PATIENCE_S
@@ -105,7 +110,7 @@ class Poses(OnATrackedPalm):
 
 
 class Role(OnATrackedPalm):
-    def test_it_is_one_of_its_own(self) -> None:
+    def test_it_publishes_poses_and_nothing_else(self) -> None:
         device, = self.connection.devices()
         self.assertEqual((device.wants_tracker, device.tracker), (True, ""))
         tracker = self.open(tracker=True, client_name="camera")
@@ -125,14 +130,14 @@ class Role(OnATrackedPalm):
             self.open(client_name="simulation").publish_pose(POSE)
         self.assertIn("tracker=True", str(refused.exception))
 
-    def test_it_is_no_observer_too(self) -> None:
+    def test_it_is_not_an_observer_too(self) -> None:
         with self.assertRaises(haptic.ClientError) as refused:
             self.open(observer=True, tracker=True, client_name="both")
         self.assertEqual(refused.exception.reason, "INVALID_ARGUMENT")
 
 
 class Seen(OnATrackedPalm):
-    def test_hapticctl_and_the_recording_tell_who_and_how_old(self) -> None:
+    def test_hapticctl_and_recording_name_it(self) -> None:
         self.assertIn("palm by a tracker: nobody", self.hapticctl("info"))
         session = self.open(client_name="simulation")
         tracker = self.open(tracker=True, client_name="camera")
@@ -140,7 +145,8 @@ class Seen(OnATrackedPalm):
         self.assertIn("palm by a tracker: camera", self.hapticctl("info"))
         device, = json.loads(self.hapticctl("info", "--json"))["devices"]
         self.assertEqual((device["wants_tracker"], device["tracker"]), (True, "camera"))
-        told = json.loads(self.hapticctl("watch", "--json", "--seconds", "1").splitlines()[-1])["tracker"]
+        last = self.hapticctl("watch", "--json", "--seconds", "1").splitlines()[-1]
+        told = json.loads(last)["tracker"]
         self.assertEqual(told["holder"], "camera")
         self.assertEqual(told["staleness"], "LOST")  # nobody publishes while this test reads
         self.assertGreater(told["seq_used"], 3)
@@ -153,13 +159,13 @@ class Seen(OnATrackedPalm):
             self.assertLess(time.monotonic(), latest)
             time.sleep(0.2)
         rows = self.rows()
-        self.assertEqual((rows[0]["tracker_seq"], rows[0]["tracker_age_us"], rows[0]["tracker_staleness"]),
-                         ("0", "0", "LOST"))
+        first = [rows[0]["tracker_" + name] for name in ("seq", "age_us", "staleness")]
+        self.assertEqual(first, ["0", "0", "LOST"])
         fresh = next(row for row in rows if row["tracker_staleness"] == "FRESH")
         self.assertGreater(int(fresh["tracker_seq"]), 0)
         self.assertLess(float(fresh["tracker_age_us"]), 100e3)
-        for name, wanted in zip(("palm.x", "palm.y", "palm.z", "palm.rx", "palm.ry", "palm.rz"), PALM):
-            self.assertAlmostEqual(float(fresh[name]), wanted, places=9)
+        for name, wanted in zip(("x", "y", "z", "rx", "ry", "rz"), PALM):
+            self.assertAlmostEqual(float(fresh["palm." + name]), wanted, places=9)
 
     def rows(self) -> list[dict[str, str]]:
         lines = self.recording.read_text().splitlines()

@@ -7,6 +7,11 @@ from unittest import mock
 from haptic._udp import addresses, connect, host_of
 
 
+def found(*sockets: socket.socket) -> list[tuple]:
+    """What getaddrinfo returns for a name at these addresses."""
+    return [(socket.AF_INET, socket.SOCK_DGRAM, 0, "", far.getsockname()) for far in sockets]
+
+
 def listener(family: socket.AddressFamily, address: str) -> socket.socket:
     made = socket.socket(family, socket.SOCK_DGRAM)
     made.settimeout(10)
@@ -34,30 +39,30 @@ class Connect(unittest.TestCase):
 
     def test_a_name(self) -> None:
         with listener(socket.AF_INET, "127.0.0.1") as far, mock.patch(
-                "socket.getaddrinfo",
-                return_value=[(socket.AF_INET, socket.SOCK_DGRAM, 0, "", far.getsockname())]) as asked:
+                "socket.getaddrinfo", return_value=found(far)) as asked:
             with connect(addresses("robot.example", 29471)) as near:
                 near.send(b"here")
                 self.assertEqual(far.recv(16), b"here")
             self.assertEqual(asked.call_args.args, ("robot.example", 29471))
 
-    def test_the_next_address_where_one_cannot_be_reached(self) -> None:
+    def test_an_unreachable_address_is_skipped(self) -> None:
         with listener(socket.AF_INET, "127.0.0.1") as far, mock.patch(
                 "socket.getaddrinfo",
                 return_value=[(socket.AF_INET, socket.SOCK_DGRAM, 0, "", ("255.255.255.255", 9)),
-                              (socket.AF_INET, socket.SOCK_DGRAM, 0, "", far.getsockname())]):
-            with connect(addresses("robot.example", 29471)) as near:  # broadcast is refused without SO_BROADCAST
+                              *found(far)]):
+            # The first is refused: a broadcast without SO_BROADCAST.
+            with connect(addresses("robot.example", 29471)) as near:
                 self.assertEqual(near.getpeername(), far.getsockname())
 
     def test_each_turn_begins_at_another_address(self) -> None:
-        with listener(socket.AF_INET, "127.0.0.1") as a, listener(socket.AF_INET, "127.0.0.1") as b, mock.patch(
-                "socket.getaddrinfo",
-                return_value=[(socket.AF_INET, socket.SOCK_DGRAM, 0, "", far.getsockname()) for far in (a, b)]):
+        with (listener(socket.AF_INET, "127.0.0.1") as a,
+              listener(socket.AF_INET, "127.0.0.1") as b,
+              mock.patch("socket.getaddrinfo", return_value=found(a, b))):
             for turn, far in enumerate((a, b, a)):
                 with connect(addresses("robot.example", 29471), turn) as near:
                     self.assertEqual(near.getpeername(), far.getsockname())
 
-    def test_no_address_is_an_oserror_and_leaves_no_socket(self) -> None:
+    def test_no_address_is_an_oserror(self) -> None:
         with mock.patch("socket.getaddrinfo", return_value=[]):
             with self.assertRaisesRegex(OSError, "robot.example has no address"):
                 connect(addresses("robot.example", 29471))
@@ -67,7 +72,7 @@ class Connect(unittest.TestCase):
 
 
 class HostOf(unittest.TestCase):
-    def test_the_streams_host_without_port_and_brackets(self) -> None:
+    def test_the_streams_host_without_port(self) -> None:
         self.assertEqual(host_of("robot.example:29470"), "robot.example")
         self.assertEqual(host_of("[::1]:29470"), "::1")
         self.assertEqual(host_of("192.0.2.7:29470"), "192.0.2.7")

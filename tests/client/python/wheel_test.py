@@ -26,7 +26,8 @@ class Wheel(unittest.TestCase):
         cls.folder = tempfile.mkdtemp()
         cls.addClassCleanup(shutil.rmtree, cls.folder)
         project = os.path.join(cls.folder, "project")
-        shutil.copytree(PROJECT, project, ignore=shutil.ignore_patterns("build", "wheel", "__pycache__"))
+        made = shutil.ignore_patterns("build", "wheel", "__pycache__")
+        shutil.copytree(PROJECT, project, ignore=made)
         run(sys.executable, "-m", "pip", "wheel", "--no-build-isolation", "--no-deps", "--no-index",
             "--wheel-dir", cls.folder, project)
         cls.wheel = os.path.join(cls.folder, f"hapticd_client-{VERSION}-py3-none-any.whl")

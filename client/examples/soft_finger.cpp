@@ -102,8 +102,8 @@ Joints SoftFinger::minimise(const Joints& x_probe, const Joints& seed) const {
 }
 
 SoftFinger::Step SoftFinger::step(const Joints& x_probe) {
-  // In contact from the last proxy, not from the probe: a probe pushed through the object and out at
-  // its back must not count as free, nor draw the proxy after it.
+  // In contact from the last proxy, not from the probe: a probe pushed through the object and out
+  // at its back must not count as free, nor draw the proxy after it.
   const Joints x = touching_ ? minimise(x_probe, last_) : minimise(x_probe, x_probe);
   touching_ = depth(x) > (touching_ ? -kRelease : 0.0);
   Step out;

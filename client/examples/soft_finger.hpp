@@ -4,10 +4,9 @@
 ///
 /// Hand frame: origin at the MCP axis, +x distal, +y dorsal; m, rad; flexion positive, so that
 /// phalanx k points along (cos a, -sin a), a = q1 for the proximal and q1 + q2 for the distal one.
-/// Pads: points on the palmar side of each phalanx, each a spring of `pad_stiffness` once it is
-/// inside the cylinder. The proxy minimises
-///   E(x) = 1/2 coupling |x - x_probe|^2 + 1/2 pad_stiffness sum_i max(0, radius - |p_i(x) -
-///   centre|)^2,
+/// Pads are points on the palmar side of each phalanx, each a spring of `pad_stiffness` while it is
+/// inside the cylinder. With d_i(x) = max(0, radius - |p_i(x) - centre|) the proxy minimises
+///   E(x) = 1/2 coupling |x - x_probe|^2 + 1/2 pad_stiffness sum_i d_i(x)^2,
 /// the classical proxy (nearest to the probe) with soft constraints.
 
 #include <array>
@@ -43,11 +42,11 @@ class SoftFinger {
 
   struct Step {
     bool touching{false};
-    Joints x{};          ///< the proxy; the probe itself where nothing touches
+    Joints x{};          ///< the proxy; the probe itself if nothing touches
     double energy{0.0};  ///< of the contact, J
   };
-  /// One simulation step; in contact the proxy stays on the side it came from. Contact ends only with `kRelease` of clearance, so that noise does not
-  /// toggle it.
+  /// One simulation step. In contact the proxy stays on the side it came from. Contact ends only
+  /// with a clearance of `kRelease`, so that noise does not toggle it.
   [[nodiscard]] Step step(const Joints& x_probe);
 
  private:

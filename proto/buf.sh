@@ -37,7 +37,7 @@ case "${1:-}" in
   install)
     if [ -x "$folder/node_modules/.bin/buf" ]; then exit 0; fi
     mkdir -p "$folder"
-    npm install --prefix "$folder" --no-audit --no-fund --silent "@bufbuild/buf@$version"
+    npm install --prefix "$folder" --no-audit --no-fund --silent --fetch-retries=1 "@bufbuild/buf@$version"
     ;;
   *)
     sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"

@@ -128,7 +128,7 @@ DofCalibration Guide::one(const SensedDof& dof, std::size_t index) {
     const Place second = place(dof, index, "second", dof.upper);
     const double apart = second.truth - first.truth;
     const double read = second.reading - first.reading;
-    // A sensor that hardly moves between two places far apart is not connected to this DoF.
+    // A sensor that hardly changes between two distant places is not connected to this DoF.
     if (std::abs(apart) < kLeastApart * range_of(dof) ||
         std::abs(read) < kMostMotion * range_of(dof)) {
       out_ << "the places are " << std::abs(apart) << ' ' << dof.unit << " apart and the readings "
@@ -145,8 +145,8 @@ DofCalibration Guide::one(const SensedDof& dof, std::size_t index) {
 }
 
 std::vector<double> Guide::force_zero() {
-  // Off first: at zero force by a zero that is wrong, a device that nobody holds drives to an end of
-  // its travel, presses there with just that wrong force, and holds it once it is off.
+  // The motors go off before the hand lets go. With a wrong force zero, a free device at zero force
+  // would drive to an end of its travel, press there with that error, and hold it once it is off.
   out_ << "Hold the device away from its ends and press Enter: its motors go off\n";
   static_cast<void>(answer());
   sensors_.switch_off();

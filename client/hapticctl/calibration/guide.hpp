@@ -1,11 +1,11 @@
 #pragma once
-/// The guided calibration: asks a person to bring every DoF to two known places, through its whole
-/// travel, and to let go; computes what the readings mean. Reads answers from a stream and writes
-/// questions to another, so that a script can be the person.
+/// The guided calibration. It asks a person to bring every DoF to two known places, to move it through
+/// its whole travel, and to let go; from this it computes what the readings mean. It reads answers from
+/// one stream and writes questions to another, so that a script can answer.
 ///
 ///   per DoF    two places    q = scale reading + offset
 ///              whole travel  lower, upper
-///   at last    hands off     force_zero; the motors off before the hands
+///   last       hands off     force_zero; the motors go off before the hands
 
 #include <iosfwd>
 #include <string>
@@ -26,7 +26,7 @@ struct CalibrationResult {
   std::vector<double> force_zero{};
 };
 
-/// The person gave up ("q", or the end of the answers), or a step failed too often.
+/// The person gave up ("q", or the answers ended), or a step failed too often.
 class CalibrationAborted : public std::exception {
  public:
   explicit CalibrationAborted(std::string why) : why_(std::move(why)) {}
@@ -50,7 +50,7 @@ class Guide {
 
   /// Throws CalibrationAborted.
   [[nodiscard]] CalibrationResult run(const std::vector<SensedDof>& dofs);
-  /// The person agrees ("y").
+  /// True if the person answers "y".
   [[nodiscard]] bool agrees(const std::string& question);
 
  private:

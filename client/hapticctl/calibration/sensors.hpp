@@ -1,5 +1,5 @@
 #pragma once
-/// What the calibration asks of a device: readings over a while.
+/// A device as the calibration sees it: readings over a time.
 
 #include <cstdint>
 #include <string>
@@ -7,14 +7,14 @@
 
 namespace haptic::ctl {
 
-/// Of everything that was read between begin() and end(). m or rad per DoF, N or N m per force.
+/// Statistics of the readings between begin() and end(); m or rad per DoF, N or N m per force.
 struct Statistics {
   std::uint64_t samples{0};
   std::vector<double> mean{}, lowest{}, highest{};  ///< per DoF, as the sensors read it
-  std::vector<double> force{};                      ///< means; empty: the device measures none
+  std::vector<double> force{};                      ///< means; empty: the device measures no force
 };
 
-/// A device whose sensors are read on.
+/// A device whose sensors are read continuously.
 class Sensors {
  public:
   virtual ~Sensors() = default;
@@ -22,10 +22,10 @@ class Sensors {
   Sensors& operator=(const Sensors&) = delete;
 
   virtual void begin() = 0;
-  /// Of the readings since begin(). Throws where the device does not answer any more.
+  /// Statistics since begin(). Throws if the device no longer answers.
   [[nodiscard]] virtual Statistics end() = 0;
-  /// The motors are off from now on: what the load cells read then is nothing but themselves. Until
-  /// here they may give way at zero force, so that a hand can move the device.
+  /// Switches the motors off, so that the load cells read nothing but their own offset. Before, the
+  /// motors may be on at zero force, so that a hand can move the device.
   virtual void switch_off() = 0;
   /// Lets time pass.
   virtual void pause(double seconds) = 0;

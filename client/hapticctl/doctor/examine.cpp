@@ -33,8 +33,8 @@ const char* grade(Health worst) {
   return "unfit";
 }
 
-/// core/METHOD.md#sampled-data. The leak of a held force grows with the time it was really held, so
-/// the longest counts; what a control loop must be stable against is the usual delay.
+/// core/METHOD.md#sampled-data. A force that is held gives out energy in proportion to the time for
+/// which it was held, so the longest time limits passivity; the usual delay limits stability.
 StiffnessCap cap_of(const HostFiles& host, const Jitter& jitter,
                     const StiffnessQuestion& question) {
   StiffnessCap cap;

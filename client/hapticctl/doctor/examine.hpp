@@ -1,6 +1,6 @@
 #pragma once
-/// Is this host fit to run a 1 kHz loop, what would make it fitter, and how stiff may a spring be
-/// on it (core/METHOD.md#sampled-data)? Pure: everything it judges is given to it.
+/// Judges whether a host is fit to run a 1 kHz loop, says what would improve it, and how stiff a spring
+/// may be on it (core/METHOD.md#sampled-data). Pure: everything that it judges is an argument.
 
 #include <cstdint>
 #include <optional>
@@ -13,14 +13,14 @@ namespace haptic::ctl {
 
 /// Lateness of the wake-ups of a bare 1 kHz loop.
 struct Jitter {
-  std::uint64_t ticks{0};    ///< deadlines, those passed over included
+  std::uint64_t ticks{0};    ///< deadlines, skipped ones included
   std::uint64_t skipped{0};  ///< deadlines that had passed before the loop woke
   double p50_us{0.0}, p99_us{0.0}, max_us{0.0};
 };
 
-/// What only asking the kernel tells. Errors are errno values; 0: granted.
+/// What the kernel answered. Errors are errno values; 0: granted.
 struct HostAnswers {
-  int fifo_error{0};                       ///< of SCHED_FIFO 80
+  int fifo_error{0};                       ///< when SCHED_FIFO 80 was asked for
   bool sys_nice{false};                    ///< CAP_SYS_NICE is effective
   std::optional<std::uint64_t> memlock{};  ///< RLIMIT_MEMLOCK, bytes; absent: unlimited
   bool ipc_lock{false};                    ///< CAP_IPC_LOCK is effective
@@ -29,7 +29,7 @@ struct HostAnswers {
   Jitter jitter{};
 };
 
-/// What the cap is asked for.
+/// Loop and damping for which the cap is computed.
 struct StiffnessQuestion {
   double period_s{1e-3};
   double device_damping{1.0};    ///< b, the device's own, N s/m or N m s/rad
@@ -39,24 +39,23 @@ struct StiffnessQuestion {
 enum class Health : std::uint8_t { kGood, kImpaired, kBad };
 
 struct Finding {
-  std::string
-      what{};  ///< "kernel", "real-time", "memory", "cgroup", "governor", "serial", "jitter"
+  /// "kernel", "real-time", "memory", "cgroup", "governor", "serial" or "jitter".
+  std::string what{};
   Health health{Health::kGood};
   std::string found{};
-  std::string advice{};  ///< what to do; empty where there is nothing to do
+  std::string advice{};  ///< what to do; empty if there is nothing to do
 };
 
-/// core/METHOD.md#sampled-data, N/m or N m/rad.
+/// Largest stiffness by core/METHOD.md#sampled-data, N/m or N m/rad.
 struct StiffnessCap {
   double hold_s{0.0};   ///< the longest time that one force was held: period and largest lateness
   double delay_s{0.0};  ///< t_d: lateness (p99) and what the serial link adds
   double passive{0.0};  ///< 2 (b - B) / hold: never gives out more than the device absorbs
-  double stable{
-      0.0};  ///< (b + B) / (period / 2 + t_d): beyond it even a steady press may oscillate
+  double stable{0.0};  ///< (b + B) / (period / 2 + t_d): above it even a steady press may oscillate
 };
 
 struct Report {
-  std::string grade{};  ///< "real-time", "degraded", "unfit": as its worst finding
+  std::string grade{};  ///< "real-time", "degraded" or "unfit": that of the worst finding
   std::vector<Finding> findings{};
   StiffnessCap cap{};
 };

@@ -1,6 +1,6 @@
 #pragma once
-/// The files of /proc, /sys and /dev that the doctor reads, under a root folder: "/" on a host, a
-/// made-up one in a test.
+/// The files of /proc, /sys and /dev that the doctor reads, below a root folder: "/" on a host, a
+/// folder of its own in a test.
 
 #include <sys/types.h>
 
@@ -15,7 +15,7 @@ class HostFiles {
  public:
   explicit HostFiles(std::filesystem::path root = "/") : root_(std::move(root)) {}
 
-  /// The whole text without the last newline; nothing where it cannot be read.
+  /// The whole text without its last newlines; nothing if it cannot be read.
   [[nodiscard]] std::optional<std::string> text(const std::string& path) const;
   /// A whole number at the beginning of the file.
   [[nodiscard]] std::optional<long long> number(const std::string& path) const;

@@ -32,7 +32,7 @@ void sleep_until(std::int64_t at_ns) {
   }
 }
 
-/// The deadline grid of hapticd's loop: what was passed over is not made up for.
+/// Deadlines as in hapticd's loop: a deadline that has passed is skipped, not caught up.
 Jitter run_loop(double seconds, double period_s) {
   const auto period = static_cast<std::int64_t>(period_s * 1e9);
   const auto ticks = static_cast<std::size_t>(std::max(0.0, seconds / period_s));

@@ -82,18 +82,20 @@ wire=$scratch/proto/wire/include/haptic/wire
 mkdir -p "$wire" "$scratch/client/python/haptic"
 printf 'int kGrpcPort = 29470;\nconst char* kDefaultServer = "127.0.0.1:29470";\n' |
   sed 's/^int/inline constexpr std::uint16_t/' >"$wire/ports.hpp"
-echo 'GRPC_PORT = 29470' >"$scratch/client/python/haptic/_ports.py"
+echo 'DEFAULT_SERVER = "127.0.0.1:29470"' >"$scratch/client/python/haptic/_ports.py"
 echo 'Connection("127.0.0.1:29470")' >"$scratch/client/page.md"
 expect 0 ports "$scratch"
-echo 'Connection("127.0.0.1:29480")' >"$scratch/client/page.md"
-expect 1 ports "$scratch"
+for wrong in 'Connection("127.0.0.1:29480")' 'EXPOSE 50052/udp'; do
+  echo "$wrong" >"$scratch/client/page.md"
+  expect 1 ports "$scratch"
+done
 rm "$scratch/client/page.md"
 for copy in 'int port = 29470;' 'server("127.0.0.1:50051")'; do
   echo "$copy" >"$scratch/client/copy.cpp"
   expect 1 ports "$scratch"
 done
 rm "$scratch/client/copy.cpp"
-echo 'GRPC_PORT = 29479' >"$scratch/client/python/haptic/_ports.py"
+echo 'DEFAULT_SERVER = "127.0.0.1:29479"' >"$scratch/client/python/haptic/_ports.py"
 expect 1 ports "$scratch"
 
 # A folder that is somebody else's stays.

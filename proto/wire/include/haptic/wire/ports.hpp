@@ -2,7 +2,7 @@
 /// The ports that hapticd's pages, scenes, packages and programs use, and the address that a server
 /// and its clients take if none is given. They lie below the ephemeral range of Linux (32768), so
 /// that no outgoing connection takes one before hapticd starts, and IANA assigns them to no service.
-/// Python has the same values in `haptic/_ports.py`; tests/checks/ports.py compares all of them.
+/// Python has kDefaultServer in `haptic/_ports.py`; tests/checks/ports.sh compares the two.
 
 #include <cstdint>
 

@@ -78,7 +78,7 @@ finish() {
   esac
   exit "$status"
 }
-exec 3>&1 4>&2 # where this script speaks, also when a signal comes while a condition's output goes elsewhere
+exec 3>&1 4>&2 # this script's own output, also when a signal comes while a condition's output is redirected
 trap finish EXIT
 trap 'exit 130' INT TERM
 

@@ -1,8 +1,7 @@
-# The container engine of docker/test.sh (sourced): which one, what it needs on this host, how it is
-# called. Sets `engine` and `base`; `compose` and the functions here call it. `scratch` is a folder
-# of the caller's.
+# Chooses and calls the container engine of docker/test.sh, which sources this file. Sets `engine` and
+# `base`; `compose` and the functions here call it. `scratch` is a folder of the caller.
 
-# Docker where it does what the tests need, else podman; where neither does, why.
+# Docker if it does what the tests need, else podman; if neither does, prints why.
 choose_engine() { # choose_engine [NAME]
   local candidate why=()
   for candidate in ${1:-docker podman}; do
@@ -22,8 +21,8 @@ choose_engine() { # choose_engine [NAME]
   return 1
 }
 
-# Everything the tests ask of an engine, with nothing of ours in it: what fails here is the host's.
-# Its last words are the reason.
+# Everything that the tests need from an engine, without hapticd: a failure here is the host's. Its last
+# line is the reason.
 probe() {
   local network=${project}_probe name=${project}_probe ours=(--label "com.docker.compose.project=$project")
   "$engine" info || return 1
@@ -42,8 +41,8 @@ probe() {
   "$engine" rm --force "$name" && "$engine" network rm "$network"
 }
 
-# A host whose cgroups are not version 2, or without systemd, needs words of its own
-#; elsewhere podman's configuration stands.
+# A host without cgroups version 2 or without systemd needs this configuration; elsewhere podman's own
+# stays.
 configure_podman() {
   [[ -z ${CONTAINERS_CONF:-} ]] || return 0
   if [[ -f /sys/fs/cgroup/cgroup.controllers && -d /run/systemd/system ]]; then return 0; fi
@@ -58,7 +57,7 @@ CONF
   export CONTAINERS_CONF=$scratch/containers.conf
 }
 
-# Debian, from the registry where there is one, else made here.
+# Debian from a registry, or made here if none is reachable.
 base_image() {
   local image=docker.io/library/debian:bookworm-slim
   if "$engine" image inspect "$image" >/dev/null 2>&1 ||
@@ -84,7 +83,7 @@ container() {
     --filter "label=com.docker.compose.service=$1"
 }
 
-# Everything this run made, by its label; the images unless they are to be kept.
+# Removes the containers and networks that this run made, by their label.
 tear_down() {
   local ids
   ids=$("$engine" ps --all --quiet --filter "label=com.docker.compose.project=$project")

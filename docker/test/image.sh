@@ -2,8 +2,8 @@
 
 readonly LARGEST_MB=150
 
-# Whether a build folder's programs are this tree's and run in the image; why not is printed. Brought up to date
-# first, which is nothing to do where CI has just built it: what is tested is what the sources say.
+# True if the programs of a build folder are from this tree and run in the image; prints why if not. Builds
+# them first, so that the tests see the sources as they are.
 usable() { # usable BUILD
   local cache=$1/CMakeCache.txt here there
   [[ -f $cache ]] || { echo "$1 is no build folder"; return 1; }
@@ -20,7 +20,7 @@ distribution() { # of an os-release on standard input
   (. /dev/stdin && echo "${ID:-unknown} ${VERSION_ID:-}")
 }
 
-stage_prebuilt() { # the installation of a build folder, inside the build context
+stage_prebuilt() { # installs from the build folder into the build context
   local component
   rm -rf "$root/build/container"
   for component in server client relay; do
@@ -29,8 +29,8 @@ stage_prebuilt() { # the installation of a build folder, inside the build contex
   done
 }
 
-# built TAG ARGUMENT...: of the Dockerfile. The same format throughout, or the second build finds nothing of the first
-# in its cache.
+# built TAG ARGUMENT...: builds the Dockerfile. Always in the same format, so that the second build uses the
+# cache of the first.
 built() {
   local tag=$1 format=()
   shift
@@ -52,7 +52,7 @@ build_image() {
   else
     step "programs and packages: compiled in the image"
   fi
-  : >"$logs/build.log" # what an earlier run left there names layers that are not ours to remove
+  : >"$logs/build.log" # remove_layers must not find the layers of an earlier run in it
   built "$image" "${arguments[@]}" || {
     tail -n 30 "$logs/build.log" >&2
     fail "the image does not build"
@@ -71,8 +71,8 @@ build_image() {
   done
 }
 
-# The hand presses steadily, so that there is force to lose whenever trouble comes; it never lets go either, so
-# force may begin wherever the finger has got to without it.
+# The hand presses steadily and never lets go, so that trouble always meets force. Without force the finger is
+# far from its proxy, so the engage window is wide.
 start_composition() {
   export HAPTICD_IMAGE=$image HAPTICD_BASE=$base HAPTICD_SCENE=finger_constant
   export HAPTICD_SETTING=device[0].limits.engage_window_n=25
@@ -87,7 +87,7 @@ start_composition() {
   done
   if [[ $engine == podman ]]; then "$engine" healthcheck run "$(container hand)" >/dev/null; fi
   "$engine" exec "$(container hand)" sh -c '[ "$(id -u)" = 990 ]' || fail "root in the container"
-  # Not by writing: where the root were writable, who is not root could not tell.
+  # From /proc/mounts: a write would fail for this user even if the root were writable.
   "$engine" exec "$(container hand)" cat /proc/mounts >"$scratch/mounts"
   grep -qE '^[^ ]+ / [^ ]+ ro(,| )' "$scratch/mounts" || fail "the root is writable: $(grep ' / ' "$scratch/mounts")"
   "$engine" exec "$(container board)" hapticctl info >"$scratch/board"
@@ -98,14 +98,14 @@ start_composition() {
   step "composition: two servers healthy, non-root, read-only; force by the simulation"
 }
 
-# A loaded machine may have latched a fault: cleared, and looked at again.
+# A loaded machine may have latched a fault: clears it, so that the next call can succeed.
 healthy() { # healthy CONTAINER
   "$engine" exec "$1" hapticctl health && return 0
   "$engine" exec "$1" hapticctl clear-fault
   return 1
 }
 
-# Without SCHED_FIFO the server runs degraded, and its first words are so.
+# The server's first line has its grade; without SCHED_FIFO that is 'degraded'.
 says_its_grade() {
   local grade
   "$engine" logs "$(container hand)" >"$scratch/words" 2>&1
@@ -118,8 +118,8 @@ says_its_grade() {
   esac
 }
 
-# The layers that podman keeps of a build, by the ids in its log, last first, and the containers of a build that was
-# interrupted; those of other builds are not touched.
+# Removes the layers that podman keeps of this build, by the ids in its log, last first, and the containers of an
+# interrupted build. Those of other builds stay.
 remove_layers() {
   local id layers
   if [[ $engine != podman || ! -f $logs/build.log ]]; then return 0; fi

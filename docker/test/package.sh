@@ -20,11 +20,11 @@ test_packages() {
   step "packages: $(tail -n 1 "$logs/packages.log"), in $((SECONDS - began)) s"
 }
 
-# The build stage again, from the cache, with the packages as its result.
+# Builds the build stage again, from the cache, and copies the packages from it.
 packages_of_image() {
   local tag=$image-packages id
   built "$tag" --target build || fail "the build stage"
-  # Never started; but a stage that nobody runs names no command, and an engine wants one.
+  # The container is never started, but an engine wants a command, and this stage names none.
   id=$("$engine" create --label "com.docker.compose.project=$project" "$tag" true)
   "$engine" cp "$id:/packages/." "$1" >/dev/null
   "$engine" rm "$id" >/dev/null

@@ -1,4 +1,4 @@
-# `docker stop` under load: orderly, in time, without force (sourced by docker/test.sh).
+# `docker stop` under load: an orderly end, in time, without force (sourced by docker/test.sh).
 
 test_shutdown() {
   local id took status
@@ -10,9 +10,9 @@ test_shutdown() {
   [[ $status == 0 ]] || fail "the server ended with $status"
   "$engine" logs "$id" >"$scratch/words" 2>&1
   took=$(python3 "$root/docker/test/log_span.py" "$scratch/words" "SIGTERM: " "stopped") ||
-    fail "the server's last words are not those of an orderly end"
+    fail "the server's last lines do not show an orderly end"
   ((took <= 5000)) || fail "the server took $took ms to end"
-  # RELEASING is left at g = 0 and not before.
+  # The device leaves RELEASING when g = 0, not before.
   grep -q 'RELEASING -> CLOSING' "$scratch/words" || fail "the server closed before the force was gone"
   step "SIGTERM under load: status 0 after $took ms"
   fades_out
@@ -23,7 +23,7 @@ test_shutdown() {
   [[ $status == 0 ]] || fail "the server with the board ended with $status"
 }
 
-# Where the observer had gone blind before the end, the server's own word for g = 0 stands alone.
+# If the observer lost its stream before the end, the server's log alone shows that g was 0.
 fades_out() {
   local status=0
   observed closing >"$scratch/verdict" 2>&1 || status=$?

@@ -1,5 +1,7 @@
 #include "error_mapping.hpp"
 
+#include <map>
+
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 
@@ -8,29 +10,21 @@ namespace haptic::client {
 namespace {
 
 ErrorReason reason_of(grpc::StatusCode code) {
-  switch (code) {
-    case grpc::StatusCode::UNAVAILABLE:
-      return ErrorReason::kUnreachable;
-    case grpc::StatusCode::DEADLINE_EXCEEDED:
-      return ErrorReason::kTimeout;
-    case grpc::StatusCode::NOT_FOUND:
-      return ErrorReason::kNoSuchDevice;
-    case grpc::StatusCode::ALREADY_EXISTS:
-      return ErrorReason::kLeaseHeld;
-    case grpc::StatusCode::INVALID_ARGUMENT:
-      return ErrorReason::kInvalidArgument;
-    case grpc::StatusCode::FAILED_PRECONDITION:
-    case grpc::StatusCode::RESOURCE_EXHAUSTED:  // all sessions are taken
-      return ErrorReason::kNotReady;
-    case grpc::StatusCode::PERMISSION_DENIED:
-      return ErrorReason::kPermissionDenied;
-    case grpc::StatusCode::ABORTED:
-    case grpc::StatusCode::CANCELLED:
-    case grpc::StatusCode::OK:
-      return ErrorReason::kClosed;
-    default:
-      return ErrorReason::kProtocol;
-  }
+  using grpc::StatusCode;
+  static const std::map<StatusCode, ErrorReason> kReasons{
+      {StatusCode::UNAVAILABLE, ErrorReason::kUnreachable},
+      {StatusCode::DEADLINE_EXCEEDED, ErrorReason::kTimeout},
+      {StatusCode::NOT_FOUND, ErrorReason::kNoSuchDevice},
+      {StatusCode::ALREADY_EXISTS, ErrorReason::kLeaseHeld},
+      {StatusCode::INVALID_ARGUMENT, ErrorReason::kInvalidArgument},
+      {StatusCode::FAILED_PRECONDITION, ErrorReason::kNotReady},
+      {StatusCode::RESOURCE_EXHAUSTED, ErrorReason::kNotReady},  // all sessions are taken
+      {StatusCode::PERMISSION_DENIED, ErrorReason::kPermissionDenied},
+      {StatusCode::ABORTED, ErrorReason::kClosed},
+      {StatusCode::CANCELLED, ErrorReason::kClosed},
+      {StatusCode::OK, ErrorReason::kClosed}};
+  const auto found = kReasons.find(code);
+  return found != kReasons.end() ? found->second : ErrorReason::kProtocol;
 }
 
 std::string server_reason(const grpc::Status& status) {

@@ -10,6 +10,16 @@
 
 namespace haptic::test {
 
+namespace {
+
+template <typename Reactor>
+Reactor& opened(Reactor* reactor) {
+  if (reactor == nullptr) throw std::logic_error("fake server: no client has opened this stream");
+  return *reactor;
+}
+
+}  // namespace
+
 grpc::Status refusal(grpc::StatusCode code, const std::string& reason, const std::string& message) {
   google::rpc::Status status;
   status.set_code(code);
@@ -93,8 +103,7 @@ void FakeServer::hold_engage(bool hold) {
 
 void FakeServer::send(const v1::SessionResponse& message) {
   const Lock lock(mutex_);
-  if (session_ == nullptr) throw std::logic_error("fake server: no session to send on");
-  session_->send(message);
+  opened(session_).send(message);
 }
 
 void FakeServer::send_state(std::uint64_t seq, v1::DeviceStateName state) {
@@ -116,20 +125,17 @@ void FakeServer::send_event(v1::Event::Kind kind, const std::string& reason,
 
 void FakeServer::end_session(const grpc::Status& status) {
   const Lock lock(mutex_);
-  if (session_ == nullptr) throw std::logic_error("fake server: no session to end");
-  session_->end(status);
+  opened(session_).end(status);
 }
 
 void FakeServer::send_watch(const v1::WatchResponse& message) {
   const Lock lock(mutex_);
-  if (watch_ == nullptr) throw std::logic_error("fake server: no watch to send on");
-  watch_->send(message);
+  opened(watch_).send(message);
 }
 
 void FakeServer::end_watch(const grpc::Status& status) {
   const Lock lock(mutex_);
-  if (watch_ == nullptr) throw std::logic_error("fake server: no watch to end");
-  watch_->end(status);
+  opened(watch_).end(status);
 }
 
 FakeServer::Heard FakeServer::heard() const {

@@ -25,10 +25,10 @@ packages() {
     build) echo "g++ cmake ninja-build pkg-config libeigen3-dev libgrpc++-dev libprotobuf-dev" \
                 "protobuf-compiler protobuf-compiler-grpc libspdlog-dev libcli11-dev" \
                 "nlohmann-json3-dev libssl-dev libasio-dev libserialport-dev" \
-                "libsystemd-dev libcpp-httplib-dev dpkg-dev file help2man" ;;
+                "libsystemd-dev libcpp-httplib-dev python3-protobuf dpkg-dev file help2man" ;;
     demo) echo "gnuplot-nox" ;;
     test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" \
-                "liborocos-kdl-dev clang python3-grpcio python3-protobuf python3-cryptography tshark openssl" \
+                "liborocos-kdl-dev clang python3-grpcio python3-cryptography tshark openssl" \
                 "python3-pip python3-setuptools python3-wheel" \
                 "prometheus systemd mypy lintian" ;;
     report) echo "gnuplot-nox liblapack-dev libceres-dev libcminpack-dev" ;;

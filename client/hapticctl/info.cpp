@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "table.hpp"
 
 namespace haptic::ctl {
 
@@ -65,7 +66,8 @@ json to_json(const client::DeviceInfo& device) {
           {"damping_limit", device.damping_limit},
           {"force_limit", device.force_limit},
           {"slew_limit", device.slew_limit},
-          {"engage_window", device.engage_window}};
+          {"engage_window", device.engage_window},
+          {"state_fields", json_fields(device)}};
 }
 
 void print(const client::ServerInfo& s) {

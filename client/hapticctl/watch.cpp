@@ -47,7 +47,7 @@ class Watched {
   [[nodiscard]] Rows rows() const {
     const std::lock_guard lock(mutex_);
     if (newest_.seq == 0) return {device_.name + "  no state yet"};
-    return table(device_, newest_, seconds(), conflated_);
+    return table(device_, newest_, seconds(), conflated_, Screen::width());
   }
   void print() const {
     const std::lock_guard lock(mutex_);

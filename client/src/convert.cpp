@@ -19,57 +19,6 @@ void set_duration(std::chrono::nanoseconds value, google::protobuf::Duration& me
   message.set_nanos(static_cast<int>(value.count() % 1'000'000'000));
 }
 
-DeviceState to_state(const v1::DeviceState& m) {
-  DeviceState s;
-  s.seq = m.seq();
-  s.server_time_ns = m.server_time_ns();
-  s.q = list(m.q());
-  s.q_dot = list(m.q_dot());
-  s.x_probe = list(m.x_probe());
-  s.x = list(m.x());
-  s.q_star = list(m.q_star());
-  s.tau_a = list(m.tau_a());
-  s.tau_elastic = list(m.tau_elastic());
-  s.stiffness_in_effect = list(m.stiffness_in_effect());
-  s.proxy_seq_used = m.proxy_seq_used();
-  s.proxy_age = std::chrono::microseconds(m.proxy_age_us());
-  s.staleness = static_cast<Staleness>(m.staleness());
-  s.gain = m.gain();
-  s.carrier = static_cast<Carrier>(m.transport());
-  s.state = static_cast<Lifecycle>(m.state());
-  s.faults = m.faults();
-  s.limiters = m.limiters();
-  s.tau_measured = list(m.tau_measured());
-  s.temperature_c = list(m.temperature_c());
-  s.drive = list(m.drive());
-  s.reading = list(m.reading());
-  s.actuator_limiters.assign(m.actuator_limiters().begin(), m.actuator_limiters().end());
-  s.projection = static_cast<unsigned>(m.projection());
-  s.condition = m.condition();
-  s.lease_epoch = m.lease_epoch();
-  s.mode = static_cast<Mode>(m.mode());
-  s.active_planes = m.active_planes();
-  if (m.has_tracker()) {
-    s.tracker =
-        TrackerState{m.tracker().seq_used(), std::chrono::microseconds(m.tracker().age_us()),
-                     static_cast<Staleness>(m.tracker().staleness())};
-  }
-  if (m.has_passivity()) {
-    const v1::PassivityState& p = m.passivity();
-    s.passivity = PassivityState{p.tank(), p.storage(), p.scale(), p.observed(), p.alpha()};
-  }
-  if (m.has_certificate()) {
-    s.certificate =
-        CertificateState{static_cast<CertificateState::Status>(m.certificate().status()),
-                         m.certificate().margin(), m.certificate().block()};
-  }
-  for (const v1::CouplingBlock& block : m.coupling_metric()) {
-    s.coupling_metric.push_back({block.coordinates(), list(block.lower())});
-  }
-  s.received = std::chrono::steady_clock::now();
-  return s;
-}
-
 Event to_event(const v1::Event& m) {
   return {static_cast<unsigned>(m.kind()), m.reason(), m.message(),
           static_cast<Lifecycle>(m.state()), m.server_time_ns()};

@@ -9,7 +9,9 @@
 
 namespace haptic::client {
 
+/// `received` is now.
 [[nodiscard]] DeviceState to_state(const v1::DeviceState& message);
+[[nodiscard]] v1::DeviceState to_message(const DeviceState& state);
 [[nodiscard]] Event to_event(const v1::Event& message);
 [[nodiscard]] DeviceInfo to_info(const v1::Device& message);
 [[nodiscard]] ServerInfo to_info(const v1::GetServerInfoResponse& message);

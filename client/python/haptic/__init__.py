@@ -15,15 +15,18 @@ from ._connection import Connection
 from ._errors import ClientError
 from ._ports import DEFAULT_SERVER
 from ._session import Session
-from ._version import __version__
+from ._state import (
+    CertificateState,
+    CouplingBlock,
+    DeviceState,
+    PassivityState,
+    TrackerState,
+)
 from ._types import (
     FREE,
     Carriers,
-    Certificate,
     Coordinate,
-    CouplingBlock,
     Device,
-    DeviceState,
     DegreeOfFreedom,
     Event,
     Pose,
@@ -31,13 +34,14 @@ from ._types import (
     SampleCounts,
     ServerInfo,
     Settings,
-    TrackerState,
     held,
     behind,
 )
+from ._version import __version__
 
 __all__ = [
-    "DEFAULT_SERVER", "FREE", "Carriers", "Certificate", "ClientError", "Connection", "Coordinate", "CouplingBlock",
-    "DegreeOfFreedom", "Device", "DeviceState", "Event", "Pose", "Proxy", "SampleCounts",
-    "ServerInfo", "Session", "Settings", "TrackerState", "__version__", "behind", "held",
+    "DEFAULT_SERVER", "FREE", "Carriers", "CertificateState", "ClientError", "Connection",
+    "Coordinate", "CouplingBlock", "DegreeOfFreedom", "Device", "DeviceState", "Event",
+    "PassivityState", "Pose", "Proxy", "SampleCounts", "ServerInfo", "Session", "Settings",
+    "TrackerState", "__version__", "behind", "held",
 ]

@@ -10,7 +10,8 @@ import grpc
 from ._errors import ClientError, to_error
 from ._ports import DEFAULT_SERVER
 from ._session import Session
-from ._types import Carriers, Device, DeviceState, Event, ServerInfo
+from ._state import DeviceState
+from ._types import Carriers, Device, Event, ServerInfo
 from .v1 import haptic_service_pb2 as service
 from .v1 import haptic_service_pb2_grpc as stubs
 

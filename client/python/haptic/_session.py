@@ -11,7 +11,8 @@ from typing import Any
 import grpc
 
 from ._errors import PASSING, ClientError, to_error
-from ._types import Carriers, DeviceState, Event, Pose, Proxy, SampleCounts, Settings
+from ._state import DeviceState
+from ._types import Carriers, Event, Pose, Proxy, SampleCounts, Settings
 from ._udp import UdpCarrier
 from .v1 import haptic_service_pb2 as service
 from .v1 import session_pb2 as wire

@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 import enum
 from collections.abc import Sequence
-from typing import Any
 
+from ._names import name_of
 from .v1 import haptic_service_pb2 as service
 from .v1 import session_pb2 as wire
 
@@ -44,83 +44,12 @@ def behind(planes: Sequence[tuple[Sequence[float], float]], position: Sequence[f
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class Certificate:
-    """How far the linearised method's force is from pushing along with a motion of the device."""
-
-    status: str  # "COMPUTED", else why there is no margin: "IDLE", "NOT_FULL_RANK", ...
-    margin: float  # 1 where the proxy is at the probe; not above 0: it does
-    block: int  # independent part where the margin is least
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class CouplingBlock:
-    """A metric for a projection of the client's own, of the next `coordinates` of x."""
-
-    coordinates: int
-    lower: tuple[float, ...]  # lower triangle row by row; empty: none here
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
 class Pose:
     """Where the tracked body is that carries a device, in the world: what a tracker publishes."""
 
     position: tuple[float, float, float]  # m
     orientation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)  # unit quaternion x, y, z, w
     valid_for_s: float = 0.0  # 0: the scene's limit alone
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class TrackerState:
-    """The tracker's pose in use."""
-
-    seq_used: int  # 0: none came so far, the body stands at rest
-    age_s: float  # meaningless while seq_used is 0
-    staleness: str  # of that age: "FRESH", "HOLD", "FADE", "LOST"
-
-    @classmethod
-    def of(cls, m: wire.TrackerState) -> TrackerState:
-        return cls(m.seq_used, m.age_us * 1e-6,
-                   _name(wire.StalenessLevel, m.staleness, "STALENESS_LEVEL_"))
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class DeviceState:
-    """The device at one tick."""
-
-    seq: int
-    server_time_ns: int
-    q: tuple[float, ...]
-    q_dot: tuple[float, ...]
-    x_probe: tuple[float, ...]
-    x: tuple[float, ...]
-    q_star: tuple[float, ...]
-    tau_a: tuple[float, ...]
-    tau_elastic: tuple[float, ...]
-    proxy_seq_used: int  # 0: none
-    proxy_age_s: float
-    staleness: str  # "FRESH", "HOLD", "FADE", "LOST"
-    gain: float
-    transport: str  # of the newest sample: "GRPC", "UDP", "UNSPECIFIED"
-    state: str  # "IDLE", "ARMED", "ENGAGED", ...
-    faults: int  # bit n: fault n
-    limiters: int  # bit n: limiter n
-    lease_epoch: int
-    tau_measured: tuple[float, ...]  # empty: the device measures no force
-    reading: tuple[float, ...]  # of a sample that was refused; empty: it is q
-    tracker: TrackerState | None  # None: the scene has none
-    certificate: Certificate | None = None  # where the scene asks for it
-    coupling_metric: tuple[CouplingBlock, ...] = ()  # in the order of x, where the scene has one
-
-    @classmethod
-    def of(cls, m: wire.DeviceState) -> DeviceState:
-        return cls(m.seq, m.server_time_ns, tuple(m.q), tuple(m.q_dot), tuple(m.x_probe), tuple(m.x),
-                   tuple(m.q_star), tuple(m.tau_a), tuple(m.tau_elastic), m.proxy_seq_used,
-                   m.proxy_age_us * 1e-6, _name(wire.StalenessLevel, m.staleness, "STALENESS_LEVEL_"),
-                   m.gain, _name(wire.Transport, m.transport, "TRANSPORT_"),
-                   _name(wire.DeviceStateName, m.state, "DEVICE_STATE_NAME_"), m.faults, m.limiters,
-                   m.lease_epoch, tuple(m.tau_measured), tuple(m.reading),
-                   TrackerState.of(m.tracker) if m.HasField("tracker") else None, _certificate(m),
-                   tuple(CouplingBlock(b.coordinates, tuple(b.lower)) for b in m.coupling_metric))
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -135,8 +64,8 @@ class Event:
 
     @classmethod
     def of(cls, m: wire.Event) -> Event:
-        return cls(_name(wire.Event.Kind, m.kind, "KIND_"), m.reason, m.message,
-                   _name(wire.DeviceStateName, m.state, "DEVICE_STATE_NAME_"), m.lease_epoch)
+        return cls(name_of(wire.Event.Kind, m.kind), m.reason, m.message,
+                   name_of(wire.DeviceStateName, m.state), m.lease_epoch)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -196,7 +125,7 @@ class Device:
         coordinates = (Coordinate(c.name, c.unit, c.kind) for c in m.coordinates)
         return cls(m.name, m.kind, m.model, tuple(dofs), tuple(coordinates), tuple(m.stiffness_limit),
                    tuple(m.damping_limit), tuple(m.force_limit), tuple(m.slew_limit), m.loop_rate_hz,
-                   _name(wire.DeviceStateName, m.state, "DEVICE_STATE_NAME_"), m.faults, m.controller,
+                   name_of(wire.DeviceStateName, m.state), m.faults, m.controller,
                    m.serial, m.calibrated, m.wants_tracker, m.tracker)
 
 
@@ -230,19 +159,3 @@ class Settings:
     force_limit: tuple[float, ...]
     slew_limit: tuple[float, ...]
     clamped: tuple[str, ...]
-
-
-def _certificate(m: wire.DeviceState) -> Certificate | None:
-    if not m.HasField("certificate"):
-        return None
-    c = m.certificate
-    return Certificate(_name(wire.CertificateStatus, c.status, "CERTIFICATE_STATUS_"), c.margin,
-                       c.block)
-
-
-def _name(enum_type: Any, value: int, prefix: str) -> str:
-    """A server may know more values than this library."""
-    try:
-        return str(enum_type.Name(value)).removeprefix(prefix)
-    except ValueError:
-        return str(value)

@@ -159,10 +159,10 @@ class Seen(OnATrackedPalm):
             self.assertLess(time.monotonic(), latest)
             time.sleep(0.2)
         rows = self.rows()
-        first = [rows[0]["tracker_" + name] for name in ("seq", "age_us", "staleness")]
+        first = [rows[0]["tracker_" + name] for name in ("seq_used", "age_us", "staleness")]
         self.assertEqual(first, ["0", "0", "LOST"])
         fresh = next(row for row in rows if row["tracker_staleness"] == "FRESH")
-        self.assertGreater(int(fresh["tracker_seq"]), 0)
+        self.assertGreater(int(fresh["tracker_seq_used"]), 0)
         self.assertLess(float(fresh["tracker_age_us"]), 100e3)
         for name, wanted in zip(("x", "y", "z", "rx", "ry", "rz"), PALM):
             self.assertAlmostEqual(float(fresh["palm." + name]), wanted, places=9)

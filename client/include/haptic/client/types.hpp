@@ -1,41 +1,17 @@
 #pragma once
-/// What a client sees of the server, its devices and their states. Units are SI. "Per DoF", "per
+/// What a client sees of the server and its devices, and what it sends. Units are SI. "Per DoF", "per
 /// actuated DoF" and "per coordinate" mean one value for each, in the order of DeviceInfo.
 
 #include <chrono>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "haptic/client/diagnostics.hpp"
+#include "haptic/client/state.hpp"
 
 namespace haptic::client {
 
-/// How a proxy acts between two samples.
-enum class Mode : std::uint8_t {
-  kNone = 0,    ///< only in states: no proxy is in use
-  kHeld = 1,    ///< it stays where it is
-  kFree = 2,    ///< nothing is in the way: no force
-  kPlanes = 3,  ///< the server keeps the probe out of planes
-};
-/// Of a sample in use: by its age force is full (FRESH, HOLD), fades (FADE) or is gone (LOST).
-enum class Staleness : std::uint8_t { kUnknown = 0, kFresh = 1, kHold = 2, kFade = 3, kLost = 4 };
-/// What brought a sample or a state.
-enum class Carrier : std::uint8_t { kUnknown = 0, kGrpc = 1, kUdp = 2 };
-/// What a device is ready for. Force is rendered from kEngaging to kReleasing only.
-enum class Lifecycle : std::uint8_t {
-  kUnknown = 0,
-  kInit = 1,       ///< the device opens
-  kIdle = 2,       ///< no controller has the device
-  kArmed = 3,      ///< a controller has it and may ask for force; damping only
-  kEngaging = 4,   ///< force rises
-  kEngaged = 5,    ///< force is fully on
-  kReleasing = 6,  ///< force fades out
-  kFault = 7,      ///< zero force until the fault is cleared
-  kClosing = 8,    ///< the server ends
-};
 /// How force is computed from proxy and probe; equations as in core/METHOD.md.
 enum class Renderer : std::uint8_t {
   kUnchanged = 0,
@@ -44,13 +20,6 @@ enum class Renderer : std::uint8_t {
   kSubspaceLinear = 3,  ///< the subspace proxy, linearised, Eq. (7)-(8)
   kSubspaceExact = 4,   ///< the subspace proxy, Eq. (6)
 };
-[[nodiscard]] const char* name(Lifecycle state) noexcept;      ///< "ENGAGED"
-[[nodiscard]] const char* name(Staleness staleness) noexcept;  ///< "FRESH"
-[[nodiscard]] const char* name(Carrier carrier) noexcept;      ///< "GRPC"
-/// The names of the bits of DeviceState::faults and DeviceState::limiters, for example
-/// {"LOOP_LATE", "EMERGENCY_STOP"}. A bit that this library does not know is named by its number.
-[[nodiscard]] std::vector<std::string> fault_names(std::uint32_t faults);
-[[nodiscard]] std::vector<std::string> limiter_names(std::uint32_t limiters);
 
 struct DegreeOfFreedom {
   std::string name{}, unit{};  ///< unit "m" or "rad"
@@ -97,62 +66,6 @@ struct ServerInfo {
   std::uint64_t paced_by_sample{0};  ///< number of ticks that began so
   unsigned sessions{0};
   std::chrono::nanoseconds uptime{0};
-};
-
-/// The server's account of energy: core/METHOD.md#energy-tank and
-/// core/METHOD.md#passivity-observer.
-struct PassivityState {
-  double tank{0.0};      ///< J; what changes of the spring may still put in
-  double storage{0.0};   ///< J; stored in the spring in use
-  double scale{0.0};     ///< of the spring's deviation; below 1 the tank throttles it
-  double observed{0.0};  ///< J; taken from the user beyond what is stored
-  double alpha{0.0};     ///< s; the passivity controller adds alpha times the stiffness as damping
-};
-
-/// The tracker's pose in use.
-struct TrackerState {
-  std::uint64_t seq_used{0};         ///< 0: none came so far
-  std::chrono::microseconds age{0};  ///< meaningless while seq_used is 0
-  Staleness staleness{Staleness::kUnknown};
-};
-
-/// The device at one tick. A list that does not apply to the device is empty.
-struct DeviceState {
-  std::uint64_t seq{0};                       ///< number of the tick, from 1; 0: no state yet
-  std::int64_t server_time_ns{0};             ///< the server's steady clock
-  std::vector<double> q{};                    ///< where the device is, m or rad per DoF
-  std::vector<double> q_dot{};                ///< per actuated DoF, m/s or rad/s
-  std::vector<double> x_probe{};              ///< the haptic probe f(q), per coordinate
-  std::vector<double> x{};                    ///< the proxy in use, per coordinate
-  std::vector<double> q_star{};               ///< the subspace proxy in use, per DoF
-  std::vector<double> tau_a{};                ///< the command, N or N m per actuated DoF
-  std::vector<double> tau_elastic{};          ///< its elastic part
-  std::vector<double> stiffness_in_effect{};  ///< N/m or N m/rad per actuated DoF
-  std::vector<double> tau_measured{};         ///< if the device measures force; as tau_a
-  std::vector<double> temperature_c{};        ///< of the windings, estimated; nan: no model
-  /// Sent to the device instead of tau_a if the server closes the force loop (N or N m) or moves
-  /// the device by admittance (m or rad).
-  std::vector<double> drive{};
-  std::vector<double> reading{};  ///< what the sensors said, if that was refused; otherwise it is q
-  std::uint64_t proxy_seq_used{0};         ///< number of the sample in use; 0: none
-  std::chrono::microseconds proxy_age{0};  ///< meaningless while proxy_seq_used is 0
-  Staleness staleness{Staleness::kUnknown};
-  double gain{0.0};                    ///< on the elastic force, 0 to 1
-  Carrier carrier{Carrier::kUnknown};  ///< of the sample in use
-  Lifecycle state{Lifecycle::kUnknown};
-  std::uint32_t faults{0}, limiters{0};            ///< bits; see fault_names(), limiter_names()
-  std::vector<std::uint32_t> actuator_limiters{};  ///< per actuated DoF; empty: none acted
-  unsigned projection{0};                 ///< of q_star: a ProjectionStatus of session.proto
-  double condition{0.0};                  ///< of the equilibrated Jacobian; 0: not computed
-  std::uint32_t lease_epoch{0};           ///< number of the lease; rises with every new controller
-  Mode mode{Mode::kFree};                 ///< of the sample in use
-  std::uint32_t active_planes{0};         ///< bit n: plane n of the newest sample holds x
-  std::optional<TrackerState> tracker{};  ///< if the scene has a tracker
-  std::optional<PassivityState> passivity{};      ///< if it has a tank or an observer
-  std::optional<CertificateState> certificate{};  ///< if it asks for one
-  std::vector<CouplingBlock> coupling_metric{};   ///< in the order of x, if it has one
-  /// This machine's steady clock when the state arrived.
-  std::chrono::steady_clock::time_point received{};
 };
 
 /// Something that happened once.

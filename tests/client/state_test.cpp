@@ -1,0 +1,102 @@
+/// DeviceState against the protocol's descriptor: what the server says and the library does not carry
+/// shows here.
+
+#include <gtest/gtest.h>
+
+#include "client/src/convert.hpp"
+#include "haptic/client/state_fields.hpp"
+
+namespace haptic::client {
+namespace {
+
+namespace pb = google::protobuf;
+
+/// A value of its own for every field: numbers rise, a list gets two entries.
+void fill(pb::Message& message, int& next) {
+  const pb::Reflection& r = *message.GetReflection();
+  for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+    const pb::FieldDescriptor* const f = message.GetDescriptor()->field(i);
+    const auto number = static_cast<std::uint32_t>(++next);
+    for (int k = 0; k < (f->is_repeated() ? 2 : 1); ++k) {
+      switch (f->cpp_type()) {
+        case pb::FieldDescriptor::CPPTYPE_DOUBLE:
+          f->is_repeated() ? r.AddDouble(&message, f, number + 0.25 * k)
+                           : r.SetDouble(&message, f, number + 0.5);
+          break;
+        case pb::FieldDescriptor::CPPTYPE_UINT32:
+          f->is_repeated() ? r.AddUInt32(&message, f, number + 1)
+                           : r.SetUInt32(&message, f, number);
+          break;
+        case pb::FieldDescriptor::CPPTYPE_UINT64:
+          r.SetUInt64(&message, f, number);
+          break;
+        case pb::FieldDescriptor::CPPTYPE_INT64:
+          r.SetInt64(&message, f, number);
+          break;
+        case pb::FieldDescriptor::CPPTYPE_ENUM:
+          r.SetEnumValue(&message, f, f->enum_type()->value(1 + next % 2)->number());
+          break;
+        case pb::FieldDescriptor::CPPTYPE_MESSAGE:
+          fill(f->is_repeated() ? *r.AddMessage(&message, f) : *r.MutableMessage(&message, f),
+               next);
+          break;
+        default:
+          FAIL() << f->full_name() << ": fill() knows no " << f->cpp_type_name();
+      }
+    }
+  }
+}
+
+v1::DeviceState full_message() {
+  v1::DeviceState message;
+  int next = 0;
+  fill(message, next);
+  return message;
+}
+
+DeviceInfo slider() {
+  DeviceInfo device;
+  device.dofs = {{"slide", "m", true, 0.0, 0.1, 10.0}, {"swing", "rad", false, -1.0, 1.0, 0.0}};
+  device.coordinates = {{"x", "m", "linear"}, {"phi", "rad", "angle"}};
+  return device;
+}
+
+TEST(State, CarriesEveryFieldOfTheProtocol) {
+  const v1::DeviceState sent = full_message();
+  EXPECT_EQ(to_message(to_state(sent)).DebugString(), sent.DebugString());
+}
+
+TEST(State, AbsentMessagesStayAbsent) {
+  EXPECT_EQ(to_message(to_state({})).ByteSizeLong(), 0u);
+}
+
+TEST(StateFields, AreThoseOfTheProtocolInOrder) {
+  const auto fields = state_fields(slider(), to_state(full_message()));
+  const pb::Descriptor& type = *v1::DeviceState::descriptor();
+  ASSERT_EQ(fields.size(), static_cast<std::size_t>(type.field_count()));
+  for (int i = 0; i < type.field_count(); ++i) {
+    const StateField& field = fields[static_cast<std::size_t>(i)];
+    EXPECT_EQ(field.name, type.field(i)->name());
+    EXPECT_NE(field.values.empty(), field.messages.empty()) << field.name;
+    if (field.repeated && field.messages.empty()) EXPECT_NE(field.axis, "") << field.name;
+  }
+}
+
+TEST(StateFields, HaveLabelsAndUnitsOfTheDevice) {
+  for (const StateField& field : state_fields(slider(), to_state(full_message()))) {
+    if (field.name == "q") {
+      EXPECT_EQ(field.labels, (std::vector<std::string>{"slide", "swing"}));
+      EXPECT_EQ(field.units, (std::vector<std::string>{"m", "rad"}));
+    } else if (field.name == "x_probe") {
+      EXPECT_EQ(field.labels, (std::vector<std::string>{"x", "phi"}));
+    } else if (field.name == "stiffness_in_effect") {
+      EXPECT_EQ(field.labels, std::vector<std::string>{"slide"});
+      EXPECT_EQ(field.units, std::vector<std::string>{"N/m"});
+    } else if (field.name == "proxy_age_us") {
+      EXPECT_EQ(field.units, std::vector<std::string>{"us"});
+    }
+  }
+}
+
+}  // namespace
+}  // namespace haptic::client

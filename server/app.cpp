@@ -11,9 +11,9 @@
 #include "server/metrics/metrics_port.hpp"
 #include "server/metrics/tick_metrics.hpp"
 #include "server/owner/event_log.hpp"
+#include "server/owner/recorder.hpp"
 #include "server/rpc/rpc_server.hpp"
 #include "server/scene/loop_pacing.hpp"
-#include "server/telemetry/recorder.hpp"
 
 namespace haptic::server {
 namespace {
@@ -161,9 +161,10 @@ void App::listen_to_devices() {
     if (!scene_.record) continue;
     const auto file = record_file(scene_, i);
     spdlog::info("{}: recorded in {}", device.name, file.string());
-    listeners_.push_back(std::make_unique<Recorder>(file, device.kinematics,
-                                                    comparison(*scene_.record, device),
-                                                    units_[i]->config().tracker.has_value()));
+    listeners_.push_back(std::make_unique<Recorder>(
+        file, device.kinematics, comparison(*scene_.record, device),
+        StateMessage(units_[i]->config(), device.coupling_softness),
+        [&sessions](const core::TickRecord& record) { return sessions.stamp(record); }));
     telemetry_->add(i, listeners_.back().get(), ListenerRank::kBackground);
   }
 }

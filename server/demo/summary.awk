@@ -1,4 +1,4 @@
-# The demo's summary, from the recording of every tick (server/telemetry/recorder.hpp).
+# The demo's summary, from the recording of every tick (server/owner/recorder.hpp).
 #
 #   awk -f summary.awk [-v stretches=FILE] RECORDING
 #
@@ -37,7 +37,7 @@ BEGIN { FS = ","; ramp_s = 0.2; bound = 0.02 }
 
 NR == 1 {
   for (i = 1; i <= NF; i++) column[$i] = i
-  split("time_s tick state proxy_age_us mode gain tau_a_l_x_n lateness_us skipped", needed, " ")
+  split("time_s seq state proxy_age_us mode gain tau_a_l_x_n lateness_us skipped", needed, " ")
   for (i in needed) if (!(needed[i] in column)) {
     print "summary: the recording has no column " needed[i]
     broken = 1
@@ -53,7 +53,7 @@ NR == 1 {
   force = abs($column["tau_a_l_x_n"] + 0)
   gain = $column["gain"] + 0
   if (rows++) dt = t - last_t; else { begin = t; dt = 0 }
-  lost_records += rows > 1 ? $column["tick"] - last_tick - 1 : 0
+  lost_records += rows > 1 ? $column["seq"] - last_tick - 1 : 0
   skipped += $column["skipped"]
   late[++n_late] = $column["lateness_us"] + 0
   if (mode != "NONE") age[++n_age] = $column["proxy_age_us"] * 1e-3
@@ -73,7 +73,7 @@ NR == 1 {
   }
   if ($column["faults"] != "") faults[$column["faults"]]++
   last_free = mode == "FREE" && engaged
-  last_t = t; last_tick = $column["tick"]; last_mode = mode
+  last_t = t; last_tick = $column["seq"]; last_mode = mode
 }
 
 END {

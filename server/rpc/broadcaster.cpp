@@ -14,24 +14,13 @@ void WatchBudget::refill(core::TimePoint now) noexcept {
   started_ = true;
 }
 
-namespace {
-
-StateFrame frame_of(const DeviceSessions& sessions) {
-  if (!sessions.coupling_softness()) return {};
-  const core::PipelineConfig& config = sessions.unit().config();
-  return {core::ProjectionModel(*config.kinematics, config.projection),
-          *sessions.coupling_softness()};
-}
-
-}  // namespace
-
 Broadcaster::Broadcaster(Telemetry& telemetry, std::size_t index, WatchBudget budget,
                          const DeviceSessions& sessions)
     : telemetry_(telemetry),
       index_(index),
       budget_(budget),
       sessions_(sessions),
-      frame_(frame_of(sessions)) {
+      frame_(StateMessage(sessions.unit().config(), sessions.coupling_softness())) {
   telemetry_.add(index_, this);
 }
 

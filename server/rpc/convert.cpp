@@ -19,47 +19,6 @@ std::vector<double> values(const Doubles& from) {
   return {from.begin(), from.end()};
 }
 
-void to_passivity(const core::PassivityRecord& record, v1::PassivityState& state) {
-  state.set_tank(record.tank);
-  state.set_storage(record.storage);
-  state.set_scale(record.scale);
-  state.set_observed(record.observed);
-  state.set_alpha(record.alpha);
-}
-
-/// What only some devices have; a state of the others carries none of it.
-void to_actuators(const core::TickRecord& record, v1::DeviceState& state) {
-  copy(record.input.device.sample.tau_measured, state.mutable_tau_measured());
-  core::VecQ reading = record.input.device.sample.q;
-  if (record.tracker.on && reading.size() == record.q.size()) {
-    // What the device says of a tracked palm is not looked at.
-    constexpr auto kDofs = static_cast<Eigen::Index>(core::kPalmDofs);
-    reading.segment<kDofs>(record.tracker.first_dof) =
-        record.q.segment<kDofs>(record.tracker.first_dof);
-  }
-  const bool refused = reading.size() == record.q.size() && reading != record.q;
-  copy(refused ? reading : core::VecQ{}, state.mutable_reading());
-  copy(record.temperature_c, state.mutable_temperature_c());
-  copy(record.drive.size() > 0 ? record.drive : record.position, state.mutable_drive());
-  state.clear_actuator_limiters();
-  const auto n_a = static_cast<std::size_t>(record.tau_a.size());
-  const auto begin = record.actuator_limiters.begin();
-  const auto end = begin + static_cast<std::ptrdiff_t>(n_a);
-  if (std::none_of(begin, end, [](core::LimiterSet set) { return set.any(); })) return;
-  std::for_each(begin, end, [&](core::LimiterSet set) { state.add_actuator_limiters(set.bits()); });
-}
-
-std::uint64_t whole_microseconds(core::Duration age) {
-  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(age).count();
-  return static_cast<std::uint64_t>(std::max<std::int64_t>(0, us));
-}
-
-void to_tracker(const core::TrackerRecord& record, v1::TrackerState& state) {
-  state.set_seq_used(record.seq);
-  state.set_age_us(whole_microseconds(record.age));
-  state.set_staleness(static_cast<v1::StalenessLevel>(record.level));
-}
-
 core::Duration duration(const google::protobuf::Duration& message) {
   // Far beyond any limit of ours, far below what 64 bits of nanoseconds hold.
   const std::int64_t seconds = std::clamp<std::int64_t>(message.seconds(), -86400, 86400);
@@ -88,62 +47,6 @@ void set(google::protobuf::Duration& message, core::Duration d) {
   const auto whole = std::chrono::duration_cast<std::chrono::seconds>(d);
   message.set_seconds(whole.count());
   message.set_nanos(static_cast<std::int32_t>((d - whole).count()));
-}
-
-void to_proto(const core::TickRecord& record, DeviceSessions::Stamp stamp, v1::DeviceState& state) {
-  state.set_seq(record.tick);
-  state.set_server_time_ns(record.input.now.time_since_epoch().count());
-  copy(record.q, state.mutable_q());
-  copy(record.q_a_dot, state.mutable_q_dot());
-  copy(record.x_probe, state.mutable_x_probe());
-  copy(record.x, state.mutable_x());
-  state.set_active_planes(record.active_planes);
-  if (record.passivity.on) {
-    to_passivity(record.passivity, *state.mutable_passivity());
-  } else {
-    state.clear_passivity();
-  }
-  copy(record.q_star, state.mutable_q_star());
-  copy(record.tau_a, state.mutable_tau_a());
-  copy(record.tau_elastic, state.mutable_tau_elastic());
-  state.set_proxy_seq_used(record.proxy_seq);
-  state.set_proxy_age_us(whole_microseconds(record.proxy_age));
-  if (record.tracker.on) {
-    to_tracker(record.tracker, *state.mutable_tracker());
-  } else {
-    state.clear_tracker();
-  }
-  state.set_staleness(static_cast<v1::StalenessLevel>(record.staleness));
-  state.set_gain(record.gain);
-  state.set_transport(static_cast<v1::Transport>(stamp.carrier));
-  state.set_state(static_cast<v1::DeviceStateName>(record.state));
-  state.set_faults(record.faults.bits());
-  state.set_limiters(record.limiters.bits());
-  Doubles* stiffness = state.mutable_stiffness_in_effect();
-  stiffness->Clear();
-  for (const double k : record.input.settings.stiffness) stiffness->Add(record.gain * k);
-  state.set_projection(static_cast<v1::ProjectionStatus>(record.projection));
-  state.set_condition(record.condition);
-  state.set_lease_epoch(stamp.lease_epoch);
-  state.set_mode(static_cast<v1::ProxyMode>(record.proxy_mode));
-  if (record.certificate.status != core::CertificateStatus::kOff) {
-    v1::CertificateState& certificate = *state.mutable_certificate();
-    certificate.set_status(static_cast<v1::CertificateStatus>(record.certificate.status));
-    certificate.set_margin(record.certificate.margin);
-    certificate.set_block(static_cast<std::uint32_t>(record.certificate.block));
-  } else {
-    state.clear_certificate();
-  }
-  to_actuators(record, state);
-}
-
-void to_proto(const std::vector<core::CouplingBlock>& blocks, v1::DeviceState& state) {
-  state.clear_coupling_metric();
-  for (const core::CouplingBlock& block : blocks) {
-    v1::CouplingBlock& message = *state.add_coupling_metric();
-    message.set_coordinates(static_cast<std::uint32_t>(block.coordinates));
-    message.mutable_lower()->Add(block.lower.begin(), block.lower.end());
-  }
 }
 
 v1::Event to_proto(const DeviceEvent& event) {
@@ -265,55 +168,6 @@ void to_proto(const wire::PathKeys& keys, const UdpPort& port, v1::UdpPath& mess
   message.set_up_salt(bytes(keys.up.salt));
   message.set_down_key(bytes(keys.down.key));
   message.set_down_salt(bytes(keys.down.salt));
-}
-
-namespace {
-
-/// A coupling metric in which no block is empty.
-std::vector<core::CouplingBlock> full_coupling(const core::PipelineConfig& config) {
-  const core::ProjectionModel model(*config.kinematics, config.projection);
-  std::vector<core::CouplingBlock> blocks = core::coupling_blocks(model, {}, {}, 1.0);
-  for (core::CouplingBlock& block : blocks) {
-    const auto n = static_cast<std::size_t>(block.coordinates);
-    block.lower.assign(n * (n + 1) / 2, 1.0);
-  }
-  return blocks;
-}
-
-}  // namespace
-
-std::size_t largest_state(const core::PipelineConfig& config, bool coupled) {
-  // Vectors of numbers that are not 0 and every other field at its longest.
-  core::TickRecord record;
-  const auto n_q = config.kinematics->layout().n_q(), n_a = config.kinematics->layout().n_a(),
-             n_x = config.kinematics->space().n_x();
-  record.q = record.q_star = core::VecQ::Ones(n_q);
-  record.q_a_dot = record.tau_a = record.tau_elastic = core::VecA::Ones(n_a);
-  record.input.settings.stiffness = core::VecA::Ones(n_a);
-  record.x = record.x_probe = core::VecX::Ones(n_x);
-  record.active_planes = ~std::uint32_t{0};
-  record.input.device.sample.tau_measured = core::VecA::Ones(n_a);
-  record.input.device.sample.q = 2.0 * record.q;  // refused: told as `reading` too
-  if (!config.ratings.empty()) record.temperature_c = core::VecA::Ones(n_a);
-  record.drive = core::VecA::Ones(n_a);
-  for (core::LimiterSet& limiters : record.actuator_limiters) {
-    limiters.set(core::Limiter::kDriveLimit);  // the longest number
-  }
-  record.tracker.on = config.tracker.has_value();
-  if (config.tracker) record.tracker.first_dof = config.tracker->first_dof;
-  record.tracker.seq = ~std::uint64_t{0};
-  record.tracker.age = core::Duration::max();
-  record.passivity.on = config.passivity.enabled();
-  record.passivity.tank = record.passivity.storage = record.passivity.scale = 1.0;
-  record.passivity.observed = record.passivity.alpha = 1.0;
-  if (config.passivity_certificate) {
-    record.certificate = {core::CertificateStatus::kNoStiffness, 31, 1.0};
-  }
-  v1::DeviceState state;
-  to_proto(record, {Carrier::kUdp, 0}, state);
-  if (coupled) to_proto(full_coupling(config), state);
-  constexpr std::size_t kScalars = 120;  // 4 of 64 bits, 9 of 32, 2 doubles, with their tags
-  return state.ByteSizeLong() + kScalars;
 }
 
 ProxyCandidate from_proto(const v1::ProxySample& sample, std::uint32_t epoch, Carrier carrier) {

@@ -2,10 +2,7 @@
 /// core and server values <-> messages of haptic.v1 (private to server/rpc). No gRPC.
 
 #include <string>
-#include <vector>
 
-#include "haptic/core/analysis/coupling_metric.hpp"
-#include "haptic/core/tick/tick_record.hpp"
 #include "haptic/v1/haptic_service.pb.h"
 #include "haptic/v1/session.pb.h"
 #include "server/crossing/server_facts.hpp"
@@ -17,10 +14,6 @@
 
 namespace haptic::server {
 
-/// Overwrites every field of `state` but the coupling metric; keeps its memory.
-void to_proto(const core::TickRecord& record, DeviceSessions::Stamp stamp, v1::DeviceState& state);
-/// Overwrites the coupling metric of `state`.
-void to_proto(const std::vector<core::CouplingBlock>& blocks, v1::DeviceState& state);
 [[nodiscard]] v1::Event to_proto(const DeviceEvent& event);
 [[nodiscard]] v1::UpdateSettingsResponse to_proto(const SettingsAnswer& answer);
 [[nodiscard]] v1::GetServerInfoResponse to_proto(const ServerFacts& facts);
@@ -29,8 +22,6 @@ void set(google::protobuf::Duration& message, core::Duration duration);
 
 /// Where the path ends and its keys; `port` is bound.
 void to_proto(const wire::PathKeys& keys, const UdpPort& port, v1::UdpPath& message);
-/// Bytes of a serialised DeviceState at most; `coupled`: with a coupling metric.
-[[nodiscard]] std::size_t largest_state(const core::PipelineConfig& config, bool coupled = false);
 
 /// Points into `sample`, which must outlive the candidate.
 [[nodiscard]] PoseCandidate from_proto(const v1::TrackerSample& sample);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "server/owner/state_message.hpp"
 #include "server/rpc/convert.hpp"
 #include "server/rpc/status.hpp"
 

@@ -4,7 +4,6 @@
 
 #include "google/protobuf/io/coded_stream.h"
 #include "haptic/v1/haptic_service.pb.h"
-#include "server/rpc/convert.hpp"
 
 namespace haptic::server {
 namespace {
@@ -41,13 +40,7 @@ void StateFrame::begin(const core::TickRecord& record, DeviceSessions::Stamp sta
 
 void StateFrame::serialise() {
   if (ready_) return;
-  to_proto(*record_, stamp_, state_);
-  if (coupling_) {
-    to_proto(core::coupling_blocks(coupling_->model, record_->q, record_->input.settings.stiffness,
-                                   coupling_->softness),
-             state_);
-  }
-  bytes_ = to_slice(state_);
+  bytes_ = to_slice(message_.write(*record_, stamp_));
   ready_ = true;
 }
 

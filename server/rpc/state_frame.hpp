@@ -4,14 +4,12 @@
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/slice.h>
 
-#include <optional>
 #include <span>
+#include <utility>
 
 #include "google/protobuf/message_lite.h"
-#include "haptic/core/projection/projection_model.hpp"
 #include "haptic/core/tick/tick_record.hpp"
-#include "haptic/v1/session.pb.h"
-#include "server/session/device_sessions.hpp"
+#include "server/owner/state_message.hpp"
 
 namespace haptic::server {
 
@@ -21,10 +19,8 @@ namespace haptic::server {
 class StateFrame {
  public:
   StateFrame() = default;
-  /// Its states carry the coupling metric of this model, whose map must outlive the frame.
-  StateFrame(const core::ProjectionModel& model, double softness)
-      : coupling_(Coupling{model, softness}) {}
-  /// A new tick; nothing is serialised before somebody asks. `record` must outlive the use.
+  explicit StateFrame(StateMessage message) : message_(std::move(message)) {}
+  /// A new tick; it is serialised at the first call that asks for its bytes. `record` must outlive the use.
   void begin(const core::TickRecord& record, DeviceSessions::Stamp stamp = {}) noexcept;
   /// SessionResponse { state }.
   [[nodiscard]] grpc::ByteBuffer for_session();
@@ -34,17 +30,12 @@ class StateFrame {
   [[nodiscard]] grpc::ByteBuffer for_watch(std::uint64_t conflated);
 
  private:
-  struct Coupling {
-    core::ProjectionModel model;
-    double softness;
-  };
   void serialise();
 
-  std::optional<Coupling> coupling_{};
+  StateMessage message_{};
   const core::TickRecord* record_{nullptr};
   DeviceSessions::Stamp stamp_{};
   bool ready_{false};
-  v1::DeviceState state_{};
   grpc::Slice bytes_{};
 };
 

@@ -16,6 +16,8 @@ constexpr double kHoldEnd = 0.100, kFadeEnd = 0.180;  // proto/README.md#stalene
 constexpr double kSilent = 0.200;
 constexpr double kRampUp = 0.200;
 constexpr double kTiny = 1e-6;
+constexpr double kAgeStep = 1e-6;  // ages are recorded in whole microseconds
+constexpr double kGainStep = kTiny + kAgeStep / (kFadeEnd - kHoldEnd);
 constexpr double kPeriod = 0.001;  // s, of the daemon's loop
 
 std::vector<std::string> fields_of(const std::string& line) {
@@ -97,12 +99,13 @@ std::string breach_in(const RecordedTick& before, const RecordedTick& now, doubl
   double least = before.gain - dt / (kFadeEnd - kHoldEnd);
   if (now.mode != "NONE") least = std::min(least, ladder(now.age));
   const bool fault = !now.faults.empty() || now.state == "FAULT";
-  if (now.gain < least - kTiny && !fault) return "gain fell by a step";
+  if (now.gain < least - kGainStep && !fault) return "gain fell by a step";
   if (now.mode == "NONE") return {};
-  if (now.staleness != level(now.age, fresh_end)) {
+  if (now.staleness != level(now.age, fresh_end) &&
+      now.staleness != level(now.age + kAgeStep, fresh_end)) {
     return now.staleness + " at an age of " + std::to_string(now.age) + " s";
   }
-  if (now.gain > ladder(now.age) + kTiny) return "gain above the ladder";
+  if (now.gain > ladder(now.age) + kGainStep) return "gain above the ladder";
   if (now.age >= kSilent && now.tau_elastic != 0.0) return "elastic force after 200 ms of silence";
   return {};
 }
@@ -128,7 +131,7 @@ std::vector<RecordedTick> read_record(const std::filesystem::path& file) {
                     staleness = column("staleness"), age = column("proxy_age_us"),
                     mode = column("mode"), gain = column("gain"), slide = column("l_x"),
                     elastic = column("tau_elastic_l_x_n"), tau = column("tau_a_l_x_n"),
-                    faults = column("faults"), tick = column("tick"),
+                    faults = column("faults"), tick = column("seq"),
                     lateness = column("lateness_us"), skipped = column("skipped");
   std::vector<RecordedTick> run;
   while (std::getline(stream, line)) {

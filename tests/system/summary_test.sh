@@ -11,7 +11,7 @@ failures=0
 # The last 100 ms are in state LAST.
 recording() {
   awk -v free="$1" -v contact="$2" -v last="$3" 'BEGIN {
-    print "time_s,tick,state,proxy_age_us,mode,gain,tau_a_l_x_n,lateness_us,skipped,faults"
+    print "time_s,seq,state,proxy_age_us,mode,gain,tau_a_l_x_n,lateness_us,skipped,faults"
     for (i = 0; i < 3000; ++i) {
       held = i >= 1000 && i < 2000
       force = held ? contact : i >= 2000 && i < 2100 ? contact / 10 : free

@@ -8,6 +8,7 @@
 #include "server/front/pace.hpp"
 #include "server/front/sample_ledger.hpp"
 #include "server/net/listen_address.hpp"
+#include "server/owner/state_message.hpp"
 #include "server/rpc/broadcaster.hpp"
 #include "server/rpc/convert.hpp"
 #include "server/rpc/state_frame.hpp"
@@ -104,7 +105,7 @@ core::TickRecord record() {
 TEST(StateFrame, TheSharedBytesAreTheMessagesBytes) {
   const core::TickRecord r = record();
   v1::WatchResponse expected;
-  to_proto(r, {Carrier::kUdp, 7}, *expected.mutable_state());
+  *expected.mutable_state() = StateMessage().write(r, {Carrier::kUdp, 7});
   expected.set_conflated(123456);
   StateFrame frame;
   frame.begin(r, {Carrier::kUdp, 7});
@@ -134,8 +135,8 @@ TEST(StateFrame, TheBookOfEnergyIsPresentWhereTheSceneHasOne) {
   r.passivity.scale = 0.5;
   r.passivity.observed = -1e-4;
   r.passivity.alpha = 2e-4;
-  v1::DeviceState state;
-  to_proto(r, {}, state);
+  StateMessage message;
+  const v1::DeviceState& state = message.write(r);
   EXPECT_EQ(state.active_planes(), 5U);
   ASSERT_TRUE(state.has_passivity());
   EXPECT_EQ(state.passivity().tank(), 0.003);
@@ -144,31 +145,33 @@ TEST(StateFrame, TheBookOfEnergyIsPresentWhereTheSceneHasOne) {
   EXPECT_EQ(state.passivity().observed(), -1e-4);
   EXPECT_EQ(state.passivity().alpha(), 2e-4);
   r.passivity = {};
-  to_proto(r, {}, state);
+  static_cast<void>(message.write(r));
   EXPECT_FALSE(state.has_passivity());
 }
 
 TEST(StateFrame, TheCertificateIsPresentWhereTheSceneAsksForIt) {
   core::TickRecord r = record();
   r.certificate = {core::CertificateStatus::kComputed, 3, -0.25};
-  v1::DeviceState state;
-  to_proto(r, {}, state);
+  StateMessage message;
+  const v1::DeviceState& state = message.write(r);
   ASSERT_TRUE(state.has_certificate());
   EXPECT_EQ(state.certificate().status(), v1::CERTIFICATE_STATUS_COMPUTED);
   EXPECT_EQ(state.certificate().margin(), -0.25);
   EXPECT_EQ(state.certificate().block(), 3U);
   r.certificate = {};
-  to_proto(r, {}, state);
+  static_cast<void>(message.write(r));
   EXPECT_FALSE(state.has_certificate());
 }
 
 /// For a square J the metric reads J^T W J = diag(Z_q, eps k_x ||J_n||^2) (coupling_metric.hpp).
 TEST(StateFrame, TheCouplingMetricIsOfTheTicksPoseAndStiffness) {
-  const auto finger = core::make_finger_exoskeleton({});
+  const std::shared_ptr<const core::Kinematics> finger = core::make_finger_exoskeleton({});
   core::TickRecord r = record();
   r.q = (core::VecQ(2) << 0.016, -0.26).finished();
   r.input.settings.stiffness = core::VecA::Constant(1, 900.0);
-  StateFrame frame(core::ProjectionModel(*finger), 0.1);
+  core::PipelineConfig config;
+  config.kinematics = finger;
+  StateFrame frame(StateMessage(config, 0.1));
   const auto state_of = [&frame](const core::TickRecord& tick) {
     frame.begin(tick);
     const auto bytes = frame.for_datagram();

@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "server/session/settings_policy.hpp"
-#include "server/telemetry/renderer_comparison.hpp"
+#include "server/owner/renderer_comparison.hpp"
 #include "tests/server/scene/scene_run.hpp"
 #include "tests/server/scene/scene_text.hpp"
 

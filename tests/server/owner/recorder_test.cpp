@@ -1,9 +1,10 @@
-#include "server/telemetry/recorder.hpp"
+#include "server/owner/recorder.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -84,29 +85,48 @@ double number(const std::string& text) {
   EXPECT_EQ(std::bit_cast<std::uint64_t>(number(text)), std::bit_cast<std::uint64_t>(expected)) \
       << (text) << " and " << (expected)
 
-TEST(Recorder, TheHeaderIsTheDocumentedOne) {
+TEST(Recorder, HeaderNamesDofsAndUnits) {
   const auto kinematics = haptic::core::make_finger_exoskeleton({});
-  EXPECT_EQ(Recorder::header(*kinematics, false),
-            "time_s,tick,state,staleness,proxy_age_us,mode,gain,damping_gain,l_x,q_B,"
-            "q_dot_l_x_m_per_s,x_probe_q_o1_mcp_rad,x_probe_q_o2_pip_rad,x_q_o1_mcp_rad,"
-            "x_q_o2_pip_rad,q_star_l_x_m,q_star_q_B_rad,tau_elastic_l_x_n,tau_damping_l_x_n,"
-            "tau_a_l_x_n,projection,faults,limiters,storage_j,tank_j,tank_scale,observed_j,"
-            "certificate,certificate_margin,certificate_block,lateness_us,skipped");
+  const std::string header = Recorder::header(*kinematics, false);
+  EXPECT_THAT(header, testing::StartsWith("time_s,seq,server_time_ns,state,mode,"));
+  EXPECT_THAT(header,
+              testing::HasSubstr(
+                  ",lease_epoch,l_x,q_B,q_dot_l_x_m_per_s,x_probe_q_o1_mcp_rad,"
+                  "x_probe_q_o2_pip_rad,x_q_o1_mcp_rad,x_q_o2_pip_rad,q_star_l_x_m,q_star_q_B_rad,"
+                  "tau_a_l_x_n,tau_elastic_l_x_n,stiffness_in_effect_l_x_n_per_m,"));
+  EXPECT_THAT(header, testing::HasSubstr(",drive_l_x,temperature_c_l_x,reading_l_x_m,"));
+  EXPECT_THAT(header, testing::EndsWith(",damping_gain,tau_damping_l_x_n,lateness_us,skipped"));
   EXPECT_THAT(Recorder::header(*kinematics, true),
               testing::EndsWith(",skipped,tau_standard_l_x_n,tau_null_space_l_x_n,"
                                 "tau_subspace_linear_l_x_n,tau_subspace_exact_l_x_n"));
-  EXPECT_THAT(Recorder::header(*kinematics, true, true),
-              testing::HasSubstr(
-                  ",skipped,tracker_seq,tracker_age_us,tracker_staleness,tau_standard_l_x_n,"));
 }
 
-TEST(Recorder, ATrackersPoseInUseIsToldWhereTheSceneHasOne) {
+/// The rig has two DoFs, one of them actuated, and two coordinates.
+TEST(Recorder, HeaderHasEveryFieldOfTheState) {
+  const Fields header = split(Recorder::header(*rig_config().kinematics, false));
+  for (const haptic::schema::Leaf& leaf :
+       haptic::schema::leaves(*haptic::v1::DeviceState::descriptor())) {
+    if (leaf.name == "q") continue;  // bare names of DoFs: ARecordingCanBePlayedByAReplayedDevice
+    const auto columns = std::count_if(header.begin(), header.end(), [&](const auto& column) {
+      const bool scalar = leaf.axis == haptic::v1::AXIS_UNSPECIFIED;
+      return column == leaf.name || column.rfind(leaf.name + "_slide", 0) == 0 ||
+             column.rfind(leaf.name + "_swing", 0) == 0 ||
+             column.rfind(leaf.name + (scalar ? "_" : "_a_"), 0) == 0 ||
+             (!scalar && column.rfind(leaf.name + "_b_", 0) == 0);
+    });
+    EXPECT_GE(columns,
+              leaf.axis == haptic::v1::AXIS_DOF || leaf.axis == haptic::v1::AXIS_COORDINATE ? 2 : 1)
+        << leaf.name;
+  }
+}
+
+TEST(Recorder, TrackersPoseInUseIsRecorded) {
   ScratchFile file("tracked.csv");
   {
-    Recorder recorder(file.path(), rig_config().kinematics, nullptr, true);
+    Recorder recorder(file.path(), rig_config().kinematics);
     TickRecord record;
-    record.tracker.on = true;
     recorder.on_record(record);
+    record.tracker.on = true;
     record.tracker.seq = 7;
     record.tracker.age = 3500us;
     record.tracker.level = haptic::core::Staleness::kHold;
@@ -114,12 +134,38 @@ TEST(Recorder, ATrackersPoseInUseIsToldWhereTheSceneHasOne) {
   }
   auto rows = read_csv(file.path());
   ASSERT_EQ(rows.size(), 2u);
-  EXPECT_EQ(rows[0]["tracker_seq"], "0");
-  EXPECT_EQ(rows[0]["tracker_age_us"], "0");
-  EXPECT_EQ(rows[0]["tracker_staleness"], "LOST");
-  EXPECT_EQ(rows[1]["tracker_seq"], "7");
+  EXPECT_EQ(rows[0]["tracker_seq_used"], "");
+  EXPECT_EQ(rows[1]["tracker_seq_used"], "7");
   EXPECT_EQ(rows[1]["tracker_age_us"], "3500");
   EXPECT_EQ(rows[1]["tracker_staleness"], "HOLD");
+}
+
+TEST(Recorder, CarrierAndLeaseAreRecorded) {
+  ScratchFile file("stamped.csv");
+  {
+    Recorder recorder(file.path(), rig_config().kinematics, nullptr, {}, [](const TickRecord&) {
+      return haptic::server::DeviceSessions::Stamp{haptic::server::Carrier::kUdp, 9};
+    });
+    recorder.on_record({});
+  }
+  auto row = read_csv(file.path()).at(0);
+  EXPECT_EQ(row["transport"], "UDP");
+  EXPECT_EQ(row["lease_epoch"], "9");
+}
+
+TEST(Recorder, CouplingMetricIsOneCell) {
+  ScratchFile file("coupling.csv");
+  const auto config = rig_config();
+  {
+    Recorder recorder(file.path(), config.kinematics, nullptr,
+                      haptic::server::StateMessage(config, 0.1));
+    TickRecord record;
+    record.q = haptic::core::VecQ::Zero(2);
+    record.input.settings.stiffness = haptic::core::VecA::Constant(1, 100.0);
+    recorder.on_record(record);
+  }
+  EXPECT_THAT(read_csv(file.path()).at(0)["coupling_metric"],
+              testing::MatchesRegex("coordinates: 2 lower: 100 lower: 0 lower: [0-9.]+"));
 }
 
 TEST(Recorder, EveryNumberReadsBackToTheRecordsBits) {
@@ -146,7 +192,7 @@ TEST(Recorder, EveryNumberReadsBackToTheRecordsBits) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     auto row = rows[i];
     const TickRecord& record = keeper.records[i];
-    ASSERT_EQ(row["tick"], std::to_string(record.tick));
+    ASSERT_EQ(row["seq"], std::to_string(record.tick));
     EXPECT_EQ(row["state"], haptic::core::name(record.state));
     EXPECT_NEAR(number(row["time_s"]), 1e-3 * static_cast<double>(i), 1e-12);
     EXPECT_SAME_BITS(row["gain"], record.gain);
@@ -171,7 +217,7 @@ TEST(Recorder, EveryNumberReadsBackToTheRecordsBits) {
   EXPECT_TRUE(force);
 }
 
-TEST(Recorder, TheEnergyTankHasColumnsAndWithoutOneTheyAreEmpty) {
+TEST(Recorder, EnergyColumnsAreEmptyWithoutTank) {
   ScratchFile file("tank.csv");
   {
     Recorder recorder(file.path(), rig_config().kinematics);
@@ -185,17 +231,18 @@ TEST(Recorder, TheEnergyTankHasColumnsAndWithoutOneTheyAreEmpty) {
     recorder.on_record(record);
   }
   auto rows = read_csv(file.path());
-  for (const char* name : {"storage_j", "tank_j", "tank_scale", "observed_j"}) {
+  for (const char* name :
+       {"passivity_storage_j", "passivity_tank_j", "passivity_scale", "passivity_observed_j"}) {
     ASSERT_EQ(rows.at(0).count(name), 1u) << name;
     EXPECT_EQ(rows[0][name], "");
   }
-  EXPECT_SAME_BITS(rows.at(1)["storage_j"], 1.0 / 3.0);
-  EXPECT_SAME_BITS(rows[1]["tank_j"], -1e-7);
-  EXPECT_SAME_BITS(rows[1]["tank_scale"], 0.25);
-  EXPECT_SAME_BITS(rows[1]["observed_j"], 0.1);
+  EXPECT_SAME_BITS(rows.at(1)["passivity_storage_j"], 1.0 / 3.0);
+  EXPECT_SAME_BITS(rows[1]["passivity_tank_j"], -1e-7);
+  EXPECT_SAME_BITS(rows[1]["passivity_scale"], 0.25);
+  EXPECT_SAME_BITS(rows[1]["passivity_observed_j"], 0.1);
 }
 
-TEST(Recorder, TheCertificateIsEmptyWhereNobodyAsksForIt) {
+TEST(Recorder, CertificateIsEmptyUnlessAskedFor) {
   ScratchFile file("certificate.csv");
   {
     Recorder recorder(file.path(), rig_config().kinematics);
@@ -208,10 +255,10 @@ TEST(Recorder, TheCertificateIsEmptyWhereNobodyAsksForIt) {
   }
   auto rows = read_csv(file.path());
   ASSERT_EQ(rows.size(), 3u);
-  EXPECT_EQ(rows[0].at("certificate"), "");
-  EXPECT_EQ(rows[1].at("certificate"), "NOT_FULL_RANK");
-  for (const std::size_t none : {0u, 1u}) EXPECT_EQ(rows[none].at("certificate_margin"), "");
-  EXPECT_EQ(rows[2].at("certificate"), "COMPUTED");
+  EXPECT_EQ(rows[0].at("certificate_status"), "");
+  EXPECT_EQ(rows[1].at("certificate_status"), "NOT_FULL_RANK");
+  EXPECT_EQ(rows[0].at("certificate_margin"), "");
+  EXPECT_EQ(rows[2].at("certificate_status"), "COMPUTED");
   EXPECT_SAME_BITS(rows[2].at("certificate_margin"), -1.0 / 3.0);
   EXPECT_EQ(rows[2].at("certificate_block"), "2");
 }
@@ -240,7 +287,7 @@ TEST(Recorder, NamesStatesLevelsFaultsAndLimiters) {
   }
   auto row = read_csv(file.path()).at(0);
   EXPECT_EQ(row["time_s"], "0");
-  EXPECT_EQ(row["tick"], "42");
+  EXPECT_EQ(row["seq"], "42");
   EXPECT_EQ(row["state"], "FAULT");
   EXPECT_EQ(row["staleness"], "FADE");
   EXPECT_EQ(row["proxy_age_us"], "120500");

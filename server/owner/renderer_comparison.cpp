@@ -1,4 +1,4 @@
-#include "server/telemetry/renderer_comparison.hpp"
+#include "server/owner/renderer_comparison.hpp"
 
 #include <algorithm>
 #include <cmath>

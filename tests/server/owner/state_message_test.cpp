@@ -1,0 +1,67 @@
+#include "server/owner/state_message.hpp"
+
+#include <gtest/gtest.h>
+
+#include "haptic/schema/fields.hpp"
+#include "tests/server/support/device_rig.hpp"
+
+namespace haptic::server {
+namespace {
+
+using core::VecA, core::VecQ, core::VecX;
+
+/// Nothing in it is 0, empty or absent.
+core::TickRecord full_record() {
+  core::TickRecord r;
+  r.tick = 1;
+  r.input.now = core::TimePoint(std::chrono::hours(1));
+  r.input.settings.stiffness = VecA::Constant(1, 100.0);
+  r.input.device.sample.q = VecQ::Constant(2, 9.0);  // refused: it is not q
+  r.input.device.sample.tau_measured = VecA::Ones(1);
+  r.q = r.q_star = VecQ::Ones(2);
+  r.q_a_dot = r.tau_a = r.tau_elastic = r.drive = r.temperature_c = VecA::Ones(1);
+  r.x_probe = r.x = VecX::Ones(2);
+  r.state = core::DeviceState::kEngaged;
+  r.proxy_mode = core::ProxyMode::kHeld;
+  r.proxy_seq = 1;
+  r.proxy_age = std::chrono::milliseconds(1);
+  r.staleness = core::Staleness::kFresh;
+  r.gain = 1.0;
+  r.projection = core::ProjectionStatus::kExact;
+  r.condition = 1.0;
+  r.active_planes = 1;
+  r.faults.set(core::Fault::kLoopLate);
+  r.limiters.set(core::Limiter::kSlew);
+  r.actuator_limiters[0].set(core::Limiter::kSlew);
+  r.passivity.on = true;
+  r.passivity.tank = r.passivity.storage = r.passivity.scale = 1.0;
+  r.passivity.observed = r.passivity.alpha = 1.0;
+  r.certificate = {core::CertificateStatus::kComputed, 1, 1.0};
+  return r;
+}
+
+TEST(StateMessage, SetsEveryField) {
+  const core::PipelineConfig config = test::rig_config();
+  StateMessage message(config, 0.1);
+  core::TickRecord tracked;
+  tracked.tracker = {true, 0, 1, core::Staleness::kFresh, std::chrono::milliseconds(1)};
+  v1::DeviceState state = message.write(tracked);
+  state.MergeFrom(message.write(full_record(), {Carrier::kUdp, 1}));
+  for (const schema::Leaf& leaf : schema::leaves(*v1::DeviceState::descriptor())) {
+    const auto* const holder = schema::holder(state, leaf);
+    ASSERT_NE(holder, nullptr) << leaf.name;
+    const auto& reflection = *holder->GetReflection();
+    EXPECT_TRUE(leaf.field->is_repeated() ? reflection.FieldSize(*holder, leaf.field) > 0
+                                          : reflection.HasField(*holder, leaf.field))
+        << leaf.name << " is not written";
+  }
+}
+
+TEST(StateMessage, ForgetsTheRecordBefore) {
+  StateMessage message;
+  static_cast<void>(message.write(full_record(), {Carrier::kUdp, 1}));
+  EXPECT_EQ(message.write({}).SerializeAsString(), StateMessage().write({}).SerializeAsString());
+}
+
+}  // namespace
+}  // namespace haptic::server

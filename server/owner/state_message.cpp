@@ -143,30 +143,48 @@ const v1::DeviceState& StateMessage::write(const core::TickRecord& record,
   return state_;
 }
 
-std::size_t largest_state(const core::PipelineConfig& config, bool coupled) {
+namespace {
+
+/// Bytes of one value at most.
+std::size_t largest_value(const google::protobuf::FieldDescriptor& field) {
   using google::protobuf::FieldDescriptor;
-  constexpr std::size_t kTagAndLength = 4, kDouble = 8, kVarint32 = 5, kVarint64 = 10;
-  const core::DofLayout& layout = config.kinematics->layout();
-  const auto values = [&](const schema::Leaf& leaf) {
-    if (leaf.axis == v1::AXIS_DOF) return layout.n_q();
-    if (leaf.axis == v1::AXIS_ACTUATED) return layout.n_a();
-    return leaf.axis == v1::AXIS_COORDINATE ? config.kinematics->space().n_x() : 1;
-  };
-  std::size_t bytes = 0;
-  for (const schema::Leaf& leaf : schema::leaves(*v1::DeviceState::descriptor())) {
-    const auto type = leaf.field->cpp_type();
-    if (type == FieldDescriptor::CPPTYPE_MESSAGE) continue;  // the coupling metric
-    const bool is_double = type == FieldDescriptor::CPPTYPE_DOUBLE;
-    const bool is_short =
-        type == FieldDescriptor::CPPTYPE_UINT32 || type == FieldDescriptor::CPPTYPE_ENUM;
-    bytes += kTagAndLength + static_cast<std::size_t>(values(leaf)) * (is_double  ? kDouble
-                                                                       : is_short ? kVarint32
-                                                                                  : kVarint64);
+  if (field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE) return 8;
+  if (field.cpp_type() == FieldDescriptor::CPPTYPE_ENUM) return 1;
+  const std::string& bits = field.options().GetExtension(v1::bits);
+  if (!bits.empty()) {
+    const auto count = std::count(bits.begin(), bits.end(), ' ') + 1;
+    return static_cast<std::size_t>(count + 6) / 7;  // 7 bits per byte of a varint
   }
-  if (!coupled) return bytes;
+  return field.cpp_type() == FieldDescriptor::CPPTYPE_UINT32 ? 5 : 10;
+}
+
+}  // namespace
+
+std::size_t largest_state(const core::PipelineConfig& config, bool coupled) {
+  const core::DofLayout& layout = config.kinematics->layout();
+  const auto values = [&](v1::Axis axis) {
+    if (axis == v1::AXIS_DOF) return layout.n_q();
+    if (axis == v1::AXIS_ACTUATED) return layout.n_a();
+    return axis == v1::AXIS_COORDINATE ? config.kinematics->space().n_x() : 1;
+  };
+  const auto absent = [&](int field) {
+    return (field == v1::DeviceState::kPassivityFieldNumber && !config.passivity.enabled()) ||
+           (field == v1::DeviceState::kTrackerFieldNumber && !config.tracker) ||
+           (field == v1::DeviceState::kCertificateFieldNumber && !config.passivity_certificate) ||
+           (field == v1::DeviceState::kTemperatureCFieldNumber && config.ratings.empty());
+  };
   v1::DeviceState state;
-  write_coupling(full_coupling(config), state);
-  return bytes + state.ByteSizeLong();
+  if (coupled) write_coupling(full_coupling(config), state);
+  std::size_t bytes = state.ByteSizeLong();
+  for (const schema::Leaf& leaf : schema::leaves(*v1::DeviceState::descriptor())) {
+    if (leaf.field->message_type() != nullptr) continue;  // the coupling metric
+    const auto& outer = leaf.parent == nullptr ? *leaf.field : *leaf.parent;
+    if (absent(outer.number())) continue;
+    constexpr std::size_t kTagAndLength = 4;
+    bytes +=
+        kTagAndLength + static_cast<std::size_t>(values(leaf.axis)) * largest_value(*leaf.field);
+  }
+  return bytes;
 }
 
 }  // namespace haptic::server

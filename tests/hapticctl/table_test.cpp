@@ -92,7 +92,7 @@ TEST(JsonLine, HasEveryFieldOfAState) {
     EXPECT_FALSE(json[field.name].is_null()) << field.name;
   }
   EXPECT_EQ(json["q"], (nlohmann::json{0.125, -2.5}));
-  EXPECT_EQ(json["actuator_limiters"], (nlohmann::json{{"SLEW", "ENVELOPE"}}));
+  EXPECT_EQ(json["actuator_limiters"], nlohmann::json::parse(R"([["SLEW", "ENVELOPE"]])"));
   EXPECT_EQ(json["coupling_metric"][0]["lower"], (nlohmann::json{1.0, 0.5, 2.0}));
   EXPECT_EQ(json["tracker"]["holder"], "camera");
   EXPECT_EQ(json["mode"], "FREE");

@@ -94,7 +94,7 @@ class Programs(unittest.TestCase):
             pass
         os.close(screen)
         with haptic.Connection(self.server.address) as connection:
-            state = next(connection.watch())
+            state = next(s for s in connection.watch() if isinstance(s, haptic.DeviceState))
         for field in STATE.fields:
             if field.label != field.LABEL_REPEATED or getattr(state, field.name, ()):
                 if not field.message_type or getattr(state, field.name):

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <memory>
+#include <vector>
 
 #include "haptic/core/passivity/spring_storage.hpp"
 #include "haptic/core/projection/block_map.hpp"
@@ -21,19 +22,15 @@ namespace haptic::server {
 
 class RendererComparison {
  public:
-  static constexpr std::array kKinds{core::RendererKind::kStandard, core::RendererKind::kNullSpace,
-                                     core::RendererKind::kSubspaceLinear,
-                                     core::RendererKind::kSubspaceExact};
-
   /// `kinematics` may be shared. `scene`: the widest settings of the device.
   RendererComparison(std::shared_ptr<const core::Kinematics> kinematics, core::RenderSettings scene,
                      const core::ProjectionSettings& projection = {});
 
-  /// tau_a (n_a, N or N m) by kind, in the order of kKinds; NaN where f has no value at q in a block
+  /// tau_a (n_a, N or N m) by kind, in the order of core::kRenderers; NaN where f has no value at q in a block
   /// that the tick asked for it. In those that nothing could hold (TickRecord::unprobed) it is 0, as
   /// the tick's is, whether f has a value or not. Records completed, and in the order of their ticks:
   /// the exact renderer starts from its last answer.
-  [[nodiscard]] const std::array<core::VecA, kKinds.size()>& evaluate(
+  [[nodiscard]] const std::array<core::VecA, core::kRenderers.size()>& evaluate(
       const core::TickRecord& record);
 
  private:
@@ -41,8 +38,8 @@ class RendererComparison {
   const core::RenderSettings scene_;
   const core::ProjectionModel model_;
   core::BlockMap map_;
-  std::array<core::BlockRenderer, kKinds.size()> renderers_;  ///< block by block, as in the tick
-  std::array<core::VecA, kKinds.size()> tau_{};
+  std::vector<core::BlockRenderer> renderers_;  ///< block by block, as in the tick
+  std::array<core::VecA, core::kRenderers.size()> tau_{};
   core::VecX last_x_{};
   core::VecX dx_{};
   core::Projection projection_{};

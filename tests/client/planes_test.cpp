@@ -1,15 +1,13 @@
 #include "haptic/client/planes.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 
-#include "haptic/client/client.hpp"
 #include "tests/client/support/fake_server.hpp"
 
 namespace haptic::test {
 namespace {
 
+using Publish = WithServer;
 using client::Block;
 using client::derive_planes;
 using client::Plane;
@@ -84,12 +82,10 @@ TEST(DerivePlanes, WrongSizesGiveNone) {
   EXPECT_TRUE(derive_planes(linear(2), {1, 2}, {3, 4}, {Block{5, 1}}).empty());
 }
 
-TEST(Publish, CarriesPlanes) {
-  FakeServer server;
-  const auto session = client::Connection(server.address()).open({});
+TEST_F(Publish, CarriesPlanes) {
+  const auto session = open();
   session->publish(client::Proxy::behind({{{1.0, 0.5}, 0.25}, {{0.0, 1.0}, -2.0}}, {0.1, 0.2}));
-  ASSERT_TRUE(server.until([&] { return !server.heard().samples.empty(); }));
-  const v1::ProxySample sample = server.heard().samples.front();
+  const v1::ProxySample sample = first_sample();
   EXPECT_EQ(sample.mode(), v1::PROXY_MODE_PLANES);
   ASSERT_EQ(sample.planes_size(), 2);
   EXPECT_EQ(sample.planes(0).normal(1), 0.5);
@@ -97,11 +93,10 @@ TEST(Publish, CarriesPlanes) {
   EXPECT_EQ(sample.position(1), 0.2);
 }
 
-TEST(Publish, DerivesPlanesFromHeldProxies) {
-  FakeServer server;
+TEST_F(Publish, DerivesPlanesFromHeldProxies) {
   client::SessionOptions options;
   options.derive_planes = true;
-  const auto session = client::Connection(server.address()).open(options);
+  const auto session = open(options);
   const std::size_t n_x = session->device().coordinates.size();
   session->publish(client::Proxy::held(std::vector<double>(n_x, 0.5)));
   ASSERT_TRUE(server.until([&] { return !server.heard().samples.empty(); }));

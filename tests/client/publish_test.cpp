@@ -1,17 +1,14 @@
 /// Publishing: newest wins, numbers rise, the server's word reaches the statistics.
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <thread>
 
-#include "haptic/client/client.hpp"
 #include "tests/client/support/fake_server.hpp"
 
 namespace haptic::test {
 namespace {
 
-using client::Connection;
+using Publish = WithServer;
 using client::Proxy;
 
 /// Seq strictly rises; true also for none.
@@ -22,15 +19,13 @@ bool rising(const std::vector<v1::ProxySample>& samples) {
   return true;
 }
 
-TEST(Publish, CarriesWhatWasGiven) {
-  FakeServer server;
-  const auto session = Connection(server.address()).open({});
+TEST_F(Publish, CarriesWhatWasGiven) {
+  const auto session = open();
   Proxy proxy = Proxy::held({0.25, -1.5});
   proxy.valid_for = std::chrono::microseconds(12345);
   proxy.device_seq_used = 77;
   session->publish(proxy);
-  ASSERT_TRUE(server.until([&] { return !server.heard().samples.empty(); }));
-  const v1::ProxySample sample = server.heard().samples.front();
+  const v1::ProxySample sample = first_sample();
   EXPECT_EQ(sample.mode(), v1::PROXY_MODE_HELD);
   ASSERT_EQ(sample.position_size(), 2);
   EXPECT_EQ(sample.position(0), 0.25);
@@ -40,9 +35,8 @@ TEST(Publish, CarriesWhatWasGiven) {
   EXPECT_GE(sample.seq(), 1U);
 }
 
-TEST(Publish, TheSourceTimeIsTheSteadyClock) {
-  FakeServer server;
-  const auto session = Connection(server.address()).open({});
+TEST_F(Publish, TheSourceTimeIsTheSteadyClock) {
+  const auto session = open();
   const auto before = std::chrono::steady_clock::now().time_since_epoch();
   session->publish(Proxy::free());
   const auto after = std::chrono::steady_clock::now().time_since_epoch();
@@ -52,10 +46,9 @@ TEST(Publish, TheSourceTimeIsTheSteadyClock) {
   EXPECT_LE(source, after);
 }
 
-TEST(Publish, TheNewestReachesAServerThatStalled) {
-  FakeServer server;
+TEST_F(Publish, TheNewestReachesAServerThatStalled) {
   server.read_samples(false);
-  const auto session = Connection(server.address()).open({});
+  const auto session = open();
   // 16 KiB each: 64 MiB in all, far more than flow control and sockets take in.
   constexpr std::uint64_t kSamples = 4096;
   for (std::uint64_t i = 1; i <= kSamples; ++i) {
@@ -75,9 +68,8 @@ TEST(Publish, TheNewestReachesAServerThatStalled) {
   EXPECT_EQ(statistics.sent + statistics.conflated, kSamples) << "every sample has one fate";
 }
 
-TEST(Publish, NumbersRiseFromAnyThread) {
-  FakeServer server;
-  const auto session = Connection(server.address()).open({});
+TEST_F(Publish, NumbersRiseFromAnyThread) {
+  const auto session = open();
   constexpr int kThreads = 4, kEach = 2000;
   std::vector<std::thread> threads;
   for (int t = 0; t < kThreads; ++t) {
@@ -93,9 +85,8 @@ TEST(Publish, NumbersRiseFromAnyThread) {
   EXPECT_TRUE(rising(server.heard().samples));
 }
 
-TEST(Publish, TheServersCountsReachTheStatistics) {
-  FakeServer server;
-  const auto session = Connection(server.address()).open({});
+TEST_F(Publish, TheServersCountsReachTheStatistics) {
+  const auto session = open();
   v1::SessionResponse message;
   v1::SampleAck& ack = *message.mutable_ack();
   ack.set_accepted(11);
@@ -112,14 +103,12 @@ TEST(Publish, TheServersCountsReachTheStatistics) {
   EXPECT_EQ(statistics.last_rejection, "position[0] = nan: must be finite");
 }
 
-TEST(Publish, NamesTheStateItUsed) {
-  FakeServer server;
-  const auto session = Connection(server.address()).open({});
+TEST_F(Publish, NamesTheStateItUsed) {
+  const auto session = open();
   server.send_state(41);
   ASSERT_EQ(session->wait_for_state().seq, 41U);
   session->publish(Proxy::free());
-  ASSERT_TRUE(server.until([&] { return !server.heard().samples.empty(); }));
-  EXPECT_EQ(server.heard().samples.front().device_seq_used(), 41U);
+  EXPECT_EQ(first_sample().device_seq_used(), 41U);
 }
 
 }  // namespace

@@ -1,16 +1,14 @@
 /// A session that lost its stream takes it up again, and says so.
 
-#include <gtest/gtest.h>
-
 #include <atomic>
 #include <mutex>
 
-#include "haptic/client/client.hpp"
 #include "tests/client/support/fake_server.hpp"
 
 namespace haptic::test {
 namespace {
 
+using Resume = WithServer;
 using client::ClientError;
 using client::Connection;
 using client::ErrorReason;
@@ -22,8 +20,7 @@ client::SessionOptions reconnecting() {
   return options;
 }
 
-TEST(Resume, ALostStreamIsResumed) {
-  FakeServer server;
+TEST_F(Resume, ALostStreamIsResumed) {
   server.resumable(true);
   std::mutex mutex;
   std::vector<std::string> heard;
@@ -32,7 +29,7 @@ TEST(Resume, ALostStreamIsResumed) {
     const std::lock_guard lock(mutex);
     heard.push_back(event.reason);
   };
-  const auto session = Connection(server.address()).open(options);
+  const auto session = open(options);
   EXPECT_TRUE(server.heard().openings.front().resumable());
   EXPECT_EQ(server.heard().openings.front().resume(), "");
   server.send_state(100, v1::DEVICE_STATE_NAME_ENGAGED);
@@ -56,9 +53,8 @@ TEST(Resume, ALostStreamIsResumed) {
   EXPECT_GT(server.heard().samples.back().seq(), server.heard().samples.front().seq());
 }
 
-TEST(Resume, OtherwiseTheSessionBeginsAnew) {
-  FakeServer server;
-  const auto session = Connection(server.address()).open(reconnecting());
+TEST_F(Resume, OtherwiseTheSessionBeginsAnew) {
+  const auto session = open(reconnecting());
   server.send_state(100);
   ASSERT_TRUE(server.until([&] { return session->state().seq == 100; }));
   server.end_session({grpc::StatusCode::UNAVAILABLE, "gone"});
@@ -67,13 +63,12 @@ TEST(Resume, OtherwiseTheSessionBeginsAnew) {
 }
 
 /// Resuming would carry on the force that was just given back.
-TEST(Resume, ReleasedForceIsNotResumed) {
-  FakeServer server;
+TEST_F(Resume, ReleasedForceIsNotResumed) {
   server.resumable(true);
   std::atomic<client::Session*> held{nullptr};
   client::SessionOptions options = reconnecting();
   options.on_disconnect = [&](const ClientError&, bool) { held.load()->release(); };
-  const auto session = Connection(server.address()).open(options);
+  const auto session = open(options);
   held = session.get();
   server.send_state(100, v1::DEVICE_STATE_NAME_ENGAGED);
   ASSERT_TRUE(server.until([&] { return session->state().seq == 100; }));
@@ -83,26 +78,23 @@ TEST(Resume, ReleasedForceIsNotResumed) {
   ASSERT_TRUE(server.until([&] { return session->connected(); }));
 }
 
-TEST(Resume, WithoutReconnectItIsNotAskedFor) {
-  FakeServer server;
-  auto session = Connection(server.address()).open({});
+TEST_F(Resume, WithoutReconnectItIsNotAskedFor) {
+  auto session = open();
   EXPECT_FALSE(server.heard().openings.front().resumable());
   session.reset();
   EXPECT_EQ(server.heard().farewells, 0U);
 }
 
-TEST(Resume, ClosingSaysFarewell) {
-  FakeServer server;
-  auto session = Connection(server.address()).open(reconnecting());
+TEST_F(Resume, ClosingSaysFarewell) {
+  auto session = open(reconnecting());
   session.reset();
   EXPECT_TRUE(server.until([&] { return server.heard().farewells == 1; }));
 }
 
-TEST(Resume, APreemptedSessionComesBackWithASample) {
-  FakeServer server;
+TEST_F(Resume, APreemptedSessionComesBackWithASample) {
   client::SessionOptions options = reconnecting();
   options.priority = client::Priority::kTest;
-  const auto session = Connection(server.address()).open(options);
+  const auto session = open(options);
   EXPECT_EQ(server.heard().openings.front().priority(), v1::PRIORITY_TEST);
   server.hold_engage(true);
   session->engage_when_ready();

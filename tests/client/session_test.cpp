@@ -1,41 +1,35 @@
 /// A session from opening to its end: errors by reason, states, ends that never hang.
 
-#include <gtest/gtest.h>
-
 #include <atomic>
 #include <stdexcept>
 
-#include "haptic/client/client.hpp"
 #include "tests/client/support/fake_server.hpp"
 
 namespace haptic::test {
 namespace {
 
+using ClientSession = WithServer;
 using client::ClientError;
-using client::Connection;
 using client::ErrorReason;
 using std::chrono::milliseconds;
 
-TEST(Session, ARefusedOpeningSaysWhy) {
-  FakeServer server;
+TEST_F(ClientSession, ARefusedOpeningSaysWhy) {
   server.refuse_opening(
       refusal(grpc::StatusCode::ALREADY_EXISTS, "LEASE_HELD", "held by \"other\""));
-  Connection connection(server.address());
-  const ClientError error = error_of([&] { return connection.open({}); });
+  const ClientError error = error_of([&] { return open(); });
   EXPECT_EQ(error.reason(), ErrorReason::kLeaseHeld);
   EXPECT_EQ(error.server_reason(), "LEASE_HELD");
   EXPECT_STREQ(error.what(), "held by \"other\"");
 }
 
-TEST(Session, OpensWithWhatWasAskedFor) {
-  FakeServer server;
+TEST_F(ClientSession, OpensWithWhatWasAskedFor) {
   client::SessionOptions options;
   options.device = "finger";
   options.client_name = "a test";
   options.nominal_rate_hz = 90.0;
   options.state_rate_hz = 30.0;
   options.hold_end = milliseconds(1050);
-  const auto session = Connection(server.address()).open(options);
+  const auto session = open(options);
   ASSERT_EQ(server.heard().openings.size(), 1U);
   const v1::OpenSession open = server.heard().openings.front();
   EXPECT_EQ(open.device(), "finger");
@@ -53,28 +47,23 @@ TEST(Session, OpensWithWhatWasAskedFor) {
   EXPECT_EQ(session->device().dofs.at(0).unit, "m");
 }
 
-TEST(Session, NoServerIsUnreachable) {
-  FakeServer server;
+TEST_F(ClientSession, NoServerIsUnreachable) {
   server.die();
-  Connection connection(server.address());
-  EXPECT_EQ(error_of([&] { return connection.open({}); }).reason(), ErrorReason::kUnreachable);
+  EXPECT_EQ(error_of([&] { return open(); }).reason(), ErrorReason::kUnreachable);
   EXPECT_EQ(error_of([&] { return connection.devices(); }).reason(), ErrorReason::kUnreachable);
 }
 
-TEST(Session, ASilentServerIsATimeout) {
-  FakeServer server;
+TEST_F(ClientSession, ASilentServerIsATimeout) {
   server.answer_opening(false);
-  Connection connection(server.address());
   client::SessionOptions options;
   options.timeout = milliseconds(50);
-  EXPECT_EQ(error_of([&] { return connection.open(options); }).reason(), ErrorReason::kTimeout);
+  EXPECT_EQ(error_of([&] { return open(options); }).reason(), ErrorReason::kTimeout);
 }
 
-TEST(Session, AWaitWithoutAStateTimesOut) {
-  FakeServer server;
+TEST_F(ClientSession, AWaitWithoutAStateTimesOut) {
   client::SessionOptions options;
   options.timeout = milliseconds(1000);  // also of the opening, on a slow machine
-  const auto session = Connection(server.address()).open(options);
+  const auto session = open(options);
   EXPECT_EQ(session->state().seq, 0U);
   server.send_state(7);
   EXPECT_EQ(session->wait_for_state().seq, 7U);
@@ -82,28 +71,25 @@ TEST(Session, AWaitWithoutAStateTimesOut) {
   EXPECT_EQ(error_of([&] { return session->wait_for_state(); }).reason(), ErrorReason::kTimeout);
 }
 
-TEST(Session, EndsWhileTheServerHangs) {
-  FakeServer server;
+TEST_F(ClientSession, EndsWhileTheServerHangs) {
   server.read_samples(false);
-  auto session = Connection(server.address()).open({});
+  auto session = open();
   for (int i = 0; i < 1000; ++i) session->publish(client::Proxy::held(std::vector(2048, 1.0)));
   session.reset();  // a hang is ended by the test's own time limit
 }
 
-TEST(Session, EndsWhileASilentServerIsReopened) {
-  FakeServer server;
+TEST_F(ClientSession, EndsWhileASilentServerIsReopened) {
   client::SessionOptions options;
   options.reconnect = client::Reconnect::kWithBackoff;
   options.timeout = std::chrono::hours(1);  // whatever waits for an answer waits for ever
-  auto session = Connection(server.address()).open(options);
+  auto session = open(options);
   server.answer_opening(false);
   server.end_session({grpc::StatusCode::UNAVAILABLE, "gone"});
   ASSERT_TRUE(server.until([&] { return server.heard().openings.size() == 2; }));
   session.reset();
 }
 
-TEST(Session, AThrowingCallbackDoesNotEndIt) {
-  FakeServer server;
+TEST_F(ClientSession, AThrowingCallbackDoesNotEndIt) {
   std::atomic<int> states{0}, events{0};
   client::SessionOptions options;
   options.on_state = [&](const client::DeviceState&) {
@@ -114,7 +100,7 @@ TEST(Session, AThrowingCallbackDoesNotEndIt) {
     ++events;
     throw 5;
   };
-  const auto session = Connection(server.address()).open(options);
+  const auto session = open(options);
   for (int i = 1; i <= 3; ++i) {
     server.send_state(static_cast<std::uint64_t>(i));
     server.send_event(v1::Event::KIND_STATE, "IDLE -> ARMED");
@@ -123,8 +109,7 @@ TEST(Session, AThrowingCallbackDoesNotEndIt) {
   EXPECT_TRUE(session->connected());
 }
 
-TEST(Session, ASlowCallbackSeesTheNewestState) {
-  FakeServer server;
+TEST_F(ClientSession, ASlowCallbackSeesTheNewestState) {
   std::atomic<std::uint64_t> newest{0};
   std::atomic<int> calls{0}, inside{0}, overlaps{0};
   std::atomic<bool> blocked{true};
@@ -136,7 +121,7 @@ TEST(Session, ASlowCallbackSeesTheNewestState) {
     newest = state.seq;
     --inside;
   };
-  const auto session = Connection(server.address()).open(options);
+  const auto session = open(options);
   server.send_state(1);
   ASSERT_TRUE(server.until([&] { return calls == 1; }));
   for (std::uint64_t seq = 2; seq <= 50; ++seq) server.send_state(seq);
@@ -148,8 +133,7 @@ TEST(Session, ASlowCallbackSeesTheNewestState) {
   EXPECT_EQ(overlaps, 0);
 }
 
-TEST(Session, ACallbackThatTurnsSlowDoesToo) {
-  FakeServer server;
+TEST_F(ClientSession, ACallbackThatTurnsSlowDoesToo) {
   std::atomic<std::uint64_t> newest{0};
   std::atomic<bool> blocks{false}, blocked{false};
   client::SessionOptions options;
@@ -160,7 +144,7 @@ TEST(Session, ACallbackThatTurnsSlowDoesToo) {
     }
     newest = state.seq;
   };
-  const auto session = Connection(server.address()).open(options);
+  const auto session = open(options);
   std::uint64_t seq = 0;
   while (seq < 300) {
     server.send_state(++seq);
@@ -175,9 +159,8 @@ TEST(Session, ACallbackThatTurnsSlowDoesToo) {
   EXPECT_TRUE(server.until([&] { return newest == seq; }));
 }
 
-TEST(Session, SettingsTravelAndClampsComeBack) {
-  FakeServer server;
-  const auto session = Connection(server.address()).open({});
+TEST_F(ClientSession, SettingsTravelAndClampsComeBack) {
+  const auto session = open();
   client::Settings settings;
   settings.stiffness = {900.0};
   const client::AppliedSettings answer = session->update(settings);
@@ -194,9 +177,7 @@ TEST(Session, SettingsTravelAndClampsComeBack) {
   EXPECT_EQ(answer.applied.renderer, client::Renderer::kSubspaceLinear);
 }
 
-TEST(Session, APersistentFaultIsNotCleared) {
-  FakeServer server;
-  Connection connection(server.address());
+TEST_F(ClientSession, APersistentFaultIsNotCleared) {
   const ClientError error = error_of([&] { return connection.clear_fault(); });
   EXPECT_EQ(error.reason(), ErrorReason::kNotReady);
   EXPECT_EQ(error.server_reason(), "FAULT_PERSISTS");

@@ -1,21 +1,15 @@
 /// A session in the role tracker: what it opens with, what its poses carry, what its states say.
 
-#include <gtest/gtest.h>
-
-#include "haptic/client/client.hpp"
 #include "tests/client/support/fake_server.hpp"
 
 namespace haptic::test {
 namespace {
 
-using client::Connection;
+using Tracker = WithServer;
 using client::Pose;
 
-TEST(Tracker, OpensInItsRoleAndPublishesPoses) {
-  FakeServer server;
-  const auto session =
-      Connection(server.address())
-          .open({.tracker = true, .client_name = "camera", .nominal_rate_hz = 120});
+TEST_F(Tracker, OpensInItsRoleAndPublishesPoses) {
+  const auto session = open({.tracker = true, .client_name = "camera", .nominal_rate_hz = 120});
   ASSERT_EQ(server.heard().openings.size(), 1U);
   const v1::OpenSession opening = server.heard().openings.front();
   EXPECT_EQ(opening.role(), v1::ROLE_TRACKER);
@@ -41,9 +35,8 @@ TEST(Tracker, OpensInItsRoleAndPublishesPoses) {
   EXPECT_EQ(session->statistics().published, 2U);
 }
 
-TEST(Tracker, StatesSayHowOldThePoseInUseIs) {
-  FakeServer server;
-  const auto session = Connection(server.address()).open({});
+TEST_F(Tracker, StatesSayHowOldThePoseInUseIs) {
+  const auto session = open();
   v1::SessionResponse message;
   v1::DeviceState& state = *message.mutable_state();
   state.set_seq(7);
@@ -61,10 +54,8 @@ TEST(Tracker, StatesSayHowOldThePoseInUseIs) {
   EXPECT_EQ(told.tracker->staleness, client::Staleness::kHold);
 }
 
-TEST(Tracker, IsNotAnObserverToo) {
-  FakeServer server;
-  Connection connection(server.address());
-  const auto error = error_of([&] { return connection.open({.observer = true, .tracker = true}); });
+TEST_F(Tracker, IsNotAnObserverToo) {
+  const auto error = error_of([&] { return open({.observer = true, .tracker = true}); });
   EXPECT_EQ(error.reason(), client::ErrorReason::kInvalidArgument);
   EXPECT_TRUE(server.heard().openings.empty());
 }

@@ -9,7 +9,6 @@
 #include <cstring>
 #include <set>
 
-#include "haptic/client/client.hpp"
 #include "tests/client/support/fake_server.hpp"
 #include "tests/support/udp_end.hpp"
 
@@ -41,7 +40,6 @@ namespace haptic::test {
 namespace {
 
 using client::Carriers;
-using client::Connection;
 using client::Proxy;
 using client::Session;
 using client::SessionOptions;
@@ -60,13 +58,10 @@ v1::UdpPath offer(const wire::PathKeys& keys, std::uint16_t port) {
 }
 
 /// A server of both carriers, and a session that was offered UDP.
-class ClientUdp : public testing::Test {
+class ClientUdp : public WithServer {
  protected:
   ClientUdp() { server.offer_udp(offer(keys, udp.port())); }
 
-  std::unique_ptr<Session> open(SessionOptions options = {}) {
-    return connection.open(std::move(options));
-  }
   [[nodiscard]] bool in_use(const Session& session) {
     return server.until([&] { return session.udp_link() && session.udp_link()->in_use; });
   }
@@ -91,8 +86,6 @@ class ClientUdp : public testing::Test {
 
   wire::PathKeys keys = wire::fresh_keys();
   UdpEnd udp{wire::End::kServer, keys};
-  FakeServer server;
-  Connection connection{server.address()};
 };
 
 TEST_F(ClientUdp, IsTakenOnceThePathIsGood) {
@@ -220,12 +213,12 @@ TEST_F(ClientUdp, TheNextAddressIsTriedToo) {
   EXPECT_TRUE(server.heard().samples.empty());
 }
 
-TEST(ClientWithoutUdp, AUdpOnlySessionIsRefused) {
-  FakeServer server;
-  Connection connection(server.address());
+using ClientWithoutUdp = WithServer;
+
+TEST_F(ClientWithoutUdp, AUdpOnlySessionIsRefused) {
   SessionOptions options;
   options.carriers = Carriers::kUdpOnly;
-  const auto error = error_of([&] { return connection.open(options); });
+  const auto error = error_of([&] { return open(options); });
   EXPECT_NE(std::string(error.what()).find("no UDP path"), std::string::npos);
 }
 

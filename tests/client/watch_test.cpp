@@ -1,17 +1,14 @@
 /// Telemetry without a session.
 
-#include <gtest/gtest.h>
-
 #include <atomic>
 #include <stdexcept>
 
-#include "haptic/client/client.hpp"
 #include "tests/client/support/fake_server.hpp"
 
 namespace haptic::test {
 namespace {
 
-using client::Connection;
+using Watch = WithServer;
 
 v1::WatchResponse state(std::uint64_t seq) {
   v1::WatchResponse message;
@@ -20,19 +17,16 @@ v1::WatchResponse state(std::uint64_t seq) {
   return message;
 }
 
-TEST(Watch, DeliversInOrderAndCountsOmissions) {
-  FakeServer server;
+TEST_F(Watch, DeliversInOrderAndCountsOmissions) {
   std::mutex mutex;
   std::vector<std::string> heard;
   const auto note = [&](const std::string& what) {
     const std::lock_guard lock(mutex);
     heard.push_back(what);
   };
-  const auto watch =
-      Connection(server.address())
-          .watch(
-              "finger", 25.0, [&](const client::DeviceState& s) { note(std::to_string(s.seq)); },
-              [&](const client::Event& e) { note(e.reason); });
+  const auto watch = connection.watch(
+      "finger", 25.0, [&](const client::DeviceState& s) { note(std::to_string(s.seq)); },
+      [&](const client::Event& e) { note(e.reason); });
   ASSERT_TRUE(server.until([&] { return server.heard().watch.rate_hz() == 25.0; }));
   EXPECT_EQ(server.heard().watch.device(), "finger");
   server.send_watch(state(1));
@@ -60,15 +54,13 @@ std::vector<double> onto_plane(const std::vector<double>& W, const std::vector<d
   return {x[0] - along[0] * scale, x[1] - along[1] * scale};
 }
 
-TEST(Watch, TheCouplingMetricProjectsOntoAPlane) {
-  FakeServer server;
+TEST_F(Watch, TheCouplingMetricProjectsOntoAPlane) {
   std::mutex mutex;
   std::vector<client::DeviceState> heard;
-  const auto watch =
-      Connection(server.address()).watch("finger", 25.0, [&](const client::DeviceState& s) {
-        const std::lock_guard lock(mutex);
-        heard.push_back(s);
-      });
+  const auto watch = connection.watch("finger", 25.0, [&](const client::DeviceState& s) {
+    const std::lock_guard lock(mutex);
+    heard.push_back(s);
+  });
   ASSERT_TRUE(server.until([&] { return server.heard().watch.rate_hz() == 25.0; }));
   v1::WatchResponse message = state(1);
   v1::DeviceState& full = *message.mutable_state();
@@ -107,9 +99,8 @@ TEST(Watch, TheCouplingMetricProjectsOntoAPlane) {
   }
 }
 
-TEST(Watch, SaysWhyItEnded) {
-  FakeServer server;
-  const auto watch = Connection(server.address()).watch("finger", 25.0, {});
+TEST_F(Watch, SaysWhyItEnded) {
+  const auto watch = connection.watch("finger", 25.0, {});
   ASSERT_TRUE(server.until([&] { return server.heard().watch.rate_hz() == 25.0; }));
   server.end_watch(refusal(grpc::StatusCode::NOT_FOUND, "NO_SUCH_DEVICE", "no device"));
   ASSERT_TRUE(server.until([&] { return !watch->running(); }));
@@ -119,14 +110,12 @@ TEST(Watch, SaysWhyItEnded) {
   EXPECT_EQ(error->server_reason(), "NO_SUCH_DEVICE");
 }
 
-TEST(Watch, AThrowingCallbackDoesNotEndIt) {
-  FakeServer server;
+TEST_F(Watch, AThrowingCallbackDoesNotEndIt) {
   std::atomic<int> calls{0};
-  const auto watch =
-      Connection(server.address()).watch("finger", 25.0, [&](const client::DeviceState&) {
-        ++calls;
-        throw std::runtime_error("the user's");
-      });
+  const auto watch = connection.watch("finger", 25.0, [&](const client::DeviceState&) {
+    ++calls;
+    throw std::runtime_error("the user's");
+  });
   ASSERT_TRUE(server.until([&] { return server.heard().watch.rate_hz() == 25.0; }));
   server.send_watch(state(1));
   server.send_watch(state(2));
@@ -134,9 +123,8 @@ TEST(Watch, AThrowingCallbackDoesNotEndIt) {
   EXPECT_TRUE(watch->running());
 }
 
-TEST(Watch, EndsWhileTheServerSaysNothing) {
-  FakeServer server;
-  auto watch = Connection(server.address()).watch("finger", 25.0, {});
+TEST_F(Watch, EndsWhileTheServerSaysNothing) {
+  auto watch = connection.watch("finger", 25.0, {});
   ASSERT_TRUE(server.until([&] { return server.heard().watch.rate_hz() == 25.0; }));
   watch.reset();  // a hang is ended by the test's own time limit
 }

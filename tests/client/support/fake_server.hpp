@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "haptic/client/error.hpp"
+#include "haptic/client/client.hpp"
 #include "haptic/v1/haptic_service.grpc.pb.h"
 
 namespace haptic::test {
@@ -122,6 +122,22 @@ class FakeServer final
   SessionReactor* session_{nullptr};  ///< the newest; null once it ended
   WatchReactor* watch_{nullptr};
   Heard heard_;
+};
+
+/// A server, and a client that opens sessions with it.
+class WithServer : public testing::Test {
+ protected:
+  [[nodiscard]] std::unique_ptr<client::Session> open(client::SessionOptions options = {}) {
+    return connection.open(std::move(options));
+  }
+  /// The first sample that arrives.
+  [[nodiscard]] v1::ProxySample first_sample() {
+    EXPECT_TRUE(server.until([&] { return !server.heard().samples.empty(); }));
+    return server.heard().samples.at(0);
+  }
+
+  FakeServer server;
+  client::Connection connection{server.address()};
 };
 
 }  // namespace haptic::test

@@ -18,7 +18,8 @@ debootstrap --variant=minbase bookworm "$folder/tree" ${mirror:+"$mirror"} >"$fo
   exit 1
 }
 # Before the import: a later layer would hide these files, and the image stay as large.
-rm -rf "$folder"/tree/var/cache/apt/* "$folder"/tree/var/lib/apt/lists/* "$folder"/tree/usr/share/doc/* \
+rm -rf "$folder"/tree/var/cache/apt/* "$folder"/tree/var/lib/apt/lists/* \
+  "$folder"/tree/usr/share/doc/* \
   "$folder"/tree/usr/share/man/* "$folder"/tree/usr/share/locale/* "$folder"/tree/usr/share/info/* \
   "$folder"/tree/var/log/*.log
 tar -C "$folder/tree" -c . | "$engine" import - "$image" >/dev/null

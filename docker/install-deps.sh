@@ -11,9 +11,9 @@
 #         node        npm, which fetches buf (proto/buf.sh) and the peer of tests/bench/network.sh
 #         firmware    the board's side
 #         containers  building and running images
-# Installs missing packages only; if none is missing it needs neither network nor root. "a|b" means: a,
-# or b if the distribution calls it so. Debian 12 has all of it; Ubuntu 24.04 the groups runtime, build
-# and demo, with which the product builds and the demo runs there.
+# Installs missing packages only; if none is missing it needs neither network nor root. "a|b" means:
+# a, or b if the distribution calls it so. Debian 12 has all of it; Ubuntu 24.04 the groups runtime,
+# build and demo, with which the product builds and the demo runs there.
 set -eu
 
 packages() {
@@ -38,7 +38,7 @@ packages() {
     containers) echo "podman podman-compose runc netavark aardvark-dns iptables debootstrap" \
                      "dpkg-dev python3" ;;
     *)
-      echo "install-deps.sh: no group '$1' (groups: runtime build demo test report node firmware containers)" >&2
+      echo "install-deps.sh: no group '$1' (see --help)" >&2
       return 2
       ;;
   esac
@@ -113,7 +113,10 @@ if [ "$(id -u)" -ne 0 ]; then
     fail "missing:$missing - and you are neither root nor have sudo to install them"
   as_root=sudo
 fi
-apt() { $as_root env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0 -o Acquire::Retries=3 "$@"; }
+apt() {
+  $as_root env DEBIAN_FRONTEND=noninteractive \
+    apt-get -qq -o Dpkg::Use-Pty=0 -o Acquire::Retries=3 "$@"
+}
 
 resolve() {  # sets `chosen`, or `unknown` to the first entry that apt does not know
   chosen=

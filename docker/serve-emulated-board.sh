@@ -1,11 +1,12 @@
 #!/bin/sh
-# Runs hapticd with a board: haptic-board-emulator on a pseudo-terminal of the same container. Arguments
-# are hapticd's. Ends with hapticd's status.
+# Runs hapticd with a board: haptic-board-emulator on a pseudo-terminal of the same container.
+# Arguments are hapticd's. Ends with hapticd's status.
 set -eu
 board=$PWD/board
 scenes=/usr/share/haptic/scenes
 # The board's watchdog waits longer than a shared machine without real-time scheduling is late.
-haptic-board-emulator --link "$board" --watchdog-ms 1000 --motion "$scenes/motion/reach_and_grasp.csv" &
+haptic-board-emulator --link "$board" --watchdog-ms 1000 \
+  --motion "$scenes/motion/reach_and_grasp.csv" &
 emulator=$!
 while [ ! -L "$board" ]; do
   kill -0 "$emulator"

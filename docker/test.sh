@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# Tests the containers: the image, the composition, network trouble, .deb packages in a clean container.
-# Works with docker and podman, also without a registry and without systemd.
+# Tests the containers: the image, the composition, network trouble, .deb packages in a clean
+# container. Works with docker and podman, also without a registry and without systemd.
 #
 #   docker/test.sh [--prebuilt BUILD] [--engine docker|podman] [--logs FOLDER] [--keep-images]
 #
-# --prebuilt BUILD  takes programs and packages from a build folder of this tree, which it updates, if the
-#                   image has this host's distribution; otherwise they are compiled in the image
+# --prebuilt BUILD  takes programs and packages from a build folder of this tree, which it updates,
+#                   if the image has this host's distribution; else they are compiled in the image
 # --logs FOLDER     for the output of every container; default: build/container-logs
 # --keep-images     leaves the images that it built for the next run
 # Removes every container, network and volume of its own, and every image but the base that it made.
-# Exit status 0: every test passed; 1: one failed; 3: no engine works, with the reason. If you know that and
-# accept it, HAPTIC_SKIP_CONTAINERS='the reason' skips the tests with that message and status 77.
+# Exit status 0: every test passed; 1: one failed; 3: no engine works, with the reason. If you know
+# that and accept it, HAPTIC_SKIP_CONTAINERS='the reason' skips the tests with it and status 77.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
@@ -78,7 +78,8 @@ finish() {
   esac
   exit "$status"
 }
-exec 3>&1 4>&2 # this script's own output, also when a signal comes while a condition's output is redirected
+# This script's own output, also when a signal comes while a condition's output is redirected.
+exec 3>&1 4>&2
 trap finish EXIT
 trap 'exit 130' INT TERM
 

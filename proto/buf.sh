@@ -1,11 +1,11 @@
 #!/bin/sh
 # Checks the messages with buf (https://github.com/bufbuild/buf), which needs no network to run.
 #
-#   proto/buf.sh check [PROTO]   lint by buf.yaml, then compare with the last release, released.binpb:
-#                                what breaks clients of that release is an error. Ends with 77 if buf
-#                                is not installed. PROTO: another folder than this one.
-#   proto/buf.sh release         writes released.binpb from the messages as they are: at each release
-#   proto/buf.sh install         installs buf from npm (docker/install-deps.sh node) into build/buf
+#   proto/buf.sh check [PROTO]  lints by buf.yaml, then compares with the last release,
+#                               released.binpb: what breaks its clients is an error. Ends with 77
+#                               if buf is not installed. PROTO: another folder than this one.
+#   proto/buf.sh release        writes released.binpb from the present messages: at each release
+#   proto/buf.sh install        installs buf from npm (docker/install-deps.sh node) into build/buf
 #
 # $BUF names another buf than the installed one.
 set -eu
@@ -37,7 +37,8 @@ case "${1:-}" in
   install)
     if [ -x "$folder/node_modules/.bin/buf" ]; then exit 0; fi
     mkdir -p "$folder"
-    npm install --prefix "$folder" --no-audit --no-fund --silent --fetch-retries=1 "@bufbuild/buf@$version"
+    npm install --prefix "$folder" --no-audit --no-fund --silent --fetch-retries=1 \
+      "@bufbuild/buf@$version"
     ;;
   *)
     sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"

@@ -35,8 +35,8 @@ void print(const client::Session& session, const client::DeviceState& state, boo
 
 }  // namespace
 
-/// A controller without a simulation. Its proxy is free, or held where the device was when the force
-/// began.
+/// A controller without a simulation. Its proxy is free, or held where the device was when the
+/// force began.
 int engage(const Options& options) {
   client::Connection server = connect(options);
   client::SessionOptions wanted;

@@ -4,8 +4,8 @@
 #
 #   documents.sh VERSION BIN SHARE PROGRAM...
 #
-# Writes SHARE/man/man[18]/*.gz (hapticd is in section 8; each subcommand has a page of its own, such
-# as hapticctl-watch) and SHARE/bash-completion/completions/PROGRAM.
+# Writes SHARE/man/man[18]/*.gz (hapticd is in section 8; each subcommand has a page of its own,
+# such as hapticctl-watch) and SHARE/bash-completion/completions/PROGRAM.
 set -eu
 version=$1 bin=$2 share=$3
 shift 3
@@ -74,7 +74,8 @@ for program in "$@"; do
   ln -s "$(realpath "$bin/$program")" "$folder/$program"
   page "$program" "$section"
   for command in $(subcommands "$program"); do
-    printf '#!/bin/sh\nexec "%s" %s "$@"\n' "$folder/$program" "$command" >"$folder/$program-$command"
+    printf '#!/bin/sh\nexec "%s" %s "$@"\n' "$folder/$program" "$command" \
+      >"$folder/$program-$command"
     chmod +x "$folder/$program-$command"
     page "$program-$command" "$section"
   done

@@ -1,6 +1,7 @@
 # cpack -G DEB: hapticd, hapticd-client, python3-haptic, libhaptic-dev. The prefix is always /usr.
-# lintian finds no error. Two warnings stay: initial-upload-closes-no-bugs (no upload to Debian), and
-# pkg-config-unavailable-for-cross-compilation (the packages are for the machine that builds them).
+# lintian finds no error. Two warnings stay: initial-upload-closes-no-bugs (no upload to Debian),
+# and pkg-config-unavailable-for-cross-compilation (the packages are for the machine that builds
+# them).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME hapticd)
 set(CPACK_PACKAGE_CONTACT "The hapticd authors <hapticd@users.noreply.github.com>")

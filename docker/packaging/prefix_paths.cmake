@@ -1,5 +1,5 @@
 # Part of `cmake --install`: writes the files that hold absolute paths of the installation. Given:
-# `template` of the unit, the `scene` that a fresh installation serves, the `limits` of the group haptic,
+# `template` of the unit, the `scene` that a new installation serves, the `limits` of the group,
 # `bindir` below the prefix.
 set(prefix "${CMAKE_INSTALL_PREFIX}")
 set(root "$ENV{DESTDIR}")

@@ -1,7 +1,7 @@
 #pragma once
-/// The guided calibration. It asks a person to bring every DoF to two known places, to move it through
-/// its whole travel, and to let go; from this it computes what the readings mean. It reads answers from
-/// one stream and writes questions to another, so that a script can answer.
+/// The guided calibration. It asks a person to bring every DoF to two known places, to move it
+/// through its whole travel, and to let go; from this it computes what the readings mean. It reads
+/// answers from one stream and writes questions to another, so that a script can answer.
 ///
 ///   per DoF    two places    q = scale reading + offset
 ///              whole travel  lower, upper

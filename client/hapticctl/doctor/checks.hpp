@@ -27,8 +27,8 @@ template <typename... Values>
 [[nodiscard]] Finding check_jitter(const Jitter& jitter, double period_s);
 /// One finding per USB serial port; without a port one finding that says so.
 [[nodiscard]] std::vector<Finding> check_serial(const HostFiles& host, const HostAnswers& answers);
-/// The longest time that a serial adapter of this host holds received bytes back, s; 0 if no adapter
-/// has a latency timer.
+/// The longest time that a serial adapter of this host holds received bytes back, s; 0 if no
+/// adapter has a latency timer.
 [[nodiscard]] double serial_latency(const HostFiles& host);
 
 }  // namespace haptic::ctl

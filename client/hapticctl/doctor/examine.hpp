@@ -1,6 +1,7 @@
 #pragma once
-/// Judges whether a host is fit to run a 1 kHz loop, says what would improve it, and how stiff a spring
-/// may be on it (core/METHOD.md#sampled-data). Pure: everything that it judges is an argument.
+/// Judges whether a host is fit to run a 1 kHz loop, says what would improve it, and how stiff a
+/// spring may be on it (core/METHOD.md#sampled-data). Pure: everything that it judges is an
+/// argument.
 
 #include <cstdint>
 #include <optional>

@@ -12,6 +12,7 @@
 #include "commands.hpp"
 
 namespace haptic::ctl {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DofCalibration, name, scale, offset, lower, upper)
 namespace {
 
 /// A device behind hapticd. As a controller that publishes "free" it keeps the device armed at zero
@@ -141,16 +142,10 @@ client::DeviceInfo device_of(client::Connection& server, const std::string& name
 
 nlohmann::json to_json(const CalibrationResult& result, const std::string& serial,
                        const std::string& file) {
-  nlohmann::json dofs = nlohmann::json::array();
-  for (const DofCalibration& dof : result.dofs) {
-    dofs.push_back({{"name", dof.name},
-                    {"scale", dof.scale},
-                    {"offset", dof.offset},
-                    {"lower", dof.lower},
-                    {"upper", dof.upper}});
-  }
-  return {
-      {"device_serial", serial}, {"file", file}, {"dof", dofs}, {"force_zero", result.force_zero}};
+  return {{"device_serial", serial},
+          {"file", file},
+          {"dof", result.dofs},
+          {"force_zero", result.force_zero}};
 }
 
 /// Asks before it writes the file; false: nothing was written.

@@ -5,6 +5,11 @@
 #include "commands.hpp"
 #include "table.hpp"
 
+namespace haptic::client {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DegreeOfFreedom, name, unit, actuated, lower, upper, max_effort)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(VirtualCoordinate, name, unit, kind)
+}  // namespace haptic::client
+
 namespace haptic::ctl {
 
 namespace {
@@ -34,18 +39,6 @@ json to_json(const client::ServerInfo& server) {
 }
 
 json to_json(const client::DeviceInfo& device) {
-  json dofs = json::array(), coordinates = json::array();
-  for (const auto& dof : device.dofs) {
-    dofs.push_back({{"name", dof.name},
-                    {"unit", dof.unit},
-                    {"actuated", dof.actuated},
-                    {"lower", dof.lower},
-                    {"upper", dof.upper},
-                    {"max_effort", dof.max_effort}});
-  }
-  for (const auto& c : device.coordinates) {
-    coordinates.push_back({{"name", c.name}, {"unit", c.unit}, {"kind", c.kind}});
-  }
   return {{"name", device.name},
           {"kind", device.kind},
           {"model", device.model},
@@ -60,8 +53,8 @@ json to_json(const client::DeviceInfo& device) {
           {"wants_tracker", device.wants_tracker},
           {"tracker", device.tracker},
           {"loop_rate_hz", device.loop_rate_hz},
-          {"dofs", dofs},
-          {"coordinates", coordinates},
+          {"dofs", device.dofs},
+          {"coordinates", device.coordinates},
           {"stiffness_limit", device.stiffness_limit},
           {"damping_limit", device.damping_limit},
           {"force_limit", device.force_limit},

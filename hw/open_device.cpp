@@ -3,37 +3,14 @@
 #include <utility>
 
 #include "haptic/core/error.hpp"
-#include "hw/board/board_device.hpp"
-#include "hw/replay/replay.hpp"
-#include "hw/simulated/finger.hpp"
-#include "hw/simulated/linear.hpp"
 
 namespace haptic::hw {
-namespace {
 
-using SharedKinematics = std::shared_ptr<const core::Kinematics>;
-
-std::unique_ptr<Device> open(const SimulatedFingerConfig& config, SharedKinematics kinematics) {
-  return std::make_unique<SimulatedFinger>(config, std::move(kinematics));
-}
-
-std::unique_ptr<Device> open(const SimulatedLinearConfig& config, SharedKinematics kinematics) {
-  return std::make_unique<SimulatedLinear>(config, std::move(kinematics));
-}
-
-std::unique_ptr<Device> open(const ReplayConfig& config, SharedKinematics kinematics) {
-  return std::make_unique<Replay>(config, std::move(kinematics));
-}
-
-std::unique_ptr<Device> open(const BoardConfig& config, const SharedKinematics& kinematics) {
-  return std::make_unique<BoardDevice>(config, kinematics);
-}
-
-}  // namespace
-
-std::unique_ptr<Device> open_device(const DeviceConfig& config, SharedKinematics kinematics) {
+std::unique_ptr<Device> open_device(const DeviceConfig& config,
+                                    std::shared_ptr<const core::Kinematics> kinematics,
+                                    core::Duration longest_lateness) {
   if (!kinematics) throw core::DeviceError("a device cannot be opened without its kinematics");
-  return std::visit([&](const auto& kind) { return open(kind, std::move(kinematics)); }, config);
+  return config.open(std::move(kinematics), longest_lateness);
 }
 
 }  // namespace haptic::hw

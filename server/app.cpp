@@ -13,7 +13,6 @@
 #include "server/owner/event_log.hpp"
 #include "server/owner/recorder.hpp"
 #include "server/rpc/rpc_server.hpp"
-#include "server/scene/loop_pacing.hpp"
 
 namespace haptic::server {
 namespace {
@@ -31,8 +30,8 @@ void log_grant(const RealtimeFacts& grant) {
 std::unique_ptr<RendererComparison> comparison(const RecordScene& record,
                                                const DeviceScene& device) {
   if (!record.compare_renderers) return nullptr;
-  return std::make_unique<RendererComparison>(device.kinematics, device.settings,
-                                              device.projection);
+  return std::make_unique<RendererComparison>(device.pipeline.kinematics, device.pipeline.scene,
+                                              device.pipeline.projection);
 }
 
 /// The last word on a link, when nothing is on its way any more.
@@ -114,18 +113,12 @@ void App::start() {
 
 void App::open_devices() {
   for (const DeviceScene& scene : scene_.devices) {
-    hw::DeviceConfig source = scene.source;
-    // proto/README.md#states-of-a-device: loop_late_fault < the board's watchdog, always. Which of
-    // the two defaults it is, the grant has decided by now.
-    if (auto* board = std::get_if<hw::BoardConfig>(&source)) {
-      board->longest_lateness = realtime_.loop_late_fault;
-    }
-    std::unique_ptr<hw::Device> device = hw::open_device(source, scene.kinematics);
-    check_force_control(scene.force_control.place, device->info());
+    std::unique_ptr<hw::Device> device =
+        hw::open_device(*scene.source, scene.pipeline.kinematics, realtime_.loop_late_fault);
+    check_force_control(scene.force_control, device->info());
     if (scene.name == scene_.loop.paced_by) check_pacing(scene_.loop, *device);
     core::PipelineConfig config = pipeline_config(scene, device->info().limits);
     config.loop_late_fault = realtime_.loop_late_fault;
-    config.late_bucket_full = scene_.loop.late_bucket_full;
     spdlog::info("{}: {} ({})", scene.name, device->info().model, device->info().kind);
     for (const std::string& note : device->info().notes) spdlog::warn("{}: {}", scene.name, note);
     units_.push_back(
@@ -162,7 +155,7 @@ void App::listen_to_devices() {
     const auto file = record_file(scene_, i);
     spdlog::info("{}: recorded in {}", device.name, file.string());
     listeners_.push_back(std::make_unique<Recorder>(
-        file, device.kinematics, comparison(*scene_.record, device),
+        file, device.pipeline.kinematics, comparison(*scene_.record, device),
         StateMessage(units_[i]->config(), device.coupling_softness),
         [&sessions](const core::TickRecord& record) { return sessions.stamp(record); }));
     telemetry_->add(i, listeners_.back().get(), ListenerRank::kBackground);

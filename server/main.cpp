@@ -40,12 +40,12 @@ struct CommandLine {
 };
 
 /// Checks what a scene's text cannot show: that the files it names can be read, and its recording
-/// written. To open a simulated or replayed device reads its files and moves nothing. A board is
-/// hardware, which a check does not touch.
+/// written. To open a device that is not hardware reads its files and moves nothing; a check
+/// does not touch hardware.
 void check_files(const haptic::server::Scene& scene) {
   for (const haptic::server::DeviceScene& device : scene.devices) {
-    if (std::holds_alternative<haptic::hw::BoardConfig>(device.source)) continue;
-    static_cast<void>(haptic::hw::open_device(device.source, device.kinematics));
+    if (device.source->is_hardware()) continue;
+    static_cast<void>(haptic::hw::open_device(*device.source, device.pipeline.kinematics));
   }
   if (scene.server.tls) static_cast<void>(haptic::server::load_tls(*scene.server.tls));
   if (!scene.record) return;

@@ -6,18 +6,18 @@
 #include "hw/board/board_io.hpp"
 #include "hw/board/board_reading.hpp"
 #include "hw/device_limits.hpp"
-#include "hw/open_device.hpp"
 
 namespace haptic::hw {
 namespace {
 
 constexpr core::Duration kPatience = std::chrono::seconds(3);
 
-board::Expectation expectation(const BoardConfig& config, const core::Kinematics& kinematics) {
+board::Expectation expectation(const BoardConfig& config, const core::Kinematics& kinematics,
+                               core::Duration longest_lateness) {
   board::Expectation expected;
   expected.dofs = kinematics.dofs();
   expected.max_effort = config.max_effort;
-  expected.longest_lateness = config.longest_lateness;
+  expected.longest_lateness = longest_lateness;
   expected.serial = config.serial;
   return expected;
 }
@@ -32,14 +32,26 @@ std::string describe(const board::Identity& identity, const std::string& port) {
 
 }  // namespace
 
+std::unique_ptr<Device> BoardConfig::open(std::shared_ptr<const core::Kinematics> kinematics,
+                                          core::Duration longest_lateness) const {
+  return std::make_unique<BoardDevice>(*this, kinematics, longest_lateness);
+}
+
+std::optional<Travel> BoardConfig::travel() const {
+  if (!calibration) return std::nullopt;
+  return Travel{calibration->lower, calibration->upper};
+}
+
 BoardDevice::BoardDevice(const BoardConfig& config,
-                         const std::shared_ptr<const core::Kinematics>& kinematics)
+                         const std::shared_ptr<const core::Kinematics>& kinematics,
+                         core::Duration longest_lateness)
     : layout_(kinematics->layout()), calibration_(config.calibration) {
   info_.kind = "board";
   info_.dofs = kinematics->dofs();
   info_.limits = device_limits(*kinematics, config.max_effort);
   info_.limits.max_silence = config.max_silence;
-  io_ = std::make_unique<Io>(config.port, config.baud, expectation(config, *kinematics));
+  io_ = std::make_unique<Io>(config.port, config.baud,
+                             expectation(config, *kinematics, longest_lateness));
   const board::Identity identity = io_->greeted(kPatience);
   info_.model = describe(identity, config.port);
   info_.serial = identity.serial;

@@ -11,22 +11,38 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "haptic/core/model/kinematics.hpp"
 #include "hw/board/board_host.hpp"
 #include "hw/board/calibration.hpp"
-#include "hw/device.hpp"
+#include "hw/open_device.hpp"
 
 namespace haptic::hw {
 
-struct BoardConfig;
+struct BoardConfig final : DeviceConfig {
+  std::string port{};    ///< "/dev/ttyACM0", a link under /dev/serial/by-id, or a pseudo-terminal
+  int baud{921600};      ///< of real serial ports; USB ignores it
+  std::string serial{};  ///< the board's own; empty: any board that answers
+  core::VecA max_effort{};  ///< n_a, N or N m; the board's dictionary must allow at least this
+  core::Duration max_silence{std::chrono::milliseconds(10)};
+  std::optional<board::Calibration> calibration{};  ///< absent: readings are used as they are
+
+  [[nodiscard]] std::unique_ptr<Device> open(std::shared_ptr<const core::Kinematics> kinematics,
+                                             core::Duration longest_lateness) const override;
+  [[nodiscard]] core::VecA effort() const override { return max_effort; }
+  [[nodiscard]] bool has_sample_clock() const noexcept override { return true; }
+  [[nodiscard]] bool may_measure_force() const noexcept override { return true; }
+  [[nodiscard]] std::optional<Travel> travel() const override;
+};
 
 class BoardDevice final : public Device {
  public:
   /// Opens the port and shakes hands; blocks for at most 3 s. Throws DeviceError: the port cannot
   /// be opened (why, and what to do), nobody answers, the board is not what the scene says, the
   /// calibration is another board's.
-  BoardDevice(const BoardConfig& config, const std::shared_ptr<const core::Kinematics>& kinematics);
+  BoardDevice(const BoardConfig& config, const std::shared_ptr<const core::Kinematics>& kinematics,
+              core::Duration longest_lateness);
   ~BoardDevice() override;
 
   [[nodiscard]] const DeviceInfo& info() const noexcept override { return info_; }

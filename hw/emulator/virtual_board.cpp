@@ -13,7 +13,7 @@ constexpr std::uint64_t kAdvanceUs = 100, kPollUs = 1000, kHandshakeUs = 100'000
 constexpr std::uint64_t kLongestJumpUs = 100'000;
 
 board::Expectation expectation(const BoardConfig& config, const core::Kinematics& kinematics) {
-  return {kinematics.dofs(), config.max_effort, config.longest_lateness, config.serial};
+  return {kinematics.dofs(), config.max_effort, core::Duration{0}, config.serial};
 }
 
 }  // namespace

@@ -8,10 +8,10 @@
 #include <span>
 #include <string>
 
+#include "hw/board/board_device.hpp"
 #include "hw/board/board_host.hpp"
 #include "hw/device.hpp"
 #include "hw/emulator/emulated_board.hpp"
-#include "hw/open_device.hpp"
 
 namespace haptic::hw::emulator {
 

@@ -40,6 +40,11 @@ std::string summary(const std::filesystem::path& file, const ReplayFacts& facts)
 
 }  // namespace
 
+std::unique_ptr<Device> ReplayConfig::open(std::shared_ptr<const core::Kinematics> kinematics,
+                                           core::Duration) const {
+  return std::make_unique<Replay>(*this, std::move(kinematics));
+}
+
 Replay::Replay(const ReplayConfig& config, std::shared_ptr<const core::Kinematics> kinematics)
     : kinematics_(std::move(kinematics)), repeat_(config.repeat) {
   info_.limits = device_limits(*kinematics_, config.max_effort);

@@ -11,6 +11,7 @@
 /// changes.
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <vector>
 
@@ -21,6 +22,21 @@
 #include "hw/replay/stretch.hpp"
 
 namespace haptic::hw {
+
+/// The columns: time_s and the device's DoFs by name (a tracked palm's orientation also as a
+/// quaternion), or time_s and each coordinate's name with _rad, which go through the inverse
+/// kinematics: time_s,q_o1_mcp_rad,q_o2_pip_rad for a finger.
+struct ReplayConfig final : DeviceConfig {
+  std::filesystem::path file{};
+  bool repeat{false};
+  core::VecA max_effort{};  ///< n_a
+
+  [[nodiscard]] std::unique_ptr<Device> open(std::shared_ptr<const core::Kinematics> kinematics,
+                                             core::Duration longest_lateness) const override;
+  [[nodiscard]] core::VecA effort() const override { return max_effort; }
+  [[nodiscard]] bool is_hardware() const noexcept override { return false; }
+  [[nodiscard]] std::filesystem::path plays() const override { return file; }
+};
 
 /// What was found when the recording was loaded.
 struct ReplayFacts {

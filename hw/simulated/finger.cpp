@@ -69,9 +69,7 @@ DeviceInfo describe(const SimulatedFingerConfig& c, const core::Kinematics& kine
   info.model += c.motion_file.empty() ? ", constant target"
                                       : " that follows " + c.motion_file.filename().string();
   info.dofs = kinematics.dofs();
-  core::VecA max_effort(1);
-  max_effort << c.actuator_force_limit;
-  info.limits = device_limits(kinematics, max_effort);
+  info.limits = device_limits(kinematics, c.effort());
   return info;
 }
 
@@ -80,6 +78,19 @@ double quantised(double value, double quantum) {
 }
 
 }  // namespace
+
+std::unique_ptr<Device> SimulatedFingerConfig::open(
+    std::shared_ptr<const core::Kinematics> kinematics, core::Duration) const {
+  return std::make_unique<SimulatedFinger>(*this, std::move(kinematics));
+}
+
+core::VecA SimulatedFingerConfig::effort() const {
+  return core::VecA::Constant(1, actuator_force_limit);
+}
+
+OwnDynamics SimulatedFingerConfig::own_dynamics(const core::DofLayout&) const {
+  return {core::VecA::Constant(1, actuator_damping), core::VecA::Constant(1, actuator_mass)};
+}
 
 SimulatedFinger::SimulatedFinger(const SimulatedFingerConfig& config,
                                  std::shared_ptr<const core::Kinematics> kinematics)

@@ -8,6 +8,7 @@
 /// is armed. DISARMED, ARMING and ARMED as in hw/device.hpp; LOST only by close().
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 
 #include "hw/arming.hpp"
@@ -19,6 +20,32 @@
 #include "hw/simulated/substeps.hpp"
 
 namespace haptic::hw {
+
+struct SimulatedFingerConfig final : DeviceConfig {
+  std::uint64_t seed{1};
+  std::filesystem::path motion_file{};  ///< joint angles the user aims at; empty: `target`
+  double target_mcp{0.0};               ///< rad
+  double target_pip{0.0};
+  double hand_stiffness{0.6};  ///< K_h, N m/rad
+  double hand_damping{0.012};  ///< B_h, N m s/rad
+  double inertia_mcp{1.2e-4};  ///< kg m^2, core/METHOD.md#forces-at-the-finger
+  double inertia_pip{4e-5};
+  double actuator_mass{0.05};         ///< kg
+  double actuator_damping{2.0};       ///< N s/m
+  double actuator_friction{0.0};      ///< N, Coulomb
+  double actuator_force_limit{40.0};  ///< N
+  double noise_l_x{0.0};              ///< m rms
+  double noise_q_B{0.0};              ///< rad rms
+  double resolution_l_x{0.0};         ///< m; 0: none
+  double resolution_q_B{0.0};         ///< rad; 0: none
+
+  [[nodiscard]] std::unique_ptr<Device> open(std::shared_ptr<const core::Kinematics> kinematics,
+                                             core::Duration longest_lateness) const override;
+  [[nodiscard]] core::VecA effort() const override;
+  [[nodiscard]] bool is_hardware() const noexcept override { return false; }
+  [[nodiscard]] std::filesystem::path plays() const override { return motion_file; }
+  [[nodiscard]] OwnDynamics own_dynamics(const core::DofLayout& layout) const override;
+};
 
 class SimulatedFinger final : public Device {
  public:

@@ -41,6 +41,16 @@ SimulatedLinearConfig checked(SimulatedLinearConfig c, const core::Kinematics& k
 
 }  // namespace
 
+std::unique_ptr<Device> SimulatedLinearConfig::open(
+    std::shared_ptr<const core::Kinematics> kinematics, core::Duration) const {
+  return std::make_unique<SimulatedLinear>(*this, std::move(kinematics));
+}
+
+OwnDynamics SimulatedLinearConfig::own_dynamics(const core::DofLayout& layout) const {
+  if (damping.size() != layout.n_q() || mass.size() != layout.n_q()) return {};
+  return {layout.select(damping), layout.select(mass)};
+}
+
 SimulatedLinear::SimulatedLinear(const SimulatedLinearConfig& config,
                                  std::shared_ptr<const core::Kinematics> kinematics)
     : config_(checked(config, *kinematics)), kinematics_(std::move(kinematics)) {

@@ -14,6 +14,22 @@
 
 namespace haptic::hw {
 
+/// All of size n_q, except max_effort with n_a.
+struct SimulatedLinearConfig final : DeviceConfig {
+  core::VecQ mass{};
+  core::VecQ damping{};
+  core::VecQ hand_stiffness{};
+  core::VecQ hand_damping{};
+  core::VecQ target{};
+  core::VecA max_effort{};
+
+  [[nodiscard]] std::unique_ptr<Device> open(std::shared_ptr<const core::Kinematics> kinematics,
+                                             core::Duration longest_lateness) const override;
+  [[nodiscard]] core::VecA effort() const override { return max_effort; }
+  [[nodiscard]] bool is_hardware() const noexcept override { return false; }
+  [[nodiscard]] OwnDynamics own_dynamics(const core::DofLayout& layout) const override;
+};
+
 class SimulatedLinear final : public Device {
  public:
   /// Vectors of size 0 other than mass and max_effort are zero. Throws DeviceError: sizes that do

@@ -1,15 +1,12 @@
-#include "server/scene/override.hpp"
-
+// --set: see apply_override() in text.hpp.
 #include <google/protobuf/stubs/strutil.h>
 
 #include <memory>
 #include <vector>
 
 #include "haptic/core/error.hpp"
-#include "server/scene/field_path.hpp"
 #include "server/scene/problems.hpp"
-#include "server/scene/spelling.hpp"
-#include "server/scene/text_format.hpp"
+#include "server/scene/text.hpp"
 
 namespace haptic::server {
 namespace {
@@ -17,12 +14,12 @@ namespace {
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 
-/// One --set while it is being applied; everything it throws names it.
+/// One --set while it is being applied; all errors name it.
 class Override {
  public:
   explicit Override(const std::string& assignment) : assignment_(assignment) {}
 
-  /// The message that `step` leads to, created where it was absent.
+  /// The message that `step` leads to, created if it is absent.
   Message& descend(Message& message, const FieldStep& step) const;
   void assign(Message& message, const FieldStep& step, const std::string& value) const;
   [[noreturn]] void refuse(const std::string& why) const {

@@ -3,11 +3,11 @@
 #include <google/protobuf/stubs/strutil.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 
 #include "haptic/core/error.hpp"
 #include "haptic/wire/utf8.hpp"
-#include "server/scene/field_path.hpp"
 
 namespace haptic::server {
 namespace {
@@ -16,29 +16,57 @@ using google::protobuf::FieldDescriptor;
 
 constexpr std::size_t kLongestQuote = 80;
 
-/// Line of a field in its message, from 1; 0 where it is not in the file.
-/// protobuf keeps one line for all of `[1, 2, 3]`, so an element without a line
-/// of its own stands on its list's.
+/// Line of a field in its message, from 1; 0 if it is not in the file. protobuf keeps one line for
+/// all of `[1, 2, 3]`, so an element without its own line gets that of the list.
 int line_in(const Problems::Tree& tree, const FieldDescriptor& field, int index) {
   if (!field.is_repeated()) return tree.GetLocation(&field, -1).line + 1;
   const int own = tree.GetLocation(&field, std::max(index, 0)).line;
   return (own >= 0 || field.message_type() != nullptr ? own : tree.GetLocation(&field, 0).line) + 1;
 }
 
-}  // namespace
-
-bool Problems::overridden_at_or_below(const std::string& path) const {
-  return std::any_of(overrides_.begin(), overrides_.end(),
-                     [&](const std::string& set) { return stands_within(set, path); });
+FieldStep step_of(const std::string& text) {
+  FieldStep step{text, text.substr(0, text.find('[')), -1, true};
+  step.well_formed = !step.name.empty() &&
+                     std::all_of(step.name.begin(), step.name.end(),
+                                 [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
+  if (step.name.size() == text.size()) return step;
+  const std::string index = text.substr(step.name.size() + 1);
+  const bool number = index.size() >= 2 && index.size() <= 7 && index.back() == ']' &&
+                      index.find_first_not_of("0123456789") == index.size() - 1;
+  if (number) {
+    step.index = std::stoi(index);
+  } else {
+    step.well_formed = false;
+  }
+  return step;
 }
 
-/// The field's line, or that of the nearest message around it that stands in
-/// the file.
+/// Is `inner` the field `outer` itself, or inside it?
+bool stands_within(const std::string& inner, const std::string& outer) {
+  if (inner.compare(0, outer.size(), outer) != 0) return false;
+  return inner.size() == outer.size() || inner[outer.size()] == '.' || inner[outer.size()] == '[';
+}
+
+}  // namespace
+
+std::vector<FieldStep> split_path(const std::string& path) {
+  std::vector<FieldStep> steps;
+  for (std::size_t from = 0; from <= path.size();) {
+    const std::size_t dot = std::min(path.find('.', from), path.size());
+    steps.push_back(step_of(path.substr(from, dot - from)));
+    from = dot + 1;
+  }
+  return steps;
+}
+
+/// The field's line, or that of the nearest message around it that is in the file.
 std::string Problems::place_of(const std::string& path) const {
-  const bool replaced =
-      std::any_of(overrides_.begin(), overrides_.end(),
-                  [&](const std::string& set) { return stands_within(path, set); });
-  if (replaced) return "--set: ";
+  const auto overridden = [&](auto&& by) {
+    return std::any_of(overrides_.begin(), overrides_.end(), by);
+  };
+  if (overridden([&](const std::string& set) { return stands_within(path, set); })) {
+    return "--set: ";
+  }
   const google::protobuf::Descriptor* type = &root_;
   const Tree* tree = &tree_;
   int line = 0;
@@ -48,7 +76,9 @@ std::string Problems::place_of(const std::string& path) const {
     const FieldDescriptor* field = type->FindFieldByName(step.name);
     const int own = field == nullptr ? 0 : line_in(*tree, *field, step.index);
     if (own == 0) {
-      if (overridden_at_or_below(walked)) return "--set: ";
+      if (overridden([&](const std::string& set) { return stands_within(set, walked); })) {
+        return "--set: ";
+      }
       break;
     }
     line = own;
@@ -72,7 +102,7 @@ void Problems::missing(const std::string& path, const std::string& rule) {
 void Problems::raise() const {
   std::string all;
   for (const std::string& line : lines_) all += (all.empty() ? "" : "\n") + line;
-  if (any()) throw core::SceneError(all);
+  if (!lines_.empty()) throw core::SceneError(all);
 }
 
 std::string decimal(double value) {
@@ -83,11 +113,15 @@ std::string decimal(double value) {
 std::string quoted(const std::string& text) {
   const bool long_text = text.size() > kLongestQuote;
   const std::string shown = text.substr(0, kLongestQuote);
-  // Bytes that are no character, be it by the cut, stand as numbers.
+  // Invalid UTF-8, for example after the cut, is escaped byte by byte.
   const std::string escaped = wire::is_utf8(shown)
                                   ? google::protobuf::strings::Utf8SafeCEscape(shown)
                                   : google::protobuf::CEscape(shown);
   return '"' + escaped + (long_text ? "...\"" : "\"");
+}
+
+std::string entry(const std::string& list, std::size_t i) {
+  return list + "[" + std::to_string(i) + "]";
 }
 
 }  // namespace haptic::server

@@ -1,9 +1,8 @@
 #pragma once
-/// Everything that is wrong with a scene, collected, each with the place it
-/// stands in:
-///   scene.textproto:12: device[0].impedance.stiffness_n_per_m[0] = -3: must be
-///   finite and > 0
-///   --set: loop.priority = 99: must be 1 to 98
+/// Everything that is wrong with a scene, collected, each with its place:
+///
+///     scene.textproto:12: device[0].impedance.stiffness_n_per_m[0] = -3: must be > 0
+///     --set: loop.priority = 99: must be 1 to 98
 
 #include <google/protobuf/text_format.h>
 
@@ -12,12 +11,23 @@
 
 namespace haptic::server {
 
+/// One step of a path such as "device[0].impedance.stiffness_n_per_m[0]".
+struct FieldStep {
+  std::string text{};      ///< as written: "device[0]"
+  std::string name{};      ///< "device"
+  int index{-1};           ///< -1: none given
+  bool well_formed{true};  ///< of the form name or name[number]
+};
+
+/// At least one step, whatever the text. An index has at most six digits.
+[[nodiscard]] std::vector<FieldStep> split_path(const std::string& path);
+
 class Problems {
  public:
   using Tree = google::protobuf::TextFormat::ParseInfoTree;
 
-  /// `name` stands for the file; `root` and `tree` say on which line a field
-  /// stands, and must outlive this.
+  /// `name` stands for the file; `root` and `tree` say on which line a field stands, and must
+  /// outlive this.
   Problems(std::string name, const google::protobuf::Descriptor& root, const Tree& tree)
       : name_(std::move(name)), root_(root), tree_(tree) {}
 
@@ -32,13 +42,11 @@ class Problems {
   void add(std::string line) { lines_.push_back(std::move(line)); }
 
   [[nodiscard]] std::size_t count() const noexcept { return lines_.size(); }
-  [[nodiscard]] bool any() const noexcept { return !lines_.empty(); }
   /// Throws SceneError with one line per problem, if there is any.
   void raise() const;
 
  private:
   [[nodiscard]] std::string place_of(const std::string& path) const;
-  [[nodiscard]] bool overridden_at_or_below(const std::string& path) const;
 
   std::string name_;
   const google::protobuf::Descriptor& root_;
@@ -49,7 +57,9 @@ class Problems {
 
 /// Shortest decimal that reads back as the same double.
 [[nodiscard]] std::string decimal(double value);
-/// In quotes, escaped, shortened where it is long: fit for a terminal.
+/// In quotes, escaped, cut if it is long: safe on a terminal.
 [[nodiscard]] std::string quoted(const std::string& text);
+/// Entry `i` of a list: "dof[3]".
+[[nodiscard]] std::string entry(const std::string& list, std::size_t i);
 
 }  // namespace haptic::server

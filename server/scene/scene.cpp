@@ -11,17 +11,16 @@
 #include <sstream>
 
 #include "haptic/core/error.hpp"
-#include "haptic/v1/scene.pb.h"
-#include "server/scene/daemon_scene.hpp"
-#include "server/scene/device_scene.hpp"
-#include "server/scene/override.hpp"
-#include "server/scene/passivity_warning.hpp"
-#include "server/scene/problems.hpp"
-#include "server/scene/text_format.hpp"
-#include "server/scene/whole_scene.hpp"
+#include "haptic/wire/utf8.hpp"
+#include "server/base/figures.hpp"
+#include "server/scene/parts.hpp"
+#include "server/scene/text.hpp"
 
 namespace haptic::server {
 namespace {
+
+namespace fs = std::filesystem;
+using google::protobuf::FieldDescriptor;
 
 constexpr std::size_t kLongestName = 64;
 
@@ -53,13 +52,13 @@ void read_name(const std::string& name, Problems& problems) {
   }
 }
 
-std::vector<DeviceScene> read_devices(v1::Scene& message, const std::filesystem::path& folder,
+std::vector<DeviceScene> read_devices(v1::Scene& message, const fs::path& folder,
                                       Problems& problems) {
   if (message.device().empty()) problems.missing("device", "at least one");
   std::vector<DeviceScene> devices;
   std::set<std::string> names;
   for (int i = 0; i < message.device_size(); ++i) {
-    const std::string path = "device[" + std::to_string(i) + "]";
+    const std::string path = entry("device", static_cast<std::size_t>(i));
     devices.push_back(read_device(*message.mutable_device(i), path, folder, problems));
     const std::string& name = devices.back().name;
     if (!names.insert(name).second) {
@@ -69,7 +68,7 @@ std::vector<DeviceScene> read_devices(v1::Scene& message, const std::filesystem:
   return devices;
 }
 
-/// The message with every default, and a word on what has none.
+/// The message with every default, under a comment on what has none.
 std::string printed(const v1::Scene& message) {
   google::protobuf::TextFormat::Printer printer;
   printer.SetUseShortRepeatedPrimitives(true);
@@ -78,17 +77,101 @@ std::string printed(const v1::Scene& message) {
   return "# proto-file: haptic/v1/scene.proto\n"
          "# proto-message: haptic.v1.Scene\n"
          "#\n"
-         "# Every default is filled in, except those that are decided later: loop.loop_late_fault "
-         "(8 ms\n"
-         "# with real-time scheduling, 20 ms without) and staleness.fresh_end (2.5 periods of the\n"
-         "# client).\n" +
+         "# Every default is filled in, except those that are decided later: staleness.fresh_end "
+         "(2.5 periods\n"
+         "# of the client) and, with hardware, loop.loop_late_fault (8 ms with real-time "
+         "scheduling, 20 ms\n"
+         "# without). Without hardware, only simulated and replayed devices, the loop's limits on "
+         "lateness\n"
+         "# are wide, because a late tick can hurt no one.\n" +
          text;
+}
+
+void check_one_text(const std::string& text, const std::string& path, Problems& problems) {
+  if (!wire::is_utf8(text)) problems.wrong(path, quoted(text), "must be UTF-8");
+}
+
+bool same_file(const fs::path& a, const fs::path& b) {
+  std::error_code error;
+  // By name too: a file that is not there yet has no identity.
+  return fs::equivalent(a, b, error) ||
+         fs::weakly_canonical(a, error) == fs::weakly_canonical(b, error);
+}
+
+/// Every text must be UTF-8: protobuf refuses to send anything else.
+void check_text(const google::protobuf::Message& message, const std::string& path,
+                Problems& problems) {
+  const google::protobuf::Reflection& reflection = *message.GetReflection();
+  std::vector<const FieldDescriptor*> fields;
+  reflection.ListFields(message, &fields);
+  for (const FieldDescriptor* field : fields) {
+    const std::string name = (path.empty() ? "" : path + ".") + field->name();
+    const bool text = field->cpp_type() == FieldDescriptor::CPPTYPE_STRING;
+    const bool nested = field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
+    if (!field->is_repeated()) {
+      if (text) check_one_text(reflection.GetString(message, field), name, problems);
+      if (nested) check_text(reflection.GetMessage(message, field), name, problems);
+      continue;
+    }
+    for (int i = 0; i < reflection.FieldSize(message, field); ++i) {
+      const std::string element = entry(name, static_cast<std::size_t>(i));
+      if (text) check_one_text(reflection.GetRepeatedString(message, field, i), element, problems);
+      if (nested) check_text(reflection.GetRepeatedMessage(message, field, i), element, problems);
+    }
+  }
+}
+
+/// Only a device with a sample clock can pace the loop; its period is checked when it is open
+/// (check_pacing).
+void check_paced_by(const v1::Scene& message, const Scene& scene, Problems& problems) {
+  if (!message.loop().has_paced_by()) return;
+  const std::string& name = message.loop().paced_by();
+  std::string boards;
+  for (const DeviceScene& device : scene.devices) {
+    const bool board = device.source != nullptr && device.source->has_sample_clock();
+    if (device.name == name && board) return;
+    if (device.name == name) {
+      problems.wrong("loop.paced_by", quoted(name),
+                     "must be a board: simulated and replayed devices have no clock of their own");
+      return;
+    }
+    if (board) boards += (boards.empty() ? "" : ", ") + quoted(device.name);
+  }
+  problems.wrong("loop.paced_by", quoted(name),
+                 boards.empty() ? "must be absent: the scene has no board"
+                                : "must be the name of a board: " + boards);
+}
+
+/// Silence must end the force before it ends the lease (proto/README.md#states-of-a-device).
+void check_silence(const Scene& scene, Problems& problems) {
+  for (std::size_t i = 0; i < scene.devices.size(); ++i) {
+    const core::Duration fade_end = scene.devices[i].pipeline.scene.staleness.fade_end;
+    if (fade_end <= scene.server.lease_timeout) continue;
+    problems.wrong(entry("device", i) + ".staleness.fade_end", milliseconds(fade_end),
+                   "must be at most server.lease_timeout, " +
+                       milliseconds(scene.server.lease_timeout) + ": no lease ends under force");
+  }
+}
+
+/// A recording must not overwrite a file that the scene plays.
+void check_recordings(const Scene& scene, Problems& problems) {
+  if (!scene.record) return;
+  for (std::size_t i = 0; i < scene.devices.size(); ++i) {
+    const fs::path written = record_file(scene, i);
+    for (const DeviceScene& device : scene.devices) {
+      const fs::path played = device.source ? device.source->plays() : fs::path{};
+      if (played.empty() || !same_file(written, played)) continue;
+      problems.wrong("record.file", quoted(scene.record->file.string()),
+                     "must be another file: device '" + device.name + "' plays " + played.string() +
+                         ", which would be overwritten");
+    }
+  }
 }
 
 }  // namespace
 
-Scene parse_scene(const std::string& text, const std::string& name,
-                  const std::filesystem::path& folder, const std::vector<std::string>& overrides) {
+Scene parse_scene(const std::string& text, const std::string& name, const fs::path& folder,
+                  const std::vector<std::string>& overrides) {
   v1::Scene message;
   Problems::Tree tree;
   Problems problems(name, *v1::Scene::descriptor(), tree);
@@ -101,7 +184,14 @@ Scene parse_scene(const std::string& text, const std::string& name,
   scene.name = message.name();
   scene.devices = read_devices(message, folder, problems);
   scene.server = read_server(*message.mutable_server(), folder, problems);
-  scene.loop = read_loop(*message.mutable_loop(), problems);
+  const bool hardware =
+      std::any_of(scene.devices.begin(), scene.devices.end(), [](const DeviceScene& device) {
+        return device.source == nullptr || device.source->is_hardware();
+      });
+  scene.loop = read_loop(*message.mutable_loop(), hardware, problems);
+  for (DeviceScene& device : scene.devices) {
+    device.pipeline.late_bucket_full = scene.loop.late_bucket_full;
+  }
   if (message.has_record()) scene.record = read_record(*message.mutable_record(), problems);
   check_paced_by(message, scene, problems);
   check_silence(scene, problems);
@@ -112,23 +202,23 @@ Scene parse_scene(const std::string& text, const std::string& name,
   return scene;
 }
 
-std::filesystem::path record_file(const Scene& scene, std::size_t device) {
-  const std::filesystem::path& file = scene.record->file;
+fs::path record_file(const Scene& scene, std::size_t device) {
+  const fs::path& file = scene.record->file;
   if (scene.devices.size() <= 1) return file;
-  std::filesystem::path own = file;
+  fs::path own = file;
   own.replace_filename(file.stem().string() + "-" + scene.devices[device].name +
                        file.extension().string());
   return own;
 }
 
-Scene load_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+Scene load_scene(const fs::path& file, const std::vector<std::string>& overrides) {
   std::error_code error;
-  const bool regular = std::filesystem::is_regular_file(file, error);
+  const bool regular = fs::is_regular_file(file, error);
   std::ifstream stream(file);
   if (!regular || !stream) {
-    const std::string why = std::filesystem::is_directory(file, error) ? "is a folder"
-                            : errno != 0                               ? std::strerror(errno)
-                                                                       : "is no file";
+    const std::string why = fs::is_directory(file, error) ? "is a folder"
+                            : errno != 0                  ? std::strerror(errno)
+                                                          : "is no file";
     throw core::SceneError(file.string() + ": " + why + "; must be a scene that can be read");
   }
   std::stringstream text;

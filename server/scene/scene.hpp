@@ -1,6 +1,6 @@
 #pragma once
-/// The scene as the rest of the server sees it: plain values, defaults filled
-/// in, checked. Protobuf ends here.
+/// A scene as the rest of the server sees it: plain values, defaults filled in, checked. No protobuf
+/// type leaves server/scene.
 
 #include <filesystem>
 #include <memory>
@@ -12,34 +12,32 @@
 #include "haptic/wire/ports.hpp"
 #include "hw/open_device.hpp"
 #include "server/crossing/tls_config.hpp"
-#include "server/scene/force_control.hpp"
 
 namespace haptic::server {
 
-struct DeviceScene {
-  std::string name{};
-  hw::DeviceConfig source{};
-  std::shared_ptr<const core::Kinematics> kinematics{};
-  core::ProjectionSettings projection{};
-  core::RenderSettings settings{};  ///< the widest a session may ask for
-  bool monotone_envelope{false};
-  bool passivity_certificate{false};
-  /// eps of the coupling metric that states carry (core/METHOD.md#anisotropic-coupling); absent:
-  /// none.
-  std::optional<double> coupling_softness{};
-  core::PassivitySettings passivity{};
-  std::vector<core::ActuatorRatings> ratings{};  ///< n_a, or none
-  ForceControlScene force_control{};
-  /// A client says where the palm is, and the scene's bound on its fresh_end.
-  std::optional<core::TrackerSettings> tracker{};
-  std::optional<core::Duration> tracker_fresh_end{};
-  /// An upper bound on every session's fresh_end; absent: 2.5 nominal periods
-  /// of the client.
-  std::optional<core::Duration> fresh_end{};
+/// Who closes the loop on the measured force; a device that cannot is refused when it opens.
+enum class ForceControlPlace : std::uint8_t {
+  kAny = 0,         ///< the scene does not say
+  kBoard = 1,       ///< the device closes the loop itself
+  kServer = 2,      ///< it measures force, takes forces, and does not close the loop itself
+  kAdmittance = 3,  ///< it measures force and takes positions
 };
 
-/// What the scene says to the pipeline of a device with these limits; the loop's own settings keep
-/// their defaults.
+struct DeviceScene {
+  std::string name{};
+  std::shared_ptr<const hw::DeviceConfig> source{};
+  /// Complete but for `device` and `loop_late_fault`, which are known when the device is open.
+  core::PipelineConfig pipeline{};
+  ForceControlPlace force_control{ForceControlPlace::kAny};
+  /// eps of the coupling metric that states carry (core/METHOD.md#anisotropic-coupling); absent: no
+  /// metric.
+  std::optional<double> coupling_softness{};
+  /// Upper bounds on fresh_end of the proxy and of the tracker's pose; absent: 2.5 nominal periods
+  /// of the client.
+  std::optional<core::Duration> fresh_end{}, tracker_fresh_end{};
+};
+
+/// The scene's pipeline for an opened device with these limits.
 [[nodiscard]] core::PipelineConfig pipeline_config(const DeviceScene& scene,
                                                    const core::DeviceLimits& limits);
 
@@ -52,16 +50,23 @@ struct ServerScene {
   std::optional<TlsConfig> tls{};  ///< absent: plain text
 };
 
+/// Defaults of a scene without hardware. A late tick of a simulated or replayed device can hurt no
+/// one, and an ordinary laptop without real-time scheduling delays a thread by tens of milliseconds
+/// now and then. Only what ends a session anyway, such as a suspend, is a fault: a lag of half the
+/// default lease, or skipped ticks without end.
+inline constexpr core::Duration kLateFaultWithoutHardware{std::chrono::seconds(1)};
+inline constexpr int kLateBucketWithoutHardware = 1'000'000;
+
 struct LoopScene {
   core::Duration period{std::chrono::milliseconds(1)};
-  /// Absent: 8 ms where real-time scheduling was granted, 20 ms elsewhere (
-  /// proto/README.md#states-of-a-device).
+  /// Absent: 8 ms if real-time scheduling is granted, else 20 ms
+  /// (proto/README.md#states-of-a-device).
   std::optional<core::Duration> loop_late_fault{};
   /// Level at which many small lags become a fault (proto/README.md#states-of-a-device).
   int late_bucket_full{core::LateBucket::kFull};
   int priority{80};
   std::optional<int> cpu{};
-  std::string paced_by{};  ///< the board whose samples begin the ticks; empty: the timer
+  std::string paced_by{};  ///< the device whose samples begin the ticks; empty: the timer
 };
 
 struct RecordScene {
@@ -75,28 +80,32 @@ struct Scene {
   ServerScene server{};
   LoopScene loop{};
   std::optional<RecordScene> record{};
-  /// The scene as text with every default, as --print-scene shows it. Reads
-  /// back as the same scene, from any folder: files stand with their full path.
+  /// The scene as text with every default, as --print-scene shows it. Reads back as the same scene
+  /// from any folder: files have their full path.
   std::string resolved{};
-  /// What may be served but deserves a word, each "field = value: why".
+  /// What may be served but is questionable, each "field = value: why".
   std::vector<std::string> warnings{};
 };
 
-/// Where device number `device` of a scene with a record is recorded: `record.file` itself for an
-/// only device, else with the device's name ("run.csv" -> "run-left.csv").
+/// Where device number `device` of a scene with a record is recorded: `record.file` if it is the
+/// only device, else with its name ("run.csv" -> "run-left.csv").
 [[nodiscard]] std::filesystem::path record_file(const Scene& scene, std::size_t device);
 
-/// Reads a scene. `overrides` are "path=value" as of --set, e.g.
-/// "device[0].impedance.stiffness_n_per_m[0]=800". Throws SceneError with one
-/// line for everything that is wrong: file, line, field, value and what is
+/// Reads a scene. `overrides` are "path=value" as of --set (apply_override in text.hpp). Throws
+/// SceneError with one line for everything that is wrong: file, line, field, value and what is
 /// allowed.
 [[nodiscard]] Scene load_scene(const std::filesystem::path& file,
                                const std::vector<std::string>& overrides = {});
-/// The same from text; `name` stands for the file in messages. Recordings that
-/// are read are relative to `folder`; the file that is written (record.file) is
-/// relative to the working directory.
+/// The same from text; `name` stands for the file in messages. Files that are read are relative to
+/// `folder`; the file that is written (record.file) is relative to the working directory.
 [[nodiscard]] Scene parse_scene(const std::string& text, const std::string& name,
                                 const std::filesystem::path& folder,
                                 const std::vector<std::string>& overrides = {});
+
+/// Throws DeviceError if the opened device cannot do what the scene's force_control needs.
+void check_force_control(ForceControlPlace place, const hw::DeviceInfo& device);
+/// Throws DeviceError if the opened device, which loop.paced_by names, cannot pace the loop: it has
+/// no sample signal, or samples at another period than the loop's.
+void check_pacing(const LoopScene& loop, hw::Device& device);
 
 }  // namespace haptic::server

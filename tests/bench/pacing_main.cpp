@@ -117,7 +117,7 @@ std::unique_ptr<server::DeviceUnit> board_unit(const std::string& port) {
       HAPTIC_SOURCE_DIR "/server/scenes/finger_board.textproto",
       {"device[0].board.port=" + port, "device[0].board.max_silence={ nanos: 100000000 }"});
   const server::DeviceScene& device = scene.devices.front();
-  auto opened = hw::open_device(device.source, device.kinematics);
+  auto opened = hw::open_device(*device.source, device.pipeline.kinematics);
   core::PipelineConfig config = server::pipeline_config(device, opened->info().limits);
   config.loop_late_fault = 500ms;
   config.late_bucket_full = 1'000'000;

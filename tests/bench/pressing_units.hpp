@@ -21,7 +21,7 @@ class PressingUnits {
   /// flatter.
   PressingUnits(const server::DeviceScene& device, int count) {
     for (int i = 0; i < count; ++i) {
-      auto opened = hw::open_device(device.source, device.kinematics);
+      auto opened = hw::open_device(*device.source, device.pipeline.kinematics);
       const core::PipelineConfig config = server::pipeline_config(device, opened->info().limits);
       units_.push_back(std::make_unique<Unit>(device.name, std::move(opened), config));
     }

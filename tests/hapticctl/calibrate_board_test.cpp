@@ -140,7 +140,8 @@ class Stored {
         file_.string() +
         "\" } impedance { stiffness_n_per_m: 500 damping_n_s_per_m: 0.5 }"
         " limits { force_n: 20 } }";
-    return std::get<hw::BoardConfig>(server::parse_scene(scene, "test", "/").devices[0].source);
+    return dynamic_cast<const hw::BoardConfig&>(
+        *server::parse_scene(scene, "test", "/").devices[0].source);
   }
 
  private:

@@ -1,4 +1,6 @@
-#include "hw/open_device.hpp"
+#include "hw/replay/replay.hpp"
+#include "hw/simulated/finger.hpp"
+#include "hw/simulated/linear.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,7 +7,9 @@
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
-#include "hw/open_device.hpp"
+#include "hw/replay/replay.hpp"
+#include "hw/simulated/finger.hpp"
+#include "hw/simulated/linear.hpp"
 #include "tests/hw/temporary_file.hpp"
 #include "tests/hw/virtual_loop.hpp"
 #include "tests/support/allocation_guard.hpp"

@@ -68,7 +68,6 @@ class PressedBoard {
   static BoardConfig wanted() {
     BoardConfig config;
     config.max_effort = core::VecA::Constant(1, 40.0);
-    config.longest_lateness = std::chrono::milliseconds(20);
     return config;
   }
   core::PipelineConfig pipeline_config() const {

@@ -32,7 +32,10 @@ std::shared_ptr<const core::Kinematics> palm() {
 }
 
 ReplayConfig playing_palm(const TemporaryFile& file) {
-  return {file.path(), false, core::VecA::Constant(1, 1.0)};
+  ReplayConfig config;
+  config.file = file.path();
+  config.max_effort = core::VecA::Constant(1, 1.0);
+  return config;
 }
 
 constexpr const char* kHeader = "time_s,palm.x,palm.y,palm.z,palm.qx,palm.qy,palm.qz,palm.qw,a\n";

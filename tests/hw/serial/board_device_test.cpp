@@ -19,7 +19,7 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/emulator/serve.hpp"
-#include "hw/open_device.hpp"
+#include "hw/simulated/finger.hpp"
 #include "tests/support/allocation_guard.hpp"
 
 namespace haptic::hw {
@@ -98,12 +98,11 @@ BoardConfig config(const std::string& port) {
   BoardConfig c;
   c.port = port;
   c.max_effort = core::VecA::Constant(1, 40.0);
-  c.longest_lateness = 20ms;
   return c;
 }
 
 std::unique_ptr<Device> open(const BoardConfig& c) {
-  return open_device(c, core::make_finger_exoskeleton({}));
+  return open_device(c, core::make_finger_exoskeleton({}), 20ms);
 }
 
 core::TimePoint now() {

@@ -1,4 +1,5 @@
 #include "server/app.hpp"
+#include "hw/simulated/finger.hpp"
 
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
@@ -106,8 +107,9 @@ TEST(App, APortInUseIsAnErrorThatNamesIt) {
 
 TEST(App, ADeviceThatCannotBeOpenedIsAnErrorAndLeavesNothingRunning) {
   Scene scene = soft_grasp();
-  std::get<haptic::hw::SimulatedFingerConfig>(scene.devices[0].source).motion_file =
-      "no/such/motion.csv";
+  haptic::hw::SimulatedFingerConfig hand;
+  hand.motion_file = "no/such/motion.csv";
+  scene.devices[0].source = std::make_shared<const haptic::hw::SimulatedFingerConfig>(hand);
   App app(std::move(scene), kPlain);
   EXPECT_THROW(app.start(), haptic::core::DeviceError);
   EXPECT_TRUE(app.addresses().empty());

@@ -19,7 +19,7 @@
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "hw/open_device.hpp"
+#include "hw/replay/replay.hpp"
 #include "tests/server/support/device_rig.hpp"
 
 namespace {

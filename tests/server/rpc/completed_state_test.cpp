@@ -50,7 +50,7 @@ class CompletedState : public testing::Test, public server::RecordListener {
   [[nodiscard]] core::VecX f_of(const core::VecQ& q) const {
     core::VecX x;
     core::MatXQ J;
-    EXPECT_EQ(device_.kinematics->evaluate(q, x, J), core::MapStatus::kOk);
+    EXPECT_EQ(device_.pipeline.kinematics->evaluate(q, x, J), core::MapStatus::kOk);
     return x;
   }
 
@@ -58,7 +58,7 @@ class CompletedState : public testing::Test, public server::RecordListener {
       server::load_scene(HAPTIC_SOURCE_DIR "/server/scenes/hand_five_fingers.textproto");
   const server::DeviceScene& device_ = scene_.devices.front();
   std::unique_ptr<server::DeviceUnit> unit_ = [this] {
-    auto device = hw::open_device(device_.source, device_.kinematics);
+    auto device = hw::open_device(*device_.source, device_.pipeline.kinematics);
     auto config = server::pipeline_config(device_, device->info().limits);
     return std::make_unique<server::DeviceUnit>("hand", std::move(device), std::move(config));
   }();

@@ -17,9 +17,9 @@ server::Scene tracked(const char* name = "chain_on_tracked_palm") {
   scene.loop.loop_late_fault = 10s;
   scene.loop.late_bucket_full = 1'000'000;
   for (server::DeviceScene& device : scene.devices) {
-    device.settings.staleness.hold_end = 5s;
-    device.settings.staleness.fade_end = 6s;
-    if (device.tracker) device.tracker->staleness = {80ms, 1s, 1200ms};
+    device.pipeline.scene.staleness.hold_end = 5s;
+    device.pipeline.scene.staleness.fade_end = 6s;
+    if (device.pipeline.tracker) device.pipeline.tracker->staleness = {80ms, 1s, 1200ms};
   }
   return scene;
 }

@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "haptic/core/tick/probe_completion.hpp"
-#include "hw/open_device.hpp"
+#include "hw/board/board_device.hpp"
+#include "hw/simulated/finger.hpp"
 #include "server/scene/scene.hpp"
 #include "tests/server/support/device_rig.hpp"
 #include "tests/support/allocation_guard.hpp"
@@ -35,11 +36,9 @@ std::vector<std::filesystem::path> scenes() {
 
 std::unique_ptr<DeviceUnit> make_unit(const DeviceScene& scene) {
   // A board is hardware: its scene's pipeline then runs on the simulation of what it moves.
-  haptic::hw::DeviceConfig source = scene.source;
-  if (std::holds_alternative<haptic::hw::BoardConfig>(source)) {
-    source = haptic::hw::SimulatedFingerConfig{};
-  }
-  auto device = haptic::hw::open_device(source, scene.kinematics);
+  const haptic::hw::SimulatedFingerConfig simulated;
+  const haptic::hw::DeviceConfig& source = scene.source->is_hardware() ? simulated : *scene.source;
+  auto device = haptic::hw::open_device(source, scene.pipeline.kinematics);
   auto config = haptic::server::pipeline_config(scene, device->info().limits);
   return std::make_unique<DeviceUnit>(scene.name, std::move(device), std::move(config));
 }

@@ -2,6 +2,7 @@
 
 #include <fstream>
 
+#include "hw/board/board_device.hpp"
 #include "tests/server/scene/scene_text.hpp"
 
 namespace haptic::test {
@@ -24,7 +25,7 @@ class CalibratedScene : public ::testing::Test {
                         file_.string() + "\" }");
   }
   [[nodiscard]] hw::board::Calibration calibration() const {
-    return *std::get<hw::BoardConfig>(parse(scene()).devices[0].source).calibration;
+    return *dynamic_cast<const hw::BoardConfig&>(*parse(scene()).devices[0].source).calibration;
   }
   fs::path file_;
 };
@@ -60,7 +61,7 @@ TEST_F(CalibratedScene, AnAdmittanceKeepsWithinTheCalibratedTravel) {
                     "force_control { admittance { damping_n_s_per_m: 400 max_rate_m_per_s: 0.03 " +
                         more + "} }\n  limits {");
   };
-  const auto control = parse(with("")).devices[0].force_control.settings;
+  const auto control = parse(with("")).devices[0].pipeline.force_control;
   ASSERT_EQ(control.admittances.size(), 1u);
   EXPECT_EQ(control.admittances[0].lower, 0.001);
   EXPECT_EQ(control.admittances[0].upper, 0.048);

@@ -6,7 +6,7 @@ namespace {
 
 TEST(DiagnosticsScene, AbsentMeansOff) {
   const server::Scene scene = parse(kFinger);
-  EXPECT_FALSE(scene.devices[0].passivity_certificate);
+  EXPECT_FALSE(scene.devices[0].pipeline.passivity_certificate);
   EXPECT_FALSE(scene.devices[0].coupling_softness.has_value());
   EXPECT_EQ(scene.resolved.find("certificate"), std::string::npos);
   EXPECT_EQ(scene.resolved.find("coupling"), std::string::npos);
@@ -15,7 +15,7 @@ TEST(DiagnosticsScene, AbsentMeansOff) {
 TEST(DiagnosticsScene, PresenceSelects) {
   const server::Scene scene =
       parse(with_option(kFinger, "passivity_certificate {} coupling_metric { softness: 0.2 }"));
-  EXPECT_TRUE(scene.devices[0].passivity_certificate);
+  EXPECT_TRUE(scene.devices[0].pipeline.passivity_certificate);
   EXPECT_EQ(scene.devices[0].coupling_softness, 0.2);
   EXPECT_TRUE(server::pipeline_config(scene.devices[0], {}).passivity_certificate);
   EXPECT_EQ(parse(scene.resolved).resolved, scene.resolved);

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <sstream>
 
+#include "hw/replay/replay.hpp"
+#include "hw/simulated/linear.hpp"
 #include "tests/hw/temporary_file.hpp"
 #include "tests/server/scene/scene_run.hpp"
 #include "tests/server/scene/scene_text.hpp"
@@ -27,8 +29,9 @@ class KinematicsScenes : public testing::TestWithParam<Expected> {
  protected:
   server::Scene scene = server::load_scene(kScenes / (std::string(GetParam().file) + ".textproto"));
   const server::DeviceScene& device = scene.devices.front();
-  const core::DofLayout& layout = device.kinematics->layout();
-  const hw::SimulatedLinearConfig& masses = std::get<hw::SimulatedLinearConfig>(device.source);
+  const core::DofLayout& layout = device.pipeline.kinematics->layout();
+  const hw::SimulatedLinearConfig& masses =
+      dynamic_cast<const hw::SimulatedLinearConfig&>(*device.source);
 
   /// A pose whose actuated DoFs are as far from the target as a fifth of the force limit bends Z_q,
   /// alternately to both sides, and whose sensed DoFs are a hundredth of their box away.
@@ -37,19 +40,19 @@ class KinematicsScenes : public testing::TestWithParam<Expected> {
     double side = 1.0;
     for (int i = 0; i < layout.n_a(); ++i, side = -side) {
       q[layout.actuated(i)] +=
-          side * 0.2 * device.settings.force_limit[i] / device.settings.stiffness[i];
+          side * 0.2 * device.pipeline.scene.force_limit[i] / device.pipeline.scene.stiffness[i];
     }
     for (int i = 0; i < layout.n_n(); ++i, side = -side) {
       const core::DofSpec& dof =
-          device.kinematics->dofs()[static_cast<std::size_t>(layout.sensed(i))];
+          device.pipeline.kinematics->dofs()[static_cast<std::size_t>(layout.sensed(i))];
       q[layout.sensed(i)] += side * 0.01 * (dof.upper - dof.lower);
     }
     return q;
   }
 
   [[nodiscard]] Eigen::MatrixXd Z_q() const {
-    const VecA& K = device.settings.stiffness;
-    const auto& coupling = device.projection.coupling;
+    const VecA& K = device.pipeline.scene.stiffness;
+    const auto& coupling = device.pipeline.projection.coupling;
     return coupling ? Eigen::MatrixXd(coupling->matrix(K))
                     : Eigen::MatrixXd(Eigen::VectorXd(K).asDiagonal());
   }
@@ -60,32 +63,35 @@ class KinematicsScenes : public testing::TestWithParam<Expected> {
     EXPECT_NE(record.projection, core::ProjectionStatus::kMapFailed);
     EXPECT_TRUE(record.q_star.allFinite());
     EXPECT_TRUE(record.tau_a.allFinite());
-    EXPECT_TRUE((record.tau_a.cwiseAbs().array() <= device.settings.force_limit.array()).all());
+    EXPECT_TRUE(
+        (record.tau_a.cwiseAbs().array() <= device.pipeline.scene.force_limit.array()).all());
   }
 };
 
 TEST_P(KinematicsScenes, SayWhatTheDeviceIs) {
   EXPECT_EQ(layout.n_q(), GetParam().n_q);
   EXPECT_EQ(layout.n_a(), GetParam().n_a);
-  EXPECT_EQ(device.kinematics->space().n_x(), GetParam().n_x);
-  EXPECT_EQ(device.projection.prior.has_value(), !GetParam().full_rank);
-  EXPECT_EQ(device.projection.metric.is_identity(), !device.kinematics->space().mixes_units());
+  EXPECT_EQ(device.pipeline.kinematics->space().n_x(), GetParam().n_x);
+  EXPECT_EQ(device.pipeline.projection.prior.has_value(), !GetParam().full_rank);
+  EXPECT_EQ(device.pipeline.projection.metric.is_identity(),
+            !device.pipeline.kinematics->space().mixes_units());
 }
 
 TEST_P(KinematicsScenes, AProxyAtTheProbeIsNoForce) {
-  SceneRun run(device, device.source);
+  SceneRun run(device);
   run.engage();
   for (int i = 0; i < 200; ++i) {
     const core::TickRecord& record = run.tick();
     expect_a_sound_tick(record);
-    EXPECT_LT((record.tau_a.array() / device.settings.force_limit.array()).abs().maxCoeff(), 1e-9);
+    EXPECT_LT((record.tau_a.array() / device.pipeline.scene.force_limit.array()).abs().maxCoeff(),
+              1e-9);
   }
 }
 
 /// Full rank: at rest K (q*_a - q_a) = K_h (q_a - target), with q*_a the proxy's own pose, whatever
 /// the sensed DoFs do. Otherwise: at rest, and nearer to the proxy.
 TEST_P(KinematicsScenes, AHeldProxyPullsTheDeviceToWhereTheForcesBalance) {
-  SceneRun run(device, device.source);
+  SceneRun run(device);
   run.engage();
   const VecQ goal = beside_the_target();
   run.hold(goal);
@@ -94,9 +100,10 @@ TEST_P(KinematicsScenes, AHeldProxyPullsTheDeviceToWhereTheForcesBalance) {
   const VecA q_a = layout.select(record.q), target_a = layout.select(masses.target);
   const VecA K_h = layout.select(masses.hand_stiffness);
   const VecA balance = record.tau_elastic - K_h.cwiseProduct(q_a - target_a);
-  EXPECT_LT((balance.array() / device.settings.force_limit.array()).abs().maxCoeff(), 1e-6);
-  EXPECT_GT((record.tau_elastic.array() / device.settings.force_limit.array()).abs().maxCoeff(),
-            0.01);
+  EXPECT_LT((balance.array() / device.pipeline.scene.force_limit.array()).abs().maxCoeff(), 1e-6);
+  EXPECT_GT(
+      (record.tau_elastic.array() / device.pipeline.scene.force_limit.array()).abs().maxCoeff(),
+      0.01);
   if (GetParam().full_rank) {
     const Eigen::MatrixXd hand = Eigen::VectorXd(K_h).asDiagonal();
     const Eigen::VectorXd pull = Z_q() * layout.select(goal) + hand * target_a;
@@ -107,10 +114,11 @@ TEST_P(KinematicsScenes, AHeldProxyPullsTheDeviceToWhereTheForcesBalance) {
   } else {
     core::VecX x_start, dx;
     core::MatXQ J;
-    ASSERT_EQ(device.kinematics->evaluate(masses.target, x_start, J), core::MapStatus::kOk);
-    device.kinematics->space().difference(record.x, x_start, dx);
+    ASSERT_EQ(device.pipeline.kinematics->evaluate(masses.target, x_start, J),
+              core::MapStatus::kOk);
+    device.pipeline.kinematics->space().difference(record.x, x_start, dx);
     const double distance_before = dx.norm();
-    device.kinematics->space().difference(record.x, record.x_probe, dx);
+    device.pipeline.kinematics->space().difference(record.x, record.x_probe, dx);
     EXPECT_LT(dx.norm(), 0.8 * distance_before);
   }
 }
@@ -131,10 +139,14 @@ std::string recording(const core::Kinematics& kinematics, const VecQ& rest, cons
 }
 
 TEST_P(KinematicsScenes, ARecordingIsRenderedAsEqSixAndSevenSay) {
-  const TemporaryFile file(
-      recording(*device.kinematics, masses.target, 0.7 * (beside_the_target() - masses.target)),
-      std::string(GetParam().file) + ".csv");
-  SceneRun run(device, hw::ReplayConfig{file.path(), true, masses.max_effort});
+  const TemporaryFile file(recording(*device.pipeline.kinematics, masses.target,
+                                     0.7 * (beside_the_target() - masses.target)),
+                           std::string(GetParam().file) + ".csv");
+  hw::ReplayConfig recorded;
+  recorded.file = file.path();
+  recorded.repeat = true;
+  recorded.max_effort = masses.max_effort;
+  SceneRun run(device, recorded);
   run.engage();
   double largest = 0.0;
   int unlimited = 0;
@@ -149,7 +161,7 @@ TEST_P(KinematicsScenes, ARecordingIsRenderedAsEqSixAndSevenSay) {
     largest = std::max(largest, elastic.cwiseAbs().maxCoeff());
   }
   EXPECT_GT(unlimited, 1000);
-  EXPECT_GT(largest, 0.05 * device.settings.force_limit.minCoeff());
+  EXPECT_GT(largest, 0.05 * device.pipeline.scene.force_limit.minCoeff());
 }
 
 INSTANTIATE_TEST_SUITE_P(Shipped, KinematicsScenes,

@@ -10,7 +10,7 @@ namespace {
 TEST(MetricScene, AWholeMatrixReachesTheProjectionRowByRow) {
   const server::Scene scene =
       parse(replaced(kFinger, "limits {", "metric { W: [4, 1, 1, 9] } limits {"));
-  const Eigen::MatrixXd W = scene.devices[0].projection.metric.matrix();
+  const Eigen::MatrixXd W = scene.devices[0].pipeline.projection.metric.matrix();
   EXPECT_NEAR((W - (Eigen::Matrix2d() << 4, 1, 1, 9).finished()).norm(), 0.0, 1e-14);
 }
 
@@ -50,7 +50,7 @@ device {
 }
 )";
   const server::Scene scene = parse(text);
-  SceneRun run(scene.devices[0], scene.devices[0].source);
+  SceneRun run(scene.devices[0]);
   run.engage();
   run.hold_at((core::VecX(2) << 0.01, -0.02).finished());
   // (3.5 0.01 - 1.5 0.02) / 5

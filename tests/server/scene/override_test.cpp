@@ -1,3 +1,4 @@
+#include "hw/simulated/linear.hpp"
 #include "tests/server/scene/scene_text.hpp"
 
 namespace haptic::test {
@@ -5,13 +6,13 @@ namespace {
 
 TEST(SceneOverride, SetsOneEntryOfAList) {
   const auto scene = parse(kFinger, {"device[0].impedance.stiffness_n_per_m[0]=800"});
-  EXPECT_EQ(scene.devices[0].settings.stiffness[0], 800.0);
+  EXPECT_EQ(scene.devices[0].pipeline.scene.stiffness[0], 800.0);
 }
 
 TEST(SceneOverride, SetsAWholeList) {
   const auto scene = parse(kLinear, {"device[0].simulated_linear.mass=[7, 8]",
                                      "server.listen=[\"127.0.0.1:1\", \"unix:/run/h\"]"});
-  const auto& source = std::get<hw::SimulatedLinearConfig>(scene.devices[0].source);
+  const auto& source = dynamic_cast<const hw::SimulatedLinearConfig&>(*scene.devices[0].source);
   EXPECT_EQ(source.mass[0], 7.0);
   EXPECT_EQ(source.mass[1], 8.0);
   EXPECT_EQ(scene.server.listen, (std::vector<std::string>{"127.0.0.1:1", "unix:/run/h"}));
@@ -27,15 +28,15 @@ TEST(SceneOverride, AnIndexOfTheListsSizeAppends) {
 TEST(SceneOverride, PresenceSelectsAndMessagesAreCreatedOnTheWay) {
   const auto scene = parse(kFinger, {"device[0].direction_guard={}", "record.file=run.csv",
                                      "device[0].staleness.hold_end.nanos=50000000"});
-  EXPECT_TRUE(scene.devices[0].settings.direction_guard);
+  EXPECT_TRUE(scene.devices[0].pipeline.scene.direction_guard);
   EXPECT_EQ(scene.record->file, "run.csv");
-  EXPECT_EQ(scene.devices[0].settings.staleness.hold_end, std::chrono::milliseconds(50));
+  EXPECT_EQ(scene.devices[0].pipeline.scene.staleness.hold_end, std::chrono::milliseconds(50));
 }
 
 TEST(SceneOverride, ReplacesTheOtherMemberOfAOneof) {
   const std::string with = replaced(kFinger, "limits {", "standard {}\n limits {");
-  EXPECT_EQ(parse(with).devices[0].settings.renderer, core::RendererKind::kStandard);
-  EXPECT_EQ(parse(with, {"device[0].subspace_exact={}"}).devices[0].settings.renderer,
+  EXPECT_EQ(parse(with).devices[0].pipeline.scene.renderer, core::RendererKind::kStandard);
+  EXPECT_EQ(parse(with, {"device[0].subspace_exact={}"}).devices[0].pipeline.scene.renderer,
             core::RendererKind::kSubspaceExact);
 }
 

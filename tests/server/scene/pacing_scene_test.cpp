@@ -1,6 +1,4 @@
 // Which device may pace the loop.
-#include "server/scene/loop_pacing.hpp"
-
 #include <gtest/gtest.h>
 
 #include "tests/server/scene/scene_text.hpp"

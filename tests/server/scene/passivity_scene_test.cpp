@@ -5,8 +5,8 @@ namespace {
 
 TEST(PassivityScene, AbsentMeansOff) {
   const server::DeviceScene device = parse(kFinger).devices[0];
-  EXPECT_FALSE(device.passivity.enabled());
-  EXPECT_FALSE(device.monotone_envelope);
+  EXPECT_FALSE(device.pipeline.passivity.enabled());
+  EXPECT_FALSE(device.pipeline.monotone_envelope);
   EXPECT_EQ(parse(kFinger).resolved.find("passivity"), std::string::npos);
 }
 
@@ -14,8 +14,8 @@ TEST(PassivityScene, FillsInTheDocumentedDefaultsFromTheSimulatedDevice) {
   const server::Scene scene =
       parse(with_option(kFinger, "passivity { tank {} observer {} }\n  monotone_envelope {}"));
   const server::DeviceScene& device = scene.devices[0];
-  EXPECT_TRUE(device.monotone_envelope);
-  const core::PassivitySettings& p = device.passivity;
+  EXPECT_TRUE(device.pipeline.monotone_envelope);
+  const core::PassivitySettings& p = device.pipeline.passivity;
   EXPECT_TRUE(p.tank.enabled);
   EXPECT_TRUE(p.observer.enabled);
   EXPECT_EQ(p.tank.initial, 0.0);
@@ -38,7 +38,7 @@ TEST(PassivityScene, GivenValuesReachTheirStructs) {
     device_damping_n_s_per_m: 0.25
   })"))
                                         .devices[0]
-                                        .passivity;
+                                        .pipeline.passivity;
   EXPECT_EQ(p.tank.initial, 0.002);
   EXPECT_EQ(p.tank.capacity, 0.01);
   EXPECT_EQ(p.tank.allowed_power, 0.5);
@@ -51,7 +51,7 @@ TEST(PassivityScene, GivenValuesReachTheirStructs) {
 
 TEST(PassivityScene, OfALinearDeviceTheActuatedDoFsCount) {
   const core::PassivitySettings p =
-      parse(with_option(kLinear, "passivity { observer {} }")).devices[0].passivity;
+      parse(with_option(kLinear, "passivity { observer {} }")).devices[0].pipeline.passivity;
   ASSERT_EQ(p.observer.inertia.size(), 1);
   EXPECT_EQ(p.observer.inertia[0], 1.0);
   EXPECT_FALSE(p.tank.enabled);
@@ -77,7 +77,7 @@ TEST(PassivityScene, ARecordingHasNoDynamicsToDeriveFrom) {
   const std::string error = error_of(with_option(replay, "passivity { observer {} }"));
   EXPECT_NE(error.find("inertia_kg"), std::string::npos) << error;
   const core::PassivitySettings p =
-      parse(with_option(replay, "passivity { tank {} }")).devices[0].passivity;
+      parse(with_option(replay, "passivity { tank {} }")).devices[0].pipeline.passivity;
   EXPECT_EQ(p.device_damping[0], 0.0);
 }
 

@@ -11,22 +11,22 @@ const std::string kThermal =
     "thermal { motor_constant: 4 winding_k_per_w: 6 winding_time_s: 12 limit_c: 105 ";
 
 TEST(RatingsScene, AbsentMeansNone) {
-  EXPECT_TRUE(parse(kFinger).devices[0].ratings.empty());
+  EXPECT_TRUE(parse(kFinger).devices[0].pipeline.ratings.empty());
   EXPECT_EQ(parse(kFinger).resolved.find("power_w"), std::string::npos);
 }
 
 TEST(RatingsScene, EachMayStandAlone) {
-  const auto power = parse(with_limits("power_w: 2")).devices[0].ratings;
+  const auto power = parse(with_limits("power_w: 2")).devices[0].pipeline.ratings;
   ASSERT_EQ(power.size(), 1u);
   EXPECT_EQ(power[0].power, 2.0);
   EXPECT_EQ(power[0].rate, std::numeric_limits<double>::infinity());
   EXPECT_FALSE(power[0].thermal);
-  EXPECT_EQ(parse(with_limits("rate_m_per_s: 0.03")).devices[0].ratings.at(0).rate, 0.03);
+  EXPECT_EQ(parse(with_limits("rate_m_per_s: 0.03")).devices[0].pipeline.ratings.at(0).rate, 0.03);
 }
 
 TEST(RatingsScene, TheThermalModelHasItsDocumentedDefaults) {
   const server::Scene scene = parse(with_limits(kThermal + "}"));
-  const core::ThermalParameters p = *scene.devices[0].ratings.at(0).thermal;
+  const core::ThermalParameters p = *scene.devices[0].pipeline.ratings.at(0).thermal;
   EXPECT_EQ(p.motor_constant, 4.0);
   EXPECT_EQ(p.winding_resistance, 6.0);
   EXPECT_EQ(p.winding_time, 12.0);
@@ -69,17 +69,17 @@ std::string board(const std::string& force_control) {
 
 TEST(ForceControlScene, AbsentMeansThatNobodyAsks) {
   const auto device = parse(board("")).devices[0];
-  EXPECT_EQ(device.force_control.place, server::ForceControlPlace::kAny);
-  EXPECT_FALSE(device.force_control.settings.enabled());
+  EXPECT_EQ(device.force_control, server::ForceControlPlace::kAny);
+  EXPECT_FALSE(device.pipeline.force_control.enabled());
 }
 
 TEST(ForceControlScene, OfTheServerIsALoopPerActuatedDof) {
   const server::Scene scene = parse(
       board("force_control { server { proportional: 2 integral_per_s: 30 friction_n: 12 } }"));
-  const auto& control = scene.devices[0].force_control;
-  EXPECT_EQ(control.place, server::ForceControlPlace::kServer);
-  ASSERT_EQ(control.settings.loops.size(), 1u);
-  const core::ForceLoopGains& gains = control.settings.loops[0];
+  const server::DeviceScene& device = scene.devices[0];
+  EXPECT_EQ(device.force_control, server::ForceControlPlace::kServer);
+  ASSERT_EQ(device.pipeline.force_control.loops.size(), 1u);
+  const core::ForceLoopGains& gains = device.pipeline.force_control.loops[0];
   EXPECT_EQ(gains.proportional, 2.0);
   EXPECT_EQ(gains.integral, 30.0);
   EXPECT_EQ(gains.friction, 12.0);
@@ -93,7 +93,7 @@ TEST(ForceControlScene, TheOutputStaysWithinWhatTheDeviceGives) {
     return parse(
                board("force_control { server { proportional: 2 integral_per_s: 30 " + more + "} }"))
         .devices[0]
-        .force_control.settings.loops.at(0);
+        .pipeline.force_control.loops.at(0);
   };
   EXPECT_EQ(gains("friction_n: 31 ").output_limit, 40.0);
   const std::string error = error_of(
@@ -104,13 +104,12 @@ TEST(ForceControlScene, TheOutputStaysWithinWhatTheDeviceGives) {
 }
 
 TEST(ForceControlScene, AnAdmittanceTakesItsTravelFromTheDof) {
-  const auto control =
+  const server::DeviceScene device =
       parse(board("force_control { admittance { damping_n_s_per_m: 400 max_rate_m_per_s: 0.03 } }"))
-          .devices[0]
-          .force_control;
-  EXPECT_EQ(control.place, server::ForceControlPlace::kAdmittance);
-  ASSERT_EQ(control.settings.admittances.size(), 1u);
-  const core::AdmittanceParameters& p = control.settings.admittances[0];
+          .devices[0];
+  EXPECT_EQ(device.force_control, server::ForceControlPlace::kAdmittance);
+  ASSERT_EQ(device.pipeline.force_control.admittances.size(), 1u);
+  const core::AdmittanceParameters& p = device.pipeline.force_control.admittances[0];
   EXPECT_EQ(p.mass, 0.0);
   EXPECT_EQ(p.damping, 400.0);
   EXPECT_EQ(p.max_rate, 0.03);

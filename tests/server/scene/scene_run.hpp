@@ -17,12 +17,13 @@ namespace haptic::test {
 
 class SceneRun {
  public:
+  explicit SceneRun(const server::DeviceScene& scene) : SceneRun(scene, *scene.source) {}
   /// `source`: what moves instead of the scene's own source.
   SceneRun(const server::DeviceScene& scene, const hw::DeviceConfig& source)
-      : device_(hw::open_device(source, scene.kinematics)),
+      : device_(hw::open_device(source, scene.pipeline.kinematics)),
         pipeline_(server::pipeline_config(scene, device_->info().limits)),
-        kinematics_(*scene.kinematics) {
-    input_.settings = scene.settings;
+        kinematics_(*scene.pipeline.kinematics) {
+    input_.settings = scene.pipeline.scene;
     input_.command.lease_epoch = 1;
     input_.command.lease_held = true;
     input_.proxy.mode = core::ProxyMode::kHeld;

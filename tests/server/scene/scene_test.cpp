@@ -1,4 +1,6 @@
 #include "server/scene/scene.hpp"
+#include "hw/simulated/finger.hpp"
+#include "hw/simulated/linear.hpp"
 
 #include "tests/server/scene/scene_text.hpp"
 
@@ -10,7 +12,7 @@ using namespace std::chrono_literals;
 TEST(Scene, FillsInTheDocumentedDefaults) {
   const server::Scene scene = parse(kFinger);
   ASSERT_EQ(scene.devices.size(), 1u);
-  const core::RenderSettings& s = scene.devices[0].settings;
+  const core::RenderSettings& s = scene.devices[0].pipeline.scene;
   EXPECT_EQ(s.renderer, core::RendererKind::kSubspaceLinear);
   EXPECT_FALSE(s.direction_guard);
   EXPECT_EQ(s.damping[0], 0.0);
@@ -33,7 +35,7 @@ TEST(Scene, FillsInTheDocumentedDefaults) {
 
 TEST(Scene, FillsInTheSimulatedHandOfTheMethod) {
   const server::Scene scene = parse(kFinger);
-  const auto& hand = std::get<hw::SimulatedFingerConfig>(scene.devices[0].source);
+  const auto& hand = dynamic_cast<const hw::SimulatedFingerConfig&>(*scene.devices[0].source);
   EXPECT_EQ(hand.seed, 1u);
   EXPECT_EQ(hand.hand_stiffness, 0.6);
   EXPECT_EQ(hand.hand_damping, 0.012);
@@ -55,14 +57,14 @@ TEST(Scene, GivenValuesReachTheirStructs) {
 loop { period { nanos: 500000 } loop_late_fault { nanos: 4000000 } priority: 7 cpu: 1 }
 record { file: "run.csv" compare_renderers: true })");
   const server::DeviceScene& device = scene.devices[0];
-  EXPECT_EQ(device.kinematics->layout().n_q(), 2);
-  EXPECT_EQ(device.kinematics->layout().n_a(), 1) << "derived, never typed";
-  EXPECT_EQ(device.settings.renderer, core::RendererKind::kNullSpace);
-  EXPECT_EQ(device.settings.slew_limit[0], 7.0);
-  EXPECT_EQ(device.settings.engage_window[0], 1.5);
-  EXPECT_EQ(device.settings.staleness, (core::StalenessLimits{15ms, 60ms, 110ms}));
+  EXPECT_EQ(device.pipeline.kinematics->layout().n_q(), 2);
+  EXPECT_EQ(device.pipeline.kinematics->layout().n_a(), 1) << "derived, never typed";
+  EXPECT_EQ(device.pipeline.scene.renderer, core::RendererKind::kNullSpace);
+  EXPECT_EQ(device.pipeline.scene.slew_limit[0], 7.0);
+  EXPECT_EQ(device.pipeline.scene.engage_window[0], 1.5);
+  EXPECT_EQ(device.pipeline.scene.staleness, (core::StalenessLimits{15ms, 60ms, 110ms}));
   EXPECT_EQ(device.fresh_end, std::optional<core::Duration>(15ms));
-  const auto& source = std::get<hw::SimulatedLinearConfig>(device.source);
+  const auto& source = dynamic_cast<const hw::SimulatedLinearConfig&>(*device.source);
   EXPECT_EQ(source.mass[1], 2.0);
   EXPECT_EQ(source.max_effort.size(), 1);
   EXPECT_EQ(scene.server.listen, (std::vector<std::string>{"[::1]:0", "unix:/run/h.sock"}));
@@ -83,7 +85,7 @@ TEST(Scene, TheMatrixIsReadRowByRow) {
   q << 0.1, 1.0;
   core::VecX x(2);
   core::MatXQ J(2, 2);
-  ASSERT_EQ(scene.devices[0].kinematics->evaluate(q, x, J), core::MapStatus::kOk);
+  ASSERT_EQ(scene.devices[0].pipeline.kinematics->evaluate(q, x, J), core::MapStatus::kOk);
   EXPECT_DOUBLE_EQ(x[0], 1 * 0.1 + 2 * 1.0);
   EXPECT_DOUBLE_EQ(x[1], 3 * 0.1 + 4 * 1.0);
 }
@@ -92,11 +94,12 @@ TEST(Scene, RecordingsAreRelativeToTheSceneAndStandWithTheirFullPath) {
   const server::Scene scene = parse(replaced(kFinger, "simulated_finger {}",
                                              "simulated_finger { motion_file: \"motion/../motion/"
                                              "reach_and_grasp.csv\" }"));
-  const auto& hand = std::get<hw::SimulatedFingerConfig>(scene.devices[0].source);
+  const auto& hand = dynamic_cast<const hw::SimulatedFingerConfig&>(*scene.devices[0].source);
   EXPECT_EQ(hand.motion_file, kScenes / "motion/reach_and_grasp.csv");
   const server::Scene elsewhere = server::parse_scene(scene.resolved, "r", "/");
-  EXPECT_EQ(std::get<hw::SimulatedFingerConfig>(elsewhere.devices[0].source).motion_file,
-            hand.motion_file);
+  EXPECT_EQ(
+      dynamic_cast<const hw::SimulatedFingerConfig&>(*elsewhere.devices[0].source).motion_file,
+      hand.motion_file);
 }
 
 TEST(Scene, TheResolvedTextHoldsEveryDefault) {

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <typeinfo>
 
+#include "hw/board/board_device.hpp"
 #include "tests/server/scene/scene_text.hpp"
 
 namespace haptic::test {
@@ -40,10 +42,10 @@ TEST(ShippedScenes, OpenTheirDevices) {
     SCOPED_TRACE(file.filename());
     const server::Scene scene = server::load_scene(file);
     for (const server::DeviceScene& device : scene.devices) {
-      if (std::holds_alternative<hw::BoardConfig>(device.source)) continue;  // hardware
-      const auto opened = hw::open_device(device.source, device.kinematics);
+      if (device.source->is_hardware()) continue;
+      const auto opened = hw::open_device(*device.source, device.pipeline.kinematics);
       ASSERT_NE(opened, nullptr);
-      EXPECT_EQ(opened->info().limits.max_effort.size(), device.settings.force_limit.size());
+      EXPECT_EQ(opened->info().limits.max_effort.size(), device.pipeline.scene.force_limit.size());
     }
   }
 }
@@ -63,9 +65,11 @@ TEST(ShippedScenes, ReadBackFromTheirResolvedTextAsTheSameScene) {
     for (std::size_t i = 0; i < scene.devices.size(); ++i) {
       EXPECT_EQ(again.devices[i].name, scene.devices[i].name);
       EXPECT_EQ(again.devices[i].fresh_end, scene.devices[i].fresh_end);
-      EXPECT_EQ(again.devices[i].source.index(), scene.devices[i].source.index());
-      expect_same(again.devices[i].settings, scene.devices[i].settings);
-      expect_same(again.devices[i].projection.coupling, scene.devices[i].projection.coupling);
+      const hw::DeviceConfig &a = *again.devices[i].source, &b = *scene.devices[i].source;
+      EXPECT_EQ(typeid(a), typeid(b));
+      expect_same(again.devices[i].pipeline.scene, scene.devices[i].pipeline.scene);
+      expect_same(again.devices[i].pipeline.projection.coupling,
+                  scene.devices[i].pipeline.projection.coupling);
     }
   }
 }

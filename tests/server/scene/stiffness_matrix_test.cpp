@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "hw/simulated/linear.hpp"
 #include "server/session/settings_policy.hpp"
 #include "server/owner/renderer_comparison.hpp"
 #include "tests/server/scene/scene_run.hpp"
@@ -44,16 +45,18 @@ std::string with_matrix(const std::string& values) {
 TEST(StiffnessMatrix, ReachesTheProjectionAsDiagonalAndCoupling) {
   const server::Scene scene = parse(kTwo);
   const server::DeviceScene& device = scene.devices[0];
-  ASSERT_NE(device.projection.coupling, nullptr);
-  EXPECT_EQ(device.settings.stiffness, (core::VecA(2) << 7.0, 6.0).finished());
-  const Eigen::Matrix2d Z = device.projection.coupling->matrix(device.settings.stiffness);
+  ASSERT_NE(device.pipeline.projection.coupling, nullptr);
+  EXPECT_EQ(device.pipeline.scene.stiffness, (core::VecA(2) << 7.0, 6.0).finished());
+  const Eigen::Matrix2d Z =
+      device.pipeline.projection.coupling->matrix(device.pipeline.scene.stiffness);
   EXPECT_LT((Z - (Eigen::Matrix2d() << 7, 2, 2, 6).finished()).norm(), 1e-14);
 }
 
 TEST(StiffnessMatrix, ThatIsDiagonalIsAStiffnessPerDof) {
   const server::Scene scene = parse(with_matrix("7, 0, 0, 6"));
-  EXPECT_EQ(scene.devices[0].projection.coupling, nullptr) << "and the tick is the usual one";
-  EXPECT_EQ(scene.devices[0].settings.stiffness, (core::VecA(2) << 7.0, 6.0).finished());
+  EXPECT_EQ(scene.devices[0].pipeline.projection.coupling, nullptr)
+      << "and the tick is the usual one";
+  EXPECT_EQ(scene.devices[0].pipeline.scene.stiffness, (core::VecA(2) << 7.0, 6.0).finished());
 }
 
 TEST(StiffnessMatrix, StandsInTheResolvedTextAndReadsBack) {
@@ -123,7 +126,7 @@ TEST(StiffnessMatrix, IsWarnedOfInItsStiffestDirection) {
 TEST(StiffnessMatrix, ASessionKeepsToTheSubspaceMethods) {
   const server::Scene scene = parse(kTwo);
   const server::DeviceScene& device = scene.devices[0];
-  const auto limits = hw::open_device(device.source, device.kinematics)->info().limits;
+  const auto limits = hw::open_device(*device.source, device.pipeline.kinematics)->info().limits;
   const core::PipelineConfig config = server::pipeline_config(device, limits);
   server::SettingsRequest request;
   request.renderer = core::RendererKind::kStandard;
@@ -146,7 +149,7 @@ struct Stylus : testing::Test {
   const server::DeviceScene& device = scene.devices.front();
 
   [[nodiscard]] core::VecQ turned(double turntable, double shoulder, double elbow) const {
-    core::VecQ q = std::get<hw::SimulatedLinearConfig>(device.source).target;
+    core::VecQ q = dynamic_cast<const hw::SimulatedLinearConfig&>(*device.source).target;
     q.head(3) += Vector3d(turntable, shoulder, elbow);
     return q;
   }
@@ -169,13 +172,13 @@ TEST_F(Stylus, IsAsStiffAtTheWristInEveryDirection) {
   J(2, 2) = l * std::cos(b);
   const Matrix3d expected = 200.0 * J.transpose() * J;
   EXPECT_LT((expected - kStylus).cwiseAbs().maxCoeff(), 0.06) << expected;
-  ASSERT_NE(device.projection.coupling, nullptr);
-  const Matrix3d Z = device.projection.coupling->matrix(device.settings.stiffness);
+  ASSERT_NE(device.pipeline.projection.coupling, nullptr);
+  const Matrix3d Z = device.pipeline.projection.coupling->matrix(device.pipeline.scene.stiffness);
   EXPECT_LT((Z - kStylus).norm(), 1e-14);
 }
 
 TEST_F(Stylus, FollowsTheLawBehindItsTank) {
-  SceneRun run(device, device.source);
+  SceneRun run(device);
   run.engage();
   run.hold(turned(0.08, 0.25, 0.35));
   double largest = 0.0;
@@ -198,8 +201,8 @@ TEST_F(Stylus, FollowsTheLawBehindItsTank) {
 
 TEST_F(Stylus, IsSaturatedAsAWholeAndSaysSo) {
   server::DeviceScene rich = device;
-  rich.passivity.tank.initial = rich.passivity.tank.capacity = 1.0;
-  SceneRun run(rich, rich.source);
+  rich.pipeline.passivity.tank.initial = rich.pipeline.passivity.tank.capacity = 1.0;
+  SceneRun run(rich);
   run.engage();
   run.hold(turned(0.08, 0.25, 0.35));
   int saturated = 0;
@@ -217,9 +220,10 @@ TEST_F(Stylus, IsSaturatedAsAWholeAndSaysSo) {
 
 TEST_F(Stylus, TheComparisonOfRenderersSaturatesLikeTheTick) {
   server::DeviceScene open = device;
-  open.passivity = {};
-  server::RendererComparison comparison(open.kinematics, open.settings, open.projection);
-  SceneRun run(open, open.source);
+  open.pipeline.passivity = {};
+  server::RendererComparison comparison(open.pipeline.kinematics, open.pipeline.scene,
+                                        open.pipeline.projection);
+  SceneRun run(open);
   run.engage();
   run.hold(turned(0.08, 0.25, 0.35));
   int saturated = 0, compared = 0;

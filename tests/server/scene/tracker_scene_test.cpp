@@ -23,14 +23,14 @@ device {
 TEST(TrackerScene, ItsDofsAreThePalms) {
   const server::Scene scene = parse(kOnAPalm);
   const server::DeviceScene& device = scene.devices.front();
-  ASSERT_TRUE(device.tracker.has_value());
-  EXPECT_EQ(device.tracker->first_dof, 0);
-  EXPECT_EQ(device.kinematics->dofs()[0].name, "palm.x");
-  EXPECT_EQ(device.tracker->staleness.hold_end, milliseconds(100));
-  EXPECT_EQ(device.tracker->staleness.fade_end, milliseconds(180));
+  ASSERT_TRUE(device.pipeline.tracker.has_value());
+  EXPECT_EQ(device.pipeline.tracker->first_dof, 0);
+  EXPECT_EQ(device.pipeline.kinematics->dofs()[0].name, "palm.x");
+  EXPECT_EQ(device.pipeline.tracker->staleness.hold_end, milliseconds(100));
+  EXPECT_EQ(device.pipeline.tracker->staleness.fade_end, milliseconds(180));
   EXPECT_FALSE(device.tracker_fresh_end.has_value());
   EXPECT_EQ(parse(scene.resolved).resolved, scene.resolved);
-  EXPECT_FALSE(parse(replaced(kOnAPalm, "tracker {}", "")).devices[0].tracker.has_value());
+  EXPECT_FALSE(parse(replaced(kOnAPalm, "tracker {}", "")).devices[0].pipeline.tracker.has_value());
 }
 
 TEST(TrackerScene, ItsLimitsAreItsOwn) {
@@ -40,9 +40,9 @@ TEST(TrackerScene, ItsLimitsAreItsOwn) {
       "110000000 } }"));
   const server::DeviceScene& device = scene.devices.front();
   EXPECT_EQ(device.tracker_fresh_end, milliseconds(30));
-  EXPECT_EQ(device.tracker->staleness.hold_end, milliseconds(50));
-  EXPECT_EQ(device.tracker->staleness.fade_end, milliseconds(110));
-  EXPECT_EQ(device.settings.staleness.hold_end, milliseconds(100)) << "the proxy's";
+  EXPECT_EQ(device.pipeline.tracker->staleness.hold_end, milliseconds(50));
+  EXPECT_EQ(device.pipeline.tracker->staleness.fade_end, milliseconds(110));
+  EXPECT_EQ(device.pipeline.scene.staleness.hold_end, milliseconds(100)) << "the proxy's";
 }
 
 TEST(TrackerScene, WhatIsWrongIsNamedWithItsPlace) {

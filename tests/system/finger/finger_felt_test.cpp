@@ -8,7 +8,7 @@
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/tick/pipeline.hpp"
-#include "hw/open_device.hpp"
+#include "hw/simulated/finger.hpp"
 #include "tests/support/angles.hpp"
 
 namespace haptic {

@@ -1,20 +1,20 @@
-#include "server/scene/daemon_scene.hpp"
-
+// What a scene says about the daemon: addresses, TLS, loop, recording.
 #include <algorithm>
 #include <cctype>
 #include <set>
 
+#include "haptic/core/error.hpp"
 #include "server/base/figures.hpp"
-#include "server/scene/field_reader.hpp"
-#include "server/scene/tls_scene.hpp"
+#include "server/scene/parts.hpp"
+#include "server/scene/reader.hpp"
 
 namespace haptic::server {
 namespace {
 
 using namespace std::chrono_literals;
 
-/// Default of loop_late_fault on a real-time host (proto/README.md#states-of-a-device): the tighter
-/// of the two the app may pick.
+/// Default of loop_late_fault with hardware on a real-time host
+/// (proto/README.md#states-of-a-device): the smaller of the two that the app may choose.
 constexpr core::Duration kTightestLateFault{8ms};
 constexpr int kMostCpus = 1024;                // CPU_SETSIZE
 constexpr std::size_t kLongestUnixPath = 107;  // sockaddr_un
@@ -44,6 +44,41 @@ bool is_address(const std::string& text) {
   });
 }
 
+Priority read_priority(const std::string& text, const FieldReader& reader) {
+  for (const Priority priority : {Priority::kTest, Priority::kPrimary, Priority::kOperator}) {
+    if (text == name(priority)) return priority;
+  }
+  reader.wrong("highest_priority", quoted(text), R"(must be "test", "primary" or "operator")");
+  return Priority::kTest;
+}
+
+TlsConfig read_tls(v1::TlsScene& message, const std::filesystem::path& folder, Problems& problems) {
+  const FieldReader reader(message, "server.tls", problems);
+  TlsConfig tls;
+  if (message.certificate().empty()) reader.missing("certificate", "the name of a PEM file");
+  if (message.key().empty()) reader.missing("key", "the name of a PEM file");
+  const std::string what = "a PEM file";
+  tls.certificate = reader.file("certificate", folder, what);
+  tls.key = reader.file("key", folder, what);
+  tls.client_ca = reader.file("client_ca", folder, what);
+  std::set<std::string> names;
+  for (int i = 0; i < message.client_size(); ++i) {
+    v1::TlsClientScene& client = *message.mutable_client(i);
+    const FieldReader its(client, reader.path(entry("client", static_cast<std::size_t>(i))),
+                          problems);
+    if (client.name().empty()) its.missing("name", "one of its certificate");
+    if (!names.insert(client.name()).second) {
+      its.wrong("name", quoted(client.name()), "must be another: this one is listed already");
+    }
+    if (tls.client_ca.empty()) {
+      its.wrong("name", quoted(client.name()),
+                "needs server.tls.client_ca, which verifies this name");
+    }
+    tls.clients.push_back({client.name(), read_priority(client.highest_priority(), its)});
+  }
+  return tls;
+}
+
 }  // namespace
 
 ServerScene read_server(v1::ServerScene& message, const std::filesystem::path& folder,
@@ -55,7 +90,7 @@ ServerScene read_server(v1::ServerScene& message, const std::filesystem::path& f
   std::set<std::string> addresses;
   for (std::size_t i = 0; i < server.listen.size(); ++i) {
     const std::string& address = server.listen[i];
-    const std::string field = "listen[" + std::to_string(i) + "]";
+    const std::string field = entry("listen", i);
     if (!is_address(address)) {
       reader.wrong(field, quoted(address),
                    R"(must be "host:port", "[v6]:port" (port 0 to 65535) or "unix:/path")");
@@ -77,11 +112,15 @@ ServerScene read_server(v1::ServerScene& message, const std::filesystem::path& f
   return server;
 }
 
-LoopScene read_loop(v1::LoopScene& message, Problems& problems) {
+LoopScene read_loop(v1::LoopScene& message, bool hardware, Problems& problems) {
   const FieldReader reader(message, "loop", problems);
   LoopScene loop;
+  if (!hardware) loop.late_bucket_full = kLateBucketWithoutHardware;
   loop.period = reader.duration("period", loop.period, {500us, 10ms});
-  loop.loop_late_fault = reader.duration("loop_late_fault", {core::Duration(1), 10s});
+  const DurationRange late{core::Duration(1), 10s};
+  loop.loop_late_fault = hardware
+                             ? reader.duration("loop_late_fault", late)
+                             : reader.duration("loop_late_fault", kLateFaultWithoutHardware, late);
   if (loop.loop_late_fault && *loop.loop_late_fault <= loop.period) {
     reader.wrong("loop_late_fault", milliseconds(*loop.loop_late_fault),
                  "must be above the period, " + milliseconds(loop.period));
@@ -113,6 +152,17 @@ RecordScene read_record(v1::RecordScene& message, Problems& problems) {
     reader.wrong("file", quoted(message.file()), "must end in \".csv\"");
   }
   return {file, message.compare_renderers()};
+}
+
+void check_pacing(const LoopScene& loop, hw::Device& device) {
+  const std::string field = "loop.paced_by = " + quoted(loop.paced_by) + ": ";
+  if (device.sample_signal() == nullptr) {
+    throw core::DeviceError(field + "this device has no clock of its own; must be a board");
+  }
+  const core::Duration period = device.info().limits.sample_period;
+  if (period == loop.period) return;
+  throw core::DeviceError(field + "this board takes a sample every " + milliseconds(period) +
+                          "; must be loop.period, " + milliseconds(loop.period));
 }
 
 }  // namespace haptic::server

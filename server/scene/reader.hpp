@@ -1,12 +1,13 @@
 #pragma once
-/// Reads the numbers, lists and durations of one message of a scene: fills in
-/// what is absent, in the message and in the value it returns, and reports what
-/// is not allowed.
+/// Reads the fields of one message of a scene: fills in what is absent, in the message and in the
+/// value it returns, and reports what is not allowed.
 
 #include <google/protobuf/message.h>
 
+#include <filesystem>
 #include <initializer_list>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,7 @@ enum class Allowed : std::uint8_t { kFinite, kNotNegative, kPositive };
 struct ListField {
   const char* name;  ///< in scene.proto
   Allowed allowed;
-  int size;         ///< how many there must be; -1: not known, because what it derives
-                    ///< from is wrong
+  int size;         ///< how many there must be; -1: unknown, because what decides it is wrong
   const char* per;  ///< kPerActuatedDof, "coordinate", ...
 };
 inline constexpr const char* kPerActuatedDof = "actuated DoF";
@@ -50,15 +50,12 @@ class FieldReader {
   void missing(const std::string& field, const std::string& why) const;
   [[nodiscard]] std::string path(const std::string& field) const;
 
-  /// Each number as it is in the message where it is there, else its default
-  /// into the message.
+  /// Reads each number that is present; writes the default of each that is absent.
   void numbers(std::initializer_list<NumberField> fields) const;
-  /// `fallback` takes the place of an empty list; without one a list is
-  /// required. Empty where the size is wrong.
+  /// `fallback` replaces an empty list; without it the list is required. Empty if the size is wrong.
   [[nodiscard]] std::vector<double> list(
       const ListField& field, const std::optional<std::vector<double>>& fallback = {}) const;
-  /// The duration in `range`; `fallback` goes into the message where it is
-  /// absent.
+  /// The duration in `range`; `fallback` goes into the message if it is absent.
   [[nodiscard]] core::Duration duration(const std::string& field, core::Duration fallback,
                                         const DurationRange& range) const;
   /// The same without a default.
@@ -67,6 +64,14 @@ class FieldReader {
   /// Reports unless lowest <= value <= highest.
   void whole_number(const std::string& field, std::int64_t value, std::int64_t lowest,
                     std::int64_t highest) const;
+  /// A file that is read, relative to `folder`: its full path, which goes into the message. Empty if
+  /// the field is; reports one that is not there: "must be `what`; there is none at ...".
+  [[nodiscard]] std::filesystem::path file(const char* field, const std::filesystem::path& folder,
+                                           const std::string& what) const;
+  /// The message's `name`, of a DoF, coordinate, joint or finger, which becomes a column of
+  /// recordings. Reports unless it is 1 to `longest` letters, digits, _ and -, and not in `taken`, to
+  /// which it is added.
+  void entry_name(std::size_t longest, std::set<std::string>& taken) const;
 
  private:
   [[nodiscard]] const google::protobuf::FieldDescriptor& find(const std::string& field) const;
@@ -77,7 +82,7 @@ class FieldReader {
   Problems& problems_;
 };
 
-/// One value per DoF; empty where there are more than core holds.
+/// One value per DoF; empty if there are more than core can hold.
 [[nodiscard]] core::VecQ to_vector(const std::vector<double>& values);
 /// "[1500, 1500]", or "[30 values]".
 [[nodiscard]] std::string decimal(const std::vector<double>& values);

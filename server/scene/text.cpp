@@ -1,12 +1,12 @@
-#include "server/scene/text_format.hpp"
+#include "server/scene/text.hpp"
 
 #include <google/protobuf/io/tokenizer.h>
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 
 #include "haptic/core/error.hpp"
-#include "server/scene/spelling.hpp"
 
 namespace haptic::server {
 namespace {
@@ -14,6 +14,30 @@ namespace {
 using google::protobuf::TextFormat;
 
 constexpr std::size_t kLargestScene = 1 << 20;  // bytes
+
+/// Levenshtein's distance: the fewest letters to insert, delete or replace.
+std::size_t distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row.back();
+}
+
+/// Twice the distance to `name`, or to its beginning: "stiffness" is near to "stiffness_n_per_m".
+std::size_t unlikeness(const std::string& name, const std::string& wanted) {
+  return std::min(2 * distance(name, wanted),
+                  2 * distance(name.substr(0, wanted.size()), wanted) + 1);
+}
+
+constexpr std::size_t kLongestSpelt = 64;  // longer text is no misspelt name
 
 struct UnknownField {
   std::string type{};  ///< "haptic.v1.ImpedanceScene"
@@ -39,8 +63,8 @@ std::string explained(const std::string& message) {
   return unknown->name + ": unknown field; allowed here: " + fields_of(*type, unknown->name);
 }
 
-/// Offset of a token that protobuf places at `line` and `column`, both from 0.
-/// Its columns count a tab as up to eight; ours, and those of editors, as one.
+/// Offset of a token that protobuf places at `line` and `column`, both from 0. protobuf counts a
+/// tab as up to eight columns; editors, and our messages, count one.
 std::size_t offset_of(const std::string& text, int line, int column) {
   constexpr int kTab = 8;
   std::size_t at = 0;
@@ -58,7 +82,7 @@ std::string line_and_column(const std::string& text, std::size_t offset) {
   return std::to_string(lines + 1) + ":" + std::to_string(offset - start + 1);
 }
 
-/// protobuf's word on a text, with our positions.
+/// protobuf's errors in a text, with our positions.
 class Collector final : public google::protobuf::io::ErrorCollector {
  public:
   Collector(const std::string& text, const std::string& name) : text_(text), name_(name) {}
@@ -66,8 +90,8 @@ class Collector final : public google::protobuf::io::ErrorCollector {
   void AddError(int line, int column, const std::string& message) override {
     errors.push_back(at(offset_of(text_, line, column)) + explained(message));
   }
-  /// Unknown fields, which the parser passes over so that all are found. It
-  /// speaks up when it has already read on to the token behind the name.
+  /// Unknown fields: the parser skips them, so that all are found. It warns after it has read the
+  /// token behind the name, so the name is searched backwards.
   void AddWarning(int line, int column, const std::string& message) override {
     std::size_t offset = offset_of(text_, line, column);
     if (const auto unknown = unknown_field(message); unknown && offset > 0) {
@@ -97,8 +121,7 @@ std::size_t end_of_opaque(const std::string& text, std::size_t at) {
   return at;
 }
 
-/// The parser descends into what it passes over without counting, so the depth
-/// is looked at before.
+/// The parser does not count the depth of what it skips, so the depth is checked before it runs.
 bool nests_too_deeply(const std::string& text) {
   int depth = 0;
   for (std::size_t at = 0; at < text.size(); ++at) {
@@ -120,6 +143,20 @@ void check_size_and_nesting(const std::string& text, const std::string& name) {
 }
 
 }  // namespace
+
+std::string fields_of(const google::protobuf::Descriptor& type, const std::string& wanted) {
+  const std::string name = wanted.substr(0, kLongestSpelt);
+  std::vector<std::pair<std::size_t, std::string>> fields;
+  for (int i = 0; i < type.field_count(); ++i) {
+    const std::string& field = type.field(i)->name();
+    fields.emplace_back(unlikeness(field, name), field);
+  }
+  std::stable_sort(fields.begin(), fields.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::string all;
+  for (const auto& [likeness, field] : fields) all += (all.empty() ? "" : ", ") + field;
+  return all.empty() ? "no fields" : all;
+}
 
 void parse_text(const std::string& text, const std::string& name, v1::Scene& message,
                 Problems::Tree& tree, Problems& problems) {
@@ -147,7 +184,7 @@ std::string parse_fragment(const std::string& text, google::protobuf::Message& m
   if (parser.ParseFromString(text, &message)) return {};
   if (collector.errors.empty()) return "is no textproto";
   const std::string& first = collector.errors.front();
-  return first.substr(first.find(": ") + 2);  // a position within a value helps nobody
+  return first.substr(first.find(": ") + 2);  // without the position within the value
 }
 
 }  // namespace haptic::server

@@ -1,12 +1,22 @@
-#include "server/scene/source_scene.hpp"
+// Where a device's motion comes from: hardware, simulations, recordings.
+#include <fstream>
+#include <sstream>
 
-#include "server/scene/calibration_scene.hpp"
-#include "server/scene/field_reader.hpp"
+#include "haptic/v1/calibration.pb.h"
+#include "hw/board/board_device.hpp"
+#include "hw/replay/replay.hpp"
+#include "hw/simulated/finger.hpp"
+#include "hw/simulated/linear.hpp"
+#include "server/scene/parts.hpp"
+#include "server/scene/reader.hpp"
+#include "server/scene/text.hpp"
 
 namespace haptic::server {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kCsvFile = "a CSV file";
 
 /// The sizes a source must have; -1: not known.
 struct Sizes {
@@ -15,18 +25,6 @@ struct Sizes {
   int n_q;
   int n_a;
 };
-
-/// A recording's full path, so that the resolved scene can be read from any
-/// folder.
-fs::path find_recording(const std::string& file, const fs::path& folder, const char* field,
-                        const FieldReader& reader) {
-  fs::path full = fs::absolute(folder / file).lexically_normal();
-  std::error_code unreadable;
-  if (!fs::is_regular_file(full, unreadable)) {
-    reader.wrong(field, quoted(file), "must be a CSV file; there is none at " + full.string());
-  }
-  return full;
-}
 
 void refuse_both(const FieldReader& reader, bool has_target) {
   if (!has_target) return;
@@ -47,8 +45,7 @@ hw::SimulatedFingerConfig read_simulated_finger(v1::SimulatedFinger& message,
                     {"target_pip_rad", &c.target_pip, Allowed::kFinite}});
   } else {
     refuse_both(reader, message.has_target_mcp_rad() || message.has_target_pip_rad());
-    c.motion_file = find_recording(message.motion_file(), folder, "motion_file", reader);
-    message.set_motion_file(c.motion_file.string());
+    c.motion_file = reader.file("motion_file", folder, kCsvFile);
   }
   reader.numbers({
       {"hand_stiffness", &c.hand_stiffness, Allowed::kPositive},
@@ -88,16 +85,93 @@ hw::ReplayConfig read_replay(v1::Replay& message, const std::string& path, const
                              Sizes sizes, Problems& problems) {
   const FieldReader reader(message, path, problems);
   hw::ReplayConfig c;
-  if (message.file().empty()) {
-    reader.missing("file", "a CSV file");
-  } else {
-    c.file = find_recording(message.file(), folder, "file", reader);
-    message.set_file(c.file.string());
-  }
+  if (message.file().empty()) reader.missing("file", kCsvFile);
+  c.file = reader.file("file", folder, kCsvFile);
   c.repeat = message.repeat();
   c.max_effort =
       to_vector(reader.list({"max_effort", Allowed::kPositive, sizes.n_a, "actuated DoF"}));
   return c;
+}
+
+/// "2026-11-21": a form, not a calendar.
+bool is_date(const std::string& text) {
+  if (text.size() != 10) return false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool dash = i == 4 || i == 7;
+    if (dash ? text[i] != '-' : (text[i] < '0' || text[i] > '9')) return false;
+  }
+  return true;
+}
+
+/// Fills in DoF number `i` of the kinematics; why it cannot, or nothing.
+std::string take_dof(const v1::Calibration& message, const core::DofSpec& dof, Eigen::Index i,
+                     hw::board::Calibration& calibration) {
+  const v1::Calibration::Dof* found = nullptr;
+  for (const v1::Calibration::Dof& entry : message.dof()) {
+    if (entry.name() != dof.name) continue;
+    if (found != nullptr) return "has DoF '" + dof.name + "' twice";
+    found = &entry;
+  }
+  if (found == nullptr) return "lacks DoF '" + dof.name + "'";
+  calibration.scale[i] = found->scale();
+  calibration.offset[i] = found->offset();
+  calibration.lower[i] = found->lower();
+  calibration.upper[i] = found->upper();
+  return {};
+}
+
+/// Reads `file`; what is wrong is reported at `path`, the field that names it. The DoFs are put in
+/// the order of `kinematics`, which may be null: then nothing comes back. The board's serial number
+/// is compared when the board answers.
+std::optional<hw::board::Calibration> read_calibration(const std::filesystem::path& file,
+                                                       const std::string& path,
+                                                       const core::Kinematics* kinematics,
+                                                       Problems& problems) {
+  const std::size_t before = problems.count();
+  const auto wrong = [&](const std::string& why) {
+    problems.wrong(path, quoted(file.string()), why);
+  };
+  std::ifstream stream(file);
+  std::ostringstream text;
+  if (stream) text << stream.rdbuf();
+  v1::Calibration message;
+  if (!stream) {
+    wrong("must be a file of hapticctl calibrate; it cannot be read");
+  } else if (const std::string found = parse_fragment(text.str(), message); !found.empty()) {
+    wrong("must be a file of hapticctl calibrate: " + found);
+  }
+  if (problems.count() > before || kinematics == nullptr) return std::nullopt;
+
+  hw::board::Calibration calibration;
+  calibration.source = file.string();
+  calibration.serial = message.device_serial();
+  calibration.date = message.date();
+  if (calibration.serial.empty()) wrong("device_serial: is required");
+  if (!is_date(calibration.date))
+    wrong("date = " + server::quoted(calibration.date) + ": must be YYYY-MM-DD");
+  const auto& dofs = kinematics->dofs();
+  const auto n_q = static_cast<Eigen::Index>(dofs.size());
+  for (core::VecQ* list :
+       {&calibration.scale, &calibration.offset, &calibration.lower, &calibration.upper}) {
+    list->setZero(n_q);
+  }
+  if (message.dof_size() > n_q) {
+    wrong("has " + std::to_string(message.dof_size()) + " DoFs; must have " + std::to_string(n_q));
+  }
+  for (Eigen::Index i = 0; i < n_q; ++i) {
+    const std::string found = take_dof(message, dofs[static_cast<std::size_t>(i)], i, calibration);
+    if (!found.empty()) wrong(found);
+  }
+  if (message.force_zero_size() > core::kMaxQ) {
+    wrong("has " + std::to_string(message.force_zero_size()) + " zeros of force");
+  } else {
+    calibration.force_zero.resize(message.force_zero_size());
+    for (int i = 0; i < message.force_zero_size(); ++i) {
+      calibration.force_zero[i] = message.force_zero(i);
+    }
+  }
+  if (problems.count() > before) return std::nullopt;
+  return calibration;
 }
 
 hw::BoardConfig read_board(v1::Board& message, const std::string& path, const fs::path& folder,
@@ -139,36 +213,33 @@ void check_fit(const v1::DeviceScene& message, const std::string& path, Problems
 
 }  // namespace
 
-Source read_source(v1::DeviceScene& message, const std::string& path, const fs::path& folder,
-                   const core::Kinematics* kinematics, Problems& problems) {
+std::shared_ptr<const hw::DeviceConfig> read_source(v1::DeviceScene& message,
+                                                    const std::string& path, const fs::path& folder,
+                                                    const core::Kinematics* kinematics,
+                                                    Problems& problems) {
   check_fit(message, path, problems);
   const Sizes sizes(kinematics == nullptr ? nullptr : &kinematics->layout());
+  const auto shared = [](auto config) {
+    return std::make_shared<const decltype(config)>(std::move(config));
+  };
   switch (message.source_case()) {
-    case v1::DeviceScene::kSimulatedFinger: {
-      const auto config = read_simulated_finger(*message.mutable_simulated_finger(),
-                                                path + ".simulated_finger", folder, problems);
-      return {config, core::VecA::Constant(1, config.actuator_force_limit)};
-    }
-    case v1::DeviceScene::kSimulatedLinear: {
-      const auto config = read_simulated_linear(*message.mutable_simulated_linear(),
-                                                path + ".simulated_linear", sizes, problems);
-      return {config, config.max_effort};
-    }
-    case v1::DeviceScene::kReplay: {
-      const auto config =
-          read_replay(*message.mutable_replay(), path + ".replay", folder, sizes, problems);
-      return {config, config.max_effort};
-    }
-    case v1::DeviceScene::kBoard: {
-      const auto config = read_board(*message.mutable_board(), path + ".board", folder, kinematics,
-                                     sizes, problems);
-      return {config, config.max_effort};
-    }
+    case v1::DeviceScene::kSimulatedFinger:
+      return shared(read_simulated_finger(*message.mutable_simulated_finger(),
+                                          path + ".simulated_finger", folder, problems));
+    case v1::DeviceScene::kSimulatedLinear:
+      return shared(read_simulated_linear(*message.mutable_simulated_linear(),
+                                          path + ".simulated_linear", sizes, problems));
+    case v1::DeviceScene::kReplay:
+      return shared(
+          read_replay(*message.mutable_replay(), path + ".replay", folder, sizes, problems));
+    case v1::DeviceScene::kBoard:
+      return shared(read_board(*message.mutable_board(), path + ".board", folder, kinematics, sizes,
+                               problems));
     case v1::DeviceScene::SOURCE_NOT_SET:
       break;
   }
   problems.missing(path + ".source", "one of simulated_finger, simulated_linear, replay, board");
-  return {};
+  return nullptr;
 }
 
 }  // namespace haptic::server

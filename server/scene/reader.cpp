@@ -1,9 +1,10 @@
-#include "server/scene/field_reader.hpp"
+#include "server/scene/reader.hpp"
 
 #include <google/protobuf/duration.pb.h>
 #include <google/protobuf/reflection.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "server/base/figures.hpp"
@@ -95,7 +96,7 @@ std::vector<double> FieldReader::list(const ListField& field,
   for (int i = 0; i < entries.size(); ++i) values.push_back(entries.Get(i));
   if (values.empty() && field.size != 0 && !fallback) missing(field.name, wanted);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    check(std::string(field.name) + "[" + std::to_string(i) + "]", values[i], field.allowed);
+    check(entry(field.name, i), values[i], field.allowed);
   }
   const bool fits = field.size < 0 || values.size() == static_cast<std::size_t>(field.size);
   if (!fits && !values.empty()) wrong(field.name, decimal(values), "must have " + wanted);
@@ -143,6 +144,34 @@ void FieldReader::whole_number(const std::string& field, std::int64_t value, std
   if (value >= lowest && value <= highest) return;
   wrong(field, std::to_string(value),
         "must be " + std::to_string(lowest) + " to " + std::to_string(highest));
+}
+
+std::filesystem::path FieldReader::file(const char* field, const std::filesystem::path& folder,
+                                        const std::string& what) const {
+  const google::protobuf::Reflection& reflection = *message_.GetReflection();
+  const std::string given = reflection.GetString(message_, &find(field));
+  if (given.empty()) return {};
+  const std::filesystem::path full = std::filesystem::absolute(folder / given).lexically_normal();
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(full, unreadable)) {
+    wrong(field, quoted(given), "must be " + what + "; there is none at " + full.string());
+  }
+  reflection.SetString(&message_, &find(field), full.string());
+  return full;
+}
+
+void FieldReader::entry_name(std::size_t longest, std::set<std::string>& taken) const {
+  const std::string name = message_.GetReflection()->GetString(message_, &find("name"));
+  const bool well_formed = !name.empty() && name.size() <= longest &&
+                           std::all_of(name.begin(), name.end(), [](unsigned char c) {
+                             return c < 0x80 && (std::isalnum(c) != 0 || c == '_' || c == '-');
+                           });
+  if (!well_formed) {
+    wrong("name", quoted(name),
+          "must be 1 to " + std::to_string(longest) + " of letters, digits, _ and -");
+  } else if (!taken.insert(name).second) {
+    wrong("name", quoted(name), "must be another: this one is taken");
+  }
 }
 
 core::VecQ to_vector(const std::vector<double>& values) {

@@ -1,0 +1,130 @@
+// Energy tank and passivity observer of a device, and springs that its damping cannot pay for.
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/base/figures.hpp"
+#include "server/scene/parts.hpp"
+#include "server/scene/reader.hpp"
+
+namespace haptic::server {
+namespace {
+
+std::vector<double> values(const core::VecA& v) {
+  return {v.data(), v.data() + v.size()};
+}
+
+std::vector<double> zeros(int n_a) {
+  return std::vector<double>(static_cast<std::size_t>(std::max(n_a, 0)));
+}
+
+core::TankSettings read_tank(v1::EnergyTankScene& message, const std::string& path,
+                             Problems& problems) {
+  const FieldReader reader(message, path, problems);
+  core::TankSettings tank;
+  tank.enabled = true;
+  reader.numbers({{"capacity_j", &tank.capacity, Allowed::kPositive},
+                  {"initial_j", &tank.initial, Allowed::kNotNegative},
+                  {"allowed_power_w", &tank.allowed_power, Allowed::kNotNegative}});
+  if (tank.initial > tank.capacity) {
+    reader.wrong("initial_j", decimal(tank.initial),
+                 "must be at most capacity_j, " + decimal(tank.capacity));
+  }
+  return tank;
+}
+
+core::ObserverSettings read_observer(v1::PassivityObserverScene& message, const std::string& path,
+                                     int n_a, const hw::OwnDynamics& own, Problems& problems) {
+  const FieldReader reader(message, path, problems);
+  core::ObserverSettings observer;
+  observer.enabled = true;
+  reader.numbers({{"allowance_j", &observer.allowance, Allowed::kNotNegative},
+                  {"forgetting_j", &observer.forgetting, Allowed::kNotNegative}});
+  const ListField inertia{"inertia_kg", Allowed::kPositive, n_a, kPerActuatedDof};
+  observer.inertia = to_vector(own.inertia.size() > 0 ? reader.list(inertia, values(own.inertia))
+                                                      : reader.list(inertia));
+  observer.slowest = to_vector(
+      reader.list({"slowest_m_per_s", Allowed::kNotNegative, n_a, kPerActuatedDof}, zeros(n_a)));
+  return observer;
+}
+
+/// lambda_max of Z_q relative to 2 (b - B) / T, in which the loop's hold is paid for whatever the
+/// direction (core/METHOD.md#sampled-data); infinite where an actuator has no damping left.
+double share_of_damping(const core::PipelineConfig& device, const core::VecA& b, double T) {
+  const core::RenderSettings& settings = device.scene;
+  Eigen::MatrixXd Z = device.projection.coupling->matrix(settings.stiffness);
+  for (Eigen::Index i = 0; i < b.size(); ++i) {
+    const double pays = 2.0 * (b[i] - settings.damping[i]) / T;
+    if (!(pays > 0.0)) return std::numeric_limits<double>::infinity();
+    Z.row(i) /= std::sqrt(pays);
+    Z.col(i) /= std::sqrt(pays);
+  }
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(Z, Eigen::EigenvaluesOnly)
+      .eigenvalues()
+      .maxCoeff();
+}
+
+std::string coupled_warning(std::size_t d, double share, core::Duration T) {
+  return "device[" + std::to_string(d) +
+         "].impedance.stiffness_matrix: in its stiffest direction " + decimal(share) +
+         " times 2 (b - B) / T (the device's damping b, rendered damping B, T = " +
+         milliseconds(T) + "): such a spring can give out more energy than the device absorbs";
+}
+
+}  // namespace
+
+void read_passivity(v1::PassivityScene& message, const std::string& path, DeviceScene& device,
+                    Problems& problems) {
+  const FieldReader reader(message, path, problems);
+  const core::Kinematics* kinematics = device.pipeline.kinematics.get();
+  const int n_a = n_a_of(kinematics);
+  const hw::OwnDynamics own = device.source && kinematics != nullptr
+                                  ? device.source->own_dynamics(kinematics->layout())
+                                  : hw::OwnDynamics{};
+  core::PassivitySettings& settings = device.pipeline.passivity;
+  if (!message.has_tank() && !message.has_observer()) {
+    problems.missing(path + ".tank", "tank {} or observer {}, or both");
+  }
+  if (message.has_tank()) {
+    settings.tank = read_tank(*message.mutable_tank(), path + ".tank", problems);
+  }
+  if (message.has_observer()) {
+    settings.observer =
+        read_observer(*message.mutable_observer(), path + ".observer", n_a, own, problems);
+  }
+  settings.device_damping = to_vector(
+      reader.list({"device_damping_n_s_per_m", Allowed::kNotNegative, n_a, kPerActuatedDof},
+                  own.damping.size() > 0 ? values(own.damping) : zeros(n_a)));
+}
+
+std::vector<std::string> passivity_warnings(const Scene& scene) {
+  std::vector<std::string> warnings;
+  const double T = core::seconds(scene.loop.period);
+  for (std::size_t d = 0; d < scene.devices.size(); ++d) {
+    const core::PipelineConfig& device = scene.devices[d].pipeline;
+    const core::RenderSettings& settings = device.scene;
+    const core::VecA b = scene.devices[d].source->own_dynamics(device.kinematics->layout()).damping;
+    if (device.projection.coupling) {
+      if (b.size() == 0) continue;
+      if (const double most = share_of_damping(device, b, T); !(most <= 1.0)) {
+        warnings.push_back(coupled_warning(d, most, scene.loop.period));
+      }
+      continue;
+    }
+    for (Eigen::Index i = 0; i < b.size(); ++i) {
+      const double highest = std::max(0.0, 2.0 * (b[i] - settings.damping[i]) / T);
+      if (settings.stiffness[i] <= highest) continue;
+      warnings.push_back("device[" + std::to_string(d) + "].impedance.stiffness_n_per_m[" +
+                         std::to_string(i) + "] = " + decimal(settings.stiffness[i]) +
+                         ": is above " + decimal(highest) +
+                         " = 2 (b - B) / T (the device's damping b = " + decimal(b[i]) +
+                         ", rendered damping B = " + decimal(settings.damping[i]) +
+                         ", T = " + milliseconds(scene.loop.period) +
+                         "): such a spring can give out more energy than the device absorbs");
+    }
+  }
+  return warnings;
+}
+
+}  // namespace haptic::server

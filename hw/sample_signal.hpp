@@ -28,7 +28,7 @@ class SampleSignal {
   /// One thread, the device's. `arrival`: when the sample reached this host, steady clock.
   void post(core::TimePoint arrival) noexcept;
 
-  /// The loop. Waits for a post, or until `deadline`, where it has passed not at all. The arrival
+  /// Loop thread. Waits for a post or until `deadline`; not at all if that has passed. The arrival
   /// of the first sample posted since the last one taken or forgotten; none: none was.
   [[nodiscard]] std::optional<core::TimePoint> wait_until(core::TimePoint deadline) noexcept;
 

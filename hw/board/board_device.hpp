@@ -39,7 +39,7 @@ struct BoardConfig final : DeviceConfig {
 class BoardDevice final : public Device {
  public:
   /// Opens the port and shakes hands; blocks for at most 3 s. Throws DeviceError: the port cannot
-  /// be opened (why, and what to do), nobody answers, the board is not what the scene says, the
+  /// be opened (why, and what to do), no answer, a board that differs from the scene, the
   /// calibration is another board's.
   BoardDevice(const BoardConfig& config, const std::shared_ptr<const core::Kinematics>& kinematics,
               core::Duration longest_lateness);
@@ -52,7 +52,7 @@ class BoardDevice final : public Device {
   void close() noexcept override;
   [[nodiscard]] std::vector<LinkCount> link_counts() const override;
 
-  /// Of the link, a moment ago. Any thread but the real-time one.
+  /// Counters of the link, a moment ago. Any thread but the real-time one.
   [[nodiscard]] board::HostCounters counters() const;
 
  private:

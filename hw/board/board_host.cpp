@@ -30,7 +30,7 @@ std::string watchdog_difference(const Identity& identity, core::Duration latenes
   return text.str();
 }
 
-/// What a board that came back is not; empty where it is the one that went.
+/// How a returned board differs from the one that was lost; empty if it is the same.
 std::string change(const Identity& now, const Identity& before) {
   std::ostringstream text;
   if (now.serial != before.serial) {
@@ -50,7 +50,7 @@ std::string change(const Identity& now, const Identity& before) {
   return text.str();
 }
 
-/// What a DoF of the board's dictionary is not; empty where it fits.
+/// How a DoF of the board's dictionary differs from the scene's; empty if it fits.
 std::string dof_difference(const Dof& dof, const core::DofSpec& expected, double max_effort) {
   std::ostringstream text;
   const bool radian = expected.unit == core::Unit::kRadian;
@@ -116,7 +116,7 @@ void BoardHost::disconnect() {
   output_length_ = 0;
   reading_.open = reading_.broken = reading_.force_over_limit = false;
   reading_.armed = 0;
-  nonce_ = board_nonce_ = 0;  // whoever armed it must ask anew
+  nonce_ = board_nonce_ = 0;  // the next arming needs a new request
   board_state_ = BoardState::kDisarmed;
 }
 
@@ -162,7 +162,7 @@ void BoardHost::on_identity(const Frame& frame) {
   filter_.restart(frame.seq);
   identity_ = *identity;
   identified_ = true;
-  if (identity_.version != kProtocolVersion) {  // its dictionary may not be ours to read
+  if (identity_.version != kProtocolVersion) {  // its dictionary may have another format
     refusal_ = version_difference(identity_);
     stage_ = Stage::kRefused;
   }

@@ -24,7 +24,7 @@
 
 namespace haptic::hw::board {
 
-/// What the scene takes for granted of the board; a board that differs is refused with a reason.
+/// What the scene requires of the board; one that differs is refused with a reason.
 struct Expectation {
   std::vector<core::DofSpec> dofs{};
   core::VecA max_effort{};             ///< n_a: the dictionary must allow at least this much
@@ -32,7 +32,7 @@ struct Expectation {
   std::string serial{};                ///< empty: any board
 };
 
-/// What the loop wants; the newest counts.
+/// The loop's wish; the newest counts.
 struct Wanted {
   bool arm{false};
   std::uint32_t arming{0};  ///< rises with every new wish to arm
@@ -40,7 +40,7 @@ struct Wanted {
   core::VecA position{};  ///< n_a: where to go, instead of tau_a; size 0: a force
 };
 
-/// What the loop gets.
+/// The answer to the loop.
 struct BoardReading {
   bool open{false};    ///< handshake done, board heard from
   bool broken{false};  ///< stopped by its watchdog under our arming, or a fault of its own
@@ -80,7 +80,7 @@ class BoardHost {
   /// Repeats what has not been answered. To be called at least every kAgain.
   void poll(core::TimePoint now);
 
-  /// What is to be written to the port; consume() what was.
+  /// Bytes to write to the port; consume() those that were written.
   [[nodiscard]] std::span<const std::uint8_t> output() const noexcept {
     return {output_.data(), output_length_};
   }

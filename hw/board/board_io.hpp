@@ -22,7 +22,7 @@ class BoardDevice::Io {
   Io(const Io&) = delete;
   Io& operator=(const Io&) = delete;
 
-  /// Waits for the first handshake. Throws DeviceError: refused (why), or nobody answered in
+  /// Waits for the first handshake. Throws DeviceError: refused (why), or no answer in
   /// `patience`.
   [[nodiscard]] board::Identity greeted(core::Duration patience);
   /// Disarms, closes the port, ends the thread; 100 ms at most. Idempotent.

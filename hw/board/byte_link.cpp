@@ -27,7 +27,7 @@ class Terminal final : public ByteLink {
       if (tcgetattr(fd_, &raw) != 0) throw_cannot_open(port, errno);
       cfmakeraw(&raw);
       if (tcsetattr(fd_, TCSANOW, &raw) != 0) throw_cannot_open(port, errno);
-      tcflush(fd_, TCIOFLUSH);  // what was said to whoever had the port before
+      tcflush(fd_, TCIOFLUSH);  // bytes meant for the port's previous user
     } catch (...) {
       ::close(fd_);
       throw;

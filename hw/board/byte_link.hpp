@@ -32,7 +32,7 @@ class ByteLink {
 };
 
 /// Opens the port for this process alone. `baud` is for real ports (USB ignores it). Throws
-/// DeviceError: no such port, somebody else has it, no permission (naming the group that has it).
+/// DeviceError: no such port, another program has it, no permission (naming the group that has it).
 [[nodiscard]] std::unique_ptr<ByteLink> open_link(const std::string& port, int baud);
 
 /// The two kinds, and what they share.

@@ -1,5 +1,5 @@
 #pragma once
-/// What a board's sensors really mean: found once per device by `hapticctl calibrate`, kept with the
+/// True meaning of a board's sensor readings: found once per device by `hapticctl calibrate`, kept with the
 /// device's serial number, and of no use to any other.
 
 #include <string>
@@ -36,7 +36,7 @@ void apply(const Calibration& calibration, core::DeviceLimits& limits) noexcept;
 [[nodiscard]] core::VecA to_readings(const Calibration& calibration, const core::DofLayout& layout,
                                      const core::VecA& position) noexcept;
 
-/// What the load cells must read so that the device holds `tau_a` (n_a): a loop that the board closes
+/// Load-cell readings at which the device holds `tau_a` (n_a): a loop that the board closes
 /// itself knows their readings only.
 [[nodiscard]] core::VecA to_force_readings(const Calibration& calibration,
                                            const core::VecA& tau_a) noexcept;

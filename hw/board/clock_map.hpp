@@ -16,15 +16,15 @@ namespace haptic::hw::board {
 
 class ClockMap {
  public:
-  static constexpr double kMemory = 2.0;      ///< s
-  static constexpr double kStep = 0.1;        ///< s: further off than this, a clock was set anew
+  static constexpr double kMemory = 2.0;  ///< s
+  static constexpr double kStep = 0.1;    ///< s: a larger difference means that a clock was reset
   static constexpr double kMaxDrift = 1e-3;   ///< crystals stay below 200 ppm; more is noise
   static constexpr double kStraggler = 5e-4;  ///< s above the line, at least, to be ignored
   static constexpr int kRelearn = 100;        ///< stragglers in a row: the delay itself has changed
 
   /// Takes the sample into account and says when it was measured: never after `arrival`.
   [[nodiscard]] core::TimePoint map(std::uint64_t board_us, core::TimePoint arrival) noexcept;
-  /// Forgets everything: another board, or the same one started anew.
+  /// Forgets everything: another board, or the same one restarted.
   void restart() noexcept { *this = ClockMap{}; }
 
   [[nodiscard]] double drift() const noexcept { return drift_; }  ///< s/s, of steady against board

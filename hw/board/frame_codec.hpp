@@ -21,7 +21,7 @@ inline constexpr std::size_t kFrameOverhead = 9;                       ///< type
 inline constexpr std::size_t kMaxBody = kMaxPayload + kFrameOverhead;  ///< before COBS
 inline constexpr std::size_t kMaxWire = kMaxBody + 3;                  ///< one code, two zeros
 
-/// What a frame means; below 0x80 the host speaks, from 0x80 on the board.
+/// Type of a frame: below 0x80 from the host, from 0x80 on from the board.
 enum class FrameType : std::uint8_t {
   kHello = 0x01,
   kArm = 0x02,
@@ -57,7 +57,7 @@ class FrameDecoder {
   [[nodiscard]] Event push(std::uint8_t byte) noexcept;
   /// The frame of the last kFrame; its payload stays until the next push().
   [[nodiscard]] const Frame& frame() const noexcept { return frame_; }
-  /// Forgets what has been read of a frame: the link was opened anew.
+  /// Drops a partly read frame, because the link was opened again.
   void reset() noexcept { length_ = 0; }
 
  private:
@@ -72,7 +72,7 @@ class FrameDecoder {
 /// accepted came twice or too late.
 class SequenceFilter {
  public:
-  /// Starts anew at `seq`, which counts as accepted.
+  /// Restarts at `seq`, which counts as accepted.
   void restart(std::uint32_t seq) noexcept { last_ = seq; }
   /// True where `seq` is newer. Adds the numbers passed over to lost().
   [[nodiscard]] bool accept(std::uint32_t seq) noexcept {

@@ -1,5 +1,5 @@
 #pragma once
-/// What the frames say: the payloads of hw/README.md, "The board protocol". Writing one and reading
+/// Payloads of the frames of hw/README.md, "The board protocol". Writing one and reading
 /// it back gives the same values. read() refuses what has a wrong length, a count that does not fit
 /// or a number that is not finite: what passes may be used without a further look. But q of a State
 /// may be anything: that a sensor reads NaN is for the loop to know, as a fault.
@@ -48,7 +48,7 @@ struct Command {
   Values value{};
 };
 
-/// What a board can do, as bits.
+/// Abilities of a board, as bits.
 enum Capability : std::uint8_t {
   kForceLoop = 1,        ///< closes the loop on the measured force itself
   kMeasuresForce = 2,    ///< State carries a force per actuated DoF

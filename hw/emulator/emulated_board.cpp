@@ -180,7 +180,7 @@ double EmulatedBoard::drive_force(const Readings& readings) noexcept {
   return kServo * e + kServoFriction * std::clamp(e / kServoBand, -1.0, 1.0);
 }
 
-/// What the firmware does every millisecond.
+/// One millisecond of the firmware.
 void EmulatedBoard::control() {
   const bool drove = std::exchange(drives_, false);
   reference_ = 0.0;

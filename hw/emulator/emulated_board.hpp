@@ -17,10 +17,10 @@
 
 namespace haptic::hw::emulator {
 
-/// What the board makes of a command.
+/// How the board follows a command.
 enum class BoardControl : std::uint8_t {
   kForceLoop,  ///< the reference of its own loop on the load cell, as on the paper's device
-  kDrive,      ///< the drive's force itself: whoever commands closes the loop
+  kDrive,      ///< the drive's force itself; the host closes the loop
   kPosition,   ///< where the rod goes: a servo on the potentiometer
 };
 
@@ -30,7 +30,7 @@ struct EmulatorConfig {
   std::uint32_t watchdog_us{25000};
   /// 0: bytes pass at once. 2000: only every 2 ms, both ways, as over the paper's USB link.
   std::uint32_t link_period_us{0};
-  double clock_ppm{40.0};  ///< the board's crystal against ours
+  double clock_ppm{40.0};  ///< the board's crystal against the host's
   double drop{0.0};        ///< share of bytes lost, each way
   double corrupt{0.0};     ///< share of bytes with one bit flipped, each way
   std::vector<FaultSpec> faults{};
@@ -57,7 +57,7 @@ class EmulatedBoard {
   void advance(std::uint64_t now_us);
   /// Bytes from the host, arriving now.
   void receive(std::span<const std::uint8_t> bytes);
-  /// Bytes for the host since the last call. What the host does not take in time is lost: the board
+  /// Bytes for the host since the last call. Bytes not taken in time are lost: the board
   /// has room for 1 KiB.
   [[nodiscard]] std::vector<std::uint8_t> take_output();
   /// False: the port is gone.

@@ -70,7 +70,7 @@ void describe(CLI::App& app, CommandLine& c) {
   app.add_option("--draw-faults", c.drawn_faults, "so many faults drawn from the seed")
       ->check(CLI::Range(0, 1000));
   app.add_option("--motion", c.motion, "CSV of joint angles the user follows");
-  app.add_option("--target-mcp", c.target_mcp, "rad, where there is no motion");
+  app.add_option("--target-mcp", c.target_mcp, "rad, used without --motion");
   app.add_option("--target-pip", c.target_pip, "rad");
   app.add_flag("--hand", c.hand,
                "lines of standard input move the hand: MCP PIP in rad, or let-go");

@@ -22,7 +22,7 @@ constexpr std::array<Entry, 6> kKinds{{{FaultKind::kStall, "stall"},
                                        {FaultKind::kStuck, "stuck"},
                                        {FaultKind::kDrift, "drift"},
                                        {FaultKind::kHang, "hang"}}};
-constexpr double kDriftRate = 1e-4;  // m/s, where none is given
+constexpr double kDriftRate = 1e-4;  // m/s, if none is given
 
 [[noreturn]] void refuse(const std::string& text) {
   throw core::DeviceError("fault '" + text +

@@ -9,7 +9,7 @@ namespace haptic::hw::emulator {
 
 enum class FaultKind : std::uint8_t {
   kStall,     ///< the motor gives nothing
-  kBrownOut,  ///< the board has no supply, and starts anew after it
+  kBrownOut,  ///< the board loses its supply and restarts after it
   kUnplug,    ///< the port is gone, the board runs on
   kStuck,     ///< the potentiometer of l_x repeats its last reading
   kDrift,     ///< the potentiometer of l_x wanders by `amount` m/s, for good

@@ -7,7 +7,7 @@
 /// u is the drive (PWM duty) in N of output force at standstill before friction. Switched off, the
 /// motor coasts: F_motor = 0, and friction alone holds, which is why it cannot be moved by hand.
 /// Source: Actuonix L16 data sheet (gearing table, back-drive force, backlash 0.25 mm); moving mass
-/// and the stiffness of cell and mount are ours. Integration: semi-implicit, friction as a scalar
+/// and the stiffness of cell and mount are chosen. Integration: semi-implicit, friction as a scalar
 /// inclusion (it sticks without creeping), so that it never gives energy.
 
 namespace haptic::hw::emulator {

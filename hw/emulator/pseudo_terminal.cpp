@@ -52,7 +52,7 @@ void PseudoTerminal::plug() {
   port_ = name.data();
   make_raw(port_);
   if (link_.empty()) return;
-  // Made beside it and moved over it: whoever looks finds the old port or the new one.
+  // A new link is moved over the old one, so that a reader always finds one of the two.
   const std::filesystem::path fresh = link_.string() + ".new";
   std::filesystem::remove(fresh);
   std::filesystem::create_symlink(port_, fresh);

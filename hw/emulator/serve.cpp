@@ -12,7 +12,7 @@ namespace haptic::hw::emulator {
 namespace {
 
 constexpr std::uint64_t kLongestPauseUs = 100000;
-constexpr int kPriority = 75;        // a board's firmware waits for nobody on the host
+constexpr int kPriority = 75;        // a board's firmware does not wait for the host
 constexpr std::size_t kRoom = 1024;  // bytes a board's transmit buffer holds
 
 std::uint64_t monotonic_us() noexcept {
@@ -35,7 +35,7 @@ void wait(const PseudoTerminal& terminal, std::uint64_t until_us) {
   ::clock_nanosleep(CLOCK_MONOTONIC, 0, &timeout, nullptr);
 }
 
-/// What the port has not taken yet; a frame once begun goes out whole.
+/// Bytes that the port has not taken yet; a frame that has begun goes out whole.
 class Transmitter {
  public:
   void run(EmulatedBoard& board, PseudoTerminal& terminal) {

@@ -9,7 +9,7 @@
 
 namespace haptic::hw {
 
-/// The columns one use of a recording needs, beside time_s.
+/// Columns that a use of a recording needs besides time_s.
 using ColumnSet = std::vector<std::string>;
 
 /// The joint angles of a finger, rad, flexion positive.

@@ -68,7 +68,7 @@ void FingerPhysics::follow_edge() noexcept {
   static_cast<void>(adopt(boxed(q)));
 }
 
-/// Takes q as the linkage's pose. False, and the pose stays, where it cannot close or would be in a
+/// Takes q as the linkage's pose. False, and the pose stays, if it cannot close or would be in a
 /// toggle position: the lever arms of the step before are then the better ones.
 bool FingerPhysics::adopt(const core::VecQ& q) noexcept {
   constexpr double kToggle = 1e-9;  // 1/m; the valid region has det J > 8.9

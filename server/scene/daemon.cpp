@@ -112,10 +112,12 @@ ServerScene read_server(v1::ServerScene& message, const std::filesystem::path& f
   return server;
 }
 
-LoopScene read_loop(v1::LoopScene& message, bool hardware, Problems& problems) {
+LoopScene read_loop(v1::LoopScene& message, std::vector<DeviceScene>& devices, Problems& problems) {
   const FieldReader reader(message, "loop", problems);
   LoopScene loop;
-  if (!hardware) loop.late_bucket_full = kLateBucketWithoutHardware;
+  const bool hardware = std::any_of(devices.begin(), devices.end(), [](const DeviceScene& device) {
+    return device.source == nullptr || device.source->is_hardware();
+  });
   loop.period = reader.duration("period", loop.period, {500us, 10ms});
   const DurationRange late{core::Duration(1), 10s};
   loop.loop_late_fault = hardware
@@ -137,9 +139,11 @@ LoopScene read_loop(v1::LoopScene& message, bool hardware, Problems& problems) {
     reader.whole_number("cpu", message.cpu(), 0, kMostCpus - 1);
   }
   loop.paced_by = message.paced_by();
-  if (!message.has_late_bucket_full()) message.set_late_bucket_full(loop.late_bucket_full);
-  loop.late_bucket_full = message.late_bucket_full();
-  reader.whole_number("late_bucket_full", loop.late_bucket_full, 10, 1'000'000);
+  if (!message.has_late_bucket_full()) {
+    message.set_late_bucket_full(hardware ? core::LateBucket::kFull : kLateBucketWithoutHardware);
+  }
+  reader.whole_number("late_bucket_full", message.late_bucket_full(), 10, 1'000'000);
+  for (DeviceScene& device : devices) device.pipeline.late_bucket_full = message.late_bucket_full();
   return loop;
 }
 

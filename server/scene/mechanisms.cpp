@@ -63,7 +63,7 @@ struct OutputPose {
   core::Pose3 offset{};
 };
 
-/// Of a message with the oneof `what`: a point or a frame.
+/// Reads the oneof `what` of a message: a point or a frame.
 template <typename Message>
 OutputPose read_output(Message& message, const std::string& path, Problems& problems) {
   if (message.has_point()) {

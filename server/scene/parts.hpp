@@ -69,8 +69,9 @@ void read_passivity(v1::PassivityScene& message, const std::string& path, Device
 /// daemon.cpp.
 [[nodiscard]] ServerScene read_server(v1::ServerScene& message, const std::filesystem::path& folder,
                                       Problems& problems);
-/// `hardware`: a device of the scene is hardware, which decides the defaults on lateness.
-[[nodiscard]] LoopScene read_loop(v1::LoopScene& message, bool hardware, Problems& problems);
+/// `devices`: of the scene. They decide the defaults on lateness, and get late_bucket_full.
+[[nodiscard]] LoopScene read_loop(v1::LoopScene& message, std::vector<DeviceScene>& devices,
+                                  Problems& problems);
 [[nodiscard]] RecordScene read_record(v1::RecordScene& message, Problems& problems);
 
 /// Number of actuated DoFs; -1: not known, because the kinematics is wrong.

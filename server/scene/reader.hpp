@@ -17,7 +17,7 @@
 
 namespace haptic::server {
 
-/// What a number may be; finite in any case.
+/// Values that a number may have; always finite.
 enum class Allowed : std::uint8_t { kFinite, kNotNegative, kPositive };
 
 /// A list with one number per something.

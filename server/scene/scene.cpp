@@ -184,14 +184,7 @@ Scene parse_scene(const std::string& text, const std::string& name, const fs::pa
   scene.name = message.name();
   scene.devices = read_devices(message, folder, problems);
   scene.server = read_server(*message.mutable_server(), folder, problems);
-  const bool hardware =
-      std::any_of(scene.devices.begin(), scene.devices.end(), [](const DeviceScene& device) {
-        return device.source == nullptr || device.source->is_hardware();
-      });
-  scene.loop = read_loop(*message.mutable_loop(), hardware, problems);
-  for (DeviceScene& device : scene.devices) {
-    device.pipeline.late_bucket_full = scene.loop.late_bucket_full;
-  }
+  scene.loop = read_loop(*message.mutable_loop(), scene.devices, problems);
   if (message.has_record()) scene.record = read_record(*message.mutable_record(), problems);
   check_paced_by(message, scene, problems);
   check_silence(scene, problems);

@@ -62,8 +62,6 @@ struct LoopScene {
   /// Absent: 8 ms if real-time scheduling is granted, else 20 ms
   /// (proto/README.md#states-of-a-device).
   std::optional<core::Duration> loop_late_fault{};
-  /// Level at which many small lags become a fault (proto/README.md#states-of-a-device).
-  int late_bucket_full{core::LateBucket::kFull};
   int priority{80};
   std::optional<int> cpu{};
   std::string paced_by{};  ///< the device whose samples begin the ticks; empty: the timer

@@ -13,7 +13,7 @@ struct ShippedScene {
   std::string summary{};  ///< the first sentence of its first comment
 };
 
-/// The folder of the scenes that belong to `program`: share/haptic/scenes beside the bin/ of an
+/// The folder of the scenes that belong to `program`: share/haptic/scenes next to the bin/ of an
 /// installed one, server/scenes of the source tree around one in a build tree. Empty path: none.
 /// Default: the running program.
 [[nodiscard]] std::filesystem::path shipped_scenes_folder(

@@ -11,6 +11,7 @@
 
 #include "server/rt/loop.hpp"
 #include "server/scene/scene.hpp"
+#include "server/telemetry/telemetry.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/bench/percentile.hpp"
 #include "tests/bench/pressing_units.hpp"

@@ -25,6 +25,7 @@
 #include "hw/emulator/serve.hpp"
 #include "server/rt/loop.hpp"
 #include "server/scene/scene.hpp"
+#include "server/telemetry/telemetry.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/bench/patience_study.hpp"
 #include "tests/bench/percentile.hpp"

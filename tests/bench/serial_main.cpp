@@ -115,7 +115,7 @@ int main(int argc, char** argv) {
                                     kinematics);
   if (own) emulator = std::thread([&] { serve(board, terminal, stop); });
 
-  hw::BoardDevice device(config, kinematics);
+  hw::BoardDevice device(config, kinematics, core::Duration{0});
   const Measured measured = run(device, seconds);
   print(measured, device.counters());
   device.close();

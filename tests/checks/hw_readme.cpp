@@ -6,15 +6,15 @@
 #include <utility>
 
 #include "hw/arming.hpp"
-#include "hw/device.hpp"
 #include "hw/device_limits.hpp"
+#include "hw/open_device.hpp"
 
 namespace haptic::hw::readme {
 
 #include "hw_readme_1.inc"
 
 std::unique_ptr<Device> spring(std::shared_ptr<const core::Kinematics> kinematics) {
-  return std::make_unique<Spring>(std::move(kinematics));
+  return open_device(SpringConfig{}, std::move(kinematics));
 }
 
 }  // namespace haptic::hw::readme

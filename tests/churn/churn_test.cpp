@@ -30,7 +30,6 @@ server::Scene patient_scene(const std::string& unix_address) {
   scene.server.listen = {"127.0.0.1:0", unix_address};
   scene.server.udp_listen = "127.0.0.1:0";
   scene.loop.loop_late_fault = 10s;
-  scene.loop.late_bucket_full = 1'000'000;
   return scene;
 }
 

@@ -37,7 +37,7 @@ std::string error_of(const DeviceConfig& config,
   return "no error";
 }
 
-TEST(OpenDevice, OpensTheKindThatTheConfigurationNames) {
+TEST(OpenDevice, OpensWhatTheConfigurationNames) {
   const auto finger = open_device(SimulatedFingerConfig{}, core::make_finger_exoskeleton({}));
   EXPECT_EQ(finger->info().kind, "simulated");
   EXPECT_EQ(finger->info().dofs.size(), 2u);
@@ -75,7 +75,7 @@ TEST(OpenDevice, MassesGoWithAnyMap) {
   EXPECT_EQ(stylus->info().dofs[1].name, "shoulder");
 }
 
-TEST(OpenDevice, ARecordingNeedsTheEffortOfItsDevice) {
+TEST(OpenDevice, ARecordingNeedsAnEffort) {
   ReplayConfig config;
   config.file = HAPTIC_SOURCE_DIR "/server/scenes/motion/reach_and_grasp.csv";
   EXPECT_THAT(error_of(config, core::make_finger_exoskeleton({})),

@@ -50,7 +50,7 @@ TEST(RealTime, ASimulatedFingerNeverAllocates) {
   EXPECT_EQ(heap_calls(*device), 0u);
 }
 
-TEST(RealTime, AFingerAtItsStopNeverAllocates) {
+TEST(RealTime, AStoppedFingerNeverAllocates) {
   SimulatedFingerConfig config;
   config.target_mcp = -0.5;
   config.target_pip = 0.3;
@@ -71,7 +71,7 @@ TEST(RealTime, MassesNeverAllocate) {
   EXPECT_EQ(heap_calls(*device), 0u);
 }
 
-TEST(RealTime, AReplayNeverAllocatesInRowsGapsAndPauses) {
+TEST(RealTime, AReplayNeverAllocates) {
   const test::TemporaryFile file(
       "time_s,q_o1_mcp_rad,q_o2_pip_rad\n0,0.2,0.3\n0.04,-0.6,0.3\n0.08,0.5,0.6\n0.5,0.4,0.4\n"
       "0.52,0.5,0.4\n");

@@ -17,19 +17,19 @@ using haptic::hw::SampleSignal;
 
 constexpr TimePoint kPast{Duration(1s)};
 
-TEST(SampleSignal, ADeadlineThatHasPassedIsNoWait) {
+TEST(SampleSignal, APassedDeadlineDoesNotWait) {
   SampleSignal signal;
   EXPECT_FALSE(signal.wait_until(kPast));
 }
 
-TEST(SampleSignal, APostIsTakenOnceWithItsArrival) {
+TEST(SampleSignal, APostIsTakenOnce) {
   SampleSignal signal;
   signal.post(kPast + 5ms);
   EXPECT_EQ(signal.wait_until(kPast), kPast + 5ms) << "a post counts even where the time is up";
   EXPECT_FALSE(signal.wait_until(kPast));
 }
 
-TEST(SampleSignal, AHeapOfPostsIsOneAndTellsOfTheFirst) {
+TEST(SampleSignal, ManyPostsAreOneSignal) {
   SampleSignal signal;
   for (int i = 1; i <= 100'000; ++i) signal.post(kPast + i * 1us);
   EXPECT_EQ(signal.wait_until(kPast), kPast + 1us);
@@ -57,7 +57,7 @@ TEST(SampleSignal, NeitherSideAllocates) {
 
 /// The promise of the exchange: a sample that was put down before its post is seen by the taker of
 /// that post, or of the one it was merged with; none is waited for in vain.
-TEST(SampleSignal, NoSampleIsMissedBetweenTwoThreads) {
+TEST(SampleSignal, ThreadsMissNoSample) {
   constexpr int kRounds = 20'000;
   SampleSignal signal;
   std::atomic<int> newest{0}, seen{0};

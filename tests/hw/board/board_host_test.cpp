@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "virtual_link.hpp"
 
 namespace haptic::hw::board {
@@ -43,28 +45,29 @@ std::string refusal(const Expectation& expected, const EmulatorConfig& config = 
   return link.host.refusal();
 }
 
-TEST(BoardHost, RefusesABoardThatIsNotWhatTheSceneSaysAndSaysWhy) {
-  Expectation e = test::expect_finger();
-  e.dofs[1].name = "q_C";
-  EXPECT_EQ(refusal(e), "DoF 1 is called 'q_B'; must be 'q_C'");
-  e = test::expect_finger();
-  e.dofs[0].unit = core::Unit::kRadian;
-  EXPECT_EQ(refusal(e), "DoF 0 is in m; must be in rad");
-  e = test::expect_finger();
-  e.dofs[0].actuated = false;
-  EXPECT_EQ(refusal(e), "DoF 0 is actuated; must be sensed only");
-  e = test::expect_finger();
-  e.dofs.pop_back();
-  EXPECT_EQ(refusal(e), "has 2 DoF(s); must have 1");
-  e = test::expect_finger();
-  e.max_effort[0] = 51.0;
-  EXPECT_EQ(refusal(e), "DoF 0 max effort = 50: must be at least max_effort of the scene, 51");
-  e = test::expect_finger();
-  e.serial = "OTHER";
-  EXPECT_EQ(refusal(e), "its serial = 'EMULATOR-1': must be 'OTHER'");
+TEST(BoardHost, ABoardUnlikeTheSceneIsRefused) {
+  const struct {
+    std::function<void(Expectation&)> change;
+    const char* says;
+  } table[] = {
+      {[](Expectation& e) { e.dofs[1].name = "q_C"; }, "DoF 1 is called 'q_B'; must be 'q_C'"},
+      {[](Expectation& e) { e.dofs[0].unit = core::Unit::kRadian; },
+       "DoF 0 is in m; must be in rad"},
+      {[](Expectation& e) { e.dofs[0].actuated = false; },
+       "DoF 0 is actuated; must be sensed only"},
+      {[](Expectation& e) { e.dofs.pop_back(); }, "has 2 DoF(s); must have 1"},
+      {[](Expectation& e) { e.max_effort[0] = 51.0; },
+       "DoF 0 max effort = 50: must be at least max_effort of the scene, 51"},
+      {[](Expectation& e) { e.serial = "OTHER"; }, "its serial = 'EMULATOR-1': must be 'OTHER'"},
+  };
+  for (const auto& [change, says] : table) {
+    Expectation e = test::expect_finger();
+    change(e);
+    EXPECT_EQ(refusal(e), says);
+  }
 }
 
-TEST(BoardHost, RefusesAWatchdogThatALateLoopWouldTrip) {
+TEST(BoardHost, AShortWatchdogIsRefused) {
   EmulatorConfig config;
   config.watchdog_us = 20000;
   EXPECT_EQ(refusal(test::expect_finger(), config),
@@ -75,7 +78,7 @@ TEST(BoardHost, RefusesAWatchdogThatALateLoopWouldTrip) {
   EXPECT_EQ(link.host.stage(), Stage::kOpen);
 }
 
-TEST(BoardHost, GetsASamplePerMillisecondAndLosesNone) {
+TEST(BoardHost, NoSampleIsLost) {
   VirtualLink link;
   link.run(10ms);
   const HostCounters before = link.host.counters();
@@ -85,7 +88,7 @@ TEST(BoardHost, GetsASamplePerMillisecondAndLosesNone) {
   EXPECT_EQ(link.host.counters().bad_crc + link.host.counters().malformed, 0U);
 }
 
-TEST(BoardHost, ArmsWithANonceAndPressesWhatIsWanted) {
+TEST(BoardHost, AnArmingNeedsItsNonce) {
   VirtualLink link;
   link.run(10ms);
   link.arm(3.0);
@@ -110,7 +113,7 @@ TEST(BoardHost, AsksAgainWhereArmWasLost) {
   EXPECT_TRUE(link.armed());
 }
 
-TEST(BoardHost, ABoardThatItsWatchdogStoppedIsBrokenUntilTheArmingIsGivenUp) {
+TEST(BoardHost, AWatchdogStopLastsUntilDisarmed) {
   VirtualLink link;
   link.run(10ms);
   link.arm(3.0);
@@ -136,7 +139,7 @@ TEST(BoardHost, ABoardThatItsWatchdogStoppedIsBrokenUntilTheArmingIsGivenUp) {
   EXPECT_EQ(link.board.firmware().counters.watchdog_stops, 1U);
 }
 
-TEST(BoardHost, ABrownOutEndsInANewSessionDisarmed) {
+TEST(BoardHost, ABrownOutEndsDisarmed) {
   EmulatorConfig config;
   config.faults = {{FaultKind::kBrownOut, 0.1, 0.05, 0.0}};
   VirtualLink link(config);
@@ -160,7 +163,7 @@ TEST(BoardHost, ABrownOutEndsInANewSessionDisarmed) {
 }
 
 /// Of boards without a serial number any answers to it: what the loop was built with must hold too.
-TEST(BoardHost, AfterAReplugOnlyTheSameBoardIsOpened) {
+TEST(BoardHost, AReplugNeedsTheSameBoard) {
   EmulatorConfig nameless;
   nameless.serial = "";
   EmulatorConfig same = nameless, other_serial = nameless, other_control = nameless;
@@ -187,7 +190,7 @@ TEST(BoardHost, AfterAReplugOnlyTheSameBoardIsOpened) {
             "its capabilities = 6: must be 3, as before the port was lost");
 }
 
-TEST(BoardHost, AStuckSensorIsAFaultOfTheBoard) {
+TEST(BoardHost, AStuckSensorIsAFault) {
   EmulatorConfig config;
   config.faults = {{FaultKind::kStuck, 0.1, 0.4, 0.0}};
   VirtualLink link(config);
@@ -200,7 +203,7 @@ TEST(BoardHost, AStuckSensorIsAFaultOfTheBoard) {
   EXPECT_EQ(link.board.firmware().faults, HB_SENSOR_STUCK);
 }
 
-TEST(BoardHost, EveryFrameThatIsMissingHasACountedReason) {
+TEST(BoardHost, EveryMissingFrameIsCounted) {
   EmulatorConfig config;
   config.drop = 3e-4;
   config.corrupt = 3e-4;
@@ -220,7 +223,7 @@ TEST(BoardHost, EveryFrameThatIsMissingHasACountedReason) {
   EXPECT_GT(board.bad_crc + board.malformed, 20U);
 }
 
-TEST(BoardHost, DamagedBytesDoNotDisarmAndDoNotSilence) {
+TEST(BoardHost, DamagedBytesDoNotDisarm) {
   EmulatorConfig config;
   config.corrupt = 3e-4;
   VirtualLink link(config);
@@ -234,7 +237,7 @@ TEST(BoardHost, DamagedBytesDoNotDisarmAndDoNotSilence) {
   EXPECT_EQ(link.board.firmware().counters.watchdog_stops, 0U);
 }
 
-TEST(BoardHost, SamplesAreYoungOverThe500HzLinkToo) {
+TEST(BoardHost, SlowLinksKeepSamplesYoung) {
   for (const std::uint32_t period_us : {0U, 2000U}) {
     EmulatorConfig config;
     config.link_period_us = period_us;
@@ -250,7 +253,7 @@ TEST(BoardHost, SamplesAreYoungOverThe500HzLinkToo) {
   }
 }
 
-TEST(BoardHost, TheRoundTripIsTheWayOfACommandToTheStateThatTellsOfIt) {
+TEST(BoardHost, RoundTripSpansCommandToState) {
   VirtualLink link;
   link.run(10ms);
   link.arm(1.0);

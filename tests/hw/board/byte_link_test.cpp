@@ -34,7 +34,7 @@ std::string group_of(const std::string& path) {
   return std::string(name).substr(0, std::string(name).find('\n'));
 }
 
-TEST(ByteLink, APermissionErrorNamesTheGroupAndWhatToDo) {
+TEST(ByteLink, APermissionErrorNamesTheGroup) {
   const test::TemporaryFile port("", "ttyACM0");
   const std::string path = port.path().string(), group = group_of(path);
   ASSERT_FALSE(group.empty());
@@ -59,7 +59,7 @@ TEST(ByteLink, APortHasOneOwner) {
   ::close(second);
 }
 
-TEST(ByteLink, ASecondOpeningOfAPseudoTerminalIsRefusedUntilTheFirstIsClosed) {
+TEST(ByteLink, APseudoTerminalOpensOnce) {
   const emulator::PseudoTerminal terminal("");
   const std::string port = terminal.port().string();
   auto first = open_link(port, 921600);
@@ -74,7 +74,7 @@ TEST(ByteLink, ASecondOpeningOfAPseudoTerminalIsRefusedUntilTheFirstIsClosed) {
 }
 
 /// With a pseudo-terminal in place of a serial port: the kernel's terminals share this flag.
-TEST(ByteLink, APortIsKeptForOneProgram) {
+TEST(ByteLink, OnePortOneProgram) {
   const emulator::PseudoTerminal terminal("");
   const int port = ::open(terminal.port().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
   ASSERT_GE(port, 0);
@@ -87,7 +87,7 @@ TEST(ByteLink, APortIsKeptForOneProgram) {
   ::close(port);
 }
 
-TEST(ByteLink, WhoKnowsNoLowLatencyIsAskedInVainAndWithoutHarm) {
+TEST(ByteLink, LowLatencyIsOptional) {
   emulator::PseudoTerminal terminal("");
   const auto link = open_link(terminal.port().string(), 921600);
   EXPECT_FALSE(ask_for_low_latency(link->handle()));
@@ -98,7 +98,7 @@ TEST(ByteLink, WhoKnowsNoLowLatencyIsAskedInVainAndWithoutHarm) {
   EXPECT_EQ(terminal.read(), std::vector<std::uint8_t>(sent.begin(), sent.end()));
 }
 
-TEST(ByteLink, AnFtdiTimerOf16MillisecondsIsToldWithTheFileToWrite) {
+TEST(ByteLink, ASlowFtdiTimerIsReported) {
   const test::TemporaryFile timer("16\n", "latency_timer");
   const auto devices = timer.path().parent_path().parent_path();
   const std::string port = "/dev/" + timer.path().parent_path().filename().string();

@@ -47,7 +47,7 @@ TEST(BoardCalibration, AppliesScaleOffsetAndZero) {
   EXPECT_NEAR(sample.tau_measured[0], 2.0, 1e-15);
 }
 
-TEST(BoardCalibration, TheTravelIsTheRangeOfASample) {
+TEST(BoardCalibration, TheTravelBoundsSamples) {
   const auto kinematics = core::make_finger_exoskeleton({});
   core::DeviceLimits limits = device_limits(*kinematics, core::VecA::Constant(1, 40.0));
   apply(good(), limits);
@@ -62,7 +62,7 @@ TEST(BoardCalibration, APositionGoesBackThroughIt) {
   EXPECT_NEAR(1.25 * reading[0] - 0.004, 0.021, 1e-15);
 }
 
-TEST(BoardCalibration, TheBoardsOwnForceLoopIsToldWhatItsCellWillRead) {
+TEST(BoardCalibration, ForcesAreSentInCellReadings) {
   const core::DofLayout layout = core::make_finger_exoskeleton({})->layout();
   hw::Command command{true, core::VecA::Constant(1, 2.0), {}};
   Wanted wanted;
@@ -94,7 +94,7 @@ TEST(BoardCalibration, AnotherDevicesIsRefusedByName) {
       "'HX-8'; must be its own (hapticctl calibrate)");
 }
 
-TEST(BoardCalibration, WhatDoesNotFitIsRefusedWithTheReason) {
+TEST(BoardCalibration, AMisfitIsRefusedWithReason) {
   Calibration c = good();
   c.scale[0] = 0.0;
   EXPECT_NE(why_refused(c).find("DoF 'l_x': scale = 0: must be finite, not 0"), std::string::npos)

@@ -37,7 +37,7 @@ class Link {
   int count_{0};
 };
 
-TEST(ClockMap, WithAConstantDelayEverySampleIsPlacedAtThatDelay) {
+TEST(ClockMap, AConstantDelayStays) {
   Link link(150.0);
   for (int i = 0; i < 20000; ++i) {
     const double error = link.next(0.8e-3);
@@ -47,7 +47,7 @@ TEST(ClockMap, WithAConstantDelayEverySampleIsPlacedAtThatDelay) {
   EXPECT_NEAR(link.map.drift(), 150e-6, 5e-6);
 }
 
-TEST(ClockMap, JitterOfTheLinkIsTakenOutOfTheSamples) {
+TEST(ClockMap, LinkJitterIsRemoved) {
   Link link(-100.0);
   std::mt19937_64 random(3);
   double worst = 0.0, mean = 0.0;
@@ -74,7 +74,7 @@ TEST(ClockMap, StragglersDoNotMoveTheLine) {
   EXPECT_EQ(link.map.stragglers(), 300U);
 }
 
-TEST(ClockMap, ADelayThatStaysIsLearntAnew) {
+TEST(ClockMap, ALastingDelayIsLearnt) {
   Link link(0.0);
   for (int i = 0; i < 3000; ++i) static_cast<void>(link.next(0.2e-3));
   double error = 0.0;
@@ -82,7 +82,7 @@ TEST(ClockMap, ADelayThatStaysIsLearntAnew) {
   EXPECT_NEAR(error, 3e-3, 0.1e-3);
 }
 
-TEST(ClockMap, ABoardThatStartsAnewIsFollowedAtOnce) {
+TEST(ClockMap, ARestartedBoardIsFollowed) {
   ClockMap map;
   const core::TimePoint t0(1000s);
   for (int i = 0; i < 1000; ++i) {
@@ -92,7 +92,7 @@ TEST(ClockMap, ABoardThatStartsAnewIsFollowedAtOnce) {
   EXPECT_EQ(map.map(9000000, t0 + 1s + 1ms), t0 + 1s + 1ms);  // it jumped by 9 s
 }
 
-TEST(ClockMap, TimesRiseWithTheBoardsWhateverTheJitter) {
+TEST(ClockMap, TimesRiseUnderJitter) {
   ClockMap map;
   std::mt19937_64 random(9);
   core::TimePoint arrival(1000s), last{};

@@ -74,7 +74,7 @@ TEST(FrameCodec, EncodesTheDocumentsVectors) {
   }
 }
 
-TEST(FrameCodec, TheDocumentHasAVectorOfEveryFrameType) {
+TEST(FrameCodec, EveryFrameTypeHasAVector) {
   std::set<FrameType> types;
   for (const test::Vector& vector : test::vectors()) types.insert(vector.type);
   EXPECT_EQ(types.size(), 8U);
@@ -94,7 +94,7 @@ TEST(FrameCodec, DecodesTheDocumentsVectors) {
   }
 }
 
-TEST(FrameCodec, PayloadsOfEveryLengthComeBackWhole) {
+TEST(FrameCodec, PayloadsRoundTrip) {
   for (const std::uint8_t fill : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{0xFF}}) {
     for (std::size_t length = 0; length <= kMaxPayload; ++length) {
       const Bytes payload(length, fill);
@@ -111,13 +111,13 @@ TEST(FrameCodec, PayloadsOfEveryLengthComeBackWhole) {
   }
 }
 
-TEST(FrameCodec, APayloadTooLongIsNotEncoded) {
+TEST(FrameCodec, LongPayloadsAreNotEncoded) {
   WireBuffer wire;
   const Bytes payload(kMaxPayload + 1, 7);
   EXPECT_EQ(encode({FrameType::kState, 1, payload}, wire), 0U);
 }
 
-TEST(FrameCodec, EverySingleBitFlipOfEveryTypeIsDetectedAndCostsNoNeighbour) {
+TEST(FrameCodec, ABitFlipCostsOneFrame) {
   for (const test::Vector& vector : test::vectors()) {
     for (std::size_t bit = 0; bit < 8 * vector.wire.size(); ++bit) {
       Bytes damaged = vector.wire;
@@ -130,7 +130,7 @@ TEST(FrameCodec, EverySingleBitFlipOfEveryTypeIsDetectedAndCostsNoNeighbour) {
   }
 }
 
-TEST(FrameCodec, EveryTruncationOfEveryTypeIsDetectedAndCostsNoNeighbour) {
+TEST(FrameCodec, ATruncationCostsOneFrame) {
   for (const test::Vector& vector : test::vectors()) {
     const auto body = static_cast<std::ptrdiff_t>(vector.wire.size()) - 2;
     for (std::ptrdiff_t kept = 0; kept < body; ++kept) {
@@ -158,7 +158,7 @@ TEST(FrameCodec, ALostZeroLosesNoFrame) {
   }
 }
 
-TEST(FrameCodec, EveryDroppedByteInsideAFrameIsDetected) {
+TEST(FrameCodec, ADroppedByteIsDetected) {
   for (const test::Vector& vector : test::vectors()) {
     for (std::size_t at = 1; at + 1 < vector.wire.size(); ++at) {
       Bytes damaged = vector.wire;
@@ -170,7 +170,7 @@ TEST(FrameCodec, EveryDroppedByteInsideAFrameIsDetected) {
   }
 }
 
-TEST(FrameCodec, JoiningInTheMiddleCostsOneFrameAtMost) {
+TEST(FrameCodec, JoiningCostsOneFrame) {
   const test::Vector& state = test::vector("STATE");
   for (std::size_t from = 0; from < state.wire.size(); ++from) {
     Bytes stream(state.wire.begin() + static_cast<std::ptrdiff_t>(from), state.wire.end());
@@ -182,7 +182,7 @@ TEST(FrameCodec, JoiningInTheMiddleCostsOneFrameAtMost) {
   }
 }
 
-TEST(FrameCodec, NoiseWithoutAnEndIsOneMalformedFrameAndTheNextIsRead) {
+TEST(FrameCodec, EndlessNoiseIsOneMalformedFrame) {
   const Seen seen = decode_between_neighbours(Bytes(100000, 0x55));
   EXPECT_EQ(seen.seqs, (std::vector<std::uint32_t>{kBefore, kBehind}));
   EXPECT_EQ(seen.malformed, 1);
@@ -194,7 +194,7 @@ TEST(FrameCodec, ZerosBetweenFramesAreNotFrames) {
   EXPECT_EQ(seen.rejected(), 0);
 }
 
-TEST(SequenceFilter, AcceptsWhatIsNewerAndCountsWhatWasPassedOver) {
+TEST(SequenceFilter, SkippedNumbersAreCounted) {
   SequenceFilter filter;
   filter.restart(0xFFFFFFFEU);
   EXPECT_TRUE(filter.accept(0xFFFFFFFFU));

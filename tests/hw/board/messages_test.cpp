@@ -104,26 +104,27 @@ TEST(BoardMessages, ReadTheDocumentsVectors) {
   EXPECT_EQ(n->sessions, 1U);
 }
 
-TEST(BoardMessages, APayloadOfAnotherLengthIsRefused) {
-  const auto refused = [](auto reader, const std::string& name) {
+TEST(BoardMessages, OtherLengthsAreRefused) {
+  const auto refused = [](auto message, const std::string& name) {
+    using Message = decltype(message);
     Bytes longer = test::vector(name).payload;
     longer.push_back(0);
-    EXPECT_FALSE(reader(longer)) << name;
+    EXPECT_FALSE(read<Message>(longer)) << name;
     if (test::vector(name).payload.empty()) return;
     longer.resize(longer.size() - 2);
-    EXPECT_FALSE(reader(longer)) << name;
+    EXPECT_FALSE(read<Message>(longer)) << name;
   };
-  refused([](const Bytes& b) { return read<Hello>(b).has_value(); }, "HELLO");
-  refused([](const Bytes& b) { return read<Arm>(b).has_value(); }, "ARM");
-  refused([](const Bytes& b) { return read<Disarm>(b).has_value(); }, "DISARM");
-  refused([](const Bytes& b) { return read<Command>(b).has_value(); }, "COMMAND");
-  refused([](const Bytes& b) { return read<Identity>(b).has_value(); }, "IDENTITY");
-  refused([](const Bytes& b) { return read<Dof>(b).has_value(); }, "DOF");
-  refused([](const Bytes& b) { return read<State>(b).has_value(); }, "STATE");
-  refused([](const Bytes& b) { return read<Counters>(b).has_value(); }, "COUNTERS");
+  refused(Hello{}, "HELLO");
+  refused(Arm{}, "ARM");
+  refused(Disarm{}, "DISARM");
+  refused(Command{}, "COMMAND");
+  refused(Identity{}, "IDENTITY");
+  refused(Dof{}, "DOF");
+  refused(State{}, "STATE");
+  refused(Counters{}, "COUNTERS");
 }
 
-TEST(BoardMessages, ACommandThatIsNotFiniteIsRefused) {
+TEST(BoardMessages, ANonFiniteCommandIsRefused) {
   Command c = command();
   for (const float value :
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
@@ -132,7 +133,7 @@ TEST(BoardMessages, ACommandThatIsNotFiniteIsRefused) {
   }
 }
 
-TEST(BoardMessages, AStateWithAForceThatIsNotFiniteIsRefusedButOneOfQIsTheLoopsToJudge) {
+TEST(BoardMessages, OnlyANonFiniteForceIsRefused) {
   State s = state();
   s.force[0] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_FALSE(read<State>(bytes_of(s)));
@@ -141,7 +142,7 @@ TEST(BoardMessages, AStateWithAForceThatIsNotFiniteIsRefusedButOneOfQIsTheLoopsT
   ASSERT_TRUE(read<State>(bytes_of(s)));
 }
 
-TEST(BoardMessages, CountsThatNoBoardHasAreRefused) {
+TEST(BoardMessages, ImpossibleCountsAreRefused) {
   Identity i = identity();
   i.n_a = 3;
   EXPECT_FALSE(read<Identity>(bytes_of(i)));
@@ -156,7 +157,7 @@ TEST(BoardMessages, CountsThatNoBoardHasAreRefused) {
   EXPECT_FALSE(read<State>(lying));
 }
 
-TEST(BoardMessages, ADofWithoutARangeOrAnActuatorsLimitIsRefused) {
+TEST(BoardMessages, ADofNeedsRangeAndLimit) {
   const Dof good{0, false, true, 0.0F, 0.05F, 40.0F, 0.03125F, "l_x"};
   Dof dof = good;
   dof.upper = dof.lower;

@@ -50,7 +50,7 @@ class HandBoard {
   hb_config config_{};
 };
 
-TEST(WholeHand, IsOneBoardWithTenDofsAndFiveForces) {
+TEST(WholeHand, AHandFitsOneBoard) {
   const auto hand = core::make_hand_exoskeleton(core::five_fingers());
   ASSERT_EQ(hand->layout().n_q(), 10);
   ASSERT_EQ(hand->layout().n_a(), 5);

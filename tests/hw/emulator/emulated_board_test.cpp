@@ -25,7 +25,7 @@ double mean_force(VirtualLink& link) {
   return sum / 200.0;
 }
 
-TEST(EmulatedBoard, TheForceInTheCellIsTheCommandOnceItHasSettled) {
+TEST(EmulatedBoard, TheCellSettlesAtTheCommand) {
   for (const double wanted : {3.0, 8.0, -5.0}) {
     VirtualLink link({}, test::expect_finger(), Eigen::Vector2d(0.5, 0.5));
     link.run(1s);
@@ -35,7 +35,7 @@ TEST(EmulatedBoard, TheForceInTheCellIsTheCommandOnceItHasSettled) {
   }
 }
 
-TEST(EmulatedBoard, ArmedWithoutForceItGivesWayToTheFinger) {
+TEST(EmulatedBoard, ArmedAtZeroItYields) {
   VirtualLink link({}, test::expect_finger(), Eigen::Vector2d(0.6, 0.6));
   link.run(1s);
   const double locked = link.board.rig().finger().x().sum();
@@ -46,7 +46,7 @@ TEST(EmulatedBoard, ArmedWithoutForceItGivesWayToTheFinger) {
   EXPECT_NEAR(link.board.rig().finger().x().sum(), 1.2, 0.1);
 }
 
-TEST(EmulatedBoard, OnceItsDriveIsOffItPushesNoMore) {
+TEST(EmulatedBoard, ADriveThatIsOffRests) {
   VirtualLink link({}, test::expect_finger(), Eigen::Vector2d(0.5, 0.5));
   link.run(1s);
   link.arm(8.0);
@@ -71,7 +71,7 @@ TEST(EmulatedBoard, AStalledMotorDoesNotFollow) {
   EXPECT_NEAR(link.board.rig().actuator().x(), x, 1e-5);
 }
 
-TEST(EmulatedBoard, TheDriftingPotentiometerWandersAndTheRodDoesNot) {
+TEST(EmulatedBoard, OnlyTheDriftingReadingMoves) {
   EmulatorConfig config;
   config.faults = {{FaultKind::kDrift, 0.5, 1e9, 0.001}};
   VirtualLink link(config);
@@ -80,7 +80,7 @@ TEST(EmulatedBoard, TheDriftingPotentiometerWandersAndTheRodDoesNot) {
   EXPECT_NEAR(told - link.board.rig().actuator().x(), 0.002, 1e-4);
 }
 
-TEST(EmulatedBoard, TooMuchForceInTheCellIsAFault) {
+TEST(EmulatedBoard, TooMuchForceIsAFault) {
   EmulatorConfig config;
   config.force_over_limit = 5.0;
   VirtualLink link(config);

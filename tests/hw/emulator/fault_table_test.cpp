@@ -106,6 +106,8 @@ int moment(std::uint64_t seed) {
 }
 
 struct PressedCase : ::testing::TestWithParam<std::uint64_t> {
+  PressedBoard finger{config()};
+  void SetUp() override { press(finger); }
   static EmulatorConfig config() {
     EmulatorConfig c;
     c.seed = GetParam();
@@ -138,7 +140,7 @@ struct PressedCase : ::testing::TestWithParam<std::uint64_t> {
   /// The cause is gone: cleared, the device comes back to force by way of IDLE.
   static void expect_return(PressedBoard& finger) {
     finger.run_ms(600);
-    EXPECT_EQ(finger.last().state, DeviceState::kFault) << "latched until somebody clears it";
+    EXPECT_EQ(finger.last().state, DeviceState::kFault) << "latched until it is cleared";
     finger.clear();
     bool idle = false;
     for (int i = 0; i < 1000 && finger.last().state != DeviceState::kEngaged; ++i) {
@@ -151,31 +153,26 @@ struct PressedCase : ::testing::TestWithParam<std::uint64_t> {
 };
 
 TEST_P(PressedCase, WithoutAFaultItStaysEngaged) {
-  PressedBoard finger(config());
-  press(finger);
   finger.run_ms(2000);
   EXPECT_EQ(finger.last().state, DeviceState::kEngaged);
   EXPECT_FALSE(finger.last().faults.any());
 }
 
-TEST_P(PressedCase, FewLostAndDamagedBytesAreCountedAndNotFelt) {
+TEST_P(PressedCase, FewDamagedBytesAreOnlyCounted) {
   EmulatorConfig c = config();
   c.drop = c.corrupt = 1e-4;
-  PressedBoard finger(c);
-  press(finger);
-  finger.run_ms(4000);
-  EXPECT_EQ(finger.last().state, DeviceState::kEngaged);
-  const board::HostCounters& n = finger.device().counters();
+  PressedBoard damaged(c);
+  press(damaged);
+  damaged.run_ms(4000);
+  EXPECT_EQ(damaged.last().state, DeviceState::kEngaged);
+  const board::HostCounters& n = damaged.device().counters();
   const auto here = n.bad_crc + n.malformed + n.lost;
-  const auto& there = finger.board().firmware().counters;
+  const auto& there = damaged.board().firmware().counters;
   EXPECT_GT(here, 0u);
   EXPECT_GT(there.bad_crc + there.malformed, 0u);
 }
 
-TEST_P(PressedCase, ALinkThatLosesNearlyEverythingIsASilentDevice) {
-  EmulatorConfig c = config();
-  PressedBoard finger(c);
-  press(finger);
+TEST_P(PressedCase, ALossyLinkIsASilentDevice) {
   finger.board().set_noise(0.2, 0.2);
   // 10 ms of silence and the tick that sees it, after the last frame that came through by luck.
   until_fault(finger, 400);
@@ -184,31 +181,18 @@ TEST_P(PressedCase, ALinkThatLosesNearlyEverythingIsASilentDevice) {
   expect_drive_off(finger, 400);
 }
 
-TEST_P(PressedCase, ABrownOutIsSilenceAndTheMotorIsOffAtOnce) {
-  PressedBoard finger(config());
-  press(finger);
-  finger.fault(FaultKind::kBrownOut, 0.3);
-  finger.tick();
-  EXPECT_FALSE(finger.board().drives());
-  EXPECT_LE(until_fault(finger, 100), 12);
-  EXPECT_TRUE(finger.last().faults.has(Fault::kDeviceSilent));
-  expect_return(finger);
+TEST_P(PressedCase, BrownOutAndHangStopTheMotor) {
+  for (const FaultKind kind : {FaultKind::kBrownOut, FaultKind::kHang}) {
+    finger.fault(kind, 0.3);
+    finger.tick();
+    EXPECT_FALSE(finger.board().drives());
+    EXPECT_LE(until_fault(finger, 100), 12);
+    EXPECT_TRUE(finger.last().faults.has(Fault::kDeviceSilent));
+    expect_return(finger);
+  }
 }
 
-TEST_P(PressedCase, AHangingFirmwareIsSilenceAndItsWatchdogCutsTheMotor) {
-  PressedBoard finger(config());
-  press(finger);
-  finger.fault(FaultKind::kHang, 0.3);
-  finger.tick();
-  EXPECT_FALSE(finger.board().drives());
-  EXPECT_LE(until_fault(finger, 100), 12);
-  EXPECT_TRUE(finger.last().faults.has(Fault::kDeviceSilent));
-  expect_return(finger);
-}
-
-TEST_P(PressedCase, UnpluggedItIsLostAndTheBoardStopsItself) {
-  PressedBoard finger(config());
-  press(finger);
+TEST_P(PressedCase, AnUnpluggedBoardStopsItself) {
   finger.fault(FaultKind::kUnplug, 0.3);
   EXPECT_LE(until_fault(finger, 100), 12);
   EXPECT_TRUE(finger.last().faults.has(Fault::kDeviceLost));
@@ -217,9 +201,7 @@ TEST_P(PressedCase, UnpluggedItIsLostAndTheBoardStopsItself) {
   expect_return(finger);
 }
 
-TEST_P(PressedCase, AStuckSensorIsFoundByTheBoardWithin100Samples) {
-  PressedBoard finger(config());
-  press(finger);
+TEST_P(PressedCase, TheBoardFindsAStuckSensor) {
   finger.fault(FaultKind::kStuck, 0.4);
   EXPECT_LE(until_fault(finger, 300), 103);
   EXPECT_TRUE(finger.last().faults.has(Fault::kDeviceLost));
@@ -228,9 +210,7 @@ TEST_P(PressedCase, AStuckSensorIsFoundByTheBoardWithin100Samples) {
   expect_return(finger);
 }
 
-TEST_P(PressedCase, ADeadMotorIsFoundByTheBoardOnceItsLoopPushesInVain) {
-  PressedBoard finger(config());
-  press(finger);
+TEST_P(PressedCase, TheBoardFindsADeadMotor) {
   finger.fault(FaultKind::kStall, 60.0);
   // As long as friction holds what is asked for there is nothing to find; then some seconds of the
   // integral, and 200 ms at its limit.
@@ -239,9 +219,7 @@ TEST_P(PressedCase, ADeadMotorIsFoundByTheBoardOnceItsLoopPushesInVain) {
   EXPECT_FALSE(finger.board().drives());
 }
 
-TEST_P(PressedCase, ADriftingPotentiometerEndsOutOfRangeAndNeverAboveTheForceLimit) {
-  PressedBoard finger(config());
-  press(finger);
+TEST_P(PressedCase, DriftEndsOutOfRange) {
   const double l_x = finger.last().q[0];
   finger.fault(FaultKind::kDrift, 60.0, 0.01);
   // 10 mm/s from where it is to the end of the range and its margin, 52.5 mm; the rod may follow.
@@ -251,9 +229,7 @@ TEST_P(PressedCase, ADriftingPotentiometerEndsOutOfRangeAndNeverAboveTheForceLim
   expect_drive_off(finger, 3);
 }
 
-TEST_P(PressedCase, AKilledServerIsStoppedByTheBoardsWatchdog) {
-  PressedBoard finger(config());
-  press(finger);
+TEST_P(PressedCase, TheWatchdogOutlivesTheServer) {
   finger.device().kill_server();
   for (int ms = 1; ms <= 24; ++ms) finger.tick();
   EXPECT_TRUE(finger.board().drives()) << "not before its time: 25 ms";

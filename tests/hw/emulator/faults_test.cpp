@@ -18,7 +18,7 @@ TEST(EmulatorFaults, AreReadFromTheirText) {
   EXPECT_TRUE(drift.active(1e6));
 }
 
-TEST(EmulatorFaults, LastFromTheirStartToTheirEnd) {
+TEST(EmulatorFaults, FaultsLastTheirTime) {
   const FaultSpec fault = parse_fault("stall@1+0.5");
   EXPECT_FALSE(fault.active(0.999));
   EXPECT_TRUE(fault.active(1.0));
@@ -39,7 +39,7 @@ TEST(EmulatorFaults, NamesReadBack) {
   }
 }
 
-TEST(EmulatorFaults, TheSameSeedDrawsTheSameAnotherDoesNot) {
+TEST(EmulatorFaults, FaultsFollowTheSeed) {
   const auto one = draw_faults(1, 20, 60.0), same = draw_faults(1, 20, 60.0),
              other = draw_faults(2, 20, 60.0);
   ASSERT_EQ(one.size(), 20U);

@@ -34,7 +34,7 @@ TEST(LinearActuator, RunsAtTheDataSheetsSpeeds) {
   EXPECT_NEAR(speed_under_load(l16(Gearing::k150), 1e9, 174.0), 0.004, 5e-4);
 }
 
-TEST(LinearActuator, LiftsNoMoreThanItsCurrentLimitAllows) {
+TEST(LinearActuator, TheCurrentLimitBoundsTheLift) {
   const ActuatorParameters p = l16(Gearing::k35);
   EXPECT_LE(speed_under_load(p, 1e9, 51.0), 0.0);
 }
@@ -46,14 +46,14 @@ double force_against_wall(LinearActuator& actuator, double u, double l) {
   return actuator.force();
 }
 
-TEST(LinearActuator, AgainstAWallTheForceStaysWithinFrictionOfTheDrive) {
+TEST(LinearActuator, AWallForceMatchesTheDrive) {
   LinearActuator actuator(l16(Gearing::k35), 0.010);
   const double force = force_against_wall(actuator, 50.0, 0.010);
   EXPECT_LE(force, 50.0 - 31.0 + 1.0);
   EXPECT_GE(force, 50.0 - 31.0 - 1.0);
 }
 
-TEST(LinearActuator, CannotBeMovedByHandWhenSwitchedOff) {
+TEST(LinearActuator, SwitchedOffItHolds) {
   LinearActuator actuator(l16(Gearing::k35), 0.020);
   actuator.drive(0.0, false);
   // 30 N in the cell: below the back-drive force of 31 N.

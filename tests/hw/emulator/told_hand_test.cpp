@@ -60,7 +60,7 @@ TEST(HandLine, IsTwoAnglesOrLetGo) {
   }
 }
 
-TEST_F(ToldRig, TheHandGoesWhereItIsTold) {
+TEST_F(ToldRig, TheHandObeys) {
   pipe.say("0.5 0.6\n");
   pass(3.0);
   EXPECT_NEAR(rig.finger().x()[0], 0.5, 0.05);
@@ -76,7 +76,7 @@ TEST_F(ToldRig, TheHandGoesWhereItIsTold) {
   EXPECT_NEAR(rig.finger().x()[0], 0.2, 0.05) << "nobody tells it anything any more";
 }
 
-TEST_F(ToldRig, AHandThatLetsGoLeavesNoForceInTheCell) {
+TEST_F(ToldRig, LettingGoLeavesNoForce) {
   pipe.say("0.5 0.6\n");
   pass(0.4);  // on its way: the rod, switched off below, holds and the hand pushes
   rig.actuator().drive(0.0, false);

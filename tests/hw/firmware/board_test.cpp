@@ -43,6 +43,12 @@ class FirmwareBoard : public testing::Test {
     c.value[0] = force;
     send(FrameType::kCommand, c);
   }
+  /// A session, armed under nonce 5, with this force commanded.
+  void press(float force) {
+    hello();
+    arm();
+    command(force);
+  }
   /// What the drive is told; empty: off.
   std::optional<float> reference() {
     float value = -1.0F;
@@ -89,13 +95,13 @@ class FirmwareBoard : public testing::Test {
   int samples_{0};
 };
 
-TEST_F(FirmwareBoard, IsSilentUntilAHostSaysHello) {
+TEST_F(FirmwareBoard, SilentUntilHello) {
   EXPECT_FALSE(sample());
   hello();
   EXPECT_TRUE(sample());
 }
 
-TEST_F(FirmwareBoard, AnswersHelloWithItsIdentityAndDictionary) {
+TEST_F(FirmwareBoard, HelloIsAnsweredByTheDictionary) {
   hello(4711);
   ASSERT_TRUE(identity_);
   EXPECT_EQ(identity_->session, 4711U);
@@ -109,7 +115,7 @@ TEST_F(FirmwareBoard, AnswersHelloWithItsIdentityAndDictionary) {
   EXPECT_EQ(dofs_[1].lower, -1.3F);
 }
 
-TEST_F(FirmwareBoard, AHostOfAnotherVersionLearnsOursAndGetsNoSession) {
+TEST_F(FirmwareBoard, AnotherVersionGetsNoSession) {
   send(FrameType::kHello, Hello{2, 77});
   ASSERT_TRUE(identity_);
   EXPECT_EQ(identity_->version, 1);
@@ -128,7 +134,7 @@ TEST_F(FirmwareBoard, FollowsOnlyArmedAndCommanded) {
   EXPECT_FALSE(reference());
 }
 
-TEST_F(FirmwareBoard, AReferenceIsClampedToTheDictionary) {
+TEST_F(FirmwareBoard, ReferencesAreClamped) {
   hello();
   arm();
   command(1000.0F);
@@ -137,10 +143,8 @@ TEST_F(FirmwareBoard, AReferenceIsClampedToTheDictionary) {
   EXPECT_EQ(reference(), -40.0F);
 }
 
-TEST_F(FirmwareBoard, TheWatchdogStopsItAfterItsTimeAndNotBefore) {
-  hello();
-  arm();
-  command(3.0F);
+TEST_F(FirmwareBoard, TheWatchdogStopsOnTime) {
+  press(3.0F);
   now_ += kWatchdogUs;
   EXPECT_EQ(reference(), 3.0F);
   now_ += 1;
@@ -158,17 +162,15 @@ TEST_F(FirmwareBoard, TheWatchdogRunsFromArmOn) {
   EXPECT_FALSE(reference());
 }
 
-TEST_F(FirmwareBoard, ALateCommandDoesNotReviveAnArming) {
-  hello();
-  arm();
-  command(3.0F);
+TEST_F(FirmwareBoard, LateCommandsDoNotRevive) {
+  press(3.0F);
   now_ += kWatchdogUs + 1;
-  command(3.0F);  // seen by nobody in between: the command itself comes first
+  command(3.0F);  // the first thing that the board sees after its time
   EXPECT_FALSE(reference());
   EXPECT_EQ(board_.counters.wrong_nonce, 1U);
 }
 
-TEST_F(FirmwareBoard, ALatchedStopLeavesOnlyByANewNonce) {
+TEST_F(FirmwareBoard, OnlyANewNonceRearms) {
   hello();
   arm(5);
   now_ += kWatchdogUs + 1;
@@ -183,10 +185,8 @@ TEST_F(FirmwareBoard, ALatchedStopLeavesOnlyByANewNonce) {
   EXPECT_EQ(reference(), 2.0F);
 }
 
-TEST_F(FirmwareBoard, OnlyAValidCommandRestartsTheWatchdog) {
-  hello();
-  arm();
-  command(3.0F);
+TEST_F(FirmwareBoard, OnlyCommandsRestartTheWatchdog) {
+  press(3.0F);
   for (int i = 0; i < 20; ++i) {
     now_ += 1000;
     hello();            // a host that lives, but commands nothing
@@ -200,10 +200,8 @@ TEST_F(FirmwareBoard, OnlyAValidCommandRestartsTheWatchdog) {
   EXPECT_EQ(board_.counters.malformed, 40U);
 }
 
-TEST_F(FirmwareBoard, RepeatedAndReorderedFramesAreDroppedAndCounted) {
-  hello();
-  arm();
-  command(1.0F);
+TEST_F(FirmwareBoard, OldFramesAreDroppedAndCounted) {
+  press(1.0F);
   const std::uint32_t last = seq_;
   Command old{5, CommandKind::kForce, 1, {}};
   old.value[0] = 9.0F;
@@ -214,9 +212,7 @@ TEST_F(FirmwareBoard, RepeatedAndReorderedFramesAreDroppedAndCounted) {
 }
 
 TEST_F(FirmwareBoard, CorruptFramesAreDroppedAndCounted) {
-  hello();
-  arm();
-  command(1.0F);
+  press(1.0F);
   Command c{5, CommandKind::kForce, 1, {}};
   c.value[0] = 9.0F;
   const Payload payload = write(c);
@@ -243,7 +239,7 @@ TEST_F(FirmwareBoard, ANewSessionDisarms) {
   EXPECT_EQ(reference(), 1.0F);
 }
 
-TEST_F(FirmwareBoard, HelloOfThePresentSessionOnlyAnswers) {
+TEST_F(FirmwareBoard, ARepeatedHelloOnlyAnswers) {
   hello(1);
   arm();
   command(3.0F);
@@ -253,10 +249,8 @@ TEST_F(FirmwareBoard, HelloOfThePresentSessionOnlyAnswers) {
   EXPECT_EQ(reference(), 3.0F);
 }
 
-TEST_F(FirmwareBoard, AFaultStopsAtOnceAndIsLatchedWhenItsCauseIsGone) {
-  hello();
-  arm();
-  command(3.0F);
+TEST_F(FirmwareBoard, AFaultStopsAndIsLatched) {
+  press(3.0F);
   EXPECT_EQ(sample(HB_FORCE_OVER_LIMIT)->state, BoardState::kFault);
   EXPECT_EQ(state_->faults, kForceOverLimit);
   EXPECT_FALSE(reference());
@@ -268,7 +262,7 @@ TEST_F(FirmwareBoard, AFaultStopsAtOnceAndIsLatchedWhenItsCauseIsGone) {
   EXPECT_EQ(sample(0)->state, BoardState::kArmed);
 }
 
-TEST_F(FirmwareBoard, ASensorThatRepeatsItselfTooOftenIsStuck) {
+TEST_F(FirmwareBoard, ARepeatingSensorIsStuck) {
   hello();
   const float q[2] = {0.01F, 0.2F};
   // The first reading, and 99 that repeat it.
@@ -280,7 +274,7 @@ TEST_F(FirmwareBoard, ASensorThatRepeatsItselfTooOftenIsStuck) {
   EXPECT_EQ(sample()->faults, 0);  // it moves again
 }
 
-TEST_F(FirmwareBoard, AStateTellsWhichCommandItSawAndHowOldItWas) {
+TEST_F(FirmwareBoard, AStateNamesItsCommand) {
   hello();
   EXPECT_EQ(sample()->command_seq, 0U);
   EXPECT_EQ(state_->command_age_us, 65535);
@@ -295,7 +289,7 @@ TEST_F(FirmwareBoard, AStateTellsWhichCommandItSawAndHowOldItWas) {
   EXPECT_EQ(state_->force[0], 1.0F);
 }
 
-TEST_F(FirmwareBoard, CountsFramesWithoutRoomAndUsesTheirNumbers) {
+TEST_F(FirmwareBoard, FramesWithoutRoomAreCounted) {
   hello();
   ASSERT_TRUE(sample());  // brings the first COUNTERS along
   room_ = false;
@@ -318,7 +312,7 @@ TEST_F(FirmwareBoard, SendsCountersTenTimesASecond) {
   EXPECT_EQ(std::count(sent_.begin(), sent_.end(), FrameType::kCounters), 10);
 }
 
-TEST_F(FirmwareBoard, APositionIsRefusedByABoardThatHoldsNone) {
+TEST_F(FirmwareBoard, PositionsNeedTheCapability) {
   hello();
   arm();
   Command c{5, CommandKind::kPosition, 1, {}};

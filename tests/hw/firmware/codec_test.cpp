@@ -39,7 +39,7 @@ TEST(FirmwareCodec, EncodesAndDecodesTheDocumentsVectors) {
   }
 }
 
-TEST(FirmwareCodec, APayloadTooLongIsNotEncoded) {
+TEST(FirmwareCodec, LongPayloadsAreNotEncoded) {
   const Bytes payload(HF_MAX_PAYLOAD + 1, 1);
   Bytes wire(2 * HF_MAX_WIRE);
   EXPECT_EQ(hf_encode(HF_STATE, 1, payload.data(), payload.size(), wire.data()), 0U);
@@ -70,7 +70,7 @@ void expect_detected(const Bytes& damaged, const std::string& what) {
   ASSERT_EQ(taken(stream), (std::vector<std::uint32_t>{7000, 7001})) << what;
 }
 
-TEST(FirmwareCodec, EveryBitFlipAndTruncationOfEveryTypeIsDetectedAndCostsNoNeighbour) {
+TEST(FirmwareCodec, DamageCostsOneFrame) {
   for (const test::Vector& vector : test::vectors()) {
     for (std::size_t bit = 0; bit < 8 * vector.wire.size(); ++bit) {
       Bytes damaged = vector.wire;
@@ -87,7 +87,7 @@ TEST(FirmwareCodec, EveryBitFlipAndTruncationOfEveryTypeIsDetectedAndCostsNoNeig
 }
 
 // tests/fuzz/frame_fuzz_main.cpp runs the same for as long as one likes.
-TEST(FirmwareCodec, AgreesWithTheServersOnDamagedStreams) {
+TEST(FirmwareCodec, BothCodecsAgreeOnDamage) {
   const test::FuzzResult result = test::fuzz_frames(/*seed=*/1, /*executions=*/50'000);
   EXPECT_EQ(result.finding, "");
   // The fuzz reaches what it is there for.

@@ -28,7 +28,7 @@ std::string error_of(std::string_view text) {
   return "no error";
 }
 
-TEST(MotionCsv, ReadsColumnsInAnyOrderAndIgnoresOthers) {
+TEST(MotionCsv, ColumnsMayHaveAnyOrder) {
   const TemporaryFile file(
       "note,q_o2_pip_rad,time_s,q_o1_mcp_rad\n"
       "first,0.2,5.0,0.1\n"
@@ -41,7 +41,7 @@ TEST(MotionCsv, ReadsColumnsInAnyOrderAndIgnoresOthers) {
   EXPECT_THAT(table.line, ElementsAre(2u, 3u));
 }
 
-TEST(MotionCsv, TakesTheFirstAlternativeThatIsThere) {
+TEST(MotionCsv, TheFirstAlternativeWins) {
   const TemporaryFile file(
       "time_s,q_o1_mcp_rad,q_o2_pip_rad,l_x,q_B\n0,1,2,0.01,0.1\n1,1,2,0.02,0.2\n");
   const MotionTable table = read(file);
@@ -49,14 +49,14 @@ TEST(MotionCsv, TakesTheFirstAlternativeThatIsThere) {
   EXPECT_THAT(table.values[0], ElementsAre(0.01, 0.02));
 }
 
-TEST(MotionCsv, AcceptsWindowsLineEndsByteOrderMarkAndBlankLines) {
+TEST(MotionCsv, AcceptsWindowsFiles) {
   const TemporaryFile file("\xEF\xBB\xBFtime_s, l_x ,q_B\r\n0,1,2\r\n1, 3 ,4e-1\r\n\r\n\r\n");
   const MotionTable table = read(file);
   EXPECT_THAT(table.values[0], ElementsAre(1.0, 3.0));
   EXPECT_THAT(table.values[1], ElementsAre(2.0, 0.4));
 }
 
-TEST(MotionCsv, NamesAMissingColumnAndTheColumnsFound) {
+TEST(MotionCsv, NamesAMissingColumn) {
   EXPECT_THAT(error_of("time_s,q_o1_mcp_rad,other\n0,1,2\n1,2,3\n"),
               AllOf(HasSubstr("motion.csv:1"), HasSubstr("missing: q_o2_pip_rad"),
                     HasSubstr("found: time_s, q_o1_mcp_rad, other"), HasSubstr("l_x")));
@@ -66,7 +66,7 @@ TEST(MotionCsv, RefusesAColumnThatStandsTwice) {
   EXPECT_THAT(error_of("time_s,l_x,q_B,l_x\n0,1,2,3\n1,1,2,3\n"), HasSubstr("l_x stands twice"));
 }
 
-TEST(MotionCsv, NamesLineColumnAndValueOfWhatIsNotANumber) {
+TEST(MotionCsv, NamesTheValueThatIsNoNumber) {
   const std::string start = "time_s,l_x,q_B\n0,1,2\n";
   for (const char* value :
        {"abc", "1.5x", "", "nan", "inf", "-inf", "1e999", "0x10", "+-1", "1 2"}) {
@@ -77,7 +77,7 @@ TEST(MotionCsv, NamesLineColumnAndValueOfWhatIsNotANumber) {
   }
 }
 
-TEST(MotionCsv, NamesALineThatEndsTooSoon) {
+TEST(MotionCsv, NamesAShortLine) {
   EXPECT_THAT(error_of("time_s,l_x,q_B\n0,1,2\n1,2\n"),
               AllOf(HasSubstr("motion.csv:3"), HasSubstr("column q_B"), HasSubstr("2 value(s)")));
 }
@@ -98,7 +98,7 @@ TEST(MotionCsv, RefusesFewerThanTwoRows) {
   EXPECT_THAT(error_of(""), HasSubstr("is empty"));
 }
 
-TEST(MotionCsv, NamesAFileThatCannotBeRead) {
+TEST(MotionCsv, NamesAnUnreadableFile) {
   const auto message = [](const std::filesystem::path& path) -> std::string {
     try {
       static_cast<void>(read_motion_csv(path, {joint_angle_columns()}));
@@ -112,7 +112,7 @@ TEST(MotionCsv, NamesAFileThatCannotBeRead) {
   EXPECT_THAT(message(testing::TempDir()), HasSubstr("cannot be read"));
 }
 
-TEST(MotionCsv, FiftyMillisecondsAreNoGapAtAnyOffset) {
+TEST(MotionCsv, FiftyMillisecondsAreNoGap) {
   for (int i = 0; i < 2000; ++i) {
     const double t = 0.05 * i;
     EXPECT_FALSE(is_gap(t, 0.05 * (i + 1))) << i;

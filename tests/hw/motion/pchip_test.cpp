@@ -23,12 +23,12 @@ TEST(Pchip, HoldsItsEndsOutside) {
   EXPECT_EQ(curve(99.0), 6.0);
 }
 
-TEST(Pchip, OfAStraightLineIsTheLine) {
+TEST(Pchip, AStraightLineStaysStraight) {
   const Pchip curve({0.0, 0.3, 1.0, 1.1}, {1.0, 1.6, 3.0, 3.2});
   for (double t = 0.0; t <= 1.1; t += 0.01) EXPECT_NEAR(curve(t), 1.0 + 2.0 * t, 1e-14);
 }
 
-TEST(Pchip, OfTwoRowsIsALineAndOfOneAConstant) {
+TEST(Pchip, TwoRowsAreALine) {
   EXPECT_NEAR(Pchip({0.0, 2.0}, {1.0, 5.0})(0.5), 2.0, 1e-15);
   EXPECT_EQ(Pchip({0.0}, {7.0})(0.0), 7.0);
 }

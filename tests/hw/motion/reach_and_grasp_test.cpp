@@ -14,7 +14,7 @@
 namespace haptic::hw {
 namespace {
 
-TEST(MinimumJerk, StartsAndEndsAtRestWithoutAcceleration) {
+TEST(MinimumJerk, StartsAndEndsAtRest) {
   constexpr double h = 1e-4;
   EXPECT_EQ(minimum_jerk(0.0), 0.0);
   EXPECT_EQ(minimum_jerk(1.0), 1.0);
@@ -27,7 +27,7 @@ TEST(MinimumJerk, StartsAndEndsAtRestWithoutAcceleration) {
   }
 }
 
-TEST(MinimumJerk, PeaksAtFifteenEighthsOfTheMeanSpeed) {
+TEST(MinimumJerk, ThePeakSpeedIsMinimumJerk) {
   // Flash and Hogan's own figure for the profile.
   double fastest = 0.0;
   for (double p = 0.0; p < 1.0; p += 1e-4) {
@@ -36,7 +36,7 @@ TEST(MinimumJerk, PeaksAtFifteenEighthsOfTheMeanSpeed) {
   EXPECT_NEAR(fastest, 1.875, 1e-4);
 }
 
-TEST(ReachAndGrasp, TheShippedFileIsWhatTheGeneratorWrites) {
+TEST(ReachAndGrasp, TheShippedFileIsGenerated) {
   std::ifstream file(HAPTIC_SOURCE_DIR "/server/scenes/motion/reach_and_grasp.csv",
                      std::ios::binary);
   ASSERT_TRUE(file) << "server/scenes/motion/reach_and_grasp.csv";
@@ -86,7 +86,7 @@ TEST(ReachAndGrasp, OpensAndClosesLikeAHand) {
   }
 }
 
-TEST(ReachAndGrasp, TremorHasItsSizeAndItsBand) {
+TEST(ReachAndGrasp, TremorHasSizeAndBand) {
   const ReachAndGrasp with{.seconds = 60.0, .rate = 200.0};
   ReachAndGrasp without = with;
   without.tremor_rms = 0.0;

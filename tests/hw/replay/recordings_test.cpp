@@ -98,7 +98,7 @@ class Recordings : public testing::TestWithParam<const char*> {
   std::filesystem::path file_;
 };
 
-TEST_P(Recordings, ReplayWithTheCountsOfAnIndependentReader) {
+TEST_P(Recordings, CountsMatchAnIndependentReader) {
   const std::vector<Row> rows = rows_of(file_);
   std::size_t outside = 0, gaps = 0;
   std::vector<bool> in_reach;

@@ -44,7 +44,7 @@ std::string angles(const std::string& rows) {
   return "time_s,q_o1_mcp_rad,q_o2_pip_rad\n" + rows;
 }
 
-TEST(Replay, PlaysDeviceStatesAtTheirOriginalTiming) {
+TEST(Replay, DeviceStatesKeepTheirTiming) {
   const TemporaryFile file(states("10.00,0.010,0.10\n10.04,0.014,0.06\n10.08,0.018,0.02\n"));
   Replay device(playing(file), finger());
   EXPECT_FALSE(device.facts().joint_angles);
@@ -61,7 +61,7 @@ TEST(Replay, PlaysDeviceStatesAtTheirOriginalTiming) {
   }
 }
 
-TEST(Replay, JointAnglesComeBackThroughTheMap) {
+TEST(Replay, JointAnglesSurviveTheMap) {
   const TemporaryFile file(angles("0,0.2,0.3\n0.04,0.3,0.5\n0.08,0.5,0.6\n0.12,0.45,0.9\n"));
   Replay device(playing(file), finger());
   EXPECT_TRUE(device.facts().joint_angles);
@@ -79,7 +79,7 @@ TEST(Replay, JointAnglesComeBackThroughTheMap) {
   }
 }
 
-TEST(Replay, AHandsJointAnglesComeBackThroughTheMap) {
+TEST(Replay, HandAnglesSurviveTheMap) {
   const std::shared_ptr<const core::Kinematics> hand =
       core::make_hand_exoskeleton({{"index", {}}, {"ring", core::scaled({}, 0.9)}});
   const TemporaryFile file(
@@ -105,7 +105,7 @@ TEST(Replay, AHandsJointAnglesComeBackThroughTheMap) {
   }
 }
 
-TEST(Replay, AGapHasNoSamplesAndKeepsTheLastOne) {
+TEST(Replay, AGapHasNoSamples) {
   const TemporaryFile file(
       states("0,0.01,0\n0.05,0.02,0\n0.101,0.03,0\n0.15,0.04,0\n"));  // 50 ms, 51 ms, 49 ms
   Replay device(playing(file), finger());
@@ -131,7 +131,7 @@ TEST(Replay, EndsWithoutFurtherSamples) {
   EXPECT_EQ(loop.reading().health, core::DeviceHealth::kOk);
 }
 
-TEST(Replay, RepeatsAfterHalfASecondOfSilence) {
+TEST(Replay, ARepeatPausesHalfASecond) {
   const TemporaryFile file(states("0,0.01,0\n0.02,0.02,0\n"));
   Replay device(playing(file, true), finger());
   VirtualLoop loop(device);
@@ -144,7 +144,7 @@ TEST(Replay, RepeatsAfterHalfASecondOfSilence) {
   }
 }
 
-TEST(Replay, RowsOutsideTheReachAreReplacedByTheNearestPose) {
+TEST(Replay, RowsOutOfReachAreReplaced) {
   // core/METHOD.md#unreachable-proxies: two of its points with the end poses that the global
   // minimum has.
   const TemporaryFile file(angles("0,0.3,0.3\n0.04,-0.5,0.3\n0.08,-0.5,-0.5\n0.12,0.3,0.3\n"));
@@ -161,7 +161,7 @@ TEST(Replay, RowsOutsideTheReachAreReplacedByTheNearestPose) {
   EXPECT_NEAR(loop.reading().sample.q[1], 32.25 * kDeg, 1e-3);
 }
 
-TEST(Replay, StaysInTheBoxAndContinuousAlongTheEdgeOfTheReach) {
+TEST(Replay, TheReachEdgeIsContinuous) {
   std::ostringstream rows;
   for (int i = 0; i <= 100; ++i) {
     const double phase = 0.0628 * i;
@@ -203,7 +203,7 @@ TEST(Replay, ArmsButMovesNothing) {
   EXPECT_FALSE(loop.reading().armed);
 }
 
-TEST(Replay, RefusesAStateThatTheDeviceCannotHave) {
+TEST(Replay, RefusesAnImpossibleState) {
   const TemporaryFile file(states("0,0.01,0\n0.01,0.2,0\n"));
   try {
     Replay device(playing(file), finger());
@@ -220,7 +220,7 @@ TEST(Replay, AllowsNoiseAtAStop) {
   EXPECT_NO_THROW(Replay(playing(file), finger()));
 }
 
-TEST(Replay, AMapWithoutInverseTakesDeviceStatesOnly) {
+TEST(Replay, JointAnglesNeedAnInverse) {
   core::LinearMap map;
   map.dofs = {{"z", core::Unit::kMetre, true, -1.0, 1.0}};
   map.coordinates = {{"z"}};

@@ -53,7 +53,7 @@ std::string turning(const Eigen::Vector3d& axis, double from, int rows) {
   return csv.str();
 }
 
-TEST(TrackedOrientation, IsPlayedSmoothlyThroughATurnByPi) {
+TEST(TrackedOrientation, ATurnByPiIsSmooth) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1, -2, 2) / 3.0;
   const TemporaryFile file(turning(axis, 2.5, 100));  // 2.5 to 4.48 rad
   const auto kinematics = palm();
@@ -76,7 +76,7 @@ TEST(TrackedOrientation, IsPlayedSmoothlyThroughATurnByPi) {
   EXPECT_TRUE(jumped) << "the reading itself has gone to the other side";
 }
 
-TEST(TrackedOrientation, MayStandAsARotationVectorToo) {
+TEST(TrackedOrientation, RotationVectorsAreAccepted) {
   const TemporaryFile file(
       "time_s,palm.rx,palm.ry,palm.rz,palm.x,palm.y,palm.z,a\n0,0.1,0.2,0.3,0,0,0,0\n"
       "0.02,0.1,0.2,0.3,0,0,0,0\n");

@@ -139,9 +139,21 @@ class Loop {
   Device& device_;
 };
 
-TEST(BoardDevice, TellsWhoItIs) {
-  EmulatorThread board;
-  const auto device = open(config(board.port()));
+struct OpenBoard : testing::Test {
+  EmulatorThread board{};
+  std::unique_ptr<Device> device = open(config(board.port()));
+  Loop loop{*device};
+  bool armed() {
+    loop.command.arm = true;
+    return loop.run_until([&] { return loop.reading.armed; });
+  }
+  /// Waits for the board's own state, without ticks.
+  void await(const std::function<bool()>& holds) {
+    for (int i = 0; i < 1000 && !holds(); ++i) std::this_thread::sleep_for(1ms);
+  }
+};
+
+TEST_F(OpenBoard, TellsWhoItIs) {
   EXPECT_EQ(device->info().kind, "board");
   EXPECT_EQ(device->info().serial, "EMULATOR-1");
   EXPECT_EQ(device->info().dofs.size(), 2U);
@@ -149,16 +161,12 @@ TEST(BoardDevice, TellsWhoItIs) {
   EXPECT_EQ(device->info().limits.max_effort[0], 40.0);
 }
 
-TEST(BoardDevice, GivesSamplesAndPressesOnceArmed) {
-  EmulatorThread board;
-  const auto device = open(config(board.port()));
-  Loop loop(*device);
+TEST_F(OpenBoard, GivesSamplesAndPressesOnceArmed) {
   ASSERT_TRUE(loop.run_until([&] { return loop.samples > 100; }));
   EXPECT_EQ(loop.reading.health, core::DeviceHealth::kOk);
   EXPECT_FALSE(loop.reading.armed);
   EXPECT_EQ(loop.reading.sample.tau_measured.size(), 1);
-  loop.command.arm = true;
-  ASSERT_TRUE(loop.run_until([&] { return loop.reading.armed; }));
+  ASSERT_TRUE(armed());
   loop.command.tau_a[0] = 4.0;
   EXPECT_TRUE(loop.run_until([&] { return board.told().reference == 4.0; }));
   EXPECT_TRUE(board.told().drives);
@@ -169,9 +177,7 @@ TEST(BoardDevice, GivesSamplesAndPressesOnceArmed) {
   EXPECT_TRUE(loop.run_until([&] { return board.told().state == HB_DISARMED; }));
 }
 
-TEST(BoardDevice, TellsOfASampleWhenItCanBeRead) {
-  EmulatorThread board;
-  const auto device = open(config(board.port()));
+TEST_F(OpenBoard, ASignalComesWithItsSample) {
   SampleSignal* const samples = device->sample_signal();
   ASSERT_NE(samples, nullptr);
   core::DeviceReading reading;
@@ -191,16 +197,11 @@ TEST(BoardDevice, TellsOfASampleWhenItCanBeRead) {
   EXPECT_EQ(other->sample_signal(), nullptr) << "no clock of its own";
 }
 
-TEST(BoardDevice, KeepsABookOfItsLinkThatBalancesWithTheBoards) {
-  EmulatorThread board;
-  const auto device = open(config(board.port()));
-  Loop loop(*device);
+TEST_F(OpenBoard, LinkCountsBalance) {
   loop.command.arm = true;
   ASSERT_TRUE(loop.run_until([&] { return loop.samples > 300; }));
   device->close();
-  for (int i = 0; i < 1000 && board.told().state != HB_DISARMED; ++i) {
-    std::this_thread::sleep_for(1ms);
-  }
+  await([&] { return board.told().state == HB_DISARMED; });
   board.end();
   const auto frames = [book = device->link_counts()](const std::string& end,
                                                      const std::string& what) {
@@ -220,37 +221,27 @@ TEST(BoardDevice, KeepsABookOfItsLinkThatBalancesWithTheBoards) {
   EXPECT_TRUE(other->link_counts().empty()) << "no link, no book";
 }
 
-TEST(BoardDevice, CloseDisarms) {
-  EmulatorThread board;
-  const auto device = open(config(board.port()));
-  Loop loop(*device);
-  loop.command.arm = true;
-  ASSERT_TRUE(loop.run_until([&] { return loop.reading.armed; }));
+TEST_F(OpenBoard, CloseDisarms) {
+  ASSERT_TRUE(armed());
   device->close();
   device->close();
-  for (int i = 0; i < 1000 && board.told().state != HB_DISARMED; ++i) {
-    std::this_thread::sleep_for(1ms);
-  }
+  await([&] { return board.told().state == HB_DISARMED; });
   EXPECT_EQ(board.told().state, HB_DISARMED);
   EXPECT_EQ(board.told().watchdog_stops, 0U);
 }
 
-TEST(BoardDevice, AFrozenLoopIsStoppedByTheBoardAndReportedWhenItRunsAgain) {
-  EmulatorThread board;
-  const auto device = open(config(board.port()));
-  Loop loop(*device);
+TEST_F(OpenBoard, TheBoardStopsAFrozenLoop) {
   loop.command.arm = true;
   loop.command.tau_a[0] = 4.0;
   ASSERT_TRUE(loop.run_until([&] { return board.told().drives; }));
-  for (int i = 0; i < 1000 && board.told().drives; ++i) std::this_thread::sleep_for(1ms);
+  await([&] { return !board.told().drives; });
   EXPECT_EQ(board.told().state, HB_STOPPED);
   loop.run(50ms);
   EXPECT_EQ(loop.reading.health, core::DeviceHealth::kLost);
   EXPECT_FALSE(board.told().drives);
   loop.command.arm = false;  // what the pipeline does in FAULT
   ASSERT_TRUE(loop.run_until([&] { return loop.reading.health == core::DeviceHealth::kOk; }));
-  loop.command.arm = true;
-  EXPECT_TRUE(loop.run_until([&] { return loop.reading.armed; }));
+  EXPECT_TRUE(armed());
 }
 
 /// Another process that opens the port it is told through a pipe, arms and presses 4 N for ever. It
@@ -290,7 +281,7 @@ class PressingProcess {
   pid_t id_{-1};
 };
 
-TEST(BoardDevice, AServerKilledWhilePressingIsStoppedByTheBoardWithinItsWatchdog) {
+TEST(BoardDevice, AKilledServerStopsTheBoardInTime) {
   PressingProcess server;
   EmulatorConfig c;
   c.clock_ppm = 0.0;
@@ -307,12 +298,8 @@ TEST(BoardDevice, AServerKilledWhilePressingIsStoppedByTheBoardWithinItsWatchdog
   EXPECT_LE(board.told().stopped_after_us, c.watchdog_us + 1000);
 }
 
-TEST(BoardDevice, UnpluggedItIsLostAndPluggedInAgainItIsBackDisarmed) {
-  EmulatorThread board;
-  const auto device = open(config(board.port()));
-  Loop loop(*device);
-  loop.command.arm = true;
-  ASSERT_TRUE(loop.run_until([&] { return loop.reading.armed; }));
+TEST_F(OpenBoard, AReplugComesBackDisarmed) {
+  ASSERT_TRUE(armed());
   board.fault(FaultKind::kUnplug, 0.5);
   ASSERT_TRUE(loop.run_until([&] { return loop.reading.health == core::DeviceHealth::kLost; }));
   EXPECT_FALSE(loop.reading.armed);
@@ -322,16 +309,11 @@ TEST(BoardDevice, UnpluggedItIsLostAndPluggedInAgainItIsBackDisarmed) {
   EXPECT_FALSE(loop.reading.armed) << "an arming does not outlive its link";
   loop.command.arm = false;
   loop.tick();
-  loop.command.arm = true;
-  EXPECT_TRUE(loop.run_until([&] { return loop.reading.armed; }));
+  EXPECT_TRUE(armed());
 }
 
-TEST(BoardDevice, ReadAndWriteAllocateNothing) {
-  EmulatorThread board;
-  const auto device = open(config(board.port()));
-  Loop loop(*device);
-  loop.command.arm = true;
-  ASSERT_TRUE(loop.run_until([&] { return loop.reading.armed; }));
+TEST_F(OpenBoard, ReadAndWriteAllocateNothing) {
+  ASSERT_TRUE(armed());
   for (int i = 0; i < 50; ++i) {
     std::this_thread::sleep_for(1ms);
     const test::AllocationGuard guard;
@@ -349,36 +331,27 @@ std::string why(const BoardConfig& c) {
   return "opened";
 }
 
-TEST(BoardDevice, APortThatIsNotThereIsNamed) {
-  EXPECT_EQ(why(config("/dev/no-such-port")),
-            "/dev/no-such-port: No such file or directory; must be a serial port (is the board "
-            "plugged in?)");
-}
-
-TEST(BoardDevice, WhatIsNoSerialPortIsRefused) {
-  EXPECT_NE(why(config("/dev/null")).find("must be a serial port"), std::string::npos)
-      << why(config("/dev/null"));
-}
-
-TEST(BoardDevice, APortInUseIsRefused) {
+TEST(BoardDevice, OnlySerialPortsWithABoardOpen) {
   EmulatorThread board;
+  const emulator::PseudoTerminal silent("");
+  BoardConfig other = config(board.port());
+  other.serial = "HX-0002";
+  const struct {
+    BoardConfig config;
+    const char* says;
+  } refused[] = {
+      {config("/dev/no-such-port"),
+       "/dev/no-such-port: No such file or directory; must be a "
+       "serial port (is the board plugged in?)"},
+      {config("/dev/null"), "must be a serial port"},
+      {other, "board refused: its serial = 'EMULATOR-1': must be 'HX-0002'"},
+      {config(silent.port()), "nobody answered HELLO in 3000 ms"},
+  };
+  for (const auto& [config, says] : refused) {
+    EXPECT_NE(why(config).find(says), std::string::npos) << why(config);
+  }
   const auto first = open(config(board.port()));
   EXPECT_NE(why(config(board.port())).find("in use by another program"), std::string::npos);
-}
-
-TEST(BoardDevice, AnotherBoardThanTheScenesIsRefusedWithTheDifference) {
-  EmulatorThread board;
-  BoardConfig c = config(board.port());
-  c.serial = "HX-0002";
-  EXPECT_NE(why(c).find("board refused: its serial = 'EMULATOR-1': must be 'HX-0002'"),
-            std::string::npos)
-      << why(c);
-}
-
-TEST(BoardDevice, ASilentPortIsNoBoard) {
-  const emulator::PseudoTerminal terminal("");
-  EXPECT_NE(why(config(terminal.port())).find("nobody answered HELLO in 3000 ms"),
-            std::string::npos);
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ Eigen::Vector2d lever_arms(const Eigen::Vector2d& x) {
   return w;
 }
 
-TEST(FingerPhysics, WithoutForceTheFingerReachesItsAim) {
+TEST(FingerPhysics, AFreeFingerReachesItsAim) {
   // core/METHOD.md#forces-at-the-finger, column "none": 50, 50 deg.
   const FingerPhysics physics = pressed({}, {50 * kDeg, 50 * kDeg}, 0.0);
   EXPECT_NEAR(physics.x()[0], 50 * kDeg, 1e-6);
@@ -52,7 +52,7 @@ TEST(FingerPhysics, WithoutForceTheFingerReachesItsAim) {
   EXPECT_TRUE(physics.in_reach());
 }
 
-TEST(FingerPhysics, StandsWhereThePublishedForcesLetItStand) {
+TEST(FingerPhysics, PublishedForcesAreReproduced) {
   // core/METHOD.md#forces-at-the-finger: force and end state, both rounded there. Its two rows of
   // +10.4 and +19 N are left out: they rest only because their method's force changes with x; held
   // constant it snaps through.
@@ -67,7 +67,7 @@ TEST(FingerPhysics, StandsWhereThePublishedForcesLetItStand) {
   }
 }
 
-TEST(FingerPhysics, AtRestTheForceBalancesTheHand) {
+TEST(FingerPhysics, ForceBalancesTheHandAtRest) {
   // w tau_a = K_h (x - x_des), both joints.
   const FingerParameters p;
   for (const double tau_a : {-14.0, -6.0, -1.0, 0.5, 4.0}) {
@@ -83,7 +83,7 @@ TEST(FingerPhysics, AtRestTheForceBalancesTheHand) {
   }
 }
 
-TEST(FingerPhysics, APositiveForcePushesTowardsLargerLx) {
+TEST(FingerPhysics, PositiveForceEnlargesLx) {
   for (const double tau_a : {0.2, 1.0, 5.0}) {
     FingerPhysics pushed({}, test::one_finger(), {30 * kDeg, 30 * kDeg});
     FingerPhysics pulled = pushed;
@@ -116,7 +116,7 @@ TEST(FingerPhysics, TheFirstStepFollowsNewton) {
   EXPECT_LT((physics.x_dot() / 1e-6 - expected).norm(), 1e-3 * expected.norm());
 }
 
-TEST(FingerPhysics, TheActuatorsMassMovesWithTheLinkage) {
+TEST(FingerPhysics, TheActuatorMassMovesAlong) {
   // A free finger in flight, no user, no losses: kinetic energy stays while M(x) changes, and only
   // because of the velocity-product term (without it a quarter of it is gone).
   const auto drift = [](double dt) {
@@ -139,7 +139,7 @@ TEST(FingerPhysics, TheActuatorsMassMovesWithTheLinkage) {
   EXPECT_LT(drift(1e-6), 0.3 * coarse);
 }
 
-TEST(FingerPhysics, NeverHoldsMoreEnergyThanTheUserGave) {
+TEST(FingerPhysics, EnergyNeverExceedsTheUsers) {
   // No force: kinetic energy <= work of the user, at every step, friction and stops included.
   for (const double friction : {0.0, 3.0}) {
     FingerParameters p;
@@ -201,7 +201,7 @@ TEST(FingerPhysics, FrictionSticksWithoutCreeping) {
   EXPECT_GT(loose.q()[0] - start, 1e-4);
 }
 
-TEST(FingerPhysics, AStopHoldsTheFingerInReach) {
+TEST(FingerPhysics, StopsHoldTheFinger) {
   // core/METHOD.md#unreachable-proxies: aims far outside. The finger rests at the edge, at most
   // K_h / (K_stop + K_h) of the way from the nearest pose towards its aim.
   for (const Eigen::Vector2d& aim :
@@ -226,7 +226,7 @@ TEST(FingerPhysics, AStopHoldsTheFingerInReach) {
   }
 }
 
-TEST(FingerPhysics, TheStopTakesEnergyAndGivesNone) {
+TEST(FingerPhysics, TheStopGivesNoEnergy) {
   // Aims in and out of reach on every side, with and without force: at the end all is at rest, and
   // the finger never holds more than user and actuator gave.
   for (const double mcp : {-0.8, 0.4, 2.0}) {
@@ -242,7 +242,7 @@ TEST(FingerPhysics, TheStopTakesEnergyAndGivesNone) {
   }
 }
 
-TEST(FingerPhysics, TheLargestForceAtTheStopComesToRest) {
+TEST(FingerPhysics, TheLargestForceComesToRest) {
   for (const double tau_a : {-40.0, 40.0}) {
     const FingerPhysics physics = pressed({}, {50 * kDeg, 50 * kDeg}, tau_a);
     EXPECT_TRUE(physics.x().allFinite());

@@ -29,13 +29,21 @@ SimulatedFingerConfig aiming_at(double mcp, double pip) {
   return config;
 }
 
+/// A device that aims there, in a loop.
+struct Aiming {
+  explicit Aiming(const SimulatedFingerConfig& config) : device(config, test::one_finger()) {}
+  Aiming(double mcp, double pip) : Aiming(aiming_at(mcp, pip)) {}
+  SimulatedFinger device;
+  VirtualLoop loop{device};
+};
+
 bool same_bits(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-TEST(SimulatedFinger, GivesOneSamplePerReadAtTheTimeOfTheRead) {
-  SimulatedFinger device(aiming_at(0.5, 0.5), test::one_finger());
-  VirtualLoop loop(device);
+TEST(SimulatedFinger, EachReadGivesOneSample) {
+  Aiming aiming(0.5, 0.5);
+  auto& [device, loop] = aiming;
   for (std::uint64_t seq = 1; seq <= 100; ++seq) {
     const core::TimePoint now = loop.now();
     const core::DeviceReading& reading = loop.tick();
@@ -48,7 +56,7 @@ TEST(SimulatedFinger, GivesOneSamplePerReadAtTheTimeOfTheRead) {
   }
 }
 
-TEST(SimulatedFinger, WhereTimeStandsStillThereIsNoNewSample) {
+TEST(SimulatedFinger, StandingTimeGivesNoSample) {
   SimulatedFinger device(aiming_at(0.5, 0.5), test::one_finger());
   core::DeviceReading reading;
   device.read(core::TimePoint(1s), reading);
@@ -59,7 +67,7 @@ TEST(SimulatedFinger, WhereTimeStandsStillThereIsNoNewSample) {
   EXPECT_FALSE(reading.fresh);
 }
 
-TEST(SimulatedFinger, TheSameSeedGivesTheSameBits) {
+TEST(SimulatedFinger, SameSeedSameBits) {
   SimulatedFingerConfig config = aiming_at(0.7, 0.6);
   config.noise_l_x = 2e-5;
   config.noise_q_B = 1e-3;
@@ -79,7 +87,7 @@ TEST(SimulatedFinger, TheSameSeedGivesTheSameBits) {
   EXPECT_GT(differs, 1990);
 }
 
-TEST(SimulatedFinger, RunsInVirtualTimeWhateverThePeriod) {
+TEST(SimulatedFinger, ThePeriodDoesNotMatter) {
   // The same physics seen through another period and with jitter: the same pose at the same time.
   const auto pose = [](core::Duration period, core::Duration jitter) {
     SimulatedFinger device(aiming_at(0.9, 0.8), test::one_finger());
@@ -98,7 +106,7 @@ TEST(SimulatedFinger, RunsInVirtualTimeWhateverThePeriod) {
   EXPECT_TRUE(same_bits(pose(500us, 123us)[1], reference[1]));
 }
 
-TEST(SimulatedFinger, TheRateOfItsSamplesIsSmoothOnAJitteryClock) {
+TEST(SimulatedFinger, RatesAreSmoothUnderJitter) {
   // Times off the 0.1 ms grid of the physics must not show as speed.
   SimulatedFinger device(aiming_at(0.9, 0.8), test::one_finger());
   core::DeviceReading reading;
@@ -118,9 +126,9 @@ TEST(SimulatedFinger, TheRateOfItsSamplesIsSmoothOnAJitteryClock) {
   EXPECT_LT(roughest, 0.02 * fastest);
 }
 
-TEST(SimulatedFinger, AJumpOfTheClockIsSkippedNotSimulated) {
-  SimulatedFinger device(aiming_at(0.9, 0.8), test::one_finger());
-  VirtualLoop loop(device);
+TEST(SimulatedFinger, AClockJumpIsSkipped) {
+  Aiming aiming(0.9, 0.8);
+  auto& [device, loop] = aiming;
   loop.run(100ms);
   const double before = device.elapsed();
   loop.set_period(1h);
@@ -131,9 +139,9 @@ TEST(SimulatedFinger, AJumpOfTheClockIsSkippedNotSimulated) {
   EXPECT_TRUE(loop.reading().fresh);
 }
 
-TEST(SimulatedFinger, IsArmedOneTickAfterArmIsWanted) {
-  SimulatedFinger device(aiming_at(0.5, 0.5), test::one_finger());
-  VirtualLoop loop(device);
+TEST(SimulatedFinger, ArmingTakesOneTick) {
+  Aiming aiming(0.5, 0.5);
+  auto& [device, loop] = aiming;
   EXPECT_FALSE(loop.tick().armed);
   loop.push(5.0);
   EXPECT_FALSE(loop.tick().armed);
@@ -158,8 +166,8 @@ TEST(SimulatedFinger, UnarmedItIgnoresForce) {
 }
 
 TEST(SimulatedFinger, ForceStaysWithinTheActuatorsLimit) {
-  SimulatedFinger device(aiming_at(0.5, 0.5), test::one_finger());
-  VirtualLoop loop(device);
+  Aiming aiming(0.5, 0.5);
+  auto& [device, loop] = aiming;
   loop.push(1e6);
   loop.run(3ms);
   EXPECT_EQ(device.tau_a(), 40.0);
@@ -175,9 +183,9 @@ TEST(SimulatedFinger, ForceStaysWithinTheActuatorsLimit) {
   EXPECT_TRUE(loop.reading().sample.q.allFinite());
 }
 
-TEST(SimulatedFinger, ClosedItIsLostAndGivesNoForce) {
-  SimulatedFinger device(aiming_at(0.5, 0.5), test::one_finger());
-  VirtualLoop loop(device);
+TEST(SimulatedFinger, AClosedDeviceIsLost) {
+  Aiming aiming(0.5, 0.5);
+  auto& [device, loop] = aiming;
   loop.push(5.0);
   loop.run(5ms);
   device.close();
@@ -189,12 +197,12 @@ TEST(SimulatedFinger, ClosedItIsLostAndGivesNoForce) {
   EXPECT_EQ(device.tau_a(), 0.0);
 }
 
-TEST(SimulatedFinger, NoiseHasItsSizeAndNoMean) {
+TEST(SimulatedFinger, NoiseHasSizeWithoutMean) {
   SimulatedFingerConfig config = aiming_at(0.0, 0.0);
   config.noise_l_x = 2e-5;
   config.noise_q_B = 3e-3;
-  SimulatedFinger device(config, test::one_finger());
-  VirtualLoop loop(device);
+  Aiming aiming(config);
+  auto& [device, loop] = aiming;
   constexpr int kSamples = 20000;
   Eigen::Array2d sum = Eigen::Array2d::Zero(), square = Eigen::Array2d::Zero();
   double product = 0.0;
@@ -221,8 +229,8 @@ TEST(SimulatedFinger, SamplesAreMultiplesOfTheResolution) {
   SimulatedFingerConfig config = aiming_at(0.8, 0.8);
   config.resolution_l_x = 5e-5;
   config.resolution_q_B = 2e-3;
-  SimulatedFinger device(config, test::one_finger());
-  VirtualLoop loop(device);
+  Aiming aiming(config);
+  auto& [device, loop] = aiming;
   for (int i = 0; i < 800; ++i) {
     const core::VecQ q = loop.tick().sample.q;
     EXPECT_NEAR(std::remainder(q[0], 5e-5), 0.0, 1e-15);
@@ -231,7 +239,7 @@ TEST(SimulatedFinger, SamplesAreMultiplesOfTheResolution) {
   }
 }
 
-TEST(SimulatedFinger, FollowsARecordedMotionFromItsRestPose) {
+TEST(SimulatedFinger, ARecordedMotionStartsAtRest) {
   // Still rows at (0.6, 0.7): after the rise the finger stands there, and never jumped.
   const test::TemporaryFile file("time_s,q_o1_mcp_rad,q_o2_pip_rad\n0,0.6,0.7\n0.5,0.6,0.7\n");
   SimulatedFingerConfig config;
@@ -248,7 +256,7 @@ TEST(SimulatedFinger, FollowsARecordedMotionFromItsRestPose) {
   EXPECT_NEAR(device.physics().x()[1], 0.7, 1e-6);
 }
 
-TEST(Intent, OfARecordingRepeatsWithoutAJump) {
+TEST(Intent, ARecordingRepeatsWithoutJump) {
   const test::TemporaryFile file(
       "time_s,q_o1_mcp_rad,q_o2_pip_rad\n0,0.1,0.2\n0.5,0.9,0.3\n1.0,0.6,0.9\n");
   const Intent intent(Eigen::Vector2d::Zero(), file.path());
@@ -281,7 +289,7 @@ TEST(SimulatedFinger, DescribesItself) {
   EXPECT_NEAR(info.limits.q_upper[0], 0.0525, 1e-15);
 }
 
-TEST(SimulatedFinger, RefusesAParameterByItsNameInTheScene) {
+TEST(SimulatedFinger, BadParametersAreNamed) {
   const auto message = [](auto change) -> std::string {
     SimulatedFingerConfig config;
     change(config);

@@ -40,7 +40,7 @@ SimulatedLinearConfig config() {
   return c;
 }
 
-TEST(SimulatedLinear, AFreeMassAcceleratesWithForceOverMass) {
+TEST(SimulatedLinear, AFreeMassFollowsNewton) {
   SimulatedLinear device(config(), plane());
   VirtualLoop loop(device);
   loop.push(2.0);
@@ -93,7 +93,7 @@ TEST(SimulatedLinear, AnyStiffnessIsStable) {
   EXPECT_LT(std::abs(device.q_dot()[1]), 1e-9);
 }
 
-TEST(SimulatedLinear, StopsAtTheEndsOfItsBoxWithoutBouncing) {
+TEST(SimulatedLinear, BoxEndsDoNotBounce) {
   SimulatedLinear device(config(), plane());
   VirtualLoop loop(device);
   loop.push(10.0);
@@ -105,7 +105,7 @@ TEST(SimulatedLinear, StopsAtTheEndsOfItsBoxWithoutBouncing) {
   EXPECT_EQ(device.q_dot()[1], 0.0);
 }
 
-TEST(SimulatedLinear, ForceStaysWithinMaxEffortAndIsFinite) {
+TEST(SimulatedLinear, ForceStaysWithinMaxEffort) {
   SimulatedLinear strong(config(), plane()), limited(config(), plane());
   VirtualLoop a(strong), b(limited);
   a.push(10.0);

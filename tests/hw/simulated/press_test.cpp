@@ -46,7 +46,7 @@ Press rounds(RendererKind renderer, int direction) {
   return press;
 }
 
-TEST(Press, EndsWhereMethod24SaysForEveryRendererUnguarded) {
+TEST(Press, UnguardedRenderersEndAsPredicted) {
   struct End {
     RendererKind renderer;
     int row;
@@ -73,7 +73,7 @@ TEST(Press, EndsWhereMethod24SaysForEveryRendererUnguarded) {
   }
 }
 
-TEST(Press, WithTheGuardTheFingerIsNeverPulledAwayFromTheProxy) {
+TEST(Press, TheGuardNeverPullsAway) {
   for (const RendererKind renderer : kAll) {
     for (const Row& row : kRows) {
       SCOPED_TRACE(std::string(core::name(renderer)) + " at " + std::to_string(row.stiffness));
@@ -90,12 +90,12 @@ TEST(Press, WithTheGuardTheFingerIsNeverPulledAwayFromTheProxy) {
   }
 }
 
-TEST(Press, WithoutTheGuardTheCheckOfTheDirectionBites) {
+TEST(Press, WithoutTheGuardItPullsAway) {
   EXPECT_LT(run(press_of(RendererKind::kSubspaceExact, kRows[1])).least_power, -0.01);
   EXPECT_LT(run(press_of(RendererKind::kStandard, kRows[1])).least_power, -1e-3);
 }
 
-TEST(Press, APlainPressIsNotThrottledByAnEmptyTankAndFeelsTheSame) {
+TEST(Press, AnEmptyTankLeavesAPressAlone) {
   for (const RendererKind renderer :
        {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
     for (const Row& row : kRows) {
@@ -131,7 +131,7 @@ void over_method_24(Visit visit) {
   }
 }
 
-TEST(Press, TheMonotoneEnvelopeNeverPullsAwayAndIsFelt) {
+TEST(Press, TheMonotoneEnvelopeNeverPullsAway) {
   double ratios = 0.0, guarded_ratios = 0.0;
   int runs = 0;
   over_method_24([&](Press press) {
@@ -157,7 +157,7 @@ TEST(Press, TheMonotoneEnvelopeNeverPullsAwayAndIsFelt) {
   printf("%g %g %d\n", ratios / runs, guarded_ratios / runs, runs);
 }
 
-TEST(Press, PlanesAtSixtyHertzFeelLikeAClientAtOneKilohertz) {
+TEST(Press, SlowPlanesFeelLikeAFastClient) {
   for (const RendererKind renderer : kAll) {
     for (const Row& row : kRows) {
       SCOPED_TRACE(std::string(core::name(renderer)) + " at " + std::to_string(row.stiffness));
@@ -175,7 +175,7 @@ TEST(Press, PlanesAtSixtyHertzFeelLikeAClientAtOneKilohertz) {
   }
 }
 
-TEST(Press, RoundsThatPumpAreHeldToWhatTheTankHolds) {
+TEST(Press, TheTankStopsPumping) {
   for (const RendererKind renderer : kAll) {
     for (const double initial : {0.0, 1e-3}) {
       for (const int direction : {+1, -1}) {
@@ -189,7 +189,7 @@ TEST(Press, RoundsThatPumpAreHeldToWhatTheTankHolds) {
   }
 }
 
-TEST(Press, WithoutTheTankTheSameRoundsPumpOneWay) {
+TEST(Press, WithoutTheTankRoundsPump) {
   EXPECT_NEAR(run(rounds(RendererKind::kSubspaceLinear, -1)).work, 0.171, 0.025);
   EXPECT_LT(run(rounds(RendererKind::kSubspaceLinear, +1)).work, 0.0);
 }

@@ -7,7 +7,7 @@ namespace {
 
 using V = Eigen::Vector2d;
 
-TEST(ReachEdge, OnePlaneLetsThePointSlideAlongIt) {
+TEST(ReachEdge, APointSlidesAlongOnePlane) {
   ReachEdge edge;
   edge.add({0.01, 0.0}, {0.0, 0.0});  // reach: x <= 0
   EXPECT_TRUE(edge.known());
@@ -15,7 +15,7 @@ TEST(ReachEdge, OnePlaneLetsThePointSlideAlongIt) {
   EXPECT_EQ(edge.nearest({-0.02, 0.03}), V(-0.02, 0.03));
 }
 
-TEST(ReachEdge, TwoPlanesThroughOnePointAreACorner) {
+TEST(ReachEdge, TwoPlanesMakeACorner) {
   ReachEdge edge;
   edge.add({0.01, 0.0}, {0.0, 0.0});
   edge.add({0.0, 0.01}, {0.0, 0.0});
@@ -31,7 +31,7 @@ TEST(ReachEdge, ForgetsPlanesThatTouchFarAway) {
   EXPECT_EQ(edge.nearest({0.5, 0.5}), V(0.5, 0.5));
 }
 
-TEST(ReachEdge, FollowsASmoothEdgeWithManySearches) {
+TEST(ReachEdge, SmoothEdgesAreSearchedOften) {
   // Reach: the unit disc. Searches around it keep the nearest point on the circle.
   ReachEdge edge;
   for (double angle = 0.0; angle < 1.0; angle += 0.005) {

@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Substeps, AddUpToTheClockWhateverItsPeriod) {
+TEST(Substeps, StepsAddUpToTheClock) {
   for (const core::Duration period : {core::Duration(1ms), core::Duration(2ms),
                                       core::Duration(333us), core::Duration(1234567ns)}) {
     Substeps substeps;
@@ -27,14 +27,14 @@ TEST(Substeps, TheFirstCallStartsTheClock) {
   EXPECT_EQ(substeps.advance(core::TimePoint(1000s)), 0);
 }
 
-TEST(Substeps, OfAJumpOnlyItsFirstTenthOfASecondIsSimulated) {
+TEST(Substeps, AJumpSimulatesItsFirstTenth) {
   Substeps substeps;
   EXPECT_EQ(substeps.advance(core::TimePoint(0s)), 0);
   EXPECT_EQ(substeps.advance(core::TimePoint(24h)), 1000);
   EXPECT_EQ(substeps.advance(core::TimePoint(24h + 1ms)), 10);
 }
 
-TEST(Substeps, AClockThatGoesBackMakesNoSteps) {
+TEST(Substeps, ABackwardClockMakesNoSteps) {
   Substeps substeps;
   EXPECT_EQ(substeps.advance(core::TimePoint(10s)), 0);
   EXPECT_EQ(substeps.advance(core::TimePoint(9s)), 0);

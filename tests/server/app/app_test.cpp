@@ -32,7 +32,6 @@ Scene soft_grasp() {
   scene.server.listen = {"127.0.0.1:0"};
   // A machine that builds at the same time is late at times; that is another test's subject.
   scene.loop.loop_late_fault = 10s;
-  scene.loop.late_bucket_full = 1'000'000;
   return scene;
 }
 

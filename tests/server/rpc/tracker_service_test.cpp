@@ -15,7 +15,6 @@ server::Scene tracked(const char* name = "chain_on_tracked_palm") {
   scene.server.listen = {"127.0.0.1:0"};
   // What a busy machine does to the loop, and to two streams, is another test's subject.
   scene.loop.loop_late_fault = 10s;
-  scene.loop.late_bucket_full = 1'000'000;
   for (server::DeviceScene& device : scene.devices) {
     device.pipeline.scene.staleness.hold_end = 5s;
     device.pipeline.scene.staleness.fade_end = 6s;

@@ -77,7 +77,7 @@ TEST_P(KinematicsScenes, SayWhatTheDeviceIs) {
             !device.pipeline.kinematics->space().mixes_units());
 }
 
-TEST_P(KinematicsScenes, AProxyAtTheProbeIsNoForce) {
+TEST_P(KinematicsScenes, AProxyAtProbeIsForceless) {
   SceneRun run(device);
   run.engage();
   for (int i = 0; i < 200; ++i) {
@@ -90,7 +90,7 @@ TEST_P(KinematicsScenes, AProxyAtTheProbeIsNoForce) {
 
 /// Full rank: at rest K (q*_a - q_a) = K_h (q_a - target), with q*_a the proxy's own pose, whatever
 /// the sensed DoFs do. Otherwise: at rest, and nearer to the proxy.
-TEST_P(KinematicsScenes, AHeldProxyPullsTheDeviceToWhereTheForcesBalance) {
+TEST_P(KinematicsScenes, AHeldProxyBalancesTheForces) {
   SceneRun run(device);
   run.engage();
   const VecQ goal = beside_the_target();
@@ -138,7 +138,7 @@ std::string recording(const core::Kinematics& kinematics, const VecQ& rest, cons
   return csv.str() + "\n";
 }
 
-TEST_P(KinematicsScenes, ARecordingIsRenderedAsEqSixAndSevenSay) {
+TEST_P(KinematicsScenes, ARecordingFollowsEquationsSixAndSeven) {
   const TemporaryFile file(recording(*device.pipeline.kinematics, masses.target,
                                      0.7 * (beside_the_target() - masses.target)),
                            std::string(GetParam().file) + ".csv");

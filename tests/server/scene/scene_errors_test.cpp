@@ -12,7 +12,7 @@ std::string linear(const std::string& from, const std::string& to) {
   return replaced(kLinear, from, to);
 }
 
-TEST(SceneErrors, OfTheTextNameLineColumnAndWhatIsAllowedThere) {
+TEST(SceneErrors, TextNamesPlaceAndRule) {
   expect_each_says({
       {"unknown field", finger("stiffness_n_per_m", "stifness_n_per_m"),
        "t.textproto:7:5: stifness_n_per_m: unknown field; allowed here: stiffness_n_per_m, "
@@ -44,13 +44,13 @@ TEST(SceneErrors, OfTheTextNameLineColumnAndWhatIsAllowedThere) {
   });
 }
 
-TEST(SceneErrors, ADepthInCommentsAndTextIsNoNesting) {
+TEST(SceneErrors, CommentsDoNotNest) {
   EXPECT_EQ(error_of("# " + std::string(100, '{') + "\n" +
                      replaced(kFinger, "\"t\"", "\"" + std::string(60, '{') + "\"")),
             "no error");
 }
 
-TEST(SceneErrors, OfTheDeviceNameLineFieldValueAndWhatIsAllowed) {
+TEST(SceneErrors, DeviceNamesPlaceAndRule) {
   expect_each_says({
       {"no device", "name: \"t\"\n", "t.textproto: device: is required: at least one"},
       {"no name", replaced(kFinger, "name: \"t\"\n", ""), "t.textproto: name: is required"},
@@ -93,7 +93,7 @@ TEST(SceneErrors, OfTheDeviceNameLineFieldValueAndWhatIsAllowed) {
   });
 }
 
-TEST(SceneErrors, OfImpedanceAndLimitsNameLineFieldValueAndWhatIsAllowed) {
+TEST(SceneErrors, LimitsNamePlaceAndRule) {
   expect_each_says({
       {"negative", finger("1500", "-3"),
        "t.textproto:7: device[0].impedance.stiffness_n_per_m[0] = -3: must be > 0"},
@@ -143,7 +143,7 @@ TEST(SceneErrors, OfImpedanceAndLimitsNameLineFieldValueAndWhatIsAllowed) {
   });
 }
 
-TEST(SceneErrors, OfTheSourceNameLineFieldValueAndWhatIsAllowed) {
+TEST(SceneErrors, SourceNamesPlaceAndRule) {
   expect_each_says({
       {"no such recording",
        finger("simulated_finger {}", "simulated_finger { motion_file: \"no.csv\" }"),
@@ -176,7 +176,7 @@ TEST(SceneErrors, OfTheSourceNameLineFieldValueAndWhatIsAllowed) {
   });
 }
 
-TEST(SceneErrors, OfTheMapNameLineFieldValueAndWhatIsAllowed) {
+TEST(SceneErrors, LinearMapNamesPlaceAndRule) {
   const std::string finger_map = "finger_exoskeleton {}";
   expect_each_says({
       {"rod", finger(finger_map, "finger_exoskeleton { rod1_m: -1 }"),
@@ -242,7 +242,7 @@ TEST(SceneErrors, OfTheMapNameLineFieldValueAndWhatIsAllowed) {
   });
 }
 
-TEST(SceneErrors, OfTheDaemonNameLineFieldValueAndWhatIsAllowed) {
+TEST(SceneErrors, DaemonNamesPlaceAndRule) {
   const auto plus = [](const std::string& message) { return kFinger + message + "\n"; };
   const std::string rule =
       ": must be \"host:port\", \"[v6]:port\" (port 0 to 65535) or "
@@ -268,7 +268,7 @@ TEST(SceneErrors, OfTheDaemonNameLineFieldValueAndWhatIsAllowed) {
        "t.textproto:11: loop.period = 0.499999 ms: must be 0.5 ms to 10 ms"},
       {"late fault", plus("loop { loop_late_fault { nanos: 1000000 } }"),
        "loop.loop_late_fault = 1 ms: must be above the period, 1 ms"},
-      {"period beyond the default late fault", plus("loop { period { nanos: 8000000 } }"),
+      {"period beyond the default late fault", kBoard + "loop { period { nanos: 8000000 } }",
        "loop.period = 8 ms: must be below loop_late_fault, which is 8 ms by default"},
       {"priority", plus("loop { priority: 99 }"), "loop.priority = 99: must be 1 to 98"},
       {"cpu", plus("loop { cpu: -1 }"), "loop.cpu = -1: must be 0 to 1023"},
@@ -290,7 +290,7 @@ TEST(SceneErrors, OfTheDaemonNameLineFieldValueAndWhatIsAllowed) {
   }
 }
 
-TEST(SceneErrors, TextThatIsNotUtf8IsNamedWhereverItStands) {
+TEST(SceneErrors, InvalidUtf8IsNamed) {
   expect_each_says({
       {"of the scene", replaced(kFinger, "name: \"t\"", "name: \"\\377\""),
        "t.textproto:1: name = \"\\377\": must be UTF-8"},
@@ -301,7 +301,7 @@ TEST(SceneErrors, TextThatIsNotUtf8IsNamedWhereverItStands) {
   });
 }
 
-TEST(SceneErrors, ARecordingIsNeverWrittenOverWhatIsPlayed) {
+TEST(SceneErrors, RecordingsNeverOverwriteTheirSource) {
   const std::string playing =
       replaced(kFinger, "simulated_finger {}",
                "simulated_finger { motion_file: \"motion/reach_and_grasp.csv\" }");
@@ -315,27 +315,26 @@ TEST(SceneErrors, ARecordingIsNeverWrittenOverWhatIsPlayed) {
   EXPECT_EQ(error_of(two + "record { file: \"" + same + "\" }"), "no error");
 }
 
-TEST(SceneErrors, AreToldAllAtOnceOneALine) {
+TEST(SceneErrors, AllErrorsComeAtOnce) {
   std::string text =
       replaced(kFinger, "stiffness_n_per_m: 1500", "stifness: 1 stiffness_n_per_m: -3");
   text = replaced(text, "force_n: 20", "force_n: -1 forse: 1") + "loop { priority: 0 }\n";
-  const std::string message = error_of(text);
   for (const char* part : {"7:5: stifness: unknown field", "9:24: forse: unknown field",
                            ":7: device[0].impedance.stiffness_n_per_m[0] = -3: must be > 0",
                            ":9: device[0].limits.force_n[0] = -1: must be > 0",
                            ":11: loop.priority = 0: must be 1 to 98"}) {
-    EXPECT_NE(message.find(part), std::string::npos) << part << "\n" << message;
+    expect_says(text, part);
   }
+  const std::string message = error_of(text);
   EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 4) << message;
 }
 
-TEST(SceneErrors, OneDevicesMapDoesNotHideAnothersErrors) {
-  const std::string message =
-      error_of(replaced(kFinger, "finger_exoskeleton {}", "finger_exoskeleton { rod1_m: -1 }") +
-               replaced(kLinear.substr(kLinear.find("device")), "lower: -2", "lower: nan"));
-  EXPECT_NE(message.find("device[0].finger_exoskeleton.rod1_m"), std::string::npos) << message;
-  EXPECT_NE(message.find("device[1].linear.dof[1].lower = nan: must be finite"), std::string::npos)
-      << message;
+TEST(SceneErrors, AllDevicesErrorsAreTold) {
+  const std::string both =
+      replaced(kFinger, "finger_exoskeleton {}", "finger_exoskeleton { rod1_m: -1 }") +
+      replaced(kLinear.substr(kLinear.find("device")), "lower: -2", "lower: nan");
+  expect_says(both, "device[0].finger_exoskeleton.rod1_m");
+  expect_says(both, "device[1].linear.dof[1].lower = nan: must be finite");
 }
 
 }  // namespace

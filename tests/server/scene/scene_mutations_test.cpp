@@ -42,7 +42,7 @@ std::string mutated(std::string text, std::mt19937_64& random) {
   return text;
 }
 
-TEST(SceneMutations, LoadOrAreRefusedAndNothingElse) {
+TEST(SceneMutations, ScenesLoadOrAreRefused) {
   std::vector<std::string> seeds = {kFinger, kLinear};
   for (const char* name : {"linear_underactuated.textproto", "finger_soft_grasp.textproto",
                            "stylus_three_of_six.textproto", "stylus_cartesian.textproto",
@@ -69,7 +69,7 @@ TEST(SceneMutations, LoadOrAreRefusedAndNothingElse) {
   EXPECT_GT(refused, 500);
 }
 
-TEST(SceneMutations, OfOverridesAreSetOrRefusedAndNothingElse) {
+TEST(SceneMutations, OverridesAreSetOrRefused) {
   const std::vector<std::string> seeds = {
       "device[0].impedance.stiffness_n_per_m[0]=800", "server.listen=[\"127.0.0.1:1\"]",
       "device[0].standard={}", "loop={period {nanos: 2000000}}"};

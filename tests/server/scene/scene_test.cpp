@@ -27,13 +27,26 @@ TEST(Scene, FillsInTheDocumentedDefaults) {
   EXPECT_EQ(scene.server.max_sessions, 32u);
   EXPECT_EQ(scene.loop.period, 1ms);
   EXPECT_EQ(scene.loop.priority, 80);
-  EXPECT_EQ(scene.loop.late_bucket_full, 100);
-  EXPECT_FALSE(scene.loop.loop_late_fault.has_value()) << "the app decides";
   EXPECT_FALSE(scene.loop.cpu.has_value());
   EXPECT_FALSE(scene.record.has_value()) << "presence selects";
 }
 
-TEST(Scene, FillsInTheSimulatedHandOfTheMethod) {
+TEST(Scene, HardwareDecidesTheDefaultsOnLateness) {
+  for (const std::string& text : {kFinger, kLinear, kReplayed}) {
+    const server::Scene wide = parse(text);
+    EXPECT_EQ(wide.loop.loop_late_fault, std::optional<core::Duration>(1s));
+    EXPECT_EQ(wide.devices[0].pipeline.late_bucket_full, 1'000'000);
+  }
+  const server::Scene strict = parse(kLinear + kBoard.substr(kBoard.find("device")));
+  EXPECT_EQ(strict.devices[0].pipeline.late_bucket_full, 100);
+  EXPECT_FALSE(strict.loop.loop_late_fault.has_value()) << "8 or 20 ms: the app decides";
+  const server::Scene given =
+      parse(kFinger, {"loop.late_bucket_full=50", "loop.loop_late_fault.nanos=9000000"});
+  EXPECT_EQ(given.devices[0].pipeline.late_bucket_full, 50);
+  EXPECT_EQ(given.loop.loop_late_fault, std::optional<core::Duration>(9ms));
+}
+
+TEST(Scene, SimulatedHandDefaults) {
   const server::Scene scene = parse(kFinger);
   const auto& hand = dynamic_cast<const hw::SimulatedFingerConfig&>(*scene.devices[0].source);
   EXPECT_EQ(hand.seed, 1u);
@@ -77,7 +90,7 @@ record { file: "run.csv" compare_renderers: true })");
   EXPECT_TRUE(scene.record->compare_renderers);
 }
 
-TEST(Scene, TheMatrixIsReadRowByRow) {
+TEST(Scene, MatricesAreReadByRows) {
   const server::Scene scene =
       parse(replaced(replaced(kLinear, "A: [1, 0.5]", "A: [1, 2, 3, 4]"), "coordinate {",
                      "coordinate { name: \"y\" unit: \"m\" } coordinate {"));
@@ -90,7 +103,7 @@ TEST(Scene, TheMatrixIsReadRowByRow) {
   EXPECT_DOUBLE_EQ(x[1], 3 * 0.1 + 4 * 1.0);
 }
 
-TEST(Scene, RecordingsAreRelativeToTheSceneAndStandWithTheirFullPath) {
+TEST(Scene, RecordingsAreRelativeToTheScene) {
   const server::Scene scene = parse(replaced(kFinger, "simulated_finger {}",
                                              "simulated_finger { motion_file: \"motion/../motion/"
                                              "reach_and_grasp.csv\" }"));
@@ -108,14 +121,15 @@ TEST(Scene, TheResolvedTextHoldsEveryDefault) {
        {"seed: 1", "hand_stiffness: 0.6", "proximal_phalanx_m: 0.045", "damping_n_s_per_m: [0]",
         "slew_n_per_s: [2000]", "engage_window_n: [5]", "hold_end", "fade_end", "subspace_linear",
         "listen: \"127.0.0.1:29470\"", "lease_timeout", "max_sessions: 32", "priority: 80",
-        "late_bucket_full: 100"}) {
+        "late_bucket_full: 1000000", "# proto-file: haptic/v1/scene.proto\n",
+        "loop_late_fault {"}) {
     EXPECT_NE(resolved.find(field), std::string::npos) << field << "\n" << resolved;
   }
   EXPECT_EQ(resolved.find("record"), std::string::npos) << "absent stays absent";
   EXPECT_EQ(resolved.find("direction_guard"), std::string::npos);
 }
 
-TEST(Scene, WarnsOfASpringThatTheDevicesDampingCannotPayFor) {
+TEST(Scene, WarnsOfATooStiffSpring) {
   // b = 2 N s/m, T = 1 ms: 2 b / T = 4000 N/m.
   EXPECT_TRUE(parse(replaced(kFinger, "1500", "4000")).warnings.empty());
   const server::Scene stiff = parse(replaced(kFinger, "1500", "4001"));
@@ -131,7 +145,7 @@ TEST(Scene, WarnsOfASpringThatTheDevicesDampingCannotPayFor) {
   EXPECT_EQ(parse(replaced(kFinger, "1500", "1501"), slower).warnings.size(), 1u);
 }
 
-TEST(Scene, EveryDeviceOfAManyHandedSceneIsRecordedInAFileOfItsOwn) {
+TEST(Scene, EachDeviceHasItsOwnRecord) {
   const std::string record = "record { file: \"out/run.csv\" }";
   EXPECT_EQ(server::record_file(parse(kFinger + record), 0), "out/run.csv");
   const server::Scene two = parse(kFinger + kLinear.substr(kLinear.find("device")) + record);
@@ -139,7 +153,7 @@ TEST(Scene, EveryDeviceOfAManyHandedSceneIsRecordedInAFileOfItsOwn) {
   EXPECT_EQ(server::record_file(two, 1), "out/run-d.csv");
 }
 
-TEST(Scene, AFileThatCannotBeReadIsNamed) {
+TEST(Scene, AnUnreadableFileIsNamed) {
   const auto says = [](const std::filesystem::path& file) -> std::string {
     try {
       static_cast<void>(server::load_scene(file));

@@ -59,6 +59,19 @@ inline std::string error_of(const std::string& text, const std::vector<std::stri
   return "no error";
 }
 
+/// The loader's message must contain `says`, as it is here.
+inline void expect_says(const std::string& text, const std::string& says,
+                        const std::vector<std::string>& set = {}) {
+  const std::string message = error_of(text, set);
+  EXPECT_NE(message.find(says), std::string::npos) << "wanted: " << says << "\ngot:    " << message;
+}
+
+/// `part` stands in the scene's resolved text, and that reads back as the same scene.
+inline void expect_resolved(const server::Scene& scene, const std::string& part) {
+  EXPECT_NE(scene.resolved.find(part), std::string::npos) << scene.resolved;
+  EXPECT_EQ(parse(scene.resolved).resolved, scene.resolved);
+}
+
 /// `text` with the first `from` replaced; there must be one.
 inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
@@ -71,6 +84,13 @@ inline std::string with_option(const std::string& text, const std::string& optio
   return replaced(text, "limits {", option + "\n  limits {");
 }
 
+/// The finger played from a recording, and on a board.
+inline const std::string kReplayed =
+    replaced(kFinger, "simulated_finger {}",
+             "replay { file: \"motion/reach_and_grasp.csv\" max_effort: 40 }");
+inline const std::string kBoard =
+    replaced(kFinger, "simulated_finger {}", "board { port: \"/dev/none\" max_effort: 40 }");
+
 /// A scene that is wrong, and what the loader must say of it.
 struct BadScene {
   const char* what;
@@ -80,9 +100,8 @@ struct BadScene {
 
 inline void expect_each_says(const std::vector<BadScene>& table) {
   for (const BadScene& bad : table) {
-    const std::string message = error_of(bad.text);
-    EXPECT_NE(message.find(bad.says), std::string::npos)
-        << bad.what << "\n  wanted: " << bad.says << "\n  got:    " << message;
+    SCOPED_TRACE(bad.what);
+    expect_says(bad.text, bad.says);
   }
 }
 

@@ -1,15 +1,21 @@
+#include <unistd.h>
+
 #include <algorithm>
+#include <fstream>
 #include <typeinfo>
 
 #include "hw/board/board_device.hpp"
+#include "server/scene/shipped.hpp"
 #include "tests/server/scene/scene_text.hpp"
 
 namespace haptic::test {
 namespace {
 
-std::vector<std::filesystem::path> shipped() {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(kScenes)) {
+namespace fs = std::filesystem;
+
+std::vector<fs::path> scenes_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.path().extension() == ".textproto") files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
@@ -36,7 +42,7 @@ void expect_same(const std::shared_ptr<const core::StiffnessCoupling>& a,
 }
 
 TEST(ShippedScenes, OpenTheirDevices) {
-  const auto files = shipped();
+  const auto files = scenes_in(kScenes);
   EXPECT_GE(files.size(), 8u);
   for (const auto& file : files) {
     SCOPED_TRACE(file.filename());
@@ -50,8 +56,8 @@ TEST(ShippedScenes, OpenTheirDevices) {
   }
 }
 
-TEST(ShippedScenes, ReadBackFromTheirResolvedTextAsTheSameScene) {
-  for (const auto& file : shipped()) {
+TEST(ShippedScenes, ResolvedTextReadsBackTheSame) {
+  for (const auto& file : scenes_in(kScenes)) {
     SCOPED_TRACE(file.filename());
     const server::Scene scene = server::load_scene(file);
     const server::Scene again = server::parse_scene(scene.resolved, "resolved", "/");
@@ -74,12 +80,70 @@ TEST(ShippedScenes, ReadBackFromTheirResolvedTextAsTheSameScene) {
   }
 }
 
-TEST(ShippedScenes, RenderNothingThatTheirDevicesCannotPayFor) {
-  for (const auto& file : shipped()) {
+TEST(ShippedScenes, WarnOfNothing) {
+  for (const auto& file : scenes_in(kScenes)) {
     for (const std::string& warning : server::load_scene(file).warnings) {
       ADD_FAILURE() << file.filename() << ": " << warning;
     }
   }
+}
+
+TEST(SceneFragments, LoadAndReadBack) {
+  // A copy, with the PEM files that a fragment names.
+  const fs::path folder = fs::temp_directory_path() / ("fragments-" + std::to_string(::getpid()));
+  fs::copy(kScenes / "fragments", folder);
+  for (const char* pem : {"server.crt", "server.key", "clients.crt"}) std::ofstream(folder / pem);
+  for (const fs::path& file : scenes_in(folder)) {
+    if (file.stem().extension() == ".calibration") continue;  // loaded by the boards
+    SCOPED_TRACE(file.filename());
+    const server::Scene scene = server::load_scene(file);
+    EXPECT_EQ(server::parse_scene(scene.resolved, "resolved", "/").resolved, scene.resolved);
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  }
+  fs::remove_all(folder);
+}
+
+const fs::path kSource = HAPTIC_SOURCE_DIR;
+
+/// A folder like that of an installed hapticd, gone at the end.
+class Installed : public testing::Test {
+ protected:
+  Installed() {
+    fs::create_directories(prefix_ / "bin");
+    fs::create_directories(prefix_ / "share/haptic");
+    fs::copy(kScenes, prefix_ / "share/haptic/scenes");
+    fs::copy("/bin/true", prefix_ / "bin/hapticd");
+  }
+  ~Installed() override { fs::remove_all(prefix_); }
+  const fs::path prefix_ =
+      fs::canonical(fs::temp_directory_path()) / ("installed-scenes-" + std::to_string(::getpid()));
+};
+
+TEST_F(Installed, AProgramFindsItsShareDirectory) {
+  EXPECT_EQ(server::shipped_scenes_folder(prefix_ / "bin/hapticd"),
+            prefix_ / "share/haptic/scenes");
+  EXPECT_EQ(server::shipped_scenes_folder(prefix_ / "bin/none"), "");
+}
+
+TEST(ShippedScenesByName, ABuildTreeFindsTheSources) {
+  EXPECT_TRUE(fs::equivalent(server::shipped_scenes_folder(kSource / "README.md"), kScenes));
+}
+
+TEST(ShippedScenesByName, EachHasOneSentence) {
+  const auto scenes = server::shipped_scenes(kScenes);
+  EXPECT_GE(scenes.size(), 17u);
+  for (const server::ShippedScene& scene : scenes) {
+    EXPECT_TRUE(scene.summary.size() > 20 && scene.summary.size() < 90) << scene.summary;
+    EXPECT_EQ(scene.summary.back(), '.') << scene.summary;
+  }
+}
+
+TEST(ShippedScenesByName, OnlyNamesAreFound) {
+  EXPECT_EQ(server::find_scene("finger_constant", kScenes), kScenes / "finger_constant.textproto");
+  for (const char* name : {"finger_constan", "", "../scenes/finger_constant", "motion"}) {
+    EXPECT_EQ(server::find_scene(name, kScenes), std::nullopt) << name;
+  }
+  EXPECT_EQ(server::find_scene("finger_constant", ""), std::nullopt);
 }
 
 }  // namespace

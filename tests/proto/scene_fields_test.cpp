@@ -1,0 +1,109 @@
+// Every field of a scene is shown in a shipped scene or in one of server/scenes/fragments.
+#include <google/protobuf/text_format.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "haptic/v1/calibration.pb.h"
+#include "haptic/v1/scene.pb.h"
+
+namespace haptic::test {
+namespace {
+
+namespace fs = std::filesystem;
+using google::protobuf::Descriptor;
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+
+const fs::path kScenes = fs::path(HAPTIC_SOURCE_DIR) / "server/scenes";
+const fs::path kFragments = kScenes / "fragments";
+
+std::vector<fs::path> files_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == ".textproto") files.push_back(entry.path());
+  }
+  return files;
+}
+
+std::string text_of(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+bool is_calibration(const fs::path& file) {
+  return file.stem().extension() == ".calibration";
+}
+
+/// The fields of `type` and of the messages in it, but for those of google.protobuf.
+void collect(const Descriptor& type, std::set<const FieldDescriptor*>& fields) {
+  for (int i = 0; i < type.field_count(); ++i) {
+    const FieldDescriptor* field = type.field(i);
+    const bool fresh = fields.insert(field).second;
+    const Descriptor* inner = field->message_type();
+    if (fresh && inner != nullptr && inner->file()->package() == "haptic.v1") {
+      collect(*inner, fields);
+    }
+  }
+}
+
+/// Takes away the fields that are set in `message`.
+void strike(const Message& message, std::set<const FieldDescriptor*>& fields) {
+  std::vector<const FieldDescriptor*> set;
+  message.GetReflection()->ListFields(message, &set);
+  for (const FieldDescriptor* field : set) {
+    fields.erase(field);
+    if (field->message_type() == nullptr) continue;
+    const auto* reflection = message.GetReflection();
+    if (!field->is_repeated()) strike(reflection->GetMessage(message, field), fields);
+    for (int i = 0; field->is_repeated() && i < reflection->FieldSize(message, field); ++i) {
+      strike(reflection->GetRepeatedMessage(message, field, i), fields);
+    }
+  }
+}
+
+template <typename M>
+M parsed(const fs::path& file) {
+  M message;
+  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(text_of(file), &message)) << file;
+  return message;
+}
+
+TEST(SceneFeatures, EachFieldIsShownSomewhere) {
+  std::set<const FieldDescriptor*> fields;
+  collect(*v1::Scene::descriptor(), fields);
+  collect(*v1::Calibration::descriptor(), fields);
+  EXPECT_GT(fields.size(), 200u);
+  for (const fs::path& folder : {kScenes, kFragments}) {
+    for (const fs::path& file : files_in(folder)) {
+      if (is_calibration(file)) {
+        strike(parsed<v1::Calibration>(file), fields);
+      } else {
+        strike(parsed<v1::Scene>(file), fields);
+      }
+    }
+  }
+  for (const FieldDescriptor* field : fields) ADD_FAILURE() << field->full_name();
+}
+
+TEST(SceneFeatures, EachFileNamesItsProto) {
+  for (const fs::path& folder : {kScenes, kFragments}) {
+    for (const fs::path& file : files_in(folder)) {
+      const std::string header = is_calibration(file)
+                                     ? "# proto-file: haptic/v1/calibration.proto\n"
+                                       "# proto-message: haptic.v1.Calibration\n#\n# "
+                                     : "# proto-file: haptic/v1/scene.proto\n"
+                                       "# proto-message: haptic.v1.Scene\n#\n# ";
+      EXPECT_EQ(text_of(file).substr(0, header.size()), header) << file;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace haptic::test

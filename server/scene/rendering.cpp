@@ -113,17 +113,12 @@ core::ProjectionSettings read_projection(v1::DeviceScene& message, const std::st
   return settings;
 }
 
+/// A renderer's message has the renderer's name.
 core::RendererKind read_renderer(v1::DeviceScene& message) {
-  switch (message.renderer_case()) {
-    case v1::DeviceScene::kStandard:
-      return core::RendererKind::kStandard;
-    case v1::DeviceScene::kNullSpace:
-      return core::RendererKind::kNullSpace;
-    case v1::DeviceScene::kSubspaceExact:
-      return core::RendererKind::kSubspaceExact;
-    case v1::DeviceScene::kSubspaceLinear:
-    case v1::DeviceScene::RENDERER_NOT_SET:
-      break;
+  const auto* const choice = message.GetDescriptor()->FindOneofByName("renderer");
+  const auto* const chosen = message.GetReflection()->GetOneofFieldDescriptor(message, choice);
+  for (const core::RendererKind kind : core::kRenderers) {
+    if (chosen != nullptr && chosen->name() == core::name(kind)) return kind;
   }
   message.mutable_subspace_linear();
   return core::RendererKind::kSubspaceLinear;

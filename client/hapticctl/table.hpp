@@ -1,6 +1,6 @@
 #pragma once
-/// A device's state as text: a table for a terminal, one line for a log, JSON for scripts. Table and
-/// JSON show every field that the protocol has.
+/// A device's state as text: a table for a terminal, one line for a log, JSON for scripts. Table
+/// and JSON show every field that the protocol has.
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the module haptic._state: DeviceState and what it holds as frozen values, from the messages.
+"""Writes the module haptic._state: DeviceState and its parts as frozen values, from the messages.
 
     make_state.py DESCRIPTORS > _state.py
 

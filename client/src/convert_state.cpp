@@ -1,5 +1,6 @@
-// DeviceState <-> v1::DeviceState, by the lists of fields in state.hpp: each member is read or written
-// through the message's reflection, by its type. The descriptors are looked up by name once.
+// DeviceState <-> v1::DeviceState, by the lists of fields in state.hpp: each member is read or
+// written through the message's reflection, by its type. The descriptors are looked up by name
+// once.
 #include <type_traits>
 
 #include "convert.hpp"

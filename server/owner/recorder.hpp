@@ -54,9 +54,9 @@ class Recorder final : public RecordListener {
   /// The header line, without its newline.
   [[nodiscard]] static std::string header(const core::Kinematics& kinematics, bool compare);
 
-  /// Appends a row; never waits for the disk. If writing fails (disk full) the recording ends there,
-  /// with one warning in the log; rows that a slow disk leaves no room for are lost, and counted in
-  /// another.
+  /// Appends a row; never waits for the disk. If writing fails (disk full) the recording ends
+  /// there, with one warning in the log; rows that a slow disk leaves no room for are lost, and
+  /// counted in another.
   void on_record(const core::TickRecord& record) override;
 
   /// Rows in the file or on their way to it; rows that were lost.

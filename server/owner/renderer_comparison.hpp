@@ -1,12 +1,13 @@
 #pragma once
-/// What each of the paper's renderers would have commanded in a tick that happened: for pictures in
-/// which the methods are compared on the same data.
+/// The force that each of the paper's renderers would have commanded in a recorded tick, so that
+/// pictures compare the methods on the same data.
 ///
-/// All four get the q, the proxy x and the stiffness Z_q of the record and answer
-///   tau = clamp(g Z_q S (q* - q), +-g tau_max), where Z_q is coupled the subspace methods as a whole,
-/// with the gain g and the force limit tau_max of that tick, so that the curves share one scale.
-/// Left out for all: damping, direction guard, slew limit. The renderer in use is computed anew
-/// like the others. In free mode and without a proxy the force is 0.
+/// All of them get the q, the proxy x and the stiffness Z_q of the record and answer
+///   tau = clamp(g Z_q S (q* - q), +-g tau_max)
+/// with the gain g and the force limit tau_max of that tick, so that the curves share one scale. If
+/// Z_q is coupled, the subspace methods are clamped as a whole. Damping, direction guard and slew
+/// limit are left out for all, the renderer in use too. In free mode and without a proxy the force
+/// is 0.
 
 #include <array>
 #include <memory>
@@ -26,10 +27,10 @@ class RendererComparison {
   RendererComparison(std::shared_ptr<const core::Kinematics> kinematics, core::RenderSettings scene,
                      const core::ProjectionSettings& projection = {});
 
-  /// tau_a (n_a, N or N m) by kind, in the order of core::kRenderers; NaN where f has no value at q in a block
-  /// that the tick asked for it. In those that nothing could hold (TickRecord::unprobed) it is 0, as
-  /// the tick's is, whether f has a value or not. Records completed, and in the order of their ticks:
-  /// the exact renderer starts from its last answer.
+  /// tau_a (n_a, N or N m) by kind, in the order of core::kRenderers; NaN if f has no value at q in
+  /// a block that the tick asked for it. Blocks that nothing could hold (TickRecord::unprobed) get
+  /// 0, as in the tick. Pass completed records in the order of their ticks: the exact renderer
+  /// starts from its last answer.
   [[nodiscard]] const std::array<core::VecA, core::kRenderers.size()>& evaluate(
       const core::TickRecord& record);
 

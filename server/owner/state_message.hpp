@@ -16,8 +16,8 @@ class StateMessage {
  public:
   /// States without a coupling metric.
   StateMessage() = default;
-  /// Of a device with this map, which must outlive the object. `coupling_softness`: states carry the
-  /// coupling metric (core/METHOD.md#anisotropic-coupling).
+  /// Of a device with this map, which must outlive the object. `coupling_softness`: states carry
+  /// the coupling metric (core/METHOD.md#anisotropic-coupling).
   StateMessage(const core::PipelineConfig& config, std::optional<double> coupling_softness);
 
   /// Overwrites the message of the call before, and keeps its memory.

@@ -1,5 +1,5 @@
-/// DeviceState against the protocol's descriptor: what the server says and the library does not carry
-/// shows here.
+/// DeviceState against the protocol's descriptor: what the server says and the library does not
+/// carry shows here.
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-"""What the server says of a tick, field by field of the message's descriptor: in Python's DeviceState,
-in `hapticctl watch` as a table and as JSON, and in a recording."""
+"""Every field of v1::DeviceState's descriptor is in Python's DeviceState, in `hapticctl watch` as a
+table and as JSON, and in a recording."""
 
 import csv
 import json
@@ -43,8 +43,9 @@ class Types(unittest.TestCase):
     def test_python_has_every_field(self) -> None:
         for message in messages():
             made = getattr(haptic, message.name).__dataclass_fields__
-            seconds = [f.name[:-2] + "s" if f.name.endswith("_us") else f.name for f in message.fields]
-            self.assertEqual(list(made), seconds, message.name)
+            names = [field.name for field in message.fields]
+            names = [name[:-2] + "s" if name.endswith("_us") else name for name in names]
+            self.assertEqual(list(made), names, message.name)
 
     def test_values_are_named_without_prefix(self) -> None:
         state = haptic.DeviceState.of(wire.DeviceState(
@@ -75,8 +76,10 @@ class Programs(unittest.TestCase):
         self.assertEqual({f.name for f in STATE.fields} - set(state), set())
         for field in STATE.fields:
             if field.message_type and field.label != field.LABEL_REPEATED and state[field.name]:
-                self.assertEqual(set(state[field.name]), {f.name for f in field.message_type.fields})
-        info = subprocess.run(self.hapticctl("info", "--json"), check=True, capture_output=True, text=True)
+                self.assertEqual(set(state[field.name]),
+                                 {inner.name for inner in field.message_type.fields})
+        info = subprocess.run(self.hapticctl("info", "--json"), check=True, capture_output=True,
+                              text=True)
         device, = json.loads(info.stdout)["devices"]
         said = {field["name"]: field for field in device["state_fields"]}
         self.assertEqual(list(said), [f.name for f in STATE.fields])
@@ -111,7 +114,8 @@ class Programs(unittest.TestCase):
         for name, axis in leaves():
             for label in LABELS[axis] or [""]:
                 wanted = label if name == "q" else "_".join(filter(None, [name, label]))
-                self.assertTrue(any(c == wanted or c.startswith(wanted + "_") for c in header), wanted)
+                found = [c for c in header if c == wanted or c.startswith(wanted + "_")]
+                self.assertTrue(found, wanted)
         self.assertIn("coordinates: 2 lower: ", row["coupling_metric"])
         self.assertEqual(row["passivity_tank_j"], "")
 

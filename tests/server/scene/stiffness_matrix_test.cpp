@@ -7,8 +7,8 @@
 #include <iterator>
 
 #include "hw/simulated/linear.hpp"
-#include "server/session/settings_policy.hpp"
 #include "server/owner/renderer_comparison.hpp"
+#include "server/session/settings_policy.hpp"
 #include "tests/server/scene/scene_run.hpp"
 #include "tests/server/scene/scene_text.hpp"
 

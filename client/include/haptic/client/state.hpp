@@ -1,6 +1,6 @@
 #pragma once
-/// What the server says of a device at one tick. Units are SI. "Per DoF", "per actuated DoF" and "per
-/// coordinate" mean one value for each, in the order of DeviceInfo. Fields have the names of
+/// What the server says of a device at one tick. Units are SI. "Per DoF", "per actuated DoF" and
+/// "per coordinate" mean one value for each, in the order of DeviceInfo. Fields have the names of
 /// proto/haptic/v1/session.proto.
 
 #include <chrono>
@@ -42,8 +42,8 @@ enum class Lifecycle : std::uint8_t {
 [[nodiscard]] std::vector<std::string> fault_names(std::uint32_t faults);
 [[nodiscard]] std::vector<std::string> limiter_names(std::uint32_t limiters);
 
-// Every structure lists its fields in for_each(), which calls f(name, member) with the field's name in
-// session.proto. Conversions are made of it; a test compares the lists with the protocol.
+// Every structure lists its fields in for_each(), which calls f(name, member) with the field's name
+// in session.proto. Conversions are made of it; a test compares the lists with the protocol.
 
 /// The server's account of energy: core/METHOD.md#energy-tank and
 /// core/METHOD.md#passivity-observer.

@@ -49,8 +49,9 @@ struct Leaf {
                                                       const Leaf& leaf);
 /// Number of values: 0 or 1 of a field that is not repeated.
 [[nodiscard]] int count(const google::protobuf::Message& message, const Leaf& leaf);
-/// Value `index` of the field as text without commas: a number that reads back to the same bits, the
-/// name of an enum's value, the names of set bits joined by '|', a message in protobuf's short form.
+/// Value `index` of the field as text without commas: a number that reads back to the same bits,
+/// the name of an enum's value, the names of set bits joined by '|', a message in protobuf's short
+/// form.
 void append_value(const google::protobuf::Message& holder,
                   const google::protobuf::FieldDescriptor& field, int index, std::string& text);
 

@@ -1,4 +1,4 @@
-"""The server: what it is, what it has, sessions, stop and clear."""
+"""A connection to hapticd: facts about the server and its devices, sessions, emergency stop."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ _ANSWER_S = 5.0
 
 
 class Connection:
-    """A channel to "host:port" or "unix:/path". Does not wait for the server; every call that needs
-    an answer raises ClientError where there is none within 5 s."""
+    """A connection to "host:port" or "unix:/path". Does not wait for the server. A call that needs
+    an answer raises ClientError if none comes within 5 s."""
 
     def __init__(self, address: str = DEFAULT_SERVER) -> None:
         host, colon, port = address.rpartition(":")
@@ -52,10 +52,10 @@ class Connection:
     def session(self, *, client_name: str, nominal_rate_hz: float, device: str = "",
                 observer: bool = False, tracker: bool = False, state_rate_hz: float | None = None,
                 carriers: Carriers = Carriers.BEST) -> Session:
-        """Opens a session and waits for the server's word; to be closed, or used in `with`. States come
-        at `state_rate_hz`; None: at the nominal rate; 0: every tick, which is much for Python.
-        `observer`: only looks on. `tracker`: says by publish_pose() where the palm is that carries the
-        device. Not both."""
+        """Opens a session and waits until the server agrees. Close it, or use it in `with`. States
+        come at `state_rate_hz`; None: at the nominal rate; 0: every tick, which is much for Python.
+        An `observer` only receives; a `tracker` publishes poses of the palm that carries the device
+        (publish_pose()). A session is not both."""
         rate = nominal_rate_hz if state_rate_hz is None else state_rate_hz
         return Session(self._stub, self._address, service_device=device, client_name=client_name,
                        nominal_rate_hz=nominal_rate_hz, observer=observer, tracker=tracker,
@@ -76,12 +76,14 @@ class Connection:
             call.cancel()
 
     def emergency_stop(self, device: str = "", reason: str = "") -> list[str]:
-        """Needs no session. The devices now in FAULT; `device` empty: all."""
+        """Stops `device`, or all devices if it is empty; needs no session. Returns the devices that
+        are in FAULT now."""
         request = service.EmergencyStopRequest(device=device, reason=reason)
         return list(_ask(self._stub.EmergencyStop, request).stopped)
 
     def clear_fault(self, device: str = "", faults: Sequence[int] = ()) -> list[int]:
-        """`faults` empty: all that are active. Raises FAULT_PERSISTS where a cause does."""
+        """Clears faults by number; empty: all that are active. Returns what was cleared. Raises
+        FAULT_PERSISTS if a cause persists."""
         request = service.ClearFaultRequest(device=device, fault_ids=faults)
         return list(_ask(self._stub.ClearFault, request).cleared)
 

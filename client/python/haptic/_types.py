@@ -48,7 +48,7 @@ class Pose:
     """Where the tracked body is that carries a device, in the world: what a tracker publishes."""
 
     position: tuple[float, float, float]  # m
-    orientation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)  # unit quaternion x, y, z, w
+    orientation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)  # x, y, z, w; norm 1
     valid_for_s: float = 0.0  # 0: the scene's limit alone
 
 
@@ -70,7 +70,7 @@ class Event:
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class SampleCounts:
-    """What became of the samples, totals of the session; `replaced`: by newer ones before they left."""
+    """What became of the samples of a session; `replaced`: by newer ones before they were sent."""
 
     published: int
     replaced: int
@@ -123,10 +123,10 @@ class Device:
         dofs = (DegreeOfFreedom(d.name, d.unit, d.actuated, d.lower, d.upper, d.max_effort)
                 for d in m.dofs)
         coordinates = (Coordinate(c.name, c.unit, c.kind) for c in m.coordinates)
-        return cls(m.name, m.kind, m.model, tuple(dofs), tuple(coordinates), tuple(m.stiffness_limit),
-                   tuple(m.damping_limit), tuple(m.force_limit), tuple(m.slew_limit), m.loop_rate_hz,
-                   name_of(wire.DeviceStateName, m.state), m.faults, m.controller,
-                   m.serial, m.calibrated, m.wants_tracker, m.tracker)
+        return cls(m.name, m.kind, m.model, tuple(dofs), tuple(coordinates),
+                   tuple(m.stiffness_limit), tuple(m.damping_limit), tuple(m.force_limit),
+                   tuple(m.slew_limit), m.loop_rate_hz, name_of(wire.DeviceStateName, m.state),
+                   m.faults, m.controller, m.serial, m.calibrated, m.wants_tracker, m.tracker)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

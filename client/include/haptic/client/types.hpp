@@ -1,6 +1,6 @@
 #pragma once
-/// What a client sees of the server and its devices, and what it sends. Units are SI. "Per DoF", "per
-/// actuated DoF" and "per coordinate" mean one value for each, in the order of DeviceInfo.
+/// What a client sees of the server and its devices, and what it sends. Units are SI. "Per DoF",
+/// "per actuated DoF" and "per coordinate" mean one value for each, in the order of DeviceInfo.
 
 #include <chrono>
 #include <cstdint>

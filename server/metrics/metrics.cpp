@@ -134,11 +134,11 @@ void force(Exposition& page, const std::vector<Reading>& devices) {
     for (int s = 1; s <= static_cast<int>(core::DeviceState::kClosing); ++s) {
       const auto state = static_cast<core::DeviceState>(s);
       page.sample({{"device", d.name}, {"state", lower(core::name(state))}},
-                  d.ticks.newest.state == state ? 1.0 : 0.0);
+                  d.ticks.newest.life.state == state ? 1.0 : 0.0);
     }
   }
   page.gauge("haptic_gain_ratio", "Gain of the elastic force, 0 to 1.");
-  for (const Reading& d : devices) page.sample({{"device", d.name}}, d.ticks.newest.gain);
+  for (const Reading& d : devices) page.sample({{"device", d.name}}, d.ticks.newest.life.gain);
   page.counter("haptic_limited_ticks_total", "Ticks in which a limiter held something back.");
   for (const Reading& d : devices) named<core::Limiter>(page, "limiter", d, d.ticks.limited);
   page.counter("haptic_faults_total", "Times a fault latched.");

@@ -33,20 +33,20 @@ TickTotals::TickTotals()
     : period(kPeriods), lateness(kLateness), age(kAges), sample_age(kSampleAges) {}
 
 void TickMetrics::on_record(const core::TickRecord& record) {
-  const double seconds = core::seconds(record.dt);
+  const double seconds = core::seconds(record.beat.dt);
   const std::lock_guard lock(mutex_);
-  if (record.tick > 1) totals_.period.add(seconds);  // the first has none before it
+  if (record.beat.tick > 1) totals_.period.add(seconds);  // the first has none before it
   totals_.lateness.add(core::seconds(record.input.loop.lateness));
   const core::DeviceSample& sample = record.input.device.sample;
   if (sample.seq != 0) totals_.sample_age.add(core::seconds(record.input.now - sample.time));
-  if (record.proxy_seq != 0) totals_.age.add(core::seconds(record.proxy_age));
+  if (record.proxy.seq != 0) totals_.age.add(core::seconds(record.proxy.age));
   if (record.input.command.lease_held) {
-    totals_.level_s[static_cast<std::size_t>(record.staleness) - 1] += seconds;
+    totals_.level_s[static_cast<std::size_t>(record.proxy.level) - 1] += seconds;
     count_carrier(record, seconds);
   }
-  bump(totals_.limited, record.limiters.bits());
-  bump(totals_.faults, record.faults.bits() & ~totals_.newest.faults.bits());
-  totals_.lost += record.lost ? 1 : 0;
+  bump(totals_.limited, record.limiters().bits());
+  bump(totals_.faults, record.faults().bits() & ~totals_.newest.faults().bits());
+  totals_.lost += record.life.lost ? 1 : 0;
   totals_.newest = record;
 }
 

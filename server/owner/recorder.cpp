@@ -158,8 +158,8 @@ void Recorder::compose(const core::TickRecord& record) {
   Row row(row_);
   row.number(core::seconds(record.input.now - *start_));
   for (const schema::Leaf& leaf : leaves_) row.field(state, leaf, labels_.of(leaf.axis).size());
-  row.number(record.damping_gain);
-  const core::VecA& damping = record.tau_damping;
+  row.number(record.life.damping_gain);
+  const core::VecA& damping = record.effort.tau_damping;
   row.vector(damping);
   for (std::size_t i = static_cast<std::size_t>(damping.size()); i < labels_.actuated.size(); ++i) {
     row.next();

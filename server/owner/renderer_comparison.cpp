@@ -37,40 +37,41 @@ const std::array<core::VecA, core::kRenderers.size()>& RendererComparison::evalu
     const core::TickRecord& record) {
   const core::DofLayout& layout = kinematics_->layout();
   for (core::VecA& tau : tau_) tau.setZero(layout.n_a());
-  if (record.projection == core::ProjectionStatus::kNone ||
-      record.x.size() != kinematics_->space().n_x()) {
+  if (record.anchor.projection == core::ProjectionStatus::kNone ||
+      record.anchor.x.size() != kinematics_->space().n_x()) {
     return tau_;
   }
-  if (!map_.move_to(record.q, record.unprobed)) {
+  const core::BlockSet free = record.anchor.free;
+  if ((map_.move_to(record.sensed.q) & ~free) != 0) {
     for (core::VecA& tau : tau_) tau.setConstant(std::numeric_limits<double>::quiet_NaN());
     return tau_;
   }
-  map_.differentiate(map_.all() & ~record.unprobed);
-  kinematics_->space().difference(record.x, map_.x_probe(), dx_);
-  map_.fill(record.unprobed, 0.0, dx_);
-  const bool proxy_changed =
-      record.unprobed != 0 || last_x_.size() != record.x.size() || last_x_ != record.x;
-  last_x_ = record.x;
+  map_.differentiate(map_.all() & ~free);
+  kinematics_->space().difference(record.anchor.x, map_.x_probe(), dx_);
+  map_.clear_x(free, dx_);
+  const bool proxy_changed = last_x_.size() != record.anchor.x.size() || last_x_ != record.anchor.x;
+  last_x_ = record.anchor.x;
 
   const core::VecA stiffness = in_effect(record.input.settings.stiffness, scene_.stiffness);
   const core::VecA limit = in_effect(record.input.settings.force_limit, scene_.force_limit);
-  const core::VecA q_a = layout.select(record.q);
+  const core::VecA q_a = layout.select(record.sensed.q);
   if (model_.coupling()) {
-    spring_.gain = record.gain;
+    spring_.gain = record.life.gain;
     spring_.Z_q = model_.coupling()->matrix(stiffness);
     spring_.hold_within(limit);
   }
   for (std::size_t k = 0; k < core::kRenderers.size(); ++k) {
-    renderers_[k].project(core::Probe{record.q, map_.x_probe(), map_.J()}, record.x, dx_, stiffness,
-                          proxy_changed, projection_);
+    renderers_[k].project(core::Probe{record.sensed.q, map_.x_probe(), map_.J()}, record.anchor.x,
+                          dx_, stiffness, proxy_changed, projection_);
     const core::VecA q_star_a = layout.select(projection_.q_star);
     if (spring_.coupled() && core::renders_Z_q(core::kRenderers[k])) {
       tau_[k] = spring_.force(q_star_a - q_a);
       continue;
     }
     for (int i = 0; i < layout.n_a(); ++i) {
-      const double elastic = record.gain * stiffness[i] * (q_star_a[i] - q_a[i]);  // Eq. (6), (7)
-      const double most = record.gain * limit[i];
+      const double elastic =
+          record.life.gain * stiffness[i] * (q_star_a[i] - q_a[i]);  // Eq. (6), (7)
+      const double most = record.life.gain * limit[i];
       tau_[k][i] = std::isfinite(elastic) ? std::clamp(elastic, -most, most) : elastic;
     }
   }

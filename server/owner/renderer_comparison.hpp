@@ -28,9 +28,8 @@ class RendererComparison {
                      const core::ProjectionSettings& projection = {});
 
   /// tau_a (n_a, N or N m) by kind, in the order of core::kRenderers; NaN if f has no value at q in
-  /// a block that the tick asked for it. Blocks that nothing could hold (TickRecord::unprobed) get
-  /// 0, as in the tick. Pass completed records in the order of their ticks: the exact renderer
-  /// starts from its last answer.
+  /// a block that the proxy can hold. In the others (Anchor::free) it is 0, as in the tick. Records
+  /// in the order of their ticks: the exact renderer starts from its last answer.
   [[nodiscard]] const std::array<core::VecA, core::kRenderers.size()>& evaluate(
       const core::TickRecord& record);
 

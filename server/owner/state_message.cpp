@@ -27,19 +27,20 @@ void to_passivity(const core::PassivityRecord& record, v1::PassivityState& state
 void to_actuators(const core::TickRecord& record, v1::DeviceState& state) {
   copy(record.input.device.sample.tau_measured, state.mutable_tau_measured());
   core::VecQ reading = record.input.device.sample.q;
-  if (record.tracker.on && reading.size() == record.q.size()) {
+  if (record.sensed.tracker.on && reading.size() == record.sensed.q.size()) {
     // What the device says of a tracked palm is not looked at.
     constexpr auto kDofs = static_cast<Eigen::Index>(core::kPalmDofs);
-    reading.segment<kDofs>(record.tracker.first_dof) =
-        record.q.segment<kDofs>(record.tracker.first_dof);
+    reading.segment<kDofs>(record.sensed.tracker.first_dof) =
+        record.sensed.q.segment<kDofs>(record.sensed.tracker.first_dof);
   }
-  const bool refused = reading.size() == record.q.size() && reading != record.q;
+  const bool refused = reading.size() == record.sensed.q.size() && reading != record.sensed.q;
   copy(refused ? reading : core::VecQ{}, state.mutable_reading());
-  copy(record.temperature_c, state.mutable_temperature_c());
-  copy(record.drive.size() > 0 ? record.drive : record.position, state.mutable_drive());
+  copy(record.effort.temperature_c, state.mutable_temperature_c());
+  copy(record.effort.drive.size() > 0 ? record.effort.drive : record.effort.position,
+       state.mutable_drive());
   state.clear_actuator_limiters();
-  const auto n_a = static_cast<std::size_t>(record.tau_a.size());
-  const auto begin = record.actuator_limiters.begin();
+  const auto n_a = static_cast<std::size_t>(record.effort.tau_a.size());
+  const auto begin = record.effort.actuator_limiters.begin();
   const auto end = begin + static_cast<std::ptrdiff_t>(n_a);
   if (std::none_of(begin, end, [](core::LimiterSet set) { return set.any(); })) return;
   std::for_each(begin, end, [&](core::LimiterSet set) { state.add_actuator_limiters(set.bits()); });
@@ -58,46 +59,46 @@ void to_tracker(const core::TrackerRecord& record, v1::TrackerState& state) {
 
 void write_record(const core::TickRecord& record, DeviceSessions::Stamp stamp,
                   v1::DeviceState& state) {
-  state.set_seq(record.tick);
+  state.set_seq(record.beat.tick);
   state.set_server_time_ns(record.input.now.time_since_epoch().count());
-  copy(record.q, state.mutable_q());
-  copy(record.q_a_dot, state.mutable_q_dot());
-  copy(record.x_probe, state.mutable_x_probe());
-  copy(record.x, state.mutable_x());
-  state.set_active_planes(record.active_planes);
-  if (record.passivity.on) {
-    to_passivity(record.passivity, *state.mutable_passivity());
+  copy(record.sensed.q, state.mutable_q());
+  copy(record.sensed.q_a_dot, state.mutable_q_dot());
+  copy(record.anchor.x_probe, state.mutable_x_probe());
+  copy(record.anchor.x, state.mutable_x());
+  state.set_active_planes(record.anchor.active_planes);
+  if (record.effort.passivity.on) {
+    to_passivity(record.effort.passivity, *state.mutable_passivity());
   } else {
     state.clear_passivity();
   }
-  copy(record.q_star, state.mutable_q_star());
-  copy(record.tau_a, state.mutable_tau_a());
-  copy(record.tau_elastic, state.mutable_tau_elastic());
-  state.set_proxy_seq_used(record.proxy_seq);
-  state.set_proxy_age_us(whole_microseconds(record.proxy_age));
-  if (record.tracker.on) {
-    to_tracker(record.tracker, *state.mutable_tracker());
+  copy(record.effort.q_star, state.mutable_q_star());
+  copy(record.effort.tau_a, state.mutable_tau_a());
+  copy(record.effort.tau_elastic, state.mutable_tau_elastic());
+  state.set_proxy_seq_used(record.proxy.seq);
+  state.set_proxy_age_us(whole_microseconds(record.proxy.age));
+  if (record.sensed.tracker.on) {
+    to_tracker(record.sensed.tracker, *state.mutable_tracker());
   } else {
     state.clear_tracker();
   }
-  state.set_staleness(static_cast<v1::StalenessLevel>(record.staleness));
-  state.set_gain(record.gain);
+  state.set_staleness(static_cast<v1::StalenessLevel>(record.proxy.level));
+  state.set_gain(record.life.gain);
   state.set_transport(static_cast<v1::Transport>(stamp.carrier));
-  state.set_state(static_cast<v1::DeviceStateName>(record.state));
-  state.set_faults(record.faults.bits());
-  state.set_limiters(record.limiters.bits());
+  state.set_state(static_cast<v1::DeviceStateName>(record.life.state));
+  state.set_faults(record.faults().bits());
+  state.set_limiters(record.limiters().bits());
   Doubles* stiffness = state.mutable_stiffness_in_effect();
   stiffness->Clear();
-  for (const double k : record.input.settings.stiffness) stiffness->Add(record.gain * k);
-  state.set_projection(static_cast<v1::ProjectionStatus>(record.projection));
-  state.set_condition(record.condition);
+  for (const double k : record.input.settings.stiffness) stiffness->Add(record.life.gain * k);
+  state.set_projection(static_cast<v1::ProjectionStatus>(record.anchor.projection));
+  state.set_condition(record.anchor.condition);
   state.set_lease_epoch(stamp.lease_epoch);
-  state.set_mode(static_cast<v1::ProxyMode>(record.proxy_mode));
-  if (record.certificate.status != core::CertificateStatus::kOff) {
+  state.set_mode(static_cast<v1::ProxyMode>(record.proxy.mode));
+  if (record.anchor.certificate.status != core::CertificateStatus::kOff) {
     v1::CertificateState& certificate = *state.mutable_certificate();
-    certificate.set_status(static_cast<v1::CertificateStatus>(record.certificate.status));
-    certificate.set_margin(record.certificate.margin);
-    certificate.set_block(static_cast<std::uint32_t>(record.certificate.block));
+    certificate.set_status(static_cast<v1::CertificateStatus>(record.anchor.certificate.status));
+    certificate.set_margin(record.anchor.certificate.margin);
+    certificate.set_block(static_cast<std::uint32_t>(record.anchor.certificate.block));
   } else {
     state.clear_certificate();
   }
@@ -136,7 +137,7 @@ const v1::DeviceState& StateMessage::write(const core::TickRecord& record,
                                            DeviceSessions::Stamp stamp) {
   write_record(record, stamp, state_);
   if (coupling_) {
-    write_coupling(core::coupling_blocks(coupling_->model, record.q,
+    write_coupling(core::coupling_blocks(coupling_->model, record.sensed.q,
                                          record.input.settings.stiffness, coupling_->softness),
                    state_);
   }

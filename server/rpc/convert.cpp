@@ -147,8 +147,8 @@ v1::Device describe(const DeviceSessions& device, core::Duration period) {
   copy(config.scene.engage_window, message.mutable_engage_window());
   message.set_loop_rate_hz(1.0 / core::seconds(period));
   const core::TickRecord newest = device.newest();
-  message.set_state(static_cast<v1::DeviceStateName>(newest.state));
-  message.set_faults(newest.faults.bits());
+  message.set_state(static_cast<v1::DeviceStateName>(newest.life.state));
+  message.set_faults(newest.faults().bits());
   message.set_controller(device.controller());
   message.set_renderer(static_cast<v1::Renderer>(device.settings().renderer));
   message.set_observers(device.observers());

@@ -10,9 +10,10 @@ namespace {
 bool serving(const core::TickRecord& record, core::TimePoint now) {
   for (const core::Fault fault : {core::Fault::kDeviceSilent, core::Fault::kDeviceLost,
                                   core::Fault::kLoopLate, core::Fault::kLateBucketFull}) {
-    if (record.faults.has(fault)) return false;
+    if (record.faults().has(fault)) return false;
   }
-  return record.state != core::DeviceState::kInit && record.state != core::DeviceState::kClosing &&
+  return record.life.state != core::DeviceState::kInit &&
+         record.life.state != core::DeviceState::kClosing &&
          now - record.input.now < HealthKeeper::kSilence;
 }
 

@@ -355,9 +355,9 @@ bool SessionStream::offer(const core::TickRecord& record, StateFrame& frame, boo
   if (ended_ || !opened_) return false;
   ledger_.look(record.input.now);
   // The greeting is the first word of a session, whatever else is waiting.
-  const bool state_due = !greeting_due_ && states_allowed && pace_.due(record.tick);
+  const bool state_due = !greeting_due_ && states_allowed && pace_.due(record.beat.tick);
   const bool by_udp = state_due && udp_ && udp_->send_state(frame.for_datagram());
-  if (by_udp || (state_due && !writing_)) pace_.sent(record.tick);
+  if (by_udp || (state_due && !writing_)) pace_.sent(record.beat.tick);
   watch_link(record, by_udp, state_due && !by_udp && !writing_);
   if (writing_) return by_udp;
   if (state_due && !by_udp) {
@@ -372,12 +372,12 @@ void SessionStream::watch_link(const core::TickRecord& record, bool by_udp,
                                bool by_stream) noexcept {
   if (by_udp || by_stream) {
     states_by_ = by_udp ? Carrier::kUdp : Carrier::kGrpc;
-    link_.state_sent(record.tick, record.input.now, states_by_);
+    link_.state_sent(record.beat.tick, record.input.now, states_by_);
   }
   const core::CommandSnapshot& command = record.input.command;
   const bool ours = command.lease_held && grant_ != 0 && command.lease_epoch == grant_;
-  if (ours && record.proxy_mode != core::ProxyMode::kNone) {
-    link_.used(record.input.now, record.proxy_age);
+  if (ours && record.proxy.mode != core::ProxyMode::kNone) {
+    link_.used(record.input.now, record.proxy.age);
   }
 }
 

@@ -44,8 +44,8 @@ void WatchStream::open(const grpc::ByteBuffer& raw) {
 bool WatchStream::offer(const core::TickRecord& record, StateFrame& frame, bool states_allowed) {
   const std::lock_guard lock(mutex_);
   if (ended_ || writing_) return false;
-  if (states_allowed && pace_.due(record.tick)) {
-    pace_.sent(record.tick);
+  if (states_allowed && pace_.due(record.beat.tick)) {
+    pace_.sent(record.beat.tick);
     write(frame.for_watch(pace_.conflated()));
     return true;
   }

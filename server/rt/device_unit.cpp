@@ -31,13 +31,13 @@ void DeviceUnit::tick(core::TimePoint now, core::Duration period,
 
   const core::TickRecord record = pipeline_.tick(input_);
 
-  command_.arm = record.arm;
-  command_.tau_a = record.drive.size() > 0 ? record.drive : record.tau_a;
-  command_.position = record.position;
+  command_.arm = record.life.arm;
+  command_.tau_a = record.effort.drive.size() > 0 ? record.effort.drive : record.effort.tau_a;
+  command_.position = record.effort.position;
   device_->write(now, command_);
 
   records.push(record);
-  state_.store(record.state, std::memory_order_release);
+  state_.store(record.life.state, std::memory_order_release);
 }
 
 namespace {

@@ -49,15 +49,15 @@ constexpr core::Limiter kActuatorLimiters[] = {
 
 std::string limiter_sentence(core::Limiter limiter, const core::TickRecord& record) {
   std::string actuators;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(record.tau_a.size()); ++i) {
-    if (!record.actuator_limiters[i].has(limiter)) continue;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(record.effort.tau_a.size()); ++i) {
+    if (!record.effort.actuator_limiters[i].has(limiter)) continue;
     const auto a = static_cast<Eigen::Index>(i);
     char text[96];
     std::snprintf(text, sizeof text, "%sactuator %zu at %.3g", actuators.empty() ? "" : ", ", i,
-                  record.tau_a[a]);
+                  record.effort.tau_a[a]);
     actuators += text;
-    if (limiter != core::Limiter::kTemperature || a >= record.temperature_c.size()) continue;
-    std::snprintf(text, sizeof text, " and %.0f C", record.temperature_c[a]);
+    if (limiter != core::Limiter::kTemperature || a >= record.effort.temperature_c.size()) continue;
+    std::snprintf(text, sizeof text, " and %.0f C", record.effort.temperature_c[a]);
     actuators += text;
   }
   return "a limit holds " + (actuators.empty() ? std::string("the force") : actuators);
@@ -67,7 +67,7 @@ std::string limiter_sentence(core::Limiter limiter, const core::TickRecord& reco
 
 void EventDetector::limiters(const core::TickRecord& record, std::vector<DeviceEvent>& events) {
   for (const core::Limiter limiter : kActuatorLimiters) {
-    if (!record.limiters.has(limiter)) continue;
+    if (!record.limiters().has(limiter)) continue;
     auto& acted = acted_[static_cast<std::size_t>(limiter)];
     const bool anew = !acted || record.input.now - *acted > kQuiet;
     acted = record.input.now;
@@ -75,7 +75,7 @@ void EventDetector::limiters(const core::TickRecord& record, std::vector<DeviceE
     const core::CommandSnapshot& command = record.input.command;
     events.push_back({DeviceEvent::Kind::kLimiter, record.input.now,
                       std::string(core::reason(limiter)), limiter_sentence(limiter, record),
-                      record.state, command.lease_held ? command.lease_epoch : 0});
+                      record.life.state, command.lease_held ? command.lease_epoch : 0});
   }
 }
 
@@ -83,11 +83,11 @@ void EventDetector::step(const core::TickRecord& record, const std::string& stop
                          std::vector<DeviceEvent>& events) {
   const auto add = [&](DeviceEvent::Kind kind, std::string reason, std::string message) {
     const core::CommandSnapshot& command = record.input.command;
-    events.push_back({kind, record.input.now, std::move(reason), std::move(message), record.state,
-                      command.lease_held ? command.lease_epoch : 0});
+    events.push_back({kind, record.input.now, std::move(reason), std::move(message),
+                      record.life.state, command.lease_held ? command.lease_epoch : 0});
   };
   for (const core::Fault fault : kFaults) {
-    const bool now = record.faults.has(fault);
+    const bool now = record.faults().has(fault);
     const bool before = faults_.has(fault);
     if (now && !before) {
       add(DeviceEvent::Kind::kFault, std::string(core::reason(fault)),
@@ -96,31 +96,32 @@ void EventDetector::step(const core::TickRecord& record, const std::string& stop
       add(DeviceEvent::Kind::kFaultCleared, std::string(core::reason(fault)), "fault cleared");
     }
   }
-  if (record.lost && record.staleness != core::Staleness::kLost) {
+  if (record.life.lost && record.proxy.level != core::Staleness::kLost) {
     add(DeviceEvent::Kind::kLost, "TRACKER_LOST",
-        "force was given up: the tracker's newest pose is " + measured_ms(record.tracker.age) +
+        "force was given up: the tracker's newest pose is " +
+            measured_ms(record.sensed.tracker.age) +
             " old, beyond its limit; a new Engage is needed");
-  } else if (record.lost) {
+  } else if (record.life.lost) {
     add(DeviceEvent::Kind::kLost, "LOST",
-        "force was given up: the newest proxy is " + measured_ms(record.proxy_age) +
+        "force was given up: the newest proxy is " + measured_ms(record.proxy.age) +
             " old, the limit is " + milliseconds(record.input.settings.staleness.fade_end) +
             "; a new Engage is needed");
   }
-  if (record.state != state_) {
+  if (record.life.state != state_) {
     const std::string change =
-        std::string(core::name(state_)) + " -> " + std::string(core::name(record.state));
+        std::string(core::name(state_)) + " -> " + std::string(core::name(record.life.state));
     add(DeviceEvent::Kind::kState, change, change);
   }
-  if (record.staleness != staleness_) {
+  if (record.proxy.level != staleness_) {
     add(DeviceEvent::Kind::kStaleness,
-        std::string(core::name(staleness_)) + " -> " + std::string(core::name(record.staleness)),
-        record.proxy_seq == 0 ? "there is no proxy"
-                              : "the newest proxy is " + measured_ms(record.proxy_age) + " old");
+        std::string(core::name(staleness_)) + " -> " + std::string(core::name(record.proxy.level)),
+        record.proxy.seq == 0 ? "there is no proxy"
+                              : "the newest proxy is " + measured_ms(record.proxy.age) + " old");
   }
   limiters(record, events);
-  state_ = record.state;
-  faults_ = record.faults;
-  staleness_ = record.staleness;
+  state_ = record.life.state;
+  faults_ = record.faults();
+  staleness_ = record.proxy.level;
 }
 
 void EventQueue::push(const DeviceEvent& event) {

@@ -148,7 +148,7 @@ void DeviceSessions::look_after_lease(const core::TickRecord& record, Closures& 
                        (lease_.detached()
                             ? "' did not come back within the lease time"
                             : "' sent no valid sample for the lease time and is an observer now"),
-                   record.state, lease_.epoch()});
+                   record.life.state, lease_.epoch()});
     end_lease(closures);
   }
   if (!force_is_on()) {
@@ -182,7 +182,7 @@ void DeviceSessions::end_lease(Closures& closures) {
 
 void DeviceSessions::tell_lease(const char* reason, std::string message) {
   tell_everyone({DeviceEvent::Kind::kLease, newest_.input.now, reason, std::move(message),
-                 newest_.state, lease_.epoch()});
+                 newest_.life.state, lease_.epoch()});
 }
 
 }  // namespace haptic::server

@@ -96,9 +96,9 @@ Ticket DeviceSessions::clear_faults(core::FaultSet faults, ClearAnswered answer)
   {
     const std::lock_guard lock(mutex_);
     const std::uint32_t wanted = faults.any() ? faults.bits() : ~std::uint32_t{0};
-    const core::FaultSet active(newest_.faults.bits() & wanted);
+    const core::FaultSet active(newest_.faults().bits() & wanted);
     if (active.any()) {
-      const Ticket ticket = pending_.add_clear({active, newest_.stop_id}, std::move(answer));
+      const Ticket ticket = pending_.add_clear({active, newest_.life.stop_id}, std::move(answer));
       post_next_clear();
       return ticket;
     }
@@ -123,8 +123,8 @@ Outcome<SettingsAnswer> DeviceSessions::update_settings(const std::string& sessi
   const std::lock_guard lock(mutex_);
   if (auto refusal = not_holder(session_id)) return *refusal;
   // An Engage that the loop has not answered yet may switch force on before these settings arrive.
-  const bool engaging = command_.engage_id != newest_.engage.id;
-  const core::DeviceState state = engaging ? core::DeviceState::kEngaging : newest_.state;
+  const bool engaging = command_.engage_id != newest_.life.engage.id;
+  const core::DeviceState state = engaging ? core::DeviceState::kEngaging : newest_.life.state;
   Outcome<SettingsAnswer> outcome = apply_settings(request, settings_, unit_.config(), state);
   if (outcome) {
     publish_settings(outcome.value->applied);
@@ -133,7 +133,7 @@ Outcome<SettingsAnswer> DeviceSessions::update_settings(const std::string& sessi
       tell_everyone({DeviceEvent::Kind::kClamp, newest_.input.now, "CLAMPED",
                      clamp.field + " = " + figure(clamp.asked) + ": held at " +
                          figure(clamp.applied) + ", " + clamp.why,
-                     newest_.state, lease_.epoch()});
+                     newest_.life.state, lease_.epoch()});
     }
   }
   return outcome;
@@ -151,7 +151,7 @@ void DeviceSessions::begin_closing() {
       newcomer_.reset();
     }
     tell_everyone({DeviceEvent::Kind::kClosing, newest_.input.now, "CLOSING",
-                   "the server is shutting down", newest_.state,
+                   "the server is shutting down", newest_.life.state,
                    lease_.held() ? lease_.epoch() : 0});
   }
   PendingRequests::run(closures);
@@ -191,8 +191,8 @@ core::RenderSettings DeviceSessions::settings() const {
 DeviceSessions::Stamp DeviceSessions::stamp(const core::TickRecord& record) const noexcept {
   const std::uint32_t grant = record.input.command.lease_epoch;
   Stamp stamp{Carrier::kNone, grant == 0 ? 0 : grant + resumes_};
-  if (record.proxy_mode != core::ProxyMode::kNone) {
-    stamp.carrier = ingress_.carrier_of(record.proxy_seq, record.input.now - record.proxy_age);
+  if (record.proxy.mode != core::ProxyMode::kNone) {
+    stamp.carrier = ingress_.carrier_of(record.proxy.seq, record.input.now - record.proxy.age);
   }
   return stamp;
 }
@@ -253,7 +253,7 @@ bool DeviceSessions::force_is_on() const noexcept {
   const core::CommandSnapshot& seen = newest_.input.command;
   const bool loop_knows =
       seen.lease_held == command_.lease_held && seen.lease_epoch == command_.lease_epoch;
-  return !loop_knows || newest_.gain > 0.0;
+  return !loop_knows || newest_.life.gain > 0.0;
 }
 
 std::optional<Refusal> DeviceSessions::not_holder(const std::string& session_id) const {

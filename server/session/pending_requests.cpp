@@ -137,17 +137,17 @@ bool PendingRequests::resolve(Request& request, const core::TickRecord& record,
   };
   switch (request.kind) {
     case Kind::kEngage:
-      if (record.engage.id < request.id) return false;
-      return answer(engage_outcome(record.engage, record.state));
+      if (record.life.engage.id < request.id) return false;
+      return answer(engage_outcome(record.life.engage, record.life.state));
     case Kind::kRelease:
-      return record.release_id >= request.id && answer(Done{});
+      return record.life.release_id >= request.id && answer(Done{});
     case Kind::kStop:
-      return record.stop_id >= request.id && answer(Done{});
+      return record.life.stop_id >= request.id && answer(Done{});
     case Kind::kClear:
-      if (request.id == 0 || record.clear.id < request.id) return false;
-      closures.push_back(
-          [call = std::move(request.cleared),
-           outcome = clear_outcome(request.clear.faults, record.clear.refused)] { call(outcome); });
+      if (request.id == 0 || record.life.clear.id < request.id) return false;
+      closures.push_back([call = std::move(request.cleared),
+                          outcome = clear_outcome(request.clear.faults,
+                                                  record.life.clear.refused)] { call(outcome); });
       return true;
   }
   return false;

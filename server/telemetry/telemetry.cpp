@@ -6,7 +6,6 @@
 #include <condition_variable>
 #include <mutex>
 
-#include "haptic/core/tick/probe_completion.hpp"
 #include "server/base/thread_setup.hpp"
 
 namespace haptic::server {
@@ -20,7 +19,7 @@ constexpr core::Duration kPatience = std::chrono::microseconds(60);
 /// so that it may add and remove; `called_` says who is being called, so that remove() can wait.
 class Telemetry::Channel {
  public:
-  explicit Channel(DeviceUnit& unit) : unit_(unit), completion_(*unit.config().kinematics) {}
+  explicit Channel(DeviceUnit& unit) : unit_(unit) {}
 
   void add(RecordListener* listener, ListenerRank rank) {
     const std::lock_guard lock(mutex_);
@@ -68,11 +67,9 @@ class Telemetry::Channel {
     ListenerRank rank{ListenerRank::kService};
   };
 
-  /// The one way out of the loop: whoever reads a record finds it complete.
   void keep(const core::TickRecord& record) {
     const std::lock_guard lock(newest_mutex_);
     newest_ = record;
-    completion_.complete(newest_);
   }
 
   void listeners_at_start() {
@@ -102,7 +99,6 @@ class Telemetry::Channel {
   }
 
   DeviceUnit& unit_;
-  core::ProbeCompletion completion_;
 
   std::mutex mutex_;
   std::condition_variable call_ended_;

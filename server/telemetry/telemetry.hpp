@@ -1,7 +1,6 @@
 #pragma once
-/// The telemetry drain: one thread that empties every unit's ring, completes each record (the f of
-/// fingers that the tick did not need, TickRecord::unprobed), keeps the newest, and tells those who
-/// listen. The loop wakes it with a futex and never waits for it.
+/// The telemetry drain: one thread that empties every unit's ring, keeps the newest record, and
+/// tells those who listen. The loop wakes it with a futex and never waits for it.
 
 #include <atomic>
 #include <memory>

@@ -13,7 +13,6 @@
 #include "haptic/core/projection/renderer.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/bench/coupled_stiffness.hpp"
-#include "tests/bench/free_fingers.hpp"
 #include "tests/bench/p50_of_ticks.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/bench/tick_input.hpp"
@@ -114,8 +113,8 @@ double tick_p50(const Poses& poses, core::RendererKind kind, const Extras& extra
       },
       [&](const core::TickInput& input) {
         const core::TickRecord record = pipeline.tick(input);
-        engaged = record.state == core::DeviceState::kEngaged;
-        sink += record.tau_a[0];
+        engaged = record.life.state == core::DeviceState::kEngaged;
+        sink += record.effort.tau_a[0];
       });
   if (!engaged) std::abort();  // a tick without force would be a flattering figure
   return p50;
@@ -252,7 +251,6 @@ int main() {
       "%.3g rad round trip\n",
       worst_linear, worst_warm, worst_closed);
   bench::print_coupled_stiffness();
-  bench::print_free_fingers();
   std::fprintf(stderr, "%s", sink == 0.123 ? "\n" : "");  // the work was not for nothing
   return 0;
 }

@@ -109,7 +109,8 @@ double tick_p50(const Stylus& stylus, const Choice& choice) {
   const double p50 =
       bench::p50_of_ticks([&](int i) { return tick_input(stylus, config, i); },
                           [&](const core::TickInput& input) { record = pipeline.tick(input); });
-  const bool force = record.state == core::DeviceState::kEngaged && record.tau_elastic.norm() > 0.0;
+  const bool force =
+      record.life.state == core::DeviceState::kEngaged && record.effort.tau_elastic.norm() > 0.0;
   if (!force) std::abort();  // a tick without force would be a flattering figure
   return p50;
 }

@@ -63,8 +63,8 @@ std::string told(const core::TickRecord& record) {
       text, sizeof text,
       ": the newest sample was %.1f ms old, the tick %.1f ms late, %.1f ms after the last",
       ms(record.input.now - record.input.device.sample.time), ms(record.input.loop.lateness),
-      ms(record.dt));
-  return reasons(record.faults) + text;
+      ms(record.beat.dt));
+  return reasons(record.faults()) + text;
 }
 
 /// The ticks of one block, by their records; of each stretch without the first.
@@ -73,7 +73,7 @@ class Ticks final : public server::RecordListener {
   void begin_stretch() { settling_ = kSettling; }
   void on_record(const core::TickRecord& record) override {
     ++records;
-    if (record.faults.any() && fault.empty()) fault = told(record);
+    if (record.faults().any() && fault.empty()) fault = told(record);
     if (settling_-- > 0) return;
     const core::TimePoint sampled = record.input.device.sample.time;
     lateness_us.push_back(1e6 * core::seconds(record.input.loop.lateness));

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "haptic/core/tick/probe_completion.hpp"
 #include "server/rt/device_unit.hpp"
 #include "server/scene/scene.hpp"
 
@@ -55,13 +54,9 @@ class PressingUnits {
         if (proxy_.mode != core::ProxyMode::kNone) device.proxies.publish(proxy_);
         device.tick(now_, kPeriod, {});
         const core::TickRecord& record = *device.records.front();
-        unit->presses = record.state == core::DeviceState::kEngaged &&
-                        record.tau_elastic.cwiseAbs().maxCoeff() > 0.0;
-        if (proxy_.mode == core::ProxyMode::kNone) {  // not measured: where the hand is
-          core::TickRecord completed = record;
-          unit->completion.complete(completed);
-          x_probe_ = completed.x_probe;
-        }
+        unit->presses = record.life.state == core::DeviceState::kEngaged &&
+                        record.effort.tau_elastic.cwiseAbs().maxCoeff() > 0.0;
+        x_probe_ = record.anchor.x_probe;
         device.records.pop();
       }
     }
@@ -79,10 +74,9 @@ class PressingUnits {
   struct Unit {
     Unit(const std::string& name, std::unique_ptr<hw::Device> opened,
          const core::PipelineConfig& config)
-        : device(name, std::move(opened), config), completion(*device.config().kinematics) {}
+        : device(name, std::move(opened), config) {}
     server::DeviceUnit device;
-    core::ProbeCompletion completion;  ///< of fingers that a tick leaves out while nothing is there
-    bool presses{false};               ///< in its last tick
+    bool presses{false};  ///< in its last tick
   };
 
   static constexpr core::Duration kPeriod = std::chrono::milliseconds(1);

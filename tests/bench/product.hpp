@@ -35,9 +35,9 @@ class Arrivals final : public server::RecordListener {
     const core::ProxySnapshot& proxy = record.input.proxy;
     if (proxy.seq != last_) born.emplace_back(proxy.seq, proxy.born.time_since_epoch().count());
     last_ = proxy.seq;
-    ages_us.push_back(core::seconds(record.proxy_age) * 1e6);
-    if (keep_used && record.proxy_mode != core::ProxyMode::kNone) {
-      used.emplace_back(record.proxy_seq, record.input.now.time_since_epoch().count());
+    ages_us.push_back(core::seconds(record.proxy.age) * 1e6);
+    if (keep_used && record.proxy.mode != core::ProxyMode::kNone) {
+      used.emplace_back(record.proxy.seq, record.input.now.time_since_epoch().count());
     }
     skipped += record.input.loop.skipped;
   }

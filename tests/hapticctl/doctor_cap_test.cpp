@@ -70,9 +70,11 @@ class Press {
     input_.proxy.born = input_.now;
     if (state_ == core::DeviceState::kArmed) ++input_.command.engage_id;
     const core::TickRecord record = pipeline_.tick(input_);
-    state_ = record.state;
-    device_.write(input_.now, {record.arm, record.drive.size() > 0 ? record.drive : record.tau_a,
-                               record.position});
+    state_ = record.life.state;
+    device_.write(input_.now,
+                  {record.life.arm,
+                   record.effort.drive.size() > 0 ? record.effort.drive : record.effort.tau_a,
+                   record.effort.position});
     return record;
   }
 
@@ -83,7 +85,7 @@ class Press {
     const auto& actuator = device_.board().rig().actuator();
     double lowest = 1e9, highest = -1e9, first = 1e9, last = -1e9;
     for (int i = 0; i < kLooking; ++i) {
-      rest.engaged = tick().state == core::DeviceState::kEngaged && rest.engaged;
+      rest.engaged = tick().life.state == core::DeviceState::kEngaged && rest.engaged;
       rest.force += actuator.force() / kLooking;
       lowest = std::min(lowest, actuator.force());
       highest = std::max(highest, actuator.force());

@@ -232,7 +232,8 @@ Trace run(Server& server, Way& way) {
   for (int k = 0; k < kTicks; ++k) {
     const LinkTime time = k * kTick;
     if (k >= kFirstSample && k % kSampleEvery == 0) {
-      std::vector<double> x(record.x_probe.data(), record.x_probe.data() + record.x_probe.size());
+      std::vector<double> x(record.anchor.x_probe.data(),
+                            record.anchor.x_probe.data() + record.anchor.x_probe.size());
       x[0] = std::min(x[0], kWall);
       on_the_way[++number] = x;
       link.send({number}, time);
@@ -243,11 +244,11 @@ Trace run(Server& server, Way& way) {
     if (k == kEngageAt) way.ask_for_force(server);
     record = server.tick();
     if (k == kEngageAt) way.expect_force();
-    trace.tau.push_back(std::bit_cast<std::uint64_t>(record.tau_a[0]));
-    trace.elastic.push_back(std::bit_cast<std::uint64_t>(record.tau_elastic[0]));
-    trace.by_tick[record.tick] = record.tau_a[0];
-    trace.peak = std::max(trace.peak, std::abs(record.tau_a[0]));
-    trace.held_over = trace.held_over || record.staleness == core::Staleness::kHold;
+    trace.tau.push_back(std::bit_cast<std::uint64_t>(record.effort.tau_a[0]));
+    trace.elastic.push_back(std::bit_cast<std::uint64_t>(record.effort.tau_elastic[0]));
+    trace.by_tick[record.beat.tick] = record.effort.tau_a[0];
+    trace.peak = std::max(trace.peak, std::abs(record.effort.tau_a[0]));
+    trace.held_over = trace.held_over || record.proxy.level == core::Staleness::kHold;
   }
   return trace;
 }

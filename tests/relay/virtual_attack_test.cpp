@@ -27,7 +27,7 @@ struct Siege {
       if (war.time() >= kAttackFrom && war.time() < kAttackTo) attack(war);
       war.step();
       ASSERT_EQ(war.force(), peace.force()) << war.time().count();
-      ASSERT_EQ(war.rig.newest().proxy_age, peace.rig.newest().proxy_age);
+      ASSERT_EQ(war.rig.newest().proxy.age, peace.rig.newest().proxy.age);
     }
     ASSERT_EQ(peace.rig.state(), core::DeviceState::kEngaged);
     ASSERT_GT(peace.force(), 0.5);

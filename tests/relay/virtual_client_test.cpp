@@ -24,9 +24,9 @@ void watch(VirtualWorld& world, LinkTime until) {
     const core::TickRecord now = world.rig.newest();
     const double age = std::chrono::duration<double>(now.input.now - world.last_accepted).count();
     const double ladder = std::clamp((0.180 - age) / 0.080, 0.0, 1.0);
-    ASSERT_LE(std::abs(now.tau_elastic[0]), 10.0 * ladder + 1e-9) << world.time().count();
-    ASSERT_LE(std::abs(now.tau_a[0] - before), VirtualWorld::kSlewPerTick + 1e-9);
-    ASSERT_EQ(now.faults.bits(), 0U);
+    ASSERT_LE(std::abs(now.effort.tau_elastic[0]), 10.0 * ladder + 1e-9) << world.time().count();
+    ASSERT_LE(std::abs(now.effort.tau_a[0] - before), VirtualWorld::kSlewPerTick + 1e-9);
+    ASSERT_EQ(now.faults().bits(), 0U);
   }
 }
 
@@ -38,7 +38,7 @@ void is_refused(double bad, std::uint64_t server::IngressCounters::*counter) {
   const auto good = world.proxy;
   world.proxy = [bad](LinkTime) { return bad; };
   watch(world, kTroubleAt + 500ms);
-  EXPECT_EQ(world.rig.newest().tau_elastic[0], 0.0);
+  EXPECT_EQ(world.rig.newest().effort.tau_elastic[0], 0.0);
   EXPECT_GE(world.rig.sessions->ingress().counters().*counter,
             48U);  // 500 ms at 100 Hz, 10 ms late
   world.proxy = good;
@@ -77,7 +77,7 @@ TEST(VirtualClient, AClientPausedFor300MsLosesForceAndRampsBack) {
   world.publishing = false;
   watch(world, kTroubleAt + 300ms);
   EXPECT_EQ(world.rig.state(), core::DeviceState::kArmed);
-  EXPECT_EQ(world.rig.newest().tau_elastic[0], 0.0);
+  EXPECT_EQ(world.rig.newest().effort.tau_elastic[0], 0.0);
   world.publishing = true;
   watch(world, kTroubleAt + 1500ms);
   EXPECT_EQ(world.rig.state(), core::DeviceState::kEngaged);

@@ -35,14 +35,14 @@ struct Written {
 /// Levels and gain are what the age allows, and the age is what it was: never younger than the
 /// arrival, and, but for back-log, never older than the sample truly is.
 void check_age(const VirtualWorld& world, const core::TickRecord& now) {
-  if (now.proxy_mode == core::ProxyMode::kNone) return;
-  ASSERT_EQ(now.staleness, Written::level(now.proxy_age));
-  ASSERT_LE(now.gain, Written::ladder(now.proxy_age) + 1e-12);
-  const VirtualWorld::Way& way = world.ways.at(now.proxy_seq);
-  ASSERT_GE(now.proxy_age, now.input.now - way.accepted);
+  if (now.proxy.mode == core::ProxyMode::kNone) return;
+  ASSERT_EQ(now.proxy.level, Written::level(now.proxy.age));
+  ASSERT_LE(now.life.gain, Written::ladder(now.proxy.age) + 1e-12);
+  const VirtualWorld::Way& way = world.ways.at(now.proxy.seq);
+  ASSERT_GE(now.proxy.age, now.input.now - way.accepted);
   if (!way.backlog) {
     constexpr core::Duration kClockError = 500us;
-    ASSERT_LE(now.proxy_age, now.input.now - way.published + kClockError);
+    ASSERT_LE(now.proxy.age, now.input.now - way.published + kClockError);
   }
 }
 
@@ -63,23 +63,25 @@ TEST_P(VirtualMatrix, TheContractHoldsAtEveryTick) {
     world.step();
     const core::TickRecord now = world.rig.newest();
     SCOPED_TRACE(world.time().count());
-    ASSERT_GE(now.proxy_seq, now.proxy_mode == core::ProxyMode::kNone ? 0 : before.proxy_seq);
+    ASSERT_GE(now.proxy.seq, now.proxy.mode == core::ProxyMode::kNone ? 0 : before.proxy.seq);
     // Neither the envelope of 10 N nor a fault has anything to take away here.
-    const double step = std::abs(now.tau_a[0] - before.tau_a[0]);
+    const double step = std::abs(now.effort.tau_a[0] - before.effort.tau_a[0]);
     ASSERT_LE(step, VirtualWorld::kSlewPerTick + 1e-9);
     steepest = std::max(steepest, step);
     ASSERT_NO_FATAL_FAILURE(check_age(world, now));
     if (now.input.now - world.last_accepted > 200ms) {
-      ASSERT_EQ(now.tau_elastic[0], 0.0);
+      ASSERT_EQ(now.effort.tau_elastic[0], 0.0);
     }
-    ASSERT_EQ(now.faults.bits(), 0U);
+    ASSERT_EQ(now.faults().bits(), 0U);
     // Work of the command held over the tick; what the device's own damping takes is not given.
-    const double move = now.q[0] - before.q[0];
-    energy += before.tau_a[0] * move - VirtualWorld::kDeviceDamping * move * move / 1e-3;
+    const double move = now.sensed.q[0] - before.sensed.q[0];
+    energy += before.effort.tau_a[0] * move - VirtualWorld::kDeviceDamping * move * move / 1e-3;
     most = std::max(most, energy);
-    engages += now.state == core::DeviceState::kEngaging && before.state != now.state ? 1 : 0;
+    engages += now.life.state == core::DeviceState::kEngaging && before.life.state != now.life.state
+                   ? 1
+                   : 0;
     ASSERT_LE(energy, VirtualWorld::kTank * engages + 1e-9);
-    if (engages > 0) oldest = std::max(oldest, now.proxy_age);
+    if (engages > 0) oldest = std::max(oldest, now.proxy.age);
     before = now;
   }
   EXPECT_GT(world.accepted, 0U);
@@ -99,7 +101,7 @@ core::Duration oldest_proxy(VirtualWorld& world, LinkTime from, LinkTime until) 
   core::Duration oldest{0};
   while (world.time() < until) {
     world.step();
-    if (world.time() > from) oldest = std::max(oldest, world.rig.newest().proxy_age);
+    if (world.time() > from) oldest = std::max(oldest, world.rig.newest().proxy.age);
   }
   return oldest;
 }
@@ -189,7 +191,7 @@ TEST(VirtualMatrixRow, ABackLogIsNotRenderedAsFresh) {
   VirtualWorld world(scenario);
   const auto backlog = [&] { return world.rig.sessions->ingress().counters().backlog; };
   world.run(2000ms);
-  ASSERT_EQ(world.rig.newest().gain, 1.0);
+  ASSERT_EQ(world.rig.newest().life.gain, 1.0);
   const core::TimePoint before_stall = world.last_accepted;
   core::TickRecord before = world.rig.newest();
   int held_back = 0;
@@ -197,18 +199,18 @@ TEST(VirtualMatrixRow, ABackLogIsNotRenderedAsFresh) {
     const std::uint64_t so_far = backlog();
     world.step();
     const core::TickRecord now = world.rig.newest();
-    ASSERT_LE(now.gain - before.gain, 1.0 / 200 + 1e-12);  // and it comes back by a ramp
+    ASSERT_LE(now.life.gain - before.life.gain, 1.0 / 200 + 1e-12);  // and it comes back by a ramp
     if (backlog() > so_far) {
       ++held_back;
-      EXPECT_GE(now.proxy_age, now.input.now - before_stall - 2 * kSamplePeriod);
-      EXPECT_EQ(now.staleness, core::Staleness::kFade);
+      EXPECT_GE(now.proxy.age, now.input.now - before_stall - 2 * kSamplePeriod);
+      EXPECT_EQ(now.proxy.level, core::Staleness::kFade);
     }
     before = now;
   }
   EXPECT_EQ(held_back, 1);  // in one tick
   EXPECT_GE(backlog(), 10U);
   EXPECT_EQ(world.rig.state(), core::DeviceState::kEngaged);
-  EXPECT_EQ(world.rig.newest().gain, 1.0);
+  EXPECT_EQ(world.rig.newest().life.gain, 1.0);
 }
 
 TEST(MatrixTable, ALineIsReadByAnyoneWhoReadsCsv) {

@@ -18,8 +18,8 @@ namespace {
 class Observer final : public server::Subscriber {
  public:
   bool offer(const core::TickRecord& record, server::StateFrame&, bool allowed) override {
-    if (!allowed || !pace.due(record.tick)) return false;
-    pace.sent(record.tick);
+    if (!allowed || !pace.due(record.beat.tick)) return false;
+    pace.sent(record.beat.tick);
     ++sent;
     return true;
   }
@@ -45,7 +45,7 @@ TEST(VirtualClient, SixteenObserversAt1KhzAreNotFelt) {
     alone.step();
     watched.step();
     ASSERT_EQ(alone.force(), watched.force());
-    ASSERT_EQ(alone.rig.newest().proxy_age, watched.rig.newest().proxy_age);
+    ASSERT_EQ(alone.rig.newest().proxy.age, watched.rig.newest().proxy.age);
   }
   ASSERT_EQ(watched.rig.state(), core::DeviceState::kEngaged);
   EXPECT_EQ(controller->sent, 3000U);

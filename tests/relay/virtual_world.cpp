@@ -146,7 +146,7 @@ void VirtualWorld::take_state(wire::ConstBytes state) {
 
 void VirtualWorld::send_state() {
   next_state += kStatePeriod;
-  const std::uint64_t tick = rig.newest().tick;
+  const std::uint64_t tick = rig.newest().beat.tick;
   Packet state(8);
   wire::put(tick, state);
   const bool by_udp = server.send(state);

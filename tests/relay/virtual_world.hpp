@@ -41,7 +41,7 @@ struct VirtualWorld {
   }
   /// What reaches the server's socket; also what an attacker sends.
   wire::Rejection deliver(wire::ConstBytes datagram, const wire::PeerAddress& from);
-  [[nodiscard]] double force() const { return rig.newest().tau_a[0]; }
+  [[nodiscard]] double force() const { return rig.newest().effort.tau_a[0]; }
 
   /// What became of a sample, by the one true clock.
   struct Way {

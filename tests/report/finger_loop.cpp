@@ -119,18 +119,18 @@ class Device {
 };
 
 void account(const FingerLoop& what, const core::TickRecord& record, LoopFigures& figures) {
-  const double d = record.q_star[0] - record.q[0];
-  const double force = std::abs(record.tau_a[0]);
+  const double d = record.effort.q_star[0] - record.sensed.q[0];
+  const double force = std::abs(record.effort.tau_a[0]);
   const double stored = 0.5 * record.input.settings.stiffness[0] * d * d;
   figures.peak_storage = std::max(figures.peak_storage, stored);
   figures.mean_force += force;
   figures.peak_force = std::max(figures.peak_force, force);
   for (int i = 0; i < 2; ++i) {
-    figures.max_penetration_deg =
-        std::max(figures.max_penetration_deg, (record.x_probe[i] - what.client.stop[i]) / kDegree);
+    figures.max_penetration_deg = std::max(
+        figures.max_penetration_deg, (record.anchor.x_probe[i] - what.client.stop[i]) / kDegree);
   }
-  const bool withheld = record.limiters.has(core::Limiter::kDirectionGuard) ||
-                        (record.limiters.has(core::Limiter::kMonotoneEnvelope) && force == 0.0);
+  const bool withheld = record.limiters().has(core::Limiter::kDirectionGuard) ||
+                        (record.limiters().has(core::Limiter::kMonotoneEnvelope) && force == 0.0);
   figures.withheld += withheld ? 1 : 0;
   ++figures.ticks;
 }
@@ -177,12 +177,12 @@ LoopFigures run(const FingerLoop& what, const std::function<void(const LoopTick&
     const core::TickRecord& record =
         loop.tick(device.advance(k * test::PipelineLoop::kTick_s, loop.tau()));
     if (k == judged) loop.energy().begin_cycle();
-    figures.throttled += record.limiters.has(core::Limiter::kEnergyTank) ? 1 : 0;
+    figures.throttled += record.limiters().has(core::Limiter::kEnergyTank) ? 1 : 0;
     if (k > judged) account(what, record, figures);
     if (observe) {
       observe({loop.time_s() - kBegin_s,
                {loop.x_probe()[0] / kDegree, loop.x_probe()[1] / kDegree},
-               record.tau_a[0],
+               record.effort.tau_a[0],
                loop.energy().given_in_all(),
                loop.energy().net_in_all()});
     }

@@ -160,14 +160,15 @@ Felt press(const Press& what, const std::function<void(const PressTick&)>& obser
       ++input.command.engage_id;
     }
     const core::TickRecord record = pipeline.tick(input);
-    state = record.state;
-    felt.withheld += record.limiters.has(core::Limiter::kDirectionGuard) ? 1 : 0;
-    felt.throttled += record.limiters.has(core::Limiter::kEnergyTank) ? 1 : 0;
-    command = {record.arm, record.tau_a, {}};
+    state = record.life.state;
+    felt.withheld += record.limiters().has(core::Limiter::kDirectionGuard) ? 1 : 0;
+    felt.throttled += record.limiters().has(core::Limiter::kEnergyTank) ? 1 : 0;
+    command = {record.life.arm, record.effort.tau_a, {}};
     device->write(input.now, command);
-    const PressTick tick = board != nullptr
-                               ? felt_through(*board, *finger, kPeriod * k, record.tau_a[0])
-                               : felt_at(kPeriod * k, x_probe, J, record.tau_a[0], record.tau_a[0]);
+    const PressTick tick =
+        board != nullptr
+            ? felt_through(*board, *finger, kPeriod * k, record.effort.tau_a[0])
+            : felt_at(kPeriod * k, x_probe, J, record.effort.tau_a[0], record.effort.tau_a[0]);
     last_cell = tick.cell;
     account(what, tick, felt);
     if (observe) observe(tick);

@@ -54,7 +54,7 @@ class Hand {
     for (int i = 0; i < 700; ++i) {
       if (i == 260) ++input_.command.engage_id;
       prepare();
-      state_ = pipeline_.tick(input_).state;
+      state_ = pipeline_.tick(input_).life.state;
     }
     if (state_ != core::DeviceState::kEngaged) {
       throw core::SceneError("scaling: the hand did not engage; a tick without force is no figure");
@@ -70,7 +70,7 @@ class Hand {
       const auto before = Clock::now(), start = Clock::now();
       const core::TickRecord record = pipeline_.tick(input_);
       const auto end = Clock::now();
-      force_ += record.tau_a[0];
+      force_ += record.effort.tau_a[0];
       clock.push_back(std::chrono::duration<double, std::nano>(start - before).count());
       spent.push_back(std::chrono::duration<double, std::nano>(end - start).count());
     }

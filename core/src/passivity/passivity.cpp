@@ -90,9 +90,9 @@ void Passivity::measure(const VecA& q_a, bool fresh, bool recent, Duration dt,
   if (settings_.tank.enabled) tank_.refill(elapsed, record_.hold);
 }
 
-/// Where samples come slower than ticks, the force of each tick in between counts by its time:
-/// exact for a steady motion, and exactly the last tick's force where every tick has a sample. A
-/// measured force is the mean of both ends: between them it went linearly as far as anyone knows.
+/// If samples come slower than ticks, the force of each tick in between counts by its time: exact
+/// for a steady motion, and exactly the last tick's force if every tick has a sample. A measured
+/// force counts with the mean of both samples, as if it had changed linearly between them.
 void Passivity::book(const VecA& q_a, const VecA& force) noexcept {
   const VecA dq = q_a - q_a_;
   const VecA before = anchor_ - q_a_;
@@ -119,15 +119,15 @@ const VecA& Passivity::admit(const SpringStorage& spring, const VecA& anchor) no
   const VecA stretch = anchor_ - q_a_;
   double before = spring_.energy(stretch);
   if (spring_.gain == 0.0 && spring.gain > 0.0) {
-    // A spring that begins now would have stored this had it been there one tick earlier, where the
-    // device was; what the hold then leaked the device's damping pays as always.
+    // A spring that begins now is booked as if it had been there one tick earlier, at the device's
+    // place of then; what the hold leaked since then is paid by the device's damping, as always.
     before = std::min(spring.energy(stretch), record_.hold.device_damping);
   }
   const VecA wanted = anchor - q_a_;
   record_.scale = settings_.tank.enabled ? tank_.admit(before, spring, wanted) : 1.0;
   record_.throttled = record_.scale < 1.0;
-  // Not q_a + (anchor - q_a): an anchor that stays must stay to the bit, or each tick would book a
-  // rounding error as a change.
+  // Not q_a + (anchor - q_a): an anchor that stays has to stay to the bit, or each tick would book
+  // a rounding error as a change.
   if (record_.throttled) {
     anchor_ = q_a_ + record_.scale * wanted;
   } else {

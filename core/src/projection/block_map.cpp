@@ -32,13 +32,9 @@ BlockMap::BlockMap(const Kinematics& kinematics)
   }
 }
 
-bool BlockMap::move_to(const VecQ& q, BlockSet left_out) noexcept {
-  BlockSet open = 0;  // asked for, and without an answer
-  BlockSet bit = 1;
+BlockSet BlockMap::move_to(const VecQ& q) noexcept {
+  BlockSet failed = 0, bit = 1;
   for (Part& part : parts_) {
-    const BlockSet asked = bit & ~left_out;
-    bit <<= 1;
-    if (asked == 0) continue;
     const double* at = q.data() + part.at.first_q;
     if (!part.known || !same_bits(at, part.q.data(), part.n_q)) {
       std::copy(at, at + part.n_q, part.q.data());
@@ -46,10 +42,10 @@ bool BlockMap::move_to(const VecQ& q, BlockSet left_out) noexcept {
       evaluate(part);
       if (part.closes) std::copy_n(part.x.data(), part.n_x, x_probe_.data() + part.at.first_x);
     }
-    if (!part.closes) open |= asked;
+    if (!part.closes) failed |= bit;
+    bit <<= 1;
   }
-  unprobed_ = left_out | (unprobed_ & open);
-  return open == 0;
+  return failed;
 }
 
 void BlockMap::differentiate(BlockSet needed) noexcept {
@@ -103,17 +99,23 @@ BlockSet BlockMap::reached(const PlaneSet& planes) const noexcept {
 
 void BlockMap::copy_q(BlockSet blocks, const VecQ& from, VecQ& to) const noexcept {
   for (const Part& part : parts_) {
-    if (blocks == 0) return;
     const int first = part.at.first_q;
     if ((blocks & 1u) != 0) std::copy_n(from.data() + first, part.n_q, to.data() + first);
     blocks >>= 1;
   }
 }
 
-void BlockMap::fill(BlockSet blocks, double value, VecX& x) const noexcept {
+void BlockMap::copy_x(BlockSet blocks, const VecX& from, VecX& to) const noexcept {
   for (const Part& part : parts_) {
-    if (blocks == 0) return;
-    if ((blocks & 1u) != 0) std::fill_n(x.data() + part.at.first_x, part.n_x, value);
+    const int first = part.at.first_x;
+    if ((blocks & 1u) != 0) std::copy_n(from.data() + first, part.n_x, to.data() + first);
+    blocks >>= 1;
+  }
+}
+
+void BlockMap::clear_x(BlockSet blocks, VecX& x) const noexcept {
+  for (const Part& part : parts_) {
+    if ((blocks & 1u) != 0) std::fill_n(x.data() + part.at.first_x, part.n_x, 0.0);
     blocks >>= 1;
   }
 }

@@ -52,4 +52,11 @@ const char* check(const StalenessLimits& limits) noexcept {
   return nullptr;
 }
 
+StalenessLimits tightened(const StalenessLimits& wanted, const StalenessLimits& scene) noexcept {
+  StalenessLimits limits = check(wanted) == nullptr ? wanted : scene;
+  limits.hold_end = std::min(limits.hold_end, scene.hold_end);
+  limits.fade_end = std::min(limits.fade_end, scene.fade_end);
+  return limits;
+}
+
 }  // namespace haptic::core

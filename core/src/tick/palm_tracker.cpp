@@ -27,10 +27,7 @@ void PalmTracker::take(const TrackerSnapshot& sample, TimePoint now,
                        TrackerRecord& record) noexcept {
   if (fits(sample)) {
     pose_ = sample;
-    const StalenessLimits& scene = settings_.staleness;
-    limits_ = check(sample.staleness) == nullptr ? sample.staleness : scene;
-    limits_.hold_end = std::min(limits_.hold_end, scene.hold_end);
-    limits_.fade_end = std::min(limits_.fade_end, scene.fade_end);
+    limits_ = tightened(sample.staleness, settings_.staleness);
   }
   const bool any = pose_.seq != 0;
   record.on = true;
@@ -38,7 +35,8 @@ void PalmTracker::take(const TrackerSnapshot& sample, TimePoint now,
   record.seq = pose_.seq;
   record.age = any ? now - pose_.born : Duration::zero();
   record.level = any ? staleness(record.age, pose_.valid_for, limits_) : Staleness::kLost;
-  ladder_ = any ? core::ladder(record.age, limits_) : 0.0;
+  record.ladder = any ? ladder(record.age, limits_) : 0.0;
+  record.hold_end = limits_.hold_end;
 }
 
 void PalmTracker::place(VecQ& q) const noexcept {

@@ -20,9 +20,6 @@ class PalmTracker {
   /// Into q, n_q.
   void place(VecQ& q) const noexcept;
 
-  [[nodiscard]] double ladder() const noexcept { return ladder_; }
-  [[nodiscard]] const StalenessLimits& limits() const noexcept { return limits_; }
-
  private:
   [[nodiscard]] bool fits(const TrackerSnapshot& sample) const noexcept;
 
@@ -30,7 +27,6 @@ class PalmTracker {
   TrackerSnapshot pose_{};  ///< in use; seq 0: at rest
   std::array<double, kPalmDofs> lower_{}, upper_{};
   StalenessLimits limits_{};  ///< in force: the scene's, tightened by the tracker
-  double ladder_{0.0};
 };
 
 }  // namespace haptic::core

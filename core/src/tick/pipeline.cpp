@@ -3,8 +3,14 @@
 #include <cmath>
 #include <string>
 
+#include "actuation.hpp"
+#include "clock.hpp"
 #include "haptic/core/error.hpp"
-#include "stages.hpp"
+#include "proxy_intake.hpp"
+#include "rendering.hpp"
+#include "sensing.hpp"
+#include "session_settings.hpp"
+#include "supervisor.hpp"
 
 namespace haptic::core {
 
@@ -86,6 +92,56 @@ PipelineConfig checked(PipelineConfig config) {
 }
 
 }  // namespace
+
+/// The stages in the order in which a tick takes them, and what a tick needs of the last one.
+class Pipeline::Stages {
+ public:
+  explicit Stages(PipelineConfig config)
+      : config_(std::move(config)),
+        model_(*config_.kinematics, config_.projection),
+        clock_(config_.loop_late_fault, config_.late_bucket_full),
+        settings_(config_.scene, model_.coupling()),
+        sensing_(config_),
+        proxy_(model_.n_x()),
+        rendering_(model_, config_),
+        supervisor_(model_.layout(), config_.device.sample_period),
+        actuation_(model_, config_),
+        in_use_(VecQ::Zero(model_.layout().n_q())) {}
+
+  [[nodiscard]] TickRecord tick(const TickInput& in) noexcept {
+    const Beat beat = clock_.step(in, ready_);
+    const Settings& settings = settings_.step(in.settings, state_);
+    const Sensed sensed = sensing_.step(in);
+    const ProxyInUse proxy = proxy_.step(in, settings.staleness, sensed.tracker, state_);
+    const Anchor wanted = rendering_.step(sensed, proxy_.sample(), settings, in_use_);
+    const Lifecycle life =
+        supervisor_.step(in, beat, settings, sensed, proxy, wanted, output_faults_);
+    const Effort effort =
+        actuation_.step(beat, sensed, wanted, life, settings, rendering_.displacement(sensed));
+    ready_ = sensed.ready;
+    state_ = life.state;
+    in_use_ = effort.q_star;
+    output_faults_ = effort.faults;
+    return {in, beat, settings.id, sensed, proxy, wanted, life, effort};
+  }
+  [[nodiscard]] const PipelineConfig& config() const noexcept { return config_; }
+
+ private:
+  const PipelineConfig config_;
+  const ProjectionModel model_;
+  Clock clock_;
+  SessionSettings settings_;
+  Sensing sensing_;
+  ProxyIntake proxy_;
+  Rendering rendering_;
+  Supervisor supervisor_;
+  Actuation actuation_;
+  // Of the last tick:
+  bool ready_{false};
+  DeviceState state_{DeviceState::kInit};
+  VecQ in_use_;
+  FaultSet output_faults_{};
+};
 
 Pipeline::Pipeline(PipelineConfig config)
     : stages_(std::make_unique<Stages>(checked(std::move(config)))) {}

@@ -41,7 +41,7 @@ bool identical(const TrackerSnapshot& a, const TrackerSnapshot& b) noexcept {
 
 bool identical(const TrackerRecord& a, const TrackerRecord& b) noexcept {
   return a.on == b.on && a.first_dof == b.first_dof && a.seq == b.seq && a.level == b.level &&
-         a.age == b.age;
+         a.age == b.age && same(a.ladder, b.ladder) && a.hold_end == b.hold_end;
 }
 
 bool identical(const CommandSnapshot& a, const CommandSnapshot& b) noexcept {
@@ -83,26 +83,55 @@ bool identical(const PassivityRecord& a, const PassivityRecord& b) noexcept {
          same(a.alpha, b.alpha);
 }
 
+bool identical(const Beat& a, const Beat& b) noexcept {
+  return a.tick == b.tick && a.dt == b.dt && a.faults == b.faults;
+}
+
+bool identical(const Sensed& a, const Sensed& b) noexcept {
+  return same_bits(a.q, b.q) && same_bits(a.q_a_dot, b.q_a_dot) &&
+         same_bits(a.tau_measured, b.tau_measured) && identical(a.tracker, b.tracker) &&
+         a.ready == b.ready && a.fresh == b.fresh && a.recent == b.recent && a.silent == b.silent &&
+         a.age == b.age && a.faults == b.faults;
+}
+
+bool identical(const ProxyInUse& a, const ProxyInUse& b) noexcept {
+  return a.mode == b.mode && a.seq == b.seq && a.age == b.age && a.level == b.level &&
+         same(a.ladder, b.ladder) && a.gapless_since == b.gapless_since &&
+         a.gapless_samples == b.gapless_samples;
+}
+
+bool identical(const Anchor& a, const Anchor& b) noexcept {
+  return same_bits(a.x_probe, b.x_probe) && same_bits(a.x, b.x) && a.free == b.free &&
+         a.mapped == b.mapped && a.in_the_way == b.in_the_way && a.planes == b.planes &&
+         a.active_planes == b.active_planes && a.anchored == b.anchored &&
+         same_bits(a.q_star, b.q_star) && a.projection == b.projection &&
+         same(a.residual, b.residual) && same(a.condition, b.condition) &&
+         identical(a.certificate, b.certificate) && a.limiters == b.limiters;
+}
+
+bool identical(const Lifecycle& a, const Lifecycle& b) noexcept {
+  return a.state == b.state && a.lost == b.lost && a.faults == b.faults && a.arm == b.arm &&
+         a.engaged == b.engaged && identical(a.engage, b.engage) && a.release_id == b.release_id &&
+         a.stop_id == b.stop_id && a.clear.id == b.clear.id && a.clear.refused == b.clear.refused &&
+         same(a.gain, b.gain) && same(a.damping_gain, b.damping_gain);
+}
+
+bool identical(const Effort& a, const Effort& b) noexcept {
+  return same_bits(a.q_star, b.q_star) && same_bits(a.tau_elastic, b.tau_elastic) &&
+         same_bits(a.tau_damping, b.tau_damping) && same_bits(a.tau_a, b.tau_a) &&
+         a.limiters == b.limiters && a.actuator_limiters == b.actuator_limiters &&
+         same_bits(a.temperature_c, b.temperature_c) && same_bits(a.drive, b.drive) &&
+         same_bits(a.position, b.position) && identical(a.passivity, b.passivity) &&
+         a.faults == b.faults;
+}
+
 }  // namespace
 
 bool identical(const TickRecord& a, const TickRecord& b) noexcept {
-  return identical(a.input, b.input) && a.tick == b.tick && a.dt == b.dt && a.state == b.state &&
-         a.lost == b.lost && a.faults == b.faults && a.limiters == b.limiters && a.arm == b.arm &&
-         identical(a.engage, b.engage) && a.release_id == b.release_id && a.stop_id == b.stop_id &&
-         a.clear.id == b.clear.id && a.clear.refused == b.clear.refused &&
-         a.proxy_mode == b.proxy_mode && a.proxy_seq == b.proxy_seq &&
-         a.settings_id == b.settings_id && a.staleness == b.staleness &&
-         a.proxy_age == b.proxy_age && identical(a.tracker, b.tracker) && same(a.gain, b.gain) &&
-         same(a.damping_gain, b.damping_gain) && same_bits(a.q, b.q) &&
-         same_bits(a.q_a_dot, b.q_a_dot) && a.unprobed == b.unprobed &&
-         same_bits(a.x_probe, b.x_probe) && same_bits(a.x, b.x) && a.planes == b.planes &&
-         a.active_planes == b.active_planes && same_bits(a.q_star, b.q_star) &&
-         a.projection == b.projection && same(a.residual, b.residual) &&
-         same(a.condition, b.condition) && identical(a.certificate, b.certificate) &&
-         same_bits(a.tau_elastic, b.tau_elastic) && same_bits(a.tau_damping, b.tau_damping) &&
-         same_bits(a.tau_a, b.tau_a) && a.actuator_limiters == b.actuator_limiters &&
-         same_bits(a.temperature_c, b.temperature_c) && same_bits(a.drive, b.drive) &&
-         same_bits(a.position, b.position) && identical(a.passivity, b.passivity);
+  return identical(a.input, b.input) && identical(a.beat, b.beat) &&
+         a.settings_id == b.settings_id && identical(a.sensed, b.sensed) &&
+         identical(a.proxy, b.proxy) && identical(a.anchor, b.anchor) &&
+         identical(a.life, b.life) && identical(a.effort, b.effort);
 }
 
 }  // namespace haptic::core

@@ -28,7 +28,7 @@ TEST(CertificateOfATick, IsAbsentWhereTheSceneDoesNotAskForIt) {
   Bench bench(config_of(RendererKind::kSubspaceLinear));
   for (int i = 0; i < 300; ++i) {
     move(bench, i);
-    EXPECT_EQ(bench.tick().certificate.status, CertificateStatus::kOff);
+    EXPECT_EQ(bench.tick().anchor.certificate.status, CertificateStatus::kOff);
   }
 }
 
@@ -41,11 +41,11 @@ TEST(CertificateOfATick, IsTheMarginOfTheForceThatIsRendered) {
   for (int i = 0; i < 700; ++i) {
     move(bench, i);
     const TickRecord record = bench.tick();
-    ASSERT_EQ(record.certificate.status, CertificateStatus::kComputed);
-    const auto want =
-        passivity_certificate(RendererKind::kSubspaceLinear, finger, record.q, record.x, impedance);
-    ASSERT_NEAR(record.certificate.margin, want.value().margin, 1e-11);
-    least = std::min(least, record.certificate.margin);
+    ASSERT_EQ(record.anchor.certificate.status, CertificateStatus::kComputed);
+    const auto want = passivity_certificate(RendererKind::kSubspaceLinear, finger, record.sensed.q,
+                                            record.anchor.x, impedance);
+    ASSERT_NEAR(record.anchor.certificate.margin, want.value().margin, 1e-11);
+    least = std::min(least, record.anchor.certificate.margin);
   }
   EXPECT_LT(least, 0.9);
 }
@@ -60,7 +60,7 @@ TEST(CertificateOfATick, ChangesNothingElse) {
     const TickRecord without = plain.tick();
     TickRecord with = watched.tick();
     ASSERT_FALSE(identical(without, with));
-    with.certificate = {};
+    with.anchor.certificate = {};
     ASSERT_TRUE(identical(without, with)) << i;
   }
 }
@@ -83,12 +83,12 @@ TEST(CertificateOfATick, SaysWhyThereIsNone) {
     return p;
   };
   move(bench, 1);
-  EXPECT_EQ(bench.tick().certificate.status, CertificateStatus::kIdle);
+  EXPECT_EQ(bench.tick().anchor.certificate.status, CertificateStatus::kIdle);
   bench.shape = nullptr;
-  EXPECT_EQ(bench.tick().certificate.status, CertificateStatus::kComputed);
+  EXPECT_EQ(bench.tick().anchor.certificate.status, CertificateStatus::kComputed);
   bench.input.settings.id = 1;
   bench.input.settings.renderer = RendererKind::kSubspaceExact;
-  EXPECT_EQ(bench.tick().certificate.status, CertificateStatus::kOtherRenderer);
+  EXPECT_EQ(bench.tick().anchor.certificate.status, CertificateStatus::kOtherRenderer);
 }
 
 /// Three actuators, nine coordinates: the general form, eigenvalue and all.
@@ -125,8 +125,8 @@ TEST(CertificateOfATick, OfAStylusNeitherAllocates) {
     const haptic::test::AllocationGuard guard;
     const TickRecord record = pipeline.tick(input);
     ASSERT_EQ(guard.allocations(), 0u);
-    ASSERT_EQ(record.certificate.status, CertificateStatus::kComputed);
-    ASSERT_NE(record.certificate.margin, 1.0);
+    ASSERT_EQ(record.anchor.certificate.status, CertificateStatus::kComputed);
+    ASSERT_NE(record.anchor.certificate.margin, 1.0);
   }
 }
 

@@ -1,5 +1,6 @@
-// A client in the loop (core/METHOD.md#results, core/METHOD.md#energy-tank): with the proxy held the exact method is conservative,
-// with a client that computes x from q it is not, and the tank is what bounds the energy.
+// A client in the loop (core/METHOD.md#results, core/METHOD.md#energy-tank): with the proxy held
+// the exact method is conservative, with a client that computes x from q it is not, and the tank is
+// what bounds the energy.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,8 +20,8 @@ struct Cycle {
   double motion{0.0};    ///< integral of v^2 dt, m^2/s: times b, what the device's damping takes
 };
 
-/// The last of three cycles of 1 s: l_x +-2 mm, q_B +-0.05 rad a quarter later, about x = (30, 30) deg;
-/// the client stops the MCP joint at 18 deg in every tick, without delay. direction: +1 or -1.
+/// The last of three cycles of 1 s: l_x +-2 mm, q_B +-0.05 rad a quarter later, about x = (30, 30)
+/// deg; the client stops the MCP joint at 18 deg in every tick, without delay. direction: +1 or -1.
 Cycle cycle_against_an_mcp_stop(const PipelineConfig& config, int direction) {
   constexpr int kTicks = 1000;
   Bench bench(config);
@@ -46,12 +47,12 @@ Cycle cycle_against_an_mcp_stop(const PipelineConfig& config, int direction) {
     at(k);
     const TickRecord record = bench.tick();
     if (k > 2 * kTicks) {
-      const double dq = record.q[0] - last.q[0];
-      cycle.returned += last.tau_a[0] * dq;
+      const double dq = record.sensed.q[0] - last.sensed.q[0];
+      cycle.returned += last.effort.tau_a[0] * dq;
       cycle.motion += dq * dq / 1e-3;
-      const double d = record.q_star[0] - record.q[0];
+      const double d = record.effort.q_star[0] - record.sensed.q[0];
       cycle.peak = std::max(cycle.peak, 0.5 * kStiffness * d * d);
-      cycle.lowest = std::min(cycle.lowest, record.passivity.tank);
+      cycle.lowest = std::min(cycle.lowest, record.effort.passivity.tank);
     }
     last = record;
   }

@@ -84,9 +84,9 @@ class CoupledBench {
     for (int i = 0; i < 250; ++i) tick();
     ++input.command.engage_id;
     tick();
-    EXPECT_EQ(record.engage.verdict, EngageVerdict::kAccepted);
+    EXPECT_EQ(record.life.engage.verdict, EngageVerdict::kAccepted);
     for (int i = 0; i < 205; ++i) tick();
-    EXPECT_EQ(record.state, DeviceState::kEngaged);
+    EXPECT_EQ(record.life.state, DeviceState::kEngaged);
     return record;
   }
   VecQ& q() { return input.device.sample.q; }
@@ -119,15 +119,16 @@ TEST(CoupledStiffness, TheForceIsTheLawAndSaysWhereItIsHeld) {
       bench.target = anywhere(random, 0.006);
       const TickRecord& record = bench.tick();
       const Vector2d d = bench.d(), tau = law(d);
-      ASSERT_LT((Vector2d(record.tau_a) - tau).norm(), 1e-10);
-      ASSERT_TRUE((record.tau_a.cwiseAbs().array() <= kLimit.array()).all());
+      ASSERT_LT((Vector2d(record.effort.tau_a) - tau).norm(), 1e-10);
+      ASSERT_TRUE((record.effort.tau_a.cwiseAbs().array() <= kLimit.array()).all());
       const bool saturated = tau.norm() < (1.0 - 1e-9) * (kZ * d).norm();
       held += saturated ? 1 : 0;
       LimiterSet expected;
       if (saturated) expected.set(Limiter::kSaturation);
-      ASSERT_EQ(record.limiters, expected) << "and no other limiter has anything to do";
-      ASSERT_FALSE(record.actuator_limiters[0].any());
-      ASSERT_EQ(record.actuator_limiters[1], expected) << "the second actuator is the weaker one";
+      ASSERT_EQ(record.limiters(), expected) << "and no other limiter has anything to do";
+      ASSERT_FALSE(record.effort.actuator_limiters[0].any());
+      ASSERT_EQ(record.effort.actuator_limiters[1], expected)
+          << "the second actuator is the weaker one";
     }
     EXPECT_GT(held, 200);
     EXPECT_LT(held, 900);
@@ -142,9 +143,9 @@ TEST(CoupledStiffness, TheGainScalesTheWholeForce) {
   int ramping = 0;
   for (int i = 0; i < 205; ++i) {
     const TickRecord& record = bench.tick();
-    ramping += record.gain > 0.0 && record.gain < 1.0 ? 1 : 0;
-    ASSERT_LT((Vector2d(record.tau_a) - record.gain * law(bench.d())).norm(), 1e-10);
-    ASSERT_FALSE(record.limiters.has(Limiter::kEnvelope));
+    ramping += record.life.gain > 0.0 && record.life.gain < 1.0 ? 1 : 0;
+    ASSERT_LT((Vector2d(record.effort.tau_a) - record.life.gain * law(bench.d())).norm(), 1e-10);
+    ASSERT_FALSE(record.limiters().has(Limiter::kEnvelope));
   }
   EXPECT_GT(ramping, 150);
 }
@@ -167,13 +168,13 @@ TEST(CoupledStiffness, NoCycleOfTheDeviceReturnsEnergy) {
                      0.006 * std::sin(phase))
                         .finished();
         const TickRecord& record = bench.tick();
-        saturated += record.limiters.has(Limiter::kSaturation) ? 1 : 0;
+        saturated += record.limiters().has(Limiter::kSaturation) ? 1 : 0;
         if (i > 0) {
-          const double part = 0.5 * Vector2d(record.tau_a + last).dot(bench.q_a() - from);
+          const double part = 0.5 * Vector2d(record.effort.tau_a + last).dot(bench.q_a() - from);
           net += part;
           moved += std::abs(part);
         }
-        last = record.tau_a;
+        last = record.effort.tau_a;
         from = bench.q_a();
       }
       EXPECT_GT(saturated, kSteps / 10);
@@ -195,18 +196,18 @@ TEST(CoupledStiffness, AWarmWindingTakesTheWholeForceBack) {
   CoupledBench bench(config);
   bench.engage();
   bench.target = (VecQ(3) << 0.004, 0.0, 0.005).finished();
-  const Vector2d cold(bench.tick().tau_a);
-  EXPECT_TRUE(bench.record.limiters.has(Limiter::kSaturation));
+  const Vector2d cold(bench.tick().effort.tau_a);
+  EXPECT_TRUE(bench.record.limiters().has(Limiter::kSaturation));
   for (int i = 0; i < 10'000; ++i) {
     const TickRecord& record = bench.tick();
-    const Vector2d tau(record.tau_a);
+    const Vector2d tau(record.effort.tau_a);
     ASSERT_LT(std::abs(tau[0] * cold[1] - tau[1] * cold[0]), 1e-9) << "it keeps its direction";
   }
-  const Vector2d warm(bench.record.tau_a);
+  const Vector2d warm(bench.record.effort.tau_a);
   EXPECT_LT(warm.norm(), 0.8 * cold.norm());
-  EXPECT_TRUE(bench.record.actuator_limiters[1].has(Limiter::kTemperature));
-  EXPECT_FALSE(bench.record.limiters.has(Limiter::kSaturation)) << "one reason, the right one";
-  EXPECT_FALSE(bench.record.actuator_limiters[0].any());
+  EXPECT_TRUE(bench.record.effort.actuator_limiters[1].has(Limiter::kTemperature));
+  EXPECT_FALSE(bench.record.limiters().has(Limiter::kSaturation)) << "one reason, the right one";
+  EXPECT_FALSE(bench.record.effort.actuator_limiters[0].any());
 }
 
 TEST(CoupledStiffness, ASessionLowersTheDiagonalAndWithItWhatCouples) {
@@ -220,12 +221,12 @@ TEST(CoupledStiffness, ASessionLowersTheDiagonalAndWithItWhatCouples) {
   Z(0, 1) /= 2.0;
   Z(1, 0) /= 2.0;
   bench.target = (VecQ(3) << 0.003, 0.0, 0.001).finished();
-  EXPECT_LT((Vector2d(bench.tick().tau_a) - law(bench.d(), Z)).norm(), 1e-10);
+  EXPECT_LT((Vector2d(bench.tick().effort.tau_a) - law(bench.d(), Z)).norm(), 1e-10);
   bench.input.settings.id = 2;
   bench.input.settings.stiffness = (VecA(2) << 0.0, 600.0).finished();
   const TickRecord& record = bench.tick();
-  EXPECT_EQ(record.tau_a[0], 0.0) << "without stiffness no force, not by coupling either";
-  EXPECT_NEAR(record.tau_a[1], 0.6, 1e-10);
+  EXPECT_EQ(record.effort.tau_a[0], 0.0) << "without stiffness no force, not by coupling either";
+  EXPECT_NEAR(record.effort.tau_a[1], 0.6, 1e-10);
 }
 
 TEST(CoupledStiffness, EngageLooksAtTheForceOfAllDofs) {
@@ -239,7 +240,7 @@ TEST(CoupledStiffness, EngageLooksAtTheForceOfAllDofs) {
       (VecQ(3) << 0.001, 0.0, 0.001).finished();  // (1.4, 1.1) N; 0.9 and 0.6 N uncoupled
   for (int i = 0; i < 250; ++i) other.tick();
   ++other.input.command.engage_id;
-  const EngageAnswer answer = other.tick().engage;
+  const EngageAnswer answer = other.tick().life.engage;
   EXPECT_EQ(answer.verdict, EngageVerdict::kOutsideWindow);
   EXPECT_EQ(answer.index, 0);
   EXPECT_NEAR(answer.value, 1.4, 1e-10);
@@ -253,7 +254,7 @@ TEST(CoupledStiffness, IsForTheSubspaceMethodsOnly) {
     bench.input.settings.renderer = renderer;  // a session's wish
     bench.engage();
     bench.target = (VecQ(3) << 0.001, 0.0, 0.001).finished();
-    EXPECT_LT((Vector2d(bench.tick().tau_a) - law(bench.d())).norm(), 1e-10);
+    EXPECT_LT((Vector2d(bench.tick().effort.tau_a) - law(bench.d())).norm(), 1e-10);
   }
 }
 
@@ -280,21 +281,21 @@ TEST(CoupledStiffness, TheTankPaysTheJumpOrShortensTheSpringAlongItself) {
     rich.engage();
     rich.target = (VecQ(3) << 0.009, 0.0, -0.002).finished();
     const TickRecord& paid = rich.tick();
-    EXPECT_FALSE(paid.passivity.throttled);
-    EXPECT_NEAR(paid.passivity.storage, potential(rich.d()), 1e-12);
-    EXPECT_NEAR(paid.passivity.tank, 0.05 - potential(rich.d()), 1e-12);
+    EXPECT_FALSE(paid.effort.passivity.throttled);
+    EXPECT_NEAR(paid.effort.passivity.storage, potential(rich.d()), 1e-12);
+    EXPECT_NEAR(paid.effort.passivity.tank, 0.05 - potential(rich.d()), 1e-12);
 
     CoupledBench poor(guarded(renderer, 0.004));
     poor.engage();
     poor.target = rich.target;
     const TickRecord& held = poor.tick();
-    EXPECT_TRUE(held.passivity.throttled);
-    EXPECT_TRUE(held.limiters.has(Limiter::kEnergyTank));
-    EXPECT_EQ(held.passivity.tank, 0.0);
-    const Vector2d in_use(held.q_star[0], held.q_star[2]), wanted = poor.d();
+    EXPECT_TRUE(held.effort.passivity.throttled);
+    EXPECT_TRUE(held.limiters().has(Limiter::kEnergyTank));
+    EXPECT_EQ(held.effort.passivity.tank, 0.0);
+    const Vector2d in_use(held.effort.q_star[0], held.effort.q_star[2]), wanted = poor.d();
     EXPECT_NEAR(potential(in_use), 0.004, 1e-12);
     EXPECT_NEAR(in_use[0] * wanted[1] - in_use[1] * wanted[0], 0.0, 1e-15) << "along s d";
-    EXPECT_LT((Vector2d(held.tau_a) - law(in_use)).norm(), 1e-10);
+    EXPECT_LT((Vector2d(held.effort.tau_a) - law(in_use)).norm(), 1e-10);
   }
 }
 
@@ -311,7 +312,7 @@ TEST(CoupledStiffness, BehindTheTankNoMotionAndNoProxyGivesMoreThanItHolds) {
       int saturated = 0;
       VecQ velocity = VecQ::Zero(3), wish = VecQ::Zero(3);
       for (int i = 0; i < 8000; ++i) {
-        const Vector2d before = bench.q_a(), tau(bench.record.tau_a);
+        const Vector2d before = bench.q_a(), tau(bench.record.effort.tau_a);
         if (i % 17 == 0) bench.target = anywhere(random, 0.012);
         if (i % 50 == 0) wish = anywhere(random, 0.008);
         velocity += 0.1 * (20.0 * (wish - bench.q()) - velocity);
@@ -320,9 +321,9 @@ TEST(CoupledStiffness, BehindTheTankNoMotionAndNoProxyGivesMoreThanItHolds) {
         given += tau.dot(dq) - dq.squaredNorm() / T;
         most = std::max(most, given);
         const TickRecord& record = bench.tick();
-        stored = std::max(stored, record.passivity.storage);
-        saturated += record.limiters.has(Limiter::kSaturation) ? 1 : 0;
-        ASSERT_FALSE(record.limiters.has(Limiter::kSlew));
+        stored = std::max(stored, record.effort.passivity.storage);
+        saturated += record.limiters().has(Limiter::kSaturation) ? 1 : 0;
+        ASSERT_FALSE(record.limiters().has(Limiter::kSlew));
       }
       EXPECT_LE(most, kInitial + 1e-9) << name(renderer) << ", seed " << seed;
       EXPECT_GT(stored, 0.2 * kInitial) << "there was a spring";
@@ -344,7 +345,7 @@ TEST(CoupledStiffness, RendersPlanesWithTheDirectionGuard) {
     proxy.planes.offsets = VecA::Constant(1, 0.0);
     bench.q() = (VecQ(3) << -0.001, 0.0, 0.0).finished();
     bench.engage();
-    EXPECT_EQ(bench.record.tau_a.norm(), 0.0) << "no drag where nothing is in the way";
+    EXPECT_EQ(bench.record.effort.tau_a.norm(), 0.0) << "no drag where nothing is in the way";
     const Eigen::MatrixXd to_q = oracle::inverse(map_matrix());
     int felt = 0, withheld = 0;
     std::mt19937_64 random(3);
@@ -356,13 +357,13 @@ TEST(CoupledStiffness, RendersPlanesWithTheDirectionGuard) {
       const VecX dx = (VecX(3) << std::min(0.0, -x_probe[0]), 0.0, 0.0).finished();
       const Eigen::VectorXd dq = to_q * Eigen::VectorXd(dx);
       const Vector2d d(dq[0], dq[2]);
-      if (record.limiters.has(Limiter::kDirectionGuard)) {
+      if (record.limiters().has(Limiter::kDirectionGuard)) {
         ++withheld;
-        ASSERT_EQ(record.tau_a.norm(), 0.0);
+        ASSERT_EQ(record.effort.tau_a.norm(), 0.0);
         continue;
       }
-      ASSERT_LT((Vector2d(record.tau_a) - law(d)).norm(), 1e-9);
-      felt += record.tau_a.norm() > 0.01 ? 1 : 0;
+      ASSERT_LT((Vector2d(record.effort.tau_a) - law(d)).norm(), 1e-9);
+      felt += record.effort.tau_a.norm() > 0.01 ? 1 : 0;
     }
     EXPECT_GT(felt, 100);
     EXPECT_EQ(withheld, 0) << "d^T Z_q d >= 0: on a linear map the guard has nothing against it";

@@ -1,6 +1,6 @@
 #pragma once
-/// A pipeline with the finger exoskeleton, driven in virtual time at 1 kHz: device and client in one
-/// hand. The finger is where put() says, the proxy where `target` says.
+/// A pipeline with the finger exoskeleton, driven in virtual time at 1 kHz: device and client in
+/// one hand. The finger is where put() says, the proxy where `target` says.
 
 #include <gtest/gtest.h>
 
@@ -69,9 +69,9 @@ class Bench {
     for (int i = 0; i < 250; ++i) tick();
     ++input.command.engage_id;
     TickRecord record = tick();
-    EXPECT_EQ(record.engage.verdict, EngageVerdict::kAccepted);
+    EXPECT_EQ(record.life.engage.verdict, EngageVerdict::kAccepted);
     for (int i = 0; i < 205; ++i) record = tick();
-    EXPECT_EQ(record.state, DeviceState::kEngaged);
+    EXPECT_EQ(record.life.state, DeviceState::kEngaged);
     return record;
   }
 

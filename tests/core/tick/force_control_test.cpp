@@ -33,7 +33,7 @@ TEST(ForceControlInTheTick, TheMeasuredForceBecomesTheCommandedOneThroughFrictio
   const auto step = [&] {
     bench.input.device.sample.tau_measured = VecA::Constant(1, drive.measured());
     const TickRecord record = bench.tick();
-    drive.give(record.drive[0]);
+    drive.give(record.effort.drive[0]);
     return record;
   };
   bench.input.device.sample.tau_measured = VecA::Zero(1);
@@ -41,9 +41,9 @@ TEST(ForceControlInTheTick, TheMeasuredForceBecomesTheCommandedOneThroughFrictio
   bench.put(joints(0.65, 0.65));
   TickRecord record;
   for (int i = 0; i < 1500; ++i) record = step();
-  ASSERT_GT(std::abs(record.tau_a[0]), 1.0);
-  EXPECT_NEAR(drive.measured(), record.tau_a[0], 1e-3 * std::abs(record.tau_a[0]));
-  EXPECT_NEAR(std::abs(record.drive[0]), std::abs(record.tau_a[0]) + 3.0, 0.05)
+  ASSERT_GT(std::abs(record.effort.tau_a[0]), 1.0);
+  EXPECT_NEAR(drive.measured(), record.effort.tau_a[0], 1e-3 * std::abs(record.effort.tau_a[0]));
+  EXPECT_NEAR(std::abs(record.effort.drive[0]), std::abs(record.effort.tau_a[0]) + 3.0, 0.05)
       << "the drive gives the friction on top";
 }
 
@@ -54,22 +54,22 @@ TEST(ForceControlInTheTick, WhatIsNotArmedIsNotDriven) {
   bench.input.command.lease_held = false;
   TickRecord record;
   for (int i = 0; i < 200; ++i) record = bench.tick();
-  EXPECT_EQ(record.drive[0], 0.0);
+  EXPECT_EQ(record.effort.drive[0], 0.0);
 }
 
 TEST(ForceControlInTheTick, ALeaseAloneDrivesNothingHoweverTheLoadCellIsOff) {
   Bench bench(with_loop());
   bench.input.device.sample.tau_measured = VecA::Constant(1, 0.5);
   TickRecord record;
-  for (int i = 0; i < 500; ++i) ASSERT_EQ(bench.tick().drive[0], 0.0);
+  for (int i = 0; i < 500; ++i) ASSERT_EQ(bench.tick().effort.drive[0], 0.0);
   bench.engage();
   bench.put(joints(0.65, 0.65));
   for (int i = 0; i < 300; ++i) record = bench.tick();
-  EXPECT_GT(std::abs(record.drive[0]), 0.5);
+  EXPECT_GT(std::abs(record.effort.drive[0]), 0.5);
   ++bench.input.command.release_id;
   for (int i = 0; i < 300; ++i) record = bench.tick();
-  ASSERT_EQ(record.state, DeviceState::kArmed);
-  EXPECT_EQ(record.drive[0], 0.0);
+  ASSERT_EQ(record.life.state, DeviceState::kArmed);
+  EXPECT_EQ(record.effort.drive[0], 0.0);
 }
 
 TEST(ForceControlInTheTick, AFaultTakesTheDrivesForceWithinATick) {
@@ -79,11 +79,11 @@ TEST(ForceControlInTheTick, AFaultTakesTheDrivesForceWithinATick) {
   bench.put(joints(0.65, 0.65));
   TickRecord record;
   for (int i = 0; i < 2000; ++i) record = bench.tick();  // measured stays 0: the integral winds up
-  EXPECT_GT(std::abs(record.drive[0]), 10.0);
-  EXPECT_TRUE(record.limiters.has(Limiter::kDriveLimit));
+  EXPECT_GT(std::abs(record.effort.drive[0]), 10.0);
+  EXPECT_TRUE(record.limiters().has(Limiter::kDriveLimit));
   ++bench.input.command.stop_id;
   record = bench.tick();
-  EXPECT_EQ(record.drive[0], 0.0);
+  EXPECT_EQ(record.effort.drive[0], 0.0);
 }
 
 TEST(ForceControlInTheTick, ASampleWithoutForceIsAFault) {
@@ -91,14 +91,14 @@ TEST(ForceControlInTheTick, ASampleWithoutForceIsAFault) {
   bench.input.device.sample.tau_measured = VecA::Zero(1);
   bench.engage();
   bench.input.device.sample.tau_measured = VecA{};
-  EXPECT_TRUE(bench.tick().faults.has(Fault::kSampleNotFinite));
+  EXPECT_TRUE(bench.tick().faults().has(Fault::kSampleNotFinite));
 }
 
 TEST(ForceControlInTheTick, AForceThatIsNoNumberIsAFaultOfAnyDevice) {
   Bench bench(config_of(RendererKind::kSubspaceExact));
   bench.engage();
   bench.input.device.sample.tau_measured = VecA::Constant(1, std::nan(""));
-  EXPECT_TRUE(bench.tick().faults.has(Fault::kSampleNotFinite));
+  EXPECT_TRUE(bench.tick().faults().has(Fault::kSampleNotFinite));
 }
 
 TEST(ForceControlInTheTick, TheBookTakesWhatWasReallyHeld) {
@@ -116,10 +116,10 @@ TEST(ForceControlInTheTick, TheBookTakesWhatWasReallyHeld) {
     const double force = 0.3 * std::sin(0.1 * i);
     bench.input.device.sample.tau_measured = VecA::Constant(1, force);
     const TickRecord record = bench.tick();
-    const PassivityRecord& book = record.passivity;
+    const PassivityRecord& book = record.effort.passivity;
     // Conservation: of what the measured force took from the user, what the spring did not store.
-    const double stored = (book.storage - book.injected) - before.passivity.storage;
-    const double work = 0.5 * (force + before_force) * (record.q[0] - before.q[0]);
+    const double stored = (book.storage - book.injected) - before.effort.passivity.storage;
+    const double work = 0.5 * (force + before_force) * (record.sensed.q[0] - before.sensed.q[0]);
     EXPECT_NEAR(book.hold.limits + book.hold.rendered - book.hold.leak, -work - stored, 1e-12) << i;
     before = record;
     before_force = force;

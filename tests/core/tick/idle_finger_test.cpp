@@ -1,4 +1,4 @@
-// What an idle finger of a hand is spared, and what it still gets
+// Idle fingers of a hand in which another one presses
 // (core/METHOD.md#model-only-what-a-scene-needs).
 #include <gtest/gtest.h>
 
@@ -7,7 +7,6 @@
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/hand_exoskeleton.hpp"
-#include "haptic/core/tick/probe_completion.hpp"
 #include "tests/core/tick/finger_bench.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/pressing_hand.hpp"
@@ -23,10 +22,7 @@ using namespace test;
 class Hand {
  public:
   Hand(int fingers, RendererKind renderer, ProxyMode mode, bool guard = false)
-      : map_(equal_fingers(fingers)),
-        pipeline(config(map_, renderer, guard)),
-        mode_(mode),
-        completion_(*map_) {
+      : map_(equal_fingers(fingers)), pipeline(config(map_, renderer, guard)), mode_(mode) {
     input.settings = pipeline.config().scene;
     input.device.armed = true;
     input.device.fresh = true;
@@ -48,12 +44,6 @@ class Hand {
     const haptic::test::AllocationGuard guard;
     TickRecord record = pipeline.tick(input);
     EXPECT_EQ(guard.allocations(), 0u);
-    return record;
-  }
-  /// As whoever reads a record outside the loop gets it.
-  TickRecord completed_tick() {
-    TickRecord record = tick();
-    completion_.complete(record);
     return record;
   }
   void engage() {
@@ -106,7 +96,6 @@ class Hand {
   }
 
   ProxyMode mode_;
-  ProbeCompletion completion_;
   int n_{0};
 };
 
@@ -121,12 +110,12 @@ TEST(IdleFinger, TheActiveFingerFeelsToTheBitWhatItFeelsAlone) {
         double most = 0.0;
         for (int i = 0; i < 700; ++i) {
           const TickRecord both = hand.tick(), one = alone.tick();
-          ASSERT_EQ(both.state, DeviceState::kEngaged);
-          ASSERT_EQ(both.tau_a[0], one.tau_a[0]) << i;
-          ASSERT_EQ(both.q_star[0], one.q_star[0]);
-          ASSERT_EQ(VecX(both.x.head(2)), one.x);
-          ASSERT_EQ(both.unprobed, mode == ProxyMode::kPlanes ? 0b110u : 0u);
-          most = std::max(most, std::abs(one.tau_elastic[0]));
+          ASSERT_EQ(both.life.state, DeviceState::kEngaged);
+          ASSERT_EQ(both.effort.tau_a[0], one.effort.tau_a[0]) << i;
+          ASSERT_EQ(both.effort.q_star[0], one.effort.q_star[0]);
+          ASSERT_EQ(VecX(both.anchor.x.head(2)), one.anchor.x);
+          ASSERT_EQ(both.anchor.free, mode == ProxyMode::kPlanes ? 0b110u : 0u);
+          most = std::max(most, std::abs(one.effort.tau_elastic[0]));
         }
         EXPECT_GT(most, 1.0) << "the stops were felt";
       }
@@ -141,11 +130,11 @@ TEST(IdleFinger, ItsStateIsToldInEveryTickAndNothingPullsIt) {
       Hand hand(3, renderer, mode);
       hand.engage();
       for (int i = 0; i < 700; ++i) {
-        const TickRecord record = hand.completed_tick();
-        ASSERT_EQ(record.x_probe, hand.f_of(record.q));
-        for (int k = 2; k < 6; ++k) ASSERT_EQ(record.x[k], record.x_probe[k]);
-        for (const int finger : {1, 2}) ASSERT_NEAR(record.tau_elastic[finger], 0.0, 1e-10);
-        ASSERT_NEAR((record.q_star - record.q).tail(4).norm(), 0.0, 1e-13);
+        const TickRecord record = hand.tick();
+        ASSERT_EQ(record.anchor.x_probe, hand.f_of(record.sensed.q));
+        for (int k = 2; k < 6; ++k) ASSERT_EQ(record.anchor.x[k], record.anchor.x_probe[k]);
+        for (const int finger : {1, 2}) ASSERT_NEAR(record.effort.tau_elastic[finger], 0.0, 1e-10);
+        ASSERT_NEAR((record.effort.q_star - record.sensed.q).tail(4).norm(), 0.0, 1e-13);
       }
     }
   }
@@ -154,10 +143,10 @@ TEST(IdleFinger, ItsStateIsToldInEveryTickAndNothingPullsIt) {
 TEST(IdleFinger, FreeModeTellsTheStateToo) {
   Hand hand(3, RendererKind::kSubspaceLinear, ProxyMode::kFree);
   for (int i = 0; i < 100; ++i) {
-    const TickRecord record = hand.completed_tick();
-    ASSERT_EQ(record.unprobed, 0b111u);
-    ASSERT_EQ(record.x_probe, hand.f_of(record.q));
-    ASSERT_EQ(record.x, record.x_probe);
+    const TickRecord record = hand.tick();
+    ASSERT_EQ(record.anchor.free, 0b111u);
+    ASSERT_EQ(record.anchor.x_probe, hand.f_of(record.sensed.q));
+    ASSERT_EQ(record.anchor.x, record.anchor.x_probe);
   }
 }
 

@@ -89,8 +89,8 @@ class Rig {
     run(250);
     ++input.command.engage_id;
     const TickRecord record = run(250);
-    EXPECT_EQ(record.engage.verdict, EngageVerdict::kAccepted);
-    EXPECT_EQ(record.state, DeviceState::kEngaged);
+    EXPECT_EQ(record.life.engage.verdict, EngageVerdict::kAccepted);
+    EXPECT_EQ(record.life.state, DeviceState::kEngaged);
     return record;
   }
 
@@ -103,22 +103,22 @@ TEST(PalmTracker, ItsPoseTakesThePlaceOfWhatTheDeviceSays) {
   Rig rig;
   const TickRecord record = rig.run(3);
   for (int i = 0; i < 6; ++i) {
-    EXPECT_EQ(record.q[i], rig.input.tracker.pose[static_cast<std::size_t>(i)]) << i;
+    EXPECT_EQ(record.sensed.q[i], rig.input.tracker.pose[static_cast<std::size_t>(i)]) << i;
   }
-  EXPECT_EQ(record.q[6], 0.0);
-  EXPECT_DOUBLE_EQ(record.x_probe[0], kPressed);
-  EXPECT_TRUE(record.tracker.on);
-  EXPECT_EQ(record.tracker.seq, 3u);
-  EXPECT_EQ(record.tracker.level, Staleness::kFresh);
+  EXPECT_EQ(record.sensed.q[6], 0.0);
+  EXPECT_DOUBLE_EQ(record.anchor.x_probe[0], kPressed);
+  EXPECT_TRUE(record.sensed.tracker.on);
+  EXPECT_EQ(record.sensed.tracker.seq, 3u);
+  EXPECT_EQ(record.sensed.tracker.level, Staleness::kFresh);
 }
 
 TEST(PalmTracker, AWallIsFeltWhereItSaysThePalmIs) {
   Rig rig;
-  EXPECT_NEAR(rig.press().tau_a[0], -kPalmStiffness * kPressed, 1e-9);
+  EXPECT_NEAR(rig.press().effort.tau_a[0], -kPalmStiffness * kPressed, 1e-9);
   rig.input.tracker.pose[0] = 0.006;
-  EXPECT_NEAR(rig.tick().tau_a[0], -kPalmStiffness * 0.006, 1e-9);
+  EXPECT_NEAR(rig.tick().effort.tau_a[0], -kPalmStiffness * 0.006, 1e-9);
   rig.input.tracker.pose[0] = -0.001;  // off the wall
-  EXPECT_EQ(rig.tick().tau_elastic[0], 0.0);
+  EXPECT_EQ(rig.tick().effort.tau_elastic[0], 0.0);
 }
 
 TEST(PalmTracker, WithoutNewPosesTheForceIsHeldFadesAndIsGoneWithin200Ms) {
@@ -131,30 +131,30 @@ TEST(PalmTracker, WithoutNewPosesTheForceIsHeldFadesAndIsGoneWithin200Ms) {
     const TickRecord record = rig.tick();
     // proto/README.md#staleness-and-gain, with the defaults: full to 100 ms, linear to 0 at 180 ms.
     const double ladder = age < 100 ? 1.0 : age < 180 ? (180.0 - age) / 80.0 : 0.0;
-    EXPECT_NEAR(record.gain, ladder, 1e-12);
-    EXPECT_NEAR(record.tau_elastic[0], -ladder * kPalmStiffness * kPressed, 1e-9);
-    EXPECT_EQ(record.tracker.age, age * 1ms);
-    EXPECT_EQ(record.staleness, Staleness::kFresh) << "the proxy's";
-    lost = lost || record.lost;
+    EXPECT_NEAR(record.life.gain, ladder, 1e-12);
+    EXPECT_NEAR(record.effort.tau_elastic[0], -ladder * kPalmStiffness * kPressed, 1e-9);
+    EXPECT_EQ(record.sensed.tracker.age, age * 1ms);
+    EXPECT_EQ(record.proxy.level, Staleness::kFresh) << "the proxy's";
+    lost = lost || record.life.lost;
     EXPECT_EQ(lost, age >= 180);
-    EXPECT_EQ(record.state, age < 180 ? DeviceState::kEngaged : DeviceState::kArmed);
+    EXPECT_EQ(record.life.state, age < 180 ? DeviceState::kEngaged : DeviceState::kArmed);
   }
   // Force never comes back by itself, and by a ramp of 200 ms where it is asked for.
   rig.tracking = true;
-  EXPECT_EQ(rig.run(50).tau_elastic[0], 0.0);
+  EXPECT_EQ(rig.run(50).effort.tau_elastic[0], 0.0);
   ++rig.input.command.engage_id;
-  EXPECT_NEAR(rig.tick().gain, 1.0 / 200.0, 1e-12);
+  EXPECT_NEAR(rig.tick().life.gain, 1.0 / 200.0, 1e-12);
 }
 
 TEST(PalmTracker, WhoComesBackInTimeNeverLeftFullForce) {
   Rig rig;
   rig.press();
   rig.tracking = false;
-  EXPECT_EQ(rig.run(99).tracker.level, Staleness::kHold);
+  EXPECT_EQ(rig.run(99).sensed.tracker.level, Staleness::kHold);
   rig.tracking = true;
   const TickRecord record = rig.tick();
-  EXPECT_EQ(record.gain, 1.0);
-  EXPECT_EQ(record.tracker.level, Staleness::kFresh);
+  EXPECT_EQ(record.life.gain, 1.0);
+  EXPECT_EQ(record.sensed.tracker.level, Staleness::kFresh);
 }
 
 TEST(PalmTracker, EngagingNeedsARecentPose) {
@@ -163,27 +163,27 @@ TEST(PalmTracker, EngagingNeedsARecentPose) {
   rig.run(300);
   ++rig.input.command.engage_id;
   TickRecord record = rig.tick();
-  EXPECT_EQ(record.engage.verdict, EngageVerdict::kTrackerStale);
-  EXPECT_TRUE(std::isinf(record.engage.value));
+  EXPECT_EQ(record.life.engage.verdict, EngageVerdict::kTrackerStale);
+  EXPECT_TRUE(std::isinf(record.life.engage.value));
   rig.tracking = true;
   rig.tick();
   rig.tracking = false;
   rig.run(99);
   ++rig.input.command.engage_id;
   record = rig.tick();
-  EXPECT_EQ(record.engage.verdict, EngageVerdict::kTrackerStale);
-  EXPECT_DOUBLE_EQ(record.engage.value, 100.0);
-  EXPECT_DOUBLE_EQ(record.engage.limit, 100.0);
+  EXPECT_EQ(record.life.engage.verdict, EngageVerdict::kTrackerStale);
+  EXPECT_DOUBLE_EQ(record.life.engage.value, 100.0);
+  EXPECT_DOUBLE_EQ(record.life.engage.limit, 100.0);
 }
 
 TEST(PalmTracker, BeforeTheFirstPoseThePalmRestsAtZero) {
   Rig rig;
   rig.tracking = false;
   const TickRecord record = rig.run(3);
-  EXPECT_EQ(record.q.head(6), VecQ::Zero(6));
-  EXPECT_EQ(record.tracker.level, Staleness::kLost);
-  EXPECT_EQ(record.tracker.seq, 0u);
-  EXPECT_EQ(record.state, DeviceState::kArmed) << "the device itself is well";
+  EXPECT_EQ(record.sensed.q.head(6), VecQ::Zero(6));
+  EXPECT_EQ(record.sensed.tracker.level, Staleness::kLost);
+  EXPECT_EQ(record.sensed.tracker.seq, 0u);
+  EXPECT_EQ(record.life.state, DeviceState::kArmed) << "the device itself is well";
 }
 
 TEST(PalmTracker, APoseThatIsNoNumberOrOutOfRangeIsLeftAsideAndTheLastOneAges) {
@@ -194,10 +194,10 @@ TEST(PalmTracker, APoseThatIsNoNumberOrOutOfRangeIsLeftAsideAndTheLastOneAges) {
     const std::uint64_t last = rig.input.tracker.seq;
     rig.input.tracker.pose[4] = bad;
     const TickRecord record = rig.run(30);
-    EXPECT_EQ(record.q[4], 0.2);
-    EXPECT_EQ(record.tracker.seq, last);
-    EXPECT_EQ(record.tracker.age, 30ms);
-    EXPECT_FALSE(record.faults.any());
+    EXPECT_EQ(record.sensed.q[4], 0.2);
+    EXPECT_EQ(record.sensed.tracker.seq, last);
+    EXPECT_EQ(record.sensed.tracker.age, 30ms);
+    EXPECT_FALSE(record.faults().any());
   }
 }
 
@@ -206,13 +206,13 @@ TEST(PalmTracker, ASessionMayTightenTheScenesLimitsAndNotWidenThem) {
   rig.input.tracker.staleness = {10ms, 40ms, 90ms};
   rig.press();
   rig.tracking = false;
-  EXPECT_EQ(rig.run(39).gain, 1.0);
-  EXPECT_NEAR(rig.run(26).gain, 0.5, 1e-12);  // 65 ms: half-way from 40 to 90
+  EXPECT_EQ(rig.run(39).life.gain, 1.0);
+  EXPECT_NEAR(rig.run(26).life.gain, 0.5, 1e-12);  // 65 ms: half-way from 40 to 90
   Rig wide;
   wide.input.tracker.staleness = {80ms, 400ms, 900ms};
   wide.press();
   wide.tracking = false;
-  EXPECT_NEAR(wide.run(140).gain, 0.5, 1e-12);  // 140 ms: half-way from 100 to 180
+  EXPECT_NEAR(wide.run(140).life.gain, 0.5, 1e-12);  // 140 ms: half-way from 100 to 180
 }
 
 TEST(PalmTracker, AllocatesNothingAndReplaysToTheBit) {
@@ -233,7 +233,7 @@ TEST(PalmTracker, AllocatesNothingAndReplaysToTheBit) {
   b.input.tracker.pose[5] = 0.31;
   EXPECT_FALSE(identical(a, b));
   b = a;
-  b.tracker.age += 1ns;
+  b.sensed.tracker.age += 1ns;
   EXPECT_FALSE(identical(a, b));
 }
 

@@ -28,13 +28,13 @@ TEST(TankInTheTick, AProxyStepOfOneRadianIsBookedExactly) {
   bench.engage();
   bench.target = joints(1.1, 1.3);  // from (0.5, 0.5)
   const TickRecord record = bench.tick();
-  VecQ q_star = record.q;
+  VecQ q_star = record.sensed.q;
   ASSERT_EQ(config.kinematics->inverse(bench.target, q_star), InverseStatus::kExact);
-  const double d = q_star[0] - record.q[0];
-  EXPECT_NEAR(record.passivity.injected, saturated_potential(d), 1e-12);
-  EXPECT_NEAR(record.passivity.storage, saturated_potential(d), 1e-12);
-  EXPECT_LE(std::abs(record.tau_a[0]), kForceLimit);
-  EXPECT_FALSE(record.passivity.throttled);
+  const double d = q_star[0] - record.sensed.q[0];
+  EXPECT_NEAR(record.effort.passivity.injected, saturated_potential(d), 1e-12);
+  EXPECT_NEAR(record.effort.passivity.storage, saturated_potential(d), 1e-12);
+  EXPECT_LE(std::abs(record.effort.tau_a[0]), kForceLimit);
+  EXPECT_FALSE(record.effort.passivity.throttled);
 }
 
 TEST(TankInTheTick, AProxyStepOfOneRadianIsCappedByTheTankForEveryRenderer) {
@@ -45,11 +45,12 @@ TEST(TankInTheTick, AProxyStepOfOneRadianIsCappedByTheTankForEveryRenderer) {
     bench.engage();
     bench.target = joints(1.1, 1.3);  // from (0.5, 0.5)
     const TickRecord record = bench.tick();
-    EXPECT_TRUE(record.passivity.throttled);
-    EXPECT_NEAR(record.passivity.storage, kInitial, 1e-12);
-    EXPECT_EQ(record.passivity.tank, 0.0);
-    EXPECT_NEAR(std::abs(record.tau_a[0]), std::sqrt(2.0 * kStiffness * kInitial), 1e-9);
-    EXPECT_NEAR(record.q_star[0] - record.q[0], record.tau_a[0] / kStiffness, 1e-12);
+    EXPECT_TRUE(record.effort.passivity.throttled);
+    EXPECT_NEAR(record.effort.passivity.storage, kInitial, 1e-12);
+    EXPECT_EQ(record.effort.passivity.tank, 0.0);
+    EXPECT_NEAR(std::abs(record.effort.tau_a[0]), std::sqrt(2.0 * kStiffness * kInitial), 1e-9);
+    EXPECT_NEAR(record.effort.q_star[0] - record.sensed.q[0], record.effort.tau_a[0] / kStiffness,
+                1e-12);
   }
 }
 
@@ -59,30 +60,30 @@ TEST(TankInTheTick, TheTargetIsKeptAndTakenWhenThePotentialAllows) {
   Bench bench(config);
   bench.engage();
   bench.target = joints(0.9, 0.6);
-  EXPECT_TRUE(bench.tick().passivity.throttled);
+  EXPECT_TRUE(bench.tick().effort.passivity.throttled);
   // The user goes to the proxy: the wanted anchor then costs nothing, and is in use again.
   bench.put(bench.target);
-  EXPECT_FALSE(bench.tick().passivity.throttled);
+  EXPECT_FALSE(bench.tick().effort.passivity.throttled);
   bench.put(joints(0.88, 0.6));
   TickRecord record;
   for (int i = 0; i < 3; ++i) record = bench.tick();
-  VecQ q_star = record.q;
+  VecQ q_star = record.sensed.q;
   ASSERT_EQ(bench.pipeline.config().kinematics->inverse(bench.target, q_star),
             InverseStatus::kExact);
-  EXPECT_NEAR(record.q_star[0], q_star[0], 1e-12);
+  EXPECT_NEAR(record.effort.q_star[0], q_star[0], 1e-12);
 }
 
 TEST(TankInTheTick, TheRampOfTheGainIsDebited) {
   Bench bench(with_tank(RendererKind::kSubspaceExact, 0.02));
   bench.target = joints(0.45, 0.45);
   const TickRecord record = bench.engage();
-  const double d = record.q_star[0] - record.q[0];
-  EXPECT_FALSE(record.passivity.throttled);
-  EXPECT_NEAR(record.passivity.tank, 0.02 - saturated_potential(d), 1e-12);
+  const double d = record.effort.q_star[0] - record.sensed.q[0];
+  EXPECT_FALSE(record.effort.passivity.throttled);
+  EXPECT_NEAR(record.effort.passivity.tank, 0.02 - saturated_potential(d), 1e-12);
 
   Bench strict(with_tank(RendererKind::kSubspaceExact, 0.0));
   strict.target = joints(0.45, 0.45);
-  EXPECT_EQ(strict.engage().tau_a[0], 0.0) << "nothing to pay the ramp with: no force";
+  EXPECT_EQ(strict.engage().effort.tau_a[0], 0.0) << "nothing to pay the ramp with: no force";
 }
 
 TEST(TankInTheTick, ARiseOfTheStiffnessIsDebited) {
@@ -94,8 +95,9 @@ TEST(TankInTheTick, ARiseOfTheStiffnessIsDebited) {
   bench.input.settings.id = 2;
   bench.input.settings.stiffness = VecA::Constant(1, 1500.0);
   const TickRecord after = bench.tick();
-  EXPECT_GT(after.passivity.storage, 2.9 * before.passivity.storage);
-  EXPECT_NEAR(after.passivity.tank, before.passivity.tank - 2.0 * before.passivity.storage, 1e-12);
+  EXPECT_GT(after.effort.passivity.storage, 2.9 * before.effort.passivity.storage);
+  EXPECT_NEAR(after.effort.passivity.tank,
+              before.effort.passivity.tank - 2.0 * before.effort.passivity.storage, 1e-12);
 }
 
 TEST(TankInTheTick, OffItChangesNotABitAndReportsZeros) {
@@ -112,9 +114,10 @@ TEST(TankInTheTick, OffItChangesNotABitAndReportsZeros) {
       plain.put(x);
       full.put(x);
       const TickRecord a = plain.tick(), b = full.tick();
-      ASSERT_EQ(a.tau_a[0], b.tau_a[0]) << "a tank that can pay everything changes nothing";
-      ASSERT_EQ(a.passivity.storage, 0.0);
-      ASSERT_GT(b.passivity.storage, 0.0);
+      ASSERT_EQ(a.effort.tau_a[0], b.effort.tau_a[0])
+          << "a tank that can pay everything changes nothing";
+      ASSERT_EQ(a.effort.passivity.storage, 0.0);
+      ASSERT_GT(b.effort.passivity.storage, 0.0);
     }
   }
 }
@@ -144,10 +147,10 @@ TEST(TankInTheTick, AllocatesNothingAndIsReplayedToTheBit) {
     const TickRecord a = again.tick();
     TickRecord b = third.tick();
     ASSERT_TRUE(identical(a, b));
-    b.passivity.tank += 1e-18;
-    ASSERT_EQ(identical(a, b), a.passivity.tank == b.passivity.tank);
+    b.effort.passivity.tank += 1e-18;
+    ASSERT_EQ(identical(a, b), a.effort.passivity.tank == b.effort.passivity.tank);
     b = a;
-    b.passivity.throttled = !a.passivity.throttled;
+    b.effort.passivity.throttled = !a.effort.passivity.throttled;
     ASSERT_FALSE(identical(a, b));
   }
 }

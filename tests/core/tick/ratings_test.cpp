@@ -36,16 +36,17 @@ std::vector<TickRecord> press(Bench& bench) {
 
 double largest_power_out(const std::vector<TickRecord>& records) {
   double largest = 0.0;
-  for (const TickRecord& r : records) largest = std::max(largest, r.tau_a[0] * r.q_a_dot[0]);
+  for (const TickRecord& r : records)
+    largest = std::max(largest, r.effort.tau_a[0] * r.sensed.q_a_dot[0]);
   return largest;
 }
 
 TEST(Ratings, WithoutAnyTheTickIsAsEver) {
   Bench bench(plain());
   for (const TickRecord& record : press(bench)) {
-    EXPECT_EQ(record.temperature_c.size(), 0);
-    EXPECT_EQ(record.drive.size(), 0);
-    EXPECT_EQ(record.position.size(), 0);
+    EXPECT_EQ(record.effort.temperature_c.size(), 0);
+    EXPECT_EQ(record.effort.drive.size(), 0);
+    EXPECT_EQ(record.effort.position.size(), 0);
   }
 }
 
@@ -58,9 +59,9 @@ TEST(Ratings, PowerGivenOutStaysWithinTheRating) {
   int held = 0;
   const auto records = press(bench);
   for (const TickRecord& record : records) {
-    EXPECT_LE(record.tau_a[0] * record.q_a_dot[0], ratings.power * (1.0 + 1e-12));
-    const bool told = record.limiters.has(Limiter::kPower);
-    EXPECT_EQ(told, record.actuator_limiters[0].has(Limiter::kPower));
+    EXPECT_LE(record.effort.tau_a[0] * record.sensed.q_a_dot[0], ratings.power * (1.0 + 1e-12));
+    const bool told = record.limiters().has(Limiter::kPower);
+    EXPECT_EQ(told, record.effort.actuator_limiters[0].has(Limiter::kPower));
     held += told ? 1 : 0;
   }
   EXPECT_GT(held, 20);
@@ -70,16 +71,17 @@ TEST(Ratings, PowerGivenOutStaysWithinTheRating) {
 TEST(Ratings, NothingPushesBeyondTheRatedRate) {
   Bench free(plain());
   double fastest = 0.0;
-  for (const TickRecord& r : press(free)) fastest = std::max(fastest, std::abs(r.q_a_dot[0]));
+  for (const TickRecord& r : press(free))
+    fastest = std::max(fastest, std::abs(r.sensed.q_a_dot[0]));
   ActuatorRatings ratings;
   ratings.rate = fastest / 2.0;
   Bench bench(rated(ratings));
   int held = 0;
   for (const TickRecord& record : press(bench)) {
-    if (std::abs(record.q_a_dot[0]) >= ratings.rate) {
-      EXPECT_LE(record.tau_a[0] * record.q_a_dot[0], 0.0);
+    if (std::abs(record.sensed.q_a_dot[0]) >= ratings.rate) {
+      EXPECT_LE(record.effort.tau_a[0] * record.sensed.q_a_dot[0], 0.0);
     }
-    held += record.limiters.has(Limiter::kRate) ? 1 : 0;
+    held += record.limiters().has(Limiter::kRate) ? 1 : 0;
   }
   EXPECT_GT(held, 20);
 }
@@ -94,17 +96,17 @@ TEST(Ratings, AWarmWindingTakesForceAndSaysSo) {
   config.ratings = {ratings};
   Bench bench(config);
   TickRecord record = bench.engage();
-  ASSERT_EQ(record.temperature_c.size(), 1);
-  EXPECT_LE(record.temperature_c[0], ratings.thermal->derate_from_c);
+  ASSERT_EQ(record.effort.temperature_c.size(), 1);
+  EXPECT_LE(record.effort.temperature_c[0], ratings.thermal->derate_from_c);
   bench.put(joints(0.8, 0.8));  // and stay: some 9 N, against a continuous force of 3.9 N
   for (int i = 0; i < 50; ++i) record = bench.tick();
-  const double cold = std::abs(record.tau_a[0]);
+  const double cold = std::abs(record.effort.tau_a[0]);
   for (int i = 0; i < 10'000; ++i) record = bench.tick();
   EXPECT_GT(cold, 2.0 * continuous_force(*ratings.thermal));
-  EXPECT_NEAR(std::abs(record.tau_a[0]), continuous_force(*ratings.thermal), 0.02 * cold);
-  EXPECT_TRUE(record.limiters.has(Limiter::kTemperature));
-  EXPECT_FALSE(record.limiters.has(Limiter::kSaturation)) << "one reason, the right one";
-  EXPECT_LE(record.temperature_c[0], ratings.thermal->limit_c);
+  EXPECT_NEAR(std::abs(record.effort.tau_a[0]), continuous_force(*ratings.thermal), 0.02 * cold);
+  EXPECT_TRUE(record.limiters().has(Limiter::kTemperature));
+  EXPECT_FALSE(record.limiters().has(Limiter::kSaturation)) << "one reason, the right one";
+  EXPECT_LE(record.effort.temperature_c[0], ratings.thermal->limit_c);
 }
 
 TEST(Ratings, ATickWithEverythingAllocatesNothing) {

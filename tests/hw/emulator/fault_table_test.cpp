@@ -40,9 +40,9 @@ class PressedBoard {
       x[0] = std::min(x[0], kWall);
       publish(x);
     }
-    if (last_.state == DeviceState::kArmed && engages) ++input_.command.engage_id;
+    if (last_.life.state == DeviceState::kArmed && engages) ++input_.command.engage_id;
     last_ = pipeline_.tick(input_);
-    device_.write(input_.now, {last_.arm, last_.tau_a, last_.position});
+    device_.write(input_.now, {last_.life.arm, last_.effort.tau_a, last_.effort.position});
     return last_;
   }
   core::TickRecord run_ms(int ms) {
@@ -51,7 +51,7 @@ class PressedBoard {
   }
   void clear() {
     ++input_.command.clear_id;
-    input_.command.clear = last_.faults;
+    input_.command.clear = last_.faults();
   }
   [[nodiscard]] VirtualBoard& device() { return device_; }
   [[nodiscard]] EmulatedBoard& board() { return device_.board(); }
@@ -116,17 +116,17 @@ struct PressedCase : ::testing::TestWithParam<std::uint64_t> {
   /// Engaged, with force, at the moment of this seed.
   static void press(PressedBoard& finger) {
     finger.run_ms(900 + moment(GetParam()));
-    ASSERT_EQ(finger.last().state, DeviceState::kEngaged);
-    ASSERT_GT(std::abs(finger.last().tau_a[0]), 0.5);
+    ASSERT_EQ(finger.last().life.state, DeviceState::kEngaged);
+    ASSERT_GT(std::abs(finger.last().effort.tau_a[0]), 0.5);
     ASSERT_TRUE(finger.board().drives());
   }
   /// Ticks until FAULT; the command is zero from the very tick on, and stays.
   static int until_fault(PressedBoard& finger, int at_most_ms) {
     for (int ms = 1; ms <= at_most_ms; ++ms) {
       const core::TickRecord record = finger.tick();
-      EXPECT_LE(std::abs(record.tau_a[0]), kForceLimit + 1e-9);
-      if (record.state != DeviceState::kFault) continue;
-      EXPECT_EQ(record.tau_a[0], 0.0);
+      EXPECT_LE(std::abs(record.effort.tau_a[0]), kForceLimit + 1e-9);
+      if (record.life.state != DeviceState::kFault) continue;
+      EXPECT_EQ(record.effort.tau_a[0], 0.0);
       return ms;
     }
     ADD_FAILURE() << "no fault within " << at_most_ms << " ms";
@@ -140,22 +140,22 @@ struct PressedCase : ::testing::TestWithParam<std::uint64_t> {
   /// The cause is gone: cleared, the device comes back to force by way of IDLE.
   static void expect_return(PressedBoard& finger) {
     finger.run_ms(600);
-    EXPECT_EQ(finger.last().state, DeviceState::kFault) << "latched until it is cleared";
+    EXPECT_EQ(finger.last().life.state, DeviceState::kFault) << "latched until it is cleared";
     finger.clear();
     bool idle = false;
-    for (int i = 0; i < 1000 && finger.last().state != DeviceState::kEngaged; ++i) {
+    for (int i = 0; i < 1000 && finger.last().life.state != DeviceState::kEngaged; ++i) {
       finger.tick();
-      idle = idle || finger.last().state == DeviceState::kIdle;
+      idle = idle || finger.last().life.state == DeviceState::kIdle;
     }
     EXPECT_TRUE(idle);
-    EXPECT_EQ(finger.last().state, DeviceState::kEngaged);
+    EXPECT_EQ(finger.last().life.state, DeviceState::kEngaged);
   }
 };
 
 TEST_P(PressedCase, WithoutAFaultItStaysEngaged) {
   finger.run_ms(2000);
-  EXPECT_EQ(finger.last().state, DeviceState::kEngaged);
-  EXPECT_FALSE(finger.last().faults.any());
+  EXPECT_EQ(finger.last().life.state, DeviceState::kEngaged);
+  EXPECT_FALSE(finger.last().faults().any());
 }
 
 TEST_P(PressedCase, FewDamagedBytesAreOnlyCounted) {
@@ -164,7 +164,7 @@ TEST_P(PressedCase, FewDamagedBytesAreOnlyCounted) {
   PressedBoard damaged(c);
   press(damaged);
   damaged.run_ms(4000);
-  EXPECT_EQ(damaged.last().state, DeviceState::kEngaged);
+  EXPECT_EQ(damaged.last().life.state, DeviceState::kEngaged);
   const board::HostCounters& n = damaged.device().counters();
   const auto here = n.bad_crc + n.malformed + n.lost;
   const auto& there = damaged.board().firmware().counters;
@@ -176,8 +176,8 @@ TEST_P(PressedCase, ALossyLinkIsASilentDevice) {
   finger.board().set_noise(0.2, 0.2);
   // 10 ms of silence and the tick that sees it, after the last frame that came through by luck.
   until_fault(finger, 400);
-  EXPECT_TRUE(finger.last().faults.has(Fault::kDeviceSilent) ||
-              finger.last().faults.has(Fault::kDeviceLost));
+  EXPECT_TRUE(finger.last().faults().has(Fault::kDeviceSilent) ||
+              finger.last().faults().has(Fault::kDeviceLost));
   expect_drive_off(finger, 400);
 }
 
@@ -187,7 +187,7 @@ TEST_P(PressedCase, BrownOutAndHangStopTheMotor) {
     finger.tick();
     EXPECT_FALSE(finger.board().drives());
     EXPECT_LE(until_fault(finger, 100), 12);
-    EXPECT_TRUE(finger.last().faults.has(Fault::kDeviceSilent));
+    EXPECT_TRUE(finger.last().faults().has(Fault::kDeviceSilent));
     expect_return(finger);
   }
 }
@@ -195,7 +195,7 @@ TEST_P(PressedCase, BrownOutAndHangStopTheMotor) {
 TEST_P(PressedCase, AnUnpluggedBoardStopsItself) {
   finger.fault(FaultKind::kUnplug, 0.3);
   EXPECT_LE(until_fault(finger, 100), 12);
-  EXPECT_TRUE(finger.last().faults.has(Fault::kDeviceLost));
+  EXPECT_TRUE(finger.last().faults().has(Fault::kDeviceLost));
   expect_drive_off(finger, 26);  // the board's watchdog, 25 ms
   EXPECT_EQ(finger.board().firmware().state, HB_STOPPED);
   expect_return(finger);
@@ -204,7 +204,7 @@ TEST_P(PressedCase, AnUnpluggedBoardStopsItself) {
 TEST_P(PressedCase, TheBoardFindsAStuckSensor) {
   finger.fault(FaultKind::kStuck, 0.4);
   EXPECT_LE(until_fault(finger, 300), 103);
-  EXPECT_TRUE(finger.last().faults.has(Fault::kDeviceLost));
+  EXPECT_TRUE(finger.last().faults().has(Fault::kDeviceLost));
   EXPECT_FALSE(finger.board().drives());
   EXPECT_EQ(finger.board().firmware().state, HB_FAULT);
   expect_return(finger);
@@ -215,17 +215,17 @@ TEST_P(PressedCase, TheBoardFindsADeadMotor) {
   // As long as friction holds what is asked for there is nothing to find; then some seconds of the
   // integral, and 200 ms at its limit.
   until_fault(finger, 30'000);
-  EXPECT_TRUE(finger.last().faults.has(Fault::kDeviceLost));
+  EXPECT_TRUE(finger.last().faults().has(Fault::kDeviceLost));
   EXPECT_FALSE(finger.board().drives());
 }
 
 TEST_P(PressedCase, DriftEndsOutOfRange) {
-  const double l_x = finger.last().q[0];
+  const double l_x = finger.last().sensed.q[0];
   finger.fault(FaultKind::kDrift, 60.0, 0.01);
   // 10 mm/s from where it is to the end of the range and its margin, 52.5 mm; the rod may follow.
   const int latest = static_cast<int>((0.0525 - l_x) / 0.01 * 1e3) + 5000;
   until_fault(finger, latest);
-  EXPECT_TRUE(finger.last().faults.has(Fault::kSampleOutOfRange));
+  EXPECT_TRUE(finger.last().faults().has(Fault::kSampleOutOfRange));
   expect_drive_off(finger, 3);
 }
 

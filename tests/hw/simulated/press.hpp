@@ -79,10 +79,11 @@ inline core::PassivitySettings tank_of(double initial) {
 inline double power_towards(const core::Kinematics& kinematics, const core::TickRecord& r) {
   core::VecX x_probe(2);
   core::MatXQ J(2, 2);
-  if (kinematics.evaluate(r.q, x_probe, J) != core::MapStatus::kOk) return 0.0;
+  if (kinematics.evaluate(r.sensed.q, x_probe, J) != core::MapStatus::kOk) return 0.0;
   const double det = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
   const Eigen::Vector2d w(J(1, 1) / det, -J(0, 1) / det);
-  return r.tau_elastic[0] * (w[0] * (r.x[0] - x_probe[0]) + w[1] * (r.x[1] - x_probe[1]));
+  return r.effort.tau_elastic[0] *
+         (w[0] * (r.anchor.x[0] - x_probe[0]) + w[1] * (r.anchor.x[1] - x_probe[1]));
 }
 
 inline Pressed run(const Press& press) {
@@ -122,7 +123,7 @@ inline Pressed run(const Press& press) {
     }
     if (k == kSettle / 2 && press.force) ++in.command.engage_id;
     const core::TickRecord record = pipeline.tick(in);
-    tau = press.force ? record.tau_a[0] : 0.0;
+    tau = press.force ? record.effort.tau_a[0] : 0.0;
 
     const double t = (k - kSettle) * kTick;
     const auto aim = [&press](double at) -> Eigen::Vector2d {
@@ -142,8 +143,8 @@ inline Pressed run(const Press& press) {
     out.most_net = std::max(out.most_net, net);
     out.mean_force += std::abs(tau);
     out.peak_force = std::max(out.peak_force, std::abs(tau));
-    out.debt = std::max(out.debt, -record.passivity.tank);
-    out.throttled += record.passivity.throttled ? 1 : 0;
+    out.debt = std::max(out.debt, -record.effort.passivity.tank);
+    out.throttled += record.effort.passivity.throttled ? 1 : 0;
     out.least_power =
         std::min(out.least_power, power_towards(*pipeline.config().kinematics, record));
     if (k > total - static_cast<int>(press.seconds * 500.0)) {

@@ -125,13 +125,14 @@ void nearly_singular(Outcomes& out) {
       const core::TickRecord record = bench.tick(q, target);
       const Law law(target[0] - q[0], target[2] - q[2]);
       for (int k = 0; k < 2; ++k) {
-        const auto off = static_cast<double>(std::abs(record.tau_a[k] - law.tau[k]));
+        const auto off = static_cast<double>(std::abs(record.effort.tau_a[k] - law.tau[k]));
         error = std::max(error, off);  // a NaN is within no limit
-        within = within && std::abs(record.tau_a[k]) <= kLimit[k];
+        within = within && std::abs(record.effort.tau_a[k]) <= kLimit[k];
       }
-      sphere = std::max(sphere, static_cast<double>(Law::length_of(record.tau_a) / Law::radius()));
+      sphere = std::max(sphere,
+                        static_cast<double>(Law::length_of(record.effort.tau_a) / Law::radius()));
       saturated += law.length > Law::radius() ? 1 : 0;
-      engaged = engaged && record.state == core::DeviceState::kEngaged;
+      engaged = engaged && record.life.state == core::DeviceState::kEngaged;
       ++ticks;
     }
   }

@@ -55,10 +55,11 @@ Step step_with(double tank_initial) {
 
 void proxy_step(Outcomes& out) {
   const Step rich = step_with(5.0), poor = step_with(0.0);
-  const double error = std::abs(rich.after.passivity.injected - rich.wanted) / rich.wanted;
-  const double budget = std::max(poor.before.passivity.tank, 0.0);
-  const double over = poor.after.passivity.injected - budget;
-  const double force = std::max(std::abs(rich.after.tau_a[0]), std::abs(poor.after.tau_a[0]));
+  const double error = std::abs(rich.after.effort.passivity.injected - rich.wanted) / rich.wanted;
+  const double budget = std::max(poor.before.effort.passivity.tank, 0.0);
+  const double over = poor.after.effort.passivity.injected - budget;
+  const double force =
+      std::max(std::abs(rich.after.effort.tau_a[0]), std::abs(poor.after.effort.tau_a[0]));
   out.push_back(
       {"18",
        "proxy step of 1 rad in one frame: V jumps by dV_j to 1e-12; the tank caps it; "
@@ -66,9 +67,9 @@ void proxy_step(Outcomes& out) {
        said("%.1f mJ, off by %.1e of it; with an empty tank %.1e mJ more than it held, %s; "
             "%.1f of %.0f N",
             1e3 * rich.wanted, error, 1e3 * over,
-            poor.after.passivity.throttled ? "throttled" : "not throttled", force, kLimit),
-       rich.wanted > 0.0 && error < 1e-12 && over <= 1e-12 && poor.after.passivity.throttled &&
-           force <= kLimit});
+            poor.after.effort.passivity.throttled ? "throttled" : "not throttled", force, kLimit),
+       rich.wanted > 0.0 && error < 1e-12 && over <= 1e-12 &&
+           poor.after.effort.passivity.throttled && force <= kLimit});
 }
 
 WallRun in_and_out(core::ProxyMode mode, double initial) {

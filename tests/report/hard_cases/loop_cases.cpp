@@ -27,14 +27,14 @@ void map_fails(Outcomes& out) {
   const core::TickRecord before = loop.engage(q, x);
   const VecQ beyond = (VecQ(2) << 0.02, -101 * kDegree).finished();
   const core::TickRecord record = loop.tick(beyond, x);
-  const double expected = kZ * (before.q_star[0] - beyond[0]);
-  const bool told = record.projection == core::ProjectionStatus::kMapFailed;
-  const bool kept = record.q_star == before.q_star;
-  out.push_back(
-      {"17", "the map has no value at q: q* kept, tau = Z_q (q*_a - q_a) live, reported",
-       said("q* %s, tau %.4f of %.4f N, status %s", kept ? "kept" : "lost", record.tau_elastic[0],
-            expected, std::string(core::name(record.projection)).c_str()),
-       told && kept && std::abs(record.tau_elastic[0] - expected) < 1e-9});
+  const double expected = kZ * (before.effort.q_star[0] - beyond[0]);
+  const bool told = record.anchor.projection == core::ProjectionStatus::kMapFailed;
+  const bool kept = record.effort.q_star == before.effort.q_star;
+  out.push_back({"17", "the map has no value at q: q* kept, tau = Z_q (q*_a - q_a) live, reported",
+                 said("q* %s, tau %.4f of %.4f N, status %s", kept ? "kept" : "lost",
+                      record.effort.tau_elastic[0], expected,
+                      std::string(core::name(record.anchor.projection)).c_str()),
+                 told && kept && std::abs(record.effort.tau_elastic[0] - expected) < 1e-9});
 }
 
 void an_hour(Outcomes& out) {
@@ -58,8 +58,8 @@ void an_hour(Outcomes& out) {
   const test::AllocationGuard guard;
   for (int i = 0; i < kTicks; ++i) {
     const core::TickRecord record = loop.tick(poses[static_cast<std::size_t>(i % 1000)], stop);
-    finite = finite && std::isfinite(record.tau_a[0]);
-    engaged = engaged && record.state == core::DeviceState::kEngaged;
+    finite = finite && std::isfinite(record.effort.tau_a[0]);
+    engaged = engaged && record.life.state == core::DeviceState::kEngaged;
   }
   allocations = guard.allocations();
   out.push_back(

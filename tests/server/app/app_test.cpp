@@ -50,7 +50,7 @@ TEST(App, StartsTicksAndStopsWithinFiveSeconds) {
   EXPECT_THAT(app.addresses().front(), testing::Not(testing::EndsWith(":0")));
   EXPECT_TRUE(eventually([&] { return app.loop_facts().ticks > 100; }));
   EXPECT_TRUE(eventually(
-      [&] { return app.sessions(0).newest().state == haptic::core::DeviceState::kIdle; }));
+      [&] { return app.sessions(0).newest().life.state == haptic::core::DeviceState::kIdle; }));
 
   const auto begin = std::chrono::steady_clock::now();
   app.stop();

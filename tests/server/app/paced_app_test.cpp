@@ -110,7 +110,8 @@ TEST(PacedApp, TheBoardsSamplesBeginTheTicksAndTheTimerWhereItIsSilent) {
 
   // Gone: whatever a busy machine does, no sample can begin a tick now, and ticks go on.
   board.unplug(1.0);
-  ASSERT_TRUE(eventually([&] { return app.sessions(0).newest().faults.has(Fault::kDeviceLost); }));
+  ASSERT_TRUE(
+      eventually([&] { return app.sessions(0).newest().faults().has(Fault::kDeviceLost); }));
   const LoopFacts lost = facts();
   ASSERT_TRUE(eventually([&] { return facts().ticks > lost.ticks + 200; }));
   EXPECT_LE(facts().paced_by_sample, lost.paced_by_sample + 1) << "one that was on its way";

@@ -75,11 +75,11 @@ TEST(TickMetrics, AFaultCountsWhenItLatchesNotForAsLongAsItLasts) {
   MeteredRig rig;
   rig.tick(5);
   core::TickRecord record = rig.newest();
-  record.faults.set(core::Fault::kEmergencyStop);
+  record.life.faults.set(core::Fault::kEmergencyStop);
   for (int i = 0; i < 10; ++i) rig.metrics.on_record(record);
-  record.faults = {};
+  record.life.faults = {};
   rig.metrics.on_record(record);
-  record.faults.set(core::Fault::kEmergencyStop);
+  record.life.faults.set(core::Fault::kEmergencyStop);
   rig.metrics.on_record(record);
   EXPECT_EQ(rig.metrics.totals().faults[static_cast<std::size_t>(core::Fault::kEmergencyStop)], 2u);
   EXPECT_EQ(rig.metrics.totals().faults[static_cast<std::size_t>(core::Fault::kLoopLate)], 0u);
@@ -88,7 +88,7 @@ TEST(TickMetrics, AFaultCountsWhenItLatchesNotForAsLongAsItLasts) {
 TEST(TickMetrics, ALimiterCountsEveryTickItActsIn) {
   MeteredRig rig;
   core::TickRecord record;
-  record.limiters.set(core::Limiter::kSlew);
+  record.effort.limiters.set(core::Limiter::kSlew);
   for (int i = 0; i < 10; ++i) rig.metrics.on_record(record);
   EXPECT_EQ(rig.metrics.totals().limited[static_cast<std::size_t>(core::Limiter::kSlew)], 10u);
   EXPECT_EQ(rig.metrics.totals().limited[static_cast<std::size_t>(core::Limiter::kSaturation)], 0u);
@@ -98,7 +98,7 @@ TEST(TickMetrics, AChangeOfCarrierCountsUnderOneLeaseOnly) {
   Carrier carrier = Carrier::kGrpc;
   TickMetrics metrics([&] { return carrier; });
   core::TickRecord record;
-  record.dt = std::chrono::milliseconds(1);
+  record.beat.dt = std::chrono::milliseconds(1);
   record.input.command.lease_held = true;
   record.input.command.lease_epoch = 1;
   for (int i = 0; i < 3; ++i) metrics.on_record(record);

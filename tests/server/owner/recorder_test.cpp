@@ -126,10 +126,10 @@ TEST(Recorder, TrackersPoseInUseIsRecorded) {
     Recorder recorder(file.path(), rig_config().kinematics);
     TickRecord record;
     recorder.on_record(record);
-    record.tracker.on = true;
-    record.tracker.seq = 7;
-    record.tracker.age = 3500us;
-    record.tracker.level = haptic::core::Staleness::kHold;
+    record.sensed.tracker.on = true;
+    record.sensed.tracker.seq = 7;
+    record.sensed.tracker.age = 3500us;
+    record.sensed.tracker.level = haptic::core::Staleness::kHold;
     recorder.on_record(record);
   }
   auto rows = read_csv(file.path());
@@ -160,7 +160,7 @@ TEST(Recorder, CouplingMetricIsOneCell) {
     Recorder recorder(file.path(), config.kinematics, nullptr,
                       haptic::server::StateMessage(config, 0.1));
     TickRecord record;
-    record.q = haptic::core::VecQ::Zero(2);
+    record.sensed.q = haptic::core::VecQ::Zero(2);
     record.input.settings.stiffness = haptic::core::VecA::Constant(1, 100.0);
     recorder.on_record(record);
   }
@@ -192,27 +192,27 @@ TEST(Recorder, EveryNumberReadsBackToTheRecordsBits) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     auto row = rows[i];
     const TickRecord& record = keeper.records[i];
-    ASSERT_EQ(row["seq"], std::to_string(record.tick));
-    EXPECT_EQ(row["state"], haptic::core::name(record.state));
+    ASSERT_EQ(row["seq"], std::to_string(record.beat.tick));
+    EXPECT_EQ(row["state"], haptic::core::name(record.life.state));
     EXPECT_NEAR(number(row["time_s"]), 1e-3 * static_cast<double>(i), 1e-12);
-    EXPECT_SAME_BITS(row["gain"], record.gain);
-    EXPECT_SAME_BITS(row["damping_gain"], record.damping_gain);
-    EXPECT_SAME_BITS(row["slide"], record.q[0]);
-    EXPECT_SAME_BITS(row["swing"], record.q[1]);
-    EXPECT_SAME_BITS(row["q_dot_slide_m_per_s"], record.q_a_dot[0]);
-    EXPECT_SAME_BITS(row["x_probe_a_m"], record.x_probe[0]);
-    EXPECT_SAME_BITS(row["q_star_slide_m"], record.q_star[0]);
-    EXPECT_SAME_BITS(row["q_star_swing_m"], record.q_star[1]);
-    EXPECT_SAME_BITS(row["tau_elastic_slide_n"], record.tau_elastic[0]);
-    EXPECT_SAME_BITS(row["tau_damping_slide_n"], record.tau_damping[0]);
-    EXPECT_SAME_BITS(row["tau_a_slide_n"], record.tau_a[0]);
-    if (record.x.size() == 2) {
-      EXPECT_SAME_BITS(row["x_a_m"], record.x[0]);
-      EXPECT_SAME_BITS(row["x_b_m"], record.x[1]);
+    EXPECT_SAME_BITS(row["gain"], record.life.gain);
+    EXPECT_SAME_BITS(row["damping_gain"], record.life.damping_gain);
+    EXPECT_SAME_BITS(row["slide"], record.sensed.q[0]);
+    EXPECT_SAME_BITS(row["swing"], record.sensed.q[1]);
+    EXPECT_SAME_BITS(row["q_dot_slide_m_per_s"], record.sensed.q_a_dot[0]);
+    EXPECT_SAME_BITS(row["x_probe_a_m"], record.anchor.x_probe[0]);
+    EXPECT_SAME_BITS(row["q_star_slide_m"], record.effort.q_star[0]);
+    EXPECT_SAME_BITS(row["q_star_swing_m"], record.effort.q_star[1]);
+    EXPECT_SAME_BITS(row["tau_elastic_slide_n"], record.effort.tau_elastic[0]);
+    EXPECT_SAME_BITS(row["tau_damping_slide_n"], record.effort.tau_damping[0]);
+    EXPECT_SAME_BITS(row["tau_a_slide_n"], record.effort.tau_a[0]);
+    if (record.anchor.x.size() == 2) {
+      EXPECT_SAME_BITS(row["x_a_m"], record.anchor.x[0]);
+      EXPECT_SAME_BITS(row["x_b_m"], record.anchor.x[1]);
     } else {
       EXPECT_EQ(row["x_a_m"], "");
     }
-    force = force || record.tau_a[0] != 0.0;
+    force = force || record.effort.tau_a[0] != 0.0;
   }
   EXPECT_TRUE(force);
 }
@@ -223,11 +223,11 @@ TEST(Recorder, EnergyColumnsAreEmptyWithoutTank) {
     Recorder recorder(file.path(), rig_config().kinematics);
     TickRecord record;
     recorder.on_record(record);
-    record.passivity.on = true;
-    record.passivity.storage = 1.0 / 3.0;
-    record.passivity.tank = -1e-7;
-    record.passivity.scale = 0.25;
-    record.passivity.observed = 0.1;
+    record.effort.passivity.on = true;
+    record.effort.passivity.storage = 1.0 / 3.0;
+    record.effort.passivity.tank = -1e-7;
+    record.effort.passivity.scale = 0.25;
+    record.effort.passivity.observed = 0.1;
     recorder.on_record(record);
   }
   auto rows = read_csv(file.path());
@@ -248,9 +248,9 @@ TEST(Recorder, CertificateIsEmptyUnlessAskedFor) {
     Recorder recorder(file.path(), rig_config().kinematics);
     TickRecord record;
     recorder.on_record(record);
-    record.certificate = {haptic::core::CertificateStatus::kNotFullRank, 3, 0.0};
+    record.anchor.certificate = {haptic::core::CertificateStatus::kNotFullRank, 3, 0.0};
     recorder.on_record(record);
-    record.certificate = {haptic::core::CertificateStatus::kComputed, 2, -1.0 / 3.0};
+    record.anchor.certificate = {haptic::core::CertificateStatus::kComputed, 2, -1.0 / 3.0};
     recorder.on_record(record);
   }
   auto rows = read_csv(file.path());
@@ -266,16 +266,16 @@ TEST(Recorder, CertificateIsEmptyUnlessAskedFor) {
 TickRecord record_with_everything() {
   TickRecord record;
   record.input.now = TimePoint(1h);
-  record.proxy_mode = haptic::core::ProxyMode::kFree;
+  record.proxy.mode = haptic::core::ProxyMode::kFree;
   record.input.loop = {12500ns, 3};
-  record.tick = 42;
-  record.state = haptic::core::DeviceState::kFault;
-  record.staleness = haptic::core::Staleness::kFade;
-  record.proxy_age = 120500us;
-  record.faults.set(haptic::core::Fault::kDeviceLost);
-  record.faults.set(haptic::core::Fault::kEmergencyStop);
-  record.limiters.set(haptic::core::Limiter::kSlew);
-  record.projection = ProjectionStatus::kIllConditioned;
+  record.beat.tick = 42;
+  record.life.state = haptic::core::DeviceState::kFault;
+  record.proxy.level = haptic::core::Staleness::kFade;
+  record.proxy.age = 120500us;
+  record.life.faults.set(haptic::core::Fault::kDeviceLost);
+  record.life.faults.set(haptic::core::Fault::kEmergencyStop);
+  record.effort.limiters.set(haptic::core::Limiter::kSlew);
+  record.anchor.projection = ProjectionStatus::kIllConditioned;
   return record;
 }
 
@@ -340,11 +340,11 @@ TEST(Recorder, ARecordingCanBePlayedByAReplayedDevice) {
 TickRecord pressing(double gain, double x) {
   TickRecord record;
   record.input.settings = rig_config().scene;
-  record.projection = ProjectionStatus::kExact;
-  record.gain = gain;
-  record.q = haptic::core::VecQ::Zero(2);
-  record.x = haptic::core::VecX::Zero(2);
-  record.x[0] = x;
+  record.anchor.projection = ProjectionStatus::kExact;
+  record.life.gain = gain;
+  record.sensed.q = haptic::core::VecQ::Zero(2);
+  record.anchor.x = haptic::core::VecX::Zero(2);
+  record.anchor.x[0] = x;
   return record;
 }
 
@@ -373,7 +373,7 @@ TEST(RendererComparison, UsesASessionsTighterSettings) {
 TEST(RendererComparison, IsZeroWithoutAProxy) {
   RendererComparison comparison(rig_config().kinematics, rig_config().scene);
   TickRecord record = pressing(1.0, 0.02);
-  record.projection = ProjectionStatus::kNone;
+  record.anchor.projection = ProjectionStatus::kNone;
   for (const auto& tau : comparison.evaluate(record)) EXPECT_EQ(tau[0], 0.0);
 }
 
@@ -386,9 +386,9 @@ TEST(RendererComparison, IsNotANumberWhereTheLinkageCannotClose) {
   RendererComparison comparison(kinematics, scene);
   TickRecord record = pressing(1.0, 0.02);
   record.input.settings = scene;
-  record.projection = ProjectionStatus::kMapFailed;
-  record.q[0] = 0.02;
-  record.q[1] = -101.0 * 3.14159265358979 / 180.0;  // the rods do not reach
+  record.anchor.projection = ProjectionStatus::kMapFailed;
+  record.sensed.q[0] = 0.02;
+  record.sensed.q[1] = -101.0 * 3.14159265358979 / 180.0;  // the rods do not reach
   for (const auto& tau : comparison.evaluate(record)) EXPECT_TRUE(std::isnan(tau[0]));
 }
 

@@ -25,14 +25,15 @@ core::RenderSettings equal_settings(int n_a) {
 struct ComparedHand {
   explicit ComparedHand(int count)
       : kinematics(equal_fingers(count)), comparison(kinematics, equal_settings(count)) {
-    record.x_probe = core::VecX::Constant(2 * count, 30 * kDegree);
-    EXPECT_EQ(kinematics->inverse(record.x_probe, record.q), core::InverseStatus::kExact);
-    record.x = record.x_probe;
-    record.projection = core::ProjectionStatus::kExact;
-    record.gain = 1.0;
+    record.anchor.x_probe = core::VecX::Constant(2 * count, 30 * kDegree);
+    EXPECT_EQ(kinematics->inverse(record.anchor.x_probe, record.sensed.q),
+              core::InverseStatus::kExact);
+    record.anchor.x = record.anchor.x_probe;
+    record.anchor.projection = core::ProjectionStatus::kExact;
+    record.life.gain = 1.0;
   }
   /// A stop holds the first finger's first joint back.
-  void press() { record.x[0] -= 0.05; }
+  void press() { record.anchor.x[0] -= 0.05; }
 
   std::shared_ptr<const core::Kinematics> kinematics;
   RendererComparison comparison;
@@ -43,9 +44,10 @@ TEST(RendererComparison, AFingerThatNothingCanHoldIsNotPulledWhereItCannotClose)
   ComparedHand sound(3), broken(3);
   for (ComparedHand* hand : {&sound, &broken}) {
     hand->press();
-    hand->record.unprobed = 0b110u;
+    hand->record.anchor.free = 0b110u;
   }
-  broken.record.q.segment<2>(4) << 0.02, -101 * kDegree;  // core/METHOD.md#map-without-a-value
+  broken.record.sensed.q.segment<2>(4) << 0.02,
+      -101 * kDegree;  // core/METHOD.md#map-without-a-value
   for (int tick = 0; tick < 3; ++tick) {
     const auto& expected = sound.comparison.evaluate(sound.record);
     const auto& tau = broken.comparison.evaluate(broken.record);
@@ -62,7 +64,7 @@ TEST(RendererComparison, AFingerThatNothingCanHoldIsNotPulledWhereItCannotClose)
 TEST(RendererComparison, OneThatTheTickAskedForAndThatCannotCloseHasNoAnswer) {
   ComparedHand hand(2);
   hand.press();
-  hand.record.q.segment<2>(2) << 0.02, -101 * kDegree;
+  hand.record.sensed.q.segment<2>(2) << 0.02, -101 * kDegree;
   for (const core::VecA& tau : hand.comparison.evaluate(hand.record)) {
     for (const double force : tau) EXPECT_TRUE(std::isnan(force));
   }

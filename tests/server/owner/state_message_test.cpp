@@ -13,30 +13,31 @@ using core::VecA, core::VecQ, core::VecX;
 /// Nothing in it is 0, empty or absent.
 core::TickRecord full_record() {
   core::TickRecord r;
-  r.tick = 1;
+  r.beat.tick = 1;
   r.input.now = core::TimePoint(std::chrono::hours(1));
   r.input.settings.stiffness = VecA::Constant(1, 100.0);
   r.input.device.sample.q = VecQ::Constant(2, 9.0);  // refused: it is not q
   r.input.device.sample.tau_measured = VecA::Ones(1);
-  r.q = r.q_star = VecQ::Ones(2);
-  r.q_a_dot = r.tau_a = r.tau_elastic = r.drive = r.temperature_c = VecA::Ones(1);
-  r.x_probe = r.x = VecX::Ones(2);
-  r.state = core::DeviceState::kEngaged;
-  r.proxy_mode = core::ProxyMode::kHeld;
-  r.proxy_seq = 1;
-  r.proxy_age = std::chrono::milliseconds(1);
-  r.staleness = core::Staleness::kFresh;
-  r.gain = 1.0;
-  r.projection = core::ProjectionStatus::kExact;
-  r.condition = 1.0;
-  r.active_planes = 1;
-  r.faults.set(core::Fault::kLoopLate);
-  r.limiters.set(core::Limiter::kSlew);
-  r.actuator_limiters[0].set(core::Limiter::kSlew);
-  r.passivity.on = true;
-  r.passivity.tank = r.passivity.storage = r.passivity.scale = 1.0;
-  r.passivity.observed = r.passivity.alpha = 1.0;
-  r.certificate = {core::CertificateStatus::kComputed, 1, 1.0};
+  r.sensed.q = r.effort.q_star = VecQ::Ones(2);
+  r.sensed.q_a_dot = r.effort.tau_a = r.effort.tau_elastic = r.effort.drive =
+      r.effort.temperature_c = VecA::Ones(1);
+  r.anchor.x_probe = r.anchor.x = VecX::Ones(2);
+  r.life.state = core::DeviceState::kEngaged;
+  r.proxy.mode = core::ProxyMode::kHeld;
+  r.proxy.seq = 1;
+  r.proxy.age = std::chrono::milliseconds(1);
+  r.proxy.level = core::Staleness::kFresh;
+  r.life.gain = 1.0;
+  r.anchor.projection = core::ProjectionStatus::kExact;
+  r.anchor.condition = 1.0;
+  r.anchor.active_planes = 1;
+  r.life.faults.set(core::Fault::kLoopLate);
+  r.effort.limiters.set(core::Limiter::kSlew);
+  r.effort.actuator_limiters[0].set(core::Limiter::kSlew);
+  r.effort.passivity.on = true;
+  r.effort.passivity.tank = r.effort.passivity.storage = r.effort.passivity.scale = 1.0;
+  r.effort.passivity.observed = r.effort.passivity.alpha = 1.0;
+  r.anchor.certificate = {core::CertificateStatus::kComputed, 1, 1.0};
   return r;
 }
 
@@ -44,7 +45,7 @@ TEST(StateMessage, SetsEveryField) {
   const core::PipelineConfig config = test::rig_config();
   StateMessage message(config, 0.1);
   core::TickRecord tracked;
-  tracked.tracker = {true, 0, 1, core::Staleness::kFresh, std::chrono::milliseconds(1)};
+  tracked.sensed.tracker = {true, 0, 1, core::Staleness::kFresh, std::chrono::milliseconds(1)};
   v1::DeviceState state = message.write(tracked);
   state.MergeFrom(message.write(full_record(), {Carrier::kUdp, 1}));
   for (const schema::Leaf& leaf : schema::leaves(*v1::DeviceState::descriptor())) {

@@ -13,8 +13,8 @@ class Counter final : public server::Subscriber {
  public:
   bool offer(const core::TickRecord& record, server::StateFrame&, bool allowed) override {
     ++asked;
-    if (!allowed || !pace.due(record.tick)) return false;
-    pace.sent(record.tick);
+    if (!allowed || !pace.due(record.beat.tick)) return false;
+    pace.sent(record.beat.tick);
     ++sent;
     return true;
   }

@@ -92,13 +92,13 @@ TEST(WatchBudget, GivesItsRateAndKeepsLittle) {
 
 core::TickRecord record() {
   core::TickRecord r;
-  r.tick = 77;
+  r.beat.tick = 77;
   r.input.now = core::TimePoint(3s);
-  r.q = core::VecQ::Constant(2, 0.125);
-  r.tau_a = core::VecA::Constant(1, -1.5);
-  r.gain = 0.5;
+  r.sensed.q = core::VecQ::Constant(2, 0.125);
+  r.effort.tau_a = core::VecA::Constant(1, -1.5);
+  r.life.gain = 0.5;
   r.input.settings.stiffness = core::VecA::Constant(1, 100.0);
-  r.state = core::DeviceState::kEngaged;
+  r.life.state = core::DeviceState::kEngaged;
   return r;
 }
 
@@ -128,13 +128,13 @@ TEST(StateFrame, TheSharedBytesAreTheMessagesBytes) {
 
 TEST(StateFrame, TheBookOfEnergyIsPresentWhereTheSceneHasOne) {
   core::TickRecord r = record();
-  r.active_planes = 5;
-  r.passivity.on = true;
-  r.passivity.tank = 0.003;
-  r.passivity.storage = 0.002;
-  r.passivity.scale = 0.5;
-  r.passivity.observed = -1e-4;
-  r.passivity.alpha = 2e-4;
+  r.anchor.active_planes = 5;
+  r.effort.passivity.on = true;
+  r.effort.passivity.tank = 0.003;
+  r.effort.passivity.storage = 0.002;
+  r.effort.passivity.scale = 0.5;
+  r.effort.passivity.observed = -1e-4;
+  r.effort.passivity.alpha = 2e-4;
   StateMessage message;
   const v1::DeviceState& state = message.write(r);
   EXPECT_EQ(state.active_planes(), 5U);
@@ -144,21 +144,21 @@ TEST(StateFrame, TheBookOfEnergyIsPresentWhereTheSceneHasOne) {
   EXPECT_EQ(state.passivity().scale(), 0.5);
   EXPECT_EQ(state.passivity().observed(), -1e-4);
   EXPECT_EQ(state.passivity().alpha(), 2e-4);
-  r.passivity = {};
+  r.effort.passivity = {};
   static_cast<void>(message.write(r));
   EXPECT_FALSE(state.has_passivity());
 }
 
 TEST(StateFrame, TheCertificateIsPresentWhereTheSceneAsksForIt) {
   core::TickRecord r = record();
-  r.certificate = {core::CertificateStatus::kComputed, 3, -0.25};
+  r.anchor.certificate = {core::CertificateStatus::kComputed, 3, -0.25};
   StateMessage message;
   const v1::DeviceState& state = message.write(r);
   ASSERT_TRUE(state.has_certificate());
   EXPECT_EQ(state.certificate().status(), v1::CERTIFICATE_STATUS_COMPUTED);
   EXPECT_EQ(state.certificate().margin(), -0.25);
   EXPECT_EQ(state.certificate().block(), 3U);
-  r.certificate = {};
+  r.anchor.certificate = {};
   static_cast<void>(message.write(r));
   EXPECT_FALSE(state.has_certificate());
 }
@@ -167,7 +167,7 @@ TEST(StateFrame, TheCertificateIsPresentWhereTheSceneAsksForIt) {
 TEST(StateFrame, TheCouplingMetricIsOfTheTicksPoseAndStiffness) {
   const std::shared_ptr<const core::Kinematics> finger = core::make_finger_exoskeleton({});
   core::TickRecord r = record();
-  r.q = (core::VecQ(2) << 0.016, -0.26).finished();
+  r.sensed.q = (core::VecQ(2) << 0.016, -0.26).finished();
   r.input.settings.stiffness = core::VecA::Constant(1, 900.0);
   core::PipelineConfig config;
   config.kinematics = finger;
@@ -186,7 +186,7 @@ TEST(StateFrame, TheCouplingMetricIsOfTheTicksPoseAndStiffness) {
   const auto& w = state.coupling_metric(0).lower();
   core::VecX x_probe;
   core::MatXQ J;
-  ASSERT_EQ(finger->evaluate(r.q, x_probe, J), core::MapStatus::kOk);
+  ASSERT_EQ(finger->evaluate(r.sensed.q, x_probe, J), core::MapStatus::kOk);
   const auto cost = [&](int a, int b) {
     return J(0, a) * (w[0] * J(0, b) + w[1] * J(1, b)) +
            J(1, a) * (w[1] * J(0, b) + w[2] * J(1, b));
@@ -194,7 +194,7 @@ TEST(StateFrame, TheCouplingMetricIsOfTheTicksPoseAndStiffness) {
   EXPECT_NEAR(cost(0, 0), 900.0, 1e-6);
   EXPECT_NEAR(cost(0, 1), 0.0, 1e-6);
   EXPECT_NEAR(cost(1, 1), 0.1 * 900.0 * J.col(1).squaredNorm() / J.col(0).squaredNorm(), 1e-6);
-  r.q.resize(0);  // no sample of the device yet
+  r.sensed.q.resize(0);  // no sample of the device yet
   EXPECT_EQ(state_of(r).coupling_metric(0).lower_size(), 0);
 }
 
@@ -243,8 +243,8 @@ TEST(StateFrame, ANewTickIsSerialisedAnew) {
   frame.begin(r);
   static_cast<void>(frame.for_session());
   core::TickRecord next = record();
-  next.tick = 78;
-  next.q.resize(0);
+  next.beat.tick = 78;
+  next.sensed.q.resize(0);
   frame.begin(next);
   grpc::Slice slice;
   ASSERT_TRUE(frame.for_session().DumpToSingleSlice(&slice).ok());

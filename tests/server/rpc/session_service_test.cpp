@@ -237,13 +237,13 @@ class SafetyWitness final : public server::RecordListener {
  public:
   void on_record(const core::TickRecord& record) override {
     const bool old = record.input.now - record.input.proxy.born >= 200ms;
-    if (record.tau_elastic[0] != 0.0) {
+    if (record.effort.tau_elastic[0] != 0.0) {
       pressed = true;
       violated = violated || old;
     }
     if (record.input.command.lease_held) lease_seen_ = record.input.now;
     const bool long_over = record.input.now - lease_seen_ >= 200ms;
-    if (long_over && record.tau_a[0] != 0.0) violated = true;
+    if (long_over && record.effort.tau_a[0] != 0.0) violated = true;
   }
   std::atomic<bool> pressed{false};
   std::atomic<bool> violated{false};
@@ -262,7 +262,7 @@ void expect_safe_after(const std::function<void(TestSession&)>& leave) {
   ASSERT_TRUE(session.wait_opened());
   ASSERT_TRUE(session.press());
   leave(session);
-  ASSERT_TRUE(eventually([&] { return server.rig.newest().gain == 0.0; }));
+  ASSERT_TRUE(eventually([&] { return server.rig.newest().life.gain == 0.0; }));
   EXPECT_TRUE(eventually([&] { return server.rig.sessions->controller().empty(); }));
   EXPECT_TRUE(eventually([&] { return server.rig.device->force == 0.0; }));
   EXPECT_TRUE(eventually([&] { return observer.state().state() == v1::DEVICE_STATE_NAME_IDLE; }));

@@ -66,7 +66,7 @@ TEST(Health, AnEmergencyStopIsNoIllness) {
   LiveServer server;
   const auto channel = server.channel();
   server.rig.sessions->emergency_stop("", [](const server::Outcome<server::Done>&) {});
-  ASSERT_TRUE(eventually([&] { return server.rig.newest().faults.any(); }));
+  ASSERT_TRUE(eventually([&] { return server.rig.newest().faults().any(); }));
   EXPECT_TRUE(eventually([&] { return health(channel, "rig") == 1; }));
 }
 

@@ -147,7 +147,7 @@ TEST_F(UnaryService, AnEmergencyStopThatCannotBeReadStopsEveryDevice) {
   request.set_reason("\xFF");  // no text: protobuf reads nothing of such a message
   ASSERT_TRUE(stub->EmergencyStop(&context, request, &stopped).ok());
   ASSERT_EQ(stopped.stopped_size(), 1);
-  EXPECT_EQ(server.rig.newest().state, core::DeviceState::kFault);
+  EXPECT_EQ(server.rig.newest().life.state, core::DeviceState::kFault);
 }
 
 TEST_F(UnaryService, EmergencyStopNeedsNoSessionAndLatchesUntilCleared) {
@@ -158,7 +158,7 @@ TEST_F(UnaryService, EmergencyStopNeedsNoSessionAndLatchesUntilCleared) {
   ASSERT_TRUE(stop("", &stopped).ok());
   ASSERT_EQ(stopped.stopped_size(), 1);
   EXPECT_EQ(stopped.stopped(0), "rig");
-  EXPECT_EQ(server.rig.newest().state, core::DeviceState::kFault);
+  EXPECT_EQ(server.rig.newest().life.state, core::DeviceState::kFault);
   EXPECT_EQ(server.rig.device->force, 0.0);
   EXPECT_TRUE(eventually([&] { return session.heard(v1::Event::KIND_FAULT); }));
   v1::ClearFaultResponse cleared;
@@ -175,7 +175,7 @@ TEST_F(UnaryService, AnEmergencyStopOfAnUnknownDeviceIsAnError) {
 
 TEST_F(UnaryService, AFaultWhoseCausePersistsIsNotCleared) {
   server.rig.device->lost = true;
-  ASSERT_TRUE(eventually([&] { return server.rig.newest().faults.any(); }));
+  ASSERT_TRUE(eventually([&] { return server.rig.newest().faults().any(); }));
   v1::ClearFaultResponse cleared;
   const grpc::Status status = clear(&cleared);
   EXPECT_EQ(status.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
@@ -191,7 +191,8 @@ TEST_F(UnaryService, ALoopThatHangsIsAnAnswerNotAWait) {
   EXPECT_EQ(reason_of(status), "NO_ANSWER");
   server.hung = false;
   // The stop was posted all the same.
-  EXPECT_TRUE(eventually([&] { return server.rig.newest().state == core::DeviceState::kFault; }));
+  EXPECT_TRUE(
+      eventually([&] { return server.rig.newest().life.state == core::DeviceState::kFault; }));
 }
 
 TEST_F(UnaryService, ServerInfoAndDevicesSayWhatThereIs) {

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "haptic/core/tick/probe_completion.hpp"
 #include "hw/board/board_device.hpp"
 #include "hw/simulated/finger.hpp"
 #include "server/scene/scene.hpp"
@@ -47,15 +46,14 @@ std::unique_ptr<DeviceUnit> make_unit(const DeviceScene& scene) {
 /// free, and lets go.
 class ScriptedClient {
  public:
-  explicit ScriptedClient(const DeviceUnit& unit) : completion_(*unit.config().kinematics) {}
   void step(DeviceUnit& unit, int tick, TimePoint now) {
     if (const auto* record = unit.records.front()) {
       newest_ = *record;
       unit.records.pop();
-      completion_.complete(newest_);  // as the telemetry drain does
     }
-    seen.insert(newest_.state);
-    most_force = std::max(most_force, newest_.tau_a.size() > 0 ? newest_.tau_a.norm() : 0.0);
+    seen.insert(newest_.life.state);
+    most_force =
+        std::max(most_force, newest_.effort.tau_a.size() > 0 ? newest_.effort.tau_a.norm() : 0.0);
     command_.lease_held = tick >= 5;
     command_.lease_epoch = tick >= 5 ? 1 : 0;
     command_.engage_id = tick >= 300 ? 1 : 0;
@@ -68,13 +66,13 @@ class ScriptedClient {
       pose_.born = now;
       unit.poses.publish(pose_);
     }
-    if (tick % 16 != 0 || newest_.x_probe.size() == 0) return;
+    if (tick % 16 != 0 || newest_.anchor.x_probe.size() == 0) return;
     proxy_.mode = tick > 1000 && tick < 1200 ? haptic::core::ProxyMode::kFree
                                              : haptic::core::ProxyMode::kHeld;
     proxy_.epoch = 1;
     ++proxy_.seq;
     proxy_.born = now;
-    proxy_.x = newest_.x_probe;
+    proxy_.x = newest_.anchor.x_probe;
     if (tick > 600) proxy_.x.array() -= 0.01;
     if (proxy_.gapless_samples++ == 0) proxy_.gapless_since = now;
     unit.proxies.publish(proxy_);
@@ -84,7 +82,6 @@ class ScriptedClient {
   double most_force{0.0};
 
  private:
-  haptic::core::ProbeCompletion completion_;
   haptic::core::TickRecord newest_{};
   haptic::core::CommandSnapshot command_{};
   haptic::core::ProxySnapshot proxy_{};
@@ -97,7 +94,7 @@ TEST_P(EveryScene, TicksWithoutAllocation) {
   const haptic::server::Scene scene = haptic::server::load_scene(GetParam());
   for (const DeviceScene& device : scene.devices) {
     const auto unit = make_unit(device);
-    ScriptedClient client(*unit);
+    ScriptedClient client;
     TimePoint now(1h);
     std::uint64_t allocations = 0;
     std::uint64_t releases = 0;

@@ -104,9 +104,9 @@ TEST_F(VirtualLoop, ASuspendOfTheMachineIsAFault) {
   body.finish(kFirstDeadline + 9ms);
   run();
   ASSERT_GT(keeper.records.size(), 6u);
-  EXPECT_FALSE(keeper.records[4].faults.any());
-  EXPECT_TRUE(keeper.records[5].faults.has(haptic::core::Fault::kLoopLate));
-  EXPECT_EQ(keeper.records[5].state, DeviceState::kFault);
+  EXPECT_FALSE(keeper.records[4].faults().any());
+  EXPECT_TRUE(keeper.records[5].faults().has(haptic::core::Fault::kLoopLate));
+  EXPECT_EQ(keeper.records[5].life.state, DeviceState::kFault);
 }
 
 TEST_F(VirtualLoop, TicksOnWhileForceFadesAndEndsWhenTheDeviceIsClosing) {
@@ -118,9 +118,9 @@ TEST_F(VirtualLoop, TicksOnWhileForceFadesAndEndsWhenTheDeviceIsClosing) {
   run();
   // The request is posted before the wait: the sixth tick sees it.
   ASSERT_EQ(keeper.records.size(), 6u);
-  EXPECT_EQ(keeper.records[4].state, DeviceState::kIdle);
-  EXPECT_EQ(keeper.records[5].state, DeviceState::kClosing);
-  EXPECT_FALSE(keeper.records[5].arm);
+  EXPECT_EQ(keeper.records[4].life.state, DeviceState::kIdle);
+  EXPECT_EQ(keeper.records[5].life.state, DeviceState::kClosing);
+  EXPECT_FALSE(keeper.records[5].life.arm);
 }
 
 TEST_F(VirtualLoop, UnderForceReleasesFirst) {
@@ -140,14 +140,14 @@ TEST_F(VirtualLoop, UnderForceReleasesFirst) {
   std::set<DeviceState> seen;
   double last_gain = 2.0;
   for (const TickRecord& record : keeper.records) {
-    seen.insert(record.state);
-    if (record.state == DeviceState::kReleasing) {
-      EXPECT_LE(record.gain, last_gain);
-      last_gain = record.gain;
+    seen.insert(record.life.state);
+    if (record.life.state == DeviceState::kReleasing) {
+      EXPECT_LE(record.life.gain, last_gain);
+      last_gain = record.life.gain;
     }
   }
   EXPECT_TRUE(seen.contains(DeviceState::kReleasing));
-  EXPECT_EQ(keeper.records.back().state, DeviceState::kClosing);
+  EXPECT_EQ(keeper.records.back().life.state, DeviceState::kClosing);
   EXPECT_EQ(rig.device->force.load(), 0.0);
   // fade_end - hold_end = 80 ms, and the ticks at both ends.
   EXPECT_LT(keeper.records.size(), 90u);
@@ -203,7 +203,7 @@ TEST(Loop, RunsOnItsThreadUntilEveryUnitIsClosing) {
   loop.finish(30s);  // returns long before that
   rig.telemetry->stop();
   EXPECT_EQ(rig.unit->state(), DeviceState::kClosing);
-  EXPECT_EQ(rig.newest().state, DeviceState::kClosing);
+  EXPECT_EQ(rig.newest().life.state, DeviceState::kClosing);
 }
 
 }  // namespace

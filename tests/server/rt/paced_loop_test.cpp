@@ -116,13 +116,13 @@ TEST_F(PacedLoop, TheTimerTicksWhileTheDeviceIsSilentAndItsFaultComesInTime) {
   };
   run(60ms);
   const auto silent = std::find_if(keeper.records.begin(), keeper.records.end(),
-                                   [](const TickRecord& r) { return r.faults.any(); });
+                                   [](const TickRecord& r) { return r.faults().any(); });
   ASSERT_NE(silent, keeper.records.end());
-  EXPECT_TRUE(silent->faults.has(Fault::kDeviceSilent));
+  EXPECT_TRUE(silent->faults().has(Fault::kDeviceSilent));
   // Of the sample at 18.7 ms, and no tick is further from the last than a period and a quarter.
   const Duration allowed = rig.unit->config().device.max_silence;
   EXPECT_LE(silent->input.now, kStart + 18700us + allowed + 1250us);
-  EXPECT_EQ(silent->state, DeviceState::kFault);
+  EXPECT_EQ(silent->life.state, DeviceState::kFault);
   const auto by_sample = body.statistics().paced_by_sample;
   EXPECT_EQ(by_sample, 20u);
   EXPECT_EQ(body.statistics().ticks, 20u + 41u) << "by the timer at 20.95, 21.95 ... 60.95 ms";
@@ -141,7 +141,7 @@ TEST_F(PacedLoop, TheProxyAgesWhileTheDeviceIsSilent) {
   run(rig.now - kStart + 200ms);
   EXPECT_EQ(rig.device->force.load(), 0.0);
   EXPECT_EQ(body.statistics().paced_by_sample, 0u);
-  EXPECT_EQ(keeper.records.back().state, DeviceState::kFault);
+  EXPECT_EQ(keeper.records.back().life.state, DeviceState::kFault);
 }
 
 TEST_F(PacedLoop, PairsOfALinkWithHalfTheRateKeepTheLoopsRate) {

@@ -55,14 +55,14 @@ class Served {
   }
 
   void tick(TimePoint now) {
-    if (newest.x_probe.size() == 2) {
-      proxy_.x = newest.x_probe;
+    if (newest.anchor.x_probe.size() == 2) {
+      proxy_.x = newest.anchor.x_probe;
       proxy_.x[0] = std::min(proxy_.x[0], 0.3);
     }
     proxy_.born = now;
     if (++proxy_.seq == 1) proxy_.gapless_since = now;
     ++proxy_.gapless_samples;
-    if (newest.state == DeviceState::kArmed) ++command_.engage_id;
+    if (newest.life.state == DeviceState::kArmed) ++command_.engage_id;
     unit->proxies.publish(proxy_);
     unit->commands.publish(command_);
     unit->tick(now, 1ms, {});
@@ -73,7 +73,7 @@ class Served {
   }
   void clear() {
     ++command_.clear_id;
-    command_.clear = newest.faults;
+    command_.clear = newest.faults();
   }
   void unplug(double length) {
     board_->board().add_fault(
@@ -105,8 +105,8 @@ TEST(SeveralDevices, ThreeBoardsPressAtOnce) {
   ThreeBoards boards;
   boards.run_ms(1500);
   for (const Served* board : boards.all) {
-    EXPECT_EQ(board->newest.state, DeviceState::kEngaged);
-    EXPECT_GT(std::abs(board->newest.tau_a[0]), 0.5);
+    EXPECT_EQ(board->newest.life.state, DeviceState::kEngaged);
+    EXPECT_GT(std::abs(board->newest.effort.tau_a[0]), 0.5);
   }
 }
 
@@ -121,11 +121,11 @@ TEST(SeveralDevices, UnpluggingOneDoesNotChangeABitOfTheOthers) {
     disturbed.run_ms(1);
     ASSERT_TRUE(identical(calm.one.newest, disturbed.one.newest)) << i;
     ASSERT_TRUE(identical(calm.three.newest, disturbed.three.newest)) << i;
-    faulted = faulted || disturbed.two.newest.state == DeviceState::kFault;
+    faulted = faulted || disturbed.two.newest.life.state == DeviceState::kFault;
   }
   EXPECT_TRUE(faulted);
-  EXPECT_EQ(calm.two.newest.state, DeviceState::kEngaged);
-  EXPECT_EQ(disturbed.one.newest.state, DeviceState::kEngaged);
+  EXPECT_EQ(calm.two.newest.life.state, DeviceState::kEngaged);
+  EXPECT_EQ(disturbed.one.newest.life.state, DeviceState::kEngaged);
 }
 
 TEST(SeveralDevices, FaultsAreClearedOneByOne) {
@@ -134,13 +134,13 @@ TEST(SeveralDevices, FaultsAreClearedOneByOne) {
   boards.one.unplug(0.2);
   boards.three.unplug(0.2);
   boards.run_ms(700);
-  EXPECT_EQ(boards.one.newest.state, DeviceState::kFault);
-  EXPECT_EQ(boards.two.newest.state, DeviceState::kEngaged);
-  EXPECT_EQ(boards.three.newest.state, DeviceState::kFault);
+  EXPECT_EQ(boards.one.newest.life.state, DeviceState::kFault);
+  EXPECT_EQ(boards.two.newest.life.state, DeviceState::kEngaged);
+  EXPECT_EQ(boards.three.newest.life.state, DeviceState::kFault);
   boards.one.clear();
   boards.run_ms(700);
-  EXPECT_EQ(boards.one.newest.state, DeviceState::kEngaged);
-  EXPECT_TRUE(boards.three.newest.faults.has(Fault::kDeviceLost)) << "nobody cleared that one";
+  EXPECT_EQ(boards.one.newest.life.state, DeviceState::kEngaged);
+  EXPECT_TRUE(boards.three.newest.faults().has(Fault::kDeviceLost)) << "nobody cleared that one";
 }
 
 }  // namespace

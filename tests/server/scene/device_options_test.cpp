@@ -157,7 +157,7 @@ device {
   run.engage();
   run.hold_at((core::VecX(2) << 0.01, -0.02).finished());
   // (3.5 0.01 - 1.5 0.02) / 5
-  EXPECT_NEAR(run.run(30).q_star[0], 0.001, 1e-12);
+  EXPECT_NEAR(run.run(30).effort.q_star[0], 0.001, 1e-12);
 }
 
 TEST(DiagnosticsScene, PresenceSelects) {

@@ -58,13 +58,14 @@ class KinematicsScenes : public testing::TestWithParam<Expected> {
   }
 
   void expect_a_sound_tick(const core::TickRecord& record) const {
-    EXPECT_FALSE(record.faults.any());
-    EXPECT_NE(record.projection, core::ProjectionStatus::kNone);
-    EXPECT_NE(record.projection, core::ProjectionStatus::kMapFailed);
-    EXPECT_TRUE(record.q_star.allFinite());
-    EXPECT_TRUE(record.tau_a.allFinite());
+    EXPECT_FALSE(record.faults().any());
+    EXPECT_NE(record.anchor.projection, core::ProjectionStatus::kNone);
+    EXPECT_NE(record.anchor.projection, core::ProjectionStatus::kMapFailed);
+    EXPECT_TRUE(record.effort.q_star.allFinite());
+    EXPECT_TRUE(record.effort.tau_a.allFinite());
     EXPECT_TRUE(
-        (record.tau_a.cwiseAbs().array() <= device.pipeline.scene.force_limit.array()).all());
+        (record.effort.tau_a.cwiseAbs().array() <= device.pipeline.scene.force_limit.array())
+            .all());
   }
 };
 
@@ -83,8 +84,9 @@ TEST_P(KinematicsScenes, AProxyAtProbeIsForceless) {
   for (int i = 0; i < 200; ++i) {
     const core::TickRecord& record = run.tick();
     expect_a_sound_tick(record);
-    EXPECT_LT((record.tau_a.array() / device.pipeline.scene.force_limit.array()).abs().maxCoeff(),
-              1e-9);
+    EXPECT_LT(
+        (record.effort.tau_a.array() / device.pipeline.scene.force_limit.array()).abs().maxCoeff(),
+        1e-9);
   }
 }
 
@@ -97,28 +99,29 @@ TEST_P(KinematicsScenes, AHeldProxyBalancesTheForces) {
   run.hold(goal);
   for (int i = 0; i < 3000; ++i) expect_a_sound_tick(run.tick());
   const core::TickRecord& record = run.record();
-  const VecA q_a = layout.select(record.q), target_a = layout.select(masses.target);
+  const VecA q_a = layout.select(record.sensed.q), target_a = layout.select(masses.target);
   const VecA K_h = layout.select(masses.hand_stiffness);
-  const VecA balance = record.tau_elastic - K_h.cwiseProduct(q_a - target_a);
+  const VecA balance = record.effort.tau_elastic - K_h.cwiseProduct(q_a - target_a);
   EXPECT_LT((balance.array() / device.pipeline.scene.force_limit.array()).abs().maxCoeff(), 1e-6);
-  EXPECT_GT(
-      (record.tau_elastic.array() / device.pipeline.scene.force_limit.array()).abs().maxCoeff(),
-      0.01);
+  EXPECT_GT((record.effort.tau_elastic.array() / device.pipeline.scene.force_limit.array())
+                .abs()
+                .maxCoeff(),
+            0.01);
   if (GetParam().full_rank) {
     const Eigen::MatrixXd hand = Eigen::VectorXd(K_h).asDiagonal();
     const Eigen::VectorXd pull = Z_q() * layout.select(goal) + hand * target_a;
     const VecA rest = Eigen::PartialPivLU<Eigen::MatrixXd>(Z_q() + hand).solve(pull);
     EXPECT_LT((q_a - rest).cwiseAbs().maxCoeff(), 1e-7);
-    EXPECT_LT((record.q_star - goal).cwiseAbs().maxCoeff(), 1e-7);
-    EXPECT_LT(record.residual, 1e-9);
+    EXPECT_LT((record.effort.q_star - goal).cwiseAbs().maxCoeff(), 1e-7);
+    EXPECT_LT(record.anchor.residual, 1e-9);
   } else {
     core::VecX x_start, dx;
     core::MatXQ J;
     ASSERT_EQ(device.pipeline.kinematics->evaluate(masses.target, x_start, J),
               core::MapStatus::kOk);
-    device.pipeline.kinematics->space().difference(record.x, x_start, dx);
+    device.pipeline.kinematics->space().difference(record.anchor.x, x_start, dx);
     const double distance_before = dx.norm();
-    device.pipeline.kinematics->space().difference(record.x, record.x_probe, dx);
+    device.pipeline.kinematics->space().difference(record.anchor.x, record.anchor.x_probe, dx);
     EXPECT_LT(dx.norm(), 0.8 * distance_before);
   }
 }
@@ -153,11 +156,12 @@ TEST_P(KinematicsScenes, ARecordingFollowsEquationsSixAndSeven) {
   for (int i = 0; i < 1200; ++i) {
     const core::TickRecord& record = run.tick();
     expect_a_sound_tick(record);
-    if (record.gain < 1.0 || record.limiters.any()) continue;
+    if (record.life.gain < 1.0 || record.limiters().any()) continue;
     ++unlimited;
     // Z_q S (q* - q), and nothing else where no limiter acts.
-    const VecA elastic = Z_q() * (layout.select(record.q_star) - layout.select(record.q));
-    EXPECT_LT((record.tau_elastic - elastic).norm(), 1e-9);
+    const VecA elastic =
+        Z_q() * (layout.select(record.effort.q_star) - layout.select(record.sensed.q));
+    EXPECT_LT((record.effort.tau_elastic - elastic).norm(), 1e-9);
     largest = std::max(largest, elastic.cwiseAbs().maxCoeff());
   }
   EXPECT_GT(unlimited, 1000);

@@ -66,7 +66,7 @@ TEST(NewDevice, ItsConfigurationAloneConnectsIt) {
   run.engage();
   run.hold_at(core::VecX::Constant(1, 0.1));
   run.run(200);
-  EXPECT_GT(run.record().tau_a[0], 0.1);
+  EXPECT_GT(run.record().effort.tau_a[0], 0.1);
 
   const auto kinematics = scene.devices[0].pipeline.kinematics;
   server::LoopScene loop;

@@ -48,8 +48,8 @@ class SceneRun {
     if (++ticks_ % 10 == 1) publish();
     device_->read(input_.now, input_.device);
     record_ = pipeline_.tick(input_);
-    command_.arm = record_.arm;
-    command_.tau_a = record_.tau_a;
+    command_.arm = record_.life.arm;
+    command_.tau_a = record_.effort.tau_a;
     device_->write(input_.now, command_);
     EXPECT_EQ(guard.allocations() + guard.releases(), 0u);
     return record_;
@@ -63,9 +63,9 @@ class SceneRun {
     run(300);
     ++input_.command.engage_id;
     run(250);
-    ASSERT_EQ(record_.engage.verdict, core::EngageVerdict::kAccepted);
-    ASSERT_EQ(record_.state, core::DeviceState::kEngaged);
-    ASSERT_EQ(record_.gain, 1.0);
+    ASSERT_EQ(record_.life.engage.verdict, core::EngageVerdict::kAccepted);
+    ASSERT_EQ(record_.life.state, core::DeviceState::kEngaged);
+    ASSERT_EQ(record_.life.gain, 1.0);
   }
 
   [[nodiscard]] const core::TickRecord& record() const { return record_; }

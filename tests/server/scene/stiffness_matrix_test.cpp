@@ -182,13 +182,14 @@ TEST_F(Stylus, FollowsTheLawBehindItsTank) {
   for (int i = 0; i < 3000; ++i) {
     if (i == 1500) run.hold(turned(-0.05, -0.1, 0.1));
     const core::TickRecord& record = run.tick();
-    const Vector3d tau(record.tau_elastic), d((record.q_star - record.q).head(3));
+    const Vector3d tau(record.effort.tau_elastic),
+        d((record.effort.q_star - record.sensed.q).head(3));
     const Vector3d wanted = law(d);
-    throttled += record.limiters.has(core::Limiter::kEnergyTank) ? 1 : 0;
-    if (!record.limiters.has(core::Limiter::kSlew)) {
+    throttled += record.limiters().has(core::Limiter::kEnergyTank) ? 1 : 0;
+    if (!record.limiters().has(core::Limiter::kSlew)) {
       ASSERT_LT((tau - wanted).norm(), 1e-9) << i;
     }
-    ASSERT_LE(record.tau_a.cwiseAbs().maxCoeff(), kTorque);
+    ASSERT_LE(record.effort.tau_a.cwiseAbs().maxCoeff(), kTorque);
     largest = std::max(largest, tau.norm());
   }
   EXPECT_GT(throttled, 0) << "a jump of the proxy costs more than the tank holds";
@@ -204,12 +205,13 @@ TEST_F(Stylus, SaturationKeepsTheDirection) {
   int saturated = 0;
   for (int i = 0; i < 1000; ++i) {
     const core::TickRecord& record = run.tick();
-    const Vector3d d((record.q_star - record.q).head(3));
+    const Vector3d d((record.effort.q_star - record.sensed.q).head(3));
     if (!(law(d).norm() < (1.0 - 1e-9) * (kStylus * d).norm())) continue;
     ++saturated;
-    ASSERT_TRUE(record.limiters.has(core::Limiter::kSaturation));
-    ASSERT_TRUE(record.actuator_limiters[1].has(core::Limiter::kSaturation)) << "the shoulder's";
-    ASSERT_FALSE(record.actuator_limiters[0].has(core::Limiter::kSaturation));
+    ASSERT_TRUE(record.limiters().has(core::Limiter::kSaturation));
+    ASSERT_TRUE(record.effort.actuator_limiters[1].has(core::Limiter::kSaturation))
+        << "the shoulder's";
+    ASSERT_FALSE(record.effort.actuator_limiters[0].has(core::Limiter::kSaturation));
   }
   EXPECT_GT(saturated, 20);
 }
@@ -226,10 +228,10 @@ TEST_F(Stylus, TheComparisonSaturatesLikeTheTick) {
   for (int i = 0; i < 300; ++i) {
     const core::TickRecord& record = run.tick();
     const Vector3d exact(comparison.evaluate(record)[3]);
-    saturated += record.limiters.has(core::Limiter::kSaturation) ? 1 : 0;
-    if (record.limiters.has(core::Limiter::kSlew)) continue;
+    saturated += record.limiters().has(core::Limiter::kSaturation) ? 1 : 0;
+    if (record.limiters().has(core::Limiter::kSlew)) continue;
     ++compared;
-    ASSERT_LT((exact - Vector3d(record.tau_elastic)).norm(), 1e-9);
+    ASSERT_LT((exact - Vector3d(record.effort.tau_elastic)).norm(), 1e-9);
   }
   EXPECT_GT(compared, 200);
   EXPECT_GT(saturated, 5);

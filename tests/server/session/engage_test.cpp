@@ -73,7 +73,7 @@ TEST(Engage, NeedsTheForceToStartWithinTheWindow) {
   EXPECT_EQ(rig.engage(), "OUTSIDE_WINDOW");
   EXPECT_NE(rig.refusal.find("3 "), std::string::npos);
   EXPECT_NE(rig.refusal.find("2.5"), std::string::npos);
-  EXPECT_EQ(rig.newest().tau_a[0], 0.0);
+  EXPECT_EQ(rig.newest().effort.tau_a[0], 0.0);
 }
 
 TEST(Engage, NeedsArmed) {
@@ -137,11 +137,11 @@ TEST(Engage, ABurstAfterAStallDoesNotSaveAForceThatIsFading) {
   rig.control();
   rig.press();
   rig.tick(150);  // fading: 50 of 80 ms
-  const double before = rig.newest().gain;
+  const double before = rig.newest().life.gain;
   ASSERT_LT(before, 0.5);
   for (int i = 0; i < 150; ++i) rig.publish(0.01);
   rig.tick();
-  EXPECT_LT(rig.newest().gain, before);
+  EXPECT_LT(rig.newest().life.gain, before);
   EXPECT_EQ(rig.newest().input.proxy.seq, rig.seq);  // but where it is, is the newest
 }
 
@@ -166,7 +166,7 @@ TEST(Engage, OneThatWasGivenUpBringsNoForceWhenTheLoopGoesOn) {
   rig.stream(300, 0.01);
   EXPECT_FALSE(answered);
   EXPECT_EQ(rig.state(), core::DeviceState::kArmed);
-  EXPECT_EQ(rig.newest().gain, 0.0);
+  EXPECT_EQ(rig.newest().life.gain, 0.0);
   EXPECT_EQ(rig.engage(), "") << "the next one is as good as ever";
 }
 

@@ -128,7 +128,7 @@ TEST(Lease, AFloodOfOldOrInvalidSamplesDoesNotKeepItAlive) {
     rig.seq = newest + 1000;
     EXPECT_EQ(rig.publish(2000.0), held ? IngressVerdict::kOutOfBounds : IngressVerdict::kOldEpoch);
     rig.tick();
-    if (rig.newest().tau_elastic[0] != 0.0) until_force_is_gone = i;
+    if (rig.newest().effort.tau_elastic[0] != 0.0) until_force_is_gone = i;
   }
   EXPECT_LT(until_force_is_gone, 200);
   EXPECT_FALSE(rig.sessions->holds_lease("s1"));
@@ -157,15 +157,15 @@ TEST(Lease, AfterTheHolderIsGoneForceIsZeroWithin200Milliseconds) {
   rig.control();
   rig.press();
   ASSERT_EQ(rig.state(), DeviceState::kEngaged);
-  ASSERT_NEAR(rig.newest().tau_elastic[0], 1.0, 1e-9);
+  ASSERT_NEAR(rig.newest().effort.tau_elastic[0], 1.0, 1e-9);
   rig.sessions->close("s1");
   double last = 1.0;
   int ticks = 0;
-  while (rig.newest().tau_elastic[0] != 0.0 && ticks < 1000) {
+  while (rig.newest().effort.tau_elastic[0] != 0.0 && ticks < 1000) {
     rig.tick();
     ++ticks;
-    EXPECT_LE(rig.newest().tau_elastic[0], last);
-    last = rig.newest().tau_elastic[0];
+    EXPECT_LE(rig.newest().effort.tau_elastic[0], last);
+    last = rig.newest().effort.tau_elastic[0];
   }
   EXPECT_LT(ticks, 200);
   EXPECT_GT(ticks, 10);  // faded, not dropped
@@ -187,7 +187,7 @@ TEST(Lease, ANewcomerIsAnsweredWhenThePredecessorsForceIsGone) {
   EXPECT_NE(carol.refusal->message.find("'bob'"), std::string::npos);
   for (int i = 0; i < 200 && !bob.lease; ++i) {
     rig.tick();
-    EXPECT_EQ(bob.lease.has_value(), rig.newest().gain == 0.0);
+    EXPECT_EQ(bob.lease.has_value(), rig.newest().life.gain == 0.0);
   }
   ASSERT_TRUE(bob.lease.has_value());
   EXPECT_EQ(bob.lease->epoch, 2U);

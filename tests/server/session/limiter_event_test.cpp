@@ -14,12 +14,12 @@ std::vector<DeviceEvent> step(EventDetector& detector, core::Duration at,
                               std::initializer_list<core::Limiter> limiters) {
   core::TickRecord record;
   record.input.now = core::TimePoint(1h) + at;
-  record.state = core::DeviceState::kInit;
-  record.tau_a = (core::VecA(2) << 1.0, 7.5).finished();
-  record.temperature_c = (core::VecA(2) << std::nan(""), 93.4).finished();
+  record.life.state = core::DeviceState::kInit;
+  record.effort.tau_a = (core::VecA(2) << 1.0, 7.5).finished();
+  record.effort.temperature_c = (core::VecA(2) << std::nan(""), 93.4).finished();
   for (const core::Limiter limiter : limiters) {
-    record.limiters.set(limiter);
-    record.actuator_limiters[1].set(limiter);
+    record.effort.limiters.set(limiter);
+    record.effort.actuator_limiters[1].set(limiter);
   }
   std::vector<DeviceEvent> events;
   detector.step(record, "", events);

@@ -61,7 +61,7 @@ class ResumeTest : public testing::Test {
     rig.epoch = reply->lease->epoch;
     rig.press("s1");
     ASSERT_EQ(rig.state(), DeviceState::kEngaged);
-    ASSERT_EQ(rig.newest().gain, 1.0);
+    ASSERT_EQ(rig.newest().life.gain, 1.0);
   }
   static std::vector<std::string> reasons(server::EventQueue& queue) {
     std::vector<std::string> all;
@@ -80,9 +80,9 @@ TEST_F(ResumeTest, AgeAndGainAreUntouchedAndTheEpochRises) {
   rig.sessions->close("s1", kLost);
   for (int i = 0; i < 30; ++i) {  // within fresh_end and hold_end
     rig.tick();
-    EXPECT_EQ(rig.newest().gain, 1.0);
+    EXPECT_EQ(rig.newest().life.gain, 1.0);
   }
-  const core::Duration age = rig.newest().proxy_age;
+  const core::Duration age = rig.newest().proxy.age;
   EXPECT_GE(age, 30ms);
   const auto reply = ask(resuming("s2", "s1"));
   ASSERT_TRUE(reply->lease);  // at once: nothing has to fade
@@ -90,15 +90,15 @@ TEST_F(ResumeTest, AgeAndGainAreUntouchedAndTheEpochRises) {
   EXPECT_EQ(reply->lease->epoch, 2U);
   EXPECT_EQ(reply->lease->newest_seq, rig.seq);
   rig.tick();
-  EXPECT_EQ(rig.newest().gain, 1.0);
-  EXPECT_EQ(rig.newest().proxy_age, age + 1ms);
+  EXPECT_EQ(rig.newest().life.gain, 1.0);
+  EXPECT_EQ(rig.newest().proxy.age, age + 1ms);
   EXPECT_EQ(rig.sessions->stamp(rig.newest()).lease_epoch, 2U);
   rig.epoch = 2;
   for (int i = 0; i < 100; ++i) {
     EXPECT_EQ(rig.publish(0.01), IngressVerdict::kAccepted);
     rig.tick();
     EXPECT_EQ(rig.state(), DeviceState::kEngaged);
-    EXPECT_NEAR(rig.newest().tau_elastic[0], 1.0, 1e-9);
+    EXPECT_NEAR(rig.newest().effort.tau_elastic[0], 1.0, 1e-9);
   }
 }
 
@@ -143,7 +143,7 @@ TEST_F(ResumeTest, WithoutItsClientForceIsZeroIn200MillisecondsAndTheLeaseEndsIn
   const auto queue = rig.sessions->subscribe("observer");
   rig.sessions->close("s1", kLost);
   rig.tick(200);
-  EXPECT_EQ(rig.newest().tau_elastic[0], 0.0);
+  EXPECT_EQ(rig.newest().effort.tau_elastic[0], 0.0);
   EXPECT_TRUE(rig.sessions->may_be_resumed("s1"));
   rig.tick(1800);
   EXPECT_FALSE(rig.sessions->may_be_resumed("s1"));
@@ -251,17 +251,17 @@ TEST_F(ResumeTest, PreemptionFadesTheOldHolderOutAndAnswersAtZero) {
   const auto boss = ask(resumable("s2", "boss", Priority::kOperator));
   EXPECT_FALSE(boss->lease);
   EXPECT_EQ(rig.publish(0.02), IngressVerdict::kOldEpoch);  // from this moment on
-  double last = rig.newest().tau_elastic[0];
+  double last = rig.newest().effort.tau_elastic[0];
   int ticks = 0;
   while (!boss->lease && ticks < 300) {
     rig.tick();
     ++ticks;
     const core::TickRecord record = rig.newest();
     EXPECT_EQ(rig.sessions->stamp(record).lease_epoch, 2U);  // the epoch rose at once
-    EXPECT_LE(record.tau_elastic[0], last + 1e-12);
-    EXPECT_EQ(boss->lease.has_value(), record.gain == 0.0);
-    EXPECT_NE(record.state, DeviceState::kIdle);  // never disarmed in between
-    last = record.tau_elastic[0];
+    EXPECT_LE(record.effort.tau_elastic[0], last + 1e-12);
+    EXPECT_EQ(boss->lease.has_value(), record.life.gain == 0.0);
+    EXPECT_NE(record.life.state, DeviceState::kIdle);  // never disarmed in between
+    last = record.effort.tau_elastic[0];
   }
   EXPECT_GT(ticks, 50);  // 80 ms of fade, not a drop
   ASSERT_TRUE(boss->lease);

@@ -127,7 +127,7 @@ TEST(Settings, GoBackToTheScenesWhenTheLeaseEndedAndNotBeforeForceIsGone) {
   rig.sessions->close("s1");
   for (int i = 0; i < 200; ++i) {
     rig.tick();
-    if (rig.newest().gain > 0.0) {
+    if (rig.newest().life.gain > 0.0) {
       EXPECT_EQ(rig.newest().input.settings.stiffness[0], 40.0);
     }
   }

@@ -68,10 +68,10 @@ TEST_F(StalenessEvent, TheFirstSampleAfterItIsToldToo) {
 TEST_F(StalenessEvent, WhereANewLeaseHasNoProxyYetNoneIsSaidToBeOld) {
   EventDetector detector;
   core::TickRecord record;
-  record.staleness = core::Staleness::kHold;
+  record.proxy.level = core::Staleness::kHold;
   std::vector<DeviceEvent> events;
   detector.step(record, "", events);
-  record.staleness = core::Staleness::kLost;
+  record.proxy.level = core::Staleness::kLost;
   detector.step(record, "", events);
   ASSERT_FALSE(events.empty());
   EXPECT_EQ(events.back().reason, "HOLD -> LOST");

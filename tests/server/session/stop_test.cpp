@@ -68,7 +68,7 @@ TEST(ClearFault, IsRefusedByNameWhileTheCauseIsThere) {
   rig.tick(3);
   rig.device->lost = true;
   rig.tick(2);
-  ASSERT_TRUE(rig.newest().faults.has(Fault::kDeviceLost));
+  ASSERT_TRUE(rig.newest().faults().has(Fault::kDeviceLost));
   Refusal refusal;
   rig.sessions->clear_faults({}, [&](const Outcome<FaultSet>& o) { refusal = o.refusal; });
   rig.tick(1);
@@ -92,7 +92,7 @@ TEST(ClearFault, TwoRequestsInOneTickClearBothTheirFaults) {
   rig.sessions->clear_faults(only(Fault::kEmergencyStop), count);
   rig.tick(2);
   EXPECT_EQ(answers, 2);
-  EXPECT_FALSE(rig.newest().faults.any());
+  EXPECT_FALSE(rig.newest().faults().any());
 }
 
 TEST(ClearFault, OneThatWaitsItsTurnClearsNoStopThatCameMeanwhile) {
@@ -143,7 +143,7 @@ TEST(Pending, ACancelledQuestionIsNeverAnswered) {
   EXPECT_EQ(pending.cancel(ticket), server::PendingRequests::Cancelled::kRequest);
   EXPECT_EQ(pending.cancel(ticket), server::PendingRequests::Cancelled::kNothing);
   core::TickRecord record;
-  record.stop_id = 1;
+  record.life.stop_id = 1;
   server::PendingRequests::Closures closures;
   pending.step(record, closures);
   EXPECT_TRUE(closures.empty());

@@ -59,7 +59,7 @@ class DeviceRig {
   }
 
   [[nodiscard]] core::TickRecord newest() const { return sessions->newest(); }
-  [[nodiscard]] core::DeviceState state() const { return newest().state; }
+  [[nodiscard]] core::DeviceState state() const { return newest().life.state; }
 
   /// Opens a controller of 1 kHz and ticks until it is answered and the device armed.
   server::Lease control(const std::string& id = "s1", const std::string& client = "alice") {

@@ -41,8 +41,8 @@ void tick(DeviceRig& rig, int n) {
 TEST(Telemetry, TellsEveryRecordInOrderAndThenTheNewest) {
   DeviceRig rig;
   struct : RecordListener {
-    void on_record(const TickRecord& record) override { ticks.push_back(record.tick); }
-    void on_newest(const TickRecord& record) override { newest.push_back(record.tick); }
+    void on_record(const TickRecord& record) override { ticks.push_back(record.beat.tick); }
+    void on_newest(const TickRecord& record) override { newest.push_back(record.beat.tick); }
     std::vector<std::uint64_t> ticks, newest;
   } listener;
   rig.telemetry->add(0, &listener);
@@ -54,7 +54,7 @@ TEST(Telemetry, TellsEveryRecordInOrderAndThenTheNewest) {
   rig.telemetry->remove(0, &listener);
   EXPECT_EQ(listener.ticks, (std::vector<std::uint64_t>{1, 2, 3, 4}));
   EXPECT_EQ(listener.newest, (std::vector<std::uint64_t>{3, 4}));
-  EXPECT_EQ(rig.telemetry->newest(0).tick, 4u);
+  EXPECT_EQ(rig.telemetry->newest(0).beat.tick, 4u);
 }
 
 TEST(Telemetry, TellsServiceBeforeBackgroundAndElseInTheOrderOfAdding) {
@@ -188,7 +188,7 @@ TEST(Telemetry, OneBellPerTickIsEnough) {
     tick(rig, 1);
     rig.telemetry->bell().ring();
     // The drain must hear of every tick by its one bell, however the two threads interleave.
-    while (rig.telemetry->newest(0).tick != i) std::this_thread::yield();
+    while (rig.telemetry->newest(0).beat.tick != i) std::this_thread::yield();
   }
   rig.telemetry->stop();
 }

@@ -46,13 +46,14 @@ const core::TickRecord& PipelineLoop::tick(const core::VecQ& q) {
   input_.device.sample.q = q;
   client_.step(time_s(), input_.now, q, x_probe_, input_.proxy);
   record_ = pipeline_.tick(input_);
-  tau_ = record_.tau_a[0];
+  tau_ = record_.effort.tau_a[0];
   return record_;
 }
 
 void PipelineLoop::require_engaged() const {
-  if (record_.state == core::DeviceState::kEngaged) return;
-  throw core::SceneError("loop: the device is in state " + std::string(core::name(record_.state)) +
+  if (record_.life.state == core::DeviceState::kEngaged) return;
+  throw core::SceneError("loop: the device is in state " +
+                         std::string(core::name(record_.life.state)) +
                          ", not ENGAGED: there is no force to judge");
 }
 

@@ -73,12 +73,12 @@ struct Sums {
 
 void account(const core::TickRecord& record, double wall, const HandMass& mass, bool late,
              WallFigures& f, Sums& sums) {
-  const double force = std::abs(record.tau_a[0]);
+  const double force = std::abs(record.effort.tau_a[0]);
   f.top_speed = std::max(f.top_speed, std::abs(mass.v()));
   f.largest_q = std::max(f.largest_q, std::abs(mass.q()));
   f.peak_force = std::max(f.peak_force, force);
-  f.throttled += record.limiters.has(core::Limiter::kEnergyTank) ? 1 : 0;
-  if (record.q[0] < wall) {
+  f.throttled += record.limiters().has(core::Limiter::kEnergyTank) ? 1 : 0;
+  if (record.sensed.q[0] < wall) {
     ++sums.outside;
     sums.drag += force;
   }

@@ -79,19 +79,19 @@ Felt press(const Row& row, core::RendererKind kind, bool guard, bool force) {
     if (force && k == 205) ++input.command.engage_id;
     const core::TickRecord record = pipeline.tick(input);
     if (last_q.size() == 2) felt.work += held_force * (q[0] - last_q[0]);
-    held_force = record.tau_a[0];
+    held_force = record.effort.tau_a[0];
     last_q = q;
     // What the finger feels: tau_x = w tau_a, w = (S J^{-1})^T.
     const double det = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
     const VecX dx = input.proxy.x - x_probe;
     const double along = (J(1, 1) * dx[0] - J(0, 1) * dx[1]) / det;
-    felt.most_against = std::min(felt.most_against, record.tau_a[0] * along);
-    command.arm = record.arm;
-    command.tau_a = record.tau_a;
+    felt.most_against = std::min(felt.most_against, record.effort.tau_a[0] * along);
+    command.arm = record.life.arm;
+    command.tau_a = record.effort.tau_a;
     device->write(input.now, command);
     felt.end_mcp = x_probe[0] / kDegree;
     felt.end_pip = x_probe[1] / kDegree;
-    felt.end_force = record.tau_a[0];
+    felt.end_force = record.effort.tau_a[0];
   }
   felt.worst_penetration =
       std::max({0.0, felt.end_mcp - row.stop_mcp, felt.end_pip - row.stop_pip});

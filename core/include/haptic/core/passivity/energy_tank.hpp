@@ -1,14 +1,14 @@
 #pragma once
 /// The energy tank (core/METHOD.md#energy-tank): a change of the spring may put only as much energy
-/// into the device as the tank holds. From V(q_a) and what was really held over each tick,
-///   energy given to the user, net of the device's own damping, <= initial + integral P_env dt +
-///   debt
-/// whatever the client, the renderer, the rate and the delay. A level below 0 comes only from what
-/// the tank cannot refuse: the hold's leak on a device whose damping is unknown or too small (K T/2
-/// > b, core/METHOD.md#sampled-data), and a limited or late force. The spring then pays at once,
-/// out of what it stores; debt is what even the whole spring could not pay. (To keep
-/// the spring and only refuse more would let a stiff one give a hundred times as much, as
-/// measured.)
+/// into the device as the tank holds. It reckons with V(q_a) and with the force that was held over
+/// each tick, so that for every client, renderer, rate and delay
+///   energy given to the user, net of the device's own damping
+///     <= initial + integral P_env dt + debt.
+/// The level falls below 0 only by what the tank cannot refuse: the leak of the hold on a device
+/// whose damping is unknown or too small (K T/2 > b, core/METHOD.md#sampled-data), and a limited or
+/// late force. The spring then pays at once, out of what it stores; debt is what the whole spring
+/// could not pay. (To keep the spring and only refuse more lets a stiff one give a hundred times as
+/// much, measured.)
 
 #include "haptic/core/passivity/spring_storage.hpp"
 #include "haptic/core/types.hpp"
@@ -33,21 +33,22 @@ struct HoldAccount {
 
 class EnergyTank {
  public:
-  /// J, once in all: the anchor of a finger at rest is computed anew in every tick, and rounding
-  /// must not look like a change that an empty tank cannot pay.
+  /// J: a smaller rise is taken for rounding. The anchor of a finger at rest is recomputed in every
+  /// tick, and must not look like a change that an empty tank cannot pay.
   static constexpr double kRounding = 1e-12;
 
   explicit EnergyTank(const TankSettings& settings) : settings_(settings) { restart(); }
 
-  /// The level of an Engage: initial, every debt forgiven.
+  /// At an Engage: the level is `initial`, every debt is forgiven.
   void restart() noexcept { level_ = settings_.initial; }
-  /// The tick's refill: P_env, limits and rendered damping with what they did, the hold's leak
-  /// beyond what the device's damping pays. `dt` in s.
+  /// Once per tick: adds P_env dt and what limits and rendered damping took from the user, and
+  /// subtracts the hold's leak as far as the device's damping does not pay it. `dt` in s.
   void refill(double dt, const HoldAccount& account) noexcept;
 
-  /// A change of the spring at one q_a, from stored energy `before` (J) to `after` at deviation d
-  /// (n_a). Debits it and returns s in [0, 1]: s d is the deviation that may be used. A rise of
-  /// gain or stiffness that cannot be paid shortens the spring like any other change.
+  /// The spring changes while q_a stays: from the stored energy `before` (J) to the spring `after`
+  /// at deviation d (n_a). Pays for the rise and returns s in [0, 1]: s d is the deviation that may
+  /// be used. A rise of gain or stiffness that cannot be paid shortens the spring like any other
+  /// change.
   [[nodiscard]] double admit(double before, const SpringStorage& after, const VecA& d) noexcept;
 
   /// J; negative after admit() = debt, the spring is gone.

@@ -1,7 +1,7 @@
 #pragma once
-/// Passivity of one device between two ticks: the book of core/METHOD.md#passivity-observer and
-/// core/METHOD.md#energy-tank over the force really held, and its two readers, the energy tank and
-/// the observer. Per tick, in this order:
+/// Passivity of one device from tick to tick: an account of the energy that the force really held
+/// exchanged with the user (core/METHOD.md#passivity-observer), and the two that read it, the
+/// energy tank (core/METHOD.md#energy-tank) and the observer. Per tick, in this order:
 ///   measure   what the last hold did while q_a moved
 ///   admit     the spring and its anchor of this tick, held back by the tank
 ///   hold      the force that goes to the device
@@ -24,19 +24,19 @@ struct PassivitySettings {
   [[nodiscard]] bool enabled() const noexcept { return tank.enabled || observer.enabled; }
 };
 
-/// nullptr where the settings hold together for n_a actuated DoFs; else what is wrong.
+/// nullptr if the settings hold together for n_a actuated DoFs; else what is wrong.
 [[nodiscard]] const char* check(const PassivitySettings& settings, int n_a) noexcept;
 
-/// The book's state after a tick. Zeros where passivity is off.
+/// The account after a tick. Zeros if passivity is off.
 struct PassivityRecord {
   bool on{false};
   double storage{0.0};    ///< V of the spring in use, J
   double injected{0.0};   ///< dV that the tank paid in this tick (change of q*, gain, stiffness), J
   double scale{0.0};      ///< s: deviation in use / deviation wanted; 1 = as wanted
   bool throttled{false};  ///< the tank held this tick's change back
-  double tank{0.0};       ///< level, J; 0 where there is no tank
+  double tank{0.0};       ///< level, J; 0 if there is no tank
   HoldAccount hold{};     ///< what the last hold did
-  double observed{0.0};   ///< E_obs, J; 0 where there is no observer
+  double observed{0.0};   ///< E_obs, J; 0 if there is no observer
   double alpha{0.0};      ///< of the controller, s
 };
 
@@ -44,16 +44,16 @@ class Passivity {
  public:
   Passivity(const PassivitySettings& settings, int n_a);
 
-  /// Force is granted anew: tank at its initial level, observer at 0.
+  /// An Engage was accepted: tank at its initial level, observer at 0.
   void restart() noexcept;
-  /// q_a of this tick (n_a). `fresh`: a new sample; without one nothing is known to have moved, and
-  /// the observer pauses. `recent` false ends the controller: its rate is too old. `force`: what
-  /// the device measured with this sample, n_a; it is then what was really held, whatever was
-  /// commanded. Size 0: not measured, the command counts.
+  /// q_a of this tick (n_a). `fresh`: it is a new sample; without one nothing is known to have
+  /// moved, and the observer pauses. `recent` false ends the controller: its rate is too old.
+  /// `force`: what the device measured with this sample, n_a, which is then taken for the force
+  /// held; size 0: not measured, the command counts.
   void measure(const VecA& q_a, bool fresh, bool recent, Duration dt,
                const VecA& force = {}) noexcept;
-  /// The spring of this tick and the anchor S q* that is wanted (n_a). Returns the anchor in use,
-  /// q_a + s (S q* - q_a).
+  /// The spring of this tick and the wanted anchor S q* (n_a). Returns the anchor in use, q_a + s
+  /// (S q* - q_a), with the tank's s.
   const VecA& admit(const SpringStorage& spring, const VecA& anchor) noexcept;
   /// The controller's force, n_a.
   [[nodiscard]] const VecA& controller() const noexcept { return observer_.tau(); }

@@ -1,8 +1,8 @@
 #pragma once
 /// The passivity observer and controller, exact for a zero-order hold
-/// (core/METHOD.md#passivity-observer): counts what the held force took from the user beyond what
-/// the spring stores, and where that falls below what is allowed adds just the damping that makes
-/// up for it.
+/// (core/METHOD.md#passivity-observer): the observer counts the energy that the held force took
+/// from the user beyond what the spring stores. If that falls below what is allowed, the controller
+/// adds just the damping that makes up for it.
 
 #include "haptic/core/passivity/energy_tank.hpp"
 #include "haptic/core/types.hpp"
@@ -34,11 +34,11 @@ class PassivityObserver {
 
   [[nodiscard]] double energy() const noexcept { return energy_; }  ///< E_obs, J
   [[nodiscard]] double alpha() const noexcept { return alpha_; }    ///< s
-  /// -alpha D v, n_a: to be added to the damping; stays until the next sample.
+  /// -alpha D v, n_a, to be added to the damping; stays until the next sample.
   [[nodiscard]] const VecA& tau() const noexcept { return tau_; }
 
  private:
-  /// E_obs += what the last hold took; how much is missing then, J; <= 0: nothing.
+  /// E_obs += what the last hold took. Returns how much is then missing, J; <= 0: nothing.
   [[nodiscard]] double missing(const HoldAccount& account) noexcept;
   /// Does anything move fast enough to be damped?
   [[nodiscard]] bool moves(const VecA& dq, double T) const noexcept;

@@ -1,7 +1,7 @@
 #pragma once
-/// What the rendered spring stores, V(d) with d = q*_a - q_a, saturated as its force is (
-/// core/METHOD.md#actuator-limits and core/METHOD.md#energy-tank), so that the force is its
-/// gradient and no cycle of q pumps energy.
+/// The energy that the rendered spring stores, V(d) with d = q*_a - q_a. V is saturated as the
+/// force is (core/METHOD.md#actuator-limits, core/METHOD.md#energy-tank): so the force is its
+/// gradient, and no cycle of q pumps energy.
 ///
 /// Z_q diagonal: per actuated DoF a Huber potential, quadratic up to the force limit r, then
 /// linear,
@@ -11,8 +11,8 @@
 ///   V = g L^2 / 2             while L <= rho,    tau = g Z_q d
 ///   V = g (rho L - rho^2 / 2)   beyond;          tau = g Z_q d rho / L,
 /// rho = min_i r_i / sqrt((Z_q)_ii): by Cauchy-Schwarz |(Z_q d)_i| <= sqrt((Z_q)_ii) L, so |tau_i|
-/// <= g r_i for every i, and the clamp per component behind it, which would pump, has nothing to
-/// do.
+/// <= g r_i for every i, and the clamp of each actuator that follows, which alone would pump, has
+/// nothing left to cut.
 
 #include "haptic/core/types.hpp"
 
@@ -20,17 +20,16 @@ namespace haptic::core {
 
 struct SpringStorage {
   VecA stiffness{};    ///< K = diag(Z_q), n_a, >= 0; N/m or N m/rad
-  VecA limit{};        ///< r, n_a, >= 0; N or N m. Of a coupled spring hold_within() reads it
+  VecA limit{};        ///< r, n_a, >= 0; N or N m; a coupled spring takes it in hold_within()
   double gain{0.0};    ///< g in [0, 1]
   MatAA Z_q{};         ///< n_a by n_a, symmetric, positive semidefinite; size 0: diagonal
   double radius{0.0};  ///< rho of a coupled spring, the square root of J; unused otherwise
 
   [[nodiscard]] bool coupled() const noexcept { return Z_q.size() > 0; }
-  /// Of a coupled spring: takes `r` as its limits and rho from them, a hair below, so that no
-  /// component comes to lie above its limit by rounding. Returns the DoF that rho is of, -1 where
-  /// no stiffness is left.
+  /// For a coupled spring: sets `limit` = r and rho from it, slightly below so that rounding lifts
+  /// no component above its limit. Returns the DoF that decides rho, -1 if no stiffness is left.
   int hold_within(const VecA& r) noexcept;
-  /// L, the square root of J. Of a coupled spring.
+  /// L of a coupled spring, the square root of J.
   [[nodiscard]] double length(const VecA& d) const noexcept;
 
   /// V(d), J. d: n_a, m or rad.

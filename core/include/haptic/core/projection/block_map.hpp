@@ -1,10 +1,8 @@
 #pragma once
-/// f and J of the device at one tick, as far as they are asked for
-/// (core/METHOD.md#model-only-what-a-scene-needs): block by block
-/// where the map falls into blocks (the fingers of a hand). A finger that nothing can hold in this
-/// tick is left out; one at rest is not evaluated again; one that nothing does hold is asked for f
-/// alone, without J. What is evaluated is the same to the bit as by Kinematics::evaluate of the
-/// whole map.
+/// f of the device at one tick, and J as far as it is asked for
+/// (core/METHOD.md#model-only-what-a-scene-needs): block by block if the map falls into blocks (the
+/// fingers of a hand). A finger at rest is not evaluated again, and one that nothing displaces
+/// costs f alone. The results are the same to the bit as Kinematics::evaluate of the whole map.
 
 #include <vector>
 
@@ -19,19 +17,15 @@ class BlockMap {
   /// `kinematics` must outlive this.
   explicit BlockMap(const Kinematics& kinematics);
 
-  /// x_probe() = f(q), q: n_q, of all blocks but those of `left_out`, whose f is not asked for.
-  /// False where f has no value in a block that is not left out: its x_probe() stays as it was, the
-  /// other blocks' is of q all the same, and J() means nothing. Never allocates.
-  bool move_to(const VecQ& q, BlockSet left_out = 0) noexcept;
-  /// After a move_to() that was true: J() of the blocks of `needed` is dx_probe/dq at its q, the
-  /// other blocks are left as they are. What was needed in one tick move_to() brings along in the
-  /// next, f and J in one evaluation. Never allocates.
+  /// x_probe() = f(q), q: n_q. Returns the blocks in which f has no value at q; their x_probe()
+  /// stays as it was. Never allocates.
+  [[nodiscard]] BlockSet move_to(const VecQ& q) noexcept;
+  /// J() of the blocks of `needed`, in all of which f has a value, is dx_probe/dq at the q of the
+  /// last move_to(); the other blocks are left as they are. What was needed in one tick move_to()
+  /// brings along in the next, f and J in one evaluation. Never allocates.
   void differentiate(BlockSet needed) noexcept;
 
   [[nodiscard]] const VecX& x_probe() const noexcept { return x_probe_; }  ///< n_x; 0 before f
-  /// The blocks of which x_probe() may be of any older q: left out by the last move_to(), or left
-  /// out before and without f at every q since that was asked for. Finite there.
-  [[nodiscard]] BlockSet unprobed() const noexcept { return unprobed_; }
   [[nodiscard]] const MatXQ& J() const noexcept { return J_; }  ///< n_x by n_q; 0 between blocks
   [[nodiscard]] BlockSet all() const noexcept { return all_; }
   /// The blocks in which dx (n_x) is not 0 throughout.
@@ -41,8 +35,10 @@ class BlockMap {
   [[nodiscard]] BlockSet reached(const PlaneSet& planes) const noexcept;
   /// Writes the DoFs of `blocks` in `from` (n_q) into `to` (n_q).
   void copy_q(BlockSet blocks, const VecQ& from, VecQ& to) const noexcept;
-  /// Writes `value` into the coordinates of `blocks` in x (n_x).
-  void fill(BlockSet blocks, double value, VecX& x) const noexcept;
+  /// The same for coordinates, n_x.
+  void copy_x(BlockSet blocks, const VecX& from, VecX& to) const noexcept;
+  /// Writes 0 into the coordinates of `blocks` in x (n_x).
+  void clear_x(BlockSet blocks, VecX& x) const noexcept;
 
  private:
   struct Part {
@@ -59,7 +55,6 @@ class BlockMap {
 
   std::vector<Part> parts_{};
   BlockSet all_{0};
-  BlockSet unprobed_{0};
   VecX x_probe_{};
   MatXQ J_{};
   MatXQ block_{};  ///< J of one part

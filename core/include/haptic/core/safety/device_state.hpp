@@ -28,6 +28,11 @@ enum class DeviceState : std::uint8_t {
 };
 
 [[nodiscard]] std::string_view name(DeviceState state) noexcept;  ///< "ENGAGED", ...
+/// The elastic force may be other than 0 in this state.
+[[nodiscard]] constexpr bool carries_force(DeviceState state) noexcept {
+  return state == DeviceState::kEngaging || state == DeviceState::kEngaged ||
+         state == DeviceState::kReleasing;
+}
 
 /// What a tick knows when it asks for the next state. Several may hold at once: a fault wins over
 /// everything, the end of force (closing, release, lease) over its loss, loss over progress.

@@ -58,7 +58,7 @@ struct CommandSnapshot {
   std::uint64_t stop_id{0};  ///< emergency stop
   std::uint64_t clear_id{0};
   FaultSet clear{};  ///< the faults that clear_id names
-  /// The newest stop that whoever clears has seen: a later one is not theirs to clear.
+  /// The newest stop that the clearing client has seen; a later one is not cleared.
   std::uint64_t clear_stop_id{0};
   bool closing{false};  ///< SIGTERM
 };

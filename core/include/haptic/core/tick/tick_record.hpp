@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "haptic/core/model/block_set.hpp"
+#include "haptic/core/model/dof_layout.hpp"
 #include "haptic/core/passivity/passivity.hpp"
 #include "haptic/core/projection/certificate.hpp"
 #include "haptic/core/projection/plane_projection.hpp"
@@ -24,7 +25,7 @@ enum class EngageVerdict : std::uint8_t {
   kStreamStale = 5,     ///< value: age of the newest proxy in ms, limit: hold_end in ms
   kDeviceStale = 6,     ///< value: age of the newest device sample in ms, limit: 3 of its periods
   kOutsideWindow = 7,   ///< value: |Z_q (q*_a - q_a)| of DoF `index`, limit: its engage window
-  kReleased = 8,        ///< a Release came in the same tick; nobody knows which was later
+  kReleased = 8,        ///< a Release came in the same tick; which was later is unknown
   kTrackerStale = 9,    ///< value: age of the palm's pose in ms, limit: its hold_end in ms
 };
 
@@ -43,67 +44,119 @@ struct ClearAnswer {
   FaultSet refused{};
 };
 
-/// The tracked palm's pose in use, where a client says it.
+/// The tracked palm's pose in use, if a client says it.
 struct TrackerRecord {
   bool on{false};        ///< the scene has a tracker; all else is meaningless without
   int first_dof{0};      ///< of the six in q that are its
   std::uint64_t seq{0};  ///< of the pose in use; 0: none came so far
   Staleness level{Staleness::kLost};
-  Duration age{0};  ///< now - born; 0 where there is none
+  Duration age{0};       ///< now - born; 0 if there is none
+  double ladder{0.0};    ///< upper bound of the gain, by this age
+  Duration hold_end{0};  ///< in effect
 };
 
-struct TickRecord {
-  TickInput input{};
+/// The tick itself.
+struct Beat {
   std::uint64_t tick{0};
-  Duration dt{0};  ///< since the previous tick; the period on the first
+  Duration dt{0};     ///< since the previous tick; the period on the first
+  FaultSet faults{};  ///< of the loop, whose cause is present in this tick
+};
 
-  DeviceState state{DeviceState::kInit};
-  bool lost{false};              ///< event LOST: force was given up in this tick, proxy too old
-  FaultSet faults{};             ///< latched
-  LimiterSet limiters{};         ///< active in this tick
-  bool arm{false};               ///< the device is asked to be armed
-  EngageAnswer engage{};         ///< to the newest Engage
-  std::uint64_t release_id{0};   ///< newest Release acted on
-  std::uint64_t stop_id{0};      ///< newest emergency stop acted on
-  ClearAnswer clear{};           ///< to the newest ClearFault
-  std::uint64_t settings_id{0};  ///< settings in effect
-
-  ProxyMode proxy_mode{ProxyMode::kNone};  ///< of the sample in use, which may not be the newest
-  std::uint64_t proxy_seq{0};              ///< of the sample in use; 0 where there is none
-  Staleness staleness{Staleness::kLost};
-  Duration proxy_age{0};  ///< now - born; 0 where there is no proxy
+/// The device as this tick knows it.
+struct Sensed {
+  VecQ q{};             ///< n_q, newest good sample, with the tracker's pose if the scene has one
+  VecA q_a_dot{};       ///< n_a, from device time stamps; m/s or rad/s
+  VecA tau_measured{};  ///< n_a, with that sample; N or N m; size 0: the device measures none
   TrackerRecord tracker{};
-  double gain{0.0};          ///< g
-  double damping_gain{0.0};  ///< g_d
+  bool ready{false};   ///< a good sample came, in this tick or before
+  bool fresh{false};   ///< in this tick
+  bool recent{false};  ///< the newest one is at most 3 of the device's periods old
+  bool silent{false};  ///< it is older than the device's max_silence
+  Duration age{0};     ///< since the tick in which it came; 0 before the first
+  FaultSet faults{};   ///< of the device, whose cause is present in this tick
+};
 
-  VecQ q{};        ///< n_q, newest sample (held below max_silence)
-  VecA q_a_dot{};  ///< n_a, from device time stamps; m/s or rad/s
-  /// The blocks (fingers) that nothing could hold in this tick, so that it did not ask for their f:
-  /// nan in x_probe and x until ProbeCompletion has filled them in (tick/probe_completion.hpp); and
-  /// a block that was one of them and has had no f since it was asked again. 0 where the map has
-  /// fewer than two blocks (a hand of one finger), or a metric or prior ties them together.
-  BlockSet unprobed{0};
-  VecX x_probe{};  ///< f(q)
-  VecX x{};        ///< proxy in use at `now`
+/// The sample of the proxy in use, which may not be the newest.
+struct ProxyInUse {
+  ProxyMode mode{ProxyMode::kNone};  ///< kNone: there is none, and all else is as it is here
+  std::uint64_t seq{0};
+  Duration age{0};  ///< now - born
+  Staleness level{Staleness::kLost};
+  double ladder{0.0};         ///< upper bound of the gain, by this age and the tracker's
+  TimePoint gapless_since{};  ///< as in ProxySnapshot
+  std::uint64_t gapless_samples{0};
+};
+
+/// The proxy at `now`, and the subspace proxy q* that the renderer wants the spring anchored at.
+struct Anchor {
+  VecX x_probe{};    ///< f(q); in a block (finger) in which f has no value the last one that it had
+  VecX x{};          ///< n_x, proxy in use at `now`; size 0 if there is none
+  BlockSet free{0};  ///< blocks that pull nothing whatever f is: dx = 0, q* = q
+  bool mapped{false};      ///< f has a value at q in every block that the proxy can hold
+  bool in_the_way{false};  ///< x is not simply the haptic probe
   PlaneStatus planes{PlaneStatus::kFree};
   std::uint32_t active_planes{0};  ///< bit i: plane i of the sample holds x
-  VecQ q_star{};                   ///< subspace proxy in use
+  bool anchored{false};            ///< q_star is of the proxy in use; else nothing pulls
+  VecQ q_star{};                   ///< n_q, wanted; Effort::q_star is the one in use
   ProjectionStatus projection{ProjectionStatus::kNone};
   double residual{0.0};
   double condition{0.0};
-  Certificate certificate{};  ///< of the linearised method, where the scene asks for it
+  Certificate certificate{};  ///< of the linearised method, if the scene asks for it
+  LimiterSet limiters{};
 
+  /// S (q* - q), n_a: how far the spring would be stretched, m or rad; 0 if nothing pulls.
+  [[nodiscard]] VecA stretch(const DofLayout& layout, const VecQ& q) const noexcept {
+    if (!anchored) return VecA::Zero(layout.n_a());
+    return layout.select(q_star) - layout.select(q);
+  }
+};
+
+/// The device's state, the answers to what people and programs asked for, and the gains.
+struct Lifecycle {
+  DeviceState state{DeviceState::kInit};
+  bool lost{false};             ///< event LOST: force was given up in this tick, proxy too old
+  FaultSet faults{};            ///< latched; a fault of this tick's output is in Effort::faults
+  bool arm{false};              ///< the device is asked to be armed
+  bool engaged{false};          ///< an Engage took effect in this tick
+  EngageAnswer engage{};        ///< to the newest Engage
+  std::uint64_t release_id{0};  ///< newest Release acted on
+  std::uint64_t stop_id{0};     ///< newest emergency stop acted on
+  ClearAnswer clear{};          ///< to the newest ClearFault
+  double gain{0.0};             ///< g
+  double damping_gain{0.0};     ///< g_d
+};
+
+/// What goes to the device, and the anchor behind it.
+struct Effort {
+  VecQ q_star{};       ///< n_q, in use: after envelope or guard, and the energy tank
   VecA tau_elastic{};  ///< g Z_q S (q* - q), saturated, guarded, under the envelope
   VecA tau_damping{};  ///< -g_d B q_a_dot, and the passivity controller's part
   VecA tau_a{};        ///< command to the device, n_a; N or N m
-
+  LimiterSet limiters{};
   /// Per actuated DoF, which limits of its own acted in this tick.
   std::array<LimiterSet, kMaxQ> actuator_limiters{};
   VecA temperature_c{};  ///< of the windings, estimated, n_a; nan without a model; size 0: none has
-  VecA drive{};     ///< what goes to the device instead of tau_a: the force loop's, N or N m, n_a
-  VecA position{};  ///< the admittance's, m or rad, n_a; both size 0 where the scene has neither
+  VecA drive{};          ///< sent instead of tau_a: the force loop's, N or N m, n_a
+  VecA position{};       ///< the admittance's, m or rad, n_a; both size 0 if the scene has neither
+  PassivityRecord passivity{};  ///< tank and observer; zeros if neither is on
+  FaultSet faults{};            ///< OUTPUT_NOT_FINITE; latched from the next tick on
+};
 
-  PassivityRecord passivity{};  ///< tank and observer; zeros where neither is on
+/// The sum of what the stages of a tick make, in the order in which they make it.
+struct TickRecord {
+  TickInput input{};
+  Beat beat{};
+  std::uint64_t settings_id{0};  ///< settings in effect
+  Sensed sensed{};
+  ProxyInUse proxy{};
+  Anchor anchor{};
+  Lifecycle life{};
+  Effort effort{};
+
+  /// Latched, and of this tick's output.
+  [[nodiscard]] FaultSet faults() const noexcept { return life.faults | effort.faults; }
+  /// Active in this tick.
+  [[nodiscard]] LimiterSet limiters() const noexcept { return anchor.limiters | effort.limiters; }
 };
 
 /// Equal to the bit, NaNs included: the test of replay.

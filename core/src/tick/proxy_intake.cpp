@@ -1,0 +1,43 @@
+#include "proxy_intake.hpp"
+
+#include <algorithm>
+
+#include "haptic/core/safety/limits.hpp"
+
+namespace haptic::core {
+
+ProxyInUse ProxyIntake::step(const TickInput& in, const StalenessLimits& limits,
+                             const TrackerRecord& tracker, DeviceState last) noexcept {
+  const CommandSnapshot& command = in.command;
+  const ProxySnapshot& sample = in.proxy;
+  const bool usable = command.lease_held && sample.mode != ProxyMode::kNone &&
+                      sample.epoch == command.lease_epoch && fits(sample);
+  if (usable && (!carries_force(last) || sample.epoch == sample_.epoch)) {
+    sample_ = sample;
+  } else if (!usable && !carries_force(last)) {
+    sample_ = ProxySnapshot{};
+  }
+
+  ProxyInUse now;
+  if (sample_.mode == ProxyMode::kNone) return now;
+  now.mode = sample_.mode;
+  now.seq = sample_.seq;
+  now.age = in.now - sample_.born;
+  now.level = staleness(now.age, sample_.valid_for, limits);
+  now.ladder = ladder(now.age, limits);
+  now.gapless_since = sample_.gapless_since;
+  now.gapless_samples = sample_.gapless_samples;
+  if (tracker.on) now.ladder = std::min(now.ladder, tracker.ladder);
+  return now;
+}
+
+bool ProxyIntake::fits(const ProxySnapshot& sample) const noexcept {
+  if (sample.mode == ProxyMode::kFree) return true;
+  if (sample.x.size() != n_x_ || !all_finite_x(sample.x)) return false;
+  if (sample.mode != ProxyMode::kPlanes || sample.planes.size() == 0) return true;
+  const PlaneSet& planes = sample.planes;
+  return planes.normals.rows() == n_x_ && planes.normals.cols() == planes.size() &&
+         planes.normals.allFinite() && planes.offsets.allFinite();
+}
+
+}  // namespace haptic::core

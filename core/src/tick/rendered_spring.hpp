@@ -1,0 +1,64 @@
+#pragma once
+/// The spring of one tick between where the device is and the anchor in use: the wanted anchor
+/// after the envelope or the direction guard (core/METHOD.md#forces-at-the-finger), and after the
+/// energy tank (core/METHOD.md#energy-tank). A part of the actuation.
+
+#include <optional>
+
+#include "haptic/core/passivity/passivity.hpp"
+#include "haptic/core/projection/direction_guard.hpp"
+#include "haptic/core/projection/monotone_envelope.hpp"
+#include "haptic/core/safety/actuator_ratings.hpp"
+#include "rendering.hpp"
+
+namespace haptic::core {
+
+class RenderedSpring {
+ public:
+  /// The model's kinematics must outlive this. Of the configuration it reads scene, passivity,
+  /// device.sample_period and monotone_envelope.
+  RenderedSpring(const ProjectionModel& model, const PipelineConfig& config);
+
+  /// Writes q_star, passivity and limiters of the effort. `force_limit`: what the actuators may
+  /// give in this tick, n_a, within the settings'.
+  void step(const Beat& beat, const Sensed& sensed, const Anchor& wanted, const Lifecycle& life,
+            const Settings& settings, const Displacement& at, const VecA& force_limit,
+            Effort& effort) noexcept;
+  /// What the device holds until the next tick, after every limit.
+  void hold(const Effort& effort) noexcept;
+
+  // Of the last step:
+  /// Z_q S (q* - q), without the gain, n_a; a coupled spring is saturated as a whole.
+  [[nodiscard]] const VecA& elastic() const noexcept { return elastic_; }
+  /// The passivity controller's force, n_a; size 0 without tank and observer.
+  [[nodiscard]] const VecA& controller() const noexcept { return controller_; }
+  /// The actuated DoF whose limit saturates the coupled spring; -1: none does.
+  [[nodiscard]] int saturated() const noexcept;
+
+ private:
+  /// Envelope or direction guard. True: the elastic force is withheld, and the anchor is at q.
+  [[nodiscard]] bool withheld(const Sensed& sensed, const Settings& settings,
+                              const Displacement& at, Effort& effort) noexcept;
+  /// The tank decides the anchor in use, the observer what it adds to the damping.
+  void pay(const Beat& beat, const Sensed& sensed, const Anchor& wanted, const Lifecycle& life,
+           const Settings& settings, const Displacement& at, bool off, Effort& effort) noexcept;
+  void find_displayed(const Settings& settings, const Displacement& at) noexcept;
+  [[nodiscard]] VecA force(const Settings& settings) const noexcept;
+
+  const DofLayout layout_;
+  const VecA device_damping_;  ///< n_a
+  const double hold_;          ///< nominal period of the device's samples, s
+  const bool guarded_;         ///< the scene has a direction guard in every session
+  DirectionGuard guard_;
+  std::optional<MonotoneEnvelope> envelope_{};
+  std::optional<Passivity> passivity_{};
+  std::optional<SpringStorage> coupled_{};  ///< at gain 1
+  Projection anchor_{};                     ///< q_star: in use
+  VecA stretch_{};                          ///< S (q* - q)
+  VecA displayed_{};  ///< stiffness of the tank's spring by that of Z_q, n_a; >= 1
+  VecA elastic_{};
+  VecA controller_{};
+  int weakest_{-1};  ///< the DoF whose limit is the coupled spring's
+};
+
+}  // namespace haptic::core

@@ -1,0 +1,119 @@
+#include "rendering.hpp"
+
+#include "haptic/core/safety/limits.hpp"
+
+namespace haptic::core {
+
+Rendering::Rendering(const ProjectionModel& model, const PipelineConfig& config)
+    : model_(model),
+      all_J_(config.monotone_envelope && model.layout().n_a() == 1),
+      guarded_(config.monotone_envelope),
+      separable_(model.has_parts() && !model.prior() && model.kinematics().blocks().size() > 1),
+      map_(model.kinematics()),
+      local_(model.kinematics().space(), config.projection.metric),
+      renderer_(config.scene.renderer, model),
+      dx_(VecX::Zero(model.n_x())) {
+  if (config.passivity_certificate) certificate_.emplace(model);
+}
+
+Anchor Rendering::step(const Sensed& sensed, const ProxySnapshot& sample, const Settings& settings,
+                       const VecQ& in_use) noexcept {
+  if (settings.renderer != renderer_.kind()) {
+    renderer_.change(settings.renderer);
+    solve_ = true;
+  }
+  Anchor now;
+  locate(sensed, sample, now);
+  solve_ = solve_ || local_.changed();
+  if (!now.in_the_way) {
+    anchored_ = false;
+    now.q_star = sensed.q;
+    projection_.residual = projection_.condition = 0.0;
+    if (now.mapped) map_.differentiate(0);
+  } else if (!now.mapped || !project(sensed, settings, now)) {
+    // The spring stays anchored where it was, and alive. A block that was free has no spring that
+    // could stay: an anchor kept would pull it while nothing holds it.
+    now.q_star = anchored_ ? in_use : sensed.q;
+    map_.copy_q(now.free, sensed.q, now.q_star);
+    now.projection = ProjectionStatus::kMapFailed;
+  }
+  if (now.projection == ProjectionStatus::kUnreachable) now.limiters.set(Limiter::kRangeClamp);
+  now.anchored = anchored_;
+  now.residual = projection_.residual;
+  now.condition = projection_.condition;
+  if (certificate_) now.certificate = certify(sensed, settings, now);
+  return now;
+}
+
+/// Every block's f is evaluated in every tick, but a block that nothing can hold is free: no proxy
+/// and a free one hold nothing, planes hold what they name, a held proxy may be anywhere. It has
+/// dx = 0 and q* = q to the bit, hence costs no J and no solve, and if its f has no value at q the
+/// others do not notice (core/METHOD.md#model-only-what-a-scene-needs). A block named again stays
+/// free until its f has a value.
+void Rendering::locate(const Sensed& sensed, const ProxySnapshot& sample, Anchor& now) noexcept {
+  const BlockSet failed = sensed.ready ? map_.move_to(sensed.q) : map_.all();
+  const VecX& x = local_.step(sample, map_.x_probe());
+  now.x_probe = map_.x_probe();
+  now.x = x;
+  now.planes = local_.planes();
+  now.active_planes = local_.active_planes();
+  now.in_the_way = local_.in_the_way();
+  if (now.planes == PlaneStatus::kInfeasible) now.limiters.set(Limiter::kInfeasiblePlanes);
+
+  BlockSet unheld = 0;
+  if (separable_ && sample.mode == ProxyMode::kPlanes) {
+    if (local_.new_sample()) reached_ = map_.reached(sample.planes);
+    unheld = map_.all() & ~reached_;
+  } else if (separable_ && sample.mode != ProxyMode::kHeld) {
+    unheld = map_.all();
+  }
+  now.mapped = sensed.ready && (failed & ~unheld) == 0;
+  now.free = free_ = unheld | (free_ & failed);
+  if (now.x.size() > 0 && sample.mode != ProxyMode::kHeld) {
+    map_.copy_x(unheld, now.x_probe, now.x);
+  }
+}
+
+bool Rendering::project(const Sensed& sensed, const Settings& settings, Anchor& now) noexcept {
+  model_.kinematics().space().difference(now.x, map_.x_probe(), dx_);
+  map_.clear_x(now.free, dx_);
+  map_.differentiate(needs_J(settings));
+  renderer_.project({sensed.q, map_.x_probe(), map_.J()}, now.x, dx_, settings.stiffness, solve_,
+                    projection_);
+  if (!all_finite(projection_.q_star)) {
+    renderer_.reset();
+    solve_ = true;
+    return false;
+  }
+  solve_ = false;
+  anchored_ = true;
+  now.q_star = projection_.q_star;
+  now.projection = projection_.status;
+  return true;
+}
+
+Certificate Rendering::certify(const Sensed& sensed, const Settings& settings,
+                               const Anchor& now) noexcept {
+  Certificate answer;
+  if (!now.in_the_way) {
+    answer.status = CertificateStatus::kIdle;
+  } else if (now.projection == ProjectionStatus::kMapFailed) {
+    answer.status = CertificateStatus::kMapFailed;
+  } else if (renderer_.kind() != RendererKind::kSubspaceLinear) {
+    answer.status = CertificateStatus::kOtherRenderer;
+  } else {
+    answer = certificate_->at({sensed.q, map_.x_probe(), map_.J()}, dx_, settings.stiffness);
+  }
+  return answer;
+}
+
+BlockSet Rendering::needs_J(const Settings& settings) const noexcept {
+  if (all_J_) return map_.all();
+  const bool guarded = settings.direction_guard || guarded_;
+  if (!guarded && renderer_.reads_J(map_.all()) == 0) return 0;  // Eq. (6), whatever is displaced
+  BlockSet displaced = map_.displaced(dx_);
+  if (displaced != 0 && !model_.has_parts()) displaced = map_.all();
+  return guarded ? displaced | renderer_.reads_J(displaced) : renderer_.reads_J(displaced);
+}
+
+}  // namespace haptic::core

@@ -1,0 +1,64 @@
+#pragma once
+/// Stage of a tick: kinematics, the proxy at `now`, and the subspace proxy q* that the renderer
+/// wants the spring anchored at (core/METHOD.md#equations).
+
+#include <optional>
+
+#include "haptic/core/projection/block_map.hpp"
+#include "haptic/core/projection/block_renderer.hpp"
+#include "haptic/core/projection/linear_certificate.hpp"
+#include "haptic/core/tick/pipeline.hpp"
+#include "local_proxy.hpp"
+#include "session_settings.hpp"
+
+namespace haptic::core {
+
+/// What the stages behind read of this one that is too large to be recorded.
+struct Displacement {
+  Probe probe;     ///< J is of this tick only in the blocks in which `dx` is not 0
+  const VecX& dx;  ///< x (-) x_probe, n_x; of this tick if Anchor::mapped and Anchor::in_the_way
+  const BlockRenderer& renderer;
+};
+
+class Rendering {
+ public:
+  /// The model must outlive this. Of the configuration it reads scene, projection,
+  /// monotone_envelope and passivity_certificate.
+  Rendering(const ProjectionModel& model, const PipelineConfig& config);
+
+  /// `sample`: of the proxy in use. `in_use`: the anchor in use in the last tick, n_q; it stays if
+  /// f has no value at q (core/METHOD.md#map-without-a-value).
+  [[nodiscard]] Anchor step(const Sensed& sensed, const ProxySnapshot& sample,
+                            const Settings& settings, const VecQ& in_use) noexcept;
+  /// Of the last step; valid until the next, and as long as `sensed`.
+  [[nodiscard]] Displacement displacement(const Sensed& sensed) const noexcept {
+    return {{sensed.q, map_.x_probe(), map_.J()}, dx_, renderer_};
+  }
+
+ private:
+  /// x_probe, and the proxy `x` as the sample's local model moves it.
+  void locate(const Sensed& sensed, const ProxySnapshot& sample, Anchor& now) noexcept;
+  /// q*, something being in the way and f having a value. False: it is not finite.
+  [[nodiscard]] bool project(const Sensed& sensed, const Settings& settings, Anchor& now) noexcept;
+  /// Blocks of which this tick reads J.
+  [[nodiscard]] BlockSet needs_J(const Settings& settings) const noexcept;
+  [[nodiscard]] Certificate certify(const Sensed& sensed, const Settings& settings,
+                                    const Anchor& now) noexcept;
+
+  const ProjectionModel& model_;
+  const bool all_J_;      ///< the monotone envelope reads J whatever is displaced
+  const bool guarded_;    ///< the scene has a direction guard in every session
+  const bool separable_;  ///< nothing ties the blocks together
+  BlockMap map_;
+  LocalProxy local_;
+  BlockRenderer renderer_;
+  std::optional<LinearCertificate> certificate_{};
+  BlockSet reached_{0};  ///< blocks that the planes in use can hold
+  BlockSet free_{0};     ///< Anchor::free of the last step
+  VecX dx_{};
+  Projection projection_{};
+  bool anchored_{false};  ///< q* is of the proxy in use
+  bool solve_{true};      ///< the proxy changed since the renderer last saw it
+};
+
+}  // namespace haptic::core

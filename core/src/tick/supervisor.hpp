@@ -1,0 +1,47 @@
+#pragma once
+/// Stage of a tick: what people and programs asked for, the faults that latch, the device's state
+/// and its two gains (proto/README.md#states-of-a-device).
+
+#include "haptic/core/control/impedance.hpp"
+#include "haptic/core/tick/tick_record.hpp"
+#include "session_settings.hpp"
+
+namespace haptic::core {
+
+class Supervisor {
+ public:
+  /// `sample_period`: of the device, nominal.
+  Supervisor(const DofLayout& layout, Duration sample_period)
+      : layout_(layout), sample_period_(sample_period) {}
+
+  /// Reads now, command and armed of the input. `output`: faults of the last tick's output; they
+  /// latch now.
+  [[nodiscard]] Lifecycle step(const TickInput& in, const Beat& beat, const Settings& settings,
+                               const Sensed& sensed, const ProxyInUse& proxy, const Anchor& anchor,
+                               FaultSet output) noexcept;
+
+ private:
+  /// Stop and clear, over the faults whose cause is present in this tick.
+  void latch(const CommandSnapshot& command, bool ready, FaultSet causes) noexcept;
+  void clear(const CommandSnapshot& command, FaultSet causes) noexcept;
+  void move_gains(const Beat& beat, const Settings& settings, const Sensed& sensed,
+                  const ProxyInUse& proxy, const Anchor& anchor) noexcept;
+
+  const DofLayout layout_;
+  const Duration sample_period_;
+  DeviceStateMachine machine_{};
+  Gain gain_{};
+  DampingGain damping_gain_{};
+  FaultSet latched_{};
+  EngageAnswer engage_{};
+  ClearAnswer clear_{};
+  std::uint64_t release_id_{0};
+  std::uint64_t stop_id_{0};
+  std::uint32_t epoch_{0};  ///< of the lease in the last tick
+  /// An Engage was accepted and neither Release, end of lease nor a fault has ended what it
+  /// allowed: damping stays on after the elastic force was lost
+  /// (proto/README.md#staleness-and-gain, level "lost").
+  bool force_granted_{false};
+};
+
+}  // namespace haptic::core

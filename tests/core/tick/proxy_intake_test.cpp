@@ -1,0 +1,117 @@
+#include "core/src/tick/proxy_intake.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/vectors.hpp"
+
+namespace haptic::core {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// A held proxy of the lease 1 in every tick.
+class ProxyIntakeTest : public testing::Test {
+ protected:
+  ProxyIntakeTest() {
+    in.command.lease_held = true;
+    in.command.lease_epoch = in.proxy.epoch = 1;
+    in.proxy.mode = ProxyMode::kHeld;
+    in.proxy.x = two(0.1, 0.2);
+  }
+  ProxyInUse step(DeviceState last = DeviceState::kEngaged, int age_ms = 0) {
+    in.now += milliseconds(1);
+    in.proxy.born = in.now - milliseconds(age_ms);
+    ++in.proxy.seq;
+    return proxy.step(in, limits, tracker, last);
+  }
+  ProxyIntake proxy{2};
+  StalenessLimits limits{};
+  TrackerRecord tracker{};
+  TickInput in{.now = TimePoint(milliseconds(1000))};
+};
+
+TEST_F(ProxyIntakeTest, NewestSampleLeads) {
+  const ProxyInUse now = step(DeviceState::kArmed);
+  EXPECT_EQ(now.mode, ProxyMode::kHeld);
+  EXPECT_EQ(now.seq, 1u);
+  EXPECT_EQ(now.level, Staleness::kFresh);
+  EXPECT_EQ(now.ladder, 1.0);
+  EXPECT_EQ(proxy.sample().x, two(0.1, 0.2));
+}
+
+TEST_F(ProxyIntakeTest, LadderFallsWithAge) {
+  EXPECT_EQ(step(DeviceState::kArmed, 99).ladder, 1.0);
+  const ProxyInUse fading = step(DeviceState::kArmed, 140);
+  EXPECT_EQ(fading.level, Staleness::kFade);
+  EXPECT_DOUBLE_EQ(fading.ladder, 0.5) << "half-way from 100 to 180 ms";
+  EXPECT_EQ(step(DeviceState::kArmed, 180).level, Staleness::kLost);
+}
+
+TEST_F(ProxyIntakeTest, LadderIsNeverAboveTheTrackers) {
+  tracker.on = true;
+  tracker.ladder = 0.25;
+  EXPECT_EQ(step().ladder, 0.0) << "no sample was taken under force";
+  EXPECT_EQ(step(DeviceState::kArmed).ladder, 0.25);
+  tracker.ladder = 1.0;
+  EXPECT_DOUBLE_EQ(step(DeviceState::kArmed, 140).ladder, 0.5);
+}
+
+TEST_F(ProxyIntakeTest, NextLeaseNeverLeadsFadingForce) {
+  static_cast<void>(step(DeviceState::kArmed));
+  in.command.lease_epoch = in.proxy.epoch = 2;
+  in.proxy.x = two(9.0, 9.0);
+  for (const DeviceState state :
+       {DeviceState::kEngaging, DeviceState::kEngaged, DeviceState::kReleasing}) {
+    EXPECT_EQ(step(state).seq, 1u) << name(state);
+    EXPECT_EQ(proxy.sample().x, two(0.1, 0.2));
+  }
+  EXPECT_EQ(step(DeviceState::kArmed).seq, 5u);
+  EXPECT_EQ(proxy.sample().x, two(9.0, 9.0));
+}
+
+TEST_F(ProxyIntakeTest, EndOfTheLeaseForgetsWithoutForceOnly) {
+  static_cast<void>(step(DeviceState::kArmed));
+  in.command.lease_held = false;
+  EXPECT_EQ(step(DeviceState::kReleasing).mode, ProxyMode::kHeld);
+  EXPECT_EQ(step(DeviceState::kIdle).mode, ProxyMode::kNone);
+  EXPECT_EQ(proxy.sample().mode, ProxyMode::kNone);
+}
+
+TEST_F(ProxyIntakeTest, SampleOfAnotherEpochIsNotTaken) {
+  in.proxy.epoch = 3;
+  EXPECT_EQ(step(DeviceState::kArmed).mode, ProxyMode::kNone);
+}
+
+TEST_F(ProxyIntakeTest, BadSampleIsNotTaken) {
+  static_cast<void>(step());
+  in.proxy.mode = ProxyMode::kPlanes;
+  in.proxy.planes.normals = MatXQ::Identity(2, 2);
+  in.proxy.planes.offsets = two(0.3, 0.4);
+  const ProxySnapshot good = in.proxy;
+  static_cast<void>(step(DeviceState::kArmed));
+  const std::uint64_t taken = in.proxy.seq;
+  const auto spoil = [&](auto change) {
+    const std::uint64_t seq = in.proxy.seq;
+    in.proxy = good;
+    in.proxy.seq = seq;
+    change(in.proxy);
+    return step(DeviceState::kEngaged).seq;
+  };
+  EXPECT_EQ(spoil([](ProxySnapshot& p) { p.x = one(0.1); }), taken);
+  EXPECT_EQ(spoil([](ProxySnapshot& p) { p.x[1] = std::nan(""); }), taken);
+  EXPECT_EQ(spoil([](ProxySnapshot& p) { p.planes.offsets.conservativeResize(1); }), taken);
+  EXPECT_EQ(spoil([](ProxySnapshot& p) { p.planes.normals(0, 0) = std::nan(""); }), taken);
+  EXPECT_EQ(spoil([](ProxySnapshot& p) { p.planes.offsets[0] = HUGE_VAL; }), taken);
+  EXPECT_EQ(spoil([](ProxySnapshot&) {}), in.proxy.seq) << "and the good one is";
+  EXPECT_EQ(spoil([](ProxySnapshot& p) {
+              p.mode = ProxyMode::kFree;
+              p.x = one(std::nan(""));
+            }),
+            in.proxy.seq)
+      << "free: x is not read";
+}
+
+}  // namespace
+}  // namespace haptic::core

@@ -29,7 +29,7 @@ class Callback : public WithServer {
 using Opening = WithServer;
 using client::ErrorReason;
 
-TEST_F(Callback, ReleaseInOnStateWaitsForNoEngage) {
+TEST_F(Callback, ReleaseInCallbackDoesNotWait) {
   server.hold_engage(true);
   client::SessionOptions options;
   options.on_state = [&](const client::DeviceState&) {
@@ -47,7 +47,7 @@ TEST_F(Callback, ReleaseInOnStateWaitsForNoEngage) {
       << "the force that the Engage brought afterwards stays on";
 }
 
-TEST_F(Callback, EngageAfterReleaseInOnStateCounts) {
+TEST_F(Callback, EngageAfterReleaseInCallbackCounts) {
   server.hold_engage(true);
   client::SessionOptions options;
   options.on_state = [&](const client::DeviceState& state) {
@@ -68,7 +68,7 @@ TEST_F(Callback, EngageAfterReleaseInOnStateCounts) {
   EXPECT_EQ(server.heard().releases, 1U);
 }
 
-TEST_F(Callback, TwoMayCloseTheSessionAtOnce) {
+TEST_F(Callback, TwoMayCloseTheSession) {
   const auto close_together = [this] {
     ++inside;
     static_cast<void>(server.until([&] { return inside == 2; }));
@@ -85,7 +85,7 @@ TEST_F(Callback, TwoMayCloseTheSessionAtOnce) {
   EXPECT_FALSE(session->connected());
 }
 
-TEST_F(Callback, WaitingForAStateInOnStateIsRefused) {
+TEST_F(Callback, WaitingInOnStateIsRefused) {
   client::SessionOptions options;
   options.on_state = [&](const client::DeviceState&) {
     client::Session& own = wait_for_mine();

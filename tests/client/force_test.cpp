@@ -68,7 +68,7 @@ TEST_F(ClientForce, EngageThrowsWhatIsMissing) {
   EXPECT_EQ(server.heard().engages, 2U);
 }
 
-TEST_F(ClientForce, IsAskedForUntilTheServerAgrees) {
+TEST_F(ClientForce, IsAskedUntilTheServerAgrees) {
   for (const char* reason : {"NOT_ARMED", "STREAM_STALE"}) server.answer_engage(not_yet(reason));
   open({});
   session->engage_when_ready();
@@ -89,14 +89,14 @@ TEST_F(ClientForce, ReleaseFollowsAnEngageUnderWay) {
   EXPECT_EQ(server.heard().releases, 1U);
 }
 
-TEST_F(ClientForce, ReEngageAsksAgainAfterALoss) {
+TEST_F(ClientForce, ReEngageAsksAgainAfterLoss) {
   open_and_engage(with(kNever, true));
   server.send_event(v1::Event::KIND_LOST, "LOST");
   server.send_state(2, v1::DEVICE_STATE_NAME_ARMED);
   EXPECT_TRUE(asked(2));
 }
 
-TEST_F(ClientForce, ALossEndsAnAskingWithoutReEngage) {
+TEST_F(ClientForce, LossEndsTheAsking) {
   server.hold_engage(true);
   open({});
   session->engage_when_ready();
@@ -105,7 +105,7 @@ TEST_F(ClientForce, ALossEndsAnAskingWithoutReEngage) {
   EXPECT_TRUE(server.until([&] { return session->engage_refusal().has_value(); }));
 }
 
-TEST_F(ClientForce, AFaultEndsReEngageUntilTheUserAsks) {
+TEST_F(ClientForce, FaultEndsReEngage) {
   open_and_engage(with(kWithBackoff, true));
   // Somebody hits the emergency stop; later somebody else clears it.
   server.send_event(v1::Event::KIND_FAULT, "EMERGENCY_STOP");
@@ -131,7 +131,7 @@ TEST_F(ClientForce, WithoutReconnectTheEndIsFinal) {
   EXPECT_EQ(error_of([&] { return session->engage(), 0; }).reason(), ErrorReason::kClosed);
 }
 
-TEST_F(ClientForce, AReopenedSessionCountsOnAndItsStatesAnew) {
+TEST_F(ClientForce, ReopenedSessionCountsOn) {
   open(with(kWithBackoff));
   server.send_state(100);
   ASSERT_EQ(session->wait_for_state().seq, 100U);
@@ -172,7 +172,7 @@ TEST_F(ClientForce, AHopelessRefusalEndsTheTrying) {
   EXPECT_EQ(error_of([&] { return session->wait_for_state(); }).reason(), ErrorReason::kClosed);
 }
 
-TEST_F(ClientForce, AfterItsLeaseTheNextSampleReopens) {
+TEST_F(ClientForce, NextSampleReopensAfterTheLease) {
   open(with(kWithBackoff));
   server.send_event(v1::Event::KIND_LEASE_EXPIRED, "LEASE_EXPIRED");
   ASSERT_TRUE(server.until([&] { return events == 1; }));
@@ -184,7 +184,7 @@ TEST_F(ClientForce, AfterItsLeaseTheNextSampleReopens) {
   EXPECT_TRUE(server.until([&] { return !server.heard().samples.empty(); }));
 }
 
-TEST_F(ClientForce, AnEarlierLeaseIsNotOnesOwn) {
+TEST_F(ClientForce, EarlierLeaseIsNotOnesOwn) {
   open(with(kWithBackoff));
   server.send_event(v1::Event::KIND_LEASE_EXPIRED, "LEASE_EXPIRED", 7);
   ASSERT_TRUE(server.until([&] { return events == 1; }));
@@ -195,7 +195,7 @@ TEST_F(ClientForce, AnEarlierLeaseIsNotOnesOwn) {
 
 /// A client that was paused hears of the loss, asks for force at once, and is refused: its lease is
 /// over, which it hears only then. The next sample takes the device up again, force included.
-TEST_F(ClientForce, IsAskedForUnderTheNextLease) {
+TEST_F(ClientForce, IsAskedUnderTheNextLease) {
   open_and_engage(with(kWithBackoff, true));
   server.answer_engage(kNoLease);
   server.send_state(2, v1::DEVICE_STATE_NAME_ARMED);
@@ -209,7 +209,7 @@ TEST_F(ClientForce, IsAskedForUnderTheNextLease) {
   EXPECT_TRUE(asked(so_far + 1));
 }
 
-TEST_F(ClientForce, ReturnsAfterReconnectOnlyIfAskedFor) {
+TEST_F(ClientForce, ReturnsAfterReconnectIfAsked) {
   for (const bool re_engage : {false, true}) {
     FakeServer other;
     const auto reopened = Connection(other.address()).open(with(kWithBackoff, re_engage));

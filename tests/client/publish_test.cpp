@@ -35,7 +35,7 @@ TEST_F(Publish, CarriesWhatWasGiven) {
   EXPECT_GE(sample.seq(), 1U);
 }
 
-TEST_F(Publish, TheSourceTimeIsTheSteadyClock) {
+TEST_F(Publish, SourceTimeIsTheSteadyClock) {
   const auto session = open();
   const auto before = std::chrono::steady_clock::now().time_since_epoch();
   session->publish(Proxy::free());
@@ -46,7 +46,7 @@ TEST_F(Publish, TheSourceTimeIsTheSteadyClock) {
   EXPECT_LE(source, after);
 }
 
-TEST_F(Publish, TheNewestReachesAServerThatStalled) {
+TEST_F(Publish, NewestSampleReachesAStalledServer) {
   server.read_samples(false);
   const auto session = open();
   // 16 KiB each: 64 MiB in all, far more than flow control and sockets take in.

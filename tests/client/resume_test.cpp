@@ -78,7 +78,7 @@ TEST_F(Resume, ReleasedForceIsNotResumed) {
   ASSERT_TRUE(server.until([&] { return session->connected(); }));
 }
 
-TEST_F(Resume, WithoutReconnectItIsNotAskedFor) {
+TEST_F(Resume, WithoutReconnectNoneIsAskedFor) {
   auto session = open();
   EXPECT_FALSE(server.heard().openings.front().resumable());
   session.reset();
@@ -91,7 +91,7 @@ TEST_F(Resume, ClosingSaysFarewell) {
   EXPECT_TRUE(server.until([&] { return server.heard().farewells == 1; }));
 }
 
-TEST_F(Resume, APreemptedSessionComesBackWithASample) {
+TEST_F(Resume, PreemptedSessionComesBackWithSample) {
   client::SessionOptions options = reconnecting();
   options.priority = client::Priority::kTest;
   const auto session = open(options);

@@ -60,7 +60,7 @@ TEST_F(ClientSession, ASilentServerIsATimeout) {
   EXPECT_EQ(error_of([&] { return open(options); }).reason(), ErrorReason::kTimeout);
 }
 
-TEST_F(ClientSession, AWaitWithoutAStateTimesOut) {
+TEST_F(ClientSession, WaitWithoutAStateTimesOut) {
   client::SessionOptions options;
   options.timeout = milliseconds(1000);  // also of the opening, on a slow machine
   const auto session = open(options);
@@ -78,7 +78,7 @@ TEST_F(ClientSession, EndsWhileTheServerHangs) {
   session.reset();  // a hang is ended by the test's own time limit
 }
 
-TEST_F(ClientSession, EndsWhileASilentServerIsReopened) {
+TEST_F(ClientSession, EndsWhileReopeningASilentServer) {
   client::SessionOptions options;
   options.reconnect = client::Reconnect::kWithBackoff;
   options.timeout = std::chrono::hours(1);  // whatever waits for an answer waits for ever
@@ -89,7 +89,7 @@ TEST_F(ClientSession, EndsWhileASilentServerIsReopened) {
   session.reset();
 }
 
-TEST_F(ClientSession, AThrowingCallbackDoesNotEndIt) {
+TEST_F(ClientSession, ThrowingCallbackDoesNotEndIt) {
   std::atomic<int> states{0}, events{0};
   client::SessionOptions options;
   options.on_state = [&](const client::DeviceState&) {
@@ -109,7 +109,7 @@ TEST_F(ClientSession, AThrowingCallbackDoesNotEndIt) {
   EXPECT_TRUE(session->connected());
 }
 
-TEST_F(ClientSession, ASlowCallbackSeesTheNewestState) {
+TEST_F(ClientSession, SlowCallbackSeesTheNewestState) {
   std::atomic<std::uint64_t> newest{0};
   std::atomic<int> calls{0}, inside{0}, overlaps{0};
   std::atomic<bool> blocked{true};
@@ -133,7 +133,7 @@ TEST_F(ClientSession, ASlowCallbackSeesTheNewestState) {
   EXPECT_EQ(overlaps, 0);
 }
 
-TEST_F(ClientSession, ACallbackThatTurnsSlowDoesToo) {
+TEST_F(ClientSession, CallbackThatTurnsSlowDoesToo) {
   std::atomic<std::uint64_t> newest{0};
   std::atomic<bool> blocks{false}, blocked{false};
   client::SessionOptions options;

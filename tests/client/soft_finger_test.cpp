@@ -35,7 +35,7 @@ double depth_by_complex_numbers(const SoftFingerModel& m, const Joints& x) {
   return deepest;
 }
 
-TEST(SoftFinger, PadsFollowTheKinematicsOfTheMethod) {
+TEST(SoftFinger, PadsFollowTheMethodsKinematics) {
   const SoftFingerModel model;
   const SoftFinger finger(model);
   over_the_motion([&](const Joints& x) {
@@ -43,7 +43,7 @@ TEST(SoftFinger, PadsFollowTheKinematicsOfTheMethod) {
   });
 }
 
-TEST(SoftFinger, TheGradientIsTheDifferenceOfTheEnergy) {
+TEST(SoftFinger, GradientIsTheEnergysDifference) {
   const SoftFinger finger;
   constexpr double h = 1e-6;
   over_the_motion([&](const Joints& x) {
@@ -78,7 +78,7 @@ TEST(SoftFinger, TheMotionMakesAndLeavesContact) {
   EXPECT_GT(apart, 0);
 }
 
-TEST(SoftFinger, OutOfContactTheProxyIsTheProbe) {
+TEST(SoftFinger, FreeProxyIsTheProbe) {
   over_the_motion([](const Joints& probe) {
     SoftFinger finger;
     if (finger.depth(probe) > 0.0) return;
@@ -99,7 +99,7 @@ TEST(SoftFinger, ContactOpensTheFinger) {
   });
 }
 
-TEST(SoftFinger, APushedThroughProbeStaysInContact) {
+TEST(SoftFinger, PushedThroughProbeStaysInContact) {
   SoftFinger finger;
   const auto pose = [](int percent) {
     return Joints{0.6 * percent * kDegree, 0.7 * percent * kDegree};
@@ -132,7 +132,7 @@ TEST(SoftFinger, TheProxyIsAnEquilibrium) {
   }
 }
 
-TEST(SoftFinger, ContactEndsOnlyWithAMarginOfClearance) {
+TEST(SoftFinger, ContactEndsWithSomeClearance) {
   const SoftFinger probe_only;
   SoftFinger finger;
   const auto pose = [](double degrees) { return Joints{degrees * kDegree, degrees * kDegree}; };

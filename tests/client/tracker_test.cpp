@@ -8,7 +8,7 @@ namespace {
 using Tracker = WithServer;
 using client::Pose;
 
-TEST_F(Tracker, OpensInItsRoleAndPublishesPoses) {
+TEST_F(Tracker, OpensInItsRoleWithPoses) {
   const auto session = open({.tracker = true, .client_name = "camera", .nominal_rate_hz = 120});
   ASSERT_EQ(server.heard().openings.size(), 1U);
   const v1::OpenSession opening = server.heard().openings.front();
@@ -35,7 +35,7 @@ TEST_F(Tracker, OpensInItsRoleAndPublishesPoses) {
   EXPECT_EQ(session->statistics().published, 2U);
 }
 
-TEST_F(Tracker, StatesSayHowOldThePoseInUseIs) {
+TEST_F(Tracker, StatesTellThePosesAge) {
   const auto session = open();
   v1::SessionResponse message;
   v1::DeviceState& state = *message.mutable_state();

@@ -88,7 +88,7 @@ class ClientUdp : public WithServer {
   UdpEnd udp{wire::End::kServer, keys};
 };
 
-TEST_F(ClientUdp, IsTakenOnceThePathIsGood) {
+TEST_F(ClientUdp, IsTakenOncePathIsGood) {
   udp.cut = true;
   const auto session = open();
   EXPECT_TRUE(server.heard().openings.front().udp_wanted());
@@ -107,7 +107,7 @@ TEST_F(ClientUdp, IsTakenOnceThePathIsGood) {
   EXPECT_EQ(session->statistics().sent, 2U);
 }
 
-TEST_F(ClientUdp, OldStatesDoNotReachTheCallback) {
+TEST_F(ClientUdp, OldStatesReachNoCallback) {
   std::atomic<std::uint64_t> newest{0};
   std::atomic<bool> fell{false};
   SessionOptions options;
@@ -130,7 +130,7 @@ TEST_F(ClientUdp, OldStatesDoNotReachTheCallback) {
   EXPECT_FALSE(fell);
 }
 
-TEST_F(ClientUdp, ASilentPathSendsTheNewestAgain) {
+TEST_F(ClientUdp, SilentPathSendsTheNewestAgain) {
   const auto session = open();
   ASSERT_TRUE(in_use(*session));
   udp.cut = true;
@@ -149,7 +149,7 @@ TEST_F(ClientUdp, ASilentPathSendsTheNewestAgain) {
   EXPECT_EQ(server.heard().samples.size(), 2U);
 }
 
-TEST_F(ClientUdp, WithoutASampleNothingIsSentAgain) {
+TEST_F(ClientUdp, WithoutSampleNothingIsSentAgain) {
   const auto session = open();
   ASSERT_TRUE(in_use(*session));
   udp.cut = true;  // doubt first, silence then
@@ -157,7 +157,7 @@ TEST_F(ClientUdp, WithoutASampleNothingIsSentAgain) {
   EXPECT_FALSE(server.until([&] { return !server.heard().samples.empty(); }, 50ms));
 }
 
-TEST_F(ClientUdp, PinnedToTheStreamItAsksForNone) {
+TEST_F(ClientUdp, PinnedToStreamItAsksNot) {
   SessionOptions options;
   options.carriers = Carriers::kGrpcOnly;
   const auto session = open(options);
@@ -168,7 +168,7 @@ TEST_F(ClientUdp, PinnedToTheStreamItAsksForNone) {
   EXPECT_FALSE(server.until([&] { return udp.arrivals() > 0; }, 50ms));  // although it is offered
 }
 
-TEST_F(ClientUdp, NewKeysAreTakenWithoutAGap) {
+TEST_F(ClientUdp, NewKeysAreTakenWithoutGap) {
   const auto session = open();
   ASSERT_TRUE(in_use(*session));
   const wire::PathKeys next = wire::fresh_keys();
@@ -185,7 +185,7 @@ TEST_F(ClientUdp, NewKeysAreTakenWithoutAGap) {
   EXPECT_TRUE(server.heard().samples.empty());
 }
 
-TEST_F(ClientUdp, TheEndOfTheStreamEndsIt) {
+TEST_F(ClientUdp, EndOfTheStreamEndsIt) {
   const auto session = open();
   ASSERT_TRUE(in_use(*session));
   server.end_session(grpc::Status(grpc::StatusCode::UNAVAILABLE, "closing"));
@@ -194,7 +194,7 @@ TEST_F(ClientUdp, TheEndOfTheStreamEndsIt) {
   EXPECT_TRUE(udp.messages().empty());
 }
 
-TEST_F(ClientUdp, WithoutAnAnswerTheStreamCarriesOn) {
+TEST_F(ClientUdp, WithoutAnswerTheStreamCarriesOn) {
   server.offer_udp(offer(keys, 9));  // discard: nobody listens on loopback
   const auto session = open();
   session->publish(Proxy::held({0.01}));

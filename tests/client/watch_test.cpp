@@ -54,7 +54,7 @@ std::vector<double> onto_plane(const std::vector<double>& W, const std::vector<d
   return {x[0] - along[0] * scale, x[1] - along[1] * scale};
 }
 
-TEST_F(Watch, TheCouplingMetricProjectsOntoAPlane) {
+TEST_F(Watch, CouplingMetricProjectsOntoAPlane) {
   std::mutex mutex;
   std::vector<client::DeviceState> heard;
   const auto watch = connection.watch("finger", 25.0, [&](const client::DeviceState& s) {
@@ -110,7 +110,7 @@ TEST_F(Watch, SaysWhyItEnded) {
   EXPECT_EQ(error->server_reason(), "NO_SUCH_DEVICE");
 }
 
-TEST_F(Watch, AThrowingCallbackDoesNotEndIt) {
+TEST_F(Watch, ThrowingCallbackDoesNotEndIt) {
   std::atomic<int> calls{0};
   const auto watch = connection.watch("finger", 25.0, [&](const client::DeviceState&) {
     ++calls;

@@ -30,7 +30,7 @@ class Vectors(unittest.TestCase):
     def test_there_are_five(self) -> None:
         self.assertEqual(set(vectors()), {"proxy", "state", "challenge", "response", "close"})
 
-    def test_what_goes_up_is_sealed_to_the_byte(self) -> None:
+    def test_samples_are_sealed_exactly(self) -> None:
         kinds = {"proxy": Type.PROXY, "challenge": Type.PATH_CHALLENGE, "close": Type.CLOSE}
         for name, kind in kinds.items():
             way, number, payload, datagram = vectors()[name]
@@ -74,7 +74,7 @@ class Drops(unittest.TestCase):
 
 
 class Window(unittest.TestCase):
-    def test_behaves_as_a_set_of_the_newest_1024(self) -> None:
+    def test_keeps_the_newest_1024(self) -> None:
         window, seen = ReplayWindow(), set()
         number = 1
         for i in range(5000):
@@ -85,7 +85,7 @@ class Window(unittest.TestCase):
                 window.commit(number)
                 seen.add(number)
 
-    def test_1023_behind_is_in_1024_is_out(self) -> None:
+    def test_1024_behind_is_out(self) -> None:
         window = ReplayWindow()
         window.commit(2000)
         self.assertTrue(window.fresh(2000 - 1023))

@@ -89,7 +89,7 @@ class Path(unittest.TestCase):
         far.run(0.020)
         self.assertIs(far.machine.state, PathState.WAITING)
 
-    def test_it_returns_once_the_far_end_does(self) -> None:
+    def test_it_returns_with_the_far_end(self) -> None:
         far = Far()
         far.run(1.0)
         far.up = False
@@ -98,7 +98,7 @@ class Path(unittest.TestCase):
         far.run(0.7)
         self.assertIs(far.machine.state, PathState.IN_USE)
 
-    def test_a_loss_above_30_percent_ends_its_use(self) -> None:
+    def test_much_loss_ends_its_use(self) -> None:
         for lost, ends in ((0.25, False), (0.35, True)):
             far = Far()
             far.run(0.2)

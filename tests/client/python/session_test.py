@@ -66,7 +66,7 @@ class Facts(OneServer):
         self.assertEqual(device.force_limit, (25.0,))
         self.assertEqual(self.connection.server_info().scene, "one finger at rest")
 
-    def test_watch_yields_states_and_ends_when_left(self) -> None:
+    def test_watch_yields_states_until_left(self) -> None:
         states = self.connection.watch(rate_hz=100)
         first, second = (next(s for s in states if isinstance(s, haptic.DeviceState)) for _ in "ab")
         self.assertGreater(second.seq, first.seq)
@@ -168,7 +168,7 @@ class Session(OneServer):
         with self.connection.session(client_name="second", nominal_rate_hz=60):
             self.assertEqual(self.connection.devices()[0].controller, "second")
 
-    def test_an_observer_sees_and_may_not_touch(self) -> None:
+    def test_an_observer_may_not_engage(self) -> None:
         session = self.open(observer=True)
         session.wait_for_state()
         with self.assertRaises(haptic.ClientError) as refused:
@@ -273,7 +273,7 @@ class Examples(unittest.TestCase):
         self.assertLess(0.0, p50)
         self.assertLessEqual(p50, p99)
 
-    def test_the_grasp_is_felt_and_let_go(self) -> None:
+    def test_the_grasp_is_felt(self) -> None:
         output = self.run_example("soft_grasp.py", "finger_soft_grasp", 8)
         self.assertIn("touching", output)
         self.assertIn("free", output)
@@ -282,7 +282,7 @@ class Examples(unittest.TestCase):
 
 
 class Readme(unittest.TestCase):
-    def test_its_first_client_works_as_it_stands(self) -> None:
+    def test_its_first_client_works(self) -> None:
         readme = os.path.join(os.environ["HAPTIC_SCENES"], "../../client/README.md")
         with open(readme, encoding="utf-8") as page:
             code = page.read().split("```python\n")[1].split("```")[0]

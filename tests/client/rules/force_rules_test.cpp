@@ -22,7 +22,7 @@ Force asking(bool again = false, bool next_lease = false) {
   return force;
 }
 
-TEST(Force, IsAskedForAtOnceAndOnce) {
+TEST(Force, IsAskedForAtOnce) {
   Force force(false, false);
   EXPECT_FALSE(force.due());
   force.want(kNow);
@@ -31,7 +31,7 @@ TEST(Force, IsAskedForAtOnceAndOnce) {
   EXPECT_FALSE(force.due()) << "an answer is awaited";
 }
 
-TEST(Force, ACurableRefusalIsRetriedAfter50Ms) {
+TEST(Force, CurableRefusalIsRetriedSoon) {
   for (const char* reason : {"NOT_ARMED", "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES", "STREAM_STALE",
                              "DEVICE_STALE", "OUTSIDE_WINDOW", "TRACKER_STALE", "NO_ANSWER"}) {
     Force force = asking();
@@ -55,7 +55,7 @@ TEST(Force, AnyOtherRefusalEndsTheAsking) {
   }
 }
 
-TEST(Force, ARefusalOfAnEarlierSessionIsNone) {
+TEST(Force, EarlierSessionsRefusalDoesNotCount) {
   Force force = asking();
   EXPECT_FALSE(force.answered(refused("NOT_CONTROLLER"), false, kNow));
   EXPECT_TRUE(force.due());
@@ -99,7 +99,7 @@ TEST(Force, AnEngageTakenBackIsReleased) {
   EXPECT_FALSE(force.due());
 }
 
-TEST(Force, AWishAfterTheReleaseIsAskedAnew) {
+TEST(Force, WishAfterReleaseIsAskedAnew) {
   Force force = asking();
   force.release(true);
   force.want(kNow);
@@ -115,7 +115,7 @@ TEST(Force, AFaultEndsTheAsking) {
   EXPECT_EQ(force.refusal()->reason(), ErrorReason::kNotReady);
 }
 
-TEST(Force, AFaultMayBeOlderThanTheWish) {
+TEST(Force, FaultMayPrecedeTheWish) {
   Force force(false, false);
   force.want(kNow);
   force.fault_seen(kNow + 250ms);  // the ClearFault before the wish is still under way

@@ -15,7 +15,7 @@ Outbox::Message sample(std::uint64_t seq) {
   return message;
 }
 
-TEST(Outbox, ASampleWaitsForTheWriteUnderWay) {
+TEST(Outbox, SampleWaitsForTheWrite) {
   Outbox outbox;
   const auto* first = outbox.put(sample(1));
   ASSERT_NE(first, nullptr);
@@ -29,7 +29,7 @@ TEST(Outbox, ASampleWaitsForTheWriteUnderWay) {
   EXPECT_EQ(outbox.state(), Outbox::State::kIdle);
 }
 
-TEST(Outbox, TheNewestOfTheWaitingSamplesWins) {
+TEST(Outbox, NewestWaitingSampleWins) {
   Outbox outbox;
   static_cast<void>(outbox.put(sample(1)));
   for (std::uint64_t seq = 2; seq <= 9; ++seq) EXPECT_EQ(outbox.put(sample(seq)), nullptr);

@@ -47,7 +47,7 @@ TEST(Reconnection, WithoutItAnEndIsFinal) {
   EXPECT_EQ(reconnection.due(), Reconnection::TimePoint::max());
 }
 
-TEST(Reconnection, ARefusalThatStaysEndsTheTrying) {
+TEST(Reconnection, LastingRefusalEndsTheTrying) {
   for (const ErrorReason reason : {ErrorReason::kNoSuchDevice, ErrorReason::kInvalidArgument,
                                    ErrorReason::kPermissionDenied, ErrorReason::kProtocol}) {
     Reconnection reconnection = open_session();
@@ -59,7 +59,7 @@ TEST(Reconnection, ARefusalThatStaysEndsTheTrying) {
   }
 }
 
-TEST(Reconnection, ARefusalThatMayPassDoesNot) {
+TEST(Reconnection, PassingRefusalDoesNot) {
   for (const ErrorReason reason :
        {ErrorReason::kUnreachable, ErrorReason::kTimeout, ErrorReason::kLeaseHeld,
         ErrorReason::kNotReady, ErrorReason::kClosed}) {
@@ -86,7 +86,7 @@ TEST(Reconnection, AnEndCountsOnce) {
   EXPECT_EQ(reconnection.why().reason(), ErrorReason::kUnreachable);
 }
 
-TEST(Reconnection, ALostLeaseLeavesTheStreamOpen) {
+TEST(Reconnection, LostLeaseLeavesTheStreamOpen) {
   Reconnection reconnection = open_session();
   reconnection.lease_lost();
   EXPECT_TRUE(reconnection.open());

@@ -25,7 +25,7 @@ class BoxedLeastSquares {
   void turn(int k, const double (&first)[2], const double (&second)[2]) noexcept;
 
   /// lower <= p <= upper, where lower <= 0 <= upper: 0 is the p to start from. `metric_root`: the
-  /// square root of M^{-1}, n, that decides p where columns depend on each other. All rows must
+  /// square root of M^{-1}, n, that decides p if columns depend on each other. All rows must
   /// have been added. Never allocates; what is not finite gives p = 0.
   void solve(const VecQ& lower, const VecQ& upper, const VecQ& metric_root) noexcept;
 
@@ -34,7 +34,7 @@ class BoxedLeastSquares {
   [[nodiscard]] double residual2() const noexcept { return residual2_; }
   /// True if a limit holds p against the pull of the residual.
   [[nodiscard]] bool limited() const noexcept { return limited_; }
-  /// Of the free, equilibrated columns at the end; infinite where they depend on each other.
+  /// Of the free, equilibrated columns at the end; infinite if they depend on each other.
   [[nodiscard]] double condition() const noexcept { return condition_; }
   /// kExact, kIllConditioned or kRankDeficient, of the free columns at the end.
   [[nodiscard]] ProjectionStatus status() const noexcept { return status_; }
@@ -43,7 +43,7 @@ class BoxedLeastSquares {
 
  private:
   void solve_free(const VecQ& metric_root) noexcept;
-  /// Moves p_ towards free_ until the first limit; true where it got there.
+  /// Moves p_ towards free_ until the first limit; true if it got there.
   bool advance(const VecQ& lower, const VecQ& upper) noexcept;
   /// A limit that the residual pulls away from, or -1.
   [[nodiscard]] int wrong_limit() const noexcept;

@@ -13,7 +13,7 @@ inline constexpr double kDiagonalThreshold = 1e-4;
 
 struct FullRank {
   bool solved{false};     ///< y is the answer; else it is scrap
-  double condition{0.0};  ///< of the equilibrated A; infinite where it is singular or m < n
+  double condition{0.0};  ///< of the equilibrated A; infinite if it is singular or m < n
 };
 
 /// A: m x n, column-major, overwritten by R. b: m, overwritten by Q^T b. Scratch: n each. y: n. Any

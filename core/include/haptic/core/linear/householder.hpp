@@ -13,7 +13,7 @@ namespace haptic::core {
 /// Matrices are column-major without gaps. m >= n >= 1.
 struct HouseholderKernel {
   /// A (m x n) becomes R in its upper triangle (below it: scrap); b (m) becomes Q^T b. Writes the
-  /// squared norms of A's columns and 1 / R_kk (infinite where R_kk = 0), n each.
+  /// squared norms of A's columns and 1 / R_kk (infinite if R_kk = 0), n each.
   void (*factor)(int m, int n, double* A, double* b, double* column_norm2,
                  double* inverse_diagonal) noexcept;
   /// y (n) = R^{-1} b of what factor() left.

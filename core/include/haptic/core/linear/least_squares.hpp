@@ -65,7 +65,7 @@ class LeastSquares {
   double column_norm2_[kMaxQ];
   double inverse_diagonal_[kMaxQ];
   VecQ dq_{};
-  VecA null_in_doubt_{}, standard_in_doubt_{};  ///< where the QR above does not give them
+  VecA null_in_doubt_{}, standard_in_doubt_{};  ///< if the QR does not give them
   double condition_{0.0};
   double residual2_{0.0};
   ProjectionStatus status_{ProjectionStatus::kNone};

@@ -8,7 +8,7 @@
 namespace haptic::core {
 
 /// The diagonal of M^{-1/2}, n_q, in the order of q. M's actuated block is Z_q (n_a, diagonal;
-/// where it is coupled StiffnessCoupling does the rest): only then is the rendered stiffness
+/// if it is coupled StiffnessCoupling does the rest): only then is the rendered stiffness
 /// positive semidefinite if J loses rank. Sensed DoFs are weighted by what they do in X per
 /// unit, on the scale of the actuated ones.
 [[nodiscard]] VecQ rank_metric_root(const MatXQ& J, const DofLayout& layout,

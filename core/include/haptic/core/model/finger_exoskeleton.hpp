@@ -2,8 +2,8 @@
 /// The underactuated finger exoskeleton of the paper's section VI, in the planar linkage of
 /// core/METHOD.md#finger-linkage: q = (l_x actuated [m], q_B sensed [rad]), x = (q_o1 MCP, q_o2
 /// PIP) [rad, flexion positive]. Hand frame: origin at the MCP axis, +x distal along the
-/// metacarpal, +y dorsal. Source: core/METHOD.md#finger-linkage; dimensions are ours (the device's
-/// own are not public) and scene parameters.
+/// metacarpal, +y dorsal. The dimensions are parameters of the scene; the defaults are
+/// this project's choice, because those of the paper's device are not public.
 
 #include <memory>
 

@@ -1,6 +1,6 @@
 #pragma once
 /// The map f : Q -> X of a device (paper, section III), its Jacobian and its second-order term, and
-/// the inverse where there is a closed form. Immutable after construction; one object may be shared
+/// the inverse if there is a closed form. Immutable after construction; one object may be shared
 /// by threads. No method allocates or throws after construction.
 
 #include <array>
@@ -43,7 +43,7 @@ struct DofSpec {
 /// q: it holds while room >= 0. `room` may have any unit.
 struct PairLimit {
   double room{0.0};
-  double slope[2]{};  ///< d room / dq; 0 where the limit is out of a step's reach
+  double slope[2]{};  ///< d room / dq; 0 if the limit is out of a step's reach
 };
 /// Both ends of two sliders, and the branch (core/METHOD.md#inverse-map).
 inline constexpr int kPairLimits = 5;
@@ -102,7 +102,7 @@ class Kinematics {
     return MapStatus::kCannotClose;
   }
   /// The independent parts of this map, in the order of q, q_a and x, covering all of them; empty
-  /// where it has no such parts. Each part can be projected by itself
+  /// if it has no such parts. Each part can be projected by itself
   /// (core/METHOD.md#model-only-what-a-scene-needs: one finger at a time).
   [[nodiscard]] virtual std::span<const MapBlock> blocks() const noexcept { return {}; }
   /// Several q may mean the same pose (a rotation vector has many); replaces q by the one nearest to

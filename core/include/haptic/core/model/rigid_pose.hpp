@@ -23,7 +23,7 @@ struct UnitQuaternion {
 /// A frame in another: p_outer = position + orientation p_inner orientation^-1.
 struct Pose3 {
   Point3 position{};             ///< m
-  UnitQuaternion orientation{};  ///< normalised where it is read; must not be zero
+  UnitQuaternion orientation{};  ///< normalised when it is read; must not be zero
 };
 
 /// What an output contributes to X.

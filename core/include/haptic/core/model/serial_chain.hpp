@@ -22,7 +22,7 @@ struct ChainJoint {
   JointKind kind{JointKind::kRevolute};
   bool actuated{true};
   /// Link that carries this joint, by its joint's name; empty: the joint before (the base for the
-  /// first); "base": the fixed frame, or the palm where one is tracked.
+  /// first); "base": the fixed frame, or the palm if one is tracked.
   std::string parent{};
   Pose3 origin{};              ///< m
   Point3 axis{0.0, 0.0, 1.0};  ///< in the link's frame; any length > 0

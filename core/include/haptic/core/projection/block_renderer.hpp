@@ -5,8 +5,7 @@
 /// blocks is one block, and so is one whose metric W_x weighs coordinates of different blocks
 /// together.
 ///
-/// A block whose proxy is where its probe is, dx = 0, is idle: its own pose is the answer, and
-/// neither J nor a solve is needed for it. Eq. (6) needs J in no block, and keeps a solution that
+/// A block with dx = 0 is idle: its own pose is the answer, and it needs neither J nor a solve. Eq. (6) needs J in no block, and keeps a solution that
 /// it has until the proxy changes.
 
 #include <optional>
@@ -30,7 +29,7 @@ class BlockRenderer {
   /// condition 0.
   void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                bool proxy_changed, Projection& out) noexcept;
-  /// The blocks whose J project() reads where dx is not 0 in those of `displaced`.
+  /// The blocks whose J project() reads if dx is not 0 in the blocks `displaced`.
   [[nodiscard]] BlockSet reads_J(BlockSet displaced) const noexcept;
   /// What the energy tank's spring is made of (core/METHOD.md#energy-tank), n_a: how many times Z_q
   /// the displayed stiffness can be at this pose with the proxy held, at least 1. Eq. (6) and (8)

@@ -16,10 +16,10 @@ namespace haptic::core {
 class DirectionGuard {
  public:
   /// The model is copied; its kinematics must outlive the guard. `stiffness` (n_a; size 0: ones),
-  /// with the model's coupling, decides where J does not have full column rank, as it does for Eq.
+  /// with the model's coupling, chooses the solution if J does not have full column rank, as in Eq.
   /// (8).
   explicit DirectionGuard(const ProjectionModel& model, const VecA& stiffness = {});
-  /// True where tau_a (n_a) points towards the proxy, or dx = 0. One linearised solve per block.
+  /// True if tau_a (n_a) points towards the proxy, or dx = 0. One linearised solve per block.
   [[nodiscard]] bool allows(const Probe& probe, const VecX& dx, const VecA& tau_a) noexcept;
 
  private:

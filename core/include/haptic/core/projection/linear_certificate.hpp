@@ -23,7 +23,7 @@ namespace haptic::core {
 
 class LinearCertificate {
  public:
-  /// The model's kinematics must outlive this. Throws SceneError where it has a prior: Eq. (8) is
+  /// The model's kinematics must outlive this. Throws SceneError if it has a prior: Eq. (8) is
   /// then another function of q.
   explicit LinearCertificate(const ProjectionModel& model);
 
@@ -40,13 +40,13 @@ class LinearCertificate {
   };
   [[nodiscard]] CertificateStatus judge(const Part& part, const Probe& probe, const VecX& dx,
                                         const VecA& stiffness, double& margin) noexcept;
-  /// y = J_^+ b, n_q, and R in A_; false where J_ has not full column rank.
+  /// y = J_^+ b, n_q, and R in A_; false if J_ has not full column rank.
   [[nodiscard]] bool solve(const Part& part, const VecX& b, VecQ& y) noexcept;
   /// y -= (J_^T J_)^{-1} J_k_^T r_, by the R of the last solve().
   void take_off_residual(const Part& part, VecQ& y) noexcept;
-  /// M_ = I + the symmetric part of R (S B S^T) R^{-1} where R is not diagonal.
+  /// M_ = I + the symmetric part of R (S B S^T) R^{-1} if R is not diagonal.
   void couple(const StiffnessCoupling& coupling) noexcept;
-  /// Of M_; false where it is not finite.
+  /// Of M_; false if it is not finite.
   [[nodiscard]] bool smallest_eigenvalue(double& value) const noexcept;
 
   std::vector<Part> parts_{};
@@ -55,7 +55,7 @@ class LinearCertificate {
   VecX r_{}, turned_{};
   MatXQ J_{}, J_k_{};  ///< weighed
   MatAA M_{};          ///< I + R (S B S^T) R^{-1}, symmetric part
-  MatAA turn_{};       ///< D (S B S^T) D^{-1}, where Z_q is coupled
+  MatAA turn_{};       ///< D (S B S^T) D^{-1}, if Z_q is coupled
   double A_[kMaxX * kMaxQ], b_[kMaxX], column_norm2_[kMaxQ], inverse_diagonal_[kMaxQ];
 };
 

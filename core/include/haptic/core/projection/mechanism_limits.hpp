@@ -51,13 +51,13 @@ class MechanismLimits {
     double back{-std::numeric_limits<double>::infinity()};
     double on{std::numeric_limits<double>::infinity()};
     double slant{0.0};               ///< along, per width across
-    int ends_back{-1}, ends_on{-1};  ///< whose the bounds along are
+    int ends_back{-1}, ends_on{-1};  ///< limits that set `back` and `on`
   };
   struct Pair {
     int which{0}, first{0};
     double lower[2]{}, upper[2]{}, width[2]{};
-    double seen[2]{};    ///< where look() was
-    double reach{-1.0};  ///< of what it saw, in widths; < 0: has not seen
+    double seen[2]{};    ///< DoFs at the last look()
+    double reach{-1.0};  ///< distance from `seen` without a limit, in widths; < 0: none known
     All limits{};        ///< there
     int engaged{-1};     ///< of `limits`
     double across[2]{};  ///< unit vector in widths: the way off the engaged limit
@@ -70,7 +70,7 @@ class MechanismLimits {
   [[nodiscard]] static Bounds bounds_of(const Pair& pair) noexcept;
   [[nodiscard]] static double reach_of(const Pair& pair) noexcept;
   static void lead(Pair& pair, int limit) noexcept;
-  /// The mechanism's limits and the box's at (a, b); false where there is no pose.
+  /// The mechanism's limits and the box's at (a, b); false if there is no pose.
   [[nodiscard]] bool limits_at(const Pair& pair, double a, double b, All& all) const noexcept;
   [[nodiscard]] bool restore(const Pair& pair, double& a, double& b) const noexcept;
 

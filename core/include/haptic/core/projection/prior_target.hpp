@@ -15,7 +15,7 @@ class PriorTarget {
     for (int i = 0; i < layout.n_a(); ++i) target_[layout.actuated(i)] = q[layout.actuated(i)];
     return target_;
   }
-  /// The next call takes q_n^ref anew.
+  /// The next call takes q_n^ref from q again.
   void reset() noexcept { target_.resize(0); }
 
  private:

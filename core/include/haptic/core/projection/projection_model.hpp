@@ -88,7 +88,7 @@ void check_coupling(const Kinematics& kinematics, const StiffnessCoupling& coupl
 /// per finger, 264 with two fingers, 19 with three, 11 with four; finger exoskeleton 3.
 inline constexpr double kWellConditioned = 100.0;
 
-/// Throws SceneError where the scene needs a prior and has none: the condition of J, weighed and
+/// Throws SceneError if the scene needs a prior and has none: the condition of J, weighed and
 /// equilibrated, exceeds kWellConditioned in at least half of the poses of the box (
 /// core/METHOD.md#hand-without-prior: without one the two-fingered hand answers 3 mm of noise with
 /// hundreds of radians).

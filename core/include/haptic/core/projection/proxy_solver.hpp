@@ -1,8 +1,8 @@
 #pragma once
-/// The iteration behind Eq. (6) where the map has no closed form
+/// The iteration behind Eq. (6) for a map without a closed form
 /// (core/METHOD.md#projection-algorithm):
 ///   q* = argmin ||x (-) f(q*)||_W^2 + sum_i w_i^2 (q*_i - t_i)^2  over the box of q and the limits
-/// that its mechanisms have beside it (sliders),
+/// of its mechanisms (the ends of sliders),
 /// by Gauss-Newton in the box, and by Levenberg-Marquardt if a full step would raise the cost. No
 /// step is taken that raises it: the last iterate is the best one seen.
 
@@ -16,7 +16,7 @@ namespace haptic::core {
 // The identifier is clang's own, in the copy of an array.
 class ProxySolver {  // NOLINT(bugprone-reserved-identifier)
  public:
-  static constexpr int kMaxTrials = 8;  ///< of damping, where a Gauss-Newton step fails
+  static constexpr int kMaxTrials = 8;  ///< of damping, if a Gauss-Newton step fails
 
   explicit ProxySolver(const ProjectionModel& model);
 
@@ -35,18 +35,18 @@ class ProxySolver {  // NOLINT(bugprone-reserved-identifier)
     VecX x{}, r{};      ///< f(q); W^{1/2} (x (-) f(q))
     MatXQ J{};          ///< W^{1/2} df/dq
     double task{0.0};   ///< ||r||^2
-    double cost{0.0};   ///< task and prior; infinite where f has no value
+    double cost{0.0};   ///< task and prior; infinite if f has no value
     bool inside{true};  ///< the mechanisms' limits; else there is no cost either
   };
   enum class Step { kTaken, kConverged, kStuck };
 
   void evaluate(const VecX& x, Point& point) noexcept;
-  /// One step from here(), by trial and error; swaps here() and trial() where it was taken.
+  /// One step from here(), by trial and error; swaps here() and trial() if it was taken.
   [[nodiscard]] Step step(const VecX& x) noexcept;
   [[nodiscard]] Step damped_step(const VecX& x) noexcept;
   /// trial().q = here().q + the step of damping lambda. Returns its length relative to the box.
   double propose(double lambda) noexcept;
-  /// trial().q = here().q + share of that step, inside the mechanisms' limits where that succeeds.
+  /// trial().q = here().q + share of that step, inside the mechanisms' limits if that succeeds.
   void put_trial(double share) noexcept;
   void follow_curvature(const VecX& x, double promise, bool flat) noexcept;
   /// All rows of the linear problem at here().

@@ -55,7 +55,7 @@ class TaskMetric {
 
   int n_x_{0};
   VecX diagonal_{};  ///< of W^{1/2}
-  /// W^{1/2}, upper triangular, where it is not diagonal. Shared: copies are made under way.
+  /// W^{1/2}, upper triangular, if it is not diagonal. Shared, because copies are made in the loop.
   std::shared_ptr<const Eigen::MatrixXd> upper_{};
 };
 

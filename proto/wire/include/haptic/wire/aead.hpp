@@ -21,16 +21,16 @@ using Cipher = std::unique_ptr<evp_cipher_ctx_st, CipherDeleter>;
 /// What a direction sends. Not thread-safe.
 class Sealer {
  public:
-  /// Far below what AES-128-GCM bears, far above a session: 12 days at 4 kHz. At half of it the
+  /// Far below what AES-128-GCM allows, far above one session: 12 days at 4 kHz. At half of it the
   /// server hands out new keys; beyond it nothing is sealed.
   static constexpr std::uint64_t kPacketsPerKey = std::uint64_t{1} << 32U;
 
-  /// `first` is the next packet number: 1, but for test vectors. Throws std::runtime_error where
+  /// `first` is the next packet number: 1, except for test vectors. Throws std::runtime_error if
   /// OpenSSL refuses.
   Sealer(std::uint32_t path_id, const DirectionKey& key, std::uint64_t first = 1);
 
   /// Header, ciphertext and tag into `out`, under the next packet number; their size. 0, and no
-  /// number used, where the payload is above kLargestPayload, `out` too short or the key worn out.
+  /// number used, if the payload is above kLargestPayload, `out` too short or the key used up.
   [[nodiscard]] std::size_t seal(DatagramType type, ConstBytes payload, Bytes out) noexcept;
 
   [[nodiscard]] std::uint32_t path_id() const noexcept { return path_id_; }
@@ -55,9 +55,9 @@ class Opener {
  public:
   Opener(std::uint32_t path_id, const DirectionKey& key);
 
-  /// The checks from the replay window on (proto/README.md#receiving): window, tag, commit. `header` is
-  /// read_header()'s, of this datagram; `payload` has room for kLargestPayload bytes, and is
-  /// garbage after a rejection.
+  /// The checks from the replay window on (proto/README.md#receiving): window, tag, commit. `header`
+  /// comes from read_header() of this datagram; `payload` has room for kLargestPayload bytes and is
+  /// undefined after a rejection.
   [[nodiscard]] Opened open(const Header& header, ConstBytes datagram, Bytes payload) noexcept;
 
   [[nodiscard]] std::uint32_t path_id() const noexcept { return path_id_; }

@@ -1,11 +1,12 @@
 #pragma once
-/// Where the other end's steady clock stands against ours, from exchanges of four time stamps (as
-/// NTP's, RFC 5905 8): the exchange of least round trip per interval, and a line through those.
+/// Offset and drift of the other end's steady clock against this end's, from exchanges of four time
+/// stamps (as NTP's, RFC 5905 8): the exchange of least round trip per interval, and a line through
+/// those.
 ///
 /// An exchange proves its offset to within half its round trip, whatever the queues did; the least
 /// round trip of many proves it best. The line through such points gives the drift, so that the
 /// offset still holds between exchanges. A clock that was stepped contradicts the proof: three
-/// exchanges in a row that exclude the line begin the estimate anew.
+/// exchanges in a row that exclude the line start the estimate again.
 
 #include <array>
 #include <cstddef>
@@ -28,7 +29,7 @@ class ClockOffset {
  public:
   static constexpr Duration kInterval{std::chrono::milliseconds(500)};
   static constexpr std::size_t kIntervals = 32;
-  /// Two quartz clocks differ by no more, with room: what an old point may have drifted until now.
+  /// Upper bound of the drift between two quartz clocks: how far an old point may be off by now.
   static constexpr double kLargestDrift = 500e-6;
   static constexpr int kContradictions = 3;
 
@@ -38,7 +39,7 @@ class ClockOffset {
     Duration bound{0};   ///< the true offset lies within offset +- bound while drifts are plausible
   };
 
-  /// Exchanges that cannot be (negative round trip, readings beyond 146 years) are passed over.
+  /// Exchanges that cannot be (negative round trip, readings beyond 146 years) are ignored.
   void add(const ClockExchange& exchange) noexcept;
   /// None before the first exchange.
   [[nodiscard]] std::optional<Estimate> at(TimePoint now) const noexcept;
@@ -49,11 +50,11 @@ class ClockOffset {
                                    const Estimate& estimate) noexcept;
 
   /// When, by our clock, theirs showed `reading`, at the latest: the estimate and its bound. A
-  /// sample's life may be counted from there where that is earlier than its arrival
+  /// sample's life may be counted from there if that is earlier than its arrival
   /// (proto/README.md#staleness-and-gain).
   [[nodiscard]] std::optional<TimePoint> latest(Duration reading, TimePoint now) const noexcept;
 
-  /// Times the estimate began anew.
+  /// How often the estimate started again.
   [[nodiscard]] unsigned steps() const noexcept { return steps_; }
 
  private:
@@ -62,7 +63,7 @@ class ClockOffset {
     Duration offset{0};
     Duration rtt{0};
   };
-  /// What an exchange proves; none where it cannot be.
+  /// What an exchange proves; none if it cannot be.
   [[nodiscard]] static std::optional<Point> proof(const ClockExchange& exchange) noexcept;
   [[nodiscard]] bool contradicts(const Point& point) const noexcept;
   void keep(const Point& point) noexcept;

@@ -49,7 +49,7 @@ enum class Rejection : std::uint8_t {
   kType,         ///< unknown, or not for this direction
   kUnknownPath,  ///< no session has these keys
   kDuplicate,    ///< the packet number came before
-  kTooOld,       ///< behind the replay window: nobody can tell any more
+  kTooOld,       ///< behind the replay window: not known whether it came before
   kTag,          ///< forged, damaged or sealed with other keys
   kPayload,      ///< genuine, but not the message that its type promises
 };
@@ -60,7 +60,7 @@ inline constexpr std::size_t kRejections = 10;
 
 struct HeaderReading {
   Rejection rejection{Rejection::kNone};
-  Header header{};  ///< valid where nothing was rejected
+  Header header{};  ///< valid if nothing was rejected
 };
 
 /// The checks that need no session: length, magic, version, type.

@@ -14,7 +14,7 @@ namespace haptic::wire {
 struct LinkCounters {
   std::uint64_t received{0};  ///< genuine datagrams
   std::uint64_t bytes{0};     ///< of those
-  /// Numbers below the newest that did not come so far; falls again where they come late.
+  /// Numbers below the newest that did not come so far; falls again if they come late.
   std::uint64_t lost{0};
   std::uint64_t reordered{0};                         ///< came after a higher number
   std::array<std::uint64_t, kRejections> rejected{};  ///< by Rejection
@@ -38,7 +38,7 @@ class LinkStatistics {
   void rejected(Rejection why) noexcept { ++counters_.rejected[static_cast<std::size_t>(why)]; }
   /// Its sender's clock at sending: for jitter. Clocks need no common origin.
   void timed(Duration sender_time, TimePoint arrival) noexcept;
-  /// Packet numbers begin anew (rekey); totals stay.
+  /// Packet numbers start at 1 again (rekey); totals stay.
   void renumber() noexcept;
 
   [[nodiscard]] const LinkCounters& counters() const noexcept { return counters_; }
@@ -77,7 +77,7 @@ class LossReport {
   /// Fewer packets than this say nothing about a share.
   static constexpr std::uint64_t kLeastPackets = 10;
 
-  /// Reports that came out of order are passed over.
+  /// Reports that came out of order are ignored.
   void add(std::uint64_t packets, std::uint64_t newest, TimePoint arrival) noexcept;
   /// None before a second's worth is known.
   [[nodiscard]] std::optional<double> share() const noexcept;

@@ -45,8 +45,8 @@ class PathEnd {
   void start(const PeerAddress& server, TimePoint now) { machine_.start(server, now); }
 
   /// A datagram that came at `arrival`, on this end's steady clock. Makes all
-  /// checks but those of the message (proto/README.md#receiving). A challenge is answered to
-  /// `from`; nothing else ever is.
+  /// checks except those of the message (proto/README.md#receiving). A challenge is answered to
+  /// `from`; nothing else is ever answered.
   [[nodiscard]] Received receive(ConstBytes datagram, const PeerAddress& from, TimePoint arrival);
   /// The message of a datagram was none, although the tag was right.
   void message_unreadable() noexcept { statistics_.rejected(Rejection::kPayload); }
@@ -55,10 +55,10 @@ class PathEnd {
   PathChange step(TimePoint now);
   [[nodiscard]] TimePoint next_step() const noexcept { return machine_.next_step(); }
 
-  /// A PROXY or STATE, by what this end sends. False where the path is not in use, or the message
-  /// too large: then it is the stream's.
+  /// Sends a PROXY (client) or STATE (server). False if the path is not in use or the message is too
+  /// large: send it on the stream then.
   bool send(ConstBytes message);
-  /// Tells the other end that we leave, and sends no more.
+  /// Tells the other end that this end leaves the path, and sends no more.
   void close();
 
   void rekey(const PathKeys& next, OldKeys old);

@@ -23,7 +23,7 @@ struct PathKeys {
   DirectionKey down{};       ///< server to client
 };
 
-/// From the operating system's entropy by way of OpenSSL. Throws std::runtime_error where there is
+/// From the operating system's entropy by way of OpenSSL. Throws std::runtime_error if there is
 /// none: a path with guessable keys must not exist.
 [[nodiscard]] PathKeys fresh_keys();
 /// 64 random bits, for challenges. Throws as fresh_keys().

@@ -15,7 +15,7 @@ struct PathChallenge {
 };
 
 ///   0  8 token | 8  8 received_ns | 16  8 sent_ns | 24  8 packets | 32  8 newest packet number
-/// As long as the challenge, so that nobody gets more than was sent in his name.
+/// As long as the challenge, so that a forged sender address draws no more bytes than were sent.
 struct PathResponse {
   std::uint64_t token{0};
   std::int64_t received_ns{0};  ///< responder's steady clock when the challenge came
@@ -32,8 +32,8 @@ inline constexpr std::size_t kPaddedChallenge = kLargestPayload;
 /// Fill all of `out` (at least kResponseSize).
 void write(const PathChallenge& challenge, Bytes out) noexcept;
 void write(const PathResponse& response, Bytes out) noexcept;
-/// None where the payload is shorter than kResponseSize. What lies behind is not looked at: later
-/// versions may put something there.
+/// None if the payload is shorter than kResponseSize. Bytes after it are ignored: later versions may
+/// use them.
 [[nodiscard]] std::optional<PathChallenge> read_challenge(ConstBytes payload) noexcept;
 [[nodiscard]] std::optional<PathResponse> read_response(ConstBytes payload) noexcept;
 

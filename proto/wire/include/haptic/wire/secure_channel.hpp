@@ -4,8 +4,8 @@
 /// Rekey, make-before-break. The server hands new keys out on the stream and goes on sending with
 /// the old ones until a datagram under the new ones came: the client has them then. The client
 /// sends with the new ones from the moment it has them. What was under way under the old keys is
-/// still opened for one second after the new ones were seen in use, or not at all where a new lease
-/// must not hear an old one.
+/// still opened for one second after the new ones were seen in use, or not at all if a new lease must
+/// not hear an old one.
 
 #include <optional>
 
@@ -22,8 +22,8 @@ class SecureChannel {
  public:
   /// How long datagrams sealed with the former keys are still opened.
   static constexpr Duration kOldKeysLast{std::chrono::seconds(1)};
-  /// Keys that were changed to are not worn out before. Who holds a key chooses its packet numbers,
-  /// and shall not have new keys made by them as fast as it likes.
+  /// New keys last at least this long. The holder of a key chooses its packet numbers, and must not
+  /// be able to force new keys as fast as it likes.
   static constexpr Duration kKeysLastAtLeast{std::chrono::minutes(1)};
 
   SecureChannel(End end, const PathKeys& keys);

@@ -109,20 +109,25 @@ class Pipeline::Stages {
         in_use_(VecQ::Zero(model_.layout().n_q())) {}
 
   [[nodiscard]] TickRecord tick(const TickInput& in) noexcept {
-    const Beat beat = clock_.step(in, ready_);
     const Settings& settings = settings_.step(in.settings, state_);
-    const Sensed sensed = sensing_.step(in);
-    const ProxyInUse proxy = proxy_.step(in, settings.staleness, sensed.tracker, state_);
-    const Anchor wanted = rendering_.step(sensed, proxy_.sample(), settings, in_use_);
-    const Lifecycle life =
-        supervisor_.step(in, beat, settings, sensed, proxy, wanted, output_faults_);
-    const Effort effort =
-        actuation_.step(beat, sensed, wanted, life, settings, rendering_.displacement(sensed));
-    ready_ = sensed.ready;
-    state_ = life.state;
-    in_use_ = effort.q_star;
-    output_faults_ = effort.faults;
-    return {in, beat, settings.id, sensed, proxy, wanted, life, effort};
+    // Each result is made in its place in the record, where the stages that follow read it.
+    TickRecord now{
+        .input = in,
+        .beat = clock_.step(in, ready_),
+        .settings_id = settings.id,
+        .sensed = sensing_.step(in),
+        .proxy = proxy_.step(in, settings.staleness, now.sensed.tracker, state_),
+        .anchor = rendering_.step(now.sensed, proxy_.sample(), settings, in_use_),
+        .life = supervisor_.step(in, now.beat, settings, now.sensed, now.proxy, now.anchor,
+                                 output_faults_),
+        .effort = actuation_.step(now.beat, now.sensed, now.anchor, now.life, settings,
+                                  rendering_.displacement(now.sensed)),
+    };
+    ready_ = now.sensed.ready;
+    state_ = now.life.state;
+    in_use_ = now.effort.q_star;
+    output_faults_ = now.effort.faults;
+    return now;
   }
   [[nodiscard]] const PipelineConfig& config() const noexcept { return config_; }
 

@@ -7,8 +7,8 @@
 #         build       what compiles them
 #         demo        what server/demo.sh needs in addition to build
 #         test        what tests/run.sh needs in addition to build
-#         report      what draws figures, and the peers in them
-#         node        npm, which fetches buf (proto/buf.sh) and the peer of tests/bench/network.sh
+#         report      what draws the figures of the study
+#         node        npm, which fetches buf (proto/buf.sh)
 #         firmware    the board's side
 #         containers  building and running images
 # Installs missing packages only; if none is missing it needs neither network nor root. "a|b" means:
@@ -31,7 +31,7 @@ packages() {
                 "liborocos-kdl-dev clang python3-grpcio python3-cryptography tshark openssl" \
                 "python3-pip python3-setuptools python3-wheel" \
                 "prometheus systemd mypy lintian" ;;
-    report) echo "gnuplot-nox liblapack-dev libceres-dev libcminpack-dev" ;;
+    report) echo "gnuplot-nox" ;;
     node) echo "nodejs npm" ;;
     firmware) echo "gcc-arm-none-eabi" ;;
     # An engine that needs neither daemon nor registry; docker/test.sh uses Docker if it runs.

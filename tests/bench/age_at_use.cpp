@@ -18,9 +18,8 @@ constexpr double kRate = 100.0;  ///< Hz
 constexpr milliseconds kPeriod{10}, kSettling{500}, kMeasured{2000};
 /// Target for UDP: the delay and three periods.
 constexpr double kTargetUs = 10'000.0 + 3 * 10'000.0;
-constexpr double kLossUpToWhichItHolds = 0.10;
 
-/// The relay's link in block `block`: the scenario's trouble, its dice thrown anew.
+/// The relay's link in block `block`: the scenario with a seed of its own.
 test::RelaySetup setup(const test::Scenario& scenario, int block, std::uint16_t tcp,
                        std::uint16_t udp) {
   test::RelaySetup relay;
@@ -77,7 +76,7 @@ std::vector<double> ages(Product& product, const test::RelaySetup& trouble, bool
     if (at < begin.time_since_epoch().count() || seq == 0 || seq > published.size()) continue;
     answer.push_back(static_cast<double>(at - published[seq - 1]) * 1e-3);
   }
-  // A path that was down all the time: what a tick would have used is as old as the block, at least.
+  // If the path was down all the time, the newest sample is at least as old as the block.
   if (answer.empty()) answer.push_back(core::seconds(kSettling + kMeasured) * 1e6);
   product.arrivals.keep_used = false;
   product.arrivals.born.clear();
@@ -85,49 +84,33 @@ std::vector<double> ages(Product& product, const test::RelaySetup& trouble, bool
   return answer;
 }
 
-std::vector<double> peer_block(const WebSocketPeer& peer, const test::RelaySetup& trouble) {
-  const test::Relay relay(trouble);
-  const std::string command = peer.client + " ws://127.0.0.2:" + std::to_string(peer.port) + " " +
-                              std::to_string(core::seconds(kMeasured)) + " " +
-                              std::to_string(kRate);
-  std::FILE* output = ::popen(command.c_str(), "r");
-  if (output == nullptr) throw std::runtime_error("cannot run: " + command);
-  double p50 = 0.0, p99 = 0.0;
-  const int read = std::fscanf(output, "%lf %lf", &p50, &p99);
-  if (::pclose(output) != 0 || read != 2 || p50 <= 0.0) {
-    throw std::runtime_error("no figures from: " + command);
-  }
-  return {p50, p99};
-}
-
-void one_loss(Product& product, const WebSocketPeer& peer, const test::Scenario& scenario,
-              bool by_udp, int blocks) {
+void one_loss(Product& product, const test::Scenario& scenario, int blocks) {
   int block = 0;
-  const auto ours = [&] {
-    const auto values = ages(
-        product, setup(scenario, ++block, port_of(product.address()), product.udp_port()), by_udp);
-    return std::vector<double>{percentile(values, 0.5), percentile(values, 0.99)};
+  const auto by = [&](bool udp) {
+    return [&, udp] {
+      const auto values = ages(
+          product, setup(scenario, ++block, port_of(product.address()), product.udp_port()), udp);
+      return std::vector<double>{percentile(values, 0.5), percentile(values, 0.99)};
+    };
   };
-  const auto theirs = [&] { return peer_block(peer, setup(scenario, ++block, peer.port, 0)); };
-  char what[80];
-  std::snprintf(what, sizeof what, "proxy age at use by %s 10 ms %g %% loss",
-                by_udp ? "UDP" : "gRPC", scenario.up.loss * 100.0);
-  const std::string name = what;
+  char name[80];
+  std::snprintf(name, sizeof name, "proxy age at use by UDP 10 ms %g %% loss",
+                scenario.up.loss * 100.0);
+  const std::string what = name;
   const auto rows =
-      compare_all({name + " p50", name + " p99"}, "WebSocket and JSON", "us", ours, theirs, blocks);
+      compare_all({what + " p50", what + " p99"}, "gRPC", "us", by(true), by(false), blocks);
   for (const Row& row : rows) print(row);
-  const double target = by_udp && scenario.up.loss <= kLossUpToWhichItHolds ? kTargetUs : 0.0;
-  print(Figure{name + " p99", "us", rows.back().own, target});
+  print(Figure{what + " p99", "us", rows.back().own, kTargetUs});
 }
 
 }  // namespace
 
-void age_at_use(const WebSocketPeer& peer, int blocks) {
+void age_at_use(int blocks) {
   const std::string folder = HAPTIC_SOURCE_DIR "/tests/relay/scenarios/";
   Product product({"127.0.0.1:0"}, "127.0.0.1:0");
   for (const char* file : {"delay_10ms", "loss_01", "loss_05", "loss_10"}) {
     const test::Scenario scenario = test::read_scenario(folder + file + ".textproto");
-    for (const bool by_udp : {true, false}) one_loss(product, peer, scenario, by_udp, blocks);
+    one_loss(product, scenario, blocks);
   }
 }
 

@@ -3,13 +3,10 @@
 # alternating blocks, median paired ratio with its bootstrap 95 % interval, an A/A row in the same
 # line. Writes CSV to standard output. Run it on a machine that does nothing else.
 #
-#   tests/bench/network.sh [datagram|udp|stream|age]...   default: all, about half an hour
+#   tests/bench/network.sh [udp|age]...   default: all, about 20 minutes
 #
-#   datagram  one datagram at the server, split: receive, AEAD, parse, ingress
-#   udp       from a sample to the mailbox, against raw UDP of the same size
-#   stream    from publish() to the mailbox by gRPC, TCP and UNIX socket, against a bare gRPC stream
-#   age       the proxy's age at use behind the relay, 10 ms and losses, by UDP and gRPC, against
-#             a WebSocket and JSON service of the npm package ws (fetched into the build folder)
+#   udp  from a sample to the mailbox, against raw UDP of the same size
+#   age  the proxy's age at use behind the relay, 10 ms and losses, by UDP against gRPC
 #
 # BLOCKS=2 shortens it, to see that it works; figures to be quoted need the default, 20.
 set -euo pipefail
@@ -18,11 +15,11 @@ cd "$root"
 case "${1:-}" in -h | --help) sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"; exit 0 ;; esac
 build=${BUILD_DIR:-build/release}
 parts=("$@")
-[ ${#parts[@]} -gt 0 ] || parts=(datagram udp stream age)
+[ ${#parts[@]} -gt 0 ] || parts=(udp age)
 for part in "${parts[@]}"; do
   case "$part" in
-    datagram | udp | stream | age) ;;
-    *) echo "network.sh: unknown part '$part' (datagram, udp, stream, age)" >&2; exit 2 ;;
+    udp | age) ;;
+    *) echo "network.sh: unknown part '$part' (udp, age)" >&2; exit 2 ;;
   esac
 done
 if [ -z "${BUILD_DIR:-}" ]; then
@@ -31,23 +28,4 @@ if [ -z "${BUILD_DIR:-}" ]; then
   cmake --build --preset release --parallel "$(nproc)" --target haptic-bench-network >&2
 fi
 
-peer=()
-case " ${parts[*]} " in
-  *" age "*)
-    command -v npm > /dev/null || sh docker/install-deps.sh node >&2
-    folder=$build/bench-peer
-    mkdir -p "$folder"
-    cp tests/bench/peer/package.json tests/bench/peer/*.js "$folder/"
-    [ -d "$folder/node_modules/ws" ] || npm install --prefix "$folder" --no-audit --no-fund >&2
-    coproc SERVICE { exec node "$folder/service.js"; }
-    service=$SERVICE_PID
-    trap 'kill "$service" 2> /dev/null || true' EXIT
-    read -r -t 20 port <&"${SERVICE[0]}" || {
-      echo "network.sh: the peer's service did not start" >&2
-      exit 2
-    }
-    peer=(--peer-client "node $folder/publisher.js" --peer-port "$port")
-    ;;
-esac
-"$build/tests/bench/haptic-bench-network" "${parts[@]}" ${peer[@]+"${peer[@]}"} \
-  --blocks "${BLOCKS:-20}"
+"$build/tests/bench/haptic-bench-network" "${parts[@]}" --blocks "${BLOCKS:-20}"

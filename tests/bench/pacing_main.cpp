@@ -1,8 +1,5 @@
-/// What it is worth that a board's samples begin the ticks (loop.paced_by): the product's loop with
-/// an emulated board on a pseudo-terminal, against the same loop by its timer; then how long the
-/// timer should wait for a sample, in virtual time (patience_study.hpp).
-///
-///   haptic-bench-pacing [patience]      patience: the second part alone
+/// Ticks begun by a board's samples (loop.paced_by) against ticks by the timer: the product's loop
+/// with an emulated board on a pseudo-terminal.
 ///
 /// One block is a second of ticks, in four stretches: what a timer's tick finds depends on the phase
 /// between it and the board, which is another in every stretch. A block with a fault in it (the board
@@ -27,7 +24,6 @@
 #include "server/scene/scene.hpp"
 #include "server/telemetry/telemetry.hpp"
 #include "tests/bench/paired.hpp"
-#include "tests/bench/patience_study.hpp"
 #include "tests/bench/percentile.hpp"
 
 namespace {
@@ -215,39 +211,11 @@ void compare_with_timer() {
   beside("by the timer: skipped", timed.skipped);
 }
 
-void study_of_patience() {
-  struct Patience {
-    const char* name;
-    std::optional<core::Duration> value;
-  };
-  std::printf(
-      "link,patience,age_p50_us,age_p99_us,by_timer_percent,shortest_gap_us,longest_gap_us,"
-      "gap_at_silence_us\n");
-  for (const bench::SampleLink& link : bench::usual_links()) {
-    for (const Patience& patience :
-         {Patience{"no pacing", std::nullopt}, Patience{"1/16 period", kPeriod / 16},
-          Patience{"1/8 period", kPeriod / 8}, Patience{"1/4 period", kPeriod / 4},
-          Patience{"1/2 period", kPeriod / 2}}) {
-      const bench::PatienceRow row = bench::study_patience(link, patience.value);
-      std::printf("%s,%s,%.0f,%.0f,%.2f,%.0f,%.0f,%.0f\n", link.name.c_str(), patience.name,
-                  row.age_p50_us, row.age_p99_us, row.by_timer_percent, row.shortest_gap_us,
-                  row.longest_gap_us, row.gap_at_silence_us);
-    }
-  }
-}
-
 }  // namespace
 
-int main(int argc, char** argv) {
-  const std::string part = argc > 1 ? argv[1] : "";
-  if (argc > 2 || (!part.empty() && part != "patience")) {
-    std::fprintf(stderr, "haptic-bench-pacing: unknown argument '%s' (patience, or none)\n",
-                 argv[argc - 1]);
-    return 2;
-  }
+int main() {
   try {
-    if (part.empty()) compare_with_timer();
-    study_of_patience();
+    compare_with_timer();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "haptic-bench-pacing: %s\n", error.what());
     return 1;

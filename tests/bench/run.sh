@@ -6,7 +6,7 @@
 #   tests/bench/run.sh [core|linear|loop|wire|memory|serial]...   default: all but serial, about 8 minutes
 #
 # serial: 20 s each of the streaming and the 500 Hz link to the emulator, figures as text; then
-# ticks begun by the board's samples against ticks by the timer, and how long the timer should wait.
+# ticks begun by the board's samples against ticks by the timer.
 # MEMORY_SECONDS=600 has `memory` look for so long.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)

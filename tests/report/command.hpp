@@ -19,8 +19,6 @@ void add_closed_loop(CLI::App& app);
 void add_coupling(CLI::App& app);
 void add_rate(CLI::App& app);
 void add_hard_cases(CLI::App& app);
-void add_linear_algebra(CLI::App& app);
 void add_scaling(CLI::App& app);
-void add_work_precision(CLI::App& app);
 
 }  // namespace haptic::report

@@ -18,9 +18,7 @@ int main(int argc, char** argv) {
   haptic::report::add_coupling(app);
   haptic::report::add_rate(app);
   haptic::report::add_hard_cases(app);
-  haptic::report::add_linear_algebra(app);
   haptic::report::add_scaling(app);
-  haptic::report::add_work_precision(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

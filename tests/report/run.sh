@@ -5,8 +5,7 @@
 #   tests/report/run.sh [--output DIR] [--build DIR] [part...]
 #
 #   part           kinematics fig4 recordings scan radius finger coupling closed_loop rate
-#   hard_cases linear_algebra
-#                  scaling work_precision; default: all
+#                  hard_cases scaling; default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
 #
@@ -27,7 +26,7 @@ while (($#)); do
     *) parts+=("$1"); shift ;;
   esac
 done
-((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger coupling closed_loop rate hard_cases linear_algebra scaling work_precision)
+((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger coupling closed_loop rate hard_cases scaling)
 
 if [[ -z $programs ]]; then
   sh "$root/docker/install-deps.sh" build test report
@@ -222,22 +221,9 @@ make_rate() {
 make_hard_cases() {
   csv hard_cases hard-cases || echo "run.sh: a hard case did not pass" >&2
 }
-make_linear_algebra() {
-  csv linear_algebra linear-algebra
-  csv linear_algebra_paired linear-algebra --paired
-  draw linear_algebra linear_algebra "csv='$output/linear_algebra.csv'"
-}
 make_scaling() {
   csv scaling scaling
   draw scaling scaling "csv='$output/scaling.csv'"
-}
-make_work_precision() {
-  csv work_precision work-precision
-  (cd "$output" && for map in finger hand tracked_hand chain; do
-    awk -F, -v map="$map" 'NR == 1 || $1 == map' work_precision.csv >"work_precision_$map.csv"
-  done
-  awk -F, 'NR == 1 || $8 != "eq8"' work_precision.csv >work_precision_parts.csv)
-  draw work_precision work_precision "csv='$output/work_precision.csv'"
 }
 
 for part in "${parts[@]}"; do

@@ -27,7 +27,7 @@ packages() {
                 "nlohmann-json3-dev libssl-dev libasio-dev libserialport-dev" \
                 "libsystemd-dev libcpp-httplib-dev python3-protobuf dpkg-dev file help2man" ;;
     demo) echo "gnuplot-nox" ;;
-    test) echo "libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy gnuplot-nox" \
+    test) echo "libgtest-dev libgmock-dev clang-format clang-tidy gnuplot-nox" \
                 "liborocos-kdl-dev clang python3-grpcio python3-cryptography tshark openssl" \
                 "python3-pip python3-setuptools python3-wheel" \
                 "prometheus systemd mypy lintian" ;;

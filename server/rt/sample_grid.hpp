@@ -12,7 +12,7 @@
 ///
 /// A quarter: less leaves ticks to the timer that a link's jitter would have brought a sample, more
 /// lets ticks be further apart, and older samples be used, where one is lost
-/// (tests/bench/patience_study.hpp; the table in server/README.md).
+/// (server/README.md).
 ///
 /// A tick is due when its sample came, or at `latest`; lateness counts from there. As on
 /// DeadlineGrid, due times that have passed meanwhile are skipped and counted, never made up for.

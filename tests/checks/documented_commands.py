@@ -12,6 +12,7 @@ the test that runs it.
 """
 
 import os
+import contextlib
 import pathlib
 import re
 import shlex
@@ -185,10 +186,16 @@ def check_code(root: pathlib.Path, known: dict[tuple[str, str], tuple[int, str, 
 
 
 def free_ports() -> tuple[int, int]:
-    with socket.socket() as tcp, socket.socket(type=socket.SOCK_DGRAM) as udp:
-        tcp.bind(("127.0.0.1", 0))
-        udp.bind(("127.0.0.1", 0))
-        return tcp.getsockname()[1], udp.getsockname()[1]
+    """Two that differ, below the ports that the kernel gives out, so that no other test gets them meanwhile."""
+    free = []
+    for port in range(12_000 + 37 * os.getpid() % 17_000, 32_000):
+        with socket.socket() as tcp, socket.socket(type=socket.SOCK_DGRAM) as udp, contextlib.suppress(OSError):
+            tcp.bind(("127.0.0.1", port))
+            udp.bind(("127.0.0.1", port))
+            free.append(port)
+            if len(free) == 2:
+                return free[0], free[1]
+    raise AssertionError("no free port on 127.0.0.1")
 
 
 def run_by_hand(root: pathlib.Path, programs: pathlib.Path) -> list[str]:

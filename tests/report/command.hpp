@@ -18,7 +18,6 @@ void add_finger(CLI::App& app);
 void add_closed_loop(CLI::App& app);
 void add_coupling(CLI::App& app);
 void add_rate(CLI::App& app);
-void add_hard_cases(CLI::App& app);
 void add_scaling(CLI::App& app);
 
 }  // namespace haptic::report

@@ -17,7 +17,6 @@ int main(int argc, char** argv) {
   haptic::report::add_closed_loop(app);
   haptic::report::add_coupling(app);
   haptic::report::add_rate(app);
-  haptic::report::add_hard_cases(app);
   haptic::report::add_scaling(app);
   try {
     app.parse(argc, argv);

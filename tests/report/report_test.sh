@@ -180,9 +180,7 @@ finger subspace_linear 999,25 1500 46.6 43.3
 finger subspace_exact 18,25 1500 44.2 38.7
 echo "$rows" | grep -q "^subspace_exact,18,999,50,50,6000,.*,deeper and gives energy$" ||
   fail "finger: (6) on an MCP stop at 6000 N/m pulls the finger into the wall (core/METHOD.md#forces-at-the-finger)"
-header "case,expected,got,verdict" hard-cases
 header "method,proxy,fingers_declared,fingers_in_contact,tick_ns,idle_share_pct" scaling --ticks 16
-header "rows,cols,method,cond,ns,max_relative_error" linear-algebra --calls 8
 
 # The same presses through an emulated board: every method, at the actuator and at the finger.
 rows=$("$report" finger --board --stop 18,999)

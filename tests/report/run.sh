@@ -5,7 +5,7 @@
 #   tests/report/run.sh [--output DIR] [--build DIR] [part...]
 #
 #   part           kinematics fig4 recordings scan radius finger coupling closed_loop rate
-#                  hard_cases scaling; default: all
+#                  scaling; default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
 #
@@ -26,7 +26,7 @@ while (($#)); do
     *) parts+=("$1"); shift ;;
   esac
 done
-((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger coupling closed_loop rate hard_cases scaling)
+((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger coupling closed_loop rate scaling)
 
 if [[ -z $programs ]]; then
   sh "$root/docker/install-deps.sh" build test report
@@ -218,9 +218,6 @@ make_rate() {
   awk -F, 'NR == 1 || ($2 == 60 && $3 == 20)' "$output/rate_cycles.csv" >"$output/rate_cycles_60_20.csv"
 }
 
-make_hard_cases() {
-  csv hard_cases hard-cases || echo "run.sh: a hard case did not pass" >&2
-}
 make_scaling() {
   csv scaling scaling
   draw scaling scaling "csv='$output/scaling.csv'"

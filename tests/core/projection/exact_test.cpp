@@ -211,5 +211,28 @@ TEST(Iteration, AllocatesNothing) {
   }
 }
 
+/// core/METHOD.md#near-the-fold. The linearised method depends on the Jacobian there, Eq. (6) does not.
+TEST(ExactMethod, StaysSmallNearTheFold) {
+  const std::unique_ptr<Kinematics> finger = make_finger_exoskeleton({});
+  const VecX x = VecX::Zero(2);
+  const auto dq_mm = [&](RendererKind kind, double q_B_deg) {
+    const VecQ q = (VecQ(2) << 0.5e-3, q_B_deg * kDegree).finished();
+    Probe probe;
+    probe.q = q;
+    EXPECT_EQ(finger->evaluate(q, probe.x, probe.J), MapStatus::kOk);
+    VecX dx(2);
+    finger->space().difference(x, probe.x, dx);
+    Renderer renderer(kind, *finger);
+    Projection out;
+    renderer.project(probe, x, dx, VecA::Ones(1), true, out);
+    return 1e3 * (out.q_star[0] - q[0]);
+  };
+  EXPECT_NEAR(dq_mm(RendererKind::kSubspaceLinear, 40.0), -1.30, 0.01);
+  EXPECT_NEAR(dq_mm(RendererKind::kSubspaceLinear, 49.7), -279.0, 1.0);
+  for (int i = 0; i <= 97; ++i) {
+    EXPECT_NEAR(dq_mm(RendererKind::kSubspaceExact, 40.0 + 0.1 * i), 0.397, 1e-3);
+  }
+}
+
 }  // namespace
 }  // namespace haptic::core

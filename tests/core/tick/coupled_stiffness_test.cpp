@@ -395,5 +395,45 @@ TEST(CoupledStiffness, ATickAllocatesNothingAndIsReplayedToTheBit) {
   }
 }
 
+/// core/METHOD.md#coupled-stiffness: Z_q = [a^2, r a b; r a b, b^2] with r = 1 - 2^-40, which is exact
+/// in double and has condition 2.3e12. The law is written in the small difference 1 - r, so that
+/// nothing cancels, in long double.
+TEST(CoupledStiffness, NearlySingularKeepsTheLaw) {
+  constexpr long double a = 30.0L, b = 25.0L, gap = 0x1p-40L;
+  const auto ab = static_cast<double>((1.0L - gap) * a * b);
+  const Matrix2d Z = (Matrix2d() << 900.0, ab, ab, 625.0).finished();
+  const long double radius = std::min(kLimit[0] / a, kLimit[1] / b);
+  std::mt19937_64 random(45);
+  std::uniform_real_distribution<double> part(-1.0, 1.0);
+  for (const RendererKind renderer : kSubspace) {
+    CoupledBench bench(coupled_config(renderer, Z));
+    bench.engage();
+    int saturated = 0;
+    for (int i = 0; i < 2000; ++i) {
+      // Millimetres in every direction, every other time decimetres along the weak one, (b, -a).
+      const double weak = i % 2 == 0 ? 0.01 * part(random) : 0.0;
+      bench.q() << 0.006 * part(random), 0.1 * part(random), 0.006 * part(random);
+      bench.target << 0.006 * part(random) + 25.0 * weak, 0.1 * part(random),
+          0.006 * part(random) - 30.0 * weak;
+      const VecA tau = bench.tick().tau_a;
+      ASSERT_EQ(bench.record.state, DeviceState::kEngaged);
+      const long double d1 = bench.d()[0], d2 = bench.d()[1], along = a * d1 + b * d2;
+      const long double length =
+          std::sqrt(std::max(0.0L, along * along - 2 * gap * a * b * d1 * d2));
+      const long double scale = length > radius ? radius / length : 1.0L;
+      ASSERT_NEAR(tau[0], static_cast<double>(scale * (a * along - gap * a * b * d2)), 1e-11);
+      ASSERT_NEAR(tau[1], static_cast<double>(scale * (b * along - gap * a * b * d1)), 1e-11);
+      ASSERT_LE(std::abs(tau[0]), kLimit[0]);
+      ASSERT_LE(std::abs(tau[1]), kLimit[1]);
+      const long double u = tau[0] / a, v = tau[1] / b;  // tau^T Z_q^{-1} tau <= rho^2
+      ASSERT_LE((u - v) * (u - v) + 2 * gap * u * v,
+                radius * radius * (2 * gap - gap * gap) * (1 + 2e-7L));
+      saturated += length > radius ? 1 : 0;
+    }
+    EXPECT_GT(saturated, 250);
+    EXPECT_LT(saturated, 1750);
+  }
+}
+
 }  // namespace
 }  // namespace haptic::core

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "tests/support/vectors.hpp"
@@ -51,25 +49,6 @@ TEST(RemoteClient, ASampleArrivesItsDelayAfterTheLook) {
   EXPECT_EQ(run.proxy.gapless_samples, 200u);
 }
 
-TEST(RemoteClient, ItsPeriodVariesByTheJitterAndNoMore) {
-  ClientSettings settings = every_tick();
-  settings.rate_hz = 50.0;
-  settings.jitter = 0.3;
-  Stream run(settings);
-  run.tick();
-  double last = run.proxy.x[0], shortest = 1.0, longest = 0.0;
-  for (int i = 0; i < 20000; ++i) {
-    const std::uint64_t seq = run.proxy.seq;
-    run.tick();
-    if (run.proxy.seq == seq) continue;
-    shortest = std::min(shortest, run.proxy.x[0] - last);
-    longest = std::max(longest, run.proxy.x[0] - last);
-    last = run.proxy.x[0];
-  }
-  EXPECT_NEAR(shortest, 0.014, 0.001 + 1e-9);
-  EXPECT_NEAR(longest, 0.026, 0.001 + 1e-9);
-}
-
 TEST(RemoteClient, AnOlderSampleNeverReplacesANewerAndLostOnesNeverCome) {
   ClientSettings settings = every_tick();
   settings.rate_hz = 200.0;
@@ -87,18 +66,6 @@ TEST(RemoteClient, AnOlderSampleNeverReplacesANewerAndLostOnesNeverCome) {
   // 2000 looks, half of them lost, some overtaken by later ones.
   EXPECT_GT(run.proxy.gapless_samples, 400u);
   EXPECT_LT(run.proxy.gapless_samples, 1050u);
-}
-
-TEST(RemoteClient, AContactFlagIsFreeOffTheStops) {
-  ClientSettings settings = every_tick();
-  settings.stop = VecX::Constant(1, 0.005);
-  settings.only_in_contact = true;
-  Stream run(settings);
-  for (int i = 0; i < 5; ++i) run.tick();
-  EXPECT_EQ(run.proxy.mode, ProxyMode::kFree);
-  run.tick();
-  EXPECT_EQ(run.proxy.mode, ProxyMode::kHeld);
-  EXPECT_EQ(run.proxy.x[0], 0.005);
 }
 
 TEST(RemoteClient, PlanesAreTheStopsOrThoseInContact) {
@@ -119,20 +86,6 @@ TEST(RemoteClient, PlanesAreTheStopsOrThoseInContact) {
   settings.stop = two(std::numeric_limits<double>::infinity(), 0.6);
   RemoteClient(settings).step(0.001, {}, x, x, proxy);
   EXPECT_EQ(proxy.planes.size(), 0);
-}
-
-TEST(RemoteClient, ALawBetweenSamplesIsHandedOverAsAHeldProxyInEveryTick) {
-  ClientSettings settings = every_tick();
-  settings.rate_hz = 30.0;
-  settings.between = [](const Between& b) { return VecX(b.x_probe - b.newest.x_probe); };
-  Stream run(settings);
-  std::uint64_t seq = 0;
-  for (int i = 0; i < 100; ++i) {
-    run.tick();
-    ASSERT_EQ(run.proxy.mode, ProxyMode::kHeld);
-    ASSERT_EQ(run.proxy.seq, ++seq);
-    ASSERT_LE(run.proxy.x[0], 1.3 / 30.0 + 1e-3);
-  }
 }
 
 }  // namespace

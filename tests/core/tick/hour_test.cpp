@@ -1,0 +1,36 @@
+/// core/METHOD.md#an-hour-of-ticks.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "tests/core/tick/finger_bench.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+namespace haptic::core::test {
+namespace {
+
+TEST(Pipeline, RunsAnHourWithoutAllocating) {
+  Bench bench(config_of(RendererKind::kSubspaceExact));
+  std::vector<VecQ> poses;
+  for (int i = 0; i < 1000; ++i) {
+    const double phase = 2.0 * M_PI * i / 1000;
+    bench.put(joints(0.42 + 0.17 * std::sin(phase), 0.52 + 0.21 * std::sin(phase + 0.3)));
+    poses.push_back(bench.input.device.sample.q);
+  }
+  bench.target = joints(0.35, 0.44);
+  bench.engage();
+  const haptic::test::AllocationGuard guard;
+  int wrong = 0;
+  for (std::size_t i = 0; i < 3'600'000; ++i) {
+    bench.input.device.sample.q = poses[i % poses.size()];
+    const TickRecord record = bench.tick();
+    wrong += std::isfinite(record.tau_a[0]) && record.state == DeviceState::kEngaged ? 0 : 1;
+  }
+  EXPECT_EQ(guard.allocations(), 0U);
+  EXPECT_EQ(wrong, 0);
+}
+
+}  // namespace
+}  // namespace haptic::core::test

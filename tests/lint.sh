@@ -4,8 +4,8 @@
 #   tests/lint.sh [format|batches|tidy]     default: all
 #
 # `batches`: the sources of a room, and of one folder of tests, compile as one, so that no new file
-# breaks the release build, which compiles them in batches. This and `tidy` configure build/lint, a build
-# with every source on its own, and make the generated headers.
+# breaks the release build, which compiles them in batches. This and `tidy` configure build/lint, a
+# build with every source on its own, and make the generated headers.
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/tests/checks/files.sh"
@@ -19,7 +19,8 @@ format() {
 
 configure() {
   cmake -S . -B build/lint -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
-  cmake --build build/lint --target haptic_proto haptic_proto_grpc client_readme_pieces hw_readme_pieces
+  cmake --build build/lint --target haptic_proto haptic_proto_grpc client_readme_pieces \
+    hw_readme_pieces
 }
 
 batches() {

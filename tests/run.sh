@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # Builds everything and runs the tests: one command, from any folder, with no terminal.
 #
-#   tests/run.sh [--preset release|debug|asan|tsan] [-L|--label REGEX] [--ci] [--no-install] [-- CTEST-ARGS]
+#   tests/run.sh [--preset release|debug|asan|tsan] [-L|--label REGEX] [--ci] [--no-install] [--
+#     CTEST-ARGS]
 #
-# Without --label: every test except those labelled network, calm, lint and container; with the presets of the
-# sanitizers those labelled unit and service. Labels: unit, service, system, interop, check, lint, network, calm,
-# container. A failed test is not run again.
-# --ci: then also the container tests, with the programs just built. If no container engine works they fail with
-# the reason, unless HAPTIC_SKIP_CONTAINERS='why not here' is set.
+# Without --label: every test except those labelled network, calm, lint and container; with the
+# presets of the sanitizers those labelled unit and service. Labels: unit, service, system, interop,
+# check, lint, network, calm, container. A failed test is not run again. --ci: then also the
+# container tests, with the programs just built. If no container engine works they fail with the
+# reason, unless HAPTIC_SKIP_CONTAINERS='why not here' is set.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 

@@ -6,18 +6,18 @@
 FILE holds lines of `hapticctl watch --json`, from shortly before the trouble. Commands:
 
     pressing    the last line shows force, engaged
-    silence     samples stopped under force: the elastic force is zero within 200 ms of the last one, and
-                stays there until force is asked for again
+    silence     samples stopped under force: the elastic force is zero within 200 ms of the last,
+                and stays there until force is asked for again
     ramp        after the silence force came back by a ramp of the gain: no more than 1 per 200 ms
     closing     force was fading out, or gone, in the last state
     transport NAME    samples came by NAME and force was on meanwhile
     only NAME   all force came by NAME, for at least two seconds
-    safe        there is no elastic force from LOST on, and the gain never rises faster than 1 per 200 ms
+    safe        no elastic force from LOST on, and the gain never rises faster than 1 per 200 ms
     quiet SECONDS     the proxy was lost that long ago: `silence` has what it needs
     spans SECONDS     the records are that long
 
-Times are by the server's clock, which is part of every state. Ends with 0: as promised; 1: not; 3: the records cannot
-tell, because this machine was too busy.
+Times are by the server's clock, which is part of every state. Ends with 0: as promised; 1: not; 3:
+the records cannot tell, because this machine was too busy.
 """
 
 import json
@@ -52,9 +52,12 @@ def need(states: list[dict]) -> list[dict]:
 
 
 def last_loss(states: list[dict]) -> int | None:
-    """Index of the last loss of the proxy. A busy machine may have lost it before the trouble began, too."""
+    """Index of the last loss of the proxy. A busy machine may have lost it before the trouble
+    began, too."""
     lost = [s["staleness"] == "LOST" for s in states]
-    return next((i for i in reversed(range(len(states))) if lost[i] and not (i and lost[i - 1])), None)
+    return next(
+        (i for i in reversed(range(len(states))) if lost[i] and not (i and lost[i - 1])), None
+    )
 
 
 def silence(states: list[dict]) -> None:
@@ -115,8 +118,10 @@ def ramp(states: list[dict]) -> None:
     back = next((i for i, s in enumerate(states[lost:], lost) if s["state"] == "ENGAGED"), None)
     if back is None:
         fail("force did not come back")
-    no_jump(states[lost:back + 1])
-    print(f"force came back over {seconds(states[back]) - seconds(states[lost]):.2f} s after its loss")
+    no_jump(states[lost : back + 1])
+    print(
+        f"force came back over {seconds(states[back]) - seconds(states[lost]):.2f} s after its loss"
+    )
 
 
 def closing(states: list[dict]) -> None:
@@ -126,7 +131,9 @@ def closing(states: list[dict]) -> None:
     # The stream ends with the server: its last state may be a few milliseconds before g = 0 (80 ms
     # from 1).
     if last["state"] not in ("RELEASING", "CLOSING") or last["gain"] > 0.15:
-        cannot_tell(f"the last state that came is {last['state']} with a gain of {last['gain']:.3f}")
+        cannot_tell(
+            f"the last state that came is {last['state']} with a gain of {last['gain']:.3f}"
+        )
     print(f"force faded out; {force(last):.2f} N in the last state that was sent")
 
 

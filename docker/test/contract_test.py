@@ -11,10 +11,25 @@ CONTRACT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "contract.py
 MS = 1_000_000
 
 
-def record(ms: float, *, age_ms: float = 5, force: float = 3.0, staleness: str = "FRESH", state: str = "ENGAGED",
-           gain: float = 1.0) -> dict:
-    return {"server_time_ns": int(ms * MS), "proxy_age_us": age_ms * 1000, "tau_elastic": [force],
-            "staleness": staleness, "state": state, "gain": gain, "transport": "UDP", "faults": ""}
+def record(
+    ms: float,
+    *,
+    age_ms: float = 5,
+    force: float = 3.0,
+    staleness: str = "FRESH",
+    state: str = "ENGAGED",
+    gain: float = 1.0,
+) -> dict:
+    return {
+        "server_time_ns": int(ms * MS),
+        "proxy_age_us": age_ms * 1000,
+        "tau_elastic": [force],
+        "staleness": staleness,
+        "state": state,
+        "gain": gain,
+        "transport": "UDP",
+        "faults": "",
+    }
 
 
 def pressed(until_ms: int) -> list[dict]:
@@ -28,8 +43,16 @@ def silenced(zero_after_ms: int, rest_ms: int = 1200) -> list[dict]:
         age = ms - 391
         stale = "HOLD" if age < 100 else "FADE" if age < 180 else "LOST"
         on = age < zero_after_ms
-        rows.append(record(ms, age_ms=age, force=1.0 if on else 0.0, staleness=stale,
-                           state="ENGAGED" if on else "ARMED", gain=0.2 if on else 0.0))
+        rows.append(
+            record(
+                ms,
+                age_ms=age,
+                force=1.0 if on else 0.0,
+                staleness=stale,
+                state="ENGAGED" if on else "ARMED",
+                gain=0.2 if on else 0.0,
+            )
+        )
     return rows
 
 
@@ -38,8 +61,9 @@ class Contract(unittest.TestCase):
         with tempfile.NamedTemporaryFile("w", suffix=".json", encoding="utf-8") as file:
             file.writelines(json.dumps(row) + "\n" for row in rows)
             file.flush()
-            return subprocess.run([sys.executable, CONTRACT, command[0], file.name, *command[1:]],
-                                  capture_output=True).returncode
+            return subprocess.run(
+                [sys.executable, CONTRACT, command[0], file.name, *command[1:]], capture_output=True
+            ).returncode
 
     def test_force_by_one_carrier_alone_takes_two_seconds_to_be_seen(self) -> None:
         self.assertEqual(self.judge(pressed(2500), "only", "UDP"), 0)
@@ -57,17 +81,25 @@ class Contract(unittest.TestCase):
         self.assertEqual(self.judge(silenced(220), "silence"), 1)
 
     def test_force_that_comes_back_unasked_is_not(self) -> None:
-        self.assertEqual(self.judge([*silenced(180), record(1700, staleness="LOST", state="ARMED")], "silence"), 1)
+        self.assertEqual(
+            self.judge([*silenced(180), record(1700, staleness="LOST", state="ARMED")], "silence"),
+            1,
+        )
 
     def test_an_observer_that_saw_nothing_meanwhile_cannot_tell(self) -> None:
         rows = [row for row in silenced(180) if not 540 < row["server_time_ns"] / MS < 640]
         self.assertEqual(self.judge(rows, "silence"), 3)
 
     def test_without_force_before_it_nothing_can_be_told(self) -> None:
-        self.assertEqual(self.judge([{**row, "tau_elastic": [0.0]} for row in silenced(180)], "silence"), 3)
+        self.assertEqual(
+            self.judge([{**row, "tau_elastic": [0.0]} for row in silenced(180)], "silence"), 3
+        )
 
     def test_a_loss_before_the_trouble_is_not_the_one_that_counts(self) -> None:
-        earlier = [record(ms - 1000, staleness="LOST", force=0.0, state="ARMED", gain=0.0) for ms in range(0, 100, 4)]
+        earlier = [
+            record(ms - 1000, staleness="LOST", force=0.0, state="ARMED", gain=0.0)
+            for ms in range(0, 100, 4)
+        ]
         again = [record(ms - 900, gain=0.1) for ms in range(0, 800, 4)]
         self.assertEqual(self.judge([*earlier, *again, *silenced(180)], "silence"), 0)
         self.assertEqual(self.judge([*earlier, *again, *silenced(220)], "silence"), 1)
@@ -89,7 +121,9 @@ class Contract(unittest.TestCase):
         self.assertEqual(self.judge(silenced(180), "safe"), 0)
         self.assertEqual(self.judge(silenced(220), "safe"), 1)
         self.assertEqual(self.judge([*silenced(180), record(1640)], "safe"), 1)  # the gain jumps
-        self.assertEqual(self.judge([*pressed(400), {**record(404), "faults": "LOOP_LATE"}], "safe"), 1)
+        self.assertEqual(
+            self.judge([*pressed(400), {**record(404), "faults": "LOOP_LATE"}], "safe"), 1
+        )
 
     def test_a_server_that_ends_under_force_is_not_seen_to_fade(self) -> None:
         fading = [record(400 + 4 * i, state="RELEASING", gain=1 - i / 20) for i in range(19)]

@@ -1,5 +1,5 @@
-# Chooses and calls the container engine of docker/test.sh, which sources this file. Sets `engine` and
-# `base`; `compose` and the functions here call it. `scratch` is a folder of the caller.
+# Chooses and calls the container engine of docker/test.sh, which sources this file. Sets `engine`
+# and `base`; `compose` and the functions here call it. `scratch` is a folder of the caller.
 
 # Docker if it does what the tests need, else podman; if neither does, prints why.
 choose_engine() { # choose_engine [NAME]
@@ -21,28 +21,31 @@ choose_engine() { # choose_engine [NAME]
   return 1
 }
 
-# Everything that the tests need from an engine, without hapticd: a failure here is the host's. Its last
-# line is the reason.
+# Everything that the tests need from an engine, without hapticd: a failure here is the host's. Its
+# last line is the reason.
 probe() {
-  local network=${project}_probe name=${project}_probe ours=(--label "com.docker.compose.project=$project")
+  local network=${project}_probe name=${project}_probe
+  local ours=(--label "com.docker.compose.project=$project")
   "$engine" info || return 1
   compose version || { echo "there is no compose for it"; return 1; }
   base=$(base_image) || { echo "there is no base image and none can be made"; return 1; }
   "$engine" run --rm "${ours[@]}" "$base" apt-get -qq -o Acquire::Retries=3 update ||
     { echo "its containers reach no Debian mirror"; return 1; }
-  "$engine" network create --internal "${ours[@]}" "$network" || { echo "it makes no networks"; return 1; }
+  "$engine" network create --internal "${ours[@]}" "$network" ||
+    { echo "it makes no networks"; return 1; }
   "$engine" run --detach --name "$name" "${ours[@]}" --network "$network" --read-only --tmpfs /tmp \
     --cap-drop ALL --security-opt no-new-privileges --user 990:990 "$base" sleep 300 ||
     { echo "it runs no container without privileges"; return 1; }
   "$engine" exec "$name" getent hosts "$name" || { echo "its networks know no names"; return 1; }
   { "$engine" pause "$name" && "$engine" unpause "$name"; } || { echo "it cannot pause"; return 1; }
-  { "$engine" network disconnect --force "$network" "$name" && "$engine" network connect "$network" "$name"; } ||
+  { "$engine" network disconnect --force "$network" "$name" &&
+    "$engine" network connect "$network" "$name"; } ||
     { echo "it cannot unplug a network"; return 1; }
   "$engine" rm --force "$name" && "$engine" network rm "$network"
 }
 
-# A host without cgroups version 2 or without systemd needs this configuration; elsewhere podman's own
-# stays.
+# A host without cgroups version 2 or without systemd needs this configuration; elsewhere podman's
+# own stays.
 configure_podman() {
   [[ -z ${CONTAINERS_CONF:-} ]] || return 0
   if [[ -f /sys/fs/cgroup/cgroup.controllers && -d /run/systemd/system ]]; then return 0; fi

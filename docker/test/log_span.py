@@ -3,7 +3,8 @@
 
     log_span.py FILE FIRST LAST
 
-FIRST and LAST are words of the lines; LAST has to be in the last line of the log. Ends with 1 if it is not.
+FIRST and LAST are words of the lines; LAST has to be in the last line of the log. Ends with 1 if it
+is not.
 """
 
 import datetime

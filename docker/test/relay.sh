@@ -11,8 +11,8 @@ through_relay() { # through_relay SCENARIO
   pressing "$1"
 }
 
-# Four seconds of pressing, judged by what must never happen. On a busy machine force may be lost meanwhile; the
-# text says how often.
+# Four seconds of pressing, judged by what must never happen. On a busy machine force may be lost
+# meanwhile; the text says how often.
 bears() { # bears WHAT
   pressing "$1"
   mark

@@ -1,11 +1,13 @@
-# The staleness contract from outside: whatever happens to the client, an observer sees zero force within 200 ms, and
-# force come back by a ramp (sourced by docker/test.sh).
+# The staleness contract from outside: whatever happens to the client, an observer sees zero force
+# within 200 ms, and force come back by a ramp (sourced by docker/test.sh).
 
-# Judges what came since the mark. The whole log grows by 250 lines a second, and reading it would load the machine.
+# Judges what came since the mark. The whole log grows by 250 lines a second, and reading it would
+# load the machine.
 marked=
 mark() { marked=$(date -u +%Y-%m-%dT%H:%M:%S.%NZ); }
 observed() { # observed COMMAND [ARGUMENT]
-  "$engine" logs ${marked:+--since "$marked"} "$(container observer)" 2>/dev/null >"$scratch/records"
+  "$engine" logs ${marked:+--since "$marked"} "$(container observer)" 2>/dev/null \
+    >"$scratch/records"
   python3 "$root/docker/test/contract.py" "$1" "$scratch/records" "${@:2}"
 }
 judge() { # judge WHAT COMMAND [ARGUMENT...]: printed, or the end
@@ -14,7 +16,9 @@ judge() { # judge WHAT COMMAND [ARGUMENT...]: printed, or the end
   observed "$@" >"$scratch/verdict" 2>&1 || fail "$what: $(cat "$scratch/verdict")"
   step "$what: $(cat "$scratch/verdict")"
 }
-pressing() { eventually 120 is_pressing || fail "$1: force did not come back: $(tail -n 1 "$scratch/last")"; }
+pressing() {
+  eventually 120 is_pressing || fail "$1: force did not come back: $(tail -n 1 "$scratch/last")"
+}
 # A simulation that finds no server ends with an error. It is started again, as a person would.
 is_pressing() {
   local id
@@ -34,11 +38,12 @@ simulate() { # simulate [SERVER [CARRIERS]]: a simulation in the place of any ot
     "$engine" unpause "$id" >/dev/null 2>&1 || true
     "$engine" rm --force "$id" >>"$logs/engine.log" 2>&1
   fi
-  HAPTICD_SERVER=${1:-hand:29470} HAPTICD_CARRIERS=${2:-auto} compose up --detach --no-build --no-deps simulation >>"$logs/compose.log" 2>&1
+  HAPTICD_SERVER=${1:-hand:29470} HAPTICD_CARRIERS=${2:-auto} compose up --detach --no-build \
+    --no-deps simulation >>"$logs/compose.log" 2>&1
 }
 
-# Force comes back by itself if the client is heard again before its lease ends (2 s of silence). If this machine is
-# so slow that the lease has ended, a new client asks for force.
+# Force comes back by itself if the client is heard again before its lease ends (2 s of silence). If
+# this machine is so slow that the lease has ended, a new client asks for force.
 comes_back() { # comes_back WHAT
   if eventually 20 is_pressing 2>/dev/null; then return 0; fi
   step "$1: its lease had ended, another client takes over"
@@ -46,8 +51,8 @@ comes_back() { # comes_back WHAT
   pressing "$1"
 }
 
-# Makes trouble, and judges what the observer saw. If this machine was too busy for the observer to see the loss of
-# force, the text says so.
+# Makes trouble, and judges what the observer saw. If this machine was too busy for the observer to
+# see the loss of force, the text says so.
 silences() { # silences WHAT TROUBLE RECOVERY
   local status=0
   pressing "before: $1"
@@ -73,7 +78,9 @@ resume_client() {
   judge "client resumed" ramp
 }
 laboratory() { "$engine" network ls --format '{{.Name}}' --filter "name=^${project}_"; }
-disconnect_client() { "$engine" network disconnect --force "$(laboratory)" "$(container simulation)"; }
+disconnect_client() {
+  "$engine" network disconnect --force "$(laboratory)" "$(container simulation)"
+}
 reconnect_client() {
   "$engine" network connect "$(laboratory)" "$(container simulation)" >/dev/null
   comes_back "network reconnected"

@@ -1,10 +1,11 @@
 #!/bin/sh
-# Inside a clean container: installs the packages of /debs, runs the daemon as its unit would, talks to it
-# with hapticctl and from Python.
+# Inside a clean container: installs the packages of /debs, runs the daemon as its unit would, talks
+# to it with hapticctl and from Python.
 set -eu
 apt-get -qq -o Acquire::Retries=3 update
 apt-get -qq -o Acquire::Retries=3 install -y --no-install-recommends /debs/*.deb >/dev/null
-grep -qx 'ExecStart=/usr/bin/hapticd --scene /etc/hapticd/scene.textproto' /usr/lib/systemd/system/hapticd.service
+grep -qx 'ExecStart=/usr/bin/hapticd --scene /etc/hapticd/scene.textproto' \
+  /usr/lib/systemd/system/hapticd.service
 getent group haptic >/dev/null
 grep -q '^@haptic - rtprio 95$' /etc/security/limits.d/haptic.conf
 hapticd --scene /etc/hapticd/scene.textproto --set loop.late_bucket_full=1000000 &

@@ -1,5 +1,6 @@
-/// haptic-bare-loop SECONDS: a loop of 1 kHz that does nothing, with hapticd's wishes of real time: what this
-/// machine itself does to a loop. A line a second: deadlines missed, 99th percentile of the lateness in us.
+/// haptic-bare-loop SECONDS: a loop of 1 kHz that does nothing, with hapticd's wishes of real time:
+/// what this machine itself does to a loop. A line a second: deadlines missed, 99th percentile of
+/// the lateness in us.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>

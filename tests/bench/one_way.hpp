@@ -1,6 +1,6 @@
 #pragma once
-/// One way from publish() to the mailbox, and from the tick to the client's callback, p50 of a block:
-/// by the product, and by the bare stream.
+/// One way from publish() to the mailbox, and from the tick to the client's callback, p50 of a
+/// block: by the product, and by the bare stream.
 
 #include "haptic/client/client.hpp"
 #include "tests/bench/bare_stream.hpp"

@@ -1,10 +1,10 @@
 /// Ticks begun by a board's samples (loop.paced_by) against ticks by the timer: the product's loop
 /// with an emulated board on a pseudo-terminal.
 ///
-/// One block is a second of ticks, in four stretches: what a timer's tick finds depends on the phase
-/// between it and the board, which is another in every stretch. A block with a fault in it (the board
-/// silent for 100 ms, a tick half a second late, ...), with records lost, or paced without a tick
-/// begun by a sample, ends the program with 1.
+/// One block is a second of ticks, in four stretches: what a timer's tick finds depends on the
+/// phase between it and the board, which is another in every stretch. A block with a fault in it
+/// (the board silent for 100 ms, a tick half a second late, ...), with records lost, or paced
+/// without a tick begun by a sample, ends the program with 1.
 
 #include <algorithm>
 #include <atomic>
@@ -52,7 +52,8 @@ double ms(core::Duration d) {
   return 1e3 * core::seconds(d);
 }
 
-/// The faults of a tick, and whether the host stood still then: a tick late, or long after the last.
+/// The faults of a tick, and whether the host stood still then: a tick late, or long after the
+/// last.
 std::string told(const core::TickRecord& record) {
   char text[160];
   std::snprintf(
@@ -109,7 +110,8 @@ class Emulator {
 
 /// hapticd's unit for the board at `port`.
 std::unique_ptr<server::DeviceUnit> board_unit(const std::string& port) {
-  // As in serial.py: a late loop is counted here, not ended by a fault; a board that is gone is one.
+  // As in serial.py: a late loop is counted here, not ended by a fault; a board that is gone is
+  // one.
   const server::Scene scene = server::load_scene(
       HAPTIC_SOURCE_DIR "/server/scenes/finger_board.textproto",
       {"device[0].board.port=" + port, "device[0].board.max_silence={ nanos: 100000000 }"});

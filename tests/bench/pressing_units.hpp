@@ -16,8 +16,8 @@ namespace haptic::bench {
 
 class PressingUnits {
  public:
-  /// Opens `count` of them and ticks until force is on. Throws where one gives none: its ticks would
-  /// flatter.
+  /// Opens `count` of them and ticks until force is on. Throws where one gives none: its ticks
+  /// would flatter.
   PressingUnits(const server::DeviceScene& device, int count) {
     for (int i = 0; i < count; ++i) {
       auto opened = hw::open_device(*device.source, device.pipeline.kinematics);

@@ -3,7 +3,8 @@
 # alternating blocks, median paired ratio with its bootstrap 95 % interval, an A/A row in the same
 # line. Writes CSV to standard output. Run it on a machine that does nothing else.
 #
-#   tests/bench/run.sh [core|linear|loop|wire|memory|serial]...   default: all but serial, about 8 minutes
+#   tests/bench/run.sh [core|linear|loop|wire|memory|serial]...   default: all but serial, about 8
+#                                                                 minutes
 #
 # serial: 20 s each of the streaming and the 500 Hz link to the emulator, figures as text; then
 # ticks begun by the board's samples against ticks by the timer.
@@ -21,7 +22,8 @@ cd "$root"
 sh docker/install-deps.sh build test >&2
 cmake --preset release -DHAPTIC_BUILD_BENCHMARKS=ON >&2
 cmake --build --preset release --parallel "$(nproc)" \
-  --target haptic-bench-core haptic-bench-linear haptic-bench-loop haptic-bench-wire haptic-bench-serial \
+  --target haptic-bench-core haptic-bench-linear haptic-bench-loop haptic-bench-wire \
+    haptic-bench-serial \
   haptic-bench-pacing hapticd >&2
 bin=build/release
 

@@ -3,9 +3,10 @@
 
     serial.py --programs BUILD --root SOURCES [--minutes 10] [--mode streaming|500hz] [--paced]
 
-haptic-board-emulator on a pseudo-terminal, its user moved by the motion that ships; hapticd on it; the soft grasp as
-its client. Rates and ages are of the time after settling; frames of the whole run, as both ends say when they close:
-hapticd in its log, the emulator on standard error. Judged by serial_verdict.py.
+haptic-board-emulator on a pseudo-terminal, its user moved by the motion that ships; hapticd on it;
+the soft grasp as its client. Rates and ages are of the time after settling; frames of the whole
+run, as both ends say when they close: hapticd in its log, the emulator on standard error. Judged by
+serial_verdict.py.
 """
 
 import argparse
@@ -26,7 +27,7 @@ MODES = {"streaming": ("0", 2.0), "500hz": ("2", 4.0)}  # link period in ms, tar
 FRAMES = re.compile(r'^haptic_link_frames_total\{.*end="host",what="received"\} (\S+)$', re.M)
 AGES = re.compile(r'^haptic_device_sample_age_seconds_bucket\{.*le="([^"]+)"\} (\S+)$', re.M)
 METRICS = re.compile(r"metrics on port (\d+)")
-PACED = re.compile(r'^haptic_loop_sample_paced_ticks_total\{.*\} (\S+)$', re.M)
+PACED = re.compile(r"^haptic_loop_sample_paced_ticks_total\{.*\} (\S+)$", re.M)
 FAULTS = re.compile(r'^haptic_faults_total\{.*fault="([^"]+)"\} (\S+)$', re.M)
 
 
@@ -46,7 +47,9 @@ def until(what: str, condition: Callable[[], bool], seconds: float = 30.0) -> No
 def running(arguments: list[object], log: pathlib.Path) -> Iterator[subprocess.Popen[bytes]]:
     """Ended by SIGTERM where it still runs; what it said is in `log`."""
     with open(log, "wb") as file:
-        process = subprocess.Popen([str(a) for a in arguments], stdout=subprocess.DEVNULL, stderr=file)
+        process = subprocess.Popen(
+            [str(a) for a in arguments], stdout=subprocess.DEVNULL, stderr=file
+        )
     try:
         yield process
     finally:
@@ -73,14 +76,21 @@ class Page:
 
 def numbers(text: str) -> dict[str, int]:
     """Of "name 12, other name 3"."""
-    return {name.replace(" ", "_"): int(n) for name, n in re.findall(r"([A-Za-z][A-Za-z _]*?) (\d+)", text)}
+    return {
+        name.replace(" ", "_"): int(n)
+        for name, n in re.findall(r"([A-Za-z][A-Za-z _]*?) (\d+)", text)
+    }
 
 
 def host_counters(log: str) -> dict[str, int]:
     found = re.search(r"link closed, frames: (.*)$", log, re.M)
     if found is None:
         raise Failed("hapticd did not say what became of its frames:\n" + log)
-    return {name.removeprefix("host_"): n for name, n in numbers(found[1]).items() if name.startswith("host_")}
+    return {
+        name.removeprefix("host_"): n
+        for name, n in numbers(found[1]).items()
+        if name.startswith("host_")
+    }
 
 
 def board_counters(log: str) -> dict[str, int]:
@@ -91,43 +101,87 @@ def board_counters(log: str) -> dict[str, int]:
     return {"without_room": all_of_them.pop("frames_without_room"), **all_of_them}
 
 
-def run(programs: pathlib.Path, root: pathlib.Path, link_period_ms: str, seconds: float, paced: bool) -> Run:
+def run(
+    programs: pathlib.Path, root: pathlib.Path, link_period_ms: str, seconds: float, paced: bool
+) -> Run:
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         port, socket, server_log = folder / "board", folder / "socket", folder / "hapticd.log"
-        with running([programs / "hw/haptic-board-emulator", "--link", port, "--link-period-ms", link_period_ms,
-                      "--watchdog-ms", "1000", "--motion", root / "server/scenes/motion/reach_and_grasp.csv"], folder / "board.log"):
+        with running(
+            [
+                programs / "hw/haptic-board-emulator",
+                "--link",
+                port,
+                "--link-period-ms",
+                link_period_ms,
+                "--watchdog-ms",
+                "1000",
+                "--motion",
+                root / "server/scenes/motion/reach_and_grasp.csv",
+            ],
+            folder / "board.log",
+        ):
             until("the emulator's port", port.exists)
-            with running([programs / "server/hapticd", "--scene", root / "server/scenes/finger_soft_grasp.textproto",
-                          "--listen", f"unix:{socket}", "--set", "server.metrics_listen=127.0.0.1:0",
-                          "--set", f"device[0].board={{ port: \"{port}\" max_effort: 40 max_silence {{ nanos: 100000000 }} }}",
-                          # What is judged here is counted, not ended by a fault.
-                          "--set", "loop.late_bucket_full=1000000", "--set", "loop.loop_late_fault={nanos: 500000000}",
-                          *(("--set", "loop.paced_by=finger") if paced else ()),
-                          # As server/demo.sh: what the observer is told of a device.
-                          "--set", "device[0].passivity.observer.inertia_kg=0.02",
-                          "--set", "device[0].passivity.device_damping_n_s_per_m=0.5"], server_log) as server:
-                until("hapticd's start", lambda: socket.exists() and METRICS.search(server_log.read_text())
-                      or server.poll() is not None)
+            with running(
+                [
+                    programs / "server/hapticd",
+                    "--scene",
+                    root / "server/scenes/finger_soft_grasp.textproto",
+                    "--listen",
+                    f"unix:{socket}",
+                    "--set",
+                    "server.metrics_listen=127.0.0.1:0",
+                    "--set",
+                    f'device[0].board={{ port: "{port}" max_effort: 40 '
+                    "max_silence { nanos: 100000000 } }",
+                    # What is judged here is counted, not ended by a fault.
+                    "--set",
+                    "loop.late_bucket_full=1000000",
+                    "--set",
+                    "loop.loop_late_fault={nanos: 500000000}",
+                    *(("--set", "loop.paced_by=finger") if paced else ()),
+                    # As server/demo.sh: what the observer is told of a device.
+                    "--set",
+                    "device[0].passivity.observer.inertia_kg=0.02",
+                    "--set",
+                    "device[0].passivity.device_damping_n_s_per_m=0.5",
+                ],
+                server_log,
+            ) as server:
+                until(
+                    "hapticd's start",
+                    lambda: socket.exists()
+                    and METRICS.search(server_log.read_text())
+                    or server.poll() is not None,
+                )
                 scrapes = METRICS.search(server_log.read_text())
                 if scrapes is None or server.poll() is not None:
                     raise Failed("hapticd did not start:\n" + server_log.read_text())
                 url = f"http://127.0.0.1:{scrapes[1]}/metrics"
-                with running([programs / "client/haptic-example-soft-grasp", "--server", f"unix:{socket}"],
-                             folder / "grasp.log") as client:
+                with running(
+                    [programs / "client/haptic-example-soft-grasp", "--server", f"unix:{socket}"],
+                    folder / "grasp.log",
+                ) as client:
                     time.sleep(SETTLING_S)
                     first = Page(url)
                     time.sleep(seconds)
                     last = Page(url)
                     if client.poll() is not None:
                         raise Failed("the client ended:\n" + (folder / "grasp.log").read_text())
-        # Both have ended, and said their last word; the board's own count of drops is as hapticd heard it last: once
-        # the port is closed nothing has room any more.
-        host, board = host_counters(server_log.read_text()), board_counters((folder / "board.log").read_text())
-        board["without_room"] = numbers(server_log.read_text().rpartition("link closed")[2])["board_without_room"]
+        # Both have ended, and said their last word; the board's own count of drops is as hapticd
+        # heard it last: once the port is closed nothing has room any more.
+        host, board = host_counters(server_log.read_text()), board_counters(
+            (folder / "board.log").read_text()
+        )
+        board["without_room"] = numbers(server_log.read_text().rpartition("link closed")[2])[
+            "board_without_room"
+        ]
     ages = [(bound, n - before) for (bound, n), (_, before) in zip(last.ages, first.ages)]
     if paced:
-        print(f"  ticks begun by a sample: {last.paced - first.paced} of {ages[-1][1]}, the others by the timer")
+        print(
+            f"  ticks begun by a sample: {last.paced - first.paced} of {ages[-1][1]}, "
+            "the others by the timer"
+        )
     return Run(last.at - first.at, last.frames - first.frames, ages, host, board, last.faults)
 
 
@@ -137,8 +191,12 @@ def main() -> int:
     parser.add_argument("--root", type=pathlib.Path, required=True)
     parser.add_argument("--minutes", type=float, default=10.0, help="of each mode")
     parser.add_argument("--mode", choices=MODES, help="one alone")
-    parser.add_argument("--paced", action="store_true", help="the board's samples begin the ticks (loop.paced_by)")
-    parser.add_argument("--frames-only", action="store_true", help="judge what no busy machine can excuse")
+    parser.add_argument(
+        "--paced", action="store_true", help="the board's samples begin the ticks (loop.paced_by)"
+    )
+    parser.add_argument(
+        "--frames-only", action="store_true", help="judge what no busy machine can excuse"
+    )
     arguments = parser.parse_args()
     held = True
     for mode, (link_period_ms, target_ms) in MODES.items():
@@ -147,14 +205,18 @@ def main() -> int:
         try:
             seconds = 60 * arguments.minutes
             print(f"{mode}{', paced by the board' if arguments.paced else ''}, {seconds:g} s")
-            judged = verdicts(run(arguments.programs, arguments.root, link_period_ms, seconds, arguments.paced),
-                              target_ms)
+            judged = verdicts(
+                run(arguments.programs, arguments.root, link_period_ms, seconds, arguments.paced),
+                target_ms,
+            )
         except Failed as error:
             print(f"{mode}: {error}")
             return 1
         for verdict in judged:
             print(f"  {verdict}")
-        held = held and all(v.held for v in judged if v.what.startswith("frames") or not arguments.frames_only)
+        held = held and all(
+            v.held for v in judged if v.what.startswith("frames") or not arguments.frames_only
+        )
     return 0 if held else 1
 
 

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""The soak: hapticd under a client for as long as is asked, by its own metrics, and a bare loop beside it.
+"""The soak: hapticd under a client for as long as is asked, by its own metrics, and a bare loop
+beside it.
 
     soak.py --programs BUILD --scene FILE [--minutes 30] [--csv FILE]
 
-A hapticd with the soft grasp over UDP as its client; at the same time, on the same machine and with the same wishes
-of real time, haptic-bare-loop: nothing but clock_nanosleep. A row a second: resident memory, ticks, missed deadlines and
-p99 of the lateness within that second. The first seconds, until everything is mapped, do not count. Judged by
-soak_verdict.py. Ends with 0 where all holds, 1 where not. Run it on a machine that does nothing else.
+A hapticd with the soft grasp over UDP as its client; at the same time, on the same machine and with
+the same wishes of real time, haptic-bare-loop: nothing but clock_nanosleep. A row a second:
+resident memory, ticks, missed deadlines and p99 of the lateness within that second. The first
+seconds, until everything is mapped, do not count. Judged by soak_verdict.py. Ends with 0 where all
+holds, 1 where not. Run it on a machine that does nothing else.
 """
 
 import argparse
@@ -45,14 +47,18 @@ def read(url: str) -> Reading:
             sys.exit(f"soak.py: no {name} in the metrics")
         return float(found[1])
 
-    return Reading(value("haptic_loop_ticks_total"), value("haptic_loop_skipped_deadlines_total"),
-                   value("process_resident_memory_bytes"),
-                   value("haptic_carrier_seconds_total", '.*carrier="udp".*'),
-                   [(float(bound), float(n)) for bound, n in BUCKET.findall(page)])
+    return Reading(
+        value("haptic_loop_ticks_total"),
+        value("haptic_loop_skipped_deadlines_total"),
+        value("process_resident_memory_bytes"),
+        value("haptic_carrier_seconds_total", '.*carrier="udp".*'),
+        [(float(bound), float(n)) for bound, n in BUCKET.findall(page)],
+    )
 
 
 def p99_us(before: Reading, after: Reading) -> float:
-    """Of the ticks between two readings, linear within a bucket; the last finite bound where it is beyond."""
+    """Of the ticks between two readings, linear within a bucket; the last finite bound where it is
+    beyond."""
     grown = [(bound, n - m) for (bound, n), (_, m) in zip(after.lateness, before.lateness)]
     wanted = 0.99 * grown[-1][1]
     low_bound = low_count = 0.0
@@ -69,10 +75,24 @@ def started(programs: pathlib.Path, scene: str, folder: str) -> tuple[subprocess
     """hapticd, and where its metrics are."""
     log = open(f"{folder}/hapticd.log", "w+", encoding="utf-8")
     server = subprocess.Popen(
-        [programs / "server/hapticd", "--scene", scene, "--listen", f"unix:{folder}/socket",
-         "--set", "server.metrics_listen=127.0.0.1:0", "--set", "server.udp_listen=127.0.0.1:0",
-         # What is judged here is counted, not ended by a fault.
-         "--set", "loop.late_bucket_full=1000000", "--set", "loop.loop_late_fault={seconds: 10}"], stderr=log)
+        [
+            programs / "server/hapticd",
+            "--scene",
+            scene,
+            "--listen",
+            f"unix:{folder}/socket",
+            "--set",
+            "server.metrics_listen=127.0.0.1:0",
+            "--set",
+            "server.udp_listen=127.0.0.1:0",
+            # What is judged here is counted, not ended by a fault.
+            "--set",
+            "loop.late_bucket_full=1000000",
+            "--set",
+            "loop.loop_late_fault={seconds: 10}",
+        ],
+        stderr=log,
+    )
     latest = time.monotonic() + 60
     while time.monotonic() < latest and server.poll() is None:
         text = pathlib.Path(log.name).read_text(encoding="utf-8")
@@ -80,7 +100,9 @@ def started(programs: pathlib.Path, scene: str, folder: str) -> tuple[subprocess
         if found and pathlib.Path(folder, "socket").exists():
             return server, f"http://127.0.0.1:{found[1]}/metrics"
         time.sleep(0.1)
-    sys.exit("soak.py: hapticd did not start:\n" + pathlib.Path(log.name).read_text(encoding="utf-8"))
+    sys.exit(
+        "soak.py: hapticd did not start:\n" + pathlib.Path(log.name).read_text(encoding="utf-8")
+    )
 
 
 def run(programs: pathlib.Path, scene: str, seconds: int) -> tuple[list[Second], float]:
@@ -88,10 +110,15 @@ def run(programs: pathlib.Path, scene: str, seconds: int) -> tuple[list[Second],
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         server, url = started(programs, scene, folder)
-        client = subprocess.Popen([programs / "client/haptic-example-soft-grasp", "--server",
-                                   f"unix:{folder}/socket"], stdout=subprocess.DEVNULL)
-        bare = subprocess.Popen([programs / "tests/bench/haptic-bare-loop", str(SETTLING_S + seconds)],
-                                stdout=subprocess.PIPE, text=True)
+        client = subprocess.Popen(
+            [programs / "client/haptic-example-soft-grasp", "--server", f"unix:{folder}/socket"],
+            stdout=subprocess.DEVNULL,
+        )
+        bare = subprocess.Popen(
+            [programs / "tests/bench/haptic-bare-loop", str(SETTLING_S + seconds)],
+            stdout=subprocess.PIPE,
+            text=True,
+        )
         try:
             before = first = read(url)
             for i, line in enumerate(bare.stdout):  # a line a second: the clock of this loop
@@ -100,8 +127,15 @@ def run(programs: pathlib.Path, scene: str, seconds: int) -> tuple[list[Second],
                 if i == SETTLING_S:
                     first = before
                 if i >= SETTLING_S:
-                    rows.append(Second(now.resident, int(now.missed - before.missed), p99_us(before, now),
-                                       int(bare_missed), float(bare_p99)))
+                    rows.append(
+                        Second(
+                            now.resident,
+                            int(now.missed - before.missed),
+                            p99_us(before, now),
+                            int(bare_missed),
+                            float(bare_p99),
+                        )
+                    )
                 before = now
             if client.poll() is not None:
                 sys.exit(f"soak.py: the client ended with {client.returncode}")

@@ -3,8 +3,8 @@
 
 namespace haptic::bench {
 
-/// What tick `i` (from 0, 1 ms apart) of an engaged device is given: the fresh sample q (n_q), and the
-/// proxy x (n_x) held, as a client at 60 Hz sends it.
+/// What tick `i` (from 0, 1 ms apart) of an engaged device is given: the fresh sample q (n_q), and
+/// the proxy x (n_x) held, as a client at 60 Hz sends it.
 inline core::TickInput held_tick(const core::PipelineConfig& config, int i, const core::VecQ& q,
                                  const core::VecX& x) {
   core::TickInput input;

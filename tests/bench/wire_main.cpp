@@ -1,6 +1,6 @@
-/// haptic-bench-wire: one way from publish() to the mailbox and from the tick to the client's callback, against a
-/// bare gRPC stream of the same messages on the same host; and the controller's proxy age beside 16 watchers at
-/// 1 kHz. All clocks are this host's one steady clock.
+/// haptic-bench-wire: one way from publish() to the mailbox and from the tick to the client's
+/// callback, against a bare gRPC stream of the same messages on the same host; and the controller's
+/// proxy age beside 16 watchers at 1 kHz. All clocks are this host's one steady clock.
 #include <grpcpp/grpcpp.h>
 #include <spdlog/spdlog.h>
 

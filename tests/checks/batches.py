@@ -4,8 +4,8 @@
     batches.py COMPILE_COMMANDS
 
 The release preset compiles sources in batches cut by their number, so a new file moves every cut
-behind it: two names that meet nowhere today may meet tomorrow, in a build that its author did not run.
-Prints one line per target; exits 1 where one does not compile.
+behind it: two names that meet nowhere today may meet tomorrow, in a build that its author did not
+run. Prints one line per target; exits 1 where one does not compile.
 """
 
 import json
@@ -18,7 +18,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 
 def targets(database: pathlib.Path) -> dict[str, list[dict[str, str]]]:
-    """The C++ compilations by what the release preset takes batches of, in the order of their files."""
+    """The C++ compilations by what the release preset takes batches of, in the order of their
+    files."""
     root = pathlib.Path(__file__).resolve().parents[2]
     found: dict[str, list[dict[str, str]]] = {}
     for entry in sorted(json.loads(database.read_text()), key=lambda entry: entry["file"]):

@@ -24,7 +24,8 @@ expect() {
 
 fresh_folder "$scratch"
 mkdir -p "$scratch/core" "$scratch/docs"
-# A repository of its own, so that the scratch folder's files are not those of the project around it.
+# A repository of its own, so that the scratch folder's files are not those of the project around
+# it.
 git -C "$scratch" init -q 2>/dev/null || true
 
 echo 'int a;' >"$scratch/core/a.cpp"
@@ -34,21 +35,35 @@ expect 0 file_length "$scratch"
 expect 0 no_machine_names "$scratch"
 expect 0 references.py "$scratch"
 
-yes 'int x;' | head -n 451 >"$scratch/core/long.cpp"
+yes 'int x;' | head -n 301 >"$scratch/core/long.cpp"
 expect 1 file_length "$scratch"
-rm "$scratch/core/long.cpp"
+mkdir "$scratch/tests"
+mv "$scratch/core/long.cpp" "$scratch/tests"
+expect 0 file_length "$scratch"
+rm -r "$scratch/tests"
 
-for line in 'open("/wo''rk/x");' 'path = /tm''p/socket' 'FROM registry https://mirror.example.net/x'; do
+expect 0 columns.py "$scratch"
+words=$(yes word | head -n 25 | tr '\n' ' ') # 125 columns
+printf '| %s|\n\n```\n%s\n```\n' "$words" "$words" >"$scratch/docs/b.md"
+expect 0 columns.py "$scratch"
+echo "$words" >"$scratch/docs/b.md"
+expect 1 columns.py "$scratch"
+rm "$scratch/docs/b.md"
+
+for line in 'open("/wo''rk/x");' 'path = /tm''p/socket' \
+  'FROM registry https://mirror.example.net/x'; do
   echo "$line" >"$scratch/core/b.cpp"
   expect 1 no_machine_names "$scratch"
 done
 rm "$scratch/core/b.cpp"
 
 mkdir -p "$scratch/tests/core"
-printf '// A test.\nclass Bench {\n};\ndouble half(double x) {\n}\n' >"$scratch/tests/core/a_test.cpp"
+printf '// A test.\nclass Bench {\n};\ndouble half(double x) {\n}\n' \
+  >"$scratch/tests/core/a_test.cpp"
 printf 'class Bench;\nusing A = B;\nint other() {\n}\n' >"$scratch/tests/core/b_test.cpp"
 expect 0 test_names "$scratch"
-for line in 'struct Bench {' 'VecX half(const VecX& x) {' 'constexpr double half = 0.5;' 'const int half[] = {1};'; do
+for line in 'struct Bench {' 'VecX half(const VecX& x) {' 'constexpr double half = 0.5;' \
+  'const int half[] = {1};'; do
   echo "$line" >"$scratch/tests/core/c_test.cpp"
   expect 1 test_names "$scratch"
 done
@@ -76,7 +91,8 @@ for rule in 'race:haptic::server' 'race:*' 'race:libgrpc_and_ours' 'thread:hapti
   expect 1 tsan_suppressions "$scratch/tsan.supp"
 done
 echo 'race:libssl' >"$scratch/tsan.supp"
-sh "$here/tsan_suppressions.sh" "$scratch/tsan.supp" libssl >/dev/null || { echo "FAILED: a library named"; failures=1; }
+sh "$here/tsan_suppressions.sh" "$scratch/tsan.supp" libssl >/dev/null ||
+  { echo "FAILED: a library named"; failures=1; }
 
 wire=$scratch/proto/wire/include/haptic/wire
 mkdir -p "$wire" "$scratch/client/python/haptic"

@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
-"""Every command that the documents show is run by a test, and every piece of C++ and Python compiled.
+"""Every command that the documents show is run by a test, and every piece of C++ and Python
+compiled.
 
     documented_commands.py SOURCE [PROGRAMS]
 
-Lines of ```sh blocks are commands. Each is found in the table below: either it is run here, against a hapticd of
-this test's own (programs from PROGRAMS, a build folder), or the table names the test that runs it, which has to
-exist. A command that is not in the table fails, and so does an entry that no document needs. Of whatever else names one
-of the programs with options, in code or between back-ticks, the options have to be in the program's help. Every
-script that a document names between back-ticks is there, its arguments are words of its own usage, and SCRIPTS names
-the test that runs it.
+Lines of ```sh blocks are commands. Each is found in the table below: either it is run here, against
+a hapticd of this test's own (programs from PROGRAMS, a build folder), or the table names the test
+that runs it, which has to exist. A command that is not in the table fails, and so does an entry
+that no document needs. Of whatever else names one of the programs with options, in code or between
+back-ticks, the options have to be in the program's help. Every script that a document names between
+back-ticks is there, its arguments are words of its own usage, and SCRIPTS names the test that runs
+it.
 """
 
 import os
@@ -23,9 +25,14 @@ import sys
 import tempfile
 import time
 
-PROGRAMS = {"hapticd": "server/hapticd", "hapticctl": "client/hapticctl",
-            "haptic-board-emulator": "hw/haptic-board-emulator", "haptic-make-motion": "hw/haptic-make-motion"}
-# What is run here, in the order of client/README.md; seconds after which an open end is interrupted.
+PROGRAMS = {
+    "hapticd": "server/hapticd",
+    "hapticctl": "client/hapticctl",
+    "haptic-board-emulator": "hw/haptic-board-emulator",
+    "haptic-make-motion": "hw/haptic-make-motion",
+}
+# What is run here, in the order of client/README.md; seconds after which an open end is
+# interrupted.
 RUN = {
     "hapticctl info": None,
     "hapticctl health": None,
@@ -37,34 +44,46 @@ RUN = {
 }
 # What another test runs, and words of that test's definition or script which show it.
 ELSEWHERE = {
-    "server/demo.sh": ("tests/system/demo_test.sh", "/server\" && pwd)/demo.sh"),
+    "server/demo.sh": ("tests/system/demo_test.sh", '/server" && pwd)/demo.sh'),
     "tests/run.sh": (".ci/run", "tests/run.sh"),
     "docker/install-deps.sh": ("tests/run.sh", "docker/install-deps.sh"),
     "docker/test.sh": ("tests/package/CMakeLists.txt", "docker/test.sh"),
     "cmake --preset release": ("tests/run.sh", "cmake --preset"),
     "cmake --build --preset release": ("tests/run.sh", "cmake --build --preset"),
-    'cmake --install build/release --prefix "$HOME/.local"':
-        ("tests/package/install_test.sh", 'cmake --install "$build" --prefix'),
+    'cmake --install build/release --prefix "$HOME/.local"': (
+        "tests/package/install_test.sh",
+        'cmake --install "$build" --prefix',
+    ),
     "hapticctl doctor": ("tests/hapticctl/doctor_test.cpp", "MeasuresThisVeryHost"),
     "hapticctl calibrate": ("tests/hapticctl/calibrate_test.py", '"calibrate", "--output"'),
     "tests/relay/matrix.sh": ("tests/relay/matrix_test.sh", "tests/relay/matrix.sh"),
-    "tests/relay/matrix.sh --network": ("tests/CMakeLists.txt", "haptic_test_program(network network"),  # minutes
+    "tests/relay/matrix.sh --network": (
+        "tests/CMakeLists.txt",
+        "haptic_test_program(network network",
+    ),  # minutes
     "tests/relay/matrix.sh --network --calm": ("tests/CMakeLists.txt", "LABELS calm"),  # minutes
-    "PYTHONPATH=build/release/client/python python3 client/python/examples/ages.py":
-        ("tests/client/python/session_test.py", '"ages.py"'),
+    "PYTHONPATH=build/release/client/python python3 client/python/examples/ages.py": (
+        "tests/client/python/session_test.py",
+        '"ages.py"',
+    ),
     "(cd build/release": ("tests/package/deb_test.sh", "cpack -G DEB"),
     "cpack -G DEB)": ("tests/package/deb_test.sh", "cpack -G DEB"),
 }
 # tests/relay/README.md, "The relay by hand": beside one another, each until the last has ended.
 BY_HAND = [
-    "build/release/server/hapticd --scene server/scenes/finger_constant.textproto --set 'server.udp_listen=\"127.0.0.1:29471\"'",
-    "build/release/tests/relay/haptic-relay --scenario tests/relay/scenarios/loss_05.textproto --tcp 29470 --udp 29471",
+    "build/release/server/hapticd --scene server/scenes/finger_constant.textproto "
+    "--set 'server.udp_listen=\"127.0.0.1:29471\"'",
+    "build/release/tests/relay/haptic-relay "
+    "--scenario tests/relay/scenarios/loss_05.textproto --tcp 29470 --udp 29471",
     "build/release/client/hapticctl --server 127.0.0.2:29470 watch",
 ]
-# Scripts that documents name: who runs them. What takes minutes is run for its help and its refusals; what it
-# runs has tests of its own.
+# Scripts that documents name: who runs them. What takes minutes is run for its help and its
+# refusals; what it runs has tests of its own.
 SCRIPTS = {
-    ".ci/run": ("CONTRIBUTING.md", "`.ci/run`"),  # by whoever asks for all of it: this test is in it
+    ".ci/run": (
+        "CONTRIBUTING.md",
+        "`.ci/run`",
+    ),  # by whoever asks for all of it: this test is in it
     "docker/install-deps.sh": ELSEWHERE["docker/install-deps.sh"],
     "docker/test.sh": ELSEWHERE["docker/test.sh"],
     "server/demo.sh": ELSEWHERE["server/demo.sh"],
@@ -88,19 +107,26 @@ CODE = {
     ("client/README.md", "python"): (2, "tests/client/python/session_test.py", '"```python\\n"'),
     ("hw/README.md", "cpp"): (1, "tests/checks/CMakeLists.txt", "haptic_readme_code(hw 1 "),
 }
-SCRIPT = re.compile(r"^((?:[A-Z_]+=\S+ )*)((?:\.ci|docker|server|tests)/(?:run|\S+\.sh))((?: .*)?)$")
+SCRIPT = re.compile(
+    r"^((?:[A-Z_]+=\S+ )*)((?:\.ci|docker|server|tests)/(?:run|\S+\.sh))((?: .*)?)$"
+)
 
 
 def pages(root: pathlib.Path) -> list[pathlib.Path]:
-    return [page for page in sorted(root.rglob("*.md"))
-            if not {"build", ".git", "report"} & set(page.relative_to(root).parts)]
+    return [
+        page
+        for page in sorted(root.rglob("*.md"))
+        if not {"build", ".git", "report"} & set(page.relative_to(root).parts)
+    ]
 
 
 def commands(root: pathlib.Path) -> dict[str, str]:
     """Command -> where it stands. `a && b` is two."""
     found = {}
     for page in pages(root):
-        for block in re.findall(r"^```sh\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S):
+        for block in re.findall(
+            r"^```sh\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S
+        ):
             for line in block.splitlines():
                 for part in line.split(" #")[0].split("&&"):
                     if part.strip():
@@ -132,13 +158,14 @@ def scripts(root: pathlib.Path) -> list[tuple[str, str, list[str], str]]:
             if match := SCRIPT.match(" ".join(span.split())):
                 arguments = shlex.split(match[3])
                 if "--" in arguments:  # those behind it are another program's
-                    arguments = arguments[:arguments.index("--")]
+                    arguments = arguments[: arguments.index("--")]
                 found.append((match[1], match[2], arguments, str(page.relative_to(root))))
     return found
 
 
 def check_scripts(root: pathlib.Path, known: dict[str, tuple[str, str]]) -> list[str]:
-    """Arguments by the script's own usage, the comment at its top: options and words stand there, of `a|b` each."""
+    """Arguments by the script's own usage, the comment at its top: options and words stand there,
+    of `a|b` each."""
     wrong = []
     shown = scripts(root)
     for variables, script, arguments, page in shown:
@@ -148,19 +175,27 @@ def check_scripts(root: pathlib.Path, known: dict[str, tuple[str, str]]) -> list
             wrong.append(f"{page}: `{script}` is not there, or no program")
             continue
         text = (root / script).read_text(encoding="utf-8")
-        usage = "\n".join(line for line in text.split("\n\n")[0].splitlines() if line.startswith("#"))
+        usage = "\n".join(
+            line for line in text.split("\n\n")[0].splitlines() if line.startswith("#")
+        )
         for variable in re.findall(r"([A-Z_]+)=", variables):
             if not re.search(rf"\b{variable}\b", text):
                 wrong.append(f"{page}: `{script}` knows no {variable}")
         if script.startswith("tests/checks/"):
             continue  # their arguments are the compiler's
         for word in (w for argument in arguments for w in argument.split("|")):
-            if word.isdigit() or re.fullmatch(r"[A-Z]+(\.[a-z]+)?", word):  # a number; a place for a value
+            if word.isdigit() or re.fullmatch(
+                r"[A-Z]+(\.[a-z]+)?", word
+            ):  # a number; a place for a value
                 continue
             if not re.search(rf"(?<![\w-]){re.escape(word)}(?![\w-])", usage):
                 wrong.append(f"{page}: `{script}` says nothing of {word}")
     named = {script for _, script, _, _ in shown}
-    wrong += [f"documented_commands.py: no document names `{script}`" for script in known if script not in named]
+    wrong += [
+        f"documented_commands.py: no document names `{script}`"
+        for script in known
+        if script not in named
+    ]
     return wrong
 
 
@@ -170,13 +205,17 @@ def check_code(root: pathlib.Path, known: dict[tuple[str, str], tuple[int, str, 
     shown: dict[tuple[str, str], int] = {}
     for page in pages(root):
         name = str(page.relative_to(root))
-        for language, block in re.findall(r"^```(cpp|python)\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S):
+        for language, block in re.findall(
+            r"^```(cpp|python)\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S
+        ):
             shown[name, language] = shown.get((name, language), 0) + 1
             if language == "python":
                 compile(block, name, "exec")
     for place, count in shown.items():
         if known.get(place, (0,))[0] != count:
-            wrong.append(f"{place[0]}: {count} pieces of {place[1]}, tested are {known.get(place, (0,))[0]}")
+            wrong.append(
+                f"{place[0]}: {count} pieces of {place[1]}, tested are {known.get(place, (0,))[0]}"
+            )
     for place, (_, file, words) in known.items():
         if place not in shown:
             wrong.append(f"documented_commands.py: {place[0]} has no {place[1]}")
@@ -186,10 +225,13 @@ def check_code(root: pathlib.Path, known: dict[tuple[str, str], tuple[int, str, 
 
 
 def free_ports() -> tuple[int, int]:
-    """Two that differ, below the ports that the kernel gives out, so that no other test gets them meanwhile."""
+    """Two that differ, below the ports that the kernel gives out, so that no other test gets them
+    meanwhile."""
     free = []
     for port in range(12_000 + 37 * os.getpid() % 17_000, 32_000):
-        with socket.socket() as tcp, socket.socket(type=socket.SOCK_DGRAM) as udp, contextlib.suppress(OSError):
+        with socket.socket() as tcp, socket.socket(
+            type=socket.SOCK_DGRAM
+        ) as udp, contextlib.suppress(OSError):
             tcp.bind(("127.0.0.1", port))
             udp.bind(("127.0.0.1", port))
             free.append(port)
@@ -199,21 +241,43 @@ def free_ports() -> tuple[int, int]:
 
 
 def run_by_hand(root: pathlib.Path, programs: pathlib.Path) -> list[str]:
-    """In the document's order, on ports of our own: server, relay, and somebody who watches through it."""
+    """In the document's order, on ports of our own: server, relay, and somebody who watches through
+    it."""
     tcp, udp = map(str, free_ports())
-    made = [[w.replace("29470", tcp).replace("29471", udp).replace("build/release", str(programs))
-             for w in shlex.split(command)] for command in BY_HAND]
-    made[0] += ["--listen", f"127.0.0.1:{tcp}", "--realtime=off", "--set", "loop.late_bucket_full=1000000",
-                "--set", "loop.loop_late_fault={seconds: 10}"]
+    made = [
+        [
+            w.replace("29470", tcp).replace("29471", udp).replace("build/release", str(programs))
+            for w in shlex.split(command)
+        ]
+        for command in BY_HAND
+    ]
+    made[0] += [
+        "--listen",
+        f"127.0.0.1:{tcp}",
+        "--realtime=off",
+        "--set",
+        "loop.late_bucket_full=1000000",
+        "--set",
+        "loop.loop_late_fault={seconds: 10}",
+    ]
     beside = []
     try:
         for command in made[:-1]:
-            beside.append(subprocess.Popen(command, cwd=root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+            beside.append(
+                subprocess.Popen(
+                    command, cwd=root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+                )
+            )
         watch: list[str] = []
         latest = time.monotonic() + 60
         while time.monotonic() < latest:
-            watcher = subprocess.Popen([*made[-1], "--json"], cwd=root, stdout=subprocess.PIPE,
-                                       stderr=subprocess.STDOUT, text=True)
+            watcher = subprocess.Popen(
+                [*made[-1], "--json"],
+                cwd=root,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+            )
             time.sleep(1.0)
             watcher.send_signal(signal.SIGINT)
             output, _ = watcher.communicate(timeout=30)
@@ -222,8 +286,10 @@ def run_by_hand(root: pathlib.Path, programs: pathlib.Path) -> list[str]:
                 return []
             if any(process.poll() is not None for process in beside):
                 break
-        return [f"`{BY_HAND[-1]}` showed no state: {watch[-1]}; of the others ended: "
-                f"{[process.poll() for process in beside]}"]
+        return [
+            f"`{BY_HAND[-1]}` showed no state: {watch[-1]}; of the others ended: "
+            f"{[process.poll() for process in beside]}"
+        ]
     finally:
         for process in reversed(beside):
             process.terminate()
@@ -236,18 +302,37 @@ def run_all(root: pathlib.Path, programs: pathlib.Path) -> list[str]:
     with tempfile.TemporaryDirectory() as folder:
         address = f"unix:{folder}/socket"
         server = subprocess.Popen(
-            [programs / "server/hapticd", "--scene", root / "server/scenes/finger_soft_grasp.textproto",
-             "--realtime=off", "--listen", address, "--set", "loop.late_bucket_full=1000000",
-             "--set", "loop.loop_late_fault={seconds: 10}"], stderr=subprocess.DEVNULL)
+            [
+                programs / "server/hapticd",
+                "--scene",
+                root / "server/scenes/finger_soft_grasp.textproto",
+                "--realtime=off",
+                "--listen",
+                address,
+                "--set",
+                "loop.late_bucket_full=1000000",
+                "--set",
+                "loop.loop_late_fault={seconds: 10}",
+            ],
+            stderr=subprocess.DEVNULL,
+        )
         try:
-            while subprocess.run([programs / "client/hapticctl", "--server", address, "health"],
-                                 capture_output=True).returncode != 0:
+            while (
+                subprocess.run(
+                    [programs / "client/hapticctl", "--server", address, "health"],
+                    capture_output=True,
+                ).returncode
+                != 0
+            ):
                 time.sleep(0.1)
             for command, seconds in RUN.items():
                 words = shlex.split(command)
                 process = subprocess.Popen(
                     [programs / "client" / words[0], "--server", address, *words[1:]],
-                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+                    stdout=subprocess.PIPE,
+                    stderr=subprocess.STDOUT,
+                    text=True,
+                )
                 if seconds is not None:
                     time.sleep(seconds)
                     process.send_signal(signal.SIGINT)
@@ -266,9 +351,13 @@ def options(root: pathlib.Path) -> dict[tuple[str, str], set[str]]:
     found: dict[tuple[str, str], set[str]] = {}
     word = "|".join(PROGRAMS)
     for page in pages(root):
-        for name, rest in re.findall(rf"(?:^|[`/ ])({word})( [^`\n#|]*)", page.read_text(encoding="utf-8"), re.M):
+        for name, rest in re.findall(
+            rf"(?:^|[`/ ])({word})( [^`\n#|]*)", page.read_text(encoding="utf-8"), re.M
+        ):
             used = {w for w in re.findall(r"(?<!\S)\[?(--[a-z][a-z-]*)", rest)}
-            command = next((w for w in rest.split() if w.isalpha()), "") if name == "hapticctl" else ""
+            command = (
+                next((w for w in rest.split() if w.isalpha()), "") if name == "hapticctl" else ""
+            )
             if used:
                 found.setdefault((name, command), set()).update(used)
     return found
@@ -276,14 +365,18 @@ def options(root: pathlib.Path) -> dict[tuple[str, str], set[str]]:
 
 def check_options(root: pathlib.Path, programs: pathlib.Path) -> list[str]:
     def known(*command: str) -> set[str]:
-        shown = subprocess.run([*command, "--help"], capture_output=True, text=True, check=True).stdout
+        shown = subprocess.run(
+            [*command, "--help"], capture_output=True, text=True, check=True
+        ).stdout
         return set(re.findall(r"--[a-z][a-z-]*", shown))
 
     wrong = []
     for (name, command), used in options(root).items():
         program = str(programs / PROGRAMS[name])
         allowed = known(program) | (known(program, command) if command else set())
-        wrong += [f"documents: `{name} {command}` has no {option}" for option in sorted(used - allowed)]
+        wrong += [
+            f"documents: `{name} {command}` has no {option}" for option in sorted(used - allowed)
+        ]
     return wrong
 
 
@@ -292,7 +385,9 @@ def main() -> None:
     wrong = check_table(root) + check_scripts(root, SCRIPTS) + check_code(root, CODE)
     if len(sys.argv) > 2:
         programs = pathlib.Path(sys.argv[2])
-        wrong += check_options(root, programs) + run_all(root, programs) + run_by_hand(root, programs)
+        wrong += (
+            check_options(root, programs) + run_all(root, programs) + run_by_hand(root, programs)
+        )
     if wrong:
         sys.exit("\n".join(wrong))
     print(f"{len(commands(root))} commands, {len(SCRIPTS)} scripts")

@@ -1,5 +1,6 @@
 #!/bin/sh
-# No source file over 450 lines: one concept per file (CONTRIBUTING.md#style).
+# No source file over 450 lines, and none of the product over 300: one concept per file
+# (CONTRIBUTING.md#style).
 #
 #   file_length.sh [ROOT]
 set -u
@@ -7,16 +8,32 @@ root=$(cd "${1:-$(dirname "$0")/../..}" && pwd)
 . "$(dirname "$0")/files.sh"
 cd "$root" || exit 2
 
-limit=450
+# The most lines that a file may have.
+limit() { # limit FILE
+  case $1 in
+    # The exceptions, each with its reason.
+    proto/haptic/v1/*.proto) echo 480 ;;           # a format is read as one page
+    core/src/model/finger_reach.cpp) echo 320 ;;   # one derivation, case by case
+    hw/board/board_host.cpp) echo 335 ;;           # one protocol, all its messages
+    core/src/tick/stages.cpp) echo 355 ;;          # to be split
+    server/rpc/convert.cpp) echo 390 ;;            # to be derived from the messages' descriptor
+    server/rpc/session_stream.cpp) echo 415 ;;     # to be split
+    tests/* | docker/*) echo 450 ;;
+    *.textproto | *.txt) echo 450 ;;
+    *) echo 300 ;;
+  esac
+}
+
 checked=0
 status=0
-for file in $(files_of "$root" | grep -E '\.(hpp|cpp|h|c|proto|sh|py|cmake|gp|awk|textproto|txt)$|/run$' |
+for file in $(files_of "$root" |
+  grep -E '\.(hpp|cpp|h|c|proto|sh|py|cmake|gp|awk|textproto|txt)$|/run$' |
   grep -v '^proto/google/'); do
   [ -f "$file" ] || continue
   checked=$((checked + 1))
   lines=$(wc -l <"$file")
-  if [ "$lines" -gt "$limit" ]; then
-    echo "$file: $lines lines; at most $limit"
+  if [ "$lines" -gt "$(limit "$file")" ]; then
+    echo "$file: $lines lines; at most $(limit "$file")"
     status=1
   fi
 done

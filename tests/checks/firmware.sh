@@ -1,6 +1,6 @@
 #!/bin/sh
-# The board's side of the serial protocol compiles as firmware: C99, freestanding, no warning. Prints
-# its size.
+# The board's side of the serial protocol compiles as firmware: C99, freestanding, no warning.
+# Prints its size.
 #
 #   firmware.sh COMPILER [OPTION...]     exit status 77 (skipped) where there is no such compiler
 set -eu
@@ -15,7 +15,8 @@ objects=$(mktemp -d)
 trap 'rm -rf "$objects"' EXIT
 count=0
 for source in "$root"/hw/firmware/*.c; do
-  "$compiler" -std=c99 -ffreestanding -Wall -Wextra -pedantic -Werror -Wconversion -Wshadow -Os "$@" \
+  "$compiler" -std=c99 -ffreestanding -Wall -Wextra -pedantic -Werror -Wconversion -Wshadow -Os \
+    "$@" \
     -c "$source" -o "$objects/$(basename "$source" .c).o"
   count=$((count + 1))
 done

@@ -64,7 +64,9 @@ forbid client/hapticctl client/examples -- "$grpc" \
   "programs on the client library do without gRPC and protobuf"
 forbid server -- "haptic/client/|tests/" "server knows no client"
 owner=
-for room in base crossing ingress owner rt scene session telemetry; do owner="$owner server/$room"; done
+for room in base crossing ingress owner rt scene session telemetry; do
+  owner="$owner server/$room"
+done
 forbid $owner -- "grpc|asio|httplib|openssl/|server/(front|metrics|net|rpc|udp)/" \
   "the owner of the devices knows no network"
 report "the owner of the devices knows no network" <<LINES

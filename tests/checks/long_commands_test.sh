@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Commands that documents show and that take minutes to hours: each says what it takes, and refuses anything else
-# before it builds or measures. What they run has tests of its own.
+# Commands that documents show and that take minutes to hours: each says what it takes, and refuses
+# anything else before it builds or measures. What they run has tests of its own.
 #
 #   long_commands_test.sh ROOT
 set -euo pipefail
@@ -18,7 +18,8 @@ for tool in cmake ninja ctest apt-get podman docker; do
   chmod +x "$tools/$tool"
 done
 for script in tests/bench/run.sh tests/bench/network.sh tests/bench/soak.sh tests/bench/serial.sh \
-  tests/churn/run.sh tests/fuzz/run.sh tests/relay/matrix.sh tests/report/run.sh tests/run.sh docker/test.sh \
+  tests/churn/run.sh tests/fuzz/run.sh tests/relay/matrix.sh tests/report/run.sh tests/run.sh \
+    docker/test.sh \
   server/demo.sh; do
   status=0
   words=$(PATH="$tools:$PATH" "$script" --help 2>&1 </dev/null) || status=$?

@@ -1,7 +1,7 @@
 #!/bin/sh
 # hapticd's ports are written once per language: ports.hpp for C++, _ports.py for Python. This check
-# compares the two, keeps them below Linux's ephemeral range and out of /etc/services, and fails on a
-# copy in the sources of the product and on another port in a page, a scene or a container file.
+# compares the two, keeps them below Linux's ephemeral range and out of /etc/services, and fails on
+# a copy in the sources of the product and on another port in a page, a scene or a container file.
 #
 #   ports.sh [ROOT]
 set -u

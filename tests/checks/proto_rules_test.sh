@@ -1,6 +1,6 @@
 #!/bin/sh
-# The positive control of proto/buf.sh check: it finds a name that is not snake_case, and a field that
-# a client of the last release knows and that is gone.
+# The positive control of proto/buf.sh check: it finds a name that is not snake_case, and a field
+# that a client of the last release knows and that is gone.
 #
 #   proto_rules_test.sh PROTO SCRATCH-FOLDER
 set -eu

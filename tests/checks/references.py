@@ -3,7 +3,8 @@
 
   [text](path#section)   in Markdown outside code, the path relative to the page
   PAGE.md, #section      in any file, the page relative to the repository
-  `folder/file.ext`      in the tables of README.md and core/*.md, relative to the repository, to the
+  `folder/file.ext`      in the tables of README.md and core/*.md, relative to the repository, to
+  the
                          page, or to core's headers and sources
 
 A section is a heading, named as GitHub names it. METHOD, WIRE or HOUSE with a number is a page that
@@ -18,7 +19,9 @@ import sys
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 CITATION = re.compile(r"(?<![\w./-])([A-Za-z0-9_][\w./-]*\.md)#([\w-]+)")
-TABLE_PATH = re.compile(r"`([\w.-]+/[\w./-]*\.(?:hpp|cpp|sh|py|proto|md|txt)|[\w.-]+(?:/[\w.-]+)*/)`")
+TABLE_PATH = re.compile(
+    r"`([\w.-]+/[\w./-]*\.(?:hpp|cpp|sh|py|proto|md|txt)|[\w.-]+(?:/[\w.-]+)*/)`"
+)
 BY_NUMBER = re.compile(r"\b(?:METHOD|WIRE|HOUSE) (?:section )?\d")
 CORE = ("core/include/haptic/core", "core/src")
 

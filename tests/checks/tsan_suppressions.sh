@@ -1,14 +1,15 @@
 #!/bin/sh
-# tests/tsan.supp excuses Debian's builds of gRPC, Abseil and protobuf, which are not instrumented and
-# report by the hundred - and nothing else. One function of libgrpc++ is inlined from its header, and
-# so has no library's name.
+# tests/tsan.supp excuses Debian's builds of gRPC, Abseil and protobuf, which are not instrumented
+# and report by the hundred - and nothing else. One function of libgrpc++ is inlined from its
+# header, and so has no library's name.
 #
 #   tsan_suppressions.sh [FILE]
 set -u
 file=${1:-$(dirname "$0")/../tsan.supp}
 [ $# -eq 0 ] || shift
 more=${*:+$(printf '|%s' "$@")}
-rules=$(grep -vE '^[[:space:]]*(#|$)' "$file") || { echo "$file: missing or without rules"; exit 2; }
+rules=$(grep -vE '^[[:space:]]*(#|$)' "$file") ||
+  { echo "$file: missing or without rules"; exit 2; }
 others=$(echo "$rules" |
   grep -vxF 'race:grpc::internal::CallOpClientRecvStatus::FinishOp' |
   grep -vE '^(race|called_from_lib|mutex|deadlock|thread|signal|race_top):(libgrpc(\+\+)?|libabsl(_[a-z_]+)?|libprotobuf|libgpr'"$more"')[.*so0-9]*$')

@@ -1,5 +1,5 @@
-/// Every transport at work while clients come and go: for the thread sanitizer above all. Three seconds in the
-/// tests; HAPTIC_CHURN_SECONDS=60 for as long as one likes (tests/churn/run.sh).
+/// Every transport at work while clients come and go: for the thread sanitizer above all. Three
+/// seconds in the tests; HAPTIC_CHURN_SECONDS=60 for as long as one likes (tests/churn/run.sh).
 
 #include <gtest/gtest.h>
 #include <unistd.h>

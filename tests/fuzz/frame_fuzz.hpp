@@ -1,6 +1,6 @@
 #pragma once
-/// Fuzzing of the serial link's codecs: streams of frames, made by the C++ and the C99 encoder, with
-/// damage of every kind, are read by both decoders, which must agree on every byte.
+/// Fuzzing of the serial link's codecs: streams of frames, made by the C++ and the C99 encoder,
+/// with damage of every kind, are read by both decoders, which must agree on every byte.
 
 #include <cstdint>
 #include <string>

@@ -1,5 +1,5 @@
-/// A fixed count of damaged inputs for every target, the same in every run; run.sh goes on for as long as
-/// one likes, guided by coverage.
+/// A fixed count of damaged inputs for every target, the same in every run; run.sh goes on for as
+/// long as one likes, guided by coverage.
 
 #include <gtest/gtest.h>
 

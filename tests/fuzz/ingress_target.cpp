@@ -102,8 +102,8 @@ class Door {
 };
 
 std::vector<FuzzBytes> ingress_seeds() {
-  // A lease of epoch 1, then samples: what, time (3), epoch, wide (0: one byte), seq, mode, valid_for (8),
-  // size, values (5 x 8), planes.
+  // A lease of epoch 1, then samples: what, time (3), epoch, wide (0: one byte), seq, mode,
+  // valid_for (8), size, values (5 x 8), planes.
   FuzzBytes begin{0, 0, 0, 10, 1, 50};
   std::vector<FuzzBytes> seeds;
   for (const std::uint8_t mode : FuzzBytes{1, 2, 3}) {

@@ -1,7 +1,7 @@
 #pragma once
-/// What is fuzzed besides the serial link: the datagram path, the ingress and the scene loader. A target
-/// takes any bytes and says what is wrong; empty: nothing. libFuzzer drives it (run.sh), and so do the
-/// tests, with a fixed count (fuzz_test.cpp).
+/// What is fuzzed besides the serial link: the datagram path, the ingress and the scene loader. A
+/// target takes any bytes and says what is wrong; empty: nothing. libFuzzer drives it (run.sh), and
+/// so do the tests, with a fixed count (fuzz_test.cpp).
 
 #include <cstdint>
 #include <span>
@@ -21,15 +21,16 @@ struct FuzzTarget {
   std::size_t longest;  ///< of an input, bytes
 };
 
-/// wire::PathEnd of a server, and the message behind it: datagrams as they come, and payloads sealed with
-/// the right keys. Findings: a rejected datagram says or sends something, a message or an answer is
-/// longer than it may be, more is answered than asked.
+/// wire::PathEnd of a server, and the message behind it: datagrams as they come, and payloads
+/// sealed with the right keys. Findings: a rejected datagram says or sends something, a message or
+/// an answer is longer than it may be, more is answered than asked.
 [[nodiscard]] const FuzzTarget& datagram_target();
-/// server::Ingress under leases that come and go. Findings: what the loop would get is not finite, too
-/// large, of a wrong size, older than what it had, or from the future; a call that no counter counts.
+/// server::Ingress under leases that come and go. Findings: what the loop would get is not finite,
+/// too large, of a wrong size, older than what it had, or from the future; a call that no counter
+/// counts.
 [[nodiscard]] const FuzzTarget& ingress_target();
-/// server::parse_scene. Findings: an error without a word, another exception than SceneError, a scene
-/// that does not read back as itself.
+/// server::parse_scene. Findings: an error without a word, another exception than SceneError, a
+/// scene that does not read back as itself.
 [[nodiscard]] const FuzzTarget& scene_target();
 
 /// Numbers out of an input, 0 beyond its end.

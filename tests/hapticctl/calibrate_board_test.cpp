@@ -1,5 +1,5 @@
-// The guide, a script that answers it, and an emulated board whose potentiometer is wrong, in virtual
-// time. With the calibration that results, the board's readings must be right.
+// The guide, a script that answers it, and an emulated board whose potentiometer is wrong, in
+// virtual time. With the calibration that results, the board's readings must be right.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -21,7 +21,8 @@ namespace {
 using hw::emulator::EmulatorConfig;
 using hw::emulator::VirtualBoard;
 
-/// Joint angles of the hand that brings the device to its places: 5 s at each of two, again and again.
+/// Joint angles of the hand that brings the device to its places: 5 s at each of two, again and
+/// again.
 class Motion {
  public:
   Motion()
@@ -218,8 +219,8 @@ TEST(CalibrateBoard, CorrectsAWrongPotentiometer) {
   CalibrationResult result;
   ASSERT_NO_THROW(result = guide.run(dofs)) << asked.str();
 
-  // reading = scale (l_x + offset), so l_x = reading / scale - offset; the means of a second leave some
-  // hundredths of the 12 um quantum, and a slow creep of the rod.
+  // reading = scale (l_x + offset), so l_x = reading / scale - offset; the means of a second leave
+  // some hundredths of the 12 um quantum, and a slow creep of the rod.
   EXPECT_NEAR(result.dofs[0].scale, 1.0 / 1.08, 2e-3);
   EXPECT_NEAR(result.dofs[0].offset, -0.002, 5e-5);
   EXPECT_NEAR(result.dofs[1].scale, 1.0, 5e-3);
@@ -237,8 +238,8 @@ TEST(CalibrateBoard, CorrectsAWrongPotentiometer) {
     const Held held = hold(again, tau_a);
     EXPECT_NEAR(held.l_x, again.board().rig().actuator().x(), 1e-4);
     EXPECT_NEAR(held.measured, held.force, 0.02) << tau_a << " N asked for";
-    // The board closes the loop on what its cell reads, 0.8 N more; what it holds is what was asked for
-    // all the same, but for what friction leaves of it within the second.
+    // The board closes the loop on what its cell reads, 0.8 N more; what it holds is what was asked
+    // for all the same, but for what friction leaves of it within the second.
     EXPECT_NEAR(held.force, tau_a, 0.4);
   }
 

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""`hapticctl calibrate` between live programs: the board emulator with a potentiometer that has drifted and stretches,
-and a load cell with an offset; hapticd on its pseudo-terminal; the command, with this script as the person, who knows
-the truth because the emulator writes it down. Then hapticd with the file that was made, and with a board that is not
-the file's.
+"""`hapticctl calibrate` between live programs: the board emulator with a potentiometer that has
+drifted and stretches, and a load cell with an offset; hapticd on its pseudo-terminal; the command,
+with this script as the person, who knows the truth because the emulator writes it down. Then
+hapticd with the file that was made, and with a board that is not the file's.
 
-    calibrate_test.py HAPTICD HAPTICCTL HAPTIC-BOARD-EMULATOR SCENE        (package haptic and tests/support on PYTHONPATH)
+    calibrate_test.py HAPTICD HAPTICCTL HAPTIC-BOARD-EMULATOR SCENE        (package haptic and
+    tests/support on PYTHONPATH)
 
-Limits on silence and lateness are as long as the scene allows, and every step waits for its condition.
+Limits on silence and lateness are as long as the scene allows, and every step waits for its
+condition.
 """
 
 import contextlib
@@ -23,8 +25,9 @@ from board_rig import PATIENCE_S, Board, Server, sound, until
 
 HAPTICD, HAPTICCTL, EMULATOR, SCENE = sys.argv[1:5]
 STRAIGHT, HALFWAY, BENT = "0.2 0.2", "0.4 0.5", "0.7 0.9"  # rad, where the hand takes the joints
-# What the stated resolution of the sensors leaves, over a second: a 12-bit potentiometer of 50 mm (12 um) and one of
-# 270 degrees (1.2 mrad), a load cell with 30 mN rms; and the places' own accuracy.
+# What the stated resolution of the sensors leaves, over a second: a 12-bit potentiometer of 50 mm
+# (12 um) and one of 270 degrees (1.2 mrad), a load cell with 30 mN rms; and the places' own
+# accuracy.
 L_X_M, Q_B_RAD, FORCE_N = 1e-4, 5e-3, 0.02
 
 
@@ -77,9 +80,20 @@ class Calibrate(unittest.TestCase):
         self.file = self.folder / "finger.textproto"
 
     def board(self, serial: str, offset_m: float = 0.0) -> Board:
-        board = Board(EMULATOR, self.folder, "--serial", serial, "--l-x-scale", "1.04", "--force-offset", "0.8",
-                      "--l-x-offset", str(offset_m),
-                      "--fault", "drift@0+1=0.001")  # 1 mm within the first second, and there it stays
+        board = Board(
+            EMULATOR,
+            self.folder,
+            "--serial",
+            serial,
+            "--l-x-scale",
+            "1.04",
+            "--force-offset",
+            "0.8",
+            "--l-x-offset",
+            str(offset_m),
+            "--fault",
+            "drift@0+1=0.001",
+        )  # 1 mm within the first second, and there it stays
         self.addCleanup(board.stop)
         return board
 
@@ -102,18 +116,23 @@ class Calibrate(unittest.TestCase):
         """What the daemon says less what is, over the same second: l_x m, q_B rad, force N."""
         said: list[haptic.DeviceState] = []
         with haptic.Connection(server.address) as connection, connection.session(
-                client_name="reader", nominal_rate_hz=100) as session:
+            client_name="reader", nominal_rate_hz=100
+        ) as session:
             until("the device follows the hand", lambda: self.free(session).state == "ARMED")
             board.hand(HALFWAY)
             latest = time.monotonic() + 1.0
             while time.monotonic() < latest:
                 said.append(self.free(session))
             truth = board.rows(1.0)
+
         def mean(values: list[float]) -> float:
             return sum(values) / len(values)
-        return (mean([s.q[0] for s in said]) - mean([row[1] for row in truth]),
-                mean([s.q[1] for s in said]) - mean([row[2] for row in truth]),
-                mean([s.tau_measured[0] for s in said]) - mean([row[3] for row in truth]))
+
+        return (
+            mean([s.q[0] for s in said]) - mean([row[1] for row in truth]),
+            mean([s.q[1] for s in said]) - mean([row[2] for row in truth]),
+            mean([s.tau_measured[0] for s in said]) - mean([row[3] for row in truth]),
+        )
 
     @staticmethod
     def free(session: haptic.Session) -> haptic.DeviceState:
@@ -122,8 +141,13 @@ class Calibrate(unittest.TestCase):
 
     def calibrate(self, server: Server, board: Board, wanted: int = 0) -> tuple[list[str], str]:
         """The questions, and what it said on standard error; it ends with `wanted`."""
-        process = subprocess.Popen([HAPTICCTL, "--server", server.address, "calibrate", "--output", self.file],
-                                   stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        process = subprocess.Popen(
+            [HAPTICCTL, "--server", server.address, "calibrate", "--output", self.file],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         watchdog = threading.Timer(5 * PATIENCE_S, process.kill)
         watchdog.start()
         try:
@@ -142,17 +166,21 @@ class Calibrate(unittest.TestCase):
         server = self.server(board)
         self.clear(server)
         before = self.errors(server, board)
-        self.assertGreater(abs(before[0]), 10 * L_X_M, "the control: without calibration it is wrong")
+        self.assertGreater(
+            abs(before[0]), 10 * L_X_M, "the control: without calibration it is wrong"
+        )
         self.assertGreater(abs(before[2]), 10 * FORCE_N)
         self.clear(server)
         asked, _ = self.calibrate(server, board)
-        self.assertEqual(len(asked), 9, asked)  # two places and the travel of each DoF, off, let go, write
+        self.assertEqual(
+            len(asked), 9, asked
+        )  # two places and the travel of each DoF, off, let go, write
         server.stop()
 
         stored = f"device[0].board.calibration_file={self.file}"
         server = self.server(board, stored)
         with haptic.Connection(server.address) as connection:
-            device, = connection.devices()
+            (device,) = connection.devices()
         self.assertEqual(device.serial, "HX-0042")
         self.assertIn(f'date: "{device.calibrated}"', self.file.read_text())
         self.clear(server)
@@ -164,8 +192,13 @@ class Calibrate(unittest.TestCase):
         commanded, held = self.forces(server, board)
         self.assertGreater(abs(commanded), 1.0, "something was pressed")
         self.assertLess(abs(held - commanded), 0.4, (commanded, held))
-        again = subprocess.run([HAPTICCTL, "--server", server.address, "calibrate"], input="", capture_output=True,
-                               text=True, timeout=60)
+        again = subprocess.run(
+            [HAPTICCTL, "--server", server.address, "calibrate"],
+            input="",
+            capture_output=True,
+            text=True,
+            timeout=60,
+        )
         self.assertEqual(again.returncode, 1)
         self.assertIn("start hapticd without board.calibration_file", again.stderr)
         server.stop()
@@ -187,10 +220,11 @@ class Calibrate(unittest.TestCase):
         self.assertFalse(self.file.exists())
 
     def forces(self, server: Server, board: Board) -> tuple[float, float]:
-        """Commanded and really held. The board closes its loop on what its load cell reads, which is 0.8 N off; what it
-        holds is to be the command, but for what friction leaves of it."""
+        """Commanded and really held. The board closes its loop on what its load cell reads, which
+        is 0.8 N off; what it holds is to be the command, but for what friction leaves of it."""
         with haptic.Connection(server.address) as connection, connection.session(
-                client_name="presser", nominal_rate_hz=100) as session:
+            client_name="presser", nominal_rate_hz=100
+        ) as session:
             session.engage_when_ready()
             place = session.wait_for_state(20.0).x_probe
             latest = time.monotonic() + PATIENCE_S

@@ -195,7 +195,8 @@ TEST_F(Doctor, WorstFindingIsTheGrade) {
   EXPECT_EQ(examined().grade, "unfit");
 }
 
-// core/METHOD.md#sampled-data: passive up to 2 (b - B) / hold, stable up to (b + B) / (T / 2 + t_d).
+// core/METHOD.md#sampled-data: passive up to 2 (b - B) / hold, stable up to (b + B) / (T / 2 +
+// t_d).
 TEST_F(Doctor, StiffnessCapFollowsDampingAndDelay) {
   answers.jitter = {10'000, 0, 0.0, 0.0, 0.0};
   EXPECT_NEAR(cap(1.0, 0.0).passive, 2000.0, 1e-9);

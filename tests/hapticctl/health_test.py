@@ -14,7 +14,8 @@ import unittest
 import grpc
 
 HAPTICCTL = sys.argv[1]
-# grpc.health.v1: HealthCheckRequest { string service = 1; }, HealthCheckResponse { ServingStatus status = 1; }
+# grpc.health.v1: HealthCheckRequest { string service = 1; }, HealthCheckResponse { ServingStatus
+# status = 1; }
 SERVING, NOT_SERVING = b"\x08\x01", b"\x08\x02"
 
 

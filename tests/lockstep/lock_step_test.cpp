@@ -1,6 +1,7 @@
-/// In lock-step - a clock of the test's own, tick k runs after the samples of its millisecond were accepted,
-/// arrivals stamped by that clock - the carrier makes no difference: the same run in-process, over gRPC on
-/// TCP, over gRPC on a UNIX socket and over UDP gives the same force, bit for bit.
+/// In lock-step - a clock of the test's own, tick k runs after the samples of its millisecond were
+/// accepted, arrivals stamped by that clock - the carrier makes no difference: the same run
+/// in-process, over gRPC on TCP, over gRPC on a UNIX socket and over UDP gives the same force, bit
+/// for bit.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -132,8 +133,8 @@ class InProcess final : public Way {
   bool granted_{false};
 };
 
-/// A client on the bare stubs, and on one end of a UDP path where it shall use that. Its samples name no
-/// source time: its clock is not the test's.
+/// A client on the bare stubs, and on one end of a UDP path where it shall use that. Its samples
+/// name no source time: its clock is not the test's.
 class ByWire final : public Way {
  public:
   ByWire(Server& server, bool by_udp)
@@ -217,8 +218,8 @@ struct Trace {
   bool held_over{false};  ///< the proxy grew old at times
 };
 
-/// The wall holds the finger; what the client sends meets a link of jitter and loss before it meets the
-/// carrier.
+/// The wall holds the finger; what the client sends meets a link of jitter and loss before it meets
+/// the carrier.
 Trace run(Server& server, Way& way) {
   WayRules trouble;
   trouble.delay = 8ms;

@@ -1,6 +1,7 @@
 #!/bin/sh
-# The .deb packages: their contents, their dependencies, and lintian's errors. docker/test.sh installs
-# them in a clean container. 77: dpkg-deb, dpkg-shlibdeps, file, help2man or lintian is not there.
+# The .deb packages: their contents, their dependencies, and lintian's errors. docker/test.sh
+# installs them in a clean container. 77: dpkg-deb, dpkg-shlibdeps, file, help2man or lintian is not
+# there.
 #
 #   deb_test.sh BUILD FOLDER
 set -eu
@@ -13,7 +14,8 @@ fail() {
 }
 . "$(dirname "$0")/../support/scratch.sh"
 fresh_folder "$2"
-cpack -G DEB --config "$1/CPackConfig.cmake" -B "$2" >"$2.log" 2>&1 || { cat "$2.log"; fail "cpack"; }
+cpack -G DEB --config "$1/CPackConfig.cmake" -B "$2" >"$2.log" 2>&1 ||
+  { cat "$2.log"; fail "cpack"; }
 
 package() { # package NAME: its file
   set -- "$2"/"$1"_*.deb
@@ -29,23 +31,28 @@ holds() { # holds NAME PATH...
   done
 }
 folder=$2
-holds hapticd ./usr/bin/hapticd ./usr/lib/systemd/system/hapticd.service ./etc/hapticd/scene.textproto \
-  ./usr/share/haptic/scenes/finger_soft_grasp.textproto ./usr/share/haptic/scenes/motion/reach_and_grasp.csv \
+holds hapticd ./usr/bin/hapticd ./usr/lib/systemd/system/hapticd.service \
+  ./etc/hapticd/scene.textproto \
+  ./usr/share/haptic/scenes/finger_soft_grasp.textproto \
+    ./usr/share/haptic/scenes/motion/reach_and_grasp.csv \
   ./etc/security/limits.d/haptic.conf ./usr/lib/udev/rules.d/60-haptic.rules \
   ./usr/share/man/man8/hapticd.8.gz ./usr/share/bash-completion/completions/hapticd
 holds hapticd-client ./usr/bin/hapticctl ./usr/bin/haptic-example-soft-grasp \
   ./usr/share/man/man1/hapticctl.1.gz ./usr/share/man/man1/hapticctl-watch.1.gz \
   ./usr/share/bash-completion/completions/hapticctl
-holds python3-haptic ./usr/lib/python3/dist-packages/haptic/__init__.py ./usr/lib/python3/dist-packages/haptic/py.typed \
+holds python3-haptic ./usr/lib/python3/dist-packages/haptic/__init__.py \
+  ./usr/lib/python3/dist-packages/haptic/py.typed \
   ./usr/lib/python3/dist-packages/haptic/v1/session_pb2.py
-holds libhaptic-dev ./usr/include/haptic/client/client.hpp ./usr/share/haptic/proto/haptic/v1/session.proto
+holds libhaptic-dev ./usr/include/haptic/client/client.hpp \
+  ./usr/share/haptic/proto/haptic/v1/session.proto
 
 field() { dpkg-deb --field "$(package "$1" "$folder")" "$2"; }
 for library in libgrpc++ libsystemd0 libssl3 libserialport0; do
   field hapticd Depends | grep -qF "$library" || fail "hapticd does not ask for $library"
 done
 field libhaptic-dev Depends | grep -qF libgrpc++-dev || fail "libhaptic-dev does not ask for gRPC"
-field python3-haptic Depends | grep -qF python3-grpcio || fail "python3-haptic does not ask for gRPC"
+field python3-haptic Depends | grep -qF python3-grpcio ||
+  fail "python3-haptic does not ask for gRPC"
 for name in hapticd hapticd-client python3-haptic libhaptic-dev; do
   holds $name ./usr/share/doc/$name/copyright ./usr/share/doc/$name/changelog.Debian.gz
   field $name Description | sed -n 1p >>"$folder/synopses"
@@ -53,9 +60,11 @@ for name in hapticd hapticd-client python3-haptic libhaptic-dev; do
     grep -vE '^\./$|^\./(usr|etc)/' || true)
   [ -z "$stray" ] || fail "$name puts files at $stray"
 done
-[ "$(sort -u "$folder/synopses" | wc -l)" = 4 ] || fail "packages with the same description: $(cat "$folder/synopses")"
+[ "$(sort -u "$folder/synopses" | wc -l)" = 4 ] ||
+  fail "packages with the same description: $(cat "$folder/synopses")"
 
-lintian --fail-on error "$folder"/*.deb >"$folder/lintian" 2>&1 || { cat "$folder/lintian"; fail "lintian"; }
+lintian --fail-on error "$folder"/*.deb >"$folder/lintian" 2>&1 ||
+  { cat "$folder/lintian"; fail "lintian"; }
 
 # The unit runs what is in the package; the user may change the scene and the limits.
 root=$2/root

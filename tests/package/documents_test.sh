@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The man pages and bash completions that an installation makes: each option that the sources of hapticd
-# and hapticctl define is in both, and bash completes commands and options with them. 77: no help2man.
+# The man pages and bash completions that an installation makes: each option that the sources of
+# hapticd and hapticctl define is in both, and bash completes commands and options with them. 77: no
+# help2man.
 #
 #   documents_test.sh SOURCE HAPTICD HAPTICCTL FOLDER
 set -euo pipefail
@@ -22,7 +23,8 @@ check() { # check PROGRAM SOURCE
   local option count=0
   zcat "$folder"/man/man?/"$1"*.gz | tr -d '\\' >"$folder/pages"
   for option in $(defined "$2"); do
-    grep -qE -- "['\" ]$option['\" ]" "$completions/$1" || fail "the completion of $1 has no $option"
+    grep -qE -- "['\" ]$option['\" ]" "$completions/$1" ||
+      fail "the completion of $1 has no $option"
     grep -qF -- "$option" "$folder/pages" || fail "no man page of $1 has $option"
     count=$((count + 1))
   done
@@ -40,7 +42,8 @@ for page in "$folder"/man/man?/*.gz; do
   grep -q "^.SH SYNOPSIS" "$folder/page" || fail "$page has no synopsis"
   if grep -F "$folder" "$folder/page"; then fail "$page names a folder of this machine"; fi
 done
-[[ $(zcat "$folder/man/man1/hapticctl.1.gz") == *'device is in FAULT'* ]] || fail "no table of exit status"
+[[ $(zcat "$folder/man/man1/hapticctl.1.gz") == *'device is in FAULT'* ]] ||
+  fail "no table of exit status"
 
 # completes EXPECTED WORDS...: what bash offers for the last word.
 completes() {
@@ -48,7 +51,8 @@ completes() {
   shift
   COMP_WORDS=("$@") COMP_CWORD=$(($# - 1)) COMPREPLY=()
   "_$1"
-  [[ "${COMPREPLY[*]}" == "$expected" ]] || fail "'$*' completes to '${COMPREPLY[*]}', expected '$expected'"
+  [[ "${COMPREPLY[*]}" == "$expected" ]] ||
+    fail "'$*' completes to '${COMPREPLY[*]}', expected '$expected'"
 }
 . "$completions/hapticctl"
 . "$completions/hapticd"

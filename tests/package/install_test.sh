@@ -39,14 +39,17 @@ fi
 mv "$prefix" "$folder/moved"
 prefix=$folder/moved
 unset CMAKE_PREFIX_PATH PKG_CONFIG_PATH
-cmake -S "$here/foreign" -B "$folder/foreign" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release \
-  >"$folder/configure.log" 2>&1 || { cat "$folder/configure.log"; fail "find_package(haptic) failed"; }
+cmake -S "$here/foreign" -B "$folder/foreign" -DCMAKE_PREFIX_PATH="$prefix" \
+  -DCMAKE_BUILD_TYPE=Release \
+  >"$folder/configure.log" 2>&1 ||
+    { cat "$folder/configure.log"; fail "find_package(haptic) failed"; }
 if cmake -S "$here/foreign" -B "$folder/glove" -DCMAKE_PREFIX_PATH="$prefix" -DALSO=glove \
   >"$folder/glove.log" 2>&1; then
   fail "find_package(haptic COMPONENTS glove) did not fail"
 fi
 grep -q "no component 'glove'" "$folder/glove.log" || { cat "$folder/glove.log"; fail "not named"; }
-cmake --build "$folder/foreign" >"$folder/build.log" || { cat "$folder/build.log"; fail "no build"; }
+cmake --build "$folder/foreign" >"$folder/build.log" ||
+  { cat "$folder/build.log"; fail "no build"; }
 
 pc=$(dirname "$(find "$prefix" -name haptic-client.pc)")
 export PKG_CONFIG_PATH=$pc
@@ -56,7 +59,8 @@ export PKG_CONFIG_PATH=$pc
 
 # The vector of proto/README.md.
 "$folder/foreign/foreign_proto" >"$folder/sample"
-grep -q "\`$(cat "$folder/sample")\`" "$source/proto/README.md" || fail "not the vector: $(cat "$folder/sample")"
+grep -q "\`$(cat "$folder/sample")\`" "$source/proto/README.md" ||
+  fail "not the vector: $(cat "$folder/sample")"
 
 socket=$folder/socket
 "$prefix/bin/hapticd" --scene "$prefix/etc/hapticd/scene.textproto" --realtime=off \

@@ -31,10 +31,25 @@ class Metrics(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.address = "unix:" + os.path.join(folder.name, "socket")
         self.server = subprocess.Popen(
-            [HAPTICD, "--scene", SCENE, "--realtime=off", "--listen", self.address,
-             "--set", "server.metrics_listen=127.0.0.1:0", "--set", "server.udp_listen=127.0.0.1:0",
-             "--set", "loop.late_bucket_full=1000000", "--set", "loop.loop_late_fault={seconds: 10}"],
-            stderr=subprocess.PIPE, text=True)
+            [
+                HAPTICD,
+                "--scene",
+                SCENE,
+                "--realtime=off",
+                "--listen",
+                self.address,
+                "--set",
+                "server.metrics_listen=127.0.0.1:0",
+                "--set",
+                "server.udp_listen=127.0.0.1:0",
+                "--set",
+                "loop.late_bucket_full=1000000",
+                "--set",
+                "loop.loop_late_fault={seconds: 10}",
+            ],
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         self.addCleanup(self.end)
         for line in self.server.stderr:
             found = re.search(r"metrics on port (\d+)", line)
@@ -50,27 +65,35 @@ class Metrics(unittest.TestCase):
 
     def scrape(self) -> str:
         with urllib.request.urlopen(self.url, timeout=10) as answer:
-            self.assertEqual(answer.headers["Content-Type"],
-                             "text/plain; version=0.0.4; charset=utf-8")
+            self.assertEqual(
+                answer.headers["Content-Type"], "text/plain; version=0.0.4; charset=utf-8"
+            )
             return answer.read().decode()
 
     def test_promtool_finds_nothing(self) -> None:
-        judged = subprocess.run(["promtool", "check", "metrics"], input=self.scrape(), text=True,
-                                capture_output=True)
+        judged = subprocess.run(
+            ["promtool", "check", "metrics"], input=self.scrape(), text=True, capture_output=True
+        )
         self.assertEqual((judged.returncode, judged.stdout + judged.stderr), (0, ""))
 
     def test_promtool_bites(self) -> None:
-        judged = subprocess.run(["promtool", "check", "metrics"],
-                                input="# TYPE a_milliseconds counter\na_milliseconds 1\n", text=True,
-                                capture_output=True)
+        judged = subprocess.run(
+            ["promtool", "check", "metrics"],
+            input="# TYPE a_milliseconds counter\na_milliseconds 1\n",
+            text=True,
+            capture_output=True,
+        )
         self.assertNotEqual(judged.returncode, 0)
 
     def test_metrics_show_what_happened(self) -> None:
         before = parse(self.scrape())
         device = 'device="finger"'
         self.assertEqual(before["haptic_device_controlled", device], 0)
-        subprocess.run([HAPTICCTL, "--server", self.address, "engage", "--hold", "--seconds", "2"],
-                       check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(
+            [HAPTICCTL, "--server", self.address, "engage", "--hold", "--seconds", "2"],
+            check=True,
+            stdout=subprocess.DEVNULL,
+        )
         time.sleep(0.5)
         after = parse(self.scrape())
 
@@ -84,7 +107,10 @@ class Metrics(unittest.TestCase):
         fresh = grown("haptic_staleness_seconds_total", device + ',level="fresh"')
         self.assertGreater(fresh, 0.5)
         # Samples begin on the stream and go by UDP once that has proved good.
-        grpc, udp = (grown("haptic_carrier_seconds_total", f'{device},carrier="{c}"') for c in ("grpc", "udp"))
+        grpc, udp = (
+            grown("haptic_carrier_seconds_total", f'{device},carrier="{c}"')
+            for c in ("grpc", "udp")
+        )
         self.assertGreater(grpc + udp, 0.5)
         self.assertGreater(min(grpc, udp), 0)
         self.assertGreaterEqual(grown("haptic_carrier_changes_total", device), 1)
@@ -99,7 +125,9 @@ class Metrics(unittest.TestCase):
     def test_page_lists_what_is_served(self) -> None:
         documented: dict[str, str] = {}
         with open(README, encoding="utf-8") as page:
-            for names, kind in re.findall(r"^\| (`(?:haptic|process)_[^|]*) \| (\w+) \|", page.read(), re.M):
+            for names, kind in re.findall(
+                r"^\| (`(?:haptic|process)_[^|]*) \| (\w+) \|", page.read(), re.M
+            ):
                 documented.update({name: kind for name in re.findall(r"`(\w+)`", names)})
         served = dict(re.findall(r"^# TYPE (\w+) (\w+)$", self.scrape(), re.M))
         # These exist for boards only, and this scene has none.
@@ -109,14 +137,20 @@ class Metrics(unittest.TestCase):
 
     def test_open_session_is_counted(self) -> None:
         labels = 'device="finger"'
-        client = subprocess.Popen([HAPTICCTL, "--server", self.address, "engage", "--hold", "--seconds", "60"],
-                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        client = subprocess.Popen(
+            [HAPTICCTL, "--server", self.address, "engage", "--hold", "--seconds", "60"],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
         self.addCleanup(client.wait)
         self.addCleanup(client.kill)
         latest = time.monotonic() + 30
         while True:
             page = parse(self.scrape())
-            if page["haptic_device_controlled", labels] == 1 and page["haptic_gain_ratio", labels] == 1:
+            if (
+                page["haptic_device_controlled", labels] == 1
+                and page["haptic_gain_ratio", labels] == 1
+            ):
                 break
             self.assertLess(time.monotonic(), latest)
             time.sleep(0.1)
@@ -126,8 +160,9 @@ class Metrics(unittest.TestCase):
     def test_stop_counts_as_one_fault(self) -> None:
         labels = 'device="finger",fault="emergency_stop"'
         self.assertEqual(parse(self.scrape())["haptic_faults_total", labels], 0)
-        subprocess.run([HAPTICCTL, "--server", self.address, "estop"], check=True,
-                       stdout=subprocess.DEVNULL)
+        subprocess.run(
+            [HAPTICCTL, "--server", self.address, "estop"], check=True, stdout=subprocess.DEVNULL
+        )
         time.sleep(0.3)
         self.assertEqual(parse(self.scrape())["haptic_faults_total", labels], 1)
 

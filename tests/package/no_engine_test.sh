@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# docker/test.sh where no container engine can be made to work: it fails, and says of each engine why. It is skipped
-# only where somebody said so.
+# docker/test.sh where no container engine can be made to work: it fails, and says of each engine
+# why. It is skipped only where somebody said so.
 #
 #   no_engine_test.sh DOCKER/TEST.SH
 set -euo pipefail

@@ -13,7 +13,8 @@ fail() {
   exit 1
 }
 source=$(cd "$here/../.." && pwd)
-cmake -S "$here/containing" -B "$folder/build" -G Ninja -DSOURCE="$source" >"$folder/configure.log" 2>&1 ||
+cmake -S "$here/containing" -B "$folder/build" -G Ninja -DSOURCE="$source" \
+  >"$folder/configure.log" 2>&1 ||
   { cat "$folder/configure.log"; fail "cannot be configured"; }
 ctest --test-dir "$folder/build" -N | grep -q 'Total Tests: 0' || fail "its tests are there"
 cmake --install "$folder/build" --prefix "$folder/prefix" >"$folder/install.log" 2>&1 ||

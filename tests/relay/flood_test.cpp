@@ -1,5 +1,6 @@
-/// 100 000 datagrams per second: each is counted, none is answered. On a calm host the flood costs no
-/// deadline that the same flood to a discarding socket does not cost, and a stop acts within 10 ms.
+/// 100 000 datagrams per second: each is counted, none is answered. On a calm host the flood costs
+/// no deadline that the same flood to a discarding socket does not cost, and a stop acts within 10
+/// ms.
 
 #include <gtest/gtest.h>
 

@@ -37,7 +37,8 @@ for program in "${programs[@]}"; do
 done
 # A client that turns its own clock, which no link can do.
 if $calm; then
-  HAPTIC_MATRIX_CSV=$rows HAPTICD=$build/server/hapticd HAPTIC_RELAY=$build/tests/relay/haptic-relay \
+  HAPTIC_MATRIX_CSV=$rows HAPTICD=$build/server/hapticd \
+    HAPTIC_RELAY=$build/tests/relay/haptic-relay \
     HAPTIC_PYTHON_PROTO=$build/tests/interop/proto PYTHONDONTWRITEBYTECODE=1 \
     sh "$root/tests/interop/run_python.sh" /usr/bin/python3 "grpc;google.protobuf;cryptography" \
     "$root/tests/interop/clock_rows_test.py" >&2 || status=1

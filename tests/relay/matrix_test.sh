@@ -20,13 +20,16 @@ need() {
     status=1
   fi
 }
-for scenario in "$root"/tests/relay/scenarios/*.textproto; do need "$(basename "$scenario" .textproto)"; done
+for scenario in "$root"/tests/relay/scenarios/*.textproto; do
+  need "$(basename "$scenario" .textproto)"
+done
 for row in bit_flips wrong_key replayed_capture spoofed_source nan huge_values junk_100000_per_s \
   sigterm_under_load client_killed client_paused_300ms 16_observers; do
   need "$row"
   if [ "$row" = junk_100000_per_s ]; then row=flood_100000_per_s; fi  # the whole of it, of junk and
                                                                       # of valid headers
-  if ! grep -qE "\"(network/)?$row\"" "$root"/tests/relay/network_rows_test.cpp "$root/tests/relay/flood_test.cpp"; then
+  if ! grep -qE "\"(network/)?$row\"" "$root"/tests/relay/network_rows_test.cpp \
+    "$root/tests/relay/flood_test.cpp"; then
     echo "no row network/$row"
     status=1
   fi

@@ -18,8 +18,8 @@ bool is_one_of(const std::string& name, std::initializer_list<const char*> names
   return std::any_of(names.begin(), names.end(), [&](const char* one) { return name == one; });
 }
 
-/// Force stays on from Engage to the end on a calm host: what is lost or late is less than the ladder
-/// allows.
+/// Force stays on from Engage to the end on a calm host: what is lost or late is less than the
+/// ladder allows.
 bool is_never_felt(const std::string& name) {
   return is_one_of(
       name, {"clean", "delay_1ms", "delay_10ms", "delay_30ms", "delay_100ms", "duplicate_100",
@@ -27,8 +27,8 @@ bool is_never_felt(const std::string& name) {
              "loss_01", "loss_05", "burst_8ms", "tcp_blocked", "udp_blocked", "narrow"});
 }
 
-/// The UDP path gives up if every third packet is lost, and a stream hardly moves. Force may never be
-/// granted; it must be safe if it is.
+/// The UDP path gives up if every third packet is lost, and a stream hardly moves. Force may never
+/// be granted; it must be safe if it is.
 bool may_be_refused(const std::string& name) {
   return name == "loss_30";
 }

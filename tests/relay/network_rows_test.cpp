@@ -60,8 +60,8 @@ std::uint64_t rejected_datagrams(client::Connection& server) {
   return sum;
 }
 
-/// Every forged datagram is rejected by the server or dropped by the kernel, whose buffer is finite.
-/// `before`: the counters before the attack.
+/// Every forged datagram is rejected by the server or dropped by the kernel, whose buffer is
+/// finite. `before`: the counters before the attack.
 void expect_rejected(RowRun& run, client::Connection& server, std::uint64_t before,
                      std::uint64_t forged) {
   run.must(forged > 100U, "more than 100 forged datagrams");
@@ -79,7 +79,8 @@ void expect_rejected(RowRun& run, client::Connection& server, std::uint64_t befo
 
 /// After LOST was heard. The newest state here may still be the one with force.
 bool engages_again_by_udp(RowRun& run, Presser& presser) {
-  const bool off = within(60s, [&] { return presser.state().state != client::Lifecycle::kEngaged; });
+  const auto engaged = [&] { return presser.state().state == client::Lifecycle::kEngaged; };
+  const bool off = within(60s, [&] { return !engaged(); });
   return run.must(off, "force given up") && engages_by_udp(run, presser);
 }
 

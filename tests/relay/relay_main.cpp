@@ -1,4 +1,5 @@
-/// haptic-relay: trouble between a client and a server, from a scenario file, until SIGINT or SIGTERM.
+/// haptic-relay: trouble between a client and a server, from a scenario file, until SIGINT or
+/// SIGTERM.
 ///
 ///   haptic-relay --scenario tests/relay/scenarios/loss_05.textproto --tcp 29470 --udp 29471
 ///   hapticctl --server 127.0.0.2:29470 watch

@@ -41,8 +41,8 @@ struct RunFigures {
 };
 
 /// Judges only what holds of every tick, however late it is: levels and gain by age, the force's
-/// limits and steps, no fault, no more energy than the tank held, and in a fault no gain at once and
-/// no command from the second tick on. `fresh_end` s.
+/// limits and steps, no fault, no more energy than the tank held, and in a fault no gain at once
+/// and no command from the second tick on. `fresh_end` s.
 [[nodiscard]] RunFigures judge(const std::vector<RecordedTick>& run, double fresh_end);
 
 }  // namespace haptic::test

@@ -32,8 +32,8 @@ class RelayClock {
   std::optional<Steady::time_point> start_{};
 };
 
-/// `Link`: ImpairedLink for datagrams, ReliableLink for a stream of bytes. Lives on the thread of its
-/// context.
+/// `Link`: ImpairedLink for datagrams, ReliableLink for a stream of bytes. Lives on the thread of
+/// its context.
 template <typename Link>
 class TimedLink {
  public:

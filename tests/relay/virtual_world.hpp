@@ -1,7 +1,7 @@
 #pragma once
-/// A client that presses, and a server whose device a hand moves, on virtual time: the shipped wire,
-/// link watch, ingress, sessions and pipeline with a scenario's link between them, samples up and
-/// states down; over UDP where the path is in use, else over a stream.
+/// A client that presses, and a server whose device a hand moves, on virtual time: the shipped
+/// wire, link watch, ingress, sessions and pipeline with a scenario's link between them, samples up
+/// and states down; over UDP where the path is in use, else over a stream.
 
 #include <functional>
 #include <map>

@@ -26,16 +26,15 @@ struct Rest {
   double penetration{0.0};  ///< of the probe, rad; as `Press::penetration` where nothing is felt
 };
 
-/// Springs of K = Z_q / ||J_a||^2 on both joints, J_a of the pose, which a device with an actuator on
-/// both DoFs renders exactly; tau_a is the part of it that acts on the first: J_a^T K (x -
+/// Springs of K = Z_q / ||J_a||^2 on both joints, J_a of the pose, which a device with an actuator
+/// on both DoFs renders exactly; tau_a is the part of it that acts on the first: J_a^T K (x -
 /// x_probe).
 [[nodiscard]] std::optional<Rest> full_device(const core::Kinematics& finger, const Press& press);
 
 /// tau_a = Z_q S J^{-1} (x - x_probe), Eq. (8), on one DoF, the other not held back; the proxy is
-/// the
-/// client's x = argmin ||x - x_probe||_W on the free side, W the coupling metric of that softness at
-/// the pose in question, or the identity without one. The rest that the finger comes to from the
-/// pose; empty where it leaves the workspace.
+/// the client's x = argmin ||x - x_probe||_W on the free side, W the coupling metric of that
+/// softness at the pose in question, or the identity without one. The rest that the finger comes to
+/// from the pose; empty where it leaves the workspace.
 [[nodiscard]] std::optional<Rest> underactuated(const core::Kinematics& finger, const Press& press,
                                                 std::optional<double> softness);
 

@@ -1,6 +1,7 @@
 # Turns tests/report/index.in into index.md: text as it stands, and two directives,
 #
-#   @figure NAME ALT TEXT...   a picture, with a link to its SVG; left out with a remark if not drawn
+#   @figure NAME ALT TEXT...   a picture, with a link to its SVG; left out with a remark if not
+#                              drawn
 #   @table FILE [COLUMNS]      a CSV of the report as a table, all columns or those named (a,b,c)
 #   @part NAME / @end          what stands between is left out unless the part NAME was made
 #

@@ -1,6 +1,6 @@
 #!/bin/sh
-# haptic-report closed-loop and rate: what must hold with a client in the loop (core/METHOD.md#results),
-# on a part of their rows, and that without the safeguards it does not.
+# haptic-report closed-loop and rate: what must hold with a client in the loop
+# (core/METHOD.md#results), on a part of their rows, and that without the safeguards it does not.
 #
 #   loop_test.sh HAPTIC-REPORT
 set -u
@@ -10,8 +10,8 @@ fail() {
   echo "FAILED: $*"
   failed=1
 }
-# every NAME ROWS CONDITION arguments...: at least ROWS rows, and the awk CONDITION holds in each. Its
-# words: the columns' names.
+# every NAME ROWS CONDITION arguments...: at least ROWS rows, and the awk CONDITION holds in each.
+# Its words: the columns' names.
 every() {
   name=$1 rows=$2 condition=$3
   shift 3
@@ -34,32 +34,39 @@ refused() {  # refused arguments...: exit status 2, a reason on standard error, 
 number() {  # number COLUMN arguments...: that of the first row
   column=$1
   shift
-  "$report" "$@" | awk -F, -v column="$column" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == column) c = i }
+  "$report" "$@" |
+    awk -F, -v column="$column" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == column) c = i }
     NR == 2 { print $c }'
 }
 
 # 81 % of the spring's peak energy to the user in one direction, taken in the other.
 exact="--motion cycle --stop 18,999 --method subspace_exact --rate 1000 --proxy held --with nothing"
 # shellcheck disable=SC2086
-every "the exact method in a cycle" 2 '(direction == "forward" ? -given_pct : given_pct) > 79 && given_pct < 83' \
+every "the exact method in a cycle" 2 \
+  '(direction == "forward" ? -given_pct : given_pct) > 79 && given_pct < 83' \
   closed-loop $exact
 # The hand's cycle against an MCP stop, 162 mJ in four cycles with (8).
 every "the hand's cycle, (8)" 1 'most_net_mj > 150 && most_net_mj < 175' closed-loop --motion hand \
-  --stop 18,999 --method subspace_linear --rate 1000 --proxy held --with nothing --direction reversed
+  --stop 18,999 --method subspace_linear --rate 1000 --proxy held --with nothing --direction \
+    reversed
 # Without the tank every method gives energy in one direction, with the guard alone too.
 for method in standard null_space subspace_linear subspace_exact; do
   for with in nothing guard; do
-    given=$("$report" closed-loop --motion hand --stop 18,999 --method $method --rate 1000 --proxy held \
+    given=$("$report" closed-loop --motion hand --stop 18,999 --method $method --rate 1000 --proxy \
+      held \
       --with $with | grep -c 'gives energy')
-    [ "$given" -ge 1 ] || fail "$method with $with: one direction must give energy, or nothing is tested"
+    [ "$given" -ge 1 ] ||
+      fail "$method with $with: one direction must give energy, or nothing is tested"
   done
 done
 
-# With guard (or envelope) and tank: never more than the tank held, any method, client and direction.
+# With guard (or envelope) and tank: never more than the tank held, any method, client and
+# direction.
 within() {  # within ROWS TANK_MJ arguments...
   rows=$1 tank=$2
   shift 2
-  every "a tank of $tank mJ" "$rows" "most_net_mj <= $tank + 1e-6 && verdict == \"ok\"" closed-loop \
+  every "a tank of $tank mJ" "$rows" "most_net_mj <= $tank + 1e-6 && verdict == \"ok\"" \
+    closed-loop \
     --tank-mj "$tank" "$@"
 }
 within 54 0 --motion cycle --with guard_tank --rate 1000
@@ -69,8 +76,8 @@ within 28 0 --motion hand --with envelope_tank --rate 60 --delay 20 --proxy deri
 within 28 0 --motion hand --with guard_tank --rate 200 --delay 50 --proxy flag
 within 28 2 --motion hand --with guard_tank --rate 60 --delay 20 --proxy held
 
-# A plain press is not throttled with any method, 0..100 ms late; and it is felt with (8) and (6). (The
-# standard method is withheld at the MCP stop, where it points into the wall.)
+# A plain press is not throttled with any method, 0..100 ms late; and it is felt with (8) and (6).
+# (The standard method is withheld at the MCP stop, where it points into the wall.)
 for sending in "held --rate 1000" "held --rate 60 --delay 20" "held --rate 30 --delay 100" \
   "planes --rate 60 --delay 20" "planes --rate 30 --delay 100"; do
   for method in standard null_space subspace_linear subspace_exact; do
@@ -98,23 +105,28 @@ for delay in 0 20 100; do
 done
 
 # Rejected: the conservative form in the metric of Q pulls the finger into the MCP stop.
-every "the metric of Q" 1 'given_mj > 76 && given_mj < 158 && peak_force_n > 13 && peak_force_n < 21.5' \
+every "the metric of Q" 1 \
+  'given_mj > 76 && given_mj < 158 && peak_force_n > 13 && peak_force_n < 21.5' \
   closed-loop --motion press --stop 18,999 --method q_metric --rate 60 --with nothing
 
 # One DoF: K_max within a step of the grid (10 %) of core/METHOD.md#local-models.
 near() {  # near NAME EXPECTED TOLERANCE_PCT FOUND
-  awk "BEGIN { d = $4 / $2 - 1; exit !(d < $3 / 100 && d > -$3 / 100) }" || fail "$1: $4, core/METHOD.md has $2"
+  awk "BEGIN { d = $4 / $2 - 1; exit !(d < $3 / 100 && d > -$3 / 100) }" ||
+    fail "$1: $4, core/METHOD.md has $2"
 }
 k_max() { number k_max_press_n_per_m rate "$@"; }
 near "held proxy, 60 Hz, 20 ms" 2004 1 "$(k_max --proxy held --rate 60 --delay 20 --with nothing)"
-near "held proxy with tank, 60 Hz, 20 ms" 4297 1 "$(k_max --proxy held --rate 60 --delay 20 --with tank)"
+near "held proxy with tank, 60 Hz, 20 ms" 4297 1 \
+  "$(k_max --proxy held --rate 60 --delay 20 --with tank)"
 near "held proxy, 1 kHz, 20 ms" 2935 1 "$(k_max --proxy held --rate 1000 --delay 20 --with nothing)"
 # In and out of the wall: what a held proxy drags, what planes do not, what the tank bounds.
 near "drag of a held proxy, 60 Hz, 20 ms" 0.95 2 \
   "$(number drag_n rate --cycles --stiffness 500 --proxy held --rate 60 --delay 20 --with nothing)"
-every "planes" 24 'drag_n == 0 && verdict == "ok" && peak_force_n > 3' rate --cycles --proxy planes --rate 60
+every "planes" 24 'drag_n == 0 && verdict == "ok" && peak_force_n > 3' rate --cycles --proxy \
+  planes --rate 60
 every "the tank" 72 'net_mj <= 1e-6' rate --cycles --rate 60 --with tank
-every "without it" 1 'verdict != "ok"' rate --cycles --rate 60 --delay 20 --proxy flag --stiffness 500 \
+every "without it" 1 'verdict != "ok"' rate --cycles --rate 60 --delay 20 --proxy flag --stiffness \
+  500 \
   --with nothing
 
 refused closed-loop --stop 18

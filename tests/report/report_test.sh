@@ -24,7 +24,8 @@ near() {
     END {
       d = value - expected
       if (!found || value == "nan" || d > tolerance || d < -tolerance) {
-        printf "FAILED: %s = %s, expected %s +- %s\n", key, found ? value : "(none)", expected, tolerance
+        printf "FAILED: %s = %s, expected %s +- %s\n", key, found ? value : "(none)", expected,
+          tolerance
         exit 1
       }
     }' <<CSV || failed=1
@@ -44,7 +45,8 @@ refused() {  # refused arguments...: exit status 2, a reason on standard error, 
 if [ "${2:-values}" = grid ]; then
   # core/METHOD.md#forces-at-the-finger, 24 runs: deeper than without force standard 2, (6) 4; with
   # the guard none.
-  deeper() { "$report" finger --grid "$@" | grep deeper | cut -d, -f1 | sort | uniq -c | tr -s ' \n' ' '; }
+  deeper() { "$report" finger --grid "$@" | grep deeper | cut -d, -f1 | sort | uniq -c |
+    tr -s ' \n' ' '; }
   found=$(deeper)
   [ "$found" = " 2 standard 4 subspace_exact " ] || fail "finger --grid: deeper are '$found'"
   found=$(deeper --guard)
@@ -123,13 +125,15 @@ near subspace_linear,1 5.5 0.2
 near subspace_linear,5 8.0 0.2
 near subspace_linear,50 18.0 0.2
 
-# core/METHOD.md#anisotropic-coupling by 2 x 2 algebra, with the finger's J at (30,30), for a press that is small: tau_a = -c s, c = Z_q w.g / n.g, g = W^{-1} n; s = meant / (1
-# + c w.n / K_h) at rest. Of the coupling metric c = a / (a^2/Z_q + b^2/D_n), a, b = J_a.n, J_n.n.
+# core/METHOD.md#anisotropic-coupling by 2 x 2 algebra, with the finger's J at (30,30), for a press
+# that is small: tau_a = -c s, c = Z_q w.g / n.g, g = W^{-1} n; s = meant / (1 + c w.n / K_h) at
+# rest. Of the coupling metric c = a / (a^2/Z_q + b^2/D_n), a, b = J_a.n, J_n.n.
 header "pose_mcp_deg,pose_pip_deg,stop,stiffness_n_per_m,penetration_deg,metric,softness,tau_full_n,tau_n,\
 force_error,end_full_deg,end_deg,verdict" coupling --pose 30,30 --penetration 1 --stiffness 1500
 csv=$("$report" coupling --pose 30,30 --penetration 0.02 --stiffness 1500 | cut -d, -f1-6,9)
 law() {  # law STOP EPS: tau_a in N; EPS 0: W = I
-  awk -v stop="$1" -v eps="$2" 'BEGIN { J11 = -47.670; J12 = -1.424; J21 = 78.460; J22 = 0.484; Z = 1500; K = 0.6
+  awk -v stop="$1" -v eps="$2" \
+    'BEGIN { J11 = -47.670; J12 = -1.424; J21 = 78.460; J22 = 0.484; Z = 1500; K = 0.6
     det = J11 * J22 - J12 * J21; w = stop == "mcp" ? J22 / det : -J12 / det
     a = stop == "mcp" ? J11 : J21; b = stop == "mcp" ? J12 : J22
     D = eps * Z * (J12 ^ 2 + J22 ^ 2) / (J11 ^ 2 + J21 ^ 2)
@@ -147,19 +151,24 @@ done
 # What index.md says of it: W = I never pulls in, eps = 1 does on an MCP stop but in the corner, and
 # force falls with eps.
 "$report" coupling | awk -F, 'NR > 1 {
-    if ($6 == "identity" && ($13 == "pulls in" || $13 ~ /^leaves/)) bad = bad " identity pulls in: " $0 "\n"
-    if ($6 == "eps_1" && $3 == "mcp" && $1 != 10 && $13 != "pulls in") bad = bad " eps 1 is good on an MCP stop: " $0 "\n"
+    if ($6 == "identity" && ($13 == "pulls in" ||
+      $13 ~ /^leaves/)) bad = bad " identity pulls in: " $0 "\n"
+    if ($6 == "eps_1" && $3 == "mcp" && $1 != 10 &&
+      $13 != "pulls in") bad = bad " eps 1 is good on an MCP stop: " $0 "\n"
     force = $9 < 0 ? -$9 : $9
-    if ($6 != "identity" && $6 != "eps_1" && $13 !~ /^leaves/ && last != "nan" && force >= last) bad = bad " rises: " $0 "\n"
+    if ($6 != "identity" && $6 != "eps_1" && $13 !~ /^leaves/ && last != "nan" &&
+      force >= last) bad = bad " rises: " $0 "\n"
     last = $13 ~ /^leaves/ ? "nan" : force; rows++ }
-  END { if (rows != 600) bad = bad " rows " rows; printf "%s", bad; exit bad != "" }' || fail "coupling: see above"
+  END { if (rows != 600) bad = bad " rows " rows; printf "%s", bad; exit bad != "" }' ||
+    fail "coupling: see above"
 
 # core/METHOD.md#forces-at-the-finger: the end state of each row and the energy put into the finger.
 header "method,stop_mcp_deg,stop_pip_deg,target_mcp_deg,target_pip_deg,stiffness_n_per_m,end_mcp_deg,\
 end_pip_deg,max_penetration_deg,no_force_penetration_deg,peak_force_n,work_mj,verdict" \
   finger --stop 18,999 --method standard
 rows=$("$report" finger)
-finger() {  # finger RENDERER STOP K end_mcp end_pip [work]: within 0.15 deg, 4 % and the digits printed
+# finger RENDERER STOP K end_mcp end_pip [work]: within 0.15 deg, 4 % and the digits printed
+finger() {
   line=$(echo "$rows" | grep "^$1,$2,50,50,$3,")
   csv="$(echo "$line" | cut -d, -f1-7)"
   near "$1,$2,50,50,$3" "$4" 0.15
@@ -179,7 +188,8 @@ finger subspace_linear 18,999 6000 38.5 29.2 -47
 finger subspace_linear 999,25 1500 46.6 43.3
 finger subspace_exact 18,25 1500 44.2 38.7
 echo "$rows" | grep -q "^subspace_exact,18,999,50,50,6000,.*,deeper and gives energy$" ||
-  fail "finger: (6) on an MCP stop at 6000 N/m pulls the finger into the wall (core/METHOD.md#forces-at-the-finger)"
+  fail "finger: (6) on an MCP stop at 6000 N/m pulls the finger into the wall" \
+    "(core/METHOD.md#forces-at-the-finger)"
 header "method,proxy,fingers_declared,fingers_in_contact,tick_ns,idle_share_pct" scaling --ticks 16
 
 # The same presses through an emulated board: every method, at the actuator and at the finger.
@@ -197,32 +207,16 @@ echo "$rows" | grep -q "peak_cell_n,end_cell_n,peak_mcp_torque_nmm,peak_pip_torq
     commanded = $at["end_force_n"]; cell = $at["end_cell_n"]
     mcp = $at["end_mcp_torque_nmm"]; pip = $at["end_pip_torque_nmm"]
     off = cell - commanded
-    if (off > 0.3 || off < -0.3) { print "FAILED: finger --board " $1 ": cell " cell " N, commanded " commanded; bad = 1 }
-    if (!(cell * mcp > 0 && cell * pip > 0)) { print "FAILED: finger --board " $1 ": torques " mcp ", " pip; bad = 1 }
+    if (off > 0.3 || off < -0.3) {
+      print "FAILED: finger --board " $1 ": cell " cell " N, commanded " commanded; bad = 1 }
+    if (!(cell * mcp > 0 && cell * pip > 0)) {
+      print "FAILED: finger --board " $1 ": torques " mcp ", " pip; bad = 1 }
   }
   END {
-    if (methods != "standard null_space subspace_linear subspace_exact ") { print "FAILED: finger --board: " methods; bad = 1 }
+    if (methods != "standard null_space subspace_linear subspace_exact ") {
+      print "FAILED: finger --board: " methods; bad = 1 }
     exit bad
   }' || failed=1
-
-# Errors of the ways to q*: the closed form is exact, each step of Gauss-Newton from q is nearer
-# than the one before, and Eq. (8) is the first of them.
-header "map,setting,method,ns,error_max,error_rms,error_unit,against,ratio,lower,upper,aa_lower,aa_upper" \
-  work-precision --map finger --blocks 1
-csv=$("$report" work-precision --map finger --blocks 1 2>/dev/null | tr ' ' _ | cut -d, -f1-3,5)
-near finger,1000_Hz,closed_form 0 1e-12
-near finger,60_Hz,closed_form 0 1e-12
-near finger,1000_Hz,lm_warm 0 1e-11
-near finger,1000_Hz,gn2_warm 0 1e-8
-near finger,1000_Hz,gn1_warm 0 1e-5
-echo "$csv" | awk -F, '
-  $2 == "1000_Hz" { error[$3] = $4 }
-  END {
-    ok = error["eq8"] > 1e-4 && error["gn1_cold"] > 0.999 * error["eq8"] && error["gn1_cold"] < 1.001 * error["eq8"]
-    for (n = 2; n <= 4; n++) ok = ok && error["gn" n "_cold"] < 0.5 * error["gn" (n - 1) "_cold"]
-    exit !ok
-  }' || fail "work-precision: Gauss-Newton from q does not converge: $csv"
-refused work-precision --map no_such_map
 
 [ $failed -eq 0 ] && echo "haptic-report: as core/METHOD.md prints it"
 exit $failed

@@ -26,7 +26,8 @@ while (($#)); do
     *) parts+=("$1"); shift ;;
   esac
 done
-((${#parts[@]})) || parts=(kinematics fig4 recordings scan radius finger coupling closed_loop rate scaling)
+((${#parts[@]})) ||
+  parts=(kinematics fig4 recordings scan radius finger coupling closed_loop rate scaling)
 
 if [[ -z $programs ]]; then
   sh "$root/docker/install-deps.sh" build test report
@@ -35,8 +36,10 @@ if [[ -z $programs ]]; then
   programs=$root/build/release
 fi
 report=$(find "$programs" -type f -name haptic-report -perm -u+x -print -quit)
-[[ -n $report ]] || { echo "run.sh: no program haptic-report in $programs; build it first" >&2; exit 1; }
-command -v gnuplot >/dev/null || { echo "run.sh: gnuplot is missing (docker/install-deps.sh report)" >&2; exit 1; }
+[[ -n $report ]] ||
+  { echo "run.sh: no program haptic-report in $programs; build it first" >&2; exit 1; }
+command -v gnuplot >/dev/null ||
+  { echo "run.sh: gnuplot is missing (docker/install-deps.sh report)" >&2; exit 1; }
 mkdir -p "$output"
 output=$(cd "$output" && pwd)
 
@@ -57,15 +60,18 @@ make_kinematics() {
   done
   # One table: names down, poses across.
   (cd "$output" && paste -d, kinematics_[0-3].csv |
-    awk -F, -v OFS=, 'NR == 1 { print "name", "(0;0) deg", "(30;30) deg", "(60;70) deg", "(-28.6;17.2) deg"; next }
+    awk -F, -v OFS=, \
+      'NR == 1 { print "name", "(0;0) deg", "(30;30) deg", "(60;70) deg", "(-28.6;17.2) deg"; next }
                       { print $1, $2, $4, $6, $8 }' >kinematics.csv)
   rm "$output"/kinematics_[0-3].csv
 }
 metrics_table() {  # metrics_table NAME: method,metric,value -> one row per metric, one column per
                    # method
-  awk -F, -v OFS=, 'NR > 1 { if (!($2 in row)) { row[$2] = ++n; metric[n] = $2 } value[$1, $2] = $3 }
+  awk -F, -v OFS=, \
+    'NR > 1 { if (!($2 in row)) { row[$2] = ++n; metric[n] = $2 } value[$1, $2] = $3 }
     END { print "metric", "standard", "null_space", "subspace_linear", "subspace_exact"
-          for (i = 1; i <= n; i++) print metric[i], value["standard", metric[i]], value["null_space", metric[i]],
+          for (i = 1; i <= n; i++) print metric[i], value["standard", metric[i]],
+            value["null_space", metric[i]],
             value["subspace_linear", metric[i]], value["subspace_exact", metric[i]] }' \
     "$output/$1.csv" >"$output/$1_table.csv"
 }
@@ -75,23 +81,28 @@ make_fig4() {
     csv "fig4_$name" fig4 --amplitude "$amplitude" --phase "$phase"
     csv "fig4_${name}_series" fig4 --amplitude "$amplitude" --phase "$phase" --series
     metrics_table "fig4_$name"
-    draw fig4 "fig4_$name" "csv='$output/fig4_${name}_series.csv'; heading='Trajectory ${name//_/ }: amplitudes $amplitude°, phase $phase°'"
+    draw fig4 "fig4_$name" \
+      "csv='$output/fig4_${name}_series.csv';
+       heading='Trajectory ${name//_/ }: amplitudes $amplitude°, phase $phase°'"
   done <<<$'A 35,50 15\nB 56,70 25\nB_reversed 56,70 -25'
 }
 make_recordings() {
   local file name last
-  echo "recording,method,fd_nonpassive_pct,cycle_work_pct,cycle_work_reversed_pct" >"$output/recordings.csv"
+  echo "recording,method,fd_nonpassive_pct,cycle_work_pct,cycle_work_reversed_pct" \
+    >"$output/recordings.csv"
   for file in "$root"/../shared/data/*.csv; do
     [[ -f $file ]] || { echo "run.sh: no recordings in ../shared/data; left out" >&2; return 0; }
     name=$(basename "$file" .csv)
     csv "motion_$name" fig4 --motion "$file"
     csv "motion_${name}_series" fig4 --motion "$file" --series
-    awk -F, -v OFS=, -v name="$name" 'NR > 1 { value[$1, $2] = $3; if (!seen[$1]++) order[++n] = $1 }
+    awk -F, -v OFS=, -v name="$name" \
+      'NR > 1 { value[$1, $2] = $3; if (!seen[$1]++) order[++n] = $1 }
       END { for (i = 1; i <= n; i++) print name, order[i], value[order[i], "fd_nonpassive_pct"],
               value[order[i], "cycle_work_pct"], value[order[i], "cycle_work_reversed_pct"] }' \
       "$output/motion_$name.csv" >>"$output/recordings.csv"
     last=$(awk -F, 'END { print $2 }' "$output/motion_${name}_series.csv")
-    draw fig4 "motion_$name" "csv='$output/motion_${name}_series.csv'; from=0; to=$last; heading='recording ${name//_/ }'"
+    draw fig4 "motion_$name" \
+      "csv='$output/motion_${name}_series.csv'; from=0; to=$last; heading='recording ${name//_/ }'"
   done
 }
 make_scan() {
@@ -124,14 +135,17 @@ make_finger() {
   : >"$output/finger_corner.csv"
   while read -r with; do
     csv corner finger --stop=0,999 --target 5,80 --joints $with
-    awk -v with="${with:-nothing}" 'NR > 1 { print with "," $0 } NR == 1 && with == "nothing" { print "with," $0 }' \
+    awk -v with="${with:-nothing}" \
+      'NR > 1 { print with "," $0 } NR == 1 && with == "nothing" { print "with," $0 }' \
       "$output/corner.csv" | sed 's/^--//; s/ --/ and /' >>"$output/finger_corner.csv"
   done <<<$'\n--guard\n--guard --tank\n--envelope --tank'
   rm "$output/corner.csv"
   # How many of the 24 presses ended how.
   (cd "$output" && awk -F, -v OFS=, 'FNR == 1 { 
-      with = FILENAME ~ /guard/ ? "guard" : FILENAME ~ /tank/ ? "envelope and tank" : "nothing"; next }
-    { n[with OFS $1 OFS $13]++ } END { for (key in n) print key, n[key] }' finger_grid.csv finger_guard_grid.csv finger_envelope_tank_grid.csv |
+      with = FILENAME ~ /guard/ ? "guard" : FILENAME ~ /tank/ ? "envelope and tank" : "nothing";
+        next }
+    { n[with OFS $1 OFS $13]++ } END { for (key in n) print key,
+      n[key] }' finger_grid.csv finger_guard_grid.csv finger_envelope_tank_grid.csv |
     sort | { echo "with,method,verdict,runs"; cat; } >finger_counts.csv)
 }
 
@@ -144,55 +158,72 @@ closed_loop_tables() {  # of closed_loop.csv: by method; every tick without dela
       if ($1 == "press" && ($5 == "held" || $5 == "planes" || $5 == "q_metric")) {
         presses[key]++; throttled[key] += $19 > 0 }
       force[key] += $15; plain[$4] += $8 == "nothing" ? $15 : 0 }
-    END { print "method", "with", "rows", "rows_that_give_energy", "worst_most_net_mj", "presses", "presses_throttled", "force_kept_pct"
+    END { print "method", "with", "rows", "rows_that_give_energy", "worst_most_net_mj", "presses",
+      "presses_throttled", "force_kept_pct"
           for (i = 1; i <= n; i++) { key = order[i]; split(key, part, OFS)
             print key, rows[key], gives[key], worst[key] + 0, presses[key], throttled[key],
-              int(100 * force[key] / plain[part[1]] + 0.5) } }' closed_loop.csv >closed_loop_methods.csv
+              int(100 * force[key] / plain[part[1]] + 0.5) } }' \
+    closed_loop.csv >closed_loop_methods.csv
   awk -F, -v OFS=, '$2 != 80 && $1 != "press" && $6 == 1000 { key = $1 OFS $2 OFS $3 OFS $4
       if (!(key in seen)) { seen[key] = 1; order[++n] = key }
       net[key, $8, $9] = $11; share[key, $8, $9] = $14 }
-    END { print "motion", "stop_mcp_deg", "stop_pip_deg", "method", "net_mj", "net_reversed_mj", "given_pct", "given_reversed_pct",
+    END { print "motion", "stop_mcp_deg", "stop_pip_deg", "method", "net_mj", "net_reversed_mj",
+      "given_pct", "given_reversed_pct",
             "guard_tank_net_mj", "guard_tank_net_reversed_mj"
           for (i = 1; i <= n; i++) { key = order[i]
-            print key, net[key, "nothing", "forward"], net[key, "nothing", "reversed"], share[key, "nothing", "forward"],
-              share[key, "nothing", "reversed"], net[key, "guard_tank", "forward"], net[key, "guard_tank", "reversed"] } }' \
+            print key, net[key, "nothing", "forward"], net[key, "nothing", "reversed"], share[key,
+              "nothing", "forward"],
+              share[key, "nothing", "reversed"], net[key, "guard_tank", "forward"], net[key,
+                "guard_tank", "reversed"] } }' \
     closed_loop.csv >closed_loop_cycles.csv
   awk -F, -v OFS=, '$2 == 80 && $8 == "nothing" && $4 != "q_metric" { key = $5 OFS $6 OFS $7
       if (!(key in seen)) { seen[key] = 1; order[++n] = key }
       drag[key, $4] = $15 }
-    END { print "proxy", "rate_hz", "delay_ms", "standard", "null_space", "subspace_linear", "subspace_exact"
+    END { print "proxy", "rate_hz", "delay_ms", "standard", "null_space", "subspace_linear",
+      "subspace_exact"
           for (i = 1; i <= n; i++) { key = order[i]
-            print key, drag[key, "standard"], drag[key, "null_space"], drag[key, "subspace_linear"], drag[key, "subspace_exact"] } }' \
+            print key, drag[key, "standard"], drag[key, "null_space"], drag[key, "subspace_linear"],
+              drag[key, "subspace_exact"] } }' \
     closed_loop.csv >closed_loop_free.csv
-  awk -F, -v OFS=, '$1 == "press" && $2 != 80 && $4 != "q_metric" && ($8 == "guard" || $8 == "guard_tank") {
+  awk -F, -v OFS=, \
+    '$1 == "press" && $2 != 80 && $4 != "q_metric" && ($8 == "guard" || $8 == "guard_tank") {
       key = $5 OFS $4; stop = $2 OFS $3 OFS $6 OFS $7
       if ($8 == "guard") { plain[key, stop] = $15; next }
       if (!(key in presses)) { order[++n] = key; least[key] = 100 }
       presses[key]++; touched[key] += $19 > 0; if ($19 > most[key] + 0) most[key] = $19
       kept = plain[key, stop] > 0 ? 100 * $15 / plain[key, stop] : 100
       if (kept < least[key]) least[key] = kept }
-    END { print "proxy", "method", "presses", "presses_throttled", "most_throttled_ticks", "least_force_kept_pct"
+    END { print "proxy", "method", "presses", "presses_throttled", "most_throttled_ticks",
+      "least_force_kept_pct"
           for (i = 1; i <= n; i++) { key = order[i]
-            printf "%s,%d,%d,%d,%.2f\n", key, presses[key], touched[key], most[key], least[key] } }' \
+            printf "%s,%d,%d,%d,%.2f\n", key, presses[key], touched[key], most[key],
+              least[key] } }' \
     closed_loop.csv >closed_loop_presses.csv
   cd "$OLDPWD"
 }
-rate_table() {  # rate_table COLUMN NAME: K_max as in core/METHOD.md#local-models, into rate_NAME.csv
+# rate_table COLUMN NAME: K_max as in core/METHOD.md#local-models, into rate_NAME.csv
+rate_table() {
   awk -F, -v OFS=, -v column="$1" 'NR > 1 && ($3 == 0 || $3 == 20 || $3 == 100) { key = $2 OFS $3
       if (!(key in seen)) { seen[key] = 1; order[++n] = key }
       k[key, $1, $4] = int($column + 0.5) }
-    END { print "rate_hz", "delay_ms", "held_force", "held", "extrapolated", "flag", "planes", "derived_planes",
+    END { print "rate_hz", "delay_ms", "held_force", "held", "extrapolated", "flag", "planes",
+      "derived_planes",
             "held_with_tank", "flag_with_tank", "planes_with_tank", "derived_with_tank"
           for (i = 1; i <= n; i++) { key = order[i]
-            print key, k[key, "held_force", "nothing"], k[key, "held", "nothing"], k[key, "extrapolated", "nothing"],
-              k[key, "flag", "nothing"], k[key, "planes", "nothing"], k[key, "derived_planes", "nothing"], k[key, "held", "tank"],
-              k[key, "flag", "tank"], k[key, "planes", "tank"], k[key, "derived_planes", "tank"] } }' \
+            print key, k[key, "held_force", "nothing"], k[key, "held", "nothing"], k[key,
+              "extrapolated", "nothing"],
+              k[key, "flag", "nothing"], k[key, "planes", "nothing"], k[key, "derived_planes",
+                "nothing"], k[key, "held", "tank"],
+              k[key, "flag", "tank"], k[key, "planes", "tank"], k[key, "derived_planes",
+                "tank"] } }' \
     "$output/rate.csv" >"$output/rate_$2.csv"
 }
 make_closed_loop() {
   csv closed_loop closed-loop
-  csv closed_loop_trace closed-loop --trace --motion hand --stop 18,999 --rate 1000 --proxy held --direction reversed
-  draw closed_loop closed_loop "csv='$output/closed_loop.csv'; trace='$output/closed_loop_trace.csv'"
+  csv closed_loop_trace closed-loop --trace --motion hand --stop 18,999 --rate 1000 --proxy held \
+    --direction reversed
+  draw closed_loop closed_loop \
+    "csv='$output/closed_loop.csv'; trace='$output/closed_loop_trace.csv'"
   draw closed_loop_clients closed_loop_clients "csv='$output/closed_loop.csv'"
   closed_loop_tables
 }
@@ -200,11 +231,16 @@ make_coupling() {
   csv coupling coupling
   draw coupling coupling "csv='$output/coupling.csv'"
   # The median error and the mean depth over poses, penetrations and stiffnesses.
-  (cd "$output" && awk -F, 'NR > 1 { print $3 "," $6 "," $10 "," $12 / $5 "," $13 }' coupling.csv | sort -t, -k1,2 -k3,3g |
+  (cd "$output" &&
+    awk -F, 'NR > 1 { print $3 "," $6 "," $10 "," $12 / $5 "," $13 }' coupling.csv |
+      sort -t, -k1,2 -k3,3g |
     awk -F, -v OFS=, 'function close_group() {
-        if (n) print stop, metric, n, error[int((n + 1) / 2)], 100 * depth / stays, in_ + 0, opposite + 0, leaves + 0 }
-      BEGIN { print "stop", "metric", "presses", "median_force_error", "mean_depth_pct_of_meant", "pulled_in", "opposite_sign", "left_the_workspace" }
-      $1 != stop || $2 != metric { close_group(); stop = $1; metric = $2; n = depth = stays = in_ = opposite = leaves = 0 }
+        if (n) print stop, metric, n, error[int((n + 1) / 2)], 100 * depth / stays, in_ + 0,
+          opposite + 0, leaves + 0 }
+      BEGIN { print "stop", "metric", "presses", "median_force_error", "mean_depth_pct_of_meant",
+        "pulled_in", "opposite_sign", "left_the_workspace" }
+      $1 != stop || $2 != metric { close_group(); stop = $1; metric = $2;
+        n = depth = stays = in_ = opposite = leaves = 0 }
       { error[++n] = $3; in_ += $5 == "pulls in"; opposite += $5 == "opposite sign"
         if ($5 ~ /^leaves/) leaves++; else { depth += $4; stays++ } }
       END { close_group() }' >coupling_table.csv)
@@ -215,7 +251,8 @@ make_rate() {
   draw rate rate "csv='$output/rate.csv'; cycles='$output/rate_cycles.csv'"
   rate_table 5 press
   rate_table 6 in_and_out
-  awk -F, 'NR == 1 || ($2 == 60 && $3 == 20)' "$output/rate_cycles.csv" >"$output/rate_cycles_60_20.csv"
+  awk -F, 'NR == 1 || ($2 == 60 && $3 == 20)' "$output/rate_cycles.csv" \
+    >"$output/rate_cycles_60_20.csv"
 }
 
 make_scaling() {
@@ -224,13 +261,16 @@ make_scaling() {
 }
 
 for part in "${parts[@]}"; do
-  declare -F "make_$part" >/dev/null || { echo "run.sh: unknown part '$part' (see --help)" >&2; exit 2; }
+  declare -F "make_$part" >/dev/null ||
+    { echo "run.sh: unknown part '$part' (see --help)" >&2; exit 2; }
 done
 for part in "${parts[@]}"; do "make_$part"; done
-awk -v folder="$output" -v parts="${parts[*]}" -f "$here/index.awk" "$here/index.in" >"$output/index.md"
+awk -v folder="$output" -v parts="${parts[*]}" -f "$here/index.awk" "$here/index.in" \
+  >"$output/index.md"
 {
   echo
-  echo "Made by tests/report/run.sh at commit $(git -C "$root" describe --always --dirty 2>/dev/null || echo unknown)" \
+  commit=$(git -C "$root" describe --always --dirty 2>/dev/null || echo unknown)
+  echo "Made by tests/report/run.sh at commit $commit" \
     "on $(nproc) core(s), $(awk -F': ' '/model name/ { print $2; exit }' /proc/cpuinfo)."
 } >>"$output/index.md"
 echo "$output/index.md"

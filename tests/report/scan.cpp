@@ -1,5 +1,5 @@
-/// haptic-report scan: the 168 trajectories of core/METHOD.md#finite-difference-rule; in how many of
-/// them does the paper's finite-difference test find any sample that is not passive?
+/// haptic-report scan: the 168 trajectories of core/METHOD.md#finite-difference-rule; in how many
+/// of them does the paper's finite-difference test find any sample that is not passive?
 #include <algorithm>
 
 #include "haptic/core/analysis/trajectory_metrics.hpp"

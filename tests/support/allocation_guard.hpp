@@ -1,6 +1,7 @@
 #pragma once
-/// Counts heap allocations of the calling thread: a property that tests assert of the real-time path.
-/// Linking this file replaces the program's operator new and delete and wraps malloc's family.
+/// Counts heap allocations of the calling thread: a property that tests assert of the real-time
+/// path. Linking this file replaces the program's operator new and delete and wraps malloc's
+/// family.
 
 #include <cstdint>
 

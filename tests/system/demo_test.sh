@@ -21,14 +21,19 @@ check "the summary gives its verdict" grep -q 'within 2 %' "$summary"
 check "the summary counts ticks" grep -qE '[1-9][0-9]{3} ticks' "$summary"
 # A figure without curves is a few kB.
 check "the PNG shows something" test "$(wc -c <"$output/soft-grasp.png")" -gt 40000
-check "the PNG is one" sh -c 'head -c 8 "$1" | od -An -tx1 | grep -q "89 50 4e 47"' - "$output/soft-grasp.png"
+check "the PNG is one" sh -c 'head -c 8 "$1" | od -An -tx1 | grep -q "89 50 4e 47"' - \
+  "$output/soft-grasp.png"
 check "the SVG shows curves" test "$(grep -c '<path' "$output/soft-grasp.svg")" -gt 10
-check "the recording compares the methods" grep -q 'tau_subspace_exact_l_x_n' "$output/recording.csv"
+check "the recording compares the methods" grep -q 'tau_subspace_exact_l_x_n' \
+  "$output/recording.csv"
 
 # The same through a board: it ends with 0 where contact was felt and free motion free.
-check "the demo over serial" "$demo" --serial --build "$1" --seconds 10 --output "$output/serial" </dev/null
-check "its summary says so" grep -q 'over a serial link to an emulated board' "$output/serial/summary.txt"
-check "it names a contact force" grep -qE 'contact +peak \|tau_a\| [0-9.]+ N' "$output/serial/summary.txt"
+check "the demo over serial" "$demo" --serial --build "$1" --seconds 10 --output "$output/serial" \
+  </dev/null
+check "its summary says so" grep -q 'over a serial link to an emulated board' \
+  "$output/serial/summary.txt"
+check "it names a contact force" grep -qE 'contact +peak \|tau_a\| [0-9.]+ N' \
+  "$output/serial/summary.txt"
 
 # Errors are said, not swallowed.
 if "$demo" --build "$1" --seconds x --output "$output" 2>/dev/null; then

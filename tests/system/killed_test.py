@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""hapticd killed with SIGKILL while it presses: the board stops by its own watchdog (hw/README.md#the-board-protocol), and so it does where
-hapticd is only stopped (SIGSTOP). Whole programs; the times are the board's own.
+"""hapticd killed with SIGKILL while it presses: the board stops by its own watchdog
+(hw/README.md#the-board-protocol), and so it does where hapticd is only stopped (SIGSTOP). Whole
+programs; the times are the board's own.
 
-    killed_test.py HAPTICD HAPTIC-BOARD-EMULATOR SCENE        (package haptic and tests/support on PYTHONPATH)
+    killed_test.py HAPTICD HAPTIC-BOARD-EMULATOR SCENE        (package haptic and tests/support on
+    PYTHONPATH)
 """
 
 import pathlib
@@ -49,7 +51,7 @@ class WhilePressing(unittest.TestCase):
                 elif state.state == "ENGAGED":
                     if pressed == 0 and abs(state.tau_a[0]) < 0.5:
                         place = tuple(x - 0.15 for x in state.x_probe)  # the object stands in the
-                                                                        # finger
+                        # finger
                     pressed += abs(state.tau_a[0]) > 1.0 and abs(board.rows(0.01)[-1][3]) > 1.0
             server.process.send_signal(how)  # the session is open still
             return board.rows(0.01)[-1][0]
@@ -58,7 +60,9 @@ class WhilePressing(unittest.TestCase):
         """s of the board's time from the signal to the drive's end."""
         board = Board(EMULATOR, self.folder, watchdog_ms=WATCHDOG_MS)
         self.addCleanup(board.stop)
-        server = Server(HAPTICD, SCENE, self.folder, board, "loop.loop_late_fault={nanos: 150000000}")
+        server = Server(
+            HAPTICD, SCENE, self.folder, board, "loop.loop_late_fault={nanos: 150000000}"
+        )
         self.addCleanup(server.process.wait)
         self.addCleanup(server.process.kill)
         killed_at = self.killed_while_pressing(server, board, how)

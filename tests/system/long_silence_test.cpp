@@ -1,4 +1,5 @@
-// A client that is silent beyond its lease and goes on: controller again, and with force where it asked to.
+// A client that is silent beyond its lease and goes on: controller again, and with force where it
+// asked to.
 #include <gtest/gtest.h>
 
 #include <atomic>

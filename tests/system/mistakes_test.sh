@@ -80,7 +80,8 @@ says 3 'no hapticd answers at unix:/of-environment' \
 says 3 'no hapticd answers at unix:/of-command' \
   env HAPTIC_SERVER=unix:/of-environment "$hapticctl" --server unix:/of-command info
 
-# With a server: an address in use, a device that is not there, one in FAULT; JSON from each command.
+# With a server: an address in use, a device that is not there, one in FAULT; JSON from each
+# command.
 "$hapticd" --scene "$scene" --listen "unix:$folder/s" --realtime=off --log-level error 2>/dev/null \
   --set loop.late_bucket_full=1000000 --set 'loop.loop_late_fault={seconds: 10}' &
 server=$!

@@ -6,9 +6,9 @@ set -eu
 summary=$(cd "$(dirname "$0")/../../server/demo" && pwd)/summary.awk
 failures=0
 
-# recording FREE-FORCE CONTACT-FORCE: 1 s free, 1 s contact, 1 s free, at 1 kHz. In contact the force
-# is CONTACT-FORCE; after it, for 100 ms, a tenth of it; else FREE-FORCE.
-# The last 100 ms are in state LAST.
+# recording FREE-FORCE CONTACT-FORCE: 1 s free, 1 s contact, 1 s free, at 1 kHz. In contact the
+# force is CONTACT-FORCE; after it, for 100 ms, a tenth of it; else FREE-FORCE. The last 100 ms are
+# in state LAST.
 recording() {
   awk -v free="$1" -v contact="$2" -v last="$3" 'BEGIN {
     print "time_s,seq,state,proxy_age_us,mode,gain,tau_a_l_x_n,lateness_us,skipped,faults"

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Three boards on three ports in one hapticd. One is unplugged: it goes into FAULT, and to IDLE when it is plugged in
-again and its fault is cleared. The others hold their force meanwhile.
+"""Three boards on three ports in one hapticd. One is unplugged: it goes into FAULT, and to IDLE
+when it is plugged in again and its fault is cleared. The others hold their force meanwhile.
 
-    three_boards_test.py HAPTICD HAPTIC-BOARD-EMULATOR SCENE        (package haptic and tests/support on PYTHONPATH)
+    three_boards_test.py HAPTICD HAPTIC-BOARD-EMULATOR SCENE        (package haptic and
+    tests/support on PYTHONPATH)
 """
 
 import contextlib
@@ -23,8 +24,16 @@ UNPLUGGED_AT_S, FOR_S = 12.0, 2.0  # of the board's time; the others are engaged
 class ThreeBoards(unittest.TestCase):
     def test_unplugging_one_does_not_disturb_the_others(self) -> None:
         folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
-        boards = [Board(EMULATOR, folder / str(i), "--serial", SERIALS[i],
-                        *(["--fault", f"unplug@{UNPLUGGED_AT_S}+{FOR_S}"] if i == 1 else [])) for i in range(3)]
+        boards = [
+            Board(
+                EMULATOR,
+                folder / str(i),
+                "--serial",
+                SERIALS[i],
+                *(["--fault", f"unplug@{UNPLUGGED_AT_S}+{FOR_S}"] if i == 1 else []),
+            )
+            for i in range(3)
+        ]
         for board in boards:
             self.addCleanup(board.stop)
         server = Server(HAPTICD, SCENE, folder, boards)
@@ -32,8 +41,12 @@ class ThreeBoards(unittest.TestCase):
         connection = self.enterContext(haptic.Connection(server.address))
         names = [device.name for device in connection.devices()]
         self.assertEqual(sorted(device.serial for device in connection.devices()), sorted(SERIALS))
-        held = [self.enterContext(connection.session(device=names[i], client_name="holder", nominal_rate_hz=50))
-                for i in (0, 2)]
+        held = [
+            self.enterContext(
+                connection.session(device=names[i], client_name="holder", nominal_rate_hz=50)
+            )
+            for i in (0, 2)
+        ]
         for session in held:
             session.engage_when_ready()
         place = [session.wait_for_state(20.0).x_probe for session in held]
@@ -53,7 +66,9 @@ class ThreeBoards(unittest.TestCase):
             self.assertLess(time.monotonic(), latest, (seen, states))
         for session, x in zip(held, place):
             session.publish(haptic.held(x))
-        self.assertEqual([sound(session.wait_for_state(20.0)).state for session in held], ["ENGAGED"] * 2)
+        self.assertEqual(
+            [sound(session.wait_for_state(20.0)).state for session in held], ["ENGAGED"] * 2
+        )
 
 
 def state_of(connection: haptic.Connection, name: str) -> str:

@@ -1,6 +1,6 @@
 #!/bin/sh
-# hapticd and hapticctl with TLS and client certificates, made by openssl on the spot; what is refused
-# without; what a log must not hold.
+# hapticd and hapticctl with TLS and client certificates, made by openssl on the spot; what is
+# refused without; what a log must not hold.
 #
 #   tls_test.sh HAPTICD HAPTICCTL SCENE
 set -u
@@ -76,7 +76,8 @@ address=$(sed -n 's/.* on \(127\.0\.0\.1:[0-9]*\) .*/\1/p' log | head -1)
 grep -q 'TLS, clients by certificate' log || fail "the log does not say what protects $address"
 
 says 3 'no hapticd answers' "$hapticctl" --server "$address" info
-says 3 'no hapticd answers' "$hapticctl" --server "$address" --ca ca.pem --server-name localhost info
+says 3 'no hapticd answers' "$hapticctl" --server "$address" --ca ca.pem --server-name localhost \
+  info
 says 2 '--key' "$hapticctl" --cert surgeon.pem info
 says 2 'must be a PEM file that can be read' "$hapticctl" --server "$address" --ca none.pem info
 set -- --server "$address" --ca ca.pem --cert surgeon.pem --key surgeon.key --server-name localhost

@@ -27,7 +27,8 @@ struct Finger : ::testing::Test {
 };
 using PassivityRadius = Finger;
 
-/// core/METHOD.md#exact-derivatives: g = S J^{-1} [J_,a J^{-1}], radius 1/||g||, margin 1 + g.dx, by 2 x 2 algebra.
+/// core/METHOD.md#exact-derivatives: g = S J^{-1} [J_,a J^{-1}], radius 1/||g||, margin 1 + g.dx,
+/// by 2 x 2 algebra.
 TEST_F(PassivityRadius, OfTheLinearisedMethodIsOneOverTheNormOfG) {
   for (const auto& [mcp, pip] : {std::pair{30.0, 30.0}, {60.0, 70.0}, {10.0, 40.0}}) {
     const VecQ q = pose(mcp, pip);
@@ -89,7 +90,8 @@ TEST_F(PassivityRadius, OfTheExactMethodAndOfLinearMapsIsInfinite) {
 }
 
 /// Two actuated DoFs with different stiffnesses and units: the general form of
-/// core/METHOD.md#exact-derivatives bounds the weighted norm by 1, so no dx inside the radius may turn the impedance.
+/// core/METHOD.md#exact-derivatives bounds the weighted norm by 1, so no dx inside the radius may
+/// turn the impedance.
 class Sheared final : public Kinematics {
  public:
   const DofLayout& layout() const noexcept override { return layout_; }

@@ -1,5 +1,6 @@
 #pragma once
-/// Random matrices for tests and the report: Gaussian, orthonormal, and with singular values as wanted.
+/// Random matrices for tests and the report: Gaussian, orthonormal, and with singular values as
+/// wanted.
 
 #include <Eigen/Core>
 #include <cmath>

@@ -79,7 +79,8 @@ TEST(BlockRenderer, RendersEachFingerAsIfItWereAlone) {
   }
 }
 
-/// Eq. (6) and (8) do not care whether J is block diagonal; the dense solve is the independent word.
+/// Eq. (6) and (8) do not care whether J is block diagonal; the dense solve is the independent
+/// word.
 TEST(BlockRenderer, AgreesWithTheDenseSolve) {
   std::mt19937_64 random(2);
   for (const RendererKind kind : {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
@@ -180,8 +181,8 @@ TEST(BlockRenderer, NeverAllocates) {
   }
 }
 
-/// -d tau_a/dq_a with the proxy held is found by moving each actuator by itself: on a linear map any
-/// step is exact.
+/// -d tau_a/dq_a with the proxy held is found by moving each actuator by itself: on a linear map
+/// any step is exact.
 TEST(BlockRenderer, BoundsTheStiffnessThatABaselineDisplays) {
   std::mt19937_64 random(7);
   for (int trial = 0; trial < 300; ++trial) {

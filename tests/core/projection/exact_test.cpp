@@ -211,7 +211,8 @@ TEST(Iteration, AllocatesNothing) {
   }
 }
 
-/// core/METHOD.md#near-the-fold. The linearised method depends on the Jacobian there, Eq. (6) does not.
+/// core/METHOD.md#near-the-fold. The linearised method depends on the Jacobian there, Eq. (6) does
+/// not.
 TEST(ExactMethod, StaysSmallNearTheFold) {
   const std::unique_ptr<Kinematics> finger = make_finger_exoskeleton({});
   const VecX x = VecX::Zero(2);

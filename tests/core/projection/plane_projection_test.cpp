@@ -226,7 +226,8 @@ TEST(PlaneProjection, AnythingElseGivesAFiniteBoundedAnswer) {
     std::vector<std::vector<double>> rows;
     for (int i = 0; i < kMaxPlanes; ++i) {
       const int x = small(random), y = small(random);
-      // Nearly parallel, nearly opposite planes; a normal of the jitter alone would be a plane far off.
+      // Nearly parallel, nearly opposite planes; a normal of the jitter alone would be a plane far
+      // off.
       rows.push_back({x == 0 && y == 0 ? 1.0 : x + (n % 2) * jitter(random), y * 1.0,
                       small(random) * 0.5 + (n % 3) * jitter(random)});
     }

@@ -115,8 +115,8 @@ TEST_P(EveryJacobian, GivesAFiniteForceAndNoneWhereTheProxyIsTheProbe) {
   }
 }
 
-/// ||C^{-1} dq|| <= n cond ||dx|| / min ||J_k C_k|| = n cond ||dx||, the equilibrated columns being of
-/// length 1; and cond is at most 1e8 where it counts. Eq. (6) ends in its box besides.
+/// ||C^{-1} dq|| <= n cond ||dx|| / min ||J_k C_k|| = n cond ||dx||, the equilibrated columns being
+/// of length 1; and cond is at most 1e8 where it counts. Eq. (6) ends in its box besides.
 TEST_P(EveryJacobian, BoundsTheForceByTheConditionItReports) {
   std::mt19937_64 random(12);
   for (int trial = 0; trial < 1000; ++trial) {

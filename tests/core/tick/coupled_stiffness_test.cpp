@@ -395,9 +395,9 @@ TEST(CoupledStiffness, ATickAllocatesNothingAndIsReplayedToTheBit) {
   }
 }
 
-/// core/METHOD.md#coupled-stiffness: Z_q = [a^2, r a b; r a b, b^2] with r = 1 - 2^-40, which is exact
-/// in double and has condition 2.3e12. The law is written in the small difference 1 - r, so that
-/// nothing cancels, in long double.
+/// core/METHOD.md#coupled-stiffness: Z_q = [a^2, r a b; r a b, b^2] with r = 1 - 2^-40, which is
+/// exact in double and has condition 2.3e12. The law is written in the small difference 1 - r, so
+/// that nothing cancels, in long double.
 TEST(CoupledStiffness, NearlySingularKeepsTheLaw) {
   constexpr long double a = 30.0L, b = 25.0L, gap = 0x1p-40L;
   const auto ab = static_cast<double>((1.0L - gap) * a * b);

@@ -1,5 +1,5 @@
-// A hand of five fingers as one board: ten DoFs in its dictionary, five forces and ten readings in every
-// STATE. The firmware's own code, joined to the host's side without a port.
+// A hand of five fingers as one board: ten DoFs in its dictionary, five forces and ten readings in
+// every STATE. The firmware's own code, joined to the host's side without a port.
 #include <gtest/gtest.h>
 
 #include <array>

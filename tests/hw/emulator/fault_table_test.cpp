@@ -1,6 +1,6 @@
-// Each fault of the emulated board ends in its documented state (hw/README.md, "The emulator") in the
-// promised time: the tick's pipeline on the board's protocol, firmware and rig, in virtual time. The
-// moment of each fault is drawn from the seed.
+// Each fault of the emulated board ends in its documented state (hw/README.md, "The emulator") in
+// the promised time: the tick's pipeline on the board's protocol, firmware and rig, in virtual
+// time. The moment of each fault is drawn from the seed.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,7 @@
-// Force control by the server over the board's link (hw/README.md, "Who closes the loop on the force?"):
-// a step of the reference, the true force between rod and a finger that its hand holds, which is soft: the
-// rod must travel for the force to change, and what slows it is the drive's own friction and speed. Virtual time.
+// Force control by the server over the board's link (hw/README.md, "Who closes the loop on the
+// force?"): a step of the reference, the true force between rod and a finger that its hand holds,
+// which is soft: the rod must travel for the force to change, and what slows it is the drive's own
+// friction and speed. Virtual time.
 #include <gtest/gtest.h>
 
 #include <algorithm>

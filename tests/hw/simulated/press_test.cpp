@@ -52,7 +52,8 @@ TEST(Press, UnguardedRenderersEndAsPredicted) {
     int row;
     double mcp, pip, force;
   };
-  // The table of core/METHOD.md#forces-at-the-finger, null-space and (8): the rows without a runaway.
+  // The table of core/METHOD.md#forces-at-the-finger, null-space and (8): the rows without a
+  // runaway.
   const End ends[] = {{RendererKind::kNullSpace, 0, 47.7, 45.5, -4.0},
                       {RendererKind::kSubspaceLinear, 0, 47.4, 44.8, -4.6},
                       {RendererKind::kSubspaceExact, 0, 50.8, 51.7, +1.6},

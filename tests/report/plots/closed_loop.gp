@@ -1,8 +1,9 @@
-# Energy per cycle with a client in the loop. csv: haptic-report closed-loop; trace: the same --trace of
-# the hand's cycle at an MCP stop, proxy held and sent every tick.
+# Energy per cycle with a client in the loop. csv: haptic-report closed-loop; trace: the same
+# --trace of the hand's cycle at an MCP stop, proxy held and sent every tick.
 load "style.gp"
 
-stops = "18/999 999/25 18/25"; stop_names = "'MCP stopped at 18°' 'PIP stopped at 25°' 'both stopped'"
+stops = "18/999 999/25 18/25"; stop_names = \
+  "'MCP stopped at 18°' 'PIP stopped at 25°' 'both stopped'"
 motions = "cycle hand"; motion_names = "'the device is led' 'the hand aims, the finger follows'"
 withs = "nothing guard guard_tank envelope_tank"
 all_methods = methods." q_metric"
@@ -17,10 +18,12 @@ place(m) = (strcol("with") eq word(withs, 1) ? 1 : strcol("with") eq word(withs,
 
 do for [kind in "svg png"] {
   eval begin(kind, 1500, 1150)
-  set multiplot layout 3,3 rowsfirst title "Energy per cycle with a client in the loop (every tick, no delay)" \
+  set multiplot layout 3,3 rowsfirst title \
+    "Energy per cycle with a client in the loop (every tick, no delay)" \
     margins screen 0.06, screen 0.985, screen 0.1, screen 0.92 spacing screen 0.045, screen 0.08
   eval foot(0.06)
-  set label 20 "━━ conservative in the metric of Q (rejected)" at screen 0.06, screen 0.008 textcolor rgb word(all_hues, 5)
+  set label 20 "━━ conservative in the metric of Q (rejected)" at screen 0.06, \
+    screen 0.008 textcolor rgb word(all_hues, 5)
   set label 21 "● one way round   ○ the other" at screen 0.5, screen 0.008 textcolor rgb dark
   do for [motion = 1:2] {
     do for [s = 1:3] {
@@ -33,19 +36,22 @@ do for [kind in "svg png"] {
       set xzeroaxis lc rgb dark lw 1
       plot for [m = 1:5] csv using (at(m, s, word(motions, motion), "forward", place(m))):"net_mj" \
              with points pt 7 ps 1.0 lc rgb word(all_hues, m), \
-           for [m = 1:5] csv using (at(m, s, word(motions, motion), "reversed", place(m))):"net_mj" \
+           for [m = 1:5] csv using (at(m, s, word(motions, motion), "reversed", \
+             place(m))):"net_mj" \
              with points pt 6 ps 1.0 lw 1.5 lc rgb word(all_hues, m)
       if (motion == 1 && s == 1) { eval foot_off; unset label 20; unset label 21 }
     }
   }
   set xtics auto
   do for [w in "nothing guard guard_tank"] {
-    set title "MCP stop, the hand's cycle the other way, with ".(w eq "guard_tank" ? "guard and tank" : w)
+    set title "MCP stop, the hand's cycle the other way, with ".(w eq "guard_tank" ? \
+      "guard and tank" : w)
     set xrange [0:4]
     set yrange [*:*]
     set xlabel "time / s" offset 0,0.6
     set ylabel (w eq "nothing" ? "net energy to the user / mJ" : "") offset 0.5,0
-    plot for [i = 1:4] trace every 10 using "t_s":(strcol("with") eq w ? of(word(methods, i), column("net_mj")) : NaN) \
+    plot for [i = 1:4] trace every 10 using "t_s":(strcol("with") eq w ? of(word(methods, i), \
+      column("net_mj")) : NaN) \
       with lines lc rgb hue(i) lw 2
   }
   unset multiplot

@@ -2,11 +2,15 @@
 # closed-loop.
 load "style.gp"
 
-stops = "18/999 999/25 18/25"; stop_names = "'MCP stopped at 18°' 'PIP stopped at 25°' 'both stopped'"
-clients = "held/1000/0 held/60/0 held/60/20 held/200/20 held/30/50 flag/60/20 planes/60/20 derived_planes/60/20"
+stops = "18/999 999/25 18/25"; stop_names = \
+  "'MCP stopped at 18°' 'PIP stopped at 25°' 'both stopped'"
+clients = \
+  "held/1000/0 held/60/0 held/60/20 held/200/20 held/30/50 " \
+  . "flag/60/20 planes/60/20 derived_planes/60/20"
 stop_is(s) = sprintf("%g/%g", column("stop_mcp_deg"), column("stop_pip_deg")) eq word(stops, s)
 client = 'sprintf("%s/%g/%g", strcol("proxy"), column("rate_hz"), column("delay_ms"))'
-place(i) = (p = NaN, sum [c = 1:8] (@client eq word(clients, c) ? (p = c, 0) : 0), p + (i - 2.5) * 0.15)
+place(i) = (p = NaN, sum [c = 1:8] (@client eq word(clients, c) ? (p = c, 0) : 0), \
+  p + (i - 2.5) * 0.15)
 at(i, s, w, v) = strcol("motion") eq "hand" && stop_is(s) && strcol("with") eq w \
   && strcol("method") eq word(methods, i) ? v : NaN
 
@@ -27,7 +31,8 @@ do for [kind in "svg png"] {
       set ylabel (s > 1 ? "" : (row <= 2 ? "most net energy / mJ" : "mean force / N"). \
         (w eq "nothing" ? ", nothing" : ", guard and tank")) offset 0.5,0
       if (row == 4) {
-        set xtics ("held, 1 kHz" 1, "held 60 Hz" 2, "+ 20 ms" 3, "200 Hz, 20 ms" 4, "30 Hz, 50 ms" 5, \
+        set xtics ("held, 1 kHz" 1, "held 60 Hz" 2, "+ 20 ms" 3, "200 Hz, 20 ms" 4, \
+          "30 Hz, 50 ms" 5, \
           "flag 60, 20" 6, "planes 60, 20" 7, "derived 60, 20" 8) rotate by 35 right
       }
       plot for [i = 1:4] csv using (at(i, s, w, place(i))):(column(figure)) \

@@ -3,7 +3,8 @@ load "style.gp"
 
 do for [kind in "svg png"] {
   eval begin(kind, 1300, 560)
-  set multiplot layout 1,2 margins screen 0.05, screen 0.985, screen 0.12, screen 0.9 spacing screen 0.12, screen 0
+  set multiplot layout 1,2 margins screen 0.05, screen 0.985, screen 0.12, \
+    screen 0.9 spacing screen 0.12, screen 0
   set title "radius of the linearised method, Eq. (8), by pose"
   set xlabel "MCP / deg"
   set ylabel "PIP / deg" offset 1.5,0
@@ -11,7 +12,8 @@ do for [kind in "svg png"] {
   set cbrange [0:40]
   set colorbox
   set cblabel "radius / deg"
-  plot csv using (of("subspace_linear", column("q_o1_mcp_deg"))):"q_o2_pip_deg":"radius_deg" with points pt 5 ps 0.35 palette
+  plot csv using (of("subspace_linear", \
+    column("q_o1_mcp_deg"))):"q_o2_pip_deg":"radius_deg" with points pt 5 ps 0.35 palette
   unset colorbox
   set title "share of poses with a smaller radius"
   set xlabel "radius / deg"
@@ -19,7 +21,8 @@ do for [kind in "svg png"] {
   set xrange [0:60]
   set yrange [0:1]
   set key bottom right Left reverse
-  plot for [i in "1 3 2"] csv using (of(word(methods, i + 0), column("radius_deg"))):(1) smooth cnormal \
+  plot for [i in "1 3 2"] csv using (of(word(methods, i + 0), \
+    column("radius_deg"))):(1) smooth cnormal \
     with lines lc rgb hue(i + 0) lw 2.5 dashtype dashed(i == 2) title word(titles, i + 0)
   set xrange [*:*]
   set yrange [*:*]

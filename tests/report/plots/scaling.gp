@@ -1,7 +1,9 @@
 # Tick cost of a hand. csv: haptic-report scaling.
 load "style.gp"
 
-row_of(i, all) = strcol("proxy") eq "held" && column("fingers_in_contact") == (all ? column("fingers_declared") : 0) \
+row_of(i, \
+  all) = strcol("proxy") eq "held" && column("fingers_in_contact") == (all ? \
+    column("fingers_declared") : 0) \
   ? of(word(methods, i), column("tick_ns")) : NaN
 
 do for [kind in "svg png"] {
@@ -12,7 +14,9 @@ do for [kind in "svg png"] {
   set yrange [0:*]
   set xtics 1
   set key top left Left reverse
-  plot for [i = 3:4] csv using "fingers_declared":(row_of(i, 1)) with points pt 7 ps 1.3 lc rgb hue(i) title word(titles, i), \
-       for [i = 3:4] csv using "fingers_declared":(row_of(i, 0)) with points pt 6 ps 2.2 lw 2 lc rgb hue(i)
+  plot for [i = 3:4] csv using "fingers_declared":(row_of(i, \
+    1)) with points pt 7 ps 1.3 lc rgb hue(i) title word(titles, i), \
+       for [i = 3:4] csv using "fingers_declared":(row_of(i, \
+         0)) with points pt 6 ps 2.2 lw 2 lc rgb hue(i)
   unset output
 }

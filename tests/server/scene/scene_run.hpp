@@ -1,6 +1,6 @@
 #pragma once
-/// A device of a scene in virtual time, under a client that holds a proxy: what hapticd does with it,
-/// without threads and sockets.
+/// A device of a scene in virtual time, under a client that holds a proxy: what hapticd does with
+/// it, without threads and sockets.
 
 #include <gtest/gtest.h>
 

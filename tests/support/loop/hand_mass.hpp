@@ -1,6 +1,6 @@
 #pragma once
-/// The one-DoF experiment of core/METHOD.md#local-models: a mass with viscous damping, moved by a hand
-/// through a spring and a damper. Damping of the device is implicit, hence never gives energy.
+/// The one-DoF experiment of core/METHOD.md#local-models: a mass with viscous damping, moved by a
+/// hand through a spring and a damper. Damping of the device is implicit, hence never gives energy.
 
 #include <algorithm>
 

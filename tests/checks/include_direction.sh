@@ -70,7 +70,8 @@ done
 forbid $owner -- "grpc|asio|httplib|openssl/|server/(front|metrics|net|rpc|udp)/" \
   "the owner of the devices knows no network"
 report "the owner of the devices knows no network" <<LINES
-$(for room in $owner; do includes "$room"; done | grep ' "haptic/wire/' | grep -vE '/(utf8|ports)\.hpp$')
+$(for room in $owner; do includes "$room"; done | grep ' "haptic/wire/' |
+  grep -vE '/(utf8|ports)\.hpp$')
 LINES
 report "proto types stop at server/rpc, server/udp, server/front, server/owner, server/scene" <<LINES
 $(includes server | grep -vE '^server/(rpc|udp|front|owner|scene)/' | grep -E " [<\"]($grpc)")
@@ -78,7 +79,8 @@ LINES
 
 # "No clock read" is not an include, but belongs to the same contract.
 report "core and wire read no clock" <<LINES
-$(find core $([ -d proto/wire ] && echo proto/wire) -name '*.[ch]pp' -exec grep -HnE '(::now[[:space:]]*\(|clock_gettime|gettimeofday)' {} + |
+$(find core $([ -d proto/wire ] && echo proto/wire) -name '*.[ch]pp' \
+  -exec grep -HnE '(::now[[:space:]]*\(|clock_gettime|gettimeofday)' {} + |
   grep -vE ':[0-9]+:[[:space:]]*//' | sed -E 's/^([^:]+:[0-9]+):.*/\1 "a clock/')
 LINES
 

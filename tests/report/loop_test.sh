@@ -92,7 +92,8 @@ done
 # Free space: planes drag at most 1 % of what a held proxy does, at any delay.
 for delay in 0 20 100; do
   for method in standard null_space subspace_linear subspace_exact; do
-    free="closed-loop --motion hand --stop 80,100 --rate 60 --delay $delay --method $method --with nothing"
+    free="closed-loop --motion hand --stop 80,100 --rate 60 --delay $delay --method $method"
+    free="$free --with nothing"
     # shellcheck disable=SC2086
     held=$(number mean_force_n $free --proxy held)
     for proxy in planes derived_planes; do

@@ -44,7 +44,8 @@ cd "$folder" || exit 1
   done
 } >/dev/null 2>&1 || exit 1
 tls="server.tls={certificate: \"$folder/localhost.pem\" key: \"$folder/localhost.key\""
-tls="$tls client_ca: \"$folder/ca.pem\" client { name: \"surgeon\" highest_priority: \"operator\" }}"
+tls="$tls client_ca: \"$folder/ca.pem\""
+tls="$tls client { name: \"surgeon\" highest_priority: \"operator\" }}"
 
 # What is refused, and by which words.
 says 1 'is not loopback' "$hapticd" --scene "$scene" --listen 0.0.0.0:0
@@ -54,10 +55,12 @@ says 1 "UDP address" "$hapticd" --scene "$scene" --listen "unix:$folder/u" --ins
 says 2 'must be a PEM file' "$hapticd" --scene "$scene" --check-scene \
   --set 'server.tls={certificate: "none.pem" key: "none.key"}'
 says 2 'server.tls.certificate' "$hapticd" --scene "$scene" --check-scene --set 'server.tls={}'
+key_pair="certificate: \"$folder/ca.pem\" key: \"$folder/ca.key\""
 says 2 'needs server.tls.client_ca' "$hapticd" --scene "$scene" --check-scene --set \
-  "server.tls={certificate: \"$folder/ca.pem\" key: \"$folder/ca.key\" client { name: \"a\" highest_priority: \"test\" }}"
+  "server.tls={$key_pair client { name: \"a\" highest_priority: \"test\" }}"
 says 2 'must be "test", "primary" or "operator"' "$hapticd" --scene "$scene" --check-scene --set \
-  "server.tls={certificate: \"$folder/ca.pem\" key: \"$folder/ca.key\" client_ca: \"$folder/ca.pem\" client { name: \"a\" highest_priority: \"king\" }}"
+  "server.tls={$key_pair client_ca: \"$folder/ca.pem\"
+               client { name: \"a\" highest_priority: \"king\" }}"
 says 1 'must be that of the certificate' "$hapticd" --scene "$scene" --check-scene --set \
   "server.tls={certificate: \"$folder/localhost.pem\" key: \"$folder/ca.key\"}"
 says 0 'ok' "$hapticd" --scene "$scene" --check-scene --set "$tls"

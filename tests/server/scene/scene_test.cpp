@@ -66,7 +66,8 @@ TEST(Scene, GivenValuesReachTheirStructs) {
   }
   null_space {}
   limits { slew_n_per_s: 7 engage_window_n: 1.5)") +
-      R"(server { listen: ["[::1]:0", "unix:/run/h.sock"] lease_timeout { seconds: 5 } max_sessions: 3 }
+      R"(server { listen: ["[::1]:0", "unix:/run/h.sock"] lease_timeout { seconds: 5 }
+                  max_sessions: 3 }
 loop { period { nanos: 500000 } loop_late_fault { nanos: 4000000 } priority: 7 cpu: 1 }
 record { file: "run.csv" compare_renderers: true })");
   const server::DeviceScene& device = scene.devices[0];

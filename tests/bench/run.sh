@@ -3,9 +3,9 @@
 # alternating blocks, median paired ratio with its bootstrap 95 % interval, an A/A row in the same
 # line. Writes CSV to standard output. Run it on a machine that does nothing else.
 #
-#   tests/bench/run.sh [core|linear|loop|wire|memory|serial]...   default: all but serial, about 8
-#                                                                 minutes
+#   tests/bench/run.sh [core|linear|loop|wire|memory|serial]...
 #
+# Without an argument: all but serial, about 8 minutes.
 # serial: 20 s each of the streaming and the 500 Hz link to the emulator, figures as text; then
 # ticks begun by the board's samples against ticks by the timer.
 # MEMORY_SECONDS=600 has `memory` look for so long.

@@ -29,8 +29,8 @@ mkdir -p "$scratch/core" "$scratch/docs"
 git -C "$scratch" init -q 2>/dev/null || true
 
 echo 'int a;' >"$scratch/core/a.cpp"
-printf '# A b, c\nSee [the code](../core/a.cpp#L1), [it](#a-b-c), [the web](https://github.com/x).\n' \
-  >"$scratch/docs/a.md"
+printf '# A b, c\nSee [the code](../core/a.cpp#L1), [it](#a-b-c), [the web](%s).\n' \
+  https://github.com/x >"$scratch/docs/a.md"
 expect 0 file_length "$scratch"
 expect 0 no_machine_names "$scratch"
 expect 0 references.py "$scratch"

@@ -20,8 +20,10 @@ complain() {
 numbers=$(sed -nE 's/.* k[A-Za-z]+Port = ([0-9]+);.*/\1/p' "$header")
 [ -n "$numbers" ] || { echo "$header: no port found"; exit 2; }
 server=127.0.0.1:$(sed -nE 's/.* kGrpcPort = ([0-9]+);.*/\1/p' "$header")
-grep -qF "kDefaultServer = \"$server\"" "$header" || complain "$header: kDefaultServer is not $server"
-grep -qF "DEFAULT_SERVER = \"$server\"" "$python" || complain "$python: DEFAULT_SERVER is not $server"
+grep -qF "kDefaultServer = \"$server\"" "$header" ||
+  complain "$header: kDefaultServer is not $server"
+grep -qF "DEFAULT_SERVER = \"$server\"" "$python" ||
+  complain "$python: DEFAULT_SERVER is not $server"
 one_of=$(echo "$numbers" | paste -s -d '|')
 for number in $numbers; do
   [ "$number" -lt 32768 ] || complain "$number: within the ephemeral range, which begins at 32768"
@@ -33,9 +35,11 @@ for file in $(files_of "$root" | grep -v -e '^tests/checks/' -e '^CHANGELOG.md$'
   case "$file" in
     "$header" | "$python") continue ;;
     tests/*.md | docker/* | *.textproto | *.md | *.proto)
-      wrong=$(grep -nE "$host:[0-9]{4,5}|(^|[^0-9])5005[0-9]([^0-9]|\$)" "$file" | grep -vE ":($one_of)([^0-9]|\$)") ;;
+      wrong=$(grep -nE "$host:[0-9]{4,5}|(^|[^0-9])5005[0-9]([^0-9]|\$)" "$file" |
+        grep -vE ":($one_of)([^0-9]|\$)") ;;
     tests/*) wrong=$(grep -nE '(^|[^0-9])5005[0-9]([^0-9]|$)' "$file") ;;
-    *.cpp | *.hpp | *.py | *.sh) wrong=$(grep -nE "(^|[^0-9])($one_of|5005[0-9])([^0-9]|\$)" "$file") ;;
+    *.cpp | *.hpp | *.py | *.sh)
+      wrong=$(grep -nE "(^|[^0-9])($one_of|5005[0-9])([^0-9]|\$)" "$file") ;;
     *) continue ;;
   esac
   if [ -n "$wrong" ]; then

@@ -24,7 +24,9 @@ begin(kind, width, height) = (kind eq "svg" \
   ? sprintf("set terminal svg size %d,%d font '%s,13' background 'white' enhanced dynamic", width, \
     height, font) \
   : sprintf("set terminal pngcairo size %d,%d font '%s,15' background 'white' enhanced " \
-            . "linewidth 1.4", width * 3 / 2, height * 3 / 2, font)) . sprintf("; set output '%s.%s'", output, kind)
+            . "linewidth 1.4", \
+            width * 3 / 2, height * 3 / 2, font)) \
+  . sprintf("; set output '%s.%s'", output, kind)
 
 # The methods' names in their colours in one row at the figure's foot: a key would wrap to its
 # panel. Set before the first panel, `eval foot_off` after it.

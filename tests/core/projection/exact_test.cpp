@@ -218,14 +218,13 @@ TEST(ExactMethod, StaysSmallNearTheFold) {
   const VecX x = VecX::Zero(2);
   const auto dq_mm = [&](RendererKind kind, double q_B_deg) {
     const VecQ q = (VecQ(2) << 0.5e-3, q_B_deg * kDegree).finished();
-    Probe probe;
-    probe.q = q;
-    EXPECT_EQ(finger->evaluate(q, probe.x, probe.J), MapStatus::kOk);
-    VecX dx(2);
-    finger->space().difference(x, probe.x, dx);
+    VecX x_probe, dx(2);
+    MatXQ J;
+    EXPECT_EQ(finger->evaluate(q, x_probe, J), MapStatus::kOk);
+    finger->space().difference(x, x_probe, dx);
     Renderer renderer(kind, *finger);
     Projection out;
-    renderer.project(probe, x, dx, VecA::Ones(1), true, out);
+    renderer.project(Probe{q, x_probe, J}, x, dx, VecA::Ones(1), true, out);
     return 1e3 * (out.q_star[0] - q[0]);
   };
   EXPECT_NEAR(dq_mm(RendererKind::kSubspaceLinear, 40.0), -1.30, 0.01);

@@ -12,7 +12,6 @@
 #include "haptic/core/projection/linear_certificate.hpp"
 #include "haptic/core/projection/renderer.hpp"
 #include "haptic/core/tick/pipeline.hpp"
-#include "tests/bench/coupled_stiffness.hpp"
 #include "tests/bench/p50_of_ticks.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/bench/tick_input.hpp"
@@ -250,7 +249,6 @@ int main() {
       "# error of q*_a: Eq. (8) %.3g m; one warm step (1 kHz proxies) %.3g m; closed form "
       "%.3g rad round trip\n",
       worst_linear, worst_warm, worst_closed);
-  bench::print_coupled_stiffness();
   std::fprintf(stderr, "%s", sink == 0.123 ? "\n" : "");  // the work was not for nothing
   return 0;
 }

@@ -147,30 +147,6 @@ TEST(Renderers, NullSpaceIsTheSubspaceMethodWithAnotherStiffness) {
   }
 }
 
-/// core/METHOD.md#change-of-units: the force does not know the unit a coordinate of q is written
-/// in.
-TEST(Renderers, TheSubspaceForceIsTheSameInMetresAndMillimetres) {
-  std::mt19937_64 random(14);
-  for (int i = 0; i < 200; ++i) {
-    Eigen::MatrixXd A = random_matrix(random, 4, 3);
-    const VecQ q = random_matrix(random, 3, 1);
-    const VecX x = random_matrix(random, 4, 1);
-    const auto metres = linear_map(A, 1);
-    Eigen::MatrixXd scaled = A;
-    scaled.col(0) /= 1000.0;              // actuated, in mm
-    scaled.col(2) *= 57.295779513082323;  // sensed, per degree instead of per rad, inverted
-    VecQ q_scaled = q;
-    q_scaled[0] *= 1000.0;
-    q_scaled[2] /= 57.295779513082323;
-    const auto millimetres = linear_map(scaled, 1);
-    const double newton =
-        force(RendererKind::kSubspaceLinear, *metres, q, x, VecA::Constant(1, 1500.0))[0];
-    const double same = force(RendererKind::kSubspaceLinear, *millimetres, q_scaled, x,
-                              VecA::Constant(1, 1.5))[0];  // N/mm
-    ASSERT_NEAR(same, newton, 1e-12 * (1.0 + std::abs(newton)) * 50);
-  }
-}
-
 TEST(Renderers, ASingularWideOrZeroJacobianGivesAFiniteAnswerThatSaysSo) {
   const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(2, 2);
   Eigen::MatrixXd parallel(2, 2);

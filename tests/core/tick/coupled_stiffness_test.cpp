@@ -415,8 +415,8 @@ TEST(CoupledStiffness, NearlySingularKeepsTheLaw) {
       bench.q() << 0.006 * part(random), 0.1 * part(random), 0.006 * part(random);
       bench.target << 0.006 * part(random) + 25.0 * weak, 0.1 * part(random),
           0.006 * part(random) - 30.0 * weak;
-      const VecA tau = bench.tick().tau_a;
-      ASSERT_EQ(bench.record.state, DeviceState::kEngaged);
+      const VecA tau = bench.tick().effort.tau_a;
+      ASSERT_EQ(bench.record.life.state, DeviceState::kEngaged);
       const long double d1 = bench.d()[0], d2 = bench.d()[1], along = a * d1 + b * d2;
       const long double length =
           std::sqrt(std::max(0.0L, along * along - 2 * gap * a * b * d1 * d2));

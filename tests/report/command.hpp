@@ -10,7 +10,6 @@ namespace haptic::report {
 /// program ends with 1.
 struct FigureFailed {};
 
-void add_kinematics(CLI::App& app);
 void add_fig4(CLI::App& app);
 void add_scan(CLI::App& app);
 void add_radius(CLI::App& app);

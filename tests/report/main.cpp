@@ -9,7 +9,6 @@
 int main(int argc, char** argv) {
   CLI::App app{"Figures of rendering through underactuated devices, as CSV on standard output"};
   app.require_subcommand(1);
-  haptic::report::add_kinematics(app);
   haptic::report::add_fig4(app);
   haptic::report::add_scan(app);
   haptic::report::add_radius(app);

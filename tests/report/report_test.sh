@@ -59,37 +59,6 @@ if [ "${2:-values}" = grid ]; then
   exit $failed
 fi
 
-# core/METHOD.md#finger-linkage, the table of poses; x in rad.
-header "name,value" kinematics --x 0,0
-pose() {  # pose MCP_RAD,PIP_RAD l_mm q_B_deg c1_mm c2_mm J11 J12 J21 J22
-  csv=$("$report" kinematics --x "$1")
-  near_m() { near "$1" "$(awk "BEGIN { print $2 / 1000 }")" "$3"; }
-  near_m l_x_m "$2" 6e-7
-  near q_B_rad "$(awk "BEGIN { print $3 * 0.017453292519943295 }")" 1e-5
-  near_m c1_m "$4" 6e-6
-  near_m c2_m "$5" 6e-6
-  near J11 "$6" 6e-4
-  near J12 "$7" 6e-4
-  near J21 "$8" 6e-4
-  near J22 "$9" 6e-4
-  has status,exact
-}
-pose 0,0 0.897 30.489 13.28 29.86 -45.332 -1.85 93.498 1.753
-pose 0.5235987755982988,0.5235987755982988 15.864 -14.806 19.31 28.10 -47.670 -1.424 78.460 0.484
-pose 1.0471975511965976,1.2217304763960306 26.976 -54.730 12.16 17.21 -81.598 -2.333 141.512 1.090
-# core/METHOD.md#unreachable-proxies: residual 4.86 deg at (10.15 mm, 41.5 deg).
-csv=$("$report" kinematics --x -0.5,0.3)
-has status,unreachable
-near residual_rad 0.08482 5e-5
-near l_x_m 0.01015 5e-5
-# The way back: q of the first pose gives x = 0; beyond the linkage there is no pose.
-csv=$("$report" kinematics --q 0.015864,-0.258413)
-near q_o1_mcp_rad 0.5236 1e-3
-csv=$("$report" kinematics --q 0.02,-1.76)
-has status,cannot_close  # core/METHOD.md#map-without-a-value
-refused kinematics
-refused kinematics --x 3
-refused kinematics --x 0,0 --q 0,0
 refused
 
 # core/METHOD.md#finite-difference-rule, trajectory A.

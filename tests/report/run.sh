@@ -4,7 +4,7 @@
 #
 #   tests/report/run.sh [--output DIR] [--build DIR] [part...]
 #
-#   part           kinematics fig4 recordings scan radius finger coupling closed_loop rate
+#   part           fig4 recordings scan radius finger coupling closed_loop rate
 #                  scaling; default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
@@ -27,7 +27,7 @@ while (($#)); do
   esac
 done
 ((${#parts[@]})) ||
-  parts=(kinematics fig4 recordings scan radius finger coupling closed_loop rate scaling)
+  parts=(fig4 recordings scan radius finger coupling closed_loop rate scaling)
 
 if [[ -z $programs ]]; then
   sh "$root/docker/install-deps.sh" build test report
@@ -53,18 +53,6 @@ draw() {  # draw SCRIPT NAME [gnuplot assignments]: NAME.svg and NAME.png
   (cd "$here/plots" && gnuplot -e "output='$output/$2'; ${3:-}" "$1.gp")
 }
 
-make_kinematics() {
-  local i=0 pose
-  for pose in "0,0" "0.523598775598,0.523598775598" "1.0471975512,1.221730476396" "-0.5,0.3"; do
-    csv "kinematics_$((i++))" kinematics --x "$pose"
-  done
-  # One table: names down, poses across.
-  (cd "$output" && paste -d, kinematics_[0-3].csv |
-    awk -F, -v OFS=, \
-      'NR == 1 { print "name", "(0;0) deg", "(30;30) deg", "(60;70) deg", "(-28.6;17.2) deg"; next }
-                      { print $1, $2, $4, $6, $8 }' >kinematics.csv)
-  rm "$output"/kinematics_[0-3].csv
-}
 metrics_table() {  # metrics_table NAME: method,metric,value -> one row per metric, one column per
                    # method
   awk -F, -v OFS=, \

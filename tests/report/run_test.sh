@@ -6,9 +6,9 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 . "$here/../support/scratch.sh"
 fresh_folder "$2"
-"$here/run.sh" --build "$1" --output "$2" kinematics scan radius coupling 2>/dev/null
+"$here/run.sh" --build "$1" --output "$2" scan radius coupling 2>/dev/null
 
-for file in kinematics.csv scan.csv scan_list.csv scan.svg scan.png radius.svg radius.png \
+for file in scan.csv scan_list.csv scan.svg scan.png radius.svg radius.png \
   coupling.svg coupling.png \
   coupling_table.csv index.md; do
   [ -s "$2/$file" ] || { echo "FAILED: $file is missing or empty"; exit 1; }

@@ -7,7 +7,6 @@
 #include <random>
 
 #include "haptic/core/error.hpp"
-#include "tests/support/allocation_guard.hpp"
 #include "tests/support/angles.hpp"
 #include "tests/support/vectors.hpp"
 
@@ -229,19 +228,6 @@ TEST_F(FingerExoskeleton, SaysWhereTheLinkageCannotClose) {
 
 TEST_F(FingerExoskeleton, MeanActuatedJacobianIsTheWorkspaceAverageOfMethod12) {
   EXPECT_NEAR(finger->mean_actuated_jacobian(), 73.3, 1.0);
-}
-
-TEST_F(FingerExoskeleton, AllocatesNothingOnceBuilt) {
-  VecX x = two(0.5, 0.5);
-  VecQ q = finger_pose(0.01, 0.0);
-  MatXQ J(2, 2), J_k(2, 2);
-  const test::AllocationGuard guard;
-  for (int i = 0; i < 100; ++i) {
-    static_cast<void>(finger->evaluate(q, x, J));
-    static_cast<void>(finger->second_order(q, 0, J_k));
-    static_cast<void>(finger->inverse(two(0.02 * i - 1.0, 0.03 * i), q));
-  }
-  EXPECT_EQ(guard.allocations(), 0u);
 }
 
 TEST(FingerDimensions, WhatCannotBeIsRefusedByName) {

@@ -10,7 +10,6 @@
 #include "haptic/core/model/workspace.hpp"
 #include "tests/core/model/derivatives.hpp"
 #include "tests/core/model/sample_hands.hpp"
-#include "tests/support/allocation_guard.hpp"
 #include "tests/support/angles.hpp"
 
 namespace haptic::core {
@@ -231,23 +230,6 @@ TEST(TrackedHand, HasTheDerivativesThatCentralDifferencesFind) {
       EXPECT_LT(e.dJ, 5e-7);
     }
   }
-}
-
-TEST(TrackedHand, NeverAllocates) {
-  std::mt19937_64 random(8);
-  const auto plain = make_hand_exoskeleton(five_fingers());
-  const auto hand = make_tracked_hand(five_fingers_on_a_palm(OutputKind::kFrame));
-  const VecQ fingers = reach(*plain, random_joints(random, 5)), q = hand_pose(random, fingers);
-  VecX x;
-  MatXQ J;
-  VecQ back;
-  const test::AllocationGuard guard;
-  ASSERT_EQ(hand->evaluate(q, x, J), MapStatus::kOk);
-  for (int k = 0; k < q.size(); ++k) ASSERT_EQ(hand->second_order(q, k, J), MapStatus::kOk);
-  ASSERT_EQ(plain->evaluate(fingers, x, J), MapStatus::kOk);
-  for (int k = 0; k < 10; ++k) ASSERT_EQ(plain->second_order(fingers, k, J), MapStatus::kOk);
-  ASSERT_EQ(plain->inverse(x, back), InverseStatus::kExact);
-  EXPECT_EQ(guard.allocations(), 0u);
 }
 
 TEST(TrackedHand, SaysWhatIsWrong) {

@@ -6,7 +6,6 @@
 #include <random>
 #include <vector>
 
-#include "tests/support/allocation_guard.hpp"
 #include "tests/support/dense_oracle.hpp"
 #include "tests/support/vectors.hpp"
 
@@ -258,20 +257,6 @@ TEST(PlaneProjection, ItsSlopeIsThatOfItsDifferences) {
       EXPECT_NEAR((slope.col(k) - (up - down) / 2e-4).norm(), 0.0, 1e-8);
     }
   }
-}
-
-TEST(PlaneProjection, AllocatesNothing) {
-  const ConfigurationSpace space = space_of(2);
-  PlaneProjection projection(space,
-                             TaskMetric::from_matrix((Eigen::Matrix2d() << 2, 1, 1, 1).finished()));
-  const PlaneSet set = planes_of(2, {{1, 0, 0.2}, {0, 1, 0.3}, {1, 1, 0.4}, {1, -1, 0.1}});
-  VecX x(2), probe = two(1, 1);
-  MatXQ slope(2, 2), J = MatXQ::Identity(2, 2);
-  const haptic::test::AllocationGuard guard;
-  projection.set(set, probe);
-  projection.project(probe, x);
-  projection.slope(J, slope);
-  EXPECT_EQ(guard.allocations(), 0u);
 }
 
 }  // namespace

@@ -10,7 +10,6 @@
 #include "haptic/core/model/linear.hpp"
 #include "haptic/core/projection/direction_guard.hpp"
 #include "tests/core/projection/every_renderer.hpp"
-#include "tests/support/allocation_guard.hpp"
 #include "tests/support/dense_oracle.hpp"
 
 namespace haptic::core {
@@ -241,35 +240,6 @@ TEST(DirectionGuard, WithholdsWhatPointsAwayFromTheProxyAndNothingElse) {
   }
   EXPECT_GT(withheld, 100);
   EXPECT_GT(allowed, 1000);
-}
-
-TEST(Renderers, AllocateNothing) {
-  const auto finger = make_finger_exoskeleton({});
-  std::mt19937_64 random(9);
-  const auto general = linear_map(random_matrix(random, 9, 5), 2, 1.0);
-  const auto wide = linear_map(random_matrix(random, 2, 4), 2, 1.0);
-  for (const Kinematics* map : {finger.get(), general.get(), wide.get()}) {
-    const int n_q = map->layout().n_q();
-    const VecQ q = map == finger.get() ? VecQ((VecQ(2) << 0.02, -0.5).finished())
-                                       : VecQ(VecQ::Constant(n_q, 0.2));
-    VecX x_probe, dx;
-    MatXQ J;
-    ASSERT_EQ(map->evaluate(q, x_probe, J), MapStatus::kOk);
-    const VecX x = x_probe + VecX::Constant(map->space().n_x(), 0.3);
-    map->space().difference(x, x_probe, dx);
-    const VecA Z_q = VecA::Constant(map->layout().n_a(), 800.0);
-    for (const RendererKind kind : kEveryRenderer) {
-      Renderer renderer(kind, *map);
-      DirectionGuard guard(*map);
-      Projection out;
-      const test::AllocationGuard allocations;
-      for (int i = 0; i < 20; ++i) {
-        renderer.project(Probe{q, x_probe, J}, x, dx, Z_q, true, out);
-        static_cast<void>(guard.allows(Probe{q, x_probe, J}, dx, Z_q));
-      }
-      EXPECT_EQ(allocations.allocations(), 0u) << name(kind);
-    }
-  }
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <numbers>
 #include <vector>
 
 namespace haptic::core {
@@ -15,26 +13,6 @@ TEST(CycleWork, IsTheAreaOfTheLoopAndTurnsWithTheDirection) {
   const std::vector<double> q{0, 1, 1, 0}, tau{0, 0, 1, 1};
   EXPECT_DOUBLE_EQ(cycle_work(q, tau), -1.0);
   EXPECT_DOUBLE_EQ(cycle_work(q, tau, Direction::kReversed), 1.0);
-}
-
-TEST(CycleWork, OfASpringIsNothing) {
-  std::vector<double> q, tau;
-  for (int i = 0; i < 1000; ++i) {
-    q.push_back(std::sin(2.0 * std::numbers::pi * i / 1000) + 0.3 * std::sin(7.0 * i));
-    tau.push_back(-3.0 * q.back() + 1.0);
-  }
-  EXPECT_NEAR(cycle_work(q, tau), 0.0, 1e-12);
-}
-
-TEST(CycleWork, OfAForceThatLagsTheMotionIsPiTimesTheLag) {
-  // q = sin t, tau = -sin(t - phi): work = -integral sin(t - phi) cos t dt = pi sin(phi).
-  std::vector<double> q, tau;
-  for (int i = 0; i < 20000; ++i) {
-    const double t = 2.0 * std::numbers::pi * i / 20000;
-    q.push_back(std::sin(t));
-    tau.push_back(-std::sin(t - 0.4));
-  }
-  EXPECT_NEAR(cycle_work(q, tau), std::numbers::pi * std::sin(0.4), 1e-6);
 }
 
 TEST(RunningEnergy, FallsByWhatASpringGivesBack) {

@@ -131,54 +131,6 @@ TEST_F(FingerForces, ProxyGainIsTheDerivativeByTheProxyCurvatureIncluded) {
   }
 }
 
-/// A circle of radius 1 as f(q) = (cos q, sin q): q* is the angle of x, so dq*/dx turns with 1/|x|,
-/// which J* alone (Gauss-Newton) would miss.
-class Circle final : public Kinematics {
- public:
-  const DofLayout& layout() const noexcept override { return layout_; }
-  const std::vector<DofSpec>& dofs() const noexcept override { return dofs_; }
-  const ConfigurationSpace& space() const noexcept override { return space_; }
-  double mean_actuated_jacobian() const noexcept override { return 1.0; }
-  MapStatus evaluate(const VecQ& q, VecX& x, MatXQ& J) const noexcept override {
-    x = (VecX(2) << std::cos(q[0]), std::sin(q[0])).finished();
-    J = (MatXQ(2, 1) << -std::sin(q[0]), std::cos(q[0])).finished();
-    return MapStatus::kOk;
-  }
-  MapStatus second_order(const VecQ& q, int, MatXQ& J_k) const noexcept override {
-    J_k = (MatXQ(2, 1) << -std::cos(q[0]), -std::sin(q[0])).finished();
-    return MapStatus::kOk;
-  }
-
- private:
-  DofLayout layout_{true};
-  std::vector<DofSpec> dofs_{{"angle", Unit::kRadian, true, -3.0, 3.0}};
-  ConfigurationSpace space_{{{"x", Unit::kMetre}, {"y", Unit::kMetre}}};
-};
-
-TEST(ProxyGain, OfUnreachableProxiesTakesTheResidualIntoAccount) {
-  const Circle circle;
-  const RenderingImpedance impedance{VecA::Constant(1, 5.0), MatXX::Identity(2, 2)};
-  for (const double radius : {0.5, 1.0, 3.0}) {
-    const VecX x = radius * two(std::cos(0.7), std::sin(0.7));
-    const VecQ q = VecQ::Constant(1, 0.2), q_star = VecQ::Constant(1, 0.7);
-    const auto gain =
-        proxy_gain(RendererKind::kSubspaceExact, circle, q, x, q_star, impedance).value();
-    EXPECT_NEAR(gain(0, 0), -5.0 * std::sin(0.7) / radius, 1e-12);
-    EXPECT_NEAR(gain(0, 1), 5.0 * std::cos(0.7) / radius, 1e-12);
-    // Eq. (8) with a residual: dq = t(q).x, d dq/dq = t'.x = -cos(q).x0 - sin(q).x1 = -f(q).x.
-    const auto exact =
-        exact_impedance(RendererKind::kSubspaceLinear, circle, q, x, impedance).value();
-    EXPECT_NEAR(exact(0, 0), -5.0 * radius * std::cos(0.7 - 0.2), 1e-12);
-  }
-  // On the box q* does not move; where neither box nor slope holds it, there is no answer.
-  const VecQ at_limit = VecQ::Constant(1, 3.0), off = VecQ::Constant(1, 1.5);
-  const VecX x = two(-1.0, -0.1);
-  const auto held =
-      proxy_gain(RendererKind::kSubspaceExact, circle, at_limit, x, at_limit, impedance);
-  EXPECT_EQ(held.value().cwiseAbs().maxCoeff(), 0.0);
-  EXPECT_FALSE(proxy_gain(RendererKind::kSubspaceExact, circle, off, x, off, impedance));
-}
-
 TEST(ExactImpedance, HasNoAnswerWhereARankIsLostOrTheMapFails) {
   LinearMap map;
   map.dofs = {{"a", Unit::kMetre, true, -1, 1}, {"n", Unit::kMetre, false, -1, 1}};

@@ -78,31 +78,6 @@ TEST(TrajectoryB, TheLinearisedMethodIsActiveAndTheExactIsNot) {
   EXPECT_LT(std::abs(exact.cycle_work_pct), 1e-9);
 }
 
-/// An open path: two legs of a triangle in joint space; the line closes the third.
-TEST(RecordedTrajectory, IsClosedByAStraightLineInJointSpace) {
-  const auto finger = make_finger_exoskeleton({});
-  std::vector<VecX> path;
-  const auto add = [&](double mcp, double pip) {
-    path.push_back((VecX(2) << mcp, pip).finished());
-  };
-  for (int i = 0; i <= 50; ++i) add(0.3 + 0.01 * i, 0.4);
-  for (int i = 1; i <= 50; ++i) add(0.8, 0.4 + 0.01 * i);
-  const Trajectory open = recorded(*finger, path);
-  EXPECT_TRUE(open.closed_by_line);
-  EXPECT_EQ(open.beyond_reach, 0);
-  // The line is sqrt(2) * 0.5 rad long: 71 steps of the path's 0.01, 70 samples between the ends.
-  EXPECT_EQ(open.cycle.size(), path.size() + 70);
-  VecX x;
-  MatXQ J;
-  for (std::size_t i = path.size(); i < open.cycle.size(); ++i) {
-    ASSERT_EQ(finger->evaluate(open.cycle[i], x, J), MapStatus::kOk);
-    EXPECT_NEAR(x[0] - 0.3, x[1] - 0.4, 1e-12);
-  }
-  const TrajectoryAnalysis a(*finger, open, VecX::Zero(2), 1.0);
-  EXPECT_LT(std::abs(a.metrics(RendererKind::kSubspaceExact).cycle_work_pct), 1e-9);
-  EXPECT_GT(std::abs(a.metrics(RendererKind::kSubspaceLinear).cycle_work_pct), 0.1);
-}
-
 /// core/METHOD.md#held-proxy-potential: with x held Eq. (6) is a potential; a zero-order hold leaks
 /// exactly sum 1/2 dq^T Z_q dq.
 TEST(ExactMethod, WorkAndPotentialBalanceOverAMillionTicks) {

@@ -185,15 +185,5 @@ TEST(RunRecord, JudgesEnergyAgainstTheTank) {
   EXPECT_NE(judge(run, kFreshUntil).breach.find("J given out"), std::string::npos);
 }
 
-TEST(RunRecord, CountsLosses) {
-  Record run = pushing();
-  EXPECT_EQ(judge(run, kFreshUntil).losses, 0);
-  for (std::size_t i = 40; i < kRecorded; ++i) {
-    run[i].state = "ARMED";
-    run[i].gain = run[i].tau_elastic = run[i].tau_a = 0.0;
-  }
-  EXPECT_EQ(judge(run, kFreshUntil).losses, 1);
-}
-
 }  // namespace
 }  // namespace haptic::test

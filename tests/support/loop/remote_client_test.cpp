@@ -2,10 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-
-#include "tests/support/vectors.hpp"
-
 namespace haptic::test {
 namespace {
 
@@ -66,26 +62,6 @@ TEST(RemoteClient, AnOlderSampleNeverReplacesANewerAndLostOnesNeverCome) {
   // 2000 looks, half of them lost, some overtaken by later ones.
   EXPECT_GT(run.proxy.gapless_samples, 400u);
   EXPECT_LT(run.proxy.gapless_samples, 1050u);
-}
-
-TEST(RemoteClient, PlanesAreTheStopsOrThoseInContact) {
-  ClientSettings settings = every_tick();
-  settings.mode = ProxyMode::kPlanes;
-  settings.stop = two(0.3, 0.4);
-  ProxySnapshot proxy;
-  const VecX x = two(0.2, 0.5);
-  RemoteClient(settings).step(0.001, {}, x, x, proxy);
-  EXPECT_EQ(proxy.planes.normals, core::MatXQ::Identity(2, 2));
-  EXPECT_EQ(proxy.planes.offsets, two(0.3, 0.4));
-  EXPECT_EQ(proxy.x, two(0.2, 0.4));
-  settings.only_in_contact = true;
-  RemoteClient(settings).step(0.001, {}, x, x, proxy);
-  ASSERT_EQ(proxy.planes.size(), 1);
-  EXPECT_EQ(VecX(proxy.planes.normals.col(0)), two(0.0, 1.0));
-  EXPECT_EQ(proxy.planes.offsets[0], 0.4);
-  settings.stop = two(std::numeric_limits<double>::infinity(), 0.6);
-  RemoteClient(settings).step(0.001, {}, x, x, proxy);
-  EXPECT_EQ(proxy.planes.size(), 0);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ report "the owner of the devices knows no network" <<LINES
 $(for room in $owner; do includes "$room"; done | grep ' "haptic/wire/' |
   grep -vE '/(utf8|ports)\.hpp$')
 LINES
-report "proto types stop at server/rpc, server/udp, server/front, server/owner, server/scene" <<LINES
+report "proto types stop at server/{rpc,udp,front,owner,scene}" <<LINES
 $(includes server | grep -vE '^server/(rpc|udp|front|owner|scene)/' | grep -E " [<\"]($grpc)")
 LINES
 

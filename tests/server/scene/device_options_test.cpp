@@ -24,7 +24,8 @@ device {
   name: "d"
   simulated_linear { mass: [1, 1, 1, 1, 1, 1, 1] max_effort: 5 }
   serial_chain { palm {} joint { name: "s" kind: "prismatic" actuated: true lower: 0 upper: 1 }
-    output { name: "w" link: "base" point {} } output { name: "t" point { position_m: [0.1, 0, 0] } } }
+    output { name: "w" link: "base" point {} }
+    output { name: "t" point { position_m: [0.1, 0, 0] } } }
   impedance { stiffness_n_per_m: 5 }
   tracker {}
   limits { force_n: 2 }

@@ -24,7 +24,7 @@ constexpr core::Duration kCallsGrace = std::chrono::seconds(1);
 
 void log_grant(const RealtimeFacts& grant) {
   const auto level = grant.grade == "real-time" ? spdlog::level::info : spdlog::level::warn;
-  spdlog::log(level, "real-time grade '{}': {}", grant.grade, grant.explanation);
+  spdlog::log(level, "real-time grade '{}': {}", grant.grade.view(), grant.explanation.view());
 }
 
 std::unique_ptr<RendererComparison> comparison(const RecordScene& record,
@@ -34,7 +34,7 @@ std::unique_ptr<RendererComparison> comparison(const RecordScene& record,
                                               device.pipeline.projection);
 }
 
-/// The last word on a link, when nothing is on its way any more.
+/// The link's final counts, when nothing is under way any more.
 void log_link(const std::string& name, const std::vector<hw::LinkCount>& counts) {
   if (counts.empty()) return;
   std::string text;
@@ -90,9 +90,8 @@ void App::start() {
     telemetry_->allow_watching(realtime_.facts.sched_fifo &&
                                std::thread::hardware_concurrency() > 1);
     listen_to_devices();
-    rpc_ =
-        std::make_unique<RpcServer>(rpc_config(scene_, options_.insecure_lab), pointers(sessions_),
-                                    *telemetry_, [this] { return facts(); });
+    rpc_ = std::make_unique<RpcServer>(rpc_config(scene_, options_.insecure_lab), *owner_,
+                                       [this] { return facts(); });
     rpc_->start();
     listen_for_scrapes();
     telemetry_->start();
@@ -134,36 +133,27 @@ hw::SampleSignal* App::pacing_samples() {
 }
 
 void App::listen_to_devices() {
+  owner_ = std::make_unique<Owner>(*telemetry_, scene_.server.max_sessions);
   for (std::size_t i = 0; i < units_.size(); ++i) {
     const DeviceScene& device = scene_.devices[i];
-    sessions_.push_back(std::make_unique<DeviceSessions>(
-        *units_[i], *telemetry_, i,
-        SessionRules{scene_.server.lease_timeout, device.fresh_end, device.tracker_fresh_end,
-                     device.coupling_softness}));
-    DeviceSessions& sessions = *sessions_.back();
-    listeners_.push_back(
-        std::make_unique<EventLog>(device.name, [&sessions] { return sessions.controller(); }));
+    owner_->add(*units_[i], SessionRules{scene_.server.lease_timeout, device.fresh_end,
+                                         device.tracker_fresh_end, device.coupling_softness});
+    listeners_.push_back(std::make_unique<EventLog>(
+        device.name, [this, i] { return owner_->status(i).controller.str(); }));
     telemetry_->add(i, listeners_.back().get(), ListenerRank::kBackground);
-    if (!scene_.server.metrics_listen.empty()) {
-      auto ticks =
-          std::make_unique<TickMetrics>([&sessions] { return sessions.ingress().carrier(); });
-      tick_metrics_.push_back(ticks.get());
-      listeners_.push_back(std::move(ticks));
-      telemetry_->add(i, listeners_.back().get(), ListenerRank::kBackground);
-    }
     if (!scene_.record) continue;
     const auto file = record_file(scene_, i);
     spdlog::info("{}: recorded in {}", device.name, file.string());
     listeners_.push_back(std::make_unique<Recorder>(
         file, device.pipeline.kinematics, comparison(*scene_.record, device),
         StateMessage(units_[i]->config(), device.coupling_softness),
-        [&sessions](const core::TickRecord& record) { return sessions.stamp(record); }));
+        [this, i](const core::TickRecord& /*record*/) { return owner_->newest(i); }));
     telemetry_->add(i, listeners_.back().get(), ListenerRank::kBackground);
   }
 }
 
 void App::stop() {
-  for (const auto& sessions : sessions_) sessions->begin_closing();
+  if (owner_) owner_->begin_closing();
   if (loop_) loop_->finish(kLongestRelease);
   for (const auto& unit : units_) {
     unit->device().close();
@@ -173,9 +163,9 @@ void App::stop() {
   if (telemetry_) telemetry_->stop();
   if (rpc_) rpc_->shutdown(kCallsGrace);
   rpc_.reset();
-  sessions_.clear();
+  tick_metrics_.reset();
+  owner_.reset();
   telemetry_.reset();
-  tick_metrics_.clear();
   listeners_.clear();
   loop_.reset();
   units_.clear();
@@ -187,13 +177,12 @@ std::vector<std::string> App::addresses() const {
 
 void App::listen_for_scrapes() {
   if (scene_.server.metrics_listen.empty()) return;
+  tick_metrics_ = std::make_shared<TickMetrics>(units_.size());
+  owner_->connect(tick_metrics_);
   MetricsSources sources;
-  for (std::size_t i = 0; i < units_.size(); ++i) {
-    sources.devices.push_back(
-        {sessions_[i].get(), tick_metrics_[i], &units_[i]->records, &units_[i]->device()});
-  }
+  sources.owner = owner_.get();
+  sources.ticks = tick_metrics_.get();
   sources.facts = [this] { return facts(); };
-  sources.sessions = [this] { return rpc_->sessions(); };
   sources.dropped_datagrams = [this] { return rpc_->dropped_datagrams(); };
   metrics_ = std::make_unique<MetricsPort>(
       scene_.server.metrics_listen, options_.insecure_lab,

@@ -1,18 +1,19 @@
 #pragma once
-/// The composition root: the one place that knows everything.
+/// The composition root: the one place that knows both halves, the owner of the devices and the
+/// front.
 ///
-/// | thread    | what it owns                                    | how it stops                 |
-/// |-----------|-------------------------------------------------|------------------------------|
-/// | main      | the App; waits for signals                      | App::stop() returned         |
-/// | loop      | units: device read and write, pipeline          | every unit CLOSING, or 2.5 s |
-/// | board I/O | port and protocol of a board, one thread each   | Device::close(), 100 ms      |
-/// | telemetry | reading end of the rings; lease clock, events,  | Telemetry::stop(), after a   |
-/// |           | states to streams, recorder, log                | last drain                   |
-/// | udp       | the UDP path's socket: samples in, challenges;  | UdpPort::stop(), by shutdown |
-/// |           | there only where the scene has udp_listen       |                              |
-/// | metrics   | scrapes, one at a time, and one that accepts    | MetricsPort::stop(), when    |
-/// |           | them; there only where the scene wants metrics  | the scrape under way is done |
-/// | gRPC's    | calls; they post to mailboxes under a mutex     | RpcServer::shutdown(), 1 s   |
+/// | thread    | what it owns                                     | how it stops                 |
+/// |-----------|--------------------------------------------------|------------------------------|
+/// | main      | the App; waits for signals                       | App::stop() returned         |
+/// | loop      | units: device read and write, pipeline           | every unit CLOSING, or 2.5 s |
+/// | board I/O | port and protocol of a board, one thread each    | Device::close(), 100 ms      |
+/// | telemetry | reading end of the rings; leases' clock, events, | Telemetry::stop(), after a   |
+/// |           | states to streams, recorder, log                 | last drain                   |
+/// | udp       | the UDP path's socket: samples in, challenges;   | UdpPort::stop(), by shutdown |
+/// |           | only if the scene has udp_listen                 |                              |
+/// | metrics   | scrapes, one at a time, and a thread that        | MetricsPort::stop(), when    |
+/// |           | accepts them; only if the scene wants metrics    | the scrape under way is done |
+/// | gRPC's    | calls; they enter the owner under its lock       | RpcServer::shutdown(), 1 s   |
 ///
 /// All but main block every signal (gRPC's inherit SIGTERM, SIGINT and SIGHUP blocked from main).
 
@@ -20,10 +21,11 @@
 #include <string>
 #include <vector>
 
+#include "server/crossing/server_facts.hpp"
+#include "server/owner/owner.hpp"
 #include "server/rt/loop.hpp"
 #include "server/rt/realtime.hpp"
 #include "server/scene/scene.hpp"
-#include "server/session/device_sessions.hpp"
 
 namespace haptic::server {
 
@@ -54,16 +56,17 @@ class App {
 
   /// As bound, ports filled in; empty unless running.
   [[nodiscard]] std::vector<std::string> addresses() const;
-  /// Of the metrics; 0 where there are none.
+  /// The metrics'; 0 if there are none.
   [[nodiscard]] std::uint16_t metrics_port() const;
   [[nodiscard]] const RealtimeGrant& realtime() const noexcept { return realtime_; }
   /// Any thread, between start() and stop().
   [[nodiscard]] LoopFacts loop_facts() const;
-  [[nodiscard]] DeviceSessions& sessions(std::size_t device) { return *sessions_.at(device); }
+  [[nodiscard]] const Owner& owner() const { return *owner_; }
+  [[nodiscard]] const DeviceUnit& unit(std::size_t device) const { return *units_.at(device); }
 
  private:
   void open_devices();
-  /// Of the board that paces the loop; null: the timer does.
+  /// The samples of the board that paces the loop; null: the timer does.
   [[nodiscard]] hw::SampleSignal* pacing_samples();
   void listen_to_devices();
   void listen_for_scrapes();
@@ -77,10 +80,10 @@ class App {
   std::vector<std::unique_ptr<DeviceUnit>> units_{};
   std::vector<std::unique_ptr<RecordListener>> listeners_{};
   std::unique_ptr<Telemetry> telemetry_{};
-  std::vector<std::unique_ptr<DeviceSessions>> sessions_{};
+  std::unique_ptr<Owner> owner_{};
   std::unique_ptr<RpcServer> rpc_{};
   std::unique_ptr<Loop> loop_{};
-  std::vector<TickMetrics*> tick_metrics_{};  ///< of listeners_; empty where there are no metrics
+  std::shared_ptr<TickMetrics> tick_metrics_{};  ///< null if there are no metrics
   std::unique_ptr<MetricsPort> metrics_{};
 };
 

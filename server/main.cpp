@@ -103,7 +103,7 @@ int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& 
   app.start();
   for (const std::string& warning : warnings) spdlog::warn(warning);
   auto manager = haptic::server::ServiceManager::of_environment();
-  manager.ready(app.realtime().facts.grade + ": " + app.realtime().facts.explanation);
+  manager.ready(app.realtime().facts.grade.str() + ": " + app.realtime().facts.explanation.str());
   const int signal = wait_for_signal(signals, app, manager);
   manager.stopping();
   spdlog::info("SIG{}: force fades out, devices are disarmed", sigabbrev_np(signal));

@@ -2,7 +2,7 @@
 /// A bell between two threads: the real-time one rings, the other sleeps until it rings.
 ///
 /// A futex and not std::atomic::notify: libstdc++'s keeps its waiters in a table shared with
-/// everybody else in the process, and a ring costs a system call whether or not anybody sleeps.
+/// the whole process, and a ring costs a system call whether or not a thread sleeps.
 
 #include <atomic>
 #include <cstdint>
@@ -14,7 +14,8 @@ namespace haptic::server {
 
 class Bell {
  public:
-  /// Any thread, real-time safe. One system call where somebody sleeps, else two atomic operations.
+  /// Any thread, real-time safe. One system call if the other thread sleeps, else two atomic
+  /// operations.
   void ring() noexcept;
 
   /// One thread. The number of rings so far, for sleep().
@@ -23,8 +24,8 @@ class Bell {
   }
   /// The same thread: until the bell has rung more often than `heard` (or a spurious wake-up).
   void sleep(std::uint32_t heard) noexcept;
-  /// The same thread, where the next ring is due soon after `expected` (steady clock): sleeps by
-  /// the clock until then, and stays awake for `patience`, so that nobody pays for a wake-up.
+  /// The same thread, if the next ring is due soon after `expected` (steady clock): sleeps by the
+  /// clock until then and stays awake for `patience`, so that the ring needs no wake-up.
   /// Returns at the ring, or without one when patience ends: sleep() then.
   void meet(std::uint32_t heard, core::TimePoint expected, core::Duration patience) noexcept;
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The server's steady clock, where the network side reads it: at the arrival of a sample.
+/// The server's steady clock as the network side reads it: at the arrival of a sample.
 
 #include <chrono>
 #include <functional>
@@ -13,8 +13,8 @@ namespace haptic::server {
       std::chrono::steady_clock::now().time_since_epoch()));
 }
 
-/// When that came which has waited for so long since then. A test in lock-step stamps arrivals by a
-/// clock of its own; any thread calls it.
+/// Arrival time of data that has waited `waited` since. A test in lock-step stamps arrivals by a
+/// clock of its own. Any thread.
 using ArrivalClock = std::function<core::TimePoint(core::Duration waited)>;
 
 [[nodiscard]] inline core::TimePoint steady_arrival(core::Duration waited) noexcept {

@@ -1,5 +1,5 @@
 #pragma once
-/// What every thread of ours does first.
+/// The first call of every thread of the server.
 
 namespace haptic::server {
 

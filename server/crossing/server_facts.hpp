@@ -3,22 +3,22 @@
 
 #include <cstdint>
 #include <functional>
-#include <string>
 
 #include "haptic/core/time.hpp"
+#include "server/crossing/text.hpp"
 
 namespace haptic::server {
 
 /// What of real-time behaviour was asked for and what the host granted.
 struct RealtimeFacts {
-  std::string requested{};  ///< "require", "try", "off"
+  Text<8> requested{};  ///< "require", "try", "off"
   bool sched_fifo{false};
-  int priority{0};  ///< 0 where sched_fifo is false
+  int priority{0};  ///< 0 unless sched_fifo
   bool memory_locked{false};
   bool timer_slack{false};  ///< 1 ns
   int cpu{-1};              ///< -1: not pinned
-  std::string grade{};      ///< "real-time", "degraded", "best-effort"
-  std::string explanation{};
+  Text<16> grade{};         ///< "real-time", "degraded", "best-effort"
+  Text<1500> explanation{};
 };
 
 /// Percentiles over the last 10 s.
@@ -29,16 +29,17 @@ struct LoopFacts {
   double tick_p50_us{0.0}, tick_p99_us{0.0};
   std::uint64_t records_dropped{0};
   std::uint64_t paced_by_sample{0};  ///< ticks begun by a sample of `paced_by`
-  std::string paced_by{};            ///< empty: the timer begins every tick
+  Text<64> paced_by{};               ///< empty: the timer begins every tick
 };
 
 struct ServerFacts {
-  std::string version{};
-  std::string scene{};
+  Text<32> version{};
+  Text<128> scene{};
   RealtimeFacts realtime{};
   LoopFacts loop{};
   core::Duration uptime{0};
 };
+static_assert(std::is_trivially_copyable_v<ServerFacts> && std::is_standard_layout_v<ServerFacts>);
 
 /// Called on gRPC's threads for every GetServerInfo; must not block for long.
 using FactsProvider = std::function<ServerFacts()>;

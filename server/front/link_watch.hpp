@@ -1,10 +1,11 @@
 #pragma once
-/// What the links of one session are doing, and how old a sample was when it came
+/// Figures of one session's links, and how old a sample was when it arrived
 /// (proto/README.md#a-session and proto/README.md#staleness-and-gain).
 ///
 /// Every sample brings a whole exchange of time stamps with it: the state it was computed from left
-/// at a tick of ours, the client received it `hold` before its source time, and the sample arrived.
-/// So round trip and clock offset are known on either carrier, without a message of their own.
+/// at a tick of the server, the client received it `hold` before its source time, and the sample
+/// arrived. So round trip and clock offset are known on either carrier, without a message of their
+/// own.
 
 #include <array>
 #include <cstdint>
@@ -14,14 +15,10 @@
 #include "haptic/wire/clock_offset.hpp"
 #include "haptic/wire/link_statistics.hpp"
 #include "server/base/rolling_histogram.hpp"
-#include "server/ingress/ingress.hpp"
+#include "server/crossing/crossing.hpp"
+#include "server/net/wire_time.hpp"
 
 namespace haptic::server {
-
-/// The datagram path's clock is the loop's.
-[[nodiscard]] constexpr wire::TimePoint to_wire(core::TimePoint time) noexcept {
-  return wire::TimePoint(time.time_since_epoch());
-}
 
 /// What a sample says of its way.
 struct SampleStamp {
@@ -33,7 +30,6 @@ struct SampleStamp {
   core::TimePoint arrival{};
 };
 
-inline constexpr std::size_t kIngressVerdicts = 9;
 /// Stable names of verdicts: "OLD_SEQUENCE".
 [[nodiscard]] const char* name(IngressVerdict verdict) noexcept;
 
@@ -52,10 +48,10 @@ class LinkWatch {
  public:
   void state_sent(std::uint64_t tick, core::TimePoint now, Carrier carrier) noexcept;
 
-  /// A sample came. When it left its source at the latest, by the tighter of our own estimate of
-  /// the client's clock and `other`, the path's: never later than its arrival. None where nothing
-  /// is known of the client's clock, and where the sample's own exchange does not agree with it: a
-  /// clock that was stepped must not make a sample old.
+  /// A sample came. The answer is the latest time at which it can have left its source, by the
+  /// tighter of this estimate of the client's clock and `other`, the path's; never later than its
+  /// arrival. Absent if the client's clock is not known, or if the sample's own exchange does not
+  /// agree with the estimate: a clock that was stepped must not make a sample old.
   [[nodiscard]] std::optional<core::TimePoint> came(
       const SampleStamp& stamp, const std::optional<wire::ClockOffset::Estimate>& other) noexcept;
   void judged(Carrier carrier, IngressVerdict verdict) noexcept;
@@ -88,11 +84,5 @@ class LinkWatch {
   RollingHistogram ages_{};
   std::uint64_t aged_{0};
 };
-
-/// A reading of a steady clock that its differences with ours do not overflow: (0, 2^62) ns, 146
-/// years.
-[[nodiscard]] constexpr bool plausible_reading(std::int64_t ns) noexcept {
-  return ns > 0 && ns < (std::int64_t{1} << 62);
-}
 
 }  // namespace haptic::server

@@ -2,14 +2,14 @@
 
 namespace haptic::server {
 
-void SampleLedger::book(std::uint64_t seq, IngressVerdict verdict, std::string why) {
+void SampleLedger::book(std::uint64_t seq, const Verdict& verdict) {
   changed_ = true;
-  switch (verdict) {
+  switch (verdict.verdict) {
     case IngressVerdict::kAccepted:
     case IngressVerdict::kBacklog:
       ack_.set_newest_seq(seq);
       ack_.set_accepted(ack_.accepted() + 1);
-      if (verdict == IngressVerdict::kBacklog) {
+      if (verdict.verdict == IngressVerdict::kBacklog) {
         ack_.set_conflated_backlog(ack_.conflated_backlog() + 1);
       }
       return;
@@ -26,7 +26,7 @@ void SampleLedger::book(std::uint64_t seq, IngressVerdict verdict, std::string w
       break;
   }
   rejected_ = true;
-  ack_.set_last_rejection(std::move(why));
+  ack_.set_last_rejection(verdict.why.str());
 }
 
 void SampleLedger::look(core::TimePoint now) noexcept {

@@ -6,18 +6,16 @@
 #include <cctype>
 #include <fstream>
 
+#include "server/front/link_watch.hpp"
+
 namespace haptic::server {
 namespace {
 
 /// One scrape's copy, so that all lines are of the same moment.
 struct Reading {
   std::string name{};
-  std::string controller{};
-  unsigned observers{0};
-  IngressCounters samples{};
-  std::uint64_t records_dropped{0};
+  DeviceStatus status{};
   TickTotals ticks{};
-  std::vector<hw::LinkCount> link{};
 };
 
 /// "ENERGY_TANK" as a label's value: "energy_tank".
@@ -83,15 +81,10 @@ void proxies(Exposition& page, const std::vector<Reading>& devices) {
   page.counter("haptic_proxy_samples_total",
                "Proxy samples that came under a lease, by what became of them.");
   for (const Reading& d : devices) {
-    const IngressCounters& c = d.samples;
-    const std::pair<const char*, std::uint64_t> verdicts[] = {
-        {"accepted", c.accepted},           {"backlog", c.backlog},
-        {"old_sequence", c.old_sequence},   {"old_epoch", c.old_epoch},
-        {"wrong_size", c.wrong_size},       {"not_finite", c.not_finite},
-        {"out_of_bounds", c.out_of_bounds}, {"unknown_mode", c.unknown_mode},
-        {"bad_plane", c.bad_plane}};
-    for (const auto& [verdict, n] : verdicts) {
-      page.sample({{"device", d.name}, {"verdict", verdict}}, count(n));
+    for (std::size_t i = 0; i < kIngressVerdicts; ++i) {
+      const auto verdict = static_cast<IngressVerdict>(i);
+      page.sample({{"device", d.name}, {"verdict", lower(name(verdict))}},
+                  count(d.status.samples[verdict]));
     }
   }
 }
@@ -134,11 +127,11 @@ void force(Exposition& page, const std::vector<Reading>& devices) {
     for (int s = 1; s <= static_cast<int>(core::DeviceState::kClosing); ++s) {
       const auto state = static_cast<core::DeviceState>(s);
       page.sample({{"device", d.name}, {"state", lower(core::name(state))}},
-                  d.ticks.newest.life.state == state ? 1.0 : 0.0);
+                  d.ticks.newest.state == state ? 1.0 : 0.0);
     }
   }
   page.gauge("haptic_gain_ratio", "Gain of the elastic force, 0 to 1.");
-  for (const Reading& d : devices) page.sample({{"device", d.name}}, d.ticks.newest.life.gain);
+  for (const Reading& d : devices) page.sample({{"device", d.name}}, d.ticks.newest.gain);
   page.counter("haptic_limited_ticks_total", "Ticks in which a limiter held something back.");
   for (const Reading& d : devices) named<core::Limiter>(page, "limiter", d, d.ticks.limited);
   page.counter("haptic_faults_total", "Times a fault latched.");
@@ -147,17 +140,20 @@ void force(Exposition& page, const std::vector<Reading>& devices) {
   for (const Reading& d : devices) page.sample({{"device", d.name}}, count(d.ticks.lost));
 }
 
-void people(Exposition& page, const std::vector<Reading>& devices, unsigned sessions) {
+void people(Exposition& page, const std::vector<Reading>& devices) {
+  unsigned sessions = 0;
+  for (const Reading& d : devices) sessions += d.status.sessions;
   page.gauge("haptic_sessions", "Session streams that are open.");
   page.sample({}, sessions);
-  page.gauge("haptic_device_controlled", "1 while somebody holds the lease.");
+  page.gauge("haptic_device_controlled", "1 while a session holds the lease.");
   for (const Reading& d : devices)
-    page.sample({{"device", d.name}}, d.controller.empty() ? 0.0 : 1.0);
+    page.sample({{"device", d.name}}, d.status.controller.empty() ? 0.0 : 1.0);
   page.gauge("haptic_device_observers", "Sessions and watches without the lease.");
-  for (const Reading& d : devices) page.sample({{"device", d.name}}, d.observers);
+  for (const Reading& d : devices) page.sample({{"device", d.name}}, d.status.observers);
   page.counter("haptic_records_dropped_total",
                "Ticks that telemetry, and with it this page, missed.");
-  for (const Reading& d : devices) page.sample({{"device", d.name}}, count(d.records_dropped));
+  for (const Reading& d : devices)
+    page.sample({{"device", d.name}}, count(d.status.records_dropped));
 }
 
 /// The way to the device itself: samples as they were used, frames as both ends counted them.
@@ -165,12 +161,13 @@ void links(Exposition& page, const std::vector<Reading>& devices) {
   page.histogram("haptic_device_sample_age_seconds",
                  "Age of the device's newest sample at its use in a tick.");
   for (const Reading& d : devices) page.sample({{"device", d.name}}, d.ticks.sample_age);
-  const auto has_link = [](const Reading& d) { return !d.link.empty(); };
+  const auto has_link = [](const Reading& d) { return d.status.link_count > 0; };
   if (std::none_of(devices.begin(), devices.end(), has_link)) return;
   page.counter("haptic_link_frames_total",
                "Frames between a device and the server, by who counted and what became of them.");
   for (const Reading& d : devices) {
-    for (const hw::LinkCount& n : d.link) {
+    for (std::size_t i = 0; i < d.status.link_count; ++i) {
+      const LinkFrames& n = d.status.link[i];
       page.sample({{"device", d.name}, {"end", n.end}, {"what", n.what}}, count(n.frames));
     }
   }
@@ -180,16 +177,15 @@ void links(Exposition& page, const std::vector<Reading>& devices) {
 
 std::string metrics_text(const MetricsSources& sources) {
   std::vector<Reading> devices;
-  for (const MetricsSources::Device& d : sources.devices) {
-    devices.push_back({d.sessions->name(), d.sessions->controller(), d.sessions->observers(),
-                       d.sessions->ingress().totals(), d.records->dropped(), d.ticks->totals(),
-                       d.device->link_counts()});
+  for (std::size_t i = 0; i < sources.owner->devices().size(); ++i) {
+    devices.push_back(
+        {sources.owner->devices()[i].name, sources.owner->status(i), sources.ticks->totals(i)});
   }
   const ServerFacts facts = sources.facts();
   Exposition page;
   process(page, facts);
   if (!devices.empty()) loop(page, facts, devices.front().ticks);
-  people(page, devices, sources.sessions());
+  people(page, devices);
   proxies(page, devices);
   carriers(page, devices, sources.dropped_datagrams());
   force(page, devices);

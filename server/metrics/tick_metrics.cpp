@@ -1,7 +1,5 @@
 #include "server/metrics/tick_metrics.hpp"
 
-#include <utility>
-
 namespace haptic::server {
 namespace {
 
@@ -16,8 +14,8 @@ constexpr std::array<double, 13> kLateness{5e-6,  1e-5,  2e-5,  5e-5,  0.0001, 0
 constexpr std::array<double, 13> kAges{0.001, 0.002, 0.005, 0.01, 0.02, 0.03, 0.04,
                                        0.05,  0.08,  0.1,   0.13, 0.18, 0.5};
 /// A board's samples: fine around the targets, 2 ms streaming and 4 ms at 500 Hz
-/// (hw/README.md#the-board-device), and below half a millisecond, which is usual in a loop that they
-/// pace.
+/// (hw/README.md#the-board-device), and below half a millisecond, which is usual in a loop that
+/// they pace.
 constexpr std::array<double, 17> kSampleAges{5e-5,   0.0001,  0.0002, 0.0005, 0.001, 0.00125,
                                              0.0015, 0.00175, 0.002,  0.0025, 0.003, 0.0035,
                                              0.004,  0.005,   0.007,  0.01,   0.1};
@@ -27,42 +25,42 @@ void bump(std::array<std::uint64_t, n>& counts, std::uint32_t bits) {
   for (std::size_t i = 0; bits != 0; ++i, bits >>= 1U) counts[i] += bits & 1U;
 }
 
+void count_carrier(const StateRecord& state, double seconds, TickTotals& totals) {
+  totals.carrier_s[static_cast<std::size_t>(state.carrier)] += seconds;
+  const bool followed = state.carrier != Carrier::kNone && totals.last_carrier != Carrier::kNone;
+  if (state.tenure == totals.carrier_tenure && followed && state.carrier != totals.last_carrier) {
+    ++totals.carrier_changes;
+  }
+  totals.carrier_tenure = state.tenure;
+  totals.last_carrier = state.carrier;
+}
+
 }  // namespace
 
 TickTotals::TickTotals()
     : period(kPeriods), lateness(kLateness), age(kAges), sample_age(kSampleAges) {}
 
-void TickMetrics::on_record(const core::TickRecord& record) {
-  const double seconds = core::seconds(record.beat.dt);
+void TickMetrics::on_tick(std::size_t device, const StateRecord& state) {
+  const double seconds = core::seconds(state.dt);
   const std::lock_guard lock(mutex_);
-  if (record.beat.tick > 1) totals_.period.add(seconds);  // the first has none before it
-  totals_.lateness.add(core::seconds(record.input.loop.lateness));
-  const core::DeviceSample& sample = record.input.device.sample;
-  if (sample.seq != 0) totals_.sample_age.add(core::seconds(record.input.now - sample.time));
-  if (record.proxy.seq != 0) totals_.age.add(core::seconds(record.proxy.age));
-  if (record.input.command.lease_held) {
-    totals_.level_s[static_cast<std::size_t>(record.proxy.level) - 1] += seconds;
-    count_carrier(record, seconds);
+  TickTotals& totals = totals_.at(device);
+  if (state.tick > 1) totals.period.add(seconds);  // the first has none before it
+  totals.lateness.add(core::seconds(state.lateness));
+  if (state.sample_seq != 0) totals.sample_age.add(core::seconds(state.sample_age));
+  if (state.proxy_seq != 0) totals.age.add(core::seconds(state.proxy_age));
+  if (state.lease_held) {
+    totals.level_s[static_cast<std::size_t>(state.staleness) - 1] += seconds;
+    count_carrier(state, seconds, totals);
   }
-  bump(totals_.limited, record.limiters().bits());
-  bump(totals_.faults, record.faults().bits() & ~totals_.newest.faults().bits());
-  totals_.lost += record.life.lost ? 1 : 0;
-  totals_.newest = record;
+  bump(totals.limited, state.limiters.bits());
+  bump(totals.faults, state.faults.bits() & ~totals.newest.faults.bits());
+  totals.lost += state.lost ? 1 : 0;
+  totals.newest = state;
 }
 
-void TickMetrics::count_carrier(const core::TickRecord& record, double seconds) {
-  const Carrier carrier = carrier_();
-  totals_.carrier_s[static_cast<std::size_t>(carrier)] += seconds;
-  const std::uint32_t epoch = record.input.command.lease_epoch;
-  const bool followed = carrier != Carrier::kNone && last_carrier_ != Carrier::kNone;
-  if (epoch == carrier_epoch_ && followed && carrier != last_carrier_) ++totals_.carrier_changes;
-  carrier_epoch_ = epoch;
-  last_carrier_ = carrier;
-}
-
-TickTotals TickMetrics::totals() const {
+TickTotals TickMetrics::totals(std::size_t device) const {
   const std::lock_guard lock(mutex_);
-  return totals_;
+  return totals_.at(device);
 }
 
 }  // namespace haptic::server

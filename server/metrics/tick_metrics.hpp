@@ -1,16 +1,14 @@
 #pragma once
-/// What the ticks of one device add up to since the start: the part of the metrics that has to be
-/// counted as it happens. Fed by the telemetry drain; the loop knows nothing of it.
+/// What the ticks of each device add up to since the start: the part of the metrics that has to be
+/// counted as it happens.
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <mutex>
-#include <utility>
+#include <vector>
 
-#include "server/ingress/ingress.hpp"
+#include "server/crossing/ports.hpp"
 #include "server/metrics/exposition.hpp"
-#include "server/telemetry/telemetry.hpp"
 
 namespace haptic::server {
 
@@ -28,26 +26,22 @@ struct TickTotals {
   std::array<std::uint64_t, 32> limited{};  ///< ticks in which limiter n acted
   std::array<std::uint64_t, 32> faults{};   ///< times fault n latched
   std::uint64_t lost{0};                    ///< times force was given up for a late proxy
-  core::TickRecord newest{};
+  StateRecord newest{};
+  std::uint32_t carrier_tenure{0};       ///< of the newest tick under a lease
+  Carrier last_carrier{Carrier::kNone};  ///< of that tick
 };
 
-class TickMetrics final : public RecordListener {
+class TickMetrics final : public FrontPort {
  public:
-  /// `carrier`: of the newest accepted sample; called on the drain's thread.
-  explicit TickMetrics(std::function<Carrier()> carrier) : carrier_(std::move(carrier)) {}
+  explicit TickMetrics(std::size_t devices) : totals_(devices) {}
 
-  void on_record(const core::TickRecord& record) override;
-  /// Any thread; a copy, so that nobody formats text under the drain's mutex.
-  [[nodiscard]] TickTotals totals() const;
+  void on_tick(std::size_t device, const StateRecord& state) override;
+  /// Any thread; a copy, so that no text is formatted under the drain's mutex.
+  [[nodiscard]] TickTotals totals(std::size_t device) const;
 
  private:
-  void count_carrier(const core::TickRecord& record, double seconds);
-
-  const std::function<Carrier()> carrier_;
   mutable std::mutex mutex_;
-  TickTotals totals_{};
-  std::uint32_t carrier_epoch_{0};
-  Carrier last_carrier_{Carrier::kNone};
+  std::vector<TickTotals> totals_;
 };
 
 }  // namespace haptic::server

@@ -34,7 +34,7 @@ bool is_loopback(const std::string& host) {
   throw core::TransportError("listen address '" + address + "': " + why);
 }
 
-/// Somebody accepts connections there.
+/// A process accepts connections there.
 bool answers(const sockaddr_un& socket_address) {
   const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (fd < 0) return false;
@@ -114,11 +114,12 @@ std::string weakness(const std::string& address, Protection protection) {
   switch (protection) {
     case Protection::kThisHost:
       return is_unix(address)
-                 ? "gRPC without TLS on " + address + ", open to whoever may open that file"
+                 ? "gRPC without TLS on " + address + ", open to every user who may open that file"
                  : "gRPC without TLS on " + address + ", open to every user of this host";
     case Protection::kTls:
       return "TLS without client certificates on " + address +
-             ": whoever reaches it may take a device that nobody has, or that a client of a lower "
+             ": every client that reaches it may take a device that is free, or that a client of a "
+             "lower "
              "priority has (PRIORITY_PRIMARY at most)";
     case Protection::kMutualTls:
       return {};
@@ -126,7 +127,7 @@ std::string weakness(const std::string& address, Protection protection) {
       break;
   }
   return "gRPC without TLS on " + address +
-         " (--insecure-lab): whoever is on that network may read everything, the keys of the UDP "
+         " (--insecure-lab): every host on that network may read everything, the keys of the UDP "
          "path too, and move the device";
 }
 

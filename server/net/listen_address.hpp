@@ -9,15 +9,15 @@ namespace haptic::server {
 /// What protects an address.
 enum class Protection : std::uint8_t {
   kThisHost,     ///< plain text that does not leave this host: a UNIX socket, or loopback
-  kTls,          ///< whoever reaches it is served
+  kTls,          ///< every client that reaches it is served
   kMutualTls,    ///< clients show a certificate
-  kInsecureLab,  ///< plain text on a network, because somebody asked for it
+  kInsecureLab,  ///< plain text on a network, by --insecure-lab
 };
 
 /// Throws TransportError naming the address: not "host:port" or "unix:/path"; a host other than
 /// loopback with `best` kThisHost (plain text stays on this machine); a UNIX socket that another
-/// process answers on (gRPC itself would take its path away silently), or a path that is too long or
-/// no socket. Else what protects it, where `best` is what the server has to offer.
+/// process answers on (gRPC itself would take its path away silently), or a path that is too long
+/// or no socket. Else what protects it; `best` is the best that the server can offer.
 Protection check_listen_address(const std::string& address,
                                 Protection best = Protection::kThisHost);
 

@@ -38,7 +38,7 @@ std::string read(const char* field, const std::filesystem::path& file) {
   std::string text(kLargestFile + 1, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (text.size() > kLargestFile) refuse(field, file, "has more than 1 MB: no PEM file of ours");
+  if (text.size() > kLargestFile) refuse(field, file, "has more than 1 MB: this is no PEM file");
   return text;
 }
 
@@ -46,7 +46,7 @@ Memory memory(const std::string& text) {
   return Memory(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
 }
 
-/// Of a key with a passphrase: none is given, and nobody is asked at the terminal.
+/// For a key with a passphrase: none is given, and OpenSSL does not ask at the terminal.
 int no_passphrase(char* /*buffer*/, int /*size*/, int /*writing*/, void* /*user*/) {
   return -1;
 }

@@ -38,10 +38,11 @@ void EventLog::on_record(const core::TickRecord& record) {
   std::vector<DeviceEvent> events;
   detector_.step(record, "", events);
   for (const DeviceEvent& event : events) {
-    if (event.message.empty() || event.message == event.reason) {
-      spdlog::log(level_of(event.kind), "{}: {}", device_, event.reason);
+    if (event.message.empty() || event.message == event.reason.view()) {
+      spdlog::log(level_of(event.kind), "{}: {}", device_, event.reason.view());
     } else {
-      spdlog::log(level_of(event.kind), "{}: {}: {}", device_, event.reason, event.message);
+      spdlog::log(level_of(event.kind), "{}: {}: {}", device_, event.reason.view(),
+                  event.message.view());
     }
   }
   lease(record.input.command);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/base/figures.hpp"
+#include "server/state/state_record.hpp"
 
 namespace haptic::server {
 namespace {
@@ -123,13 +124,13 @@ std::string Recorder::header(const core::Kinematics& kinematics, bool compare) {
 Recorder::Recorder(const std::filesystem::path& file,
                    std::shared_ptr<const core::Kinematics> kinematics,
                    std::unique_ptr<RendererComparison> comparison, StateMessage message,
-                   StampOf stamp)
+                   StateOf state_of)
     : path_(file),
       labels_(labels_of(*kinematics)),
       leaves_(schema::leaves(*v1::DeviceState::descriptor())),
       comparison_(std::move(comparison)),
       message_(std::move(message)),
-      stamp_(std::move(stamp)),
+      state_of_(std::move(state_of)),
       kinematics_(std::move(kinematics)),
       file_(file) {
   static_cast<void>(file_.append(header(*kinematics_, comparison_ != nullptr) + '\n'));
@@ -153,7 +154,7 @@ void Recorder::on_record(const core::TickRecord& record) {
 
 void Recorder::compose(const core::TickRecord& record) {
   const v1::DeviceState& state =
-      message_.write(record, stamp_ ? stamp_(record) : DeviceSessions::Stamp{});
+      message_.write(state_of_ ? state_of_(record) : state_record(record));
   row_.clear();
   Row row(row_);
   row.number(core::seconds(record.input.now - *start_));

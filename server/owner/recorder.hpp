@@ -31,7 +31,7 @@
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/schema/fields.hpp"
 #include "server/owner/renderer_comparison.hpp"
-#include "server/owner/state_message.hpp"
+#include "server/state/state_message.hpp"
 #include "server/telemetry/background_file.hpp"
 #include "server/telemetry/telemetry.hpp"
 
@@ -39,13 +39,14 @@ namespace haptic::server {
 
 class Recorder final : public RecordListener {
  public:
-  using StampOf = std::function<DeviceSessions::Stamp(const core::TickRecord&)>;
+  using StateOf = std::function<StateRecord(const core::TickRecord&)>;
 
-  /// `comparison` absent: no columns of the other renderers. `stamp` absent: no carrier, no lease.
-  /// Throws SceneError if `file` cannot be created (path and the system's reason).
+  /// `comparison` absent: no columns of the other renderers. `state_of` absent:
+  /// states without carrier and lease. Throws SceneError if `file` cannot be created (path and the
+  /// system's reason).
   Recorder(const std::filesystem::path& file, std::shared_ptr<const core::Kinematics> kinematics,
            std::unique_ptr<RendererComparison> comparison = nullptr, StateMessage message = {},
-           StampOf stamp = {});
+           StateOf state_of = {});
   /// Writes what is left and closes. The recorder must have been removed from the telemetry.
   ~Recorder() override;
   Recorder(const Recorder&) = delete;
@@ -71,7 +72,7 @@ class Recorder final : public RecordListener {
   const std::vector<schema::Leaf> leaves_;
   const std::unique_ptr<RendererComparison> comparison_;
   StateMessage message_;
-  const StampOf stamp_;
+  const StateOf state_of_;
   const std::shared_ptr<const core::Kinematics> kinematics_;  ///< of comparison and message
   BackgroundFile file_;
   std::string row_;  ///< kept for its capacity

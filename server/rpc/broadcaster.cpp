@@ -14,28 +14,15 @@ void WatchBudget::refill(core::TimePoint now) noexcept {
   started_ = true;
 }
 
-Broadcaster::Broadcaster(Telemetry& telemetry, std::size_t index, WatchBudget budget,
-                         const DeviceSessions& sessions)
-    : telemetry_(telemetry),
-      index_(index),
-      budget_(budget),
-      sessions_(sessions),
-      frame_(StateMessage(sessions.unit().config(), sessions.coupling_softness())) {
-  telemetry_.add(index_, this);
-}
+Broadcaster::Broadcaster(WatchBudget budget, const DeviceFacts& device)
+    : budget_(budget), frame_(StateMessage(*device.config, device.coupling_softness)) {}
 
-Broadcaster::~Broadcaster() {
-  telemetry_.remove(index_, this);
-  telemetry_.watch(-static_cast<int>(controllers_.size()));
-}
-
-void Broadcaster::add(std::shared_ptr<Subscriber> subscriber, std::uint32_t epoch) {
+void Broadcaster::add(std::shared_ptr<Subscriber> subscriber, std::uint32_t tenure) {
   const std::lock_guard lock(mutex_);
-  if (epoch == 0) {
+  if (tenure == 0) {
     others_.push_back(std::move(subscriber));
   } else {
-    telemetry_.watch(+1);
-    controllers_.push_back({epoch, std::move(subscriber)});
+    controllers_.push_back({tenure, std::move(subscriber)});
   }
 }
 
@@ -52,32 +39,29 @@ void Broadcaster::remove(const Subscriber* subscriber) {
       std::find_if(controllers_.begin(), controllers_.end(),
                    [&](const Controller& c) { return c.stream.get() == subscriber; });
   if (controller != controllers_.end()) {
-    telemetry_.watch(-1);
     released = std::move(controller->stream);
     controllers_.erase(controller);
   }
 }
 
-void Broadcaster::demote_expired(const core::CommandSnapshot& command) {
-  // A record from before the grant knows an earlier epoch, and ends nothing.
+void Broadcaster::demote_expired(const StateRecord& state) {
+  // A state from before the tenure knows an earlier one, and ends nothing.
   const auto over = [&](const Controller& c) {
-    return command.lease_epoch > c.epoch || (command.lease_epoch == c.epoch && !command.lease_held);
+    return state.tenure > c.tenure || (state.tenure == c.tenure && !state.lease_held);
   };
   for (Controller& controller : controllers_) {
-    if (!over(controller)) continue;
-    telemetry_.watch(-1);
-    others_.push_back(std::move(controller.stream));
+    if (over(controller)) others_.push_back(std::move(controller.stream));
   }
   std::erase_if(controllers_, [](const Controller& c) { return c.stream == nullptr; });
 }
 
-void Broadcaster::on_newest(const core::TickRecord& record) {
+void Broadcaster::on_newest(const StateRecord& state) {
   const std::lock_guard lock(mutex_);
-  frame_.begin(record, sessions_.stamp(record));
-  demote_expired(record.input.command);
-  for (const Controller& controller : controllers_) controller.stream->offer(record, frame_, true);
+  frame_.begin(state);
+  demote_expired(state);
+  for (const Controller& controller : controllers_) controller.stream->offer(state, frame_, true);
 
-  budget_.refill(record.input.now);
+  budget_.refill(state.now);
   const std::size_t n = others_.size();
   const std::size_t start = n > 0 ? turn_ % n : 0;
   bool went_short = false;
@@ -88,7 +72,7 @@ void Broadcaster::on_newest(const core::TickRecord& record) {
       went_short = true;
       turn_ = at;
     }
-    if (others_[at]->offer(record, frame_, allowed)) budget_.take();
+    if (others_[at]->offer(state, frame_, allowed)) budget_.take();
   }
 }
 

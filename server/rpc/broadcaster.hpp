@@ -1,13 +1,13 @@
 #pragma once
-/// From the telemetry drain to the streams of one device: the controller first, then everybody else
-/// as far as the budget reaches.
+/// From the telemetry drain to the streams of one device: the controller first, then all others as
+/// far as the budget reaches.
 
 #include <memory>
 #include <mutex>
 #include <vector>
 
+#include "server/crossing/ports.hpp"
 #include "server/rpc/state_frame.hpp"
-#include "server/telemetry/telemetry.hpp"
 
 namespace haptic::server {
 
@@ -32,46 +32,39 @@ class WatchBudget {
 class Subscriber {
  public:
   virtual ~Subscriber() = default;
-  /// Drain's thread, once per emptied ring. Sends what is due; never blocks. True where a state was
-  /// sent. `states_allowed` false: everything but a state.
-  virtual bool offer(const core::TickRecord& record, StateFrame& frame, bool states_allowed) = 0;
+  /// On the drain's thread, once per emptied ring. Sends what is due and never blocks. True if a
+  /// state was sent. `states_allowed` false: everything but a state.
+  virtual bool offer(const StateRecord& state, StateFrame& frame, bool states_allowed) = 0;
 };
 
-class Broadcaster final : public RecordListener {
+class Broadcaster {
  public:
-  /// Listens to unit `index` for as long as it lives. `sessions`: of the same device.
-  Broadcaster(Telemetry& telemetry, std::size_t index, WatchBudget budget,
-              const DeviceSessions& sessions);
-  ~Broadcaster() override;
-  Broadcaster(const Broadcaster&) = delete;
-  Broadcaster& operator=(const Broadcaster&) = delete;
+  Broadcaster(WatchBudget budget, const DeviceFacts& device);
 
-  /// The stream of lease `epoch` (the loop's: Lease::grant) comes first while that lease lasts, and is one of the others when
-  /// it ended; epoch 0: one of the others from the beginning. Any thread, but not from offer(). After
-  /// remove() returned offer() is not called again.
-  void add(std::shared_ptr<Subscriber> subscriber, std::uint32_t epoch = 0);
+  /// The stream of lease `tenure` comes first while that lease lasts, and is one of the others when
+  /// it has ended; 0: one of the others from the beginning. Any thread, but not from offer(). After
+  /// remove() has returned offer() is not called again.
+  void add(std::shared_ptr<Subscriber> subscriber, std::uint32_t tenure = 0);
   void remove(const Subscriber* subscriber);
 
-  void on_record(const core::TickRecord& record) override { static_cast<void>(record); }
-  void on_newest(const core::TickRecord& record) override;
+  /// The drain's thread.
+  void on_newest(const StateRecord& state);
 
  private:
   struct Controller {
-    std::uint32_t epoch{0};
+    std::uint32_t tenure{0};
     std::shared_ptr<Subscriber> stream{};
   };
-  void demote_expired(const core::CommandSnapshot& command);
+  void demote_expired(const StateRecord& state);
 
-  Telemetry& telemetry_;
-  const std::size_t index_;
   WatchBudget budget_;
-  const DeviceSessions& sessions_;
 
   std::mutex mutex_;
   StateFrame frame_;
   std::vector<Controller> controllers_;
   std::vector<std::shared_ptr<Subscriber>> others_;
-  std::size_t turn_{0};  ///< who of the others is asked first: the first that got nothing last time
+  std::size_t turn_{
+      0};  ///< which of the others is asked first: the first that got nothing last time
 };
 
 }  // namespace haptic::server

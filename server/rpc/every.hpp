@@ -1,5 +1,5 @@
 #pragma once
-/// Something that is looked after now and then, on gRPC's threads (private to server/rpc).
+/// Periodic callback on gRPC's threads (private to server/rpc).
 
 #include <grpcpp/alarm.h>
 
@@ -11,7 +11,7 @@
 
 namespace haptic::server {
 
-/// Calls `look` again and again, `period` after the call before ended.
+/// Calls `look` every `period`, counted from the end of the call before.
 class Every {
  public:
   Every(std::chrono::milliseconds period, std::function<void()> look);

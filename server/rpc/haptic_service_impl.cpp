@@ -4,9 +4,11 @@
 #include <spdlog/spdlog.h>
 
 #include <memory>
+#include <numeric>
+#include <utility>
 
-#include "server/rpc/convert.hpp"
-#include "server/rpc/link_report.hpp"
+#include "server/front/messages.hpp"
+#include "server/front/refusals.hpp"
 #include "server/rpc/peer.hpp"
 #include "server/rpc/session_stream.hpp"
 #include "server/rpc/status.hpp"
@@ -32,8 +34,12 @@ std::optional<grpc::Status> oversized(const Message& request) {
   return refusal ? std::optional(to_status(*refusal)) : std::nullopt;
 }
 
-Refusal no_such_session() {
-  return {Refusal::Code::kPermission, "NOT_CONTROLLER", "session_id: no such session is open", {}};
+/// Asked by a session.
+Request by_session(Request::Kind kind, const std::string& id) {
+  Request request;
+  request.kind = kind;
+  request.session_id = session_id(id);
+  return request;
 }
 
 Outcome<core::FaultSet> fault_set(const v1::ClearFaultRequest& request) {
@@ -53,14 +59,14 @@ grpc::ServerUnaryReactor* HapticServiceImpl::GetServerInfo(grpc::CallbackServerC
                                                            const v1::GetServerInfoRequest* request,
                                                            v1::GetServerInfoResponse* response) {
   if (const auto status = oversized(*request)) return finished(call, *status);
-  *response = to_proto(context_.facts());
+  *response = to_proto(context_.server_facts());
   for (std::string& sentence : context_.weaknesses()) {
     response->add_insecure(std::move(sentence));
   }
   response->set_max_sessions(context_.config.max_sessions);
-  response->set_sessions(context_.registry.sessions());
-  if (!context_.devices.empty()) {
-    set(*response->mutable_lease_timeout(), context_.devices.front()->lease_timeout());
+  response->set_sessions(context_.sessions());
+  if (!context_.owner().devices().empty()) {
+    set(*response->mutable_lease_timeout(), context_.facts(0).lease_timeout);
   }
   return finished(call, grpc::Status::OK);
 }
@@ -69,8 +75,9 @@ grpc::ServerUnaryReactor* HapticServiceImpl::ListDevices(grpc::CallbackServerCon
                                                          const v1::ListDevicesRequest* request,
                                                          v1::ListDevicesResponse* response) {
   if (const auto status = oversized(*request)) return finished(call, *status);
-  for (const DeviceSessions* device : context_.devices) {
-    *response->add_devices() = describe(*device, context_.config.period);
+  for (std::size_t i = 0; i < context_.owner().devices().size(); ++i) {
+    *response->add_devices() =
+        describe(context_.facts(i), context_.owner().status(i), context_.config.period);
   }
   return finished(call, grpc::Status::OK);
 }
@@ -86,15 +93,18 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* HapticServiceImpl::Watch(
 }
 
 grpc::ServerUnaryReactor* HapticServiceImpl::ask(grpc::CallbackServerContext* call,
-                                                 const std::string& session_id, Ask question) {
-  DeviceSessions* device = context_.registry.find(session_id);
-  if (device == nullptr) return finished(call, to_status(no_such_session()));
+                                                 const Request& request,
+                                                 std::function<void(const Answer&)> fill) {
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
   const auto reply = std::make_shared<TickReply>(reactor);
-  const Ticket ticket = (device->*question)(session_id, [reply](const Outcome<Done>& outcome) {
-    reply->finish(outcome ? grpc::Status::OK : to_status(outcome.refusal));
-  });
-  reply->watch([device, ticket] { device->cancel(ticket); });
+  const std::uint64_t id =
+      context_.ask(request, [reply, fill = std::move(fill)](const Answer& answer) {
+        if (answer.refusal) return reply->finish(to_status(*answer.refusal));
+        reply->finish(grpc::Status::OK, [&] {
+          if (fill) fill(answer);
+        });
+      });
+  reply->watch([this, id] { context_.cancel(id); });
   return reactor;
 }
 
@@ -102,28 +112,27 @@ grpc::ServerUnaryReactor* HapticServiceImpl::Engage(grpc::CallbackServerContext*
                                                     const v1::EngageRequest* request,
                                                     v1::EngageResponse* /*response*/) {
   if (const auto status = oversized(*request)) return finished(call, *status);
-  return ask(call, request->session_id(), &DeviceSessions::engage);
+  return ask(call, by_session(Request::Kind::kEngage, request->session_id()));
 }
 
 grpc::ServerUnaryReactor* HapticServiceImpl::Release(grpc::CallbackServerContext* call,
                                                      const v1::ReleaseRequest* request,
                                                      v1::ReleaseResponse* /*response*/) {
   if (const auto status = oversized(*request)) return finished(call, *status);
-  return ask(call, request->session_id(), &DeviceSessions::release);
+  return ask(call, by_session(Request::Kind::kRelease, request->session_id()));
 }
 
 grpc::ServerUnaryReactor* HapticServiceImpl::UpdateSettings(
-    grpc::CallbackServerContext* call, const v1::UpdateSettingsRequest* request,
+    grpc::CallbackServerContext* call, const v1::UpdateSettingsRequest* message,
     v1::UpdateSettingsResponse* response) {
-  if (const auto status = oversized(*request)) return finished(call, *status);
-  DeviceSessions* device = context_.registry.find(request->session_id());
-  if (device == nullptr) return finished(call, to_status(no_such_session()));
-  const auto settings = from_proto(*request);
+  if (const auto status = oversized(*message)) return finished(call, *status);
+  Request request = by_session(Request::Kind::kSettings, message->session_id());
+  const auto settings = from_proto(*message);
   if (!settings) return finished(call, to_status(settings.refusal));
-  const auto answer = device->update_settings(request->session_id(), *settings.value);
-  if (!answer) return finished(call, to_status(answer.refusal));
-  *response = to_proto(*answer.value);
-  return finished(call, grpc::Status::OK);
+  request.settings = *settings.value;
+  return ask(call, request, [asked = request.settings, response](const Answer& answer) {
+    *response = to_proto(asked, answer.settings);
+  });
 }
 
 grpc::ServerUnaryReactor* HapticServiceImpl::GetLinkStats(grpc::CallbackServerContext* call,
@@ -143,7 +152,8 @@ grpc::ServerUnaryReactor* HapticServiceImpl::GetLinkStats(grpc::CallbackServerCo
 grpc::ServerUnaryReactor* HapticServiceImpl::EmergencyStop(grpc::CallbackServerContext* call,
                                                            const grpc::ByteBuffer* request,
                                                            grpc::ByteBuffer* response) {
-  std::vector<DeviceSessions*> devices = context_.devices;
+  std::vector<std::size_t> devices(context_.owner().devices().size());
+  std::iota(devices.begin(), devices.end(), std::size_t{0});
   std::string reason = "by a request that could not be read";
   v1::EmergencyStopRequest message;
   grpc::ByteBuffer bytes(*request);
@@ -152,12 +162,13 @@ grpc::ServerUnaryReactor* HapticServiceImpl::EmergencyStop(grpc::CallbackServerC
     if (!message.device().empty()) {
       const auto target = context_.device(message.device());
       if (!target) return finished(call, to_status(target.refusal));
-      devices = {target.value->device};
+      devices = {*target.value};
     }
   }
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  stop_all(devices, reason, reactor, response);
-  spdlog::warn("emergency stop of {}: {}", devices.size() == 1 ? devices[0]->name() : "all",
+  stop_all(context_, devices, reason, reactor, response);
+  spdlog::warn("emergency stop of {}: {}",
+               devices.size() == 1 ? context_.facts(devices[0]).name : "all",
                reason.empty() ? "no reason given" : "'" + reason + "'");
   return reactor;
 }
@@ -170,20 +181,15 @@ grpc::ServerUnaryReactor* HapticServiceImpl::ClearFault(grpc::CallbackServerCont
   if (!target) return finished(call, to_status(target.refusal));
   const auto faults = fault_set(*request);
   if (!faults) return finished(call, to_status(faults.refusal));
-  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  const auto reply = std::make_shared<TickReply>(reactor);
-  DeviceSessions* device = target.value->device;
-  const Ticket ticket = device->clear_faults(
-      *faults.value, [reply, response](const Outcome<core::FaultSet>& outcome) {
-        if (!outcome) return reply->finish(to_status(outcome.refusal));
-        reply->finish(grpc::Status::OK, [&] {
-          for (std::uint32_t id = 1; id < 32; ++id) {
-            if (outcome.value->has(static_cast<core::Fault>(id))) response->add_cleared(id);
-          }
-        });
-      });
-  reply->watch([device, ticket] { device->cancel(ticket); });
-  return reactor;
+  Request clear;
+  clear.kind = Request::Kind::kClear;
+  clear.device = static_cast<std::uint32_t>(*target.value);
+  clear.faults = *faults.value;
+  return ask(call, clear, [response](const Answer& answer) {
+    for (std::uint32_t id = 1; id < 32; ++id) {
+      if (answer.faults.has(static_cast<core::Fault>(id))) response->add_cleared(id);
+    }
+  });
 }
 
 }  // namespace haptic::server

@@ -3,6 +3,8 @@
 /// that one serialised state serves every stream; EmergencyStop does, so that no mistake in its
 /// message keeps it from stopping.
 
+#include <functional>
+
 #include "haptic/v1/haptic_service.grpc.pb.h"
 #include "server/rpc/service_context.hpp"
 
@@ -54,9 +56,9 @@ class HapticServiceImpl final : public TypedCalls<RawCalls> {
                                        v1::ClearFaultResponse* response) override;
 
  private:
-  using Ask = Ticket (DeviceSessions::*)(const std::string& session_id, const Answer& answer);
-  grpc::ServerUnaryReactor* ask(grpc::CallbackServerContext* call, const std::string& session_id,
-                                Ask question);
+  /// Posts `request`; the owner's answer finishes the call, and `fill` writes the response.
+  grpc::ServerUnaryReactor* ask(grpc::CallbackServerContext* call, const Request& request,
+                                std::function<void(const Answer&)> fill = {});
 
   ServiceContext& context_;
 };

@@ -1,27 +1,23 @@
 #include "server/rpc/health_keeper.hpp"
 
-#include <utility>
-
 #include "server/base/steady_now.hpp"
 
 namespace haptic::server {
 namespace {
 
-bool serving(const core::TickRecord& record, core::TimePoint now) {
+bool serving(const DeviceStatus& status, core::TimePoint now) {
   for (const core::Fault fault : {core::Fault::kDeviceSilent, core::Fault::kDeviceLost,
                                   core::Fault::kLoopLate, core::Fault::kLateBucketFull}) {
-    if (record.faults().has(fault)) return false;
+    if (status.faults.has(fault)) return false;
   }
-  return record.life.state != core::DeviceState::kInit &&
-         record.life.state != core::DeviceState::kClosing &&
-         now - record.input.now < HealthKeeper::kSilence;
+  return status.state != core::DeviceState::kInit && status.state != core::DeviceState::kClosing &&
+         now - status.ticked < HealthKeeper::kSilence;
 }
 
 }  // namespace
 
-HealthKeeper::HealthKeeper(grpc::HealthCheckServiceInterface& health,
-                           std::vector<DeviceSessions*> devices)
-    : health_(health), devices_(std::move(devices)) {
+HealthKeeper::HealthKeeper(grpc::HealthCheckServiceInterface& health, const OwnerPort& owner)
+    : health_(health), owner_(owner) {
   look();
   looks_ = std::make_unique<Every>(kEvery, [this] { look(); });
 }
@@ -34,10 +30,10 @@ HealthKeeper::~HealthKeeper() {
 void HealthKeeper::look() {
   const core::TimePoint now = steady_now();
   bool all = true;
-  for (const DeviceSessions* device : devices_) {
-    const bool good = serving(device->newest(), now);
+  for (std::size_t i = 0; i < owner_.devices().size(); ++i) {
+    const bool good = serving(owner_.status(i), now);
     all = all && good;
-    health_.SetServingStatus(device->name(), good);
+    health_.SetServingStatus(owner_.devices()[i].name, good);
   }
   health_.SetServingStatus("", all);
 }

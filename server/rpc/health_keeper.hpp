@@ -6,10 +6,9 @@
 
 #include <chrono>
 #include <memory>
-#include <vector>
 
+#include "server/crossing/ports.hpp"
 #include "server/rpc/every.hpp"
-#include "server/session/device_sessions.hpp"
 
 namespace haptic::server {
 
@@ -21,7 +20,7 @@ class HealthKeeper {
   static constexpr std::chrono::milliseconds kEvery{250};
   static constexpr std::chrono::milliseconds kSilence{500};
 
-  HealthKeeper(grpc::HealthCheckServiceInterface& health, std::vector<DeviceSessions*> devices);
+  HealthKeeper(grpc::HealthCheckServiceInterface& health, const OwnerPort& owner);
   /// Waits for the last look; everything is NOT_SERVING then.
   ~HealthKeeper();
   HealthKeeper(const HealthKeeper&) = delete;
@@ -31,7 +30,7 @@ class HealthKeeper {
   void look();
 
   grpc::HealthCheckServiceInterface& health_;
-  const std::vector<DeviceSessions*> devices_;
+  const OwnerPort& owner_;
   std::unique_ptr<Every> looks_;
 };
 

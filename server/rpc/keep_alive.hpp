@@ -1,5 +1,5 @@
 #pragma once
-/// How long a connection stays whose far end gives no sign of life (proto/README.md, "Every
+/// How long a connection lives whose far end gives no sign of life (proto/README.md, "Every
 /// limit"). Force does not wait for that: liveness is the data
 /// (proto/README.md#staleness-and-gain). This only gives its memory back.
 

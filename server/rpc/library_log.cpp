@@ -7,12 +7,12 @@
 namespace haptic::server {
 namespace {
 
-/// What a call or a start fails of is told where it fails, in our words.
+/// Debug only: the server reports in its own words why a call or a start failed.
 void from_grpc(gpr_log_func_args* word) {
   spdlog::debug("gRPC: {}", word->message);
 }
 
-/// What is wrong with a message is answered to whoever sent it, as often as it is sent.
+/// Debug only: the sender of a wrong message gets an answer, every time.
 void from_protobuf(google::protobuf::LogLevel level, const char* /*file*/, int /*line*/,
                    const std::string& message) {
   const bool fatal = level == google::protobuf::LOGLEVEL_FATAL;

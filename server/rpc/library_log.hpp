@@ -1,6 +1,6 @@
 #pragma once
-/// What gRPC and protobuf have to say goes where the rest of the log goes: by themselves they would
-/// write to standard error, and wait for whoever reads it (private to server/rpc).
+/// Sends the messages of gRPC and protobuf to the server's log. By themselves they would write to
+/// standard error and wait for its reader (private to server/rpc).
 
 namespace haptic::server {
 

@@ -41,18 +41,22 @@ bool may_have_keys(const Peer& peer, const RpcConfig& config) noexcept {
   return peer.encrypted || peer.this_host || config.insecure_lab;
 }
 
-Priority highest_priority(const Peer& peer, const RpcConfig& config) {
-  if (peer.names.empty()) return peer.encrypted ? Priority::kPrimary : Priority::kOperator;
-  if (!config.tls) return Priority::kOperator;
+Rights rights_of(const Peer& peer, const RpcConfig& config) {
+  if (peer.names.empty()) {
+    return {peer.encrypted ? Priority::kPrimary : Priority::kOperator,
+            "over TLS without a client certificate",
+            {}};
+  }
+  Rights rights{Priority::kOperator, "with this client's certificate", peer.names.front()};
+  if (!config.tls) return rights;
   // Not listed is primary; listed more than once, by several names, is the highest of them.
-  bool listed = false;
-  Priority highest = Priority::kTest;
+  std::optional<Priority> highest;
   for (const TlsClient& client : config.tls->clients) {
     if (std::find(peer.names.begin(), peer.names.end(), client.name) == peer.names.end()) continue;
-    listed = true;
-    highest = std::max(highest, client.highest);
+    highest = std::max(highest.value_or(Priority::kTest), client.highest);
   }
-  return listed ? highest : Priority::kPrimary;
+  rights.highest = highest.value_or(Priority::kPrimary);
+  return rights;
 }
 
 }  // namespace haptic::server

@@ -1,11 +1,12 @@
 #pragma once
-/// Who is at the other end of a call, and what that entitles to (private to server/rpc).
+/// The other end of a call, and what it is entitled to (private to server/rpc).
 
 #include <grpcpp/server_context.h>
 
 #include <string>
 #include <vector>
 
+#include "server/front/session.hpp"
 #include "server/rpc/rpc_server.hpp"
 
 namespace haptic::server {
@@ -24,13 +25,13 @@ struct Peer {
 [[nodiscard]] bool is_this_host(const std::string& peer);
 
 /// Keys travel only over TLS, a UNIX socket or loopback (proto/README.md#the-udp-path), unless
-/// `config` gives all up.
+/// `config` has insecure_lab.
 [[nodiscard]] bool may_have_keys(const Peer& peer, const RpcConfig& config) noexcept;
 
 /// The highest priority it may ask for: what its certificate's names are entitled to. Over TLS
-/// without a certificate that is kPrimary: it may be anybody on the network, and nobody takes a
-/// device away from others without a name (proto/README.md#a-session). In plain text any: then it
-/// is a user of this host, or of a lab that gave all up.
-[[nodiscard]] Priority highest_priority(const Peer& peer, const RpcConfig& config);
+/// without a certificate that is kPrimary: it may be any client on the network, and without a name
+/// no client takes a device from another (proto/README.md#a-session). In plain text any: then it is
+/// a user of this host, or of a lab without protection.
+[[nodiscard]] Rights rights_of(const Peer& peer, const RpcConfig& config);
 
 }  // namespace haptic::server

@@ -1,13 +1,13 @@
 #pragma once
 /// What every stream of responses does alike (private to server/rpc): one write at a time, an end
-/// that happens once, whatever it came from, and a life as long as gRPC or an answer needs it.
+/// that happens once, whatever its cause, and a life as long as gRPC or an answer needs it.
 
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/status.h>
 
 #include <memory>
 #include <mutex>
-#include <string>
+#include <utility>
 
 #include "server/rpc/service_context.hpp"
 #include "server/rpc/status.hpp"
@@ -25,14 +25,17 @@ class ResponseStream : public Reactor,
       : OpenStream(context.streams), context_(context) {}
 
   void server_closes() override {
-    end(to_status({Refusal::Code::kUnavailable, "CLOSING", "the server is shutting down", {}}));
+    end(to_status({Refusal::Code::kUnavailable, "CLOSING", "the server is shutting down"}));
   }
   void OnCancel() override { end(grpc::Status::CANCELLED, Ending::kLost); }
   void OnWriteDone(bool ok) override;
   void OnDone() override { const auto last = std::move(self_); }
 
  protected:
-  using Ending = DeviceSessions::Ending;
+  enum class Ending : std::uint8_t {
+    kGivenUp,  ///< on purpose, by either end
+    kLost,     ///< the stream broke: a resumable session may come back
+  };
   /// Lives until gRPC is done with it.
   void keep_alive() { self_ = this->shared_from_this(); }
   /// Under the mutex: starts the next write that is not a state, if none is under way.
@@ -40,20 +43,21 @@ class ResponseStream : public Reactor,
   /// Under the mutex; no other write is under way.
   void write(grpc::ByteBuffer buffer);
   void end(const grpc::Status& status, Ending ending = Ending::kGivenUp);
-  /// Lease, place in the broadcast and session id, so far as they were had.
-  void give_up_what_is_held();
+  /// Gives up what the stream holds at the owner. Not under the mutex.
+  virtual void close(Ending ending) = 0;
+  /// From now on offered states by `broadcaster`; as Broadcaster::add().
+  void join(Broadcaster& broadcaster, std::uint32_t tenure = 0);
 
   ServiceContext& context_;
   std::mutex mutex_;
   bool ended_{false};
-  bool given_up_{false};             ///< what it held: from here on the client may hear of the end
-  Ending ending_{Ending::kGivenUp};  ///< where it ended
+  bool given_up_{false};  ///< what it held: from here on the client may hear of the end
   bool writing_{false};
-  ServiceContext::Target target_{};
-  std::string id_;
-  std::shared_ptr<EventQueue> events_;
 
  private:
+  void leave();
+
+  Broadcaster* broadcaster_{nullptr};
   std::shared_ptr<ResponseStream> self_;
   grpc::Status final_status_;
   grpc::ByteBuffer outgoing_;
@@ -90,11 +94,11 @@ void ResponseStream<Reactor>::end(const grpc::Status& status, Ending ending) {
     const std::lock_guard lock(mutex_);
     if (ended_) return;
     ended_ = true;
-    ending_ = ending;
     final_status_ = status;
   }
   // Before the client hears of the end: it may open its next session at once.
-  give_up_what_is_held();
+  close(ending);
+  leave();
   bool finish = false;
   {
     const std::lock_guard lock(mutex_);
@@ -105,20 +109,25 @@ void ResponseStream<Reactor>::end(const grpc::Status& status, Ending ending) {
 }
 
 template <typename Reactor>
-void ResponseStream<Reactor>::give_up_what_is_held() {
-  ServiceContext::Target target;
-  std::string id;
-  Ending ending{};
+void ResponseStream<Reactor>::join(Broadcaster& broadcaster, std::uint32_t tenure) {
+  broadcaster.add(this->shared_from_this(), tenure);
+  bool ended = false;
   {
     const std::lock_guard lock(mutex_);
-    target = target_;
-    id = id_;
-    ending = ending_;
+    broadcaster_ = &broadcaster;
+    ended = ended_;
   }
-  if (target.device == nullptr) return;
-  target.device->close(id, ending);
-  target.broadcaster->remove(this);
-  context_.registry.remove(id);
+  if (ended) leave();  // its end may have come before it joined
+}
+
+template <typename Reactor>
+void ResponseStream<Reactor>::leave() {
+  Broadcaster* joined = nullptr;
+  {
+    const std::lock_guard lock(mutex_);
+    joined = broadcaster_;
+  }
+  if (joined != nullptr) joined->remove(this);
 }
 
 }  // namespace haptic::server

@@ -7,19 +7,19 @@
 #include <utility>
 
 #include "haptic/core/error.hpp"
+#include "server/front/refusals.hpp"
 #include "server/net/listen_address.hpp"
 #include "server/rpc/credentials.hpp"
 #include "server/rpc/every.hpp"
 #include "server/rpc/haptic_service_impl.hpp"
 #include "server/rpc/health_keeper.hpp"
 #include "server/rpc/library_log.hpp"
-#include "server/rpc/status.hpp"
 
 namespace haptic::server {
 namespace {
 
-/// What gRPC itself takes in: what is beyond, it refuses without a word of ours. Up to here each
-/// call says which limit is meant (too_large).
+/// gRPC itself refuses larger messages, with its own words. Up to this size each call names the
+/// limit (too_large).
 constexpr int kLargestReceived = 4 * static_cast<int>(kLargestMessage);
 
 /// As gRPC takes a time.
@@ -44,10 +44,10 @@ void set_limits(grpc::ServerBuilder& builder, const RpcConfig& config) {
 
 class RpcServer::Impl {
  public:
-  Impl(RpcConfig config, std::vector<DeviceSessions*> devices, Telemetry& telemetry,
-       FactsProvider facts)
-      : context_(std::move(config), std::move(devices), telemetry, std::move(facts)),
-        service_(context_) {}
+  Impl(RpcConfig config, OwnerPort& owner, FactsProvider facts)
+      : shared_(std::make_shared<ServiceContext>(std::move(config), owner, std::move(facts))) {
+    owner.connect(shared_);
+  }
 
   void start() {
     take_library_logs();
@@ -90,7 +90,7 @@ class RpcServer::Impl {
       if (!weak.empty()) context_.add_weakness(std::move(weak));
     }
     if (context_.udp) context_.udp->start();
-    health_ = std::make_unique<HealthKeeper>(*server_->GetHealthCheckService(), context_.devices);
+    health_ = std::make_unique<HealthKeeper>(*server_->GetHealthCheckService(), context_.owner());
     const auto a_fifth =
         std::chrono::duration_cast<std::chrono::milliseconds>(context_.config.open_within / 5);
     overdue_ = std::make_unique<Every>(a_fifth,
@@ -106,7 +106,7 @@ class RpcServer::Impl {
                       std::chrono::duration_cast<std::chrono::system_clock::duration>(grace));
     server_.reset();
     context_.streams.wait_until_gone();
-    context_.udp.reset();  // nobody has a path any more
+    context_.udp.reset();  // no session has a path any more
     bound_.clear();
     served_.clear();
   }
@@ -117,7 +117,7 @@ class RpcServer::Impl {
   [[nodiscard]] std::uint16_t udp_port() const {
     return context_.udp ? context_.udp->port() : std::uint16_t{0};
   }
-  [[nodiscard]] unsigned sessions() const { return context_.registry.sessions(); }
+  [[nodiscard]] unsigned sessions() const { return context_.sessions(); }
   [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> dropped_datagrams() const {
     std::vector<std::pair<std::string, std::uint64_t>> answer;
     if (!context_.udp) return answer;
@@ -129,8 +129,9 @@ class RpcServer::Impl {
   }
 
  private:
-  ServiceContext context_;
-  HapticServiceImpl service_;
+  const std::shared_ptr<ServiceContext> shared_;  ///< the owner may be calling it still
+  ServiceContext& context_{*shared_};
+  HapticServiceImpl service_{context_};
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<HealthKeeper> health_;
   std::unique_ptr<Every> overdue_;
@@ -138,10 +139,8 @@ class RpcServer::Impl {
   std::vector<std::string> served_;
 };
 
-RpcServer::RpcServer(RpcConfig config, std::vector<DeviceSessions*> devices, Telemetry& telemetry,
-                     FactsProvider facts)
-    : impl_(std::make_unique<Impl>(std::move(config), std::move(devices), telemetry,
-                                   std::move(facts))) {}
+RpcServer::RpcServer(RpcConfig config, OwnerPort& owner, FactsProvider facts)
+    : impl_(std::make_unique<Impl>(std::move(config), owner, std::move(facts))) {}
 
 RpcServer::~RpcServer() {
   impl_->shutdown(std::chrono::seconds(1));

@@ -11,11 +11,10 @@
 #include "haptic/core/time.hpp"
 #include "haptic/wire/ports.hpp"
 #include "server/base/steady_now.hpp"
+#include "server/crossing/ports.hpp"
 #include "server/crossing/server_facts.hpp"
 #include "server/crossing/tls_config.hpp"
 #include "server/rpc/keep_alive.hpp"
-#include "server/session/device_sessions.hpp"
-#include "server/telemetry/telemetry.hpp"
 
 namespace haptic::server {
 
@@ -26,7 +25,7 @@ struct RpcConfig {
   /// Session streams; and, apart from them, watches.
   unsigned max_sessions{32};
   core::Duration period{std::chrono::milliseconds(1)};  ///< of the loop
-  /// States per second that everybody but the controllers may cost together, an equal share per
+  /// States per second that all streams but the controllers' may cost together, an equal share per
   /// device; what is above is conflated, in turns. Measured on a shared 2-core VM: 16 watchers at 1
   /// kHz cost 6 % of a core per 4000 states/s, and the controller's proxy age does not move; 8000
   /// leaves a slower host room.
@@ -54,9 +53,8 @@ struct RpcConfig {
 
 class RpcServer {
  public:
-  /// `devices[i]` is unit i of `telemetry`; all must outlive the server.
-  RpcServer(RpcConfig config, std::vector<DeviceSessions*> devices, Telemetry& telemetry,
-            FactsProvider facts);
+  /// `owner` must outlive the server.
+  RpcServer(RpcConfig config, OwnerPort& owner, FactsProvider facts);
   ~RpcServer();
   RpcServer(const RpcServer&) = delete;
   RpcServer& operator=(const RpcServer&) = delete;
@@ -70,11 +68,11 @@ class RpcServer {
   [[nodiscard]] std::vector<std::string> served() const;
   /// What is not protected, a sentence each.
   [[nodiscard]] std::vector<std::string> weaknesses() const;
-  /// Of the UDP path; 0 where there is none.
+  /// The UDP path's; 0 if there is none.
   [[nodiscard]] std::uint16_t udp_port() const;
   /// Session streams that are open.
   [[nodiscard]] unsigned sessions() const;
-  /// Datagrams dropped since the start, by reason ("TAG", ...); empty where there is no UDP path.
+  /// Datagrams dropped since the start, by reason ("TAG", ...); empty without a UDP path.
   [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> dropped_datagrams() const;
   /// Refuses new calls, ends streams (UNAVAILABLE), waits for at most `grace`, then cancels.
   /// Idempotent; the destructor calls it with 1 s.

@@ -1,10 +1,7 @@
 #include "server/rpc/service_context.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
-
-#include "server/rpc/status.hpp"
 
 namespace haptic::server {
 
@@ -56,32 +53,23 @@ void OpenStreams::wait_until_gone() {
   gone_.wait(lock, [&] { return alive_ == 0; });
 }
 
-ServiceContext::ServiceContext(RpcConfig rpc_config, std::vector<DeviceSessions*> device_sessions,
-                               Telemetry& telemetry, FactsProvider facts_provider)
-    : config(std::move(rpc_config)),
-      devices(std::move(device_sessions)),
-      facts(std::move(facts_provider)),
-      registry(config.max_sessions),
+ServiceContext::ServiceContext(RpcConfig rpc_config, OwnerPort& owner, FactsProvider facts_provider)
+    : Front(owner),
+      config(std::move(rpc_config)),
+      server_facts(std::move(facts_provider)),
       waiting(unopened_streams(config.max_sessions), config.open_within) {
   // A share for each device, so that the watchers of one cannot silence those of another.
-  const WatchBudget share(config.watch_budget_hz /
-                          static_cast<double>(std::max<std::size_t>(devices.size(), 1)));
-  for (std::size_t i = 0; i < devices.size(); ++i) {
-    broadcasters.push_back(std::make_unique<Broadcaster>(telemetry, i, share, *devices[i]));
+  const auto n = std::max<std::size_t>(owner.devices().size(), 1);
+  const WatchBudget share(config.watch_budget_hz / static_cast<double>(n));
+  for (const DeviceFacts& device : owner.devices()) {
+    broadcasters.push_back(std::make_unique<Broadcaster>(share, device));
   }
 }
 
-Outcome<ServiceContext::Target> ServiceContext::device(const std::string& name) const {
-  std::string names;
-  for (std::size_t i = 0; i < devices.size(); ++i) {
-    if (devices[i]->name() == name || (name.empty() && devices.size() == 1)) {
-      return Target{devices[i], broadcasters[i].get()};
-    }
-    names += (i > 0 ? ", '" : "'") + devices[i]->name() + "'";
-  }
-  if (name.empty()) return invalid_field("device", "is empty: must be one of " + names);
-  return Refusal{Refusal::Code::kNotFound, "NO_SUCH_DEVICE",
-                 "device '" + sanitised(name, 64) + "': must be one of " + names, "device"};
+unsigned ServiceContext::sessions() const {
+  unsigned all = 0;
+  for (std::size_t i = 0; i < broadcasters.size(); ++i) all += owner().status(i).sessions;
+  return all;
 }
 
 void ServiceContext::end_overdue(core::TimePoint now) {
@@ -103,14 +91,6 @@ void ServiceContext::add_weakness(std::string sentence) {
 std::vector<std::string> ServiceContext::weaknesses() const {
   const std::lock_guard lock(mutex_);
   return weaknesses_;
-}
-
-std::optional<Refusal> ServiceContext::check_rate(const char* field, double rate_hz) const {
-  // A loop of 1 ms is 1000 Hz in words and 999.99... in doubles.
-  const double most = std::round(loop_hz());
-  if (rate_hz == 0.0 || (rate_hz >= 1.0 && rate_hz <= most)) return std::nullopt;
-  return invalid_field(field, "= " + std::to_string(rate_hz) + ": must be 0, or 1.." +
-                                  std::to_string(static_cast<int>(most)) + " Hz");
 }
 
 }  // namespace haptic::server

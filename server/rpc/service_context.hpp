@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "haptic/v1/haptic_service.pb.h"
+#include "server/front/front.hpp"
+#include "server/front/session.hpp"
 #include "server/rpc/broadcaster.hpp"
 #include "server/rpc/rpc_server.hpp"
-#include "server/rpc/session_registry.hpp"
 #include "server/rpc/waiting_room.hpp"
 #include "server/udp/udp_port.hpp"
 
@@ -19,7 +20,7 @@ namespace haptic::server {
 
 class OpenStream;
 
-/// The streams that gRPC, or an answer on its way, still holds: so that shutdown can end them and
+/// The streams that gRPC, or an answer on its way, still holds, so that shutdown can end them and
 /// wait for the last.
 class OpenStreams {
  public:
@@ -51,11 +52,11 @@ class OpenStream {
   OpenStream& operator=(const OpenStream&) = delete;
   /// Ends the stream with UNAVAILABLE; any thread, idempotent.
   virtual void server_closes() = 0;
-  /// The session `session_id` goes on with another stream: where it is this one's, this one ends.
+  /// The session `session_id` goes on with another stream: if it is this one's, this one ends.
   virtual void goes_on_elsewhere(const std::string& session_id) { static_cast<void>(session_id); }
   /// The stream has to end because no session was opened on it.
   virtual void never_opened(const Refusal& why) { static_cast<void>(why); }
-  /// Adds what is known of the links of this stream, where it is a session on `device` (empty: any).
+  /// Adds what is known of the links of this stream, if it is a session on `device` (empty: any).
   virtual void report(const std::string& device, v1::GetLinkStatsResponse& response) {
     static_cast<void>(device);
     static_cast<void>(response);
@@ -65,19 +66,20 @@ class OpenStream {
   OpenStreams& streams_;
 };
 
-struct ServiceContext {
-  ServiceContext(RpcConfig rpc_config, std::vector<DeviceSessions*> device_sessions,
-                 Telemetry& telemetry, FactsProvider facts_provider);
+class ServiceContext final : public Front {
+ public:
+  ServiceContext(RpcConfig rpc_config, OwnerPort& owner, FactsProvider facts_provider);
 
-  struct Target {
-    DeviceSessions* device{nullptr};
-    Broadcaster* broadcaster{nullptr};
-  };
-  /// A device by name; empty: the only one. Refused: NO_SUCH_DEVICE, or empty with several devices.
-  [[nodiscard]] Outcome<Target> device(const std::string& name) const;
+  void on_newest(std::size_t device, const StateRecord& state) override {
+    broadcasters[device]->on_newest(state);
+  }
+
   [[nodiscard]] double loop_hz() const { return 1.0 / core::seconds(config.period); }
-  /// `rate_hz` as a stream may ask for it: 0, or 1 up to the loop's.
-  [[nodiscard]] std::optional<Refusal> check_rate(const char* field, double rate_hz) const;
+  [[nodiscard]] SessionSettings session_settings() const {
+    return {loop_hz(), config.clock, config.age_by_source_time};
+  }
+  /// Session streams that are open.
+  [[nodiscard]] unsigned sessions() const;
 
   /// Ends the streams that waited too long for their first message. Any thread.
   void end_overdue(core::TimePoint now);
@@ -87,13 +89,11 @@ struct ServiceContext {
   [[nodiscard]] std::vector<std::string> weaknesses() const;
 
   const RpcConfig config;
-  const std::vector<DeviceSessions*> devices;
-  const FactsProvider facts;
-  SessionRegistry registry;
+  const FactsProvider server_facts;
   OpenStreams streams;
   WaitingRoom waiting;
-  std::unique_ptr<UdpPort> udp;  ///< none where the scene has no udp_listen
-  std::vector<std::unique_ptr<Broadcaster>> broadcasters;
+  std::unique_ptr<UdpPort> udp;                            ///< null if the scene has no udp_listen
+  std::vector<std::unique_ptr<Broadcaster>> broadcasters;  ///< per device
 
  private:
   mutable std::mutex mutex_;

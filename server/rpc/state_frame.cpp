@@ -32,15 +32,14 @@ grpc::Slice to_slice(const google::protobuf::MessageLite& message) {
 
 }  // namespace
 
-void StateFrame::begin(const core::TickRecord& record, DeviceSessions::Stamp stamp) noexcept {
-  record_ = &record;
-  stamp_ = stamp;
+void StateFrame::begin(const StateRecord& state) noexcept {
+  record_ = &state;
   ready_ = false;
 }
 
 void StateFrame::serialise() {
   if (ready_) return;
-  bytes_ = to_slice(message_.write(*record_, stamp_));
+  bytes_ = to_slice(message_.write(*record_));
   ready_ = true;
 }
 

@@ -8,8 +8,7 @@
 #include <utility>
 
 #include "google/protobuf/message_lite.h"
-#include "haptic/core/tick/tick_record.hpp"
-#include "server/owner/state_message.hpp"
+#include "server/state/state_message.hpp"
 
 namespace haptic::server {
 
@@ -20,8 +19,8 @@ class StateFrame {
  public:
   StateFrame() = default;
   explicit StateFrame(StateMessage message) : message_(std::move(message)) {}
-  /// A new tick; it is serialised at the first call that asks for its bytes. `record` must outlive the use.
-  void begin(const core::TickRecord& record, DeviceSessions::Stamp stamp = {}) noexcept;
+  /// A new state; nothing is serialised before a stream asks. `state` must outlive the use.
+  void begin(const StateRecord& state) noexcept;
   /// SessionResponse { state }.
   [[nodiscard]] grpc::ByteBuffer for_session();
   /// DeviceState alone, as a datagram carries it; until the next begin().
@@ -33,8 +32,7 @@ class StateFrame {
   void serialise();
 
   StateMessage message_{};
-  const core::TickRecord* record_{nullptr};
-  DeviceSessions::Stamp stamp_{};
+  const StateRecord* record_{nullptr};
   bool ready_{false};
   grpc::Slice bytes_{};
 };

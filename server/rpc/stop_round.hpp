@@ -1,5 +1,5 @@
 #pragma once
-/// One emergency stop over several devices: answered when the last of them has latched (private to
+/// One emergency stop of several devices: answered when the last of them has latched (private to
 /// server/rpc).
 
 #include <grpcpp/support/byte_buffer.h>
@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "server/session/device_sessions.hpp"
+#include "server/front/front.hpp"
 
 namespace haptic::server {
 
 /// Posts the stop to every device before it waits for any; finishes `reactor` with an
 /// EmergencyStopResponse.
-void stop_all(const std::vector<DeviceSessions*>& devices, const std::string& reason,
+void stop_all(Front& front, const std::vector<std::size_t>& devices, const std::string& reason,
               grpc::ServerUnaryReactor* reactor, grpc::ByteBuffer* response);
 
 }  // namespace haptic::server

@@ -11,19 +11,17 @@
 #include <memory>
 #include <mutex>
 
-#include "server/session/refusal.hpp"
-
 namespace haptic::server {
 
-/// Finishes `reactor` exactly once: by an answer, or with UNAVAILABLE where no tick came at all.
-/// The ticks' own bound (PendingRequests::kPatience) is the shorter one wherever the loop runs.
+/// Finishes `reactor` exactly once: by an answer, or with UNAVAILABLE if no tick came at all. The
+/// owner's own bound (PendingRequests::kPatience) is the shorter one while the loop runs.
 class TickReply : public std::enable_shared_from_this<TickReply> {
  public:
   static constexpr std::chrono::milliseconds kPatience{500};
 
   explicit TickReply(grpc::ServerUnaryReactor* reactor) : reactor_(reactor) {}
 
-  /// `give_up` is called where no answer came in time, before the call is finished.
+  /// `give_up` is called if no answer came in time, before the call is finished.
   void watch(std::function<void()> give_up);
   /// The first call finishes; `fill` writes the response just before, and only then.
   void finish(const grpc::Status& status, const std::function<void()>& fill = {});

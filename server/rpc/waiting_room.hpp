@@ -1,6 +1,6 @@
 #pragma once
-/// Session streams whose first message has not come (private to server/rpc). Nobody knows yet who
-/// they are, and each costs memory: they are few, and none stays for long.
+/// Session streams whose first message has not come (private to server/rpc). The server
+/// does not know yet who they are, and each costs memory: so there are few, and none stays long.
 
 #include <cstddef>
 #include <deque>
@@ -18,11 +18,11 @@ class WaitingRoom {
  public:
   WaitingRoom(std::size_t places, core::Duration patience) : places_(places), patience_(patience) {}
 
-  /// `stream` waits from `now` on. Where every place was taken, the stream that waited longest has
-  /// lost its own, and is returned: who opens at once is not kept out by those who never do.
+  /// `stream` waits from `now` on. If every place was taken, the stream that waited longest loses
+  /// its own and is returned: streams that never open do not keep out one that opens at once.
   [[nodiscard]] std::shared_ptr<OpenStream> enter(const std::shared_ptr<OpenStream>& stream,
                                                   core::TimePoint now);
-  /// Its first message came, or it ended. False where it waited no more.
+  /// Its first message came, or it ended. False if it was not waiting any more.
   [[nodiscard]] bool leave(const OpenStream& stream);
   /// Those who have waited for `patience`; they have left.
   [[nodiscard]] std::vector<std::shared_ptr<OpenStream>> overdue(core::TimePoint now);

@@ -4,8 +4,8 @@
 
 #include <utility>
 
-#include "server/rpc/convert.hpp"
-#include "server/rpc/status.hpp"
+#include "server/front/messages.hpp"
+#include "server/front/refusals.hpp"
 
 namespace haptic::server {
 
@@ -26,26 +26,33 @@ void WatchStream::open(const grpc::ByteBuffer& raw) {
   }
   const auto target = context_.device(request.device());
   if (!target) return end(to_status(target.refusal));
-  if (auto wrong = context_.check_rate("rate_hz", request.rate_hz())) {
+  if (const auto wrong = check_rate("rate_hz", request.rate_hz(), context_.loop_hz())) {
     return end(to_status(*wrong));
   }
-  auto id = context_.registry.admit(SessionRegistry::Kind::kWatch, *target.value->device);
-  if (!id) return end(to_status(id.refusal));
-  {
-    const std::lock_guard lock(mutex_);
-    target_ = *target.value;
-    id_ = *id.value;
-    events_ = target_.device->subscribe(id_);
-    pace_ = Pace(context_.loop_hz(), request.rate_hz() > 0.0 ? request.rate_hz() : kDefaultRateHz);
-  }
-  target_.broadcaster->add(shared_from_this());
+  const double rate = request.rate_hz() > 0.0 ? request.rate_hz() : kDefaultRateHz;
+  Request admission;
+  admission.kind = Request::Kind::kAdmitWatch;
+  admission.device = static_cast<std::uint32_t>(*target.value);
+  context_.ask(admission,
+               [this, rate, device = *target.value, weak = weak_from_this()](const Answer& answer) {
+                 const auto alive = weak.lock();
+                 if (!alive) return;
+                 if (answer.refusal) return end(to_status(*answer.refusal));
+                 {
+                   const std::lock_guard lock(mutex_);
+                   id_ = answer.session_id;
+                   events_ = context_.subscribe(device);
+                   pace_ = Pace(context_.loop_hz(), rate);
+                 }
+                 join(*context_.broadcasters[device]);
+               });
 }
 
-bool WatchStream::offer(const core::TickRecord& record, StateFrame& frame, bool states_allowed) {
+bool WatchStream::offer(const StateRecord& state, StateFrame& frame, bool states_allowed) {
   const std::lock_guard lock(mutex_);
   if (ended_ || writing_) return false;
-  if (states_allowed && pace_.due(record.beat.tick)) {
-    pace_.sent(record.beat.tick);
+  if (states_allowed && pace_.due(state.tick)) {
+    pace_.sent(state.tick);
     write(frame.for_watch(pace_.conflated()));
     return true;
   }
@@ -54,13 +61,23 @@ bool WatchStream::offer(const core::TickRecord& record, StateFrame& frame, bool 
 }
 
 void WatchStream::flush() {
-  if (writing_ || ended_) return;
+  if (writing_ || ended_ || !events_) return;
   const auto event = events_->pop();
   if (!event) return;
   v1::WatchResponse response;
   *response.mutable_event() = to_proto(*event);
   response.set_conflated(pace_.conflated());
   write(to_buffer(response));
+}
+
+void WatchStream::close(Ending /*ending*/) {
+  Request end;
+  end.kind = Request::Kind::kClose;
+  {
+    const std::lock_guard lock(mutex_);
+    end.session_id = id_;
+  }
+  if (!end.session_id.empty()) context_.tell(end);
 }
 
 }  // namespace haptic::server

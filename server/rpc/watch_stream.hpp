@@ -17,12 +17,16 @@ class WatchStream final : public ResponseStream<grpc::ServerWriteReactor<grpc::B
   [[nodiscard]] static WatchStream* begin(ServiceContext& context, const grpc::ByteBuffer& request);
   using ResponseStream::ResponseStream;
 
-  bool offer(const core::TickRecord& record, StateFrame& frame, bool states_allowed) override;
+  bool offer(const StateRecord& state, StateFrame& frame, bool states_allowed) override;
 
  private:
   void open(const grpc::ByteBuffer& raw);
   void flush() override;
+  void close(Ending ending) override;
 
+  // Under the mutex.
+  SessionId id_{};  ///< empty: not admitted
+  std::shared_ptr<EventQueue> events_{};
   Pace pace_{1000.0, kDefaultRateHz};
 };
 

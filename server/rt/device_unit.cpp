@@ -48,7 +48,7 @@ constexpr int kRehearsalTicks = 800;
 constexpr int kEngageAt = 300;
 constexpr int kReleaseAt = 650;
 
-/// A device in the middle of its range and a proxy where its probe is: every stage has work.
+/// A device in the middle of its range and a proxy at its probe: every stage has work.
 core::TickInput resting(const core::PipelineConfig& config) {
   core::TickInput input;
   input.settings = config.scene;

@@ -1,6 +1,6 @@
 #pragma once
-/// One device with its pipeline and its mailboxes: the place where the real-time side and the rest
-/// of the server meet. Steps 1 to 13 of core/README.md#one-tick are its tick().
+/// One device with its pipeline and its mailboxes: here the real-time side and the rest of the
+/// server meet. Steps 1 to 13 of core/README.md#one-tick are its tick().
 
 #include <atomic>
 #include <memory>
@@ -40,11 +40,11 @@ class DeviceUnit {
   [[nodiscard]] const hw::Device& device() const noexcept { return *device_; }
   [[nodiscard]] const core::PipelineConfig& config() const noexcept { return pipeline_.config(); }
 
-  /// Written by the ingress, under its mutex.
+  /// Written by the ingress, under the owner's lock.
   core::Mailbox<core::ProxySnapshot> proxies;
-  /// Written by the device's tracker, under its mutex.
+  /// Written by the device's tracker, under the owner's lock.
   core::Mailbox<core::TrackerSnapshot> poses;
-  /// Written by the device's sessions, under their mutex.
+  /// Written by the device's sessions, under the owner's lock.
   core::Mailbox<core::CommandSnapshot> commands;
   core::Mailbox<core::RenderSettings> settings;
   /// As the tick left them; read by the telemetry drain, which completes them.

@@ -46,8 +46,8 @@ void LoopBody::run_by_samples(hw::SampleSignal& samples) noexcept {
   }
 }
 
-/// The end of the wait for the next tick: its sample's arrival, or where that is too early for a
-/// tick, the earliest moment for one; where none comes the timer's.
+/// The end of the wait for the next tick: its sample's arrival, or the earliest moment for a tick
+/// if the sample came too early for one, or the timer's if none came.
 Wake LoopBody::next_sample(hw::SampleSignal& samples, const SampleGrid& grid) noexcept {
   const Wake wake = clock_.wait_for(samples, grid.latest());
   const core::TimePoint due = wake.arrival ? grid.earliest() : grid.latest();

@@ -23,9 +23,9 @@ class LoopClock {
   LoopClock(const LoopClock&) = delete;
   LoopClock& operator=(const LoopClock&) = delete;
 
-  /// Real-time thread. Returns at `deadline` or later; at once where it has passed.
+  /// Real-time thread. Returns at `deadline` or later; at once if it has passed.
   virtual Wake wait_until(core::TimePoint deadline) noexcept = 0;
-  /// Real-time thread. Returns when `samples` were posted, and at `deadline` or later where not.
+  /// Real-time thread. Returns when `samples` were posted, and at `deadline` or later if not.
   virtual Wake wait_for(hw::SampleSignal& samples, core::TimePoint deadline) noexcept = 0;
   [[nodiscard]] virtual core::TimePoint now() const noexcept = 0;
 

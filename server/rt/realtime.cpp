@@ -179,7 +179,7 @@ RealtimeGrant apply_realtime(const RealtimeRequest& request, RealtimeHost& host)
                                                          : "degraded";
   grant.facts.explanation = explain(request, grant, account);
   if (request.mode == RealtimeMode::kRequire && !all) {
-    throw core::RealtimeError("--realtime=require: " + grant.facts.explanation);
+    throw core::RealtimeError("--realtime=require: " + grant.facts.explanation.str());
   }
   return grant;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// Real-time behaviour asked of the host, and an honest account of what it granted.
+/// Asks the host for real-time behaviour, and reports what it granted.
 
 #include <optional>
 #include <string>
@@ -23,7 +23,7 @@ struct RealtimeRequest {
   RealtimeMode mode{RealtimeMode::kTry};
   int priority{80};          ///< SCHED_FIFO, 1..98
   std::optional<int> cpu{};  ///< absent: not pinned
-  /// The scene's; absent: 8 ms where SCHED_FIFO was granted, 20 ms elsewhere
+  /// The scene's; absent: 8 ms if SCHED_FIFO was granted, else 20 ms
   /// (proto/README.md#states-of-a-device).
   std::optional<core::Duration> loop_late_fault{};
 };
@@ -38,10 +38,10 @@ inline constexpr core::Duration kLateFaultRealtime{std::chrono::milliseconds(8)}
 inline constexpr core::Duration kLateFaultElsewhere{std::chrono::milliseconds(20)};
 
 /// Applies `request` to the calling thread (scheduling, timer slack, affinity, stack) and to the
-/// process (memory locking). The grade is "real-time" where all that was asked for was granted,
-/// "degraded" where some of it was refused or given in part, "best-effort" where nothing was asked
+/// process (memory locking). The grade is "real-time" if all that was asked for was granted,
+/// "degraded" if some of it was refused or given in part, "best-effort" if nothing was asked
 /// for; the explanation says what was granted, what was not and why, and what that means. In mode
-/// kRequire throws RealtimeError, with the explanation, where the grade is not "real-time".
+/// kRequire throws RealtimeError, with the explanation, if the grade is not "real-time".
 [[nodiscard]] RealtimeGrant apply_realtime(const RealtimeRequest& request,
                                            RealtimeHost& host = real_host());
 

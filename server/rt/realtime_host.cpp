@@ -100,7 +100,7 @@ class LinuxHost final : public RealtimeHost {
 
   [[gnu::noinline]] void touch_stack() override {
     char pages[kStackToTouch];
-    // One write per page is enough; the compiler must not see that nobody reads them.
+    // One write per page is enough; the compiler must not see that they are not read.
     for (std::size_t i = 0; i < kStackToTouch; i += 1024) {
       pages[i] = 0;
       asm volatile("" : : "r"(pages + i) : "memory");

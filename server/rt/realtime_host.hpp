@@ -38,8 +38,8 @@ class RealtimeHost {
   virtual ResourceLimit memory_limit() = 0;
   /// Raises the soft limit to the hard one.
   virtual int raise_memory_limit() = 0;
-  /// RLIMIT_MEMLOCK does not bind this process (CAP_IPC_LOCK, and held where it counts: inside a
-  /// user namespace the capability exists and the kernel does not honour it).
+  /// RLIMIT_MEMLOCK does not bind this process (CAP_IPC_LOCK, and the kernel honours it: inside a
+  /// user namespace the capability exists without effect).
   virtual bool may_lock_any_memory() = 0;
   /// mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT).
   virtual int lock_memory() = 0;

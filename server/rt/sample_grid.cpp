@@ -12,7 +12,7 @@ SampleGrid::Tick SampleGrid::wake(core::TimePoint now, core::Duration suspended,
   const core::TimePoint due = tick.by_sample ? std::max(*arrival, earliest()) : latest();
   const core::Duration late = std::max(now - due, core::Duration::zero());
   const auto passed = late / period_;
-  // A device's phase is taken from its samples; where there is none, the last known one goes on.
+  // A device's phase is taken from its samples; without one, the last known phase goes on.
   expected_ = (tick.by_sample ? due : expected_) + (passed + 1) * period_;
   previous_ = due + passed * period_;
   tick.report.lateness = late + suspended;

@@ -1,8 +1,6 @@
 #include "server/session/device_event.hpp"
 
-#include <algorithm>
 #include <cstdio>
-#include <utility>
 
 #include "server/base/figures.hpp"
 
@@ -31,7 +29,7 @@ std::string fault_sentence(core::Fault fault, const core::TickRecord& record,
     case core::Fault::kLateBucketFull:
       return "the loop was late too often";
     case core::Fault::kEmergencyStop:
-      return stop_reason.empty() ? "somebody asked for an emergency stop"
+      return stop_reason.empty() ? "an emergency stop was asked for"
                                  : "emergency stop: " + stop_reason;
     case core::Fault::kForceOverLimit:
       return "the device measured more force than it may give";
@@ -41,7 +39,7 @@ std::string fault_sentence(core::Fault fault, const core::TickRecord& record,
   return "unknown fault";
 }
 
-/// The limits of an actuator's own; the others speak of the proxy and stand in every state.
+/// Limits of single actuators. The others concern the proxy and are a field of every state.
 constexpr core::Limiter kActuatorLimiters[] = {
     core::Limiter::kSaturation, core::Limiter::kSlew,        core::Limiter::kPower,
     core::Limiter::kRate,       core::Limiter::kTemperature, core::Limiter::kDriveLimit,
@@ -69,31 +67,32 @@ void EventDetector::limiters(const core::TickRecord& record, std::vector<DeviceE
   for (const core::Limiter limiter : kActuatorLimiters) {
     if (!record.limiters().has(limiter)) continue;
     auto& acted = acted_[static_cast<std::size_t>(limiter)];
-    const bool anew = !acted || record.input.now - *acted > kQuiet;
+    const bool begins = !acted || record.input.now - *acted > kQuiet;
     acted = record.input.now;
-    if (!anew) continue;
+    if (!begins) continue;
     const core::CommandSnapshot& command = record.input.command;
-    events.push_back({DeviceEvent::Kind::kLimiter, record.input.now,
-                      std::string(core::reason(limiter)), limiter_sentence(limiter, record),
-                      record.life.state, command.lease_held ? command.lease_epoch : 0});
+    events.push_back({DeviceEvent::Kind::kLimiter, record.input.now, core::reason(limiter),
+                      limiter_sentence(limiter, record), record.life.state,
+                      command.lease_held ? command.lease_epoch : 0});
   }
 }
 
 void EventDetector::step(const core::TickRecord& record, const std::string& stop_reason,
                          std::vector<DeviceEvent>& events) {
-  const auto add = [&](DeviceEvent::Kind kind, std::string reason, std::string message) {
+  const auto add = [&](DeviceEvent::Kind kind, std::string_view reason,
+                       const std::string& message) {
     const core::CommandSnapshot& command = record.input.command;
-    events.push_back({kind, record.input.now, std::move(reason), std::move(message),
-                      record.life.state, command.lease_held ? command.lease_epoch : 0});
+    events.push_back({kind, record.input.now, reason, message, record.life.state,
+                      command.lease_held ? command.lease_epoch : 0});
   };
   for (const core::Fault fault : kFaults) {
     const bool now = record.faults().has(fault);
     const bool before = faults_.has(fault);
     if (now && !before) {
-      add(DeviceEvent::Kind::kFault, std::string(core::reason(fault)),
+      add(DeviceEvent::Kind::kFault, core::reason(fault),
           fault_sentence(fault, record, stop_reason));
     } else if (before && !now) {
-      add(DeviceEvent::Kind::kFaultCleared, std::string(core::reason(fault)), "fault cleared");
+      add(DeviceEvent::Kind::kFaultCleared, core::reason(fault), "fault cleared");
     }
   }
   if (record.life.lost && record.proxy.level != core::Staleness::kLost) {
@@ -122,38 +121,6 @@ void EventDetector::step(const core::TickRecord& record, const std::string& stop
   state_ = record.life.state;
   faults_ = record.faults();
   staleness_ = record.proxy.level;
-}
-
-void EventQueue::push(const DeviceEvent& event) {
-  const std::lock_guard lock(mutex_);
-  if (events_.size() >= kCapacity) {
-    // A staleness level is also a field of every state: it is the one to lose first.
-    const auto oldest = std::find_if(events_.begin(), events_.end(), [](const DeviceEvent& e) {
-      return e.kind == DeviceEvent::Kind::kStaleness;
-    });
-    events_.erase(oldest == events_.end() ? events_.begin() : oldest);
-    ++dropped_;
-    ++dropped_untold_;
-  }
-  events_.push_back(event);
-}
-
-std::optional<DeviceEvent> EventQueue::pop() {
-  const std::lock_guard lock(mutex_);
-  if (events_.empty()) return std::nullopt;
-  DeviceEvent event = std::move(events_.front());
-  events_.pop_front();
-  if (dropped_untold_ > 0) {
-    event.message += " (" + std::to_string(dropped_untold_) +
-                     " older events were dropped: this stream was not read)";
-    dropped_untold_ = 0;
-  }
-  return event;
-}
-
-std::uint64_t EventQueue::dropped() const {
-  const std::lock_guard lock(mutex_);
-  return dropped_;
 }
 
 }  // namespace haptic::server

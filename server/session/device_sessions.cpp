@@ -3,21 +3,24 @@
 #include <utility>
 
 #include "server/base/figures.hpp"
+#include "server/session/settings_policy.hpp"
 
 namespace haptic::server {
 namespace {
 
-Refusal closing() {
-  return {Refusal::Code::kUnavailable, "CLOSING", "the server is shutting down", {}};
+Values values(const core::VecA& from) {
+  return {from.data(), static_cast<std::size_t>(from.size())};
+}
+
+Settings flat(const core::RenderSettings& from) {
+  return {values(from.stiffness),  values(from.damping), values(from.force_limit),
+          values(from.slew_limit), from.renderer,        from.direction_guard};
 }
 
 }  // namespace
 
-DeviceSessions::DeviceSessions(DeviceUnit& unit, Telemetry& telemetry, std::size_t index,
-                               SessionRules rules)
+DeviceSessions::DeviceSessions(DeviceUnit& unit, const SessionRules& rules)
     : unit_(unit),
-      telemetry_(telemetry),
-      index_(index),
       rules_(rules),
       ingress_(unit.proxies, unit.config().kinematics->space().n_x()),
       lease_(rules.lease_timeout),
@@ -26,200 +29,158 @@ DeviceSessions::DeviceSessions(DeviceUnit& unit, Telemetry& telemetry, std::size
     tracker_.emplace(unit.poses, unit.config(), rules.tracker_fresh_end, rules.lease_timeout);
   }
   publish_settings(settings_);
-  telemetry_.add(index_, this);
 }
 
-DeviceSessions::~DeviceSessions() {
-  telemetry_.remove(index_, this);
-}
-
-std::shared_ptr<EventQueue> DeviceSessions::subscribe(const std::string& session_id) {
-  auto queue = std::make_shared<EventQueue>();
-  const std::lock_guard lock(mutex_);
-  queues_[session_id] = queue;
-  return queue;
-}
-
-/// A stream whose every sample is refused looks like no stream to the tick; here the reason is
-/// known.
-Outcome<Done> DeviceSessions::explained(Outcome<Done> outcome) const {
-  if (!outcome && outcome.refusal.reason == "STREAM_STALE") {
-    const std::string why = ingress_.last_refusal();
-    if (!why.empty()) outcome.refusal.message += "; a sample was refused: " + why;
-  }
-  return outcome;
-}
-
-Ticket DeviceSessions::engage(const std::string& session_id, const Answer& answer) {
-  std::optional<Refusal> refusal;
-  Ticket ticket = 0;
-  {
-    const std::lock_guard lock(mutex_);
-    refusal = not_holder(session_id);
-    if (!refusal) {
-      ++command_.engage_id;
+void DeviceSessions::handle(const Request& request) {
+  switch (request.kind) {
+    case Request::Kind::kStop:
+      pending_.add(request, ++command_.stop_id);
       post();
-      ticket = pending_.add_engage(
-          command_.engage_id, session_id,
-          [this, answer](const Outcome<Done>& outcome) { answer(explained(outcome)); });
-    }
+      stop_reason_ = request.text.str();
+      return;
+    case Request::Kind::kEngage:
+      return ask_loop(request, command_.engage_id);
+    case Request::Kind::kRelease:
+      return ask_loop(request, command_.release_id);
+    case Request::Kind::kClear:
+      return clear_faults(request);
+    case Request::Kind::kSettings:
+      return update_settings(request);
+    case Request::Kind::kCancel:
+      return cancel(request.id);
+    case Request::Kind::kOpen:
+      return open(request);
+    case Request::Kind::kTrack:
+      return open_tracker(request);
+    case Request::Kind::kClose:
+    case Request::Kind::kLose:
+      return close(request);
+    case Request::Kind::kAdmitSession:
+    case Request::Kind::kAdmitWatch:
+      return;
   }
-  if (refusal) answer(*refusal);
-  return ticket;
 }
 
-Ticket DeviceSessions::release(const std::string& session_id, const Answer& answer) {
-  std::optional<Refusal> refusal;
-  Ticket ticket = 0;
-  {
-    const std::lock_guard lock(mutex_);
-    refusal = not_holder(session_id);
-    if (!refusal) {
-      ++command_.release_id;
-      post();
-      ticket = pending_.add_release(command_.release_id, session_id, answer);
-    }
-  }
-  if (refusal) answer(*refusal);
-  return ticket;
-}
-
-Ticket DeviceSessions::emergency_stop(const std::string& reason, Answer answer) {
-  const std::lock_guard lock(mutex_);
-  ++command_.stop_id;
+void DeviceSessions::ask_loop(const Request& request, std::uint64_t& counter) {
+  if (const auto refusal = not_holder(request.session_id)) return answer(request.id, *refusal);
+  pending_.add(request, ++counter);
   post();
-  stop_reason_ = reason;
-  return pending_.add_stop(command_.stop_id, std::move(answer));
 }
 
-Ticket DeviceSessions::clear_faults(core::FaultSet faults, ClearAnswered answer) {
-  {
-    const std::lock_guard lock(mutex_);
-    const std::uint32_t wanted = faults.any() ? faults.bits() : ~std::uint32_t{0};
-    const core::FaultSet active(newest_.faults().bits() & wanted);
-    if (active.any()) {
-      const Ticket ticket = pending_.add_clear({active, newest_.life.stop_id}, std::move(answer));
-      post_next_clear();
-      return ticket;
-    }
+void DeviceSessions::clear_faults(const Request& request) {
+  const std::uint32_t wanted = request.faults.any() ? request.faults.bits() : ~std::uint32_t{0};
+  const core::FaultSet active(newest_.faults().bits() & wanted);
+  if (!active.any()) {
+    answer(request.id);
+    return;
   }
-  answer(core::FaultSet{});
-  return 0;
+  pending_.add_clear(request, {active, newest_.life.stop_id});
+  post_next_clear();
 }
 
-bool DeviceSessions::cancel(Ticket ticket) {
-  const std::lock_guard lock(mutex_);
-  const auto cancelled = pending_.cancel(ticket);
-  if (cancelled == PendingRequests::Cancelled::kEngage) {
-    // Whoever was told that it failed must not feel it act: a tick that comes after all releases.
-    ++command_.release_id;
-    post();
-  }
-  return cancelled != PendingRequests::Cancelled::kNothing;
-}
-
-Outcome<SettingsAnswer> DeviceSessions::update_settings(const std::string& session_id,
-                                                        const SettingsRequest& request) {
-  const std::lock_guard lock(mutex_);
-  if (auto refusal = not_holder(session_id)) return *refusal;
+void DeviceSessions::update_settings(const Request& request) {
+  if (const auto refusal = not_holder(request.session_id)) return answer(request.id, *refusal);
   // An Engage that the loop has not answered yet may switch force on before these settings arrive.
   const bool engaging = command_.engage_id != newest_.life.engage.id;
   const core::DeviceState state = engaging ? core::DeviceState::kEngaging : newest_.life.state;
-  Outcome<SettingsAnswer> outcome = apply_settings(request, settings_, unit_.config(), state);
-  if (outcome) {
-    publish_settings(outcome.value->applied);
-    outcome.value->applied = settings_;
-    for (const SettingsClamp& clamp : outcome.value->clamped) {
-      tell_everyone({DeviceEvent::Kind::kClamp, newest_.input.now, "CLAMPED",
-                     clamp.field + " = " + figure(clamp.asked) + ": held at " +
-                         figure(clamp.applied) + ", " + clamp.why,
-                     newest_.life.state, lease_.epoch()});
-    }
+  const Outcome<SettingsAnswer> outcome =
+      apply_settings(request.settings, settings_, unit_.config(), state);
+  if (!outcome) return answer(request.id, outcome.refusal);
+  publish_settings(outcome.value->applied);
+  for (const SettingsClamp& clamp : outcome.value->clamped) {
+    tell(DeviceEvent::Kind::kClamp, "CLAMPED",
+         clamp.field + " = " + figure(clamp.asked) + ": held at " + figure(clamp.applied) + ", " +
+             kClampedByScene);
   }
-  return outcome;
+  answer(request.id).settings = flat(settings_);
+}
+
+void DeviceSessions::cancel(std::uint64_t id) {
+  if (!pending_.cancel(id)) return;
+  // A client that was told that its Engage failed must not feel it act: a tick that comes after all
+  // releases.
+  ++command_.release_id;
+  post();
+}
+
+Verdict DeviceSessions::accept(const PoseSample& pose) {
+  if (tracker_) return tracker_->accept(pose);
+  return {IngressVerdict::kOldEpoch, "the scene has no tracker"};
 }
 
 void DeviceSessions::begin_closing() {
-  Closures closures;
-  {
-    const std::lock_guard lock(mutex_);
-    if (command_.closing) return;
-    command_.closing = true;
-    post();
-    if (newcomer_) {
-      closures.push_back([call = std::move(newcomer_->answer)] { call(closing()); });
-      newcomer_.reset();
-    }
-    tell_everyone({DeviceEvent::Kind::kClosing, newest_.input.now, "CLOSING",
-                   "the server is shutting down", newest_.life.state,
-                   lease_.held() ? lease_.epoch() : 0});
-  }
-  PendingRequests::run(closures);
+  if (command_.closing) return;
+  command_.closing = true;
+  post();
+  if (newcomer_) refuse_newcomer(closing());
+  tell(DeviceEvent::Kind::kClosing, "CLOSING", "the server is shutting down");
+  if (!lease_.held()) out_.events.back().lease_epoch = 0;
 }
 
-bool DeviceSessions::holds_lease(const std::string& session_id) const {
-  const std::lock_guard lock(mutex_);
-  return lease_.held_by(session_id);
+Outbox DeviceSessions::take() {
+  return std::exchange(out_, {});
 }
 
-std::string DeviceSessions::controller() const {
-  const std::lock_guard lock(mutex_);
-  return lease_.client_name();
-}
-
-unsigned DeviceSessions::observers() const {
-  const std::lock_guard lock(mutex_);
-  const bool holder_listens = lease_.held() && queues_.count(lease_.session_id()) > 0;
-  return static_cast<unsigned>(queues_.size()) - (holder_listens ? 1U : 0U);
-}
-
-bool DeviceSessions::may_be_resumed(const std::string& session_id) const {
-  const std::lock_guard lock(mutex_);
-  return lease_.held_by(session_id) && lease_.detached();
-}
-
-bool DeviceSessions::would_resume(const std::string& resume) const {
-  const std::lock_guard lock(mutex_);
-  return !command_.closing && resumes(resume);
-}
-
-core::RenderSettings DeviceSessions::settings() const {
-  const std::lock_guard lock(mutex_);
-  return settings_;
+DeviceStatus DeviceSessions::status() const {
+  DeviceStatus status;
+  status.ticked = newest_.input.now;
+  status.state = newest_.life.state;
+  status.faults = newest_.faults();
+  status.renderer = settings_.renderer;
+  status.controller = lease_.client_name();
+  status.holder = lease_.session_id();
+  status.detached = lease_.detached();
+  if (tracker_) status.tracker = tracker_->client_name();
+  status.carrier = ingress_.carrier();
+  status.samples = ingress_.counters();
+  status.records_dropped = unit_.records.dropped();
+  return status;
 }
 
 DeviceSessions::Stamp DeviceSessions::stamp(const core::TickRecord& record) const noexcept {
-  const std::uint32_t grant = record.input.command.lease_epoch;
-  Stamp stamp{Carrier::kNone, grant == 0 ? 0 : grant + resumes_};
+  const std::uint32_t tenure = record.input.command.lease_epoch;
+  Stamp stamp{Carrier::kNone, tenure == 0 ? 0 : tenure + lease_.resumes()};
   if (record.proxy.mode != core::ProxyMode::kNone) {
     stamp.carrier = ingress_.carrier_of(record.proxy.seq, record.input.now - record.proxy.age);
   }
   return stamp;
 }
 
-core::TickRecord DeviceSessions::newest() const {
-  const std::lock_guard lock(mutex_);
-  return newest_;
+void DeviceSessions::step(const core::TickRecord& record) {
+  newest_ = record;
+  const std::size_t told = out_.events.size();
+  detector_.step(record, stop_reason_, out_.events);
+  for (std::size_t i = told; i < out_.events.size(); ++i) {
+    // Under the epoch that clients know; the record has the tenure.
+    if (out_.events[i].lease_epoch != 0) out_.events[i].lease_epoch += lease_.resumes();
+  }
+  look_after_lease(record);
+  const std::size_t answered = out_.answers.size();
+  pending_.step(record, out_.answers);
+  // A stream whose every sample is refused looks like no stream to the tick; here the reason is
+  // known.
+  for (std::size_t i = answered; i < out_.answers.size(); ++i) {
+    auto& refusal = out_.answers[i].refusal;
+    if (!refusal || !(refusal->reason == "STREAM_STALE") || ingress_.last_refusal().empty())
+      continue;
+    refusal->message =
+        refusal->message.str() + "; a sample was refused: " + ingress_.last_refusal();
+  }
+  post_next_clear();
 }
 
-void DeviceSessions::on_record(const core::TickRecord& record) {
-  Closures closures;
-  {
-    const std::lock_guard lock(mutex_);
-    newest_ = record;
-    std::vector<DeviceEvent> events;
-    detector_.step(record, stop_reason_, events);
-    for (DeviceEvent& event : events) {
-      // Under the epoch that clients know; the record has the grant.
-      if (event.lease_epoch != 0) event.lease_epoch += lease_.resumes();
-      tell_everyone(event);
-    }
+void DeviceSessions::answer(std::uint64_t id, const Refusal& refusal) {
+  answer(id).refusal = refusal;
+}
 
-    look_after_lease(record, closures);
-    pending_.step(record, closures);
-    post_next_clear();
-  }
-  PendingRequests::run(closures);
+Answer& DeviceSessions::answer(std::uint64_t id) {
+  out_.answers.emplace_back().id = id;
+  return out_.answers.back();
+}
+
+void DeviceSessions::tell(DeviceEvent::Kind kind, const char* reason, const std::string& message) {
+  out_.events.push_back(
+      {kind, newest_.input.now, reason, message, newest_.life.state, lease_.epoch()});
 }
 
 void DeviceSessions::post() noexcept {
@@ -234,19 +195,10 @@ void DeviceSessions::post_next_clear() noexcept {
   post();
 }
 
-void DeviceSessions::restore_scene_settings() {
-  publish_settings(unit_.config().scene);
-  settings_due_ = false;
-}
-
 void DeviceSessions::publish_settings(core::RenderSettings settings) {
   settings.id = settings_.id + 1;
   settings_ = settings;
   unit_.settings.publish(settings_);
-}
-
-void DeviceSessions::tell_everyone(const DeviceEvent& event) {
-  for (const auto& [session_id, queue] : queues_) queue->push(event);
 }
 
 bool DeviceSessions::force_is_on() const noexcept {
@@ -256,15 +208,13 @@ bool DeviceSessions::force_is_on() const noexcept {
   return !loop_knows || newest_.life.gain > 0.0;
 }
 
-std::optional<Refusal> DeviceSessions::not_holder(const std::string& session_id) const {
+std::optional<Refusal> DeviceSessions::not_holder(const SessionId& session_id) const {
   if (lease_.held_by(session_id)) return std::nullopt;
-  return Refusal{Refusal::Code::kPermission,
-                 "NOT_CONTROLLER",
+  return Refusal{Refusal::Code::kPermission, "NOT_CONTROLLER",
                  lease_.held()
-                     ? "device '" + name() + "' is controlled by '" + lease_.client_name() +
-                           "', this session is an observer"
-                     : "this session does not hold the lease of '" + name() + "' (any more)",
-                 {}};
+                     ? "device '" + unit_.name() + "' is controlled by '" +
+                           lease_.client_name().str() + "', this session is an observer"
+                     : "this session does not hold the lease of '" + unit_.name() + "' (any more)"};
 }
 
 }  // namespace haptic::server

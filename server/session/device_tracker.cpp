@@ -10,23 +10,23 @@
 namespace haptic::server {
 namespace {
 
-std::string entry(const char* field, int index, double value) {
+std::string entry(const char* field, std::size_t index, double value) {
   return std::string(field) + "[" + std::to_string(index) + "] = " + figure(value);
 }
 
-IngressVerdict check_orientation(const double* orientation, std::string& why) {
+Verdict check_orientation(const std::array<double, 4>& orientation) {
   double squares = 0.0;
-  for (int i = 0; i < 4; ++i) {
+  for (std::size_t i = 0; i < orientation.size(); ++i) {
     if (!std::isfinite(orientation[i])) {
-      why = entry("orientation", i, orientation[i]) + ": must be finite";
-      return IngressVerdict::kNotFinite;
+      return {IngressVerdict::kNotFinite,
+              entry("orientation", i, orientation[i]) + ": must be finite"};
     }
     squares += orientation[i] * orientation[i];
   }
   const double norm = std::sqrt(squares);
-  if (std::abs(norm - 1.0) <= DeviceTracker::kNormTolerance) return IngressVerdict::kAccepted;
-  why = "orientation has norm " + figure(norm) + ": must be a unit quaternion, within 0.01 of 1";
-  return IngressVerdict::kOutOfBounds;
+  if (std::abs(norm - 1.0) <= DeviceTracker::kNormTolerance) return {};
+  return {IngressVerdict::kOutOfBounds,
+          "orientation has norm " + figure(norm) + ": must be a unit quaternion, within 0.01 of 1"};
 }
 
 }  // namespace
@@ -49,15 +49,15 @@ Outcome<core::StalenessLimits> DeviceTracker::open(const LeaseRequest& request,
                                                    core::TimePoint now) {
   Outcome<core::StalenessLimits> limits = lease_staleness(request, scene_, fresh_bound_);
   if (!limits) return limits;
-  const std::lock_guard lock(mutex_);
+  const std::string holder = client_name_.str();
   const auto held = [&](const std::string& message) {
-    return Refusal{Refusal::Code::kExists, "TRACKER_HELD", message, {}, {{"holder", client_name_}}};
+    return Refusal{Refusal::Code::kExists, "TRACKER_HELD", message, {}, {{"holder", holder}}};
   };
   if (!session_id_.empty() && now - heard_ < silence_) {
-    return held("the palm is tracked by '" + client_name_ + "'");
+    return held("the palm is tracked by '" + holder + "'");
   }
   if (newest_.seq != 0 && now - newest_.born < newest_.staleness.fade_end) {
-    return held("the last pose of '" + client_name_ + "' is " + measured_ms(now - newest_.born) +
+    return held("the last pose of '" + holder + "' is " + measured_ms(now - newest_.born) +
                 " old and still counts: try again");
   }
   session_id_ = request.session_id;
@@ -70,73 +70,67 @@ Outcome<core::StalenessLimits> DeviceTracker::open(const LeaseRequest& request,
   return limits;
 }
 
-void DeviceTracker::close(const std::string& session_id) {
-  const std::lock_guard lock(mutex_);
-  if (session_id_ == session_id) session_id_.clear();
+void DeviceTracker::close(const SessionId& session_id) {
+  if (session_id_ == session_id) session_id_ = {};
 }
 
-std::string DeviceTracker::client_name() const {
-  const std::lock_guard lock(mutex_);
-  return session_id_.empty() ? std::string() : client_name_;
+ClientName DeviceTracker::client_name() const {
+  return session_id_.empty() ? ClientName{} : client_name_;
 }
 
-IngressVerdict DeviceTracker::accept(const std::string& session_id, const PoseCandidate& candidate,
-                                     core::TimePoint arrival, std::string& why) {
-  const std::lock_guard lock(mutex_);
-  if (session_id_.empty() || session_id_ != session_id) {
-    why = "this session does not track the palm any more: its poses are not used";
-    return IngressVerdict::kOldEpoch;
+Verdict DeviceTracker::accept(const PoseSample& pose) {
+  if (session_id_.empty() || !(session_id_ == pose.session_id)) {
+    return {IngressVerdict::kOldEpoch,
+            "this session does not track the palm any more: its poses are not used"};
   }
-  const IngressVerdict verdict = check(candidate, why);
-  if (verdict != IngressVerdict::kAccepted) return verdict;
-  const BacklogRule::Answer age = backlog_.step(arrival);
-  heard_ = arrival;
-  seq_ = newest_.seq = candidate.seq;
+  Verdict verdict = check(pose);
+  if (!verdict.used()) return verdict;
+  const BacklogRule::Answer age = backlog_.step(pose.arrival);
+  heard_ = pose.arrival;
+  seq_ = newest_.seq = pose.seq;
   newest_.born = age.born;
   newest_.valid_for = newest_.staleness.fresh_end;
-  if (candidate.valid_for > core::Duration::zero()) {
-    newest_.valid_for = std::min(newest_.valid_for, candidate.valid_for);
+  if (pose.valid_for > core::Duration::zero()) {
+    newest_.valid_for = std::min(newest_.valid_for, pose.valid_for);
   }
-  const double* const o = candidate.orientation;
+  const auto& o = pose.orientation.value;
   const Eigen::Vector3d turn = core::rotation_vector({o[0], o[1], o[2], o[3]});
   for (std::size_t i = 0; i < 3; ++i) {
-    newest_.pose[i] = candidate.position[i];
+    newest_.pose[i] = pose.position.value[i];
     newest_.pose[i + 3] = turn[static_cast<Eigen::Index>(i)];
   }
   mailbox_.publish(newest_);
-  return age.backlog ? IngressVerdict::kBacklog : IngressVerdict::kAccepted;
+  if (age.backlog) verdict.verdict = IngressVerdict::kBacklog;
+  return verdict;
 }
 
-IngressVerdict DeviceTracker::check(const PoseCandidate& candidate, std::string& why) const {
-  if (candidate.position_size != 3) {
-    why = "position has " + std::to_string(candidate.position_size) +
-          " values: must have 3, x, y, z in m";
-    return IngressVerdict::kWrongSize;
+Verdict DeviceTracker::check(const PoseSample& pose) const {
+  if (pose.position.count != 3) {
+    return {IngressVerdict::kWrongSize, "position has " + std::to_string(pose.position.count) +
+                                            " values: must have 3, x, y, z in m"};
   }
-  if (candidate.orientation_size != 4) {
-    why = "orientation has " + std::to_string(candidate.orientation_size) +
-          " values: must have 4, x, y, z, w";
-    return IngressVerdict::kWrongSize;
+  if (pose.orientation.count != 4) {
+    return {IngressVerdict::kWrongSize, "orientation has " +
+                                            std::to_string(pose.orientation.count) +
+                                            " values: must have 4, x, y, z, w"};
   }
-  for (int i = 0; i < 3; ++i) {
-    const double value = candidate.position[i];
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double value = pose.position.value[i];
     if (!std::isfinite(value)) {
-      why = entry("position", i, value) + ": must be finite";
-      return IngressVerdict::kNotFinite;
+      return {IngressVerdict::kNotFinite, entry("position", i, value) + ": must be finite"};
     }
-    const auto axis = static_cast<std::size_t>(i);
-    if (value >= lower_[axis] && value <= upper_[axis]) continue;
-    why = entry("position", i, value) + ": must lie within " + figure(lower_[axis]) + " to " +
-          figure(upper_[axis]) + " m";
-    return IngressVerdict::kOutOfBounds;
+    if (value >= lower_[i] && value <= upper_[i]) continue;
+    return {IngressVerdict::kOutOfBounds, entry("position", i, value) + ": must lie within " +
+                                              figure(lower_[i]) + " to " + figure(upper_[i]) +
+                                              " m"};
   }
-  const IngressVerdict turn = check_orientation(candidate.orientation, why);
-  if (turn != IngressVerdict::kAccepted) return turn;
-  if (candidate.seq <= seq_) {
-    why = "seq = " + std::to_string(candidate.seq) + ": must be above " + std::to_string(seq_);
-    return IngressVerdict::kOldSequence;
+  const Verdict turn = check_orientation(pose.orientation.value);
+  if (!turn.used()) return turn;
+  if (pose.seq <= seq_) {
+    return {IngressVerdict::kOldSequence,
+            "seq = " + std::to_string(pose.seq) + ": must be above " + std::to_string(seq_)};
   }
-  return IngressVerdict::kAccepted;
+  return {};
 }
 
 }  // namespace haptic::server

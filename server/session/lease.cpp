@@ -4,31 +4,30 @@
 
 namespace haptic::server {
 
-std::uint32_t LeaseBook::grant(const LeaseRequest& request, core::TimePoint now) {
+void LeaseBook::take(const LeaseRequest& request) noexcept {
   held_ = true;
   detached_ = false;
   session_id_ = request.session_id;
   client_name_ = request.client_name;
   priority_ = request.priority;
   resumable_ = request.resumable;
+}
+
+void LeaseBook::grant(const LeaseRequest& request, core::TimePoint now) {
+  take(request);
   opened_ = now;
-  ++grants_;
-  return epoch();
+  ++tenure_;
 }
 
 void LeaseBook::end() noexcept {
   held_ = detached_ = resumable_ = false;
-  session_id_.clear();
-  client_name_.clear();
+  session_id_ = {};
+  client_name_ = {};
 }
 
 std::uint32_t LeaseBook::resume(const LeaseRequest& request, core::TimePoint now,
                                 core::TimePoint last_accepted) {
-  detached_ = false;
-  session_id_ = request.session_id;
-  client_name_ = request.client_name;
-  priority_ = request.priority;
-  resumable_ = request.resumable;
+  take(request);
   if (last_accepted > opened_) opened_ = now;
   ++resumes_;
   return epoch();

@@ -3,24 +3,24 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <utility>
+#include <string>
 
 #include "server/base/figures.hpp"
 
 namespace haptic::server {
 namespace {
 
-Refusal not_yet(const char* reason, std::string message) {
-  return {Refusal::Code::kPrecondition, reason, std::move(message), {}};
+Refusal not_yet(const char* reason, const std::string& message) {
+  return {Refusal::Code::kPrecondition, reason, message};
 }
 
-Outcome<Done> engage_outcome(const core::EngageAnswer& answer, core::DeviceState state) {
+std::optional<Refusal> engage_refusal(const core::EngageAnswer& answer, core::DeviceState state) {
   using Verdict = core::EngageVerdict;
   const std::string value = figure(answer.value);
   const std::string limit = figure(answer.limit);
   switch (answer.verdict) {
     case Verdict::kAccepted:
-      return Done{};
+      return std::nullopt;
     case Verdict::kNone:
       break;
     case Verdict::kNotArmed:
@@ -57,12 +57,16 @@ Outcome<Done> engage_outcome(const core::EngageAnswer& answer, core::DeviceState
                                            " would start at " + value + " (N or N m): at most " +
                                            limit + " is allowed");
   }
-  return Refusal{Refusal::Code::kUnavailable, "NO_ANSWER", "the loop gave no verdict", {}};
+  return Refusal{Refusal::Code::kUnavailable, "NO_ANSWER", "the loop gave no verdict"};
 }
 
-Outcome<core::FaultSet> clear_outcome(core::FaultSet asked, core::FaultSet refused) {
+/// Answers a clear: the faults that it asked for, or which of them persist.
+void answer_clear(core::FaultSet asked, core::FaultSet refused, Answer& answer) {
   const core::FaultSet persisting(asked.bits() & refused.bits());
-  if (!persisting.any()) return asked;
+  if (!persisting.any()) {
+    answer.faults = asked;
+    return;
+  }
   std::string names;
   for (unsigned n = 0; n < 32; ++n) {
     const auto fault = static_cast<core::Fault>(n);
@@ -70,140 +74,95 @@ Outcome<core::FaultSet> clear_outcome(core::FaultSet asked, core::FaultSet refus
     if (!names.empty()) names += ", ";
     names += std::string(core::reason(fault)) + " (" + std::to_string(n) + ")";
   }
-  return not_yet("FAULT_PERSISTS", "the cause of " + names + " is still there");
+  answer.refusal = not_yet("FAULT_PERSISTS", "the cause of " + names + " is still there");
+}
+
+constexpr auto is_clear = [](const auto& pending) { return pending.kind == Request::Kind::kClear; };
+
+Answer answer_to(std::uint64_t id) {
+  Answer answer;
+  answer.id = id;
+  return answer;
 }
 
 }  // namespace
 
-Ticket PendingRequests::add(Request request) {
-  request.ticket = ++last_ticket_;
-  requests_.push_back(std::move(request));
-  return last_ticket_;
+void PendingRequests::add(const Request& request, std::uint64_t posted) {
+  requests_.push_back({request.id, request.kind, posted, request.session_id, {}});
 }
 
-Ticket PendingRequests::add_engage(std::uint64_t id, std::string session_id, Answer answer) {
-  Request request;
-  request.kind = Kind::kEngage;
-  request.id = id;
-  request.session_id = std::move(session_id);
-  request.answer = std::move(answer);
-  return add(std::move(request));
-}
-
-Ticket PendingRequests::add_release(std::uint64_t id, std::string session_id, Answer answer) {
-  Request request;
-  request.kind = Kind::kRelease;
-  request.id = id;
-  request.session_id = std::move(session_id);
-  request.answer = std::move(answer);
-  return add(std::move(request));
-}
-
-Ticket PendingRequests::add_stop(std::uint64_t id, Answer answer) {
-  Request request;
-  request.kind = Kind::kStop;
-  request.id = id;
-  request.answer = std::move(answer);
-  return add(std::move(request));
-}
-
-Ticket PendingRequests::add_clear(const AskedClear& asked, ClearAnswered answer) {
-  Request request;
-  request.kind = Kind::kClear;
-  request.clear = asked;
-  request.cleared = std::move(answer);
-  return add(std::move(request));
+void PendingRequests::add_clear(const Request& request, const AskedClear& asked) {
+  requests_.push_back({request.id, request.kind, 0, request.session_id, asked});
 }
 
 bool PendingRequests::clear_waits() const noexcept {
-  const auto first = std::find_if(requests_.begin(), requests_.end(),
-                                  [](const Request& r) { return r.kind == Kind::kClear; });
-  return first != requests_.end() && first->id == 0;
+  const auto first = std::find_if(requests_.begin(), requests_.end(), is_clear);
+  return first != requests_.end() && first->posted == 0;
 }
 
-AskedClear PendingRequests::begin_clear(std::uint64_t id) noexcept {
-  const auto first = std::find_if(requests_.begin(), requests_.end(),
-                                  [](const Request& r) { return r.kind == Kind::kClear; });
-  first->id = id;
+AskedClear PendingRequests::begin_clear(std::uint64_t posted) noexcept {
+  const auto first = std::find_if(requests_.begin(), requests_.end(), is_clear);
+  first->posted = posted;
   return first->clear;
 }
 
-bool PendingRequests::resolve(Request& request, const core::TickRecord& record,
-                              Closures& closures) {
-  const auto answer = [&](Outcome<Done> outcome) {
-    closures.push_back(
-        [call = std::move(request.answer), outcome = std::move(outcome)] { call(outcome); });
-    return true;
-  };
-  switch (request.kind) {
-    case Kind::kEngage:
-      if (record.life.engage.id < request.id) return false;
-      return answer(engage_outcome(record.life.engage, record.life.state));
-    case Kind::kRelease:
-      return record.life.release_id >= request.id && answer(Done{});
-    case Kind::kStop:
-      return record.life.stop_id >= request.id && answer(Done{});
-    case Kind::kClear:
-      if (request.id == 0 || record.life.clear.id < request.id) return false;
-      closures.push_back([call = std::move(request.cleared),
-                          outcome = clear_outcome(request.clear.faults,
-                                                  record.life.clear.refused)] { call(outcome); });
-      return true;
-  }
-  return false;
+bool PendingRequests::resolve(const Pending& pending, const core::TickRecord& record,
+                              Answers& answers) {
+  const bool engage = pending.kind == Request::Kind::kEngage;
+  const bool clear = pending.kind == Request::Kind::kClear;
+  const std::uint64_t answered = engage                                    ? record.life.engage.id
+                                 : clear                                   ? record.life.clear.id
+                                 : pending.kind == Request::Kind::kRelease ? record.life.release_id
+                                                                           : record.life.stop_id;
+  if (pending.posted == 0 || answered < pending.posted) return false;
+  answers.push_back(answer_to(pending.id));
+  if (engage) answers.back().refusal = engage_refusal(record.life.engage, record.life.state);
+  if (clear) answer_clear(pending.clear.faults, record.life.clear.refused, answers.back());
+  return true;
 }
 
-void PendingRequests::step(const core::TickRecord& record, Closures& closures) {
+void PendingRequests::step(const core::TickRecord& record, Answers& answers) {
   for (auto it = requests_.begin(); it != requests_.end();) {
-    bool done = resolve(*it, record, closures);
+    bool done = resolve(*it, record, answers);
     if (!done && --it->patience <= 0) {
-      const Refusal refusal{
-          Refusal::Code::kUnavailable,
-          "NO_ANSWER",
-          "the loop gave no answer within " + std::to_string(kPatience) + " ticks",
-          {}};
-      if (it->answer) {
-        closures.push_back([call = std::move(it->answer), refusal] { call(refusal); });
-      } else {
-        closures.push_back([call = std::move(it->cleared), refusal] { call(refusal); });
-      }
+      answers.push_back(answer_to(it->id));
+      answers.back().refusal = {
+          Refusal::Code::kUnavailable, "NO_ANSWER",
+          "the loop gave no answer within " + std::to_string(kPatience) + " ticks"};
       done = true;
     }
     it = done ? requests_.erase(it) : std::next(it);
   }
 }
 
-bool PendingRequests::lease_ended(const std::string& session_id, Closures& closures) {
+bool PendingRequests::lease_ended(const SessionId& session_id, Answers& answers) {
   bool engage = false;
   for (auto it = requests_.begin(); it != requests_.end();) {
-    const bool of_lease =
-        (it->kind == Kind::kEngage || it->kind == Kind::kRelease) && it->session_id == session_id;
-    if (!of_lease) {
+    const bool is_engage = it->kind == Request::Kind::kEngage;
+    const bool of_lease = is_engage || it->kind == Request::Kind::kRelease;
+    if (!of_lease || !(it->session_id == session_id)) {
       ++it;
       continue;
     }
+    answers.push_back(answer_to(it->id));
     // The end of a lease releases by itself, so a release that still waits has what it wanted.
-    const Outcome<Done> outcome =
-        it->kind == Kind::kRelease
-            ? Outcome<Done>(Done{})
-            : Outcome<Done>(Refusal{Refusal::Code::kPermission,
-                                    "NOT_CONTROLLER",
-                                    "the lease ended before the loop answered",
-                                    {}});
-    closures.push_back([call = std::move(it->answer), outcome] { call(outcome); });
-    engage = engage || it->kind == Kind::kEngage;
+    if (is_engage) {
+      answers.back().refusal = {Refusal::Code::kPermission, "NOT_CONTROLLER",
+                                "the lease ended before the loop answered"};
+    }
+    engage = engage || is_engage;
     it = requests_.erase(it);
   }
   return engage;
 }
 
-PendingRequests::Cancelled PendingRequests::cancel(Ticket ticket) {
+bool PendingRequests::cancel(std::uint64_t id) {
   const auto found = std::find_if(requests_.begin(), requests_.end(),
-                                  [&](const Request& r) { return r.ticket == ticket; });
-  if (found == requests_.end()) return Cancelled::kNothing;
-  const bool engage = found->kind == Kind::kEngage;
+                                  [&](const Pending& pending) { return pending.id == id; });
+  if (found == requests_.end()) return false;
+  const bool engage = found->kind == Request::Kind::kEngage;
   requests_.erase(found);
-  return engage ? Cancelled::kEngage : Cancelled::kRequest;
+  return engage;
 }
 
 }  // namespace haptic::server

@@ -9,10 +9,8 @@
 namespace haptic::server {
 namespace {
 
-Refusal invalid(std::string field, const std::string& rest) {
-  Refusal refusal{Refusal::Code::kInvalid, "INVALID_ARGUMENT", field + " " + rest, {}};
-  refusal.field = std::move(field);
-  return refusal;
+Refusal invalid(const std::string& field, const std::string& rest) {
+  return {Refusal::Code::kInvalid, "INVALID_ARGUMENT", field + " " + rest, field};
 }
 
 /// One array of the request against the scene's: asked for, held within [0, limit].
@@ -20,24 +18,24 @@ class Tightener {
  public:
   explicit Tightener(SettingsAnswer& answer) : answer_(answer) {}
 
-  std::optional<Refusal> apply(const char* name, const std::vector<double>& asked,
-                               const core::VecA& limit, bool zero_allowed, core::VecA& value) {
-    if (asked.empty()) return std::nullopt;
-    if (static_cast<Eigen::Index>(asked.size()) != limit.size()) {
-      return invalid(name, "has " + std::to_string(asked.size()) + " values: must have " +
+  std::optional<Refusal> apply(const char* name, const Values& asked, const core::VecA& limit,
+                               bool zero_allowed, core::VecA& value) {
+    if (asked.count == 0) return std::nullopt;
+    if (asked.count != limit.size()) {
+      return invalid(name, "has " + std::to_string(asked.count) + " values: must have " +
                                std::to_string(limit.size()) + ", one per actuated DoF");
     }
-    for (std::size_t i = 0; i < asked.size(); ++i) {
+    for (std::size_t i = 0; i < asked.count; ++i) {
       const std::string field = std::string(name) + "[" + std::to_string(i) + "]";
-      const bool in_range = zero_allowed ? asked[i] >= 0.0 : asked[i] > 0.0;
-      if (!std::isfinite(asked[i]) || !in_range) {
-        return invalid(field, "= " + figure(asked[i]) + ": must be finite and " +
+      const bool in_range = zero_allowed ? asked.value[i] >= 0.0 : asked.value[i] > 0.0;
+      if (!std::isfinite(asked.value[i]) || !in_range) {
+        return invalid(field, "= " + figure(asked.value[i]) + ": must be finite and " +
                                   (zero_allowed ? ">= 0" : "> 0"));
       }
       const auto k = static_cast<Eigen::Index>(i);
-      value[k] = std::min(asked[i], limit[k]);
-      if (value[k] < asked[i]) {
-        answer_.clamped.push_back({field, asked[i], value[k], "the scene allows at most this"});
+      value[k] = std::min(asked.value[i], limit[k]);
+      if (value[k] < asked.value[i]) {
+        answer_.clamped.push_back({field, asked.value[i], value[k]});
       }
     }
     return std::nullopt;
@@ -51,7 +49,7 @@ bool allows_renderer_change(core::DeviceState state) {
   return state == core::DeviceState::kIdle || state == core::DeviceState::kArmed;
 }
 
-/// min(scene's, wish); `refusal` where the wish is not a limit at all.
+/// min(scene's, wish); Sets `refusal` if the wish is not a limit at all.
 core::Duration tightened(const char* field, const std::optional<core::Duration>& wish,
                          core::Duration scene, std::optional<Refusal>& refusal) {
   if (!wish) return scene;

@@ -9,23 +9,18 @@
 #include "haptic/core/safety/device_state.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "haptic/core/tick/tick_input.hpp"
-#include "server/session/lease.hpp"
-#include "server/session/refusal.hpp"
+#include "server/crossing/outcome.hpp"
 
 namespace haptic::server {
 
-/// What a session may ask to change; absent and empty leave the setting as it is.
-struct SettingsRequest {
-  std::vector<double> stiffness{}, damping{}, force_limit{}, slew_limit{};  ///< n_a each
-  std::optional<core::RendererKind> renderer{};
-  std::optional<bool> direction_guard{};
-};
+/// What SettingsClamp is because of.
+inline constexpr char kClampedByScene[] = "the scene allows at most this";
 
+/// A setting that was held at the scene's.
 struct SettingsClamp {
   std::string field{};  ///< "stiffness[0]"
   double asked{0.0};
   double applied{0.0};
-  std::string why{};
 };
 
 struct SettingsAnswer {
@@ -35,16 +30,16 @@ struct SettingsAnswer {
 
 /// `current` with `request` applied, held within the scene's. Values above the scene's are clamped
 /// and reported; refused are: sizes other than n_a, values that are not finite, negative values
-/// (slew: not above 0), a change of renderer outside IDLE and ARMED, or to a baseline where the
-/// scene couples Z_q, switching off the scene's guard. The id of the answer's settings is the
-/// caller's to set.
+/// (slew: not above 0), a change of renderer outside IDLE and ARMED, or to a baseline if the scene
+/// couples Z_q, switching off the scene's guard. The id of the answer's settings is the caller's to
+/// set.
 [[nodiscard]] Outcome<SettingsAnswer> apply_settings(const SettingsRequest& request,
                                                      const core::RenderSettings& current,
                                                      const core::PipelineConfig& config,
                                                      core::DeviceState state);
 
 /// The staleness limits of a new lease (proto/README.md#staleness-and-gain). Each of the scene's
-/// (fresh_end: 2.5 nominal periods, at most `fresh_bound` and hold_end), or the request's where
+/// (fresh_end: 2.5 nominal periods, at most `fresh_bound` and hold_end), or the request's if
 /// that is tighter; a wider wish is held at the scene's. Refused: a nominal rate outside 1..2000
 /// Hz, a limit <= 0, and wishes that do not hold together with the rest.
 [[nodiscard]] Outcome<core::StalenessLimits> lease_staleness(

@@ -47,11 +47,11 @@ class Telemetry {
   void add(std::size_t unit, RecordListener* listener, ListenerRank rank = ListenerRank::kService);
   void remove(std::size_t unit, RecordListener* listener);
 
-  /// Allows the drain to be awake when a tick ends, instead of being woken by it: a wake-up less
-  /// on the way to the streams, for some microseconds of watching per tick. Only where the loop
-  /// runs on meanwhile: with real-time priority, and a second core. Before start().
+  /// Lets the drain busy-wait for the end of the tick, which saves a wake-up on the way to the
+  /// streams and costs some microseconds per tick. Only if the loop runs on meanwhile: with
+  /// real-time priority and a second core. Before start().
   void allow_watching(bool allowed) noexcept { may_watch_ = allowed; }
-  /// Whoever feels that wake-up asks for it (+1), and gives it back (-1). Any thread.
+  /// Number of latency-sensitive clients: +1 when one begins, -1 when it ends. Any thread.
   void watch(int change) noexcept { watchers_.fetch_add(change, std::memory_order_relaxed); }
 
   /// The newest record of a unit; a default one before the first tick. Any thread.

@@ -75,18 +75,18 @@ class UdpPort::Impl {
     };
     const std::lock_guard lock(mutex_);
     opened.keys = setup.keys = unused_keys();
-    opened.path = std::make_shared<UdpPath>(std::move(setup), std::move(sink));
+    opened.path = std::make_shared<ServerPath>(std::move(setup), std::move(sink));
     paths_[opened.keys.path_id] = opened.path;
     return opened;
   }
 
-  void close(const std::shared_ptr<UdpPath>& path) {
+  void close(const std::shared_ptr<ServerPath>& path) {
     path->close();
     const std::lock_guard lock(mutex_);
     std::erase_if(paths_, [&](const auto& entry) { return entry.second == path; });
   }
 
-  void rekey(const std::shared_ptr<UdpPath>& path) {
+  void rekey(const std::shared_ptr<ServerPath>& path) {
     wire::PathKeys keys;
     {
       const std::lock_guard lock(mutex_);
@@ -117,7 +117,7 @@ class UdpPort::Impl {
   }
 
  private:
-  using Paths = std::unordered_map<std::uint32_t, std::shared_ptr<UdpPath>>;
+  using Paths = std::unordered_map<std::uint32_t, std::shared_ptr<ServerPath>>;
 
   [[nodiscard]] wire::PathKeys unused_keys() const {
     wire::PathKeys keys = wire::fresh_keys();
@@ -147,7 +147,7 @@ class UdpPort::Impl {
     const auto datagram = wire::ConstBytes(buffer_).first(arrived.size);
     const wire::HeaderReading reading = wire::read_header(datagram);
     if (reading.rejection != wire::Rejection::kNone) return reject(reading.rejection);
-    std::shared_ptr<UdpPath> path;
+    std::shared_ptr<ServerPath> path;
     {
       const std::lock_guard lock(mutex_);
       const auto entry = paths_.find(reading.header.path_id);
@@ -166,7 +166,7 @@ class UdpPort::Impl {
 
   void step() {
     const core::TimePoint now = clock_({});
-    std::vector<std::shared_ptr<UdpPath>> due;
+    std::vector<std::shared_ptr<ServerPath>> due;
     {
       const std::lock_guard lock(mutex_);
       for (const auto& [id, path] : paths_) {
@@ -223,10 +223,10 @@ void UdpPort::stop() {
 UdpPort::Opened UdpPort::open(std::weak_ptr<UdpSink> sink, core::Duration nominal_period) {
   return impl_->open(std::move(sink), nominal_period);
 }
-void UdpPort::close(const std::shared_ptr<UdpPath>& path) {
+void UdpPort::close(const std::shared_ptr<ServerPath>& path) {
   impl_->close(path);
 }
-void UdpPort::rekey(const std::shared_ptr<UdpPath>& path) {
+void UdpPort::rekey(const std::shared_ptr<ServerPath>& path) {
   impl_->rekey(path);
 }
 std::size_t UdpPort::path_ids() const {

@@ -4,7 +4,8 @@
 /// through the same ingress as those of the stream, in the order of arrival. The ingress's mailbox
 /// keeps the newest.
 ///
-/// What fails is dropped without a word and counted: by its path once one is known, else here.
+/// A datagram that fails is dropped without an answer and counted: by its path if that is known,
+/// else here.
 
 #include <cstdint>
 #include <memory>
@@ -12,7 +13,7 @@
 #include <vector>
 
 #include "server/base/steady_now.hpp"
-#include "server/udp/udp_path.hpp"
+#include "server/udp/server_path.hpp"
 
 namespace haptic::server {
 
@@ -32,23 +33,23 @@ class UdpPort {
   void stop();
 
   /// A path for a session, with fresh keys; `nominal_period` is that of its samples, or of its
-  /// states where it sends none. Any thread.
+  /// states if it sends none. Any thread.
   struct Opened {
-    std::shared_ptr<UdpPath> path{};
+    std::shared_ptr<ServerPath> path{};
     wire::PathKeys keys{};
   };
   [[nodiscard]] Opened open(std::weak_ptr<UdpSink> sink, core::Duration nominal_period);
   /// Tells the client, and forgets the path. Any thread but the port's own inside a sink.
-  void close(const std::shared_ptr<UdpPath>& path);
+  void close(const std::shared_ptr<ServerPath>& path);
   /// Fresh keys for a path now; by itself that happens when the old ones wear out. Any thread.
-  void rekey(const std::shared_ptr<UdpPath>& path);
+  void rekey(const std::shared_ptr<ServerPath>& path);
 
-  /// Those that lead to a path: of each its keys', once keys changed the former, which is forgotten
-  /// at the next change, and while they change the next.
+  /// Path ids in use: of each path the current one, the previous one until the next rekey, and the
+  /// next one during a rekey.
   [[nodiscard]] std::size_t path_ids() const;
-  /// Of the address bound; host empty where that is any address of this host, or where streams are
-  /// served at the same: a client knows that one by the name it came by, which a relay or a
-  /// translator between may have changed.
+  /// The bound address's. Empty if that is any address of this host, or one at which streams are
+  /// served too: a client uses the name that it opened its stream to, because a relay or a
+  /// translator in between may have changed the address.
   [[nodiscard]] std::string host() const;
   [[nodiscard]] std::uint16_t port() const;
   /// Datagrams that no path answers for: length, magic, version, type, unknown path.

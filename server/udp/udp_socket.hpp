@@ -14,9 +14,9 @@ namespace haptic::server {
 
 struct Arrived {
   bool any{false};      ///< false: nothing is waiting
-  std::size_t size{0};  ///< above the buffer's size where the datagram was cut
+  std::size_t size{0};  ///< above the buffer's size if the datagram was cut
   wire::PeerAddress from{};
-  core::Duration waited{0};  ///< since the kernel had it: what waited in the socket is not young
+  core::Duration waited{0};  ///< in the socket: since the kernel got it
 };
 
 class UdpSocket {

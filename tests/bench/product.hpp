@@ -14,10 +14,10 @@
 
 #include "hw/device.hpp"
 #include "hw/open_device.hpp"
+#include "server/owner/owner.hpp"
 #include "server/rpc/rpc_server.hpp"
 #include "server/rt/loop.hpp"
 #include "server/scene/scene.hpp"
-#include "server/session/device_sessions.hpp"
 #include "tests/bench/percentile.hpp"
 
 namespace haptic::bench {
@@ -62,8 +62,8 @@ class Product {
       : scene_(server::load_scene(HAPTIC_SOURCE_DIR "/server/scenes/finger_constant.textproto")),
         unit_(make_unit(scene_, std::move(device))),
         telemetry_({unit_.get()}),
-        sessions_(*unit_, telemetry_, 0, {}),
-        rpc_(config(std::move(listen), std::move(udp_listen)), {&sessions_}, telemetry_,
+        owner_(telemetry_),
+        rpc_(config(std::move(listen), std::move(udp_listen)), with(owner_, *unit_),
              [] { return server::ServerFacts{}; }),
         loop_(server::RealtimeRequest{}, std::chrono::milliseconds(1)) {
     telemetry_.allow_watching(loop_.grant().facts.sched_fifo &&
@@ -74,7 +74,7 @@ class Product {
     loop_.begin({unit_.get()}, telemetry_.bell());
   }
   ~Product() {
-    sessions_.begin_closing();
+    owner_.begin_closing();
     loop_.finish(std::chrono::seconds(1));
     rpc_.shutdown(std::chrono::seconds(1));
     telemetry_.stop();
@@ -87,6 +87,10 @@ class Product {
   Arrivals arrivals;
 
  private:
+  static server::Owner& with(server::Owner& owner, server::DeviceUnit& unit) {
+    owner.add(unit, {});
+    return owner;
+  }
   static server::RpcConfig config(std::vector<std::string> listen, std::string udp_listen) {
     server::RpcConfig config;
     config.listen = std::move(listen);
@@ -105,7 +109,7 @@ class Product {
   server::Scene scene_;
   std::unique_ptr<server::DeviceUnit> unit_;
   server::Telemetry telemetry_;
-  server::DeviceSessions sessions_;
+  server::Owner owner_;
   server::RpcServer rpc_;
   server::Loop loop_;
 };

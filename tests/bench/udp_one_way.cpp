@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "server/front/messages.hpp"
 #include "server/ingress/ingress.hpp"
-#include "server/rpc/convert.hpp"
 #include "server/udp/udp_port.hpp"
 #include "tests/bench/network.hpp"
 #include "tests/bench/network_sample.hpp"
@@ -33,9 +33,13 @@ class ToMailbox final : public server::UdpSink {
   ToMailbox() : ingress_(mailbox_, 2) { ingress_.begin_lease(1, 250.0, milliseconds(100)); }
 
   void on_udp_sample(const v1::ProxySample& sample, core::TimePoint arrival) override {
-    const auto verdict =
-        ingress_.accept(server::from_proto(sample, 1, server::Carrier::kUdp), arrival);
-    if (verdict != server::IngressVerdict::kAccepted) return;  // a clump: not what is timed here
+    server::ProxySample flat;
+    server::from_proto(sample, flat);
+    flat.epoch = 1;
+    flat.carrier = server::Carrier::kUdp;
+    flat.arrival = arrival;
+    const server::Verdict verdict = ingress_.accept(flat);
+    if (verdict.verdict != server::IngressVerdict::kAccepted) return;  // a clump: not timed here
     const std::lock_guard lock(mutex);
     one_way_us.push_back(static_cast<double>(now_ns() - sample.source_time_ns()) * 1e-3);
   }

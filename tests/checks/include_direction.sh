@@ -64,7 +64,7 @@ forbid client/hapticctl client/examples -- "$grpc" \
   "programs on the client library do without gRPC and protobuf"
 forbid server -- "haptic/client/|tests/" "server knows no client"
 owner=
-for room in base crossing ingress owner rt scene session telemetry; do
+for room in base crossing ingress owner rt scene session state telemetry; do
   owner="$owner server/$room"
 done
 forbid $owner -- "grpc|asio|httplib|openssl/|server/(front|metrics|net|rpc|udp)/" \
@@ -73,8 +73,10 @@ report "the owner of the devices knows no network" <<LINES
 $(for room in $owner; do includes "$room"; done | grep ' "haptic/wire/' |
   grep -vE '/(utf8|ports)\.hpp$')
 LINES
-report "proto types stop at server/{rpc,udp,front,owner,scene}" <<LINES
-$(includes server | grep -vE '^server/(rpc|udp|front|owner|scene)/' | grep -E " [<\"]($grpc)")
+forbid server/front server/metrics server/net server/rpc server/udp -- \
+  "server/(ingress|owner|rt|scene|session|telemetry)/" "the front knows the owner by the crossing"
+report "proto types stop at server/{front,owner,rpc,scene,state,udp}" <<LINES
+$(includes server | grep -vE '^server/(front|owner|rpc|scene|state|udp)/' | grep -E " [<\"]($grpc)")
 LINES
 
 # "No clock read" is not an include, but belongs to the same contract.

@@ -74,6 +74,7 @@ breach server/rt/a.cpp '#include <grpcpp/server.h>'
 breach server/rt/a.cpp '#include <google/protobuf/text_format.h>'
 breach server/rt/a.cpp '#include "server/udp/udp_port.hpp"'
 breach server/rt/a.cpp '#include "haptic/wire/aead.hpp"'
+breach server/rpc/a.cpp '#include "server/session/lease.hpp"'
 breach server/rpc/a.cpp '#include "haptic/client/client.hpp"'
 
 fresh_folder "$scratch"

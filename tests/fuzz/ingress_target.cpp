@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "server/ingress/ingress.hpp"
 #include "tests/fuzz/targets.hpp"
@@ -8,32 +9,30 @@ namespace haptic::test {
 namespace {
 
 using server::Ingress;
-using server::IngressVerdict;
 
 constexpr int kCoordinates = 3;
 constexpr int kMostPlanes = 9;  // more than are allowed
 constexpr int kMostValues = 5;  // more than there are coordinates
 
-/// A sample of anything, and the memory that it points to.
+/// A sample of anything.
 struct AnySample {
   explicit AnySample(FuzzReader& reader) {
-    candidate.epoch = reader.byte() % 4;
-    candidate.seq = reader.number(reader.byte() % 2 == 0 ? 1 : 8);
-    candidate.mode = static_cast<core::ProxyMode>(reader.byte() % 4);
-    candidate.valid_for = core::Duration(static_cast<std::int64_t>(reader.number(8)));
-    candidate.position_size = reader.byte() % (kMostValues + 1);
-    for (double& value : position) value = reader.real();
-    candidate.position = position;
-    candidate.plane_count = reader.byte() % (kMostPlanes + 1);
-    for (int p = 0; p < std::min(candidate.plane_count, core::kMaxPlanes); ++p) {
-      for (double& value : normals[p]) value = reader.real();
-      candidate.planes[static_cast<std::size_t>(p)] = {
-          normals[p], reader.byte() % 8 == 0 ? 2 : kCoordinates, reader.real()};
+    sample.epoch = reader.byte() % 4;
+    sample.seq = reader.number(reader.byte() % 2 == 0 ? 1 : 8);
+    sample.mode = static_cast<core::ProxyMode>(reader.byte() % 4);
+    sample.valid_for = core::Duration(static_cast<std::int64_t>(reader.number(8)));
+    sample.position.count = reader.byte() % (kMostValues + 1);
+    for (int i = 0; i < kMostValues; ++i) sample.position.value[i] = reader.real();
+    sample.plane_count = reader.byte() % (kMostPlanes + 1);
+    for (std::uint32_t p = 0; p < std::min<std::uint32_t>(sample.plane_count, core::kMaxPlanes);
+         ++p) {
+      server::PlaneSample& plane = sample.planes[p];
+      for (int i = 0; i < kCoordinates; ++i) plane.normal.value[i] = reader.real();
+      plane.normal.count = reader.byte() % 8 == 0 ? 2 : kCoordinates;
+      plane.offset = reader.real();
     }
   }
-  double position[kMostValues]{};
-  double normals[core::kMaxPlanes][kCoordinates]{};
-  server::ProxyCandidate candidate{};
+  server::ProxySample sample{};
 };
 
 class Door {
@@ -46,7 +45,6 @@ class Door {
       if (what < 16) {
         ingress_.begin_lease(reader.byte() % 4, 1.0 + reader.byte() * 7.8,
                              std::chrono::milliseconds(100));
-        calls_ = 0;
         newest_ = 0;
       } else if (what < 24) {
         ingress_.end_lease();
@@ -58,20 +56,18 @@ class Door {
   }
 
  private:
-  void take(const AnySample& sample) {
-    std::string why;
-    const IngressVerdict verdict = ingress_.accept(sample.candidate, now_, &why);
-    const bool used = verdict == IngressVerdict::kAccepted || verdict == IngressVerdict::kBacklog;
+  void take(AnySample any) {
+    any.sample.arrival = now_;
+    const server::Verdict verdict = ingress_.accept(any.sample);
+    const bool used = verdict.used();
     ++calls_;
     const server::IngressCounters c = ingress_.counters();
-    if (c.accepted + c.backlog + c.old_sequence + c.old_epoch + c.wrong_size + c.not_finite +
-            c.out_of_bounds + c.unknown_mode + c.bad_plane !=
-        calls_) {
+    if (std::accumulate(c.count.begin(), c.count.end(), std::uint64_t{0}) != calls_) {
       finding_ = "a call that no counter counts";
     }
-    if (used != why.empty()) finding_ = "a refusal without a word, or a word without one";
+    if (used != verdict.why.empty()) finding_ = "a refusal without a word, or a word without one";
     // At the beginning of a lease the mailbox has an empty snapshot; that one is not looked at.
-    if (mailbox_.take() && used) look(mailbox_.value(), sample.candidate.seq);
+    if (mailbox_.take() && used) look(mailbox_.value(), any.sample.seq);
   }
 
   void look(const core::ProxySnapshot& proxy, std::uint64_t seq) {

@@ -34,7 +34,9 @@ class Server {
       : scene_(server::load_scene(HAPTIC_SOURCE_DIR "/server/scenes/finger_soft_grasp.textproto")),
         unit_(make_unit(scene_.devices.front())),
         telemetry_({unit_.get()}),
-        sessions_(*unit_, telemetry_, 0, {}) {
+        owner_(telemetry_) {
+    owner_.add(*unit_, {});
+    front_ = HandFront::of(owner_);
     for (int i = 0; i < 3; ++i) tick();
   }
 
@@ -45,9 +47,8 @@ class Server {
     config.udp_listen = "127.0.0.1:0";
     config.clock = [this](core::Duration) { return now(); };
     config.age_by_source_time = false;
-    rpc_ = std::make_unique<server::RpcServer>(config,
-                                               std::vector<server::DeviceSessions*>{&sessions_},
-                                               telemetry_, [] { return server::ServerFacts{}; });
+    rpc_ =
+        std::make_unique<server::RpcServer>(config, owner_, [] { return server::ServerFacts{}; });
     rpc_->start();
   }
   [[nodiscard]] std::string address() const { return rpc_->bound_addresses().front(); }
@@ -56,7 +57,7 @@ class Server {
     now_ += kTick.count();
     unit_->tick(now(), kTick, {});
     telemetry_.drain();
-    return sessions_.newest();
+    return telemetry_.newest(0);
   }
   /// A request to the loop was posted; it stays posted.
   void wait_for_request() {
@@ -65,11 +66,12 @@ class Server {
     unit_->commands.publish(core::CommandSnapshot(unit_->commands.value()));
   }
   [[nodiscard]] std::uint64_t accepted() {
-    const auto counters = sessions_.ingress().counters();
-    return counters.accepted + counters.backlog;
+    const auto counters = owner_.status(0).samples;
+    return counters[server::IngressVerdict::kAccepted] + counters[server::IngressVerdict::kBacklog];
   }
   [[nodiscard]] core::TimePoint now() const { return core::TimePoint(core::Duration(now_)); }
-  [[nodiscard]] server::DeviceSessions& sessions() { return sessions_; }
+  [[nodiscard]] server::Owner& owner() { return owner_; }
+  [[nodiscard]] HandFront& front() { return *front_; }
 
  private:
   static std::unique_ptr<server::DeviceUnit> make_unit(const server::DeviceScene& scene) {
@@ -82,7 +84,8 @@ class Server {
   server::Scene scene_;
   std::unique_ptr<server::DeviceUnit> unit_;
   server::Telemetry telemetry_;
-  server::DeviceSessions sessions_;
+  server::Owner owner_;
+  std::shared_ptr<HandFront> front_{};
   std::unique_ptr<server::RpcServer> rpc_{};
 };
 
@@ -105,25 +108,24 @@ class InProcess final : public Way {
     request.session_id = "s1";
     request.client_name = "in process";
     request.nominal_rate_hz = 1000.0 / kSampleEvery;
-    server.sessions().open_controller(request, server.now(),
-                                      [this](const server::Outcome<server::Lease>& outcome) {
-                                        if (outcome) epoch_ = outcome.value->epoch;
-                                      });
+    server.front().open_controller(request, server.now(),
+                                   [this](const Outcome<server::Lease>& outcome) {
+                                     if (outcome) epoch_ = outcome.value->epoch;
+                                   });
     EXPECT_GT(epoch_, 0U);
   }
   void publish(Server& server, const std::vector<double>& x) override {
-    server::ProxyCandidate candidate;
-    candidate.epoch = epoch_;
-    candidate.seq = ++seq_;
-    candidate.mode = core::ProxyMode::kHeld;
-    candidate.position = x.data();
-    candidate.position_size = static_cast<int>(x.size());
-    static_cast<void>(server.sessions().ingress().accept(candidate, server.now()));
+    server::ProxySample sample;
+    sample.epoch = epoch_;
+    sample.seq = ++seq_;
+    sample.mode = core::ProxyMode::kHeld;
+    sample.position = {x.data(), x.size()};
+    sample.arrival = server.now();
+    static_cast<void>(server.owner().accept(sample));
   }
   void ask_for_force(Server& server) override {
-    server.sessions().engage("s1", [this](const server::Outcome<server::Done>& outcome) {
-      granted_ = static_cast<bool>(outcome);
-    });
+    server.front().engage(
+        "s1", [this](const Outcome<Done>& outcome) { granted_ = static_cast<bool>(outcome); });
   }
   void expect_force() override { EXPECT_TRUE(granted_); }
 
@@ -304,7 +306,7 @@ TEST(LockStep, UdpIsTheSame) {
   server.serve("127.0.0.1:0");
   ByWire way(server, true);
   expect_same(run(server, way), way);
-  EXPECT_EQ(server.sessions().ingress().carrier(), server::Carrier::kUdp);
+  EXPECT_EQ(server.owner().status(0).carrier, server::Carrier::kUdp);
 }
 
 }  // namespace

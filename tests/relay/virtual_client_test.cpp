@@ -31,7 +31,7 @@ void watch(VirtualWorld& world, LinkTime until) {
 }
 
 /// A number that no proxy may have: refused at the door, the last good sample ages and fades.
-void is_refused(double bad, std::uint64_t server::IngressCounters::*counter) {
+void is_refused(double bad, server::IngressVerdict verdict) {
   VirtualWorld world(shipped_scenario("delay_10ms"));
   watch(world, kTroubleAt);
   ASSERT_GT(world.force(), 0.5);
@@ -39,7 +39,7 @@ void is_refused(double bad, std::uint64_t server::IngressCounters::*counter) {
   world.proxy = [bad](LinkTime) { return bad; };
   watch(world, kTroubleAt + 500ms);
   EXPECT_EQ(world.rig.newest().effort.tau_elastic[0], 0.0);
-  EXPECT_GE(world.rig.sessions->ingress().counters().*counter,
+  EXPECT_GE(world.rig.sessions->status().samples[verdict],
             48U);  // 500 ms at 100 Hz, 10 ms late
   world.proxy = good;
   watch(world, kTroubleAt + 2s);
@@ -48,13 +48,13 @@ void is_refused(double bad, std::uint64_t server::IngressCounters::*counter) {
 
 TEST(VirtualClient, NotANumberIsRefusedAndFadesOut) {
   MatrixRow row("virtual/nan", "refused and counted; force by the ladder; back by a ramp");
-  is_refused(std::numeric_limits<double>::quiet_NaN(), &server::IngressCounters::not_finite);
+  is_refused(std::numeric_limits<double>::quiet_NaN(), server::IngressVerdict::kNotFinite);
   row.got("as expected");
 }
 
 TEST(VirtualClient, AHugeValueIsRefusedAndFadesOut) {
   MatrixRow row("virtual/huge_values", "refused and counted; force by the ladder; back by a ramp");
-  is_refused(1e300, &server::IngressCounters::out_of_bounds);
+  is_refused(1e300, server::IngressVerdict::kOutOfBounds);
   row.got("as expected");
 }
 
@@ -88,7 +88,7 @@ TEST(VirtualClient, SigtermUnderForceFadesOutWhateverTheClientSends) {
   MatrixRow row("virtual/sigterm_under_load", "RELEASING, then CLOSING with command zero");
   VirtualWorld world(shipped_scenario("delay_10ms"));
   watch(world, kTroubleAt);
-  world.rig.sessions->begin_closing();
+  world.rig.owner->begin_closing();
   watch(world, kTroubleAt + 40ms);
   EXPECT_EQ(world.rig.state(), core::DeviceState::kReleasing);
   watch(world, kTroubleAt + 200ms);

@@ -117,7 +117,7 @@ TEST(VirtualMatrixRow, BlockedUdpCostsNoMoreThanAHold) {
       EXPECT_LE(oldest_proxy(world, 1s, 12s), world.lease.staleness.hold_end);
       EXPECT_EQ(world.fallbacks, 1);
       EXPECT_EQ(world.rig.state(), core::DeviceState::kEngaged);
-      EXPECT_EQ(world.rig.sessions->ingress().carrier(), server::Carrier::kUdp);
+      EXPECT_EQ(world.rig.sessions->status().carrier, server::Carrier::kUdp);
     }
   }
 }
@@ -172,7 +172,7 @@ TEST(VirtualMatrixRow, LossUpTo10PercentStaysOnUdpAndFullyEngaged) {
     // Five in a row are one in 100 000 at 10 %.
     EXPECT_LE(oldest_proxy(world, 2s, 10s), 5 * kSamplePeriod + 1ms) << name;
     EXPECT_EQ(world.rig.state(), core::DeviceState::kEngaged) << name;
-    EXPECT_EQ(world.rig.sessions->ingress().carrier(), server::Carrier::kUdp) << name;
+    EXPECT_EQ(world.rig.sessions->status().carrier, server::Carrier::kUdp) << name;
   }
 }
 
@@ -180,7 +180,7 @@ TEST(VirtualMatrixRow, ADuplicateIsRejectedByTheWindowNotByTheDoor) {
   VirtualWorld world(shipped_scenario("duplicate_100"));
   static_cast<void>(oldest_proxy(world, 0s, 5s));
   EXPECT_GT(world.server.counters().duplicate(), 300U);
-  EXPECT_EQ(world.rig.sessions->ingress().counters().old_sequence, 0U);
+  EXPECT_EQ(world.rig.sessions->status().samples[server::IngressVerdict::kOldSequence], 0U);
 }
 
 /// 150 ms of samples arrive at once while force fades: the newest of them is a few ms old, and
@@ -189,7 +189,9 @@ TEST(VirtualMatrixRow, ABackLogIsNotRenderedAsFresh) {
   Scenario scenario = shipped_scenario("delay_10ms");
   scenario.up.stalls = {{2000ms, 2150ms}};
   VirtualWorld world(scenario);
-  const auto backlog = [&] { return world.rig.sessions->ingress().counters().backlog; };
+  const auto backlog = [&] {
+    return world.rig.sessions->status().samples[server::IngressVerdict::kBacklog];
+  };
   world.run(2000ms);
   ASSERT_EQ(world.rig.newest().life.gain, 1.0);
   const core::TimePoint before_stall = world.last_accepted;

@@ -7,9 +7,9 @@
 #include <memory>
 
 #include "server/front/pace.hpp"
-#include "server/rpc/broadcaster.hpp"
 #include "tests/relay/matrix_table.hpp"
 #include "tests/relay/virtual_world.hpp"
+#include "tests/server/support/broadcast.hpp"
 
 namespace haptic::test {
 namespace {
@@ -17,9 +17,9 @@ namespace {
 /// A stream that wants every state.
 class Observer final : public server::Subscriber {
  public:
-  bool offer(const core::TickRecord& record, server::StateFrame&, bool allowed) override {
-    if (!allowed || !pace.due(record.beat.tick)) return false;
-    pace.sent(record.beat.tick);
+  bool offer(const server::StateRecord& state, server::StateFrame&, bool allowed) override {
+    if (!allowed || !pace.due(state.tick)) return false;
+    pace.sent(state.tick);
     ++sent;
     return true;
   }
@@ -32,10 +32,10 @@ TEST(VirtualClient, SixteenObserversAt1KhzAreNotFelt) {
                 "force identical to the bit to that without observers; the controller gets every "
                 "state, the observers what is left, in equal parts, and what they miss is counted");
   VirtualWorld alone(shipped_scenario("jitter_5ms")), watched(shipped_scenario("jitter_5ms"));
-  server::Broadcaster broadcaster(*watched.rig.telemetry, 0, server::WatchBudget(8000.0),
-                                  *watched.rig.sessions);
+  const auto broadcast = Broadcast::of(*watched.rig.owner, 8000.0);
+  server::Broadcaster& broadcaster = broadcast->broadcaster;
   const auto controller = std::make_shared<Observer>();
-  broadcaster.add(controller, watched.lease.grant);
+  broadcaster.add(controller, watched.lease.tenure);
   std::array<std::shared_ptr<Observer>, 16> observers;
   for (auto& observer : observers) {
     observer = std::make_shared<Observer>();

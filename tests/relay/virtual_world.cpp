@@ -174,21 +174,20 @@ void VirtualWorld::accept(wire::ConstBytes bytes, server::Carrier carrier) {
        wire::get_u64(bytes.subspan(24)),
        core::Duration(static_cast<std::int64_t>(wire::get_u64(bytes.subspan(32)))), rig.now},
       server.clock_offset().at(to_wire(rig.now)));
-  const double position[2] = {std::bit_cast<double>(wire::get_u64(bytes.subspan(8))), 0.0};
-  server::ProxyCandidate candidate;
-  candidate.epoch = lease.epoch;
-  candidate.seq = wire::get_u64(bytes);
-  candidate.mode = core::ProxyMode::kHeld;
-  candidate.position = position;
-  candidate.position_size = 2;
-  candidate.carrier = carrier;
-  candidate.left = left;
-  const auto verdict = rig.sessions->ingress().accept(candidate, rig.now);
-  if (verdict == server::IngressVerdict::kAccepted || verdict == server::IngressVerdict::kBacklog) {
+  server::ProxySample sample;
+  sample.epoch = lease.epoch;
+  sample.seq = wire::get_u64(bytes);
+  sample.mode = core::ProxyMode::kHeld;
+  sample.position = {std::bit_cast<double>(wire::get_u64(bytes.subspan(8))), 0.0};
+  sample.carrier = carrier;
+  sample.left = left;
+  sample.arrival = rig.now;
+  const server::Verdict verdict = rig.owner->accept(sample);
+  if (verdict.used()) {
     last_accepted = rig.now;
     ++accepted;
-    ways[candidate.seq].accepted = rig.now;
-    ways[candidate.seq].backlog = verdict == server::IngressVerdict::kBacklog;
+    ways[sample.seq].accepted = rig.now;
+    ways[sample.seq].backlog = verdict.verdict == server::IngressVerdict::kBacklog;
   }
 }
 

@@ -46,11 +46,11 @@ const char* name(PathChange change) noexcept {
 }
 
 PathMachine::PathMachine(const PathRules& rules, std::function<std::uint64_t()> token)
-    : rules_(rules), token_(std::move(token)), backoff_(rules.first_backoff) {}
+    : rules_(rules), token_(std::move(token)), backoff_(kFirstBackoff) {}
 
 void PathMachine::start(const PeerAddress& to, TimePoint now) {
   stop();
-  backoff_ = rules_.first_backoff;
+  backoff_ = kFirstBackoff;
   address_ = to;
   state_ = PathState::kProbing;
   begin_round(to, now);
@@ -67,7 +67,7 @@ void PathMachine::stop() noexcept {
 void PathMachine::heard(const PeerAddress& from, TimePoint now) {
   if (state_ == PathState::kOff) {
     if (now < restart_pause_) return;  // who leaves and comes back at once, again and again
-    restart_pause_ = now + rules_.first_backoff;
+    restart_pause_ = now + kFirstBackoff;
     return start(from, now);
   }
   if (from == address_ || now < candidate_pause_) return;
@@ -79,7 +79,7 @@ void PathMachine::heard(const PeerAddress& from, TimePoint now) {
   // One candidate at a time, and a pause after it: genuine datagrams from many addresses must not
   // make us send to many.
   if (state_ == PathState::kInUse && round_) return;
-  candidate_pause_ = now + rules_.first_backoff;
+  candidate_pause_ = now + kFirstBackoff;
   address_ = state_ == PathState::kProbing ? from : address_;
   begin_round(from, now);
 }
@@ -116,7 +116,7 @@ PathChange PathMachine::responded(const PeerAddress& from, const PathResponse& r
   sent->answered = true;
   round_trip_.add(now - sent->at);
   if (sent->of_round) {
-    return round_ && ++round_->answered >= rules_.needed ? pass_round(now) : PathChange::kNone;
+    return round_ && ++round_->answered >= kNeeded ? pass_round(now) : PathChange::kNone;
   }
   if (state_ != PathState::kInUse) return PathChange::kNone;
   loss_.add(response.packets, response.newest, now);
@@ -153,13 +153,13 @@ PathChange PathMachine::closed() noexcept {
 }
 
 void PathMachine::fall_back(TimePoint now) {
-  if (in_use() && now - up_since_ >= rules_.proven_after) backoff_ = rules_.first_backoff;
+  if (in_use() && now - up_since_ >= kProvenAfter) backoff_ = kFirstBackoff;
   state_ = PathState::kWaiting;
   round_.reset();
   unanswered_since_.reset();
   forget_round_challenges();
   retry_at_ = now + backoff_;
-  backoff_ = std::min(2 * backoff_, rules_.longest_backoff);
+  backoff_ = std::min(2 * backoff_, kLongestBackoff);
 }
 
 PathChange PathMachine::step(TimePoint now) {
@@ -177,7 +177,7 @@ PathChange PathMachine::judge(TimePoint now) {
     state_ = PathState::kProbing;
     begin_round(address_, now);
   }
-  if (round_ && round_->sent == rules_.challenges && now >= round_->ends) {
+  if (round_ && round_->sent == kChallenges && now >= round_->ends) {
     if (!in_use()) {
       fall_back(now);
       return PathChange::kRefused;
@@ -191,7 +191,7 @@ PathChange PathMachine::judge(TimePoint now) {
     return PathChange::kSilent;
   }
   const auto lost = loss_.share();
-  if (lost && *lost > rules_.lossy) {
+  if (lost && *lost > kLossy) {
     fall_back(now);
     return PathChange::kLossy;
   }
@@ -199,10 +199,10 @@ PathChange PathMachine::judge(TimePoint now) {
 }
 
 std::optional<DueChallenge> PathMachine::due(TimePoint now) {
-  if (round_ && round_->sent < rules_.challenges && now >= round_->next) {
+  if (round_ && round_->sent < kChallenges && now >= round_->next) {
     ++round_->sent;
-    round_->next = now + rules_.spacing;
-    round_->ends = now + rules_.patience;
+    round_->next = now + kSpacing;
+    round_->ends = now + kPatience;
     return challenge(round_->to, kPaddedChallenge, true, now);
   }
   if (in_use() && now >= next_challenge_) {
@@ -223,7 +223,7 @@ DueChallenge PathMachine::challenge(const PeerAddress& to, std::size_t size, boo
 }
 
 Duration PathMachine::silence_limit() const noexcept {
-  return std::max({rules_.least_silence, 4 * rules_.nominal_period, 3 * round_trip_.smoothed()});
+  return std::max({kLeastSilence, 4 * rules_.nominal_period, 3 * round_trip_.smoothed()});
 }
 
 Duration PathMachine::doubt_limit() const noexcept {
@@ -233,7 +233,7 @@ Duration PathMachine::doubt_limit() const noexcept {
 TimePoint PathMachine::next_step() const noexcept {
   if (state_ == PathState::kWaiting) return retry_at_;
   TimePoint next = TimePoint::max();
-  if (round_) next = round_->sent < rules_.challenges ? round_->next : round_->ends;
+  if (round_) next = round_->sent < kChallenges ? round_->next : round_->ends;
   if (in_use()) {
     next = std::min(next, next_challenge_);
     if (unanswered_since_) next = std::min(next, *unanswered_since_ + silence_limit());

@@ -49,8 +49,8 @@ TEST(App, StartsTicksAndStopsWithinFiveSeconds) {
   EXPECT_THAT(app.addresses().front(), HasSubstr("127.0.0.1:"));
   EXPECT_THAT(app.addresses().front(), testing::Not(testing::EndsWith(":0")));
   EXPECT_TRUE(eventually([&] { return app.loop_facts().ticks > 100; }));
-  EXPECT_TRUE(eventually(
-      [&] { return app.sessions(0).newest().life.state == haptic::core::DeviceState::kIdle; }));
+  EXPECT_TRUE(
+      eventually([&] { return app.owner().status(0).state == haptic::core::DeviceState::kIdle; }));
 
   const auto begin = std::chrono::steady_clock::now();
   app.stop();
@@ -142,7 +142,7 @@ TEST(App, TheLateFaultGoesWithTheGrant) {
   App app(std::move(scene), {RealtimeMode::kTry});
   app.start();
   const bool fifo = app.realtime().facts.sched_fifo;
-  EXPECT_EQ(app.sessions(0).unit().config().loop_late_fault, fifo ? 8ms : 20ms);
+  EXPECT_EQ(app.unit(0).config().loop_late_fault, fifo ? 8ms : 20ms);
   EXPECT_FALSE(app.realtime().facts.explanation.empty());
 }
 

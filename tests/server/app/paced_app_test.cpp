@@ -106,12 +106,11 @@ TEST(PacedApp, TheBoardsSamplesBeginTheTicksAndTheTimerWhereItIsSilent) {
   const auto facts = [&app] { return app.loop_facts(); };
   EXPECT_EQ(facts().paced_by, "finger");
   ASSERT_TRUE(eventually([&] { return facts().paced_by_sample > 500; }));
-  EXPECT_EQ(app.sessions(0).unit().state(), haptic::core::DeviceState::kIdle);
+  EXPECT_EQ(app.unit(0).state(), haptic::core::DeviceState::kIdle);
 
   // Gone: whatever a busy machine does, no sample can begin a tick now, and ticks go on.
   board.unplug(1.0);
-  ASSERT_TRUE(
-      eventually([&] { return app.sessions(0).newest().faults().has(Fault::kDeviceLost); }));
+  ASSERT_TRUE(eventually([&] { return app.owner().status(0).faults.has(Fault::kDeviceLost); }));
   const LoopFacts lost = facts();
   ASSERT_TRUE(eventually([&] { return facts().ticks > lost.ticks + 200; }));
   EXPECT_LE(facts().paced_by_sample, lost.paced_by_sample + 1) << "one that was on its way";

@@ -20,13 +20,18 @@ class IngressTest : public testing::Test {
 
   IngressVerdict send(std::vector<double> position, TimePoint at,
                       core::ProxyMode mode = core::ProxyMode::kHeld) {
-    ProxyCandidate candidate;
-    candidate.epoch = epoch;
-    candidate.seq = ++seq;
-    candidate.mode = mode;
-    candidate.position = position.data();
-    candidate.position_size = static_cast<int>(position.size());
-    return ingress.accept(candidate, at, &why);
+    ProxySample sample;
+    sample.epoch = epoch;
+    sample.seq = ++seq;
+    sample.mode = mode;
+    sample.position = {position.data(), position.size()};
+    sample.arrival = at;
+    return judge(sample);
+  }
+  IngressVerdict judge(const ProxySample& sample) {
+    const Verdict verdict = ingress.accept(sample);
+    why = verdict.why.str();
+    return verdict.verdict;
   }
   const core::ProxySnapshot& newest() {
     mailbox.take();
@@ -54,20 +59,19 @@ TEST_F(IngressTest, AnAcceptedSampleReachesTheMailbox) {
 TEST_F(IngressTest, WithoutALeaseNothingIsAccepted) {
   ingress.end_lease();
   EXPECT_EQ(send({0, 0}, t0), IngressVerdict::kOldEpoch);
-  EXPECT_EQ(ingress.counters().old_epoch, 1U);
+  EXPECT_EQ(ingress.counters()[IngressVerdict::kOldEpoch], 1U);
 }
 
 TEST_F(IngressTest, WhereItLeftMakesASampleOlderNeverYounger) {
-  const std::vector<double> position{0.0, 0.0};
   const auto born_of = [&](Duration left_before, TimePoint at) {
-    ProxyCandidate candidate;
-    candidate.epoch = epoch;
-    candidate.seq = ++seq;
-    candidate.mode = core::ProxyMode::kHeld;
-    candidate.position = position.data();
-    candidate.position_size = 2;
-    candidate.left = at - left_before;
-    EXPECT_EQ(ingress.accept(candidate, at), IngressVerdict::kAccepted);
+    ProxySample sample;
+    sample.epoch = epoch;
+    sample.seq = ++seq;
+    sample.mode = core::ProxyMode::kHeld;
+    sample.position = {0.0, 0.0};
+    sample.arrival = at;
+    sample.left = at - left_before;
+    EXPECT_EQ(judge(sample), IngressVerdict::kAccepted);
     return newest().born;
   };
   EXPECT_EQ(born_of(40ms, t0), t0 - 40ms);
@@ -83,7 +87,7 @@ TEST_F(IngressTest, ARenewedLeaseGoesOnUnderAnotherEpoch) {
   EXPECT_EQ(send({0, 0}, t0 + 32ms), IngressVerdict::kAccepted);
   EXPECT_EQ(newest().epoch, 1U) << "to the loop it is the same lease";
   EXPECT_EQ(newest().gapless_samples, 2U);
-  EXPECT_EQ(ingress.counters().accepted, 2U);
+  EXPECT_EQ(ingress.counters()[IngressVerdict::kAccepted], 2U);
   EXPECT_EQ(ingress.newest_seq(), seq);
 }
 
@@ -135,11 +139,11 @@ TEST_F(IngressTest, EveryRejectionNamesFieldValueAndWhatIsAllowed) {
   EXPECT_EQ(send({0, 0}, t0, core::ProxyMode::kNone), IngressVerdict::kUnknownMode);
   EXPECT_EQ(send({}, t0), IngressVerdict::kWrongSize);
   const IngressCounters counters = ingress.counters();
-  EXPECT_EQ(counters.wrong_size, 2U);
-  EXPECT_EQ(counters.not_finite, 2U);
-  EXPECT_EQ(counters.out_of_bounds, 1U);
-  EXPECT_EQ(counters.unknown_mode, 1U);
-  EXPECT_EQ(counters.accepted, 0U);
+  EXPECT_EQ(counters[IngressVerdict::kWrongSize], 2U);
+  EXPECT_EQ(counters[IngressVerdict::kNotFinite], 2U);
+  EXPECT_EQ(counters[IngressVerdict::kOutOfBounds], 1U);
+  EXPECT_EQ(counters[IngressVerdict::kUnknownMode], 1U);
+  EXPECT_EQ(counters[IngressVerdict::kAccepted], 0U);
   EXPECT_FALSE(mailbox.take() && mailbox.value().mode != core::ProxyMode::kNone);
 }
 
@@ -175,18 +179,17 @@ class IngressPlanesTest : public IngressTest {
  protected:
   IngressVerdict send_planes(const std::vector<std::vector<double>>& rows,
                              core::ProxyMode mode = core::ProxyMode::kPlanes) {
-    const double position[2] = {0.25, -0.5};
-    ProxyCandidate candidate;
-    candidate.epoch = epoch;
-    candidate.seq = ++seq;
-    candidate.mode = mode;
-    candidate.position = position;
-    candidate.position_size = 2;
-    candidate.plane_count = static_cast<int>(rows.size());
-    for (std::size_t i = 0; i < std::min(rows.size(), candidate.planes.size()); ++i) {
-      candidate.planes[i] = {rows[i].data(), static_cast<int>(rows[i].size()) - 1, rows[i].back()};
+    ProxySample sample;
+    sample.epoch = epoch;
+    sample.seq = ++seq;
+    sample.mode = mode;
+    sample.position = {0.25, -0.5};
+    sample.arrival = t0;
+    sample.plane_count = static_cast<std::uint32_t>(rows.size());
+    for (std::size_t i = 0; i < std::min(rows.size(), sample.planes.size()); ++i) {
+      sample.planes[i] = {{rows[i].data(), rows[i].size() - 1}, rows[i].back()};
     }
-    return ingress.accept(candidate, t0, &why);
+    return judge(sample);
   }
 };
 
@@ -231,7 +234,7 @@ TEST_F(IngressPlanesTest, WhatIsWrongWithAPlaneIsNamedAndChangesNothing) {
   EXPECT_NE(why.find("direction"), std::string::npos) << why;
   EXPECT_EQ(send_planes({{1, 0, huge}}), IngressVerdict::kBadPlane);
   EXPECT_EQ(send_planes({good}, core::ProxyMode::kHeld), IngressVerdict::kBadPlane);
-  EXPECT_EQ(ingress.counters().bad_plane, 7U);
+  EXPECT_EQ(ingress.counters()[IngressVerdict::kBadPlane], 7U);
   EXPECT_EQ(newest().planes.offsets[0], 3.0);
   EXPECT_EQ(newest().seq, 1U);
 }

@@ -20,6 +20,7 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/replay/replay.hpp"
+#include "server/state/state_record.hpp"
 #include "tests/server/support/device_rig.hpp"
 
 namespace {
@@ -143,9 +144,10 @@ TEST(Recorder, TrackersPoseInUseIsRecorded) {
 TEST(Recorder, CarrierAndLeaseAreRecorded) {
   ScratchFile file("stamped.csv");
   {
-    Recorder recorder(file.path(), rig_config().kinematics, nullptr, {}, [](const TickRecord&) {
-      return haptic::server::DeviceSessions::Stamp{haptic::server::Carrier::kUdp, 9};
-    });
+    Recorder recorder(
+        file.path(), rig_config().kinematics, nullptr, {}, [](const TickRecord& record) {
+          return haptic::server::state_record(record, haptic::server::Carrier::kUdp, 9);
+        });
     recorder.on_record({});
   }
   auto row = read_csv(file.path()).at(0);

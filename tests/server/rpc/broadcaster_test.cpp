@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/front/pace.hpp"
+#include "tests/server/support/broadcast.hpp"
 #include "tests/server/support/device_rig.hpp"
 
 namespace haptic::test {
@@ -11,10 +12,10 @@ namespace {
 
 class Counter final : public server::Subscriber {
  public:
-  bool offer(const core::TickRecord& record, server::StateFrame&, bool allowed) override {
+  bool offer(const server::StateRecord& state, server::StateFrame&, bool allowed) override {
     ++asked;
-    if (!allowed || !pace.due(record.beat.tick)) return false;
-    pace.sent(record.beat.tick);
+    if (!allowed || !pace.due(state.tick)) return false;
+    pace.sent(state.tick);
     ++sent;
     return true;
   }
@@ -32,7 +33,8 @@ class BroadcasterTest : public testing::Test {
     return counter;
   }
   DeviceRig rig;
-  server::Broadcaster broadcaster{*rig.telemetry, 0, server::WatchBudget(500.0), *rig.sessions};
+  std::shared_ptr<Broadcast> broadcast = Broadcast::of(*rig.owner, 500.0);
+  server::Broadcaster& broadcaster = broadcast->broadcaster;
 };
 
 TEST_F(BroadcasterTest, TheControllerGetsEveryTickWhateverTheWatchersCost) {

@@ -5,14 +5,15 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/hand_exoskeleton.hpp"
 #include "haptic/v1/haptic_service.pb.h"
+#include "haptic/wire/datagram.hpp"
+#include "server/front/messages.hpp"
 #include "server/front/pace.hpp"
 #include "server/front/sample_ledger.hpp"
 #include "server/net/listen_address.hpp"
-#include "server/owner/state_message.hpp"
 #include "server/rpc/broadcaster.hpp"
-#include "server/rpc/convert.hpp"
 #include "server/rpc/state_frame.hpp"
 #include "server/rpc/status.hpp"
+#include "server/state/state_message.hpp"
 
 namespace haptic::server {
 namespace {
@@ -53,14 +54,14 @@ TEST(SampleLedger, TellsWithin50MillisecondsOfASampleAndWithin10OfARejection) {
   SampleLedger ledger;
   ledger.look(t0);
   EXPECT_FALSE(ledger.due());
-  ledger.book(1, IngressVerdict::kAccepted, {});
+  ledger.book(1, {});
   ledger.look(t0);
   ASSERT_TRUE(ledger.due());
   EXPECT_EQ(ledger.tell().accepted(), 1U);
-  ledger.book(2, IngressVerdict::kAccepted, {});
+  ledger.book(2, {});
   ledger.look(t0 + 49ms);
   EXPECT_FALSE(ledger.due());
-  ledger.book(3, IngressVerdict::kNotFinite, "position[0] = nan");
+  ledger.book(3, {IngressVerdict::kNotFinite, "position[0] = nan"});
   ledger.look(t0 + 49ms);
   ASSERT_TRUE(ledger.due());
   const v1::SampleAck ack = ledger.tell();
@@ -90,25 +91,27 @@ TEST(WatchBudget, GivesItsRateAndKeepsLittle) {
   EXPECT_LE(burst, 4);
 }
 
-core::TickRecord record() {
-  core::TickRecord r;
-  r.beat.tick = 77;
-  r.input.now = core::TimePoint(3s);
-  r.sensed.q = core::VecQ::Constant(2, 0.125);
-  r.effort.tau_a = core::VecA::Constant(1, -1.5);
-  r.life.gain = 0.5;
-  r.input.settings.stiffness = core::VecA::Constant(1, 100.0);
-  r.life.state = core::DeviceState::kEngaged;
+StateRecord record() {
+  StateRecord r;
+  r.tick = 77;
+  r.now = core::TimePoint(3s);
+  r.q = {0.125, 0.125};
+  r.tau_a = {-1.5};
+  r.gain = 0.5;
+  r.stiffness = {100.0};
+  r.state = core::DeviceState::kEngaged;
+  r.carrier = Carrier::kUdp;
+  r.lease_epoch = 7;
   return r;
 }
 
 TEST(StateFrame, TheSharedBytesAreTheMessagesBytes) {
-  const core::TickRecord r = record();
+  const StateRecord r = record();
   v1::WatchResponse expected;
-  *expected.mutable_state() = StateMessage().write(r, {Carrier::kUdp, 7});
+  *expected.mutable_state() = StateMessage().write(r);
   expected.set_conflated(123456);
   StateFrame frame;
-  frame.begin(r, {Carrier::kUdp, 7});
+  frame.begin(r);
   grpc::Slice slice;
   ASSERT_TRUE(frame.for_watch(123456).DumpToSingleSlice(&slice).ok());
   v1::WatchResponse parsed;
@@ -127,14 +130,14 @@ TEST(StateFrame, TheSharedBytesAreTheMessagesBytes) {
 }
 
 TEST(StateFrame, TheBookOfEnergyIsPresentWhereTheSceneHasOne) {
-  core::TickRecord r = record();
-  r.anchor.active_planes = 5;
-  r.effort.passivity.on = true;
-  r.effort.passivity.tank = 0.003;
-  r.effort.passivity.storage = 0.002;
-  r.effort.passivity.scale = 0.5;
-  r.effort.passivity.observed = -1e-4;
-  r.effort.passivity.alpha = 2e-4;
+  StateRecord r = record();
+  r.active_planes = 5;
+  r.passivity_on = true;
+  r.tank = 0.003;
+  r.storage = 0.002;
+  r.tank_scale = 0.5;
+  r.observed = -1e-4;
+  r.alpha = 2e-4;
   StateMessage message;
   const v1::DeviceState& state = message.write(r);
   EXPECT_EQ(state.active_planes(), 5U);
@@ -144,21 +147,23 @@ TEST(StateFrame, TheBookOfEnergyIsPresentWhereTheSceneHasOne) {
   EXPECT_EQ(state.passivity().scale(), 0.5);
   EXPECT_EQ(state.passivity().observed(), -1e-4);
   EXPECT_EQ(state.passivity().alpha(), 2e-4);
-  r.effort.passivity = {};
+  r.passivity_on = false;
   static_cast<void>(message.write(r));
   EXPECT_FALSE(state.has_passivity());
 }
 
 TEST(StateFrame, TheCertificateIsPresentWhereTheSceneAsksForIt) {
-  core::TickRecord r = record();
-  r.anchor.certificate = {core::CertificateStatus::kComputed, 3, -0.25};
+  StateRecord r = record();
+  r.certificate = core::CertificateStatus::kComputed;
+  r.certificate_block = 3;
+  r.certificate_margin = -0.25;
   StateMessage message;
   const v1::DeviceState& state = message.write(r);
   ASSERT_TRUE(state.has_certificate());
   EXPECT_EQ(state.certificate().status(), v1::CERTIFICATE_STATUS_COMPUTED);
   EXPECT_EQ(state.certificate().margin(), -0.25);
   EXPECT_EQ(state.certificate().block(), 3U);
-  r.anchor.certificate = {};
+  r.certificate = core::CertificateStatus::kOff;
   static_cast<void>(message.write(r));
   EXPECT_FALSE(state.has_certificate());
 }
@@ -166,13 +171,14 @@ TEST(StateFrame, TheCertificateIsPresentWhereTheSceneAsksForIt) {
 /// For a square J the metric reads J^T W J = diag(Z_q, eps k_x ||J_n||^2) (coupling_metric.hpp).
 TEST(StateFrame, TheCouplingMetricIsOfTheTicksPoseAndStiffness) {
   const std::shared_ptr<const core::Kinematics> finger = core::make_finger_exoskeleton({});
-  core::TickRecord r = record();
-  r.sensed.q = (core::VecQ(2) << 0.016, -0.26).finished();
-  r.input.settings.stiffness = core::VecA::Constant(1, 900.0);
+  StateRecord r = record();
+  const core::VecQ q = (core::VecQ(2) << 0.016, -0.26).finished();
+  r.q = {q.data(), 2};
+  r.stiffness = {900.0};
   core::PipelineConfig config;
   config.kinematics = finger;
   StateFrame frame(StateMessage(config, 0.1));
-  const auto state_of = [&frame](const core::TickRecord& tick) {
+  const auto state_of = [&frame](const StateRecord& tick) {
     frame.begin(tick);
     const auto bytes = frame.for_datagram();
     v1::DeviceState state;
@@ -186,7 +192,7 @@ TEST(StateFrame, TheCouplingMetricIsOfTheTicksPoseAndStiffness) {
   const auto& w = state.coupling_metric(0).lower();
   core::VecX x_probe;
   core::MatXQ J;
-  ASSERT_EQ(finger->evaluate(r.sensed.q, x_probe, J), core::MapStatus::kOk);
+  ASSERT_EQ(finger->evaluate(q, x_probe, J), core::MapStatus::kOk);
   const auto cost = [&](int a, int b) {
     return J(0, a) * (w[0] * J(0, b) + w[1] * J(1, b)) +
            J(1, a) * (w[1] * J(0, b) + w[2] * J(1, b));
@@ -194,7 +200,7 @@ TEST(StateFrame, TheCouplingMetricIsOfTheTicksPoseAndStiffness) {
   EXPECT_NEAR(cost(0, 0), 900.0, 1e-6);
   EXPECT_NEAR(cost(0, 1), 0.0, 1e-6);
   EXPECT_NEAR(cost(1, 1), 0.1 * 900.0 * J.col(1).squaredNorm() / J.col(0).squaredNorm(), 1e-6);
-  r.sensed.q.resize(0);  // no sample of the device yet
+  r.q = {};  // no sample of the device yet
   EXPECT_EQ(state_of(r).coupling_metric(0).lower_size(), 0);
 }
 
@@ -221,7 +227,7 @@ TEST(LargestState, AHandsMetricFitsADatagramAndAPalmsDoesNot) {
   EXPECT_GT(largest_state(config, true), wire::kLargestPayload);
 }
 
-TEST(Convert, APlanesSamplePointsIntoItsMessage) {
+TEST(Messages, ASampleKeepsTheWiresCounts) {
   v1::ProxySample sample;
   sample.set_mode(v1::PROXY_MODE_PLANES);
   for (int i = 0; i < 8; ++i) {
@@ -229,22 +235,23 @@ TEST(Convert, APlanesSamplePointsIntoItsMessage) {
     plane.add_normal(i + 1.0);
     plane.set_offset(0.5 * i);
   }
-  const ProxyCandidate candidate = from_proto(sample, 1);
-  EXPECT_EQ(candidate.mode, core::ProxyMode::kPlanes);
-  EXPECT_EQ(candidate.plane_count, 8) << "as on the wire; the ingress refuses it";
-  EXPECT_EQ(candidate.planes[5].normal[0], 6.0);
-  EXPECT_EQ(candidate.planes[5].normal_size, 1);
-  EXPECT_EQ(candidate.planes[5].offset, 2.5);
+  ProxySample taken;
+  from_proto(sample, taken);
+  EXPECT_EQ(taken.mode, core::ProxyMode::kPlanes);
+  EXPECT_EQ(taken.plane_count, 8U) << "as on the wire; the ingress refuses it";
+  EXPECT_EQ(taken.planes[5].normal.value[0], 6.0);
+  EXPECT_EQ(taken.planes[5].normal.count, 1U);
+  EXPECT_EQ(taken.planes[5].offset, 2.5);
 }
 
-TEST(StateFrame, ANewTickIsSerialisedAnew) {
-  core::TickRecord r = record();
+TEST(StateFrame, ANewTickIsSerialisedAgain) {
+  StateRecord r = record();
   StateFrame frame;
   frame.begin(r);
   static_cast<void>(frame.for_session());
-  core::TickRecord next = record();
-  next.beat.tick = 78;
-  next.sensed.q.resize(0);
+  StateRecord next = record();
+  next.tick = 78;
+  next.q = {};
   frame.begin(next);
   grpc::Slice slice;
   ASSERT_TRUE(frame.for_session().DumpToSingleSlice(&slice).ok());

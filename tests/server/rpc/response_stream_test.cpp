@@ -11,8 +11,6 @@
 namespace haptic::test {
 namespace {
 
-using server::DeviceSessions;
-
 /// What ResponseStream needs of a gRPC reactor. As gRPC may, it is done before Finish() returns.
 class HandDrivenReactor {
  public:
@@ -41,19 +39,19 @@ class HandDrivenStream final : public server::ResponseStream<HandDrivenReactor> 
   using ResponseStream::Ending;
   using ResponseStream::ResponseStream;
 
-  /// Holds what an open session holds: `id`, a place in the broadcast, and the lease by that id.
-  void open(const server::ServiceContext::Target& target, const std::string& id,
+  /// Holds what an open session holds: a place in the broadcast, and the lease of `name`.
+  void open(HandFront& front, const std::string& name, server::Broadcaster& broadcaster,
             std::uint32_t grant) {
     keep_alive();
-    target_ = target;
-    id_ = id;
-    target.broadcaster->add(shared_from_this(), grant);
+    front_ = &front;
+    name_ = name;
+    join(broadcaster, grant);
   }
   void begin_write() {
     const std::lock_guard lock(mutex_);
     write({});
   }
-  bool offer(const core::TickRecord&, server::StateFrame&, bool) override {
+  bool offer(const server::StateRecord&, server::StateFrame&, bool) override {
     ++offered;
     return false;
   }
@@ -61,15 +59,19 @@ class HandDrivenStream final : public server::ResponseStream<HandDrivenReactor> 
 
  private:
   void flush() override {}
+  void close(Ending /*ending*/) override { front_->close(name_); }
+
+  HandFront* front_{nullptr};
+  std::string name_{};
 };
 
 class ResponseStreamTest : public testing::Test {
  protected:
   void SetUp() override {
-    id = *context.registry.admit(server::SessionRegistry::Kind::kSession, *rig.sessions).value;
-    stream = std::make_shared<HandDrivenStream>(context);
+    rig.owner->connect(context);
+    stream = std::make_shared<HandDrivenStream>(*context);
     const server::Lease lease = rig.control(id);
-    stream->open(*context.device("").value, id, lease.grant);
+    stream->open(*rig.sessions, id, *context->broadcasters.front(), lease.tenure);
     stream->on_finish = [this] { look(); };
     rig.tick();
     ASSERT_EQ(stream->offered, 1) << "it has no place in the broadcast";
@@ -79,14 +81,14 @@ class ResponseStreamTest : public testing::Test {
   /// What is still held when the status leaves.
   void look() {
     lease_at_finish = rig.sessions->holds_lease(id);
-    id_at_finish = context.registry.find(id) != nullptr;
+    id_at_finish = rig.sessions->status().sessions > 0;
     const int before = stream->offered;
     rig.tick();
     place_at_finish = stream->offered > before;
   }
   /// `act` is called in the middle of giving up: when the lease is gone, and the rest is not.
   void while_giving_up(std::function<void()> act) {
-    rig.sessions->engage(id, [this, act = std::move(act)](const server::Outcome<server::Done>&) {
+    rig.sessions->engage(id, [this, act = std::move(act)](const Outcome<Done>&) {
       ++interleaved;
       act();
     });
@@ -110,9 +112,9 @@ class ResponseStreamTest : public testing::Test {
   }
 
   DeviceRig rig;
-  server::ServiceContext context{
-      {}, {rig.sessions.get()}, *rig.telemetry, [] { return server::ServerFacts{}; }};
-  std::string id;
+  std::shared_ptr<server::ServiceContext> context = std::make_shared<server::ServiceContext>(
+      server::RpcConfig{}, *rig.owner, [] { return server::ServerFacts{}; });
+  const std::string id = "s1";
   std::shared_ptr<HandDrivenStream> stream;
   bool lease_at_finish{true}, place_at_finish{true}, id_at_finish{true};
   int interleaved{0};
@@ -127,7 +129,7 @@ TEST_F(ResponseStreamTest, AWriteUnderWayIsWaitedFor) {
   stream->begin_write();
   stream->end(grpc::Status::OK);
   EXPECT_EQ(stream->finishes, 0) << "gRPC allows no Finish beside a write";
-  EXPECT_EQ(context.registry.find(id), nullptr) << "what was held does not wait for a slow client";
+  EXPECT_EQ(rig.sessions->status().sessions, 0U) << "what was held does not wait for a slow client";
   stream->OnWriteDone(true);
   expect_everything_was_given_up_first();
 }

@@ -65,7 +65,7 @@ TEST(Health, IsNotServingWhileTheLoopHangs) {
 TEST(Health, AnEmergencyStopIsNoIllness) {
   LiveServer server;
   const auto channel = server.channel();
-  server.rig.sessions->emergency_stop("", [](const server::Outcome<server::Done>&) {});
+  server.rig.sessions->emergency_stop("", [](const Outcome<Done>&) {});
   ASSERT_TRUE(eventually([&] { return server.rig.newest().faults().any(); }));
   EXPECT_TRUE(eventually([&] { return health(channel, "rig") == 1; }));
 }
@@ -118,8 +118,7 @@ TEST(Reflection, KnowsTheServicesDescriptor) {
 }
 
 std::string answer_of(const std::string& address, DeviceRig& rig) {
-  server::RpcServer second({{address}}, {rig.sessions.get()}, *rig.telemetry,
-                           [] { return server::ServerFacts{}; });
+  server::RpcServer second({{address}}, *rig.owner, [] { return server::ServerFacts{}; });
   try {
     second.start();
   } catch (const core::TransportError& error) {

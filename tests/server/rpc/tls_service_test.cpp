@@ -219,11 +219,11 @@ TEST(Peer, WhoShowsNoCertificateIsPrimaryOverTlsAndAnythingOnThisHost) {
   server::RpcConfig config;
   server::Peer peer;
   peer.this_host = true;
-  EXPECT_EQ(highest_priority(peer, config), server::Priority::kOperator);
+  EXPECT_EQ(rights_of(peer, config).highest, server::Priority::kOperator);
   config.tls.emplace();
-  EXPECT_EQ(highest_priority(peer, config), server::Priority::kOperator) << "a UNIX socket";
+  EXPECT_EQ(rights_of(peer, config).highest, server::Priority::kOperator) << "a UNIX socket";
   peer.encrypted = true;
-  EXPECT_EQ(highest_priority(peer, config), server::Priority::kPrimary);
+  EXPECT_EQ(rights_of(peer, config).highest, server::Priority::kPrimary);
 }
 
 TEST(Peer, OfTwoListedNamesTheHigherCounts) {
@@ -232,11 +232,11 @@ TEST(Peer, OfTwoListedNamesTheHigherCounts) {
   config.tls->clients = {{"a", server::Priority::kTest}, {"b", server::Priority::kOperator}};
   server::Peer peer;
   peer.names = {"a"};
-  EXPECT_EQ(highest_priority(peer, config), server::Priority::kTest);
+  EXPECT_EQ(rights_of(peer, config).highest, server::Priority::kTest);
   peer.names = {"a", "b"};
-  EXPECT_EQ(highest_priority(peer, config), server::Priority::kOperator);
+  EXPECT_EQ(rights_of(peer, config).highest, server::Priority::kOperator);
   peer.names = {"c"};
-  EXPECT_EQ(highest_priority(peer, config), server::Priority::kPrimary);
+  EXPECT_EQ(rights_of(peer, config).highest, server::Priority::kPrimary);
 }
 
 }  // namespace

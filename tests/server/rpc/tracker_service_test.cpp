@@ -114,7 +114,7 @@ TEST(TrackerService, ThePalmIsWhereTheTrackerSaysAndItsSilenceEndsTheForce) {
   EXPECT_EQ(controller.state().reading_size(), 0) << "nothing was refused";
   // The wrist's x is the palm's.
   EXPECT_DOUBLE_EQ(controller.state().x_probe(0), 0.1);
-  EXPECT_EQ(server.app.sessions(0).tracker()->client_name(), "camera");
+  EXPECT_EQ(server.app.owner().status(0).tracker, "camera");
 
   const v1::DeviceState at_rest = controller.state();
   const std::vector<double> x(at_rest.x_probe().begin(), at_rest.x_probe().end());
@@ -172,7 +172,7 @@ TEST(TrackerService, OnePerDeviceAndOnlyWhereTheSceneHasOne) {
   EXPECT_EQ(reason_of(second.status()), "TRACKER_HELD");
   EXPECT_EQ(detail_of(second.status(), "holder"), "camera");
   first.cancel();
-  EXPECT_TRUE(eventually([&] { return server.app.sessions(0).tracker()->client_name().empty(); }));
+  EXPECT_TRUE(eventually([&] { return server.app.owner().status(0).tracker.empty(); }));
   TestSession third(server.channel, tracker_opening("glove"));
   EXPECT_TRUE(third.wait_opened());
 

@@ -68,7 +68,7 @@ TEST(WatchService, EventsReachAWatcher) {
   LiveServer server;
   TestWatch watch(server.channel(), 1.0);
   ASSERT_TRUE(eventually([&] { return server.rig.sessions->observers() == 1; }));
-  server.rig.sessions->emergency_stop("", [](const server::Outcome<server::Done>&) {});
+  server.rig.sessions->emergency_stop("", [](const Outcome<Done>&) {});
   EXPECT_TRUE(eventually([&] { return watch.heard(v1::Event::KIND_FAULT); }));
 }
 

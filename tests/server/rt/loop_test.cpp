@@ -112,7 +112,7 @@ TEST_F(VirtualLoop, ASuspendOfTheMachineIsAFault) {
 TEST_F(VirtualLoop, TicksOnWhileForceFadesAndEndsWhenTheDeviceIsClosing) {
   clock.before = [this](int wait) {
     if (wait != 5) return;
-    rig.sessions->begin_closing();
+    rig.owner->begin_closing();
     body.finish(kNever);
   };
   run();
@@ -133,7 +133,7 @@ TEST_F(VirtualLoop, UnderForceReleasesFirst) {
     rig.now = start + wait * 1ms;
     rig.publish(0.01);
     if (wait != 3) return;
-    rig.sessions->begin_closing();
+    rig.owner->begin_closing();
     body.finish(kNever);
   };
   run();
@@ -199,7 +199,7 @@ TEST(Loop, RunsOnItsThreadUntilEveryUnitIsClosing) {
   rig.telemetry->start();
   loop.begin({rig.unit.get()}, rig.telemetry->bell());
   while (loop.statistics().ticks < 20) std::this_thread::yield();
-  rig.sessions->begin_closing();
+  rig.owner->begin_closing();
   loop.finish(30s);  // returns long before that
   rig.telemetry->stop();
   EXPECT_EQ(rig.unit->state(), DeviceState::kClosing);

@@ -81,7 +81,7 @@ TEST(Realtime, AllGrantedIsRealTimeAndTakesTheShortLateFault) {
   EXPECT_EQ(grant.facts.cpu, 1);
   EXPECT_EQ(grant.loop_late_fault, 8ms);
   EXPECT_TRUE(host.stack_touched);
-  EXPECT_EQ(grant.facts.explanation,
+  EXPECT_EQ(grant.facts.explanation.str(),
             "pinned to CPU 1, SCHED_FIFO 80, memory locked; loop_late_fault is 8 ms");
 }
 
@@ -94,11 +94,11 @@ TEST(Realtime, ABareContainerIsDegradedAndSaysWhatThatMeans) {
   EXPECT_EQ(grant.facts.priority, 0);
   EXPECT_FALSE(grant.facts.memory_locked);
   EXPECT_EQ(grant.loop_late_fault, 20ms);
-  EXPECT_THAT(grant.facts.explanation,
+  EXPECT_THAT(grant.facts.explanation.str(),
               HasSubstr("SCHED_FIFO refused (EPERM: Operation not permitted"));
-  EXPECT_THAT(grant.facts.explanation, HasSubstr("other programs may delay a tick"));
-  EXPECT_THAT(grant.facts.explanation, HasSubstr("RLIMIT_MEMLOCK is 8192 KB"));
-  EXPECT_THAT(grant.facts.explanation, HasSubstr("loop_late_fault is 20 ms instead of 8 ms"));
+  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("other programs may delay a tick"));
+  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("RLIMIT_MEMLOCK is 8192 KB"));
+  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("loop_late_fault is 20 ms instead of 8 ms"));
 }
 
 TEST(Realtime, RequireThrowsWithTheSameWords) {
@@ -125,7 +125,7 @@ TEST(Realtime, OffAsksForNothing) {
   EXPECT_EQ(host.fifo_calls, 0);
   EXPECT_EQ(host.locks, 0);
   EXPECT_EQ(grant.loop_late_fault, 20ms);
-  EXPECT_THAT(grant.facts.explanation, HasSubstr("--realtime=off"));
+  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("--realtime=off"));
 }
 
 TEST(Realtime, TheScenesLateFaultWinsWhateverWasGranted) {
@@ -134,7 +134,7 @@ TEST(Realtime, TheScenesLateFaultWinsWhateverWasGranted) {
   request.loop_late_fault = 5ms;
   const RealtimeGrant grant = apply_realtime(request, host);
   EXPECT_EQ(grant.loop_late_fault, 5ms);
-  EXPECT_THAT(grant.facts.explanation, HasSubstr("loop_late_fault is 5 ms (the scene's)"));
+  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("loop_late_fault is 5 ms (the scene's)"));
 }
 
 // MCL_FUTURE under a limit that binds would end the process at the next thread.
@@ -170,7 +170,7 @@ TEST(Realtime, AnUnlimitedMemoryLimitNeedsNoCapability) {
 TEST(Realtime, ARefusedLockNamesItsErrno) {
   FakeHost host;
   host.lock_error = ENOMEM;
-  EXPECT_THAT(apply_realtime({}, host).facts.explanation,
+  EXPECT_THAT(apply_realtime({}, host).facts.explanation.str(),
               HasSubstr("memory locking refused (ENOMEM: Cannot allocate memory)"));
 }
 
@@ -184,13 +184,13 @@ TEST(Realtime, ALowerPriorityIsTakenWhereTheLimitAllowsIt) {
   EXPECT_EQ(grant.facts.priority, 20);
   EXPECT_EQ(grant.facts.grade, "degraded");
   EXPECT_EQ(grant.loop_late_fault, 8ms);
-  EXPECT_THAT(grant.facts.explanation, HasSubstr("priority 20, not the scene's 80"));
+  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("priority 20, not the scene's 80"));
 }
 
 TEST(Realtime, ARefusalInSpiteOfTheCapabilityPointsToTheControlGroup) {
   FakeHost host;
   host.highest_priority = 0;
-  EXPECT_THAT(apply_realtime({}, host).facts.explanation,
+  EXPECT_THAT(apply_realtime({}, host).facts.explanation.str(),
               HasSubstr("the control group or container gives no real-time budget"));
 }
 
@@ -199,8 +199,8 @@ TEST(Realtime, AScantRealTimeShareIsSaid) {
   host.share = 0.1;
   const RealtimeGrant grant = apply_realtime({}, host);
   EXPECT_EQ(grant.facts.grade, "degraded");
-  EXPECT_THAT(grant.facts.explanation, HasSubstr("sched_rt_runtime_us"));
-  EXPECT_THAT(grant.facts.explanation, HasSubstr("10 %"));
+  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("sched_rt_runtime_us"));
+  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("10 %"));
 }
 
 TEST(Realtime, ACpuThatIsNotThereIsRefusedByItsNumber) {
@@ -209,7 +209,7 @@ TEST(Realtime, ACpuThatIsNotThereIsRefusedByItsNumber) {
   const RealtimeGrant grant = apply_realtime({RealtimeMode::kTry, 80, 63, {}}, host);
   EXPECT_EQ(grant.facts.cpu, -1);
   EXPECT_EQ(grant.facts.grade, "degraded");
-  EXPECT_THAT(grant.facts.explanation, HasSubstr("pinning to CPU 63 refused (EINVAL"));
+  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("pinning to CPU 63 refused (EINVAL"));
 }
 
 }  // namespace

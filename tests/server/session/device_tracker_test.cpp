@@ -43,12 +43,22 @@ struct Door {
     ++seq;
     return again(id);
   }
-  IngressVerdict again(const std::string& id = "a") {
-    return tracker.accept(id, {seq, {}, position.data(), 3, orientation.data(), 4}, now, why);
+  IngressVerdict again(const std::string& id = "a") { return say_pose(id, seq, 3, 4); }
+  IngressVerdict say_pose(const std::string& id, std::uint64_t number, std::size_t positions,
+                          std::size_t orientations) {
+    server::PoseSample pose;
+    pose.session_id = id;
+    pose.seq = number;
+    pose.arrival = now;
+    pose.position = {position.data(), positions};
+    pose.orientation = {orientation.data(), orientations};
+    const server::Verdict verdict = tracker.accept(pose);
+    why = verdict.why.str();
+    return verdict.verdict;
   }
   std::string open_refusal(const std::string& id) {
     const auto answer = tracker.open(tracker_request(id), now);
-    return answer ? "" : answer.refusal.reason;
+    return answer ? "" : answer.refusal.reason.str();
   }
 };
 
@@ -92,15 +102,10 @@ TEST(DeviceTracker, WhatIsNoPoseIsRefusedBySentence) {
   door.orientation = {0.5, 0.5, 0.5, 0.6};
   refused(IngressVerdict::kOutOfBounds,
           "orientation has norm 1.05357: must be a unit quaternion, within 0.01 of 1");
-  std::string why;
-  EXPECT_EQ(door.tracker.accept("a", {99, {}, door.position.data(), 2, door.orientation.data(), 4},
-                                door.now, why),
-            IngressVerdict::kWrongSize);
-  EXPECT_EQ(why, "position has 2 values: must have 3, x, y, z in m");
-  EXPECT_EQ(door.tracker.accept("a", {99, {}, door.position.data(), 3, door.orientation.data(), 3},
-                                door.now, why),
-            IngressVerdict::kWrongSize);
-  EXPECT_EQ(why, "orientation has 3 values: must have 4, x, y, z, w");
+  EXPECT_EQ(door.say_pose("a", 99, 2, 4), IngressVerdict::kWrongSize);
+  EXPECT_EQ(door.why, "position has 2 values: must have 3, x, y, z in m");
+  EXPECT_EQ(door.say_pose("a", 99, 3, 3), IngressVerdict::kWrongSize);
+  EXPECT_EQ(door.why, "orientation has 3 values: must have 4, x, y, z, w");
   EXPECT_FALSE(door.mailbox.take()) << "nothing of it reached the loop";
 }
 

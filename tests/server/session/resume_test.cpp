@@ -8,15 +8,13 @@ namespace haptic::test {
 namespace {
 
 using core::DeviceState;
-using server::DeviceSessions;
 using server::IngressVerdict;
 using server::Lease;
 using server::LeaseRequest;
-using server::Outcome;
 using server::Priority;
 using server::Refusal;
 
-constexpr auto kLost = DeviceSessions::Ending::kLost;
+constexpr auto kLost = HandFront::Ending::kLost;
 
 LeaseRequest resumable(const std::string& id, const std::string& client,
                        Priority priority = Priority::kPrimary) {
@@ -65,7 +63,7 @@ class ResumeTest : public testing::Test {
   }
   static std::vector<std::string> reasons(server::EventQueue& queue) {
     std::vector<std::string> all;
-    while (auto event = queue.pop()) all.push_back(event->reason);
+    while (auto event = queue.pop()) all.push_back(event->reason.str());
     return all;
   }
   static long count(const std::vector<std::string>& all, const std::string& one) {
@@ -92,7 +90,7 @@ TEST_F(ResumeTest, AgeAndGainAreUntouchedAndTheEpochRises) {
   rig.tick();
   EXPECT_EQ(rig.newest().life.gain, 1.0);
   EXPECT_EQ(rig.newest().proxy.age, age + 1ms);
-  EXPECT_EQ(rig.sessions->stamp(rig.newest()).lease_epoch, 2U);
+  EXPECT_EQ(rig.sessions->state_of(rig.newest()).lease_epoch, 2U);
   rig.epoch = 2;
   for (int i = 0; i < 100; ++i) {
     EXPECT_EQ(rig.publish(0.01), IngressVerdict::kAccepted);
@@ -144,9 +142,9 @@ TEST_F(ResumeTest, WithoutItsClientForceIsZeroIn200MillisecondsAndTheLeaseEndsIn
   rig.sessions->close("s1", kLost);
   rig.tick(200);
   EXPECT_EQ(rig.newest().effort.tau_elastic[0], 0.0);
-  EXPECT_TRUE(rig.sessions->may_be_resumed("s1"));
+  EXPECT_TRUE(rig.sessions->status().detached);
   rig.tick(1800);
-  EXPECT_FALSE(rig.sessions->may_be_resumed("s1"));
+  EXPECT_FALSE(rig.sessions->status().detached);
   rig.tick(3);
   EXPECT_EQ(rig.state(), DeviceState::kIdle);
   const auto all = reasons(*queue);
@@ -164,7 +162,7 @@ TEST_F(ResumeTest, ComingBackAgainAndAgainIsNoSignOfLife) {
     const std::string former = "s" + std::to_string(came_back + 1);
     rig.sessions->close(former, kLost);
     rig.tick(1900);
-    if (!rig.sessions->may_be_resumed(former)) break;
+    if (!rig.sessions->status().detached) break;
     const auto reply = ask(resuming("s" + std::to_string(came_back + 2), former));
     ASSERT_TRUE(reply->lease && reply->lease->resumed);
     rig.tick(5);
@@ -216,7 +214,8 @@ TEST_F(ResumeTest, SettingsSurvive) {
   ASSERT_TRUE(rig.sessions->update_settings("s1", settings));
   rig.sessions->close("s1", kLost);
   ASSERT_TRUE(ask(resuming("s2", "s1"))->lease);
-  EXPECT_EQ(rig.sessions->settings().stiffness[0], 50.0);
+  rig.tick();
+  EXPECT_EQ(rig.newest().input.settings.stiffness[0], 50.0);
   settings.stiffness = {60.0};
   EXPECT_FALSE(rig.sessions->update_settings("s1", settings));
   EXPECT_TRUE(rig.sessions->update_settings("s2", settings));
@@ -238,9 +237,9 @@ TEST_F(ResumeTest, OnlyAHigherPriorityPreempts) {
     ASSERT_TRUE(reply->refusal);
     EXPECT_EQ(reply->refusal->reason, "LEASE_HELD");
     const auto& details = reply->refusal->details;
-    EXPECT_NE(std::find(details.begin(), details.end(),
-                        std::pair<std::string, std::string>("holder", "alice")),
-              details.end());
+    EXPECT_TRUE(std::any_of(details.begin(), details.end(), [](const Refusal::Detail& detail) {
+      return detail.name == "holder" && detail.value == "alice";
+    }));
   }
   EXPECT_TRUE(rig.sessions->holds_lease("s1"));
 }
@@ -257,7 +256,7 @@ TEST_F(ResumeTest, PreemptionFadesTheOldHolderOutAndAnswersAtZero) {
     rig.tick();
     ++ticks;
     const core::TickRecord record = rig.newest();
-    EXPECT_EQ(rig.sessions->stamp(record).lease_epoch, 2U);  // the epoch rose at once
+    EXPECT_EQ(rig.sessions->state_of(record).lease_epoch, 2U);  // the epoch rose at once
     EXPECT_LE(record.effort.tau_elastic[0], last + 1e-12);
     EXPECT_EQ(boss->lease.has_value(), record.life.gain == 0.0);
     EXPECT_NE(record.life.state, DeviceState::kIdle);  // never disarmed in between
@@ -293,7 +292,7 @@ TEST_F(ResumeTest, APreemptedHolderCannotResume) {
   const auto boss = ask(resumable("s2", "boss", Priority::kOperator));
   const auto back = ask(resuming("s3", "s1"));
   ASSERT_TRUE(back->refusal);
-  EXPECT_NE(back->refusal->message.find("'boss'"), std::string::npos);
+  EXPECT_NE(back->refusal->message.view().find("'boss'"), std::string::npos);
   rig.tick(200);
   EXPECT_TRUE(boss->lease);
 }
@@ -306,7 +305,7 @@ TEST_F(ResumeTest, AnOperatorWhoLeavesWhileWaitingLeavesAFreeDevice) {
   EXPECT_FALSE(boss->lease);
   EXPECT_EQ(rig.sessions->controller(), "");
   EXPECT_EQ(rig.state(), DeviceState::kIdle);
-  EXPECT_EQ(rig.sessions->settings().stiffness[0], 100.0);
+  EXPECT_EQ(rig.newest().input.settings.stiffness[0], 100.0);
 }
 
 TEST_F(ResumeTest, WhoWaitsGivesWayToAHigherPriority) {
@@ -327,24 +326,23 @@ TEST_F(ResumeTest, WhoWaitsGivesWayToAHigherPriority) {
 
 TEST_F(ResumeTest, TheCarrierOfAStateIsThatOfTheSampleInUse) {
   press();
-  const double x[2] = {0.01, 0.0};
-  server::ProxyCandidate candidate;
-  candidate.epoch = 1;
-  candidate.seq = ++rig.seq;
-  candidate.mode = core::ProxyMode::kHeld;
-  candidate.position = x;
-  candidate.position_size = 2;
+  server::ProxySample sample;
+  sample.epoch = 1;
+  sample.seq = ++rig.seq;
+  sample.mode = core::ProxyMode::kHeld;
+  sample.position = {0.01, 0.0};
+  sample.arrival = rig.now;
+  sample.carrier = server::Carrier::kUdp;
   const core::TickRecord before = rig.newest();
-  candidate.carrier = server::Carrier::kUdp;
-  ASSERT_EQ(rig.sessions->ingress().accept(candidate, rig.now), IngressVerdict::kAccepted);
+  ASSERT_EQ(rig.owner->accept(sample).verdict, IngressVerdict::kAccepted);
   // The newest sample came by UDP; the record's tick used the one before it.
-  EXPECT_EQ(rig.sessions->ingress().carrier(), server::Carrier::kUdp);
-  EXPECT_EQ(rig.sessions->stamp(before).carrier, server::Carrier::kGrpc);
+  EXPECT_EQ(rig.sessions->status().carrier, server::Carrier::kUdp);
+  EXPECT_EQ(rig.sessions->state_of(before).carrier, server::Carrier::kGrpc);
   rig.tick();
-  EXPECT_EQ(rig.sessions->stamp(rig.newest()).carrier, server::Carrier::kUdp);
+  EXPECT_EQ(rig.sessions->state_of(rig.newest()).carrier, server::Carrier::kUdp);
   rig.sessions->close("s1");
   rig.tick(300);
-  EXPECT_EQ(rig.sessions->stamp(rig.newest()).carrier, server::Carrier::kNone);
+  EXPECT_EQ(rig.sessions->state_of(rig.newest()).carrier, server::Carrier::kNone);
 }
 
 }  // namespace

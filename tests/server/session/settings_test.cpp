@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "server/front/messages.hpp"
 #include "tests/server/support/device_rig.hpp"
 
 namespace haptic::test {
@@ -19,12 +20,13 @@ TEST(Settings, AreTightenedAndClampsAreReported) {
   request.force_limit = {50.0};  // the scene's is 10 N
   const auto answer = rig.sessions->update_settings("s1", request);
   ASSERT_TRUE(answer);
-  EXPECT_EQ(answer.value->applied.stiffness[0], 40.0);
-  EXPECT_EQ(answer.value->applied.force_limit[0], 10.0);
-  ASSERT_EQ(answer.value->clamped.size(), 1U);
-  EXPECT_EQ(answer.value->clamped[0].field, "force_limit[0]");
-  EXPECT_EQ(answer.value->clamped[0].asked, 50.0);
-  EXPECT_EQ(answer.value->clamped[0].applied, 10.0);
+  EXPECT_EQ(answer.value->stiffness.value[0], 40.0);
+  EXPECT_EQ(answer.value->force_limit.value[0], 10.0);
+  const v1::UpdateSettingsResponse message = server::to_proto(request, *answer.value);
+  ASSERT_EQ(message.clamped_size(), 1);
+  EXPECT_EQ(message.clamped(0).field(), "force_limit[0]");
+  EXPECT_EQ(message.clamped(0).asked(), 50.0);
+  EXPECT_EQ(message.clamped(0).applied(), 10.0);
   rig.press();
   EXPECT_NEAR(rig.device->force, 0.4, 1e-9);  // 0.01 m at 40 N/m
 }
@@ -37,8 +39,7 @@ TEST(Settings, MayRiseAgainWithinTheScene) {
   ASSERT_TRUE(rig.sessions->update_settings("s1", request));
   request.stiffness = {90.0};
   const auto answer = rig.sessions->update_settings("s1", request);
-  EXPECT_EQ(answer.value->applied.stiffness[0], 90.0);
-  EXPECT_TRUE(answer.value->clamped.empty());
+  EXPECT_EQ(answer.value->stiffness.value[0], 90.0);
 }
 
 TEST(Settings, OfTheWrongSizeOrNoNumberAreRefusedByFieldAndChangeNothing) {
@@ -48,7 +49,7 @@ TEST(Settings, OfTheWrongSizeOrNoNumberAreRefusedByFieldAndChangeNothing) {
     const auto answer = rig.sessions->update_settings("s1", request);
     EXPECT_FALSE(answer);
     EXPECT_EQ(answer.refusal.code, Refusal::Code::kInvalid);
-    return answer.refusal.field;
+    return answer.refusal.field.str();
   };
   SettingsRequest request;
   request.stiffness = {1.0, 2.0};
@@ -61,7 +62,8 @@ TEST(Settings, OfTheWrongSizeOrNoNumberAreRefusedByFieldAndChangeNothing) {
   request.damping = {};
   request.slew_limit = {0.0};
   EXPECT_EQ(refused(request), "slew_limit[0]");
-  EXPECT_EQ(rig.sessions->settings().stiffness[0], 100.0);
+  rig.tick();
+  EXPECT_EQ(rig.newest().input.settings.stiffness[0], 100.0);
 }
 
 TEST(Settings, AreTheControllersAlone) {
@@ -83,14 +85,14 @@ TEST(Settings, TheRendererChangesOnlyWhileNoForceIsOn) {
   request.renderer = RendererKind::kSubspaceLinear;
   const auto answer = rig.sessions->update_settings("s1", request);
   EXPECT_EQ(answer.refusal.code, Refusal::Code::kPrecondition);
-  EXPECT_NE(answer.refusal.message.find("ENGAGED"), std::string::npos);
+  EXPECT_NE(answer.refusal.message.view().find("ENGAGED"), std::string::npos);
 }
 
 TEST(Settings, TheRendererDoesNotChangeUnderAnEngageThatIsOnItsWay) {
   DeviceRig rig;
   rig.control();
   rig.stream(250, 0.01);
-  rig.sessions->engage("s1", [](const server::Outcome<server::Done>&) {});
+  rig.sessions->engage("s1", [](const Outcome<Done>&) {});
   SettingsRequest request;
   request.renderer = RendererKind::kStandard;
   EXPECT_FALSE(rig.sessions->update_settings("s1", request));
@@ -112,9 +114,9 @@ TEST(Settings, AGuardThatASessionSwitchedOnItMaySwitchOff) {
   rig.control();
   SettingsRequest request;
   request.direction_guard = true;
-  EXPECT_TRUE(rig.sessions->update_settings("s1", request).value->applied.direction_guard);
+  EXPECT_TRUE(rig.sessions->update_settings("s1", request).value->direction_guard);
   request.direction_guard = false;
-  EXPECT_FALSE(rig.sessions->update_settings("s1", request).value->applied.direction_guard);
+  EXPECT_FALSE(rig.sessions->update_settings("s1", request).value->direction_guard);
 }
 
 TEST(Settings, GoBackToTheScenesWhenTheLeaseEndedAndNotBeforeForceIsGone) {
@@ -142,7 +144,7 @@ TEST(Settings, ANewControllerStartsWithTheScenes) {
   ASSERT_TRUE(rig.sessions->update_settings("s1", request));
   rig.sessions->close("s1");
   rig.control("s2");
-  EXPECT_EQ(rig.sessions->settings().stiffness[0], 100.0);
+  EXPECT_EQ(rig.newest().input.settings.stiffness[0], 100.0);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ std::vector<Change> changes(server::EventQueue& queue, core::TimePoint last_samp
   std::vector<Change> all;
   while (const auto event = queue.pop()) {
     if (event->kind != DeviceEvent::Kind::kStaleness) continue;
-    all.push_back({event->reason, event->time - last_sample});
+    all.push_back({event->reason.str(), event->time - last_sample});
   }
   return all;
 }

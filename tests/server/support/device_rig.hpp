@@ -1,7 +1,7 @@
 #pragma once
-/// A device with its unit, telemetry and sessions, ticked by hand on virtual time. The map is the
-/// identity (x = q, two coordinates), the spring 100 N/m, so that a force is a proxy's first
-/// coordinate times 100.
+/// A device with its unit, telemetry and owner, and a front by hand, ticked by hand on virtual
+/// time. The map is the identity (x = q, two coordinates), the spring 100 N/m, so that a force is a
+/// proxy's first coordinate times 100.
 
 #include <chrono>
 #include <memory>
@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "haptic/core/model/linear.hpp"
+#include "server/owner/owner.hpp"
 #include "server/rt/device_unit.hpp"
-#include "server/session/device_sessions.hpp"
 #include "server/telemetry/telemetry.hpp"
+#include "tests/server/support/hand_front.hpp"
 #include "tests/server/support/scripted_device.hpp"
 
 namespace haptic::test {
@@ -41,12 +42,14 @@ class DeviceRig {
   static constexpr core::Duration kTick = 1ms;
 
   explicit DeviceRig(core::PipelineConfig config = rig_config(), server::SessionRules rules = {},
-                     core::TimePoint start = core::TimePoint(1h)) {
+                     core::TimePoint start = core::TimePoint(1h), unsigned max_sessions = 32) {
     auto owned = std::make_unique<ScriptedDevice>();
     device = owned.get();
     unit = std::make_unique<server::DeviceUnit>("rig", std::move(owned), std::move(config));
     telemetry = std::make_unique<server::Telemetry>(std::vector<server::DeviceUnit*>{unit.get()});
-    sessions = std::make_unique<server::DeviceSessions>(*unit, *telemetry, 0, rules);
+    owner = std::make_unique<server::Owner>(*telemetry, max_sessions);
+    owner->add(*unit, rules);
+    sessions = HandFront::of(*owner);
     now = start;
   }
 
@@ -58,7 +61,7 @@ class DeviceRig {
     }
   }
 
-  [[nodiscard]] core::TickRecord newest() const { return sessions->newest(); }
+  [[nodiscard]] core::TickRecord newest() const { return telemetry->newest(0); }
   [[nodiscard]] core::DeviceState state() const { return newest().life.state; }
 
   /// Opens a controller of 1 kHz and ticks until it is answered and the device armed.
@@ -77,14 +80,13 @@ class DeviceRig {
   }
 
   server::IngressVerdict publish(double a, double b = 0.0) {
-    const double position[2] = {a, b};
-    server::ProxyCandidate candidate;
-    candidate.epoch = epoch;
-    candidate.seq = ++seq;
-    candidate.mode = core::ProxyMode::kHeld;
-    candidate.position = position;
-    candidate.position_size = 2;
-    return sessions->ingress().accept(candidate, now);
+    server::ProxySample sample;
+    sample.epoch = epoch;
+    sample.seq = ++seq;
+    sample.mode = core::ProxyMode::kHeld;
+    sample.position = {a, b};
+    sample.arrival = now;
+    return owner->accept(sample).verdict;
   }
 
   /// One sample per tick.
@@ -98,9 +100,9 @@ class DeviceRig {
   /// Asks for force and ticks once; the refusal's reason, empty where force was granted.
   std::string engage(const std::string& id = "s1") {
     std::string reason = "(no answer)";
-    sessions->engage(id, [&](const server::Outcome<server::Done>& outcome) {
-      reason = outcome ? "" : outcome.refusal.reason;
-      refusal = outcome.refusal.message;
+    sessions->engage(id, [&](const Outcome<Done>& outcome) {
+      reason = outcome ? "" : outcome.refusal.reason.str();
+      refusal = outcome.refusal.message.str();
     });
     tick();
     return reason;
@@ -116,7 +118,8 @@ class DeviceRig {
   ScriptedDevice* device{nullptr};
   std::unique_ptr<server::DeviceUnit> unit;
   std::unique_ptr<server::Telemetry> telemetry;
-  std::unique_ptr<server::DeviceSessions> sessions;
+  std::unique_ptr<server::Owner> owner;
+  std::shared_ptr<HandFront> sessions;
   core::TimePoint now{};
   std::uint32_t epoch{0};
   std::uint64_t seq{0};

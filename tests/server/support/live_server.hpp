@@ -40,8 +40,8 @@ class LiveServer {
   explicit LiveServer(server::RpcConfig config = {{"127.0.0.1:0"}},
                       core::PipelineConfig pipeline = patient_config(),
                       server::SessionRules rules = {})
-      : rig(std::move(pipeline), rules, server::steady_now()),
-        rpc(std::move(config), {rig.sessions.get()}, *rig.telemetry, [] {
+      : rig(std::move(pipeline), rules, server::steady_now(), config.max_sessions),
+        rpc(std::move(config), *rig.owner, [] {
           server::ServerFacts facts;
           facts.version = "1.2.3";
           facts.scene = "test";

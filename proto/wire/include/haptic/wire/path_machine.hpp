@@ -40,17 +40,8 @@ struct PeerAddress {
 
 struct PathRules {
   Duration nominal_period{std::chrono::milliseconds(16)};  ///< of the samples of this session
-  int challenges{5};                                       ///< per round
-  int needed{4};                                           ///< of them
-  Duration spacing{std::chrono::milliseconds(20)};
-  Duration patience{std::chrono::milliseconds(500)};  ///< after the last challenge of a round
-  Duration least_silence{std::chrono::milliseconds(100)};
-  Duration overdue{std::chrono::milliseconds(30)};  ///< on top of the round trip and 4 variations
-  double lossy{0.30};                               ///< share of our datagrams, over one second
-  Duration first_backoff{std::chrono::milliseconds(500)};
-  Duration longest_backoff{std::chrono::seconds(8)};
-  /// In use for so long, the back-off begins anew.
-  Duration proven_after{std::chrono::seconds(10)};
+  /// An answer is overdue this long after the round trip and four times its variation.
+  Duration overdue{std::chrono::milliseconds(30)};
 };
 
 enum class PathState : std::uint8_t { kOff, kProbing, kInUse, kWaiting };
@@ -78,6 +69,17 @@ struct DueChallenge {
 /// Not thread-safe.
 class PathMachine {
  public:
+  static constexpr int kChallenges = 5;  ///< per round
+  static constexpr int kNeeded = 4;      ///< of them
+  static constexpr Duration kSpacing{std::chrono::milliseconds(20)};
+  static constexpr Duration kPatience{std::chrono::milliseconds(500)};  ///< after a round's last
+  static constexpr Duration kLeastSilence{std::chrono::milliseconds(100)};
+  static constexpr double kLossy = 0.30;  ///< share of our datagrams, over one second
+  static constexpr Duration kFirstBackoff{std::chrono::milliseconds(500)};
+  static constexpr Duration kLongestBackoff{std::chrono::seconds(8)};
+  /// In use for so long, the back-off begins again.
+  static constexpr Duration kProvenAfter{std::chrono::seconds(10)};
+
   /// `token` gives unpredictable numbers (random_token).
   PathMachine(const PathRules& rules, std::function<std::uint64_t()> token);
 

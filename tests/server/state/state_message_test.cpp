@@ -1,8 +1,9 @@
-#include "server/owner/state_message.hpp"
+#include "server/state/state_message.hpp"
 
 #include <gtest/gtest.h>
 
 #include "haptic/schema/fields.hpp"
+#include "server/state/state_record.hpp"
 #include "tests/server/support/device_rig.hpp"
 
 namespace haptic::server {
@@ -19,8 +20,7 @@ core::TickRecord full_record() {
   r.input.device.sample.q = VecQ::Constant(2, 9.0);  // refused: it is not q
   r.input.device.sample.tau_measured = VecA::Ones(1);
   r.sensed.q = r.effort.q_star = VecQ::Ones(2);
-  r.sensed.q_a_dot = r.effort.tau_a = r.effort.tau_elastic = r.effort.drive =
-      r.effort.temperature_c = VecA::Ones(1);
+  r.sensed.q_a_dot = r.effort.tau_a = r.effort.tau_elastic = r.effort.drive = r.effort.temperature_c = VecA::Ones(1);
   r.anchor.x_probe = r.anchor.x = VecX::Ones(2);
   r.life.state = core::DeviceState::kEngaged;
   r.proxy.mode = core::ProxyMode::kHeld;
@@ -46,8 +46,8 @@ TEST(StateMessage, SetsEveryField) {
   StateMessage message(config, 0.1);
   core::TickRecord tracked;
   tracked.sensed.tracker = {true, 0, 1, core::Staleness::kFresh, std::chrono::milliseconds(1)};
-  v1::DeviceState state = message.write(tracked);
-  state.MergeFrom(message.write(full_record(), {Carrier::kUdp, 1}));
+  v1::DeviceState state = message.write(state_record(tracked));
+  state.MergeFrom(message.write(state_record(full_record(), Carrier::kUdp, 1)));
   for (const schema::Leaf& leaf : schema::leaves(*v1::DeviceState::descriptor())) {
     const auto* const holder = schema::holder(state, leaf);
     ASSERT_NE(holder, nullptr) << leaf.name;
@@ -60,7 +60,7 @@ TEST(StateMessage, SetsEveryField) {
 
 TEST(StateMessage, ForgetsTheRecordBefore) {
   StateMessage message;
-  static_cast<void>(message.write(full_record(), {Carrier::kUdp, 1}));
+  static_cast<void>(message.write(state_record(full_record(), Carrier::kUdp, 1)));
   EXPECT_EQ(message.write({}).SerializeAsString(), StateMessage().write({}).SerializeAsString());
 }
 

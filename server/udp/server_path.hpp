@@ -24,18 +24,18 @@ class UdpSink {
   virtual void on_udp_keys(const wire::PathKeys& keys) = 0;
 };
 
-class UdpPath {
+class ServerPath {
  public:
-  UdpPath(wire::PathEndSetup setup, std::weak_ptr<UdpSink> sink);
+  ServerPath(wire::PathEndSetup setup, std::weak_ptr<UdpSink> sink);
 
-  /// A serialised DeviceState. Any thread, never blocks. False where the path is not in use.
+  /// A serialised DeviceState. Any thread, never blocks. False if the path is not in use.
   [[nodiscard]] bool send_state(wire::ConstBytes state);
   [[nodiscard]] bool in_use() const;
   [[nodiscard]] wire::LinkCounters counters() const;
   [[nodiscard]] wire::RoundTrip round_trip() const;
-  /// The client's steady clock against ours, by the path's challenges.
+  /// The client's steady clock against the server's, by the path's challenges.
   [[nodiscard]] std::optional<wire::ClockOffset::Estimate> clock(core::TimePoint now) const;
-  /// What the client says it received of our datagrams, under the keys in use.
+  /// What the client says it received of the server's datagrams, under the keys in use.
   [[nodiscard]] wire::PeerReport peer_report() const;
 
   // The port's.
@@ -47,7 +47,7 @@ class UdpPath {
   /// Its datagrams may come under this path id: of its keys, the next ones or, for a while, the
   /// former.
   [[nodiscard]] bool knows(std::uint32_t path_id, core::TimePoint now);
-  /// Prepares both ends: ours here, the client's by the sink.
+  /// Prepares both ends: this one here, the client's by the sink.
   void rekey(const wire::PathKeys& keys);
   void close();
 

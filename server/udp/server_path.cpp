@@ -1,46 +1,46 @@
-#include "server/udp/udp_path.hpp"
+#include "server/udp/server_path.hpp"
 
 #include <utility>
 
-#include "server/front/link_watch.hpp"
+#include "server/net/wire_time.hpp"
 
 namespace haptic::server {
 
-UdpPath::UdpPath(wire::PathEndSetup setup, std::weak_ptr<UdpSink> sink)
+ServerPath::ServerPath(wire::PathEndSetup setup, std::weak_ptr<UdpSink> sink)
     : end_(std::move(setup)), sink_(std::move(sink)) {}
 
-bool UdpPath::send_state(wire::ConstBytes state) {
+bool ServerPath::send_state(wire::ConstBytes state) {
   const std::lock_guard lock(mutex_);
   return end_.send(state);
 }
 
-bool UdpPath::in_use() const {
+bool ServerPath::in_use() const {
   const std::lock_guard lock(mutex_);
   return end_.in_use();
 }
 
-wire::LinkCounters UdpPath::counters() const {
+wire::LinkCounters ServerPath::counters() const {
   const std::lock_guard lock(mutex_);
   return end_.counters();
 }
 
-wire::RoundTrip UdpPath::round_trip() const {
+wire::RoundTrip ServerPath::round_trip() const {
   const std::lock_guard lock(mutex_);
   return end_.round_trip();
 }
 
-std::optional<wire::ClockOffset::Estimate> UdpPath::clock(core::TimePoint now) const {
+std::optional<wire::ClockOffset::Estimate> ServerPath::clock(core::TimePoint now) const {
   const std::lock_guard lock(mutex_);
   return end_.clock_offset().at(to_wire(now));
 }
 
-wire::PeerReport UdpPath::peer_report() const {
+wire::PeerReport ServerPath::peer_report() const {
   const std::lock_guard lock(mutex_);
   return end_.peer_report();
 }
 
-wire::Rejection UdpPath::receive(wire::ConstBytes datagram, const wire::PeerAddress& from,
-                                 core::TimePoint arrival) {
+wire::Rejection ServerPath::receive(wire::ConstBytes datagram, const wire::PeerAddress& from,
+                                    core::TimePoint arrival) {
   wire::Received received;
   {
     const std::lock_guard lock(mutex_);
@@ -60,7 +60,7 @@ wire::Rejection UdpPath::receive(wire::ConstBytes datagram, const wire::PeerAddr
   return wire::Rejection::kNone;
 }
 
-void UdpPath::step(core::TimePoint now) {
+void ServerPath::step(core::TimePoint now) {
   wire::PathChange change{};
   {
     const std::lock_guard lock(mutex_);
@@ -69,22 +69,22 @@ void UdpPath::step(core::TimePoint now) {
   tell(change);
 }
 
-core::TimePoint UdpPath::next_step() const {
+core::TimePoint ServerPath::next_step() const {
   const std::lock_guard lock(mutex_);
   return core::TimePoint(end_.next_step().time_since_epoch());
 }
 
-bool UdpPath::wants_rekey(core::TimePoint now) const {
+bool ServerPath::wants_rekey(core::TimePoint now) const {
   const std::lock_guard lock(mutex_);
   return end_.wants_rekey(to_wire(now));
 }
 
-bool UdpPath::knows(std::uint32_t path_id, core::TimePoint now) {
+bool ServerPath::knows(std::uint32_t path_id, core::TimePoint now) {
   const std::lock_guard lock(mutex_);
   return end_.knows(path_id, to_wire(now));
 }
 
-void UdpPath::rekey(const wire::PathKeys& keys) {
+void ServerPath::rekey(const wire::PathKeys& keys) {
   {
     const std::lock_guard lock(mutex_);
     end_.rekey(keys, wire::OldKeys::kFadeOut);
@@ -92,12 +92,12 @@ void UdpPath::rekey(const wire::PathKeys& keys) {
   if (const auto sink = sink_.lock()) sink->on_udp_keys(keys);
 }
 
-void UdpPath::close() {
+void ServerPath::close() {
   const std::lock_guard lock(mutex_);
   end_.close();
 }
 
-void UdpPath::tell(wire::PathChange change) {
+void ServerPath::tell(wire::PathChange change) {
   if (change == wire::PathChange::kNone) return;
   if (const auto sink = sink_.lock()) sink->on_udp_change(change);
 }

@@ -1,14 +1,13 @@
 #pragma once
-/// The one place where a tick's record becomes a v1::DeviceState: what streams, datagrams and
-/// recordings say of a tick is the same.
+/// The one place where a state becomes a v1::DeviceState: streams, datagrams and recordings say the
+/// same of a tick.
 
 #include <optional>
 
 #include "haptic/core/analysis/coupling_metric.hpp"
 #include "haptic/core/tick/pipeline.hpp"
-#include "haptic/core/tick/tick_record.hpp"
 #include "haptic/v1/session.pb.h"
-#include "server/session/device_sessions.hpp"
+#include "server/crossing/state_record.hpp"
 
 namespace haptic::server {
 
@@ -21,7 +20,7 @@ class StateMessage {
   StateMessage(const core::PipelineConfig& config, std::optional<double> coupling_softness);
 
   /// Overwrites the message of the call before, and keeps its memory.
-  const v1::DeviceState& write(const core::TickRecord& record, DeviceSessions::Stamp stamp = {});
+  const v1::DeviceState& write(const StateRecord& record);
 
  private:
   struct Coupling {

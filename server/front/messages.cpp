@@ -1,8 +1,6 @@
-#include "server/rpc/convert.hpp"
+#include "server/front/messages.hpp"
 
 #include <algorithm>
-#include <utility>
-#include <vector>
 
 namespace haptic::server {
 namespace {
@@ -15,12 +13,28 @@ void copy(const Vector& from, Doubles* to) {
   to->Add(from.data(), from.data() + from.size());
 }
 
-std::vector<double> values(const Doubles& from) {
-  return {from.begin(), from.end()};
+template <typename To>
+To numbers(const Doubles& from) {
+  return {from.data(), static_cast<std::size_t>(from.size())};
+}
+
+/// Answers what was applied, and reports what was held at the scene's.
+void report(const char* name, const Values& asked, const Values& applied, Doubles* to,
+            v1::UpdateSettingsResponse& message) {
+  to->Clear();
+  to->Add(applied.begin(), applied.end());
+  for (std::size_t i = 0; i < asked.count; ++i) {
+    if (asked.value[i] <= applied.value[i]) continue;
+    auto* entry = message.add_clamped();
+    entry->set_field(std::string(name) + "[" + std::to_string(i) + "]");
+    entry->set_asked(asked.value[i]);
+    entry->set_applied(applied.value[i]);
+    entry->set_why("the scene allows at most this");
+  }
 }
 
 core::Duration duration(const google::protobuf::Duration& message) {
-  // Far beyond any limit of ours, far below what 64 bits of nanoseconds hold.
+  // Far beyond any limit of the server, far below what 64 bits of nanoseconds hold.
   const std::int64_t seconds = std::clamp<std::int64_t>(message.seconds(), -86400, 86400);
   return std::chrono::seconds(seconds) + std::chrono::nanoseconds(message.nanos());
 }
@@ -53,46 +67,39 @@ v1::Event to_proto(const DeviceEvent& event) {
   v1::Event message;
   message.set_kind(static_cast<v1::Event::Kind>(event.kind));
   message.set_server_time_ns(event.time.time_since_epoch().count());
-  message.set_reason(event.reason);
-  message.set_message(event.message);
+  message.set_reason(event.reason.str());
+  message.set_message(event.message.str());
   message.set_state(static_cast<v1::DeviceStateName>(event.state));
   message.set_lease_epoch(event.lease_epoch);
   return message;
 }
 
-v1::UpdateSettingsResponse to_proto(const SettingsAnswer& answer) {
+v1::UpdateSettingsResponse to_proto(const SettingsRequest& asked, const Settings& applied) {
   v1::UpdateSettingsResponse message;
-  const core::RenderSettings& applied = answer.applied;
-  copy(applied.stiffness, message.mutable_stiffness());
-  copy(applied.damping, message.mutable_damping());
-  copy(applied.force_limit, message.mutable_force_limit());
-  copy(applied.slew_limit, message.mutable_slew_limit());
+  report("stiffness", asked.stiffness, applied.stiffness, message.mutable_stiffness(), message);
+  report("damping", asked.damping, applied.damping, message.mutable_damping(), message);
+  report("force_limit", asked.force_limit, applied.force_limit, message.mutable_force_limit(),
+         message);
+  report("slew_limit", asked.slew_limit, applied.slew_limit, message.mutable_slew_limit(), message);
   message.set_renderer(static_cast<v1::Renderer>(applied.renderer));
   message.set_direction_guard(applied.direction_guard);
-  for (const SettingsClamp& clamp : answer.clamped) {
-    auto* entry = message.add_clamped();
-    entry->set_field(clamp.field);
-    entry->set_asked(clamp.asked);
-    entry->set_applied(clamp.applied);
-    entry->set_why(clamp.why);
-  }
   return message;
 }
 
 v1::GetServerInfoResponse to_proto(const ServerFacts& facts) {
   v1::GetServerInfoResponse info;
-  info.set_version(facts.version);
+  info.set_version(facts.version.str());
   info.set_protocol("haptic.v1");
-  info.set_scene(facts.scene);
+  info.set_scene(facts.scene.str());
   v1::RealtimeGrant& realtime = *info.mutable_realtime();
-  realtime.set_requested(facts.realtime.requested);
+  realtime.set_requested(facts.realtime.requested.str());
   realtime.set_sched_fifo(facts.realtime.sched_fifo);
   realtime.set_priority(facts.realtime.priority);
   realtime.set_memory_locked(facts.realtime.memory_locked);
   realtime.set_timer_slack(facts.realtime.timer_slack);
   realtime.set_cpu(facts.realtime.cpu);
-  realtime.set_grade(facts.realtime.grade);
-  realtime.set_explanation(facts.realtime.explanation);
+  realtime.set_grade(facts.realtime.grade.str());
+  realtime.set_explanation(facts.realtime.explanation.str());
   v1::LoopStatistics& loop = *info.mutable_loop();
   loop.set_ticks(facts.loop.ticks);
   loop.set_skipped(facts.loop.skipped);
@@ -103,16 +110,16 @@ v1::GetServerInfoResponse to_proto(const ServerFacts& facts) {
   loop.set_tick_p99_us(facts.loop.tick_p99_us);
   loop.set_records_dropped(facts.loop.records_dropped);
   loop.set_paced_by_sample(facts.loop.paced_by_sample);
-  loop.set_paced_by(facts.loop.paced_by);
+  loop.set_paced_by(facts.loop.paced_by.str());
   set(*info.mutable_uptime(), facts.uptime);
   return info;
 }
 
-v1::Device describe(const DeviceSessions& device, core::Duration period) {
+v1::Device describe(const DeviceFacts& facts, const DeviceStatus& status, core::Duration period) {
   v1::Device message;
-  const hw::DeviceInfo& info = device.unit().device().info();
-  const core::PipelineConfig& config = device.unit().config();
-  message.set_name(device.name());
+  const hw::DeviceInfo& info = *facts.info;
+  const core::PipelineConfig& config = *facts.config;
+  message.set_name(facts.name);
   message.set_kind(info.kind);
   message.set_model(info.model);
   message.set_serial(info.serial);
@@ -146,73 +153,57 @@ v1::Device describe(const DeviceSessions& device, core::Duration period) {
   copy(config.scene.slew_limit, message.mutable_slew_limit());
   copy(config.scene.engage_window, message.mutable_engage_window());
   message.set_loop_rate_hz(1.0 / core::seconds(period));
-  const core::TickRecord newest = device.newest();
-  message.set_state(static_cast<v1::DeviceStateName>(newest.life.state));
-  message.set_faults(newest.faults().bits());
-  message.set_controller(device.controller());
-  message.set_renderer(static_cast<v1::Renderer>(device.settings().renderer));
-  message.set_observers(device.observers());
-  if (const DeviceTracker* const tracker = device.tracker()) {
+  message.set_state(static_cast<v1::DeviceStateName>(status.state));
+  message.set_faults(status.faults.bits());
+  message.set_controller(status.controller.str());
+  message.set_renderer(static_cast<v1::Renderer>(status.renderer));
+  message.set_observers(status.observers);
+  if (config.tracker) {
     message.set_wants_tracker(true);
-    message.set_tracker(tracker->client_name());
+    message.set_tracker(status.tracker.str());
   }
   return message;
 }
 
-void to_proto(const wire::PathKeys& keys, const UdpPort& port, v1::UdpPath& message) {
-  const auto bytes = [](const auto& array) { return std::string(array.begin(), array.end()); };
-  message.set_host(port.host());
-  message.set_port(port.port());
-  message.set_path_id(keys.path_id);
-  message.set_up_key(bytes(keys.up.key));
-  message.set_up_salt(bytes(keys.up.salt));
-  message.set_down_key(bytes(keys.down.key));
-  message.set_down_salt(bytes(keys.down.salt));
+SessionId session_id(const std::string& text) {
+  constexpr std::size_t kLongest = 32;
+  return text.size() <= kLongest ? SessionId(text) : SessionId();
 }
 
-ProxyCandidate from_proto(const v1::ProxySample& sample, std::uint32_t epoch, Carrier carrier) {
-  ProxyCandidate candidate;
-  candidate.carrier = carrier;
-  candidate.epoch = epoch;
-  candidate.seq = sample.seq();
-  if (sample.mode() == v1::PROXY_MODE_HELD) candidate.mode = core::ProxyMode::kHeld;
-  if (sample.mode() == v1::PROXY_MODE_FREE) candidate.mode = core::ProxyMode::kFree;
-  if (sample.mode() == v1::PROXY_MODE_PLANES) candidate.mode = core::ProxyMode::kPlanes;
-  candidate.plane_count = sample.planes_size();
-  const int taken = std::min(candidate.plane_count, static_cast<int>(candidate.planes.size()));
+void from_proto(const v1::ProxySample& message, ProxySample& sample) {
+  sample.seq = message.seq();
+  if (message.mode() == v1::PROXY_MODE_HELD) sample.mode = core::ProxyMode::kHeld;
+  if (message.mode() == v1::PROXY_MODE_FREE) sample.mode = core::ProxyMode::kFree;
+  if (message.mode() == v1::PROXY_MODE_PLANES) sample.mode = core::ProxyMode::kPlanes;
+  sample.valid_for = std::chrono::microseconds(message.valid_for_us());
+  sample.position = numbers<Coordinates>(message.position());
+  sample.plane_count = static_cast<std::uint32_t>(message.planes_size());
+  const int taken = std::min(message.planes_size(), core::kMaxPlanes);
   for (int i = 0; i < taken; ++i) {
-    const v1::Plane& plane = sample.planes(i);
-    candidate.planes[static_cast<std::size_t>(i)] = {plane.normal().data(), plane.normal_size(),
-                                                     plane.offset()};
+    const v1::Plane& plane = message.planes(i);
+    sample.planes[static_cast<std::size_t>(i)] = {numbers<Coordinates>(plane.normal()),
+                                                  plane.offset()};
   }
-  candidate.valid_for = std::chrono::microseconds(sample.valid_for_us());
-  candidate.position = sample.position().data();
-  candidate.position_size = sample.position_size();
-  return candidate;
 }
 
-PoseCandidate from_proto(const v1::TrackerSample& sample) {
-  PoseCandidate candidate;
-  candidate.seq = sample.seq();
-  candidate.valid_for = std::chrono::microseconds(sample.valid_for_us());
-  candidate.position = sample.position().data();
-  candidate.position_size = sample.position_size();
-  candidate.orientation = sample.orientation().data();
-  candidate.orientation_size = sample.orientation_size();
-  return candidate;
+PoseSample from_proto(const v1::TrackerSample& message) {
+  PoseSample pose;
+  pose.seq = message.seq();
+  pose.valid_for = std::chrono::microseconds(message.valid_for_us());
+  pose.position = numbers<Numbers<3>>(message.position());
+  pose.orientation = numbers<Numbers<4>>(message.orientation());
+  return pose;
 }
 
-LeaseRequest from_proto(const v1::OpenSession& open, std::string session_id,
-                        std::string client_name) {
+LeaseRequest from_proto(const v1::OpenSession& open, const std::string& client_name) {
   LeaseRequest request;
-  request.session_id = std::move(session_id);
-  request.client_name = std::move(client_name);
+  request.client_name = client_name;
   request.nominal_rate_hz = open.nominal_rate_hz();
   if (open.priority() != v1::PRIORITY_UNSPECIFIED) {
     request.priority = static_cast<Priority>(open.priority());
   }
   request.resumable = open.resumable();
-  request.resume = open.resume();
+  request.resume = session_id(open.resume());
   if (open.has_fresh_end()) request.fresh_end = duration(open.fresh_end());
   if (open.has_hold_end()) request.hold_end = duration(open.hold_end());
   if (open.has_fade_end()) request.fade_end = duration(open.fade_end());
@@ -221,10 +212,10 @@ LeaseRequest from_proto(const v1::OpenSession& open, std::string session_id,
 
 Outcome<SettingsRequest> from_proto(const v1::UpdateSettingsRequest& message) {
   SettingsRequest request;
-  request.stiffness = values(message.stiffness());
-  request.damping = values(message.damping());
-  request.force_limit = values(message.force_limit());
-  request.slew_limit = values(message.slew_limit());
+  request.stiffness = numbers<Values>(message.stiffness());
+  request.damping = numbers<Values>(message.damping());
+  request.force_limit = numbers<Values>(message.force_limit());
+  request.slew_limit = numbers<Values>(message.slew_limit());
   if (message.renderer() < v1::RENDERER_UNSPECIFIED ||
       message.renderer() > v1::RENDERER_SUBSPACE_EXACT) {
     return Refusal{Refusal::Code::kInvalid, "INVALID_ARGUMENT",

@@ -1,0 +1,21 @@
+#pragma once
+/// A value, or why there is none.
+
+#include <optional>
+#include <utility>
+
+#include "server/crossing/crossing.hpp"
+
+namespace haptic::server {
+
+template <typename T>
+struct Outcome {
+  std::optional<T> value{};
+  Refusal refusal{};
+
+  Outcome(T granted) : value(std::move(granted)) {}      // NOLINT(google-explicit-constructor)
+  Outcome(const Refusal& refused) : refusal(refused) {}  // NOLINT(google-explicit-constructor)
+  explicit operator bool() const noexcept { return value.has_value(); }
+};
+
+}  // namespace haptic::server

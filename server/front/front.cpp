@@ -1,0 +1,78 @@
+#include "server/front/front.hpp"
+
+#include <utility>
+
+#include "server/front/refusals.hpp"
+
+namespace haptic::server {
+
+namespace {
+
+/// Requests of several fronts must not have the same id.
+std::uint64_t first_id() {
+  static std::atomic<std::uint64_t> fronts{0};
+  return ++fronts << 40;
+}
+
+}  // namespace
+
+Front::Front(OwnerPort& owner)
+    : owner_(owner), last_id_(first_id()), queues_(owner.devices().size()) {}
+
+Outcome<std::size_t> Front::device(const std::string& name) const {
+  const std::vector<DeviceFacts>& devices = owner_.devices();
+  std::string names;
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    if (devices[i].name == name || (name.empty() && devices.size() == 1)) return i;
+    names += (i > 0 ? ", '" : "'") + devices[i].name + "'";
+  }
+  if (name.empty()) return invalid_field("device", "is empty: must be one of " + names);
+  return Refusal{Refusal::Code::kNotFound, "NO_SUCH_DEVICE",
+                 "device '" + sanitised(name, 64) + "': must be one of " + names, "device"};
+}
+
+std::uint64_t Front::ask(Request request, Answered answered) {
+  request.id = ++last_id_;
+  {
+    const std::lock_guard lock(mutex_);
+    open_[request.id] = std::move(answered);
+  }
+  owner_.post(request);
+  return request.id;
+}
+
+Front::Answered Front::take(std::uint64_t id) {
+  const std::lock_guard lock(mutex_);
+  auto entry = open_.extract(id);
+  return entry ? std::move(entry.mapped()) : Answered{};
+}
+
+void Front::cancel(std::uint64_t id) {
+  if (!take(id)) return;
+  Request request;
+  request.kind = Request::Kind::kCancel;
+  request.id = id;
+  owner_.post(request);
+}
+
+void Front::on_answer(const Answer& answer) {
+  if (const Answered answered = take(answer.id)) answered(answer);
+}
+
+std::shared_ptr<EventQueue> Front::subscribe(std::size_t device) {
+  auto queue = std::make_shared<EventQueue>();
+  const std::lock_guard lock(mutex_);
+  queues_[device].push_back(queue);
+  return queue;
+}
+
+void Front::on_event(std::size_t device, const DeviceEvent& event) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(queues_[device], [&](const std::weak_ptr<EventQueue>& weak) {
+    const auto queue = weak.lock();
+    if (queue) queue->push(event);
+    return !queue;
+  });
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,57 @@
+#pragma once
+/// The front without a transport: which call waits for which answer of the owner, and who hears the
+/// events of a device.
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "server/crossing/outcome.hpp"
+#include "server/crossing/ports.hpp"
+#include "server/front/event_queue.hpp"
+
+namespace haptic::server {
+
+class Front : public FrontPort {
+ public:
+  using Answered = std::function<void(const Answer&)>;
+
+  /// `owner` must outlive this.
+  explicit Front(OwnerPort& owner);
+
+  [[nodiscard]] OwnerPort& owner() const noexcept { return owner_; }
+  [[nodiscard]] const DeviceFacts& facts(std::size_t device) const {
+    return owner_.devices().at(device);
+  }
+  /// A device by name; empty: the only one. Refused: NO_SUCH_DEVICE, or empty with several devices.
+  [[nodiscard]] Outcome<std::size_t> device(const std::string& name) const;
+
+  /// Posts `request` under an id, which is the answer. `answered` is called once, at once or later
+  /// on the telemetry drain's thread, unless the request is cancelled; it must not block.
+  std::uint64_t ask(Request request, Answered answered);
+  /// Posts a request that has no answer.
+  void tell(const Request& request) { owner_.post(request); }
+  /// Gives up on an answer.
+  void cancel(std::uint64_t id);
+
+  /// The events of a device from now on, as long as the queue lives.
+  [[nodiscard]] std::shared_ptr<EventQueue> subscribe(std::size_t device);
+
+  void on_answer(const Answer& answer) override;
+  void on_event(std::size_t device, const DeviceEvent& event) override;
+
+ private:
+  [[nodiscard]] Answered take(std::uint64_t id);
+
+  OwnerPort& owner_;
+  std::atomic<std::uint64_t> last_id_;
+  std::mutex mutex_;
+  std::unordered_map<std::uint64_t, Answered> open_;
+  std::vector<std::vector<std::weak_ptr<EventQueue>>> queues_;  ///< per device
+};
+
+}  // namespace haptic::server

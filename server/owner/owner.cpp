@@ -1,0 +1,179 @@
+#include "server/owner/owner.hpp"
+
+#include <utility>
+
+#include "server/state/state_record.hpp"
+
+namespace haptic::server {
+namespace {
+
+Refusal no_such_session() {
+  return {Refusal::Code::kPermission, "NOT_CONTROLLER", "session_id: no such session is open"};
+}
+
+bool names_device(Request::Kind kind) {
+  return kind == Request::Kind::kAdmitSession || kind == Request::Kind::kAdmitWatch ||
+         kind == Request::Kind::kStop || kind == Request::Kind::kClear;
+}
+
+}  // namespace
+
+/// A device's place at the telemetry.
+class Owner::Device final : public RecordListener {
+ public:
+  Device(Owner& owner, std::size_t place, DeviceUnit& device, const SessionRules& rules)
+      : index(place), unit(device), sessions(device, rules), owner_(owner) {
+    owner_.telemetry_.add(index, this);
+  }
+  ~Device() override { owner_.telemetry_.remove(index, this); }
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  void on_record(const core::TickRecord& record) override { owner_.on_record(*this, record); }
+  void on_newest(const core::TickRecord& /*record*/) override {
+    for (const auto& front : owner_.fronts()) front->on_newest(index, newest);
+  }
+
+  /// The drain stays awake at the end of a tick while a connected controller feels the wake-up.
+  void watch_while_controlled() {
+    const bool controlled = sessions.lease().held() && !sessions.lease().detached();
+    if (controlled == std::exchange(watched_, controlled)) return;
+    owner_.telemetry_.watch(controlled ? 1 : -1);
+  }
+
+  const std::size_t index;
+  DeviceUnit& unit;
+  DeviceSessions sessions;
+  StateRecord newest{};  ///< the drain's
+
+ private:
+  Owner& owner_;
+  bool watched_{false};
+};
+
+Owner::Owner(Telemetry& telemetry, unsigned max_sessions)
+    : telemetry_(telemetry), registry_(max_sessions) {}
+
+Owner::~Owner() = default;
+
+void Owner::add(DeviceUnit& unit, const SessionRules& rules) {
+  facts_.push_back({unit.name(), &unit.device().info(), &unit.config(), rules.lease_timeout,
+                    rules.coupling_softness});
+  devices_.push_back(std::make_unique<Device>(*this, devices_.size(), unit, rules));
+}
+
+void Owner::connect(std::weak_ptr<FrontPort> front) {
+  const std::lock_guard lock(mutex_);
+  fronts_.push_back(std::move(front));
+}
+
+Owner::Fronts Owner::fronts() {
+  Fronts alive;
+  const std::lock_guard lock(mutex_);
+  for (const auto& weak : fronts_) {
+    if (auto front = weak.lock()) alive.push_back(std::move(front));
+  }
+  return alive;
+}
+
+template <typename Act>
+void Owner::serve(const Act& act) {
+  const Fronts fronts = this->fronts();
+  std::vector<Answer> answers;
+  {
+    const std::lock_guard lock(mutex_);
+    act(answers);
+    for (const auto& device : devices_) {
+      device->watch_while_controlled();
+      const Outbox out = device->sessions.take();
+      for (const DeviceEvent& event : out.events) {
+        for (const auto& front : fronts) front->on_event(device->index, event);
+      }
+      answers.insert(answers.end(), out.answers.begin(), out.answers.end());
+    }
+  }
+  for (const Answer& answer : answers) {
+    for (const auto& front : fronts) front->on_answer(answer);
+  }
+}
+
+void Owner::begin_closing() {
+  serve([this](auto&) {
+    for (const auto& device : devices_) device->sessions.begin_closing();
+  });
+}
+
+void Owner::post(const Request& request) {
+  serve([&](std::vector<Answer>& answers) { handle(request, answers); });
+}
+
+void Owner::handle(const Request& request, std::vector<Answer>& answers) {
+  using Kind = Request::Kind;
+  if (request.kind == Kind::kCancel) {
+    for (const auto& device : devices_) device->sessions.handle(request);
+    return;
+  }
+  std::optional<std::size_t> device = request.device;
+  if (!names_device(request.kind)) device = registry_.device_of(request.session_id);
+  const bool ending = request.kind == Kind::kClose || request.kind == Kind::kLose;
+  if (!device || *device >= devices_.size()) {
+    if (!ending) answers.emplace_back(Answer{request.id, no_such_session()});
+    return;
+  }
+  DeviceSessions& sessions = devices_[*device]->sessions;
+  if (request.kind == Kind::kAdmitSession || request.kind == Kind::kAdmitWatch) {
+    const bool watch = request.kind == Kind::kAdmitWatch;
+    const auto id =
+        registry_.admit(watch ? SessionRegistry::Kind::kWatch : SessionRegistry::Kind::kSession,
+                        *device, sessions.would_resume(request.session_id));
+    Answer& answer = answers.emplace_back(Answer{request.id});
+    if (id) {
+      answer.session_id = *id.value;
+    } else {
+      answer.refusal = id.refusal;
+    }
+    return;
+  }
+  sessions.handle(request);
+  if (ending) registry_.remove(request.session_id);
+}
+
+Verdict Owner::accept(const ProxySample& sample) {
+  const std::lock_guard lock(mutex_);
+  return devices_.at(sample.device)->sessions.accept(sample);
+}
+
+Verdict Owner::accept(const PoseSample& pose) {
+  const std::lock_guard lock(mutex_);
+  return devices_.at(pose.device)->sessions.accept(pose);
+}
+
+DeviceStatus Owner::status(std::size_t device) const {
+  const std::vector<hw::LinkCount> counts = devices_.at(device)->unit.device().link_counts();
+  const std::lock_guard lock(mutex_);
+  DeviceStatus status = devices_[device]->sessions.status();
+  for (const hw::LinkCount& n : counts) {
+    if (status.link_count == status.link.size()) break;
+    status.link[status.link_count++] = {n.end, n.what, n.frames};
+  }
+  status.sessions = registry_.count(SessionRegistry::Kind::kSession, device);
+  const bool holder_listens = registry_.device_of(status.holder).has_value();
+  status.observers = status.sessions + registry_.count(SessionRegistry::Kind::kWatch, device) -
+                     (holder_listens ? 1U : 0U);
+  return status;
+}
+
+const StateRecord& Owner::newest(std::size_t device) const {
+  return devices_.at(device)->newest;
+}
+
+void Owner::on_record(Device& device, const core::TickRecord& record) {
+  serve([&](auto&) {
+    device.sessions.step(record);
+    const DeviceSessions::Stamp stamp = device.sessions.stamp(record);
+    device.newest = state_record(record, stamp.carrier, stamp.lease_epoch);
+  });
+  for (const auto& front : fronts()) front->on_tick(device.index, device.newest);
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,62 @@
+#pragma once
+/// The border of the owner: requests and samples come in from any thread, records from the
+/// telemetry drain; answers, events and states go out to the front. One lock lies at this border;
+/// behind it (sessions, ingress, tracker) everything is single-threaded.
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "server/crossing/ports.hpp"
+#include "server/session/device_sessions.hpp"
+#include "server/session/session_registry.hpp"
+#include "server/telemetry/telemetry.hpp"
+
+namespace haptic::server {
+
+class Owner final : public OwnerPort {
+ public:
+  /// Session streams are limited to `max_sessions`, and so are watches. `telemetry` must outlive
+  /// this.
+  explicit Owner(Telemetry& telemetry, unsigned max_sessions = 32);
+  ~Owner() override;
+  Owner(const Owner&) = delete;
+  Owner& operator=(const Owner&) = delete;
+
+  /// The next device, which is that unit of the telemetry. Before any other call; `unit` must
+  /// outlive this.
+  void add(DeviceUnit& unit, const SessionRules& rules);
+  /// SIGTERM: DeviceSessions::begin_closing() of every device.
+  void begin_closing();
+
+  [[nodiscard]] const std::vector<DeviceFacts>& devices() const noexcept override { return facts_; }
+  void connect(std::weak_ptr<FrontPort> front) override;
+  void post(const Request& request) override;
+  [[nodiscard]] Verdict accept(const ProxySample& sample) override;
+  [[nodiscard]] Verdict accept(const PoseSample& pose) override;
+  [[nodiscard]] DeviceStatus status(std::size_t device) const override;
+  /// The state of the newest record. The telemetry drain's thread only.
+  [[nodiscard]] const StateRecord& newest(std::size_t device) const;
+
+ private:
+  class Device;
+  /// Calls `act` under the lock and hands out what came of it: events under the lock, so that they
+  /// keep their order; answers when it is free again, because a front may post its next request
+  /// from within one.
+  template <typename Act>
+  void serve(const Act& act);
+  void handle(const Request& request, std::vector<Answer>& answers);
+  void on_record(Device& device, const core::TickRecord& record);
+  using Fronts = std::vector<std::shared_ptr<FrontPort>>;
+  [[nodiscard]] Fronts fronts();
+
+  Telemetry& telemetry_;
+  std::vector<DeviceFacts> facts_;
+  std::vector<std::unique_ptr<Device>> devices_;
+
+  mutable std::mutex mutex_;
+  SessionRegistry registry_;
+  std::vector<std::weak_ptr<FrontPort>> fronts_;
+};
+
+}  // namespace haptic::server

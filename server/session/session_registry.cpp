@@ -1,0 +1,57 @@
+#include "server/session/session_registry.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <random>
+#include <string>
+
+namespace haptic::server {
+namespace {
+
+std::string random_name() {
+  std::random_device entropy;  // the operating system's own source, not a seeded sequence
+  std::string name;
+  for (int i = 0; i < 4; ++i) {
+    char part[9];
+    std::snprintf(part, sizeof part, "%08x", entropy());
+    name += part;
+  }
+  return name;
+}
+
+}  // namespace
+
+Outcome<SessionId> SessionRegistry::admit(Kind kind, std::size_t device, bool resumes) {
+  if (count(kind) >= limit_ && !resumes) {
+    const std::string limit = std::to_string(limit_);
+    return Refusal{Refusal::Code::kExhausted,
+                   "TOO_MANY_SESSIONS",
+                   std::string(kind == Kind::kSession ? "sessions" : "watches") + ": all " + limit +
+                       " are taken",
+                   {},
+                   {{"limit", limit}}};
+  }
+  std::string name = random_name();
+  const SessionId id = name;
+  entries_[std::move(name)] = {kind, device};
+  return id;
+}
+
+void SessionRegistry::remove(const SessionId& id) {
+  const auto entry = entries_.find(id.view());
+  if (entry != entries_.end()) entries_.erase(entry);
+}
+
+std::optional<std::size_t> SessionRegistry::device_of(const SessionId& id) const {
+  const auto entry = entries_.find(id.view());
+  if (entry == entries_.end()) return std::nullopt;
+  return entry->second.device;
+}
+
+unsigned SessionRegistry::count(Kind kind, std::optional<std::size_t> device) const {
+  return static_cast<unsigned>(std::count_if(entries_.begin(), entries_.end(), [&](const auto& e) {
+    return e.second.kind == kind && (!device || e.second.device == *device);
+  }));
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,37 @@
+#pragma once
+/// The sessions and watches that are open, by their secret names.
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "server/crossing/outcome.hpp"
+
+namespace haptic::server {
+
+class SessionRegistry {
+ public:
+  /// Session streams and watches are limited apart, so that watchers never keep a controller out.
+  explicit SessionRegistry(unsigned limit_of_each) : limit_(limit_of_each) {}
+
+  enum class Kind : std::uint8_t { kSession, kWatch };
+  /// A fresh name for a stream on `device`. Refused: RESOURCE_EXHAUSTED, unless the session
+  /// `resumes` the lease of the device, which no stranger may keep out: that is one more per device
+  /// at most.
+  [[nodiscard]] Outcome<SessionId> admit(Kind kind, std::size_t device, bool resumes = false);
+  void remove(const SessionId& id);
+  /// The device of an open session or watch; absent: there is none of that name.
+  [[nodiscard]] std::optional<std::size_t> device_of(const SessionId& id) const;
+  [[nodiscard]] unsigned count(Kind kind, std::optional<std::size_t> device = {}) const;
+
+ private:
+  struct Entry {
+    Kind kind{Kind::kSession};
+    std::size_t device{0};
+  };
+  const unsigned limit_;
+  std::map<std::string, Entry, std::less<>> entries_;
+};
+
+}  // namespace haptic::server

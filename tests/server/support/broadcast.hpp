@@ -1,0 +1,26 @@
+#pragma once
+/// A Broadcaster of device 0, fed by an owner as the server's own is.
+
+#include <memory>
+
+#include "server/rpc/broadcaster.hpp"
+
+namespace haptic::test {
+
+struct Broadcast final : server::FrontPort {
+  Broadcast(server::OwnerPort& owner, server::WatchBudget budget)
+      : broadcaster(budget, owner.devices().front()) {}
+
+  static std::shared_ptr<Broadcast> of(server::OwnerPort& owner, double states_per_second) {
+    auto made = std::make_shared<Broadcast>(owner, server::WatchBudget(states_per_second));
+    owner.connect(made);
+    return made;
+  }
+  void on_newest(std::size_t /*device*/, const server::StateRecord& state) override {
+    broadcaster.on_newest(state);
+  }
+
+  server::Broadcaster broadcaster;
+};
+
+}  // namespace haptic::test

@@ -78,8 +78,7 @@ device {
 
 }  // namespace
 
-Daemon::Daemon()
-    : tcp_port_(free_port(SOCK_STREAM)), udp_port_(free_port(SOCK_DGRAM)) {
+Daemon::Daemon() : tcp_port_(free_port(SOCK_STREAM)), udp_port_(free_port(SOCK_DGRAM)) {
   static std::atomic<int> number{0};
   folder_ = std::filesystem::temp_directory_path() /
             ("haptic-network-" + std::to_string(getpid()) + "-" + std::to_string(number++));

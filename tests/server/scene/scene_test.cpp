@@ -58,15 +58,15 @@ TEST(Scene, SimulatedHandDefaults) {
 }
 
 TEST(Scene, GivenValuesReachTheirStructs) {
-  const server::Scene scene = parse(
-      replaced(kLinear, "limits {", R"(staleness {
+  const server::Scene scene =
+      parse(replaced(kLinear, "limits {", R"(staleness {
     fresh_end { nanos: 15000000 }
     hold_end { nanos: 60000000 }
     fade_end { nanos: 110000000 }
   }
   null_space {}
   limits { slew_n_per_s: 7 engage_window_n: 1.5)") +
-      R"(server { listen: ["[::1]:0", "unix:/run/h.sock"] lease_timeout { seconds: 5 }
+            R"(server { listen: ["[::1]:0", "unix:/run/h.sock"] lease_timeout { seconds: 5 }
                   max_sessions: 3 }
 loop { period { nanos: 500000 } loop_late_fault { nanos: 4000000 } priority: 7 cpu: 1 }
 record { file: "run.csv" compare_renderers: true })");

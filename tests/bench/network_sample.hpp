@@ -10,7 +10,6 @@ inline void fill(v1::ProxySample& sample, std::uint64_t seq) {
   sample.Clear();
   sample.set_seq(seq);
   sample.set_mode(v1::PROXY_MODE_HELD);
-  sample.set_mode_epoch(1);
   sample.set_source_time_ns(now_ns());
   sample.set_device_seq_used(1'000'000 + seq);
   sample.set_hold_us(4000);

@@ -11,8 +11,8 @@
 
 namespace haptic::hw {
 
-/// The device's own dynamics per actuated DoF, without the hand: it may let go. Empty: not known, or
-/// nothing moves.
+/// The device's own dynamics per actuated DoF, without the hand: it may let go. Empty: not known,
+/// or nothing moves.
 struct OwnDynamics {
   core::VecA damping{};  ///< N s/m or N m s/rad
   core::VecA inertia{};  ///< kg or kg m^2
@@ -29,9 +29,10 @@ class DeviceConfig {
  public:
   virtual ~DeviceConfig() = default;
 
-  /// Opens the device; may block. Throws DeviceError: a file that cannot be read (path, line, column
-  /// and what is expected), a value that is not allowed, a kinematics the device does not go with.
-  /// `longest_lateness`: loop_late_fault; a device with a watchdog refuses unless its own is longer.
+  /// Opens the device; may block. Throws DeviceError: a file that cannot be read (path, line,
+  /// column and what is expected), a value that is not allowed, a kinematics the device does not go
+  /// with. `longest_lateness`: loop_late_fault; a device with a watchdog refuses unless its own is
+  /// longer.
   [[nodiscard]] virtual std::unique_ptr<Device> open(
       std::shared_ptr<const core::Kinematics> kinematics,
       core::Duration longest_lateness) const = 0;
@@ -39,8 +40,8 @@ class DeviceConfig {
   /// n_a, N or N m: the scene's force limits must not exceed it.
   [[nodiscard]] virtual core::VecA effort() const = 0;
 
-  /// False (simulated, replayed): a late command cannot hurt anyone, so the loop's default limits on
-  /// lateness are wide, and --check-scene opens the device.
+  /// False (simulated, replayed): a late command cannot hurt anyone, so the loop's default limits
+  /// on lateness are wide, and --check-scene opens the device.
   [[nodiscard]] virtual bool is_hardware() const noexcept { return true; }
   /// The device has a sample_signal(), so it can pace the loop.
   [[nodiscard]] virtual bool has_sample_clock() const noexcept { return false; }

@@ -1,11 +1,11 @@
--- Wireshark's view of hapticd's datagrams (proto/README.md, "The UDP path"): what stands in the clear, and
--- what is wrong with it. The payload stays sealed; keys are never in a file.
+-- Wireshark's view of hapticd's datagrams (proto/README.md, "The UDP path"): what stands in the
+-- clear, and what is wrong with it. The payload stays sealed; keys are never in a file.
 --
 --   tshark -X lua_script:proto/hapticd.lua -r capture.pcap -Y hapticd
 --   wireshark -X lua_script:proto/hapticd.lua
 --
--- Datagrams are known by their first bytes, whatever the port; "Decode As... HAPTICD" shows those whose first
--- bytes are wrong too.
+-- Datagrams are known by their first bytes, whatever the port; "Decode As... HAPTICD" shows those
+-- whose first bytes are wrong too.
 
 local hapticd = Proto("hapticd", "hapticd datagram")
 
@@ -45,8 +45,8 @@ local e = {
 }
 hapticd.experts = { e.length, e.magic, e.version, e.type, e.number, e.payload, e.repeated, e.too_old }
 
--- Packet numbers by flow and path id, in the order of the capture: the first pass fills them, and what it
--- found of a frame stays.
+-- Packet numbers by flow and path id, in the order of the capture: the first pass fills them, and
+-- what it found of a frame stays.
 local flows, verdicts
 
 function hapticd.init()

@@ -2,7 +2,8 @@
 # The main job in one command: a finger in an exoskeleton (simulated) closes on a soft object that
 # another process simulates. Shows it live, prints a summary, leaves pictures.
 #
-#   server/demo.sh [--seconds N] [--motion FILE] [--serial] [--output DIR] [--no-build] [--build DIR]
+#   server/demo.sh [--seconds N] [--motion FILE] [--serial] [--output DIR]
+#                  [--no-build] [--build DIR]
 #
 #   --seconds N    stop after N s (default 20)
 #   --motion FILE  moves the hand by a recording: CSV, columns time_s,q_o1_mcp_rad,q_o2_pip_rad
@@ -44,7 +45,8 @@ if $build; then
   sh "$root/docker/install-deps.sh" build demo
   (
     cd "$root"
-    # Without the tests, whose packages the demo does not install; a folder that has them keeps them.
+    # Without the tests, whose packages the demo does not install; a folder that has them keeps
+    # them.
     [[ -f build/release/build.ninja ]] ||
       cmake --preset release -DHAPTIC_BUILD_TESTS=OFF --log-level=WARNING >/dev/null
     cmake --build --preset release --parallel "$(nproc)" \
@@ -98,8 +100,9 @@ end() {  # end NAME: asks it to stop and returns its exit status
 }
 
 scene=$root/server/scenes/finger_soft_grasp.textproto
-# Nobody wears this device, and the host of a shared machine takes the processors away for tens of ms,
-# again and again: what would be a fault of a real one is counted in the summary (lateness, skipped ticks).
+# Nobody wears this device, and the host of a shared machine takes the processors away for tens of
+# ms, again and again: what would be a fault of a real one is counted in the summary (lateness,
+# skipped ticks).
 settings=(--set "record.file=\"$recording\"" --set record.compare_renderers=true
   --set loop.loop_late_fault.nanos=100000000 --set loop.late_bucket_full=1000000)
 if $serial; then
@@ -115,8 +118,8 @@ if $serial; then
     sleep 0.1
   done
   settings+=(--set "device[0].board={ port: \"$port\" max_effort: 40 max_silence { nanos: 100000000 } }"
-    # What the observer knows of a simulated finger it must be told of a device: what moves for certain
-    # beyond the load cell, the end of the rod (hw/emulator/rig.cpp).
+    # What the observer knows of a simulated finger it must be told of a device: what moves for
+    # certain beyond the load cell, the end of the rod (hw/emulator/rig.cpp).
     --set device[0].passivity.observer.inertia_kg=0.02
     --set device[0].passivity.device_damping_n_s_per_m=0.5)
 elif [[ -n $motion ]]; then

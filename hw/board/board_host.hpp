@@ -92,9 +92,9 @@ class BoardHost {
   [[nodiscard]] const HostCounters& counters() const noexcept { return counters_; }
   [[nodiscard]] const ClockMap& clock() const noexcept { return clock_; }
   [[nodiscard]] const Identity& identity() const noexcept { return identity_; }
-  /// From now on only this board (after the first handshake: a replugged port): model, serial number,
-  /// what it can do, and its sample period, with which the loop was built. Its firmware's version and
-  /// its watchdog may change; the latter is looked at in every handshake.
+  /// From now on only this board (after the first handshake: a replugged port): model, serial
+  /// number, what it can do, and its sample period, with which the loop was built. Its firmware's
+  /// version and its watchdog may change; the latter is looked at in every handshake.
   void insist_on(const Identity& board) { known_ = board; }
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-/// True meaning of a board's sensor readings: found once per device by `hapticctl calibrate`, kept with the
-/// device's serial number, and of no use to any other.
+/// True meaning of a board's sensor readings: found once per device by `hapticctl calibrate`, kept
+/// with the device's serial number, and of no use to any other.
 
 #include <string>
 
@@ -29,7 +29,8 @@ void check(const Calibration& calibration, const core::Kinematics& kinematics,
 /// A sample as the sensors meant it. Sizes as check() allows. Never allocates.
 void apply(const Calibration& calibration, core::DeviceSample& sample) noexcept;
 
-/// The range of a valid sample is then the travel, with the margin that device_limits gives a range.
+/// The range of a valid sample is then the travel, with the margin that device_limits gives a
+/// range.
 void apply(const Calibration& calibration, core::DeviceLimits& limits) noexcept;
 
 /// Where the sensors must be told to go so that the device goes to `position` (n_a).

@@ -5,8 +5,8 @@
 /// and then large. Offset and drift come from a least-squares line whose weights decay with
 /// kMemory; arrivals far above the line are stragglers and do not move it. Samples are placed two
 /// mean deviations below the line, near the earliest arrivals: a constant delay cannot be seen one
-/// way, so what is left of it makes samples look younger, by at most the shortest delay of the link.
-/// Pure: no clock is read, nothing allocates.
+/// way, so what is left of it makes samples look younger, by at most the shortest delay of the
+/// link. Pure: no clock is read, nothing allocates.
 
 #include <cstdint>
 

@@ -38,7 +38,8 @@ struct EmulatorConfig {
   SensorParameters sensors{};
   core::ForceLoopGains force_loop{20.0, 200.0, 15.0, 2.0, 131.0};
   BoardControl control{BoardControl::kForceLoop};
-  /// Of the potentiometer of l_x: reading = scale (l_x + offset). Not calibrated: other than 1 and 0.
+  /// Of the potentiometer of l_x: reading = scale (l_x + offset). Not calibrated: other than 1 and
+  /// 0.
   double l_x_scale{1.0}, l_x_offset{0.0};  ///< 1, m
   double force_offset{0.0};                ///< N that the load cell reads without load
   double force_over_limit{60.0};           ///< N: more in the cell than this is a fault

@@ -37,8 +37,8 @@ class Rig {
   void step() noexcept;  ///< kStep s
   [[nodiscard]] Readings sense() noexcept;
 
-  /// The hand takes the finger (if it had let go) and brings it to `target` (rad, MCP and PIP) within
-  /// Intent::kRise, from where it wants to be now.
+  /// The hand takes the finger (if it had let go) and brings it to `target` (rad, MCP and PIP)
+  /// within Intent::kRise, from where it wants to be now.
   void take_to(const Eigen::Vector2d& target);
   /// The hand hangs loose: nothing pushes against the device any more.
   void let_go() noexcept;

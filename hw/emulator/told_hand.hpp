@@ -1,5 +1,6 @@
 #pragma once
-/// The hand in an emulated device, told from outside where to bring the finger: a line of text each,
+/// The hand in an emulated device, told from outside where to bring the finger: a line of text
+/// each,
 ///
 ///   MCP PIP     both in rad: brings the joints there
 ///   let-go      hangs loose, touches nothing

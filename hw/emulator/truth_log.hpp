@@ -1,6 +1,6 @@
 #pragma once
-/// What an emulated device really does, as its sensors may not tell it: CSV with a header, a row every
-/// 10 ms of the board's time,
+/// What an emulated device really does, as its sensors may not tell it: CSV with a header, a row
+/// every 10 ms of the board's time,
 ///
 ///   time_s,l_x_m,q_B_rad,force_n    rod, linkage, and the force in the load cell on the linkage
 ///

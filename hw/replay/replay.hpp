@@ -2,8 +2,8 @@
 /// A recording as a device: it plays at its original timing, its force is computed and reported,
 /// nothing moves.
 ///
-/// A tracked palm's orientation may be recorded as a quaternion, NAME.qx .qy .qz .qw; it is played as
-/// q holds it, the rotation vector of at most pi.
+/// A tracked palm's orientation may be recorded as a quaternion, NAME.qx .qy .qz .qw; it is played
+/// as q holds it, the rotation vector of at most pi.
 ///
 /// Joint angles go through the inverse kinematics (see Stretch). Rows outside the reach are
 /// replaced at load by the nearest pose in reach, Eq. (6) with the box and the slider limits, and

@@ -19,7 +19,8 @@ namespace haptic::server {
   return core::seconds(d) * 1e6;
 }
 
-/// "80 ms", "180.000001 ms": to the nanosecond, so that what breaks a limit never reads as the limit.
+/// "80 ms", "180.000001 ms": to the nanosecond, so that what breaks a limit never reads as the
+/// limit.
 [[nodiscard]] inline std::string milliseconds(core::Duration d) {
   char digits[32];
   const double ms = static_cast<double>(d.count()) / 1e6;

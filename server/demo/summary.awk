@@ -4,10 +4,11 @@
 #
 # Prints the summary; writes the contact phases ("begin end", s) to `stretches` for the figure.
 #
-# Contact: the proxy is held, or kept behind planes, and the gain is above zero. Free motion: force is switched on (ENGAGED) and
-# the client says that nothing is in the way (mode FREE). |tau_a| is the whole command, damping included. When the finger lets go, the
-# slew limit and the damping's 200 ms ramp take the last of the command away; those 200 ms are
-# reported by themselves, and the bound of 2 % is asked of free motion after them.
+# Contact: the proxy is held, or kept behind planes, and the gain is above zero. Free motion: force
+# is switched on (ENGAGED) and the client says that nothing is in the way (mode FREE). |tau_a| is
+# the whole command, damping included. When the finger lets go, the slew limit and the damping's 200
+# ms ramp take the last of the command away; those 200 ms are reported by themselves, and the bound
+# of 2 % is asked of free motion after them.
 #
 # Exit status: 0 as promised; 3 no contact; 4 the bound does not hold; 5 no free motion; 6 no data;
 # 7 a fault.

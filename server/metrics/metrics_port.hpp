@@ -11,8 +11,8 @@ namespace haptic::server {
 
 class MetricsPort {
  public:
-  /// Binds `listen`, "host:port" (port 0: any free one), beyond loopback only with `insecure_lab`, and
-  /// serves; `page` is called for every scrape, on this port's one working thread. Throws
+  /// Binds `listen`, "host:port" (port 0: any free one), beyond loopback only with `insecure_lab`,
+  /// and serves; `page` is called for every scrape, on this port's one working thread. Throws
   /// TransportError.
   MetricsPort(const std::string& listen, bool insecure_lab, std::function<std::string()> page);
   /// Returns when the scrape under way is answered.

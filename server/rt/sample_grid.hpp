@@ -1,8 +1,8 @@
 #pragma once
 /// When a loop ticks that a device's samples pace: with each sample as it comes, and by the timer
-/// where none does. The timer has patience: by default a quarter of a period after a sample was due.
-/// While a device is silent its ticks go on a period apart, so that nothing that counts on time
-/// stands still.
+/// where none does. The timer has patience: by default a quarter of a period after a sample was
+/// due. While a device is silent its ticks go on a period apart, so that nothing that counts on
+/// time stands still.
 ///
 ///   earliest   a period less the patience after the last tick was due; after a tick of the timer's
 ///              that is when a sample comes that is on time again. Samples that come in a heap, or

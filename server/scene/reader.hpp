@@ -52,7 +52,8 @@ class FieldReader {
 
   /// Reads each number that is present; writes the default of each that is absent.
   void numbers(std::initializer_list<NumberField> fields) const;
-  /// `fallback` replaces an empty list; without it the list is required. Empty if the size is wrong.
+  /// `fallback` replaces an empty list; without it the list is required. Empty if the size is
+  /// wrong.
   [[nodiscard]] std::vector<double> list(
       const ListField& field, const std::optional<std::vector<double>>& fallback = {}) const;
   /// The duration in `range`; `fallback` goes into the message if it is absent.
@@ -64,13 +65,13 @@ class FieldReader {
   /// Reports unless lowest <= value <= highest.
   void whole_number(const std::string& field, std::int64_t value, std::int64_t lowest,
                     std::int64_t highest) const;
-  /// A file that is read, relative to `folder`: its full path, which goes into the message. Empty if
-  /// the field is; reports one that is not there: "must be `what`; there is none at ...".
+  /// A file that is read, relative to `folder`: its full path, which goes into the message. Empty
+  /// if the field is; reports one that is not there: "must be `what`; there is none at ...".
   [[nodiscard]] std::filesystem::path file(const char* field, const std::filesystem::path& folder,
                                            const std::string& what) const;
   /// The message's `name`, of a DoF, coordinate, joint or finger, which becomes a column of
-  /// recordings. Reports unless it is 1 to `longest` letters, digits, _ and -, and not in `taken`, to
-  /// which it is added.
+  /// recordings. Reports unless it is 1 to `longest` letters, digits, _ and -, and not in `taken`,
+  /// to which it is added.
   void entry_name(std::size_t longest, std::set<std::string>& taken) const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-/// A scene as the rest of the server sees it: plain values, defaults filled in, checked. No protobuf
-/// type leaves server/scene.
+/// A scene as the rest of the server sees it: plain values, defaults filled in, checked. No
+/// protobuf type leaves server/scene.
 
 #include <filesystem>
 #include <memory>

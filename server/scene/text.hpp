@@ -22,8 +22,8 @@ void parse_text(const std::string& text, const std::string& name, v1::Scene& mes
                                          google::protobuf::Message& message);
 
 /// Applies "path=value" of --set, which sets one field of the scene; creates the messages on the
-/// way; returns the path. Throws SceneError and leaves `scene` unchanged: no path=value, a step that
-/// does not exist (with those that do), a value that the field does not take.
+/// way; returns the path. Throws SceneError and leaves `scene` unchanged: no path=value, a step
+/// that does not exist (with those that do), a value that the field does not take.
 ///
 ///     device[0].impedance.stiffness_n_per_m[0]=800    one entry of a list
 ///     device[0].impedance.stiffness_n_per_m=[800]     the whole list

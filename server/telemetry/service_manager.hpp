@@ -1,7 +1,7 @@
 #pragma once
 /// What systemd is told of the daemon (sd_notify(3); Type=notify and WatchdogSec of the unit): that
-/// it serves, that it stops, and, again and again, that the loop ticks. Main's thread only; the loop
-/// never knows of it. Without systemd all of it does nothing.
+/// it serves, that it stops, and, again and again, that the loop ticks. Main's thread only; the
+/// loop never knows of it. Without systemd all of it does nothing.
 
 #include <cstdint>
 #include <functional>

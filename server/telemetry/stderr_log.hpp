@@ -9,8 +9,8 @@ namespace haptic::server {
 /// Makes standard error spdlog's default logger. Lines go through a queue to a thread of their own;
 /// if the queue is full, the oldest lines are dropped.
 void log_to_stderr(LogFormat format);
-/// Waits a moment for the last lines to be read, and logs how many were dropped. After it the process
-/// may end even if the log's thread is still blocked in a write.
+/// Waits a moment for the last lines to be read, and logs how many were dropped. After it the
+/// process may end even if the log's thread is still blocked in a write.
 void finish_log();
 
 }  // namespace haptic::server

@@ -1,8 +1,8 @@
 // Active set (C. Stark and R. Parker's bounded-variable least squares). p starts at 0, which is
-// feasible. Each pass solves the free coordinates with the others fixed, moves towards that answer up
-// to the first limit, which then holds; once the answer itself is feasible, a limit that the residual
-// pulls away from lets go. Every pass lowers the norm, so a pass limit costs accuracy only, never
-// safety: the last p is feasible and the best one seen.
+// feasible. Each pass solves the free coordinates with the others fixed, moves towards that answer
+// up to the first limit, which then holds; once the answer itself is feasible, a limit that the
+// residual pulls away from lets go. Every pass lowers the norm, so a pass limit costs accuracy
+// only, never safety: the last p is feasible and the best one seen.
 #include "haptic/core/linear/boxed_least_squares.hpp"
 
 #include <algorithm>

@@ -1,10 +1,10 @@
 // The nearest pose of the finger to an x that it cannot reach, globally and without a seed.
 //
 // det J does not vanish inside the allowed set, so f is locally invertible there and a point with a
-// residual can always be improved: the optimum lies on the edge. The edge is traced once, on a grid,
-// when a scene loads. nearest() takes the best traced point of each constraint and slides it along
-// that constraint's curve. What would break it: a set in which det J changes its sign, because a
-// minimum could then lie inside (the branch is therefore a constraint too).
+// residual can always be improved: the optimum lies on the edge. The edge is traced once, on a
+// grid, when a scene loads. nearest() takes the best traced point of each constraint and slides it
+// along that constraint's curve. What would break it: a set in which det J changes its sign,
+// because a minimum could then lie inside (the branch is therefore a constraint too).
 #include "finger_reach.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
-// A hand is several small problems instead of one large one, and most of them did not change. A block
-// is solved again only if its part of x, q, dx, J or stiffness changed in some bit (bits, so that a
-// NaN is not "new" in every tick). Under Eq. (6) without a prior the answer depends on x alone, so a
-// held block costs nothing while the finger moves.
+// A hand is several small problems instead of one large one, and most of them did not change. A
+// block is solved again only if its part of x, q, dx, J or stiffness changed in some bit (bits, so
+// that a NaN is not "new" in every tick). Under Eq. (6) without a prior the answer depends on x
+// alone, so a held block costs nothing while the finger moves.
 #include "haptic/core/projection/block_renderer.hpp"
 
 #include <algorithm>
@@ -22,8 +22,8 @@ bool take(const VecX& all, int first, VecX& part) noexcept {
   return true;
 }
 
-/// tr(Z_q^{-1} J_a^T Z_x J_a) of the block of `model` that begins at row `x` and column `q` of J and
-/// actuator `a`, at least 1.
+/// tr(Z_q^{-1} J_a^T Z_x J_a) of the block of `model` that begins at row `x` and column `q` of J
+/// and actuator `a`, at least 1.
 double most_displayed(const ProjectionModel& model, const MatXQ& J, int x, int q, int a,
                       const VecA& all_stiffness) noexcept {
   const DofLayout& layout = model.layout();

@@ -1,8 +1,9 @@
-// Eq. (14). The derivative of dq = J^+ dx with respect to q has two parts: -e_k, which Eq. (9) keeps,
-// and -B e_k, the change of J, which it leaves out. B is built column by column from the same QR that
-// gives dq: one second derivative of f, one back-substitution and, if dx is not in the range of J, one
-// residual term per DoF. Only the symmetric part of the actuated block matters to the power, and it is
-// compared with Z_q by the congruence with R, so that no choice of units changes the sign.
+// Eq. (14). The derivative of dq = J^+ dx with respect to q has two parts: -e_k, which Eq. (9)
+// keeps, and -B e_k, the change of J, which it leaves out. B is built column by column from the
+// same QR that gives dq: one second derivative of f, one back-substitution and, if dx is not in the
+// range of J, one residual term per DoF. Only the symmetric part of the actuated block matters to
+// the power, and it is compared with Z_q by the congruence with R, so that no choice of units
+// changes the sign.
 #include "haptic/core/projection/linear_certificate.hpp"
 
 #include <Eigen/Eigenvalues>

@@ -1,12 +1,12 @@
-// A slider's end is a curve in the plane of two DoFs (l_x, q_B). The iteration is linear in q, so the
-// curve is replaced by its tangent: the two DoFs are turned into one across the limit and one along
-// it ("turned" columns), and the limit becomes a plain bound of the first. After the step restore()
-// puts the pair back onto the curve by Newton's method.
+// A slider's end is a curve in the plane of two DoFs (l_x, q_B). The iteration is linear in q, so
+// the curve is replaced by its tangent: the two DoFs are turned into one across the limit and one
+// along it ("turned" columns), and the limit becomes a plain bound of the first. After the step
+// restore() puts the pair back onto the curve by Newton's method.
 //
-// All lengths are in widths of the box, so that m and rad compare. apart() is the quick test: look()
-// remembers how far one may go from a pose before any limit can matter, and a warm step stays within
-// that distance almost always. If it is wrong, a step can pass a limit unseen: reach_of() is
-// therefore half of the linear estimate, and never more than 2 % of the box.
+// All lengths are in widths of the box, so that m and rad compare. apart() is the quick test:
+// look() remembers how far one may go from a pose before any limit can matter, and a warm step
+// stays within that distance almost always. If it is wrong, a step can pass a limit unseen:
+// reach_of() is therefore half of the linear estimate, and never more than 2 % of the box.
 #include "haptic/core/projection/mechanism_limits.hpp"
 
 #include <algorithm>
@@ -28,8 +28,8 @@ double scaled(const PairLimit& limit, const double (&width)[2], double (&slope)[
   return std::hypot(slope[0], slope[1]);
 }
 
-/// The step s (in widths) to where all `count` <= 2 limits have no room left; false where they do not
-/// meet. One limit: the shortest step.
+/// The step s (in widths) to where all `count` <= 2 limits have no room left; false where they do
+/// not meet. One limit: the shortest step.
 bool onto(const PairLimit* const (&limits)[2], int count, const double (&width)[2],
           double (&s)[2]) noexcept {
   double g[2][2];
@@ -147,9 +147,9 @@ void MechanismLimits::turn(BoxedLeastSquares& linear, VecQ& lower, VecQ& upper,
   }
 }
 
-/// How far the pair's other limits let a step go along the engaged one, once that is reached. If the
-/// straight way to it would break another limit, the way is slanted just past that one, so that a
-/// corner is reached in one step.
+/// How far the pair's other limits let a step go along the engaged one, once that is reached. If
+/// the straight way to it would break another limit, the way is slanted just past that one, so that
+/// a corner is reached in one step.
 MechanismLimits::Bounds MechanismLimits::bounds_of(const Pair& pair) noexcept {
   const double n0 = pair.across[0], n1 = pair.across[1];
   const auto engaged = static_cast<std::size_t>(pair.engaged);

@@ -4,9 +4,9 @@
 //
 // Without eps parallel or opposite planes make G singular. With it every set of planes has one
 // answer: planes that can all be met are met after a few proximal steps, each of which divides what
-// eps left by 1e4 or more; planes that contradict each other keep a violation, and the first step is
-// then the x of least violation. A larger eps would call an acute wedge infeasible, a smaller one
-// would be rounding.
+// eps left by 1e4 or more; planes that contradict each other keep a violation, and the first step
+// is then the x of least violation. A larger eps would call an acute wedge infeasible, a smaller
+// one would be rounding.
 #include "haptic/core/projection/plane_projection.hpp"
 
 #include <algorithm>
@@ -17,8 +17,8 @@ namespace haptic::core {
 
 namespace {
 
-/// eps, relative to the dual's unit diagonal: large against rounding, small against any wedge that a
-/// simulation has.
+/// eps, relative to the dual's unit diagonal: large against rounding, small against any wedge that
+/// a simulation has.
 constexpr double kEpsilon = 1e-10;
 /// If a violation above this share of the deepest one remains, the planes contradict each other.
 constexpr double kInfeasible = 1e-4;
@@ -91,8 +91,8 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x) noexcept {
   return status;
 }
 
-/// Proximal steps on the dual, each with the multipliers of the one before: they converge to eps = 0
-/// if all planes can be met; if not, the first step is the answer.
+/// Proximal steps on the dual, each with the multipliers of the one before: they converge to eps =
+/// 0 if all planes can be met; if not, the first step is the answer.
 PlaneStatus PlaneProjection::multipliers(const Small& r, double deepest) noexcept {
   Small shifted = r;
   for (int n = 0; n <= kRefinements; ++n) {

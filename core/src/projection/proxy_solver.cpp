@@ -1,15 +1,15 @@
 // Eq. (6) by Gauss-Newton in the box, case A or Eq. (17) in case B.
 //
-// Each step solves a linear least-squares problem whose rows are W^{1/2} J, the prior's springs and,
-// if damped, Marquardt's diagonal; the box and the mechanism's limits are constraints of that
+// Each step solves a linear least-squares problem whose rows are W^{1/2} J, the prior's springs
+// and, if damped, Marquardt's diagonal; the box and the mechanism's limits are constraints of that
 // problem. A full step is tried first. If it would raise the cost, damped steps are tried, so the
 // last iterate is always the best one and a capped solve is still safe to use.
 //
-// Two details make it converge to rounding. Near the end the cost is flat to rounding while q* still
-// moves by its square root: from there on a step counts as long as it is shorter than the one
+// Two details make it converge to rounding. Near the end the cost is flat to rounding while q*
+// still moves by its square root: from there on a step counts as long as it is shorter than the one
 // before. And along a curved limit a Gauss-Newton step has the wrong length, because the curvature
-// of the limit is not in the linear problem: follow_curvature() corrects the length from the cost at
-// both ends of the step. Without the first, case B is no gradient (the tank would book noise);
+// of the limit is not in the linear problem: follow_curvature() corrects the length from the cost
+// at both ends of the step. Without the first, case B is no gradient (the tank would book noise);
 // without the second, a proxy out of reach converges linearly and is reported CAPPED.
 #include "haptic/core/projection/proxy_solver.hpp"
 
@@ -140,8 +140,8 @@ void ProxySolver::put_trial(double share) noexcept {
   trial().inside = apart_ || limits_.restore(trial().q);
 }
 
-/// Takes the share of the step that the cost at both ends, and its slope here, say is right; near the
-/// end, when costs are rounding, the share of the last step. A share far beyond 1 is not due to
+/// Takes the share of the step that the cost at both ends, and its slope here, say is right; near
+/// the end, when costs are rounding, the share of the last step. A share far beyond 1 is not due to
 /// curvature: there a bound ended the step.
 void ProxySolver::follow_curvature(const VecX& x, double promise, bool flat) noexcept {
   if (!flat) {

@@ -71,8 +71,8 @@ void SubspaceExact::solve_with_prior(const Probe& probe, const VecX& x, const Ve
   }
 }
 
-/// The last solution, told as near to the device as the same pose can be: a palm that turns on beyond
-/// pi must not meet the end of its box.
+/// The last solution, told as near to the device as the same pose can be: a palm that turns on
+/// beyond pi must not meet the end of its box.
 VecQ SubspaceExact::seed_near(const VecQ& q) const noexcept {
   if (!has_solution_) return q;
   VecQ seed = solution_.q_star;

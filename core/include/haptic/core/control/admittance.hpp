@@ -5,8 +5,8 @@
 ///   m v_dot + d v = reference - measured,   x_dot = v,   |v| <= max_rate,   lower <= x <= upper
 ///
 /// At rest measured = reference, whatever the actuator's friction and gearing. Both parts are
-/// implicit in v, so that any m and d are stable by themselves; against a surface of stiffness k the
-/// loop needs d > k T roughly (T the step), and m below d^2 / (4 k) for a response without
+/// implicit in v, so that any m and d are stable by themselves; against a surface of stiffness k
+/// the loop needs d > k T roughly (T the step), and m below d^2 / (4 k) for a response without
 /// overshoot.
 
 namespace haptic::core {
@@ -24,8 +24,8 @@ class Admittance {
   /// Throws SceneError naming the parameter that is not allowed.
   explicit Admittance(const AdmittanceParameters& parameters);
 
-  /// Starts at rest in `position` (held within the travel): where the actuator is, so that switching
-  /// on moves nothing.
+  /// Starts at rest in `position` (held within the travel): where the actuator is, so that
+  /// switching on moves nothing.
   void reset(double position) noexcept;
   /// One step of `dt` s, > 0. Returns the position to command, m or rad. Never allocates or throws;
   /// a force that is not finite stops the motion.

@@ -1,6 +1,6 @@
 #pragma once
-/// Closed loop on the measured force of one actuator: the commanded force tau_a is its reference, as
-/// on the paper's device (section VI: "tau_a is used as reference force for a closed loop force
+/// Closed loop on the measured force of one actuator: the commanded force tau_a is its reference,
+/// as on the paper's device (section VI: "tau_a is used as reference force for a closed loop force
 /// control"), where a load cell sits between actuator and linkage.
 ///
 ///   e = reference - measured

@@ -39,8 +39,8 @@ struct DofSpec {
 /// S of these DoFs. Throws SceneError: none or more than kMaxQ, or none actuated.
 [[nodiscard]] DofLayout layout_of(const std::vector<DofSpec>& dofs);
 
-/// A limit of a mechanism other than the box (a slider's end), on two DoFs that follow each other in
-/// q: it holds while room >= 0. `room` may have any unit.
+/// A limit of a mechanism other than the box (a slider's end), on two DoFs that follow each other
+/// in q: it holds while room >= 0. `room` may have any unit.
 struct PairLimit {
   double room{0.0};
   double slope[2]{};  ///< d room / dq; 0 if the limit is out of a step's reach
@@ -73,8 +73,8 @@ class Kinematics {
   /// x_probe = f(q) and J = dx_probe/dq (n_x by n_q). On kCannotClose both are untouched.
   [[nodiscard]] virtual MapStatus evaluate(const VecQ& q, VecX& x_probe,
                                            MatXQ& J) const noexcept = 0;
-  /// f(q) alone, the same bits as evaluate() writes; untouched on kCannotClose. A map for which this
-  /// is cheaper than evaluate() overrides it.
+  /// f(q) alone, the same bits as evaluate() writes; untouched on kCannotClose. A map for which
+  /// this is cheaper than evaluate() overrides it.
   [[nodiscard]] virtual MapStatus position(const VecQ& q, VecX& x_probe) const noexcept;
   /// J_k = dJ/dq_k (n_x by n_q), the term Eq. (2), (5), (9) leave out.
   [[nodiscard]] virtual MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept = 0;
@@ -105,8 +105,8 @@ class Kinematics {
   /// if it has no such parts. Each part can be projected by itself
   /// (core/METHOD.md#model-only-what-a-scene-needs: one finger at a time).
   [[nodiscard]] virtual std::span<const MapBlock> blocks() const noexcept { return {}; }
-  /// Several q may mean the same pose (a rotation vector has many); replaces q by the one nearest to
-  /// `near`. Most maps have one q per pose, and this does nothing.
+  /// Several q may mean the same pose (a rotation vector has many); replaces q by the one nearest
+  /// to `near`. Most maps have one q per pose, and this does nothing.
   virtual void nearest_representative(const VecQ& near, VecQ& q) const noexcept {
     static_cast<void>(near);
     static_cast<void>(q);

@@ -5,8 +5,8 @@
 /// blocks is one block, and so is one whose metric W_x weighs coordinates of different blocks
 /// together.
 ///
-/// A block with dx = 0 is idle: its own pose is the answer, and it needs neither J nor a solve. Eq. (6) needs J in no block, and keeps a solution that
-/// it has until the proxy changes.
+/// A block with dx = 0 is idle: its own pose is the answer, and it needs neither J nor a solve. Eq.
+/// (6) needs J in no block, and keeps a solution that it has until the proxy changes.
 
 #include <optional>
 #include <vector>

@@ -1,8 +1,8 @@
 #pragma once
 /// The direction guard (core/METHOD.md#forces-at-the-finger): the elastic force must not point away
-/// from the proxy as the finger feels it, Eq. (15): tau_a^T (S J^+ dx) >= 0; otherwise it is withheld
-/// for the tick. If the map has blocks each is evaluated by itself; the J of a block with dx = 0 is
-/// not read.
+/// from the proxy as the finger feels it, Eq. (15): tau_a^T (S J^+ dx) >= 0; otherwise it is
+/// withheld for the tick. If the map has blocks each is evaluated by itself; the J of a block with
+/// dx = 0 is not read.
 
 #include <memory>
 #include <vector>

@@ -28,7 +28,8 @@ class LinearCertificate {
   explicit LinearCertificate(const ProjectionModel& model);
 
   /// dx = x (-) x_probe, n_x; stiffness: diag(Z_q), n_a; probe.J of the blocks that dx displaces. A
-  /// block without a margin ends it, because the margins of the others alone would say too much. Never allocates, locks, throws.
+  /// block without a margin ends it, because the margins of the others alone would say too much.
+  /// Never allocates, locks, throws.
   [[nodiscard]] Certificate at(const Probe& probe, const VecX& dx, const VecA& stiffness) noexcept;
 
  private:

@@ -4,9 +4,9 @@
 /// break them instead would stall (core/METHOD.md#worst-cases).
 ///
 /// If a linear step would break a limit, that limit is *engaged*: the two DoFs of its pair are
-/// replaced by one across the limit and one along it, so that the limit is a bound like those of the
-/// box. The way along it ends at the pair's other limits. After the step the pair is put back onto
-/// the limits' curves, so that every iterate keeps them.
+/// replaced by one across the limit and one along it, so that the limit is a bound like those of
+/// the box. The way along it ends at the pair's other limits. After the step the pair is put back
+/// onto the limits' curves, so that every iterate keeps them.
 
 #include <array>
 #include <limits>
@@ -35,8 +35,8 @@ class MechanismLimits {
   /// The step in q for one in turned DoFs.
   void turn_back(VecQ& p) noexcept;
   /// For each pair: engages the limit that the step breaks most. If a limit is engaged already, and
-  /// the step leaves it and is stopped by another, changes to that one, once. True if any was engaged
-  /// or changed.
+  /// the step leaves it and is stopped by another, changes to that one, once. True if any was
+  /// engaged or changed.
   bool engage(const VecQ& p) noexcept;
   /// Moves each pair of q, within its box, onto the limits that it breaks. False if that does not
   /// succeed, or the mechanism has no pose there.

@@ -1,9 +1,9 @@
 #pragma once
-/// The monotone envelope, Eq. (16) (core/METHOD.md#forces-at-the-finger). The subspace proxies on the
-/// way from the probe to the proxy are q*(s) for x_probe + s dx, s in (0, 1]; this uses the one that
-/// pulls hardest towards the proxy as the finger feels it, that is, with the largest q*_a(s) - q_a of
-/// the sign of S J^+ dx. It is continuous where the direction guard switches, and equal to Eq. (6) if
-/// the way is monotone.
+/// The monotone envelope, Eq. (16) (core/METHOD.md#forces-at-the-finger). The subspace proxies on
+/// the way from the probe to the proxy are q*(s) for x_probe + s dx, s in (0, 1]; this uses the one
+/// that pulls hardest towards the proxy as the finger feels it, that is, with the largest q*_a(s) -
+/// q_a of the sign of S J^+ dx. It is continuous where the direction guard switches, and equal to
+/// Eq. (6) if the way is monotone.
 /// For one actuated DoF.
 
 #include "haptic/core/linear/least_squares.hpp"

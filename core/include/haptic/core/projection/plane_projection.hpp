@@ -1,5 +1,6 @@
 #pragma once
-/// The client's projection, done by the server in every tick, Eq. (27) (core/METHOD.md#local-models):
+/// The client's projection, done by the server in every tick, Eq. (27)
+/// (core/METHOD.md#local-models):
 ///   x = argmin ||x (-) x_probe||_W^2  such that  n_i^T x <= b_i,  at most kMaxPlanes planes,
 /// W the scene's metric W_x: what is near for the planes is what is near for the renderer
 /// (core/METHOD.md#metric-and-limits). Solved by an active set on the dual, min 1/2 l^T (G + eps) l
@@ -36,8 +37,8 @@ class PlaneProjection {
   void set(const PlaneSet& planes, const VecX& x) noexcept;
 
   /// Writes x (n_x) for the haptic probe. A linear coordinate that no active plane moves keeps the
-  /// bits of the probe. (If W is not diagonal a plane also moves coordinates that it does not name.)
-  /// Never allocates.
+  /// bits of the probe. (If W is not diagonal a plane also moves coordinates that it does not
+  /// name.) Never allocates.
   PlaneStatus project(const VecX& x_probe, VecX& x) noexcept;
 
   /// Of the last project(): bit i is set where plane i holds x.

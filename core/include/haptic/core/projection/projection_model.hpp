@@ -1,7 +1,8 @@
 #pragma once
-/// What the scene fixes about the projection, for all renderers: the map, the metric W_x, and a prior
-/// if J may lose full column rank (core/METHOD.md#projection-algorithm). Case A, without a prior, or case B, with one, is a
-/// property of the scene: a rank decided from tick to tick would step the force.
+/// What the scene fixes about the projection, for all renderers: the map, the metric W_x, and a
+/// prior if J may lose full column rank (core/METHOD.md#projection-algorithm). Case A, without a
+/// prior, or case B, with one, is a property of the scene: a rank decided from tick to tick would
+/// step the force.
 
 #include <memory>
 #include <optional>
@@ -79,13 +80,14 @@ class ProjectionModel {
   bool has_parts_{false};
 };
 
-/// Throws SceneError if Z_q cannot be coupled like this on this map: another number of actuated DoFs,
-/// or a hand.
+/// Throws SceneError if Z_q cannot be coupled like this on this map: another number of actuated
+/// DoFs, or a hand.
 void check_coupling(const Kinematics& kinematics, const StiffnessCoupling& coupling);
 
 /// A scene needs a prior if the condition exceeds this in half of the poses of the box: errors of x
-/// are then amplified a hundredfold. Measured medians: the hand of core/METHOD.md#larger-devices, known by three points
-/// per finger, 264 with two fingers, 19 with three, 11 with four; finger exoskeleton 3.
+/// are then amplified a hundredfold. Measured medians: the hand of core/METHOD.md#larger-devices,
+/// known by three points per finger, 264 with two fingers, 19 with three, 11 with four; finger
+/// exoskeleton 3.
 inline constexpr double kWellConditioned = 100.0;
 
 /// Throws SceneError if the scene needs a prior and has none: the condition of J, weighed and

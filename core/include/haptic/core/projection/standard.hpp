@@ -1,5 +1,6 @@
 #pragma once
-/// Eq. (1): tau_a = J_a^T Z_x dx with Z_x = z_x W, the standard method, which ignores underactuation.
+/// Eq. (1): tau_a = J_a^T Z_x dx with Z_x = z_x W, the standard method, which ignores
+/// underactuation.
 
 #include "haptic/core/projection/projection.hpp"
 #include "haptic/core/projection/projection_model.hpp"

@@ -1,6 +1,6 @@
 #pragma once
-/// Temperature of an actuator's winding, estimated from the force it gives, and the force that keeps
-/// it below its limit. Two bodies, winding and housing, as motor data sheets describe them:
+/// Temperature of an actuator's winding, estimated from the force it gives, and the force that
+/// keeps it below its limit. Two bodies, winding and housing, as motor data sheets describe them:
 ///
 ///   P = (tau / k_m)^2                                    copper loss, W
 ///   T_w -> T_h + R_w P        with the time constant t_w
@@ -15,7 +15,8 @@ namespace haptic::core {
 
 struct ThermalParameters {
   /// k_m, force per square root of lost power, N/sqrt(W) or N m/sqrt(W), through the gearing; > 0.
-  /// With the winding's resistance at limit_c (copper: 0.39 % per K above 25 C), which is its largest.
+  /// With the winding's resistance at limit_c (copper: 0.39 % per K above 25 C), which is its
+  /// largest.
   double motor_constant{1.0};
   double winding_resistance{1.0};  ///< R_w, winding to housing, K/W, > 0
   double winding_time{1.0};        ///< t_w, s, > 0
@@ -46,8 +47,8 @@ struct ThermalState {
 [[nodiscard]] double continuous_force(const ThermalParameters& parameters) noexcept;
 
 /// Largest force allowed now, at most `force_limit`. Its power falls linearly with the winding's
-/// temperature, from that of force_limit at derate_from_c to that of continuous_force at limit_c. So
-/// the estimate stays below limit_c for ever as long as a step is short against
+/// temperature, from that of force_limit at derate_from_c to that of continuous_force at limit_c.
+/// So the estimate stays below limit_c for ever as long as a step is short against
 /// t_w (limit_c - derate_from_c) / (R_w P(force_limit)).
 [[nodiscard]] double thermal_force(const ThermalParameters& parameters, const ThermalState& state,
                                    double force_limit) noexcept;

@@ -55,9 +55,9 @@ class Opener {
  public:
   Opener(std::uint32_t path_id, const DirectionKey& key);
 
-  /// The checks from the replay window on (proto/README.md#receiving): window, tag, commit. `header`
-  /// comes from read_header() of this datagram; `payload` has room for kLargestPayload bytes and is
-  /// undefined after a rejection.
+  /// The checks from the replay window on (proto/README.md#receiving): window, tag, commit.
+  /// `header` comes from read_header() of this datagram; `payload` has room for kLargestPayload
+  /// bytes and is undefined after a rejection.
   [[nodiscard]] Opened open(const Header& header, ConstBytes datagram, Bytes payload) noexcept;
 
   [[nodiscard]] std::uint32_t path_id() const noexcept { return path_id_; }

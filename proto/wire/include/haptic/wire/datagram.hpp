@@ -1,6 +1,6 @@
 #pragma once
-/// The outside of a datagram (proto/README.md#datagrams): 16 bytes of header in the clear, which the
-/// tag covers, then the ciphertext of the payload, then 16 bytes of tag.
+/// The outside of a datagram (proto/README.md#datagrams): 16 bytes of header in the clear, which
+/// the tag covers, then the ciphertext of the payload, then 16 bytes of tag.
 ///
 ///   0  2 magic 0x68 0x70 | 2  1 version 1 | 3  1 type | 4  4 path id | 8  8 packet number
 ///

@@ -55,8 +55,8 @@ class PathEnd {
   PathChange step(TimePoint now);
   [[nodiscard]] TimePoint next_step() const noexcept { return machine_.next_step(); }
 
-  /// Sends a PROXY (client) or STATE (server). False if the path is not in use or the message is too
-  /// large: send it on the stream then.
+  /// Sends a PROXY (client) or STATE (server). False if the path is not in use or the message is
+  /// too large: send it on the stream then.
   bool send(ConstBytes message);
   /// Tells the other end that this end leaves the path, and sends no more.
   void close();

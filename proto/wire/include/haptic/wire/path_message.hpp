@@ -32,8 +32,8 @@ inline constexpr std::size_t kPaddedChallenge = kLargestPayload;
 /// Fill all of `out` (at least kResponseSize).
 void write(const PathChallenge& challenge, Bytes out) noexcept;
 void write(const PathResponse& response, Bytes out) noexcept;
-/// None if the payload is shorter than kResponseSize. Bytes after it are ignored: later versions may
-/// use them.
+/// None if the payload is shorter than kResponseSize. Bytes after it are ignored: later versions
+/// may use them.
 [[nodiscard]] std::optional<PathChallenge> read_challenge(ConstBytes payload) noexcept;
 [[nodiscard]] std::optional<PathResponse> read_response(ConstBytes payload) noexcept;
 

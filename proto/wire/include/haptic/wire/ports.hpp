@@ -1,8 +1,9 @@
 #pragma once
 /// The ports that hapticd's pages, scenes, packages and programs use, and the address that a server
 /// and its clients take if none is given. They lie below the ephemeral range of Linux (32768), so
-/// that no outgoing connection takes one before hapticd starts, and IANA assigns them to no service.
-/// Python has kDefaultServer in `haptic/_ports.py`; tests/checks/ports.sh compares the two.
+/// that no outgoing connection takes one before hapticd starts, and IANA assigns them to no
+/// service. Python has kDefaultServer in `haptic/_ports.py`; tests/checks/ports.sh compares the
+/// two.
 
 #include <cstdint>
 

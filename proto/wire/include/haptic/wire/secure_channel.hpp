@@ -4,8 +4,8 @@
 /// Rekey, make-before-break. The server hands new keys out on the stream and goes on sending with
 /// the old ones until a datagram under the new ones came: the client has them then. The client
 /// sends with the new ones from the moment it has them. What was under way under the old keys is
-/// still opened for one second after the new ones were seen in use, or not at all if a new lease must
-/// not hear an old one.
+/// still opened for one second after the new ones were seen in use, or not at all if a new lease
+/// must not hear an old one.
 
 #include <optional>
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Time in the rules of the wire: points on the steady clock of the program that uses them. There is
-/// no now() here, so that every rule runs on virtual time.
+/// Time in the rules of the wire: points on the steady clock of the program that uses them. There
+/// is no now() here, so that every rule runs on virtual time.
 
 #include <chrono>
 #include <cstdint>

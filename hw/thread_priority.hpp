@@ -7,7 +7,7 @@
 namespace haptic::hw {
 
 /// Asks for SCHED_FIFO for the calling thread. Where it is not granted (hapticd says so at its
-/// start, for its loop) the thread works as well, on a machine with time to spare.
+/// start, for its loop) the thread still works if the machine is not busy.
 inline void ask_for_priority(int priority) noexcept {
   sched_param parameters{};
   parameters.sched_priority = priority;

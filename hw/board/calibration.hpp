@@ -29,8 +29,7 @@ void check(const Calibration& calibration, const core::Kinematics& kinematics,
 /// A sample as the sensors meant it. Sizes as check() allows. Never allocates.
 void apply(const Calibration& calibration, core::DeviceSample& sample) noexcept;
 
-/// The range of a valid sample is then the travel, with the margin that device_limits gives a
-/// range.
+/// Sets the range of a valid sample to the travel plus the margin of device_limits() (5 %).
 void apply(const Calibration& calibration, core::DeviceLimits& limits) noexcept;
 
 /// Where the sensors must be told to go so that the device goes to `position` (n_a).

@@ -1,8 +1,8 @@
 #pragma once
 /// The finger exoskeleton worn on a simulated finger, as a device: the physics of
 /// core/METHOD.md#forces-at-the-finger behind sensors with noise and resolution, advancing with the
-/// loop's clock. Deterministic from its seed and the sequence of calls; the unit clock of a test
-/// serves as well as the real one.
+/// loop's clock. Deterministic from its seed and the sequence of calls; a test's
+/// virtual clock works too.
 ///
 /// The force of the last write() acts until the next one (zero-order hold), as long as the device
 /// is armed. DISARMED, ARMING and ARMED as in hw/device.hpp; LOST only by close().

@@ -66,7 +66,7 @@ class Connection {
   /// now.
   std::vector<std::string> emergency_stop(const std::string& device = {},
                                           const std::string& reason = {});
-  /// Clears faults by number (fault_names() in types.hpp); `faults` empty: all that are active.
+  /// Clears faults by number (fault_names() in state.hpp); `faults` empty: all that are active.
   /// Returns what was cleared. Throws kNotReady if a cause persists.
   std::vector<std::uint32_t> clear_fault(const std::string& device = {},
                                          const std::vector<std::uint32_t>& faults = {});

@@ -14,7 +14,7 @@ enum class Fault : std::uint8_t {
   kSampleNotFinite = 3,   ///< NaN or infinity in q
   kSampleOutOfRange = 4,  ///< q outside the DoF's range and its margin
   kLoopLate = 5,          ///< one wake-up later than loop_late_fault (also a suspend)
-  kLateBucketFull = 6,    ///< too many late ticks: bucket reached 100
+  kLateBucketFull = 6,    ///< too many late ticks: the late bucket is full
   kEmergencyStop = 7,     ///< asked for by a person or a program
   kForceOverLimit = 8,    ///< the device measured more force than it is allowed to give
   kOutputNotFinite = 9,   ///< the computed command was NaN or infinite: our own defect

@@ -21,7 +21,8 @@ class BoxedLeastSquares {
   void add_diagonal(const VecQ& weight, const VecQ& target) noexcept;
 
   /// Replaces the unknowns (p_k, p_k+1) by coefficients of the vectors `first` and `second`:
-  /// (p_k, p_k+1) = p_k' first + p_k+1' second. Bounds, metric_root and p() are then of these.
+  /// (p_k, p_k+1) = p_k' first + p_k+1' second. Bounds, metric_root and p() then refer to
+  /// the coefficients p'.
   void turn(int k, const double (&first)[2], const double (&second)[2]) noexcept;
 
   /// lower <= p <= upper, where lower <= 0 <= upper: 0 is the p to start from. `metric_root`: the

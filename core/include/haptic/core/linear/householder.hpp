@@ -6,7 +6,7 @@
 ///
 /// Equilibration. Scaling the columns, A C = Q (R C), leaves Q and so Q^T b alone and scales R's
 /// columns; the solution is C times that of the scaled system. So A is factored as it is, and the
-/// equilibrated R is |R_kk| / ||A_k||, which has no units.
+/// diagonal of the equilibrated R is |R_kk| / ||A_k||, which has no units.
 
 namespace haptic::core {
 

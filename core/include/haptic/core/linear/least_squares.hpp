@@ -25,8 +25,8 @@ class LeastSquares {
   LeastSquares(int n_x, const DofLayout& layout,
                std::shared_ptr<const StiffnessCoupling> coupling = nullptr);
 
-  /// J: n_x by n_q, columns in the order of q. dx: n_x. Z_q: n_a, its
-  /// diagonal; the whole is the metric's actuated block.
+  /// J: n_x by n_q, columns in the order of q. dx: n_x. Z_q: its diagonal, n_a; the full Z_q, with
+  /// the coupling, is the metric's actuated block.
   /// Never allocates. J or dx that is not finite gives dq = 0 and kRankDeficient.
   void solve(const MatXQ& J, const VecX& dx, const VecA& Z_q) noexcept;
 

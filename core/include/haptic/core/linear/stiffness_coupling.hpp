@@ -2,8 +2,8 @@
 /// A Z_q that is not diagonal: Z_q = D C D, with D = diag(sqrt(K)) of the stiffness per actuated
 /// DoF, K = diag(Z_q), and C = L L^T of unit diagonal, the coupling. C is the scene's and never
 /// changes; a session lowers K. Then Z_q stays positive semidefinite, and lambda_max(B^{-1/2} Z_q
-/// B^{-1/2}) never rises, whatever the diagonal B: what the device's damping pays for in the scene
-/// it pays for in every session (core/METHOD.md#sampled-data).
+/// B^{-1/2}) never rises, whatever the diagonal B: if the device's damping covers the scene's
+/// stiffness, it covers that of every session (core/METHOD.md#sampled-data).
 
 #include <Eigen/Core>
 

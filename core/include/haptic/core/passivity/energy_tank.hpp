@@ -7,8 +7,8 @@
 /// The level falls below 0 only by what the tank cannot refuse: the leak of the hold on a device
 /// whose damping is unknown or too small (K T/2 > b, core/METHOD.md#sampled-data), and a limited or
 /// late force. The spring then pays at once, out of what it stores; debt is what the whole spring
-/// could not pay. (To keep the spring and only refuse more lets a stiff one give a hundred times as
-/// much, measured.)
+/// could not pay. If the tank only refused further changes and kept the spring, a stiff spring
+/// would give out 100 times as much energy (measured).
 
 #include "haptic/core/passivity/spring_storage.hpp"
 #include "haptic/core/types.hpp"
@@ -18,16 +18,18 @@ namespace haptic::core {
 struct TankSettings {
   bool enabled{false};        ///< off: no change is ever held back
   double initial{0.0};        ///< tank_0, J, at every Engage; 0 = strictly passive
-  double capacity{0.05};      ///< tank_max, J, > 0: past dissipation must not hide later activity
+  double capacity{0.05};      ///< tank_max, J, > 0: a cap, so that energy saved long ago cannot
+                              ///< pay for a later burst
   double allowed_power{0.0};  ///< P_env, W: what a moving environment may put in; 0 = nothing
 };
 
-/// What the force held since the last sample did while q_a moved by dq
-/// (core/METHOD.md#energy-tank). J.
+/// Energies of the last hold, J: the force was constant while q_a moved by dq
+/// (core/METHOD.md#energy-tank).
 struct HoldAccount {
-  double leak{0.0};            ///< of the hold: V after - V before + tau_law^T dq >= 0
-  double limits{0.0};          ///< taken from the user by slew and other limits; of either sign
-  double rendered{0.0};        ///< taken by rendered damping and the controller; of either sign
+  double leak{0.0};      ///< of the hold: V after - V before + tau^T dq >= 0, tau = the spring's
+                         ///< force before limits
+  double limits{0.0};    ///< taken from the user by slew and other limits; of either sign
+  double rendered{0.0};  ///< taken by rendered damping and the controller; of either sign
   double device_damping{0.0};  ///< least that the device's own damping took, b_dev |dq|^2 / T
 };
 

@@ -47,7 +47,8 @@ class Passivity {
   /// An Engage was accepted: tank at its initial level, observer at 0.
   void restart() noexcept;
   /// q_a of this tick (n_a). `fresh`: it is a new sample; without one nothing is known to have
-  /// moved, and the observer pauses. `recent` false ends the controller: its rate is too old.
+  /// moved, and the observer pauses. `recent` false: the newest
+  /// sample is old, and the controller stops, because its rate is unknown.
   /// `force`: what the device measured with this sample, n_a, which is then taken for the force
   /// held; size 0: not measured, the command counts.
   void measure(const VecA& q_a, bool fresh, bool recent, Duration dt,

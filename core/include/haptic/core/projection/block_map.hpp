@@ -21,8 +21,8 @@ class BlockMap {
   /// stays as it was. Never allocates.
   [[nodiscard]] BlockSet move_to(const VecQ& q) noexcept;
   /// J() of the blocks of `needed`, in all of which f has a value, is dx_probe/dq at the q of the
-  /// last move_to(); the other blocks are left as they are. What was needed in one tick move_to()
-  /// brings along in the next, f and J in one evaluation. Never allocates.
+  /// last move_to(); the other blocks are left as they are. If a block's J was needed in this
+  /// tick, the next move_to() computes f and J together. Never allocates.
   void differentiate(BlockSet needed) noexcept;
 
   [[nodiscard]] const VecX& x_probe() const noexcept { return x_probe_; }  ///< n_x; 0 before f
@@ -45,7 +45,7 @@ class BlockMap {
     MapBlock at{};
     int n_q{0}, n_x{0};
     VecQ q{};            ///< where f was last asked for
-    VecX x{};            ///< f(q) where it `closes`, else of the last q that did
+    VecX x{};            ///< f(q); if f has no value at q, the last value it had
     bool known{false};   ///< q is set
     bool closes{false};  ///< f has a value at q
     bool has_J{false};   ///< the block in J_ is of q

@@ -1,12 +1,11 @@
 #pragma once
 /// A renderer for every independent block of a map (the fingers of a hand), behind the call of one:
-/// a block is projected by itself, and in Eq. (6) not at all while its part of the proxy stays
-/// (core/METHOD.md#model-only-what-a-scene-needs). A map without
-/// blocks is one block, and so is one whose metric W_x weighs coordinates of different blocks
-/// together.
+/// each block is projected by itself, and under Eq. (6) only when its part of the proxy changes
+/// (core/METHOD.md#model-only-what-a-scene-needs). A map without blocks counts as one block, and so
+/// does a map whose metric W_x weighs coordinates of different blocks together.
 ///
-/// A block with dx = 0 is idle: its own pose is the answer, and it needs neither J nor a solve. Eq.
-/// (6) needs J in no block, and keeps a solution that it has until the proxy changes.
+/// A block with dx = 0 is idle: its own pose is the answer, and it needs neither J nor a solve.
+/// Eq. (6) needs J in no block and keeps its solution until the proxy changes.
 
 #include <optional>
 #include <vector>
@@ -31,13 +30,12 @@ class BlockRenderer {
                bool proxy_changed, Projection& out) noexcept;
   /// The blocks whose J project() reads if dx is not 0 in the blocks `displaced`.
   [[nodiscard]] BlockSet reads_J(BlockSet displaced) const noexcept;
-  /// What the energy tank's spring is made of (core/METHOD.md#energy-tank), n_a: how many times Z_q
-  /// the displayed stiffness can be at this pose with the proxy held, at least 1. Eq. (6) and (8)
-  /// display Z_q, 1. Eq. (1) displays J_a^T Z_x J_a on its actuators (Eq. (2)) and Eq. (4) at most
-  /// that, which their single scale of Z_x lets be several times Z_q: the energy
-  /// 1/2 tau^T Z_q^{-1} tau of a spring Z_q would be more than the user put in. If a block has
-  /// several actuators the trace of Z_q^{-1} J_a^T Z_x J_a stands for its largest eigenvalue. Idle
-  /// blocks: 1. Never allocates.
+  /// Upper bound of displayed stiffness over Z_q per actuated DoF (n_a, >= 1) at this pose with the
+  /// proxy held; the energy tank's spring is that much stiffer (core/METHOD.md#energy-tank). Eq.
+  /// (6) and (8) display Z_q: 1. Eq. (1) displays J_a^T Z_x J_a, Eq. (2), and Eq. (4) at most that;
+  /// with one scale of Z_x for all poses this may be several times Z_q, and a tank that booked Z_q
+  /// would charge more energy than the user put in. A block with several actuators uses the trace
+  /// of Z_q^{-1} J_a^T Z_x J_a for its largest eigenvalue. Idle blocks: 1. Never allocates.
   void displayed_bound(const Probe& probe, const VecX& dx, const VecA& stiffness,
                        VecA& ratio) const noexcept;
   /// Forgets warm starts and cached solutions.

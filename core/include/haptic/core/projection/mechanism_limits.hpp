@@ -1,7 +1,7 @@
 #pragma once
 /// The limits of a mechanism other than the box of q (the ends of sliders, the branch of
-/// core/METHOD.md#inverse-map) as constraints of the iteration behind Eq. (6). To reject steps that
-/// break them instead would stall (core/METHOD.md#worst-cases).
+/// core/METHOD.md#inverse-map) as constraints of the iteration behind Eq. (6). If steps that
+/// break them were rejected instead, the iteration would stall (core/METHOD.md#worst-cases).
 ///
 /// If a linear step would break a limit, that limit is *engaged*: the two DoFs of its pair are
 /// replaced by one across the limit and one along it, so that the limit is a bound like those of

@@ -23,7 +23,8 @@ namespace haptic::core {
 /// The metric of the actuated block must be Z_q: with another one the rendered stiffness can have
 /// negative eigenvalues (core/METHOD.md#rank-and-prior).
 struct Prior {
-  double weight{0.0};  ///< mu, 1/J, > 0: of 1 J in those springs against an error of 1 in ||.||_W
+  double weight{0.0};       ///< mu, 1/J, > 0: mu = 1 counts 1 J in the springs like an error of
+                            ///< 1 in ||.||_W
   VecQ sensed_stiffness{};  ///< M_n, n_n, > 0; N/m or N m/rad
 };
 

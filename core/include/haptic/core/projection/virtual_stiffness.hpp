@@ -7,8 +7,7 @@
 
 namespace haptic::core {
 
-/// Unit of force per unit of x. `stiffness`: n_a. A map that does not move with its actuators has
-/// none.
+/// Unit of force per unit of x. `stiffness`: n_a. 0 if J_a = 0.
 [[nodiscard]] inline double virtual_stiffness(const VecA& stiffness, double mean_J_a) noexcept {
   return mean_J_a > 0.0 ? stiffness.mean() / (mean_J_a * mean_J_a) : 0.0;
 }

@@ -1,6 +1,6 @@
 #pragma once
 /// Many small lags add up to a fault: +5 per deadline passed over, -1 per 20 ticks on time, full at
-/// 100 (proto/README.md#states-of-a-device).
+/// PipelineConfig::late_bucket_full, by default 100 (proto/README.md#states-of-a-device).
 
 #include <algorithm>
 #include <cstdint>

@@ -48,7 +48,8 @@ struct PipelineConfig {
   /// core/METHOD.md#forces-at-the-finger, with one actuated DoF; with more of them it means the
   /// direction guard.
   bool monotone_envelope{false};
-  /// That of Eq. (8) in every record (core/METHOD.md#exact-derivatives); not with a prior.
+  /// Computes the certificate of Eq. (8) in every tick (core/METHOD.md#exact-derivatives); not with
+  /// a prior.
   bool passivity_certificate{false};
   PassivitySettings passivity{};             ///< energy tank and observer; off by default
   std::vector<ActuatorRatings> ratings{};    ///< n_a, or none: power, rate and temperature

@@ -78,7 +78,7 @@ struct Sensed {
 
 /// The sample of the proxy in use, which may not be the newest.
 struct ProxyInUse {
-  ProxyMode mode{ProxyMode::kNone};  ///< kNone: there is none, and all else is as it is here
+  ProxyMode mode{ProxyMode::kNone};  ///< kNone: no proxy; the rest keeps its defaults
   std::uint64_t seq{0};
   Duration age{0};  ///< now - born
   Staleness level{Staleness::kLost};

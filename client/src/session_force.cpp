@@ -72,7 +72,8 @@ RemoteSession::Clock::time_point RemoteSession::engage_due() const {
   const bool lease_comes_back = options_.re_engage && resumable();
   const bool open = reconnection_.state() == State::kOpen ||
                     (reconnection_.state() == State::kLeaseLost && !lease_comes_back);
-  if (!open || has_force(states_.newest().state)) return Clock::time_point::max();
+  // One call at a time: its answer ends the one that engage_call_ names.
+  if (!open || engage_call_ || has_force(states_.newest().state)) return Clock::time_point::max();
   return force_.due().value_or(Clock::time_point::max());
 }
 

@@ -34,7 +34,11 @@ void DeviceSessions::close(const Request& request) {
   const SessionId& session = request.session_id;
   if (tracker_) tracker_->close(session);
   const bool waits = newcomer_ && newcomer_->request.session_id == session;
-  if (waits) newcomer_.reset();
+  // Every request gets its answer: the front keeps its call until then.
+  if (waits) {
+    refuse_newcomer({Refusal::Code::kAborted, "SESSION_ENDED",
+                     "its session ended while it waited for the lease"});
+  }
   if (!lease_.held_by(session)) return;
   const bool lost = request.kind == Request::Kind::kLose;
   if (lost && !waits && lease_.resumable() && !command_.closing) {

@@ -202,6 +202,7 @@ TEST(Lease, ANewcomerWhoLeavesWhileWaitingLeavesNothingBehind) {
   Reply bob;
   rig.sessions->open_controller(request("s2", "bob"), rig.now, bob.take());
   rig.sessions->close("s2");
+  ASSERT_TRUE(bob.refusal.has_value()) << "the front keeps the call until it is answered";
   rig.tick(300);
   EXPECT_FALSE(bob.lease.has_value());
   EXPECT_EQ(rig.sessions->controller(), "");

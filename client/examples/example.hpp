@@ -1,5 +1,5 @@
 #pragma once
-/// What all examples share: the option --server, Ctrl-C, and events and errors in words.
+/// Shared by all examples: the option --server, Ctrl-C, and events and errors in words.
 
 #include <CLI/CLI.hpp>
 #include <csignal>

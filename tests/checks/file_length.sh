@@ -15,9 +15,6 @@ limit() { # limit FILE
     proto/haptic/v1/*.proto) echo 480 ;;           # a format is read as one page
     core/src/model/finger_reach.cpp) echo 320 ;;   # one derivation, case by case
     hw/board/board_host.cpp) echo 335 ;;           # one protocol, all its messages
-    core/src/tick/stages.cpp) echo 355 ;;          # to be split
-    server/rpc/convert.cpp) echo 390 ;;            # to be derived from the messages' descriptor
-    server/rpc/session_stream.cpp) echo 415 ;;     # to be split
     client/python/haptic/_session.py) echo 305 ;;  # one class
     tests/* | docker/*) echo 450 ;;
     *.textproto | *.txt) echo 450 ;;

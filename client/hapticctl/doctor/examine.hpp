@@ -19,7 +19,7 @@ struct Jitter {
   double p50_us{0.0}, p99_us{0.0}, max_us{0.0};
 };
 
-/// What the kernel answered. Errors are errno values; 0: granted.
+/// Answers of the kernel as errno values; 0: granted.
 struct HostAnswers {
   int fifo_error{0};                       ///< when SCHED_FIFO 80 was asked for
   bool sys_nice{false};                    ///< CAP_SYS_NICE is effective

@@ -1,5 +1,5 @@
 #pragma once
-/// What a session with SessionOptions::tracker publishes.
+/// The pose that a session with SessionOptions::tracker publishes.
 
 #include <array>
 #include <chrono>

@@ -30,7 +30,7 @@
 
 namespace haptic::client {
 
-/// What a session does when its stream is lost.
+/// Behaviour of a session that loses its stream.
 enum class Reconnect : std::uint8_t {
   kNever,  ///< the session ends
   /// It opens another stream: at once, then after 0.1, 0.2, 0.4 ... 2 s, until the server refuses

@@ -62,7 +62,7 @@ CONF
 
 # Debian from a registry, or made here if none is reachable.
 base_image() {
-  local image=docker.io/library/debian:bookworm-slim
+  local image=debian:bookworm-slim
   if "$engine" image inspect "$image" >/dev/null 2>&1 ||
     timeout 60 "$engine" pull --quiet "$image" >/dev/null 2>&1; then
     echo "$image"

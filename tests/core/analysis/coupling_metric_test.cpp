@@ -57,7 +57,7 @@ TEST(CouplingMetric, WeighsEachDofByItself) {
 }
 
 /// What no q reaches counts too, softly: without it the metric would be none.
-TEST(CouplingMetric, IsDefiniteWhereXHasMoreCoordinates) {
+TEST(CouplingMetric, IsDefiniteForMoreCoordinates) {
   const MatXQ A = (MatXQ(4, 2) << 1, 0, 0, 2, 0, 0, 1, 0).finished();
   const auto map = linear(A, {true, false});
   const double Z = 600.0, eps = 0.1;
@@ -73,7 +73,7 @@ TEST(CouplingMetric, IsDefiniteWhereXHasMoreCoordinates) {
   EXPECT_NEAR(a.dot(*W * a), Z, 1e-10);
 }
 
-TEST(CouplingMetric, OfAFullyActuatedDeviceIsItsStiffnessWhateverTheSoftness) {
+TEST(CouplingMetric, FullActuationGivesTheStiffnessItself) {
   const MatXQ A = (MatXQ(2, 2) << 1, 2, -1, 3).finished();
   const auto map = linear(A, {true, true});
   const VecA Z = (VecA(2) << 300.0, 20.0).finished();
@@ -112,7 +112,7 @@ TEST(CouplingMetric, IsFreeOfUnits) {
   }
 }
 
-TEST(CouplingMetric, IsNoneWhereThereIsNothingToBuildItOf) {
+TEST(CouplingMetric, IsAbsentWithoutJacobianOrStiffness) {
   const auto finger = make_finger_exoskeleton({});
   const VecQ q = (VecQ(2) << 0.016, -0.26).finished();
   const VecA Z = VecA::Constant(1, 1500.0);
@@ -150,7 +150,7 @@ TEST(CouplingMetric, ComesInBlocksRowByRow) {
 /// core/METHOD.md#anisotropic-coupling: the softer, the less of the way onto a plane is asked of
 /// the actuator, as long as the sensed DoF alone reaches it; the law is dq_a = -d Z_q^{-1} a /
 /// (a^2/Z_q + b^2/D_n), a = J_a.n, b = J_n.n.
-TEST(CouplingMetric, PullsAProxyOntoAPlaneAlongWhatIsSoft) {
+TEST(CouplingMetric, PullsTheProxyAlongSoftDirections) {
   const auto finger = make_finger_exoskeleton({});
   const VecQ q = (VecQ(2) << 0.016, -0.26).finished();
   const double Z = 1500.0, depth = 0.1;

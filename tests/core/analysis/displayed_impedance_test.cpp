@@ -27,7 +27,7 @@ std::unique_ptr<Kinematics> by_hand() {
   return make_linear(map);
 }
 
-TEST(TheoreticalImpedance, IsThatOfEquations2And5And9) {
+TEST(TheoreticalImpedance, FollowsItsPublishedEquations) {
   const auto map = by_hand();
   RenderingImpedance impedance{VecA::Constant(1, 7.0), MatXX::Identity(3, 3) * 2.0};
   const VecQ q = VecQ::Zero(2);
@@ -52,7 +52,7 @@ TEST(TheoreticalImpedance, IsThatOfEquations2And5And9) {
   EXPECT_NEAR(at(RendererKind::kNullSpace)(0, 1), 0.5, 1e-14);
 }
 
-TEST(ExactImpedance, IsTheTheoryWhereJIsConstant) {
+TEST(ExactImpedance, EqualsTheTheoryForConstantJ) {
   const auto map = by_hand();
   RenderingImpedance impedance{VecA::Constant(1, 7.0), MatXX::Identity(3, 3)};
   impedance.Z_x(1, 1) = 5.0;
@@ -87,7 +87,7 @@ struct FingerForces : ::testing::Test {
   }
 };
 
-TEST_F(FingerForces, ExactImpedanceIsTheDerivativeOfEveryRenderersForce) {
+TEST_F(FingerForces, ExactImpedanceIsTheForcesDerivative) {
   std::mt19937_64 random(21);
   std::uniform_real_distribution<double> mcp(0.1, 1.1), pip(0.1, 1.3);
   const double h[2] = {2e-7, 1e-5};  // m, rad
@@ -109,7 +109,7 @@ TEST_F(FingerForces, ExactImpedanceIsTheDerivativeOfEveryRenderersForce) {
   }
 }
 
-TEST_F(FingerForces, ProxyGainIsTheDerivativeByTheProxyCurvatureIncluded) {
+TEST_F(FingerForces, ProxyGainIncludesTheMapsCurvature) {
   std::mt19937_64 random(22);
   std::uniform_real_distribution<double> mcp(0.1, 1.1), pip(0.1, 1.3);
   const double h = 1e-6;
@@ -131,7 +131,7 @@ TEST_F(FingerForces, ProxyGainIsTheDerivativeByTheProxyCurvatureIncluded) {
   }
 }
 
-TEST(ExactImpedance, HasNoAnswerWhereARankIsLostOrTheMapFails) {
+TEST(ExactImpedance, IsAbsentWithoutRankOrMap) {
   LinearMap map;
   map.dofs = {{"a", Unit::kMetre, true, -1, 1}, {"n", Unit::kMetre, false, -1, 1}};
   map.coordinates = {{"x", Unit::kMetre}, {"y", Unit::kMetre}};

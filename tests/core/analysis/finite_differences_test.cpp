@@ -12,7 +12,7 @@ namespace {
 constexpr std::array<double, 6> kQ{0, 1, 2, 1, 1.01, 1.01};
 constexpr std::array<double, 6> kTau{0, -2, -1, 2, 3, 8};
 
-TEST(FiniteDifferences, SmallStepsAreLeftOutAndCounted) {
+TEST(FiniteDifferences, SkipsAndCountsSmallSteps) {
   const FiniteDifferences fd = finite_differences(kQ, kTau);
   EXPECT_EQ(fd.steps, 5);
   EXPECT_EQ(fd.kept, 3);                                    // the unit steps
@@ -34,7 +34,7 @@ TEST(FiniteDifferences, NoiseRaisesTheThreshold) {
   EXPECT_EQ(fd.excluded_pct, 100.0);
 }
 
-TEST(FiniteDifferences, NoStepIsTakenAcrossAGap) {
+TEST(FiniteDifferences, TakesNoStepAcrossAGap) {
   constexpr std::array<char, 6> kGap{0, 0, 1, 0, 0, 0};  // the active step fell into a gap
   const FiniteDifferences fd = finite_differences(kQ, kTau, {}, kGap);
   EXPECT_EQ(fd.steps, 4);

@@ -29,7 +29,7 @@ using PassivityRadius = Finger;
 
 /// core/METHOD.md#exact-derivatives: g = S J^{-1} [J_,a J^{-1}], radius 1/||g||, margin 1 + g.dx,
 /// by 2 x 2 algebra.
-TEST_F(PassivityRadius, OfTheLinearisedMethodIsOneOverTheNormOfG) {
+TEST_F(PassivityRadius, LinearisedRadiusIsTheGainsInverse) {
   for (const auto& [mcp, pip] : {std::pair{30.0, 30.0}, {60.0, 70.0}, {10.0, 40.0}}) {
     const VecQ q = pose(mcp, pip);
     VecX x_probe;

@@ -19,21 +19,21 @@ TEST(Admittance, SwitchingOnMovesNothing) {
   EXPECT_EQ(admittance.step(5.0, 5.0, kDt), 0.03);
 }
 
-TEST(Admittance, AConstantErrorGivesTheDampersSpeed) {
+TEST(Admittance, ConstantErrorGivesTheDampersSpeed) {
   Admittance admittance(kWide);
   admittance.reset(0.0);
   for (int i = 0; i < 1000; ++i) static_cast<void>(admittance.step(3.0, 1.0, kDt));
   EXPECT_NEAR(admittance.position(), 2.0 / 100.0 * 1.0, 1e-12);
 }
 
-TEST(Admittance, TheMassDelaysWithItsTimeConstant) {
+TEST(Admittance, MassDelaysByItsTimeConstant) {
   Admittance admittance({10.0, 100.0, 1.0, -10.0, 10.0});
   admittance.reset(0.0);
   for (int i = 0; i < 100; ++i) static_cast<void>(admittance.step(2.0, 0.0, kDt));  // m/d = 0.1 s
   EXPECT_NEAR(admittance.rate(), 2.0 / 100.0 * (1.0 - std::exp(-1.0)), 1e-4);
 }
 
-TEST(Admittance, AgainstASpringItSettlesAtTheReference) {
+TEST(Admittance, SettlesAtTheReference) {
   Admittance admittance({0.5, 100.0, 1.0, 0.0, 0.05});
   admittance.reset(0.01);
   const double k = 2000.0;
@@ -56,14 +56,14 @@ TEST(Admittance, KeepsTheActuatorsRateAndTravel) {
   EXPECT_EQ(last, 0.05);
 }
 
-TEST(Admittance, LeavesAStopAtOnceWhenTheForceTurns) {
+TEST(Admittance, LeavesAStopWhenForceTurns) {
   Admittance admittance({10.0, 1.0, 1.0, 0.0, 0.05});
   admittance.reset(0.05);
   for (int i = 0; i < 10000; ++i) static_cast<void>(admittance.step(50.0, 0.0, kDt));
   EXPECT_LT(admittance.step(-1.0, 0.0, kDt), 0.05);
 }
 
-TEST(Admittance, AForceThatIsNotFiniteStopsTheMotion) {
+TEST(Admittance, NonFiniteForceStopsTheMotion) {
   Admittance admittance({10.0, 1.0, 1.0, -1.0, 1.0});
   admittance.reset(0.0);
   const double x = admittance.step(5.0, 0.0, kDt);
@@ -71,7 +71,7 @@ TEST(Admittance, AForceThatIsNotFiniteStopsTheMotion) {
   EXPECT_EQ(admittance.rate(), 0.0);
 }
 
-TEST(Admittance, AParameterThatIsNotAllowedIsNamed) {
+TEST(Admittance, NamesTheForbiddenParameter) {
   try {
     Admittance({0.0, 0.0, 1.0, 0.0, 1.0});
     FAIL();

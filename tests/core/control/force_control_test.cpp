@@ -24,7 +24,7 @@ TEST(ForceControl, EachDofHasItsOwnLoop) {
   EXPECT_EQ(control.position().size(), 0);
 }
 
-TEST(ForceControl, AForceThatIsNotKnownIsNotIntegrated) {
+TEST(ForceControl, DoesNotIntegrateAnUnknownForce) {
   ForceControl control({{kGains}, {}}, 1);
   for (int i = 0; i < 1000; ++i) control.step(VecA::Constant(1, 3.0), {}, T);
   EXPECT_EQ(control.drive()[0], 3.0) << "open loop";
@@ -32,7 +32,7 @@ TEST(ForceControl, AForceThatIsNotKnownIsNotIntegrated) {
   EXPECT_EQ(control.drive()[0], 3.0);
 }
 
-TEST(ForceControl, SaysWhichDofIsAtItsLimit) {
+TEST(ForceControl, NamesTheDofAtItsLimit) {
   ForceControl control({{kGains, kGains}, {}}, 2);
   control.step(two(1.0, 19.0), two(1.0, 0.0), T);
   EXPECT_FALSE(control.limited(0));
@@ -43,7 +43,7 @@ TEST(ForceControl, SaysWhichDofIsAtItsLimit) {
   EXPECT_EQ(control.drive()[1], 0.0);
 }
 
-TEST(ForceControl, AnAdmittanceStartsWhereTheDeviceIs) {
+TEST(ForceControl, AdmittanceStartsAtTheDevicesPosition) {
   ForceControl control({{}, {kAdmittance}}, 1);
   control.rest(VecA::Constant(1, 0.02));
   control.step(VecA::Zero(1), VecA::Zero(1), T);

@@ -21,12 +21,12 @@ struct GearedPlant {
   void step(double u) { F += kTick * a * (u - F - d); }
 };
 
-TEST(ForceLoop, WithoutGainsTheReferenceIsTheOutput) {
+TEST(ForceLoop, ZeroGainsPassTheReferenceThrough) {
   ForceLoop loop({0.0, 0.0, 0.0, 1.0, 100.0});
   EXPECT_EQ(loop.step(7.0, 3.0, kTick), 7.0);
 }
 
-TEST(ForceLoop, TheProportionalGainShortensTheTimeConstantByOnePlusIt) {
+TEST(ForceLoop, ProportionalGainShortensTheTimeConstant) {
   // F_dot = a (r + K_P (r - F) - F) = a (1 + K_P)(r - F).
   ForceLoop loop({4.0, 0.0, 0.0, 1.0, 1e6});
   GearedPlant plant;
@@ -37,7 +37,7 @@ TEST(ForceLoop, TheProportionalGainShortensTheTimeConstantByOnePlusIt) {
   EXPECT_NEAR(plant.F, 10.0 * (1.0 - std::exp(-1.0)), 0.03);  // of first order in dt
 }
 
-TEST(ForceLoop, TheIntegralTakesAConstantDisturbanceAway) {
+TEST(ForceLoop, IntegralRemovesAConstantDisturbance) {
   GearedPlant plant{20.0, 6.0, 0.0};
   ForceLoop without({4.0, 0.0, 0.0, 1.0, 1e3});
   for (int i = 0; i < 50000; ++i) plant.step(without.step(10.0, plant.F, kTick));
@@ -48,7 +48,7 @@ TEST(ForceLoop, TheIntegralTakesAConstantDisturbanceAway) {
   EXPECT_NEAR(with.integral(), 6.0, 1e-9);
 }
 
-TEST(ForceLoop, FrictionIsFedForwardInTheDirectionOfTheErrorAndNotAtRest) {
+TEST(ForceLoop, FrictionFeedforwardFollowsTheErrorsSign) {
   const auto u = [](double e) {
     ForceLoop loop({0.0, 0.0, 5.0, 0.5, 100.0});
     return loop.step(0.0, -e, kTick);
@@ -66,7 +66,7 @@ TEST(ForceLoop, TheOutputStaysWithinItsLimit) {
   }
 }
 
-TEST(ForceLoop, ASaturationOfAnyLengthLeavesNothingToWorkOff) {
+TEST(ForceLoop, SaturationLeavesNoWindup) {
   const auto first_after = [](int saturated_steps) {
     ForceLoop loop({2.0, 50.0, 0.0, 1.0, 20.0});
     for (int i = 0; i < saturated_steps; ++i) static_cast<void>(loop.step(30.0, 0.0, 1e-3));
@@ -77,7 +77,7 @@ TEST(ForceLoop, ASaturationOfAnyLengthLeavesNothingToWorkOff) {
   EXPECT_EQ(first_after(10), first_after(100000));
 }
 
-TEST(ForceLoop, WithinTheLimitsItIsAPlainPI) {
+TEST(ForceLoop, WithinLimitsItIsPlainPI) {
   ForceLoop loop({2.0, 50.0, 0.0, 1.0, 1e6});
   double integral = 0.0;
   for (int i = 0; i < 100; ++i) {
@@ -88,7 +88,7 @@ TEST(ForceLoop, WithinTheLimitsItIsAPlainPI) {
   }
 }
 
-TEST(ForceLoop, AMeasurementThatIsNotFiniteStopsItForThatStepOnly) {
+TEST(ForceLoop, NonFiniteMeasurementStopsOneStep) {
   ForceLoop loop({2.0, 50.0, 0.0, 1.0, 20.0});
   static_cast<void>(loop.step(1.0, 0.0, 1e-3));
   const double before = loop.integral();
@@ -104,7 +104,7 @@ TEST(ForceLoop, ResetForgetsTheIntegral) {
   EXPECT_EQ(loop.step(2.0, 2.0, 1e-3), 2.0);
 }
 
-TEST(ForceLoop, AGainThatIsNotAllowedIsNamed) {
+TEST(ForceLoop, NamesTheForbiddenGain) {
   try {
     ForceLoop({-1.0, 0.0, 0.0, 1.0, 1.0});
     FAIL();

@@ -48,7 +48,7 @@ void load(BoxedLeastSquares& problem, const Eigen::MatrixXd& A, const Eigen::Vec
   problem.add(A, b);
 }
 
-TEST(BoxedLeastSquares, FindsTheBestOfAllWaysToFixCoordinates) {
+TEST(BoxedLeastSquares, BeatsEveryChoiceOfFixedCoordinates) {
   std::mt19937_64 random(1);
   BoxedLeastSquares problem;
   int limited = 0;
@@ -73,7 +73,7 @@ TEST(BoxedLeastSquares, FindsTheBestOfAllWaysToFixCoordinates) {
 }
 
 /// Larger, with prior and damping rows: no coordinate that could still lower the cost.
-TEST(BoxedLeastSquares, SatisfiesTheConditionsOfAMinimumAtEverySize) {
+TEST(BoxedLeastSquares, MeetsMinimumConditionsAtEverySize) {
   std::mt19937_64 random(2);
   BoxedLeastSquares problem;
   for (int trial = 0; trial < 300; ++trial) {
@@ -102,7 +102,7 @@ TEST(BoxedLeastSquares, SatisfiesTheConditionsOfAMinimumAtEverySize) {
   }
 }
 
-TEST(BoxedLeastSquares, DependentColumnsAreDecidedByTheMetricAndReported) {
+TEST(BoxedLeastSquares, MetricDecidesDependentColumns) {
   BoxedLeastSquares problem;
   load(problem, (Eigen::MatrixXd(2, 2) << 1, 1, 1, 1).finished(), Eigen::Vector2d(2, 2));
   // ||p||_M with M = diag(1, 4): p = (1.6, 0.4) of all p with p_0 + p_1 = 2.

@@ -54,7 +54,7 @@ TEST(Householder, SolvesLikeEigenAtEverySize) {
   }
 }
 
-TEST(Householder, IsATriangularFactorOfTheGramMatrix) {
+TEST(Householder, FactorsTheGramMatrix) {
   std::mt19937_64 random(2);
   for (const Size& size : kSizes) {
     const Eigen::MatrixXd A = gaussian(random, size.m, size.n);
@@ -74,7 +74,7 @@ TEST(Householder, IsATriangularFactorOfTheGramMatrix) {
 }
 
 /// core/METHOD.md#condition-sweep: forward error below 10 eps cond from 1 to 1e16, and never a NaN.
-TEST(Householder, ErrorGrowsWithTheConditionAndNoFaster) {
+TEST(Householder, ErrorGrowsWithTheConditionOnly) {
   std::mt19937_64 random(10);
   constexpr double kEps = std::numeric_limits<double>::epsilon();
   for (int power = 0; power <= 16; ++power) {
@@ -91,7 +91,7 @@ TEST(Householder, ErrorGrowsWithTheConditionAndNoFaster) {
 }
 
 /// core/METHOD.md#large-residual: 72 x 24, cond 1e4, residual 10 % of b.
-TEST(Householder, ALargeInconsistentSystemIsSolvedTo1em10) {
+TEST(Householder, SolvesALargeSystemTo1em10) {
   std::mt19937_64 random(11);
   for (int trial = 0; trial < 20; ++trial) {
     const Eigen::MatrixXd A = with_condition(random, 72, 24, 1e4);
@@ -105,7 +105,7 @@ TEST(Householder, ALargeInconsistentSystemIsSolvedTo1em10) {
   }
 }
 
-TEST(Householder, TheDiagonalDoesNotKnowTheUnitsOfTheColumns) {
+TEST(Householder, DiagonalIgnoresTheColumnsUnits) {
   std::mt19937_64 random(3);
   for (int trial = 0; trial < 200; ++trial) {
     const Eigen::MatrixXd A = gaussian(random, 6, 4);
@@ -117,7 +117,7 @@ TEST(Householder, TheDiagonalDoesNotKnowTheUnitsOfTheColumns) {
   }
 }
 
-TEST(Householder, TheDiagonalIsReadAgainstTheColumns) {
+TEST(Householder, DiagonalIsRelativeToTheColumns) {
   std::mt19937_64 random(5);
   for (const Size& size : kSizes) {
     const Solved s = solve(gaussian(random, size.m, size.n), gaussian(random, size.m, 1));
@@ -129,7 +129,7 @@ TEST(Householder, TheDiagonalIsReadAgainstTheColumns) {
   }
 }
 
-TEST(Householder, ZeroDependentAndNonFiniteColumnsShowInTheDiagonal) {
+TEST(Householder, DiagonalShowsBadColumns) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   std::mt19937_64 random(4);
   for (const Size& size : kSizes) {

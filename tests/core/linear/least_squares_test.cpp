@@ -32,7 +32,7 @@ Eigen::VectorXd by_us(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, const 
   return y.cwiseQuotient(M.cwiseSqrt());
 }
 
-TEST(LeastSquares, AllThreeForcesFallOutOfOneFactorisation) {
+TEST(LeastSquares, OneFactorisationGivesAllThreeForces) {
   std::mt19937_64 random(1);
   for (int trial = 0; trial < 2000; ++trial) {
     const int n_q = 1 + trial % 6, n_a = 1 + trial % n_q, n_x = n_q + trial % 4;
@@ -57,7 +57,7 @@ TEST(LeastSquares, AllThreeForcesFallOutOfOneFactorisation) {
 
 /// core/METHOD.md#condition-sweep: flagged above 1e8. The diagonal of R overestimates the smallest
 /// singular value by a small factor, so the decade around the limit belongs to neither side.
-TEST(LeastSquares, IllConditioningIsSaidAboveTheLimitAndNotBelow) {
+TEST(LeastSquares, ReportsIllConditioningAboveTheLimit) {
   std::mt19937_64 random(10);
   for (int power = 0; power <= 16; ++power) {
     if (power == 8 || power == 9) continue;
@@ -73,7 +73,7 @@ TEST(LeastSquares, IllConditioningIsSaidAboveTheLimitAndNotBelow) {
 }
 
 /// core/METHOD.md#rank-loss: a zero column, a repeated column, fewer rows than columns.
-TEST(MinimumNorm, IsTheSmallestInItsMetricAmongTheBest) {
+TEST(MinimumNorm, IsSmallestInItsMetric) {
   std::mt19937_64 random(12);
   std::uniform_real_distribution<double> power(-3.0, 3.0);
   for (int trial = 0; trial < 3000; ++trial) {
@@ -120,7 +120,7 @@ double smallest_symmetric(const Eigen::Matrix2d& K) {
 
 /// core/METHOD.md#unequal-stiffness: with the unit metric Z_q > 0 is no promise of passivity; with
 /// Z_q as the metric of its own block it is.
-TEST(MinimumNorm, TheMetricOfTheActuatedBlockMustBeZq) {
+TEST(MinimumNorm, ActuatedBlocksMetricMustBeZq) {
   Eigen::MatrixXd J(2, 4);
   J << .125730, -.132105, .640423, .104900, -.535669, .361595, 1.304000, .947081;
   struct Row {
@@ -143,7 +143,7 @@ TEST(MinimumNorm, TheMetricOfTheActuatedBlockMustBeZq) {
   }
 }
 
-TEST(LeastSquares, NothingThatIsNotFiniteComesOut) {
+TEST(LeastSquares, AnswersAreFinite) {
   constexpr double kBad[] = {std::numeric_limits<double>::quiet_NaN(),
                              std::numeric_limits<double>::infinity(), 1e200, 1e-200, 0.0};
   std::mt19937_64 random(5);

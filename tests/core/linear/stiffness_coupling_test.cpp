@@ -31,7 +31,7 @@ MatrixXd stiffness_of(std::mt19937_64& random, int n) {
   return 0.5 * (Z + Z.transpose());
 }
 
-TEST(StiffnessCoupling, GivesBackTheMatrixItWasMadeOf) {
+TEST(StiffnessCoupling, ReproducesTheMatrixItWasGiven) {
   std::mt19937_64 random(1);
   for (int n = 1; n <= 6; ++n) {
     const MatrixXd Z = stiffness_of(random, n);
@@ -44,7 +44,7 @@ TEST(StiffnessCoupling, GivesBackTheMatrixItWasMadeOf) {
 
 /// What a session lowers stays a stiffness, and is nowhere stiffer than what damping has to pay
 /// for.
-TEST(StiffnessCoupling, LowerStiffnessOfAnActuatorNeverRaisesTheStiffestDirection) {
+TEST(StiffnessCoupling, LoweringOneNeverRaisesTheStiffest) {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> share(0.0, 1.0), damping(0.1, 10.0);
   for (int trial = 0; trial < 500; ++trial) {
@@ -83,7 +83,7 @@ TEST(StiffnessCoupling, ItsRootMeasuresTheSpringsEnergy) {
 }
 
 /// B = A L^{-T} is a root of A C^{-1} A^T, the other columns are left alone.
-TEST(StiffnessCoupling, RelaxedColumnsAreThoseOfTheInverseMetric) {
+TEST(StiffnessCoupling, RelaxedColumnsMatchTheInverseMetric) {
   std::mt19937_64 random(4);
   const bool actuated[] = {true, false, true, true};
   const DofLayout layout{std::span<const bool>(actuated)};
@@ -110,7 +110,7 @@ TEST(StiffnessCoupling, RelaxedColumnsAreThoseOfTheInverseMetric) {
 
 /// core/METHOD.md#rank-and-prior: -Z_q S J^+ J S^T is symmetric and negative semidefinite only with
 /// Z_q, all of it, as the metric's actuated block; and dq is the one of least spring energy.
-TEST(StiffnessCoupling, WhereRankIsLostTheRenderedStiffnessIsPassive) {
+TEST(StiffnessCoupling, LostRankRendersAPassiveStiffness) {
   std::mt19937_64 random(5);
   double worst_of_diagonal = 0.0;
   for (int trial = 0; trial < 300; ++trial) {

@@ -35,7 +35,7 @@ VecX difference(const VecX& x, const VecX& x_probe) {
   return dx;
 }
 
-TEST(ConfigurationSpace, TheChordOfARotationIsFourTimesTheSineOfAQuarter) {
+TEST(ConfigurationSpace, ChordFollowsTheQuarterAnglesSine) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1, -2, 0.5).normalized();
   const Eigen::Vector3d from(0.3, -0.4, 0.2);
   for (const double theta : {1e-9, 1e-3, 0.5, 1.0, 2.0, 3.0, kPi - 1e-9}) {
@@ -48,7 +48,7 @@ TEST(ConfigurationSpace, TheChordOfARotationIsFourTimesTheSineOfAQuarter) {
 }
 
 /// core/METHOD.md#half-turns.
-TEST(ConfigurationSpace, ASignFlipOfAQuaternionIsNoJump) {
+TEST(ConfigurationSpace, QuaternionSignFlipIsNoJump) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> within(-3, 3);
   for (int trial = 0; trial < 1000; ++trial) {
@@ -81,13 +81,13 @@ TEST(ConfigurationSpace, AProxyNeedNotBeNormalised) {
   EXPECT_TRUE(difference(x, probe).allFinite());
 }
 
-TEST(ConfigurationSpace, AFullCircleIsTakenTheShorterWay) {
+TEST(ConfigurationSpace, TakesTheShorterWayRound) {
   EXPECT_NEAR(difference(pose(3.0, {0, 0, 0}), pose(-3.0, {0, 0, 0}))[0], 6.0 - 2 * kPi, 1e-15);
   EXPECT_EQ(difference(pose(kPi, {0, 0, 0}), pose(0, {0, 0, 0}))[0], kPi);
   EXPECT_EQ(difference(pose(-kPi, {0, 0, 0}), pose(0, {0, 0, 0}))[0], kPi) << "(-pi, pi]";
 }
 
-TEST(ConfigurationSpace, AQuaternionHasFourPartsInARow) {
+TEST(ConfigurationSpace, QuaternionHasFourConsecutiveParts) {
   EXPECT_EQ(pose_space().quaternions(), std::vector<int>{1});
   EXPECT_THROW(ConfigurationSpace({part("qx"), part("qy"), part("qz")}), SceneError);
   EXPECT_THROW(ConfigurationSpace({part("qx"),

@@ -41,7 +41,7 @@ constexpr TableRow kTable[] = {
     {60, 70, 26.976, -54.730, 12.16, 17.21, {-81.598, -2.333, 141.512, 1.090}},
 };
 
-TEST_F(FingerExoskeleton, HasTheCheckValuesOfMethod12) {
+TEST_F(FingerExoskeleton, HasThePublishedCheckValues) {
   for (const TableRow& row : kTable) {
     VecQ q;
     ASSERT_EQ(finger->inverse(two(row.mcp * kDegree, row.pip * kDegree), q), InverseStatus::kExact);
@@ -102,7 +102,7 @@ TEST_F(FingerExoskeleton, DerivativesAgreeWithCentralDifferences) {
   EXPECT_LT(worst_H, 5e-7);
 }
 
-TEST_F(FingerExoskeleton, BothClosedFormsAgreeOverTheValidRegionAndTheLinkageCloses) {
+TEST_F(FingerExoskeleton, BothClosedFormsAgree) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> l(0.0, 0.05), t(-75 * kDegree, 41.5 * kDegree);
   int poses = 0;
@@ -162,7 +162,7 @@ double brute_force_residual(const FingerDimensions& d, double mcp, double pip, V
 }
 
 /// core/METHOD.md#unreachable-proxies.
-TEST_F(FingerExoskeleton, UnreachableProxiesGiveTheGlobalConstrainedOptimum) {
+TEST_F(FingerExoskeleton, UnreachableProxyGivesTheGlobalOptimum) {
   struct Row {
     double mcp, pip, residual_deg, l_mm, q_B_deg;  // 0: no published figure
   };
@@ -197,7 +197,7 @@ TEST_F(FingerExoskeleton, UnreachableProxiesGiveTheGlobalConstrainedOptimum) {
   }
 }
 
-TEST_F(FingerExoskeleton, AnyProxyAtAllHasAFiniteAnswerInsideTheLimits) {
+TEST_F(FingerExoskeleton, AnyProxyEndsWithinTheLimits) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> angle(-4.0, 4.0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -226,11 +226,11 @@ TEST_F(FingerExoskeleton, SaysWhereTheLinkageCannotClose) {
   EXPECT_EQ(J(1, 1), 7);
 }
 
-TEST_F(FingerExoskeleton, MeanActuatedJacobianIsTheWorkspaceAverageOfMethod12) {
+TEST_F(FingerExoskeleton, MeanJacobianIsTheWorkspaceAverage) {
   EXPECT_NEAR(finger->mean_actuated_jacobian(), 73.3, 1.0);
 }
 
-TEST(FingerDimensions, WhatCannotBeIsRefusedByName) {
+TEST(FingerDimensions, NamesTheImpossibleDimension) {
   FingerDimensions d;
   d.rod1 = -0.001;
   try {

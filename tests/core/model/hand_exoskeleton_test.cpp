@@ -96,7 +96,7 @@ TEST(HandExoskeleton, IsItsFingersSideBySide) {
   }
 }
 
-TEST(HandExoskeleton, HasTheDerivativesThatCentralDifferencesFind) {
+TEST(HandExoskeleton, DerivativesMatchCentralDifferences) {
   const auto hand = make_hand_exoskeleton(five_fingers());
   std::mt19937_64 random(3);
   for (int trial = 0; trial < 200; ++trial) {
@@ -106,7 +106,7 @@ TEST(HandExoskeleton, HasTheDerivativesThatCentralDifferencesFind) {
   }
 }
 
-TEST(HandExoskeleton, OneFingerOutOfReachLeavesTheOthersExact) {
+TEST(HandExoskeleton, OneUnreachableFingerLeavesOthersExact) {
   const auto hand = make_hand_exoskeleton(five_fingers());
   std::mt19937_64 random(4);
   VecX x = random_joints(random, 5);
@@ -169,7 +169,7 @@ VecQ hand_pose(std::mt19937_64& random, const VecQ& fingers, double turn = 1.5) 
   return q;
 }
 
-TEST(TrackedHand, SensesThePalmAndDrivesTheFingers) {
+TEST(TrackedHand, SensesPalmAndDrivesFingers) {
   const auto hand = make_tracked_hand(five_fingers_on_a_palm());
   EXPECT_EQ(hand->layout().n_q(), 16);
   ASSERT_EQ(hand->layout().n_a(), 5);
@@ -182,7 +182,7 @@ TEST(TrackedHand, SensesThePalmAndDrivesTheFingers) {
 }
 
 /// Points of the plane of core/METHOD.md#finger-linkage, turned and moved by the palm.
-TEST(TrackedHand, PutsThePhalangesWhereThePlaneAndThePalmPutThem) {
+TEST(TrackedHand, PalmMovesThePhalangesRigidly) {
   const TrackedHandParameters parameters = five_fingers_on_a_palm();
   const auto hand = make_tracked_hand(parameters);
   const auto plain = make_hand_exoskeleton(five_fingers());
@@ -218,7 +218,7 @@ TEST(TrackedHand, PutsThePhalangesWhereThePlaneAndThePalmPutThem) {
   }
 }
 
-TEST(TrackedHand, HasTheDerivativesThatCentralDifferencesFind) {
+TEST(TrackedHand, DerivativesMatchCentralDifferences) {
   std::mt19937_64 random(7);
   const auto plain = make_hand_exoskeleton(five_fingers());
   for (const OutputKind kind : {OutputKind::kPoint, OutputKind::kFrame}) {

@@ -27,7 +27,7 @@ TEST(RotationVector, RoundTripsThroughTheQuaternion) {
 
 /// core/METHOD.md#an-hour-of-ticks: a tracker's quaternion is taken as it comes, a million times
 /// over.
-TEST(RotationVector, DoesNotDriftOverAMillionReadings) {
+TEST(RotationVector, MillionReadingsDoNotDrift) {
   Eigen::Vector3d phi(0.3, -0.2, 0.1);
   for (int i = 0; i < 1'000'000; ++i) phi = rotation_vector(unit_quaternion(phi));
   EXPECT_LT((phi - Eigen::Vector3d(0.3, -0.2, 0.1)).norm(), 1e-12);

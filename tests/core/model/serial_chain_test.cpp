@@ -175,7 +175,7 @@ TEST(SerialChain, AgreesWithKdlOnRandomChains) {
   EXPECT_LT(dJ_worst, 1e-13);
 }
 
-TEST(SerialChain, HasTheDerivativesThatCentralDifferencesFind) {
+TEST(SerialChain, DerivativesMatchCentralDifferences) {
   Random random(2);
   DerivativeErrors worst;
   for (int trial = 0; trial < 200; ++trial) {
@@ -190,7 +190,7 @@ TEST(SerialChain, HasTheDerivativesThatCentralDifferencesFind) {
   EXPECT_LT(worst.dJ, 5e-7);
 }
 
-TEST(SerialChain, APalmsDerivativesAreSmoothThroughZeroAndPi) {
+TEST(SerialChain, PalmDerivativesAreSmoothThroughPi) {
   Random random(8);
   const auto chain = make_serial_chain(branched_chain(random, true));
   const Eigen::Vector3d axis = Eigen::Vector3d(-2, 1, 3).normalized();
@@ -239,7 +239,7 @@ TEST(SerialChain, PlacesAHandWorkedArm) {
   EXPECT_EQ(chain->space().coordinates()[3].name, "elbow.x");
 }
 
-TEST(SerialChain, APalmTurnsByItsRotationVector) {
+TEST(SerialChain, PalmTurnsByItsRotationVector) {
   Random random(4);
   SerialChainParameters parameters = branched_chain(random, true);
   parameters.outputs = {{"wrist", "base", OutputKind::kFrame, {}}};
@@ -294,7 +294,7 @@ std::string refusal(const SerialChainParameters& parameters) {
   return "accepted";
 }
 
-TEST(SerialChain, SaysWhatIsWrongWithAScene) {
+TEST(SerialChain, NamesTheScenesMistake) {
   Random random(7);
   const SerialChainParameters good = branched_chain(random, true);
   ASSERT_EQ(refusal(good), "accepted");

@@ -60,7 +60,7 @@ TEST(Stylus, StandsWhereTrigonometryPutsIt) {
   EXPECT_LT((Q.toRotationMatrix() - R).cwiseAbs().maxCoeff(), 1e-15);
 }
 
-TEST(Stylus, HasTheDerivativesThatCentralDifferencesFind) {
+TEST(Stylus, DerivativesMatchCentralDifferences) {
   for (const auto& stylus : {make_stylus({}), make_stylus({}, marks())}) {
     for (int s = 0; s < 500; ++s) {
       const DerivativeErrors e = derivative_errors(*stylus, workspace_sample(*stylus, s));
@@ -87,7 +87,7 @@ TEST(Stylus, IsNowhereSingularInItsBox) {
 }
 
 /// The proxy is a pose the device can take, so every metric has the same minimum: that pose.
-TEST(Stylus, TheExactProxyIsThePoseItself) {
+TEST(Stylus, ExactProxyIsThePoseItself) {
   for (const auto& stylus : {make_stylus({}), make_stylus({}, marks())}) {
     const VecA Z_q = VecA::Constant(3, 2.0);
     ProjectionSettings settings;

@@ -44,7 +44,7 @@ VecA deviation(std::mt19937_64& random, double size) {
   return size * VecA(gaussian(random, 3, 1));
 }
 
-TEST(CoupledSpring, ItsForceIsTheGradientOfItsEnergy) {
+TEST(CoupledSpring, ForceIsItsEnergysGradient) {
   std::mt19937_64 random(1);
   int beyond = 0;
   for (int trial = 0; trial < 1000; ++trial) {
@@ -64,7 +64,7 @@ TEST(CoupledSpring, ItsForceIsTheGradientOfItsEnergy) {
 }
 
 /// By the formulas of core/METHOD.md#actuator-limits, written out.
-TEST(CoupledSpring, IsZqDUpToItsRadiusAndAsLongBeyond) {
+TEST(CoupledSpring, IsLinearWithinItsRadius) {
   std::mt19937_64 random(2);
   for (int trial = 0; trial < 500; ++trial) {
     const Spring spring = random_spring(random);
@@ -80,7 +80,7 @@ TEST(CoupledSpring, IsZqDUpToItsRadiusAndAsLongBeyond) {
   }
 }
 
-TEST(CoupledSpring, NoComponentPassesItsLimitAndTheWeakestReachesIt) {
+TEST(CoupledSpring, NoComponentPassesItsLimit) {
   std::mt19937_64 random(3);
   for (int trial = 0; trial < 300; ++trial) {
     const Spring spring = random_spring(random);
@@ -97,7 +97,7 @@ TEST(CoupledSpring, NoComponentPassesItsLimitAndTheWeakestReachesIt) {
   }
 }
 
-TEST(CoupledSpring, BelowItsRadiusAZqThatIsDiagonalIsTheSpringOfEachDof) {
+TEST(CoupledSpring, DiagonalZqMatchesSeparateSprings) {
   SpringStorage separate;
   separate.stiffness = (VecA(2) << 1500.0, 400.0).finished();
   separate.limit = (VecA(2) << 5.0, 4.0).finished();
@@ -112,7 +112,7 @@ TEST(CoupledSpring, BelowItsRadiusAZqThatIsDiagonalIsTheSpringOfEachDof) {
 }
 
 /// Loops of q in all planes, small and far into saturation: with q* held nothing comes back.
-TEST(CoupledSpring, NoClosedPathGivesOrTakesEnergy) {
+TEST(CoupledSpring, ClosedPathsExchangeNoEnergy) {
   std::mt19937_64 random(4);
   constexpr int kSteps = 4000;
   for (int trial = 0; trial < 60; ++trial) {
@@ -154,7 +154,7 @@ TEST(CoupledSpring, ScalingSpendsExactlyTheEnergyGiven) {
 }
 
 /// The tank pays V after - V before, neither more nor less, or shortens d to what it can pay.
-TEST(CoupledSpring, TheTankPaysExactlyTheChangeOfItsPotential) {
+TEST(CoupledSpring, TankPaysThePotentialsChange) {
   std::mt19937_64 random(6);
   for (int trial = 0; trial < 500; ++trial) {
     const SpringStorage s = random_spring(random).storage;
@@ -170,7 +170,7 @@ TEST(CoupledSpring, TheTankPaysExactlyTheChangeOfItsPotential) {
   }
 }
 
-TEST(CoupledSpring, WithoutStiffnessOrForceItStoresNothing) {
+TEST(CoupledSpring, ZeroStiffnessOrForceStoresNothing) {
   SpringStorage s;
   s.Z_q = MatAA::Zero(2, 2);
   s.gain = 1.0;
@@ -186,7 +186,7 @@ TEST(CoupledSpring, WithoutStiffnessOrForceItStoresNothing) {
 
 /// core/METHOD.md#passivity-observer: -alpha Z_q v takes what is missing in one tick, and alpha is
 /// bounded by the inertia.
-TEST(CoupledSpring, TheObserversDampingTakesWhatIsMissing) {
+TEST(CoupledSpring, ObserversDampingTakesTheMissingEnergy) {
   constexpr double T = 1e-3;
   std::mt19937_64 random(8);
   for (int trial = 0; trial < 200; ++trial) {

@@ -25,7 +25,7 @@ TankSettings tank_of(double initial, double power = 0.0) {
   return s;
 }
 
-TEST(EnergyTank, AdmitsWhatItCanPayAndIsRefilledByWhatComesBack) {
+TEST(EnergyTank, PaysFromAndRefillsItsLevel) {
   EnergyTank tank(tank_of(0.010));
   // 1000 N/m at 4 mm: 8 mJ.
   EXPECT_EQ(tank.admit(0.0, spring(1000.0), one(0.004)), 1.0);
@@ -34,7 +34,7 @@ TEST(EnergyTank, AdmitsWhatItCanPayAndIsRefilledByWhatComesBack) {
   EXPECT_NEAR(tank.level(), 0.008, 1e-15);
 }
 
-TEST(EnergyTank, ShortensTheSpringByTheFactorOfMethod53) {
+TEST(EnergyTank, ShortensByTheDocumentedFactor) {
   EnergyTank tank(tank_of(0.001));
   // V_old 2 mJ, V_new 8 mJ: s = sqrt((2 + 1) / 8).
   EXPECT_NEAR(tank.admit(0.002, spring(1000.0), one(0.004)), std::sqrt(3.0 / 8.0), 1e-15);
@@ -58,7 +58,7 @@ TEST(EnergyTank, DebtIsPaidByTheSpring) {
   EXPECT_NEAR(tank.level(), -0.001, 1e-18) << "the debt stays";
 }
 
-TEST(EnergyTank, TheDevicesDampingPaysTheLeakAndIsNeverCredited) {
+TEST(EnergyTank, DevicesDampingPaysTheLeakOnly) {
   EnergyTank tank(tank_of(0.001));
   HoldAccount account;
   account.leak = 0.002;
@@ -75,7 +75,7 @@ TEST(EnergyTank, TheDevicesDampingPaysTheLeakAndIsNeverCredited) {
   EXPECT_NEAR(tank.level(), 0.0015, 1e-18) << "rendered damping and limits as they were";
 }
 
-TEST(EnergyTank, FillsByTheAllowedPowerUpToItsCapacity) {
+TEST(EnergyTank, FillsAtAllowedPowerToCapacity) {
   EnergyTank tank(tank_of(0.0, 2.0));
   tank.refill(0.010, {});
   EXPECT_NEAR(tank.level(), 0.020, 1e-16);
@@ -88,7 +88,7 @@ TEST(EnergyTank, FillsByTheAllowedPowerUpToItsCapacity) {
 /// The law of core/METHOD.md#energy-tank over thousands of arbitrary ticks: random anchors,
 /// stiffness, gain, motion, held forces that are not the law's. Work on the user, net of the
 /// device's damping, never exceeds the tank.
-TEST(Passivity, EnergyReturnedNeverExceedsTheTankWhateverChanges) {
+TEST(Passivity, ReturnedEnergyNeverExceedsTheTank) {
   constexpr double kInitial = 0.004, kPower = 0.02, kDeviceDamping = 1.5, T = 1e-3;
   PassivitySettings settings;
   settings.tank = tank_of(kInitial, kPower);
@@ -123,7 +123,7 @@ TEST(Passivity, EnergyReturnedNeverExceedsTheTankWhateverChanges) {
   }
 }
 
-TEST(Passivity, WithoutTheTankTheSameKindOfRunReturnsMoreThanItHolds) {
+TEST(Passivity, WithoutTheTankMoreEnergyReturns) {
   PassivitySettings settings;
   settings.observer.enabled = true;
   settings.observer.inertia = one(0.05);
@@ -141,7 +141,7 @@ TEST(Passivity, WithoutTheTankTheSameKindOfRunReturnsMoreThanItHolds) {
   EXPECT_NEAR(returned, 199 * 4.0 * 1e-4, 1e-12);
 }
 
-TEST(Passivity, ASampleEverySecondTickIsBookedOverBoth) {
+TEST(Passivity, BooksRareSamplesOverAllTicks) {
   PassivitySettings settings;
   settings.tank = tank_of(0.0);
   settings.device_damping = one(2.0);
@@ -157,7 +157,7 @@ TEST(Passivity, ASampleEverySecondTickIsBookedOverBoth) {
   EXPECT_NEAR(passivity.record().hold.device_damping, 2.0 * 1e-6 / 2e-3, 1e-15);
 }
 
-TEST(Passivity, SettingsThatDoNotHoldTogetherAreNamed) {
+TEST(Passivity, NamesInconsistentSettings) {
   PassivitySettings settings;
   EXPECT_EQ(check(settings, 1), nullptr);
   settings.tank = tank_of(0.06);

@@ -24,7 +24,7 @@ HoldAccount held(double dq, double tau_controller) {
   return account;
 }
 
-TEST(PassivityObserver, AHeldSpringOnAnUnknownDeviceGetsHalfAPeriodOfItsStiffnessAsDamping) {
+TEST(PassivityObserver, HeldSpringGetsHalfPeriodDamping) {
   PassivityObserver observer(settings(), 1);
   constexpr double dq = 1e-4;
   double tau = 0.0;
@@ -37,7 +37,7 @@ TEST(PassivityObserver, AHeldSpringOnAnUnknownDeviceGetsHalfAPeriodOfItsStiffnes
   }
 }
 
-TEST(PassivityObserver, ADeviceThatPaysTheLeakIsLeftAlone) {
+TEST(PassivityObserver, DampedDeviceGetsNoExtraDamping) {
   PassivityObserver observer(settings(), 1);
   for (int k = 0; k < 50; ++k) {
     HoldAccount account = held(1e-4, 0.0);
@@ -85,7 +85,7 @@ TEST(PassivityObserver, CreditBeyondTheForgettingIsDropped) {
   EXPECT_GT(observer.alpha(), 0.0) << "what was dissipated long ago must not hide this";
 }
 
-TEST(PassivityObserver, ReleaseEndsTheForceAndRestartForgetsTheBook) {
+TEST(PassivityObserver, RestartForgetsTheBook) {
   PassivityObserver observer(settings(), 1);
   HoldAccount account;
   account.limits = -1e-3;
@@ -98,7 +98,7 @@ TEST(PassivityObserver, ReleaseEndsTheForceAndRestartForgetsTheBook) {
   EXPECT_EQ(observer.energy(), 0.0);
 }
 
-TEST(PassivityObserver, AStandingDeviceOrASpringWithoutStiffnessDividesByNothing) {
+TEST(PassivityObserver, NeverDividesByZero) {
   PassivityObserver observer(settings(), 1);
   HoldAccount account;
   account.limits = -1e-3;

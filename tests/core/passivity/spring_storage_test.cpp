@@ -19,7 +19,7 @@ VecA stretch(double a, double b, double c = 0.0) {
   return (VecA(3) << a, b, c).finished();
 }
 
-TEST(SpringStorage, IsQuadraticUpToTheLimitAndLinearBeyond) {
+TEST(SpringStorage, IsQuadraticThenLinear) {
   const SpringStorage s = three_springs(0.5);
   EXPECT_DOUBLE_EQ(s.energy(stretch(0.002, 0.0)), 0.5 * 0.5 * 1000.0 * 4e-6);
   // Saturates at 4 mm: 8 mJ up to there, 4 N over the further 6 mm.
@@ -27,7 +27,7 @@ TEST(SpringStorage, IsQuadraticUpToTheLimitAndLinearBeyond) {
   EXPECT_EQ(s.energy(stretch(0.0, 0.0, 5.0)), 0.0) << "no stiffness stores nothing";
 }
 
-TEST(SpringStorage, TheForceIsTheGradientOfTheEnergyAndHeldAtTheLimit) {
+TEST(SpringStorage, ForceIsTheEnergysGradient) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> wide(-0.03, 0.03);
   const SpringStorage s = three_springs(0.7);
@@ -58,7 +58,7 @@ TEST(SpringStorage, ScalingSpendsExactlyTheEnergyGiven) {
   }
 }
 
-TEST(SpringStorage, ScalingIsTheSquareRootBelowTheLimit) {
+TEST(SpringStorage, ScalesByTheSquareRoot) {
   const VecA d = stretch(0.003, 0.004);
   const SpringStorage s = three_springs();
   EXPECT_NEAR(s.scale_to(d, 0.25 * s.energy(d)), 0.5, 1e-15);

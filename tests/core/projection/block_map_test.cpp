@@ -121,7 +121,7 @@ TEST_F(BlockMapTest, EqualsWholeMapToTheBit) {
   EXPECT_EQ(single.J(), J);
 }
 
-TEST_F(BlockMapTest, EvaluatesWhatMovesAndJacobianIfNeeded) {
+TEST_F(BlockMapTest, EvaluatesOnlyWhatIsNeeded) {
   BlockMap map(hand);
   VecQ q = random_pose();
   constexpr BlockSet kIndex = 1u << 1;

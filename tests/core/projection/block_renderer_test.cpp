@@ -47,7 +47,7 @@ struct Instant {
   [[nodiscard]] Probe probe() const { return {q, x_probe, J}; }
 };
 
-TEST(BlockRenderer, RendersEachFingerAsIfItWereAlone) {
+TEST(BlockRenderer, RendersEachFingerAsIfAlone) {
   std::mt19937_64 random(1);
   for (const RendererKind kind : kEveryRenderer) {
     SCOPED_TRACE(std::string(name(kind)));
@@ -141,7 +141,7 @@ class SolvedHand final : public Kinematics {
       {&fingers[0], 0, 0, 0}, {&fingers[1], 2, 1, 2}, {&fingers[2], 4, 2, 4}};
 };
 
-TEST(BlockRenderer, DoesNotSolveABlockWhoseProxyDidNotChange) {
+TEST(BlockRenderer, SolvesOnlyBlocksWithChangedProxy) {
   std::mt19937_64 random(3);
   SolvedHand solved_hand;
   BlockRenderer renderer(RendererKind::kSubspaceExact, solved_hand);
@@ -183,7 +183,7 @@ TEST(BlockRenderer, NeverAllocates) {
 
 /// -d tau_a/dq_a with the proxy held is found by moving each actuator by itself: on a linear map
 /// any step is exact.
-TEST(BlockRenderer, BoundsTheStiffnessThatABaselineDisplays) {
+TEST(BlockRenderer, BoundsABaselinesDisplayedStiffness) {
   std::mt19937_64 random(7);
   for (int trial = 0; trial < 300; ++trial) {
     const int n_x = 4, n_q = 3, n_a = 1 + trial % 3;
@@ -216,7 +216,7 @@ TEST(BlockRenderer, BoundsTheStiffnessThatABaselineDisplays) {
   }
 }
 
-TEST(BlockRenderer, BoundsEachFingerByItselfAndAnIdleOneNotAtAll) {
+TEST(BlockRenderer, BoundsActiveFingersSeparately) {
   std::mt19937_64 random(8);
   const VecX pose = random_joints(random);
   VecX proxy = pose;

@@ -45,7 +45,7 @@ ProjectionSettings coupled_prior(const MatrixXd& Z, double mu, const VecQ& M_n) 
 }
 
 /// core/METHOD.md#curved-wide-map, with a Z_q that couples.
-TEST(CoupledPrior, NoCycleOfTheDevicePumpsEnergy) {
+TEST(CoupledPrior, NoCyclePumpsEnergy) {
   const FunctionMap map = samples::wide_map();
   const ProjectionSettings settings = coupled_prior(kZ, 0.1, VecQ::Ones(1));
   const ProjectionModel model(map, settings);
@@ -82,7 +82,7 @@ TEST(CoupledPrior, NoCycleOfTheDevicePumpsEnergy) {
 }
 
 /// On a linear map the minimum is a linear system, written out here.
-TEST(CoupledPrior, OnALinearMapBothSubspaceMethodsSolveTheNormalEquations) {
+TEST(CoupledPrior, LinearMapSolvesTheNormalEquations) {
   std::mt19937_64 random(4);
   for (int trial = 0; trial < 200; ++trial) {
     const int n_x = 1 + trial % 4, n_q = 3 + trial % 3;
@@ -140,7 +140,7 @@ Pose pose(const Kinematics& map, int i, double far, std::mt19937_64& random) {
   return at;
 }
 
-TEST(CoupledCertificate, IsTheOfflineMarginOnTheStylus) {
+TEST(CoupledCertificate, IsTheStylussOfflineMargin) {
   const auto map = make_stylus({}, marks());
   std::mt19937_64 random(7);
   int lost = 0;
@@ -207,7 +207,7 @@ TEST(CoupledImpedance, IsTheDerivativeOfTheForce) {
 }
 
 /// core/METHOD.md#anisotropic-coupling: on the actuated DoFs W costs what the spring stores, twice.
-TEST(CoupledMetric, WeighsTheActuatedDofsByAllOfZq) {
+TEST(CoupledMetric, WeighsActuatedDofsByWholeZq) {
   const auto map = make_stylus({}, marks());
   std::mt19937_64 random(9);
   for (int i = 0; i < 20; ++i) {
@@ -222,7 +222,7 @@ TEST(CoupledMetric, WeighsTheActuatedDofsByAllOfZq) {
   }
 }
 
-TEST(CoupledModel, IsRefusedForHandsAndOtherSizes) {
+TEST(CoupledModel, RefusesHandsAndOtherSizes) {
   const MatrixXd five = MatrixXd::Identity(5, 5) * 100.0 + MatrixXd::Ones(5, 5);
   const auto error_of = [](const Kinematics& map, const MatrixXd& Z) {
     try {

@@ -52,7 +52,7 @@ Projection solve(SubspaceExact& exact, const Kinematics& map, const VecQ& q, con
   return out;
 }
 
-TEST(Iteration, ReachesTheClosedFormFromAnywhereNear) {
+TEST(Iteration, ReachesTheClosedFormFromNearby) {
   const FingerByIteration map;
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> mcp(0.1, 1.1), pip(0.1, 1.3), far(-0.2, 0.2);
@@ -77,7 +77,7 @@ TEST(Iteration, ReachesTheClosedFormFromAnywhereNear) {
 }
 
 /// Issue 3: solved once per change of the proxy; what is left for the tick is q*_a - q_a.
-TEST(ExactMethod, IsSolvedOncePerChangeOfTheProxy) {
+TEST(ExactMethod, IsSolvedOncePerProxyChange) {
   const FingerByIteration map;
   SubspaceExact exact(map);
   const VecX x = (VecX(2) << 0.4, 0.5).finished();
@@ -104,7 +104,7 @@ TEST(ExactMethod, IsSolvedOncePerChangeOfTheProxy) {
 
 /// core/METHOD.md#unreachable-proxies, for the iteration: unreachable proxies end within the cap,
 /// in the box, no worse than they began, and are reported.
-TEST(Iteration, UnreachableProxiesEndBoundedAndAreReported) {
+TEST(Iteration, UnreachableProxiesEndBoundedAndReported) {
   const FingerByIteration map;
   const VecQ seed = (VecQ(2) << 0.004, 0.4).finished();
   VecX x_seed;
@@ -132,7 +132,7 @@ TEST(Iteration, UnreachableProxiesEndBoundedAndAreReported) {
 /// The same proxies by the closed form with its constraints: the figures of
 /// core/METHOD.md#unreachable-proxies, which come from a search: 0.02 degrees above the optimum in
 /// two rows, so ours may be below.
-TEST(ClosedForm, UnreachableProxiesEndAtTheGlobalOptimum) {
+TEST(ClosedForm, UnreachableProxiesGiveTheGlobalOptimum) {
   const auto finger = make_finger_exoskeleton({});
   struct Row {
     double x0, x1, residual_deg, l_mm, q_B_deg;
@@ -161,7 +161,7 @@ FunctionMap turntable() {
 
 /// core/METHOD.md#half-turns, for angles: half a turn away everything stays finite, and a whole
 /// turn more is the same proxy.
-TEST(Renderers, HalfATurnAwayIsFiniteAndAWholeTurnIsNothing) {
+TEST(Renderers, HalfTurnFiniteWholeTurnZero) {
   const FunctionMap map = turntable();
   const VecQ q = (VecQ(2) << 0.3, -0.4).finished();
   VecX x_probe;

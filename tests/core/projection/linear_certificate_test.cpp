@@ -81,13 +81,13 @@ int expect_offline_margins(const Kinematics& map, double far, int poses) {
   return lost;
 }
 
-TEST(LinearCertificate, IsTheOfflineMarginOnTheFinger) {
+TEST(LinearCertificate, IsTheFingersOfflineMargin) {
   EXPECT_GT(expect_offline_margins(*make_finger_exoskeleton({}), 0.5, 300), 10)
       << "at deviations up to 30 deg some margins are lost";
 }
 
 /// More coordinates than DoFs and three actuators: the residual's term and the eigenvalue count.
-TEST(LinearCertificate, IsTheOfflineMarginOnTheStylus) {
+TEST(LinearCertificate, IsTheStylussOfflineMargin) {
   EXPECT_GT(expect_offline_margins(*make_stylus({}, three_marks()), 0.1, 200), 10);
 }
 
@@ -108,7 +108,7 @@ TEST(LinearCertificate, OfALinearMapIsOne) {
 
 /// Each block alone has the offline margin of a finger; the record names the worst of the
 /// displaced.
-TEST(LinearCertificate, OfAHandIsItsWorstDisplacedFingers) {
+TEST(LinearCertificate, HandTakesItsWorstDisplacedFinger) {
   const std::vector<HandFinger> fingers{{"thumb", scaled({}, 0.8)}, {"index", {}}, {"middle", {}}};
   const auto hand = make_hand_exoskeleton(fingers);
   std::vector<std::unique_ptr<Kinematics>> alone_maps;
@@ -146,7 +146,7 @@ TEST(LinearCertificate, OfAHandIsItsWorstDisplacedFingers) {
 }
 
 /// With a metric there is no offline word: the renderer itself, differenced at q +- h with x held.
-TEST(LinearCertificate, WithAMetricIsTheRenderersOwnDerivative) {
+TEST(LinearCertificate, MetricGivesTheRenderersOwnDerivative) {
   const auto stylus = make_stylus({});  // a frame: metres and quaternion parts
   VecX scale(7);
   scale << 0.005, 0.005, 0.005, 0.05, 0.05, 0.05, 0.05;
@@ -197,7 +197,7 @@ TEST(LinearCertificate, SaysWhyThereIsNone) {
 }
 
 /// What cannot be judged is not covered by another block's margin.
-TEST(LinearCertificate, ABlockWithoutOneIsNamedWhateverTheOthersSay) {
+TEST(LinearCertificate, NamesTheBlockWithoutOne) {
   const auto hand = make_hand_exoskeleton({{"thumb", {}}, {"index", {}}});
   LinearCertificate live{ProjectionModel(*hand)};
   Case c = Cases(*hand, 0.1).next();

@@ -126,7 +126,7 @@ int expect_none_nearer(const Kinematics& map, const VecX& x, const Projection& o
   return judged;
 }
 
-TEST(MechanismLimits, OfADiskTheNearestPointIsOnTheRay) {
+TEST(MechanismLimits, DisksNearestPointIsRadial) {
   const Limited map = disk(false);
   for (double angle = 0.0; angle < 6.0; angle += 0.4) {
     const VecX x = 0.8 * two(std::cos(angle), std::sin(angle));
@@ -140,7 +140,7 @@ TEST(MechanismLimits, OfADiskTheNearestPointIsOnTheRay) {
 }
 
 /// (W + mu) q* = W x with the mu > 0 that brings q* onto the circle.
-TEST(MechanismLimits, OfADiskInAMetricTheMultiplierSaysWhere) {
+TEST(MechanismLimits, MetricsMultiplierLocatesTheDisksPoint) {
   const Limited map = disk(false);
   const Eigen::Matrix2d W = (Eigen::Matrix2d() << 3.0, 1.0, 1.0, 1.0).finished();
   for (double angle = 0.0; angle < 6.0; angle += 0.5) {
@@ -175,7 +175,7 @@ TEST(MechanismLimits, WhereTwoMeetTheCornerHolds) {
   EXPECT_NEAR((line.q_star - two(0.35, 0.25)).norm(), 0.0, 1e-9);
 }
 
-TEST(MechanismLimits, AndWithTheBoxTheyMakeACornerToo) {
+TEST(MechanismLimits, DiskAndBoxMakeACorner) {
   Limited map = disk(false);
   const ProjectionModel model = model_of(map);
   // Seen from (0.2, 2) the circle; the box is not in its way. From a seed outside it ends inside.
@@ -185,7 +185,7 @@ TEST(MechanismLimits, AndWithTheBoxTheyMakeACornerToo) {
 
 /// core/METHOD.md#unreachable-proxies and others: the iteration, from beside it, ends where the
 /// traced edge of the closed form does.
-TEST(MechanismLimits, TheIterationEndsAtTheFingersOwnOptimum) {
+TEST(MechanismLimits, IterationEndsAtTheFingersOptimum) {
   const Limited map(make_finger_exoskeleton({}), {});
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> mcp(-1.0, 2.3), pip(-0.6, 2.9), l(-0.002, 0.002),
@@ -218,7 +218,7 @@ TEST(MechanismLimits, TheIterationEndsAtTheFingersOwnOptimum) {
 
 /// Where W is no multiple of the identity the closed form's nearest pose is not the nearest: no
 /// pose of a grid over box and sliders is nearer than the answer.
-TEST(MechanismLimits, BeyondReachTheFingersPoseIsNearestInTheMetric) {
+TEST(MechanismLimits, UnreachablePoseIsNearestInMetric) {
   const auto finger = make_finger_exoskeleton({});
   const Eigen::Matrix2d W = (Eigen::Matrix2d() << 4.0, 1.5, 1.5, 1.0).finished();
   const ProjectionModel model = model_of(*finger, TaskMetric::from_matrix(W));
@@ -253,7 +253,7 @@ TEST(MechanismLimits, BeyondReachTheFingersPoseIsNearestInTheMetric) {
 
 /// A hand whose iteration has no closed form: a proxy that asks for a finger beyond its sliders is
 /// not followed there, and near the answer nothing allowed is nearer.
-TEST(MechanismLimits, OfATrackedHandHoldTheSlidersOfEveryFinger) {
+TEST(MechanismLimits, HoldEverySliderOfAHand) {
   const auto hand = make_tracked_hand(five_fingers_on_a_palm());
   ASSERT_EQ(hand->limited_pairs().size(), 5u);
   VecQ q = VecQ::Zero(hand->layout().n_q()), beyond;

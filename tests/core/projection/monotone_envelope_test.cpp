@@ -45,12 +45,12 @@ class MonotoneEnvelopeTest : public ::testing::Test {
   Projection wanted{}, used{};
 };
 
-TEST_F(MonotoneEnvelopeTest, OnAMonotoneWayItIsTheExactMethodToTheBit) {
+TEST_F(MonotoneEnvelopeTest, MonotoneWayGivesTheExactBits) {
   EXPECT_EQ(apply(degrees(30, 40), degrees(18, 25)), EnvelopeAnswer::kProxy);
   EXPECT_EQ(used.q_star, wanted.q_star);
 }
 
-TEST_F(MonotoneEnvelopeTest, WhereTheProxyPullsAwayAnEarlierPointIsUsed) {
+TEST_F(MonotoneEnvelopeTest, PulledAwayItUsesEarlierPoints) {
   // core/METHOD.md#forces-at-the-finger: MCP blocked at 18 deg, PIP free at 52 deg: x* pulls the
   // wrong way.
   EXPECT_EQ(apply(degrees(50, 52), degrees(18, 52)), EnvelopeAnswer::kEarlier);
@@ -67,7 +67,7 @@ TEST_F(MonotoneEnvelopeTest, WhereTheProxyPullsAwayAnEarlierPointIsUsed) {
   EXPECT_GT(std::abs(pull(used)), 0.8 * most);
 }
 
-TEST_F(MonotoneEnvelopeTest, NeverPointsAwayFromTheProxyFromAnyPoseToAnyProxy) {
+TEST_F(MonotoneEnvelopeTest, NeverPointsAwayFromTheProxy) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> mcp(15.0, 70.0), pip(5.0, 90.0);
   int earlier = 0, withheld = 0;
@@ -88,14 +88,14 @@ TEST_F(MonotoneEnvelopeTest, NeverPointsAwayFromTheProxyFromAnyPoseToAnyProxy) {
   EXPECT_GT(withheld, 20) << "the standard method has no earlier point to offer";
 }
 
-TEST_F(MonotoneEnvelopeTest, TheProjectionsProportionalToTheWayKeepTheirProxy) {
+TEST_F(MonotoneEnvelopeTest, ProportionalProjectionsKeepTheirProxy) {
   for (const RendererKind kind : {RendererKind::kNullSpace, RendererKind::kSubspaceLinear}) {
     EXPECT_EQ(apply(degrees(50, 52), degrees(18, 52), kind), EnvelopeAnswer::kProxy);
     EXPECT_EQ(used.q_star, wanted.q_star);
   }
 }
 
-TEST_F(MonotoneEnvelopeTest, AtTheProxyThereIsNothingToPull) {
+TEST_F(MonotoneEnvelopeTest, PullsNothingAtTheProxy) {
   apply(degrees(30, 30), degrees(30, 30));
   EXPECT_NEAR(pull(used), 0.0, 1e-14);
 }

@@ -46,7 +46,7 @@ Answer project(const PlaneSet& set, const VecX& probe, const TaskMetric& metric 
   return answer;
 }
 
-TEST(PlaneProjection, InFreeSpaceTheProxyIsTheProbeToTheBit) {
+TEST(PlaneProjection, FreeProxyIsTheProbesBits) {
   const Answer answer = project(planes_of(2, {{1, 0, 1}, {0, 1, 1}}), two(0.1, 0.9999));
   EXPECT_EQ(answer.status, PlaneStatus::kFree);
   EXPECT_EQ(answer.x, two(0.1, 0.9999));
@@ -54,7 +54,7 @@ TEST(PlaneProjection, InFreeSpaceTheProxyIsTheProbeToTheBit) {
   EXPECT_EQ(project(planes_of(2, {}), two(7, 8)).x, two(7, 8)) << "no planes: nothing in the way";
 }
 
-TEST(PlaneProjection, OnePlaneTakesTheProxyStraightOntoIt) {
+TEST(PlaneProjection, OnePlaneProjectsStraightOntoIt) {
   // 3 x + 4 y <= 5 seen from (3, 4): 4 beyond along (3, 4)/5.
   const Answer answer = project(planes_of(2, {{3, 4, 5}}), two(3, 4));
   EXPECT_EQ(answer.status, PlaneStatus::kActive);
@@ -70,7 +70,7 @@ TEST(PlaneProjection, TheMetricDecidesTheDirection) {
   EXPECT_NEAR(answer.x[1], -0.6, 1e-14);
 }
 
-TEST(PlaneProjection, AMetricThatTiesCoordinatesMovesOneThatThePlaneDoesNotName) {
+TEST(PlaneProjection, PlaneMovesTiedCoordinatesToo) {
   // min 2 u^2 + 2 u v + v^2 on u = -0.5 (v = y - 1): u + v = 0, v = 0.5.
   const TaskMetric metric = TaskMetric::from_matrix((Eigen::Matrix2d() << 2, 1, 1, 1).finished());
   const Answer answer = project(planes_of(2, {{1, 0, 0.5}}), two(1, 1), metric);
@@ -84,7 +84,7 @@ TEST(PlaneProjection, InACornerBothPlanesHold) {
   EXPECT_NEAR((answer.x - two(0.2, 0.3)).norm(), 0.0, 1e-14);
 }
 
-TEST(PlaneProjection, OfParallelPlanesTheTighterHoldsAndACopyChangesNothing) {
+TEST(PlaneProjection, TighterOfParallelPlanesHolds) {
   const Answer parallel = project(planes_of(2, {{1, 0, 0.5}, {2, 0, 0.4}}), two(1, 1));
   EXPECT_EQ(parallel.status, PlaneStatus::kActive);
   EXPECT_EQ(parallel.active, 2u);
@@ -96,7 +96,7 @@ TEST(PlaneProjection, OfParallelPlanesTheTighterHoldsAndACopyChangesNothing) {
   EXPECT_NEAR((copies.x - two(0.2, 1)).norm(), 0.0, 1e-8);
 }
 
-TEST(PlaneProjection, ARedundantPlaneThroughTheCornerChangesNothing) {
+TEST(PlaneProjection, RedundantPlaneChangesNothing) {
   const Answer answer = project(planes_of(2, {{1, 0, 0.2}, {0, 1, 0.3}, {1, 1, 0.5}}), two(1, 1));
   EXPECT_EQ(answer.status, PlaneStatus::kActive);
   EXPECT_NEAR((answer.x - two(0.2, 0.3)).norm(), 0.0, 1e-12);
@@ -112,7 +112,7 @@ TEST(PlaneProjection, OppositePlanesLeaveASlab) {
   EXPECT_NEAR((shut.x - two(0.2, 5)).norm(), 0.0, 1e-6);
 }
 
-TEST(PlaneProjection, PlanesThatContradictGiveTheLeastViolationAndSaySo) {
+TEST(PlaneProjection, ContradictingPlanesGiveTheLeastViolation) {
   // x <= 0 and x >= 1: the middle, whatever the probe's x; its y is not touched.
   for (const double from : {-3.0, 0.2, 0.5, 4.0}) {
     const Answer answer = project(planes_of(2, {{1, 0, 0}, {-1, 0, -1}}), two(from, 2));
@@ -125,13 +125,13 @@ TEST(PlaneProjection, PlanesThatContradictGiveTheLeastViolationAndSaySo) {
   EXPECT_NEAR(three.x[0], 1.0 / 3.0, 1e-5);
 }
 
-TEST(PlaneProjection, APlaneWithoutADirectionIsLeftOut) {
+TEST(PlaneProjection, IgnoresAPlaneWithoutDirection) {
   const Answer answer = project(planes_of(2, {{0, 0, -1}, {1, 0, 0.2}}), two(1, 1));
   EXPECT_EQ(answer.active, 2u);
   EXPECT_NEAR((answer.x - two(0.2, 1)).norm(), 0.0, 1e-14);
 }
 
-TEST(PlaneProjection, AnAngleIsCountedFromWhereThePlaneWasLinearised) {
+TEST(PlaneProjection, CountsAnglesFromTheLinearisation) {
   const ConfigurationSpace circle({{"phi", Unit::kRadian, CoordinateKind::kAngle}});
   PlaneProjection projection(circle);
   projection.set(planes_of(1, {{1, 3.1}}), VecX::Constant(1, 3.1));
@@ -188,7 +188,7 @@ Eigen::MatrixXd random_metric(std::mt19937& random, int n_x, bool tied) {
   return W + oracle::product(B, B.transpose());
 }
 
-TEST(PlaneProjection, AgreesWithEverySubsetTriedOverRandomPlanes) {
+TEST(PlaneProjection, AgreesWithTryingEverySubset) {
   std::mt19937 random(11);
   std::normal_distribution<double> normal(0.0, 1.0);
   int active = 0;
@@ -217,7 +217,7 @@ TEST(PlaneProjection, AgreesWithEverySubsetTriedOverRandomPlanes) {
   EXPECT_GT(active, 1000);
 }
 
-TEST(PlaneProjection, AnythingElseGivesAFiniteBoundedAnswer) {
+TEST(PlaneProjection, AnyInputGivesABoundedAnswer) {
   std::mt19937 random(12);
   std::uniform_int_distribution<int> small(-1, 1);
   std::uniform_real_distribution<double> jitter(-1e-9, 1e-9);
@@ -236,7 +236,7 @@ TEST(PlaneProjection, AnythingElseGivesAFiniteBoundedAnswer) {
   }
 }
 
-TEST(PlaneProjection, ItsSlopeIsThatOfItsDifferences) {
+TEST(PlaneProjection, SlopeMatchesItsDifferences) {
   const ConfigurationSpace space = space_of(3);
   std::mt19937 random(13);
   for (const bool tied : {false, true}) {

@@ -87,7 +87,7 @@ TEST(PoseProxy, IsReachedFromFarAway) {
 }
 
 /// The proxy's quaternion changes its sign under way, as those of simulations do: nothing steps.
-TEST(PoseProxy, ASignFlipUnderWayIsNoStep) {
+TEST(PoseProxy, SignFlipIsNoStep) {
   for (const RendererKind kind : {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
     Renderer renderer(kind, model());
     const VecQ q = at({0.2, 0.1, -0.4}, 0.3);
@@ -103,7 +103,7 @@ TEST(PoseProxy, ASignFlipUnderWayIsNoStep) {
 
 /// A tracker's reading jumps from pi to -pi about its axis; the force must not. Eq. (8) starts from
 /// the reading itself.
-TEST(PoseProxy, TheReadingsJumpAtPiIsNoStepOfTheForce) {
+TEST(PoseProxy, JumpAtPiLeavesForceSmooth) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, -2) / 3.0;
   Renderer renderer(RendererKind::kSubspaceLinear, model());
   const VecX x = image(at(3.2 * axis, 0.35));
@@ -121,7 +121,7 @@ TEST(PoseProxy, TheReadingsJumpAtPiIsNoStepOfTheForce) {
 }
 
 /// A palm that turns on and on, as its device reports it (never beyond pi): q* goes along.
-TEST(PoseProxy, APalmThatTurnsOnBeyondPiIsFollowed) {
+TEST(PoseProxy, FollowsAPalmBeyondPi) {
   const Eigen::Vector3d axis = Eigen::Vector3d(2, -1, 2) / 3.0;
   Renderer renderer(RendererKind::kSubspaceExact, model());
   for (int i = 0; i <= 800; ++i) {

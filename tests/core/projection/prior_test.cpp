@@ -61,7 +61,7 @@ double loop_work(int i, int j, Force force) {
 constexpr int kPlanes[3][2] = {{0, 1}, {0, 2}, {1, 2}};
 
 /// core/METHOD.md#curved-wide-map.
-TEST(Prior, NoCycleOfTheDevicePumpsEnergy) {
+TEST(Prior, NoCyclePumpsEnergy) {
   const FunctionMap map = samples::wide_map();
   for (const double mu : {1e-3, 0.1}) {
     const ProjectionModel model(map, with_prior(mu, VecQ::Ones(1), kToTheEnd));
@@ -84,7 +84,7 @@ TEST(Prior, NoCycleOfTheDevicePumpsEnergy) {
 
 /// The same circles with what core/METHOD.md#projection-algorithm forbids: the check above must be
 /// able to fail.
-TEST(Prior, ALiveSensedReferenceOrAnotherMetricPumps) {
+TEST(Prior, LiveReferenceOrOtherMetricPumps) {
   const FunctionMap map = samples::wide_map();
   for (const double mu : {1e-3, 0.1}) {
     const ProjectionModel model(map, with_prior(mu, VecQ::Ones(1), kToTheEnd));
@@ -106,7 +106,7 @@ TEST(Prior, ALiveSensedReferenceOrAnotherMetricPumps) {
 }
 
 /// tau_a = -dV/dq_a with V = 1/2 ||q*_a - q_a||^2_{Z_q} + storage, by differences.
-TEST(Prior, TheForceIsMinusTheGradientOfTheReportedEnergy) {
+TEST(Prior, ForceIsMinusTheEnergysGradient) {
   const FunctionMap map = samples::wide_map();
   const ProjectionModel model(map, with_prior(0.05, VecQ::Constant(1, 3.0), kToTheEnd));
   std::mt19937_64 random(3);
@@ -143,7 +143,7 @@ TEST(Prior, TheForceIsMinusTheGradientOfTheReportedEnergy) {
 }
 
 /// On a linear map the minimum is a linear system, written out here.
-TEST(Prior, OnALinearMapBothSubspaceMethodsSolveTheNormalEquations) {
+TEST(Prior, LinearMapSolvesTheNormalEquations) {
   std::mt19937_64 random(4);
   for (int trial = 0; trial < 500; ++trial) {
     const int n_x = 1 + trial % 4, n_q = 2 + trial % 5, n_a = 1 + trial % (n_q - 1);
@@ -212,7 +212,7 @@ TEST(Prior, TheRenderedStiffnessIsPositiveSemidefinite) {
   }
 }
 
-TEST(Prior, ADirectionThatXDoesNotSeeHasNoForceAndNoDrag) {
+TEST(Prior, UnseenDirectionHasNoForce) {
   const MatXQ J = (MatXQ(1, 2) << 1.0, 0.0).finished();  // the second actuator moves nothing in X
   const FunctionMap map(
       samples::dofs(2, 2, 10.0), samples::coordinates(1),
@@ -233,7 +233,7 @@ TEST(Prior, ADirectionThatXDoesNotSeeHasNoForceAndNoDrag) {
 
 /// core/METHOD.md#hand-without-prior, and 3.2: without a prior the hand is refused, with one it is
 /// calm.
-TEST(Prior, AHandKnownByPointsIsRefusedWithoutOne) {
+TEST(Prior, PointsOfAHandNeedOne) {
   const FunctionMap hand = samples::hand(2);
   EXPECT_THROW(require_rank(ProjectionModel(hand)), SceneError);
   EXPECT_NO_THROW(require_rank(ProjectionModel(samples::hand(4))));  // its points do determine it

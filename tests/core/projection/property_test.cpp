@@ -93,7 +93,7 @@ ProjectionSettings draw_with_prior(const Draw& c) {
 
 class EveryJacobian : public testing::TestWithParam<Family> {};
 
-TEST_P(EveryJacobian, GivesAFiniteForceAndNoneWhereTheProxyIsTheProbe) {
+TEST_P(EveryJacobian, FiniteForceAndNoneAtProbe) {
   std::mt19937_64 random(11);
   for (int trial = 0; trial < 1000; ++trial) {
     const Draw c = make_case(GetParam(), random, trial);
@@ -117,7 +117,7 @@ TEST_P(EveryJacobian, GivesAFiniteForceAndNoneWhereTheProxyIsTheProbe) {
 
 /// ||C^{-1} dq|| <= n cond ||dx|| / min ||J_k C_k|| = n cond ||dx||, the equilibrated columns being
 /// of length 1; and cond is at most 1e8 where it counts. Eq. (6) ends in its box besides.
-TEST_P(EveryJacobian, BoundsTheForceByTheConditionItReports) {
+TEST_P(EveryJacobian, ReportedConditionBoundsTheForce) {
   std::mt19937_64 random(12);
   for (int trial = 0; trial < 1000; ++trial) {
     const Draw c = make_case(GetParam(), random, trial);
@@ -144,7 +144,7 @@ TEST_P(EveryJacobian, BoundsTheForceByTheConditionItReports) {
 }
 
 /// The prior's own bound: 1/2 ||q*_a - q_a||^2_{Z_q} <= ||dx||^2 / (2 mu), whatever J.
-TEST_P(EveryJacobian, WithAPriorBoundsTheForceByItsWeight) {
+TEST_P(EveryJacobian, PriorsWeightBoundsTheForce) {
   std::mt19937_64 random(13);
   for (int trial = 0; trial < 1000; ++trial) {
     const Draw c = make_case(GetParam(), random, trial);
@@ -159,7 +159,7 @@ TEST_P(EveryJacobian, WithAPriorBoundsTheForceByItsWeight) {
 }
 
 /// Draw 14: q in other units per DoF, Z_q in theirs; the same physical force.
-TEST_P(EveryJacobian, RendersTheSameForceInMetresAndMillimetres) {
+TEST_P(EveryJacobian, ForceIgnoresMetresOrMillimetres) {
   std::mt19937_64 random(14);
   int judged = 0;
   for (int trial = 0; trial < 1000; ++trial) {

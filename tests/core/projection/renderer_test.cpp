@@ -54,7 +54,7 @@ struct Shape {
 constexpr Shape kShapes[] = {{2, 2, 1}, {6, 2, 1}, {6, 6, 3}, {7, 3, 2}, {27, 10, 4}, {3, 3, 3}};
 
 /// Eq. (1), (4), (8) written out with Eigen's decompositions, as they stand in the paper.
-TEST(Renderers, AgreeWithDenseAlgebraOnThousandsOfJacobians) {
+TEST(Renderers, AgreeWithDenseAlgebra) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> stiffness(10.0, 5000.0);
   for (const Shape& shape : kShapes) {
@@ -90,7 +90,7 @@ TEST(Renderers, AgreeWithDenseAlgebraOnThousandsOfJacobians) {
   }
 }
 
-TEST(Renderers, OnALinearMapTheExactAndTheLinearisedAnchorAgreeToRounding) {
+TEST(Renderers, LinearMapExactAndLinearisedAgree) {
   std::mt19937_64 random(4);
   const auto map = linear_map((Eigen::Matrix2d() << 1.2, 0.4, -0.3, 0.9).finished(), 1);
   const VecA Z_q = VecA::Constant(1, 1000.0);
@@ -105,7 +105,7 @@ TEST(Renderers, OnALinearMapTheExactAndTheLinearisedAnchorAgreeToRounding) {
 }
 
 /// core/METHOD.md#block-diagonal-map: 3-DoF force, 6-DoF sensing, block-diagonal J.
-TEST(Renderers, OnABlockDiagonalDeviceStandardAndNullSpaceAreTheSame) {
+TEST(Renderers, BlockDiagonalStandardIsNullSpace) {
   std::mt19937_64 random(5);
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(6, 6);
   A.topLeftCorner(3, 3) = random_matrix(random, 3, 3);
@@ -128,7 +128,7 @@ TEST(Renderers, OnABlockDiagonalDeviceStandardAndNullSpaceAreTheSame) {
 
 /// core/METHOD.md#null-space-stiffness: tau_null = K_null dq_a with K_null = k J_a^T N J_a, dq_a
 /// the deviation of Eq. (8).
-TEST(Renderers, NullSpaceIsTheSubspaceMethodWithAnotherStiffness) {
+TEST(Renderers, NullSpaceIsReweightedSubspaceMethod) {
   std::mt19937_64 random(6);
   for (int i = 0; i < 500; ++i) {
     const Eigen::MatrixXd A = random_matrix(random, 6, 4);
@@ -146,7 +146,7 @@ TEST(Renderers, NullSpaceIsTheSubspaceMethodWithAnotherStiffness) {
   }
 }
 
-TEST(Renderers, ASingularWideOrZeroJacobianGivesAFiniteAnswerThatSaysSo) {
+TEST(Renderers, ReportARankDeficientJacobian) {
   const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(2, 2);
   Eigen::MatrixXd parallel(2, 2);
   parallel << 1.0, 2.0, 0.5, 1.0;
@@ -174,7 +174,7 @@ TEST(Renderers, ASingularWideOrZeroJacobianGivesAFiniteAnswerThatSaysSo) {
   }
 }
 
-TEST(Renderers, TheWideAnswerHasMinimumNormInTheMetricWhoseActuatedBlockIsZq) {
+TEST(Renderers, WideAnswerHasMinimumNorm) {
   Eigen::MatrixXd A(2, 3);
   A << 1.0, 0.4, -0.2, 0.1, 0.8, 0.5;
   const auto map = linear_map(A, 3);
@@ -187,7 +187,7 @@ TEST(Renderers, TheWideAnswerHasMinimumNormInTheMetricWhoseActuatedBlockIsZq) {
 
 /// Case by core/METHOD.md#fig-4: the error of Eq. (8) against (6) falls with the square of the
 /// deviation.
-TEST(Renderers, TheExactMethodTendsToTheLinearisedAsTheDeviationVanishes) {
+TEST(Renderers, SmallDeviationMakesExactLinearised) {
   const auto finger = make_finger_exoskeleton({});
   const VecA Z_q = VecA::Constant(1, 1500.0);
   VecQ q;
@@ -205,7 +205,7 @@ TEST(Renderers, TheExactMethodTendsToTheLinearisedAsTheDeviationVanishes) {
   }
 }
 
-TEST(DirectionGuard, WithholdsWhatPointsAwayFromTheProxyAndNothingElse) {
+TEST(DirectionGuard, WithholdsOnlyForceAwayFromProxy) {
   const auto finger = make_finger_exoskeleton({});
   DirectionGuard guard(*finger);
   const VecA Z_q = VecA::Constant(1, 1500.0);

@@ -54,7 +54,7 @@ ProjectionSettings with_metric(TaskMetric metric) {
   return settings;
 }
 
-TEST(TaskMetric, IsRefusedAnyDefaultWhereUnitsDiffer) {
+TEST(TaskMetric, HasNoDefaultForMixedUnits) {
   const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(3, 2);
   const auto mixed = weighted_map(A, 1, 2), metres = weighted_map(A, 1, 3);
   EXPECT_NO_THROW(ProjectionModel{*metres});
@@ -80,7 +80,7 @@ TEST(TaskMetric, WhatIsNoMetricIsRefused) {
   refused(Eigen::MatrixXd::Identity(2, 3));
 }
 
-TEST(TaskMetric, WhatIsNearlySingularIsRefusedInAnyUnits) {
+TEST(TaskMetric, RefusesNearlySingularInAnyUnits) {
   const auto metric = [](double unit, double rest) {
     Eigen::Matrix2d W;
     W << 1.0, unit, unit, unit * unit * (1.0 + rest);
@@ -93,7 +93,7 @@ TEST(TaskMetric, WhatIsNearlySingularIsRefusedInAnyUnits) {
 }
 
 /// q and -q are one rotation: what a tie to them weighs would depend on which of them is written.
-TEST(TaskMetric, ARotationIsTiedToNothingElse) {
+TEST(TaskMetric, RotationIsTiedToNothingElse) {
   LinearMap map;
   for (int i = 0; i < 5; ++i) {
     map.dofs.push_back({"q" + std::to_string(i), Unit::kMetre, i == 0, -1.0, 1.0});
@@ -109,7 +109,7 @@ TEST(TaskMetric, ARotationIsTiedToNothingElse) {
   EXPECT_THROW(ProjectionModel(*kinematics, with_metric(TaskMetric::from_matrix(W))), SceneError);
 }
 
-TEST(TaskMetric, ABlockThatStandsAloneIsItsPartOfTheMatrix) {
+TEST(TaskMetric, BlockTakesItsPartOfIt) {
   std::mt19937_64 random(5);
   Eigen::MatrixXd W = Eigen::MatrixXd::Zero(6, 6);
   for (int first = 0; first < 6; first += 2) {
@@ -127,7 +127,7 @@ TEST(TaskMetric, ABlockThatStandsAloneIsItsPartOfTheMatrix) {
   EXPECT_NEAR((W * metric.steepest(a) - a).norm(), 0.0, 1e-11 * a.norm());
 }
 
-TEST(TaskMetric, FingersStayApartUnlessItTiesThem) {
+TEST(TaskMetric, FingersStaySeparateUnlessTied) {
   const auto hand = make_hand_exoskeleton({{"index", {}}, {"ring", {}}});
   Eigen::MatrixXd W = Eigen::MatrixXd::Identity(4, 4);
   W(0, 1) = W(1, 0) = 0.5;
@@ -180,7 +180,7 @@ TEST(TaskMetric, EveryRendererMeasuresByIt) {
 
 /// core/METHOD.md#change-of-units, with mixed units in X and Q: metres or millimetres, radians or
 /// degrees, the same force.
-TEST(TaskMetric, TheForceDoesNotKnowTheUnits) {
+TEST(TaskMetric, ForceIgnoresTheUnits) {
   std::mt19937_64 random(3);
   constexpr double kDegrees = 57.295779513082323;
   for (int trial = 0; trial < 1000; ++trial) {
@@ -205,7 +205,7 @@ TEST(TaskMetric, TheForceDoesNotKnowTheUnits) {
   }
 }
 
-TEST(TaskMetric, ItDecidesWhichErrorIsGivenUp) {
+TEST(TaskMetric, DecidesWhichErrorRemains) {
   // One actuated DoF moves both coordinates; the proxy asks them apart.
   const auto map = weighted_map((Eigen::MatrixXd(2, 1) << 1.0, 1.0).finished(), 1, 2);
   const VecX x = (VecX(2) << 0.01, -0.02).finished();
@@ -219,7 +219,7 @@ TEST(TaskMetric, ItDecidesWhichErrorIsGivenUp) {
   EXPECT_NEAR(q_star(1.0, 1e-4), -0.02, 1e-8);
 }
 
-TEST(TaskMetric, TheGuardNeverWithholdsTheLinearisedForce) {
+TEST(TaskMetric, GuardNeverWithholdsTheLinearisedForce) {
   std::mt19937_64 random(4);
   for (int trial = 0; trial < 500; ++trial) {
     const int n_q = 1 + trial % 4;  // wide where n_q > 3

@@ -64,7 +64,7 @@ TEST(TrajectoryA, ReproducesTheTable) {
   }
 }
 
-TEST(TrajectoryB, TheLinearisedMethodIsActiveAndTheExactIsNot) {
+TEST(TrajectoryB, OnlyTheLinearisedMethodIsActive) {
   const auto finger = make_finger_exoskeleton({});
   const TrajectoryAnalysis forth = analysis(*finger, 56, 70, 25);
   const TrajectoryAnalysis back = analysis(*finger, 56, 70, -25);
@@ -80,7 +80,7 @@ TEST(TrajectoryB, TheLinearisedMethodIsActiveAndTheExactIsNot) {
 
 /// core/METHOD.md#held-proxy-potential: with x held Eq. (6) is a potential; a zero-order hold leaks
 /// exactly sum 1/2 dq^T Z_q dq.
-TEST(ExactMethod, WorkAndPotentialBalanceOverAMillionTicks) {
+TEST(ExactMethod, WorkBalancesPotentialOverMillionTicks) {
   const auto finger = make_finger_exoskeleton({});
   const double Z_q = 1500.0;
   const VecX x = (VecX(2) << 0.3, 0.4).finished();

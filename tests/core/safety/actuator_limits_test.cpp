@@ -76,7 +76,7 @@ TEST(ActuatorLimits, BrakingIsNeverTakenAway) {
   }
 }
 
-TEST(ActuatorLimits, RatedPowerIsKeptWhateverTheSlewLimit) {
+TEST(ActuatorLimits, SlewLimitNeverOverridesRatedPower) {
   ForceLimiter limiter;
   LimiterSet active;
   const double slew = 100.0;
@@ -94,7 +94,7 @@ TEST(ActuatorLimits, RatedPowerIsKeptWhateverTheSlewLimit) {
   EXPECT_NEAR(back.total, 2.0 + slew * 1e-3, 1e-12) << "and returns no faster than its slew limit";
 }
 
-TEST(ActuatorLimits, AtGainZeroNothingElasticIsLeftUnderARange) {
+TEST(ActuatorLimits, ZeroGainLeavesNoElasticForce) {
   ForceLimiter limiter;
   LimiterSet active;
   for (int i = 0; i < 100; ++i) limiter.step(8.0, 3.0, 1.0, kForce, 1e3, milliseconds(1), active);
@@ -107,7 +107,7 @@ TEST(ActuatorLimits, AtGainZeroNothingElasticIsLeftUnderARange) {
   EXPECT_LE(held.total, 1.0);
 }
 
-TEST(ActuatorLimits, RatingsThatAreNotAllowedAreNamed) {
+TEST(ActuatorLimits, NamesForbiddenRatings) {
   ActuatorRatings ratings;
   EXPECT_EQ(check(ratings), nullptr);
   EXPECT_FALSE(ratings.any());

@@ -98,7 +98,7 @@ TEST(DeviceStateMachine, FollowsTheTableOfWire4) {
   }
 }
 
-TEST(DeviceStateMachine, LossIsToldOnceAndAsksForANewEngage) {
+TEST(DeviceStateMachine, LossIsReportedOnceUntilEngage) {
   DeviceStateMachine m = machine_in(S::kEngaged);
   m.step(with(&StateEvents::lost), 0.0);
   EXPECT_TRUE(m.lost_now());
@@ -107,7 +107,7 @@ TEST(DeviceStateMachine, LossIsToldOnceAndAsksForANewEngage) {
   EXPECT_EQ(m.state(), S::kArmed) << "force does not come back by itself";
 }
 
-TEST(DeviceStateMachine, WantsTheDeviceArmedOnlyUnderALease) {
+TEST(DeviceStateMachine, ArmsOnlyUnderALease) {
   EXPECT_FALSE(machine_in(S::kInit).wants_armed());
   EXPECT_FALSE(machine_in(S::kIdle).wants_armed());
   EXPECT_TRUE(machine_in(S::kArmed).wants_armed());
@@ -116,7 +116,7 @@ TEST(DeviceStateMachine, WantsTheDeviceArmedOnlyUnderALease) {
   EXPECT_FALSE(machine_in(S::kClosing).wants_armed());
 }
 
-TEST(Gain, NeverRisesFasterThanOnceIn200msNorFallsFasterThanItsTime) {
+TEST(Gain, RatesStayWithinBothTimes) {
   Gain gain;
   double before = 0.0;
   for (int i = 0; i < 200; ++i) {
@@ -128,7 +128,7 @@ TEST(Gain, NeverRisesFasterThanOnceIn200msNorFallsFasterThanItsTime) {
   EXPECT_NEAR(gain.step(false, 1.0, milliseconds(8), milliseconds(80)), 0.9, 1e-12);
 }
 
-TEST(Gain, IsUnderTheLadderAtOnceAndRampsBack) {
+TEST(Gain, ObeysTheLadderAndRampsBack) {
   Gain gain;
   for (int i = 0; i < 200; ++i) gain.step(true, 1.0, milliseconds(1), milliseconds(80));
   EXPECT_EQ(gain.step(true, 0.25, milliseconds(1), milliseconds(80)), 0.25);
@@ -150,26 +150,26 @@ TEST(Staleness, IntervalsAreHalfOpen) {
   EXPECT_EQ(ladder(milliseconds(180), limits), 0.0);
 }
 
-TEST(Staleness, ASampleMayOnlyShortenItsOwnFreshness) {
+TEST(Staleness, SampleMayOnlyShortenItsFreshness) {
   const StalenessLimits limits{milliseconds(20), milliseconds(100), milliseconds(180)};
   EXPECT_EQ(staleness(milliseconds(6), milliseconds(5), limits), Staleness::kHold);
   EXPECT_EQ(staleness(milliseconds(21), milliseconds(90), limits), Staleness::kHold);
 }
 
-TEST(Staleness, DefaultFreshnessIsTwoAndAHalfPeriodsBetween5And80ms) {
+TEST(Staleness, DefaultFreshnessIsBoundedPeriods) {
   EXPECT_EQ(default_fresh_end(100.0), milliseconds(25));
   EXPECT_EQ(default_fresh_end(1000.0), milliseconds(5));
   EXPECT_EQ(default_fresh_end(10.0), milliseconds(80));
 }
 
-TEST(Staleness, LimitsThatDoNotHoldTogetherAreNamed) {
+TEST(Staleness, NamesInconsistentLimits) {
   EXPECT_EQ(check({milliseconds(20), milliseconds(100), milliseconds(150)}), nullptr);
   EXPECT_NE(check({milliseconds(0), milliseconds(100), milliseconds(180)}), nullptr);
   EXPECT_NE(check({milliseconds(101), milliseconds(100), milliseconds(180)}), nullptr);
   EXPECT_NE(check({milliseconds(20), milliseconds(100), milliseconds(149)}), nullptr);
 }
 
-TEST(LateBucket, FillsByFiveAndDrainsByOneIn20GoodTicks) {
+TEST(LateBucket, FillsByFiveDrainsByOne) {
   LateBucket bucket;
   for (int i = 0; i < 19; ++i) bucket.tick(1);
   EXPECT_EQ(bucket.level(), 95);
@@ -199,7 +199,7 @@ TEST_F(ForceLimiterRules, SlewsAndSaturates) {
   EXPECT_FALSE(active.has(Limiter::kSlew));
 }
 
-TEST_F(ForceLimiterRules, TheEnvelopeTakesTheElasticForceWhateverTheSlewLimit) {
+TEST_F(ForceLimiterRules, EnvelopeOverridesTheSlewLimit) {
   for (int i = 0; i < 20; ++i) step(10.0, -2.0, 1.0);
   LimiterSet set;
   const LimitedForce at_zero = limiter.step(0.0, -2.0, 0.0, 10.0, 1000.0, milliseconds(1), set);
@@ -207,7 +207,7 @@ TEST_F(ForceLimiterRules, TheEnvelopeTakesTheElasticForceWhateverTheSlewLimit) {
   EXPECT_TRUE(set.has(Limiter::kEnvelope));
 }
 
-TEST_F(ForceLimiterRules, TheEnvelopeNeverMakesTheForceGrow) {
+TEST_F(ForceLimiterRules, EnvelopeNeverMakesForceGrow) {
   for (int i = 0; i < 20; ++i) step(10.0, 0.0, 1.0);
   const double before = step(10.0, 0.0, 1.0);
   EXPECT_LE(step(10.0, 0.0, 0.5), before);

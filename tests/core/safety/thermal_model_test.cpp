@@ -30,7 +30,7 @@ ThermalParameters winding_only() {
   return p;
 }
 
-TEST(ThermalModel, AWindingAloneWarmsByTheExponential) {
+TEST(ThermalModel, SingleWindingWarmsExponentially) {
   const ThermalParameters p = winding_only();
   ThermalState state{25.0, 25.0};
   for (int i = 0; i < 20'000; ++i) state = thermal_step(p, state, 8.0, milliseconds(1));
@@ -38,7 +38,7 @@ TEST(ThermalModel, AWindingAloneWarmsByTheExponential) {
   EXPECT_NEAR(state.winding_c, 25.0 + 24.0 * (1.0 - std::exp(-20.0 / 12.0)), 1e-9);
 }
 
-TEST(ThermalModel, TheLengthOfAStepDoesNotMatterToABodyByItself) {
+TEST(ThermalModel, OneBodyIgnoresStepLength) {
   const ThermalParameters p = winding_only();
   ThermalState fine{60.0, 25.0};
   for (int i = 0; i < 5000; ++i) fine = thermal_step(p, fine, 6.0, milliseconds(1));
@@ -46,7 +46,7 @@ TEST(ThermalModel, TheLengthOfAStepDoesNotMatterToABodyByItself) {
   EXPECT_NEAR(fine.winding_c, coarse.winding_c, 1e-9);
 }
 
-TEST(ThermalModel, AfterALongTimeBothBodiesCarryThePower) {
+TEST(ThermalModel, BothBodiesCarryThePowerFinally) {
   const ThermalParameters p = motor();
   ThermalState state{25.0, 25.0};
   for (int i = 0; i < 60'000; ++i) state = thermal_step(p, state, 8.0, milliseconds(100));
@@ -54,14 +54,14 @@ TEST(ThermalModel, AfterALongTimeBothBodiesCarryThePower) {
   EXPECT_NEAR(state.winding_c, 25.0 + (4.0 + 6.0) * 4.0, 1e-3);  // (R_h + R_w) P
 }
 
-TEST(ThermalModel, TheSignOfTheForceDoesNotMatter) {
+TEST(ThermalModel, ForcesSignDoesNotMatter) {
   const ThermalParameters p = motor();
   const ThermalState pushed = thermal_step(p, {40.0, 30.0}, 5.0, milliseconds(10));
   const ThermalState pulled = thermal_step(p, {40.0, 30.0}, -5.0, milliseconds(10));
   EXPECT_EQ(pushed.winding_c, pulled.winding_c);
 }
 
-TEST(ThermalModel, TheContinuousForceEndsAtTheLimit) {
+TEST(ThermalModel, ContinuousForceEndsAtTheLimit) {
   const ThermalParameters p = motor();
   const double force = continuous_force(p);
   EXPECT_NEAR(force, 4.0 * std::sqrt(80.0 / 10.0), 1e-12);
@@ -70,7 +70,7 @@ TEST(ThermalModel, TheContinuousForceEndsAtTheLimit) {
   EXPECT_NEAR(state.winding_c, 105.0, 1e-3);
 }
 
-TEST(ThermalModel, NoPatternOfForceWithinTheAllowedPassesTheLimit) {
+TEST(ThermalModel, NoAllowedPatternPassesTheLimit) {
   const ThermalParameters p = motor();
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> share(0.0, 1.0);
@@ -87,7 +87,7 @@ TEST(ThermalModel, NoPatternOfForceWithinTheAllowedPassesTheLimit) {
   EXPECT_GT(hottest, p.derate_from_c + 5.0) << "the limit was never at work";
 }
 
-TEST(ThermalModel, ForceFallsFromFullAtDeratingToContinuousAtTheLimit) {
+TEST(ThermalModel, DeratesFromFullToContinuousForce) {
   const ThermalParameters p = motor();
   EXPECT_EQ(thermal_force(p, {p.derate_from_c, 60.0}, 40.0), 40.0);
   EXPECT_NEAR(thermal_force(p, {p.limit_c, 60.0}, 40.0), continuous_force(p), 1e-12);
@@ -98,7 +98,7 @@ TEST(ThermalModel, ForceFallsFromFullAtDeratingToContinuousAtTheLimit) {
   EXPECT_NEAR(thermal_force(p, {400.0, 60.0}, 40.0), continuous_force(p), 1e-12);
 }
 
-TEST(ThermalModel, ARestartDoesNotMakeAHotMotorCold) {
+TEST(ThermalModel, RestartKeepsAHotMotorHot) {
   const ThermalParameters p = motor();
   const ThermalState start = unknown_history(p);
   EXPECT_EQ(start.winding_c, p.derate_from_c);

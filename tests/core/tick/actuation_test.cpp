@@ -62,7 +62,7 @@ class ActuationTest : public testing::Test {
   VecX dx = two(0.004, -0.002);
 };
 
-TEST_F(ActuationTest, ForceIsGainTimesZqTimesStretch) {
+TEST_F(ActuationTest, ForceIsGainZqStretch) {
   life.gain = 0.5;
   const Effort effort = first_step();
   EXPECT_EQ(effort.tau_a, two(2.0, -0.5));
@@ -71,7 +71,7 @@ TEST_F(ActuationTest, ForceIsGainTimesZqTimesStretch) {
   EXPECT_FALSE(effort.limiters.any() || effort.faults.any());
 }
 
-TEST_F(ActuationTest, DampingIsAddedByItsOwnGain) {
+TEST_F(ActuationTest, AddsDampingByItsOwnGain) {
   sensed.q_a_dot = two(0.1, -0.2);
   life.damping_gain = 0.5;
   const Effort effort = first_step();
@@ -79,7 +79,7 @@ TEST_F(ActuationTest, DampingIsAddedByItsOwnGain) {
   EXPECT_NEAR((effort.tau_a - two(3.9, -0.9)).norm(), 0.0, 1e-12);
 }
 
-TEST_F(ActuationTest, WithoutAnAnchorThereIsNoElasticForce) {
+TEST_F(ActuationTest, NoAnchorMeansNoElasticForce) {
   anchor.anchored = false;
   EXPECT_EQ(first_step().tau_elastic, two(0.0, 0.0));
 }
@@ -102,7 +102,7 @@ TEST_F(ActuationTest, EachActuatorIsSaturatedByItself) {
   EXPECT_TRUE(effort.actuator_limiters[1].has(Limiter::kSaturation));
 }
 
-TEST_F(ActuationTest, CoupledSpringIsSaturatedAsAWhole) {
+TEST_F(ActuationTest, SaturatesACoupledSpringAsOne) {
   const MatAA Z_q = (MatAA(2, 2) << 1000.0, 300.0, 300.0, 500.0).finished();
   config.projection.coupling = std::make_shared<const StiffnessCoupling>(Z_q);
   anchor.q_star = two(0.0, -0.5);
@@ -113,7 +113,7 @@ TEST_F(ActuationTest, CoupledSpringIsSaturatedAsAWhole) {
   EXPECT_FALSE(effort.actuator_limiters[0].any());
 }
 
-TEST_F(ActuationTest, GuardWithholdsForceAwayFromTheProxy) {
+TEST_F(ActuationTest, GuardWithholdsForceAwayFromProxy) {
   config.scene.direction_guard = true;
   dx = two(-0.004, 0.002);
   const Effort effort = first_step();
@@ -136,7 +136,7 @@ TEST_F(ActuationTest, EmptyTankHoldsTheAnchorBack) {
   EXPECT_EQ(first_step().q_star, anchor.q_star);
 }
 
-TEST_F(ActuationTest, CommandThatIsNotFiniteBecomesZero) {
+TEST_F(ActuationTest, NonFiniteCommandBecomesZero) {
   anchor.q_star[1] = std::numeric_limits<double>::quiet_NaN();
   const Effort effort = first_step();
   EXPECT_TRUE(effort.faults.has(Fault::kOutputNotFinite));
@@ -145,7 +145,7 @@ TEST_F(ActuationTest, CommandThatIsNotFiniteBecomesZero) {
   EXPECT_EQ(effort.tau_damping, two(0.0, 0.0));
 }
 
-TEST_F(ActuationTest, ForceLoopRestsUntilForceIsAskedFor) {
+TEST_F(ActuationTest, ForceLoopRestsWithoutWantedForce) {
   config.force_control.loops.resize(2, {.integral = 10.0, .output_limit = 20.0});
   sensed.tau_measured = two(1.0, 0.0);
   life.gain = life.damping_gain = 0.0;

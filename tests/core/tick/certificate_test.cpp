@@ -24,7 +24,7 @@ void move(Bench& bench, int i) {
   bench.put(joints(0.5 + 0.3 * std::sin(phase), 0.5 + 0.3 * std::cos(phase)));
 }
 
-TEST(CertificateOfATick, IsAbsentWhereTheSceneDoesNotAskForIt) {
+TEST(CertificateOfATick, IsAbsentUnlessTheSceneAsks) {
   Bench bench(config_of(RendererKind::kSubspaceLinear));
   for (int i = 0; i < 300; ++i) {
     move(bench, i);
@@ -32,7 +32,7 @@ TEST(CertificateOfATick, IsAbsentWhereTheSceneDoesNotAskForIt) {
   }
 }
 
-TEST(CertificateOfATick, IsTheMarginOfTheForceThatIsRendered) {
+TEST(CertificateOfATick, IsTheRenderedForcesMargin) {
   Bench bench(certified());
   bench.engage();
   const Kinematics& finger = *bench.pipeline.config().kinematics;

@@ -29,7 +29,7 @@ TEST(Clock, CountsTicksAndTimeBetweenThem) {
   EXPECT_EQ(clock.step(at(1002), true).dt, Duration::zero()) << "time never runs back";
 }
 
-TEST(Clock, OneLateWakeUpIsAFault) {
+TEST(Clock, OneLateWakeIsAFault) {
   Clock clock = clock_of_the_defaults();
   EXPECT_FALSE(clock.step(at(1, 0, 20), true).faults.any());
   EXPECT_TRUE(clock.step(at(2, 0, 21), true).faults.has(Fault::kLoopLate));
@@ -43,7 +43,7 @@ TEST(Clock, TwentySkippedTicksAreAFault) {
   EXPECT_TRUE(clock.step(at(20, 1), true).faults.has(Fault::kLateBucketFull));
 }
 
-TEST(Clock, BeforeTheFirstSampleNothingIsLate) {
+TEST(Clock, NothingIsLateBeforeFirstSample) {
   Clock clock = clock_of_the_defaults();
   EXPECT_FALSE(clock.step(at(1, 1000, 500), false).faults.any());
 }

@@ -59,7 +59,7 @@ Cycle cycle_against_an_mcp_stop(const PipelineConfig& config, int direction) {
   return cycle;
 }
 
-TEST(ClosedLoop, AClientInTheLoopMakesTheExactMethodPumpOneWayAndAbsorbTheOther) {
+TEST(ClosedLoop, ClientMakesExactPumpOneWay) {
   const PipelineConfig config = config_of(RendererKind::kSubspaceExact);
   const Cycle forward = cycle_against_an_mcp_stop(config, +1);
   const Cycle backward = cycle_against_an_mcp_stop(config, -1);
@@ -69,7 +69,7 @@ TEST(ClosedLoop, AClientInTheLoopMakesTheExactMethodPumpOneWayAndAbsorbTheOther)
   EXPECT_NEAR(absorbed / forward.peak, -0.81, 0.02);
 }
 
-TEST(ClosedLoop, TheTankBoundsWhatACycleReturnsInBothDirectionsForEveryRenderer) {
+TEST(ClosedLoop, TankBoundsACyclesReturn) {
   constexpr double kDeviceDamping = 2.0;  // N s/m
   for (const RendererKind renderer : kAllRenderers) {
     double most = 0.0;

@@ -108,7 +108,7 @@ VecQ anywhere(std::mt19937_64& random, double size) {
   return (VecQ(3) << part(random), part(random), part(random)).finished();
 }
 
-TEST(CoupledStiffness, TheForceIsTheLawAndSaysWhereItIsHeld) {
+TEST(CoupledStiffness, ForceFollowsTheLawWithinLimits) {
   for (const RendererKind renderer : kSubspace) {
     CoupledBench bench(coupled_config(renderer));
     bench.engage();
@@ -151,7 +151,7 @@ TEST(CoupledStiffness, TheGainScalesTheWholeForce) {
 }
 
 /// Trapezoids of what is held, over loops that leave the radius and come back, the proxy held.
-TEST(CoupledStiffness, NoCycleOfTheDeviceReturnsEnergy) {
+TEST(CoupledStiffness, NoCycleReturnsEnergy) {
   for (const RendererKind renderer : kSubspace) {
     for (const double direction : {1.0, -1.0}) {
       CoupledBench bench(coupled_config(renderer));
@@ -185,7 +185,7 @@ TEST(CoupledStiffness, NoCycleOfTheDeviceReturnsEnergy) {
 }
 
 /// A warm second winding narrows the whole spring; cut off alone it would turn the force.
-TEST(CoupledStiffness, AWarmWindingTakesTheWholeForceBack) {
+TEST(CoupledStiffness, WarmWindingReducesTheWholeForce) {
   PipelineConfig config = coupled_config(RendererKind::kSubspaceExact);
   config.ratings.resize(2);
   ThermalParameters motor;
@@ -210,7 +210,7 @@ TEST(CoupledStiffness, AWarmWindingTakesTheWholeForceBack) {
   EXPECT_FALSE(bench.record.effort.actuator_limiters[0].any());
 }
 
-TEST(CoupledStiffness, ASessionLowersTheDiagonalAndWithItWhatCouples) {
+TEST(CoupledStiffness, SessionLowersDiagonalAndCouplingTogether) {
   CoupledBench bench(coupled_config(RendererKind::kSubspaceExact));
   bench.input.settings.id = 1;
   bench.input.settings.stiffness =
@@ -229,7 +229,7 @@ TEST(CoupledStiffness, ASessionLowersTheDiagonalAndWithItWhatCouples) {
   EXPECT_NEAR(record.effort.tau_a[1], 0.6, 1e-10);
 }
 
-TEST(CoupledStiffness, EngageLooksAtTheForceOfAllDofs) {
+TEST(CoupledStiffness, EngageJudgesForceOfAllDofs) {
   PipelineConfig config = coupled_config(RendererKind::kSubspaceExact);
   config.scene.engage_window = VecA::Constant(2, 1.0);
   CoupledBench bench(config);
@@ -275,7 +275,7 @@ double potential(const Vector2d& d) {
 
 /// core/METHOD.md#proxy-step: V jumps by dV, the tank pays it exactly, or the anchor stays on the
 /// way.
-TEST(CoupledStiffness, TheTankPaysTheJumpOrShortensTheSpringAlongItself) {
+TEST(CoupledStiffness, TankPaysOrShortensTheSpring) {
   for (const RendererKind renderer : kSubspace) {
     CoupledBench rich(guarded(renderer, 0.05));
     rich.engage();
@@ -301,7 +301,7 @@ TEST(CoupledStiffness, TheTankPaysTheJumpOrShortensTheSpringAlongItself) {
 
 /// Whatever the proxy does and wherever the device goes: net of its damping the user gets no more
 /// than the tank was given.
-TEST(CoupledStiffness, BehindTheTankNoMotionAndNoProxyGivesMoreThanItHolds) {
+TEST(CoupledStiffness, TankBoundsReturnForAnyMotion) {
   constexpr double kInitial = 0.002, T = 1e-3;
   for (const RendererKind renderer : kSubspace) {
     for (unsigned seed = 1; seed <= 4; ++seed) {
@@ -370,7 +370,7 @@ TEST(CoupledStiffness, RendersPlanesWithTheDirectionGuard) {
   }
 }
 
-TEST(CoupledStiffness, ATickAllocatesNothingAndIsReplayedToTheBit) {
+TEST(CoupledStiffness, AllocatesNothingAndReplaysExactly) {
   PipelineConfig config = guarded(RendererKind::kSubspaceExact, 0.01);
   config.scene.direction_guard = true;
   config.ratings.resize(2);

@@ -47,7 +47,7 @@ class EngageTest : public testing::Test {
   Anchor anchor{};
 };
 
-TEST_F(EngageTest, ArmedWithAGoodStreamIsAccepted) {
+TEST_F(EngageTest, AcceptsAGoodStreamWhileArmed) {
   EXPECT_EQ(judge().verdict, EngageVerdict::kAccepted);
 }
 
@@ -95,7 +95,7 @@ TEST_F(EngageTest, StaleTrackerIsRefused) {
   expect_refused(EngageVerdict::kTrackerStale, HUGE_VAL, 60.0);
 }
 
-TEST_F(EngageTest, JumpOfForceIsRefusedPerDoF) {
+TEST_F(EngageTest, RefusesAForceJumpPerDof) {
   anchor.q_star[1] += 0.011;
   const EngageAnswer answer = judge();
   EXPECT_EQ(answer.verdict, EngageVerdict::kOutsideWindow);

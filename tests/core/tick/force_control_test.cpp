@@ -27,7 +27,7 @@ class StickyDrive {
   double force_{0.0};
 };
 
-TEST(ForceControlInTheTick, TheMeasuredForceBecomesTheCommandedOneThroughFriction) {
+TEST(ForceControlInTheTick, MeasuredForceReachesTheCommand) {
   Bench bench(with_loop());
   StickyDrive drive;
   const auto step = [&] {
@@ -47,7 +47,7 @@ TEST(ForceControlInTheTick, TheMeasuredForceBecomesTheCommandedOneThroughFrictio
       << "the drive gives the friction on top";
 }
 
-TEST(ForceControlInTheTick, WhatIsNotArmedIsNotDriven) {
+TEST(ForceControlInTheTick, DrivesOnlyIfArmed) {
   Bench bench(with_loop());
   bench.input.device.sample.tau_measured = VecA::Constant(1, 2.0);  // a hand leans on it
   bench.input.device.armed = false;
@@ -57,7 +57,7 @@ TEST(ForceControlInTheTick, WhatIsNotArmedIsNotDriven) {
   EXPECT_EQ(record.effort.drive[0], 0.0);
 }
 
-TEST(ForceControlInTheTick, ALeaseAloneDrivesNothingHoweverTheLoadCellIsOff) {
+TEST(ForceControlInTheTick, LeaseAloneDrivesNothing) {
   Bench bench(with_loop());
   bench.input.device.sample.tau_measured = VecA::Constant(1, 0.5);
   TickRecord record;
@@ -72,7 +72,7 @@ TEST(ForceControlInTheTick, ALeaseAloneDrivesNothingHoweverTheLoadCellIsOff) {
   EXPECT_EQ(record.effort.drive[0], 0.0);
 }
 
-TEST(ForceControlInTheTick, AFaultTakesTheDrivesForceWithinATick) {
+TEST(ForceControlInTheTick, FaultRemovesForceWithinATick) {
   Bench bench(with_loop());
   bench.input.device.sample.tau_measured = VecA::Zero(1);
   bench.engage();
@@ -86,7 +86,7 @@ TEST(ForceControlInTheTick, AFaultTakesTheDrivesForceWithinATick) {
   EXPECT_EQ(record.effort.drive[0], 0.0);
 }
 
-TEST(ForceControlInTheTick, ASampleWithoutForceIsAFault) {
+TEST(ForceControlInTheTick, SampleWithoutForceIsAFault) {
   Bench bench(with_loop());
   bench.input.device.sample.tau_measured = VecA::Zero(1);
   bench.engage();
@@ -94,14 +94,14 @@ TEST(ForceControlInTheTick, ASampleWithoutForceIsAFault) {
   EXPECT_TRUE(bench.tick().faults().has(Fault::kSampleNotFinite));
 }
 
-TEST(ForceControlInTheTick, AForceThatIsNoNumberIsAFaultOfAnyDevice) {
+TEST(ForceControlInTheTick, NonFiniteForceIsAFault) {
   Bench bench(config_of(RendererKind::kSubspaceExact));
   bench.engage();
   bench.input.device.sample.tau_measured = VecA::Constant(1, std::nan(""));
   EXPECT_TRUE(bench.tick().faults().has(Fault::kSampleNotFinite));
 }
 
-TEST(ForceControlInTheTick, TheBookTakesWhatWasReallyHeld) {
+TEST(ForceControlInTheTick, EnergyBookTakesTheForceHeld) {
   PipelineConfig config = with_tank(RendererKind::kSubspaceExact, 0.05);
   config.passivity.observer.enabled = true;
   config.passivity.observer.inertia = VecA::Constant(1, 1.0);

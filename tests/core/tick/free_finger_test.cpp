@@ -82,7 +82,7 @@ class FreeFinger : public testing::Test {
   int n_{0};
 };
 
-TEST_F(FreeFinger, FreeIsWhatTheProxyCannotHold) {
+TEST_F(FreeFinger, FreeIfNoProxyCanHold) {
   Rendering rendering(model, config);
   sample_as(ProxyMode::kFree);
   EXPECT_EQ(step(rendering).free, kAllFingers);
@@ -115,7 +115,7 @@ TEST_F(FreeFinger, SingleFingerIsNeverFree) {
 }
 
 /// A plane far away on all fingers names them all, and changes nothing but that.
-TEST_F(FreeFinger, NamedByAFarPlaneNothingChanges) {
+TEST_F(FreeFinger, FarPlaneChangesNothing) {
   std::mt19937_64 random(17);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (const RendererKind kind : test::kAllRenderers) {
@@ -157,7 +157,7 @@ TEST_F(FreeFinger, NamedByAFarPlaneNothingChanges) {
   }
 }
 
-TEST_F(FreeFinger, FailureOfAFreeFingerDisturbsNoOther) {
+TEST_F(FreeFinger, FreeFingersFailureDisturbsNoOther) {
   Rendering sound(model, config), broken(model, config);
   planes_into({{0, 0.05}});
   const Anchor before = step(broken);
@@ -176,7 +176,7 @@ TEST_F(FreeFinger, FailureOfAFreeFingerDisturbsNoOther) {
   }
 }
 
-TEST_F(FreeFinger, FailureOfAPressedFingerKeepsItsAnchorAlone) {
+TEST_F(FreeFinger, PressedFingersFailureKeepsItsAnchor) {
   for (const RendererKind kind : test::kAllRenderers) {
     SCOPED_TRACE(std::string(name(kind)));
     settings.renderer = kind;
@@ -195,7 +195,7 @@ TEST_F(FreeFinger, FailureOfAPressedFingerKeepsItsAnchorAlone) {
   }
 }
 
-TEST_F(FreeFinger, NamedWithoutFItHasNoSpring) {
+TEST_F(FreeFinger, NoForwardMapMeansNoSpring) {
   Rendering rendering(model, config);
   planes_into({{0, 0.05}, {2, 0.05}});
   const ProxySnapshot named = sample;

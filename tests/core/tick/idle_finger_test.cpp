@@ -99,7 +99,7 @@ class Hand {
   int n_{0};
 };
 
-TEST(IdleFinger, TheActiveFingerFeelsToTheBitWhatItFeelsAlone) {
+TEST(IdleFinger, ActiveFingerGetsTheSameBits) {
   for (const RendererKind renderer : kAllRenderers) {
     for (const ProxyMode mode : {ProxyMode::kHeld, ProxyMode::kPlanes}) {
       for (const bool guard : {false, true}) {
@@ -123,7 +123,7 @@ TEST(IdleFinger, TheActiveFingerFeelsToTheBitWhatItFeelsAlone) {
   }
 }
 
-TEST(IdleFinger, ItsStateIsToldInEveryTickAndNothingPullsIt) {
+TEST(IdleFinger, IsReportedAndNeverPulled) {
   for (const RendererKind renderer : kAllRenderers) {
     for (const ProxyMode mode : {ProxyMode::kHeld, ProxyMode::kPlanes}) {
       SCOPED_TRACE(std::string(name(renderer)));
@@ -164,7 +164,7 @@ TEST(IdleFinger, IsReplayedToTheBit) {
 
 /// core/METHOD.md#hand-without-prior: what the scene loader refuses, the pipeline refuses by
 /// itself.
-TEST(PipelineConfig, AMapThatDoesNotDetermineQNeedsAPrior) {
+TEST(PipelineConfig, UndeterminedMapNeedsAPrior) {
   PipelineConfig c = config_of(RendererKind::kSubspaceLinear);
   c.kinematics = make_hand_exoskeleton({{"one", {}}});
   EXPECT_NO_THROW(Pipeline{c});

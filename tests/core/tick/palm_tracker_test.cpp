@@ -99,7 +99,7 @@ class Rig {
   bool tracking{true};
 };
 
-TEST(PalmTracker, ItsPoseTakesThePlaceOfWhatTheDeviceSays) {
+TEST(PalmTracker, PoseReplacesTheDevicesReading) {
   Rig rig;
   const TickRecord record = rig.run(3);
   for (int i = 0; i < 6; ++i) {
@@ -112,7 +112,7 @@ TEST(PalmTracker, ItsPoseTakesThePlaceOfWhatTheDeviceSays) {
   EXPECT_EQ(record.sensed.tracker.level, Staleness::kFresh);
 }
 
-TEST(PalmTracker, AWallIsFeltWhereItSaysThePalmIs) {
+TEST(PalmTracker, WallIsFeltAtItsPose) {
   Rig rig;
   EXPECT_NEAR(rig.press().effort.tau_a[0], -kPalmStiffness * kPressed, 1e-9);
   rig.input.tracker.pose[0] = 0.006;
@@ -121,7 +121,7 @@ TEST(PalmTracker, AWallIsFeltWhereItSaysThePalmIs) {
   EXPECT_EQ(rig.tick().effort.tau_elastic[0], 0.0);
 }
 
-TEST(PalmTracker, WithoutNewPosesTheForceIsHeldFadesAndIsGoneWithin200Ms) {
+TEST(PalmTracker, SilenceEndsForceWithin200Ms) {
   Rig rig;
   rig.press();
   rig.tracking = false;
@@ -146,7 +146,7 @@ TEST(PalmTracker, WithoutNewPosesTheForceIsHeldFadesAndIsGoneWithin200Ms) {
   EXPECT_NEAR(rig.tick().life.gain, 1.0 / 200.0, 1e-12);
 }
 
-TEST(PalmTracker, WhoComesBackInTimeNeverLeftFullForce) {
+TEST(PalmTracker, EarlyReturnKeepsFullForce) {
   Rig rig;
   rig.press();
   rig.tracking = false;
@@ -176,7 +176,7 @@ TEST(PalmTracker, EngagingNeedsARecentPose) {
   EXPECT_DOUBLE_EQ(record.life.engage.limit, 100.0);
 }
 
-TEST(PalmTracker, BeforeTheFirstPoseThePalmRestsAtZero) {
+TEST(PalmTracker, PalmIsZeroBeforeFirstPose) {
   Rig rig;
   rig.tracking = false;
   const TickRecord record = rig.run(3);
@@ -186,7 +186,7 @@ TEST(PalmTracker, BeforeTheFirstPoseThePalmRestsAtZero) {
   EXPECT_EQ(record.life.state, DeviceState::kArmed) << "the device itself is well";
 }
 
-TEST(PalmTracker, APoseThatIsNoNumberOrOutOfRangeIsLeftAsideAndTheLastOneAges) {
+TEST(PalmTracker, IgnoresBadPosesAndAges) {
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), 1.1, -1.1,
                            std::numeric_limits<double>::infinity()}) {
     Rig rig;
@@ -201,7 +201,7 @@ TEST(PalmTracker, APoseThatIsNoNumberOrOutOfRangeIsLeftAsideAndTheLastOneAges) {
   }
 }
 
-TEST(PalmTracker, ASessionMayTightenTheScenesLimitsAndNotWidenThem) {
+TEST(PalmTracker, SessionMayOnlyTightenLimits) {
   Rig rig;
   rig.input.tracker.staleness = {10ms, 40ms, 90ms};
   rig.press();
@@ -215,7 +215,7 @@ TEST(PalmTracker, ASessionMayTightenTheScenesLimitsAndNotWidenThem) {
   EXPECT_NEAR(wide.run(140).life.gain, 0.5, 1e-12);  // 140 ms: half-way from 100 to 180
 }
 
-TEST(PalmTracker, AllocatesNothingAndReplaysToTheBit) {
+TEST(PalmTracker, AllocatesNothingAndReplaysExactly) {
   Pipeline again(config_with_tracker());
   std::uint64_t allocations = 0;
   Rig live;
@@ -237,7 +237,7 @@ TEST(PalmTracker, AllocatesNothingAndReplaysToTheBit) {
   EXPECT_FALSE(identical(a, b));
 }
 
-TEST(PalmTracker, ItsDofsMustBeSensedOnesAndItsLimitsHoldTogether) {
+TEST(PalmTracker, NeedsSensedDofsAndConsistentLimits) {
   const auto wrong = [](const TrackerSettings& tracker) -> std::string {
     PipelineConfig config = config_with_tracker();
     config.tracker = tracker;

@@ -20,7 +20,7 @@ double saturated_potential(double d) {
              : 0.5 * kStiffness * corner * corner + kForceLimit * (std::abs(d) - corner);
 }
 
-TEST(TankInTheTick, AProxyStepOfOneRadianIsBookedExactly) {
+TEST(TankInTheTick, BooksAProxyStepExactly) {
   PipelineConfig config = config_of(RendererKind::kSubspaceExact);
   config.passivity.observer.enabled = true;  // books, and holds nothing back
   config.passivity.observer.inertia = VecA::Constant(1, 0.05);
@@ -37,7 +37,7 @@ TEST(TankInTheTick, AProxyStepOfOneRadianIsBookedExactly) {
   EXPECT_FALSE(record.effort.passivity.throttled);
 }
 
-TEST(TankInTheTick, AProxyStepOfOneRadianIsCappedByTheTankForEveryRenderer) {
+TEST(TankInTheTick, CapsEveryRenderersProxyStep) {
   constexpr double kInitial = 0.003;
   for (const RendererKind renderer : kAllRenderers) {
     SCOPED_TRACE(name(renderer));
@@ -54,7 +54,7 @@ TEST(TankInTheTick, AProxyStepOfOneRadianIsCappedByTheTankForEveryRenderer) {
   }
 }
 
-TEST(TankInTheTick, TheTargetIsKeptAndTakenWhenThePotentialAllows) {
+TEST(TankInTheTick, KeepsTheTargetUntilAffordable) {
   PipelineConfig config = with_tank(RendererKind::kSubspaceExact, 0.003);
   config.passivity.device_damping = VecA::Constant(1, 1e3);  // pays the hold over the jumps below
   Bench bench(config);
@@ -73,7 +73,7 @@ TEST(TankInTheTick, TheTargetIsKeptAndTakenWhenThePotentialAllows) {
   EXPECT_NEAR(record.effort.q_star[0], q_star[0], 1e-12);
 }
 
-TEST(TankInTheTick, TheRampOfTheGainIsDebited) {
+TEST(TankInTheTick, DebitsTheRampOfTheGain) {
   Bench bench(with_tank(RendererKind::kSubspaceExact, 0.02));
   bench.target = joints(0.45, 0.45);
   const TickRecord record = bench.engage();
@@ -86,7 +86,7 @@ TEST(TankInTheTick, TheRampOfTheGainIsDebited) {
   EXPECT_EQ(strict.engage().effort.tau_a[0], 0.0) << "nothing to pay the ramp with: no force";
 }
 
-TEST(TankInTheTick, ARiseOfTheStiffnessIsDebited) {
+TEST(TankInTheTick, DebitsARiseOfStiffness) {
   Bench bench(with_tank(RendererKind::kSubspaceExact, 0.02));
   bench.input.settings.id = 1;
   bench.input.settings.stiffness = VecA::Constant(1, 500.0);
@@ -100,7 +100,7 @@ TEST(TankInTheTick, ARiseOfTheStiffnessIsDebited) {
               before.effort.passivity.tank - 2.0 * before.effort.passivity.storage, 1e-12);
 }
 
-TEST(TankInTheTick, OffItChangesNotABitAndReportsZeros) {
+TEST(TankInTheTick, AbsentItChangesNoBit) {
   for (const RendererKind renderer : kAllRenderers) {
     Bench plain(config_of(renderer));
     PipelineConfig open = with_tank(renderer, 1e6);
@@ -122,7 +122,7 @@ TEST(TankInTheTick, OffItChangesNotABitAndReportsZeros) {
   }
 }
 
-TEST(TankInTheTick, AllocatesNothingAndIsReplayedToTheBit) {
+TEST(TankInTheTick, AllocatesNothingAndReplaysExactly) {
   PipelineConfig config = with_tank(RendererKind::kSubspaceLinear, 0.001);
   config.passivity.observer.enabled = true;
   config.passivity.observer.inertia = VecA::Constant(1, 0.05);
@@ -155,7 +155,7 @@ TEST(TankInTheTick, AllocatesNothingAndIsReplayedToTheBit) {
   }
 }
 
-TEST(TankInTheTick, RefusesSettingsThatDoNotFitTheDevice) {
+TEST(TankInTheTick, RefusesSettingsUnfitForTheDevice) {
   PipelineConfig config = with_tank(RendererKind::kSubspaceLinear, 0.0);
   config.passivity.device_damping = VecA::Ones(3);
   EXPECT_THROW(Pipeline{config}, SceneError);

@@ -112,7 +112,7 @@ TEST(Pipeline, RendersZqTimesTheDeviation) {
   EXPECT_EQ(record.life.gain, 1.0);
 }
 
-TEST(Pipeline, FreeModeGivesNoForceAndNoDrag) {
+TEST(Pipeline, FreeModeGivesNoForce) {
   PipelineBench bench;
   bench.mode = ProxyMode::kFree;
   bench.engage();
@@ -124,7 +124,7 @@ TEST(Pipeline, FreeModeGivesNoForceAndNoDrag) {
   }
 }
 
-TEST(Pipeline, ClientsSilenceEndsForceWithin200Ms) {
+TEST(Pipeline, SilenceEndsForceWithin200Ms) {
   for (const double slew : {1e4, 1.0}) {
     PipelineBench bench(RendererKind::kSubspaceLinear, false, slew);
     TickRecord record = bench.engage();
@@ -152,7 +152,7 @@ TEST(Pipeline, ClientsSilenceEndsForceWithin200Ms) {
 }
 
 /// core/METHOD.md#bad-numbers, and the borders of the device: in the tick of the fault itself.
-TEST(Pipeline, AnyFaultCommandsZeroInItsTick) {
+TEST(Pipeline, AnyFaultZeroesItsTick) {
   const std::pair<Fault, void (*)(TickInput&)> faults[] = {
       {Fault::kSampleNotFinite, [](TickInput& in) { in.device.sample.q[0] = std::nan(""); }},
       {Fault::kSampleOutOfRange, [](TickInput& in) { in.device.sample.q[0] = 0.2; }},

@@ -25,7 +25,7 @@ WallRun in_and_out(ProxyMode mode, double delay) {
   return run;
 }
 
-TEST(Planes, InAndOutOfAWallNothingIsGivenAndNothingDragsAtAnyDelay) {
+TEST(Planes, WallNeitherGivesNorDrags) {
   for (const double stiffness : {500.0, 1500.0}) {
     for (const double delay : kDelays) {
       SCOPED_TRACE(std::to_string(delay));
@@ -40,7 +40,7 @@ TEST(Planes, InAndOutOfAWallNothingIsGivenAndNothingDragsAtAnyDelay) {
   }
 }
 
-TEST(Planes, AHeldProxyDragsAsMuchAsMethod54Says) {
+TEST(Planes, HeldProxyDragsAsDocumented) {
   // K v (delay + half a period), 4 x 20 mm/s mean speed of the hand: what planes are for.
   WallRun run = in_and_out(ProxyMode::kHeld, 0.020);
   run.stiffness = 200.0;
@@ -50,7 +50,7 @@ TEST(Planes, AHeldProxyDragsAsMuchAsMethod54Says) {
   EXPECT_LE(haptic::test::run(run).drag, 0.01 * held.drag);
 }
 
-TEST(Planes, WithTheTankTheyFeelTheSame) {
+TEST(Planes, TankDoesNotChangeTheirFeel) {
   WallRun run = in_and_out(ProxyMode::kPlanes, 0.020);
   const WallFigures plain = haptic::test::run(run);
   run.passivity = wall_tank(0.0);
@@ -60,7 +60,7 @@ TEST(Planes, WithTheTankTheyFeelTheSame) {
   EXPECT_LE(tank.most_net, 1e-9);
 }
 
-TEST(Planes, APlaneThatComesLateIsPaidByTheTank) {
+TEST(Planes, TankPaysForALatePlane) {
   for (const double initial : {0.0, 2e-3}) {
     for (const double delay : kDelays) {
       SCOPED_TRACE(std::to_string(delay));
@@ -75,7 +75,7 @@ TEST(Planes, APlaneThatComesLateIsPaidByTheTank) {
   EXPECT_GT(haptic::test::run(run).most_net, 1e-3) << "without it, it gives millijoules";
 }
 
-TEST(EnergyTankBehindANetwork, HoldsWhateverRateDelayLossDuplicatesAndOrder) {
+TEST(EnergyTankBehindANetwork, HoldsUnderAnyNetworkTrouble) {
   for (const ProxyMode mode : {ProxyMode::kHeld, ProxyMode::kPlanes}) {
     for (const double rate : {30.0, 60.0, 200.0, 1000.0}) {
       for (const double delay : {0.0, 0.020, 0.050}) {
@@ -96,7 +96,7 @@ TEST(EnergyTankBehindANetwork, HoldsWhateverRateDelayLossDuplicatesAndOrder) {
   }
 }
 
-TEST(EnergyTankBehindANetwork, WithoutItTheHeldProxyLeavesTheHand) {
+TEST(EnergyTankBehindANetwork, WithoutItHeldProxiesPump) {
   EXPECT_GT(haptic::test::run(in_and_out(ProxyMode::kHeld, 0.020)).most_net, 1.0);
 }
 
@@ -122,7 +122,7 @@ class PlanesInTheTick : public ::testing::Test {
   Bench bench;
 };
 
-TEST_F(PlanesInTheTick, TheProxyFollowsTheProbeAlongThePlanesWithoutANewSample) {
+TEST_F(PlanesInTheTick, ProxyFollowsTheProbeBetweenSamples) {
   bench.put(joints(0.35, 0.2));
   TickRecord record = bench.engage();
   EXPECT_NEAR(record.anchor.x[0], 0.3, 1e-12);
@@ -136,7 +136,7 @@ TEST_F(PlanesInTheTick, TheProxyFollowsTheProbeAlongThePlanesWithoutANewSample) 
   EXPECT_EQ(record.anchor.active_planes, 3u);
 }
 
-TEST_F(PlanesInTheTick, TheMetricOfTheSceneSaysWhichPointOfThePlaneIsNear) {
+TEST_F(PlanesInTheTick, ScenesMetricDecidesTheNearestPoint) {
   PipelineConfig weighed = config();
   weighed.projection.metric =
       TaskMetric::from_matrix((Eigen::Matrix2d() << 4.0, 1.5, 1.5, 1.0).finished());
@@ -150,7 +150,7 @@ TEST_F(PlanesInTheTick, TheMetricOfTheSceneSaysWhichPointOfThePlaneIsNear) {
   EXPECT_EQ(record.anchor.active_planes, 1u);
 }
 
-TEST_F(PlanesInTheTick, OffThePlanesThereIsNoForceAndNoDamping) {
+TEST_F(PlanesInTheTick, NoForceOffThePlanes) {
   bench.put(joints(0.35, 0.2));
   bench.engage();
   TickRecord record;
@@ -179,7 +179,7 @@ TEST_F(PlanesInTheTick, PlanesThatContradictAreReported) {
   EXPECT_NEAR(record.anchor.x[0], 0.35, 1e-5);
 }
 
-TEST_F(PlanesInTheTick, TheyAllocateNothingAndAreReplayedToTheBit) {
+TEST_F(PlanesInTheTick, AllocateNothingAndReplayExactly) {
   const auto drive = [](Bench& b, int i) {
     b.put(joints(0.4 + 0.2 * std::sin(0.05 * i), 0.45 + 0.1 * std::cos(0.05 * i)));
     const haptic::test::AllocationGuard guard;

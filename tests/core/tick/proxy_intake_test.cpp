@@ -71,7 +71,7 @@ TEST_F(ProxyIntakeTest, NextLeaseNeverLeadsFadingForce) {
   EXPECT_EQ(proxy.sample().x, two(9.0, 9.0));
 }
 
-TEST_F(ProxyIntakeTest, EndOfTheLeaseForgetsWithoutForceOnly) {
+TEST_F(ProxyIntakeTest, LeaseEndForgetsOnlyWithoutForce) {
   static_cast<void>(step(DeviceState::kArmed));
   in.command.lease_held = false;
   EXPECT_EQ(step(DeviceState::kReleasing).mode, ProxyMode::kHeld);
@@ -79,7 +79,7 @@ TEST_F(ProxyIntakeTest, EndOfTheLeaseForgetsWithoutForceOnly) {
   EXPECT_EQ(proxy.sample().mode, ProxyMode::kNone);
 }
 
-TEST_F(ProxyIntakeTest, SampleOfAnotherEpochIsNotTaken) {
+TEST_F(ProxyIntakeTest, RefusesASampleOfAnotherEpoch) {
   in.proxy.epoch = 3;
   EXPECT_EQ(step(DeviceState::kArmed).mode, ProxyMode::kNone);
 }

@@ -41,7 +41,7 @@ double largest_power_out(const std::vector<TickRecord>& records) {
   return largest;
 }
 
-TEST(Ratings, WithoutAnyTheTickIsAsEver) {
+TEST(Ratings, AbsentTheyChangeNothing) {
   Bench bench(plain());
   for (const TickRecord& record : press(bench)) {
     EXPECT_EQ(record.effort.temperature_c.size(), 0);
@@ -50,7 +50,7 @@ TEST(Ratings, WithoutAnyTheTickIsAsEver) {
   }
 }
 
-TEST(Ratings, PowerGivenOutStaysWithinTheRating) {
+TEST(Ratings, PowerStaysWithinTheRating) {
   Bench free(plain());
   const double unlimited = largest_power_out(press(free));
   ActuatorRatings ratings;
@@ -86,7 +86,7 @@ TEST(Ratings, NothingPushesBeyondTheRatedRate) {
   EXPECT_GT(held, 20);
 }
 
-TEST(Ratings, AWarmWindingTakesForceAndSaysSo) {
+TEST(Ratings, WarmWindingReducesForceAndReports) {
   ActuatorRatings ratings;
   ratings.thermal = ThermalParameters{};
   ratings.thermal->motor_constant = 1.0;

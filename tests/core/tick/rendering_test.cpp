@@ -59,7 +59,7 @@ TEST_F(RenderingTest, FreeProxyAnchorsNothing) {
   EXPECT_EQ(now.stretch(model.layout(), sensed.q)[0], 0.0);
 }
 
-TEST_F(RenderingTest, BeforeTheFirstSampleNothingIsMapped) {
+TEST_F(RenderingTest, MapsNothingBeforeTheFirstSample) {
   Rendering rendering(model, config);
   sensed.ready = false;
   const Anchor now = rendering.step(sensed, sample, settings, unused);
@@ -69,7 +69,7 @@ TEST_F(RenderingTest, BeforeTheFirstSampleNothingIsMapped) {
 }
 
 /// core/METHOD.md#map-without-a-value
-TEST_F(RenderingTest, AnchorInUseStaysIfTheMapFails) {
+TEST_F(RenderingTest, AnchorStaysIfTheMapFails) {
   for (const RendererKind kind : kAllRenderers) {
     settings.renderer = kind;
     Rendering rendering(model, config);
@@ -86,7 +86,7 @@ TEST_F(RenderingTest, AnchorInUseStaysIfTheMapFails) {
   }
 }
 
-TEST_F(RenderingTest, WithoutAnAnchorAFailedMapPullsNothing) {
+TEST_F(RenderingTest, FailedMapWithoutAnchorPullsNothing) {
   Rendering rendering(model, config);
   sensed.q << 0.02, -101 * kDegree;
   const Anchor now = rendering.step(sensed, sample, settings, joints(0.01, 0.3));
@@ -104,7 +104,7 @@ TEST_F(RenderingTest, RendererChangesWithTheSettings) {
   EXPECT_NEAR((now.q_star - q).norm(), 0.0, 1e-12) << "Eq. (6)";
 }
 
-TEST_F(RenderingTest, ProxyOutOfReachReportsItsClamp) {
+TEST_F(RenderingTest, UnreachableProxyReportsItsClamp) {
   settings.renderer = RendererKind::kSubspaceExact;
   Rendering rendering(model, config);
   sample.x = joints(3.0, 3.0);

@@ -39,7 +39,7 @@ TEST_F(SensingTest, TakesQAndItsRate) {
   EXPECT_FALSE(now.faults.any());
 }
 
-TEST_F(SensingTest, BadSampleIsAFaultAndTheLastOneStays) {
+TEST_F(SensingTest, BadSampleFaultsAndIsIgnored) {
   const struct {
     VecQ q;
     Fault fault;
@@ -60,7 +60,7 @@ TEST_F(SensingTest, BadSampleIsAFaultAndTheLastOneStays) {
   }
 }
 
-TEST_F(SensingTest, MeasuredForceIsRequiredForForceControl) {
+TEST_F(SensingTest, ForceControlNeedsAMeasuredForce) {
   config.force_control.loops.resize(1);
   Sensing sensing(config);
   EXPECT_TRUE(step(sensing).faults.has(Fault::kSampleNotFinite)) << "none";
@@ -71,7 +71,7 @@ TEST_F(SensingTest, MeasuredForceIsRequiredForForceControl) {
   EXPECT_EQ(step(sensing, false).tau_measured, one(3.0)) << "held as q is";
 }
 
-TEST_F(SensingTest, RateEndsAfterThreePeriodsOfSilence) {
+TEST_F(SensingTest, RateEndsAfterThreeSilentPeriods) {
   Sensing sensing(config);
   static_cast<void>(step(sensing));
   in.device.sample.q[0] += 1e-5;
@@ -83,7 +83,7 @@ TEST_F(SensingTest, RateEndsAfterThreePeriodsOfSilence) {
   EXPECT_EQ(now.age, milliseconds(4));
 }
 
-TEST_F(SensingTest, SilenceIsAFaultUnlessARecordingsGap) {
+TEST_F(SensingTest, SilenceFaultsUnlessReplayed) {
   for (const SilencePolicy policy : {SilencePolicy::kFault, SilencePolicy::kRampOut}) {
     config.device.silence_policy = policy;
     Sensing sensing(config);
@@ -95,7 +95,7 @@ TEST_F(SensingTest, SilenceIsAFaultUnlessARecordingsGap) {
   }
 }
 
-TEST_F(SensingTest, DeviceReportsLossAndTooMuchForce) {
+TEST_F(SensingTest, DeviceReportsLossAndExcessForce) {
   Sensing sensing(config);
   in.device.health = DeviceHealth::kLost;
   EXPECT_TRUE(step(sensing).faults.has(Fault::kDeviceLost));

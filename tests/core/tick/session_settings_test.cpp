@@ -85,7 +85,7 @@ TEST(SessionSettings, RendererStaysWhileForceIsOn) {
   }
 }
 
-TEST(SessionSettings, CoupledStiffnessFollowsAndRefusesTheBaselines) {
+TEST(SessionSettings, CoupledStiffnessRefusesTheBaselines) {
   const MatAA Z_q = (MatAA(2, 2) << 1000.0, 300.0, 300.0, 500.0).finished();
   SessionSettings settings(scene_of_two(), std::make_shared<const StiffnessCoupling>(Z_q));
   RenderSettings wanted = wish(1);

@@ -64,7 +64,7 @@ class SupervisorTest : public testing::Test {
   FaultSet output{};
 };
 
-TEST_F(SupervisorTest, EngageRampsTheGainIn200Ms) {
+TEST_F(SupervisorTest, EngageRampsGainIn200Ms) {
   run(3);
   ++in.command.engage_id;
   const Lifecycle first = step();
@@ -96,7 +96,7 @@ TEST_F(SupervisorTest, EachRequestActsOnce) {
   EXPECT_EQ(run(300).gain, 0.0) << "the Engage before is used up";
 }
 
-TEST_F(SupervisorTest, FaultOfAnyStageLatchesAndEndsForce) {
+TEST_F(SupervisorTest, AnyFaultLatchesAndEndsForce) {
   struct Source {
     FaultSet* set;
     Fault fault;
@@ -157,7 +157,7 @@ TEST_F(SupervisorTest, UnseenStopIsNotCleared) {
   EXPECT_EQ(life.state, DeviceState::kIdle);
 }
 
-TEST_F(SupervisorTest, BeforeItIsReadyOnlyAStopLatches) {
+TEST_F(SupervisorTest, OnlyAStopLatchesBeforeReady) {
   sensed.ready = false;
   sensed.faults.set(Fault::kDeviceLost);
   EXPECT_FALSE(step().faults.any());
@@ -165,7 +165,7 @@ TEST_F(SupervisorTest, BeforeItIsReadyOnlyAStopLatches) {
   EXPECT_TRUE(step().faults.has(Fault::kEmergencyStop));
 }
 
-TEST_F(SupervisorTest, LadderBoundsTheGainAndRecoveryIsARamp) {
+TEST_F(SupervisorTest, LadderBoundsGainAndRecoveryRamps) {
   engage();
   proxy.ladder = 0.5;
   EXPECT_NEAR(run(40).gain, 0.5, 1e-12) << "1/80 per ms";
@@ -204,7 +204,7 @@ TEST_F(SupervisorTest, NextLeaseInheritsNoDamping) {
   EXPECT_EQ(step().damping_gain, 0.0);
 }
 
-TEST_F(SupervisorTest, EndOfTheLeaseFadesThenDisarms) {
+TEST_F(SupervisorTest, LeaseEndFadesThenDisarms) {
   engage();
   in.command.lease_held = false;
   Lifecycle life = step();
@@ -216,7 +216,7 @@ TEST_F(SupervisorTest, EndOfTheLeaseFadesThenDisarms) {
   EXPECT_FALSE(life.arm);
 }
 
-TEST_F(SupervisorTest, DampingNeedsAnObstacleAndARecentRate) {
+TEST_F(SupervisorTest, DampingNeedsObstacleAndRecentRate) {
   engage();
   anchor.in_the_way = false;
   EXPECT_NEAR(step().damping_gain, 1.0 - 1.0 / 80.0, 1e-12);
@@ -226,7 +226,7 @@ TEST_F(SupervisorTest, DampingNeedsAnObstacleAndARecentRate) {
   EXPECT_LT(step().damping_gain, 1.0);
 }
 
-TEST_F(SupervisorTest, GapOfARecordingRampsOutAndIn) {
+TEST_F(SupervisorTest, RecordingsGapRampsOutAndIn) {
   engage();
   sensed.silent = true;
   Lifecycle life = run(90);

@@ -31,21 +31,21 @@ Row row(const Block& ours, const Block& theirs, double target) {
   return haptic::bench::compare("ours", "theirs", "ns", ours, theirs, target, 20);
 }
 
-TEST(Paired, TheVerdictIsTheLastFieldOfTheLine) {
+TEST(Paired, VerdictIsTheLinesLastField) {
   EXPECT_EQ(printed(row(always(9.0), always(10.0), 1.2)), "met");
   EXPECT_EQ(printed(row(always(12.0), always(10.0), 1.2)), "met");
   EXPECT_EQ(printed(row(always(13.0), always(10.0), 1.2)), "missed");
   EXPECT_EQ(printed(row(always(13.0), always(10.0), 0.0)), "reported");
 }
 
-TEST(Paired, AMissThatTheSameProgramWouldHaveIsNotResolvable) {
+TEST(Paired, MissWithinNoiseIsNotResolvable) {
   // After the warm-up the order of their two blocks turns: 10 and 15, 15 and 10, ...
   const Row noisy = row(always(30.0), turns({10.0, 10.0, 15.0, 15.0}), 1.2);
   EXPECT_GT(noisy.a_a.upper, 1.2);
   EXPECT_EQ(printed(noisy), "not resolvable here");
 }
 
-TEST(Paired, TheMedianRatioIsThatOfThePairs) {
+TEST(Paired, MedianRatioIsOverPairs) {
   const Row r = row(turns({1.0, 2.0}), always(4.0), 0.0);
   EXPECT_DOUBLE_EQ(r.ratio.median, 0.375);
   EXPECT_DOUBLE_EQ(r.ratio.lower, 0.25);
@@ -54,7 +54,7 @@ TEST(Paired, TheMedianRatioIsThatOfThePairs) {
   EXPECT_DOUBLE_EQ(r.a_a.upper, 1.0);
 }
 
-TEST(Paired, AFigureWithoutAPeerIsJudgedByItsOwnInterval) {
+TEST(Paired, JudgesLoneFiguresByTheirInterval) {
   EXPECT_EQ(printed(haptic::bench::figure("f", "us", {1.0, 1.0, 1.0}, 0.9)), "missed");
   EXPECT_EQ(printed(haptic::bench::figure("f", "us", {1.0, 1.0, 1.0}, 1.0)), "met");
   EXPECT_EQ(printed(haptic::bench::figure("f", "us", {1.0, 1.0, 1.0})), "reported");

@@ -108,7 +108,7 @@ class Churn {
   }
 };
 
-TEST(Churn, EveryTransportWhileClientsComeAndGo) {
+TEST(Churn, EveryCarrierSurvivesComingAndGoing) {
   const std::string address = "unix:/tmp/haptic-churn-" + std::to_string(getpid());
   server::App app(patient_scene(address), {server::RealtimeMode::kOff});
   app.start();

@@ -23,7 +23,7 @@ double at(const Plane& plane, const std::vector<double>& x) {
   return sum;
 }
 
-TEST(DerivePlanes, HoldTheProxyAndFaceTheProbe) {
+TEST(DerivePlanes, HoldTheProxyAndFaceProbe) {
   const std::vector<double> x{1.0, 2.0}, x_probe{4.0, 6.0};
   const auto planes = derive_planes(linear(2), x, x_probe);
   ASSERT_EQ(planes.size(), 1u);

@@ -70,7 +70,7 @@ TEST(State, AbsentMessagesStayAbsent) {
   EXPECT_EQ(to_message(to_state({})).ByteSizeLong(), 0u);
 }
 
-TEST(StateFields, AreThoseOfTheProtocolInOrder) {
+TEST(StateFields, MatchTheProtocolInOrder) {
   const auto fields = state_fields(slider(), to_state(full_message()));
   const pb::Descriptor& type = *v1::DeviceState::descriptor();
   ASSERT_EQ(fields.size(), static_cast<std::size_t>(type.field_count()));
@@ -82,7 +82,7 @@ TEST(StateFields, AreThoseOfTheProtocolInOrder) {
   }
 }
 
-TEST(StateFields, HaveLabelsAndUnitsOfTheDevice) {
+TEST(StateFields, HaveTheDevicesLabelsAndUnits) {
   for (const StateField& field : state_fields(slider(), to_state(full_message()))) {
     if (field.name == "q") {
       EXPECT_EQ(field.labels, (std::vector<std::string>{"slide", "swing"}));

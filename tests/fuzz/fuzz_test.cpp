@@ -68,7 +68,7 @@ TEST(Fuzz, SamplesOfAnythingDoNoHarm) {
   fuzz(ingress_target(), 200'000);
 }
 
-TEST(Fuzz, ScenesOfAnythingLoadOrAreRefused) {
+TEST(Fuzz, AnySceneLoadsOrIsRefused) {
   fuzz(scene_target(), 1'000);
 }
 

@@ -104,7 +104,7 @@ TEST_F(Doctor, SaysWhyRealTimeWasRefused) {
   EXPECT_TRUE(has(realtime().advice, "--cpu-rt-runtime")) << realtime().advice;
 }
 
-TEST_F(Doctor, NamesSmallShareForRealTimeThreads) {
+TEST_F(Doctor, NamesASmallRealTimeShare) {
   host.file("/proc/sys/kernel/sched_rt_runtime_us", "200000\n");
   EXPECT_EQ(realtime().health, Health::kImpaired);
   EXPECT_TRUE(has(realtime().found, "20 %")) << realtime().found;
@@ -112,7 +112,7 @@ TEST_F(Doctor, NamesSmallShareForRealTimeThreads) {
   EXPECT_EQ(realtime().health, Health::kGood);
 }
 
-TEST_F(Doctor, MemoryNeedsNoLimitOrTheCapability) {
+TEST_F(Doctor, MemoryNeedsNoLimitOrCapability) {
   answers.memlock = 8 * 1024 * 1024;
   EXPECT_EQ(check_memory(answers).health, Health::kImpaired);
   EXPECT_TRUE(has(check_memory(answers).found, "8192 KB"));
@@ -120,7 +120,7 @@ TEST_F(Doctor, MemoryNeedsNoLimitOrTheCapability) {
   EXPECT_EQ(check_memory(answers).health, Health::kGood);
 }
 
-TEST_F(Doctor, TightestCpuBudgetOfAllParentsCounts) {
+TEST_F(Doctor, TightestCpuBudgetOfParentsCounts) {
   const auto judged = [&](const char* cgroup, std::map<const char*, const char*> files) {
     host.file("/proc/self/cgroup", cgroup);
     for (const auto& [path, text] : files) host.file(std::string("/sys/fs/cgroup/") + path, text);
@@ -165,7 +165,7 @@ TEST_F(Doctor, ForbiddenPortNamesItsGroup) {
   EXPECT_EQ(f.health, Health::kGood) << f.found;
 }
 
-TEST_F(Doctor, SlowAdapterIsNamedAndLowersTheCap) {
+TEST_F(Doctor, SlowAdapterLowersTheCap) {
   host.port("/dev/ttyUSB0", 0666)
       .file("/sys/bus/usb-serial/devices/ttyUSB0/latency_timer", "16\n")
       .port("/dev/ttyUSB1", 0666)
@@ -180,7 +180,7 @@ TEST_F(Doctor, SlowAdapterIsNamedAndLowersTheCap) {
   EXPECT_NEAR(cap(1.0, 0.0).stable, 1.0 / 16.5e-3, 1e-9);
 }
 
-TEST_F(Doctor, JitterIsJudgedByPeriodAndFault) {
+TEST_F(Doctor, JudgesJitterByPeriodAndFault) {
   EXPECT_EQ(check_jitter({10'000, 0, 10.0, 60.0, 300.0}, 1e-3).health, Health::kGood);
   EXPECT_EQ(check_jitter({10'000, 0, 40.0, 140.0, 300.0}, 1e-3).health, Health::kImpaired);
   EXPECT_EQ(check_jitter({10'000, 3, 10.0, 60.0, 4000.0}, 1e-3).health, Health::kImpaired);

@@ -121,7 +121,7 @@ TEST_F(GuideRun, FindsWhatTheSensorsMean) {
   EXPECT_EQ(result.force_zero, std::vector<double>{0.7});
 }
 
-TEST_F(GuideRun, AsksAgainIfAnswerIsNoNumber) {
+TEST_F(GuideRun, AsksAgainUnlessAnswerIsNumber) {
   auto steps = good();
   steps.insert(steps.begin(), {at(0.01, 0.0), "one"});
   EXPECT_NEAR(run(steps).dofs[0].scale, 1.25, 1e-12);
@@ -139,7 +139,7 @@ TEST_F(GuideRun, AsksAgainIfTheDeviceMoved) {
   EXPECT_NE(asked.str().find("hold it still"), std::string::npos);
 }
 
-TEST_F(GuideRun, AsksAgainIfPlacesAreTooNear) {
+TEST_F(GuideRun, AsksAgainIfPlacesAreClose) {
   auto steps = good();
   steps.insert(steps.begin(), {at(0.012, 0.0), "0.012"});
   steps.insert(steps.begin(), {at(0.010, 0.0), "0.010"});
@@ -147,7 +147,7 @@ TEST_F(GuideRun, AsksAgainIfPlacesAreTooNear) {
   EXPECT_NE(asked.str().find("both must differ"), std::string::npos);
 }
 
-TEST_F(GuideRun, RefusesASensorThatDoesNotMove) {
+TEST_F(GuideRun, RefusesASensorThatStandsStill) {
   std::vector<Script::Step> steps;
   for (int i = 0; i < 2 * Guide::kTries; ++i) {
     steps.emplace_back(at(0.02, 0.0), i % 2 == 0 ? "0.0" : "0.05");

@@ -294,7 +294,7 @@ TEST(LockStep, GrpcOverTcpIsTheSame) {
   expect_same(run(server, way), way);
 }
 
-TEST(LockStep, GrpcOverAUnixSocketIsTheSame) {
+TEST(LockStep, GrpcOverUnixSocketMatches) {
   Server server;
   server.serve("unix:/tmp/haptic-lockstep-" + std::to_string(getpid()));
   ByWire way(server, false);

@@ -52,7 +52,7 @@ TEST(ProtocolReadme, LimitersAreThoseOfTheCode) {
   EXPECT_EQ(numbers("limiter"), code);
 }
 
-TEST(ProtocolReadme, StatesAreThoseOfTheCodeAndOfTheWire) {
+TEST(ProtocolReadme, StatesMatchCodeAndWire) {
   std::map<int, std::string> documented, code, wire;
   for (const auto& row : markdown_table(readme(), "state")) {
     documented.emplace(std::stoi(row.at(1)), unquoted(row.at(0)));
@@ -71,7 +71,7 @@ TEST(ProtocolReadme, StatesAreThoseOfTheCodeAndOfTheWire) {
   EXPECT_EQ(documented, wire);
 }
 
-TEST(ProtocolReadme, RenderersAreThoseOfTheCodeAndOfTheWire) {
+TEST(ProtocolReadme, RenderersMatchCodeAndWire) {
   std::map<int, std::string> documented, wire;
   for (const auto& row : markdown_table(readme(), "renderer")) {
     documented.emplace(std::stoi(row.at(1)), unquoted(row.at(0)));
@@ -102,7 +102,7 @@ std::set<std::string> upper_case_literals(const std::filesystem::path& folder) {
   return words;
 }
 
-TEST(ProtocolReadme, EveryReasonIsDocumentedAndNoOther) {
+TEST(ProtocolReadme, DocumentsExactlyTheReasons) {
   std::set<std::string> code = upper_case_literals(kRoot / "server/session");
   code.merge(upper_case_literals(kRoot / "server/front"));
   code.merge(upper_case_literals(kRoot / "server/rpc"));
@@ -156,7 +156,7 @@ void expect_fields(const google::protobuf::Descriptor* message, const std::strin
     expect_fields(message->nested_type(i), text);
 }
 
-TEST(ProtocolReadme, EveryFieldOfTheWireIsNamed) {
+TEST(ProtocolReadme, NamesEveryFieldOfTheWire) {
   const std::string text = readme();
   for (const auto* file :
        {v1::GetServerInfoRequest::descriptor()->file(), v1::ProxySample::descriptor()->file()}) {
@@ -165,7 +165,7 @@ TEST(ProtocolReadme, EveryFieldOfTheWireIsNamed) {
   }
 }
 
-TEST(ProtocolReadme, EveryKindOfEventIsInTheTable) {
+TEST(ProtocolReadme, ListsEveryKindOfEvent) {
   std::set<std::string> wire, documented;
   const auto* kinds = v1::Event::Kind_descriptor();
   for (int i = 0; i < kinds->value_count(); ++i) {

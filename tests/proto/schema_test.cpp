@@ -59,7 +59,7 @@ TEST(Schema, BitsAreNamed) {
   EXPECT_EQ(text(state, "faults"), "LOOP_LATE|EMERGENCY_STOP|31");
 }
 
-TEST(Schema, BitNamesAreThoseOfTheCode) {
+TEST(Schema, BitNamesMatchTheCode) {
   for (unsigned n = 0; n < 32; ++n) {
     const auto expected = [n](std::string_view reason, std::string_view unknown) {
       return reason == unknown ? std::to_string(n) : std::string(reason);

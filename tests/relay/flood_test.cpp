@@ -154,7 +154,7 @@ FloodMeasurement five_rounds(const Daemon& daemon, const std::atomic<std::uint32
   return {pooled(none), pooled(by_junk), pooled(by_header), more(by_junk), more(by_header)};
 }
 
-TEST(Flood, CostsNoDeadlineAndDelaysNoStop) {
+TEST(Flood, CostsNoDeadlineAndNoStop) {
   if (!host_is_calm()) GTEST_SKIP() << "times are judged under the label calm";
   MatrixRow row(
       "network/flood_100000_per_s",

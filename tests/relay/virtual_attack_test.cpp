@@ -92,7 +92,7 @@ TEST(VirtualAttack, AReplayedCaptureChangesNothing) {
   row.got(std::to_string(next) + " rejected");
 }
 
-TEST(VirtualAttack, ASpoofedSourceGetsNoWordAndMovesNothing) {
+TEST(VirtualAttack, SpoofedSourceGetsAndMovesNothing) {
   MatrixRow row("virtual/spoofed_source",
                 "copies from another address: rejected; force identical to the bit; no reply");
   Siege siege;
@@ -109,7 +109,7 @@ TEST(VirtualAttack, ASpoofedSourceGetsNoWordAndMovesNothing) {
   row.got(std::to_string(next) + " rejected");
 }
 
-TEST(VirtualAttack, WhoCarriesTheClientsDatagramsFasterGetsNoStates) {
+TEST(VirtualAttack, FasterCopierGetsNoStates) {
   MatrixRow row("virtual/spoofed_source_ahead",
                 "genuine datagrams first from another address: never a state to it");
   VirtualWorld world(shipped_scenario("delay_10ms"));

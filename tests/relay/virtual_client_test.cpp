@@ -46,19 +46,19 @@ void is_refused(double bad, server::IngressVerdict verdict) {
   EXPECT_EQ(world.rig.state(), core::DeviceState::kEngaged);
 }
 
-TEST(VirtualClient, NotANumberIsRefusedAndFadesOut) {
+TEST(VirtualClient, RefusesNotANumberAndFades) {
   MatrixRow row("virtual/nan", "refused and counted; force by the ladder; back by a ramp");
   is_refused(std::numeric_limits<double>::quiet_NaN(), server::IngressVerdict::kNotFinite);
   row.got("as expected");
 }
 
-TEST(VirtualClient, AHugeValueIsRefusedAndFadesOut) {
+TEST(VirtualClient, RefusesAHugeValueAndFades) {
   MatrixRow row("virtual/huge_values", "refused and counted; force by the ladder; back by a ramp");
   is_refused(1e300, server::IngressVerdict::kOutOfBounds);
   row.got("as expected");
 }
 
-TEST(VirtualClient, AKilledClientLeavesNoForceAndNoLease) {
+TEST(VirtualClient, KilledClientLosesForceAndLease) {
   MatrixRow row("virtual/client_killed",
                 "no elastic force after 200 ms; IDLE and command zero when the lease (2 s) ended");
   VirtualWorld world(shipped_scenario("delay_10ms"));
@@ -70,7 +70,7 @@ TEST(VirtualClient, AKilledClientLeavesNoForceAndNoLease) {
   row.got("IDLE, 0 N");
 }
 
-TEST(VirtualClient, AClientPausedFor300MsLosesForceAndRampsBack) {
+TEST(VirtualClient, PausedClientLosesForceAndRamps) {
   MatrixRow row("virtual/client_paused_300ms", "ladder to zero, LOST, back by Engage and a ramp");
   VirtualWorld world(shipped_scenario("delay_10ms"));
   watch(world, kTroubleAt);
@@ -84,7 +84,7 @@ TEST(VirtualClient, AClientPausedFor300MsLosesForceAndRampsBack) {
   row.got("ARMED at 300 ms, ENGAGED 1.2 s later");
 }
 
-TEST(VirtualClient, SigtermUnderForceFadesOutWhateverTheClientSends) {
+TEST(VirtualClient, SigtermFadesTheForceOut) {
   MatrixRow row("virtual/sigterm_under_load", "RELEASING, then CLOSING with command zero");
   VirtualWorld world(shipped_scenario("delay_10ms"));
   watch(world, kTroubleAt);

@@ -107,7 +107,7 @@ core::Duration oldest_proxy(VirtualWorld& world, LinkTime from, LinkTime until) 
 }
 
 /// A path that fails is doubted before it is given up: samples go both ways by then.
-TEST(VirtualMatrixRow, BlockedUdpCostsNoMoreThanAHold) {
+TEST(VirtualMatrixRow, BlockedUdpCostsAHold) {
   for (const LinkTime period : {5ms, 10ms, 20ms, 33ms}) {
     for (const LinkTime phase : {0ms, 3ms, 7ms}) {
       SCOPED_TRACE(milliseconds(period) + " " + milliseconds(phase));
@@ -123,7 +123,7 @@ TEST(VirtualMatrixRow, BlockedUdpCostsNoMoreThanAHold) {
 }
 
 /// Silence is three round trips long, 180 ms, where one takes 60: force fades, and is not lost.
-TEST(VirtualMatrixRow, BlockedUdpFarAwayFadesAndIsNotLost) {
+TEST(VirtualMatrixRow, DistantBlockedUdpStaysEngaged) {
   for (const LinkTime period : {10ms, 33ms}) {
     Scenario scenario = shipped_scenario("udp_blocked");
     scenario.up.delay = scenario.down.delay = 30ms;
@@ -136,7 +136,7 @@ TEST(VirtualMatrixRow, BlockedUdpFarAwayFadesAndIsNotLost) {
 
 /// What doubt buys at a cut, and what it costs on a path that only loses: beside a client that
 /// waits for silence, in one run.
-TEST(VirtualMatrixRow, DoubtBuysAHoldForAFewCopies) {
+TEST(VirtualMatrixRow, DoubtKeepsTheProxyYounger) {
   constexpr wire::Duration kNever = 1h;
   for (const LinkTime period : {10ms, 33ms}) {
     VirtualWorld doubts(shipped_scenario("udp_blocked"), period);
@@ -166,7 +166,7 @@ TEST(VirtualMatrixRow, BlockedTcpIsNotFelt) {
   EXPECT_EQ(world.fallbacks, 0);
 }
 
-TEST(VirtualMatrixRow, LossUpTo10PercentStaysOnUdpAndFullyEngaged) {
+TEST(VirtualMatrixRow, LossOf10PercentStaysEngaged) {
   for (const char* name : {"loss_01", "loss_05", "loss_10"}) {
     VirtualWorld world(shipped_scenario(name));
     // Five in a row are one in 100 000 at 10 %.
@@ -176,7 +176,7 @@ TEST(VirtualMatrixRow, LossUpTo10PercentStaysOnUdpAndFullyEngaged) {
   }
 }
 
-TEST(VirtualMatrixRow, ADuplicateIsRejectedByTheWindowNotByTheDoor) {
+TEST(VirtualMatrixRow, WindowRejectsADuplicate) {
   VirtualWorld world(shipped_scenario("duplicate_100"));
   static_cast<void>(oldest_proxy(world, 0s, 5s));
   EXPECT_GT(world.server.counters().duplicate(), 300U);
@@ -185,7 +185,7 @@ TEST(VirtualMatrixRow, ADuplicateIsRejectedByTheWindowNotByTheDoor) {
 
 /// 150 ms of samples arrive at once while force fades: the newest of them is a few ms old, and
 /// counts as old as the last one before the stall all the same, until the pace is normal again.
-TEST(VirtualMatrixRow, ABackLogIsNotRenderedAsFresh) {
+TEST(VirtualMatrixRow, BacklogIsNotRenderedAsFresh) {
   Scenario scenario = shipped_scenario("delay_10ms");
   scenario.up.stalls = {{2000ms, 2150ms}};
   VirtualWorld world(scenario);
@@ -215,7 +215,7 @@ TEST(VirtualMatrixRow, ABackLogIsNotRenderedAsFresh) {
   EXPECT_EQ(world.rig.newest().life.gain, 1.0);
 }
 
-TEST(MatrixTable, ALineIsReadByAnyoneWhoReadsCsv) {
+TEST(MatrixTable, LineIsValidCsv) {
   EXPECT_EQ(csv_line("a/b", "x, \"y\"", "z", false), "a/b,\"x, \"\"y\"\"\",z,FAILED\n");
 }
 

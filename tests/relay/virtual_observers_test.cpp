@@ -27,7 +27,7 @@ class Observer final : public server::Subscriber {
   std::uint64_t sent{0};
 };
 
-TEST(VirtualClient, SixteenObserversAt1KhzAreNotFelt) {
+TEST(VirtualClient, SixteenObserversAreNotFelt) {
   MatrixRow row("virtual/16_observers",
                 "force identical to the bit to that without observers; the controller gets every "
                 "state, the observers what is left, in equal parts, and what they miss is counted");

@@ -66,7 +66,7 @@ TEST(AllocationGuard, CountsEachAllocationOnce) {
 }
 // NOLINTEND(cppcoreguidelines-no-malloc)
 
-TEST(AllocationGuard, IgnoresFixedSizesAndFreeOfNull) {
+TEST(AllocationGuard, IgnoresFixedSizesAndNullFrees) {
   const AllocationGuard guard;
   Eigen::Matrix3d a = Eigen::Matrix3d::Identity();
   a = (a * a).eval();

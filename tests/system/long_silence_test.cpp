@@ -26,7 +26,7 @@ bool eventually(Condition condition, Work meanwhile) {
   return false;
 }
 
-TEST(LongSilence, ForceReturnsUnderTheNextLeaseWhereItIsAskedFor) {
+TEST(LongSilence, ForceReturnsUnderTheNextLease) {
   server::App app(server::load_scene(
                       std::string(HAPTIC_SOURCE_DIR) + "/server/scenes/finger_constant.textproto",
                       {"server.listen[0]=127.0.0.1:0", "loop.late_bucket_full=1000000",

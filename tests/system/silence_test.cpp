@@ -99,7 +99,7 @@ client::SessionOptions controller(const char* name) {
   return options;
 }
 
-TEST_F(Pressing, AKilledClientLeavesNoForceAndAFreeLease) {
+TEST_F(Pressing, KilledClientLosesForceAndLease) {
   wall_->signal(SIGKILL);
   wall_->wait();
   ASSERT_TRUE(eventually([](const client::DeviceState& s) {
@@ -110,7 +110,7 @@ TEST_F(Pressing, AKilledClientLeavesNoForceAndAFreeLease) {
   EXPECT_TRUE(next->connected());
 }
 
-TEST_F(Pressing, APausedClientLosesForceThenItsLeaseAndNobodyElseMayComeBefore) {
+TEST_F(Pressing, PausedClientLosesForceThenLease) {
   try {
     static_cast<void>(connection_->open(controller("impatient")));
     FAIL() << "two controllers";
@@ -130,7 +130,7 @@ TEST_F(Pressing, APausedClientLosesForceThenItsLeaseAndNobodyElseMayComeBefore) 
   wall_->signal(SIGCONT);
 }
 
-TEST_F(Pressing, ABriefPauseComesBackAsARamp) {
+TEST_F(Pressing, BriefPauseComesBackAsRamp) {
   wall_->signal(SIGSTOP);
   ASSERT_TRUE(eventually([](const client::DeviceState& s) {
     return s.state == client::Lifecycle::kArmed && s.tau_elastic.at(0) == 0.0 &&

@@ -34,7 +34,7 @@ bool while_publishing(client::Session& session, double a, Condition condition) {
   });
 }
 
-TEST(UdpEndToEnd, ForceIsFeltAndChangesAreEvents) {
+TEST(UdpEndToEnd, ForceIsFeltAndChangesReported) {
   LiveServer server(with_udp());
   client::Connection connection(server.address());
   std::mutex mutex;

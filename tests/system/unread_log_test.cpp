@@ -61,7 +61,7 @@ class Unread {
 
 class UnreadLog : public testing::TestWithParam<bool> {};
 
-TEST_P(UnreadLog, NeitherLeaseNorStopNorSigtermWaitsForIt) {
+TEST_P(UnreadLog, DelaysNoLeaseStopOrSigterm) {
   const Unread log(GetParam());
   const std::string socket =
       (std::filesystem::temp_directory_path() / ("haptic-log-" + std::to_string(getpid())))

@@ -45,7 +45,7 @@ std::string refusal(const Expectation& expected, const EmulatorConfig& config = 
   return link.host.refusal();
 }
 
-TEST(BoardHost, ABoardUnlikeTheSceneIsRefused) {
+TEST(BoardHost, RefusesABoardUnlikeTheScene) {
   const struct {
     std::function<void(Expectation&)> change;
     const char* says;

@@ -133,7 +133,7 @@ TEST(BoardMessages, ANonFiniteCommandIsRefused) {
   }
 }
 
-TEST(BoardMessages, OnlyANonFiniteForceIsRefused) {
+TEST(BoardMessages, RefusesOnlyANonFiniteForce) {
   State s = state();
   s.force[0] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_FALSE(read<State>(bytes_of(s)));

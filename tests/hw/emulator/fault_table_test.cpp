@@ -172,7 +172,7 @@ TEST_P(PressedCase, FewDamagedBytesAreOnlyCounted) {
   EXPECT_GT(there.bad_crc + there.malformed, 0u);
 }
 
-TEST_P(PressedCase, ALossyLinkIsASilentDevice) {
+TEST_P(PressedCase, LossyLinkIsASilentDevice) {
   finger.board().set_noise(0.2, 0.2);
   // 10 ms of silence and the tick that sees it, after the last frame that came through by luck.
   until_fault(finger, 400);
@@ -181,7 +181,7 @@ TEST_P(PressedCase, ALossyLinkIsASilentDevice) {
   expect_drive_off(finger, 400);
 }
 
-TEST_P(PressedCase, BrownOutAndHangStopTheMotor) {
+TEST_P(PressedCase, BrownoutAndHangStopTheMotor) {
   for (const FaultKind kind : {FaultKind::kBrownOut, FaultKind::kHang}) {
     finger.fault(kind, 0.3);
     finger.tick();

@@ -93,7 +93,7 @@ TEST_F(ToldRig, LettingGoLeavesNoForce) {
   EXPECT_EQ(rig.actuator().force(), 0.0);
 }
 
-TEST(TruthLog, WritesWhatIsSoEvery10Milliseconds) {
+TEST(TruthLog, WritesTheTruthEvery10Milliseconds) {
   const test::TemporaryFile file("", "truth.csv");
   EmulatorConfig config;
   config.l_x_offset = 0.003;  // the sensor's business, not the truth's

@@ -66,7 +66,7 @@ TEST(MotionCsv, RefusesAColumnThatStandsTwice) {
   EXPECT_THAT(error_of("time_s,l_x,q_B,l_x\n0,1,2,3\n1,1,2,3\n"), HasSubstr("l_x stands twice"));
 }
 
-TEST(MotionCsv, NamesTheValueThatIsNoNumber) {
+TEST(MotionCsv, NamesTheNonNumericValue) {
   const std::string start = "time_s,l_x,q_B\n0,1,2\n";
   for (const char* value :
        {"abc", "1.5x", "", "nan", "inf", "-inf", "1e999", "0x10", "+-1", "1 2"}) {

@@ -281,7 +281,7 @@ class PressingProcess {
   pid_t id_{-1};
 };
 
-TEST(BoardDevice, AKilledServerStopsTheBoardInTime) {
+TEST(BoardDevice, BoardStopsAfterAKilledServer) {
   PressingProcess server;
   EmulatorConfig c;
   c.clock_ppm = 0.0;
@@ -331,7 +331,7 @@ std::string why(const BoardConfig& c) {
   return "opened";
 }
 
-TEST(BoardDevice, OnlySerialPortsWithABoardOpen) {
+TEST(BoardDevice, OpensOnlyPortsWithABoard) {
   EmulatorThread board;
   const emulator::PseudoTerminal silent("");
   BoardConfig other = config(board.port());

@@ -96,7 +96,7 @@ TEST(Press, WithoutTheGuardItPullsAway) {
   EXPECT_LT(run(press_of(RendererKind::kStandard, kRows[1])).least_power, -1e-3);
 }
 
-TEST(Press, AnEmptyTankLeavesAPressAlone) {
+TEST(Press, EmptyTankLeavesAPressAlone) {
   for (const RendererKind renderer :
        {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
     for (const Row& row : kRows) {
@@ -158,7 +158,7 @@ TEST(Press, TheMonotoneEnvelopeNeverPullsAway) {
   printf("%g %g %d\n", ratios / runs, guarded_ratios / runs, runs);
 }
 
-TEST(Press, SlowPlanesFeelLikeAFastClient) {
+TEST(Press, SlowPlanesMatchAFastClient) {
   for (const RendererKind renderer : kAll) {
     for (const Row& row : kRows) {
       SCOPED_TRACE(std::string(core::name(renderer)) + " at " + std::to_string(row.stiffness));

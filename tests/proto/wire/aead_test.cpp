@@ -14,12 +14,12 @@ using test::ByteVector;
 using test::test_keys;
 using test::to_hex;
 
-TEST(Nonce, IsSaltAndPacketNumberInBigEndian) {
+TEST(Nonce, IsSaltAndBigEndianNumber) {
   EXPECT_EQ(to_hex(nonce({0xde, 0xad, 0xbe, 0xef}, 0x0102030405060708)),
             "deadbeef0102030405060708");
 }
 
-TEST(FreshKeys, DifferInEveryPartAndBetweenCalls) {
+TEST(FreshKeys, DifferInPartsAndBetweenCalls) {
   std::set<std::string> keys, salts;
   std::set<std::uint32_t> ids;
   for (int i = 0; i < 50; ++i) {
@@ -55,7 +55,7 @@ TEST(Sealer, SameTextTwiceLooksDifferent) {
             ByteVector(second.begin() + 16, second.begin() + 19));
 }
 
-TEST(Sealer, WhatDoesNotFitUsesNoNumber) {
+TEST(Sealer, OversizedDatagramUsesNoNumber) {
   Sealer sealer(7, test_keys(1).up);
   ByteVector out(kLargestDatagram + 100), payload(kLargestPayload + 1);
   EXPECT_EQ(sealer.seal(DatagramType::kProxy, payload, out), 0U);
@@ -65,7 +65,7 @@ TEST(Sealer, WhatDoesNotFitUsesNoNumber) {
   EXPECT_EQ(sealer.seal(DatagramType::kProxy, payload, out), 1200U);
 }
 
-TEST(Sealer, AKeyWearsOutAndAsksForAnotherHalfWay) {
+TEST(Sealer, WornKeyIsReplacedAtHalfway) {
   ByteVector out(kLargestDatagram);
   Sealer half(7, test_keys(1).up, Sealer::kPacketsPerKey / 2);
   EXPECT_FALSE(half.wants_rekey());
@@ -77,7 +77,7 @@ TEST(Sealer, AKeyWearsOutAndAsksForAnotherHalfWay) {
   EXPECT_EQ(last.seal(DatagramType::kClose, {}, out), 0U);
 }
 
-TEST(Opener, AnUnusedNumberOfAWrongTagStaysUnused) {
+TEST(Opener, WrongTagLeavesItsNumberUnused) {
   Sealer sealer(7, test_keys(1).up);
   Opener opener(7, test_keys(1).up);
   ByteVector out(35), payload(kLargestPayload);

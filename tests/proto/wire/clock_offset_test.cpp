@@ -41,7 +41,7 @@ TEST(ClockOffset, KnowsNothingBeforeTheFirstExchange) {
   EXPECT_FALSE(ClockOffset().latest(1s, TimePoint(1s)));
 }
 
-TEST(ClockOffset, OneExchangeOnASymmetricLinkGivesTheOffset) {
+TEST(ClockOffset, SymmetricExchangeGivesTheOffset) {
   World world;
   world.offset = -77s;
   ClockOffset clock;
@@ -52,14 +52,14 @@ TEST(ClockOffset, OneExchangeOnASymmetricLinkGivesTheOffset) {
   EXPECT_NEAR(static_cast<double>(estimate->bound.count()), 5e6, 1e4);  // half of 10 ms
 }
 
-TEST(ClockOffset, AnExchangeThatCannotBeIsPassedOver) {
+TEST(ClockOffset, IgnoresAnImpossibleExchange) {
   ClockOffset clock;
   clock.add({TimePoint(10s), 10s, 9s, TimePoint(11s)});   // answered before it came
   clock.add({TimePoint(10s), 10s, 13s, TimePoint(11s)});  // took longer there than here
   EXPECT_FALSE(clock.at(TimePoint(11s)));
 }
 
-TEST(ClockOffset, TheLeastRoundTripOfAnIntervalIsTheOneThatCounts) {
+TEST(ClockOffset, ShortestRoundTripCounts) {
   ClockOffset clock;
   const auto asymmetric = [](TimePoint when, Duration out, Duration back) {
     return ClockExchange{when, (when + out).time_since_epoch(), (when + out).time_since_epoch(),
@@ -71,7 +71,7 @@ TEST(ClockOffset, TheLeastRoundTripOfAnIntervalIsTheOneThatCounts) {
   EXPECT_EQ(clock.at(TimePoint(100s + 300ms))->offset, 0ns);
 }
 
-TEST(ClockOffset, TheTruthLiesWithinTheBoundThroughQueuesAndDrift) {
+TEST(ClockOffset, BoundHoldsThroughQueuesAndDrift) {
   for (const double drift : {0.0, 200e-6, -200e-6}) {
     World world;
     world.offset = 3s;
@@ -89,7 +89,7 @@ TEST(ClockOffset, TheTruthLiesWithinTheBoundThroughQueuesAndDrift) {
   }
 }
 
-TEST(ClockOffset, TheRegressionFindsADriftOf200Ppm) {
+TEST(ClockOffset, FindsADriftOf200Ppm) {
   World world;
   world.drift = 200e-6;
   world.queue_ms = 4.0;
@@ -102,7 +102,7 @@ TEST(ClockOffset, TheRegressionFindsADriftOf200Ppm) {
               0.5e6);
 }
 
-TEST(ClockOffset, AStepBeginsTheEstimateAnewAfterThreeExchanges) {
+TEST(ClockOffset, StepRestartsAfterThreeExchanges) {
   for (const Duration step : {Duration(1s), Duration(-1s)}) {
     World world;
     ClockOffset clock;
@@ -131,7 +131,7 @@ TEST(ClockOffset, OneWrongExchangeIsNoStep) {
   EXPECT_EQ(clock.steps(), 0U);
 }
 
-TEST(ClockOffset, AReadingIsNeverPlacedEarlierThanItCanHaveBeen) {
+TEST(ClockOffset, NeverPlacesAReadingTooEarly) {
   World world;
   world.offset = -20s;
   world.queue_ms = 10.0;

@@ -33,7 +33,7 @@ TEST(DatagramHeader, IsReadBack) {
   EXPECT_EQ(reading.header.packet_number, 0x0102U);
 }
 
-TEST(DatagramHeader, EveryLengthOutside32To1200IsRejected) {
+TEST(DatagramHeader, RejectsLengthsOutside32To1200) {
   ByteVector bytes = example();
   for (std::size_t size = 0; size <= 1300; ++size) {
     bytes.resize(size);
@@ -44,7 +44,7 @@ TEST(DatagramHeader, EveryLengthOutside32To1200IsRejected) {
   }
 }
 
-TEST(DatagramHeader, EveryOtherFirstFourBytesAreRejectedByReason) {
+TEST(DatagramHeader, RejectsWrongFirstBytesByReason) {
   const Rejection reasons[] = {Rejection::kMagic, Rejection::kMagic, Rejection::kVersion};
   for (std::size_t at = 0; at < 3; ++at) {
     for (int value = 0; value < 256; ++value) {
@@ -74,7 +74,7 @@ TEST(DatagramHeader, TheCheapestCheckSpeaksFirst) {
   EXPECT_EQ(read_header(bytes).rejection, Rejection::kType);
 }
 
-TEST(Rejections, EachHasANameOfItsOwn) {
+TEST(Rejections, EachHasItsOwnName) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < kRejections; ++i) {
     names.emplace_back(name(static_cast<Rejection>(i)));
@@ -96,7 +96,7 @@ TEST(PathMessages, HaveTheBytesOfTheTable) {
             "0000000000000004000000000000000500");
 }
 
-TEST(PathMessages, AreReadBackWhateverTheirPaddingAndNotWhenShort) {
+TEST(PathMessages, ReadAnyPaddingButNotTruncation) {
   ByteVector bytes(kPaddedChallenge, 0xEE);
   write(PathResponse{1, -2, 3, 4, 5}, Bytes(bytes).first(40));
   const auto response = read_response(bytes);

@@ -27,7 +27,7 @@ TEST(LinkStatistics, CountsLossAndReorderingByNumbers) {
   EXPECT_EQ(link.counters().bytes, 600U);
 }
 
-TEST(LinkStatistics, ThoseBeforeTheFirstOneAreLostToo) {
+TEST(LinkStatistics, CountsThoseBeforeTheFirstLost) {
   LinkStatistics link;
   link.accepted(4, 1, {});
   EXPECT_EQ(link.counters().lost, 3U);
@@ -55,7 +55,7 @@ TEST(LinkStatistics, RejectionsAreCountedByReason) {
   EXPECT_EQ(link.counters().received, 0U);
 }
 
-TEST(LinkStatistics, TheLongestGapLiesBetweenTwoArrivals) {
+TEST(LinkStatistics, LongestGapLiesBetweenArrivals) {
   LinkStatistics link;
   link.accepted(1, 1, at(10s));
   EXPECT_EQ(link.counters().longest_gap, 0ms);
@@ -64,13 +64,13 @@ TEST(LinkStatistics, TheLongestGapLiesBetweenTwoArrivals) {
   EXPECT_EQ(link.counters().longest_gap, 70ms);
 }
 
-TEST(LinkStatistics, JitterIsZeroOnASteadyLinkWhateverTheClocks) {
+TEST(LinkStatistics, SteadyLinkHasZeroJitter) {
   LinkStatistics link;
   for (int i = 0; i < 100; ++i) link.timed(5h + i * 1ms, at(i * 1ms));
   EXPECT_EQ(link.counters().jitter, 0ns);
 }
 
-TEST(LinkStatistics, JitterTendsToTheMeanDifferenceOfTransits) {
+TEST(LinkStatistics, JitterTendsToMeanTransitDifference) {
   LinkStatistics link;
   for (int i = 0; i < 500; ++i) link.timed(i * 10ms, at(i * 10ms + (i % 2) * 4ms));
   EXPECT_NEAR(static_cast<double>(link.counters().jitter.count()), 4e6, 1e3);
@@ -120,7 +120,7 @@ TEST(LossReport, PassesOverReportsOutOfOrder) {
   EXPECT_EQ(ordered.share(), shuffled.share());
 }
 
-TEST(LossReport, AHandfulOfPacketsSaysNothingAboutAShare) {
+TEST(LossReport, FewPacketsGiveNoShare) {
   LossReport loss;
   for (int i = 0; i <= 30; ++i) {
     loss.add(0, static_cast<std::uint64_t>(i / 5), at(i * 100ms));

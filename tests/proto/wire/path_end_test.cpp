@@ -75,7 +75,7 @@ struct Joined {
   PathEnd client, server;
 };
 
-TEST(PathEnd, BothDirectionsComeIntoUseFromTheClientsStart) {
+TEST(PathEnd, ClientsStartBringsBothDirections) {
   Joined pair;
   pair.run(100ms);
   EXPECT_FALSE(pair.client.in_use() || pair.server.in_use());
@@ -87,7 +87,7 @@ TEST(PathEnd, BothDirectionsComeIntoUseFromTheClientsStart) {
   EXPECT_EQ(pair.server.address(), pair.client_address);
 }
 
-TEST(PathEnd, NoMessageGoesBeforeThePathIsInUse) {
+TEST(PathEnd, SendsNoMessageBeforeUse) {
   Joined pair;
   EXPECT_FALSE(pair.client.send(bytes_of("a")));
   pair.client.start(pair.server_address, pair.now);
@@ -103,7 +103,7 @@ TEST(PathEnd, NoMessageGoesBeforeThePathIsInUse) {
   EXPECT_EQ(pair.at_client, std::vector<std::string>{"down"});
 }
 
-TEST(PathEnd, ADatagramThatFailsIsNeverAnswered) {
+TEST(PathEnd, NeverAnswersAFailedDatagram) {
   Joined pair;
   pair.client.start(pair.server_address, pair.now);
   pair.client.step(pair.now);
@@ -120,7 +120,7 @@ TEST(PathEnd, ADatagramThatFailsIsNeverAnswered) {
   EXPECT_EQ(pair.server.state(), PathState::kOff);
 }
 
-TEST(PathEnd, AResponseIsAsLongAsItsChallenge) {
+TEST(PathEnd, ResponseMatchesItsChallengesLength) {
   Joined pair;
   pair.client.start(pair.server_address, pair.now);
   pair.run(1s);
@@ -132,7 +132,7 @@ TEST(PathEnd, AResponseIsAsLongAsItsChallenge) {
   }
 }
 
-TEST(PathEnd, StatesFollowAClientThatMovedOnlyAfterTheNewAddressAnswered) {
+TEST(PathEnd, StatesFollowAfterTheAddressAnswers) {
   Joined pair;
   pair.client.start(pair.server_address, pair.now);
   pair.run(200ms);
@@ -145,7 +145,7 @@ TEST(PathEnd, StatesFollowAClientThatMovedOnlyAfterTheNewAddressAnswered) {
   EXPECT_EQ(pair.server.address(), port_only(9));
 }
 
-TEST(PathEnd, ASpoofedSourceGetsAtMostOneRoundAndNoState) {
+TEST(PathEnd, SpoofedSourceGetsNoState) {
   Joined pair;
   pair.client.start(pair.server_address, pair.now);
   pair.run(200ms);
@@ -188,7 +188,7 @@ TEST(PathEnd, ARekeyIsNoticedByNobody) {
   }
 }
 
-TEST(PathEnd, CloseIsHeardAndEndsTheUse) {
+TEST(PathEnd, CloseEndsTheUse) {
   Joined pair;
   pair.client.start(pair.server_address, pair.now);
   pair.run(200ms);
@@ -201,7 +201,7 @@ TEST(PathEnd, CloseIsHeardAndEndsTheUse) {
   EXPECT_TRUE(pair.passed.empty());
 }
 
-TEST(PathEnd, ADatagramThatACloseOvertookBeginsNothing) {
+TEST(PathEnd, DatagramAfterCloseBeginsNothing) {
   Joined pair;
   pair.client.start(pair.server_address, pair.now);
   pair.run(200ms);
@@ -220,7 +220,7 @@ TEST(PathEnd, ADatagramThatACloseOvertookBeginsNothing) {
   EXPECT_EQ(pair.server.state(), PathState::kInUse);
 }
 
-TEST(PathEnd, AReportOfMoreThanWasSentIsCutToIt) {
+TEST(PathEnd, CutsAnExcessiveReport) {
   Joined pair;
   pair.client.start(pair.server_address, pair.now);
   pair.run(200ms);
@@ -243,7 +243,7 @@ TEST(PathEnd, AReportOfMoreThanWasSentIsCutToIt) {
   EXPECT_EQ(pair.server.peer_report().received, 1U);
 }
 
-TEST(PathEnd, AGenuineChallengeThatIsTooShortIsCountedNotAnswered) {
+TEST(PathEnd, ShortChallengeIsCountedNotAnswered) {
   Joined pair;
   test::TestEnd client(End::kClient, test_keys(1));
   const ByteVector shortened = client.seal(DatagramType::kPathChallenge, "12345678");
@@ -253,7 +253,7 @@ TEST(PathEnd, AGenuineChallengeThatIsTooShortIsCountedNotAnswered) {
   EXPECT_EQ(pair.server.counters().rejections(Rejection::kPayload), 1U);
 }
 
-TEST(PathEnd, KnowsTheRoundTripAndTheOtherClock) {
+TEST(PathEnd, MeasuresRoundTripAndOtherClock) {
   Joined pair;
   pair.client.start(pair.server_address, pair.now);
   pair.run(1s);

@@ -81,7 +81,7 @@ struct Rig {
 
 using Changes = std::vector<PathChange>;
 
-TEST(PathMachine, IsOffAndSilentBeforeItIsStarted) {
+TEST(PathMachine, IsSilentBeforeItIsStarted) {
   Rig rig;
   EXPECT_EQ(rig.run(1s), Changes{});
   EXPECT_TRUE(rig.sent.empty());
@@ -89,7 +89,7 @@ TEST(PathMachine, IsOffAndSilentBeforeItIsStarted) {
   EXPECT_EQ(rig.machine.next_step(), TimePoint::max());
 }
 
-TEST(PathMachine, IsInUseOnlyOnceFourChallengesCameBack) {
+TEST(PathMachine, NeedsFourAnsweredChallenges) {
   Rig rig;
   rig.machine.start(kServer, rig.now);
   EXPECT_EQ(rig.run(70ms), Changes{});  // sent at 0, 20, 40, 60; answered 10 ms later
@@ -101,7 +101,7 @@ TEST(PathMachine, IsInUseOnlyOnceFourChallengesCameBack) {
   EXPECT_EQ(rig.machine.round_trip().least(), 10ms);
 }
 
-TEST(PathMachine, ARoundsChallengesFillTheLargestDatagram) {
+TEST(PathMachine, ChallengesFillTheLargestDatagram) {
   Rig rig;
   rig.lost = [](int, const DueChallenge&) { return true; };
   rig.machine.start(kServer, rig.now);
@@ -113,7 +113,7 @@ TEST(PathMachine, ARoundsChallengesFillTheLargestDatagram) {
   }
 }
 
-TEST(PathMachine, OneLostChallengeIsForgivenTwoAreNot) {
+TEST(PathMachine, ForgivesOneLostChallengeNotTwo) {
   for (const int losses : {0, 1, 2, 3}) {
     Rig rig;
     rig.lost = [losses](int number, const DueChallenge&) { return number <= losses; };
@@ -123,7 +123,7 @@ TEST(PathMachine, OneLostChallengeIsForgivenTwoAreNot) {
   }
 }
 
-TEST(PathMachine, IsInDoubtWhenAnAnswerIsOverdueAndOutOfItWhenOneComes) {
+TEST(PathMachine, OverdueAnswerCausesDoubt) {
   Rig rig;
   rig.machine.start(kServer, rig.now);
   static_cast<void>(rig.run(1s));
@@ -145,7 +145,7 @@ TEST(PathMachine, IsInDoubtWhenAnAnswerIsOverdueAndOutOfItWhenOneComes) {
   EXPECT_FALSE(rig.machine.in_doubt());
 }
 
-TEST(PathMachine, ARoundTripThatVariesIsNoReasonForDoubt) {
+TEST(PathMachine, VaryingRoundTripCausesNoDoubt) {
   Rig rig;
   // Five answers after 10 ms, five after 80 ms, again and again: beyond a smoothed one and 30 ms.
   rig.rtt_of = [](int number) { return number / 5 % 2 == 0 ? Duration(10ms) : Duration(80ms); };
@@ -173,7 +173,7 @@ TEST(PathMachine, ARepeatedAnswerCountsOnce) {
   EXPECT_EQ(rig.run(600ms), Changes{PathChange::kRefused});
 }
 
-TEST(PathMachine, AnAnswerFromElsewhereOrToNothingProvesNothing) {
+TEST(PathMachine, ForeignOrUnaskedAnswerProvesNothing) {
   Rig rig;
   rig.answers_from = kElsewhere;
   rig.machine.start(kServer, rig.now);
@@ -188,7 +188,7 @@ TEST(PathMachine, AnAnswerFromElsewhereOrToNothingProvesNothing) {
   EXPECT_EQ(guessing.machine.state(), PathState::kProbing);
 }
 
-TEST(PathMachine, BacksOffTwiceAsLongEachTimeUpToTheLongest) {
+TEST(PathMachine, PauseDoublesUpToItsLimit) {
   Rig rig;
   rig.lost = [](int, const DueChallenge&) { return true; };
   rig.machine.start(kServer, rig.now);
@@ -231,7 +231,7 @@ TEST(PathMachine, SilenceOf100MsFallsBack) {
   EXPECT_EQ(rig.machine.state(), PathState::kWaiting);
 }
 
-TEST(PathMachine, SlowSamplesAndLongRoundTripsAllowALongerSilence) {
+TEST(PathMachine, SlowLinksAllowALongerSilence) {
   PathRules slow;
   slow.nominal_period = 100ms;
   Rig by_period(slow);
@@ -243,7 +243,7 @@ TEST(PathMachine, SlowSamplesAndLongRoundTripsAllowALongerSilence) {
   EXPECT_EQ(by_rtt.machine.silence_limit(), 270ms);
 }
 
-TEST(PathMachine, ReturnsAfterTheBackOffOnceThePathIsBack) {
+TEST(PathMachine, ReturnsAfterTheBackOff) {
   Rig rig(PathRules{});
   rig.machine.start(kServer, rig.now);
   static_cast<void>(rig.run(1s));
@@ -256,7 +256,7 @@ TEST(PathMachine, ReturnsAfterTheBackOffOnceThePathIsBack) {
   EXPECT_LE(rig.now - healed, 600ms);  // back-off 500 ms from the fallback, a round of 70 ms
 }
 
-TEST(PathMachine, AProvenPathBeginsItsBackOffAnew) {
+TEST(PathMachine, ProvenPathResetsItsBackOff) {
   const auto pause_after = [](Duration in_use) {
     Rig rig(PathRules{});
     rig.lost = [](int number, const DueChallenge&) { return number <= 10; };  // two rounds fail
@@ -273,7 +273,7 @@ TEST(PathMachine, AProvenPathBeginsItsBackOffAnew) {
   EXPECT_NEAR(std::chrono::duration<double>(pause_after(1s)).count(), 2.0, 0.002);
 }
 
-TEST(PathMachine, LosingMoreThan30PercentForASecondFallsBack) {
+TEST(PathMachine, FallsBackOn30PercentLoss) {
   for (const double delivered : {0.75, 0.65}) {
     Rig rig(PathRules{});
     rig.machine.start(kServer, rig.now);
@@ -291,13 +291,13 @@ TEST(PathMachine, LosingMoreThan30PercentForASecondFallsBack) {
   }
 }
 
-TEST(PathMachine, AProgramThatWasStoppedDoesNotMistakeItsOwnPauseForSilence) {
+TEST(PathMachine, OwnPauseIsNotSilence) {
   Rig rig = rig_in_use();
   rig.now += 300ms;  // stopped; answers to what was sent before wait in the buffers
   EXPECT_EQ(rig.run(500ms), Changes{});
 }
 
-TEST(PathMachine, AnotherAddressIsUsedOnlyAfterItAnsweredARound) {
+TEST(PathMachine, NewAddressMustAnswerARound) {
   Rig rig = rig_in_use();
   rig.machine.heard(kElsewhere, rig.now);
   EXPECT_EQ(rig.run(70ms), Changes{});
@@ -307,7 +307,7 @@ TEST(PathMachine, AnotherAddressIsUsedOnlyAfterItAnsweredARound) {
   EXPECT_EQ(rig.machine.address(), kElsewhere);
 }
 
-TEST(PathMachine, ACandidateThatDoesNotAnswerChangesNothing) {
+TEST(PathMachine, SilentCandidateChangesNothing) {
   Rig rig = rig_in_use();
   rig.lost = [](int, const DueChallenge& challenge) { return challenge.to == kElsewhere; };
   rig.machine.heard(kElsewhere, rig.now);
@@ -316,7 +316,7 @@ TEST(PathMachine, ACandidateThatDoesNotAnswerChangesNothing) {
   EXPECT_TRUE(rig.machine.in_use());
 }
 
-TEST(PathMachine, ManyAddressesGetNoMoreThanOneRoundPerPause) {
+TEST(PathMachine, ManyAddressesShareOneRound) {
   Rig rig = rig_in_use();
   rig.lost = [](int, const DueChallenge& challenge) { return !(challenge.to == kServer); };
   const std::size_t before = rig.sent.size();
@@ -333,7 +333,7 @@ TEST(PathMachine, ManyAddressesGetNoMoreThanOneRoundPerPause) {
   EXPECT_EQ(rig.machine.address(), kServer);
 }
 
-TEST(PathMachine, TheServerBeginsWhenItHearsTheClient) {
+TEST(PathMachine, ServerBeginsWhenClientIsHeard) {
   Rig rig(PathRules{});
   rig.machine.heard(kThird, rig.now);
   EXPECT_EQ(rig.run(100ms), Changes{PathChange::kUp});
@@ -349,7 +349,7 @@ TEST(PathMachine, CloseTurnsItOffForGood) {
   EXPECT_TRUE(rig.sent.empty());
 }
 
-TEST(PathMachine, NothingHappensBeforeTheNextStepItNames) {
+TEST(PathMachine, IsIdleUntilItsNextStep) {
   Rig rig(PathRules{});
   rig.lost = [](int number, const DueChallenge&) { return number % 7 == 0; };
   rig.machine.start(kServer, rig.now);

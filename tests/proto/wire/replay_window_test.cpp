@@ -37,7 +37,7 @@ TEST(ReplayWindow, Reaches1023BehindTheNewest) {
   EXPECT_EQ(window.check(5000 - 1024), Verdict::kTooOld);
 }
 
-TEST(ReplayWindow, ALeapForgetsAllOfTheWindow) {
+TEST(ReplayWindow, LeapForgetsTheWholeWindow) {
   ReplayWindow window;
   for (std::uint64_t n = 1; n <= 1024; ++n) window.commit(n);
   window.commit(1'000'000);
@@ -46,7 +46,7 @@ TEST(ReplayWindow, ALeapForgetsAllOfTheWindow) {
   }
 }
 
-TEST(ReplayWindow, HoldsUpToTheLastNumberThereIs) {
+TEST(ReplayWindow, WorksUpToTheLastNumber) {
   constexpr std::uint64_t kLast = ~std::uint64_t{0};
   ReplayWindow window;
   window.commit(kLast - 1);
@@ -59,7 +59,7 @@ TEST(ReplayWindow, HoldsUpToTheLastNumberThereIs) {
 }
 
 /// The definition itself, with a set of all that came, over random walks with leaps.
-TEST(ReplayWindow, AgreesWithTheSetOfAllThatCame) {
+TEST(ReplayWindow, AgreesWithASetOfArrivals) {
   std::mt19937_64 random(11);
   for (int run = 0; run < 20; ++run) {
     ReplayWindow window;

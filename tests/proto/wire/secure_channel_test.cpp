@@ -89,7 +89,7 @@ TEST(SecureChannel, AReplayedCaptureIsTooOld) {
   }
 }
 
-TEST(SecureChannel, OrderDoesNotMatterWithinTheWindow) {
+TEST(SecureChannel, WindowAcceptsAnyOrder) {
   ChannelPair pair;
   std::vector<ByteVector> sent;
   for (int i = 0; i < 1000; ++i) sent.push_back(pair.client.seal(kProxy, std::to_string(i)));
@@ -100,7 +100,7 @@ TEST(SecureChannel, OrderDoesNotMatterWithinTheWindow) {
   EXPECT_EQ(came.count("DUPLICATE") + came.count("TOO_OLD"), 0U);
 }
 
-TEST(SecureChannel, ADatagramReflectedToItsSenderIsRejected) {
+TEST(SecureChannel, RejectsAReflectedDatagram) {
   ChannelPair pair;
   EXPECT_EQ(pair.client.open(pair.client.seal(kProxy, "x")), "TYPE");
   EXPECT_EQ(pair.server.open(pair.server.seal(kState, "x")), "TYPE");
@@ -109,7 +109,7 @@ TEST(SecureChannel, ADatagramReflectedToItsSenderIsRejected) {
   EXPECT_EQ(pair.server.open(pair.server.seal(DatagramType::kClose, "")), "TAG");
 }
 
-TEST(SecureChannel, AWrongKeyOrSaltInTheRightNameIsRejected) {
+TEST(SecureChannel, RejectsAWrongKeyOrSalt) {
   const PathKeys good = test_keys(1);
   for (int part = 0; part < 2; ++part) {
     PathKeys wrong = good;
@@ -119,12 +119,12 @@ TEST(SecureChannel, AWrongKeyOrSaltInTheRightNameIsRejected) {
   }
 }
 
-TEST(SecureChannel, AnotherSessionsDatagramIsOfAnUnknownPath) {
+TEST(SecureChannel, OtherSessionsDatagramHasUnknownPath) {
   ChannelPair one(1), two(2);
   EXPECT_EQ(two.server.open(one.client.seal(kProxy, "x")), "UNKNOWN_PATH");
 }
 
-TEST(Rekey, TheServerKeepsSendingWithTheOldKeysUntilTheNewOnesCame) {
+TEST(Rekey, ServerAwaitsTheClientsNewKeys) {
   ChannelPair pair;
   pair.server.channel.rekey(test_keys(2), OldKeys::kFadeOut);
   EXPECT_TRUE(pair.server.channel.rekeying());
@@ -149,7 +149,7 @@ TEST(Rekey, NumbersBeginAnewUnderNewKeys) {
   EXPECT_EQ(pair.client.channel.sent(), 1U);
 }
 
-TEST(Rekey, WhatIsUnderWayUnderTheOldKeysIsOpenedForOneSecond) {
+TEST(Rekey, OldKeysOpenForOneSecond) {
   ChannelPair pair;
   const ByteVector a = pair.client.seal(kProxy, "a"), b = pair.client.seal(kProxy, "b"),
                    replayed = pair.client.seal(kProxy, "c");
@@ -163,7 +163,7 @@ TEST(Rekey, WhatIsUnderWayUnderTheOldKeysIsOpenedForOneSecond) {
   EXPECT_EQ(pair.server.open(b, taken + 1s), "UNKNOWN_PATH");
 }
 
-TEST(Rekey, TheClientForgetsTheOldKeysOneSecondAfterTheServersFirstNewDatagram) {
+TEST(Rekey, ClientForgetsOldKeysInTime) {
   ChannelPair pair;
   const ByteVector a = pair.server.seal(kState, "a"), b = pair.server.seal(kState, "b"),
                    c = pair.server.seal(kState, "c");
@@ -176,7 +176,7 @@ TEST(Rekey, TheClientForgetsTheOldKeysOneSecondAfterTheServersFirstNewDatagram) 
   EXPECT_EQ(pair.client.open(c, TimePoint(11s)), "UNKNOWN_PATH");
 }
 
-TEST(Rekey, ANewLeaseForgetsTheOldKeysAtOnce) {
+TEST(Rekey, NewLeaseForgetsOldKeys) {
   ChannelPair pair;
   const ByteVector old = pair.client.seal(kProxy, "old");
   pair.server.channel.rekey(test_keys(2), OldKeys::kForget);
@@ -193,7 +193,7 @@ ByteVector leap(const PathKeys& keys) {
   return out;
 }
 
-TEST(Rekey, NumbersThatLeapWearChangedKeysOutOnceAMinuteAtMost) {
+TEST(Rekey, LeapingNumbersRekeyOncePerMinute) {
   TestEnd server(End::kServer, test_keys(1));
   const TimePoint now{10s};
   EXPECT_FALSE(server.channel.wants_rekey(now));
@@ -207,7 +207,7 @@ TEST(Rekey, NumbersThatLeapWearChangedKeysOutOnceAMinuteAtMost) {
   EXPECT_TRUE(server.channel.wants_rekey(now + 60s));
 }
 
-TEST(Rekey, AChannelKnowsThePathIdsThatItOpens) {
+TEST(Rekey, ChannelKnowsItsPathIds) {
   ChannelPair pair;
   const auto known = [&](TimePoint now) {
     std::string ids;

@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
-TEST(Utf8, TextOfAllLengthsOfCharactersPasses) {
+TEST(Utf8, CharactersOfEveryLengthPass) {
   for (const auto text : {""sv, "stop"sv, "\0"sv, "gro\xC3\x9F"sv, "\xE2\x82\xAC"sv,
                           "\xF0\x9F\x9B\x91"sv, "\xEF\xBF\xBF"sv, "\xF4\x8F\xBF\xBF"sv}) {
     EXPECT_TRUE(is_utf8(text)) << text;

@@ -88,7 +88,7 @@ TEST(UdpVectors, AreOpened) {
   }
 }
 
-TEST(UdpVectors, PayloadsAreTheMessagesThatTheTextSays) {
+TEST(UdpVectors, PayloadsMatchTheDocumentedMessages) {
   const auto vectors = documented_vectors();
   const auto text = [](const ByteVector& bytes) { return std::string(bytes.begin(), bytes.end()); };
   v1::ProxySample sample;
@@ -125,7 +125,7 @@ TEST(UdpReadme, TypesAreThoseOfTheCode) {
   }
 }
 
-TEST(UdpReadme, ReasonsAndStatesAreThoseOfTheCode) {
+TEST(UdpReadme, ReasonsAndStatesMatchTheCode) {
   const std::string text = readme();
   for (std::size_t i = 1; i < kRejections; ++i) {
     const std::string reason = name(static_cast<Rejection>(i));

@@ -103,7 +103,7 @@ bool has(const LinkEnd& end, wire::PathChange change, LinkTime from, LinkTime to
 
 class PathOverLink : public testing::TestWithParam<Scenario> {};
 
-TEST_P(PathOverLink, NothingPassesTwiceAndTheCountsAddUp) {
+TEST_P(PathOverLink, NothingPassesTwiceAndCountsBalance) {
   Trip run(GetParam());
   for (LinkEnd* const end : {run.client.get(), run.server.get()}) {
     const LinkEnd& sender = end == run.client.get() ? *run.server : *run.client;
@@ -121,7 +121,7 @@ TEST_P(PathOverLink, NothingPassesTwiceAndTheCountsAddUp) {
   }
 }
 
-TEST_P(PathOverLink, TheClocksTruthLiesWithinItsBoundWhileNothingStepped) {
+TEST_P(PathOverLink, SteadyClocksTruthLiesWithinBound) {
   const Scenario& scenario = GetParam();
   if (!scenario.client_clock.steps.empty()) return;
   Trip run(scenario);
@@ -135,7 +135,7 @@ TEST_P(PathOverLink, TheClocksTruthLiesWithinItsBoundWhileNothingStepped) {
 INSTANTIATE_TEST_SUITE_P(Shipped, PathOverLink, testing::ValuesIn(shipped_scenarios()),
                          [](const auto& test) { return test.param.name; });
 
-TEST(PathOverScenario, UdpIsInUseWithinAFractionOfASecondOnAnyHealthyLink) {
+TEST(PathOverScenario, HealthyLinkUsesUdpQuickly) {
   for (const char* name : {"clean", "delay_1ms", "delay_10ms", "delay_30ms", "delay_100ms",
                            "jitter_5ms", "jitter_20ms", "reorder_25", "duplicate_100", "loss_01"}) {
     Trip run(shipped(name));
@@ -145,7 +145,7 @@ TEST(PathOverScenario, UdpIsInUseWithinAFractionOfASecondOnAnyHealthyLink) {
   }
 }
 
-TEST(PathOverScenario, StaysOnUdpUpTo10PercentLoss) {
+TEST(PathOverScenario, KeepsUdpAt10PercentLoss) {
   for (const char* name : {"loss_01", "loss_05", "loss_10", "burst_8ms", "burst_50ms"}) {
     Trip run(shipped(name));
     for (const LinkEnd* end : {run.client.get(), run.server.get()}) {
@@ -156,7 +156,7 @@ TEST(PathOverScenario, StaysOnUdpUpTo10PercentLoss) {
   }
 }
 
-TEST(PathOverScenario, BlockedUdpFallsBackWithin150MsAndReturns) {
+TEST(PathOverScenario, BlockedUdpFallsBackInTime) {
   Trip run(shipped("udp_blocked"));
   for (const LinkEnd* end : {run.client.get(), run.server.get()}) {
     EXPECT_TRUE(has(*end, wire::PathChange::kSilent, 2s + 80ms, 2s + 150ms));
@@ -165,7 +165,7 @@ TEST(PathOverScenario, BlockedUdpFallsBackWithin150MsAndReturns) {
   }
 }
 
-TEST(PathOverScenario, OneWayIsAsGoodAsNone) {
+TEST(PathOverScenario, OneWayPathIsNotUsed) {
   for (const char* name : {"partition_1s_up", "partition_1s_down"}) {
     Trip run(shipped(name));
     for (const LinkEnd* end : {run.client.get(), run.server.get()}) {
@@ -181,7 +181,7 @@ TEST(PathOverScenario, BlockedTcpDoesNotConcernIt) {
   EXPECT_EQ(run.server->changes.size(), 1U);
 }
 
-TEST(PathOverScenario, AStepOfTheClientsClockIsFollowed) {
+TEST(PathOverScenario, FollowsAStepOfClientsClock) {
   for (const auto& [name, by] : {std::pair("clock_step_forward", 1s), {"clock_step_back", -1s}}) {
     Trip run(shipped(name));
     EXPECT_EQ(run.server->end.clock_offset().steps(), 1U) << name;
@@ -191,7 +191,7 @@ TEST(PathOverScenario, AStepOfTheClientsClockIsFollowed) {
   }
 }
 
-TEST(PathOverScenario, ADriftOf200PpmIsFound) {
+TEST(PathOverScenario, FindsADriftOf200Ppm) {
   Trip run(shipped("clock_drift"));
   EXPECT_NEAR(run.server->end.clock_offset().at(point(20s))->drift, 200e-6, 60e-6);
 }

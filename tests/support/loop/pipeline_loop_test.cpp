@@ -5,7 +5,7 @@
 namespace haptic::test {
 namespace {
 
-TEST(EnergyBook, CountsHeldForceAndItsLargestSum) {
+TEST(EnergyBook, CountsHeldForceAndLargestSum) {
   EnergyBook book(2.0);
   book.add(3.0, 0.010, 0.1);   // 30 mJ given, 2 mJ to the damping
   book.add(-4.0, 0.020, 0.1);  // 80 mJ taken

@@ -31,7 +31,7 @@ struct Stream {
   double t{0.0};
 };
 
-TEST(RemoteClient, ASampleArrivesItsDelayAfterTheLook) {
+TEST(RemoteClient, SampleArrivesAfterItsDelay) {
   ClientSettings settings = every_tick();
   settings.delay_s = 0.020;
   Stream run(settings);
@@ -45,7 +45,7 @@ TEST(RemoteClient, ASampleArrivesItsDelayAfterTheLook) {
   EXPECT_EQ(run.proxy.gapless_samples, 200u);
 }
 
-TEST(RemoteClient, AnOlderSampleNeverReplacesANewerAndLostOnesNeverCome) {
+TEST(RemoteClient, OlderSampleNeverReplacesANewer) {
   ClientSettings settings = every_tick();
   settings.rate_hz = 200.0;
   settings.delay_s = 0.010;

@@ -102,7 +102,7 @@ constexpr core::RendererKind kAll[] = {
     core::RendererKind::kStandard, core::RendererKind::kNullSpace,
     core::RendererKind::kSubspaceLinear, core::RendererKind::kSubspaceExact};
 
-TEST(AtTheFinger, GuardedForceNeverPointsAwayFromTheProxyNorDeepensThePenetration) {
+TEST(AtTheFinger, GuardedForceNeverLeavesTheProxy) {
   for (const Row& row : kRows) {
     const Felt none = press(row, core::RendererKind::kSubspaceLinear, true, false);
     EXPECT_NEAR(none.end_mcp, 50.0, 0.1);
@@ -138,7 +138,7 @@ TEST(AtTheFinger, TheLinearisedMethodEndsAsPublished) {
 
 /// Without the guard the paper's alternatives can pull the finger into the wall: the reason it
 /// exists.
-TEST(AtTheFinger, UnguardedTheStandardAndTheExactMethodPullIntoTheWall) {
+TEST(AtTheFinger, UnguardedMethodsPullIntoTheWall) {
   const Row mcp = kRows[0];
   EXPECT_GT(press(mcp, core::RendererKind::kStandard, false, true).end_force, 5.0);
   EXPECT_GT(press(mcp, core::RendererKind::kSubspaceExact, false, true).end_force, 0.5);

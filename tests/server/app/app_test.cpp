@@ -42,7 +42,7 @@ std::shared_ptr<grpc::Channel> channel_to(const App& app) {
   return grpc::CreateChannel(app.addresses().front(), grpc::InsecureChannelCredentials());
 }
 
-TEST(App, StartsTicksAndStopsWithinFiveSeconds) {
+TEST(App, StartsTicksAndStopsInTime) {
   App app(soft_grasp(), kPlain);
   app.start();
   ASSERT_EQ(app.addresses().size(), 1u);
@@ -70,7 +70,7 @@ TEST(App, ServesItsFacts) {
   EXPECT_THAT(info.DebugString(), HasSubstr(haptic::server::version()));
 }
 
-TEST(App, StopsWithinFiveSecondsWhileAClientWatches) {
+TEST(App, StopsInTimeWithAWatcher) {
   App app(soft_grasp(), kPlain);
   app.start();
   const auto stub = haptic::v1::HapticService::NewStub(channel_to(app));
@@ -87,7 +87,7 @@ TEST(App, StopsWithinFiveSecondsWhileAClientWatches) {
   EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
 }
 
-TEST(App, APortInUseIsAnErrorThatNamesIt) {
+TEST(App, NamesAPortInUse) {
   App first(soft_grasp(), kPlain);
   first.start();
   const std::string taken = first.addresses().front();
@@ -104,7 +104,7 @@ TEST(App, APortInUseIsAnErrorThatNamesIt) {
               eventually([&] { return first.loop_facts().ticks > 0; }));
 }
 
-TEST(App, ADeviceThatCannotBeOpenedIsAnErrorAndLeavesNothingRunning) {
+TEST(App, UnopenableDeviceLeavesNothingRunning) {
   Scene scene = soft_grasp();
   haptic::hw::SimulatedFingerConfig hand;
   hand.motion_file = "no/such/motion.csv";
@@ -114,7 +114,7 @@ TEST(App, ADeviceThatCannotBeOpenedIsAnErrorAndLeavesNothingRunning) {
   EXPECT_TRUE(app.addresses().empty());
 }
 
-TEST(App, RecordsEveryTickWhereTheSceneSaysSo) {
+TEST(App, RecordsEveryTickIfAsked) {
   const auto file =
       std::filesystem::temp_directory_path() / ("haptic-app-" + std::to_string(getpid()) + ".csv");
   Scene scene = soft_grasp();
@@ -136,7 +136,7 @@ TEST(App, RecordsEveryTickWhereTheSceneSaysSo) {
 // The grant of this host, whatever it is, decides the loop's patience
 // (proto/README.md#staleness-and-gain). In a process of its own would be cleaner, but memory is
 // locked as it is touched: the tests that follow do not notice.
-TEST(App, TheLateFaultGoesWithTheGrant) {
+TEST(App, LateFaultFollowsTheGrant) {
   Scene scene = soft_grasp();
   scene.loop.loop_late_fault.reset();
   App app(std::move(scene), {RealtimeMode::kTry});

@@ -99,7 +99,7 @@ std::string scraped(std::uint16_t port) {
   return page;
 }
 
-TEST(PacedApp, TheBoardsSamplesBeginTheTicksAndTheTimerWhereItIsSilent) {
+TEST(PacedApp, BoardsSamplesOrTheTimerTick) {
   BoardThread board;
   App app(paced(board), kNotRealtime);
   app.start();
@@ -137,7 +137,7 @@ TEST(PacedApp, TellsWhoPacesAndHowOften) {
               HasSubstr("haptic_loop_sample_paced_ticks_total{device=\"finger\"} "));
 }
 
-TEST(PacedApp, ABoardOfAnotherPeriodIsRefused) {
+TEST(PacedApp, RefusesABoardOfAnotherPeriod) {
   BoardThread board;
   haptic::server::Scene scene = paced(board);
   scene.loop.period = 2ms;

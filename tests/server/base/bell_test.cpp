@@ -17,7 +17,7 @@ TimePoint in(haptic::core::Duration wait) {
   return TimePoint(Clock::now().time_since_epoch() + wait);
 }
 
-TEST(Bell, ARingThatWasNotHeardYetIsNotSleptThrough) {
+TEST(Bell, EarlyRingIsNotSleptThrough) {
   Bell bell;
   const std::uint32_t heard = bell.rings();
   bell.ring();
@@ -26,7 +26,7 @@ TEST(Bell, ARingThatWasNotHeardYetIsNotSleptThrough) {
   EXPECT_EQ(bell.rings(), heard + 1);
 }
 
-TEST(Bell, MeetingEndsWithoutARingWhenPatienceDoes) {
+TEST(Bell, MeetingEndsWhenPatienceDoes) {
   Bell bell;
   const Clock::time_point begin = Clock::now();
   bell.meet(bell.rings(), in(2ms), 1ms);
@@ -34,7 +34,7 @@ TEST(Bell, MeetingEndsWithoutARingWhenPatienceDoes) {
   EXPECT_EQ(bell.rings(), 0U);
 }
 
-TEST(Bell, MeetingHearsARingBeforeTheExpectedTimeAndAfterIt) {
+TEST(Bell, MeetingHearsEarlyAndLateRings) {
   for (const bool early : {true, false}) {
     Bell bell;
     std::atomic<bool> met{false};
@@ -50,7 +50,7 @@ TEST(Bell, MeetingHearsARingBeforeTheExpectedTimeAndAfterIt) {
   }
 }
 
-TEST(Bell, AnExpectedTimeThatIsLongPastIsNoReasonToSleep) {
+TEST(Bell, PastExpectedTimeCausesNoSleep) {
   Bell bell;
   bell.meet(bell.rings(), TimePoint{}, 0ns);
   EXPECT_EQ(bell.rings(), 0U);

@@ -25,7 +25,7 @@ TEST(RollingHistogram, IsZeroBeforeTheFirstValue) {
   EXPECT_EQ(read.max, 0ns);
 }
 
-TEST(RollingHistogram, PercentilesAreRightWithinASixtyFourth) {
+TEST(RollingHistogram, PercentilesAreWithinASixtyFourth) {
   RollingHistogram histogram;
   std::vector<std::int64_t> values;
   std::uint64_t random = 7;
@@ -48,7 +48,7 @@ TEST(RollingHistogram, PercentilesAreRightWithinASixtyFourth) {
   EXPECT_TRUE(near(read.p99, values[3959])) << read.p99.count() << " " << values[3959];
 }
 
-TEST(RollingHistogram, EveryPowerOfTwoIsReadBackWithinASixtyFourth) {
+TEST(RollingHistogram, PowersOfTwoReadBack) {
   for (int bit = 0; bit < 40; ++bit) {
     for (const std::int64_t offset : {-1, 0, 1}) {
       const std::int64_t ns = (std::int64_t{1} << bit) + offset;
@@ -61,7 +61,7 @@ TEST(RollingHistogram, EveryPowerOfTwoIsReadBackWithinASixtyFourth) {
   }
 }
 
-TEST(RollingHistogram, ForgetsWhatIsOlderThanTwoWindows) {
+TEST(RollingHistogram, ForgetsAfterTwoWindows) {
   RollingHistogram histogram;
   histogram.add(kBeginning, 9ms);
   histogram.add(kBeginning + 4s, 1us);
@@ -74,7 +74,7 @@ TEST(RollingHistogram, ForgetsWhatIsOlderThanTwoWindows) {
   EXPECT_EQ(histogram.read().count, 2u);
 }
 
-TEST(RollingHistogram, TakesValuesBeyondItsRangeAtItsEnds) {
+TEST(RollingHistogram, ClampsValuesToItsRange) {
   RollingHistogram histogram;
   histogram.add(kBeginning, -5ns);
   EXPECT_EQ(histogram.read().max, 0ns);

@@ -5,7 +5,7 @@
 namespace haptic::server {
 namespace {
 
-TEST(EventQueue, DropsStalenessFirstAndSaysHowMuch) {
+TEST(EventQueue, DropsStalenessFirstAndCountsIt) {
   EventQueue queue;
   DeviceEvent fault;
   fault.kind = DeviceEvent::Kind::kFault;

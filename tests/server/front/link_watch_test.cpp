@@ -50,7 +50,7 @@ class LinkWatchTest : public testing::Test {
   std::uint64_t tick{0};
 };
 
-TEST_F(LinkWatchTest, TheRoundTripIsWithoutWhatTheClientHeld) {
+TEST_F(LinkWatchTest, RoundTripExcludesTheClientsHold) {
   steady(100);
   const wire::RoundTrip& rtt = watch.figures(Carrier::kGrpc).round_trip;
   EXPECT_EQ(rtt.least(), 2 * kEachWay);
@@ -58,7 +58,7 @@ TEST_F(LinkWatchTest, TheRoundTripIsWithoutWhatTheClientHeld) {
   EXPECT_FALSE(watch.figures(Carrier::kUdp).round_trip.known());
 }
 
-TEST_F(LinkWatchTest, TheClocksOffsetLiesWithinItsBound) {
+TEST_F(LinkWatchTest, ClockOffsetLiesWithinItsBound) {
   std::mt19937 random(7);
   std::exponential_distribution<double> queue(1.0 / 3e6);  // ns, 3 ms on average
   for (int i = 0; i < 1000; ++i) {
@@ -70,7 +70,7 @@ TEST_F(LinkWatchTest, TheClocksOffsetLiesWithinItsBound) {
   }
 }
 
-TEST_F(LinkWatchTest, ASampleThatWasUnderWayForLongerIsOlderThanItsArrival) {
+TEST_F(LinkWatchTest, TravelTimeAgesASample) {
   steady(100);
   const auto usual = exchange(kEachWay, kEachWay);
   ASSERT_TRUE(usual);
@@ -96,7 +96,7 @@ TEST_F(LinkWatchTest, AgeIsNeverExtendedNorOverstated) {
   }
 }
 
-TEST_F(LinkWatchTest, WithoutASourceTimeOrAKnownClockTheArrivalCounts) {
+TEST_F(LinkWatchTest, UnknownClockUsesTheArrival) {
   SampleStamp stamp;
   stamp.arrival = now;
   EXPECT_FALSE(watch.came(stamp, std::nullopt));
@@ -104,7 +104,7 @@ TEST_F(LinkWatchTest, WithoutASourceTimeOrAKnownClockTheArrivalCounts) {
   EXPECT_FALSE(watch.came(stamp, std::nullopt)) << "nothing proves the offset yet";
 }
 
-TEST_F(LinkWatchTest, TheTighterOfTwoEstimatesIsUsed) {
+TEST_F(LinkWatchTest, UsesTheTighterEstimate) {
   steady(100);
   wire::ClockOffset::Estimate path;
   path.offset = kOffset;
@@ -117,7 +117,7 @@ TEST_F(LinkWatchTest, TheTighterOfTwoEstimatesIsUsed) {
   EXPECT_EQ(watch.came(stamp, path), now + kEachWay + 1ms);
 }
 
-TEST_F(LinkWatchTest, AClockThatIsSteppedMakesNoSampleOld) {
+TEST_F(LinkWatchTest, ClockStepMakesNoSampleOld) {
   for (const Duration step : {Duration(-1s), Duration(1s), Duration(-100ms)}) {
     steady(100);
     offset += step;
@@ -135,7 +135,7 @@ TEST_F(LinkWatchTest, AClockThatIsSteppedMakesNoSampleOld) {
   EXPECT_EQ(watch.clock().steps(), 3U);
 }
 
-TEST_F(LinkWatchTest, ASampleWithoutAnExchangeOfItsOwnIsAsYoungAsItsArrival) {
+TEST_F(LinkWatchTest, SampleWithoutExchangeUsesItsArrival) {
   steady(100);
   SampleStamp stamp;
   stamp.source_time_ns = (now.time_since_epoch() + kOffset - 500ms).count();
@@ -163,7 +163,7 @@ TEST_F(LinkWatchTest, NonsenseFromAClientChangesNothing) {
   EXPECT_EQ(watch.clock().steps(), 0U);
 }
 
-TEST_F(LinkWatchTest, GapsBytesAndRefusalsAreCountedPerCarrier) {
+TEST_F(LinkWatchTest, CountsPerCarrier) {
   steady(10);
   now += 200ms;
   steady(1);

@@ -12,7 +12,7 @@ using core::TimePoint;
 constexpr Duration kPeriod = 16ms;  // of a 62.5 Hz client
 const TimePoint kStart{1h};
 
-TEST(Backlog, AStreamInTimeIsAlwaysFresh) {
+TEST(Backlog, PunctualStreamIsAlwaysFresh) {
   BacklogRule rule(kPeriod);
   for (int i = 0; i < 1000; ++i) {
     const TimePoint t = kStart + i * kPeriod;
@@ -22,7 +22,7 @@ TEST(Backlog, AStreamInTimeIsAlwaysFresh) {
   }
 }
 
-TEST(Backlog, JitterOfHalfAPeriodIsTolerated) {
+TEST(Backlog, ToleratesHalfAPeriodsJitter) {
   BacklogRule rule(kPeriod);
   for (int i = 0; i < 1000; ++i) {
     const TimePoint t = kStart + i * kPeriod + (i % 2 == 0 ? 0ms : 8ms);
@@ -30,7 +30,7 @@ TEST(Backlog, JitterOfHalfAPeriodIsTolerated) {
   }
 }
 
-TEST(Backlog, OneSampleLateByAPeriodArrivesTogetherWithTheNextAndBothAreFresh) {
+TEST(Backlog, OnePeriodLateIsStillFresh) {
   BacklogRule rule(kPeriod);
   static_cast<void>(rule.step(kStart));
   const TimePoint t = kStart + 2 * kPeriod;
@@ -39,7 +39,7 @@ TEST(Backlog, OneSampleLateByAPeriodArrivesTogetherWithTheNextAndBothAreFresh) {
   EXPECT_EQ(rule.step(t + kPeriod).born, t + kPeriod);
 }
 
-TEST(Backlog, ABurstAfterAStallDoesNotResetTheAge) {
+TEST(Backlog, BurstAfterStallKeepsItsAge) {
   BacklogRule rule(kPeriod);
   TimePoint before = kStart;
   for (int i = 0; i < 50; ++i) static_cast<void>(rule.step(before = kStart + i * kPeriod));
@@ -50,7 +50,7 @@ TEST(Backlog, ABurstAfterAStallDoesNotResetTheAge) {
   EXPECT_EQ(answer.born, before);
 }
 
-TEST(Backlog, TheFirstSampleAtTheNormalRateIsFreshAgain) {
+TEST(Backlog, NormalRateIsFreshAgain) {
   BacklogRule rule(kPeriod);
   static_cast<void>(rule.step(kStart));
   TimePoint t = kStart + 500ms;
@@ -59,7 +59,7 @@ TEST(Backlog, TheFirstSampleAtTheNormalRateIsFreshAgain) {
   EXPECT_EQ(rule.step(t).born, t);
 }
 
-TEST(Backlog, ABacklogThatIsDrainedSlowlyStaysOldToItsEnd) {
+TEST(Backlog, SlowlyDrainedBacklogStaysOld) {
   BacklogRule rule(kPeriod);
   static_cast<void>(rule.step(kStart));
   TimePoint t = kStart + 500ms;
@@ -71,7 +71,7 @@ TEST(Backlog, ABacklogThatIsDrainedSlowlyStaysOldToItsEnd) {
   }
 }
 
-TEST(Backlog, AClientFasterThanTwiceItsWordIsNeverFreshForLong) {
+TEST(Backlog, TooFastClientIsSoonOld) {
   BacklogRule rule(kPeriod);
   TimePoint t = kStart;
   int fresh = 0;
@@ -79,7 +79,7 @@ TEST(Backlog, AClientFasterThanTwiceItsWordIsNeverFreshForLong) {
   EXPECT_LT(fresh, 10);
 }
 
-TEST(Backlog, ClumpsOfAHealthyFastStreamDoNotAddUpToALostOne) {
+TEST(Backlog, ClumpsDoNotAddUp) {
   // 1 kHz over a link that delivers 20 samples at once every 20 ms.
   BacklogRule rule(1ms);
   TimePoint t = kStart;
@@ -91,7 +91,7 @@ TEST(Backlog, ClumpsOfAHealthyFastStreamDoNotAddUpToALostOne) {
   }
 }
 
-TEST(Backlog, TheClumpThatABusyHostMakesOfAOneKilohertzStreamIsFresh) {
+TEST(Backlog, BusyHostsClumpIsFresh) {
   BacklogRule rule(1ms);
   static_cast<void>(rule.step(kStart));
   const TimePoint t = kStart + 6ms;

@@ -62,7 +62,7 @@ TEST_F(IngressTest, WithoutALeaseNothingIsAccepted) {
   EXPECT_EQ(ingress.counters()[IngressVerdict::kOldEpoch], 1U);
 }
 
-TEST_F(IngressTest, WhereItLeftMakesASampleOlderNeverYounger) {
+TEST_F(IngressTest, SourceTimeOnlyAgesASample) {
   const auto born_of = [&](Duration left_before, TimePoint at) {
     ProxySample sample;
     sample.epoch = epoch;
@@ -79,7 +79,7 @@ TEST_F(IngressTest, WhereItLeftMakesASampleOlderNeverYounger) {
   EXPECT_EQ(ingress.last_accepted(), t0 + 16ms) << "the lease's clock counts arrivals";
 }
 
-TEST_F(IngressTest, ARenewedLeaseGoesOnUnderAnotherEpoch) {
+TEST_F(IngressTest, RenewedLeaseContinuesUnderAnotherEpoch) {
   EXPECT_EQ(send({0, 0}, t0), IngressVerdict::kAccepted);
   ingress.renew_lease(7);
   EXPECT_EQ(send({0, 0}, t0 + 16ms), IngressVerdict::kOldEpoch);
@@ -91,7 +91,7 @@ TEST_F(IngressTest, ARenewedLeaseGoesOnUnderAnotherEpoch) {
   EXPECT_EQ(ingress.newest_seq(), seq);
 }
 
-TEST_F(IngressTest, WhoCarriedASampleIsKnownWhileItIsAmongTheLast256) {
+TEST_F(IngressTest, RemembersTheCarrierOf256Samples) {
   for (int i = 0; i < 300; ++i) send({0, 0}, t0 + i * 16ms);
   EXPECT_EQ(ingress.carrier_of(300, t0 + 299 * 16ms), Carrier::kGrpc);
   EXPECT_EQ(ingress.carrier_of(45, t0 + 44 * 16ms), Carrier::kGrpc);
@@ -99,14 +99,14 @@ TEST_F(IngressTest, WhoCarriedASampleIsKnownWhileItIsAmongTheLast256) {
   EXPECT_EQ(ingress.carrier_of(300, t0), Carrier::kNone) << "of another lease";
 }
 
-TEST_F(IngressTest, SamplesOfAnOlderLeaseAreRefusedWhateverTheirSequence) {
+TEST_F(IngressTest, RefusesSamplesOfAnOlderLease) {
   ingress.begin_lease(2, 60.0, 100ms);
   seq = 1000;
   EXPECT_EQ(send({0, 0}, t0), IngressVerdict::kOldEpoch);
   EXPECT_NE(why.find("epoch"), std::string::npos);
 }
 
-TEST_F(IngressTest, ANewLeaseStartsSequenceAndProxyAnew) {
+TEST_F(IngressTest, NewLeaseResetsSequenceAndProxy) {
   seq = 99;
   EXPECT_EQ(send({1, 1}, t0), IngressVerdict::kAccepted);
   ingress.begin_lease(2, 60.0, 100ms);
@@ -118,7 +118,7 @@ TEST_F(IngressTest, ANewLeaseStartsSequenceAndProxyAnew) {
   EXPECT_EQ(send({1, 1}, t0 + 1s), IngressVerdict::kAccepted);
 }
 
-TEST_F(IngressTest, ASequenceThatDoesNotRiseIsRefusedAndChangesNothing) {
+TEST_F(IngressTest, RefusesANonRisingSequence) {
   send({1, 1}, t0);
   seq = 0;
   EXPECT_EQ(send({2, 2}, t0 + 20ms), IngressVerdict::kOldSequence);
@@ -128,7 +128,7 @@ TEST_F(IngressTest, ASequenceThatDoesNotRiseIsRefusedAndChangesNothing) {
   EXPECT_NE(why.find("seq = 1"), std::string::npos);
 }
 
-TEST_F(IngressTest, EveryRejectionNamesFieldValueAndWhatIsAllowed) {
+TEST_F(IngressTest, RejectionNamesFieldValueAndAllowed) {
   EXPECT_EQ(send({1, 2, 3}, t0), IngressVerdict::kWrongSize);
   EXPECT_EQ(why, "position has 3 values: must have 2, one per virtual coordinate");
   EXPECT_EQ(send({0, std::nan("")}, t0), IngressVerdict::kNotFinite);
@@ -164,7 +164,7 @@ TEST_F(IngressTest, SubnormalCoordinatesBecomeZero) {
   EXPECT_EQ(newest().x[0], std::numeric_limits<double>::min());
 }
 
-TEST_F(IngressTest, AGapLongerThanHoldEndRestartsTheStreamsHealth) {
+TEST_F(IngressTest, LongGapRestartsTheStreamsHealth) {
   send({0, 0}, t0);
   send({0, 0}, t0 + 100ms);
   EXPECT_EQ(newest().gapless_since, t0);
@@ -193,7 +193,7 @@ class IngressPlanesTest : public IngressTest {
   }
 };
 
-TEST_F(IngressPlanesTest, PlanesReachTheMailboxAColumnEach) {
+TEST_F(IngressPlanesTest, PlanesReachTheMailboxAsColumns) {
   EXPECT_EQ(send_planes({{1, 2, 3}, {-4, 5e-320, 6}}), IngressVerdict::kAccepted);
   EXPECT_EQ(newest().mode, core::ProxyMode::kPlanes);
   const core::PlaneSet& planes = newest().planes;
@@ -206,19 +206,19 @@ TEST_F(IngressPlanesTest, PlanesReachTheMailboxAColumnEach) {
   EXPECT_EQ(newest().x[0], 0.25);
 }
 
-TEST_F(IngressPlanesTest, NoPlaneIsNothingInTheWay) {
+TEST_F(IngressPlanesTest, ZeroPlanesMeanFreeSpace) {
   send_planes({{1, 2, 3}});
   EXPECT_EQ(send_planes({}), IngressVerdict::kAccepted);
   EXPECT_EQ(newest().planes.size(), 0);
 }
 
-TEST_F(IngressPlanesTest, AHeldSampleAfterPlanesHasNone) {
+TEST_F(IngressPlanesTest, HeldSampleAfterPlanesHasNone) {
   send_planes({{1, 2, 3}});
   EXPECT_EQ(send({0, 0}, t0), IngressVerdict::kAccepted);
   EXPECT_EQ(newest().planes.size(), 0);
 }
 
-TEST_F(IngressPlanesTest, WhatIsWrongWithAPlaneIsNamedAndChangesNothing) {
+TEST_F(IngressPlanesTest, NamesAndIgnoresAWrongPlane) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double huge = std::numeric_limits<double>::infinity();
   send_planes({{1, 2, 3}});

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::array<double, 2> kBounds{0.5, 2.0};
 
-TEST(Exposition, AHistogramIsCumulativeAndABoundBelongsToItsBucket) {
+TEST(Exposition, HistogramIsCumulativeWithInclusiveBounds) {
   Histogram values(kBounds);
   for (const double v : {0.25, 0.5, 0.75, 4.0}) values.add(v);
   Exposition page;

@@ -21,7 +21,7 @@ std::uint64_t all(const Histogram& h) {
   return std::accumulate(h.counts().begin(), h.counts().end(), std::uint64_t{0});
 }
 
-TEST(TickMetrics, ResidenceIsTheTimeAtEachLevelOfALease) {
+TEST(TickMetrics, ResidenceIsTimePerLevel) {
   MeteredRig rig;
   rig.tick(50);  // nobody controls: no level is counted
   EXPECT_EQ(rig.totals().level_s, (std::array<double, 4>{}));
@@ -41,7 +41,7 @@ TEST(TickMetrics, ResidenceIsTheTimeAtEachLevelOfALease) {
   EXPECT_NEAR(totals.level_s[3] - before, 0.121, 2.5 * tick);
 }
 
-TEST(TickMetrics, EveryTickCountsOnceAndAgesOnlyWithAProxy) {
+TEST(TickMetrics, CountsTicksOnceAgesWithProxy) {
   MeteredRig rig;
   rig.tick(20);
   EXPECT_EQ(all(rig.totals().age), 0u);
@@ -55,7 +55,7 @@ TEST(TickMetrics, EveryTickCountsOnceAndAgesOnlyWithAProxy) {
   EXPECT_EQ(all(rig.totals().age) - ages, 7u);
 }
 
-TEST(TickMetrics, ASamplesAgeIsThatOfTheNewestOneAlsoWhereATickHasNone) {
+TEST(TickMetrics, AgeIsTheNewestSamples) {
   TickMetrics metrics(1);
   StateRecord state;
   metrics.on_tick(0, state);
@@ -70,7 +70,7 @@ TEST(TickMetrics, ASamplesAgeIsThatOfTheNewestOneAlsoWhereATickHasNone) {
   EXPECT_NEAR(age.sum(), 0.0016 + 0.0026, 1e-9);
 }
 
-TEST(TickMetrics, AFaultCountsWhenItLatchesNotForAsLongAsItLasts) {
+TEST(TickMetrics, FaultCountsOnceWhenItLatches) {
   MeteredRig rig;
   rig.tick(5);
   StateRecord state;
@@ -84,7 +84,7 @@ TEST(TickMetrics, AFaultCountsWhenItLatchesNotForAsLongAsItLasts) {
   EXPECT_EQ(rig.totals().faults[static_cast<std::size_t>(core::Fault::kLoopLate)], 0u);
 }
 
-TEST(TickMetrics, ALimiterCountsEveryTickItActsIn) {
+TEST(TickMetrics, LimiterCountsEveryActiveTick) {
   MeteredRig rig;
   StateRecord state;
   state.limiters.set(core::Limiter::kSlew);
@@ -93,7 +93,7 @@ TEST(TickMetrics, ALimiterCountsEveryTickItActsIn) {
   EXPECT_EQ(rig.totals().limited[static_cast<std::size_t>(core::Limiter::kSaturation)], 0u);
 }
 
-TEST(TickMetrics, AChangeOfCarrierCountsUnderOneLeaseOnly) {
+TEST(TickMetrics, CarrierChangeCountsWithinALease) {
   TickMetrics metrics(1);
   StateRecord state;
   state.dt = std::chrono::milliseconds(1);

@@ -103,11 +103,11 @@ TEST(Recorder, HeaderNamesDofsAndUnits) {
 }
 
 /// The rig has two DoFs, one of them actuated, and two coordinates.
-TEST(Recorder, HeaderHasEveryFieldOfTheState) {
+TEST(Recorder, HeaderHasEveryFieldOfState) {
   const Fields header = split(Recorder::header(*rig_config().kinematics, false));
   for (const haptic::schema::Leaf& leaf :
        haptic::schema::leaves(*haptic::v1::DeviceState::descriptor())) {
-    if (leaf.name == "q") continue;  // bare names of DoFs: ARecordingCanBePlayedByAReplayedDevice
+    if (leaf.name == "q") continue;  // bare names of DoFs: ReplayedDevicePlaysARecording
     const auto columns = std::count_if(header.begin(), header.end(), [&](const auto& column) {
       const bool scalar = leaf.axis == haptic::v1::AXIS_UNSPECIFIED;
       return column == leaf.name || column.rfind(leaf.name + "_slide", 0) == 0 ||
@@ -170,7 +170,7 @@ TEST(Recorder, CouplingMetricIsOneCell) {
               testing::MatchesRegex("coordinates: 2 lower: 100 lower: 0 lower: [0-9.]+"));
 }
 
-TEST(Recorder, EveryNumberReadsBackToTheRecordsBits) {
+TEST(Recorder, NumbersReadBackExactly) {
   ScratchFile file("run.csv");
   DeviceRig rig;
   struct Keeper final : haptic::server::RecordListener {
@@ -302,7 +302,7 @@ TEST(Recorder, NamesStatesLevelsFaultsAndLimiters) {
   EXPECT_EQ(row["x_a_m"], "");
 }
 
-TEST(Recorder, AFileThatCannotBeCreatedIsNamed) {
+TEST(Recorder, NamesAFileItCannotCreate) {
   const std::string path = "/proc/no/such/folder/run.csv";
   try {
     const Recorder recorder(path, rig_config().kinematics);
@@ -313,7 +313,7 @@ TEST(Recorder, AFileThatCannotBeCreatedIsNamed) {
   }
 }
 
-TEST(Recorder, AFullDiskEndsTheRecordingAndNothingElse) {
+TEST(Recorder, FullDiskEndsOnlyTheRecording) {
   Recorder recorder("/dev/full", rig_config().kinematics);
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while (recorder.lost() == 0 && std::chrono::steady_clock::now() < give_up) {
@@ -322,7 +322,7 @@ TEST(Recorder, AFullDiskEndsTheRecordingAndNothingElse) {
   EXPECT_GT(recorder.lost(), 0u);
 }
 
-TEST(Recorder, ARecordingCanBePlayedByAReplayedDevice) {
+TEST(Recorder, ReplayedDevicePlaysARecording) {
   ScratchFile file("replay.csv");
   {
     DeviceRig rig;
@@ -351,13 +351,13 @@ TickRecord pressing(double gain, double x) {
 }
 
 // Where the map is the identity nothing couples the DoFs: all four methods are the same spring.
-TEST(RendererComparison, AllAgreeWhereTheMapIsTheIdentity) {
+TEST(RendererComparison, AllAgreeOnTheIdentityMap) {
   RendererComparison comparison(rig_config().kinematics, rig_config().scene);
   for (const auto& tau : comparison.evaluate(pressing(1.0, 0.02))) EXPECT_NEAR(tau[0], 2.0, 1e-12);
   for (const auto& tau : comparison.evaluate(pressing(0.25, 0.02))) EXPECT_NEAR(tau[0], 0.5, 1e-12);
 }
 
-TEST(RendererComparison, HoldsEveryForceUnderGainTimesLimit) {
+TEST(RendererComparison, EveryForceObeysGainTimesLimit) {
   RendererComparison comparison(rig_config().kinematics, rig_config().scene);
   for (const auto& tau : comparison.evaluate(pressing(0.5, 0.4))) EXPECT_EQ(tau[0], 5.0);
   for (const auto& tau : comparison.evaluate(pressing(0.5, -0.4))) EXPECT_EQ(tau[0], -5.0);
@@ -379,7 +379,7 @@ TEST(RendererComparison, IsZeroWithoutAProxy) {
   for (const auto& tau : comparison.evaluate(record)) EXPECT_EQ(tau[0], 0.0);
 }
 
-TEST(RendererComparison, IsNotANumberWhereTheLinkageCannotClose) {
+TEST(RendererComparison, ImpossibleLinkageIsNotANumber) {
   const std::shared_ptr<const haptic::core::Kinematics> kinematics =
       haptic::core::make_finger_exoskeleton({});
   haptic::core::RenderSettings scene;

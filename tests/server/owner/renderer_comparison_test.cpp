@@ -40,7 +40,7 @@ struct ComparedHand {
   core::TickRecord record{};
 };
 
-TEST(RendererComparison, AFingerThatNothingCanHoldIsNotPulledWhereItCannotClose) {
+TEST(RendererComparison, FreeImpossibleFingerIsNotPulled) {
   ComparedHand sound(3), broken(3);
   for (ComparedHand* hand : {&sound, &broken}) {
     hand->press();
@@ -61,7 +61,7 @@ TEST(RendererComparison, AFingerThatNothingCanHoldIsNotPulledWhereItCannotClose)
   }
 }
 
-TEST(RendererComparison, OneThatTheTickAskedForAndThatCannotCloseHasNoAnswer) {
+TEST(RendererComparison, PressedImpossibleFingerHasNoAnswer) {
   ComparedHand hand(2);
   hand.press();
   hand.record.sensed.q.segment<2>(2) << 0.02, -101 * kDegree;
@@ -72,7 +72,7 @@ TEST(RendererComparison, OneThatTheTickAskedForAndThatCannotCloseHasNoAnswer) {
 
 /// As in the tick: fingers are devices of their own, the virtual stiffness of the baselines
 /// included.
-TEST(RendererComparison, AFingerOfAHandGetsWhatItGetsAlone) {
+TEST(RendererComparison, FingerOfHandMatchesFingerAlone) {
   ComparedHand hand(4), alone(1);
   hand.press();
   alone.press();

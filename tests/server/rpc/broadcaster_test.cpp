@@ -37,14 +37,14 @@ class BroadcasterTest : public testing::Test {
   server::Broadcaster& broadcaster = broadcast->broadcaster;
 };
 
-TEST_F(BroadcasterTest, TheControllerGetsEveryTickWhateverTheWatchersCost) {
+TEST_F(BroadcasterTest, ControllerGetsEveryTick) {
   const auto controller = join(rig.control().epoch);
   for (int i = 0; i < 16; ++i) join();
   rig.stream(1000, 0.0);
   EXPECT_EQ(controller->sent, 1000);
 }
 
-TEST_F(BroadcasterTest, WhoseLeaseEndedIsOneOfTheOthers) {
+TEST_F(BroadcasterTest, FormerControllerBecomesAWatcher) {
   const auto controller = join(rig.control().epoch);
   std::vector<std::shared_ptr<Counter>> watchers;
   for (int i = 0; i < 4; ++i) watchers.push_back(join());
@@ -56,7 +56,7 @@ TEST_F(BroadcasterTest, WhoseLeaseEndedIsOneOfTheOthers) {
   EXPECT_GT(watchers[0]->sent, 500);
 }
 
-TEST_F(BroadcasterTest, WatchersShareTheBudgetFairlyAndWhatTheyMissIsCounted) {
+TEST_F(BroadcasterTest, WatchersShareTheBudgetFairly) {
   std::vector<std::shared_ptr<Counter>> watchers;
   for (int i = 0; i < 4; ++i) watchers.push_back(join());
   rig.tick(4000);  // 4 s at 500 states/s, for four who want 1000 each

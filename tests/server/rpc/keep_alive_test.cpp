@@ -100,7 +100,7 @@ server::RpcConfig hasty() {
   return config;
 }
 
-TEST(KeepAlive, WhoDoesNotAnswerAPingIsGivenUpAndNotBefore) {
+TEST(KeepAlive, GivesUpAfterAnUnansweredPing) {
   LiveServer server(hasty());
   const Clock::time_point began = Clock::now();
   RawHttp2 client(server.address());
@@ -132,7 +132,7 @@ TEST(KeepAlive, WhoAnswersPingsStays) {
   }
 }
 
-TEST(KeepAlive, IsAsLongAsTheProtocolSaysAndLongEnoughForAnIdleClient) {
+TEST(KeepAlive, MatchesTheProtocolAndIdleClients) {
   const server::KeepAlive shipped = server::RpcConfig{}.keep_alive;
   std::ifstream file(HAPTIC_SOURCE_DIR "/proto/README.md");
   const std::string text{std::istreambuf_iterator<char>(file), {}};

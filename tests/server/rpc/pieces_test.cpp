@@ -30,7 +30,7 @@ int sent_of(Pace& pace, int ticks, int step = 1) {
   return sent;
 }
 
-TEST(Pace, KeepsItsRateEvenWhereItDoesNotDivideTheLoops) {
+TEST(Pace, KeepsRatesThatDoNotDivide) {
   Pace thirty(1000.0, 30.0);
   EXPECT_EQ(sent_of(thirty, 10000), 300);
   EXPECT_EQ(thirty.conflated(), 0U);
@@ -43,13 +43,13 @@ TEST(Pace, RateZeroIsEveryTick) {
   EXPECT_EQ(sent_of(pace, 100), 100);
 }
 
-TEST(Pace, CountsWhatWasDueAndNotSent) {
+TEST(Pace, CountsWhatWasDueUnsent) {
   Pace pace(1000.0, 0.0);
   EXPECT_EQ(sent_of(pace, 100, 4), 25);  // busy three ticks of four
   EXPECT_EQ(pace.conflated(), 24U * 3U);
 }
 
-TEST(SampleLedger, TellsWithin50MillisecondsOfASampleAndWithin10OfARejection) {
+TEST(SampleLedger, ReportsSamplesAndRejectionsInTime) {
   const core::TimePoint t0{1h};
   SampleLedger ledger;
   ledger.look(t0);
@@ -105,7 +105,7 @@ StateRecord record() {
   return r;
 }
 
-TEST(StateFrame, TheSharedBytesAreTheMessagesBytes) {
+TEST(StateFrame, SharedBytesAreTheMessagesBytes) {
   const StateRecord r = record();
   v1::WatchResponse expected;
   *expected.mutable_state() = StateMessage().write(r);
@@ -129,7 +129,7 @@ TEST(StateFrame, TheSharedBytesAreTheMessagesBytes) {
   EXPECT_EQ(session.state().state(), v1::DEVICE_STATE_NAME_ENGAGED);
 }
 
-TEST(StateFrame, TheBookOfEnergyIsPresentWhereTheSceneHasOne) {
+TEST(StateFrame, EnergyBookIsPresentIfConfigured) {
   StateRecord r = record();
   r.active_planes = 5;
   r.passivity_on = true;
@@ -152,7 +152,7 @@ TEST(StateFrame, TheBookOfEnergyIsPresentWhereTheSceneHasOne) {
   EXPECT_FALSE(state.has_passivity());
 }
 
-TEST(StateFrame, TheCertificateIsPresentWhereTheSceneAsksForIt) {
+TEST(StateFrame, CertificateIsPresentIfConfigured) {
   StateRecord r = record();
   r.certificate = core::CertificateStatus::kComputed;
   r.certificate_block = 3;
@@ -169,7 +169,7 @@ TEST(StateFrame, TheCertificateIsPresentWhereTheSceneAsksForIt) {
 }
 
 /// For a square J the metric reads J^T W J = diag(Z_q, eps k_x ||J_n||^2) (coupling_metric.hpp).
-TEST(StateFrame, TheCouplingMetricIsOfTheTicksPoseAndStiffness) {
+TEST(StateFrame, MetricUsesTheTicksPose) {
   const std::shared_ptr<const core::Kinematics> finger = core::make_finger_exoskeleton({});
   StateRecord r = record();
   const core::VecQ q = (core::VecQ(2) << 0.016, -0.26).finished();
@@ -204,7 +204,7 @@ TEST(StateFrame, TheCouplingMetricIsOfTheTicksPoseAndStiffness) {
   EXPECT_EQ(state_of(r).coupling_metric(0).lower_size(), 0);
 }
 
-TEST(LargestState, AHandsMetricFitsADatagramAndAPalmsDoesNot) {
+TEST(LargestState, HandsMetricFitsPalmsDoesNot) {
   core::PipelineConfig config;
   config.kinematics = core::make_hand_exoskeleton(
       {{"thumb", {}}, {"index", {}}, {"middle", {}}, {"ring", {}}, {"little", {}}});
@@ -261,7 +261,7 @@ TEST(StateFrame, ANewTickIsSerialisedAgain) {
   EXPECT_EQ(session.state().q_size(), 0);
 }
 
-TEST(Text, OfAClientCannotSteerATerminalOrALog) {
+TEST(Text, ClientCannotSteerATerminal) {
   EXPECT_EQ(sanitised("a\x1b[2J\nb\x7f", 64), "a?[2J?b?");
   EXPECT_EQ(sanitised("Gr\xc3\xbc\xc3\x9f", 64), "Gr\xc3\xbc\xc3\x9f");
   EXPECT_EQ(sanitised("ab\xc3\xbc", 3), "ab");  // never half a character
@@ -276,7 +276,7 @@ std::string refusal_of(const std::string& address) {
   return "";
 }
 
-TEST(ListenAddress, WithoutTlsOnlyThisHostIsServed) {
+TEST(ListenAddress, WithoutTlsServesOnlyThisHost) {
   EXPECT_EQ(refusal_of("127.0.0.1:29470"), "");
   EXPECT_EQ(refusal_of("127.8.9.1:0"), "");
   EXPECT_EQ(refusal_of("localhost:1"), "");
@@ -288,7 +288,7 @@ TEST(ListenAddress, WithoutTlsOnlyThisHostIsServed) {
   }
 }
 
-TEST(ListenAddress, BeyondThisHostTlsOrTheLabFlagIsNeeded) {
+TEST(ListenAddress, OtherHostsNeedTlsOrFlag) {
   using server::Protection;
   for (const char* address : {"0.0.0.0:29470", "[::]:29470", "192.168.1.7:29470", "robot:1"}) {
     for (const Protection best :

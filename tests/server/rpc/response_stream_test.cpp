@@ -120,12 +120,12 @@ class ResponseStreamTest : public testing::Test {
   int interleaved{0};
 };
 
-TEST_F(ResponseStreamTest, WithNoWriteUnderWayTheEndFinishes) {
+TEST_F(ResponseStreamTest, EndFinishesWithoutAPendingWrite) {
   stream->end(grpc::Status::OK);
   expect_everything_was_given_up_first();
 }
 
-TEST_F(ResponseStreamTest, AWriteUnderWayIsWaitedFor) {
+TEST_F(ResponseStreamTest, EndWaitsForAPendingWrite) {
   stream->begin_write();
   stream->end(grpc::Status::OK);
   EXPECT_EQ(stream->finishes, 0) << "gRPC allows no Finish beside a write";
@@ -134,11 +134,11 @@ TEST_F(ResponseStreamTest, AWriteUnderWayIsWaitedFor) {
   expect_everything_was_given_up_first();
 }
 
-TEST_F(ResponseStreamTest, AWriteThatCompletesWhileThingsAreGivenUpDoesNotOvertakeThem) {
+TEST_F(ResponseStreamTest, CompletionDoesNotOvertakeTheEnd) {
   end_while_a_write_completes(true);
 }
 
-TEST_F(ResponseStreamTest, NorDoesOneThatFailsMeanwhile) {
+TEST_F(ResponseStreamTest, FailureDoesNotOvertakeTheEnd) {
   end_while_a_write_completes(false);
 }
 
@@ -152,7 +152,7 @@ TEST_F(ResponseStreamTest, ASecondEndMeanwhileChangesNothing) {
   EXPECT_EQ(stream->last_status.error_message(), "the first end's");
 }
 
-TEST_F(ResponseStreamTest, AWriteThatFailsEndsTheStream) {
+TEST_F(ResponseStreamTest, FailedWriteEndsTheStream) {
   stream->begin_write();
   stream->OnWriteDone(false);
   expect_everything_was_given_up_first();

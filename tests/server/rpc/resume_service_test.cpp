@@ -22,7 +22,7 @@ bool heard(TestSession& session, const std::string& reason) {
                      [&](const v1::Event& event) { return event.reason() == reason; });
 }
 
-TEST(ResumeService, ForceGoesOnWhereTheStreamWasLost) {
+TEST(ResumeService, ForceContinuesAfterALostStream) {
   LiveServer server;
   TestSession watcher(server.channel(), v1::ROLE_OBSERVER, "watcher");
   ASSERT_TRUE(watcher.wait_opened());
@@ -52,7 +52,7 @@ TEST(ResumeService, ForceGoesOnWhereTheStreamWasLost) {
   EXPECT_FALSE(heard(watcher, "ENGAGED -> RELEASING"));
 }
 
-TEST(ResumeService, TheFormerStreamEndsWhereItStillStood) {
+TEST(ResumeService, FormerStreamIsEnded) {
   LiveServer server;
   TestSession first(server.channel(), opening("alice"));
   ASSERT_TRUE(first.wait_opened());
@@ -85,7 +85,7 @@ TEST(ResumeService, WhoResumesNeedsNoFreePlace) {
   ASSERT_TRUE(first.wait_ended());
 }
 
-TEST(ResumeService, NobodyWhoCameMeanwhileKeepsItOut) {
+TEST(ResumeService, NewcomersDoNotKeepItOut) {
   LiveServer server(places(2));
   TestSession watcher(server.channel(), v1::ROLE_OBSERVER, "watcher");
   ASSERT_TRUE(watcher.wait_opened());
@@ -103,7 +103,7 @@ TEST(ResumeService, NobodyWhoCameMeanwhileKeepsItOut) {
   EXPECT_TRUE(second.opened().resumed());
 }
 
-TEST(ResumeService, ANameThatResumesNothingOpensNoPlace) {
+TEST(ResumeService, FailedResumeOpensNoPlace) {
   LiveServer server(places(1));
   TestSession first(server.channel(), v1::ROLE_CONTROLLER, "alice");  // not resumable
   ASSERT_TRUE(first.wait_opened());
@@ -128,7 +128,7 @@ TEST(ResumeService, FarewellEndsTheLeaseAtOnce) {
   EXPECT_EQ(server.rig.sessions->controller(), "");
 }
 
-TEST(ResumeService, AnOperatorTakesTheDeviceAndTheHolderIsTold) {
+TEST(ResumeService, OperatorTakesOverAndHolderLearns) {
   LiveServer server;
   TestSession alice(server.channel(), v1::ROLE_CONTROLLER, "alice");
   ASSERT_TRUE(alice.wait_opened());
@@ -147,7 +147,7 @@ TEST(ResumeService, AnOperatorTakesTheDeviceAndTheHolderIsTold) {
   EXPECT_EQ(detail_of(bob.status(), "priority"), "operator");
 }
 
-TEST(ResumeService, APriorityThatIsNoneIsNamed) {
+TEST(ResumeService, NamesAnUnknownPriority) {
   LiveServer server;
   TestSession session(server.channel(), opening("alice", "", static_cast<v1::Priority>(9)));
   ASSERT_TRUE(session.wait_ended());
@@ -192,7 +192,7 @@ void publish_step(TestSession& session, std::chrono::nanoseconds offset,
   session.send(message);
 }
 
-TEST(LinkStatsService, TellsRoundTripClockAgeAndRefusals) {
+TEST(LinkStatsService, ReportsRoundTripClockAgeRefusals) {
   LiveServer server;
   TestSession alice(server.channel(), v1::ROLE_CONTROLLER, "alice");
   ASSERT_TRUE(alice.wait_opened());
@@ -239,7 +239,7 @@ TEST(LinkStatsService, AnUnknownDeviceIsNamed) {
   EXPECT_EQ(reason_of(status), "NO_SUCH_DEVICE");
 }
 
-TEST(LinkStatsService, ASampleThatWasHeldUpIsAsOldAsItIs) {
+TEST(LinkStatsService, DelayedSampleKeepsItsAge) {
   core::PipelineConfig config = patient_config();
   LiveServer server({{"127.0.0.1:0"}}, config);
   TestSession alice(server.channel(), v1::ROLE_CONTROLLER, "alice");

@@ -8,7 +8,7 @@
 namespace haptic::test {
 namespace {
 
-TEST(SessionService, OpensAndStatesComeDownInOrder) {
+TEST(SessionService, StatesComeDownInOrder) {
   LiveServer server;
   TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
   ASSERT_TRUE(session.wait_opened());
@@ -33,7 +33,7 @@ TEST(SessionService, PressesOverAUnixSocketToo) {
   EXPECT_EQ(session.state().transport(), v1::TRANSPORT_GRPC);
 }
 
-TEST(SessionService, PlanesKeepTheProxyAndTheirStateComesDown) {
+TEST(SessionService, PlanesHoldTheProxy) {
   core::PipelineConfig config = patient_config();
   config.passivity.tank.enabled = true;
   config.passivity.tank.initial = 0.002;
@@ -70,7 +70,7 @@ TEST(SessionService, PlanesKeepTheProxyAndTheirStateComesDown) {
   EXPECT_NE(session.ack().last_rejection().find("planes[1].normal"), std::string::npos);
 }
 
-TEST(SessionService, ASecondControllerIsRefusedWithTheHoldersName) {
+TEST(SessionService, SecondControllerLearnsTheHoldersName) {
   LiveServer server;
   TestSession alice(server.channel(), v1::ROLE_CONTROLLER, "alice");
   ASSERT_TRUE(alice.wait_opened());
@@ -108,7 +108,7 @@ struct SilentStream {
   std::unique_ptr<grpc::ClientReaderWriter<v1::SessionRequest, v1::SessionResponse>> stream;
 };
 
-TEST(SessionService, AStreamThatOpensNoSessionInTimeIsEnded) {
+TEST(SessionService, EndsAStreamWithoutASession) {
   server::RpcConfig config{{"127.0.0.1:0"}};
   config.open_within = 300ms;
   LiveServer server(config);
@@ -125,7 +125,7 @@ TEST(SessionService, AStreamThatOpensNoSessionInTimeIsEnded) {
   EXPECT_FALSE(opens.ended());  // who opened stays
 }
 
-TEST(SessionService, StreamsWithoutASessionKeepNobodyOut) {
+TEST(SessionService, IdleStreamsLeaveRoomForOthers) {
   server::RpcConfig config{{"127.0.0.1:0"}};
   config.max_sessions = 1;  // and 66 streams without a session
   config.open_within = 60s;
@@ -167,7 +167,7 @@ TEST(SessionService, OpeningTwiceEndsTheSession) {
   EXPECT_TRUE(eventually([&] { return server.rig.sessions->controller().empty(); }));
 }
 
-TEST(SessionService, AFieldThatIsOffIsNamed) {
+TEST(SessionService, NamesAWrongField) {
   LiveServer server;
   const auto refused_field = [&](const v1::SessionRequest& message) {
     TestSession session(server.channel(), message);
@@ -192,7 +192,7 @@ TEST(SessionService, AFieldThatIsOffIsNamed) {
   EXPECT_EQ(server.rig.sessions->observers(), 0U);
 }
 
-TEST(SessionService, AnUnknownDeviceIsNotFoundAndTheKnownOnesAreNamed) {
+TEST(SessionService, UnknownDeviceNamesTheKnown) {
   LiveServer server;
   auto message = open_message(v1::ROLE_OBSERVER, "alice");
   message.mutable_open()->set_device("no such thing");
@@ -202,7 +202,7 @@ TEST(SessionService, AnUnknownDeviceIsNotFoundAndTheKnownOnesAreNamed) {
   EXPECT_NE(session.status().error_message().find("'rig'"), std::string::npos);
 }
 
-TEST(SessionService, BadSamplesAreRejectedCountedAndNamedAndTheDeviceIsSafe) {
+TEST(SessionService, BadSamplesAreRejectedByName) {
   LiveServer server;
   TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
   ASSERT_TRUE(session.wait_opened());
@@ -274,19 +274,19 @@ void expect_safe_after(const std::function<void(TestSession&)>& leave) {
   EXPECT_FALSE(witness.violated);
 }
 
-TEST(SessionService, AfterACancelForceFadesAndTheLeaseIsFree) {
+TEST(SessionService, CancelEndsForceAndLease) {
   expect_safe_after([](TestSession& session) { session.cancel(); });
 }
 
-TEST(SessionService, AfterAHalfCloseForceFadesAndTheLeaseIsFree) {
+TEST(SessionService, HalfCloseEndsForceAndLease) {
   expect_safe_after([](TestSession& session) { session.half_close(); });
 }
 
-TEST(SessionService, AfterSilenceForceFadesAndTheLeaseExpires) {
+TEST(SessionService, SilenceEndsForceAndLease) {
   expect_safe_after([](TestSession& session) { session.stop_streaming(); });
 }
 
-TEST(SessionService, AnExpiredControllerHearsOfItAndGoesOnAsObserver) {
+TEST(SessionService, ExpiredControllerContinuesAsObserver) {
   server::SessionRules rules;
   rules.lease_timeout = 500ms;
   LiveServer server({{"127.0.0.1:0"}}, rig_config(), rules);
@@ -310,7 +310,7 @@ TEST(SessionService, TheStateRateIsHonoured) {
   EXPECT_GE(ticks + 20, (sequence.size() - 1) * 20);  // never more often than every 20th tick
 }
 
-TEST(SessionService, SessionsAreLimitedAndASlotComesBack) {
+TEST(SessionService, LimitsSessionsAndFreesSlots) {
   server::RpcConfig config{{"127.0.0.1:0"}};
   config.max_sessions = 2;
   LiveServer server(config);
@@ -331,7 +331,7 @@ TEST(SessionService, SessionsAreLimitedAndASlotComesBack) {
   }));
 }
 
-TEST(SessionService, AMessageLargerThanTheLimitEndsTheSessionAndNothingElse) {
+TEST(SessionService, OversizedMessageEndsOnlyItsSession) {
   LiveServer server;
   TestSession other(server.channel(), v1::ROLE_OBSERVER, "other");
   TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
@@ -346,7 +346,7 @@ TEST(SessionService, AMessageLargerThanTheLimitEndsTheSessionAndNothingElse) {
   EXPECT_TRUE(eventually([&] { return other.sequence().size() > states + 20; }));
 }
 
-TEST(SessionService, FarBeyondTheLimitGrpcItselfRefuses) {
+TEST(SessionService, GrpcRefusesFarBeyondTheLimit) {
   LiveServer server;
   TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
   ASSERT_TRUE(session.wait_opened());
@@ -356,7 +356,7 @@ TEST(SessionService, FarBeyondTheLimitGrpcItselfRefuses) {
   EXPECT_EQ(reason_of(session.status()), "");
 }
 
-TEST(SessionService, ShutdownEndsEveryStreamAndSaysWhy) {
+TEST(SessionService, ShutdownEndsStreamsWithTheReason) {
   auto server = std::make_unique<LiveServer>();
   TestSession session(server->channel(), v1::ROLE_CONTROLLER, "alice");
   ASSERT_TRUE(session.wait_opened());

@@ -38,21 +38,21 @@ int health(const std::shared_ptr<grpc::Channel>& channel, const std::string& ser
   return answer.size() == 2 && answer[0] == '\x08' ? answer[1] : 0;
 }
 
-TEST(Health, IsServingOverallAndPerDeviceWhileTheLoopRuns) {
+TEST(Health, ServesWhileTheLoopRuns) {
   LiveServer server;
   const auto channel = server.channel();
   EXPECT_TRUE(eventually([&] { return health(channel, "") == 1 && health(channel, "rig") == 1; }));
   EXPECT_EQ(health(channel, "nothing"), -1);
 }
 
-TEST(Health, IsNotServingWhileTheDeviceIsGone) {
+TEST(Health, IsNotServingWithoutTheDevice) {
   LiveServer server;
   const auto channel = server.channel();
   server.rig.device->lost = true;
   EXPECT_TRUE(eventually([&] { return health(channel, "") == 2 && health(channel, "rig") == 2; }));
 }
 
-TEST(Health, IsNotServingWhileTheLoopHangs) {
+TEST(Health, IsNotServingWhileLoopHangs) {
   LiveServer server;
   const auto channel = server.channel();
   ASSERT_TRUE(eventually([&] { return health(channel, "rig") == 1; }));
@@ -127,7 +127,7 @@ std::string answer_of(const std::string& address, DeviceRig& rig) {
   return "";
 }
 
-TEST(Address, APortInUseIsAnErrorThatNamesIt) {
+TEST(Address, NamesAPortInUse) {
   LiveServer server;
   DeviceRig other;
   const std::string error = answer_of(server.address(), other);
@@ -135,7 +135,7 @@ TEST(Address, APortInUseIsAnErrorThatNamesIt) {
   EXPECT_NE(error.find("in use"), std::string::npos);
 }
 
-TEST(Address, AUnixSocketInUseIsAnErrorAndStaysWithItsOwner) {
+TEST(Address, UnixSocketStaysWithItsOwner) {
   const std::string address = "unix:/tmp/haptic_rpc_use_" + std::to_string(::getpid()) + ".sock";
   LiveServer server({{address}});
   DeviceRig other;
@@ -144,7 +144,7 @@ TEST(Address, AUnixSocketInUseIsAnErrorAndStaysWithItsOwner) {
   EXPECT_TRUE(session.wait_opened());
 }
 
-TEST(Address, ASocketThatNobodyServesAnyMoreIsTakenOver) {
+TEST(Address, TakesOverAnAbandonedSocket) {
   const std::string address = "unix:/tmp/haptic_rpc_old_" + std::to_string(::getpid()) + ".sock";
   { LiveServer gone({{address}}); }
   LiveServer server({{address}});

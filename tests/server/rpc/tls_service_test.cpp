@@ -107,7 +107,7 @@ class TlsTest : public testing::Test {
 };
 fs::path TlsTest::folder_;
 
-TEST_F(TlsTest, WhoTrustsTheIssuerIsServedAndNoOther) {
+TEST_F(TlsTest, ServesOnlyClientsTrustingTheIssuer) {
   LiveServer server(config(false));
   v1::GetServerInfoResponse response;
   ASSERT_TRUE(info(channel(server, "ca.pem"), &response).ok());
@@ -121,7 +121,7 @@ TEST_F(TlsTest, WhoTrustsTheIssuerIsServedAndNoOther) {
       << "plain text";
 }
 
-TEST_F(TlsTest, WithAClientCaACertificateIsNeeded) {
+TEST_F(TlsTest, ClientCaRequiresACertificate) {
   LiveServer server(config(true));
   v1::GetServerInfoResponse response;
   EXPECT_EQ(info(channel(server, "ca.pem"), &response).error_code(), grpc::StatusCode::UNAVAILABLE);
@@ -129,7 +129,7 @@ TEST_F(TlsTest, WithAClientCaACertificateIsNeeded) {
   EXPECT_EQ(response.insecure_size(), 0);
 }
 
-TEST_F(TlsTest, KeysOfTheUdpPathTravelOverIt) {
+TEST_F(TlsTest, CarriesTheUdpPathsKeys) {
   LiveServer server(config(false));
   v1::SessionRequest message = open_message(v1::ROLE_CONTROLLER, "alice");
   message.mutable_open()->set_udp_wanted(true);
@@ -154,7 +154,7 @@ TEST_F(TlsTest, PriorityIsBoundByTheCertificate) {
   EXPECT_EQ(server.rig.sessions->controller(), "surgeon");
 }
 
-TEST_F(TlsTest, WithoutACertificateNobodyTakesADeviceFromOthers) {
+TEST_F(TlsTest, PreemptionNeedsACertificate) {
   LiveServer server(config(false));
   TestSession alice(channel(server, "ca.pem"), v1::ROLE_CONTROLLER, "alice");
   ASSERT_TRUE(alice.wait_opened());
@@ -171,7 +171,7 @@ TEST_F(TlsTest, WithoutACertificateNobodyTakesADeviceFromOthers) {
   EXPECT_EQ(server.rig.sessions->controller(), "alice");
 }
 
-TEST_F(TlsTest, WrongFilesAreNamedAndNeverShown) {
+TEST_F(TlsTest, NamesWrongFilesWithoutTheirContents) {
   server::TlsConfig config = tls(true);
   EXPECT_EQ(load_error(config), "");
   config.key = file("ca.key");
@@ -190,7 +190,7 @@ TEST_F(TlsTest, WrongFilesAreNamedAndNeverShown) {
   EXPECT_NE(load_error(config).find("cannot be read"), std::string::npos);
 }
 
-TEST(Peer, KeysStayOnThisHostOrInTls) {
+TEST(Peer, KeysStayLocalOrInTls) {
   server::Peer peer;
   server::RpcConfig config;
   EXPECT_FALSE(may_have_keys(peer, config));
@@ -204,7 +204,7 @@ TEST(Peer, KeysStayOnThisHostOrInTls) {
   EXPECT_TRUE(may_have_keys(peer, config));
 }
 
-TEST(Peer, ThisHostIsKnownByItsAddress) {
+TEST(Peer, RecognisesThisHostByAddress) {
   for (const char* local : {"unix:", "unix:/run/h.sock", "ipv4:127.0.0.1:5", "ipv4:127.3.2.1:5",
                             "ipv6:[::1]:5", "ipv6:%5B::1%5D:5"}) {
     EXPECT_TRUE(server::is_this_host(local)) << local;
@@ -215,7 +215,7 @@ TEST(Peer, ThisHostIsKnownByItsAddress) {
   }
 }
 
-TEST(Peer, WhoShowsNoCertificateIsPrimaryOverTlsAndAnythingOnThisHost) {
+TEST(Peer, WithoutCertificateOnlyLocalMayOperate) {
   server::RpcConfig config;
   server::Peer peer;
   peer.this_host = true;
@@ -226,7 +226,7 @@ TEST(Peer, WhoShowsNoCertificateIsPrimaryOverTlsAndAnythingOnThisHost) {
   EXPECT_EQ(rights_of(peer, config).highest, server::Priority::kPrimary);
 }
 
-TEST(Peer, OfTwoListedNamesTheHigherCounts) {
+TEST(Peer, HigherOfTwoNamesCounts) {
   server::RpcConfig config;
   config.tls.emplace();
   config.tls->clients = {{"a", server::Priority::kTest}, {"b", server::Priority::kOperator}};

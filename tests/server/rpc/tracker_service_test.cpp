@@ -91,7 +91,7 @@ bool press(TestSession& controller, const std::vector<double>& x, std::atomic<bo
   });
 }
 
-TEST(TrackerService, ThePalmIsWhereTheTrackerSaysAndItsSilenceEndsTheForce) {
+TEST(TrackerService, TrackersSilenceEndsTheForce) {
   LiveApp server;
   TestSession tracker(server.channel, tracker_opening("camera"));
   ASSERT_TRUE(tracker.wait_opened());
@@ -138,7 +138,7 @@ TEST(TrackerService, ThePalmIsWhereTheTrackerSaysAndItsSilenceEndsTheForce) {
   publisher.join();
 }
 
-TEST(TrackerService, WhatItMayNotSayIsAnsweredInTheAck) {
+TEST(TrackerService, AckNamesARefusedPose) {
   LiveApp server;
   TestSession tracker(server.channel, tracker_opening("camera"));
   ASSERT_TRUE(tracker.wait_opened());
@@ -162,7 +162,7 @@ TEST(TrackerService, WhatItMayNotSayIsAnsweredInTheAck) {
             "this session is no tracker's: its poses are not used");
 }
 
-TEST(TrackerService, OnePerDeviceAndOnlyWhereTheSceneHasOne) {
+TEST(TrackerService, OnePerDeviceIfSceneAllows) {
   LiveApp server;
   TestSession first(server.channel, tracker_opening("camera"));
   ASSERT_TRUE(first.wait_opened());

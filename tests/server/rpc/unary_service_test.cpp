@@ -33,7 +33,7 @@ class UnaryService : public testing::Test {
   std::unique_ptr<v1::HapticService::Stub> stub;
 };
 
-TEST_F(UnaryService, EngageIsRefusedWithTheReasonAndTheNumbers) {
+TEST_F(UnaryService, EngageRefusalGivesReasonAndNumbers) {
   TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
   ASSERT_TRUE(session.wait_opened());
   const grpc::Status silent = session.engage();
@@ -50,7 +50,7 @@ TEST_F(UnaryService, EngageIsRefusedWithTheReasonAndTheNumbers) {
   EXPECT_NE(outside.error_message().find("2.5"), std::string::npos);
 }
 
-TEST_F(UnaryService, AMessageBeyondTheLimitIsRefusedByNameInEveryCall) {
+TEST_F(UnaryService, EveryCallRefusesOversizedMessages) {
   const std::string filling(70'000, 'x');
   const auto refused = [](const grpc::Status& status) {
     return status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED &&
@@ -85,7 +85,7 @@ TEST_F(UnaryService, AMessageBeyondTheLimitIsRefusedByNameInEveryCall) {
 }
 
 /// Whatever else is in it: a stop is a stop.
-TEST_F(UnaryService, AnEmergencyStopMayBeAsLargeAsItLikes) {
+TEST_F(UnaryService, EmergencyStopHasNoSizeLimit) {
   grpc::ClientContext context;
   v1::EmergencyStopRequest request;
   v1::EmergencyStopResponse response;
@@ -93,7 +93,7 @@ TEST_F(UnaryService, AnEmergencyStopMayBeAsLargeAsItLikes) {
   EXPECT_TRUE(stub->EmergencyStop(&context, request, &response).ok());
 }
 
-TEST_F(UnaryService, ASessionNobodyKnowsMayAskForNothing) {
+TEST_F(UnaryService, UnknownSessionIsRefused) {
   grpc::ClientContext context;
   v1::EngageRequest request;
   v1::EngageResponse response;
@@ -119,7 +119,7 @@ TEST_F(UnaryService, ReleaseFadesForceOut) {
   }));
 }
 
-TEST_F(UnaryService, SettingsAreClampedToTheSceneAndSaySo) {
+TEST_F(UnaryService, ClampedSettingsAreReported) {
   TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
   ASSERT_TRUE(session.wait_opened());
   v1::UpdateSettingsRequest request;
@@ -139,7 +139,7 @@ TEST_F(UnaryService, SettingsAreClampedToTheSceneAndSaySo) {
   EXPECT_EQ(field_of(wrong_size), "stiffness");
 }
 
-TEST_F(UnaryService, AnEmergencyStopThatCannotBeReadStopsEveryDevice) {
+TEST_F(UnaryService, UnreadableEmergencyStopStopsEveryDevice) {
   v1::EmergencyStopResponse stopped;
   grpc::ClientContext context;
   v1::EmergencyStopRequest request;
@@ -150,7 +150,7 @@ TEST_F(UnaryService, AnEmergencyStopThatCannotBeReadStopsEveryDevice) {
   EXPECT_EQ(server.rig.newest().life.state, core::DeviceState::kFault);
 }
 
-TEST_F(UnaryService, EmergencyStopNeedsNoSessionAndLatchesUntilCleared) {
+TEST_F(UnaryService, EmergencyStopLatchesWithoutASession) {
   TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
   ASSERT_TRUE(session.wait_opened());
   ASSERT_TRUE(session.press());
@@ -168,12 +168,12 @@ TEST_F(UnaryService, EmergencyStopNeedsNoSessionAndLatchesUntilCleared) {
   EXPECT_TRUE(eventually([&] { return session.heard(v1::Event::KIND_FAULT_CLEARED); }));
 }
 
-TEST_F(UnaryService, AnEmergencyStopOfAnUnknownDeviceIsAnError) {
+TEST_F(UnaryService, EmergencyStopRefusesAnUnknownDevice) {
   v1::EmergencyStopResponse stopped;
   EXPECT_EQ(stop("nothing", &stopped).error_code(), grpc::StatusCode::NOT_FOUND);
 }
 
-TEST_F(UnaryService, AFaultWhoseCausePersistsIsNotCleared) {
+TEST_F(UnaryService, PersistingCauseKeepsTheFault) {
   server.rig.device->lost = true;
   ASSERT_TRUE(eventually([&] { return server.rig.newest().faults().any(); }));
   v1::ClearFaultResponse cleared;
@@ -183,7 +183,7 @@ TEST_F(UnaryService, AFaultWhoseCausePersistsIsNotCleared) {
   EXPECT_EQ(clear(&cleared, {32}).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
 }
 
-TEST_F(UnaryService, ALoopThatHangsIsAnAnswerNotAWait) {
+TEST_F(UnaryService, HangingLoopIsAnsweredAtOnce) {
   server.hung = true;
   v1::EmergencyStopResponse stopped;
   const grpc::Status status = stop("", &stopped);
@@ -195,7 +195,7 @@ TEST_F(UnaryService, ALoopThatHangsIsAnAnswerNotAWait) {
       eventually([&] { return server.rig.newest().life.state == core::DeviceState::kFault; }));
 }
 
-TEST_F(UnaryService, ServerInfoAndDevicesSayWhatThereIs) {
+TEST_F(UnaryService, ServerInfoAndDevicesAreTrue) {
   TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice\n");
   ASSERT_TRUE(session.wait_opened());
   grpc::ClientContext first;

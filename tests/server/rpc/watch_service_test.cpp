@@ -55,7 +55,7 @@ class TestWatch {
   std::thread thread_;
 };
 
-TEST(WatchService, StatesComeAtTheRequestedRateAndNotMoreOften) {
+TEST(WatchService, StatesComeAtTheRequestedRate) {
   LiveServer server;
   TestWatch watch(server.channel(), 100.0);
   ASSERT_TRUE(eventually([&] { return watch.sequence().size() > 30; }));
@@ -91,7 +91,7 @@ TEST(WatchService, WatchesAreLimitedApartFromSessions) {
   EXPECT_TRUE(session.wait_opened());
 }
 
-TEST(WatchService, AWrongRateOrDeviceIsRefused) {
+TEST(WatchService, RefusesAWrongRateOrDevice) {
   LiveServer server;
   auto stub = v1::HapticService::NewStub(server.channel());
   const auto status_of = [&](const v1::WatchRequest& request) {
@@ -111,7 +111,7 @@ TEST(WatchService, AWrongRateOrDeviceIsRefused) {
   EXPECT_EQ(server.rig.sessions->observers(), 0U);
 }
 
-TEST(WatchService, OverTheBudgetWatchersAreConflatedAndEachIsToldHowMuch) {
+TEST(WatchService, ConflatesAndTellsWatchersOverBudget) {
   server::RpcConfig config{{"127.0.0.1:0"}};
   config.watch_budget_hz = 500;
   LiveServer server(config);

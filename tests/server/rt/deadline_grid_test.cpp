@@ -16,7 +16,7 @@ using haptic::server::DeadlineGrid;
 using haptic::test::kFirst;
 using haptic::test::kPeriod;
 
-TEST(DeadlineGrid, OnTimeIsNeitherLateNorSkipped) {
+TEST(DeadlineGrid, PunctualIsNeitherLateNorSkipped) {
   DeadlineGrid grid(kFirst, kPeriod);
   for (int i = 0; i < 5; ++i) {
     const LoopReport report = grid.wake(grid.deadline(), 0ns);
@@ -26,7 +26,7 @@ TEST(DeadlineGrid, OnTimeIsNeitherLateNorSkipped) {
   }
 }
 
-TEST(DeadlineGrid, LateByPartOfAPeriodSkipsNothingAndLeavesTheGrid) {
+TEST(DeadlineGrid, PartOfAPeriodSkipsNothing) {
   DeadlineGrid grid(kFirst, kPeriod);
   const LoopReport report = grid.wake(kFirst + 300us, 0ns);
   EXPECT_EQ(report.lateness, 300us);
@@ -34,7 +34,7 @@ TEST(DeadlineGrid, LateByPartOfAPeriodSkipsNothingAndLeavesTheGrid) {
   EXPECT_EQ(grid.deadline(), kFirst + 1ms);
 }
 
-TEST(DeadlineGrid, LateByPeriodsTicksOnceAndCountsTheRest) {
+TEST(DeadlineGrid, LatePeriodsTickOnceAndCount) {
   DeadlineGrid grid(kFirst, kPeriod);
   const LoopReport report = grid.wake(kFirst + 3700us, 0ns);
   EXPECT_EQ(report.lateness, 3700us);
@@ -42,13 +42,13 @@ TEST(DeadlineGrid, LateByPeriodsTicksOnceAndCountsTheRest) {
   EXPECT_EQ(grid.deadline(), kFirst + 4ms);
 }
 
-TEST(DeadlineGrid, AWakeAtExactlyTheNextDeadlineSkipsIt) {
+TEST(DeadlineGrid, WakeAtTheNextDeadlineSkips) {
   DeadlineGrid grid(kFirst, kPeriod);
   EXPECT_EQ(grid.wake(kFirst + 1ms, 0ns).skipped, 1u);
   EXPECT_EQ(grid.deadline(), kFirst + 2ms);
 }
 
-TEST(DeadlineGrid, ATickThatOverranMakesTheNextOneLateNotABurst) {
+TEST(DeadlineGrid, OverrunCausesLatenessNotABurst) {
   DeadlineGrid grid(kFirst, kPeriod);
   static_cast<void>(grid.wake(kFirst, 0ns));
   // The tick took 2.5 ms: the wait for 1 ms returns at once.
@@ -58,7 +58,7 @@ TEST(DeadlineGrid, ATickThatOverranMakesTheNextOneLateNotABurst) {
   EXPECT_EQ(grid.wake(kFirst + 3ms, 0ns).lateness, 0ns);
 }
 
-TEST(DeadlineGrid, EveryDeadlineIsEitherTickedOrSkipped) {
+TEST(DeadlineGrid, EveryDeadlineIsTickedOrSkipped) {
   DeadlineGrid grid(kFirst, kPeriod);
   std::int64_t ticked = 0;
   std::int64_t skipped = 0;
@@ -77,7 +77,7 @@ TEST(DeadlineGrid, EveryDeadlineIsEitherTickedOrSkipped) {
   EXPECT_GT(skipped, 0);
 }
 
-TEST(DeadlineGrid, ASuspendIsLatenessThoughTheSteadyClockStoodStill) {
+TEST(DeadlineGrid, SuspendCountsAsLateness) {
   DeadlineGrid grid(kFirst, kPeriod);
   const LoopReport report = grid.wake(kFirst + 20us, 30s);
   EXPECT_EQ(report.lateness, 30s + 20us);
@@ -85,7 +85,7 @@ TEST(DeadlineGrid, ASuspendIsLatenessThoughTheSteadyClockStoodStill) {
   EXPECT_EQ(grid.deadline(), kFirst + 1ms);
 }
 
-TEST(DeadlineGrid, AClockThatJumpedByHoursGivesOneLateTick) {
+TEST(DeadlineGrid, ClockJumpGivesOneLateTick) {
   DeadlineGrid grid(kFirst, kPeriod);
   const LoopReport report = grid.wake(kFirst + 2h, 0ns);
   EXPECT_EQ(report.lateness, 2h);
@@ -93,12 +93,12 @@ TEST(DeadlineGrid, AClockThatJumpedByHoursGivesOneLateTick) {
   EXPECT_EQ(grid.wake(grid.deadline(), 0ns).lateness, 0ns);
 }
 
-TEST(DeadlineGrid, ACountThatDoesNotFitStaysAtTheLargest) {
+TEST(DeadlineGrid, CountSaturatesAtTheLargest) {
   DeadlineGrid grid(kFirst, 1us);
   EXPECT_EQ(grid.wake(kFirst + 24h, 0ns).skipped, std::numeric_limits<std::uint32_t>::max());
 }
 
-TEST(DeadlineGrid, AWakeThatCameEarlyIsNotLate) {
+TEST(DeadlineGrid, EarlyWakeIsNotLate) {
   DeadlineGrid grid(kFirst, kPeriod);
   const LoopReport report = grid.wake(kFirst - 10us, 0ns);
   EXPECT_EQ(report.lateness, 0ns);

@@ -136,7 +136,7 @@ TEST_P(EveryScene, RehearsesWithoutATrace) {
 INSTANTIATE_TEST_SUITE_P(OfTheServer, EveryScene, testing::ValuesIn(scenes()),
                          [](const auto& file) { return file.param.stem().string(); });
 
-TEST(DeviceUnit, HandsTheNewestOfEachMailboxToTheTick) {
+TEST(DeviceUnit, TickGetsEachMailboxsNewest) {
   haptic::test::DeviceRig rig;
   haptic::core::ProxySnapshot proxy;
   proxy.seq = 1;
@@ -156,7 +156,7 @@ TEST(DeviceUnit, HandsTheNewestOfEachMailboxToTheTick) {
   EXPECT_TRUE(input.device.fresh);
 }
 
-TEST(DeviceUnit, ADrainThatIsTooSlowLosesRecordsAndCountsThem) {
+TEST(DeviceUnit, SlowDrainCountsLostRecords) {
   haptic::test::DeviceRig rig;
   const int ticks = static_cast<int>(rig.unit->records.capacity()) + 10;
   for (int i = 0; i < ticks; ++i) rig.unit->tick(TimePoint(1h) + i * 1ms, 1ms, {});

@@ -72,7 +72,7 @@ class VirtualLoop : public testing::Test {
   LoopBody body{{rig.unit.get()}, rig.telemetry->bell(), 1ms, clock};
 };
 
-TEST_F(VirtualLoop, TicksOnTheGridAndEndsAtItsLatest) {
+TEST_F(VirtualLoop, TicksOnTheGridUntilStopped) {
   body.finish(kFirstDeadline + 9ms);
   run();
   ASSERT_EQ(keeper.records.size(), 10u);
@@ -84,7 +84,7 @@ TEST_F(VirtualLoop, TicksOnTheGridAndEndsAtItsLatest) {
   EXPECT_EQ(body.statistics().ticks, 10u);
 }
 
-TEST_F(VirtualLoop, ALateWakeIsOneTickThatSaysSo) {
+TEST_F(VirtualLoop, LateWakeIsOneLateTick) {
   clock.late = [](int wait) { return wait == 3 ? Duration(3700us) : Duration::zero(); };
   body.finish(kFirstDeadline + 9ms);
   run();
@@ -99,7 +99,7 @@ TEST_F(VirtualLoop, ALateWakeIsOneTickThatSaysSo) {
   EXPECT_EQ(body.statistics().lateness.max, 3700us);
 }
 
-TEST_F(VirtualLoop, ASuspendOfTheMachineIsAFault) {
+TEST_F(VirtualLoop, SuspendIsAFault) {
   clock.suspended = [](int wait) { return wait == 5 ? Duration(30s) : Duration::zero(); };
   body.finish(kFirstDeadline + 9ms);
   run();
@@ -109,7 +109,7 @@ TEST_F(VirtualLoop, ASuspendOfTheMachineIsAFault) {
   EXPECT_EQ(keeper.records[5].life.state, DeviceState::kFault);
 }
 
-TEST_F(VirtualLoop, TicksOnWhileForceFadesAndEndsWhenTheDeviceIsClosing) {
+TEST_F(VirtualLoop, TicksUntilForceHasFaded) {
   clock.before = [this](int wait) {
     if (wait != 5) return;
     rig.owner->begin_closing();
@@ -168,13 +168,13 @@ haptic::server::RealtimeRequest off() {
   return request;
 }
 
-TEST(Loop, EndsWithoutATickWhereItNeverBegan) {
+TEST(Loop, EndsWithoutEverTicking) {
   const Loop loop(off(), 1ms);
   EXPECT_EQ(loop.grant().facts.grade, "best-effort");
   EXPECT_EQ(loop.statistics().ticks, 0u);
 }
 
-TEST(Loop, ARefusedGrantIsThrownToWhoeverBuildsIt) {
+TEST(Loop, RefusedGrantThrowsInTheConstructor) {
   class Refusing final : public haptic::server::RealtimeHost {
     int set_fifo(int) override { return EPERM; }
     haptic::server::ResourceLimit priority_limit() override { return {0, 0}; }
@@ -193,7 +193,7 @@ TEST(Loop, ARefusedGrantIsThrownToWhoeverBuildsIt) {
   EXPECT_THROW(Loop(request, 1ms, host), haptic::core::RealtimeError);
 }
 
-TEST(Loop, RunsOnItsThreadUntilEveryUnitIsClosing) {
+TEST(Loop, RunsUntilEveryUnitIsClosing) {
   DeviceRig rig;
   Loop loop(off(), 1ms);
   rig.telemetry->start();

@@ -99,7 +99,7 @@ TEST_F(PacedLoop, TicksWhenTheSampleComes) {
   EXPECT_EQ(body.statistics().paced_by_sample, body.statistics().ticks);
 }
 
-TEST_F(PacedLoop, AJitterBelowAQuarterOfAPeriodNeedsNoTimer) {
+TEST_F(PacedLoop, SmallJitterNeedsNoTimer) {
   for (int i = 0; i < 200; ++i) {
     clock.arrivals.push_back(kStart + i * 1ms + 500us + (i * 7919 % 120) * 1us);
   }
@@ -108,7 +108,7 @@ TEST_F(PacedLoop, AJitterBelowAQuarterOfAPeriodNeedsNoTimer) {
   EXPECT_EQ(body.statistics().lateness.max, 0ns);
 }
 
-TEST_F(PacedLoop, TheTimerTicksWhileTheDeviceIsSilentAndItsFaultComesInTime) {
+TEST_F(PacedLoop, SilentDeviceFaultsByTheTimer) {
   rig.tick(5);
   stream(700us, 20);
   clock.on_sample = [this](TimePoint sample) {
@@ -132,7 +132,7 @@ TEST_F(PacedLoop, TheTimerTicksWhileTheDeviceIsSilentAndItsFaultComesInTime) {
   }
 }
 
-TEST_F(PacedLoop, TheProxyAgesWhileTheDeviceIsSilent) {
+TEST_F(PacedLoop, ProxyAgesWhileDeviceIsSilent) {
   rig.control();
   rig.press();
   ASSERT_EQ(rig.state(), DeviceState::kEngaged);
@@ -144,7 +144,7 @@ TEST_F(PacedLoop, TheProxyAgesWhileTheDeviceIsSilent) {
   EXPECT_EQ(keeper.records.back().life.state, DeviceState::kFault);
 }
 
-TEST_F(PacedLoop, PairsOfALinkWithHalfTheRateKeepTheLoopsRate) {
+TEST_F(PacedLoop, HalfRatePairsKeepTheRate) {
   for (int i = 0; i < 100; ++i) {  // two samples together every 2 ms, a little early or late
     const TimePoint at = kStart + (2 * i + 1) * 1ms + (i * 7919 % 120) * 1us;
     clock.arrivals.push_back(at);
@@ -159,7 +159,7 @@ TEST_F(PacedLoop, PairsOfALinkWithHalfTheRateKeepTheLoopsRate) {
   }
 }
 
-TEST_F(PacedLoop, SamplesThatHeapedUpAreOneTick) {
+TEST_F(PacedLoop, HeapedSamplesAreOneTick) {
   stream(1ms, 10);
   for (int i = 0; i < 50; ++i) clock.arrivals.push_back(kStart + 20ms + i * 1us);
   run(25ms);
@@ -169,7 +169,7 @@ TEST_F(PacedLoop, SamplesThatHeapedUpAreOneTick) {
   EXPECT_EQ(body.statistics().skipped, 0u);
 }
 
-TEST_F(PacedLoop, ALateWakeIsOneTickThatSaysSo) {
+TEST_F(PacedLoop, LateWakeIsOneLateTick) {
   stream(500us, 30);
   clock.late = [](int wait) { return wait == 5 ? Duration(3700us) : Duration::zero(); };
   run(20ms);

@@ -69,7 +69,7 @@ void take_everything_away(FakeHost& host) {
   host.ipc_lock = false;
 }
 
-TEST(Realtime, AllGrantedIsRealTimeAndTakesTheShortLateFault) {
+TEST(Realtime, FullGrantTakesShortLateFault) {
   FakeHost host;
   const RealtimeGrant grant = apply_realtime({RealtimeMode::kTry, 80, 1, {}}, host);
   EXPECT_EQ(grant.facts.grade, "real-time");
@@ -85,7 +85,7 @@ TEST(Realtime, AllGrantedIsRealTimeAndTakesTheShortLateFault) {
             "pinned to CPU 1, SCHED_FIFO 80, memory locked; loop_late_fault is 8 ms");
 }
 
-TEST(Realtime, ABareContainerIsDegradedAndSaysWhatThatMeans) {
+TEST(Realtime, BareContainerIsDegradedAndExplains) {
   FakeHost host;
   take_everything_away(host);
   const RealtimeGrant grant = apply_realtime({}, host);
@@ -113,7 +113,7 @@ TEST(Realtime, RequireThrowsWithTheSameWords) {
   }
 }
 
-TEST(Realtime, RequireIsContentWhereAllIsGranted) {
+TEST(Realtime, RequireAcceptsAFullGrant) {
   FakeHost host;
   EXPECT_EQ(apply_realtime({RealtimeMode::kRequire, 80, {}, {}}, host).facts.grade, "real-time");
 }
@@ -128,7 +128,7 @@ TEST(Realtime, OffAsksForNothing) {
   EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("--realtime=off"));
 }
 
-TEST(Realtime, TheScenesLateFaultWinsWhateverWasGranted) {
+TEST(Realtime, ScenesLateFaultWins) {
   FakeHost host;
   RealtimeRequest request;
   request.loop_late_fault = 5ms;
@@ -138,7 +138,7 @@ TEST(Realtime, TheScenesLateFaultWinsWhateverWasGranted) {
 }
 
 // MCL_FUTURE under a limit that binds would end the process at the next thread.
-TEST(Realtime, NeverLocksMemoryUnderALimitThatBinds) {
+TEST(Realtime, NeverLocksMemoryUnderALimit) {
   FakeHost host;
   host.ipc_lock = false;
   const RealtimeGrant grant = apply_realtime({}, host);
@@ -149,7 +149,7 @@ TEST(Realtime, NeverLocksMemoryUnderALimitThatBinds) {
   EXPECT_EQ(grant.loop_late_fault, 8ms);
 }
 
-TEST(Realtime, RaisesTheMemoryLimitWhereTheHardOneIsUnlimited) {
+TEST(Realtime, RaisesMemoryLimitToUnlimitedHard) {
   FakeHost host;
   host.ipc_lock = false;
   host.memlock.hard = std::nullopt;
@@ -159,7 +159,7 @@ TEST(Realtime, RaisesTheMemoryLimitWhereTheHardOneIsUnlimited) {
   EXPECT_TRUE(grant.facts.memory_locked);
 }
 
-TEST(Realtime, AnUnlimitedMemoryLimitNeedsNoCapability) {
+TEST(Realtime, UnlimitedMemoryNeedsNoCapability) {
   FakeHost host;
   host.ipc_lock = false;
   host.memlock = {};
@@ -174,7 +174,7 @@ TEST(Realtime, ARefusedLockNamesItsErrno) {
               HasSubstr("memory locking refused (ENOMEM: Cannot allocate memory)"));
 }
 
-TEST(Realtime, ALowerPriorityIsTakenWhereTheLimitAllowsIt) {
+TEST(Realtime, TakesTheAllowedLowerPriority) {
   FakeHost host;
   host.highest_priority = 20;
   host.sys_nice = false;
@@ -187,14 +187,14 @@ TEST(Realtime, ALowerPriorityIsTakenWhereTheLimitAllowsIt) {
   EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("priority 20, not the scene's 80"));
 }
 
-TEST(Realtime, ARefusalInSpiteOfTheCapabilityPointsToTheControlGroup) {
+TEST(Realtime, RefusalPointsToTheControlGroup) {
   FakeHost host;
   host.highest_priority = 0;
   EXPECT_THAT(apply_realtime({}, host).facts.explanation.str(),
               HasSubstr("the control group or container gives no real-time budget"));
 }
 
-TEST(Realtime, AScantRealTimeShareIsSaid) {
+TEST(Realtime, ReportsAScantRealTimeShare) {
   FakeHost host;
   host.share = 0.1;
   const RealtimeGrant grant = apply_realtime({}, host);
@@ -203,7 +203,7 @@ TEST(Realtime, AScantRealTimeShareIsSaid) {
   EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("10 %"));
 }
 
-TEST(Realtime, ACpuThatIsNotThereIsRefusedByItsNumber) {
+TEST(Realtime, NamesAnAbsentCpu) {
   FakeHost host;
   host.cpu_error = EINVAL;
   const RealtimeGrant grant = apply_realtime({RealtimeMode::kTry, 80, 63, {}}, host);

@@ -25,7 +25,7 @@ SampleGrid::Tick silent(SampleGrid& grid) {
   return grid.wake(grid.latest(), 0ns, std::nullopt);
 }
 
-TEST(SampleGrid, ASampleThatComesIsATickOnTime) {
+TEST(SampleGrid, SampleMakesATickOnTime) {
   SampleGrid grid(kFirst, kPeriod);
   // A board whose clock is 2 % slow: the loop follows it, and its timer never has to help.
   for (int i = 0; i < 1000; ++i) {
@@ -40,7 +40,7 @@ TEST(SampleGrid, ASampleThatComesIsATickOnTime) {
   }
 }
 
-TEST(SampleGrid, ASilentDeviceIsTickedAPeriodApartAQuarterAfterItsSamplesWereDue) {
+TEST(SampleGrid, SilentDeviceIsTickedByTimer) {
   SampleGrid grid(kFirst, kPeriod);
   static_cast<void>(on_time(grid, kFirst + 100us));
   for (int i = 1; i <= 1000; ++i) {
@@ -52,7 +52,7 @@ TEST(SampleGrid, ASilentDeviceIsTickedAPeriodApartAQuarterAfterItsSamplesWereDue
   }
 }
 
-TEST(SampleGrid, AfterOneLostSampleTheNextOneIsOnTimeAgain) {
+TEST(SampleGrid, OneLostSampleDelaysNoOther) {
   SampleGrid grid(kFirst, kPeriod);
   static_cast<void>(on_time(grid, kFirst));
   static_cast<void>(silent(grid));
@@ -63,7 +63,7 @@ TEST(SampleGrid, AfterOneLostSampleTheNextOneIsOnTimeAgain) {
   EXPECT_EQ(grid.latest(), kFirst + 3250us);
 }
 
-TEST(SampleGrid, ADeviceThatComesBackInAnyPhaseIsFollowedFromTheFourthTickOn) {
+TEST(SampleGrid, FollowsAReturningDeviceInTime) {
   for (Duration phase = 0us; phase < kPeriod; phase += 10us) {
     SampleGrid grid(kFirst, kPeriod);
     for (int i = 0; i < 20; ++i) static_cast<void>(silent(grid));
@@ -81,7 +81,7 @@ TEST(SampleGrid, ADeviceThatComesBackInAnyPhaseIsFollowedFromTheFourthTickOn) {
   }
 }
 
-TEST(SampleGrid, WhateverThePatienceASampleOnTimeAfterOneOfTheTimersTicksDoesNotWait) {
+TEST(SampleGrid, PunctualSampleNeverWaits) {
   for (const Duration patience : {kPeriod / 8, kPeriod / 4, kPeriod / 2}) {
     SampleGrid grid(kFirst, kPeriod, patience);
     static_cast<void>(on_time(grid, kFirst));
@@ -92,13 +92,13 @@ TEST(SampleGrid, WhateverThePatienceASampleOnTimeAfterOneOfTheTimersTicksDoesNot
   }
 }
 
-TEST(SampleGrid, ItsPatienceIsAQuarterOfAPeriodWhereNoneIsGiven) {
+TEST(SampleGrid, DefaultPatienceIsAQuarterPeriod) {
   SampleGrid plain(kFirst, kPeriod), quarter(kFirst, kPeriod, 250us);
   EXPECT_EQ(plain.latest(), quarter.latest());
   EXPECT_EQ(plain.earliest(), quarter.earliest());
 }
 
-TEST(SampleGrid, SamplesInAHeapMakeNoBurst) {
+TEST(SampleGrid, HeapedSamplesMakeNoBurst) {
   SampleGrid grid(kFirst, kPeriod);
   TimePoint last = kFirst;
   static_cast<void>(on_time(grid, last));
@@ -111,7 +111,7 @@ TEST(SampleGrid, SamplesInAHeapMakeNoBurst) {
   }
 }
 
-TEST(SampleGrid, LatenessCountsFromTheSampleNotFromTheTimer) {
+TEST(SampleGrid, LatenessCountsFromTheSample) {
   SampleGrid grid(kFirst, kPeriod);
   const SampleGrid::Tick tick = grid.wake(kFirst + 300us, 0ns, kFirst - 100us);
   EXPECT_TRUE(tick.by_sample);
@@ -121,7 +121,7 @@ TEST(SampleGrid, LatenessCountsFromTheSampleNotFromTheTimer) {
       << "a late tick does not move the device's phase";
 }
 
-TEST(SampleGrid, ASampleThatHadToWaitForItsTurnIsNotALateTick) {
+TEST(SampleGrid, WaitingSampleIsNoLateTick) {
   SampleGrid grid(kFirst, kPeriod);
   static_cast<void>(on_time(grid, kFirst));
   const SampleGrid::Tick tick = grid.wake(kFirst + 790us, 0ns, kFirst + 200us);
@@ -129,14 +129,14 @@ TEST(SampleGrid, ASampleThatHadToWaitForItsTurnIsNotALateTick) {
   EXPECT_EQ(tick.report.lateness, 40us);
 }
 
-TEST(SampleGrid, ASampleAfterTheTimersDeadlineIsTheTimersTick) {
+TEST(SampleGrid, LateSampleIsTheTimersTick) {
   SampleGrid grid(kFirst, kPeriod);
   const SampleGrid::Tick tick = grid.wake(kFirst + 400us, 0ns, kFirst + 350us);
   EXPECT_FALSE(tick.by_sample);
   EXPECT_EQ(tick.report.lateness, 150us) << "of kFirst + 250 us";
 }
 
-TEST(SampleGrid, LateByPeriodsTicksOnceAndCountsTheRest) {
+TEST(SampleGrid, LatePeriodsTickOnceAndCount) {
   SampleGrid grid(kFirst, kPeriod);
   const SampleGrid::Tick tick = grid.wake(kFirst + 3700us, 0ns, kFirst);
   EXPECT_EQ(tick.report.lateness, 3700us);
@@ -148,14 +148,14 @@ TEST(SampleGrid, LateByPeriodsTicksOnceAndCountsTheRest) {
   EXPECT_EQ(grid.latest(), kFirst + 7250us);
 }
 
-TEST(SampleGrid, ASuspendIsLatenessThoughTheSteadyClockStoodStill) {
+TEST(SampleGrid, SuspendCountsAsLateness) {
   SampleGrid grid(kFirst, kPeriod);
   EXPECT_EQ(grid.wake(kFirst + 20us, 30s, kFirst).report.lateness, 30s + 20us);
 }
 
 /// Whatever comes when: one tick per due time, due times at least three quarters of a period and at
 /// most a period and a quarter apart, and no due time forgotten.
-TEST(SampleGrid, DueTimesAreNeverCrowdedAndNeverFarApart) {
+TEST(SampleGrid, DueTimesKeepTheirDistance) {
   SampleGrid grid(kFirst, kPeriod);
   std::uint64_t random = 1;
   const auto draw = [&random](std::int64_t below) {

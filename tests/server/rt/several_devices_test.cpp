@@ -110,7 +110,7 @@ TEST(SeveralDevices, ThreeBoardsPressAtOnce) {
   }
 }
 
-TEST(SeveralDevices, UnpluggingOneDoesNotChangeABitOfTheOthers) {
+TEST(SeveralDevices, UnpluggingOneChangesNoOther) {
   ThreeBoards calm, disturbed;
   calm.run_ms(1200);
   disturbed.run_ms(1200);

@@ -141,7 +141,7 @@ std::string recording(const core::Kinematics& kinematics, const VecQ& rest, cons
   return csv.str() + "\n";
 }
 
-TEST_P(KinematicsScenes, ARecordingFollowsEquationsSixAndSeven) {
+TEST_P(KinematicsScenes, RecordingFollowsEquationsSixAndSeven) {
   const TemporaryFile file(recording(*device.pipeline.kinematics, masses.target,
                                      0.7 * (beside_the_target() - masses.target)),
                            std::string(GetParam().file) + ".csv");

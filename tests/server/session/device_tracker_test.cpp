@@ -62,7 +62,7 @@ struct Door {
   }
 };
 
-TEST(DeviceTracker, AGoodPoseIsOnTheLoopsTableAsPositionAndRotationVector) {
+TEST(DeviceTracker, GoodPoseReachesTheLoop) {
   Door door;
   ASSERT_EQ(door.open_refusal("a"), "");
   EXPECT_EQ(door.tracker.client_name(), "client of a");
@@ -79,7 +79,7 @@ TEST(DeviceTracker, AGoodPoseIsOnTheLoopsTableAsPositionAndRotationVector) {
   EXPECT_EQ(pose.valid_for, 25ms);
 }
 
-TEST(DeviceTracker, WhatIsNoPoseIsRefusedBySentence) {
+TEST(DeviceTracker, RefusesAWrongPoseByName) {
   Door door;
   ASSERT_EQ(door.open_refusal("a"), "");
   ASSERT_EQ(door.say(), IngressVerdict::kAccepted);
@@ -120,7 +120,7 @@ TEST(DeviceTracker, AnOldSequenceIsRefused) {
   EXPECT_EQ(door.say(), IngressVerdict::kOldSequence);
 }
 
-TEST(DeviceTracker, OneAtATimeAndTheNextOnlyOnceTheLastPoseHasFaded) {
+TEST(DeviceTracker, NextOneWaitsUntilPoseFaded) {
   Door door;
   ASSERT_EQ(door.open_refusal("a"), "");
   EXPECT_EQ(door.open_refusal("b"), "TRACKER_HELD");
@@ -137,7 +137,7 @@ TEST(DeviceTracker, OneAtATimeAndTheNextOnlyOnceTheLastPoseHasFaded) {
   EXPECT_EQ(door.say("b"), IngressVerdict::kAccepted);
 }
 
-TEST(DeviceTracker, WhoIsSilentForTheLeaseTimeMakesRoom) {
+TEST(DeviceTracker, SilentTrackerLosesItsPlace) {
   Door door;
   ASSERT_EQ(door.open_refusal("a"), "");
   door.now += 1s;
@@ -151,7 +151,7 @@ TEST(DeviceTracker, WhoIsSilentForTheLeaseTimeMakesRoom) {
   EXPECT_EQ(door.tracker.client_name(), "client of b");
 }
 
-TEST(DeviceTracker, ABurstAfterAStallIsNotYoung) {
+TEST(DeviceTracker, BurstAfterAStallIsOld) {
   Door door;
   ASSERT_EQ(door.open_refusal("a"), "");
   for (int i = 0; i < 20; ++i, door.now += 10ms) door.say();

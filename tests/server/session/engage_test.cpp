@@ -30,7 +30,7 @@ TEST(Engage, NeedsTenSamples) {
   EXPECT_NE(rig.refusal.find("10"), std::string::npos);
 }
 
-TEST(Engage, NeedsTwoHundredMillisecondsWithoutAGap) {
+TEST(Engage, Needs200MillisecondsWithoutAGap) {
   DeviceRig rig;
   rig.control();
   rig.stream(150, 0.0);
@@ -38,7 +38,7 @@ TEST(Engage, NeedsTwoHundredMillisecondsWithoutAGap) {
   EXPECT_NE(rig.refusal.find("200"), std::string::npos);
 }
 
-TEST(Engage, AGapOverHoldEndStartsTheWaitAnew) {
+TEST(Engage, LongGapRestartsTheWait) {
   DeviceRig rig;
   rig.control();
   rig.stream(300, 0.0);
@@ -47,7 +47,7 @@ TEST(Engage, AGapOverHoldEndStartsTheWaitAnew) {
   EXPECT_EQ(rig.engage(), "STREAM_TOO_YOUNG");
 }
 
-TEST(Engage, NeedsAProxyYoungerThanHoldEnd) {
+TEST(Engage, NeedsAProxyBeforeHoldEnd) {
   DeviceRig rig;
   rig.control();
   rig.stream(300, 0.0);
@@ -64,7 +64,7 @@ TEST(Engage, NeedsAFreshDeviceSample) {
   EXPECT_EQ(rig.engage(), "DEVICE_STALE");
 }
 
-TEST(Engage, NeedsTheForceToStartWithinTheWindow) {
+TEST(Engage, NeedsForceWithinTheStartWindow) {
   DeviceRig rig;
   rig.control();
   rig.stream(300, 0.03);  // 3 N, the window is 2.5 N
@@ -84,7 +84,7 @@ TEST(Engage, NeedsArmed) {
   EXPECT_NE(rig.refusal.find("FAULT"), std::string::npos);
 }
 
-TEST(Engage, ForceRampsUpAndReleaseRampsItDown) {
+TEST(Engage, RampsUpAndReleaseRampsDown) {
   DeviceRig rig;
   rig.control();
   rig.stream(250, 0.01);
@@ -115,7 +115,7 @@ TEST(Engage, ReleaseIsIdempotent) {
   EXPECT_EQ(rig.state(), DeviceState::kArmed);
 }
 
-TEST(Engage, AfterForceWasLostItMustBeAskedForAnew) {
+TEST(Engage, LostForceNeedsAnotherRequest) {
   DeviceRig rig;
   const auto queue = rig.sessions->subscribe("s1");
   rig.control();
@@ -130,7 +130,7 @@ TEST(Engage, AfterForceWasLostItMustBeAskedForAnew) {
   EXPECT_EQ(rig.engage(), "");
 }
 
-TEST(Engage, ABurstAfterAStallDoesNotSaveAForceThatIsFading) {
+TEST(Engage, BurstDoesNotSaveFadingForce) {
   DeviceRig rig;
   rig.control();
   rig.press();
@@ -143,7 +143,7 @@ TEST(Engage, ABurstAfterAStallDoesNotSaveAForceThatIsFading) {
   EXPECT_EQ(rig.newest().input.proxy.seq, rig.seq);  // but where it is, is the newest
 }
 
-TEST(Engage, ALeaseThatEndsBeforeTheAnswerRefusesIt) {
+TEST(Engage, LeaseEndRefusesAPendingRequest) {
   DeviceRig rig;
   rig.control();
   std::string reason;
@@ -153,7 +153,7 @@ TEST(Engage, ALeaseThatEndsBeforeTheAnswerRefusesIt) {
   EXPECT_EQ(reason, "NOT_CONTROLLER");
 }
 
-TEST(Engage, OneThatWasGivenUpBringsNoForceWhenTheLoopGoesOn) {
+TEST(Engage, AbandonedRequestBringsNoForce) {
   DeviceRig rig;
   rig.control();
   rig.stream(250, 0.01);
@@ -168,7 +168,7 @@ TEST(Engage, OneThatWasGivenUpBringsNoForceWhenTheLoopGoesOn) {
   EXPECT_EQ(rig.engage(), "") << "the next one is as good as ever";
 }
 
-TEST(Engage, WithAReleaseInTheSameTickIsRefused) {
+TEST(Engage, SameTickReleaseRefusesIt) {
   DeviceRig rig;
   rig.control();
   rig.stream(250, 0.01);
@@ -178,7 +178,7 @@ TEST(Engage, WithAReleaseInTheSameTickIsRefused) {
   EXPECT_EQ(rig.state(), core::DeviceState::kArmed);
 }
 
-TEST(Engage, AfterSamplesThatWereAllRefusedSaysWhyTheyWere) {
+TEST(Engage, NamesWhySamplesWereRefused) {
   DeviceRig rig;
   rig.control();
   for (int i = 0; i < 20; ++i) {

@@ -46,7 +46,7 @@ bool contains(const std::vector<std::string>& all, const std::string& one) {
   return std::find(all.begin(), all.end(), one) != all.end();
 }
 
-TEST(Lease, AFreeDeviceIsGrantedAtOnceAndArms) {
+TEST(Lease, FreeDeviceIsGrantedAndArms) {
   DeviceRig rig;
   rig.tick(3);
   EXPECT_EQ(rig.state(), DeviceState::kIdle);
@@ -59,14 +59,14 @@ TEST(Lease, AFreeDeviceIsGrantedAtOnceAndArms) {
   EXPECT_EQ(rig.state(), DeviceState::kArmed);
 }
 
-TEST(Lease, BeforeTheLoopTicksALeaseIsGrantedToo) {
+TEST(Lease, IsGrantedBeforeTheLoopTicks) {
   DeviceRig rig;
   Reply reply;
   rig.sessions->open_controller(request("s1", "alice"), rig.now, reply.take());
   EXPECT_TRUE(reply.lease.has_value());
 }
 
-TEST(Lease, ASecondControllerIsRefusedWithTheHoldersName) {
+TEST(Lease, SecondControllerLearnsTheHoldersName) {
   DeviceRig rig;
   rig.control("s1", "alice");
   Reply reply;
@@ -79,7 +79,7 @@ TEST(Lease, ASecondControllerIsRefusedWithTheHoldersName) {
   EXPECT_EQ(rig.sessions->controller(), "alice");
 }
 
-TEST(Lease, TheEpochRisesByOneWithEveryController) {
+TEST(Lease, EveryControllerRaisesTheEpoch) {
   DeviceRig rig;
   for (std::uint32_t n = 1; n <= 4; ++n) {
     const std::string id = "s" + std::to_string(n);
@@ -88,7 +88,7 @@ TEST(Lease, TheEpochRisesByOneWithEveryController) {
   }
 }
 
-TEST(Lease, ItsClockRunsFromTheOpeningBeforeTheFirstSample) {
+TEST(Lease, ExpiresFromItsOpeningWithoutSamples) {
   DeviceRig rig;
   rig.tick(5);
   Reply reply;
@@ -103,7 +103,7 @@ TEST(Lease, ItsClockRunsFromTheOpeningBeforeTheFirstSample) {
   EXPECT_EQ(rig.state(), DeviceState::kIdle);
 }
 
-TEST(Lease, ItsClockRunsFromTheLastAcceptedSample) {
+TEST(Lease, ExpiresFromTheLastAcceptedSample) {
   DeviceRig rig;
   rig.control();
   rig.stream(3000, 0.0);  // the last one is published one tick before `now`
@@ -113,7 +113,7 @@ TEST(Lease, ItsClockRunsFromTheLastAcceptedSample) {
   EXPECT_FALSE(rig.sessions->holds_lease("s1"));
 }
 
-TEST(Lease, AFloodOfOldOrInvalidSamplesDoesNotKeepItAlive) {
+TEST(Lease, InvalidSamplesDoNotRenewIt) {
   DeviceRig rig;
   rig.control();
   rig.press();
@@ -136,7 +136,7 @@ TEST(Lease, AFloodOfOldOrInvalidSamplesDoesNotKeepItAlive) {
   EXPECT_EQ(rig.device->force, 0.0);
 }
 
-TEST(Lease, AnExpiredHolderBecomesAnObserverOfTheSameStream) {
+TEST(Lease, ExpiredHolderBecomesAnObserver) {
   DeviceRig rig;
   const auto queue = rig.sessions->subscribe("s1");
   rig.control();
@@ -151,7 +151,7 @@ TEST(Lease, AnExpiredHolderBecomesAnObserverOfTheSameStream) {
   EXPECT_TRUE(contains(reasons(*queue), "IDLE -> ARMED"));  // it still hears what happens
 }
 
-TEST(Lease, AfterTheHolderIsGoneForceIsZeroWithin200Milliseconds) {
+TEST(Lease, LostHolderEndsForceInTime) {
   DeviceRig rig;
   rig.control();
   rig.press();
@@ -172,7 +172,7 @@ TEST(Lease, AfterTheHolderIsGoneForceIsZeroWithin200Milliseconds) {
   EXPECT_EQ(rig.state(), DeviceState::kIdle);
 }
 
-TEST(Lease, ANewcomerIsAnsweredWhenThePredecessorsForceIsGone) {
+TEST(Lease, NewcomerWaitsForZeroForce) {
   DeviceRig rig;
   rig.control("s1", "alice");
   rig.press();
@@ -194,7 +194,7 @@ TEST(Lease, ANewcomerIsAnsweredWhenThePredecessorsForceIsGone) {
   EXPECT_EQ(rig.state(), DeviceState::kArmed);
 }
 
-TEST(Lease, ANewcomerWhoLeavesWhileWaitingLeavesNothingBehind) {
+TEST(Lease, WaitingNewcomerMayLeave) {
   DeviceRig rig;
   rig.control();
   rig.press();
@@ -223,7 +223,7 @@ TEST(Lease, LimitsMayBeTightenedNeverWidened) {
   EXPECT_NEAR(core::seconds(reply.lease->staleness.fresh_end), 2.5 / 60.0, 1e-6);
 }
 
-TEST(Lease, LimitsThatDoNotHoldTogetherAreRefusedByName) {
+TEST(Lease, NamesInconsistentLimits) {
   DeviceRig rig;
   LeaseRequest r = request("s1", "alice");
   r.fade_end = 120ms;  // hold_end is 100 ms: a fade of 20 ms is a jerk

@@ -26,7 +26,7 @@ std::vector<DeviceEvent> step(EventDetector& detector, core::Duration at,
   return events;
 }
 
-TEST(LimiterEvent, ComesWhenALimitBeginsToActAndNamesTheActuator) {
+TEST(LimiterEvent, BeginningLimitNamesTheActuator) {
   EventDetector detector;
   EXPECT_TRUE(step(detector, 0ms, {}).empty());
   const auto events = step(detector, 1ms, {core::Limiter::kPower});
@@ -43,7 +43,7 @@ TEST(LimiterEvent, OfATemperatureTellsIt) {
   EXPECT_EQ(events[0].message, "a limit holds actuator 1 at 7.5 and 93 C");
 }
 
-TEST(LimiterEvent, ALimitThatFlickersIsOneEvent) {
+TEST(LimiterEvent, FlickeringLimitIsOneEvent) {
   EventDetector detector;
   int count = 0;
   for (int ms = 0; ms < 5000; ++ms) {
@@ -56,7 +56,7 @@ TEST(LimiterEvent, ALimitThatFlickersIsOneEvent) {
   EXPECT_EQ(step(detector, 7s, {core::Limiter::kRate}).size(), 1u) << "after a second without";
 }
 
-TEST(LimiterEvent, WhatConcernsTheProxyIsNoEvent) {
+TEST(LimiterEvent, ProxyLimitsAreNoEvent) {
   EventDetector detector;
   EXPECT_TRUE(
       step(detector, 0ms,

@@ -73,7 +73,7 @@ class ResumeTest : public testing::Test {
   DeviceRig rig;
 };
 
-TEST_F(ResumeTest, AgeAndGainAreUntouchedAndTheEpochRises) {
+TEST_F(ResumeTest, KeepsAgeAndGainRaisesEpoch) {
   press();
   rig.sessions->close("s1", kLost);
   for (int i = 0; i < 30; ++i) {  // within fresh_end and hold_end
@@ -100,7 +100,7 @@ TEST_F(ResumeTest, AgeAndGainAreUntouchedAndTheEpochRises) {
   }
 }
 
-TEST_F(ResumeTest, WritesOfTheFormerEpochAreRefused) {
+TEST_F(ResumeTest, RefusesWritesOfFormerEpoch) {
   press();
   rig.sessions->close("s1", kLost);
   EXPECT_EQ(rig.publish(0.01), IngressVerdict::kAccepted);  // what was under way still counts
@@ -117,7 +117,7 @@ TEST_F(ResumeTest, TheSequenceGoesOn) {
   EXPECT_EQ(rig.publish(0.01), IngressVerdict::kOldSequence);
 }
 
-TEST_F(ResumeTest, ASessionThatIsNotResumableEndsWithItsStream) {
+TEST_F(ResumeTest, UnresumableSessionEndsWithItsStream) {
   rig.control();
   rig.press();
   rig.sessions->close("s1", kLost);
@@ -126,7 +126,7 @@ TEST_F(ResumeTest, ASessionThatIsNotResumableEndsWithItsStream) {
   EXPECT_EQ(rig.sessions->controller(), "");
 }
 
-TEST_F(ResumeTest, WhoLeavesOnPurposeDoesNotComeBack) {
+TEST_F(ResumeTest, DeliberateLeaveCannotResume) {
   press();
   rig.sessions->close("s1");
   const auto reply = ask(resuming("s2", "s1"));
@@ -136,7 +136,7 @@ TEST_F(ResumeTest, WhoLeavesOnPurposeDoesNotComeBack) {
   EXPECT_FALSE(reply->lease->resumed);
 }
 
-TEST_F(ResumeTest, WithoutItsClientForceIsZeroIn200MillisecondsAndTheLeaseEndsIn2Seconds) {
+TEST_F(ResumeTest, LostClientEndsForceThenLease) {
   press();
   const auto queue = rig.sessions->subscribe("observer");
   rig.sessions->close("s1", kLost);
@@ -155,7 +155,7 @@ TEST_F(ResumeTest, WithoutItsClientForceIsZeroIn200MillisecondsAndTheLeaseEndsIn
   EXPECT_FALSE(reply->lease->resumed);
 }
 
-TEST_F(ResumeTest, ComingBackAgainAndAgainIsNoSignOfLife) {
+TEST_F(ResumeTest, ResumingIsNoSignOfLife) {
   press();
   int came_back = 0;
   for (; came_back < 5; ++came_back) {
@@ -173,7 +173,7 @@ TEST_F(ResumeTest, ComingBackAgainAndAgainIsNoSignOfLife) {
   EXPECT_EQ(rig.state(), DeviceState::kIdle);
 }
 
-TEST_F(ResumeTest, AStreamThatOnlyTheClientKnowsToBeLostIsResumedToo) {
+TEST_F(ResumeTest, ClientMayResumeAnOpenStream) {
   press();
   const auto reply = ask(resuming("s2", "s1"));
   ASSERT_TRUE(reply->lease);
@@ -191,7 +191,7 @@ TEST_F(ResumeTest, AnotherSessionsNameResumesNothing) {
   EXPECT_EQ(reply->refusal->reason, "LEASE_HELD");
 }
 
-TEST_F(ResumeTest, WhoWantsADetachedDeviceGetsItOnceItsForceIsGone) {
+TEST_F(ResumeTest, DetachedDeviceFreesAtZeroForce) {
   press();
   rig.sessions->close("s1", kLost);
   const auto test = ask(resumable("s2", "tester", Priority::kTest));
@@ -221,7 +221,7 @@ TEST_F(ResumeTest, SettingsSurvive) {
   EXPECT_TRUE(rig.sessions->update_settings("s2", settings));
 }
 
-TEST_F(ResumeTest, ASettingThatIsHeldIsAnEventForEveryone) {
+TEST_F(ResumeTest, HeldSettingIsReportedToAll) {
   press();
   const auto queue = rig.sessions->subscribe("observer");
   server::SettingsRequest settings;
@@ -244,7 +244,7 @@ TEST_F(ResumeTest, OnlyAHigherPriorityPreempts) {
   EXPECT_TRUE(rig.sessions->holds_lease("s1"));
 }
 
-TEST_F(ResumeTest, PreemptionFadesTheOldHolderOutAndAnswersAtZero) {
+TEST_F(ResumeTest, PreemptionFadesThenAnswersAtZero) {
   press();
   const auto queue = rig.sessions->subscribe("s1");
   const auto boss = ask(resumable("s2", "boss", Priority::kOperator));
@@ -274,7 +274,7 @@ TEST_F(ResumeTest, PreemptionFadesTheOldHolderOutAndAnswersAtZero) {
   EXPECT_EQ(count(all, "LEASE_GRANTED"), 1);
 }
 
-TEST_F(ResumeTest, WithoutForcePreemptionKeepsTheDeviceArmed) {
+TEST_F(ResumeTest, ForcelessPreemptionKeepsTheDeviceArmed) {
   rig.tick(3);
   ASSERT_TRUE(ask(resumable("s1", "alice"))->lease);
   rig.tick(5);
@@ -297,7 +297,7 @@ TEST_F(ResumeTest, APreemptedHolderCannotResume) {
   EXPECT_TRUE(boss->lease);
 }
 
-TEST_F(ResumeTest, AnOperatorWhoLeavesWhileWaitingLeavesAFreeDevice) {
+TEST_F(ResumeTest, WaitingOperatorLeavesAFreeDevice) {
   press();
   const auto boss = ask(resumable("s2", "boss", Priority::kOperator));
   rig.sessions->close("s2", kLost);
@@ -308,7 +308,7 @@ TEST_F(ResumeTest, AnOperatorWhoLeavesWhileWaitingLeavesAFreeDevice) {
   EXPECT_EQ(rig.newest().input.settings.stiffness[0], 100.0);
 }
 
-TEST_F(ResumeTest, WhoWaitsGivesWayToAHigherPriority) {
+TEST_F(ResumeTest, HigherPriorityOvertakesAWaitingClient) {
   rig.tick(3);
   ASSERT_TRUE(ask(resumable("s1", "alice", Priority::kTest))->lease);
   rig.tick(5);
@@ -324,7 +324,7 @@ TEST_F(ResumeTest, WhoWaitsGivesWayToAHigherPriority) {
   EXPECT_EQ(boss->lease->taken_from, "alice");
 }
 
-TEST_F(ResumeTest, TheCarrierOfAStateIsThatOfTheSampleInUse) {
+TEST_F(ResumeTest, StatesCarrierIsTheUsedSamples) {
   press();
   server::ProxySample sample;
   sample.epoch = 1;

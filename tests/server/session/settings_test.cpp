@@ -42,7 +42,7 @@ TEST(Settings, MayRiseAgainWithinTheScene) {
   EXPECT_EQ(answer.value->stiffness.value[0], 90.0);
 }
 
-TEST(Settings, OfTheWrongSizeOrNoNumberAreRefusedByFieldAndChangeNothing) {
+TEST(Settings, WrongFieldsAreNamedAndIgnored) {
   DeviceRig rig;
   rig.control();
   const auto refused = [&](const SettingsRequest& request) {
@@ -73,7 +73,7 @@ TEST(Settings, AreTheControllersAlone) {
   EXPECT_EQ(answer.refusal.code, Refusal::Code::kPermission);
 }
 
-TEST(Settings, TheRendererChangesOnlyWhileNoForceIsOn) {
+TEST(Settings, RendererChangesOnlyWithoutForce) {
   DeviceRig rig;
   rig.control();
   SettingsRequest request;
@@ -88,7 +88,7 @@ TEST(Settings, TheRendererChangesOnlyWhileNoForceIsOn) {
   EXPECT_NE(answer.refusal.message.view().find("ENGAGED"), std::string::npos);
 }
 
-TEST(Settings, TheRendererDoesNotChangeUnderAnEngageThatIsOnItsWay) {
+TEST(Settings, PendingEngageKeepsTheRenderer) {
   DeviceRig rig;
   rig.control();
   rig.stream(250, 0.01);
@@ -98,7 +98,7 @@ TEST(Settings, TheRendererDoesNotChangeUnderAnEngageThatIsOnItsWay) {
   EXPECT_FALSE(rig.sessions->update_settings("s1", request));
 }
 
-TEST(Settings, TheScenesGuardCannotBeSwitchedOff) {
+TEST(Settings, ScenesGuardCannotBeDisabled) {
   core::PipelineConfig config = rig_config();
   config.scene.direction_guard = true;
   DeviceRig rig(config);
@@ -109,7 +109,7 @@ TEST(Settings, TheScenesGuardCannotBeSwitchedOff) {
   EXPECT_EQ(answer.refusal.reason, "GUARD_REQUIRED");
 }
 
-TEST(Settings, AGuardThatASessionSwitchedOnItMaySwitchOff) {
+TEST(Settings, SessionMayDisableItsOwnGuard) {
   DeviceRig rig;
   rig.control();
   SettingsRequest request;
@@ -119,7 +119,7 @@ TEST(Settings, AGuardThatASessionSwitchedOnItMaySwitchOff) {
   EXPECT_FALSE(rig.sessions->update_settings("s1", request).value->direction_guard);
 }
 
-TEST(Settings, GoBackToTheScenesWhenTheLeaseEndedAndNotBeforeForceIsGone) {
+TEST(Settings, ReturnToScenesAtZeroForce) {
   DeviceRig rig;
   rig.control();
   SettingsRequest request;
@@ -136,7 +136,7 @@ TEST(Settings, GoBackToTheScenesWhenTheLeaseEndedAndNotBeforeForceIsGone) {
   EXPECT_EQ(rig.newest().input.settings.stiffness[0], 100.0);
 }
 
-TEST(Settings, ANewControllerStartsWithTheScenes) {
+TEST(Settings, NewControllerStartsWithTheScenes) {
   DeviceRig rig;
   rig.control("s1");
   SettingsRequest request;

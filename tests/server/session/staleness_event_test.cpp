@@ -42,7 +42,7 @@ class StalenessEvent : public testing::Test {
   core::TimePoint last_sample{};
 };
 
-TEST_F(StalenessEvent, EveryLevelOfASilenceIsToldOnceAndAtItsAge) {
+TEST_F(StalenessEvent, EachLevelIsReportedOnce) {
   rig.tick(400);
   const auto told = changes(*queue, last_sample);
   // A client of 1 kHz is fresh for 5 ms (2.5 periods, but at least that), holds to 100 and fades to
@@ -56,7 +56,7 @@ TEST_F(StalenessEvent, EveryLevelOfASilenceIsToldOnceAndAtItsAge) {
   }
 }
 
-TEST_F(StalenessEvent, TheFirstSampleAfterItIsToldToo) {
+TEST_F(StalenessEvent, FirstSampleAfterSilenceIsReported) {
   rig.tick(50);
   rig.stream(20, 0.01);
   const auto told = changes(*queue, last_sample);
@@ -65,7 +65,7 @@ TEST_F(StalenessEvent, TheFirstSampleAfterItIsToldToo) {
   EXPECT_EQ(told[1].reason, "HOLD -> FRESH");
 }
 
-TEST_F(StalenessEvent, WhereANewLeaseHasNoProxyYetNoneIsSaidToBeOld) {
+TEST_F(StalenessEvent, NewLeaseReportsNoOldProxy) {
   EventDetector detector;
   core::TickRecord record;
   record.proxy.level = core::Staleness::kHold;

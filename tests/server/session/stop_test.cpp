@@ -18,7 +18,7 @@ FaultSet only(Fault fault) {
   return set;
 }
 
-TEST(EmergencyStop, NeedsNoSessionAndZeroesTheCommandWithinTwoTicks) {
+TEST(EmergencyStop, ZeroesTheCommandWithinTwoTicks) {
   DeviceRig rig;
   rig.control();
   rig.press();
@@ -32,7 +32,7 @@ TEST(EmergencyStop, NeedsNoSessionAndZeroesTheCommandWithinTwoTicks) {
   EXPECT_EQ(rig.device->force, 0.0);
 }
 
-TEST(EmergencyStop, ItsEventCarriesTheReasonThatWasGiven) {
+TEST(EmergencyStop, EventCarriesTheGivenReason) {
   DeviceRig rig;
   rig.tick(3);
   const auto queue = rig.sessions->subscribe("watcher");
@@ -48,7 +48,7 @@ TEST(EmergencyStop, ItsEventCarriesTheReasonThatWasGiven) {
   EXPECT_TRUE(seen);
 }
 
-TEST(ClearFault, AFaultStaysUntilItIsClearedThenTheDeviceIsIdleOrArmed) {
+TEST(ClearFault, FaultStaysUntilCleared) {
   DeviceRig rig;
   rig.tick(3);
   rig.sessions->emergency_stop("", [](const Outcome<Done>&) {});
@@ -62,7 +62,7 @@ TEST(ClearFault, AFaultStaysUntilItIsClearedThenTheDeviceIsIdleOrArmed) {
   EXPECT_EQ(rig.state(), DeviceState::kIdle);
 }
 
-TEST(ClearFault, IsRefusedByNameWhileTheCauseIsThere) {
+TEST(ClearFault, NamesThePersistingCause) {
   DeviceRig rig;
   rig.tick(3);
   rig.device->lost = true;
@@ -77,7 +77,7 @@ TEST(ClearFault, IsRefusedByNameWhileTheCauseIsThere) {
   EXPECT_EQ(rig.state(), DeviceState::kFault);
 }
 
-TEST(ClearFault, TwoRequestsInOneTickClearBothTheirFaults) {
+TEST(ClearFault, TwoRequestsClearBothFaults) {
   DeviceRig rig;
   rig.tick(3);
   rig.device->lost = true;
@@ -94,7 +94,7 @@ TEST(ClearFault, TwoRequestsInOneTickClearBothTheirFaults) {
   EXPECT_FALSE(rig.newest().faults().any());
 }
 
-TEST(ClearFault, OneThatWaitsItsTurnClearsNoStopThatCameMeanwhile) {
+TEST(ClearFault, WaitingRequestClearsNoLaterStop) {
   DeviceRig rig;
   rig.tick(3);
   rig.sessions->emergency_stop("first", [](const Outcome<Done>&) {});
@@ -111,7 +111,7 @@ TEST(ClearFault, OneThatWaitsItsTurnClearsNoStopThatCameMeanwhile) {
   EXPECT_EQ(rig.state(), DeviceState::kFault);
 }
 
-TEST(ClearFault, OfAFaultThatIsNotActiveClearsNothing) {
+TEST(ClearFault, InactiveFaultClearsNothing) {
   DeviceRig rig;
   rig.tick(3);
   std::optional<FaultSet> cleared;

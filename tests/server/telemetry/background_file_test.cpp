@@ -23,7 +23,7 @@ std::filesystem::path scratch(const char* name) {
          ("haptic-" + std::to_string(getpid()) + "-" + name);
 }
 
-TEST(BackgroundFile, HoldsWhatWasAppendedInItsOrder) {
+TEST(BackgroundFile, KeepsTheOrderOfAppends) {
   const auto path = scratch("order");
   std::string expected;
   {
@@ -54,7 +54,7 @@ struct Hang {
   }
 };
 
-TEST(BackgroundFile, ADiskThatHangsCostsTextAndASecondAtTheEndButNobodysTime) {
+TEST(BackgroundFile, HangingDiskBlocksNoAppend) {
   const auto path = scratch("hang");
   const auto hang = std::make_shared<Hang>();
   auto file = std::make_unique<BackgroundFile>(path, hang->write(hang));
@@ -85,7 +85,7 @@ TEST(BackgroundFile, AFullDiskEndsIt) {
   EXPECT_FALSE(file.append(text));
 }
 
-TEST(BackgroundFile, ANamedPipeThatNobodyReadsIsRefusedAtOnce) {
+TEST(BackgroundFile, RefusesAnUnreadPipe) {
   const auto path = scratch("pipe");
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
   EXPECT_THROW(BackgroundFile{path}, core::SceneError);

@@ -23,7 +23,7 @@ TEST(ServiceManager, IsFedWhileTheLoopTicks) {
   EXPECT_EQ(manager.heard, (std::vector<std::string>{"WATCHDOG=1", "WATCHDOG=1"}));
 }
 
-TEST(ServiceManager, IsNotFedByALoopThatStandsStill) {
+TEST(ServiceManager, StalledLoopDoesNotFeedIt) {
   Manager manager(milliseconds(2000));
   manager.service.pulse(0);  // before the first tick
   EXPECT_TRUE(manager.heard.empty());
@@ -33,7 +33,7 @@ TEST(ServiceManager, IsNotFedByALoopThatStandsStill) {
   EXPECT_EQ(manager.heard.size(), 1u);
 }
 
-TEST(ServiceManager, IsFedTwicePerWatchdogTimeEvenIfOneComesLate) {
+TEST(ServiceManager, IsFedTwicePerWatchdogTime) {
   EXPECT_EQ(Manager(milliseconds(2000)).service.pulse_period(), milliseconds(500));
 }
 
@@ -44,7 +44,7 @@ TEST(ServiceManager, WithoutAWatchdogNobodyIsFed) {
   EXPECT_TRUE(manager.heard.empty());
 }
 
-TEST(ServiceManager, IsToldOfTheStartAndTheEnd) {
+TEST(ServiceManager, LearnsOfStartAndEnd) {
   Manager manager(std::nullopt);
   manager.service.ready("serving 'x'");
   manager.service.stopping();

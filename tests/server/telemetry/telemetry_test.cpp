@@ -38,7 +38,7 @@ void tick(DeviceRig& rig, int n) {
   }
 }
 
-TEST(Telemetry, TellsEveryRecordInOrderAndThenTheNewest) {
+TEST(Telemetry, DeliversRecordsInOrderThenNewest) {
   DeviceRig rig;
   struct : RecordListener {
     void on_record(const TickRecord& record) override { ticks.push_back(record.beat.tick); }
@@ -57,7 +57,7 @@ TEST(Telemetry, TellsEveryRecordInOrderAndThenTheNewest) {
   EXPECT_EQ(rig.telemetry->newest(0).beat.tick, 4u);
 }
 
-TEST(Telemetry, TellsServiceBeforeBackgroundAndElseInTheOrderOfAdding) {
+TEST(Telemetry, ServiceComesBeforeBackground) {
   DeviceRig rig;
   std::string diary;
   Diarist a(diary, "a"), b(diary, "b"), c(diary, "c"), d(diary, "d");
@@ -71,7 +71,7 @@ TEST(Telemetry, TellsServiceBeforeBackgroundAndElseInTheOrderOfAdding) {
   for (Diarist* diarist : {&a, &b, &c, &d}) rig.telemetry->remove(0, diarist);
 }
 
-TEST(Telemetry, AListenerMayRemoveItselfAndOthersWhileItIsCalled) {
+TEST(Telemetry, ListenersMayRemoveListeners) {
   DeviceRig rig;
   std::string diary;
   Diarist other(diary, "o");
@@ -96,7 +96,7 @@ TEST(Telemetry, AListenerMayRemoveItselfAndOthersWhileItIsCalled) {
   EXPECT_EQ(diary, "");
 }
 
-TEST(Telemetry, AListenerAddedWhileOneIsCalledHearsFromTheNextRoundOn) {
+TEST(Telemetry, AddedListenerHearsTheNextRound) {
   DeviceRig rig;
   std::string diary;
   Diarist late(diary, "l");
@@ -123,7 +123,7 @@ TEST(Telemetry, AListenerAddedWhileOneIsCalledHearsFromTheNextRoundOn) {
 
 // A loop that ticks as fast as it can, the drain awake by its bell alone, four threads that come
 // and go: nobody is called after remove() returned. What matters most is that tsan finds nothing.
-TEST(Telemetry, NobodyIsCalledAfterRemoveUnderLoad) {
+TEST(Telemetry, RemovedListenerIsNeverCalled) {
   struct Visitor final : RecordListener {
     std::atomic<bool> present{false};
     std::atomic<int> calls{0};

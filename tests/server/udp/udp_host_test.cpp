@@ -9,7 +9,7 @@ namespace {
 
 using server::UdpPort;
 
-TEST(UdpHost, IsNotToldWhereAClientKnowsABetterName) {
+TEST(UdpHost, IsAbsentIfClientKnowsBetter) {
   // Streams at the same address: behind a relay or a translator that has another name.
   EXPECT_EQ(UdpPort("127.0.0.1:0", {"127.0.0.1:0"}).host(), "");
   EXPECT_EQ(UdpPort("127.0.0.1:0", {"localhost:0"}).host(), "");
@@ -17,7 +17,7 @@ TEST(UdpHost, IsNotToldWhereAClientKnowsABetterName) {
   EXPECT_EQ(UdpPort("127.0.0.1:0", {"127.0.0.1:0", "unix:/tmp/x"}).host(), "");
 }
 
-TEST(UdpHost, IsToldWhereAClientCouldNotGuessIt) {
+TEST(UdpHost, IsToldIfClientCannotGuess) {
   EXPECT_EQ(UdpPort("127.0.0.1:0", {"127.0.0.2:0"}).host(), "127.0.0.1");
   EXPECT_EQ(UdpPort("127.0.0.1:0", {"unix:/tmp/x"}).host(), "127.0.0.1");
   EXPECT_EQ(UdpPort("127.0.0.2:0", {"127.0.0.2:0", "unix:/tmp/x"}).host(), "127.0.0.2");

@@ -69,7 +69,7 @@ class UdpPortTest : public testing::Test {
   TestEnd client{wire::End::kClient, opened.keys};
 };
 
-TEST_F(UdpPortTest, WhatWaitedInTheSocketIsAsOldAsItIs) {
+TEST_F(UdpPortTest, WaitingInTheSocketAges) {
   // A kernel begins to stamp datagrams a moment after the first socket of the host asked for it.
   std::this_thread::sleep_for(200ms);
   // The port's thread is not there yet, as if the host had stopped it.
@@ -82,7 +82,7 @@ TEST_F(UdpPortTest, WhatWaitedInTheSocketIsAsOldAsItIs) {
   EXPECT_GT(server::steady_now() - sink->samples().front().arrival, 100ms - 1ms);
 }
 
-TEST_F(UdpPortTest, WhatIsRejectedIsCountedByItsReasonAndNeverAnswered) {
+TEST_F(UdpPortTest, RejectionsAreCountedNeverAnswered) {
   port.start();
   const ByteVector good = client.seal(wire::DatagramType::kProxy, sample(1));
   ByteVector magic = good, version = good, type = good, path = good, tag = good;
@@ -107,7 +107,7 @@ TEST_F(UdpPortTest, WhatIsRejectedIsCountedByItsReasonAndNeverAnswered) {
   EXPECT_EQ(sink->samples().size(), 1U);
 }
 
-TEST_F(UdpPortTest, ABurstIsTakenWholeAndInOrder) {
+TEST_F(UdpPortTest, TakesAWholeBurstInOrder) {
   for (std::uint64_t seq = 1; seq <= 300; ++seq) {
     sender.send_raw(client.seal(wire::DatagramType::kProxy, sample(seq)), port.port());
   }
@@ -117,7 +117,7 @@ TEST_F(UdpPortTest, ABurstIsTakenWholeAndInOrder) {
   for (const auto& taken : sink->samples()) EXPECT_EQ(taken.seq, ++expected);
 }
 
-TEST_F(UdpPortTest, NewKeysAreHandedOutAndTakenWithoutAGap) {
+TEST_F(UdpPortTest, NewKeysComeWithoutAGap) {
   port.start();
   UdpEnd end(wire::End::kClient, opened.keys, port.port());
   ASSERT_TRUE(eventually([&] { return end.in_use() && opened.path->in_use(); }));
@@ -136,7 +136,7 @@ TEST_F(UdpPortTest, NewKeysAreHandedOutAndTakenWithoutAGap) {
   EXPECT_EQ(sink->changes(), std::vector<wire::PathChange>{wire::PathChange::kUp});
 }
 
-TEST_F(UdpPortTest, PathIdsDoNotPileUpHoweverOftenKeysChange) {
+TEST_F(UdpPortTest, PathIdsDoNotPileUp) {
   port.start();
   for (int i = 0; i < 1000; ++i) port.rekey(opened.path);
   EXPECT_EQ(sink->keys().size(), 1000U);
@@ -151,7 +151,7 @@ TEST_F(UdpPortTest, PathIdsDoNotPileUpHoweverOftenKeysChange) {
   EXPECT_EQ(sink->keys().size(), 1000U);
 }
 
-TEST_F(UdpPortTest, AClientCannotHaveNewKeysMadeAsFastAsItLikes) {
+TEST_F(UdpPortTest, ClientCannotForceRapidRekeys) {
   port.start();
   const auto leap = [&](const wire::PathKeys& keys) {
     wire::Sealer sealer(keys.path_id, keys.up, wire::Sealer::kPacketsPerKey / 2 + 1);
@@ -177,7 +177,7 @@ TEST_F(UdpPortTest, AClientCannotHaveNewKeysMadeAsFastAsItLikes) {
   EXPECT_LE(port.path_ids(), 3U);
 }
 
-TEST_F(UdpPortTest, AClosedPathIsUnknownAndItsClientIsTold) {
+TEST_F(UdpPortTest, ClosedPathIsUnknownAndReported) {
   port.start();
   UdpEnd end(wire::End::kClient, opened.keys, port.port());
   ASSERT_TRUE(eventually([&] { return end.in_use() && opened.path->in_use(); }));
@@ -188,7 +188,7 @@ TEST_F(UdpPortTest, AClosedPathIsUnknownAndItsClientIsTold) {
   EXPECT_TRUE(sink->samples().empty());
 }
 
-TEST(UdpPort, AnAddressThatCannotBeBoundIsRefusedByName) {
+TEST(UdpPort, NamesAnAddressItCannotBind) {
   server::UdpPort first("127.0.0.1:0");
   const std::string taken = "127.0.0.1:" + std::to_string(first.port());
   try {

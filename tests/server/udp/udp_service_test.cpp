@@ -72,7 +72,7 @@ struct UdpSession {
   std::unique_ptr<UdpEnd> udp;
 };
 
-TEST(UdpService, IsOfferedWhereItIsWantedAndThereOnly) {
+TEST(UdpService, IsOfferedOnlyIfWanted) {
   LiveServer server(with_udp());
   TestSession without(server.channel(), v1::ROLE_OBSERVER, "bob");
   ASSERT_TRUE(without.wait_opened());
@@ -93,13 +93,13 @@ TEST(UdpService, AServerWithoutItSaysWhy) {
   EXPECT_NE(session.opened().udp_refused().find("udp_listen"), std::string::npos);
 }
 
-TEST(UdpService, AnAddressBeyondThisHostIsRefused) {
+TEST(UdpService, RefusesAnAddressBeyondThisHost) {
   server::RpcConfig config = with_udp();
   config.udp_listen = "0.0.0.0:0";
   EXPECT_THROW(LiveServer{config}, core::TransportError);
 }
 
-TEST(UdpService, StatesComeByUdpOnceThePathProvedGoodAndByOneCarrierOnly) {
+TEST(UdpService, StatesComeByOneCarrier) {
   LiveServer server(with_udp());
   UdpSession alice(server, v1::ROLE_OBSERVER);
   ASSERT_TRUE(alice.wait_in_use());
@@ -139,7 +139,7 @@ TEST(UdpService, ForceFromSamplesByUdp) {
   EXPECT_TRUE(eventually([&] { return alice.heard_reason("SAMPLES GRPC -> UDP"); }));
 }
 
-TEST(UdpService, BothCarriersGoThroughOneDoorInTheOrderOfTheNumbers) {
+TEST(UdpService, BothCarriersShareOneSequence) {
   LiveServer server(with_udp());
   UdpSession alice(server);
   ASSERT_TRUE(alice.wait_in_use());
@@ -160,7 +160,7 @@ TEST(UdpService, BothCarriersGoThroughOneDoorInTheOrderOfTheNumbers) {
   EXPECT_TRUE(eventually([&] { return alice.heard_reason("SAMPLES UDP -> GRPC"); }));
 }
 
-TEST(UdpService, ACarrierThatChangesWithEverySampleIsToldAFewTimesASecond) {
+TEST(UdpService, CarrierChangesAreReportedSparingly) {
   LiveServer server(with_udp());
   UdpSession alice(server);
   ASSERT_TRUE(alice.wait_in_use());
@@ -195,7 +195,7 @@ TEST(UdpService, ACarrierThatChangesWithEverySampleIsToldAFewTimesASecond) {
   EXPECT_LT(told, 60);  // of 119 changes
 }
 
-TEST(UdpService, NoChangeOfCarrierMovesTheForce) {
+TEST(UdpService, CarrierChangeDoesNotMoveForce) {
   LiveServer server(with_udp());
   UdpSession alice(server);
   ASSERT_TRUE(alice.wait_in_use());
@@ -226,7 +226,7 @@ TEST(UdpService, NoChangeOfCarrierMovesTheForce) {
   EXPECT_EQ(carriers.size(), 2U);
 }
 
-TEST(UdpService, AReplayedCaptureAndJunkChangeNothingAndGetNoAnswer) {
+TEST(UdpService, ReplayAndJunkGetNoAnswer) {
   LiveServer server(with_udp());
   UdpSession alice(server);
   ASSERT_TRUE(alice.wait_in_use());
@@ -250,7 +250,7 @@ TEST(UdpService, AReplayedCaptureAndJunkChangeNothingAndGetNoAnswer) {
   EXPECT_TRUE(alice.udp->in_use());
 }
 
-TEST(UdpService, APathThatFallsSilentGivesTheStatesBackToTheStream) {
+TEST(UdpService, SilentPathReturnsStatesToStream) {
   LiveServer server(with_udp());
   UdpSession alice(server, v1::ROLE_OBSERVER);
   ASSERT_TRUE(alice.wait_in_use());

@@ -58,7 +58,7 @@ class ClientForce : public WithServer {
   std::unique_ptr<client::Session> session;
 };
 
-TEST_F(ClientForce, EngageThrowsWhatIsMissing) {
+TEST_F(ClientForce, EngageThrowsTheMissingCondition) {
   open({});
   server.answer_engage(not_yet("STREAM_TOO_YOUNG"));
   const ClientError error = error_of([&] { return session->engage(), 0; });
@@ -118,7 +118,7 @@ TEST_F(ClientForce, FaultEndsReEngage) {
   EXPECT_TRUE(asked(2));
 }
 
-TEST_F(ClientForce, WithoutReconnectTheEndIsFinal) {
+TEST_F(ClientForce, EndIsFinalWithoutReconnect) {
   client::SessionOptions wanted;
   wanted.on_disconnect = [&](const ClientError&, bool retry) { retry ? ++losses : ++ends; };
   open(wanted);

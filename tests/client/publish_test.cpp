@@ -19,7 +19,7 @@ bool rising(const std::vector<v1::ProxySample>& samples) {
   return true;
 }
 
-TEST_F(Publish, CarriesWhatWasGiven) {
+TEST_F(Publish, CarriesTheGivenSample) {
   const auto session = open();
   Proxy proxy = Proxy::held({0.25, -1.5});
   proxy.valid_for = std::chrono::microseconds(12345);

@@ -53,7 +53,7 @@ TEST_F(Resume, ALostStreamIsResumed) {
   EXPECT_GT(server.heard().samples.back().seq(), server.heard().samples.front().seq());
 }
 
-TEST_F(Resume, OtherwiseTheSessionBeginsAnew) {
+TEST_F(Resume, UnresumableSessionStartsAfresh) {
   const auto session = open(reconnecting());
   server.send_state(100);
   ASSERT_TRUE(server.until([&] { return session->state().seq == 100; }));
@@ -78,7 +78,7 @@ TEST_F(Resume, ReleasedForceIsNotResumed) {
   ASSERT_TRUE(server.until([&] { return session->connected(); }));
 }
 
-TEST_F(Resume, WithoutReconnectNoneIsAskedFor) {
+TEST_F(Resume, AsksForNoneWithoutReconnect) {
   auto session = open();
   EXPECT_FALSE(server.heard().openings.front().resumable());
   session.reset();

@@ -22,7 +22,7 @@ TEST_F(ClientSession, ARefusedOpeningSaysWhy) {
   EXPECT_STREQ(error.what(), "held by \"other\"");
 }
 
-TEST_F(ClientSession, OpensWithWhatWasAskedFor) {
+TEST_F(ClientSession, OpensWithTheGivenOptions) {
   client::SessionOptions options;
   options.device = "finger";
   options.client_name = "a test";

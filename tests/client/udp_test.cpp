@@ -149,7 +149,7 @@ TEST_F(ClientUdp, SilentPathSendsTheNewestAgain) {
   EXPECT_EQ(server.heard().samples.size(), 2U);
 }
 
-TEST_F(ClientUdp, WithoutSampleNothingIsSentAgain) {
+TEST_F(ClientUdp, RepeatsNothingWithoutASample) {
   const auto session = open();
   ASSERT_TRUE(in_use(*session));
   udp.cut = true;  // doubt first, silence then
@@ -194,7 +194,7 @@ TEST_F(ClientUdp, EndOfTheStreamEndsIt) {
   EXPECT_TRUE(udp.messages().empty());
 }
 
-TEST_F(ClientUdp, WithoutAnswerTheStreamCarriesOn) {
+TEST_F(ClientUdp, UnansweredPathLeavesTheStream) {
   server.offer_udp(offer(keys, 9));  // discard: nobody listens on loopback
   const auto session = open();
   session->publish(Proxy::held({0.01}));

@@ -105,7 +105,7 @@ struct GuideRun : ::testing::Test {
   }
 };
 
-TEST_F(GuideRun, FindsWhatTheSensorsMean) {
+TEST_F(GuideRun, FindsTheSensorsMeaning) {
   const CalibrationResult result = run(good());
   ASSERT_EQ(result.dofs.size(), 2u);
   EXPECT_EQ(result.dofs[0].name, "l_x");

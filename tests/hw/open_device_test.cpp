@@ -37,7 +37,7 @@ std::string error_of(const DeviceConfig& config,
   return "no error";
 }
 
-TEST(OpenDevice, OpensWhatTheConfigurationNames) {
+TEST(OpenDevice, OpensTheConfiguredDevice) {
   const auto finger = open_device(SimulatedFingerConfig{}, core::make_finger_exoskeleton({}));
   EXPECT_EQ(finger->info().kind, "simulated");
   EXPECT_EQ(finger->info().dofs.size(), 2u);

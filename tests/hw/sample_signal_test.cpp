@@ -36,7 +36,7 @@ TEST(SampleSignal, ManyPostsAreOneSignal) {
   EXPECT_FALSE(signal.wait_until(kPast));
 }
 
-TEST(SampleSignal, WhatIsForgottenWakesNobody) {
+TEST(SampleSignal, ForgottenSamplesWakeNoLoop) {
   SampleSignal signal;
   signal.forget();
   signal.post(kPast);

@@ -115,7 +115,7 @@ TEST(ProtoComments, ExplainEverythingOfAScene) {
   expect_explained(*v1::Scene::descriptor()->file());
 }
 
-TEST(ProtoComments, AreMissedWhereThereAreNone) {
+TEST(ProtoComments, MissingOnesAreFound) {
   const auto found = declarations(
       "message M {\n  // above\n  int32 a = 1;\n  repeated double b = 2;  // behind\n"
       "  optional int64 c = 3;\n}\nenum E {\n  E_X = 1;\n}\n  rpc Call(A) returns (B);\n");

@@ -74,7 +74,7 @@ TEST(UdpRelay, PassesBothWays) {
   EXPECT_EQ(heard, answer);
 }
 
-TEST(UdpRelay, LosesWhatTheVirtualLinkLoses) {
+TEST(UdpRelay, LosesTheVirtualLinksPackets) {
   const Scenario trouble = scenario("seed: 9 up { loss: 0.4 }");
   ImpairedLink link(trouble.up, trouble.seed, Carrier::kUdp);
   std::vector<std::uint32_t> expected;

@@ -99,7 +99,7 @@ TEST(Force, AnEngageTakenBackIsReleased) {
   EXPECT_FALSE(force.due());
 }
 
-TEST(Force, WishAfterReleaseIsAskedAnew) {
+TEST(Force, WishAfterReleaseIsAskedAgain) {
   Force force = asking();
   force.release(true);
   force.want(kNow);

@@ -65,7 +65,7 @@ TEST(Outbox, TheOpeningIsNoSample) {
   EXPECT_FALSE(outbox.written(true).sample);
 }
 
-TEST(Outbox, TheFarewellReplacesWhatWaits) {
+TEST(Outbox, FarewellReplacesWaitingMessages) {
   Outbox outbox;
   static_cast<void>(outbox.put(sample(1)));
   static_cast<void>(outbox.put(sample(2)));

@@ -38,7 +38,7 @@ TEST(Reconnection, DelaysDoubleUpToTwoSeconds) {
   EXPECT_EQ(next_delay(reconnection), 0ms) << "an opening begins the row anew";
 }
 
-TEST(Reconnection, WithoutItAnEndIsFinal) {
+TEST(Reconnection, EndIsFinalIfDisabled) {
   Reconnection reconnection = open_session(false);
   reconnection.ended(kGone);
   EXPECT_FALSE(reconnection.over()) << "the user has not heard of it yet";

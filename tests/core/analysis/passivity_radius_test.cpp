@@ -55,7 +55,7 @@ TEST_F(PassivityRadius, LinearisedRadiusIsTheGainsInverse) {
   }
 }
 
-TEST_F(PassivityRadius, IsWhereTheExactImpedanceVanishes) {
+TEST_F(PassivityRadius, ExactImpedanceVanishesThere) {
   const VecQ q = pose(40, 50);
   for (const RendererKind kind :
        {RendererKind::kStandard, RendererKind::kNullSpace, RendererKind::kSubspaceLinear}) {

@@ -61,7 +61,7 @@ TEST(ForceControl, AnAdmittanceThatFeelsNothingStays) {
   EXPECT_EQ(control.position()[0], 0.02);
 }
 
-TEST(ForceControl, WhatDoesNotFitIsRefused) {
+TEST(ForceControl, RefusesWrongSizes) {
   EXPECT_THROW(ForceControl({{kGains}, {}}, 2), SceneError);
   EXPECT_THROW(ForceControl({{}, {kAdmittance}}, 2), SceneError);
   EXPECT_THROW(ForceControl({{kGains}, {kAdmittance}}, 1), SceneError);

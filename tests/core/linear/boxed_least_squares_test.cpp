@@ -118,7 +118,7 @@ TEST(BoxedLeastSquares, MetricDecidesDependentColumns) {
   EXPECT_EQ(problem.status(), ProjectionStatus::kExact);
 }
 
-TEST(BoxedLeastSquares, WhatIsNotFiniteMovesNothing) {
+TEST(BoxedLeastSquares, NonFiniteInputMovesNothing) {
   BoxedLeastSquares problem;
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {

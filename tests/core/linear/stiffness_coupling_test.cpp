@@ -152,7 +152,7 @@ std::string error_of(const MatrixXd& Z) {
   return "no error";
 }
 
-TEST(StiffnessCoupling, RefusesWhatIsNoStiffness) {
+TEST(StiffnessCoupling, RefusesAnInvalidStiffness) {
   const auto matrix = [](double a, double b, double c, double d) {
     return MatrixXd((Eigen::Matrix2d() << a, b, c, d).finished());
   };

@@ -216,7 +216,7 @@ TEST_F(FingerExoskeleton, AnyProxyEndsWithinTheLimits) {
 }
 
 /// core/METHOD.md#map-without-a-value: |D| <= h1.
-TEST_F(FingerExoskeleton, SaysWhereTheLinkageCannotClose) {
+TEST_F(FingerExoskeleton, ReportsALinkageThatCannotClose) {
   VecX x = two(7, 7);
   MatXQ J = MatXQ::Constant(2, 2, 7);
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -124,7 +124,7 @@ TEST(HandExoskeleton, OneUnreachableFingerLeavesOthersExact) {
 }
 
 /// core/METHOD.md#map-without-a-value, of one finger.
-TEST(HandExoskeleton, FailsWhereOneFingerCannotClose) {
+TEST(HandExoskeleton, FailsIfOneFingerCannotClose) {
   const auto hand = make_hand_exoskeleton(five_fingers());
   std::mt19937_64 random(5);
   VecQ q = reach(*hand, random_joints(random, 5));
@@ -232,7 +232,7 @@ TEST(TrackedHand, DerivativesMatchCentralDifferences) {
   }
 }
 
-TEST(TrackedHand, SaysWhatIsWrong) {
+TEST(TrackedHand, NamesTheScenesMistake) {
   const auto with = [](auto change) -> std::string {
     TrackedHandParameters parameters = five_fingers_on_a_palm();
     change(parameters);

@@ -37,7 +37,7 @@ TEST(Stylus, SensesSixDofsAndDrivesThree) {
 }
 
 /// Trigonometry in the vertical plane that the turntable turns.
-TEST(Stylus, StandsWhereTrigonometryPutsIt) {
+TEST(Stylus, PoseFollowsTrigonometry) {
   const StylusDimensions d;
   const auto stylus = make_stylus(d);
   const double turn = 0.4, shoulder = 0.9, elbow = -1.3, pitch = 0.25, roll = 0.7;

@@ -159,7 +159,7 @@ TEST(MechanismLimits, MetricsMultiplierLocatesTheDisksPoint) {
   }
 }
 
-TEST(MechanismLimits, WhereTwoMeetTheCornerHolds) {
+TEST(MechanismLimits, TwoLimitsMakeACorner) {
   const Limited map = disk(true);
   // a + b = 0.6 on the circle: a = 0.3 +- sqrt(0.125 - 0.09). Beyond the corner along its cone.
   const double half = std::sqrt(0.125 - 0.09);

@@ -78,7 +78,7 @@ TEST(PlaneProjection, PlaneMovesTiedCoordinatesToo) {
   EXPECT_NEAR(answer.x[1], 1.5, 1e-14);
 }
 
-TEST(PlaneProjection, InACornerBothPlanesHold) {
+TEST(PlaneProjection, BothPlanesHoldInACorner) {
   const Answer answer = project(planes_of(2, {{1, 0, 0.2}, {0, 1, 0.3}}), two(1, 1));
   EXPECT_EQ(answer.active, 3u);
   EXPECT_NEAR((answer.x - two(0.2, 0.3)).norm(), 0.0, 1e-14);

@@ -272,7 +272,7 @@ TEST(Prior, PointsOfAHandNeedOne) {
   RecordProperty("without", std::to_string(without));
 }
 
-TEST(Prior, WhatDoesNotFitIsRefused) {
+TEST(Prior, RefusesWrongSizes) {
   const FunctionMap wide = samples::wide_map();
   EXPECT_THROW(require_rank(ProjectionModel(wide)), SceneError);
   EXPECT_NO_THROW(require_rank(ProjectionModel(wide, with_prior(0.1, VecQ::Ones(1)))));

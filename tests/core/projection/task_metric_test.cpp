@@ -64,7 +64,7 @@ TEST(TaskMetric, HasNoDefaultForMixedUnits) {
                SceneError);
 }
 
-TEST(TaskMetric, WhatIsNoMetricIsRefused) {
+TEST(TaskMetric, RefusesAnInvalidMetric) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   for (const double bad : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity()}) {
     EXPECT_THROW((void)TaskMetric::from_scales((VecX(2) << 1.0, bad).finished()), SceneError);

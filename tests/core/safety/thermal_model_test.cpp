@@ -105,7 +105,7 @@ TEST(ThermalModel, RestartKeepsAHotMotorHot) {
   EXPECT_NEAR(start.housing_c, (4.0 * 85.0 + 6.0 * 25.0) / 10.0, 1e-12);
 }
 
-TEST(ThermalModel, WhatIsNotAllowedIsNamed) {
+TEST(ThermalModel, NamesTheForbiddenParameter) {
   struct Case {
     double ThermalParameters::*field;
     double value;

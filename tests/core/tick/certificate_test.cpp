@@ -92,7 +92,7 @@ TEST(CertificateOfATick, SaysWhyThereIsNone) {
 }
 
 /// Three actuators, nine coordinates: the general form, eigenvalue and all.
-TEST(CertificateOfATick, OfAStylusNeitherAllocates) {
+TEST(CertificateOfATick, AllocatesNothingOnAStylus) {
   PipelineConfig c;
   c.kinematics = make_stylus({}, {{"tip", "", OutputKind::kPoint, {{0.03, 0, 0}, {}}},
                                   {"end", "", OutputKind::kPoint, {{-0.10, 0, 0}, {}}},

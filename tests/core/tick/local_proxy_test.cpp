@@ -22,7 +22,7 @@ ProxySnapshot sample_of(ProxyMode mode, std::uint64_t seq) {
   return sample;
 }
 
-TEST(LocalProxy, HeldStaysWhereItIs) {
+TEST(LocalProxy, HeldProxyStays) {
   const ConfigurationSpace space = two_lines();
   LocalProxy local(space);
   const ProxySnapshot held = sample_of(ProxyMode::kHeld, 1);

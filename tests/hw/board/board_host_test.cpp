@@ -102,7 +102,7 @@ TEST(BoardHost, AnArmingNeedsItsNonce) {
   EXPECT_FALSE(link.board.drives());
 }
 
-TEST(BoardHost, AsksAgainWhereArmWasLost) {
+TEST(BoardHost, AsksAgainIfArmWasLost) {
   VirtualLink link;
   link.run(10ms);
   link.mute = true;

@@ -25,7 +25,7 @@ TEST(EmulatorFaults, FaultsLastTheirTime) {
   EXPECT_FALSE(fault.active(1.5));
 }
 
-TEST(EmulatorFaults, WhatCannotBeReadIsRefused) {
+TEST(EmulatorFaults, RefusesUnreadableText) {
   for (const char* text : {"unplug", "unplug@", "unplug@x", "melt@3", "stall@-1", "stall@1+",
                            "stall@1+2x", "drift@1=nan", ""}) {
     EXPECT_THROW(static_cast<void>(parse_fault(text)), core::DeviceError) << text;

@@ -85,7 +85,7 @@ TEST(TrackedOrientation, RotationVectorsAreAccepted) {
   EXPECT_LT((loop.tick().sample.q.segment<3>(3) - Eigen::Vector3d(0.1, 0.2, 0.3)).norm(), 1e-15);
 }
 
-TEST(TrackedOrientation, OfZeroIsRefused) {
+TEST(TrackedOrientation, RefusesAZeroQuaternion) {
   const TemporaryFile file(std::string(kHeader) +
                            "0,0,0,0,0,0,0,1,0\n0.02,0,0,0,0,0,0,0,0\n0.04,0,0,0,0,0,0,1,0\n");
   try {

@@ -153,7 +153,7 @@ struct OpenBoard : testing::Test {
   }
 };
 
-TEST_F(OpenBoard, TellsWhoItIs) {
+TEST_F(OpenBoard, ReportsTheBoardsIdentity) {
   EXPECT_EQ(device->info().kind, "board");
   EXPECT_EQ(device->info().serial, "EMULATOR-1");
   EXPECT_EQ(device->info().dofs.size(), 2U);

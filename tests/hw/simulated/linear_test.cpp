@@ -51,7 +51,7 @@ TEST(SimulatedLinear, AFreeMassFollowsNewton) {
   EXPECT_EQ(device.q()[0], 0.0) << "nothing drives the DoF without actuator";
 }
 
-TEST(SimulatedLinear, RestsWhereSpringBalancesForce) {
+TEST(SimulatedLinear, RestsIfSpringBalancesForce) {
   SimulatedLinearConfig c = config();
   c.hand_stiffness = pair(100.0, 400.0);
   c.hand_damping = pair(1.0, 5.0);
@@ -127,7 +127,7 @@ TEST(SimulatedLinear, ClosedItIsLost) {
   EXPECT_FALSE(loop.reading().fresh);
 }
 
-TEST(SimulatedLinear, RefusesWhatDoesNotFit) {
+TEST(SimulatedLinear, RefusesUnfitSettings) {
   const auto message = [](auto change, std::shared_ptr<const core::Kinematics> kinematics) {
     SimulatedLinearConfig c = config();
     change(c);

@@ -99,7 +99,7 @@ TEST(LossReport, SaysNothingBeforeASecond) {
   EXPECT_NEAR(*loss.share(), 0.5, 1e-12);
 }
 
-TEST(LossReport, ForgetsWhatIsOlder) {
+TEST(LossReport, ForgetsOldPackets) {
   LossReport loss;
   std::uint64_t came = 0;
   for (int ms = 0; ms <= 4000; ms += 10) {

@@ -165,7 +165,7 @@ TEST(PathEnd, SpoofedSourceGetsNoState) {
   EXPECT_EQ(pair.server.address(), pair.client_address);
 }
 
-TEST(PathEnd, ARekeyIsNoticedByNobody) {
+TEST(PathEnd, RekeyInterruptsNothing) {
   Joined pair;
   pair.client.start(pair.server_address, pair.now);
   pair.run(2s);

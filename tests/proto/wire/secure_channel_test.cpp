@@ -138,7 +138,7 @@ TEST(Rekey, ServerAwaitsTheClientsNewKeys) {
   EXPECT_EQ(pair.client.open(pair.server.seal(kState, "new")), "new");
 }
 
-TEST(Rekey, NumbersBeginAnewUnderNewKeys) {
+TEST(Rekey, NewKeysRestartTheNumbers) {
   ChannelPair pair;
   for (int i = 0; i < 5; ++i) ASSERT_EQ(pair.server.open(pair.client.seal(kProxy, "x")), "x");
   pair.server.channel.rekey(test_keys(2), OldKeys::kFadeOut);

@@ -120,7 +120,7 @@ TEST(PacedApp, BoardsSamplesOrTheTimerTick) {
   EXPECT_GT(facts().ticks, facts().paced_by_sample);
 }
 
-TEST(PacedApp, TellsWhoPacesAndHowOften) {
+TEST(PacedApp, ReportsThePacingDeviceAndRate) {
   BoardThread board;
   App app(paced(board), kNotRealtime);
   app.start();

@@ -56,7 +56,7 @@ TEST_F(IngressTest, AnAcceptedSampleReachesTheMailbox) {
   EXPECT_EQ(newest().x[1], -0.5);
 }
 
-TEST_F(IngressTest, WithoutALeaseNothingIsAccepted) {
+TEST_F(IngressTest, AcceptsNothingWithoutALease) {
   ingress.end_lease();
   EXPECT_EQ(send({0, 0}, t0), IngressVerdict::kOldEpoch);
   EXPECT_EQ(ingress.counters()[IngressVerdict::kOldEpoch], 1U);

@@ -70,7 +70,7 @@ TEST_F(BroadcasterTest, WatchersShareTheBudgetFairly) {
   EXPECT_NEAR(total, 2000, 5);
 }
 
-TEST_F(BroadcasterTest, WithinTheBudgetNobodyMissesAnything) {
+TEST_F(BroadcasterTest, WatchersWithinBudgetMissNothing) {
   const auto watcher = join();
   watcher->pace = server::Pace(1000.0, 400.0);
   rig.tick(1000);
@@ -78,7 +78,7 @@ TEST_F(BroadcasterTest, WithinTheBudgetNobodyMissesAnything) {
   EXPECT_EQ(watcher->pace.conflated(), 0U);
 }
 
-TEST_F(BroadcasterTest, WhoLeftIsNotAskedAgain) {
+TEST_F(BroadcasterTest, FormerWatcherIsNotAskedAgain) {
   const auto watcher = join();
   rig.tick(10);
   broadcaster.remove(watcher.get());

@@ -116,7 +116,7 @@ TEST(KeepAlive, GivesUpAfterAnUnansweredPing) {
   EXPECT_LT(Clock::now() - began, server::KeepAlive{}.ask_after);
 }
 
-TEST(KeepAlive, WhoAnswersPingsStays) {
+TEST(KeepAlive, KeepsClientsThatAnswerPings) {
   LiveServer server(hasty());
   RawHttp2 client(server.address());
   ASSERT_TRUE(client.connected());

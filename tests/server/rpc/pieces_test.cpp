@@ -303,7 +303,7 @@ TEST(ListenAddress, OtherHostsNeedTlsOrFlag) {
   EXPECT_EQ(check_listen_address("unix:/nowhere/s", Protection::kTls), Protection::kThisHost);
 }
 
-TEST(ListenAddress, WhatIsNotProtectedIsSaid) {
+TEST(ListenAddress, ReportsTheMissingProtection) {
   using server::Protection;
   EXPECT_EQ(server::weakness("robot:1", Protection::kMutualTls), "");
   for (const Protection weak :

@@ -142,7 +142,7 @@ TEST_F(ResponseStreamTest, FailureDoesNotOvertakeTheEnd) {
   end_while_a_write_completes(false);
 }
 
-TEST_F(ResponseStreamTest, ASecondEndMeanwhileChangesNothing) {
+TEST_F(ResponseStreamTest, SecondEndChangesNothing) {
   stream->begin_write();
   while_giving_up([this] { stream->OnCancel(); });
   stream->end({grpc::StatusCode::UNAVAILABLE, "the first end's"});

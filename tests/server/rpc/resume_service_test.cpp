@@ -71,7 +71,7 @@ server::RpcConfig places(unsigned max_sessions) {
   return config;
 }
 
-TEST(ResumeService, WhoResumesNeedsNoFreePlace) {
+TEST(ResumeService, ResumingNeedsNoFreePlace) {
   LiveServer server(places(1));
   TestSession first(server.channel(), opening("alice"));
   ASSERT_TRUE(first.wait_opened());

@@ -25,7 +25,7 @@ class WaitingRoomTest : public testing::Test {
   const TimePoint now{10s};
 };
 
-TEST_F(WaitingRoomTest, WhoWaitedLongestMakesRoom) {
+TEST_F(WaitingRoomTest, LongestWaitingMakesRoom) {
   const auto a = guest(), b = guest(), c = guest(), d = guest();
   EXPECT_EQ(room.enter(a, now), nullptr);
   EXPECT_EQ(room.enter(b, now), nullptr);
@@ -37,7 +37,7 @@ TEST_F(WaitingRoomTest, WhoWaitedLongestMakesRoom) {
   EXPECT_EQ(room.enter(a, now), c);
 }
 
-TEST_F(WaitingRoomTest, NobodyWaitsForLonger) {
+TEST_F(WaitingRoomTest, EndsOverdueWaits) {
   const auto a = guest(), b = guest();
   static_cast<void>(room.enter(a, now));
   static_cast<void>(room.enter(b, now + 1ms));
@@ -48,7 +48,7 @@ TEST_F(WaitingRoomTest, NobodyWaitsForLonger) {
   EXPECT_EQ(room.waiting(), 0U);
 }
 
-TEST_F(WaitingRoomTest, WhoIsGoneIsNotCalled) {
+TEST_F(WaitingRoomTest, LeaverIsNotCalled) {
   auto a = guest();
   static_cast<void>(room.enter(a, now));
   a.reset();

@@ -70,7 +70,7 @@ TEST_F(CalibratedScene, AdmittancesKeepTheCalibratedTravel) {
               field + "upper[0] = 0.05: must be at most the calibrated travel's, 0.048");
 }
 
-TEST_F(CalibratedScene, WhatIsWrongIsNamed) {
+TEST_F(CalibratedScene, NamesTheWrongField) {
   struct Case {
     std::string text, error;
   };

@@ -69,7 +69,7 @@ class KinematicsScenes : public testing::TestWithParam<Expected> {
   }
 };
 
-TEST_P(KinematicsScenes, SayWhatTheDeviceIs) {
+TEST_P(KinematicsScenes, DescribeTheDevice) {
   EXPECT_EQ(layout.n_q(), GetParam().n_q);
   EXPECT_EQ(layout.n_a(), GetParam().n_a);
   EXPECT_EQ(device.pipeline.kinematics->space().n_x(), GetParam().n_x);

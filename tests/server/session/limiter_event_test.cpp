@@ -36,7 +36,7 @@ TEST(LimiterEvent, BeginningLimitNamesTheActuator) {
   EXPECT_EQ(events[0].message, "a limit holds actuator 1 at 7.5");
 }
 
-TEST(LimiterEvent, OfATemperatureTellsIt) {
+TEST(LimiterEvent, TemperatureLimitTellsItsValue) {
   EventDetector detector;
   const auto events = step(detector, 0ms, {core::Limiter::kTemperature});
   ASSERT_EQ(events.size(), 1u);

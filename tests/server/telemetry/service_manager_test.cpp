@@ -37,7 +37,7 @@ TEST(ServiceManager, IsFedTwicePerWatchdogTime) {
   EXPECT_EQ(Manager(milliseconds(2000)).service.pulse_period(), milliseconds(500));
 }
 
-TEST(ServiceManager, WithoutAWatchdogNobodyIsFed) {
+TEST(ServiceManager, FeedsNothingWithoutAWatchdog) {
   Manager manager(std::nullopt);
   EXPECT_FALSE(manager.service.pulse_period().has_value());
   manager.service.pulse(5);

@@ -167,7 +167,7 @@ TEST(Telemetry, RemovedListenerIsNeverCalled) {
   }
 }
 
-TEST(Telemetry, StopDrainsWhatIsLeft) {
+TEST(Telemetry, StopDrainsTheRest) {
   DeviceRig rig;
   std::string diary;
   Diarist listener(diary, "x");

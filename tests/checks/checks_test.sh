@@ -67,6 +67,11 @@ for line in 'struct Bench {' 'VecX half(const VecX& x) {' 'constexpr double half
   echo "$line" >"$scratch/tests/core/c_test.cpp"
   expect 1 test_names "$scratch"
 done
+rm "$scratch"/tests/core/*
+echo 'TEST(A, HoldsForceFor200MsByTCP) {' >"$scratch/tests/core/a_test.cpp"
+expect 1 rule_names.py "$scratch"
+echo 'TEST_F(A, HoldsForce200MsByTCP) {' >"$scratch/tests/core/a_test.cpp"
+expect 0 rule_names.py "$scratch"
 rm -r "$scratch/tests"
 
 echo '// docs/a''.md#a-b-c' >"$scratch/core/b.cpp"

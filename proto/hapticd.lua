@@ -41,9 +41,12 @@ local e = {
   number = warning("bad_number", "Packet number is not above 0"),
   payload = warning("bad_payload", "Payload is not as long as its type demands"),
   repeated = warning("repeated", "This packet number was seen before: it will be rejected"),
-  too_old = warning("too_old", "Packet number is 1024 or more below the newest: it will be rejected"),
+  too_old = warning("too_old",
+    "Packet number is 1024 or more below the newest: it will be rejected"),
 }
-hapticd.experts = { e.length, e.magic, e.version, e.type, e.number, e.payload, e.repeated, e.too_old }
+hapticd.experts = {
+  e.length, e.magic, e.version, e.type, e.number, e.payload, e.repeated, e.too_old
+}
 
 -- Packet numbers by flow and path id, in the order of the capture: the first pass fills them, and
 -- what it found of a frame stays.

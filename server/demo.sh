@@ -64,7 +64,8 @@ hapticd=$(program hapticd)
 hapticctl=$(program hapticctl)
 grasp=$(program haptic-example-soft-grasp)
 if $serial; then emulator=$(program haptic-board-emulator); fi
-command -v gnuplot >/dev/null || { echo "demo.sh: gnuplot is missing (docker/install-deps.sh demo)" >&2; exit 1; }
+command -v gnuplot >/dev/null ||
+  { echo "demo.sh: gnuplot is missing (docker/install-deps.sh demo)" >&2; exit 1; }
 
 mkdir -p "$output"
 output=$(cd "$output" && pwd)
@@ -117,7 +118,8 @@ if $serial; then
     alive emulator || give_up "the board's emulator did not start" "$folder/emulator.log"
     sleep 0.1
   done
-  settings+=(--set "device[0].board={ port: \"$port\" max_effort: 40 max_silence { nanos: 100000000 } }"
+  board="port: \"$port\" max_effort: 40 max_silence { nanos: 100000000 }"
+  settings+=(--set "device[0].board={ $board }"
     # What the observer knows of a simulated finger it must be told of a device: what moves for
     # certain beyond the load cell, the end of the rod (hw/emulator/rig.cpp).
     --set device[0].passivity.observer.inertia_kg=0.02

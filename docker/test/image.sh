@@ -2,19 +2,22 @@
 
 readonly LARGEST_MB=150
 
-# True if the programs of a build folder are from this tree and run in the image; prints why if not. Builds
-# them first, so that the tests see the sources as they are.
+# True if the programs of a build folder are from this tree and run in the image; prints why if not.
+# Builds them first, so that the tests see the sources as they are.
 usable() { # usable BUILD
   local cache=$1/CMakeCache.txt here there
   [[ -f $cache ]] || { echo "$1 is no build folder"; return 1; }
-  grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache" || { echo "$1 is a build of another tree"; return 1; }
+  grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache" ||
+    { echo "$1 is a build of another tree"; return 1; }
   grep -qxF 'HAPTIC_SANITIZE:STRING=' "$cache" || { echo "$1 is a sanitizer's"; return 1; }
   here=$(distribution </etc/os-release)
-  there=$("$engine" run --rm --label "com.docker.compose.project=$project" "$base" cat /etc/os-release | distribution)
+  there=$("$engine" run --rm --label "com.docker.compose.project=$project" "$base" \
+    cat /etc/os-release | distribution)
   [[ $here == "$there" ]] || { echo "this host is $here, the image $there"; return 1; }
-  cmake --build "$1" --target hapticd hapticctl haptic-example-echo-state haptic-example-free-space \
-    haptic-example-virtual-wall haptic-example-soft-grasp haptic-relay haptic-board-emulator haptic-make-motion \
-    haptic_python >"$logs/prebuilt.log" 2>&1 || { echo "$1 does not build, see $logs/prebuilt.log"; return 1; }
+  cmake --build "$1" --target hapticd hapticctl haptic-example-echo-state \
+    haptic-example-free-space haptic-example-virtual-wall haptic-example-soft-grasp haptic-relay \
+    haptic-board-emulator haptic-make-motion haptic_python >"$logs/prebuilt.log" 2>&1 ||
+    { echo "$1 does not build, see $logs/prebuilt.log"; return 1; }
 }
 distribution() { # of an os-release on standard input
   (. /dev/stdin && echo "${ID:-unknown} ${VERSION_ID:-}")
@@ -29,14 +32,14 @@ stage_prebuilt() { # installs from the build folder into the build context
   done
 }
 
-# built TAG ARGUMENT...: builds the Dockerfile. Always in the same format, so that the second build uses the
-# cache of the first.
+# built TAG ARGUMENT...: builds the Dockerfile. Always in the same format, so that the second build
+# uses the cache of the first.
 built() {
   local tag=$1 format=()
   shift
   if [[ $engine == podman ]]; then format=(--format docker); fi # for the HEALTHCHECK
-  "$engine" build "${format[@]}" --build-arg "BASE=$base" "$@" --tag "$tag" --file "$root/docker/Dockerfile" "$root" \
-    >>"$logs/build.log" 2>&1
+  "$engine" build "${format[@]}" --build-arg "BASE=$base" "$@" --tag "$tag" \
+    --file "$root/docker/Dockerfile" "$root" >>"$logs/build.log" 2>&1
 }
 
 build_image() {
@@ -67,12 +70,13 @@ build_image() {
   grep -q '"hapticctl"' "$scratch/inspected" || fail "the image has no HEALTHCHECK"
   local label
   for label in title description licenses; do
-    grep -q "\"org.opencontainers.image.$label\": \"..*\"" "$scratch/inspected" || fail "the image has no label $label"
+    grep -q "\"org.opencontainers.image.$label\": \"..*\"" "$scratch/inspected" ||
+      fail "the image has no label $label"
   done
 }
 
-# The hand presses steadily and never lets go, so that trouble always meets force. Without force the finger is
-# far from its proxy, so the engage window is wide.
+# The hand presses steadily and never lets go, so that trouble always meets force. Without force the
+# finger is far from its proxy, so the engage window is wide.
 start_composition() {
   export HAPTICD_IMAGE=$image HAPTICD_BASE=$base HAPTICD_SCENE=finger_constant
   export HAPTICD_SETTING=device[0].limits.engage_window_n=25
@@ -89,7 +93,8 @@ start_composition() {
   "$engine" exec "$(container hand)" sh -c '[ "$(id -u)" = 990 ]' || fail "root in the container"
   # From /proc/mounts: a write would fail for this user even if the root were writable.
   "$engine" exec "$(container hand)" cat /proc/mounts >"$scratch/mounts"
-  grep -qE '^[^ ]+ / [^ ]+ ro(,| )' "$scratch/mounts" || fail "the root is writable: $(grep ' / ' "$scratch/mounts")"
+  grep -qE '^[^ ]+ / [^ ]+ ro(,| )' "$scratch/mounts" ||
+    fail "the root is writable: $(grep ' / ' "$scratch/mounts")"
   "$engine" exec "$(container board)" hapticctl info >"$scratch/board"
   grep -q '(board)' "$scratch/board" || fail "the second server has no board"
   says_its_grade
@@ -118,13 +123,14 @@ says_its_grade() {
   esac
 }
 
-# Removes the layers that podman keeps of this build, by the ids in its log, last first, and the containers of an
-# interrupted build. Those of other builds stay.
+# Removes the layers that podman keeps of this build, by the ids in its log, last first, and the
+# containers of an interrupted build. Those of other builds stay.
 remove_layers() {
   local id layers
   if [[ $engine != podman || ! -f $logs/build.log ]]; then return 0; fi
   layers=$(grep -oE '^--> [0-9a-f]{11,}' "$logs/build.log" | cut -c 5-15 | tac |
-    grep -vxF -e none -f <(grep -oE 'Using cache [0-9a-f]{11}' "$logs/build.log" | cut -c 13-) || true)
+    grep -vxF -e none \
+      -f <(grep -oE 'Using cache [0-9a-f]{11}' "$logs/build.log" | cut -c 13-) || true)
   for id in $layers; do
     podman ps --all --external --format '{{.ID}} {{.ImageID}}' | grep -F " $id" | cut -d ' ' -f 1 |
       xargs --no-run-if-empty podman rm --force >/dev/null 2>&1 || true

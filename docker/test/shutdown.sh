@@ -13,7 +13,8 @@ test_shutdown() {
     fail "the server's last lines do not show an orderly end"
   ((took <= 5000)) || fail "the server took $took ms to end"
   # The device leaves RELEASING when g = 0, not before.
-  grep -q 'RELEASING -> CLOSING' "$scratch/words" || fail "the server closed before the force was gone"
+  grep -q 'RELEASING -> CLOSING' "$scratch/words" ||
+    fail "the server closed before the force was gone"
   step "SIGTERM under load: status 0 after $took ms"
   fades_out
 

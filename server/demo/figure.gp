@@ -22,7 +22,8 @@ set datafile missing "nan"
 touching(v) = strcol("mode") eq "HELD" || strcol("mode") eq "PLANES" ? v : NaN
 
 names = "standard null_space subspace_linear subspace_exact"
-titles = "'standard, Eq. (1)' 'null-space, Eq. (3)-(4)' 'subspace linear, Eq. (8)' 'subspace exact, Eq. (6)'"
+titles = "'standard, Eq. (1)' 'null-space, Eq. (3)-(4)' ". \
+         "'subspace linear, Eq. (8)' 'subspace exact, Eq. (6)'"
 hues = grey." ".purple." ".blue." ".green
 index_in_use = 0
 do for [i = 1:4] { if (word(names, i) eq method) { index_in_use = i } }
@@ -54,26 +55,37 @@ do for [kind in "svg png"] {
   set format x ""
 
   set ylabel "joint angle / deg"
-  plot contact using 1:(0):1:2:(0):(1) axes x1y2 with boxxyerror fillcolor rgb shade title "in contact", \
-       data using "time_s":(column("x_probe_q_o1_mcp_rad") * deg) with lines linecolor rgb blue linewidth 1.8 title "MCP, finger (x_{probe})", \
-       data using "time_s":(touching(column("x_q_o1_mcp_rad") * deg)) with lines linecolor rgb dark_blue linewidth 2.4 dashtype (6,3) title "MCP, proxy (x)", \
-       data using "time_s":(column("x_probe_q_o2_pip_rad") * deg) with lines linecolor rgb orange linewidth 1.8 title "PIP, finger (x_{probe})", \
-       data using "time_s":(touching(column("x_q_o2_pip_rad") * deg)) with lines linecolor rgb dark_orange linewidth 2.4 dashtype (6,3) title "PIP, proxy (x)"
+  plot contact using 1:(0):1:2:(0):(1) axes x1y2 \
+         with boxxyerror fillcolor rgb shade title "in contact", \
+       data using "time_s":(column("x_probe_q_o1_mcp_rad") * deg) \
+         with lines linecolor rgb blue linewidth 1.8 title "MCP, finger (x_{probe})", \
+       data using "time_s":(touching(column("x_q_o1_mcp_rad") * deg)) \
+         with lines linecolor rgb dark_blue linewidth 2.4 dashtype (6,3) title "MCP, proxy (x)", \
+       data using "time_s":(column("x_probe_q_o2_pip_rad") * deg) \
+         with lines linecolor rgb orange linewidth 1.8 title "PIP, finger (x_{probe})", \
+       data using "time_s":(touching(column("x_q_o2_pip_rad") * deg)) \
+         with lines linecolor rgb dark_orange linewidth 2.4 dashtype (6,3) title "PIP, proxy (x)"
 
   unset label 1
   set ylabel "slider / mm"
   plot contact using 1:(0):1:2:(0):(1) axes x1y2 with boxxyerror fillcolor rgb shade, \
-       data using "time_s":(column("l_x") * mm) with lines linecolor rgb blue linewidth 1.8 title "slider (q_a = l_x)", \
-       data using "time_s":(touching(column("q_star_l_x_m") * mm)) with lines linecolor rgb dark_blue linewidth 2.4 dashtype (6,3) title "subspace proxy (q_a^*)"
+       data using "time_s":(column("l_x") * mm) \
+         with lines linecolor rgb blue linewidth 1.8 title "slider (q_a = l_x)", \
+       data using "time_s":(touching(column("q_star_l_x_m") * mm)) \
+         with lines linecolor rgb dark_blue linewidth 2.4 dashtype (6,3) \
+         title "subspace proxy (q_a^*)"
 
   set format x "%g"
   set xlabel "time / s" offset 0,0.4
   set ylabel "motor force / N  (> 0 flexes)"
   plot contact using 1:(0):1:2:(0):(1) axes x1y2 with boxxyerror fillcolor rgb shade, \
        0 with lines linecolor rgb "#404040" linewidth 0.6, \
-       for [i = 1:4] data using (i == index_in_use ? NaN : column("time_s")):(column("tau_".word(names, i)."_l_x_n")) \
-         with lines linecolor rgb word(hues, i) linewidth 1.4 title (i == index_in_use ? "" : word(titles, i)), \
-       data using "time_s":"tau_a_l_x_n" with lines linecolor rgb red linewidth 2.2 title in_use.": τ_a"
+       for [i = 1:4] data using (i == index_in_use ? NaN : column("time_s")) \
+         :(column("tau_".word(names, i)."_l_x_n")) \
+         with lines linecolor rgb word(hues, i) linewidth 1.4 \
+         title (i == index_in_use ? "" : word(titles, i)), \
+       data using "time_s":"tau_a_l_x_n" \
+         with lines linecolor rgb red linewidth 2.2 title in_use.": τ_a"
   unset multiplot
   unset output
   unset xlabel

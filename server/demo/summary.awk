@@ -95,8 +95,8 @@ END {
   printf "  contact           peak |tau_a| %.2f N at %.2f s\n", peak, peak_at
   if (!n_free) { print "  no free motion longer than the ramps: nothing to compare with"; exit 5 }
   worst = free[n_free]
-  printf "  letting go        max |tau_a| %.3f N in the 200 ms after contact (%.1f %% of the peak)\n",
-         letting_go, 100 * letting_go / peak
+  printf "  letting go        max |tau_a| %.3f N in the 200 ms after contact " \
+         "(%.1f %% of the peak)\n", letting_go, 100 * letting_go / peak
   printf "  free motion       |tau_a| p99 %.3f N, max %.3f N = %.2f %% of the contact's peak: %s\n",
          quantile(free, n_free, 0.99), worst, 100 * worst / peak,
          worst <= bound * peak ? "within 2 %" : "MORE THAN 2 %"

@@ -1,6 +1,6 @@
 // Columns are ordered [J_n | J_a], so one factorisation serves three methods, Eq. (19): with
-// Q^T [J | dx] = [R11 R12 | b_1; 0 R22 | b_2], Eq. (8) is R^{-1} b, Eq. (4) is R22^T b_2 and Eq. (1)
-// is R12^T b_1 + R22^T b_2. Another order would give Eq. (8) alone.
+// Q^T [J | dx] = [R11 R12 | b_1; 0 R22 | b_2], Eq. (8) is R^{-1} b, Eq. (4) is R22^T b_2 and
+// Eq. (1) is R12^T b_1 + R22^T b_2. Another order would give Eq. (8) alone.
 //
 // If the rank is in doubt (condition above 1e8, or n_x < n_q) the answer of least M-norm is taken,
 // Eq. (20): columns are scaled by M^{-1/2} before and dq after. M's actuated block must be Z_q, or

@@ -34,7 +34,8 @@ class FingerReach {
   [[nodiscard]] bool limits(double l, double t, PairLimits& limits) const noexcept;
   /// argmin ||x - f(q)|| over the set's edge.
   [[nodiscard]] ReachPoint nearest(double q1, double q2) const noexcept;
-  /// Mean ||J_a|| over the valid region of core/METHOD.md#finger-linkage on the trace's grid, rad/m.
+  /// Mean ||J_a|| over the valid region of core/METHOD.md#finger-linkage on the trace's grid,
+  /// rad/m.
   [[nodiscard]] double mean_actuated_jacobian() const noexcept { return mean_J_a_; }
   [[nodiscard]] const std::vector<ReachPoint>& edge() const noexcept { return edge_; }
 

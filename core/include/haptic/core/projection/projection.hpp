@@ -19,8 +19,8 @@ struct Projection {
   ProjectionStatus status{ProjectionStatus::kNone};
   double residual{0.0};   ///< ||x (-) f(q*)||_W (exact) or ||dx - J dq||_W (linearised)
   double condition{0.0};  ///< max|R_kk|/min|R_kk| of the equilibrated J; 0 if J was not used
-  /// With a prior: what its springs store besides 1/2 ||q*_a - q_a||^2_{Z_q}, J: Eq. (18) less that.
-  /// The sum is the potential whose negative gradient is tau_a. 0 without a prior.
+  /// With a prior: what its springs store besides 1/2 ||q*_a - q_a||^2_{Z_q}, J: Eq. (18) less
+  /// that. The sum is the potential whose negative gradient is tau_a. 0 without a prior.
   double storage{0.0};
 };
 

@@ -1,8 +1,8 @@
 #pragma once
 /// W_x: what counts as near in X (core/METHOD.md#metric-and-limits). Every projection minimises
-/// ||x (-) f(q*)||_W, which has no unit: W_ij is in 1 / (unit of x_i times unit of x_j). Renderers see
-/// W^{1/2} J and W^{1/2} dx. If X mixes metres and radians there is no natural W and the scene must
-/// give one; otherwise the default is the identity.
+/// ||x (-) f(q*)||_W, which has no unit: W_ij is in 1 / (unit of x_i times unit of x_j). Renderers
+/// see W^{1/2} J and W^{1/2} dx. If X mixes metres and radians there is no natural W and the scene
+/// must give one; otherwise the default is the identity.
 
 #include <memory>
 

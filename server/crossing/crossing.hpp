@@ -19,7 +19,7 @@
 #include "haptic/core/fault.hpp"
 #include "haptic/core/projection/proxy_snapshot.hpp"
 #include "haptic/core/projection/renderer_kind.hpp"
-#include "haptic/core/safety/device_state.hpp"
+#include "haptic/core/safety/lifecycle.hpp"
 #include "haptic/core/safety/staleness.hpp"
 #include "haptic/core/time.hpp"
 #include "haptic/core/types.hpp"
@@ -224,7 +224,7 @@ struct DeviceEvent {
   core::TimePoint time{};  ///< server's steady clock, of the tick
   Text<40> reason{};       ///< stable
   Text<400> message{};     ///< for people
-  core::DeviceState state{core::DeviceState::kInit};
+  core::LifecycleState state{core::LifecycleState::kInit};
   std::uint32_t lease_epoch{0};  ///< the lease it happened under; 0: under none
 };
 
@@ -238,7 +238,7 @@ struct LinkFrames {
 /// A device as lists and metrics show it.
 struct DeviceStatus {
   core::TimePoint ticked{};  ///< time of the newest tick; TimePoint{} before the first
-  core::DeviceState state{core::DeviceState::kInit};
+  core::LifecycleState state{core::LifecycleState::kInit};
   core::FaultSet faults{};
   core::RendererKind renderer{core::RendererKind::kSubspaceLinear};
   ClientName controller{};            ///< client name of the lease's holder; empty: none

@@ -10,7 +10,7 @@
 #include "haptic/core/projection/certificate.hpp"
 #include "haptic/core/projection/proxy_snapshot.hpp"
 #include "haptic/core/projection_status.hpp"
-#include "haptic/core/safety/device_state.hpp"
+#include "haptic/core/safety/lifecycle.hpp"
 #include "haptic/core/safety/staleness.hpp"
 #include "haptic/core/time.hpp"
 #include "haptic/core/types.hpp"
@@ -48,7 +48,7 @@ struct StateRecord {
   core::Duration lateness{0};  ///< of the loop
   std::uint32_t skipped{0};    ///< deadlines passed over since the last tick
 
-  core::DeviceState state{core::DeviceState::kInit};
+  core::LifecycleState state{core::LifecycleState::kInit};
   bool lost{false};  ///< force was given up in this tick
   core::FaultSet faults{};
   core::LimiterSet limiters{};

@@ -267,7 +267,7 @@ std::optional<v1::SessionResponse> Session::next() {
 }
 
 void Session::tell_transport(const char* reason, const char* why) {
-  const core::DeviceState state = front_.owner().status(device_).state;
+  const core::LifecycleState state = front_.owner().status(device_).state;
   const std::lock_guard lock(mutex_);
   if (closed_ || !events_) return;
   spdlog::info("session '{}': {} ({})", client_name_, reason, why);

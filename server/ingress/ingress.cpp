@@ -39,7 +39,7 @@ void Ingress::begin_lease(std::uint32_t epoch, double nominal_rate_hz, core::Dur
   backlog_ = BacklogRule(std::chrono::duration_cast<core::Duration>(
       std::chrono::duration<double>(1.0 / nominal_rate_hz)));
   newest_ = {};
-  newest_.epoch = tenure == 0 ? epoch : tenure;
+  newest_.tenure = tenure == 0 ? epoch : tenure;
   mailbox_.publish(newest_);
 }
 

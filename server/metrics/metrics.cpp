@@ -124,8 +124,8 @@ void named(Exposition& page, const char* label, const Reading& d,
 void force(Exposition& page, const std::vector<Reading>& devices) {
   page.gauge("haptic_device_state", "1 for the state the device is in, 0 for the others.");
   for (const Reading& d : devices) {
-    for (int s = 1; s <= static_cast<int>(core::DeviceState::kClosing); ++s) {
-      const auto state = static_cast<core::DeviceState>(s);
+    for (int s = 1; s <= static_cast<int>(core::LifecycleState::kClosing); ++s) {
+      const auto state = static_cast<core::LifecycleState>(s);
       page.sample({{"device", d.name}, {"state", lower(core::name(state))}},
                   d.ticks.newest.state == state ? 1.0 : 0.0);
     }

@@ -49,13 +49,13 @@ void EventLog::on_record(const core::TickRecord& record) {
 }
 
 void EventLog::lease(const core::CommandSnapshot& command) {
-  if (command.lease_held && (!held_ || command.lease_epoch != epoch_)) {
-    spdlog::info("{}: lease {} granted to '{}'", device_, command.lease_epoch, holder_());
+  if (command.lease_held && (!held_ || command.tenure != tenure_)) {
+    spdlog::info("{}: lease {} granted to '{}'", device_, command.tenure, holder_());
   } else if (!command.lease_held && held_) {
-    spdlog::info("{}: lease {} ended", device_, epoch_);
+    spdlog::info("{}: lease {} ended", device_, tenure_);
   }
   held_ = command.lease_held;
-  epoch_ = command.lease_epoch;
+  tenure_ = command.tenure;
 }
 
 }  // namespace haptic::server

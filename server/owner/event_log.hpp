@@ -22,7 +22,7 @@ class EventLog final : public RecordListener {
   const std::string device_;
   const std::function<std::string()> holder_;
   EventDetector detector_;
-  std::uint32_t epoch_{0};
+  std::uint32_t tenure_{0};
   bool held_{false};
 };
 

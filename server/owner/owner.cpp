@@ -36,7 +36,7 @@ class Owner::Device final : public RecordListener {
 
   /// The drain stays awake at the end of a tick while a connected controller feels the wake-up.
   void watch_while_controlled() {
-    const bool controlled = sessions.lease().held() && !sessions.lease().detached();
+    const bool controlled = sessions.lease().has_holder() && !sessions.lease().detached();
     if (controlled == std::exchange(watched_, controlled)) return;
     owner_.telemetry_.watch(controlled ? 1 : -1);
   }

@@ -10,7 +10,8 @@ bool serving(const DeviceStatus& status, core::TimePoint now) {
                                   core::Fault::kLoopLate, core::Fault::kLateBucketFull}) {
     if (status.faults.has(fault)) return false;
   }
-  return status.state != core::DeviceState::kInit && status.state != core::DeviceState::kClosing &&
+  return status.state != core::LifecycleState::kInit &&
+         status.state != core::LifecycleState::kClosing &&
          now - status.ticked < HealthKeeper::kSilence;
 }
 

@@ -60,7 +60,7 @@ core::TickInput resting(const core::PipelineConfig& config) {
     input.proxy.x = core::VecX::Zero(config.kinematics->space().n_x());
   }
   input.proxy.mode = core::ProxyMode::kHeld;
-  input.proxy.epoch = 1;
+  input.proxy.tenure = 1;
   if (config.tracker) {
     for (std::size_t i = 0; i < core::kPalmDofs; ++i) {
       const Eigen::Index dof = config.tracker->first_dof + static_cast<Eigen::Index>(i);
@@ -79,7 +79,7 @@ void DeviceUnit::rehearse() const {
   core::TickInput input = resting(config());
   input.now = core::TimePoint(1h);
   input.proxy.gapless_since = input.now;
-  input.command.lease_epoch = 1;
+  input.command.tenure = 1;
   input.command.lease_held = true;
   for (int i = 1; i <= kRehearsalTicks; ++i) {
     input.now += input.period;

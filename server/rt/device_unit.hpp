@@ -31,7 +31,7 @@ class DeviceUnit {
   void rehearse() const;
 
   /// The device's state after the newest tick. Any thread.
-  [[nodiscard]] core::DeviceState state() const noexcept {
+  [[nodiscard]] core::LifecycleState state() const noexcept {
     return state_.load(std::memory_order_acquire);
   }
 
@@ -56,7 +56,7 @@ class DeviceUnit {
   core::Pipeline pipeline_;
   core::TickInput input_{};
   hw::Command command_{};
-  std::atomic<core::DeviceState> state_{core::DeviceState::kInit};
+  std::atomic<core::LifecycleState> state_{core::LifecycleState::kInit};
 };
 
 }  // namespace haptic::server

@@ -77,7 +77,7 @@ bool LoopBody::finished(core::TimePoint now) const noexcept {
   if (by == std::numeric_limits<std::int64_t>::max()) return false;
   if (now.time_since_epoch().count() >= by) return true;
   return std::all_of(units_.begin(), units_.end(), [](const DeviceUnit* unit) {
-    return unit->state() == core::DeviceState::kClosing;
+    return unit->state() == core::LifecycleState::kClosing;
   });
 }
 

@@ -73,7 +73,7 @@ void EventDetector::limiters(const core::TickRecord& record, std::vector<DeviceE
     const core::CommandSnapshot& command = record.input.command;
     events.push_back({DeviceEvent::Kind::kLimiter, record.input.now, core::reason(limiter),
                       limiter_sentence(limiter, record), record.life.state,
-                      command.lease_held ? command.lease_epoch : 0});
+                      command.lease_held ? command.tenure : 0});
   }
 }
 
@@ -83,7 +83,7 @@ void EventDetector::step(const core::TickRecord& record, const std::string& stop
                        const std::string& message) {
     const core::CommandSnapshot& command = record.input.command;
     events.push_back({kind, record.input.now, reason, message, record.life.state,
-                      command.lease_held ? command.lease_epoch : 0});
+                      command.lease_held ? command.tenure : 0});
   };
   for (const core::Fault fault : kFaults) {
     const bool now = record.faults().has(fault);

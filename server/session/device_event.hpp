@@ -24,7 +24,7 @@ class EventDetector {
  private:
   void limiters(const core::TickRecord& record, std::vector<DeviceEvent>& events);
 
-  core::DeviceState state_{core::DeviceState::kInit};
+  core::LifecycleState state_{core::LifecycleState::kInit};
   core::FaultSet faults_{};
   core::Staleness staleness_{core::Staleness::kLost};
   /// Per limiter number, when it last acted; absent: never.

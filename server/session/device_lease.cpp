@@ -119,7 +119,7 @@ void DeviceSessions::wait_for_lease(Newcomer newcomer, core::TimePoint now) {
     taken_from = newcomer_->taken_from;
     refuse_newcomer(held_by(unit_.name(), by.client_name, by.priority));
   }
-  if (lease_.held()) {
+  if (lease_.has_holder()) {
     newcomer.taken_from = taken_from;
     tell_lease("LEASE_PREEMPTED", quoted(lease_.client_name()) + " lost the device to " +
                                       quoted(by.client_name) + " (" + server::name(by.priority) +
@@ -127,7 +127,7 @@ void DeviceSessions::wait_for_lease(Newcomer newcomer, core::TimePoint now) {
     end_lease();
     lease_.grant(by, now);
     newcomer.granted = true;
-    command_.lease_epoch = lease_.tenure();
+    command_.tenure = lease_.tenure();
     command_.lease_held = true;
     post();
   }
@@ -148,7 +148,7 @@ void DeviceSessions::grant_newcomer(core::TimePoint now) {
   settings_due_ = false;
   ingress_.begin_lease(lease_.epoch(), newcomer.request.nominal_rate_hz,
                        newcomer.staleness.hold_end, lease_.tenure());
-  command_.lease_epoch = lease_.tenure();
+  command_.tenure = lease_.tenure();
   command_.lease_held = true;
   post();
   tell_lease("LEASE_GRANTED", "to " + quoted(newcomer.request.client_name));

@@ -82,7 +82,8 @@ void DeviceSessions::update_settings(const Request& request) {
   if (const auto refusal = not_holder(request.session_id)) return answer(request.id, *refusal);
   // An Engage that the loop has not answered yet may switch force on before these settings arrive.
   const bool engaging = command_.engage_id != newest_.life.engage.id;
-  const core::DeviceState state = engaging ? core::DeviceState::kEngaging : newest_.life.state;
+  const core::LifecycleState state =
+      engaging ? core::LifecycleState::kEngaging : newest_.life.state;
   const Outcome<SettingsAnswer> outcome =
       apply_settings(request.settings, settings_, unit_.config(), state);
   if (!outcome) return answer(request.id, outcome.refusal);
@@ -114,7 +115,7 @@ void DeviceSessions::begin_closing() {
   post();
   if (newcomer_) refuse_newcomer(closing());
   tell(DeviceEvent::Kind::kClosing, "CLOSING", "the server is shutting down");
-  if (!lease_.held()) out_.events.back().lease_epoch = 0;
+  if (!lease_.has_holder()) out_.events.back().lease_epoch = 0;
 }
 
 Outbox DeviceSessions::take() {
@@ -138,7 +139,7 @@ DeviceStatus DeviceSessions::status() const {
 }
 
 DeviceSessions::Stamp DeviceSessions::stamp(const core::TickRecord& record) const noexcept {
-  const std::uint32_t tenure = record.input.command.lease_epoch;
+  const std::uint32_t tenure = record.input.command.tenure;
   Stamp stamp{Carrier::kNone, tenure == 0 ? 0 : tenure + lease_.resumes()};
   if (record.proxy.mode != core::ProxyMode::kNone) {
     stamp.carrier = ingress_.carrier_of(record.proxy.seq, record.input.now - record.proxy.age);
@@ -203,15 +204,14 @@ void DeviceSessions::publish_settings(core::RenderSettings settings) {
 
 bool DeviceSessions::force_is_on() const noexcept {
   const core::CommandSnapshot& seen = newest_.input.command;
-  const bool loop_knows =
-      seen.lease_held == command_.lease_held && seen.lease_epoch == command_.lease_epoch;
+  const bool loop_knows = seen.lease_held == command_.lease_held && seen.tenure == command_.tenure;
   return !loop_knows || newest_.life.gain > 0.0;
 }
 
 std::optional<Refusal> DeviceSessions::not_holder(const SessionId& session_id) const {
   if (lease_.held_by(session_id)) return std::nullopt;
   return Refusal{Refusal::Code::kPermission, "NOT_CONTROLLER",
-                 lease_.held()
+                 lease_.has_holder()
                      ? "device '" + unit_.name() + "' is controlled by '" +
                            lease_.client_name().str() + "', this session is an observer"
                      : "this session does not hold the lease of '" + unit_.name() + "' (any more)"};

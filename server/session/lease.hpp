@@ -17,7 +17,7 @@ class LeaseBook {
  public:
   explicit LeaseBook(core::Duration timeout) : timeout_(timeout) {}
 
-  [[nodiscard]] bool held() const noexcept { return held_; }
+  [[nodiscard]] bool has_holder() const noexcept { return held_; }
   [[nodiscard]] bool held_by(const SessionId& session_id) const noexcept {
     return held_ && session_id == session_id_;
   }
@@ -31,7 +31,7 @@ class LeaseBook {
   [[nodiscard]] std::uint32_t tenure() const noexcept { return tenure_; }
   [[nodiscard]] std::uint32_t resumes() const noexcept { return resumes_; }
 
-  /// A new lease under a new epoch. Precondition: !held().
+  /// A new lease under a new epoch. Precondition: !has_holder().
   void grant(const LeaseRequest& request, core::TimePoint now);
   void end() noexcept;
   /// Its session lost the stream. Precondition: resumable().

@@ -14,7 +14,8 @@ Refusal not_yet(const char* reason, const std::string& message) {
   return {Refusal::Code::kPrecondition, reason, message};
 }
 
-std::optional<Refusal> engage_refusal(const core::EngageAnswer& answer, core::DeviceState state) {
+std::optional<Refusal> engage_refusal(const core::EngageAnswer& answer,
+                                      core::LifecycleState state) {
   using Verdict = core::EngageVerdict;
   const std::string value = figure(answer.value);
   const std::string limit = figure(answer.limit);

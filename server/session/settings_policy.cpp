@@ -45,8 +45,8 @@ class Tightener {
   SettingsAnswer& answer_;
 };
 
-bool allows_renderer_change(core::DeviceState state) {
-  return state == core::DeviceState::kIdle || state == core::DeviceState::kArmed;
+bool allows_renderer_change(core::LifecycleState state) {
+  return state == core::LifecycleState::kIdle || state == core::LifecycleState::kArmed;
 }
 
 /// min(scene's, wish); Sets `refusal` if the wish is not a limit at all.
@@ -64,7 +64,7 @@ core::Duration tightened(const char* field, const std::optional<core::Duration>&
 Outcome<SettingsAnswer> apply_settings(const SettingsRequest& request,
                                        const core::RenderSettings& current,
                                        const core::PipelineConfig& config,
-                                       core::DeviceState state) {
+                                       core::LifecycleState state) {
   const core::RenderSettings& scene = config.scene;
   SettingsAnswer answer{current, {}};
   core::RenderSettings& applied = answer.applied;

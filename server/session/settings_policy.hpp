@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "haptic/core/safety/device_state.hpp"
+#include "haptic/core/safety/lifecycle.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "haptic/core/tick/tick_input.hpp"
 #include "server/crossing/outcome.hpp"
@@ -36,7 +36,7 @@ struct SettingsAnswer {
 [[nodiscard]] Outcome<SettingsAnswer> apply_settings(const SettingsRequest& request,
                                                      const core::RenderSettings& current,
                                                      const core::PipelineConfig& config,
-                                                     core::DeviceState state);
+                                                     core::LifecycleState state);
 
 /// The staleness limits of a new lease (proto/README.md#staleness-and-gain). Each of the scene's
 /// (fresh_end: 2.5 nominal periods, at most `fresh_bound` and hold_end), or the request's if

@@ -42,7 +42,7 @@ StateRecord state_record(const core::TickRecord& record, Carrier carrier,
   s.damping_gain = record.life.damping_gain;
 
   s.lease_held = in.command.lease_held;
-  s.tenure = in.command.lease_epoch;
+  s.tenure = in.command.tenure;
   s.lease_epoch = lease_epoch;
   s.carrier = carrier;
   s.mode = record.proxy.mode;

@@ -112,7 +112,7 @@ double tick_p50(const Poses& poses, core::RendererKind kind, const Extras& extra
       },
       [&](const core::TickInput& input) {
         const core::TickRecord record = pipeline.tick(input);
-        engaged = record.life.state == core::DeviceState::kEngaged;
+        engaged = record.life.state == core::LifecycleState::kEngaged;
         sink += record.effort.tau_a[0];
       });
   if (!engaged) std::abort();  // a tick without force would be a flattering figure

@@ -25,12 +25,12 @@ class PressingUnits {
       units_.push_back(std::make_unique<Unit>(device.name, std::move(opened), config));
     }
     core::CommandSnapshot command;
-    command.lease_epoch = 1;
+    command.tenure = 1;
     command.lease_held = true;
     publish(command);
     tick(kHandComesToRest);
     proxy_.mode = core::ProxyMode::kHeld;
-    proxy_.epoch = 1;
+    proxy_.tenure = 1;
     proxy_.gapless_since = now_;
     proxy_.x = x_probe_;
     tick(kStream);
@@ -54,7 +54,7 @@ class PressingUnits {
         if (proxy_.mode != core::ProxyMode::kNone) device.proxies.publish(proxy_);
         device.tick(now_, kPeriod, {});
         const core::TickRecord& record = *device.records.front();
-        unit->presses = record.life.state == core::DeviceState::kEngaged &&
+        unit->presses = record.life.state == core::LifecycleState::kEngaged &&
                         record.effort.tau_elastic.cwiseAbs().maxCoeff() > 0.0;
         x_probe_ = record.anchor.x_probe;
         device.records.pop();

@@ -14,11 +14,11 @@ inline core::TickInput held_tick(const core::PipelineConfig& config, int i, cons
   input.device.sample.seq = static_cast<std::uint64_t>(i);
   input.device.sample.time = input.now;
   input.device.sample.q = q;
-  input.command.lease_epoch = 1;
+  input.command.tenure = 1;
   input.command.lease_held = true;
   input.command.engage_id = i > 250 ? 1 : 0;
   input.proxy.mode = core::ProxyMode::kHeld;
-  input.proxy.epoch = 1;
+  input.proxy.tenure = 1;
   input.proxy.seq = static_cast<std::uint64_t>(i / 16 + 1);
   input.proxy.gapless_samples = static_cast<std::uint64_t>(i);
   input.proxy.born = input.now;

@@ -55,10 +55,10 @@ class Press {
                 board(), core::make_finger_exoskeleton({})),
         pipeline_(config(law, stiffness)) {
     input_.settings = pipeline_.config().scene;
-    input_.command.lease_epoch = 1;
+    input_.command.tenure = 1;
     input_.command.lease_held = true;
     input_.proxy.mode = core::ProxyMode::kHeld;
-    input_.proxy.epoch = 1;
+    input_.proxy.tenure = 1;
     input_.proxy.x = pose - core::VecX::Constant(2, 0.2);
   }
 
@@ -68,7 +68,7 @@ class Press {
     if (input_.proxy.gapless_samples++ == 0) input_.proxy.gapless_since = input_.now;
     ++input_.proxy.seq;
     input_.proxy.born = input_.now;
-    if (state_ == core::DeviceState::kArmed) ++input_.command.engage_id;
+    if (state_ == core::LifecycleState::kArmed) ++input_.command.engage_id;
     const core::TickRecord record = pipeline_.tick(input_);
     state_ = record.life.state;
     device_.write(input_.now,
@@ -85,7 +85,7 @@ class Press {
     const auto& actuator = device_.board().rig().actuator();
     double lowest = 1e9, highest = -1e9, first = 1e9, last = -1e9;
     for (int i = 0; i < kLooking; ++i) {
-      rest.engaged = tick().life.state == core::DeviceState::kEngaged && rest.engaged;
+      rest.engaged = tick().life.state == core::LifecycleState::kEngaged && rest.engaged;
       rest.force += actuator.force() / kLooking;
       lowest = std::min(lowest, actuator.force());
       highest = std::max(highest, actuator.force());
@@ -124,7 +124,7 @@ class Press {
   VirtualBoard device_;
   core::Pipeline pipeline_;
   core::TickInput input_{};
-  core::DeviceState state_{core::DeviceState::kInit};
+  core::LifecycleState state_{core::LifecycleState::kInit};
 };
 
 /// The worst of every pose of the grid.

@@ -9,7 +9,7 @@
 
 #include "haptic/core/fault.hpp"
 #include "haptic/core/projection/renderer_kind.hpp"
-#include "haptic/core/safety/device_state.hpp"
+#include "haptic/core/safety/lifecycle.hpp"
 #include "haptic/v1/haptic_service.pb.h"
 #include "haptic/v1/session.pb.h"
 #include "tests/proto/markdown.hpp"
@@ -58,7 +58,7 @@ TEST(ProtocolReadme, StatesMatchCodeAndWire) {
     documented.emplace(std::stoi(row.at(1)), unquoted(row.at(0)));
   }
   for (int n = 0; n < 32; ++n) {
-    const std::string name(core::name(static_cast<core::DeviceState>(n)));
+    const std::string name(core::name(static_cast<core::LifecycleState>(n)));
     if (name != "UNKNOWN") code.emplace(n, name);
   }
   const std::string prefix = "DEVICE_STATE_NAME_";

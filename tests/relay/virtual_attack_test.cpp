@@ -29,7 +29,7 @@ struct Siege {
       ASSERT_EQ(war.force(), peace.force()) << war.time().count();
       ASSERT_EQ(war.rig.newest().proxy.age, peace.rig.newest().proxy.age);
     }
-    ASSERT_EQ(peace.rig.state(), core::DeviceState::kEngaged);
+    ASSERT_EQ(peace.rig.state(), core::LifecycleState::kEngaged);
     ASSERT_GT(peace.force(), 0.5);
     ASSERT_EQ(war.answered.size(), peace.answered.size());
   }
@@ -121,7 +121,7 @@ TEST(VirtualAttack, FasterCopierGetsNoStates) {
     // It may spoil the path, so that the stream carries; it cannot draw the states to itself.
     ASSERT_TRUE(!world.server.in_use() || world.server.address() == world.server_sees);
   }
-  EXPECT_EQ(world.rig.state(), core::DeviceState::kEngaged);
+  EXPECT_EQ(world.rig.state(), core::LifecycleState::kEngaged);
   row.got("no state sent to it in 2 s");
 }
 

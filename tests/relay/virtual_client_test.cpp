@@ -43,7 +43,7 @@ void is_refused(double bad, server::IngressVerdict verdict) {
             48U);  // 500 ms at 100 Hz, 10 ms late
   world.proxy = good;
   watch(world, kTroubleAt + 2s);
-  EXPECT_EQ(world.rig.state(), core::DeviceState::kEngaged);
+  EXPECT_EQ(world.rig.state(), core::LifecycleState::kEngaged);
 }
 
 TEST(VirtualClient, RefusesNotANumberAndFades) {
@@ -65,7 +65,7 @@ TEST(VirtualClient, KilledClientLosesForceAndLease) {
   watch(world, kTroubleAt);
   world.alive = false;
   watch(world, kTroubleAt + 2300ms);
-  EXPECT_EQ(world.rig.state(), core::DeviceState::kIdle);
+  EXPECT_EQ(world.rig.state(), core::LifecycleState::kIdle);
   EXPECT_EQ(world.force(), 0.0);
   row.got("IDLE, 0 N");
 }
@@ -76,11 +76,11 @@ TEST(VirtualClient, PausedClientLosesForceAndRamps) {
   watch(world, kTroubleAt);
   world.publishing = false;
   watch(world, kTroubleAt + 300ms);
-  EXPECT_EQ(world.rig.state(), core::DeviceState::kArmed);
+  EXPECT_EQ(world.rig.state(), core::LifecycleState::kArmed);
   EXPECT_EQ(world.rig.newest().effort.tau_elastic[0], 0.0);
   world.publishing = true;
   watch(world, kTroubleAt + 1500ms);
-  EXPECT_EQ(world.rig.state(), core::DeviceState::kEngaged);
+  EXPECT_EQ(world.rig.state(), core::LifecycleState::kEngaged);
   row.got("ARMED at 300 ms, ENGAGED 1.2 s later");
 }
 
@@ -90,9 +90,9 @@ TEST(VirtualClient, SigtermFadesTheForceOut) {
   watch(world, kTroubleAt);
   world.rig.owner->begin_closing();
   watch(world, kTroubleAt + 40ms);
-  EXPECT_EQ(world.rig.state(), core::DeviceState::kReleasing);
+  EXPECT_EQ(world.rig.state(), core::LifecycleState::kReleasing);
   watch(world, kTroubleAt + 200ms);
-  EXPECT_EQ(world.rig.state(), core::DeviceState::kClosing);
+  EXPECT_EQ(world.rig.state(), core::LifecycleState::kClosing);
   EXPECT_EQ(world.force(), 0.0);
   row.got("CLOSING, 0 N");
 }

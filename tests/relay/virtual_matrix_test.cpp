@@ -77,9 +77,10 @@ TEST_P(VirtualMatrix, TheContractHoldsAtEveryTick) {
     const double move = now.sensed.q[0] - before.sensed.q[0];
     energy += before.effort.tau_a[0] * move - VirtualWorld::kDeviceDamping * move * move / 1e-3;
     most = std::max(most, energy);
-    engages += now.life.state == core::DeviceState::kEngaging && before.life.state != now.life.state
-                   ? 1
-                   : 0;
+    engages +=
+        now.life.state == core::LifecycleState::kEngaging && before.life.state != now.life.state
+            ? 1
+            : 0;
     ASSERT_LE(energy, VirtualWorld::kTank * engages + 1e-9);
     if (engages > 0) oldest = std::max(oldest, now.proxy.age);
     before = now;
@@ -116,7 +117,7 @@ TEST(VirtualMatrixRow, BlockedUdpCostsAHold) {
       VirtualWorld world(scenario, period);
       EXPECT_LE(oldest_proxy(world, 1s, 12s), world.lease.staleness.hold_end);
       EXPECT_EQ(world.fallbacks, 1);
-      EXPECT_EQ(world.rig.state(), core::DeviceState::kEngaged);
+      EXPECT_EQ(world.rig.state(), core::LifecycleState::kEngaged);
       EXPECT_EQ(world.rig.sessions->status().carrier, server::Carrier::kUdp);
     }
   }
@@ -130,7 +131,7 @@ TEST(VirtualMatrixRow, DistantBlockedUdpStaysEngaged) {
     VirtualWorld world(scenario, period);
     EXPECT_LT(oldest_proxy(world, 1s, 12s), world.lease.staleness.fade_end) << milliseconds(period);
     EXPECT_EQ(world.fallbacks, 1);
-    EXPECT_EQ(world.rig.state(), core::DeviceState::kEngaged);
+    EXPECT_EQ(world.rig.state(), core::LifecycleState::kEngaged);
   }
 }
 
@@ -171,7 +172,7 @@ TEST(VirtualMatrixRow, LossOf10PercentStaysEngaged) {
     VirtualWorld world(shipped_scenario(name));
     // Five in a row are one in 100 000 at 10 %.
     EXPECT_LE(oldest_proxy(world, 2s, 10s), 5 * kSamplePeriod + 1ms) << name;
-    EXPECT_EQ(world.rig.state(), core::DeviceState::kEngaged) << name;
+    EXPECT_EQ(world.rig.state(), core::LifecycleState::kEngaged) << name;
     EXPECT_EQ(world.rig.sessions->status().carrier, server::Carrier::kUdp) << name;
   }
 }
@@ -211,7 +212,7 @@ TEST(VirtualMatrixRow, BacklogIsNotRenderedAsFresh) {
   }
   EXPECT_EQ(held_back, 1);  // in one tick
   EXPECT_GE(backlog(), 10U);
-  EXPECT_EQ(world.rig.state(), core::DeviceState::kEngaged);
+  EXPECT_EQ(world.rig.state(), core::LifecycleState::kEngaged);
   EXPECT_EQ(world.rig.newest().life.gain, 1.0);
 }
 

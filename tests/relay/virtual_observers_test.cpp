@@ -47,7 +47,7 @@ TEST(VirtualClient, SixteenObserversAreNotFelt) {
     ASSERT_EQ(alone.force(), watched.force());
     ASSERT_EQ(alone.rig.newest().proxy.age, watched.rig.newest().proxy.age);
   }
-  ASSERT_EQ(watched.rig.state(), core::DeviceState::kEngaged);
+  ASSERT_EQ(watched.rig.state(), core::LifecycleState::kEngaged);
   EXPECT_EQ(controller->sent, 3000U);
   for (const auto& observer : observers) {  // 8000 states per second for 16 who want 1000 each
     EXPECT_NEAR(static_cast<double>(observer->sent), 1500.0, 10.0);

@@ -105,7 +105,7 @@ void VirtualWorld::step() {
   step_client();
   static_cast<void>(server.step(to_wire(rig.now)));
   if (time() >= next_sample) publish();
-  if (alive && rig.state() == core::DeviceState::kArmed && time() % 50ms == 0ms) {
+  if (alive && rig.state() == core::LifecycleState::kArmed && time() % 50ms == 0ms) {
     static_cast<void>(rig.sessions->engage("s1", [](const auto&) {}));
   }
   rig.device->q[0] = hand(time());

@@ -63,7 +63,7 @@ std::unique_ptr<hw::Device> worn_device(const Press& what,
 void publish(core::TickInput& input, const VecX& x) {
   core::ProxySnapshot& proxy = input.proxy;
   proxy.mode = core::ProxyMode::kHeld;
-  proxy.epoch = 1;
+  proxy.tenure = 1;
   proxy.born = input.now;
   if (++proxy.seq == 1) proxy.gapless_since = input.now;
   ++proxy.gapless_samples;
@@ -128,14 +128,14 @@ Felt press(const Press& what, const std::function<void(const PressTick&)>& obser
 
   core::TickInput input;
   input.settings = pipeline.config().scene;
-  input.command.lease_epoch = 1;
+  input.command.tenure = 1;
   input.command.lease_held = true;
   hw::Command command{true, VecA::Zero(1)};
   Felt felt;
   core::VecQ last_q;
   double last_cell = 0.0;
   const double own_damping = board == nullptr ? kDeviceDamping : kRodDamping;
-  core::DeviceState state{};
+  core::LifecycleState state{};
   VecX x_probe = VecX::Zero(2);
   core::MatXQ J;
   for (int k = 1; k <= kTicks; ++k) {
@@ -156,7 +156,7 @@ Felt press(const Press& what, const std::function<void(const PressTick&)>& obser
     }
     last_q = where;
     publish(input, x_probe.cwiseMin(stop));
-    if (what.force && k >= kEngageTick && state == core::DeviceState::kArmed) {
+    if (what.force && k >= kEngageTick && state == core::LifecycleState::kArmed) {
       ++input.command.engage_id;
     }
     const core::TickRecord record = pipeline.tick(input);
@@ -173,7 +173,7 @@ Felt press(const Press& what, const std::function<void(const PressTick&)>& obser
     account(what, tick, felt);
     if (observe) observe(tick);
   }
-  if (what.force && state != core::DeviceState::kEngaged) {
+  if (what.force && state != core::LifecycleState::kEngaged) {
     throw core::SceneError("finger: the device ended in state " + std::string(core::name(state)) +
                            ", not ENGAGED: there was no force to judge");
   }

@@ -49,14 +49,14 @@ class Hand {
     record_poses(in_contact);
     input_.settings = pipeline_.config().scene;
     input_.device.armed = true;
-    input_.command.lease_epoch = 1;
+    input_.command.tenure = 1;
     input_.command.lease_held = true;
     for (int i = 0; i < 700; ++i) {
       if (i == 260) ++input_.command.engage_id;
       prepare();
       state_ = pipeline_.tick(input_).life.state;
     }
-    if (state_ != core::DeviceState::kEngaged) {
+    if (state_ != core::LifecycleState::kEngaged) {
       throw core::SceneError("scaling: the hand did not engage; a tick without force is no figure");
     }
   }
@@ -131,7 +131,7 @@ class Hand {
     core::ProxySnapshot& proxy = input_.proxy;
     if (tick_++ % kFrame == 0) {
       proxy.mode = mode_;
-      proxy.epoch = 1;
+      proxy.tenure = 1;
       if (++proxy.seq == 1) proxy.gapless_since = input_.now;
       ++proxy.gapless_samples;
       proxy.born = input_.now;
@@ -148,7 +148,7 @@ class Hand {
   core::ProxyMode mode_;
   int in_contact_;
   core::TickInput input_{};
-  core::DeviceState state_{};
+  core::LifecycleState state_{};
   std::vector<VecQ> q_{};
   std::vector<VecX> x_{};
   int tick_{0};

@@ -67,7 +67,7 @@ std::vector<CouplingBlock> coupling_blocks(const ProjectionModel& model, const V
                                            const VecA& stiffness, double softness) {
   const MapBlock whole[] = {{&model.kinematics(), 0, 0, 0}};
   const std::span<const MapBlock> blocks =
-      model.has_parts() ? model.kinematics().blocks() : std::span<const MapBlock>(whole);
+      model.has_blocks() ? model.kinematics().blocks() : std::span<const MapBlock>(whole);
   std::vector<CouplingBlock> answer;
   for (const MapBlock& block : blocks) {
     const Kinematics& map = *block.kinematics;
@@ -77,7 +77,7 @@ std::vector<CouplingBlock> coupling_blocks(const ProjectionModel& model, const V
     const auto W =
         known
             ? coupling_metric(
-                  map, model.has_parts() ? model.metric().part(block.first_x, n_x) : model.metric(),
+                  map, model.has_blocks() ? model.metric().of(block.first_x, n_x) : model.metric(),
                   q.segment(block.first_q, n_q), stiffness.segment(block.first_a, n_a), softness,
                   model.coupling().get())
             : std::nullopt;

@@ -14,11 +14,11 @@ namespace haptic::core {
 
 namespace {
 
-/// Has `part` changed? Writes it. Bits decide, so that a NaN is not new in every tick.
-bool take(const VecX& all, int first, VecX& part) noexcept {
-  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(part.size());
-  if (std::memcmp(all.data() + first, part.data(), bytes) == 0) return false;
-  std::memcpy(part.data(), all.data() + first, bytes);
+/// Has `mine` changed? Writes it. Bits decide, so that a NaN is not new in every tick.
+bool take(const VecX& all, int first, VecX& mine) noexcept {
+  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(mine.size());
+  if (std::memcmp(all.data() + first, mine.data(), bytes) == 0) return false;
+  std::memcpy(mine.data(), all.data() + first, bytes);
   return true;
 }
 
@@ -41,13 +41,14 @@ double most_displayed(const ProjectionModel& model, const MatXQ& J, int x, int q
 
 }  // namespace
 
-BlockRenderer::Part::Part(RendererKind kind, const ProjectionModel& part, const MapBlock& block)
-    : model(part),
+BlockRenderer::Block::Block(RendererKind kind, const ProjectionModel& of_block,
+                            const MapBlock& in_map)
+    : model(of_block),
       renderer(kind, model),
-      at(block),
-      n_q(block.kinematics->layout().n_q()),
-      n_a(block.kinematics->layout().n_a()),
-      n_x(block.kinematics->space().n_x()),
+      at(in_map),
+      n_q(at.kinematics->layout().n_q()),
+      n_a(at.kinematics->layout().n_a()),
+      n_x(at.kinematics->space().n_x()),
       q(VecQ::Zero(n_q)),
       x_probe(VecX::Zero(n_x)),
       x(VecX::Zero(n_x)),
@@ -57,13 +58,13 @@ BlockRenderer::Part::Part(RendererKind kind, const ProjectionModel& part, const 
   out.q_star = q;
 }
 
-bool BlockRenderer::Part::displaced(const VecX& all_dx) const noexcept {
+bool BlockRenderer::Block::displaced(const VecX& all_dx) const noexcept {
   const double* first = all_dx.data() + at.first_x;
   return std::any_of(first, first + n_x, [](double d) { return d != 0.0; });
 }
 
-void BlockRenderer::Part::project(const Probe& probe, const VecX& all_x, const VecX& all_dx,
-                                  const VecA& all_stiffness, bool proxy_changed) noexcept {
+void BlockRenderer::Block::project(const Probe& probe, const VecX& all_x, const VecX& all_dx,
+                                   const VecA& all_stiffness, bool proxy_changed) noexcept {
   const bool changed = (proxy_changed || !seen) && (take(all_x, at.first_x, x) || !seen);
   seen = true;
   if (held && !changed) return;
@@ -79,21 +80,21 @@ void BlockRenderer::Part::project(const Probe& probe, const VecX& all_x, const V
 
 BlockRenderer::BlockRenderer(RendererKind kind, const ProjectionModel& model)
     : kind_(kind), model_(model), idle_possible_(!model.prior()) {
-  if (!model_.has_parts()) {
+  if (!model_.has_blocks()) {
     whole_.emplace(kind, model_);
     return;
   }
-  for (const MapBlock& block : model_.kinematics().blocks()) {
-    parts_.emplace_back(kind, model_.part(block), block);
+  for (const MapBlock& at : model_.kinematics().blocks()) {
+    blocks_.emplace_back(kind, model_.of(at), at);
   }
 }
 
 void BlockRenderer::change(RendererKind kind) noexcept {
   kind_ = kind;
   if (whole_) whole_.emplace(kind, model_);
-  for (Part& part : parts_) {
-    part.renderer = Renderer(kind, part.model);
-    part.seen = part.held = false;
+  for (Block& block : blocks_) {
+    block.renderer = Renderer(kind, block.model);
+    block.seen = block.held = false;
   }
 }
 
@@ -107,22 +108,22 @@ void BlockRenderer::project(const Probe& probe, const VecX& x, const VecX& dx,
   out.status = ProjectionStatus::kNone;
   out.condition = out.storage = 0.0;
   double squares = 0.0;
-  for (Part& part : parts_) {
-    const bool answered = part.held && !proxy_changed;
-    if (idle_possible_ && !answered && !part.displaced(dx)) {
-      part.seen = part.held = false;  // whatever is displaced next is solved
-      const double* q = probe.q.data() + part.at.first_q;
-      std::copy(q, q + part.n_q, out.q_star.data() + part.at.first_q);
+  for (Block& block : blocks_) {
+    const bool answered = block.held && !proxy_changed;
+    if (idle_possible_ && !answered && !block.displaced(dx)) {
+      block.seen = block.held = false;  // whatever is displaced next is solved
+      const double* q = probe.q.data() + block.at.first_q;
+      std::copy(q, q + block.n_q, out.q_star.data() + block.at.first_q);
       out.status = std::max(out.status, ProjectionStatus::kExact);
       continue;
     }
-    part.project(probe, x, dx, stiffness, proxy_changed);
-    const VecQ& q_star = part.out.q_star;
-    std::copy(q_star.data(), q_star.data() + part.n_q, out.q_star.data() + part.at.first_q);
-    out.status = std::max(out.status, part.out.status);  // in the order of their gravity
-    out.condition = std::max(out.condition, part.out.condition);
-    out.storage += part.out.storage;
-    squares += part.out.residual * part.out.residual;
+    block.project(probe, x, dx, stiffness, proxy_changed);
+    const VecQ& q_star = block.out.q_star;
+    std::copy(q_star.data(), q_star.data() + block.n_q, out.q_star.data() + block.at.first_q);
+    out.status = std::max(out.status, block.out.status);  // in the order of their gravity
+    out.condition = std::max(out.condition, block.out.condition);
+    out.storage += block.out.storage;
+    squares += block.out.residual * block.out.residual;
   }
   out.residual = std::sqrt(squares);
 }
@@ -142,20 +143,20 @@ void BlockRenderer::displayed_bound(const Probe& probe, const VecX& dx, const Ve
       ratio.setConstant(most_displayed(model_, probe.J, 0, 0, 0, stiffness));
     return;
   }
-  for (const Part& part : parts_) {
-    if (!part.displaced(dx)) continue;
-    const MapBlock& at = part.at;
-    ratio.segment(at.first_a, part.n_a)
+  for (const Block& block : blocks_) {
+    if (!block.displaced(dx)) continue;
+    const MapBlock& at = block.at;
+    ratio.segment(at.first_a, block.n_a)
         .setConstant(
-            most_displayed(part.model, probe.J, at.first_x, at.first_q, at.first_a, stiffness));
+            most_displayed(block.model, probe.J, at.first_x, at.first_q, at.first_a, stiffness));
   }
 }
 
 void BlockRenderer::reset() noexcept {
   if (whole_) whole_->reset();
-  for (Part& part : parts_) {
-    part.renderer.reset();
-    part.seen = part.held = false;
+  for (Block& block : blocks_) {
+    block.renderer.reset();
+    block.seen = block.held = false;
   }
 }
 

@@ -41,16 +41,16 @@ LinearCertificate::LinearCertificate(const ProjectionModel& model) : coupling_(m
   }
   const MapBlock whole[] = {{&model.kinematics(), 0, 0, 0}};
   const std::span<const MapBlock> blocks =
-      model.has_parts() ? model.kinematics().blocks() : std::span<const MapBlock>(whole);
-  for (const MapBlock& block : blocks) {
-    Part part;
-    part.at = block;
-    part.n_q = block.kinematics->layout().n_q();
-    part.n_a = block.kinematics->layout().n_a();
-    part.n_x = block.kinematics->space().n_x();
-    part.metric = model.has_parts() ? model.metric().part(block.first_x, part.n_x) : model.metric();
-    part.kernel = householder_kernel(part.n_x, part.n_q);
-    parts_.push_back(std::move(part));
+      model.has_blocks() ? model.kinematics().blocks() : std::span<const MapBlock>(whole);
+  for (const MapBlock& at : blocks) {
+    Block block;
+    block.at = at;
+    block.n_q = at.kinematics->layout().n_q();
+    block.n_a = at.kinematics->layout().n_a();
+    block.n_x = at.kinematics->space().n_x();
+    block.metric = model.has_blocks() ? model.metric().of(at.first_x, block.n_x) : model.metric();
+    block.kernel = householder_kernel(block.n_x, block.n_q);
+    blocks_.push_back(std::move(block));
   }
 }
 
@@ -58,48 +58,48 @@ Certificate LinearCertificate::at(const Probe& probe, const VecX& dx,
                                   const VecA& stiffness) noexcept {
   Certificate worst;
   worst.status = CertificateStatus::kIdle;
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    const Part& part = parts_[i];
-    const double* first = dx.data() + part.at.first_x;
-    if (std::all_of(first, first + part.n_x, [](double d) { return d == 0.0; })) continue;
-    const int block = static_cast<int>(i);
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const Block& block = blocks_[i];
+    const double* first = dx.data() + block.at.first_x;
+    if (std::all_of(first, first + block.n_x, [](double d) { return d == 0.0; })) continue;
+    const int number = static_cast<int>(i);
     double margin = 0.0;
-    const CertificateStatus status = judge(part, probe, dx, stiffness, margin);
-    if (status != CertificateStatus::kComputed) return {status, block, 0.0};
+    const CertificateStatus status = judge(block, probe, dx, stiffness, margin);
+    if (status != CertificateStatus::kComputed) return {status, number, 0.0};
     if (worst.status == CertificateStatus::kIdle || margin < worst.margin) {
-      worst = {status, block, margin};
+      worst = {status, number, margin};
     }
   }
   return worst;
 }
 
-CertificateStatus LinearCertificate::judge(const Part& part, const Probe& probe, const VecX& dx,
+CertificateStatus LinearCertificate::judge(const Block& block, const Probe& probe, const VecX& dx,
                                            const VecA& stiffness, double& margin) noexcept {
-  const MapBlock& at = part.at;
+  const MapBlock& at = block.at;
   const DofLayout& layout = at.kinematics->layout();
   const double* K = stiffness.data() + at.first_a;
-  if (!std::all_of(K, K + part.n_a, [](double k) { return k > 0.0; })) {
+  if (!std::all_of(K, K + block.n_a, [](double k) { return k > 0.0; })) {
     return CertificateStatus::kNoStiffness;
   }
-  q_ = probe.q.segment(at.first_q, part.n_q);
-  J_ = probe.J.block(at.first_x, at.first_q, part.n_x, part.n_q);
-  r_ = dx.segment(at.first_x, part.n_x);
-  part.metric.weigh(J_);
-  part.metric.weigh(r_);
-  if (!solve(part, r_, dq_)) return CertificateStatus::kNotFullRank;
+  q_ = probe.q.segment(at.first_q, block.n_q);
+  J_ = probe.J.block(at.first_x, at.first_q, block.n_x, block.n_q);
+  r_ = dx.segment(at.first_x, block.n_x);
+  block.metric.weigh(J_);
+  block.metric.weigh(r_);
+  if (!solve(block, r_, dq_)) return CertificateStatus::kNotFullRank;
   r_ -= J_.lazyProduct(dq_);
 
-  M_.setIdentity(part.n_a, part.n_a);
-  if (coupling_) turn_.resize(part.n_a, part.n_a);
-  for (int i = 0; i < part.n_a; ++i) {
+  M_.setIdentity(block.n_a, block.n_a);
+  if (coupling_) turn_.resize(block.n_a, block.n_a);
+  for (int i = 0; i < block.n_a; ++i) {
     if (at.kinematics->second_order(q_, layout.actuated(i), J_k_) != MapStatus::kOk) {
       return CertificateStatus::kMapFailed;
     }
-    part.metric.weigh(J_k_);
+    block.metric.weigh(J_k_);
     turned_ = J_k_.lazyProduct(dq_);
-    if (!solve(part, turned_, column_)) return CertificateStatus::kNotFullRank;
-    if (part.n_x > part.n_q) take_off_residual(part, column_);  // of a square J r is 0
-    for (int j = 0; j < part.n_a; ++j) {
+    if (!solve(block, turned_, column_)) return CertificateStatus::kNotFullRank;
+    if (block.n_x > block.n_q) take_off_residual(block, column_);  // of a square J r is 0
+    for (int j = 0; j < block.n_a; ++j) {
       if (coupling_) {
         turn_(j, i) = std::sqrt(K[j] / K[i]) * column_[layout.actuated(j)];
         continue;
@@ -114,24 +114,24 @@ CertificateStatus LinearCertificate::judge(const Part& part, const Probe& probe,
                                      : CertificateStatus::kNotFullRank;
 }
 
-bool LinearCertificate::solve(const Part& part, const VecX& b, VecQ& y) noexcept {
-  std::copy_n(J_.data(), part.n_x * part.n_q, A_);
-  std::copy_n(b.data(), part.n_x, b_);
-  y.resize(part.n_q);
-  return solve_full_rank(part.kernel, part.n_x, part.n_q, A_, b_, column_norm2_, inverse_diagonal_,
-                         y.data())
+bool LinearCertificate::solve(const Block& block, const VecX& b, VecQ& y) noexcept {
+  std::copy_n(J_.data(), block.n_x * block.n_q, A_);
+  std::copy_n(b.data(), block.n_x, b_);
+  y.resize(block.n_q);
+  return solve_full_rank(block.kernel, block.n_x, block.n_q, A_, b_, column_norm2_,
+                         inverse_diagonal_, y.data())
       .solved;
 }
 
-void LinearCertificate::take_off_residual(const Part& part, VecQ& y) noexcept {
-  const int m = part.n_x, n = part.n_q;
+void LinearCertificate::take_off_residual(const Block& block, VecQ& y) noexcept {
+  const int m = block.n_x, n = block.n_q;
   for (int k = 0; k < n; ++k) {  // R^T p = J_,k^T r
     double p = J_k_.col(k).dot(r_);
     for (int i = 0; i < k; ++i) p -= A_[k * m + i] * b_[i];
     b_[k] = p * inverse_diagonal_[k];
   }
   double solution[kMaxQ];
-  part.kernel.back_substitute(m, n, A_, b_, inverse_diagonal_, solution);
+  block.kernel.back_substitute(m, n, A_, b_, inverse_diagonal_, solution);
   for (int k = 0; k < n; ++k) y[k] -= solution[k];
 }
 

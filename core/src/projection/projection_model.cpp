@@ -133,14 +133,14 @@ ProjectionModel::ProjectionModel(const Kinematics& kinematics, ProjectionSetting
   check(kinematics, settings_);
   mean_J_a_ = weighed_mean(kinematics, settings_.metric);
   for (const MapBlock& block : kinematics.blocks()) {
-    has_parts_ = settings_.metric.separates(block.first_x, block.kinematics->space().n_x());
-    if (!has_parts_) break;
+    has_blocks_ = settings_.metric.separates(block.first_x, block.kinematics->space().n_x());
+    if (!has_blocks_) break;
   }
 }
 
-ProjectionModel ProjectionModel::part(const MapBlock& block) const {
+ProjectionModel ProjectionModel::of(const MapBlock& block) const {
   ProjectionSettings settings = settings_;
-  settings.metric = settings_.metric.part(block.first_x, block.kinematics->space().n_x());
+  settings.metric = settings_.metric.of(block.first_x, block.kinematics->space().n_x());
   if (settings_.prior) {
     const int first_n = block.first_q - block.first_a;  // blocks come in the order of q and of q_a
     settings.prior->sensed_stiffness =

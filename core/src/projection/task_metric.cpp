@@ -106,7 +106,7 @@ bool TaskMetric::separates(int first, int count) const noexcept {
          (upper_->block(first, end, count, after).array() == 0.0).all();
 }
 
-TaskMetric TaskMetric::part(int first, int count) const {
+TaskMetric TaskMetric::of(int first, int count) const {
   TaskMetric metric;
   if (is_identity()) return metric;
   metric.n_x_ = count;

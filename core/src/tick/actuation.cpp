@@ -24,7 +24,7 @@ Effort Actuation::step(const Beat& beat, const Sensed& sensed, const Anchor& wan
   effort.tau_a.setZero(n_a);
   effort.tau_damping.setZero(n_a);
   effort.tau_elastic.setZero(n_a);
-  const bool powered = life.arm && life.state != DeviceState::kIdle;
+  const bool powered = life.arm && life.state != LifecycleState::kIdle;
   for (int i = 0; i < n_a; ++i) {
     if (powered) {
       limit(i, beat, sensed, life, settings, effort);

@@ -26,10 +26,10 @@ EngageAnswer judge_engage(std::uint64_t id, const EngageCase& at) noexcept {
     answer.index = index;
     return answer;
   };
-  if (at.state == DeviceState::kEngaging || at.state == DeviceState::kEngaged) return answer;
-  if (at.state != DeviceState::kArmed || at.faulted) {
+  if (at.state == LifecycleState::kEngaging || at.state == LifecycleState::kEngaged) return answer;
+  if (at.state != LifecycleState::kArmed || at.faulted) {
     return refuse(EngageVerdict::kNotArmed, static_cast<double>(at.state),
-                  static_cast<double>(DeviceState::kArmed));
+                  static_cast<double>(LifecycleState::kArmed));
   }
   const ProxyInUse& proxy = at.proxy;
   const bool has_proxy = proxy.mode != ProxyMode::kNone;

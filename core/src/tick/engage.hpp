@@ -10,7 +10,7 @@ namespace haptic::core {
 /// What an Engage is judged by.
 struct EngageCase {
   TimePoint now{};
-  DeviceState state{DeviceState::kInit};  ///< before this tick's step
+  LifecycleState state{LifecycleState::kInit};  ///< before this tick's step
   bool faulted{false};                    ///< a fault is latched
   const Sensed& sensed;
   const ProxyInUse& proxy;

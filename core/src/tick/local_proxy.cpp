@@ -3,9 +3,9 @@
 namespace haptic::core {
 
 const VecX& LocalProxy::step(const ProxySnapshot& sample, const VecX& x_probe) noexcept {
-  const bool same = sample.epoch == epoch_ && sample.seq == seq_ && sample.mode == mode_;
+  const bool same = sample.tenure == tenure_ && sample.seq == seq_ && sample.mode == mode_;
   mode_ = sample.mode;
-  epoch_ = sample.epoch;
+  tenure_ = sample.tenure;
   seq_ = sample.seq;
   new_sample_ = changed_ = !same && mode_ != ProxyMode::kNone;
   in_the_way_ = false;

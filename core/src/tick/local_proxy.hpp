@@ -35,7 +35,7 @@ class LocalProxy {
 
  private:
   ProxyMode mode_{ProxyMode::kNone};  ///< these three: which sample the last step was given
-  std::uint32_t epoch_{0};
+  std::uint32_t tenure_{0};
   std::uint64_t seq_{0};
   PlaneProjection projection_;
   VecX x_{};

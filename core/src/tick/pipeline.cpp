@@ -143,7 +143,7 @@ class Pipeline::Stages {
   Actuation actuation_;
   // Of the last tick:
   bool ready_{false};
-  DeviceState state_{DeviceState::kInit};
+  LifecycleState state_{LifecycleState::kInit};
   VecQ in_use_;
   FaultSet output_faults_{};
 };

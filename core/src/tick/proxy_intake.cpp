@@ -7,12 +7,12 @@
 namespace haptic::core {
 
 ProxyInUse ProxyIntake::step(const TickInput& in, const StalenessLimits& limits,
-                             const TrackerRecord& tracker, DeviceState last) noexcept {
+                             const TrackerRecord& tracker, LifecycleState last) noexcept {
   const CommandSnapshot& command = in.command;
   const ProxySnapshot& sample = in.proxy;
   const bool usable = command.lease_held && sample.mode != ProxyMode::kNone &&
-                      sample.epoch == command.lease_epoch && fits(sample);
-  if (usable && (!carries_force(last) || sample.epoch == sample_.epoch)) {
+                      sample.tenure == command.tenure && fits(sample);
+  if (usable && (!carries_force(last) || sample.tenure == sample_.tenure)) {
     sample_ = sample;
   } else if (!usable && !carries_force(last)) {
     sample_ = ProxySnapshot{};

@@ -16,7 +16,7 @@ class ProxyIntake {
   /// that ended ends its sample. A sample of wrong sizes or with a number that is not finite is
   /// never used.
   [[nodiscard]] ProxyInUse step(const TickInput& in, const StalenessLimits& limits,
-                                const TrackerRecord& tracker, DeviceState last) noexcept;
+                                const TrackerRecord& tracker, LifecycleState last) noexcept;
   /// The sample in use since the last step: what is too large to be recorded twice.
   [[nodiscard]] const ProxySnapshot& sample() const noexcept { return sample_; }
 

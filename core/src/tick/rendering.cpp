@@ -8,7 +8,7 @@ Rendering::Rendering(const ProjectionModel& model, const PipelineConfig& config)
     : model_(model),
       all_J_(config.monotone_envelope && model.layout().n_a() == 1),
       guarded_(config.monotone_envelope),
-      separable_(model.has_parts() && !model.prior() && model.kinematics().blocks().size() > 1),
+      separable_(model.has_blocks() && !model.prior() && model.kinematics().blocks().size() > 1),
       map_(model.kinematics()),
       local_(model.kinematics().space(), config.projection.metric),
       renderer_(config.scene.renderer, model),
@@ -112,7 +112,7 @@ BlockSet Rendering::needs_J(const Settings& settings) const noexcept {
   const bool guarded = settings.direction_guard || guarded_;
   if (!guarded && renderer_.reads_J(map_.all()) == 0) return 0;  // Eq. (6), whatever is displaced
   BlockSet displaced = map_.displaced(dx_);
-  if (displaced != 0 && !model_.has_parts()) displaced = map_.all();
+  if (displaced != 0 && !model_.has_blocks()) displaced = map_.all();
   return guarded ? displaced | renderer_.reads_J(displaced) : renderer_.reads_J(displaced);
 }
 

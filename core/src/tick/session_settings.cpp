@@ -23,7 +23,7 @@ SessionSettings::SessionSettings(const RenderSettings& scene,
   if (coupling_) now_.Z_q = coupling_->matrix(now_.stiffness);
 }
 
-const Settings& SessionSettings::step(const RenderSettings& wanted, DeviceState last) noexcept {
+const Settings& SessionSettings::step(const RenderSettings& wanted, LifecycleState last) noexcept {
   if (wanted.id == now_.id) return now_;
   now_.id = wanted.id;
   tighten(now_.stiffness, wanted.stiffness, scene_.stiffness);

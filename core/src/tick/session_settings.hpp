@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "haptic/core/linear/stiffness_coupling.hpp"
-#include "haptic/core/safety/device_state.hpp"
+#include "haptic/core/safety/lifecycle.hpp"
 #include "haptic/core/tick/tick_input.hpp"
 
 namespace haptic::core {
@@ -28,7 +28,7 @@ class SessionSettings {
   /// Takes `wanted` over if its id is new: each number only as far as it is tighter than the
   /// scene's. `last`: the device's state of the last tick. Another renderer is another anchor, so
   /// it is not taken over under force. The answer stays valid until the next step.
-  [[nodiscard]] const Settings& step(const RenderSettings& wanted, DeviceState last) noexcept;
+  [[nodiscard]] const Settings& step(const RenderSettings& wanted, LifecycleState last) noexcept;
 
  private:
   const RenderSettings scene_;

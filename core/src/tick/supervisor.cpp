@@ -11,7 +11,7 @@ Lifecycle Supervisor::step(const TickInput& in, const Beat& beat, const Settings
   latched_ = latched_ | output;
   latch(command, sensed.ready, beat.faults | sensed.faults);
 
-  const DeviceState before = machine_.state();
+  const LifecycleState before = machine_.state();
   const bool released = command.release_id != release_id_;
   release_id_ = command.release_id;
   bool engaged = false;
@@ -28,21 +28,21 @@ Lifecycle Supervisor::step(const TickInput& in, const Beat& beat, const Settings
   events.fault = latched_.any();
   events.closing = command.closing;
   events.lease_held = command.lease_held;
-  events.lease_changed = command.lease_epoch != epoch_;
+  events.lease_changed = command.tenure != tenure_;
   events.armed = in.device.armed;
   events.ready = sensed.ready;
   events.engage = engaged;
   events.release = released;
   events.lost = proxy.level == Staleness::kLost ||
                 (sensed.tracker.on && sensed.tracker.level == Staleness::kLost);
-  epoch_ = command.lease_epoch;
-  const DeviceState state = machine_.step(events, gain_.value());
+  tenure_ = command.tenure;
+  const LifecycleState state = machine_.step(events, gain_.value());
 
   // A new holder of the lease did not ask for what the one before was granted.
-  if (events.lease_changed && state == DeviceState::kArmed) force_granted_ = false;
+  if (events.lease_changed && state == LifecycleState::kArmed) force_granted_ = false;
   if (engaged) force_granted_ = true;
-  const bool given_up = before == DeviceState::kReleasing && state != before;
-  if (!machine_.wants_armed() || state == DeviceState::kIdle || given_up) force_granted_ = false;
+  const bool given_up = before == LifecycleState::kReleasing && state != before;
+  if (!machine_.wants_armed() || state == LifecycleState::kIdle || given_up) force_granted_ = false;
   move_gains(beat, settings, sensed, proxy, anchor);
 
   Lifecycle now;
@@ -50,7 +50,7 @@ Lifecycle Supervisor::step(const TickInput& in, const Beat& beat, const Settings
   now.lost = machine_.lost_now();
   now.faults = latched_;
   now.arm = machine_.wants_armed();
-  now.engaged = engaged && before == DeviceState::kArmed;
+  now.engaged = engaged && before == LifecycleState::kArmed;
   now.engage = engage_;
   now.release_id = release_id_;
   now.stop_id = stop_id_;
@@ -81,14 +81,14 @@ void Supervisor::clear(const CommandSnapshot& command, FaultSet causes) noexcept
 
 void Supervisor::move_gains(const Beat& beat, const Settings& settings, const Sensed& sensed,
                             const ProxyInUse& proxy, const Anchor& anchor) noexcept {
-  const DeviceState state = machine_.state();
+  const LifecycleState state = machine_.state();
   const StalenessLimits& limits = settings.staleness;
   const bool wanted =
-      (state == DeviceState::kEngaging || state == DeviceState::kEngaged) && !sensed.silent;
+      (state == LifecycleState::kEngaging || state == LifecycleState::kEngaged) && !sensed.silent;
   gain_.step(wanted, proxy.ladder, beat.dt, limits.fade_end - limits.hold_end);
   damping_gain_.step(force_granted_ && anchor.in_the_way && sensed.recent, beat.dt);
   if (!force_granted_ && !carries_force(state)) damping_gain_.zero();
-  if (state == DeviceState::kFault || state == DeviceState::kClosing) gain_.zero();
+  if (state == LifecycleState::kFault || state == LifecycleState::kClosing) gain_.zero();
 }
 
 }  // namespace haptic::core

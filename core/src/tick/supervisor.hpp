@@ -29,7 +29,7 @@ class Supervisor {
 
   const DofLayout layout_;
   const Duration sample_period_;
-  DeviceStateMachine machine_{};
+  LifecycleMachine machine_{};
   Gain gain_{};
   DampingGain damping_gain_{};
   FaultSet latched_{};
@@ -37,7 +37,7 @@ class Supervisor {
   ClearAnswer clear_{};
   std::uint64_t release_id_{0};
   std::uint64_t stop_id_{0};
-  std::uint32_t epoch_{0};  ///< of the lease in the last tick
+  std::uint32_t tenure_{0};  ///< of the lease in the last tick
   /// An Engage was accepted and neither Release, end of lease nor a fault has ended what it
   /// allowed: damping stays on after the elastic force was lost
   /// (proto/README.md#staleness-and-gain, level "lost").

@@ -26,7 +26,7 @@ bool identical(const DeviceReading& a, const DeviceReading& b) noexcept {
 }
 
 bool identical(const ProxySnapshot& a, const ProxySnapshot& b) noexcept {
-  return a.mode == b.mode && a.epoch == b.epoch && a.seq == b.seq && a.born == b.born &&
+  return a.mode == b.mode && a.tenure == b.tenure && a.seq == b.seq && a.born == b.born &&
          a.valid_for == b.valid_for && same_bits(a.x, b.x) &&
          same_bits(a.planes.normals, b.planes.normals) &&
          same_bits(a.planes.offsets, b.planes.offsets) && a.gapless_since == b.gapless_since &&
@@ -45,10 +45,9 @@ bool identical(const TrackerRecord& a, const TrackerRecord& b) noexcept {
 }
 
 bool identical(const CommandSnapshot& a, const CommandSnapshot& b) noexcept {
-  return a.lease_epoch == b.lease_epoch && a.lease_held == b.lease_held &&
-         a.engage_id == b.engage_id && a.release_id == b.release_id && a.stop_id == b.stop_id &&
-         a.clear_id == b.clear_id && a.clear == b.clear && a.clear_stop_id == b.clear_stop_id &&
-         a.closing == b.closing;
+  return a.tenure == b.tenure && a.lease_held == b.lease_held && a.engage_id == b.engage_id &&
+         a.release_id == b.release_id && a.stop_id == b.stop_id && a.clear_id == b.clear_id &&
+         a.clear == b.clear && a.clear_stop_id == b.clear_stop_id && a.closing == b.closing;
 }
 
 bool identical(const RenderSettings& a, const RenderSettings& b) noexcept {

@@ -122,7 +122,7 @@ TEST(TaskMetric, BlockTakesItsPartOfIt) {
   EXPECT_FALSE(metric.separates(0, 2));
   EXPECT_TRUE(metric.separates(2, 2));
   EXPECT_FALSE(metric.separates(4, 2));
-  EXPECT_NEAR((metric.part(2, 2).matrix() - W.block(2, 2, 2, 2)).norm(), 0.0, 1e-14);
+  EXPECT_NEAR((metric.of(2, 2).matrix() - W.block(2, 2, 2, 2)).norm(), 0.0, 1e-14);
   const VecX a = gaussian(random, 6, 1);
   EXPECT_NEAR((W * metric.steepest(a) - a).norm(), 0.0, 1e-11 * a.norm());
 }
@@ -131,9 +131,9 @@ TEST(TaskMetric, FingersStaySeparateUnlessTied) {
   const auto hand = make_hand_exoskeleton({{"index", {}}, {"ring", {}}});
   Eigen::MatrixXd W = Eigen::MatrixXd::Identity(4, 4);
   W(0, 1) = W(1, 0) = 0.5;
-  EXPECT_TRUE(ProjectionModel(*hand, with_metric(TaskMetric::from_matrix(W))).has_parts());
+  EXPECT_TRUE(ProjectionModel(*hand, with_metric(TaskMetric::from_matrix(W))).has_blocks());
   W(1, 2) = W(2, 1) = 0.1;
-  EXPECT_FALSE(ProjectionModel(*hand, with_metric(TaskMetric::from_matrix(W))).has_parts());
+  EXPECT_FALSE(ProjectionModel(*hand, with_metric(TaskMetric::from_matrix(W))).has_blocks());
 }
 
 TEST(TaskMetric, ItsRootSquaredIsTheMetric) {

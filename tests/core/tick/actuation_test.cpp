@@ -29,7 +29,7 @@ class ActuationTest : public testing::Test {
     config.scene.damping = two(2.0, 1.0);
     config.scene.force_limit = two(20.0, 10.0);
     config.scene.slew_limit = two(1e9, 1e9);
-    life.state = DeviceState::kEngaged;
+    life.state = LifecycleState::kEngaged;
     life.arm = true;
     life.gain = life.damping_gain = 1.0;
     sensed.ready = sensed.fresh = sensed.recent = true;
@@ -89,7 +89,7 @@ TEST_F(ActuationTest, DisarmedOrIdleCommandsZero) {
   life.arm = false;
   EXPECT_EQ(first_step().tau_a, two(0.0, 0.0));
   life.arm = true;
-  life.state = DeviceState::kIdle;
+  life.state = LifecycleState::kIdle;
   EXPECT_EQ(first_step().tau_a, two(0.0, 0.0));
 }
 

@@ -110,7 +110,7 @@ TEST(CertificateOfATick, AllocatesNothingOnAStylus) {
   input.settings = c.scene;
   input.device.fresh = input.device.armed = true;
   input.device.sample.q = (VecQ(6) << 0.2, 0.6, -1.3, 0.1, 0.2, 0.3).finished();
-  input.command.lease_epoch = input.proxy.epoch = 1;
+  input.command.tenure = input.proxy.tenure = 1;
   input.command.lease_held = true;
   input.proxy.mode = ProxyMode::kHeld;
   VecX x_probe;

@@ -64,10 +64,10 @@ class CoupledBench {
     input.settings = config.scene;
     input.device.armed = input.device.fresh = true;
     input.device.sample.q = target = VecQ::Zero(3);
-    input.command.lease_epoch = 1;
+    input.command.tenure = 1;
     input.command.lease_held = true;
     input.proxy.mode = ProxyMode::kHeld;
-    input.proxy.epoch = 1;
+    input.proxy.tenure = 1;
   }
   const TickRecord& tick() {
     input.now += std::chrono::milliseconds(1);
@@ -86,7 +86,7 @@ class CoupledBench {
     tick();
     EXPECT_EQ(record.life.engage.verdict, EngageVerdict::kAccepted);
     for (int i = 0; i < 205; ++i) tick();
-    EXPECT_EQ(record.life.state, DeviceState::kEngaged);
+    EXPECT_EQ(record.life.state, LifecycleState::kEngaged);
     return record;
   }
   VecQ& q() { return input.device.sample.q; }
@@ -416,7 +416,7 @@ TEST(CoupledStiffness, NearlySingularKeepsTheLaw) {
       bench.target << 0.006 * part(random) + 25.0 * weak, 0.1 * part(random),
           0.006 * part(random) - 30.0 * weak;
       const VecA tau = bench.tick().effort.tau_a;
-      ASSERT_EQ(bench.record.life.state, DeviceState::kEngaged);
+      ASSERT_EQ(bench.record.life.state, LifecycleState::kEngaged);
       const long double d1 = bench.d()[0], d2 = bench.d()[1], along = a * d1 + b * d2;
       const long double length =
           std::sqrt(std::max(0.0L, along * along - 2 * gap * a * b * d1 * d2));

@@ -39,7 +39,7 @@ class EngageTest : public testing::Test {
   }
   const DofLayout layout{true, true};
   TimePoint now{milliseconds(5000)};
-  DeviceState state{DeviceState::kArmed};
+  LifecycleState state{LifecycleState::kArmed};
   bool faulted{false};
   Settings settings{};
   Sensed sensed{};
@@ -52,16 +52,16 @@ TEST_F(EngageTest, AcceptsAGoodStreamWhileArmed) {
 }
 
 TEST_F(EngageTest, OtherStatesAreRefused) {
-  state = DeviceState::kIdle;
+  state = LifecycleState::kIdle;
   expect_refused(EngageVerdict::kNotArmed, 2.0, 3.0);
-  state = DeviceState::kArmed;
+  state = LifecycleState::kArmed;
   faulted = true;
   expect_refused(EngageVerdict::kNotArmed, 3.0, 3.0);
 }
 
 TEST_F(EngageTest, EngagedAlreadyIsAccepted) {
   proxy = {};
-  for (const DeviceState engaged : {DeviceState::kEngaging, DeviceState::kEngaged}) {
+  for (const LifecycleState engaged : {LifecycleState::kEngaging, LifecycleState::kEngaged}) {
     state = engaged;
     EXPECT_EQ(judge().verdict, EngageVerdict::kAccepted);
   }

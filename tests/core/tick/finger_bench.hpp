@@ -43,7 +43,7 @@ class Bench {
     input.settings = config.scene;
     input.device.armed = true;
     input.device.fresh = true;
-    input.command.lease_epoch = 1;
+    input.command.tenure = 1;
     input.command.lease_held = true;
     put(joints(0.5, 0.5));
   }
@@ -57,7 +57,7 @@ class Bench {
     input.device.sample.time = input.now;
     ProxySnapshot& p = input.proxy;
     p.mode = ProxyMode::kHeld;
-    p.epoch = 1;
+    p.tenure = 1;
     p.x = target;
     if (p.gapless_samples++ == 0) p.gapless_since = input.now;
     ++p.seq;
@@ -71,7 +71,7 @@ class Bench {
     TickRecord record = tick();
     EXPECT_EQ(record.life.engage.verdict, EngageVerdict::kAccepted);
     for (int i = 0; i < 205; ++i) record = tick();
-    EXPECT_EQ(record.life.state, DeviceState::kEngaged);
+    EXPECT_EQ(record.life.state, LifecycleState::kEngaged);
     return record;
   }
 

@@ -68,7 +68,7 @@ TEST(ForceControlInTheTick, LeaseAloneDrivesNothing) {
   EXPECT_GT(std::abs(record.effort.drive[0]), 0.5);
   ++bench.input.command.release_id;
   for (int i = 0; i < 300; ++i) record = bench.tick();
-  ASSERT_EQ(record.life.state, DeviceState::kArmed);
+  ASSERT_EQ(record.life.state, LifecycleState::kArmed);
   EXPECT_EQ(record.effort.drive[0], 0.0);
 }
 

@@ -26,8 +26,9 @@ TEST(Pipeline, RunsAnHourWithoutAllocating) {
   for (std::size_t i = 0; i < 3'600'000; ++i) {
     bench.input.device.sample.q = poses[i % poses.size()];
     const TickRecord record = bench.tick();
-    wrong +=
-        std::isfinite(record.effort.tau_a[0]) && record.life.state == DeviceState::kEngaged ? 0 : 1;
+    wrong += std::isfinite(record.effort.tau_a[0]) && record.life.state == LifecycleState::kEngaged
+                 ? 0
+                 : 1;
   }
   EXPECT_EQ(guard.allocations(), 0U);
   EXPECT_EQ(wrong, 0);

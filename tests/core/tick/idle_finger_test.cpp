@@ -26,7 +26,7 @@ class Hand {
     input.settings = pipeline.config().scene;
     input.device.armed = true;
     input.device.fresh = true;
-    input.command.lease_epoch = 1;
+    input.command.tenure = 1;
     input.command.lease_held = true;
   }
   TickRecord tick() {
@@ -80,7 +80,7 @@ class Hand {
     const VecX at = f_of(input.device.sample.q);
     ProxySnapshot& p = input.proxy;
     p.mode = mode_;
-    p.epoch = 1;
+    p.tenure = 1;
     p.born = input.now;
     if (++p.seq == 1) p.gapless_since = input.now;
     ++p.gapless_samples;
@@ -110,7 +110,7 @@ TEST(IdleFinger, ActiveFingerGetsTheSameBits) {
         double most = 0.0;
         for (int i = 0; i < 700; ++i) {
           const TickRecord both = hand.tick(), one = alone.tick();
-          ASSERT_EQ(both.life.state, DeviceState::kEngaged);
+          ASSERT_EQ(both.life.state, LifecycleState::kEngaged);
           ASSERT_EQ(both.effort.tau_a[0], one.effort.tau_a[0]) << i;
           ASSERT_EQ(both.effort.q_star[0], one.effort.q_star[0]);
           ASSERT_EQ(VecX(both.anchor.x.head(2)), one.anchor.x);

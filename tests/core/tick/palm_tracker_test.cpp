@@ -56,10 +56,10 @@ class Rig {
     input.device.armed = input.device.fresh = true;
     input.device.sample.q = VecQ::Constant(7, 0.3);
     input.device.sample.q[6] = 0.0;
-    input.command.lease_epoch = 1;
+    input.command.tenure = 1;
     input.command.lease_held = true;
     input.proxy.mode = ProxyMode::kPlanes;
-    input.proxy.epoch = 1;
+    input.proxy.tenure = 1;
     input.proxy.x = VecX::Zero(7);
     input.proxy.planes.normals.setZero(7, 1);
     input.proxy.planes.normals(0, 0) = 1.0;
@@ -90,7 +90,7 @@ class Rig {
     ++input.command.engage_id;
     const TickRecord record = run(250);
     EXPECT_EQ(record.life.engage.verdict, EngageVerdict::kAccepted);
-    EXPECT_EQ(record.life.state, DeviceState::kEngaged);
+    EXPECT_EQ(record.life.state, LifecycleState::kEngaged);
     return record;
   }
 
@@ -137,7 +137,7 @@ TEST(PalmTracker, SilenceEndsForceWithin200Ms) {
     EXPECT_EQ(record.proxy.level, Staleness::kFresh) << "the proxy's";
     lost = lost || record.life.lost;
     EXPECT_EQ(lost, age >= 180);
-    EXPECT_EQ(record.life.state, age < 180 ? DeviceState::kEngaged : DeviceState::kArmed);
+    EXPECT_EQ(record.life.state, age < 180 ? LifecycleState::kEngaged : LifecycleState::kArmed);
   }
   // Force never comes back by itself, and by a ramp of 200 ms where it is asked for.
   rig.tracking = true;
@@ -183,7 +183,7 @@ TEST(PalmTracker, PalmIsZeroBeforeFirstPose) {
   EXPECT_EQ(record.sensed.q.head(6), VecQ::Zero(6));
   EXPECT_EQ(record.sensed.tracker.level, Staleness::kLost);
   EXPECT_EQ(record.sensed.tracker.seq, 0u);
-  EXPECT_EQ(record.life.state, DeviceState::kArmed) << "the device itself is well";
+  EXPECT_EQ(record.life.state, LifecycleState::kArmed) << "the device itself is well";
 }
 
 TEST(PalmTracker, IgnoresBadPosesAndAges) {

@@ -27,7 +27,7 @@ class PipelineBench {
     input_.settings = pipeline_.config().scene;
     put(two(30 * kDegree, 30 * kDegree));
     input_.device.armed = true;
-    input_.command.lease_epoch = 1;
+    input_.command.tenure = 1;
     input_.command.lease_held = true;
   }
 
@@ -71,7 +71,7 @@ class PipelineBench {
     ProxySnapshot& p = input_.proxy;
     p.mode = mode;
     p.x = target;
-    p.epoch = input_.command.lease_epoch;
+    p.tenure = input_.command.tenure;
     if (p.gapless_samples == 0) p.gapless_since = input_.now;
     ++p.seq;
     ++p.gapless_samples;
@@ -85,7 +85,7 @@ class PipelineBench {
     TickRecord record = tick();
     EXPECT_EQ(record.life.engage.verdict, EngageVerdict::kAccepted);
     for (int i = 0; i < 205; ++i) record = tick();
-    EXPECT_EQ(record.life.state, DeviceState::kEngaged);
+    EXPECT_EQ(record.life.state, LifecycleState::kEngaged);
     return record;
   }
 
@@ -120,7 +120,7 @@ TEST(Pipeline, FreeModeGivesNoForce) {
     bench.put(two((30 + 0.2 * i) * kDegree, 30 * kDegree));
     const TickRecord record = bench.tick();
     ASSERT_EQ(record.effort.tau_a[0], 0.0) << "tick " << i;
-    ASSERT_EQ(record.life.state, DeviceState::kEngaged);
+    ASSERT_EQ(record.life.state, LifecycleState::kEngaged);
   }
 }
 
@@ -139,7 +139,7 @@ TEST(Pipeline, SilenceEndsForceWithin200Ms) {
       }
       if (age >= 180) {
         EXPECT_EQ(record.effort.tau_elastic[0], 0.0) << age;
-        EXPECT_EQ(record.life.state, DeviceState::kArmed) << age;
+        EXPECT_EQ(record.life.state, LifecycleState::kArmed) << age;
       }
       EXPECT_EQ(record.life.lost, age == 180) << age;
       previous = record.effort.tau_elastic[0];
@@ -147,7 +147,7 @@ TEST(Pipeline, SilenceEndsForceWithin200Ms) {
     // Samples return: no force without a new Engage.
     for (int i = 0; i < 400; ++i) record = bench.tick();
     EXPECT_EQ(record.effort.tau_elastic[0], 0.0);
-    EXPECT_EQ(record.life.state, DeviceState::kArmed);
+    EXPECT_EQ(record.life.state, LifecycleState::kArmed);
   }
 }
 
@@ -166,7 +166,7 @@ TEST(Pipeline, AnyFaultZeroesItsTick) {
     cause(bench.input_);
     const TickRecord record = bench.tick();
     EXPECT_TRUE(record.faults().has(fault)) << reason(fault);
-    EXPECT_EQ(record.life.state, DeviceState::kFault) << reason(fault);
+    EXPECT_EQ(record.life.state, LifecycleState::kFault) << reason(fault);
     EXPECT_EQ(record.effort.tau_a[0], 0.0) << reason(fault);
   }
 }
@@ -188,7 +188,7 @@ TEST(Pipeline, FaultOfTheOutputLatches) {
   EXPECT_EQ(record.effort.tau_a[0], 0.0);
   record = bench.tick();
   EXPECT_TRUE(record.life.faults.has(Fault::kOutputNotFinite));
-  EXPECT_EQ(record.life.state, DeviceState::kFault);
+  EXPECT_EQ(record.life.state, LifecycleState::kFault);
 }
 
 /// A long, eventful run of inputs gives the same bits from the same initial state.

@@ -16,11 +16,11 @@ class ProxyIntakeTest : public testing::Test {
  protected:
   ProxyIntakeTest() {
     in.command.lease_held = true;
-    in.command.lease_epoch = in.proxy.epoch = 1;
+    in.command.tenure = in.proxy.tenure = 1;
     in.proxy.mode = ProxyMode::kHeld;
     in.proxy.x = two(0.1, 0.2);
   }
-  ProxyInUse step(DeviceState last = DeviceState::kEngaged, int age_ms = 0) {
+  ProxyInUse step(LifecycleState last = LifecycleState::kEngaged, int age_ms = 0) {
     in.now += milliseconds(1);
     in.proxy.born = in.now - milliseconds(age_ms);
     ++in.proxy.seq;
@@ -33,7 +33,7 @@ class ProxyIntakeTest : public testing::Test {
 };
 
 TEST_F(ProxyIntakeTest, NewestSampleLeads) {
-  const ProxyInUse now = step(DeviceState::kArmed);
+  const ProxyInUse now = step(LifecycleState::kArmed);
   EXPECT_EQ(now.mode, ProxyMode::kHeld);
   EXPECT_EQ(now.seq, 1u);
   EXPECT_EQ(now.level, Staleness::kFresh);
@@ -42,46 +42,46 @@ TEST_F(ProxyIntakeTest, NewestSampleLeads) {
 }
 
 TEST_F(ProxyIntakeTest, LadderFallsWithAge) {
-  EXPECT_EQ(step(DeviceState::kArmed, 99).ladder, 1.0);
-  const ProxyInUse fading = step(DeviceState::kArmed, 140);
+  EXPECT_EQ(step(LifecycleState::kArmed, 99).ladder, 1.0);
+  const ProxyInUse fading = step(LifecycleState::kArmed, 140);
   EXPECT_EQ(fading.level, Staleness::kFade);
   EXPECT_DOUBLE_EQ(fading.ladder, 0.5) << "half-way from 100 to 180 ms";
-  EXPECT_EQ(step(DeviceState::kArmed, 180).level, Staleness::kLost);
+  EXPECT_EQ(step(LifecycleState::kArmed, 180).level, Staleness::kLost);
 }
 
 TEST_F(ProxyIntakeTest, LadderIsNeverAboveTheTrackers) {
   tracker.on = true;
   tracker.ladder = 0.25;
   EXPECT_EQ(step().ladder, 0.0) << "no sample was taken under force";
-  EXPECT_EQ(step(DeviceState::kArmed).ladder, 0.25);
+  EXPECT_EQ(step(LifecycleState::kArmed).ladder, 0.25);
   tracker.ladder = 1.0;
-  EXPECT_DOUBLE_EQ(step(DeviceState::kArmed, 140).ladder, 0.5);
+  EXPECT_DOUBLE_EQ(step(LifecycleState::kArmed, 140).ladder, 0.5);
 }
 
 TEST_F(ProxyIntakeTest, NextLeaseNeverLeadsFadingForce) {
-  static_cast<void>(step(DeviceState::kArmed));
-  in.command.lease_epoch = in.proxy.epoch = 2;
+  static_cast<void>(step(LifecycleState::kArmed));
+  in.command.tenure = in.proxy.tenure = 2;
   in.proxy.x = two(9.0, 9.0);
-  for (const DeviceState state :
-       {DeviceState::kEngaging, DeviceState::kEngaged, DeviceState::kReleasing}) {
+  for (const LifecycleState state :
+       {LifecycleState::kEngaging, LifecycleState::kEngaged, LifecycleState::kReleasing}) {
     EXPECT_EQ(step(state).seq, 1u) << name(state);
     EXPECT_EQ(proxy.sample().x, two(0.1, 0.2));
   }
-  EXPECT_EQ(step(DeviceState::kArmed).seq, 5u);
+  EXPECT_EQ(step(LifecycleState::kArmed).seq, 5u);
   EXPECT_EQ(proxy.sample().x, two(9.0, 9.0));
 }
 
 TEST_F(ProxyIntakeTest, LeaseEndForgetsOnlyWithoutForce) {
-  static_cast<void>(step(DeviceState::kArmed));
+  static_cast<void>(step(LifecycleState::kArmed));
   in.command.lease_held = false;
-  EXPECT_EQ(step(DeviceState::kReleasing).mode, ProxyMode::kHeld);
-  EXPECT_EQ(step(DeviceState::kIdle).mode, ProxyMode::kNone);
+  EXPECT_EQ(step(LifecycleState::kReleasing).mode, ProxyMode::kHeld);
+  EXPECT_EQ(step(LifecycleState::kIdle).mode, ProxyMode::kNone);
   EXPECT_EQ(proxy.sample().mode, ProxyMode::kNone);
 }
 
-TEST_F(ProxyIntakeTest, RefusesASampleOfAnotherEpoch) {
-  in.proxy.epoch = 3;
-  EXPECT_EQ(step(DeviceState::kArmed).mode, ProxyMode::kNone);
+TEST_F(ProxyIntakeTest, RefusesASampleOfAnotherTenure) {
+  in.proxy.tenure = 3;
+  EXPECT_EQ(step(LifecycleState::kArmed).mode, ProxyMode::kNone);
 }
 
 TEST_F(ProxyIntakeTest, BadSampleIsNotTaken) {
@@ -90,14 +90,14 @@ TEST_F(ProxyIntakeTest, BadSampleIsNotTaken) {
   in.proxy.planes.normals = MatXQ::Identity(2, 2);
   in.proxy.planes.offsets = two(0.3, 0.4);
   const ProxySnapshot good = in.proxy;
-  static_cast<void>(step(DeviceState::kArmed));
+  static_cast<void>(step(LifecycleState::kArmed));
   const std::uint64_t taken = in.proxy.seq;
   const auto spoil = [&](auto change) {
     const std::uint64_t seq = in.proxy.seq;
     in.proxy = good;
     in.proxy.seq = seq;
     change(in.proxy);
-    return step(DeviceState::kEngaged).seq;
+    return step(LifecycleState::kEngaged).seq;
   };
   EXPECT_EQ(spoil([](ProxySnapshot& p) { p.x = one(0.1); }), taken);
   EXPECT_EQ(spoil([](ProxySnapshot& p) { p.x[1] = std::nan(""); }), taken);

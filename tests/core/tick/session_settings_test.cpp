@@ -35,7 +35,7 @@ TEST(SessionSettings, TakesEachNumberOnlyIfTighter) {
   wanted.force_limit = two(std::nan(""), 3.0);
   wanted.slew_limit = VecA::Ones(3);
   wanted.engage_window = two(0.0, 9.0);
-  const Settings& now = settings.step(wanted, DeviceState::kEngaged);
+  const Settings& now = settings.step(wanted, LifecycleState::kEngaged);
   EXPECT_EQ(now.id, 7u);
   EXPECT_EQ(now.stiffness, two(1000.0, 200.0));
   EXPECT_EQ(now.damping, two(2.0, 0.5)) << "negative: not given";
@@ -47,9 +47,9 @@ TEST(SessionSettings, TakesEachNumberOnlyIfTighter) {
 TEST(SessionSettings, SameIdIsNotReadAgain) {
   SessionSettings settings(scene_of_two(), nullptr);
   RenderSettings wanted = wish(1);
-  static_cast<void>(settings.step(wanted, DeviceState::kIdle));
+  static_cast<void>(settings.step(wanted, LifecycleState::kIdle));
   wanted.stiffness = two(1.0, 1.0);
-  EXPECT_EQ(settings.step(wanted, DeviceState::kIdle).stiffness, two(1000.0, 500.0));
+  EXPECT_EQ(settings.step(wanted, LifecycleState::kIdle).stiffness, two(1000.0, 500.0));
 }
 
 TEST(SessionSettings, ScenesGuardCannotBeSwitchedOff) {
@@ -57,30 +57,30 @@ TEST(SessionSettings, ScenesGuardCannotBeSwitchedOff) {
   scene.direction_guard = true;
   SessionSettings guarded(scene, nullptr), open(scene_of_two(), nullptr);
   RenderSettings wanted = wish(1);
-  EXPECT_TRUE(guarded.step(wanted, DeviceState::kIdle).direction_guard);
+  EXPECT_TRUE(guarded.step(wanted, LifecycleState::kIdle).direction_guard);
   wanted.direction_guard = true;
-  EXPECT_TRUE(open.step(wanted, DeviceState::kIdle).direction_guard);
+  EXPECT_TRUE(open.step(wanted, LifecycleState::kIdle).direction_guard);
 }
 
 TEST(SessionSettings, StalenessIsTightenedOrTheScenes) {
   SessionSettings settings(scene_of_two(), nullptr);
   RenderSettings wanted = wish(1);
   wanted.staleness = {milliseconds(5), milliseconds(40), milliseconds(900)};
-  const StalenessLimits tight = settings.step(wanted, DeviceState::kIdle).staleness;
+  const StalenessLimits tight = settings.step(wanted, LifecycleState::kIdle).staleness;
   EXPECT_EQ(tight, (StalenessLimits{milliseconds(5), milliseconds(40), milliseconds(180)}));
   wanted.id = 2;
   wanted.staleness.fade_end = milliseconds(41);  // does not hold together
-  EXPECT_EQ(settings.step(wanted, DeviceState::kIdle).staleness, StalenessLimits{});
+  EXPECT_EQ(settings.step(wanted, LifecycleState::kIdle).staleness, StalenessLimits{});
 }
 
 TEST(SessionSettings, RendererStaysWhileForceIsOn) {
-  for (const DeviceState state : {DeviceState::kArmed, DeviceState::kEngaging,
-                                  DeviceState::kEngaged, DeviceState::kReleasing}) {
+  for (const LifecycleState state : {LifecycleState::kArmed, LifecycleState::kEngaging,
+                                     LifecycleState::kEngaged, LifecycleState::kReleasing}) {
     SessionSettings settings(scene_of_two(), nullptr);
     RenderSettings wanted = wish(1);
     wanted.renderer = RendererKind::kSubspaceExact;
-    const RendererKind expected =
-        state == DeviceState::kArmed ? RendererKind::kSubspaceExact : RendererKind::kSubspaceLinear;
+    const RendererKind expected = state == LifecycleState::kArmed ? RendererKind::kSubspaceExact
+                                                                  : RendererKind::kSubspaceLinear;
     EXPECT_EQ(settings.step(wanted, state).renderer, expected) << name(state);
   }
 }
@@ -91,7 +91,7 @@ TEST(SessionSettings, CoupledStiffnessRefusesTheBaselines) {
   RenderSettings wanted = wish(1);
   wanted.stiffness = two(250.0, 500.0);  // D C D: the coupling scales by sqrt(1/4)
   wanted.renderer = RendererKind::kStandard;
-  const Settings& now = settings.step(wanted, DeviceState::kIdle);
+  const Settings& now = settings.step(wanted, LifecycleState::kIdle);
   EXPECT_TRUE(now.Z_q.isApprox((MatAA(2, 2) << 250.0, 150.0, 150.0, 500.0).finished(), 1e-12));
   EXPECT_EQ(now.renderer, RendererKind::kSubspaceLinear);
   EXPECT_NEAR((now.unlimited(two(0.01, -0.02)) - two(-0.5, -8.5)).norm(), 0.0, 1e-12);

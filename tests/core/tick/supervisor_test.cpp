@@ -15,7 +15,7 @@ class SupervisorTest : public testing::Test {
   SupervisorTest() {
     settings.stiffness = settings.engage_window = one(1000.0);
     in.command.lease_held = true;
-    in.command.lease_epoch = 1;
+    in.command.tenure = 1;
     in.device.armed = true;
     sensed.q = one(0.0);
     sensed.ready = sensed.recent = true;
@@ -68,7 +68,7 @@ TEST_F(SupervisorTest, EngageRampsGainIn200Ms) {
   run(3);
   ++in.command.engage_id;
   const Lifecycle first = step();
-  EXPECT_EQ(first.state, DeviceState::kEngaging);
+  EXPECT_EQ(first.state, LifecycleState::kEngaging);
   EXPECT_TRUE(first.engaged && first.arm);
   EXPECT_DOUBLE_EQ(first.gain, 1.0 / 200.0);
   EXPECT_FALSE(step().engaged) << "of its tick only";
@@ -76,7 +76,7 @@ TEST_F(SupervisorTest, EngageRampsGainIn200Ms) {
   const Lifecycle last = run(2);
   EXPECT_EQ(last.gain, 1.0);
   EXPECT_EQ(last.damping_gain, 1.0);
-  EXPECT_EQ(last.state, DeviceState::kEngaged);
+  EXPECT_EQ(last.state, LifecycleState::kEngaged);
 }
 
 TEST_F(SupervisorTest, ReleaseInTheSameTickWins) {
@@ -85,14 +85,14 @@ TEST_F(SupervisorTest, ReleaseInTheSameTickWins) {
   ++in.command.release_id;
   const Lifecycle life = step();
   EXPECT_EQ(life.engage.verdict, EngageVerdict::kReleased);
-  EXPECT_EQ(life.state, DeviceState::kArmed);
+  EXPECT_EQ(life.state, LifecycleState::kArmed);
 }
 
 TEST_F(SupervisorTest, EachRequestActsOnce) {
   engage();
   ++in.command.release_id;
-  EXPECT_EQ(step().state, DeviceState::kReleasing);
-  EXPECT_EQ(run(100).state, DeviceState::kArmed);
+  EXPECT_EQ(step().state, LifecycleState::kReleasing);
+  EXPECT_EQ(run(100).state, LifecycleState::kArmed);
   EXPECT_EQ(run(300).gain, 0.0) << "the Engage before is used up";
 }
 
@@ -107,14 +107,14 @@ TEST_F(SupervisorTest, AnyFaultLatchesAndEndsForce) {
     engage();
     source.set->set(source.fault);
     Lifecycle life = step();
-    EXPECT_EQ(life.state, DeviceState::kFault);
+    EXPECT_EQ(life.state, LifecycleState::kFault);
     EXPECT_EQ(life.gain, 0.0);
     EXPECT_FALSE(life.arm);
     *source.set = {};
     EXPECT_TRUE(run(5).faults.has(source.fault)) << "latched";
     life = clear(only(source.fault));
     EXPECT_FALSE(life.clear.refused.any());
-    EXPECT_EQ(life.state, DeviceState::kIdle);
+    EXPECT_EQ(life.state, LifecycleState::kIdle);
   }
 }
 
@@ -123,7 +123,7 @@ TEST_F(SupervisorTest, PresentCauseIsNotCleared) {
   step();
   const Lifecycle life = clear(only(Fault::kDeviceSilent));
   EXPECT_EQ(life.clear.refused, only(Fault::kDeviceSilent));
-  EXPECT_EQ(life.state, DeviceState::kFault);
+  EXPECT_EQ(life.state, LifecycleState::kFault);
 }
 
 TEST_F(SupervisorTest, OnlyNamedFaultsAreCleared) {
@@ -139,7 +139,7 @@ TEST_F(SupervisorTest, StopActsInItsTick) {
   ++in.command.stop_id;
   const Lifecycle life = step();
   EXPECT_TRUE(life.faults.has(Fault::kEmergencyStop));
-  EXPECT_EQ(life.state, DeviceState::kFault);
+  EXPECT_EQ(life.state, LifecycleState::kFault);
   EXPECT_EQ(life.gain, 0.0);
 }
 
@@ -150,11 +150,11 @@ TEST_F(SupervisorTest, UnseenStopIsNotCleared) {
   ++in.command.stop_id;  // another person's, which the clearing one has not seen
   Lifecycle life = clear(only(Fault::kEmergencyStop));
   EXPECT_TRUE(life.clear.refused.has(Fault::kEmergencyStop));
-  EXPECT_EQ(life.state, DeviceState::kFault);
+  EXPECT_EQ(life.state, LifecycleState::kFault);
   in.command.clear_stop_id = in.command.stop_id;
   life = clear(only(Fault::kEmergencyStop));
   EXPECT_FALSE(life.clear.refused.any());
-  EXPECT_EQ(life.state, DeviceState::kIdle);
+  EXPECT_EQ(life.state, LifecycleState::kIdle);
 }
 
 TEST_F(SupervisorTest, OnlyAStopLatchesBeforeReady) {
@@ -181,7 +181,7 @@ TEST_F(SupervisorTest, LostProxyGivesForceUpOnce) {
   Lifecycle life;
   for (int i = 0; i < 200; ++i) lost += (life = step()).lost ? 1 : 0;
   EXPECT_EQ(lost, 1);
-  EXPECT_EQ(life.state, DeviceState::kArmed);
+  EXPECT_EQ(life.state, LifecycleState::kArmed);
   EXPECT_EQ(life.gain, 0.0);
   EXPECT_EQ(life.damping_gain, 1.0) << "the client was granted it";
   proxy.level = Staleness::kFresh;
@@ -200,7 +200,7 @@ TEST_F(SupervisorTest, NextLeaseInheritsNoDamping) {
   engage();
   proxy.level = Staleness::kLost;
   EXPECT_EQ(run(100).damping_gain, 1.0);
-  ++in.command.lease_epoch;
+  ++in.command.tenure;
   EXPECT_EQ(step().damping_gain, 0.0);
 }
 
@@ -208,10 +208,10 @@ TEST_F(SupervisorTest, LeaseEndFadesThenDisarms) {
   engage();
   in.command.lease_held = false;
   Lifecycle life = step();
-  EXPECT_EQ(life.state, DeviceState::kReleasing);
+  EXPECT_EQ(life.state, LifecycleState::kReleasing);
   EXPECT_NEAR(life.gain, 1.0 - 1.0 / 80.0, 1e-12);
   life = run(81);
-  EXPECT_EQ(life.state, DeviceState::kIdle);
+  EXPECT_EQ(life.state, LifecycleState::kIdle);
   EXPECT_EQ(life.gain, 0.0);
   EXPECT_FALSE(life.arm);
 }
@@ -231,7 +231,7 @@ TEST_F(SupervisorTest, RecordingsGapRampsOutAndIn) {
   sensed.silent = true;
   Lifecycle life = run(90);
   EXPECT_EQ(life.gain, 0.0);
-  EXPECT_EQ(life.state, DeviceState::kEngaged);
+  EXPECT_EQ(life.state, LifecycleState::kEngaged);
   sensed.silent = false;
   EXPECT_NEAR(step().gain, 1.0 / 200.0, 1e-12);
 }

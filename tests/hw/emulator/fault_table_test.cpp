@@ -14,8 +14,8 @@
 namespace haptic::hw::emulator {
 namespace {
 
-using core::DeviceState;
 using core::Fault;
+using core::LifecycleState;
 constexpr double kForceLimit = 20.0;
 
 /// A finger that goes on bending into a wall at its first joint, rendered through the board.
@@ -26,7 +26,7 @@ class PressedBoard {
         device_(config, {Eigen::Vector2d::Zero(), Eigen::Vector2d(0.9, 0.9)}, wanted(), finger_),
         pipeline_(pipeline_config()) {
     input_.settings = pipeline_.config().scene;
-    input_.command.lease_epoch = 1;
+    input_.command.tenure = 1;
     input_.command.lease_held = true;
   }
 
@@ -40,7 +40,7 @@ class PressedBoard {
       x[0] = std::min(x[0], kWall);
       publish(x);
     }
-    if (last_.life.state == DeviceState::kArmed && engages) ++input_.command.engage_id;
+    if (last_.life.state == LifecycleState::kArmed && engages) ++input_.command.engage_id;
     last_ = pipeline_.tick(input_);
     device_.write(input_.now, {last_.life.arm, last_.effort.tau_a, last_.effort.position});
     return last_;
@@ -85,7 +85,7 @@ class PressedBoard {
   void publish(const core::VecX& x) {
     core::ProxySnapshot& proxy = input_.proxy;
     proxy.mode = core::ProxyMode::kHeld;
-    proxy.epoch = 1;
+    proxy.tenure = 1;
     proxy.x = x;
     proxy.born = input_.now;
     if (++proxy.seq == 1) proxy.gapless_since = input_.now;
@@ -116,7 +116,7 @@ struct PressedCase : ::testing::TestWithParam<std::uint64_t> {
   /// Engaged, with force, at the moment of this seed.
   static void press(PressedBoard& finger) {
     finger.run_ms(900 + moment(GetParam()));
-    ASSERT_EQ(finger.last().life.state, DeviceState::kEngaged);
+    ASSERT_EQ(finger.last().life.state, LifecycleState::kEngaged);
     ASSERT_GT(std::abs(finger.last().effort.tau_a[0]), 0.5);
     ASSERT_TRUE(finger.board().drives());
   }
@@ -125,7 +125,7 @@ struct PressedCase : ::testing::TestWithParam<std::uint64_t> {
     for (int ms = 1; ms <= at_most_ms; ++ms) {
       const core::TickRecord record = finger.tick();
       EXPECT_LE(std::abs(record.effort.tau_a[0]), kForceLimit + 1e-9);
-      if (record.life.state != DeviceState::kFault) continue;
+      if (record.life.state != LifecycleState::kFault) continue;
       EXPECT_EQ(record.effort.tau_a[0], 0.0);
       return ms;
     }
@@ -140,21 +140,21 @@ struct PressedCase : ::testing::TestWithParam<std::uint64_t> {
   /// The cause is gone: cleared, the device comes back to force by way of IDLE.
   static void expect_return(PressedBoard& finger) {
     finger.run_ms(600);
-    EXPECT_EQ(finger.last().life.state, DeviceState::kFault) << "latched until it is cleared";
+    EXPECT_EQ(finger.last().life.state, LifecycleState::kFault) << "latched until it is cleared";
     finger.clear();
     bool idle = false;
-    for (int i = 0; i < 1000 && finger.last().life.state != DeviceState::kEngaged; ++i) {
+    for (int i = 0; i < 1000 && finger.last().life.state != LifecycleState::kEngaged; ++i) {
       finger.tick();
-      idle = idle || finger.last().life.state == DeviceState::kIdle;
+      idle = idle || finger.last().life.state == LifecycleState::kIdle;
     }
     EXPECT_TRUE(idle);
-    EXPECT_EQ(finger.last().life.state, DeviceState::kEngaged);
+    EXPECT_EQ(finger.last().life.state, LifecycleState::kEngaged);
   }
 };
 
 TEST_P(PressedCase, WithoutAFaultItStaysEngaged) {
   finger.run_ms(2000);
-  EXPECT_EQ(finger.last().life.state, DeviceState::kEngaged);
+  EXPECT_EQ(finger.last().life.state, LifecycleState::kEngaged);
   EXPECT_FALSE(finger.last().faults().any());
 }
 
@@ -164,7 +164,7 @@ TEST_P(PressedCase, FewDamagedBytesAreOnlyCounted) {
   PressedBoard damaged(c);
   press(damaged);
   damaged.run_ms(4000);
-  EXPECT_EQ(damaged.last().life.state, DeviceState::kEngaged);
+  EXPECT_EQ(damaged.last().life.state, LifecycleState::kEngaged);
   const board::HostCounters& n = damaged.device().counters();
   const auto here = n.bad_crc + n.malformed + n.lost;
   const auto& there = damaged.board().firmware().counters;

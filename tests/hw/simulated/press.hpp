@@ -96,9 +96,9 @@ inline Pressed run(const Press& press) {
   core::TickInput in;
   in.settings = pipeline.config().scene;
   in.device.fresh = in.device.armed = true;
-  in.command.lease_epoch = 1;
+  in.command.tenure = 1;
   in.command.lease_held = true;
-  in.proxy.epoch = 1;
+  in.proxy.tenure = 1;
   in.proxy.mode = core::ProxyMode::kHeld;
   in.proxy.x.resize(2);
   if (press.planes) {

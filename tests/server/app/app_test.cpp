@@ -49,8 +49,8 @@ TEST(App, StartsTicksAndStopsInTime) {
   EXPECT_THAT(app.addresses().front(), HasSubstr("127.0.0.1:"));
   EXPECT_THAT(app.addresses().front(), testing::Not(testing::EndsWith(":0")));
   EXPECT_TRUE(eventually([&] { return app.loop_facts().ticks > 100; }));
-  EXPECT_TRUE(
-      eventually([&] { return app.owner().status(0).state == haptic::core::DeviceState::kIdle; }));
+  EXPECT_TRUE(eventually(
+      [&] { return app.owner().status(0).state == haptic::core::LifecycleState::kIdle; }));
 
   const auto begin = std::chrono::steady_clock::now();
   app.stop();

@@ -106,7 +106,7 @@ TEST(PacedApp, BoardsSamplesOrTheTimerTick) {
   const auto facts = [&app] { return app.loop_facts(); };
   EXPECT_EQ(facts().paced_by, "finger");
   ASSERT_TRUE(eventually([&] { return facts().paced_by_sample > 500; }));
-  EXPECT_EQ(app.unit(0).state(), haptic::core::DeviceState::kIdle);
+  EXPECT_EQ(app.unit(0).state(), haptic::core::LifecycleState::kIdle);
 
   // Gone: whatever a busy machine does, no sample can begin a tick now, and ticks go on.
   board.unplug(1.0);

@@ -49,7 +49,7 @@ class IngressTest : public testing::Test {
 TEST_F(IngressTest, AnAcceptedSampleReachesTheMailbox) {
   EXPECT_EQ(send({0.25, -0.5}, t0), IngressVerdict::kAccepted);
   EXPECT_EQ(newest().seq, 1U);
-  EXPECT_EQ(newest().epoch, 1U);
+  EXPECT_EQ(newest().tenure, 1U);
   EXPECT_EQ(newest().born, t0);
   ASSERT_EQ(newest().x.size(), 2);
   EXPECT_EQ(newest().x[0], 0.25);
@@ -85,7 +85,7 @@ TEST_F(IngressTest, RenewedLeaseContinuesUnderAnotherEpoch) {
   EXPECT_EQ(send({0, 0}, t0 + 16ms), IngressVerdict::kOldEpoch);
   epoch = 7;
   EXPECT_EQ(send({0, 0}, t0 + 32ms), IngressVerdict::kAccepted);
-  EXPECT_EQ(newest().epoch, 1U) << "to the loop it is the same lease";
+  EXPECT_EQ(newest().tenure, 1U) << "to the loop it is the same lease";
   EXPECT_EQ(newest().gapless_samples, 2U);
   EXPECT_EQ(ingress.counters()[IngressVerdict::kAccepted], 2U);
   EXPECT_EQ(ingress.newest_seq(), seq);
@@ -111,7 +111,7 @@ TEST_F(IngressTest, NewLeaseResetsSequenceAndProxy) {
   EXPECT_EQ(send({1, 1}, t0), IngressVerdict::kAccepted);
   ingress.begin_lease(2, 60.0, 100ms);
   EXPECT_EQ(newest().mode, core::ProxyMode::kNone);
-  EXPECT_EQ(newest().epoch, 2U);
+  EXPECT_EQ(newest().tenure, 2U);
   EXPECT_EQ(ingress.last_accepted(), TimePoint{});
   epoch = 2;
   seq = 0;

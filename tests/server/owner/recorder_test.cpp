@@ -271,7 +271,7 @@ TickRecord record_with_everything() {
   record.proxy.mode = haptic::core::ProxyMode::kFree;
   record.input.loop = {12500ns, 3};
   record.beat.tick = 42;
-  record.life.state = haptic::core::DeviceState::kFault;
+  record.life.state = haptic::core::LifecycleState::kFault;
   record.proxy.level = haptic::core::Staleness::kFade;
   record.proxy.age = 120500us;
   record.life.faults.set(haptic::core::Fault::kDeviceLost);

@@ -99,7 +99,7 @@ StateRecord record() {
   r.tau_a = {-1.5};
   r.gain = 0.5;
   r.stiffness = {100.0};
-  r.state = core::DeviceState::kEngaged;
+  r.state = core::LifecycleState::kEngaged;
   r.carrier = Carrier::kUdp;
   r.lease_epoch = 7;
   return r;

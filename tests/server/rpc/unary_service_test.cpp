@@ -147,7 +147,7 @@ TEST_F(UnaryService, UnreadableEmergencyStopStopsEveryDevice) {
   request.set_reason("\xFF");  // no text: protobuf reads nothing of such a message
   ASSERT_TRUE(stub->EmergencyStop(&context, request, &stopped).ok());
   ASSERT_EQ(stopped.stopped_size(), 1);
-  EXPECT_EQ(server.rig.newest().life.state, core::DeviceState::kFault);
+  EXPECT_EQ(server.rig.newest().life.state, core::LifecycleState::kFault);
 }
 
 TEST_F(UnaryService, EmergencyStopLatchesWithoutASession) {
@@ -158,7 +158,7 @@ TEST_F(UnaryService, EmergencyStopLatchesWithoutASession) {
   ASSERT_TRUE(stop("", &stopped).ok());
   ASSERT_EQ(stopped.stopped_size(), 1);
   EXPECT_EQ(stopped.stopped(0), "rig");
-  EXPECT_EQ(server.rig.newest().life.state, core::DeviceState::kFault);
+  EXPECT_EQ(server.rig.newest().life.state, core::LifecycleState::kFault);
   EXPECT_EQ(server.rig.device->force, 0.0);
   EXPECT_TRUE(eventually([&] { return session.heard(v1::Event::KIND_FAULT); }));
   v1::ClearFaultResponse cleared;
@@ -192,7 +192,7 @@ TEST_F(UnaryService, HangingLoopIsAnsweredAtOnce) {
   server.hung = false;
   // The stop was posted all the same.
   EXPECT_TRUE(
-      eventually([&] { return server.rig.newest().life.state == core::DeviceState::kFault; }));
+      eventually([&] { return server.rig.newest().life.state == core::LifecycleState::kFault; }));
 }
 
 TEST_F(UnaryService, ServerInfoAndDevicesAreTrue) {

@@ -17,7 +17,7 @@
 namespace {
 
 using namespace std::chrono_literals;
-using haptic::core::DeviceState;
+using haptic::core::LifecycleState;
 using haptic::core::TimePoint;
 using haptic::server::DeviceScene;
 using haptic::server::DeviceUnit;
@@ -55,7 +55,7 @@ class ScriptedClient {
     most_force =
         std::max(most_force, newest_.effort.tau_a.size() > 0 ? newest_.effort.tau_a.norm() : 0.0);
     command_.lease_held = tick >= 5;
-    command_.lease_epoch = tick >= 5 ? 1 : 0;
+    command_.tenure = tick >= 5 ? 1 : 0;
     command_.engage_id = tick >= 300 ? 1 : 0;
     command_.release_id = tick >= 1500 ? 1 : 0;
     command_.stop_id = tick >= 1800 ? 1 : 0;
@@ -69,7 +69,7 @@ class ScriptedClient {
     if (tick % 16 != 0 || newest_.anchor.x_probe.size() == 0) return;
     proxy_.mode = tick > 1000 && tick < 1200 ? haptic::core::ProxyMode::kFree
                                              : haptic::core::ProxyMode::kHeld;
-    proxy_.epoch = 1;
+    proxy_.tenure = 1;
     ++proxy_.seq;
     proxy_.born = now;
     proxy_.x = newest_.anchor.x_probe;
@@ -78,7 +78,7 @@ class ScriptedClient {
     unit.proxies.publish(proxy_);
   }
 
-  std::set<DeviceState> seen{};
+  std::set<LifecycleState> seen{};
   double most_force{0.0};
 
  private:
@@ -109,9 +109,9 @@ TEST_P(EveryScene, TicksWithoutAllocation) {
     EXPECT_EQ(allocations, 0u) << device.name;
     EXPECT_EQ(releases, 0u) << device.name;
     // The script really went through force and its end.
-    EXPECT_TRUE(client.seen.contains(DeviceState::kEngaged)) << device.name;
-    EXPECT_TRUE(client.seen.contains(DeviceState::kReleasing)) << device.name;
-    EXPECT_TRUE(client.seen.contains(DeviceState::kFault)) << device.name;
+    EXPECT_TRUE(client.seen.contains(LifecycleState::kEngaged)) << device.name;
+    EXPECT_TRUE(client.seen.contains(LifecycleState::kReleasing)) << device.name;
+    EXPECT_TRUE(client.seen.contains(LifecycleState::kFault)) << device.name;
     EXPECT_GT(client.most_force, 0.0) << device.name;
   }
 }
@@ -144,12 +144,12 @@ TEST(DeviceUnit, TickGetsEachMailboxsNewest) {
   proxy.seq = 2;
   rig.unit->proxies.publish(proxy);
   haptic::core::CommandSnapshot command;
-  command.lease_epoch = 7;
+  command.tenure = 7;
   rig.unit->commands.publish(command);
   rig.unit->tick(TimePoint(1h), 1ms, {300us, 4});
   const auto& input = rig.unit->records.front()->input;
   EXPECT_EQ(input.proxy.seq, 2u);
-  EXPECT_EQ(input.command.lease_epoch, 7u);
+  EXPECT_EQ(input.command.tenure, 7u);
   EXPECT_EQ(input.now, TimePoint(1h));
   EXPECT_EQ(input.loop.lateness, 300us);
   EXPECT_EQ(input.loop.skipped, 4u);

@@ -17,8 +17,8 @@
 namespace {
 
 using namespace std::chrono_literals;
-using haptic::core::DeviceState;
 using haptic::core::Duration;
+using haptic::core::LifecycleState;
 using haptic::core::TickRecord;
 using haptic::core::TimePoint;
 using haptic::server::Loop;
@@ -106,7 +106,7 @@ TEST_F(VirtualLoop, SuspendIsAFault) {
   ASSERT_GT(keeper.records.size(), 6u);
   EXPECT_FALSE(keeper.records[4].faults().any());
   EXPECT_TRUE(keeper.records[5].faults().has(haptic::core::Fault::kLoopLate));
-  EXPECT_EQ(keeper.records[5].life.state, DeviceState::kFault);
+  EXPECT_EQ(keeper.records[5].life.state, LifecycleState::kFault);
 }
 
 TEST_F(VirtualLoop, TicksUntilForceHasFaded) {
@@ -118,15 +118,15 @@ TEST_F(VirtualLoop, TicksUntilForceHasFaded) {
   run();
   // The request is posted before the wait: the sixth tick sees it.
   ASSERT_EQ(keeper.records.size(), 6u);
-  EXPECT_EQ(keeper.records[4].life.state, DeviceState::kIdle);
-  EXPECT_EQ(keeper.records[5].life.state, DeviceState::kClosing);
+  EXPECT_EQ(keeper.records[4].life.state, LifecycleState::kIdle);
+  EXPECT_EQ(keeper.records[5].life.state, LifecycleState::kClosing);
   EXPECT_FALSE(keeper.records[5].life.arm);
 }
 
 TEST_F(VirtualLoop, UnderForceReleasesFirst) {
   rig.control();
   rig.press();
-  ASSERT_EQ(rig.state(), DeviceState::kEngaged);
+  ASSERT_EQ(rig.state(), LifecycleState::kEngaged);
   const TimePoint start = rig.now;
   clock.set(start);
   clock.before = [this, start](int wait) {
@@ -137,17 +137,17 @@ TEST_F(VirtualLoop, UnderForceReleasesFirst) {
     body.finish(kNever);
   };
   run();
-  std::set<DeviceState> seen;
+  std::set<LifecycleState> seen;
   double last_gain = 2.0;
   for (const TickRecord& record : keeper.records) {
     seen.insert(record.life.state);
-    if (record.life.state == DeviceState::kReleasing) {
+    if (record.life.state == LifecycleState::kReleasing) {
       EXPECT_LE(record.life.gain, last_gain);
       last_gain = record.life.gain;
     }
   }
-  EXPECT_TRUE(seen.contains(DeviceState::kReleasing));
-  EXPECT_EQ(keeper.records.back().life.state, DeviceState::kClosing);
+  EXPECT_TRUE(seen.contains(LifecycleState::kReleasing));
+  EXPECT_EQ(keeper.records.back().life.state, LifecycleState::kClosing);
   EXPECT_EQ(rig.device->force.load(), 0.0);
   // fade_end - hold_end = 80 ms, and the ticks at both ends.
   EXPECT_LT(keeper.records.size(), 90u);
@@ -202,8 +202,8 @@ TEST(Loop, RunsUntilEveryUnitIsClosing) {
   rig.owner->begin_closing();
   loop.finish(30s);  // returns long before that
   rig.telemetry->stop();
-  EXPECT_EQ(rig.unit->state(), DeviceState::kClosing);
-  EXPECT_EQ(rig.newest().life.state, DeviceState::kClosing);
+  EXPECT_EQ(rig.unit->state(), LifecycleState::kClosing);
+  EXPECT_EQ(rig.newest().life.state, LifecycleState::kClosing);
 }
 
 }  // namespace

@@ -14,9 +14,9 @@
 namespace {
 
 using namespace std::chrono_literals;
-using haptic::core::DeviceState;
 using haptic::core::Duration;
 using haptic::core::Fault;
+using haptic::core::LifecycleState;
 using haptic::core::TickRecord;
 using haptic::core::TimePoint;
 using haptic::hw::SampleSignal;
@@ -122,7 +122,7 @@ TEST_F(PacedLoop, SilentDeviceFaultsByTheTimer) {
   // Of the sample at 18.7 ms, and no tick is further from the last than a period and a quarter.
   const Duration allowed = rig.unit->config().device.max_silence;
   EXPECT_LE(silent->input.now, kStart + 18700us + allowed + 1250us);
-  EXPECT_EQ(silent->life.state, DeviceState::kFault);
+  EXPECT_EQ(silent->life.state, LifecycleState::kFault);
   const auto by_sample = body.statistics().paced_by_sample;
   EXPECT_EQ(by_sample, 20u);
   EXPECT_EQ(body.statistics().ticks, 20u + 41u) << "by the timer at 20.95, 21.95 ... 60.95 ms";
@@ -135,13 +135,13 @@ TEST_F(PacedLoop, SilentDeviceFaultsByTheTimer) {
 TEST_F(PacedLoop, ProxyAgesWhileDeviceIsSilent) {
   rig.control();
   rig.press();
-  ASSERT_EQ(rig.state(), DeviceState::kEngaged);
+  ASSERT_EQ(rig.state(), LifecycleState::kEngaged);
   // Neither samples nor proxies from here on: gone are both promises' causes.
   rig.device->silent = true;
   run(rig.now - kStart + 200ms);
   EXPECT_EQ(rig.device->force.load(), 0.0);
   EXPECT_EQ(body.statistics().paced_by_sample, 0u);
-  EXPECT_EQ(keeper.records.back().life.state, DeviceState::kFault);
+  EXPECT_EQ(keeper.records.back().life.state, LifecycleState::kFault);
 }
 
 TEST_F(PacedLoop, HalfRatePairsKeepTheRate) {

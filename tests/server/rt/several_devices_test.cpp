@@ -10,8 +10,8 @@
 namespace {
 
 using namespace std::chrono_literals;
-using haptic::core::DeviceState;
 using haptic::core::Fault;
+using haptic::core::LifecycleState;
 using haptic::core::TickRecord;
 using haptic::core::TimePoint;
 using haptic::core::VecA;
@@ -47,10 +47,10 @@ class Served {
     config.scene.slew_limit = VecA::Constant(1, 2000.0);
     config.scene.engage_window = VecA::Constant(1, 20.0);
     unit = std::make_unique<DeviceUnit>(board.serial, std::move(device), std::move(config));
-    command_.lease_epoch = 1;
+    command_.tenure = 1;
     command_.lease_held = true;
     proxy_.mode = haptic::core::ProxyMode::kHeld;
-    proxy_.epoch = 1;
+    proxy_.tenure = 1;
     proxy_.x = haptic::core::VecX::Zero(2);
   }
 
@@ -62,7 +62,7 @@ class Served {
     proxy_.born = now;
     if (++proxy_.seq == 1) proxy_.gapless_since = now;
     ++proxy_.gapless_samples;
-    if (newest.life.state == DeviceState::kArmed) ++command_.engage_id;
+    if (newest.life.state == LifecycleState::kArmed) ++command_.engage_id;
     unit->proxies.publish(proxy_);
     unit->commands.publish(command_);
     unit->tick(now, 1ms, {});
@@ -105,7 +105,7 @@ TEST(SeveralDevices, ThreeBoardsPressAtOnce) {
   ThreeBoards boards;
   boards.run_ms(1500);
   for (const Served* board : boards.all) {
-    EXPECT_EQ(board->newest.life.state, DeviceState::kEngaged);
+    EXPECT_EQ(board->newest.life.state, LifecycleState::kEngaged);
     EXPECT_GT(std::abs(board->newest.effort.tau_a[0]), 0.5);
   }
 }
@@ -121,11 +121,11 @@ TEST(SeveralDevices, UnpluggingOneChangesNoOther) {
     disturbed.run_ms(1);
     ASSERT_TRUE(identical(calm.one.newest, disturbed.one.newest)) << i;
     ASSERT_TRUE(identical(calm.three.newest, disturbed.three.newest)) << i;
-    faulted = faulted || disturbed.two.newest.life.state == DeviceState::kFault;
+    faulted = faulted || disturbed.two.newest.life.state == LifecycleState::kFault;
   }
   EXPECT_TRUE(faulted);
-  EXPECT_EQ(calm.two.newest.life.state, DeviceState::kEngaged);
-  EXPECT_EQ(disturbed.one.newest.life.state, DeviceState::kEngaged);
+  EXPECT_EQ(calm.two.newest.life.state, LifecycleState::kEngaged);
+  EXPECT_EQ(disturbed.one.newest.life.state, LifecycleState::kEngaged);
 }
 
 TEST(SeveralDevices, FaultsAreClearedOneByOne) {
@@ -134,12 +134,12 @@ TEST(SeveralDevices, FaultsAreClearedOneByOne) {
   boards.one.unplug(0.2);
   boards.three.unplug(0.2);
   boards.run_ms(700);
-  EXPECT_EQ(boards.one.newest.life.state, DeviceState::kFault);
-  EXPECT_EQ(boards.two.newest.life.state, DeviceState::kEngaged);
-  EXPECT_EQ(boards.three.newest.life.state, DeviceState::kFault);
+  EXPECT_EQ(boards.one.newest.life.state, LifecycleState::kFault);
+  EXPECT_EQ(boards.two.newest.life.state, LifecycleState::kEngaged);
+  EXPECT_EQ(boards.three.newest.life.state, LifecycleState::kFault);
   boards.one.clear();
   boards.run_ms(700);
-  EXPECT_EQ(boards.one.newest.life.state, DeviceState::kEngaged);
+  EXPECT_EQ(boards.one.newest.life.state, LifecycleState::kEngaged);
   EXPECT_TRUE(boards.three.newest.faults().has(Fault::kDeviceLost)) << "nobody cleared that one";
 }
 

@@ -24,10 +24,10 @@ class SceneRun {
         pipeline_(server::pipeline_config(scene, device_->info().limits)),
         kinematics_(*scene.pipeline.kinematics) {
     input_.settings = scene.pipeline.scene;
-    input_.command.lease_epoch = 1;
+    input_.command.tenure = 1;
     input_.command.lease_held = true;
     input_.proxy.mode = core::ProxyMode::kHeld;
-    input_.proxy.epoch = 1;
+    input_.proxy.tenure = 1;
     command_.tau_a = core::VecA::Zero(kinematics_.layout().n_a());
     device_->read(input_.now, input_.device);
     hold(input_.device.sample.q);
@@ -64,7 +64,7 @@ class SceneRun {
     ++input_.command.engage_id;
     run(250);
     ASSERT_EQ(record_.life.engage.verdict, core::EngageVerdict::kAccepted);
-    ASSERT_EQ(record_.life.state, core::DeviceState::kEngaged);
+    ASSERT_EQ(record_.life.state, core::LifecycleState::kEngaged);
     ASSERT_EQ(record_.life.gain, 1.0);
   }
 

@@ -127,12 +127,12 @@ TEST(StiffnessMatrix, SessionsKeepToSubspaceMethods) {
   server::SettingsRequest request;
   request.renderer = core::RendererKind::kStandard;
   const auto refused =
-      server::apply_settings(request, config.scene, config, core::DeviceState::kIdle);
+      server::apply_settings(request, config.scene, config, core::LifecycleState::kIdle);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.refusal.reason, "STIFFNESS_COUPLED");
   EXPECT_EQ(refused.refusal.code, server::Refusal::Code::kPrecondition);
   request.renderer = core::RendererKind::kSubspaceExact;
-  EXPECT_TRUE(server::apply_settings(request, config.scene, config, core::DeviceState::kIdle));
+  EXPECT_TRUE(server::apply_settings(request, config.scene, config, core::LifecycleState::kIdle));
 }
 
 // The shipped scene.

@@ -5,7 +5,7 @@
 namespace haptic::test {
 namespace {
 
-using core::DeviceState;
+using core::LifecycleState;
 
 TEST(Engage, NeedsTheLease) {
   DeviceRig rig;
@@ -89,17 +89,17 @@ TEST(Engage, RampsUpAndReleaseRampsDown) {
   rig.control();
   rig.stream(250, 0.01);
   EXPECT_EQ(rig.engage(), "");
-  EXPECT_EQ(rig.state(), DeviceState::kEngaging);
+  EXPECT_EQ(rig.state(), LifecycleState::kEngaging);
   rig.stream(250, 0.01);
-  EXPECT_EQ(rig.state(), DeviceState::kEngaged);
+  EXPECT_EQ(rig.state(), LifecycleState::kEngaged);
   EXPECT_NEAR(rig.device->force, 1.0, 1e-9);
   bool released = false;
   rig.sessions->release("s1", [&](const Outcome<Done>& outcome) { released = bool(outcome); });
   rig.stream(1, 0.01);
   EXPECT_TRUE(released);
-  EXPECT_EQ(rig.state(), DeviceState::kReleasing);
+  EXPECT_EQ(rig.state(), LifecycleState::kReleasing);
   rig.stream(200, 0.01);
-  EXPECT_EQ(rig.state(), DeviceState::kArmed);
+  EXPECT_EQ(rig.state(), LifecycleState::kArmed);
   EXPECT_EQ(rig.device->force, 0.0);
 }
 
@@ -112,7 +112,7 @@ TEST(Engage, ReleaseIsIdempotent) {
     rig.tick();
     EXPECT_TRUE(released);
   }
-  EXPECT_EQ(rig.state(), DeviceState::kArmed);
+  EXPECT_EQ(rig.state(), LifecycleState::kArmed);
 }
 
 TEST(Engage, LostForceNeedsAnotherRequest) {
@@ -121,7 +121,7 @@ TEST(Engage, LostForceNeedsAnotherRequest) {
   rig.control();
   rig.press();
   rig.tick(200);
-  EXPECT_EQ(rig.state(), DeviceState::kArmed);
+  EXPECT_EQ(rig.state(), LifecycleState::kArmed);
   bool lost = false;
   while (auto event = queue->pop()) lost |= event->kind == server::DeviceEvent::Kind::kLost;
   EXPECT_TRUE(lost);
@@ -163,7 +163,7 @@ TEST(Engage, AbandonedRequestBringsNoForce) {
   rig.sessions->cancel(ticket);  // no tick came in time
   rig.stream(300, 0.01);
   EXPECT_FALSE(answered);
-  EXPECT_EQ(rig.state(), core::DeviceState::kArmed);
+  EXPECT_EQ(rig.state(), core::LifecycleState::kArmed);
   EXPECT_EQ(rig.newest().life.gain, 0.0);
   EXPECT_EQ(rig.engage(), "") << "the next one is as good as ever";
 }
@@ -175,7 +175,7 @@ TEST(Engage, SameTickReleaseRefusesIt) {
   rig.sessions->release("s1", [](const Outcome<Done>&) {});
   EXPECT_EQ(rig.engage(), "NOT_ARMED");
   EXPECT_NE(rig.refusal.find("Release"), std::string::npos) << rig.refusal;
-  EXPECT_EQ(rig.state(), core::DeviceState::kArmed);
+  EXPECT_EQ(rig.state(), core::LifecycleState::kArmed);
 }
 
 TEST(Engage, NamesWhySamplesWereRefused) {

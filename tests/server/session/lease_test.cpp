@@ -5,7 +5,7 @@
 namespace haptic::test {
 namespace {
 
-using core::DeviceState;
+using core::LifecycleState;
 using server::DeviceEvent;
 using server::IngressVerdict;
 using server::Lease;
@@ -49,14 +49,14 @@ bool contains(const std::vector<std::string>& all, const std::string& one) {
 TEST(Lease, FreeDeviceIsGrantedAndArms) {
   DeviceRig rig;
   rig.tick(3);
-  EXPECT_EQ(rig.state(), DeviceState::kIdle);
+  EXPECT_EQ(rig.state(), LifecycleState::kIdle);
   Reply reply;
   rig.sessions->open_controller(request("s1", "alice"), rig.now, reply.take());
   ASSERT_TRUE(reply.lease.has_value());
   EXPECT_EQ(reply.lease->epoch, 1U);
   EXPECT_EQ(rig.sessions->controller(), "alice");
   rig.tick(5);
-  EXPECT_EQ(rig.state(), DeviceState::kArmed);
+  EXPECT_EQ(rig.state(), LifecycleState::kArmed);
 }
 
 TEST(Lease, IsGrantedBeforeTheLoopTicks) {
@@ -100,7 +100,7 @@ TEST(Lease, ExpiresFromItsOpeningWithoutSamples) {
   EXPECT_FALSE(rig.sessions->holds_lease("s1"));
   EXPECT_TRUE(contains(reasons(*queue), "LEASE_EXPIRED"));
   rig.tick(5);
-  EXPECT_EQ(rig.state(), DeviceState::kIdle);
+  EXPECT_EQ(rig.state(), LifecycleState::kIdle);
 }
 
 TEST(Lease, ExpiresFromTheLastAcceptedSample) {
@@ -117,7 +117,7 @@ TEST(Lease, InvalidSamplesDoNotRenewIt) {
   DeviceRig rig;
   rig.control();
   rig.press();
-  ASSERT_EQ(rig.state(), DeviceState::kEngaged);
+  ASSERT_EQ(rig.state(), LifecycleState::kEngaged);
   const std::uint64_t newest = rig.seq;
   int until_force_is_gone = 0;
   for (int i = 1; i <= 2000; ++i) {
@@ -132,7 +132,7 @@ TEST(Lease, InvalidSamplesDoNotRenewIt) {
   EXPECT_LT(until_force_is_gone, 200);
   EXPECT_FALSE(rig.sessions->holds_lease("s1"));
   rig.tick(2);
-  EXPECT_EQ(rig.state(), DeviceState::kIdle);
+  EXPECT_EQ(rig.state(), LifecycleState::kIdle);
   EXPECT_EQ(rig.device->force, 0.0);
 }
 
@@ -155,7 +155,7 @@ TEST(Lease, LostHolderEndsForceInTime) {
   DeviceRig rig;
   rig.control();
   rig.press();
-  ASSERT_EQ(rig.state(), DeviceState::kEngaged);
+  ASSERT_EQ(rig.state(), LifecycleState::kEngaged);
   ASSERT_NEAR(rig.newest().effort.tau_elastic[0], 1.0, 1e-9);
   rig.sessions->close("s1");
   double last = 1.0;
@@ -169,7 +169,7 @@ TEST(Lease, LostHolderEndsForceInTime) {
   EXPECT_LT(ticks, 200);
   EXPECT_GT(ticks, 10);  // faded, not dropped
   rig.tick(2);
-  EXPECT_EQ(rig.state(), DeviceState::kIdle);
+  EXPECT_EQ(rig.state(), LifecycleState::kIdle);
 }
 
 TEST(Lease, NewcomerWaitsForZeroForce) {
@@ -191,7 +191,7 @@ TEST(Lease, NewcomerWaitsForZeroForce) {
   ASSERT_TRUE(bob.lease.has_value());
   EXPECT_EQ(bob.lease->epoch, 2U);
   rig.tick(5);
-  EXPECT_EQ(rig.state(), DeviceState::kArmed);
+  EXPECT_EQ(rig.state(), LifecycleState::kArmed);
 }
 
 TEST(Lease, WaitingNewcomerMayLeave) {
@@ -250,7 +250,7 @@ TEST(Lease, ClosingRefusesNewcomersAndTellsEveryone) {
   rig.press();
   rig.owner->begin_closing();
   rig.tick(300);
-  EXPECT_EQ(rig.state(), DeviceState::kClosing);
+  EXPECT_EQ(rig.state(), LifecycleState::kClosing);
   EXPECT_EQ(rig.device->force, 0.0);
   EXPECT_TRUE(contains(reasons(*queue), "CLOSING"));
   Reply reply;

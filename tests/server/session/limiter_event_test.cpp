@@ -14,7 +14,7 @@ std::vector<DeviceEvent> step(EventDetector& detector, core::Duration at,
                               std::initializer_list<core::Limiter> limiters) {
   core::TickRecord record;
   record.input.now = core::TimePoint(1h) + at;
-  record.life.state = core::DeviceState::kInit;
+  record.life.state = core::LifecycleState::kInit;
   record.effort.tau_a = (core::VecA(2) << 1.0, 7.5).finished();
   record.effort.temperature_c = (core::VecA(2) << std::nan(""), 93.4).finished();
   for (const core::Limiter limiter : limiters) {

@@ -7,7 +7,7 @@
 namespace haptic::test {
 namespace {
 
-using core::DeviceState;
+using core::LifecycleState;
 using server::IngressVerdict;
 using server::Lease;
 using server::LeaseRequest;
@@ -58,7 +58,7 @@ class ResumeTest : public testing::Test {
     ASSERT_TRUE(reply->lease);
     rig.epoch = reply->lease->epoch;
     rig.press("s1");
-    ASSERT_EQ(rig.state(), DeviceState::kEngaged);
+    ASSERT_EQ(rig.state(), LifecycleState::kEngaged);
     ASSERT_EQ(rig.newest().life.gain, 1.0);
   }
   static std::vector<std::string> reasons(server::EventQueue& queue) {
@@ -95,7 +95,7 @@ TEST_F(ResumeTest, KeepsAgeAndGainRaisesEpoch) {
   for (int i = 0; i < 100; ++i) {
     EXPECT_EQ(rig.publish(0.01), IngressVerdict::kAccepted);
     rig.tick();
-    EXPECT_EQ(rig.state(), DeviceState::kEngaged);
+    EXPECT_EQ(rig.state(), LifecycleState::kEngaged);
     EXPECT_NEAR(rig.newest().effort.tau_elastic[0], 1.0, 1e-9);
   }
 }
@@ -122,7 +122,7 @@ TEST_F(ResumeTest, UnresumableSessionEndsWithItsStream) {
   rig.press();
   rig.sessions->close("s1", kLost);
   rig.tick(1);
-  EXPECT_EQ(rig.state(), DeviceState::kReleasing);
+  EXPECT_EQ(rig.state(), LifecycleState::kReleasing);
   EXPECT_EQ(rig.sessions->controller(), "");
 }
 
@@ -146,7 +146,7 @@ TEST_F(ResumeTest, LostClientEndsForceThenLease) {
   rig.tick(1800);
   EXPECT_FALSE(rig.sessions->status().detached);
   rig.tick(3);
-  EXPECT_EQ(rig.state(), DeviceState::kIdle);
+  EXPECT_EQ(rig.state(), LifecycleState::kIdle);
   const auto all = reasons(*queue);
   EXPECT_EQ(count(all, "LEASE_DETACHED"), 1);
   EXPECT_EQ(count(all, "LEASE_EXPIRED"), 1);
@@ -170,7 +170,7 @@ TEST_F(ResumeTest, ResumingIsNoSignOfLife) {
   // The first return started the clock anew, for a sample had come; the second did not.
   EXPECT_EQ(came_back, 2);
   rig.tick(3);
-  EXPECT_EQ(rig.state(), DeviceState::kIdle);
+  EXPECT_EQ(rig.state(), LifecycleState::kIdle);
 }
 
 TEST_F(ResumeTest, ClientMayResumeAnOpenStream) {
@@ -181,7 +181,7 @@ TEST_F(ResumeTest, ClientMayResumeAnOpenStream) {
   rig.sessions->close("s1", kLost);  // noticed now: it has nothing left to lose
   EXPECT_TRUE(rig.sessions->holds_lease("s2"));
   rig.tick(10);
-  EXPECT_EQ(rig.state(), DeviceState::kEngaged);
+  EXPECT_EQ(rig.state(), LifecycleState::kEngaged);
 }
 
 TEST_F(ResumeTest, AnotherSessionsNameResumesNothing) {
@@ -259,7 +259,7 @@ TEST_F(ResumeTest, PreemptionFadesThenAnswersAtZero) {
     EXPECT_EQ(rig.sessions->state_of(record).lease_epoch, 2U);  // the epoch rose at once
     EXPECT_LE(record.effort.tau_elastic[0], last + 1e-12);
     EXPECT_EQ(boss->lease.has_value(), record.life.gain == 0.0);
-    EXPECT_NE(record.life.state, DeviceState::kIdle);  // never disarmed in between
+    EXPECT_NE(record.life.state, LifecycleState::kIdle);  // never disarmed in between
     last = record.effort.tau_elastic[0];
   }
   EXPECT_GT(ticks, 50);  // 80 ms of fade, not a drop
@@ -267,7 +267,7 @@ TEST_F(ResumeTest, PreemptionFadesThenAnswersAtZero) {
   EXPECT_EQ(boss->lease->epoch, 2U);
   EXPECT_EQ(boss->lease->taken_from, "alice");
   rig.tick(2);
-  EXPECT_EQ(rig.state(), DeviceState::kArmed);
+  EXPECT_EQ(rig.state(), LifecycleState::kArmed);
   EXPECT_EQ(rig.engage("s1"), "NOT_CONTROLLER");
   const auto all = reasons(*queue);
   EXPECT_EQ(count(all, "LEASE_PREEMPTED"), 1);
@@ -278,11 +278,11 @@ TEST_F(ResumeTest, ForcelessPreemptionKeepsTheDeviceArmed) {
   rig.tick(3);
   ASSERT_TRUE(ask(resumable("s1", "alice"))->lease);
   rig.tick(5);
-  ASSERT_EQ(rig.state(), DeviceState::kArmed);
+  ASSERT_EQ(rig.state(), LifecycleState::kArmed);
   const auto boss = ask(resumable("s2", "boss", Priority::kOperator));
   for (int i = 0; i < 3; ++i) {
     rig.tick();
-    EXPECT_EQ(rig.state(), DeviceState::kArmed);
+    EXPECT_EQ(rig.state(), LifecycleState::kArmed);
   }
   ASSERT_TRUE(boss->lease);
 }
@@ -304,7 +304,7 @@ TEST_F(ResumeTest, WaitingOperatorLeavesAFreeDevice) {
   rig.tick(200);
   EXPECT_FALSE(boss->lease);
   EXPECT_EQ(rig.sessions->controller(), "");
-  EXPECT_EQ(rig.state(), DeviceState::kIdle);
+  EXPECT_EQ(rig.state(), LifecycleState::kIdle);
   EXPECT_EQ(rig.newest().input.settings.stiffness[0], 100.0);
 }
 

@@ -80,7 +80,7 @@ TEST(Settings, RendererChangesOnlyWithoutForce) {
   request.renderer = RendererKind::kStandard;
   ASSERT_TRUE(rig.sessions->update_settings("s1", request));
   rig.press();
-  ASSERT_EQ(rig.state(), core::DeviceState::kEngaged);
+  ASSERT_EQ(rig.state(), core::LifecycleState::kEngaged);
   EXPECT_EQ(rig.newest().input.settings.renderer, RendererKind::kStandard);
   request.renderer = RendererKind::kSubspaceLinear;
   const auto answer = rig.sessions->update_settings("s1", request);

@@ -6,9 +6,9 @@
 namespace haptic::test {
 namespace {
 
-using core::DeviceState;
 using core::Fault;
 using core::FaultSet;
+using core::LifecycleState;
 using server::DeviceEvent;
 using server::Refusal;
 
@@ -28,7 +28,7 @@ TEST(EmergencyStop, ZeroesTheCommandWithinTwoTicks) {
   EXPECT_FALSE(stopped);  // nobody claims what the loop has not done
   rig.stream(2, 0.01);
   EXPECT_TRUE(stopped);
-  EXPECT_EQ(rig.state(), DeviceState::kFault);
+  EXPECT_EQ(rig.state(), LifecycleState::kFault);
   EXPECT_EQ(rig.device->force, 0.0);
 }
 
@@ -53,13 +53,13 @@ TEST(ClearFault, FaultStaysUntilCleared) {
   rig.tick(3);
   rig.sessions->emergency_stop("", [](const Outcome<Done>&) {});
   rig.tick(5000);
-  ASSERT_EQ(rig.state(), DeviceState::kFault);
+  ASSERT_EQ(rig.state(), LifecycleState::kFault);
   std::optional<FaultSet> cleared;
   rig.sessions->clear_faults({}, [&](const Outcome<FaultSet>& o) { cleared = o.value; });
   rig.tick(2);
   ASSERT_TRUE(cleared.has_value());
   EXPECT_EQ(*cleared, only(Fault::kEmergencyStop));
-  EXPECT_EQ(rig.state(), DeviceState::kIdle);
+  EXPECT_EQ(rig.state(), LifecycleState::kIdle);
 }
 
 TEST(ClearFault, NamesThePersistingCause) {
@@ -74,7 +74,7 @@ TEST(ClearFault, NamesThePersistingCause) {
   EXPECT_EQ(refusal.code, Refusal::Code::kPrecondition);
   EXPECT_EQ(refusal.reason, "FAULT_PERSISTS");
   EXPECT_NE(refusal.message.view().find("DEVICE_LOST"), std::string::npos);
-  EXPECT_EQ(rig.state(), DeviceState::kFault);
+  EXPECT_EQ(rig.state(), LifecycleState::kFault);
 }
 
 TEST(ClearFault, TwoRequestsClearBothFaults) {
@@ -108,7 +108,7 @@ TEST(ClearFault, WaitingRequestClearsNoLaterStop) {
   rig.sessions->emergency_stop("second", [](const Outcome<Done>&) {});
   rig.tick(5);
   EXPECT_EQ(reasons, "FAULT_PERSISTS FAULT_PERSISTS ");
-  EXPECT_EQ(rig.state(), DeviceState::kFault);
+  EXPECT_EQ(rig.state(), LifecycleState::kFault);
 }
 
 TEST(ClearFault, InactiveFaultClearsNothing) {

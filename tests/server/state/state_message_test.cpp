@@ -23,7 +23,7 @@ core::TickRecord full_record() {
   r.sensed.q_a_dot = r.effort.tau_a = r.effort.tau_elastic = r.effort.drive =
       r.effort.temperature_c = VecA::Ones(1);
   r.anchor.x_probe = r.anchor.x = VecX::Ones(2);
-  r.life.state = core::DeviceState::kEngaged;
+  r.life.state = core::LifecycleState::kEngaged;
   r.proxy.mode = core::ProxyMode::kHeld;
   r.proxy.seq = 1;
   r.proxy.age = std::chrono::milliseconds(1);

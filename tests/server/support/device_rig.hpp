@@ -62,7 +62,7 @@ class DeviceRig {
   }
 
   [[nodiscard]] core::TickRecord newest() const { return telemetry->newest(0); }
-  [[nodiscard]] core::DeviceState state() const { return newest().life.state; }
+  [[nodiscard]] core::LifecycleState state() const { return newest().life.state; }
 
   /// Opens a controller of 1 kHz and ticks until it is answered and the device armed.
   server::Lease control(const std::string& id = "s1", const std::string& client = "alice") {
@@ -74,7 +74,7 @@ class DeviceRig {
     sessions->open_controller(request, now, [&](const server::Outcome<server::Lease>& outcome) {
       if (outcome) lease = *outcome.value;
     });
-    for (int i = 0; i < 400 && (!lease || state() != core::DeviceState::kArmed); ++i) tick();
+    for (int i = 0; i < 400 && (!lease || state() != core::LifecycleState::kArmed); ++i) tick();
     epoch = lease ? lease->epoch : 0;
     return lease.value_or(server::Lease{});
   }

@@ -25,7 +25,7 @@ PipelineLoop::PipelineLoop(const core::PipelineConfig& config, const ClientSetti
   const core::Kinematics& map = *config.kinematics;
   input_.settings = config.scene;
   input_.device.fresh = input_.device.armed = true;
-  input_.command.lease_epoch = 1;
+  input_.command.tenure = 1;
   input_.command.lease_held = true;
   x_probe_ = core::VecX::Zero(map.space().n_x());
   J_ = core::MatXQ::Zero(map.space().n_x(), map.layout().n_q());
@@ -51,7 +51,7 @@ const core::TickRecord& PipelineLoop::tick(const core::VecQ& q) {
 }
 
 void PipelineLoop::require_engaged() const {
-  if (record_.life.state == core::DeviceState::kEngaged) return;
+  if (record_.life.state == core::LifecycleState::kEngaged) return;
   throw core::SceneError("loop: the device is in state " +
                          std::string(core::name(record_.life.state)) +
                          ", not ENGAGED: there is no force to judge");

@@ -9,7 +9,7 @@ namespace {
 
 /// A stamp of the sample's arrival, for the stream's health and its age.
 void stamp(core::TimePoint now, core::ProxySnapshot& proxy) {
-  proxy.epoch = 1;
+  proxy.tenure = 1;
   proxy.born = now;
   if (proxy.gapless_samples++ == 0) proxy.gapless_since = now;
 }

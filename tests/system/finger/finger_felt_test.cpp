@@ -54,7 +54,7 @@ Felt press(const Row& row, core::RendererKind kind, bool guard, bool force) {
 
   core::TickInput input;
   input.settings = config.scene;
-  input.command.lease_epoch = 1;
+  input.command.tenure = 1;
   input.command.lease_held = true;
   hw::Command command{true, VecA::Zero(1)};
   const VecX stop = (VecX(2) << row.stop_mcp * kDegree, row.stop_pip * kDegree).finished();
@@ -69,7 +69,7 @@ Felt press(const Row& row, core::RendererKind kind, bool guard, bool force) {
     core::MatXQ J;
     EXPECT_EQ(finger->evaluate(q, x_probe, J), core::MapStatus::kOk);
     input.proxy.mode = core::ProxyMode::kHeld;
-    input.proxy.epoch = 1;
+    input.proxy.tenure = 1;
     ++input.proxy.seq;
     ++input.proxy.gapless_samples;
     input.proxy.gapless_since = core::TimePoint(milliseconds(1));

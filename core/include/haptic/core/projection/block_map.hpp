@@ -41,7 +41,7 @@ class BlockMap {
   void clear_x(BlockSet blocks, VecX& x) const noexcept;
 
  private:
-  struct Part {
+  struct Block {
     MapBlock at{};
     int n_q{0}, n_x{0};
     VecQ q{};            ///< where f was last asked for
@@ -51,13 +51,13 @@ class BlockMap {
     bool has_J{false};   ///< the block in J_ is of q
     bool wants_J{false};
   };
-  void evaluate(Part& part) noexcept;
+  void evaluate(Block& block) noexcept;
 
-  std::vector<Part> parts_{};
+  std::vector<Block> blocks_{};
   BlockSet all_{0};
   VecX x_probe_{};
   MatXQ J_{};
-  MatXQ block_{};  ///< J of one part
+  MatXQ block_J_{};  ///< J of one block
 };
 
 }  // namespace haptic::core

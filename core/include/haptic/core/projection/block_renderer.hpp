@@ -42,8 +42,8 @@ class BlockRenderer {
   void reset() noexcept;
 
  private:
-  struct Part {
-    Part(RendererKind kind, const ProjectionModel& part, const MapBlock& block);
+  struct Block {
+    Block(RendererKind kind, const ProjectionModel& of_block, const MapBlock& in_map);
     void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                  bool proxy_changed) noexcept;
     [[nodiscard]] bool displaced(const VecX& all_dx) const noexcept;
@@ -65,7 +65,7 @@ class BlockRenderer {
   ProjectionModel model_;
   bool idle_possible_{true};         ///< no prior, which pulls even where dx = 0
   std::optional<Renderer> whole_{};  ///< of a map without blocks
-  std::vector<Part> parts_{};        ///< else one per block
+  std::vector<Block> blocks_{};      ///< else one per block
 };
 
 }  // namespace haptic::core

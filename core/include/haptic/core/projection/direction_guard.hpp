@@ -23,9 +23,9 @@ class DirectionGuard {
   [[nodiscard]] bool allows(const Probe& probe, const VecX& dx, const VecA& tau_a) noexcept;
 
  private:
-  struct Part {
-    Part(const Kinematics& kinematics, const MapBlock& block, const TaskMetric& of_block,
-         const std::shared_ptr<const StiffnessCoupling>& coupling);
+  struct Block {
+    Block(const Kinematics& kinematics, const MapBlock& block, const TaskMetric& of_block,
+          const std::shared_ptr<const StiffnessCoupling>& coupling);
     TaskMetric metric;
     MapBlock at;
     int n_q, n_a, n_x;
@@ -36,7 +36,7 @@ class DirectionGuard {
   };
 
   VecA stiffness_;
-  std::vector<Part> parts_{};  ///< one per block, or the whole map
+  std::vector<Block> blocks_{};  ///< one per block, or the whole map
 };
 
 }  // namespace haptic::core

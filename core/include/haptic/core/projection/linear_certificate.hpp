@@ -33,24 +33,24 @@ class LinearCertificate {
   [[nodiscard]] Certificate at(const Probe& probe, const VecX& dx, const VecA& stiffness) noexcept;
 
  private:
-  struct Part {
+  struct Block {
     MapBlock at{};
     TaskMetric metric{};
     int n_q{0}, n_a{0}, n_x{0};
     HouseholderKernel kernel{};
   };
-  [[nodiscard]] CertificateStatus judge(const Part& part, const Probe& probe, const VecX& dx,
+  [[nodiscard]] CertificateStatus judge(const Block& block, const Probe& probe, const VecX& dx,
                                         const VecA& stiffness, double& margin) noexcept;
   /// y = J_^+ b, n_q, and R in A_; false if J_ has not full column rank.
-  [[nodiscard]] bool solve(const Part& part, const VecX& b, VecQ& y) noexcept;
+  [[nodiscard]] bool solve(const Block& block, const VecX& b, VecQ& y) noexcept;
   /// y -= (J_^T J_)^{-1} J_k_^T r_, by the R of the last solve().
-  void take_off_residual(const Part& part, VecQ& y) noexcept;
+  void take_off_residual(const Block& block, VecQ& y) noexcept;
   /// M_ = I + the symmetric part of R (S B S^T) R^{-1} if R is not diagonal.
   void couple(const StiffnessCoupling& coupling) noexcept;
   /// Of M_; false if it is not finite.
   [[nodiscard]] bool smallest_eigenvalue(double& value) const noexcept;
 
-  std::vector<Part> parts_{};
+  std::vector<Block> blocks_{};
   std::shared_ptr<const StiffnessCoupling> coupling_{};
   VecQ q_{}, dq_{}, column_{};
   VecX r_{}, turned_{};

@@ -51,9 +51,9 @@ class ProjectionModel {
   ProjectionModel(const Kinematics& kinematics, ProjectionSettings settings = {});
 
   /// The same for one block of the map. Throws as the constructor does.
-  [[nodiscard]] ProjectionModel part(const MapBlock& block) const;
+  [[nodiscard]] ProjectionModel of(const MapBlock& block) const;
   /// True if the map has blocks and the metric does not tie them together.
-  [[nodiscard]] bool has_parts() const noexcept { return has_parts_; }
+  [[nodiscard]] bool has_blocks() const noexcept { return has_blocks_; }
 
   [[nodiscard]] const Kinematics& kinematics() const noexcept { return *kinematics_; }
   [[nodiscard]] const DofLayout& layout() const noexcept { return kinematics_->layout(); }
@@ -78,7 +78,7 @@ class ProjectionModel {
   const Kinematics* kinematics_;
   ProjectionSettings settings_;
   double mean_J_a_{0.0};
-  bool has_parts_{false};
+  bool has_blocks_{false};
 };
 
 /// Throws SceneError if Z_q cannot be coupled like this on this map: another number of actuated

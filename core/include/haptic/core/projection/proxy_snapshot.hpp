@@ -19,7 +19,7 @@ enum class ProxyMode : std::uint8_t {
 /// The newest accepted proxy sample.
 struct ProxySnapshot {
   ProxyMode mode{ProxyMode::kNone};
-  std::uint32_t epoch{0};  ///< lease epoch it was accepted under
+  std::uint32_t tenure{0};  ///< of the lease it was accepted under
   std::uint64_t seq{0};
   /// What its age is counted from: the local arrival, or earlier where a synchronised source time
   /// says so; never later.

@@ -35,7 +35,7 @@ class TaskMetric {
   /// of the map with these coordinates can be projected alone.
   [[nodiscard]] bool separates(int first, int count) const noexcept;
   /// The metric of coordinates that it separates.
-  [[nodiscard]] TaskMetric part(int first, int count) const;
+  [[nodiscard]] TaskMetric of(int first, int count) const;
   /// True if the block of these coordinates, which it must separate, is a multiple of the identity:
   /// the nearest x is then the one without a metric.
   [[nodiscard]] bool is_uniform(int first, int count) const noexcept;

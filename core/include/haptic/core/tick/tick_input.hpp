@@ -51,7 +51,7 @@ struct TrackerSnapshot {
 /// What people and programs ask of the device. Requests are counters: a tick acts on a counter that
 /// moved, so that none is lost in a newest-wins mailbox and none acts twice.
 struct CommandSnapshot {
-  std::uint32_t lease_epoch{0};  ///< rises by one with every new controller
+  std::uint32_t tenure{0};  ///< of the lease; rises with every new controller
   bool lease_held{false};
   std::uint64_t engage_id{0};
   std::uint64_t release_id{0};

@@ -10,7 +10,7 @@
 #include "haptic/core/projection/certificate.hpp"
 #include "haptic/core/projection/plane_projection.hpp"
 #include "haptic/core/projection/projection.hpp"
-#include "haptic/core/safety/device_state.hpp"
+#include "haptic/core/safety/lifecycle.hpp"
 #include "haptic/core/tick/tick_input.hpp"
 
 namespace haptic::core {
@@ -113,7 +113,7 @@ struct Anchor {
 
 /// The device's state, the answers to what people and programs asked for, and the gains.
 struct Lifecycle {
-  DeviceState state{DeviceState::kInit};
+  LifecycleState state{LifecycleState::kInit};
   bool lost{false};             ///< event LOST: force was given up in this tick, proxy too old
   FaultSet faults{};            ///< latched; a fault of this tick's output is in Effort::faults
   bool arm{false};              ///< the device is asked to be armed

@@ -16,7 +16,7 @@
 
 namespace haptic::core {
 
-enum class DeviceState : std::uint8_t {
+enum class LifecycleState : std::uint8_t {
   kInit = 1,
   kIdle = 2,
   kArmed = 3,
@@ -27,11 +27,11 @@ enum class DeviceState : std::uint8_t {
   kClosing = 8,
 };
 
-[[nodiscard]] std::string_view name(DeviceState state) noexcept;  ///< "ENGAGED", ...
+[[nodiscard]] std::string_view name(LifecycleState state) noexcept;  ///< "ENGAGED", ...
 /// The elastic force may be other than 0 in this state.
-[[nodiscard]] constexpr bool carries_force(DeviceState state) noexcept {
-  return state == DeviceState::kEngaging || state == DeviceState::kEngaged ||
-         state == DeviceState::kReleasing;
+[[nodiscard]] constexpr bool carries_force(LifecycleState state) noexcept {
+  return state == LifecycleState::kEngaging || state == LifecycleState::kEngaged ||
+         state == LifecycleState::kReleasing;
 }
 
 /// What a tick knows when it asks for the next state. Several may hold at once: a fault wins over
@@ -40,7 +40,7 @@ struct StateEvents {
   bool fault{false};    ///< any fault is latched
   bool closing{false};  ///< SIGTERM was received
   bool lease_held{false};
-  bool lease_changed{false};  ///< the epoch moved: preempted, or taken anew
+  bool lease_changed{false};  ///< another tenure: preempted, or taken again
   bool armed{false};          ///< the device says it would follow
   bool ready{false};          ///< device open, q finite and in range
   bool engage{false};         ///< an Engage was accepted in this tick
@@ -48,18 +48,18 @@ struct StateEvents {
   bool lost{false};           ///< age of the proxy >= fade_end
 };
 
-class DeviceStateMachine {
+class LifecycleMachine {
  public:
   /// One step; `g` is the gain of the previous tick.
-  DeviceState step(const StateEvents& events, double g) noexcept;
-  [[nodiscard]] DeviceState state() const noexcept { return state_; }
+  LifecycleState step(const StateEvents& events, double g) noexcept;
+  [[nodiscard]] LifecycleState state() const noexcept { return state_; }
   /// The device should be armed in this state.
   [[nodiscard]] bool wants_armed() const noexcept;
   /// ENGAGING or ENGAGED was left because the proxy was lost, in the last step.
   [[nodiscard]] bool lost_now() const noexcept { return lost_now_; }
 
  private:
-  DeviceState state_{DeviceState::kInit};
+  LifecycleState state_{LifecycleState::kInit};
   bool lost_now_{false};
   bool lease_held_{false};
 };

@@ -1,5 +1,5 @@
 // proto/README.md#states-of-a-device as a table, on injected time.
-#include "haptic/core/safety/device_state.hpp"
+#include "haptic/core/safety/lifecycle.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace haptic::core {
 namespace {
 
 using std::chrono::milliseconds;
-using S = DeviceState;
+using S = LifecycleState;
 
 StateEvents held() {
   return {.lease_held = true, .armed = true, .ready = true};
@@ -23,8 +23,8 @@ StateEvents with(bool StateEvents::*flag, bool value = true) {
 }
 
 /// A machine walked into `state` by events alone.
-DeviceStateMachine machine_in(DeviceState state) {
-  DeviceStateMachine m;
+LifecycleMachine machine_in(LifecycleState state) {
+  LifecycleMachine m;
   if (state == S::kInit) return m;
   if (state == S::kClosing) {
     m.step(with(&StateEvents::closing), 0.0);
@@ -48,13 +48,13 @@ DeviceStateMachine machine_in(DeviceState state) {
 
 struct Transition {
   const char* what{};
-  DeviceState from{};
+  LifecycleState from{};
   StateEvents events{};
   double g{};
-  DeviceState to{};
+  LifecycleState to{};
 };
 
-TEST(DeviceStateMachine, FollowsTheTableOfWire4) {
+TEST(LifecycleMachine, FollowsTheTableOfStates) {
   StateEvents nothing_held = {.ready = true};
   const Transition kTable[] = {
       {"device opens", S::kInit, {.ready = true}, 0, S::kIdle},
@@ -92,14 +92,14 @@ TEST(DeviceStateMachine, FollowsTheTableOfWire4) {
       {"CLOSING is the end", S::kClosing, held(), 0, S::kClosing},
   };
   for (const Transition& t : kTable) {
-    DeviceStateMachine m = machine_in(t.from);
+    LifecycleMachine m = machine_in(t.from);
     ASSERT_EQ(m.state(), t.from) << t.what;
     EXPECT_EQ(m.step(t.events, t.g), t.to) << t.what << ": got " << name(m.state());
   }
 }
 
-TEST(DeviceStateMachine, LossIsReportedOnceUntilEngage) {
-  DeviceStateMachine m = machine_in(S::kEngaged);
+TEST(LifecycleMachine, LossIsReportedOnceUntilEngage) {
+  LifecycleMachine m = machine_in(S::kEngaged);
   m.step(with(&StateEvents::lost), 0.0);
   EXPECT_TRUE(m.lost_now());
   m.step(held(), 0.0);
@@ -107,7 +107,7 @@ TEST(DeviceStateMachine, LossIsReportedOnceUntilEngage) {
   EXPECT_EQ(m.state(), S::kArmed) << "force does not come back by itself";
 }
 
-TEST(DeviceStateMachine, ArmsOnlyUnderALease) {
+TEST(LifecycleMachine, ArmsOnlyUnderALease) {
   EXPECT_FALSE(machine_in(S::kInit).wants_armed());
   EXPECT_FALSE(machine_in(S::kIdle).wants_armed());
   EXPECT_TRUE(machine_in(S::kArmed).wants_armed());

@@ -17,7 +17,7 @@ using namespace haptic;
 
 constexpr int kProblems = 64;
 constexpr int kCalls = 8192;
-constexpr double kTarget = 1.0 / 2.5;  // issue 3: at least 2.5 times faster
+constexpr double kTarget = 1.0 / 2.5;  // at least 2.5 times faster
 
 double sink = 0.0;
 

@@ -1,35 +1,136 @@
-/// haptic-bench-network: the measurements of the network's path, by the rule of
-/// CONTRIBUTING.md#measuring. tests/bench/network.sh runs it.
-///
-///   haptic-bench-network [udp|age]... [--blocks N]
+/// haptic-bench-network [--blocks N]: the proxy's age when a tick uses it, from publish() on, behind
+/// the relay with 10 ms each way and losses of 0, 1, 5 and 10 %: by UDP against gRPC.
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <iostream>
+#include <cstdio>
+#include <stdexcept>
+#include <thread>
 
-#include "tests/bench/network.hpp"
+#include "haptic/client/client.hpp"
 #include "tests/bench/paired.hpp"
+#include "tests/bench/product.hpp"
+#include "tests/relay/relay.hpp"
+
+namespace haptic::bench {
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kRate = 100.0;  ///< Hz
+constexpr milliseconds kPeriod{10}, kSettling{500}, kMeasured{2000};
+/// Target for UDP: the delay and three periods.
+constexpr double kTargetUs = 10'000.0 + 3 * 10'000.0;
+
+/// The relay's link in block `block`: the scenario with a seed of its own.
+test::RelaySetup setup(const test::Scenario& scenario, int block, std::uint16_t tcp,
+                       std::uint16_t udp) {
+  test::RelaySetup relay;
+  relay.scenario = scenario;
+  relay.scenario.seed += 1000U * static_cast<std::uint64_t>(block);
+  relay.tcp_port = tcp;
+  relay.udp_port = udp;
+  return relay;
+}
+
+std::uint16_t port_of(const std::string& address) {
+  return static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
+}
+
+/// Waits until samples go by the carrier that is to be measured.
+void settle(const client::Session& session, bool by_udp) {
+  const auto give_up = Clock::now() + std::chrono::seconds(20);
+  const auto ready = [&] {
+    const auto link = session.udp_link();
+    return !by_udp || (link && link->in_use);
+  };
+  while (!ready()) {
+    if (Clock::now() > give_up) throw std::runtime_error("the UDP path never came into use");
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+}
+
+/// Age in us of what each tick used, from publish() on, in one block.
+std::vector<double> ages(Product& product, const test::RelaySetup& trouble, bool by_udp) {
+  const test::Relay relay(trouble);
+  client::Connection connection("127.0.0.2:" + std::to_string(trouble.tcp_port));
+  client::SessionOptions options;
+  options.client_name = "bench";
+  options.nominal_rate_hz = kRate;
+  options.carriers = by_udp ? client::Carriers::kUdpOnly : client::Carriers::kGrpcOnly;
+  const auto session = connection.open(options);
+  settle(*session, by_udp);
+  {
+    const std::lock_guard lock(product.arrivals.mutex);
+    product.arrivals.used.clear();
+    product.arrivals.keep_used = true;
+  }
+  std::vector<std::int64_t> published;
+  const auto begin = Clock::now() + kSettling;
+  for (auto next = Clock::now(); next < begin + kMeasured; next += kPeriod) {
+    std::this_thread::sleep_until(next);
+    published.push_back(now_ns());
+    session->publish(client::Proxy::held({0.4, 0.5}));
+  }
+  session->close();
+  std::vector<double> answer;
+  const std::lock_guard lock(product.arrivals.mutex);
+  for (const auto& [seq, at] : product.arrivals.used) {
+    if (at < begin.time_since_epoch().count() || seq == 0 || seq > published.size()) continue;
+    answer.push_back(static_cast<double>(at - published[seq - 1]) * 1e-3);
+  }
+  // If the path was down all the time, the newest sample is at least as old as the block.
+  if (answer.empty()) answer.push_back(core::seconds(kSettling + kMeasured) * 1e6);
+  product.arrivals.keep_used = false;
+  product.arrivals.born.clear();
+  product.arrivals.ages_us.clear();
+  return answer;
+}
+
+void one_loss(Product& product, const test::Scenario& scenario, int blocks) {
+  int block = 0;
+  const auto by = [&](bool udp) {
+    return [&, udp] {
+      const auto values = ages(
+          product, setup(scenario, ++block, port_of(product.address()), product.udp_port()), udp);
+      return std::vector<double>{percentile(values, 0.5), percentile(values, 0.99)};
+    };
+  };
+  char name[80];
+  std::snprintf(name, sizeof name, "proxy age at use by UDP 10 ms %g %% loss",
+                scenario.up.loss * 100.0);
+  const std::string what = name;
+  const auto rows =
+      compare_all({what + " p50", what + " p99"}, "gRPC", "us", by(true), by(false), blocks);
+  for (const Row& row : rows) print(row);
+  print(Figure{what + " p99", "us", rows.back().own, kTargetUs});
+}
+
+void age_at_use(int blocks) {
+  const std::string folder = HAPTIC_SOURCE_DIR "/tests/relay/scenarios/";
+  Product product({"127.0.0.1:0"}, "127.0.0.1:0");
+  for (const char* file : {"delay_10ms", "loss_01", "loss_05", "loss_10"}) {
+    const test::Scenario scenario = test::read_scenario(folder + file + ".textproto");
+    one_loss(product, scenario, blocks);
+  }
+}
+
+}  // namespace
+}  // namespace haptic::bench
 
 int main(int argc, char** argv) {
-  namespace bench = haptic::bench;
-  std::vector<std::string> parts;
   int blocks = 20;
-  CLI::App cli("haptic-bench-network - what the network's path costs");
-  cli.add_option("parts", parts, "udp, age; none: all")->check(CLI::IsMember({"udp", "age"}));
+  CLI::App cli("haptic-bench-network - the proxy's age at use, by UDP against gRPC");
   cli.add_option("--blocks", blocks, "alternations; of fewer than 20 nothing may be quoted")
       ->check(CLI::Range(2, 1000));
   CLI11_PARSE(cli, argc, argv);
-  const auto wanted = [&](const char* part) {
-    return parts.empty() || std::find(parts.begin(), parts.end(), part) != parts.end();
-  };
   spdlog::set_level(spdlog::level::warn);  // sessions that come and go
-  bench::print_header();
+  haptic::bench::print_header();
   try {
-    if (wanted("udp")) bench::udp_one_way(blocks);
-    if (wanted("age")) bench::age_at_use(blocks);
+    haptic::bench::age_at_use(blocks);
   } catch (const std::exception& error) {
-    std::cerr << "haptic-bench-network: " << error.what() << "\n";
+    std::fprintf(stderr, "haptic-bench-network: %s\n", error.what());
     return 1;
   }
   return 0;

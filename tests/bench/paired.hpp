@@ -33,7 +33,7 @@ struct Row {
                           const std::string& unit, const Block& ours, const Block& theirs,
                           double target, int blocks = 24);
 
-/// Several figures of one block, as many in every block.
+/// Several figures of one block, the same number in every block.
 using Blocks = std::function<std::vector<double>()>;
 /// The same for each of the figures, `what[i]` the name of the i-th; without targets.
 [[nodiscard]] std::vector<Row> compare_all(const std::vector<std::string>& what,
@@ -48,16 +48,13 @@ struct Figure {
   Ratio value{};
   double target{0.0};
 };
-/// Of values that were gathered beside a comparison, one per block.
-[[nodiscard]] Figure figure(const std::string& what, const std::string& unit,
-                            const std::vector<double>& values, double target = 0.0);
 [[nodiscard]] Figure measure(const std::string& what, const std::string& unit, const Block& block,
                              double target, int blocks = 24);
 
 /// One CSV line each:
-/// what,against,unit,ours,theirs,ratio,lower,upper,aa_lower,aa_upper,target,verdict. Verdict: met
-/// where the interval's lower end is at or below the target; "not resolvable here" where the A/A
-/// interval alone exceeds the target's distance from 1.
+/// what,against,unit,ours,theirs,ratio,lower,upper,aa_lower,aa_upper,target,verdict. Verdict: "met"
+/// or "missed" if the whole interval is, and the ratio is further from the target than the A/A
+/// interval is wide; otherwise "not resolved".
 void print_header();
 void print(const Row& row);
 void print(const Figure& figure);

@@ -38,11 +38,21 @@ TEST(Paired, VerdictIsTheLinesLastField) {
   EXPECT_EQ(printed(row(always(13.0), always(10.0), 0.0)), "reported");
 }
 
+TEST(Paired, TargetWithinTheIntervalIsNotResolved) {
+  const Row r = row(turns({1.1, 1.3}), always(1.0), 1.2);
+  EXPECT_DOUBLE_EQ(r.ratio.lower, 1.1);
+  EXPECT_DOUBLE_EQ(r.ratio.upper, 1.3);
+  EXPECT_EQ(printed(r), "not resolved");
+}
+
 TEST(Paired, MissWithinNoiseIsNotResolvable) {
-  // After the warm-up the order of their two blocks turns: 10 and 15, 15 and 10, ...
-  const Row noisy = row(always(30.0), turns({10.0, 10.0, 15.0, 15.0}), 1.2);
-  EXPECT_GT(noisy.a_a.upper, 1.2);
-  EXPECT_EQ(printed(noisy), "not resolvable here");
+  // The order of their two blocks turns: 10 and 15, 15 and 10, ... after one block of warm-up.
+  const auto against_noise = [](double ours) {
+    return row(always(ours), turns({10.0, 10.0, 15.0, 15.0}), 1.2);
+  };
+  EXPECT_DOUBLE_EQ(against_noise(14.0).a_a.upper, 1.5);
+  EXPECT_EQ(printed(against_noise(14.0)), "not resolved");
+  EXPECT_EQ(printed(against_noise(30.0)), "missed");
 }
 
 TEST(Paired, MedianRatioIsOverPairs) {
@@ -55,9 +65,13 @@ TEST(Paired, MedianRatioIsOverPairs) {
 }
 
 TEST(Paired, JudgesLoneFiguresByTheirInterval) {
-  EXPECT_EQ(printed(haptic::bench::figure("f", "us", {1.0, 1.0, 1.0}, 0.9)), "missed");
-  EXPECT_EQ(printed(haptic::bench::figure("f", "us", {1.0, 1.0, 1.0}, 1.0)), "met");
-  EXPECT_EQ(printed(haptic::bench::figure("f", "us", {1.0, 1.0, 1.0})), "reported");
+  const auto judged = [](const Block& block, double target) {
+    return printed(haptic::bench::measure("f", "us", block, target, 20));
+  };
+  EXPECT_EQ(judged(always(1.0), 0.9), "missed");
+  EXPECT_EQ(judged(always(1.0), 1.0), "met");
+  EXPECT_EQ(judged(turns({0.9, 1.1}), 1.0), "not resolved");
+  EXPECT_EQ(judged(always(1.0), 0.0), "reported");
 }
 
 }  // namespace

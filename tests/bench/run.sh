@@ -3,32 +3,27 @@
 # alternating blocks, median paired ratio with its bootstrap 95 % interval, an A/A row in the same
 # line. Writes CSV to standard output. Run it on a machine that does nothing else.
 #
-#   tests/bench/run.sh [core|linear|loop|wire|memory|serial]...
+#   tests/bench/run.sh [core|linear|loop|wire|memory]...      default: all, about 8 minutes
 #
-# Without an argument: all but serial, about 8 minutes.
-# serial: 20 s each of the streaming and the 500 Hz link to the emulator, figures as text; then
-# ticks begun by the board's samples against ticks by the timer.
-# MEMORY_SECONDS=600 has `memory` look for so long.
+# MEMORY_SECONDS=600 makes `memory` watch for that long.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 for part in "$@"; do
   case "$part" in
-    core | linear | loop | wire | memory | serial) ;;
+    core | linear | loop | wire | memory) ;;
     -h | --help) sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"; exit 0 ;;
-    *) echo "run.sh: unknown part '$part' (core, linear, loop, wire, memory, serial)" >&2; exit 2 ;;
+    *) echo "run.sh: unknown part '$part' (core, linear, loop, wire, memory)" >&2; exit 2 ;;
   esac
 done
 cd "$root"
 sh docker/install-deps.sh build test >&2
 cmake --preset release -DHAPTIC_BUILD_BENCHMARKS=ON >&2
 cmake --build --preset release --parallel "$(nproc)" \
-  --target haptic-bench-core haptic-bench-linear haptic-bench-loop haptic-bench-wire \
-    haptic-bench-serial \
-  haptic-bench-pacing hapticd >&2
+  --target haptic-bench-core haptic-bench-linear haptic-bench-loop haptic-bench-wire hapticd >&2
 bin=build/release
 
-memory() {  # resident memory of an idle hapticd, after 5 s and after the rest, without and with
-            # locking
+# Resident memory of an idle hapticd, after 5 s and at the end, without and with locking.
+memory() {
   local seconds=${MEMORY_SECONDS:-30}
   echo "what,after_s,resident_kb"
   for mode in off try; do
@@ -47,19 +42,7 @@ memory() {  # resident memory of an idle hapticd, after 5 s and after the rest, 
   done
 }
 
-for part in "${@:-core linear loop wire memory}"; do
-  for one in $part; do
-    case "$one" in
-      core | linear | loop | wire) echo "# $one"; "$bin/tests/bench/haptic-bench-$one" ;;
-      memory) echo "# memory"; memory ;;
-      serial)
-        for period_ms in 0 2; do
-          echo "# serial, link period $period_ms ms"
-          "$bin/tests/bench/haptic-bench-serial" 20 "$period_ms"
-        done
-        echo "# serial, ticks by the board's samples"
-        "$bin/tests/bench/haptic-bench-pacing"
-        ;;
-    esac
-  done
+for part in ${@:-core linear loop wire memory}; do
+  echo "# $part"
+  if [ "$part" = memory ]; then memory; else "$bin/tests/bench/haptic-bench-$part"; fi
 done

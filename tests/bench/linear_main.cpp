@@ -1,6 +1,6 @@
 /// haptic-bench-linear: our Householder QR against Eigen's, ns per least-squares solve and forward
-/// error, at the sizes of core/METHOD.md#solver-choice. Ours is called as the product calls it, by
-/// its pointer.
+/// error, at the sizes of core/METHOD.md#solver-choice. Our kernel is called as the product calls
+/// it, by its pointer.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 /// haptic-bench-loop: how late the product's loop wakes, against a bare clock_nanosleep loop with
-/// the same settings, idle and beside two busy threads; and what the ticks of three devices cost,
+/// the same settings, idle and with two busy threads; and what the ticks of three devices cost,
 /// against three times that of one. One block is 500 ticks of each.
 #include <algorithm>
 #include <atomic>

@@ -1,5 +1,5 @@
-/// haptic-bench-network [--blocks N]: the proxy's age when a tick uses it, from publish() on, behind
-/// the relay with 10 ms each way and losses of 0, 1, 5 and 10 %: by UDP against gRPC.
+/// haptic-bench-network [--blocks N]: the proxy's age when a tick uses it, from publish() on,
+/// behind the relay with 10 ms each way and losses of 0, 1, 5 and 10 %: by UDP against gRPC.
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
@@ -108,11 +108,9 @@ void one_loss(Product& product, const test::Scenario& scenario, int blocks) {
 }
 
 void age_at_use(int blocks) {
-  const std::string folder = HAPTIC_SOURCE_DIR "/tests/relay/scenarios/";
   Product product({"127.0.0.1:0"}, "127.0.0.1:0");
   for (const char* file : {"delay_10ms", "loss_01", "loss_05", "loss_10"}) {
-    const test::Scenario scenario = test::read_scenario(folder + file + ".textproto");
-    one_loss(product, scenario, blocks);
+    one_loss(product, test::shipped_scenario(file), blocks);
   }
 }
 

@@ -22,20 +22,20 @@ struct Row {
   std::string against{};
   std::string unit{};
   double ours{0.0}, theirs{0.0};  ///< medians over the blocks
-  Ratio own{};                    ///< ours by itself, no ratio: median and interval
+  Ratio own{};                    ///< of `ours`, no ratio: median and interval
   Ratio ratio{};                  ///< ours / theirs
   Ratio a_a{};                    ///< theirs / theirs
   double target{0.0};             ///< on the ratio; 0: none
 };
 
-/// `blocks` >= 20 alternations of ours, theirs, theirs again; the order turns from block to block.
+/// Runs ours, theirs and theirs again `blocks` (>= 20) times; the order turns every time.
 [[nodiscard]] Row compare(const std::string& what, const std::string& against,
                           const std::string& unit, const Block& ours, const Block& theirs,
                           double target, int blocks = 24);
 
 /// Several figures of one block, the same number in every block.
 using Blocks = std::function<std::vector<double>()>;
-/// The same for each of the figures, `what[i]` the name of the i-th; without targets.
+/// The same for each figure; `what[i]` names the i-th. Without targets.
 [[nodiscard]] std::vector<Row> compare_all(const std::vector<std::string>& what,
                                            const std::string& against, const std::string& unit,
                                            const Blocks& ours, const Blocks& theirs,

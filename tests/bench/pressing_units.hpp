@@ -1,6 +1,6 @@
 #pragma once
 /// Units of one scene's device that all press: under a lease, engaged, with a new proxy in every
-/// tick. Ticked by hand, in order, in the caller's thread; time is counted, not kept.
+/// tick. The caller's thread ticks them in order, on virtual time.
 
 #include <algorithm>
 #include <memory>
@@ -16,8 +16,8 @@ namespace haptic::bench {
 
 class PressingUnits {
  public:
-  /// Opens `count` of them and ticks until force is on. Throws where one gives none: its ticks
-  /// would flatter.
+  /// Opens `count` of them and ticks until force is on. Throws if one gives none: ticks
+  /// without force would be too cheap.
   PressingUnits(const server::DeviceScene& device, int count) {
     for (int i = 0; i < count; ++i) {
       auto opened = hw::open_device(*device.source, device.pipeline.kinematics);

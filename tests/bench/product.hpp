@@ -26,8 +26,8 @@ inline std::int64_t now_ns() {
   return std::chrono::steady_clock::now().time_since_epoch().count();
 }
 
-/// Arrival of each sample at the mailbox, its age in every tick, and, where wanted, which one each
-/// tick used.
+/// Arrival of each sample at the mailbox, its age in every tick and, if `keep_used`, which sample
+/// each tick used.
 class Arrivals final : public server::RecordListener {
  public:
   void on_record(const core::TickRecord& record) override {
@@ -52,7 +52,7 @@ class Arrivals final : public server::RecordListener {
   std::uint64_t last_{0};
 };
 
-/// The server of hapticd, in this process, with our listener at its telemetry.
+/// The server of hapticd in this process; `arrivals` listens to its telemetry.
 class Product {
  public:
   /// Serves at `listen`, and UDP at `udp_listen` (empty: none). `device`: null: the scene's

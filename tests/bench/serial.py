@@ -45,7 +45,7 @@ def until(what: str, condition: Callable[[], bool], seconds: float = 30.0) -> No
 
 @contextlib.contextmanager
 def running(arguments: list[object], log: pathlib.Path) -> Iterator[subprocess.Popen[bytes]]:
-    """Ended by SIGTERM where it still runs; what it said is in `log`."""
+    """Ends it by SIGTERM if it still runs; its output is in `log`."""
     with open(log, "wb") as file:
         process = subprocess.Popen(
             [str(a) for a in arguments], stdout=subprocess.DEVNULL, stderr=file
@@ -140,7 +140,7 @@ def run(
                     "--set",
                     "loop.loop_late_fault={nanos: 500000000}",
                     *(("--set", "loop.paced_by=finger") if paced else ()),
-                    # As server/demo.sh: what the observer is told of a device.
+                    # The observer's settings of server/demo.sh.
                     "--set",
                     "device[0].passivity.observer.inertia_kg=0.02",
                     "--set",
@@ -168,8 +168,8 @@ def run(
                     last = Page(url)
                     if client.poll() is not None:
                         raise Failed("the client ended:\n" + (folder / "grasp.log").read_text())
-        # Both have ended, and said their last word; the board's own count of drops is as hapticd
-        # heard it last: once the port is closed nothing has room any more.
+        # Both have ended. The board's own count of drops is the last that hapticd received: once
+        # the port is closed every frame is dropped.
         host, board = host_counters(server_log.read_text()), board_counters(
             (folder / "board.log").read_text()
         )

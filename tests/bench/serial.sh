@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # The serial link as a whole: builds, runs hapticd with the soft grasp over an emulated board on a
 # pseudo-terminal, first streaming, then over the paper's 500 Hz link; prints rate, age of samples
-# and where every frame went, against the targets of hw/README.md#the-board-protocol (serial.py).
-# Ends with 1 where one is not held. Run it on a machine that does nothing else.
+# and what became of every frame, against the targets of hw/README.md#the-board-protocol
+# (serial.py). Exits with 1 if a target is missed. Run it on a machine that does nothing else.
 #
-#   tests/bench/serial.sh [--minutes N] [--mode streaming|500hz] [--frames-only] [--paced]     
-#   default: 10 minutes of each --paced: ticks begin with the board's samples (loop.paced_by) in
-#   place of the timer
+#   tests/bench/serial.sh [--minutes N] [--mode streaming|500hz] [--frames-only] [--paced]
+#
+# Default: 10 minutes of each mode. --paced: the board's samples begin the ticks (loop.paced_by),
+# not the timer.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 given=("$@")

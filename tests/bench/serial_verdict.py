@@ -1,4 +1,4 @@
-"""What a run over a serial link says: rate, age of samples, and where every frame went
+"""Judges a run over a serial link: rate, age of samples, and what became of every frame
 (hw/README.md#the-board-protocol).
 
 Frames are counted at both ends. Up, the board numbers what it makes: the numbers that the host

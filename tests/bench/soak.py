@@ -57,8 +57,8 @@ def read(url: str) -> Reading:
 
 
 def p99_us(before: Reading, after: Reading) -> float:
-    """Of the ticks between two readings, linear within a bucket; the last finite bound where it is
-    beyond."""
+    """p99 of the lateness between two readings, linear within a bucket; beyond the last finite
+    bound: that bound."""
     grown = [(bound, n - m) for (bound, n), (_, m) in zip(after.lateness, before.lateness)]
     wanted = 0.99 * grown[-1][1]
     low_bound = low_count = 0.0
@@ -72,7 +72,7 @@ def p99_us(before: Reading, after: Reading) -> float:
 
 
 def started(programs: pathlib.Path, scene: str, folder: str) -> tuple[subprocess.Popen, str]:
-    """hapticd, and where its metrics are."""
+    """hapticd and the address of its metrics."""
     log = open(f"{folder}/hapticd.log", "w+", encoding="utf-8")
     server = subprocess.Popen(
         [

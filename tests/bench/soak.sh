@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The soak: builds, runs hapticd with a client over UDP beside a bare loop, says whether memory
-# stayed flat, whether more deadlines were missed than by the bare loop, and whether the lateness is
-# as at the start (soak.py). Run it on a machine that does nothing else.
+# The soak: builds, runs hapticd with a client over UDP next to a bare loop. Judges memory, missed
+# deadlines against the bare loop's, and lateness against that at the start (soak.py). Run it on a
+# machine that does nothing else.
 #
 #   tests/bench/soak.sh [--minutes N] [--csv FILE]      default: 30 minutes
 set -euo pipefail

@@ -14,7 +14,7 @@ from verdict import Verdict
 GROWTH_ALLOWED = 0.01  # of resident memory, or
 GROWTH_ALLOWED_BYTES = 256 * 1024  # which is a few thread stacks' worth of touched pages
 CHANCE = 0.01
-ROUNDS = 1000  # of the bootstrap; its seed is fixed, so that a table judged twice says the same
+ROUNDS = 1000  # of the bootstrap; its seed is fixed, so that judging a table twice gives the same
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""One line of what a long run says: what was asked, whether it held, by which figures."""
+"""One line of a long run's verdict: the rule, whether it held, and the figures."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 /// haptic-bench-wire: one way from publish() to the mailbox and from the tick to the client's
 /// callback, against a bare gRPC stream of the same messages on the same host; and the controller's
-/// proxy age beside 16 watchers at 1 kHz. All clocks are this host's one steady clock.
+/// proxy age next to 16 watchers at 1 kHz. All times are of this host's steady clock.
 #include <grpcpp/grpcpp.h>
 #include <spdlog/spdlog.h>
 
@@ -32,7 +32,7 @@ struct Ages {
   double skipped{0.0};
 };
 
-/// The controller's proxy age at use over 1 s at 500 Hz, with `watchers` at 1 kHz beside it.
+/// The controller's proxy age at use over 1 s at 500 Hz, next to `watchers` at 1 kHz.
 Ages ages_block(Product& product, int watchers) {
   client::Connection connection(product.address());
   std::vector<std::unique_ptr<client::Connection>> others;

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Every target outside tests/ compiles as one translation unit, and every folder of a test program.
+"""Compiles each target outside tests/, and each folder of a test program, as one translation unit.
 
     batches.py COMPILE_COMMANDS
 
-The release preset compiles sources in batches cut by their number, so a new file moves every cut
-behind it: two names that meet nowhere today may meet tomorrow, in a build that its author did not
-run. Prints one line per target; exits 1 where one does not compile.
+The release preset compiles sources in batches of a fixed number, so a new file moves those after
+it into other batches: two equal names that are apart today may clash then. Prints one line per
+target; exits with 1 if one does not compile.
 """
 
 import json
@@ -18,8 +18,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 
 def targets(database: pathlib.Path) -> dict[str, list[dict[str, str]]]:
-    """The C++ compilations by what the release preset takes batches of, in the order of their
-    files."""
+    """The C++ compilations by target (in tests: target and folder), in the order of their files."""
     root = pathlib.Path(__file__).resolve().parents[2]
     found: dict[str, list[dict[str, str]]] = {}
     for entry in sorted(json.loads(database.read_text()), key=lambda entry: entry["file"]):
@@ -38,7 +37,7 @@ def targets(database: pathlib.Path) -> dict[str, list[dict[str, str]]]:
 
 
 def compile_as_one(target: str, entries: list[dict[str, str]]) -> str:
-    """Its errors; empty where there is none. Flags are those of its first source."""
+    """Returns the errors, or nothing. The flags are those of the first source."""
     words = shlex.split(entries[0]["command"])
     drop = {words.index("-o"), words.index("-o") + 1, words.index("-c"), words.index("-c") + 1}
     command = [word for place, word in enumerate(words) if place not in drop]

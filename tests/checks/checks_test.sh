@@ -119,7 +119,7 @@ rm "$scratch/client/copy.cpp"
 echo 'DEFAULT_SERVER = "127.0.0.1:29479"' >"$scratch/client/python/haptic/_ports.py"
 expect 1 ports "$scratch"
 
-# A folder that is somebody else's stays.
+# fresh_folder never removes a folder that it did not make.
 mkdir "$scratch/theirs" && echo precious >"$scratch/theirs/file"
 if (fresh_folder "$scratch/theirs") 2>/dev/null || [ ! -s "$scratch/theirs/file" ]; then
   echo "FAILED: fresh_folder removed what it had not made"

@@ -42,7 +42,7 @@ RUN = {
     "hapticctl estop": None,
     "hapticctl clear-fault": None,
 }
-# What another test runs, and words of that test's definition or script which show it.
+# Commands that another test runs: that test's file, and the text in it that shows so.
 ELSEWHERE = {
     "server/demo.sh": ("tests/system/demo_test.sh", '/server" && pwd)/demo.sh'),
     "tests/run.sh": (".ci/run", "tests/run.sh"),
@@ -69,7 +69,7 @@ ELSEWHERE = {
     "(cd build/release": ("tests/package/deb_test.sh", "cpack -G DEB"),
     "cpack -G DEB)": ("tests/package/deb_test.sh", "cpack -G DEB"),
 }
-# tests/relay/README.md, "The relay by hand": beside one another, each until the last has ended.
+# tests/relay/README.md, "The relay by hand": they run side by side until the last has ended.
 BY_HAND = [
     "build/release/server/hapticd --scene server/scenes/finger_constant.textproto "
     "--set 'server.udp_listen=\"127.0.0.1:29471\"'",
@@ -77,13 +77,13 @@ BY_HAND = [
     "--scenario tests/relay/scenarios/loss_05.textproto --tcp 29470 --udp 29471",
     "build/release/client/hapticctl --server 127.0.0.2:29470 watch",
 ]
-# Scripts that documents name: who runs them. What takes minutes is run for its help and its
-# refusals; what it runs has tests of its own.
+# Scripts that documents name, and the file that runs each. A script that takes minutes is run for
+# its help and its refusals only; its parts have tests.
 SCRIPTS = {
     ".ci/run": (
         "CONTRIBUTING.md",
         "`.ci/run`",
-    ),  # by whoever asks for all of it: this test is in it
+    ),  # run by hand or by CI: it contains this test
     "docker/install-deps.sh": ELSEWHERE["docker/install-deps.sh"],
     "docker/test.sh": ELSEWHERE["docker/test.sh"],
     "server/demo.sh": ELSEWHERE["server/demo.sh"],
@@ -101,7 +101,7 @@ SCRIPTS = {
     "tests/churn/run.sh": ("tests/checks/long_commands_test.sh", "tests/churn/run.sh"),
     "tests/fuzz/run.sh": ("tests/checks/long_commands_test.sh", "tests/fuzz/run.sh"),
 }
-# Pieces of code per page and language, and who compiles or runs them.
+# Pieces of code per page and language, and the file that compiles or runs them.
 CODE = {
     ("README.md", "cpp"): (1, "tests/checks/CMakeLists.txt", "readme_first_client"),
     ("client/README.md", "cpp"): (4, "tests/checks/CMakeLists.txt", "haptic_readme_code(client 4 "),
@@ -122,7 +122,7 @@ def pages(root: pathlib.Path) -> list[pathlib.Path]:
 
 
 def commands(root: pathlib.Path) -> dict[str, str]:
-    """Command -> where it stands. `a && b` is two."""
+    """Command -> its page. `a && b` is two commands."""
     found = {}
     for page in pages(root):
         for block in re.findall(
@@ -165,8 +165,8 @@ def scripts(root: pathlib.Path) -> list[tuple[str, str, list[str], str]]:
 
 
 def check_scripts(root: pathlib.Path, known: dict[str, tuple[str, str]]) -> list[str]:
-    """Arguments by the script's own usage, the comment at its top: options and words stand there,
-    of `a|b` each."""
+    """Options and words of each shown command must appear in the script's usage, the comment at its
+    top; `a|b` counts as two words."""
     wrong = []
     shown = scripts(root)
     for variables, script, arguments, page in shown:
@@ -242,8 +242,7 @@ def free_ports() -> tuple[int, int]:
 
 
 def run_by_hand(root: pathlib.Path, programs: pathlib.Path) -> list[str]:
-    """In the document's order, on ports of our own: server, relay, and somebody who watches through
-    it."""
+    """Runs the server, the relay and a watcher behind it, in the page's order, on free ports."""
     tcp, udp = map(str, free_ports())
     made = [
         [
@@ -298,7 +297,7 @@ def run_by_hand(root: pathlib.Path, programs: pathlib.Path) -> list[str]:
 
 
 def run_all(root: pathlib.Path, programs: pathlib.Path) -> list[str]:
-    """As the page says: beside a running hapticd of the soft grasp."""
+    """As the page says: while a hapticd of the soft grasp runs."""
     wrong = []
     with tempfile.TemporaryDirectory() as folder:
         address = f"unix:{folder}/socket"

@@ -2,7 +2,7 @@
 # The board's side of the serial protocol compiles as firmware: C99, freestanding, no warning.
 # Prints its size.
 #
-#   firmware.sh COMPILER [OPTION...]     exit status 77 (skipped) where there is no such compiler
+#   firmware.sh COMPILER [OPTION...]     exit status 77 (skipped) without that compiler
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 compiler=$1

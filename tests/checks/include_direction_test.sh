@@ -17,7 +17,7 @@ fresh_tree() {
   cd "$scratch"
   printf '#include <array>\n#include <Eigen/Core>\n#include "haptic/core/types.hpp"\n' \
     >core/src/a.cpp
-  printf '#include "tick/stages.hpp"\n// #include <thread> in words is no include\n' >core/src/b.cpp
+  printf '#include "tick/stages.hpp"\n// #include <thread> is a comment\n' >core/src/b.cpp
   printf '#include "haptic/core/time.hpp"\n#include <sys/stat.h>\n' >hw/board/a.cpp
   printf '#include "haptic/v1/session.pb.h"\n#include <grpcpp/grpcpp.h>\n' >server/rpc/a.cpp
   printf '#include <thread>\n#include "hw/device.hpp"\n' >server/rt/a.cpp

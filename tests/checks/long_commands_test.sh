@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Commands that documents show and that take minutes to hours: each says what it takes, and refuses
-# anything else before it builds or measures. What they run has tests of its own.
+# Commands that documents show and that take minutes to hours: each shows its arguments, and refuses
+# any other before it builds or measures. Their parts have tests.
 #
 #   long_commands_test.sh ROOT
 set -euo pipefail
@@ -10,7 +10,7 @@ fail() {
   echo "FAILED: $*"
   failures=$((failures + 1))
 }
-# Who builds or installs after all is found out: these do nothing but say so.
+# Stand-ins for the tools: a script that builds or installs after all fails.
 tools=$(mktemp -d)
 trap 'rm -rf "$tools"' EXIT
 for tool in cmake ninja ctest apt-get podman docker; do

@@ -17,7 +17,7 @@ for file in $(files_of "$root" | grep -v -e '^tests/checks/' -e '^LICENSE$' -e '
   checked=$((checked + 1))
   folders='work|root|home'
   case "$file" in tests/*) ;; *) folders="$folders|tmp" ;; esac
-  # A folder name counts where it begins a path, not inside a longer one.
+  # A folder name counts at the beginning of a path, not inside a longer one.
   if grep -nE "(^|[^A-Za-z0-9_.}/-])/($folders)/" "$file" | sed "s|^|$file:|" | grep .; then
     status=1
   fi

@@ -6,7 +6,7 @@ set -eu
 hapticd=$1
 scene=$2
 mkdir -p "$3"
-# Beside the scene's own name, so that two scenes of one run do not meet.
+# Named after the scene, so that two scenes of one run use different files.
 first="$3/$(basename "$scene" .textproto).first.textproto"
 second="$3/$(basename "$scene" .textproto).second.textproto"
 

@@ -1,8 +1,8 @@
 #!/bin/sh
 # No two files of one folder of tests define the same name at their outermost level: the release
-# preset compiles the folder as one, where the second would be refused or, worse, hide or overload
-# the first. Lexical: a definition begins in the first column; aliases may repeat, they are refused
-# where they differ.
+# preset compiles the folder as one unit, in which the second would be refused or, worse, hide or
+# overload the first. The check is lexical: a definition begins in the first column. Aliases may
+# repeat; the compiler refuses them if they differ.
 #
 #   test_names.sh ROOT
 set -eu
@@ -30,7 +30,7 @@ files_of . | grep -E '^tests/.*\.(cpp|hpp)$' | grep -vE '^tests/(bench|report|pa
     }' "$file"
 done | sort | awk -F'\t' '
   $1 == folder && $2 == name {
-    # The declaration in a header and its definition beside it are one.
+    # A declaration in a header and its definition in the source of that name are one.
     one = base; other = $3; sub(/\.[a-z]+$/, "", one); sub(/\.[a-z]+$/, "", other)
     if (one != other) { print $1 ": " name " in " base " and in " $3; failed = 1 }
   }

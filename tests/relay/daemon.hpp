@@ -12,7 +12,7 @@ namespace haptic::test {
 
 class Daemon {
  public:
-  static constexpr double kTarget = 0.5236;      ///< rad, where both joints come to rest
+  static constexpr double kTarget = 0.5236;      ///< rad, the rest position of both joints
   static constexpr double kForceLimit = 25.0;    ///< N
   static constexpr double kSlew = 1000.0;        ///< N/s
   static constexpr double kTank = 0.05;          ///< J, at every Engage

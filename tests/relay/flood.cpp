@@ -1,11 +1,7 @@
 #include "tests/relay/flood.hpp"
 
-#include <arpa/inet.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -18,30 +14,14 @@ namespace {
 using namespace std::chrono_literals;
 constexpr std::size_t kPackets = 500;
 
-sockaddr_in loopback(std::uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  return address;
-}
-
 }  // namespace
 
-DiscardingSocket::DiscardingSocket() : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-  sockaddr_in own = loopback(0);
-  socklen_t size = sizeof own;
-  if (::bind(socket_, reinterpret_cast<sockaddr*>(&own), size) != 0 ||
-      ::getsockname(socket_, reinterpret_cast<sockaddr*>(&own), &size) != 0) {
-    throw std::runtime_error("no loopback socket");
-  }
-  port_ = ntohs(own.sin_port);
+DiscardingSocket::DiscardingSocket() {
   thread_ = std::thread([this] {
-    char buffer[2048];
+    std::array<std::uint8_t, 2048> buffer{};
     while (running_) {
-      pollfd waiting{socket_, POLLIN, 0};
-      ::poll(&waiting, 1, 20);
-      while (::recv(socket_, buffer, sizeof buffer, MSG_DONTWAIT) >= 0) {
+      socket_.wait(20);
+      while (socket_.receive(buffer)) {
       }
     }
   });
@@ -50,21 +30,15 @@ DiscardingSocket::DiscardingSocket() : socket_(::socket(AF_INET, SOCK_DGRAM | SO
 DiscardingSocket::~DiscardingSocket() {
   running_ = false;
   thread_.join();
-  ::close(socket_);
 }
 
 Flood::Flood(std::uint16_t port, std::vector<Packet> packets, std::uint64_t limit)
-    : packets_(std::move(packets)), socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-  const sockaddr_in to = loopback(port);
-  if (::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0) {
-    throw std::runtime_error("no loopback socket");
-  }
-  thread_ = std::thread([this, limit] { run(limit); });
+    : packets_(std::move(packets)) {
+  thread_ = std::thread([this, port, limit] { run(port, limit); });
 }
 
 Flood::~Flood() {
   stop();
-  ::close(socket_);
 }
 
 void Flood::stop() {
@@ -72,16 +46,14 @@ void Flood::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-/// In bursts of a tenth of a millisecond's worth and more; what a late wake-up missed is caught up.
-void Flood::run(std::uint64_t limit) {
+/// In bursts of a tenth of a millisecond's share; a late wake-up sends what is due by then.
+void Flood::run(std::uint16_t port, std::uint64_t limit) {
   const auto begin = std::chrono::steady_clock::now();
   while (running_ && sent_ < limit) {
     const auto due = static_cast<std::uint64_t>((std::chrono::steady_clock::now() - begin) / 1us) *
                      kPerMillisecond / 1000;
     while (running_ && sent_ < std::min(due, limit)) {
-      const Packet& packet = packets_[sent_ % packets_.size()];
-      // An error is the echo of a port that nobody reads, told once; the next one goes.
-      static_cast<void>(::send(socket_, packet.data(), packet.size(), 0));
+      static_cast<void>(socket_.send(packets_[sent_ % packets_.size()], port));
       ++sent_;
     }
     std::this_thread::sleep_for(100us);
@@ -90,8 +62,8 @@ void Flood::run(std::uint64_t limit) {
 }
 
 bool Flood::answered() const {
-  char byte = 0;
-  return ::recv(socket_, &byte, 1, MSG_DONTWAIT) >= 0;
+  std::array<std::uint8_t, 1> byte{};
+  return socket_.receive(byte).has_value();
 }
 
 std::uint64_t dropped_by_kernel(std::uint16_t port) {

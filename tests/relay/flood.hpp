@@ -1,5 +1,5 @@
 #pragma once
-/// 100 000 datagrams per second to a port of the loopback, from a thread of its own.
+/// 100 000 datagrams per second to a port of 127.0.0.1, from a thread.
 
 #include <atomic>
 #include <cstdint>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/support/link/impaired_link.hpp"
+#include "tests/support/udp_socket.hpp"
 
 namespace haptic::test {
 
@@ -18,11 +19,10 @@ class DiscardingSocket {
   ~DiscardingSocket();
   DiscardingSocket(const DiscardingSocket&) = delete;
   DiscardingSocket& operator=(const DiscardingSocket&) = delete;
-  [[nodiscard]] std::uint16_t port() const { return port_; }
+  [[nodiscard]] std::uint16_t port() const { return socket_.port(); }
 
  private:
-  int socket_;
-  std::uint16_t port_{0};
+  const UdpSocket socket_{};
   std::atomic<bool> running_{true};
   std::thread thread_{};
 };
@@ -45,10 +45,10 @@ class Flood {
   [[nodiscard]] bool answered() const;
 
  private:
-  void run(std::uint64_t limit);
+  void run(std::uint16_t port, std::uint64_t limit);
 
   const std::vector<Packet> packets_;
-  int socket_;
+  const UdpSocket socket_{};
   std::atomic<std::uint64_t> sent_{0};
   std::atomic<bool> running_{true}, done_{false};
   std::thread thread_{};
@@ -59,7 +59,7 @@ class Flood {
 
 /// 500 datagrams of any bytes and any length up to 1300.
 [[nodiscard]] std::vector<Packet> junk();
-/// 500 with a right header of a PROXY on `path_id`, and a payload that nobody sealed.
+/// 500 with a valid PROXY header of `path_id` and random bytes for a payload.
 [[nodiscard]] std::vector<Packet> headed(std::uint32_t path_id);
 
 }  // namespace haptic::test

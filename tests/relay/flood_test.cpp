@@ -13,7 +13,6 @@
 #include "tests/relay/matrix_table.hpp"
 #include "tests/relay/network_row.hpp"
 #include "tests/relay/presser.hpp"
-#include "tests/relay/relay.hpp"
 
 namespace haptic::test {
 namespace {
@@ -164,10 +163,7 @@ TEST(Flood, CostsNoDeadlineAndNoStop) {
   Daemon daemon;
   ASSERT_TRUE(serves(daemon.address()));
   std::atomic<std::uint32_t> path_id{0};
-  RelaySetup setup;
-  setup.scenario = read_scenario(HAPTIC_SOURCE_DIR "/tests/relay/scenarios/clean.textproto");
-  setup.tcp_port = daemon.tcp_port();
-  setup.udp_port = daemon.udp_port();
+  RelaySetup setup = relay_to(daemon, "clean");
   setup.attacker = [&](const Packet& packet) {
     path_id = wire::read_header(packet).header.path_id;
     return std::vector<Packet>{};

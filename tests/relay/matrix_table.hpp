@@ -11,7 +11,7 @@ namespace haptic::test {
 [[nodiscard]] std::string csv_line(const std::string& row, const std::string& expected,
                                    const std::string& got, bool passed);
 
-/// One row, written when it ends: passed where nothing of the test has failed by then.
+/// One row, written when it ends: passed if nothing of the test has failed by then.
 class MatrixRow {
  public:
   /// `row`: "virtual/loss_05".

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/relay/network_row.hpp"
-#include "tests/relay/relay.hpp"
 
 namespace haptic::test {
 namespace {
@@ -57,11 +56,7 @@ std::vector<Scenario> scenarios() {
 /// A client presses through the scenario, from its first packet to its end.
 void press_through(RowRun& run, const Scenario& scenario) {
   const std::string& name = scenario.name;
-  RelaySetup setup;
-  setup.scenario = scenario;
-  setup.tcp_port = run.daemon().tcp_port();
-  setup.udp_port = run.daemon().udp_port();
-  const Relay relay(setup);
+  const Relay relay(relay_to(run.daemon(), scenario));
   Presser presser(run.daemon().behind_relay());
   std::this_thread::sleep_for(scenario.duration);
   const auto engaged = [&] { return presser.state().state == client::Lifecycle::kEngaged; };

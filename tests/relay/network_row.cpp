@@ -49,6 +49,18 @@ const RunFigures& RowRun::judge() {
   return *figures_;
 }
 
+RelaySetup relay_to(const Daemon& daemon, const Scenario& scenario) {
+  RelaySetup setup;
+  setup.scenario = scenario;
+  setup.tcp_port = daemon.tcp_port();
+  setup.udp_port = daemon.udp_port();
+  return setup;
+}
+
+RelaySetup relay_to(const Daemon& daemon, const std::string& shipped) {
+  return relay_to(daemon, shipped_scenario(shipped));
+}
+
 void network_row(const std::string& name, const std::string& expected,
                  const std::function<void(RowRun&)>& experiment) {
   MatrixRow row("network/" + name, expected);

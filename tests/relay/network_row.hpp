@@ -14,6 +14,7 @@
 
 #include "tests/relay/daemon.hpp"
 #include "tests/relay/presser.hpp"
+#include "tests/relay/relay.hpp"
 #include "tests/relay/run_record.hpp"
 
 namespace haptic::test {
@@ -30,7 +31,7 @@ class RowRun {
 
   /// A rule that holds however busy the host is. Returns `holds`.
   bool must(bool holds, const std::string& what);
-  /// A rule that a busy host may break, because threads of ours then run late. It is a failure on a
+  /// A rule that a busy host may break, because our threads then run late. It is a failure on a
   /// calm host and a remark on any other. Returns `holds`.
   bool calm(bool holds, const std::string& what);
   /// Adds to the table.
@@ -51,6 +52,10 @@ class RowRun {
   std::optional<RunFigures> figures_{};
   std::vector<RecordedTick> record_{};
 };
+
+/// A relay between clients and the daemon.
+[[nodiscard]] RelaySetup relay_to(const Daemon& daemon, const Scenario& scenario);
+[[nodiscard]] RelaySetup relay_to(const Daemon& daemon, const std::string& shipped);
 
 /// Runs the row "network/`name`", writes it to the table, and fails the current test if the row
 /// fails.

@@ -1,12 +1,10 @@
-/// The rows of tests/relay/README.md#rows that no scenario file can say, over real sockets: an
-/// attacker on the way, clients that die or pause, watchers, the end of the server under load.
+/// The rows of tests/relay/README.md#rows without a scenario file, over real sockets: an attacker
+/// on the way, clients that die or pause, watchers, the end of the server under load.
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <functional>
 #include <limits>
@@ -14,21 +12,11 @@
 #include "haptic/wire/secure_channel.hpp"
 #include "tests/relay/flood.hpp"
 #include "tests/relay/network_row.hpp"
-#include "tests/relay/relay.hpp"
 
 namespace haptic::test {
 namespace {
 
 using namespace std::chrono_literals;
-
-RelaySetup between(const Daemon& daemon, const char* scenario = "delay_10ms") {
-  RelaySetup setup;
-  setup.scenario = read_scenario(std::string(HAPTIC_SOURCE_DIR "/tests/relay/scenarios/") +
-                                 scenario + ".textproto");
-  setup.tcp_port = daemon.tcp_port();
-  setup.udp_port = daemon.udp_port();
-  return setup;
-}
 
 bool engages_by_udp(RowRun& run, Presser& presser) {
   const bool engaged = within(60s, [&] {
@@ -101,7 +89,7 @@ void siege(const std::string& name, const Attack& attack, const std::string& mor
     std::atomic<bool> attacking{false};
     std::atomic<std::uint64_t> forged{0};
     {
-      RelaySetup setup = between(run.daemon());
+      RelaySetup setup = relay_to(run.daemon(), "delay_10ms");
       setup.attacker = [&](const Packet& packet) {
         auto packets = attack.forge(packet);
         if (!attacking) packets.clear();
@@ -165,36 +153,10 @@ TEST(NetworkRow, ReplayedCapture) {
   siege("replayed_capture", {forge});
 }
 
-/// An attacker's own socket.
-class Stranger {
- public:
-  Stranger() : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {}
-  ~Stranger() { ::close(socket_); }
-  Stranger(const Stranger&) = delete;
-  Stranger& operator=(const Stranger&) = delete;
-  /// Returns false if the packet did not leave.
-  [[nodiscard]] bool send(const Packet& packet, std::uint16_t port) const {
-    sockaddr_in to{};
-    to.sin_family = AF_INET;
-    to.sin_port = htons(port);
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const ssize_t sent = ::sendto(socket_, packet.data(), packet.size(), 0,
-                                  reinterpret_cast<const sockaddr*>(&to), sizeof to);
-    return sent == static_cast<ssize_t>(packet.size());
-  }
-  [[nodiscard]] bool heard_anything() const {
-    char byte = 0;
-    return ::recv(socket_, &byte, 1, 0) >= 0;
-  }
-
- private:
-  int socket_;
-};
-
 TEST(NetworkRow, SpoofedSource) {
   std::mutex mutex;
   std::vector<Packet> seen;
-  Stranger stranger;  // sends what it heard on the way
+  const UdpSocket stranger;  // sends what it heard on the way
   Attack attack;
   attack.forge = [&](const Packet& packet) {
     const std::lock_guard lock(mutex);
@@ -218,7 +180,8 @@ TEST(NetworkRow, SpoofedSource) {
     return sent;
   };
   attack.in_the_end = [&](RowRun& run) {
-    run.must(!stranger.heard_anything(), "no reply to the stranger");
+    std::array<std::uint8_t, 1> byte{};
+    run.must(!stranger.receive(byte), "no reply to the stranger");
   };
   siege("spoofed_source", attack, "; no reply to the stranger");
 }
@@ -229,11 +192,11 @@ TEST(NetworkRow, ACutConnectionIsResumed) {
               "(calm host)",
               [](RowRun& run) {
                 {
-                  auto relay = std::make_unique<Relay>(between(run.daemon(), "clean"));
+                  auto relay = std::make_unique<Relay>(relay_to(run.daemon(), "clean"));
                   Presser presser(run.daemon().behind_relay());
                   if (!engages_by_udp(run, presser)) return;
                   relay.reset();  // both carriers
-                  relay = std::make_unique<Relay>(between(run.daemon(), "clean"));
+                  relay = std::make_unique<Relay>(relay_to(run.daemon(), "clean"));
                   run.calm(within(10s, [&] { return presser.heard("LEASE_RESUMED"); }),
                            "LEASE_RESUMED within 10 s");
                   run.calm(presser.session().lease_epoch() == 2U, "lease epoch 2");
@@ -249,7 +212,7 @@ struct Wall {
   static constexpr double kRate = 200.0;  ///< Hz, the example's
 
   explicit Wall(const Daemon& daemon)
-      : relay(between(daemon)),
+      : relay(relay_to(daemon, "delay_10ms")),
         process(HAPTIC_BINARY_DIR "/client/haptic-example-virtual-wall",
                 {"--server", daemon.behind_relay(), "--stop", "0.3"}),
         watching(daemon.address()),
@@ -315,7 +278,7 @@ TEST(NetworkRow, ClientStoppedFor300Ms) {
 void loses_force_once(RowRun& run, const std::function<void(Presser&)>& begin,
                       const std::function<void(Presser&)>& end) {
   {
-    const Relay relay(between(run.daemon()));
+    const Relay relay(relay_to(run.daemon(), "delay_10ms"));
     Presser presser(run.daemon().behind_relay());
     if (!engages_by_udp(run, presser)) return;
     begin(presser);
@@ -400,7 +363,7 @@ TEST(NetworkRow, SixteenObserversAt1Khz) {
 TEST(NetworkRow, SigtermUnderLoad) {
   network_row("sigterm_under_load", "contract; CLOSING without force; exit 0 within 5 s",
               [](RowRun& run) {
-                const Relay relay(between(run.daemon(), "loss_05"));
+                const Relay relay(relay_to(run.daemon(), "loss_05"));
                 Presser presser(run.daemon().behind_relay());
                 if (!engages_by_udp(run, presser)) return;
                 const auto before = std::chrono::steady_clock::now();

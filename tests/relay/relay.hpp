@@ -1,14 +1,13 @@
 #pragma once
-/// Trouble between real sockets, without privileges: a relay for UDP and TCP that does to packets
-/// what a scenario file says, with the same links and the same seed as on virtual time.
+/// A relay for UDP and TCP that does to packets what a scenario file says, with the same links and
+/// the same seed as on virtual time. It needs no privileges.
 ///
-/// It listens where the client connects to (127.0.0.2, say) on the very ports that the server has
-/// on another address of the loopback: a server names its UDP port on the stream, and that name
-/// must do at the relay as well.
+/// It listens on another address of the loopback (127.0.0.2) than the server, on the same ports:
+/// the server names its UDP port on the stream, and the client must find the relay on that port.
 ///
 /// UDP: datagrams are delayed, lost, doubled and reordered one by one. TCP ends at the relay:
 /// pieces of at most one segment meet the model of a reliable transport (ReliableLink), in order
-/// and complete, late where a packet would have been lost.
+/// and complete; a piece that would have been lost comes later.
 
 #include <cstdint>
 #include <functional>
@@ -27,7 +26,7 @@ struct RelaySetup {
   std::uint16_t tcp_port{0};  ///< 0: no TCP
   std::uint16_t udp_port{0};  ///< 0: no UDP
   /// An attacker on the way: sees every datagram of the clients as it comes, on the relay's thread;
-  /// what it returns goes to the server at once, from the client's address as the server knows it.
+  /// what it returns goes to the server at once, from the client's address as the server sees it.
   std::function<std::vector<Packet>(const Packet&)> attacker{};
 };
 

@@ -1,5 +1,5 @@
-/// The judge of records bites: a good run passes, each changed one has the named breach. Limits are
-/// those of proto/README.md#staleness-and-gain and of the scene (daemon.hpp).
+/// The judge of records finds breaches: a good run passes, each changed one has the named breach.
+/// Limits are those of proto/README.md#staleness-and-gain and of the scene (daemon.hpp).
 
 #include "tests/relay/run_record.hpp"
 

@@ -13,12 +13,12 @@ namespace {
 
 using asio::ip::tcp;
 
-/// A segment on an Ethernet: what is lost or late as one.
+/// A segment on an Ethernet, lost or late as a whole.
 constexpr std::size_t kSegment = 1448;
-/// Under way in one direction at most, as a TCP window: beyond it the sender is not read.
+/// At most so much is under way in one direction, as in a TCP window; then the sender is not read.
 constexpr std::size_t kWindow = 256 * 1024;
 
-/// Seeds of the streams of bytes begin where the virtual matrix has them.
+/// The first seed of a stream, as in the virtual matrix.
 constexpr std::uint64_t kStreamSeed = 2000;
 
 }  // namespace

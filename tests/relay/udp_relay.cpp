@@ -7,7 +7,7 @@
 namespace haptic::test {
 namespace {
 
-/// More clients than any test has; a flood from ever new ports must not eat all descriptors.
+/// More clients than any test has; a flood from many ports must not use up all descriptors.
 constexpr std::size_t kMostFlows = 64;
 
 /// Flows differ in luck; the first one's is that of the virtual link.
@@ -47,7 +47,7 @@ void UdpRelay::Flow::read() {
     if (!error) {
       down.send({buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(size)});
     }
-    read();  // an error is the echo of a datagram that nobody took
+    read();  // an error is the echo of a datagram to a closed port
   });
 }
 

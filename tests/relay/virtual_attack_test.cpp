@@ -1,5 +1,4 @@
-/// The rows of tests/relay/README.md#rows that no scenario file can say: an attacker who can send
-/// anything, a client that goes wrong, a server that ends; on virtual time.
+/// The rows of tests/relay/README.md#rows with an attacker who can send anything, on virtual time.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +17,7 @@ constexpr LinkTime kAttackTo = 4s;
 constexpr wire::PeerAddress kAttacker{{}, 666};
 
 /// An attack that changes nothing: the same world with and without it gives the same force to the
-/// bit, at every tick, and nobody but the client is ever sent anything.
+/// bit, at every tick, and the server sends nothing to any other address than the client's.
 struct Siege {
   /// `attack` runs in each millisecond of the attack, before the step.
   void run(const std::function<void(VirtualWorld&)>& attack) {

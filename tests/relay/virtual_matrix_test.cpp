@@ -18,7 +18,7 @@ std::string milliseconds(core::Duration time) {
   return std::to_string(time / 1ms) + " ms";
 }
 
-/// proto/README.md#staleness-and-gain, written out once more: the code under test does not judge
+/// proto/README.md#staleness-and-gain, written out again: the code under test must not judge
 /// itself.
 struct Written {
   static constexpr core::Duration kFresh = 5 * kSamplePeriod / 2, kHold = 100ms, kFade = 180ms;
@@ -107,7 +107,7 @@ core::Duration oldest_proxy(VirtualWorld& world, LinkTime from, LinkTime until) 
   return oldest;
 }
 
-/// A path that fails is doubted before it is given up: samples go both ways by then.
+/// A failing path is doubted before it is given up; while in doubt, samples go both ways.
 TEST(VirtualMatrixRow, BlockedUdpCostsAHold) {
   for (const LinkTime period : {5ms, 10ms, 20ms, 33ms}) {
     for (const LinkTime phase : {0ms, 3ms, 7ms}) {
@@ -123,7 +123,7 @@ TEST(VirtualMatrixRow, BlockedUdpCostsAHold) {
   }
 }
 
-/// Silence is three round trips long, 180 ms, where one takes 60: force fades, and is not lost.
+/// With a round trip of 60 ms, silence takes three of them, 180 ms: force fades but is not lost.
 TEST(VirtualMatrixRow, DistantBlockedUdpStaysEngaged) {
   for (const LinkTime period : {10ms, 33ms}) {
     Scenario scenario = shipped_scenario("udp_blocked");
@@ -135,8 +135,8 @@ TEST(VirtualMatrixRow, DistantBlockedUdpStaysEngaged) {
   }
 }
 
-/// What doubt buys at a cut, and what it costs on a path that only loses: beside a client that
-/// waits for silence, in one run.
+/// At a cut, a client that doubts its path keeps a younger proxy than one that waits for silence;
+/// on a path that only loses packets, doubt costs almost no copies.
 TEST(VirtualMatrixRow, DoubtKeepsTheProxyYounger) {
   constexpr wire::Duration kNever = 1h;
   for (const LinkTime period : {10ms, 33ms}) {
@@ -184,8 +184,8 @@ TEST(VirtualMatrixRow, WindowRejectsADuplicate) {
   EXPECT_EQ(world.rig.sessions->status().samples[server::IngressVerdict::kOldSequence], 0U);
 }
 
-/// 150 ms of samples arrive at once while force fades: the newest of them is a few ms old, and
-/// counts as old as the last one before the stall all the same, until the pace is normal again.
+/// 150 ms of samples arrive at once while force fades. The newest of them is only a few ms old, but
+/// counts as old as the last one before the stall until the pace is normal again.
 TEST(VirtualMatrixRow, BacklogIsNotRenderedAsFresh) {
   Scenario scenario = shipped_scenario("delay_10ms");
   scenario.up.stalls = {{2000ms, 2150ms}};

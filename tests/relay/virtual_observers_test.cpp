@@ -49,7 +49,7 @@ TEST(VirtualClient, SixteenObserversAreNotFelt) {
   }
   ASSERT_EQ(watched.rig.state(), core::LifecycleState::kEngaged);
   EXPECT_EQ(controller->sent, 3000U);
-  for (const auto& observer : observers) {  // 8000 states per second for 16 who want 1000 each
+  for (const auto& observer : observers) {  // 8000 states per second for 16 that want 1000 each
     EXPECT_NEAR(static_cast<double>(observer->sent), 1500.0, 10.0);
     EXPECT_NEAR(static_cast<double>(observer->pace.conflated()), 1500.0, 10.0);
     broadcaster.remove(observer.get());

@@ -43,10 +43,6 @@ Packet packed_sample(std::uint64_t seq, double a, const SampleTimes& times) {
   return packet;
 }
 
-Scenario shipped_scenario(const std::string& name) {
-  return read_scenario(HAPTIC_SOURCE_DIR "/tests/relay/scenarios/" + name + ".textproto");
-}
-
 VirtualWorld::VirtualWorld(const Scenario& which, LinkTime period, wire::Duration overdue)
     : scenario(which),
       sample_period(period),

@@ -1,7 +1,7 @@
 #pragma once
 /// A client that presses, and a server whose device a hand moves, on virtual time: the shipped
 /// wire, link watch, ingress, sessions and pipeline with a scenario's link between them, samples up
-/// and states down; over UDP where the path is in use, else over a stream.
+/// and states down; over UDP if the path is in use, otherwise over a stream.
 
 #include <functional>
 #include <map>
@@ -43,7 +43,7 @@ struct VirtualWorld {
   wire::Rejection deliver(wire::ConstBytes datagram, const wire::PeerAddress& from);
   [[nodiscard]] double force() const { return rig.newest().effort.tau_a[0]; }
 
-  /// What became of a sample, by the one true clock.
+  /// When a sample was published and accepted, by the server's clock.
   struct Way {
     core::TimePoint published{}, accepted{};
     bool backlog{false};
@@ -71,7 +71,7 @@ struct VirtualWorld {
   std::vector<wire::PeerAddress> answered{};  ///< whom the server sent anything, in order
   /// Of a sample's first coordinate, m, at a time; by default a slow press.
   std::function<double(LinkTime)> proxy{};
-  /// Where the hand has the actuated DoF, m.
+  /// Position of the actuated DoF, as the hand moves it, m.
   std::function<double(LinkTime)> hand{};
   /// Sees every datagram of the client, and may change it.
   std::function<void(Packet&)> on_wire{};
@@ -88,15 +88,13 @@ struct VirtualWorld {
   wire::TimePoint state_came_{};
 };
 
-/// What a sample says of its way, on the client's clock (ProxySample).
+/// The times in a sample, on the client's clock (ProxySample).
 struct SampleTimes {
   std::int64_t source_time_ns{0};
   std::uint64_t state_used{0};
   std::int64_t hold_ns{0};
 };
-/// A sample as these tests put it into a datagram; what protobuf does is tested elsewhere.
+/// A sample as these tests put it into a datagram; the protobuf message is tested elsewhere.
 [[nodiscard]] Packet packed_sample(std::uint64_t seq, double a, const SampleTimes& times = {});
-
-[[nodiscard]] Scenario shipped_scenario(const std::string& name);
 
 }  // namespace haptic::test

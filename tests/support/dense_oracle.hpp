@@ -1,8 +1,8 @@
 #pragma once
 /// Dense linear algebra as the word of another: Eigen's decompositions behind plain functions, for
 /// tests that compare the product's own kernels against them. Eigen instantiates a decomposition
-/// anew in every file that uses it, ten to thirty seconds each; here it is done once.
-/// Sizes are free unless said; nothing here uses the product's code. Allocates.
+/// again in every file that uses it, ten to thirty seconds each; here it happens once.
+/// Any sizes unless noted; nothing here uses the product's code. Allocates.
 
 #include <Eigen/Core>
 
@@ -11,7 +11,7 @@ namespace haptic::oracle {
 /// Descending, min(m, n) of them (Jacobi SVD).
 [[nodiscard]] Eigen::VectorXd singular_values(const Eigen::MatrixXd& A);
 
-/// Largest by smallest singular value; infinite where the smallest is 0.
+/// Largest by smallest singular value; infinite if the smallest is 0.
 [[nodiscard]] double condition(const Eigen::MatrixXd& A);
 
 /// y of smallest ||y|| among argmin ||A y - b|| (complete orthogonal decomposition). Singular
@@ -39,10 +39,10 @@ namespace haptic::oracle {
 [[nodiscard]] Eigen::MatrixXd inverse(const Eigen::MatrixXd& A);
 [[nodiscard]] double determinant(const Eigen::MatrixXd& A);
 
-/// I - A (A^T A)^{-1} A^T, full column rank; the identity where A has no columns.
+/// I - A (A^T A)^{-1} A^T, full column rank; the identity if A has no columns.
 [[nodiscard]] Eigen::MatrixXd off_columns(const Eigen::MatrixXd& A);
 
-/// Columns that span the null space; one column of zeros where there is none.
+/// Columns that span the null space; one column of zeros if there is none.
 [[nodiscard]] Eigen::MatrixXd null_space(const Eigen::MatrixXd& A);
 
 /// Orthonormal columns with the span of A's; rows >= columns, full column rank.

@@ -1,6 +1,6 @@
 #pragma once
-/// One end of a UDP path on a real loopback socket, with a thread of its own: the plainest client,
-/// or the plainest server, on wire::PathEnd alone.
+/// One end of a UDP path on a real loopback socket, with its own thread: the plainest client or
+/// server, on wire::PathEnd alone.
 
 #include <atomic>
 #include <mutex>
@@ -9,19 +9,20 @@
 #include <vector>
 
 #include "haptic/wire/path_end.hpp"
+#include "tests/support/udp_socket.hpp"
 
 namespace haptic::test {
 
 class UdpEnd {
  public:
-  /// A client of `server_port` on 127.0.0.1; a server (0) answers whoever comes.
+  /// A client of `server_port` on 127.0.0.1; a server (0) answers any client.
   UdpEnd(wire::End end, const wire::PathKeys& keys, std::uint16_t server_port = 0);
   ~UdpEnd();
   UdpEnd(const UdpEnd&) = delete;
   UdpEnd& operator=(const UdpEnd&) = delete;
 
-  [[nodiscard]] std::uint16_t port() const { return port_; }
-  /// By UDP, where the path is in use.
+  [[nodiscard]] std::uint16_t port() const { return socket_.port(); }
+  /// By UDP, if the path is in use.
   bool send(const std::string& message);
   /// Any bytes, to a port of 127.0.0.1, from this end's socket.
   void send_raw(const std::vector<std::uint8_t>& bytes, std::uint16_t port);
@@ -40,12 +41,11 @@ class UdpEnd {
 
  private:
   void run();
-  void take(const std::vector<std::uint8_t>& bytes, std::uint16_t from);
+  void take(wire::ConstBytes bytes, std::uint16_t from);
 
-  int socket_{-1};
-  std::uint16_t port_{0};
+  UdpSocket socket_{};
   mutable std::mutex mutex_;
-  std::vector<std::uint8_t>* caught_{nullptr};  ///< where seal() wants the next datagram
+  std::vector<std::uint8_t>* caught_{nullptr};  ///< takes the next datagram, for seal()
   wire::PathEnd end_;
   std::vector<std::string> messages_{};
   std::atomic<std::size_t> arrivals_{0};

@@ -97,7 +97,7 @@ class DeviceRig {
     }
   }
 
-  /// Asks for force and ticks once; the refusal's reason, empty where force was granted.
+  /// Asks for force and ticks once; the refusal's reason, empty if force was granted.
   std::string engage(const std::string& id = "s1") {
     std::string reason = "(no answer)";
     sessions->engage(id, [&](const Outcome<Done>& outcome) {

@@ -1,5 +1,5 @@
 #pragma once
-/// A device that does what a test tells it, and keeps what it was told. Two DoFs, the first
+/// A device with readings set by the test; it keeps the commands it was given. Two DoFs, the first
 /// actuated.
 
 #include <atomic>

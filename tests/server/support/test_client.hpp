@@ -1,5 +1,5 @@
 #pragma once
-/// A client on the bare stubs: what is sent is exactly what the test says.
+/// A client on the bare stubs: it sends exactly the test's messages.
 
 #include <grpcpp/grpcpp.h>
 
@@ -19,7 +19,7 @@
 
 namespace haptic::test {
 
-/// ErrorInfo.reason of a status; empty where it has none.
+/// ErrorInfo.reason of a status; empty if it has none.
 inline std::string reason_of(const grpc::Status& status) {
   google::rpc::Status details;
   if (!details.ParseFromString(status.error_details())) return {};
@@ -30,7 +30,7 @@ inline std::string reason_of(const grpc::Status& status) {
   return {};
 }
 
-/// Entry `key` of ErrorInfo's metadata; empty where there is none.
+/// Entry `key` of ErrorInfo's metadata; empty if there is none.
 inline std::string detail_of(const grpc::Status& status, const std::string& key) {
   google::rpc::Status details;
   if (!details.ParseFromString(status.error_details())) return {};
@@ -43,7 +43,7 @@ inline std::string detail_of(const grpc::Status& status, const std::string& key)
   return {};
 }
 
-/// Field of the first BadRequest violation of a status; empty where there is none.
+/// Field of the first BadRequest violation of a status; empty if there is none.
 inline std::string field_of(const grpc::Status& status) {
   google::rpc::Status details;
   if (!details.ParseFromString(status.error_details())) return {};
@@ -79,7 +79,7 @@ class TestSession {
     context_.TryCancel();
     stop_streaming();
     reader_.join();
-    static_cast<void>(status());  // Finish must be called once, by whoever comes first
+    static_cast<void>(status());  // Finish must be called exactly once
   }
 
   bool send(const v1::SessionRequest& message) {

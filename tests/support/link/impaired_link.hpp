@@ -15,7 +15,7 @@
 
 namespace haptic::test {
 
-/// Times of bursts: known for any time, whoever sends when.
+/// Times of bursts; they do not depend on the packets.
 class BurstSchedule {
  public:
   BurstSchedule(const BurstRule& rule, std::uint64_t seed);
@@ -43,13 +43,13 @@ class ImpairedLink {
   void send(Packet packet, LinkTime now);
   /// The next packet that has arrived at `now`, and when; call until there is none.
   [[nodiscard]] std::optional<std::pair<LinkTime, Packet>> receive(LinkTime now);
-  /// Of the next packet; none is under way: LinkTime::max().
+  /// Arrival of the next packet; LinkTime::max() if none is under way.
   [[nodiscard]] LinkTime next_arrival() const noexcept;
   [[nodiscard]] const LinkFigures& figures() const noexcept { return figures_; }
 
  private:
   friend class ReliableLink;
-  /// When a packet that leaves at `now` arrives; none: it is lost. One try, of its own luck.
+  /// When a packet that leaves at `now` arrives; none if it is lost. Each call draws new luck.
   [[nodiscard]] std::optional<LinkTime> fate(LinkTime now, std::size_t size);
   [[nodiscard]] LinkTime travel(LinkTime departure, Random& luck) const;
   [[nodiscard]] LinkTime stalled(LinkTime arrival) const;
@@ -68,9 +68,9 @@ class ImpairedLink {
   LinkFigures figures_{};
 };
 
-/// The same trouble under a transport that keeps order and loses nothing, as TCP: what is lost is
-/// sent again after a time that doubles, and what came behind it waits. A model, for the fallback's
-/// ages in virtual time; true TCP is met by the relay.
+/// The same trouble under a transport that keeps order and loses nothing, like TCP: a lost packet
+/// is sent again after a timeout that doubles, and later packets wait for it. A model, for the ages
+/// after a fallback on virtual time; the relay uses real TCP.
 class ReliableLink {
  public:
   /// Linux's least retransmission timeout, and the longest that matters here.

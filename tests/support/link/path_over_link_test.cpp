@@ -91,10 +91,6 @@ struct Trip {
   std::unique_ptr<LinkEnd> client, server;
 };
 
-Scenario shipped(const std::string& name) {
-  return read_scenario(HAPTIC_SOURCE_DIR "/tests/relay/scenarios/" + name + ".textproto");
-}
-
 bool has(const LinkEnd& end, wire::PathChange change, LinkTime from, LinkTime to) {
   return std::any_of(end.changes.begin(), end.changes.end(), [&](const auto& c) {
     return c.second == change && c.first >= from && c.first < to;
@@ -138,7 +134,7 @@ INSTANTIATE_TEST_SUITE_P(Shipped, PathOverLink, testing::ValuesIn(shipped_scenar
 TEST(PathOverScenario, HealthyLinkUsesUdpQuickly) {
   for (const char* name : {"clean", "delay_1ms", "delay_10ms", "delay_30ms", "delay_100ms",
                            "jitter_5ms", "jitter_20ms", "reorder_25", "duplicate_100", "loss_01"}) {
-    Trip run(shipped(name));
+    Trip run(shipped_scenario(name));
     EXPECT_TRUE(run.client->end.in_use()) << name;
     EXPECT_TRUE(run.server->end.in_use()) << name;
     EXPECT_TRUE(has(*run.client, wire::PathChange::kUp, 0ms, 600ms)) << name;
@@ -147,7 +143,7 @@ TEST(PathOverScenario, HealthyLinkUsesUdpQuickly) {
 
 TEST(PathOverScenario, KeepsUdpAt10PercentLoss) {
   for (const char* name : {"loss_01", "loss_05", "loss_10", "burst_8ms", "burst_50ms"}) {
-    Trip run(shipped(name));
+    Trip run(shipped_scenario(name));
     for (const LinkEnd* end : {run.client.get(), run.server.get()}) {
       EXPECT_TRUE(end->end.in_use()) << name;
       EXPECT_FALSE(has(*end, wire::PathChange::kLossy, 0s, 1h)) << name;
@@ -157,7 +153,7 @@ TEST(PathOverScenario, KeepsUdpAt10PercentLoss) {
 }
 
 TEST(PathOverScenario, BlockedUdpFallsBackInTime) {
-  Trip run(shipped("udp_blocked"));
+  Trip run(shipped_scenario("udp_blocked"));
   for (const LinkEnd* end : {run.client.get(), run.server.get()}) {
     EXPECT_TRUE(has(*end, wire::PathChange::kSilent, 2s + 80ms, 2s + 150ms));
     EXPECT_TRUE(has(*end, wire::PathChange::kUp, 5s, 12s));
@@ -167,7 +163,7 @@ TEST(PathOverScenario, BlockedUdpFallsBackInTime) {
 
 TEST(PathOverScenario, OneWayPathIsNotUsed) {
   for (const char* name : {"partition_1s_up", "partition_1s_down"}) {
-    Trip run(shipped(name));
+    Trip run(shipped_scenario(name));
     for (const LinkEnd* end : {run.client.get(), run.server.get()}) {
       EXPECT_TRUE(has(*end, wire::PathChange::kSilent, 2s, 2s + 200ms)) << name;
       EXPECT_TRUE(end->end.in_use()) << name;  // and back at the end
@@ -176,14 +172,14 @@ TEST(PathOverScenario, OneWayPathIsNotUsed) {
 }
 
 TEST(PathOverScenario, BlockedTcpDoesNotConcernIt) {
-  Trip run(shipped("tcp_blocked"));
+  Trip run(shipped_scenario("tcp_blocked"));
   EXPECT_EQ(run.client->changes.size(), 1U);
   EXPECT_EQ(run.server->changes.size(), 1U);
 }
 
 TEST(PathOverScenario, FollowsAStepOfClientsClock) {
   for (const auto& [name, by] : {std::pair("clock_step_forward", 1s), {"clock_step_back", -1s}}) {
-    Trip run(shipped(name));
+    Trip run(shipped_scenario(name));
     EXPECT_EQ(run.server->end.clock_offset().steps(), 1U) << name;
     const auto estimate = run.server->end.clock_offset().at(point(8s));
     ASSERT_TRUE(estimate);
@@ -192,7 +188,7 @@ TEST(PathOverScenario, FollowsAStepOfClientsClock) {
 }
 
 TEST(PathOverScenario, FindsADriftOf200Ppm) {
-  Trip run(shipped("clock_drift"));
+  Trip run(shipped_scenario("clock_drift"));
   EXPECT_NEAR(run.server->end.clock_offset().at(point(20s))->drift, 200e-6, 60e-6);
 }
 

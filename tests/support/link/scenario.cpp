@@ -13,9 +13,9 @@
 namespace haptic::test {
 namespace {
 
-namespace text_format = google::protobuf;
+const std::string kShipped = HAPTIC_SOURCE_DIR "/tests/relay/scenarios";
 
-/// Numbers of a message, each with its name for whoever mistyped it.
+/// Reads the numbers of a message; an error names the field, its value and what is allowed.
 class Checker {
  public:
   explicit Checker(std::string where) : where_(std::move(where)) {}
@@ -84,7 +84,7 @@ WayRules way(const v1::Way& message, const std::string& where) {
 
 Scenario parse_scenario(const std::string& text, const std::string& name) {
   v1::Scenario message;
-  if (!text_format::TextFormat::ParseFromString(text, &message)) {
+  if (!google::protobuf::TextFormat::ParseFromString(text, &message)) {
     throw std::runtime_error(name + ": not a Scenario");
   }
   const Checker check(name + ": ");
@@ -114,10 +114,13 @@ Scenario read_scenario(const std::filesystem::path& file) {
   return parse_scenario(text.str(), file.stem().string());
 }
 
+Scenario shipped_scenario(const std::string& name) {
+  return read_scenario(kShipped + "/" + name + ".textproto");
+}
+
 std::vector<Scenario> shipped_scenarios() {
   std::vector<Scenario> scenarios;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(HAPTIC_SOURCE_DIR "/tests/relay/scenarios")) {
+  for (const auto& entry : std::filesystem::directory_iterator(kShipped)) {
     if (entry.path().extension() == ".textproto") scenarios.push_back(read_scenario(entry.path()));
   }
   std::sort(scenarios.begin(), scenarios.end(),

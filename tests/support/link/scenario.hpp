@@ -60,7 +60,7 @@ struct Scenario {
   ClockRules client_clock{};
 };
 
-/// For GoogleTest: a scenario is told by its name.
+/// For GoogleTest: prints a scenario's name.
 inline void PrintTo(const Scenario& scenario, std::ostream* out) {
   *out << scenario.name;
 }
@@ -68,7 +68,9 @@ inline void PrintTo(const Scenario& scenario, std::ostream* out) {
 /// Throws std::runtime_error: "FILE: up.loss = 1.5: must be 0..1".
 [[nodiscard]] Scenario read_scenario(const std::filesystem::path& file);
 [[nodiscard]] Scenario parse_scenario(const std::string& text, const std::string& name);
-/// Every scenario that is shipped, by name.
+/// The file of that name (without ending) in tests/relay/scenarios.
+[[nodiscard]] Scenario shipped_scenario(const std::string& name);
+/// All of that folder, by name.
 [[nodiscard]] std::vector<Scenario> shipped_scenarios();
 
 }  // namespace haptic::test

@@ -42,7 +42,7 @@ class PipelineLoop {
                double device_damping);
 
   /// One tick with the device at q (n_q): books what the last force did on the way here, the client
-  /// looks and delivers, the pipeline answers. Throws SceneError where the device cannot be there.
+  /// looks and delivers, the pipeline answers. Throws SceneError if the device cannot be there.
   const core::TickRecord& tick(const core::VecQ& q);
   /// Asks for force, at the next tick.
   void engage() noexcept { ++input_.command.engage_id; }

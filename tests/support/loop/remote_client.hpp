@@ -1,7 +1,7 @@
 #pragma once
 /// A simulation behind a network, in virtual time: at its own rate it sees the haptic probe,
-/// computes the proxy (the probe clipped at stops), and its sample arrives at the pipeline a delay
-/// later. Sees and delivers as the ingress does: an older sample never replaces a newer one.
+/// computes the proxy (the probe clipped at stops), and its sample arrives at the pipeline after a
+/// delay. As in the ingress, an older sample never replaces a newer one.
 
 #include <functional>
 #include <vector>
@@ -31,8 +31,8 @@ struct Between {
   const core::VecX& x_probe;  ///< now
 };
 
-/// The proxy at every tick, computed beside the pipeline and handed to it as a held one: how what
-/// hapticd does not offer is measured on the real pipeline. Returns x, n_x.
+/// Computes the proxy at every tick outside the pipeline, which gets it as a held one. So laws that
+/// hapticd does not offer can be measured on the real pipeline. Returns x, n_x.
 using LocalLaw = std::function<core::VecX(const Between&)>;
 
 struct ClientSettings {

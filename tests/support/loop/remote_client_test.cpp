@@ -17,7 +17,7 @@ ClientSettings every_tick() {
   return settings;
 }
 
-/// The probe is where the clock is: a sample tells when it was computed.
+/// The probe's position is the time, so a sample tells when it was computed.
 struct Stream {
   explicit Stream(const ClientSettings& settings) : client(settings) {}
   void tick() {

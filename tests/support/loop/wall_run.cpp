@@ -15,7 +15,7 @@ using core::VecQ;
 constexpr double kEngage_s = 0.6;      // ten samples at 30 Hz, 100 ms late, and some
 constexpr double kRamp_s = 0.3;        // then the gain's ramp is over
 constexpr double kCentre = -0.002;     // m, of the hand's cycle
-constexpr double kPressDepth = 0.020;  // m: where the pressing hand aims
+constexpr double kPressDepth = 0.020;  // m, target of the pressing hand
 constexpr double kRise_s = 0.8;        // of the press
 constexpr int kSubsteps = 10;
 

@@ -35,8 +35,8 @@ struct WallFigures {
   int throttled{0};        ///< ticks
 };
 
-/// Throws SceneError where force never came on. Ends early where the mass reaches the device's end:
-/// what follows is the end's doing, and both speeds are infinite.
+/// Throws SceneError if force never came on. Ends early, with both speeds infinite, if the mass
+/// reaches the device's end: its stop would decide the rest.
 [[nodiscard]] WallFigures run(const WallRun& what);
 
 }  // namespace haptic::test

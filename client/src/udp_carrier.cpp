@@ -1,6 +1,9 @@
 #include "udp_carrier.hpp"
 
+#include <poll.h>
+#include <sys/eventfd.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -63,8 +66,13 @@ UdpCarrier::UdpCarrier(const v1::UdpPath& offer, const std::string& stream_addre
     : host_(offer.host().empty() ? host_of(stream_address) : offer.host()),
       port_(offer.port()),
       sink_(std::move(sink)),
+      stopping_(::eventfd(0, EFD_CLOEXEC)),
       end_(setup(offer, period)) {
   thread_ = std::thread([this] { run(); });
+}
+
+UdpCarrier::~UdpCarrier() {
+  ::close(stopping_);
 }
 
 void UdpCarrier::stop() {
@@ -72,7 +80,7 @@ void UdpCarrier::stop() {
     const std::lock_guard lock(mutex_);
     if (address_ != Address::kNone) end_.close();
   }
-  context_.stop();
+  ::eventfd_write(stopping_, 1);
   if (thread_.joinable()) thread_.join();
 }
 
@@ -89,7 +97,7 @@ UdpCarrier::Sent UdpCarrier::send(const v1::ProxySample& sample) {
 void UdpCarrier::rekey(const v1::UdpPath& offer) {
   const wire::PathKeys keys = to_keys(offer);
   const std::lock_guard lock(mutex_);
-  end_.rekey(keys, wire::OldKeys::kFadeOut);
+  end_.rekey(keys);
 }
 
 UdpLink UdpCarrier::figures() const {
@@ -122,9 +130,21 @@ void UdpCarrier::run() {
     address_ = Address::kTried;
     end_.start(kServer, now());
   }
-  wait_for_datagrams();
-  step();
-  context_.run();
+  wire::TimePoint next_step;
+  do {
+    drain();  // before any judgement about silence
+    next_step = step();
+  } while (wait(next_step));
+}
+
+/// For a datagram, or until `until`. False: stop() was called.
+bool UdpCarrier::wait(wire::TimePoint until) const {
+  const auto left = std::max(until - now(), wire::Duration(0));
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
+  const timespec timeout{seconds.count(), (left - seconds).count()};
+  pollfd watched[] = {{handle_, POLLIN, 0}, {stopping_, POLLIN, 0}};
+  ::ppoll(watched, std::size(watched), &timeout, nullptr);
+  return watched[1].revents == 0;
 }
 
 /// To the next of the host's addresses that this system has a route to.
@@ -140,25 +160,6 @@ bool UdpCarrier::connect() {
   }
   handle_ = -1;
   return false;
-}
-
-/// Under the mutex. A connected UDP socket does not tell whether anything listens there:
-/// "localhost" is [::1] and 127.0.0.1, and a server may listen at one of them only.
-bool UdpCarrier::try_another(wire::PathChange change) {
-  if (change != wire::PathChange::kRefused || address_ == Address::kKept || addresses_.size() < 2) {
-    return false;
-  }
-  ++turn_;
-  return connect();
-}
-
-void UdpCarrier::wait_for_datagrams() {
-  socket_.async_wait(asio::socket_base::wait_read, [this, turn = turn_](asio::error_code error) {
-    if (error || turn != turn_) return;  // a socket that is no more
-    drain();
-    step();
-    if (turn == turn_) wait_for_datagrams();
-  });
 }
 
 /// Takes all datagrams that wait; only the newest state is passed on.
@@ -212,23 +213,18 @@ bool UdpCarrier::read(wire::ConstBytes message) {
   return true;
 }
 
-void UdpCarrier::step() {
+wire::TimePoint UdpCarrier::step() {
   wire::TimePoint next;
-  bool moved = false;
   on_path([&] {
     const wire::PathChange change = end_.step(now());
-    moved = try_another(change);
+    // A connected UDP socket does not tell whether anything listens there: "localhost" is [::1] and
+    // 127.0.0.1, and a server may listen at one of them only.
+    const bool another = address_ != Address::kKept && addresses_.size() > 1;
+    if (change == wire::PathChange::kRefused && another) static_cast<void>(connect());
     next = end_.next_step();
     return change;
   });
-  if (moved) wait_for_datagrams();  // the wait at the former socket ended with it
-  if (next == wire::TimePoint::max()) return;
-  timer_.expires_at(Clock::time_point(next.time_since_epoch()));
-  timer_.async_wait([this](asio::error_code error) {
-    if (error) return;
-    drain();  // before any judgement about silence
-    step();
-  });
+  return next;
 }
 
 }  // namespace haptic::client

@@ -3,7 +3,6 @@
 
 #include <asio/io_context.hpp>
 #include <asio/ip/udp.hpp>
-#include <asio/steady_timer.hpp>
 
 #include <functional>
 #include <mutex>
@@ -39,7 +38,7 @@ class UdpCarrier {
   UdpCarrier(const v1::UdpPath& offer, const std::string& stream_address,
              std::chrono::nanoseconds period, Sink sink);
   /// Only after stop().
-  ~UdpCarrier() = default;
+  ~UdpCarrier();
   UdpCarrier(const UdpCarrier&) = delete;
   UdpCarrier& operator=(const UdpCarrier&) = delete;
 
@@ -64,12 +63,11 @@ class UdpCarrier {
   [[nodiscard]] wire::PathEndSetup setup(const v1::UdpPath& offer, std::chrono::nanoseconds period);
   void run();
   [[nodiscard]] bool connect();
-  [[nodiscard]] bool try_another(wire::PathChange change);
-  void wait_for_datagrams();
+  [[nodiscard]] bool wait(wire::TimePoint until) const;
   void drain();
   [[nodiscard]] bool take(wire::ConstBytes datagram);
   [[nodiscard]] bool read(wire::ConstBytes message);
-  void step();
+  [[nodiscard]] wire::TimePoint step();
   template <typename Action>
   void on_path(Action action);
 
@@ -78,7 +76,7 @@ class UdpCarrier {
   const Sink sink_;
   asio::io_context context_{1};
   Udp::socket socket_{context_};
-  asio::steady_timer timer_{context_};
+  const int stopping_;  ///< an eventfd
 
   mutable std::mutex mutex_;
   wire::PathEnd end_;
@@ -90,7 +88,6 @@ class UdpCarrier {
   // The thread's own.
   std::vector<Udp::endpoint> addresses_{};
   std::size_t next_address_{0};
-  int turn_{0};  ///< counts the sockets: a wait that names an earlier one is over
   std::array<std::uint8_t, wire::kLargestDatagram> buffer_{};
   v1::DeviceState incoming_{}, state_{};
   std::thread thread_{};

@@ -87,7 +87,7 @@ bool ServerPath::knows(std::uint32_t path_id, core::TimePoint now) {
 void ServerPath::rekey(const wire::PathKeys& keys) {
   {
     const std::lock_guard lock(mutex_);
-    end_.rekey(keys, wire::OldKeys::kFadeOut);
+    end_.rekey(keys);
   }
   if (const auto sink = sink_.lock()) sink->on_udp_keys(keys);
 }

@@ -134,7 +134,7 @@ void VirtualWorld::step_client() {
 }
 
 void VirtualWorld::take_state(wire::ConstBytes state) {
-  const std::uint64_t tick = wire::get_u64(state);
+  const std::uint64_t tick = wire::get<std::uint64_t>(state);
   if (tick <= state_used_) return;
   state_used_ = tick;
   state_came_ = client_reading();
@@ -166,15 +166,17 @@ void VirtualWorld::publish() {
 
 void VirtualWorld::accept(wire::ConstBytes bytes, server::Carrier carrier) {
   const std::optional<core::TimePoint> left = link.came(
-      {carrier, bytes.size(), static_cast<std::int64_t>(wire::get_u64(bytes.subspan(16))),
-       wire::get_u64(bytes.subspan(24)),
-       core::Duration(static_cast<std::int64_t>(wire::get_u64(bytes.subspan(32)))), rig.now},
+      {carrier, bytes.size(),
+       static_cast<std::int64_t>(wire::get<std::uint64_t>(bytes.subspan(16))),
+       wire::get<std::uint64_t>(bytes.subspan(24)),
+       core::Duration(static_cast<std::int64_t>(wire::get<std::uint64_t>(bytes.subspan(32)))),
+       rig.now},
       server.clock_offset().at(to_wire(rig.now)));
   server::ProxySample sample;
   sample.epoch = lease.epoch;
-  sample.seq = wire::get_u64(bytes);
+  sample.seq = wire::get<std::uint64_t>(bytes);
   sample.mode = core::ProxyMode::kHeld;
-  sample.position = {std::bit_cast<double>(wire::get_u64(bytes.subspan(8))), 0.0};
+  sample.position = {std::bit_cast<double>(wire::get<std::uint64_t>(bytes.subspan(8))), 0.0};
   sample.carrier = carrier;
   sample.left = left;
   sample.arrival = rig.now;

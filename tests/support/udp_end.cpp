@@ -76,7 +76,7 @@ void UdpEnd::send_raw(const std::vector<std::uint8_t>& bytes, std::uint16_t port
 
 void UdpEnd::rekey(const wire::PathKeys& keys) {
   const std::lock_guard lock(mutex_);
-  end_.rekey(keys, wire::OldKeys::kFadeOut);
+  end_.rekey(keys);
 }
 
 bool UdpEnd::in_use() const {

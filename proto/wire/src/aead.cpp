@@ -11,7 +11,7 @@ namespace {
 enum class Way : int { kDecrypt = 0, kEncrypt = 1 };
 
 Cipher make_cipher(const DirectionKey& key, Way way) {
-  Cipher cipher(EVP_CIPHER_CTX_new());
+  Cipher cipher(EVP_CIPHER_CTX_new(), EVP_CIPHER_CTX_free);  // which wipes the key
   // GCM's own nonce length, 12 bytes, is the one we use.
   if (!cipher || EVP_CipherInit_ex(cipher.get(), EVP_aes_128_gcm(), nullptr, key.key.data(),
                                    nullptr, static_cast<int>(way)) != 1) {
@@ -36,10 +36,6 @@ bool run(EVP_CIPHER_CTX* cipher, ConstBytes in, std::uint8_t* out) noexcept {
 }
 
 }  // namespace
-
-void CipherDeleter::operator()(evp_cipher_ctx_st* context) const noexcept {
-  EVP_CIPHER_CTX_free(context);  // wipes the key
-}
 
 Sealer::Sealer(std::uint32_t path_id, const DirectionKey& key, std::uint64_t first)
     : cipher_(make_cipher(key, Way::kEncrypt)), salt_(key.salt), path_id_(path_id), next_(first) {}
@@ -66,17 +62,8 @@ Opener::Opener(std::uint32_t path_id, const DirectionKey& key)
     : cipher_(make_cipher(key, Way::kDecrypt)), salt_(key.salt), path_id_(path_id) {}
 
 Opened Opener::open(const Header& header, ConstBytes datagram, Bytes payload) noexcept {
-  Opened answer{Rejection::kNone, header, 0};
-  switch (window_.check(header.packet_number)) {
-    case ReplayWindow::Verdict::kNew:
-      break;
-    case ReplayWindow::Verdict::kDuplicate:
-      answer.rejection = Rejection::kDuplicate;
-      return answer;
-    case ReplayWindow::Verdict::kTooOld:
-      answer.rejection = Rejection::kTooOld;
-      return answer;
-  }
+  Opened answer{window_.check(header.packet_number), header, 0};
+  if (answer.rejection != Rejection::kNone) return answer;
   const ConstBytes body = datagram.subspan(kHeaderSize, datagram.size() - kHeaderSize - kTagSize);
   std::array<std::uint8_t, kTagSize> tag{};
   std::copy_n(datagram.end() - kTagSize, kTagSize, tag.begin());

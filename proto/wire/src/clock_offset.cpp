@@ -41,15 +41,19 @@ std::optional<ClockOffset::Point> ClockOffset::proof(const ClockExchange& exchan
 
 bool ClockOffset::agrees(const ClockExchange& exchange, const Estimate& estimate) noexcept {
   const auto point = proof(exchange);
-  return point &&
-         std::chrono::abs(point->offset - estimate.offset) <= point->rtt / 2 + estimate.bound;
+  return point && agrees(*point, estimate);
+}
+
+bool ClockOffset::agrees(const Point& point, const Estimate& estimate) noexcept {
+  return std::chrono::abs(point.offset - estimate.offset) <= point.rtt / 2 + estimate.bound;
 }
 
 void ClockOffset::add(const ClockExchange& exchange) noexcept {
   const auto proven = proof(exchange);
   if (!proven) return;
   const Point& point = *proven;
-  if (contradicts(point)) {
+  const auto estimate = at(point.when);
+  if (estimate && !agrees(point, *estimate)) {
     if (++contradictions_ < kContradictions) return;
     count_ = 0;
     ++steps_;
@@ -57,12 +61,6 @@ void ClockOffset::add(const ClockExchange& exchange) noexcept {
   contradictions_ = 0;
   keep(point);
   fit();
-}
-
-bool ClockOffset::contradicts(const Point& point) const noexcept {
-  const auto estimate = at(point.when);
-  return estimate &&
-         std::chrono::abs(point.offset - estimate->offset) > point.rtt / 2 + estimate->bound;
 }
 
 void ClockOffset::keep(const Point& point) noexcept {
@@ -120,12 +118,6 @@ std::optional<ClockOffset::Estimate> ClockOffset::at(TimePoint now) const noexce
         bound, std::chrono::abs(offset - point.offset) + point.rtt / 2 + drifted(now - point.when));
   }
   return Estimate{offset, drift_, bound};
-}
-
-std::optional<TimePoint> ClockOffset::latest(Duration reading, TimePoint now) const noexcept {
-  const auto estimate = at(now);
-  if (!estimate) return std::nullopt;
-  return TimePoint(reading - estimate->offset + estimate->bound);
 }
 
 }  // namespace haptic::wire

@@ -52,11 +52,7 @@ Received PathEnd::receive(ConstBytes datagram, const PeerAddress& from, TimePoin
 }
 
 void PathEnd::count(const Header& header, std::size_t size, TimePoint arrival) {
-  if (channel_.path_id() != sending_path_) {  // the server's change-over to new keys
-    sending_path_ = channel_.path_id();
-    machine_.rekeyed();
-    peer_report_ = {};
-  }
+  follow_keys();  // the datagram may have been the server's change-over to new keys
   if (header.path_id != counted_path_ && header.path_id == channel_.path_id()) {
     counted_path_ = header.path_id;
     statistics_.renumber();
@@ -119,8 +115,13 @@ void PathEnd::close() {
   machine_.stop();
 }
 
-void PathEnd::rekey(const PathKeys& next, OldKeys old) {
-  channel_.rekey(next, old);
+void PathEnd::rekey(const PathKeys& next) {
+  channel_.rekey(next);
+  follow_keys();
+}
+
+/// The other end's reports count the packets under the keys that this end sends with.
+void PathEnd::follow_keys() {
   if (channel_.path_id() == sending_path_) return;
   sending_path_ = channel_.path_id();
   machine_.rekeyed();

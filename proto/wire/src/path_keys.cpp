@@ -32,7 +32,7 @@ PathKeys fresh_keys() {
 std::uint64_t random_token() {
   std::array<std::uint8_t, 8> bytes{};
   fill(bytes);
-  return get_u64(bytes);
+  return get<std::uint64_t>(bytes);
 }
 
 std::array<std::uint8_t, kNonceSize> nonce(const std::array<std::uint8_t, kSaltSize>& salt,

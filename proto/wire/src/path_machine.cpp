@@ -9,40 +9,21 @@ namespace {
 constexpr Duration kLeastBetweenChallenges{std::chrono::milliseconds(10)};
 constexpr int kChallengesPerSilence = 10;
 
+template <typename Enum, std::size_t kSize>
+const char* name_of(Enum value, const char* const (&names)[kSize]) noexcept {
+  const auto number = static_cast<std::size_t>(value);
+  return number < kSize ? names[number] : "UNKNOWN";
+}
+
 }  // namespace
 
 const char* name(PathState state) noexcept {
-  switch (state) {
-    case PathState::kOff:
-      return "OFF";
-    case PathState::kProbing:
-      return "PROBING";
-    case PathState::kInUse:
-      return "IN_USE";
-    case PathState::kWaiting:
-      return "WAITING";
-  }
-  return "UNKNOWN";
+  return name_of(state, {"OFF", "PROBING", "IN_USE", "WAITING"});
 }
 
 const char* name(PathChange change) noexcept {
-  switch (change) {
-    case PathChange::kNone:
-      return "NONE";
-    case PathChange::kUp:
-      return "UDP_UP";
-    case PathChange::kMoved:
-      return "UDP_MOVED";
-    case PathChange::kRefused:
-      return "UDP_REFUSED";
-    case PathChange::kSilent:
-      return "UDP_SILENT";
-    case PathChange::kLossy:
-      return "UDP_LOSSY";
-    case PathChange::kClosed:
-      return "UDP_CLOSED";
-  }
-  return "UNKNOWN";
+  return name_of(change, {"NONE", "UDP_UP", "UDP_MOVED", "UDP_REFUSED", "UDP_SILENT", "UDP_LOSSY",
+                          "UDP_CLOSED"});
 }
 
 PathMachine::PathMachine(const PathRules& rules, std::function<std::uint64_t()> token)

@@ -2,26 +2,24 @@
 
 namespace haptic::wire {
 
-ReplayWindow::Verdict ReplayWindow::check(std::uint64_t number) const noexcept {
-  if (number == 0) return Verdict::kTooOld;
-  if (number > newest_) return Verdict::kNew;
-  if (newest_ - number >= kSize) return Verdict::kTooOld;
-  return (seen_[word(number)] & bit(number)) != 0 ? Verdict::kDuplicate : Verdict::kNew;
+Rejection ReplayWindow::check(std::uint64_t number) const noexcept {
+  if (number == 0) return Rejection::kTooOld;
+  if (number > newest_) return Rejection::kNone;
+  if (newest_ - number >= kSize) return Rejection::kTooOld;
+  return seen_[number % kSize] ? Rejection::kDuplicate : Rejection::kNone;
 }
 
 void ReplayWindow::commit(std::uint64_t number) noexcept {
   if (number > newest_) {
     // What the window leaves behind makes room for the numbers between the old newest and this one.
     if (number - newest_ >= kSize) {
-      seen_ = {};
+      seen_.reset();
     } else {
-      for (std::uint64_t skipped = newest_ + 1; skipped < number; ++skipped) {
-        seen_[word(skipped)] &= ~bit(skipped);
-      }
+      for (std::uint64_t n = newest_ + 1; n < number; ++n) seen_[n % kSize] = false;
     }
     newest_ = number;
   }
-  seen_[word(number)] |= bit(number);
+  seen_[number % kSize] = true;
 }
 
 }  // namespace haptic::wire

@@ -19,12 +19,8 @@ SecureChannel::Keys::Keys(End end, const PathKeys& keys)
 
 SecureChannel::SecureChannel(End end, const PathKeys& keys) : end_(end), current_(end, keys) {}
 
-void SecureChannel::rekey(const PathKeys& next, OldKeys old) {
-  if (old == OldKeys::kForget) {
-    current_ = Keys(end_, next);
-    next_.reset();
-    former_.reset();
-  } else if (end_ == End::kServer) {
+void SecureChannel::rekey(const PathKeys& next) {
+  if (end_ == End::kServer) {
     next_.emplace(end_, next);
   } else {
     former_ = std::exchange(current_, Keys(end_, next));

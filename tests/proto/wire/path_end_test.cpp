@@ -169,16 +169,14 @@ TEST(PathEnd, RekeyInterruptsNothing) {
   Joined pair;
   pair.client.start(pair.server_address, pair.now);
   pair.run(2s);
-  pair.server.rekey(test_keys(2), OldKeys::kFadeOut);
+  pair.server.rekey(test_keys(2));
   pair.run(100ms);
-  EXPECT_TRUE(pair.server.rekeying());
-  pair.client.rekey(test_keys(2), OldKeys::kFadeOut);
+  pair.client.rekey(test_keys(2));
   for (int i = 0; i < 2000; ++i) {
     EXPECT_TRUE(pair.client.send(bytes_of("up")));
     EXPECT_TRUE(pair.server.send(bytes_of("down")));
     pair.run(1ms);
   }
-  EXPECT_FALSE(pair.server.rekeying());
   EXPECT_EQ(pair.at_server.size(), 2000U);
   EXPECT_EQ(pair.at_client.size(), 2000U);
   for (PathEnd* end : {&pair.client, &pair.server}) {
@@ -225,7 +223,9 @@ TEST(PathEnd, CutsAnExcessiveReport) {
   pair.client.start(pair.server_address, pair.now);
   pair.run(200ms);
   test::TestEnd liar(End::kClient, test_keys(2));
-  pair.server.rekey(test_keys(2), OldKeys::kForget);
+  pair.server.rekey(test_keys(2));
+  const ByteVector first = liar.seal(DatagramType::kProxy, "the server changes to the new keys");
+  static_cast<void>(pair.server.receive(first, pair.client_address, pair.now));
   static_cast<void>(pair.server.step(pair.now + 20ms));  // a challenge under the new keys
   ASSERT_FALSE(pair.under_way.empty());
   test::TestEnd reader(End::kClient, test_keys(2));

@@ -8,33 +8,31 @@
 namespace haptic::wire {
 namespace {
 
-using Verdict = ReplayWindow::Verdict;
-
 TEST(ReplayWindow, ZeroIsNoNumber) {
-  EXPECT_EQ(ReplayWindow().check(0), Verdict::kTooOld);
+  EXPECT_EQ(ReplayWindow().check(0), Rejection::kTooOld);
 }
 
 TEST(ReplayWindow, LookingDoesNotRemember) {
   ReplayWindow window;
-  EXPECT_EQ(window.check(7), Verdict::kNew);
-  EXPECT_EQ(window.check(7), Verdict::kNew);
+  EXPECT_EQ(window.check(7), Rejection::kNone);
+  EXPECT_EQ(window.check(7), Rejection::kNone);
   EXPECT_EQ(window.newest(), 0U);
 }
 
 TEST(ReplayWindow, EachNumberPassesOnce) {
   ReplayWindow window;
   for (const std::uint64_t n : {5U, 3U, 4U, 1030U, 8U, 7U}) {
-    EXPECT_EQ(window.check(n), Verdict::kNew) << n;
+    EXPECT_EQ(window.check(n), Rejection::kNone) << n;
     window.commit(n);
-    EXPECT_EQ(window.check(n), Verdict::kDuplicate) << n;
+    EXPECT_EQ(window.check(n), Rejection::kDuplicate) << n;
   }
 }
 
 TEST(ReplayWindow, Reaches1023BehindTheNewest) {
   ReplayWindow window;
   window.commit(5000);
-  EXPECT_EQ(window.check(5000 - 1023), Verdict::kNew);
-  EXPECT_EQ(window.check(5000 - 1024), Verdict::kTooOld);
+  EXPECT_EQ(window.check(5000 - 1023), Rejection::kNone);
+  EXPECT_EQ(window.check(5000 - 1024), Rejection::kTooOld);
 }
 
 TEST(ReplayWindow, LeapForgetsTheWholeWindow) {
@@ -42,7 +40,7 @@ TEST(ReplayWindow, LeapForgetsTheWholeWindow) {
   for (std::uint64_t n = 1; n <= 1024; ++n) window.commit(n);
   window.commit(1'000'000);
   for (std::uint64_t n = 1'000'000 - 1023; n < 1'000'000; ++n) {
-    ASSERT_EQ(window.check(n), Verdict::kNew) << n;
+    ASSERT_EQ(window.check(n), Rejection::kNone) << n;
   }
 }
 
@@ -50,12 +48,12 @@ TEST(ReplayWindow, WorksUpToTheLastNumber) {
   constexpr std::uint64_t kLast = ~std::uint64_t{0};
   ReplayWindow window;
   window.commit(kLast - 1);
-  EXPECT_EQ(window.check(kLast), Verdict::kNew);
+  EXPECT_EQ(window.check(kLast), Rejection::kNone);
   window.commit(kLast);
-  EXPECT_EQ(window.check(kLast), Verdict::kDuplicate);
-  EXPECT_EQ(window.check(kLast - 1), Verdict::kDuplicate);
-  EXPECT_EQ(window.check(kLast - 2), Verdict::kNew);
-  EXPECT_EQ(window.check(1), Verdict::kTooOld);  // numbers do not wrap
+  EXPECT_EQ(window.check(kLast), Rejection::kDuplicate);
+  EXPECT_EQ(window.check(kLast - 1), Rejection::kDuplicate);
+  EXPECT_EQ(window.check(kLast - 2), Rejection::kNone);
+  EXPECT_EQ(window.check(1), Rejection::kTooOld);  // numbers do not wrap
 }
 
 /// The definition itself, with a set of all that came, over random walks with leaps.
@@ -71,11 +69,11 @@ TEST(ReplayWindow, AgreesWithASetOfArrivals) {
       const std::uint64_t behind = random() % (random() % 50 == 0 ? 1200 : 60);
       const std::uint64_t n = newest + ahead > behind ? newest + ahead - behind : 0;
       const bool too_old = n == 0 || n + 1024 <= newest;
-      const Verdict expected = too_old              ? Verdict::kTooOld
-                               : came.count(n) != 0 ? Verdict::kDuplicate
-                                                    : Verdict::kNew;
+      const Rejection expected = too_old              ? Rejection::kTooOld
+                                 : came.count(n) != 0 ? Rejection::kDuplicate
+                                                      : Rejection::kNone;
       ASSERT_EQ(window.check(n), expected) << "run " << run << " step " << i << " number " << n;
-      if (expected != Verdict::kNew || random() % 4 == 0) continue;  // some are never genuine
+      if (expected != Rejection::kNone || random() % 4 == 0) continue;  // some are never genuine
       window.commit(n);
       came.insert(n);
       newest = std::max(newest, n);

@@ -126,11 +126,11 @@ TEST(SecureChannel, OtherSessionsDatagramHasUnknownPath) {
 
 TEST(Rekey, ServerAwaitsTheClientsNewKeys) {
   ChannelPair pair;
-  pair.server.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  pair.server.channel.rekey(test_keys(2));
   EXPECT_TRUE(pair.server.channel.rekeying());
   EXPECT_EQ(pair.client.open(pair.server.seal(kState, "old")), "old");
   EXPECT_EQ(pair.server.open(pair.client.seal(kProxy, "old")), "old");
-  pair.client.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  pair.client.channel.rekey(test_keys(2));
   EXPECT_EQ(pair.client.open(pair.server.seal(kState, "old, under way")), "old, under way");
   EXPECT_EQ(pair.server.open(pair.client.seal(kProxy, "new")), "new");
   EXPECT_FALSE(pair.server.channel.rekeying());
@@ -141,8 +141,8 @@ TEST(Rekey, ServerAwaitsTheClientsNewKeys) {
 TEST(Rekey, NewKeysRestartTheNumbers) {
   ChannelPair pair;
   for (int i = 0; i < 5; ++i) ASSERT_EQ(pair.server.open(pair.client.seal(kProxy, "x")), "x");
-  pair.server.channel.rekey(test_keys(2), OldKeys::kFadeOut);
-  pair.client.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  pair.server.channel.rekey(test_keys(2));
+  pair.client.channel.rekey(test_keys(2));
   const ByteVector first = pair.client.seal(kProxy, "x");
   EXPECT_EQ(read_header(first).header.packet_number, 1U);
   EXPECT_EQ(pair.server.open(first), "x");
@@ -154,8 +154,8 @@ TEST(Rekey, OldKeysOpenForOneSecond) {
   const ByteVector a = pair.client.seal(kProxy, "a"), b = pair.client.seal(kProxy, "b"),
                    replayed = pair.client.seal(kProxy, "c");
   ASSERT_EQ(pair.server.open(replayed), "c");
-  pair.server.channel.rekey(test_keys(2), OldKeys::kFadeOut);
-  pair.client.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  pair.server.channel.rekey(test_keys(2));
+  pair.client.channel.rekey(test_keys(2));
   const TimePoint taken{10s};
   ASSERT_EQ(pair.server.open(pair.client.seal(kProxy, "new"), taken), "new");
   EXPECT_EQ(pair.server.open(a, taken + 999ms), "a");
@@ -167,22 +167,13 @@ TEST(Rekey, ClientForgetsOldKeysInTime) {
   ChannelPair pair;
   const ByteVector a = pair.server.seal(kState, "a"), b = pair.server.seal(kState, "b"),
                    c = pair.server.seal(kState, "c");
-  pair.server.channel.rekey(test_keys(2), OldKeys::kFadeOut);
-  pair.client.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  pair.server.channel.rekey(test_keys(2));
+  pair.client.channel.rekey(test_keys(2));
   EXPECT_EQ(pair.client.open(a, TimePoint(5s)), "a");  // the server has not changed over yet
   ASSERT_EQ(pair.server.open(pair.client.seal(kProxy, "new")), "new");
   ASSERT_EQ(pair.client.open(pair.server.seal(kState, "new"), TimePoint(10s)), "new");
   EXPECT_EQ(pair.client.open(b, TimePoint(10s + 999ms)), "b");
   EXPECT_EQ(pair.client.open(c, TimePoint(11s)), "UNKNOWN_PATH");
-}
-
-TEST(Rekey, NewLeaseForgetsOldKeys) {
-  ChannelPair pair;
-  const ByteVector old = pair.client.seal(kProxy, "old");
-  pair.server.channel.rekey(test_keys(2), OldKeys::kForget);
-  EXPECT_EQ(pair.server.open(old), "UNKNOWN_PATH");
-  pair.client.channel.rekey(test_keys(2), OldKeys::kForget);
-  EXPECT_EQ(pair.server.open(pair.client.seal(kProxy, "new")), "new");
 }
 
 /// A datagram under `keys` whose number is past the half of what a key bears.
@@ -199,7 +190,7 @@ TEST(Rekey, LeapingNumbersRekeyOncePerMinute) {
   EXPECT_FALSE(server.channel.wants_rekey(now));
   ASSERT_EQ(server.open(leap(test_keys(1)), now), "leap");
   EXPECT_TRUE(server.channel.wants_rekey(now));
-  server.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  server.channel.rekey(test_keys(2));
   EXPECT_FALSE(server.channel.wants_rekey(now));  // handed out, not used yet
   ASSERT_EQ(server.open(leap(test_keys(2)), now), "leap");
   EXPECT_FALSE(server.channel.wants_rekey(now));
@@ -217,13 +208,13 @@ TEST(Rekey, ChannelKnowsItsPathIds) {
     return ids;
   };
   EXPECT_EQ(known(TimePoint(9s)), "1");
-  pair.server.channel.rekey(test_keys(2), OldKeys::kFadeOut);
-  pair.client.channel.rekey(test_keys(2), OldKeys::kFadeOut);
+  pair.server.channel.rekey(test_keys(2));
+  pair.client.channel.rekey(test_keys(2));
   EXPECT_EQ(known(TimePoint(10s)), "12");
   ASSERT_EQ(pair.server.open(pair.client.seal(kProxy, "new"), TimePoint(10s)), "new");
   EXPECT_EQ(known(TimePoint(10'999ms)), "12");
   EXPECT_EQ(known(TimePoint(11s)), "2");
-  pair.server.channel.rekey(test_keys(3), OldKeys::kFadeOut);
+  pair.server.channel.rekey(test_keys(3));
   EXPECT_EQ(known(TimePoint(12s)), "23");
 }
 

@@ -40,7 +40,7 @@ struct LinkEnd {
     note(received.change);
     if (!received.message) return;
     ++messages;
-    newest_message = std::max(newest_message, wire::get_u64(*received.message));
+    newest_message = std::max(newest_message, wire::get<std::uint64_t>(*received.message));
   }
 
   void step() {

@@ -13,10 +13,7 @@ struct evp_cipher_ctx_st;
 
 namespace haptic::wire {
 
-struct CipherDeleter {
-  void operator()(evp_cipher_ctx_st* context) const noexcept;
-};
-using Cipher = std::unique_ptr<evp_cipher_ctx_st, CipherDeleter>;
+using Cipher = std::unique_ptr<evp_cipher_ctx_st, void (*)(evp_cipher_ctx_st*)>;
 
 /// What a direction sends. Not thread-safe.
 class Sealer {

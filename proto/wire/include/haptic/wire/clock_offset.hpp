@@ -49,11 +49,6 @@ class ClockOffset {
   [[nodiscard]] static bool agrees(const ClockExchange& exchange,
                                    const Estimate& estimate) noexcept;
 
-  /// When, by our clock, theirs showed `reading`, at the latest: the estimate and its bound. A
-  /// sample's life may be counted from there if that is earlier than its arrival
-  /// (proto/README.md#staleness-and-gain).
-  [[nodiscard]] std::optional<TimePoint> latest(Duration reading, TimePoint now) const noexcept;
-
   /// How often the estimate started again.
   [[nodiscard]] unsigned steps() const noexcept { return steps_; }
 
@@ -65,7 +60,7 @@ class ClockOffset {
   };
   /// What an exchange proves; none if it cannot be.
   [[nodiscard]] static std::optional<Point> proof(const ClockExchange& exchange) noexcept;
-  [[nodiscard]] bool contradicts(const Point& point) const noexcept;
+  [[nodiscard]] static bool agrees(const Point& point, const Estimate& estimate) noexcept;
   void keep(const Point& point) noexcept;
   void fit() noexcept;
 

@@ -8,6 +8,7 @@
 /// numbers begin with 1 under every set of keys and never repeat.
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -68,9 +69,17 @@ struct HeaderReading {
 void write_header(const Header& header, std::span<std::uint8_t, kHeaderSize> out) noexcept;
 
 /// Big-endian numbers, `out` and `in` at least as long as the number.
-void put(std::uint32_t value, Bytes out) noexcept;
-void put(std::uint64_t value, Bytes out) noexcept;
-[[nodiscard]] std::uint32_t get_u32(ConstBytes in) noexcept;
-[[nodiscard]] std::uint64_t get_u64(ConstBytes in) noexcept;
+template <std::integral Number>
+void put(Number value, Bytes out) noexcept {
+  for (std::size_t i = sizeof(Number); i-- > 0; value = static_cast<Number>(value >> 8)) {
+    out[i] = static_cast<std::uint8_t>(value & 0xFF);
+  }
+}
+template <std::integral Number>
+[[nodiscard]] Number get(ConstBytes in) noexcept {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < sizeof(Number); ++i) value = value << 8U | in[i];
+  return static_cast<Number>(value);
+}
 
 }  // namespace haptic::wire

@@ -61,13 +61,12 @@ class PathEnd {
   /// Tells the other end that this end leaves the path, and sends no more.
   void close();
 
-  void rekey(const PathKeys& next, OldKeys old);
+  void rekey(const PathKeys& next);
   [[nodiscard]] bool wants_rekey(TimePoint now) const noexcept { return channel_.wants_rekey(now); }
   /// Datagrams of this path id are this end's.
   [[nodiscard]] bool knows(std::uint32_t path_id, TimePoint now) noexcept {
     return channel_.knows(path_id, now);
   }
-  [[nodiscard]] bool rekeying() const noexcept { return channel_.rekeying(); }
 
   [[nodiscard]] bool in_use() const noexcept { return machine_.in_use(); }
   /// In use, but answers are overdue: see PathMachine.
@@ -83,6 +82,7 @@ class PathEnd {
 
  private:
   void seal_and_send(DatagramType type, ConstBytes payload, const PeerAddress& to);
+  void follow_keys();
   void count(const Header& header, std::size_t size, TimePoint arrival);
   [[nodiscard]] bool left_before(const Header& header) const noexcept;
   void answer(const PathChallenge& challenge, std::size_t size, const PeerAddress& to,

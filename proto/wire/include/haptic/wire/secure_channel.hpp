@@ -4,8 +4,8 @@
 /// Rekey, make-before-break. The server hands new keys out on the stream and goes on sending with
 /// the old ones until a datagram under the new ones came: the client has them then. The client
 /// sends with the new ones from the moment it has them. What was under way under the old keys is
-/// still opened for one second after the new ones were seen in use, or not at all if a new lease
-/// must not hear an old one.
+/// still opened for one second after the new ones were seen in use. A new lease gets a path of its
+/// own, not new keys.
 
 #include <optional>
 
@@ -15,7 +15,6 @@
 namespace haptic::wire {
 
 enum class End : std::uint8_t { kClient, kServer };
-enum class OldKeys : std::uint8_t { kFadeOut, kForget };
 
 /// Not thread-safe.
 class SecureChannel {
@@ -29,7 +28,7 @@ class SecureChannel {
   SecureChannel(End end, const PathKeys& keys);
 
   /// `next` has a path id of its own.
-  void rekey(const PathKeys& next, OldKeys old);
+  void rekey(const PathKeys& next);
 
   /// As Sealer::seal.
   [[nodiscard]] std::size_t seal(DatagramType type, ConstBytes payload, Bytes out) noexcept;

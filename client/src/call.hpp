@@ -1,14 +1,19 @@
 #pragma once
-/// A call of the service that waits for its answer.
+/// Calls of the service that wait for their answer, and how their errors become ClientError.
 
 #include <grpcpp/grpcpp.h>
 
 #include <chrono>
 
-#include "error_mapping.hpp"
+#include "haptic/client/error.hpp"
 #include "haptic/v1/haptic_service.grpc.pb.h"
 
 namespace haptic::client {
+
+/// By the status and the google.rpc details in it.
+[[nodiscard]] ClientError to_error(const grpc::Status& status);
+/// Throws if the call failed.
+void check(const grpc::Status& status);
 
 using Stub = v1::HapticService::Stub;
 

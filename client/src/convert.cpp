@@ -2,21 +2,8 @@
 
 namespace haptic::client {
 
-namespace {
-
-std::vector<double> list(const google::protobuf::RepeatedField<double>& field) {
-  return {field.begin(), field.end()};
-}
-
-}  // namespace
-
 std::chrono::nanoseconds to_duration(const google::protobuf::Duration& message) {
   return std::chrono::seconds(message.seconds()) + std::chrono::nanoseconds(message.nanos());
-}
-
-void set_duration(std::chrono::nanoseconds value, google::protobuf::Duration& message) {
-  message.set_seconds(value.count() / 1'000'000'000);
-  message.set_nanos(static_cast<int>(value.count() % 1'000'000'000));
 }
 
 Event to_event(const v1::Event& m) {
@@ -38,11 +25,11 @@ DeviceInfo to_info(const v1::Device& m) {
         {dof.name(), dof.unit(), dof.actuated(), dof.lower(), dof.upper(), dof.max_effort()});
   }
   for (const auto& c : m.coordinates()) d.coordinates.push_back({c.name(), c.unit(), c.kind()});
-  d.stiffness_limit = list(m.stiffness_limit());
-  d.damping_limit = list(m.damping_limit());
-  d.force_limit = list(m.force_limit());
-  d.slew_limit = list(m.slew_limit());
-  d.engage_window = list(m.engage_window());
+  d.stiffness_limit = to_vector(m.stiffness_limit());
+  d.damping_limit = to_vector(m.damping_limit());
+  d.force_limit = to_vector(m.force_limit());
+  d.slew_limit = to_vector(m.slew_limit());
+  d.engage_window = to_vector(m.engage_window());
   d.loop_rate_hz = m.loop_rate_hz();
   d.state = static_cast<Lifecycle>(m.state());
   d.faults = m.faults();
@@ -90,10 +77,10 @@ v1::UpdateSettingsRequest to_request(const Settings& settings) {
 
 AppliedSettings to_settings(const v1::UpdateSettingsResponse& m) {
   AppliedSettings s;
-  s.applied = {list(m.stiffness()),
-               list(m.damping()),
-               list(m.force_limit()),
-               list(m.slew_limit()),
+  s.applied = {to_vector(m.stiffness()),
+               to_vector(m.damping()),
+               to_vector(m.force_limit()),
+               to_vector(m.slew_limit()),
                static_cast<Renderer>(m.renderer()),
                m.direction_guard()};
   for (const auto& clamp : m.clamped()) {

@@ -1,5 +1,5 @@
 #pragma once
-/// The library's types from messages, and the other way round.
+/// The library's types from messages, and settings to a message.
 
 #include "haptic/client/link.hpp"
 #include "haptic/client/session.hpp"
@@ -11,7 +11,6 @@ namespace haptic::client {
 
 /// `received` is now.
 [[nodiscard]] DeviceState to_state(const v1::DeviceState& message);
-[[nodiscard]] v1::DeviceState to_message(const DeviceState& state);
 [[nodiscard]] Event to_event(const v1::Event& message);
 [[nodiscard]] DeviceInfo to_info(const v1::Device& message);
 [[nodiscard]] ServerInfo to_info(const v1::GetServerInfoResponse& message);
@@ -19,6 +18,9 @@ namespace haptic::client {
 [[nodiscard]] v1::UpdateSettingsRequest to_request(const Settings& settings);
 [[nodiscard]] AppliedSettings to_settings(const v1::UpdateSettingsResponse& message);
 [[nodiscard]] std::chrono::nanoseconds to_duration(const google::protobuf::Duration& message);
-void set_duration(std::chrono::nanoseconds value, google::protobuf::Duration& message);
+template <typename Number>
+[[nodiscard]] std::vector<Number> to_vector(const google::protobuf::RepeatedField<Number>& field) {
+  return {field.begin(), field.end()};
+}
 
 }  // namespace haptic::client

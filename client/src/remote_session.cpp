@@ -2,6 +2,7 @@
 
 #include "remote_session.hpp"
 
+#include <google/protobuf/util/time_util.h>
 #include <pthread.h>
 
 #include "convert.hpp"
@@ -77,9 +78,10 @@ v1::OpenSession RemoteSession::opening() const {
   open.set_resumable(resumable());
   if (resumable() && !force_.owes_release()) open.set_resume(opened_.session_id());
   open.set_udp_wanted(options_.carriers != Carriers::kGrpcOnly && !options_.tracker);
-  if (options_.fresh_end) set_duration(*options_.fresh_end, *open.mutable_fresh_end());
-  if (options_.hold_end) set_duration(*options_.hold_end, *open.mutable_hold_end());
-  if (options_.fade_end) set_duration(*options_.fade_end, *open.mutable_fade_end());
+  const auto to_message = google::protobuf::util::TimeUtil::NanosecondsToDuration;
+  if (options_.fresh_end) *open.mutable_fresh_end() = to_message(options_.fresh_end->count());
+  if (options_.hold_end) *open.mutable_hold_end() = to_message(options_.hold_end->count());
+  if (options_.fade_end) *open.mutable_fade_end() = to_message(options_.fade_end->count());
   return open;
 }
 

@@ -13,7 +13,7 @@
 #include <thread>
 
 #include "call.hpp"
-#include "callback_scope.hpp"
+#include "callback.hpp"
 #include "force.hpp"
 #include "haptic/client/session.hpp"
 #include "newest_state.hpp"
@@ -24,7 +24,7 @@ namespace haptic::client {
 
 class UdpCarrier;
 
-class RemoteSession final : public Session, public StreamSink {
+class RemoteSession final : public Session {
  public:
   /// `address`: what the channel was made of.
   RemoteSession(std::shared_ptr<grpc::Channel> channel, const std::string& address,
@@ -50,17 +50,34 @@ class RemoteSession final : public Session, public StreamSink {
   [[nodiscard]] const DeviceInfo& device() const override { return device_; }
   void close() override;
 
+  // For Stream, on gRPC's threads (session_receive.cpp).
+  /// One at a time; does not block.
+  void on_message(const v1::SessionResponse& message);
+  /// Follows on_message(): tells the user. If delivers_quickly() was false, the next message is
+  /// being read meanwhile, and calls may overlap.
+  void deliver();
+  /// Whether deliver() returns so soon that the next read may wait for it. To start that read first
+  /// costs the user's callback as much time as waking a thread.
+  [[nodiscard]] bool delivers_quickly() const;
+  /// A sample was handed to gRPC; `replaced` samples before it gave way to newer ones.
+  void on_sent(std::uint64_t replaced);
+  void on_done(const grpc::Status& status);
+
  private:
   using Clock = std::chrono::steady_clock;
   using Lock = std::unique_lock<std::mutex>;
   /// One of the two threads that call the user.
   struct Caller {
-    bool on_grpc_thread{false};
+    CallbackThread thread{CallbackThread::kOwn};
     bool busy{false};
   };
-  /// One Engage or Release in flight; owns what gRPC writes to.
+  /// One Engage or Release in the background; owns what gRPC writes to.
   template <typename Request, typename Response>
   struct ForceCall {
+    explicit ForceCall(const std::string& session_id) {
+      request.set_session_id(session_id);
+      context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(1));
+    }
     grpc::ClientContext context;
     Request request;
     Response response;
@@ -69,11 +86,6 @@ class RemoteSession final : public Session, public StreamSink {
   using ReleaseCall = ForceCall<v1::ReleaseRequest, v1::ReleaseResponse>;
 
   // session_receive.cpp
-  void on_message(const v1::SessionResponse& message) override;
-  void deliver() override;
-  [[nodiscard]] bool delivers_quickly() const override;
-  void on_sent(std::uint64_t replaced) override;
-  void on_done(const grpc::Status& status) override;
   void received(const v1::SessionOpened& opened);
   void received(const v1::DeviceState& state);
   void received(const v1::Event& event);
@@ -148,7 +160,7 @@ class RemoteSession final : public Session, public StreamSink {
   std::shared_ptr<EngageCall> engage_call_;
   std::shared_ptr<ReleaseCall> release_call_;
 
-  Caller on_state_{true}, on_event_or_end_{};
+  Caller on_state_{CallbackThread::kGrpc}, on_event_or_end_{};
   int quick_in_a_row_{0};  ///< calls of on_state
   std::thread worker_;
 };
@@ -159,11 +171,7 @@ void RemoteSession::call_user(Lock& lock, Caller& caller, const Callback& callba
   if (!callback || reconnection_.closed()) return;
   caller.busy = true;
   lock.unlock();
-  try {
-    const CallbackScope scope(caller.on_grpc_thread);
-    callback(arguments...);
-  } catch (...) {  // NOLINT(bugprone-empty-catch): the contract: no exception crosses a callback
-  }
+  call_back(caller.thread, callback, arguments...);
   lock.lock();
   caller.busy = false;
   changed_.notify_all();  // close() may wait for this

@@ -4,10 +4,9 @@
 #include <mutex>
 #include <utility>
 
-#include "callback_scope.hpp"
+#include "call.hpp"
+#include "callback.hpp"
 #include "convert.hpp"
-#include "error_mapping.hpp"
-#include "haptic/v1/haptic_service.grpc.pb.h"
 
 namespace haptic::client {
 
@@ -54,11 +53,11 @@ class RemoteWatch final : public Watch, public grpc::ClientReadReactor<v1::Watch
       const std::lock_guard lock(mutex_);
       conflated_ = response_.conflated();
     }
-    try {
-      const CallbackScope scope(true);
-      if (response_.has_state() && on_state_) on_state_(to_state(response_.state()));
-      if (response_.has_event() && on_event_) on_event_(to_event(response_.event()));
-    } catch (...) {  // NOLINT(bugprone-empty-catch): the contract: no exception crosses a callback
+    if (response_.has_state() && on_state_) {
+      call_back(CallbackThread::kGrpc, on_state_, to_state(response_.state()));
+    }
+    if (response_.has_event() && on_event_) {
+      call_back(CallbackThread::kGrpc, on_event_, to_event(response_.event()));
     }
     StartRead(&response_);
   }
@@ -70,7 +69,7 @@ class RemoteWatch final : public Watch, public grpc::ClientReadReactor<v1::Watch
   }
 
   std::shared_ptr<grpc::Channel> channel_;
-  std::unique_ptr<v1::HapticService::Stub> stub_;
+  std::unique_ptr<Stub> stub_;
   std::function<void(const DeviceState&)> on_state_;
   std::function<void(const Event&)> on_event_;
   grpc::ClientContext context_;

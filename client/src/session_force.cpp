@@ -4,13 +4,6 @@
 
 namespace haptic::client {
 
-namespace {
-
-constexpr std::chrono::milliseconds kForceAnswer{
-    1000};  ///< to Engage and Release in the background
-
-}  // namespace
-
 void RemoteSession::engage() {
   v1::EngageRequest request;
   request.set_session_id(session_id());
@@ -51,10 +44,7 @@ void RemoteSession::release() {
 void RemoteSession::send_release(Lock& lock) {
   force_.owe_release(!reconnection_.open() || release_call_ != nullptr);
   if (force_.owes_release()) return;  // later, by the worker
-  auto release = std::make_shared<ReleaseCall>();
-  release->request.set_session_id(opened_.session_id());
-  release->context.set_deadline(std::chrono::system_clock::now() + kForceAnswer);
-  release_call_ = release;
+  const auto release = release_call_ = std::make_shared<ReleaseCall>(opened_.session_id());
   lock.unlock();
   stub_->async()->Release(&release->context, &release->request, &release->response,
                           [this, release](const grpc::Status&) {
@@ -78,10 +68,7 @@ RemoteSession::Clock::time_point RemoteSession::engage_due() const {
 }
 
 void RemoteSession::send_engage(Lock& lock) {
-  auto engage = std::make_shared<EngageCall>();
-  engage->request.set_session_id(opened_.session_id());
-  engage->context.set_deadline(std::chrono::system_clock::now() + kForceAnswer);
-  engage_call_ = engage;
+  const auto engage = engage_call_ = std::make_shared<EngageCall>(opened_.session_id());
   force_.asked();
   lock.unlock();
   stub_->async()->Engage(&engage->context, &engage->request, &engage->response,

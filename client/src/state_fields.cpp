@@ -1,7 +1,7 @@
 #include "haptic/client/state_fields.hpp"
 
-#include "convert.hpp"
 #include "haptic/schema/fields.hpp"
+#include "haptic/v1/session.pb.h"
 
 namespace haptic::client {
 namespace {
@@ -63,7 +63,9 @@ std::vector<StateField> state_fields(const DeviceInfo& device, const DeviceState
   for (const DegreeOfFreedom& dof : device.dofs) labels.add_dof({dof.name, dof.unit}, dof.actuated);
   for (const VirtualCoordinate& c : device.coordinates)
     labels.coordinates.push_back({c.name, c.unit});
-  return fields_of(to_message(state), labels);
+  v1::DeviceState message;
+  message.ParseFromString(state.message);
+  return fields_of(message, labels);
 }
 
 }  // namespace haptic::client

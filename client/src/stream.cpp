@@ -1,5 +1,7 @@
 #include "stream.hpp"
 
+#include "remote_session.hpp"
+
 namespace haptic::client {
 
 void Stream::start(const v1::OpenSession& open) {
@@ -44,7 +46,7 @@ void Stream::OnWriteDone(bool ok) {
     if (!ok) break_off();
     write(written.next);
   }
-  if (written.sample) sink_.on_sent(written.replaced);
+  if (written.sample) session_.on_sent(written.replaced);
 }
 
 void Stream::OnReadDone(bool ok) {
@@ -54,15 +56,15 @@ void Stream::OnReadDone(bool ok) {
     RemoveHold();
     return;
   }
-  sink_.on_message(incoming_);
-  const bool at_once = sink_.delivers_quickly();
-  if (at_once) sink_.deliver();
+  session_.on_message(incoming_);
+  const bool at_once = session_.delivers_quickly();
+  if (at_once) session_.deliver();
   {
     const std::lock_guard lock(mutex_);
     StartRead(&incoming_);  // of a broken stream too: the read that fails gives the hold back
   }
   // gRPC counts this reaction until it returns: OnDone, and so the destructor, wait for it.
-  if (!at_once) sink_.deliver();
+  if (!at_once) session_.deliver();
 }
 
 void Stream::cancel() {
@@ -72,7 +74,7 @@ void Stream::cancel() {
 }
 
 void Stream::OnDone(const grpc::Status& status) {
-  sink_.on_done(status);
+  session_.on_done(status);
   const std::lock_guard lock(mutex_);
   state_ = State::kDone;
   changed_.notify_all();

@@ -12,27 +12,12 @@
 
 namespace haptic::client {
 
-/// Receives what happens on a stream. Called on gRPC's threads.
-class StreamSink {
- public:
-  virtual ~StreamSink() = default;
-  /// One at a time; must not block.
-  virtual void on_message(const v1::SessionResponse& message) = 0;
-  /// Follows on_message(): tells the user. If delivers_quickly() was false the next message is
-  /// being read meanwhile, and calls may overlap.
-  virtual void deliver() = 0;
-  /// Whether deliver() returns so soon that the next read may wait for it. To start that read first
-  /// costs the user's callback as much time as waking a thread.
-  [[nodiscard]] virtual bool delivers_quickly() const = 0;
-  /// A sample was handed to gRPC; `replaced` samples before it gave way to newer ones.
-  virtual void on_sent(std::uint64_t replaced) = 0;
-  virtual void on_done(const grpc::Status& status) = 0;
-};
+class RemoteSession;
 
 class Stream final : public grpc::ClientBidiReactor<v1::SessionRequest, v1::SessionResponse> {
  public:
-  /// `stub` and `sink` must outlive the stream.
-  Stream(v1::HapticService::Stub& stub, StreamSink& sink) : stub_(stub), sink_(sink) {}
+  /// `stub` and `session`, which is told what happens, must outlive the stream.
+  Stream(v1::HapticService::Stub& stub, RemoteSession& session) : stub_(stub), session_(session) {}
   ~Stream() override { end(); }
 
   void start(const v1::OpenSession& open);
@@ -61,7 +46,7 @@ class Stream final : public grpc::ClientBidiReactor<v1::SessionRequest, v1::Sess
   void break_off();
 
   v1::HapticService::Stub& stub_;
-  StreamSink& sink_;
+  RemoteSession& session_;
   grpc::ClientContext context_;
   /// Recursive: gRPC may call back from inside StartWrite on the same thread.
   std::recursive_mutex mutex_;

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "client/src/convert.hpp"
 #include "haptic/client/state_fields.hpp"
 
 namespace haptic::ctl {
@@ -24,19 +25,31 @@ client::DeviceInfo slider() {
 }
 
 /// Every field is present.
+v1::DeviceState full_message() {
+  v1::DeviceState message;
+  message.set_mode(v1::PROXY_MODE_FREE);
+  message.mutable_passivity();
+  message.mutable_tracker()->set_seq_used(7);
+  message.mutable_certificate();
+  v1::CouplingBlock& block = *message.add_coupling_metric();
+  block.set_coordinates(2);
+  for (const double value : {1.0, 0.5, 2.0}) block.add_lower(value);
+  message.add_actuator_limiters(6);
+  for (auto* actuated :
+       {message.mutable_q_dot(), message.mutable_tau_a(), message.mutable_tau_elastic()}) {
+    actuated->Add(5.0);
+  }
+  const auto& reflection = *message.GetReflection();
+  for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+    const auto* const field = message.GetDescriptor()->field(i);
+    if (!field->is_repeated() || reflection.FieldSize(message, field) > 0) continue;
+    for (const double value : {0.125, -2.5}) reflection.AddDouble(&message, field, value);
+  }
+  return message;
+}
+
 client::DeviceState full_state() {
-  client::DeviceState state;
-  state.passivity.emplace();
-  state.tracker.emplace().seq_used = 7;
-  state.certificate.emplace();
-  state.coupling_metric = {{2, {1.0, 0.5, 2.0}}};
-  client::DeviceState::for_each(state, [](const char*, auto& member) {
-    using Member = std::remove_reference_t<decltype(member)>;
-    if constexpr (std::is_same_v<Member, std::vector<double>>) member = {0.125, -2.5};
-    if constexpr (std::is_same_v<Member, std::vector<std::uint32_t>>) member = {6};
-  });
-  for (auto* actuated : {&state.q_dot, &state.tau_a, &state.tau_elastic}) *actuated = {5.0};
-  return state;
+  return client::to_state(full_message());
 }
 
 std::string shown(const client::DeviceState& state, std::size_t width) {
@@ -72,11 +85,12 @@ TEST(Table, KeepsWithinItsWidth) {
 }
 
 TEST(Table, AbsentFieldsHaveNoColumn) {
-  client::DeviceState state = full_state();
-  state.temperature_c.clear();
-  state.passivity.reset();
-  EXPECT_THAT(shown(state, 100), testing::Not(HasSubstr("temperature_c")));
-  EXPECT_THAT(shown(state, 100), testing::Not(HasSubstr("passivity")));
+  v1::DeviceState message = full_message();
+  message.clear_temperature_c();
+  message.clear_passivity();
+  const std::string all = shown(client::to_state(message), 100);
+  EXPECT_THAT(all, testing::Not(HasSubstr("temperature_c")));
+  EXPECT_THAT(all, testing::Not(HasSubstr("passivity")));
 }
 
 TEST(Line, NamesEachDof) {
@@ -99,10 +113,10 @@ TEST(JsonLine, HasEveryFieldOfAState) {
 }
 
 TEST(JsonLine, AbsentMessagesAndNansAreNull) {
-  client::DeviceState state = full_state();
-  state.passivity.reset();
-  state.temperature_c = {std::nan("")};
-  const auto json = nlohmann::json::parse(json_line(slider(), state, 3));
+  v1::DeviceState message = full_message();
+  message.clear_passivity();
+  message.set_temperature_c(0, std::nan(""));
+  const auto json = nlohmann::json::parse(json_line(slider(), client::to_state(message), 3));
   EXPECT_TRUE(json["passivity"].is_null());
   EXPECT_TRUE(json["temperature_c"][0].is_null());
 }

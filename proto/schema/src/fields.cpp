@@ -21,18 +21,6 @@ void append_number(Number number, std::string& text) {
   text.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);
 }
 
-/// Calls `f(name)` for every bit that is set; without a name its number is the name.
-template <typename F>
-void for_each_bit(const pb::FieldDescriptor& field, std::uint32_t bits, F f) {
-  std::string_view names = field.options().GetExtension(v1::bits);
-  for (std::uint32_t bit = 0; bits >> bit != 0 && bit < 32; ++bit) {
-    const std::string_view name = names.substr(0, names.find(' '));
-    names.remove_prefix(std::min(names.size(), name.size() + 1));
-    if ((bits >> bit & 1U) == 0) continue;
-    f(name.empty() || name == "-" ? std::to_string(bit) : std::string(name));
-  }
-}
-
 }  // namespace
 
 void Labels::add_dof(Label label, bool is_actuated) {
@@ -110,12 +98,10 @@ void append_value(const pb::Message& held, const pb::FieldDescriptor& field, int
       const std::uint32_t value =
           repeated ? r.GetRepeatedUInt32(held, &field, index) : r.GetUInt32(held, &field);
       if (!field.options().HasExtension(v1::bits)) return append_number(value, text);
-      bool first = true;
-      for_each_bit(field, value, [&](const std::string& name) {
-        if (!first) text += '|';
-        text += name;
-        first = false;
-      });
+      const std::size_t before = text.size();
+      for (const std::string& name : bit_names(field, value)) {
+        text += (text.size() == before ? "" : "|") + name;
+      }
       return;
     }
     case pb::FieldDescriptor::CPPTYPE_MESSAGE:
@@ -144,8 +130,14 @@ std::string value_text(const pb::EnumDescriptor& type, int number) {
 }
 
 std::vector<std::string> bit_names(const pb::FieldDescriptor& field, std::uint32_t bits) {
+  std::string_view known = field.options().GetExtension(v1::bits);
   std::vector<std::string> names;
-  for_each_bit(field, bits, [&](std::string name) { names.push_back(std::move(name)); });
+  for (std::uint32_t bit = 0; bits >> bit != 0 && bit < 32; ++bit) {
+    const std::string_view name = known.substr(0, known.find(' '));
+    known.remove_prefix(std::min(known.size(), name.size() + 1));
+    if ((bits >> bit & 1U) == 0) continue;
+    names.push_back(name.empty() || name == "-" ? std::to_string(bit) : std::string(name));
+  }
   return names;
 }
 

@@ -28,7 +28,8 @@ struct StateField {
   std::vector<std::vector<StateField>> messages{};
 };
 
-/// Every field that the protocol has, in its order.
+/// Every field that the protocol has, in its order: the values of `state.message`, which a state
+/// that the library delivered has. Without it all fields have the value 0, or none.
 [[nodiscard]] std::vector<StateField> state_fields(const DeviceInfo& device,
                                                    const DeviceState& state);
 

@@ -1,4 +1,4 @@
-#include "error_mapping.hpp"
+#include "call.hpp"
 
 #include <map>
 

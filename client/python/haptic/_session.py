@@ -60,7 +60,8 @@ class Session:
             self._opened = self._open()
             self._udp = self._open_udp(address)
         except BaseException:  # the caller gets no session to close: give the lease back now
-            self._end_stream()
+            self._stop()
+            self._call.cancel()
             raise
         self._reader = threading.Thread(target=self._read, name="haptic session", daemon=True)
         self._reader.start()
@@ -73,21 +74,19 @@ class Session:
 
     def close(self) -> None:
         """Ends the session: force fades out and the lease ends. Idempotent."""
-        with self._changed:
-            if self._closing:
-                return
-            self._closing = True
-            self._changed.notify_all()
+        if not self._stop():
+            return
         if self._udp is not None:
             self._udp.close()
         self._reader.join(timeout=1.0)
         self._call.cancel()
 
-    def _end_stream(self) -> None:
+    def _stop(self) -> bool:
+        """Ends the thread that sends, and every wait; False if that was done before."""
         with self._changed:
-            self._closing = True
+            first, self._closing = not self._closing, True
             self._changed.notify_all()
-        self._call.cancel()
+            return first
 
     # What goes up.
 
@@ -106,9 +105,8 @@ class Session:
                 device_seq_used=self._state.seq if self._state else 0,
                 planes=[wire.Plane(normal=n, offset=b) for n, b in proxy.planes])
             self._newest = sample
-            if self._udp is not None and self._udp.send(sample.SerializeToString()):
-                return self._seq
-            self._offer(wire.SessionRequest(proxy=sample))
+            if self._udp is None or not self._udp.send(sample.SerializeToString()):
+                self._offer(wire.SessionRequest(proxy=sample))
             return self._seq
 
     def publish_pose(self, pose: Pose) -> int:
@@ -275,24 +273,18 @@ class Session:
             self._udp.rekey(response.udp)
         with self._changed:
             if response.HasField("state"):
-                self._newest_state(response.state)
+                if self._state is None or response.state.seq > self._state.seq:
+                    self._state = DeviceState.of(response.state)
             elif response.HasField("event"):
                 self._events.append(Event.of(response.event))
             elif response.HasField("ack"):
                 self._ack = response.ack
             self._changed.notify_all()
 
-    def _newest_state(self, state: wire.DeviceState) -> None:
-        if self._state is None or state.seq > self._state.seq:
-            self._state = DeviceState.of(state)
-
     # The UDP path's calls, on its thread.
 
     def _on_udp_state(self, payload: bytes) -> None:
-        state = wire.DeviceState.FromString(payload)
-        with self._changed:
-            self._newest_state(state)
-            self._changed.notify_all()
+        self._take(wire.SessionResponse(state=wire.DeviceState.FromString(payload)))
 
     def _on_udp_late(self) -> None:
         """The newest sample may be lost: it goes by the stream too, under the same number."""

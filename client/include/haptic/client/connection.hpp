@@ -17,32 +17,33 @@
 
 namespace haptic::client {
 
-/// Address of a hapticd on this host that listens where it does by default, "127.0.0.1:PORT".
+/// "127.0.0.1:PORT": a hapticd that runs on this host with its default port.
 extern const char* const kDefaultServer;
 
-/// TLS to the server. Files are in PEM form; each is read when the connection is made.
+/// How to connect with TLS. The files are in PEM format; Connection's constructor reads them.
 struct TlsOptions {
-  std::string ca_file{};  ///< of the issuer of the server's certificate; empty: the system's list
+  /// Certificate of the authority that issued the server's; empty: those that the system trusts.
+  std::string ca_file{};
   std::string certificate_file{};  ///< of this client, if the server asks for one
-  std::string key_file{};          ///< belongs to certificate_file
-  /// The name that the server's certificate must have; empty: that of the address.
+  std::string key_file{};          ///< private key of certificate_file
+  /// The name that the server's certificate must have; empty: the host in the address.
   std::string server_name{};
 };
 
 class Connection {
  public:
-  /// `address`: "host:port" or "unix:/path". In plain text, which hapticd accepts from its own host
-  /// only. Does not wait for the server.
+  /// Connects without TLS, which hapticd accepts only from programs on its own host. `address` is
+  /// "host:port" or "unix:/path". Returns at once, whether or not a server runs there.
   explicit Connection(const std::string& address);
-  /// The same by TLS. Throws kInvalidArgument and names the file that cannot be read.
+  /// The same with TLS. Throws kInvalidArgument if a file cannot be read, and names it.
   Connection(const std::string& address, const TlsOptions& tls);
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
   [[nodiscard]] ServerInfo server_info(std::chrono::milliseconds timeout = std::chrono::seconds(5));
-  /// Whether the device is open and the loop is on time, as gRPC's health service says it. `device`
-  /// empty: the server as a whole.
+  /// Whether the device is open and the 1 kHz loop is on time, by gRPC's health service. If
+  /// `device` is empty, of the server as a whole.
   [[nodiscard]] bool healthy(const std::string& device = {},
                              std::chrono::milliseconds timeout = std::chrono::seconds(5));
   [[nodiscard]] std::vector<DeviceInfo> devices(
@@ -52,13 +53,13 @@ class Connection {
   /// the device. The session may outlive the connection.
   [[nodiscard]] std::unique_ptr<Session> open(SessionOptions options);
 
-  /// States and events of a device without a session, until the Watch is destroyed. `rate_hz` is
-  /// that of the states; 0: the server's default.
+  /// Calls on_state and on_event until the returned Watch is destroyed. `rate_hz`: how many states
+  /// per second; 0: the server's default.
   [[nodiscard]] std::unique_ptr<Watch> watch(const std::string& device, double rate_hz,
                                              std::function<void(const DeviceState&)> on_state,
                                              std::function<void(const Event&)> on_event = {});
 
-  /// How the links of the open sessions are. `device` empty: of all sessions.
+  /// Network figures of the open sessions of `device`, or of all sessions if it is empty.
   [[nodiscard]] LinkReport links(const std::string& device = {});
 
   /// Stops `device`, or all devices if it is empty: zero force at once, and the fault
@@ -66,8 +67,8 @@ class Connection {
   /// now.
   std::vector<std::string> emergency_stop(const std::string& device = {},
                                           const std::string& reason = {});
-  /// Clears faults by number (fault_names() in state.hpp); `faults` empty: all that are active.
-  /// Returns what was cleared. Throws kNotReady if a cause persists.
+  /// Clears latched faults. `faults` are bit numbers of DeviceState::faults; empty: all that are
+  /// active. Returns those that were cleared. Throws kNotReady if the cause of one persists.
   std::vector<std::uint32_t> clear_fault(const std::string& device = {},
                                          const std::vector<std::uint32_t>& faults = {});
 

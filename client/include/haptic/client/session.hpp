@@ -9,9 +9,9 @@
 /// Threads. Every member may be called from any thread. Three callbacks run on the library's
 /// threads:
 /// - on_state runs on the thread that received the state, so that it is called without delay. Copy
-///   what you need and return: while it runs, newer states replace each other, and it gets the
-///   newest next. A step of a simulation belongs in a loop of its own, with wait_for_state().
-/// - on_event and on_disconnect share one thread and may take their time; events wait in order.
+///   what you need and return. States that arrive while it runs are not queued: it is called next
+///   with the newest of them. Run the simulation in a loop of your own, with wait_for_state().
+/// - on_event and on_disconnect share one thread and may take their time: events are queued.
 ///
 /// No callback runs twice at once, but on_state may run at the same time as one of the other two.
 /// A callback may call every member but wait_for_state() (in on_state), and must not destroy the
@@ -33,15 +33,16 @@ namespace haptic::client {
 /// Behaviour of a session that loses its stream.
 enum class Reconnect : std::uint8_t {
   kNever,  ///< the session ends
-  /// It opens another stream: at once, then after 0.1, 0.2, 0.4 ... 2 s, until the server refuses
-  /// for a reason that no waiting changes. If the lease has not expired by then, the session is
-  /// resumed: force, settings and sample numbers go on (event LEASE_RESUMED). Otherwise it begins
-  /// anew (event LEASE_GRANTED) without force. A session whose lease expired or was preempted
-  /// begins anew with the next sample that is published.
+  /// The session opens another stream: at once, then after 0.1, 0.2, 0.4 ... 2 s. It gives up when
+  /// the server refuses for a reason that waiting does not change, such as a wrong argument. If the
+  /// lease has not expired by then, the session is resumed: force, settings and sample numbers go
+  /// on (event LEASE_RESUMED). Otherwise it starts again with a new lease and without force (event
+  /// LEASE_GRANTED). After a lease expired or was preempted, the next published sample starts it
+  /// again.
   kWithBackoff
 };
 
-/// A controller of higher priority takes the device from one of lower priority.
+/// A controller with a higher priority takes the device from one with a lower priority.
 enum class Priority : std::uint8_t { kTest = 1, kPrimary = 2, kOperator = 3 };
 
 /// Which carriers a session may use. The gRPC stream stays open in every case.
@@ -59,26 +60,26 @@ struct SessionOptions {
   /// How often you will publish, Hz, 1 to 2000. Samples that come more than twice as fast do not
   /// count as fresh. Not used by an observer.
   double nominal_rate_hz{60.0};
-  /// A server that asks for certificates may refuse a priority above that of the certificate.
+  /// A server that asks for certificates may limit the priority of each.
   Priority priority{Priority::kPrimary};
-  double state_rate_hz{0.0};  ///< of the states that are received; 0: every tick of the loop
-  /// Sends each held proxy as planes, one per block of `blocks` (planes.hpp), derived from the
-  /// state that was last given to you.
+  double state_rate_hz{0.0};  ///< how many states per second to receive; 0: one per tick
+  /// Sends each held proxy as planes, one per block of `blocks`: derive_planes() in planes.hpp,
+  /// with the state that you were last given.
   bool derive_planes{false};
   std::vector<Block> blocks{};  ///< empty: all coordinates are one block
-  /// Ages at which a sample is no longer fresh, its force begins to fade, and has faded. Each may
-  /// only shorten the scene's limit.
+  /// Ages of a sample at which it stops being fresh, its force begins to fade, and its force is
+  /// zero. Each can shorten the scene's limit, not lengthen it.
   std::optional<std::chrono::nanoseconds> fresh_end{}, hold_end{}, fade_end{};
   Carriers carriers{Carriers::kAutomatic};
   Reconnect reconnect{Reconnect::kNever};
-  /// Asks for force again after it was lost to a late proxy or a lost stream. Never after a fault:
-  /// whoever clears an emergency stop must not start a motor by that.
+  /// Asks for force again after it was lost because samples came too late or the stream was lost.
+  /// Never after a fault: clearing an emergency stop must not start a motor.
   bool re_engage{false};
   std::chrono::milliseconds timeout{5000};  ///< of every call that waits for an answer
   std::function<void(const DeviceState&)> on_state{};
   std::function<void(const Event&)> on_event{};
-  /// The stream was lost. Called with `will_retry` if the session reconnects, and again without it
-  /// if that turns out to be hopeless.
+  /// Called when the stream is lost. `will_retry`: the session reconnects; if it gives that up
+  /// later, this is called once more with false.
   std::function<void(const ClientError&, bool will_retry)> on_disconnect{};
 };
 
@@ -97,26 +98,26 @@ struct AppliedSettings {
     double asked{0.0}, applied{0.0};
     std::string why{};
   };
-  std::vector<Clamp> clamped{};  ///< wishes beyond a limit of the scene
+  std::vector<Clamp> clamped{};  ///< what was asked beyond a limit of the scene
 };
 
 /// Calls that wait for an answer throw ClientError.
 class Session {
  public:
-  /// As close(). Not in a callback of this session.
+  /// Calls close(). Must not run in a callback of this session.
   virtual ~Session() = default;
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
   /// Sends where the proxy is now. Never waits for the network, never throws. The newest sample
   /// wins: one that could not be sent yet is replaced and counted; without a stream it is dropped.
-  /// If `device_seq_used` is 0, the sample is taken to be computed from the state that was last
-  /// given to you, by a call or a callback.
+  /// If `proxy.device_seq_used` is 0, the library takes the proxy to be computed from the last
+  /// state that a call or a callback gave you.
   virtual void publish(Proxy proxy) noexcept = 0;
   /// The same for the poses of a tracker.
   virtual void publish_pose(const Pose& pose) noexcept = 0;
 
-  /// The newest state; its `seq` is 0 before the first one, and after the session began anew.
+  /// The newest state; its `seq` is 0 before the first one and after the session started again.
   [[nodiscard]] virtual DeviceState state() const = 0;
   /// Waits for a state newer than the last one that this call returned. Throws kTimeout, kClosed,
   /// and kInvalidArgument if called in on_state.
@@ -125,8 +126,8 @@ class Session {
   /// Asks for force once. Throws kNotReady and says what is missing.
   virtual void engage() = 0;
   /// Asks for force in the background, every 50 ms, until the server agrees. Gives up on a refusal
-  /// that more time cannot cure, on a fault, and, without `re_engage`, when force is lost.
-  /// Idempotent.
+  /// that waiting does not change, on a fault, and, without `re_engage`, when force is lost.
+  /// Calling it again is harmless.
   virtual void engage_when_ready() = 0;
   /// Why engage_when_ready() has no force yet, or why it gave up; empty after the server agreed.
   [[nodiscard]] virtual std::optional<ClientError> engage_refusal() const = 0;

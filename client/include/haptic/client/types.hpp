@@ -47,7 +47,7 @@ struct DeviceInfo {
   double loop_rate_hz{0.0};
   Lifecycle state{Lifecycle::kUnknown};
   std::uint32_t faults{0};
-  std::string controller{};  ///< client_name of the one that has the lease; empty: none
+  std::string controller{};  ///< client_name of the session that has the lease; empty: none
   Renderer renderer{Renderer::kUnchanged};
   unsigned observers{0};
   bool wants_tracker{false};  ///< a session with SessionOptions::tracker has to publish poses
@@ -60,8 +60,9 @@ struct ServerInfo {
   std::vector<std::string> insecure{};  ///< what is not protected, for people; empty: nothing
   std::uint64_t ticks{0}, skipped_ticks{0};
   std::uint64_t records_dropped{0};  ///< ticks that are missing in recording and telemetry
-  double lateness_p50_us{0.0}, lateness_p99_us{0.0}, lateness_max_us{0.0};  ///< of a tick's begin
-  double tick_p50_us{0.0}, tick_p99_us{0.0};  ///< how long a tick took
+  /// How late ticks began, over the last 10 s.
+  double lateness_p50_us{0.0}, lateness_p99_us{0.0}, lateness_max_us{0.0};
+  double tick_p50_us{0.0}, tick_p99_us{0.0};  ///< how long their computation took
   std::string paced_by{};            ///< the device whose samples begin ticks; empty: the timer
   std::uint64_t paced_by_sample{0};  ///< number of ticks that began so
   unsigned sessions{0};
@@ -77,9 +78,9 @@ struct Event {
   std::int64_t server_time_ns{0};
 };
 
-/// What the proxy may not pass: normal . x <= offset, linearised at the sample's position.
+/// A half space that the proxy must stay in: normal . x <= offset.
 struct Plane {
-  std::vector<double> normal{};  ///< per coordinate; of any length but 0
+  std::vector<double> normal{};  ///< one value per coordinate, not all 0
   double offset{0.0};
 };
 
@@ -111,9 +112,9 @@ struct UdpLink {
   std::uint64_t received{0}, lost{0};      ///< datagrams of the server
 };
 
-/// Numbers of samples since the session opened, over reconnects. A sample that is neither sent nor
-/// conflated still waits, or there was no stream. One that goes by both carriers, while the UDP
-/// path is in doubt or was given up, is counted by each.
+/// Numbers of samples since the session was first opened. A sample that was neither sent nor
+/// conflated still waits, or was dropped because there was no stream. A sample that went both by
+/// UDP and by the stream, because the UDP path may have failed, counts twice in `sent`.
 struct PublishStatistics {
   std::uint64_t published{0};  ///< calls of publish()
   std::uint64_t sent{0};       ///< handed to a carrier

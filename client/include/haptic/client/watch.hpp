@@ -1,9 +1,9 @@
 #pragma once
 /// States and events of a device without a session. Connection::watch() begins it.
 ///
-/// The callbacks run on a thread of gRPC, one at a time per watch. A slow callback makes the server
-/// leave states out, once the connection's buffers are full; a session as observer leaves them out
-/// at once.
+/// The callbacks run on a thread of gRPC, one at a time per watch. If a callback is slow, states wait
+/// in the connection's buffers, and the server leaves states out once those are full. To get the
+/// newest state always, open a session with SessionOptions::observer.
 
 #include <cstdint>
 #include <optional>
@@ -14,7 +14,7 @@ namespace haptic::client {
 
 class Watch {
  public:
-  /// Ends the watch; waits for a running callback. Not in one of its own callbacks.
+  /// Ends the watch; waits for a running callback. Must not run in one of its own callbacks.
   virtual ~Watch() = default;
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;

@@ -43,6 +43,7 @@ SoftFinger::Energy SoftFinger::contact(const Joints& x) const {
     const double rx = p.x - model_.centre_x, ry = p.y - model_.centre_y;
     const double distance = std::hypot(rx, ry);
     const double inside = model_.radius - distance;
+    e.depth = std::max(e.depth, inside);
     if (inside <= 0.0 || distance == 0.0) continue;
     double slope[2];  // d inside / dq
     for (int k = 0; k < 2; ++k) slope[k] = -(rx * p.dx[k] + ry * p.dy[k]) / distance;
@@ -55,16 +56,6 @@ SoftFinger::Energy SoftFinger::contact(const Joints& x) const {
     e.hessian[2] += k * slope[1] * slope[1];
   }
   return e;
-}
-
-double SoftFinger::depth(const Joints& x) const {
-  double deepest = -1.0;
-  for (int i = 0; i < 2 * kPadsPerPhalanx; ++i) {
-    const Pad p = pad(model_, x, i);
-    deepest =
-        std::max(deepest, model_.radius - std::hypot(p.x - model_.centre_x, p.y - model_.centre_y));
-  }
-  return deepest;
 }
 
 double SoftFinger::total(const Joints& x, const Joints& x_probe) const {
@@ -105,11 +96,12 @@ SoftFinger::Step SoftFinger::step(const Joints& x_probe) {
   // In contact from the last proxy, not from the probe: a probe pushed through the object and out
   // at its back must not count as free, nor draw the proxy after it.
   const Joints x = touching_ ? minimise(x_probe, last_) : minimise(x_probe, x_probe);
-  touching_ = depth(x) > (touching_ ? -kRelease : 0.0);
+  const Energy here = contact(x);
+  touching_ = here.depth > (touching_ ? -kRelease : 0.0);
   Step out;
   out.touching = touching_;
   out.x = touching_ ? x : x_probe;
-  out.energy = touching_ ? contact(x).value : 0.0;
+  out.energy = touching_ ? here.value : 0.0;
   last_ = out.x;
   return out;
 }

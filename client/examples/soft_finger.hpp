@@ -34,11 +34,10 @@ class SoftFinger {
     double value{0.0};
     Joints gradient{};
     std::array<double, 3> hessian{};  ///< 11, 12, 22; Gauss-Newton's: positive semidefinite
+    /// Largest distance any pad is inside the cylinder; negative: the smallest clearance. m.
+    double depth{-1.0};
   };
   [[nodiscard]] Energy contact(const Joints& x) const;
-
-  /// Largest distance any pad is inside the cylinder; negative: the smallest clearance. m.
-  [[nodiscard]] double depth(const Joints& x) const;
 
   struct Step {
     bool touching{false};

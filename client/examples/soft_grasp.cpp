@@ -28,15 +28,15 @@ struct Options {
 };
 
 int grasp(client::Connection& server, const Options& options) {
-  client::SessionOptions wanted;
-  wanted.device = options.device;
-  wanted.client_name = "soft grasp";
-  wanted.nominal_rate_hz = 60.0;
-  wanted.reconnect = client::Reconnect::kWithBackoff;
-  wanted.re_engage = true;
-  wanted.carriers = kCarriers.at(options.carriers);
-  wanted.derive_planes = true;  // of the object's surface, between two steps
-  const auto session = server.open(wanted);
+  const auto session = server.open({
+      .device = options.device,
+      .client_name = "soft grasp",
+      .nominal_rate_hz = 60.0,
+      .derive_planes = true,  // of the object's surface, between two steps
+      .carriers = kCarriers.at(options.carriers),
+      .reconnect = client::Reconnect::kWithBackoff,
+      .re_engage = true,
+  });
   if (session->device().coordinates.size() != 2) {
     std::fprintf(stderr, "soft grasp needs a finger: a device with two joint angles\n");
     return 1;

@@ -13,13 +13,11 @@ int main(int argc, char** argv) {
   CLI::App cli("haptic-example-virtual-wall - a stop on the first coordinate");
   cli.add_option("--stop", stop, "largest value of the first coordinate, m or rad");
   return examples::run(cli, argc, argv, [&](client::Connection& server) {
-    client::SessionOptions options;
-    options.client_name = "virtual wall";
-    options.nominal_rate_hz = 200;
-    options.re_engage = true;
-    options.on_event = examples::print_event;
-    options.on_disconnect = examples::print_end;
-    const auto session = server.open(options);
+    const auto session = server.open({.client_name = "virtual wall",
+                                      .nominal_rate_hz = 200,
+                                      .re_engage = true,
+                                      .on_event = examples::print_event,
+                                      .on_disconnect = examples::print_end});
     session->engage_when_ready();
     if (session->device().faults != 0) std::fprintf(stderr, "in FAULT: hapticctl clear-fault\n");
     auto next = steady_clock::now();

@@ -17,17 +17,15 @@ std::optional<std::chrono::nanoseconds> known(bool present,
 }
 
 LinkDirection to_direction(const v1::LinkDirection& m) {
-  LinkDirection d;
-  d.received = m.received();
-  d.bytes = m.bytes();
-  d.lost = m.lost();
-  d.reordered = m.reordered();
-  d.duplicate = m.duplicate();
-  d.late = m.late();
-  d.rejected = to_list(m.rejected());
-  d.longest_gap = known(m.has_longest_gap(), m.longest_gap());
-  d.jitter = known(m.has_jitter(), m.jitter());
-  return d;
+  return {.received = m.received(),
+          .bytes = m.bytes(),
+          .lost = m.lost(),
+          .reordered = m.reordered(),
+          .duplicate = m.duplicate(),
+          .late = m.late(),
+          .rejected = to_list(m.rejected()),
+          .longest_gap = known(m.has_longest_gap(), m.longest_gap()),
+          .jitter = known(m.has_jitter(), m.jitter())};
 }
 
 SessionLink to_link(const v1::SessionLink& m) {

@@ -16,11 +16,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-wire::TimePoint now() {
-  return wire::TimePoint(
-      std::chrono::duration_cast<wire::Duration>(Clock::now().time_since_epoch()));
-}
-
 template <std::size_t kSize>
 std::array<std::uint8_t, kSize> bytes(const std::string& field) {
   std::array<std::uint8_t, kSize> answer{};
@@ -128,7 +123,7 @@ void UdpCarrier::run() {
   {
     const std::lock_guard lock(mutex_);
     address_ = Address::kTried;
-    end_.start(kServer, now());
+    end_.start(kServer, Clock::now());
   }
   wire::TimePoint next_step;
   do {
@@ -139,7 +134,7 @@ void UdpCarrier::run() {
 
 /// For a datagram, or until `until`. False: stop() was called.
 bool UdpCarrier::wait(wire::TimePoint until) const {
-  const auto left = std::max(until - now(), wire::Duration(0));
+  const auto left = std::max(until - Clock::now(), wire::Duration(0));
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
   const timespec timeout{seconds.count(), (left - seconds).count()};
   pollfd watched[] = {{handle_, POLLIN, 0}, {stopping_, POLLIN, 0}};
@@ -194,7 +189,7 @@ void UdpCarrier::on_path(Action action) {
 bool UdpCarrier::take(wire::ConstBytes datagram) {
   bool newer = false;
   on_path([&] {
-    const wire::Received received = end_.receive(datagram, kServer, now());
+    const wire::Received received = end_.receive(datagram, kServer, Clock::now());
     if (received.change == wire::PathChange::kUp) address_ = Address::kKept;
     if (received.message) newer = read(*received.message);
     return received.change;
@@ -207,7 +202,7 @@ bool UdpCarrier::read(wire::ConstBytes message) {
     end_.message_unreadable();
     return false;
   }
-  end_.statistics().timed(wire::Duration(incoming_.server_time_ns()), now());
+  end_.statistics().timed(wire::Duration(incoming_.server_time_ns()), Clock::now());
   if (incoming_.seq() <= state_.seq()) return false;
   state_.Swap(&incoming_);
   return true;
@@ -216,7 +211,7 @@ bool UdpCarrier::read(wire::ConstBytes message) {
 wire::TimePoint UdpCarrier::step() {
   wire::TimePoint next;
   on_path([&] {
-    const wire::PathChange change = end_.step(now());
+    const wire::PathChange change = end_.step(Clock::now());
     // A connected UDP socket does not tell whether anything listens there: "localhost" is [::1] and
     // 127.0.0.1, and a server may listen at one of them only.
     const bool another = address_ != Address::kKept && addresses_.size() > 1;

@@ -136,19 +136,19 @@ TEST_F(ClientForce, ReopenedSessionCountsOn) {
   server.send_state(100);
   ASSERT_EQ(session->wait_for_state().seq, 100U);
   session->publish(client::Proxy::free());
-  ASSERT_TRUE(server.until([&] { return server.heard().samples.size() == 1; }));
+  ASSERT_TRUE(streamed(1));
   v1::SessionResponse ack;
   ack.mutable_ack()->set_accepted(5);
   server.send(ack);
   ASSERT_TRUE(server.until([&] { return session->statistics().accepted == 5; }));
   server.die();
   ASSERT_TRUE(server.until([&] { return !session->connected(); }));
-  server.revive();
+  server.listen();
   ASSERT_TRUE(opened_again());
   server.send_state(1);  // a new server counts its ticks from the beginning
   EXPECT_EQ(session->wait_for_state().seq, 1U);
   session->publish(client::Proxy::free());
-  ASSERT_TRUE(server.until([&] { return server.heard().samples.size() == 2; }));
+  ASSERT_TRUE(streamed(2));
   const auto samples = server.heard().samples;
   EXPECT_GT(samples[1].seq(), samples[0].seq());
   EXPECT_EQ(samples[1].device_seq_used(), 1U);
@@ -219,7 +219,7 @@ TEST_F(ClientForce, ReturnsAfterReconnectIfAsked) {
     ASSERT_EQ(reopened->wait_for_state().seq, 1U);
     other.die();
     ASSERT_TRUE(other.until([&] { return !reopened->connected(); }));
-    other.revive();
+    other.listen();
     ASSERT_TRUE(other.until([&] { return reopened->connected(); }));
     const auto again = [&] { return other.heard().engages > 1; };
     EXPECT_EQ(re_engage ? other.until(again) : other.until(again, kLongEnough), re_engage);

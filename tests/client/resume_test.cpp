@@ -21,7 +21,7 @@ client::SessionOptions reconnecting() {
 }
 
 TEST_F(Resume, ALostStreamIsResumed) {
-  server.resumable(true);
+  server.resumes = true;
   std::mutex mutex;
   std::vector<std::string> heard;
   client::SessionOptions options = reconnecting();
@@ -35,7 +35,7 @@ TEST_F(Resume, ALostStreamIsResumed) {
   server.send_state(100, v1::DEVICE_STATE_NAME_ENGAGED);
   ASSERT_TRUE(server.until([&] { return session->state().seq == 100; }));
   session->publish(client::Proxy::held({0.1, 0.2}));
-  ASSERT_TRUE(server.until([&] { return server.heard().samples.size() == 1; }));
+  ASSERT_TRUE(streamed(1));
 
   server.end_session({grpc::StatusCode::UNAVAILABLE, "the cable"});
   ASSERT_TRUE(server.until([&] { return server.heard().openings.size() == 2; }));
@@ -49,7 +49,7 @@ TEST_F(Resume, ALostStreamIsResumed) {
     return heard == std::vector<std::string>{"LEASE_RESUMED"};
   }));
   session->publish(client::Proxy::held({0.1, 0.2}));
-  ASSERT_TRUE(server.until([&] { return server.heard().samples.size() == 2; }));
+  ASSERT_TRUE(streamed(2));
   EXPECT_GT(server.heard().samples.back().seq(), server.heard().samples.front().seq());
 }
 
@@ -64,7 +64,7 @@ TEST_F(Resume, UnresumableSessionStartsAfresh) {
 
 /// Resuming would carry on the force that was just given back.
 TEST_F(Resume, ReleasedForceIsNotResumed) {
-  server.resumable(true);
+  server.resumes = true;
   std::atomic<client::Session*> held{nullptr};
   client::SessionOptions options = reconnecting();
   options.on_disconnect = [&](const ClientError&, bool) { held.load()->release(); };

@@ -54,7 +54,7 @@ TEST_F(ClientSession, NoServerIsUnreachable) {
 }
 
 TEST_F(ClientSession, ASilentServerIsATimeout) {
-  server.answer_opening(false);
+  server.answers_opening = false;
   client::SessionOptions options;
   options.timeout = milliseconds(50);
   EXPECT_EQ(error_of([&] { return open(options); }).reason(), ErrorReason::kTimeout);
@@ -83,7 +83,7 @@ TEST_F(ClientSession, EndsWhileReopeningASilentServer) {
   options.reconnect = client::Reconnect::kWithBackoff;
   options.timeout = std::chrono::hours(1);  // whatever waits for an answer waits for ever
   auto session = open(options);
-  server.answer_opening(false);
+  server.answers_opening = false;
   server.end_session({grpc::StatusCode::UNAVAILABLE, "gone"});
   ASSERT_TRUE(server.until([&] { return server.heard().openings.size() == 2; }));
   session.reset();
@@ -154,7 +154,7 @@ TEST_F(ClientSession, CallbackThatTurnsSlowDoesToo) {
   for (int i = 0; i < 50; ++i) server.send_state(++seq);
   ASSERT_TRUE(server.until([&] { return blocked.load(); }));
   session->publish(client::Proxy::free());
-  EXPECT_TRUE(server.until([&] { return server.heard().samples.size() == 1; })) << "held up by it";
+  EXPECT_TRUE(streamed(1)) << "held up by it";
   blocked = false;
   EXPECT_TRUE(server.until([&] { return newest == seq; }));
 }

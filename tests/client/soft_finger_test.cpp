@@ -39,7 +39,7 @@ TEST(SoftFinger, PadsFollowTheMethodsKinematics) {
   const SoftFingerModel model;
   const SoftFinger finger(model);
   over_the_motion([&](const Joints& x) {
-    EXPECT_NEAR(finger.depth(x), depth_by_complex_numbers(model, x), 1e-15);
+    EXPECT_NEAR(finger.contact(x).depth, depth_by_complex_numbers(model, x), 1e-15);
   });
 }
 
@@ -69,34 +69,23 @@ TEST(SoftFinger, TheHessianKeepsNewtonGoingDownhill) {
   });
 }
 
-TEST(SoftFinger, TheMotionMakesAndLeavesContact) {
-  const SoftFinger finger;
+TEST(SoftFinger, OnlyContactOpensTheFinger) {
   int touching = 0, apart = 0;
-  over_the_motion([&](const Joints& x) { ++(finger.depth(x) > 0.0 ? touching : apart); });
-  EXPECT_LT(finger.depth({0.0, 0.0}), 0.0) << "the open hand touches nothing";
-  EXPECT_GT(touching, 0);
-  EXPECT_GT(apart, 0);
-}
-
-TEST(SoftFinger, FreeProxyIsTheProbe) {
-  over_the_motion([](const Joints& probe) {
+  over_the_motion([&](const Joints& probe) {
     SoftFinger finger;
-    if (finger.depth(probe) > 0.0) return;
+    const double depth = finger.contact(probe).depth;
+    ++(depth > 0.0 ? touching : apart);
     const auto step = finger.step(probe);
-    EXPECT_FALSE(step.touching);
-    EXPECT_EQ(step.x, probe);
-    EXPECT_EQ(step.energy, 0.0);
+    EXPECT_EQ(step.touching, depth > 0.0);
+    if (step.touching) {
+      EXPECT_LT(finger.contact(step.x).depth, depth) << probe[0] << ' ' << probe[1];
+    } else {
+      EXPECT_EQ(step.x, probe);
+      EXPECT_EQ(step.energy, 0.0);
+    }
   });
-}
-
-TEST(SoftFinger, ContactOpensTheFinger) {
-  over_the_motion([](const Joints& probe) {
-    SoftFinger finger;
-    if (finger.depth(probe) <= 0.0) return;
-    const auto step = finger.step(probe);
-    EXPECT_TRUE(step.touching);
-    EXPECT_LT(finger.depth(step.x), finger.depth(probe)) << probe[0] << ' ' << probe[1];
-  });
+  EXPECT_LT(SoftFinger().contact({0.0, 0.0}).depth, 0.0) << "the open hand touches nothing";
+  EXPECT_TRUE(touching > 0 && apart > 0);
 }
 
 TEST(SoftFinger, PushedThroughProbeStaysInContact) {
@@ -104,7 +93,8 @@ TEST(SoftFinger, PushedThroughProbeStaysInContact) {
   const auto pose = [](int percent) {
     return Joints{0.6 * percent * kDegree, 0.7 * percent * kDegree};
   };
-  ASSERT_LT(finger.depth(pose(100)), 0.0) << "the fist is behind the object, or this tests nothing";
+  ASSERT_LT(finger.contact(pose(100)).depth, 0.0)
+      << "the fist is behind the object, or this tests nothing";
   bool touched = false;
   for (int percent = 0; percent <= 100; ++percent) {
     const auto step = finger.step(pose(percent));
@@ -137,7 +127,7 @@ TEST(SoftFinger, ContactEndsWithSomeClearance) {
   SoftFinger finger;
   const auto pose = [](double degrees) { return Joints{degrees * kDegree, degrees * kDegree}; };
   double touch = 0.0;  // closing: the first pose in contact
-  while (probe_only.depth(pose(touch)) <= 0.0) touch += 0.001;
+  while (probe_only.contact(pose(touch)).depth <= 0.0) touch += 0.001;
   ASSERT_LT(touch, 60.0);
   EXPECT_FALSE(finger.step(pose(touch - 0.001)).touching);
   EXPECT_TRUE(finger.step(pose(touch)).touching);

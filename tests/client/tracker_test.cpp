@@ -1,4 +1,4 @@
-/// A session in the role tracker: what it opens with, what its poses carry, what its states say.
+/// A session in the role tracker: what it opens with, what its poses carry.
 
 #include "tests/client/support/fake_server.hpp"
 
@@ -33,25 +33,6 @@ TEST_F(Tracker, OpensInItsRoleWithPoses) {
   EXPECT_GT(poses[1].seq(), poses[0].seq());
   EXPECT_TRUE(server.heard().samples.empty());
   EXPECT_EQ(session->statistics().published, 2U);
-}
-
-TEST_F(Tracker, StatesTellThePosesAge) {
-  const auto session = open();
-  v1::SessionResponse message;
-  v1::DeviceState& state = *message.mutable_state();
-  state.set_seq(7);
-  server.send(message);
-  EXPECT_FALSE(session->wait_for_state().tracker.has_value());
-  state.set_seq(8);
-  state.mutable_tracker()->set_seq_used(12);
-  state.mutable_tracker()->set_age_us(3400);
-  state.mutable_tracker()->set_staleness(v1::STALENESS_LEVEL_HOLD);
-  server.send(message);
-  const client::DeviceState told = session->wait_for_state();
-  ASSERT_TRUE(told.tracker.has_value());
-  EXPECT_EQ(told.tracker->seq_used, 12U);
-  EXPECT_EQ(told.tracker->age, std::chrono::microseconds(3400));
-  EXPECT_EQ(told.tracker->staleness, client::Staleness::kHold);
 }
 
 TEST_F(Tracker, IsNotAnObserverToo) {

@@ -93,8 +93,7 @@ TEST_F(ClientUdp, IsTakenOncePathIsGood) {
   const auto session = open();
   EXPECT_TRUE(server.heard().openings.front().udp_wanted());
   session->publish(Proxy::held({0.01}));
-  ASSERT_TRUE(
-      server.until([&] { return server.heard().samples.size() == 1; }));  // by the stream so far
+  ASSERT_TRUE(streamed(1));  // by the stream so far
   udp.cut = false;
   ASSERT_TRUE(in_use(*session));
   session->publish(Proxy::held({0.02}));
@@ -140,8 +139,7 @@ TEST_F(ClientUdp, SilentPathSendsTheNewestAgain) {
   EXPECT_EQ(server.heard().samples.front().position(0), 0.03);
   ASSERT_TRUE(server.until([&] { return !session->udp_link()->in_use; }));
   session->publish(Proxy::held({0.04}));
-  ASSERT_TRUE(
-      server.until([&] { return server.heard().samples.size() == 2; }));  // the first came once
+  ASSERT_TRUE(streamed(2));  // the first came once
   udp.cut = false;
   ASSERT_TRUE(in_use(*session));  // and back by itself
   session->publish(Proxy::held({0.05}));
@@ -163,7 +161,7 @@ TEST_F(ClientUdp, PinnedToStreamItAsksNot) {
   const auto session = open(options);
   EXPECT_FALSE(server.heard().openings.front().udp_wanted());
   session->publish(Proxy::held({0.01}));
-  ASSERT_TRUE(server.until([&] { return server.heard().samples.size() == 1; }));
+  ASSERT_TRUE(streamed(1));
   EXPECT_FALSE(session->udp_link());
   EXPECT_FALSE(server.until([&] { return udp.arrivals() > 0; }, 50ms));  // although it is offered
 }
@@ -198,7 +196,7 @@ TEST_F(ClientUdp, UnansweredPathLeavesTheStream) {
   server.offer_udp(offer(keys, 9));  // discard: nobody listens on loopback
   const auto session = open();
   session->publish(Proxy::held({0.01}));
-  ASSERT_TRUE(server.until([&] { return server.heard().samples.size() == 1; }));
+  ASSERT_TRUE(streamed(1));
   EXPECT_FALSE(session->udp_link()->in_use);
 }
 

@@ -103,16 +103,12 @@ void expect_explained(const pb::FileDescriptor& file) {
   }
 }
 
-TEST(ProtoComments, ExplainEverythingOfASession) {
-  expect_explained(*v1::ProxySample::descriptor()->file());
-}
-
-TEST(ProtoComments, ExplainEverythingOfTheService) {
-  expect_explained(*v1::GetServerInfoRequest::descriptor()->file());
-}
-
-TEST(ProtoComments, ExplainEverythingOfAScene) {
-  expect_explained(*v1::Scene::descriptor()->file());
+TEST(ProtoComments, ExplainEveryDeclaration) {
+  for (const pb::Descriptor* of :
+       {v1::ProxySample::descriptor(), v1::GetServerInfoRequest::descriptor(),
+        v1::Scene::descriptor()}) {
+    expect_explained(*of->file());
+  }
 }
 
 TEST(ProtoComments, MissingOnesAreFound) {

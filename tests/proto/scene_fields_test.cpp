@@ -3,14 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "haptic/v1/calibration.pb.h"
 #include "haptic/v1/scene.pb.h"
+#include "tests/proto/markdown.hpp"
 
 namespace haptic::test {
 namespace {
@@ -20,21 +19,13 @@ using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 
-const fs::path kScenes = fs::path(HAPTIC_SOURCE_DIR) / "server/scenes";
-const fs::path kFragments = kScenes / "fragments";
-
-std::vector<fs::path> files_in(const fs::path& folder) {
+std::vector<fs::path> scenes_and_fragments() {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
+  for (const auto& entry :
+       fs::recursive_directory_iterator(fs::path(HAPTIC_SOURCE_DIR) / "server/scenes")) {
     if (entry.path().extension() == ".textproto") files.push_back(entry.path());
   }
   return files;
-}
-
-std::string text_of(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
 }
 
 bool is_calibration(const fs::path& file) {
@@ -71,7 +62,7 @@ void strike(const Message& message, std::set<const FieldDescriptor*>& fields) {
 template <typename M>
 M parsed(const fs::path& file) {
   M message;
-  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(text_of(file), &message)) << file;
+  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(read_text(file), &message)) << file;
   return message;
 }
 
@@ -80,28 +71,24 @@ TEST(SceneFeatures, EachFieldIsShownSomewhere) {
   collect(*v1::Scene::descriptor(), fields);
   collect(*v1::Calibration::descriptor(), fields);
   EXPECT_GT(fields.size(), 200u);
-  for (const fs::path& folder : {kScenes, kFragments}) {
-    for (const fs::path& file : files_in(folder)) {
-      if (is_calibration(file)) {
-        strike(parsed<v1::Calibration>(file), fields);
-      } else {
-        strike(parsed<v1::Scene>(file), fields);
-      }
+  for (const fs::path& file : scenes_and_fragments()) {
+    if (is_calibration(file)) {
+      strike(parsed<v1::Calibration>(file), fields);
+    } else {
+      strike(parsed<v1::Scene>(file), fields);
     }
   }
   for (const FieldDescriptor* field : fields) ADD_FAILURE() << field->full_name();
 }
 
 TEST(SceneFeatures, EachFileNamesItsProto) {
-  for (const fs::path& folder : {kScenes, kFragments}) {
-    for (const fs::path& file : files_in(folder)) {
-      const std::string header = is_calibration(file)
-                                     ? "# proto-file: haptic/v1/calibration.proto\n"
-                                       "# proto-message: haptic.v1.Calibration\n#\n# "
-                                     : "# proto-file: haptic/v1/scene.proto\n"
-                                       "# proto-message: haptic.v1.Scene\n#\n# ";
-      EXPECT_EQ(text_of(file).substr(0, header.size()), header) << file;
-    }
+  for (const fs::path& file : scenes_and_fragments()) {
+    const std::string header = is_calibration(file)
+                                   ? "# proto-file: haptic/v1/calibration.proto\n"
+                                     "# proto-message: haptic.v1.Calibration\n#\n# "
+                                   : "# proto-file: haptic/v1/scene.proto\n"
+                                     "# proto-message: haptic.v1.Scene\n#\n# ";
+    EXPECT_EQ(read_text(file).substr(0, header.size()), header) << file;
   }
 }
 

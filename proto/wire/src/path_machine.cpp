@@ -82,11 +82,9 @@ PathMachine::Sent* PathMachine::find(std::uint64_t token) noexcept {
   return sent == sent_.end() ? nullptr : &*sent;
 }
 
-std::optional<TimePoint> PathMachine::sent_at(std::uint64_t token) const noexcept {
-  for (const Sent& sent : sent_) {
-    if (!sent.answered && sent.token == token) return sent.at;
-  }
-  return std::nullopt;
+std::optional<TimePoint> PathMachine::sent_at(std::uint64_t token) noexcept {
+  const Sent* const sent = find(token);
+  return sent != nullptr ? std::optional(sent->at) : std::nullopt;
 }
 
 PathChange PathMachine::responded(const PeerAddress& from, const PathResponse& response,

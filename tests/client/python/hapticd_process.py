@@ -8,7 +8,16 @@ import socket
 import subprocess
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+
+
+def eventually(condition: Callable[[], bool], seconds: float = 20.0) -> bool:
+    latest = time.monotonic() + seconds
+    while time.monotonic() < latest:
+        if condition():
+            return True
+        time.sleep(0.01)
+    return False
 
 
 class Hapticd:

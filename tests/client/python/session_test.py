@@ -10,18 +10,9 @@ from collections.abc import Callable
 from unittest import mock
 
 import haptic
-from hapticd_process import Hapticd
+from hapticd_process import Hapticd, eventually
 
 EXAMPLES = os.path.join(os.environ["HAPTIC_SCENES"], "../../client/python/examples")
-
-
-def eventually(condition: Callable[[], bool], seconds: float = 20.0) -> bool:
-    latest = time.monotonic() + seconds
-    while time.monotonic() < latest:
-        if condition():
-            return True
-        time.sleep(0.01)
-    return False
 
 
 class OneServer(unittest.TestCase):

@@ -60,18 +60,9 @@ void FakeServer::die() {
   server_.reset();
 }
 
-void FakeServer::revive() {
-  listen();
-}
-
 void FakeServer::refuse_opening(const grpc::Status& status) {
   const Lock lock(mutex_);
   refusal_ = status;
-}
-
-void FakeServer::answer_opening(bool answer) {
-  const Lock lock(mutex_);
-  answer_opening_ = answer;
 }
 
 void FakeServer::offer_udp(const v1::UdpPath& udp) {
@@ -88,11 +79,6 @@ void FakeServer::read_samples(bool read) {
 void FakeServer::answer_engage(const grpc::Status& status) {
   const Lock lock(mutex_);
   engage_answers_.push_back(status);
-}
-
-void FakeServer::resumable(bool yes) {
-  const Lock lock(mutex_);
-  resumable_ = yes;
 }
 
 void FakeServer::hold_engage(bool hold) {

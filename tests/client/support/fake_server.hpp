@@ -5,6 +5,7 @@
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -47,13 +48,13 @@ class FakeServer final
   [[nodiscard]] std::string address() const;
 
   // The script; to be set before it is needed.
+  std::atomic<bool> answers_opening{true};          ///< false: hears OpenSession and says nothing
+  std::atomic<bool> resumes{false};                 ///< openings that ask to resume are resumed
   void refuse_opening(const grpc::Status& status);  ///< the next OpenSession only
-  void answer_opening(bool answer);                 ///< false: hears OpenSession and says nothing
   void offer_udp(const v1::UdpPath& udp);           ///< with every SessionOpened from now on
   void read_samples(bool read);                     ///< false: leaves them in the socket
   void answer_engage(const grpc::Status& status);   ///< queued; OK where the queue is empty
-  void resumable(bool yes);     ///< true: openings that ask to resume are resumed
-  void hold_engage(bool hold);  ///< true: Engage is heard but not answered yet
+  void hold_engage(bool hold);                      ///< true: Engage is heard but not answered yet
 
   // Down the newest open session.
   void send_state(std::uint64_t seq, v1::DeviceStateName state = v1::DEVICE_STATE_NAME_ARMED);
@@ -65,9 +66,9 @@ class FakeServer final
   void send_watch(const v1::WatchResponse& message);
   void end_watch(const grpc::Status& status);
 
-  /// The process dies: sockets close, sessions end. revive() listens on the same port again.
+  /// The process dies: sockets close, sessions end. listen() opens the same port again.
   void die();
-  void revive();
+  void listen();
 
   /// What was heard since construction.
   struct Heard {
@@ -104,7 +105,6 @@ class FakeServer final
                               v1::UpdateSettingsResponse* response) override;
   grpc::Status ClearFault(grpc::ServerContext*, const v1::ClearFaultRequest*,
                           v1::ClearFaultResponse*) override;
-  void listen();
 
   /// Recursive: a test's condition may ask for what a reactor holds.
   mutable std::recursive_mutex mutex_;
@@ -112,12 +112,10 @@ class FakeServer final
   std::unique_ptr<grpc::Server> server_;
   int port_{0};
   grpc::Status refusal_;
-  bool answer_opening_{true};
   bool read_{true};
   std::optional<v1::UdpPath> udp_;
   std::deque<grpc::Status> engage_answers_;
   bool hold_engage_{false};
-  bool resumable_{false};
   std::uint32_t epoch_{0};
   SessionReactor* session_{nullptr};  ///< the newest; null once it ended
   WatchReactor* watch_{nullptr};
@@ -129,6 +127,10 @@ class WithServer : public testing::Test {
  protected:
   [[nodiscard]] std::unique_ptr<client::Session> open(client::SessionOptions options = {}) {
     return connection.open(std::move(options));
+  }
+  /// So many samples came by the stream.
+  [[nodiscard]] bool streamed(std::size_t samples) {
+    return server.until([&] { return server.heard().samples.size() == samples; });
   }
   /// The first sample that arrives.
   [[nodiscard]] v1::ProxySample first_sample() {

@@ -41,7 +41,7 @@ void FakeServer::SessionReactor::open() {
     end(std::exchange(server_.refusal_, grpc::Status::OK));
     return;
   }
-  if (!server_.answer_opening_) return;
+  if (!server_.answers_opening) return;
   server_.session_ = this;
   v1::SessionResponse message;
   v1::SessionOpened& opened = *message.mutable_opened();
@@ -49,7 +49,7 @@ void FakeServer::SessionReactor::open() {
   opened.set_role(request_.open().role());
   opened.set_lease_epoch(++server_.epoch_);
   opened.set_session_id("session-" + std::to_string(server_.epoch_));
-  opened.set_resumed(server_.resumable_ && !request_.open().resume().empty());
+  opened.set_resumed(server_.resumes && !request_.open().resume().empty());
   if (server_.udp_) *opened.mutable_udp() = *server_.udp_;
   send(message);
 }

@@ -46,15 +46,6 @@ TEST(Sealer, NumbersRiseByOneFromOne) {
   }
 }
 
-TEST(Sealer, SameTextTwiceLooksDifferent) {
-  Sealer sealer(7, test_keys(1).up);
-  ByteVector first(35), second(35);
-  ASSERT_EQ(sealer.seal(DatagramType::kProxy, bytes_of("abc"), first), 35U);
-  ASSERT_EQ(sealer.seal(DatagramType::kProxy, bytes_of("abc"), second), 35U);
-  EXPECT_NE(ByteVector(first.begin() + 16, first.begin() + 19),
-            ByteVector(second.begin() + 16, second.begin() + 19));
-}
-
 TEST(Sealer, OversizedDatagramUsesNoNumber) {
   Sealer sealer(7, test_keys(1).up);
   ByteVector out(kLargestDatagram + 100), payload(kLargestPayload + 1);

@@ -47,6 +47,10 @@ struct TestEnd {
 struct ChannelPair {
   explicit ChannelPair(std::uint8_t seed = 1)
       : client(wire::End::kClient, test_keys(seed)), server(wire::End::kServer, test_keys(seed)) {}
+  void rekey(std::uint8_t seed) {
+    server.channel.rekey(test_keys(seed));
+    client.channel.rekey(test_keys(seed));
+  }
   TestEnd client, server;
 };
 

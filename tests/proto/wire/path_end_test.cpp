@@ -27,8 +27,12 @@ struct Joined {
     ByteVector bytes{};
   };
 
-  Joined()
-      : client(setup(End::kClient, client_address)), server(setup(End::kServer, server_address)) {}
+  /// If `in_use_for` is above 0, the client started so long ago.
+  explicit Joined(Duration in_use_for = {})
+      : client(setup(End::kClient, client_address)), server(setup(End::kServer, server_address)) {
+    if (in_use_for > Duration(0)) client.start(server_address, now);
+    run(in_use_for);
+  }
 
   PathEndSetup setup(End which, const PeerAddress& own) {
     PathEndSetup setup;
@@ -61,6 +65,12 @@ struct Joined {
             .emplace_back(received.message->begin(), received.message->end());
       }
     }
+  }
+  /// The datagram that was sent last; nothing under way arrives.
+  ByteVector intercept() {
+    const ByteVector last = under_way.back().bytes;
+    under_way.clear();
+    return last;
   }
   std::size_t sent_to(const PeerAddress& to) const {
     return static_cast<std::size_t>(
@@ -108,8 +118,7 @@ TEST(PathEnd, NeverAnswersAFailedDatagram) {
   pair.client.start(pair.server_address, pair.now);
   pair.client.step(pair.now);
   ASSERT_FALSE(pair.under_way.empty());
-  const ByteVector challenge = pair.under_way.front().bytes;
-  pair.under_way.clear();
+  const ByteVector challenge = pair.intercept();
   for (std::size_t at = 0; at < challenge.size(); ++at) {
     ByteVector bad = challenge;
     bad[at] ^= 0x80U;
@@ -121,9 +130,7 @@ TEST(PathEnd, NeverAnswersAFailedDatagram) {
 }
 
 TEST(PathEnd, ResponseMatchesItsChallengesLength) {
-  Joined pair;
-  pair.client.start(pair.server_address, pair.now);
-  pair.run(1s);
+  Joined pair(1s);
   for (const auto& datagram : pair.passed) {
     const auto type = read_header(datagram.bytes).header.type;
     if (type == DatagramType::kPathChallenge || type == DatagramType::kPathResponse) {
@@ -133,9 +140,7 @@ TEST(PathEnd, ResponseMatchesItsChallengesLength) {
 }
 
 TEST(PathEnd, StatesFollowAfterTheAddressAnswers) {
-  Joined pair;
-  pair.client.start(pair.server_address, pair.now);
-  pair.run(200ms);
+  Joined pair(200ms);
   pair.client_address = port_only(9);
   EXPECT_TRUE(pair.client.send(bytes_of("from elsewhere")));
   pair.flush();
@@ -146,14 +151,11 @@ TEST(PathEnd, StatesFollowAfterTheAddressAnswers) {
 }
 
 TEST(PathEnd, SpoofedSourceGetsNoState) {
-  Joined pair;
-  pair.client.start(pair.server_address, pair.now);
-  pair.run(200ms);
+  Joined pair(200ms);
   const PeerAddress victim = port_only(66);
   // A genuine datagram, caught on its way and sent on under the victim's name.
   EXPECT_TRUE(pair.client.send(bytes_of("caught")));
-  const ByteVector caught = pair.under_way.back().bytes;
-  pair.under_way.clear();
+  const ByteVector caught = pair.intercept();
   EXPECT_EQ(pair.server.receive(caught, victim, pair.now).rejection, Rejection::kNone);
   EXPECT_EQ(pair.server.receive(caught, victim, pair.now).rejection, Rejection::kDuplicate);
   for (int i = 0; i < 200; ++i) {
@@ -166,9 +168,7 @@ TEST(PathEnd, SpoofedSourceGetsNoState) {
 }
 
 TEST(PathEnd, RekeyInterruptsNothing) {
-  Joined pair;
-  pair.client.start(pair.server_address, pair.now);
-  pair.run(2s);
+  Joined pair(2s);
   pair.server.rekey(test_keys(2));
   pair.run(100ms);
   pair.client.rekey(test_keys(2));
@@ -187,9 +187,7 @@ TEST(PathEnd, RekeyInterruptsNothing) {
 }
 
 TEST(PathEnd, CloseEndsTheUse) {
-  Joined pair;
-  pair.client.start(pair.server_address, pair.now);
-  pair.run(200ms);
+  Joined pair(200ms);
   pair.client.close();
   pair.flush();
   EXPECT_EQ(pair.server.state(), PathState::kOff);
@@ -200,12 +198,9 @@ TEST(PathEnd, CloseEndsTheUse) {
 }
 
 TEST(PathEnd, DatagramAfterCloseBeginsNothing) {
-  Joined pair;
-  pair.client.start(pair.server_address, pair.now);
-  pair.run(200ms);
+  Joined pair(200ms);
   ASSERT_TRUE(pair.client.send(bytes_of("late")));
-  const ByteVector late = pair.under_way.back().bytes;
-  pair.under_way.clear();
+  const ByteVector late = pair.intercept();
   pair.client.close();
   pair.flush();
   ASSERT_EQ(pair.server.state(), PathState::kOff);
@@ -219,9 +214,7 @@ TEST(PathEnd, DatagramAfterCloseBeginsNothing) {
 }
 
 TEST(PathEnd, CutsAnExcessiveReport) {
-  Joined pair;
-  pair.client.start(pair.server_address, pair.now);
-  pair.run(200ms);
+  Joined pair(200ms);
   test::TestEnd liar(End::kClient, test_keys(2));
   pair.server.rekey(test_keys(2));
   const ByteVector first = liar.seal(DatagramType::kProxy, "the server changes to the new keys");
@@ -254,9 +247,7 @@ TEST(PathEnd, ShortChallengeIsCountedNotAnswered) {
 }
 
 TEST(PathEnd, MeasuresRoundTripAndOtherClock) {
-  Joined pair;
-  pair.client.start(pair.server_address, pair.now);
-  pair.run(1s);
+  Joined pair(1s);
   ASSERT_TRUE(pair.client.round_trip().known());
   EXPECT_EQ(pair.client.round_trip().smoothed(), 0ns);
   ASSERT_TRUE(pair.client.clock_offset().at(pair.now));

@@ -81,6 +81,26 @@ struct Rig {
 
 using Changes = std::vector<PathChange>;
 
+bool always(int /*number*/, const DueChallenge& /*challenge*/) {
+  return true;
+}
+
+Rig rig_in_use(Duration since = 100ms) {
+  Rig rig;
+  rig.machine.start(kServer, rig.now);
+  static_cast<void>(rig.run(since));
+  EXPECT_TRUE(rig.machine.in_use());
+  return rig;
+}
+
+/// Its challenges get no answer.
+Rig unanswered_rig() {
+  Rig rig;
+  rig.lost = always;
+  rig.machine.start(kServer, rig.now);
+  return rig;
+}
+
 TEST(PathMachine, IsSilentBeforeItIsStarted) {
   Rig rig;
   EXPECT_EQ(rig.run(1s), Changes{});
@@ -102,9 +122,7 @@ TEST(PathMachine, NeedsFourAnsweredChallenges) {
 }
 
 TEST(PathMachine, ChallengesFillTheLargestDatagram) {
-  Rig rig;
-  rig.lost = [](int, const DueChallenge&) { return true; };
-  rig.machine.start(kServer, rig.now);
+  Rig rig = unanswered_rig();
   static_cast<void>(rig.run(400ms));
   ASSERT_EQ(rig.sent.size(), 5U);
   for (std::size_t i = 0; i < 5; ++i) {
@@ -124,14 +142,11 @@ TEST(PathMachine, ForgivesOneLostChallengeNotTwo) {
 }
 
 TEST(PathMachine, OverdueAnswerCausesDoubt) {
-  Rig rig;
-  rig.machine.start(kServer, rig.now);
-  static_cast<void>(rig.run(1s));
-  ASSERT_TRUE(rig.machine.in_use());
+  Rig rig = rig_in_use(1s);
   EXPECT_FALSE(rig.machine.in_doubt());
   EXPECT_LT(rig.machine.doubt_limit(), 42ms);  // the round trip is 10 ms and does not vary
   EXPECT_GE(rig.machine.doubt_limit(), 40ms);
-  rig.lost = [](int, const DueChallenge&) { return true; };
+  rig.lost = always;
   const TimePoint cut = rig.now;
   while (!rig.machine.in_doubt()) ASSERT_EQ(rig.run(1ms), Changes{});
   EXPECT_LE(rig.now - cut, 60ms);  // up to 10 ms to the next challenge, 10 ms for answers under way
@@ -140,7 +155,7 @@ TEST(PathMachine, OverdueAnswerCausesDoubt) {
   rig.lost = {};
   while (rig.machine.in_doubt()) ASSERT_EQ(rig.run(1ms), Changes{});
   EXPECT_LT(rig.now - cut, 85ms);
-  rig.lost = [](int, const DueChallenge&) { return true; };
+  rig.lost = always;
   EXPECT_EQ(rig.run(300ms), Changes{PathChange::kSilent});
   EXPECT_FALSE(rig.machine.in_doubt());
 }
@@ -178,9 +193,7 @@ TEST(PathMachine, ForeignOrUnaskedAnswerProvesNothing) {
   rig.answers_from = kElsewhere;
   rig.machine.start(kServer, rig.now);
   EXPECT_EQ(rig.run(600ms), Changes{PathChange::kRefused});
-  Rig guessing;
-  guessing.lost = [](int, const DueChallenge&) { return true; };
-  guessing.machine.start(kServer, guessing.now);
+  Rig guessing = unanswered_rig();
   static_cast<void>(guessing.run(10ms));
   for (std::uint64_t token = 1000; token < 1010; ++token) {
     EXPECT_EQ(guessing.machine.responded(kServer, {token}, guessing.now), PathChange::kNone);
@@ -189,9 +202,7 @@ TEST(PathMachine, ForeignOrUnaskedAnswerProvesNothing) {
 }
 
 TEST(PathMachine, PauseDoublesUpToItsLimit) {
-  Rig rig;
-  rig.lost = [](int, const DueChallenge&) { return true; };
-  rig.machine.start(kServer, rig.now);
+  Rig rig = unanswered_rig();
   static_cast<void>(rig.run(60s));
   std::vector<Duration> pauses;  // from a round's last challenge to the next one's first
   for (std::size_t i = 5; i < rig.sent.size(); i += 5) {
@@ -202,26 +213,16 @@ TEST(PathMachine, PauseDoublesUpToItsLimit) {
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(pauses[i], expected[i]) << i;
 }
 
-Rig rig_in_use(PathRules rules = {}) {
-  Rig rig(rules);
-  rig.machine.start(kServer, rig.now);
-  static_cast<void>(rig.run(100ms));
-  EXPECT_TRUE(rig.machine.in_use());
-  return rig;
-}
-
 TEST(PathMachine, StaysInUseWhileAnswersCome) {
-  Rig rig(PathRules{});
+  Rig rig;
   rig.machine.start(kServer, rig.now);
   EXPECT_EQ(rig.run(30s), Changes{PathChange::kUp});
   EXPECT_EQ(rig.sent.back().challenge.size, kShortChallenge);
 }
 
 TEST(PathMachine, SilenceOf100MsFallsBack) {
-  Rig rig(PathRules{});
-  rig.machine.start(kServer, rig.now);
-  static_cast<void>(rig.run(1s));
-  rig.lost = [](int, const DueChallenge&) { return true; };
+  Rig rig = rig_in_use(1s);
+  rig.lost = always;
   const TimePoint cut = rig.now;
   ASSERT_EQ(rig.machine.silence_limit(), 100ms);
   while (rig.machine.in_use()) static_cast<void>(rig.run(1ms));
@@ -236,7 +237,7 @@ TEST(PathMachine, SlowLinksAllowALongerSilence) {
   slow.nominal_period = 100ms;
   Rig by_period(slow);
   EXPECT_EQ(by_period.machine.silence_limit(), 400ms);
-  Rig by_rtt(PathRules{});
+  Rig by_rtt;
   by_rtt.rtt = 90ms;
   by_rtt.machine.start(kServer, by_rtt.now);
   EXPECT_EQ(by_rtt.run(5s), Changes{PathChange::kUp});
@@ -244,10 +245,8 @@ TEST(PathMachine, SlowLinksAllowALongerSilence) {
 }
 
 TEST(PathMachine, ReturnsAfterTheBackOff) {
-  Rig rig(PathRules{});
-  rig.machine.start(kServer, rig.now);
-  static_cast<void>(rig.run(1s));
-  rig.lost = [](int, const DueChallenge&) { return true; };
+  Rig rig = rig_in_use(1s);
+  rig.lost = always;
   EXPECT_EQ(rig.run(300ms), Changes{PathChange::kSilent});
   rig.lost = nullptr;
   const TimePoint healed = rig.now;
@@ -258,12 +257,12 @@ TEST(PathMachine, ReturnsAfterTheBackOff) {
 
 TEST(PathMachine, ProvenPathResetsItsBackOff) {
   const auto pause_after = [](Duration in_use) {
-    Rig rig(PathRules{});
+    Rig rig;
     rig.lost = [](int number, const DueChallenge&) { return number <= 10; };  // two rounds fail
     rig.machine.start(kServer, rig.now);
     while (!rig.machine.in_use()) static_cast<void>(rig.run(1ms));
     static_cast<void>(rig.run(in_use));
-    rig.lost = [](int, const DueChallenge&) { return true; };
+    rig.lost = always;
     while (rig.machine.in_use()) static_cast<void>(rig.run(1ms));
     const TimePoint down = rig.now;
     while (rig.machine.state() == PathState::kWaiting) static_cast<void>(rig.run(1ms));
@@ -275,7 +274,7 @@ TEST(PathMachine, ProvenPathResetsItsBackOff) {
 
 TEST(PathMachine, FallsBackOn30PercentLoss) {
   for (const double delivered : {0.75, 0.65}) {
-    Rig rig(PathRules{});
+    Rig rig;
     rig.machine.start(kServer, rig.now);
     rig.delivered = delivered;
     const TimePoint begin = rig.now;
@@ -334,7 +333,7 @@ TEST(PathMachine, ManyAddressesShareOneRound) {
 }
 
 TEST(PathMachine, ServerBeginsWhenClientIsHeard) {
-  Rig rig(PathRules{});
+  Rig rig;
   rig.machine.heard(kThird, rig.now);
   EXPECT_EQ(rig.run(100ms), Changes{PathChange::kUp});
   EXPECT_EQ(rig.machine.address(), kThird);
@@ -350,7 +349,7 @@ TEST(PathMachine, CloseTurnsItOffForGood) {
 }
 
 TEST(PathMachine, IsIdleUntilItsNextStep) {
-  Rig rig(PathRules{});
+  Rig rig;
   rig.lost = [](int number, const DueChallenge&) { return number % 7 == 0; };
   rig.machine.start(kServer, rig.now);
   for (int ms = 0; ms < 20'000; ++ms) {

@@ -2,10 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <random>
-#include <set>
-
 #include "tests/proto/wire/channel_pair.hpp"
 
 namespace haptic::wire {
@@ -70,13 +66,6 @@ TEST(SecureChannel, EveryTruncationAndExtensionIsRejected) {
   }
 }
 
-TEST(SecureChannel, AReplayedDatagramIsADuplicate) {
-  ChannelPair pair;
-  const ByteVector datagram = pair.client.seal(kProxy, "x");
-  EXPECT_EQ(pair.server.open(datagram), "x");
-  EXPECT_EQ(pair.server.open(datagram), "DUPLICATE");
-}
-
 TEST(SecureChannel, AReplayedCaptureIsTooOld) {
   ChannelPair pair;
   std::vector<ByteVector> capture;
@@ -87,17 +76,6 @@ TEST(SecureChannel, AReplayedCaptureIsTooOld) {
   for (std::size_t i = 0; i < capture.size(); ++i) {
     EXPECT_EQ(pair.server.open(capture[i]), i < 1500 - 1024 ? "TOO_OLD" : "DUPLICATE");
   }
-}
-
-TEST(SecureChannel, WindowAcceptsAnyOrder) {
-  ChannelPair pair;
-  std::vector<ByteVector> sent;
-  for (int i = 0; i < 1000; ++i) sent.push_back(pair.client.seal(kProxy, std::to_string(i)));
-  std::shuffle(sent.begin(), sent.end(), std::mt19937(3));
-  std::set<std::string> came;
-  for (const ByteVector& datagram : sent) came.insert(pair.server.open(datagram));
-  EXPECT_EQ(came.size(), 1000U);  // each text once, no reason among them
-  EXPECT_EQ(came.count("DUPLICATE") + came.count("TOO_OLD"), 0U);
 }
 
 TEST(SecureChannel, RejectsAReflectedDatagram) {
@@ -141,8 +119,7 @@ TEST(Rekey, ServerAwaitsTheClientsNewKeys) {
 TEST(Rekey, NewKeysRestartTheNumbers) {
   ChannelPair pair;
   for (int i = 0; i < 5; ++i) ASSERT_EQ(pair.server.open(pair.client.seal(kProxy, "x")), "x");
-  pair.server.channel.rekey(test_keys(2));
-  pair.client.channel.rekey(test_keys(2));
+  pair.rekey(2);
   const ByteVector first = pair.client.seal(kProxy, "x");
   EXPECT_EQ(read_header(first).header.packet_number, 1U);
   EXPECT_EQ(pair.server.open(first), "x");
@@ -154,8 +131,7 @@ TEST(Rekey, OldKeysOpenForOneSecond) {
   const ByteVector a = pair.client.seal(kProxy, "a"), b = pair.client.seal(kProxy, "b"),
                    replayed = pair.client.seal(kProxy, "c");
   ASSERT_EQ(pair.server.open(replayed), "c");
-  pair.server.channel.rekey(test_keys(2));
-  pair.client.channel.rekey(test_keys(2));
+  pair.rekey(2);
   const TimePoint taken{10s};
   ASSERT_EQ(pair.server.open(pair.client.seal(kProxy, "new"), taken), "new");
   EXPECT_EQ(pair.server.open(a, taken + 999ms), "a");
@@ -167,8 +143,7 @@ TEST(Rekey, ClientForgetsOldKeysInTime) {
   ChannelPair pair;
   const ByteVector a = pair.server.seal(kState, "a"), b = pair.server.seal(kState, "b"),
                    c = pair.server.seal(kState, "c");
-  pair.server.channel.rekey(test_keys(2));
-  pair.client.channel.rekey(test_keys(2));
+  pair.rekey(2);
   EXPECT_EQ(pair.client.open(a, TimePoint(5s)), "a");  // the server has not changed over yet
   ASSERT_EQ(pair.server.open(pair.client.seal(kProxy, "new")), "new");
   ASSERT_EQ(pair.client.open(pair.server.seal(kState, "new"), TimePoint(10s)), "new");
@@ -208,8 +183,7 @@ TEST(Rekey, ChannelKnowsItsPathIds) {
     return ids;
   };
   EXPECT_EQ(known(TimePoint(9s)), "1");
-  pair.server.channel.rekey(test_keys(2));
-  pair.client.channel.rekey(test_keys(2));
+  pair.rekey(2);
   EXPECT_EQ(known(TimePoint(10s)), "12");
   ASSERT_EQ(pair.server.open(pair.client.seal(kProxy, "new"), TimePoint(10s)), "new");
   EXPECT_EQ(known(TimePoint(10'999ms)), "12");

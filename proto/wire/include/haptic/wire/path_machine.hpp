@@ -111,7 +111,7 @@ class PathMachine {
   [[nodiscard]] const PeerAddress& address() const noexcept { return address_; }
   [[nodiscard]] const RoundTrip& round_trip() const noexcept { return round_trip_; }
   /// The challenge that a response of this token answers left at this time; for ClockOffset.
-  [[nodiscard]] std::optional<TimePoint> sent_at(std::uint64_t token) const noexcept;
+  [[nodiscard]] std::optional<TimePoint> sent_at(std::uint64_t token) noexcept;
   [[nodiscard]] Duration silence_limit() const noexcept;
   [[nodiscard]] Duration doubt_limit() const noexcept;
 

@@ -1,9 +1,9 @@
 #pragma once
 /// States and events of a device without a session. Connection::watch() begins it.
 ///
-/// The callbacks run on a thread of gRPC, one at a time per watch. If a callback is slow, states wait
-/// in the connection's buffers, and the server leaves states out once those are full. To get the
-/// newest state always, open a session with SessionOptions::observer.
+/// The callbacks run on a thread of gRPC, one at a time per watch. If a callback is slow, states
+/// wait in the connection's buffers, and the server leaves states out once those are full. To get
+/// the newest state always, open a session with SessionOptions::observer.
 
 #include <cstdint>
 #include <optional>

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "haptic/client/client.hpp"
+#include "tests/support/within.hpp"
 
 namespace haptic::test {
 
@@ -45,17 +46,6 @@ class Presser {
   std::unique_ptr<client::Session> session_{};
   std::thread thread_{};
 };
-
-/// Polls `condition`, until it holds or `limit` has passed. Returns whether it holds.
-template <typename Condition>
-[[nodiscard]] bool within(std::chrono::milliseconds limit, Condition condition) {
-  const auto end = std::chrono::steady_clock::now() + limit;
-  while (std::chrono::steady_clock::now() < end) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return condition();
-}
 
 /// The finger at `address` comes to rest (IDLE) within a minute.
 [[nodiscard]] bool serves(const std::string& address);

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "haptic/client/client.hpp"
+#include "tests/support/within.hpp"
 #include "tests/system/process.hpp"
 
 namespace haptic {
@@ -15,16 +16,6 @@ namespace {
 
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
-
-template <typename Rule>
-bool within_a_while(Rule rule, std::chrono::seconds limit = std::chrono::seconds(20)) {
-  const auto give_up = Clock::now() + limit;
-  while (!rule()) {
-    if (Clock::now() > give_up) return false;
-    std::this_thread::sleep_for(milliseconds(5));
-  }
-  return true;
-}
 
 /// What a daemon may have as standard error, unread: a pipe as small as the kernel makes them, or a
 /// terminal.
@@ -73,7 +64,7 @@ TEST_P(UnreadLog, DelaysNoLeaseStopOrSigterm) {
        "loop.loop_late_fault={seconds: 5}"},
       log.end());
   client::Connection connection("unix:" + socket);
-  ASSERT_TRUE(within_a_while([&] {
+  ASSERT_TRUE(test::eventually([&] {
     try {
       static_cast<void>(connection.server_info(milliseconds(500)));
       return true;
@@ -88,7 +79,7 @@ TEST_P(UnreadLog, DelaysNoLeaseStopOrSigterm) {
   };
   auto wall = press();
   const auto device = [&] { return connection.devices().front(); };
-  ASSERT_TRUE(within_a_while([&] { return device().state == client::Lifecycle::kEngaged; }));
+  ASSERT_TRUE(test::eventually([&] { return device().state == client::Lifecycle::kEngaged; }));
 
   log.fill();
   // More lines than any buffer on the way holds.
@@ -97,16 +88,16 @@ TEST_P(UnreadLog, DelaysNoLeaseStopOrSigterm) {
     static_cast<void>(connection.clear_fault());
   }
   wall = press();
-  ASSERT_TRUE(within_a_while([&] { return device().state == client::Lifecycle::kEngaged; }));
+  ASSERT_TRUE(test::eventually([&] { return device().state == client::Lifecycle::kEngaged; }));
   wall->signal(SIGSTOP);
-  EXPECT_TRUE(within_a_while([&] { return device().state == client::Lifecycle::kIdle; }))
+  EXPECT_TRUE(test::eventually([&] { return device().state == client::Lifecycle::kIdle; }))
       << "the lease of a silent controller ends";
   wall = press();
-  ASSERT_TRUE(within_a_while([&] { return device().state == client::Lifecycle::kEngaged; }));
+  ASSERT_TRUE(test::eventually([&] { return device().state == client::Lifecycle::kEngaged; }));
   EXPECT_EQ(connection.emergency_stop({}, "nobody reads this").size(), 1U);
   EXPECT_EQ(device().state, client::Lifecycle::kFault);
   static_cast<void>(connection.clear_fault());
-  EXPECT_TRUE(within_a_while([&] { return device().state != client::Lifecycle::kFault; }));
+  EXPECT_TRUE(test::eventually([&] { return device().state != client::Lifecycle::kFault; }));
 
   const auto asked = Clock::now();
   daemon.signal(SIGTERM);

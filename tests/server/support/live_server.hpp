@@ -12,19 +12,9 @@
 #include "server/base/steady_now.hpp"
 #include "server/rpc/rpc_server.hpp"
 #include "tests/server/support/device_rig.hpp"
+#include "tests/support/within.hpp"
 
 namespace haptic::test {
-
-/// Waits for `condition`, generously: a rule is tested, not this machine.
-template <typename Condition>
-[[nodiscard]] bool eventually(Condition condition, std::chrono::seconds limit = 30s) {
-  const auto end = std::chrono::steady_clock::now() + limit;
-  while (std::chrono::steady_clock::now() < end) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(1ms);
-  }
-  return condition();
-}
 
 /// The rig's settings with a long hold: a test of requests must not lose its force to a busy
 /// machine.

@@ -19,41 +19,34 @@
 
 namespace haptic::test {
 
-/// ErrorInfo.reason of a status; empty if it has none.
-inline std::string reason_of(const grpc::Status& status) {
+/// The first detail of that type in a status; a default one if there is none.
+template <typename Detail>
+Detail detail_in(const grpc::Status& status) {
   google::rpc::Status details;
-  if (!details.ParseFromString(status.error_details())) return {};
+  Detail found;
+  if (!details.ParseFromString(status.error_details())) return found;
   for (const auto& any : details.details()) {
-    google::rpc::ErrorInfo info;
-    if (any.UnpackTo(&info)) return info.reason();
+    if (any.UnpackTo(&found)) return found;
   }
   return {};
+}
+
+/// ErrorInfo.reason of a status; empty if it has none.
+inline std::string reason_of(const grpc::Status& status) {
+  return detail_in<google::rpc::ErrorInfo>(status).reason();
 }
 
 /// Entry `key` of ErrorInfo's metadata; empty if there is none.
 inline std::string detail_of(const grpc::Status& status, const std::string& key) {
-  google::rpc::Status details;
-  if (!details.ParseFromString(status.error_details())) return {};
-  for (const auto& any : details.details()) {
-    google::rpc::ErrorInfo info;
-    if (!any.UnpackTo(&info)) continue;
-    const auto found = info.metadata().find(key);
-    if (found != info.metadata().end()) return found->second;
-  }
-  return {};
+  const auto info = detail_in<google::rpc::ErrorInfo>(status);
+  const auto found = info.metadata().find(key);
+  return found != info.metadata().end() ? found->second : std::string();
 }
 
 /// Field of the first BadRequest violation of a status; empty if there is none.
 inline std::string field_of(const grpc::Status& status) {
-  google::rpc::Status details;
-  if (!details.ParseFromString(status.error_details())) return {};
-  for (const auto& any : details.details()) {
-    google::rpc::BadRequest bad;
-    if (any.UnpackTo(&bad) && bad.field_violations_size() > 0) {
-      return bad.field_violations(0).field();
-    }
-  }
-  return {};
+  const auto bad = detail_in<google::rpc::BadRequest>(status);
+  return bad.field_violations_size() > 0 ? bad.field_violations(0).field() : std::string();
 }
 
 inline v1::SessionRequest open_message(v1::Role role, const std::string& name) {

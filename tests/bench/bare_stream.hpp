@@ -16,7 +16,6 @@
 
 namespace haptic::bench {
 
-/// The peer: the same messages over the plainest stream gRPC offers; stamps arrivals.
 class BareServer final : public v1::HapticService::CallbackService {
  public:
   grpc::ServerBidiReactor<v1::SessionRequest, v1::SessionResponse>* Session(

@@ -53,9 +53,8 @@ struct Poses {
 
 double sink = 0.0;
 
-/// p50 of single ticks in ns: of 3000, after 1000 to warm up. `input(i)` makes what tick i is
-/// given, `tick(input)` is what is measured; the clock's own cost, measured in the same block, is
-/// taken off.
+/// p50 of single ticks in ns: of 3000, after 1000 to warm up. `input(i)` makes the input of tick i,
+/// `tick(input)` is measured; the clock's own cost, measured in the same block, is subtracted.
 template <typename Input, typename Tick>
 double p50_of_ticks(const Input& input, const Tick& tick) {
   using Clock = std::chrono::steady_clock;
@@ -77,8 +76,8 @@ double p50_of_ticks(const Input& input, const Tick& tick) {
   return median(ticks) - median(clocks);
 }
 
-/// What tick `i` (from 0, 1 ms apart) of an engaged device is given: the fresh sample q (n_q), and
-/// the proxy x (n_x) held, as a client at 60 Hz sends it.
+/// Input of tick `i` (from 0, 1 ms apart) of an engaged device: the fresh sample q (n_q), and the
+/// held proxy x (n_x) of a client at 60 Hz.
 core::TickInput held_tick(const core::PipelineConfig& config, int i, const core::VecQ& q,
                           const core::VecX& x) {
   core::TickInput input;
@@ -105,7 +104,7 @@ core::TickInput tick_input(const Poses& poses, const core::PipelineConfig& confi
                    poses.x[static_cast<std::size_t>((i / 16 * 16) % kPoses)]);
 }
 
-/// What a scene may add to a tick.
+/// Parts that a scene may add to a tick.
 struct Extras {
   const char* name{""};
   bool guard{false}, envelope{false}, tank{false}, observer{false};
@@ -162,7 +161,7 @@ double tick_p50(const Poses& poses, core::RendererKind kind, const Extras& extra
         engaged = record.life.state == core::LifecycleState::kEngaged;
         sink += record.effort.tau_a[0];
       });
-  if (!engaged) std::abort();  // a tick without force would be a flattering figure
+  if (!engaged) std::abort();  // a tick without force would be too cheap
   return p50;
 }
 
@@ -296,6 +295,7 @@ int main() {
       "# error of q*_a: Eq. (8) %.3g m; one warm step (1 kHz proxies) %.3g m; closed form "
       "%.3g rad round trip\n",
       worst_linear, worst_warm, worst_closed);
-  std::fprintf(stderr, "%s", sink == 0.123 ? "\n" : "");  // the work was not for nothing
+  std::fprintf(stderr, "%s",
+               sink == 0.123 ? "\n" : "");  // keeps the work from being optimised away
   return 0;
 }

@@ -9,7 +9,7 @@
 
 namespace haptic::bench {
 
-/// Measures one block and answers with its figure (ns per call, a percentile in us, ...).
+/// Measures one block and returns its figure (ns per call, a percentile in us, ...).
 using Block = std::function<double()>;
 
 struct Ratio {

@@ -1,4 +1,4 @@
-// The rule by which everything in tests/bench is judged, on blocks whose figures are given.
+// The rule that judges every row of tests/bench, on blocks with given figures.
 #include "tests/bench/paired.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ using haptic::bench::Block;
 using haptic::bench::Figure;
 using haptic::bench::Row;
 
-/// Answers with these figures in turn.
+/// Returns these figures in turn.
 Block turns(std::vector<double> values) {
   return [values, i = std::size_t{0}]() mutable { return values[i++ % values.size()]; };
 }

@@ -42,7 +42,7 @@ class PressingUnits {
     check();
   }
 
-  /// So many of each.
+  /// Ticks every unit so many times.
   void tick(int ticks) {
     for (int i = 0; i < ticks; ++i) {
       now_ += kPeriod;

@@ -75,7 +75,7 @@ class Page:
 
 
 def numbers(text: str) -> dict[str, int]:
-    """Of "name 12, other name 3"."""
+    """The counters of "name 12, other name 3"."""
     return {
         name.replace(" ", "_"): int(n)
         for name, n in re.findall(r"([A-Za-z][A-Za-z _]*?) (\d+)", text)
@@ -134,7 +134,7 @@ def run(
                     "--set",
                     f'device[0].board={{ port: "{port}" max_effort: 40 '
                     "max_silence { nanos: 100000000 } }",
-                    # What is judged here is counted, not ended by a fault.
+                    # Late ticks are counted here; they must not end the run by a fault.
                     "--set",
                     "loop.late_bucket_full=1000000",
                     "--set",

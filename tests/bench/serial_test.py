@@ -1,5 +1,4 @@
-"""The serial run's verdicts on made-up counters: each of them bites, and none bites without a
-cause."""
+"""The serial run's verdicts on made-up counters: each fails with its cause and passes without."""
 
 import dataclasses
 import unittest

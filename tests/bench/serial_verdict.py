@@ -64,8 +64,7 @@ def age(run: Run, target_ms: float) -> Verdict:
 
 
 def up(run: Run) -> Verdict:
-    """A frame may be damaged and still be no loss (a piece of noise between two), so counted may be
-    more."""
+    """Noise between two frames counts as damage without a loss, so `counted` may be larger."""
     counted = (
         run.board["without_room"]
         + run.host["bad_crc"]

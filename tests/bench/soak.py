@@ -85,7 +85,7 @@ def started(programs: pathlib.Path, scene: str, folder: str) -> tuple[subprocess
             "server.metrics_listen=127.0.0.1:0",
             "--set",
             "server.udp_listen=127.0.0.1:0",
-            # What is judged here is counted, not ended by a fault.
+            # Late ticks are counted here; they must not end the run by a fault.
             "--set",
             "loop.late_bucket_full=1000000",
             "--set",

@@ -1,4 +1,4 @@
-"""The soak's verdicts on made-up seconds: each of them bites, and none bites without a cause."""
+"""The soak's verdicts on made-up seconds: each fails with its cause and passes without."""
 
 import dataclasses
 import random

@@ -1,5 +1,5 @@
-"""What a soak's seconds say: memory flat, deadlines missed no more than by a bare loop, lateness as
-at the start."""
+"""Judges a soak by its seconds: memory stays flat, no more missed deadlines than a bare loop has,
+lateness as at the start."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class Second:
 
 
 def verdicts(rows: Sequence[Second]) -> list[Verdict]:
-    """Of the rows in order of time; the first and the last tenth are start and end. At least 10
-    rows."""
+    """Start and end: the first and the last tenth of the rows, which are in order of time. At least
+    10 rows."""
     if len(rows) < 10:
         raise ValueError(f"{len(rows)} seconds: at least 10 are needed")
     tenth = len(rows) // 10
@@ -65,8 +65,7 @@ def missed(rows: Sequence[Second]) -> Verdict:
 
 
 def lateness(start: Sequence[Second], end: Sequence[Second]) -> Verdict:
-    """End over start, over the same of the bare loop: what the machine itself did is divided
-    out."""
+    """End over start, divided by the same of the bare loop: this removes what the machine did."""
 
     def ratio(a: Sequence[Second], b: Sequence[Second]) -> float:
         def median(part: Sequence[Second], name: str) -> float:

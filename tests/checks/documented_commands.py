@@ -31,8 +31,8 @@ PROGRAMS = {
     "haptic-board-emulator": "hw/haptic-board-emulator",
     "haptic-make-motion": "hw/haptic-make-motion",
 }
-# What is run here, in the order of client/README.md; seconds after which an open end is
-# interrupted.
+# Commands that run here, in the order of client/README.md; a command without an end is interrupted
+# after so many seconds.
 RUN = {
     "hapticctl info": None,
     "hapticctl health": None,
@@ -226,8 +226,7 @@ def check_code(root: pathlib.Path, known: dict[tuple[str, str], tuple[int, str, 
 
 
 def free_ports() -> tuple[int, int]:
-    """Two that differ, below the ports that the kernel gives out, so that no other test gets them
-    meanwhile."""
+    """Two different ports below those that the kernel chooses, so that no other test gets them."""
     free = []
     for port in range(12_000 + 37 * os.getpid() % 17_000, 32_000):
         with socket.socket() as tcp, socket.socket(

@@ -1,4 +1,4 @@
-"""The check of documented commands bites: on made-up documents and programs."""
+"""The positive control of documented_commands.py, on made-up documents and programs."""
 
 import pathlib
 import sys

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Prints a fenced code block of a language in a Markdown file: the first, or that of a number.
+# Prints the first, or the NUMBERth, fenced code block of a language in a Markdown file.
 #
 #   extract_code.sh FILE LANGUAGE [NUMBER]
 set -eu

@@ -25,7 +25,7 @@ size=size
 case "$compiler" in *-gcc) size=${compiler%-gcc}-size ;; esac
 "$size" -t "$objects"/*.o
 
-# Nothing from a C library but what a compiler may ask for by itself.
+# From a C library only the functions that a compiler may call by itself.
 nm=nm
 case "$compiler" in *-gcc) nm=${compiler%-gcc}-nm ;; esac
 "$nm" -u "$objects"/*.o | sed -nE 's/^ *U (.*)/\1/p' |

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs the README's first client against a hapticd of its own, on a socket in a folder of its own.
+# Runs the README's first client against a hapticd on a socket in a temporary folder.
 #
 #   first_client.sh HAPTICD CLIENT SCENE
 set -eu

@@ -79,7 +79,7 @@ report "proto types stop at server/{front,owner,rpc,scene,state,udp}" <<LINES
 $(includes server | grep -vE '^server/(front|owner|rpc|scene|state|udp)/' | grep -E " [<\"]($grpc)")
 LINES
 
-# "No clock read" is not an include, but belongs to the same contract.
+# Core reads no clock: not an include, but the same contract.
 report "core and wire read no clock" <<LINES
 $(find core $([ -d proto/wire ] && echo proto/wire) -name '*.[ch]pp' \
   -exec grep -HnE '(::now[[:space:]]*\(|clock_gettime|gettimeofday)' {} + |

@@ -1,6 +1,6 @@
 #!/bin/sh
-# A program that was linked with all of haptic_owner needs nothing of the network: no gRPC, asio,
-# HTTP or OpenSSL, neither as a library nor as code.
+# A program linked with all of haptic_owner contains nothing of the network: no gRPC, asio, HTTP or
+# OpenSSL, neither as a library nor as code.
 #
 #   owner_links.sh PROGRAM
 set -u

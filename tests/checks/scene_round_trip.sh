@@ -1,5 +1,5 @@
 #!/bin/sh
-# A scene loads, and what --print-scene shows of it loads again and shows the same.
+# A scene loads; the output of --print-scene loads too, and prints the same again.
 #
 #   scene_round_trip.sh HAPTICD SCENE SCRATCH-FOLDER
 set -eu

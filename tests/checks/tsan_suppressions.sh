@@ -1,7 +1,7 @@
 #!/bin/sh
-# tests/tsan.supp excuses Debian's builds of gRPC, Abseil and protobuf, which are not instrumented
-# and report by the hundred - and nothing else. One function of libgrpc++ is inlined from its
-# header, and so has no library's name.
+# tests/tsan.supp may excuse only Debian's builds of gRPC, Abseil and protobuf, which are not
+# instrumented and cause hundreds of reports. One function of libgrpc++ is inlined from its header,
+# so it has no library's name.
 #
 #   tsan_suppressions.sh [FILE]
 set -u

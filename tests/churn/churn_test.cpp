@@ -1,5 +1,5 @@
-/// Every transport at work while clients come and go: for the thread sanitizer above all. Three
-/// seconds in the tests; HAPTIC_CHURN_SECONDS=60 for as long as one likes (tests/churn/run.sh).
+/// Clients come and go over every carrier, mainly for the thread sanitizer. Three seconds by
+/// default; HAPTIC_CHURN_SECONDS sets another length (tests/churn/run.sh).
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -23,7 +23,7 @@ std::chrono::seconds how_long() {
   return std::chrono::seconds(text == nullptr ? 3 : std::max(1, std::atoi(text)));
 }
 
-/// Patient with late ticks: an instrumented program on a busy machine has many.
+/// Accepts late ticks: an instrumented program on a busy machine has many.
 server::Scene patient_scene(const std::string& unix_address) {
   server::Scene scene =
       server::load_scene(HAPTIC_SOURCE_DIR "/server/scenes/finger_constant.textproto");
@@ -95,7 +95,7 @@ class Churn {
   std::atomic<std::uint64_t> opened{0}, states{0}, events{0}, by_udp{0};
 
  private:
-  /// A refusal - the lease is held, the session is gone - is part of the game.
+  /// Refusals (the lease is held, the session is gone) are expected.
   template <typename Work>
   void repeat(const Work& work) {
     while (running) {

@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# Clients that come and go over every transport, under the thread sanitizer, for as long as one
-# likes.
+# Clients that come and go over every carrier, under the thread sanitizer.
 #
 #   tests/churn/run.sh [SECONDS]      default: 60 s
 set -euo pipefail

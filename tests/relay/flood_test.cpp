@@ -61,7 +61,7 @@ TEST(Flood, CountsEveryDatagramAndAnswersNone) {
           std::to_string(tag) + " TAG; " + std::to_string(dropped) + " dropped by the kernel");
 }
 
-/// What a flood of two seconds does to the loop and to a stop, or several floods.
+/// Effect of a flood of two seconds, or of several, on the loop and on stops.
 struct Harm {
   double skipped{0.0};  ///< deadlines, per thousand ticks
   double rate{0.0};     ///< datagrams per second, as sent
@@ -127,7 +127,7 @@ Harm pooled(const std::vector<Harm>& harms) {
 }
 
 constexpr double kStopWithin = 10.0;  // ms, proto/README.md#a-session, p99
-/// Two measurements of the same flood differ by that much.
+/// Two measurements of the same flood differ by at most this.
 constexpr double kSkippedAlike = 0.5;  // deadlines per thousand ticks
 
 struct FloodMeasurement {

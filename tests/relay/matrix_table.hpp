@@ -7,7 +7,7 @@
 
 namespace haptic::test {
 
-/// A line of RFC 4180: what needs quotes gets them.
+/// A line of CSV (RFC 4180), with quotes if a field needs them.
 [[nodiscard]] std::string csv_line(const std::string& row, const std::string& expected,
                                    const std::string& got, bool passed);
 
@@ -20,7 +20,7 @@ class MatrixRow {
   MatrixRow(const MatrixRow&) = delete;
   MatrixRow& operator=(const MatrixRow&) = delete;
 
-  /// What was seen; parts are joined by "; ".
+  /// Adds to the column `got`; parts are joined by "; ".
   void got(const std::string& part);
 
  private:

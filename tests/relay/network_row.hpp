@@ -29,7 +29,7 @@ class RowRun {
   /// Sample rate of the row's client, unless it is a Presser. Call before judge().
   void client_rate(double hz) { fresh_end_ = 2.5 / hz; }
 
-  /// A rule that holds however busy the host is. Returns `holds`.
+  /// A rule that must hold on any host, busy or not. Returns `holds`.
   bool must(bool holds, const std::string& what);
   /// A rule that a busy host may break, because our threads then run late. It is a failure on a
   /// calm host and a remark on any other. Returns `holds`.
@@ -37,7 +37,7 @@ class RowRun {
   /// Adds to the table.
   void got(const std::string& part) { got_.push_back(part); }
 
-  /// What the daemon recorded; ends the daemon. Throws std::runtime_error if there is no record.
+  /// The daemon's recording; ends the daemon. Throws std::runtime_error if there is no record.
   [[nodiscard]] const std::vector<RecordedTick>& record();
   /// Holds the contract against the record. Every row is judged, even if it does not ask.
   const RunFigures& judge();

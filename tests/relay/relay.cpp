@@ -56,7 +56,7 @@ class Relay::Impl {
   }
 
   RelayClock clock_{};
-  // What the context's last handlers keep alive goes with the context: it is destroyed last.
+  // Destroyed last, together with the objects that its last handlers keep alive.
   asio::io_context context_{1};
   asio::executor_work_guard<asio::io_context::executor_type> busy_{context_.get_executor()};
   std::optional<TcpRelay> tcp_{};

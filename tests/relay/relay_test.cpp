@@ -88,7 +88,7 @@ TEST(UdpRelay, LosesTheVirtualLinksPackets) {
   EXPECT_EQ(ends.received(), expected);
 }
 
-/// A TCP client that sends `bytes` through the relay and half-closes; what the server read.
+/// A TCP client sends `bytes` through the relay and half-closes; returns what the server read.
 std::vector<std::uint8_t> through_tcp(const Scenario& trouble,
                                       const std::vector<std::uint8_t>& bytes) {
   asio::io_context context;
@@ -109,7 +109,7 @@ std::vector<std::uint8_t> through_tcp(const Scenario& trouble,
   asio::read(server, asio::dynamic_buffer(received), end);
   writer.join();
   EXPECT_EQ(end, asio::error::eof);
-  // And back: what the server answers comes to the client, after its own end.
+  // And back: the server's answer reaches the client after the client's end.
   asio::write(server, asio::buffer("ok", 2));
   server.close();
   std::string answer;

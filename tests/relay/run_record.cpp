@@ -82,7 +82,7 @@ std::string force_step(const RecordedTick& before, const RecordedTick& now) {
   return "force changed by " + std::to_string(step) + " N in " + std::to_string(dt) + " s";
 }
 
-/// What is wrong with a tick after the one before it; empty: nothing.
+/// The first rule that a tick breaks after the one before it; empty: none.
 std::string breach_in(const RecordedTick& before, const RecordedTick& now, double fresh_end) {
   const double dt = now.time - before.time;
   if (now.tick <= before.tick || !(dt > 0.0)) return "a tick that is not after the one before";

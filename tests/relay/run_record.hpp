@@ -25,7 +25,7 @@ struct RecordedTick {
 /// Throws std::runtime_error if a column is missing.
 [[nodiscard]] std::vector<RecordedTick> read_record(const std::filesystem::path& file);
 
-/// What a run looked like.
+/// Summary of a run.
 struct RunFigures {
   int engages{0};  ///< how often ENGAGING was entered
   int losses{0};   ///< how often an old proxy took the force: ENGAGING or ENGAGED to ARMED
@@ -40,7 +40,7 @@ struct RunFigures {
   [[nodiscard]] std::string text() const;  ///< for the table
 };
 
-/// Judges only what holds of every tick, however late it is: levels and gain by age, the force's
+/// Judges rules that hold for every tick, however late it is: levels and gain by age, the force's
 /// limits and steps, no fault, no more energy than the tank held, and in a fault no gain at once
 /// and no command from the second tick on. `fresh_end` s.
 [[nodiscard]] RunFigures judge(const std::vector<RecordedTick>& run, double fresh_end);

@@ -90,7 +90,7 @@ class TcpConnection : public std::enable_shared_from_this<TcpConnection> {
           });
     }
 
-    /// The end of a stream comes behind its last byte.
+    /// The end of a stream follows its last byte.
     void finish() {
       if (!ended || under_way > 0 || told) return;
       told = true;
@@ -112,7 +112,7 @@ class TcpConnection : public std::enable_shared_from_this<TcpConnection> {
   void way_ended() {
     if (up_.told && down_.told) close();
   }
-  /// Whatever is still under way is gone, as with a reset.
+  /// Bytes still under way are dropped, as by a reset.
   void close() {
     up_.trouble.close();
     down_.trouble.close();

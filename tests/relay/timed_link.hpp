@@ -1,6 +1,6 @@
 #pragma once
-/// One direction of trouble in real time: what the links of tests/support/link do on virtual time,
-/// driven by the steady clock. The scenario begins with the first packet that reaches the relay.
+/// One direction of trouble in real time: the links of tests/support/link, driven by the steady
+/// clock. The scenario begins with the first packet that reaches the relay.
 
 #include <asio/io_context.hpp>
 #include <asio/steady_timer.hpp>
@@ -45,7 +45,7 @@ class TimedLink {
     link_.send(std::move(packet), clock_.now());
     pump();
   }
-  /// Nothing is delivered any more.
+  /// Stops delivering.
   void close() {
     deliver_ = nullptr;
     timer_.cancel();

@@ -10,7 +10,7 @@ namespace {
 /// More clients than any test has; a flood from many ports must not use up all descriptors.
 constexpr std::size_t kMostFlows = 64;
 
-/// Flows differ in luck; the first one's is that of the virtual link.
+/// Flows have different seeds; the first has that of the virtual link.
 std::uint64_t seed_of(const Scenario& scenario, std::uint64_t flow, bool down) {
   return scenario.seed + (down ? 1000 : 0) + 10'000 * flow;
 }
@@ -31,7 +31,7 @@ UdpRelay::Flow::Flow(UdpRelay& owner, const Endpoint& from, std::uint64_t number
             asio::error_code dropped;
             relay.socket_.send_to(asio::buffer(packet), client, 0, dropped);
           }) {
-  // From the relay's own address: what the server sees is then never the client's.
+  // From the relay's own address, so that the server never sees the client's.
   socket.bind({relay.socket_.local_endpoint().address(), 0});
   read();
 }

@@ -15,8 +15,7 @@ PATIENCE_S = 60.0
 
 
 def first_in_line() -> None:
-    """Puts the emulator before other programs, if this user may: a board does not wait for a
-    processor."""
+    """Raises the emulator's priority, if permitted: a real board never waits for a processor."""
     with contextlib.suppress(PermissionError):
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(60))
 
@@ -30,7 +29,7 @@ def until(what: str, condition: Callable[[], bool]) -> None:
 
 
 class Board:
-    """The emulator. rows() gives what it really does: (time_s, l_x_m, q_B_rad, force_n)."""
+    """The emulator. rows() gives its true state: (time_s, l_x_m, q_B_rad, force_n)."""
 
     def __init__(
         self, emulator: str, folder: pathlib.Path, *arguments: str, watchdog_ms: int = 1000

@@ -1,5 +1,5 @@
 #pragma once
-/// A Broadcaster of device 0, fed by an owner as the server's own is.
+/// A Broadcaster of device 0, fed by an owner as in the server.
 
 #include <memory>
 

@@ -1,7 +1,7 @@
 #pragma once
-/// A device with its unit, telemetry and owner, and a front by hand, ticked by hand on virtual
-/// time. The map is the identity (x = q, two coordinates), the spring 100 N/m, so that a force is a
-/// proxy's first coordinate times 100.
+/// A device with its unit, telemetry, owner and a HandFront; the test ticks it on virtual time. The
+/// map is the identity (x = q, two coordinates) and the spring has 100 N/m, so that a force is 100
+/// times a proxy's first coordinate.
 
 #include <chrono>
 #include <memory>

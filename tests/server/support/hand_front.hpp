@@ -1,6 +1,6 @@
 #pragma once
-/// A front that a test plays by hand on device 0: requests as calls with callbacks, and sessions by
-/// short names of the test's own ("s1"), which are admitted when they are first used.
+/// A front of device 0 that a test drives: requests are calls with callbacks. Sessions have short
+/// names chosen by the test ("s1") and are admitted at their first use.
 
 #include <deque>
 #include <functional>
@@ -86,12 +86,12 @@ class HandFront final : public server::Front {
   [[nodiscard]] server::DeviceStatus status() const { return owner().status(0); }
   [[nodiscard]] std::string controller() const { return status().controller.str(); }
   [[nodiscard]] unsigned observers() const { return status().observers; }
-  /// `name`: of the test's own, or a session's secret one.
+  /// `name`: the test's, or a session's secret one.
   [[nodiscard]] bool holds_lease(const std::string& name) {
     const auto known = ids_.find(name);
     return status().holder == (known != ids_.end() ? known->second : server::SessionId(name));
   }
-  /// What the owner made of a record that was drained.
+  /// The owner's state of a record that was drained.
   [[nodiscard]] server::StateRecord state_of(const core::TickRecord& record) const {
     for (const server::StateRecord& state : states_) {
       if (state.tick == record.beat.tick) return state;

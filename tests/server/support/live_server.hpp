@@ -16,8 +16,8 @@
 
 namespace haptic::test {
 
-/// The rig's settings with a long hold: a test of requests must not lose its force to a busy
-/// machine.
+/// The rig's settings with a long hold, so that a busy machine does not end the force in a test of
+/// requests.
 inline core::PipelineConfig patient_config() {
   core::PipelineConfig config = rig_config();
   config.scene.staleness.hold_end = 5s;

@@ -57,7 +57,7 @@ inline v1::SessionRequest open_message(v1::Role role, const std::string& name) {
   return message;
 }
 
-/// One session stream; a thread reads all that comes down.
+/// One session stream; a thread reads all responses.
 class TestSession {
  public:
   TestSession(const std::shared_ptr<grpc::Channel>& channel, const v1::SessionRequest& first)

@@ -96,12 +96,12 @@ void hb_init(hb_board* board, const hb_config* config, hb_send send, void* conte
 
 void hb_receive(hb_board* board, uint8_t byte, uint64_t now_us);
 
-/* q: n_q readings at now_us. force: n_a readings, or NULL where there is no such sensor. faults:
- * hb_fault bits that are true now. Sends a STATE (and COUNTERS, at times) once a host said HELLO. */
+/* q: n_q readings at now_us. force: n_a readings, or NULL if there is no such sensor. faults:
+ * hb_fault bits that are true now. Sends a STATE (and COUNTERS, at times) after a host's HELLO. */
 void hb_sample(hb_board* board, uint64_t now_us, const float* q, const float* force,
                uint8_t faults);
 
-/* The references to follow now, n_a values within the dictionary's limits, and what they are. False:
+/* The references to follow now, n_a values within the dictionary's limits, and their kind. False:
  * the drive must be off, and the references are 0. */
 bool hb_reference(hb_board* board, uint64_t now_us, float* reference, hb_kind* kind);
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """No line over 100 columns (CONTRIBUTING.md#style).
 
-    columns.py ROOT [FOLDER...]      only below these folders of ROOT
+    columns.py ROOT
 
 A line passes if it cannot be broken: a table or code block in Markdown, a word of more than 60
 characters, a directive of tests/report/index.in. Generated and foreign files are left out.
@@ -37,7 +37,6 @@ def long_lines(root: pathlib.Path, file: str) -> list[str]:
 
 def main() -> int:
     root = pathlib.Path(sys.argv[1]).resolve()
-    below = tuple(f"{folder}/" for folder in sys.argv[2:]) or ("",)
     listed = subprocess.run(
         ["sh", "-c", '. "$0" && files_of "$1"', pathlib.Path(__file__).parent / "files.sh", root],
         capture_output=True,
@@ -47,8 +46,7 @@ def main() -> int:
     files = [
         file
         for file in listed.stdout.split()
-        if file.startswith(below)
-        and not file.startswith(FOREIGN)
+        if not file.startswith(FOREIGN)
         and not file.endswith(GENERATED)
         and (root / file).is_file()
     ]

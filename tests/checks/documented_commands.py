@@ -50,6 +50,7 @@ ELSEWHERE = {
     "docker/test.sh": ("tests/package/CMakeLists.txt", "docker/test.sh"),
     "cmake --preset release": ("tests/run.sh", "cmake --preset"),
     "cmake --build --preset release": ("tests/run.sh", "cmake --build --preset"),
+    "cmake --build --preset product": ("CMakePresets.json", '"name": "product"'),
     'cmake --install build/release --prefix "$HOME/.local"': (
         "tests/package/install_test.sh",
         'cmake --install "$build" --prefix',
@@ -66,8 +67,19 @@ ELSEWHERE = {
         "tests/client/python/session_test.py",
         '"ages.py"',
     ),
-    "(cd build/release": ("tests/package/deb_test.sh", "cpack -G DEB"),
-    "cpack -G DEB)": ("tests/package/deb_test.sh", "cpack -G DEB"),
+    'export PKG_CONFIG_PATH="$HOME/.local/lib/pkgconfig"': (
+        "tests/package/install_test.sh",
+        "export PKG_CONFIG_PATH=",
+    ),
+    "g++ -std=c++20 first.cpp $(pkg-config --cflags --libs haptic-client) -o first": (
+        "tests/package/install_test.sh",
+        "$(pkg-config --cflags --libs haptic-client)",
+    ),
+    '"$HOME/.local/bin/hapticd" --scene finger_constant &': (
+        "tests/server/scene/shipped_scenes_test.cpp",
+        "AProgramFindsItsShareDirectory",
+    ),
+    "./first": ("tests/checks/CMakeLists.txt", "NAME readme.first_client"),
 }
 # tests/relay/README.md, "The relay by hand": they run side by side until the last has ended.
 BY_HAND = [

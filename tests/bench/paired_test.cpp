@@ -38,7 +38,7 @@ TEST(Paired, VerdictIsTheLinesLastField) {
   EXPECT_EQ(printed(row(always(13.0), always(10.0), 0.0)), "reported");
 }
 
-TEST(Paired, TargetWithinTheIntervalIsNotResolved) {
+TEST(Paired, TargetWithinTheIntervalIsUnresolved) {
   const Row r = row(turns({1.1, 1.3}), always(1.0), 1.2);
   EXPECT_DOUBLE_EQ(r.ratio.lower, 1.1);
   EXPECT_DOUBLE_EQ(r.ratio.upper, 1.3);

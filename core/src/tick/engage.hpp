@@ -11,7 +11,7 @@ namespace haptic::core {
 struct EngageCase {
   TimePoint now{};
   LifecycleState state{LifecycleState::kInit};  ///< before this tick's step
-  bool faulted{false};                    ///< a fault is latched
+  bool faulted{false};                          ///< a fault is latched
   const Sensed& sensed;
   const ProxyInUse& proxy;
   const Anchor& anchor;

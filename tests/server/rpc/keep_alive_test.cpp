@@ -96,7 +96,7 @@ class RawHttp2 {
 
 server::RpcConfig hasty() {
   server::RpcConfig config{{"127.0.0.1:0"}};
-  config.keep_alive = {200ms, 400ms};
+  config.keep_alive = {300ms, 1700ms};
   return config;
 }
 

@@ -73,7 +73,7 @@ UdpCarrier::~UdpCarrier() {
 void UdpCarrier::stop() {
   {
     const std::lock_guard lock(mutex_);
-    if (address_ != Address::kNone) end_.close();
+    end_.close();
   }
   ::eventfd_write(stopping_, 1);
   if (thread_.joinable()) thread_.join();
@@ -122,7 +122,6 @@ void UdpCarrier::run() {
   if (!connect()) return;  // the stream goes on alone
   {
     const std::lock_guard lock(mutex_);
-    address_ = Address::kTried;
     end_.start(kServer, Clock::now());
   }
   wire::TimePoint next_step;
@@ -190,7 +189,7 @@ bool UdpCarrier::take(wire::ConstBytes datagram) {
   bool newer = false;
   on_path([&] {
     const wire::Received received = end_.receive(datagram, kServer, Clock::now());
-    if (received.change == wire::PathChange::kUp) address_ = Address::kKept;
+    if (received.change == wire::PathChange::kUp) address_kept_ = true;
     if (received.message) newer = read(*received.message);
     return received.change;
   });
@@ -214,7 +213,7 @@ wire::TimePoint UdpCarrier::step() {
     const wire::PathChange change = end_.step(Clock::now());
     // A connected UDP socket does not tell whether anything listens there: "localhost" is [::1] and
     // 127.0.0.1, and a server may listen at one of them only.
-    const bool another = address_ != Address::kKept && addresses_.size() > 1;
+    const bool another = !address_kept_ && addresses_.size() > 1;
     if (change == wire::PathChange::kRefused && another) static_cast<void>(connect());
     next = end_.next_step();
     return change;

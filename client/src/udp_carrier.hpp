@@ -52,12 +52,6 @@ class UdpCarrier {
   [[nodiscard]] UdpLink figures() const;
 
  private:
-  /// The address of the server that datagrams go to.
-  enum class Address : std::uint8_t {
-    kNone,
-    kTried,  ///< connected; nothing has answered there yet
-    kKept,   ///< a whole round of challenges was answered: no other address is tried
-  };
   using Udp = asio::ip::udp;
 
   [[nodiscard]] wire::PathEndSetup setup(const v1::UdpPath& offer, std::chrono::nanoseconds period);
@@ -80,7 +74,7 @@ class UdpCarrier {
 
   mutable std::mutex mutex_;
   wire::PathEnd end_;
-  Address address_{Address::kNone};
+  bool address_kept_{false};  ///< a whole round was answered: no other address is tried
   int handle_{-1};
   std::vector<std::uint8_t> outgoing_{};
   v1::ProxySample newest_{};  ///< that went by UDP

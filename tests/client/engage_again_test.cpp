@@ -37,13 +37,14 @@ class BeforeRelease final : public experimental::Interceptor,
 /// destructor waits for one call only.
 TEST(EngageAgain, WaitsForTheFirstAnswer) {
   FakeServer server;
-  std::atomic<bool> taken_back{false}, overlapped{false};
+  std::atomic<bool> taken_back{false}, overlapped{false}, judged{false};
   client::RemoteSession* asking = nullptr;
   std::vector<std::unique_ptr<experimental::ClientInterceptorFactoryInterface>> interceptors;
   interceptors.push_back(std::make_unique<BeforeRelease>([&] {
     if (!taken_back.exchange(false)) return;
     asking->engage_when_ready();
     overlapped = server.until([&] { return server.heard().engages > 1; }, milliseconds(200));
+    judged = true;
   }));
   client::SessionOptions options;
   options.on_state = [&](const client::DeviceState&) {
@@ -62,8 +63,9 @@ TEST(EngageAgain, WaitsForTheFirstAnswer) {
   server.send_state(1);
   ASSERT_TRUE(server.until([&] { return taken_back.load(); }));
   server.hold_engage(false);
-  EXPECT_TRUE(server.until([&] { return server.heard().engages == 2; }));
+  ASSERT_TRUE(server.until([&] { return judged.load(); }));
   EXPECT_FALSE(overlapped);
+  EXPECT_TRUE(server.until([&] { return server.heard().engages == 2; }));
 }
 
 }  // namespace

@@ -8,7 +8,10 @@ import socket
 import subprocess
 import tempfile
 import time
+import unittest
 from collections.abc import Callable, Sequence
+
+import haptic
 
 
 def eventually(condition: Callable[[], bool], seconds: float = 20.0) -> bool:
@@ -52,3 +55,39 @@ class Hapticd:
         self._process.kill()
         self._process.wait()
         self._folder.cleanup()
+
+
+class OneServer(unittest.TestCase):
+    """A hapticd per test, and a connection to it."""
+    scene = "finger_constant"
+    udp = False
+    lease_s = 2
+    settings: tuple[str, ...] = ()
+
+    def setUp(self) -> None:
+        self.server = Hapticd(self.scene, udp=self.udp, lease_s=self.lease_s,
+                              settings=self.settings)
+        self.addCleanup(self.server.stop)
+        self.connection = haptic.Connection(self.server.address)
+        self.addCleanup(self.connection.close)
+
+    def open(self, *, client_name: str = "test", **options: object) -> haptic.Session:
+        session = self.connection.session(client_name=client_name, nominal_rate_hz=100, **options)
+        self.addCleanup(session.close)
+        return session
+
+    def hold(self, session: haptic.Session, until: Callable[[haptic.DeviceState], bool],
+             each_time: Callable[[], object] = lambda: None) -> haptic.DeviceState:
+        """Publishes a held proxy per state, until `until`: at the probe, and as soon as there is
+        force at the place where force began."""
+        place = session.wait_for_state().x_probe
+        latest = time.monotonic() + 20
+        while time.monotonic() < latest:
+            each_time()
+            session.publish(haptic.held(place))
+            state = session.wait_for_state()
+            if until(state):
+                return state
+            if state.gain == 0:
+                place = state.x_probe
+        self.fail(f"still {state}")

@@ -6,46 +6,12 @@ import subprocess
 import sys
 import time
 import unittest
-from collections.abc import Callable
 from unittest import mock
 
 import haptic
-from hapticd_process import Hapticd, eventually
+from hapticd_process import Hapticd, OneServer, eventually
 
 EXAMPLES = os.path.join(os.environ["HAPTIC_SCENES"], "../../client/python/examples")
-
-
-class OneServer(unittest.TestCase):
-    udp = False
-    lease_s = 2
-    settings: tuple[str, ...] = ()
-
-    def setUp(self) -> None:
-        self.server = Hapticd("finger_constant", udp=self.udp, lease_s=self.lease_s,
-                              settings=self.settings)
-        self.addCleanup(self.server.stop)
-        self.connection = haptic.Connection(self.server.address)
-        self.addCleanup(self.connection.close)
-
-    def open(self, **options: object) -> haptic.Session:
-        session = self.connection.session(client_name="test", nominal_rate_hz=100, **options)
-        self.addCleanup(session.close)
-        return session
-
-    def hold(self, session: haptic.Session,
-             until: Callable[[haptic.DeviceState], bool]) -> haptic.DeviceState:
-        """Publishes a held proxy per state, until `until`: at the probe, and as soon as there is
-        force at the place where force began."""
-        place = session.wait_for_state().x_probe
-        latest = time.monotonic() + 20
-        while time.monotonic() < latest:
-            session.publish(haptic.held(place))
-            state = session.wait_for_state()
-            if until(state):
-                return state
-            if state.gain == 0:
-                place = state.x_probe
-        self.fail(f"still {state}")
 
 
 class Facts(OneServer):

@@ -12,7 +12,7 @@ import unittest
 from collections.abc import Callable
 
 import haptic
-from hapticd_process import Hapticd, eventually
+from hapticd_process import OneServer, eventually
 
 TURN = 0.4  # rad about z
 POSE = haptic.Pose((0.1, -0.2, 0.3), (0.0, 0.0, math.sin(TURN / 2), math.cos(TURN / 2)))
@@ -20,35 +20,19 @@ PALM = (0.1, -0.2, 0.3, 0.0, 0.0, TURN)  # the same as position and rotation vec
 PATIENCE_S = 20.0
 
 
-class OnATrackedPalm(unittest.TestCase):
+class OnATrackedPalm(OneServer):
+    scene = "chain_on_tracked_palm"
+
     def setUp(self) -> None:
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.recording = pathlib.Path(folder.name, "recording.csv")
-        self.server = Hapticd("chain_on_tracked_palm", settings=[f'record.file="{self.recording}"'])
-        self.addCleanup(self.server.stop)
-        self.connection = haptic.Connection(self.server.address)
-        self.addCleanup(self.connection.close)
-
-    def open(self, **options: object) -> haptic.Session:
-        session = self.connection.session(nominal_rate_hz=100, **options)
-        self.addCleanup(session.close)
-        return session
+        self.settings = (f'record.file="{self.recording}"',)
+        super().setUp()
 
     def while_told(self, session: haptic.Session, tracker: haptic.Session,
                    until: Callable[[haptic.DeviceState], bool]) -> haptic.DeviceState:
-        """Poses and held proxies at the pace of the states, until `until`."""
-        latest = time.monotonic() + PATIENCE_S
-        place: tuple[float, ...] = ()
-        while time.monotonic() < latest:
-            tracker.publish_pose(POSE)
-            state = session.wait_for_state()
-            if state.gain == 0:
-                place = state.x_probe
-            session.publish(haptic.held(place))
-            if until(state):
-                return state
-        self.fail(f"still {state}")
+        return self.hold(session, until, lambda: tracker.publish_pose(POSE))
 
     def hapticctl(self, *arguments: str) -> str:
         command = [os.environ["HAPTICCTL"], "--server", self.server.address, *arguments]

@@ -4,11 +4,11 @@
 #   tests/run.sh [--preset release|debug|asan|tsan] [-L|--label REGEX] [--ci] [--no-install] [--
 #     CTEST-ARGS]
 #
-# Without --label: every test except those labelled network, calm, lint and container; with the
-# presets of the sanitizers those labelled unit and service. Labels: unit, service, system, interop,
-# check, lint, network, calm, container. A failed test is not run again. --ci: then also the
-# container tests, with the programs just built. If no container engine works they fail with the
-# reason, unless HAPTIC_SKIP_CONTAINERS='why not here' is set.
+# Without --label: every test except those labelled network, calm, hostile, lint and container; with
+# the presets of the sanitizers those labelled unit and service. Labels: unit, service, system,
+# interop, check, lint, network, calm, hostile, container. A failed test is not run again. --ci:
+# then also the container tests, with the programs just built. If no container engine works they
+# fail with the reason, unless HAPTIC_SKIP_CONTAINERS='why not here' is set.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
@@ -46,7 +46,7 @@ if [[ -n $label ]]; then
 elif [[ $preset == asan || $preset == tsan ]]; then
   which=(--label-regex '^(unit|service)$')
 else
-  which=(--label-exclude '^(network|calm|lint|container)$')
+  which=(--label-exclude '^(network|calm|hostile|lint|container)$')
 fi
 run_tests() { # run_tests LOG CTEST-ARGS...
   ctest --preset "$preset" "${@:2}" </dev/null 2>&1 | tee "$1"

@@ -19,7 +19,7 @@ for tool in cmake ninja ctest apt-get podman docker; do
 done
 for script in tests/bench/run.sh tests/bench/network.sh tests/bench/soak.sh tests/bench/serial.sh \
   tests/churn/run.sh tests/fuzz/run.sh tests/relay/matrix.sh tests/report/run.sh tests/run.sh \
-    docker/test.sh \
+    docker/test.sh tests/hostile/run.sh \
   server/demo.sh; do
   status=0
   words=$(PATH="$tools:$PATH" "$script" --help 2>&1 </dev/null) || status=$?

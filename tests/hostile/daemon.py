@@ -1,0 +1,279 @@
+"""A hapticd of its own for every row: a finger that presses and a spare device that is stopped."""
+
+import contextlib
+import os
+import pathlib
+import resource
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+
+from frames import served
+
+PROGRAM = os.environ.get("HAPTICD", "hapticd")
+CONTROL = os.environ.get("HAPTICCTL", "hapticctl")
+MB = 1 << 20
+SLEW, FORCE = 2500.0, 25.0  # N/s, N: of the finger
+ADDRESS_SPACE = 3 << 30  # of the daemon under attack
+
+FINGER = """
+device {
+  name: "finger"
+  simulated_finger { target_mcp_rad: 0.5236 target_pip_rad: 0.5236 }
+  finger_exoskeleton {}
+  direction_guard {}
+  impedance { stiffness_n_per_m: 1500 damping_n_s_per_m: 0.5 }
+  limits { force_n: 25 slew_n_per_s: 2500 }
+}
+"""
+SPARE = """
+device {
+  name: "spare"
+  simulated_linear { mass: 0.1 damping: 1 max_effort: 1 }
+  linear {
+    dof { name: "z" unit: "m" actuated: true lower: -1 upper: 1 }
+    coordinate { name: "z" unit: "m" }
+    A: 1
+  }
+  impedance { stiffness_n_per_m: 10 }
+  limits { force_n: 1 }
+}
+"""
+
+
+def free_port(kind, taken=[0]):
+    """Below the ports that the kernel gives out, so that no other program gets it meanwhile."""
+    for _ in range(3000):
+        taken[0] += 7
+        port = 12_000 + (37 * os.getpid() + taken[0]) % 17_000
+        with socket.socket(socket.AF_INET, kind) as probe:
+            with contextlib.suppress(OSError):
+                probe.bind(("127.0.0.1", port))
+                return port
+    raise RuntimeError("no free port on 127.0.0.1")
+
+
+def descendants(pid):
+    """{pid: name} of the process and all that it started."""
+    parents = {}
+    for entry in os.listdir("/proc"):
+        if entry.isdigit():
+            with contextlib.suppress(OSError):
+                text = pathlib.Path(f"/proc/{entry}/stat").read_text()
+                name, rest = text[text.index("(") + 1:].rsplit(")", 1)
+                parents[int(entry)] = (int(rest.split()[1]), name)
+    found, before = {pid: parents.get(pid, (0, ""))[1]}, 0
+    while len(found) != before:
+        before = len(found)
+        found.update({p: name for p, (parent, name) in parents.items() if parent in found})
+    return found
+
+
+def resident(pid):
+    """Bytes; 0 if it is gone."""
+    try:
+        return int(pathlib.Path(f"/proc/{pid}/statm").read_text().split()[1]) * 4096
+    except (OSError, IndexError):
+        return 0
+
+
+def data_limit(pid):
+    """RLIMIT_DATA in bytes; None: unlimited, or gone."""
+    with contextlib.suppress(OSError):
+        for line in pathlib.Path(f"/proc/{pid}/limits").read_text().splitlines():
+            if line.startswith("Max data size"):
+                word = line.split()[3]
+                return None if word == "unlimited" else int(word)
+    return None
+
+
+HERE = pathlib.Path(__file__).parent
+PRESSED = ("0.25", "0.5236")  # rad: the first joint is held 0.27 rad short of where it would rest
+
+
+class Daemon:
+    def __init__(self, folder, *arguments, scene="", server="", limits=(), env=None, user=None,
+                 record=True, devices=FINGER + SPARE, wait=True, **more):
+        """`limits`: of RLIMIT_*, (which, value) each. `more`: of subprocess.Popen."""
+        self.folder = pathlib.Path(folder)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self.port, self.metrics = free_port(socket.SOCK_STREAM), free_port(socket.SOCK_STREAM)
+        self.udp = free_port(socket.SOCK_DGRAM)
+        self.tcp, self.unix = ("127.0.0.1", self.port), str(self.folder / "s")
+        self.address = f"127.0.0.1:{self.port}"
+        self.record, self.log = self.folder / "run-finger.csv", self.folder / "log"
+        file = self.folder / "scene.textproto"
+        file.write_text(
+            'name: "under attack"\n' + (f'record {{ file: "{folder}/run.csv" }}\n' if record else
+                                        "") +
+            f'server {{ listen: "{self.address}" listen: "unix:{self.unix}"\n'
+            f'  udp_listen: "127.0.0.1:{self.udp}"\n'
+            f'  metrics_listen: "127.0.0.1:{self.metrics}" {server} }}\n{devices}{scene}')
+        limits = ((resource.RLIMIT_AS, ADDRESS_SPACE), (resource.RLIMIT_CORE, 0), *limits)
+
+        def prepare():
+            for which, value in limits:
+                resource.setrlimit(which, (value, value))
+            if user is not None:
+                os.setgid(user)
+                os.setuid(user)
+
+        if user is not None:
+            os.chown(self.folder, user, user)
+        with open(self.log, "ab") as log:
+            self.process = subprocess.Popen(
+                [PROGRAM, "--scene", str(file), *arguments], preexec_fn=prepare,
+                env={**os.environ, **(env or {})},
+                **{"stdin": subprocess.DEVNULL, "stdout": log, "stderr": log, **more})
+        self.pid = self.process.pid
+        if wait:
+            self.wait_served()
+
+    def wait_served(self, seconds=20.0):
+        end = time.monotonic() + seconds
+        while not served(self.tcp, 0.5):
+            if self.process.poll() is not None or time.monotonic() > end:
+                self.stop()
+                raise RuntimeError("hapticd does not serve:\n" + self.text()[-2000:])
+            time.sleep(0.02)
+
+    def text(self):
+        return self.log.read_text(errors="replace")
+
+    def fronts(self):
+        """The processes that face the network; none: the owner does it itself."""
+        return [pid for pid, name in descendants(self.pid).items()
+                if name.startswith("hapticd-front")]
+
+    def stop(self, patience=20.0):
+        """SIGTERM; (seconds until it ended, exit status). Killed if that takes too long."""
+        began = time.monotonic()
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
+        try:
+            self.process.wait(patience)
+        except subprocess.TimeoutExpired:
+            self.kill()
+        return time.monotonic() - began, self.process.returncode
+
+    def kill(self):
+        fronts = self.fronts()
+        self.process.kill()
+        self.process.wait()
+        for pid in fronts:  # they die with the owner; a row must leave nothing behind all the same
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+
+
+def control(daemon, *words, timeout=5.0):
+    """hapticctl: (seconds, exit status, what it said)."""
+    began = time.monotonic()
+    try:
+        done = subprocess.run([CONTROL, "--server", daemon.address, *words], timeout=timeout,
+                              capture_output=True, text=True, errors="replace",
+                              stdin=subprocess.DEVNULL)
+        return time.monotonic() - began, done.returncode, done.stdout + done.stderr
+    except subprocess.TimeoutExpired:
+        return timeout, -1, "no answer"
+
+
+def local_stop(daemon):
+    """Stops the spare device as a user of this host does: seconds; None: it was not stopped.
+
+    The one place that knows how. hapticd has no local control socket yet, so that this is the
+    whole command `hapticctl estop`, over the network's own door."""
+    seconds, status, _ = control(daemon, "--device", "spare", "estop", "--reason", "row",
+                                 timeout=2.0)
+    return seconds if status == 0 else None
+
+
+STOP_LIMIT_S = 0.100  # the whole command; from connect to answer of a local socket it is 10 ms
+STOP_EVERY_S = 0.100
+
+
+def in_time():
+    """Real-time scheduling for the calling thread, so that what it measures is the daemon; False
+    if the host does not grant it."""
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
+        return True
+    except (OSError, AttributeError):
+        return False
+
+
+class Probe:
+    """Two threads: memory of owner and front every 10 ms, a local stop every 100 ms."""
+
+    def __init__(self, daemon, stops=True):
+        self.daemon, self.running = daemon, True
+        self.owner, self.front, self.front_limit = 0, 0, None
+        self.stops, self.unanswered, self.punctual = [], 0, False
+        self.threads = [threading.Thread(target=self.memory)]
+        if stops:
+            self.threads.append(threading.Thread(target=self.stopping))
+        for thread in self.threads:
+            thread.start()
+
+    def memory(self):
+        looked, fronts = 0.0, []
+        while self.running:
+            if time.monotonic() > looked + 0.3:
+                looked, fronts = time.monotonic(), self.daemon.fronts()
+                for pid in fronts:
+                    self.front_limit = data_limit(pid) or self.front_limit
+            self.owner = max(self.owner, resident(self.daemon.pid))
+            self.front = max([self.front, *map(resident, fronts)])
+            time.sleep(0.01)
+
+    def stopping(self):
+        self.punctual = in_time()
+        while self.running:
+            took = local_stop(self.daemon)
+            if took is None:
+                self.unanswered += 1
+            else:
+                self.stops.append(took)
+            time.sleep(STOP_EVERY_S)
+
+    def end(self):
+        self.running = False
+        for thread in self.threads:
+            thread.join()
+        return self
+
+
+class Controller:
+    """controller.py as a process, and the state it printed last."""
+
+    def __init__(self, address, device="finger", x=PRESSED):
+        self.state, self.ended = "", 0
+        self.process = subprocess.Popen(
+            [sys.executable, str(HERE / "controller.py"), address, device, *x],
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.thread = threading.Thread(target=self.listen)
+        self.thread.start()
+
+    def listen(self):
+        for line in self.process.stdout:
+            if line.startswith("ENDED"):
+                self.ended, self.state = self.ended + 1, ""
+            else:
+                self.state = line.strip()
+
+    def engaged_within(self, seconds):
+        """How long it took; None: it did not come."""
+        began = time.monotonic()
+        while self.state != "ENGAGED":
+            if time.monotonic() > began + seconds:
+                return None
+            time.sleep(0.005)
+        return time.monotonic() - began
+
+    def kill(self):
+        self.process.kill()
+        self.process.wait()
+        self.thread.join()
+        self.process.stdout.close()

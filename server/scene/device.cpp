@@ -3,98 +3,85 @@
 
 #include "hw/replay/tracked_orientation.hpp"
 #include "server/scene/parts.hpp"
-#include "server/scene/reader.hpp"
 
 namespace haptic::server {
 namespace {
 
 /// The name is used in requests, log lines and health entries.
-void check_name(const std::string& name, const std::string& path, Problems& problems) {
+void check_name(const Part<v1::DeviceScene>& part) {
+  const std::string& name = part->name();
   const bool well_formed =
       !name.empty() && name.size() <= 32 &&
       name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") == std::string::npos;
-  if (!well_formed) problems.wrong(path + ".name", quoted(name), "must be 1 to 32 of [a-z0-9_-]");
+  if (!well_formed) part.wrong("name", quoted(name), "must be 1 to 32 of [a-z0-9_-]");
 }
 
-/// A list that may be absent.
-std::vector<double> list_or_none(const FieldReader& reader, const char* name, int given, int n_a) {
-  if (given == 0) return {};
-  return reader.list({name, Allowed::kPositive, n_a, kPerActuatedDof});
-}
-
-core::ThermalParameters read_thermal(v1::ThermalScene& message, const std::string& path,
-                                     Problems& problems) {
-  const FieldReader reader(message, path, problems);
+core::ThermalParameters read_thermal(const Part<v1::ThermalScene>& part) {
   core::ThermalParameters p;
-  const std::size_t before = problems.count();
   const auto required = [&](const char* name, bool given, double& value) {
-    if (!given) return problems.missing(path + "." + name, "a number > 0");
-    reader.numbers({{name, &value, Allowed::kPositive}});
+    if (!given) return part.missing(name, "a number > 0");
+    part.numbers({{name, &value, Allowed::kPositive}});
   };
-  required("motor_constant", message.has_motor_constant(), p.motor_constant);
-  required("winding_k_per_w", message.has_winding_k_per_w(), p.winding_resistance);
-  required("winding_time_s", message.has_winding_time_s(), p.winding_time);
-  required("limit_c", message.has_limit_c(), p.limit_c);
-  reader.numbers({{"housing_k_per_w", &p.housing_resistance, Allowed::kNotNegative},
-                  {"housing_time_s", &p.housing_time, Allowed::kPositive},
-                  {"ambient_c", &p.ambient_c, Allowed::kFinite}});
+  required("motor_constant", part->has_motor_constant(), p.motor_constant);
+  required("winding_k_per_w", part->has_winding_k_per_w(), p.winding_resistance);
+  required("winding_time_s", part->has_winding_time_s(), p.winding_time);
+  required("limit_c", part->has_limit_c(), p.limit_c);
+  part.numbers({{"housing_k_per_w", &p.housing_resistance, Allowed::kNotNegative},
+                {"housing_time_s", &p.housing_time, Allowed::kPositive},
+                {"ambient_c", &p.ambient_c, Allowed::kFinite}});
   p.derate_from_c = p.limit_c - 0.25 * (p.limit_c - p.ambient_c);
-  reader.numbers({{"derate_from_c", &p.derate_from_c, Allowed::kFinite}});
-  if (problems.count() > before) return p;
+  part.numbers({{"derate_from_c", &p.derate_from_c, Allowed::kFinite}});
+  if (!part.good()) return p;
+  const std::string above = "must be above ambient_c, " + decimal(p.ambient_c);
   if (p.limit_c <= p.ambient_c) {
-    reader.wrong("limit_c", decimal(p.limit_c), "must be above ambient_c, " + decimal(p.ambient_c));
+    part.wrong("limit_c", decimal(p.limit_c), above);
   } else if (p.derate_from_c <= p.ambient_c || p.derate_from_c >= p.limit_c) {
-    reader.wrong("derate_from_c", decimal(p.derate_from_c),
-                 "must be above ambient_c, " + decimal(p.ambient_c) + ", and below limit_c, " +
-                     decimal(p.limit_c));
+    part.wrong("derate_from_c", decimal(p.derate_from_c),
+               above + ", and below limit_c, " + decimal(p.limit_c));
   }
   return p;
 }
 
-std::vector<core::ActuatorRatings> read_ratings(v1::LimitsScene& message, const std::string& path,
-                                                int n_a, Problems& problems) {
-  const FieldReader reader(message, path, problems);
-  const auto power = list_or_none(reader, "power_w", message.power_w_size(), n_a);
-  const auto rate = list_or_none(reader, "rate_m_per_s", message.rate_m_per_s_size(), n_a);
-  const int thermals = message.thermal_size();
-  if (thermals != 0 && n_a >= 0 && thermals != n_a) {
-    reader.wrong("thermal", std::to_string(thermals) + " of them",
-                 "must be one per actuated DoF, " + std::to_string(n_a) + ", or none");
+std::vector<core::ActuatorRatings> read_ratings(const Part<v1::LimitsScene>& part, int n_a) {
+  const auto list_or_none = [&](const char* name) {
+    return part.per_actuated(name, Allowed::kPositive, n_a, Fields::Numbers());
+  };
+  const Fields::Numbers power = list_or_none("power_w"), rate = list_or_none("rate_m_per_s");
+  const auto thermals = part.parts<v1::ThermalScene>("thermal");
+  const auto count = static_cast<int>(thermals.size());
+  if (count != 0 && n_a >= 0 && count != n_a) {
+    part.wrong("thermal", std::to_string(count) + " of them",
+               "must be one per actuated DoF, " + std::to_string(n_a) + ", or none");
   }
   const auto entries = static_cast<std::size_t>(
-      std::max({static_cast<int>(power.size()), static_cast<int>(rate.size()), thermals}));
+      std::max({power.size(), rate.size(), static_cast<Eigen::Index>(count)}));
   std::vector<core::ActuatorRatings> ratings(entries);
-  for (std::size_t i = 0; i < entries; ++i) {
-    if (i < power.size()) ratings[i].power = power[i];
-    if (i < rate.size()) ratings[i].rate = rate[i];
-    if (static_cast<int>(i) >= thermals) continue;
-    ratings[i].thermal = read_thermal(*message.mutable_thermal(static_cast<int>(i)),
-                                      path + "." + entry("thermal", i), problems);
-  }
+  for (Eigen::Index i = 0; i < power.size(); ++i)
+    ratings[static_cast<std::size_t>(i)].power = power[i];
+  for (Eigen::Index i = 0; i < rate.size(); ++i)
+    ratings[static_cast<std::size_t>(i)].rate = rate[i];
+  for (std::size_t i = 0; i < thermals.size(); ++i) ratings[i].thermal = read_thermal(thermals[i]);
   return ratings;
 }
 
-double read_coupling_metric(v1::CouplingMetricScene& message, const std::string& path,
-                            Problems& problems) {
-  const FieldReader reader(message, path, problems);
+double read_coupling_metric(const Fields& part) {
   double softness = 0.01;  // core/METHOD.md#anisotropic-coupling
-  reader.numbers({{"softness", &softness, Allowed::kPositive}});
-  if (softness > 1.0) reader.wrong("softness", decimal(softness), "must be at most 1");
+  part.numbers({{"softness", &softness, Allowed::kPositive}});
+  if (softness > 1.0) part.wrong("softness", decimal(softness), "must be at most 1");
   return softness;
 }
 
 /// The tracker gives the pose of the palm: needs a kinematics that has one.
-void read_tracker(v1::StalenessScene& message, const std::string& path, DeviceScene& device,
-                  Problems& problems) {
+void read_tracker(const Part<v1::StalenessScene>& part, DeviceScene& device) {
   core::TrackerSettings tracker;
-  device.tracker_fresh_end = read_staleness(message, path, tracker.staleness, problems);
+  device.tracker_fresh_end = read_staleness(part, tracker.staleness);
   if (!device.pipeline.kinematics) return;
   // In q a palm is x, y, z and then its rotation vector (core, TrackedPalm).
   constexpr std::size_t kPosition = 3;
   const auto rotation = hw::rotation_vector_in(device.pipeline.kinematics->dofs());
   if (!rotation || *rotation < kPosition) {
-    problems.wrong(path, "{ ... } with a device that has no tracked palm",
-                   "must go with tracked_hand, or with a serial_chain on a palm");
+    part.wrong("", "{ ... } with a device that has no tracked palm",
+               "must go with tracked_hand, or with a serial_chain on a palm");
     return;
   }
   tracker.first_dof = static_cast<int>(*rotation - kPosition);
@@ -103,37 +90,32 @@ void read_tracker(v1::StalenessScene& message, const std::string& path, DeviceSc
 
 }  // namespace
 
-DeviceScene read_device(v1::DeviceScene& message, const std::string& path,
-                        const std::filesystem::path& folder, Problems& problems) {
-  check_name(message.name(), path, problems);
+DeviceScene read_device(const Part<v1::DeviceScene>& part) {
   DeviceScene device;
-  device.name = message.name();
+  device.name = part->name();
+  check_name(part);
   core::PipelineConfig& pipeline = device.pipeline;
-  pipeline.kinematics = read_kinematics(message, path, problems);
-  const core::Kinematics* kinematics = pipeline.kinematics.get();
-  device.source = read_source(message, path, folder, kinematics, problems);
-  read_rendering(message, path, device, problems);
-  if (message.has_limits()) {
-    pipeline.ratings =
-        read_ratings(*message.mutable_limits(), path + ".limits", n_a_of(kinematics), problems);
+  pipeline.kinematics = read_kinematics(part);
+  device.source = read_source(part, pipeline.kinematics.get());
+  read_rendering(part, device);
+  if (part->has_limits()) {
+    pipeline.ratings = read_ratings(part.part<v1::LimitsScene>("limits"), n_a_of(device));
   }
-  if (message.has_tracker()) {
-    read_tracker(*message.mutable_tracker(), path + ".tracker", device, problems);
+  if (part->has_tracker()) read_tracker(part.part<v1::StalenessScene>("tracker"), device);
+  if (part->has_force_control()) {
+    read_force_control(part.part<v1::ForceControlScene>("force_control"), device);
   }
-  if (message.has_force_control()) {
-    read_force_control(*message.mutable_force_control(), path + ".force_control", device, problems);
+  if (part->has_passivity()) {
+    read_passivity(part.part<v1::PassivityScene>("passivity"), device);
   }
-  if (message.has_passivity()) {
-    read_passivity(*message.mutable_passivity(), path + ".passivity", device, problems);
+  pipeline.passivity_certificate = part->has_passivity_certificate();
+  if (part->has_passivity_certificate() && part->has_prior()) {
+    part.wrong("passivity_certificate", "{}",
+               "must be absent where there is a prior: it speaks of Eq. (8) without one");
   }
-  pipeline.passivity_certificate = message.has_passivity_certificate();
-  if (message.has_passivity_certificate() && message.has_prior()) {
-    problems.wrong(path + ".passivity_certificate", "{}",
-                   "must be absent where there is a prior: it speaks of Eq. (8) without one");
-  }
-  if (message.has_coupling_metric()) {
-    device.coupling_softness = read_coupling_metric(*message.mutable_coupling_metric(),
-                                                    path + ".coupling_metric", problems);
+  if (part->has_coupling_metric()) {
+    device.coupling_softness =
+        read_coupling_metric(part.part<v1::CouplingMetricScene>("coupling_metric"));
   }
   return device;
 }

@@ -1,62 +1,36 @@
 // Who closes the loop on the measured force of a device.
 #include <algorithm>
-#include <functional>
 
 #include "haptic/core/error.hpp"
 #include "server/scene/parts.hpp"
-#include "server/scene/reader.hpp"
 
 namespace haptic::server {
 namespace {
 
-std::vector<double> constant(int n_a, double value) {
-  std::vector<double> values(static_cast<std::size_t>(std::max(n_a, 0)), value);
-  return values;
-}
-
-bool same_size(std::initializer_list<std::size_t> sizes) {
-  return std::adjacent_find(sizes.begin(), sizes.end(), std::not_equal_to<>{}) == sizes.end();
-}
-
-/// The force limit and the friction on top, as far as the device can give it.
-std::vector<double> default_output(const core::VecA& force_limit, const core::VecA& max_effort,
-                                   const std::vector<double>& friction) {
-  std::vector<double> output;
-  if (force_limit.size() != max_effort.size()) return output;
-  for (Eigen::Index i = 0; i < force_limit.size(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const double added = k < friction.size() ? friction[k] : 0.0;
-    output.push_back(std::min(force_limit[i] + added, max_effort[i]));
-  }
-  return output;
-}
-
-std::vector<core::ForceLoopGains> read_server(v1::ServerForceLoopScene& message,
-                                              const std::string& path, int n_a,
+std::vector<core::ForceLoopGains> read_server(const Part<v1::ServerForceLoopScene>& part, int n_a,
                                               const core::VecA& force_limit,
-                                              const core::VecA& max_effort, Problems& problems) {
-  const FieldReader reader(message, path, problems);
-  const auto proportional =
-      reader.list({"proportional", Allowed::kNotNegative, n_a, kPerActuatedDof});
-  const auto integral =
-      reader.list({"integral_per_s", Allowed::kNotNegative, n_a, kPerActuatedDof});
-  const auto friction =
-      reader.list({"friction_n", Allowed::kNotNegative, n_a, kPerActuatedDof}, constant(n_a, 0.0));
-  const auto band = reader.list({"friction_band_n", Allowed::kPositive, n_a, kPerActuatedDof},
-                                constant(n_a, 1.0));
-  const auto output = reader.list({"output_limit_n", Allowed::kPositive, n_a, kPerActuatedDof},
-                                  default_output(force_limit, max_effort, friction));
-  if (!same_size(
-          {proportional.size(), integral.size(), friction.size(), band.size(), output.size()})) {
-    return {};  // reported
+                                              const core::VecA& effort) {
+  const auto list = [&](const char* name, Allowed allowed,
+                        const std::optional<Fields::Numbers>& fallback = {}) {
+    return part.per_actuated(name, allowed, n_a, fallback);
+  };
+  const auto proportional = list("proportional", Allowed::kNotNegative);
+  const auto integral = list("integral_per_s", Allowed::kNotNegative);
+  const auto friction = list("friction_n", Allowed::kNotNegative, filled(n_a, 0.0));
+  const auto band = list("friction_band_n", Allowed::kPositive, filled(n_a, 1.0));
+  // The force limit and the friction on top, as far as the device can give it.
+  Fields::Numbers most;
+  if (force_limit.size() == effort.size() && friction.size() == effort.size()) {
+    most = (force_limit + friction).cwiseMin(effort);
   }
+  const auto output = list("output_limit_n", Allowed::kPositive, most);
   std::vector<core::ForceLoopGains> loops;
-  for (std::size_t i = 0; i < proportional.size(); ++i) {
+  if (!part.good() || output.size() != n_a) return loops;
+  for (Eigen::Index i = 0; i < n_a; ++i) {
     loops.push_back({proportional[i], integral[i], friction[i], band[i], output[i]});
-    const auto a = static_cast<Eigen::Index>(i);
-    if (a < max_effort.size() && output[i] > max_effort[a]) {
-      reader.wrong("output_limit_n[" + std::to_string(i) + "]", decimal(output[i]),
-                   "must be at most what the device can give, " + decimal(max_effort[a]));
+    if (i < effort.size() && output[i] > effort[i]) {
+      part.wrong(entry("output_limit_n", static_cast<std::size_t>(i)), decimal(output[i]),
+                 "must be at most what the device can give, " + decimal(effort[i]));
     }
   }
   return loops;
@@ -68,14 +42,17 @@ struct Travel {
   const char* whose{"the DoF's own"};
 };
 
-/// Beyond the calibrated travel a valid sample ends: an admittance must not lead there.
-std::vector<Travel> travels(const core::Kinematics* kinematics, const hw::DeviceConfig* source) {
-  const std::optional<hw::Travel> calibrated = source == nullptr ? std::nullopt : source->travel();
+/// One per actuated DoF. Beyond the calibrated travel a valid sample ends: an admittance must not
+/// lead there.
+std::vector<Travel> travels(const DeviceScene& device) {
   std::vector<Travel> all;
-  const int n_a = kinematics == nullptr ? 0 : kinematics->layout().n_a();
-  for (int i = 0; i < n_a; ++i) {
-    const int dof = kinematics->layout().actuated(i);
-    const core::DofSpec& spec = kinematics->dofs()[static_cast<std::size_t>(dof)];
+  if (!device.pipeline.kinematics) return all;
+  const core::Kinematics& kinematics = *device.pipeline.kinematics;
+  const std::optional<hw::Travel> calibrated =
+      device.source ? device.source->travel() : std::nullopt;
+  for (int i = 0; i < kinematics.layout().n_a(); ++i) {
+    const int dof = kinematics.layout().actuated(i);
+    const core::DofSpec& spec = kinematics.dofs()[static_cast<std::size_t>(dof)];
     all.push_back({spec.lower, spec.upper});
     if (!calibrated) continue;
     all.back() = {std::max(spec.lower, calibrated->lower[dof]),
@@ -84,41 +61,34 @@ std::vector<Travel> travels(const core::Kinematics* kinematics, const hw::Device
   return all;
 }
 
-std::vector<core::AdmittanceParameters> read_admittance(v1::AdmittanceScene& message,
-                                                        const std::string& path,
-                                                        const core::Kinematics* kinematics,
-                                                        const hw::DeviceConfig* source,
-                                                        Problems& problems) {
-  const FieldReader reader(message, path, problems);
-  const int n_a = n_a_of(kinematics);
-  std::vector<double> stroke_begin, stroke_end;
-  const std::vector<Travel> travel = travels(kinematics, source);
-  for (const Travel& each : travel) {
-    stroke_begin.push_back(each.lower);
-    stroke_end.push_back(each.upper);
+std::vector<core::AdmittanceParameters> read_admittance(const Part<v1::AdmittanceScene>& part,
+                                                        const DeviceScene& device) {
+  const int n_a = n_a_of(device);
+  const std::vector<Travel> travel = travels(device);
+  Fields::Numbers begin = filled(n_a, 0.0), end = begin;
+  for (std::size_t i = 0; i < travel.size(); ++i) {
+    begin[static_cast<Eigen::Index>(i)] = travel[i].lower;
+    end[static_cast<Eigen::Index>(i)] = travel[i].upper;
   }
-  const auto mass =
-      reader.list({"mass_kg", Allowed::kNotNegative, n_a, kPerActuatedDof}, constant(n_a, 0.0));
-  const auto damping = reader.list({"damping_n_s_per_m", Allowed::kPositive, n_a, kPerActuatedDof});
-  const auto rate = reader.list({"max_rate_m_per_s", Allowed::kPositive, n_a, kPerActuatedDof});
-  const auto lower = reader.list({"lower", Allowed::kFinite, n_a, kPerActuatedDof}, stroke_begin);
-  const auto upper = reader.list({"upper", Allowed::kFinite, n_a, kPerActuatedDof}, stroke_end);
-  if (!same_size({mass.size(), damping.size(), rate.size(), lower.size(), upper.size()})) return {};
+  const auto mass = part.per_actuated("mass_kg", Allowed::kNotNegative, n_a, filled(n_a, 0.0));
+  const auto damping = part.per_actuated("damping_n_s_per_m", Allowed::kPositive, n_a);
+  const auto rate = part.per_actuated("max_rate_m_per_s", Allowed::kPositive, n_a);
+  const auto lower = part.per_actuated("lower", Allowed::kFinite, n_a, begin);
+  const auto upper = part.per_actuated("upper", Allowed::kFinite, n_a, end);
   std::vector<core::AdmittanceParameters> admittances;
-  for (std::size_t i = 0; i < mass.size(); ++i) {
+  if (!part.good()) return admittances;
+  for (std::size_t k = 0; k < travel.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
     admittances.push_back({mass[i], damping[i], rate[i], lower[i], upper[i]});
-    if (i >= stroke_begin.size()) continue;
-    const std::string at = "[" + std::to_string(i) + "]";
-    if (lower[i] < stroke_begin[i]) {
-      reader.wrong(
-          "lower" + at, decimal(lower[i]),
-          std::string("must be at least ") + travel[i].whose + ", " + decimal(stroke_begin[i]));
-    } else if (upper[i] > stroke_end[i]) {
-      reader.wrong(
-          "upper" + at, decimal(upper[i]),
-          std::string("must be at most ") + travel[i].whose + ", " + decimal(stroke_end[i]));
+    const std::string whose = std::string(travel[k].whose) + ", ";
+    if (lower[i] < begin[i]) {
+      part.wrong(entry("lower", k), decimal(lower[i]),
+                 "must be at least " + whose + decimal(begin[i]));
+    } else if (upper[i] > end[i]) {
+      part.wrong(entry("upper", k), decimal(upper[i]),
+                 "must be at most " + whose + decimal(end[i]));
     } else if (lower[i] >= upper[i]) {
-      reader.wrong("lower" + at, decimal(lower[i]), "must be below upper, " + decimal(upper[i]));
+      part.wrong(entry("lower", k), decimal(lower[i]), "must be below upper, " + decimal(upper[i]));
     }
   }
   return admittances;
@@ -126,32 +96,21 @@ std::vector<core::AdmittanceParameters> read_admittance(v1::AdmittanceScene& mes
 
 }  // namespace
 
-void read_force_control(v1::ForceControlScene& message, const std::string& path,
-                        DeviceScene& device, Problems& problems) {
-  const core::Kinematics* kinematics = device.pipeline.kinematics.get();
-  const hw::DeviceConfig* source = device.source.get();
-  if (source != nullptr && !source->may_measure_force()) {
-    problems.wrong(path, "{ ... }", "must go with board: nothing else measures its force");
+void read_force_control(const Part<v1::ForceControlScene>& part, DeviceScene& device) {
+  if (device.source && !device.source->may_measure_force()) {
+    part.wrong("", "{ ... }", "must go with board: nothing else measures its force");
   }
   core::ForceControlSettings& settings = device.pipeline.force_control;
-  switch (message.where_case()) {
-    case v1::ForceControlScene::kBoard:
-      device.force_control = ForceControlPlace::kBoard;
-      break;
-    case v1::ForceControlScene::kServer:
-      settings.loops = read_server(*message.mutable_server(), path + ".server", n_a_of(kinematics),
-                                   device.pipeline.scene.force_limit,
-                                   source == nullptr ? core::VecA{} : source->effort(), problems);
-      device.force_control = ForceControlPlace::kServer;
-      break;
-    case v1::ForceControlScene::kAdmittance:
-      settings.admittances = read_admittance(*message.mutable_admittance(), path + ".admittance",
-                                             kinematics, source, problems);
-      device.force_control = ForceControlPlace::kAdmittance;
-      break;
-    case v1::ForceControlScene::WHERE_NOT_SET:
-      problems.missing(path + ".where", "one of board, server, admittance");
-      break;
+  const std::string where = part.choice("where");
+  if (where == "board") device.force_control = ForceControlPlace::kBoard;
+  if (where == "server") {
+    device.force_control = ForceControlPlace::kServer;
+    settings.loops = read_server(part.part<v1::ServerForceLoopScene>(where), n_a_of(device),
+                                 device.pipeline.scene.force_limit, effort_of(device));
+  }
+  if (where == "admittance") {
+    device.force_control = ForceControlPlace::kAdmittance;
+    settings.admittances = read_admittance(part.part<v1::AdmittanceScene>(where), device);
   }
 }
 

@@ -1,12 +1,10 @@
 // Kinematics made of named links: hands, styli, serial chains.
-#include <cmath>
 #include <set>
 
 #include "haptic/core/model/hand_exoskeleton.hpp"
 #include "haptic/core/model/serial_chain.hpp"
 #include "haptic/core/model/stylus.hpp"
 #include "server/scene/parts.hpp"
-#include "server/scene/reader.hpp"
 
 namespace haptic::server {
 namespace {
@@ -15,45 +13,34 @@ namespace {
 constexpr std::size_t kLongestPartName = 24;
 
 /// The list `field` as x, y, z; `fallback` if it is empty. Zeros if it is wrong.
-core::Point3 read_triple(const FieldReader& reader, const char* field,
-                         const core::Point3& fallback) {
-  const std::vector<double> values =
-      reader.list({field, Allowed::kFinite, 3, "axis"},
-                  std::vector<double>{fallback.x, fallback.y, fallback.z});
+core::Point3 read_triple(const Fields& part, const char* field, const core::Point3& fallback) {
+  const auto values = part.list({field, Allowed::kFinite, 3, "axis"},
+                                Eigen::Vector3d(fallback.x, fallback.y, fallback.z));
   return values.size() == 3 ? core::Point3{values[0], values[1], values[2]} : core::Point3{};
 }
 
-core::Pose3 read_point(v1::PointScene& message, const std::string& path, Problems& problems) {
-  return {read_triple(FieldReader(message, path, problems), "position_m", {}), {}};
-}
-
-core::Pose3 read_pose(v1::PoseScene& message, const std::string& path, Problems& problems) {
-  const FieldReader reader(message, path, problems);
+core::Pose3 read_pose(const Part<v1::PoseScene>& part) {
   core::Pose3 pose;
-  pose.position = read_triple(reader, "position_m", {});
-  const std::vector<double> q = reader.list({"orientation", Allowed::kFinite, 4, "part x, y, z, w"},
-                                            std::vector<double>{0.0, 0.0, 0.0, 1.0});
+  pose.position = read_triple(part, "position_m", {});
+  const auto q = part.list({"orientation", Allowed::kFinite, 4, "part x, y, z, w"},
+                           Eigen::Vector4d(0.0, 0.0, 0.0, 1.0));
   if (q.size() != 4) return pose;
   pose.orientation = {q[0], q[1], q[2], q[3]};
-  if (!(std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3])) > 1e-6)) {
-    reader.wrong("orientation", decimal(q), "must be a quaternion other than zero");
+  if (!(q.norm() > 1e-6)) {
+    part.wrong("orientation", decimal(q), "must be a quaternion other than zero");
   }
   return pose;
 }
 
-core::TrackedPalm read_palm(v1::PalmScene& message, const std::string& path, Problems& problems) {
-  const FieldReader reader(message, path, problems);
+core::TrackedPalm read_palm(const Part<v1::PalmScene>& part) {
   core::TrackedPalm palm;
-  if (message.name().empty()) message.set_name(palm.name);
-  palm.name = message.name();
+  if (part->name().empty()) part->set_name(palm.name);
+  palm.name = part->name();
   std::set<std::string> names;
-  reader.entry_name(kLongestPartName, names);
-  reader.numbers({{"position_lower_m", &palm.position_lower, Allowed::kFinite},
-                  {"position_upper_m", &palm.position_upper, Allowed::kFinite}});
-  if (palm.position_upper <= palm.position_lower) {
-    reader.wrong("position_upper_m", decimal(palm.position_upper),
-                 "must be above its lower limit, " + decimal(palm.position_lower));
-  }
+  part.entry_name(kLongestPartName, names);
+  part.numbers({{"position_lower_m", &palm.position_lower, Allowed::kFinite},
+                {"position_upper_m", &palm.position_upper, Allowed::kFinite}});
+  part.above("position_upper_m", palm.position_upper, palm.position_lower);
   return palm;
 }
 
@@ -64,136 +51,104 @@ struct OutputPose {
 };
 
 /// Reads the oneof `what` of a message: a point or a frame.
-template <typename Message>
-OutputPose read_output(Message& message, const std::string& path, Problems& problems) {
-  if (message.has_point()) {
+OutputPose read_output(const Fields& part) {
+  const std::string what = part.choice("what");
+  if (what == "point") {
     return {core::OutputKind::kPoint,
-            read_point(*message.mutable_point(), path + ".point", problems)};
+            {read_triple(part.part<v1::PointScene>(what), "position_m", {}), {}}};
   }
-  if (message.has_frame()) {
-    return {core::OutputKind::kFrame,
-            read_pose(*message.mutable_frame(), path + ".frame", problems)};
+  if (what == "frame") {
+    return {core::OutputKind::kFrame, read_pose(part.part<v1::PoseScene>(what))};
   }
-  problems.missing(path + ".what", "one of point, frame");
   return {};
 }
 
 /// A finger of either hand: their messages begin alike.
 template <typename Finger>
-core::HandFinger read_finger(Finger& message, const std::string& path, std::set<std::string>& names,
-                             Problems& problems) {
-  const FieldReader reader(message, path, problems);
-  reader.entry_name(kLongestPartName, names);
+core::HandFinger read_finger(const Part<Finger>& part, std::set<std::string>& names) {
+  part.entry_name(kLongestPartName, names);
   double size = 1.0;
-  reader.numbers({{"size", &size, Allowed::kPositive}});
+  part.numbers({{"size", &size, Allowed::kPositive}});
   const core::FingerDimensions dimensions =
-      read_dimensions(*message.mutable_dimensions(), path + ".dimensions", problems);
-  return {message.name(), core::scaled(dimensions, size)};
+      read_dimensions(part.template part<v1::FingerExoskeletonScene>("dimensions"));
+  return {part->name(), core::scaled(dimensions, size)};
 }
 
-core::PhalanxOutput read_phalanx_output(v1::TrackedHandScene::Output& message,
-                                        const std::string& path, std::set<std::string>& names,
-                                        Problems& problems) {
-  const FieldReader reader(message, path, problems);
-  reader.entry_name(kLongestPartName, names);
-  if (message.phalanx().empty()) message.set_phalanx("middle");
-  const bool proximal = message.phalanx() == "proximal";
-  if (!proximal && message.phalanx() != "middle") {
-    reader.wrong("phalanx", quoted(message.phalanx()), R"(must be "proximal" or "middle")");
-  }
-  const OutputPose pose = read_output(message, path, problems);
-  return {message.name(), message.finger(),
-          proximal ? core::Phalanx::kProximal : core::Phalanx::kMiddle, pose.kind, pose.offset};
+core::PhalanxOutput read_phalanx_output(const Part<v1::TrackedHandScene::Output>& part,
+                                        std::set<std::string>& names) {
+  part.entry_name(kLongestPartName, names);
+  const bool middle = part.word("phalanx", {"proximal", "middle"}, "middle") == 1;
+  const OutputPose pose = read_output(part);
+  return {part->name(), part->finger(), middle ? core::Phalanx::kMiddle : core::Phalanx::kProximal,
+          pose.kind, pose.offset};
 }
 
-using Outputs = google::protobuf::RepeatedPtrField<v1::ChainOutputScene>;
-
-std::vector<core::ChainOutput> read_outputs(Outputs& messages, const std::string& path,
-                                            Problems& problems) {
-  if (messages.empty()) problems.missing(path + ".output", "at least one");
+/// The list `output` of a stylus or a chain.
+std::vector<core::ChainOutput> read_outputs(const Fields& mechanism) {
+  const auto parts = mechanism.parts<v1::ChainOutputScene>("output");
+  if (parts.empty()) mechanism.missing("output", "at least one");
   std::set<std::string> names;
   std::vector<core::ChainOutput> outputs;
-  for (int i = 0; i < messages.size(); ++i) {
-    v1::ChainOutputScene& message = *messages.Mutable(i);
-    const std::string at = path + "." + entry("output", i);
-    FieldReader(message, at, problems).entry_name(kLongestPartName, names);
-    const OutputPose pose = read_output(message, at, problems);
-    outputs.push_back({message.name(), message.link(), pose.kind, pose.offset});
+  for (const auto& part : parts) {
+    part.entry_name(kLongestPartName, names);
+    const OutputPose pose = read_output(part);
+    outputs.push_back({part->name(), part->link(), pose.kind, pose.offset});
   }
   return outputs;
 }
 
-core::ChainJoint read_joint(v1::SerialChainScene::Joint& message, const std::string& path,
-                            std::set<std::string>& names, Problems& problems) {
-  const FieldReader reader(message, path, problems);
-  reader.entry_name(kLongestPartName, names);
-  if (message.kind().empty()) message.set_kind("revolute");
-  const bool prismatic = message.kind() == "prismatic";
-  if (!prismatic && message.kind() != "revolute") {
-    reader.wrong("kind", quoted(message.kind()), R"(must be "revolute" or "prismatic")");
-  }
+core::ChainJoint read_joint(const Part<v1::SerialChainScene::Joint>& part,
+                            std::set<std::string>& names) {
+  part.entry_name(kLongestPartName, names);
+  const bool prismatic = part.word("kind", {"revolute", "prismatic"}, "revolute") == 1;
   core::ChainJoint joint;
-  joint.name = message.name();
+  joint.name = part->name();
   joint.kind = prismatic ? core::JointKind::kPrismatic : core::JointKind::kRevolute;
-  joint.actuated = message.actuated();
-  joint.parent = message.parent();
-  joint.origin = read_pose(*message.mutable_origin(), path + ".origin", problems);
-  joint.axis = read_triple(reader, "axis", joint.axis);
-  joint.lower = message.lower();
-  joint.upper = message.upper();
+  joint.actuated = part->actuated();
+  joint.parent = part->parent();
+  joint.origin = read_pose(part.part<v1::PoseScene>("origin"));
+  joint.axis = read_triple(part, "axis", joint.axis);
+  joint.lower = part->lower();
+  joint.upper = part->upper();
   if (!(joint.upper > joint.lower)) {
-    reader.wrong("upper", decimal(joint.upper), "must be above lower, " + decimal(joint.lower));
+    part.wrong("upper", decimal(joint.upper), "must be above lower, " + decimal(joint.lower));
   }
   return joint;
 }
 
 }  // namespace
 
-SharedKinematics read_hand_exoskeleton(v1::HandExoskeletonScene& message, const std::string& path,
-                                       Problems& problems) {
-  const std::size_t before = problems.count();
+SharedKinematics read_hand_exoskeleton(const Part<v1::HandExoskeletonScene>& part) {
   std::set<std::string> names;
   std::vector<core::HandFinger> fingers;
-  if (message.finger().empty()) problems.missing(path + ".finger", "1 to 12");
-  fingers.reserve(static_cast<std::size_t>(message.finger_size()));
-  for (int i = 0; i < message.finger_size(); ++i) {
-    fingers.push_back(
-        read_finger(*message.mutable_finger(i), path + "." + entry("finger", i), names, problems));
+  if (part->finger().empty()) part.missing("finger", "1 to 12");
+  for (const auto& finger : part.parts<v1::HandExoskeletonScene::Finger>("finger")) {
+    fingers.push_back(read_finger(finger, names));
   }
-  if (problems.count() > before) return nullptr;
-  return made([&] { return core::make_hand_exoskeleton(fingers); }, path, problems);
+  return made(part, [&] { return core::make_hand_exoskeleton(fingers); });
 }
 
-SharedKinematics read_tracked_hand(v1::TrackedHandScene& message, const std::string& path,
-                                   Problems& problems) {
-  const std::size_t before = problems.count();
+SharedKinematics read_tracked_hand(const Part<v1::TrackedHandScene>& part) {
   core::TrackedHandParameters hand;
-  hand.palm = read_palm(*message.mutable_palm(), path + ".palm", problems);
-  if (message.finger().empty()) problems.missing(path + ".finger", "1 to 9");
+  hand.palm = read_palm(part.part<v1::PalmScene>("palm"));
+  if (part->finger().empty()) part.missing("finger", "1 to 9");
   std::set<std::string> fingers, outputs;
-  for (int i = 0; i < message.finger_size(); ++i) {
-    const std::string at = path + "." + entry("finger", i);
-    auto& finger = *message.mutable_finger(i);
+  for (const auto& finger : part.parts<v1::TrackedHandScene::Finger>("finger")) {
     core::MountedFinger mounted;
-    mounted.finger = read_finger(finger, at, fingers, problems);
-    mounted.mount = read_pose(*finger.mutable_mount(), at + ".mount", problems);
+    mounted.finger = read_finger(finger, fingers);
+    mounted.mount = read_pose(finger.part<v1::PoseScene>("mount"));
     hand.fingers.push_back(mounted);
   }
-  if (message.output().empty()) problems.missing(path + ".output", "at least one");
-  for (int i = 0; i < message.output_size(); ++i) {
-    const std::string at = path + "." + entry("output", i);
-    hand.outputs.push_back(read_phalanx_output(*message.mutable_output(i), at, outputs, problems));
+  if (part->output().empty()) part.missing("output", "at least one");
+  for (const auto& output : part.parts<v1::TrackedHandScene::Output>("output")) {
+    hand.outputs.push_back(read_phalanx_output(output, outputs));
   }
-  if (problems.count() > before) return nullptr;
-  return made([&] { return core::make_tracked_hand(hand); }, path, problems);
+  return made(part, [&] { return core::make_tracked_hand(hand); });
 }
 
-SharedKinematics read_stylus(v1::StylusScene& message, const std::string& path,
-                             Problems& problems) {
-  const std::size_t before = problems.count();
+SharedKinematics read_stylus(const Part<v1::StylusScene>& part) {
   core::StylusDimensions d;
-  const FieldReader reader(message, path, problems);
-  reader.numbers({
+  part.numbers({
       {"upper_arm_m", &d.upper_arm, Allowed::kPositive},
       {"forearm_m", &d.forearm, Allowed::kPositive},
       {"turntable_lower_rad", &d.turntable_lower, Allowed::kFinite},
@@ -207,27 +162,20 @@ SharedKinematics read_stylus(v1::StylusScene& message, const std::string& path,
       {"roll_lower_rad", &d.roll_lower, Allowed::kFinite},
       {"roll_upper_rad", &d.roll_upper, Allowed::kFinite},
   });
-  const auto outputs = read_outputs(*message.mutable_output(), path, problems);
-  if (problems.count() > before) return nullptr;
-  return made([&] { return core::make_stylus(d, outputs); }, path, problems);
+  const auto outputs = read_outputs(part);
+  return made(part, [&] { return core::make_stylus(d, outputs); });
 }
 
-SharedKinematics read_serial_chain(v1::SerialChainScene& message, const std::string& path,
-                                   Problems& problems) {
-  const std::size_t before = problems.count();
+SharedKinematics read_serial_chain(const Part<v1::SerialChainScene>& part) {
   core::SerialChainParameters chain;
-  if (message.has_palm()) {
-    chain.palm = read_palm(*message.mutable_palm(), path + ".palm", problems);
-  }
-  if (message.joint().empty()) problems.missing(path + ".joint", "at least one");
+  if (part->has_palm()) chain.palm = read_palm(part.part<v1::PalmScene>("palm"));
+  if (part->joint().empty()) part.missing("joint", "at least one");
   std::set<std::string> names;
-  for (int i = 0; i < message.joint_size(); ++i) {
-    chain.joints.push_back(
-        read_joint(*message.mutable_joint(i), path + "." + entry("joint", i), names, problems));
+  for (const auto& joint : part.parts<v1::SerialChainScene::Joint>("joint")) {
+    chain.joints.push_back(read_joint(joint, names));
   }
-  chain.outputs = read_outputs(*message.mutable_output(), path, problems);
-  if (problems.count() > before) return nullptr;
-  return made([&] { return core::make_serial_chain(chain); }, path, problems);
+  chain.outputs = read_outputs(part);
+  return made(part, [&] { return core::make_serial_chain(chain); });
 }
 
 }  // namespace haptic::server

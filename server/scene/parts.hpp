@@ -1,10 +1,8 @@
 #pragma once
-/// The parts of a scene. Each function reads the message of one part, whose path is `path` (such as
-/// "device[0].impedance"), fills in the defaults of that message, and reports to `problems` what is
-/// wrong. Used within server/scene only.
+/// The parts of a scene. Each function reads the message of one part, fills in the defaults of that
+/// message, and reports what is wrong. Used within server/scene only.
 
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,71 +10,66 @@
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/v1/scene.pb.h"
-#include "server/scene/problems.hpp"
+#include "server/scene/reader.hpp"
 #include "server/scene/scene.hpp"
 
 namespace haptic::server {
 
-/// device.cpp. Relative files are relative to `folder`.
-[[nodiscard]] DeviceScene read_device(v1::DeviceScene& message, const std::string& path,
-                                      const std::filesystem::path& folder, Problems& problems);
+/// device.cpp.
+[[nodiscard]] DeviceScene read_device(const Part<v1::DeviceScene>& part);
 
 /// source.cpp. Null if there is no source. `kinematics` null: it is wrong, sizes are not checked.
 [[nodiscard]] std::shared_ptr<const hw::DeviceConfig> read_source(
-    v1::DeviceScene& message, const std::string& path, const std::filesystem::path& folder,
-    const core::Kinematics* kinematics, Problems& problems);
+    const Part<v1::DeviceScene>& part, const core::Kinematics* kinematics);
 
 /// kinematics.cpp, mechanisms.cpp. Null if something is wrong.
 using SharedKinematics = std::shared_ptr<const core::Kinematics>;
-[[nodiscard]] SharedKinematics read_kinematics(v1::DeviceScene& message, const std::string& path,
-                                               Problems& problems);
-[[nodiscard]] SharedKinematics read_hand_exoskeleton(v1::HandExoskeletonScene& message,
-                                                     const std::string& path, Problems& problems);
-[[nodiscard]] SharedKinematics read_tracked_hand(v1::TrackedHandScene& message,
-                                                 const std::string& path, Problems& problems);
-[[nodiscard]] SharedKinematics read_stylus(v1::StylusScene& message, const std::string& path,
-                                           Problems& problems);
-[[nodiscard]] SharedKinematics read_serial_chain(v1::SerialChainScene& message,
-                                                 const std::string& path, Problems& problems);
-[[nodiscard]] core::FingerDimensions read_dimensions(v1::FingerExoskeletonScene& message,
-                                                     const std::string& path, Problems& problems);
-/// The result of `make`; null if it throws SceneError, which is reported at `path`.
-[[nodiscard]] SharedKinematics made(const std::function<std::unique_ptr<core::Kinematics>()>& make,
-                                    const std::string& path, Problems& problems);
+[[nodiscard]] SharedKinematics read_kinematics(const Part<v1::DeviceScene>& part);
+[[nodiscard]] SharedKinematics read_hand_exoskeleton(const Part<v1::HandExoskeletonScene>& part);
+[[nodiscard]] SharedKinematics read_tracked_hand(const Part<v1::TrackedHandScene>& part);
+[[nodiscard]] SharedKinematics read_stylus(const Part<v1::StylusScene>& part);
+[[nodiscard]] SharedKinematics read_serial_chain(const Part<v1::SerialChainScene>& part);
+[[nodiscard]] core::FingerDimensions read_dimensions(const Part<v1::FingerExoskeletonScene>& part);
+
+/// What `make` makes; null if the message has errors, or the mechanism is impossible.
+template <typename Make>
+[[nodiscard]] SharedKinematics made(const Fields& part, const Make& make) {
+  if (!part.good()) return nullptr;
+  return part.attempt("", "{ ... }", [&] { return SharedKinematics(make()); });
+}
 
 /// rendering.cpp: metric, prior, impedance, force limits, staleness, renderer, guards. Needs
 /// device.source and the kinematics.
-void read_rendering(v1::DeviceScene& message, const std::string& path, DeviceScene& device,
-                    Problems& problems);
+void read_rendering(const Part<v1::DeviceScene>& part, DeviceScene& device);
 /// Ages of a proxy or of a tracker's pose; returns fresh_end if the scene gives it.
-[[nodiscard]] std::optional<core::Duration> read_staleness(v1::StalenessScene& message,
-                                                           const std::string& path,
-                                                           core::StalenessLimits& limits,
-                                                           Problems& problems);
+[[nodiscard]] std::optional<core::Duration> read_staleness(const Part<v1::StalenessScene>& part,
+                                                           core::StalenessLimits& limits);
 
 /// force_control.cpp. Needs device.source and the rendering.
-void read_force_control(v1::ForceControlScene& message, const std::string& path,
-                        DeviceScene& device, Problems& problems);
+void read_force_control(const Part<v1::ForceControlScene>& part, DeviceScene& device);
 
 /// passivity.cpp. Needs device.source and the kinematics.
-void read_passivity(v1::PassivityScene& message, const std::string& path, DeviceScene& device,
-                    Problems& problems);
+void read_passivity(const Part<v1::PassivityScene>& part, DeviceScene& device);
 /// One sentence per actuated DoF whose stiffness is above 2 (b - B) / T: b is the device's own
 /// damping, B the rendered one, T the loop's period. Source: Colgate and Schenkel,
 /// b > K T / 2 + |B|; core/METHOD.md#sampled-data. None for a device of unknown dynamics.
 [[nodiscard]] std::vector<std::string> passivity_warnings(const Scene& scene);
 
 /// daemon.cpp.
-[[nodiscard]] ServerScene read_server(v1::ServerScene& message, const std::filesystem::path& folder,
-                                      Problems& problems);
+[[nodiscard]] ServerScene read_server(const Part<v1::ServerScene>& part);
 /// `devices`: of the scene. They decide the defaults on lateness, and get late_bucket_full.
-[[nodiscard]] LoopScene read_loop(v1::LoopScene& message, std::vector<DeviceScene>& devices,
-                                  Problems& problems);
-[[nodiscard]] RecordScene read_record(v1::RecordScene& message, Problems& problems);
+[[nodiscard]] LoopScene read_loop(const Part<v1::LoopScene>& part,
+                                  std::vector<DeviceScene>& devices);
+[[nodiscard]] RecordScene read_record(const Part<v1::RecordScene>& part);
 
 /// Number of actuated DoFs; -1: not known, because the kinematics is wrong.
-[[nodiscard]] inline int n_a_of(const core::Kinematics* kinematics) {
+[[nodiscard]] inline int n_a_of(const DeviceScene& device) {
+  const core::Kinematics* const kinematics = device.pipeline.kinematics.get();
   return kinematics == nullptr ? -1 : kinematics->layout().n_a();
+}
+/// What the device can give per actuated DoF; empty if the source is wrong.
+[[nodiscard]] inline core::VecA effort_of(const DeviceScene& device) {
+  return device.source ? device.source->effort() : core::VecA{};
 }
 
 }  // namespace haptic::server

@@ -6,46 +6,36 @@
 
 #include "server/base/figures.hpp"
 #include "server/scene/parts.hpp"
-#include "server/scene/reader.hpp"
 
 namespace haptic::server {
 namespace {
 
-std::vector<double> values(const core::VecA& v) {
-  return {v.data(), v.data() + v.size()};
-}
-
-std::vector<double> zeros(int n_a) {
-  return std::vector<double>(static_cast<std::size_t>(std::max(n_a, 0)));
-}
-
-core::TankSettings read_tank(v1::EnergyTankScene& message, const std::string& path,
-                             Problems& problems) {
-  const FieldReader reader(message, path, problems);
+core::TankSettings read_tank(const Fields& part) {
   core::TankSettings tank;
   tank.enabled = true;
-  reader.numbers({{"capacity_j", &tank.capacity, Allowed::kPositive},
-                  {"initial_j", &tank.initial, Allowed::kNotNegative},
-                  {"allowed_power_w", &tank.allowed_power, Allowed::kNotNegative}});
+  part.numbers({{"capacity_j", &tank.capacity, Allowed::kPositive},
+                {"initial_j", &tank.initial, Allowed::kNotNegative},
+                {"allowed_power_w", &tank.allowed_power, Allowed::kNotNegative}});
   if (tank.initial > tank.capacity) {
-    reader.wrong("initial_j", decimal(tank.initial),
-                 "must be at most capacity_j, " + decimal(tank.capacity));
+    part.wrong("initial_j", decimal(tank.initial),
+               "must be at most capacity_j, " + decimal(tank.capacity));
   }
   return tank;
 }
 
-core::ObserverSettings read_observer(v1::PassivityObserverScene& message, const std::string& path,
-                                     int n_a, const hw::OwnDynamics& own, Problems& problems) {
-  const FieldReader reader(message, path, problems);
+/// What is known of a device's own dynamics is the default.
+std::optional<Fields::Numbers> known(const core::VecA& own) {
+  return own.size() > 0 ? std::optional<Fields::Numbers>(own) : std::nullopt;
+}
+
+core::ObserverSettings read_observer(const Fields& part, int n_a, const hw::OwnDynamics& own) {
   core::ObserverSettings observer;
   observer.enabled = true;
-  reader.numbers({{"allowance_j", &observer.allowance, Allowed::kNotNegative},
-                  {"forgetting_j", &observer.forgetting, Allowed::kNotNegative}});
-  const ListField inertia{"inertia_kg", Allowed::kPositive, n_a, kPerActuatedDof};
-  observer.inertia = to_vector(own.inertia.size() > 0 ? reader.list(inertia, values(own.inertia))
-                                                      : reader.list(inertia));
-  observer.slowest = to_vector(
-      reader.list({"slowest_m_per_s", Allowed::kNotNegative, n_a, kPerActuatedDof}, zeros(n_a)));
+  part.numbers({{"allowance_j", &observer.allowance, Allowed::kNotNegative},
+                {"forgetting_j", &observer.forgetting, Allowed::kNotNegative}});
+  observer.inertia = part.per_actuated("inertia_kg", Allowed::kPositive, n_a, known(own.inertia));
+  observer.slowest =
+      part.per_actuated("slowest_m_per_s", Allowed::kNotNegative, n_a, filled(n_a, 0.0));
   return observer;
 }
 
@@ -74,28 +64,22 @@ std::string coupled_warning(std::size_t d, double share, core::Duration T) {
 
 }  // namespace
 
-void read_passivity(v1::PassivityScene& message, const std::string& path, DeviceScene& device,
-                    Problems& problems) {
-  const FieldReader reader(message, path, problems);
-  const core::Kinematics* kinematics = device.pipeline.kinematics.get();
-  const int n_a = n_a_of(kinematics);
-  const hw::OwnDynamics own = device.source && kinematics != nullptr
-                                  ? device.source->own_dynamics(kinematics->layout())
-                                  : hw::OwnDynamics{};
+void read_passivity(const Part<v1::PassivityScene>& part, DeviceScene& device) {
+  const int n_a = n_a_of(device);
+  const hw::OwnDynamics own =
+      device.source && device.pipeline.kinematics
+          ? device.source->own_dynamics(device.pipeline.kinematics->layout())
+          : hw::OwnDynamics{};
   core::PassivitySettings& settings = device.pipeline.passivity;
-  if (!message.has_tank() && !message.has_observer()) {
-    problems.missing(path + ".tank", "tank {} or observer {}, or both");
+  if (!part->has_tank() && !part->has_observer()) {
+    part.missing("tank", "tank {} or observer {}, or both");
   }
-  if (message.has_tank()) {
-    settings.tank = read_tank(*message.mutable_tank(), path + ".tank", problems);
+  if (part->has_tank()) settings.tank = read_tank(part.part<v1::EnergyTankScene>("tank"));
+  if (part->has_observer()) {
+    settings.observer = read_observer(part.part<v1::PassivityObserverScene>("observer"), n_a, own);
   }
-  if (message.has_observer()) {
-    settings.observer =
-        read_observer(*message.mutable_observer(), path + ".observer", n_a, own, problems);
-  }
-  settings.device_damping = to_vector(
-      reader.list({"device_damping_n_s_per_m", Allowed::kNotNegative, n_a, kPerActuatedDof},
-                  own.damping.size() > 0 ? values(own.damping) : zeros(n_a)));
+  settings.device_damping = part.per_actuated("device_damping_n_s_per_m", Allowed::kNotNegative,
+                                              n_a, known(own.damping).value_or(filled(n_a, 0.0)));
 }
 
 std::vector<std::string> passivity_warnings(const Scene& scene) {

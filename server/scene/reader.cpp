@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "haptic/core/types.hpp"
 #include "server/base/figures.hpp"
 
 namespace haptic::server {
@@ -44,31 +45,36 @@ bool is_valid(const google::protobuf::Duration& d) {
 
 }  // namespace
 
-FieldReader::FieldReader(google::protobuf::Message& message, std::string path, Problems& problems)
-    : message_(message), path_(std::move(path)), problems_(problems) {}
+Fields::Fields(google::protobuf::Message& message, std::string path,
+               const std::filesystem::path& folder, Problems& problems)
+    : message_(message),
+      path_(std::move(path)),
+      folder_(folder),
+      problems_(problems),
+      before_(problems.count()) {}
 
-std::string FieldReader::path(const std::string& field) const {
-  return path_.empty() ? field : path_ + "." + field;
+std::string Fields::path(const std::string& field) const {
+  return path_ + (path_.empty() || field.empty() ? "" : ".") + field;
 }
 
-void FieldReader::wrong(const std::string& field, const std::string& value,
-                        const std::string& why) const {
+void Fields::wrong(const std::string& field, const std::string& value,
+                   const std::string& why) const {
   problems_.wrong(path(field), value, why);
 }
 
-void FieldReader::missing(const std::string& field, const std::string& why) const {
+void Fields::missing(const std::string& field, const std::string& why) const {
   problems_.missing(path(field), why);
 }
 
-const FieldDescriptor& FieldReader::find(const std::string& field) const {
+const FieldDescriptor& Fields::find(const std::string& field) const {
   return *message_.GetDescriptor()->FindFieldByName(field);
 }
 
-void FieldReader::check(const std::string& field, double value, Allowed allowed) const {
+void Fields::check(const std::string& field, double value, Allowed allowed) const {
   if (!holds(value, allowed)) wrong(field, decimal(value), rule(value, allowed));
 }
 
-void FieldReader::numbers(std::initializer_list<NumberField> fields) const {
+void Fields::numbers(std::initializer_list<NumberField> fields) const {
   const google::protobuf::Reflection& reflection = *message_.GetReflection();
   for (const NumberField& number : fields) {
     const FieldDescriptor& field = find(number.name);
@@ -81,30 +87,45 @@ void FieldReader::numbers(std::initializer_list<NumberField> fields) const {
   }
 }
 
-std::vector<double> FieldReader::list(const ListField& field,
-                                      const std::optional<std::vector<double>>& fallback) const {
+std::string Fields::choice(const std::string& oneof) const {
+  const auto* const choices = message_.GetDescriptor()->FindOneofByName(oneof);
+  const auto* const chosen = message_.GetReflection()->GetOneofFieldDescriptor(message_, choices);
+  if (chosen != nullptr) return chosen->name();
+  std::string all;
+  for (int i = 0; i < choices->field_count(); ++i) {
+    all += (i == 0 ? "one of " : ", ") + choices->field(i)->name();
+  }
+  missing(oneof, all);
+  return {};
+}
+
+Fields::Numbers Fields::list(const ListField& field, const std::optional<Numbers>& fallback) const {
   auto entries =
       message_.GetReflection()->GetMutableRepeatedFieldRef<double>(&message_, &find(field.name));
-  const std::string wanted = field.size < 0 ? std::string("one value per ") + field.per
-                                            : "one value per " + std::string(field.per) + ", " +
-                                                  std::to_string(field.size);
+  const std::string wanted = std::string("one value per ") + field.per +
+                             (field.size < 0 ? "" : ", " + std::to_string(field.size));
   if (entries.empty() && fallback) {
     for (const double value : *fallback) entries.Add(value);
   }
-  std::vector<double> values;
-  values.reserve(static_cast<std::size_t>(entries.size()));
-  for (int i = 0; i < entries.size(); ++i) values.push_back(entries.Get(i));
-  if (values.empty() && field.size != 0 && !fallback) missing(field.name, wanted);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    check(entry(field.name, i), values[i], field.allowed);
+  Numbers values(entries.size());
+  for (int i = 0; i < entries.size(); ++i) {
+    values[i] = entries.Get(i);
+    check(entry(field.name, static_cast<std::size_t>(i)), values[i], field.allowed);
   }
-  const bool fits = field.size < 0 || values.size() == static_cast<std::size_t>(field.size);
-  if (!fits && !values.empty()) wrong(field.name, decimal(values), "must have " + wanted);
-  return fits ? values : std::vector<double>{};
+  if (entries.empty() && field.size != 0 && !fallback) missing(field.name, wanted);
+  if (field.size < 0) return entries.size() <= core::kMaxQ ? values : Numbers();
+  if (entries.size() == field.size) return values;
+  if (!entries.empty()) wrong(field.name, decimal(values), "must have " + wanted);
+  return {};
 }
 
-std::optional<core::Duration> FieldReader::duration(const std::string& field,
-                                                    const DurationRange& range) const {
+Fields::Numbers Fields::per_actuated(const char* name, Allowed allowed, int n_a,
+                                     const std::optional<Numbers>& fallback) const {
+  return list({name, allowed, n_a, "actuated DoF"}, fallback);
+}
+
+std::optional<core::Duration> Fields::duration(const std::string& field,
+                                               const DurationRange& range) const {
   if (!message_.GetReflection()->HasField(message_, &find(field))) return std::nullopt;
   const auto& given = static_cast<const google::protobuf::Duration&>(
       message_.GetReflection()->GetMessage(message_, &find(field)));
@@ -126,8 +147,8 @@ std::optional<core::Duration> FieldReader::duration(const std::string& field,
   return value;
 }
 
-core::Duration FieldReader::duration(const std::string& field, core::Duration fallback,
-                                     const DurationRange& range) const {
+core::Duration Fields::duration(const std::string& field, core::Duration fallback,
+                                const DurationRange& range) const {
   const google::protobuf::Reflection& reflection = *message_.GetReflection();
   if (reflection.HasField(message_, &find(field))) {
     return duration(field, range).value_or(fallback);
@@ -139,19 +160,52 @@ core::Duration FieldReader::duration(const std::string& field, core::Duration fa
   return fallback;
 }
 
-void FieldReader::whole_number(const std::string& field, std::int64_t value, std::int64_t lowest,
-                               std::int64_t highest) const {
-  if (value >= lowest && value <= highest) return;
-  wrong(field, std::to_string(value),
-        "must be " + std::to_string(lowest) + " to " + std::to_string(highest));
+int Fields::whole_number(const std::string& field, int fallback, int lowest, int highest) const {
+  const google::protobuf::Reflection& reflection = *message_.GetReflection();
+  const FieldDescriptor& its = find(field);
+  const bool is_signed = its.cpp_type() == FieldDescriptor::CPPTYPE_INT32;
+  if (!reflection.HasField(message_, &its)) {
+    if (is_signed) {
+      reflection.SetInt32(&message_, &its, fallback);
+    } else {
+      reflection.SetUInt32(&message_, &its, static_cast<std::uint32_t>(fallback));
+    }
+  }
+  const std::int64_t value = is_signed ? std::int64_t{reflection.GetInt32(message_, &its)}
+                                       : std::int64_t{reflection.GetUInt32(message_, &its)};
+  if (value < lowest || value > highest) {
+    wrong(field, std::to_string(value),
+          "must be " + std::to_string(lowest) + " to " + std::to_string(highest));
+  }
+  return static_cast<int>(value);
 }
 
-std::filesystem::path FieldReader::file(const char* field, const std::filesystem::path& folder,
-                                        const std::string& what) const {
+std::size_t Fields::word(const std::string& field, const std::vector<std::string>& words,
+                         const std::string& fallback) const {
+  const google::protobuf::Reflection& reflection = *message_.GetReflection();
+  if (reflection.GetString(message_, &find(field)).empty()) {
+    reflection.SetString(&message_, &find(field), fallback);
+  }
+  const std::string text = reflection.GetString(message_, &find(field));
+  std::string allowed;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (text == words[i]) return i;
+    allowed += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + quoted(words[i]);
+  }
+  wrong(field, quoted(text), "must be " + allowed);
+  return 0;
+}
+
+void Fields::above(const char* field, double upper, double lower) const {
+  if (upper > lower) return;
+  wrong(field, decimal(upper), "must be above its lower limit, " + decimal(lower));
+}
+
+std::filesystem::path Fields::file(const char* field, const std::string& what) const {
   const google::protobuf::Reflection& reflection = *message_.GetReflection();
   const std::string given = reflection.GetString(message_, &find(field));
   if (given.empty()) return {};
-  const std::filesystem::path full = std::filesystem::absolute(folder / given).lexically_normal();
+  const std::filesystem::path full = std::filesystem::absolute(folder_ / given).lexically_normal();
   std::error_code unreadable;
   if (!std::filesystem::is_regular_file(full, unreadable)) {
     wrong(field, quoted(given), "must be " + what + "; there is none at " + full.string());
@@ -160,7 +214,7 @@ std::filesystem::path FieldReader::file(const char* field, const std::filesystem
   return full;
 }
 
-void FieldReader::entry_name(std::size_t longest, std::set<std::string>& taken) const {
+void Fields::entry_name(std::size_t longest, std::set<std::string>& taken) const {
   const std::string name = message_.GetReflection()->GetString(message_, &find("name"));
   const bool well_formed = !name.empty() && name.size() <= longest &&
                            std::all_of(name.begin(), name.end(), [](unsigned char c) {
@@ -174,13 +228,8 @@ void FieldReader::entry_name(std::size_t longest, std::set<std::string>& taken) 
   }
 }
 
-core::VecQ to_vector(const std::vector<double>& values) {
-  if (values.size() > static_cast<std::size_t>(core::kMaxQ)) return {};
-  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
-
-std::string decimal(const std::vector<double>& values) {
-  constexpr std::size_t kMost = 8;
+std::string decimal(const Fields::Numbers& values) {
+  constexpr Eigen::Index kMost = 8;
   if (values.size() > kMost) return "[" + std::to_string(values.size()) + " values]";
   std::string all;
   for (const double value : values) all += (all.empty() ? "" : ", ") + decimal(value);

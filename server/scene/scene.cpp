@@ -52,17 +52,15 @@ void read_name(const std::string& name, Problems& problems) {
   }
 }
 
-std::vector<DeviceScene> read_devices(v1::Scene& message, const fs::path& folder,
-                                      Problems& problems) {
-  if (message.device().empty()) problems.missing("device", "at least one");
+std::vector<DeviceScene> read_devices(const Part<v1::Scene>& scene) {
+  if (scene->device().empty()) scene.missing("device", "at least one");
   std::vector<DeviceScene> devices;
   std::set<std::string> names;
-  for (int i = 0; i < message.device_size(); ++i) {
-    const std::string path = entry("device", static_cast<std::size_t>(i));
-    devices.push_back(read_device(*message.mutable_device(i), path, folder, problems));
+  for (const auto& part : scene.parts<v1::DeviceScene>("device")) {
+    devices.push_back(read_device(part));
     const std::string& name = devices.back().name;
     if (!names.insert(name).second) {
-      problems.wrong(path + ".name", quoted(name), "must be another: this one is taken");
+      part.wrong("name", quoted(name), "must be another: this one is taken");
     }
   }
   return devices;
@@ -179,13 +177,14 @@ Scene parse_scene(const std::string& text, const std::string& name, const fs::pa
   apply(overrides, message, problems);
 
   check_text(message, "", problems);
+  const Part<v1::Scene> part(message, "", folder, problems);
   Scene scene;
   read_name(message.name(), problems);
   scene.name = message.name();
-  scene.devices = read_devices(message, folder, problems);
-  scene.server = read_server(*message.mutable_server(), folder, problems);
-  scene.loop = read_loop(*message.mutable_loop(), scene.devices, problems);
-  if (message.has_record()) scene.record = read_record(*message.mutable_record(), problems);
+  scene.devices = read_devices(part);
+  scene.server = read_server(part.part<v1::ServerScene>("server"));
+  scene.loop = read_loop(part.part<v1::LoopScene>("loop"), scene.devices);
+  if (message.has_record()) scene.record = read_record(part.part<v1::RecordScene>("record"));
   check_paced_by(message, scene, problems);
   check_silence(scene, problems);
   check_recordings(scene, problems);

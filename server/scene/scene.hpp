@@ -41,6 +41,10 @@ struct DeviceScene {
 [[nodiscard]] core::PipelineConfig pipeline_config(const DeviceScene& scene,
                                                    const core::DeviceLimits& limits);
 
+/// Empty if `address` has the form of one to serve; else what is allowed. Whether it can be served
+/// is said when it is bound.
+[[nodiscard]] std::string address_problem(const std::string& address);
+
 struct ServerScene {
   std::vector<std::string> listen{wire::kDefaultServer};
   std::string udp_listen{};      ///< empty: no UDP path

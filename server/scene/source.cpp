@@ -1,5 +1,7 @@
 // Where a device's motion comes from: hardware, simulations, recordings.
+#include <algorithm>
 #include <fstream>
+#include <regex>
 #include <sstream>
 
 #include "haptic/v1/calibration.pb.h"
@@ -8,7 +10,6 @@
 #include "hw/simulated/finger.hpp"
 #include "hw/simulated/linear.hpp"
 #include "server/scene/parts.hpp"
-#include "server/scene/reader.hpp"
 #include "server/scene/text.hpp"
 
 namespace haptic::server {
@@ -18,36 +19,26 @@ namespace fs = std::filesystem;
 
 constexpr const char* kCsvFile = "a CSV file";
 
-/// The sizes a source must have; -1: not known.
-struct Sizes {
-  explicit Sizes(const core::DofLayout* layout)
-      : n_q(layout == nullptr ? -1 : layout->n_q()), n_a(layout == nullptr ? -1 : layout->n_a()) {}
-  int n_q;
-  int n_a;
-};
+using Device = Part<v1::DeviceScene>;
 
-void refuse_both(const FieldReader& reader, bool has_target) {
-  if (!has_target) return;
-  reader.wrong("motion_file", "given with target_mcp_rad or target_pip_rad",
-               "must be one or the other: the finger goes where the file says, "
-               "or to the target");
+/// Of any source but a simulation, which has its own.
+core::VecA read_effort(const Fields& part, int n_a) {
+  return part.per_actuated("max_effort", Allowed::kPositive, n_a);
 }
 
-hw::SimulatedFingerConfig read_simulated_finger(v1::SimulatedFinger& message,
-                                                const std::string& path, const fs::path& folder,
-                                                Problems& problems) {
-  const FieldReader reader(message, path, problems);
+hw::SimulatedFingerConfig read_simulated_finger(const Part<v1::SimulatedFinger>& part) {
   hw::SimulatedFingerConfig c;
-  if (!message.has_seed()) message.set_seed(c.seed);
-  c.seed = message.seed();
-  if (message.motion_file().empty()) {
-    reader.numbers({{"target_mcp_rad", &c.target_mcp, Allowed::kFinite},
-                    {"target_pip_rad", &c.target_pip, Allowed::kFinite}});
-  } else {
-    refuse_both(reader, message.has_target_mcp_rad() || message.has_target_pip_rad());
-    c.motion_file = reader.file("motion_file", folder, kCsvFile);
+  if (!part->has_seed()) part->set_seed(c.seed);
+  c.seed = part->seed();
+  if (part->motion_file().empty()) {
+    part.numbers({{"target_mcp_rad", &c.target_mcp, Allowed::kFinite},
+                  {"target_pip_rad", &c.target_pip, Allowed::kFinite}});
+  } else if (part->has_target_mcp_rad() || part->has_target_pip_rad()) {
+    part.wrong("motion_file", "given with target_mcp_rad or target_pip_rad",
+               "must be one or the other: the finger goes where the file says, or to the target");
   }
-  reader.numbers({
+  c.motion_file = part.file("motion_file", kCsvFile);
+  part.numbers({
       {"hand_stiffness", &c.hand_stiffness, Allowed::kPositive},
       {"hand_damping", &c.hand_damping, Allowed::kNotNegative},
       {"actuator_mass_kg", &c.actuator_mass, Allowed::kPositive},
@@ -62,57 +53,38 @@ hw::SimulatedFingerConfig read_simulated_finger(v1::SimulatedFinger& message,
   return c;
 }
 
-hw::SimulatedLinearConfig read_simulated_linear(v1::SimulatedLinear& message,
-                                                const std::string& path, Sizes sizes,
-                                                Problems& problems) {
-  const FieldReader reader(message, path, problems);
-  const std::vector<double> zeros(static_cast<std::size_t>(std::max(sizes.n_q, 0)));
+hw::SimulatedLinearConfig read_simulated_linear(const Part<v1::SimulatedLinear>& part, int n_q,
+                                                int n_a) {
   const auto per_dof = [&](const char* name, Allowed allowed) {
-    return to_vector(reader.list({name, allowed, sizes.n_q, "DoF"}, zeros));
+    return part.list({name, allowed, n_q, "DoF"}, filled(n_q, 0.0));
   };
   hw::SimulatedLinearConfig c;
-  c.mass = to_vector(reader.list({"mass", Allowed::kPositive, sizes.n_q, "DoF"}));
+  c.mass = part.list({"mass", Allowed::kPositive, n_q, "DoF"});
   c.damping = per_dof("damping", Allowed::kNotNegative);
   c.hand_stiffness = per_dof("hand_stiffness", Allowed::kNotNegative);
   c.hand_damping = per_dof("hand_damping", Allowed::kNotNegative);
   c.target = per_dof("target", Allowed::kFinite);
-  c.max_effort =
-      to_vector(reader.list({"max_effort", Allowed::kPositive, sizes.n_a, "actuated DoF"}));
+  c.max_effort = read_effort(part, n_a);
   return c;
 }
 
-hw::ReplayConfig read_replay(v1::Replay& message, const std::string& path, const fs::path& folder,
-                             Sizes sizes, Problems& problems) {
-  const FieldReader reader(message, path, problems);
+hw::ReplayConfig read_replay(const Part<v1::Replay>& part, int n_a) {
   hw::ReplayConfig c;
-  if (message.file().empty()) reader.missing("file", kCsvFile);
-  c.file = reader.file("file", folder, kCsvFile);
-  c.repeat = message.repeat();
-  c.max_effort =
-      to_vector(reader.list({"max_effort", Allowed::kPositive, sizes.n_a, "actuated DoF"}));
+  if (part->file().empty()) part.missing("file", kCsvFile);
+  c.file = part.file("file", kCsvFile);
+  c.repeat = part->repeat();
+  c.max_effort = read_effort(part, n_a);
   return c;
 }
 
-/// "2026-11-21": a form, not a calendar.
-bool is_date(const std::string& text) {
-  if (text.size() != 10) return false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool dash = i == 4 || i == 7;
-    if (dash ? text[i] != '-' : (text[i] < '0' || text[i] > '9')) return false;
-  }
-  return true;
-}
-
-/// Fills in DoF number `i` of the kinematics; why it cannot, or nothing.
-std::string take_dof(const v1::Calibration& message, const core::DofSpec& dof, Eigen::Index i,
+/// DoF number `i` of the kinematics as the file has it; why it has not, or nothing.
+std::string take_dof(const v1::Calibration& message, const std::string& name, Eigen::Index i,
                      hw::board::Calibration& calibration) {
-  const v1::Calibration::Dof* found = nullptr;
-  for (const v1::Calibration::Dof& entry : message.dof()) {
-    if (entry.name() != dof.name) continue;
-    if (found != nullptr) return "has DoF '" + dof.name + "' twice";
-    found = &entry;
-  }
-  if (found == nullptr) return "lacks DoF '" + dof.name + "'";
+  const auto& dofs = message.dof();
+  const auto named = [&](const v1::Calibration::Dof& dof) { return dof.name() == name; };
+  const auto found = std::find_if(dofs.begin(), dofs.end(), named);
+  if (found == dofs.end()) return "lacks DoF '" + name + "'";
+  if (std::count_if(dofs.begin(), dofs.end(), named) > 1) return "has DoF '" + name + "' twice";
   calibration.scale[i] = found->scale();
   calibration.offset[i] = found->offset();
   calibration.lower[i] = found->lower();
@@ -120,35 +92,32 @@ std::string take_dof(const v1::Calibration& message, const core::DofSpec& dof, E
   return {};
 }
 
-/// Reads `file`; what is wrong is reported at `path`, the field that names it. The DoFs are put in
-/// the order of `kinematics`, which may be null: then nothing comes back. The board's serial number
-/// is compared when the board answers.
-std::optional<hw::board::Calibration> read_calibration(const std::filesystem::path& file,
-                                                       const std::string& path,
-                                                       const core::Kinematics* kinematics,
-                                                       Problems& problems) {
-  const std::size_t before = problems.count();
+/// Reads a file of hapticctl calibrate, which is there; what is wrong is reported at calibration_file. The DoFs are
+/// put in the order of `kinematics`, which may be null: then nothing comes back. The board's serial
+/// number is compared when the board answers.
+std::optional<hw::board::Calibration> read_calibration(const Part<v1::Board>& part,
+                                                       const core::Kinematics* kinematics) {
+  const std::size_t before = part.problems().count();
+  const std::string& file = part->calibration_file();
   const auto wrong = [&](const std::string& why) {
-    problems.wrong(path, quoted(file.string()), why);
+    part.wrong("calibration_file", quoted(file), why);
   };
-  std::ifstream stream(file);
   std::ostringstream text;
-  if (stream) text << stream.rdbuf();
+  text << std::ifstream(file).rdbuf();
   v1::Calibration message;
-  if (!stream) {
-    wrong("must be a file of hapticctl calibrate; it cannot be read");
-  } else if (const std::string found = parse_fragment(text.str(), message); !found.empty()) {
+  if (const std::string found = parse_fragment(text.str(), message); !found.empty()) {
     wrong("must be a file of hapticctl calibrate: " + found);
   }
-  if (problems.count() > before || kinematics == nullptr) return std::nullopt;
+  if (part.problems().count() > before || kinematics == nullptr) return std::nullopt;
 
   hw::board::Calibration calibration;
-  calibration.source = file.string();
+  calibration.source = file;
   calibration.serial = message.device_serial();
   calibration.date = message.date();
   if (calibration.serial.empty()) wrong("device_serial: is required");
-  if (!is_date(calibration.date))
+  if (!std::regex_match(calibration.date.substr(0, 11), std::regex("\\d{4}-\\d{2}-\\d{2}"))) {
     wrong("date = " + server::quoted(calibration.date) + ": must be YYYY-MM-DD");
+  }
   const auto& dofs = kinematics->dofs();
   const auto n_q = static_cast<Eigen::Index>(dofs.size());
   for (core::VecQ* list :
@@ -159,86 +128,75 @@ std::optional<hw::board::Calibration> read_calibration(const std::filesystem::pa
     wrong("has " + std::to_string(message.dof_size()) + " DoFs; must have " + std::to_string(n_q));
   }
   for (Eigen::Index i = 0; i < n_q; ++i) {
-    const std::string found = take_dof(message, dofs[static_cast<std::size_t>(i)], i, calibration);
+    const std::string& name = dofs[static_cast<std::size_t>(i)].name;
+    const std::string found = take_dof(message, name, i, calibration);
     if (!found.empty()) wrong(found);
   }
-  if (message.force_zero_size() > core::kMaxQ) {
-    wrong("has " + std::to_string(message.force_zero_size()) + " zeros of force");
+  const auto& zeros = message.force_zero();
+  if (zeros.size() > core::kMaxQ) {
+    wrong("has " + std::to_string(zeros.size()) + " zeros of force");
   } else {
-    calibration.force_zero.resize(message.force_zero_size());
-    for (int i = 0; i < message.force_zero_size(); ++i) {
-      calibration.force_zero[i] = message.force_zero(i);
-    }
+    calibration.force_zero = Eigen::Map<const Eigen::VectorXd>(zeros.data(), zeros.size());
   }
-  if (problems.count() > before) return std::nullopt;
+  if (part.problems().count() > before) return std::nullopt;
   return calibration;
 }
 
-hw::BoardConfig read_board(v1::Board& message, const std::string& path, const fs::path& folder,
-                           const core::Kinematics* kinematics, Sizes sizes, Problems& problems) {
-  const FieldReader reader(message, path, problems);
+hw::BoardConfig read_board(const Part<v1::Board>& part, const core::Kinematics* kinematics,
+                           int n_a) {
   hw::BoardConfig c;
-  if (message.port().empty()) reader.missing("port", "a serial port, as in \"/dev/ttyACM0\"");
-  c.port = message.port();
-  if (!message.has_baud()) message.set_baud(static_cast<std::uint32_t>(c.baud));
-  reader.whole_number("baud", message.baud(), 9600, 12'000'000);
-  c.baud = static_cast<int>(message.baud());
-  c.serial = message.serial();
-  c.max_effort =
-      to_vector(reader.list({"max_effort", Allowed::kPositive, sizes.n_a, "actuated DoF"}));
-  c.max_silence = reader.duration("max_silence", c.max_silence,
-                                  {std::chrono::milliseconds(2), std::chrono::milliseconds(100)});
-  if (!message.calibration_file().empty()) {
-    const fs::path file = fs::absolute(folder / message.calibration_file()).lexically_normal();
-    c.calibration = read_calibration(file, path + ".calibration_file", kinematics, problems);
-    message.set_calibration_file(file.string());
+  if (part->port().empty()) part.missing("port", "a serial port, as in \"/dev/ttyACM0\"");
+  c.port = part->port();
+  c.baud = part.whole_number("baud", c.baud, 9600, 12'000'000);
+  c.serial = part->serial();
+  c.max_effort = read_effort(part, n_a);
+  c.max_silence = part.duration("max_silence", c.max_silence,
+                                {std::chrono::milliseconds(2), std::chrono::milliseconds(100)});
+  const std::size_t before = part.problems().count();
+  const fs::path file = part.file("calibration_file", "a file of hapticctl calibrate");
+  if (!file.empty() && part.problems().count() == before) {
+    c.calibration = read_calibration(part, kinematics);
   }
   return c;
 }
 
 /// Reports a simulation that goes with another map.
-void check_fit(const v1::DeviceScene& message, const std::string& path, Problems& problems) {
-  const auto* oneof = v1::DeviceScene::descriptor()->FindOneofByName("kinematics");
-  const auto* map = v1::DeviceScene::GetReflection()->GetOneofFieldDescriptor(message, oneof);
-  if (map == nullptr) return;  // reported elsewhere
-  if (message.has_simulated_finger() && !message.has_finger_exoskeleton()) {
-    problems.wrong(path + ".simulated_finger", "{ ... } with " + map->name(),
-                   "must go with finger_exoskeleton");
+void check_fit(const Device& device, const std::string& source) {
+  if (device->kinematics_case() == v1::DeviceScene::KINEMATICS_NOT_SET) return;  // reported
+  const std::string map = device.choice("kinematics");
+  const bool finger = device->has_finger_exoskeleton();
+  if (source == "simulated_finger" && !finger) {
+    device.wrong(source, "{ ... } with " + map, "must go with finger_exoskeleton");
   }
-  if (message.has_simulated_linear() && message.has_finger_exoskeleton()) {
-    problems.wrong(path + ".simulated_linear", "{ ... } with " + map->name(),
-                   "must go with another kinematics: a finger has simulated_finger");
+  if (source == "simulated_linear" && finger) {
+    device.wrong(source, "{ ... } with " + map,
+                 "must go with another kinematics: a finger has simulated_finger");
   }
+}
+
+template <typename Config>
+std::shared_ptr<const hw::DeviceConfig> shared(Config config) {
+  return std::make_shared<const Config>(std::move(config));
 }
 
 }  // namespace
 
-std::shared_ptr<const hw::DeviceConfig> read_source(v1::DeviceScene& message,
-                                                    const std::string& path, const fs::path& folder,
-                                                    const core::Kinematics* kinematics,
-                                                    Problems& problems) {
-  check_fit(message, path, problems);
-  const Sizes sizes(kinematics == nullptr ? nullptr : &kinematics->layout());
-  const auto shared = [](auto config) {
-    return std::make_shared<const decltype(config)>(std::move(config));
-  };
-  switch (message.source_case()) {
-    case v1::DeviceScene::kSimulatedFinger:
-      return shared(read_simulated_finger(*message.mutable_simulated_finger(),
-                                          path + ".simulated_finger", folder, problems));
-    case v1::DeviceScene::kSimulatedLinear:
-      return shared(read_simulated_linear(*message.mutable_simulated_linear(),
-                                          path + ".simulated_linear", sizes, problems));
-    case v1::DeviceScene::kReplay:
-      return shared(
-          read_replay(*message.mutable_replay(), path + ".replay", folder, sizes, problems));
-    case v1::DeviceScene::kBoard:
-      return shared(read_board(*message.mutable_board(), path + ".board", folder, kinematics, sizes,
-                               problems));
-    case v1::DeviceScene::SOURCE_NOT_SET:
-      break;
+std::shared_ptr<const hw::DeviceConfig> read_source(const Device& device,
+                                                    const core::Kinematics* kinematics) {
+  const int n_q = kinematics == nullptr ? -1 : kinematics->layout().n_q();
+  const int n_a = kinematics == nullptr ? -1 : kinematics->layout().n_a();
+  const std::string source = device.choice("source");
+  check_fit(device, source);
+  if (source == "simulated_finger") {
+    return shared(read_simulated_finger(device.part<v1::SimulatedFinger>(source)));
   }
-  problems.missing(path + ".source", "one of simulated_finger, simulated_linear, replay, board");
+  if (source == "simulated_linear") {
+    return shared(read_simulated_linear(device.part<v1::SimulatedLinear>(source), n_q, n_a));
+  }
+  if (source == "replay") return shared(read_replay(device.part<v1::Replay>(source), n_a));
+  if (source == "board") {
+    return shared(read_board(device.part<v1::Board>(source), kinematics, n_a));
+  }
   return nullptr;
 }
 

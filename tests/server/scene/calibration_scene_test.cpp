@@ -87,7 +87,7 @@ TEST_F(CalibratedScene, NamesTheWrongField) {
     expect_says(scene(), c.error);
   }
   fs::remove(file_);
-  expect_says(scene(), "it cannot be read");
+  expect_says(scene(), "there is none at");
 }
 
 }  // namespace

@@ -171,13 +171,11 @@ bool save(Guide& guide, std::ostream& out, const std::string& text, const std::s
 int calibrate(const Options& options) {
   client::Connection server = connect(options);
   const client::DeviceInfo device = device_of(server, options.device);
-  std::vector<SensedDof> dofs;
-  for (const auto& dof : device.dofs) dofs.push_back({dof.name, dof.unit, dof.lower, dof.upper});
   ServedSensors sensors(server, device.name);
   std::ostream& out = options.json ? std::cerr : std::cout;  // the questions
   Guide guide(sensors, std::cin, out);
   try {
-    const CalibrationResult result = guide.run(dofs);
+    const CalibrationResult result = guide.run(device.dofs);
     const std::string file = options.output.empty() ? device.serial + ".textproto" : options.output;
     if (!save(guide, out, to_textproto(result, device.serial, today()), file)) return 1;
     if (options.json) std::cout << to_json(result, device.serial, file).dump() << '\n';

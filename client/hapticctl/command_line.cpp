@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <map>
 
-#include "exit_status.hpp"
 #include "haptic/wire/ports.hpp"
 
 namespace haptic::ctl {

@@ -26,7 +26,15 @@ struct Options {
   std::string output{};        ///< calibrate: the file to write
 };
 
-inline constexpr double kDoctorSeconds = 10.0;
+/// The help and the man page have the same table.
+enum ExitStatus : int {
+  kDone = 0,
+  kFailed = 1,
+  kUsage = 2,        ///< bad command line, variable or configuration file
+  kUnreachable = 3,  ///< no hapticd answers
+  kRefused = 4,      ///< hapticd refused what was asked
+  kFaulted = 5,      ///< the device is in FAULT
+};
 
 int info(const Options& options);
 int health(const Options& options);
@@ -55,6 +63,8 @@ class DeviceInFault : public client::ClientError {
 [[nodiscard]] std::string joined(const std::vector<std::string>& names);
 /// "N" or "N m": the unit of what acts on a coordinate of this unit.
 [[nodiscard]] std::string effort_unit(const std::string& unit);
+/// Prints the JSON if --json was given, else the text, and the end of the line.
+void answer(const Options& options, const std::string& json, const std::string& text);
 /// False once SIGINT or SIGTERM came, or `seconds` (0: no limit) have passed since the first call.
 [[nodiscard]] bool go_on(double seconds);
 

@@ -1,9 +1,9 @@
 #include <chrono>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "commands.hpp"
+#include "table.hpp"
 
 namespace haptic::ctl {
 
@@ -13,24 +13,15 @@ using std::chrono::milliseconds;
 constexpr milliseconds kPeriod{10};
 constexpr int kStepsPerLine = 50;
 
-void print(const client::Session& session, const client::DeviceState& state, bool as_json) {
+/// The state and, while force is not given, what it waits for.
+void print(const client::Session& session, const client::DeviceState& state, double seconds,
+           const Options& options) {
   const auto refusal = session.engage_refusal();
-  if (as_json) {
-    nlohmann::json waits;  // null: nothing is refused
-    if (refusal) waits = refusal->what();
-    const nlohmann::json all = {{"state", client::name(state.state)},
-                                {"gain", state.gain},
-                                {"tau_a", state.tau_a},
-                                {"waits", waits}};
-    std::printf("%s\n", all.dump().c_str());
-    std::fflush(stdout);
-    return;
-  }
-  std::printf("%-9s gain %.2f  tau_a", client::name(state.state), state.gain);
-  for (const double tau : state.tau_a) std::printf(" %8.3f", tau);
-  if (refusal) std::printf("  waits: %s", refusal->what());
-  std::printf("\n");
-  std::fflush(stdout);
+  nlohmann::json all = state_json(session.device(), state);
+  all["waits"] = refusal ? nlohmann::json(refusal->what()) : nlohmann::json();
+  answer(options, all.dump(),
+         line(session.device(), state, seconds) +
+             (refusal ? std::string("  waits: ") + refusal->what() : ""));
 }
 
 }  // namespace
@@ -61,7 +52,8 @@ int engage(const Options& options) {
         state.state == client::Lifecycle::kEngaging || state.state == client::Lifecycle::kEngaged;
     if (options.hold && !has_force) anchor = state.x_probe;
     session->publish(anchor.empty() ? client::Proxy::free() : client::Proxy::held(anchor));
-    if (step % kStepsPerLine == 0) print(*session, state, options.json);
+    if (step % kStepsPerLine == 0)
+      print(*session, state, step * std::chrono::duration<double>(kPeriod).count(), options);
     next = std::max(next + kPeriod, std::chrono::steady_clock::now());
     std::this_thread::sleep_until(next);
   }

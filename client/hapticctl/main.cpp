@@ -3,7 +3,35 @@
 #include <cstdio>
 
 #include "command_line.hpp"
-#include "exit_status.hpp"
+
+namespace haptic::ctl {
+namespace {
+
+ExitStatus exit_status(const client::ClientError& error) {
+  if (dynamic_cast<const DeviceInFault*>(&error) != nullptr ||
+      error.server_reason() == "FAULT_PERSISTS") {
+    return kFaulted;
+  }
+  switch (error.reason()) {
+    case client::ErrorReason::kUnreachable:
+    case client::ErrorReason::kTimeout:
+      return kUnreachable;
+    case client::ErrorReason::kInvalidArgument:
+      return kUsage;
+    case client::ErrorReason::kNoSuchDevice:
+    case client::ErrorReason::kLeaseHeld:
+    case client::ErrorReason::kNotReady:
+    case client::ErrorReason::kPermissionDenied:
+      return kRefused;
+    case client::ErrorReason::kClosed:
+    case client::ErrorReason::kProtocol:
+      break;
+  }
+  return kFailed;
+}
+
+}  // namespace
+}  // namespace haptic::ctl
 
 int main(int argc, char** argv) {
   using haptic::client::ClientError;

@@ -26,21 +26,6 @@ std::string text(const char* format, Arguments... arguments) {
   return buffer;
 }
 
-/// A force as a bar about the middle: "[     ###|        ]".
-std::string bar(double value, double limit) {
-  constexpr int kHalf = 12;
-  const int filled =
-      limit > 0.0 && std::isfinite(value)
-          ? std::clamp(static_cast<int>(std::lround(value / limit * kHalf)), -kHalf, kHalf)
-          : 0;
-  std::string drawn(2 * kHalf + 1, ' ');
-  drawn[kHalf] = '|';
-  for (int i = 1; i <= std::abs(filled); ++i) {
-    drawn[static_cast<std::size_t>(filled < 0 ? kHalf - i : kHalf + i)] = '#';
-  }
-  return "[" + drawn + "]";
-}
-
 /// Five digits are enough for people.
 std::string shortened(const StateField& field, std::size_t i) {
   const std::string& value = field.values[i];
@@ -64,74 +49,44 @@ bool absent(const std::vector<StateField>& message) {
                      [](const StateField& field) { return field.values.empty(); });
 }
 
-/// "gain 0.5" of every value without an axis, in rows of at most `width`.
-void add_scalars(const std::vector<StateField>& fields, std::string row, std::size_t width,
-                 Rows& rows) {
+/// Appends the items to the last row; an item that would go beyond `width` begins a further row.
+void add_items(const Rows& items, std::size_t width, Rows& rows) {
+  for (const std::string& item : items) {
+    if (rows.back().size() + item.size() + 2 > width) rows.emplace_back("  ");
+    rows.back() += "  " + item;
+  }
+}
+
+/// "gain 0.5" of every value without an axis.
+Rows scalars(const std::vector<StateField>& fields) {
+  Rows items;
   for (const StateField& field : fields) {
     if (!field.axis.empty() || field.kind == Kind::kMessage) continue;
-    std::string item = "  " + field.name;
-    for (std::size_t i = 0; i < field.values.size(); ++i) item += " " + with_unit(field, i);
-    if (row.size() + item.size() > width) {
-      rows.push_back(row);
-      row = "  ";
-    }
-    row += item;
+    items.push_back(field.name);
+    for (std::size_t i = 0; i < field.values.size(); ++i) items.back() += " " + with_unit(field, i);
   }
-  rows.push_back(row);
+  return items;
 }
 
-/// A column of the table with one cell per label, some empty.
-using Column = std::vector<std::string>;
-
-/// The fields along `labels`, as columns beside the names of the rows.
-void add_block(const std::vector<std::string>& labels, const std::vector<Column>& columns,
-               std::size_t width, Rows& rows) {
-  Rows block;
-  for (const Column& column : columns) {
-    std::size_t widest = 0;
-    for (const std::string& cell : column) widest = std::max(widest, cell.size());
-    if (block.empty() || block[0].size() + widest + 2 > width) {
-      rows.insert(rows.end(), block.begin(), block.end());
-      block.assign(1, text("  %-12s", ""));
-      for (const std::string& label : labels) block.push_back(text("  %-12s", label.c_str()));
-    }
-    for (std::size_t i = 0; i < column.size(); ++i) {
-      block[i] += std::string(widest + 2 - column[i].size(), ' ') + column[i];
-    }
+/// "slide 0.125 m" of every value along an axis.
+Rows labelled(const StateField& field) {
+  Rows items;
+  for (std::size_t i = 0; i < std::min(field.labels.size(), field.values.size()); ++i) {
+    items.push_back(field.labels[i] + " " + with_unit(field, i));
   }
-  rows.insert(rows.end(), block.begin(), block.end());
-}
-
-/// Fields that are absent have no column.
-Column column_of(const StateField& field, const std::vector<std::string>& labels) {
-  Column column{field.name};
-  for (const std::string& label : labels) {
-    const auto found = std::find(field.labels.begin(), field.labels.end(), label);
-    const auto i = static_cast<std::size_t>(found - field.labels.begin());
-    const bool given = i < std::min(field.labels.size(), field.values.size());
-    column.push_back(given ? with_unit(field, i) : "");
-  }
-  return column;
+  return items;
 }
 
 double at(const std::vector<double>& values, std::size_t i) {
   return i < values.size() ? values[i] : std::nan("");
 }
 
-/// Age and its meaning; without a proxy there is none.
-std::string age(const client::DeviceState& s) {
-  if (s.proxy_seq_used == 0) return "no proxy";
-  return text("%s, age %.1f ms", client::name(s.staleness),
-              static_cast<double>(s.proxy_age.count()) * 1e-3);
-}
-
-/// Which client says where the palm is, and how old that is.
-std::string tracker(const client::DeviceInfo& device, const client::TrackerState& pose) {
-  const std::string who = device.tracker.empty() ? "nobody" : device.tracker;
-  if (pose.seq_used == 0) return "tracker " + who + ", no pose";
-  return text("tracker %s, pose %llu %s, age %.1f ms", who.c_str(),
-              static_cast<unsigned long long>(pose.seq_used), client::name(pose.staleness),
-              static_cast<double>(pose.age.count()) * 1e-3);
+/// "proxy FRESH, age 1.2 ms"; without a sample there is no age.
+std::string age(const char* of, std::uint64_t seq, client::Staleness staleness,
+                std::chrono::microseconds age) {
+  if (seq == 0) return std::string("no ") + of;
+  return text("%s %s, age %.1f ms", of, client::name(staleness),
+              static_cast<double>(age.count()) * 1e-3);
 }
 
 nlohmann::json to_json(const std::vector<StateField>& fields);
@@ -188,47 +143,26 @@ nlohmann::json schema_of(const std::vector<StateField>& fields) {
 Rows table(const client::DeviceInfo& device, const client::DeviceState& s, double seconds,
            std::uint64_t conflated, std::size_t width) {
   const std::vector<StateField> fields = client::state_fields(device, s);
-  Rows rows;
-  add_scalars(fields,
-              text("%s  t %.1f s  conflated %llu", device.name.c_str(), seconds,
-                   static_cast<unsigned long long>(conflated)),
-              width, rows);
+  Rows rows{text("%s  t %.1f s  conflated %llu", device.name.c_str(), seconds,
+                 static_cast<unsigned long long>(conflated))};
+  add_items(scalars(fields), width, rows);
   for (const StateField& field : fields) {
     for (const auto& message : field.messages) {
-      if (!absent(message)) add_scalars(message, "  " + field.name + ":", width, rows);
+      if (absent(message)) continue;
+      rows.push_back("  " + field.name + ":");
+      add_items(scalars(message), width, rows);
     }
-  }
-  if (s.tracker) rows.push_back("  " + tracker(device, *s.tracker));
-
-  std::vector<std::string> dofs, coordinates;
-  std::vector<Column> of_dofs, of_coordinates;
-  Column bars{"tau_a / force_limit"};
-  std::size_t actuated = 0;
-  for (const auto& dof : device.dofs) {
-    dofs.push_back(dof.name);
-    bars.emplace_back();
-    if (!dof.actuated) continue;
-    bars.back() = bar(at(s.tau_a, actuated), at(device.force_limit, actuated));
-    ++actuated;
-  }
-  for (const auto& coordinate : device.coordinates) coordinates.push_back(coordinate.name);
-  for (const StateField& field : fields) {
     if (field.axis.empty() || field.values.empty()) continue;
-    if (field.axis == "coordinate") {
-      of_coordinates.push_back(column_of(field, coordinates));
-    } else {
-      of_dofs.push_back(column_of(field, dofs));
-    }
+    rows.push_back(text("  %-20s", field.name.c_str()));
+    add_items(labelled(field), width, rows);
   }
-  of_dofs.push_back(bars);
-  add_block(dofs, of_dofs, width, rows);
-  add_block(coordinates, of_coordinates, width, rows);
   return rows;
 }
 
 std::string line(const client::DeviceInfo& device, const client::DeviceState& s, double seconds) {
-  std::string all = text("%9.3f s  %s  %-9s %s  gain %.2f ", seconds, device.name.c_str(),
-                         client::name(s.state), age(s).c_str(), s.gain);
+  std::string all =
+      text("%9.3f s  %s  %-9s %s  gain %.2f ", seconds, device.name.c_str(), client::name(s.state),
+           age("proxy", s.proxy_seq_used, s.staleness, s.proxy_age).c_str(), s.gain);
   std::string forces;
   std::size_t actuated = 0;
   for (std::size_t i = 0; i < device.dofs.size(); ++i) {
@@ -239,17 +173,16 @@ std::string line(const client::DeviceInfo& device, const client::DeviceState& s,
                    effort_unit(dof.unit).c_str());
   }
   all += forces;
-  if (s.tracker) all += "  " + tracker(device, *s.tracker);
+  if (s.tracker) {
+    all += "  " + age("pose", s.tracker->seq_used, s.tracker->staleness, s.tracker->age);
+  }
   return all + "  faults " + joined(client::fault_names(s.faults));
 }
 
-std::string json_line(const client::DeviceInfo& device, const client::DeviceState& s,
-                      std::uint64_t conflated) {
-  nlohmann::json all = to_json(client::state_fields(device, s));
+nlohmann::json state_json(const client::DeviceInfo& device, const client::DeviceState& state) {
+  nlohmann::json all = to_json(client::state_fields(device, state));
   all["device"] = device.name;
-  all["conflated"] = conflated;
-  if (s.tracker) all["tracker"]["holder"] = device.tracker;
-  return all.dump();
+  return all;
 }
 
 nlohmann::json json_fields(const client::DeviceInfo& device) {

@@ -12,15 +12,15 @@ namespace haptic::ctl {
 
 using Rows = std::vector<std::string>;
 
-/// `seconds` since the watching began. Columns that do not fit into `width` start a further block.
+/// A row per field, longer ones in several of at most `width`. `seconds` since the watching began.
 [[nodiscard]] Rows table(const client::DeviceInfo& device, const client::DeviceState& state,
                          double seconds, std::uint64_t conflated, std::size_t width);
 /// A summary in one line.
 [[nodiscard]] std::string line(const client::DeviceInfo& device, const client::DeviceState& state,
                                double seconds);
-[[nodiscard]] std::string json_line(const client::DeviceInfo& device,
-                                    const client::DeviceState& state, std::uint64_t conflated);
-/// Axis, labels and units of every field that json_line() gives by name alone.
+[[nodiscard]] nlohmann::json state_json(const client::DeviceInfo& device,
+                                        const client::DeviceState& state);
+/// Axis, labels and units of every field that state_json() gives by name alone.
 [[nodiscard]] nlohmann::json json_fields(const client::DeviceInfo& device);
 [[nodiscard]] std::string loop_row(const client::ServerInfo& server);
 

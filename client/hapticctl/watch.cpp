@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdio>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "commands.hpp"
@@ -36,14 +37,6 @@ class Watched {
     throw stream_->error().value_or(
         client::ClientError(client::ErrorReason::kClosed, "the stream ended"));
   }
-  [[nodiscard]] bool wants_tracker() const { return device_.wants_tracker; }
-  /// Trackers come and go while a device is watched.
-  void learn(const std::vector<client::DeviceInfo>& devices) {
-    const std::lock_guard lock(mutex_);
-    for (const client::DeviceInfo& device : devices) {
-      if (device.name == device_.name) device_.tracker = device.tracker;
-    }
-  }
   [[nodiscard]] Rows rows() const {
     const std::lock_guard lock(mutex_);
     if (newest_.seq == 0) return {device_.name + "  no state yet"};
@@ -62,7 +55,9 @@ class Watched {
     newest_ = state;
     if (!json_) return;
     // A reader that is slow makes this stream slow, and the server conflates: no line is stale.
-    std::printf("%s\n", json_line(device_, state, conflated_).c_str());
+    nlohmann::json all = state_json(device_, state);
+    all["conflated"] = conflated_.load();
+    std::printf("%s\n", all.dump().c_str());
     std::fflush(stdout);
   }
   [[nodiscard]] double seconds() const {
@@ -89,18 +84,11 @@ int watch(const Options& options) {
   Screen screen;
   const bool in_place = isatty(STDOUT_FILENO) == 1;
   client::ServerInfo facts;
-  Clock::time_point next_facts{}, next_holders{};
-  const bool tracked = std::any_of(all.begin(), all.end(),
-                                   [](const auto& watched) { return watched->wants_tracker(); });
+  Clock::time_point next_facts{};
   const std::chrono::duration<double> pause(1.0 / std::min(options.rate_hz, kFastestForPeople));
   while (go_on(options.seconds)) {
     std::this_thread::sleep_for(pause);
     for (const auto& watched : all) watched->check();
-    if (tracked && Clock::now() >= next_holders) {
-      const auto devices = server.devices();
-      for (const auto& watched : all) watched->learn(devices);
-      next_holders = Clock::now() + kFactsEvery;
-    }
     if (options.json) continue;
     if (!in_place) {
       for (const auto& watched : all) watched->print();

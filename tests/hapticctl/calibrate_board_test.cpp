@@ -211,9 +211,9 @@ TEST(CalibrateBoard, CorrectsAWrongPotentiometer) {
                     at(true, 1),  through,     go_off,  let_go};
   std::istream answers(&person);
   std::ostringstream asked;
-  std::vector<SensedDof> dofs;
+  std::vector<client::DegreeOfFreedom> dofs;
   for (const core::DofSpec& dof : kinematics->dofs()) {
-    dofs.push_back({dof.name, "", dof.lower, dof.upper});
+    dofs.push_back({dof.name, "", dof.actuated, dof.lower, dof.upper});
   }
   Guide guide(sensors, answers, asked);
   CalibrationResult result;

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -34,11 +33,6 @@ class FakeHost {
     std::ofstream(full) << text;
     return *this;
   }
-  FakeHost& port(const std::string& path, mode_t mode) {
-    file(path, "");
-    ::chmod((root_ / fs::path(path).relative_path()).c_str(), mode);
-    return *this;
-  }
   [[nodiscard]] HostFiles files() const { return HostFiles(root_); }
 
  private:
@@ -51,16 +45,13 @@ struct Doctor : ::testing::Test {
   Doctor() {
     host.file("/proc/sys/kernel/osrelease", "6.1.0-rt-amd64\n")
         .file("/sys/kernel/realtime", "1\n")
-        .file("/proc/sys/kernel/sched_rt_runtime_us", "950000\n")
-        .file("/proc/sys/kernel/sched_rt_period_us", "1000000\n")
         .file("/proc/self/cgroup", "0::/user.slice\n")
         .file("/sys/fs/cgroup/user.slice/cpu.max", "max 100000\n")
         .file("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "performance\n");
-    answers.user = 1000;
     answers.jitter = {10'000, 0, 20.0, 50.0, 120.0};
   }
   [[nodiscard]] Report examined() const { return examine(host.files(), answers, {}); }
-  [[nodiscard]] Finding realtime() const { return check_realtime(host.files(), answers); }
+  [[nodiscard]] Finding realtime() const { return check_realtime(answers); }
   [[nodiscard]] StiffnessCap cap(double device_damping, double rendered_damping) const {
     return examine(host.files(), answers, {1e-3, device_damping, rendered_damping}).cap;
   }
@@ -97,19 +88,6 @@ TEST_F(Doctor, SaysWhyRealTimeWasRefused) {
 
   answers.sys_nice = true;
   EXPECT_TRUE(has(realtime().found, "CAP_SYS_NICE is held")) << realtime().found;
-
-  host.file("/proc/self/cgroup", "5:cpu,cpuacct:/docker/x\n0::/\n")
-      .file("/sys/fs/cgroup/cpu/docker/x/cpu.rt_runtime_us", "0\n");
-  EXPECT_TRUE(has(realtime().found, "cpu.rt_runtime_us is 0")) << realtime().found;
-  EXPECT_TRUE(has(realtime().advice, "--cpu-rt-runtime")) << realtime().advice;
-}
-
-TEST_F(Doctor, NamesASmallRealTimeShare) {
-  host.file("/proc/sys/kernel/sched_rt_runtime_us", "200000\n");
-  EXPECT_EQ(realtime().health, Health::kImpaired);
-  EXPECT_TRUE(has(realtime().found, "20 %")) << realtime().found;
-  host.file("/proc/sys/kernel/sched_rt_runtime_us", "-1\n");
-  EXPECT_EQ(realtime().health, Health::kGood);
 }
 
 TEST_F(Doctor, MemoryNeedsNoLimitOrCapability) {
@@ -126,8 +104,6 @@ TEST_F(Doctor, TightestCpuBudgetOfParentsCounts) {
     for (const auto& [path, text] : files) host.file(std::string("/sys/fs/cgroup/") + path, text);
     return check_cgroup(host.files());
   };
-  const char* const v1 = "5:cpu,cpuacct:/d\n";
-  const char *const quota = "cpu/d/cpu.cfs_quota_us", *const period = "cpu/d/cpu.cfs_period_us";
   Finding f = judged("0::/a\n", {{"a/cpu.max", "max 100000"}});
   EXPECT_EQ(f.found, "no CPU limit");
   f = judged("0::/a\n", {{"a/cpu.max", "400000 100000"}});
@@ -136,11 +112,6 @@ TEST_F(Doctor, TightestCpuBudgetOfParentsCounts) {
   f = judged("0::/a/b\n", {{"a/b/cpu.max", "200000 100000"}, {"a/cpu.max", "50000 100000"}});
   EXPECT_EQ(f.health, Health::kBad);
   EXPECT_TRUE(has(f.found, "stands still for up to 50 ms")) << f.found;
-  f = judged(v1, {{quota, "-1"}, {period, "100000"}});
-  EXPECT_EQ(f.found, "no CPU limit");
-  f = judged(v1, {{quota, "20000"}, {period, "100000"}});
-  EXPECT_EQ(f.health, Health::kBad);
-  EXPECT_TRUE(has(f.found, "0.20 CPUs")) << f.found;
 }
 
 TEST_F(Doctor, NamesCpusWithAnotherGovernor) {
@@ -152,23 +123,18 @@ TEST_F(Doctor, NamesCpusWithAnotherGovernor) {
 }
 
 TEST_F(Doctor, ForbiddenPortNamesItsGroup) {
-  host.port("/dev/ttyACM0", 0660);
-  const auto owner = host.files().ownership("/dev/ttyACM0");
-  ASSERT_TRUE(owner);
-  host.file("/etc/group", "root:x:99998:\ndialout:x:" + std::to_string(owner->group) + ":one\n");
-  answers.user = owner->user + 1;
-  Finding f = check_serial(host.files(), answers).at(0);
+  host.file("/dev/ttyACM0", "");
+  EXPECT_EQ(check_serial(host.files(), answers).at(0).health, Health::kGood);
+  answers.closed_ports = {{"/dev/ttyACM0", "dialout"}};
+  const Finding f = check_serial(host.files(), answers).at(0);
   EXPECT_EQ(f.health, Health::kBad);
   EXPECT_TRUE(has(f.advice, "usermod -aG dialout")) << f.advice;
-  answers.groups = {owner->group};
-  f = check_serial(host.files(), answers).at(0);
-  EXPECT_EQ(f.health, Health::kGood) << f.found;
 }
 
 TEST_F(Doctor, SlowAdapterLowersTheCap) {
-  host.port("/dev/ttyUSB0", 0666)
+  host.file("/dev/ttyUSB0", "")
       .file("/sys/bus/usb-serial/devices/ttyUSB0/latency_timer", "16\n")
-      .port("/dev/ttyUSB1", 0666)
+      .file("/dev/ttyUSB1", "")
       .file("/sys/bus/usb-serial/devices/ttyUSB1/latency_timer", "1\n");
   const auto findings = check_serial(host.files(), answers);
   ASSERT_EQ(findings.size(), 2u);
@@ -241,7 +207,6 @@ TEST_F(Doctor, MeasuresThisVeryHost) {
   const HostAnswers measured = ask_host(0.05, 1e-3);
   EXPECT_GE(measured.jitter.ticks, 50u);  // the last one may come after several more
   EXPECT_GE(measured.jitter.max_us, measured.jitter.p50_us);
-  EXPECT_FALSE(measured.groups.empty());
 }
 
 }  // namespace

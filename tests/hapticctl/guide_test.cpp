@@ -67,7 +67,8 @@ class Script : public std::stringbuf {
   std::size_t next_{0};
 };
 
-const std::vector<SensedDof> kDofs{{"l_x", "m", 0.0, 0.05}, {"q_B", "rad", -1.2, 0.7}};
+const std::vector<client::DegreeOfFreedom> kDofs{{"l_x", "m", true, 0.0, 0.05},
+                                                 {"q_B", "rad", false, -1.2, 0.7}};
 
 struct GuideRun : ::testing::Test {
   WrongSensors device;

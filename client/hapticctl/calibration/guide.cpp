@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iomanip>
 #include <istream>
-#include <ostream>
+#include <sstream>
+#include <tuple>
 
 namespace haptic::ctl {
 namespace {
@@ -21,15 +23,26 @@ bool to_number(const std::string& text, double& value) {
          std::isfinite(value);
 }
 
+/// Digits that read back to the same bits.
 std::string shortest(double value) {
   char text[32];
-  const auto result = std::to_chars(text, text + sizeof text, value);
-  return {text, result.ptr};
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
-double range_of(const SensedDof& dof) {
+double range_of(const client::DegreeOfFreedom& dof) {
   return dof.upper - dof.lower;
 }
+
+/// The first result of `step`, which is tried up to Guide::kTries times.
+template <typename Step>
+auto tried(const std::string& failure, const Step& step) {
+  for (int attempt = 0; attempt < Guide::kTries; ++attempt) {
+    if (const auto result = step()) return *result;
+  }
+  throw CalibrationAborted(failure);
+}
+
+const std::string kAfterTries = " in " + std::to_string(Guide::kTries) + " tries";
 
 }  // namespace
 
@@ -48,82 +61,73 @@ bool Guide::agrees(const std::string& question) {
   return said == "y" || said == "Y" || said == "yes";
 }
 
-bool Guide::still(const SensedDof& dof, std::size_t index, double& reading) {
+std::optional<double> Guide::still(const Dof& dof, std::size_t index) {
   sensors_.begin();
   sensors_.pause(kStill);
   const Statistics seen = sensors_.end();
   if (seen.samples < kFewest || index >= seen.mean.size()) {
     out_ << "only " << seen.samples << " samples came in " << kStill
          << " s: is the device there?\n";
-    return false;
+    return std::nullopt;
   }
-  const double moved = seen.highest[index] - seen.lowest[index];
-  if (moved > kMostMotion * range_of(dof)) {
-    out_ << dof.name << " moved by " << moved << ' ' << dof.unit << ": hold it still, within "
-         << kMostMotion * range_of(dof) << ' ' << dof.unit << '\n';
-    return false;
-  }
-  reading = seen.mean[index];
-  return true;
+  const double moved = seen.highest[index] - seen.lowest[index], most = kMostMotion * range_of(dof);
+  if (moved <= most) return seen.mean[index];
+  out_ << dof.name << " moved by " << moved << ' ' << dof.unit << ": hold it still, within " << most
+       << ' ' << dof.unit << '\n';
+  return std::nullopt;
 }
 
-Guide::Place Guide::place(const SensedDof& dof, std::size_t index, const char* which,
-                          double otherwise) {
-  for (int attempt = 0; attempt < kTries; ++attempt) {
+Guide::Place Guide::place(const Dof& dof, std::size_t index, const char* which, double otherwise) {
+  return tried(dof.name + ": no place was found" + kAfterTries, [&]() -> std::optional<Place> {
     out_ << "Bring " << dof.name << " to a " << which
          << " place that you know, hold it still, and say "
          << "where that is in " << dof.unit << " (Enter: " << shortest(otherwise)
          << ", its end; q: give up)\n";
     const std::string said = answer();
-    Place place;
-    place.truth = otherwise;
-    if (!said.empty() && !to_number(said, place.truth)) {
+    double truth = otherwise;
+    if (!said.empty() && !to_number(said, truth)) {
       out_ << "'" << said << "' is no number\n";
-      continue;
+      return std::nullopt;
     }
-    if (still(dof, index, place.reading)) return place;
-  }
-  throw CalibrationAborted(dof.name + ": no place was found in " + std::to_string(kTries) +
-                           " tries");
+    const std::optional<double> reading = still(dof, index);
+    return reading ? std::optional(Place{truth, *reading}) : std::nullopt;
+  });
 }
 
-void Guide::travel(const SensedDof& dof, std::size_t index, DofCalibration& found) {
-  for (int attempt = 0; attempt < kTries; ++attempt) {
-    out_ << "Move " << dof.name << " to both its ends and back, then press Enter\n";
-    sensors_.begin();
-    static_cast<void>(answer());
-    const Statistics seen = sensors_.end();
-    if (seen.samples == 0 || index >= seen.lowest.size()) {
-      out_ << "no samples came: is the device there?\n";
-      continue;
-    }
-    const double a = found.scale * seen.lowest[index] + found.offset;
-    const double b = found.scale * seen.highest[index] + found.offset;
-    found.lower = std::min(a, b);
-    found.upper = std::max(a, b);
-    const double margin = kBeyond * range_of(dof);
-    if (found.upper - found.lower < kLeastApart * range_of(dof)) {
-      out_ << "that were only " << found.upper - found.lower << ' ' << dof.unit << ", of "
-           << range_of(dof) << '\n';
-    } else if (found.lower < dof.lower - margin || found.upper > dof.upper + margin) {
-      out_ << "that was " << found.lower << " to " << found.upper << ' ' << dof.unit
-           << ", the scene allows " << dof.lower << " to " << dof.upper
-           << ": were the two places right?\n";
-    } else {
-      return;
-    }
-  }
-  throw CalibrationAborted(dof.name + ": no travel was found in " + std::to_string(kTries) +
-                           " tries");
+void Guide::travel(const Dof& dof, std::size_t index, DofCalibration& found) {
+  found = tried(dof.name + ": no travel was found" + kAfterTries,
+                [&]() -> std::optional<DofCalibration> {
+                  out_ << "Move " << dof.name << " to both its ends and back, then press Enter\n";
+                  sensors_.begin();
+                  static_cast<void>(answer());
+                  const Statistics seen = sensors_.end();
+                  if (seen.samples == 0 || index >= seen.lowest.size()) {
+                    out_ << "no samples came: is the device there?\n";
+                    return std::nullopt;
+                  }
+                  DofCalibration moved = found;
+                  std::tie(moved.lower, moved.upper) =
+                      std::minmax({found.scale * seen.lowest[index] + found.offset,
+                                   found.scale * seen.highest[index] + found.offset});
+                  const double margin = kBeyond * range_of(dof);
+                  if (moved.upper - moved.lower < kLeastApart * range_of(dof)) {
+                    out_ << "that were only " << moved.upper - moved.lower << ' ' << dof.unit
+                         << ", of " << range_of(dof) << '\n';
+                    return std::nullopt;
+                  }
+                  if (moved.lower < dof.lower - margin || moved.upper > dof.upper + margin) {
+                    out_ << "that was " << moved.lower << " to " << moved.upper << ' ' << dof.unit
+                         << ", the scene allows " << dof.lower << " to " << dof.upper
+                         << ": were the two places right?\n";
+                    return std::nullopt;
+                  }
+                  return moved;
+                });
 }
 
-DofCalibration Guide::one(const SensedDof& dof, std::size_t index) {
-  DofCalibration found;
-  found.name = dof.name;
-  for (int attempt = 0;; ++attempt) {
-    if (attempt == kTries) {
-      throw CalibrationAborted(dof.name + ": the two places were never far enough apart");
-    }
+DofCalibration Guide::places(const Dof& dof, std::size_t index) {
+  const std::string failure = dof.name + ": the two places were never far enough apart";
+  return tried(failure, [&]() -> std::optional<DofCalibration> {
     const Place first = place(dof, index, "first", dof.lower);
     const Place second = place(dof, index, "second", dof.upper);
     const double apart = second.truth - first.truth;
@@ -134,14 +138,11 @@ DofCalibration Guide::one(const SensedDof& dof, std::size_t index) {
       out_ << "the places are " << std::abs(apart) << ' ' << dof.unit << " apart and the readings "
            << std::abs(read) << ": both must differ, the places by " << kLeastApart * range_of(dof)
            << '\n';
-      continue;
+      return std::nullopt;
     }
-    found.scale = apart / read;
-    found.offset = first.truth - found.scale * first.reading;
-    break;
-  }
-  travel(dof, index, found);
-  return found;
+    const double scale = apart / read;
+    return DofCalibration{dof.name, scale, first.truth - scale * first.reading};
+  });
 }
 
 std::vector<double> Guide::force_zero() {
@@ -158,31 +159,29 @@ std::vector<double> Guide::force_zero() {
   return sensors_.end().force;
 }
 
-CalibrationResult Guide::run(const std::vector<SensedDof>& dofs) {
+CalibrationResult Guide::run(const std::vector<Dof>& dofs) {
   CalibrationResult result;
-  for (std::size_t i = 0; i < dofs.size(); ++i) result.dofs.push_back(one(dofs[i], i));
+  for (std::size_t i = 0; i < dofs.size(); ++i) {
+    result.dofs.push_back(places(dofs[i], i));
+    travel(dofs[i], i, result.dofs.back());
+  }
   result.force_zero = force_zero();
   return result;
 }
 
 std::string to_textproto(const CalibrationResult& result, const std::string& serial,
                          const std::string& date) {
-  std::string escaped;
-  for (const char c : serial) {
-    if (c == '"' || c == '\\') escaped += '\\';
-    escaped += c;
-  }
-  std::string text =
-      "# proto-file: haptic/v1/calibration.proto\n# proto-message: haptic.v1.Calibration\n"
-      "# Written by hapticctl calibrate.\ndevice_serial: \"" +
-      escaped + "\"\ndate: \"" + date + "\"\n";
+  std::ostringstream text;
+  text << "# proto-file: haptic/v1/calibration.proto\n# proto-message: haptic.v1.Calibration\n"
+       << "# Written by hapticctl calibrate.\n"
+       << "device_serial: " << std::quoted(serial) << "\ndate: \"" << date << "\"\n";
   for (const DofCalibration& dof : result.dofs) {
-    text += "dof { name: \"" + dof.name + "\" scale: " + shortest(dof.scale) +
-            " offset: " + shortest(dof.offset) + " lower: " + shortest(dof.lower) +
-            " upper: " + shortest(dof.upper) + " }\n";
+    text << "dof { name: \"" << dof.name << "\" scale: " << shortest(dof.scale)
+         << " offset: " << shortest(dof.offset) << " lower: " << shortest(dof.lower)
+         << " upper: " << shortest(dof.upper) << " }\n";
   }
-  for (const double zero : result.force_zero) text += "force_zero: " + shortest(zero) + "\n";
-  return text;
+  for (const double zero : result.force_zero) text << "force_zero: " << shortest(zero) << "\n";
+  return text.str();
 }
 
 }  // namespace haptic::ctl

@@ -8,10 +8,13 @@
 ///   last       hands off     force_zero; the motors go off before the hands
 
 #include <iosfwd>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "calibration/sensors.hpp"
+#include "haptic/client/types.hpp"
 
 namespace haptic::ctl {
 
@@ -27,13 +30,9 @@ struct CalibrationResult {
 };
 
 /// The person gave up ("q", or the answers ended), or a step failed too often.
-class CalibrationAborted : public std::exception {
+class CalibrationAborted : public std::runtime_error {
  public:
-  explicit CalibrationAborted(std::string why) : why_(std::move(why)) {}
-  [[nodiscard]] const char* what() const noexcept override { return why_.c_str(); }
-
- private:
-  std::string why_;
+  using std::runtime_error::runtime_error;
 };
 
 class Guide {
@@ -49,7 +48,7 @@ class Guide {
       : sensors_(sensors), in_(answers), out_(questions) {}
 
   /// Throws CalibrationAborted.
-  [[nodiscard]] CalibrationResult run(const std::vector<SensedDof>& dofs);
+  [[nodiscard]] CalibrationResult run(const std::vector<client::DegreeOfFreedom>& dofs);
   /// True if the person answers "y".
   [[nodiscard]] bool agrees(const std::string& question);
 
@@ -57,11 +56,14 @@ class Guide {
   struct Place {
     double truth{0.0}, reading{0.0};
   };
-  [[nodiscard]] DofCalibration one(const SensedDof& dof, std::size_t index);
-  [[nodiscard]] Place place(const SensedDof& dof, std::size_t index, const char* which,
-                            double otherwise);
-  [[nodiscard]] bool still(const SensedDof& dof, std::size_t index, double& reading);
-  void travel(const SensedDof& dof, std::size_t index, DofCalibration& found);
+  using Dof = client::DegreeOfFreedom;
+  /// A DoF in two places that are far enough apart, or moved through its travel, or in one place;
+  /// each asks up to kTries times.
+  [[nodiscard]] DofCalibration places(const Dof& dof, std::size_t index);
+  void travel(const Dof& dof, std::size_t index, DofCalibration& found);
+  [[nodiscard]] Place place(const Dof& dof, std::size_t index, const char* which, double otherwise);
+  /// The reading of a DoF that is held still; nothing if it moved.
+  [[nodiscard]] std::optional<double> still(const Dof& dof, std::size_t index);
   [[nodiscard]] std::vector<double> force_zero();
   [[nodiscard]] std::string answer();
 

@@ -34,10 +34,4 @@ class Sensors {
   Sensors() = default;
 };
 
-/// A DoF of the device, as ListDevices has it.
-struct SensedDof {
-  std::string name{}, unit{};
-  double lower{0.0}, upper{0.0};
-};
-
 }  // namespace haptic::ctl

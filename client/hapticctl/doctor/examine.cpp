@@ -9,28 +9,12 @@
 namespace haptic::ctl {
 namespace {
 
-const char* word(Health health) {
-  switch (health) {
-    case Health::kGood:
-      return "good";
-    case Health::kImpaired:
-      return "impaired";
-    case Health::kBad:
-      break;
-  }
-  return "bad";
-}
+// In the order of Health.
+constexpr const char* kWords[] = {"good", "impaired", "bad"};
+constexpr const char* kGrades[] = {"real-time", "degraded", "unfit"};
 
-const char* grade(Health worst) {
-  switch (worst) {
-    case Health::kGood:
-      return "real-time";
-    case Health::kImpaired:
-      return "degraded";
-    case Health::kBad:
-      break;
-  }
-  return "unfit";
+const char* word(const Finding& finding) {
+  return kWords[static_cast<std::size_t>(finding.health)];
 }
 
 /// core/METHOD.md#sampled-data. A force that is held gives out energy in proportion to the time for
@@ -52,13 +36,13 @@ StiffnessCap cap_of(const HostFiles& host, const Jitter& jitter,
 Report examine(const HostFiles& host, const HostAnswers& answers,
                const StiffnessQuestion& question) {
   Report report;
-  report.findings = {check_kernel(host),    check_realtime(host, answers),
+  report.findings = {check_kernel(host),    check_realtime(answers),
                      check_memory(answers), check_cgroup(host),
                      check_governor(host),  check_jitter(answers.jitter, question.period_s)};
   for (Finding& port : check_serial(host, answers)) report.findings.push_back(std::move(port));
   Health worst = Health::kGood;
   for (const Finding& finding : report.findings) worst = std::max(worst, finding.health);
-  report.grade = grade(worst);
+  report.grade = kGrades[static_cast<std::size_t>(worst)];
   report.cap = cap_of(host, answers.jitter, question);
   return report;
 }
@@ -67,7 +51,7 @@ std::string to_text(const Report& report, const StiffnessQuestion& question) {
   std::string text;
   for (const Finding& finding : report.findings) {
     char row[512];
-    std::snprintf(row, sizeof row, "%-10s %-9s %s\n", finding.what.c_str(), word(finding.health),
+    std::snprintf(row, sizeof row, "%-10s %-9s %s\n", finding.what.c_str(), word(finding),
                   finding.found.c_str());
     text += row;
     if (!finding.advice.empty()) text += std::string(21, ' ') + "-> " + finding.advice + "\n";
@@ -87,7 +71,7 @@ std::string to_json(const Report& report, const StiffnessQuestion& question) {
   nlohmann::json findings = nlohmann::json::array();
   for (const Finding& finding : report.findings) {
     findings.push_back({{"what", finding.what},
-                        {"health", word(finding.health)},
+                        {"health", word(finding)},
                         {"found", finding.found},
                         {"advice", finding.advice}});
   }

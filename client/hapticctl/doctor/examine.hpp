@@ -4,6 +4,7 @@
 /// argument.
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,8 +26,8 @@ struct HostAnswers {
   bool sys_nice{false};                    ///< CAP_SYS_NICE is effective
   std::optional<std::uint64_t> memlock{};  ///< RLIMIT_MEMLOCK, bytes; absent: unlimited
   bool ipc_lock{false};                    ///< CAP_IPC_LOCK is effective
-  uid_t user{0};
-  std::vector<gid_t> groups{};  ///< effective and supplementary
+  /// The serial ports that this user may not open, with the group that may.
+  std::map<std::string, std::string> closed_ports{};
   Jitter jitter{};
 };
 

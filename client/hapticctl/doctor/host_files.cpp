@@ -1,7 +1,5 @@
 #include "doctor/host_files.hpp"
 
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <charconv>
 #include <fstream>
@@ -43,12 +41,6 @@ std::vector<std::string> HostFiles::entries(const std::string& folder,
   }
   std::sort(found.begin(), found.end());
   return found;
-}
-
-std::optional<HostFiles::Ownership> HostFiles::ownership(const std::string& path) const {
-  struct stat status {};
-  if (::stat(under_root(path).c_str(), &status) != 0) return std::nullopt;
-  return Ownership{status.st_mode, status.st_uid, status.st_gid};
 }
 
 }  // namespace haptic::ctl

@@ -2,8 +2,6 @@
 /// The files of /proc, /sys and /dev that the doctor reads, below a root folder: "/" on a host, a
 /// folder of its own in a test.
 
-#include <sys/types.h>
-
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -22,13 +20,6 @@ class HostFiles {
   /// Full paths of the entries of a folder whose names begin with `prefix`, sorted.
   [[nodiscard]] std::vector<std::string> entries(const std::string& folder,
                                                  const std::string& prefix) const;
-
-  struct Ownership {
-    mode_t mode{0};
-    uid_t user{0};
-    gid_t group{0};
-  };
-  [[nodiscard]] std::optional<Ownership> ownership(const std::string& path) const;
 
  private:
   [[nodiscard]] std::filesystem::path under_root(const std::string& path) const;

@@ -1,8 +1,10 @@
 #include "doctor/measure.hpp"
 
+#include <grp.h>
 #include <pthread.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,6 +12,8 @@
 #include <ctime>
 #include <sstream>
 #include <thread>
+
+#include "doctor/checks.hpp"
 
 namespace haptic::ctl {
 namespace {
@@ -86,10 +90,13 @@ HostAnswers ask_host(double seconds, double period_s) {
   }
   answers.sys_nice = has_capability(kSysNice);
   answers.ipc_lock = has_capability(kIpcLock);
-  answers.user = ::geteuid();
-  answers.groups.resize(static_cast<std::size_t>(std::max(0, ::getgroups(0, nullptr))));
-  static_cast<void>(::getgroups(static_cast<int>(answers.groups.size()), answers.groups.data()));
-  answers.groups.push_back(::getegid());
+  for (const std::string& port : serial_ports(HostFiles())) {
+    struct stat status {};
+    if (::euidaccess(port.c_str(), R_OK | W_OK) == 0 || ::stat(port.c_str(), &status) != 0)
+      continue;
+    const group* const may = ::getgrgid(status.st_gid);
+    answers.closed_ports[port] = may != nullptr ? may->gr_name : std::to_string(status.st_gid);
+  }
   std::thread loop([&] {
     static_cast<void>(::prctl(PR_SET_TIMERSLACK, 1UL));
     sched_param parameters{};

@@ -1,5 +1,9 @@
 #include "commands.hpp"
 
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+
 namespace haptic::ctl {
 
 client::Connection connect(const Options& options) {
@@ -28,6 +32,26 @@ std::string joined(const std::vector<std::string>& names) {
 
 std::string effort_unit(const std::string& unit) {
   return unit == "m" ? "N" : "N m";
+}
+
+void answer(const Options& options, const std::string& json, const std::string& text) {
+  std::printf("%s\n", (options.json ? json : text).c_str());
+  std::fflush(stdout);
+}
+
+namespace {
+volatile std::sig_atomic_t interrupted = 0;
+}
+
+bool go_on(double seconds) {
+  using Clock = std::chrono::steady_clock;
+  static const Clock::time_point start = [] {
+    std::signal(SIGINT, [](int) { interrupted = 1; });
+    std::signal(SIGTERM, [](int) { interrupted = 1; });
+    return Clock::now();
+  }();
+  return interrupted == 0 &&
+         (seconds <= 0.0 || std::chrono::duration<double>(Clock::now() - start).count() < seconds);
 }
 
 }  // namespace haptic::ctl

@@ -168,7 +168,8 @@ std::optional<int> parse(int argc, char** argv, CommandLine& line) {
   cli.add_option("--set", line.set, "PATH=VALUE: overrides a field of the scene; may be repeated")
       ->take_all();
   cli.add_option("--listen", line.listen,
-                 "host:port or unix:/path instead of the scene's addresses; may be repeated");
+                 "host:port or unix:/path instead of the scene's addresses; may be repeated")
+      ->check(CLI::Validator(haptic::server::address_problem, ""));
   cli.add_option_function<std::string>(
          "--realtime", [&](const std::string& mode) { line.realtime = modes.at(mode); },
          "require, try or off (default try)")

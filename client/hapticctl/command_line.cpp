@@ -5,7 +5,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iostream>
 #include <map>
+#include <sstream>
 
 #include "haptic/wire/ports.hpp"
 
@@ -158,22 +161,60 @@ void add_commands(CLI::App& cli, Options& options, Command& chosen) {
       ->add_option("--output", options.output, "the file to write; default SERIAL.textproto");
 }
 
+void define(CLI::App& cli, Options& options, Command& chosen) {
+  cli.require_subcommand(0, 1);  // CLI11 then names an unknown command instead of a missing one
+  cli.fallthrough();
+  cli.allow_config_extras(CLI::config_extras_mode::error);
+  cli.footer("The options of hapticctl itself, such as --server and --json, apply too.");
+  add_common(cli, options);
+  add_commands(cli, options, chosen);
+  cli.footer(kFooter);
+}
+
+/// "FILE:LINE: what is wrong" of the first line of a configuration file that is wrong; empty if none
+/// is. CLI11 says neither, so this reads the file again, one more line at a time.
+std::string config_problem(const std::string& file) {
+  std::ifstream stream(file);
+  std::string text, line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    text += line + "\n";
+    const std::string place = file + ":" + std::to_string(number) + ": ";
+    CLI::App cli;
+    Options options;
+    Command chosen = nullptr;
+    define(cli, options, chosen);
+    std::istringstream lines(text);
+    try {
+      cli.parse_from_stream(lines);
+    } catch (const CLI::RequiresError&) {  // what it requires may stand further below
+    } catch (const CLI::ConfigError&) {
+      return place + "no option of hapticctl: " + line;
+    } catch (const CLI::ParseError& error) {
+      return place + error.what();
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 std::variant<Command, int> parse(int argc, char** argv, Options& options) {
   CLI::App cli("hapticctl - command-line client of hapticd", "hapticctl");
   Command chosen = nullptr;
-  cli.require_subcommand(0, 1);  // CLI11 then names an unknown command instead of a missing one
-  cli.fallthrough();
-  cli.footer("The options of hapticctl itself, such as --server and --json, apply too.");
-  add_common(cli, options);
-  add_commands(cli, options, chosen);
-  cli.footer(kFooter);
+  define(cli, options, chosen);
   try {
     cli.parse(arguments(argc, argv));
     if (chosen == nullptr) throw CLI::RequiredError("a command");
   } catch (const CLI::ParseError& error) {
-    return cli.exit(error) == 0 ? kDone : kUsage;
+    if (error.get_exit_code() == 0) return cli.exit(error);
+    const auto& configs = cli.get_config_ptr()->results();
+    const std::string wrong = configs.empty() ? "" : config_problem(configs.back());
+    if (wrong.empty()) {
+      cli.exit(error);
+    } else {
+      std::cerr << "hapticctl: " << wrong << "\n";
+    }
+    return kUsage;
   }
   const client::TlsOptions& tls = options.tls_options;
   options.tls = options.tls || !tls.ca_file.empty() || !tls.certificate_file.empty() ||

@@ -14,25 +14,9 @@ namespace {
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 
-/// One --set while it is being applied; all errors name it.
-class Override {
- public:
-  explicit Override(const std::string& assignment) : assignment_(assignment) {}
-
-  /// The message that `step` leads to, created if it is absent.
-  Message& descend(Message& message, const FieldStep& step) const;
-  void assign(Message& message, const FieldStep& step, const std::string& value) const;
-  [[noreturn]] void refuse(const std::string& why) const {
-    throw core::SceneError("--set " + assignment_ + ": " + why);
-  }
-
- private:
-  const FieldDescriptor& find(const Message& message, const FieldStep& step) const;
-  std::unique_ptr<Message> parsed(const Message& like, const FieldDescriptor& field,
-                                  bool whole_list, const std::string& value) const;
-
-  const std::string& assignment_;
-};
+[[noreturn]] void refuse(const std::string& why) {
+  throw core::SceneError(why);
+}
 
 std::string wanted(const FieldDescriptor& field) {
   switch (field.cpp_type()) {
@@ -52,7 +36,7 @@ std::string wanted(const FieldDescriptor& field) {
   }
 }
 
-const FieldDescriptor& Override::find(const Message& message, const FieldStep& step) const {
+const FieldDescriptor& find(const Message& message, const FieldStep& step) {
   if (!step.well_formed) refuse("'" + step.text + "': must be name or name[number]");
   const google::protobuf::Descriptor& type = *message.GetDescriptor();
   const FieldDescriptor* field = type.FindFieldByName(step.name);
@@ -71,7 +55,8 @@ const FieldDescriptor& Override::find(const Message& message, const FieldStep& s
   return *field;
 }
 
-Message& Override::descend(Message& message, const FieldStep& step) const {
+/// The message that `step` leads to, created if it is absent.
+Message& descend(Message& message, const FieldStep& step) {
   const FieldDescriptor& field = find(message, step);
   if (field.message_type() == nullptr)
     refuse("'" + step.text + "': is a value, it has no fields of its own");
@@ -87,8 +72,8 @@ Message& Override::descend(Message& message, const FieldStep& step) const {
 }
 
 /// The value as the only field of a message like `like`.
-std::unique_ptr<Message> Override::parsed(const Message& like, const FieldDescriptor& field,
-                                          bool whole_list, const std::string& value) const {
+std::unique_ptr<Message> parsed(const Message& like, const FieldDescriptor& field, bool whole_list,
+                                const std::string& value) {
   std::unique_ptr<Message> holder(like.New());
   const char first = value.empty() ? ' ' : value.front();
   const bool bare = field.cpp_type() == FieldDescriptor::CPPTYPE_STRING && first != '"' &&
@@ -109,7 +94,7 @@ std::unique_ptr<Message> Override::parsed(const Message& like, const FieldDescri
   return holder;
 }
 
-void Override::assign(Message& message, const FieldStep& step, const std::string& value) const {
+void assign(Message& message, const FieldStep& step, const std::string& value) {
   const FieldDescriptor& field = find(message, step);
   const bool whole_list = field.is_repeated() && step.index < 0;
   const std::unique_ptr<Message> holder = parsed(message, field, whole_list, value);
@@ -130,19 +115,16 @@ void Override::assign(Message& message, const FieldStep& step, const std::string
 }  // namespace
 
 std::string apply_override(const std::string& assignment, v1::Scene& scene) {
-  const Override override(assignment);
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0) {
-    override.refuse("must be path=value, as in loop.priority=50");
+    refuse("must be path=value, as in loop.priority=50");
   }
   std::string path = assignment.substr(0, equals);
   const std::vector<FieldStep> steps = split_path(path);
   v1::Scene changed = scene;
   Message* message = &changed;
-  for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
-    message = &override.descend(*message, steps[i]);
-  }
-  override.assign(*message, steps.back(), assignment.substr(equals + 1));
+  for (std::size_t i = 0; i + 1 < steps.size(); ++i) message = &descend(*message, steps[i]);
+  assign(*message, steps.back(), assignment.substr(equals + 1));
   scene = std::move(changed);
   return path;
 }

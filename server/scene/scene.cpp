@@ -31,24 +31,22 @@ void apply(const std::vector<std::string>& overrides, v1::Scene& message, Proble
     try {
       problems.came_from_command_line(apply_override(assignment, message));
     } catch (const core::SceneError& error) {
-      problems.add(error.what());
+      problems.add("--set " + assignment + ": " + error.what());
       refused = true;
     }
   }
   if (refused) problems.raise();  // what else is wrong may come of it
 }
 
-bool is_one_line(const std::string& text) {
-  return std::none_of(text.begin(), text.end(),
-                      [](unsigned char c) { return std::iscntrl(c) != 0; });
-}
-
-void read_name(const std::string& name, Problems& problems) {
+void check_name(const Part<v1::Scene>& scene) {
+  const std::string& name = scene->name();
+  const bool one_line =
+      std::none_of(name.begin(), name.end(), [](unsigned char c) { return std::iscntrl(c) != 0; });
   if (name.empty()) {
-    problems.missing("name", "what people call this scene");
-  } else if (name.size() > kLongestName || !is_one_line(name)) {
-    problems.wrong("name", quoted(name),
-                   "must be 1 to " + std::to_string(kLongestName) + " characters on one line");
+    scene.missing("name", "what people call this scene");
+  } else if (name.size() > kLongestName || !one_line) {
+    scene.wrong("name", quoted(name),
+                "must be 1 to " + std::to_string(kLongestName) + " characters on one line");
   }
 }
 
@@ -85,10 +83,6 @@ std::string printed(const v1::Scene& message) {
          text;
 }
 
-void check_one_text(const std::string& text, const std::string& path, Problems& problems) {
-  if (!wire::is_utf8(text)) problems.wrong(path, quoted(text), "must be UTF-8");
-}
-
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code error;
   // By name too: a file that is not there yet has no identity.
@@ -104,17 +98,18 @@ void check_text(const google::protobuf::Message& message, const std::string& pat
   reflection.ListFields(message, &fields);
   for (const FieldDescriptor* field : fields) {
     const std::string name = (path.empty() ? "" : path + ".") + field->name();
-    const bool text = field->cpp_type() == FieldDescriptor::CPPTYPE_STRING;
-    const bool nested = field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
-    if (!field->is_repeated()) {
-      if (text) check_one_text(reflection.GetString(message, field), name, problems);
-      if (nested) check_text(reflection.GetMessage(message, field), name, problems);
-      continue;
-    }
-    for (int i = 0; i < reflection.FieldSize(message, field); ++i) {
-      const std::string element = entry(name, static_cast<std::size_t>(i));
-      if (text) check_one_text(reflection.GetRepeatedString(message, field, i), element, problems);
-      if (nested) check_text(reflection.GetRepeatedMessage(message, field, i), element, problems);
+    const bool list = field->is_repeated();
+    for (int i = 0; i < (list ? reflection.FieldSize(message, field) : 1); ++i) {
+      const std::string at = list ? entry(name, static_cast<std::size_t>(i)) : name;
+      if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+        check_text(list ? reflection.GetRepeatedMessage(message, field, i)
+                        : reflection.GetMessage(message, field),
+                   at, problems);
+      } else if (field->cpp_type() == FieldDescriptor::CPPTYPE_STRING) {
+        const std::string text = list ? reflection.GetRepeatedString(message, field, i)
+                                      : reflection.GetString(message, field);
+        if (!wire::is_utf8(text)) problems.wrong(at, quoted(text), "must be UTF-8");
+      }
     }
   }
 }
@@ -124,20 +119,15 @@ void check_text(const google::protobuf::Message& message, const std::string& pat
 void check_paced_by(const v1::Scene& message, const Scene& scene, Problems& problems) {
   if (!message.loop().has_paced_by()) return;
   const std::string& name = message.loop().paced_by();
-  std::string boards;
+  std::string clocks;
   for (const DeviceScene& device : scene.devices) {
-    const bool board = device.source != nullptr && device.source->has_sample_clock();
-    if (device.name == name && board) return;
-    if (device.name == name) {
-      problems.wrong("loop.paced_by", quoted(name),
-                     "must be a board: simulated and replayed devices have no clock of their own");
-      return;
-    }
-    if (board) boards += (boards.empty() ? "" : ", ") + quoted(device.name);
+    if (device.source == nullptr || !device.source->has_sample_clock()) continue;
+    if (device.name == name) return;
+    clocks += (clocks.empty() ? "" : ", ") + quoted(device.name);
   }
   problems.wrong("loop.paced_by", quoted(name),
-                 boards.empty() ? "must be absent: the scene has no board"
-                                : "must be the name of a board: " + boards);
+                 clocks.empty() ? "must be absent: no device of the scene has a sample clock"
+                                : "must be a device with a sample clock: " + clocks);
 }
 
 /// Silence must end the force before it ends the lease (proto/README.md#states-of-a-device).
@@ -179,7 +169,7 @@ Scene parse_scene(const std::string& text, const std::string& name, const fs::pa
   check_text(message, "", problems);
   const Part<v1::Scene> part(message, "", folder, problems);
   Scene scene;
-  read_name(message.name(), problems);
+  check_name(part);
   scene.name = message.name();
   scene.devices = read_devices(part);
   scene.server = read_server(part.part<v1::ServerScene>("server"));

@@ -1,6 +1,6 @@
 // Where a device's motion comes from: hardware, simulations, recordings.
-#include <algorithm>
 #include <fstream>
+#include <map>
 #include <regex>
 #include <sstream>
 
@@ -77,21 +77,6 @@ hw::ReplayConfig read_replay(const Part<v1::Replay>& part, int n_a) {
   return c;
 }
 
-/// DoF number `i` of the kinematics as the file has it; why it has not, or nothing.
-std::string take_dof(const v1::Calibration& message, const std::string& name, Eigen::Index i,
-                     hw::board::Calibration& calibration) {
-  const auto& dofs = message.dof();
-  const auto named = [&](const v1::Calibration::Dof& dof) { return dof.name() == name; };
-  const auto found = std::find_if(dofs.begin(), dofs.end(), named);
-  if (found == dofs.end()) return "lacks DoF '" + name + "'";
-  if (std::count_if(dofs.begin(), dofs.end(), named) > 1) return "has DoF '" + name + "' twice";
-  calibration.scale[i] = found->scale();
-  calibration.offset[i] = found->offset();
-  calibration.lower[i] = found->lower();
-  calibration.upper[i] = found->upper();
-  return {};
-}
-
 /// Reads a file of hapticctl calibrate, which is there; what is wrong is reported at calibration_file. The DoFs are
 /// put in the order of `kinematics`, which may be null: then nothing comes back. The board's serial
 /// number is compared when the board answers.
@@ -118,19 +103,26 @@ std::optional<hw::board::Calibration> read_calibration(const Part<v1::Board>& pa
   if (!std::regex_match(calibration.date.substr(0, 11), std::regex("\\d{4}-\\d{2}-\\d{2}"))) {
     wrong("date = " + server::quoted(calibration.date) + ": must be YYYY-MM-DD");
   }
-  const auto& dofs = kinematics->dofs();
-  const auto n_q = static_cast<Eigen::Index>(dofs.size());
+  std::map<std::string, v1::Calibration::Dof> found;
+  for (const v1::Calibration::Dof& dof : message.dof()) {
+    if (!found.emplace(dof.name(), dof).second) wrong("has DoF '" + dof.name() + "' twice");
+  }
+  const auto n_q = static_cast<Eigen::Index>(kinematics->dofs().size());
+  if (message.dof_size() > n_q) {
+    wrong("has " + std::to_string(message.dof_size()) + " DoFs; must have " + std::to_string(n_q));
+  }
   for (core::VecQ* list :
        {&calibration.scale, &calibration.offset, &calibration.lower, &calibration.upper}) {
     list->setZero(n_q);
   }
-  if (message.dof_size() > n_q) {
-    wrong("has " + std::to_string(message.dof_size()) + " DoFs; must have " + std::to_string(n_q));
-  }
   for (Eigen::Index i = 0; i < n_q; ++i) {
-    const std::string& name = dofs[static_cast<std::size_t>(i)].name;
-    const std::string found = take_dof(message, name, i, calibration);
-    if (!found.empty()) wrong(found);
+    const std::string& name = kinematics->dofs()[static_cast<std::size_t>(i)].name;
+    if (found.count(name) == 0) wrong("lacks DoF '" + name + "'");
+    const v1::Calibration::Dof& dof = found[name];
+    calibration.scale[i] = dof.scale();
+    calibration.offset[i] = dof.offset();
+    calibration.lower[i] = dof.lower();
+    calibration.upper[i] = dof.upper();
   }
   const auto& zeros = message.force_zero();
   if (zeros.size() > core::kMaxQ) {

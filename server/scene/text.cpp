@@ -3,7 +3,6 @@
 #include <google/protobuf/io/tokenizer.h>
 
 #include <algorithm>
-#include <numeric>
 #include <optional>
 
 #include "haptic/core/error.hpp"
@@ -14,30 +13,6 @@ namespace {
 using google::protobuf::TextFormat;
 
 constexpr std::size_t kLargestScene = 1 << 20;  // bytes
-
-/// Levenshtein's distance: the fewest letters to insert, delete or replace.
-std::size_t distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row.back();
-}
-
-/// Twice the distance to `name`, or to its beginning: "stiffness" is near to "stiffness_n_per_m".
-std::size_t unlikeness(const std::string& name, const std::string& wanted) {
-  return std::min(2 * distance(name, wanted),
-                  2 * distance(name.substr(0, wanted.size()), wanted) + 1);
-}
-
-constexpr std::size_t kLongestSpelt = 64;  // longer text is no misspelt name
 
 struct UnknownField {
   std::string type{};  ///< "haptic.v1.ImpedanceScene"
@@ -145,16 +120,16 @@ void check_size_and_nesting(const std::string& text, const std::string& name) {
 }  // namespace
 
 std::string fields_of(const google::protobuf::Descriptor& type, const std::string& wanted) {
-  const std::string name = wanted.substr(0, kLongestSpelt);
-  std::vector<std::pair<std::size_t, std::string>> fields;
-  for (int i = 0; i < type.field_count(); ++i) {
-    const std::string& field = type.field(i)->name();
-    fields.emplace_back(unlikeness(field, name), field);
-  }
-  std::stable_sort(fields.begin(), fields.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  const auto alike = [&](const std::string& name) {
+    const auto ends = std::mismatch(name.begin(), name.end(), wanted.begin(), wanted.end());
+    return ends.first - name.begin();
+  };
+  std::vector<std::string> names;
+  for (int i = 0; i < type.field_count(); ++i) names.push_back(type.field(i)->name());
+  std::stable_sort(names.begin(), names.end(),
+                   [&](const std::string& a, const std::string& b) { return alike(a) > alike(b); });
   std::string all;
-  for (const auto& [likeness, field] : fields) all += (all.empty() ? "" : ", ") + field;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
   return all.empty() ? "no fields" : all;
 }
 

@@ -37,6 +37,7 @@ says 2 'at most what the device can give, 40' "$hapticd" --scene "$scene" --chec
 says 2 "device[3]" "$hapticd" --scene "$scene" --check-scene --set 'device[3].name=x'
 says 2 'must be a whole number' "$hapticd" --scene "$scene" --check-scene --set loop.priority=abc
 says 2 '--realtime: maybe not in {require,try,off}' "$hapticd" --scene "$scene" --realtime=maybe
+says 2 '--listen: must be "host:port"' "$hapticd" --scene "$scene" --listen nonsense
 says 1 'missing: q_o2_pip_rad' "$hapticd" --scene "$scene" --check-scene \
   --set "$motion=$folder/column.csv"
 says 1 'missing: q_o2_pip_rad' "$hapticd" --scene "$scene" --listen "unix:$folder/s" \
@@ -69,6 +70,10 @@ done
 says 2 '--seconds' "$hapticctl" engage --seconds nan
 says 2 '--cert requires --key' env HAPTIC_CERT=client.pem "$hapticctl" info
 says 2 'none.toml' "$hapticctl" --config "$folder/none.toml" info
+printf 'json = true\n\nservr = "unix:/x"\n' >"$folder/broken.toml"
+says 2 'broken.toml:3: no option of hapticctl: servr' "$hapticctl" --config "$folder/broken.toml" info
+printf '[watch]\nrate = "fast"\n' >"$folder/broken.toml"
+says 2 'broken.toml:2: --rate: must be a number' "$hapticctl" --config "$folder/broken.toml" info
 
 # The command line wins over the environment, that over the configuration file.
 export XDG_CONFIG_HOME="$folder" HOME="$folder"

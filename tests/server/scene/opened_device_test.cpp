@@ -111,15 +111,16 @@ TEST(PacingScene, ABoardPacesByItsName) {
 TEST(PacingScene, ErrorsNameTheBoardsThereAre) {
   for (const std::string& text : {kFinger, kReplayed}) {
     expect_says(text,
-                "loop.paced_by = \"finger\": must be a board: simulated and replayed devices have "
-                "no clock of their own",
+                "loop.paced_by = \"finger\": must be absent: no device of the scene has a "
+                "sample clock",
                 {"loop.paced_by=finger"});
   }
   for (const std::string name : {"fingers", "", "Finger"}) {
-    expect_says(kBoard + "loop { paced_by: \"" + name + "\" }\n",
-                "loop.paced_by = \"" + name + "\": must be the name of a board: \"finger\"");
+    expect_says(
+        kBoard + "loop { paced_by: \"" + name + "\" }\n",
+        "loop.paced_by = \"" + name + "\": must be a device with a sample clock: \"finger\"");
   }
-  expect_says(kFinger, "must be absent: the scene has no board", {"loop.paced_by=thumb"});
+  expect_says(kFinger, "must be absent: no device of the scene", {"loop.paced_by=thumb"});
   expect_says(kBoard + "loop { paced_by: \"finger\" paced_by: \"thumb\" }\n", "paced_by");
   EXPECT_NE(error_of(kBoard + "loop { paced_by: [\"finger\", \"thumb\"] }\n"), "no error");
 }

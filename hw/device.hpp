@@ -23,7 +23,7 @@
 namespace haptic::hw {
 
 struct DeviceInfo {
-  std::string kind{};    ///< "simulated", "replay", "board"
+  std::string kind{};    ///< of its folder in hw/: "simulated", "replay", "board", ...
   std::string model{};   ///< for people: what it is, and what it was opened from
   std::string serial{};  ///< unique per device; empty where there is none
   std::vector<core::DofSpec> dofs{};

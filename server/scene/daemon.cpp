@@ -1,6 +1,5 @@
 // What a scene says about the daemon: addresses, TLS, loop, recording.
 #include <algorithm>
-#include <cctype>
 #include <set>
 
 #include "server/base/figures.hpp"
@@ -20,23 +19,10 @@ constexpr std::size_t kLongestUnixPath = 107;  // sockaddr_un
 /// In the order of highest_priority's words.
 constexpr Priority kPriorities[] = {Priority::kTest, Priority::kPrimary, Priority::kOperator};
 
-bool is_port(const std::string& text) {
-  const bool digits = !text.empty() && text.size() <= 5 &&
-                      text.find_first_not_of("0123456789") == std::string::npos;
-  return digits && std::stoi(text) <= 65535;
-}
-
-/// "host:port" or "[v6]:port".
 bool is_host_and_port(const std::string& text) {
   const std::size_t colon = text.rfind(':');
-  if (colon == std::string::npos || !is_port(text.substr(colon + 1))) return false;
-  const std::string host = text.substr(0, colon);
-  if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
-    return host.find_first_not_of("0123456789abcdefABCDEF:.", 1) == host.size() - 1;
-  }
-  return !host.empty() && host != "unix" &&
-         std::all_of(host.begin(), host.end(),
-                     [](unsigned char c) { return std::isalnum(c) != 0 || c == '.' || c == '-'; });
+  return matches(text, R"((\[[0-9a-fA-F:.]+\]|(?!unix:)[A-Za-z0-9.-]+):[0-9]{1,5})") &&
+         std::stoi(text.substr(colon + 1)) <= 65535;
 }
 
 TlsConfig read_tls(const Part<v1::TlsScene>& part) {
@@ -65,9 +51,8 @@ TlsConfig read_tls(const Part<v1::TlsScene>& part) {
 }  // namespace
 
 std::string address_problem(const std::string& address) {
-  const std::string scheme = "unix:";
-  const bool is_unix = address.rfind(scheme + "/", 0) == 0 && address.size() >= scheme.size() + 2 &&
-                       address.size() <= scheme.size() + kLongestUnixPath;
+  const bool is_unix =
+      matches(address, "unix:/.{1," + std::to_string(kLongestUnixPath - 1) + "}");
   if (is_unix || is_host_and_port(address)) return {};
   return R"(must be "host:port", "[v6]:port" (port 0 to 65535) or "unix:/path")";
 }

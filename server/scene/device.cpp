@@ -7,15 +7,6 @@
 namespace haptic::server {
 namespace {
 
-/// The name is used in requests, log lines and health entries.
-void check_name(const Part<v1::DeviceScene>& part) {
-  const std::string& name = part->name();
-  const bool well_formed =
-      !name.empty() && name.size() <= 32 &&
-      name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") == std::string::npos;
-  if (!well_formed) part.wrong("name", quoted(name), "must be 1 to 32 of [a-z0-9_-]");
-}
-
 core::ThermalParameters read_thermal(const Part<v1::ThermalScene>& part) {
   core::ThermalParameters p;
   const auto required = [&](const char* name, bool given, double& value) {
@@ -93,7 +84,10 @@ void read_tracker(const Part<v1::StalenessScene>& part, DeviceScene& device) {
 DeviceScene read_device(const Part<v1::DeviceScene>& part) {
   DeviceScene device;
   device.name = part->name();
-  check_name(part);
+  // The name is used in requests, log lines and health entries.
+  if (!matches(part->name(), "[a-z0-9_-]{1,32}")) {
+    part.wrong("name", quoted(part->name()), "must be 1 to 32 of [a-z0-9_-]");
+  }
   core::PipelineConfig& pipeline = device.pipeline;
   pipeline.kinematics = read_kinematics(part);
   device.source = read_source(part, pipeline.kinematics.get());

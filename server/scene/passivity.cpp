@@ -55,13 +55,6 @@ double share_of_damping(const core::PipelineConfig& device, const core::VecA& b,
       .maxCoeff();
 }
 
-std::string coupled_warning(std::size_t d, double share, core::Duration T) {
-  return "device[" + std::to_string(d) +
-         "].impedance.stiffness_matrix: in its stiffest direction " + decimal(share) +
-         " times 2 (b - B) / T (the device's damping b, rendered damping B, T = " +
-         milliseconds(T) + "): such a spring can give out more energy than the device absorbs";
-}
-
 }  // namespace
 
 void read_passivity(const Part<v1::PassivityScene>& part, DeviceScene& device) {
@@ -85,27 +78,28 @@ void read_passivity(const Part<v1::PassivityScene>& part, DeviceScene& device) {
 std::vector<std::string> passivity_warnings(const Scene& scene) {
   std::vector<std::string> warnings;
   const double T = core::seconds(scene.loop.period);
+  const std::string period = "T = " + milliseconds(scene.loop.period) +
+                             "): such a spring can give out more energy than the device absorbs";
   for (std::size_t d = 0; d < scene.devices.size(); ++d) {
     const core::PipelineConfig& device = scene.devices[d].pipeline;
     const core::RenderSettings& settings = device.scene;
     const core::VecA b = scene.devices[d].source->own_dynamics(device.kinematics->layout()).damping;
-    if (device.projection.coupling) {
-      if (b.size() == 0) continue;
-      if (const double most = share_of_damping(device, b, T); !(most <= 1.0)) {
-        warnings.push_back(coupled_warning(d, most, scene.loop.period));
-      }
+    const std::string impedance = entry("device", d) + ".impedance.";
+    if (b.size() > 0 && device.projection.coupling) {
+      const double share = share_of_damping(device, b, T);
+      if (share <= 1.0) continue;
+      warnings.push_back(
+          impedance + "stiffness_matrix: in its stiffest direction " + decimal(share) +
+          " times 2 (b - B) / T (the device's damping b, rendered damping B, " + period);
       continue;
     }
     for (Eigen::Index i = 0; i < b.size(); ++i) {
       const double highest = std::max(0.0, 2.0 * (b[i] - settings.damping[i]) / T);
       if (settings.stiffness[i] <= highest) continue;
-      warnings.push_back("device[" + std::to_string(d) + "].impedance.stiffness_n_per_m[" +
-                         std::to_string(i) + "] = " + decimal(settings.stiffness[i]) +
-                         ": is above " + decimal(highest) +
+      warnings.push_back(impedance + entry("stiffness_n_per_m", static_cast<std::size_t>(i)) +
+                         " = " + decimal(settings.stiffness[i]) + ": is above " + decimal(highest) +
                          " = 2 (b - B) / T (the device's damping b = " + decimal(b[i]) +
-                         ", rendered damping B = " + decimal(settings.damping[i]) +
-                         ", T = " + milliseconds(scene.loop.period) +
-                         "): such a spring can give out more energy than the device absorbs");
+                         ", rendered damping B = " + decimal(settings.damping[i]) + ", " + period);
     }
   }
   return warnings;

@@ -3,8 +3,8 @@
 #include <google/protobuf/stubs/strutil.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
+#include <regex>
 
 #include "haptic/core/error.hpp"
 #include "haptic/wire/utf8.hpp"
@@ -25,19 +25,11 @@ int line_in(const Problems::Tree& tree, const FieldDescriptor& field, int index)
 }
 
 FieldStep step_of(const std::string& text) {
-  FieldStep step{text, text.substr(0, text.find('[')), -1, true};
-  step.well_formed = !step.name.empty() &&
-                     std::all_of(step.name.begin(), step.name.end(),
-                                 [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
-  if (step.name.size() == text.size()) return step;
-  const std::string index = text.substr(step.name.size() + 1);
-  const bool number = index.size() >= 2 && index.size() <= 7 && index.back() == ']' &&
-                      index.find_first_not_of("0123456789") == index.size() - 1;
-  if (number) {
-    step.index = std::stoi(index);
-  } else {
-    step.well_formed = false;
-  }
+  static const std::regex form(R"((\w{1,64})(\[(\d{1,6})\])?)");
+  std::smatch parts;
+  const bool well_formed = std::regex_match(text, parts, form);
+  FieldStep step{text, text.substr(0, text.find('[')), -1, well_formed};
+  if (well_formed && parts[3].matched) step.index = std::stoi(parts[3]);
   return step;
 }
 
@@ -118,6 +110,11 @@ std::string quoted(const std::string& text) {
                                   ? google::protobuf::strings::Utf8SafeCEscape(shown)
                                   : google::protobuf::CEscape(shown);
   return '"' + escaped + (long_text ? "...\"" : "\"");
+}
+
+bool matches(const std::string& text, const std::string& pattern) {
+  // std::regex needs stack for each character that it compares.
+  return text.size() <= 1024 && std::regex_match(text, std::regex(pattern));
 }
 
 std::string entry(const std::string& list, std::size_t i) {

@@ -59,6 +59,8 @@ class Problems {
 [[nodiscard]] std::string decimal(double value);
 /// In quotes, escaped, cut if it is long: safe on a terminal.
 [[nodiscard]] std::string quoted(const std::string& text);
+/// The whole text has the form of the regular expression, and at most 1024 bytes.
+[[nodiscard]] bool matches(const std::string& text, const std::string& pattern);
 /// Entry `i` of a list: "dof[3]".
 [[nodiscard]] std::string entry(const std::string& list, std::size_t i);
 

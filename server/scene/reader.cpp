@@ -3,8 +3,6 @@
 #include <google/protobuf/duration.pb.h>
 #include <google/protobuf/reflection.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "haptic/core/types.hpp"
@@ -216,11 +214,7 @@ std::filesystem::path Fields::file(const char* field, const std::string& what) c
 
 void Fields::entry_name(std::size_t longest, std::set<std::string>& taken) const {
   const std::string name = message_.GetReflection()->GetString(message_, &find("name"));
-  const bool well_formed = !name.empty() && name.size() <= longest &&
-                           std::all_of(name.begin(), name.end(), [](unsigned char c) {
-                             return c < 0x80 && (std::isalnum(c) != 0 || c == '_' || c == '-');
-                           });
-  if (!well_formed) {
+  if (!matches(name, "[A-Za-z0-9_-]{1," + std::to_string(longest) + "}")) {
     wrong("name", quoted(name),
           "must be 1 to " + std::to_string(longest) + " of letters, digits, _ and -");
   } else if (!taken.insert(name).second) {

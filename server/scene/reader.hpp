@@ -5,6 +5,7 @@
 #include <google/protobuf/message.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <filesystem>
 #include <initializer_list>
 #include <optional>

@@ -1,7 +1,6 @@
 // Where a device's motion comes from: hardware, simulations, recordings.
 #include <fstream>
 #include <map>
-#include <regex>
 #include <sstream>
 
 #include "haptic/v1/calibration.pb.h"
@@ -77,9 +76,9 @@ hw::ReplayConfig read_replay(const Part<v1::Replay>& part, int n_a) {
   return c;
 }
 
-/// Reads a file of hapticctl calibrate, which is there; what is wrong is reported at calibration_file. The DoFs are
-/// put in the order of `kinematics`, which may be null: then nothing comes back. The board's serial
-/// number is compared when the board answers.
+/// Reads a file of hapticctl calibrate, which is there; what is wrong is reported at
+/// calibration_file. The DoFs are put in the order of `kinematics`; if that is null, nothing comes
+/// back. The board's serial number is compared when the board answers.
 std::optional<hw::board::Calibration> read_calibration(const Part<v1::Board>& part,
                                                        const core::Kinematics* kinematics) {
   const std::size_t before = part.problems().count();
@@ -100,7 +99,7 @@ std::optional<hw::board::Calibration> read_calibration(const Part<v1::Board>& pa
   calibration.serial = message.device_serial();
   calibration.date = message.date();
   if (calibration.serial.empty()) wrong("device_serial: is required");
-  if (!std::regex_match(calibration.date.substr(0, 11), std::regex("\\d{4}-\\d{2}-\\d{2}"))) {
+  if (!matches(calibration.date, "[0-9]{4}-[0-9]{2}-[0-9]{2}")) {
     wrong("date = " + server::quoted(calibration.date) + ": must be YYYY-MM-DD");
   }
   std::map<std::string, v1::Calibration::Dof> found;

@@ -32,8 +32,8 @@ void parse_text(const std::string& text, const std::string& name, v1::Scene& mes
 ///     device[0].standard={}                           replaces the other member of a oneof
 std::string apply_override(const std::string& assignment, v1::Scene& scene);
 
-/// The fields of a message type as "a, b, c", first those that begin most like `wanted`; "no fields" if
-/// the type has none.
+/// The fields of a message type as "a, b, c", first those that begin most like `wanted`; "no
+/// fields" if the type has none.
 [[nodiscard]] std::string fields_of(const google::protobuf::Descriptor& type,
                                     const std::string& wanted);
 

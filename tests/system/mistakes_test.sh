@@ -71,7 +71,8 @@ says 2 '--seconds' "$hapticctl" engage --seconds nan
 says 2 '--cert requires --key' env HAPTIC_CERT=client.pem "$hapticctl" info
 says 2 'none.toml' "$hapticctl" --config "$folder/none.toml" info
 printf 'json = true\n\nservr = "unix:/x"\n' >"$folder/broken.toml"
-says 2 'broken.toml:3: no option of hapticctl: servr' "$hapticctl" --config "$folder/broken.toml" info
+says 2 'broken.toml:3: no option of hapticctl: servr' \
+  "$hapticctl" --config "$folder/broken.toml" info
 printf '[watch]\nrate = "fast"\n' >"$folder/broken.toml"
 says 2 'broken.toml:2: --rate: must be a number' "$hapticctl" --config "$folder/broken.toml" info
 

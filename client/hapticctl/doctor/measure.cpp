@@ -8,8 +8,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
-#include <ctime>
 #include <sstream>
 #include <thread>
 
@@ -19,36 +19,25 @@ namespace haptic::ctl {
 namespace {
 
 constexpr int kPriority = 80;  // hapticd's default
-constexpr std::int64_t kSecond = 1'000'000'000;
 
 // Bits of <linux/capability.h>.
 constexpr int kIpcLock = 14, kSysNice = 23;
 
-std::int64_t now_ns() {
-  timespec t{};
-  ::clock_gettime(CLOCK_MONOTONIC, &t);
-  return t.tv_sec * kSecond + t.tv_nsec;
-}
-
-void sleep_until(std::int64_t at_ns) {
-  const timespec t{at_ns / kSecond, at_ns % kSecond};
-  while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) != 0) {
-  }
-}
-
 /// Deadlines as in hapticd's loop: a deadline that has passed is skipped, not caught up.
 Jitter run_loop(double seconds, double period_s) {
-  const auto period = static_cast<std::int64_t>(period_s * 1e9);
-  const auto ticks = static_cast<std::size_t>(std::max(0.0, seconds / period_s));
+  using Clock = std::chrono::steady_clock;
+  const auto period =
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(period_s));
+  const auto ticks = static_cast<std::int64_t>(std::max(0.0, seconds / period_s));
   std::vector<double> lateness;
-  lateness.reserve(ticks + 1);
+  lateness.reserve(static_cast<std::size_t>(ticks) + 1);
   std::uint64_t skipped = 0;
-  const std::int64_t start = now_ns(), end = start + static_cast<std::int64_t>(ticks) * period;
-  for (std::int64_t deadline = start + period; deadline <= end;) {
-    sleep_until(deadline);
-    const std::int64_t late = now_ns() - deadline;
-    lateness.push_back(1e-3 * static_cast<double>(late));
-    const std::int64_t passed = late / period;
+  const Clock::time_point start = Clock::now(), end = start + ticks * period;
+  for (Clock::time_point deadline = start + period; deadline <= end;) {
+    std::this_thread::sleep_until(deadline);
+    const Clock::duration late = Clock::now() - deadline;
+    lateness.push_back(std::chrono::duration<double, std::micro>(late).count());
+    const auto passed = late / period;
     skipped += static_cast<std::uint64_t>(passed);
     deadline += (passed + 1) * period;
   }

@@ -1,9 +1,14 @@
+#include <gmock/gmock.h>
+#include <google/protobuf/text_format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
+#include <set>
+#include <sstream>
 #include <typeinfo>
 
+#include "haptic/v1/scene.pb.h"
 #include "hw/board/board_device.hpp"
 #include "server/scene/shipped.hpp"
 #include "tests/server/scene/scene_text.hpp"
@@ -101,6 +106,53 @@ TEST(SceneFragments, LoadAndReadBack) {
     EXPECT_EQ(scene.warnings, std::vector<std::string>{});
   }
   fs::remove_all(folder);
+}
+
+using Fields = std::set<std::string>;  // full names: "haptic.v1.Scene.device"
+
+/// The fields of a type and of the messages within it.
+void add_fields(const google::protobuf::Descriptor& type, Fields& all) {
+  for (int i = 0; i < type.field_count(); ++i) {
+    const auto& field = *type.field(i);
+    const bool is_new = all.insert(field.full_name()).second;
+    const auto* inner = field.message_type();
+    if (is_new && inner != nullptr && inner->file()->package() == "haptic.v1") {
+      add_fields(*inner, all);
+    }
+  }
+}
+
+void remove_given(const google::protobuf::Message& message, Fields& all) {
+  std::vector<const google::protobuf::FieldDescriptor*> given;
+  const google::protobuf::Reflection& reflection = *message.GetReflection();
+  reflection.ListFields(message, &given);
+  for (const auto* field : given) {
+    all.erase(field->full_name());
+    if (field->message_type() == nullptr) continue;
+    const int count = field->is_repeated() ? reflection.FieldSize(message, field) : 1;
+    for (int i = 0; i < count; ++i) {
+      remove_given(field->is_repeated() ? reflection.GetRepeatedMessage(message, field, i)
+                                        : reflection.GetMessage(message, field),
+                   all);
+    }
+  }
+}
+
+TEST(SceneFragments, EveryFieldStandsInAScene) {
+  Fields missing;
+  add_fields(*v1::Scene::descriptor(), missing);
+  EXPECT_GT(missing.size(), 200u);
+  for (const fs::path& folder : {kScenes, kScenes / "fragments"}) {
+    for (const fs::path& file : scenes_in(folder)) {
+      if (file.stem().extension() == ".calibration") continue;
+      std::ostringstream text;
+      text << std::ifstream(file).rdbuf();
+      v1::Scene scene;
+      ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(text.str(), &scene)) << file;
+      remove_given(scene, missing);
+    }
+  }
+  EXPECT_THAT(missing, testing::IsEmpty());
 }
 
 const fs::path kSource = HAPTIC_SOURCE_DIR;

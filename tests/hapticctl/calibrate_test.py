@@ -199,7 +199,7 @@ class Calibrate(unittest.TestCase):
             text=True,
             timeout=60,
         )
-        self.assertEqual(again.returncode, 1)
+        self.assertEqual(again.returncode, 2)
         self.assertIn("start hapticd without board.calibration_file", again.stderr)
         server.stop()
         board.stop()
@@ -214,7 +214,7 @@ class Calibrate(unittest.TestCase):
         server = self.server(board)
         board.hand(STRAIGHT)
         self.clear(server)
-        _, complaint = self.calibrate(server, board, wanted=1)
+        _, complaint = self.calibrate(server, board, wanted=5)
         self.assertRegex(complaint, "'finger' is in FAULT, .*SAMPLE_OUT_OF_RANGE")
         self.assertIn("hapticctl clear-fault", complaint)
         self.assertFalse(self.file.exists())

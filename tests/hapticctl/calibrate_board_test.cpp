@@ -151,6 +151,7 @@ class Stored {
 
 struct Held {
   double l_x{0.0};       ///< m, the newest sample
+  double q_B{0.0};       ///< rad, the same
   double measured{0.0};  ///< N, mean of a second
   double force{0.0};     ///< N, the true one, mean of the same
 };
@@ -171,6 +172,7 @@ Held hold(VirtualBoard& device, double tau_a) {
     held.force += 1e-3 * device.board().rig().actuator().force();
   }
   held.l_x = reading.sample.q[0];
+  held.q_B = reading.sample.q[1];
   return held;
 }
 
@@ -237,6 +239,7 @@ TEST(CalibrateBoard, CorrectsAWrongPotentiometer) {
   for (const double tau_a : {0.0, 2.0}) {
     const Held held = hold(again, tau_a);
     EXPECT_NEAR(held.l_x, again.board().rig().actuator().x(), 1e-4);
+    EXPECT_NEAR(held.q_B, again.board().rig().finger().q()[1], 5e-3);
     EXPECT_NEAR(held.measured, held.force, 0.02) << tau_a << " N asked for";
     // The board closes the loop on what its cell reads, 0.8 N more; what it holds is what was asked
     // for all the same, but for what friction leaves of it within the second.

@@ -2,7 +2,8 @@
 """`hapticctl calibrate` between live programs: the board emulator with a potentiometer that has
 drifted and stretches, and a load cell with an offset; hapticd on its pseudo-terminal; the command,
 with this script as the person, who knows the truth because the emulator writes it down. Then
-hapticd with the file that was made, and with a board that is not the file's.
+hapticd with the file that was made, and with a board that is not the file's. How exact the readings
+are afterwards is tested in virtual time, in calibrate_board_test.cpp.
 
     calibrate_test.py HAPTICD HAPTICCTL HAPTIC-BOARD-EMULATOR SCENE        (package haptic and
     tests/support on PYTHONPATH)
@@ -17,18 +18,13 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
 import unittest
 
 import haptic
-from board_rig import PATIENCE_S, Board, Server, sound, until
+from board_rig import PATIENCE_S, Board, Server, until
 
 HAPTICD, HAPTICCTL, EMULATOR, SCENE = sys.argv[1:5]
 STRAIGHT, HALFWAY, BENT = "0.2 0.2", "0.4 0.5", "0.7 0.9"  # rad, where the hand takes the joints
-# What the stated resolution of the sensors leaves, over a second: a 12-bit potentiometer of 50 mm
-# (12 um) and one of 270 degrees (1.2 mrad), a load cell with 30 mN rms; and the places' own
-# accuracy.
-L_X_M, Q_B_RAD, FORCE_N = 1e-4, 5e-3, 0.02
 
 
 def person(process: subprocess.Popen[str], board: Board) -> list[str]:
@@ -112,33 +108,6 @@ class Calibrate(unittest.TestCase):
         with haptic.Connection(server.address) as connection:
             until("no fault", cleared)
 
-    def errors(self, server: Server, board: Board) -> tuple[float, float, float]:
-        """What the daemon says less what is, over the same second: l_x m, q_B rad, force N."""
-        said: list[haptic.DeviceState] = []
-        with haptic.Connection(server.address) as connection, connection.session(
-            client_name="reader", nominal_rate_hz=100
-        ) as session:
-            until("the device follows the hand", lambda: self.free(session).state == "ARMED")
-            board.hand(HALFWAY)
-            latest = time.monotonic() + 1.0
-            while time.monotonic() < latest:
-                said.append(self.free(session))
-            truth = board.rows(1.0)
-
-        def mean(values: list[float]) -> float:
-            return sum(values) / len(values)
-
-        return (
-            mean([s.q[0] for s in said]) - mean([row[1] for row in truth]),
-            mean([s.q[1] for s in said]) - mean([row[2] for row in truth]),
-            mean([s.tau_measured[0] for s in said]) - mean([row[3] for row in truth]),
-        )
-
-    @staticmethod
-    def free(session: haptic.Session) -> haptic.DeviceState:
-        session.publish(haptic.FREE)
-        return sound(session.wait_for_state(20.0))
-
     def calibrate(self, server: Server, board: Board, wanted: int = 0) -> tuple[list[str], str]:
         """The questions, and what it said on standard error; it ends with `wanted`."""
         process = subprocess.Popen(
@@ -161,15 +130,9 @@ class Calibrate(unittest.TestCase):
             process.kill()
             process.communicate()
 
-    def test_what_the_daemon_reads_is_right_afterwards_and_for_that_board_alone(self) -> None:
+    def test_the_file_serves_that_board_alone(self) -> None:
         board = self.board("HX-0042")
         server = self.server(board)
-        self.clear(server)
-        before = self.errors(server, board)
-        self.assertGreater(
-            abs(before[0]), 10 * L_X_M, "the control: without calibration it is wrong"
-        )
-        self.assertGreater(abs(before[2]), 10 * FORCE_N)
         self.clear(server)
         asked, _ = self.calibrate(server, board)
         self.assertEqual(
@@ -183,15 +146,6 @@ class Calibrate(unittest.TestCase):
             (device,) = connection.devices()
         self.assertEqual(device.serial, "HX-0042")
         self.assertIn(f'date: "{device.calibrated}"', self.file.read_text())
-        self.clear(server)
-        l_x, q_B, force = self.errors(server, board)
-        self.assertLess(abs(l_x), L_X_M)
-        self.assertLess(abs(q_B), Q_B_RAD)
-        self.assertLess(abs(force), FORCE_N)
-        self.clear(server)
-        commanded, held = self.forces(server, board)
-        self.assertGreater(abs(commanded), 1.0, "something was pressed")
-        self.assertLess(abs(held - commanded), 0.4, (commanded, held))
         again = subprocess.run(
             [HAPTICCTL, "--server", server.address, "calibrate"],
             input="",
@@ -218,32 +172,6 @@ class Calibrate(unittest.TestCase):
         self.assertRegex(complaint, "'finger' is in FAULT, .*SAMPLE_OUT_OF_RANGE")
         self.assertIn("hapticctl clear-fault", complaint)
         self.assertFalse(self.file.exists())
-
-    def forces(self, server: Server, board: Board) -> tuple[float, float]:
-        """Commanded and really held. The board closes its loop on what its load cell reads, which
-        is 0.8 N off; what it holds is to be the command, but for what friction leaves of it."""
-        with haptic.Connection(server.address) as connection, connection.session(
-            client_name="presser", nominal_rate_hz=100
-        ) as session:
-            session.engage_when_ready()
-            place = session.wait_for_state(20.0).x_probe
-            latest = time.monotonic() + PATIENCE_S
-            while (state := self.press(session, place)).state != "ENGAGED":
-                self.assertLess(time.monotonic(), latest, state)
-            pushed = tuple(x - 0.15 for x in place)  # the object stands in the finger
-            said: list[float] = []
-            latest = time.monotonic() + 4.0
-            while time.monotonic() < latest:
-                state = self.press(session, pushed)
-                if latest - time.monotonic() < 1.0:
-                    said.append(state.tau_a[0])
-            truth = [row[3] for row in board.rows(1.0)]
-        return sum(said) / len(said), sum(truth) / len(truth)
-
-    @staticmethod
-    def press(session: haptic.Session, place: tuple[float, ...]) -> haptic.DeviceState:
-        session.publish(haptic.held(place))
-        return sound(session.wait_for_state(20.0))
 
 
 if __name__ == "__main__":

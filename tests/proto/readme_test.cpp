@@ -23,69 +23,62 @@ std::string readme() {
   return read_text(kRoot / "proto/README.md");
 }
 
-/// A table of numbers and reasons, as the README has it.
-std::map<int, std::string> numbers(const std::string& first_header) {
-  std::map<int, std::string> rows;
+using Numbers = std::map<int, std::string>;
+
+/// A table of the README: numbers in one column, names in another.
+Numbers documented(const std::string& first_header, std::size_t number, std::size_t name) {
+  Numbers rows;
   for (const auto& row : markdown_table(readme(), first_header)) {
-    rows.emplace(std::stoi(row.at(0)), unquoted(row.at(1)));
+    rows.emplace(std::stoi(row.at(number)), unquoted(row.at(name)));
   }
   return rows;
 }
 
-TEST(ProtocolReadme, FaultsAreThoseOfTheCode) {
-  std::map<int, std::string> code;
+/// Every value that `name` has a word for.
+template <typename Enum>
+Numbers coded(std::string_view (*name)(Enum), const std::string& unknown) {
+  Numbers found;
   for (int n = 0; n < 32; ++n) {
-    const std::string reason(core::reason(static_cast<core::Fault>(n)));
-    if (reason != "UNKNOWN_FAULT") code.emplace(n, reason);
+    const std::string word(name(static_cast<Enum>(n)));
+    if (word != unknown) found.emplace(n, word);
   }
-  ASSERT_GE(code.size(), 9u);
-  EXPECT_EQ(numbers("fault"), code);
+  return found;
+}
+
+/// The values of the wire but 0, names without `prefix`.
+Numbers on_the_wire(const google::protobuf::EnumDescriptor& type, const std::string& prefix) {
+  Numbers found;
+  for (int i = 0; i < type.value_count(); ++i) {
+    const auto* value = type.value(i);
+    if (value->number() != 0) found.emplace(value->number(), value->name().substr(prefix.size()));
+  }
+  return found;
+}
+
+TEST(ProtocolReadme, FaultsAreThoseOfTheCode) {
+  ASSERT_GE(documented("fault", 0, 1).size(), 9u);
+  EXPECT_EQ(documented("fault", 0, 1), coded<core::Fault>(core::reason, "UNKNOWN_FAULT"));
 }
 
 TEST(ProtocolReadme, LimitersAreThoseOfTheCode) {
-  std::map<int, std::string> code;
-  for (int n = 0; n < 32; ++n) {
-    const std::string reason(core::reason(static_cast<core::Limiter>(n)));
-    if (reason != "UNKNOWN_LIMITER") code.emplace(n, reason);
-  }
-  ASSERT_GE(code.size(), 5u);
-  EXPECT_EQ(numbers("limiter"), code);
+  ASSERT_GE(documented("limiter", 0, 1).size(), 5u);
+  EXPECT_EQ(documented("limiter", 0, 1), coded<core::Limiter>(core::reason, "UNKNOWN_LIMITER"));
 }
 
 TEST(ProtocolReadme, StatesMatchCodeAndWire) {
-  std::map<int, std::string> documented, code, wire;
-  for (const auto& row : markdown_table(readme(), "state")) {
-    documented.emplace(std::stoi(row.at(1)), unquoted(row.at(0)));
-  }
-  for (int n = 0; n < 32; ++n) {
-    const std::string name(core::name(static_cast<core::LifecycleState>(n)));
-    if (name != "UNKNOWN") code.emplace(n, name);
-  }
-  const std::string prefix = "DEVICE_STATE_NAME_";
-  const auto* states = v1::DeviceStateName_descriptor();
-  for (int i = 0; i < states->value_count(); ++i) {
-    const std::string name = states->value(i)->name().substr(prefix.size());
-    if (name != "UNSPECIFIED") wire.emplace(states->value(i)->number(), name);
-  }
-  EXPECT_EQ(documented, code);
-  EXPECT_EQ(documented, wire);
+  const Numbers states = documented("state", 1, 0);
+  EXPECT_EQ(states, coded<core::LifecycleState>(core::name, "UNKNOWN"));
+  EXPECT_EQ(states, on_the_wire(*v1::DeviceStateName_descriptor(), "DEVICE_STATE_NAME_"));
 }
 
 TEST(ProtocolReadme, RenderersMatchCodeAndWire) {
-  std::map<int, std::string> documented, wire;
-  for (const auto& row : markdown_table(readme(), "renderer")) {
-    documented.emplace(std::stoi(row.at(1)), unquoted(row.at(0)));
-  }
-  const auto* renderers = v1::Renderer_descriptor();
-  for (int i = 0; i < renderers->value_count(); ++i) {
-    const auto* value = renderers->value(i);
-    if (value->number() == 0) continue;
-    wire.emplace(value->number(), value->name());
-    std::string core_name(core::name(static_cast<core::RendererKind>(value->number())));
+  const Numbers renderers = documented("renderer", 1, 0);
+  EXPECT_EQ(renderers, on_the_wire(*v1::Renderer_descriptor(), ""));
+  for (const auto& [number, name] : renderers) {
+    std::string core_name(core::name(static_cast<core::RendererKind>(number)));
     std::transform(core_name.begin(), core_name.end(), core_name.begin(), ::toupper);
-    EXPECT_EQ("RENDERER_" + core_name, value->name());
+    EXPECT_EQ("RENDERER_" + core_name, name);
   }
-  EXPECT_EQ(documented, wire);
 }
 
 /// Upper-case literals of the sources below `folder`: reasons, and the words of events.
@@ -166,18 +159,17 @@ TEST(ProtocolReadme, NamesEveryFieldOfTheWire) {
 }
 
 TEST(ProtocolReadme, ListsEveryKindOfEvent) {
-  std::set<std::string> wire, documented;
-  const auto* kinds = v1::Event::Kind_descriptor();
-  for (int i = 0; i < kinds->value_count(); ++i) {
-    if (kinds->value(i)->number() != 0) wire.insert(kinds->value(i)->name());
+  std::set<std::string> wire, listed;
+  for (const auto& [number, name] : on_the_wire(*v1::Event::Kind_descriptor(), "")) {
+    wire.insert(name);
   }
   const std::regex kind("`(KIND_[A-Z_]+)`");
   for (const auto& row : markdown_table(readme(), "`kind`")) {
     const std::string& cell = row.at(0);
     for (std::sregex_iterator it(cell.begin(), cell.end(), kind), end; it != end; ++it)
-      documented.insert((*it)[1]);
+      listed.insert((*it)[1]);
   }
-  EXPECT_EQ(documented, wire);
+  EXPECT_EQ(listed, wire);
 }
 
 }  // namespace

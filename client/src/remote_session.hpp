@@ -63,6 +63,12 @@ class RemoteSession final : public Session {
   void on_sent(std::uint64_t replaced);
   void on_done(const grpc::Status& status);
 
+  // For UdpCarrier, on its thread (session_udp.cpp).
+  void on_udp_state(const v1::DeviceState& state);
+  /// Samples go by the stream again, or as well. `newest`, the newest one that went by UDP, may be
+  /// lost; its number is 0 if there is none.
+  void on_udp_late(const v1::ProxySample& newest);
+
  private:
   using Clock = std::chrono::steady_clock;
   using Lock = std::unique_lock<std::mutex>;
@@ -97,8 +103,6 @@ class RemoteSession final : public Session {
   void stop_udp(Lock& lock);
   /// By UDP if that is in use. False: the stream has to carry the sample, or carry it too.
   [[nodiscard]] bool send_by_udp(const v1::ProxySample& sample, UdpCarrier* udp);
-  void on_udp_state(const v1::DeviceState& state);
-  void on_udp_late(const v1::ProxySample& newest);
 
   // remote_session.cpp
   /// One attempt at a stream; throws if the server refused or did not answer.

@@ -18,10 +18,7 @@ void RemoteSession::start_udp(Lock& lock) {
   const double rate = options_.observer ? states : options_.nominal_rate_hz;
   const auto period = std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rate));
   lock.unlock();
-  auto udp = std::make_shared<UdpCarrier>(
-      offer, address_, period,
-      UdpCarrier::Sink{[this](const v1::DeviceState& state) { on_udp_state(state); },
-                       [this](const v1::ProxySample& newest) { on_udp_late(newest); }});
+  auto udp = std::make_shared<UdpCarrier>(offer, address_, period, *this);
   lock.lock();
   udp_ = std::move(udp);  // if the stream has ended by now, the worker ends this too
 }
@@ -55,7 +52,7 @@ void RemoteSession::on_udp_state(const v1::DeviceState& state) {
   deliver();
 }
 
-/// The newest sample may be lost, and a simulation that holds still would not send another soon.
+/// A simulation that holds still would not send another sample soon.
 void RemoteSession::on_udp_late(const v1::ProxySample& newest) {
   if (newest.seq() == 0 || options_.carriers == Carriers::kUdpOnly) return;
   const std::lock_guard in_order(publish_mutex_);

@@ -7,9 +7,9 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
+#include <iterator>
 
-#include "haptic/client/error.hpp"
+#include "remote_session.hpp"
 
 namespace haptic::client {
 namespace {
@@ -57,10 +57,10 @@ bool fell_back(wire::PathChange change) noexcept {
 }  // namespace
 
 UdpCarrier::UdpCarrier(const v1::UdpPath& offer, const std::string& stream_address,
-                       std::chrono::nanoseconds period, Sink sink)
+                       std::chrono::nanoseconds period, RemoteSession& session)
     : host_(offer.host().empty() ? host_of(stream_address) : offer.host()),
       port_(offer.port()),
-      sink_(std::move(sink)),
+      session_(session),
       stopping_(::eventfd(0, EFD_CLOEXEC)),
       end_(setup(offer, period)) {
   thread_ = std::thread([this] { run(); });
@@ -166,7 +166,7 @@ void UdpCarrier::drain() {
     if (error) break;                                        // mostly: nothing waits
     newer = take(wire::ConstBytes(buffer_).first(size)) || newer;
   }
-  if (newer) sink_.on_state(state_);
+  if (newer) session_.on_udp_state(state_);
 }
 
 /// Runs `action` on the path. If that leaves it fallen back or in doubt, the newest sample that
@@ -181,7 +181,7 @@ void UdpCarrier::on_path(Action action) {
     if (knew || !(fell_back(change) || end_.in_doubt())) return;
     newest = newest_;
   }
-  sink_.on_late(newest);
+  session_.on_udp_late(newest);
 }
 
 /// True for a state newer than the one before.

@@ -4,7 +4,6 @@
 #include <asio/io_context.hpp>
 #include <asio/ip/udp.hpp>
 
-#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -16,6 +15,8 @@
 
 namespace haptic::client {
 
+class RemoteSession;
+
 class UdpCarrier {
  public:
   /// Whether a sample went by UDP.
@@ -24,26 +25,19 @@ class UdpCarrier {
     kInDoubt,  ///< yes, but answers are overdue: the stream should carry the sample too
     kYes,
   };
-  /// Called on the carrier's thread, without its lock.
-  struct Sink {
-    std::function<void(const v1::DeviceState&)> on_state{};
-    /// Samples go by the stream again, or as well. The newest one that went by UDP may be lost; its
-    /// number is 0 if there is none.
-    std::function<void(const v1::ProxySample& newest)> on_late{};
-  };
-
   /// `stream_address`: what the channel was made of; its host stands in if the offer names none.
-  /// `period`: of what this end sends or hears, to measure the path's silence by. Throws
-  /// ClientError if the offer's keys are wrong.
+  /// `period`: of what this end sends or hears, to measure the path's silence by. `session` is told
+  /// of states and late samples on the carrier's thread, without its lock. Throws ClientError if
+  /// the offer's keys are wrong.
   UdpCarrier(const v1::UdpPath& offer, const std::string& stream_address,
-             std::chrono::nanoseconds period, Sink sink);
+             std::chrono::nanoseconds period, RemoteSession& session);
   /// Only after stop().
   ~UdpCarrier();
   UdpCarrier(const UdpCarrier&) = delete;
   UdpCarrier& operator=(const UdpCarrier&) = delete;
 
-  /// Leaves the path and ends the thread; waits for a call of the sink that is under way. Not from
-  /// there. Idempotent.
+  /// Leaves the path and ends the thread; waits for a call of the session that is under way. Not
+  /// from there. Idempotent.
   void stop();
   /// From any thread; never waits for the network.
   [[nodiscard]] Sent send(const v1::ProxySample& sample);
@@ -67,7 +61,7 @@ class UdpCarrier {
 
   const std::string host_;
   const std::uint32_t port_;
-  const Sink sink_;
+  RemoteSession& session_;
   asio::io_context context_{1};
   Udp::socket socket_{context_};
   const int stopping_;  ///< an eventfd

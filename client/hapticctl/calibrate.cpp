@@ -3,9 +3,11 @@
 #include <cstdio>
 #include <ctime>
 #include <fstream>
+#include <iomanip>
 #include <iostream>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <thread>
 
 #include "calibration/guide.hpp"
@@ -114,11 +116,9 @@ class ServedSensors final : public Sensors {
 
 std::string today() {
   const std::time_t now = std::time(nullptr);
-  std::tm day{};
-  ::localtime_r(&now, &day);
-  char text[16];
-  std::strftime(text, sizeof text, "%Y-%m-%d", &day);
-  return text;
+  std::ostringstream text;
+  text << std::put_time(std::localtime(&now), "%F");
+  return text.str();
 }
 
 /// The one device that the options name. Throws kInvalidArgument if it cannot be calibrated.

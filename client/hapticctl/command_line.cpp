@@ -171,8 +171,8 @@ void define(CLI::App& cli, Options& options, Command& chosen) {
   cli.footer(kFooter);
 }
 
-/// "FILE:LINE: what is wrong" of the first line of a configuration file that is wrong; empty if none
-/// is. CLI11 says neither, so this reads the file again, one more line at a time.
+/// "FILE:LINE: what is wrong" for the first wrong line of a configuration file; empty if every line
+/// is right. CLI11 says neither, so this reads the file again, one more line at a time.
 std::string config_problem(const std::string& file) {
   std::ifstream stream(file);
   std::string text, line;

@@ -51,8 +51,7 @@ TlsConfig read_tls(const Part<v1::TlsScene>& part) {
 }  // namespace
 
 std::string address_problem(const std::string& address) {
-  const bool is_unix =
-      matches(address, "unix:/.{1," + std::to_string(kLongestUnixPath - 1) + "}");
+  const bool is_unix = matches(address, "unix:/.{1," + std::to_string(kLongestUnixPath - 1) + "}");
   if (is_unix || is_host_and_port(address)) return {};
   return R"(must be "host:port", "[v6]:port" (port 0 to 65535) or "unix:/path")";
 }

@@ -1,8 +1,9 @@
 // The contract of proto/README.md#staleness-and-gain over real sockets: pressing, then the client
-// is killed, or paused.
+// is killed, or paused; a client that is silent beyond its lease and goes on.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <mutex>
 #include <thread>
 
@@ -16,34 +17,29 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// A finger at rest at 30, 30 degrees; a virtual wall that it presses against from another process.
-class Pressing : public ::testing::Test {
+/// A finger at rest at 30, 30 degrees, and its states.
+class Served : public ::testing::Test {
  protected:
   void SetUp() override {
     app_.start();
-    address_ = app_.addresses().front();
-    connection_ = std::make_unique<client::Connection>(address_);
+    connection_ = std::make_unique<client::Connection>(app_.addresses().front());
     watch_ = connection_->watch("finger", 1000.0, [this](const client::DeviceState& state) {
       const std::lock_guard lock(mutex_);
       states_.push_back(state);
     });
-    wall_ = std::make_unique<test::Process>(
-        std::string(HAPTIC_BINARY_DIR) + "/client/haptic-example-virtual-wall",
-        std::vector<std::string>{"--server", address_, "--stop", "0.3"});
-    ASSERT_TRUE(eventually([](const client::DeviceState& s) {
-      return s.state == client::Lifecycle::kEngaged && std::abs(s.tau_elastic.at(0)) > 0.5;
-    })) << "the wall is never pressed";
   }
 
-  /// Waits, generously, for a state that holds.
+  /// Waits, generously, for a state that holds; `meanwhile` every 5 ms.
   template <typename Rule>
-  bool eventually(Rule rule) {
-    const auto give_up = std::chrono::steady_clock::now() + seconds(20);
+  bool eventually(
+      Rule rule, const std::function<void()>& meanwhile = [] {}) {
+    const auto give_up = std::chrono::steady_clock::now() + seconds(30);
     while (std::chrono::steady_clock::now() < give_up) {
       {
         const std::lock_guard lock(mutex_);
         if (!states_.empty() && rule(states_.back())) return true;
       }
+      meanwhile();
       std::this_thread::sleep_for(milliseconds(5));
     }
     return false;
@@ -52,6 +48,30 @@ class Pressing : public ::testing::Test {
   std::vector<client::DeviceState> states() {
     const std::lock_guard lock(mutex_);
     return states_;
+  }
+
+  server::App app_{server::load_scene(
+                       std::string(HAPTIC_SOURCE_DIR) + "/server/scenes/finger_constant.textproto",
+                       {"server.listen[0]=127.0.0.1:0", "loop.late_bucket_full=1000000",
+                        "loop.loop_late_fault={seconds: 5}"}),
+                   {server::RealtimeMode::kTry}};
+  std::mutex mutex_;
+  std::vector<client::DeviceState> states_;
+  std::unique_ptr<client::Connection> connection_;
+  std::unique_ptr<client::Watch> watch_;
+};
+
+/// A virtual wall that it presses against from another process.
+class Pressing : public Served {
+ protected:
+  void SetUp() override {
+    Served::SetUp();
+    wall_ = std::make_unique<test::Process>(
+        std::string(HAPTIC_BINARY_DIR) + "/client/haptic-example-virtual-wall",
+        std::vector<std::string>{"--server", app_.addresses().front(), "--stop", "0.3"});
+    ASSERT_TRUE(eventually([](const client::DeviceState& s) {
+      return s.state == client::Lifecycle::kEngaged && std::abs(s.tau_elastic.at(0)) > 0.5;
+    })) << "the wall is never pressed";
   }
 
   /// In every state that was seen: silence has an end, recovery is a ramp. The silence is timed by
@@ -79,16 +99,6 @@ class Pressing : public ::testing::Test {
     EXPECT_GT(silent, 0) << "no state of a silence longer than 200 ms was seen";
   }
 
-  server::App app_{server::load_scene(
-                       std::string(HAPTIC_SOURCE_DIR) + "/server/scenes/finger_constant.textproto",
-                       {"server.listen[0]=127.0.0.1:0", "loop.late_bucket_full=1000000",
-                        "loop.loop_late_fault={seconds: 5}"}),
-                   {server::RealtimeMode::kTry}};
-  std::string address_;
-  std::mutex mutex_;
-  std::vector<client::DeviceState> states_;
-  std::unique_ptr<client::Connection> connection_;
-  std::unique_ptr<client::Watch> watch_;
   std::unique_ptr<test::Process> wall_;
 };
 
@@ -141,6 +151,36 @@ TEST_F(Pressing, BriefPauseComesBackAsRamp) {
     return s.state == client::Lifecycle::kEngaged && std::abs(s.tau_elastic.at(0)) > 0.5;
   })) << "the wall asks for force again by itself (re_engage)";
   expect_the_contract();
+}
+
+TEST_F(Served, ForceReturnsUnderTheNextLease) {
+  client::SessionOptions options = controller("often silent");
+  options.reconnect = client::Reconnect::kWithBackoff;
+  options.re_engage = true;
+  const auto session = connection_->open(options);
+  session->engage_when_ready();
+  const auto speak = [&] {
+    const client::DeviceState state = session->state();
+    if (!state.x_probe.empty()) session->publish(client::Proxy::held(state.x_probe));
+  };
+  const auto engaged = [](const client::DeviceState& s) {
+    return s.state == client::Lifecycle::kEngaged;
+  };
+  ASSERT_TRUE(eventually(engaged, speak));
+  ASSERT_EQ(session->lease_epoch(), 1U);
+
+  ASSERT_TRUE(eventually([](const client::DeviceState& s) {
+    return s.state == client::Lifecycle::kIdle;
+  })) << "the lease must end by its clock";
+  EXPECT_EQ(session->lease_epoch(), 1U) << "a silent client took the device back";
+  // As long as a client may take that does not know yet: its asking must survive the refusals.
+  std::this_thread::sleep_for(milliseconds(300));
+
+  ASSERT_TRUE(eventually(
+      [&](const client::DeviceState& s) { return session->lease_epoch() > 1 && engaged(s); },
+      speak))
+      << (session->engage_refusal() ? session->engage_refusal()->what() : "nobody asks for force");
+  session->close();
 }
 
 }  // namespace

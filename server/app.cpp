@@ -10,8 +10,6 @@
 #include "server/metrics/metrics.hpp"
 #include "server/metrics/metrics_port.hpp"
 #include "server/metrics/tick_metrics.hpp"
-#include "server/owner/event_log.hpp"
-#include "server/owner/recorder.hpp"
 #include "server/rpc/rpc_server.hpp"
 
 namespace haptic::server {
@@ -134,21 +132,20 @@ hw::SampleSignal* App::pacing_samples() {
 
 void App::listen_to_devices() {
   owner_ = std::make_unique<Owner>(*telemetry_, scene_.server.max_sessions);
+  event_log_ = std::make_shared<EventLog>(*owner_);
+  owner_->connect(event_log_);
   for (std::size_t i = 0; i < units_.size(); ++i) {
     const DeviceScene& device = scene_.devices[i];
     owner_->add(*units_[i], SessionRules{scene_.server.lease_timeout, device.fresh_end,
                                          device.tracker_fresh_end, device.coupling_softness});
-    listeners_.push_back(std::make_unique<EventLog>(
-        device.name, [this, i] { return owner_->status(i).controller.str(); }));
-    telemetry_->add(i, listeners_.back().get(), ListenerRank::kBackground);
     if (!scene_.record) continue;
     const auto file = record_file(scene_, i);
     spdlog::info("{}: recorded in {}", device.name, file.string());
-    listeners_.push_back(std::make_unique<Recorder>(
+    recorders_.push_back(std::make_unique<Recorder>(
         file, device.pipeline.kinematics, comparison(*scene_.record, device),
         StateMessage(units_[i]->config(), device.coupling_softness),
         [this, i](const core::TickRecord& /*record*/) { return owner_->newest(i); }));
-    telemetry_->add(i, listeners_.back().get(), ListenerRank::kBackground);
+    telemetry_->add(i, recorders_.back().get());
   }
 }
 
@@ -161,12 +158,14 @@ void App::stop() {
   }
   metrics_.reset();  // scrapes ask everything below
   if (telemetry_) telemetry_->stop();
+  if (owner_) owner_->loop_ended();
   if (rpc_) rpc_->shutdown(kCallsGrace);
   rpc_.reset();
   tick_metrics_.reset();
+  event_log_.reset();
   owner_.reset();
   telemetry_.reset();
-  listeners_.clear();
+  recorders_.clear();
   loop_.reset();
   units_.clear();
 }

@@ -22,7 +22,9 @@
 #include <vector>
 
 #include "server/crossing/server_facts.hpp"
+#include "server/owner/event_log.hpp"
 #include "server/owner/owner.hpp"
+#include "server/owner/recorder.hpp"
 #include "server/rt/loop.hpp"
 #include "server/rt/realtime.hpp"
 #include "server/scene/scene.hpp"
@@ -78,11 +80,12 @@ class App {
   RealtimeGrant realtime_{};
   // Destroyed from the last to the first: each uses those above it.
   std::vector<std::unique_ptr<DeviceUnit>> units_{};
-  std::vector<std::unique_ptr<RecordListener>> listeners_{};
+  std::vector<std::unique_ptr<Recorder>> recorders_{};
   std::unique_ptr<Telemetry> telemetry_{};
   std::unique_ptr<Owner> owner_{};
   std::unique_ptr<RpcServer> rpc_{};
   std::unique_ptr<Loop> loop_{};
+  std::shared_ptr<EventLog> event_log_{};
   std::shared_ptr<TickMetrics> tick_metrics_{};  ///< null if there are no metrics
   std::unique_ptr<MetricsPort> metrics_{};
 };

@@ -20,7 +20,7 @@
 #include "server/net/tls_files.hpp"
 #include "server/scene/shipped.hpp"
 #include "server/telemetry/service_manager.hpp"
-#include "server/telemetry/stderr_log.hpp"
+#include "server/telemetry/log.hpp"
 
 namespace {
 

@@ -9,10 +9,8 @@
 /// The front keeps its own map from an id to the call that waits for the answer. A front that is
 /// gone looks like a client that fell silent: samples stop, and leases end by their clock.
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <initializer_list>
 #include <optional>
 #include <type_traits>
 
@@ -137,32 +135,23 @@ struct Settings {
 
 /// Why a request was refused: a stable reason ("LEASE_HELD") and a sentence for people.
 struct Refusal {
+  /// Numbers of google.rpc.Code.
   enum class Code : std::uint8_t {
-    kInvalid,       ///< a field is off, whatever the state; `field` names it
-    kNotFound,      ///< no such device or session
-    kExists,        ///< another session has it
-    kPrecondition,  ///< not now; the message names the value that is not good enough yet
-    kPermission,    ///< not this session's to ask
-    kExhausted,     ///< a limit of the server is reached
-    kAborted,       ///< another call took this one's place
-    kUnavailable,   ///< the server is closing, or its loop gave no answer in time
+    kInvalid = 3,       ///< a field is off, whatever the state; `field` names it
+    kNotFound = 5,      ///< no such device or session
+    kExists = 6,        ///< another session has it
+    kPermission = 7,    ///< not this session's to ask
+    kExhausted = 8,     ///< a limit of the server is reached
+    kPrecondition = 9,  ///< not now; the message names the value that is not good enough yet
+    kAborted = 10,      ///< another call took this one's place
+    kUnavailable = 14,  ///< the server is closing, or its loop gave no answer in time
   };
   /// {"holder", "alice"}
   struct Detail {
     Text<12> name{};
     ClientName value{};
   };
-  struct Details {
-    std::uint32_t count{0};
-    std::array<Detail, 3> entry{};
-
-    Details() = default;
-    Details(std::initializer_list<Detail> list) : count(static_cast<std::uint32_t>(list.size())) {
-      std::copy(list.begin(), list.end(), entry.begin());
-    }
-    [[nodiscard]] const Detail* begin() const noexcept { return entry.data(); }
-    [[nodiscard]] const Detail* end() const noexcept { return entry.data() + count; }
-  };
+  using Details = std::array<Detail, 3>;  ///< those without a name are not there
   Code code{Code::kInvalid};
   Text<32> reason{};
   Text<512> message{};
@@ -266,6 +255,6 @@ static_assert(crosses<Request, 1280>);
 static_assert(crosses<Answer, 1864>);
 static_assert(crosses<DeviceEvent, 472>);
 static_assert(crosses<DeviceStatus, 1064>);
-static_assert(crosses<StateRecord, 3696>);
+static_assert(crosses<StateRecord, 3768>);
 
 }  // namespace haptic::server

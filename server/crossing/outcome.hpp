@@ -2,6 +2,7 @@
 /// A value, or why there is none.
 
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "server/crossing/crossing.hpp"
@@ -17,5 +18,10 @@ struct Outcome {
   Outcome(const Refusal& refused) : refusal(refused) {}  // NOLINT(google-explicit-constructor)
   explicit operator bool() const noexcept { return value.has_value(); }
 };
+
+/// kInvalid, of one field: "name = value: what is allowed".
+[[nodiscard]] inline Refusal invalid_field(const std::string& field, const std::string& rest) {
+  return {Refusal::Code::kInvalid, "INVALID_ARGUMENT", field + " " + rest, field};
+}
 
 }  // namespace haptic::server

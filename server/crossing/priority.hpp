@@ -9,15 +9,8 @@ namespace haptic::server {
 enum class Priority : std::uint8_t { kTest = 1, kPrimary = 2, kOperator = 3 };
 
 [[nodiscard]] constexpr const char* name(Priority priority) noexcept {
-  switch (priority) {
-    case Priority::kTest:
-      return "test";
-    case Priority::kPrimary:
-      return "primary";
-    case Priority::kOperator:
-      break;
-  }
-  return "operator";
+  if (priority == Priority::kTest) return "test";
+  return priority == Priority::kPrimary ? "primary" : "operator";
 }
 
 }  // namespace haptic::server

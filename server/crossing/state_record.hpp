@@ -6,14 +6,7 @@
 #include <cstdint>
 #include <initializer_list>
 
-#include "haptic/core/fault.hpp"
-#include "haptic/core/projection/certificate.hpp"
-#include "haptic/core/projection/proxy_snapshot.hpp"
-#include "haptic/core/projection_status.hpp"
-#include "haptic/core/safety/lifecycle.hpp"
-#include "haptic/core/safety/staleness.hpp"
-#include "haptic/core/time.hpp"
-#include "haptic/core/types.hpp"
+#include "haptic/core/tick/tick_record.hpp"
 
 namespace haptic::server {
 
@@ -78,17 +71,9 @@ struct StateRecord {
 
   core::ProjectionStatus projection{core::ProjectionStatus::kNone};
   double residual{0.0}, condition{0.0};
-  core::CertificateStatus certificate{core::CertificateStatus::kOff};
-  std::int32_t certificate_block{0};
-  double certificate_margin{0.0};
-
-  bool passivity_on{false};  ///< the scene has a tank or an observer
-  double tank{0.0}, storage{0.0}, tank_scale{0.0}, observed{0.0}, alpha{0.0};
-
-  bool tracker_on{false};  ///< the scene has a tracker
-  core::Staleness tracker_staleness{core::Staleness::kLost};
-  std::uint64_t tracker_seq{0};
-  core::Duration tracker_age{0};
+  core::Certificate certificate{};
+  core::PassivityRecord passivity{};
+  core::TrackerRecord tracker{};
 };
 
 }  // namespace haptic::server

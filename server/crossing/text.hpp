@@ -36,10 +36,10 @@ class Text {
   [[nodiscard]] std::string str() const { return std::string(view()); }
   [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
 
-  friend bool operator==(const Text& a, const Text& b) noexcept { return a.view() == b.view(); }
-  friend bool operator==(const Text& a, std::string_view b) noexcept { return a.view() == b; }
-  friend bool operator==(const Text& a, const std::string& b) noexcept { return a.view() == b; }
-  friend bool operator==(const Text& a, const char* b) noexcept { return a.view() == b; }
+  template <std::convertible_to<std::string_view> T>
+  friend bool operator==(const Text& a, const T& b) noexcept {
+    return a.view() == std::string_view(b);
+  }
   friend std::ostream& operator<<(std::ostream& out, const Text& text) {
     return out << text.view();
   }

@@ -3,6 +3,7 @@
 /// events of a device.
 
 #include <atomic>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -12,9 +13,25 @@
 
 #include "server/crossing/outcome.hpp"
 #include "server/crossing/ports.hpp"
-#include "server/front/event_queue.hpp"
 
 namespace haptic::server {
+
+/// Events on their way to one session or watch.
+/// Bounded: a client that does not read loses the oldest, and the next event it gets says how many.
+/// Any thread.
+class EventQueue {
+ public:
+  static constexpr std::size_t kCapacity = 256;
+  void push(const DeviceEvent& event);
+  [[nodiscard]] std::optional<DeviceEvent> pop();
+  [[nodiscard]] std::uint64_t dropped() const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::deque<DeviceEvent> events_;
+  std::uint64_t dropped_{0};
+  std::uint64_t dropped_untold_{0};
+};
 
 class Front : public FrontPort {
  public:

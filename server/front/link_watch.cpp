@@ -15,27 +15,10 @@ std::size_t index(Carrier carrier) noexcept {
 }  // namespace
 
 const char* name(IngressVerdict verdict) noexcept {
-  switch (verdict) {
-    case IngressVerdict::kAccepted:
-      return "ACCEPTED";
-    case IngressVerdict::kBacklog:
-      return "BACKLOG";
-    case IngressVerdict::kOldSequence:
-      return "OLD_SEQUENCE";
-    case IngressVerdict::kOldEpoch:
-      return "OLD_EPOCH";
-    case IngressVerdict::kWrongSize:
-      return "WRONG_SIZE";
-    case IngressVerdict::kNotFinite:
-      return "NOT_FINITE";
-    case IngressVerdict::kOutOfBounds:
-      return "OUT_OF_BOUNDS";
-    case IngressVerdict::kUnknownMode:
-      return "UNKNOWN_MODE";
-    case IngressVerdict::kBadPlane:
-      return "BAD_PLANE";
-  }
-  return "UNKNOWN";
+  static constexpr std::array<const char*, kIngressVerdicts> kNames{
+      "ACCEPTED",   "BACKLOG",       "OLD_SEQUENCE", "OLD_EPOCH", "WRONG_SIZE",
+      "NOT_FINITE", "OUT_OF_BOUNDS", "UNKNOWN_MODE", "BAD_PLANE"};
+  return kNames[static_cast<std::size_t>(verdict)];
 }
 
 CarrierFigures& LinkWatch::of(Carrier carrier) noexcept {
@@ -52,7 +35,7 @@ void LinkWatch::state_sent(std::uint64_t tick, core::TimePoint now, Carrier carr
 }
 
 void LinkWatch::judged(Carrier carrier, IngressVerdict verdict) noexcept {
-  if (verdict == IngressVerdict::kAccepted || verdict == IngressVerdict::kBacklog) return;
+  if (verdict <= IngressVerdict::kBacklog) return;
   ++of(carrier).rejected[static_cast<std::size_t>(verdict)];
 }
 

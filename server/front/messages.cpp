@@ -44,15 +44,8 @@ const char* unit_name(core::Unit unit) {
 }
 
 const char* kind_name(core::CoordinateKind kind) {
-  switch (kind) {
-    case core::CoordinateKind::kAngle:
-      return "angle";
-    case core::CoordinateKind::kQuaternion:
-      return "quaternion";
-    case core::CoordinateKind::kLinear:
-      break;
-  }
-  return "linear";
+  if (kind == core::CoordinateKind::kAngle) return "angle";
+  return kind == core::CoordinateKind::kQuaternion ? "quaternion" : "linear";
 }
 
 }  // namespace
@@ -172,9 +165,9 @@ SessionId session_id(const std::string& text) {
 
 void from_proto(const v1::ProxySample& message, ProxySample& sample) {
   sample.seq = message.seq();
-  if (message.mode() == v1::PROXY_MODE_HELD) sample.mode = core::ProxyMode::kHeld;
-  if (message.mode() == v1::PROXY_MODE_FREE) sample.mode = core::ProxyMode::kFree;
-  if (message.mode() == v1::PROXY_MODE_PLANES) sample.mode = core::ProxyMode::kPlanes;
+  if (v1::ProxyMode_IsValid(message.mode())) {
+    sample.mode = static_cast<core::ProxyMode>(message.mode());
+  }
   sample.valid_for = std::chrono::microseconds(message.valid_for_us());
   sample.position = numbers<Coordinates>(message.position());
   sample.plane_count = static_cast<std::uint32_t>(message.planes_size());

@@ -1,12 +1,11 @@
 #include "server/front/refusals.hpp"
 
+#include <algorithm>
 #include <cmath>
 
-namespace haptic::server {
+#include "server/base/unprintable.hpp"
 
-Refusal invalid_field(const std::string& field, const std::string& rest) {
-  return {Refusal::Code::kInvalid, "INVALID_ARGUMENT", field + " " + rest, field};
-}
+namespace haptic::server {
 
 std::optional<Refusal> too_large(std::size_t bytes) {
   if (bytes <= kLargestMessage) return std::nullopt;
@@ -15,7 +14,7 @@ std::optional<Refusal> too_large(std::size_t bytes) {
                  "MESSAGE_TOO_LARGE",
                  "message of " + std::to_string(bytes) + " bytes: at most " + limit + " are taken",
                  {},
-                 {{"limit", limit}}};
+                 {{{"limit", limit}}}};
 }
 
 std::string sanitised(const std::string& text, std::size_t longest) {
@@ -24,10 +23,11 @@ std::string sanitised(const std::string& text, std::size_t longest) {
     size = longest;
     while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xC0U) == 0x80U) --size;
   }
-  std::string clean = text.substr(0, size);
-  for (char& c : clean) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7F) c = '?';
+  std::string clean;
+  for (std::size_t i = 0; i < size;) {
+    const std::size_t bytes = unprintable(text, i);
+    clean += bytes > 0 ? '?' : text[i];
+    i += std::max<std::size_t>(bytes, 1);
   }
   return clean;
 }

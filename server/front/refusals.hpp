@@ -4,12 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "server/crossing/crossing.hpp"
+#include "server/crossing/outcome.hpp"
 
 namespace haptic::server {
-
-/// kInvalid, of one field: "name = value: what is allowed".
-[[nodiscard]] Refusal invalid_field(const std::string& field, const std::string& rest);
 
 /// The largest message of the protocol, 72 coordinates with velocities and planes, has a few KB.
 constexpr std::size_t kLargestMessage = 64 * 1024;
@@ -19,8 +16,8 @@ constexpr std::size_t kLargestMessage = 64 * 1024;
 /// `rate_hz` as a stream may ask for it: 0, or 1 up to the loop's.
 [[nodiscard]] std::optional<Refusal> check_rate(const char* field, double rate_hz, double loop_hz);
 
-/// Text of a client, fit for logs, terminals and other clients: control characters become '?', at
-/// most `longest` bytes are kept (never half a UTF-8 character).
+/// Text of a client, fit for logs, terminals and other clients: control characters and marks of
+/// writing direction become '?', at most `longest` bytes are kept (never half a UTF-8 character).
 [[nodiscard]] std::string sanitised(const std::string& text, std::size_t longest);
 
 }  // namespace haptic::server

@@ -4,26 +4,17 @@ namespace haptic::server {
 
 void SampleLedger::book(std::uint64_t seq, const Verdict& verdict) {
   changed_ = true;
-  switch (verdict.verdict) {
-    case IngressVerdict::kAccepted:
-    case IngressVerdict::kBacklog:
-      ack_.set_newest_seq(seq);
-      ack_.set_accepted(ack_.accepted() + 1);
-      if (verdict.verdict == IngressVerdict::kBacklog) {
-        ack_.set_conflated_backlog(ack_.conflated_backlog() + 1);
-      }
-      return;
-    case IngressVerdict::kOldSequence:
-    case IngressVerdict::kOldEpoch:
-      ack_.set_rejected_old(ack_.rejected_old() + 1);
-      break;
-    case IngressVerdict::kWrongSize:
-    case IngressVerdict::kNotFinite:
-    case IngressVerdict::kOutOfBounds:
-    case IngressVerdict::kUnknownMode:
-    case IngressVerdict::kBadPlane:
-      ack_.set_rejected_invalid(ack_.rejected_invalid() + 1);
-      break;
+  if (verdict.used()) {
+    const bool backlog = verdict.verdict == IngressVerdict::kBacklog;
+    ack_.set_newest_seq(seq);
+    ack_.set_accepted(ack_.accepted() + 1);
+    ack_.set_conflated_backlog(ack_.conflated_backlog() + (backlog ? 1 : 0));
+    return;
+  }
+  if (verdict.verdict <= IngressVerdict::kOldEpoch) {
+    ack_.set_rejected_old(ack_.rejected_old() + 1);
+  } else {
+    ack_.set_rejected_invalid(ack_.rejected_invalid() + 1);
   }
   rejected_ = true;
   ack_.set_last_rejection(verdict.why.str());

@@ -41,11 +41,6 @@ std::optional<Refusal> Session::refusal_of(const v1::OpenSession& request,
       request.role() != v1::ROLE_TRACKER) {
     return invalid_field("role", "must be CONTROLLER, OBSERVER or TRACKER");
   }
-  const DeviceFacts& facts = front_.facts(device_);
-  if (request.role() == v1::ROLE_TRACKER && !facts.config->tracker) {
-    return invalid_field("role",
-                         "= TRACKER: the scene of device '" + facts.name + "' has no tracker");
-  }
   if (request.client_name().empty() || request.client_name().size() > kLongestClientName) {
     return invalid_field("client_name", "has " + std::to_string(request.client_name().size()) +
                                             " characters: must have 1..64");
@@ -60,7 +55,7 @@ std::optional<Refusal> Session::refusal_of(const v1::OpenSession& request,
         "PRIORITY_DENIED",
         "priority: " + rights.because + " at most " + name(rights.highest) + " is allowed",
         {},
-        {{"highest", name(rights.highest)}}};
+        {{{"highest", name(rights.highest)}}}};
   }
   return check_rate("state_rate_hz", request.state_rate_hz(), settings_.loop_hz);
 }

@@ -1,20 +1,17 @@
 #include "server/metrics/exposition.hpp"
 
 #include <algorithm>
-#include <cstdio>
+#include <charconv>
 
 namespace haptic::server {
 namespace {
 
-/// Enough digits for any count below 2^53 and for any double to read back as itself.
+/// The shortest text that reads back as the same double.
 std::string number(double value) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  double short_one = 0.0;
-  char shorter[32];
-  std::snprintf(shorter, sizeof shorter, "%.6g", value);
-  if (std::sscanf(shorter, "%lf", &short_one) == 1 && short_one == value) return shorter;
-  return text;
+  const auto format = value < 1e5 ? std::chars_format::general : std::chars_format::fixed;
+  const auto end = std::to_chars(text, text + sizeof text, value, format).ptr;
+  return {text, end};
 }
 
 /// Of a label's value: backslash, quote and line feed.

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "haptic/core/error.hpp"
@@ -97,17 +98,10 @@ Protection check_listen_address(const std::string& address, Protection best) {
 }
 
 const char* word(Protection protection) noexcept {
-  switch (protection) {
-    case Protection::kThisHost:
-      return "plain text, this host only";
-    case Protection::kTls:
-      return "TLS";
-    case Protection::kMutualTls:
-      return "TLS, clients by certificate";
-    case Protection::kInsecureLab:
-      break;
-  }
-  return "PLAIN TEXT, OPEN TO THE NETWORK";
+  static constexpr std::array kWords{"plain text, this host only", "TLS",
+                                     "TLS, clients by certificate",
+                                     "PLAIN TEXT, OPEN TO THE NETWORK"};
+  return kWords[static_cast<std::size_t>(protection)];
 }
 
 std::string weakness(const std::string& address, Protection protection) {

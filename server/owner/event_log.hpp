@@ -1,29 +1,18 @@
 #pragma once
-/// Writes a device's states, faults and leases to the server's log, on the telemetry's drain.
+/// Writes what happens to the devices to the server's log: states, faults, leases, limits.
 
-#include <functional>
-#include <string>
-
-#include "server/session/device_event.hpp"
-#include "server/telemetry/telemetry.hpp"
+#include "server/crossing/ports.hpp"
 
 namespace haptic::server {
 
-class EventLog final : public RecordListener {
+class EventLog final : public FrontPort {
  public:
-  /// `holder` returns the client name of the lease's holder; called on the drain's thread.
-  EventLog(std::string device, std::function<std::string()> holder);
-
-  void on_record(const core::TickRecord& record) override;
+  /// `owner` must outlive this.
+  explicit EventLog(const OwnerPort& owner) : owner_(owner) {}
+  void on_event(std::size_t device, const DeviceEvent& event) override;
 
  private:
-  void lease(const core::CommandSnapshot& command);
-
-  const std::string device_;
-  const std::function<std::string()> holder_;
-  EventDetector detector_;
-  std::uint32_t tenure_{0};
-  bool held_{false};
+  const OwnerPort& owner_;
 };
 
 }  // namespace haptic::server

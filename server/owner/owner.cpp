@@ -1,8 +1,8 @@
 #include "server/owner/owner.hpp"
 
-#include <utility>
+#include <spdlog/spdlog.h>
 
-#include "server/state/state_record.hpp"
+#include <utility>
 
 namespace haptic::server {
 namespace {
@@ -29,14 +29,17 @@ class Owner::Device final : public RecordListener {
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
-  void on_record(const core::TickRecord& record) override { owner_.on_record(*this, record); }
+  void on_record(const core::TickRecord& record) override {
+    tell_wrong_size(record.input.device.sample.q.size());
+    owner_.on_record(*this, record);
+  }
   void on_newest(const core::TickRecord& /*record*/) override {
     for (const auto& front : owner_.fronts()) front->on_newest(index, newest);
   }
 
   /// The drain stays awake at the end of a tick while a connected controller feels the wake-up.
   void watch_while_controlled() {
-    const bool controlled = sessions.lease().has_holder() && !sessions.lease().detached();
+    const bool controlled = sessions.lease().has_holder && !sessions.lease().detached;
     if (controlled == std::exchange(watched_, controlled)) return;
     owner_.telemetry_.watch(controlled ? 1 : -1);
   }
@@ -47,8 +50,17 @@ class Owner::Device final : public RecordListener {
   StateRecord newest{};  ///< the drain's
 
  private:
+  /// Once: the device stays INIT, because no fault names a sample that cannot be one.
+  void tell_wrong_size(Eigen::Index size) {
+    const auto expected = static_cast<Eigen::Index>(unit.device().info().dofs.size());
+    if (size == 0 || size == expected || std::exchange(told_, true)) return;
+    spdlog::error("{}: the device's sample is refused: q has {} values, must have {}, one per DoF",
+                  unit.name(), size, expected);
+  }
+
   Owner& owner_;
   bool watched_{false};
+  bool told_{false};  ///< that a sample has the wrong size
 };
 
 Owner::Owner(Telemetry& telemetry, unsigned max_sessions)
@@ -103,6 +115,12 @@ void Owner::begin_closing() {
   });
 }
 
+void Owner::loop_ended() {
+  serve([this](auto&) {
+    for (const auto& device : devices_) device->sessions.loop_ended();
+  });
+}
+
 void Owner::post(const Request& request) {
   serve([&](std::vector<Answer>& answers) { handle(request, answers); });
 }
@@ -122,10 +140,8 @@ void Owner::handle(const Request& request, std::vector<Answer>& answers) {
   }
   DeviceSessions& sessions = devices_[*device]->sessions;
   if (request.kind == Kind::kAdmitSession || request.kind == Kind::kAdmitWatch) {
-    const bool watch = request.kind == Kind::kAdmitWatch;
     const auto id =
-        registry_.admit(watch ? SessionRegistry::Kind::kWatch : SessionRegistry::Kind::kSession,
-                        *device, sessions.would_resume(request.session_id));
+        registry_.admit(request.kind, *device, sessions.would_resume(request.session_id));
     Answer& answer = answers.emplace_back(Answer{request.id});
     if (id) {
       answer.session_id = *id.value;
@@ -156,9 +172,9 @@ DeviceStatus Owner::status(std::size_t device) const {
     if (status.link_count == status.link.size()) break;
     status.link[status.link_count++] = {n.end, n.what, n.frames};
   }
-  status.sessions = registry_.count(SessionRegistry::Kind::kSession, device);
+  status.sessions = registry_.count(Request::Kind::kAdmitSession, device);
   const bool holder_listens = registry_.device_of(status.holder).has_value();
-  status.observers = status.sessions + registry_.count(SessionRegistry::Kind::kWatch, device) -
+  status.observers = status.sessions + registry_.count(Request::Kind::kAdmitWatch, device) -
                      (holder_listens ? 1U : 0U);
   return status;
 }
@@ -170,8 +186,7 @@ const StateRecord& Owner::newest(std::size_t device) const {
 void Owner::on_record(Device& device, const core::TickRecord& record) {
   serve([&](auto&) {
     device.sessions.step(record);
-    const DeviceSessions::Stamp stamp = device.sessions.stamp(record);
-    device.newest = state_record(record, stamp.carrier, stamp.lease_epoch);
+    device.newest = device.sessions.state(record);
   });
   for (const auto& front : fronts()) front->on_tick(device.index, device.newest);
 }

@@ -28,6 +28,9 @@ class Owner final : public OwnerPort {
   void add(DeviceUnit& unit, const SessionRules& rules);
   /// SIGTERM: DeviceSessions::begin_closing() of every device.
   void begin_closing();
+  /// The loop has ended, and the telemetry has drained: DeviceSessions::loop_ended() of every
+  /// device.
+  void loop_ended();
 
   [[nodiscard]] const std::vector<DeviceFacts>& devices() const noexcept override { return facts_; }
   void connect(std::weak_ptr<FrontPort> front) override;

@@ -19,47 +19,34 @@ Broadcaster::Broadcaster(WatchBudget budget, const DeviceFacts& device)
 
 void Broadcaster::add(std::shared_ptr<Subscriber> subscriber, std::uint32_t tenure) {
   const std::lock_guard lock(mutex_);
-  if (tenure == 0) {
-    others_.push_back(std::move(subscriber));
-  } else {
-    controllers_.push_back({tenure, std::move(subscriber)});
-  }
+  entries_.push_back({tenure, std::move(subscriber)});
 }
 
 void Broadcaster::remove(const Subscriber* subscriber) {
   std::shared_ptr<Subscriber> released;  // destroyed when the mutex is free again
   const std::lock_guard lock(mutex_);
-  const auto other = std::find_if(others_.begin(), others_.end(),
-                                  [&](const auto& s) { return s.get() == subscriber; });
-  if (other != others_.end()) {
-    released = std::move(*other);
-    others_.erase(other);
-  }
-  const auto controller =
-      std::find_if(controllers_.begin(), controllers_.end(),
-                   [&](const Controller& c) { return c.stream.get() == subscriber; });
-  if (controller != controllers_.end()) {
-    released = std::move(controller->stream);
-    controllers_.erase(controller);
-  }
-}
-
-void Broadcaster::demote_expired(const StateRecord& state) {
-  // A state from before the tenure knows an earlier one, and ends nothing.
-  const auto over = [&](const Controller& c) {
-    return state.tenure > c.tenure || (state.tenure == c.tenure && !state.lease_held);
-  };
-  for (Controller& controller : controllers_) {
-    if (over(controller)) others_.push_back(std::move(controller.stream));
-  }
-  std::erase_if(controllers_, [](const Controller& c) { return c.stream == nullptr; });
+  const auto entry = std::find_if(entries_.begin(), entries_.end(),
+                                  [&](const Entry& e) { return e.stream.get() == subscriber; });
+  if (entry == entries_.end()) return;
+  released = std::move(entry->stream);
+  entries_.erase(entry);
 }
 
 void Broadcaster::on_newest(const StateRecord& state) {
   const std::lock_guard lock(mutex_);
   frame_.begin(state);
-  demote_expired(state);
-  for (const Controller& controller : controllers_) controller.stream->offer(state, frame_, true);
+  others_.clear();
+  for (Entry& entry : entries_) {
+    // A state from before the tenure knows an earlier one, and ends nothing.
+    const bool over =
+        state.tenure > entry.tenure || (state.tenure == entry.tenure && !state.lease_held);
+    if (over) entry.tenure = 0;
+    if (entry.tenure == 0) {
+      others_.push_back(entry.stream.get());
+    } else {
+      entry.stream->offer(state, frame_, true);
+    }
+  }
 
   budget_.refill(state.now);
   const std::size_t n = others_.size();

@@ -51,20 +51,18 @@ class Broadcaster {
   void on_newest(const StateRecord& state);
 
  private:
-  struct Controller {
-    std::uint32_t tenure{0};
+  struct Entry {
+    std::uint32_t tenure{0};  ///< of the lease that it controls; 0: none, or it is over
     std::shared_ptr<Subscriber> stream{};
   };
-  void demote_expired(const StateRecord& state);
 
   WatchBudget budget_;
 
   std::mutex mutex_;
   StateFrame frame_;
-  std::vector<Controller> controllers_;
-  std::vector<std::shared_ptr<Subscriber>> others_;
-  std::size_t turn_{
-      0};  ///< which of the others is asked first: the first that got nothing last time
+  std::vector<Entry> entries_;
+  std::vector<Subscriber*> others_;  ///< without a lease; filled by each on_newest()
+  std::size_t turn_{0};  ///< which of them is asked first: the first that got nothing last time
 };
 
 }  // namespace haptic::server

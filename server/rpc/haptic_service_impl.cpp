@@ -4,25 +4,26 @@
 #include <spdlog/spdlog.h>
 
 #include <memory>
+#include <mutex>
 #include <numeric>
 #include <utility>
 
 #include "server/front/messages.hpp"
 #include "server/front/refusals.hpp"
 #include "server/rpc/peer.hpp"
+#include "server/rpc/reply.hpp"
 #include "server/rpc/session_stream.hpp"
-#include "server/rpc/status.hpp"
-#include "server/rpc/stop_round.hpp"
-#include "server/rpc/tick_reply.hpp"
 #include "server/rpc/watch_stream.hpp"
 
 namespace haptic::server {
 namespace {
 
+using Unary = grpc::ServerUnaryReactor;
+
 constexpr std::size_t kLongestReason = 200;
 
-grpc::ServerUnaryReactor* finished(grpc::CallbackServerContext* call, const grpc::Status& status) {
-  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+Unary* finished(grpc::CallbackServerContext* call, const grpc::Status& status) {
+  Unary* reactor = call->DefaultReactor();
   reactor->Finish(status);
   return reactor;
 }
@@ -42,6 +43,30 @@ Request by_session(Request::Kind kind, const std::string& id) {
   return request;
 }
 
+/// An emergency stop of several devices.
+struct StopRound {
+  std::mutex mutex{};
+  std::size_t open{0};
+  v1::EmergencyStopResponse stopped{};
+  std::string failed{};  ///< devices whose loop did not answer
+
+  /// True if this is the last answer.
+  bool take(const std::string& device, const Answer& answer) {
+    const std::lock_guard lock(mutex);
+    if (answer.refusal) {
+      failed += (failed.empty() ? "'" : ", '") + device + "'";
+    } else {
+      stopped.add_stopped(device);
+    }
+    return --open == 0;
+  }
+  [[nodiscard]] grpc::Status status() const {
+    if (failed.empty()) return grpc::Status::OK;
+    return to_status({Refusal::Code::kUnavailable, "NO_ANSWER",
+                      "the loop did not confirm the stop of " + failed});
+  }
+};
+
 Outcome<core::FaultSet> fault_set(const v1::ClearFaultRequest& request) {
   core::FaultSet faults;
   for (const std::uint32_t id : request.fault_ids()) {
@@ -55,9 +80,8 @@ Outcome<core::FaultSet> fault_set(const v1::ClearFaultRequest& request) {
 
 }  // namespace
 
-grpc::ServerUnaryReactor* HapticServiceImpl::GetServerInfo(grpc::CallbackServerContext* call,
-                                                           const v1::GetServerInfoRequest* request,
-                                                           v1::GetServerInfoResponse* response) {
+Unary* HapticServiceImpl::GetServerInfo(Call* call, const v1::GetServerInfoRequest* request,
+                                        v1::GetServerInfoResponse* response) {
   if (const auto status = oversized(*request)) return finished(call, *status);
   *response = to_proto(context_.server_facts());
   for (std::string& sentence : context_.weaknesses()) {
@@ -71,9 +95,8 @@ grpc::ServerUnaryReactor* HapticServiceImpl::GetServerInfo(grpc::CallbackServerC
   return finished(call, grpc::Status::OK);
 }
 
-grpc::ServerUnaryReactor* HapticServiceImpl::ListDevices(grpc::CallbackServerContext* call,
-                                                         const v1::ListDevicesRequest* request,
-                                                         v1::ListDevicesResponse* response) {
+Unary* HapticServiceImpl::ListDevices(Call* call, const v1::ListDevicesRequest* request,
+                                      v1::ListDevicesResponse* response) {
   if (const auto status = oversized(*request)) return finished(call, *status);
   for (std::size_t i = 0; i < context_.owner().devices().size(); ++i) {
     *response->add_devices() =
@@ -83,19 +106,18 @@ grpc::ServerUnaryReactor* HapticServiceImpl::ListDevices(grpc::CallbackServerCon
 }
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* HapticServiceImpl::Session(
-    grpc::CallbackServerContext* call) {
+    Call* call) {
   return SessionStream::begin(context_, peer_of(*call));
 }
 
-grpc::ServerWriteReactor<grpc::ByteBuffer>* HapticServiceImpl::Watch(
-    grpc::CallbackServerContext* /*call*/, const grpc::ByteBuffer* request) {
+grpc::ServerWriteReactor<grpc::ByteBuffer>* HapticServiceImpl::Watch(Call* /*call*/,
+                                                                     const Bytes* request) {
   return WatchStream::begin(context_, *request);
 }
 
-grpc::ServerUnaryReactor* HapticServiceImpl::ask(grpc::CallbackServerContext* call,
-                                                 const Request& request,
-                                                 std::function<void(const Answer&)> fill) {
-  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+Unary* HapticServiceImpl::ask(Call* call, const Request& request,
+                              std::function<void(const Answer&)> fill) {
+  Unary* reactor = call->DefaultReactor();
   const auto reply = std::make_shared<TickReply>(reactor);
   const std::uint64_t id =
       context_.ask(request, [reply, fill = std::move(fill)](const Answer& answer) {
@@ -108,23 +130,20 @@ grpc::ServerUnaryReactor* HapticServiceImpl::ask(grpc::CallbackServerContext* ca
   return reactor;
 }
 
-grpc::ServerUnaryReactor* HapticServiceImpl::Engage(grpc::CallbackServerContext* call,
-                                                    const v1::EngageRequest* request,
-                                                    v1::EngageResponse* /*response*/) {
+Unary* HapticServiceImpl::Engage(Call* call, const v1::EngageRequest* request,
+                                 v1::EngageResponse* /*response*/) {
   if (const auto status = oversized(*request)) return finished(call, *status);
   return ask(call, by_session(Request::Kind::kEngage, request->session_id()));
 }
 
-grpc::ServerUnaryReactor* HapticServiceImpl::Release(grpc::CallbackServerContext* call,
-                                                     const v1::ReleaseRequest* request,
-                                                     v1::ReleaseResponse* /*response*/) {
+Unary* HapticServiceImpl::Release(Call* call, const v1::ReleaseRequest* request,
+                                  v1::ReleaseResponse* /*response*/) {
   if (const auto status = oversized(*request)) return finished(call, *status);
   return ask(call, by_session(Request::Kind::kRelease, request->session_id()));
 }
 
-grpc::ServerUnaryReactor* HapticServiceImpl::UpdateSettings(
-    grpc::CallbackServerContext* call, const v1::UpdateSettingsRequest* message,
-    v1::UpdateSettingsResponse* response) {
+Unary* HapticServiceImpl::UpdateSettings(Call* call, const v1::UpdateSettingsRequest* message,
+                                         v1::UpdateSettingsResponse* response) {
   if (const auto status = oversized(*message)) return finished(call, *status);
   Request request = by_session(Request::Kind::kSettings, message->session_id());
   const auto settings = from_proto(*message);
@@ -135,9 +154,8 @@ grpc::ServerUnaryReactor* HapticServiceImpl::UpdateSettings(
   });
 }
 
-grpc::ServerUnaryReactor* HapticServiceImpl::GetLinkStats(grpc::CallbackServerContext* call,
-                                                          const v1::GetLinkStatsRequest* request,
-                                                          v1::GetLinkStatsResponse* response) {
+Unary* HapticServiceImpl::GetLinkStats(Call* call, const v1::GetLinkStatsRequest* request,
+                                       v1::GetLinkStatsResponse* response) {
   if (const auto status = oversized(*request)) return finished(call, *status);
   if (!request->device().empty()) {
     const auto target = context_.device(request->device());
@@ -149,9 +167,8 @@ grpc::ServerUnaryReactor* HapticServiceImpl::GetLinkStats(grpc::CallbackServerCo
   return finished(call, grpc::Status::OK);
 }
 
-grpc::ServerUnaryReactor* HapticServiceImpl::EmergencyStop(grpc::CallbackServerContext* call,
-                                                           const grpc::ByteBuffer* request,
-                                                           grpc::ByteBuffer* response) {
+Unary* HapticServiceImpl::EmergencyStop(Call* call, const grpc::ByteBuffer* request,
+                                        grpc::ByteBuffer* response) {
   std::vector<std::size_t> devices(context_.owner().devices().size());
   std::iota(devices.begin(), devices.end(), std::size_t{0});
   std::string reason = "by a request that could not be read";
@@ -165,17 +182,33 @@ grpc::ServerUnaryReactor* HapticServiceImpl::EmergencyStop(grpc::CallbackServerC
       devices = {*target.value};
     }
   }
-  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  stop_all(context_, devices, reason, reactor, response);
+  Unary* reactor = call->DefaultReactor();
+  const auto reply = std::make_shared<TickReply>(reactor);
+  const auto round = std::make_shared<StopRound>();
+  round->open = devices.size();
+  std::vector<std::uint64_t> asked;
+  for (const std::size_t device : devices) {
+    Request stop;
+    stop.kind = Request::Kind::kStop;
+    stop.device = static_cast<std::uint32_t>(device);
+    stop.text = reason;
+    const std::string& name = context_.facts(device).name;
+    asked.push_back(context_.ask(stop, [round, reply, response, &name](const Answer& answer) {
+      if (!round->take(name, answer)) return;
+      reply->finish(round->status(), [&] { *response = to_buffer(round->stopped); });
+    }));
+  }
+  reply->watch([this, asked = std::move(asked)] {
+    for (const std::uint64_t id : asked) context_.cancel(id);
+  });
   spdlog::warn("emergency stop of {}: {}",
                devices.size() == 1 ? context_.facts(devices[0]).name : "all",
                reason.empty() ? "no reason given" : "'" + reason + "'");
   return reactor;
 }
 
-grpc::ServerUnaryReactor* HapticServiceImpl::ClearFault(grpc::CallbackServerContext* call,
-                                                        const v1::ClearFaultRequest* request,
-                                                        v1::ClearFaultResponse* response) {
+Unary* HapticServiceImpl::ClearFault(Call* call, const v1::ClearFaultRequest* request,
+                                     v1::ClearFaultResponse* response) {
   if (const auto status = oversized(*request)) return finished(call, *status);
   const auto target = context_.device(request->device());
   if (!target) return finished(call, to_status(target.refusal));

@@ -25,40 +25,33 @@ class HapticServiceImpl final : public TypedCalls<RawCalls> {
  public:
   explicit HapticServiceImpl(ServiceContext& context) : context_(context) {}
 
-  grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* call,
-                                          const v1::GetServerInfoRequest* request,
-                                          v1::GetServerInfoResponse* response) override;
-  grpc::ServerUnaryReactor* ListDevices(grpc::CallbackServerContext* call,
-                                        const v1::ListDevicesRequest* request,
-                                        v1::ListDevicesResponse* response) override;
-  grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Session(
-      grpc::CallbackServerContext* call) override;
-  grpc::ServerWriteReactor<grpc::ByteBuffer>* Watch(grpc::CallbackServerContext* call,
-                                                    const grpc::ByteBuffer* request) override;
-  grpc::ServerUnaryReactor* Engage(grpc::CallbackServerContext* call,
-                                   const v1::EngageRequest* request,
-                                   v1::EngageResponse* response) override;
-  grpc::ServerUnaryReactor* Release(grpc::CallbackServerContext* call,
-                                    const v1::ReleaseRequest* request,
-                                    v1::ReleaseResponse* response) override;
-  grpc::ServerUnaryReactor* UpdateSettings(grpc::CallbackServerContext* call,
-                                           const v1::UpdateSettingsRequest* request,
-                                           v1::UpdateSettingsResponse* response) override;
-  grpc::ServerUnaryReactor* GetLinkStats(grpc::CallbackServerContext* call,
-                                         const v1::GetLinkStatsRequest* request,
-                                         v1::GetLinkStatsResponse* response) override;
-  /// A request that cannot be read stops every device.
-  grpc::ServerUnaryReactor* EmergencyStop(grpc::CallbackServerContext* call,
-                                          const grpc::ByteBuffer* request,
-                                          grpc::ByteBuffer* response) override;
-  grpc::ServerUnaryReactor* ClearFault(grpc::CallbackServerContext* call,
-                                       const v1::ClearFaultRequest* request,
-                                       v1::ClearFaultResponse* response) override;
+  using Call = grpc::CallbackServerContext;
+  using Unary = grpc::ServerUnaryReactor;
+  using Bytes = grpc::ByteBuffer;
+
+  Unary* GetServerInfo(Call* call, const v1::GetServerInfoRequest* request,
+                       v1::GetServerInfoResponse* response) override;
+  Unary* ListDevices(Call* call, const v1::ListDevicesRequest* request,
+                     v1::ListDevicesResponse* response) override;
+  grpc::ServerBidiReactor<Bytes, Bytes>* Session(Call* call) override;
+  grpc::ServerWriteReactor<Bytes>* Watch(Call* call, const Bytes* request) override;
+  Unary* Engage(Call* call, const v1::EngageRequest* request,
+                v1::EngageResponse* response) override;
+  Unary* Release(Call* call, const v1::ReleaseRequest* request,
+                 v1::ReleaseResponse* response) override;
+  Unary* UpdateSettings(Call* call, const v1::UpdateSettingsRequest* request,
+                        v1::UpdateSettingsResponse* response) override;
+  Unary* GetLinkStats(Call* call, const v1::GetLinkStatsRequest* request,
+                      v1::GetLinkStatsResponse* response) override;
+  /// A request that cannot be read stops every device. Every device gets its stop before any
+  /// answers; the call ends when the last of them has latched.
+  Unary* EmergencyStop(Call* call, const Bytes* request, Bytes* response) override;
+  Unary* ClearFault(Call* call, const v1::ClearFaultRequest* request,
+                    v1::ClearFaultResponse* response) override;
 
  private:
   /// Posts `request`; the owner's answer finishes the call, and `fill` writes the response.
-  grpc::ServerUnaryReactor* ask(grpc::CallbackServerContext* call, const Request& request,
-                                std::function<void(const Answer&)> fill = {});
+  Unary* ask(Call* call, const Request& request, std::function<void(const Answer&)> fill = {});
 
   ServiceContext& context_;
 };

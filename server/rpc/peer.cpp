@@ -6,17 +6,10 @@
 #include <algorithm>
 
 namespace haptic::server {
-namespace {
-
-bool starts_with(const std::string& text, const char* with) {
-  return text.rfind(with, 0) == 0;
-}
-
-}  // namespace
 
 bool is_this_host(const std::string& peer) {
   for (const char* local : {"unix:", "ipv4:127.", "ipv6:[::1]:", "ipv6:%5B::1%5D:"}) {
-    if (starts_with(peer, local)) return true;
+    if (peer.starts_with(local)) return true;
   }
   return false;
 }

@@ -9,8 +9,8 @@
 #include <mutex>
 #include <utility>
 
+#include "server/rpc/reply.hpp"
 #include "server/rpc/service_context.hpp"
-#include "server/rpc/status.hpp"
 
 namespace haptic::server {
 

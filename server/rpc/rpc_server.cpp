@@ -1,30 +1,40 @@
 #include "server/rpc/rpc_server.hpp"
 
+#include <google/protobuf/stubs/logging.h>
+#include <grpc/support/log.h>
+#include <grpcpp/alarm.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
 #include <utility>
 
 #include "haptic/core/error.hpp"
 #include "server/front/refusals.hpp"
 #include "server/net/listen_address.hpp"
-#include "server/rpc/credentials.hpp"
-#include "server/rpc/every.hpp"
+#include "server/net/tls_files.hpp"
 #include "server/rpc/haptic_service_impl.hpp"
-#include "server/rpc/health_keeper.hpp"
-#include "server/rpc/library_log.hpp"
 
 namespace haptic::server {
 namespace {
 
+using std::chrono::milliseconds;
+
 /// gRPC itself refuses larger messages, with its own words. Up to this size each call names the
 /// limit (too_large).
 constexpr int kLargestReceived = 4 * static_cast<int>(kLargestMessage);
+/// How often the health of the devices is looked at, so that a loop that has stopped is noticed.
+constexpr milliseconds kHealthPeriod{250};
+/// A device whose loop gave no record for longer is not served.
+constexpr milliseconds kSilence{500};
 
 /// As gRPC takes a time.
 int argument_ms(core::Duration time) {
-  return static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(time).count());
+  return static_cast<int>(std::chrono::duration_cast<milliseconds>(time).count());
 }
 
 void set_limits(grpc::ServerBuilder& builder, const RpcConfig& config) {
@@ -40,142 +50,204 @@ void set_limits(grpc::ServerBuilder& builder, const RpcConfig& config) {
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5'000);
 }
 
-}  // namespace
+/// Sends the messages of gRPC and protobuf to the server's log: by themselves they would write to
+/// standard error and wait for its reader. As debug, because the server reports in its own words
+/// why a call or a start failed, and the sender of a wrong message gets an answer.
+void take_library_logs() {
+  gpr_set_log_function([](gpr_log_func_args* word) { spdlog::debug("gRPC: {}", word->message); });
+  google::protobuf::SetLogHandler([](google::protobuf::LogLevel level, const char* /*file*/,
+                                     int /*line*/, const std::string& message) {
+    const bool fatal = level == google::protobuf::LOGLEVEL_FATAL;
+    spdlog::log(fatal ? spdlog::level::err : spdlog::level::debug, "protobuf: {}", message);
+  });
+}
 
-class RpcServer::Impl {
+/// The best protection that an address can have.
+Protection best_protection(const RpcConfig& config) {
+  if (!config.tls) {
+    return config.insecure_lab ? Protection::kInsecureLab : Protection::kThisHost;
+  }
+  return config.tls->client_ca.empty() ? Protection::kTls : Protection::kMutualTls;
+}
+
+/// Reads the files. Throws TransportError.
+std::shared_ptr<grpc::ServerCredentials> tls_credentials(const TlsConfig& config) {
+  TlsFiles files = load_tls(config);
+  grpc::SslServerCredentialsOptions options(
+      files.client_ca.empty() ? GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE
+                              : GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY);
+  options.pem_root_certs = std::move(files.client_ca);
+  options.pem_key_cert_pairs.push_back({std::move(files.key), std::move(files.certificate)});
+  return grpc::SslServerCredentials(options);
+}
+
+/// The device is open and the loop on time.
+bool serving(const DeviceStatus& status, core::TimePoint now) {
+  for (const core::Fault fault : {core::Fault::kDeviceSilent, core::Fault::kDeviceLost,
+                                  core::Fault::kLoopLate, core::Fault::kLateBucketFull}) {
+    if (status.faults.has(fault)) return false;
+  }
+  return status.state != core::LifecycleState::kInit &&
+         status.state != core::LifecycleState::kClosing && now - status.ticked < kSilence;
+}
+
+/// Keeps the standard health service true: overall "", and one entry per device.
+void report_health(grpc::HealthCheckServiceInterface& health, const OwnerPort& owner) {
+  const core::TimePoint now = steady_now();
+  bool all = true;
+  for (std::size_t i = 0; i < owner.devices().size(); ++i) {
+    const bool good = serving(owner.status(i), now);
+    all = all && good;
+    health.SetServingStatus(owner.devices()[i].name, good);
+  }
+  health.SetServingStatus("", all);
+}
+
+/// Calls `look` on gRPC's threads every `period`, counted from the end of the call before.
+class Every {
  public:
-  Impl(RpcConfig config, OwnerPort& owner, FactsProvider facts)
-      : shared_(std::make_shared<ServiceContext>(std::move(config), owner, std::move(facts))) {
-    owner.connect(shared_);
+  Every(milliseconds period, std::function<void()> look) : period_(period), look_(std::move(look)) {
+    const std::lock_guard lock(mutex_);
+    set_alarm();
   }
-
-  void start() {
-    take_library_logs();
-    const std::vector<std::string>& addresses = context_.config.listen;
-    if (addresses.empty()) throw core::TransportError("no listen address");
-    const Credentials credentials(context_.config.tls, context_.config.insecure_lab);
-    std::vector<Protection> protections;
-    protections.reserve(addresses.size());
-    for (const std::string& address : addresses) {
-      protections.push_back(check_listen_address(address, credentials.best()));
-    }
-    const std::string& udp = context_.config.udp_listen;
-    if (!udp.empty()) {
-      check_listen_address(udp, credentials.best());
-      context_.udp = std::make_unique<UdpPort>(udp, addresses, context_.config.clock);
-    }
-
-    grpc::EnableDefaultHealthCheckService(true);
-    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-    grpc::ServerBuilder builder;
-    set_limits(builder, context_.config);
-    std::vector<int> ports(addresses.size(), 0);
-    for (std::size_t i = 0; i < addresses.size(); ++i) {
-      builder.AddListeningPort(addresses[i], credentials.of(protections[i]), &ports[i]);
-    }
-    builder.RegisterService(&service_);
-    server_ = builder.BuildAndStart();
-    for (std::size_t i = 0; i < addresses.size(); ++i) {
-      if (ports[i] != 0) continue;
-      if (server_) server_->Shutdown();
-      server_.reset();
-      throw core::TransportError("listen address '" + addresses[i] +
-                                 "': cannot be bound (in use, or not an address of this host)");
-    }
-    if (!server_) throw core::TransportError("the gRPC server did not start");
-    for (std::size_t i = 0; i < addresses.size(); ++i) {
-      bound_.push_back(with_port(addresses[i], ports[i]));
-      served_.push_back(bound_.back() + " (" + word(protections[i]) + ")");
-      std::string weak = weakness(bound_.back(), protections[i]);
-      if (!weak.empty()) context_.add_weakness(std::move(weak));
-    }
-    if (context_.udp) context_.udp->start();
-    health_ = std::make_unique<HealthKeeper>(*server_->GetHealthCheckService(), context_.owner());
-    const auto a_fifth =
-        std::chrono::duration_cast<std::chrono::milliseconds>(context_.config.open_within / 5);
-    overdue_ = std::make_unique<Every>(a_fifth,
-                                       [this] { context_.end_overdue(context_.config.clock({})); });
+  /// Waits for a call that is under way; not from inside one.
+  ~Every() {
+    std::unique_lock lock(mutex_);
+    stopping_ = true;
+    alarm_->Cancel();
+    idle_.wait(lock, [&] { return !waiting_; });
   }
-
-  void shutdown(core::Duration grace) {
-    if (!server_) return;
-    overdue_.reset();
-    health_.reset();
-    context_.streams.close_all();
-    server_->Shutdown(std::chrono::system_clock::now() +
-                      std::chrono::duration_cast<std::chrono::system_clock::duration>(grace));
-    server_.reset();
-    context_.streams.wait_until_gone();
-    context_.udp.reset();  // no session has a path any more
-    bound_.clear();
-    served_.clear();
-  }
-
-  [[nodiscard]] std::vector<std::string> bound() const { return bound_; }
-  [[nodiscard]] std::vector<std::string> served() const { return served_; }
-  [[nodiscard]] std::vector<std::string> weaknesses() const { return context_.weaknesses(); }
-  [[nodiscard]] std::uint16_t udp_port() const {
-    return context_.udp ? context_.udp->port() : std::uint16_t{0};
-  }
-  [[nodiscard]] unsigned sessions() const { return context_.sessions(); }
-  [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> dropped_datagrams() const {
-    std::vector<std::pair<std::string, std::uint64_t>> answer;
-    if (!context_.udp) return answer;
-    for (std::size_t i = 1; i < wire::kRejections; ++i) {
-      const auto why = static_cast<wire::Rejection>(i);
-      answer.emplace_back(wire::name(why), context_.udp->dropped(why));
-    }
-    return answer;
-  }
+  Every(const Every&) = delete;
+  Every& operator=(const Every&) = delete;
 
  private:
-  const std::shared_ptr<ServiceContext> shared_;  ///< the owner may be calling it still
-  ServiceContext& context_{*shared_};
-  HapticServiceImpl service_{context_};
-  std::unique_ptr<grpc::Server> server_;
-  std::unique_ptr<HealthKeeper> health_;
-  std::unique_ptr<Every> overdue_;
-  std::vector<std::string> bound_;
-  std::vector<std::string> served_;
+  void set_alarm() {
+    waiting_ = true;
+    alarm_ = std::make_unique<grpc::Alarm>();
+    alarm_->Set(std::chrono::system_clock::now() + period_, [this](bool rang) {
+      if (rang) look_();
+      const std::lock_guard lock(mutex_);
+      if (rang && !stopping_) return set_alarm();
+      waiting_ = false;
+      idle_.notify_all();
+    });
+  }
+
+  const milliseconds period_;
+  const std::function<void()> look_;
+  std::mutex mutex_;
+  std::condition_variable idle_;
+  bool stopping_{false};
+  bool waiting_{false};
+  std::unique_ptr<grpc::Alarm> alarm_;
+};
+
+}  // namespace
+
+/// What gRPC's headers are needed for.
+struct RpcServer::Grpc {
+  Grpc(RpcConfig config, OwnerPort& owner, FactsProvider facts)
+      : shared(std::make_shared<ServiceContext>(std::move(config), owner, std::move(facts))) {
+    owner.connect(shared);
+  }
+
+  const std::shared_ptr<ServiceContext> shared;  ///< the owner may be calling it still
+  ServiceContext& context{*shared};
+  HapticServiceImpl service{context};
+  std::unique_ptr<grpc::Server> server{};
+  std::unique_ptr<Every> looks{};
 };
 
 RpcServer::RpcServer(RpcConfig config, OwnerPort& owner, FactsProvider facts)
-    : impl_(std::make_unique<Impl>(std::move(config), owner, std::move(facts))) {}
+    : grpc_(std::make_unique<Grpc>(std::move(config), owner, std::move(facts))) {}
 
 RpcServer::~RpcServer() {
-  impl_->shutdown(std::chrono::seconds(1));
+  shutdown(std::chrono::seconds(1));
 }
 
 void RpcServer::start() {
-  impl_->start();
-}
+  take_library_logs();
+  ServiceContext& context = grpc_->context;
+  const RpcConfig& config = context.config;
+  if (config.listen.empty()) throw core::TransportError("no listen address");
+  const auto tls = config.tls ? tls_credentials(*config.tls) : nullptr;
+  const Protection best = best_protection(config);
+  std::vector<Protection> protections;
+  for (const std::string& address : config.listen) {
+    protections.push_back(check_listen_address(address, best));
+  }
+  if (!config.udp_listen.empty()) {
+    check_listen_address(config.udp_listen, best);
+    context.udp = std::make_unique<UdpPort>(config.udp_listen, config.listen, config.clock);
+  }
 
-std::vector<std::string> RpcServer::bound_addresses() const {
-  return impl_->bound();
-}
-
-std::vector<std::string> RpcServer::served() const {
-  return impl_->served();
-}
-
-std::vector<std::string> RpcServer::weaknesses() const {
-  return impl_->weaknesses();
-}
-
-std::uint16_t RpcServer::udp_port() const {
-  return impl_->udp_port();
-}
-
-unsigned RpcServer::sessions() const {
-  return impl_->sessions();
-}
-
-std::vector<std::pair<std::string, std::uint64_t>> RpcServer::dropped_datagrams() const {
-  return impl_->dropped_datagrams();
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::ServerBuilder builder;
+  set_limits(builder, config);
+  std::vector<int> ports(config.listen.size(), 0);
+  for (std::size_t i = 0; i < ports.size(); ++i) {
+    const bool encrypted = tls && protections[i] == best;
+    builder.AddListeningPort(config.listen[i], encrypted ? tls : grpc::InsecureServerCredentials(),
+                             &ports[i]);
+  }
+  builder.RegisterService(&grpc_->service);
+  grpc_->server = builder.BuildAndStart();
+  const auto unbound = std::find(ports.begin(), ports.end(), 0);
+  if (unbound != ports.end()) {
+    if (grpc_->server) grpc_->server->Shutdown();
+    grpc_->server.reset();
+    const auto i = static_cast<std::size_t>(unbound - ports.begin());
+    throw core::TransportError("listen address '" + config.listen[i] +
+                               "': cannot be bound (in use, or not an address of this host)");
+  }
+  if (!grpc_->server) throw core::TransportError("the gRPC server did not start");
+  for (std::size_t i = 0; i < ports.size(); ++i) {
+    bound_.push_back(with_port(config.listen[i], ports[i]));
+    served_.push_back(bound_.back() + " (" + word(protections[i]) + ")");
+    std::string weak = weakness(bound_.back(), protections[i]);
+    if (!weak.empty()) context.add_weakness(std::move(weak));
+  }
+  if (context.udp) context.udp->start();
+  const auto look = [&context, &health = *grpc_->server->GetHealthCheckService()] {
+    report_health(health, context.owner());
+    context.end_overdue(context.config.clock({}));
+  };
+  look();
+  const auto a_fifth = std::chrono::duration_cast<milliseconds>(config.open_within / 5);
+  grpc_->looks = std::make_unique<Every>(std::min(kHealthPeriod, a_fifth), look);
 }
 
 void RpcServer::shutdown(core::Duration grace) {
-  impl_->shutdown(grace);
+  if (!grpc_->server) return;
+  grpc_->looks.reset();
+  grpc_->server->GetHealthCheckService()->SetServingStatus(false);
+  grpc_->context.streams.close_all();
+  grpc_->server->Shutdown(std::chrono::system_clock::now() +
+                          std::chrono::duration_cast<std::chrono::system_clock::duration>(grace));
+  grpc_->server.reset();
+  grpc_->context.streams.wait_until_gone();
+  grpc_->context.udp.reset();  // no session has a path any more
+  bound_.clear();
+  served_.clear();
+}
+
+std::vector<std::string> RpcServer::weaknesses() const {
+  return grpc_->context.weaknesses();
+}
+
+std::uint16_t RpcServer::udp_port() const {
+  return grpc_->context.udp ? grpc_->context.udp->port() : std::uint16_t{0};
+}
+
+std::vector<std::pair<std::string, std::uint64_t>> RpcServer::dropped_datagrams() const {
+  std::vector<std::pair<std::string, std::uint64_t>> answer;
+  if (!grpc_->context.udp) return answer;
+  for (std::size_t i = 1; i < wire::kRejections; ++i) {
+    const auto why = static_cast<wire::Rejection>(i);
+    answer.emplace_back(wire::name(why), grpc_->context.udp->dropped(why));
+  }
+  return answer;
 }
 
 }  // namespace haptic::server

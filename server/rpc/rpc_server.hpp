@@ -1,6 +1,7 @@
 #pragma once
-/// HapticService on its addresses, with the standard health service and reflection. gRPC and
-/// protobuf stay behind this header.
+/// HapticService on its addresses, with reflection and the standard health service: SERVING while
+/// every device is open and the loop on time (a record within 500 ms, a state other than INIT and
+/// CLOSING, no fault of a device's link or of the loop). gRPC and protobuf stay behind this header.
 
 #include <memory>
 #include <optional>
@@ -14,9 +15,23 @@
 #include "server/crossing/ports.hpp"
 #include "server/crossing/server_facts.hpp"
 #include "server/crossing/tls_config.hpp"
-#include "server/rpc/keep_alive.hpp"
 
 namespace haptic::server {
+
+/// How long a connection lives whose far end gives no sign of life (proto/README.md, "Every
+/// limit"). Force does not wait for that: liveness is the data
+/// (proto/README.md#staleness-and-gain). This only gives its memory back.
+struct KeepAlive {
+  /// A far end that was silent this long is asked for a sign of life (an HTTP/2 PING).
+  core::Duration ask_after{std::chrono::seconds(10)};
+  /// It has this long to answer. Well above 5 s: at that pace gRPC looks after the connection of a
+  /// client without an open call, and what that asks next must not find it closed.
+  core::Duration answer_within{std::chrono::seconds(20)};
+
+  [[nodiscard]] constexpr core::Duration given_up_after() const {
+    return ask_after + answer_within;
+  }
+};
 
 struct RpcConfig {
   /// "host:port" (port 0: any free one) or "unix:/path". Without TLS only loopback and UNIX
@@ -63,15 +78,13 @@ class RpcServer {
   /// allowed without TLS; or the file of TLS that is wrong.
   void start();
   /// The addresses as served, ports filled in; empty before start().
-  [[nodiscard]] std::vector<std::string> bound_addresses() const;
+  [[nodiscard]] const std::vector<std::string>& bound_addresses() const noexcept { return bound_; }
   /// The same with a word on what protects each, for people.
-  [[nodiscard]] std::vector<std::string> served() const;
+  [[nodiscard]] const std::vector<std::string>& served() const noexcept { return served_; }
   /// What is not protected, a sentence each.
   [[nodiscard]] std::vector<std::string> weaknesses() const;
   /// The UDP path's; 0 if there is none.
   [[nodiscard]] std::uint16_t udp_port() const;
-  /// Session streams that are open.
-  [[nodiscard]] unsigned sessions() const;
   /// Datagrams dropped since the start, by reason ("TAG", ...); empty without a UDP path.
   [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> dropped_datagrams() const;
   /// Refuses new calls, ends streams (UNAVAILABLE), waits for at most `grace`, then cancels.
@@ -79,8 +92,9 @@ class RpcServer {
   void shutdown(core::Duration grace);
 
  private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
+  struct Grpc;
+  std::unique_ptr<Grpc> grpc_;
+  std::vector<std::string> bound_{}, served_{};
 };
 
 }  // namespace haptic::server

@@ -26,7 +26,7 @@ SessionStream* SessionStream::begin(ServiceContext& context, Peer peer) {
                            "streams without a session: all " + places +
                                " places are taken, and this one waited longest",
                            {},
-                           {{"limit", places}}});
+                           {{{"limit", places}}}});
   }
   stream->StartRead(&stream->incoming_);
   context.streams.add(stream);

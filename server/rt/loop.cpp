@@ -18,28 +18,13 @@ LoopBody::LoopBody(std::vector<DeviceUnit*> units, Bell& end_of_tick, core::Dura
       finish_by_ns_(std::numeric_limits<std::int64_t>::max()) {}
 
 void LoopBody::run() noexcept {
-  if (samples_ != nullptr) {
-    run_by_samples(*samples_);
-  } else {
-    run_by_timer();
-  }
-}
-
-void LoopBody::run_by_timer() noexcept {
-  DeadlineGrid grid(clock_.now() + period_, period_);
+  const core::Duration patience = samples_ != nullptr ? period_ / 4 : core::Duration(0);
+  SampleGrid grid(clock_.now() + period_, period_, patience);
   for (;;) {
-    const Wake wake = clock_.wait_until(grid.deadline());
-    tick(wake, grid.wake(wake.now, wake.suspended));
-    if (finished(wake.now)) return;
-  }
-}
-
-void LoopBody::run_by_samples(hw::SampleSignal& samples) noexcept {
-  SampleGrid grid(clock_.now() + period_, period_);
-  for (;;) {
-    const Wake wake = next_sample(samples, grid);
+    const Wake wake =
+        samples_ != nullptr ? next_sample(*samples_, grid) : clock_.wait_until(grid.latest());
     const SampleGrid::Tick due = grid.wake(wake.now, wake.suspended, wake.arrival);
-    samples.forget();  // what came while we woke up is read by this tick
+    if (samples_ != nullptr) samples_->forget();  // what came while we woke up is read by this tick
     tick(wake, due.report);
     if (due.by_sample) paced_by_sample_.fetch_add(1, std::memory_order_release);
     if (finished(wake.now)) return;

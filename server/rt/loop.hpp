@@ -18,7 +18,6 @@
 
 #include "server/base/bell.hpp"
 #include "server/base/rolling_histogram.hpp"
-#include "server/rt/deadline_grid.hpp"
 #include "server/rt/device_unit.hpp"
 #include "server/rt/loop_clock.hpp"
 #include "server/rt/realtime.hpp"
@@ -51,8 +50,6 @@ class LoopBody {
   [[nodiscard]] LoopStatistics statistics() const noexcept;
 
  private:
-  void run_by_timer() noexcept;
-  void run_by_samples(hw::SampleSignal& samples) noexcept;
   [[nodiscard]] Wake next_sample(hw::SampleSignal& samples, const SampleGrid& grid) noexcept;
   void tick(const Wake& wake, const core::LoopReport& report) noexcept;
   [[nodiscard]] bool finished(core::TimePoint now) const noexcept;

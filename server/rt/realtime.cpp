@@ -1,5 +1,6 @@
 #include "server/rt/realtime.hpp"
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <vector>
@@ -20,16 +21,19 @@ std::string error_text(int error) {
   return std::string(short_name != nullptr ? short_name : "error") + ": " + strerrordesc_np(error);
 }
 
-std::string kilobytes(std::uint64_t bytes) {
-  return std::to_string(bytes / 1024) + " KB";
-}
-
 /// The parts of one explanation.
 struct Account {
   std::vector<std::string> granted{};
   std::vector<std::string> refused{};
   std::vector<std::string> notes{};
 };
+
+/// True if `what` was granted; else the account says why not, and what that means.
+bool granted(Account& account, const std::string& what, int error, const std::string& meaning) {
+  if (error == 0) return true;
+  account.refused.push_back(what + " refused (" + error_text(error) + "): " + meaning);
+  return false;
+}
 
 std::string why_fifo_was_refused(int error, RealtimeHost& host) {
   std::string why = error_text(error);
@@ -78,44 +82,28 @@ void ask_for_fifo(const RealtimeRequest& request, RealtimeHost& host, RealtimeGr
 /// MCL_FUTURE under a limit that binds would fail the next thread's stack, and with it the process:
 /// then nothing is locked.
 void ask_for_memory(RealtimeHost& host, RealtimeGrant& grant, Account& account) {
-  const std::string meaning = ": a page fault may delay a tick";
+  const std::string meaning = "a page fault may delay a tick";
   if (host.memory_limit().soft && !host.may_lock_any_memory()) {
     if (!host.memory_limit().hard) host.raise_memory_limit();
     if (const auto limit = host.memory_limit().soft) {
-      account.refused.push_back("memory locking refused (RLIMIT_MEMLOCK is " + kilobytes(*limit) +
-                                ", must be unlimited, or CAP_IPC_LOCK held)" + meaning);
+      account.refused.push_back("memory locking refused (RLIMIT_MEMLOCK is " +
+                                std::to_string(*limit / 1024) +
+                                " KB, must be unlimited, or CAP_IPC_LOCK held): " + meaning);
       return;
     }
   }
-  const int error = host.lock_memory();
-  if (error != 0) {
-    account.refused.push_back("memory locking refused (" + error_text(error) + ")" + meaning);
-    return;
-  }
-  grant.facts.memory_locked = true;
-  account.granted.emplace_back("memory locked");
+  grant.facts.memory_locked = granted(account, "memory locking", host.lock_memory(), meaning);
+  if (grant.facts.memory_locked) account.granted.emplace_back("memory locked");
 }
 
-void ask_for_cpu(const RealtimeRequest& request, RealtimeHost& host, RealtimeGrant& grant,
-                 Account& account) {
-  if (!request.cpu) return;
-  const int error = host.set_cpu(*request.cpu);
-  if (error != 0) {
-    account.refused.push_back("pinning to CPU " + std::to_string(*request.cpu) + " refused (" +
-                              error_text(error) + "): the loop may move between CPUs");
+void ask_for_cpu(int cpu, RealtimeHost& host, RealtimeGrant& grant, Account& account) {
+  const std::string number = std::to_string(cpu);
+  if (!granted(account, "pinning to CPU " + number, host.set_cpu(cpu),
+               "the loop may move between CPUs")) {
     return;
   }
-  grant.facts.cpu = *request.cpu;
-  account.granted.push_back("pinned to CPU " + std::to_string(*request.cpu));
-}
-
-void ask_for_timer_slack(RealtimeHost& host, RealtimeGrant& grant, Account& account) {
-  const int error = host.set_timer_slack_ns(1);
-  grant.facts.timer_slack = error == 0;
-  if (error != 0) {
-    account.refused.push_back("timer slack of 1 ns refused (" + error_text(error) +
-                              "): wake-ups may be late by 50 us");
-  }
+  grant.facts.cpu = cpu;
+  account.granted.push_back("pinned to CPU " + number);
 }
 
 void append(std::string& text, const std::vector<std::string>& parts, const char* separator) {
@@ -148,23 +136,17 @@ std::string explain(const RealtimeRequest& request, const RealtimeGrant& grant,
 }  // namespace
 
 std::string_view name(RealtimeMode mode) noexcept {
-  switch (mode) {
-    case RealtimeMode::kRequire:
-      return "require";
-    case RealtimeMode::kTry:
-      return "try";
-    case RealtimeMode::kOff:
-      return "off";
-  }
-  return "?";
+  static constexpr std::array<std::string_view, 3> kNames{"require", "try", "off"};
+  return kNames[static_cast<std::size_t>(mode)];
 }
 
 RealtimeGrant apply_realtime(const RealtimeRequest& request, RealtimeHost& host) {
   RealtimeGrant grant;
   grant.facts.requested = name(request.mode);
   Account account;
-  ask_for_timer_slack(host, grant, account);
-  ask_for_cpu(request, host, grant, account);
+  grant.facts.timer_slack = granted(account, "timer slack of 1 ns", host.set_timer_slack_ns(1),
+                                    "wake-ups may be late by 50 us");
+  if (request.cpu) ask_for_cpu(*request.cpu, host, grant, account);
   if (request.mode != RealtimeMode::kOff) {
     ask_for_fifo(request, host, grant, account);
     ask_for_memory(host, grant, account);

@@ -1,8 +1,8 @@
 #pragma once
-/// When a loop ticks that a device's samples pace: with each sample as it comes, and by the timer
-/// where none does. The timer has patience: by default a quarter of a period after a sample was
-/// due. While a device is silent its ticks go on a period apart, so that nothing that counts on
-/// time stands still.
+/// When the loop ticks: by the timer alone, on a fixed grid first + n period; or with each sample
+/// of a device as it comes, and by the timer if none does. Then the timer has patience: a quarter
+/// of a period after a sample was due. While a device is silent its ticks go on a period apart, so
+/// that nothing that counts on time stands still.
 ///
 ///   earliest   a period less the patience after the last tick was due; after a tick of the timer's
 ///              that is when a sample comes that is on time again. Samples that come in a heap, or
@@ -11,11 +11,11 @@
 ///   latest     the patience after the next sample is expected: the timer's
 ///
 /// A quarter: less leaves ticks to the timer that a link's jitter would have brought a sample, more
-/// lets ticks be further apart, and older samples be used, where one is lost
-/// (server/README.md).
+/// lets ticks be further apart, and older samples be used, if one is lost (server/README.md).
 ///
-/// A tick is due when its sample came, or at `latest`; lateness counts from there. As on
-/// DeadlineGrid, due times that have passed meanwhile are skipped and counted, never made up for.
+/// A tick is due when its sample came, or at `latest`; lateness counts from there. A tick that
+/// comes late never moves the timer's grid, and due times that have passed meanwhile are skipped
+/// and counted, never made up for.
 
 #include <optional>
 
@@ -26,10 +26,11 @@ namespace haptic::server {
 
 class SampleGrid {
  public:
-  /// `first`: when the first sample is expected. period > 0.
+  /// With the patience of a quarter of a period.
   SampleGrid(core::TimePoint first, core::Duration period)
       : SampleGrid(first, period, period / 4) {}
-  /// 0 < patience <= period / 2.
+  /// `first`: when the first sample is expected, or the timer's first tick. period > 0;
+  /// 0 <= patience <= period / 2, 0 for the timer alone.
   SampleGrid(core::TimePoint first, core::Duration period, core::Duration patience)
       : previous_(first - period), expected_(first), period_(period), patience_(patience) {}
 

@@ -7,37 +7,21 @@
 namespace haptic::server {
 namespace {
 
-constexpr core::Fault kFaults[] = {
-    core::Fault::kDeviceSilent,     core::Fault::kDeviceLost,     core::Fault::kSampleNotFinite,
-    core::Fault::kSampleOutOfRange, core::Fault::kLoopLate,       core::Fault::kLateBucketFull,
-    core::Fault::kEmergencyStop,    core::Fault::kForceOverLimit, core::Fault::kOutputNotFinite,
+struct FaultSentence {
+  core::Fault fault;
+  const char* sentence;
 };
-
-std::string fault_sentence(core::Fault fault, const core::TickRecord& record,
-                           const std::string& stop_reason) {
-  switch (fault) {
-    case core::Fault::kDeviceSilent:
-      return "the device gave no sample for longer than it may";
-    case core::Fault::kDeviceLost:
-      return "the device, or the link to it, is gone";
-    case core::Fault::kSampleNotFinite:
-      return "the device reported a value that is no number";
-    case core::Fault::kSampleOutOfRange:
-      return "the device reported a value outside its range";
-    case core::Fault::kLoopLate:
-      return "the loop woke up " + measured_ms(record.input.loop.lateness) + " late";
-    case core::Fault::kLateBucketFull:
-      return "the loop was late too often";
-    case core::Fault::kEmergencyStop:
-      return stop_reason.empty() ? "an emergency stop was asked for"
-                                 : "emergency stop: " + stop_reason;
-    case core::Fault::kForceOverLimit:
-      return "the device measured more force than it may give";
-    case core::Fault::kOutputNotFinite:
-      return "the computed command was no number";
-  }
-  return "unknown fault";
-}
+constexpr FaultSentence kFaults[] = {
+    {core::Fault::kDeviceSilent, "the device gave no sample for longer than it may"},
+    {core::Fault::kDeviceLost, "the device, or the link to it, is gone"},
+    {core::Fault::kSampleNotFinite, "the device reported a value that is no number"},
+    {core::Fault::kSampleOutOfRange, "the device reported a value outside its range"},
+    {core::Fault::kLoopLate, ""},  // with its lateness, in step()
+    {core::Fault::kLateBucketFull, "the loop was late too often"},
+    {core::Fault::kEmergencyStop, "an emergency stop was asked for"},
+    {core::Fault::kForceOverLimit, "the device measured more force than it may give"},
+    {core::Fault::kOutputNotFinite, "the computed command was no number"},
+};
 
 /// Limits of single actuators. The others concern the proxy and are a field of every state.
 constexpr core::Limiter kActuatorLimiters[] = {
@@ -85,12 +69,17 @@ void EventDetector::step(const core::TickRecord& record, const std::string& stop
     events.push_back({kind, record.input.now, reason, message, record.life.state,
                       command.lease_held ? command.tenure : 0});
   };
-  for (const core::Fault fault : kFaults) {
+  for (const auto& [fault, sentence] : kFaults) {
     const bool now = record.faults().has(fault);
     const bool before = faults_.has(fault);
     if (now && !before) {
-      add(DeviceEvent::Kind::kFault, core::reason(fault),
-          fault_sentence(fault, record, stop_reason));
+      std::string message = sentence;
+      if (fault == core::Fault::kLoopLate) {
+        message = "the loop woke up " + measured_ms(record.input.loop.lateness) + " late";
+      } else if (fault == core::Fault::kEmergencyStop && !stop_reason.empty()) {
+        message = "emergency stop: " + stop_reason;
+      }
+      add(DeviceEvent::Kind::kFault, core::reason(fault), message);
     } else if (before && !now) {
       add(DeviceEvent::Kind::kFaultCleared, core::reason(fault), "fault cleared");
     }

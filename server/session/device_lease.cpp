@@ -17,7 +17,7 @@ Refusal held_by(const std::string& device, const ClientName& holder, Priority pr
           "LEASE_HELD",
           "device '" + device + "' is controlled by '" + holder.str() + "'",
           {},
-          {{"device", device}, {"holder", holder}, {"priority", name(priority)}}};
+          {{{"device", device}, {"holder", holder}, {"priority", name(priority)}}}};
 }
 
 std::string quoted(const ClientName& name) {
@@ -25,10 +25,6 @@ std::string quoted(const ClientName& name) {
 }
 
 }  // namespace
-
-Refusal closing() {
-  return {Refusal::Code::kUnavailable, "CLOSING", "the server is shutting down"};
-}
 
 void DeviceSessions::close(const Request& request) {
   const SessionId& session = request.session_id;
@@ -41,11 +37,11 @@ void DeviceSessions::close(const Request& request) {
   }
   if (!lease_.held_by(session)) return;
   const bool lost = request.kind == Request::Kind::kLose;
-  if (lost && !waits && lease_.resumable() && !command_.closing) {
-    lease_.detach();
-    tell_lease("LEASE_DETACHED", quoted(lease_.client_name()) + " lost its stream");
+  if (lost && !waits && lease_.resumable && !command_.closing) {
+    lease_.detached = true;
+    tell_lease("LEASE_DETACHED", quoted(lease_.client_name) + " lost its stream");
   } else {
-    tell_lease("LEASE_ENDED", quoted(lease_.client_name()) + " left");
+    tell_lease("LEASE_ENDED", quoted(lease_.client_name) + " left");
     end_lease();
   }
 }
@@ -57,7 +53,7 @@ void DeviceSessions::open(const Request& asked) {
       lease_staleness(request, unit_.config().scene.staleness, rules_.fresh_end);
   const std::string& device = unit_.name();
   if (command_.closing) {
-    answer(asked.id, closing());
+    answer(asked.id, kClosing);
   } else if (!limits) {
     answer(asked.id, limits.refusal);
   } else if (resumes(request.resume)) {
@@ -65,7 +61,7 @@ void DeviceSessions::open(const Request& asked) {
   } else if (newcomer_ && request.priority <= newcomer_->request.priority) {
     answer(asked.id, held_by(device, newcomer_->request.client_name, newcomer_->request.priority));
   } else if (!lease_.yields_to(request.priority)) {
-    answer(asked.id, held_by(device, lease_.client_name(), lease_.priority()));
+    answer(asked.id, held_by(device, lease_.client_name, lease_.priority));
   } else {
     wait_for_lease({asked.id, request, *limits.value, asked.time + kNewcomerPatience, {}, false},
                    asked.time);
@@ -91,14 +87,14 @@ bool DeviceSessions::would_resume(const SessionId& resume) const noexcept {
 }
 
 bool DeviceSessions::resumes(const SessionId& former) const noexcept {
-  return !former.empty() && !newcomer_ && lease_.resumable() && lease_.held_by(former);
+  return !former.empty() && !newcomer_ && lease_.resumable && lease_.held_by(former);
 }
 
 /// Age, gain, settings and limits stay as they are: the loop notices nothing. The former stream, if
 /// it still stands (its end may be known to the client only), goes on as an observer's.
 void DeviceSessions::resume_lease(const LeaseRequest& request, core::TimePoint now,
                                   std::uint64_t id) {
-  if (pending_.lease_ended(lease_.session_id(), out_.answers)) {
+  if (pending_.lease_ended(lease_.session_id, out_.answers)) {
     // A client that was told that its Engage failed must not feel it act.
     ++command_.release_id;
     post();
@@ -106,7 +102,7 @@ void DeviceSessions::resume_lease(const LeaseRequest& request, core::TimePoint n
   const std::uint32_t epoch = lease_.resume(request, now, ingress_.last_accepted());
   ingress_.renew_lease(epoch);
   tell_lease("LEASE_RESUMED", quoted(request.client_name) + " is back");
-  answer(id).lease = {epoch, settings_.staleness, lease_.tenure(), true, ingress_.newest_seq(), {}};
+  answer(id).lease = {epoch, settings_.staleness, lease_.tenure, true, ingress_.newest_seq(), {}};
 }
 
 /// The newcomer has the lease at g = 0. If it takes the lease from a holder, the holder's samples
@@ -114,20 +110,20 @@ void DeviceSessions::resume_lease(const LeaseRequest& request, core::TimePoint n
 /// force fades out from the gain it has.
 void DeviceSessions::wait_for_lease(Newcomer newcomer, core::TimePoint now) {
   const LeaseRequest& by = newcomer.request;
-  ClientName taken_from = lease_.client_name();
+  ClientName taken_from = lease_.client_name;
   if (newcomer_) {
     taken_from = newcomer_->taken_from;
     refuse_newcomer(held_by(unit_.name(), by.client_name, by.priority));
   }
-  if (lease_.has_holder()) {
+  if (lease_.has_holder) {
     newcomer.taken_from = taken_from;
-    tell_lease("LEASE_PREEMPTED", quoted(lease_.client_name()) + " lost the device to " +
+    tell_lease("LEASE_PREEMPTED", quoted(lease_.client_name) + " lost the device to " +
                                       quoted(by.client_name) + " (" + server::name(by.priority) +
                                       ")");
     end_lease();
     lease_.grant(by, now);
     newcomer.granted = true;
-    command_.tenure = lease_.tenure();
+    command_.tenure = lease_.tenure;
     command_.lease_held = true;
     post();
   }
@@ -138,7 +134,7 @@ void DeviceSessions::wait_for_lease(Newcomer newcomer, core::TimePoint now) {
 void DeviceSessions::grant_newcomer(core::TimePoint now) {
   const Newcomer newcomer = *std::exchange(newcomer_, std::nullopt);
   if (newcomer.granted) {
-    lease_.restart_clock(now);
+    lease_.opened = now;
   } else {
     lease_.grant(newcomer.request, now);
   }
@@ -147,12 +143,12 @@ void DeviceSessions::grant_newcomer(core::TimePoint now) {
   publish_settings(settings);
   settings_due_ = false;
   ingress_.begin_lease(lease_.epoch(), newcomer.request.nominal_rate_hz,
-                       newcomer.staleness.hold_end, lease_.tenure());
-  command_.tenure = lease_.tenure();
+                       newcomer.staleness.hold_end, lease_.tenure);
+  command_.tenure = lease_.tenure;
   command_.lease_held = true;
   post();
   tell_lease("LEASE_GRANTED", "to " + quoted(newcomer.request.client_name));
-  answer(newcomer.id).lease = {lease_.epoch(),     newcomer.staleness, lease_.tenure(), false, 0,
+  answer(newcomer.id).lease = {lease_.epoch(),     newcomer.staleness, lease_.tenure, false, 0,
                                newcomer.taken_from};
 }
 
@@ -166,10 +162,9 @@ void DeviceSessions::look_after_lease(const core::TickRecord& record) {
   const bool promised = newcomer_ && newcomer_->granted;  // its clock starts when it is granted
   if (!promised && lease_.expired(now, ingress_.last_accepted())) {
     tell(DeviceEvent::Kind::kLeaseExpired, "LEASE_EXPIRED",
-         quoted(lease_.client_name()) +
-             (lease_.detached()
-                  ? " did not come back within the lease time"
-                  : " sent no valid sample for the lease time and is an observer now"));
+         quoted(lease_.client_name) +
+             (lease_.detached ? " did not come back within the lease time"
+                              : " sent no valid sample for the lease time and is an observer now"));
     end_lease();
   }
   if (!force_is_on()) {
@@ -187,7 +182,7 @@ void DeviceSessions::look_after_lease(const core::TickRecord& record) {
 }
 
 void DeviceSessions::end_lease() {
-  const SessionId session_id = lease_.session_id();
+  const SessionId session_id = lease_.session_id;
   lease_.end();
   ingress_.end_lease();
   command_.lease_held = false;

@@ -2,11 +2,16 @@
 
 #include <utility>
 
-#include "server/base/figures.hpp"
 #include "server/session/settings_policy.hpp"
+#include "server/state/state_record.hpp"
 
 namespace haptic::server {
 namespace {
+
+bool needs_tick(Request::Kind kind) {
+  return kind == Request::Kind::kStop || kind == Request::Kind::kEngage ||
+         kind == Request::Kind::kRelease || kind == Request::Kind::kClear;
+}
 
 Values values(const core::VecA& from) {
   return {from.data(), static_cast<std::size_t>(from.size())};
@@ -23,7 +28,7 @@ DeviceSessions::DeviceSessions(DeviceUnit& unit, const SessionRules& rules)
     : unit_(unit),
       rules_(rules),
       ingress_(unit.proxies, unit.config().kinematics->space().n_x()),
-      lease_(rules.lease_timeout),
+      lease_{rules.lease_timeout},
       settings_(unit.config().scene) {
   if (unit.config().tracker) {
     tracker_.emplace(unit.poses, unit.config(), rules.tracker_fresh_end, rules.lease_timeout);
@@ -32,6 +37,7 @@ DeviceSessions::DeviceSessions(DeviceUnit& unit, const SessionRules& rules)
 }
 
 void DeviceSessions::handle(const Request& request) {
+  if (loop_ended_ && needs_tick(request.kind)) return answer(request.id, kClosing);
   switch (request.kind) {
     case Request::Kind::kStop:
       pending_.add(request, ++command_.stop_id);
@@ -88,10 +94,8 @@ void DeviceSessions::update_settings(const Request& request) {
       apply_settings(request.settings, settings_, unit_.config(), state);
   if (!outcome) return answer(request.id, outcome.refusal);
   publish_settings(outcome.value->applied);
-  for (const SettingsClamp& clamp : outcome.value->clamped) {
-    tell(DeviceEvent::Kind::kClamp, "CLAMPED",
-         clamp.field + " = " + figure(clamp.asked) + ": held at " + figure(clamp.applied) + ", " +
-             kClampedByScene);
+  for (const std::string& sentence : outcome.value->clamped) {
+    tell(DeviceEvent::Kind::kClamp, "CLAMPED", sentence);
   }
   answer(request.id).settings = flat(settings_);
 }
@@ -113,9 +117,14 @@ void DeviceSessions::begin_closing() {
   if (command_.closing) return;
   command_.closing = true;
   post();
-  if (newcomer_) refuse_newcomer(closing());
-  tell(DeviceEvent::Kind::kClosing, "CLOSING", "the server is shutting down");
-  if (!lease_.has_holder()) out_.events.back().lease_epoch = 0;
+  if (newcomer_) refuse_newcomer(kClosing);
+  tell(DeviceEvent::Kind::kClosing, "CLOSING", kClosing.message.str());
+  if (!lease_.has_holder) out_.events.back().lease_epoch = 0;
+}
+
+void DeviceSessions::loop_ended() {
+  loop_ended_ = true;
+  pending_.refuse_all(kClosing, out_.answers);
 }
 
 Outbox DeviceSessions::take() {
@@ -128,9 +137,9 @@ DeviceStatus DeviceSessions::status() const {
   status.state = newest_.life.state;
   status.faults = newest_.faults();
   status.renderer = settings_.renderer;
-  status.controller = lease_.client_name();
-  status.holder = lease_.session_id();
-  status.detached = lease_.detached();
+  status.controller = lease_.client_name;
+  status.holder = lease_.session_id;
+  status.detached = lease_.detached;
   if (tracker_) status.tracker = tracker_->client_name();
   status.carrier = ingress_.carrier();
   status.samples = ingress_.counters();
@@ -138,13 +147,13 @@ DeviceStatus DeviceSessions::status() const {
   return status;
 }
 
-DeviceSessions::Stamp DeviceSessions::stamp(const core::TickRecord& record) const noexcept {
+StateRecord DeviceSessions::state(const core::TickRecord& record) const noexcept {
   const std::uint32_t tenure = record.input.command.tenure;
-  Stamp stamp{Carrier::kNone, tenure == 0 ? 0 : tenure + lease_.resumes()};
+  Carrier carrier = Carrier::kNone;
   if (record.proxy.mode != core::ProxyMode::kNone) {
-    stamp.carrier = ingress_.carrier_of(record.proxy.seq, record.input.now - record.proxy.age);
+    carrier = ingress_.carrier_of(record.proxy.seq, record.input.now - record.proxy.age);
   }
-  return stamp;
+  return state_record(record, carrier, tenure == 0 ? 0 : tenure + lease_.resumes);
 }
 
 void DeviceSessions::step(const core::TickRecord& record) {
@@ -153,7 +162,7 @@ void DeviceSessions::step(const core::TickRecord& record) {
   detector_.step(record, stop_reason_, out_.events);
   for (std::size_t i = told; i < out_.events.size(); ++i) {
     // Under the epoch that clients know; the record has the tenure.
-    if (out_.events[i].lease_epoch != 0) out_.events[i].lease_epoch += lease_.resumes();
+    if (out_.events[i].lease_epoch != 0) out_.events[i].lease_epoch += lease_.resumes;
   }
   look_after_lease(record);
   const std::size_t answered = out_.answers.size();
@@ -189,10 +198,11 @@ void DeviceSessions::post() noexcept {
 }
 
 void DeviceSessions::post_next_clear() noexcept {
-  if (!pending_.clear_waits()) return;
-  const AskedClear asked = pending_.begin_clear(++command_.clear_id);
-  command_.clear = asked.faults;
-  command_.clear_stop_id = asked.stop_id;
+  const auto asked = pending_.begin_clear(command_.clear_id + 1);
+  if (!asked) return;
+  ++command_.clear_id;
+  command_.clear = asked->faults;
+  command_.clear_stop_id = asked->stop_id;
   post();
 }
 
@@ -211,9 +221,9 @@ bool DeviceSessions::force_is_on() const noexcept {
 std::optional<Refusal> DeviceSessions::not_holder(const SessionId& session_id) const {
   if (lease_.held_by(session_id)) return std::nullopt;
   return Refusal{Refusal::Code::kPermission, "NOT_CONTROLLER",
-                 lease_.has_holder()
+                 lease_.has_holder
                      ? "device '" + unit_.name() + "' is controlled by '" +
-                           lease_.client_name().str() + "', this session is an observer"
+                           lease_.client_name.str() + "', this session is an observer"
                      : "this session does not hold the lease of '" + unit_.name() + "' (any more)"};
 }
 

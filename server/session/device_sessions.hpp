@@ -39,8 +39,9 @@ struct Outbox {
   std::vector<DeviceEvent> events{};
 };
 
-/// kUnavailable: SIGTERM came.
-[[nodiscard]] Refusal closing();
+/// SIGTERM came.
+inline const Refusal kClosing{Refusal::Code::kUnavailable, "CLOSING",
+                              "the server is shutting down"};
 
 class DeviceSessions {
  public:
@@ -59,27 +60,20 @@ class DeviceSessions {
   void step(const core::TickRecord& record);
   /// SIGTERM: no new lease, force fades out, an event to every session. Idempotent.
   void begin_closing();
+  /// The loop has ended: what waits for a tick, or would, is refused at once.
+  void loop_ended();
   /// What came out since the last call.
   [[nodiscard]] Outbox take();
 
-  [[nodiscard]] const DeviceUnit& unit() const noexcept { return unit_; }
-  [[nodiscard]] const SessionRules& rules() const noexcept { return rules_; }
-  [[nodiscard]] const Ingress& ingress() const noexcept { return ingress_; }
   [[nodiscard]] const LeaseBook& lease() const noexcept { return lease_; }
   /// A controller that opens now with this `resume` would go on with the lease of that session,
   /// whether or not its stream is known to be lost.
   [[nodiscard]] bool would_resume(const SessionId& resume) const noexcept;
   /// All but the numbers of sessions.
   [[nodiscard]] DeviceStatus status() const;
-  [[nodiscard]] const core::RenderSettings& settings() const noexcept { return settings_; }
-
-  /// Who carried the sample in use of a record, and the epoch of its lease as clients know it: the
-  /// loop knows neither.
-  struct Stamp {
-    Carrier carrier{Carrier::kNone};
-    std::uint32_t lease_epoch{0};
-  };
-  [[nodiscard]] Stamp stamp(const core::TickRecord& record) const noexcept;
+  /// The state of a record, with what the loop does not know: who carried the sample in use, and
+  /// the epoch of its lease as clients know it.
+  [[nodiscard]] StateRecord state(const core::TickRecord& record) const noexcept;
 
  private:
   struct Newcomer {
@@ -127,6 +121,7 @@ class DeviceSessions {
   PendingRequests pending_;
   core::CommandSnapshot command_{};
   core::RenderSettings settings_{};
+  bool loop_ended_{false};
   bool settings_due_{false};  ///< the scene's settings are to be restored when g = 0
   EventDetector detector_;
   std::string stop_reason_{};

@@ -10,10 +10,6 @@
 namespace haptic::server {
 namespace {
 
-std::string entry(const char* field, std::size_t index, double value) {
-  return std::string(field) + "[" + std::to_string(index) + "] = " + figure(value);
-}
-
 Verdict check_orientation(const std::array<double, 4>& orientation) {
   double squares = 0.0;
   for (std::size_t i = 0; i < orientation.size(); ++i) {
@@ -51,7 +47,7 @@ Outcome<core::StalenessLimits> DeviceTracker::open(const LeaseRequest& request,
   if (!limits) return limits;
   const std::string holder = client_name_.str();
   const auto held = [&](const std::string& message) {
-    return Refusal{Refusal::Code::kExists, "TRACKER_HELD", message, {}, {{"holder", holder}}};
+    return Refusal{Refusal::Code::kExists, "TRACKER_HELD", message, {}, {{{"holder", holder}}}};
   };
   if (!session_id_.empty() && now - heard_ < silence_) {
     return held("the palm is tracked by '" + holder + "'");

@@ -3,42 +3,45 @@
 #include <algorithm>
 
 namespace haptic::server {
+namespace {
 
-void LeaseBook::take(const LeaseRequest& request) noexcept {
-  held_ = true;
-  detached_ = false;
-  session_id_ = request.session_id;
-  client_name_ = request.client_name;
-  priority_ = request.priority;
-  resumable_ = request.resumable;
+void take(LeaseBook& lease, const LeaseRequest& request) noexcept {
+  lease.has_holder = true;
+  lease.detached = false;
+  lease.session_id = request.session_id;
+  lease.client_name = request.client_name;
+  lease.priority = request.priority;
+  lease.resumable = request.resumable;
 }
 
+}  // namespace
+
 void LeaseBook::grant(const LeaseRequest& request, core::TimePoint now) {
-  take(request);
-  opened_ = now;
-  ++tenure_;
+  take(*this, request);
+  opened = now;
+  ++tenure;
 }
 
 void LeaseBook::end() noexcept {
-  held_ = detached_ = resumable_ = false;
-  session_id_ = {};
-  client_name_ = {};
+  has_holder = detached = resumable = false;
+  session_id = {};
+  client_name = {};
 }
 
 std::uint32_t LeaseBook::resume(const LeaseRequest& request, core::TimePoint now,
                                 core::TimePoint last_accepted) {
-  take(request);
-  if (last_accepted > opened_) opened_ = now;
-  ++resumes_;
+  take(*this, request);
+  if (last_accepted > opened) opened = now;
+  ++resumes;
   return epoch();
 }
 
-bool LeaseBook::yields_to(Priority priority) const noexcept {
-  return !held_ || priority > priority_ || (detached_ && priority == priority_);
+bool LeaseBook::yields_to(Priority wanted) const noexcept {
+  return !has_holder || wanted > priority || (detached && wanted == priority);
 }
 
 bool LeaseBook::expired(core::TimePoint now, core::TimePoint last_accepted) const noexcept {
-  return held_ && now - std::max(opened_, last_accepted) >= timeout_;
+  return has_holder && now - std::max(opened, last_accepted) >= timeout;
 }
 
 }  // namespace haptic::server

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <string>
 
 #include "server/base/figures.hpp"
@@ -78,14 +77,6 @@ void answer_clear(core::FaultSet asked, core::FaultSet refused, Answer& answer) 
   answer.refusal = not_yet("FAULT_PERSISTS", "the cause of " + names + " is still there");
 }
 
-constexpr auto is_clear = [](const auto& pending) { return pending.kind == Request::Kind::kClear; };
-
-Answer answer_to(std::uint64_t id) {
-  Answer answer;
-  answer.id = id;
-  return answer;
-}
-
 }  // namespace
 
 void PendingRequests::add(const Request& request, std::uint64_t posted) {
@@ -96,13 +87,11 @@ void PendingRequests::add_clear(const Request& request, const AskedClear& asked)
   requests_.push_back({request.id, request.kind, 0, request.session_id, asked});
 }
 
-bool PendingRequests::clear_waits() const noexcept {
-  const auto first = std::find_if(requests_.begin(), requests_.end(), is_clear);
-  return first != requests_.end() && first->posted == 0;
-}
-
-AskedClear PendingRequests::begin_clear(std::uint64_t posted) noexcept {
-  const auto first = std::find_if(requests_.begin(), requests_.end(), is_clear);
+std::optional<AskedClear> PendingRequests::begin_clear(std::uint64_t posted) noexcept {
+  const auto first = std::find_if(requests_.begin(), requests_.end(), [](const Pending& pending) {
+    return pending.kind == Request::Kind::kClear;
+  });
+  if (first == requests_.end() || first->posted != 0) return std::nullopt;
   first->posted = posted;
   return first->clear;
 }
@@ -116,45 +105,44 @@ bool PendingRequests::resolve(const Pending& pending, const core::TickRecord& re
                                  : pending.kind == Request::Kind::kRelease ? record.life.release_id
                                                                            : record.life.stop_id;
   if (pending.posted == 0 || answered < pending.posted) return false;
-  answers.push_back(answer_to(pending.id));
+  answers.emplace_back(Answer{pending.id});
   if (engage) answers.back().refusal = engage_refusal(record.life.engage, record.life.state);
   if (clear) answer_clear(pending.clear.faults, record.life.clear.refused, answers.back());
   return true;
 }
 
 void PendingRequests::step(const core::TickRecord& record, Answers& answers) {
-  for (auto it = requests_.begin(); it != requests_.end();) {
-    bool done = resolve(*it, record, answers);
-    if (!done && --it->patience <= 0) {
-      answers.push_back(answer_to(it->id));
-      answers.back().refusal = {
-          Refusal::Code::kUnavailable, "NO_ANSWER",
-          "the loop gave no answer within " + std::to_string(kPatience) + " ticks"};
-      done = true;
-    }
-    it = done ? requests_.erase(it) : std::next(it);
-  }
+  std::erase_if(requests_, [&](Pending& pending) {
+    if (resolve(pending, record, answers)) return true;
+    if (--pending.patience > 0) return false;
+    answers.emplace_back(Answer{pending.id}).refusal = {
+        Refusal::Code::kUnavailable, "NO_ANSWER",
+        "the loop gave no answer within " + std::to_string(kPatience) + " ticks"};
+    return true;
+  });
 }
 
 bool PendingRequests::lease_ended(const SessionId& session_id, Answers& answers) {
   bool engage = false;
-  for (auto it = requests_.begin(); it != requests_.end();) {
-    const bool is_engage = it->kind == Request::Kind::kEngage;
-    const bool of_lease = is_engage || it->kind == Request::Kind::kRelease;
-    if (!of_lease || !(it->session_id == session_id)) {
-      ++it;
-      continue;
-    }
-    answers.push_back(answer_to(it->id));
+  std::erase_if(requests_, [&](const Pending& pending) {
+    const bool is_engage = pending.kind == Request::Kind::kEngage;
+    const bool of_lease = is_engage || pending.kind == Request::Kind::kRelease;
+    if (!of_lease || !(pending.session_id == session_id)) return false;
     // The end of a lease releases by itself, so a release that still waits has what it wanted.
+    Answer& answer = answers.emplace_back(Answer{pending.id});
     if (is_engage) {
-      answers.back().refusal = {Refusal::Code::kPermission, "NOT_CONTROLLER",
-                                "the lease ended before the loop answered"};
+      answer.refusal = {Refusal::Code::kPermission, "NOT_CONTROLLER",
+                        "the lease ended before the loop answered"};
     }
     engage = engage || is_engage;
-    it = requests_.erase(it);
-  }
+    return true;
+  });
   return engage;
+}
+
+void PendingRequests::refuse_all(const Refusal& why, Answers& answers) {
+  for (const Pending& pending : requests_) answers.emplace_back(Answer{pending.id, why});
+  requests_.clear();
 }
 
 bool PendingRequests::cancel(std::uint64_t id) {

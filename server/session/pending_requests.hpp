@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <list>
+#include <optional>
 #include <vector>
 
 #include "haptic/core/tick/tick_record.hpp"
@@ -29,9 +30,9 @@ class PendingRequests {
   /// overwrite the first in the newest-wins mailbox, and together they would clear more than each
   /// asked for. It clears what was there when it was asked, and nothing that came while it waited.
   void add_clear(const Request& request, const AskedClear& asked);
-  [[nodiscard]] bool clear_waits() const noexcept;
-  /// The clear that has waited longest is under way as `posted`. Precondition: clear_waits().
-  AskedClear begin_clear(std::uint64_t posted) noexcept;
+  /// If no clear is under way, the one that has waited longest is from now on, as `posted`; absent:
+  /// none waits for that.
+  std::optional<AskedClear> begin_clear(std::uint64_t posted) noexcept;
 
   /// Appends an answer for what `record` answers, and for what has waited too long.
   void step(const core::TickRecord& record, Answers& answers);
@@ -40,6 +41,8 @@ class PendingRequests {
   [[nodiscard]] bool lease_ended(const SessionId& session_id, Answers& answers);
   /// Request `id` is not answered any more. True if it was an engage.
   bool cancel(std::uint64_t id);
+  /// Every request is refused: no tick comes any more.
+  void refuse_all(const Refusal& why, Answers& answers);
 
  private:
   struct Pending {

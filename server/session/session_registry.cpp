@@ -26,10 +26,10 @@ Outcome<SessionId> SessionRegistry::admit(Kind kind, std::size_t device, bool re
     const std::string limit = std::to_string(limit_);
     return Refusal{Refusal::Code::kExhausted,
                    "TOO_MANY_SESSIONS",
-                   std::string(kind == Kind::kSession ? "sessions" : "watches") + ": all " + limit +
-                       " are taken",
+                   std::string(kind == Kind::kAdmitSession ? "sessions" : "watches") + ": all " +
+                       limit + " are taken",
                    {},
-                   {{"limit", limit}}};
+                   {{{"limit", limit}}}};
   }
   std::string name = random_name();
   const SessionId id = name;

@@ -15,7 +15,7 @@ class SessionRegistry {
   /// Session streams and watches are limited apart, so that watchers never keep a controller out.
   explicit SessionRegistry(unsigned limit_of_each) : limit_(limit_of_each) {}
 
-  enum class Kind : std::uint8_t { kSession, kWatch };
+  using Kind = Request::Kind;  ///< kAdmitSession or kAdmitWatch
   /// A fresh name for a stream on `device`. Refused: RESOURCE_EXHAUSTED, unless the session
   /// `resumes` the lease of the device, which no stranger may keep out: that is one more per device
   /// at most.
@@ -27,7 +27,7 @@ class SessionRegistry {
 
  private:
   struct Entry {
-    Kind kind{Kind::kSession};
+    Kind kind{Kind::kAdmitSession};
     std::size_t device{0};
   };
   const unsigned limit_;

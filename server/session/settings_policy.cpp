@@ -9,41 +9,31 @@
 namespace haptic::server {
 namespace {
 
-Refusal invalid(const std::string& field, const std::string& rest) {
-  return {Refusal::Code::kInvalid, "INVALID_ARGUMENT", field + " " + rest, field};
-}
-
-/// One array of the request against the scene's: asked for, held within [0, limit].
-class Tightener {
- public:
-  explicit Tightener(SettingsAnswer& answer) : answer_(answer) {}
-
-  std::optional<Refusal> apply(const char* name, const Values& asked, const core::VecA& limit,
-                               bool zero_allowed, core::VecA& value) {
-    if (asked.count == 0) return std::nullopt;
-    if (asked.count != limit.size()) {
-      return invalid(name, "has " + std::to_string(asked.count) + " values: must have " +
-                               std::to_string(limit.size()) + ", one per actuated DoF");
-    }
-    for (std::size_t i = 0; i < asked.count; ++i) {
-      const std::string field = std::string(name) + "[" + std::to_string(i) + "]";
-      const bool in_range = zero_allowed ? asked.value[i] >= 0.0 : asked.value[i] > 0.0;
-      if (!std::isfinite(asked.value[i]) || !in_range) {
-        return invalid(field, "= " + figure(asked.value[i]) + ": must be finite and " +
-                                  (zero_allowed ? ">= 0" : "> 0"));
-      }
-      const auto k = static_cast<Eigen::Index>(i);
-      value[k] = std::min(asked.value[i], limit[k]);
-      if (value[k] < asked.value[i]) {
-        answer_.clamped.push_back({field, asked.value[i], value[k]});
-      }
-    }
-    return std::nullopt;
+/// One array of a request: each value in `value`, held within [0, limit].
+std::optional<Refusal> tighten(const char* name, const Values& asked, const core::VecA& limit,
+                               bool zero_allowed, core::VecA& value,
+                               std::vector<std::string>& clamped) {
+  if (asked.count == 0) return std::nullopt;
+  if (asked.count != limit.size()) {
+    return invalid_field(name, "has " + std::to_string(asked.count) + " values: must have " +
+                                   std::to_string(limit.size()) + ", one per actuated DoF");
   }
-
- private:
-  SettingsAnswer& answer_;
-};
+  for (std::size_t i = 0; i < asked.count; ++i) {
+    const std::string field = std::string(name) + "[" + std::to_string(i) + "]";
+    const double wanted = asked.value[i];
+    if (!std::isfinite(wanted) || !(zero_allowed ? wanted >= 0.0 : wanted > 0.0)) {
+      return invalid_field(
+          field, "= " + figure(wanted) + ": must be finite and " + (zero_allowed ? ">= 0" : "> 0"));
+    }
+    const auto k = static_cast<Eigen::Index>(i);
+    value[k] = std::min(wanted, limit[k]);
+    if (value[k] < wanted) {
+      clamped.push_back(field + " = " + figure(wanted) + ": held at " + figure(value[k]) +
+                        ", the scene allows at most this");
+    }
+  }
+  return std::nullopt;
+}
 
 bool allows_renderer_change(core::LifecycleState state) {
   return state == core::LifecycleState::kIdle || state == core::LifecycleState::kArmed;
@@ -54,7 +44,7 @@ core::Duration tightened(const char* field, const std::optional<core::Duration>&
                          core::Duration scene, std::optional<Refusal>& refusal) {
   if (!wish) return scene;
   if (*wish <= core::Duration::zero() && !refusal) {
-    refusal = invalid(field, "= " + milliseconds(*wish) + ": must be > 0");
+    refusal = invalid_field(field, "= " + milliseconds(*wish) + ": must be > 0");
   }
   return std::min(*wish, scene);
 }
@@ -68,14 +58,15 @@ Outcome<SettingsAnswer> apply_settings(const SettingsRequest& request,
   const core::RenderSettings& scene = config.scene;
   SettingsAnswer answer{current, {}};
   core::RenderSettings& applied = answer.applied;
-  Tightener tighten(answer);
-  for (auto refusal :
-       {tighten.apply("stiffness", request.stiffness, scene.stiffness, true, applied.stiffness),
-        tighten.apply("damping", request.damping, scene.damping, true, applied.damping),
-        tighten.apply("force_limit", request.force_limit, scene.force_limit, true,
-                      applied.force_limit),
-        tighten.apply("slew_limit", request.slew_limit, scene.slew_limit, false,
-                      applied.slew_limit)}) {
+  const auto held = [&](const char* name, const Values& asked, const core::VecA& limit,
+                        bool zero_allowed, core::VecA& value) {
+    return tighten(name, asked, limit, zero_allowed, value, answer.clamped);
+  };
+  for (const auto& refusal :
+       {held("stiffness", request.stiffness, scene.stiffness, true, applied.stiffness),
+        held("damping", request.damping, scene.damping, true, applied.damping),
+        held("force_limit", request.force_limit, scene.force_limit, true, applied.force_limit),
+        held("slew_limit", request.slew_limit, scene.slew_limit, false, applied.slew_limit)}) {
     if (refusal) return *refusal;
   }
   if (request.renderer && *request.renderer != current.renderer) {
@@ -115,8 +106,8 @@ Outcome<core::StalenessLimits> lease_staleness(const LeaseRequest& request,
                                                std::optional<core::Duration> fresh_bound) {
   const double rate = request.nominal_rate_hz;
   if (!(rate >= 1.0 && rate <= 2000.0)) {
-    return invalid("nominal_rate_hz",
-                   "= " + figure(rate) + ": a controller or tracker must say 1..2000");
+    return invalid_field("nominal_rate_hz",
+                         "= " + figure(rate) + ": a controller or tracker must say 1..2000");
   }
   std::optional<Refusal> refusal;
   core::StalenessLimits limits;
@@ -128,9 +119,10 @@ Outcome<core::StalenessLimits> lease_staleness(const LeaseRequest& request,
   limits.fresh_end = tightened("fresh_end", request.fresh_end, fresh, refusal);
   if (refusal) return *refusal;
   if (const char* wrong = core::check(limits)) {
-    return invalid("fresh_end, hold_end, fade_end",
-                   "= " + milliseconds(limits.fresh_end) + ", " + milliseconds(limits.hold_end) +
-                       ", " + milliseconds(limits.fade_end) + ": " + wrong);
+    return invalid_field("fresh_end, hold_end, fade_end", "= " + milliseconds(limits.fresh_end) +
+                                                              ", " + milliseconds(limits.hold_end) +
+                                                              ", " + milliseconds(limits.fade_end) +
+                                                              ": " + wrong);
   }
   return limits;
 }

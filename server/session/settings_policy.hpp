@@ -13,19 +13,10 @@
 
 namespace haptic::server {
 
-/// What SettingsClamp is because of.
-inline constexpr char kClampedByScene[] = "the scene allows at most this";
-
-/// A setting that was held at the scene's.
-struct SettingsClamp {
-  std::string field{};  ///< "stiffness[0]"
-  double asked{0.0};
-  double applied{0.0};
-};
-
 struct SettingsAnswer {
   core::RenderSettings applied{};
-  std::vector<SettingsClamp> clamped{};
+  /// Settings that were held at the scene's, a sentence each: "stiffness[0] = 9: held at 3, ...".
+  std::vector<std::string> clamped{};
 };
 
 /// `current` with `request` applied, held within the scene's. Values above the scene's are clamped

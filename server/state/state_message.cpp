@@ -20,24 +20,24 @@ std::uint64_t whole_microseconds(core::Duration age) {
   return static_cast<std::uint64_t>(std::max<std::int64_t>(0, us));
 }
 
-void to_passivity(const StateRecord& record, v1::PassivityState& state) {
+void to_proto(const core::PassivityRecord& record, v1::PassivityState& state) {
   state.set_tank(record.tank);
   state.set_storage(record.storage);
-  state.set_scale(record.tank_scale);
+  state.set_scale(record.scale);
   state.set_observed(record.observed);
   state.set_alpha(record.alpha);
 }
 
-void to_tracker(const StateRecord& record, v1::TrackerState& state) {
-  state.set_seq_used(record.tracker_seq);
-  state.set_age_us(whole_microseconds(record.tracker_age));
-  state.set_staleness(static_cast<v1::StalenessLevel>(record.tracker_staleness));
+void to_proto(const core::TrackerRecord& record, v1::TrackerState& state) {
+  state.set_seq_used(record.seq);
+  state.set_age_us(whole_microseconds(record.age));
+  state.set_staleness(static_cast<v1::StalenessLevel>(record.level));
 }
 
-void to_certificate(const StateRecord& record, v1::CertificateState& state) {
-  state.set_status(static_cast<v1::CertificateStatus>(record.certificate));
-  state.set_margin(record.certificate_margin);
-  state.set_block(static_cast<std::uint32_t>(record.certificate_block));
+void to_proto(const core::Certificate& certificate, v1::CertificateState& state) {
+  state.set_status(static_cast<v1::CertificateStatus>(certificate.status));
+  state.set_margin(certificate.margin);
+  state.set_block(static_cast<std::uint32_t>(certificate.block));
 }
 
 /// One per actuated DoF, or none if none acted.
@@ -58,38 +58,30 @@ void write_record(const StateRecord& record, v1::DeviceState& state) {
   copy(record.x_probe, state.mutable_x_probe());
   copy(record.x, state.mutable_x());
   state.set_active_planes(record.active_planes);
-  if (record.passivity_on) {
-    to_passivity(record, *state.mutable_passivity());
-  } else {
-    state.clear_passivity();
-  }
+  state.clear_passivity();
+  if (record.passivity.on) to_proto(record.passivity, *state.mutable_passivity());
   copy(record.q_star, state.mutable_q_star());
   copy(record.tau_a, state.mutable_tau_a());
   copy(record.tau_elastic, state.mutable_tau_elastic());
   state.set_proxy_seq_used(record.proxy_seq);
   state.set_proxy_age_us(whole_microseconds(record.proxy_age));
-  if (record.tracker_on) {
-    to_tracker(record, *state.mutable_tracker());
-  } else {
-    state.clear_tracker();
-  }
+  state.clear_tracker();
+  if (record.tracker.on) to_proto(record.tracker, *state.mutable_tracker());
   state.set_staleness(static_cast<v1::StalenessLevel>(record.staleness));
   state.set_gain(record.gain);
   state.set_transport(static_cast<v1::Transport>(record.carrier));
   state.set_state(static_cast<v1::DeviceStateName>(record.state));
   state.set_faults(record.faults.bits());
   state.set_limiters(record.limiters.bits());
-  Doubles* stiffness = state.mutable_stiffness_in_effect();
-  stiffness->Clear();
-  for (const double k : record.stiffness) stiffness->Add(record.gain * k);
+  state.clear_stiffness_in_effect();
+  for (const double k : record.stiffness) state.add_stiffness_in_effect(record.gain * k);
   state.set_projection(static_cast<v1::ProjectionStatus>(record.projection));
   state.set_condition(record.condition);
   state.set_lease_epoch(record.lease_epoch);
   state.set_mode(static_cast<v1::ProxyMode>(record.mode));
-  if (record.certificate != core::CertificateStatus::kOff) {
-    to_certificate(record, *state.mutable_certificate());
-  } else {
-    state.clear_certificate();
+  state.clear_certificate();
+  if (record.certificate.status != core::CertificateStatus::kOff) {
+    to_proto(record.certificate, *state.mutable_certificate());
   }
   copy(record.tau_measured, state.mutable_tau_measured());
   copy(record.reading, state.mutable_reading());

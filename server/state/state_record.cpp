@@ -73,21 +73,9 @@ StateRecord state_record(const core::TickRecord& record, Carrier carrier,
   s.projection = record.anchor.projection;
   s.residual = record.anchor.residual;
   s.condition = record.anchor.condition;
-  s.certificate = record.anchor.certificate.status;
-  s.certificate_block = record.anchor.certificate.block;
-  s.certificate_margin = record.anchor.certificate.margin;
-
-  s.passivity_on = record.effort.passivity.on;
-  s.tank = record.effort.passivity.tank;
-  s.storage = record.effort.passivity.storage;
-  s.tank_scale = record.effort.passivity.scale;
-  s.observed = record.effort.passivity.observed;
-  s.alpha = record.effort.passivity.alpha;
-
-  s.tracker_on = record.sensed.tracker.on;
-  s.tracker_seq = record.sensed.tracker.seq;
-  s.tracker_age = record.sensed.tracker.age;
-  s.tracker_staleness = record.sensed.tracker.level;
+  s.certificate = record.anchor.certificate;
+  s.passivity = record.effort.passivity;
+  s.tracker = record.sensed.tracker;
   return s;
 }
 

@@ -3,8 +3,6 @@
 #include <sys/prctl.h>
 
 #include <algorithm>
-#include <condition_variable>
-#include <mutex>
 
 #include "server/base/thread_setup.hpp"
 
@@ -15,106 +13,8 @@ namespace {
 constexpr core::Duration kPatience = std::chrono::microseconds(60);
 }  // namespace
 
-/// One unit's records on their way to its listeners. A listener is called without the mutex held,
-/// so that it may add and remove; `called_` says who is being called, so that remove() can wait.
-class Telemetry::Channel {
- public:
-  explicit Channel(DeviceUnit& unit) : unit_(unit) {}
-
-  void add(RecordListener* listener, ListenerRank rank) {
-    const std::lock_guard lock(mutex_);
-    const auto after = std::upper_bound(
-        listeners_.begin(), listeners_.end(), rank,
-        [](ListenerRank wanted, const Listener& other) { return wanted < other.rank; });
-    listeners_.insert(after, {listener, rank});
-  }
-
-  void remove(RecordListener* listener) {
-    std::unique_lock lock(mutex_);
-    std::erase_if(listeners_, [&](const Listener& other) { return other.call == listener; });
-    if (caller_ == std::this_thread::get_id()) return;
-    call_ended_.wait(lock, [&] { return called_ != listener; });
-  }
-
-  void drain() {
-    const core::TickRecord* record = unit_.records.front();
-    if (record == nullptr) return;
-    listeners_at_start();
-    for (; record != nullptr; record = unit_.records.front()) {
-      keep(*record);
-      unit_.records.pop();
-      // Only this thread writes newest_: reading it here needs no lock.
-      for (RecordListener* listener : round_) {
-        call(listener, [&] { listener->on_record(newest_); });
-      }
-    }
-    for (RecordListener* listener : round_) call(listener, [&] { listener->on_newest(newest_); });
-  }
-
-  /// Deadline of the tick after the newest record's. The drain's thread only.
-  [[nodiscard]] core::TimePoint next_tick() const {
-    return newest_.input.now - newest_.input.loop.lateness + newest_.input.period;
-  }
-
-  [[nodiscard]] core::TickRecord newest() const {
-    const std::lock_guard lock(newest_mutex_);
-    return newest_;
-  }
-
- private:
-  struct Listener {
-    RecordListener* call{nullptr};
-    ListenerRank rank{ListenerRank::kService};
-  };
-
-  void keep(const core::TickRecord& record) {
-    const std::lock_guard lock(newest_mutex_);
-    newest_ = record;
-  }
-
-  void listeners_at_start() {
-    const std::lock_guard lock(mutex_);
-    round_.clear();
-    for (const Listener& listener : listeners_) round_.push_back(listener.call);
-  }
-
-  /// Calls a listener, unless it was removed meanwhile.
-  template <typename Call>
-  void call(RecordListener* listener, const Call& run) {
-    {
-      const std::lock_guard lock(mutex_);
-      const bool still_there = std::any_of(listeners_.begin(), listeners_.end(),
-                                           [&](const Listener& l) { return l.call == listener; });
-      if (!still_there) return;
-      called_ = listener;
-      caller_ = std::this_thread::get_id();
-    }
-    run();
-    {
-      const std::lock_guard lock(mutex_);
-      called_ = nullptr;
-      caller_ = {};
-    }
-    call_ended_.notify_all();
-  }
-
-  DeviceUnit& unit_;
-
-  std::mutex mutex_;
-  std::condition_variable call_ended_;
-  std::vector<Listener> listeners_;
-  RecordListener* called_{nullptr};
-  std::thread::id caller_{};
-
-  mutable std::mutex newest_mutex_;
-  core::TickRecord newest_{};
-
-  std::vector<RecordListener*> round_;  ///< the drain's own
-};
-
 Telemetry::Telemetry(const std::vector<DeviceUnit*>& units) {
-  channels_.reserve(units.size());
-  for (DeviceUnit* unit : units) channels_.push_back(std::make_unique<Channel>(*unit));
+  for (DeviceUnit* unit : units) channels_.push_back({unit, {}, {}});
 }
 
 Telemetry::~Telemetry() {
@@ -149,7 +49,10 @@ void Telemetry::serve() noexcept {
 void Telemetry::wait_for_ring(std::uint32_t heard) noexcept {
   if (may_watch_ && watchers_.load(std::memory_order_relaxed) > 0) {
     core::TimePoint next{};
-    for (const auto& channel : channels_) next = std::max(next, channel->next_tick());
+    for (const Channel& channel : channels_) {
+      const core::TickInput& in = channel.newest.input;
+      next = std::max(next, in.now - in.loop.lateness + in.period);
+    }
     bell_.meet(heard, next, kPatience);
     if (bell_.rings() != heard) return;
   }
@@ -157,19 +60,32 @@ void Telemetry::wait_for_ring(std::uint32_t heard) noexcept {
 }
 
 void Telemetry::drain() {
-  for (const auto& channel : channels_) channel->drain();
+  const std::lock_guard lock(mutex_);
+  for (Channel& channel : channels_) {
+    core::Ring<core::TickRecord>& records = channel.unit->records;
+    if (records.front() == nullptr) continue;
+    while (const core::TickRecord* record = records.front()) {
+      channel.newest = *record;
+      records.pop();
+      for (RecordListener* listener : channel.listeners) listener->on_record(channel.newest);
+    }
+    for (RecordListener* listener : channel.listeners) listener->on_newest(channel.newest);
+  }
 }
 
-void Telemetry::add(std::size_t unit, RecordListener* listener, ListenerRank rank) {
-  channels_.at(unit)->add(listener, rank);
+void Telemetry::add(std::size_t unit, RecordListener* listener) {
+  const std::lock_guard lock(mutex_);
+  channels_.at(unit).listeners.push_back(listener);
 }
 
 void Telemetry::remove(std::size_t unit, RecordListener* listener) {
-  channels_.at(unit)->remove(listener);
+  const std::lock_guard lock(mutex_);
+  std::erase(channels_.at(unit).listeners, listener);
 }
 
 core::TickRecord Telemetry::newest(std::size_t unit) const {
-  return channels_.at(unit)->newest();
+  const std::lock_guard lock(mutex_);
+  return channels_.at(unit).newest;
 }
 
 }  // namespace haptic::server

@@ -3,7 +3,7 @@
 /// tells those who listen. The loop wakes it with a futex and never waits for it.
 
 #include <atomic>
-#include <memory>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -23,9 +23,6 @@ class RecordListener {
   virtual void on_newest(const core::TickRecord& record) { static_cast<void>(record); }
 };
 
-/// Who is told first: what sessions and force depend on, then what may come later.
-enum class ListenerRank : std::uint8_t { kService, kBackground };
-
 class Telemetry {
  public:
   /// The units must outlive the telemetry. start() and stop() own the thread; without start() a
@@ -39,12 +36,11 @@ class Telemetry {
   /// Empties every ring once, on the caller's thread. One thread at a time.
   void drain();
 
-  /// `unit`: index in the constructor's list. Listeners may be added and removed at any time from
-  /// any thread, also from within a call of their own; after remove() returned the listener is not
-  /// called again. Of one rank, they are called in the order in which they were added.
-  /// remove() waits for a call of this listener that is under way on another thread: do not hold a
-  /// lock that the listener takes.
-  void add(std::size_t unit, RecordListener* listener, ListenerRank rank = ListenerRank::kService);
+  /// `unit`: index in the constructor's list. Listeners are called in the order in which they were
+  /// added: first what sessions and force depend on. Any thread, but not from within a listener's
+  /// call. Both wait for the round of calls that is under way, so that after remove() the listener
+  /// is not called again: do not hold a lock that a listener takes.
+  void add(std::size_t unit, RecordListener* listener);
   void remove(std::size_t unit, RecordListener* listener);
 
   /// Lets the drain busy-wait for the end of the tick, which saves a wake-up on the way to the
@@ -54,18 +50,23 @@ class Telemetry {
   /// Number of latency-sensitive clients: +1 when one begins, -1 when it ends. Any thread.
   void watch(int change) noexcept { watchers_.fetch_add(change, std::memory_order_relaxed); }
 
-  /// The newest record of a unit; a default one before the first tick. Any thread.
+  /// The newest record of a unit; a default one before the first tick. Any thread, as add().
   [[nodiscard]] core::TickRecord newest(std::size_t unit) const;
 
   /// Wakes the drain: the loop rings it at the end of every tick.
   [[nodiscard]] Bell& bell() noexcept { return bell_; }
 
  private:
-  class Channel;
+  struct Channel {
+    DeviceUnit* unit{nullptr};
+    std::vector<RecordListener*> listeners{};
+    core::TickRecord newest{};  ///< written by the drain alone, which reads it without the mutex
+  };
   void serve() noexcept;
   void wait_for_ring(std::uint32_t heard) noexcept;
 
-  std::vector<std::unique_ptr<Channel>> channels_;
+  mutable std::mutex mutex_;  ///< held while the listeners are called
+  std::vector<Channel> channels_;
   Bell bell_;
   bool may_watch_{false};
   std::atomic<int> watchers_{0};

@@ -14,31 +14,6 @@ bool ServerPath::send_state(wire::ConstBytes state) {
   return end_.send(state);
 }
 
-bool ServerPath::in_use() const {
-  const std::lock_guard lock(mutex_);
-  return end_.in_use();
-}
-
-wire::LinkCounters ServerPath::counters() const {
-  const std::lock_guard lock(mutex_);
-  return end_.counters();
-}
-
-wire::RoundTrip ServerPath::round_trip() const {
-  const std::lock_guard lock(mutex_);
-  return end_.round_trip();
-}
-
-std::optional<wire::ClockOffset::Estimate> ServerPath::clock(core::TimePoint now) const {
-  const std::lock_guard lock(mutex_);
-  return end_.clock_offset().at(to_wire(now));
-}
-
-wire::PeerReport ServerPath::peer_report() const {
-  const std::lock_guard lock(mutex_);
-  return end_.peer_report();
-}
-
 wire::Rejection ServerPath::receive(wire::ConstBytes datagram, const wire::PeerAddress& from,
                                     core::TimePoint arrival) {
   wire::Received received;
@@ -69,32 +44,12 @@ void ServerPath::step(core::TimePoint now) {
   tell(change);
 }
 
-core::TimePoint ServerPath::next_step() const {
-  const std::lock_guard lock(mutex_);
-  return core::TimePoint(end_.next_step().time_since_epoch());
-}
-
-bool ServerPath::wants_rekey(core::TimePoint now) const {
-  const std::lock_guard lock(mutex_);
-  return end_.wants_rekey(to_wire(now));
-}
-
-bool ServerPath::knows(std::uint32_t path_id, core::TimePoint now) {
-  const std::lock_guard lock(mutex_);
-  return end_.knows(path_id, to_wire(now));
-}
-
 void ServerPath::rekey(const wire::PathKeys& keys) {
   {
     const std::lock_guard lock(mutex_);
     end_.rekey(keys);
   }
   if (const auto sink = sink_.lock()) sink->on_udp_keys(keys);
-}
-
-void ServerPath::close() {
-  const std::lock_guard lock(mutex_);
-  end_.close();
 }
 
 void ServerPath::tell(wire::PathChange change) {

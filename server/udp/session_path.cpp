@@ -46,34 +46,36 @@ std::optional<v1::UdpPath> SessionPath::take_keys() {
 
 void SessionPath::report(v1::LinkTransport& udp) const {
   udp.set_transport(v1::TRANSPORT_UDP);
-  const wire::LinkCounters counters = path_->counters();
-  v1::LinkDirection& up = *udp.mutable_up();
-  report_samples(session_->figures(Carrier::kUdp), up);
-  up.set_received(counters.received);
-  up.set_bytes(counters.bytes);
-  up.set_lost(counters.lost);
-  up.set_reordered(counters.reordered);
-  up.set_duplicate(counters.duplicate());
-  up.set_late(counters.late());
-  for (std::size_t i = 1; i < counters.rejected.size(); ++i) {
-    add_rejected(wire::name(static_cast<wire::Rejection>(i)), counters.rejected[i],
-                 *up.mutable_rejected());
-  }
-  if (counters.longest_gap > wire::Duration(0)) {
-    set(*up.mutable_longest_gap(), counters.longest_gap);
-  }
-  const wire::PeerReport report = path_->peer_report();
-  udp.mutable_down()->set_received(report.received);
-  udp.mutable_down()->set_lost(report.newest - report.received);
-  set_round_trip(path_->round_trip(), udp);
+  report_samples(session_->figures(Carrier::kUdp), *udp.mutable_up());
+  path_->with([&](const wire::PathEnd& end) {
+    const wire::LinkCounters& counters = end.counters();
+    v1::LinkDirection& up = *udp.mutable_up();
+    up.set_received(counters.received);
+    up.set_bytes(counters.bytes);
+    up.set_lost(counters.lost);
+    up.set_reordered(counters.reordered);
+    up.set_duplicate(counters.duplicate());
+    up.set_late(counters.late());
+    for (std::size_t i = 1; i < counters.rejected.size(); ++i) {
+      add_rejected(wire::name(static_cast<wire::Rejection>(i)), counters.rejected[i],
+                   *up.mutable_rejected());
+    }
+    if (counters.longest_gap > wire::Duration(0)) {
+      set(*up.mutable_longest_gap(), counters.longest_gap);
+    }
+    const wire::PeerReport& report = end.peer_report();
+    udp.mutable_down()->set_received(report.received);
+    udp.mutable_down()->set_lost(report.newest - report.received);
+    set_round_trip(end.round_trip(), udp);
+  });
 }
 
 void SessionPath::on_udp_sample(const v1::ProxySample& sample, core::TimePoint arrival) {
-  session_->take(sample, arrival, Carrier::kUdp, path_->clock(arrival));
+  session_->take(sample, arrival, Carrier::kUdp, clock(arrival));
 }
 
 void SessionPath::on_udp_change(wire::PathChange change) {
-  const bool by_udp = path_->in_use();
+  const bool by_udp = path_->with([](const wire::PathEnd& end) { return end.in_use(); });
   if (by_udp == std::exchange(states_by_udp_, by_udp)) return;
   session_->tell_transport(by_udp ? "STATES GRPC -> UDP" : "STATES UDP -> GRPC",
                            wire::name(change));

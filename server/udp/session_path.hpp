@@ -8,6 +8,7 @@
 
 #include "haptic/v1/haptic_service.pb.h"
 #include "server/front/session.hpp"
+#include "server/net/wire_time.hpp"
 #include "server/udp/udp_port.hpp"
 
 namespace haptic::server {
@@ -26,8 +27,10 @@ class SessionPath final : public UdpSink {
   [[nodiscard]] bool send_state(wire::ConstBytes state) { return path_->send_state(state); }
   /// New keys for the client, to go by the stream; absent: there are none.
   [[nodiscard]] std::optional<v1::UdpPath> take_keys();
+  /// The client's steady clock against the server's, by the path's challenges.
   [[nodiscard]] Session::ClockEstimate clock(core::TimePoint now) const {
-    return path_->clock(now);
+    return path_->with(
+        [now](const wire::PathEnd& end) { return end.clock_offset().at(to_wire(now)); });
   }
   /// Datagrams, challenges among them, and the samples that the ingress refused.
   void report(v1::LinkTransport& udp) const;

@@ -50,7 +50,7 @@ class UdpPort {
   /// The bound address's. Empty if that is any address of this host, or one at which streams are
   /// served too: a client uses the name that it opened its stream to, because a relay or a
   /// translator in between may have changed the address.
-  [[nodiscard]] std::string host() const;
+  [[nodiscard]] const std::string& host() const;
   [[nodiscard]] std::uint16_t port() const;
   /// Datagrams that no path answers for: length, magic, version, type, unknown path.
   [[nodiscard]] std::uint64_t rejected(wire::Rejection why) const;
@@ -58,7 +58,7 @@ class UdpPort {
   [[nodiscard]] std::uint64_t dropped(wire::Rejection why) const;
 
  private:
-  class Impl;
+  struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 

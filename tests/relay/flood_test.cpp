@@ -27,7 +27,8 @@ TEST(Flood, CountsEveryDatagramAndAnswersNone) {
   const auto opened = port.open({}, 10ms);
   port.start();
   const auto counted = [&](wire::Rejection why) {
-    return port.rejected(why) + opened.path->counters().rejections(why);
+    return port.rejected(why) +
+           opened.path->with([&](const auto& end) { return end.counters().rejections(why); });
   };
   const auto all = [&] {
     std::uint64_t sum = 0;

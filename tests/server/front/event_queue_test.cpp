@@ -1,4 +1,4 @@
-#include "server/front/event_queue.hpp"
+#include "server/front/front.hpp"
 
 #include <gtest/gtest.h>
 

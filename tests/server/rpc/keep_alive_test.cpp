@@ -13,7 +13,7 @@
 #include <optional>
 #include <string>
 
-#include "server/rpc/keep_alive.hpp"
+#include "server/rpc/rpc_server.hpp"
 #include "tests/server/support/live_server.hpp"
 
 namespace haptic::test {

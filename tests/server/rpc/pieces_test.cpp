@@ -11,8 +11,8 @@
 #include "server/front/sample_ledger.hpp"
 #include "server/net/listen_address.hpp"
 #include "server/rpc/broadcaster.hpp"
+#include "server/rpc/reply.hpp"
 #include "server/rpc/state_frame.hpp"
-#include "server/rpc/status.hpp"
 #include "server/state/state_message.hpp"
 
 namespace haptic::server {
@@ -132,12 +132,12 @@ TEST(StateFrame, SharedBytesAreTheMessagesBytes) {
 TEST(StateFrame, EnergyBookIsPresentIfConfigured) {
   StateRecord r = record();
   r.active_planes = 5;
-  r.passivity_on = true;
-  r.tank = 0.003;
-  r.storage = 0.002;
-  r.tank_scale = 0.5;
-  r.observed = -1e-4;
-  r.alpha = 2e-4;
+  r.passivity.on = true;
+  r.passivity.tank = 0.003;
+  r.passivity.storage = 0.002;
+  r.passivity.scale = 0.5;
+  r.passivity.observed = -1e-4;
+  r.passivity.alpha = 2e-4;
   StateMessage message;
   const v1::DeviceState& state = message.write(r);
   EXPECT_EQ(state.active_planes(), 5U);
@@ -147,23 +147,23 @@ TEST(StateFrame, EnergyBookIsPresentIfConfigured) {
   EXPECT_EQ(state.passivity().scale(), 0.5);
   EXPECT_EQ(state.passivity().observed(), -1e-4);
   EXPECT_EQ(state.passivity().alpha(), 2e-4);
-  r.passivity_on = false;
+  r.passivity.on = false;
   static_cast<void>(message.write(r));
   EXPECT_FALSE(state.has_passivity());
 }
 
 TEST(StateFrame, CertificateIsPresentIfConfigured) {
   StateRecord r = record();
-  r.certificate = core::CertificateStatus::kComputed;
-  r.certificate_block = 3;
-  r.certificate_margin = -0.25;
+  r.certificate.status = core::CertificateStatus::kComputed;
+  r.certificate.block = 3;
+  r.certificate.margin = -0.25;
   StateMessage message;
   const v1::DeviceState& state = message.write(r);
   ASSERT_TRUE(state.has_certificate());
   EXPECT_EQ(state.certificate().status(), v1::CERTIFICATE_STATUS_COMPUTED);
   EXPECT_EQ(state.certificate().margin(), -0.25);
   EXPECT_EQ(state.certificate().block(), 3U);
-  r.certificate = core::CertificateStatus::kOff;
+  r.certificate.status = core::CertificateStatus::kOff;
   static_cast<void>(message.write(r));
   EXPECT_FALSE(state.has_certificate());
 }
@@ -265,6 +265,8 @@ TEST(Text, ClientCannotSteerATerminal) {
   EXPECT_EQ(sanitised("a\x1b[2J\nb\x7f", 64), "a?[2J?b?");
   EXPECT_EQ(sanitised("Gr\xc3\xbc\xc3\x9f", 64), "Gr\xc3\xbc\xc3\x9f");
   EXPECT_EQ(sanitised("ab\xc3\xbc", 3), "ab");  // never half a character
+  EXPECT_EQ(sanitised("a\u009bb\u202ec\u2069d\u200fe\u061cf", 64), "a?b?c?d?e?f");
+  EXPECT_EQ(sanitised("\u00a0\u2010\u2026\u206a", 64), "\u00a0\u2010\u2026\u206a");
 }
 
 std::string refusal_of(const std::string& address) {

@@ -1,4 +1,4 @@
-#include "server/rpc/waiting_room.hpp"
+#include "server/rpc/service_context.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,10 @@
-#include "server/rt/deadline_grid.hpp"
+/// The grid of a loop that the timer alone paces.
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
+#include "server/rt/sample_grid.hpp"
 #include "tests/server/rt/grid_times.hpp"
 
 namespace {
@@ -12,9 +13,20 @@ using namespace std::chrono_literals;
 using haptic::core::Duration;
 using haptic::core::LoopReport;
 using haptic::core::TimePoint;
-using haptic::server::DeadlineGrid;
 using haptic::test::kFirst;
 using haptic::test::kPeriod;
+
+class DeadlineGrid {
+ public:
+  DeadlineGrid(TimePoint first, Duration period) : grid_(first, period, Duration(0)) {}
+  [[nodiscard]] TimePoint deadline() const { return grid_.latest(); }
+  LoopReport wake(TimePoint now, Duration suspended) {
+    return grid_.wake(now, suspended, std::nullopt).report;
+  }
+
+ private:
+  haptic::server::SampleGrid grid_;
+};
 
 TEST(DeadlineGrid, PunctualIsNeitherLateNorSkipped) {
   DeadlineGrid grid(kFirst, kPeriod);

@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <functional>
 #include <set>
 #include <thread>
 #include <vector>
 
 #include "haptic/core/error.hpp"
+#include "tests/server/rt/fake_host.hpp"
 #include "tests/server/rt/record_keeper.hpp"
 #include "tests/server/support/device_rig.hpp"
 #include "tests/support/allocation_guard.hpp"
@@ -175,19 +175,8 @@ TEST(Loop, EndsWithoutEverTicking) {
 }
 
 TEST(Loop, RefusedGrantThrowsInTheConstructor) {
-  class Refusing final : public haptic::server::RealtimeHost {
-    int set_fifo(int) override { return EPERM; }
-    haptic::server::ResourceLimit priority_limit() override { return {0, 0}; }
-    bool may_set_any_priority() override { return false; }
-    std::optional<double> realtime_share() override { return std::nullopt; }
-    int set_timer_slack_ns(unsigned long) override { return 0; }
-    int set_cpu(int) override { return 0; }
-    haptic::server::ResourceLimit memory_limit() override { return {0, 0}; }
-    int raise_memory_limit() override { return EPERM; }
-    bool may_lock_any_memory() override { return false; }
-    int lock_memory() override { return EPERM; }
-    void touch_stack() override {}
-  } host;
+  haptic::test::FakeHost host;
+  haptic::test::take_everything_away(host);
   haptic::server::RealtimeRequest request;
   request.mode = haptic::server::RealtimeMode::kRequire;
   EXPECT_THROW(Loop(request, 1ms, host), haptic::core::RealtimeError);

@@ -7,21 +7,22 @@ namespace {
 
 using core::LifecycleState;
 
-TEST(Engage, NeedsTheLease) {
+/// Session s1 has the lease.
+class Engage : public testing::Test {
+ protected:
+  Engage() { rig.control(); }
   DeviceRig rig;
-  rig.tick(3);
+};
+
+TEST_F(Engage, NeedsTheLease) {
   EXPECT_EQ(rig.engage("nobody"), "NOT_CONTROLLER");
 }
 
-TEST(Engage, NeedsAStreamAtAll) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Engage, NeedsAStreamAtAll) {
   EXPECT_EQ(rig.engage(), "STREAM_STALE");
 }
 
-TEST(Engage, NeedsTenSamples) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Engage, NeedsTenSamples) {
   for (int i = 0; i < 8; ++i) {
     rig.publish(0.0);
     rig.tick(30);
@@ -30,43 +31,33 @@ TEST(Engage, NeedsTenSamples) {
   EXPECT_NE(rig.refusal.find("10"), std::string::npos);
 }
 
-TEST(Engage, Needs200MillisecondsWithoutAGap) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Engage, Needs200MillisecondsWithoutAGap) {
   rig.stream(150, 0.0);
   EXPECT_EQ(rig.engage(), "STREAM_TOO_YOUNG");
   EXPECT_NE(rig.refusal.find("200"), std::string::npos);
 }
 
-TEST(Engage, LongGapRestartsTheWait) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Engage, LongGapRestartsTheWait) {
   rig.stream(300, 0.0);
   rig.tick(101);
   rig.stream(50, 0.0);
   EXPECT_EQ(rig.engage(), "STREAM_TOO_YOUNG");
 }
 
-TEST(Engage, NeedsAProxyBeforeHoldEnd) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Engage, NeedsAProxyBeforeHoldEnd) {
   rig.stream(300, 0.0);
   rig.tick(110);
   EXPECT_EQ(rig.engage(), "STREAM_STALE");
 }
 
-TEST(Engage, NeedsAFreshDeviceSample) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Engage, NeedsAFreshDeviceSample) {
   rig.stream(300, 0.0);
   rig.device->silent = true;
   rig.stream(5, 0.0);  // beyond 3 periods, below max_silence
   EXPECT_EQ(rig.engage(), "DEVICE_STALE");
 }
 
-TEST(Engage, NeedsForceWithinTheStartWindow) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Engage, NeedsForceWithinTheStartWindow) {
   rig.stream(300, 0.03);  // 3 N, the window is 2.5 N
   EXPECT_EQ(rig.engage(), "OUTSIDE_WINDOW");
   EXPECT_NE(rig.refusal.find("3 "), std::string::npos);
@@ -74,9 +65,7 @@ TEST(Engage, NeedsForceWithinTheStartWindow) {
   EXPECT_EQ(rig.newest().effort.tau_a[0], 0.0);
 }
 
-TEST(Engage, NeedsArmed) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Engage, NeedsArmed) {
   rig.stream(300, 0.0);
   rig.sessions->emergency_stop("", [](const Outcome<Done>&) {});
   rig.stream(2, 0.0);
@@ -84,9 +73,7 @@ TEST(Engage, NeedsArmed) {
   EXPECT_NE(rig.refusal.find("FAULT"), std::string::npos);
 }
 
-TEST(Engage, RampsUpAndReleaseRampsDown) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Engage, RampsUpAndReleaseRampsDown) {
   rig.stream(250, 0.01);
   EXPECT_EQ(rig.engage(), "");
   EXPECT_EQ(rig.state(), LifecycleState::kEngaging);
@@ -103,9 +90,7 @@ TEST(Engage, RampsUpAndReleaseRampsDown) {
   EXPECT_EQ(rig.device->force, 0.0);
 }
 
-TEST(Engage, ReleaseIsIdempotent) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Engage, ReleaseIsIdempotent) {
   for (int i = 0; i < 2; ++i) {
     bool released = false;
     rig.sessions->release("s1", [&](const Outcome<Done>& outcome) { released = bool(outcome); });
@@ -115,10 +100,8 @@ TEST(Engage, ReleaseIsIdempotent) {
   EXPECT_EQ(rig.state(), LifecycleState::kArmed);
 }
 
-TEST(Engage, LostForceNeedsAnotherRequest) {
-  DeviceRig rig;
+TEST_F(Engage, LostForceNeedsAnotherRequest) {
   const auto queue = rig.sessions->subscribe("s1");
-  rig.control();
   rig.press();
   rig.tick(200);
   EXPECT_EQ(rig.state(), LifecycleState::kArmed);
@@ -130,9 +113,7 @@ TEST(Engage, LostForceNeedsAnotherRequest) {
   EXPECT_EQ(rig.engage(), "");
 }
 
-TEST(Engage, BurstDoesNotSaveFadingForce) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Engage, BurstDoesNotSaveFadingForce) {
   rig.press();
   rig.tick(150);  // fading: 50 of 80 ms
   const double before = rig.newest().life.gain;
@@ -143,9 +124,7 @@ TEST(Engage, BurstDoesNotSaveFadingForce) {
   EXPECT_EQ(rig.newest().input.proxy.seq, rig.seq);  // but where it is, is the newest
 }
 
-TEST(Engage, LeaseEndRefusesAPendingRequest) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Engage, LeaseEndRefusesAPendingRequest) {
   std::string reason;
   rig.sessions->engage("s1",
                        [&](const Outcome<Done>& outcome) { reason = outcome.refusal.reason; });
@@ -153,9 +132,7 @@ TEST(Engage, LeaseEndRefusesAPendingRequest) {
   EXPECT_EQ(reason, "NOT_CONTROLLER");
 }
 
-TEST(Engage, AbandonedRequestBringsNoForce) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Engage, AbandonedRequestBringsNoForce) {
   rig.stream(250, 0.01);
   bool answered = false;
   const std::uint64_t ticket =
@@ -168,9 +145,7 @@ TEST(Engage, AbandonedRequestBringsNoForce) {
   EXPECT_EQ(rig.engage(), "") << "the next one is as good as ever";
 }
 
-TEST(Engage, SameTickReleaseRefusesIt) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Engage, SameTickReleaseRefusesIt) {
   rig.stream(250, 0.01);
   rig.sessions->release("s1", [](const Outcome<Done>&) {});
   EXPECT_EQ(rig.engage(), "NOT_ARMED");
@@ -178,9 +153,7 @@ TEST(Engage, SameTickReleaseRefusesIt) {
   EXPECT_EQ(rig.state(), core::LifecycleState::kArmed);
 }
 
-TEST(Engage, NamesWhySamplesWereRefused) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Engage, NamesWhySamplesWereRefused) {
   for (int i = 0; i < 20; ++i) {
     EXPECT_EQ(rig.publish(std::nan("")), server::IngressVerdict::kNotFinite);
     rig.tick();

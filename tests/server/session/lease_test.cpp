@@ -8,7 +8,6 @@ namespace {
 using core::LifecycleState;
 using server::DeviceEvent;
 using server::IngressVerdict;
-using server::Lease;
 using server::LeaseRequest;
 using server::Refusal;
 
@@ -20,28 +19,6 @@ LeaseRequest request(const std::string& id, const std::string& name) {
   return r;
 }
 
-/// The answer of open_controller, or nothing while it is open.
-struct Reply {
-  std::optional<Lease> lease;
-  std::optional<Refusal> refusal;
-  HandFront::LeaseAnswer take() {
-    return [this](const Outcome<Lease>& outcome) {
-      if (outcome) {
-        lease = *outcome.value;
-      } else {
-        refusal = outcome.refusal;
-      }
-    };
-  }
-};
-
-/// Every event that waits in a queue, as "REASON".
-std::vector<std::string> reasons(server::EventQueue& queue) {
-  std::vector<std::string> all;
-  while (auto event = queue.pop()) all.push_back(event->reason.str());
-  return all;
-}
-
 bool contains(const std::vector<std::string>& all, const std::string& one) {
   return std::find(all.begin(), all.end(), one) != all.end();
 }
@@ -50,10 +27,9 @@ TEST(Lease, FreeDeviceIsGrantedAndArms) {
   DeviceRig rig;
   rig.tick(3);
   EXPECT_EQ(rig.state(), LifecycleState::kIdle);
-  Reply reply;
-  rig.sessions->open_controller(request("s1", "alice"), rig.now, reply.take());
-  ASSERT_TRUE(reply.lease.has_value());
-  EXPECT_EQ(reply.lease->epoch, 1U);
+  const auto reply = rig.ask(request("s1", "alice"));
+  ASSERT_TRUE(reply->lease.has_value());
+  EXPECT_EQ(reply->lease->epoch, 1U);
   EXPECT_EQ(rig.sessions->controller(), "alice");
   rig.tick(5);
   EXPECT_EQ(rig.state(), LifecycleState::kArmed);
@@ -61,20 +37,18 @@ TEST(Lease, FreeDeviceIsGrantedAndArms) {
 
 TEST(Lease, IsGrantedBeforeTheLoopTicks) {
   DeviceRig rig;
-  Reply reply;
-  rig.sessions->open_controller(request("s1", "alice"), rig.now, reply.take());
-  EXPECT_TRUE(reply.lease.has_value());
+  const auto reply = rig.ask(request("s1", "alice"));
+  EXPECT_TRUE(reply->lease.has_value());
 }
 
 TEST(Lease, SecondControllerLearnsTheHoldersName) {
   DeviceRig rig;
   rig.control("s1", "alice");
-  Reply reply;
-  rig.sessions->open_controller(request("s2", "bob"), rig.now, reply.take());
-  ASSERT_TRUE(reply.refusal.has_value());
-  EXPECT_EQ(reply.refusal->code, Refusal::Code::kExists);
-  EXPECT_EQ(reply.refusal->reason, "LEASE_HELD");
-  EXPECT_NE(reply.refusal->message.view().find("'alice'"), std::string::npos);
+  const auto reply = rig.ask(request("s2", "bob"));
+  ASSERT_TRUE(reply->refusal.has_value());
+  EXPECT_EQ(reply->refusal->code, Refusal::Code::kExists);
+  EXPECT_EQ(reply->refusal->reason, "LEASE_HELD");
+  EXPECT_NE(reply->refusal->message.view().find("'alice'"), std::string::npos);
   rig.tick(10);
   EXPECT_EQ(rig.sessions->controller(), "alice");
 }
@@ -91,8 +65,7 @@ TEST(Lease, EveryControllerRaisesTheEpoch) {
 TEST(Lease, ExpiresFromItsOpeningWithoutSamples) {
   DeviceRig rig;
   rig.tick(5);
-  Reply reply;
-  rig.sessions->open_controller(request("s1", "alice"), rig.now, reply.take());
+  const auto reply = rig.ask(request("s1", "alice"));
   const auto queue = rig.sessions->subscribe("s1");
   rig.tick(1999);
   EXPECT_TRUE(rig.sessions->holds_lease("s1"));
@@ -177,19 +150,17 @@ TEST(Lease, NewcomerWaitsForZeroForce) {
   rig.control("s1", "alice");
   rig.press();
   rig.sessions->close("s1");
-  Reply bob;
-  rig.sessions->open_controller(request("s2", "bob"), rig.now, bob.take());
-  EXPECT_FALSE(bob.lease.has_value());
-  Reply carol;
-  rig.sessions->open_controller(request("s3", "carol"), rig.now, carol.take());
-  ASSERT_TRUE(carol.refusal.has_value());
-  EXPECT_NE(carol.refusal->message.view().find("'bob'"), std::string::npos);
-  for (int i = 0; i < 200 && !bob.lease; ++i) {
+  const auto bob = rig.ask(request("s2", "bob"));
+  EXPECT_FALSE(bob->lease.has_value());
+  const auto carol = rig.ask(request("s3", "carol"));
+  ASSERT_TRUE(carol->refusal.has_value());
+  EXPECT_NE(carol->refusal->message.view().find("'bob'"), std::string::npos);
+  for (int i = 0; i < 200 && !bob->lease; ++i) {
     rig.tick();
-    EXPECT_EQ(bob.lease.has_value(), rig.newest().life.gain == 0.0);
+    EXPECT_EQ(bob->lease.has_value(), rig.newest().life.gain == 0.0);
   }
-  ASSERT_TRUE(bob.lease.has_value());
-  EXPECT_EQ(bob.lease->epoch, 2U);
+  ASSERT_TRUE(bob->lease.has_value());
+  EXPECT_EQ(bob->lease->epoch, 2U);
   rig.tick(5);
   EXPECT_EQ(rig.state(), LifecycleState::kArmed);
 }
@@ -199,12 +170,11 @@ TEST(Lease, WaitingNewcomerMayLeave) {
   rig.control();
   rig.press();
   rig.sessions->close("s1");
-  Reply bob;
-  rig.sessions->open_controller(request("s2", "bob"), rig.now, bob.take());
+  const auto bob = rig.ask(request("s2", "bob"));
   rig.sessions->close("s2");
-  ASSERT_TRUE(bob.refusal.has_value()) << "the front keeps the call until it is answered";
+  ASSERT_TRUE(bob->refusal.has_value()) << "the front keeps the call until it is answered";
   rig.tick(300);
-  EXPECT_FALSE(bob.lease.has_value());
+  EXPECT_FALSE(bob->lease.has_value());
   EXPECT_EQ(rig.sessions->controller(), "");
   EXPECT_EQ(rig.control("s3").epoch, 2U);
 }
@@ -214,32 +184,29 @@ TEST(Lease, LimitsMayBeTightenedNeverWidened) {
   LeaseRequest r = request("s1", "alice");
   r.hold_end = 60ms;
   r.fade_end = 10s;
-  Reply reply;
-  rig.sessions->open_controller(r, rig.now, reply.take());
-  ASSERT_TRUE(reply.lease.has_value());
-  EXPECT_EQ(reply.lease->staleness.hold_end, 60ms);
-  EXPECT_EQ(reply.lease->staleness.fade_end, 180ms);
+  const auto reply = rig.ask(r);
+  ASSERT_TRUE(reply->lease.has_value());
+  EXPECT_EQ(reply->lease->staleness.hold_end, 60ms);
+  EXPECT_EQ(reply->lease->staleness.fade_end, 180ms);
   // 2.5 periods of 60 Hz
-  EXPECT_NEAR(core::seconds(reply.lease->staleness.fresh_end), 2.5 / 60.0, 1e-6);
+  EXPECT_NEAR(core::seconds(reply->lease->staleness.fresh_end), 2.5 / 60.0, 1e-6);
 }
 
 TEST(Lease, NamesInconsistentLimits) {
   DeviceRig rig;
   LeaseRequest r = request("s1", "alice");
   r.fade_end = 120ms;  // hold_end is 100 ms: a fade of 20 ms is a jerk
-  Reply reply;
-  rig.sessions->open_controller(r, rig.now, reply.take());
-  ASSERT_TRUE(reply.refusal.has_value());
-  EXPECT_EQ(reply.refusal->code, Refusal::Code::kInvalid);
-  EXPECT_NE(reply.refusal->field.view().find("fade_end"), std::string::npos);
-  EXPECT_NE(reply.refusal->message.view().find("120"), std::string::npos);
+  const auto reply = rig.ask(r);
+  ASSERT_TRUE(reply->refusal.has_value());
+  EXPECT_EQ(reply->refusal->code, Refusal::Code::kInvalid);
+  EXPECT_NE(reply->refusal->field.view().find("fade_end"), std::string::npos);
+  EXPECT_NE(reply->refusal->message.view().find("120"), std::string::npos);
   for (const double rate : {0.0, 0.5, 2001.0, -1.0, std::nan("")}) {
     LeaseRequest wrong = request("s1", "alice");
     wrong.nominal_rate_hz = rate;
-    Reply answer;
-    rig.sessions->open_controller(wrong, rig.now, answer.take());
-    ASSERT_TRUE(answer.refusal.has_value()) << rate;
-    EXPECT_EQ(answer.refusal->field, "nominal_rate_hz");
+    const auto answer = rig.ask(wrong);
+    ASSERT_TRUE(answer->refusal.has_value()) << rate;
+    EXPECT_EQ(answer->refusal->field, "nominal_rate_hz");
   }
 }
 
@@ -253,10 +220,27 @@ TEST(Lease, ClosingRefusesNewcomersAndTellsEveryone) {
   EXPECT_EQ(rig.state(), LifecycleState::kClosing);
   EXPECT_EQ(rig.device->force, 0.0);
   EXPECT_TRUE(contains(reasons(*queue), "CLOSING"));
-  Reply reply;
-  rig.sessions->open_controller(request("s2", "bob"), rig.now, reply.take());
-  ASSERT_TRUE(reply.refusal.has_value());
-  EXPECT_EQ(reply.refusal->code, Refusal::Code::kUnavailable);
+  const auto reply = rig.ask(request("s2", "bob"));
+  ASSERT_TRUE(reply->refusal.has_value());
+  EXPECT_EQ(reply->refusal->code, Refusal::Code::kUnavailable);
+}
+
+TEST(Lease, EndedLoopRefusesWaitingRequests) {
+  DeviceRig rig;
+  rig.control();
+  std::vector<std::string> answers;
+  const auto engage = [&] {
+    rig.sessions->engage("s1", [&](const Outcome<Done>& outcome) {
+      answers.push_back(outcome ? "" : outcome.refusal.reason.str());
+    });
+  };
+  engage();
+  EXPECT_EQ(answers.size(), 0U);
+  rig.owner->begin_closing();
+  rig.owner->loop_ended();
+  EXPECT_EQ(answers, std::vector<std::string>{"CLOSING"});
+  engage();
+  EXPECT_EQ(answers.size(), 2U) << "at once";
 }
 
 }  // namespace

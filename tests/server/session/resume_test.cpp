@@ -9,7 +9,6 @@ namespace {
 
 using core::LifecycleState;
 using server::IngressVerdict;
-using server::Lease;
 using server::LeaseRequest;
 using server::Priority;
 using server::Refusal;
@@ -35,21 +34,7 @@ LeaseRequest resuming(const std::string& id, const std::string& former) {
 
 class ResumeTest : public testing::Test {
  protected:
-  struct Reply {
-    std::optional<Lease> lease;
-    std::optional<Refusal> refusal;
-  };
-  std::shared_ptr<Reply> ask(const LeaseRequest& wanted) {
-    auto reply = std::make_shared<Reply>();
-    rig.sessions->open_controller(wanted, rig.now, [reply](const Outcome<Lease>& outcome) {
-      if (outcome) {
-        reply->lease = *outcome.value;
-      } else {
-        reply->refusal = outcome.refusal;
-      }
-    });
-    return reply;
-  }
+  std::shared_ptr<DeviceRig::Reply> ask(const LeaseRequest& wanted) { return rig.ask(wanted); }
   /// alice, resumable, with force of 1 N.
   void press() {
     rig.tick(3);
@@ -60,11 +45,6 @@ class ResumeTest : public testing::Test {
     rig.press("s1");
     ASSERT_EQ(rig.state(), LifecycleState::kEngaged);
     ASSERT_EQ(rig.newest().life.gain, 1.0);
-  }
-  static std::vector<std::string> reasons(server::EventQueue& queue) {
-    std::vector<std::string> all;
-    while (auto event = queue.pop()) all.push_back(event->reason.str());
-    return all;
   }
   static long count(const std::vector<std::string>& all, const std::string& one) {
     return std::count(all.begin(), all.end(), one);

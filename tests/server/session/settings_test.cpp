@@ -12,10 +12,15 @@ using core::RendererKind;
 using server::Refusal;
 using server::SettingsRequest;
 
-TEST(Settings, AreTightenedAndClampsAreReported) {
+/// Session s1 has the lease.
+class Settings : public testing::Test {
+ protected:
+  Settings() { rig.control(); }
   DeviceRig rig;
-  rig.control();
   SettingsRequest request;
+};
+
+TEST_F(Settings, AreTightenedAndClampsAreReported) {
   request.stiffness = {40.0};
   request.force_limit = {50.0};  // the scene's is 10 N
   const auto answer = rig.sessions->update_settings("s1", request);
@@ -31,10 +36,7 @@ TEST(Settings, AreTightenedAndClampsAreReported) {
   EXPECT_NEAR(rig.device->force, 0.4, 1e-9);  // 0.01 m at 40 N/m
 }
 
-TEST(Settings, MayRiseAgainWithinTheScene) {
-  DeviceRig rig;
-  rig.control();
-  SettingsRequest request;
+TEST_F(Settings, MayRiseAgainWithinTheScene) {
   request.stiffness = {40.0};
   ASSERT_TRUE(rig.sessions->update_settings("s1", request));
   request.stiffness = {90.0};
@@ -42,16 +44,13 @@ TEST(Settings, MayRiseAgainWithinTheScene) {
   EXPECT_EQ(answer.value->stiffness.value[0], 90.0);
 }
 
-TEST(Settings, WrongFieldsAreNamedAndIgnored) {
-  DeviceRig rig;
-  rig.control();
-  const auto refused = [&](const SettingsRequest& request) {
-    const auto answer = rig.sessions->update_settings("s1", request);
+TEST_F(Settings, WrongFieldsAreNamedAndIgnored) {
+  const auto refused = [&](const SettingsRequest& wrong) {
+    const auto answer = rig.sessions->update_settings("s1", wrong);
     EXPECT_FALSE(answer);
     EXPECT_EQ(answer.refusal.code, Refusal::Code::kInvalid);
     return answer.refusal.field.str();
   };
-  SettingsRequest request;
   request.stiffness = {1.0, 2.0};
   EXPECT_EQ(refused(request), "stiffness");
   request.stiffness = {std::nan("")};
@@ -66,17 +65,12 @@ TEST(Settings, WrongFieldsAreNamedAndIgnored) {
   EXPECT_EQ(rig.newest().input.settings.stiffness[0], 100.0);
 }
 
-TEST(Settings, AreTheControllersAlone) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Settings, AreTheControllersAlone) {
   const auto answer = rig.sessions->update_settings("s2", {});
   EXPECT_EQ(answer.refusal.code, Refusal::Code::kPermission);
 }
 
-TEST(Settings, RendererChangesOnlyWithoutForce) {
-  DeviceRig rig;
-  rig.control();
-  SettingsRequest request;
+TEST_F(Settings, RendererChangesOnlyWithoutForce) {
   request.renderer = RendererKind::kStandard;
   ASSERT_TRUE(rig.sessions->update_settings("s1", request));
   rig.press();
@@ -88,41 +82,31 @@ TEST(Settings, RendererChangesOnlyWithoutForce) {
   EXPECT_NE(answer.refusal.message.view().find("ENGAGED"), std::string::npos);
 }
 
-TEST(Settings, PendingEngageKeepsTheRenderer) {
-  DeviceRig rig;
-  rig.control();
+TEST_F(Settings, PendingEngageKeepsTheRenderer) {
   rig.stream(250, 0.01);
   rig.sessions->engage("s1", [](const Outcome<Done>&) {});
-  SettingsRequest request;
   request.renderer = RendererKind::kStandard;
   EXPECT_FALSE(rig.sessions->update_settings("s1", request));
 }
 
-TEST(Settings, ScenesGuardCannotBeDisabled) {
+TEST_F(Settings, ScenesGuardCannotBeDisabled) {
   core::PipelineConfig config = rig_config();
   config.scene.direction_guard = true;
-  DeviceRig rig(config);
-  rig.control();
-  SettingsRequest request;
+  DeviceRig guarded(config);
+  guarded.control();
   request.direction_guard = false;
-  const auto answer = rig.sessions->update_settings("s1", request);
+  const auto answer = guarded.sessions->update_settings("s1", request);
   EXPECT_EQ(answer.refusal.reason, "GUARD_REQUIRED");
 }
 
-TEST(Settings, SessionMayDisableItsOwnGuard) {
-  DeviceRig rig;
-  rig.control();
-  SettingsRequest request;
+TEST_F(Settings, SessionMayDisableItsOwnGuard) {
   request.direction_guard = true;
   EXPECT_TRUE(rig.sessions->update_settings("s1", request).value->direction_guard);
   request.direction_guard = false;
   EXPECT_FALSE(rig.sessions->update_settings("s1", request).value->direction_guard);
 }
 
-TEST(Settings, ReturnToScenesAtZeroForce) {
-  DeviceRig rig;
-  rig.control();
-  SettingsRequest request;
+TEST_F(Settings, ReturnToScenesAtZeroForce) {
   request.stiffness = {40.0};
   ASSERT_TRUE(rig.sessions->update_settings("s1", request));
   rig.press();
@@ -136,10 +120,7 @@ TEST(Settings, ReturnToScenesAtZeroForce) {
   EXPECT_EQ(rig.newest().input.settings.stiffness[0], 100.0);
 }
 
-TEST(Settings, NewControllerStartsWithTheScenes) {
-  DeviceRig rig;
-  rig.control("s1");
-  SettingsRequest request;
+TEST_F(Settings, NewControllerStartsWithTheScenes) {
   request.stiffness = {40.0};
   ASSERT_TRUE(rig.sessions->update_settings("s1", request));
   rig.sessions->close("s1");

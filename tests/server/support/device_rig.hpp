@@ -64,19 +64,32 @@ class DeviceRig {
   [[nodiscard]] core::TickRecord newest() const { return telemetry->newest(0); }
   [[nodiscard]] core::LifecycleState state() const { return newest().life.state; }
 
+  struct Reply {
+    std::optional<server::Lease> lease{};
+    std::optional<server::Refusal> refusal{};
+  };
+  /// Asks for the lease; the reply is empty while the request is open.
+  std::shared_ptr<Reply> ask(const server::LeaseRequest& wanted) {
+    auto reply = std::make_shared<Reply>();
+    sessions->open_controller(wanted, now, [reply](const server::Outcome<server::Lease>& outcome) {
+      reply->lease = outcome.value;
+      if (!outcome) reply->refusal = outcome.refusal;
+    });
+    return reply;
+  }
+
   /// Opens a controller of 1 kHz and ticks until it is answered and the device armed.
   server::Lease control(const std::string& id = "s1", const std::string& client = "alice") {
-    std::optional<server::Lease> lease;
     server::LeaseRequest request;
     request.session_id = id;
     request.client_name = client;
     request.nominal_rate_hz = 1000.0;
-    sessions->open_controller(request, now, [&](const server::Outcome<server::Lease>& outcome) {
-      if (outcome) lease = *outcome.value;
-    });
-    for (int i = 0; i < 400 && (!lease || state() != core::LifecycleState::kArmed); ++i) tick();
-    epoch = lease ? lease->epoch : 0;
-    return lease.value_or(server::Lease{});
+    const auto reply = ask(request);
+    const auto armed = [this] { return state() == core::LifecycleState::kArmed; };
+    for (int i = 0; i < 400 && !(reply->lease && armed()); ++i) tick();
+    const auto lease = reply->lease.value_or(server::Lease{});
+    epoch = lease.epoch;
+    return lease;
   }
 
   server::IngressVerdict publish(double a, double b = 0.0) {
@@ -125,5 +138,12 @@ class DeviceRig {
   std::uint64_t seq{0};
   std::string refusal;  ///< sentence of the last engage()
 };
+
+/// The reasons of every event that waits in a queue.
+inline std::vector<std::string> reasons(server::EventQueue& queue) {
+  std::vector<std::string> all;
+  while (auto event = queue.pop()) all.push_back(event->reason.str());
+  return all;
+}
 
 }  // namespace haptic::test

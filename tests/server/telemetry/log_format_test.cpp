@@ -1,4 +1,4 @@
-#include "server/telemetry/log_format.hpp"
+#include "server/telemetry/log.hpp"
 
 #include <gtest/gtest.h>
 #include <spdlog/details/log_msg.h>
@@ -46,6 +46,8 @@ TEST(LogFormat, InvalidUtf8StaysValidJson) {
 TEST(LogFormat, TextMessageStaysOneLine) {
   const std::string line = formatted("name\nfake\x1b[2J\\", LogFormat::kText);
   EXPECT_NE(line.find("name\\x0afake\\x1b[2J\\\n"), std::string::npos) << line;
+  const std::string marks = formatted("\u009b\u202e\u00e9", LogFormat::kText);
+  EXPECT_NE(marks.find("\\xc2\\x9b\\xe2\\x80\\xae\u00e9\n"), std::string::npos) << marks;
 }
 
 TEST(LogFormat, JournalLinesBeginWithTheirPriority) {

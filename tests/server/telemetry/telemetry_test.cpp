@@ -14,7 +14,6 @@ namespace {
 
 using namespace std::chrono_literals;
 using haptic::core::TickRecord;
-using haptic::server::ListenerRank;
 using haptic::server::RecordListener;
 using haptic::server::Telemetry;
 using haptic::test::DeviceRig;
@@ -57,68 +56,19 @@ TEST(Telemetry, DeliversRecordsInOrderThenNewest) {
   EXPECT_EQ(rig.telemetry->newest(0).beat.tick, 4u);
 }
 
-TEST(Telemetry, ServiceComesBeforeBackground) {
+TEST(Telemetry, ListenersAreCalledInTheirOrder) {
   DeviceRig rig;
   std::string diary;
-  Diarist a(diary, "a"), b(diary, "b"), c(diary, "c"), d(diary, "d");
-  rig.telemetry->add(0, &a, ListenerRank::kBackground);
+  Diarist a(diary, "a"), b(diary, "b");
   rig.telemetry->add(0, &b);
-  rig.telemetry->add(0, &c, ListenerRank::kBackground);
-  rig.telemetry->add(0, &d);
+  rig.telemetry->add(0, &a);
   tick(rig, 2);
   rig.telemetry->drain();
-  EXPECT_EQ(diary, "bdacbdacb!d!a!c!");
-  for (Diarist* diarist : {&a, &b, &c, &d}) rig.telemetry->remove(0, diarist);
-}
-
-TEST(Telemetry, ListenersMayRemoveListeners) {
-  DeviceRig rig;
-  std::string diary;
-  Diarist other(diary, "o");
-  struct Quitter final : RecordListener {
-    Telemetry* telemetry{nullptr};
-    RecordListener* other{nullptr};
-    int calls{0};
-    void on_record(const TickRecord&) override {
-      ++calls;
-      telemetry->remove(0, other);
-      telemetry->remove(0, this);
-    }
-    void on_newest(const TickRecord&) override { ++calls; }
-  } quitter;
-  quitter.telemetry = rig.telemetry.get();
-  quitter.other = &other;
-  rig.telemetry->add(0, &quitter);
-  rig.telemetry->add(0, &other);
-  tick(rig, 3);
-  rig.telemetry->drain();
-  EXPECT_EQ(quitter.calls, 1);
-  EXPECT_EQ(diary, "");
-}
-
-TEST(Telemetry, AddedListenerHearsTheNextRound) {
-  DeviceRig rig;
-  std::string diary;
-  Diarist late(diary, "l");
-  struct Host final : RecordListener {
-    Telemetry* telemetry{nullptr};
-    RecordListener* guest{nullptr};
-    void on_record(const TickRecord&) override {
-      if (guest != nullptr) telemetry->add(0, guest);
-      guest = nullptr;
-    }
-  } host;
-  host.telemetry = rig.telemetry.get();
-  host.guest = &late;
-  rig.telemetry->add(0, &host);
-  tick(rig, 2);
-  rig.telemetry->drain();
-  EXPECT_EQ(diary, "");
+  rig.telemetry->remove(0, &b);
   tick(rig, 1);
   rig.telemetry->drain();
-  EXPECT_EQ(diary, "ll!");
-  rig.telemetry->remove(0, &late);
-  rig.telemetry->remove(0, &host);
+  EXPECT_EQ(diary, "babab!a!aa!");
+  rig.telemetry->remove(0, &a);
 }
 
 // A loop that ticks as fast as it can, the drain awake by its bell alone, four threads that come

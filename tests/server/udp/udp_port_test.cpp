@@ -67,6 +67,13 @@ class UdpPortTest : public testing::Test {
   /// Bytes to the port, from a socket that nobody answers.
   UdpEnd sender{wire::End::kServer, wire::fresh_keys()};
   TestEnd client{wire::End::kClient, opened.keys};
+
+  wire::LinkCounters counters() {
+    return opened.path->with([](const auto& end) { return end.counters(); });
+  }
+  bool path_in_use() {
+    return opened.path->with([](const auto& end) { return end.in_use(); });
+  }
 };
 
 TEST_F(UdpPortTest, WaitingInTheSocketAges) {
@@ -96,14 +103,14 @@ TEST_F(UdpPortTest, RejectionsAreCountedNeverAnswered) {
                                   path, tag, unreadable, good, good}) {
     sender.send_raw(bytes, port.port());
   }
-  ASSERT_TRUE(eventually([&] { return opened.path->counters().duplicate() == 1; }));
+  ASSERT_TRUE(eventually([&] { return counters().duplicate() == 1; }));
   EXPECT_EQ(port.rejected(wire::Rejection::kLength), 2U);
   EXPECT_EQ(port.rejected(wire::Rejection::kMagic), 1U);
   EXPECT_EQ(port.rejected(wire::Rejection::kVersion), 1U);
   EXPECT_EQ(port.rejected(wire::Rejection::kType), 1U);
   EXPECT_EQ(port.rejected(wire::Rejection::kUnknownPath), 1U);
-  EXPECT_EQ(opened.path->counters().rejections(wire::Rejection::kTag), 1U);
-  EXPECT_EQ(opened.path->counters().rejections(wire::Rejection::kPayload), 1U);
+  EXPECT_EQ(counters().rejections(wire::Rejection::kTag), 1U);
+  EXPECT_EQ(counters().rejections(wire::Rejection::kPayload), 1U);
   EXPECT_EQ(sink->samples().size(), 1U);
 }
 
@@ -120,7 +127,7 @@ TEST_F(UdpPortTest, TakesAWholeBurstInOrder) {
 TEST_F(UdpPortTest, NewKeysComeWithoutAGap) {
   port.start();
   UdpEnd end(wire::End::kClient, opened.keys, port.port());
-  ASSERT_TRUE(eventually([&] { return end.in_use() && opened.path->in_use(); }));
+  ASSERT_TRUE(eventually([&] { return end.in_use() && path_in_use(); }));
   port.rekey(opened.path);
   ASSERT_EQ(sink->keys().size(), 1U);
   EXPECT_NE(sink->keys().front().path_id, opened.keys.path_id);
@@ -180,7 +187,7 @@ TEST_F(UdpPortTest, ClientCannotForceRapidRekeys) {
 TEST_F(UdpPortTest, ClosedPathIsUnknownAndReported) {
   port.start();
   UdpEnd end(wire::End::kClient, opened.keys, port.port());
-  ASSERT_TRUE(eventually([&] { return end.in_use() && opened.path->in_use(); }));
+  ASSERT_TRUE(eventually([&] { return end.in_use() && path_in_use(); }));
   port.close(opened.path);
   ASSERT_TRUE(eventually([&] { return !end.in_use(); }));
   sender.send_raw(client.seal(wire::DatagramType::kProxy, sample(1)), port.port());

@@ -1,10 +1,33 @@
-#include "server/rpc/tick_reply.hpp"
+#include "server/rpc/reply.hpp"
 
 #include <utility>
 
-#include "server/rpc/status.hpp"
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
 
 namespace haptic::server {
+
+grpc::Status to_status(const Refusal& refusal) {
+  const auto code = static_cast<grpc::StatusCode>(refusal.code);
+  google::rpc::Status status;
+  status.set_code(code);
+  status.set_message(refusal.message.str());
+  google::rpc::ErrorInfo info;
+  info.set_reason(refusal.reason.str());
+  info.set_domain("hapticd");
+  for (const auto& [name, value] : refusal.details) {
+    if (!name.empty()) (*info.mutable_metadata())[name.str()] = value.str();
+  }
+  status.add_details()->PackFrom(info);
+  if (!refusal.field.empty()) {
+    google::rpc::BadRequest bad;
+    auto* violation = bad.add_field_violations();
+    violation->set_field(refusal.field.str());
+    violation->set_description(refusal.message.str());
+    status.add_details()->PackFrom(bad);
+  }
+  return {code, refusal.message.str(), status.SerializeAsString()};
+}
 
 void TickReply::watch(std::function<void()> give_up) {
   const std::lock_guard lock(mutex_);

@@ -1,6 +1,6 @@
 #pragma once
-/// A unary call that a tick answers: finished from the record that brings the answer, without a
-/// thread waiting for it (private to server/rpc).
+/// How calls end: a refusal as a grpc::Status, and unary calls that the owner answers later
+/// (private to server/rpc).
 
 #include <grpcpp/alarm.h>
 #include <grpcpp/support/server_callback.h>
@@ -11,7 +11,13 @@
 #include <memory>
 #include <mutex>
 
+#include "server/front/refusals.hpp"
+
 namespace haptic::server {
+
+/// Canonical code, message, ErrorInfo {reason, domain "hapticd"}, and a BadRequest if a field is
+/// off.
+[[nodiscard]] grpc::Status to_status(const Refusal& refusal);
 
 /// Finishes `reactor` exactly once: by an answer, or with UNAVAILABLE if no tick came at all. The
 /// owner's own bound (PendingRequests::kPatience) is the shorter one while the loop runs.

@@ -241,7 +241,9 @@ def arm_by_lease(daemon):
     script = ("import haptic,sys,time\n"
               "with haptic.Connection(sys.argv[1]) as c, c.session(client_name='a', "
               "nominal_rate_hz=50) as s:\n"
-              "    for _ in range(30): s.publish(haptic.FREE); time.sleep(0.02)\n")
+              "    for _ in range(150):\n"
+              "        s.publish(haptic.FREE); time.sleep(0.02)\n"
+              "        if s.state and s.state.state == 'ARMED': break\n")
     with contextlib.suppress(subprocess.TimeoutExpired):
         subprocess.run([sys.executable, "-c", script, daemon.address], timeout=15.0,
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -250,7 +250,7 @@ def stepped_clock(folder):
     daemon = Daemon(f"{folder}/run", env={"LD_PRELOAD": library, "HAPTIC_STEP": trigger})
     try:
         path = Path(daemon)
-        end, stepped = time.monotonic() + 2.0, False
+        end, stepped = time.monotonic() + 4.0, False  # a lease is safe in its first 2 s
         while time.monotonic() < end:
             path.send(path.sample())
             if not stepped and time.monotonic() > end - 1.0:

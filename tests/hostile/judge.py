@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import math
+import random
 import statistics
 
 from daemon import FORCE, MB, SLEW, STOP_LIMIT_S
@@ -148,6 +149,14 @@ def p99(values):
     return sorted(values)[min(len(values) - 1, int(share * len(values)))] if values else 0.0
 
 
+def median_interval(values, rounds=2_000, seed=1):
+    """The median, and the 95 % interval of it by bootstrap."""
+    chance = random.Random(seed)
+    medians = sorted(statistics.median(chance.choices(values, k=len(values)))
+                     for _ in range(rounds))
+    return statistics.median(values), medians[rounds // 40], medians[-1 - rounds // 40]
+
+
 def skips_allowed(quiet):
     """So many in the row's attack if `quiet` were skipped in as long a time without: four standard
     deviations of the difference of two Poisson counts, and one stall of a virtual machine."""
@@ -165,6 +174,8 @@ def failures(m, grows=GROWTH_MB):
         found.append(f"owner grew by {m.growth_mb:.1f} MB")
     if m.front and m.front_limit and m.front > m.front_limit:
         found.append(f"front has {m.front / MB:.0f} MB, its limit is {m.front_limit / MB:.0f}")
+    if m.front and not m.front_limit:
+        found.append("front without RLIMIT_DATA")
     if m.served is None:
         found.append("not served again")
     elif m.served > SERVED_S:

@@ -10,7 +10,8 @@ import unittest
 import board
 import frames
 from daemon import MB
-from judge import Measured, Tick, failures, judge_ticks, read_record, skipped, skips_allowed
+from judge import (Measured, Tick, failures, judge_ticks, median_interval, read_record, skipped,
+                   skips_allowed)
 from rows import ROWS
 from signals import DIRTY, dirty
 
@@ -102,6 +103,7 @@ class Verdict(unittest.TestCase):
         for fields, words in (
                 ({"owner": 62 * MB}, "owner grew by 2.0 MB"),
                 ({"front": 90 * MB, "front_limit": 80 * MB}, "front has 90 MB"),
+                ({"front": 30 * MB}, "front without RLIMIT_DATA"),
                 ({"served": None}, "not served again"),
                 ({"served": 1.2}, "served again after 1.2 s"),
                 ({"unanswered": 1}, "1 local stops without answer"),
@@ -123,6 +125,12 @@ class Verdict(unittest.TestCase):
     def test_a_busy_host_is_no_finding(self):
         self.assertEqual(failures(good(skipped=110, quiet_skipped=90)), [])
         self.assertLess(skips_allowed(0), 20)
+
+
+    def test_more_skipped_deadlines_in_all_rows_are_seen(self):
+        self.assertGreater(median_interval([1.0, 2.0, 3.0] * 10)[1], 0.0)
+        median, low, high = median_interval([-1.0, 0.0, 1.0] * 10)
+        self.assertTrue(low <= median <= high and low <= 0.0)
 
 
 class Rows(unittest.TestCase):

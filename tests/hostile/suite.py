@@ -8,15 +8,17 @@ import multiprocessing
 import os
 import resource
 import signal
+import statistics
 import subprocess
 import sys
 import tempfile
 import time
 import traceback
 
-from daemon import MB, Controller, Daemon, Probe, control, resident
+from daemon import MB, STOP_LIMIT_S, Controller, Daemon, Probe, control, resident
 from frames import served
-from judge import (Measured, failures, judge_ticks, losses, p99, read_record, skipped)
+from judge import (Measured, failures, judge_ticks, losses, median_interval, p99, read_record,
+                   skipped)
 from rows import ROWS
 
 GIVEN_UP_S = 6.0  # for service or force to come back
@@ -178,6 +180,32 @@ def cells(row, m, found):
             mb(m.sent), *measured, "; ".join(m.notes)]
 
 
+FEWEST_PAIRS = 20  # alternating blocks with and without an attack
+
+
+def all_rows(measured):
+    """What only many rows together can say: deadlines skipped with and without an attack, and the
+    local stop. As a line of the table each."""
+    pairs = [(m.skipped - m.quiet_skipped) / m.seconds for row, m in measured
+             if m.realtime and m.seconds and not row.must_fail]
+    lines = []
+
+    def line(name, expected, got, verdict):
+        lines.append([name, "", "", expected, got, verdict, *[""] * (len(COLUMNS) - 6)])
+    if len(pairs) >= FEWEST_PAIRS:
+        median, low, high = median_interval(pairs)
+        line("all_deadlines", "as many skipped as without attacks",
+             f"{median:+.2f} [{low:+.2f}, {high:+.2f}] per second more, {len(pairs)} pairs",
+             "FAILED" if low > 0.0 else "held")
+    stops = [stop for row, m in measured if m.punctual and not row.must_fail for stop in m.stops]
+    if len(stops) >= 100:
+        late = p99(stops) > STOP_LIMIT_S
+        line("all_stops", f"p99 at most {1e3 * STOP_LIMIT_S:.0f} ms",
+             f"p50 {1e3 * statistics.median(stops):.0f}, p99 {1e3 * p99(stops):.0f} ms of {len(stops)}",
+             "FAILED" if late else "held")
+    return lines
+
+
 def table(lines):
     """The rows for people."""
     head = ("row", "verdict", "owner +MB", "front MB", "skipped", "served ms", "stop ms", "got")
@@ -223,17 +251,21 @@ def main():
         print("no such row; --list shows them", file=sys.stderr)
         return 2
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
-    lines = []
+    lines, measured = [], []
     with hogs(2 if options.hogs else 0), open(options.out, "w", newline="") as out:
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow(COLUMNS)
         for _ in range(options.repeat):
             for row in wanted:
                 m, found = run_row(row)
+                measured.append((row, m))
                 lines.append(cells(row, m, found))
                 writer.writerow(lines[-1])
                 out.flush()
                 print(f"{lines[-1][5]:7} {row.name}: {lines[-1][4][:200]}", flush=True)
+        together = all_rows(measured)
+        lines += together
+        writer.writerows(together)
     print("\n" + table(lines))
     verdicts = [line[5] for line in lines]
     print(f"\n{verdicts.count('held')} held, {verdicts.count('FAILED')} failed, "

@@ -41,6 +41,19 @@ def key_mode(folder):
     return {"wrong": wrong, "notes": notes}
 
 
+def priority(daemon, folder, name):
+    """What becomes of a controller that asks for the highest one with this certificate."""
+    from calls import OPERATOR, controls, grpc, stubs
+    pems = [pathlib.Path(f"{folder}/{file}").read_bytes()
+            for file in ("server.pem", f"{name}.key", f"{name}.pem")]
+    channel = grpc.secure_channel(daemon.address, grpc.ssl_channel_credentials(*pems), options=[
+        ("grpc.ssl_target_name_override", "localhost"), ("grpc.use_local_subchannel_pool", 1)])
+    try:
+        return controls(stubs.HapticServiceStub(channel), priority=OPERATOR)
+    finally:
+        channel.close()
+
+
 def tls_peers(folder):
     """TLS 1.0 and 1.1, NULL and CBC, no, forged, expired and server-only certificates."""
     if shutil.which("openssl") is None:
@@ -50,9 +63,11 @@ def tls_peers(folder):
     issue = ["openssl", "req", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
              "-nodes"]
     for name, days, use in (("good", "2", "clientAuth"), ("expired", "-1", "clientAuth"),
-                            ("server_only", "2", "serverAuth")):
+                            ("server_only", "2", "serverAuth"), ("posing", "2", "clientAuth"),
+                            ("surgeon", "2", "clientAuth")):
+        common = "surgeon" if name == "posing" else name  # its alternative name is its own
         subprocess.run([*issue, "-keyout", f"{folder}/{name}.key", "-out", f"{folder}/{name}.csr",
-                        "-subj", f"/CN={name}"], check=True, capture_output=True)
+                        "-subj", f"/CN={common}"], check=True, capture_output=True)
         pathlib.Path(f"{folder}/ext").write_text(
             f"subjectAltName=DNS:{name}\nextendedKeyUsage={use}\n")
         subprocess.run(["openssl", "x509", "-req", "-in", f"{folder}/{name}.csr", "-CA",
@@ -60,7 +75,8 @@ def tls_peers(folder):
                         "-days", days, "-extfile", f"{folder}/ext", "-out", f"{folder}/{name}.pem"],
                        check=True, capture_output=True)
     daemon = Daemon(f"{folder}/run", wait=False, record=False,
-                    server=tls_of(folder, "server", f'client_ca: "{folder}/ca.pem"'))
+                    server=tls_of(folder, "server", f'client_ca: "{folder}/ca.pem" client {{ '
+                                  'name: "surgeon" highest_priority: "operator" }'))
     wrong, notes = [], []
     try:
         def info(*words):
@@ -82,6 +98,10 @@ def tls_peers(folder):
                 wrong.append(f"{name} certificate accepted")
         if info() == 0:
             wrong.append("no certificate, and served")
+        if priority(daemon, folder, "surgeon") != "OK":
+            wrong.append("the surgeon may not be an operator")
+        if priority(daemon, folder, "posing") != "PERMISSION_DENIED":
+            wrong.append("a common name counts beside alternative names")
         notes.append(f"server-only certificate: status {info(*of('server_only'))}")
         for words in (["-tls1"], ["-tls1_1"], ["-tls1_2", "-cipher", "NULL:@SECLEVEL=0"],
                       ["-tls1_2", "-cipher", "AES128-SHA:@SECLEVEL=0"],

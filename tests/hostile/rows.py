@@ -35,6 +35,7 @@ class Row:
     grows: float = GROWTH_MB
     options: tuple = ()  # of hapticd
     server: str = ""  # fields of the scene's `server`
+    descriptors: int = 0  # RLIMIT_NOFILE of hapticd; 0: this host's
     term_under: bool = False  # SIGTERM comes while the attack goes on
     must_fail: str = ""  # a positive control: the suite must say this
 
@@ -45,8 +46,9 @@ ROWS = [
     Row("odd_headers", SERVED, http2.odd_headers, "1-4"),
     Row("odd_metadata", SERVED, http2.odd_metadata, "5"),
     Row("large_headers", SERVED, http2.large_headers, "6"),
-    Row("exhaust_tcp", SERVED, connections.exhaust_tcp, "7", "1", term_under=True),
-    Row("exhaust_unix", SERVED, connections.exhaust_unix, "8", "1"),
+    Row("exhaust_tcp", SERVED, connections.exhaust_tcp, "7", "1", descriptors=512,
+        term_under=True),
+    Row("exhaust_unix", SERVED, connections.exhaust_unix, "8", "1", descriptors=512),
     Row("silent_connections", "closed within 45 s", connections.silent, "9", seconds=60),
     Row("continuation_unacked", SERVED, http2.continuation_unacked, "10", "2"),
     Row("continuation_acked", SERVED, http2.continuation_acked, "11"),
@@ -158,8 +160,9 @@ ROWS = [
     Row("start_orders", "force in the end", grasps.start_orders, "new", alone=True, seconds=300),
     Row("killed_in_phases", "force fades, and is back", grasps.killed_in_phases, "new", alone=True,
         seconds=240),
-    Row("front_killed", SERVED, faults.killed, "front"),
+    Row("front_killed", "served in 1 s, sessions resume", faults.killed, "front"),
     Row("front_frozen", "replaced within 3.5 s", faults.frozen, "front"),
+    Row("front_stutters", "kept", faults.stuttering, "front"),
     Row("control_deaf", "the suite sees it", faults.deaf, "control",
         must_fail="fault LOOP_LATE"),
     Row("control_fault", "the suite sees it", faults.stopped_by_hand, "control",

@@ -79,7 +79,8 @@ def back_within(daemon, seconds):
 def attack(row, folder):
     """One row against a daemon with a controller in contact."""
     m = Measured()
-    daemon = Daemon(folder, *row.options, server=row.server)
+    few = [(resource.RLIMIT_NOFILE, row.descriptors)] if row.descriptors else []
+    daemon = Daemon(folder, *row.options, server=row.server, limits=few)
     m.realtime = "SCHED_FIFO" in daemon.text()
     controller = Controller(daemon.address)
     try:
@@ -199,10 +200,10 @@ def all_rows(measured):
              "FAILED" if low > 0.0 else "held")
     stops = [stop for row, m in measured if m.punctual and not row.must_fail for stop in m.stops]
     if len(stops) >= 100:
-        late = p99(stops) > STOP_LIMIT_S
+        half, most = 1e3 * statistics.median(stops), 1e3 * p99(stops)
         line("all_stops", f"p99 at most {1e3 * STOP_LIMIT_S:.0f} ms",
-             f"p50 {1e3 * statistics.median(stops):.0f}, p99 {1e3 * p99(stops):.0f} ms of {len(stops)}",
-             "FAILED" if late else "held")
+             f"p50 {half:.0f}, p99 {most:.0f} ms of {len(stops)}",
+             "FAILED" if most > 1e3 * STOP_LIMIT_S else "held")
     return lines
 
 

@@ -239,7 +239,7 @@ void BoardHost::on_frame(const Frame& frame, core::TimePoint now) {
 
 void BoardHost::on_state(const State& state, core::TimePoint now) {
   if (stage_ != Stage::kOpen) return;
-  if (state.n_q != identity_.n_q || (state.measures_force && state.n_a != identity_.n_a)) {
+  if (state.n_q != identity_.n_q || (state.n_f != 0 && state.n_f != identity_.n_a)) {
     ++counters_.malformed;
     return;
   }
@@ -251,8 +251,8 @@ void BoardHost::on_state(const State& state, core::TimePoint now) {
   reading_.time = clock_.map(state.time_us, now);
   reading_.q.resize(state.n_q);
   for (int i = 0; i < state.n_q; ++i) reading_.q[i] = static_cast<double>(state.q[i]);
-  reading_.force.resize(state.n_a);
-  for (int i = 0; i < state.n_a; ++i) reading_.force[i] = static_cast<double>(state.force[i]);
+  reading_.force.resize(state.n_f);
+  for (int i = 0; i < state.n_f; ++i) reading_.force[i] = static_cast<double>(state.force[i]);
   follow_arming(state);
   time_round_trip(state, now);
 }

@@ -1,13 +1,21 @@
 #pragma once
-/// Little-endian numbers in a buffer, whatever the host's own order. Floats are IEEE 754 binary32.
+/// Little-endian numbers in a buffer, in any byte order of the host. Floats are IEEE 754 binary32.
+///
+/// Writer and reader have the same three operations, so that one function which lists the fields
+/// of a message serves both:
+///
+///   io(a, b, ...)      numbers, enumerators and bools, each in its own width
+///   io.text(t, width)  text, padded with zeros
+///   io.list(v, count)  the first `count` numbers of an array
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
+#include <type_traits>
 
 namespace haptic::hw::board {
 
@@ -15,64 +23,85 @@ namespace haptic::hw::board {
 class ByteWriter {
  public:
   explicit ByteWriter(std::span<std::uint8_t> buffer) noexcept : buffer_(buffer) {}
-  void u8(std::uint8_t value) noexcept {
-    if (length_ < buffer_.size()) buffer_[length_++] = value;
+
+  template <typename... Numbers>
+  void operator()(Numbers... values) noexcept {
+    (put(values), ...);
   }
-  void u16(std::uint16_t value) noexcept { little_endian(value, 2); }
-  void u32(std::uint32_t value) noexcept { little_endian(value, 4); }
-  void u64(std::uint64_t value) noexcept { little_endian(value, 8); }
-  void f32(float value) noexcept { u32(std::bit_cast<std::uint32_t>(value)); }
+  /// Text longer than `width` is cut.
+  void text(const std::string& value, std::size_t width) noexcept {
+    for (std::size_t i = 0; i < width; ++i) put(i < value.size() ? value[i] : '\0');
+  }
+  template <typename Number, std::size_t kSize>
+  void list(const std::array<Number, kSize>& values, std::size_t count) noexcept {
+    for (std::size_t i = 0; i < std::min(count, kSize); ++i) put(values[i]);
+  }
   void bytes(std::span<const std::uint8_t> values) noexcept {
-    for (const std::uint8_t value : values) u8(value);
-  }
-  /// Text padded with zeros to `width` bytes; what is longer is cut.
-  void text(std::string_view value, std::size_t width) noexcept {
-    for (std::size_t i = 0; i < width; ++i) {
-      u8(i < value.size() ? static_cast<std::uint8_t>(value[i]) : std::uint8_t{0});
-    }
+    for (const std::uint8_t value : values) put(value);
   }
   [[nodiscard]] std::span<const std::uint8_t> written() const noexcept {
     return buffer_.first(length_);
   }
 
  private:
-  void little_endian(std::uint64_t value, int count) noexcept {
-    for (int i = 0; i < count; ++i) u8(static_cast<std::uint8_t>(value >> (8 * i)));
+  template <typename Number>
+  void put(Number value) noexcept {
+    if constexpr (std::is_same_v<Number, float>) {
+      put(std::bit_cast<std::uint32_t>(value));
+    } else {
+      const auto bits = static_cast<std::uint64_t>(value);
+      for (std::size_t i = 0; i < sizeof value && length_ < buffer_.size(); ++i) {
+        buffer_[length_++] = static_cast<std::uint8_t>(bits >> (8 * i));
+      }
+    }
   }
+
   std::span<std::uint8_t> buffer_;
   std::size_t length_{0};
 };
 
-/// Reads from a buffer that the caller knows to be long enough; beyond its end it reads zeros.
+/// Reads what a ByteWriter wrote. Beyond the end of the buffer it reads zeros and is not exact().
 class ByteReader {
  public:
-  explicit ByteReader(std::span<const std::uint8_t> buffer) noexcept : buffer_(buffer) {}
-  [[nodiscard]] std::uint8_t u8() noexcept { return at_ < buffer_.size() ? buffer_[at_++] : 0; }
-  [[nodiscard]] std::uint16_t u16() noexcept {
-    return static_cast<std::uint16_t>(little_endian(2));
+  explicit ByteReader(std::span<const std::uint8_t> buffer) noexcept : rest_(buffer) {}
+
+  template <typename... Numbers>
+  void operator()(Numbers&... values) noexcept {
+    (take(values), ...);
   }
-  [[nodiscard]] std::uint32_t u32() noexcept {
-    return static_cast<std::uint32_t>(little_endian(4));
-  }
-  [[nodiscard]] std::uint64_t u64() noexcept { return little_endian(8); }
-  [[nodiscard]] float f32() noexcept { return std::bit_cast<float>(u32()); }
   /// Up to the first zero of `width` bytes.
-  [[nodiscard]] std::string text(std::size_t width) {
-    const auto field = rest().first(std::min(width, rest().size()));
-    at_ += field.size();
-    const auto end = std::find(field.begin(), field.end(), std::uint8_t{0});
-    return {field.begin(), end};
+  void text(std::string& value, std::size_t width) {
+    value.resize(width);
+    for (char& character : value) take(character);
+    value.resize(std::min(value.find('\0'), width));
   }
-  [[nodiscard]] std::span<const std::uint8_t> rest() const noexcept { return buffer_.subspan(at_); }
+  template <typename Number, std::size_t kSize>
+  void list(std::array<Number, kSize>& values, std::size_t count) noexcept {
+    for (std::size_t i = 0; i < std::min(count, kSize); ++i) take(values[i]);
+  }
+  [[nodiscard]] std::span<const std::uint8_t> rest() const noexcept { return rest_; }
+  /// All bytes were read and no more, and every bool was 0 or 1.
+  [[nodiscard]] bool exact() const noexcept { return good_ && rest_.empty(); }
 
  private:
-  [[nodiscard]] std::uint64_t little_endian(int count) noexcept {
-    std::uint64_t value = 0;
-    for (int i = 0; i < count; ++i) value |= static_cast<std::uint64_t>(u8()) << (8 * i);
-    return value;
+  template <typename Number>
+  void take(Number& value) noexcept {
+    if constexpr (std::is_same_v<Number, float>) {
+      std::uint32_t bits = 0;
+      take(bits);
+      value = std::bit_cast<float>(bits);
+    } else {
+      std::uint64_t bits = 0;
+      const std::size_t length = std::min(sizeof value, rest_.size());
+      for (std::size_t i = 0; i < length; ++i) bits |= std::uint64_t{rest_[i]} << (8 * i);
+      rest_ = rest_.subspan(length);
+      good_ = good_ && length == sizeof value && (!std::is_same_v<Number, bool> || bits <= 1);
+      value = static_cast<Number>(bits);
+    }
   }
-  std::span<const std::uint8_t> buffer_;
-  std::size_t at_{0};
+
+  std::span<const std::uint8_t> rest_;
+  bool good_{true};
 };
 
 }  // namespace haptic::hw::board

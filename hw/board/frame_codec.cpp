@@ -3,12 +3,24 @@
 #include <algorithm>
 
 #include "hw/board/byte_order.hpp"
-#include "hw/board/crc32c.hpp"
 
 namespace haptic::hw::board {
 namespace {
 
 constexpr std::size_t kCrcSize = 4;
+
+constexpr std::array<std::uint32_t, 256> make_table() {
+  constexpr std::uint32_t kReflected = 0x82F63B78U;
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t byte = 0; byte < 256; ++byte) {
+    std::uint32_t rest = byte;
+    for (int bit = 0; bit < 8; ++bit) rest = (rest >> 1) ^ ((rest & 1U) != 0 ? kReflected : 0U);
+    table[byte] = rest;
+  }
+  return table;
+}
+
+constexpr auto kTable = make_table();
 
 /// COBS of at most 254 bytes: each zero becomes the distance to the next one. Returns the length.
 std::size_t stuff(std::span<const std::uint8_t> body, std::uint8_t* out) noexcept {
@@ -40,14 +52,19 @@ bool unstuff(std::span<std::uint8_t> chunk) noexcept {
 
 }  // namespace
 
+std::uint32_t crc32c(std::span<const std::uint8_t> bytes) noexcept {
+  std::uint32_t rest = ~0U;
+  for (const std::uint8_t byte : bytes) rest = (rest >> 8) ^ kTable[(rest ^ byte) & 0xFFU];
+  return ~rest;
+}
+
 std::size_t encode(const Frame& frame, WireBuffer& wire) noexcept {
   if (frame.payload.size() > kMaxPayload) return 0;
   std::array<std::uint8_t, kMaxBody> body{};
   ByteWriter writer(body);
-  writer.u8(static_cast<std::uint8_t>(frame.type));
-  writer.u32(frame.seq);
+  writer(frame.type, frame.seq);
   writer.bytes(frame.payload);
-  writer.u32(crc32c(writer.written()));
+  writer(crc32c(writer.written()));
   wire[0] = 0;
   const std::size_t stuffed = stuff(writer.written(), wire.data() + 1);
   wire[1 + stuffed] = 0;
@@ -71,11 +88,11 @@ FrameDecoder::Event FrameDecoder::finish() noexcept {
   if (!unstuff({chunk_.data(), length_})) return Event::kMalformed;
   const std::span<const std::uint8_t> body(chunk_.data() + 1, length_ - 1);
   const auto covered = body.first(body.size() - kCrcSize);
-  ByteReader tail(body.last(kCrcSize));
-  if (tail.u32() != crc32c(covered)) return Event::kBadCrc;
+  std::uint32_t crc = 0;
+  ByteReader(body.last(kCrcSize))(crc);
+  if (crc != crc32c(covered)) return Event::kBadCrc;
   ByteReader head(covered);
-  frame_.type = static_cast<FrameType>(head.u8());
-  frame_.seq = head.u32();
+  head(frame_.type, frame_.seq);
   frame_.payload = head.rest();
   return Event::kFrame;
 }

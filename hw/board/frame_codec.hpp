@@ -1,11 +1,11 @@
 #pragma once
-/// Frames on the serial link to a board, both ways: hw/README.md, "The board protocol".
+/// Frames on the serial link to a board, both ways: hw/README.md#frames.
 ///
 ///   00 | COBS( type 1 | seq 4 | payload 0..240 | CRC-32C 4 ) | 00        little-endian
 ///
-/// A zero byte stands only between frames, so a reader that lost its place finds it at the next
-/// one. Each frame brings both its zeros: damage to one of them then never takes the neighbour
-/// along. The body is at most 249 bytes, so COBS adds exactly one.
+/// A zero byte stands only between frames, so a reader that lost its place finds it again at the
+/// next zero. Each frame has a zero at both ends, so that damage to one zero spoils one frame only.
+/// The body is at most 249 bytes, so COBS adds exactly one byte.
 /// Source of COBS: S. Cheshire, M. Baker, IEEE/ACM Trans. Networking 7(2):159-172, 1999.
 /// Nothing here allocates, throws or reads a clock.
 
@@ -34,17 +34,21 @@ enum class FrameType : std::uint8_t {
 };
 
 struct Frame {
-  FrameType type{};  ///< any byte may come off the wire: unknown types are the reader's to drop
+  FrameType type{};  ///< may be any byte: the reader of the frame drops unknown types
   std::uint32_t seq{0};
   std::span<const std::uint8_t> payload{};
 };
 
+/// CRC-32C (Castagnoli), as in iSCSI: polynomial 0x1EDC6F41 reflected, start and final value all
+/// ones. Source: RFC 3720, appendix B.4; check value of "123456789": E3069283.
+[[nodiscard]] std::uint32_t crc32c(std::span<const std::uint8_t> bytes) noexcept;
+
 using WireBuffer = std::array<std::uint8_t, kMaxWire>;
 
-/// Writes the frame with both its zeros. Returns its length; 0 where the payload is too long.
+/// Writes the frame with both its zeros. Returns its length; 0 if the payload is too long.
 [[nodiscard]] std::size_t encode(const Frame& frame, WireBuffer& wire) noexcept;
 
-/// Takes a stream byte by byte and finds the frames in it, whatever else is there.
+/// Finds the frames in a stream of bytes that may be damaged.
 class FrameDecoder {
  public:
   enum class Event : std::uint8_t {
@@ -64,17 +68,17 @@ class FrameDecoder {
   [[nodiscard]] Event finish() noexcept;
 
   std::array<std::uint8_t, kMaxBody + 1> chunk_{};  ///< between two zeros
-  std::size_t length_{0};                           ///< beyond chunk_'s size: too long already
+  std::size_t length_{0};                           ///< larger than chunk_: the frame is too long
   Frame frame_{};
 };
 
-/// Sequence numbers rise by one per frame and wrap (RFC 1982): what is not ahead of the last one
-/// accepted came twice or too late.
+/// Sequence numbers rise by one per frame and wrap (RFC 1982). A number that is not ahead of the
+/// last accepted one belongs to a frame that was repeated or came too late.
 class SequenceFilter {
  public:
   /// Restarts at `seq`, which counts as accepted.
   void restart(std::uint32_t seq) noexcept { last_ = seq; }
-  /// True where `seq` is newer. Adds the numbers passed over to lost().
+  /// True if `seq` is newer. Adds the skipped numbers to lost().
   [[nodiscard]] bool accept(std::uint32_t seq) noexcept {
     const std::uint32_t ahead = seq - last_;
     if (ahead == 0 || ahead >= 0x80000000U) return false;

@@ -1,10 +1,10 @@
 #pragma once
-/// Payloads of the frames of hw/README.md, "The board protocol". Writing one and reading
-/// it back gives the same values. read() refuses what has a wrong length, a count that does not fit
-/// or a number that is not finite: what passes may be used without a further look. But q of a State
-/// may be anything: that a sensor reads NaN is for the loop to know, as a fault.
+/// Payloads of the frames of hw/README.md#the-board-protocol. write() and read() are inverse. read()
+/// refuses a wrong length, a count that does not fit and a number that is not finite, so that a
+/// message may be used without further checks; except q of a State, which may be NaN: the loop must
+/// see it, because it is a fault of a sensor.
 ///
-/// State, Command and Counters allocate nothing; Identity and Dof belong to the handshake.
+/// State, Command and Counters allocate nothing; Identity and Dof are read at the handshake only.
 
 #include <array>
 #include <cstdint>
@@ -69,7 +69,7 @@ struct Identity {
 
 struct Dof {
   std::uint8_t index{0};
-  bool radian{false};  ///< unit of everything here: rad, N m or m, N
+  bool radian{false};  ///< units of this entry: rad and N m, or m and N
   bool actuated{false};
   float lower{0.0F}, upper{0.0F};
   float max_effort{0.0F}, max_rate{0.0F};  ///< of actuated DoFs; N, m/s
@@ -95,13 +95,13 @@ struct State {
   std::uint16_t command_age_us{0};  ///< its age at time_us; 65535: that or more
   BoardState state{BoardState::kDisarmed};
   std::uint8_t faults{0};  ///< BoardFault
-  std::uint8_t n_q{0}, n_a{0};
+  std::uint8_t n_q{0};
+  std::uint8_t n_f{0};  ///< n_a if the board measures force, else 0
   Values q{};
-  Values force{};  ///< n_a values where the board measures force
-  bool measures_force{false};
+  Values force{};  ///< n_f values; N or N m
 };
 
-/// Board: what it took and dropped since its start, every 100 ms. All wrap at 2^32.
+/// Board, every 100 ms: frames accepted and dropped since its start. All wrap at 2^32.
 struct Counters {
   std::uint32_t accepted{0}, bad_crc{0}, malformed{0}, not_newer{0}, wrong_nonce{0};
   std::uint32_t watchdog_stops{0}, states_dropped{0}, sessions{0};
@@ -115,34 +115,10 @@ struct Payload {
   }
 };
 
-[[nodiscard]] Payload write(const Hello& message) noexcept;
-[[nodiscard]] Payload write(const Arm& message) noexcept;
-[[nodiscard]] Payload write(const Disarm& message) noexcept;
-[[nodiscard]] Payload write(const Command& message) noexcept;
-[[nodiscard]] Payload write(const Identity& message) noexcept;
-[[nodiscard]] Payload write(const Dof& message) noexcept;
-[[nodiscard]] Payload write(const State& message) noexcept;
-[[nodiscard]] Payload write(const Counters& message) noexcept;
-
-/// `Message` is one of the above.
+/// `Message` is one of the above. read() answers nothing if the payload is not such a message.
+template <typename Message>
+[[nodiscard]] Payload write(Message message) noexcept;
 template <typename Message>
 [[nodiscard]] std::optional<Message> read(std::span<const std::uint8_t> payload);
-
-template <>
-[[nodiscard]] std::optional<Hello> read<Hello>(std::span<const std::uint8_t> payload);
-template <>
-[[nodiscard]] std::optional<Arm> read<Arm>(std::span<const std::uint8_t> payload);
-template <>
-[[nodiscard]] std::optional<Disarm> read<Disarm>(std::span<const std::uint8_t> payload);
-template <>
-[[nodiscard]] std::optional<Command> read<Command>(std::span<const std::uint8_t> payload);
-template <>
-[[nodiscard]] std::optional<Identity> read<Identity>(std::span<const std::uint8_t> payload);
-template <>
-[[nodiscard]] std::optional<Dof> read<Dof>(std::span<const std::uint8_t> payload);
-template <>
-[[nodiscard]] std::optional<State> read<State>(std::span<const std::uint8_t> payload);
-template <>
-[[nodiscard]] std::optional<Counters> read<Counters>(std::span<const std::uint8_t> payload);
 
 }  // namespace haptic::hw::board

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "hw/board/crc32c.hpp"
 #include "vectors.hpp"
 
 namespace haptic::hw::board {

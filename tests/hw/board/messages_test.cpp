@@ -50,8 +50,7 @@ State state() {
   s.command_age_us = 850;
   s.state = BoardState::kArmed;
   s.n_q = 2;
-  s.n_a = 1;
-  s.measures_force = true;
+  s.n_f = 1;
   s.q[0] = 0.015625F;
   s.q[1] = -0.25F;
   s.force[0] = 1.5F;
@@ -172,7 +171,7 @@ TEST(BoardMessages, ADofNeedsRangeAndLimit) {
 
 TEST(BoardMessages, TheLargestDeviceFits) {
   State s = state();
-  s.n_q = s.n_a = kMaxDofs;
+  s.n_q = s.n_f = kMaxDofs;
   s.q.fill(1.0F);
   s.force.fill(2.0F);
   const auto back = read<State>(bytes_of(s));

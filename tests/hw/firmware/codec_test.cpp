@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "fuzz/frame_fuzz.hpp"
-#include "hw/board/crc32c.hpp"
 #include "hw/firmware/haptic_frame.h"
 #include "tests/hw/board/vectors.hpp"
 

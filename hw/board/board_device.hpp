@@ -16,6 +16,7 @@
 #include "haptic/core/model/kinematics.hpp"
 #include "hw/board/board_host.hpp"
 #include "hw/board/calibration.hpp"
+#include "hw/board/device_side.hpp"
 #include "hw/open_device.hpp"
 
 namespace haptic::hw {
@@ -45,7 +46,7 @@ class BoardDevice final : public Device {
               core::Duration longest_lateness);
   ~BoardDevice() override;
 
-  [[nodiscard]] const DeviceInfo& info() const noexcept override { return info_; }
+  [[nodiscard]] const DeviceInfo& info() const noexcept override { return side_.info(); }
   void read(core::TimePoint now, core::DeviceReading& reading) noexcept override;
   void write(core::TimePoint now, const Command& command) noexcept override;
   [[nodiscard]] SampleSignal* sample_signal() noexcept override;
@@ -57,12 +58,8 @@ class BoardDevice final : public Device {
 
  private:
   class Io;
-  DeviceInfo info_;
+  board::DeviceSide side_;
   std::unique_ptr<Io> io_;
-  core::DofLayout layout_;
-  std::optional<board::Calibration> calibration_;
-  board::Wanted wanted_{};
-  std::uint64_t last_seq_{0};
 };
 
 }  // namespace haptic::hw

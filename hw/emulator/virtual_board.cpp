@@ -3,8 +3,6 @@
 #include <algorithm>
 
 #include "haptic/core/error.hpp"
-#include "hw/board/board_reading.hpp"
-#include "hw/device_limits.hpp"
 
 namespace haptic::hw::emulator {
 namespace {
@@ -12,24 +10,14 @@ namespace {
 constexpr std::uint64_t kAdvanceUs = 100, kPollUs = 1000, kHandshakeUs = 100'000;
 constexpr std::uint64_t kLongestJumpUs = 100'000;
 
-board::Expectation expectation(const BoardConfig& config, const core::Kinematics& kinematics) {
-  return {kinematics.dofs(), config.max_effort, core::Duration{0}, config.serial};
-}
-
 }  // namespace
 
 VirtualBoard::VirtualBoard(const EmulatorConfig& board, const Intent& intent,
                            const BoardConfig& config,
                            const std::shared_ptr<const core::Kinematics>& kinematics)
     : board_(board, intent, kinematics),
-      host_(expectation(config, *kinematics), board.seed),
-      layout_(kinematics->layout()),
-      calibration_(config.calibration) {
-  info_.kind = "board";
-  info_.dofs = kinematics->dofs();
-  info_.limits = device_limits(*kinematics, config.max_effort);
-  info_.limits.max_silence = config.max_silence;
-  wanted_.tau_a = core::VecA::Zero(layout_.n_a());
+      side_(config, kinematics, core::Duration{0}),
+      host_(side_.expectation(), board.seed) {
   const core::TimePoint before(std::chrono::microseconds(0));
   host_.connect(before);
   while (host_.stage() == board::BoardHost::Stage::kGreeting && elapsed_us_ < kHandshakeUs) {
@@ -38,18 +26,8 @@ VirtualBoard::VirtualBoard(const EmulatorConfig& board, const Intent& intent,
   if (host_.stage() != board::BoardHost::Stage::kOpen) {
     throw core::DeviceError("emulated board refused: " + host_.refusal());
   }
-  const board::Identity& identity = host_.identity();
-  host_.insist_on(identity);
-  info_.model = identity.model;
-  info_.serial = identity.serial;
-  info_.limits.sample_period = std::chrono::microseconds(identity.sample_period_us);
-  info_.measures_force = (identity.capabilities & board::kMeasuresForce) != 0;
-  info_.closes_force_loop = (identity.capabilities & board::kForceLoop) != 0;
-  info_.takes_positions = (identity.capabilities & board::kPositionCommand) != 0;
-  if (!calibration_) return;
-  board::check(*calibration_, *kinematics, info_.serial, info_.measures_force);
-  board::apply(*calibration_, info_.limits);
-  info_.calibrated = calibration_->date;
+  host_.insist_on(host_.identity());
+  side_.identify(host_.identity());
 }
 
 void VirtualBoard::pass(core::TimePoint now) {
@@ -66,6 +44,10 @@ void VirtualBoard::pass(core::TimePoint now) {
   if (killed_) return;
   if (plugged_) host_.receive(bytes, now);
   if (elapsed_us_ % kPollUs == 0) host_.poll(now);
+  send();
+}
+
+void VirtualBoard::send() {
   board_.receive(host_.output());
   host_.consume(host_.output().size());
 }
@@ -88,21 +70,18 @@ void VirtualBoard::read(core::TimePoint now, core::DeviceReading& reading) noexc
   // The clock of the handshake ends where that of the loop begins.
   if (!start_) start_ = now - std::chrono::microseconds(elapsed_us_);
   pass_until(now);
-  board::to_reading(host_.reading(), wanted_, last_seq_, reading);
-  if (calibration_ && reading.fresh) board::apply(*calibration_, reading.sample);
+  side_.read(host_.reading(), reading);
 }
 
 void VirtualBoard::write(core::TimePoint now, const Command& command) noexcept {
-  board::to_wish(command, wanted_);
-  if (calibration_) board::to_board(*calibration_, layout_, info_.closes_force_loop, wanted_);
+  const board::Wanted& wanted = side_.write(command);
   if (killed_) return;
-  host_.want(wanted_, now);
-  board_.receive(host_.output());
-  host_.consume(host_.output().size());
+  host_.want(wanted, now);
+  send();
 }
 
 void VirtualBoard::close() noexcept {
-  write(core::TimePoint{}, {false, core::VecA::Zero(layout_.n_a()), {}});
+  write(core::TimePoint{}, {});
 }
 
 }  // namespace haptic::hw::emulator

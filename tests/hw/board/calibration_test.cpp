@@ -4,7 +4,7 @@
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "hw/board/board_reading.hpp"
+#include "hw/board/board_device.hpp"
 #include "hw/device_limits.hpp"
 
 namespace haptic::hw::board {
@@ -63,27 +63,24 @@ TEST(BoardCalibration, APositionGoesBackThroughIt) {
 }
 
 TEST(BoardCalibration, ForcesAreSentInCellReadings) {
-  const core::DofLayout layout = core::make_finger_exoskeleton({})->layout();
-  hw::Command command{true, core::VecA::Constant(1, 2.0), {}};
-  Wanted wanted;
-  wanted.tau_a = core::VecA::Zero(1);
-  for (int tick = 0; tick < 3; ++tick) {  // not the zero of every tick on top of the last one's
-    to_wish(command, wanted);
-    to_board(good(), layout, true, wanted);
-    EXPECT_NEAR(wanted.tau_a[0], 2.7, 1e-15);
+  BoardConfig config;
+  config.max_effort = core::VecA::Constant(1, 40.0);
+  config.calibration = good();
+  DeviceSide side(config, core::make_finger_exoskeleton({}), core::Duration{0});
+  Identity board;
+  board.serial = "HX-7";
+  board.capabilities = kMeasuresForce | kForceLoop;
+  side.identify(board);
+  const auto sent = [&](const hw::Command& command) { return side.write(command).tau_a[0]; };
+  const hw::Command press{true, core::VecA::Constant(1, 2.0), {}};
+  for (int tick = 0; tick < 3; ++tick) {
+    EXPECT_NEAR(sent(press), 2.7, 1e-15) << "the zero is added once, not once per tick";
   }
-  to_wish(command, wanted);
-  to_board(good(), layout, false, wanted);
-  EXPECT_EQ(wanted.tau_a[0], 2.0) << "a drive's force has no cell to be compared with";
-  command.arm = false;
-  to_wish(command, wanted);
-  to_board(good(), layout, true, wanted);
-  EXPECT_EQ(wanted.tau_a[0], 0.0) << "what is not armed is told nothing";
-  command = {true, {}, {}};  // no force at all
-  wanted.tau_a[0] = 2.7;
-  to_wish(command, wanted);
-  to_board(good(), layout, true, wanted);
-  EXPECT_NEAR(wanted.tau_a[0], 0.7, 1e-15);
+  EXPECT_NEAR(sent({true, {}, {}}), 0.7, 1e-15) << "no force at all";
+  EXPECT_EQ(sent({false, press.tau_a, {}}), 0.0) << "what is not armed is told nothing";
+  board.capabilities = kMeasuresForce;
+  side.identify(board);
+  EXPECT_EQ(sent(press), 2.0) << "a drive's force has no cell to be compared with";
 }
 
 TEST(BoardCalibration, AnotherDevicesIsRefusedByName) {

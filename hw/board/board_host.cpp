@@ -1,74 +1,9 @@
 #include "hw/board/board_host.hpp"
 
 #include <algorithm>
-#include <sstream>
 #include <utility>
 
 namespace haptic::hw::board {
-namespace {
-
-double milliseconds(core::Duration d) {
-  return 1e3 * core::seconds(d);
-}
-
-const char* unit_name(bool radian) {
-  return radian ? "rad" : "m";
-}
-
-std::string version_difference(const Identity& identity) {
-  if (identity.version == kProtocolVersion) return {};
-  return "speaks version " + std::to_string(identity.version) + " of the protocol; must be " +
-         std::to_string(kProtocolVersion);
-}
-
-std::string watchdog_difference(const Identity& identity, core::Duration lateness) {
-  const core::Duration watchdog = std::chrono::microseconds(identity.watchdog_us);
-  if (watchdog > lateness) return {};
-  std::ostringstream text;
-  text << "its watchdog = " << milliseconds(watchdog)
-       << " ms: must be longer than loop_late_fault, " << milliseconds(lateness) << " ms";
-  return text.str();
-}
-
-/// How a returned board differs from the one that was lost; empty if it is the same.
-std::string change(const Identity& now, const Identity& before) {
-  std::ostringstream text;
-  if (now.serial != before.serial) {
-    text << "its serial = '" << now.serial << "': must be '" << before.serial << "'";
-  } else if (now.model != before.model) {
-    text << "its model = '" << now.model << "': must be '" << before.model << "'";
-  } else if (now.capabilities != before.capabilities) {
-    text << "its capabilities = " << static_cast<int>(now.capabilities) << ": must be "
-         << static_cast<int>(before.capabilities);
-  } else if (now.sample_period_us != before.sample_period_us) {
-    text << "its sample period = " << now.sample_period_us << " us: must be "
-         << before.sample_period_us << " us";
-  } else {
-    return {};
-  }
-  text << ", as before the port was lost";
-  return text.str();
-}
-
-/// How a DoF of the board's dictionary differs from the scene's; empty if it fits.
-std::string dof_difference(const Dof& dof, const core::DofSpec& expected, double max_effort) {
-  std::ostringstream text;
-  const bool radian = expected.unit == core::Unit::kRadian;
-  if (dof.name != expected.name) {
-    text << "is called '" << dof.name << "'; must be '" << expected.name << "'";
-  } else if (dof.radian != radian) {
-    text << "is in " << unit_name(dof.radian) << "; must be in " << unit_name(radian);
-  } else if (dof.actuated != expected.actuated) {
-    text << (dof.actuated ? "is actuated; must be sensed only"
-                          : "is sensed only; must be actuated");
-  } else if (dof.actuated && static_cast<double>(dof.max_effort) < max_effort) {
-    text << "max effort = " << dof.max_effort << ": must be at least max_effort of the scene, "
-         << max_effort;
-  }
-  return text.str();
-}
-
-}  // namespace
 
 BoardHost::BoardHost(Expectation expected, std::uint64_t seed)
     : expected_(std::move(expected)), random_(seed) {}
@@ -127,31 +62,6 @@ void BoardHost::greet(core::TimePoint now) {
   send(FrameType::kHello, Hello{kProtocolVersion, session_});
 }
 
-std::string BoardHost::difference() const {
-  std::string found = version_difference(identity_);
-  if (found.empty()) found = watchdog_difference(identity_, expected_.longest_lateness);
-  if (!found.empty()) return found;
-  if (!expected_.serial.empty() && identity_.serial != expected_.serial) {
-    return "its serial = '" + identity_.serial + "': must be '" + expected_.serial + "'";
-  }
-  if (known_) {
-    found = change(identity_, *known_);
-    if (!found.empty()) return found;
-  }
-  if (identity_.n_q != expected_.dofs.size()) {
-    return "has " + std::to_string(identity_.n_q) + " DoF(s); must have " +
-           std::to_string(expected_.dofs.size());
-  }
-  Eigen::Index a = 0;
-  for (std::size_t i = 0; i < expected_.dofs.size(); ++i) {
-    const core::DofSpec& expected = expected_.dofs[i];
-    const double effort = expected.actuated ? expected_.max_effort[a++] : 0.0;
-    const std::string wrong = dof_difference(*dofs_[i], expected, effort);
-    if (!wrong.empty()) return "DoF " + std::to_string(i) + " " + wrong;
-  }
-  return {};
-}
-
 void BoardHost::on_identity(const Frame& frame) {
   const auto identity = read<Identity>(frame.payload);
   if (!identity) {
@@ -162,10 +72,12 @@ void BoardHost::on_identity(const Frame& frame) {
   filter_.restart(frame.seq);
   identity_ = *identity;
   identified_ = true;
-  if (identity_.version != kProtocolVersion) {  // its dictionary may have another format
-    refusal_ = version_difference(identity_);
-    stage_ = Stage::kRefused;
-  }
+  refuse_if(difference(expected_, identity_, known_));
+}
+
+void BoardHost::refuse_if(std::string difference) {
+  refusal_ = std::move(difference);
+  if (!refusal_.empty()) stage_ = Stage::kRefused;
 }
 
 void BoardHost::on_dof(const Dof& dof) {
@@ -174,9 +86,11 @@ void BoardHost::on_dof(const Dof& dof) {
   const auto known = std::count_if(dofs_.begin(), dofs_.begin() + identity_.n_q,
                                    [](const auto& entry) { return entry.has_value(); });
   if (known < identity_.n_q) return;
-  refusal_ = difference();
-  stage_ = refusal_.empty() ? Stage::kOpen : Stage::kRefused;
-  if (stage_ != Stage::kOpen) return;
+  for (std::size_t i = 0; i < identity_.n_q; ++i) {
+    refuse_if(difference(expected_, i, *dofs_[i]));
+    if (stage_ == Stage::kRefused) return;
+  }
+  stage_ = Stage::kOpen;
   ++counters_.handshakes;
   clock_.restart();
 }

@@ -13,24 +13,15 @@
 #include <random>
 #include <span>
 #include <string>
-#include <vector>
 
-#include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/time.hpp"
 #include "haptic/core/types.hpp"
 #include "hw/board/clock_map.hpp"
+#include "hw/board/expectation.hpp"
 #include "hw/board/frame_codec.hpp"
 #include "hw/board/messages.hpp"
 
 namespace haptic::hw::board {
-
-/// What the scene requires of the board; one that differs is refused with a reason.
-struct Expectation {
-  std::vector<core::DofSpec> dofs{};
-  core::VecA max_effort{};             ///< n_a: the dictionary must allow at least this much
-  core::Duration longest_lateness{0};  ///< loop_late_fault; the board's watchdog must be longer
-  std::string serial{};                ///< empty: any board
-};
 
 /// The loop's wish; the newest counts.
 struct Wanted {
@@ -105,7 +96,7 @@ class BoardHost {
   void on_state(const State& state, core::TimePoint now);
   void follow_arming(const State& state) noexcept;
   void time_round_trip(const State& state, core::TimePoint now) noexcept;
-  [[nodiscard]] std::string difference() const;
+  void refuse_if(std::string difference);
   [[nodiscard]] bool passes(const Frame& frame);
   template <typename Message>
   std::uint32_t send(FrameType type, const Message& message);

@@ -1,0 +1,33 @@
+#pragma once
+/// What the scene requires of a board, and how a board differs from that. A board that differs is
+/// never armed.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptic/core/model/kinematics.hpp"
+#include "haptic/core/time.hpp"
+#include "haptic/core/types.hpp"
+#include "hw/board/messages.hpp"
+
+namespace haptic::hw::board {
+
+struct Expectation {
+  std::vector<core::DofSpec> dofs{};
+  core::VecA max_effort{};             ///< n_a: the dictionary must allow at least this much
+  core::Duration longest_lateness{0};  ///< loop_late_fault; the board's watchdog must be longer
+  std::string serial{};                ///< empty: any board
+};
+
+/// How `found` differs, as the end of a sentence about the board; empty if it fits. `before`: the
+/// board that was at this port before it was unplugged. Its serial number, model, capabilities and
+/// sample period must be the same, because the loop was built with them.
+[[nodiscard]] std::string difference(const Expectation& expected, const Identity& found,
+                                     const std::optional<Identity>& before);
+
+/// The same for entry number `index` of the dictionary, below expected.dofs.size().
+[[nodiscard]] std::string difference(const Expectation& expected, std::size_t index,
+                                     const Dof& found);
+
+}  // namespace haptic::hw::board

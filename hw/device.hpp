@@ -1,7 +1,7 @@
 #pragma once
 /// What a haptic device is to the loop.
 ///
-///            open_device()                 arm wanted            handshake done
+///            DeviceConfig::open()          arm wanted            handshake done
 ///   (none) ----------------> DISARMED ----------------> ARMING ----------------> ARMED
 ///                               ^                                                  |
 ///                               +---------- arm no longer wanted, close() ---------+

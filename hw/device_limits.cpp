@@ -6,16 +6,6 @@
 #include "haptic/core/error.hpp"
 
 namespace haptic::hw {
-namespace {
-
-void require(bool holds, const std::string& name, double value, const char* rule) {
-  if (holds) return;
-  std::ostringstream text;
-  text << name << " = " << value << ": must be " << rule;
-  throw core::DeviceError(text.str());
-}
-
-}  // namespace
 
 core::DeviceLimits device_limits(const core::Kinematics& kinematics, const core::VecA& max_effort) {
   const int n_a = kinematics.layout().n_a();
@@ -24,7 +14,10 @@ core::DeviceLimits device_limits(const core::Kinematics& kinematics, const core:
                             " value(s); must have one per actuated DoF, " + std::to_string(n_a));
   }
   for (int i = 0; i < n_a; ++i) {
-    require_positive("max_effort[" + std::to_string(i) + "]", max_effort[i]);
+    if (std::isfinite(max_effort[i]) && max_effort[i] > 0.0) continue;
+    std::ostringstream text;
+    text << "max_effort[" << i << "] = " << max_effort[i] << ": must be finite and > 0";
+    throw core::DeviceError(text.str());
   }
   core::DeviceLimits limits;
   const auto& dofs = kinematics.dofs();
@@ -39,18 +32,6 @@ core::DeviceLimits device_limits(const core::Kinematics& kinematics, const core:
   }
   limits.max_effort = max_effort;
   return limits;
-}
-
-void require_positive(const std::string& name, double value) {
-  require(std::isfinite(value) && value > 0.0, name, value, "finite and > 0");
-}
-
-void require_not_negative(const std::string& name, double value) {
-  require(std::isfinite(value) && value >= 0.0, name, value, "finite and >= 0");
-}
-
-void require_finite(const std::string& name, double value) {
-  require(std::isfinite(value), name, value, "finite");
 }
 
 }  // namespace haptic::hw

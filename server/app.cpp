@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "hw/open_device.hpp"
+#include "hw/device_config.hpp"
 #include "server/base/figures.hpp"
 #include "server/base/steady_now.hpp"
 #include "server/metrics/metrics.hpp"
@@ -111,7 +111,7 @@ void App::start() {
 void App::open_devices() {
   for (const DeviceScene& scene : scene_.devices) {
     std::unique_ptr<hw::Device> device =
-        hw::open_device(*scene.source, scene.pipeline.kinematics, realtime_.loop_late_fault);
+        scene.source->open(scene.pipeline.kinematics, realtime_.loop_late_fault);
     check_force_control(scene.force_control, device->info());
     if (scene.name == scene_.loop.paced_by) check_pacing(scene_.loop, *device);
     core::PipelineConfig config = pipeline_config(scene, device->info().limits);

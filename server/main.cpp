@@ -15,7 +15,7 @@
 #include <sstream>
 
 #include "haptic/core/error.hpp"
-#include "hw/open_device.hpp"
+#include "hw/device_config.hpp"
 #include "server/app.hpp"
 #include "server/net/tls_files.hpp"
 #include "server/scene/shipped.hpp"
@@ -45,7 +45,7 @@ struct CommandLine {
 void check_files(const haptic::server::Scene& scene) {
   for (const haptic::server::DeviceScene& device : scene.devices) {
     if (device.source->is_hardware()) continue;
-    static_cast<void>(haptic::hw::open_device(*device.source, device.pipeline.kinematics));
+    static_cast<void>(device.source->open(device.pipeline.kinematics, {}));
   }
   if (scene.server.tls) static_cast<void>(haptic::server::load_tls(*scene.server.tls));
   if (!scene.record) return;

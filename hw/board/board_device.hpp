@@ -17,7 +17,7 @@
 #include "hw/board/board_host.hpp"
 #include "hw/board/calibration.hpp"
 #include "hw/board/device_side.hpp"
-#include "hw/open_device.hpp"
+#include "hw/device_config.hpp"
 
 namespace haptic::hw {
 

@@ -51,7 +51,7 @@ void check(const Calibration& c, const core::Kinematics& kinematics, const std::
   for (Eigen::Index i = 0; i < n_q; ++i) {
     check_dof(c, i, kinematics.dofs()[static_cast<std::size_t>(i)]);
   }
-  for (Eigen::Index i = 0; i < n_f; ++i) require_finite("force_zero", c.force_zero[i]);
+  if (!c.force_zero.allFinite()) refuse(c, "force_zero: must be finite");
 }
 
 void apply(const Calibration& c, core::DeviceSample& sample) noexcept {

@@ -6,10 +6,10 @@
 #include <numbers>
 #include <ostream>
 #include <random>
+#include <string>
 #include <string_view>
 
 #include "haptic/core/error.hpp"
-#include "hw/device_limits.hpp"
 #include "hw/motion/minimum_jerk.hpp"
 #include "hw/random.hpp"
 
@@ -122,24 +122,18 @@ Finger strokes(std::mt19937_64& generator, double seconds) {
   }
 }
 
-void check(const ReachAndGrasp& options) {
-  const auto within = [](const char* name, double value, double low, double high) {
-    require_finite(name, value);
-    if (value >= low && value <= high) return;
-    throw core::DeviceError(std::string(name) + " = " + std::to_string(value) +
-                            ": must lie within " + std::to_string(low) + " and " +
-                            std::to_string(high));
-  };
-  require_positive("seconds", options.seconds);
-  within("seconds", options.seconds, 0.0, 3600.0);
-  within("rate", options.rate, 1.0, 1000.0);
-  within("tremor_rms", options.tremor_rms, 0.0, 0.1);
+void require_within(const char* name, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  throw core::DeviceError(std::string(name) + " = " + std::to_string(value) + ": must lie within " +
+                          std::to_string(low) + " and " + std::to_string(high));
 }
 
 }  // namespace
 
 std::vector<JointAngles> make_reach_and_grasp(const ReachAndGrasp& options) {
-  check(options);
+  require_within("seconds", options.seconds, 1.0, 3600.0);
+  require_within("rate", options.rate, 1.0, 1000.0);
+  require_within("tremor_rms", options.tremor_rms, 0.0, 0.1);
   std::mt19937_64 generator(options.seed);
   const Tremor mcp_tremor(generator, options.tremor_rms);
   const Tremor pip_tremor(generator, options.tremor_rms);

@@ -15,7 +15,7 @@ namespace haptic::hw {
 
 struct ReachAndGrasp {
   std::uint64_t seed{1};
-  double seconds{20.0};      ///< length, > 0, at most 3600
+  double seconds{20.0};      ///< length, 1 to 3600
   double rate{100.0};        ///< rows per second, 1 to 1000
   double tremor_rms{0.001};  ///< rad, per joint; 0: none
 };

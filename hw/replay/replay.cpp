@@ -159,42 +159,23 @@ const Stretch* Replay::stretch_at(core::Duration into) const noexcept {
 }
 
 void Replay::read(core::TimePoint now, core::DeviceReading& reading) noexcept {
-  reading.fresh = false;
-  if (closed_) {
-    reading.armed = false;
-    reading.health = core::DeviceHealth::kLost;
-    return;
-  }
-  arming_.on_read();
-  reading.armed = arming_.armed();
-  reading.health = core::DeviceHealth::kOk;
-  if (!started_) {
-    started_ = true;
-    start_ = now;
-  }
-  if (now <= last_read_) return;
-  last_read_ = now;
-
-  core::Duration into = now - start_;
+  if (!book_.begin_read(now, reading)) return;
+  if (!start_) start_ = now;
+  core::Duration into = now - *start_;
   if (repeat_) into %= facts_.length + kPause;
   const Stretch* stretch = stretch_at(into);
   if (stretch == nullptr) return;
   stretch->at(core::seconds(into), q_);
   kinematics_->nearest_representative(home_, q_);
-  reading.fresh = true;
-  reading.sample.seq = ++seq_;
-  reading.sample.time = now;
-  reading.sample.q = q_;
-  reading.sample.tau_measured.resize(0);
+  book_.deliver(now, q_, reading);
 }
 
 void Replay::write(core::TimePoint, const Command& command) noexcept {
-  arming_.on_write(command.arm && !closed_);
+  static_cast<void>(book_.follows(command));
 }
 
 void Replay::close() noexcept {
-  closed_ = true;
-  arming_.disarm();
+  book_.close();
 }
 
 }  // namespace haptic::hw

@@ -13,12 +13,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "hw/arming.hpp"
-#include "hw/device.hpp"
+#include "hw/bookkeeping.hpp"
+#include "hw/device_config.hpp"
 #include "hw/motion/motion_csv.hpp"
-#include "hw/open_device.hpp"
 #include "hw/replay/stretch.hpp"
 
 namespace haptic::hw {
@@ -77,14 +77,10 @@ class Replay final : public Device {
   ReplayFacts facts_{};
   std::vector<Stretch> stretches_{};
   bool repeat_{false};
-  bool started_{false};
-  core::TimePoint start_{};
-  core::TimePoint last_read_{core::TimePoint::min()};
-  core::VecQ q_{};     ///< newest sample
-  core::VecQ home_{};  ///< zero: what rotation vectors are kept near
-  std::uint64_t seq_{0};
-  Arming arming_{};
-  bool closed_{false};
+  std::optional<core::TimePoint> start_{};  ///< of the first read()
+  core::VecQ q_{};                          ///< newest sample
+  core::VecQ home_{};                       ///< zero: rotation vectors are kept near it
+  Bookkeeping book_{};
 };
 
 }  // namespace haptic::hw

@@ -11,9 +11,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "hw/arming.hpp"
-#include "hw/device.hpp"
-#include "hw/open_device.hpp"
+#include "hw/bookkeeping.hpp"
+#include "hw/device_config.hpp"
 #include "hw/random.hpp"
 #include "hw/simulated/finger_physics.hpp"
 #include "hw/simulated/intent.hpp"
@@ -26,13 +25,7 @@ struct SimulatedFingerConfig final : DeviceConfig {
   std::filesystem::path motion_file{};  ///< joint angles the user aims at; empty: `target`
   double target_mcp{0.0};               ///< rad
   double target_pip{0.0};
-  double hand_stiffness{0.6};  ///< K_h, N m/rad
-  double hand_damping{0.012};  ///< B_h, N m s/rad
-  double inertia_mcp{1.2e-4};  ///< kg m^2, core/METHOD.md#forces-at-the-finger
-  double inertia_pip{4e-5};
-  double actuator_mass{0.05};         ///< kg
-  double actuator_damping{2.0};       ///< N s/m
-  double actuator_friction{0.0};      ///< N, Coulomb
+  FingerParameters finger{};
   double actuator_force_limit{40.0};  ///< N
   double noise_l_x{0.0};              ///< m rms
   double noise_q_B{0.0};              ///< rad rms
@@ -49,9 +42,8 @@ struct SimulatedFingerConfig final : DeviceConfig {
 
 class SimulatedFinger final : public Device {
  public:
-  /// Throws DeviceError: a parameter that is not allowed (named as in the scene), a motion file
-  /// that cannot be read, a kinematics that is not a finger's (two DoFs, one of them actuated, two
-  /// joints, an inverse).
+  /// Throws DeviceError: a motion file that cannot be read, a kinematics that is not a finger's (two
+  /// DoFs, one of them actuated, two joints, an inverse). The scene's reader checks the parameters.
   SimulatedFinger(const SimulatedFingerConfig& config,
                   std::shared_ptr<const core::Kinematics> kinematics);
 
@@ -78,11 +70,8 @@ class SimulatedFinger final : public Device {
   Gaussian noise_;
   Substeps substeps_{};
   std::int64_t steps_{0};
-  Arming arming_{};
+  Bookkeeping book_{};
   double tau_a_{0.0};
-  std::uint64_t seq_{0};
-  core::TimePoint last_read_{core::TimePoint::min()};
-  bool closed_{false};
 };
 
 }  // namespace haptic::hw

@@ -7,14 +7,14 @@
 #include <cstdint>
 #include <memory>
 
-#include "hw/arming.hpp"
-#include "hw/device.hpp"
-#include "hw/open_device.hpp"
+#include "hw/bookkeeping.hpp"
+#include "hw/device_config.hpp"
 #include "hw/simulated/substeps.hpp"
 
 namespace haptic::hw {
 
-/// All of size n_q, except max_effort with n_a.
+/// All of size n_q, except max_effort with n_a; damping, hand and target may be empty: zero. The
+/// scene's reader checks sizes and values.
 struct SimulatedLinearConfig final : DeviceConfig {
   core::VecQ mass{};
   core::VecQ damping{};
@@ -32,8 +32,7 @@ struct SimulatedLinearConfig final : DeviceConfig {
 
 class SimulatedLinear final : public Device {
  public:
-  /// Vectors of size 0 other than mass and max_effort are zero. Throws DeviceError: sizes that do
-  /// not fit, a mass that is not > 0, a value below 0.
+  /// Throws DeviceError: see device_limits().
   SimulatedLinear(const SimulatedLinearConfig& config,
                   std::shared_ptr<const core::Kinematics> kinematics);
 
@@ -56,10 +55,7 @@ class SimulatedLinear final : public Device {
   core::VecQ q_{}, q_dot_{};
   core::VecQ tau_{};  ///< n_q, force acting now
   Substeps substeps_{};
-  Arming arming_{};
-  std::uint64_t seq_{0};
-  core::TimePoint last_read_{core::TimePoint::min()};
-  bool closed_{false};
+  Bookkeeping book_{};
 };
 
 }  // namespace haptic::hw

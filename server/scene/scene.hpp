@@ -10,7 +10,7 @@
 
 #include "haptic/core/tick/pipeline.hpp"
 #include "haptic/wire/ports.hpp"
-#include "hw/open_device.hpp"
+#include "hw/device_config.hpp"
 #include "server/crossing/tls_config.hpp"
 
 namespace haptic::server {

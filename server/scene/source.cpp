@@ -38,11 +38,11 @@ hw::SimulatedFingerConfig read_simulated_finger(const Part<v1::SimulatedFinger>&
   }
   c.motion_file = part.file("motion_file", kCsvFile);
   part.numbers({
-      {"hand_stiffness", &c.hand_stiffness, Allowed::kPositive},
-      {"hand_damping", &c.hand_damping, Allowed::kNotNegative},
-      {"actuator_mass_kg", &c.actuator_mass, Allowed::kPositive},
-      {"actuator_damping", &c.actuator_damping, Allowed::kNotNegative},
-      {"actuator_friction_n", &c.actuator_friction, Allowed::kNotNegative},
+      {"hand_stiffness", &c.finger.hand_stiffness, Allowed::kPositive},
+      {"hand_damping", &c.finger.hand_damping, Allowed::kNotNegative},
+      {"actuator_mass_kg", &c.finger.actuator_mass, Allowed::kPositive},
+      {"actuator_damping", &c.finger.actuator_damping, Allowed::kNotNegative},
+      {"actuator_friction_n", &c.finger.actuator_friction, Allowed::kNotNegative},
       {"actuator_force_limit_n", &c.actuator_force_limit, Allowed::kPositive},
       {"noise_l_x_m", &c.noise_l_x, Allowed::kNotNegative},
       {"noise_q_B_rad", &c.noise_q_B, Allowed::kNotNegative},

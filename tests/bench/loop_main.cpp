@@ -36,7 +36,7 @@ class Lateness final : public server::RecordListener {
 /// Lateness of `kTicks` ticks of the product's loop with one finger, in us.
 std::vector<double> product(const server::Scene& scene) {
   const server::DeviceScene& device = scene.devices.front();
-  auto opened = hw::open_device(*device.source, device.pipeline.kinematics);
+  auto opened = device.source->open(device.pipeline.kinematics, {});
   const core::PipelineConfig config = server::pipeline_config(device, opened->info().limits);
   server::DeviceUnit unit(device.name, std::move(opened), config);
   server::Telemetry telemetry({&unit});

@@ -20,7 +20,7 @@ class PressingUnits {
   /// without force would be too cheap.
   PressingUnits(const server::DeviceScene& device, int count) {
     for (int i = 0; i < count; ++i) {
-      auto opened = hw::open_device(*device.source, device.pipeline.kinematics);
+      auto opened = device.source->open(device.pipeline.kinematics, {});
       const core::PipelineConfig config = server::pipeline_config(device, opened->info().limits);
       units_.push_back(std::make_unique<Unit>(device.name, std::move(opened), config));
     }

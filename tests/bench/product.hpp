@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "hw/device.hpp"
-#include "hw/open_device.hpp"
+#include "hw/device_config.hpp"
 #include "server/owner/owner.hpp"
 #include "server/rpc/rpc_server.hpp"
 #include "server/rt/loop.hpp"
@@ -100,7 +100,7 @@ class Product {
   static std::unique_ptr<server::DeviceUnit> make_unit(const server::Scene& scene,
                                                        std::unique_ptr<hw::Device> opened) {
     const server::DeviceScene& device = scene.devices.front();
-    if (opened == nullptr) opened = hw::open_device(*device.source, device.pipeline.kinematics);
+    if (opened == nullptr) opened = device.source->open(device.pipeline.kinematics, {});
     core::PipelineConfig config = server::pipeline_config(device, opened->info().limits);
     config.late_bucket_full = 1'000'000;
     config.loop_late_fault = std::chrono::seconds(5);

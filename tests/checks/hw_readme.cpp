@@ -1,20 +1,19 @@
-/// The device of hw/README.md as it stands there, compiled, and made: it forgets no method of the
-/// interface.
+/// The device of hw/README.md as it stands there, for the tests NewDevice.
 
-#include <cstdint>
 #include <memory>
-#include <utility>
+#include <string>
 
-#include "hw/arming.hpp"
+#include "haptic/core/error.hpp"
+#include "hw/bookkeeping.hpp"
+#include "hw/device_config.hpp"
 #include "hw/device_limits.hpp"
-#include "hw/open_device.hpp"
 
 namespace haptic::hw::readme {
 
 #include "hw_readme_1.inc"
 
-std::unique_ptr<Device> spring(std::shared_ptr<const core::Kinematics> kinematics) {
-  return open_device(SpringConfig{}, std::move(kinematics));
+std::unique_ptr<const DeviceConfig> spring() {
+  return std::make_unique<SpringConfig>();
 }
 
 }  // namespace haptic::hw::readme

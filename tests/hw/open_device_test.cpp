@@ -30,7 +30,7 @@ std::shared_ptr<const core::Kinematics> linear(int n) {
 std::string error_of(const DeviceConfig& config,
                      std::shared_ptr<const core::Kinematics> kinematics) {
   try {
-    static_cast<void>(open_device(config, std::move(kinematics)));
+    static_cast<void>(config.open(std::move(kinematics), {}));
   } catch (const core::DeviceError& error) {
     return error.what();
   }
@@ -38,21 +38,21 @@ std::string error_of(const DeviceConfig& config,
 }
 
 TEST(OpenDevice, OpensTheConfiguredDevice) {
-  const auto finger = open_device(SimulatedFingerConfig{}, core::make_finger_exoskeleton({}));
+  const auto finger = SimulatedFingerConfig{}.open(core::make_finger_exoskeleton({}), {});
   EXPECT_EQ(finger->info().kind, "simulated");
   EXPECT_EQ(finger->info().dofs.size(), 2u);
 
   SimulatedLinearConfig masses;
   masses.mass = core::VecQ::Ones(3);
   masses.max_effort = core::VecA::Constant(1, 5.0);
-  const auto linear_device = open_device(masses, linear(3));
+  const auto linear_device = masses.open(linear(3), {});
   EXPECT_EQ(linear_device->info().dofs.size(), 3u);
   EXPECT_EQ(linear_device->info().limits.max_effort[0], 5.0);
 
   ReplayConfig replay;
   replay.file = HAPTIC_SOURCE_DIR "/server/scenes/motion/reach_and_grasp.csv";
   replay.max_effort = core::VecA::Constant(1, 40.0);
-  const auto recording = open_device(replay, core::make_finger_exoskeleton({}));
+  const auto recording = replay.open(core::make_finger_exoskeleton({}), {});
   EXPECT_EQ(recording->info().kind, "replay");
   EXPECT_THAT(recording->info().model, HasSubstr("0 row(s) outside the reach"));
 }
@@ -68,7 +68,7 @@ TEST(OpenDevice, MassesGoWithAnyMap) {
   config.max_effort = core::VecA::Ones(3);
   config.target = core::VecQ::Constant(6, 0.2);
   config.target[2] = -1.0;
-  const auto stylus = open_device(config, core::make_stylus({}));
+  const auto stylus = config.open(core::make_stylus({}), {});
   core::DeviceReading reading;
   stylus->read(core::TimePoint(std::chrono::seconds(1)), reading);
   EXPECT_EQ(reading.sample.q, config.target) << "at rest on the target";
@@ -85,8 +85,10 @@ TEST(OpenDevice, ARecordingNeedsAnEffort) {
               HasSubstr("max_effort[0] = -3: must be finite and > 0"));
 }
 
-TEST(OpenDevice, NeedsAKinematics) {
-  EXPECT_THAT(error_of(SimulatedFingerConfig{}, nullptr), HasSubstr("kinematics"));
+TEST(OpenDevice, AMissingMotionFileIsNamed) {
+  SimulatedFingerConfig config;
+  config.motion_file = "no/such.csv";
+  EXPECT_THAT(error_of(config, core::make_finger_exoskeleton({})), HasSubstr("no/such.csv"));
 }
 
 }  // namespace

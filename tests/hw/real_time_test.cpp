@@ -45,8 +45,8 @@ TEST(RealTime, ASimulatedFingerNeverAllocates) {
   SimulatedFingerConfig config;
   config.motion_file = HAPTIC_SOURCE_DIR "/server/scenes/motion/reach_and_grasp.csv";
   config.noise_l_x = 1e-5;
-  config.actuator_friction = 2.0;
-  const auto device = open_device(config, core::make_finger_exoskeleton({}));
+  config.finger.actuator_friction = 2.0;
+  const auto device = config.open(core::make_finger_exoskeleton({}), {});
   EXPECT_EQ(heap_calls(*device), 0u);
 }
 
@@ -54,7 +54,7 @@ TEST(RealTime, AStoppedFingerNeverAllocates) {
   SimulatedFingerConfig config;
   config.target_mcp = -0.5;
   config.target_pip = 0.3;
-  const auto device = open_device(config, core::make_finger_exoskeleton({}));
+  const auto device = config.open(core::make_finger_exoskeleton({}), {});
   EXPECT_EQ(heap_calls(*device), 0u);
 }
 
@@ -67,7 +67,7 @@ TEST(RealTime, MassesNeverAllocate) {
   SimulatedLinearConfig config;
   config.mass = core::VecQ::Ones(1);
   config.max_effort = core::VecA::Constant(1, 20.0);
-  const auto device = open_device(config, core::make_linear(map));
+  const auto device = config.open(core::make_linear(map), {});
   EXPECT_EQ(heap_calls(*device), 0u);
 }
 
@@ -79,7 +79,7 @@ TEST(RealTime, AReplayNeverAllocates) {
   config.file = file.path();
   config.repeat = true;
   config.max_effort = core::VecA::Constant(1, 40.0);
-  const auto device = open_device(config, core::make_finger_exoskeleton({}));
+  const auto device = config.open(core::make_finger_exoskeleton({}), {});
   EXPECT_EQ(heap_calls(*device), 0u);
 }
 

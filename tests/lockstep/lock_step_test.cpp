@@ -75,7 +75,7 @@ class Server {
 
  private:
   static std::unique_ptr<server::DeviceUnit> make_unit(const server::DeviceScene& scene) {
-    auto device = hw::open_device(*scene.source, scene.pipeline.kinematics);
+    auto device = scene.source->open(scene.pipeline.kinematics, {});
     auto config = server::pipeline_config(scene, device->info().limits);
     return std::make_unique<server::DeviceUnit>("finger", std::move(device), std::move(config));
   }

@@ -56,7 +56,7 @@ std::unique_ptr<hw::Device> worn_device(const Press& what,
   hw::SimulatedFingerConfig hand;
   hand.target_mcp = what.target_deg.first * kDegree;
   hand.target_pip = what.target_deg.second * kDegree;
-  return hw::open_device(hand, finger);
+  return hand.open(finger, {});
 }
 
 /// The newest sample of a client without delay: the pose clipped at the stops.

@@ -102,7 +102,7 @@ BoardConfig config(const std::string& port) {
 }
 
 std::unique_ptr<Device> open(const BoardConfig& c) {
-  return open_device(c, core::make_finger_exoskeleton({}), 20ms);
+  return c.open(core::make_finger_exoskeleton({}), 20ms);
 }
 
 core::TimePoint now() {
@@ -193,7 +193,7 @@ TEST_F(OpenBoard, ASignalComesWithItsSample) {
   }
   // One that comes between forget() and read() is read at once, and told of all the same.
   EXPECT_GE(fresh, 250);
-  const auto other = open_device(SimulatedFingerConfig{}, core::make_finger_exoskeleton({}));
+  const auto other = SimulatedFingerConfig{}.open(core::make_finger_exoskeleton({}), {});
   EXPECT_EQ(other->sample_signal(), nullptr) << "no clock of its own";
 }
 
@@ -217,7 +217,7 @@ TEST_F(OpenBoard, LinkCountsBalance) {
   const hb_counters& n = board.counters();
   EXPECT_EQ(frames("host", "sent"),
             n.accepted + n.bad_crc + n.malformed + n.not_newer + n.wrong_nonce);
-  const auto other = open_device(SimulatedFingerConfig{}, core::make_finger_exoskeleton({}));
+  const auto other = SimulatedFingerConfig{}.open(core::make_finger_exoskeleton({}), {});
   EXPECT_TRUE(other->link_counts().empty()) << "no link, no book";
 }
 

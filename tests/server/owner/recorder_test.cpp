@@ -334,7 +334,7 @@ TEST(Recorder, ReplayedDevicePlaysARecording) {
   haptic::hw::ReplayConfig replay;
   replay.file = file.path();
   replay.max_effort = haptic::core::VecA::Constant(1, 10.0);
-  const auto device = haptic::hw::open_device(replay, rig_config().kinematics);
+  const auto device = replay.open(rig_config().kinematics, {});
   EXPECT_EQ(device->info().kind, "replay");
 }
 

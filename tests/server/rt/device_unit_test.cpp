@@ -37,7 +37,7 @@ std::unique_ptr<DeviceUnit> make_unit(const DeviceScene& scene) {
   // A board is hardware: its scene's pipeline then runs on the simulation of what it moves.
   const haptic::hw::SimulatedFingerConfig simulated;
   const haptic::hw::DeviceConfig& source = scene.source->is_hardware() ? simulated : *scene.source;
-  auto device = haptic::hw::open_device(source, scene.pipeline.kinematics);
+  auto device = source.open(scene.pipeline.kinematics, {});
   auto config = haptic::server::pipeline_config(scene, device->info().limits);
   return std::make_unique<DeviceUnit>(scene.name, std::move(device), std::move(config));
 }

@@ -5,10 +5,14 @@
 #include <set>
 #include <sstream>
 
-#include "hw/arming.hpp"
+#include "hw/bookkeeping.hpp"
 #include "hw/device_limits.hpp"
 #include "tests/server/scene/scene_run.hpp"
 #include "tests/server/scene/scene_text.hpp"
+
+namespace haptic::hw::readme {
+std::unique_ptr<const DeviceConfig> spring();  // tests/checks/hw_readme.cpp
+}
 
 namespace haptic::test {
 namespace {
@@ -34,22 +38,17 @@ class Plate final : public hw::Device {
   }
   [[nodiscard]] const hw::DeviceInfo& info() const noexcept override { return info_; }
   void read(core::TimePoint now, core::DeviceReading& reading) noexcept override {
-    arming_.on_read();
-    reading.fresh = true;
-    reading.armed = arming_.armed();
-    ++reading.sample.seq;
-    reading.sample.time = now;
-    reading.sample.q = q_;
+    if (book_.begin_read(now, reading)) book_.deliver(now, q_, reading);
   }
   void write(core::TimePoint, const hw::Command& command) noexcept override {
-    arming_.on_write(command.arm);
+    static_cast<void>(book_.follows(command));
   }
-  void close() noexcept override { arming_.disarm(); }
+  void close() noexcept override { book_.close(); }
   [[nodiscard]] hw::SampleSignal* sample_signal() noexcept override { return &signal_; }
 
  private:
   hw::DeviceInfo info_{};
-  hw::Arming arming_{};
+  hw::Bookkeeping book_{};
   hw::SampleSignal signal_{};
   core::VecQ q_{};
 };
@@ -70,9 +69,33 @@ TEST(NewDevice, ItsConfigurationAloneConnectsIt) {
 
   const auto kinematics = scene.devices[0].pipeline.kinematics;
   server::LoopScene loop;
-  EXPECT_NO_THROW(server::check_pacing(loop, *hw::open_device(plate, kinematics, 8ms)));
-  EXPECT_THROW(static_cast<void>(hw::open_device(plate, kinematics, 20ms)), core::DeviceError);
+  EXPECT_NO_THROW(server::check_pacing(loop, *plate.open(kinematics, 8ms)));
+  EXPECT_THROW(static_cast<void>(plate.open(kinematics, 20ms)), core::DeviceError);
   EXPECT_TRUE(plate.is_hardware()) << "strict unless a device declares otherwise";
+}
+
+TEST(NewDevice, TheExampleOfThePageRuns) {
+  const auto spring = hw::readme::spring();
+  const server::Scene scene = parse(R"(name: "t"
+device {
+  name: "d"
+  simulated_linear { mass: 1 max_effort: 5 }
+  linear {
+    dof { name: "s" unit: "m" actuated: true lower: -1 upper: 1 }
+    coordinate { name: "x" unit: "m" }
+    A: 1
+  }
+  impedance { stiffness_n_per_m: 20 }
+  limits { force_n: 5 }
+})");
+  SceneRun run(scene.devices[0], *spring);
+  run.engage();
+  run.hold_at(core::VecX::Constant(1, 0.1));
+  run.run(2000);
+  // tau = K (x - q) at rest with q = tau / k of the spring: K = 20 N/m, k = 100 N/m, x = 0.1 m.
+  EXPECT_NEAR(run.record().effort.tau_a[0], 20.0 * 0.1 / (1.0 + 20.0 / 100.0), 1e-6);
+  const auto two_dofs = parse(kLinear).devices[0].pipeline.kinematics;
+  EXPECT_THROW(static_cast<void>(spring->open(two_dofs, {})), core::DeviceError);
 }
 
 TEST(NewDevice, OnlyRecipeFilesNameADevice) {

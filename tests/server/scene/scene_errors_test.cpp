@@ -158,6 +158,8 @@ TEST(SceneErrors, SourceNamesPlaceAndRule) {
        "t.textproto:4: device[0].simulated_finger.hand_stiffness = -1: must be > 0"},
       {"noise", finger("simulated_finger {}", "simulated_finger { noise_q_B_rad: nan }"),
        "device[0].simulated_finger.noise_q_B_rad = nan: must be finite and >= 0"},
+      {"actuator", finger("simulated_finger {}", "simulated_finger { actuator_mass_kg: 0 }"),
+       "device[0].simulated_finger.actuator_mass_kg = 0: must be > 0"},
       {"mass", linear("mass: [1, 2]", "mass: [1, 0]"),
        "t.textproto:4: device[0].simulated_linear.mass[1] = 0: must be > 0"},
       {"too few masses", linear("mass: [1, 2]", "mass: 1"),

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "haptic/core/tick/pipeline.hpp"
-#include "hw/open_device.hpp"
+#include "hw/device_config.hpp"
 #include "server/scene/scene.hpp"
 #include "tests/support/allocation_guard.hpp"
 
@@ -20,7 +20,7 @@ class SceneRun {
   explicit SceneRun(const server::DeviceScene& scene) : SceneRun(scene, *scene.source) {}
   /// `source`: what moves instead of the scene's own source.
   SceneRun(const server::DeviceScene& scene, const hw::DeviceConfig& source)
-      : device_(hw::open_device(source, scene.pipeline.kinematics)),
+      : device_(source.open(scene.pipeline.kinematics, {})),
         pipeline_(server::pipeline_config(scene, device_->info().limits)),
         kinematics_(*scene.pipeline.kinematics) {
     input_.settings = scene.pipeline.scene;

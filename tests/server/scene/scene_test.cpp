@@ -50,10 +50,10 @@ TEST(Scene, SimulatedHandDefaults) {
   const server::Scene scene = parse(kFinger);
   const auto& hand = dynamic_cast<const hw::SimulatedFingerConfig&>(*scene.devices[0].source);
   EXPECT_EQ(hand.seed, 1u);
-  EXPECT_EQ(hand.hand_stiffness, 0.6);
-  EXPECT_EQ(hand.hand_damping, 0.012);
-  EXPECT_EQ(hand.actuator_mass, 0.05);
-  EXPECT_EQ(hand.actuator_damping, 2.0);
+  EXPECT_EQ(hand.finger.hand_stiffness, 0.6);
+  EXPECT_EQ(hand.finger.hand_damping, 0.012);
+  EXPECT_EQ(hand.finger.actuator_mass, 0.05);
+  EXPECT_EQ(hand.finger.actuator_damping, 2.0);
   EXPECT_EQ(hand.actuator_force_limit, 40.0);
 }
 

@@ -54,7 +54,7 @@ TEST(ShippedScenes, OpenTheirDevices) {
     const server::Scene scene = server::load_scene(file);
     for (const server::DeviceScene& device : scene.devices) {
       if (device.source->is_hardware()) continue;
-      const auto opened = hw::open_device(*device.source, device.pipeline.kinematics);
+      const auto opened = device.source->open(device.pipeline.kinematics, {});
       ASSERT_NE(opened, nullptr);
       EXPECT_EQ(opened->info().limits.max_effort.size(), device.pipeline.scene.force_limit.size());
     }

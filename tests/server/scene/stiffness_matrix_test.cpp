@@ -122,7 +122,7 @@ TEST(StiffnessMatrix, TheStiffestDirectionWarns) {
 TEST(StiffnessMatrix, SessionsKeepToSubspaceMethods) {
   const server::Scene scene = parse(kTwo);
   const server::DeviceScene& device = scene.devices[0];
-  const auto limits = hw::open_device(*device.source, device.pipeline.kinematics)->info().limits;
+  const auto limits = device.source->open(device.pipeline.kinematics, {})->info().limits;
   const core::PipelineConfig config = server::pipeline_config(device, limits);
   server::SettingsRequest request;
   request.renderer = core::RendererKind::kStandard;

@@ -39,7 +39,7 @@ Felt press(const Row& row, core::RendererKind kind, bool guard, bool force) {
   const std::shared_ptr<const core::Kinematics> finger = core::make_finger_exoskeleton({});
   hw::SimulatedFingerConfig hand;
   hand.target_mcp = hand.target_pip = 50 * kDegree;
-  const auto device = hw::open_device(hand, finger);
+  const auto device = hand.open(finger, {});
   core::PipelineConfig config;
   config.kinematics = finger;
   config.device = device->info().limits;

@@ -64,9 +64,4 @@ class DeviceConfig {
   DeviceConfig& operator=(DeviceConfig&&) = default;
 };
 
-/// config.open() with a kinematics that must not be null. Throws DeviceError.
-[[nodiscard]] std::unique_ptr<Device> open_device(
-    const DeviceConfig& config, std::shared_ptr<const core::Kinematics> kinematics,
-    core::Duration longest_lateness = core::Duration{0});
-
 }  // namespace haptic::hw

@@ -25,79 +25,58 @@ using namespace haptic;
 using hw::emulator::BoardControl;
 using hw::emulator::EmulatedBoard;
 using hw::emulator::EmulatorConfig;
-using hw::emulator::Gearing;
 
 struct CommandLine {
   EmulatorConfig board{};
-  std::string link{};
-  std::string motion{};
-  std::string truth{};
+  std::string link{}, motion{}, truth{};
   bool hand{false};
-  double target_mcp{0.0}, target_pip{0.0};
-  double watchdog_ms{25.0}, link_period_ms{0.0}, seconds{0.0};
-  Gearing gearing{Gearing::k35};
+  double watchdog_ms{25.0}, link_period_ms{0.0};
   std::vector<std::string> faults{};
-  int drawn_faults{0};
 };
 
 void describe(CLI::App& app, CommandLine& c) {
-  const std::map<std::string, Gearing> gearings{
-      {"35", Gearing::k35}, {"63", Gearing::k63}, {"150", Gearing::k150}};
-  app.add_option("--link", c.link, "path to be made a link to the port, across unplugging");
-  app.add_option("--seed", c.board.seed, "of noise, bytes and drawn faults");
+  app.add_option("--link", c.link, "path of a symbolic link to the port, kept across unplugging");
+  app.add_option("--seed", c.board.seed, "of noise and of damaged bytes");
   app.add_option("--serial", c.board.serial, "serial number of the board (up to 16 characters)");
   app.add_option("--watchdog-ms", c.watchdog_ms, "the board's watchdog")
       ->check(CLI::Range(1.0, 1000.0));
   app.add_option("--link-period-ms", c.link_period_ms,
                  "bytes pass only this often, both ways; 2: the paper's 500 Hz; 0: at once")
       ->check(CLI::Range(0.0, 100.0));
-  app.add_option("--clock-ppm", c.board.clock_ppm, "error of the board's crystal");
-  app.add_option("--gearing", c.gearing, "of the L16: 35, 63 or 150")
-      ->transform(CLI::CheckedTransformer(gearings));
   const std::map<std::string, BoardControl> controls{{"force-loop", BoardControl::kForceLoop},
                                                      {"drive", BoardControl::kDrive},
                                                      {"position", BoardControl::kPosition}};
   app.add_option("--control", c.board.control,
                  "what the board makes of a command: force-loop, drive (force), position")
       ->transform(CLI::CheckedTransformer(controls));
-  app.add_option("--l-x-scale", c.board.l_x_scale, "of a potentiometer that is not calibrated");
-  app.add_option("--l-x-offset", c.board.l_x_offset, "m, the same");
+  app.add_option("--l-x-scale", c.board.l_x_scale, "error of the potentiometer of l_x: its scale");
+  app.add_option("--l-x-offset", c.board.l_x_offset, "and its offset, m");
   app.add_option("--force-offset", c.board.force_offset, "N that the load cell reads without load");
   app.add_option("--drop", c.board.drop, "share of bytes lost")->check(CLI::Range(0.0, 1.0));
   app.add_option("--corrupt", c.board.corrupt, "share of bytes with a bit flipped")
       ->check(CLI::Range(0.0, 1.0));
   app.add_option("--fault", c.faults, "KIND@START[+LENGTH][=AMOUNT], as often as wanted");
-  app.add_option("--draw-faults", c.drawn_faults, "so many faults drawn from the seed")
-      ->check(CLI::Range(0, 1000));
-  app.add_option("--motion", c.motion, "CSV of joint angles the user follows");
-  app.add_option("--target-mcp", c.target_mcp, "rad, used without --motion");
-  app.add_option("--target-pip", c.target_pip, "rad");
+  app.add_option("--motion", c.motion,
+                 "CSV of joint angles that the user follows; otherwise the finger stays straight");
   app.add_flag("--hand", c.hand,
                "lines of standard input move the hand: MCP PIP in rad, or let-go");
   app.add_option("--truth", c.truth, "CSV of what rod, linkage and load cell really do");
-  app.add_option("--seconds", c.seconds, "end after so long; 0: when told to")
-      ->check(CLI::NonNegativeNumber);
 }
 
 EmulatorConfig resolved(const CommandLine& c) {
   EmulatorConfig config = c.board;
   config.watchdog_us = static_cast<std::uint32_t>(1e3 * c.watchdog_ms);
   config.link_period_us = static_cast<std::uint32_t>(1e3 * c.link_period_ms);
-  config.actuator = hw::emulator::l16(c.gearing);
   for (const std::string& fault : c.faults) {
     config.faults.push_back(hw::emulator::parse_fault(fault));
-  }
-  constexpr double kLong = 60.0;
-  for (const auto& fault : hw::emulator::draw_faults(config.seed, c.drawn_faults,
-                                                     c.seconds > 0.0 ? c.seconds : kLong)) {
-    config.faults.push_back(fault);
   }
   return config;
 }
 
 hw::Intent intent(const CommandLine& c) {
-  if (!c.motion.empty()) return {Eigen::Vector2d::Zero(), std::filesystem::path(c.motion)};
-  return {Eigen::Vector2d::Zero(), Eigen::Vector2d(c.target_mcp, c.target_pip)};
+  const Eigen::Vector2d straight = Eigen::Vector2d::Zero();
+  if (c.motion.empty()) return {straight, straight};
+  return {straight, std::filesystem::path(c.motion)};
 }
 
 /// One line on standard error whenever something begins or ends.
@@ -149,19 +128,16 @@ int run(const CommandLine& c) {
 
   std::atomic<bool> stop{false};
   std::thread waiter([&] {
-    const timespec patience{0, 100'000'000};  // then: did the time end it, and no signal?
-    while (!stop && sigtimedwait(&signals, nullptr, &patience) < 0) {
-    }
+    int signal = 0;
+    sigwait(&signals, &signal);
     stop = true;
   });
   hw::emulator::ToldHand hand(c.hand ? STDIN_FILENO : -1);
-  hw::emulator::serve(board, terminal, stop, c.seconds,
-                      [&, report = Reporter()](EmulatedBoard& now) mutable {
-                        hand.follow(now.rig());
-                        if (truth) truth->write(now);
-                        report(now);
-                      });
-  stop = true;
+  hw::emulator::serve(board, terminal, stop, [&, report = Reporter()](EmulatedBoard& now) mutable {
+    hand.follow(now.rig());
+    if (truth) truth->write(now);
+    report(now);
+  });
   waiter.join();
   print_counters(board);
   return 0;

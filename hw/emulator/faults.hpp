@@ -1,18 +1,17 @@
 #pragma once
-/// What goes wrong, and when: part of an emulator's configuration, so that a run can be repeated.
+/// Faults of an emulated board and when they happen.
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 namespace haptic::hw::emulator {
 
 enum class FaultKind : std::uint8_t {
-  kStall,     ///< the motor gives nothing
+  kStall,     ///< the motor gives no force
   kBrownOut,  ///< the board loses its supply and restarts after it
-  kUnplug,    ///< the port is gone, the board runs on
+  kUnplug,    ///< the port vanishes, the board runs on
   kStuck,     ///< the potentiometer of l_x repeats its last reading
-  kDrift,     ///< the potentiometer of l_x wanders by `amount` m/s, for good
+  kDrift,     ///< the potentiometer of l_x drifts by `amount` m/s and keeps the error
   kHang,      ///< the firmware neither samples nor listens; its hardware watchdog cuts the drive
 };
 
@@ -27,9 +26,5 @@ struct FaultSpec {
 /// "kind@START[+LENGTH][=AMOUNT]", as in "unplug@10+2" or "drift@5=0.0001"; kinds stall, brown-out,
 /// unplug, stuck, drift, hang. Throws DeviceError saying what is wrong and what is allowed.
 [[nodiscard]] FaultSpec parse_fault(const std::string& text);
-[[nodiscard]] std::string name(FaultKind kind);
-
-/// `count` faults of kinds, times within `seconds` and lengths of 0.2 to 2 s drawn from the seed.
-[[nodiscard]] std::vector<FaultSpec> draw_faults(std::uint64_t seed, int count, double seconds);
 
 }  // namespace haptic::hw::emulator

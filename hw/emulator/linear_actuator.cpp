@@ -5,30 +5,6 @@
 
 namespace haptic::hw::emulator {
 
-ActuatorParameters l16(Gearing gearing) noexcept {
-  ActuatorParameters p;
-  // Net stall force: twice that of the peak power point (the load line is straight).
-  switch (gearing) {
-    case Gearing::k35:
-      break;
-    case Gearing::k63:
-      p.no_load_speed = 0.020;
-      p.stall_force = 150.0;
-      p.friction = 46.0;
-      p.max_force = 100.0;
-      p.mass *= (63.0 / 35.0) * (63.0 / 35.0);
-      break;
-    case Gearing::k150:
-      p.no_load_speed = 0.008;
-      p.stall_force = 350.0;
-      p.friction = 102.0;
-      p.max_force = 200.0;
-      p.mass *= (150.0 / 35.0) * (150.0 / 35.0);
-      break;
-  }
-  return p;
-}
-
 void LinearActuator::drive(double u, bool on) noexcept {
   on_ = on && std::isfinite(u);
   u_ = on_ ? std::clamp(u, -full_drive(), full_drive()) : 0.0;

@@ -12,9 +12,7 @@
 
 namespace haptic::hw::emulator {
 
-/// The gearings of the data sheet.
-enum class Gearing { k35, k63, k150 };
-
+/// An L16 with the gearing 35:1.
 struct ActuatorParameters {
   double no_load_speed{0.032};  ///< m/s at full drive
   double stall_force{100.0};    ///< N at full drive, net of friction: peak power is at half of each
@@ -26,8 +24,6 @@ struct ActuatorParameters {
   double cell_stiffness{5e4};   ///< N/m, load cell and mount
   double cell_damping{40.0};    ///< N s/m
 };
-
-[[nodiscard]] ActuatorParameters l16(Gearing gearing) noexcept;
 
 class LinearActuator {
  public:

@@ -34,15 +34,23 @@ void make_raw(const std::string& port) {
 }  // namespace
 
 PseudoTerminal::PseudoTerminal(std::filesystem::path link) : link_(std::move(link)) {
-  plug();
+  open();
 }
 
 PseudoTerminal::~PseudoTerminal() {
-  unplug();
+  plug(false);
 }
 
-void PseudoTerminal::plug() {
-  if (plugged()) return;
+void PseudoTerminal::plug(bool plugged) {
+  if (plugged == this->plugged()) return;
+  if (plugged) return open();
+  ::close(handle_);
+  handle_ = -1;
+  std::error_code ignored;
+  if (!link_.empty()) std::filesystem::remove(link_, ignored);
+}
+
+void PseudoTerminal::open() {
   handle_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   std::array<char, 128> name{};
   if (handle_ < 0 || ::grantpt(handle_) != 0 || ::unlockpt(handle_) != 0 ||
@@ -57,14 +65,6 @@ void PseudoTerminal::plug() {
   std::filesystem::remove(fresh);
   std::filesystem::create_symlink(port_, fresh);
   std::filesystem::rename(fresh, link_);
-}
-
-void PseudoTerminal::unplug() {
-  if (!plugged()) return;
-  ::close(handle_);
-  handle_ = -1;
-  std::error_code ignored;
-  if (!link_.empty()) std::filesystem::remove(link_, ignored);
 }
 
 std::vector<std::uint8_t> PseudoTerminal::read() {

@@ -17,18 +17,20 @@ class PseudoTerminal {
   PseudoTerminal(const PseudoTerminal&) = delete;
   PseudoTerminal& operator=(const PseudoTerminal&) = delete;
 
-  void plug();    ///< throws DeviceError
-  void unplug();  ///< the host sees its port vanish
+  /// Unplugged, the host sees its port vanish. Throws DeviceError.
+  void plug(bool plugged);
 
   [[nodiscard]] bool plugged() const noexcept { return handle_ >= 0; }
-  [[nodiscard]] int handle() const noexcept { return handle_; }  ///< -1 where unplugged
+  [[nodiscard]] int handle() const noexcept { return handle_; }  ///< -1 if unplugged
   [[nodiscard]] const std::filesystem::path& port() const noexcept { return port_; }
-  /// Bytes from the host; empty where there are none, or no host.
+  /// Bytes from the host; empty if there are none, or no host.
   [[nodiscard]] std::vector<std::uint8_t> read();
-  /// Bytes that the host's side took.
+  /// Returns the number of bytes that the host's side took.
   std::size_t write(std::span<const std::uint8_t> bytes);
 
  private:
+  void open();
+
   std::filesystem::path link_;
   std::filesystem::path port_{};
   int handle_{-1};

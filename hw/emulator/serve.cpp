@@ -51,21 +51,11 @@ class Transmitter {
   std::vector<std::uint8_t> pending_{};
 };
 
-void follow_plug(const EmulatedBoard& board, PseudoTerminal& terminal) {
-  if (board.plugged() == terminal.plugged()) return;
-  if (board.plugged()) {
-    terminal.plug();
-  } else {
-    terminal.unplug();
-  }
-}
-
 }  // namespace
 
 void serve(EmulatedBoard& board, PseudoTerminal& terminal, const std::atomic<bool>& stop,
-           double seconds, const Watcher& watcher) {
+           const Watcher& watcher) {
   ask_for_priority(kPriority);
-  const auto length_us = static_cast<std::uint64_t>(seconds * 1e6);
   std::uint64_t start = monotonic_us() - board.now_us();
   Transmitter transmitter;
   while (!stop) {
@@ -81,10 +71,9 @@ void serve(EmulatedBoard& board, PseudoTerminal& terminal, const std::atomic<boo
     const std::uint64_t before = board.now_us() / EmulatedBoard::kSampleUs;
     board.advance(now);
     if (!bytes.empty()) board.receive(bytes);  // they woke us just now
-    follow_plug(board, terminal);
+    terminal.plug(board.plugged());
     transmitter.run(board, terminal);
     if (watcher && board.now_us() / EmulatedBoard::kSampleUs != before) watcher(board);
-    if (length_us > 0 && board.now_us() >= length_us) return;
   }
 }
 

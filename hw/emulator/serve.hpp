@@ -9,13 +9,12 @@
 
 namespace haptic::hw::emulator {
 
-/// Called after every millisecond of the board's time that was caught up with; may move the hand.
+/// Called once per millisecond of the board's time; may move the hand.
 using Watcher = std::function<void(EmulatedBoard& board)>;
 
-/// Runs until `stop` or, where `seconds` > 0, for so long. Of a pause of this process (suspend,
-/// debugger) the board sees 100 ms at most. Unplugs and plugs the terminal as the board's faults
-/// demand.
+/// Runs until `stop`. If this process pauses (suspend, debugger), the board sees 100 ms of the pause
+/// at most. Unplugs and plugs the terminal as the board's faults demand.
 void serve(EmulatedBoard& board, PseudoTerminal& terminal, const std::atomic<bool>& stop,
-           double seconds = 0.0, const Watcher& watcher = {});
+           const Watcher& watcher = {});
 
 }  // namespace haptic::hw::emulator

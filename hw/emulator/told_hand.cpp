@@ -3,45 +3,20 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <cstdio>
+#include <sstream>
 
 #include "haptic/core/error.hpp"
 
 namespace haptic::hw::emulator {
-namespace {
-
-constexpr std::string_view kBlank = " \t\r";
-
-/// The first word, taken away from `line`.
-std::string_view word(std::string_view& line) {
-  line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
-  const std::string_view found = line.substr(0, line.find_first_of(kBlank));
-  line.remove_prefix(found.size());
-  return found;
-}
-
-bool to_angle(std::string_view text, double& value) {
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  return result.ec == std::errc{} && result.ptr == text.data() + text.size() &&
-         std::isfinite(value);
-}
-
-}  // namespace
-
-std::optional<Eigen::Vector2d> parse_hand(std::string_view line) {
-  std::string_view rest = line;
-  const std::string_view first = word(rest), second = word(rest);
-  if (first == "let-go" && second.empty()) return std::nullopt;
+std::optional<Eigen::Vector2d> parse_hand(const std::string& line) {
+  std::istringstream angles(line), words(line);
   Eigen::Vector2d target;
-  if (!to_angle(first, target[0]) || !to_angle(second, target[1]) || !word(rest).empty()) {
-    throw core::DeviceError("hand '" + std::string(line) +
-                            "': must be MCP PIP, two angles in rad, or let-go");
-  }
-  return target;
+  if (angles >> target[0] >> target[1] && (angles >> std::ws).eof()) return target;
+  std::string word;
+  if (words >> word && word == "let-go" && (words >> std::ws).eof()) return std::nullopt;
+  throw core::DeviceError("hand '" + line + "': must be MCP PIP, two angles in rad, or let-go");
 }
 
 ToldHand::ToldHand(int handle) : handle_(handle) {}
@@ -59,7 +34,7 @@ void ToldHand::follow(Rig& rig) {
   pending_.append(bytes.data(), static_cast<std::size_t>(count));
   for (auto end = pending_.find('\n'); end != std::string::npos; end = pending_.find('\n')) {
     try {
-      if (const auto target = parse_hand(std::string_view(pending_).substr(0, end))) {
+      if (const auto target = parse_hand(pending_.substr(0, end))) {
         rig.take_to(*target);
       } else {
         rig.let_go();

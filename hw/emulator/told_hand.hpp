@@ -1,6 +1,5 @@
 #pragma once
-/// The hand in an emulated device, told from outside where to bring the finger: a line of text
-/// each,
+/// The hand in an emulated device, moved by lines of text:
 ///
 ///   MCP PIP     both in rad: brings the joints there
 ///   let-go      hangs loose, touches nothing
@@ -8,21 +7,20 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "hw/emulator/rig.hpp"
 
 namespace haptic::hw::emulator {
 
-/// Where to; empty: let go. Throws DeviceError saying what the line is and what is allowed.
-[[nodiscard]] std::optional<Eigen::Vector2d> parse_hand(std::string_view line);
+/// The joints' target; empty: let go. Throws DeviceError naming the line and what is allowed.
+[[nodiscard]] std::optional<Eigen::Vector2d> parse_hand(const std::string& line);
 
 class ToldHand {
  public:
-  /// `handle`: what to read lines from, without waiting for any; its end changes nothing.
+  /// `handle`: a file descriptor to read lines from; at its end the hand stays where it is. -1: none.
   explicit ToldHand(int handle);
-  /// Does what was told since the last call. A line that says nothing known is answered on standard
-  /// error.
+  /// Follows the lines that came since the last call; does not wait for any. Reports a line it
+  /// cannot read on standard error.
   void follow(Rig& rig);
 
  private:

@@ -9,8 +9,8 @@
 
 #include "haptic/core/control/force_control.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "hw/emulator/force_step.hpp"
 #include "hw/emulator/virtual_board.hpp"
+#include "tests/hw/emulator/force_step.hpp"
 
 namespace haptic::hw::emulator {
 namespace {
@@ -78,32 +78,14 @@ class Loop {
   core::TimePoint now_{};
 };
 
-ForceStep measure(const Law& law, const Eigen::Vector2d& pose, double from, double to) {
-  constexpr int kSettle = 3000, kLast = 1000;
-  Loop loop(law, pose);
-  for (int i = 0; i < kSettle; ++i) static_cast<void>(loop.tick(from));
-  ForceStep step;
-  step.settled = true;
-  double at_10 = -1.0, at_90 = -1.0, peak = 0.0;
-  for (int i = 1; i <= kSettle; ++i) {
-    const double share = (loop.tick(to) - from) / (to - from);
-    if (at_10 < 0.0 && share >= 0.1) at_10 = 1e-3 * i;
-    if (at_90 < 0.0 && share >= 0.9) at_90 = 1e-3 * i;
-    peak = std::max(peak, share);
-    if (i > kSettle - kLast && std::abs(share - 1.0) > 0.05) step.settled = false;
-  }
-  step.rise = at_90 < 0.0 ? 0.0 : std::max(at_90 - at_10, 1e-3);
-  step.bandwidth = at_90 < 0.0 ? 0.0 : 0.35 / step.rise;
-  step.overshoot = std::max(0.0, peak - 1.0);
-  return step;
-}
-
 TEST(ServerForce, AStepSettlesOverTheWorkspace) {
   for (const Law& law : {force_loop(), admittance()}) {
     for (const Eigen::Vector2d& pose :
          {Eigen::Vector2d(0.3, 0.3), Eigen::Vector2d(0.6, 0.8), Eigen::Vector2d(1.0, 1.2)}) {
       for (const double to : {-6.0, 6.0}) {
-        const ForceStep step = measure(law, pose, to / 3.0, to);
+        Loop loop(law, pose);
+        const test::ForceStep step = test::measure_force_step(
+            [&](double reference) { return loop.tick(reference); }, to / 3.0, to, 3000, 0.05);
         std::printf(
             "%-13s at (%.1f, %.1f) rad, %2.0f to %2.0f N: rise %3.0f ms, bandwidth %5.1f Hz,"
             " overshoot %2.0f %%%s\n",

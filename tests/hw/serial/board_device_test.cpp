@@ -47,7 +47,7 @@ class EmulatorThread {
                core::make_finger_exoskeleton({})),
         terminal_(link_),
         thread_([this] {
-          serve(board_, terminal_, stop_, 0.0, [this](const auto& board) { look(board); });
+          serve(board_, terminal_, stop_, [this](const auto& board) { look(board); });
         }) {}
   ~EmulatorThread() { end(); }
   EmulatorThread(const EmulatorThread&) = delete;

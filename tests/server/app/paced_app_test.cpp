@@ -41,7 +41,7 @@ class BoardThread {
                haptic::core::make_finger_exoskeleton({})),
         terminal_(link_),
         thread_([this] {
-          serve(board_, terminal_, stop_, 0.0, [this](const auto&) { unplug_where_wanted(); });
+          serve(board_, terminal_, stop_, [this](const auto&) { unplug_where_wanted(); });
         }) {}
   ~BoardThread() {
     stop_ = true;

@@ -117,24 +117,18 @@ void BoardHost::receive(std::span<const std::uint8_t> bytes, core::TimePoint now
   }
 }
 
-/// The sequence rule, for everything but the IDENTITY that starts it.
-bool BoardHost::passes(const Frame& frame) {
-  const std::uint64_t lost = filter_.lost();
-  if (!filter_.accept(frame.seq)) {
-    ++counters_.not_newer;
-    return false;
-  }
-  counters_.lost += filter_.lost() - lost;
-  return true;
-}
-
 void BoardHost::on_frame(const Frame& frame, core::TimePoint now) {
   if (stage_ == Stage::kClosed) return;
   if (frame.type == FrameType::kIdentity && stage_ == Stage::kGreeting) {
     on_identity(frame);
     return;
   }
-  if (!identified_ || !passes(frame)) return;  // of a session before this one
+  if (!identified_) return;  // a frame of an earlier session
+  if (!filter_.accept(frame.seq)) {
+    ++counters_.not_newer;
+    return;
+  }
+  counters_.lost = filter_.lost();
   heard_ = now;
   if (frame.type == FrameType::kDof) {
     if (const auto dof = read<Dof>(frame.payload)) return on_dof(*dof);

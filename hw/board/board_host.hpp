@@ -97,7 +97,6 @@ class BoardHost {
   void follow_arming(const State& state) noexcept;
   void time_round_trip(const State& state, core::TimePoint now) noexcept;
   void refuse_if(std::string difference);
-  [[nodiscard]] bool passes(const Frame& frame);
   template <typename Message>
   std::uint32_t send(FrameType type, const Message& message);
   [[nodiscard]] std::uint32_t new_number(std::uint32_t unlike);

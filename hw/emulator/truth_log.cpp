@@ -15,16 +15,7 @@ constexpr std::uint64_t kEveryUs = 10000;
 TruthLog::TruthLog(const std::string& file) : csv_(file) {
   csv_ << "time_s,l_x_m,q_B_rad,force_n\n" << std::flush;
   if (!csv_) throw core::DeviceError("truth '" + file + "': must be a file that can be written");
-  thread_ = std::thread([this] { drain(); });
-}
-
-TruthLog::~TruthLog() {
-  {
-    const std::lock_guard lock(mutex_);
-    closing_ = true;
-  }
-  changed_.notify_one();
-  thread_.join();
+  thread_ = std::jthread([this](const std::stop_token& stop) { drain(stop); });
 }
 
 void TruthLog::write(const EmulatedBoard& board) {
@@ -42,12 +33,11 @@ void TruthLog::write(const EmulatedBoard& board) {
   changed_.notify_one();
 }
 
-void TruthLog::drain() {
+void TruthLog::drain(const std::stop_token& stop) {
   std::string rows;
   std::unique_lock lock(mutex_);
   while (true) {
-    changed_.wait(lock, [this] { return closing_ || !pending_.empty(); });
-    if (pending_.empty()) return;
+    if (!changed_.wait(lock, stop, [this] { return !pending_.empty(); })) return;
     rows.clear();
     rows.swap(pending_);
     lock.unlock();

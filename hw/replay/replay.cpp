@@ -70,9 +70,9 @@ Replay::Replay(const ReplayConfig& config, std::shared_ptr<const core::Kinematic
     cut_at_gaps(table.time_s, q, table.values);
   } else {
     if (table.alternative == 1) from_quaternions(table, *rotation, config.file);
-    fold(table.values, *kinematics_);
+    turn_near(table.values, *kinematics_, Near::kZero);
     check_range(table, config.file);
-    unfold(table.values, *kinematics_);
+    turn_near(table.values, *kinematics_, Near::kPreviousRow);
     cut_at_gaps(table.time_s, table.values, {});
   }
   info_.model = summary(config.file, facts_);

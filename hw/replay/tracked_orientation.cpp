@@ -5,28 +5,10 @@
 #include "haptic/core/model/rigid_pose.hpp"
 
 namespace haptic::hw {
-namespace {
-
-core::VecQ row_of(const Columns& q, std::size_t row) {
-  core::VecQ values(static_cast<Eigen::Index>(q.size()));
-  for (std::size_t c = 0; c < q.size(); ++c) values[static_cast<Eigen::Index>(c)] = q[c][row];
-  return values;
-}
-
-void set_row(Columns& q, std::size_t row, const core::VecQ& values) {
-  for (std::size_t c = 0; c < q.size(); ++c) q[c][row] = values[static_cast<Eigen::Index>(c)];
-}
-
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() > end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
-}  // namespace
-
 std::optional<std::size_t> rotation_vector_in(const std::vector<core::DofSpec>& dofs) {
   for (std::size_t i = 0; i + 2 < dofs.size(); ++i) {
-    if (ends_with(dofs[i].name, ".rx") && ends_with(dofs[i + 1].name, ".ry") &&
-        ends_with(dofs[i + 2].name, ".rz")) {
+    if (dofs[i].name.ends_with(".rx") && dofs[i + 1].name.ends_with(".ry") &&
+        dofs[i + 2].name.ends_with(".rz")) {
       return i;
     }
   }
@@ -54,20 +36,14 @@ std::optional<std::size_t> to_rotation_vectors(Columns& columns, std::size_t at)
   return std::nullopt;
 }
 
-void fold(Columns& q, const core::Kinematics& kinematics) {
-  const core::VecQ home = core::VecQ::Zero(static_cast<Eigen::Index>(q.size()));
+void turn_near(Columns& q, const core::Kinematics& kinematics, Near near) {
+  core::VecQ reference = core::VecQ::Zero(static_cast<Eigen::Index>(q.size()));
+  core::VecQ values = reference;
   for (std::size_t row = 0; row < q.front().size(); ++row) {
-    core::VecQ values = row_of(q, row);
-    kinematics.nearest_representative(home, values);
-    set_row(q, row, values);
-  }
-}
-
-void unfold(Columns& q, const core::Kinematics& kinematics) {
-  for (std::size_t row = 1; row < q.front().size(); ++row) {
-    core::VecQ values = row_of(q, row);
-    kinematics.nearest_representative(row_of(q, row - 1), values);
-    set_row(q, row, values);
+    for (std::size_t c = 0; c < q.size(); ++c) values[static_cast<Eigen::Index>(c)] = q[c][row];
+    kinematics.nearest_representative(reference, values);
+    for (std::size_t c = 0; c < q.size(); ++c) q[c][row] = values[static_cast<Eigen::Index>(c)];
+    if (near == Near::kPreviousRow) reference = values;
   }
 }
 

@@ -21,9 +21,11 @@ namespace haptic::hw {
 /// Returns the first row whose quaternion is zero: it says nothing.
 [[nodiscard]] std::optional<std::size_t> to_rotation_vectors(Columns& columns, std::size_t at);
 
-/// Every row as a device would report it: with the shortest rotation vector.
-void fold(Columns& q, const core::Kinematics& kinematics);
-/// Every row as the representative nearest to the row before.
-void unfold(Columns& q, const core::Kinematics& kinematics);
+/// The pose to which a row's rotation vector shall be near. kZero: the shortest vector, as a device
+/// reports it. kPreviousRow: continuous from row to row (the first row stays near zero).
+enum class Near { kZero, kPreviousRow };
+
+/// Replaces the rotation vector of every row by the one of the same orientation near the reference.
+void turn_near(Columns& q, const core::Kinematics& kinematics, Near near);
 
 }  // namespace haptic::hw

@@ -29,7 +29,6 @@ PROGRAMS = {
     "hapticd": "server/hapticd",
     "hapticctl": "client/hapticctl",
     "haptic-board-emulator": "hw/haptic-board-emulator",
-    "haptic-make-motion": "hw/haptic-make-motion",
 }
 # Commands that run here, in the order of client/README.md; a command without an end is interrupted
 # after so many seconds.

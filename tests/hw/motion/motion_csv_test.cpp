@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "haptic/core/error.hpp"
 #include "tests/hw/temporary_file.hpp"
 
@@ -110,6 +113,25 @@ TEST(MotionCsv, NamesAnUnreadableFile) {
   EXPECT_THAT(message("no/such/file.csv"),
               AllOf(HasSubstr("no/such/file.csv"), HasSubstr("cannot be read")));
   EXPECT_THAT(message(testing::TempDir()), HasSubstr("cannot be read"));
+}
+
+TEST(ShippedMotion, OpensAndClosesLikeAHand) {
+  const MotionTable table = read_motion_csv(
+      HAPTIC_SOURCE_DIR "/server/scenes/motion/reach_and_grasp.csv", {joint_angle_columns()});
+  EXPECT_EQ(table.time_s.back(), 20.0);
+  const std::vector<double>& mcp = table.values[0];
+  const auto [open, closed] = std::minmax_element(mcp.begin(), mcp.end());
+  EXPECT_GT(*open, -0.02);
+  EXPECT_LT(*open, 0.15);
+  EXPECT_GT(*closed, 0.7);
+  EXPECT_LT(*closed, 1.05);
+  for (const std::vector<double>& joint : table.values) {
+    EXPECT_NEAR(joint.front(), joint.back(), 0.05) << "it repeats without a jump";
+    for (std::size_t i = 1; i < joint.size(); ++i) {
+      const double dt = table.time_s[i] - table.time_s[i - 1];
+      EXPECT_LT(std::abs(joint[i] - joint[i - 1]) / dt, 8.0);  // rad/s
+    }
+  }
 }
 
 TEST(MotionCsv, FiftyMillisecondsAreNoGap) {

@@ -1,6 +1,7 @@
 #pragma once
-/// What every device without a link keeps: its arming, closing, and the numbers of its samples. A
-/// member of the simulated devices and of the replay; see hw/device.hpp for the states.
+/// State that every device without a link needs: whether it is armed or closed, and the numbers of
+/// its samples. The simulated devices and the replay have it as a member. See hw/device.hpp for the
+/// states.
 
 #include <cstdint>
 

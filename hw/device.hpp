@@ -1,5 +1,5 @@
 #pragma once
-/// What a haptic device is to the loop.
+/// The interface between a haptic device and the real-time loop.
 ///
 ///            DeviceConfig::open()          arm wanted            handshake done
 ///   (none) ----------------> DISARMED ----------------> ARMING ----------------> ARMED
@@ -25,12 +25,12 @@ namespace haptic::hw {
 struct DeviceInfo {
   std::string kind{};    ///< of its folder in hw/: "simulated", "replay", "board", ...
   std::string model{};   ///< for people: what it is, and what it was opened from
-  std::string serial{};  ///< unique per device; empty where there is none
+  std::string serial{};  ///< unique per device; empty if it has none
   std::vector<core::DofSpec> dofs{};
   core::DeviceLimits limits{};
-  /// What was found at the opening that a person should know; one line each.
+  /// Warnings from opening the device, for people; one line each.
   std::vector<std::string> notes{};
-  std::string calibrated{};       ///< the day its calibration was made; empty: none is in use
+  std::string calibrated{};       ///< date of the calibration in use; empty: none
   bool measures_force{false};     ///< samples carry tau_measured
   bool closes_force_loop{false};  ///< tau_a is the reference of a loop of its own
   bool takes_positions{false};    ///< follows Command::position
@@ -44,7 +44,7 @@ struct Command {
   core::VecA position{};  ///< n_a, m or rad: where to go, instead of tau_a; size 0: a force
 };
 
-/// Frames on a link since it was opened, by what became of them: one line of its book.
+/// Number of frames on the link since it was opened that had the same fate.
 struct LinkCount {
   const char* end{""};   ///< who counted: "host", "board"
   const char* what{""};  ///< "received", "lost", "bad_crc", ...: hw/README.md, "The board device"
@@ -59,24 +59,24 @@ class Device {
 
   [[nodiscard]] virtual const DeviceInfo& info() const noexcept = 0;
 
-  /// Real-time thread, once a tick, before write(). Never blocks. `reading` keeps its previous
-  /// sample where there is no new one. A failure is told by reading.health, never thrown.
+  /// Real-time thread, once a tick, before write(). Never blocks. If there is no new sample,
+  /// `reading` keeps the previous one and `fresh` is false. reading.health reports failures.
   virtual void read(core::TimePoint now, core::DeviceReading& reading) noexcept = 0;
 
   /// Real-time thread, once a tick. Never blocks. A device that is not armed ignores tau_a.
   virtual void write(core::TimePoint now, const Command& command) noexcept = 0;
 
-  /// Where a device that samples by a clock of its own tells of each new sample, so that the loop
-  /// can tick on its arrival; null: it has none, samples are there when asked for (simulated,
-  /// replay). Lives as long as the device.
+  /// A device that samples by its own clock posts each new sample here, so that the loop can tick
+  /// when a sample arrives. Null if read() always has a sample (simulated, replay). Lives as long
+  /// as the device.
   [[nodiscard]] virtual SampleSignal* sample_signal() noexcept { return nullptr; }
 
   /// Main thread, after the loop ended: zero force, disarm, release what was opened. May block for
   /// at most 200 ms. Idempotent.
   virtual void close() noexcept = 0;
 
-  /// The book of the link to the device, a moment ago, also after close(); empty where there is
-  /// none. Any thread but the real-time one.
+  /// Recent counts of the frames on the link, also after close(); empty if there is no link. Any
+  /// thread except the real-time one.
   [[nodiscard]] virtual std::vector<LinkCount> link_counts() const { return {}; }
 
  protected:

@@ -1,6 +1,6 @@
 #pragma once
-/// Uniform and normally distributed numbers from a seed: the same sequence in every run and with
-/// every standard library, which std::normal_distribution does not promise.
+/// Uniform and normally distributed numbers from a seed. Unlike std::normal_distribution they are
+/// the same with every standard library.
 /// Source: G. Marsaglia, T. A. Bray, SIAM Review 6(3):260-264, 1964 (polar method).
 
 #include <cmath>

@@ -1,13 +1,13 @@
 #pragma once
-/// "A new sample can be read": from the thread of a device that has a clock of its own to the
-/// real-time loop, which may be waiting for it. A POSIX semaphore underneath: neither side takes a
-/// lock or allocates, and posting never waits.
+/// Tells the real-time loop that a new sample can be read. The thread of a device with its own
+/// clock posts, the loop may wait. Built on a POSIX semaphore: neither side takes a lock or
+/// allocates, and posting never waits.
 ///
 ///   device's thread   puts the sample where read() finds it, then post()
 ///   loop              wait_until(), then forget(), then read()
 ///
-/// What is posted while an earlier post has not been taken counts as that one: no backlog of
-/// samples can become a burst of ticks.
+/// Several posts before the loop takes one count as one, so that a backlog of samples does not
+/// become a burst of ticks.
 
 #include <semaphore.h>
 
@@ -28,11 +28,11 @@ class SampleSignal {
   /// One thread, the device's. `arrival`: when the sample reached this host, steady clock.
   void post(core::TimePoint arrival) noexcept;
 
-  /// Loop thread. Waits for a post or until `deadline`; not at all if that has passed. The arrival
-  /// of the first sample posted since the last one taken or forgotten; none: none was.
+  /// Loop thread. Waits for a post, at most until `deadline`. Returns the arrival of the first
+  /// sample that was posted since the last one taken or forgotten; empty if none was posted.
   [[nodiscard]] std::optional<core::TimePoint> wait_until(core::TimePoint deadline) noexcept;
 
-  /// The loop, before it reads: what was posted by now will be read by this very tick.
+  /// Loop thread, before it reads: drops earlier posts, because this tick reads their samples.
   void forget() noexcept;
 
  private:

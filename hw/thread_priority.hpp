@@ -6,8 +6,8 @@
 
 namespace haptic::hw {
 
-/// Asks for SCHED_FIFO for the calling thread. Where it is not granted (hapticd says so at its
-/// start, for its loop) the thread still works if the machine is not busy.
+/// Asks for SCHED_FIFO for the calling thread. Without that right (hapticd says so at its start)
+/// the thread still keeps its times if the machine is not busy.
 inline void ask_for_priority(int priority) noexcept {
   sched_param parameters{};
   parameters.sched_priority = priority;

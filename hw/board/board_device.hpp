@@ -1,7 +1,7 @@
 #pragma once
-/// A board on a serial port as a device. Its I/O thread owns the port and the protocol; the loop
-/// exchanges the newest reading and the newest command with it through mailboxes and never waits
-/// for it, unless it chose to tick with the samples: then it waits on sample_signal().
+/// A board on a serial port as a device. Its I/O thread owns the port and the protocol. The loop
+/// exchanges the newest reading and the newest command with that thread through mailboxes and never
+/// waits for it, unless the loop ticks with the samples: then it waits on sample_signal().
 ///
 ///   real-time thread   read(): newest reading      write(): newest command, and a wake-up
 ///   I/O thread         polls port and wake-up; samples as they come, commands as they come

@@ -169,8 +169,8 @@ void BoardHost::follow_arming(const State& state) noexcept {
   const bool ours = nonce_ != 0 && state.nonce == nonce_;
   const bool latched = state.state == BoardState::kStopped || state.state == BoardState::kFault;
   reading_.armed = ours && state.state == BoardState::kArmed ? arming_ : 0;
-  // A latched stop is news while it is that of our arming; later it only waits for the next one. A
-  // fault that is there now is always news.
+  // A latched stop counts while it belongs to the present arming; later it only waits for the next
+  // one. A fault that is present now always counts.
   reading_.broken = (latched && ours) || state.faults != 0;
   reading_.force_over_limit =
       (state.faults & kForceOverLimit) != 0 || (latched && ours && reading_.force_over_limit);
@@ -206,7 +206,7 @@ void BoardHost::want(const Wanted& wanted, core::TimePoint now) {
     asked_ = now;
     send(FrameType::kArm, Arm{nonce_});
   }
-  if (nonce_ == 0) return;  // the link was lost since: this arming is over
+  if (nonce_ == 0) return;  // the link was lost: this arming is over
   Command command;
   command.nonce = nonce_;
   command.n_a = identity_.n_a;

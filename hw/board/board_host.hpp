@@ -1,6 +1,6 @@
 #pragma once
-/// The host's side of the board protocol (hw/README.md) without a port or a thread: bytes and time
-/// in, bytes and readings out. Pure, so that every rule is tested in virtual time.
+/// The host's side of hw/README.md#the-board-protocol without a port or a thread: bytes and time
+/// in, bytes and readings out. It reads no clock, so that every rule is tested in virtual time.
 ///
 ///   CLOSED --connect()--> GREETING --IDENTITY and every DOF, as expected--> OPEN
 ///                          ^   '--not as expected--> REFUSED                 |
@@ -23,31 +23,31 @@
 
 namespace haptic::hw::board {
 
-/// The loop's wish; the newest counts.
+/// What the loop wants from the board; the newest counts.
 struct Wanted {
   bool arm{false};
   std::uint32_t arming{0};  ///< rises with every new wish to arm
   core::VecA tau_a{};
-  core::VecA position{};  ///< n_a: where to go, instead of tau_a; size 0: a force
+  core::VecA position{};  ///< n_a: the position to take, instead of tau_a; size 0: a force
 };
 
-/// The answer to the loop.
+/// What the loop reads of the board.
 struct BoardReading {
   bool open{false};    ///< handshake done, board heard from
-  bool broken{false};  ///< stopped by its watchdog under our arming, or a fault of its own
+  bool broken{false};  ///< stopped by its watchdog while this host had armed it, or a fault
   bool force_over_limit{false};  ///< that fault is this one
   std::uint32_t armed{0};        ///< Wanted::arming it follows; 0: none
   std::uint64_t seq{0};          ///< rises with every sample; 0: none yet
   core::TimePoint time{};
   core::VecQ q{};
-  core::VecA force{};  ///< size 0 where it measures none
+  core::VecA force{};  ///< size 0 if it measures none
 };
 
-/// Of this side of the link, since its opening. Every frame that is missing is in one of them.
+/// Counters of the host's side since the link was opened. Every missing frame is in one of them.
 struct HostCounters {
   std::uint64_t bytes{0}, frames{0}, states{0};
   std::uint64_t bad_crc{0}, malformed{0}, not_newer{0}, lost{0};
-  std::uint64_t sent{0}, commands_held_back{0};  ///< held back: the port was not taking bytes
+  std::uint64_t sent{0}, commands_held_back{0};  ///< held back: the port took no bytes
   std::uint64_t handshakes{0};
   core::Duration round_trip{0}, longest_round_trip{0};  ///< command to the state that tells of it
   Counters board{};                                     ///< the newest of the board's own
@@ -66,9 +66,9 @@ class BoardHost {
   void connect(core::TimePoint now);
   void disconnect();
   void receive(std::span<const std::uint8_t> bytes, core::TimePoint now);
-  /// Sends the newest wish on.
+  /// Sends the newest wish to the board.
   void want(const Wanted& wanted, core::TimePoint now);
-  /// Repeats what has not been answered. To be called at least every kAgain.
+  /// Repeats requests without an answer. To be called at least every kAgain.
   void poll(core::TimePoint now);
 
   /// Bytes to write to the port; consume() those that were written.
@@ -83,9 +83,9 @@ class BoardHost {
   [[nodiscard]] const HostCounters& counters() const noexcept { return counters_; }
   [[nodiscard]] const ClockMap& clock() const noexcept { return clock_; }
   [[nodiscard]] const Identity& identity() const noexcept { return identity_; }
-  /// From now on only this board (after the first handshake: a replugged port): model, serial
-  /// number, what it can do, and its sample period, with which the loop was built. Its firmware's
-  /// version and its watchdog may change; the latter is looked at in every handshake.
+  /// From now on accepts this board only (difference() in expectation.hpp): after the first
+  /// handshake, for the case that another board is plugged in. The firmware may be another version,
+  /// and the watchdog is checked in every handshake.
   void insist_on(const Identity& board) { known_ = board; }
 
  private:
@@ -113,13 +113,13 @@ class BoardHost {
 
   std::uint32_t session_{0}, tx_seq_{0};
   Identity identity_{};
-  std::optional<Identity> known_{};  ///< of before the port was unplugged
+  std::optional<Identity> known_{};  ///< the board before the port was unplugged
   std::array<std::optional<Dof>, kMaxDofs> dofs_{};
   bool identified_{false};
   core::TimePoint greeted_{}, heard_{}, asked_{};
 
   Wanted wanted_{};
-  std::uint32_t nonce_{0};   ///< of the present arming; 0: none wanted
+  std::uint32_t nonce_{0};   ///< nonce of the present arming; 0: none wanted
   std::uint32_t arming_{0};  ///< Wanted::arming that nonce_ stands for
   BoardState board_state_{BoardState::kDisarmed};
   std::uint32_t board_nonce_{0};

@@ -49,7 +49,7 @@ board::Identity BoardDevice::Io::greeted(core::Duration patience) {
   changed_.wait_for(lock, patience, [this] { return identity_ || !refusal_.empty(); });
   if (identity_) return *identity_;
   if (!refusal_.empty()) throw core::DeviceError(port_ + ": board refused: " + refusal_);
-  throw core::DeviceError(port_ + ": nobody answered HELLO in " +
+  throw core::DeviceError(port_ + ": no answer to HELLO in " +
                           std::to_string(patience / std::chrono::milliseconds(1)) +
                           " ms; must be a board that speaks the protocol of hw/README.md");
 }
@@ -99,7 +99,7 @@ void BoardDevice::Io::reopen(core::TimePoint at) {
     link_ = board::open_link(port_, baud_);
     host_.connect(at);
   } catch (const core::DeviceError&) {
-    // Not there yet: that is what waiting is about.
+    // The port is not there yet; the next round tries again.
   }
 }
 
@@ -118,7 +118,7 @@ void BoardDevice::Io::wait() {
 
 void BoardDevice::Io::receive(core::TimePoint at) {
   std::array<std::uint8_t, 1024> bytes{};
-  // A bounded number of reads: a babbling port must not keep commands from going out.
+  // A bounded number of reads, so that a flood of bytes does not keep commands from going out.
   for (int reads = 0; reads < 8 && link_; ++reads) {
     const std::ptrdiff_t count = link_->read(bytes);
     if (count < 0) lose_link();
@@ -127,7 +127,7 @@ void BoardDevice::Io::receive(core::TimePoint at) {
   }
 }
 
-/// A loop that ticks with the samples waits for just this: before anything else is done.
+/// First of all after reading the port, because a loop that ticks with the samples waits for it.
 void BoardDevice::Io::announce(core::TimePoint at) {
   const std::uint64_t newest = host_.reading().seq;
   if (newest == announced_) return;
@@ -169,7 +169,7 @@ void BoardDevice::Io::publish() {
   changed_.notify_all();
 }
 
-/// The board is told; that it hears it is the business of its watchdog.
+/// Tells the board to disarm. If the frame is lost, the board's watchdog stops it.
 void BoardDevice::Io::farewell() {
   const core::TimePoint end = now() + kFarewell;
   host_.want({}, now());

@@ -18,12 +18,13 @@ class ByteLink {
   ByteLink(const ByteLink&) = delete;
   ByteLink& operator=(const ByteLink&) = delete;
 
-  /// To wait on with poll(); readable when bytes have come, or the link is gone.
+  /// File descriptor for poll(): readable when bytes have come or the link is gone.
   [[nodiscard]] virtual int handle() const noexcept = 0;
-  /// Never block. Number of bytes, 0 where there are none (no room) just now, -1: the link is gone.
+  /// Never block. Return the number of bytes; 0 if there are none (no room) now; -1 if the link is
+  /// gone.
   [[nodiscard]] virtual std::ptrdiff_t read(std::span<std::uint8_t> bytes) noexcept = 0;
   [[nodiscard]] virtual std::ptrdiff_t write(std::span<const std::uint8_t> bytes) noexcept = 0;
-  /// What was found at the opening that a person should know: an FTDI latency timer of 16 ms.
+  /// Warnings from opening the port, for people: an FTDI latency timer of 16 ms.
   [[nodiscard]] const std::vector<std::string>& notes() const noexcept { return notes_; }
 
  protected:
@@ -32,7 +33,8 @@ class ByteLink {
 };
 
 /// Opens the port for this process alone. `baud` is for real ports (USB ignores it). Throws
-/// DeviceError: no such port, another program has it, no permission (naming the group that has it).
+/// DeviceError: no such port, used by another program, no permission (naming the group that has
+/// it).
 [[nodiscard]] std::unique_ptr<ByteLink> open_link(const std::string& port, int baud);
 
 /// The two kinds, and what they share.
@@ -40,14 +42,14 @@ class ByteLink {
 [[nodiscard]] std::unique_ptr<ByteLink> open_serial_port(const std::string& port, int baud);
 /// Locks an open port against other processes; throws DeviceError naming `port` if one has it.
 void claim(int handle, const std::string& port);
-/// Where the driver can: no other program opens the port meanwhile, also one that does not ask for
-/// locks (but root does). For real ports: of a pseudo-terminal it would outlive this program.
+/// Keeps other programs (except root's) from opening the port, even if they ignore locks. False if
+/// the driver cannot. For real ports only: on a pseudo-terminal it would outlast this program.
 bool keep_others_out(int handle) noexcept;
-/// Asks the driver to hand bytes on as they come. A hint: false where it knows of none, as USB CDC
-/// and pseudo-terminals, and no harm done.
+/// Asks the driver to pass bytes on as they come. Only a hint: false, without harm, if the driver
+/// does not know it, for example USB CDC and pseudo-terminals.
 bool ask_for_low_latency(int handle) noexcept;
-/// What to tell of an FTDI chip whose latency timer is 16 ms or more; empty where there is none, or
-/// it is short. `devices`: the folder of sysfs with one folder per USB serial port.
+/// The warning about an FTDI chip whose latency timer is 16 ms or more; empty if the port has none
+/// or a shorter one. `devices`: the folder of sysfs with one folder per USB serial port.
 [[nodiscard]] std::string latency_timer_note(
     const std::string& port, const std::filesystem::path& devices = "/sys/bus/usb-serial/devices");
 /// DeviceError for a port that could not be opened because of `error` (errno).

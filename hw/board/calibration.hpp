@@ -1,6 +1,6 @@
 #pragma once
-/// True meaning of a board's sensor readings: found once per device by `hapticctl calibrate`, kept
-/// with the device's serial number, and of no use to any other.
+/// Corrections of a board's sensor readings. `hapticctl calibrate` measures them once per device
+/// and stores them with the device's serial number; another device must not use them.
 
 #include <string>
 
@@ -26,18 +26,19 @@ struct Calibration {
 void check(const Calibration& calibration, const core::Kinematics& kinematics,
            const std::string& serial, bool measures_force);
 
-/// A sample as the sensors meant it. Sizes as check() allows. Never allocates.
+/// Corrects a sample. Sizes as check() allows. Never allocates.
 void apply(const Calibration& calibration, core::DeviceSample& sample) noexcept;
 
 /// Sets the range of a valid sample to the travel plus the margin of device_limits() (5 %).
 void apply(const Calibration& calibration, core::DeviceLimits& limits) noexcept;
 
-/// Where the sensors must be told to go so that the device goes to `position` (n_a).
+/// The sensor readings at which the device is at `position` (n_a): what a servo on the board must
+/// be sent.
 [[nodiscard]] core::VecA to_readings(const Calibration& calibration, const core::DofLayout& layout,
                                      const core::VecA& position) noexcept;
 
-/// Load-cell readings at which the device holds `tau_a` (n_a): a loop that the board closes
-/// itself knows their readings only.
+/// The load-cell readings at which the device holds `tau_a` (n_a): what a force loop on the board
+/// must be sent.
 [[nodiscard]] core::VecA to_force_readings(const Calibration& calibration,
                                            const core::VecA& tau_a) noexcept;
 

@@ -1,12 +1,13 @@
 #pragma once
-/// The board's clock on the server's steady clock: when was a sample measured that arrived now?
+/// Maps the board's clock to the server's steady clock: it tells when a sample was measured that
+/// arrived now.
 ///
-/// arrival - board time = offset + drift * board time + delay of the link, with delay >= 0 and now
-/// and then large. Offset and drift come from a least-squares line whose weights decay with
-/// kMemory; arrivals far above the line are stragglers and do not move it. Samples are placed two
-/// mean deviations below the line, near the earliest arrivals: a constant delay cannot be seen one
-/// way, so what is left of it makes samples look younger, by at most the shortest delay of the
-/// link. Pure: no clock is read, nothing allocates.
+/// arrival - board time = offset + drift * board time + delay of the link, with delay >= 0 and
+/// sometimes large. Offset and drift come from a least-squares line whose weights decay with
+/// kMemory. Arrivals far above the line are stragglers and do not move it. Samples are placed two
+/// mean deviations below the line, near the earliest arrivals. A constant delay is invisible in one
+/// direction: samples look younger by at most the shortest delay of the link. Reads no clock,
+/// allocates nothing.
 
 #include <cstdint>
 
@@ -22,7 +23,7 @@ class ClockMap {
   static constexpr double kStraggler = 5e-4;  ///< s above the line, at least, to be ignored
   static constexpr int kRelearn = 100;        ///< stragglers in a row: the delay itself has changed
 
-  /// Takes the sample into account and says when it was measured: never after `arrival`.
+  /// Learns from the sample and returns when it was measured: never after `arrival`.
   [[nodiscard]] core::TimePoint map(std::uint64_t board_us, core::TimePoint arrival) noexcept;
   /// Forgets everything: another board, or the same one restarted.
   void restart() noexcept { *this = ClockMap{}; }

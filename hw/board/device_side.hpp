@@ -23,10 +23,10 @@ class DeviceSide {
   DeviceSide(const BoardConfig& config, std::shared_ptr<const core::Kinematics> kinematics,
              core::Duration longest_lateness);
 
-  /// What the board must be.
+  /// The scene's requirements on the board.
   [[nodiscard]] const Expectation& expectation() const noexcept { return expectation_; }
-  /// Takes over what the board that answered says of itself. Throws DeviceError if the calibration
-  /// is not this board's.
+  /// Copies the identity of the board that answered into info(). Throws DeviceError if the
+  /// calibration belongs to another board.
   void identify(const Identity& identity);
   [[nodiscard]] const DeviceInfo& info() const noexcept { return info_; }
   [[nodiscard]] DeviceInfo& info() noexcept { return info_; }
@@ -35,9 +35,9 @@ class DeviceSide {
   /// arming that the loop asked for last.
   void read(const BoardReading& newest, core::DeviceReading& reading) noexcept;
 
-  /// The loop's command as the wish to send. Each new arming has a new number. Unless armed there is
-  /// neither force nor position. Both are in the board's terms: positions as its sensors will read
-  /// them, and forces too if the board closes the loop on its load cell.
+  /// The loop's command as the wish to send. Each new arming has a new number. Without `arm` there
+  /// is neither force nor position. Both are in the board's terms: positions as its sensors will
+  /// read them, and forces too if the board closes the loop on its load cell.
   [[nodiscard]] const Wanted& write(const hw::Command& command) noexcept;
 
  private:

@@ -38,7 +38,7 @@ std::size_t stuff(std::span<const std::uint8_t> body, std::uint8_t* out) noexcep
   return length;
 }
 
-/// The inverse in place: the body ends up at chunk[1..]. False where the codes do not add up.
+/// The inverse in place: the body ends up at chunk[1..]. False if the codes do not add up.
 bool unstuff(std::span<std::uint8_t> chunk) noexcept {
   std::size_t at = 0;
   while (at < chunk.size()) {

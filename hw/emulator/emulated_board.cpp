@@ -9,11 +9,11 @@ namespace {
 
 constexpr double kSecond = 1e6;  // us
 constexpr std::uint64_t kStepUs = Rig::kStepUs;
-/// At one quantum rms of noise 100 readings that are the same do not happen.
+/// With one quantum rms of noise 100 equal readings in a row do not happen.
 constexpr std::uint16_t kStuckAfter = 100;
 
-/// Of the position servo: N per m, and the friction fed forward beyond 0.1 mm. With the motor's
-/// back-EMF (3125 N s/m) it is damped well above critical.
+/// The position servo: N per m, and the friction fed forward beyond 0.1 mm. The motor's back-EMF
+/// (3125 N s/m) damps it well above critical.
 constexpr double kServo = 1e5, kServoFriction = 25.0, kServoBand = 1e-4;
 
 /// At full drive a sound L16 is beyond this in 10 ms; noise of the potentiometer is not.
@@ -82,7 +82,8 @@ std::uint64_t EmulatedBoard::board_us() const noexcept {
   return static_cast<std::uint64_t>(since_boot * (1.0 + 1e-6 * config_.clock_ppm));
 }
 
-// ---- the link -------------------------------------------------------------------------------------
+// ---- the link
+// -------------------------------------------------------------------------------------
 
 bool EmulatedBoard::send(void* context, const std::uint8_t* bytes, std::size_t length) {
   auto& self = *static_cast<EmulatedBoard*>(context);
@@ -91,7 +92,7 @@ bool EmulatedBoard::send(void* context, const std::uint8_t* bytes, std::size_t l
   return true;
 }
 
-/// A wire with noise on it.
+/// Loses and damages bytes as a noisy wire does.
 void EmulatedBoard::pass(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& out) {
   for (std::uint8_t byte : bytes) {
     if (config_.drop > 0.0 && uniform(random_) < config_.drop) continue;
@@ -123,7 +124,8 @@ std::vector<std::uint8_t> EmulatedBoard::take_output() {
   return std::exchange(released_, {});
 }
 
-// ---- the board ------------------------------------------------------------------------------------
+// ---- the board
+// ------------------------------------------------------------------------------------
 
 bool EmulatedBoard::has_supply() {
   const bool powered = !is_active(FaultKind::kBrownOut);
@@ -152,8 +154,8 @@ void EmulatedBoard::disturb(Readings& readings) {
   was_stuck_ = stuck;
 }
 
-/// As a board finds out that its motor is dead: the loop is at its limit and the rod does not move,
-/// though no end of its stroke is in the way.
+/// How a board detects a dead motor: the loop is at its limit and the rod does not move, although
+/// it is not at an end of its stroke.
 bool EmulatedBoard::stalled(const Readings& readings) noexcept {
   const bool moved = std::abs(readings.q[0] - stood_at_) > kStandsStill;
   const bool at_an_end =

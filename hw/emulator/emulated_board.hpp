@@ -1,7 +1,7 @@
 #pragma once
-/// A board in virtual time: hw/firmware's own code, run every millisecond between the sensors and
-/// the drive of a Rig, at the end of a serial link that may lose and damage bytes. The board closes
-/// the loop on its load cell itself (core's ForceLoop).
+/// A board in virtual time. The code of hw/firmware runs every millisecond between the sensors and
+/// the drive of a Rig, at the end of a serial link that may lose and damage bytes. By default the
+/// board closes the force loop on its load cell itself (core::ForceLoop).
 
 #include <cstdint>
 #include <memory>
@@ -19,9 +19,9 @@ namespace haptic::hw::emulator {
 
 /// How the board follows a command.
 enum class BoardControl : std::uint8_t {
-  kForceLoop,  ///< the reference of its own loop on the load cell, as on the paper's device
-  kDrive,      ///< the drive's force itself; the host closes the loop
-  kPosition,   ///< where the rod goes: a servo on the potentiometer
+  kForceLoop,  ///< as the reference of its own loop on the load cell, like the paper's device
+  kDrive,      ///< as the force of the drive; the host closes the loop
+  kPosition,   ///< as a position of the rod: a servo on the potentiometer
 };
 
 struct EmulatorConfig {
@@ -38,8 +38,7 @@ struct EmulatorConfig {
   SensorParameters sensors{};
   core::ForceLoopGains force_loop{20.0, 200.0, 15.0, 2.0, 131.0};
   BoardControl control{BoardControl::kForceLoop};
-  /// Of the potentiometer of l_x: reading = scale (l_x + offset). Not calibrated: other than 1 and
-  /// 0.
+  /// Errors of the potentiometer of l_x: reading = scale (l_x + offset).
   double l_x_scale{1.0}, l_x_offset{0.0};  ///< 1, m
   double force_offset{0.0};                ///< N that the load cell reads without load
   double force_over_limit{60.0};           ///< N: more in the cell than this is a fault
@@ -63,10 +62,10 @@ class EmulatedBoard {
   [[nodiscard]] std::vector<std::uint8_t> take_output();
   /// False: the port is gone.
   [[nodiscard]] bool plugged() const noexcept { return !is_active(FaultKind::kUnplug); }
-  /// How many more bytes the port takes now; what goes beyond is frames without room.
+  /// How many more bytes the port takes now. Frames beyond that are counted as without room.
   void set_room(std::size_t bytes) noexcept { room_ = bytes; }
 
-  /// From now on this share of bytes is lost, and damaged.
+  /// From now on these shares of the bytes are lost and damaged.
   void set_noise(double drop, double corrupt) noexcept {
     config_.drop = drop;
     config_.corrupt = corrupt;
@@ -75,8 +74,8 @@ class EmulatedBoard {
 
   [[nodiscard]] const hb_board& firmware() const noexcept { return board_; }
   [[nodiscard]] const Rig& rig() const noexcept { return rig_; }
-  [[nodiscard]] Rig& rig() noexcept { return rig_; }              ///< what the hand does with it
-  [[nodiscard]] bool drives() const noexcept { return drives_; }  ///< the bridge is on
+  [[nodiscard]] Rig& rig() noexcept { return rig_; }
+  [[nodiscard]] bool drives() const noexcept { return drives_; }          ///< the bridge is on
   [[nodiscard]] double reference() const noexcept { return reference_; }  ///< N
   [[nodiscard]] std::uint64_t now_us() const noexcept { return now_us_; }
 

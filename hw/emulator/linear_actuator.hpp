@@ -30,9 +30,9 @@ class LinearActuator {
   /// At rest at `x`, without force in the cell when the linkage is at the same place.
   LinearActuator(const ActuatorParameters& parameters, double x) noexcept : p_(parameters), x_(x) {}
 
-  /// What the board writes to the bridge: N; switched off while `on` is false.
+  /// Sets the drive: u in N; switched off while `on` is false.
   void drive(double u, bool on) noexcept;
-  /// The motor gives nothing any more (a broken wire); friction stays.
+  /// The motor gives no force (a broken wire); friction stays.
   void stall(bool stalled) noexcept { stalled_ = stalled; }
   /// One step of `dt` s against a linkage at l (m) that moves with l_dot (m/s).
   void step(double dt, double l, double l_dot) noexcept;

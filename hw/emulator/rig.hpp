@@ -1,6 +1,6 @@
 #pragma once
-/// The rig a board is part of: actuator, load cell, exoskeleton on a simulated finger, and the
-/// sensors with noise and resolution. Deterministic from its seed.
+/// What surrounds an emulated board: actuator, load cell, an exoskeleton on a simulated finger, and
+/// sensors with noise and resolution. The same seed gives the same bits.
 
 #include <cstdint>
 #include <memory>
@@ -38,9 +38,9 @@ class Rig {
   [[nodiscard]] Readings sense() noexcept;
 
   /// The hand takes the finger (if it had let go) and brings it to `target` (rad, MCP and PIP)
-  /// within Intent::kRise, from where it wants to be now.
+  /// within Intent::kRise, starting at its present target.
   void take_to(const Eigen::Vector2d& target);
-  /// The hand hangs loose: nothing pushes against the device any more.
+  /// The hand hangs loose and pushes no longer against the device.
   void let_go() noexcept;
 
   [[nodiscard]] LinearActuator& actuator() noexcept { return actuator_; }

@@ -31,7 +31,7 @@ void wait(const PseudoTerminal& terminal, std::uint64_t until_us) {
   pollfd polled{terminal.handle(), POLLIN, 0};
   ::ppoll(&polled, 1, &timeout, nullptr);
   if ((polled.revents & POLLHUP) == 0) return;
-  // Nobody has the other end open: poll() would return at once for ever.
+  // No program has the other end open, so poll() would return at once every time.
   ::clock_nanosleep(CLOCK_MONOTONIC, 0, &timeout, nullptr);
 }
 

@@ -17,7 +17,8 @@ namespace haptic::hw::emulator {
 
 class ToldHand {
  public:
-  /// `handle`: a file descriptor to read lines from; at its end the hand stays where it is. -1: none.
+  /// `handle`: a file descriptor to read lines from; at its end the hand stays where it is. -1: no
+  /// lines.
   explicit ToldHand(int handle);
   /// Follows the lines that came since the last call; does not wait for any. Reports a line it
   /// cannot read on standard error.

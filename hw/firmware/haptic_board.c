@@ -14,7 +14,7 @@ static bool has_capability(const hb_board* board, enum hb_capability which) {
 }
 
 static void transmit(hb_board* board, enum hf_type type, const uint8_t* end) {
-  /* A number is used up even where there is no room: the host counts what is missing. */
+  /* A number is used up even if there is no room: the host counts what is missing. */
   const uint32_t seq = ++board->tx_seq;
   const size_t length =
       hf_encode((uint8_t)type, seq, board->payload, (size_t)(end - board->payload), board->wire);
@@ -88,7 +88,7 @@ static void on_hello(hb_board* board) {
     ++board->counters.sessions;
     let_go(board, HB_DISARMED);
   }
-  /* A host of another version learns ours, and stays without a session. */
+  /* A host of another version learns this board's version and gets no session. */
   send_identity(board, session);
   for (uint8_t i = 0; i < board->config->n_q; ++i) send_dof(board, i);
 }

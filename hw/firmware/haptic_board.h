@@ -46,8 +46,8 @@ typedef struct {
   bool actuated;
   float lower, upper;         /* lower < upper */
   float max_effort, max_rate; /* of actuated DoFs, > 0 */
-  /* So many readings that are the same to the last bit mean that the sensor is stuck; 0: never.
-   * Only for sensors whose noise exceeds their quantum, as those of a 12-bit ADC do. */
+  /* This many readings in a row that are equal to the last bit mean that the sensor is stuck; 0:
+   * never. Only for sensors whose noise exceeds their quantum, for example behind a 12-bit ADC. */
   uint16_t stuck_after;
 } hb_dof;
 
@@ -62,7 +62,7 @@ typedef struct {
   uint8_t n_q; /* 1..HB_MAX_DOFS */
 } hb_config;
 
-/* Takes a whole frame or, where there is no room, nothing (and returns false). Never blocks. */
+/* Takes a whole frame, or nothing and returns false if there is no room. Never blocks. */
 typedef bool (*hb_send)(void* context, const uint8_t* bytes, size_t length);
 
 typedef struct {
@@ -97,7 +97,8 @@ void hb_init(hb_board* board, const hb_config* config, hb_send send, void* conte
 void hb_receive(hb_board* board, uint8_t byte, uint64_t now_us);
 
 /* q: n_q readings at now_us. force: n_a readings, or NULL if there is no such sensor. faults:
- * hb_fault bits that are true now. Sends a STATE (and COUNTERS, at times) after a host's HELLO. */
+ * hb_fault bits that are true now. Sends STATE, and COUNTERS every 100 ms, once a host said
+ * HELLO. */
 void hb_sample(hb_board* board, uint64_t now_us, const float* q, const float* force,
                uint8_t faults);
 

@@ -50,7 +50,7 @@ typedef struct {
 
 uint32_t hf_crc32c(const uint8_t* bytes, size_t length);
 
-/* Writes a whole frame, both zeros included, into HF_MAX_WIRE bytes. Returns its length; 0 where
+/* Writes a whole frame, both zeros included, into HF_MAX_WIRE bytes. Returns its length; 0 if
  * the payload is too long. */
 size_t hf_encode(uint8_t type, uint32_t seq, const uint8_t* payload, size_t payload_length,
                  uint8_t* wire);
@@ -58,7 +58,7 @@ size_t hf_encode(uint8_t type, uint32_t seq, const uint8_t* payload, size_t payl
 void hf_reset(hf_decoder* decoder);
 hf_event hf_push(hf_decoder* decoder, uint8_t byte);
 
-/* Little-endian numbers; each put returns where the next one goes. */
+/* Little-endian numbers; each put returns the place after what it wrote. */
 uint8_t* hf_put_u16(uint8_t* to, uint16_t value);
 uint8_t* hf_put_u32(uint8_t* to, uint32_t value);
 uint8_t* hf_put_u64(uint8_t* to, uint64_t value);

@@ -43,7 +43,7 @@ std::string joined(const Names& names) {
   return text;
 }
 
-/// Where the reader stands, for messages.
+/// The line being read, for messages.
 struct Place {
   const std::filesystem::path& file;
   std::size_t line{0};

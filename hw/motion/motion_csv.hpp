@@ -9,7 +9,7 @@
 
 namespace haptic::hw {
 
-/// Columns that a use of a recording needs besides time_s.
+/// Names of the columns that are needed besides time_s.
 using ColumnSet = std::vector<std::string>;
 
 /// The joint angles of a finger, rad, flexion positive.
@@ -22,10 +22,11 @@ struct MotionTable {
   std::vector<std::size_t> line{};            ///< line of the file a row stood on, from 1
 };
 
-/// A step of time longer than this is a gap: nothing was measured there (a tracker
-/// lost the hand; the recordings' own jitter stays below 40 ms).
+/// A step of time longer than this is a gap in which nothing was measured, for example because a
+/// tracker lost the hand. Jitter of recordings stays below 40 ms.
 inline constexpr double kLongestStep = 0.050;  // s
-/// Is the step from a to b (s) a gap? Compared in whole nanoseconds, so that 50 ms is 50 ms.
+/// True if the step from a to b (s) is a gap. Compared in whole nanoseconds, so that a step of 50
+/// ms is none in spite of rounding.
 [[nodiscard]] bool is_gap(double a, double b) noexcept;
 
 /// The first of `alternatives` whose columns are all in `file`. Throws DeviceError naming the file,

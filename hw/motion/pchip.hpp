@@ -1,7 +1,7 @@
 #pragma once
 /// Piecewise cubic Hermite interpolation that keeps the shape of the data: between two knots the
-/// curve stays between their values, so that interpolating a recording invents no overshoot and
-/// leaves no range the rows kept to.
+/// curve stays between their values, so that interpolating a recording adds no overshoot and stays
+/// within the range of the rows.
 /// Source: F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17(2):238-246, 1980; slopes by the
 /// weighted harmonic mean of F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5(2):300-304,
 /// 1984.

@@ -104,7 +104,7 @@ void Replay::check_range(const MotionTable& table, const std::filesystem::path& 
   }
 }
 
-/// q of every row; the rows' angles become f(q) where they were outside the reach.
+/// Returns q of every row. Angles outside the reach are replaced by f(q).
 Columns Replay::bring_into_reach(MotionTable& table) {
   const int n_q = kinematics_->layout().n_q();
   Columns columns(static_cast<std::size_t>(n_q), std::vector<double>(facts_.rows));

@@ -2,8 +2,8 @@
 /// A recording as a device: it plays at its original timing, its force is computed and reported,
 /// nothing moves.
 ///
-/// A tracked palm's orientation may be recorded as a quaternion, NAME.qx .qy .qz .qw; it is played
-/// as q holds it, the rotation vector of at most pi.
+/// A tracked palm's orientation may be recorded as a quaternion, NAME.qx .qy .qz .qw; samples hold
+/// it as a rotation vector of length pi at most.
 ///
 /// Joint angles go through the inverse kinematics (see Stretch). Rows outside the reach are
 /// replaced at load by the nearest pose in reach, Eq. (6) with the box and the slider limits, and
@@ -38,7 +38,7 @@ struct ReplayConfig final : DeviceConfig {
   [[nodiscard]] std::filesystem::path plays() const override { return file; }
 };
 
-/// What was found when the recording was loaded.
+/// Properties of the recording, found at loading.
 struct ReplayFacts {
   std::size_t rows{0};
   std::size_t gaps{0};       ///< steps of time longer than 50 ms
@@ -49,8 +49,8 @@ struct ReplayFacts {
 
 class Replay final : public Device {
  public:
-  /// Silence between two rounds of a repeated recording: the force is gone before the jump back to
-  /// the beginning, whatever happens there.
+  /// Silence between two rounds of a repeated recording, long enough for the force to ramp out
+  /// before q jumps back to the beginning.
   static constexpr core::Duration kPause{std::chrono::milliseconds(500)};
 
   /// Throws DeviceError: see read_motion_csv; also a device state outside its DoF's range (with

@@ -19,9 +19,9 @@ class Stretch {
   /// Device states: `q` by DoF, one value per entry of `time_s`.
   Stretch(const std::vector<double>& time_s, const Columns& q);
   /// Joint angles `x` in reach, and q = f^-1(x) of each row. Between two rows x is interpolated and
-  /// taken through the inverse: f(q) is then the recorded motion itself. Where the curve of x
-  /// leaves the reach on its way (along its edge, it may), q is interpolated instead: both meet at
-  /// the rows, and read() is spared the search for the nearest pose, 500 times as long.
+  /// taken through the inverse, so that f(q) is the recorded motion. If the curve of x between two
+  /// rows leaves the reach (it may along the edge), q is interpolated instead: both agree at the
+  /// rows, and read() avoids the search for the nearest pose, which takes 500 times as long.
   Stretch(const std::vector<double>& time_s, const Columns& q, const Columns& x,
           std::shared_ptr<const core::Kinematics> kinematics);
 

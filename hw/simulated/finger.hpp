@@ -1,8 +1,7 @@
 #pragma once
 /// The finger exoskeleton worn on a simulated finger, as a device: the physics of
-/// core/METHOD.md#forces-at-the-finger behind sensors with noise and resolution, advancing with the
-/// loop's clock. Deterministic from its seed and the sequence of calls; a test's
-/// virtual clock works too.
+/// core/METHOD.md#forces-at-the-finger behind sensors with noise and resolution. Its time is that
+/// of the calls, real or virtual. The same seed and the same calls give the same bits.
 ///
 /// The force of the last write() acts until the next one (zero-order hold), as long as the device
 /// is armed. DISARMED, ARMING and ARMED as in hw/device.hpp; LOST only by close().
@@ -42,8 +41,9 @@ struct SimulatedFingerConfig final : DeviceConfig {
 
 class SimulatedFinger final : public Device {
  public:
-  /// Throws DeviceError: a motion file that cannot be read, a kinematics that is not a finger's (two
-  /// DoFs, one of them actuated, two joints, an inverse). The scene's reader checks the parameters.
+  /// Throws DeviceError: a motion file that cannot be read, a kinematics that is not a finger's
+  /// (two DoFs, one of them actuated, two joints, an inverse). The scene's reader checks the
+  /// parameters.
   SimulatedFinger(const SimulatedFingerConfig& config,
                   std::shared_ptr<const core::Kinematics> kinematics);
 
@@ -52,7 +52,7 @@ class SimulatedFinger final : public Device {
   void write(core::TimePoint now, const Command& command) noexcept override;
   void close() noexcept override;
 
-  /// The truth behind the sensors.
+  /// The state without the errors of the sensors.
   [[nodiscard]] const FingerPhysics& physics() const noexcept { return physics_; }
   [[nodiscard]] const Intent& intent() const noexcept { return intent_; }
   /// Simulated time, s: `now` less what was skipped in jumps of the clock.

@@ -56,14 +56,14 @@ class FingerPhysics {
   /// One step of `dt` s with the force tau_a (N) and the user's aim x_des (rad).
   void step(double dt, const Eigen::Vector2d& x_des, double tau_a) noexcept;
 
-  /// Whether the hand moves the finger (K_h as given) or hangs loose (0). It holds at first.
+  /// True: the hand moves the finger with K_h (so it begins). False: the hand hangs loose.
   void hold(bool held) noexcept { hand_stiffness_ = held ? p_.hand_stiffness : 0.0; }
 
   [[nodiscard]] const Eigen::Vector2d& x() const noexcept { return x_; }          ///< rad
   [[nodiscard]] const Eigen::Vector2d& x_dot() const noexcept { return x_dot_; }  ///< rad/s
   /// (l_x, q_B) at x, inside the box.
   [[nodiscard]] const core::VecQ& q() const noexcept { return linkage_.q; }
-  /// q where the finger is `ahead` s later at its present velocity; `ahead` at most one step.
+  /// q `ahead` s later at the present velocity; `ahead` is at most one step.
   [[nodiscard]] core::VecQ q_ahead(double ahead) const noexcept;
   [[nodiscard]] double l_dot() const noexcept { return linkage_.w.dot(x_dot_); }  ///< m/s
   /// x is in reach: no end stop pushes.

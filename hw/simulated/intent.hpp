@@ -1,6 +1,6 @@
 #pragma once
-/// Where the simulated user means to bring the finger: x_des(t) of
-/// core/METHOD.md#forces-at-the-finger, a constant target or a recording that repeats.
+/// The target of the simulated user's finger over time: x_des(t) of
+/// core/METHOD.md#forces-at-the-finger, a constant or a recording that repeats.
 
 #include <Eigen/Core>
 #include <filesystem>
@@ -21,7 +21,8 @@ class Intent {
   /// Both in rad, (MCP, PIP).
   Intent(const Eigen::Vector2d& rest, const Eigen::Vector2d& target);
   /// Joint angles from `motion_file` (columns time_s,q_o1_mcp_rad,q_o2_pip_rad), PCHIP between the
-  /// rows, across gaps too: what a tracker did not see, the user still meant. Throws DeviceError.
+  /// rows and across gaps, because the user moves on when a tracker loses the hand. Throws
+  /// DeviceError.
   Intent(const Eigen::Vector2d& rest, const std::filesystem::path& motion_file);
 
   /// x_des, rad, `t` seconds after the simulation began; continuous. Allocates nothing.

@@ -1,5 +1,5 @@
 #pragma once
-/// Independent masses on the DoFs, as a device with linear dynamics under whatever map:
+/// A device with linear dynamics for any map: independent masses on the DoFs,
 /// m q_ddot = tau + K_h (target - q) - (b + B_h) q_dot per DoF, in kg and m or kg m^2 and rad.
 /// Starts at rest on the target. Ends of a DoF's box are rigid and inelastic. Linearly implicit
 /// Euler, so any stiffness is stable.

@@ -1,7 +1,7 @@
 #pragma once
-/// The edge of the exoskeleton's reach near the finger, remembered as a few half-planes in joint
-/// space: n_i^T x <= n_i^T at_i, each from one search for the nearest pose in reach. One stands for
-/// a smooth edge, two or more through one point for a corner.
+/// The edge of the exoskeleton's reach near the finger, kept as a few half-planes in joint space:
+/// n_i^T x <= n_i^T at_i, each from one search for the nearest pose in reach. One plane describes a
+/// smooth edge, two or more through one point a corner.
 
 #include <Eigen/Core>
 #include <array>
@@ -11,12 +11,12 @@ namespace haptic::hw {
 class ReachEdge {
  public:
   /// Adds what a search from `x` (rad) found: the nearest pose in reach is at `at`. Forgets planes
-  /// that touch the edge further than kLocal from there, and the oldest where there is no room.
+  /// that touch the edge further than kLocal from there, and the oldest if there is no room.
   void add(const Eigen::Vector2d& x, const Eigen::Vector2d& at) noexcept;
   void clear() noexcept { count_ = 0; }
   [[nodiscard]] bool known() const noexcept { return count_ > 0; }
 
-  /// The point nearest to x within all planes; x itself where it is within. Allocates nothing.
+  /// The point nearest to x within all planes; x itself if it is within. Allocates nothing.
   [[nodiscard]] Eigen::Vector2d nearest(const Eigen::Vector2d& x) const noexcept;
 
  private:

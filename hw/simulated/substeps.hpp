@@ -20,7 +20,7 @@ class Substeps {
   static constexpr core::Duration kLongestAdvance{std::chrono::milliseconds(100)};
 
   /// Steps to make so that the physics stands at most one step before `now`. 0 on the first call,
-  /// which starts the clock, and where time stands still or goes backwards.
+  /// which starts the clock, and if time stands still or goes backwards.
   [[nodiscard]] int advance(core::TimePoint now) noexcept {
     if (!started_) {
       started_ = true;

@@ -345,7 +345,7 @@ TEST(BoardDevice, OpensOnlyPortsWithABoard) {
        "serial port (is the board plugged in?)"},
       {config("/dev/null"), "must be a serial port"},
       {other, "board refused: its serial = 'EMULATOR-1': must be 'HX-0002'"},
-      {config(silent.port()), "nobody answered HELLO in 3000 ms"},
+      {config(silent.port()), "no answer to HELLO in 3000 ms"},
   };
   for (const auto& [config, says] : refused) {
     EXPECT_NE(why(config).find(says), std::string::npos) << why(config);

@@ -231,7 +231,7 @@ TEST(FingerPhysics, TheStopGivesNoEnergy) {
   // the finger never holds more than user and actuator gave.
   for (const double mcp : {-0.8, 0.4, 2.0}) {
     for (const double pip : {-0.8, 0.8, 2.8}) {
-      for (const double tau_a : {-40.0, 0.0, 10.0}) {
+      for (const double tau_a : {-40.0, 0.0, 10.0, 40.0}) {
         const FingerPhysics physics = pressed({}, {mcp, pip}, tau_a);
         const FingerEnergy& e = physics.energy();
         EXPECT_GT(e.stop, -1e-6) << mcp << ", " << pip << ", " << tau_a;
@@ -239,15 +239,6 @@ TEST(FingerPhysics, TheStopGivesNoEnergy) {
         EXPECT_LT(physics.x_dot().norm(), 1e-3) << mcp << ", " << pip << ", " << tau_a;
       }
     }
-  }
-}
-
-TEST(FingerPhysics, TheLargestForceComesToRest) {
-  for (const double tau_a : {-40.0, 40.0}) {
-    const FingerPhysics physics = pressed({}, {50 * kDeg, 50 * kDeg}, tau_a);
-    EXPECT_TRUE(physics.x().allFinite());
-    EXPECT_LT(physics.x_dot().norm(), 1e-3);
-    EXPECT_GT(physics.energy().stop, 0.0);
   }
 }
 

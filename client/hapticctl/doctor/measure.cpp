@@ -25,17 +25,17 @@ constexpr int kIpcLock = 14, kSysNice = 23;
 
 /// Deadlines as in hapticd's loop: a deadline that has passed is skipped, not caught up.
 Jitter run_loop(double seconds, double period_s) {
-  using Clock = std::chrono::steady_clock;
+  using Monotonic = std::chrono::steady_clock;
   const auto period =
-      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(period_s));
+      std::chrono::duration_cast<Monotonic::duration>(std::chrono::duration<double>(period_s));
   const auto ticks = static_cast<std::int64_t>(std::max(0.0, seconds / period_s));
   std::vector<double> lateness;
   lateness.reserve(static_cast<std::size_t>(ticks) + 1);
   std::uint64_t skipped = 0;
-  const Clock::time_point start = Clock::now(), end = start + ticks * period;
-  for (Clock::time_point deadline = start + period; deadline <= end;) {
+  const Monotonic::time_point start = Monotonic::now(), end = start + ticks * period;
+  for (Monotonic::time_point deadline = start + period; deadline <= end;) {
     std::this_thread::sleep_until(deadline);
-    const Clock::duration late = Clock::now() - deadline;
+    const Monotonic::duration late = Monotonic::now() - deadline;
     lateness.push_back(std::chrono::duration<double, std::micro>(late).count());
     const auto passed = late / period;
     skipped += static_cast<std::uint64_t>(passed);

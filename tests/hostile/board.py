@@ -96,7 +96,7 @@ class Firmware:
         self.session = self.nonce = self.command_seq = self.seq = 0
         self.state, self.drive, self.cell, self.commanded = DISARMED, 0.0, 0.0, 0.0
         self.began, self.armings, self.commands, self.said_hello = time.monotonic(), 0, [], 0
-        self.lie_began = 0.0
+        self.nonces = []  # of every ARM, in order; one that is said again stands once
 
     def say(self, kind, payload):
         self.seq += 1
@@ -114,6 +114,8 @@ class Firmware:
         if kind == ARM and len(payload) == 4:
             self.armings += 1
             self.nonce, self.state = int.from_bytes(payload, "little"), ARMED
+            if self.nonces[-1:] != [self.nonce]:
+                self.nonces.append(self.nonce)
         elif kind == DISARM:
             self.state, self.drive = DISARMED, 0.0
         elif kind == COMMAND and len(payload) >= 10:
@@ -178,9 +180,11 @@ class Board:
             self.write(firmware.sample(self.lying.value.decode()))
             self.armings.value, self.hellos.value = firmware.armings, firmware.said_hello
             if pipe.poll():
-                pipe.recv()
-                pipe.send(firmware.commands)
-                firmware.commands = []
+                if pipe.recv() == "nonces":
+                    pipe.send(firmware.nonces)
+                else:
+                    pipe.send(firmware.commands)
+                    firmware.commands = []
             due = max(due + 0.001, time.monotonic() - 0.01)
             select.select([], [], [], max(0.0, due - time.monotonic()))
 
@@ -193,7 +197,12 @@ class Board:
 
     def commands(self):
         """Since the last call: (time, seq, nonce, newtons)."""
-        self.here.send(None)
+        self.here.send("commands")
+        return self.here.recv()
+
+    def nonces(self):
+        """Of every arming so far."""
+        self.here.send("nonces")
         return self.here.recv()
 
     def end(self):

@@ -316,11 +316,9 @@ def bad_states(folder):
     return {"wrong": wrong[:6], "notes": [f"{len(UNDER_FORCE)} lies"]}
 
 
-def arms_twice(folder):
+def arms_by_itself(folder):
     """A board that stops under force and then says ARMED again, under the nonce that it had: the
     fault stays, and no force goes out until a person clears it."""
-    stopped_at = []
-
     def lie(name, f):
         if name == "stopped":
             f["state"] = STOPPED
@@ -347,7 +345,6 @@ def arms_twice(folder):
         armings = board.armings.value
         board.tell("stopped")
         press(calls, session, 0.2)
-        stopped_at.append(session.state.state)
         board.commands()
         board.tell("again")
         press(calls, session, 1.0)
@@ -366,3 +363,42 @@ def arms_twice(folder):
         daemon.stop()
         board.end()
     return {"wrong": wrong}
+
+
+def arms_twice(folder):
+    """Three leases, three armings, three nonces. In the second the board goes on under the nonce of
+    the first: that is not armed, and no force goes out."""
+    def lie(name, f):
+        if name == "former":  # deaf to DISARM and ARM
+            f["state"], f["nonce"] = ARMED, f["board"].nonces[0]
+    wrong = []
+    board = Board(lie=lie)
+    daemon = serve(board, folder)
+    try:
+        from calls import Session, stub
+        calls = stub(daemon)
+        for lease in range(3):
+            session = Session(calls, device="board")
+            if not session.open():
+                wrong.append(f"lease {lease}: {session.status}")
+                break
+            if lease == 1:
+                board.tell("former")
+                board.commands()
+                if press(calls, session, 1.5, ("ENGAGING", "ENGAGED")):
+                    wrong.append("force while the board is armed for a lease that ended")
+                force = max((abs(value) for _, _, _, value in board.commands()), default=0.0)
+                if force > 0.0:
+                    wrong.append(f"{force:.1f} N to a board that is armed for another lease")
+                board.tell("")
+            if not press(calls, session, 8.0, ("ENGAGED",)):
+                wrong.append(f"lease {lease}: no force")
+            session.end()
+            time.sleep(0.6)
+        nonces = board.nonces()
+        if len(nonces) < 3 or len(set(nonces)) != len(nonces) or 0 in nonces:
+            wrong.append(f"{len(set(nonces))} nonces for three armings")
+    finally:
+        daemon.stop()
+        board.end()
+    return {"wrong": wrong, "notes": [f"{len(nonces)} armings"]}

@@ -1,6 +1,7 @@
 """A hapticd of its own for every row: a finger that presses and a spare device that is stopped."""
 
 import contextlib
+import dataclasses
 import os
 import pathlib
 import resource
@@ -159,11 +160,19 @@ class Daemon:
             self.kill()
         return time.monotonic() - began, self.process.returncode
 
+    def realtime(self):
+        """Whether a thread of the owner has SCHED_FIFO."""
+        with contextlib.suppress(OSError):
+            for stat in pathlib.Path(f"/proc/{self.pid}/task").glob("*/stat"):
+                if stat.read_text().rsplit(")", 1)[1].split()[38] == "1":
+                    return True
+        return False
+
     def kill(self):
-        fronts = self.fronts()
+        started = [pid for pid in descendants(self.pid) if pid != self.pid]
         self.process.kill()
         self.process.wait()
-        for pid in fronts:  # they die with the owner; a row must leave nothing behind all the same
+        for pid in started:  # they die with the owner; a row must leave nothing behind all the same
             with contextlib.suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
 
@@ -180,18 +189,28 @@ def control(daemon, *words, timeout=5.0):
         return timeout, -1, "no answer"
 
 
+@dataclasses.dataclass(frozen=True)
+class Way:
+    """How a stop is asked for: its limit, how often it is tried, and the percentile that must keep
+    the limit."""
+    limit_s: float
+    every_s: float
+    share: float
+
+
+COMMAND = Way(0.100, 0.100, 0.75)  # a whole program, which the host may hold up
+SOCKET = Way(0.010, 0.010, 0.99)  # from connect to answer of a local control socket
+STOP = COMMAND
+
+
 def local_stop(daemon):
     """Stops the spare device as a user of this host does: seconds; None: it was not stopped.
 
     The one place that knows how. hapticd has no local control socket yet, so that this is the
-    whole command `hapticctl estop`, over the network's own door."""
+    whole command `hapticctl estop`, over the network's own door. With a socket STOP is SOCKET."""
     seconds, status, _ = control(daemon, "--device", "spare", "estop", "--reason", "row",
                                  timeout=2.0)
     return seconds if status == 0 else None
-
-
-STOP_LIMIT_S = 0.100  # the whole command; from connect to answer of a local socket it is 10 ms
-STOP_EVERY_S = 0.100
 
 
 def in_time():
@@ -205,7 +224,7 @@ def in_time():
 
 
 class Probe:
-    """Two threads: memory of owner and front every 10 ms, a local stop every 100 ms."""
+    """Two threads: memory of owner and front every 10 ms, and local stops."""
 
     def __init__(self, daemon, stops=True):
         self.daemon, self.running = daemon, True
@@ -236,7 +255,7 @@ class Probe:
                 self.unanswered += 1
             else:
                 self.stops.append(took)
-            time.sleep(STOP_EVERY_S)
+            time.sleep(STOP.every_s)
 
     def end(self):
         self.running = False

@@ -6,7 +6,7 @@ import math
 import random
 import statistics
 
-from daemon import FORCE, MB, SLEW, STOP_LIMIT_S
+from daemon import FORCE, MB, SLEW, STOP
 
 GROWTH_MB, SERVED_S, TERM_S, REGAINED_S = 1.0, 1.0, 5.0, 3.0
 RAMP_S, HOLD_S, FADE_S, SILENT_S = 0.2, 0.1, 0.18, 0.2  # proto/README.md#staleness-and-gain
@@ -143,10 +143,9 @@ class Measured:
         return max(0.0, (self.owner - self.before) / MB)
 
 
-def p99(values):
-    """Of fewer than a hundred the 90th percentile: one of them may be the host's own."""
-    share = 0.99 if len(values) >= 100 else 0.9
-    return sorted(values)[min(len(values) - 1, int(share * len(values)))] if values else 0.0
+def late_stop(stops):
+    """The percentile of these that must keep the limit."""
+    return sorted(stops)[min(len(stops) - 1, int(STOP.share * len(stops)))] if stops else 0.0
 
 
 def median_interval(values, rounds=2_000, seed=1):
@@ -182,9 +181,9 @@ def failures(m, grows=GROWTH_MB):
         found.append(f"served again after {m.served:.1f} s")
     if m.unanswered:
         found.append(f"{m.unanswered} local stops without answer")
-    worst = p99(m.stops) if m.punctual else (statistics.median(m.stops) if m.stops else 0.0)
-    if worst > max(STOP_LIMIT_S, 1.5 * p99(m.quiet_stops)):
-        found.append(f"local stop took {1e3 * worst:.0f} ms")
+    late = late_stop(m.stops)
+    if m.punctual and late > max(STOP.limit_s, 1.5 * late_stop(m.quiet_stops)):
+        found.append(f"local stop took {1e3 * late:.0f} ms")
     if m.force:
         found.append(m.force)
     if m.faults:

@@ -166,57 +166,99 @@ def resume_silent(daemon):
     return {"wrong": wrong, "notes": [f"{count} resumes in {time.monotonic() - began:.1f} s"]}
 
 
+class Streaming:
+    """A session of the finger whose samples keep coming, through resumes."""
+
+    def __init__(self, calls):
+        from calls import OPERATOR, Session
+        self.calls, self.make = calls, lambda **more: Session(
+            calls, priority=OPERATOR, resumable=True, state_rate_hz=250.0, **more)
+        self.session, self.running = self.make(), True
+        self.ok = self.session.open()
+        self.thread = threading.Thread(target=self.run, daemon=True)
+        self.thread.start()
+
+    def run(self):
+        while self.running:
+            self.session.publish((0.4, 0.5236))
+            time.sleep(0.010)
+
+    def state(self):
+        from calls import wire
+        state = self.session.state
+        return wire.DeviceStateName.Name(state.state)[18:] if state else ""
+
+    def becomes(self, states, seconds):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            if self.state() in states:
+                return True
+            time.sleep(0.002)
+        return False
+
+    def end(self):
+        from calls import wire
+        self.running = False
+        self.thread.join()
+        self.session.queue.put(wire.SessionRequest(leave=wire.LeaveSession()))
+        time.sleep(0.3)
+        self.session.end()
+
+
 def resume_while_engage_pends(daemon):
-    """A resume while an Engage waits for its tick: nothing of the old session may arrive later.
-    Fifty times on the finger, whose force may not jump; in the end it goes on under the newest."""
-    from calls import OPERATOR, Session, grpc, service, stub, wire
-    calls, wrong, granted = stub(daemon), [], 0
-    session = Session(calls, priority=OPERATOR, resumable=True)
-    if not session.open():
-        return {"wrong": [f"no session: {session.status}"]}
-    session.stream(0.4)
-    for i in range(50):
-        old = session.opened.session_id
-        pending = [calls.Engage.future(service.EngageRequest(session_id=old)) for _ in range(4)]
-        if i % 3 == 0:
-            pending.append(calls.Release.future(service.ReleaseRequest(session_id=old)))
-        again = Session(calls, priority=OPERATOR, resumable=True, resume=old)
-        if i % 2:
-            session.call.cancel()
+    """A resume while an Engage waits for its tick. An Engage that was refused then must not act: no
+    force without one that was granted."""
+    from calls import grpc, service, stub
+    calls, wrong, granted, refused, reasons = stub(daemon), [], 0, 0, set()
+    streaming = Streaming(calls)
+    if not streaming.ok:
+        return {"wrong": [f"no session: {streaming.session.status}"]}
+    time.sleep(0.4)
+    end, tries = time.monotonic() + 12.0, 0
+    while time.monotonic() < end and len(wrong) < 3:
+        tries += 1
+        old = streaming.session
+        id_ = old.opened.session_id
+        ask = service.EngageRequest(session_id=id_)
+        if tries % 2:  # the resume must come between an Engage and the tick that answers it
+            pending = [calls.Engage.future(ask) for _ in range(1 + tries % 3)]
+            again = streaming.make(resume=id_)
+        else:
+            again = streaming.make(resume=id_)
+            time.sleep(0.0002 * (tries % 7))
+            pending = [calls.Engage.future(ask) for _ in range(2)]
         if not again.open(2.0):
-            wrong.append(f"resume {i}: {again.status}")
+            wrong.append(f"resume {tries}: {again.status}")
             break
-        pending.append(calls.Engage.future(service.EngageRequest(session_id=old)))
+        streaming.session = again
+        answers = []
         for call in pending:
             try:
                 call.result(timeout=2.0)
-                granted += 1
+                answers.append("")
             except grpc.FutureTimeoutError:
-                wrong.append("a call was never answered")
-            except grpc.RpcError:
-                pass
+                wrong.append("an Engage was never answered")
+            except grpc.RpcError as error:
+                answers.append(error.details() or "refused")
         if not again.opened.resumed:
-            wrong.append(f"resume {i} was an ordinary opening")
-        session = again
-        session.stream(0.03)
-    # After the last resume force is on or can be asked for, and a Release of the old id is void.
-    for _ in range(40):
-        session.stream(0.05)
-        try:
-            calls.Engage(service.EngageRequest(session_id=session.opened.session_id), timeout=2.0)
-            break
-        except grpc.RpcError:
-            pass
-    else:
-        wrong.append("the resumed session gets no force")
-    session.stream(0.5)
-    if session.state is None or session.state.state not in (
-            wire.DEVICE_STATE_NAME_ENGAGING, wire.DEVICE_STATE_NAME_ENGAGED):
-        wrong.append("a late Release took the resumed session's force")
-    session.queue.put(wire.SessionRequest(leave=wire.LeaveSession()))
-    time.sleep(0.3)
-    session.end()
-    return {"wrong": wrong[:4], "notes": [f"{granted} calls granted"]}
+            wrong.append(f"resume {tries} was an ordinary opening")
+        old.call.cancel()
+        force = streaming.becomes(("ENGAGING", "ENGAGED"), 0.060)
+        if "" in answers:
+            granted += 1
+        else:
+            refused += 1
+            reasons.add(answers[0][:40])
+            if force:
+                wrong.append(f"an Engage acted that was refused: {answers[0][:60]}")
+        if force:
+            with_id = service.ReleaseRequest(session_id=again.opened.session_id)
+            calls.Release(with_id, timeout=2.0)
+            if not streaming.becomes(("ARMED",), 2.0):
+                wrong.append(f"no end of force after Release: {streaming.state()}")
+    streaming.end()
+    return {"wrong": wrong, "notes": [f"{granted} granted, {refused} refused",
+                                          *sorted(reasons)]}
 
 
 def stops_and_clears(daemon):

@@ -1,61 +1,22 @@
 #include "haptic/core/fault.hpp"
 
+#include "haptic/core/names.hpp"
+
 namespace haptic::core {
 
 std::string_view reason(Fault fault) noexcept {
-  switch (fault) {
-    case Fault::kDeviceSilent:
-      return "DEVICE_SILENT";
-    case Fault::kDeviceLost:
-      return "DEVICE_LOST";
-    case Fault::kSampleNotFinite:
-      return "SAMPLE_NOT_FINITE";
-    case Fault::kSampleOutOfRange:
-      return "SAMPLE_OUT_OF_RANGE";
-    case Fault::kLoopLate:
-      return "LOOP_LATE";
-    case Fault::kLateBucketFull:
-      return "LATE_BUCKET_FULL";
-    case Fault::kEmergencyStop:
-      return "EMERGENCY_STOP";
-    case Fault::kForceOverLimit:
-      return "FORCE_OVER_LIMIT";
-    case Fault::kOutputNotFinite:
-      return "OUTPUT_NOT_FINITE";
-  }
-  return "UNKNOWN_FAULT";
+  static constexpr std::array<std::string_view, 10> kNames{
+      "UNKNOWN",   "DEVICE_SILENT",    "DEVICE_LOST",    "SAMPLE_NOT_FINITE", "SAMPLE_OUT_OF_RANGE",
+      "LOOP_LATE", "LATE_BUCKET_FULL", "EMERGENCY_STOP", "FORCE_OVER_LIMIT",  "OUTPUT_NOT_FINITE"};
+  return name_of(fault, kNames);
 }
 
 std::string_view reason(Limiter limiter) noexcept {
-  switch (limiter) {
-    case Limiter::kSaturation:
-      return "SATURATION";
-    case Limiter::kSlew:
-      return "SLEW";
-    case Limiter::kEnvelope:
-      return "ENVELOPE";
-    case Limiter::kDirectionGuard:
-      return "DIRECTION_GUARD";
-    case Limiter::kRangeClamp:
-      return "RANGE_CLAMP";
-    case Limiter::kEnergyTank:
-      return "ENERGY_TANK";
-    case Limiter::kPassivity:
-      return "PASSIVITY";
-    case Limiter::kInfeasiblePlanes:
-      return "INFEASIBLE_PLANES";
-    case Limiter::kMonotoneEnvelope:
-      return "MONOTONE_ENVELOPE";
-    case Limiter::kPower:
-      return "POWER";
-    case Limiter::kRate:
-      return "RATE";
-    case Limiter::kTemperature:
-      return "TEMPERATURE";
-    case Limiter::kDriveLimit:
-      return "DRIVE_LIMIT";
-  }
-  return "UNKNOWN_LIMITER";
+  static constexpr std::array<std::string_view, 13> kNames{
+      "SATURATION",  "SLEW",        "ENVELOPE",          "DIRECTION_GUARD",   "RANGE_CLAMP",
+      "ENERGY_TANK", "PASSIVITY",   "INFEASIBLE_PLANES", "MONOTONE_ENVELOPE", "POWER",
+      "RATE",        "TEMPERATURE", "DRIVE_LIMIT"};
+  return name_of(limiter, kNames);
 }
 
 }  // namespace haptic::core

@@ -1,27 +1,14 @@
 #include "haptic/core/projection_status.hpp"
 
+#include "haptic/core/names.hpp"
+
 namespace haptic::core {
 
 std::string_view name(ProjectionStatus status) noexcept {
-  switch (status) {
-    case ProjectionStatus::kNone:
-      return "NONE";
-    case ProjectionStatus::kExact:
-      return "EXACT";
-    case ProjectionStatus::kConverged:
-      return "CONVERGED";
-    case ProjectionStatus::kCapped:
-      return "CAPPED";
-    case ProjectionStatus::kUnreachable:
-      return "UNREACHABLE";
-    case ProjectionStatus::kIllConditioned:
-      return "ILL_CONDITIONED";
-    case ProjectionStatus::kRankDeficient:
-      return "RANK_DEFICIENT";
-    case ProjectionStatus::kMapFailed:
-      return "MAP_FAILED";
-  }
-  return "UNKNOWN";
+  static constexpr std::array<std::string_view, 8> kNames{
+      "NONE",        "EXACT",           "CONVERGED",      "CAPPED",
+      "UNREACHABLE", "ILL_CONDITIONED", "RANK_DEFICIENT", "MAP_FAILED"};
+  return name_of(status, kNames);
 }
 
 }  // namespace haptic::core

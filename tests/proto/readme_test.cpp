@@ -57,12 +57,12 @@ Numbers on_the_wire(const google::protobuf::EnumDescriptor& type, const std::str
 
 TEST(ProtocolReadme, FaultsAreThoseOfTheCode) {
   ASSERT_GE(documented("fault", 0, 1).size(), 9u);
-  EXPECT_EQ(documented("fault", 0, 1), coded<core::Fault>(core::reason, "UNKNOWN_FAULT"));
+  EXPECT_EQ(documented("fault", 0, 1), coded<core::Fault>(core::reason, "UNKNOWN"));
 }
 
 TEST(ProtocolReadme, LimitersAreThoseOfTheCode) {
   ASSERT_GE(documented("limiter", 0, 1).size(), 5u);
-  EXPECT_EQ(documented("limiter", 0, 1), coded<core::Limiter>(core::reason, "UNKNOWN_LIMITER"));
+  EXPECT_EQ(documented("limiter", 0, 1), coded<core::Limiter>(core::reason, "UNKNOWN"));
 }
 
 TEST(ProtocolReadme, StatesMatchCodeAndWire) {

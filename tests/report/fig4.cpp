@@ -3,10 +3,10 @@
 /// unguarded.
 #include <cmath>
 
-#include "haptic/core/analysis/trajectory_metrics.hpp"
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/motion/motion_csv.hpp"
+#include "tests/report/analysis/trajectory_metrics.hpp"
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
 #include "tests/report/values.hpp"

@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptic/core/analysis/passivity_radius.hpp"
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
+#include "tests/report/analysis/passivity_radius.hpp"
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
 #include "tests/report/valid_region.hpp"
 #include "tests/report/values.hpp"
+#include "tests/support/finger_pose.hpp"
 
 namespace haptic::report {
 namespace {

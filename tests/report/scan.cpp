@@ -2,8 +2,8 @@
 /// of them does the paper's finite-difference test find any sample that is not passive?
 #include <algorithm>
 
-#include "haptic/core/analysis/trajectory_metrics.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
+#include "tests/report/analysis/trajectory_metrics.hpp"
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
 #include "tests/report/values.hpp"

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
+#include "tests/support/finger_pose.hpp"
 
 namespace haptic::report {
 

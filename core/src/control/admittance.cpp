@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "require.hpp"
+#include "haptic/core/error.hpp"
 
 namespace haptic::core {
 
@@ -12,7 +12,7 @@ Admittance::Admittance(const AdmittanceParameters& parameters)
   require(p_.mass >= 0.0, "admittance.mass", p_.mass, ">= 0");
   require(p_.damping > 0.0, "admittance.damping", p_.damping, "> 0");
   require(p_.max_rate > 0.0, "admittance.max_rate", p_.max_rate, "> 0");
-  require(true, "admittance.lower", p_.lower, "a number");
+  require(true, "admittance.lower", p_.lower);
   require(p_.upper > p_.lower, "admittance.upper", p_.upper, "above lower");
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "require.hpp"
+#include "haptic/core/error.hpp"
 
 namespace haptic::core {
 

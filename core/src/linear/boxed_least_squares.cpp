@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-#include "haptic/core/linear/full_rank.hpp"
+#include "haptic/core/linear/householder.hpp"
 #include "haptic/core/linear/minimum_norm.hpp"
 
 namespace haptic::core {
@@ -81,8 +81,8 @@ void BoxedLeastSquares::solve_free(const VecQ& metric_root) noexcept {
   // In terms of the change from p_: the right-hand side is then the residual.
   for (int j = 0; j < n_free_; ++j) std::copy_n(A_ + free_index_[j] * m_, m_, work_ + j * m_);
   std::copy_n(r_, m_, rhs_);
-  const FullRank full =
-      solve_full_rank(m_, n_free_, work_, rhs_, column_norm2_, inverse_diagonal_, y_);
+  const FullRank full = solve_full_rank(householder_kernel(m_, n_free_), m_, n_free_, work_, rhs_,
+                                        column_norm2_, inverse_diagonal_, y_);
   condition_ = full.condition;
   status_ = ProjectionStatus::kExact;
   if (!full.solved) {

@@ -1,6 +1,7 @@
 #include "haptic/core/linear/householder.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "householder_steps.hpp"
@@ -52,6 +53,26 @@ double inverse_norm2(int m, int n, const double* R, const double* column_norm2,
     }
   }
   return sum;
+}
+
+FullRank solve_full_rank(const HouseholderKernel& kernel, int m, int n, double* A, double* b,
+                         double* column_norm2, double* inverse_diagonal, double* y) noexcept {
+  FullRank answer{false, std::numeric_limits<double>::infinity()};
+  if (m < n) return answer;
+  kernel.factor(m, n, A, b, column_norm2, inverse_diagonal);
+  double condition2 = diagonal_condition2(n, column_norm2, inverse_diagonal);
+  if (!(condition2 <= std::numeric_limits<double>::max())) return answer;
+  if (condition2 > 1.0 / (kDiagonalThreshold * kDiagonalThreshold)) {
+    condition2 = std::max(condition2, inverse_norm2(m, n, A, column_norm2, inverse_diagonal, y));
+  }
+  // Judged in squares: nothing that follows waits for the root.
+  answer.condition = std::sqrt(condition2);
+  if (!(condition2 <= 1.0 / (kRankThreshold * kRankThreshold))) return answer;
+  kernel.back_substitute(m, n, A, b, inverse_diagonal, y);
+  double finite = 0.0;  // 0 times what is not finite is not 0
+  for (int k = 0; k < n; ++k) finite += 0.0 * y[k];
+  answer.solved = finite == 0.0;
+  return answer;
 }
 
 }  // namespace haptic::core

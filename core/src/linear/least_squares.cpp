@@ -1,6 +1,6 @@
-// Columns are ordered [J_n | J_a], so one factorisation serves three methods, Eq. (19): with
-// Q^T [J | dx] = [R11 R12 | b_1; 0 R22 | b_2], Eq. (8) is R^{-1} b, Eq. (4) is R22^T b_2 and
-// Eq. (1) is R12^T b_1 + R22^T b_2. Another order would give Eq. (8) alone.
+// Columns are ordered [J_n | J_a], so one factorisation serves two methods, Eq. (19): with
+// Q^T [J | dx] = [R11 R12 | b_1; 0 R22 | b_2], Eq. (8) is R^{-1} b and Eq. (4) is R22^T b_2.
+// Another order would give Eq. (8) alone.
 //
 // If the rank is in doubt (condition above 1e8, or n_x < n_q) the answer of least M-norm is taken,
 // Eq. (20): columns are scaled by M^{-1/2} before and dq after. M's actuated block must be Z_q, or
@@ -25,8 +25,7 @@ LeastSquares::LeastSquares(int n_x, const DofLayout& layout,
       n_q_(layout.n_q()),
       kernel_(householder_kernel(n_x, layout.n_q())),
       dq_(VecQ::Zero(layout.n_q())),
-      null_in_doubt_(VecA::Zero(layout.n_a())),
-      standard_in_doubt_(VecA::Zero(layout.n_a())) {
+      null_in_doubt_(VecA::Zero(layout.n_a())) {
   int k = 0;
   for (int i = 0; i < layout_.n_n(); ++i) order_[k++] = layout_.sensed(i);
   for (int i = 0; i < layout_.n_a(); ++i) order_[k++] = layout_.actuated(i);
@@ -62,30 +61,22 @@ double LeastSquares::residual() const noexcept {
   return residual2_ > 0.0 ? std::sqrt(residual2_) : residual2_;  // of a square J it is 0
 }
 
-VecA LeastSquares::force_from_row(int first) const noexcept {
+VecA LeastSquares::null_space_force() const noexcept {
+  if (status_ != ProjectionStatus::kExact) return null_in_doubt_;
   const int n_n = layout_.n_n();
   VecA force(layout_.n_a());
   for (int i = n_n; i < n_q_; ++i) {
     double sum = 0.0;
-    for (int k = first; k <= i; ++k) sum += A_[i * n_x_ + k] * b_[k];
+    for (int k = n_n; k <= i; ++k) sum += A_[i * n_x_ + k] * b_[k];
     force[i - n_n] = sum;
   }
   return force;
-}
-
-VecA LeastSquares::null_space_force() const noexcept {
-  return status_ == ProjectionStatus::kExact ? force_from_row(layout_.n_n()) : null_in_doubt_;
-}
-
-VecA LeastSquares::standard_force() const noexcept {
-  return status_ == ProjectionStatus::kExact ? force_from_row(0) : standard_in_doubt_;
 }
 
 void LeastSquares::solve_in_doubt(const MatXQ& J, const VecX& dx, const VecA& Z_q) noexcept {
   status_ = ProjectionStatus::kRankDeficient;
   dq_.setZero();
   null_in_doubt_.setZero();
-  standard_in_doubt_.setZero();
   residual2_ = dx.allFinite() ? dx.squaredNorm() : 0.0;
   if (!J.allFinite() || !dx.allFinite()) return;
 
@@ -107,11 +98,11 @@ void LeastSquares::solve_in_doubt(const MatXQ& J, const VecX& dx, const VecA& Z_
   dq_ = dq;
   if (rank == n_q_) status_ = ProjectionStatus::kIllConditioned;
   residual2_ = (dx - J.lazyProduct(dq_)).squaredNorm();
-  forces_in_doubt(J, dx);
+  force_in_doubt(J, dx);
 }
 
 /// Eq. (3) by its definition: f* = dx less its part in the span of J_n, then J_a^T f*.
-void LeastSquares::forces_in_doubt(const MatXQ& J, const VecX& dx) noexcept {
+void LeastSquares::force_in_doubt(const MatXQ& J, const VecX& dx) noexcept {
   VecX f_star = dx;
   for (int k = 0; k < layout_.n_n(); ++k) {
     std::copy_n(J.data() + layout_.sensed(k) * n_x_, n_x_, A_ + k * n_x_);
@@ -119,10 +110,8 @@ void LeastSquares::forces_in_doubt(const MatXQ& J, const VecX& dx) noexcept {
   remove_span(A_, n_x_, layout_.n_n(), kRankThreshold, f_star.data());
   for (int i = 0; i < layout_.n_a(); ++i) {
     null_in_doubt_[i] = J.col(layout_.actuated(i)).dot(f_star);
-    standard_in_doubt_[i] = J.col(layout_.actuated(i)).dot(dx);
   }
   if (!null_in_doubt_.allFinite()) null_in_doubt_.setZero();  // squares of J overflow before J does
-  if (!standard_in_doubt_.allFinite()) standard_in_doubt_.setZero();
 }
 
 }  // namespace haptic::core

@@ -28,10 +28,4 @@ VecA DofLayout::select(const VecQ& q) const noexcept {
   return q_a;
 }
 
-VecQ DofLayout::embed(const VecA& tau_a) const noexcept {
-  VecQ tau = VecQ::Zero(n_q_);
-  for (int i = 0; i < n_a_; ++i) tau[actuated_[i]] = tau_a[i];
-  return tau;
-}
-
 }  // namespace haptic::core

@@ -12,24 +12,22 @@ namespace haptic::core {
 
 namespace {
 
+std::string field(const char* name) {
+  return std::string("finger_exoskeleton.") + name;
+}
+
 void require_positive(double value, const char* name) {
-  if (!(std::isfinite(value) && value > 0.0)) {
-    throw SceneError(std::string("finger_exoskeleton.") + name + " = " + std::to_string(value) +
-                     ": must be finite and > 0");
-  }
+  require(value > 0.0, field(name), value, "> 0");
 }
 
 void require_finite(double value, const char* name) {
-  if (!std::isfinite(value)) {
-    throw SceneError(std::string("finger_exoskeleton.") + name + " = " + std::to_string(value) +
-                     ": must be finite");
-  }
+  require(true, field(name), value);
 }
 
 void require_range(double lower, double upper, const char* name) {
   if (!(std::isfinite(lower) && std::isfinite(upper) && lower < upper)) {
-    throw SceneError(std::string("finger_exoskeleton.") + name + " from " + std::to_string(lower) +
-                     " to " + std::to_string(upper) + ": both must be finite, lower < upper");
+    throw SceneError(field(name) + " from " + std::to_string(lower) + " to " +
+                     std::to_string(upper) + ": both must be finite, lower < upper");
   }
 }
 
@@ -56,18 +54,13 @@ const FingerDimensions& checked(const FingerDimensions& d) {
 class FingerExoskeleton final : public Kinematics {
  public:
   explicit FingerExoskeleton(const FingerDimensions& d)
-      : linkage_(checked(d)),
-        reach_(linkage_),
-        dofs_{{"l_x", Unit::kMetre, true, d.l_x_lower, d.l_x_upper},
-              {"q_B", Unit::kRadian, false, d.q_B_lower, d.q_B_upper}},
-        space_({{"q_o1_mcp", Unit::kRadian, CoordinateKind::kLinear},
-                {"q_o2_pip", Unit::kRadian, CoordinateKind::kLinear}}) {}
-
-  const DofLayout& layout() const noexcept override { return layout_; }
-  const std::vector<DofSpec>& dofs() const noexcept override { return dofs_; }
-  const ConfigurationSpace& space() const noexcept override { return space_; }
-  double mean_actuated_jacobian() const noexcept override {
-    return reach_.mean_actuated_jacobian();
+      : Kinematics({{"l_x", Unit::kMetre, true, d.l_x_lower, d.l_x_upper},
+                    {"q_B", Unit::kRadian, false, d.q_B_lower, d.q_B_upper}},
+                   ConfigurationSpace({{"q_o1_mcp", Unit::kRadian, CoordinateKind::kLinear},
+                                       {"q_o2_pip", Unit::kRadian, CoordinateKind::kLinear}})),
+        linkage_(checked(d)),
+        reach_(linkage_) {
+    mean_J_a_ = reach_.mean_actuated_jacobian();
   }
 
   MapStatus evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexcept override {
@@ -147,9 +140,6 @@ class FingerExoskeleton final : public Kinematics {
 
   FingerLinkage linkage_;
   FingerReach reach_;
-  DofLayout layout_{true, false};
-  std::vector<DofSpec> dofs_;
-  ConfigurationSpace space_;
 };
 
 }  // namespace
@@ -167,13 +157,6 @@ FingerDimensions scaled(const FingerDimensions& dimensions, double size) noexcep
 
 std::unique_ptr<Kinematics> make_finger_exoskeleton(const FingerDimensions& dimensions) {
   return std::make_unique<FingerExoskeleton>(dimensions);
-}
-
-FingerPose finger_pose(const FingerDimensions& dimensions, double l_x, double q_B) {
-  const FingerLinkage linkage(dimensions);
-  LinkagePose p;
-  if (!linkage.pose(l_x, q_B, p)) return {};
-  return {MapStatus::kOk, p.q1, p.q2, p.c1, p.c2, linkage.closure(l_x, q_B, p)};
 }
 
 }  // namespace haptic::core

@@ -164,13 +164,4 @@ bool FingerLinkage::closed_inverse(double q1, double q2, ClosedPose& out) const 
   return std::isfinite(out.l) && std::isfinite(out.t);
 }
 
-double FingerLinkage::closure(double l, double t, const LinkagePose& p) const noexcept {
-  const Complex P = P0_ + l * e_a_;
-  const Complex u1 = std::conj(turn(p.q1)), u2 = std::conj(turn(p.q1 + p.q2));
-  const Complex D = P + times(turn(t), d_), E = P + times(turn(t), e_);
-  const Complex miss1 = D - times({p.c1, dim_.rod1}, u1);
-  const Complex miss2 = E - dim_.proximal_phalanx * u1 - times({p.c2, dim_.rod2}, u2);
-  return std::max(std::abs(miss1), std::abs(miss2));
-}
-
 }  // namespace haptic::core

@@ -50,8 +50,6 @@ class FingerLinkage {
   /// checked against any limit. With c1 > 0 and c2 > 0 it is the pose the linkage assembles to: det
   /// J = s/(c1 c2).
   [[nodiscard]] bool closed_inverse(double q1, double q2, ClosedPose& out) const noexcept;
-  /// Largest distance by which the two rods miss their ends, m.
-  [[nodiscard]] double closure(double l, double t, const LinkagePose& pose) const noexcept;
 
   [[nodiscard]] const FingerDimensions& dimensions() const noexcept { return dim_; }
 

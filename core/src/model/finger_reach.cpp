@@ -17,6 +17,7 @@ namespace haptic::core {
 
 namespace {
 
+/// The lower limit of a coordinate is even, its upper one follows.
 enum Constraint : int {
   kLLower,
   kLUpper,
@@ -46,28 +47,14 @@ FingerReach::FingerReach(const FingerLinkage& linkage) : linkage_(linkage) {
 }
 
 double FingerReach::value(int constraint, double l, double t, const LinkagePose& p) const noexcept {
+  // The s of core/METHOD.md#inverse-map, of the order of a length.
+  if (constraint == kBranch) return p.det() * p.c1 * p.c2;
   const FingerDimensions& d = linkage_.dimensions();
-  switch (constraint) {
-    case kLLower:
-      return l - d.l_x_lower;
-    case kLUpper:
-      return d.l_x_upper - l;
-    case kTLower:
-      return t - d.q_B_lower;
-    case kTUpper:
-      return d.q_B_upper - t;
-    case kC1Lower:
-      return p.c1 - d.slider1_lower;
-    case kC1Upper:
-      return d.slider1_upper - p.c1;
-    case kC2Lower:
-      return p.c2 - d.slider2_lower;
-    case kC2Upper:
-      return d.slider2_upper - p.c2;
-    default:
-      return p.det() * p.c1 * p.c2;  // of the order of a length: the s of
-                                     // core/METHOD.md#inverse-map
-  }
+  const double at[] = {l, t, p.c1, p.c2};
+  const double lower[] = {d.l_x_lower, d.q_B_lower, d.slider1_lower, d.slider2_lower};
+  const double upper[] = {d.l_x_upper, d.q_B_upper, d.slider1_upper, d.slider2_upper};
+  const int i = constraint / 2;
+  return constraint % 2 == 0 ? at[i] - lower[i] : upper[i] - at[i];
 }
 
 int FingerReach::violated(double l, double t) const noexcept {
@@ -79,39 +66,20 @@ int FingerReach::violated(double l, double t) const noexcept {
   return -1;
 }
 
-bool FingerReach::contains(double l, double t) const noexcept {
-  return violated(l, t) < 0;
-}
-
 bool FingerReach::gradient(int constraint, double l, double t, const LinkagePose& p, double& g_l,
                            double& g_t) const noexcept {
-  switch (constraint) {
-    case kLLower:
-      g_l = 1.0, g_t = 0.0;
-      return true;
-    case kLUpper:
-      g_l = -1.0, g_t = 0.0;
-      return true;
-    case kTLower:
-      g_l = 0.0, g_t = 1.0;
-      return true;
-    case kTUpper:
-      g_l = 0.0, g_t = -1.0;
-      return true;
-    case kC1Lower:
-      g_l = p.c1_k[0], g_t = p.c1_k[1];
-      return true;
-    case kC1Upper:
-      g_l = -p.c1_k[0], g_t = -p.c1_k[1];
-      return true;
-    case kC2Lower:
-      g_l = p.c2_k[0], g_t = p.c2_k[1];
-      return true;
-    case kC2Upper:
-      g_l = -p.c2_k[0], g_t = -p.c2_k[1];
-      return true;
-    default:
-      break;
+  constexpr double kBox[][2] = {{1.0, 0.0}, {-1.0, 0.0}, {0.0, 1.0}, {0.0, -1.0}};
+  if (constraint < kC1Lower) {
+    g_l = kBox[constraint][0];
+    g_t = kBox[constraint][1];
+    return true;
+  }
+  if (constraint < kBranch) {
+    const double* slope = constraint < kC2Lower ? p.c1_k : p.c2_k;
+    const double sign = constraint % 2 == 0 ? 1.0 : -1.0;
+    g_l = sign * slope[0];
+    g_t = sign * slope[1];
+    return true;
   }
   LinkageHessian h;
   if (!linkage_.hessian(l, t, h)) return false;
@@ -178,7 +146,7 @@ void FingerReach::trace() {
   int count = 0;
   for (int i = 0; i <= kGrid; ++i) {
     for (int j = 0; j <= kGrid; ++j) {
-      const bool in = contains(l_at(i), t_at(j));
+      const bool in = violated(l_at(i), t_at(j)) < 0;
       feasible[static_cast<std::size_t>(i * (kGrid + 1) + j)] = in;
       LinkagePose p;
       if (!in || !linkage_.pose(l_at(i), t_at(j), p)) continue;

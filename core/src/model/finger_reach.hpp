@@ -27,8 +27,6 @@ class FingerReach {
   /// `linkage` must outlive this. Throws SceneError where no pose is feasible.
   explicit FingerReach(const FingerLinkage& linkage);
 
-  /// All limits hold, by at least -tolerance of the scaled coordinates.
-  [[nodiscard]] bool contains(double l, double t) const noexcept;
   /// The sliders' ends and the branch, the latter without a slope while it is far off. False where
   /// the linkage does not close.
   [[nodiscard]] bool limits(double l, double t, PairLimits& limits) const noexcept;
@@ -37,7 +35,6 @@ class FingerReach {
   /// Mean ||J_a|| over the valid region of core/METHOD.md#finger-linkage on the trace's grid,
   /// rad/m.
   [[nodiscard]] double mean_actuated_jacobian() const noexcept { return mean_J_a_; }
-  [[nodiscard]] const std::vector<ReachPoint>& edge() const noexcept { return edge_; }
 
  private:
   static constexpr int kConstraints = 9;
@@ -45,6 +42,7 @@ class FingerReach {
 
   [[nodiscard]] double value(int constraint, double l, double t,
                              const LinkagePose& pose) const noexcept;
+  /// The first limit that does not hold, or -1.
   [[nodiscard]] int violated(double l, double t) const noexcept;
   [[nodiscard]] bool gradient(int constraint, double l, double t, const LinkagePose& pose,
                               double& g_l, double& g_t) const noexcept;

@@ -33,10 +33,8 @@ std::vector<Coordinate> coordinates_of(const std::vector<FingerBlock>& fingers) 
 class HandExoskeleton final : public Kinematics {
  public:
   explicit HandExoskeleton(std::vector<FingerBlock> fingers)
-      : fingers_(std::move(fingers)),
-        dofs_(dofs_of(fingers_)),
-        layout_(layout_of(dofs_)),
-        space_(coordinates_of(fingers_)) {
+      : Kinematics(dofs_of(fingers), ConfigurationSpace(coordinates_of(fingers))),
+        fingers_(std::move(fingers)) {
     double squares = 0.0;
     for (const FingerBlock& finger : fingers_) {
       const int i = static_cast<int>(blocks_.size());
@@ -48,11 +46,7 @@ class HandExoskeleton final : public Kinematics {
     mean_J_a_ = std::sqrt(squares);
   }
 
-  const DofLayout& layout() const noexcept override { return layout_; }
-  const std::vector<DofSpec>& dofs() const noexcept override { return dofs_; }
-  const ConfigurationSpace& space() const noexcept override { return space_; }
   std::span<const MapBlock> blocks() const noexcept override { return blocks_; }
-  double mean_actuated_jacobian() const noexcept override { return mean_J_a_; }
 
   MapStatus evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexcept override {
     if (q.size() != layout_.n_q()) return MapStatus::kCannotClose;
@@ -76,22 +70,6 @@ class HandExoskeleton final : public Kinematics {
       const int at = blocks_[i].first_q;
       J.block<kPerFinger, kPerFinger>(at, at) = J_of[i];
     }
-    return MapStatus::kOk;
-  }
-
-  MapStatus position(const VecQ& q, VecX& x_probe) const noexcept override {
-    if (q.size() != layout_.n_q()) return MapStatus::kCannotClose;
-    double x[kMaxQ];
-    VecX part;
-    for (const MapBlock& finger : blocks_) {
-      const VecQ q_of = q.segment<kPerFinger>(finger.first_q);
-      if (finger.kinematics->position(q_of, part) != MapStatus::kOk) {
-        return MapStatus::kCannotClose;
-      }
-      std::copy(part.data(), part.data() + kPerFinger, x + finger.first_x);
-    }
-    x_probe.resize(layout_.n_q());
-    std::copy(x, x + x_probe.size(), x_probe.data());
     return MapStatus::kOk;
   }
 
@@ -127,12 +105,8 @@ class HandExoskeleton final : public Kinematics {
 
  private:
   std::vector<FingerBlock> fingers_;
-  std::vector<DofSpec> dofs_;
-  DofLayout layout_;
-  ConfigurationSpace space_;
   std::vector<MapBlock> blocks_{};
   std::vector<int> pairs_{};
-  double mean_J_a_{0.0};
 };
 
 }  // namespace

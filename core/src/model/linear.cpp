@@ -13,9 +13,7 @@ namespace {
 class Linear final : public Kinematics {
  public:
   explicit Linear(const LinearMap& map)
-      : layout_(layout_of(map.dofs)),
-        dofs_(map.dofs),
-        space_(map.coordinates),
+      : Kinematics(map.dofs, ConfigurationSpace(map.coordinates)),
         A_(map.A),
         x_0_(map.x_0.size() == 0 ? VecX(VecX::Zero(space_.n_x())) : map.x_0) {
     if (A_.rows() != space_.n_x() || A_.cols() != layout_.n_q()) {
@@ -38,11 +36,6 @@ class Linear final : public Kinematics {
     mean_J_a_ = std::sqrt(sum);
   }
 
-  const DofLayout& layout() const noexcept override { return layout_; }
-  const std::vector<DofSpec>& dofs() const noexcept override { return dofs_; }
-  const ConfigurationSpace& space() const noexcept override { return space_; }
-  double mean_actuated_jacobian() const noexcept override { return mean_J_a_; }
-
   MapStatus evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexcept override {
     if (q.size() != layout_.n_q() || !q.allFinite()) return MapStatus::kCannotClose;
     x_probe = x_0_;
@@ -57,12 +50,8 @@ class Linear final : public Kinematics {
   }
 
  private:
-  DofLayout layout_;
-  std::vector<DofSpec> dofs_;
-  ConfigurationSpace space_;
   MatXQ A_;
   VecX x_0_;
-  double mean_J_a_{0.0};
 };
 
 }  // namespace

@@ -48,11 +48,7 @@ class ChainBuilder {
 
   void add(const ChainOutput& output) {
     const std::string where = "output " + output.name;
-    if (output.name.empty()) throw SceneError("an output's name is empty: must be given");
-    for (const TreeOutput& other : outputs_) {
-      if (other.name == output.name) throw SceneError(where + " given twice: names must differ");
-    }
-    require_pose(output.offset, where + ".offset");
+    require_new_output(output.name, output.offset, outputs_);
     const int on = output.link.empty() ? last_body() : body(output.link, where + ".link");
     if (on < 0) throw SceneError(where + ".link = base: nothing moves it");
     outputs_.push_back({output.name, on, output.kind, vector(output.offset.position),

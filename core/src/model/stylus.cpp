@@ -11,10 +11,7 @@ namespace haptic::core {
 namespace {
 
 void require_length(double value, const char* name) {
-  if (!(std::isfinite(value) && value > 0.0)) {
-    throw SceneError(std::string("stylus.") + name + " = " + std::to_string(value) +
-                     ": must be finite and > 0");
-  }
+  require(value > 0.0, std::string("stylus.") + name, value, "> 0");
 }
 
 Pose3 along_x(double x) {

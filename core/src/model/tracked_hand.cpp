@@ -34,11 +34,7 @@ void append_phalanges(const MountedFinger& mounted, std::vector<TreeJoint>& join
 TreeOutput tree_output(const PhalanxOutput& output, const std::vector<FingerBlock>& fingers,
                        const std::vector<TreeOutput>& others) {
   const std::string where = "output " + output.name;
-  if (output.name.empty()) throw SceneError("an output's name is empty: must be given");
-  for (const TreeOutput& other : others) {
-    if (other.name == output.name) throw SceneError(where + " given twice: names must differ");
-  }
-  require_pose(output.offset, where + ".offset");
+  require_new_output(output.name, output.offset, others);
   int on = kPalm;
   if (!output.finger.empty()) {
     const auto at = std::find_if(fingers.begin(), fingers.end(), [&](const FingerBlock& finger) {

@@ -12,13 +12,11 @@ namespace haptic::core {
 
 TreeMap::TreeMap(RigidTree tree, std::vector<DofSpec> dofs, std::vector<TreeDrive> drives,
                  int rotation)
-    : tree_(std::move(tree)),
-      dofs_(std::move(dofs)),
+    : Kinematics(std::move(dofs), ConfigurationSpace(tree.coordinates())),
+      tree_(std::move(tree)),
       drives_(std::move(drives)),
-      layout_(layout_of(dofs_)),
-      space_(tree_.coordinates()),
-      rotation_(rotation),
-      mean_J_a_(core::mean_actuated_jacobian(*this)) {
+      rotation_(rotation) {
+  mean_J_a_ = core::mean_actuated_jacobian(*this);
   for (const TreeDrive& drive : drives_) pairs_.push_back(drive.first);
 }
 
@@ -128,6 +126,16 @@ void require_new_name(const std::string& name, const std::vector<DofSpec>& dofs)
   for (const DofSpec& dof : dofs) {
     if (dof.name == name) throw SceneError("joint " + name + " given twice: names must differ");
   }
+}
+
+void require_new_output(const std::string& name, const Pose3& offset,
+                        const std::vector<TreeOutput>& others) {
+  const std::string where = "output " + name;
+  if (name.empty()) throw SceneError("an output's name is empty: must be given");
+  for (const TreeOutput& other : others) {
+    if (other.name == name) throw SceneError(where + " given twice: names must differ");
+  }
+  require_pose(offset, where + ".offset");
 }
 
 void require_pose(const Pose3& pose, const std::string& where) {

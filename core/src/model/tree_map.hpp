@@ -22,10 +22,6 @@ class TreeMap final : public Kinematics {
   /// -1. Throws SceneError: no or too many DoFs, none actuated, too many coordinates.
   TreeMap(RigidTree tree, std::vector<DofSpec> dofs, std::vector<TreeDrive> drives, int rotation);
 
-  const DofLayout& layout() const noexcept override { return layout_; }
-  const std::vector<DofSpec>& dofs() const noexcept override { return dofs_; }
-  const ConfigurationSpace& space() const noexcept override { return space_; }
-  double mean_actuated_jacobian() const noexcept override { return mean_J_a_; }
   MapStatus evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexcept override;
   MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override;
   void nearest_representative(const VecQ& near, VecQ& q) const noexcept override;
@@ -40,19 +36,18 @@ class TreeMap final : public Kinematics {
   void through_mechanisms(const Joints& joints, MatXQ& J) const noexcept;
 
   RigidTree tree_;
-  std::vector<DofSpec> dofs_;
   std::vector<TreeDrive> drives_;
   std::vector<int> pairs_{};  ///< the drives' first DoFs
-  DofLayout layout_;
-  ConfigurationSpace space_;
   int rotation_;
-  double mean_J_a_;
 };
 
 /// Six specs of a tracked palm: position, rotation vector; sensed, unactuated.
 void append_palm(const TrackedPalm& palm, std::vector<DofSpec>& dofs);
 /// Throws SceneError unless the name is given and new among the specs.
 void require_new_name(const std::string& name, const std::vector<DofSpec>& dofs);
+/// Throws SceneError unless the output's name is given and new, and its offset is a pose.
+void require_new_output(const std::string& name, const Pose3& offset,
+                        const std::vector<TreeOutput>& others);
 /// Throws SceneError naming `where` unless finite (and, for quaternions, not zero).
 void require_pose(const Pose3& pose, const std::string& where);
 

@@ -17,14 +17,11 @@ bool same_bits(const double* a, const double* b, int n) noexcept {
 BlockMap::BlockMap(const Kinematics& kinematics)
     : x_probe_(VecX::Zero(kinematics.space().n_x())),
       J_(MatXQ::Zero(kinematics.space().n_x(), kinematics.layout().n_q())) {
-  const MapBlock whole[] = {{&kinematics, 0, 0, 0}};
-  const std::span<const MapBlock> blocks =
-      kinematics.blocks().empty() ? std::span<const MapBlock>(whole) : kinematics.blocks();
-  for (const MapBlock& at : blocks) {
+  for (const MapBlock& at : blocks_or_whole(kinematics)) {
     Block block;
     block.at = at;
-    block.n_q = at.kinematics->layout().n_q();
-    block.n_x = at.kinematics->space().n_x();
+    block.n_q = at.n_q();
+    block.n_x = at.n_x();
     block.q = VecQ::Zero(block.n_q);
     block.x = VecX::Zero(block.n_x);
     all_ |= BlockSet{1} << blocks_.size();

@@ -11,46 +11,24 @@
 #include <cmath>
 
 #include "haptic/core/error.hpp"
-#include "haptic/core/linear/full_rank.hpp"
+#include "haptic/core/linear/householder.hpp"
+#include "haptic/core/names.hpp"
 
 namespace haptic::core {
 
 std::string_view name(CertificateStatus status) noexcept {
-  switch (status) {
-    case CertificateStatus::kOff:
-      return "OFF";
-    case CertificateStatus::kComputed:
-      return "COMPUTED";
-    case CertificateStatus::kIdle:
-      return "IDLE";
-    case CertificateStatus::kOtherRenderer:
-      return "OTHER_RENDERER";
-    case CertificateStatus::kMapFailed:
-      return "MAP_FAILED";
-    case CertificateStatus::kNotFullRank:
-      return "NOT_FULL_RANK";
-    case CertificateStatus::kNoStiffness:
-      return "NO_STIFFNESS";
-  }
-  return "?";
+  static constexpr std::array<std::string_view, 7> kNames{
+      "OFF", "COMPUTED", "IDLE", "OTHER_RENDERER", "MAP_FAILED", "NOT_FULL_RANK", "NO_STIFFNESS"};
+  return name_of(status, kNames);
 }
 
 LinearCertificate::LinearCertificate(const ProjectionModel& model) : coupling_(model.coupling()) {
   if (model.prior()) {
     throw SceneError("passivity certificate: must be absent where there is a prior");
   }
-  const MapBlock whole[] = {{&model.kinematics(), 0, 0, 0}};
-  const std::span<const MapBlock> blocks =
-      model.has_blocks() ? model.kinematics().blocks() : std::span<const MapBlock>(whole);
-  for (const MapBlock& at : blocks) {
-    Block block;
-    block.at = at;
-    block.n_q = at.kinematics->layout().n_q();
-    block.n_a = at.kinematics->layout().n_a();
-    block.n_x = at.kinematics->space().n_x();
-    block.metric = model.has_blocks() ? model.metric().of(at.first_x, block.n_x) : model.metric();
-    block.kernel = householder_kernel(block.n_x, block.n_q);
-    blocks_.push_back(std::move(block));
+  for (const MapBlock& at : model.blocks()) {
+    blocks_.push_back(
+        {at, model.metric().of(at.first_x, at.n_x()), householder_kernel(at.n_x(), at.n_q())});
   }
 }
 
@@ -61,7 +39,7 @@ Certificate LinearCertificate::at(const Probe& probe, const VecX& dx,
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const Block& block = blocks_[i];
     const double* first = dx.data() + block.at.first_x;
-    if (std::all_of(first, first + block.n_x, [](double d) { return d == 0.0; })) continue;
+    if (std::all_of(first, first + block.at.n_x(), [](double d) { return d == 0.0; })) continue;
     const int number = static_cast<int>(i);
     double margin = 0.0;
     const CertificateStatus status = judge(block, probe, dx, stiffness, margin);
@@ -76,30 +54,31 @@ Certificate LinearCertificate::at(const Probe& probe, const VecX& dx,
 CertificateStatus LinearCertificate::judge(const Block& block, const Probe& probe, const VecX& dx,
                                            const VecA& stiffness, double& margin) noexcept {
   const MapBlock& at = block.at;
+  const int n_q = at.n_q(), n_a = at.n_a(), n_x = at.n_x();
   const DofLayout& layout = at.kinematics->layout();
   const double* K = stiffness.data() + at.first_a;
-  if (!std::all_of(K, K + block.n_a, [](double k) { return k > 0.0; })) {
+  if (!std::all_of(K, K + n_a, [](double k) { return k > 0.0; })) {
     return CertificateStatus::kNoStiffness;
   }
-  q_ = probe.q.segment(at.first_q, block.n_q);
-  J_ = probe.J.block(at.first_x, at.first_q, block.n_x, block.n_q);
-  r_ = dx.segment(at.first_x, block.n_x);
+  q_ = probe.q.segment(at.first_q, n_q);
+  J_ = probe.J.block(at.first_x, at.first_q, n_x, n_q);
+  r_ = dx.segment(at.first_x, n_x);
   block.metric.weigh(J_);
   block.metric.weigh(r_);
   if (!solve(block, r_, dq_)) return CertificateStatus::kNotFullRank;
   r_ -= J_.lazyProduct(dq_);
 
-  M_.setIdentity(block.n_a, block.n_a);
-  if (coupling_) turn_.resize(block.n_a, block.n_a);
-  for (int i = 0; i < block.n_a; ++i) {
+  M_.setIdentity(n_a, n_a);
+  if (coupling_) turn_.resize(n_a, n_a);
+  for (int i = 0; i < n_a; ++i) {
     if (at.kinematics->second_order(q_, layout.actuated(i), J_k_) != MapStatus::kOk) {
       return CertificateStatus::kMapFailed;
     }
     block.metric.weigh(J_k_);
     turned_ = J_k_.lazyProduct(dq_);
     if (!solve(block, turned_, column_)) return CertificateStatus::kNotFullRank;
-    if (block.n_x > block.n_q) take_off_residual(block, column_);  // of a square J r is 0
-    for (int j = 0; j < block.n_a; ++j) {
+    if (n_x > n_q) take_off_residual(block, column_);  // of a square J r is 0
+    for (int j = 0; j < n_a; ++j) {
       if (coupling_) {
         turn_(j, i) = std::sqrt(K[j] / K[i]) * column_[layout.actuated(j)];
         continue;
@@ -115,16 +94,16 @@ CertificateStatus LinearCertificate::judge(const Block& block, const Probe& prob
 }
 
 bool LinearCertificate::solve(const Block& block, const VecX& b, VecQ& y) noexcept {
-  std::copy_n(J_.data(), block.n_x * block.n_q, A_);
-  std::copy_n(b.data(), block.n_x, b_);
-  y.resize(block.n_q);
-  return solve_full_rank(block.kernel, block.n_x, block.n_q, A_, b_, column_norm2_,
+  std::copy_n(J_.data(), block.at.n_x() * block.at.n_q(), A_);
+  std::copy_n(b.data(), block.at.n_x(), b_);
+  y.resize(block.at.n_q());
+  return solve_full_rank(block.kernel, block.at.n_x(), block.at.n_q(), A_, b_, column_norm2_,
                          inverse_diagonal_, y.data())
       .solved;
 }
 
 void LinearCertificate::take_off_residual(const Block& block, VecQ& y) noexcept {
-  const int m = block.n_x, n = block.n_q;
+  const int m = block.at.n_x(), n = block.at.n_q();
   for (int k = 0; k < n; ++k) {  // R^T p = J_,k^T r
     double p = J_k_.col(k).dot(r_);
     for (int i = 0; i < k; ++i) p -= A_[k * m + i] * b_[i];

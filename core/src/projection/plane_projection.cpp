@@ -178,18 +178,4 @@ void PlaneProjection::solve_on(std::uint32_t set, const Small& r, Small& s) cons
   }
 }
 
-void PlaneProjection::slope(const MatXQ& J, MatXQ& dx_dq) const noexcept {
-  dx_dq = J;
-  if (active_ == 0) return;
-  for (Eigen::Index k = 0; k < J.cols(); ++k) {
-    Small r = Small::Zero();
-    for (int i = 0; i < count_; ++i) r[i] = A_.col(i).dot(J.col(k));
-    Small s;
-    solve_on(active_, r, s);
-    for (int i = 0; i < count_; ++i) {
-      if (has(active_, i)) dx_dq.col(k) -= s[i] * D_.col(i);
-    }
-  }
-}
-
 }  // namespace haptic::core

@@ -133,14 +133,19 @@ ProjectionModel::ProjectionModel(const Kinematics& kinematics, ProjectionSetting
   check(kinematics, settings_);
   mean_J_a_ = weighed_mean(kinematics, settings_.metric);
   for (const MapBlock& block : kinematics.blocks()) {
-    has_blocks_ = settings_.metric.separates(block.first_x, block.kinematics->space().n_x());
+    has_blocks_ = settings_.metric.separates(block.first_x, block.n_x());
     if (!has_blocks_) break;
   }
 }
 
+std::vector<MapBlock> ProjectionModel::blocks() const {
+  if (has_blocks_) return blocks_or_whole(*kinematics_);
+  return {{kinematics_, 0, 0, 0}};
+}
+
 ProjectionModel ProjectionModel::of(const MapBlock& block) const {
   ProjectionSettings settings = settings_;
-  settings.metric = settings_.metric.of(block.first_x, block.kinematics->space().n_x());
+  settings.metric = settings_.metric.of(block.first_x, block.n_x());
   if (settings_.prior) {
     const int first_n = block.first_q - block.first_a;  // blocks come in the order of q and of q_a
     settings.prior->sensed_stiffness =

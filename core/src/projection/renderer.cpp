@@ -1,5 +1,7 @@
 #include "haptic/core/projection/renderer.hpp"
 
+#include "haptic/core/names.hpp"
+
 namespace haptic::core {
 
 namespace {
@@ -7,33 +9,18 @@ namespace {
 using Any = std::variant<Standard, NullSpace, SubspaceLinear, SubspaceExact>;
 
 Any make(RendererKind kind, const ProjectionModel& model) {
-  switch (kind) {
-    case RendererKind::kStandard:
-      return Standard(model);
-    case RendererKind::kNullSpace:
-      return NullSpace(model);
-    case RendererKind::kSubspaceLinear:
-      return SubspaceLinear(model);
-    case RendererKind::kSubspaceExact:
-      break;
-  }
+  if (kind == RendererKind::kStandard) return Standard(model);
+  if (kind == RendererKind::kNullSpace) return NullSpace(model);
+  if (kind == RendererKind::kSubspaceLinear) return SubspaceLinear(model);
   return SubspaceExact(model);
 }
 
 }  // namespace
 
 std::string_view name(RendererKind kind) noexcept {
-  switch (kind) {
-    case RendererKind::kStandard:
-      return "standard";
-    case RendererKind::kNullSpace:
-      return "null_space";
-    case RendererKind::kSubspaceLinear:
-      return "subspace_linear";
-    case RendererKind::kSubspaceExact:
-      return "subspace_exact";
-  }
-  return "unknown";
+  static constexpr std::array<std::string_view, 5> kNames{"UNKNOWN", "standard", "null_space",
+                                                          "subspace_linear", "subspace_exact"};
+  return name_of(kind, kNames);
 }
 
 Renderer::Renderer(RendererKind kind, const ProjectionModel& model)

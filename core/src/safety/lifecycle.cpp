@@ -2,28 +2,14 @@
 
 #include <algorithm>
 
+#include "haptic/core/names.hpp"
+
 namespace haptic::core {
 
 std::string_view name(LifecycleState state) noexcept {
-  switch (state) {
-    case LifecycleState::kInit:
-      return "INIT";
-    case LifecycleState::kIdle:
-      return "IDLE";
-    case LifecycleState::kArmed:
-      return "ARMED";
-    case LifecycleState::kEngaging:
-      return "ENGAGING";
-    case LifecycleState::kEngaged:
-      return "ENGAGED";
-    case LifecycleState::kReleasing:
-      return "RELEASING";
-    case LifecycleState::kFault:
-      return "FAULT";
-    case LifecycleState::kClosing:
-      return "CLOSING";
-  }
-  return "UNKNOWN";
+  static constexpr std::array<std::string_view, 9> kNames{
+      "UNKNOWN", "INIT", "IDLE", "ARMED", "ENGAGING", "ENGAGED", "RELEASING", "FAULT", "CLOSING"};
+  return name_of(state, kNames);
 }
 
 LifecycleState LifecycleMachine::step(const StateEvents& e, double g) noexcept {
@@ -76,17 +62,8 @@ LifecycleState LifecycleMachine::step(const StateEvents& e, double g) noexcept {
 }
 
 bool LifecycleMachine::wants_armed() const noexcept {
-  switch (state_) {
-    case LifecycleState::kIdle:
-      return lease_held_;
-    case LifecycleState::kArmed:
-    case LifecycleState::kEngaging:
-    case LifecycleState::kEngaged:
-    case LifecycleState::kReleasing:
-      return true;
-    default:
-      return false;
-  }
+  if (state_ == LifecycleState::kIdle) return lease_held_;
+  return state_ == LifecycleState::kArmed || carries_force(state_);
 }
 
 double Gain::step(bool wanted, double ladder, Duration dt, Duration fall) noexcept {

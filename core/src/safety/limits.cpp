@@ -5,20 +5,6 @@
 
 namespace haptic::core {
 
-bool all_finite(const VecQ& v) noexcept {
-  for (Eigen::Index i = 0; i < v.size(); ++i) {
-    if (!std::isfinite(v[i])) return false;
-  }
-  return true;
-}
-
-bool all_finite_x(const VecX& v) noexcept {
-  for (Eigen::Index i = 0; i < v.size(); ++i) {
-    if (!std::isfinite(v[i])) return false;
-  }
-  return true;
-}
-
 bool within(const VecQ& v, const VecQ& lower, const VecQ& upper) noexcept {
   for (Eigen::Index i = 0; i < v.size(); ++i) {
     if (!(v[i] >= lower[i] && v[i] <= upper[i])) return false;

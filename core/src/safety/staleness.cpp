@@ -2,22 +2,16 @@
 
 #include <algorithm>
 
+#include "haptic/core/names.hpp"
+
 namespace haptic::core {
 
 using std::chrono::milliseconds;
 
 std::string_view name(Staleness level) noexcept {
-  switch (level) {
-    case Staleness::kFresh:
-      return "FRESH";
-    case Staleness::kHold:
-      return "HOLD";
-    case Staleness::kFade:
-      return "FADE";
-    case Staleness::kLost:
-      return "LOST";
-  }
-  return "UNKNOWN";
+  static constexpr std::array<std::string_view, 5> kNames{"UNKNOWN", "FRESH", "HOLD", "FADE",
+                                                          "LOST"};
+  return name_of(level, kNames);
 }
 
 Staleness staleness(Duration age, Duration valid_for, const StalenessLimits& limits) noexcept {

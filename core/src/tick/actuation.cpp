@@ -33,7 +33,7 @@ Effort Actuation::step(const Beat& beat, const Sensed& sensed, const Anchor& wan
     }
   }
   if (powered && life.gain > 0.0) report_saturation(settings, effort);
-  if (!all_finite(effort.tau_a)) no_output(effort);
+  if (!effort.tau_a.allFinite()) no_output(effort);
   spring_.hold(effort);
   if (force_control_) {
     const FaultSet faults = life.faults | effort.faults;

@@ -18,15 +18,12 @@ double milliseconds_of(Duration d) noexcept {
 }  // namespace
 
 EngageAnswer judge_engage(std::uint64_t id, const EngageCase& at) noexcept {
-  EngageAnswer answer{.id = id, .verdict = EngageVerdict::kAccepted};
-  const auto refuse = [&answer](EngageVerdict verdict, double value, double limit, int index = 0) {
-    answer.verdict = verdict;
-    answer.value = value;
-    answer.limit = limit;
-    answer.index = index;
-    return answer;
+  const EngageAnswer accepted{.id = id, .verdict = EngageVerdict::kAccepted};
+  const auto refuse = [id](EngageVerdict verdict, double value, double limit, int index = 0) {
+    return EngageAnswer{id, verdict, index, value, limit};
   };
-  if (at.state == LifecycleState::kEngaging || at.state == LifecycleState::kEngaged) return answer;
+  if (at.state == LifecycleState::kEngaging || at.state == LifecycleState::kEngaged)
+    return accepted;
   if (at.state != LifecycleState::kArmed || at.faulted) {
     return refuse(EngageVerdict::kNotArmed, static_cast<double>(at.state),
                   static_cast<double>(LifecycleState::kArmed));
@@ -64,7 +61,7 @@ EngageAnswer judge_engage(std::uint64_t id, const EngageCase& at) noexcept {
       return refuse(EngageVerdict::kOutsideWindow, std::abs(jump[i]), limit, i);
     }
   }
-  return answer;
+  return accepted;
 }
 
 }  // namespace haptic::core

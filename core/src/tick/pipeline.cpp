@@ -20,6 +20,11 @@ void require(bool holds, const std::string& what) {
   if (!holds) throw SceneError(what);
 }
 
+/// `wrong`: what a check() says, null if nothing.
+void require_right(const char* wrong, const std::string& where) {
+  if (wrong != nullptr) throw SceneError(where + ": " + wrong);
+}
+
 void require_entries(const VecA& values, int n_a, const char* name, double lowest) {
   require(values.size() == n_a, std::string(name) + " has " + std::to_string(values.size()) +
                                     " values: must have one per actuated DoF, " +
@@ -41,8 +46,7 @@ void check_tracker(const TrackerSettings& tracker, const Kinematics& kinematics)
     const DofSpec& dof = kinematics.dofs()[static_cast<std::size_t>(i)];
     require(!dof.actuated, "tracker: DoF " + dof.name + " is actuated: must be sensed only");
   }
-  const char* const wrong = check(tracker.staleness);
-  require(wrong == nullptr, std::string("tracker.staleness: ") + (wrong != nullptr ? wrong : ""));
+  require_right(check(tracker.staleness), "tracker.staleness");
 }
 
 PipelineConfig checked(PipelineConfig config) {
@@ -68,21 +72,17 @@ PipelineConfig checked(PipelineConfig config) {
             "force_limit[" + std::to_string(i) + "] = " + std::to_string(scene.force_limit[i]) +
                 ": the device allows at most " + std::to_string(device.max_effort[i]));
   }
-  const char* wrong = check(scene.staleness);
-  require(wrong == nullptr, std::string("staleness: ") + (wrong != nullptr ? wrong : ""));
+  require_right(check(scene.staleness), "staleness");
   require(
       config.projection.coupling == nullptr || renders_Z_q(scene.renderer),
       "renderer " + std::string(name(scene.renderer)) +
           ": must be a subspace method where the stiffness matrix is not diagonal; the others have "
           "a virtual stiffness of their own");
-  wrong = check(config.passivity, n_a);
-  require(wrong == nullptr, std::string("passivity: ") + (wrong != nullptr ? wrong : ""));
+  require_right(check(config.passivity, n_a), "passivity");
   require(config.ratings.empty() || config.ratings.size() == static_cast<std::size_t>(n_a),
           "ratings: must have one per actuated DoF, " + std::to_string(n_a) + ", or none");
   for (std::size_t i = 0; i < config.ratings.size(); ++i) {
-    wrong = check(config.ratings[i]);
-    require(wrong == nullptr,
-            "ratings[" + std::to_string(i) + "]: " + (wrong != nullptr ? wrong : ""));
+    require_right(check(config.ratings[i]), "ratings[" + std::to_string(i) + "]");
   }
   if (config.tracker) check_tracker(*config.tracker, *config.kinematics);
   require(config.loop_late_fault > Duration::zero(), "loop_late_fault: must be > 0");

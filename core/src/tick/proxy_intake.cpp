@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "haptic/core/safety/limits.hpp"
-
 namespace haptic::core {
 
 ProxyInUse ProxyIntake::step(const TickInput& in, const StalenessLimits& limits,
@@ -33,7 +31,7 @@ ProxyInUse ProxyIntake::step(const TickInput& in, const StalenessLimits& limits,
 
 bool ProxyIntake::fits(const ProxySnapshot& sample) const noexcept {
   if (sample.mode == ProxyMode::kFree) return true;
-  if (sample.x.size() != n_x_ || !all_finite_x(sample.x)) return false;
+  if (sample.x.size() != n_x_ || !sample.x.allFinite()) return false;
   if (sample.mode != ProxyMode::kPlanes || sample.planes.size() == 0) return true;
   const PlaneSet& planes = sample.planes;
   return planes.normals.rows() == n_x_ && planes.normals.cols() == planes.size() &&

@@ -1,7 +1,5 @@
 #include "rendering.hpp"
 
-#include "haptic/core/safety/limits.hpp"
-
 namespace haptic::core {
 
 Rendering::Rendering(const ProjectionModel& model, const PipelineConfig& config)
@@ -80,7 +78,7 @@ bool Rendering::project(const Sensed& sensed, const Settings& settings, Anchor& 
   map_.differentiate(needs_J(settings));
   renderer_.project({sensed.q, map_.x_probe(), map_.J()}, now.x, dx_, settings.stiffness, solve_,
                     projection_);
-  if (!all_finite(projection_.q_star)) {
+  if (!projection_.q_star.allFinite()) {
     renderer_.reset();
     solve_ = true;
     return false;
@@ -94,17 +92,10 @@ bool Rendering::project(const Sensed& sensed, const Settings& settings, Anchor& 
 
 Certificate Rendering::certify(const Sensed& sensed, const Settings& settings,
                                const Anchor& now) noexcept {
-  Certificate answer;
-  if (!now.in_the_way) {
-    answer.status = CertificateStatus::kIdle;
-  } else if (now.projection == ProjectionStatus::kMapFailed) {
-    answer.status = CertificateStatus::kMapFailed;
-  } else if (renderer_.kind() != RendererKind::kSubspaceLinear) {
-    answer.status = CertificateStatus::kOtherRenderer;
-  } else {
-    answer = certificate_->at({sensed.q, map_.x_probe(), map_.J()}, dx_, settings.stiffness);
-  }
-  return answer;
+  if (!now.in_the_way) return {CertificateStatus::kIdle};
+  if (now.projection == ProjectionStatus::kMapFailed) return {CertificateStatus::kMapFailed};
+  if (renderer_.kind() != RendererKind::kSubspaceLinear) return {CertificateStatus::kOtherRenderer};
+  return certificate_->at({sensed.q, map_.x_probe(), map_.J()}, dx_, settings.stiffness);
 }
 
 BlockSet Rendering::needs_J(const Settings& settings) const noexcept {

@@ -39,7 +39,7 @@ Sensed Sensing::step(const TickInput& in) noexcept {
 void Sensing::take(const DeviceSample& sample, TimePoint now, Sensed& sensed) noexcept {
   VecQ q = sample.q;
   if (tracker_ && q.size() == layout_.n_q()) tracker_->place(q);
-  if (q.size() != layout_.n_q() || !all_finite(q) || !fits(sample.tau_measured)) {
+  if (q.size() != layout_.n_q() || !q.allFinite() || !fits(sample.tau_measured)) {
     sensed.faults.set(Fault::kSampleNotFinite);
   } else if (!within(q, limits_.q_lower, limits_.q_upper)) {
     sensed.faults.set(Fault::kSampleOutOfRange);
@@ -54,7 +54,7 @@ void Sensing::take(const DeviceSample& sample, TimePoint now, Sensed& sensed) no
 
 bool Sensing::fits(const VecA& force) const noexcept {
   if (force.size() == 0) return !needs_force_;
-  return force.size() == layout_.n_a() && all_finite(force);
+  return force.size() == layout_.n_a() && force.allFinite();
 }
 
 }  // namespace haptic::core

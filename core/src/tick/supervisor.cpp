@@ -8,24 +8,25 @@ Lifecycle Supervisor::step(const TickInput& in, const Beat& beat, const Settings
                            const Sensed& sensed, const ProxyInUse& proxy, const Anchor& anchor,
                            FaultSet output) noexcept {
   const CommandSnapshot& command = in.command;
-  latched_ = latched_ | output;
+  life_.faults = life_.faults | output;
   latch(command, sensed.ready, beat.faults | sensed.faults);
 
   const LifecycleState before = machine_.state();
-  const bool released = command.release_id != release_id_;
-  release_id_ = command.release_id;
+  const bool released = command.release_id != life_.release_id;
+  life_.release_id = command.release_id;
   bool engaged = false;
-  if (command.engage_id != engage_.id) {
-    engage_ = judge_engage(command.engage_id, {in.now, before, latched_.any(), sensed, proxy,
-                                               anchor, settings, layout_, sample_period_});
-    if (released && engage_.verdict == EngageVerdict::kAccepted) {
-      engage_.verdict = EngageVerdict::kReleased;
+  if (command.engage_id != life_.engage.id) {
+    life_.engage =
+        judge_engage(command.engage_id, {in.now, before, life_.faults.any(), sensed, proxy, anchor,
+                                         settings, layout_, sample_period_});
+    if (released && life_.engage.verdict == EngageVerdict::kAccepted) {
+      life_.engage.verdict = EngageVerdict::kReleased;
     }
-    engaged = engage_.verdict == EngageVerdict::kAccepted;
+    engaged = life_.engage.verdict == EngageVerdict::kAccepted;
   }
 
   StateEvents events;
-  events.fault = latched_.any();
+  events.fault = life_.faults.any();
   events.closing = command.closing;
   events.lease_held = command.lease_held;
   events.lease_changed = command.tenure != tenure_;
@@ -45,38 +46,32 @@ Lifecycle Supervisor::step(const TickInput& in, const Beat& beat, const Settings
   if (!machine_.wants_armed() || state == LifecycleState::kIdle || given_up) force_granted_ = false;
   move_gains(beat, settings, sensed, proxy, anchor);
 
-  Lifecycle now;
-  now.state = state;
-  now.lost = machine_.lost_now();
-  now.faults = latched_;
-  now.arm = machine_.wants_armed();
-  now.engaged = engaged && before == LifecycleState::kArmed;
-  now.engage = engage_;
-  now.release_id = release_id_;
-  now.stop_id = stop_id_;
-  now.clear = clear_;
-  now.gain = gain_.value();
-  now.damping_gain = damping_gain_.value();
-  return now;
+  life_.state = state;
+  life_.lost = machine_.lost_now();
+  life_.arm = machine_.wants_armed();
+  life_.engaged = engaged && before == LifecycleState::kArmed;
+  life_.gain = gain_.value();
+  life_.damping_gain = damping_gain_.value();
+  return life_;
 }
 
 void Supervisor::latch(const CommandSnapshot& command, bool ready, FaultSet causes) noexcept {
-  if (command.stop_id != stop_id_) {
-    stop_id_ = command.stop_id;
+  if (command.stop_id != life_.stop_id) {
+    life_.stop_id = command.stop_id;
     causes.set(Fault::kEmergencyStop);
   }
   // Before it is ready a device has no force; only a person's stop is worth remembering.
-  if (ready || causes.has(Fault::kEmergencyStop)) latched_ = latched_ | causes;
-  if (command.clear_id != clear_.id) clear(command, causes);
+  if (ready || causes.has(Fault::kEmergencyStop)) life_.faults = life_.faults | causes;
+  if (command.clear_id != life_.clear.id) clear(command, causes);
 }
 
 /// A fault is cleared if it is named and its cause is gone; a stop only by a request that has seen
 /// the newest one.
 void Supervisor::clear(const CommandSnapshot& command, FaultSet causes) noexcept {
-  if (command.clear_stop_id != stop_id_) causes.set(Fault::kEmergencyStop);
-  clear_.id = command.clear_id;
-  clear_.refused = FaultSet(command.clear.bits() & causes.bits());
-  latched_.clear(FaultSet(command.clear.bits() & ~causes.bits()));
+  if (command.clear_stop_id != life_.stop_id) causes.set(Fault::kEmergencyStop);
+  life_.clear.id = command.clear_id;
+  life_.clear.refused = FaultSet(command.clear.bits() & causes.bits());
+  life_.faults.clear(FaultSet(command.clear.bits() & ~causes.bits()));
 }
 
 void Supervisor::move_gains(const Beat& beat, const Settings& settings, const Sensed& sensed,

@@ -32,11 +32,7 @@ class Supervisor {
   LifecycleMachine machine_{};
   Gain gain_{};
   DampingGain damping_gain_{};
-  FaultSet latched_{};
-  EngageAnswer engage_{};
-  ClearAnswer clear_{};
-  std::uint64_t release_id_{0};
-  std::uint64_t stop_id_{0};
+  Lifecycle life_{};         ///< of the last tick
   std::uint32_t tenure_{0};  ///< of the lease in the last tick
   /// An Engage was accepted and neither Release, end of lease nor a fault has ended what it
   /// allowed: damping stays on after the elastic force was lost

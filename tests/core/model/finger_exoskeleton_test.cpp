@@ -8,6 +8,7 @@
 
 #include "haptic/core/error.hpp"
 #include "tests/support/angles.hpp"
+#include "tests/support/finger_pose.hpp"
 #include "tests/support/vectors.hpp"
 
 namespace haptic::core {

@@ -29,12 +29,9 @@ constexpr BlockSet set_of(std::initializer_list<int> blocks) {
 /// A finger that counts what it is asked for.
 class Counting final : public Kinematics {
  public:
-  explicit Counting(const Kinematics& finger) : finger_(&finger) {}
+  explicit Counting(const Kinematics& finger)
+      : Kinematics(finger.dofs(), finger.space()), finger_(&finger) {}
   mutable int positions{0}, evaluations{0};
-  const DofLayout& layout() const noexcept override { return finger_->layout(); }
-  const std::vector<DofSpec>& dofs() const noexcept override { return finger_->dofs(); }
-  const ConfigurationSpace& space() const noexcept override { return finger_->space(); }
-  double mean_actuated_jacobian() const noexcept override { return 1.0; }
   MapStatus evaluate(const VecQ& q, VecX& x, MatXQ& J) const noexcept override {
     ++evaluations;
     return finger_->evaluate(q, x, J);
@@ -54,7 +51,8 @@ class Counting final : public Kinematics {
 /// The five-fingered hand, each finger counting.
 class CountingHand final : public Kinematics {
  public:
-  CountingHand() : hand_(make_hand_exoskeleton(five_fingers())) {
+  explicit CountingHand(std::unique_ptr<Kinematics> hand = make_hand_exoskeleton(five_fingers()))
+      : Kinematics(hand->dofs(), hand->space()), hand_(std::move(hand)) {
     for (const MapBlock& block : hand_->blocks()) fingers.emplace_back(*block.kinematics);
     for (std::size_t i = 0; i < fingers.size(); ++i) {
       blocks_.push_back(hand_->blocks()[i]);
@@ -63,10 +61,6 @@ class CountingHand final : public Kinematics {
   }
   std::deque<Counting> fingers{};
   [[nodiscard]] const Kinematics& whole() const { return *hand_; }
-  const DofLayout& layout() const noexcept override { return hand_->layout(); }
-  const std::vector<DofSpec>& dofs() const noexcept override { return hand_->dofs(); }
-  const ConfigurationSpace& space() const noexcept override { return hand_->space(); }
-  double mean_actuated_jacobian() const noexcept override { return 1.0; }
   std::span<const MapBlock> blocks() const noexcept override { return blocks_; }
   MapStatus evaluate(const VecQ& q, VecX& x, MatXQ& J) const noexcept override {
     return hand_->evaluate(q, x, J);

@@ -100,11 +100,8 @@ TEST(BlockRenderer, AgreesWithTheDenseSolve) {
 /// A finger that counts how often Eq. (6) is solved on it.
 class SolvedFinger final : public Kinematics {
  public:
+  SolvedFinger() : Kinematics(finger().dofs(), finger().space()) {}
   mutable int solved{0};
-  const DofLayout& layout() const noexcept override { return finger().layout(); }
-  const std::vector<DofSpec>& dofs() const noexcept override { return finger().dofs(); }
-  const ConfigurationSpace& space() const noexcept override { return finger().space(); }
-  double mean_actuated_jacobian() const noexcept override { return 1.0; }
   MapStatus evaluate(const VecQ& q, VecX& x, MatXQ& J) const noexcept override {
     return finger().evaluate(q, x, J);
   }
@@ -123,11 +120,8 @@ class SolvedFinger final : public Kinematics {
 /// Three of them side by side.
 class SolvedHand final : public Kinematics {
  public:
+  SolvedHand() : Kinematics(five_fingered().dofs(), five_fingered().space()) {}
   SolvedFinger fingers[3];
-  const DofLayout& layout() const noexcept override { return five_fingered().layout(); }
-  const std::vector<DofSpec>& dofs() const noexcept override { return five_fingered().dofs(); }
-  const ConfigurationSpace& space() const noexcept override { return five_fingered().space(); }
-  double mean_actuated_jacobian() const noexcept override { return 1.0; }
   std::span<const MapBlock> blocks() const noexcept override { return blocks_; }
   MapStatus evaluate(const VecQ& q, VecX& x, MatXQ& J) const noexcept override {
     return five_fingered().evaluate(q, x, J);

@@ -6,18 +6,18 @@
 #include <cmath>
 #include <numbers>
 
-#include "haptic/core/analysis/coupling_metric.hpp"
-#include "haptic/core/analysis/displayed_impedance.hpp"
-#include "haptic/core/analysis/passivity_radius.hpp"
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/hand_exoskeleton.hpp"
 #include "haptic/core/model/stylus.hpp"
 #include "haptic/core/model/workspace.hpp"
+#include "haptic/core/projection/coupling_metric.hpp"
 #include "haptic/core/projection/linear_certificate.hpp"
 #include "haptic/core/projection/renderer.hpp"
 #include "tests/core/linear/random_matrix.hpp"
 #include "tests/core/model/sample_hands.hpp"
 #include "tests/core/projection/function_map.hpp"
+#include "tests/report/analysis/displayed_impedance.hpp"
+#include "tests/report/analysis/passivity_radius.hpp"
 #include "tests/support/dense_oracle.hpp"
 
 namespace haptic::core {

@@ -21,11 +21,9 @@ using samples::FunctionMap;
 /// The finger without its closed form: what is left is the iteration.
 class FingerByIteration final : public Kinematics {
  public:
-  const DofLayout& layout() const noexcept override { return finger_->layout(); }
-  const std::vector<DofSpec>& dofs() const noexcept override { return finger_->dofs(); }
-  const ConfigurationSpace& space() const noexcept override { return finger_->space(); }
-  double mean_actuated_jacobian() const noexcept override {
-    return finger_->mean_actuated_jacobian();
+  explicit FingerByIteration(std::unique_ptr<Kinematics> finger = make_finger_exoskeleton({}))
+      : Kinematics(finger->dofs(), finger->space()), finger_(std::move(finger)) {
+    mean_J_a_ = finger_->mean_actuated_jacobian();
   }
   MapStatus evaluate(const VecQ& q, VecX& x, MatXQ& J) const noexcept override {
     ++evaluations;
@@ -39,7 +37,7 @@ class FingerByIteration final : public Kinematics {
   mutable int evaluations{0};
 
  private:
-  std::unique_ptr<Kinematics> finger_ = make_finger_exoskeleton({});
+  std::unique_ptr<Kinematics> finger_;
 };
 
 Projection solve(SubspaceExact& exact, const Kinematics& map, const VecQ& q, const VecX& x,

@@ -19,16 +19,10 @@ class FunctionMap final : public Kinematics {
 
   FunctionMap(std::vector<DofSpec> dofs, std::vector<Coordinate> coordinates, Function f,
               Jacobian J)
-      : layout_(layout_of(dofs)),
-        dofs_(std::move(dofs)),
-        space_(std::move(coordinates)),
+      : Kinematics(std::move(dofs), ConfigurationSpace(std::move(coordinates))),
         f_(std::move(f)),
         J_(std::move(J)) {}
 
-  const DofLayout& layout() const noexcept override { return layout_; }
-  const std::vector<DofSpec>& dofs() const noexcept override { return dofs_; }
-  const ConfigurationSpace& space() const noexcept override { return space_; }
-  double mean_actuated_jacobian() const noexcept override { return 1.0; }
   MapStatus evaluate(const VecQ& q, VecX& x, MatXQ& J) const noexcept override {
     ++evaluations;
     x = f_(q);
@@ -42,15 +36,6 @@ class FunctionMap final : public Kinematics {
   mutable int evaluations{0};
 
  private:
-  static DofLayout layout_of(const std::vector<DofSpec>& dofs) {
-    bool actuated[kMaxQ]{};
-    for (std::size_t i = 0; i < dofs.size(); ++i) actuated[i] = dofs[i].actuated;
-    return DofLayout(std::span<const bool>(actuated, dofs.size()));
-  }
-
-  DofLayout layout_;
-  std::vector<DofSpec> dofs_;
-  ConfigurationSpace space_;
   Function f_;
   Jacobian J_;
 };

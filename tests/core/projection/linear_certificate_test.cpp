@@ -5,7 +5,6 @@
 #include <Eigen/Eigenvalues>
 #include <random>
 
-#include "haptic/core/analysis/passivity_radius.hpp"
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/hand_exoskeleton.hpp"
@@ -13,6 +12,7 @@
 #include "haptic/core/model/stylus.hpp"
 #include "haptic/core/model/workspace.hpp"
 #include "haptic/core/projection/subspace_linear.hpp"
+#include "tests/report/analysis/passivity_radius.hpp"
 
 namespace haptic::core {
 namespace {

@@ -16,6 +16,7 @@
 #include "tests/core/model/sample_hands.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/dense_oracle.hpp"
+#include "tests/support/finger_pose.hpp"
 #include "tests/support/vectors.hpp"
 
 namespace haptic::core {
@@ -27,11 +28,9 @@ using Limits = std::function<void(double, double, PairLimits&)>;
 class Limited final : public Kinematics {
  public:
   Limited(std::unique_ptr<Kinematics> map, Limits limits)
-      : map_(std::move(map)), limits_(std::move(limits)) {}
-  const DofLayout& layout() const noexcept override { return map_->layout(); }
-  const std::vector<DofSpec>& dofs() const noexcept override { return map_->dofs(); }
-  const ConfigurationSpace& space() const noexcept override { return map_->space(); }
-  double mean_actuated_jacobian() const noexcept override { return map_->mean_actuated_jacobian(); }
+      : Kinematics(map->dofs(), map->space()), map_(std::move(map)), limits_(std::move(limits)) {
+    mean_J_a_ = map_->mean_actuated_jacobian();
+  }
   MapStatus evaluate(const VecQ& q, VecX& x, MatXQ& J) const noexcept override {
     return map_->evaluate(q, x, J);
   }

@@ -236,28 +236,5 @@ TEST(PlaneProjection, AnyInputGivesABoundedAnswer) {
   }
 }
 
-TEST(PlaneProjection, SlopeMatchesItsDifferences) {
-  const ConfigurationSpace space = space_of(3);
-  std::mt19937 random(13);
-  for (const bool tied : {false, true}) {
-    PlaneProjection projection(space, TaskMetric::from_matrix(random_metric(random, 3, tied)));
-    const PlaneSet set = planes_of(3, {{1, 0.2, 0, 0.1}, {0.1, 1, 0.4, 0.2}, {0, 0, 1, 50}});
-    projection.set(set, VecX::Zero(3));
-    const VecX probe = (VecX(3) << 1.0, 1.2, 0.4).finished();
-    VecX x, up, down;
-    MatXQ slope(3, 3), J = MatXQ::Identity(3, 3);
-    projection.project(probe, x);
-    ASSERT_EQ(projection.active(), 3u);
-    projection.slope(J, slope);
-    for (int k = 0; k < 3; ++k) {
-      VecX step = VecX::Zero(3);
-      step[k] = 1e-4;
-      projection.project(probe + step, up);
-      projection.project(probe - step, down);
-      EXPECT_NEAR((slope.col(k) - (up - down) / 2e-4).norm(), 0.0, 1e-8);
-    }
-  }
-}
-
 }  // namespace
 }  // namespace haptic::core

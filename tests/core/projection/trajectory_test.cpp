@@ -6,9 +6,9 @@
 #include <random>
 #include <vector>
 
-#include "haptic/core/analysis/trajectory_metrics.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/projection/renderer.hpp"
+#include "tests/report/analysis/trajectory_metrics.hpp"
 #include "tests/support/angles.hpp"
 
 namespace haptic::core {

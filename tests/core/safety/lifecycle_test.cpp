@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "haptic/core/safety/late_bucket.hpp"
 #include "haptic/core/safety/limits.hpp"
 #include "haptic/core/safety/staleness.hpp"
+#include "tests/support/vectors.hpp"
 
 namespace haptic::core {
 namespace {
@@ -197,6 +200,18 @@ TEST_F(ForceLimiterRules, SlewsAndSaturates) {
   for (int i = 0; i < 20; ++i) step(50.0, 0.0, 1.0);
   EXPECT_DOUBLE_EQ(step(50.0, 0.0, 1.0), 10.0);
   EXPECT_FALSE(active.has(Limiter::kSlew));
+}
+
+TEST_F(ForceLimiterRules, DampingStaysWithinTheForceLimit) {
+  for (int i = 0; i < 20; ++i) EXPECT_LE(std::abs(step(0.0, -50.0, 0.0)), 10.0);
+  EXPECT_DOUBLE_EQ(step(0.0, -50.0, 0.0), -10.0);
+  EXPECT_TRUE(active.has(Limiter::kSaturation));
+}
+
+TEST(Within, RefusesNaN) {
+  const VecQ lower = two(-1.0, -1.0), upper = two(1.0, 1.0);
+  EXPECT_TRUE(within(two(1.0, -1.0), lower, upper));
+  EXPECT_FALSE(within(two(0.0, std::nan("")), lower, upper));
 }
 
 TEST_F(ForceLimiterRules, EnvelopeOverridesTheSlewLimit) {

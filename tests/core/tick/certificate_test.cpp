@@ -2,9 +2,9 @@
 // (core/METHOD.md#exact-derivatives).
 #include <gtest/gtest.h>
 
-#include "haptic/core/analysis/passivity_radius.hpp"
 #include "haptic/core/model/stylus.hpp"
 #include "tests/core/tick/finger_bench.hpp"
+#include "tests/report/analysis/passivity_radius.hpp"
 #include "tests/support/allocation_guard.hpp"
 
 namespace haptic::core {

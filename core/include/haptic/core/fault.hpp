@@ -1,6 +1,6 @@
 #pragma once
 /// Faults and limiters. Faults latch and zero the command until cleared; limiters act for one tick
-/// and are reported. The numbers are stable: they travel in LifecycleState and stand in recordings.
+/// and are reported. The numbers are stable: they travel in DeviceState and stand in recordings.
 
 #include <cstdint>
 #include <string_view>

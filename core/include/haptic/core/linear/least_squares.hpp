@@ -1,14 +1,14 @@
 #pragma once
 /// min ||J dq - dx|| for the small Jacobians of devices, by Householder QR of [J_n | J_a]. One
-/// factorisation gives the linearised subspace proxy, Eq. (8), the null-space force, Eq. (4), and
-/// the standard force, Eq. (1) (core/METHOD.md#solver-choice). If the condition of the equilibrated
-/// J exceeds 1e8, or n_x < n_q, a column-pivoted QR decides the rank, and the answer is the one of
-/// minimum norm in a metric whose actuated block is Z_q (core/METHOD.md#rank-and-prior): bounded,
-/// independent of units, and reported by status().
+/// factorisation gives the linearised subspace proxy, Eq. (8), and the null-space force, Eq. (4)
+/// (core/METHOD.md#solver-choice). If the condition of the equilibrated J exceeds 1e8, or n_x <
+/// n_q, a column-pivoted QR decides the rank, and the answer is the one of minimum norm in a metric
+/// whose actuated block is Z_q (core/METHOD.md#rank-and-prior): bounded, independent of units, and
+/// reported by status().
 
 #include <memory>
 
-#include "haptic/core/linear/full_rank.hpp"
+#include "haptic/core/linear/householder.hpp"
 #include "haptic/core/linear/stiffness_coupling.hpp"
 #include "haptic/core/model/dof_layout.hpp"
 #include "haptic/core/projection_status.hpp"
@@ -18,9 +18,6 @@ namespace haptic::core {
 
 class LeastSquares {
  public:
-  /// Below this ratio of singular values (equilibrated) the rank is in doubt.
-  static constexpr double kRankThreshold = core::kRankThreshold;
-
   /// `coupling`: of Z_q; null: it is diagonal. Used only if the rank is in doubt.
   LeastSquares(int n_x, const DofLayout& layout,
                std::shared_ptr<const StiffnessCoupling> coupling = nullptr);
@@ -37,8 +34,6 @@ class LeastSquares {
   [[nodiscard]] VecA dq_a() const noexcept { return layout_.select(dq_); }
   /// J_a^T (I - J_n J_n^+) dx = R22^T b_2: Eq. (4) for Z_x = I. n_a.
   [[nodiscard]] VecA null_space_force() const noexcept;
-  /// J_a^T dx = R12^T b_1 + R22^T b_2: Eq. (1) for Z_x = I. n_a.
-  [[nodiscard]] VecA standard_force() const noexcept;
   /// Of the equilibrated J: max|R_kk|/min|R_kk|; above 1e4 from the inverse of R; infinite if J is
   /// singular.
   [[nodiscard]] double condition() const noexcept { return condition_; }
@@ -49,9 +44,8 @@ class LeastSquares {
 
  private:
   void load(const MatXQ& J, const VecX& dx) noexcept;
-  [[nodiscard]] VecA force_from_row(int first) const noexcept;
   void solve_in_doubt(const MatXQ& J, const VecX& dx, const VecA& Z_q) noexcept;
-  void forces_in_doubt(const MatXQ& J, const VecX& dx) noexcept;
+  void force_in_doubt(const MatXQ& J, const VecX& dx) noexcept;
 
   DofLayout layout_;
   std::shared_ptr<const StiffnessCoupling> coupling_;
@@ -65,7 +59,7 @@ class LeastSquares {
   double column_norm2_[kMaxQ];
   double inverse_diagonal_[kMaxQ];
   VecQ dq_{};
-  VecA null_in_doubt_{}, standard_in_doubt_{};  ///< if the QR does not give them
+  VecA null_in_doubt_{};  ///< null_space_force() if the QR does not give it
   double condition_{0.0};
   double residual2_{0.0};
   ProjectionStatus status_{ProjectionStatus::kNone};

@@ -26,8 +26,6 @@ class DofLayout {
 
   /// q_a = S q.
   [[nodiscard]] VecA select(const VecQ& q) const noexcept;
-  /// tau = S^T tau_a.
-  [[nodiscard]] VecQ embed(const VecA& tau_a) const noexcept;
 
  private:
   int n_q_{0};

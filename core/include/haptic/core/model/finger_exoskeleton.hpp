@@ -40,13 +40,4 @@ struct FingerDimensions {
 [[nodiscard]] std::unique_ptr<Kinematics> make_finger_exoskeleton(
     const FingerDimensions& dimensions);
 
-/// One pose with the linkage's inner coordinates, for reports, tests and pictures.
-struct FingerPose {
-  MapStatus status{MapStatus::kCannotClose};
-  double q_o1{0.0}, q_o2{0.0};  ///< rad
-  double c1{0.0}, c2{0.0};      ///< slider positions, m
-  double closure{0.0};          ///< loop-closure residual, m
-};
-[[nodiscard]] FingerPose finger_pose(const FingerDimensions& dimensions, double l_x, double q_B);
-
 }  // namespace haptic::core

@@ -4,9 +4,11 @@
 /// by threads. No method allocates or throws after construction.
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "haptic/core/model/configuration_space.hpp"
@@ -49,6 +51,10 @@ struct PairLimit {
 inline constexpr int kPairLimits = 5;
 using PairLimits = std::array<PairLimit, kPairLimits>;
 
+/// Which of a map's independent blocks: bit i stands for the i-th of Kinematics::blocks(). A map
+/// without blocks counts as one block.
+using BlockSet = std::uint32_t;
+
 class Kinematics;
 
 /// An independent part of a map, such as a finger of a hand: its coordinates depend on its own DoFs
@@ -58,6 +64,10 @@ struct MapBlock {
   int first_q{0};                         ///< index in q of its first DoF
   int first_a{0};                         ///< index in q_a of its first actuated DoF
   int first_x{0};                         ///< index in x of its first coordinate
+
+  [[nodiscard]] int n_q() const noexcept;
+  [[nodiscard]] int n_a() const noexcept;
+  [[nodiscard]] int n_x() const noexcept;
 };
 
 class Kinematics {
@@ -66,9 +76,9 @@ class Kinematics {
   Kinematics(const Kinematics&) = delete;
   Kinematics& operator=(const Kinematics&) = delete;
 
-  [[nodiscard]] virtual const DofLayout& layout() const noexcept = 0;
-  [[nodiscard]] virtual const std::vector<DofSpec>& dofs() const noexcept = 0;
-  [[nodiscard]] virtual const ConfigurationSpace& space() const noexcept = 0;
+  [[nodiscard]] const DofLayout& layout() const noexcept { return layout_; }
+  [[nodiscard]] const std::vector<DofSpec>& dofs() const noexcept { return dofs_; }
+  [[nodiscard]] const ConfigurationSpace& space() const noexcept { return space_; }
 
   /// x_probe = f(q) and J = dx_probe/dq (n_x by n_q). On kCannotClose both are untouched.
   [[nodiscard]] virtual MapStatus evaluate(const VecQ& q, VecX& x_probe,
@@ -79,26 +89,19 @@ class Kinematics {
   /// J_k = dJ/dq_k (n_x by n_q), the term Eq. (2), (5), (9) leave out.
   [[nodiscard]] virtual MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept = 0;
   /// q = argmin ||x - f(q)|| over the box and the device's own constraints, stateless: Eq. (6).
-  [[nodiscard]] virtual InverseStatus inverse(const VecX& x, VecQ& q) const noexcept {
-    static_cast<void>(x);
-    static_cast<void>(q);
+  [[nodiscard]] virtual InverseStatus inverse(const VecX& /*x*/, VecQ& /*q*/) const noexcept {
     return InverseStatus::kNotOffered;
   }
   /// inverse() if x can be reached; if not, q is untouched and nothing is searched.
-  [[nodiscard]] virtual InverseStatus inverse_inside(const VecX& x, VecQ& q) const noexcept {
-    static_cast<void>(x);
-    static_cast<void>(q);
+  [[nodiscard]] virtual InverseStatus inverse_inside(const VecX& /*x*/,
+                                                     VecQ& /*q*/) const noexcept {
     return InverseStatus::kNotOffered;
   }
   /// Index in q of the first DoF of each pair with PairLimits; none: the box of dofs() says all.
   [[nodiscard]] virtual std::span<const int> limited_pairs() const noexcept { return {}; }
   /// The limits of pair `which` with its DoFs at a and b; kCannotClose: it has no pose there.
-  [[nodiscard]] virtual MapStatus pair_limits(int which, double a, double b,
-                                              PairLimits& limits) const noexcept {
-    static_cast<void>(which);
-    static_cast<void>(a);
-    static_cast<void>(b);
-    static_cast<void>(limits);
+  [[nodiscard]] virtual MapStatus pair_limits(int /*which*/, double /*a*/, double /*b*/,
+                                              PairLimits& /*limits*/) const noexcept {
     return MapStatus::kCannotClose;
   }
   /// The independent parts of this map, in the order of q, q_a and x, covering all of them; empty
@@ -107,16 +110,33 @@ class Kinematics {
   [[nodiscard]] virtual std::span<const MapBlock> blocks() const noexcept { return {}; }
   /// Several q may mean the same pose (a rotation vector has many); replaces q by the one nearest
   /// to `near`. Most maps have one q per pose, and this does nothing.
-  virtual void nearest_representative(const VecQ& near, VecQ& q) const noexcept {
-    static_cast<void>(near);
-    static_cast<void>(q);
-  }
+  virtual void nearest_representative(const VecQ& /*near*/, VecQ& /*q*/) const noexcept {}
   /// Mean of ||J_a|| (Frobenius) over the reachable workspace: the scale that the paper's Z_x
   /// factors out (section VI.C).
-  [[nodiscard]] virtual double mean_actuated_jacobian() const noexcept = 0;
+  [[nodiscard]] double mean_actuated_jacobian() const noexcept { return mean_J_a_; }
 
  protected:
-  Kinematics() = default;
+  /// Throws SceneError as layout_of() does.
+  Kinematics(std::vector<DofSpec> dofs, ConfigurationSpace space)
+      : dofs_(std::move(dofs)), layout_(layout_of(dofs_)), space_(std::move(space)) {}
+
+  const std::vector<DofSpec> dofs_;
+  const DofLayout layout_;
+  const ConfigurationSpace space_;
+  double mean_J_a_{1.0};  ///< the map's constructor sets it
 };
+
+/// blocks(), or the whole map as one.
+[[nodiscard]] std::vector<MapBlock> blocks_or_whole(const Kinematics& kinematics);
+
+inline int MapBlock::n_q() const noexcept {
+  return kinematics->layout().n_q();
+}
+inline int MapBlock::n_a() const noexcept {
+  return kinematics->layout().n_a();
+}
+inline int MapBlock::n_x() const noexcept {
+  return kinematics->space().n_x();
+}
 
 }  // namespace haptic::core

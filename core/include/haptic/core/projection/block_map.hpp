@@ -6,7 +6,6 @@
 
 #include <vector>
 
-#include "haptic/core/model/block_set.hpp"
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/projection/plane_set.hpp"
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 
 namespace haptic::core {
 
@@ -25,6 +26,8 @@ struct Certificate {
   /// the one that has none.
   int block{0};
   double margin{0.0};  ///< the least of the displaced blocks'
+
+  [[nodiscard]] auto members() const noexcept { return std::tie(status, block, margin); }
 };
 
 }  // namespace haptic::core

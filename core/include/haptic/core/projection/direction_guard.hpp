@@ -24,11 +24,8 @@ class DirectionGuard {
 
  private:
   struct Block {
-    Block(const Kinematics& kinematics, const MapBlock& block, const TaskMetric& of_block,
-          const std::shared_ptr<const StiffnessCoupling>& coupling);
-    TaskMetric metric;
     MapBlock at;
-    int n_q, n_a, n_x;
+    TaskMetric metric;
     LeastSquares solver;
     VecX dx{};  ///< W^{1/2} dx
     MatXQ J{};  ///< W^{1/2} J

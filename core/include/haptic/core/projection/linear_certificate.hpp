@@ -36,7 +36,6 @@ class LinearCertificate {
   struct Block {
     MapBlock at{};
     TaskMetric metric{};
-    int n_q{0}, n_a{0}, n_x{0};
     HouseholderKernel kernel{};
   };
   [[nodiscard]] CertificateStatus judge(const Block& block, const Probe& probe, const VecX& dx,

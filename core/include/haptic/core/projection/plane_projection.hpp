@@ -43,9 +43,6 @@ class PlaneProjection {
 
   /// Of the last project(): bit i is set where plane i holds x.
   [[nodiscard]] std::uint32_t active() const noexcept { return active_; }
-  /// dx/dq = P_t J with P_t = I - W^-1 A^T (A W^-1 A^T)^-1 A, A the active normals, at the last
-  /// project(). J and dx_dq: n_x by n_q.
-  void slope(const MatXQ& J, MatXQ& dx_dq) const noexcept;
 
  private:
   using Small = Eigen::Matrix<double, kMaxPlanes, 1>;

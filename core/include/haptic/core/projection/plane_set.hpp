@@ -3,6 +3,7 @@
 /// samples.
 
 #include <cstdint>
+#include <tuple>
 
 #include "haptic/core/types.hpp"
 
@@ -21,6 +22,8 @@ struct PlaneSet {
   Offsets offsets{};  ///< b, one per plane
 
   [[nodiscard]] int size() const noexcept { return static_cast<int>(offsets.size()); }
+
+  [[nodiscard]] auto members() const noexcept { return std::tie(normals, offsets); }
 };
 
 }  // namespace haptic::core

@@ -54,6 +54,8 @@ class ProjectionModel {
   [[nodiscard]] ProjectionModel of(const MapBlock& block) const;
   /// True if the map has blocks and the metric does not tie them together.
   [[nodiscard]] bool has_blocks() const noexcept { return has_blocks_; }
+  /// Those blocks, or the whole map as one. Allocates.
+  [[nodiscard]] std::vector<MapBlock> blocks() const;
 
   [[nodiscard]] const Kinematics& kinematics() const noexcept { return *kinematics_; }
   [[nodiscard]] const DofLayout& layout() const noexcept { return kinematics_->layout(); }

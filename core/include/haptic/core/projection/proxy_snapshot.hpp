@@ -2,6 +2,7 @@
 /// The newest accepted sample of the proxy.
 
 #include <cstdint>
+#include <tuple>
 
 #include "haptic/core/projection/plane_set.hpp"
 #include "haptic/core/time.hpp"
@@ -30,6 +31,10 @@ struct ProxySnapshot {
   /// The stream's health, kept by the ingress for Engage (proto/README.md#a-session).
   TimePoint gapless_since{};         ///< first sample after the last gap longer than hold_end
   std::uint64_t gapless_samples{0};  ///< accepted since then
+
+  [[nodiscard]] auto members() const noexcept {
+    return std::tie(mode, tenure, seq, born, valid_for, x, planes, gapless_since, gapless_samples);
+  }
 };
 
 }  // namespace haptic::core

@@ -9,8 +9,6 @@
 
 namespace haptic::core {
 
-[[nodiscard]] bool all_finite(const VecQ& v) noexcept;
-[[nodiscard]] bool all_finite_x(const VecX& v) noexcept;
 /// lower <= v <= upper in every component. Sizes must agree.
 [[nodiscard]] bool within(const VecQ& v, const VecQ& lower, const VecQ& upper) noexcept;
 

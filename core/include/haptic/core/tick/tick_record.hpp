@@ -1,11 +1,14 @@
 #pragma once
-/// What one tick saw and did: its whole input and its whole answer. A run is replayed from these.
+/// What one tick saw and did: its whole input and its whole answer. A run is replayed from these,
+/// and the two records of a tick must be identical(): members() of a struct lists what is compared.
 
 #include <array>
 #include <cstdint>
+#include <tuple>
 
-#include "haptic/core/model/block_set.hpp"
+#include "haptic/core/identical.hpp"
 #include "haptic/core/model/dof_layout.hpp"
+#include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/passivity/passivity.hpp"
 #include "haptic/core/projection/certificate.hpp"
 #include "haptic/core/projection/plane_projection.hpp"
@@ -35,6 +38,8 @@ struct EngageAnswer {
   int index{0};
   double value{0.0};
   double limit{0.0};
+
+  [[nodiscard]] auto members() const noexcept { return std::tie(id, verdict, index, value, limit); }
 };
 
 /// Answer to the clear request `clear_id`: which faults persist because their cause does, or
@@ -42,6 +47,8 @@ struct EngageAnswer {
 struct ClearAnswer {
   std::uint64_t id{0};
   FaultSet refused{};
+
+  [[nodiscard]] auto members() const noexcept { return std::tie(id, refused); }
 };
 
 /// The tracked palm's pose in use, if a client says it.
@@ -53,6 +60,10 @@ struct TrackerRecord {
   Duration age{0};       ///< now - born; 0 if there is none
   double ladder{0.0};    ///< upper bound of the gain, by this age
   Duration hold_end{0};  ///< in effect
+
+  [[nodiscard]] auto members() const noexcept {
+    return std::tie(on, first_dof, seq, level, age, ladder, hold_end);
+  }
 };
 
 /// The tick itself.
@@ -60,6 +71,8 @@ struct Beat {
   std::uint64_t tick{0};
   Duration dt{0};     ///< since the previous tick; the period on the first
   FaultSet faults{};  ///< of the loop, whose cause is present in this tick
+
+  [[nodiscard]] auto members() const noexcept { return std::tie(tick, dt, faults); }
 };
 
 /// The device as this tick knows it.
@@ -74,6 +87,10 @@ struct Sensed {
   bool silent{false};  ///< it is older than the device's max_silence
   Duration age{0};     ///< since the tick in which it came; 0 before the first
   FaultSet faults{};   ///< of the device, whose cause is present in this tick
+
+  [[nodiscard]] auto members() const noexcept {
+    return std::tie(q, q_a_dot, tau_measured, tracker, ready, fresh, recent, silent, age, faults);
+  }
 };
 
 /// The sample of the proxy in use, which may not be the newest.
@@ -85,6 +102,10 @@ struct ProxyInUse {
   double ladder{0.0};         ///< upper bound of the gain, by this age and the tracker's
   TimePoint gapless_since{};  ///< as in ProxySnapshot
   std::uint64_t gapless_samples{0};
+
+  [[nodiscard]] auto members() const noexcept {
+    return std::tie(mode, seq, age, level, ladder, gapless_since, gapless_samples);
+  }
 };
 
 /// The proxy at `now`, and the subspace proxy q* that the renderer wants the spring anchored at.
@@ -109,6 +130,11 @@ struct Anchor {
     if (!anchored) return VecA::Zero(layout.n_a());
     return layout.select(q_star) - layout.select(q);
   }
+
+  [[nodiscard]] auto members() const noexcept {
+    return std::tie(x_probe, x, free, mapped, in_the_way, planes, active_planes, anchored, q_star,
+                    projection, residual, condition, certificate, limiters);
+  }
 };
 
 /// The device's state, the answers to what people and programs asked for, and the gains.
@@ -124,6 +150,11 @@ struct Lifecycle {
   ClearAnswer clear{};          ///< to the newest ClearFault
   double gain{0.0};             ///< g
   double damping_gain{0.0};     ///< g_d
+
+  [[nodiscard]] auto members() const noexcept {
+    return std::tie(state, lost, faults, arm, engaged, engage, release_id, stop_id, clear, gain,
+                    damping_gain);
+  }
 };
 
 /// What goes to the device, and the anchor behind it.
@@ -140,6 +171,11 @@ struct Effort {
   VecA position{};       ///< the admittance's, m or rad, n_a; both size 0 if the scene has neither
   PassivityRecord passivity{};  ///< tank and observer; zeros if neither is on
   FaultSet faults{};            ///< OUTPUT_NOT_FINITE; latched from the next tick on
+
+  [[nodiscard]] auto members() const noexcept {
+    return std::tie(q_star, tau_elastic, tau_damping, tau_a, limiters, actuator_limiters,
+                    temperature_c, drive, position, passivity, faults);
+  }
 };
 
 /// The sum of what the stages of a tick make, in the order in which they make it.
@@ -157,9 +193,10 @@ struct TickRecord {
   [[nodiscard]] FaultSet faults() const noexcept { return life.faults | effort.faults; }
   /// Active in this tick.
   [[nodiscard]] LimiterSet limiters() const noexcept { return anchor.limiters | effort.limiters; }
-};
 
-/// Equal to the bit, NaNs included: the test of replay.
-[[nodiscard]] bool identical(const TickRecord& a, const TickRecord& b) noexcept;
+  [[nodiscard]] auto members() const noexcept {
+    return std::tie(input, beat, settings_id, sensed, proxy, anchor, life, effort);
+  }
+};
 
 }  // namespace haptic::core

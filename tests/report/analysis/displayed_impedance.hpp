@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 
+#include "haptic/core/linear/full_column_rank.hpp"
 #include "haptic/core/linear/stiffness_coupling.hpp"
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/projection/renderer_kind.hpp"
@@ -19,8 +20,6 @@
 namespace haptic::core {
 
 using MatAQ = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxQ, kMaxQ>;
-using MatAX = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxQ, kMaxX>;
-using MatXX = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxX, kMaxX>;
 
 /// The two stiffnesses a comparison needs: that of the subspace methods and that of the baselines.
 struct RenderingImpedance {

@@ -1,8 +1,8 @@
-#include "haptic/core/analysis/coupling_metric.hpp"
+#include "haptic/core/projection/coupling_metric.hpp"
 
 #include <cmath>
 
-#include "full_column_rank.hpp"
+#include "haptic/core/linear/full_column_rank.hpp"
 
 namespace haptic::core {
 
@@ -65,22 +65,16 @@ std::optional<Eigen::MatrixXd> coupling_metric(const Kinematics& map, const Task
 
 std::vector<CouplingBlock> coupling_blocks(const ProjectionModel& model, const VecQ& q,
                                            const VecA& stiffness, double softness) {
-  const MapBlock whole[] = {{&model.kinematics(), 0, 0, 0}};
-  const std::span<const MapBlock> blocks =
-      model.has_blocks() ? model.kinematics().blocks() : std::span<const MapBlock>(whole);
   std::vector<CouplingBlock> answer;
-  for (const MapBlock& block : blocks) {
-    const Kinematics& map = *block.kinematics;
-    const int n_q = map.layout().n_q(), n_a = map.layout().n_a(), n_x = map.space().n_x();
+  for (const MapBlock& block : model.blocks()) {
+    const int n_q = block.n_q(), n_a = block.n_a(), n_x = block.n_x();
     CouplingBlock entry{n_x, {}};
     const bool known = q.size() >= block.first_q + n_q && stiffness.size() >= block.first_a + n_a;
-    const auto W =
-        known
-            ? coupling_metric(
-                  map, model.has_blocks() ? model.metric().of(block.first_x, n_x) : model.metric(),
-                  q.segment(block.first_q, n_q), stiffness.segment(block.first_a, n_a), softness,
-                  model.coupling().get())
-            : std::nullopt;
+    const auto W = known ? coupling_metric(*block.kinematics, model.metric().of(block.first_x, n_x),
+                                           q.segment(block.first_q, n_q),
+                                           stiffness.segment(block.first_a, n_a), softness,
+                                           model.coupling().get())
+                         : std::nullopt;
     for (int i = 0; W && i < n_x; ++i) {
       for (int j = 0; j <= i; ++j) entry.lower.push_back((*W)(i, j));
     }

@@ -1,8 +1,6 @@
-#include "haptic/core/analysis/displayed_impedance.hpp"
+#include "tests/report/analysis/displayed_impedance.hpp"
 
 #include <cmath>
-
-#include "full_column_rank.hpp"
 
 namespace haptic::core {
 

@@ -1,4 +1,4 @@
-#include "haptic/core/analysis/finite_differences.hpp"
+#include "tests/report/analysis/finite_differences.hpp"
 
 #include <algorithm>
 #include <cmath>

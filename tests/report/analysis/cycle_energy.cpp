@@ -1,4 +1,4 @@
-#include "haptic/core/analysis/cycle_energy.hpp"
+#include "tests/report/analysis/cycle_energy.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "haptic/core/analysis/coupling_metric.hpp"
+#include "haptic/core/projection/coupling_metric.hpp"
 
 #include <gtest/gtest.h>
 

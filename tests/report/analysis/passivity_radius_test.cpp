@@ -1,4 +1,4 @@
-#include "haptic/core/analysis/passivity_radius.hpp"
+#include "tests/report/analysis/passivity_radius.hpp"
 
 #include <gtest/gtest.h>
 

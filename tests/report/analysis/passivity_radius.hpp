@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "haptic/core/analysis/displayed_impedance.hpp"
+#include "tests/report/analysis/displayed_impedance.hpp"
 
 namespace haptic::core {
 

@@ -1,12 +1,12 @@
-#include "haptic/core/analysis/trajectory_metrics.hpp"
+#include "tests/report/analysis/trajectory_metrics.hpp"
 
 #include <algorithm>
 #include <string>
 #include <utility>
 
-#include "haptic/core/analysis/cycle_energy.hpp"
 #include "haptic/core/error.hpp"
 #include "haptic/core/projection/renderer.hpp"
+#include "tests/report/analysis/cycle_energy.hpp"
 
 namespace haptic::core {
 

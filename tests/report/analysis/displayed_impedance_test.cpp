@@ -1,4 +1,4 @@
-#include "haptic/core/analysis/displayed_impedance.hpp"
+#include "tests/report/analysis/displayed_impedance.hpp"
 
 #include <gtest/gtest.h>
 

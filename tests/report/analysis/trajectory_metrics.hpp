@@ -5,9 +5,9 @@
 
 #include <vector>
 
-#include "haptic/core/analysis/displayed_impedance.hpp"
-#include "haptic/core/analysis/finite_differences.hpp"
-#include "haptic/core/analysis/trajectory.hpp"
+#include "tests/report/analysis/displayed_impedance.hpp"
+#include "tests/report/analysis/finite_differences.hpp"
+#include "tests/report/analysis/trajectory.hpp"
 
 namespace haptic::core {
 

@@ -1,8 +1,8 @@
-#include "full_column_rank.hpp"
+#include "haptic/core/linear/full_column_rank.hpp"
 
 #include <Eigen/QR>
 
-#include "haptic/core/linear/least_squares.hpp"
+#include "haptic/core/linear/householder.hpp"
 
 namespace haptic::core {
 
@@ -16,7 +16,7 @@ std::optional<FullColumnRank> full_column_rank(const MatXQ& A) {
   // Offline, so sized freely: the compiler knows these types already.
   const Eigen::MatrixXd scaled = A * norms.cwiseInverse().asDiagonal();
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
-  qr.setThreshold(LeastSquares::kRankThreshold);
+  qr.setThreshold(kRankThreshold);
   if (qr.rank() < n) return std::nullopt;
   const Eigen::MatrixXd pseudo_inverse = qr.solve(Eigen::MatrixXd::Identity(m, m));
   result.inverse = norms.cwiseInverse().asDiagonal() * pseudo_inverse;

@@ -1,4 +1,4 @@
-#include "haptic/core/analysis/trajectory.hpp"
+#include "tests/report/analysis/trajectory.hpp"
 
 #include <algorithm>
 #include <cmath>

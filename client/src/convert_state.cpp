@@ -1,62 +1,94 @@
+// v1::DeviceState -> DeviceState, by the lists of fields in state.hpp: each member is read through
+// the message's reflection, by its type. The descriptors are looked up by name once.
+#include <type_traits>
+
 #include "convert.hpp"
+#include "google/protobuf/reflection.h"
 
 namespace haptic::client {
 namespace {
 
-PassivityState to_passivity(const v1::PassivityState& m) {
-  return {m.tank(), m.storage(), m.scale(), m.observed(), m.alpha()};
+namespace pb = google::protobuf;
+using pb::FieldDescriptor;
+
+/// Descriptors of the fields that State lists, in that order. An unknown name is null, which the
+/// tests find.
+template <typename State>
+const std::vector<const FieldDescriptor*>& fields_of(const pb::Descriptor& type) {
+  static const auto fields = [&type] {
+    std::vector<const FieldDescriptor*> found;
+    State state;
+    State::for_each(state,
+                    [&](const char* name, auto&) { found.push_back(type.FindFieldByName(name)); });
+    return found;
+  }();
+  return fields;
 }
 
-TrackerState to_tracker(const v1::TrackerState& m) {
-  return {m.seq_used(), std::chrono::microseconds(m.age_us()),
-          static_cast<Staleness>(m.staleness())};
+/// Calls f(descriptor, member) for every field that the structure lists.
+template <typename State, typename F>
+void for_each_field(State& state, const pb::Message& message, F f) {
+  const FieldDescriptor* const* next = fields_of<State>(*message.GetDescriptor()).data();
+  State::for_each(state, [&](const char*, auto& member) { f(*next++, member); });
 }
 
-CertificateState to_certificate(const v1::CertificateState& m) {
-  return {static_cast<CertificateState::Status>(m.status()), m.margin(), m.block()};
-}
+struct Reader {
+  const pb::Message& message;
+  const pb::Reflection& from = *message.GetReflection();
+
+  template <typename State>
+  void read(State& state) const {
+    for_each_field(state, message, *this);
+  }
+  void operator()(const FieldDescriptor* field, double& to) const {
+    to = from.GetDouble(message, field);
+  }
+  void operator()(const FieldDescriptor* field, std::uint64_t& to) const {
+    to = from.GetUInt64(message, field);
+  }
+  void operator()(const FieldDescriptor* field, std::int64_t& to) const {
+    to = from.GetInt64(message, field);
+  }
+  void operator()(const FieldDescriptor* field, std::uint32_t& to) const {
+    to = field->enum_type() == nullptr
+             ? from.GetUInt32(message, field)
+             : static_cast<std::uint32_t>(from.GetEnumValue(message, field));
+  }
+  void operator()(const FieldDescriptor* field, std::chrono::microseconds& to) const {
+    to = std::chrono::microseconds(from.GetUInt64(message, field));
+  }
+  template <typename Number>
+  requires std::is_arithmetic_v<Number>
+  void operator()(const FieldDescriptor* field, std::vector<Number>& to) const {
+    const auto values = from.GetRepeatedFieldRef<Number>(message, field);
+    to.assign(values.begin(), values.end());
+  }
+  template <typename State>
+  void operator()(const FieldDescriptor* field, std::optional<State>& to) const {
+    if (!from.HasField(message, field)) return;
+    Reader{from.GetMessage(message, field)}.read(to.emplace());
+  }
+  template <typename State>
+  void operator()(const FieldDescriptor* field, std::vector<State>& to) const {
+    to.resize(static_cast<std::size_t>(from.FieldSize(message, field)));
+    int next = 0;
+    for (State& state : to) Reader{from.GetRepeatedMessage(message, field, next++)}.read(state);
+  }
+  template <typename Enum>
+  requires std::is_enum_v<Enum>
+  void operator()(const FieldDescriptor* field, Enum& to) const {
+    to = static_cast<Enum>(from.GetEnumValue(message, field));
+  }
+};
 
 }  // namespace
 
-DeviceState to_state(const v1::DeviceState& m) {
-  DeviceState s;
-  s.seq = m.seq();
-  s.server_time_ns = m.server_time_ns();
-  s.state = static_cast<Lifecycle>(m.state());
-  s.mode = static_cast<Mode>(m.mode());
-  s.proxy_seq_used = m.proxy_seq_used();
-  s.proxy_age = std::chrono::microseconds(m.proxy_age_us());
-  s.staleness = static_cast<Staleness>(m.staleness());
-  s.gain = m.gain();
-  s.carrier = static_cast<Carrier>(m.transport());
-  s.lease_epoch = m.lease_epoch();
-  s.q = to_vector(m.q());
-  s.q_dot = to_vector(m.q_dot());
-  s.x_probe = to_vector(m.x_probe());
-  s.x = to_vector(m.x());
-  s.q_star = to_vector(m.q_star());
-  s.tau_a = to_vector(m.tau_a());
-  s.tau_elastic = to_vector(m.tau_elastic());
-  s.stiffness_in_effect = to_vector(m.stiffness_in_effect());
-  s.tau_measured = to_vector(m.tau_measured());
-  s.drive = to_vector(m.drive());
-  s.temperature_c = to_vector(m.temperature_c());
-  s.reading = to_vector(m.reading());
-  s.projection = static_cast<unsigned>(m.projection());
-  s.condition = m.condition();
-  s.active_planes = m.active_planes();
-  s.faults = m.faults();
-  s.limiters = m.limiters();
-  s.actuator_limiters = to_vector(m.actuator_limiters());
-  if (m.has_passivity()) s.passivity = to_passivity(m.passivity());
-  if (m.has_tracker()) s.tracker = to_tracker(m.tracker());
-  if (m.has_certificate()) s.certificate = to_certificate(m.certificate());
-  for (const v1::CouplingBlock& block : m.coupling_metric()) {
-    s.coupling_metric.push_back({block.coordinates(), to_vector(block.lower())});
-  }
-  s.received = std::chrono::steady_clock::now();
-  s.message = m.SerializeAsString();
-  return s;
+DeviceState to_state(const v1::DeviceState& message) {
+  DeviceState state;
+  Reader{message}.read(state);
+  state.received = std::chrono::steady_clock::now();
+  state.message = message.SerializeAsString();
+  return state;
 }
 
 }  // namespace haptic::client

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "server/base/figures.hpp"
-#include "server/state/state_record.hpp"
+#include "server/crossing/state_record.hpp"
 
 namespace haptic::server {
 namespace {

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "server/session/settings_policy.hpp"
-#include "server/state/state_record.hpp"
+#include "server/crossing/state_record.hpp"
 
 namespace haptic::server {
 namespace {

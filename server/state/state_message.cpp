@@ -7,89 +7,6 @@
 namespace haptic::server {
 namespace {
 
-using Doubles = google::protobuf::RepeatedField<double>;
-
-template <std::size_t N>
-void copy(const Numbers<N>& from, Doubles* to) {
-  to->Clear();
-  to->Add(from.begin(), from.end());
-}
-
-std::uint64_t whole_microseconds(core::Duration age) {
-  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(age).count();
-  return static_cast<std::uint64_t>(std::max<std::int64_t>(0, us));
-}
-
-void to_proto(const core::PassivityRecord& record, v1::PassivityState& state) {
-  state.set_tank(record.tank);
-  state.set_storage(record.storage);
-  state.set_scale(record.scale);
-  state.set_observed(record.observed);
-  state.set_alpha(record.alpha);
-}
-
-void to_proto(const core::TrackerRecord& record, v1::TrackerState& state) {
-  state.set_seq_used(record.seq);
-  state.set_age_us(whole_microseconds(record.age));
-  state.set_staleness(static_cast<v1::StalenessLevel>(record.level));
-}
-
-void to_proto(const core::Certificate& certificate, v1::CertificateState& state) {
-  state.set_status(static_cast<v1::CertificateStatus>(certificate.status));
-  state.set_margin(certificate.margin);
-  state.set_block(static_cast<std::uint32_t>(certificate.block));
-}
-
-/// One per actuated DoF, or none if none acted.
-void to_limiters(const StateRecord& record, v1::DeviceState& state) {
-  state.clear_actuator_limiters();
-  const auto begin = record.actuator_limiters.begin();
-  const auto end = begin + record.tau_a.count;
-  if (std::any_of(begin, end, [](std::uint32_t bits) { return bits != 0; })) {
-    state.mutable_actuator_limiters()->Add(begin, end);
-  }
-}
-
-void write_record(const StateRecord& record, v1::DeviceState& state) {
-  state.set_seq(record.tick);
-  state.set_server_time_ns(record.now.time_since_epoch().count());
-  copy(record.q, state.mutable_q());
-  copy(record.q_a_dot, state.mutable_q_dot());
-  copy(record.x_probe, state.mutable_x_probe());
-  copy(record.x, state.mutable_x());
-  state.set_active_planes(record.active_planes);
-  state.clear_passivity();
-  if (record.passivity.on) to_proto(record.passivity, *state.mutable_passivity());
-  copy(record.q_star, state.mutable_q_star());
-  copy(record.tau_a, state.mutable_tau_a());
-  copy(record.tau_elastic, state.mutable_tau_elastic());
-  state.set_proxy_seq_used(record.proxy_seq);
-  state.set_proxy_age_us(whole_microseconds(record.proxy_age));
-  state.clear_tracker();
-  if (record.tracker.on) to_proto(record.tracker, *state.mutable_tracker());
-  state.set_staleness(static_cast<v1::StalenessLevel>(record.staleness));
-  state.set_gain(record.gain);
-  state.set_transport(static_cast<v1::Transport>(record.carrier));
-  state.set_state(static_cast<v1::DeviceStateName>(record.state));
-  state.set_faults(record.faults.bits());
-  state.set_limiters(record.limiters.bits());
-  state.clear_stiffness_in_effect();
-  for (const double k : record.stiffness) state.add_stiffness_in_effect(record.gain * k);
-  state.set_projection(static_cast<v1::ProjectionStatus>(record.projection));
-  state.set_condition(record.condition);
-  state.set_lease_epoch(record.lease_epoch);
-  state.set_mode(static_cast<v1::ProxyMode>(record.mode));
-  state.clear_certificate();
-  if (record.certificate.status != core::CertificateStatus::kOff) {
-    to_proto(record.certificate, *state.mutable_certificate());
-  }
-  copy(record.tau_measured, state.mutable_tau_measured());
-  copy(record.reading, state.mutable_reading());
-  copy(record.temperature_c, state.mutable_temperature_c());
-  copy(record.drive, state.mutable_drive());
-  to_limiters(record, state);
-}
-
 void write_coupling(const std::vector<core::CouplingBlock>& blocks, v1::DeviceState& state) {
   state.clear_coupling_metric();
   for (const core::CouplingBlock& block : blocks) {
@@ -119,7 +36,7 @@ StateMessage::StateMessage(const core::PipelineConfig& config,
 }
 
 const v1::DeviceState& StateMessage::write(const StateRecord& record) {
-  write_record(record, state_);
+  haptic::server::write(record, state_);
   if (coupling_) {
     const auto vector = [](const Values& from) {
       return core::VecQ(Eigen::Map<const core::VecQ>(from.begin(), from.count));

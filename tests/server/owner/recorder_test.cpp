@@ -20,7 +20,7 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/replay/replay.hpp"
-#include "server/state/state_record.hpp"
+#include "server/crossing/state_record.hpp"
 #include "tests/server/support/device_rig.hpp"
 
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "haptic/schema/fields.hpp"
-#include "server/state/state_record.hpp"
+#include "server/crossing/state_record.hpp"
 #include "tests/server/support/device_rig.hpp"
 
 namespace haptic::server {

@@ -42,6 +42,9 @@ enum class Lifecycle : std::uint8_t {
 [[nodiscard]] std::vector<std::string> fault_names(std::uint32_t faults);
 [[nodiscard]] std::vector<std::string> limiter_names(std::uint32_t limiters);
 
+// Every structure lists its fields in for_each(), which calls f(name, member) with the field's name
+// in session.proto. A state is read by these lists.
+
 /// The server's account of energy: core/METHOD.md#energy-tank and
 /// core/METHOD.md#passivity-observer.
 struct PassivityState {
@@ -51,6 +54,15 @@ struct PassivityState {
   double observed{0.0};  ///< J; taken from the user beyond what is stored
   double alpha{0.0};     ///< s; the passivity controller adds alpha times the stiffness as damping
 
+  template <typename F>
+  static void for_each(PassivityState& s, F&& f) {
+    f("tank", s.tank);
+    f("storage", s.storage);
+    f("scale", s.scale);
+    f("observed", s.observed);
+    f("alpha", s.alpha);
+  }
+
   friend bool operator==(const PassivityState&, const PassivityState&) = default;
 };
 
@@ -59,6 +71,13 @@ struct TrackerState {
   std::uint64_t seq_used{0};         ///< 0: none came so far
   std::chrono::microseconds age{0};  ///< meaningless while seq_used is 0
   Staleness staleness{Staleness::kUnknown};
+
+  template <typename F>
+  static void for_each(TrackerState& s, F&& f) {
+    f("seq_used", s.seq_used);
+    f("age_us", s.age);
+    f("staleness", s.staleness);
+  }
 
   friend bool operator==(const TrackerState&, const TrackerState&) = default;
 };
@@ -79,6 +98,13 @@ struct CertificateState {
   double margin{0.0};  ///< while kComputed; 1 with the proxy at the probe, 0 or less: not passive
   unsigned block{0};   ///< independent part of the map (a finger) with the least margin
 
+  template <typename F>
+  static void for_each(CertificateState& s, F&& f) {
+    f("status", s.status);
+    f("margin", s.margin);
+    f("block", s.block);
+  }
+
   friend bool operator==(const CertificateState&, const CertificateState&) = default;
 };
 [[nodiscard]] const char* name(CertificateState::Status status) noexcept;  ///< "COMPUTED"
@@ -91,6 +117,12 @@ struct CouplingBlock {
   /// The lower triangle of W row by row: W00, W10, W11, W20 ...; empty: the Jacobian has no full
   /// column rank here.
   std::vector<double> lower{};
+
+  template <typename F>
+  static void for_each(CouplingBlock& s, F&& f) {
+    f("coordinates", s.coordinates);
+    f("lower", s.lower);
+  }
 
   friend bool operator==(const CouplingBlock&, const CouplingBlock&) = default;
 };
@@ -134,6 +166,42 @@ struct DeviceState {
   std::chrono::steady_clock::time_point received{};
   /// The serialised haptic.v1.DeviceState that all of this was read from, for state_fields().
   std::string message{};
+
+  template <typename F>
+  static void for_each(DeviceState& s, F&& f) {
+    f("seq", s.seq);
+    f("server_time_ns", s.server_time_ns);
+    f("state", s.state);
+    f("mode", s.mode);
+    f("proxy_seq_used", s.proxy_seq_used);
+    f("proxy_age_us", s.proxy_age);
+    f("staleness", s.staleness);
+    f("gain", s.gain);
+    f("transport", s.carrier);
+    f("lease_epoch", s.lease_epoch);
+    f("q", s.q);
+    f("q_dot", s.q_dot);
+    f("x_probe", s.x_probe);
+    f("x", s.x);
+    f("q_star", s.q_star);
+    f("tau_a", s.tau_a);
+    f("tau_elastic", s.tau_elastic);
+    f("stiffness_in_effect", s.stiffness_in_effect);
+    f("tau_measured", s.tau_measured);
+    f("drive", s.drive);
+    f("temperature_c", s.temperature_c);
+    f("reading", s.reading);
+    f("projection", s.projection);
+    f("condition", s.condition);
+    f("active_planes", s.active_planes);
+    f("faults", s.faults);
+    f("limiters", s.limiters);
+    f("actuator_limiters", s.actuator_limiters);
+    f("passivity", s.passivity);
+    f("tracker", s.tracker);
+    f("certificate", s.certificate);
+    f("coupling_metric", s.coupling_metric);
+  }
 
   friend bool operator==(const DeviceState&, const DeviceState&) = default;
 };

@@ -190,7 +190,7 @@ OPENINGS = {
     "another session": {"own_session": 7}, "session 0": {"own_session": 0},
 }
 DICTIONARIES = {
-    "no dictionary": [], "two DoFs": [dof(), dof_two()], "index 1": [dof(1)],
+    "no dictionary": [], "index 1": [dof(1)],
     "index 255": [dof(255)], "unit 7": [dof(unit=7)], "radians": [dof(unit=1)],
     "sensed": [dof(actuated=0)], "actuated 2": [dof(actuated=2)],
     "lower above upper": [dof(lower=1.0, upper=-1.0)], "range NaN": [dof(lower=NAN)],
@@ -208,6 +208,7 @@ def bad_openings(folder):
     wrong, running = [], []
     cases = [(name, fields, None) for name, fields in OPENINGS.items()]
     cases += [(name, {}, dofs) for name, dofs in DICTIONARIES.items()]
+    cases.append(("two DoFs", {"n_q": 2}, [dof(), dof_two()]))
 
     def finish(name, board, daemon):
         if daemon.process.poll() is None and board.hellos.value == 0:
@@ -293,8 +294,9 @@ def bad_states(folder):
         session = Session(calls, device="board")
         session.open()
         for lie in UNDER_FORCE:
-            if not press(calls, session, 8.0, ("ENGAGED",)):
-                wrong.append(f"before {lie}: no force")
+            if not press(calls, session, 12.0, ("ENGAGED",)):
+                wrong.append(f"before {lie}: no force, state {session.state.state}, "
+                             f"faults {session.state.faults}, {session.status}")
                 break
             board.commands()
             board.tell(lie)

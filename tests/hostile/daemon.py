@@ -204,13 +204,16 @@ STOP = COMMAND
 
 
 def local_stop(daemon):
-    """Stops the spare device as a user of this host does: seconds; None: it was not stopped.
+    """Stops the spare device as a user of this host does: seconds. Raises OSError if it was not
+    stopped.
 
     The one place that knows how. hapticd has no local control socket yet, so that this is the
     whole command `hapticctl estop`, over the network's own door. With a socket STOP is SOCKET."""
-    seconds, status, _ = control(daemon, "--device", "spare", "estop", "--reason", "row",
-                                 timeout=2.0)
-    return seconds if status == 0 else None
+    seconds, status, words = control(daemon, "--device", "spare", "estop", "--reason", "row",
+                                     timeout=2.0)
+    if status != 0:
+        raise OSError(f"status {status} after {seconds:.1f} s: {words.strip()}")
+    return seconds
 
 
 def in_time():
@@ -229,7 +232,7 @@ class Probe:
     def __init__(self, daemon, stops=True):
         self.daemon, self.running = daemon, True
         self.owner, self.front, self.front_limit = 0, 0, None
-        self.stops, self.unanswered, self.punctual = [], 0, False
+        self.stops, self.unanswered, self.punctual = [], [], False
         self.threads = [threading.Thread(target=self.memory)]
         if stops:
             self.threads.append(threading.Thread(target=self.stopping))
@@ -250,11 +253,10 @@ class Probe:
     def stopping(self):
         self.punctual = in_time()
         while self.running:
-            took = local_stop(self.daemon)
-            if took is None:
-                self.unanswered += 1
-            else:
-                self.stops.append(took)
+            try:
+                self.stops.append(local_stop(self.daemon))
+            except OSError as why:
+                self.unanswered.append(str(why))
             time.sleep(STOP.every_s)
 
     def end(self):

@@ -123,7 +123,7 @@ class Measured:
     front_limit: int | None = None
     stops: list = dataclasses.field(default_factory=list)
     quiet_stops: list = dataclasses.field(default_factory=list)
-    unanswered: int = 0
+    unanswered: list = dataclasses.field(default_factory=list)  # stops: why not
     punctual: bool = False
     served: float | None = 0.0
     regained: float | None = 0.0
@@ -180,7 +180,7 @@ def failures(m, grows=GROWTH_MB):
     elif m.served > SERVED_S:
         found.append(f"served again after {m.served:.1f} s")
     if m.unanswered:
-        found.append(f"{m.unanswered} local stops without answer")
+        found.append(f"{len(m.unanswered)} local stops without answer ({m.unanswered[0][:80]})")
     late = late_stop(m.stops)
     if m.punctual and late > max(STOP.limit_s, 1.5 * late_stop(m.quiet_stops)):
         found.append(f"local stop took {1e3 * late:.0f} ms")

@@ -106,7 +106,7 @@ class Verdict(unittest.TestCase):
                 ({"front": 30 * MB}, "front without RLIMIT_DATA"),
                 ({"served": None}, "not served again"),
                 ({"served": 1.2}, "served again after 1.2 s"),
-                ({"unanswered": 1}, "1 local stops without answer"),
+                ({"unanswered": ["deaf"]}, "1 local stops without answer (deaf)"),
                 ({"stops": [0.3] * 20}, "local stop took 300 ms"),
                 ({"force": "force changed"}, "force changed"),
                 ({"faults": ["LOOP_LATE"]}, "fault LOOP_LATE"),

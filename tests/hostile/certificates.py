@@ -101,7 +101,7 @@ def tls_peers(folder):
         if priority(daemon, folder, "surgeon") != "OK":
             wrong.append("the surgeon may not be an operator")
         if priority(daemon, folder, "posing") != "PERMISSION_DENIED":
-            wrong.append("a common name counts beside alternative names")
+            wrong.append("a common name counts next to alternative names")
         notes.append(f"server-only certificate: status {info(*of('server_only'))}")
         for words in (["-tls1"], ["-tls1_1"], ["-tls1_2", "-cipher", "NULL:@SECLEVEL=0"],
                       ["-tls1_2", "-cipher", "AES128-SHA:@SECLEVEL=0"],

@@ -37,7 +37,7 @@ def each(daemon, requests, polite=True):
 
 
 def odd_headers(daemon):
-    """te, :scheme, load balancers' headers, with 12 KB beside them, polite and not."""
+    """te, :scheme, load balancers' headers, alone and with 12 KB more, polite and not."""
     big = [("x", "y" * 12_000)]
     odd = [
         block(*REQUEST, (":path", INFO), ("te", "gzip"), GRPC[1]),

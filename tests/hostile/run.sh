@@ -5,7 +5,7 @@
 #   tests/hostile/run.sh [--row NAME]... [--hogs] [--repeat N] [--list] [--build FOLDER]
 #     [--out FILE]
 #
-# NAME: a row, or how rows begin and then '*'. --hogs: beside two processes that compute. FOLDER:
+# NAME: a row, or how rows begin and then '*'. --hogs: next to two processes that compute. FOLDER:
 # build/release by default, built before (tests/run.sh does). FILE: hostile.csv in FOLDER by
 # default. Exit status 1 if a row failed.
 set -euo pipefail

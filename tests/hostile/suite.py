@@ -22,6 +22,7 @@ from judge import (Measured, failures, judge_ticks, late_stop, losses, median_in
 from rows import ROWS
 
 LEAST_S = 1.5  # of an attack: one that is over sooner is made again
+MOST_SENT = 32 * MB  # by an attack that is made again
 GIVEN_UP_S = 6.0  # for service or force to come back
 COLUMNS = ("row", "kind", "finding", "expected", "got", "verdict", "seconds", "sent_mb",
            "owner_before_mb", "owner_growth_mb", "front_mb", "front_limit_mb", "skipped_quiet",
@@ -75,8 +76,8 @@ def attacked(row, daemon):
         whole["sent"] += answer.get("sent", 0)
         whole["wrong"] += answer.get("wrong", [])
         whole["notes"] = answer.get("notes", [])
-        if whole["wrong"] or daemon.process.poll() is not None or \
-                time.monotonic() > began + LEAST_S:
+        enough = time.monotonic() > began + LEAST_S or whole["sent"] > MOST_SENT
+        if enough or whole["wrong"] or daemon.process.poll() is not None:
             return whole
 
 
@@ -250,7 +251,7 @@ def main():
     parser = argparse.ArgumentParser(prog="tests/hostile/run.sh", description=__doc__)
     parser.add_argument("--row", action="append", help="only this row, or rows that begin so and "
                         "end with '*'; may be repeated")
-    parser.add_argument("--hogs", action="store_true", help="beside two processes that compute")
+    parser.add_argument("--hogs", action="store_true", help="next to two processes that compute")
     parser.add_argument("--repeat", type=int, default=1, help="run everything so often")
     parser.add_argument("--out", default="hostile.csv", help="the CSV")
     parser.add_argument("--list", action="store_true", help="print the rows and end")

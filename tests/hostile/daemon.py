@@ -73,6 +73,14 @@ def descendants(pid):
     return found
 
 
+def end_all(pid, itself=True):
+    """Ends a process and all that it started."""
+    for one in descendants(pid):
+        if itself or one != pid:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(one, signal.SIGKILL)
+
+
 def resident(pid):
     """Bytes; 0 if it is gone."""
     try:
@@ -169,12 +177,9 @@ class Daemon:
         return False
 
     def kill(self):
-        started = [pid for pid in descendants(self.pid) if pid != self.pid]
-        self.process.kill()
+        if self.process.poll() is None:
+            end_all(self.pid)
         self.process.wait()
-        for pid in started:  # they die with the owner; a row must leave nothing behind all the same
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGKILL)
 
 
 def control(daemon, *words, timeout=5.0):

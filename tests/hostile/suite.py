@@ -15,7 +15,7 @@ import tempfile
 import time
 import traceback
 
-from daemon import MB, STOP, Controller, Daemon, Probe, control, resident
+from daemon import MB, STOP, Controller, Daemon, Probe, control, end_all, resident
 from frames import served
 from judge import (Measured, failures, judge_ticks, late_stop, losses, median_interval,
                    read_record, skipped)
@@ -37,6 +37,7 @@ def in_child(work, *arguments):
 
     def run():
         here.close()
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
         files = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
         resource.setrlimit(resource.RLIMIT_NOFILE, (min(files, 20_000),) * 2)
         try:
@@ -63,7 +64,7 @@ def answer_of(child, pipe, seconds):
             answer = {"wrong": [f"the row did not end within {seconds:.0f} s"]}
     child.join(0.5 if answer else 0.1)
     if child.is_alive():
-        child.kill()
+        end_all(child.pid)
         child.join()
     return answer
 
@@ -132,7 +133,7 @@ def attack(row, folder):
             time.sleep(0.7)
         m.term, m.status = daemon.stop()
         if again:
-            again[0].kill()
+            end_all(again[0].pid)
             answer_of(*again, 0.1)
         if not row.regains and m.regained is None:
             m.regained = 0.0
@@ -247,6 +248,12 @@ def hogs(count):
             hog.wait()
 
 
+def ended(*_):
+    """A row leaves nothing behind, also if it is interrupted."""
+    end_all(os.getpid(), itself=False)
+    os._exit(1)
+
+
 def main():
     parser = argparse.ArgumentParser(prog="tests/hostile/run.sh", description=__doc__)
     parser.add_argument("--row", action="append", help="only this row, or rows that begin so and "
@@ -265,7 +272,8 @@ def main():
     if not wanted:
         print("no such row; --list shows them", file=sys.stderr)
         return 2
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
+    signal.signal(signal.SIGTERM, ended)
+    signal.signal(signal.SIGINT, ended)
     lines, measured = [], []
     with hogs(2 if options.hogs else 0), open(options.out, "w", newline="") as out:
         writer = csv.writer(out, lineterminator="\n")

@@ -73,6 +73,10 @@ def descendants(pid):
     return found
 
 
+def fronts_of(pid):
+    return [one for one, name in descendants(pid).items() if name.startswith("hapticd-front")]
+
+
 def end_all(pid, itself=True):
     """Ends a process and all that it started."""
     for one in descendants(pid):
@@ -154,8 +158,7 @@ class Daemon:
 
     def fronts(self):
         """The processes that face the network; none: the owner does it itself."""
-        return [pid for pid, name in descendants(self.pid).items()
-                if name.startswith("hapticd-front")]
+        return fronts_of(self.pid)
 
     def stop(self, patience=20.0):
         """SIGTERM; (seconds until it ended, exit status). Killed if that takes too long."""

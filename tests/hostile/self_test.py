@@ -4,10 +4,14 @@ say what their documents say. Without a daemon, in a second."""
 import dataclasses
 import pathlib
 import re
+import shutil
+import subprocess
 import tempfile
+import time
 import unittest
 
 import board
+import daemon
 import frames
 from daemon import MB
 from judge import (Measured, Tick, failures, judge_ticks, median_interval, read_record, skipped,
@@ -157,6 +161,30 @@ class Rows(unittest.TestCase):
     def test_each_row_says_what_it_does(self):
         for row in ROWS:
             self.assertTrue(callable(row.attack) and row.expected, row.name)
+
+
+class Processes(unittest.TestCase):
+    def test_a_grandchild_that_faces_the_network_is_found(self):
+        with tempfile.TemporaryDirectory() as folder:
+            front = pathlib.Path(folder) / "hapticd-front"
+            shutil.copy(shutil.which("sleep"), front)
+            limit = "ulimit -d 100000; "
+            owner = subprocess.Popen(["sh", "-c", f"sh -c '{limit} {front} 60; true'; true"])
+            try:
+                latest = time.monotonic() + 20.0
+                while not daemon.fronts_of(owner.pid) and time.monotonic() < latest:
+                    time.sleep(0.01)
+                found = daemon.fronts_of(owner.pid)
+                self.assertEqual(len(found), 1)
+                self.assertEqual(daemon.data_limit(found[0]), 100_000 * 1024)
+                self.assertGreater(daemon.resident(found[0]), 0)
+            finally:
+                daemon.end_all(owner.pid)
+                owner.wait()
+            latest = time.monotonic() + 20.0
+            while daemon.resident(found[0]) and time.monotonic() < latest:
+                time.sleep(0.01)
+            self.assertEqual(daemon.resident(found[0]), 0)
 
 
 class Codecs(unittest.TestCase):

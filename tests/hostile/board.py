@@ -10,6 +10,8 @@ import struct
 import time
 import tty
 
+from daemon import in_time
+
 HELLO, ARM, DISARM, COMMAND = 1, 2, 3, 4
 IDENTITY, DOF, STATE, COUNTERS = 0x81, 0x82, 0x83, 0x84
 DISARMED, ARMED, STOPPED, FAULT = range(4)
@@ -118,6 +120,7 @@ class Firmware:
                 self.nonces.append(self.nonce)
         elif kind == DISARM:
             self.state, self.drive = DISARMED, 0.0
+            self.commands.append((time.monotonic(), seq, self.nonce, 0.0))
         elif kind == COMMAND and len(payload) >= 10:
             nonce, what, count = struct.unpack_from("<IBB", payload)
             value = struct.unpack_from("<f", payload, 6)[0]
@@ -171,6 +174,7 @@ class Board:
         self.process.start()
 
     def run(self, pipe, firmware):
+        in_time()  # a board has a clock of its own, however busy this host is
         rest, due = b"", time.monotonic()
         while True:
             with contextlib.suppress(BlockingIOError, OSError):
@@ -186,6 +190,8 @@ class Board:
                     pipe.send(firmware.commands)
                     firmware.commands = []
             due = max(due + 0.001, time.monotonic() - 0.01)
+            if not firmware.session:  # nothing to say yet, and other boards may be at work
+                due = time.monotonic() + 0.010
             select.select([], [], [], max(0.0, due - time.monotonic()))
 
     def write(self, data):
@@ -196,7 +202,7 @@ class Board:
         self.lying.value = lie.encode()
 
     def commands(self):
-        """Since the last call: (time, seq, nonce, newtons)."""
+        """Since the last call: (time, seq, nonce, newtons); a DISARM is 0 N."""
         self.here.send("commands")
         return self.here.recv()
 

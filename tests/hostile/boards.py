@@ -82,85 +82,111 @@ def lie_of_cell(name, f):
         f["force"][0] = 45.0 if f["time"] // 50_000 % 2 else -45.0
 
 
-def lying_cell(folder):
-    """The server closes the force loop on a cell that lies: fault and zero within 2 s, and never a
-    step beyond the slew limit."""
-    wrong, notes = [], []
-    for lie in ("negative", "alternating", "stuck", "frozen", "wrong_sign", "jumps"):
-        board = Board(lie=lie_of_cell)
-        daemon = None
-        try:
-            daemon = serve(board, f"{folder}/{lie}", LOOP)
-            from calls import Session, stub
-            calls = stub(daemon)
-            session = Session(calls, device="board")
-            if not session.open() or not press(calls, session, 8.0, ("ENGAGED",)):
-                wrong.append(f"{lie}: no force before the lie: {daemon.text()[-200:]}")
-                continue
-            press(calls, session, 0.5)
-            honest = board.commands()
-            board.tell(lie)
-            began = time.monotonic()
-            end = began + 2.0
-            while time.monotonic() < end:  # the stuck cell shows only while the drive changes
-                session.publish([0.010 + 0.008 * (int(10 * time.monotonic()) % 2)])
-                if session.state.state == 7:
-                    break
-                time.sleep(0.010)
-            faulted = time.monotonic() - began if session.state.state == 7 else None
-            press(calls, session, 0.2)
-            commands = board.commands()
-            values = [value for _, _, _, value in commands]
-            over = steps(honest[-50:] + commands)
-            if faulted is None:
-                wrong.append(f"{lie}: no fault, drive {min(values):.1f}..{max(values):.1f} N")
-            elif values and values[-1] != 0.0:
-                wrong.append(f"{lie}: {values[-1]:.1f} N after the fault")
-            if over > 0.0:
-                wrong.append(f"{lie}: {over:.1f} N beyond the slew limit")
-            if faulted is not None:
-                notes.append(f"{lie}: fault after {1e3 * faulted:.0f} ms")
-            session.end()
-        finally:
-            if daemon is not None:
-                daemon.stop()
-            board.end()
-    return {"wrong": wrong, "notes": notes}
+LINK = 1 << 1 | 1 << 2  # DEVICE_SILENT, DEVICE_LOST: of this host, which held the board up
 
 
-def honest_cell(folder):
-    """The control of lying_cell: a cell that does not lie makes no fault."""
-    board = Board(lie=lie_of_cell)
+def one_lie(lie, board, folder):
+    """(what was wrong, when the fault came); None: the host held the board up."""
     daemon = serve(board, folder, LOOP)
     try:
         from calls import Session, stub
         calls = stub(daemon)
         session = Session(calls, device="board")
-        if not session.open() or not press(calls, session, 8.0, ("ENGAGED",)):
-            return {"wrong": ["no force"]}
-        board.commands()
-        end = time.monotonic() + 4.0
-        while time.monotonic() < end:
-            session.publish([0.010 + 0.008 * (int(3 * time.monotonic()) % 2)])
+        if not session.open() or not press(calls, session, 12.0, ("ENGAGED",)):
+            return [f"{lie}: no force before the lie"], None
+        press(calls, session, 0.5)
+        honest = board.commands()
+        board.tell(lie)
+        began = time.monotonic()
+        while time.monotonic() < began + 2.0:  # the stuck cell shows only while the drive changes
+            session.publish([0.010 + 0.008 * (int(10 * time.monotonic()) % 2)])
+            if session.state.state == 7:
+                break
             time.sleep(0.010)
-        wrong = [f"state {session.state.state}, faults {session.state.faults}"] \
-            if session.state.state != 5 else []
-        over = steps(board.commands())
-        if over > 0.0:
-            wrong.append(f"{over:.1f} N beyond the slew limit")
+        faulted = time.monotonic() - began if session.state.state == 7 else None
+        by_link = session.state.faults & ~LINK == 0
+        press(calls, session, 0.3)
+        commands = board.commands()
         session.end()
     finally:
         daemon.stop()
         board.end()
-    return {"wrong": wrong}
+    if faulted is not None and by_link:
+        return None
+    values, wrong, over = [c[3] for c in commands], [], steps(honest[-50:] + commands)
+    if faulted is None:
+        wrong.append(f"{lie}: no fault, drive {min(values):.1f}..{max(values):.1f} N")
+    elif values and values[-1] != 0.0:
+        wrong.append(f"{lie}: {values[-1]:.1f} N after the fault")
+    if over > 0.0:
+        wrong.append(f"{lie}: {over:.1f} N beyond the slew limit")
+    return wrong, faulted
+
+
+def lying_cell(folder):
+    """The server closes the force loop on a cell that lies: fault and zero within 2 s, and never a
+    step beyond the slew limit."""
+    lies = ("negative", "alternating", "stuck", "frozen", "wrong_sign", "jumps")
+    boards = [(lie, attempt, Board(lie=lie_of_cell)) for attempt in range(3) for lie in lies]
+    wrong, notes, done = [], [], set()
+    for lie, attempt, board in boards:
+        if lie in done:
+            board.end()
+            continue
+        said = one_lie(lie, board, f"{folder}/{lie}-{attempt}")
+        if said is None:
+            continue
+        done.add(lie)
+        wrong += said[0]
+        if said[1] is not None:
+            notes.append(f"{lie}: fault after {1e3 * said[1]:.0f} ms")
+    wrong += [f"{lie}: this host held the board up" for lie in lies if lie not in done]
+    return {"wrong": wrong, "notes": notes}
+
+
+def honest_once(board, folder):
+    """What was wrong; None: the host held the board up."""
+    daemon = serve(board, folder, LOOP)
+    try:
+        from calls import Session, stub
+        calls = stub(daemon)
+        session = Session(calls, device="board")
+        if not session.open() or not press(calls, session, 12.0, ("ENGAGED",)):
+            return ["no force"]
+        board.commands()
+        end = time.monotonic() + 4.0
+        while time.monotonic() < end and session.state.state == 5:
+            session.publish([0.010 + 0.008 * (int(3 * time.monotonic()) % 2)])
+            time.sleep(0.010)
+        state, over = session.state, steps(board.commands())
+        session.end()
+    finally:
+        daemon.stop()
+        board.end()
+    if state.faults and state.faults & ~LINK == 0:
+        return None
+    wrong = [f"state {state.state}, faults {state.faults}"] if state.state != 5 else []
+    return wrong + ([f"{over:.1f} N beyond the slew limit"] if over > 0.0 else [])
+
+
+def honest_cell(folder):
+    """The control of lying_cell: a cell that does not lie makes no fault."""
+    boards, wrong = [Board(lie=lie_of_cell) for _ in range(4)], None
+    for i, board in enumerate(boards):
+        if wrong is None:
+            wrong = honest_once(board, f"{folder}/{i}")
+        else:
+            board.end()
+    return {"wrong": ["this host held the board up"] if wrong is None else wrong}
 
 
 def bad_text(folder):
     """Serial number and model with bad UTF-8, ESC, newline, bidi: calls work, the log is clean."""
     wrong = []
-    for i, name in enumerate((b"\xff\xfe\xfd", b"a\x1b[31mb", b"line\nother", b"\xc2\x9b2J",
-                              "‮evil".encode(), b"%s%n{}")):
-        board = Board({"serial": name, "model": name})
+    names = (b"\xff\xfe\xfd", b"a\x1b[31mb", b"line\nother", b"\xc2\x9b2J",
+             "\u202eevil".encode(), b"%s%n{}")
+    boards = [Board({"serial": name, "model": name}) for name in names]
+    for i, (name, board) in enumerate(zip(names, boards)):
         daemon = serve(board, f"{folder}/{i}", wait=False)
         try:
             with contextlib.suppress(RuntimeError):
@@ -171,7 +197,7 @@ def bad_text(folder):
                 if status != "OK":
                     wrong.append(f"{name!r}: ListDevices {status}")
             log = daemon.log.read_bytes()
-            bad = [c for c in (b"\x1b", b"\xc2\x9b", "‮".encode(), b"\xff", b"\nother")
+            bad = [c for c in (b"\x1b", b"\xc2\x9b", "\u202e".encode(), b"\xff", b"\nother")
                    if c in log]
             if bad:
                 wrong.append(f"{name!r}: {bad[0]!r} in the log")

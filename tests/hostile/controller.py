@@ -7,6 +7,8 @@ MCP and PIP: rad, where the joints are held; relative to the first state. Prints
 device's state changes.
 """
 
+import contextlib
+import os
 import sys
 import time
 
@@ -37,6 +39,8 @@ def press(connection, device, x, relative):
 
 
 def main():
+    with contextlib.suppress(OSError):  # so that a loss of force is the daemon's, not the host's
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
     x = tuple(map(float, sys.argv[3:5]))
     while True:
         try:

@@ -92,10 +92,7 @@ class Product {
     return owner;
   }
   static server::RpcConfig config(std::vector<std::string> listen, std::string udp_listen) {
-    server::RpcConfig config;
-    config.listen = std::move(listen);
-    config.udp_listen = std::move(udp_listen);
-    return config;
+    return {.listen = std::move(listen), .udp_listen = std::move(udp_listen)};
   }
   static std::unique_ptr<server::DeviceUnit> make_unit(const server::Scene& scene,
                                                        std::unique_ptr<hw::Device> opened) {

@@ -18,10 +18,7 @@ using client::Proxy;
 using client::SessionOptions;
 
 server::RpcConfig with_udp() {
-  server::RpcConfig config;
-  config.listen = {"127.0.0.1:0"};
-  config.udp_listen = "127.0.0.1:0";
-  return config;
+  return {.listen = {"127.0.0.1:0"}, .udp_listen = "127.0.0.1:0"};
 }
 
 /// Publishes every 10 ms until `condition`.

@@ -95,9 +95,7 @@ class RawHttp2 {
 };
 
 server::RpcConfig hasty() {
-  server::RpcConfig config{{"127.0.0.1:0"}};
-  config.keep_alive = {300ms, 1700ms};
-  return config;
+  return {.listen = {"127.0.0.1:0"}, .keep_alive = {300ms, 1700ms}};
 }
 
 TEST(KeepAlive, GivesUpAfterAnUnansweredPing) {

@@ -10,8 +10,7 @@ namespace {
 
 TEST(SessionService, StatesComeDownInOrder) {
   LiveServer server;
-  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(server.channel());
   EXPECT_EQ(session.opened().device(), "rig");
   EXPECT_EQ(session.opened().lease_epoch(), 1U);
   EXPECT_EQ(session.opened().lease_timeout().seconds(), 2);
@@ -26,8 +25,7 @@ TEST(SessionService, StatesComeDownInOrder) {
 TEST(SessionService, PressesOverAUnixSocketToo) {
   const std::string path = "/tmp/haptic_rpc_test_" + std::to_string(::getpid()) + ".sock";
   LiveServer server({{"unix:" + path}});
-  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(server.channel());
   ASSERT_TRUE(session.press());
   EXPECT_NEAR(session.state().tau_a(0), 1.0, 1e-9);  // 0.01 m at 100 N/m
   EXPECT_EQ(session.state().transport(), v1::TRANSPORT_GRPC);
@@ -38,8 +36,7 @@ TEST(SessionService, PlanesHoldTheProxy) {
   config.passivity.tank.enabled = true;
   config.passivity.tank.initial = 0.002;
   LiveServer server({{"127.0.0.1:0"}}, config);
-  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(server.channel());
   v1::SessionRequest message;
   v1::ProxySample& sample = *message.mutable_proxy();
   sample.set_seq(1);
@@ -72,15 +69,11 @@ TEST(SessionService, PlanesHoldTheProxy) {
 
 TEST(SessionService, SecondControllerLearnsTheHoldersName) {
   LiveServer server;
-  TestSession alice(server.channel(), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(alice.wait_opened());
+  OpenSession alice(server.channel());
   TestSession bob(server.channel(), v1::ROLE_CONTROLLER, "bob");
-  ASSERT_TRUE(bob.wait_ended());
-  EXPECT_EQ(bob.status().error_code(), grpc::StatusCode::ALREADY_EXISTS);
-  EXPECT_EQ(reason_of(bob.status()), "LEASE_HELD");
+  EXPECT_EQ(refusal(bob.status()), (Refusal{grpc::StatusCode::ALREADY_EXISTS, "LEASE_HELD"}));
   EXPECT_NE(bob.status().error_message().find("'alice'"), std::string::npos);
-  TestSession carol(server.channel(), v1::ROLE_OBSERVER, "carol");
-  EXPECT_TRUE(carol.wait_opened());
+  OpenSession carol(server.channel(), v1::ROLE_OBSERVER, "carol");
 }
 
 TEST(SessionService, TheFirstMessageMustOpen) {
@@ -88,9 +81,7 @@ TEST(SessionService, TheFirstMessageMustOpen) {
   v1::SessionRequest sample;
   sample.mutable_proxy()->set_seq(1);
   TestSession session(server.channel(), sample);
-  ASSERT_TRUE(session.wait_ended());
-  EXPECT_EQ(session.status().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_EQ(reason_of(session.status()), "PROTOCOL");
+  EXPECT_EQ(refusal(session.status()), (Refusal{grpc::StatusCode::INVALID_ARGUMENT, "PROTOCOL"}));
 }
 
 /// A stream on which the client says nothing.
@@ -109,27 +100,21 @@ struct SilentStream {
 };
 
 TEST(SessionService, EndsAStreamWithoutASession) {
-  server::RpcConfig config{{"127.0.0.1:0"}};
-  config.open_within = 300ms;
-  LiveServer server(config);
-  TestSession opens(server.channel(), v1::ROLE_OBSERVER, "alice");
-  ASSERT_TRUE(opens.wait_opened());
+  LiveServer server({.listen = {"127.0.0.1:0"}, .open_within = 300ms});
+  OpenSession opens(server.channel(), v1::ROLE_OBSERVER, "alice");
   const auto begin = std::chrono::steady_clock::now();
   SilentStream silent(server.channel());
   const grpc::Status status = silent.status();
   EXPECT_GE(std::chrono::steady_clock::now() - begin, 300ms);
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_EQ(reason_of(status), "PROTOCOL");
+  EXPECT_EQ(refusal(status), (Refusal{grpc::StatusCode::INVALID_ARGUMENT, "PROTOCOL"}));
   EXPECT_NE(status.error_message().find("OpenSession did not come within 300 ms"),
             std::string::npos);
   EXPECT_FALSE(opens.ended());  // who opened stays
 }
 
 TEST(SessionService, IdleStreamsLeaveRoomForOthers) {
-  server::RpcConfig config{{"127.0.0.1:0"}};
-  config.max_sessions = 1;  // and 66 streams without a session
-  config.open_within = 60s;
-  LiveServer server(config);
+  // And 66 streams without a session.
+  LiveServer server({.listen = {"127.0.0.1:0"}, .max_sessions = 1, .open_within = 60s});
   std::vector<std::unique_ptr<SilentStream>> silent;
   for (int i = 0; i < 67; ++i) {
     grpc::ChannelArguments own;  // a connection of its own each, so that no limit of one helps
@@ -149,7 +134,7 @@ TEST(SessionService, IdleStreamsLeaveRoomForOthers) {
     });
   }
   ASSERT_TRUE(eventually([&] {
-    TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
+    TestSession session(server.channel());
     return session.wait_opened();
   }));
   EXPECT_TRUE(eventually([&] { return ended >= 1; }));
@@ -159,10 +144,8 @@ TEST(SessionService, IdleStreamsLeaveRoomForOthers) {
 
 TEST(SessionService, OpeningTwiceEndsTheSession) {
   LiveServer server;
-  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(server.channel());
   session.send(open_message(v1::ROLE_CONTROLLER, "alice"));
-  ASSERT_TRUE(session.wait_ended());
   EXPECT_EQ(session.status().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_TRUE(eventually([&] { return server.rig.sessions->controller().empty(); }));
 }
@@ -171,7 +154,6 @@ TEST(SessionService, NamesAWrongField) {
   LiveServer server;
   const auto refused_field = [&](const v1::SessionRequest& message) {
     TestSession session(server.channel(), message);
-    EXPECT_TRUE(session.wait_ended());
     EXPECT_EQ(session.status().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
     return field_of(session.status());
   };
@@ -188,6 +170,9 @@ TEST(SessionService, NamesAWrongField) {
   message = open_message(v1::ROLE_CONTROLLER, "alice");
   message.mutable_open()->mutable_hold_end()->set_seconds(-1);
   EXPECT_EQ(refused_field(message), "hold_end");
+  message = open_message(v1::ROLE_CONTROLLER, "alice");
+  message.mutable_open()->set_priority(static_cast<v1::Priority>(9));
+  EXPECT_EQ(refused_field(message), "priority");
   EXPECT_EQ(server.rig.sessions->controller(), "");
   EXPECT_EQ(server.rig.sessions->observers(), 0U);
 }
@@ -197,15 +182,13 @@ TEST(SessionService, UnknownDeviceNamesTheKnown) {
   auto message = open_message(v1::ROLE_OBSERVER, "alice");
   message.mutable_open()->set_device("no such thing");
   TestSession session(server.channel(), message);
-  ASSERT_TRUE(session.wait_ended());
   EXPECT_EQ(session.status().error_code(), grpc::StatusCode::NOT_FOUND);
   EXPECT_NE(session.status().error_message().find("'rig'"), std::string::npos);
 }
 
 TEST(SessionService, BadSamplesAreRejectedByName) {
   LiveServer server;
-  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(server.channel());
   ASSERT_TRUE(session.press());
   const double force = session.state().tau_a(0);
   session.publish({std::nan(""), 0.0});
@@ -221,10 +204,8 @@ TEST(SessionService, BadSamplesAreRejectedByName) {
 
 TEST(SessionService, AnObserversSamplesAreNotUsed) {
   LiveServer server;
-  TestSession alice(server.channel(), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(alice.wait_opened());
-  TestSession bob(server.channel(), v1::ROLE_OBSERVER, "bob");
-  ASSERT_TRUE(bob.wait_opened());
+  OpenSession alice(server.channel());
+  OpenSession bob(server.channel(), v1::ROLE_OBSERVER, "bob");
   bob.publish({0.4, 0.4});
   ASSERT_TRUE(eventually([&] { return bob.ack().rejected_old() == 1; }));
   EXPECT_EQ(bob.state().proxy_seq_used(), 0U);
@@ -258,16 +239,14 @@ void expect_safe_after(const std::function<void(TestSession&)>& leave) {
   SafetyWitness witness;
   server.rig.telemetry->add(0, &witness);
   TestSession observer(server.channel(), v1::ROLE_OBSERVER, "observer");
-  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(server.channel());
   ASSERT_TRUE(session.press());
   leave(session);
   ASSERT_TRUE(eventually([&] { return server.rig.newest().life.gain == 0.0; }));
   EXPECT_TRUE(eventually([&] { return server.rig.sessions->controller().empty(); }));
   EXPECT_TRUE(eventually([&] { return server.rig.device->force == 0.0; }));
   EXPECT_TRUE(eventually([&] { return observer.state().state() == v1::DEVICE_STATE_NAME_IDLE; }));
-  TestSession next(server.channel(), v1::ROLE_CONTROLLER, "bob");
-  EXPECT_TRUE(next.wait_opened());
+  OpenSession next(server.channel(), v1::ROLE_CONTROLLER, "bob");
   EXPECT_EQ(next.opened().lease_epoch(), 2U);
   server.rig.telemetry->remove(0, &witness);
   EXPECT_TRUE(witness.pressed);
@@ -290,8 +269,7 @@ TEST(SessionService, ExpiredControllerContinuesAsObserver) {
   server::SessionRules rules;
   rules.lease_timeout = 500ms;
   LiveServer server({{"127.0.0.1:0"}}, rig_config(), rules);
-  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(server.channel());
   ASSERT_TRUE(eventually([&] { return session.heard(v1::Event::KIND_LEASE_EXPIRED); }));
   const std::size_t states = session.sequence().size();
   EXPECT_TRUE(eventually([&] { return session.sequence().size() > states + 20; }));
@@ -311,18 +289,13 @@ TEST(SessionService, TheStateRateIsHonoured) {
 }
 
 TEST(SessionService, LimitsSessionsAndFreesSlots) {
-  server::RpcConfig config{{"127.0.0.1:0"}};
-  config.max_sessions = 2;
-  LiveServer server(config);
-  TestSession first(server.channel(), v1::ROLE_OBSERVER, "1");
-  ASSERT_TRUE(first.wait_opened());
+  LiveServer server({.listen = {"127.0.0.1:0"}, .max_sessions = 2});
+  OpenSession first(server.channel(), v1::ROLE_OBSERVER, "1");
   {
-    TestSession second(server.channel(), v1::ROLE_OBSERVER, "2");
-    ASSERT_TRUE(second.wait_opened());
+    OpenSession second(server.channel(), v1::ROLE_OBSERVER, "2");
     TestSession third(server.channel(), v1::ROLE_OBSERVER, "3");
-    ASSERT_TRUE(third.wait_ended());
-    EXPECT_EQ(third.status().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-    EXPECT_EQ(reason_of(third.status()), "TOO_MANY_SESSIONS");
+    EXPECT_EQ(refusal(third.status()),
+              (Refusal{grpc::StatusCode::RESOURCE_EXHAUSTED, "TOO_MANY_SESSIONS"}));
     EXPECT_EQ(detail_of(third.status(), "limit"), "2");
   }
   EXPECT_TRUE(eventually([&] {
@@ -334,12 +307,10 @@ TEST(SessionService, LimitsSessionsAndFreesSlots) {
 TEST(SessionService, OversizedMessageEndsOnlyItsSession) {
   LiveServer server;
   TestSession other(server.channel(), v1::ROLE_OBSERVER, "other");
-  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(server.channel());
   session.publish(std::vector<double>(20'000, 0.0));
-  ASSERT_TRUE(session.wait_ended());
-  EXPECT_EQ(session.status().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  EXPECT_EQ(reason_of(session.status()), "MESSAGE_TOO_LARGE");
+  EXPECT_EQ(refusal(session.status()),
+            (Refusal{grpc::StatusCode::RESOURCE_EXHAUSTED, "MESSAGE_TOO_LARGE"}));
   EXPECT_NE(session.status().error_message().find("at most 65536"), std::string::npos);
   EXPECT_EQ(detail_of(session.status(), "limit"), "65536");
   const std::size_t states = other.sequence().size();
@@ -348,20 +319,15 @@ TEST(SessionService, OversizedMessageEndsOnlyItsSession) {
 
 TEST(SessionService, GrpcRefusesFarBeyondTheLimit) {
   LiveServer server;
-  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(server.channel());
   session.publish(std::vector<double>(40'000, 0.0));
-  ASSERT_TRUE(session.wait_ended());
-  EXPECT_EQ(session.status().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  EXPECT_EQ(reason_of(session.status()), "");
+  EXPECT_EQ(refusal(session.status()), (Refusal{grpc::StatusCode::RESOURCE_EXHAUSTED, ""}));
 }
 
 TEST(SessionService, ShutdownEndsStreamsWithTheReason) {
   auto server = std::make_unique<LiveServer>();
-  TestSession session(server->channel(), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(server->channel());
   server.reset();
-  ASSERT_TRUE(session.wait_ended());
   EXPECT_EQ(session.status().error_code(), grpc::StatusCode::UNAVAILABLE);
 }
 

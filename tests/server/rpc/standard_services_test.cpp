@@ -140,16 +140,14 @@ TEST(Address, UnixSocketStaysWithItsOwner) {
   LiveServer server({{address}});
   DeviceRig other;
   EXPECT_NE(answer_of(address, other).find("in use"), std::string::npos);
-  TestSession session(server.channel(), v1::ROLE_OBSERVER, "still here");
-  EXPECT_TRUE(session.wait_opened());
+  OpenSession session(server.channel(), v1::ROLE_OBSERVER, "still here");
 }
 
 TEST(Address, TakesOverAnAbandonedSocket) {
   const std::string address = "unix:/tmp/haptic_rpc_old_" + std::to_string(::getpid()) + ".sock";
   { LiveServer gone({{address}}); }
   LiveServer server({{address}});
-  TestSession session(server.channel(), v1::ROLE_OBSERVER, "new");
-  EXPECT_TRUE(session.wait_opened());
+  OpenSession session(server.channel(), v1::ROLE_OBSERVER, "new");
 }
 
 TEST(Address, PlaintextBeyondThisHostIsRefused) {
@@ -161,9 +159,8 @@ TEST(Address, SeveralAreServedAtOnce) {
   const std::string socket = "unix:/tmp/haptic_rpc_two_" + std::to_string(::getpid()) + ".sock";
   LiveServer server({{"127.0.0.1:0", socket}});
   for (const std::string& address : server.rpc.bound_addresses()) {
-    TestSession session(grpc::CreateChannel(address, grpc::InsecureChannelCredentials()),
+    OpenSession session(grpc::CreateChannel(address, grpc::InsecureChannelCredentials()),
                         v1::ROLE_OBSERVER, "both");
-    EXPECT_TRUE(session.wait_opened()) << address;
   }
 }
 

@@ -69,11 +69,7 @@ class TlsTest : public testing::Test {
     return config;
   }
   static server::RpcConfig config(bool mutual) {
-    server::RpcConfig config;
-    config.listen = {"127.0.0.1:0"};
-    config.udp_listen = "127.0.0.1:0";
-    config.tls = tls(mutual);
-    return config;
+    return {.listen = {"127.0.0.1:0"}, .udp_listen = "127.0.0.1:0", .tls = tls(mutual)};
   }
   static std::shared_ptr<grpc::Channel> channel(const LiveServer& server, const std::string& ca,
                                                 const std::string& client = {}) {
@@ -133,8 +129,7 @@ TEST_F(TlsTest, CarriesTheUdpPathsKeys) {
   LiveServer server(config(false));
   v1::SessionRequest message = open_message(v1::ROLE_CONTROLLER, "alice");
   message.mutable_open()->set_udp_wanted(true);
-  TestSession session(channel(server, "ca.pem"), message);
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(channel(server, "ca.pem"), message);
   EXPECT_TRUE(session.opened().has_udp()) << session.opened().udp_refused();
 }
 
@@ -143,27 +138,22 @@ TEST_F(TlsTest, PriorityIsBoundByTheCertificate) {
   v1::SessionRequest message = open_message(v1::ROLE_CONTROLLER, "student");
   message.mutable_open()->set_priority(v1::PRIORITY_PRIMARY);
   TestSession refused(channel(server, "ca.pem", "student"), message);
-  ASSERT_TRUE(refused.wait_ended());
-  EXPECT_EQ(refused.status().error_code(), grpc::StatusCode::PERMISSION_DENIED);
-  EXPECT_EQ(reason_of(refused.status()), "PRIORITY_DENIED");
+  EXPECT_EQ(refusal(refused.status()),
+            (Refusal{grpc::StatusCode::PERMISSION_DENIED, "PRIORITY_DENIED"}));
   // Who asks for nothing has what the certificate allows: the surgeon takes it from the student.
-  TestSession student(channel(server, "ca.pem", "student"), v1::ROLE_CONTROLLER, "student");
-  ASSERT_TRUE(student.wait_opened());
-  TestSession surgeon(channel(server, "ca.pem", "surgeon"), v1::ROLE_CONTROLLER, "surgeon");
-  ASSERT_TRUE(surgeon.wait_opened());
+  OpenSession student(channel(server, "ca.pem", "student"), v1::ROLE_CONTROLLER, "student");
+  OpenSession surgeon(channel(server, "ca.pem", "surgeon"), v1::ROLE_CONTROLLER, "surgeon");
   EXPECT_EQ(server.rig.sessions->controller(), "surgeon");
 }
 
 TEST_F(TlsTest, PreemptionNeedsACertificate) {
   LiveServer server(config(false));
-  TestSession alice(channel(server, "ca.pem"), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(alice.wait_opened());
+  OpenSession alice(channel(server, "ca.pem"));
   v1::SessionRequest message = open_message(v1::ROLE_CONTROLLER, "anybody");
   message.mutable_open()->set_priority(v1::PRIORITY_OPERATOR);
   TestSession refused(channel(server, "ca.pem"), message);
-  ASSERT_TRUE(refused.wait_ended());
-  EXPECT_EQ(refused.status().error_code(), grpc::StatusCode::PERMISSION_DENIED);
-  EXPECT_EQ(reason_of(refused.status()), "PRIORITY_DENIED");
+  EXPECT_EQ(refusal(refused.status()),
+            (Refusal{grpc::StatusCode::PERMISSION_DENIED, "PRIORITY_DENIED"}));
   EXPECT_EQ(detail_of(refused.status(), "highest"), "primary");
   EXPECT_NE(refused.status().error_message().find("without a client certificate at most primary"),
             std::string::npos)

@@ -93,13 +93,11 @@ bool press(TestSession& controller, const std::vector<double>& x, std::atomic<bo
 
 TEST(TrackerService, TrackersSilenceEndsTheForce) {
   LiveApp server;
-  TestSession tracker(server.channel, tracker_opening("camera"));
-  ASSERT_TRUE(tracker.wait_opened());
+  OpenSession tracker(server.channel, tracker_opening("camera"));
   EXPECT_EQ(tracker.opened().role(), v1::ROLE_TRACKER);
   EXPECT_EQ(tracker.opened().lease_epoch(), 0u);
   EXPECT_EQ(tracker.opened().fresh_end().nanos(), 25'000'000);  // 2.5 periods
-  TestSession controller(server.channel, v1::ROLE_CONTROLLER, "simulation");
-  ASSERT_TRUE(controller.wait_opened());
+  OpenSession controller(server.channel, v1::ROLE_CONTROLLER, "simulation");
   {
     // No pose so far: no force.
     controller.stream(0.0);  // refused samples, but a stream
@@ -140,8 +138,7 @@ TEST(TrackerService, TrackersSilenceEndsTheForce) {
 
 TEST(TrackerService, AckNamesARefusedPose) {
   LiveApp server;
-  TestSession tracker(server.channel, tracker_opening("camera"));
-  ASSERT_TRUE(tracker.wait_opened());
+  OpenSession tracker(server.channel, tracker_opening("camera"));
   tracker.send(pose(1, 0.1));
   tracker.send(pose(2, 0.1, 0.5));
   EXPECT_TRUE(eventually([&] { return tracker.ack().rejected_invalid() == 1; }));
@@ -154,8 +151,7 @@ TEST(TrackerService, AckNamesARefusedPose) {
   EXPECT_TRUE(eventually([&] { return tracker.ack().rejected_old() == 2; }));
   EXPECT_EQ(reason_of(tracker.engage()), "NOT_CONTROLLER");
 
-  TestSession controller(server.channel, v1::ROLE_CONTROLLER, "simulation");
-  ASSERT_TRUE(controller.wait_opened());
+  OpenSession controller(server.channel, v1::ROLE_CONTROLLER, "simulation");
   controller.send(pose(1, 0.1));
   EXPECT_TRUE(eventually([&] { return controller.ack().rejected_old() == 1; }));
   EXPECT_EQ(controller.ack().last_rejection(),
@@ -164,21 +160,16 @@ TEST(TrackerService, AckNamesARefusedPose) {
 
 TEST(TrackerService, OnePerDeviceIfSceneAllows) {
   LiveApp server;
-  TestSession first(server.channel, tracker_opening("camera"));
-  ASSERT_TRUE(first.wait_opened());
+  OpenSession first(server.channel, tracker_opening("camera"));
   TestSession second(server.channel, tracker_opening("glove"));
-  ASSERT_TRUE(second.wait_ended());
-  EXPECT_EQ(second.status().error_code(), grpc::StatusCode::ALREADY_EXISTS);
-  EXPECT_EQ(reason_of(second.status()), "TRACKER_HELD");
+  EXPECT_EQ(refusal(second.status()), (Refusal{grpc::StatusCode::ALREADY_EXISTS, "TRACKER_HELD"}));
   EXPECT_EQ(detail_of(second.status(), "holder"), "camera");
   first.cancel();
   EXPECT_TRUE(eventually([&] { return server.app.owner().status(0).tracker.empty(); }));
-  TestSession third(server.channel, tracker_opening("glove"));
-  EXPECT_TRUE(third.wait_opened());
+  OpenSession third(server.channel, tracker_opening("glove"));
 
   LiveApp untracked(tracked("chain_pick_arm"));
   TestSession refused(untracked.channel, tracker_opening("camera"));
-  ASSERT_TRUE(refused.wait_ended());
   EXPECT_EQ(refused.status().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(field_of(refused.status()), "role");
 }

@@ -34,8 +34,7 @@ class UnaryService : public testing::Test {
 };
 
 TEST_F(UnaryService, EngageRefusalGivesReasonAndNumbers) {
-  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(server.channel());
   const grpc::Status silent = session.engage();
   EXPECT_EQ(silent.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
   // Which of the two comes first depends on how fast the device armed.
@@ -105,8 +104,7 @@ TEST_F(UnaryService, UnknownSessionIsRefused) {
 }
 
 TEST_F(UnaryService, ReleaseFadesForceOut) {
-  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(server.channel());
   ASSERT_TRUE(session.press());
   grpc::ClientContext context;
   v1::ReleaseRequest request;
@@ -120,8 +118,7 @@ TEST_F(UnaryService, ReleaseFadesForceOut) {
 }
 
 TEST_F(UnaryService, ClampedSettingsAreReported) {
-  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(server.channel());
   v1::UpdateSettingsRequest request;
   request.set_session_id(session.opened().session_id());
   request.add_stiffness(1e6);
@@ -151,8 +148,7 @@ TEST_F(UnaryService, UnreadableEmergencyStopStopsEveryDevice) {
 }
 
 TEST_F(UnaryService, EmergencyStopLatchesWithoutASession) {
-  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(server.channel());
   ASSERT_TRUE(session.press());
   v1::EmergencyStopResponse stopped;
   ASSERT_TRUE(stop("", &stopped).ok());
@@ -178,8 +174,7 @@ TEST_F(UnaryService, PersistingCauseKeepsTheFault) {
   ASSERT_TRUE(eventually([&] { return server.rig.newest().faults().any(); }));
   v1::ClearFaultResponse cleared;
   const grpc::Status status = clear(&cleared);
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
-  EXPECT_EQ(reason_of(status), "FAULT_PERSISTS");
+  EXPECT_EQ(refusal(status), (Refusal{grpc::StatusCode::FAILED_PRECONDITION, "FAULT_PERSISTS"}));
   EXPECT_EQ(clear(&cleared, {32}).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
 }
 
@@ -187,8 +182,7 @@ TEST_F(UnaryService, HangingLoopIsAnsweredAtOnce) {
   server.hung = true;
   v1::EmergencyStopResponse stopped;
   const grpc::Status status = stop("", &stopped);
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::UNAVAILABLE);
-  EXPECT_EQ(reason_of(status), "NO_ANSWER");
+  EXPECT_EQ(refusal(status), (Refusal{grpc::StatusCode::UNAVAILABLE, "NO_ANSWER"}));
   server.hung = false;
   // The stop was posted all the same.
   EXPECT_TRUE(
@@ -196,8 +190,7 @@ TEST_F(UnaryService, HangingLoopIsAnsweredAtOnce) {
 }
 
 TEST_F(UnaryService, ServerInfoAndDevicesAreTrue) {
-  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice\n");
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(server.channel(), v1::ROLE_CONTROLLER, "alice\n");
   grpc::ClientContext first;
   v1::GetServerInfoResponse info;
   ASSERT_TRUE(stub->GetServerInfo(&first, {}, &info).ok());

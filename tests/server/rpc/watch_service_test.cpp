@@ -73,9 +73,7 @@ TEST(WatchService, EventsReachAWatcher) {
 }
 
 TEST(WatchService, WatchesAreLimitedApartFromSessions) {
-  server::RpcConfig config{{"127.0.0.1:0"}};
-  config.max_sessions = 2;
-  LiveServer server(config);
+  LiveServer server({.listen = {"127.0.0.1:0"}, .max_sessions = 2});
   TestWatch first(server.channel(), 100.0), second(server.channel(), 100.0);
   ASSERT_TRUE(eventually([&] { return !first.sequence().empty() && !second.sequence().empty(); }));
   const auto stub = v1::HapticService::NewStub(server.channel());
@@ -84,11 +82,9 @@ TEST(WatchService, WatchesAreLimitedApartFromSessions) {
   v1::WatchResponse message;
   EXPECT_FALSE(third->Read(&message));
   const grpc::Status refused = third->Finish();
-  EXPECT_EQ(refused.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  EXPECT_EQ(reason_of(refused), "TOO_MANY_SESSIONS");
+  EXPECT_EQ(refusal(refused), (Refusal{grpc::StatusCode::RESOURCE_EXHAUSTED, "TOO_MANY_SESSIONS"}));
   EXPECT_EQ(detail_of(refused, "limit"), "2");
-  TestSession session(server.channel(), v1::ROLE_CONTROLLER, "alice");
-  EXPECT_TRUE(session.wait_opened());
+  OpenSession session(server.channel());
 }
 
 TEST(WatchService, RefusesAWrongRateOrDevice) {
@@ -112,9 +108,7 @@ TEST(WatchService, RefusesAWrongRateOrDevice) {
 }
 
 TEST(WatchService, ConflatesAndTellsWatchersOverBudget) {
-  server::RpcConfig config{{"127.0.0.1:0"}};
-  config.watch_budget_hz = 500;
-  LiveServer server(config);
+  LiveServer server({.listen = {"127.0.0.1:0"}, .watch_budget_hz = 500});
   std::vector<std::unique_ptr<TestWatch>> watches;
   for (int i = 0; i < 4; ++i) {
     watches.push_back(std::make_unique<TestWatch>(server.channel(), 1000.0));

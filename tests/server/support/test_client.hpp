@@ -2,6 +2,7 @@
 /// A client on the bare stubs: it sends exactly the test's messages.
 
 #include <grpcpp/grpcpp.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <atomic>
@@ -36,6 +37,12 @@ inline std::string reason_of(const grpc::Status& status) {
   return detail_in<google::rpc::ErrorInfo>(status).reason();
 }
 
+/// Code of a status, and its reason_of().
+using Refusal = std::pair<grpc::StatusCode, std::string>;
+inline Refusal refusal(const grpc::Status& status) {
+  return {status.error_code(), reason_of(status)};
+}
+
 /// Entry `key` of ErrorInfo's metadata; empty if there is none.
 inline std::string detail_of(const grpc::Status& status, const std::string& key) {
   const auto info = detail_in<google::rpc::ErrorInfo>(status);
@@ -65,7 +72,8 @@ class TestSession {
     send(first);
     reader_ = std::thread([this] { read(); });
   }
-  TestSession(const std::shared_ptr<grpc::Channel>& channel, v1::Role role, const std::string& name)
+  explicit TestSession(const std::shared_ptr<grpc::Channel>& channel,
+                       v1::Role role = v1::ROLE_CONTROLLER, const std::string& name = "alice")
       : TestSession(channel, open_message(role, name)) {}
 
   ~TestSession() {
@@ -151,9 +159,10 @@ class TestSession {
     return false;
   }
   [[nodiscard]] bool ended() { return get(ended_); }
-  /// The status the stream ended with; call after wait_ended().
+  /// The status the stream ends with; waits for the end.
   [[nodiscard]] grpc::Status status() {
     if (!finished_) {
+      if (!wait_ended()) return {grpc::StatusCode::UNKNOWN, "the stream did not end"};
       status_ = stream_->Finish();
       finished_ = true;
     }
@@ -205,6 +214,14 @@ class TestSession {
   bool finished_{false};
   grpc::Status status_;
   std::thread reader_;
+};
+
+/// A session that the server has opened.
+struct OpenSession : TestSession {
+  template <typename... Arguments>
+  explicit OpenSession(const Arguments&... arguments) : TestSession(arguments...) {
+    EXPECT_TRUE(wait_opened());
+  }
 };
 
 }  // namespace haptic::test

@@ -12,10 +12,7 @@ namespace haptic::test {
 namespace {
 
 server::RpcConfig with_udp() {
-  server::RpcConfig config;
-  config.listen = {"127.0.0.1:0"};
-  config.udp_listen = "127.0.0.1:0";
-  return config;
+  return {.listen = {"127.0.0.1:0"}, .udp_listen = "127.0.0.1:0"};
 }
 
 v1::SessionRequest wanting_udp(v1::Role role, const std::string& name) {
@@ -43,17 +40,14 @@ std::string proxy_sample(std::uint64_t seq, double a) {
   return message.SerializeAsString();
 }
 
-/// A session whose client has both carriers in its hands.
+/// A session whose client has both carriers in its hands, and gets its states by UDP.
 struct UdpSession {
   explicit UdpSession(LiveServer& server, v1::Role role = v1::ROLE_CONTROLLER)
       : session(server.channel(), wanting_udp(role, "alice")) {
-    EXPECT_TRUE(session.wait_opened());
     EXPECT_TRUE(session.opened().has_udp());
     udp = std::make_unique<UdpEnd>(wire::End::kClient, keys_of(session.opened().udp()),
                                    static_cast<std::uint16_t>(session.opened().udp().port()));
-  }
-  [[nodiscard]] bool wait_in_use() {
-    return eventually([&] { return udp->in_use() && heard_reason("STATES GRPC -> UDP"); });
+    EXPECT_TRUE(eventually([&] { return udp->in_use() && heard_reason("STATES GRPC -> UDP"); }));
   }
   [[nodiscard]] bool heard_reason(const std::string& reason) {
     for (const v1::Event& event : session.events()) {
@@ -68,17 +62,15 @@ struct UdpSession {
     return state;
   }
 
-  TestSession session;
+  OpenSession session;
   std::unique_ptr<UdpEnd> udp;
 };
 
 TEST(UdpService, IsOfferedOnlyIfWanted) {
   LiveServer server(with_udp());
-  TestSession without(server.channel(), v1::ROLE_OBSERVER, "bob");
-  ASSERT_TRUE(without.wait_opened());
+  OpenSession without(server.channel(), v1::ROLE_OBSERVER, "bob");
   EXPECT_FALSE(without.opened().has_udp());
-  TestSession with(server.channel(), wanting_udp(v1::ROLE_OBSERVER, "alice"));
-  ASSERT_TRUE(with.wait_opened());
+  OpenSession with(server.channel(), wanting_udp(v1::ROLE_OBSERVER, "alice"));
   EXPECT_EQ(with.opened().udp().port(), server.rpc.udp_port());
   EXPECT_NE(with.opened().udp().path_id(), 0U);
   EXPECT_NE(with.opened().udp().up_key(), with.opened().udp().down_key());
@@ -87,22 +79,19 @@ TEST(UdpService, IsOfferedOnlyIfWanted) {
 
 TEST(UdpService, AServerWithoutItSaysWhy) {
   LiveServer server;
-  TestSession session(server.channel(), wanting_udp(v1::ROLE_CONTROLLER, "alice"));
-  ASSERT_TRUE(session.wait_opened());
+  OpenSession session(server.channel(), wanting_udp(v1::ROLE_CONTROLLER, "alice"));
   EXPECT_FALSE(session.opened().has_udp());
   EXPECT_NE(session.opened().udp_refused().find("udp_listen"), std::string::npos);
 }
 
 TEST(UdpService, RefusesAnAddressBeyondThisHost) {
-  server::RpcConfig config = with_udp();
-  config.udp_listen = "0.0.0.0:0";
-  EXPECT_THROW(LiveServer{config}, core::TransportError);
+  EXPECT_THROW(LiveServer({.listen = {"127.0.0.1:0"}, .udp_listen = "0.0.0.0:0"}),
+               core::TransportError);
 }
 
 TEST(UdpService, StatesComeByOneCarrier) {
   LiveServer server(with_udp());
   UdpSession alice(server, v1::ROLE_OBSERVER);
-  ASSERT_TRUE(alice.wait_in_use());
   ASSERT_TRUE(eventually([&] { return alice.udp->messages().size() > 50; }));
   const std::size_t by_stream = alice.session.sequence().size();
   const std::size_t by_udp = alice.udp->messages().size();
@@ -120,7 +109,6 @@ TEST(UdpService, StatesComeByOneCarrier) {
 TEST(UdpService, ForceFromSamplesByUdp) {
   LiveServer server(with_udp());
   UdpSession alice(server);
-  ASSERT_TRUE(alice.wait_in_use());
   std::uint64_t seq = 0;
   ASSERT_TRUE(eventually([&] {
     EXPECT_TRUE(alice.udp->send(proxy_sample(++seq, 0.01)));
@@ -142,7 +130,6 @@ TEST(UdpService, ForceFromSamplesByUdp) {
 TEST(UdpService, BothCarriersShareOneSequence) {
   LiveServer server(with_udp());
   UdpSession alice(server);
-  ASSERT_TRUE(alice.wait_in_use());
   const auto used = [&](std::uint64_t seq) {
     return eventually([&] { return alice.newest_state().proxy_seq_used() == seq; });
   };
@@ -163,7 +150,6 @@ TEST(UdpService, BothCarriersShareOneSequence) {
 TEST(UdpService, CarrierChangesAreReportedSparingly) {
   LiveServer server(with_udp());
   UdpSession alice(server);
-  ASSERT_TRUE(alice.wait_in_use());
   const auto begin = std::chrono::steady_clock::now();
   for (std::uint64_t seq = 1; seq <= 120; ++seq) {  // the last one by UDP
     if (seq % 2 == 1) {
@@ -198,7 +184,6 @@ TEST(UdpService, CarrierChangesAreReportedSparingly) {
 TEST(UdpService, CarrierChangeDoesNotMoveForce) {
   LiveServer server(with_udp());
   UdpSession alice(server);
-  ASSERT_TRUE(alice.wait_in_use());
   TestSession watcher(server.channel(), v1::ROLE_OBSERVER, "watcher");
   alice.session.stream(0.01);
   ASSERT_TRUE(eventually([&] {
@@ -229,7 +214,6 @@ TEST(UdpService, CarrierChangeDoesNotMoveForce) {
 TEST(UdpService, ReplayAndJunkGetNoAnswer) {
   LiveServer server(with_udp());
   UdpSession alice(server);
-  ASSERT_TRUE(alice.wait_in_use());
   UdpEnd attacker(wire::End::kServer, wire::fresh_keys());
   std::vector<std::uint8_t> caught = alice.udp->seal(proxy_sample(1, 0.005));
   ASSERT_FALSE(caught.empty());
@@ -253,7 +237,6 @@ TEST(UdpService, ReplayAndJunkGetNoAnswer) {
 TEST(UdpService, SilentPathReturnsStatesToStream) {
   LiveServer server(with_udp());
   UdpSession alice(server, v1::ROLE_OBSERVER);
-  ASSERT_TRUE(alice.wait_in_use());
   alice.udp->cut = true;
   ASSERT_TRUE(eventually([&] { return alice.heard_reason("STATES UDP -> GRPC"); }));
   const std::size_t before = alice.session.sequence().size();
@@ -268,8 +251,7 @@ TEST(UdpService, AnEndedSessionsPathIsUnknown) {
   std::uint32_t port = 0;
   wire::PathKeys keys;
   {
-    TestSession session(server.channel(), wanting_udp(v1::ROLE_OBSERVER, "alice"));
-    ASSERT_TRUE(session.wait_opened());
+    OpenSession session(server.channel(), wanting_udp(v1::ROLE_OBSERVER, "alice"));
     port = session.opened().udp().port();
     keys = keys_of(session.opened().udp());
   }

@@ -63,8 +63,8 @@ class Product {
         unit_(make_unit(scene_, std::move(device))),
         telemetry_({unit_.get()}),
         owner_(telemetry_),
-        rpc_(config(std::move(listen), std::move(udp_listen)), with(owner_, *unit_),
-             [] { return server::ServerFacts{}; }),
+        rpc_({.listen = std::move(listen), .udp_listen = std::move(udp_listen)},
+             with(owner_, *unit_), [] { return server::ServerFacts{}; }),
         loop_(server::RealtimeRequest{}, std::chrono::milliseconds(1)) {
     telemetry_.allow_watching(loop_.grant().facts.sched_fifo &&
                               std::thread::hardware_concurrency() > 1);
@@ -90,9 +90,6 @@ class Product {
   static server::Owner& with(server::Owner& owner, server::DeviceUnit& unit) {
     owner.add(unit, {});
     return owner;
-  }
-  static server::RpcConfig config(std::vector<std::string> listen, std::string udp_listen) {
-    return {.listen = std::move(listen), .udp_listen = std::move(udp_listen)};
   }
   static std::unique_ptr<server::DeviceUnit> make_unit(const server::Scene& scene,
                                                        std::unique_ptr<hw::Device> opened) {

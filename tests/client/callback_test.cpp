@@ -98,8 +98,7 @@ TEST_F(Callback, WaitingInOnStateIsRefused) {
 }
 
 TEST_F(Opening, ANameMustBeUtf8) {
-  client::SessionOptions options;
-  options.client_name = "\xFF";
+  client::SessionOptions options{.client_name = "\xFF"};
   const auto error = error_of([&] { return open(options); });
   EXPECT_EQ(error.reason(), ErrorReason::kInvalidArgument);
   EXPECT_NE(std::string(error.what()).find("UTF-8"), std::string::npos);

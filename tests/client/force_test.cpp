@@ -25,10 +25,7 @@ const grpc::Status kNoLease =
     refusal(grpc::StatusCode::PERMISSION_DENIED, "NOT_CONTROLLER", "the lease is over");
 
 client::SessionOptions with(client::Reconnect reconnect, bool re_engage = false) {
-  client::SessionOptions options;
-  options.reconnect = reconnect;
-  options.re_engage = re_engage;
-  return options;
+  return {.reconnect = reconnect, .re_engage = re_engage};
 }
 constexpr auto kNever = client::Reconnect::kNever;
 constexpr auto kWithBackoff = client::Reconnect::kWithBackoff;

@@ -94,8 +94,7 @@ TEST_F(Publish, CarriesPlanes) {
 }
 
 TEST_F(Publish, DerivesPlanesFromHeldProxies) {
-  client::SessionOptions options;
-  options.derive_planes = true;
+  client::SessionOptions options{.derive_planes = true};
   const auto session = open(options);
   const std::size_t n_x = session->device().coordinates.size();
   session->publish(client::Proxy::held(std::vector<double>(n_x, 0.5)));

@@ -14,10 +14,7 @@ using client::Connection;
 using client::ErrorReason;
 
 client::SessionOptions reconnecting() {
-  client::SessionOptions options;
-  options.client_name = "alice";
-  options.reconnect = client::Reconnect::kWithBackoff;
-  return options;
+  return {.client_name = "alice", .reconnect = client::Reconnect::kWithBackoff};
 }
 
 TEST_F(Resume, ALostStreamIsResumed) {

@@ -23,12 +23,11 @@ TEST_F(ClientSession, ARefusedOpeningSaysWhy) {
 }
 
 TEST_F(ClientSession, OpensWithTheGivenOptions) {
-  client::SessionOptions options;
-  options.device = "finger";
-  options.client_name = "a test";
-  options.nominal_rate_hz = 90.0;
-  options.state_rate_hz = 30.0;
-  options.hold_end = milliseconds(1050);
+  client::SessionOptions options{.device = "finger",
+                                 .client_name = "a test",
+                                 .nominal_rate_hz = 90.0,
+                                 .state_rate_hz = 30.0,
+                                 .hold_end = milliseconds(1050)};
   const auto session = open(options);
   ASSERT_EQ(server.heard().openings.size(), 1U);
   const v1::OpenSession open = server.heard().openings.front();
@@ -55,8 +54,7 @@ TEST_F(ClientSession, NoServerIsUnreachable) {
 
 TEST_F(ClientSession, ASilentServerIsATimeout) {
   server.answers_opening = false;
-  client::SessionOptions options;
-  options.timeout = milliseconds(50);
+  client::SessionOptions options{.timeout = milliseconds(50)};
   EXPECT_EQ(error_of([&] { return open(options); }).reason(), ErrorReason::kTimeout);
 }
 
@@ -79,8 +77,7 @@ TEST_F(ClientSession, EndsWhileTheServerHangs) {
 }
 
 TEST_F(ClientSession, EndsWhileReopeningASilentServer) {
-  client::SessionOptions options;
-  options.reconnect = client::Reconnect::kWithBackoff;
+  client::SessionOptions options{.reconnect = client::Reconnect::kWithBackoff};
   options.timeout = std::chrono::hours(1);  // whatever waits for an answer waits for ever
   auto session = open(options);
   server.answers_opening = false;

@@ -16,10 +16,9 @@ TEST_F(Tracker, OpensInItsRoleWithPoses) {
   EXPECT_EQ(opening.nominal_rate_hz(), 120.0);
   EXPECT_FALSE(opening.udp_wanted()) << "its samples go on the stream";
   EXPECT_FALSE(opening.resumable()) << "it holds no lease";
-  Pose pose;
-  pose.position = {0.1, -0.2, 0.3};
-  pose.orientation = {0.0, 0.6, 0.0, 0.8};
-  pose.valid_for = std::chrono::microseconds(4321);
+  Pose pose{.position = {0.1, -0.2, 0.3},
+            .orientation = {0.0, 0.6, 0.0, 0.8},
+            .valid_for = std::chrono::microseconds(4321)};
   for (std::size_t sent = 1; sent <= 2; ++sent) {  // one at a time, so that none is replaced
     session->publish_pose(pose);
     ASSERT_TRUE(server.until([&] { return server.heard().poses.size() == sent; }));

@@ -156,8 +156,7 @@ TEST_F(ClientUdp, RepeatsNothingWithoutASample) {
 }
 
 TEST_F(ClientUdp, PinnedToStreamItAsksNot) {
-  SessionOptions options;
-  options.carriers = Carriers::kGrpcOnly;
+  SessionOptions options{.carriers = Carriers::kGrpcOnly};
   const auto session = open(options);
   EXPECT_FALSE(server.heard().openings.front().udp_wanted());
   session->publish(Proxy::held({0.01}));
@@ -214,8 +213,7 @@ TEST_F(ClientUdp, TheNextAddressIsTriedToo) {
 using ClientWithoutUdp = WithServer;
 
 TEST_F(ClientWithoutUdp, AUdpOnlySessionIsRefused) {
-  SessionOptions options;
-  options.carriers = Carriers::kUdpOnly;
+  SessionOptions options{.carriers = Carriers::kUdpOnly};
   const auto error = error_of([&] { return open(options); });
   EXPECT_NE(std::string(error.what()).find("no UDP path"), std::string::npos);
 }

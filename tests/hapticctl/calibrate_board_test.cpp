@@ -1,7 +1,6 @@
 // The guide, a script that answers it, and an emulated board whose potentiometer is wrong, in
 // virtual time. With the calibration that results, the board's readings must be right.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
@@ -14,6 +13,7 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/emulator/virtual_board.hpp"
 #include "server/scene/scene.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace haptic::ctl {
 namespace {
@@ -25,10 +25,8 @@ using hw::emulator::VirtualBoard;
 /// again.
 class Motion {
  public:
-  Motion()
-      : file_(std::filesystem::temp_directory_path() /
-              ("haptic-calibrate-" + std::to_string(::getpid()) + ".csv")) {
-    std::ofstream csv(file_);
+  Motion() {
+    std::ofstream csv(file_.path());
     csv << "time_s,q_o1_mcp_rad,q_o2_pip_rad\n";
     for (int half = 0; half < 40; ++half) {
       const bool bent = half % 2 == 1;
@@ -37,13 +35,10 @@ class Motion {
       }
     }
   }
-  ~Motion() { std::filesystem::remove(file_); }
-  Motion(const Motion&) = delete;
-  Motion& operator=(const Motion&) = delete;
-  [[nodiscard]] hw::Intent intent() const { return {Eigen::Vector2d::Zero(), file_}; }
+  [[nodiscard]] hw::Intent intent() const { return {Eigen::Vector2d::Zero(), file_.path()}; }
 
  private:
-  std::filesystem::path file_;
+  test::TemporaryFile file_{};
 };
 
 hw::BoardConfig wanted() {
@@ -123,31 +118,18 @@ class Person : public std::stringbuf {
   std::size_t next_{0};
 };
 
-/// The file of a calibration, and a scene that names it.
-class Stored {
- public:
-  explicit Stored(const std::string& text)
-      : file_(std::filesystem::temp_directory_path() /
-              ("haptic-calibrated-" + std::to_string(::getpid()) + ".textproto")) {
-    std::ofstream(file_) << text;
-  }
-  ~Stored() { std::filesystem::remove(file_); }
-  Stored(const Stored&) = delete;
-  Stored& operator=(const Stored&) = delete;
-  [[nodiscard]] hw::BoardConfig board() const {
-    const std::string scene =
-        "name: \"calibrated\" device { name: \"finger\" finger_exoskeleton {}"
-        " board { port: \"/dev/none\" max_effort: 40 calibration_file: \"" +
-        file_.string() +
-        "\" } impedance { stiffness_n_per_m: 500 damping_n_s_per_m: 0.5 }"
-        " limits { force_n: 20 } }";
-    return dynamic_cast<const hw::BoardConfig&>(
-        *server::parse_scene(scene, "test", "/").devices[0].source);
-  }
-
- private:
-  std::filesystem::path file_;
-};
+/// The board of a scene that names the file of a calibration.
+hw::BoardConfig calibrated_by(const std::string& text) {
+  const test::TemporaryFile file(text, "hand.calibration.textproto");
+  const std::string scene =
+      "name: \"calibrated\" device { name: \"finger\" finger_exoskeleton {}"
+      " board { port: \"/dev/none\" max_effort: 40 calibration_file: \"" +
+      file.path().string() +
+      "\" } impedance { stiffness_n_per_m: 500 damping_n_s_per_m: 0.5 }"
+      " limits { force_n: 20 } }";
+  return dynamic_cast<const hw::BoardConfig&>(
+      *server::parse_scene(scene, "test", "/").devices[0].source);
+}
 
 struct Held {
   double l_x{0.0};       ///< m, the newest sample
@@ -184,10 +166,7 @@ std::string exactly(double value) {
 
 TEST(CalibrateBoard, CorrectsAWrongPotentiometer) {
   const Motion motion;
-  EmulatorConfig config;
-  config.l_x_scale = 1.08;
-  config.l_x_offset = 0.002;
-  config.force_offset = 0.8;
+  EmulatorConfig config{.l_x_scale = 1.08, .l_x_offset = 0.002, .force_offset = 0.8};
   const std::shared_ptr<const core::Kinematics> kinematics = core::make_finger_exoskeleton({});
   VirtualBoard device(config, motion.intent(), wanted(), kinematics);
   BoardSensors sensors(device);
@@ -231,8 +210,8 @@ TEST(CalibrateBoard, CorrectsAWrongPotentiometer) {
   EXPECT_NEAR(result.force_zero[0], 0.8, 0.01) << "a second of 30 mN rms";
 
   // What was written is what a scene of the server reads back, and makes of the board.
-  const Stored stored(to_textproto(result, config.serial, "2026-11-21"));
-  hw::BoardConfig calibrated = stored.board();
+  const hw::BoardConfig calibrated =
+      calibrated_by(to_textproto(result, config.serial, "2026-11-21"));
   VirtualBoard again(config, motion.intent(), calibrated, kinematics);
   EXPECT_EQ(again.info().calibrated, "2026-11-21");
   EXPECT_NEAR(again.info().limits.q_upper[0], result.dofs[0].upper, 5e-3) << "the travel";

@@ -24,9 +24,8 @@ constexpr double kDeviceDamping = 0.5, kRenderedDamping = 0.0;  // N s/m
 
 /// What hapticctl doctor says of a host that is never late and whose serial ports add nothing.
 double allowed_stiffness() {
-  StiffnessQuestion question;
-  question.device_damping = kDeviceDamping;
-  question.rendered_damping = kRenderedDamping;
+  StiffnessQuestion question{.device_damping = kDeviceDamping,
+                             .rendered_damping = kRenderedDamping};
   HostAnswers answers;
   answers.jitter.ticks = 10'000;
   const StiffnessCap cap = examine(HostFiles("/nonexistent"), answers, question).cap;
@@ -98,20 +97,15 @@ class Press {
   }
 
  private:
-  static EmulatorConfig emulator(const Law& law) {
-    EmulatorConfig config;
-    config.control = law.control;
-    return config;
-  }
+  static EmulatorConfig emulator(const Law& law) { return {.control = law.control}; }
   static hw::BoardConfig board() {
     hw::BoardConfig config;
     config.max_effort = core::VecA::Constant(1, 50.0);  // what the L16 lifts
     return config;
   }
   [[nodiscard]] core::PipelineConfig config(const Law& law, double stiffness) const {
-    core::PipelineConfig config;
-    config.kinematics = core::make_finger_exoskeleton({});
-    config.device = device_.info().limits;
+    core::PipelineConfig config{.kinematics = core::make_finger_exoskeleton({}),
+                                .device = device_.info().limits};
     config.scene.stiffness = core::VecA::Constant(1, stiffness);
     config.scene.damping = core::VecA::Constant(1, kRenderedDamping);
     config.scene.force_limit = core::VecA::Constant(1, 20.0);

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <fstream>
@@ -9,6 +8,7 @@
 #include "doctor/checks.hpp"
 #include "doctor/examine.hpp"
 #include "doctor/measure.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace haptic::ctl {
 namespace {
@@ -18,26 +18,16 @@ namespace fs = std::filesystem;
 /// The files of a made-up host, below a folder of its own.
 class FakeHost {
  public:
-  FakeHost()
-      : root_(fs::temp_directory_path() /
-              ("haptic-doctor-" + std::to_string(::getpid()) + "-" + std::to_string(++count_))) {
-    fs::create_directories(root_);
-  }
-  ~FakeHost() { fs::remove_all(root_); }
-  FakeHost(const FakeHost&) = delete;
-  FakeHost& operator=(const FakeHost&) = delete;
-
   FakeHost& file(const std::string& path, const std::string& text) {
-    const fs::path full = root_ / fs::path(path).relative_path();
+    const fs::path full = root_.path() / fs::path(path).relative_path();
     fs::create_directories(full.parent_path());
     std::ofstream(full) << text;
     return *this;
   }
-  [[nodiscard]] HostFiles files() const { return HostFiles(root_); }
+  [[nodiscard]] HostFiles files() const { return HostFiles(root_.path()); }
 
  private:
-  static inline int count_ = 0;
-  fs::path root_;
+  test::ScratchFolder root_{};
 };
 
 /// A host without a problem; each test then spoils something.

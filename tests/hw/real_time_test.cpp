@@ -10,9 +10,9 @@
 #include "hw/replay/replay.hpp"
 #include "hw/simulated/finger.hpp"
 #include "hw/simulated/linear.hpp"
-#include "tests/hw/temporary_file.hpp"
 #include "tests/hw/virtual_loop.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace haptic::hw {
 namespace {
@@ -59,11 +59,10 @@ TEST(RealTime, AStoppedFingerNeverAllocates) {
 }
 
 TEST(RealTime, MassesNeverAllocate) {
-  core::LinearMap map;
-  map.dofs = {{"z", core::Unit::kMetre, true, -0.1, 0.1}};
-  map.coordinates = {{"z"}};
-  map.A = core::MatXQ::Identity(1, 1);
-  map.x_0 = core::VecX::Zero(1);
+  core::LinearMap map{.dofs = {{"z", core::Unit::kMetre, true, -0.1, 0.1}},
+                      .coordinates = {{"z"}},
+                      .A = core::MatXQ::Identity(1, 1),
+                      .x_0 = core::VecX::Zero(1)};
   SimulatedLinearConfig config;
   config.mass = core::VecQ::Ones(1);
   config.max_effort = core::VecA::Constant(1, 20.0);

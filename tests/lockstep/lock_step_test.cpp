@@ -42,9 +42,7 @@ class Server {
 
   /// Serves at `address`, and by UDP.
   void serve(const std::string& address) {
-    server::RpcConfig config;
-    config.listen = {address};
-    config.udp_listen = "127.0.0.1:0";
+    server::RpcConfig config{.listen = {address}, .udp_listen = "127.0.0.1:0"};
     config.clock = [this](core::Duration) { return now(); };
     config.age_by_source_time = false;
     rpc_ =
@@ -104,10 +102,8 @@ class Way {
 class InProcess final : public Way {
  public:
   explicit InProcess(Server& server) {
-    server::LeaseRequest request;
-    request.session_id = "s1";
-    request.client_name = "in process";
-    request.nominal_rate_hz = 1000.0 / kSampleEvery;
+    server::LeaseRequest request{
+        .session_id = "s1", .client_name = "in process", .nominal_rate_hz = 1000.0 / kSampleEvery};
     server.front().open_controller(request, server.now(),
                                    [this](const Outcome<server::Lease>& outcome) {
                                      if (outcome) epoch_ = outcome.value->epoch;
@@ -115,12 +111,11 @@ class InProcess final : public Way {
     EXPECT_GT(epoch_, 0U);
   }
   void publish(Server& server, const std::vector<double>& x) override {
-    server::ProxySample sample;
-    sample.epoch = epoch_;
-    sample.seq = ++seq_;
-    sample.mode = core::ProxyMode::kHeld;
-    sample.position = {x.data(), x.size()};
-    sample.arrival = server.now();
+    server::ProxySample sample{.epoch = epoch_,
+                               .seq = ++seq_,
+                               .arrival = server.now(),
+                               .mode = core::ProxyMode::kHeld,
+                               .position = {x.data(), x.size()}};
     static_cast<void>(server.owner().accept(sample));
   }
   void ask_for_force(Server& server) override {
@@ -197,8 +192,7 @@ class ByWire final : public Way {
     return message;
   }
   static wire::PathKeys keys_of(const v1::UdpPath& udp) {
-    wire::PathKeys keys;
-    keys.path_id = udp.path_id();
+    wire::PathKeys keys{.path_id = udp.path_id()};
     std::copy_n(udp.up_key().begin(), wire::kKeySize, keys.up.key.begin());
     std::copy_n(udp.up_salt().begin(), wire::kSaltSize, keys.up.salt.begin());
     std::copy_n(udp.down_key().begin(), wire::kKeySize, keys.down.key.begin());
@@ -223,10 +217,7 @@ struct Trace {
 /// The wall holds the finger; what the client sends meets a link of jitter and loss before it meets
 /// the carrier.
 Trace run(Server& server, Way& way) {
-  WayRules trouble;
-  trouble.delay = 8ms;
-  trouble.jitter_sigma = 8ms;
-  trouble.loss = 0.1;
+  WayRules trouble{.delay = 8ms, .jitter_sigma = 8ms, .loss = 0.1};
   ImpairedLink link(trouble, 42, Carrier::kUdp);
   std::map<std::uint8_t, std::vector<double>> on_the_way;
   std::uint8_t number = 0;

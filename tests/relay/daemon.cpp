@@ -79,24 +79,14 @@ device {
 }  // namespace
 
 Daemon::Daemon() : tcp_port_(free_port(SOCK_STREAM)), udp_port_(free_port(SOCK_DGRAM)) {
-  static std::atomic<int> number{0};
-  folder_ = std::filesystem::temp_directory_path() /
-            ("haptic-network-" + std::to_string(getpid()) + "-" + std::to_string(number++));
-  std::filesystem::create_directories(folder_);
-  record_ = folder_ / "record.csv";
-  const auto file = folder_ / "scene.textproto";
+  record_ = folder_.path() / "record.csv";
+  const auto file = folder_.path() / "scene.textproto";
   std::ofstream(file) << scene(udp_port_, record_);
   process_ =
       std::make_unique<Process>(std::string(HAPTIC_BINARY_DIR) + "/server/hapticd",
                                 std::vector<std::string>{"--scene", file.string(), "--listen",
                                                          address(), "--log-level", "warn"});
   wait_for_listener(tcp_port_);
-}
-
-Daemon::~Daemon() {
-  process_.reset();
-  std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);
 }
 
 int Daemon::stop() {

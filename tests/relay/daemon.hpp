@@ -2,10 +2,10 @@
 /// The shipped hapticd as a process, with a finger at rest that a client presses. Its TCP and UDP
 /// ports are free on the relay's address too, and it records every tick.
 
-#include <filesystem>
 #include <memory>
 #include <string>
 
+#include "tests/support/temporary_file.hpp"
 #include "tests/system/process.hpp"
 
 namespace haptic::test {
@@ -20,7 +20,6 @@ class Daemon {
 
   /// Returns when it listens, or 10 s later.
   Daemon();
-  ~Daemon();
 
   [[nodiscard]] std::uint16_t tcp_port() const { return tcp_port_; }
   [[nodiscard]] std::uint16_t udp_port() const { return udp_port_; }
@@ -33,7 +32,8 @@ class Daemon {
   [[nodiscard]] const std::filesystem::path& record() const { return record_; }
 
  private:
-  std::filesystem::path folder_, record_;
+  ScratchFolder folder_{};
+  std::filesystem::path record_{};
   std::uint16_t tcp_port_{0}, udp_port_{0};
   std::unique_ptr<Process> process_{};
 };

@@ -23,8 +23,7 @@ inline std::shared_ptr<const core::Kinematics> equal_fingers(int count) {
 inline core::PipelineConfig pressing_config(const std::shared_ptr<const core::Kinematics>& map,
                                             core::RendererKind renderer) {
   const int n_a = map->layout().n_a(), n_q = map->layout().n_q();
-  core::PipelineConfig config;
-  config.kinematics = map;
+  core::PipelineConfig config{.kinematics = map};
   config.device.q_lower = core::VecQ::Constant(n_q, -2.0);
   config.device.q_upper = core::VecQ::Constant(n_q, 2.0);
   config.device.max_effort = core::VecA::Constant(n_a, 40.0);

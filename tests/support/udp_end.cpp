@@ -7,9 +7,7 @@ namespace haptic::test {
 namespace {
 
 wire::PeerAddress peer(std::uint16_t port) {
-  wire::PeerAddress answer;
-  answer.port = port;
-  return answer;
+  return {.port = port};
 }
 
 wire::TimePoint now() {

@@ -103,10 +103,7 @@ class Pressing : public Served {
 };
 
 client::SessionOptions controller(const char* name) {
-  client::SessionOptions options;
-  options.client_name = name;
-  options.nominal_rate_hz = 100;
-  return options;
+  return {.client_name = name, .nominal_rate_hz = 100};
 }
 
 TEST_F(Pressing, KilledClientLosesForceAndLease) {

@@ -36,8 +36,7 @@ TEST(UdpEndToEnd, ForceIsFeltAndChangesReported) {
   client::Connection connection(server.address());
   std::mutex mutex;
   std::set<std::string> reasons;
-  SessionOptions options;
-  options.nominal_rate_hz = 100.0;
+  SessionOptions options{.nominal_rate_hz = 100.0};
   options.on_event = [&](const client::Event& event) {
     const std::lock_guard lock(mutex);
     reasons.insert(event.reason);
@@ -63,8 +62,7 @@ TEST(UdpEndToEnd, CarrierMakesNoDifferenceToForce) {
   client::Connection connection(server.address());
   std::atomic<double> least{1e9};
   std::atomic<bool> watching{false};
-  SessionOptions options;
-  options.nominal_rate_hz = 100.0;
+  SessionOptions options{.nominal_rate_hz = 100.0};
   options.on_state = [&](const client::DeviceState& state) {
     // At a lower gain this host was too busy to send in time.
     if (watching && state.gain == 1.0) least = std::min<double>(least, state.tau_a.at(0));

@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 #include <pty.h>
 
-#include <filesystem>
 #include <memory>
 #include <thread>
 
 #include "haptic/client/client.hpp"
+#include "tests/support/temporary_file.hpp"
 #include "tests/support/within.hpp"
 #include "tests/system/process.hpp"
 
@@ -54,9 +54,8 @@ class UnreadLog : public testing::TestWithParam<bool> {};
 
 TEST_P(UnreadLog, DelaysNoLeaseStopOrSigterm) {
   const Unread log(GetParam());
-  const std::string socket =
-      (std::filesystem::temp_directory_path() / ("haptic-log-" + std::to_string(getpid())))
-          .string();
+  const test::ScratchFolder folder;
+  const std::string socket = folder.path() / "socket";
   test::Process daemon(
       std::string(HAPTIC_BINARY_DIR) + "/server/hapticd",
       {"--scene", std::string(HAPTIC_SOURCE_DIR) + "/server/scenes/finger_constant.textproto",

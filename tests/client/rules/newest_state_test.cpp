@@ -8,10 +8,7 @@ namespace haptic::client {
 namespace {
 
 DeviceState state(std::uint64_t seq) {
-  DeviceState made;
-  made.seq = seq;
-  made.x_probe = {static_cast<double>(seq)};
-  return made;
+  return {.seq = seq, .x_probe = {static_cast<double>(seq)}};
 }
 
 TEST(NewestState, AnOlderStateIsDropped) {

@@ -68,8 +68,7 @@ TEST(BoardHost, RefusesABoardUnlikeTheScene) {
 }
 
 TEST(BoardHost, AShortWatchdogIsRefused) {
-  EmulatorConfig config;
-  config.watchdog_us = 20000;
+  EmulatorConfig config{.watchdog_us = 20000};
   EXPECT_EQ(refusal(test::expect_finger(), config),
             "its watchdog = 20 ms: must be longer than loop_late_fault, 20 ms");
   config.watchdog_us = 20001;
@@ -140,8 +139,7 @@ TEST(BoardHost, AWatchdogStopLastsUntilDisarmed) {
 }
 
 TEST(BoardHost, ABrownOutEndsDisarmed) {
-  EmulatorConfig config;
-  config.faults = {{FaultKind::kBrownOut, 0.1, 0.05, 0.0}};
+  EmulatorConfig config{.faults = {{FaultKind::kBrownOut, 0.1, 0.05, 0.0}}};
   VirtualLink link(config);
   link.run(10ms);
   link.arm(3.0);
@@ -164,8 +162,7 @@ TEST(BoardHost, ABrownOutEndsDisarmed) {
 
 /// Of boards without a serial number any answers to it: what the loop was built with must hold too.
 TEST(BoardHost, AReplugNeedsTheSameBoard) {
-  EmulatorConfig nameless;
-  nameless.serial = "";
+  EmulatorConfig nameless{.serial = ""};
   EmulatorConfig same = nameless, other_serial = nameless, other_control = nameless;
   same.seed = 5;
   other_serial.serial = "OTHER";
@@ -191,8 +188,7 @@ TEST(BoardHost, AReplugNeedsTheSameBoard) {
 }
 
 TEST(BoardHost, AStuckSensorIsAFault) {
-  EmulatorConfig config;
-  config.faults = {{FaultKind::kStuck, 0.1, 0.4, 0.0}};
+  EmulatorConfig config{.faults = {{FaultKind::kStuck, 0.1, 0.4, 0.0}}};
   VirtualLink link(config);
   link.arm(1.0);
   link.run(150ms);
@@ -204,9 +200,7 @@ TEST(BoardHost, AStuckSensorIsAFault) {
 }
 
 TEST(BoardHost, EveryMissingFrameIsCounted) {
-  EmulatorConfig config;
-  config.drop = 3e-4;
-  config.corrupt = 3e-4;
+  EmulatorConfig config{.drop = 3e-4, .corrupt = 3e-4};
   VirtualLink link(config);
   link.arm(1.0);
   link.run(5s);
@@ -224,8 +218,7 @@ TEST(BoardHost, EveryMissingFrameIsCounted) {
 }
 
 TEST(BoardHost, DamagedBytesDoNotDisarm) {
-  EmulatorConfig config;
-  config.corrupt = 3e-4;
+  EmulatorConfig config{.corrupt = 3e-4};
   VirtualLink link(config);
   link.arm(1.0);
   for (int i = 0; i < 500; ++i) {
@@ -239,8 +232,7 @@ TEST(BoardHost, DamagedBytesDoNotDisarm) {
 
 TEST(BoardHost, SlowLinksKeepSamplesYoung) {
   for (const std::uint32_t period_us : {0U, 2000U}) {
-    EmulatorConfig config;
-    config.link_period_us = period_us;
+    EmulatorConfig config{.link_period_us = period_us};
     VirtualLink link(config);
     link.run(100ms);
     core::Duration oldest{0};

@@ -12,7 +12,7 @@
 
 #include "haptic/core/error.hpp"
 #include "hw/emulator/pseudo_terminal.hpp"
-#include "tests/hw/temporary_file.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace haptic::hw::board {
 namespace {

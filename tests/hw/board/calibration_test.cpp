@@ -15,16 +15,14 @@ core::VecQ two(double a, double b) {
 }
 
 Calibration good() {
-  Calibration c;
-  c.source = "hx-7.textproto";
-  c.serial = "HX-7";
-  c.date = "2026-11-21";
-  c.scale = two(1.25, -0.8);
-  c.offset = two(-0.004, 0.3);
-  c.lower = two(0.001, -1.2);
-  c.upper = two(0.049, 0.7);
-  c.force_zero = core::VecA::Constant(1, 0.7);
-  return c;
+  return {.source = "hx-7.textproto",
+          .serial = "HX-7",
+          .date = "2026-11-21",
+          .scale = two(1.25, -0.8),
+          .offset = two(-0.004, 0.3),
+          .lower = two(0.001, -1.2),
+          .upper = two(0.049, 0.7),
+          .force_zero = core::VecA::Constant(1, 0.7)};
 }
 
 std::string why_refused(const Calibration& c, const std::string& serial = "HX-7",
@@ -38,9 +36,7 @@ std::string why_refused(const Calibration& c, const std::string& serial = "HX-7"
 }
 
 TEST(BoardCalibration, AppliesScaleOffsetAndZero) {
-  core::DeviceSample sample;
-  sample.q = two(0.02, 0.5);
-  sample.tau_measured = core::VecA::Constant(1, 2.7);
+  core::DeviceSample sample{.q = two(0.02, 0.5), .tau_measured = core::VecA::Constant(1, 2.7)};
   apply(good(), sample);
   EXPECT_NEAR(sample.q[0], 1.25 * 0.02 - 0.004, 1e-15);
   EXPECT_NEAR(sample.q[1], -0.8 * 0.5 + 0.3, 1e-15);
@@ -67,9 +63,7 @@ TEST(BoardCalibration, ForcesAreSentInCellReadings) {
   config.max_effort = core::VecA::Constant(1, 40.0);
   config.calibration = good();
   DeviceSide side(config, core::make_finger_exoskeleton({}), core::Duration{0});
-  Identity board;
-  board.serial = "HX-7";
-  board.capabilities = kMeasuresForce | kForceLoop;
+  Identity board{.capabilities = kMeasuresForce | kForceLoop, .serial = "HX-7"};
   side.identify(board);
   const auto sent = [&](const hw::Command& command) { return side.write(command).tau_a[0]; };
   const hw::Command press{true, core::VecA::Constant(1, 2.0), {}};

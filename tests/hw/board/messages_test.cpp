@@ -29,28 +29,25 @@ Command command() {
 }
 
 Identity identity() {
-  Identity i;
-  i.n_q = 2;
-  i.n_a = 1;
-  i.capabilities = kForceLoop | kMeasuresForce;
-  i.session = kSession;
-  i.watchdog_us = 25000;
-  i.sample_period_us = 1000;
-  i.firmware = {1, 2, 3};
-  i.serial = "HX-0001";
-  i.model = "finger exoskeleton";
-  return i;
+  return {.n_q = 2,
+          .n_a = 1,
+          .capabilities = kForceLoop | kMeasuresForce,
+          .session = kSession,
+          .watchdog_us = 25000,
+          .sample_period_us = 1000,
+          .firmware = {1, 2, 3},
+          .serial = "HX-0001",
+          .model = "finger exoskeleton"};
 }
 
 State state() {
-  State s;
-  s.time_us = 123456789;
-  s.nonce = kNonce;
-  s.command_seq = 3;
-  s.command_age_us = 850;
-  s.state = BoardState::kArmed;
-  s.n_q = 2;
-  s.n_f = 1;
+  State s{.time_us = 123456789,
+          .nonce = kNonce,
+          .command_seq = 3,
+          .command_age_us = 850,
+          .state = BoardState::kArmed,
+          .n_q = 2,
+          .n_f = 1};
   s.q[0] = 0.015625F;
   s.q[1] = -0.25F;
   s.force[0] = 1.5F;

@@ -16,11 +16,9 @@ namespace haptic::test {
 }
 
 [[nodiscard]] inline hw::board::Expectation expect_finger() {
-  hw::board::Expectation expected;
-  expected.dofs = finger()->dofs();
-  expected.max_effort = core::VecA::Constant(1, 40.0);
-  expected.longest_lateness = std::chrono::milliseconds(20);
-  return expected;
+  return {.dofs = finger()->dofs(),
+          .max_effort = core::VecA::Constant(1, 40.0),
+          .longest_lateness = std::chrono::milliseconds(20)};
 }
 
 class VirtualLink {

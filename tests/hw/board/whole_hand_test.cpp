@@ -61,10 +61,8 @@ TEST(WholeHand, AHandFitsOneBoard) {
   std::array<float, 10> q{};
   for (std::size_t i = 0; i < q.size(); ++i) q[i] = 0.001F * static_cast<float>(i + 1);
   const std::array<float, 5> force{0.5F, -1.0F, 1.5F, -2.0F, 2.5F};
-  Wanted wanted;
-  wanted.arm = true;
-  wanted.arming = 1;
-  wanted.tau_a = (core::VecA(5) << 1.0, 2.0, -3.0, 4.0, 50.0).finished();
+  Wanted wanted{
+      .arm = true, .arming = 1, .tau_a = (core::VecA(5) << 1.0, 2.0, -3.0, 4.0, 50.0).finished()};
   std::array<float, 5> reference{};
   hb_kind kind = HB_POSITION;
   bool drives = false;

@@ -60,8 +60,7 @@ TEST(EmulatedBoard, ADriveThatIsOffRests) {
 }
 
 TEST(EmulatedBoard, AStalledMotorDoesNotFollow) {
-  EmulatorConfig config;
-  config.faults = {{FaultKind::kStall, 1.0, 1e9, 0.0}};
+  EmulatorConfig config{.faults = {{FaultKind::kStall, 1.0, 1e9, 0.0}}};
   VirtualLink link(config);
   link.run(1s);
   const double x = link.board.rig().actuator().x();
@@ -72,8 +71,7 @@ TEST(EmulatedBoard, AStalledMotorDoesNotFollow) {
 }
 
 TEST(EmulatedBoard, OnlyTheDriftingReadingMoves) {
-  EmulatorConfig config;
-  config.faults = {{FaultKind::kDrift, 0.5, 1e9, 0.001}};
+  EmulatorConfig config{.faults = {{FaultKind::kDrift, 0.5, 1e9, 0.001}}};
   VirtualLink link(config);
   link.run(2500ms);
   const double told = link.host.reading().q[0];
@@ -81,8 +79,7 @@ TEST(EmulatedBoard, OnlyTheDriftingReadingMoves) {
 }
 
 TEST(EmulatedBoard, TooMuchForceIsAFault) {
-  EmulatorConfig config;
-  config.force_over_limit = 5.0;
+  EmulatorConfig config{.force_over_limit = 5.0};
   VirtualLink link(config);
   link.run(10ms);
   link.arm(15.0);

@@ -71,9 +71,7 @@ class PressedBoard {
     return config;
   }
   core::PipelineConfig pipeline_config() const {
-    core::PipelineConfig config;
-    config.kinematics = finger_;
-    config.device = device_.info().limits;
+    core::PipelineConfig config{.kinematics = finger_, .device = device_.info().limits};
     config.scene.direction_guard = true;
     config.scene.stiffness = core::VecA::Constant(1, 500.0);
     config.scene.damping = core::VecA::Constant(1, 0.5);
@@ -108,11 +106,7 @@ int moment(std::uint64_t seed) {
 struct PressedCase : ::testing::TestWithParam<std::uint64_t> {
   PressedBoard finger{config()};
   void SetUp() override { press(finger); }
-  static EmulatorConfig config() {
-    EmulatorConfig c;
-    c.seed = GetParam();
-    return c;
-  }
+  static EmulatorConfig config() { return {.seed = GetParam()}; }
   /// Engaged, with force, at the moment of this seed.
   static void press(PressedBoard& finger) {
     finger.run_ms(900 + moment(GetParam()));

@@ -19,8 +19,7 @@ template <typename Tick>
 [[nodiscard]] ForceStep measure_force_step(Tick&& tick, double from, double to, int settle,
                                            double band) {
   for (int i = 0; i < settle; ++i) static_cast<void>(tick(from));
-  ForceStep step;
-  step.settled = true;
+  ForceStep step{.settled = true};
   double at_10 = -1.0, at_90 = -1.0, peak = 0.0;
   for (int i = 1; i <= settle; ++i) {
     const double share = (tick(to) - from) / (to - from);

@@ -61,11 +61,7 @@ class Loop {
   }
 
  private:
-  static EmulatorConfig emulator_config(const Law& law) {
-    EmulatorConfig config;
-    config.control = law.control;
-    return config;
-  }
+  static EmulatorConfig emulator_config(const Law& law) { return {.control = law.control}; }
   static BoardConfig board_config() {
     BoardConfig config;
     config.max_effort = core::VecA::Constant(1, 50.0);  // what the L16 lifts

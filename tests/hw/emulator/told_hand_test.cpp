@@ -10,7 +10,7 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/emulator/truth_log.hpp"
-#include "tests/hw/temporary_file.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace haptic::hw::emulator {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "haptic/core/error.hpp"
-#include "tests/hw/temporary_file.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace haptic::hw {
 namespace {

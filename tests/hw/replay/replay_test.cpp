@@ -10,8 +10,8 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/hand_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
-#include "tests/hw/temporary_file.hpp"
 #include "tests/hw/virtual_loop.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace haptic::hw {
 namespace {
@@ -221,11 +221,10 @@ TEST(Replay, AllowsNoiseAtAStop) {
 }
 
 TEST(Replay, JointAnglesNeedAnInverse) {
-  core::LinearMap map;
-  map.dofs = {{"z", core::Unit::kMetre, true, -1.0, 1.0}};
-  map.coordinates = {{"z"}};
-  map.A = core::MatXQ::Identity(1, 1);
-  map.x_0 = core::VecX::Zero(1);
+  core::LinearMap map{.dofs = {{"z", core::Unit::kMetre, true, -1.0, 1.0}},
+                      .coordinates = {{"z"}},
+                      .A = core::MatXQ::Identity(1, 1),
+                      .x_0 = core::VecX::Zero(1)};
   const std::shared_ptr<const core::Kinematics> linear = core::make_linear(map);
   const TemporaryFile own("time_s,z\n0,0.1\n0.04,0.3\n", "own.csv");
   Replay device(playing(own), linear);

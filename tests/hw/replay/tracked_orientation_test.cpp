@@ -11,9 +11,9 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/serial_chain.hpp"
 #include "hw/replay/replay.hpp"
-#include "tests/hw/temporary_file.hpp"
 #include "tests/hw/virtual_loop.hpp"
 #include "tests/support/angles.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace haptic::hw {
 namespace {
@@ -24,8 +24,7 @@ using testing::HasSubstr;
 
 /// A joint on a tracked palm.
 std::shared_ptr<const core::Kinematics> palm() {
-  core::SerialChainParameters chain;
-  chain.palm = core::TrackedPalm{};
+  core::SerialChainParameters chain{.palm = core::TrackedPalm{}};
   chain.joints.push_back({"a"});
   chain.outputs = {{"tip", "", core::OutputKind::kFrame, {{0.1, 0, 0}, {}}}};
   return core::make_serial_chain(chain);

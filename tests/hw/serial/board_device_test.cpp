@@ -9,7 +9,6 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
-#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <mutex>
@@ -21,6 +20,7 @@
 #include "hw/emulator/serve.hpp"
 #include "hw/simulated/finger.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace haptic::hw {
 namespace {
@@ -41,11 +41,9 @@ struct Told {
 class EmulatorThread {
  public:
   explicit EmulatorThread(const EmulatorConfig& config = {})
-      : link_(std::filesystem::temp_directory_path() /
-              ("haptic-board-" + std::to_string(::getpid()) + "-" + std::to_string(++count_))),
-        board_(config, {Eigen::Vector2d::Zero(), Eigen::Vector2d(0.5, 0.5)},
+      : board_(config, {Eigen::Vector2d::Zero(), Eigen::Vector2d(0.5, 0.5)},
                core::make_finger_exoskeleton({})),
-        terminal_(link_),
+        terminal_(port()),
         thread_([this] {
           serve(board_, terminal_, stop_, [this](const auto& board) { look(board); });
         }) {}
@@ -59,7 +57,7 @@ class EmulatorThread {
   }
   /// After end(): the board's own last word.
   [[nodiscard]] const hb_counters& counters() const { return board_.firmware().counters; }
-  [[nodiscard]] std::string port() const { return link_.string(); }
+  [[nodiscard]] std::string port() const { return folder_.path() / "port"; }
   [[nodiscard]] Told told() const {
     const std::lock_guard lock(mutex_);
     return told_;
@@ -83,8 +81,7 @@ class EmulatorThread {
     board_.add_fault(*wanted_fault_);
     wanted_fault_.reset();
   }
-  static inline int count_ = 0;
-  std::filesystem::path link_;
+  test::ScratchFolder folder_{};
   emulator::EmulatedBoard board_;
   emulator::PseudoTerminal terminal_;
   mutable std::mutex mutex_;
@@ -283,8 +280,7 @@ class PressingProcess {
 
 TEST(BoardDevice, BoardStopsAfterAKilledServer) {
   PressingProcess server;
-  EmulatorConfig c;
-  c.clock_ppm = 0.0;
+  EmulatorConfig c{.clock_ppm = 0.0};
   EmulatorThread board(c);
   server.tell(board.port());
   for (int i = 0; i < 5000 && board.told().reference != 4.0; ++i) std::this_thread::sleep_for(1ms);

@@ -99,9 +99,7 @@ TEST(FingerPhysics, PositiveForceEnlargesLx) {
 
 TEST(FingerPhysics, TheFirstStepFollowsNewton) {
   // From rest, no damping: x_ddot = (I + m w w^T)^-1 (K_h (x_des - x) + w tau_a).
-  FingerParameters p;
-  p.hand_damping = 0.0;
-  p.actuator_damping = 0.0;
+  FingerParameters p{.hand_damping = 0.0, .actuator_damping = 0.0};
   const Eigen::Vector2d x(30 * kDeg, 30 * kDeg), aim(40 * kDeg, 20 * kDeg);
   FingerPhysics physics(p, test::one_finger(), x);
   physics.step(1e-6, aim, 7.0);
@@ -120,10 +118,7 @@ TEST(FingerPhysics, TheActuatorMassMovesAlong) {
   // A free finger in flight, no user, no losses: kinetic energy stays while M(x) changes, and only
   // because of the velocity-product term (without it a quarter of it is gone).
   const auto drift = [](double dt) {
-    FingerParameters p;
-    p.hand_stiffness = 1e-12;
-    p.hand_damping = 0.0;
-    p.actuator_damping = 0.0;
+    FingerParameters p{.hand_stiffness = 1e-12, .hand_damping = 0.0, .actuator_damping = 0.0};
     FingerPhysics physics(p, test::one_finger(), {10 * kDeg, 20 * kDeg});
     const Eigen::Vector2d kick =
         Eigen::Vector2d(2.5e8, 3e8) / dt;  // one impulse, whatever the step
@@ -142,8 +137,7 @@ TEST(FingerPhysics, TheActuatorMassMovesAlong) {
 TEST(FingerPhysics, EnergyNeverExceedsTheUsers) {
   // No force: kinetic energy <= work of the user, at every step, friction and stops included.
   for (const double friction : {0.0, 3.0}) {
-    FingerParameters p;
-    p.actuator_friction = friction;
+    FingerParameters p{.actuator_friction = friction};
     FingerPhysics physics(p, test::one_finger(), Eigen::Vector2d::Zero());
     for (int i = 0; i < 40000; ++i) {
       const double t = i * kDt;
@@ -155,8 +149,7 @@ TEST(FingerPhysics, EnergyNeverExceedsTheUsers) {
 }
 
 TEST(FingerPhysics, AccountsForAllEnergyUnderForce) {
-  FingerParameters p;
-  p.actuator_friction = 1.0;
+  FingerParameters p{.actuator_friction = 1.0};
   FingerPhysics physics(p, test::one_finger(), Eigen::Vector2d::Zero());
   for (int i = 0; i < 30000; ++i) {
     const double t = i * kDt;
@@ -171,8 +164,7 @@ TEST(FingerPhysics, AccountsForAllEnergyUnderForce) {
 }
 
 TEST(FingerPhysics, FrictionAndDampingOnlyTake) {
-  FingerParameters p;
-  p.actuator_friction = 4.0;
+  FingerParameters p{.actuator_friction = 4.0};
   FingerPhysics physics(p, test::one_finger(), Eigen::Vector2d::Zero());
   FingerEnergy last;
   for (int i = 0; i < 20000; ++i) {
@@ -187,8 +179,7 @@ TEST(FingerPhysics, FrictionAndDampingOnlyTake) {
 
 TEST(FingerPhysics, FrictionSticksWithoutCreeping) {
   // A force below F_c does not move the slider at all; one above it does.
-  FingerParameters p;
-  p.actuator_friction = 5.0;
+  FingerParameters p{.actuator_friction = 5.0};
   const Eigen::Vector2d x(30 * kDeg, 30 * kDeg);
   FingerPhysics stuck(p, test::one_finger(), x);
   FingerPhysics loose = stuck;

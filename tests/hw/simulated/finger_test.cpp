@@ -13,8 +13,8 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
 #include "tests/hw/simulated/one_finger.hpp"
-#include "tests/hw/temporary_file.hpp"
 #include "tests/hw/virtual_loop.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace haptic::hw {
 namespace {

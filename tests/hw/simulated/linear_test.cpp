@@ -18,12 +18,11 @@ using test::VirtualLoop;
 
 /// Two DoFs, the second one actuated; x = q.
 std::shared_ptr<const core::Kinematics> plane() {
-  core::LinearMap map;
-  map.dofs = {{"y", core::Unit::kMetre, false, -0.1, 0.1},
-              {"z", core::Unit::kMetre, true, -0.1, 0.1}};
-  map.coordinates = {{"y"}, {"z"}};
-  map.A = core::MatXQ::Identity(2, 2);
-  map.x_0 = core::VecX::Zero(2);
+  core::LinearMap map{.dofs = {{"y", core::Unit::kMetre, false, -0.1, 0.1},
+                               {"z", core::Unit::kMetre, true, -0.1, 0.1}},
+                      .coordinates = {{"y"}, {"z"}},
+                      .A = core::MatXQ::Identity(2, 2),
+                      .x_0 = core::VecX::Zero(2)};
   return core::make_linear(map);
 }
 

@@ -48,8 +48,7 @@ struct Pressed {
 };
 
 inline core::PipelineConfig pipeline_of(const Press& press) {
-  core::PipelineConfig c;
-  c.kinematics = core::make_finger_exoskeleton({});
+  core::PipelineConfig c{.kinematics = core::make_finger_exoskeleton({})};
   c.device.q_lower = (core::VecQ(2) << -0.005, -1.5).finished();
   c.device.q_upper = (core::VecQ(2) << 0.055, 0.85).finished();
   c.device.max_effort = core::VecA::Constant(1, 40.0);
@@ -93,8 +92,7 @@ inline Pressed run(const Press& press) {
   core::Pipeline pipeline(pipeline_of(press));
   FingerPhysics finger(parameters, pipeline.config().kinematics, Eigen::Vector2d::Zero());
   const Eigen::Vector2d stop = press.stop * kDegree;
-  core::TickInput in;
-  in.settings = pipeline.config().scene;
+  core::TickInput in{.settings = pipeline.config().scene};
   in.device.fresh = in.device.armed = true;
   in.command.tenure = 1;
   in.command.lease_held = true;

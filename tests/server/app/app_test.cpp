@@ -4,10 +4,8 @@
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <filesystem>
 #include <fstream>
 #include <string>
 #include <utility>
@@ -15,6 +13,7 @@
 #include "haptic/core/error.hpp"
 #include "tests/server/support/live_server.hpp"
 #include "tests/server/support/test_client.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace {
 
@@ -115,10 +114,9 @@ TEST(App, UnopenableDeviceLeavesNothingRunning) {
 }
 
 TEST(App, RecordsEveryTickIfAsked) {
-  const auto file =
-      std::filesystem::temp_directory_path() / ("haptic-app-" + std::to_string(getpid()) + ".csv");
+  const haptic::test::TemporaryFile file;
   Scene scene = soft_grasp();
-  scene.record = haptic::server::RecordScene{file, true};
+  scene.record = haptic::server::RecordScene{file.path(), true};
   std::uint64_t ticks = 0;
   {
     App app(std::move(scene), kPlain);
@@ -126,11 +124,10 @@ TEST(App, RecordsEveryTickIfAsked) {
     EXPECT_TRUE(eventually([&] { return app.loop_facts().ticks > 50; }));
     ticks = app.loop_facts().ticks;
   }
-  std::ifstream stream(file);
+  std::ifstream stream(file.path());
   std::uint64_t lines = 0;
   for (std::string line; std::getline(stream, line);) ++lines;
   EXPECT_GE(lines, ticks + 1);
-  std::filesystem::remove(file);
 }
 
 // The grant of this host, whatever it is, decides the loop's patience

@@ -8,7 +8,6 @@
 
 #include <array>
 #include <atomic>
-#include <filesystem>
 #include <thread>
 
 #include "haptic/core/error.hpp"
@@ -17,6 +16,7 @@
 #include "server/app.hpp"
 #include "tests/server/support/live_server.hpp"
 #include "tests/server/support/test_client.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace {
 
@@ -35,11 +35,9 @@ constexpr haptic::server::AppOptions kNotRealtime{RealtimeMode::kOff};
 class BoardThread {
  public:
   explicit BoardThread(const EmulatorConfig& config = {})
-      : link_(std::filesystem::temp_directory_path() /
-              ("haptic-paced-" + std::to_string(::getpid()))),
-        board_(config, {Eigen::Vector2d::Zero(), Eigen::Vector2d(0.5, 0.5)},
+      : board_(config, {Eigen::Vector2d::Zero(), Eigen::Vector2d(0.5, 0.5)},
                haptic::core::make_finger_exoskeleton({})),
-        terminal_(link_),
+        terminal_(port()),
         thread_([this] {
           serve(board_, terminal_, stop_, [this](const auto&) { unplug_where_wanted(); });
         }) {}
@@ -50,7 +48,7 @@ class BoardThread {
   BoardThread(const BoardThread&) = delete;
   BoardThread& operator=(const BoardThread&) = delete;
 
-  [[nodiscard]] std::string port() const { return link_.string(); }
+  [[nodiscard]] std::string port() const { return folder_.path() / "port"; }
   /// From now on, for so many seconds.
   void unplug(double length) { unplug_for_ = length; }
 
@@ -61,7 +59,7 @@ class BoardThread {
     board_.add_fault(
         {FaultKind::kUnplug, static_cast<double>(board_.now_us()) * 1e-6, length, 0.0});
   }
-  std::filesystem::path link_;
+  haptic::test::ScratchFolder folder_{};
   haptic::hw::emulator::EmulatedBoard board_;
   haptic::hw::emulator::PseudoTerminal terminal_;
   std::atomic<double> unplug_for_{0.0};

@@ -7,11 +7,8 @@ namespace {
 
 TEST(EventQueue, DropsStalenessFirstAndCountsIt) {
   EventQueue queue;
-  DeviceEvent fault;
-  fault.kind = DeviceEvent::Kind::kFault;
-  fault.reason = "DEVICE_LOST";
-  DeviceEvent staleness;
-  staleness.kind = DeviceEvent::Kind::kStaleness;
+  DeviceEvent fault{.kind = DeviceEvent::Kind::kFault, .reason = "DEVICE_LOST"};
+  DeviceEvent staleness{.kind = DeviceEvent::Kind::kStaleness};
   queue.push(fault);
   for (std::size_t i = 0; i < EventQueue::kCapacity + 9; ++i) queue.push(staleness);
   const auto first = queue.pop();

@@ -97,8 +97,7 @@ TEST_F(LinkWatchTest, AgeIsNeverExtendedNorOverstated) {
 }
 
 TEST_F(LinkWatchTest, UnknownClockUsesTheArrival) {
-  SampleStamp stamp;
-  stamp.arrival = now;
+  SampleStamp stamp{.arrival = now};
   EXPECT_FALSE(watch.came(stamp, std::nullopt));
   stamp.source_time_ns = (now.time_since_epoch() + kOffset).count();
   EXPECT_FALSE(watch.came(stamp, std::nullopt)) << "nothing proves the offset yet";
@@ -106,14 +105,11 @@ TEST_F(LinkWatchTest, UnknownClockUsesTheArrival) {
 
 TEST_F(LinkWatchTest, UsesTheTighterEstimate) {
   steady(100);
-  wire::ClockOffset::Estimate path;
-  path.offset = kOffset;
-  path.bound = 1ms;
+  wire::ClockOffset::Estimate path{.offset = kOffset, .bound = 1ms};
   watch.state_sent(++tick, now, Carrier::kGrpc);
-  SampleStamp stamp;
-  stamp.source_time_ns = (now.time_since_epoch() + kEachWay + kOffset).count();
-  stamp.state_used = tick;
-  stamp.arrival = now + 2 * kEachWay;
+  SampleStamp stamp{.source_time_ns = (now.time_since_epoch() + kEachWay + kOffset).count(),
+                    .state_used = tick,
+                    .arrival = now + 2 * kEachWay};
   EXPECT_EQ(watch.came(stamp, path), now + kEachWay + 1ms);
 }
 
@@ -137,9 +133,8 @@ TEST_F(LinkWatchTest, ClockStepMakesNoSampleOld) {
 
 TEST_F(LinkWatchTest, SampleWithoutExchangeUsesItsArrival) {
   steady(100);
-  SampleStamp stamp;
-  stamp.source_time_ns = (now.time_since_epoch() + kOffset - 500ms).count();
-  stamp.arrival = now;
+  SampleStamp stamp{.source_time_ns = (now.time_since_epoch() + kOffset - 500ms).count(),
+                    .arrival = now};
   EXPECT_FALSE(watch.came(stamp, std::nullopt));
 }
 
@@ -147,17 +142,13 @@ TEST_F(LinkWatchTest, NonsenseFromAClientChangesNothing) {
   steady(100);
   using Limits = std::numeric_limits<std::int64_t>;
   for (const std::int64_t nonsense : {Limits::min(), std::int64_t{-1}, Limits::max()}) {
-    SampleStamp stamp;
-    stamp.source_time_ns = nonsense;
-    stamp.state_used = tick;
-    stamp.arrival = now;
+    SampleStamp stamp{.source_time_ns = nonsense, .state_used = tick, .arrival = now};
     EXPECT_FALSE(watch.came(stamp, std::nullopt)) << nonsense;
   }
-  SampleStamp held_too_long;
-  held_too_long.source_time_ns = (now.time_since_epoch() + kOffset).count();
-  held_too_long.state_used = tick;
-  held_too_long.hold = 1h;
-  held_too_long.arrival = now;
+  SampleStamp held_too_long{.source_time_ns = (now.time_since_epoch() + kOffset).count(),
+                            .state_used = tick,
+                            .hold = 1h,
+                            .arrival = now};
   static_cast<void>(watch.came(held_too_long, std::nullopt));
   EXPECT_EQ(watch.figures(Carrier::kGrpc).round_trip.least(), 2 * kEachWay);
   EXPECT_EQ(watch.clock().steps(), 0U);

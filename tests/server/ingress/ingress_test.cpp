@@ -20,12 +20,11 @@ class IngressTest : public testing::Test {
 
   IngressVerdict send(std::vector<double> position, TimePoint at,
                       core::ProxyMode mode = core::ProxyMode::kHeld) {
-    ProxySample sample;
-    sample.epoch = epoch;
-    sample.seq = ++seq;
-    sample.mode = mode;
-    sample.position = {position.data(), position.size()};
-    sample.arrival = at;
+    ProxySample sample{.epoch = epoch,
+                       .seq = ++seq,
+                       .arrival = at,
+                       .mode = mode,
+                       .position = {position.data(), position.size()}};
     return judge(sample);
   }
   IngressVerdict judge(const ProxySample& sample) {
@@ -64,13 +63,12 @@ TEST_F(IngressTest, AcceptsNothingWithoutALease) {
 
 TEST_F(IngressTest, SourceTimeOnlyAgesASample) {
   const auto born_of = [&](Duration left_before, TimePoint at) {
-    ProxySample sample;
-    sample.epoch = epoch;
-    sample.seq = ++seq;
-    sample.mode = core::ProxyMode::kHeld;
-    sample.position = {0.0, 0.0};
-    sample.arrival = at;
-    sample.left = at - left_before;
+    ProxySample sample{.epoch = epoch,
+                       .seq = ++seq,
+                       .arrival = at,
+                       .left = at - left_before,
+                       .mode = core::ProxyMode::kHeld,
+                       .position = {0.0, 0.0}};
     EXPECT_EQ(judge(sample), IngressVerdict::kAccepted);
     return newest().born;
   };
@@ -179,13 +177,12 @@ class IngressPlanesTest : public IngressTest {
  protected:
   IngressVerdict send_planes(const std::vector<std::vector<double>>& rows,
                              core::ProxyMode mode = core::ProxyMode::kPlanes) {
-    ProxySample sample;
-    sample.epoch = epoch;
-    sample.seq = ++seq;
-    sample.mode = mode;
-    sample.position = {0.25, -0.5};
-    sample.arrival = t0;
-    sample.plane_count = static_cast<std::uint32_t>(rows.size());
+    ProxySample sample{.epoch = epoch,
+                       .seq = ++seq,
+                       .arrival = t0,
+                       .mode = mode,
+                       .plane_count = static_cast<std::uint32_t>(rows.size()),
+                       .position = {0.25, -0.5}};
     for (std::size_t i = 0; i < std::min(rows.size(), sample.planes.size()); ++i) {
       sample.planes[i] = {{rows[i].data(), rows[i].size() - 1}, rows[i].back()};
     }

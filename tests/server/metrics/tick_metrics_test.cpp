@@ -95,11 +95,10 @@ TEST(TickMetrics, LimiterCountsEveryActiveTick) {
 
 TEST(TickMetrics, CarrierChangeCountsWithinALease) {
   TickMetrics metrics(1);
-  StateRecord state;
-  state.dt = std::chrono::milliseconds(1);
-  state.lease_held = true;
-  state.tenure = 1;
-  state.carrier = Carrier::kGrpc;
+  StateRecord state{.dt = std::chrono::milliseconds(1),
+                    .lease_held = true,
+                    .tenure = 1,
+                    .carrier = Carrier::kGrpc};
   for (int i = 0; i < 3; ++i) metrics.on_tick(0, state);
   state.carrier = Carrier::kUdp;
   for (int i = 0; i < 5; ++i) metrics.on_tick(0, state);

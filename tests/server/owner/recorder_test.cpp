@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
@@ -22,6 +21,7 @@
 #include "hw/replay/replay.hpp"
 #include "server/crossing/state_record.hpp"
 #include "tests/server/support/device_rig.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace {
 
@@ -33,19 +33,7 @@ using haptic::server::Recorder;
 using haptic::server::RendererComparison;
 using haptic::test::DeviceRig;
 using haptic::test::rig_config;
-
-/// A file of this test process that is gone afterwards.
-class ScratchFile {
- public:
-  explicit ScratchFile(const std::string& name)
-      : path_(std::filesystem::temp_directory_path() /
-              ("haptic-" + std::to_string(getpid()) + "-" + name)) {}
-  ~ScratchFile() { std::filesystem::remove(path_); }
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+using haptic::test::TemporaryFile;
 
 using Fields = std::vector<std::string>;
 
@@ -122,7 +110,7 @@ TEST(Recorder, HeaderHasEveryFieldOfState) {
 }
 
 TEST(Recorder, TrackersPoseInUseIsRecorded) {
-  ScratchFile file("tracked.csv");
+  const TemporaryFile file;
   {
     Recorder recorder(file.path(), rig_config().kinematics);
     TickRecord record;
@@ -142,7 +130,7 @@ TEST(Recorder, TrackersPoseInUseIsRecorded) {
 }
 
 TEST(Recorder, CarrierAndLeaseAreRecorded) {
-  ScratchFile file("stamped.csv");
+  const TemporaryFile file;
   {
     Recorder recorder(
         file.path(), rig_config().kinematics, nullptr, {}, [](const TickRecord& record) {
@@ -156,7 +144,7 @@ TEST(Recorder, CarrierAndLeaseAreRecorded) {
 }
 
 TEST(Recorder, CouplingMetricIsOneCell) {
-  ScratchFile file("coupling.csv");
+  const TemporaryFile file;
   const auto config = rig_config();
   {
     Recorder recorder(file.path(), config.kinematics, nullptr,
@@ -171,7 +159,7 @@ TEST(Recorder, CouplingMetricIsOneCell) {
 }
 
 TEST(Recorder, NumbersReadBackExactly) {
-  ScratchFile file("run.csv");
+  const TemporaryFile file;
   DeviceRig rig;
   struct Keeper final : haptic::server::RecordListener {
     std::vector<TickRecord> records{};
@@ -220,7 +208,7 @@ TEST(Recorder, NumbersReadBackExactly) {
 }
 
 TEST(Recorder, EnergyColumnsAreEmptyWithoutTank) {
-  ScratchFile file("tank.csv");
+  const TemporaryFile file;
   {
     Recorder recorder(file.path(), rig_config().kinematics);
     TickRecord record;
@@ -245,7 +233,7 @@ TEST(Recorder, EnergyColumnsAreEmptyWithoutTank) {
 }
 
 TEST(Recorder, CertificateIsEmptyUnlessAskedFor) {
-  ScratchFile file("certificate.csv");
+  const TemporaryFile file;
   {
     Recorder recorder(file.path(), rig_config().kinematics);
     TickRecord record;
@@ -282,7 +270,7 @@ TickRecord record_with_everything() {
 }
 
 TEST(Recorder, NamesStatesLevelsFaultsAndLimiters) {
-  ScratchFile file("names.csv");
+  const TemporaryFile file;
   {
     Recorder recorder(file.path(), rig_config().kinematics);
     recorder.on_record(record_with_everything());
@@ -323,7 +311,7 @@ TEST(Recorder, FullDiskEndsOnlyTheRecording) {
 }
 
 TEST(Recorder, ReplayedDevicePlaysARecording) {
-  ScratchFile file("replay.csv");
+  const TemporaryFile file;
   {
     DeviceRig rig;
     Recorder recorder(file.path(), rig_config().kinematics);
@@ -382,9 +370,8 @@ TEST(RendererComparison, IsZeroWithoutAProxy) {
 TEST(RendererComparison, ImpossibleLinkageIsNotANumber) {
   const std::shared_ptr<const haptic::core::Kinematics> kinematics =
       haptic::core::make_finger_exoskeleton({});
-  haptic::core::RenderSettings scene;
-  scene.stiffness = haptic::core::VecA::Constant(1, 1500.0);
-  scene.force_limit = haptic::core::VecA::Constant(1, 25.0);
+  haptic::core::RenderSettings scene{.stiffness = haptic::core::VecA::Constant(1, 1500.0),
+                                     .force_limit = haptic::core::VecA::Constant(1, 25.0)};
   RendererComparison comparison(kinematics, scene);
   TickRecord record = pressing(1.0, 0.02);
   record.input.settings = scene;

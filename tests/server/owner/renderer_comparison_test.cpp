@@ -15,10 +15,8 @@ namespace {
 constexpr double kStiffness = 1500.0, kForceLimit = 1e3;
 
 core::RenderSettings equal_settings(int n_a) {
-  core::RenderSettings settings;
-  settings.stiffness = core::VecA::Constant(n_a, kStiffness);
-  settings.force_limit = core::VecA::Constant(n_a, kForceLimit);
-  return settings;
+  return {.stiffness = core::VecA::Constant(n_a, kStiffness),
+          .force_limit = core::VecA::Constant(n_a, kForceLimit)};
 }
 
 /// Some equal fingers, bent to 30 and 30 deg, each with its own comparison.

@@ -92,17 +92,15 @@ TEST(WatchBudget, GivesItsRateAndKeepsLittle) {
 }
 
 StateRecord record() {
-  StateRecord r;
-  r.tick = 77;
-  r.now = core::TimePoint(3s);
-  r.q = {0.125, 0.125};
-  r.tau_a = {-1.5};
-  r.gain = 0.5;
-  r.stiffness = {100.0};
-  r.state = core::LifecycleState::kEngaged;
-  r.carrier = Carrier::kUdp;
-  r.lease_epoch = 7;
-  return r;
+  return {.tick = 77,
+          .now = core::TimePoint(3s),
+          .state = core::LifecycleState::kEngaged,
+          .gain = 0.5,
+          .lease_epoch = 7,
+          .carrier = Carrier::kUdp,
+          .q = {0.125, 0.125},
+          .tau_a = {-1.5},
+          .stiffness = {100.0}};
 }
 
 TEST(StateFrame, SharedBytesAreTheMessagesBytes) {
@@ -175,8 +173,7 @@ TEST(StateFrame, MetricUsesTheTicksPose) {
   const core::VecQ q = (core::VecQ(2) << 0.016, -0.26).finished();
   r.q = {q.data(), 2};
   r.stiffness = {900.0};
-  core::PipelineConfig config;
-  config.kinematics = finger;
+  core::PipelineConfig config{.kinematics = finger};
   StateFrame frame(StateMessage(config, 0.1));
   const auto state_of = [&frame](const StateRecord& tick) {
     frame.begin(tick);
@@ -205,9 +202,9 @@ TEST(StateFrame, MetricUsesTheTicksPose) {
 }
 
 TEST(LargestState, HandsMetricFitsPalmsDoesNot) {
-  core::PipelineConfig config;
-  config.kinematics = core::make_hand_exoskeleton(
-      {{"thumb", {}}, {"index", {}}, {"middle", {}}, {"ring", {}}, {"little", {}}});
+  core::PipelineConfig config{
+      .kinematics = core::make_hand_exoskeleton(
+          {{"thumb", {}}, {"index", {}}, {"middle", {}}, {"ring", {}}, {"little", {}}})};
   const std::size_t plain = largest_state(config), coupled = largest_state(config, true);
   EXPECT_GT(coupled, plain + 5 * 3 * 8);
   EXPECT_LE(coupled, wire::kLargestPayload);

@@ -266,8 +266,7 @@ TEST(SessionService, SilenceEndsForceAndLease) {
 }
 
 TEST(SessionService, ExpiredControllerContinuesAsObserver) {
-  server::SessionRules rules;
-  rules.lease_timeout = 500ms;
+  server::SessionRules rules{.lease_timeout = 500ms};
   LiveServer server({{"127.0.0.1:0"}}, rig_config(), rules);
   OpenSession session(server.channel());
   ASSERT_TRUE(eventually([&] { return session.heard(v1::Event::KIND_LEASE_EXPIRED); }));

@@ -1,7 +1,6 @@
 /// TLS and client certificates over real sockets; the certificates are made by openssl on the spot.
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include "server/net/tls_files.hpp"
 #include "server/rpc/peer.hpp"
 #include "tests/server/support/test_client.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace haptic::test {
 namespace {
@@ -29,10 +29,9 @@ std::string content(const fs::path& file) {
 class TlsTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = fs::temp_directory_path() / ("haptic_tls_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
+    folder_ = std::make_unique<ScratchFolder>();
     const std::string script =
-        "set -e; cd '" + folder_.string() +
+        "set -e; cd '" + folder_->path().string() +
         "'; key='-newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes';"
         "openssl req -x509 $key -keyout ca.key -out ca.pem -subj /CN=issuer -days 2;"
         "openssl req -x509 $key -keyout other.key -out other.pem -subj /CN=other -days 2;"
@@ -45,7 +44,7 @@ class TlsTest : public testing::Test {
     ASSERT_EQ(std::system(("sh -c \"" + escaped(script) + "\" >/dev/null 2>&1").c_str()), 0)
         << "openssl is needed (docker/install-deps.sh)";
   }
-  static void TearDownTestSuite() { fs::remove_all(folder_); }
+  static void TearDownTestSuite() { folder_.reset(); }
 
   static std::string escaped(const std::string& script) {
     std::string text;
@@ -55,12 +54,10 @@ class TlsTest : public testing::Test {
     }
     return text;
   }
-  static fs::path file(const std::string& name) { return folder_ / name; }
+  static fs::path file(const std::string& name) { return folder_->path() / name; }
 
   static server::TlsConfig tls(bool mutual) {
-    server::TlsConfig config;
-    config.certificate = file("localhost.pem");
-    config.key = file("localhost.key");
+    server::TlsConfig config{.certificate = file("localhost.pem"), .key = file("localhost.key")};
     if (mutual) {
       config.client_ca = file("ca.pem");
       config.clients = {{"surgeon", server::Priority::kOperator},
@@ -99,9 +96,8 @@ class TlsTest : public testing::Test {
     return "";
   }
 
-  static fs::path folder_;
+  static inline std::unique_ptr<ScratchFolder> folder_{};
 };
-fs::path TlsTest::folder_;
 
 TEST_F(TlsTest, ServesOnlyClientsTrustingTheIssuer) {
   LiveServer server(config(false));
@@ -207,8 +203,7 @@ TEST(Peer, RecognisesThisHostByAddress) {
 
 TEST(Peer, WithoutCertificateOnlyLocalMayOperate) {
   server::RpcConfig config;
-  server::Peer peer;
-  peer.this_host = true;
+  server::Peer peer{.this_host = true};
   EXPECT_EQ(rights_of(peer, config).highest, server::Priority::kOperator);
   config.tls.emplace();
   EXPECT_EQ(rights_of(peer, config).highest, server::Priority::kOperator) << "a UNIX socket";
@@ -220,8 +215,7 @@ TEST(Peer, HigherOfTwoNamesCounts) {
   server::RpcConfig config;
   config.tls.emplace();
   config.tls->clients = {{"a", server::Priority::kTest}, {"b", server::Priority::kOperator}};
-  server::Peer peer;
-  peer.names = {"a"};
+  server::Peer peer{.names = {"a"}};
   EXPECT_EQ(rights_of(peer, config).highest, server::Priority::kTest);
   peer.names = {"a", "b"};
   EXPECT_EQ(rights_of(peer, config).highest, server::Priority::kOperator);

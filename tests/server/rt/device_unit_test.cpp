@@ -138,13 +138,11 @@ INSTANTIATE_TEST_SUITE_P(OfTheServer, EveryScene, testing::ValuesIn(scenes()),
 
 TEST(DeviceUnit, TickGetsEachMailboxsNewest) {
   haptic::test::DeviceRig rig;
-  haptic::core::ProxySnapshot proxy;
-  proxy.seq = 1;
+  haptic::core::ProxySnapshot proxy{.seq = 1};
   rig.unit->proxies.publish(proxy);
   proxy.seq = 2;
   rig.unit->proxies.publish(proxy);
-  haptic::core::CommandSnapshot command;
-  command.tenure = 7;
+  haptic::core::CommandSnapshot command{.tenure = 7};
   rig.unit->commands.publish(command);
   rig.unit->tick(TimePoint(1h), 1ms, {300us, 4});
   const auto& input = rig.unit->records.front()->input;

@@ -163,9 +163,7 @@ TEST_F(VirtualLoop, AllocatesNothing) {
 }
 
 haptic::server::RealtimeRequest off() {
-  haptic::server::RealtimeRequest request;
-  request.mode = haptic::server::RealtimeMode::kOff;
-  return request;
+  return {.mode = haptic::server::RealtimeMode::kOff};
 }
 
 TEST(Loop, EndsWithoutEverTicking) {
@@ -177,8 +175,7 @@ TEST(Loop, EndsWithoutEverTicking) {
 TEST(Loop, RefusedGrantThrowsInTheConstructor) {
   haptic::test::FakeHost host;
   haptic::test::take_everything_away(host);
-  haptic::server::RealtimeRequest request;
-  request.mode = haptic::server::RealtimeMode::kRequire;
+  haptic::server::RealtimeRequest request{.mode = haptic::server::RealtimeMode::kRequire};
   EXPECT_THROW(Loop(request, 1ms, host), haptic::core::RealtimeError);
 }
 

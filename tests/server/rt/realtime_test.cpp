@@ -83,8 +83,7 @@ TEST(Realtime, OffAsksForNothing) {
 
 TEST(Realtime, ScenesLateFaultWins) {
   FakeHost host;
-  RealtimeRequest request;
-  request.loop_late_fault = 5ms;
+  RealtimeRequest request{.loop_late_fault = 5ms};
   const RealtimeGrant grant = apply_realtime(request, host);
   EXPECT_EQ(grant.loop_late_fault, 5ms);
   EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("loop_late_fault is 5 ms (the scene's)"));

@@ -28,18 +28,14 @@ class Served {
   explicit Served(std::uint64_t seed) {
     const std::shared_ptr<const haptic::core::Kinematics> finger =
         haptic::core::make_finger_exoskeleton({});
-    EmulatorConfig board;
-    board.seed = seed;
-    board.serial = "FINGER-" + std::to_string(seed);
+    EmulatorConfig board{.seed = seed, .serial = "FINGER-" + std::to_string(seed)};
     haptic::hw::BoardConfig wanted;
     wanted.max_effort = VecA::Constant(1, 40.0);
     auto device = std::make_unique<VirtualBoard>(
         board, haptic::hw::Intent(Eigen::Vector2d::Zero(), Eigen::Vector2d(0.8, 0.6)), wanted,
         finger);
     board_ = device.get();
-    haptic::core::PipelineConfig config;
-    config.kinematics = finger;
-    config.device = device->info().limits;
+    haptic::core::PipelineConfig config{.kinematics = finger, .device = device->info().limits};
     config.scene.direction_guard = true;
     config.scene.stiffness = VecA::Constant(1, 500.0);
     config.scene.damping = VecA::Constant(1, 0.5);

@@ -1,32 +1,22 @@
-#include <unistd.h>
-
-#include <fstream>
-
 #include "hw/board/board_device.hpp"
 #include "tests/server/scene/scene_text.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace haptic::test {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// A calibration file, and a scene that names it.
 class CalibratedScene : public ::testing::Test {
  protected:
-  void SetUp() override {
-    file_ = fs::temp_directory_path() /
-            ("haptic-calibration-" + std::to_string(::getpid()) + ".textproto");
-  }
-  void TearDown() override { fs::remove(file_); }
-  void write(const std::string& text) const { std::ofstream(file_) << text; }
+  void write(const std::string& text) const { file_.write(text); }
   [[nodiscard]] std::string scene() const {
     return replaced(kBoard, "max_effort: 40",
-                    "max_effort: 40 calibration_file: \"" + file_.string() + "\"");
+                    "max_effort: 40 calibration_file: \"" + file_.path().string() + "\"");
   }
   [[nodiscard]] hw::board::Calibration calibration() const {
     return *dynamic_cast<const hw::BoardConfig&>(*parse(scene()).devices[0].source).calibration;
   }
-  fs::path file_;
+  TemporaryFile file_{};
 };
 
 const std::string kHead = "device_serial: \"HX-7\" date: \"2026-11-21\"\n";
@@ -49,7 +39,7 @@ TEST_F(CalibratedScene, TheOrderOfDofsIsFree) {
 TEST_F(CalibratedScene, TheResolvedFileIsAbsolute) {
   write(kHead + kLx + kQb);
   const server::Scene scene = parse(this->scene());
-  expect_resolved(scene, "calibration_file: \"" + file_.string());
+  expect_resolved(scene, "calibration_file: \"" + file_.path().string());
 }
 
 TEST_F(CalibratedScene, AdmittancesKeepTheCalibratedTravel) {
@@ -86,7 +76,7 @@ TEST_F(CalibratedScene, NamesTheWrongField) {
     write(c.text);
     expect_says(scene(), c.error);
   }
-  fs::remove(file_);
+  std::filesystem::remove(file_.path());
   expect_says(scene(), "there is none at");
 }
 

@@ -9,9 +9,9 @@
 
 #include "hw/replay/replay.hpp"
 #include "hw/simulated/linear.hpp"
-#include "tests/hw/temporary_file.hpp"
 #include "tests/server/scene/scene_run.hpp"
 #include "tests/server/scene/scene_text.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace haptic::test {
 namespace {

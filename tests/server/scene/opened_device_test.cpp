@@ -141,8 +141,7 @@ class Telling final : public hw::Device {
 };
 
 TEST(PacingScene, TheBoardHasTheLoopsPeriod) {
-  server::LoopScene loop;
-  loop.paced_by = "finger";
+  server::LoopScene loop{.paced_by = "finger"};
   const auto said = [&](hw::Device& device) {
     return refusal([&] { server::check_pacing(loop, device); });
   };

@@ -1,6 +1,5 @@
 #include <gmock/gmock.h>
 #include <google/protobuf/text_format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include "hw/board/board_device.hpp"
 #include "server/scene/shipped.hpp"
 #include "tests/server/scene/scene_text.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace haptic::test {
 namespace {
@@ -95,7 +95,8 @@ TEST(ShippedScenes, WarnOfNothing) {
 
 TEST(SceneFragments, LoadAndReadBack) {
   // A copy, with the PEM files that a fragment names.
-  const fs::path folder = fs::temp_directory_path() / ("fragments-" + std::to_string(::getpid()));
+  const ScratchFolder scratch;
+  const fs::path& folder = scratch.path();
   fs::copy(kScenes / "fragments", folder);
   for (const char* pem : {"server.crt", "server.key", "clients.crt"}) std::ofstream(folder / pem);
   for (const fs::path& file : scenes_in(folder)) {
@@ -105,7 +106,6 @@ TEST(SceneFragments, LoadAndReadBack) {
     EXPECT_EQ(server::parse_scene(scene.resolved, "resolved", "/").resolved, scene.resolved);
     EXPECT_EQ(scene.warnings, std::vector<std::string>{});
   }
-  fs::remove_all(folder);
 }
 
 using Fields = std::set<std::string>;  // full names: "haptic.v1.Scene.device"
@@ -157,7 +157,7 @@ TEST(SceneFragments, EveryFieldStandsInAScene) {
 
 const fs::path kSource = HAPTIC_SOURCE_DIR;
 
-/// A folder like that of an installed hapticd, gone at the end.
+/// A folder like that of an installed hapticd.
 class Installed : public testing::Test {
  protected:
   Installed() {
@@ -166,9 +166,8 @@ class Installed : public testing::Test {
     fs::copy(kScenes, prefix_ / "share/haptic/scenes");
     fs::copy("/bin/true", prefix_ / "bin/hapticd");
   }
-  ~Installed() override { fs::remove_all(prefix_); }
-  const fs::path prefix_ =
-      fs::canonical(fs::temp_directory_path()) / ("installed-scenes-" + std::to_string(::getpid()));
+  const ScratchFolder folder_{};
+  const fs::path& prefix_ = folder_.path();
 };
 
 TEST_F(Installed, AProgramFindsItsShareDirectory) {

@@ -124,8 +124,7 @@ TEST(StiffnessMatrix, SessionsKeepToSubspaceMethods) {
   const server::DeviceScene& device = scene.devices[0];
   const auto limits = device.source->open(device.pipeline.kinematics, {})->info().limits;
   const core::PipelineConfig config = server::pipeline_config(device, limits);
-  server::SettingsRequest request;
-  request.renderer = core::RendererKind::kStandard;
+  server::SettingsRequest request{.renderer = core::RendererKind::kStandard};
   const auto refused =
       server::apply_settings(request, config.scene, config, core::LifecycleState::kIdle);
   ASSERT_FALSE(refused);

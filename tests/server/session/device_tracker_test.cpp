@@ -15,19 +15,14 @@ using server::DeviceTracker;
 using server::IngressVerdict;
 
 core::PipelineConfig config() {
-  core::PipelineConfig c;
-  c.tracker = core::TrackerSettings{1, {}};
+  core::PipelineConfig c{.tracker = core::TrackerSettings{1, {}}};
   c.device.q_lower = core::VecQ::Constant(7, -0.8);
   c.device.q_upper = core::VecQ::Constant(7, 0.8);
   return c;
 }
 
 server::LeaseRequest tracker_request(const std::string& id, double rate_hz = 100.0) {
-  server::LeaseRequest r;
-  r.session_id = id;
-  r.client_name = "client of " + id;
-  r.nominal_rate_hz = rate_hz;
-  return r;
+  return {.session_id = id, .client_name = "client of " + id, .nominal_rate_hz = rate_hz};
 }
 
 struct Door {
@@ -46,12 +41,11 @@ struct Door {
   IngressVerdict again(const std::string& id = "a") { return say_pose(id, seq, 3, 4); }
   IngressVerdict say_pose(const std::string& id, std::uint64_t number, std::size_t positions,
                           std::size_t orientations) {
-    server::PoseSample pose;
-    pose.session_id = id;
-    pose.seq = number;
-    pose.arrival = now;
-    pose.position = {position.data(), positions};
-    pose.orientation = {orientation.data(), orientations};
+    server::PoseSample pose{.session_id = id,
+                            .seq = number,
+                            .arrival = now,
+                            .position = {position.data(), positions},
+                            .orientation = {orientation.data(), orientations}};
     const server::Verdict verdict = tracker.accept(pose);
     why = verdict.why.str();
     return verdict.verdict;

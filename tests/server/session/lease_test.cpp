@@ -12,11 +12,7 @@ using server::LeaseRequest;
 using server::Refusal;
 
 LeaseRequest request(const std::string& id, const std::string& name) {
-  LeaseRequest r;
-  r.session_id = id;
-  r.client_name = name;
-  r.nominal_rate_hz = 60.0;
-  return r;
+  return {.session_id = id, .client_name = name, .nominal_rate_hz = 60.0};
 }
 
 bool contains(const std::vector<std::string>& all, const std::string& one) {

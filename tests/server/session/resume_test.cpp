@@ -17,13 +17,11 @@ constexpr auto kLost = HandFront::Ending::kLost;
 
 LeaseRequest resumable(const std::string& id, const std::string& client,
                        Priority priority = Priority::kPrimary) {
-  LeaseRequest r;
-  r.session_id = id;
-  r.client_name = client;
-  r.nominal_rate_hz = 1000.0;
-  r.priority = priority;
-  r.resumable = true;
-  return r;
+  return {.session_id = id,
+          .client_name = client,
+          .nominal_rate_hz = 1000.0,
+          .priority = priority,
+          .resumable = true};
 }
 
 LeaseRequest resuming(const std::string& id, const std::string& former) {
@@ -189,8 +187,7 @@ TEST_F(ResumeTest, DetachedDeviceFreesAtZeroForce) {
 
 TEST_F(ResumeTest, SettingsSurvive) {
   press();
-  server::SettingsRequest settings;
-  settings.stiffness = {50.0};
+  server::SettingsRequest settings{.stiffness = {50.0}};
   ASSERT_TRUE(rig.sessions->update_settings("s1", settings));
   rig.sessions->close("s1", kLost);
   ASSERT_TRUE(ask(resuming("s2", "s1"))->lease);
@@ -306,13 +303,12 @@ TEST_F(ResumeTest, HigherPriorityOvertakesAWaitingClient) {
 
 TEST_F(ResumeTest, StatesCarrierIsTheUsedSamples) {
   press();
-  server::ProxySample sample;
-  sample.epoch = 1;
-  sample.seq = ++rig.seq;
-  sample.mode = core::ProxyMode::kHeld;
-  sample.position = {0.01, 0.0};
-  sample.arrival = rig.now;
-  sample.carrier = server::Carrier::kUdp;
+  server::ProxySample sample{.epoch = 1,
+                             .seq = ++rig.seq,
+                             .arrival = rig.now,
+                             .mode = core::ProxyMode::kHeld,
+                             .carrier = server::Carrier::kUdp,
+                             .position = {0.01, 0.0}};
   const core::TickRecord before = rig.newest();
   ASSERT_EQ(rig.owner->accept(sample).verdict, IngressVerdict::kAccepted);
   // The newest sample came by UDP; the record's tick used the one before it.

@@ -122,10 +122,7 @@ TEST(ClearFault, InactiveFaultClearsNothing) {
 }
 
 server::Request stop() {
-  server::Request request;
-  request.id = 7;
-  request.kind = server::Request::Kind::kStop;
-  return request;
+  return {.id = 7, .kind = server::Request::Kind::kStop};
 }
 
 TEST(Pending, GivesUpAfterABoundedTime) {

@@ -20,15 +20,13 @@ namespace haptic::test {
 using namespace std::chrono_literals;
 
 inline core::PipelineConfig rig_config() {
-  core::LinearMap map;
-  map.dofs = ScriptedDevice::dofs();
-  map.coordinates = {{"a", core::Unit::kMetre, core::CoordinateKind::kLinear},
-                     {"b", core::Unit::kMetre, core::CoordinateKind::kLinear}};
-  map.A = core::MatXQ::Identity(2, 2);
-  map.x_0 = core::VecX::Zero(2);
-  core::PipelineConfig config;
-  config.kinematics = core::make_linear(map);
-  config.device = ScriptedDevice().info().limits;
+  core::LinearMap map{.dofs = ScriptedDevice::dofs(),
+                      .coordinates = {{"a", core::Unit::kMetre, core::CoordinateKind::kLinear},
+                                      {"b", core::Unit::kMetre, core::CoordinateKind::kLinear}},
+                      .A = core::MatXQ::Identity(2, 2),
+                      .x_0 = core::VecX::Zero(2)};
+  core::PipelineConfig config{.kinematics = core::make_linear(map),
+                              .device = ScriptedDevice().info().limits};
   config.scene.stiffness = core::VecA::Constant(1, 100.0);
   config.scene.damping = core::VecA::Constant(1, 1.0);
   config.scene.force_limit = core::VecA::Constant(1, 10.0);
@@ -80,10 +78,8 @@ class DeviceRig {
 
   /// Opens a controller of 1 kHz and ticks until it is answered and the device armed.
   server::Lease control(const std::string& id = "s1", const std::string& client = "alice") {
-    server::LeaseRequest request;
-    request.session_id = id;
-    request.client_name = client;
-    request.nominal_rate_hz = 1000.0;
+    server::LeaseRequest request{
+        .session_id = id, .client_name = client, .nominal_rate_hz = 1000.0};
     const auto reply = ask(request);
     const auto armed = [this] { return state() == core::LifecycleState::kArmed; };
     for (int i = 0; i < 400 && !(reply->lease && armed()); ++i) tick();
@@ -93,12 +89,11 @@ class DeviceRig {
   }
 
   server::IngressVerdict publish(double a, double b = 0.0) {
-    server::ProxySample sample;
-    sample.epoch = epoch;
-    sample.seq = ++seq;
-    sample.mode = core::ProxyMode::kHeld;
-    sample.position = {a, b};
-    sample.arrival = now;
+    server::ProxySample sample{.epoch = epoch,
+                               .seq = ++seq,
+                               .arrival = now,
+                               .mode = core::ProxyMode::kHeld,
+                               .position = {a, b}};
     return owner->accept(sample).verdict;
   }
 

@@ -50,15 +50,11 @@ class HandFront final : public server::Front {
     return ask_done(by(name, Kind::kRelease), std::move(answer));
   }
   std::uint64_t emergency_stop(const std::string& reason, DoneAnswer answer) {
-    server::Request request;
-    request.kind = Kind::kStop;
-    request.text = reason;
+    server::Request request{.kind = Kind::kStop, .text = reason};
     return ask_done(request, std::move(answer));
   }
   void clear_faults(core::FaultSet faults, ClearAnswer answer) {
-    server::Request request;
-    request.kind = Kind::kClear;
-    request.faults = faults;
+    server::Request request{.kind = Kind::kClear, .faults = faults};
     ask(request, [answer = std::move(answer)](const server::Answer& a) {
       answer(a.refusal ? Outcome<core::FaultSet>(*a.refusal) : Outcome<core::FaultSet>(a.faults));
     });
@@ -103,8 +99,7 @@ class HandFront final : public server::Front {
   server::SessionId id_of(const std::string& name) {
     const auto known = ids_.find(name);
     if (known != ids_.end()) return known->second;
-    server::Request request;
-    request.kind = Kind::kAdmitSession;
+    server::Request request{.kind = Kind::kAdmitSession};
     server::SessionId id;
     ask(request, [&id](const server::Answer& a) { id = a.session_id; });
     return ids_[name] = id;
@@ -117,10 +112,7 @@ class HandFront final : public server::Front {
 
  private:
   server::Request by(const std::string& name, Kind kind) {
-    server::Request request;
-    request.kind = kind;
-    request.session_id = id_of(name);
-    return request;
+    return {.kind = kind, .session_id = id_of(name)};
   }
   std::uint64_t ask_done(const server::Request& request, DoneAnswer answer) {
     return ask(request, [answer = std::move(answer)](const server::Answer& a) {

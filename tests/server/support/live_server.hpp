@@ -32,9 +32,7 @@ class LiveServer {
                       server::SessionRules rules = {})
       : rig(std::move(pipeline), rules, server::steady_now(), config.max_sessions),
         rpc(std::move(config), *rig.owner, [] {
-          server::ServerFacts facts;
-          facts.version = "1.2.3";
-          facts.scene = "test";
+          server::ServerFacts facts{.version = "1.2.3", .scene = "test"};
           facts.realtime.grade = "best-effort";
           facts.loop.ticks = 42;
           return facts;

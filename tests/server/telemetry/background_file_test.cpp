@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -12,22 +11,18 @@
 #include <sstream>
 
 #include "haptic/core/error.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace haptic::server {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-std::filesystem::path scratch(const char* name) {
-  return std::filesystem::temp_directory_path() /
-         ("haptic-" + std::to_string(getpid()) + "-" + name);
-}
-
 TEST(BackgroundFile, KeepsTheOrderOfAppends) {
-  const auto path = scratch("order");
+  const test::TemporaryFile scratch;
   std::string expected;
   {
-    BackgroundFile file(path);
+    BackgroundFile file(scratch.path());
     for (int i = 0; i < 100'000; ++i) {
       const std::string line = std::to_string(i) + "\n";
       ASSERT_TRUE(file.append(line));
@@ -35,9 +30,8 @@ TEST(BackgroundFile, KeepsTheOrderOfAppends) {
     }
   }
   std::stringstream found;
-  found << std::ifstream(path).rdbuf();
+  found << std::ifstream(scratch.path()).rdbuf();
   EXPECT_EQ(found.str(), expected);
-  std::filesystem::remove(path);
 }
 
 /// A disk that hangs until it is let go.
@@ -55,9 +49,9 @@ struct Hang {
 };
 
 TEST(BackgroundFile, HangingDiskBlocksNoAppend) {
-  const auto path = scratch("hang");
+  const test::TemporaryFile scratch;
   const auto hang = std::make_shared<Hang>();
-  auto file = std::make_unique<BackgroundFile>(path, hang->write(hang));
+  auto file = std::make_unique<BackgroundFile>(scratch.path(), hang->write(hang));
   const std::string text(4096, 'x');
   const auto begin = Clock::now();
   std::size_t taken = 0;
@@ -73,7 +67,6 @@ TEST(BackgroundFile, HangingDiskBlocksNoAppend) {
     hang->released = true;
   }
   hang->changed.notify_all();
-  std::filesystem::remove(path);
 }
 
 TEST(BackgroundFile, AFullDiskEndsIt) {
@@ -86,10 +79,10 @@ TEST(BackgroundFile, AFullDiskEndsIt) {
 }
 
 TEST(BackgroundFile, RefusesAnUnreadPipe) {
-  const auto path = scratch("pipe");
+  const test::ScratchFolder folder;
+  const auto path = folder.path() / "pipe";
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
   EXPECT_THROW(BackgroundFile{path}, core::SceneError);
-  std::filesystem::remove(path);
 }
 
 }  // namespace

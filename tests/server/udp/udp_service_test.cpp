@@ -22,8 +22,7 @@ v1::SessionRequest wanting_udp(v1::Role role, const std::string& name) {
 }
 
 wire::PathKeys keys_of(const v1::UdpPath& udp) {
-  wire::PathKeys keys;
-  keys.path_id = udp.path_id();
+  wire::PathKeys keys{.path_id = udp.path_id()};
   std::copy_n(udp.up_key().begin(), 16, keys.up.key.begin());
   std::copy_n(udp.up_salt().begin(), 4, keys.up.salt.begin());
   std::copy_n(udp.down_key().begin(), 16, keys.down.key.begin());

@@ -57,8 +57,7 @@ std::size_t overtaken(const std::vector<Arrival>& arrivals) {
 
 TEST(ImpairedLink, DeliversAtItsTime) {
   for (const Arrival& a : through(WayRules{}, 100)) EXPECT_EQ(a.took(), 0ns);
-  WayRules rules;
-  rules.delay = 10ms;
+  WayRules rules{.delay = 10ms};
   ImpairedLink link(rules, kSeed, Carrier::kUdp);
   EXPECT_EQ(link.next_arrival(), LinkTime::max());
   link.send({1}, 5ms);
@@ -71,9 +70,7 @@ TEST(ImpairedLink, DeliversAtItsTime) {
 }
 
 TEST(ImpairedLink, SeedDecidesArrivals) {
-  WayRules rules;
-  rules.jitter_sigma = 5ms;
-  rules.loss = 0.1;
+  WayRules rules{.jitter_sigma = 5ms, .loss = 0.1};
   const auto times = [&](std::uint64_t seed) {
     std::vector<std::int64_t> answer;
     for (const Arrival& a : stream(ImpairedLink(rules, seed, Carrier::kUdp), 500)) {
@@ -103,9 +100,7 @@ TEST(ImpairedLink, LosesReordersDuplicatesItsShares) {
 }
 
 TEST(ImpairedLink, JitterReordersUnlessOrderIsKept) {
-  WayRules rules;
-  rules.delay = 10ms;
-  rules.jitter_sigma = 5ms;
+  WayRules rules{.delay = 10ms, .jitter_sigma = 5ms};
   const auto arrivals = through(rules, 5'000);
   for (const Arrival& a : arrivals) ASSERT_GE(a.took(), 10ms);
   EXPECT_GT(overtaken(arrivals), 250U);
@@ -127,8 +122,7 @@ TEST(ImpairedLink, BurstsAreTimesNotPackets) {
 }
 
 TEST(ImpairedLink, PartitionsTakeOneCarrier) {
-  WayRules rules;
-  rules.partitions = {{100ms, 200ms, Carrier::kUdp}};
+  WayRules rules{.partitions = {{100ms, 200ms, Carrier::kUdp}}};
   const auto arrivals = through(rules, 300, Carrier::kUdp);
   EXPECT_EQ(arrivals.size(), 200U);
   for (const Arrival& a : arrivals) EXPECT_TRUE(a.sent < 100ms || a.sent >= 200ms);
@@ -136,9 +130,7 @@ TEST(ImpairedLink, PartitionsTakeOneCarrier) {
 }
 
 TEST(ImpairedLink, StallsDeliverBacklogInOrder) {
-  WayRules rules;
-  rules.delay = 10ms;
-  rules.stalls = {{100ms, 400ms, Carrier::kAll}};
+  WayRules rules{.delay = 10ms, .stalls = {{100ms, 400ms, Carrier::kAll}}};
   const auto arrivals = through(rules, 600);
   ASSERT_EQ(arrivals.size(), 600U);
   EXPECT_EQ(overtaken(arrivals), 0U);
@@ -160,8 +152,7 @@ TEST(ImpairedLink, RateDelaysAndQueueDrops) {
 }
 
 TEST(ReliableLink, KeepsAllInOrder) {
-  WayRules rules;
-  rules.loss = 0.02;
+  WayRules rules{.loss = 0.02};
   const auto lossy = stream(ReliableLink(rules, kSeed), 5000);
   EXPECT_EQ(lossy.size(), 5000U);
   EXPECT_EQ(overtaken(lossy), 0U);
@@ -174,9 +165,7 @@ TEST(ReliableLink, KeepsAllInOrder) {
 }
 
 TEST(ClientClock, DriftsAndSteps) {
-  ClockRules rules;
-  rules.drift = 200e-6;
-  rules.steps = {{3s, -1s}};
+  ClockRules rules{.drift = 200e-6, .steps = {{3s, -1s}}};
   EXPECT_EQ(client_clock(rules, 2s), 2s + 400us);
   EXPECT_EQ(client_clock(rules, 3s), 2s + 600us);
 }

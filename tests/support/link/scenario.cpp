@@ -55,11 +55,10 @@ class Checker {
 
 WayRules way(const v1::Way& message, const std::string& where) {
   const Checker check(where);
-  WayRules way;
-  way.delay = check.milliseconds("delay_ms", message.delay_ms());
-  way.jitter_sigma = check.milliseconds("jitter_sigma_ms", message.jitter_sigma_ms());
-  way.keep_order = message.keep_order();
-  way.loss = check.share("loss", message.loss());
+  WayRules way{.delay = check.milliseconds("delay_ms", message.delay_ms()),
+               .jitter_sigma = check.milliseconds("jitter_sigma_ms", message.jitter_sigma_ms()),
+               .keep_order = message.keep_order(),
+               .loss = check.share("loss", message.loss())};
   for (const v1::Burst& burst : message.burst()) {
     way.bursts.push_back({check.milliseconds("burst.every_ms", burst.every_ms()),
                           check.milliseconds("burst.length_ms", burst.length_ms())});
@@ -90,9 +89,7 @@ Scenario parse_scenario(const std::string& text, const std::string& name) {
   const Checker check(name + ": ");
   if (message.what().empty()) throw std::runtime_error(name + ": what: is missing");
   if (!(message.duration_s() > 0.0)) check.refuse("duration_s", message.duration_s(), "> 0");
-  Scenario scenario;
-  scenario.name = name;
-  scenario.what = message.what();
+  Scenario scenario{.name = name, .what = message.what()};
   if (message.seed() != 0) scenario.seed = message.seed();
   scenario.duration = check.milliseconds("duration_s", 1e3 * message.duration_s());
   scenario.up = way(message.up(), name + ": up.");

@@ -10,11 +10,7 @@ using core::ProxySnapshot;
 using core::VecX;
 
 ClientSettings every_tick() {
-  ClientSettings settings;
-  settings.stop = VecX::Constant(1, 1e9);
-  settings.rate_hz = 1000.0;
-  settings.jitter = 0.0;
-  return settings;
+  return {.stop = VecX::Constant(1, 1e9), .rate_hz = 1000.0, .jitter = 0.0};
 }
 
 /// The probe's position is the time, so a sample tells when it was computed.

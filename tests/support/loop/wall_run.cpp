@@ -20,13 +20,11 @@ constexpr double kRise_s = 0.8;        // of the press
 constexpr int kSubsteps = 10;
 
 core::PipelineConfig pipeline_for(const WallRun& what) {
-  core::LinearMap map;
-  map.dofs = {{"l", core::Unit::kMetre, true, -0.2, 0.2}};
-  map.coordinates = {{"x", core::Unit::kMetre, core::CoordinateKind::kLinear}};
-  map.A = core::MatXQ::Identity(1, 1);
-  map.x_0 = core::VecX::Zero(1);
-  core::PipelineConfig c;
-  c.kinematics = core::make_linear(map);
+  core::LinearMap map{.dofs = {{"l", core::Unit::kMetre, true, -0.2, 0.2}},
+                      .coordinates = {{"x", core::Unit::kMetre, core::CoordinateKind::kLinear}},
+                      .A = core::MatXQ::Identity(1, 1),
+                      .x_0 = core::VecX::Zero(1)};
+  core::PipelineConfig c{.kinematics = core::make_linear(map)};
   c.device.q_lower = VecQ::Constant(1, -1.0);
   c.device.q_upper = VecQ::Constant(1, 1.0);
   c.device.max_effort = VecA::Constant(1, 100.0);

@@ -40,9 +40,7 @@ Felt press(const Row& row, core::RendererKind kind, bool guard, bool force) {
   hw::SimulatedFingerConfig hand;
   hand.target_mcp = hand.target_pip = 50 * kDegree;
   const auto device = hand.open(finger, {});
-  core::PipelineConfig config;
-  config.kinematics = finger;
-  config.device = device->info().limits;
+  core::PipelineConfig config{.kinematics = finger, .device = device->info().limits};
   config.scene.renderer = kind;
   config.scene.direction_guard = guard;
   config.scene.stiffness = VecA::Constant(1, row.stiffness);
@@ -52,8 +50,7 @@ Felt press(const Row& row, core::RendererKind kind, bool guard, bool force) {
   config.scene.engage_window = VecA::Constant(1, 40.0);
   core::Pipeline pipeline(config);
 
-  core::TickInput input;
-  input.settings = config.scene;
+  core::TickInput input{.settings = config.scene};
   input.command.tenure = 1;
   input.command.lease_held = true;
   hw::Command command{true, VecA::Zero(1)};

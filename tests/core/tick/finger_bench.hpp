@@ -2,10 +2,8 @@
 /// A pipeline with the finger exoskeleton, driven in virtual time at 1 kHz: device and client in
 /// one hand. The finger is where put() says, the proxy where `target` says.
 
-#include <gtest/gtest.h>
-
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "haptic/core/tick/pipeline.hpp"
+#include "tests/core/tick/driven.hpp"
 
 namespace haptic::core::test {
 
@@ -37,48 +35,24 @@ inline PipelineConfig with_tank(RendererKind renderer, double initial) {
   return c;
 }
 
-class Bench {
+class Bench : public Driven {
  public:
-  explicit Bench(const PipelineConfig& config) : pipeline(config) {
-    input.settings = config.scene;
-    input.device.armed = true;
-    input.device.fresh = true;
-    input.command.tenure = 1;
-    input.command.lease_held = true;
-    put(joints(0.5, 0.5));
-  }
+  explicit Bench(const PipelineConfig& config) : Driven(config) { put(joints(0.5, 0.5)); }
   void put(const VecX& x) {
     EXPECT_EQ(pipeline.config().kinematics->inverse(x, input.device.sample.q),
               InverseStatus::kExact);
   }
-  TickRecord tick() {
-    input.now += std::chrono::milliseconds(1);
-    ++input.device.sample.seq;
-    input.device.sample.time = input.now;
-    ProxySnapshot& p = input.proxy;
-    p.mode = ProxyMode::kHeld;
-    p.tenure = 1;
-    p.x = target;
-    if (p.gapless_samples++ == 0) p.gapless_since = input.now;
-    ++p.seq;
-    p.born = input.now;
-    if (shape) p = shape(p);
-    return pipeline.tick(input);
-  }
-  TickRecord engage() {
-    for (int i = 0; i < 250; ++i) tick();
-    ++input.command.engage_id;
-    TickRecord record = tick();
-    EXPECT_EQ(record.life.engage.verdict, EngageVerdict::kAccepted);
-    for (int i = 0; i < 205; ++i) record = tick();
-    EXPECT_EQ(record.life.state, LifecycleState::kEngaged);
-    return record;
-  }
 
-  Pipeline pipeline;
-  TickInput input{};
+  ProxyMode mode{ProxyMode::kHeld};
   VecX target = joints(0.5, 0.5);
   ProxySnapshot (*shape)(ProxySnapshot){nullptr};  ///< changes each sample; none: as it is
+
+ protected:
+  void prepare() override {
+    input.proxy.mode = mode;
+    input.proxy.x = target;
+    if (shape) input.proxy = shape(input.proxy);
+  }
 };
 
 inline constexpr RendererKind kAllRenderers[] = {RendererKind::kStandard, RendererKind::kNullSpace,

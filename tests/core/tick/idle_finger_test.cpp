@@ -8,7 +8,6 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/hand_exoskeleton.hpp"
 #include "tests/core/tick/finger_bench.hpp"
-#include "tests/support/allocation_guard.hpp"
 #include "tests/support/pressing_hand.hpp"
 
 namespace haptic::core {
@@ -19,73 +18,39 @@ using namespace test;
 /// Some equal fingers in virtual time: the first presses on stops and moves, the second moves
 /// freely, the third rests. The proxy is what a client on this machine would send, held or as
 /// planes.
-class Hand {
+class Hand : public Driven {
  public:
   Hand(int fingers, RendererKind renderer, ProxyMode mode, bool guard = false)
-      : map_(equal_fingers(fingers)), pipeline(config(map_, renderer, guard)), mode_(mode) {
-    input.settings = pipeline.config().scene;
-    input.device.armed = true;
-    input.device.fresh = true;
-    input.command.tenure = 1;
-    input.command.lease_held = true;
+      : Driven(config(equal_fingers(fingers), renderer, guard)) {
+    input.proxy.mode = mode;
   }
-  TickRecord tick() {
+  [[nodiscard]] const Kinematics& map() const { return *pipeline.config().kinematics; }
+  [[nodiscard]] VecX f_of(const VecQ& q) const {
+    VecX x;
+    EXPECT_EQ(map().position(q, x), MapStatus::kOk);
+    return x;
+  }
+
+ private:
+  static PipelineConfig config(const std::shared_ptr<const Kinematics>& map, RendererKind renderer,
+                               bool guard) {
+    PipelineConfig c = pressing_config(map, renderer);
+    c.scene.direction_guard = guard;
+    c.scene.slew_limit.setConstant(1e6);
+    return c;
+  }
+  void prepare() override {
     const double phase = 0.01 * n_++;
     const VecX angles =
         (VecX(6) << 0.4 + 0.14 * std::sin(phase), 0.5 + 0.16 * std::sin(phase + 0.3),
          0.4 + 0.1 * std::sin(2 * phase), 0.6 + 0.1 * std::cos(phase), 0.35, 0.45)
             .finished();
-    EXPECT_EQ(map_->inverse(angles.head(map_->space().n_x()), input.device.sample.q),
+    EXPECT_EQ(map().inverse(angles.head(map().space().n_x()), input.device.sample.q),
               InverseStatus::kExact);
-    input.now += std::chrono::milliseconds(1);
-    ++input.device.sample.seq;
-    input.device.sample.time = input.now;
-    sample_proxy();
-    const haptic::test::AllocationGuard guard;
-    TickRecord record = pipeline.tick(input);
-    EXPECT_EQ(guard.allocations(), 0u);
-    return record;
-  }
-  void engage() {
-    for (int i = 0; i < 250; ++i) tick();
-    ++input.command.engage_id;
-    for (int i = 0; i < 250; ++i) tick();
-  }
-  [[nodiscard]] VecX f_of(const VecQ& q) const {
-    VecX x;
-    MatXQ J;
-    EXPECT_EQ(map_->evaluate(q, x, J), MapStatus::kOk);
-    return x;
-  }
-
- private:
-  std::shared_ptr<const Kinematics> map_;
-
- public:
-  Pipeline pipeline;
-  TickInput input{};
-
- private:
-  static PipelineConfig config(const std::shared_ptr<const Kinematics>& map, RendererKind renderer,
-                               bool guard) {
-    const int n_a = map->layout().n_a();
-    PipelineConfig c = pressing_config(map, renderer);
-    c.scene.direction_guard = guard;
-    c.scene.stiffness = VecA::Constant(n_a, kStiffness);
-    c.scene.force_limit = VecA::Constant(n_a, kForceLimit);
-    c.scene.slew_limit = VecA::Constant(n_a, 1e6);
-    return c;
-  }
-  void sample_proxy() {
     const VecX at = f_of(input.device.sample.q);
     ProxySnapshot& p = input.proxy;
-    p.mode = mode_;
-    p.tenure = 1;
-    p.born = input.now;
-    if (++p.seq == 1) p.gapless_since = input.now;
-    ++p.gapless_samples;
     p.x = at;
-    if (mode_ == ProxyMode::kHeld) {
+    if (p.mode == ProxyMode::kHeld) {
       p.x[0] = std::min(at[0], 0.35);
       p.x[1] = std::min(at[1], 0.45);
       return;
@@ -95,7 +60,6 @@ class Hand {
     p.planes.offsets = joints(0.35, 0.45);
   }
 
-  ProxyMode mode_;
   int n_{0};
 };
 

@@ -1,0 +1,65 @@
+#pragma once
+/// A pipeline in virtual time at 1 kHz: an armed device, the holder of a lease, and a client that
+/// speaks in every tick. No tick allocates.
+
+#include <gtest/gtest.h>
+
+#include "haptic/core/tick/pipeline.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+namespace haptic::core::test {
+
+class Driven {
+ public:
+  explicit Driven(const PipelineConfig& config) : pipeline(config) {
+    input.settings = config.scene;
+    input.device.armed = true;
+    input.command.tenure = input.proxy.tenure = 1;
+    input.command.lease_held = true;
+    input.proxy.mode = ProxyMode::kHeld;
+  }
+  virtual ~Driven() = default;
+  /// `sample`, `publish`: the device and the client give something new.
+  const TickRecord& tick(bool sample = true, bool publish = true) {
+    input.now += std::chrono::milliseconds(1);
+    input.device.fresh = sample;
+    if (sample) {
+      ++input.device.sample.seq;
+      input.device.sample.time = input.now;
+    }
+    if (publish) {
+      ProxySnapshot& p = input.proxy;
+      if (p.gapless_samples++ == 0) p.gapless_since = input.now;
+      ++p.seq;
+      p.born = input.now;
+      prepare();
+    }
+    const haptic::test::AllocationGuard guard;
+    record = pipeline.tick(input);
+    EXPECT_EQ(guard.allocations() + guard.releases(), 0u);
+    return record;
+  }
+  const TickRecord& run(int ticks) {
+    for (int i = 0; i < ticks; ++i) tick();
+    return record;
+  }
+  /// ENGAGED with g = 1.
+  const TickRecord& engage() {
+    run(250);
+    ++input.command.engage_id;
+    tick();
+    EXPECT_EQ(record.life.engage.verdict, EngageVerdict::kAccepted);
+    run(205);
+    EXPECT_EQ(record.life.state, LifecycleState::kEngaged);
+    return record;
+  }
+
+  Pipeline pipeline;
+  TickInput input{};
+  TickRecord record{};  ///< of the last tick
+
+ protected:
+  virtual void prepare() {}  ///< what else the client's next sample carries
+};
+
+}  // namespace haptic::core::test

@@ -7,7 +7,7 @@
 
 #include "haptic/core/model/configuration_space.hpp"
 #include "haptic/core/projection/plane_projection.hpp"
-#include "haptic/core/tick/tick_input.hpp"
+#include "haptic/core/tick/tick_record.hpp"
 #include "haptic/core/types.hpp"
 
 namespace haptic::core {
@@ -18,32 +18,23 @@ class LocalProxy {
   explicit LocalProxy(const ConfigurationSpace& space, TaskMetric metric = {})
       : projection_(space, std::move(metric)) {}
 
-  /// The proxy at this tick, n_x, given the sample in use and the haptic probe; empty if there is
-  /// no sample. Valid as long as both arguments are, and until the next step.
-  [[nodiscard]] const VecX& step(const ProxySnapshot& sample, const VecX& x_probe) noexcept;
+  /// From the sample in use and the haptic probe: writes x (n_x; empty if there is no sample),
+  /// in_the_way, planes and active_planes of a new Anchor.
+  void step(const ProxySnapshot& sample, const VecX& x_probe, Anchor& now) noexcept;
 
   // Of the last step:
-  /// Something is in the way: x is not simply the haptic probe.
-  [[nodiscard]] bool in_the_way() const noexcept { return in_the_way_; }
   /// The sample is another one than in the step before.
   [[nodiscard]] bool new_sample() const noexcept { return new_sample_; }
   /// x may differ from the one of the step before.
   [[nodiscard]] bool changed() const noexcept { return changed_; }
-  [[nodiscard]] PlaneStatus planes() const noexcept { return planes_; }
-  /// Bit i: plane i of the sample holds x.
-  [[nodiscard]] std::uint32_t active_planes() const noexcept { return active_planes_; }
 
  private:
   ProxyMode mode_{ProxyMode::kNone};  ///< these three: which sample the last step was given
   std::uint32_t tenure_{0};
   std::uint64_t seq_{0};
   PlaneProjection projection_;
-  VecX x_{};
-  PlaneStatus planes_{PlaneStatus::kFree};
-  std::uint32_t active_planes_{0};
   bool new_sample_{false};
   bool changed_{false};
-  bool in_the_way_{false};
 };
 
 }  // namespace haptic::core

@@ -50,12 +50,8 @@ Anchor Rendering::step(const Sensed& sensed, const ProxySnapshot& sample, const 
 /// free until its f has a value.
 void Rendering::locate(const Sensed& sensed, const ProxySnapshot& sample, Anchor& now) noexcept {
   const BlockSet failed = sensed.ready ? map_.move_to(sensed.q) : map_.all();
-  const VecX& x = local_.step(sample, map_.x_probe());
   now.x_probe = map_.x_probe();
-  now.x = x;
-  now.planes = local_.planes();
-  now.active_planes = local_.active_planes();
-  now.in_the_way = local_.in_the_way();
+  local_.step(sample, now.x_probe, now);
   if (now.planes == PlaneStatus::kInfeasible) now.limiters.set(Limiter::kInfeasiblePlanes);
 
   BlockSet unheld = 0;

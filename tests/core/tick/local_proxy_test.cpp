@@ -7,11 +7,6 @@
 namespace haptic::core {
 namespace {
 
-ConfigurationSpace two_lines() {
-  return ConfigurationSpace(
-      {{"a", Unit::kMetre, CoordinateKind::kLinear}, {"b", Unit::kMetre, CoordinateKind::kLinear}});
-}
-
 ProxySnapshot sample_of(ProxyMode mode, std::uint64_t seq) {
   ProxySnapshot sample;
   sample.mode = mode;
@@ -22,50 +17,58 @@ ProxySnapshot sample_of(ProxyMode mode, std::uint64_t seq) {
   return sample;
 }
 
-TEST(LocalProxy, HeldProxyStays) {
-  const ConfigurationSpace space = two_lines();
-  LocalProxy local(space);
+class LocalProxyTest : public ::testing::Test {
+ protected:
+  Anchor step(const ProxySnapshot& sample, double a, double b) {
+    Anchor now;
+    local_.step(sample, two(a, b), now);
+    return now;
+  }
+
+  const ConfigurationSpace space_{
+      {{"a", Unit::kMetre, CoordinateKind::kLinear}, {"b", Unit::kMetre, CoordinateKind::kLinear}}};
+  LocalProxy local_{space_};
+};
+
+TEST_F(LocalProxyTest, HeldProxyStays) {
   const ProxySnapshot held = sample_of(ProxyMode::kHeld, 1);
-  EXPECT_EQ(local.step(held, two(0.0, 0.0)), two(1.0, 2.0));
-  EXPECT_TRUE(local.in_the_way() && local.changed() && local.new_sample());
-  EXPECT_EQ(local.step(held, two(3.0, 0.0)), two(1.0, 2.0));
-  EXPECT_FALSE(local.changed() || local.new_sample());
+  const Anchor now = step(held, 0.0, 0.0);
+  EXPECT_EQ(now.x, two(1.0, 2.0));
+  EXPECT_TRUE(now.in_the_way && local_.changed() && local_.new_sample());
+  EXPECT_EQ(step(held, 3.0, 0.0).x, two(1.0, 2.0));
+  EXPECT_FALSE(local_.changed() || local_.new_sample());
 }
 
-TEST(LocalProxy, FreeIsTheProbe) {
-  const ConfigurationSpace space = two_lines();
-  LocalProxy local(space);
-  EXPECT_EQ(local.step(sample_of(ProxyMode::kFree, 1), two(3.0, 4.0)), two(3.0, 4.0));
-  EXPECT_FALSE(local.in_the_way());
+TEST_F(LocalProxyTest, FreeIsTheProbe) {
+  const Anchor now = step(sample_of(ProxyMode::kFree, 1), 3.0, 4.0);
+  EXPECT_EQ(now.x, two(3.0, 4.0));
+  EXPECT_FALSE(now.in_the_way);
 }
 
-TEST(LocalProxy, NoneIsEmpty) {
-  const ConfigurationSpace space = two_lines();
-  LocalProxy local(space);
-  EXPECT_EQ(local.step({}, two(3.0, 4.0)).size(), 0);
-  EXPECT_FALSE(local.in_the_way() || local.changed());
+TEST_F(LocalProxyTest, NoneIsEmpty) {
+  const Anchor now = step({}, 3.0, 4.0);
+  EXPECT_EQ(now.x.size(), 0);
+  EXPECT_FALSE(now.in_the_way || local_.changed());
 }
 
-TEST(LocalProxy, PlanesKeepTheProbeOut) {
-  const ConfigurationSpace space = two_lines();
-  LocalProxy local(space);
+TEST_F(LocalProxyTest, PlanesKeepTheProbeOut) {
   const ProxySnapshot planes = sample_of(ProxyMode::kPlanes, 1);
-  EXPECT_EQ(local.step(planes, two(0.2, 7.0)), two(0.2, 7.0));
-  EXPECT_FALSE(local.in_the_way());
-  EXPECT_NEAR((local.step(planes, two(0.8, 7.0)) - two(0.5, 7.0)).norm(), 0.0, 1e-9);
-  EXPECT_TRUE(local.in_the_way() && local.changed());
-  EXPECT_EQ(local.planes(), PlaneStatus::kActive);
-  EXPECT_EQ(local.active_planes(), 1u);
+  Anchor now = step(planes, 0.2, 7.0);
+  EXPECT_EQ(now.x, two(0.2, 7.0));
+  EXPECT_FALSE(now.in_the_way);
+  now = step(planes, 0.8, 7.0);
+  EXPECT_NEAR((now.x - two(0.5, 7.0)).norm(), 0.0, 1e-9);
+  EXPECT_TRUE(now.in_the_way && local_.changed());
+  EXPECT_EQ(now.planes, PlaneStatus::kActive);
+  EXPECT_EQ(now.active_planes, 1u);
 }
 
-TEST(LocalProxy, EachSampleBringsItsOwnPlanes) {
-  const ConfigurationSpace space = two_lines();
-  LocalProxy local(space);
-  static_cast<void>(local.step(sample_of(ProxyMode::kPlanes, 1), two(0.8, 7.0)));
+TEST_F(LocalProxyTest, EachSampleBringsItsOwnPlanes) {
+  step(sample_of(ProxyMode::kPlanes, 1), 0.8, 7.0);
   ProxySnapshot next = sample_of(ProxyMode::kPlanes, 2);
   next.planes.offsets = one(0.6);
-  EXPECT_NEAR(local.step(next, two(0.8, 7.0))[0], 0.6, 1e-9);
-  EXPECT_TRUE(local.new_sample());
+  EXPECT_NEAR(step(next, 0.8, 7.0).x[0], 0.6, 1e-9);
+  EXPECT_TRUE(local_.new_sample());
 }
 
 }  // namespace

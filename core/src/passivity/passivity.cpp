@@ -107,12 +107,7 @@ void Passivity::book(const VecA& q_a, const VecA& force) noexcept {
   account.limits = -(elastic - law).dot(dq);
   account.rendered = -(damping_sum_ / since_sample_).dot(dq);
   account.device_damping = dq.dot(settings_.device_damping.cwiseProduct(dq)) / since_sample_;
-  if (!settings_.observer.enabled) return;
-  if (spring_.coupled()) {
-    observer_.observe(account, dq, since_sample_, spring_.Z_q);
-  } else {
-    observer_.observe(account, dq, since_sample_, spring_.stiffness);
-  }
+  if (settings_.observer.enabled) observer_.observe(account, dq, since_sample_, spring_);
 }
 
 const VecA& Passivity::admit(const SpringStorage& spring, const VecA& anchor) noexcept {

@@ -199,13 +199,13 @@ TEST(CoupledSpring, ObserversDampingTakesTheMissingEnergy) {
     PassivityObserver observer(settings, 3);
     HoldAccount account;
     account.leak = 1e-9;
-    observer.observe(account, dq, T, Z_q);
+    observer.observe(account, dq, T, {.Z_q = Z_q});
     EXPECT_NEAR(-observer.tau().dot(dq), 1e-9, 1e-20) << "over a tick of the same motion";
     EXPECT_LT((observer.tau() + observer.alpha() * VecA(spring.Z * VectorXd(dq)) / T).norm(),
               1e-12);
 
     account.leak = 1.0;  // far more than may be taken at once
-    observer.observe(account, dq, T, Z_q);
+    observer.observe(account, dq, T, {.Z_q = Z_q});
     const VectorXd root = VectorXd(settings.inertia).cwiseSqrt().cwiseInverse();
     const MatrixXd relative = root.asDiagonal() * spring.Z * root.asDiagonal();
     const double bound = 1.0 / (2.0 * T * oracle::singular_values(relative)[0]);

@@ -16,6 +16,10 @@ ObserverSettings settings() {
   return s;
 }
 
+SpringStorage diagonal(double stiffness) {
+  return {.stiffness = one(stiffness)};
+}
+
 /// What a held spring does over a move of dq: the hold's leak, and the controller's own part.
 HoldAccount held(double dq, double tau_controller) {
   HoldAccount account;
@@ -29,7 +33,7 @@ TEST(PassivityObserver, HeldSpringGetsHalfPeriodDamping) {
   constexpr double dq = 1e-4;
   double tau = 0.0;
   for (int k = 0; k < 50; ++k) {
-    observer.observe(held(dq, tau), one(dq), T, one(K));
+    observer.observe(held(dq, tau), one(dq), T, diagonal(K));
     tau = observer.tau()[0];
     // alpha K = K T / 2: what core/METHOD.md#sampled-data asks of a device's damping.
     ASSERT_NEAR(observer.alpha(), T / 2, 1e-12);
@@ -42,7 +46,7 @@ TEST(PassivityObserver, DampedDeviceGetsNoExtraDamping) {
   for (int k = 0; k < 50; ++k) {
     HoldAccount account = held(1e-4, 0.0);
     account.device_damping = 1.01 * account.leak;
-    observer.observe(account, one(1e-4), T, one(K));
+    observer.observe(account, one(1e-4), T, diagonal(K));
     ASSERT_EQ(observer.alpha(), 0.0);
     ASSERT_EQ(observer.tau()[0], 0.0);
   }
@@ -54,7 +58,7 @@ TEST(PassivityObserver, TheDevicesInertiaBoundsTheDamping) {
   PassivityObserver observer(s, 1);
   HoldAccount account;
   account.limits = -1.0;
-  observer.observe(account, one(1e-4), T, one(K));
+  observer.observe(account, one(1e-4), T, diagonal(K));
   // alpha K / m <= 1 / (2 T), core/METHOD.md#passivity-observer.
   EXPECT_NEAR(observer.alpha() * K / 0.05, 1.0 / (2.0 * T), 1e-9);
 }
@@ -66,11 +70,11 @@ TEST(PassivityObserver, AllowanceAndSlowestHoldItBack) {
   PassivityObserver observer(s, 1);
   HoldAccount account;
   account.limits = -0.9e-3;
-  observer.observe(account, one(1e-4), T, one(K));
+  observer.observe(account, one(1e-4), T, diagonal(K));
   EXPECT_EQ(observer.alpha(), 0.0) << "within the allowance";
-  observer.observe(account, one(0.9e-5), T, one(K));
+  observer.observe(account, one(0.9e-5), T, diagonal(K));
   EXPECT_EQ(observer.alpha(), 0.0) << "slower than the rate is known";
-  observer.observe({}, one(1.1e-5), T, one(K));
+  observer.observe({}, one(1.1e-5), T, diagonal(K));
   EXPECT_GT(observer.alpha(), 0.0);
 }
 
@@ -78,10 +82,10 @@ TEST(PassivityObserver, CreditBeyondTheForgettingIsDropped) {
   PassivityObserver observer(settings(), 1);
   HoldAccount account;
   account.limits = 1.0;
-  observer.observe(account, one(1e-4), T, one(K));
+  observer.observe(account, one(1e-4), T, diagonal(K));
   EXPECT_EQ(observer.energy(), 0.5e-3);
   account.limits = -0.6e-3;
-  observer.observe(account, one(1e-4), T, one(K));
+  observer.observe(account, one(1e-4), T, diagonal(K));
   EXPECT_GT(observer.alpha(), 0.0) << "what was dissipated long ago must not hide this";
 }
 
@@ -89,7 +93,7 @@ TEST(PassivityObserver, RestartForgetsTheBook) {
   PassivityObserver observer(settings(), 1);
   HoldAccount account;
   account.limits = -1e-3;
-  observer.observe(account, one(1e-4), T, one(K));
+  observer.observe(account, one(1e-4), T, diagonal(K));
   ASSERT_NE(observer.tau()[0], 0.0);
   observer.release();
   EXPECT_EQ(observer.tau()[0], 0.0);
@@ -102,9 +106,9 @@ TEST(PassivityObserver, NeverDividesByZero) {
   PassivityObserver observer(settings(), 1);
   HoldAccount account;
   account.limits = -1e-3;
-  observer.observe(account, one(0.0), T, one(K));
+  observer.observe(account, one(0.0), T, diagonal(K));
   EXPECT_EQ(observer.alpha(), 0.0);
-  observer.observe(account, one(1e-4), T, one(0.0));
+  observer.observe(account, one(1e-4), T, diagonal(0.0));
   EXPECT_EQ(observer.alpha(), 0.0);
 }
 

@@ -22,13 +22,12 @@ class PassivityObserver {
   PassivityObserver(const ObserverSettings& settings, int n_a);
 
   void restart() noexcept;
-  /// E_obs += what the last hold took; then alpha for the motion dq (n_a) over T (s), with D = K of
-  /// Z_q (n_a): alpha = min(-(E_obs + E0) / (T v^T D v), alpha_max), alpha_max K_i / M_i <= 1/(2T).
-  void observe(const HoldAccount& account, const VecA& dq, double T,
-               const VecA& stiffness) noexcept;
-  /// The same with D = Z_q (n_a by n_a): alpha_max ||M_a^{-1/2} D M_a^{-1/2}||_inf <= 1/(2T), which
+  /// E_obs += what the last hold took; then alpha for the motion dq (n_a) over T (s), with D =
+  /// Z_q of the spring: alpha = min(-(E_obs + E0) / (T v^T D v), alpha_max). D diagonal: alpha_max
+  /// K_i / M_i <= 1/(2T); coupled: alpha_max ||M_a^{-1/2} D M_a^{-1/2}||_inf <= 1/(2T), which
   /// bounds the eigenvalue of core/METHOD.md#passivity-observer.
-  void observe(const HoldAccount& account, const VecA& dq, double T, const MatAA& Z_q) noexcept;
+  void observe(const HoldAccount& account, const VecA& dq, double T,
+               const SpringStorage& spring) noexcept;
   /// The rate is no longer known: no controller.
   void release() noexcept;
 
@@ -38,8 +37,6 @@ class PassivityObserver {
   [[nodiscard]] const VecA& tau() const noexcept { return tau_; }
 
  private:
-  /// E_obs += what the last hold took. Returns how much is then missing, J; <= 0: nothing.
-  [[nodiscard]] double missing(const HoldAccount& account) noexcept;
   /// Does anything move fast enough to be damped?
   [[nodiscard]] bool moves(const VecA& dq, double T) const noexcept;
 

@@ -67,10 +67,6 @@ ThermalState thermal_step(const ThermalParameters& p, ThermalState state, double
   return state;
 }
 
-double continuous_force(const ThermalParameters& p) noexcept {
-  return p.motor_constant * std::sqrt(continuous_power(p));
-}
-
 double thermal_force(const ThermalParameters& p, const ThermalState& state,
                      double force_limit) noexcept {
   const double lasting = continuous_power(p);

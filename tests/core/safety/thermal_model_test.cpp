@@ -63,7 +63,7 @@ TEST(ThermalModel, ForcesSignDoesNotMatter) {
 
 TEST(ThermalModel, ContinuousForceEndsAtTheLimit) {
   const ThermalParameters p = motor();
-  const double force = continuous_force(p);
+  const double force = thermal_force(p, {p.limit_c, 60.0}, 40.0);
   EXPECT_NEAR(force, 4.0 * std::sqrt(80.0 / 10.0), 1e-12);
   ThermalState state{25.0, 25.0};
   for (int i = 0; i < 100'000; ++i) state = thermal_step(p, state, force, milliseconds(100));
@@ -90,12 +90,13 @@ TEST(ThermalModel, NoAllowedPatternPassesTheLimit) {
 TEST(ThermalModel, DeratesFromFullToContinuousForce) {
   const ThermalParameters p = motor();
   EXPECT_EQ(thermal_force(p, {p.derate_from_c, 60.0}, 40.0), 40.0);
-  EXPECT_NEAR(thermal_force(p, {p.limit_c, 60.0}, 40.0), continuous_force(p), 1e-12);
+  const double lasting = 4.0 * std::sqrt(8.0);  // 80 K over 10 K/W
+  EXPECT_NEAR(thermal_force(p, {p.limit_c, 60.0}, 40.0), lasting, 1e-12);
   // Power is linear between: at half the way, the mean of 100 W and 8 W.
   EXPECT_NEAR(thermal_force(p, {95.0, 60.0}, 40.0), 4.0 * std::sqrt(54.0), 1e-12);
   EXPECT_EQ(thermal_force(p, {p.limit_c, 60.0}, 5.0), 5.0)
       << "less than continuous is always given";
-  EXPECT_NEAR(thermal_force(p, {400.0, 60.0}, 40.0), continuous_force(p), 1e-12);
+  EXPECT_NEAR(thermal_force(p, {400.0, 60.0}, 40.0), lasting, 1e-12);
 }
 
 TEST(ThermalModel, RestartKeepsAHotMotorHot) {

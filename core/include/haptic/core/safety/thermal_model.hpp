@@ -43,11 +43,8 @@ struct ThermalState {
 [[nodiscard]] ThermalState thermal_step(const ThermalParameters& parameters, ThermalState state,
                                         double tau, Duration dt) noexcept;
 
-/// Force that may be held for ever: its steady state is limit_c.
-[[nodiscard]] double continuous_force(const ThermalParameters& parameters) noexcept;
-
 /// Largest force allowed now, at most `force_limit`. Its power falls linearly with the winding's
-/// temperature, from that of force_limit at derate_from_c to that of continuous_force at limit_c.
+/// temperature, from that of force_limit at derate_from_c to the one whose steady state is limit_c.
 /// So the estimate stays below limit_c for ever as long as a step is short against
 /// t_w (limit_c - derate_from_c) / (R_w P(force_limit)).
 [[nodiscard]] double thermal_force(const ThermalParameters& parameters, const ThermalState& state,

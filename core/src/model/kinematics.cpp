@@ -1,10 +1,27 @@
 #include "haptic/core/model/kinematics.hpp"
 
-#include <algorithm>
+#include <cmath>
 
 #include "haptic/core/error.hpp"
 
 namespace haptic::core {
+
+namespace {
+
+constexpr int kSamples = 256;  // the mean of a smooth map settles to a per cent well before
+constexpr int kPrimes[kMaxQ] = {2,  3,  5,  7,  11, 13, 17, 19, 23, 29, 31, 37,
+                                41, 43, 47, 53, 59, 61, 67, 71, 73, 79, 83, 89};
+
+double radical_inverse(int i, int base) noexcept {
+  double value = 0.0, digit = 1.0;
+  for (; i > 0; i /= base) {
+    digit /= base;
+    value += digit * (i % base);
+  }
+  return value;
+}
+
+}  // namespace
 
 MapStatus Kinematics::position(const VecQ& q, VecX& x_probe) const noexcept {
   MatXQ J;
@@ -25,6 +42,34 @@ DofLayout layout_of(const std::vector<DofSpec>& dofs) {
   bool actuated[kMaxQ]{};
   for (std::size_t i = 0; i < dofs.size(); ++i) actuated[i] = dofs[i].actuated;
   return DofLayout(std::span<const bool>(actuated, dofs.size()));
+}
+
+VecQ workspace_sample(const Kinematics& kinematics, int i) {
+  const auto& dofs = kinematics.dofs();
+  VecQ q(kinematics.layout().n_q());
+  for (int k = 0; k < q.size(); ++k) {
+    const DofSpec& dof = dofs[static_cast<std::size_t>(k)];
+    q[k] = dof.lower + (dof.upper - dof.lower) * radical_inverse(i + 1, kPrimes[k]);
+  }
+  return q;
+}
+
+double mean_actuated_jacobian(const Kinematics& kinematics) {
+  const DofLayout& layout = kinematics.layout();
+  VecX x;
+  MatXQ J;
+  double sum = 0.0;
+  int counted = 0;
+  for (int s = 0; s < kSamples; ++s) {
+    if (kinematics.evaluate(workspace_sample(kinematics, s), x, J) != MapStatus::kOk) continue;
+    double squares = 0.0;
+    for (int a = 0; a < layout.n_a(); ++a) {
+      squares += J.col(layout.actuated(a)).squaredNorm();
+    }
+    sum += std::sqrt(squares);
+    ++counted;
+  }
+  return counted > 0 ? sum / counted : 0.0;
 }
 
 }  // namespace haptic::core

@@ -76,11 +76,6 @@ Eigen::Vector3d rotation_vector(const UnitQuaternion& orientation) noexcept {
   return angle_per_length * v;
 }
 
-UnitQuaternion unit_quaternion(const Eigen::Vector3d& phi) noexcept {
-  const Eigen::Quaterniond q = exponential(phi);
-  return {q.x(), q.y(), q.z(), q.w()};
-}
-
 Eigen::Vector3d nearest_rotation_vector(const Eigen::Vector3d& phi,
                                         const Eigen::Vector3d& near) noexcept {
   const double theta = phi.norm();

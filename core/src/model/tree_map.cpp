@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "haptic/core/error.hpp"
-#include "haptic/core/model/workspace.hpp"
 
 namespace haptic::core {
 

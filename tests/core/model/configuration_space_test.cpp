@@ -6,7 +6,7 @@
 #include <random>
 
 #include "haptic/core/error.hpp"
-#include "haptic/core/model/rigid_pose.hpp"
+#include "tests/core/model/unit_quaternion.hpp"
 #include "tests/support/angles.hpp"
 
 namespace haptic::core {

@@ -7,7 +7,6 @@
 #include <random>
 
 #include "haptic/core/error.hpp"
-#include "haptic/core/model/workspace.hpp"
 #include "tests/core/model/derivatives.hpp"
 #include "tests/core/model/sample_hands.hpp"
 #include "tests/support/angles.hpp"

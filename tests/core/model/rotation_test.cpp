@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "haptic/core/model/rigid_pose.hpp"
+#include "tests/core/model/unit_quaternion.hpp"
 #include "tests/support/angles.hpp"
 
 namespace haptic::core {

@@ -11,7 +11,6 @@
 #include <random>
 
 #include "haptic/core/error.hpp"
-#include "haptic/core/model/workspace.hpp"
 #include "tests/core/model/derivatives.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/angles.hpp"

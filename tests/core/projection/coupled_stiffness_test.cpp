@@ -9,7 +9,6 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/hand_exoskeleton.hpp"
 #include "haptic/core/model/stylus.hpp"
-#include "haptic/core/model/workspace.hpp"
 #include "haptic/core/projection/coupling_metric.hpp"
 #include "haptic/core/projection/linear_certificate.hpp"
 #include "haptic/core/projection/renderer.hpp"

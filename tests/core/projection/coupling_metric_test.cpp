@@ -10,7 +10,6 @@
 #include "haptic/core/model/hand_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
 #include "haptic/core/model/stylus.hpp"
-#include "haptic/core/model/workspace.hpp"
 
 namespace haptic::core {
 namespace {

@@ -10,7 +10,6 @@
 #include "haptic/core/model/hand_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
 #include "haptic/core/model/stylus.hpp"
-#include "haptic/core/model/workspace.hpp"
 #include "haptic/core/projection/subspace_linear.hpp"
 #include "tests/report/analysis/passivity_radius.hpp"
 

@@ -129,6 +129,14 @@ class Kinematics {
 /// blocks(), or the whole map as one.
 [[nodiscard]] std::vector<MapBlock> blocks_or_whole(const Kinematics& kinematics);
 
+/// The i-th point of the Halton sequence (i >= 0) in the box of q. n_q values, m or rad. The same
+/// in every run, so that a scene loads equally everywhere. For set-up only.
+[[nodiscard]] VecQ workspace_sample(const Kinematics& kinematics, int i);
+
+/// Mean of ||J_a|| (Frobenius) over 256 such points; 0 if f has no value at any of them.
+/// For set-up only.
+[[nodiscard]] double mean_actuated_jacobian(const Kinematics& kinematics);
+
 inline int MapBlock::n_q() const noexcept {
   return kinematics->layout().n_q();
 }

@@ -36,9 +36,6 @@ enum class OutputKind : std::uint8_t {
 /// tracker's reading enters q. q and -q give the same; zero or not finite gives zero.
 [[nodiscard]] Eigen::Vector3d rotation_vector(const UnitQuaternion& orientation) noexcept;
 
-/// exp of the rotation vector phi; |w| <= 1, norm 1 to rounding.
-[[nodiscard]] UnitQuaternion unit_quaternion(const Eigen::Vector3d& phi) noexcept;
-
 /// The rotation vector nearest to `near` that means the same rotation as phi.
 [[nodiscard]] Eigen::Vector3d nearest_rotation_vector(const Eigen::Vector3d& phi,
                                                       const Eigen::Vector3d& near) noexcept;

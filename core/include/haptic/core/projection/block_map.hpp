@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "haptic/core/model/kinematics.hpp"
-#include "haptic/core/projection/plane_set.hpp"
+#include "haptic/core/projection/proxy_snapshot.hpp"
 
 namespace haptic::core {
 

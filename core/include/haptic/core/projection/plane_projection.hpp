@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "haptic/core/model/configuration_space.hpp"
-#include "haptic/core/projection/plane_set.hpp"
+#include "haptic/core/projection/proxy_snapshot.hpp"
 #include "haptic/core/projection/task_metric.hpp"
 
 namespace haptic::core {

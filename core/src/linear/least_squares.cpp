@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "haptic/core/linear/minimum_norm.hpp"
-#include "haptic/core/linear/rank_metric.hpp"
 
 namespace haptic::core {
 

@@ -8,8 +8,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "haptic/core/projection/virtual_stiffness.hpp"
-
 namespace haptic::core {
 
 namespace {

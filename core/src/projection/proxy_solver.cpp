@@ -17,7 +17,7 @@
 #include <cmath>
 #include <limits>
 
-#include "haptic/core/linear/rank_metric.hpp"
+#include "haptic/core/linear/minimum_norm.hpp"
 
 namespace haptic::core {
 

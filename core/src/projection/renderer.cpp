@@ -32,16 +32,11 @@ RendererKind Renderer::kind() const noexcept {
 
 void Renderer::project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                        bool proxy_changed, Projection& out) noexcept {
-  out.storage = 0.0;
-  if (auto* linear = std::get_if<SubspaceLinear>(&renderer_)) {
-    linear->project(probe, dx, stiffness, proxy_changed, out);
-  } else if (auto* exact = std::get_if<SubspaceExact>(&renderer_)) {
-    exact->project(probe, x, stiffness, proxy_changed, out);
-  } else if (auto* null_space = std::get_if<NullSpace>(&renderer_)) {
-    null_space->project(probe, dx, stiffness, out);
-  } else {
-    std::get_if<Standard>(&renderer_)->project(probe, dx, stiffness, out);
-  }
+  out.storage = out.residual = out.condition = 0.0;
+  const auto project = [&](auto& renderer) {
+    renderer.project(probe, x, dx, stiffness, proxy_changed, out);
+  };
+  std::visit(project, renderer_);
 }
 
 void Renderer::reset() noexcept {

@@ -1,7 +1,5 @@
 #include "haptic/core/projection/subspace_exact.hpp"
 
-#include <cmath>
-
 namespace haptic::core {
 
 SubspaceExact::SubspaceExact(const ProjectionModel& model)
@@ -17,8 +15,8 @@ void SubspaceExact::reset() noexcept {
   target_.reset();
 }
 
-void SubspaceExact::project(const Probe& probe, const VecX& x, const VecA& stiffness,
-                            bool proxy_changed, Projection& out) noexcept {
+void SubspaceExact::project(const Probe& probe, const VecX& x, const VecX& /*dx*/,
+                            const VecA& stiffness, bool proxy_changed, Projection& out) noexcept {
   if (model_.prior()) {
     solve_with_prior(probe, x, stiffness, proxy_changed);
   } else if (proxy_changed || !has_solution_) {

@@ -1,9 +1,8 @@
 #include "haptic/core/projection/subspace_linear.hpp"
 
-#include <cmath>
 #include <limits>
 
-#include "haptic/core/linear/rank_metric.hpp"
+#include "haptic/core/linear/minimum_norm.hpp"
 
 namespace haptic::core {
 
@@ -12,8 +11,8 @@ SubspaceLinear::SubspaceLinear(const ProjectionModel& model)
       solver_(model.n_x(), model.layout(), model.coupling()),
       unbounded_(VecQ::Constant(model.layout().n_q(), std::numeric_limits<double>::infinity())) {}
 
-void SubspaceLinear::project(const Probe& probe, const VecX& dx, const VecA& stiffness,
-                             bool proxy_changed, Projection& out) noexcept {
+void SubspaceLinear::project(const Probe& probe, const VecX& /*x*/, const VecX& dx,
+                             const VecA& stiffness, bool proxy_changed, Projection& out) noexcept {
   const MatXQ& J = model_.metric().weighed(probe.J, J_W_);
   const VecX& d = model_.metric().weighed(dx, dx_W_);
   if (model_.prior()) {

@@ -187,7 +187,7 @@ TEST(CoupledImpedance, IsTheDerivativeOfTheForce) {
       EXPECT_EQ(map->evaluate(q, x_probe, J), MapStatus::kOk);
       map->space().difference(x, x_probe, dx);
       Projection out;
-      renderer.project(Probe{q, x_probe, J}, dx, K, true, out);
+      renderer.project(Probe{q, x_probe, J}, {}, dx, K, true, out);
       return VectorXd(Z * VectorXd((out.q_star - q).head(3)));
     };
     const MatrixXd exact =

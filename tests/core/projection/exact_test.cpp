@@ -46,7 +46,8 @@ Projection solve(SubspaceExact& exact, const Kinematics& map, const VecQ& q, con
   MatXQ J;
   EXPECT_EQ(map.evaluate(q, x_probe, J), MapStatus::kOk);
   Projection out;
-  exact.project(Probe{q, x_probe, J}, x, VecA::Constant(map.layout().n_a(), 1500.0), changed, out);
+  exact.project(Probe{q, x_probe, J}, x, {}, VecA::Constant(map.layout().n_a(), 1500.0), changed,
+                out);
   return out;
 }
 
@@ -86,16 +87,16 @@ TEST(ExactMethod, IsSolvedOncePerProxyChange) {
   ASSERT_EQ(map.evaluate(q, x_probe, J), MapStatus::kOk);
   const VecA Z_q = VecA::Constant(1, 1500.0);
   Projection first, out;
-  exact.project(Probe{q, x_probe, J}, x, Z_q, true, first);
+  exact.project(Probe{q, x_probe, J}, x, {}, Z_q, true, first);
   map.evaluations = 0;
   for (int tick = 0; tick < 100; ++tick) {
     q[0] += 1e-5;
     q[1] -= 1e-4;
-    exact.project(Probe{q, x_probe, J}, x, Z_q * (1.0 - 0.001 * tick), false, out);
+    exact.project(Probe{q, x_probe, J}, x, {}, Z_q * (1.0 - 0.001 * tick), false, out);
     ASSERT_EQ(out.q_star, first.q_star) << "to the bit, whatever q and Z_q do";
   }
   EXPECT_EQ(map.evaluations, 0);
-  exact.project(Probe{q, x_probe, J}, x + VecX::Constant(2, 0.01), Z_q, true, out);
+  exact.project(Probe{q, x_probe, J}, x + VecX::Constant(2, 0.01), {}, Z_q, true, out);
   EXPECT_GT(map.evaluations, 0);
   EXPECT_NE(out.q_star, first.q_star);
 }

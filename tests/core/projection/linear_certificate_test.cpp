@@ -160,7 +160,7 @@ TEST(LinearCertificate, MetricGivesTheRenderersOwnDerivative) {
     EXPECT_EQ(stylus->evaluate(q, x_probe, J), MapStatus::kOk);
     stylus->space().difference(x, x_probe, dx);
     Projection out;
-    renderer.project({q, x_probe, J}, dx, Z_q, true, out);
+    renderer.project({q, x_probe, J}, {}, dx, Z_q, true, out);
     return layout.select(out.q_star - q);
   };
   for (int i = 0; i < 40; ++i) {

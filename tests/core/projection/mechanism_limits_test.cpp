@@ -243,7 +243,7 @@ TEST(MechanismLimits, UnreachablePoseIsNearestInMetric) {
     MatXQ J;
     ASSERT_EQ(finger->evaluate(q, x_probe, J), MapStatus::kOk);
     Projection out;
-    exact.project({q, x_probe, J}, x, VecA::Constant(1, 1500.0), true, out);
+    exact.project({q, x_probe, J}, x, {}, VecA::Constant(1, 1500.0), true, out);
     EXPECT_EQ(out.status, ProjectionStatus::kUnreachable);
     EXPECT_LE(out.residual * out.residual, least) << x.transpose();
     expect_inside(*finger, out.q_star);

@@ -120,7 +120,7 @@ TEST(Prior, ForceIsMinusTheEnergysGradient) {
     VecA tau = VecA::Zero(2);
     const auto energy = [&](const VecQ& at) {
       Projection out;
-      exact.project(Probe{at, x_probe, J}, kX, kZ_q, first, out);
+      exact.project(Probe{at, x_probe, J}, kX, {}, kZ_q, first, out);
       first = false;
       double spring = 0.0;
       for (int i = 0; i < 2; ++i) {
@@ -194,7 +194,7 @@ TEST(Prior, TheRenderedStiffnessIsPositiveSemidefinite) {
       if (column >= 0) q[column] = 1.0;
       const VecX at = J * q, dx = -at;
       Projection out;
-      linear.project(Probe{q, at, J}, dx, Z_q, column < 0, out);
+      linear.project(Probe{q, at, J}, {}, dx, Z_q, column < 0, out);
       const VecA tau = Z_q.cwiseProduct((out.q_star - q).head(2));
       if (column < 0) {
         tau_0 = tau;

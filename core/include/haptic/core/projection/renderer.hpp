@@ -3,10 +3,9 @@
 
 #include <variant>
 
-#include "haptic/core/projection/null_space.hpp"
+#include "haptic/core/projection/baselines.hpp"
 #include "haptic/core/projection/projection.hpp"
 #include "haptic/core/projection/renderer_kind.hpp"
-#include "haptic/core/projection/standard.hpp"
 #include "haptic/core/projection/subspace_exact.hpp"
 #include "haptic/core/projection/subspace_linear.hpp"
 

@@ -20,8 +20,9 @@ namespace haptic::core {
 class SubspaceExact {
  public:
   explicit SubspaceExact(const ProjectionModel& model);
-  void project(const Probe& probe, const VecX& x, const VecA& stiffness, bool proxy_changed,
-               Projection& out) noexcept;
+  /// As Renderer::project.
+  void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
+               bool proxy_changed, Projection& out) noexcept;
   /// Forgets q* and q_n^ref.
   void reset() noexcept;
 

@@ -2,8 +2,6 @@
 /// Eq. (7)-(8): dq = argmin ||dx - J dq||_W^2, q* = q + dq, the linearised subspace proxy. With a
 /// prior (core/METHOD.md#projection-algorithm, case B) its terms are added, linear as they are.
 
-#include <optional>
-
 #include "haptic/core/linear/boxed_least_squares.hpp"
 #include "haptic/core/linear/least_squares.hpp"
 #include "haptic/core/projection/prior_target.hpp"
@@ -15,8 +13,9 @@ namespace haptic::core {
 class SubspaceLinear {
  public:
   explicit SubspaceLinear(const ProjectionModel& model);
-  void project(const Probe& probe, const VecX& dx, const VecA& stiffness, bool proxy_changed,
-               Projection& out) noexcept;
+  /// As Renderer::project.
+  void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
+               bool proxy_changed, Projection& out) noexcept;
   /// Forgets q_n^ref.
   void reset() noexcept { target_.reset(); }
 

@@ -11,7 +11,6 @@
 /// or throws. Construction and close() belong to the main thread.
 
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 

@@ -5,7 +5,6 @@
 
 #include <chrono>
 #include <condition_variable>
-#include <mutex>
 
 #include "haptic/v1/haptic_service.grpc.pb.h"
 #include "outbox.hpp"

@@ -1,7 +1,5 @@
 #include "hw/board/frame_codec.hpp"
 
-#include <algorithm>
-
 #include "hw/board/byte_order.hpp"
 
 namespace haptic::hw::board {

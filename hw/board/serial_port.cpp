@@ -4,7 +4,6 @@
 #include <linux/serial.h>
 #include <sys/ioctl.h>
 
-#include <cerrno>
 #include <fstream>
 
 #include "haptic/core/error.hpp"

@@ -1,7 +1,6 @@
 #include "hw/replay/replay.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 
 #include "haptic/core/error.hpp"

@@ -10,7 +10,6 @@
 /// counted. Gaps and the pause between rounds have no samples: reading.fresh is false, nothing else
 /// changes.
 
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>

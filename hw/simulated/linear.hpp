@@ -4,7 +4,6 @@
 /// Starts at rest on the target. Ends of a DoF's box are rigid and inelastic. Linearly implicit
 /// Euler, so any stiffness is stable.
 
-#include <cstdint>
 #include <memory>
 
 #include "hw/bookkeeping.hpp"

@@ -5,7 +5,6 @@
 
 #include <fstream>
 #include <memory>
-#include <sstream>
 
 #include "haptic/core/error.hpp"
 

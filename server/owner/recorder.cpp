@@ -4,7 +4,6 @@
 
 #include <cctype>
 #include <charconv>
-#include <string_view>
 #include <utility>
 
 #include "server/base/figures.hpp"

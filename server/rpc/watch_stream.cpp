@@ -2,8 +2,6 @@
 
 #include <grpcpp/impl/codegen/proto_utils.h>
 
-#include <utility>
-
 #include "server/front/messages.hpp"
 #include "server/front/refusals.hpp"
 

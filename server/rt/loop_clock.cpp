@@ -1,6 +1,5 @@
 #include "server/rt/loop_clock.hpp"
 
-#include <cerrno>
 #include <ctime>
 
 #include <algorithm>

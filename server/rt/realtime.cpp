@@ -1,7 +1,6 @@
 #include "server/rt/realtime.hpp"
 
 #include <array>
-#include <cerrno>
 #include <cstring>
 #include <vector>
 

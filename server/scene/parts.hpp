@@ -2,7 +2,6 @@
 /// The parts of a scene. Each function reads the message of one part, fills in the defaults of that
 /// message, and reports what is wrong. Used within server/scene only.
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>

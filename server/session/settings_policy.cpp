@@ -1,7 +1,6 @@
 #include "server/session/settings_policy.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "server/base/figures.hpp"

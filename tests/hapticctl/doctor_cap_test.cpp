@@ -10,7 +10,7 @@
 #include "doctor/examine.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/tick/pipeline.hpp"
-#include "hw/emulator/virtual_board.hpp"
+#include "tests/support/virtual_board.hpp"
 
 namespace haptic::ctl {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "hw/emulator/virtual_board.hpp"
+#include "tests/support/virtual_board.hpp"
 #include "hw/simulated/finger.hpp"
 
 namespace haptic::report {

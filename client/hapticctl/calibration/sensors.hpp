@@ -2,7 +2,6 @@
 /// A device as the calibration sees it: readings over a time.
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 namespace haptic::ctl {

@@ -3,7 +3,6 @@
 #include <openssl/rand.h>
 
 #include <algorithm>
-#include <span>
 #include <stdexcept>
 
 #include "haptic/wire/datagram.hpp"

@@ -8,7 +8,7 @@
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/tick/pipeline.hpp"
-#include "hw/emulator/virtual_board.hpp"
+#include "tests/support/virtual_board.hpp"
 #include "hw/random.hpp"
 
 namespace haptic::hw::emulator {

@@ -9,7 +9,7 @@
 
 #include "haptic/core/control/force_control.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "hw/emulator/virtual_board.hpp"
+#include "tests/support/virtual_board.hpp"
 #include "tests/hw/emulator/force_step.hpp"
 
 namespace haptic::hw::emulator {

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "hw/emulator/virtual_board.hpp"
+#include "tests/support/virtual_board.hpp"
 #include "server/rt/device_unit.hpp"
 
 namespace {

@@ -1,4 +1,4 @@
-#include "hw/emulator/virtual_board.hpp"
+#include "tests/support/virtual_board.hpp"
 
 #include <algorithm>
 

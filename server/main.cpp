@@ -19,8 +19,8 @@
 #include "server/app.hpp"
 #include "server/net/tls_files.hpp"
 #include "server/scene/shipped.hpp"
-#include "server/telemetry/service_manager.hpp"
 #include "server/telemetry/log.hpp"
+#include "server/telemetry/service_manager.hpp"
 
 namespace {
 

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "server/session/settings_policy.hpp"
 #include "server/crossing/state_record.hpp"
+#include "server/session/settings_policy.hpp"
 
 namespace haptic::server {
 namespace {

@@ -11,9 +11,9 @@
 #include "calibration/guide.hpp"
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "tests/support/virtual_board.hpp"
 #include "server/scene/scene.hpp"
 #include "tests/support/temporary_file.hpp"
+#include "tests/support/virtual_board.hpp"
 
 namespace haptic::ctl {
 namespace {

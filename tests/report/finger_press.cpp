@@ -6,8 +6,8 @@
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "tests/support/virtual_board.hpp"
 #include "hw/simulated/finger.hpp"
+#include "tests/support/virtual_board.hpp"
 
 namespace haptic::report {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/tick/pipeline.hpp"
-#include "tests/support/virtual_board.hpp"
 #include "hw/random.hpp"
+#include "tests/support/virtual_board.hpp"
 
 namespace haptic::hw::emulator {
 namespace {

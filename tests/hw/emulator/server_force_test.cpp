@@ -9,8 +9,8 @@
 
 #include "haptic/core/control/force_control.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "tests/support/virtual_board.hpp"
 #include "tests/hw/emulator/force_step.hpp"
+#include "tests/support/virtual_board.hpp"
 
 namespace haptic::hw::emulator {
 namespace {

@@ -4,8 +4,8 @@
 #include <array>
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "tests/support/virtual_board.hpp"
 #include "server/rt/device_unit.hpp"
+#include "tests/support/virtual_board.hpp"
 
 namespace {
 

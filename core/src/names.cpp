@@ -1,6 +1,8 @@
-#include "haptic/core/fault.hpp"
-
+// The names of enumerators as states, recordings and the wire have them.
 #include "haptic/core/names.hpp"
+
+#include "haptic/core/fault.hpp"
+#include "haptic/core/projection_status.hpp"
 
 namespace haptic::core {
 
@@ -17,6 +19,13 @@ std::string_view reason(Limiter limiter) noexcept {
       "ENERGY_TANK", "PASSIVITY",   "INFEASIBLE_PLANES", "MONOTONE_ENVELOPE", "POWER",
       "RATE",        "TEMPERATURE", "DRIVE_LIMIT"};
   return name_of(limiter, kNames);
+}
+
+std::string_view name(ProjectionStatus status) noexcept {
+  static constexpr std::array<std::string_view, 8> kNames{
+      "NONE",        "EXACT",           "CONVERGED",      "CAPPED",
+      "UNREACHABLE", "ILL_CONDITIONED", "RANK_DEFICIENT", "MAP_FAILED"};
+  return name_of(status, kNames);
 }
 
 }  // namespace haptic::core

@@ -15,7 +15,8 @@ usable() { # usable BUILD
     cat /etc/os-release | distribution)
   [[ $here == "$there" ]] || { echo "this host is $here, the image $there"; return 1; }
   cmake --build "$1" --target hapticd hapticctl haptic-example-virtual-wall \
-    haptic-example-soft-grasp haptic-relay haptic-board-emulator haptic_python >"$logs/prebuilt.log" 2>&1 ||
+    haptic-example-soft-grasp haptic-relay haptic-board-emulator \
+    haptic_python >"$logs/prebuilt.log" 2>&1 ||
     { echo "$1 does not build, see $logs/prebuilt.log"; return 1; }
 }
 distribution() { # of an os-release on standard input

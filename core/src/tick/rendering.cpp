@@ -51,7 +51,7 @@ Anchor Rendering::step(const Sensed& sensed, const ProxySnapshot& sample, const 
 void Rendering::locate(const Sensed& sensed, const ProxySnapshot& sample, Anchor& now) noexcept {
   const BlockSet failed = sensed.ready ? map_.move_to(sensed.q) : map_.all();
   now.x_probe = map_.x_probe();
-  local_.step(sample, now.x_probe, now);
+  local_.step(sample, map_.x_probe(), now);
   if (now.planes == PlaneStatus::kInfeasible) now.limiters.set(Limiter::kInfeasiblePlanes);
 
   BlockSet unheld = 0;

@@ -61,8 +61,8 @@ UdpCarrier::UdpCarrier(const v1::UdpPath& offer, const std::string& stream_addre
     : host_(offer.host().empty() ? host_of(stream_address) : offer.host()),
       port_(offer.port()),
       session_(session),
-      stopping_(::eventfd(0, EFD_CLOEXEC)),
-      end_(setup(offer, period)) {
+      end_(setup(offer, period)),
+      stopping_(::eventfd(0, EFD_CLOEXEC)) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -119,7 +119,7 @@ void UdpCarrier::run() {
   for (const auto& found : Udp::resolver(context_).resolve(host_, std::to_string(port_), error)) {
     addresses_.push_back(found.endpoint());
   }
-  if (!connect()) return;  // the stream goes on alone
+  if (stopping_ < 0 || !connect()) return;  // the stream goes on alone
   {
     const std::lock_guard lock(mutex_);
     end_.start(kServer, Clock::now());

@@ -64,10 +64,10 @@ class UdpCarrier {
   RemoteSession& session_;
   asio::io_context context_{1};
   Udp::socket socket_{context_};
-  const int stopping_;  ///< an eventfd
 
   mutable std::mutex mutex_;
   wire::PathEnd end_;
+  const int stopping_;        ///< an eventfd
   bool address_kept_{false};  ///< a whole round was answered: no other address is tried
   int handle_{-1};
   std::vector<std::uint8_t> outgoing_{};

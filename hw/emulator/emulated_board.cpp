@@ -82,8 +82,7 @@ std::uint64_t EmulatedBoard::board_us() const noexcept {
   return static_cast<std::uint64_t>(since_boot * (1.0 + 1e-6 * config_.clock_ppm));
 }
 
-// ---- the link
-// -------------------------------------------------------------------------------------
+// The link.
 
 bool EmulatedBoard::send(void* context, const std::uint8_t* bytes, std::size_t length) {
   auto& self = *static_cast<EmulatedBoard*>(context);
@@ -124,8 +123,7 @@ std::vector<std::uint8_t> EmulatedBoard::take_output() {
   return std::exchange(released_, {});
 }
 
-// ---- the board
-// ------------------------------------------------------------------------------------
+// The board.
 
 bool EmulatedBoard::has_supply() {
   const bool powered = !is_active(FaultKind::kBrownOut);

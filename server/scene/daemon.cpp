@@ -21,7 +21,7 @@ constexpr Priority kPriorities[] = {Priority::kTest, Priority::kPrimary, Priorit
 
 bool is_host_and_port(const std::string& text) {
   const std::size_t colon = text.rfind(':');
-  return matches(text, R"((\[[0-9a-fA-F:.]+\]|(?!unix:)[A-Za-z0-9.-]+):[0-9]{1,5})") &&
+  return matches(text, R"((\[[0-9a-fA-F:.]+(%[\w.-]+)?\]|(?!unix:)[\w.-]+):[0-9]{1,5})") &&
          std::stoi(text.substr(colon + 1)) <= 65535;
 }
 

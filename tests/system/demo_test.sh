@@ -1,6 +1,6 @@
 #!/bin/sh
 # The demo, short: contact is felt, free motion is free, the pictures are there and show something.
-# With --serial: through an emulated board, a program that a busy host holds up as no board would be.
+# With --serial: through an emulated board, a program that a busy host holds up, unlike a board.
 #
 #   demo_test.sh BUILD-FOLDER OUTPUT-FOLDER [--serial]
 set -eu

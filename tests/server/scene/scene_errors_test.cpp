@@ -339,5 +339,15 @@ TEST(SceneErrors, AllDevicesErrorsAreTold) {
   expect_says(both, "device[1].linear.dof[1].lower = nan: must be finite");
 }
 
+TEST(SceneErrors, HostsMayHaveUnderscoresAndZones) {
+  for (const char* address :
+       {"a_host:1", "robot-2.lab:65535", "[::1]:0", "[fe80::1%eth0]:5", "unix:/run/s"}) {
+    EXPECT_EQ(server::address_problem(address), "") << address;
+  }
+  for (const char* address : {"host", "host:65536", "[::1:5", "unix:s", "a b:1", ":1"}) {
+    EXPECT_NE(server::address_problem(address), "") << address;
+  }
+}
+
 }  // namespace
 }  // namespace haptic::test

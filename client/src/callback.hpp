@@ -1,7 +1,7 @@
 #pragma once
-/// Calls the user's code, and remembers on which kind of thread it runs. In a callback the library
-/// must not wait for another callback; on a thread of gRPC, which has few, it must not wait for
-/// what only such a thread can bring.
+/// Calls the user's code, and remembers on which kind of thread it runs, because the library must
+/// not wait for itself there: within a callback not for another callback, and on one of gRPC's few
+/// threads not for a message, which needs such a thread to arrive.
 
 #include <algorithm>
 #include <cstdint>
@@ -14,7 +14,7 @@ enum class CallbackThread : std::uint8_t { kNone, kOwn, kGrpc };
 /// The callback that this thread runs, of any session or watch.
 inline thread_local CallbackThread running_callback = CallbackThread::kNone;
 
-/// What `callback` throws ends here: the contract is that no exception crosses a callback.
+/// Drops an exception that `callback` throws, as the public headers promise.
 template <typename Callback, typename... Arguments>
 void call_back(CallbackThread thread, const Callback& callback, const Arguments&... arguments) {
   const auto before = std::exchange(running_callback, std::max(running_callback, thread));

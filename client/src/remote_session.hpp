@@ -56,8 +56,8 @@ class RemoteSession final : public Session {
   /// Follows on_message(): tells the user. If delivers_quickly() was false, the next message is
   /// being read meanwhile, and calls may overlap.
   void deliver();
-  /// Whether deliver() returns so soon that the next read may wait for it. To start that read first
-  /// costs the user's callback as much time as waking a thread.
+  /// True if deliver() runs no user's code that may take long. The stream then delivers before it
+  /// starts the next read, which spares the callback the time of waking a thread.
   [[nodiscard]] bool delivers_quickly() const;
   /// A sample was handed to gRPC; `replaced` samples before it gave way to newer ones.
   void on_sent(std::uint64_t replaced);

@@ -25,10 +25,10 @@ class UdpCarrier {
     kInDoubt,  ///< yes, but answers are overdue: the stream should carry the sample too
     kYes,
   };
-  /// `stream_address`: what the channel was made of; its host stands in if the offer names none.
-  /// `period`: of what this end sends or hears, to measure the path's silence by. `session` is told
-  /// of states and late samples on the carrier's thread, without its lock. Throws ClientError if
-  /// the offer's keys are wrong.
+  /// `stream_address`: the channel's; its host is used if the offer names none. `period`: time
+  /// between two samples or states, by which the path's silence is judged. The carrier calls
+  /// `session` on its own thread with states and late samples, and holds no lock meanwhile. Throws
+  /// ClientError if the offer's keys are wrong.
   UdpCarrier(const v1::UdpPath& offer, const std::string& stream_address,
              std::chrono::nanoseconds period, RemoteSession& session);
   /// Only after stop().

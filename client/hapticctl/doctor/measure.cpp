@@ -34,7 +34,10 @@ Jitter run_loop(double seconds, double period_s) {
   std::uint64_t skipped = 0;
   const Monotonic::time_point start = Monotonic::now(), end = start + ticks * period;
   for (Monotonic::time_point deadline = start + period; deadline <= end;) {
-    std::this_thread::sleep_until(deadline);
+    // Absolute, as the loop sleeps: std::this_thread::sleep_until() computes a relative time first.
+    const std::int64_t at = deadline.time_since_epoch().count();
+    const timespec wake{at / 1'000'000'000, at % 1'000'000'000};
+    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wake, nullptr) != 0) continue;
     const Monotonic::duration late = Monotonic::now() - deadline;
     lateness.push_back(std::chrono::duration<double, std::micro>(late).count());
     const auto passed = late / period;

@@ -42,8 +42,8 @@ class Connection {
   Connection& operator=(const Connection&) = delete;
 
   [[nodiscard]] ServerInfo server_info(std::chrono::milliseconds timeout = std::chrono::seconds(5));
-  /// Whether the device is open and the 1 kHz loop is on time, by gRPC's health service. If
-  /// `device` is empty, of the server as a whole.
+  /// Asks gRPC's health service. True if the device is open and the 1 kHz loop is on time; with an
+  /// empty `device`, if that holds for every device of the server.
   [[nodiscard]] bool healthy(const std::string& device = {},
                              std::chrono::milliseconds timeout = std::chrono::seconds(5));
   [[nodiscard]] std::vector<DeviceInfo> devices(

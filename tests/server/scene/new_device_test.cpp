@@ -5,6 +5,7 @@
 #include <set>
 #include <sstream>
 
+#include "haptic/v1/scene.pb.h"
 #include "hw/bookkeeping.hpp"
 #include "hw/device_limits.hpp"
 #include "tests/server/scene/scene_run.hpp"
@@ -100,11 +101,21 @@ device {
 
 TEST(NewDevice, OnlyRecipeFilesNameADevice) {
   const fs::path root = HAPTIC_SOURCE_DIR;
-  const std::regex names(
-      "(Board|Replay|SimulatedFinger|SimulatedLinear)Config|BoardDevice|hw/"
-      "(board|replay|simulated)/"
-      "[a-z_]*(device|replay|finger|linear)\\.hpp|DeviceScene::k(Board|Replay|Simulated)|"
-      "(has|mutable)_(board|replay|simulated_finger|simulated_linear)\\(");
+  // The sources of the scene's schema, as code would name them: SimulatedFinger, simulated_finger.
+  std::string types;
+  std::string fields;
+  std::string folders;
+  const auto* sources = v1::DeviceScene::descriptor()->FindOneofByName("source");
+  for (int i = 0; i < sources->field_count(); ++i) {
+    const auto* source = sources->field(i);
+    types += "|" + source->message_type()->name();
+    fields += "|" + source->name();
+    folders += "|" + source->name().substr(0, source->name().find('_'));
+  }
+  const auto any = [](const std::string& names) { return "(" + names.substr(1) + ")"; };
+  const std::regex names("\\b" + any(types) + "Config\\b|BoardDevice|hw/" + any(folders) +
+                         "/[a-z_]*(device|replay|finger|linear)\\.hpp|DeviceScene::k" + any(types) +
+                         "|(has|mutable)_" + any(fields) + "\\(");
   std::set<std::string> naming;
   for (const char* room : {"core", "hw", "server", "client", "proto"}) {
     for (const auto& entry : fs::recursive_directory_iterator(root / room)) {
@@ -116,7 +127,8 @@ TEST(NewDevice, OnlyRecipeFilesNameADevice) {
       if (std::regex_search(text.str(), names)) naming.insert(name);
     }
   }
-  const std::regex recipe("hw/(board|replay|simulated|emulator)/.*|server/scene/source\\.cpp");
+  const std::regex recipe("hw/(emulator|" + any(folders).substr(1) +
+                          "/.*|server/scene/source\\.cpp");
   for (const std::string& name : naming) EXPECT_TRUE(std::regex_match(name, recipe)) << name;
   EXPECT_EQ(naming.count("server/scene/source.cpp"), 1u);
 }

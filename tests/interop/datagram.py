@@ -49,6 +49,8 @@ class Opener:
                               (number + self.WINDOW <= self.newest, "TOO_OLD")):
             if wrong:
                 return reason
+        if number > 2**32:
+            return "TAG"
         try:
             payload = self.aead.decrypt(nonce(self.salt, number), datagram[16:], header)
         except InvalidTag:

@@ -98,6 +98,8 @@ def read_header(datagram: bytes) -> tuple[Type, int, int] | None:
     if not HEADER.size + TAG_SIZE <= len(datagram) <= LARGEST:
         return None
     magic, version, kind, path_id, number = HEADER.unpack_from(datagram)
-    if (magic, version) != (_MAGIC, _VERSION) or kind not in _DOWN or number == 0:
+    if (magic, version) != (_MAGIC, _VERSION) or kind not in _DOWN:
+        return None
+    if not 0 < number <= _MOST_PACKETS:
         return None
     return Type(kind), path_id, number

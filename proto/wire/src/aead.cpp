@@ -63,6 +63,8 @@ Opener::Opener(std::uint32_t path_id, const DirectionKey& key)
 
 Opened Opener::open(const Header& header, ConstBytes datagram, Bytes payload) noexcept {
   Opened answer{window_.check(header.packet_number), header, 0};
+  // No true end seals it. Accepted it would make all that follow too old, and count 2^64 as lost.
+  if (header.packet_number > Sealer::kPacketsPerKey) answer.rejection = Rejection::kTag;
   if (answer.rejection != Rejection::kNone) return answer;
   const ConstBytes body = datagram.subspan(kHeaderSize, datagram.size() - kHeaderSize - kTagSize);
   std::array<std::uint8_t, kTagSize> tag{};

@@ -11,6 +11,7 @@ namespace {
 
 using test::bytes_of;
 using test::ByteVector;
+using test::from_hex;
 using test::test_keys;
 using test::to_hex;
 
@@ -83,6 +84,23 @@ TEST(Opener, WrongTagLeavesItsNumberUnused) {
   EXPECT_EQ(opener.open(read_header(forged).header, forged, payload).rejection, Rejection::kTag);
   EXPECT_EQ(opener.open(read_header(out).header, out, payload).rejection, Rejection::kNone);
   EXPECT_EQ(opener.newest(), 1U);
+}
+
+/// "abc" under the keys of these tests, sealed by Python's cryptography.
+TEST(Opener, NoNumberAboveAKeysLast) {
+  const ByteVector last =
+      from_hex("68700101000000070000000100000000fa7ed039c24ef798df23488e0fe6b5c127b6b1");
+  const char* const beyond[] = {
+      "68700101000000070000000100000001a97903bbf3099e2a4632915223bd7167a3f00f",
+      "6870010100000007ffffffffffffffffd615f026085d06bc940f28ec72d0bfb8d4a125"};
+  Opener opener(7, test_keys(1).up);
+  ByteVector payload(kLargestPayload);
+  for (const char* hex : beyond) {
+    const ByteVector bytes = from_hex(hex);
+    EXPECT_EQ(opener.open(read_header(bytes).header, bytes, payload).rejection, Rejection::kTag);
+  }
+  EXPECT_EQ(opener.open(read_header(last).header, last, payload).rejection, Rejection::kNone);
+  EXPECT_EQ(opener.newest(), Sealer::kPacketsPerKey);
 }
 
 }  // namespace

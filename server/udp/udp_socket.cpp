@@ -3,10 +3,10 @@
 #include <sys/socket.h>
 #include <sys/uio.h>
 
-#include <algorithm>
 #include <cstring>
 
 #include "haptic/core/error.hpp"
+#include "server/base/steady_now.hpp"
 
 namespace haptic::server {
 namespace {
@@ -47,24 +47,23 @@ udp::endpoint endpoint(const wire::PeerAddress& peer, bool v4) {
   return {address, peer.port};
 }
 
-/// How long ago the kernel stamped the datagram. It does so with the wall clock; were that stepped
-/// in between, the age is off once, and never below nothing.
-core::Duration waited(msghdr& message) {
+/// How long ago the kernel stamped the datagram, by the wall clock. Below 0 without a stamp.
+core::Duration age_of_stamp(msghdr& message) {
   for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
     if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_TIMESTAMPNS) continue;
     timespec stamp{}, now{};
     std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
     ::clock_gettime(CLOCK_REALTIME, &now);
-    const auto age = std::chrono::seconds(now.tv_sec - stamp.tv_sec) +
-                     std::chrono::nanoseconds(now.tv_nsec - stamp.tv_nsec);
-    return std::max<core::Duration>(age, core::Duration(0));
+    return std::chrono::seconds(now.tv_sec - stamp.tv_sec) +
+           std::chrono::nanoseconds(now.tv_nsec - stamp.tv_nsec);
   }
-  return core::Duration(0);
+  return core::Duration(-1);
 }
 
 }  // namespace
 
-UdpSocket::UdpSocket(asio::io_context& context, const std::string& listen) : socket_(context) {
+UdpSocket::UdpSocket(asio::io_context& context, const std::string& listen)
+    : socket_(context), empty_at_(steady_now()) {
   const udp::endpoint wanted = parse(listen);
   asio::error_code error;
   const auto check = [&](const char* what) {
@@ -98,10 +97,15 @@ Arrived UdpSocket::receive(wire::Bytes buffer) noexcept {
   message.msg_control = control.data();
   message.msg_controllen = control.size();
   // MSG_TRUNC: the true size of a datagram that is too long, so that it is rejected for its length.
+  const core::TimePoint asked = steady_now();
   const ssize_t size = ::recvmsg(socket_.native_handle(), &message, MSG_DONTWAIT | MSG_TRUNC);
-  if (size < 0) return {};
+  if (size < 0) {
+    empty_at_ = asked;
+    return {};
+  }
   from.resize(message.msg_namelen);
-  return {true, static_cast<std::size_t>(size), peer(from), waited(message)};
+  return {true, static_cast<std::size_t>(size), peer(from),
+          believed_wait(age_of_stamp(message), steady_now() - empty_at_)};
 }
 
 void UdpSocket::send(const wire::PeerAddress& to, wire::ConstBytes datagram) noexcept {

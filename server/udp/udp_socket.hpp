@@ -12,6 +12,16 @@
 
 namespace haptic::server {
 
+/// How long a datagram waited in the socket. `by_stamp` is what the kernel's stamp says; it comes
+/// from the wall clock, which may be stepped, by 5 s for example, while the datagram waits.
+/// `since_empty` is the time since the socket was seen empty, on the steady clock: the datagram
+/// cannot have waited for longer. A stamp from the future tells nothing, so that the longest
+/// possible time counts.
+[[nodiscard]] constexpr core::Duration believed_wait(core::Duration by_stamp,
+                                                     core::Duration since_empty) noexcept {
+  return by_stamp < core::Duration(0) || by_stamp > since_empty ? since_empty : by_stamp;
+}
+
 struct Arrived {
   bool any{false};      ///< false: nothing is waiting
   std::size_t size{0};  ///< above the buffer's size if the datagram was cut
@@ -34,6 +44,7 @@ class UdpSocket {
  private:
   asio::ip::udp::socket socket_;
   asio::ip::udp::endpoint bound_;
+  core::TimePoint empty_at_;  ///< the socket was last seen empty
 };
 
 }  // namespace haptic::server

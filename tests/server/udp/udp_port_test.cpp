@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "server/base/steady_now.hpp"
+#include "server/udp/udp_socket.hpp"
 #include "tests/proto/wire/channel_pair.hpp"
 #include "tests/server/support/live_server.hpp"
 #include "tests/support/udp_end.hpp"
@@ -89,8 +90,17 @@ TEST_F(UdpPortTest, WaitingInTheSocketAges) {
   EXPECT_GT(server::steady_now() - sink->samples().front().arrival, 100ms - 1ms);
 }
 
+TEST(UdpSocket, AClockStepAddsNoWait) {
+  using server::believed_wait;
+  EXPECT_EQ(believed_wait(3ms, 10ms), 3ms);
+  EXPECT_EQ(believed_wait(5s + 3ms, 10ms), 10ms);  // stepped forward meanwhile
+  EXPECT_EQ(believed_wait(3ms - 5s, 10ms), 10ms);  // stepped back
+  EXPECT_EQ(believed_wait(0ms, 0ms), 0ms);
+}
+
 TEST_F(UdpPortTest, RejectionsAreCountedNeverAnswered) {
   port.start();
+  UdpEnd forger{wire::End::kServer, wire::fresh_keys()};
   const ByteVector good = client.seal(wire::DatagramType::kProxy, sample(1));
   ByteVector magic = good, version = good, type = good, path = good, tag = good;
   magic[0] = 0;
@@ -98,11 +108,13 @@ TEST_F(UdpPortTest, RejectionsAreCountedNeverAnswered) {
   type[3] = 77;
   path[7] ^= 1U;
   tag.back() ^= 1U;
-  const ByteVector unreadable = client.seal(wire::DatagramType::kProxy, "\xFF\xFF\xFF");
-  for (const ByteVector& bytes : {ByteVector(31, 0), ByteVector(1201, 0), magic, version, type,
-                                  path, tag, unreadable, good, good}) {
-    sender.send_raw(bytes, port.port());
+  for (const ByteVector& bytes :
+       {ByteVector(31, 0), ByteVector(1201, 0), magic, version, type, path, tag}) {
+    forger.send_raw(bytes, port.port());
   }
+  ASSERT_TRUE(eventually([&] { return counters().rejections(wire::Rejection::kTag) == 1; }));
+  const ByteVector unreadable = client.seal(wire::DatagramType::kProxy, "\xFF\xFF\xFF");
+  for (const ByteVector& bytes : {unreadable, good, good}) sender.send_raw(bytes, port.port());
   ASSERT_TRUE(eventually([&] { return counters().duplicate() == 1; }));
   EXPECT_EQ(port.rejected(wire::Rejection::kLength), 2U);
   EXPECT_EQ(port.rejected(wire::Rejection::kMagic), 1U);
@@ -112,6 +124,12 @@ TEST_F(UdpPortTest, RejectionsAreCountedNeverAnswered) {
   EXPECT_EQ(counters().rejections(wire::Rejection::kTag), 1U);
   EXPECT_EQ(counters().rejections(wire::Rejection::kPayload), 1U);
   EXPECT_EQ(sink->samples().size(), 1U);
+  // A replay from elsewhere, behind the genuine one.
+  forger.send_raw(good, port.port());
+  ASSERT_TRUE(eventually([&] { return counters().duplicate() == 2; }));
+  // The address of the genuine one is challenged: so answers would be seen.
+  ASSERT_TRUE(eventually([&] { return sender.arrivals() >= 5; }));
+  EXPECT_EQ(forger.arrivals(), 0U);
 }
 
 TEST_F(UdpPortTest, TakesAWholeBurstInOrder) {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "haptic/core/error.hpp"
+#include "tests/proto/wire/channel_pair.hpp"
 #include "tests/server/support/test_client.hpp"
 #include "tests/support/udp_end.hpp"
 
@@ -247,19 +248,35 @@ TEST(UdpService, SilentPathReturnsStatesToStream) {
 
 TEST(UdpService, AnEndedSessionsPathIsUnknown) {
   LiveServer server(with_udp());
-  std::uint32_t port = 0;
+  const auto dropped = [&](const std::string& reason) {
+    for (const auto& [name, count] : server.rpc.dropped_datagrams()) {
+      if (name == reason) return count;
+    }
+    return std::uint64_t{0};
+  };
   wire::PathKeys keys;
   {
-    OpenSession session(server.channel(), wanting_udp(v1::ROLE_OBSERVER, "alice"));
-    port = session.opened().udp().port();
-    keys = keys_of(session.opened().udp());
+    UdpSession alice(server, v1::ROLE_OBSERVER);  // whose path is in use: the server answers it
+    keys = keys_of(alice.session.opened().udp());
+    EXPECT_EQ(dropped("UNKNOWN_PATH"), 0U);
   }
-  // Its keys are gone with it, at the latest when gRPC has let go of the stream.
+  const auto knock = [&](const UdpSocket& socket) {
+    TestEnd late(wire::End::kClient, keys);
+    socket.send(late.seal(wire::DatagramType::kPathChallenge, std::string(40, 't')),
+                server.rpc.udp_port());
+  };
+  // The path goes with the session, at the latest when gRPC has let go of the stream.
+  const UdpSocket first, second;
   ASSERT_TRUE(eventually([&] {
-    UdpEnd late(wire::End::kClient, keys, static_cast<std::uint16_t>(port));
-    std::this_thread::sleep_for(50ms);
-    return late.arrivals() == 0;
+    knock(first);
+    return dropped("UNKNOWN_PATH") > 0;
   }));
+  for (int i = 0; i < 20; ++i) knock(second);
+  second.send(ByteVector(40), server.rpc.udp_port());  // the last in the server's socket
+  ASSERT_TRUE(eventually([&] { return dropped("MAGIC") == 1; }));
+  EXPECT_GT(dropped("UNKNOWN_PATH"), 20U);
+  ByteVector answer(2048);
+  EXPECT_FALSE(second.receive(answer));
 }
 
 }  // namespace

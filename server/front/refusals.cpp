@@ -1,6 +1,5 @@
 #include "server/front/refusals.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "server/base/unprintable.hpp"
@@ -23,11 +22,12 @@ std::string sanitised(const std::string& text, std::size_t longest) {
     size = longest;
     while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xC0U) == 0x80U) --size;
   }
+  const std::string_view kept(text.data(), size);
   std::string clean;
   for (std::size_t i = 0; i < size;) {
-    const std::size_t bytes = unprintable(text, i);
-    clean += bytes > 0 ? '?' : text[i];
-    i += std::max<std::size_t>(bytes, 1);
+    const Character next = character(kept, i);
+    clean += next.shows_itself ? kept.substr(i, next.bytes) : "?";
+    i += next.bytes;
   }
   return clean;
 }

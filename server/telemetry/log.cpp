@@ -23,7 +23,7 @@ namespace haptic::server {
 namespace {
 
 std::string as_json(const std::string& text) {
-  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return nlohmann::json(text).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
 }
 
 /// "\x0a" for each byte that would change how a line looks; everything else, a backslash too, stays
@@ -32,13 +32,14 @@ std::string as_line(const std::string& text) {
   std::string line;
   line.reserve(text.size());
   for (std::size_t i = 0; i < text.size();) {
-    const std::size_t bytes = unprintable(text, i);
-    if (bytes == 0) line += text[i++];
-    for (const std::size_t end = i + bytes; i < end; ++i) {
+    const Character next = character(text, i);
+    if (next.shows_itself) line.append(text, i, next.bytes);
+    for (std::size_t k = i; !next.shows_itself && k < i + next.bytes; ++k) {
       char escaped[5];
-      std::snprintf(escaped, sizeof escaped, "\\x%02x", static_cast<unsigned char>(text[i]));
+      std::snprintf(escaped, sizeof escaped, "\\x%02x", static_cast<unsigned char>(text[k]));
       line += escaped;
     }
+    i += next.bytes;
   }
   return line;
 }

@@ -50,6 +50,44 @@ TEST(LogFormat, TextMessageStaysOneLine) {
   EXPECT_NE(marks.find("\\xc2\\x9b\\xe2\\x80\\xae\u00e9\n"), std::string::npos) << marks;
 }
 
+TEST(LogFormat, OnlyWhatShowsItselfIsShown) {
+  const std::pair<const char*, const char*> rows[] = {{"\u0080", "\\xc2\\x80"},
+                                                      {"\u009f", "\\xc2\\x9f"},
+                                                      {"\u00a0", "\u00a0"},
+                                                      {"\u061c", "\\xd8\\x9c"},
+                                                      {"\u200e", "\\xe2\\x80\\x8e"},
+                                                      {"\u200f", "\\xe2\\x80\\x8f"},
+                                                      {"\u2028", "\\xe2\\x80\\xa8"},
+                                                      {"\u2029", "\\xe2\\x80\\xa9"},
+                                                      {"\u202a", "\\xe2\\x80\\xaa"},
+                                                      {"\u2066", "\\xe2\\x81\\xa6"},
+                                                      {"\u2069", "\\xe2\\x81\\xa9"},
+                                                      {"\u206a", "\u206a"},
+                                                      {"\x9b"
+                                                       "2J",
+                                                       "\\x9b2J"},
+                                                      {"\xe2\x80", "\\xe2\\x80"},
+                                                      {"\xc2"
+                                                       "A",
+                                                       "\\xc2"
+                                                       "A"},
+                                                      {"\xf0\x9f\x98\x80", "\xf0\x9f\x98\x80"},
+                                                      {"\x7f", "\\x7f"},
+                                                      {"\xff", "\\xff"}};
+  for (const auto& [text, shown] : rows) {
+    const std::string line = formatted(std::string("<") + text + ">", LogFormat::kText);
+    EXPECT_NE(line.find("<" + std::string(shown) + ">\n"), std::string::npos) << line;
+  }
+}
+
+/// A line of JSON may be read by a person too: only ASCII, the rest as \u....
+TEST(LogFormat, JsonShowsNoControlCharacter) {
+  const std::string text = "a\u009b2J\u202eb\u2028c\x7f";
+  const std::string line = formatted(text, LogFormat::kJson);
+  EXPECT_EQ(nlohmann::json::parse(line)["message"], text);
+  for (const char c : line) EXPECT_TRUE(c == '\n' || (c >= 0x20 && c < 0x7F)) << line;
+}
+
 TEST(LogFormat, JournalLinesBeginWithTheirPriority) {
   using spdlog::level::level_enum;
   for (const auto& [level, priority] :

@@ -13,7 +13,7 @@ namespace haptic::hw {
 namespace {
 
 constexpr std::string_view kTime = "time_s";
-/// Nanoseconds since the first row, and time stamps of today's epoch, fit an int64 with this bound.
+/// Of a time stamp, and of the whole recording: in nanoseconds both then fit an int64.
 constexpr double kLargestTime = 9e9;  // s
 
 std::string_view trimmed(std::string_view text) {
@@ -119,6 +119,7 @@ void add_row(const Place& place, const Selection& selection,
     if (std::abs(value) > kLargestTime) place.fail(name, text, "must lie within +-9e9 s");
     if (table.time_s.empty()) first_time = value;
     const double time = value - first_time;
+    if (time > kLargestTime) place.fail(name, text, "must be at most 9e9 s after the first row");
     if (!table.time_s.empty() && !(time - table.time_s.back() >= 1e-9)) {
       place.fail(name, text, "must be later than the row before it, by 1 ns or more");
     }

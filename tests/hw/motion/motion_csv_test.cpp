@@ -95,6 +95,14 @@ TEST(MotionCsv, RefusesTimeThatDoesNotIncrease) {
   EXPECT_THAT(error_of("time_s,l_x,q_B\n1e300,1,2\n2e300,1,2\n"), HasSubstr("9e9"));
 }
 
+TEST(MotionCsv, SpanFitsAClockOfNanoseconds) {
+  EXPECT_THAT(error_of("time_s,l_x,q_B\n-8e9,1,2\n8e9,1,2\n"),
+              AllOf(HasSubstr("motion.csv:3"), HasSubstr("time_s = '8e9'"),
+                    HasSubstr("at most 9e9 s after the first row")));
+  const test::TemporaryFile longest("time_s,l_x,q_B\n-8e9,1,2\n1e9,1,2\n");
+  EXPECT_EQ(read_motion_csv(longest.path(), {{"l_x", "q_B"}}).time_s.back(), 9e9);
+}
+
 TEST(MotionCsv, RefusesFewerThanTwoRows) {
   EXPECT_THAT(error_of("time_s,l_x,q_B\n"), HasSubstr("0 row(s)"));
   EXPECT_THAT(error_of("time_s,l_x,q_B\n0,1,2"), HasSubstr("1 row(s)"));

@@ -41,6 +41,15 @@ std::string read(const char* field, const std::filesystem::path& file) {
   return text;
 }
 
+/// Its group may read it, as Debian's ssl-cert does; others may not, and only its owner may change
+/// it.
+void refuse_open_key(const std::filesystem::path& file) {
+  using std::filesystem::perms;
+  const perms open = perms::others_read | perms::others_write | perms::group_write;
+  if ((std::filesystem::status(file).permissions() & open) == perms::none) return;
+  refuse("key", file, "other users may read or change it: chmod 600, or 640 for a group");
+}
+
 Memory memory(const std::string& text) {
   return Memory(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
 }
@@ -73,6 +82,7 @@ TlsFiles load_tls(const TlsConfig& config) {
   files.key = read("key", config.key);
   const Key key(PEM_read_bio_PrivateKey(memory(files.key).get(), nullptr, no_passphrase, nullptr));
   if (!key) refuse("key", config.key, "must hold a private key as PEM, without a passphrase");
+  refuse_open_key(config.key);
   if (X509_check_private_key(certificate.get(), key.get()) != 1) {
     refuse("key", config.key, "must be that of the certificate");
   }

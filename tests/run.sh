@@ -48,23 +48,24 @@ elif [[ $preset == asan || $preset == tsan ]]; then
 else
   which=(--label-exclude '^(network|calm|hostile|lint|container)$')
 fi
-run_tests() { # run_tests LOG CTEST-ARGS...
-  ctest --preset "$preset" "${@:2}" </dev/null 2>&1 | tee "$1"
+results=()
+run_tests() { # run_tests NAME CTEST-ARGS...
+  rm -f "build/$preset/$1.xml"
+  results+=("$root/build/$preset/$1.xml")
+  # Room for the reason of a test that is skipped, or that skips a part of itself.
+  ctest --preset "$preset" --output-junit "${results[-1]}" --test-output-size-passed 16384 \
+    "${@:2}" </dev/null 2>&1 | tee "build/$preset/$1.log"
 }
 
-log=build/$preset/ctest.log
-container_log=build/$preset/container.log
 status=0
-run_tests "$log" --parallel "$jobs" "${which[@]}" "$@" || status=$?
+run_tests ctest --parallel "$jobs" "${which[@]}" "$@" || status=$?
 if $ci; then
   if $install && ! timeout 600 sh docker/install-deps.sh containers; then
     echo "run.sh: no container engine could be installed; trying what is here" >&2
   fi
   # With their output: it has the times, and the reason if they cannot run.
-  run_tests "$container_log" --label-regex '^container$' --verbose || status=$?
+  run_tests container --label-regex '^container$' --verbose || status=$?
+  grep -oE 'container tests (passed|FAILED|SKIPPED).*' "build/$preset/container.log" || true
 fi
-
-# The summary, last.
-if $ci; then grep -oE 'container tests (passed|FAILED|SKIPPED).*' "$container_log" || true; fi
-grep -E '^[0-9]+% tests passed' "$log" || true
+python3 tests/summary.py "${results[@]}" || status=1
 exit "$status"

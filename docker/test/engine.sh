@@ -1,14 +1,16 @@
 # Chooses and calls the container engine of docker/test.sh, which sources this file. Sets `engine`
 # and `base`; `compose` and the functions here call it. `scratch` is a folder of the caller.
 
-# Docker if it does what the tests need, else podman; if neither does, prints why.
+# Docker if it does what the tests need, else podman; if neither does, prints why, and if none is
+# installed the command that installs one.
 choose_engine() { # choose_engine [NAME]
-  local candidate why=()
+  local candidate why=() installed=false
   for candidate in ${1:-docker podman}; do
     if ! command -v "$candidate" >/dev/null; then
       why+=("$candidate: not installed")
       continue
     fi
+    installed=true
     if [[ $candidate == podman ]]; then configure_podman; fi
     engine=$candidate
     if probe >"$scratch/probe" 2>&1; then return 0; fi
@@ -18,6 +20,9 @@ choose_engine() { # choose_engine [NAME]
   done
   printf 'no container engine works here:\n' >&2
   printf '  %s\n' "${why[@]}" >&2
+  if ! $installed; then
+    echo "to install podman: sudo sh $root/docker/install-deps.sh containers" >&2
+  fi
   return 1
 }
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # docker/test.sh where no container engine can be made to work: it fails, and says of each engine
-# why. It is skipped only where somebody said so.
+# why, or how to install one. It is skipped only if its user said so.
 #
 #   no_engine_test.sh DOCKER/TEST.SH
 set -euo pipefail
@@ -35,11 +35,13 @@ says 'container tests FAILED'
 
 run 3 --engine podman
 says 'podman: the kernel said no'
-[[ $words != *docker:* ]] || fail "an engine that nobody asked for: $words"
+[[ $words != *docker:* ]] || fail "an engine that the command did not name: $words"
+[[ $words != *install-deps* ]] || fail "it is installed: $words"
 
 # An engine that is not installed at all is a reason too.
 run 3 --engine "no-such-engine-$$"
 says "no-such-engine-$$: not installed"
+says 'docker/install-deps.sh containers'
 
 export HAPTIC_SKIP_CONTAINERS='no engine on this host'
 run 77

@@ -8,7 +8,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kFirstDelay{100}, kLongestDelay{2000};
+constexpr milliseconds kFirstDelay{100}, kLongestDelay{500};
 
 /// Whether waiting can change the answer to the same opening: a server comes back, a lease runs
 /// out, a session ends. A wrong argument stays wrong.

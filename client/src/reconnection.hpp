@@ -32,7 +32,7 @@ class Reconnection {
   /// The stream ended, or the opening failed. Without effect if there was neither.
   void ended(const ClientError& why);
   /// After ended(): true if another attempt follows. The first one is due at once, the next after
-  /// 0.1, 0.2, 0.4 ... 2 s. None follows a refusal that no waiting changes, such as a wrong
+  /// 0.1, 0.2, 0.4, 0.5, 0.5 ... s. None follows a refusal that no waiting changes, such as a wrong
   /// argument.
   [[nodiscard]] bool retry(TimePoint now);
   void close() noexcept { state_ = State::kClosed; }

@@ -16,6 +16,18 @@ from .v1 import haptic_service_pb2 as service
 from .v1 import haptic_service_pb2_grpc as stubs
 
 _ANSWER_S = 5.0
+_OPTIONS = [
+    ("grpc.use_local_subchannel_pool", 1),
+    # A connection over which nothing comes back is given up: a ping after 1 s of silence, 2 s for
+    # an answer or for TCP's acknowledgement.
+    ("grpc.keepalive_time_ms", 1000),
+    ("grpc.keepalive_timeout_ms", 2000),
+    ("grpc.http2.max_pings_without_data", 0),
+    # An attempt takes 1.5 s at most ("min_reconnect_backoff"), and the next follows within 0.5 s.
+    ("grpc.initial_reconnect_backoff_ms", 100),
+    ("grpc.min_reconnect_backoff_ms", 1500),
+    ("grpc.max_reconnect_backoff_ms", 500),
+]
 
 
 class Connection:
@@ -29,8 +41,7 @@ class Connection:
                               f"server address '{address}': must be host:port or unix:/path")
         self._address = address
         self._channel = grpc.insecure_channel(
-            address, options=[("grpc.use_local_subchannel_pool", 1),
-                              ("grpc.initial_reconnect_backoff_ms", 100)])
+            address, options=_OPTIONS)
         self._stub = stubs.HapticServiceStub(self._channel)
 
     def __enter__(self) -> Connection:

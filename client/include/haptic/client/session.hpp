@@ -33,9 +33,9 @@ namespace haptic::client {
 /// Behaviour of a session that loses its stream.
 enum class Reconnect : std::uint8_t {
   kNever,  ///< the session ends
-  /// The session opens another stream: at once, then after 0.1, 0.2, 0.4 ... 2 s. It gives up when
-  /// the server refuses for a reason that waiting does not change, such as a wrong argument. If the
-  /// lease has not expired by then, the session is resumed: force, settings and sample numbers go
+  /// The session opens another stream: at once, then after 0.1, 0.2, 0.4, 0.5, 0.5 ... s. It gives
+  /// up when the server refuses for a reason that no waiting changes, such as a wrong argument.
+  /// If the lease has not expired by then, the session is resumed: force, settings and numbers go
   /// on (event LEASE_RESUMED). Otherwise it starts again with a new lease and without force (event
   /// LEASE_GRANTED). After a lease expired or was preempted, the next published sample starts it
   /// again.

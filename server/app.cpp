@@ -139,8 +139,8 @@ void App::listen_to_devices() {
     owner_->add(*units_[i], SessionRules{scene_.server.lease_timeout, device.fresh_end,
                                          device.tracker_fresh_end, device.coupling_softness});
     if (!scene_.record) continue;
-    const auto file = record_file(scene_, i);
-    spdlog::info("{}: recorded in {}", device.name, file.string());
+    const NewFile file = create_file(record_file(scene_, i), scene_.record->overwrite);
+    spdlog::info("{}: recorded in {}", device.name, file.path.string());
     recorders_.push_back(std::make_unique<Recorder>(
         file, device.pipeline.kinematics, comparison(*scene_.record, device),
         StateMessage(units_[i]->config(), device.coupling_softness),

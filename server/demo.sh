@@ -104,7 +104,8 @@ scene=$root/server/scenes/finger_soft_grasp.textproto
 # Nobody wears this device, and the host of a shared machine takes the processors away for tens of
 # ms, again and again: what would be a fault of a real one is counted in the summary (lateness,
 # skipped ticks).
-settings=(--set "record.file=\"$recording\"" --set record.compare_renderers=true
+settings=(--set "record.file=\"$recording\"" --set record.overwrite=true
+  --set record.compare_renderers=true
   --set loop.loop_late_fault.nanos=100000000 --set loop.late_bucket_full=1000000)
 if $serial; then
   port=$folder/board

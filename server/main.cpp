@@ -7,7 +7,6 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
-#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -17,9 +16,11 @@
 #include "haptic/core/error.hpp"
 #include "hw/device_config.hpp"
 #include "server/app.hpp"
+#include "server/base/start_limits.hpp"
 #include "server/net/tls_files.hpp"
 #include "server/scene/shipped.hpp"
 #include "server/telemetry/log.hpp"
+#include "server/telemetry/new_file.hpp"
 #include "server/telemetry/service_manager.hpp"
 
 namespace {
@@ -49,10 +50,15 @@ void check_files(const haptic::server::Scene& scene) {
   }
   if (scene.server.tls) static_cast<void>(haptic::server::load_tls(*scene.server.tls));
   if (!scene.record) return;
-  const std::filesystem::path file = absolute(scene.record->file);
-  if (access((exists(file) ? file : file.parent_path()).c_str(), W_OK) == 0) return;
-  throw haptic::core::SceneError("record.file = '" + scene.record->file.string() +
-                                 "': cannot be created: " + std::strerror(errno));
+  for (std::size_t i = 0; i < scene.devices.size(); ++i) {
+    haptic::server::check_creatable(record_file(scene, i), scene.record->overwrite);
+  }
+}
+
+/// While the scene is read a signal ends hapticd at once, with status 0 as later: nothing is open.
+void end_at_once_by_signals() {
+  for (const int number : {SIGTERM, SIGINT, SIGHUP}) std::signal(number, [](int) { _exit(0); });
+  std::signal(SIGPIPE, SIG_IGN);
 }
 
 /// Blocks the signals in every thread, because threads inherit the block; main takes them by
@@ -64,7 +70,7 @@ sigset_t block_signals() {
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  std::signal(SIGPIPE, SIG_IGN);
+  for (const int number : {SIGTERM, SIGINT, SIGHUP}) std::signal(number, SIG_DFL);
   return signals;
 }
 
@@ -137,8 +143,8 @@ int refuse(const std::string& why, int status) {
 }
 
 int run(const CommandLine& line) {
-  const sigset_t signals = block_signals();
   try {
+    end_at_once_by_signals();
     haptic::server::Scene scene = haptic::server::load_scene(scene_file(line.scene), line.set);
     if (line.print_scene) std::cout << scene.resolved;
     if (line.check_scene) {
@@ -147,7 +153,7 @@ int run(const CommandLine& line) {
       std::cout << line.scene << ": ok\n";
     }
     if (line.print_scene || line.check_scene) return 0;
-    return serve(std::move(scene), line, signals);
+    return serve(std::move(scene), line, block_signals());
   } catch (const haptic::core::SceneError& error) {
     return refuse(error.what(), 2);
   } catch (const std::exception& error) {
@@ -199,6 +205,11 @@ int main(int argc, char** argv) {
   hold_standard_streams();
   CommandLine line;
   if (const auto status = parse(argc, argv, line)) return *status;
+  try {
+    haptic::server::check_start_limits();
+  } catch (const std::exception& error) {
+    return refuse(error.what(), 1);
+  }
   haptic::server::log_to_stderr(line.log_format == "json" ? LogFormat::kJson : LogFormat::kText);
   spdlog::set_level(spdlog::level::from_str(line.log_level));
 

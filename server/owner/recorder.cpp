@@ -120,12 +120,10 @@ std::string Recorder::header(const core::Kinematics& kinematics, bool compare) {
   return line;
 }
 
-Recorder::Recorder(const std::filesystem::path& file,
-                   std::shared_ptr<const core::Kinematics> kinematics,
+Recorder::Recorder(const NewFile& file, std::shared_ptr<const core::Kinematics> kinematics,
                    std::unique_ptr<RendererComparison> comparison, StateMessage message,
                    StateOf state_of)
-    : path_(file),
-      labels_(labels_of(*kinematics)),
+    : labels_(labels_of(*kinematics)),
       leaves_(schema::leaves(*v1::DeviceState::descriptor())),
       comparison_(std::move(comparison)),
       message_(std::move(message)),
@@ -137,7 +135,8 @@ Recorder::Recorder(const std::filesystem::path& file,
 
 Recorder::~Recorder() {
   if (lost_ > 0 && !file_.ended()) {
-    spdlog::warn("recording to {} lacks {} rows: the disk was too slow", path_.string(), lost_);
+    spdlog::warn("recording to {} lacks {} rows: the disk was too slow", file_.path().string(),
+                 lost_);
   }
 }
 
@@ -147,7 +146,7 @@ void Recorder::on_record(const core::TickRecord& record) {
   if (file_.append(row_)) {
     ++rows_;
   } else if (++lost_ == 1 && !file_.ended()) {
-    spdlog::warn("recording to {} loses rows: the disk is too slow", path_.string());
+    spdlog::warn("recording to {} loses rows: the disk is too slow", file_.path().string());
   }
 }
 

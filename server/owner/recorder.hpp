@@ -21,7 +21,6 @@
 /// Numbers read back to the same bits. Enum values stand by name without their prefix, NONE for
 /// UNSPECIFIED; bits by name, joined by '|'. A field that is absent has empty cells.
 
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -41,10 +40,9 @@ class Recorder final : public RecordListener {
  public:
   using StateOf = std::function<StateRecord(const core::TickRecord&)>;
 
-  /// `comparison` absent: no columns of the other renderers. `state_of` absent:
-  /// states without carrier and lease. Throws SceneError if `file` cannot be created (path and the
-  /// system's reason).
-  Recorder(const std::filesystem::path& file, std::shared_ptr<const core::Kinematics> kinematics,
+  /// Takes `file` over. `comparison` absent: no columns of the other renderers. `state_of` absent:
+  /// states without carrier and lease.
+  Recorder(const NewFile& file, std::shared_ptr<const core::Kinematics> kinematics,
            std::unique_ptr<RendererComparison> comparison = nullptr, StateMessage message = {},
            StateOf state_of = {});
   /// Writes what is left and closes. The recorder must have been removed from the telemetry.
@@ -56,8 +54,8 @@ class Recorder final : public RecordListener {
   [[nodiscard]] static std::string header(const core::Kinematics& kinematics, bool compare);
 
   /// Appends a row; never waits for the disk. If writing fails (disk full) the recording ends
-  /// there, with one warning in the log; rows that a slow disk leaves no room for are lost, and
-  /// counted in another.
+  /// there at a whole row, with one warning in the log; rows that a slow disk leaves no room for
+  /// are lost, and counted in another.
   void on_record(const core::TickRecord& record) override;
 
   /// Rows in the file or on their way to it; rows that were lost.
@@ -67,7 +65,6 @@ class Recorder final : public RecordListener {
  private:
   void compose(const core::TickRecord& record);
 
-  const std::filesystem::path path_;
   const schema::Labels labels_;
   const std::vector<schema::Leaf> leaves_;
   const std::unique_ptr<RendererComparison> comparison_;

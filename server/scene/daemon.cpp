@@ -117,7 +117,7 @@ RecordScene read_record(const Part<v1::RecordScene>& part) {
   } else if (file.extension() != ".csv") {
     part.wrong("file", quoted(part->file()), "must end in \".csv\"");
   }
-  return {file, part->compare_renderers()};
+  return {file, part->compare_renderers(), part->overwrite()};
 }
 
 void check_pacing(const LoopScene& loop, hw::Device& device) {

@@ -84,17 +84,26 @@ std::string Problems::place_of(const std::string& path) const {
 }
 
 void Problems::wrong(const std::string& path, const std::string& value, const std::string& rule) {
-  add(place_of(path) + path + " = " + value + ": " + rule);
+  add(told() ? place_of(path) + path + " = " + value + ": " + rule : "");
 }
 
 void Problems::missing(const std::string& path, const std::string& rule) {
-  add(place_of(path) + path + ": is required: " + rule);
+  add(told() ? place_of(path) + path + ": is required: " + rule : "");
+}
+
+void Problems::add(std::string line) {
+  ++count_;
+  if (told()) lines_.push_back(std::move(line));
 }
 
 void Problems::raise() const {
+  if (count_ == 0) return;
   std::string all;
   for (const std::string& line : lines_) all += (all.empty() ? "" : "\n") + line;
-  if (!lines_.empty()) throw core::SceneError(all);
+  if (count_ > lines_.size()) {
+    all += "\n" + name_ + ": and " + std::to_string(count_ - lines_.size()) + " more";
+  }
+  throw core::SceneError(all);
 }
 
 std::string decimal(double value) {

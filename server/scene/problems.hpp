@@ -39,13 +39,19 @@ class Problems {
   /// "place: path: is required: rule". The place is the message that lacks it.
   void missing(const std::string& path, const std::string& rule);
   /// A line that names its place itself.
-  void add(std::string line) { lines_.push_back(std::move(line)); }
+  void add(std::string line);
+  /// `n` problems that are counted, and not told.
+  void add_untold(std::size_t n) noexcept { count_ += n; }
 
-  [[nodiscard]] std::size_t count() const noexcept { return lines_.size(); }
-  /// Throws SceneError with one line per problem, if there is any.
+  /// As many problems are told; a file that is no scene may have 100,000.
+  static constexpr std::size_t kMostTold = 100;
+
+  [[nodiscard]] std::size_t count() const noexcept { return count_; }
+  /// Throws SceneError with one line per problem, if there is any, and how many more there are.
   void raise() const;
 
  private:
+  [[nodiscard]] bool told() const noexcept { return lines_.size() < kMostTold; }
   [[nodiscard]] std::string place_of(const std::string& path) const;
 
   std::string name_;
@@ -53,6 +59,7 @@ class Problems {
   const Tree& tree_;
   std::vector<std::string> overrides_{};
   std::vector<std::string> lines_{};
+  std::size_t count_{0};
 };
 
 /// Shortest decimal that reads back as the same double.

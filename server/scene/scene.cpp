@@ -8,7 +8,6 @@
 #include <cstring>
 #include <fstream>
 #include <set>
-#include <sstream>
 
 #include "haptic/core/error.hpp"
 #include "haptic/wire/utf8.hpp"
@@ -203,9 +202,10 @@ Scene load_scene(const fs::path& file, const std::vector<std::string>& overrides
                                                           : "is no file";
     throw core::SceneError(file.string() + ": " + why + "; must be a scene that can be read");
   }
-  std::stringstream text;
-  text << stream.rdbuf();
-  return parse_scene(text.str(), file.string(), file.parent_path(), overrides);
+  std::string text(kLargestScene + 1, '\0');  // a byte more than parse_scene() takes
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return parse_scene(text, file.string(), file.parent_path(), overrides);
 }
 
 }  // namespace haptic::server

@@ -74,6 +74,7 @@ struct LoopScene {
 struct RecordScene {
   std::filesystem::path file{};
   bool compare_renderers{false};
+  bool overwrite{false};
 };
 
 struct Scene {

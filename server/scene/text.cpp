@@ -12,8 +12,6 @@ namespace {
 
 using google::protobuf::TextFormat;
 
-constexpr std::size_t kLargestScene = 1 << 20;  // bytes
-
 struct UnknownField {
   std::string type{};  ///< "haptic.v1.ImpedanceScene"
   std::string name{};
@@ -63,11 +61,19 @@ class Collector final : public google::protobuf::io::ErrorCollector {
   Collector(const std::string& text, const std::string& name) : text_(text), name_(name) {}
 
   void AddError(int line, int column, const std::string& message) override {
+    if (errors.size() + unknown_fields.size() >= Problems::kMostTold) {
+      ++untold;  // to find its place takes as long as the text is
+      return;
+    }
     errors.push_back(at(offset_of(text_, line, column)) + explained(message));
   }
   /// Unknown fields: the parser skips them, so that all are found. It warns after it has read the
   /// token behind the name, so the name is searched backwards.
   void AddWarning(int line, int column, const std::string& message) override {
+    if (unknown_fields.size() >= Problems::kMostTold) {
+      ++untold;
+      return;
+    }
     std::size_t offset = offset_of(text_, line, column);
     if (const auto unknown = unknown_field(message); unknown && offset > 0) {
       const std::size_t name = text_.rfind(unknown->name, offset - 1);
@@ -78,6 +84,7 @@ class Collector final : public google::protobuf::io::ErrorCollector {
 
   std::vector<std::string> errors{};
   std::vector<std::string> unknown_fields{};
+  std::size_t untold{0};
 
  private:
   [[nodiscard]] std::string at(std::size_t offset) const {
@@ -111,8 +118,8 @@ bool nests_too_deeply(const std::string& text) {
 
 void check_size_and_nesting(const std::string& text, const std::string& name) {
   if (text.size() > kLargestScene) {
-    throw core::SceneError(name + ": has " + std::to_string(text.size()) + " bytes: at most " +
-                           std::to_string(kLargestScene) + " are allowed");
+    throw core::SceneError(name + ": has more than " + std::to_string(kLargestScene) +
+                           " bytes, the most that a scene may have");
   }
   if (nests_too_deeply(text)) throw core::SceneError(name + ": its messages are nested too deeply");
 }
@@ -145,6 +152,7 @@ void parse_text(const std::string& text, const std::string& name, v1::Scene& mes
   const bool parsed = parser.ParseFromString(text, &message);
   for (std::string& line : collector.unknown_fields) problems.add(std::move(line));
   for (std::string& line : collector.errors) problems.add(std::move(line));
+  problems.add_untold(collector.untold);
   if (!parsed && collector.errors.empty()) problems.add(name + ": is no textproto");
   if (!parsed) problems.raise();
 }

@@ -8,11 +8,13 @@
 
 namespace haptic::server {
 
+/// Bytes of a scene's text; those that ship have less than a hundredth of it.
+inline constexpr std::size_t kLargestScene = 1 << 20;
 /// Deepest nesting of messages that is read; a scene needs four.
 inline constexpr int kDeepestNesting = 16;
 
 /// Reads `text` into `message`, and the places of its fields into `tree`. Unknown fields go to
-/// `problems`, all of them, each with its line, column and the fields there are. Throws SceneError
+/// `problems`, each with its line, column and the fields there are. Throws SceneError
 /// at the first syntax error, "name:line:column: what".
 void parse_text(const std::string& text, const std::string& name, v1::Scene& message,
                 Problems::Tree& tree, Problems& problems);

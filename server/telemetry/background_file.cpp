@@ -1,7 +1,5 @@
 #include "server/telemetry/background_file.hpp"
 
-#include <fcntl.h>
-#include <pthread.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -14,22 +12,39 @@
 #include <thread>
 #include <utility>
 
-#include "haptic/core/error.hpp"
+#include "server/base/thread_setup.hpp"
 
 namespace haptic::server {
 namespace {
 
-/// About a quarter of a second of a finger's rows: what a killed server may lose at most.
+/// About a quarter of a second of a finger's rows.
 constexpr std::size_t kWorthWriting = 128 * 1024;
+constexpr std::chrono::milliseconds kLongestWait{250};
 constexpr std::chrono::seconds kLastPatience{1};
 
-/// All of `text`; 0 or the error.
-int write_all(const BackgroundFile::Write& write, int file, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t done = write(file, text.data(), text.size());
+/// Removes the beginning of a line from the end of `written`, which stands at the file's end.
+void cut_to_whole_line(int file, std::string_view written) {
+  const std::size_t newline = written.rfind('\n');
+  const std::size_t whole = newline == std::string_view::npos ? 0 : newline + 1;
+  if (whole == written.size()) return;
+  const off_t end = ::lseek(file, 0, SEEK_CUR);
+  if (::ftruncate(file, end - static_cast<off_t>(written.size() - whole)) != 0) {
+    spdlog::warn("the last line of a recording is not whole: {}", std::strerror(errno));
+  }
+}
+
+/// All of `lines`; 0 or the error, and then the file ends at a whole line.
+int write_all(const BackgroundFile::Write& write, int file, std::string_view lines) {
+  std::size_t written = 0;
+  while (written < lines.size()) {
+    const ssize_t done = write(file, lines.data() + written, lines.size() - written);
     if (done < 0 && errno == EINTR) continue;
-    if (done <= 0) return done < 0 ? errno : ENOSPC;
-    text.remove_prefix(static_cast<std::size_t>(done));
+    if (done <= 0) {
+      const int error = done < 0 ? errno : ENOSPC;
+      cut_to_whole_line(file, lines.substr(0, written));
+      return error;
+    }
+    written += static_cast<std::size_t>(done);
   }
   return 0;
 }
@@ -38,8 +53,7 @@ int write_all(const BackgroundFile::Write& write, int file, std::string_view tex
 
 /// Outlives the BackgroundFile where the disk hangs: then only the thread holds it.
 struct BackgroundFile::Shared {
-  explicit Shared(std::filesystem::path file_path, int file_number)
-      : path(std::move(file_path)), file(file_number) {}
+  explicit Shared(const NewFile& opened) : path(opened.path), file(opened.descriptor) {}
   ~Shared() { ::close(file); }
   Shared(const Shared&) = delete;
   Shared& operator=(const Shared&) = delete;
@@ -54,18 +68,12 @@ struct BackgroundFile::Shared {
   bool over{false};   ///< the thread is through
 };
 
-BackgroundFile::BackgroundFile(const std::filesystem::path& file, Write write) {
-  // Not to wait for the reader of a named pipe, neither here nor later.
-  const int number =
-      ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0666);
-  if (number < 0) {
-    throw core::SceneError("record.file = '" + file.string() +
-                           "': cannot be created: " + std::strerror(errno));
-  }
-  shared_ = std::make_shared<Shared>(file, number);
+BackgroundFile::BackgroundFile(const NewFile& file, Write write)
+    : shared_(std::make_shared<Shared>(file)) {
   if (!write) write = ::write;
   std::thread([shared = shared_, write = std::move(write)] {
-    pthread_setname_np(pthread_self(), "haptic-record");
+    // Blocks SIGXFSZ too: at the limit of the file's size a write fails and nothing is killed.
+    set_thread_up("haptic-record");
     serve(shared, write);
   }).detach();
 }
@@ -80,10 +88,10 @@ BackgroundFile::~BackgroundFile() {
   }
 }
 
-bool BackgroundFile::append(std::string_view text) {
+bool BackgroundFile::append(std::string_view lines) {
   const std::lock_guard lock(shared_->mutex);
-  if (shared_->ended || shared_->waiting.size() + text.size() > kMostWaiting) return false;
-  shared_->waiting += text;
+  if (shared_->ended || shared_->waiting.size() + lines.size() > kMostWaiting) return false;
+  shared_->waiting += lines;
   if (shared_->waiting.size() >= kWorthWriting) shared_->changed.notify_all();
   return true;
 }
@@ -93,13 +101,21 @@ bool BackgroundFile::ended() const {
   return shared_->ended;
 }
 
+const std::filesystem::path& BackgroundFile::path() const noexcept {
+  return shared_->path;
+}
+
 void BackgroundFile::serve(const std::shared_ptr<Shared>& shared, const Write& write) {
   std::string chunk;
   std::unique_lock lock(shared->mutex);
   while (true) {
-    shared->changed.wait(
-        lock, [&] { return shared->closing || shared->waiting.size() >= kWorthWriting; });
-    if (shared->waiting.empty() || shared->ended) break;
+    shared->changed.wait_for(lock, kLongestWait, [&] {
+      return shared->closing || shared->waiting.size() >= kWorthWriting;
+    });
+    if (shared->waiting.empty()) {
+      if (shared->closing) break;
+      continue;
+    }
     chunk.swap(shared->waiting);
     lock.unlock();
     const int error = write_all(write, shared->file, chunk);

@@ -1,5 +1,5 @@
 #pragma once
-/// A file that is written on a thread of its own: whoever appends never waits for the disk.
+/// A file of lines that is written on a thread of its own: the caller never waits for the disk.
 
 #include <sys/types.h>
 
@@ -8,6 +8,8 @@
 #include <functional>
 #include <memory>
 #include <string_view>
+
+#include "server/telemetry/new_file.hpp"
 
 namespace haptic::server {
 
@@ -19,18 +21,22 @@ class BackgroundFile {
   /// What may wait for a slow disk: some ten seconds of a finger's rows.
   static constexpr std::size_t kMostWaiting = 8 << 20;
 
-  /// Creates or empties the file. Throws SceneError with the system's reason.
-  explicit BackgroundFile(const std::filesystem::path& file, Write write = {});
+  /// Takes the descriptor over, and closes it in the end.
+  explicit BackgroundFile(const NewFile& file, Write write = {});
   /// Writes what waits and closes. A disk that does not take it within a second is left alone with
   /// it.
   ~BackgroundFile();
   BackgroundFile(const BackgroundFile&) = delete;
   BackgroundFile& operator=(const BackgroundFile&) = delete;
 
-  /// False where the text is lost: too much waits already, or the file has ended.
-  [[nodiscard]] bool append(std::string_view text);
-  /// Writing failed (disk full): the file ends there, with one warning in the log.
+  /// Appends whole lines. They are on their way to the file after a quarter of a second at the
+  /// latest: that is what a killed server loses. False if they are lost: too much waits already, or
+  /// the file has ended.
+  [[nodiscard]] bool append(std::string_view lines);
+  /// Writing failed (disk full, limit on the file's size): the file ends there at a whole line,
+  /// with one warning in the log.
   [[nodiscard]] bool ended() const;
+  [[nodiscard]] const std::filesystem::path& path() const noexcept;
 
  private:
   struct Shared;

@@ -116,7 +116,7 @@ TEST(App, UnopenableDeviceLeavesNothingRunning) {
 TEST(App, RecordsEveryTickIfAsked) {
   const haptic::test::TemporaryFile file;
   Scene scene = soft_grasp();
-  scene.record = haptic::server::RecordScene{file.path(), true};
+  scene.record = haptic::server::RecordScene{file.path(), true, true};
   std::uint64_t ticks = 0;
   {
     App app(std::move(scene), kPlain);

@@ -1,5 +1,6 @@
 #include "server/owner/recorder.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -36,6 +37,10 @@ using haptic::test::rig_config;
 using haptic::test::TemporaryFile;
 
 using Fields = std::vector<std::string>;
+
+haptic::server::NewFile emptied(const TemporaryFile& file) {
+  return haptic::server::create_file(file.path(), true);
+}
 
 Fields split(const std::string& line) {
   Fields fields;
@@ -112,7 +117,7 @@ TEST(Recorder, HeaderHasEveryFieldOfState) {
 TEST(Recorder, TrackersPoseInUseIsRecorded) {
   const TemporaryFile file;
   {
-    Recorder recorder(file.path(), rig_config().kinematics);
+    Recorder recorder(emptied(file), rig_config().kinematics);
     TickRecord record;
     recorder.on_record(record);
     record.sensed.tracker.on = true;
@@ -133,7 +138,7 @@ TEST(Recorder, CarrierAndLeaseAreRecorded) {
   const TemporaryFile file;
   {
     Recorder recorder(
-        file.path(), rig_config().kinematics, nullptr, {}, [](const TickRecord& record) {
+        emptied(file), rig_config().kinematics, nullptr, {}, [](const TickRecord& record) {
           return haptic::server::state_record(record, haptic::server::Carrier::kUdp, 9);
         });
     recorder.on_record({});
@@ -147,7 +152,7 @@ TEST(Recorder, CouplingMetricIsOneCell) {
   const TemporaryFile file;
   const auto config = rig_config();
   {
-    Recorder recorder(file.path(), config.kinematics, nullptr,
+    Recorder recorder(emptied(file), config.kinematics, nullptr,
                       haptic::server::StateMessage(config, 0.1));
     TickRecord record;
     record.sensed.q = haptic::core::VecQ::Zero(2);
@@ -166,7 +171,7 @@ TEST(Recorder, NumbersReadBackExactly) {
     void on_record(const TickRecord& record) override { records.push_back(record); }
   } keeper;
   {
-    Recorder recorder(file.path(), rig_config().kinematics);
+    Recorder recorder(emptied(file), rig_config().kinematics);
     rig.telemetry->add(0, &keeper);
     rig.telemetry->add(0, &recorder);
     rig.control();
@@ -210,7 +215,7 @@ TEST(Recorder, NumbersReadBackExactly) {
 TEST(Recorder, EnergyColumnsAreEmptyWithoutTank) {
   const TemporaryFile file;
   {
-    Recorder recorder(file.path(), rig_config().kinematics);
+    Recorder recorder(emptied(file), rig_config().kinematics);
     TickRecord record;
     recorder.on_record(record);
     record.effort.passivity.on = true;
@@ -235,7 +240,7 @@ TEST(Recorder, EnergyColumnsAreEmptyWithoutTank) {
 TEST(Recorder, CertificateIsEmptyUnlessAskedFor) {
   const TemporaryFile file;
   {
-    Recorder recorder(file.path(), rig_config().kinematics);
+    Recorder recorder(emptied(file), rig_config().kinematics);
     TickRecord record;
     recorder.on_record(record);
     record.anchor.certificate = {haptic::core::CertificateStatus::kNotFullRank, 3, 0.0};
@@ -272,7 +277,7 @@ TickRecord record_with_everything() {
 TEST(Recorder, NamesStatesLevelsFaultsAndLimiters) {
   const TemporaryFile file;
   {
-    Recorder recorder(file.path(), rig_config().kinematics);
+    Recorder recorder(emptied(file), rig_config().kinematics);
     recorder.on_record(record_with_everything());
   }
   auto row = read_csv(file.path()).at(0);
@@ -290,31 +295,40 @@ TEST(Recorder, NamesStatesLevelsFaultsAndLimiters) {
   EXPECT_EQ(row["x_a_m"], "");
 }
 
-TEST(Recorder, NamesAFileItCannotCreate) {
-  const std::string path = "/proc/no/such/folder/run.csv";
-  try {
-    const Recorder recorder(path, rig_config().kinematics);
-    FAIL() << "must throw";
-  } catch (const haptic::core::SceneError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr(path));
-    EXPECT_THAT(error.what(), testing::HasSubstr("cannot be created"));
-  }
-}
-
+/// /dev/full takes nothing, as a full disk.
 TEST(Recorder, FullDiskEndsOnlyTheRecording) {
-  Recorder recorder("/dev/full", rig_config().kinematics);
+  DeviceRig rig;
+  struct Counter final : haptic::server::RecordListener {
+    std::size_t records{0};
+    void on_record(const TickRecord& /*record*/) override { ++records; }
+  } after;
+  Recorder recorder({"/dev/full", ::open("/dev/full", O_WRONLY)}, rig_config().kinematics);
+  rig.telemetry->add(0, &recorder);
+  rig.telemetry->add(0, &after);
+  rig.control();
+  rig.press();
+  std::size_t ticks = after.records;
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while (recorder.lost() == 0 && std::chrono::steady_clock::now() < give_up) {
-    recorder.on_record(record_with_everything());
+    rig.stream(1, 1.0 / 3.0);
+    ++ticks;
   }
   EXPECT_GT(recorder.lost(), 0u);
+  const std::uint64_t lost = recorder.lost(), rows = recorder.rows();
+  rig.stream(50, 1.0 / 3.0);
+  EXPECT_EQ(recorder.lost(), lost + 50);
+  EXPECT_EQ(recorder.rows(), rows);
+  EXPECT_EQ(after.records, ticks + 50);  // those who listen after it hear every tick
+  EXPECT_NE(rig.newest().effort.tau_a[0], 0.0);
+  rig.telemetry->remove(0, &recorder);
+  rig.telemetry->remove(0, &after);
 }
 
 TEST(Recorder, ReplayedDevicePlaysARecording) {
   const TemporaryFile file;
   {
     DeviceRig rig;
-    Recorder recorder(file.path(), rig_config().kinematics);
+    Recorder recorder(emptied(file), rig_config().kinematics);
     rig.telemetry->add(0, &recorder);
     rig.tick(10);
     rig.telemetry->remove(0, &recorder);

@@ -1,16 +1,19 @@
-// Whoever records never waits for the disk.
+// The caller never waits for the disk, and the file ends at a whole line.
 #include "server/telemetry/background_file.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/stat.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <condition_variable>
 #include <fstream>
 #include <mutex>
 #include <sstream>
+#include <thread>
 
-#include "haptic/core/error.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace haptic::server {
@@ -22,7 +25,7 @@ TEST(BackgroundFile, KeepsTheOrderOfAppends) {
   const test::TemporaryFile scratch;
   std::string expected;
   {
-    BackgroundFile file(scratch.path());
+    BackgroundFile file(create_file(scratch.path(), true));
     for (int i = 0; i < 100'000; ++i) {
       const std::string line = std::to_string(i) + "\n";
       ASSERT_TRUE(file.append(line));
@@ -51,7 +54,8 @@ struct Hang {
 TEST(BackgroundFile, HangingDiskBlocksNoAppend) {
   const test::TemporaryFile scratch;
   const auto hang = std::make_shared<Hang>();
-  auto file = std::make_unique<BackgroundFile>(scratch.path(), hang->write(hang));
+  auto file =
+      std::make_unique<BackgroundFile>(create_file(scratch.path(), true), hang->write(hang));
   const std::string text(4096, 'x');
   const auto begin = Clock::now();
   std::size_t taken = 0;
@@ -69,20 +73,76 @@ TEST(BackgroundFile, HangingDiskBlocksNoAppend) {
   hang->changed.notify_all();
 }
 
-TEST(BackgroundFile, AFullDiskEndsIt) {
-  BackgroundFile file("/dev/full");
-  const std::string text(4096, 'x');
-  const auto give_up = Clock::now() + std::chrono::seconds(20);
-  while (!file.ended() && Clock::now() < give_up) static_cast<void>(file.append(text));
-  EXPECT_TRUE(file.ended());
-  EXPECT_FALSE(file.append(text));
+TEST(BackgroundFile, IsWrittenWithinAQuarterSecond) {
+  const test::TemporaryFile scratch;
+  BackgroundFile file(create_file(scratch.path(), true));
+  ASSERT_TRUE(file.append("one line\n"));
+  const auto give_up = Clock::now() + std::chrono::minutes(1);
+  while (std::filesystem::file_size(scratch.path()) == 0 && Clock::now() < give_up) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(std::filesystem::file_size(scratch.path()), 9U);  // while it is still open
 }
 
-TEST(BackgroundFile, RefusesAnUnreadPipe) {
-  const test::ScratchFolder folder;
-  const auto path = folder.path() / "pipe";
-  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
-  EXPECT_THROW(BackgroundFile{path}, core::SceneError);
+/// Takes `room` bytes, then answers as a full disk.
+BackgroundFile::Write disk_of(std::size_t room) {
+  return [left = room](int file, const void* data, std::size_t size) mutable -> ssize_t {
+    if (left == 0) {
+      errno = ENOSPC;
+      return -1;
+    }
+    const ssize_t done = ::write(file, data, std::min(size, left));
+    left -= static_cast<std::size_t>(done);
+    return done;
+  };
+}
+
+std::string text_of(const std::filesystem::path& path) {
+  std::stringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+TEST(BackgroundFile, FullDiskLeavesWholeLines) {
+  for (const auto& [room, expected] :
+       {std::pair{10, "ab\ncdef\n"}, std::pair{8, "ab\ncdef\n"}, std::pair{7, "ab\n"},
+        std::pair{3, "ab\n"}, std::pair{2, ""}, std::pair{0, ""}}) {
+    const test::TemporaryFile scratch;
+    {
+      BackgroundFile file(create_file(scratch.path(), true),
+                          disk_of(static_cast<std::size_t>(room)));
+      for (const char* line : {"ab\n", "cdef\n", "ghi\n"}) ASSERT_TRUE(file.append(line));
+    }
+    EXPECT_EQ(text_of(scratch.path()), expected) << room;
+  }
+}
+
+/// Appends lines of 100 bytes under RLIMIT_FSIZE, until the file has ended.
+[[noreturn]] void write_beyond_limit(const NewFile& opened) {
+  const rlimit limit{20'050, 20'050};
+  setrlimit(RLIMIT_FSIZE, &limit);
+  BackgroundFile file(opened);
+  const std::string line = std::string(99, 'x') + '\n';
+  const auto give_up = Clock::now() + std::chrono::minutes(1);
+  while (!file.ended() && Clock::now() < give_up) static_cast<void>(file.append(line));
+  _exit(file.ended() && !file.append(line) ? 0 : 1);
+}
+
+/// The kernel sends SIGXFSZ to a thread that writes beyond the limit, which ends a process.
+TEST(BackgroundFile, FileSizeLimitEndsNoProcess) {
+  const test::TemporaryFile scratch;
+  const NewFile opened = create_file(scratch.path(), true);
+  EXPECT_EXIT(write_beyond_limit(opened), testing::ExitedWithCode(0), "");
+  EXPECT_EQ(std::filesystem::file_size(scratch.path()), 20'000U);
+}
+
+TEST(BackgroundFile, AFullDiskEndsIt) {
+  BackgroundFile file({"/dev/full", ::open("/dev/full", O_WRONLY)});
+  const std::string line = std::string(4095, 'x') + '\n';
+  const auto give_up = Clock::now() + std::chrono::seconds(20);
+  while (!file.ended() && Clock::now() < give_up) static_cast<void>(file.append(line));
+  EXPECT_TRUE(file.ended());
+  EXPECT_FALSE(file.append(line));
 }
 
 }  // namespace

@@ -1,0 +1,63 @@
+#include "server/base/start_limits.hpp"
+
+#include <pthread.h>
+#include <sys/resource.h>
+
+#include <cstring>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace haptic::server {
+namespace {
+
+/// One device and one client need about 40.
+constexpr rlim_t kLeastDescriptors = 64;
+/// One device and one client need about 20; so many are started, and end again.
+constexpr std::size_t kLeastThreads = 24;
+constexpr std::size_t kSmallStack = 64 * 1024;
+
+void* wait_until_open(void* gate) {
+  const std::lock_guard pass(*static_cast<std::mutex*>(gate));
+  return nullptr;
+}
+
+/// How many of kLeastThreads can run at a time, and why no more.
+std::pair<std::size_t, int> startable_threads() {
+  std::mutex gate;
+  std::vector<pthread_t> threads;
+  pthread_attr_t small;
+  pthread_attr_init(&small);
+  pthread_attr_setstacksize(&small, kSmallStack);
+  int error = 0;
+  {
+    const std::lock_guard closed(gate);
+    for (pthread_t thread{}; error == 0 && threads.size() < kLeastThreads;) {
+      error = pthread_create(&thread, &small, wait_until_open, &gate);
+      if (error == 0) threads.push_back(thread);
+    }
+  }
+  for (const pthread_t thread : threads) pthread_join(thread, nullptr);
+  pthread_attr_destroy(&small);
+  return {threads.size(), error};
+}
+
+}  // namespace
+
+void check_start_limits() {
+  rlimit descriptors{};
+  if (getrlimit(RLIMIT_NOFILE, &descriptors) == 0 && descriptors.rlim_cur < kLeastDescriptors) {
+    throw std::runtime_error("may open " + std::to_string(descriptors.rlim_cur) +
+                             " files at a time (ulimit -n): needs at least " +
+                             std::to_string(kLeastDescriptors));
+  }
+  const auto [threads, error] = startable_threads();
+  if (threads < kLeastThreads) {
+    throw std::runtime_error("may start " + std::to_string(threads) +
+                             " threads (ulimit -u): " + std::strerror(error) + "; needs at least " +
+                             std::to_string(kLeastThreads));
+  }
+}
+
+}  // namespace haptic::server

@@ -8,8 +8,8 @@
 
 namespace haptic::server {
 
-/// Bytes of a scene's text; those that ship have less than a hundredth of it.
-inline constexpr std::size_t kLargestScene = 1 << 20;
+/// Bytes of a scene's text; all that ship together have a tenth of it.
+inline constexpr std::size_t kLargestScene = 1 << 18;
 /// Deepest nesting of messages that is read; a scene needs four.
 inline constexpr int kDeepestNesting = 16;
 

@@ -157,6 +157,20 @@ TEST_F(TlsTest, PreemptionNeedsACertificate) {
   EXPECT_EQ(server.rig.sessions->controller(), "alice");
 }
 
+TEST_F(TlsTest, KeysThatOthersReadAreRefused) {
+  using std::filesystem::perms;
+  const server::TlsConfig config = tls(true);
+  const auto with = [&](int mode) {
+    std::filesystem::permissions(config.key, static_cast<perms>(mode));
+    return load_error(config);
+  };
+  for (const int mode : {0666, 0644, 0604, 0602, 0660, 0620}) {
+    EXPECT_NE(with(mode).find("server.tls.key"), std::string::npos) << std::oct << mode;
+    EXPECT_NE(with(mode).find("other users may read or change it"), std::string::npos);
+  }
+  for (const int mode : {0640, 0440, 0400, 0600}) EXPECT_EQ(with(mode), "") << std::oct << mode;
+}
+
 TEST_F(TlsTest, NamesWrongFilesWithoutTheirContents) {
   server::TlsConfig config = tls(true);
   EXPECT_EQ(load_error(config), "");

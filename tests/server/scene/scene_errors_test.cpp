@@ -1,3 +1,5 @@
+#include <gmock/gmock.h>
+
 #include <algorithm>
 
 #include "tests/server/scene/scene_text.hpp"
@@ -40,7 +42,7 @@ TEST(SceneErrors, TextNamesPlaceAndRule) {
          return text;
        }(),
        "t.textproto: its messages are nested too deeply"},
-      {"huge", std::string(2 << 20, ' '), "t.textproto: has more than 1048576 bytes"},
+      {"huge", std::string(2 << 20, ' '), "t.textproto: has more than 262144 bytes"},
   });
 }
 
@@ -329,6 +331,21 @@ TEST(SceneErrors, AllErrorsComeAtOnce) {
   }
   const std::string message = error_of(text);
   EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 4) << message;
+}
+
+/// Each problem's place costs a walk through the text: 150,000 of them took a minute.
+TEST(SceneErrors, AHundredErrorsAreTold) {
+  std::string fields, values;
+  for (int i = 0; i < 50'000; ++i) {
+    fields += "u:" + std::to_string(i % 10) + "\n";
+    values += (i == 0 ? "" : ",") + std::string("nan");
+  }
+  for (const std::string& text :
+       {kFinger + fields, replaced(kFinger, "1500", "[" + values + "]")}) {
+    const std::string said = error_of(text);
+    EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 100) << said.substr(0, 200);
+    EXPECT_THAT(said, testing::MatchesRegex("(.|\n)*\nt.textproto: and 499[0-9]+ more"));
+  }
 }
 
 TEST(SceneErrors, AllDevicesErrorsAreTold) {

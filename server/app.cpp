@@ -183,6 +183,7 @@ void App::listen_for_scrapes() {
   sources.ticks = tick_metrics_.get();
   sources.facts = [this] { return facts(); };
   sources.dropped_datagrams = [this] { return rpc_->dropped_datagrams(); };
+  sources.connections = [this] { return rpc_->connections(); };
   metrics_ = std::make_unique<MetricsPort>(
       scene_.server.metrics_listen, options_.insecure_lab,
       [sources = std::move(sources)] { return metrics_text(sources); });

@@ -11,8 +11,9 @@
 /// |           | states to streams, recorder, log                 | last drain                   |
 /// | udp       | the UDP path's socket: samples in, challenges;   | UdpPort::stop(), by shutdown |
 /// |           | only if the scene has udp_listen                 |                              |
-/// | metrics   | scrapes, one at a time, and a thread that        | MetricsPort::stop(), when    |
-/// |           | accepts them; only if the scene wants metrics    | the scrape under way is done |
+/// | metrics   | scrapes; only if the scene wants metrics         | ~MetricsPort, at once        |
+/// | connec-   | accepts connections, counts their bytes          | RpcServer::shutdown(), 1 s   |
+/// | tions     |                                                  |                              |
 /// | gRPC's    | calls; they enter the owner under its lock       | RpcServer::shutdown(), 1 s   |
 ///
 /// All but main block every signal (gRPC's inherit SIGTERM, SIGINT and SIGHUP blocked from main).

@@ -161,12 +161,13 @@ struct Refusal {
 
 struct Request {
   enum class Kind : std::uint8_t {
-    kAdmitSession,  ///< a new session stream on `device`; answered with its id
-    kAdmitWatch,    ///< the same for a watch
-    kClose,         ///< the session or watch is over; no answer
-    kLose,          ///< its stream broke: a resumable session may come back; no answer
-    kOpen,          ///< `lease`: the lease of `device`; answered when the force of the last is gone
-    kTrack,         ///< `lease`: the place of the tracker of `device`
+    kAdmitSession,   ///< a controller or tracker comes to `device`; answered with its id
+    kAdmitObserver,  ///< the same for an observer
+    kAdmitWatch,     ///< the same for a watch
+    kClose,          ///< the session or watch is over; no answer
+    kLose,           ///< its stream broke: a resumable session may come back; no answer
+    kOpen,   ///< `lease`: the lease of `device`; answered when the force of the last is gone
+    kTrack,  ///< `lease`: the place of the tracker of `device`
     kEngage,
     kRelease,
     kSettings,  ///< `settings`

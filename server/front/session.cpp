@@ -70,7 +70,8 @@ void Session::open(const v1::OpenSession& request, const Rights& rights, const O
     nominal_period_ = period_of(request, settings_.loop_hz);
   }
   Request admission;
-  admission.kind = Request::Kind::kAdmitSession;
+  admission.kind = request.role() == v1::ROLE_OBSERVER ? Request::Kind::kAdmitObserver
+                                                       : Request::Kind::kAdmitSession;
   admission.device = static_cast<std::uint32_t>(device_);
   if (request.role() == v1::ROLE_CONTROLLER) admission.session_id = session_id(request.resume());
   front_.ask(admission, [self = shared_from_this(), request, rights, opened](const Answer& answer) {

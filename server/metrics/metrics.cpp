@@ -109,6 +109,13 @@ void carriers(Exposition& page, const std::vector<Reading>& devices,
   for (const auto& [reason, n] : dropped) page.sample({{"reason", lower(reason)}}, count(n));
 }
 
+void connections(Exposition& page, const std::pair<std::size_t, std::uint64_t>& now) {
+  page.gauge("haptic_connections", "Open connections.");
+  page.sample({}, static_cast<double>(now.first));
+  page.counter("haptic_connections_cut_total", "Connections cut because of their bounds.");
+  page.sample({}, count(now.second));
+}
+
 /// Limiters and faults: every one that has a name, also at 0, so that a rate can be asked for
 /// before the first.
 template <typename E>
@@ -188,6 +195,7 @@ std::string metrics_text(const MetricsSources& sources) {
   people(page, devices);
   proxies(page, devices);
   carriers(page, devices, sources.dropped_datagrams());
+  if (sources.connections) connections(page, sources.connections());
   force(page, devices);
   links(page, devices);
   return page.text();

@@ -21,6 +21,8 @@ struct MetricsSources {
   FactsProvider facts{};
   /// By reason; empty if there is no UDP path.
   std::function<std::vector<std::pair<std::string, std::uint64_t>>()> dropped_datagrams{};
+  /// Open; cut since the start.
+  std::function<std::pair<std::size_t, std::uint64_t>()> connections{};
 };
 
 [[nodiscard]] std::string metrics_text(const MetricsSources& sources);

@@ -1,6 +1,6 @@
 #pragma once
-/// The HTTP port that answers scrapes: GET /metrics, nothing else. cpp-httplib stays behind this
-/// header.
+/// The HTTP port that answers scrapes: GET /metrics, nothing else. Header, time and connections are
+/// bounded, bodies are not read. Boost.Beast stays behind this header.
 
 #include <cstdint>
 #include <functional>
@@ -12,10 +12,10 @@ namespace haptic::server {
 class MetricsPort {
  public:
   /// Binds `listen`, "host:port" (port 0: any free one), beyond loopback only with `insecure_lab`,
-  /// and serves; `page` is called for every scrape, on this port's one working thread. Throws
+  /// and serves; `page` is called for every scrape, on this port's one thread. Throws
   /// TransportError.
   MetricsPort(const std::string& listen, bool insecure_lab, std::function<std::string()> page);
-  /// Returns when the scrape under way is answered.
+  /// Waits for no scraper, only for the page that is being written.
   ~MetricsPort();
   MetricsPort(const MetricsPort&) = delete;
   MetricsPort& operator=(const MetricsPort&) = delete;

@@ -46,9 +46,7 @@ bool answers(const sockaddr_un& socket_address) {
 }
 
 void check_unix(const std::string& address) {
-  std::string path = address.substr(sizeof kUnix - 1);
-  if (path.rfind("//", 0) == 0)
-    path.erase(0, 2);  // "unix:///path", the same with a scheme's slashes
+  const std::string path = unix_path(address);
   sockaddr_un socket_address{};
   socket_address.sun_family = AF_UNIX;
   if (path.empty() || path.front() != '/') refuse(address, "must be unix:/absolute/path");
@@ -81,6 +79,12 @@ std::string check_tcp(const std::string& address) {
 }
 
 }  // namespace
+
+std::string unix_path(const std::string& address) {
+  if (!is_unix(address)) return {};
+  const std::string path = address.substr(sizeof kUnix - 1);
+  return path.rfind("//", 0) == 0 ? path.substr(2) : path;
+}
 
 Protection check_listen_address(const std::string& address, Protection best) {
   if (is_unix(address)) {

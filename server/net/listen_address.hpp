@@ -21,6 +21,9 @@ enum class Protection : std::uint8_t {
 Protection check_listen_address(const std::string& address,
                                 Protection best = Protection::kThisHost);
 
+/// The path of "unix:/path", or of "unix:///path", the same with a scheme's slashes; else empty.
+[[nodiscard]] std::string unix_path(const std::string& address);
+
 /// "TLS", ...: for people.
 [[nodiscard]] const char* word(Protection protection) noexcept;
 /// What is not protected at `address`, a sentence; empty: nothing.

@@ -11,9 +11,13 @@ Refusal no_such_session() {
   return {Refusal::Code::kPermission, "NOT_CONTROLLER", "session_id: no such session is open"};
 }
 
+bool admits(Request::Kind kind) {
+  return kind == Request::Kind::kAdmitSession || kind == Request::Kind::kAdmitObserver ||
+         kind == Request::Kind::kAdmitWatch;
+}
+
 bool names_device(Request::Kind kind) {
-  return kind == Request::Kind::kAdmitSession || kind == Request::Kind::kAdmitWatch ||
-         kind == Request::Kind::kStop || kind == Request::Kind::kClear;
+  return admits(kind) || kind == Request::Kind::kStop || kind == Request::Kind::kClear;
 }
 
 }  // namespace
@@ -139,7 +143,7 @@ void Owner::handle(const Request& request, std::vector<Answer>& answers) {
     return;
   }
   DeviceSessions& sessions = devices_[*device]->sessions;
-  if (request.kind == Kind::kAdmitSession || request.kind == Kind::kAdmitWatch) {
+  if (admits(request.kind)) {
     const auto id =
         registry_.admit(request.kind, *device, sessions.would_resume(request.session_id));
     Answer& answer = answers.emplace_back(Answer{request.id});
@@ -172,7 +176,8 @@ DeviceStatus Owner::status(std::size_t device) const {
     if (status.link_count == status.link.size()) break;
     status.link[status.link_count++] = {n.end, n.what, n.frames};
   }
-  status.sessions = registry_.count(Request::Kind::kAdmitSession, device);
+  status.sessions = registry_.count(Request::Kind::kAdmitSession, device) +
+                    registry_.count(Request::Kind::kAdmitObserver, device);
   const bool holder_listens = registry_.device_of(status.holder).has_value();
   status.observers = status.sessions + registry_.count(Request::Kind::kAdmitWatch, device) -
                      (holder_listens ? 1U : 0U);

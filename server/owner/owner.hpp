@@ -16,8 +16,8 @@ namespace haptic::server {
 
 class Owner final : public OwnerPort {
  public:
-  /// Session streams are limited to `max_sessions`, and so are watches. `telemetry` must outlive
-  /// this.
+  /// Controllers and trackers are limited to `max_sessions`, and so are observers, and watches.
+  /// `telemetry` must outlive this.
   explicit Owner(Telemetry& telemetry, unsigned max_sessions = 32);
   ~Owner() override;
   Owner(const Owner&) = delete;

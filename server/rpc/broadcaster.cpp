@@ -33,14 +33,26 @@ void Broadcaster::remove(const Subscriber* subscriber) {
 }
 
 void Broadcaster::on_newest(const StateRecord& state) {
-  const std::lock_guard lock(mutex_);
+  std::vector<std::shared_ptr<Subscriber>> over;
+  {
+    const std::lock_guard lock(mutex_);
+    send(state);
+    over.swap(over_);
+  }
+  for (const auto& stream : over) stream->lease_over();
+}
+
+void Broadcaster::send(const StateRecord& state) {
   frame_.begin(state);
   others_.clear();
   for (Entry& entry : entries_) {
     // A state from before the tenure knows an earlier one, and ends nothing.
     const bool over =
         state.tenure > entry.tenure || (state.tenure == entry.tenure && !state.lease_held);
-    if (over) entry.tenure = 0;
+    if (over && entry.tenure != 0) {
+      entry.tenure = 0;
+      over_.push_back(entry.stream);
+    }
     if (entry.tenure == 0) {
       others_.push_back(entry.stream.get());
     } else {

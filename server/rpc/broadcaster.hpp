@@ -35,6 +35,8 @@ class Subscriber {
   /// On the drain's thread, once per emptied ring. Sends what is due and never blocks. True if a
   /// state was sent. `states_allowed` false: everything but a state.
   virtual bool offer(const StateRecord& state, StateFrame& frame, bool states_allowed) = 0;
+  /// On the same thread: its lease has ended, and it is one of the others now.
+  virtual void lease_over() {}
 };
 
 class Broadcaster {
@@ -51,6 +53,7 @@ class Broadcaster {
   void on_newest(const StateRecord& state);
 
  private:
+  void send(const StateRecord& state);
   struct Entry {
     std::uint32_t tenure{0};  ///< of the lease that it controls; 0: none, or it is over
     std::shared_ptr<Subscriber> stream{};
@@ -61,7 +64,8 @@ class Broadcaster {
   std::mutex mutex_;
   StateFrame frame_;
   std::vector<Entry> entries_;
-  std::vector<Subscriber*> others_;  ///< without a lease; filled by each on_newest()
+  std::vector<std::shared_ptr<Subscriber>> over_;  ///< whose lease ended with this state
+  std::vector<Subscriber*> others_;                ///< without a lease; filled by each on_newest()
   std::size_t turn_{0};  ///< which of them is asked first: the first that got nothing last time
 };
 

@@ -28,9 +28,11 @@ Unary* finished(grpc::CallbackServerContext* call, const grpc::Status& status) {
   return reactor;
 }
 
-/// Of a call whose message gRPC has read already.
+/// Of a call whose message gRPC has read already; books it to its connection.
 template <typename Message>
-std::optional<grpc::Status> oversized(const Message& request) {
+std::optional<grpc::Status> oversized(ServiceContext& context, const grpc::ServerContextBase& call,
+                                      const Message& request) {
+  context.connections->account(call.peer())->call(request.ByteSizeLong());
   const auto refusal = too_large(request.ByteSizeLong());
   return refusal ? std::optional(to_status(*refusal)) : std::nullopt;
 }
@@ -82,7 +84,7 @@ Outcome<core::FaultSet> fault_set(const v1::ClearFaultRequest& request) {
 
 Unary* HapticServiceImpl::GetServerInfo(Call* call, const v1::GetServerInfoRequest* request,
                                         v1::GetServerInfoResponse* response) {
-  if (const auto status = oversized(*request)) return finished(call, *status);
+  if (const auto status = oversized(context_, *call, *request)) return finished(call, *status);
   *response = to_proto(context_.server_facts());
   for (std::string& sentence : context_.weaknesses()) {
     response->add_insecure(std::move(sentence));
@@ -97,7 +99,7 @@ Unary* HapticServiceImpl::GetServerInfo(Call* call, const v1::GetServerInfoReque
 
 Unary* HapticServiceImpl::ListDevices(Call* call, const v1::ListDevicesRequest* request,
                                       v1::ListDevicesResponse* response) {
-  if (const auto status = oversized(*request)) return finished(call, *status);
+  if (const auto status = oversized(context_, *call, *request)) return finished(call, *status);
   for (std::size_t i = 0; i < context_.owner().devices().size(); ++i) {
     *response->add_devices() =
         describe(context_.facts(i), context_.owner().status(i), context_.config.period);
@@ -107,11 +109,15 @@ Unary* HapticServiceImpl::ListDevices(Call* call, const v1::ListDevicesRequest* 
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* HapticServiceImpl::Session(
     Call* call) {
-  return SessionStream::begin(context_, peer_of(*call));
+  Peer peer = peer_of(*call);
+  peer.account = context_.connections->account(call->peer());
+  return SessionStream::begin(context_, std::move(peer));
 }
 
-grpc::ServerWriteReactor<grpc::ByteBuffer>* HapticServiceImpl::Watch(Call* /*call*/,
+grpc::ServerWriteReactor<grpc::ByteBuffer>* HapticServiceImpl::Watch(Call* call,
                                                                      const Bytes* request) {
+  // Without a request the call was taken back: there is nothing to book.
+  if (request->Valid()) context_.connections->account(call->peer())->call(request->Length());
   return WatchStream::begin(context_, *request);
 }
 
@@ -132,19 +138,19 @@ Unary* HapticServiceImpl::ask(Call* call, const Request& request,
 
 Unary* HapticServiceImpl::Engage(Call* call, const v1::EngageRequest* request,
                                  v1::EngageResponse* /*response*/) {
-  if (const auto status = oversized(*request)) return finished(call, *status);
+  if (const auto status = oversized(context_, *call, *request)) return finished(call, *status);
   return ask(call, by_session(Request::Kind::kEngage, request->session_id()));
 }
 
 Unary* HapticServiceImpl::Release(Call* call, const v1::ReleaseRequest* request,
                                   v1::ReleaseResponse* /*response*/) {
-  if (const auto status = oversized(*request)) return finished(call, *status);
+  if (const auto status = oversized(context_, *call, *request)) return finished(call, *status);
   return ask(call, by_session(Request::Kind::kRelease, request->session_id()));
 }
 
 Unary* HapticServiceImpl::UpdateSettings(Call* call, const v1::UpdateSettingsRequest* message,
                                          v1::UpdateSettingsResponse* response) {
-  if (const auto status = oversized(*message)) return finished(call, *status);
+  if (const auto status = oversized(context_, *call, *message)) return finished(call, *status);
   Request request = by_session(Request::Kind::kSettings, message->session_id());
   const auto settings = from_proto(*message);
   if (!settings) return finished(call, to_status(settings.refusal));
@@ -156,7 +162,7 @@ Unary* HapticServiceImpl::UpdateSettings(Call* call, const v1::UpdateSettingsReq
 
 Unary* HapticServiceImpl::GetLinkStats(Call* call, const v1::GetLinkStatsRequest* request,
                                        v1::GetLinkStatsResponse* response) {
-  if (const auto status = oversized(*request)) return finished(call, *status);
+  if (const auto status = oversized(context_, *call, *request)) return finished(call, *status);
   if (!request->device().empty()) {
     const auto target = context_.device(request->device());
     if (!target) return finished(call, to_status(target.refusal));
@@ -169,6 +175,9 @@ Unary* HapticServiceImpl::GetLinkStats(Call* call, const v1::GetLinkStatsRequest
 
 Unary* HapticServiceImpl::EmergencyStop(Call* call, const grpc::ByteBuffer* request,
                                         grpc::ByteBuffer* response) {
+  // Its caller took it back before it was whole: it names no device, and not all of them either.
+  if (!request->Valid()) return finished(call, grpc::Status::CANCELLED);
+  context_.connections->account(call->peer())->call(request->Length());
   std::vector<std::size_t> devices(context_.owner().devices().size());
   std::iota(devices.begin(), devices.end(), std::size_t{0});
   std::string reason = "by a request that could not be read";
@@ -209,7 +218,7 @@ Unary* HapticServiceImpl::EmergencyStop(Call* call, const grpc::ByteBuffer* requ
 
 Unary* HapticServiceImpl::ClearFault(Call* call, const v1::ClearFaultRequest* request,
                                      v1::ClearFaultResponse* response) {
-  if (const auto status = oversized(*request)) return finished(call, *status);
+  if (const auto status = oversized(context_, *call, *request)) return finished(call, *status);
   const auto target = context_.device(request->device());
   if (!target) return finished(call, to_status(target.refusal));
   const auto faults = fault_set(*request);

@@ -3,10 +3,12 @@
 
 #include <grpcpp/server_context.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "server/front/session.hpp"
+#include "server/net/account.hpp"
 #include "server/rpc/rpc_server.hpp"
 
 namespace haptic::server {
@@ -17,6 +19,7 @@ struct Peer {
   /// Of its certificate: the subject alternative names, else the common name. Empty: it showed
   /// none.
   std::vector<std::string> names{};
+  std::shared_ptr<Account> account{};  ///< of its connection; null: not looked for
 };
 
 [[nodiscard]] Peer peer_of(const grpc::ServerContextBase& call);

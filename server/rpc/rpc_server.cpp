@@ -2,21 +2,20 @@
 
 #include <google/protobuf/stubs/logging.h>
 #include <grpc/support/log.h>
-#include <grpcpp/alarm.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/resource_quota.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <condition_variable>
-#include <mutex>
 #include <utility>
 
 #include "haptic/core/error.hpp"
 #include "server/front/refusals.hpp"
 #include "server/net/listen_address.hpp"
 #include "server/net/tls_files.hpp"
+#include "server/rpc/every.hpp"
 #include "server/rpc/haptic_service_impl.hpp"
 
 namespace haptic::server {
@@ -27,6 +26,9 @@ using std::chrono::milliseconds;
 /// gRPC itself refuses larger messages, with its own words. Up to this size each call names the
 /// limit (too_large).
 constexpr int kLargestReceived = 4 * static_cast<int>(kLargestMessage);
+/// TLS and HTTP/2 have begun by then, or the connection is closed.
+constexpr std::chrono::seconds kHandshake{10};
+constexpr int kReflectionThreads = 8;
 /// How often the health of the devices is looked at, so that a loop that has stopped is noticed.
 constexpr milliseconds kHealthPeriod{250};
 /// A device whose loop gave no record for longer is not served.
@@ -39,10 +41,23 @@ int argument_ms(core::Duration time) {
 
 void set_limits(grpc::ServerBuilder& builder, const RpcConfig& config) {
   builder.SetMaxReceiveMessageSize(kLargestReceived);
-  // Otherwise the kernel would let a second server share the port, and every other client.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  // gRPC inflates a message before it looks at its size.
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
+  builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
-                             static_cast<int>(unopened_streams(config.max_sessions)));
+                             static_cast<int>(calls_of_connection(config.max_sessions)));
+  // Messages are small: a window that grows with the link's speed only lets more wait in memory.
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, argument_ms(kHandshake));
+  // Server reflection has a thread for each of its streams. Beyond these it is refused.
+  grpc::ResourceQuota quota("hapticd");
+  quota.SetMaxThreads(kReflectionThreads);
+  builder.SetResourceQuota(quota);
+  using Sync = grpc::ServerBuilder::SyncServerOption;
+  builder.SetSyncServerOption(Sync::NUM_CQS, 1);
+  builder.SetSyncServerOption(Sync::MIN_POLLERS, 1);
+  builder.SetSyncServerOption(Sync::MAX_POLLERS, 1);
   const KeepAlive& alive = config.keep_alive;
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, argument_ms(alive.ask_after));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, argument_ms(alive.answer_within));
@@ -104,45 +119,6 @@ void report_health(grpc::HealthCheckServiceInterface& health, const OwnerPort& o
   health.SetServingStatus("", all);
 }
 
-/// Calls `look` on gRPC's threads every `period`, counted from the end of the call before.
-class Every {
- public:
-  Every(milliseconds period, std::function<void()> look) : period_(period), look_(std::move(look)) {
-    const std::lock_guard lock(mutex_);
-    set_alarm();
-  }
-  /// Waits for a call that is under way; not from inside one.
-  ~Every() {
-    std::unique_lock lock(mutex_);
-    stopping_ = true;
-    alarm_->Cancel();
-    idle_.wait(lock, [&] { return !waiting_; });
-  }
-  Every(const Every&) = delete;
-  Every& operator=(const Every&) = delete;
-
- private:
-  void set_alarm() {
-    waiting_ = true;
-    alarm_ = std::make_unique<grpc::Alarm>();
-    alarm_->Set(std::chrono::system_clock::now() + period_, [this](bool rang) {
-      if (rang) look_();
-      const std::lock_guard lock(mutex_);
-      if (rang && !stopping_) return set_alarm();
-      waiting_ = false;
-      idle_.notify_all();
-    });
-  }
-
-  const milliseconds period_;
-  const std::function<void()> look_;
-  std::mutex mutex_;
-  std::condition_variable idle_;
-  bool stopping_{false};
-  bool waiting_{false};
-  std::unique_ptr<grpc::Alarm> alarm_;
-};
-
 }  // namespace
 
 /// What gRPC's headers are needed for.
@@ -155,6 +131,7 @@ struct RpcServer::Grpc {
   const std::shared_ptr<ServiceContext> shared;  ///< the owner may be calling it still
   ServiceContext& context{*shared};
   HapticServiceImpl service{context};
+  std::vector<std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor>> acceptors{};
   std::unique_ptr<grpc::Server> server{};
   std::unique_ptr<Every> looks{};
 };
@@ -171,6 +148,9 @@ void RpcServer::start() {
   ServiceContext& context = grpc_->context;
   const RpcConfig& config = context.config;
   if (config.listen.empty()) throw core::TransportError("no listen address");
+  // Before anything of gRPC runs, which aborts when it gets no thread or descriptor.
+  const ConnectionLimits limits = within_descriptors(config.connections);
+  require_threads();
   const auto tls = config.tls ? tls_credentials(*config.tls) : nullptr;
   const Protection best = best_protection(config);
   std::vector<Protection> protections;
@@ -182,27 +162,22 @@ void RpcServer::start() {
     context.udp = std::make_unique<UdpPort>(config.udp_listen, config.listen, config.clock);
   }
 
+  context.connections = std::make_unique<Connections>(config.listen, limits);
+
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   set_limits(builder, config);
-  std::vector<int> ports(config.listen.size(), 0);
-  for (std::size_t i = 0; i < ports.size(); ++i) {
-    const bool encrypted = tls && protections[i] == best;
-    builder.AddListeningPort(config.listen[i], encrypted ? tls : grpc::InsecureServerCredentials(),
-                             &ports[i]);
+  for (const Protection protection : protections) {
+    const bool encrypted = tls && protection == best;
+    grpc_->acceptors.push_back(builder.experimental().AddExternalConnectionAcceptor(
+        grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
+        encrypted ? tls : grpc::InsecureServerCredentials()));
   }
   builder.RegisterService(&grpc_->service);
   grpc_->server = builder.BuildAndStart();
-  const auto unbound = std::find(ports.begin(), ports.end(), 0);
-  if (unbound != ports.end()) {
-    if (grpc_->server) grpc_->server->Shutdown();
-    grpc_->server.reset();
-    const auto i = static_cast<std::size_t>(unbound - ports.begin());
-    throw core::TransportError("listen address '" + config.listen[i] +
-                               "': cannot be bound (in use, or not an address of this host)");
-  }
   if (!grpc_->server) throw core::TransportError("the gRPC server did not start");
+  const std::vector<int>& ports = context.connections->ports();
   for (std::size_t i = 0; i < ports.size(); ++i) {
     bound_.push_back(with_port(config.listen[i], ports[i]));
     served_.push_back(bound_.back() + " (" + word(protections[i]) + ")");
@@ -217,17 +192,25 @@ void RpcServer::start() {
   look();
   const auto a_fifth = std::chrono::duration_cast<milliseconds>(config.open_within / 5);
   grpc_->looks = std::make_unique<Every>(std::min(kHealthPeriod, a_fifth), look);
+  context.connections->start([&acceptors = grpc_->acceptors](std::size_t address, int descriptor) {
+    grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
+    connection.listener_fd = -1;
+    connection.fd = descriptor;
+    acceptors[address]->HandleNewConnection(&connection);
+  });
 }
 
 void RpcServer::shutdown(core::Duration grace) {
   if (!grpc_->server) return;
   grpc_->looks.reset();
   grpc_->server->GetHealthCheckService()->SetServingStatus(false);
+  grpc_->context.connections->close(grace / 2);
   grpc_->context.streams.close_all();
   grpc_->server->Shutdown(std::chrono::system_clock::now() +
                           std::chrono::duration_cast<std::chrono::system_clock::duration>(grace));
   grpc_->server.reset();
   grpc_->context.streams.wait_until_gone();
+  grpc_->context.connections.reset();
   grpc_->context.udp.reset();  // no session has a path any more
   bound_.clear();
   served_.clear();
@@ -235,6 +218,11 @@ void RpcServer::shutdown(core::Duration grace) {
 
 std::vector<std::string> RpcServer::weaknesses() const {
   return grpc_->context.weaknesses();
+}
+
+std::pair<std::size_t, std::uint64_t> RpcServer::connections() const {
+  const auto& door = grpc_->context.connections;
+  return door ? std::pair(door->open(), door->cut()) : std::pair<std::size_t, std::uint64_t>();
 }
 
 std::uint16_t RpcServer::udp_port() const {

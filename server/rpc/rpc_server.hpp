@@ -15,6 +15,7 @@
 #include "server/crossing/ports.hpp"
 #include "server/crossing/server_facts.hpp"
 #include "server/crossing/tls_config.hpp"
+#include "server/net/connections.hpp"
 
 namespace haptic::server {
 
@@ -58,12 +59,19 @@ struct RpcConfig {
   /// A session stream has to send its OpenSession by then.
   core::Duration open_within{std::chrono::seconds(5)};
   KeepAlive keep_alive{};  ///< of connections whose far end is gone without a word
+  ConnectionLimits connections{};
 };
 
 /// Session streams that have not sent their OpenSession: so many at a time, of all connections
 /// together.
 [[nodiscard]] constexpr unsigned unopened_streams(unsigned max_sessions) noexcept {
   return 2 * max_sessions + 64;
+}
+
+/// Calls of one connection at a time: every session, every watch, and some that are answered at
+/// once. gRPC spends 16 KB on each before the service hears of it.
+[[nodiscard]] constexpr unsigned calls_of_connection(unsigned max_sessions) noexcept {
+  return 2 * max_sessions + 16;
 }
 
 class RpcServer {
@@ -87,7 +95,10 @@ class RpcServer {
   [[nodiscard]] std::uint16_t udp_port() const;
   /// Datagrams dropped since the start, by reason ("TAG", ...); empty without a UDP path.
   [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> dropped_datagrams() const;
-  /// Refuses new calls, ends streams (UNAVAILABLE), waits for at most `grace`, then cancels.
+  /// Connections that are open, and how many were cut since the start because of their bounds.
+  [[nodiscard]] std::pair<std::size_t, std::uint64_t> connections() const;
+  /// Refuses new calls, ends streams (UNAVAILABLE), waits for at most `grace`, then cuts what is
+  /// still connected.
   /// Idempotent; the destructor calls it with 1 s.
   void shutdown(core::Duration grace);
 

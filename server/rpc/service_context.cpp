@@ -1,6 +1,7 @@
 #include "server/rpc/service_context.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace haptic::server {
@@ -13,6 +14,7 @@ OpenStream::OpenStream(OpenStreams& streams) : streams_(streams) {
 OpenStream::~OpenStream() {
   const std::lock_guard lock(streams_.mutex_);
   --streams_.alive_;
+  streams_.streams_.erase(this);
   streams_.gone_.notify_all();
 }
 
@@ -21,8 +23,7 @@ void OpenStreams::add(const std::shared_ptr<OpenStream>& stream) {
   {
     const std::lock_guard lock(mutex_);
     closing = closing_;
-    std::erase_if(streams_, [](const auto& weak) { return weak.expired(); });
-    streams_.push_back(stream);
+    streams_[stream.get()] = stream;
   }
   if (closing) stream->server_closes();
 }
@@ -42,7 +43,7 @@ void OpenStreams::for_each(const std::function<void(OpenStream&)>& visit) const 
 std::vector<std::shared_ptr<OpenStream>> OpenStreams::open() const {
   std::vector<std::shared_ptr<OpenStream>> open;
   const std::lock_guard lock(mutex_);
-  for (const auto& weak : streams_) {
+  for (const auto& [name, weak] : streams_) {
     if (auto stream = weak.lock()) open.push_back(std::move(stream));
   }
   return open;
@@ -59,15 +60,21 @@ std::shared_ptr<OpenStream> WaitingRoom::enter(const std::shared_ptr<OpenStream>
   const std::lock_guard lock(mutex_);
   if (guests_.size() >= places_) {
     longest = guests_.front().stream.lock();
+    places_of_.erase(guests_.front().name);
     guests_.pop_front();
   }
   guests_.push_back({stream.get(), stream, now});
+  places_of_[stream.get()] = std::prev(guests_.end());
   return longest;
 }
 
 bool WaitingRoom::leave(const OpenStream& stream) {
   const std::lock_guard lock(mutex_);
-  return std::erase_if(guests_, [&](const Guest& guest) { return guest.name == &stream; }) > 0;
+  const auto place = places_of_.find(&stream);
+  if (place == places_of_.end()) return false;
+  guests_.erase(place->second);
+  places_of_.erase(place);
+  return true;
 }
 
 std::vector<std::shared_ptr<OpenStream>> WaitingRoom::overdue(core::TimePoint now) {
@@ -75,6 +82,7 @@ std::vector<std::shared_ptr<OpenStream>> WaitingRoom::overdue(core::TimePoint no
   const std::lock_guard lock(mutex_);
   while (!guests_.empty() && now - guests_.front().since >= patience_) {
     if (auto stream = guests_.front().stream.lock()) answer.push_back(std::move(stream));
+    places_of_.erase(guests_.front().name);
     guests_.pop_front();
   }
   return answer;
@@ -89,7 +97,8 @@ ServiceContext::ServiceContext(RpcConfig rpc_config, OwnerPort& owner, FactsProv
     : Front(owner),
       config(std::move(rpc_config)),
       server_facts(std::move(facts_provider)),
-      waiting(unopened_streams(config.max_sessions), config.open_within) {
+      waiting(unopened_streams(config.max_sessions), config.open_within),
+      former(std::max(1U, config.max_sessions / 2)) {
   // A share for each device, so that the watchers of one cannot silence those of another.
   const auto n = std::max<std::size_t>(owner.devices().size(), 1);
   const WatchBudget share(config.watch_budget_hz / static_cast<double>(n));
@@ -108,7 +117,7 @@ void ServiceContext::end_overdue(core::TimePoint now) {
   const auto milliseconds =
       std::chrono::duration_cast<std::chrono::milliseconds>(waiting.patience());
   for (const auto& stream : waiting.overdue(now)) {
-    stream->never_opened(
+    stream->end_with(
         {Refusal::Code::kInvalid, "PROTOCOL",
          "OpenSession did not come within " + std::to_string(milliseconds.count()) + " ms",
          "message"});

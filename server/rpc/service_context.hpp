@@ -2,11 +2,12 @@
 /// What the calls of the service share (private to server/rpc).
 
 #include <condition_variable>
-#include <deque>
 #include <functional>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "haptic/v1/haptic_service.pb.h"
@@ -40,14 +41,14 @@ class OpenStreams {
   std::condition_variable gone_;
   bool closing_{false};
   std::size_t alive_{0};
-  std::vector<std::weak_ptr<OpenStream>> streams_;
+  std::unordered_map<const OpenStream*, std::weak_ptr<OpenStream>> streams_;
 };
 
-/// Session streams whose first message has not come. The server does not know yet who they are, and
-/// each costs memory: so there are few, and none stays long.
+/// Streams that cost memory and have earned no place: so there are few, and none stays long.
 class WaitingRoom {
  public:
-  WaitingRoom(std::size_t places, core::Duration patience) : places_(places), patience_(patience) {}
+  explicit WaitingRoom(std::size_t places, core::Duration patience = core::Duration::max())
+      : places_(places), patience_(patience) {}
 
   /// `stream` waits from `now` on. If every place was taken, the stream that waited longest loses
   /// its own and is returned: streams that never open do not keep out one that opens at once.
@@ -72,7 +73,8 @@ class WaitingRoom {
   const std::size_t places_;
   const core::Duration patience_;
   mutable std::mutex mutex_;
-  std::deque<Guest> guests_{};  ///< in the order in which they came
+  std::list<Guest> guests_{};  ///< in the order in which they came
+  std::unordered_map<const OpenStream*, std::list<Guest>::iterator> places_of_{};
 };
 
 /// A stream as the server's shutdown sees it.
@@ -86,8 +88,8 @@ class OpenStream {
   virtual void server_closes() = 0;
   /// The session `session_id` goes on with another stream: if it is this one's, this one ends.
   virtual void goes_on_elsewhere(const std::string& session_id) { static_cast<void>(session_id); }
-  /// The stream has to end because no session was opened on it.
-  virtual void never_opened(const Refusal& why) { static_cast<void>(why); }
+  /// The stream has to end: a session has no place, or was never opened.
+  virtual void end_with(const Refusal& why) { static_cast<void>(why); }
   /// Adds what is known of the links of this stream, if it is a session on `device` (empty: any).
   virtual void report(const std::string& device, v1::GetLinkStatsResponse& response) {
     static_cast<void>(device);
@@ -123,7 +125,11 @@ class ServiceContext final : public Front {
   const RpcConfig config;
   const FactsProvider server_facts;
   OpenStreams streams;
-  WaitingRoom waiting;
+  WaitingRoom waiting;  ///< session streams whose first message has not come
+  /// Sessions whose lease has ended, which look on without having come as observers. They leave
+  /// places to those who come for a lease.
+  WaitingRoom former;
+  std::unique_ptr<Connections> connections;                ///< null before start()
   std::unique_ptr<UdpPort> udp;                            ///< null if the scene has no udp_listen
   std::vector<std::unique_ptr<Broadcaster>> broadcasters;  ///< per device
 

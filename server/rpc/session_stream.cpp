@@ -21,12 +21,12 @@ SessionStream* SessionStream::begin(ServiceContext& context, Peer peer) {
   stream->keep_alive();
   if (const auto longest = context.waiting.enter(stream, context.config.clock({}))) {
     const std::string places = std::to_string(context.waiting.places());
-    longest->never_opened({Refusal::Code::kExhausted,
-                           "TOO_MANY_SESSIONS",
-                           "streams without a session: all " + places +
-                               " places are taken, and this one waited longest",
-                           {},
-                           {{{"limit", places}}}});
+    longest->end_with({Refusal::Code::kExhausted,
+                       "TOO_MANY_SESSIONS",
+                       "streams without a session: all " + places +
+                           " places are taken, and this one waited longest",
+                       {},
+                       {{{"limit", places}}}});
   }
   stream->StartRead(&stream->incoming_);
   context.streams.add(stream);
@@ -37,11 +37,14 @@ void SessionStream::OnReadDone(bool ok) {
   const core::TimePoint arrival = context_.config.clock({});
   // Half-closed, or cancelled: then the status goes nowhere.
   if (!ok) return end(grpc::Status::OK, Ending::kLost);
-  if (const auto refusal = too_large(incoming_.Length())) return end(to_status(*refusal));
+  const std::size_t size = incoming_.Length();
+  if (const auto refusal = too_large(size)) return end(to_status(*refusal));
   if (!grpc::SerializationTraits<v1::SessionRequest>::Deserialize(&incoming_, &request_).ok()) {
     return end(protocol_error("not a SessionRequest"));
   }
   const bool first = std::exchange(first_message_, false);
+  // The headers of a stream mean something only if a session comes of it.
+  first ? peer_.account->call(size) : peer_.account->message(size);
   // Its time was up, or its place was needed, in this very moment: it is being ended.
   if (first && !context_.waiting.leave(*this)) return;
   if (first != request_.has_open()) {
@@ -109,6 +112,7 @@ void SessionStream::opened(v1::SessionOpened greeting, const v1::OpenSession& re
     *greeting_.mutable_opened() = std::move(greeting);
     greeting_due_ = true;
     opened_ = true;
+    peer_.account->session_opened();
     flush();
   }
   join(*context_.broadcasters[session->device()], session->tenure());
@@ -162,6 +166,20 @@ bool SessionStream::offer(const StateRecord& state, StateFrame& frame, bool stat
   return by_udp || by_stream;
 }
 
+void SessionStream::lease_over() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (ended_) return;
+  }
+  const auto oldest = context_.former.enter(shared_from_this(), context_.config.clock({}));
+  if (!oldest) return;
+  oldest->end_with({Refusal::Code::kExhausted,
+                    "TOO_MANY_SESSIONS",
+                    "its lease ended long ago, and its place was needed",
+                    {},
+                    {{{"limit", std::to_string(context_.former.places())}}}});
+}
+
 void SessionStream::flush() {
   if (writing_ || ended_) return;
   if (greeting_due_) {
@@ -198,8 +216,12 @@ void SessionStream::close(Ending ending) {
 
 void SessionStream::OnDone() {
   static_cast<void>(context_.waiting.leave(*this));
+  static_cast<void>(context_.former.leave(*this));
   if (udp_) udp_->close();
-  if (session_ && opened_) spdlog::info("session '{}' ended", session_->client_name());
+  if (session_ && opened_) {
+    peer_.account->session_ended();
+    spdlog::info("session '{}' ended", session_->client_name());
+  }
   ResponseStream::OnDone();
 }
 

@@ -26,7 +26,8 @@ class SessionStream final
 
   bool offer(const StateRecord& state, StateFrame& frame, bool states_allowed) override;
   void goes_on_elsewhere(const std::string& session_id) override;
-  void never_opened(const Refusal& why) override { end(to_status(why)); }
+  void lease_over() override;
+  void end_with(const Refusal& why) override { end(to_status(why)); }
   void report(const std::string& device, v1::GetLinkStatsResponse& response) override;
   void OnReadDone(bool ok) override;
   void OnDone() override;

@@ -16,6 +16,7 @@ WatchStream* WatchStream::begin(ServiceContext& context, const grpc::ByteBuffer&
 }
 
 void WatchStream::open(const grpc::ByteBuffer& raw) {
+  if (!raw.Valid()) return end(grpc::Status::CANCELLED);
   if (const auto refusal = too_large(raw.Length())) return end(to_status(*refusal));
   v1::WatchRequest request;
   grpc::ByteBuffer bytes(raw);

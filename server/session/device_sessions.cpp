@@ -62,6 +62,7 @@ void DeviceSessions::handle(const Request& request) {
     case Request::Kind::kLose:
       return close(request);
     case Request::Kind::kAdmitSession:
+    case Request::Kind::kAdmitObserver:
     case Request::Kind::kAdmitWatch:
       return;
   }

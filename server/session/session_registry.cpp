@@ -19,6 +19,11 @@ std::string random_name() {
   return name;
 }
 
+const char* plural(Request::Kind kind) {
+  if (kind == Request::Kind::kAdmitSession) return "sessions";
+  return kind == Request::Kind::kAdmitObserver ? "observers" : "watches";
+}
+
 }  // namespace
 
 Outcome<SessionId> SessionRegistry::admit(Kind kind, std::size_t device, bool resumes) {
@@ -26,8 +31,7 @@ Outcome<SessionId> SessionRegistry::admit(Kind kind, std::size_t device, bool re
     const std::string limit = std::to_string(limit_);
     return Refusal{Refusal::Code::kExhausted,
                    "TOO_MANY_SESSIONS",
-                   std::string(kind == Kind::kAdmitSession ? "sessions" : "watches") + ": all " +
-                       limit + " are taken",
+                   std::string(plural(kind)) + ": all " + limit + " places are taken",
                    {},
                    {{{"limit", limit}}}};
   }

@@ -12,10 +12,11 @@ namespace haptic::server {
 
 class SessionRegistry {
  public:
-  /// Session streams and watches are limited apart, so that watchers never keep a controller out.
+  /// Controllers and trackers, observers, and watches are limited apart, so that whoever only looks
+  /// never keeps a controller out.
   explicit SessionRegistry(unsigned limit_of_each) : limit_(limit_of_each) {}
 
-  using Kind = Request::Kind;  ///< kAdmitSession or kAdmitWatch
+  using Kind = Request::Kind;  ///< kAdmit...
   /// A fresh name for a stream on `device`. Refused: RESOURCE_EXHAUSTED, unless the session
   /// `resumes` the lease of the device, which no stranger may keep out: that is one more per device
   /// at most.

@@ -67,7 +67,7 @@ owner=
 for room in base crossing ingress owner rt scene session state telemetry; do
   owner="$owner server/$room"
 done
-forbid $owner -- "grpc|asio|httplib|openssl/|server/(front|metrics|net|rpc|udp)/" \
+forbid $owner -- "grpc|asio|boost/|openssl/|server/(front|metrics|net|rpc|udp)/" \
   "the owner of the devices knows no network"
 report "the owner of the devices knows no network" <<LINES
 $(for room in $owner; do includes "$room"; done | grep ' "haptic/wire/' |

@@ -6,8 +6,8 @@
 set -u
 program=${1:?a program}
 [ -x "$program" ] || exit 2
-found=$(readelf -d "$program" | grep -E 'NEEDED.*lib(grpc|gpr|ssl|crypto|httplib|cpp-httplib)'
-  nm -C "$program" | grep -E '(^| )(grpc|asio|httplib)::| (SSL|EVP)_')
+found=$(readelf -d "$program" | grep -E 'NEEDED.*lib(grpc|gpr|ssl|crypto|boost)'
+  nm -C "$program" | grep -E '(^| )(grpc|asio|boost)::| (SSL|EVP)_')
 [ -z "$found" ] && exit 0
 echo "$program has what the owner of the devices must not know:"
 echo "$found" | head -n 10

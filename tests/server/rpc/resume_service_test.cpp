@@ -66,7 +66,7 @@ server::RpcConfig places(unsigned max_sessions) {
 TEST(ResumeService, ResumingNeedsNoFreePlace) {
   LiveServer server(places(1));
   OpenSession first(server.channel(), opening("alice"));
-  TestSession stranger(server.channel(), v1::ROLE_OBSERVER, "stranger");
+  TestSession stranger(server.channel(), v1::ROLE_CONTROLLER, "stranger");
   EXPECT_EQ(reason_of(stranger.status()), "TOO_MANY_SESSIONS");
   EXPECT_EQ(detail_of(stranger.status(), "limit"), "1");
   OpenSession second(server.channel(), opening("alice", first.opened().session_id()));
@@ -74,31 +74,12 @@ TEST(ResumeService, ResumingNeedsNoFreePlace) {
   ASSERT_TRUE(first.wait_ended());
 }
 
-TEST(ResumeService, NewcomersDoNotKeepItOut) {
-  LiveServer server(places(2));
-  OpenSession watcher(server.channel(), v1::ROLE_OBSERVER, "watcher");
-  OpenSession first(server.channel(), opening("alice"));
-  first.cancel();
-  ASSERT_TRUE(eventually([&] { return heard(watcher, "LEASE_DETACHED"); }));
-  std::unique_ptr<TestSession> late;  // takes the place that became free
-  ASSERT_TRUE(eventually([&] {
-    late = std::make_unique<TestSession>(server.channel(), v1::ROLE_OBSERVER, "late");
-    return late->wait_opened();
-  }));
-  OpenSession second(server.channel(), opening("alice", first.opened().session_id()));
-  EXPECT_TRUE(second.opened().resumed());
-}
-
 TEST(ResumeService, FailedResumeOpensNoPlace) {
   LiveServer server(places(1));
   TestSession first(server.channel());  // not resumable
   ASSERT_TRUE(first.wait_opened());
-  v1::SessionRequest observing = open_message(v1::ROLE_OBSERVER, "alice");
-  observing.mutable_open()->set_resume(first.opened().session_id());
-  for (const auto& message : {opening("alice", first.opened().session_id()), observing}) {
-    TestSession second(server.channel(), message);
-    EXPECT_EQ(reason_of(second.status()), "TOO_MANY_SESSIONS");
-  }
+  TestSession second(server.channel(), opening("alice", first.opened().session_id()));
+  EXPECT_EQ(reason_of(second.status()), "TOO_MANY_SESSIONS");
 }
 
 TEST(ResumeService, FarewellEndsTheLeaseAtOnce) {

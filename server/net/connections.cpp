@@ -1,0 +1,310 @@
+#include "server/net/connections.hpp"
+
+#include <fcntl.h>
+#include <linux/tcp.h>
+#include <malloc.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <spdlog/spdlog.h>
+#include <sys/eventfd.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "server/base/steady_now.hpp"
+#include "server/base/thread_setup.hpp"
+#include "server/net/peer_name.hpp"
+
+namespace haptic::server {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// While a connection is open; and while the debts of all are above kHurryAbove.
+constexpr auto kLookEvery = 10ms;
+constexpr auto kHurry = 2ms;
+constexpr double kHurryAbove = 16 * 1024;
+constexpr auto kMemoryEvery = 1s;
+/// Who owes less did not make the memory grow.
+constexpr double kSuspect = 2 * 1024;
+/// A peer that acknowledges nothing for so long is gone, or does not read: a network that was
+/// unplugged for 10 s finds its clients ready to connect again.
+constexpr int kGoneMs = 8'000;
+/// Messages are small; what waits in the kernel is not looked at yet.
+constexpr int kReceiveBuffer = 64 * 1024;
+/// A flood must not become a flood of the log.
+constexpr auto kTellEvery = 1s;
+
+Descriptor copy_of(const Descriptor& descriptor) {
+  return Descriptor(fcntl(descriptor.get(), F_DUPFD_CLOEXEC, 0));
+}
+
+Descriptor open_spare() {
+  return Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+}
+
+}  // namespace
+
+struct Connections::Connection {
+  Descriptor socket{};  ///< a copy: gRPC has its own
+  PeerName peer{};
+  std::shared_ptr<Account> account{std::make_shared<Account>()};
+  Debt debt{};
+  bool over{false};
+
+  /// Totals of a TCP connection.
+  [[nodiscard]] Traffic traffic() const {
+    Traffic now;
+    now.understood = account->understood();
+    tcp_info info{};
+    socklen_t size = sizeof info;
+    int unread = 0;
+    if (getsockopt(socket.get(), IPPROTO_TCP, TCP_INFO, &info, &size) != 0 ||
+        ioctl(socket.get(), FIONREAD, &unread) != 0) {
+      return now;
+    }
+    const auto waiting = static_cast<std::uint64_t>(std::max(unread, 0));
+    now.received =
+        info.tcpi_bytes_received - std::min<std::uint64_t>(waiting, info.tcpi_bytes_received);
+    now.acknowledged = info.tcpi_bytes_acked;
+    return now;
+  }
+};
+
+Connections::Connections(const std::vector<std::string>& addresses, const ConnectionLimits& limits)
+    : limits_(limits),
+      listeners_(std::make_unique<Listeners>(addresses)),
+      ports_(listeners_->ports()),
+      spare_(open_spare()),
+      wakes_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+      statm_(::open("/proc/self/statm", O_RDONLY | O_CLOEXEC)) {}
+
+Connections::~Connections() {
+  stop();
+}
+
+void Connections::start(HandOver hand_over) {
+  hand_over_ = std::move(hand_over);
+  thread_ = std::thread([this] { run(); });
+}
+
+void Connections::close(core::Duration grace) {
+  cut_at_.store((steady_now() + grace).time_since_epoch().count());
+  static_cast<void>(eventfd_write(wakes_.get(), 1));
+}
+
+void Connections::stop() {
+  if (!thread_.joinable()) return;
+  stopping_.store(true);
+  static_cast<void>(eventfd_write(wakes_.get(), 1));
+  thread_.join();
+}
+
+std::shared_ptr<Account> Connections::account(const std::string& peer) {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::find_if(open_.begin(), open_.end(), [&](const auto& each) {
+    return !each->peer.grpc.empty() && each->peer.grpc == peer;
+  });
+  return found == open_.end() ? unread_ : (*found)->account;
+}
+
+std::size_t Connections::open() const {
+  const std::lock_guard lock(mutex_);
+  return open_.size();
+}
+
+void Connections::run() noexcept {
+  set_thread_up("connections");
+  std::vector<pollfd> wait;
+  while (!stopping_.load()) {
+    wait.assign(1, {wakes_.get(), POLLIN, 0});
+    const bool closing = cut_at_.load() != 0;
+    if (closing) listeners_.reset();
+    if (listeners_) {
+      for (const auto& each : listeners_->sockets()) {
+        wait.push_back({each.descriptor.get(), POLLIN, 0});
+      }
+    }
+    const bool look = closing || !open_.empty();
+    const auto every = hurry_ ? kHurry : kLookEvery;
+    poll(wait.data(), wait.size(), look ? static_cast<int>(every.count()) : -1);
+    eventfd_t woken = 0;
+    static_cast<void>(eventfd_read(wakes_.get(), &woken));
+    for (std::size_t i = 1; i < wait.size(); ++i) {
+      if (wait[i].revents != 0) accept_all(listeners_->sockets()[i - 1]);
+    }
+    forget_closed();
+    const core::TimePoint now = steady_now();
+    if (now - looked_ >= every) look_after(now);
+    if (closing && now.time_since_epoch().count() >= cut_at_.load()) {
+      for (const auto& each : open_) cut(*each, "was open at the end of the server");
+    }
+  }
+  for (const auto& each : open_) shutdown(each->socket.get(), SHUT_RDWR);
+}
+
+void Connections::accept_all(const Listeners::Socket& listener) {
+  for (unsigned i = 0; i < limits_.all; ++i) {
+    Descriptor socket(
+        accept4(listener.descriptor.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+    if (!socket && (errno == EMFILE || errno == ENFILE)) {
+      // Accepted with the spare descriptor and closed at once: a full queue would keep all out.
+      spare_ = Descriptor();
+      const bool one = static_cast<bool>(
+          Descriptor(accept4(listener.descriptor.get(), nullptr, nullptr, SOCK_CLOEXEC)));
+      spare_ = open_spare();
+      make_room(largest_peer());
+      if (!one) return;
+      cut_.fetch_add(1);
+      continue;
+    }
+    if (!socket) return;
+    admit(listener.address, std::move(socket));
+  }
+}
+
+void Connections::admit(std::size_t address, Descriptor socket) {
+  auto connection = std::make_unique<Connection>();
+  connection->peer = peer_name(socket.get());
+  if (connection->peer.owner.empty()) return;
+  if (!connection->peer.grpc.empty()) {
+    const int on = 1;
+    setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    setsockopt(socket.get(), IPPROTO_TCP, TCP_USER_TIMEOUT, &kGoneMs, sizeof kGoneMs);
+    setsockopt(socket.get(), SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
+  }
+  const auto same = [&](const auto& other) {
+    return !other->over && other->peer.owner == connection->peer.owner;
+  };
+  const auto left = [](const auto& other) { return !other->over; };
+  if (std::count_if(open_.begin(), open_.end(), same) >= limits_.per_peer) {
+    make_room(connection->peer.owner);
+  } else if (std::count_if(open_.begin(), open_.end(), left) >= limits_.all) {
+    make_room(largest_peer());
+  }
+  // Those that were cut are gRPC's until it has noticed: their descriptors are not free yet.
+  forget_closed();
+  connection->socket = copy_of(socket);
+  if (!connection->socket) return;
+  {
+    const std::lock_guard lock(mutex_);
+    open_.push_back(std::move(connection));
+  }
+  hand_over_(address, socket.release());
+}
+
+std::string Connections::largest_peer() const {
+  std::map<std::string, unsigned> count;
+  std::pair<unsigned, std::string> largest;
+  for (const auto& each : open_) {
+    if (each->over) continue;
+    const unsigned n = ++count[each->peer.owner];
+    if (n > largest.first) largest = {n, each->peer.owner};
+  }
+  return largest.second;
+}
+
+void Connections::make_room(const std::string& peer) {
+  Connection* first = nullptr;
+  for (const auto& each : open_) {
+    if (each->over || each->peer.owner != peer) continue;
+    if (first == nullptr || each->account->worth() < first->account->worth()) first = each.get();
+  }
+  if (first != nullptr) cut(*first, "gave way to a newer one");
+}
+
+void Connections::forget_closed() {
+  std::vector<pollfd> ended;
+  ended.reserve(open_.size());
+  for (const auto& each : open_) ended.push_back({each->socket.get(), 0, 0});
+  poll(ended.data(), ended.size(), 0);
+  for (std::size_t i = 0; i < open_.size(); ++i) {
+    if ((ended[i].revents & (POLLHUP | POLLERR | POLLNVAL)) != 0) open_[i]->over = true;
+  }
+  const std::lock_guard lock(mutex_);
+  std::erase_if(open_, [](const auto& each) { return each->over; });
+}
+
+void Connections::look_after(core::TimePoint now) {
+  const double since = looked_ == core::TimePoint{} ? 0.0 : core::seconds(now - looked_);
+  const double forgiven = since * static_cast<double>(limits_.forgiven_per_second);
+  looked_ = now;
+  double sum = 0.0;
+  Connection* largest = nullptr;
+  for (const auto& each : open_) {
+    if (each->peer.grpc.empty()) continue;
+    each->debt.book(each->traffic(), forgiven);
+    if (each->debt.bytes() > static_cast<double>(limits_.debt)) {
+      cut(*each, "sent bytes that mean nothing");
+      continue;
+    }
+    sum += each->debt.bytes();
+    if (largest == nullptr || each->debt.bytes() > largest->debt.bytes()) largest = each.get();
+  }
+  if (sum > static_cast<double>(limits_.debt_of_all)) {
+    cut(*largest, "sent most of the bytes that mean nothing");
+  }
+  hurry_ = sum > kHurryAbove;
+  look_at_memory(now);
+}
+
+std::uint64_t Connections::resident() const {
+  std::array<char, 64> text{};
+  if (pread(statm_.get(), text.data(), text.size() - 1, 0) <= 0) return 0;
+  unsigned long long pages = 0;
+  static_cast<void>(std::sscanf(text.data(), "%*u %llu", &pages));
+  return pages * static_cast<unsigned long long>(sysconf(_SC_PAGESIZE));
+}
+
+void Connections::look_at_memory(core::TimePoint now) {
+  const std::uint64_t size = resident();
+  if (size > resident_ + limits_.growth && resident_ != 0) {
+    // A few bytes may cost gRPC a thousand times as much: a stream that is taken back at once.
+    double most = kSuspect;
+    for (const auto& each : open_) most = std::max(most, each->debt.bytes());
+    for (const auto& each : open_) {
+      if (each->debt.bytes() >= 0.5 * most) cut(*each, "sent the bytes that the memory grew by");
+    }
+    resident_ = size;
+  }
+  if (now - memory_at_ < kMemoryEvery) return;
+  memory_at_ = now;
+  // What an attack leaves behind is given back.
+  if (std::exchange(trim_, false)) malloc_trim(0);
+  resident_ = size;
+  if (size <= limits_.memory) return;
+  const struct mallinfo2 heap = mallinfo2();
+  if (heap.uordblks + heap.hblkhd <= limits_.memory) return;
+  const auto most = std::max_element(open_.begin(), open_.end(), [](const auto& a, const auto& b) {
+    return std::tuple(!a->over, a->debt.unexplained()) <
+           std::tuple(!b->over, b->debt.unexplained());
+  });
+  if (most == open_.end() || (*most)->over) return;
+  cut(**most, "was the likeliest cause of the memory in use");
+}
+
+void Connections::cut(Connection& connection, const char* why) {
+  if (connection.over) return;
+  const int socket = connection.socket.get();
+  shutdown(socket, SHUT_RDWR);
+  // What waits in the kernel would still be read.
+  while (recv(socket, nullptr, 1 << 20, MSG_TRUNC | MSG_DONTWAIT) > 0) continue;
+  connection.over = true;
+  trim_ = true;
+  cut_.fetch_add(1);
+  const core::TimePoint now = steady_now();
+  if (now - told_ < kTellEvery) return;
+  told_ = now;
+  spdlog::warn("a connection of {} was cut: it {} ({} were cut since the start)",
+               connection.peer.owner, why, cut_.load());
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,118 @@
+#pragma once
+/// The door of the front: accepts every connection, hands it to gRPC, and decides which of them may
+/// stay. gRPC by itself accepts until descriptors run out, and waits for ever for the end of a
+/// header or a message.
+///
+/// | bound                    | what gives way                                                   |
+/// |--------------------------|------------------------------------------------------------------|
+/// | connections of a peer    | its oldest one that made no call; then without a session; then   |
+/// |                          | any                                                              |
+/// | connections in all       | the same, of the peer that has most                              |
+/// | bytes without a meaning  | the connection itself; in all: the one with most of them         |
+/// | memory that grows fast   | those with most bytes without a meaning                          |
+/// | memory in use            | the one with most of them since it began                         |
+/// | nothing acknowledged 8 s | the connection itself, by the kernel                             |
+///
+/// Bytes are the kernel's count (TCP_INFO), so that neither TLS nor a codec is in the way. It has
+/// none for UNIX sockets, of which only the number is bounded: they are users of this host.
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "haptic/core/time.hpp"
+#include "server/base/descriptor.hpp"
+#include "server/net/account.hpp"
+#include "server/net/listeners.hpp"
+
+namespace haptic::server {
+
+struct ConnectionLimits {
+  unsigned all{256};
+  unsigned per_peer{96};  ///< of an IPv4 address, the /64 of an IPv6 address, or a local user
+  /// Bytes that came to nothing: more than the largest message, whose end is awaited.
+  std::uint64_t debt{320 * 1024};
+  std::uint64_t debt_of_all{512 * 1024};
+  std::uint64_t forgiven_per_second{1024};     ///< pings, health checks
+  std::uint64_t growth{16ull * 1024 * 1024};   ///< of the process's resident memory, within 1 s
+  std::uint64_t memory{256ull * 1024 * 1024};  ///< of the process, as malloc counts it
+};
+
+/// So many descriptors are kept for everything but connections.
+inline constexpr unsigned kReservedDescriptors = 48;
+
+/// What is left of `limits` with the descriptors that this process may have, which it raises as far
+/// as it may. Throws core::TransportError if there is room for hardly any connection.
+[[nodiscard]] ConnectionLimits within_descriptors(ConnectionLimits limits);
+/// Throws core::TransportError if the process may not start as many threads as gRPC will: gRPC
+/// itself aborts.
+void require_threads();
+
+class Connections {
+ public:
+  /// Takes the descriptor. `address`: the index of the address it came by.
+  using HandOver = std::function<void(std::size_t address, int descriptor)>;
+
+  /// Binds and listens, as Listeners.
+  Connections(const std::vector<std::string>& addresses, const ConnectionLimits& limits);
+  /// Cuts what is open.
+  ~Connections();
+  Connections(const Connections&) = delete;
+  Connections& operator=(const Connections&) = delete;
+
+  /// The port of each address as bound; 0: a UNIX socket.
+  [[nodiscard]] const std::vector<int>& ports() const noexcept { return ports_; }
+  /// Accepts, on a thread of its own.
+  void start(HandOver hand_over);
+  /// Accepts no more; what is still open after `grace` is cut. Returns at once.
+  void close(core::Duration grace);
+
+  /// Of the connection that gRPC calls `peer` ("ipv4:127.0.0.1:5000"). That of a UNIX socket, or of
+  /// a connection that is gone, is read by no one.
+  [[nodiscard]] std::shared_ptr<Account> account(const std::string& peer);
+  [[nodiscard]] std::size_t open() const;
+  /// Connections that were cut since the start.
+  [[nodiscard]] std::uint64_t cut() const noexcept { return cut_.load(); }
+
+ private:
+  struct Connection;
+  void run() noexcept;
+  void accept_all(const Listeners::Socket& listener);
+  void admit(std::size_t address, Descriptor socket);
+  /// Cuts the connection that gives way first among those of `peer`.
+  void make_room(const std::string& peer);
+  [[nodiscard]] std::string largest_peer() const;
+  void forget_closed();
+  void look_after(core::TimePoint now);
+  void look_at_memory(core::TimePoint now);
+  [[nodiscard]] std::uint64_t resident() const;
+  void cut(Connection& connection, const char* why);
+  void stop();
+
+  const ConnectionLimits limits_;
+  HandOver hand_over_{};
+  std::unique_ptr<Listeners> listeners_;
+  const std::vector<int> ports_;
+  Descriptor
+      spare_;  ///< given up for a moment when descriptors run out, to accept one and close it
+  const Descriptor wakes_;
+  const Descriptor statm_;  ///< /proc/self/statm
+  mutable std::mutex mutex_;
+  std::vector<std::unique_ptr<Connection>> open_{};  ///< the oldest first; changed by the thread
+  const std::shared_ptr<Account> unread_{std::make_shared<Account>()};
+  std::atomic<std::uint64_t> cut_{0};
+  core::TimePoint looked_{}, told_{}, memory_at_{};
+  bool hurry_{false};          ///< a peer may be up to something
+  bool trim_{false};           ///< a connection was cut since the heap was trimmed
+  std::uint64_t resident_{0};  ///< a second ago, or less
+  std::atomic<bool> stopping_{false};
+  std::atomic<core::Duration::rep> cut_at_{0};  ///< since the clock's epoch; 0: not closing
+  std::thread thread_{};
+};
+
+}  // namespace haptic::server

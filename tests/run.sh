@@ -6,9 +6,9 @@
 #
 # Without --label: every test except those labelled network, calm, hostile, lint and container; with
 # the presets of the sanitizers those labelled unit and service. Labels: unit, service, system,
-# interop, check, lint, network, calm, hostile, container. A failed test is not run again. --ci:
-# then also the container tests, with the programs just built. If no container engine works they
-# fail with the reason, unless HAPTIC_SKIP_CONTAINERS='why not here' is set.
+# interop, haproxy, check, lint, network, calm, hostile, container. A failed test is not run again.
+# --ci: then also the container tests, with the programs just built. If no container engine works
+# they fail with the reason, unless HAPTIC_SKIP_CONTAINERS='why not here' is set.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 

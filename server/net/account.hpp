@@ -44,6 +44,9 @@ struct Traffic {
   std::uint64_t acknowledged{0};  ///< sent to the peer, and arrived there
 };
 
+/// Of a TCP connection, as the kernel counts it.
+[[nodiscard]] Traffic traffic_of(int socket, const Account& account);
+
 /// A connection's debt: what it sent beyond what was understood, never below 0, so that good
 /// conduct saves nothing up. One thread.
 class Debt {

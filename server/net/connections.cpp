@@ -7,7 +7,6 @@
 #include <poll.h>
 #include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
-#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -59,24 +58,6 @@ struct Connections::Connection {
   std::shared_ptr<Account> account{std::make_shared<Account>()};
   Debt debt{};
   bool over{false};
-
-  /// Totals of a TCP connection.
-  [[nodiscard]] Traffic traffic() const {
-    Traffic now;
-    now.understood = account->understood();
-    tcp_info info{};
-    socklen_t size = sizeof info;
-    int unread = 0;
-    if (getsockopt(socket.get(), IPPROTO_TCP, TCP_INFO, &info, &size) != 0 ||
-        ioctl(socket.get(), FIONREAD, &unread) != 0) {
-      return now;
-    }
-    const auto waiting = static_cast<std::uint64_t>(std::max(unread, 0));
-    now.received =
-        info.tcpi_bytes_received - std::min<std::uint64_t>(waiting, info.tcpi_bytes_received);
-    now.acknowledged = info.tcpi_bytes_acked;
-    return now;
-  }
 };
 
 Connections::Connections(const std::vector<std::string>& addresses, const ConnectionLimits& limits)
@@ -241,7 +222,7 @@ void Connections::look_after(core::TimePoint now) {
   Connection* largest = nullptr;
   for (const auto& each : open_) {
     if (each->peer.grpc.empty()) continue;
-    each->debt.book(each->traffic(), forgiven);
+    each->debt.book(traffic_of(each->socket.get(), *each->account), forgiven);
     if (each->debt.bytes() > static_cast<double>(limits_.debt)) {
       cut(*each, "sent bytes that mean nothing");
       continue;

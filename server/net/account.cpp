@@ -1,0 +1,27 @@
+#include "server/net/account.hpp"
+
+#include <linux/tcp.h>
+#include <netinet/in.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+
+namespace haptic::server {
+
+Traffic traffic_of(int socket, const Account& account) {
+  Traffic now;
+  now.understood = account.understood();
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  int unread = 0;
+  if (getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 ||
+      ioctl(socket, FIONREAD, &unread) != 0) {
+    return now;
+  }
+  const auto waiting = static_cast<std::uint64_t>(std::max(unread, 0));
+  now.received =
+      info.tcpi_bytes_received - std::min<std::uint64_t>(waiting, info.tcpi_bytes_received);
+  now.acknowledged = info.tcpi_bytes_acked;
+  return now;
+}
+
+}  // namespace haptic::server

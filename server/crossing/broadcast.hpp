@@ -1,0 +1,134 @@
+#pragma once
+/// Values that one process writes and others read, in memory that the readers cannot write: the
+/// writer waits for nobody, and a reader that is too slow loses values and knows how many.
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+#include <utility>
+
+namespace haptic::server {
+
+/// A value between two stamps: the writer makes the stamp odd, writes, and makes it even again. A
+/// reader whose copy began and ended at the same even stamp has a whole value. Copied in words of 8
+/// bytes, each of them atomic.
+template <typename T>
+class Stamped {
+  static_assert(std::is_trivially_copyable_v<T>);
+  static constexpr std::size_t kWords = (sizeof(T) + 7) / 8;
+
+ public:
+  /// The writer. `even`: the stamp that the value gets, above the one before.
+  void write(const T& value, std::uint64_t even) noexcept {
+    std::array<std::uint64_t, kWords> words{};
+    std::memcpy(words.data(), &value, sizeof(T));
+    stamp_.store(even - 1, std::memory_order_relaxed);
+    std::atomic_thread_fence(std::memory_order_release);
+    for (std::size_t i = 0; i < kWords; ++i) words_[i].store(words[i], std::memory_order_relaxed);
+    stamp_.store(even, std::memory_order_release);
+  }
+  [[nodiscard]] std::uint64_t stamp() const noexcept {
+    return stamp_.load(std::memory_order_acquire);
+  }
+  /// The stamp of the value that was copied; 0: none was written yet; odd: it changed meanwhile.
+  [[nodiscard]] std::uint64_t read(T& value) const noexcept {
+    const std::uint64_t before = stamp_.load(std::memory_order_acquire);
+    if (before == 0 || before % 2 != 0) return before;
+    std::array<std::uint64_t, kWords> words{};
+    for (std::size_t i = 0; i < kWords; ++i) words[i] = words_[i].load(std::memory_order_relaxed);
+    std::atomic_thread_fence(std::memory_order_acquire);
+    if (stamp_.load(std::memory_order_relaxed) != before) return 1;
+    std::memcpy(static_cast<void*>(&value), words.data(), sizeof(T));
+    return before;
+  }
+
+ private:
+  std::atomic<std::uint64_t> stamp_;
+  std::array<std::atomic<std::uint64_t>, kWords> words_;
+};
+
+/// The newest of a value.
+template <typename T>
+class Latest {
+ public:
+  /// One thread at a time.
+  void publish(const T& value) noexcept { slot_.write(value, slot_stamp_ += 2); }
+  /// The value as it was written last; `fallback` before the first.
+  [[nodiscard]] T value(const T& fallback = T{}) const noexcept {
+    T copy = fallback;
+    std::uint64_t seen = 0;
+    return newer(seen, copy) ? copy : fallback;
+  }
+  /// True: `copy` is a value that came after the one that `seen` stands for, as `seen` does now.
+  /// 0 stands for none.
+  [[nodiscard]] bool newer(std::uint64_t& seen, T& copy) const noexcept {
+    for (;;) {
+      if (slot_.stamp() == seen) return false;
+      const std::uint64_t stamp = slot_.read(copy);
+      if (stamp == 0) return false;
+      if (stamp % 2 != 0) continue;
+      return std::exchange(seen, stamp) != stamp;
+    }
+  }
+
+ private:
+  Stamped<T> slot_;
+  std::uint64_t slot_stamp_;  ///< the writer's
+};
+
+/// Values in order, the last N of them. N is a power of two.
+template <typename T, std::size_t N>
+class Broadcast {
+  static_assert((N & (N - 1)) == 0);
+
+ public:
+  static constexpr std::size_t kKept = N;
+
+  /// One thread at a time.
+  void publish(const T& value) noexcept {
+    const std::uint64_t number = head_.load(std::memory_order_relaxed);
+    slots_[number % N].write(value, 2 * (number + 1));
+    head_.store(number + 1, std::memory_order_release);
+  }
+  /// Values written so far.
+  [[nodiscard]] std::uint64_t head() const noexcept {
+    return head_.load(std::memory_order_acquire);
+  }
+
+  /// A reader's place, which is its own.
+  struct Cursor {
+    std::uint64_t next{0};
+    std::uint64_t lost{0};  ///< values that were gone before they were read
+  };
+  /// Before a reader's first read(): it begins `back` values before the newest, or with the oldest
+  /// one.
+  [[nodiscard]] Cursor begin(std::uint64_t back) const noexcept {
+    const std::uint64_t head = this->head();
+    return {head > back ? head - back : 0, 0};
+  }
+  /// The value at the cursor, which moves on; false: there is none yet.
+  [[nodiscard]] bool read(Cursor& cursor, T& value) const noexcept {
+    for (;;) {
+      const std::uint64_t head = this->head();
+      if (cursor.next >= head) return false;
+      // The slot after the newest may be in the writer's hands.
+      const std::uint64_t oldest = head >= N ? head - N + 1 : 0;
+      if (cursor.next < oldest) {
+        cursor.lost += oldest - cursor.next;
+        cursor.next = oldest;
+      }
+      if (slots_[cursor.next % N].read(value) != 2 * (cursor.next + 1)) continue;
+      ++cursor.next;
+      return true;
+    }
+  }
+
+ private:
+  std::atomic<std::uint64_t> head_;
+  std::array<Stamped<T>, N> slots_;
+};
+
+}  // namespace haptic::server

@@ -1,0 +1,58 @@
+#pragma once
+/// Samples from the front to the owner, in memory that the front can write at any time and in any
+/// way. The owner believes nothing in it: it copies a slot first and checks the copy.
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+namespace haptic::server {
+
+/// The last N values that the front wrote; a writer that is faster than the reader overwrites the
+/// oldest. N is a power of two.
+template <typename T, std::size_t N>
+class Inbox {
+  static_assert(std::is_trivially_copyable_v<T> && (N & (N - 1)) == 0);
+
+ public:
+  static constexpr std::size_t kSlots = N;
+
+  /// The front's side, one thread at a time.
+  void push(const T& value) noexcept {
+    const std::uint64_t number = head_.load(std::memory_order_relaxed);
+    std::memcpy(&slots_[number % N], &value, sizeof(T));
+    head_.store(number + 1, std::memory_order_release);
+  }
+
+  /// The owner's place; not in shared memory.
+  struct Cursor {
+    std::uint64_t next{0};
+    std::uint64_t lost{0};  ///< values that were overwritten before they were read
+  };
+  /// The owner's side: copies the value at the cursor and moves on; false: there is none. Returns
+  /// at most N values until the writer writes again, whatever it says. A value that is written
+  /// while it is copied may be a mixture of two: so the copy is checked like any other.
+  [[nodiscard]] bool take(Cursor& cursor, T& copy) const noexcept {
+    const std::uint64_t head = head_.load(std::memory_order_acquire);
+    if (head == cursor.next) return false;
+    // Also if the number went backwards, which no honest writer does.
+    if (head - cursor.next > N) {
+      const std::uint64_t oldest = head < N ? 0 : head - N;
+      if (oldest > cursor.next) cursor.lost += oldest - cursor.next;
+      cursor.next = oldest;
+      if (head == cursor.next) return false;
+    }
+    std::memcpy(static_cast<void*>(&copy), &slots_[cursor.next % N], sizeof(T));
+    ++cursor.next;
+    return true;
+  }
+
+ private:
+  std::atomic<std::uint64_t> head_;
+  std::array<T, N> slots_;
+};
+
+}  // namespace haptic::server

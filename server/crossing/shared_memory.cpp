@@ -1,0 +1,83 @@
+#include "server/crossing/shared_memory.hpp"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+#include "haptic/core/error.hpp"
+
+namespace haptic::server {
+namespace {
+
+[[noreturn]] void fail(const char* what) {
+  throw core::TransportError(std::string("shared memory: ") + what + ": " + std::strerror(errno));
+}
+
+constexpr int kFixedSize = F_SEAL_SHRINK | F_SEAL_GROW;
+
+}  // namespace
+
+Descriptor::~Descriptor() {
+  if (fd_ >= 0) close(fd_);
+}
+
+SharedMemory::SharedMemory(const char* name, std::size_t bytes, Access of_the_other)
+    : descriptor_(memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING)), bytes_(bytes) {
+  if (!descriptor_ || ftruncate(descriptor_.get(), static_cast<off_t>(bytes)) != 0) {
+    fail("cannot be made");
+  }
+  map(Access::kReadAndWrite);
+  // F_SEAL_FUTURE_WRITE spares the mapping that exists already: this process's own.
+  const int seals = of_the_other == Access::kRead ? kFixedSize | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL
+                                                  : kFixedSize | F_SEAL_SEAL;
+  if (fcntl(descriptor_.get(), F_ADD_SEALS, seals) != 0) fail("cannot be sealed");
+}
+
+SharedMemory::SharedMemory(Descriptor descriptor, std::size_t bytes, Access access)
+    : SharedMemory(std::move(descriptor), access) {
+  if (bytes_ == bytes) return;
+  throw core::TransportError("shared memory: has " + std::to_string(bytes_) + " bytes, must have " +
+                             std::to_string(bytes));
+}
+
+SharedMemory::SharedMemory(Descriptor descriptor, Access access)
+    : descriptor_(std::move(descriptor)) {
+  struct stat status {};
+  if (fstat(descriptor_.get(), &status) != 0) fail("no descriptor");
+  bytes_ = static_cast<std::size_t>(status.st_size);
+  const int seals = fcntl(descriptor_.get(), F_GET_SEALS);
+  if (seals < 0 || (seals & kFixedSize) != kFixedSize) {
+    throw core::TransportError("shared memory: its size must be fixed");
+  }
+  map(access);
+}
+
+SharedMemory::SharedMemory(SharedMemory&& other) noexcept
+    : descriptor_(std::move(other.descriptor_)),
+      bytes_(other.bytes_),
+      data_(std::exchange(other.data_, nullptr)) {}
+
+SharedMemory& SharedMemory::operator=(SharedMemory&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(bytes_, other.bytes_);
+  std::swap(data_, other.data_);
+  return *this;
+}
+
+SharedMemory::~SharedMemory() {
+  if (data_ != nullptr) munmap(data_, bytes_);
+}
+
+void SharedMemory::map(Access access) {
+  const int protection = access == Access::kRead ? PROT_READ : PROT_READ | PROT_WRITE;
+  void* const mapped = mmap(nullptr, bytes_, protection, MAP_SHARED, descriptor_.get(), 0);
+  if (mapped == MAP_FAILED) fail("cannot be mapped");
+  data_ = mapped;
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,60 @@
+#pragma once
+/// Memory that two processes share, as a file descriptor that one hands to the other.
+
+#include <cstddef>
+#include <utility>
+
+namespace haptic::server {
+
+/// A file descriptor and its end.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int fd) noexcept : fd_(fd) {}
+  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor();
+
+  [[nodiscard]] int get() const noexcept { return fd_; }
+  explicit operator bool() const noexcept { return fd_ >= 0; }
+
+ private:
+  int fd_{-1};
+};
+
+/// Pages that are mapped as long as the object lives. All throw core::TransportError.
+class SharedMemory {
+ public:
+  enum class Access { kRead, kReadAndWrite };
+
+  SharedMemory() = default;
+  /// New memory, zeroed and writable here, whose size is fixed. kRead: nobody else can ever map it
+  /// writable, not even with this descriptor.
+  SharedMemory(const char* name, std::size_t bytes, Access of_the_other);
+  /// Memory that the other process made; refused if it is not of this size or could still shrink,
+  /// because a page that is gone would end this process.
+  SharedMemory(Descriptor descriptor, std::size_t bytes, Access access);
+  /// The same of any size.
+  SharedMemory(Descriptor descriptor, Access access);
+  SharedMemory(SharedMemory&& other) noexcept;
+  SharedMemory& operator=(SharedMemory&& other) noexcept;
+  ~SharedMemory();
+
+  [[nodiscard]] void* data() const noexcept { return data_; }
+  [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }
+  [[nodiscard]] int descriptor() const noexcept { return descriptor_.get(); }
+
+ private:
+  void map(Access access);
+
+  Descriptor descriptor_{};
+  std::size_t bytes_{0};
+  void* data_{nullptr};
+};
+
+}  // namespace haptic::server

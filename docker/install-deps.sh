@@ -20,11 +20,12 @@ packages() {
   case "$1" in
     runtime) echo "libgrpc++1.51|libgrpc++1.51t64 libprotobuf32|libprotobuf32t64" \
                   "libspdlog1.10|libspdlog1.12" "libssl3|libssl3t64" \
-                  "libserialport0|libserialport0t64" "libsystemd0" ;;
+                  "libserialport0|libserialport0t64" "libsystemd0" "libseccomp2" ;;
     build) echo "g++ cmake ninja-build pkg-config libeigen3-dev libgrpc++-dev libprotobuf-dev" \
                 "protobuf-compiler protobuf-compiler-grpc libspdlog-dev libcli11-dev" \
                 "nlohmann-json3-dev libssl-dev libasio-dev libserialport-dev" \
-                "libsystemd-dev libboost-dev python3-protobuf dpkg-dev file help2man" ;;
+                "libsystemd-dev libboost-dev libseccomp-dev python3-protobuf dpkg-dev file" \
+                "help2man" ;;
     demo) echo "gnuplot-nox" ;;
     test) echo "libgtest-dev libgmock-dev clang-format clang-tidy gnuplot-nox" \
                 "liborocos-kdl-dev clang python3-grpcio python3-cryptography tshark openssl" \

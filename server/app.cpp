@@ -7,10 +7,8 @@
 #include "hw/device_config.hpp"
 #include "server/base/figures.hpp"
 #include "server/base/steady_now.hpp"
-#include "server/metrics/metrics.hpp"
-#include "server/metrics/metrics_port.hpp"
-#include "server/metrics/tick_metrics.hpp"
-#include "server/rpc/rpc_server.hpp"
+#include "server/base/version.hpp"
+#include "server/owner/tick_metrics.hpp"
 
 namespace haptic::server {
 namespace {
@@ -18,7 +16,6 @@ namespace {
 /// Together with 200 ms per device for close() they stay below the 5 s of
 /// proto/README.md#states-of-a-device. A release takes fade_end - hold_end, 80 ms by default.
 constexpr core::Duration kLongestRelease = std::chrono::milliseconds(2500);
-constexpr core::Duration kCallsGrace = std::chrono::seconds(1);
 
 void log_grant(const RealtimeFacts& grant) {
   const auto level = grant.grade == "real-time" ? spdlog::level::info : spdlog::level::warn;
@@ -51,24 +48,10 @@ std::vector<T*> pointers(const std::vector<std::unique_ptr<T>>& owners) {
   return answer;
 }
 
-RpcConfig rpc_config(const Scene& scene, bool insecure_lab) {
-  RpcConfig config;
-  config.tls = scene.server.tls;
-  config.insecure_lab = insecure_lab;
-  config.listen = scene.server.listen;
-  config.max_sessions = scene.server.max_sessions;
-  config.period = scene.loop.period;
-  config.udp_listen = scene.server.udp_listen;
-  return config;
-}
-
 }  // namespace
 
-const char* version() noexcept {
-  return HAPTIC_VERSION;
-}
-
-App::App(Scene scene, AppOptions options) : scene_(std::move(scene)), options_(options) {}
+App::App(Scene scene, AppOptions options, MakeFront make_front)
+    : scene_(std::move(scene)), options_(options), make_front_(std::move(make_front)) {}
 
 App::~App() {
   stop();
@@ -88,20 +71,10 @@ void App::start() {
     telemetry_->allow_watching(realtime_.facts.sched_fifo &&
                                std::thread::hardware_concurrency() > 1);
     listen_to_devices();
-    rpc_ = std::make_unique<RpcServer>(rpc_config(scene_, options_.insecure_lab), *owner_,
-                                       [this] { return facts(); });
-    rpc_->start();
-    listen_for_scrapes();
+    front_ = make_front_(*this);
+    front_->start();
     telemetry_->start();
     loop_->begin(pointers(units_), telemetry_->bell(), pacing_samples());
-    if (rpc_->udp_port() != 0) spdlog::info("UDP path on port {}", rpc_->udp_port());
-    for (const std::string& address : rpc_->served()) {
-      spdlog::info("serving '{}' on {}", scene_.name, address);
-    }
-    const auto level = options_.insecure_lab ? spdlog::level::warn : spdlog::level::info;
-    for (const std::string& weakness : rpc_->weaknesses()) {
-      spdlog::log(level, "not protected: {}", weakness);
-    }
   } catch (...) {
     stop();
     throw;
@@ -134,6 +107,10 @@ void App::listen_to_devices() {
   owner_ = std::make_unique<Owner>(*telemetry_, scene_.server.max_sessions);
   event_log_ = std::make_shared<EventLog>(*owner_);
   owner_->connect(event_log_);
+  if (!scene_.server.metrics_listen.empty()) {
+    tick_metrics_ = std::make_shared<TickMetrics>(units_.size());
+    owner_->connect(tick_metrics_);
+  }
   for (std::size_t i = 0; i < units_.size(); ++i) {
     const DeviceScene& device = scene_.devices[i];
     owner_->add(*units_[i], SessionRules{scene_.server.lease_timeout, device.fresh_end,
@@ -156,11 +133,10 @@ void App::stop() {
     unit->device().close();
     log_link(unit->name(), unit->device().link_counts());
   }
-  metrics_.reset();  // scrapes ask everything below
   if (telemetry_) telemetry_->stop();
   if (owner_) owner_->loop_ended();
-  if (rpc_) rpc_->shutdown(kCallsGrace);
-  rpc_.reset();
+  if (front_) front_->stop();
+  front_.reset();
   tick_metrics_.reset();
   event_log_.reset();
   owner_.reset();
@@ -171,27 +147,7 @@ void App::stop() {
 }
 
 std::vector<std::string> App::addresses() const {
-  return rpc_ ? rpc_->bound_addresses() : std::vector<std::string>{};
-}
-
-void App::listen_for_scrapes() {
-  if (scene_.server.metrics_listen.empty()) return;
-  tick_metrics_ = std::make_shared<TickMetrics>(units_.size());
-  owner_->connect(tick_metrics_);
-  MetricsSources sources;
-  sources.owner = owner_.get();
-  sources.ticks = tick_metrics_.get();
-  sources.facts = [this] { return facts(); };
-  sources.dropped_datagrams = [this] { return rpc_->dropped_datagrams(); };
-  sources.connections = [this] { return rpc_->connections(); };
-  metrics_ = std::make_unique<MetricsPort>(
-      scene_.server.metrics_listen, options_.insecure_lab,
-      [sources = std::move(sources)] { return metrics_text(sources); });
-  spdlog::info("metrics on port {}", metrics_->port());
-}
-
-std::uint16_t App::metrics_port() const {
-  return metrics_ ? metrics_->port() : std::uint16_t{0};
+  return front_ ? front_->addresses() : std::vector<std::string>{};
 }
 
 LoopFacts App::loop_facts() const {

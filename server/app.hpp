@@ -1,23 +1,20 @@
 #pragma once
-/// The composition root: the one place that knows both halves, the owner of the devices and the
-/// front.
+/// The owner's composition: devices, loop, sessions, recorder, and the front that is started for
+/// them.
 ///
-/// | thread    | what it owns                                     | how it stops                 |
-/// |-----------|--------------------------------------------------|------------------------------|
-/// | main      | the App; waits for signals                       | App::stop() returned         |
-/// | loop      | units: device read and write, pipeline           | every unit CLOSING, or 2.5 s |
-/// | board I/O | port and protocol of a board, one thread each    | Device::close(), 100 ms      |
-/// | telemetry | reading end of the rings; leases' clock, events, | Telemetry::stop(), after a   |
-/// |           | states to streams, recorder, log                 | last drain                   |
-/// | udp       | the UDP path's socket: samples in, challenges;   | UdpPort::stop(), by shutdown |
-/// |           | only if the scene has udp_listen                 |                              |
-/// | metrics   | scrapes; only if the scene wants metrics         | ~MetricsPort, at once        |
-/// | connec-   | accepts connections, counts their bytes          | RpcServer::shutdown(), 1 s   |
-/// | tions     |                                                  |                              |
-/// | gRPC's    | calls; they enter the owner under its lock       | RpcServer::shutdown(), 1 s   |
+/// | thread     | what it owns                                    | how it stops                 |
+/// |------------|-------------------------------------------------|------------------------------|
+/// | main       | the App; waits for signals                      | App::stop() returned         |
+/// | loop       | units: device read and write, pipeline          | every unit CLOSING, or 2.5 s |
+/// | board I/O  | port and protocol of a board, one thread each   | Device::close(), 100 ms      |
+/// | telemetry  | reading end of the rings; leases' clock,        | Telemetry::stop(), after a   |
+/// |            | events, states to the front, recorder, log      | last drain                   |
+/// | front link | what fronts send, their lives, the local        | FrontLink::stop(), 1.5 s     |
+/// |            | control socket                                  |                              |
 ///
-/// All but main block every signal (gRPC's inherit SIGTERM, SIGINT and SIGHUP blocked from main).
+/// All but main block every signal. The front's threads: server/front_app.hpp.
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,24 +29,40 @@
 
 namespace haptic::server {
 
-class MetricsPort;
-class RpcServer;
 class TickMetrics;
 
 struct AppOptions {
   RealtimeMode realtime{RealtimeMode::kTry};
-  bool insecure_lab{false};  ///< plain text on any address (RpcConfig)
+  bool insecure_lab{false};  ///< for the front: plain text on any address (RpcConfig)
+};
+
+/// What faces the network, as the App starts and stops it.
+class FrontRunner {
+ public:
+  virtual ~FrontRunner() = default;
+  /// Serves when it returns. Throws TransportError.
+  virtual void start() = 0;
+  /// Ends streams and calls. Idempotent.
+  virtual void stop() = 0;
+  /// A new one takes its place.
+  virtual void restart() {}
+  /// As bound, ports filled in.
+  [[nodiscard]] virtual std::vector<std::string> addresses() const = 0;
 };
 
 class App {
  public:
-  App(Scene scene, AppOptions options);
+  using MakeFront = std::function<std::unique_ptr<FrontRunner>(App& app)>;
+
+  /// `make_front`: called by start() when the owner stands.
+  App(Scene scene, AppOptions options, MakeFront make_front);
   /// stop().
-  ~App();
+  virtual ~App();
   App(const App&) = delete;
   App& operator=(const App&) = delete;
 
-  /// Once. Gets the real-time grant, opens the devices, binds the addresses, starts the loop:
+  /// Once. Gets the real-time grant, opens the devices, starts the front, which binds the
+  /// addresses, and the loop:
   /// nothing ticks before all of it stands. Throws SceneError, DeviceError, RealtimeError,
   /// TransportError; what was started by then is stopped.
   void start();
@@ -59,12 +72,16 @@ class App {
 
   /// As bound, ports filled in; empty unless running.
   [[nodiscard]] std::vector<std::string> addresses() const;
-  /// The metrics'; 0 if there are none.
-  [[nodiscard]] std::uint16_t metrics_port() const;
+  void restart_front() { front_->restart(); }
   [[nodiscard]] const RealtimeGrant& realtime() const noexcept { return realtime_; }
   /// Any thread, between start() and stop().
   [[nodiscard]] LoopFacts loop_facts() const;
-  [[nodiscard]] const Owner& owner() const { return *owner_; }
+  [[nodiscard]] ServerFacts facts() const;
+  [[nodiscard]] Owner& owner() { return *owner_; }
+  [[nodiscard]] const Scene& scene() const noexcept { return scene_; }
+  [[nodiscard]] const AppOptions& options() const noexcept { return options_; }
+  /// Null if the scene has no metrics.
+  [[nodiscard]] std::shared_ptr<const TickMetrics> tick_metrics() const { return tick_metrics_; }
   [[nodiscard]] const DeviceUnit& unit(std::size_t device) const { return *units_.at(device); }
 
  private:
@@ -72,11 +89,10 @@ class App {
   /// The samples of the board that paces the loop; null: the timer does.
   [[nodiscard]] hw::SampleSignal* pacing_samples();
   void listen_to_devices();
-  void listen_for_scrapes();
-  [[nodiscard]] ServerFacts facts() const;
 
   const Scene scene_;
   const AppOptions options_;
+  const MakeFront make_front_;
   core::TimePoint started_{};
   RealtimeGrant realtime_{};
   // Destroyed from the last to the first: each uses those above it.
@@ -84,14 +100,10 @@ class App {
   std::vector<std::unique_ptr<Recorder>> recorders_{};
   std::unique_ptr<Telemetry> telemetry_{};
   std::unique_ptr<Owner> owner_{};
-  std::unique_ptr<RpcServer> rpc_{};
   std::unique_ptr<Loop> loop_{};
   std::shared_ptr<EventLog> event_log_{};
-  std::shared_ptr<TickMetrics> tick_metrics_{};  ///< null if there are no metrics
-  std::unique_ptr<MetricsPort> metrics_{};
+  std::shared_ptr<TickMetrics> tick_metrics_{};
+  std::unique_ptr<FrontRunner> front_{};
 };
-
-/// The project's version.
-[[nodiscard]] const char* version() noexcept;
 
 }  // namespace haptic::server

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <atomic>
 #include <csignal>
 #include <filesystem>
 #include <iostream>
@@ -16,10 +17,11 @@
 #include "haptic/core/error.hpp"
 #include "hw/device_config.hpp"
 #include "server/app.hpp"
+#include "server/base/log.hpp"
 #include "server/base/start_limits.hpp"
-#include "server/net/tls_files.hpp"
+#include "server/base/version.hpp"
+#include "server/front_program.hpp"
 #include "server/scene/shipped.hpp"
-#include "server/telemetry/log.hpp"
 #include "server/telemetry/new_file.hpp"
 #include "server/telemetry/service_manager.hpp"
 
@@ -48,7 +50,6 @@ void check_files(const haptic::server::Scene& scene) {
     if (device.source->is_hardware()) continue;
     static_cast<void>(device.source->open(device.pipeline.kinematics, {}));
   }
-  if (scene.server.tls) static_cast<void>(haptic::server::load_tls(*scene.server.tls));
   if (!scene.record) return;
   for (std::size_t i = 0; i < scene.devices.size(); ++i) {
     haptic::server::check_creatable(record_file(scene, i), scene.record->overwrite);
@@ -84,38 +85,65 @@ void hold_standard_streams() {
   if (number > STDERR_FILENO) close(number);
 }
 
-/// Waits for a signal, and meanwhile tells the service manager that the loop ticks.
-int wait_for_signal(const sigset_t& signals, const haptic::server::App& app,
-                    haptic::server::ServiceManager& manager) {
-  const auto period = manager.pulse_period();
-  int signal = 0;
-  if (!period) {
-    sigwait(&signals, &signal);
-    return signal;
-  }
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(*period);
-  const timespec at_most{seconds.count(), static_cast<long>((*period - seconds).count())};
-  do {
+/// Waits for a signal that ends hapticd, and meanwhile tells the service manager that the loop
+/// ticks.
+int wait_for_end(const sigset_t& signals, haptic::server::App& app,
+                 haptic::server::ServiceManager& manager) {
+  const auto period = manager.pulse_period().value_or(std::chrono::hours(1));
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(period);
+  const timespec at_most{seconds.count(), static_cast<long>((period - seconds).count())};
+  for (;;) {
     manager.pulse(app.loop_facts().ticks);
-    signal = sigtimedwait(&signals, nullptr, &at_most);
-  } while (signal <= 0);
-  return signal;
+    const int signal = sigtimedwait(&signals, nullptr, &at_most);
+    if (signal <= 0) continue;
+    if (signal != SIGHUP || !manager.present()) return signal;
+    spdlog::info("SIGHUP: a new front, which reads the certificates again");
+    app.restart_front();
+  }
+}
+
+/// The front's command line.
+std::vector<std::string> front_arguments(const CommandLine& line) {
+  std::vector<std::string> arguments{"--log-level", line.log_level, "--log-format",
+                                     line.log_format};
+  if (line.insecure_lab) arguments.emplace_back("--insecure-lab");
+  for (const std::string& address : line.listen) {
+    arguments.emplace_back("--listen");
+    arguments.push_back(address);
+  }
+  return arguments;
 }
 
 int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& signals) {
-  if (!line.listen.empty()) scene.server.listen = line.listen;
+  // Forked while this thread is the only one: the log has one too.
+  std::optional<haptic::server::Launcher> launcher;
+  if (!scene.server.offline) {
+    launcher.emplace(haptic::server::front_program(), front_arguments(line),
+                     haptic::server::front_limits());
+  }
+  if (getpid() == 1) std::signal(SIGCHLD, SIG_IGN);  // in a container: it reaps what others leave
+  haptic::server::log_to_stderr(line.log_format == "json" ? LogFormat::kJson : LogFormat::kText);
+  spdlog::set_level(spdlog::level::from_str(line.log_level));
   const std::vector<std::string> warnings = scene.warnings;
-  haptic::server::App app(std::move(scene), {line.realtime, line.insecure_lab});
+  std::atomic<bool> front_lost{false};
+  haptic::server::App app(
+      std::move(scene), {line.realtime, line.insecure_lab}, [&](haptic::server::App& owner) {
+        return haptic::server::front_process(owner, launcher ? &*launcher : nullptr, [&] {
+          spdlog::error("the launcher of the front is gone: hapticd stops");
+          front_lost.store(true);
+          kill(getpid(), SIGTERM);
+        });
+      });
   app.start();
   for (const std::string& warning : warnings) spdlog::warn(warning);
   auto manager = haptic::server::ServiceManager::of_environment();
   manager.ready(app.realtime().facts.grade.str() + ": " + app.realtime().facts.explanation.str());
-  const int signal = wait_for_signal(signals, app, manager);
+  const int signal = wait_for_end(signals, app, manager);
   manager.stopping();
   spdlog::info("SIG{}: force fades out, devices are disarmed", sigabbrev_np(signal));
   app.stop();
   spdlog::info("stopped");
-  return 0;
+  return front_lost.load() ? 1 : 0;
 }
 
 /// A file, or the name of a scene that comes with hapticd.
@@ -150,6 +178,10 @@ int run(const CommandLine& line) {
     if (line.check_scene) {
       check_files(scene);
       for (const std::string& warning : scene.warnings) std::cerr << "warning: " << warning << "\n";
+      if (scene.server.tls) {
+        const int status = haptic::server::check_tls(scene.resolved);
+        if (status != 0) return status;
+      }
       std::cout << line.scene << ": ok\n";
     }
     if (line.print_scene || line.check_scene) return 0;
@@ -210,9 +242,6 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     return refuse(error.what(), 1);
   }
-  haptic::server::log_to_stderr(line.log_format == "json" ? LogFormat::kJson : LogFormat::kText);
-  spdlog::set_level(spdlog::level::from_str(line.log_level));
-
   const int status = run(line);
   haptic::server::finish_log();
   return status;

@@ -96,7 +96,8 @@ void add_common(CLI::App& cli, Options& options) {
   cli.set_config("--config", "", "configuration file (TOML), by default ~/.config/hapticctl.toml")
       ->take_last()
       ->type_name("FILE");
-  text("--server", options.server, "host:port or unix:/path")->capture_default_str();
+  text("--server", options.server, "host:port or unix:/path; local:SCENE for one offline")
+      ->capture_default_str();
   text("--device", options.device,
        "name of a device; default: the only one, for watch, info, health and estop all");
   cli.add_flag("--json", options.json, "print JSON: one object, or one per line");
@@ -146,6 +147,8 @@ void add_commands(CLI::App& cli, Options& options, Command& chosen) {
   add(cli, "clear-fault", clear_fault, chosen, "clear latched faults")
       ->add_option("fault", options.faults, "fault numbers; none: all that are active")
       ->check(CLI::Range(1, 31));
+  add(cli, "restart-front", restart_front, chosen,
+      "replace the process that faces the network; devices and leases go on");
   CLI::App* const examining = add(cli, "doctor", doctor, chosen,
                                   "say whether this host is fit, and how stiff a spring may be");
   examining->add_option("--seconds", options.seconds, "of measuring the loop's jitter; default 10")

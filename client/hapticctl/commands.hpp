@@ -43,6 +43,7 @@ int engage(const Options& options);
 int link(const Options& options);
 int estop(const Options& options);
 int clear_fault(const Options& options);
+int restart_front(const Options& options);
 int doctor(const Options& options);
 int calibrate(const Options& options);
 

@@ -4,6 +4,7 @@
 
 #include "commands.hpp"
 #include "doctor/measure.hpp"
+#include "local_control.hpp"
 
 namespace haptic::ctl {
 
@@ -17,7 +18,13 @@ int health(const Options& options) {
   return serving ? kDone : kFailed;
 }
 
+/// By the host's own socket if there is one: that needs no network, and no network can undo it.
 int estop(const Options& options) {
+  const std::string device = options.device.empty() ? "" : " " + options.device;
+  if (const auto stopped = ask_locally(options.server, "stop" + device + "\n" + options.reason)) {
+    answer(options, json{{"stopped", *stopped}}.dump(), "stopped: " + joined(*stopped));
+    return kDone;
+  }
   const auto stopped = connect(options).emergency_stop(options.device, options.reason);
   answer(options, json{{"stopped", stopped}}.dump(), "stopped: " + joined(stopped));
   return kDone;
@@ -25,12 +32,37 @@ int estop(const Options& options) {
 
 int clear_fault(const Options& options) {
   std::uint32_t bits = 0;
+  for (const std::uint32_t fault : options.faults) bits |= 1U << (fault & 31U);
+  const std::string device = options.device.empty() ? "" : " " + options.device;
+  if (const auto cleared =
+          ask_locally(options.server, "clear" + device + "\n" + std::to_string(bits))) {
+    bits = cleared->empty() ? 0U : static_cast<std::uint32_t>(std::stoul(cleared->front()));
+    const std::vector<std::string> names = client::fault_names(bits);
+    answer(options, json{{"cleared", names}}.dump(), "cleared: " + joined(names));
+    return kDone;
+  }
+  bits = 0;
   for (const std::uint32_t fault : connect(options).clear_fault(options.device, options.faults)) {
     bits |= 1U << (fault & 31U);
   }
   const std::vector<std::string> cleared = client::fault_names(bits);
   answer(options, json{{"cleared", cleared}}.dump(), "cleared: " + joined(cleared));
   return kDone;
+}
+
+int restart_front(const Options& options) {
+  constexpr int kPatienceMs = 30'000;
+  std::string refusal;
+  if (ask_locally(options.server, "restart-front", &refusal, kPatienceMs)) {
+    answer(options, json{{"restarted", true}}.dump(), "a new front serves");
+    return kDone;
+  }
+  if (!refusal.empty()) {
+    std::fprintf(stderr, "hapticctl: %s\n", refusal.c_str());
+    return kRefused;
+  }
+  std::fprintf(stderr, "hapticctl: no hapticd on this host serves at %s\n", options.server.c_str());
+  return kUnreachable;
 }
 
 /// Examines the host that it runs on; needs no server.

@@ -4,7 +4,10 @@
 /// can lie in memory that two processes share. Nothing here points, owns or calls.
 ///
 ///   front -> owner   Request with an id; ProxySample, PoseSample
-///   owner -> front   Answer with the request's id; Verdict; DeviceEvent; StateRecord; DeviceStatus
+///   owner -> front   Answer with the request's id; Judged; DeviceEvent; StateRecord; DeviceStatus
+///
+/// What goes to the owner has only members of which every pattern of bits is a value, so that a
+/// front that went wrong can write what it likes there.
 ///
 /// The front keeps its own map from an id to the call that waits for the answer. A front that is
 /// gone looks like a client that fell silent: samples stop, and leases end by their clock.
@@ -21,6 +24,7 @@
 #include "haptic/core/safety/staleness.hpp"
 #include "haptic/core/time.hpp"
 #include "haptic/core/types.hpp"
+#include "server/crossing/plain.hpp"
 #include "server/crossing/priority.hpp"
 #include "server/crossing/state_record.hpp"
 #include "server/crossing/text.hpp"
@@ -40,6 +44,7 @@ struct PlaneSample {
 /// A sample of the proxy as it came off the wire: nothing was checked but its syntax. Counts are
 /// the wire's and may be above what the arrays hold; such a sample is refused.
 struct ProxySample {
+  std::uint64_t ticket{0};  ///< the front's: whose it is (Judged)
   std::uint32_t device{0};
   std::uint32_t epoch{0};  ///< of the lease it is sent under
   std::uint64_t seq{0};
@@ -47,7 +52,7 @@ struct ProxySample {
   core::Duration valid_for{0};
   /// When it left its source at the latest, by a synchronised clock: its age counts from there if
   /// that is before its arrival (proto/README.md#staleness-and-gain).
-  std::optional<core::TimePoint> left{};
+  Maybe<core::TimePoint> left{};
   core::ProxyMode mode{core::ProxyMode::kNone};  ///< kNone: the wire named no known mode
   Carrier carrier{Carrier::kGrpc};
   std::uint32_t plane_count{0};
@@ -57,6 +62,7 @@ struct ProxySample {
 
 /// A pose of the tracked palm as it came off the wire; counts as in ProxySample.
 struct PoseSample {
+  std::uint64_t ticket{0};  ///< as in ProxySample
   std::uint32_t device{0};
   SessionId session_id{};
   std::uint64_t seq{0};
@@ -86,6 +92,14 @@ struct Verdict {
   [[nodiscard]] bool used() const noexcept { return verdict <= IngressVerdict::kBacklog; }
 };
 
+/// The verdict on one sample, and which one that is.
+struct Judged {
+  std::uint64_t ticket{0};
+  std::uint64_t seq{0};
+  Carrier carrier{Carrier::kNone};
+  Verdict verdict{};
+};
+
 inline constexpr std::size_t kIngressVerdicts = 9;
 /// Samples by what became of them: indices are IngressVerdict's.
 struct IngressCounters {
@@ -101,11 +115,11 @@ struct LeaseRequest {
   ClientName client_name{};
   double nominal_rate_hz{0.0};
   Priority priority{Priority::kPrimary};
-  bool resumable{false};  ///< its lease outlives the loss of its stream
-  SessionId resume{};     ///< session whose lease is to go on; empty: none
-  std::optional<core::Duration> fresh_end{};
-  std::optional<core::Duration> hold_end{};
-  std::optional<core::Duration> fade_end{};
+  Flag resumable{};    ///< its lease outlives the loss of its stream
+  SessionId resume{};  ///< session whose lease is to go on; empty: none
+  Maybe<core::Duration> fresh_end{};
+  Maybe<core::Duration> hold_end{};
+  Maybe<core::Duration> fade_end{};
 };
 
 /// A lease that was granted. The epoch is its number for clients and rises with every grant and
@@ -122,8 +136,8 @@ struct Lease {
 /// What a session may ask to change; absent and empty leave a setting as it is.
 struct SettingsRequest {
   Values stiffness{}, damping{}, force_limit{}, slew_limit{};  ///< n_a each
-  std::optional<core::RendererKind> renderer{};
-  std::optional<bool> direction_guard{};
+  Maybe<core::RendererKind> renderer{};
+  Maybe<Flag> direction_guard{};
 };
 
 /// The settings in effect after a request.
@@ -175,7 +189,7 @@ struct Request {
     kClear,     ///< `faults` of `device`; empty: all that are active
     kCancel,    ///< request `id` needs no answer any more; no answer
   };
-  std::uint64_t id{0};  ///< the front's, unique while the request is open
+  std::uint64_t id{0};  ///< unique while the request is open
   Kind kind{Kind::kAdmitSession};
   std::uint32_t device{0};  ///< kAdmit..., kOpen, kTrack, kStop, kClear; else the session says it
   SessionId session_id{};   ///< who asks; kAdmitSession: whose lease it wants to resume, or empty
@@ -184,6 +198,7 @@ struct Request {
   core::FaultSet faults{};
   Text<200> text{};
   core::TimePoint time{};  ///< when it was asked, on the server's steady clock
+  Flag local{};            ///< kStop, kClear: by the local control socket
 };
 
 struct Answer {
@@ -249,10 +264,10 @@ template <typename T, std::size_t kSize>
 inline constexpr bool crosses = std::is_trivially_copyable_v<T>&& std::is_standard_layout_v<T> &&
                                 sizeof(T) == kSize;
 
-static_assert(crosses<ProxySample, 4192>);
-static_assert(crosses<PoseSample, 136>);
+static_assert(crosses<ProxySample, 4200>);
+static_assert(crosses<PoseSample, 144>);
 static_assert(crosses<Verdict, 192>);
-static_assert(crosses<Request, 1280>);
+static_assert(crosses<Request, 1288>);
 static_assert(crosses<Answer, 1864>);
 static_assert(crosses<DeviceEvent, 472>);
 static_assert(crosses<DeviceStatus, 1064>);

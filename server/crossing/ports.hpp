@@ -1,6 +1,7 @@
 #pragma once
-/// The two sides of the crossing as one process joins them: calls that carry the values of
-/// crossing.hpp. Between two processes the same values go through shared memory.
+/// The two sides of the crossing as calls that carry the values of crossing.hpp. hapticd's halves
+/// are two processes, which pass the same values through shared memory and a socket (FrontLink,
+/// OwnerLink); a test program may join an owner and a front in one process.
 
 #include <memory>
 #include <optional>
@@ -8,15 +9,20 @@
 #include <vector>
 
 #include "haptic/core/tick/pipeline.hpp"
-#include "hw/device.hpp"
 #include "server/crossing/crossing.hpp"
+
+namespace haptic::v1 {
+class Device;
+}
 
 namespace haptic::server {
 
-/// What never changes while the server runs; the pointers outlive both sides.
+/// What never changes while the server runs.
 struct DeviceFacts {
   std::string name{};
-  const hw::DeviceInfo* info{nullptr};
+  std::shared_ptr<const v1::Device> description{};  ///< state/device_message.hpp
+  /// Outlives both sides. A front in a process of its own knows what the scene says: `device` and
+  /// `loop_late_fault` have their defaults there.
   const core::PipelineConfig* config{nullptr};
   core::Duration lease_timeout{};
   /// Softness of the coupling metric that states carry (core/METHOD.md#anisotropic-coupling);
@@ -31,6 +37,8 @@ class FrontPort {
   /// Once per request, to every front: the id says whose it is. No lock is held; on the thread that
   /// posted the request, or the telemetry drain's.
   virtual void on_answer(const Answer& answer) { static_cast<void>(answer); }
+  /// Once per sample that was posted, to every front: the ticket says whose it is. As on_answer().
+  virtual void on_judged(const Judged& judged) { static_cast<void>(judged); }
   /// In the order in which things happened. Under the owner's lock: only stores the event.
   virtual void on_event(std::size_t device, const DeviceEvent& event) {
     static_cast<void>(device), static_cast<void>(event);
@@ -54,8 +62,9 @@ class OwnerPort {
   virtual void connect(std::weak_ptr<FrontPort> front) = 0;
   /// The answer comes by FrontPort::on_answer: at once, or after the tick that gives it.
   virtual void post(const Request& request) = 0;
-  [[nodiscard]] virtual Verdict accept(const ProxySample& sample) = 0;
-  [[nodiscard]] virtual Verdict accept(const PoseSample& pose) = 0;
+  /// The verdict comes by FrontPort::on_judged, in this call or later.
+  virtual void post(const ProxySample& sample) = 0;
+  virtual void post(const PoseSample& pose) = 0;
   [[nodiscard]] virtual DeviceStatus status(std::size_t device) const = 0;
 };
 

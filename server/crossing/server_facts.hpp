@@ -38,6 +38,8 @@ struct ServerFacts {
   RealtimeFacts realtime{};
   LoopFacts loop{};
   core::Duration uptime{0};
+  std::uint64_t resident_bytes{0};  ///< of the owner's process
+  std::uint64_t fronts_served{0};   ///< since the start
 };
 static_assert(std::is_trivially_copyable_v<ServerFacts> && std::is_standard_layout_v<ServerFacts>);
 

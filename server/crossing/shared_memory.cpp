@@ -22,10 +22,6 @@ constexpr int kFixedSize = F_SEAL_SHRINK | F_SEAL_GROW;
 
 }  // namespace
 
-Descriptor::~Descriptor() {
-  if (fd_ >= 0) close(fd_);
-}
-
 SharedMemory::SharedMemory(const char* name, std::size_t bytes, Access of_the_other)
     : descriptor_(memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING)), bytes_(bytes) {
   if (!descriptor_ || ftruncate(descriptor_.get(), static_cast<off_t>(bytes)) != 0) {

@@ -4,28 +4,9 @@
 #include <cstddef>
 #include <utility>
 
+#include "server/base/descriptor.hpp"
+
 namespace haptic::server {
-
-/// A file descriptor and its end.
-class Descriptor {
- public:
-  Descriptor() = default;
-  explicit Descriptor(int fd) noexcept : fd_(fd) {}
-  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(fd_, other.fd_);
-    return *this;
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor();
-
-  [[nodiscard]] int get() const noexcept { return fd_; }
-  explicit operator bool() const noexcept { return fd_ >= 0; }
-
- private:
-  int fd_{-1};
-};
 
 /// Pages that are mapped as long as the object lives. All throw core::TransportError.
 class SharedMemory {

@@ -12,7 +12,8 @@
 
 namespace haptic::server {
 
-/// At most N bytes of UTF-8. A longer text is cut at a character's border.
+/// At most N bytes of UTF-8. A longer text is cut at a character's border. Another process may have
+/// written it: whatever its bits are, view() stays within it.
 template <std::size_t N>
 class Text {
  public:
@@ -29,7 +30,9 @@ class Text {
     size_ = static_cast<std::uint32_t>(size);
   }
 
-  [[nodiscard]] std::string_view view() const noexcept { return {chars_.data(), size_}; }
+  [[nodiscard]] std::string_view view() const noexcept {
+    return {chars_.data(), std::min<std::size_t>(size_, N)};
+  }
   operator std::string_view() const noexcept {
     return view();
   }  // NOLINT(google-explicit-constructor)

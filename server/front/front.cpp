@@ -92,6 +92,28 @@ void Front::on_answer(const Answer& answer) {
   if (const Answered answered = take(answer.id)) answered(answer);
 }
 
+std::uint64_t Front::ticket(const std::weak_ptr<SampleSource>& source) {
+  const std::uint64_t ticket = ++last_id_;
+  const std::lock_guard lock(mutex_);
+  sources_[ticket] = source;
+  return ticket;
+}
+
+void Front::forget(std::uint64_t ticket) {
+  const std::lock_guard lock(mutex_);
+  sources_.erase(ticket);
+}
+
+void Front::on_judged(const Judged& judged) {
+  std::shared_ptr<SampleSource> source;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto entry = sources_.find(judged.ticket);
+    if (entry != sources_.end()) source = entry->second.lock();
+  }
+  if (source) source->on_judged(judged);
+}
+
 std::shared_ptr<EventQueue> Front::subscribe(std::size_t device) {
   auto queue = std::make_shared<EventQueue>();
   const std::lock_guard lock(mutex_);

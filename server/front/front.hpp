@@ -33,6 +33,14 @@ class EventQueue {
   std::uint64_t dropped_untold_{0};
 };
 
+/// Posts samples, and hears of what became of each.
+class SampleSource {
+ public:
+  virtual ~SampleSource() = default;
+  /// As FrontPort::on_judged().
+  virtual void on_judged(const Judged& judged) = 0;
+};
+
 class Front : public FrontPort {
  public:
   using Answered = std::function<void(const Answer&)>;
@@ -55,10 +63,15 @@ class Front : public FrontPort {
   /// Gives up on an answer.
   void cancel(std::uint64_t id);
 
+  /// A ticket for the samples of `source`, which hears of its own as long as it lives.
+  [[nodiscard]] std::uint64_t ticket(const std::weak_ptr<SampleSource>& source);
+  void forget(std::uint64_t ticket);
+
   /// The events of a device from now on, as long as the queue lives.
   [[nodiscard]] std::shared_ptr<EventQueue> subscribe(std::size_t device);
 
   void on_answer(const Answer& answer) override;
+  void on_judged(const Judged& judged) override;
   void on_event(std::size_t device, const DeviceEvent& event) override;
 
  private:
@@ -68,7 +81,8 @@ class Front : public FrontPort {
   std::atomic<std::uint64_t> last_id_;
   std::mutex mutex_;
   std::unordered_map<std::uint64_t, Answered> open_;
-  std::vector<std::vector<std::weak_ptr<EventQueue>>> queues_;  ///< per device
+  std::unordered_map<std::uint64_t, std::weak_ptr<SampleSource>> sources_;  ///< by ticket
+  std::vector<std::vector<std::weak_ptr<EventQueue>>> queues_;              ///< per device
 };
 
 }  // namespace haptic::server

@@ -7,12 +7,6 @@ namespace {
 
 using Doubles = google::protobuf::RepeatedField<double>;
 
-template <typename Vector>
-void copy(const Vector& from, Doubles* to) {
-  to->Clear();
-  to->Add(from.data(), from.data() + from.size());
-}
-
 template <typename To>
 To numbers(const Doubles& from) {
   return {from.data(), static_cast<std::size_t>(from.size())};
@@ -37,15 +31,6 @@ core::Duration duration(const google::protobuf::Duration& message) {
   // Far beyond any limit of the server, far below what 64 bits of nanoseconds hold.
   const std::int64_t seconds = std::clamp<std::int64_t>(message.seconds(), -86400, 86400);
   return std::chrono::seconds(seconds) + std::chrono::nanoseconds(message.nanos());
-}
-
-const char* unit_name(core::Unit unit) {
-  return unit == core::Unit::kMetre ? "m" : "rad";
-}
-
-const char* kind_name(core::CoordinateKind kind) {
-  if (kind == core::CoordinateKind::kAngle) return "angle";
-  return kind == core::CoordinateKind::kQuaternion ? "quaternion" : "linear";
 }
 
 }  // namespace
@@ -109,52 +94,14 @@ v1::GetServerInfoResponse to_proto(const ServerFacts& facts) {
 }
 
 v1::Device describe(const DeviceFacts& facts, const DeviceStatus& status, core::Duration period) {
-  v1::Device message;
-  const hw::DeviceInfo& info = *facts.info;
-  const core::PipelineConfig& config = *facts.config;
-  message.set_name(facts.name);
-  message.set_kind(info.kind);
-  message.set_model(info.model);
-  message.set_serial(info.serial);
-  message.set_moves(info.moves);
-  message.set_calibrated(info.calibrated);
-  message.set_measures_force(info.measures_force);
-  Eigen::Index actuated = 0;
-  for (const core::DofSpec& spec : info.dofs) {
-    auto* dof = message.add_dofs();
-    dof->set_name(spec.name);
-    dof->set_unit(unit_name(spec.unit));
-    dof->set_actuated(spec.actuated);
-    dof->set_lower(spec.lower);
-    dof->set_upper(spec.upper);
-    if (!spec.actuated) continue;
-    if (actuated < config.device.max_effort.size()) {
-      dof->set_max_effort(config.device.max_effort[actuated]);
-    }
-    ++actuated;
-  }
-  for (const core::Coordinate& coordinate : config.kinematics->space().coordinates()) {
-    auto* entry = message.add_coordinates();
-    entry->set_name(coordinate.name);
-    const bool quaternion = coordinate.kind == core::CoordinateKind::kQuaternion;
-    entry->set_unit(quaternion ? "1" : unit_name(coordinate.unit));
-    entry->set_kind(kind_name(coordinate.kind));
-  }
-  copy(config.scene.stiffness, message.mutable_stiffness_limit());
-  copy(config.scene.damping, message.mutable_damping_limit());
-  copy(config.scene.force_limit, message.mutable_force_limit());
-  copy(config.scene.slew_limit, message.mutable_slew_limit());
-  copy(config.scene.engage_window, message.mutable_engage_window());
+  v1::Device message = *facts.description;
   message.set_loop_rate_hz(1.0 / core::seconds(period));
   message.set_state(static_cast<v1::DeviceStateName>(status.state));
   message.set_faults(status.faults.bits());
   message.set_controller(status.controller.str());
   message.set_renderer(static_cast<v1::Renderer>(status.renderer));
   message.set_observers(status.observers);
-  if (config.tracker) {
-    message.set_wants_tracker(true);
-    message.set_tracker(status.tracker.str());
-  }
+  if (message.wants_tracker()) message.set_tracker(status.tracker.str());
   return message;
 }
 

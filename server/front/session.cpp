@@ -35,6 +35,10 @@ const char* role_name(v1::Role role) {
 Session::Session(Front& front, std::size_t device, const SessionSettings& settings)
     : front_(front), device_(device), settings_(settings) {}
 
+Session::~Session() {
+  if (ticket_ != 0) front_.forget(ticket_);
+}
+
 std::optional<Refusal> Session::refusal_of(const v1::OpenSession& request,
                                            const Rights& rights) const {
   if (request.role() != v1::ROLE_CONTROLLER && request.role() != v1::ROLE_OBSERVER &&
@@ -88,6 +92,7 @@ void Session::admitted(const v1::OpenSession& request, const Rights& rights, con
   {
     const std::lock_guard lock(mutex_);
     id_ = id;
+    ticket_ = front_.ticket(weak_from_this());
     events_ = std::move(events);
     closed = closed_;
     lost = lost_;
@@ -174,35 +179,25 @@ void Session::take(const v1::ProxySample& message, core::TimePoint arrival, Carr
     const std::lock_guard lock(mutex_);
     if (closed_) return;
     sample.epoch = epoch_;
+    sample.ticket = ticket_;
     const auto left = link_.came(
         {carrier, message.ByteSizeLong(), message.source_time_ns(), message.device_seq_used(),
          std::chrono::microseconds(message.hold_us()), arrival},
         path_clock);
     if (settings_.age_by_source_time) sample.left = left;
   }
-  Verdict verdict{IngressVerdict::kOldEpoch,
-                  "this session does not hold the lease: its samples are not used"};
-  if (sample.epoch != 0) {
-    sample.device = static_cast<std::uint32_t>(device_);
-    sample.carrier = carrier;
-    sample.arrival = arrival;
-    from_proto(message, sample);
-    verdict = front_.owner().accept(sample);
+  if (sample.epoch == 0) {
+    return on_judged({0,
+                      message.seq(),
+                      carrier,
+                      {IngressVerdict::kOldEpoch,
+                       "this session does not hold the lease: its samples are not used"}});
   }
-  bool told = true;
-  {
-    const std::lock_guard lock(mutex_);
-    book(message.seq(), carrier, verdict);
-    if (!verdict.used()) return;
-    samples_by_ = carrier;
-    if (carrier != samples_told_by_ && tell_limit_.allows(arrival)) {
-      samples_told_by_ = carrier;
-      told = false;
-    }
-  }
-  if (told) return;
-  tell_transport(carrier == Carrier::kUdp ? "SAMPLES GRPC -> UDP" : "SAMPLES UDP -> GRPC",
-                 "the client's choice");
+  sample.device = static_cast<std::uint32_t>(device_);
+  sample.carrier = carrier;
+  sample.arrival = arrival;
+  from_proto(message, sample);
+  front_.owner().post(sample);
 }
 
 void Session::take(const v1::TrackerSample& message, core::TimePoint arrival) {
@@ -212,21 +207,33 @@ void Session::take(const v1::TrackerSample& message, core::TimePoint arrival) {
     static_cast<void>(
         link_.came({Carrier::kGrpc, message.ByteSizeLong(), 0, 0, {}, arrival}, std::nullopt));
     pose.session_id = id_;
+    pose.ticket = ticket_;
   }
-  Verdict verdict{IngressVerdict::kOldEpoch,
-                  "this session is no tracker's: its poses are not used"};
-  if (role_ == v1::ROLE_TRACKER) {
-    pose.device = static_cast<std::uint32_t>(device_);
-    pose.arrival = arrival;
-    verdict = front_.owner().accept(pose);
+  if (role_ != v1::ROLE_TRACKER) {
+    return on_judged(
+        {0,
+         message.seq(),
+         Carrier::kGrpc,
+         {IngressVerdict::kOldEpoch, "this session is no tracker's: its poses are not used"}});
   }
-  const std::lock_guard lock(mutex_);
-  book(message.seq(), Carrier::kGrpc, verdict);
+  pose.device = static_cast<std::uint32_t>(device_);
+  pose.arrival = arrival;
+  front_.owner().post(pose);
 }
 
-void Session::book(std::uint64_t seq, Carrier carrier, const Verdict& verdict) {
-  link_.judged(carrier, verdict.verdict);
-  ledger_.book(seq, verdict);
+void Session::on_judged(const Judged& judged) {
+  const Carrier carrier = judged.carrier;
+  {
+    const std::lock_guard lock(mutex_);
+    link_.judged(carrier, judged.verdict.verdict);
+    ledger_.book(judged.seq, judged.verdict);
+    if (!judged.verdict.used() || role_ == v1::ROLE_TRACKER) return;
+    samples_by_ = carrier;
+    if (carrier == samples_told_by_ || !tell_limit_.allows(settings_.clock({}))) return;
+    samples_told_by_ = carrier;
+  }
+  tell_transport(carrier == Carrier::kUdp ? "SAMPLES GRPC -> UDP" : "SAMPLES UDP -> GRPC",
+                 "the client's choice");
 }
 
 bool Session::due(const StateRecord& state) {

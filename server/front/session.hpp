@@ -37,13 +37,16 @@ struct SessionSettings {
   bool age_by_source_time{true};  ///< RpcConfig
 };
 
-class Session : public std::enable_shared_from_this<Session> {
+class Session final : public SampleSource, public std::enable_shared_from_this<Session> {
  public:
   using ClockEstimate = std::optional<wire::ClockOffset::Estimate>;
   using Opened = std::function<void(const Outcome<v1::SessionOpened>&)>;
 
   /// `front` must outlive this.
   Session(Front& front, std::size_t device, const SessionSettings& settings);
+  ~Session() override;
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
 
   /// Once. Asks the owner for the session, then for the lease or the tracker's place if its role
   /// wants one; `opened` is called once, at once or when the owner answers, unless close() comes
@@ -57,6 +60,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void take(const v1::ProxySample& message, core::TimePoint arrival, Carrier carrier,
             const ClockEstimate& path_clock);
   void take(const v1::TrackerSample& message, core::TimePoint arrival);
+  void on_judged(const Judged& judged) override;
 
   /// Once per tick that may be sent; also decides whether an acknowledgement is due.
   [[nodiscard]] bool due(const StateRecord& state);
@@ -110,7 +114,6 @@ class Session : public std::enable_shared_from_this<Session> {
                const Opened& opened);
   void tell_owner_of_end(const SessionId& id, bool lost);
   [[nodiscard]] v1::SessionOpened greeting(const Lease& lease) const;
-  void book(std::uint64_t seq, Carrier carrier, const Verdict& verdict);
 
   Front& front_;
   const std::size_t device_;
@@ -124,6 +127,7 @@ class Session : public std::enable_shared_from_this<Session> {
   v1::Role role_{v1::ROLE_UNSPECIFIED};
   std::uint32_t epoch_{0};  ///< 0: never held the lease
   std::uint32_t tenure_{0};
+  std::uint64_t ticket_{0};  ///< of its samples; 0: none yet
   std::shared_ptr<EventQueue> events_{};
   SampleLedger ledger_{};
   LinkWatch link_{};

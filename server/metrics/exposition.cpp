@@ -1,6 +1,5 @@
 #include "server/metrics/exposition.hpp"
 
-#include <algorithm>
 #include <charconv>
 
 namespace haptic::server {
@@ -30,12 +29,6 @@ std::string escaped(std::string_view value) {
 
 }  // namespace
 
-void Histogram::add(double value) noexcept {
-  const auto bound = std::lower_bound(bounds_.begin(), bounds_.end(), value);
-  ++counts_[static_cast<std::size_t>(bound - bounds_.begin())];
-  sum_ += value;
-}
-
 void Exposition::family(std::string_view name, std::string_view type, std::string_view help) {
   name_ = name;
   text_.append("# HELP ").append(name).append(" ").append(help).append("\n");
@@ -53,17 +46,17 @@ void Exposition::line(std::string_view suffix, const Labels& labels, double valu
   text_.append(" ").append(number(value)).append("\n");
 }
 
-void Exposition::sample(const Labels& labels, const Histogram& values) {
+void Exposition::sample(const Labels& labels, const HistogramView& values) {
   std::uint64_t so_far = 0;
-  for (std::size_t i = 0; i < values.counts().size(); ++i) {
-    so_far += values.counts()[i];
+  for (std::size_t i = 0; i < values.counts.size(); ++i) {
+    so_far += values.counts[i];
     const std::string bound =
-        i < values.bounds().size() ? number(values.bounds()[i]) : std::string("+Inf");
+        i < values.bounds.size() ? number(values.bounds[i]) : std::string("+Inf");
     Labels with_bound = labels;
     with_bound.emplace_back("le", bound);
     line("_bucket", with_bound, static_cast<double>(so_far));
   }
-  line("_sum", labels, values.sum());
+  line("_sum", labels, values.sum);
   line("_count", labels, static_cast<double>(so_far));
 }
 

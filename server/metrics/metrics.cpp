@@ -45,8 +45,11 @@ void process(Exposition& page, const ServerFacts& facts) {
   page.sample({{"grade", facts.realtime.grade}}, 1.0);
   page.gauge("haptic_uptime_seconds", "Time since the start.");
   page.sample({}, core::seconds(facts.uptime));
-  page.gauge("process_resident_memory_bytes", "Resident memory size in bytes.");
-  page.sample({}, resident_bytes());
+  page.gauge("process_resident_memory_bytes", "Resident memory size in bytes, of each process.");
+  page.sample({{"process", "owner"}}, count(facts.resident_bytes));
+  page.sample({{"process", "front"}}, resident_bytes());
+  page.counter("haptic_front_starts_total", "Fronts that served since the start.");
+  page.sample({}, count(facts.fronts_served));
 }
 
 /// One loop ticks all devices: what the first saw of it is the loop's.
@@ -134,11 +137,11 @@ void force(Exposition& page, const std::vector<Reading>& devices) {
     for (int s = 1; s <= static_cast<int>(core::LifecycleState::kClosing); ++s) {
       const auto state = static_cast<core::LifecycleState>(s);
       page.sample({{"device", d.name}, {"state", lower(core::name(state))}},
-                  d.ticks.newest.state == state ? 1.0 : 0.0);
+                  d.ticks.state == state ? 1.0 : 0.0);
     }
   }
   page.gauge("haptic_gain_ratio", "Gain of the elastic force, 0 to 1.");
-  for (const Reading& d : devices) page.sample({{"device", d.name}}, d.ticks.newest.gain);
+  for (const Reading& d : devices) page.sample({{"device", d.name}}, d.ticks.gain);
   page.counter("haptic_limited_ticks_total", "Ticks in which a limiter held something back.");
   for (const Reading& d : devices) named<core::Limiter>(page, "limiter", d, d.ticks.limited);
   page.counter("haptic_faults_total", "Times a fault latched.");
@@ -186,7 +189,7 @@ std::string metrics_text(const MetricsSources& sources) {
   std::vector<Reading> devices;
   for (std::size_t i = 0; i < sources.owner->devices().size(); ++i) {
     devices.push_back(
-        {sources.owner->devices()[i].name, sources.owner->status(i), sources.ticks->totals(i)});
+        {sources.owner->devices()[i].name, sources.owner->status(i), sources.totals(i)});
   }
   const ServerFacts facts = sources.facts();
   Exposition page;

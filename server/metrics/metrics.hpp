@@ -9,7 +9,7 @@
 
 #include "server/crossing/ports.hpp"
 #include "server/crossing/server_facts.hpp"
-#include "server/metrics/tick_metrics.hpp"
+#include "server/crossing/tick_totals.hpp"
 
 namespace haptic::server {
 
@@ -17,7 +17,7 @@ namespace haptic::server {
 /// scrape, and none waits for the loop.
 struct MetricsSources {
   const OwnerPort* owner{nullptr};
-  const TickMetrics* ticks{nullptr};
+  std::function<TickTotals(std::size_t device)> totals{};
   FactsProvider facts{};
   /// By reason; empty if there is no UDP path.
   std::function<std::vector<std::pair<std::string, std::uint64_t>>()> dropped_datagrams{};

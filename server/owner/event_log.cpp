@@ -16,7 +16,7 @@ spdlog::level::level_enum level_of(DeviceEvent::Kind kind) {
 
 }  // namespace
 
-/// Under the owner's lock: the log only queues its lines (telemetry/log.hpp).
+/// Under the owner's lock: the log only queues its lines (base/log.hpp).
 void EventLog::on_event(std::size_t device, const DeviceEvent& event) {
   const bool says_more = !(event.message == event.reason.view());
   spdlog::log(level_of(event.kind), "{}: {}{}{}", owner_.devices()[device].name,

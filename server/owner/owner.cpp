@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "server/state/device_message.hpp"
+
 namespace haptic::server {
 namespace {
 
@@ -73,8 +75,10 @@ Owner::Owner(Telemetry& telemetry, unsigned max_sessions)
 Owner::~Owner() = default;
 
 void Owner::add(DeviceUnit& unit, const SessionRules& rules) {
-  facts_.push_back({unit.name(), &unit.device().info(), &unit.config(), rules.lease_timeout,
-                    rules.coupling_softness});
+  facts_.push_back({unit.name(),
+                    std::make_shared<const v1::Device>(
+                        describe(unit.name(), unit.device().info(), unit.config())),
+                    &unit.config(), rules.lease_timeout, rules.coupling_softness});
   devices_.push_back(std::make_unique<Device>(*this, devices_.size(), unit, rules));
 }
 
@@ -125,6 +129,17 @@ void Owner::loop_ended() {
   });
 }
 
+void Owner::front_gone() {
+  serve([this](std::vector<Answer>& answers) {
+    for (const auto& [id, kind] : registry_.all()) {
+      Request end;
+      end.kind = kind == Request::Kind::kAdmitWatch ? Request::Kind::kClose : Request::Kind::kLose;
+      end.session_id = id;
+      handle(end, answers);
+    }
+  });
+}
+
 void Owner::post(const Request& request) {
   serve([&](std::vector<Answer>& answers) { handle(request, answers); });
 }
@@ -166,6 +181,18 @@ Verdict Owner::accept(const ProxySample& sample) {
 Verdict Owner::accept(const PoseSample& pose) {
   const std::lock_guard lock(mutex_);
   return devices_.at(pose.device)->sessions.accept(pose);
+}
+
+void Owner::post(const ProxySample& sample) {
+  tell({sample.ticket, sample.seq, sample.carrier, accept(sample)});
+}
+
+void Owner::post(const PoseSample& pose) {
+  tell({pose.ticket, pose.seq, Carrier::kGrpc, accept(pose)});
+}
+
+void Owner::tell(const Judged& judged) {
+  for (const auto& front : fronts()) front->on_judged(judged);
 }
 
 DeviceStatus Owner::status(std::size_t device) const {

@@ -31,12 +31,17 @@ class Owner final : public OwnerPort {
   /// The loop has ended, and the telemetry has drained: DeviceSessions::loop_ended() of every
   /// device.
   void loop_ended();
+  /// The front's process is gone, and with it every stream: what can be resumed may be.
+  void front_gone();
+  /// post() with the verdict at once, for a caller that passes it on itself.
+  [[nodiscard]] Verdict accept(const ProxySample& sample);
+  [[nodiscard]] Verdict accept(const PoseSample& pose);
 
   [[nodiscard]] const std::vector<DeviceFacts>& devices() const noexcept override { return facts_; }
   void connect(std::weak_ptr<FrontPort> front) override;
   void post(const Request& request) override;
-  [[nodiscard]] Verdict accept(const ProxySample& sample) override;
-  [[nodiscard]] Verdict accept(const PoseSample& pose) override;
+  void post(const ProxySample& sample) override;
+  void post(const PoseSample& pose) override;
   [[nodiscard]] DeviceStatus status(std::size_t device) const override;
   /// The state of the newest record. The telemetry drain's thread only.
   [[nodiscard]] const StateRecord& newest(std::size_t device) const;
@@ -49,6 +54,7 @@ class Owner final : public OwnerPort {
   template <typename Act>
   void serve(const Act& act);
   void handle(const Request& request, std::vector<Answer>& answers);
+  void tell(const Judged& judged);
   void on_record(Device& device, const core::TickRecord& record);
   using Fronts = std::vector<std::shared_ptr<FrontPort>>;
   [[nodiscard]] Fronts fronts();

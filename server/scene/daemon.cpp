@@ -58,7 +58,14 @@ std::string address_problem(const std::string& address) {
 
 ServerScene read_server(const Part<v1::ServerScene>& part) {
   ServerScene server;
-  if (part->listen().empty()) part->add_listen(server.listen.front());
+  server.offline = part->has_offline();
+  if (server.offline) {
+    const bool network = !part->listen().empty() || part->has_udp_listen() ||
+                         part->has_metrics_listen() || part->has_tls();
+    if (network) part.wrong("offline", "{}", "not with listen, udp_listen, metrics_listen or tls");
+  } else if (part->listen().empty()) {
+    part->add_listen(server.listen.front());
+  }
   server.listen.assign(part->listen().begin(), part->listen().end());
   std::set<std::string> addresses;
   for (std::size_t i = 0; i < server.listen.size(); ++i) {

@@ -12,6 +12,7 @@
 #include "haptic/core/error.hpp"
 #include "haptic/wire/utf8.hpp"
 #include "server/base/figures.hpp"
+#include "server/crossing/shared_layout.hpp"
 #include "server/scene/parts.hpp"
 #include "server/scene/text.hpp"
 
@@ -51,6 +52,10 @@ void check_name(const Part<v1::Scene>& scene) {
 
 std::vector<DeviceScene> read_devices(const Part<v1::Scene>& scene) {
   if (scene->device().empty()) scene.missing("device", "at least one");
+  if (static_cast<std::size_t>(scene->device().size()) > kMostDevices) {
+    scene.wrong("device", std::to_string(scene->device().size()) + " of them",
+                "must be at most " + std::to_string(kMostDevices));
+  }
   std::vector<DeviceScene> devices;
   std::set<std::string> names;
   for (const auto& part : scene.parts<v1::DeviceScene>("device")) {

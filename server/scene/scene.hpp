@@ -52,6 +52,7 @@ struct ServerScene {
   core::Duration lease_timeout{std::chrono::seconds(2)};
   unsigned max_sessions{32};
   std::optional<TlsConfig> tls{};  ///< absent: plain text
+  bool offline{false};             ///< no network: `listen` is empty
 };
 
 /// Defaults of a scene without hardware. A late tick of a simulated or replayed device can hurt no

@@ -40,6 +40,7 @@ void DeviceSessions::handle(const Request& request) {
   if (loop_ended_ && needs_tick(request.kind)) return answer(request.id, kClosing);
   switch (request.kind) {
     case Request::Kind::kStop:
+      stopped_locally_ = stopped_locally_ || request.local;
       pending_.add(request, ++command_.stop_id);
       post();
       stop_reason_ = request.text.str();
@@ -80,6 +81,15 @@ void DeviceSessions::clear_faults(const Request& request) {
   if (!active.any()) {
     answer(request.id);
     return;
+  }
+  if (active.has(core::Fault::kEmergencyStop)) {
+    if (stopped_locally_ && !request.local) {
+      return answer(request.id, {Refusal::Code::kPermission, "STOPPED_LOCALLY",
+                                 "'" + unit_.name() +
+                                     "' was stopped on the host that runs hapticd: it is cleared "
+                                     "there"});
+    }
+    stopped_locally_ = false;
   }
   pending_.add_clear(request, {active, newest_.life.stop_id});
   post_next_clear();

@@ -125,6 +125,7 @@ class DeviceSessions {
   bool settings_due_{false};  ///< the scene's settings are to be restored when g = 0
   EventDetector detector_;
   std::string stop_reason_{};
+  bool stopped_locally_{false};  ///< by the local control socket, which alone clears that
   core::TickRecord newest_{};
   Outbox out_{};
 };

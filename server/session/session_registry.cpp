@@ -52,6 +52,12 @@ std::optional<std::size_t> SessionRegistry::device_of(const SessionId& id) const
   return entry->second.device;
 }
 
+std::vector<std::pair<SessionId, SessionRegistry::Kind>> SessionRegistry::all() const {
+  std::vector<std::pair<SessionId, Kind>> answer;
+  for (const auto& [id, entry] : entries_) answer.emplace_back(id, entry.kind);
+  return answer;
+}
+
 unsigned SessionRegistry::count(Kind kind, std::optional<std::size_t> device) const {
   return static_cast<unsigned>(std::count_if(entries_.begin(), entries_.end(), [&](const auto& e) {
     return e.second.kind == kind && (!device || e.second.device == *device);

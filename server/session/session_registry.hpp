@@ -5,6 +5,8 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "server/crossing/outcome.hpp"
 
@@ -24,6 +26,8 @@ class SessionRegistry {
   void remove(const SessionId& id);
   /// The device of an open session or watch; absent: there is none of that name.
   [[nodiscard]] std::optional<std::size_t> device_of(const SessionId& id) const;
+  /// Those that are open, and what each is.
+  [[nodiscard]] std::vector<std::pair<SessionId, Kind>> all() const;
   [[nodiscard]] unsigned count(Kind kind, std::optional<std::size_t> device = {}) const;
 
  private:

@@ -39,8 +39,8 @@ bool allows_renderer_change(core::LifecycleState state) {
 }
 
 /// min(scene's, wish); Sets `refusal` if the wish is not a limit at all.
-core::Duration tightened(const char* field, const std::optional<core::Duration>& wish,
-                         core::Duration scene, std::optional<Refusal>& refusal) {
+core::Duration tightened(const char* field, const Maybe<core::Duration>& wish, core::Duration scene,
+                         std::optional<Refusal>& refusal) {
   if (!wish) return scene;
   if (*wish <= core::Duration::zero() && !refusal) {
     refusal = invalid_field(field, "= " + milliseconds(*wish) + ": must be > 0");

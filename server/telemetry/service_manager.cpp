@@ -2,12 +2,13 @@
 
 #include <systemd/sd-daemon.h>
 
+#include <cstdlib>
 #include <utility>
 
 namespace haptic::server {
 
-ServiceManager::ServiceManager(Send send, std::optional<core::Duration> watchdog)
-    : send_(std::move(send)), watchdog_(watchdog) {}
+ServiceManager::ServiceManager(Send send, std::optional<core::Duration> watchdog, bool present)
+    : send_(std::move(send)), watchdog_(watchdog), present_(present) {}
 
 ServiceManager ServiceManager::of_environment() {
   std::uint64_t microseconds = 0;
@@ -15,7 +16,8 @@ ServiceManager ServiceManager::of_environment() {
   return {[](const std::string& state) { static_cast<void>(sd_notify(0, state.c_str())); },
           watched ? std::optional<core::Duration>(
                         std::chrono::microseconds(static_cast<std::int64_t>(microseconds)))
-                  : std::nullopt};
+                  : std::nullopt,
+          std::getenv("NOTIFY_SOCKET") != nullptr};
 }
 
 void ServiceManager::ready(const std::string& status) const {

@@ -17,10 +17,12 @@ class ServiceManager {
   using Send = std::function<void(const std::string& state)>;
 
   /// `watchdog`: the silence after which the manager ends the daemon; none: it does not watch.
-  ServiceManager(Send send, std::optional<core::Duration> watchdog);
+  ServiceManager(Send send, std::optional<core::Duration> watchdog, bool present = true);
   /// The one that started this process, by $NOTIFY_SOCKET and $WATCHDOG_USEC.
   [[nodiscard]] static ServiceManager of_environment();
 
+  /// Whether one started this process.
+  [[nodiscard]] bool present() const noexcept { return present_; }
   /// `status`: one line for `systemctl status`.
   void ready(const std::string& status) const;
   void stopping() const;
@@ -34,6 +36,7 @@ class ServiceManager {
  private:
   Send send_;
   std::optional<core::Duration> watchdog_;
+  bool present_;
   std::uint64_t ticks_{0};
 };
 

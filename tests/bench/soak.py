@@ -50,7 +50,8 @@ def read(url: str) -> Reading:
     return Reading(
         value("haptic_loop_ticks_total"),
         value("haptic_loop_skipped_deadlines_total"),
-        value("process_resident_memory_bytes"),
+        value("process_resident_memory_bytes", 'process="owner"')
+        + value("process_resident_memory_bytes", 'process="front"'),
         value("haptic_carrier_seconds_total", '.*carrier="udp".*'),
         [(float(bound), float(n)) for bound, n in BUCKET.findall(page)],
     )

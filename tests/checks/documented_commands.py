@@ -40,6 +40,7 @@ RUN = {
     "hapticctl link": None,
     "hapticctl estop": None,
     "hapticctl clear-fault": None,
+    "hapticctl restart-front": None,
 }
 # Commands that another test runs: that test's file, and the text in it that shows so.
 ELSEWHERE = {

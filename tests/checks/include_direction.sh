@@ -73,6 +73,10 @@ report "the owner of the devices knows no network" <<LINES
 $(for room in $owner; do includes "$room"; done | grep ' "haptic/wire/' |
   grep -vE '/(utf8|ports)\.hpp$')
 LINES
+report "hapticd's own process knows no network" <<LINES
+$(includes server | grep -E '^server/(main|app|front_program)\.[ch]pp' |
+  grep -E ' [<"](grpc|asio|boost|openssl/|server/(front|metrics|net|rpc|udp)/)')
+LINES
 forbid server/front server/metrics server/net server/rpc server/udp -- \
   "server/(ingress|owner|rt|scene|session|telemetry)/" "the front knows the owner by the crossing"
 report "proto types stop at server/{front,owner,rpc,scene,state,udp}" <<LINES

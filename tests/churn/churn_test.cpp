@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "haptic/client/client.hpp"
-#include "server/app.hpp"
 #include "server/scene/scene.hpp"
+#include "tests/server/support/app.hpp"
 
 namespace haptic::test {
 namespace {
@@ -35,7 +35,7 @@ server::Scene patient_scene(const std::string& unix_address) {
 
 class Churn {
  public:
-  explicit Churn(server::App& app) : tcp_(app.addresses().at(0)), unix_(app.addresses().at(1)) {}
+  explicit Churn(test::App& app) : tcp_(app.addresses().at(0)), unix_(app.addresses().at(1)) {}
 
   /// Opens a session, sends for a while, asks for force, leaves; over and over.
   void control(const std::string& address, client::Carriers carriers) {
@@ -110,7 +110,7 @@ class Churn {
 
 TEST(Churn, EveryCarrierSurvivesComingAndGoing) {
   const std::string address = "unix:/tmp/haptic-churn-" + std::to_string(getpid());
-  server::App app(patient_scene(address), {server::RealtimeMode::kOff});
+  test::App app(patient_scene(address), {server::RealtimeMode::kOff});
   app.start();
   Churn churn(app);
   std::vector<std::thread> threads;

@@ -206,21 +206,21 @@ class Way:
     share: float
 
 
-COMMAND = Way(0.100, 0.100, 0.75)  # a whole program, which the host may hold up
-SOCKET = Way(0.010, 0.010, 0.99)  # from connect to answer of a local control socket
-STOP = COMMAND
+STOP = Way(0.010, 0.010, 0.99)  # from connect to answer of the local control socket
 
 
 def local_stop(daemon):
-    """Stops the spare device as a user of this host does: seconds. Raises OSError if it was not
-    stopped.
-
-    The one place that knows how. hapticd has no local control socket yet, so that this is the
-    whole command `hapticctl estop`, over the network's own door. With a socket STOP is SOCKET."""
-    seconds, status, words = control(daemon, "--device", "spare", "estop", "--reason", "row",
-                                     timeout=2.0)
-    if status != 0:
-        raise OSError(f"status {status} after {seconds:.1f} s: {words.strip()}")
+    """Stops the spare device as a user of this host does, by the local control socket: seconds from
+    connect to answer. Raises OSError if it was not stopped."""
+    began = time.monotonic()
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as control_socket:
+        control_socket.settimeout(2.0)
+        control_socket.connect(f"\0hapticd/{daemon.port}")
+        control_socket.send(b"stop spare\nrow")
+        words = control_socket.recv(512)
+    seconds = time.monotonic() - began
+    if words != b"ok\nspare":
+        raise OSError(f"{words!r} after {seconds:.3f} s")
     return seconds
 
 

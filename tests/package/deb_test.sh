@@ -31,7 +31,8 @@ holds() { # holds NAME PATH...
   done
 }
 folder=$2
-holds hapticd ./usr/bin/hapticd ./usr/lib/systemd/system/hapticd.service \
+holds hapticd ./usr/bin/hapticd ./usr/libexec/hapticd/hapticd-front \
+  ./usr/lib/sysusers.d/hapticd.conf ./usr/lib/systemd/system/hapticd.service \
   ./etc/hapticd/scene.textproto \
   ./usr/share/haptic/scenes/finger_soft_grasp.textproto \
     ./usr/share/haptic/scenes/motion/reach_and_grasp.csv \

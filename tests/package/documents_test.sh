@@ -33,7 +33,7 @@ check() { # check PROGRAM SOURCE
 check hapticd "$source/server/main.cpp"
 check hapticctl "$source/client/hapticctl/command_line.cpp"
 
-for command in info health watch engage link estop clear-fault doctor calibrate; do
+for command in info health watch engage link estop clear-fault restart-front doctor calibrate; do
   page=$folder/man/man1/hapticctl-$command.1.gz
   [[ -s $page ]] || fail "no man page for hapticctl $command"
 done

@@ -39,6 +39,13 @@ class Notify(unittest.TestCase):
     def hear(self) -> list[str]:
         return self.manager.recv(4096).decode().split("\n")
 
+    def test_hangup_replaces_the_front(self) -> None:
+        self.assertIn("READY=1", self.hear())
+        self.server.send_signal(signal.SIGHUP)
+        for _ in range(3):
+            self.assertEqual(self.hear(), ["WATCHDOG=1"])
+        self.assertIsNone(self.server.poll())
+
     def test_ready_then_fed_then_stopping(self) -> None:
         first = self.hear()
         self.assertIn("READY=1", first)

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "haptic/client/client.hpp"
-#include "server/app.hpp"
+#include "tests/server/support/app.hpp"
 #include "tests/system/process.hpp"
 
 namespace haptic {
@@ -50,11 +50,11 @@ class Served : public ::testing::Test {
     return states_;
   }
 
-  server::App app_{server::load_scene(
-                       std::string(HAPTIC_SOURCE_DIR) + "/server/scenes/finger_constant.textproto",
-                       {"server.listen[0]=127.0.0.1:0", "loop.late_bucket_full=1000000",
-                        "loop.loop_late_fault={seconds: 5}"}),
-                   {server::RealtimeMode::kTry}};
+  test::App app_{server::load_scene(
+                     std::string(HAPTIC_SOURCE_DIR) + "/server/scenes/finger_constant.textproto",
+                     {"server.listen[0]=127.0.0.1:0", "loop.late_bucket_full=1000000",
+                      "loop.loop_late_fault={seconds: 5}"}),
+                 {server::RealtimeMode::kTry}};
   std::mutex mutex_;
   std::vector<client::DeviceState> states_;
   std::unique_ptr<client::Connection> connection_;

@@ -33,6 +33,7 @@ const std::map<std::string, ErrorReason> kMeanings{
     {"PRIORITY_DENIED", ErrorReason::kPermissionDenied},
     {"NOT_CONTROLLER", ErrorReason::kPermissionDenied},
     {"GUARD_REQUIRED", ErrorReason::kPermissionDenied},
+    {"STOPPED_LOCALLY", ErrorReason::kPermissionDenied},
     {"RESUMED", ErrorReason::kClosed},
     {"SESSION_ENDED", ErrorReason::kClosed},
     {"NO_ANSWER", ErrorReason::kUnreachable},

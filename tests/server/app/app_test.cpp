@@ -1,4 +1,4 @@
-#include "server/app.hpp"
+#include "tests/server/support/app.hpp"
 #include "hw/simulated/finger.hpp"
 
 #include <gmock/gmock.h>
@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "haptic/core/error.hpp"
+#include "server/base/version.hpp"
 #include "tests/server/support/live_server.hpp"
 #include "tests/server/support/test_client.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -18,10 +19,10 @@
 namespace {
 
 using namespace std::chrono_literals;
-using haptic::server::App;
 using haptic::server::load_scene;
 using haptic::server::RealtimeMode;
 using haptic::server::Scene;
+using haptic::test::App;
 using haptic::test::eventually;
 using testing::HasSubstr;
 

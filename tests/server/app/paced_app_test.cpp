@@ -13,7 +13,7 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/emulator/serve.hpp"
-#include "server/app.hpp"
+#include "tests/server/support/app.hpp"
 #include "tests/server/support/live_server.hpp"
 #include "tests/server/support/test_client.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -24,9 +24,9 @@ using namespace std::chrono_literals;
 using haptic::core::Fault;
 using haptic::hw::emulator::EmulatorConfig;
 using haptic::hw::emulator::FaultKind;
-using haptic::server::App;
 using haptic::server::LoopFacts;
 using haptic::server::RealtimeMode;
+using haptic::test::App;
 using haptic::test::eventually;
 using testing::HasSubstr;
 

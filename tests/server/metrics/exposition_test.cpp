@@ -10,7 +10,7 @@ namespace {
 constexpr std::array<double, 2> kBounds{0.5, 2.0};
 
 TEST(Exposition, HistogramIsCumulativeWithInclusiveBounds) {
-  Histogram values(kBounds);
+  Histogram<kBounds> values;
   for (const double v : {0.25, 0.5, 0.75, 4.0}) values.add(v);
   Exposition page;
   page.histogram("x_seconds", "X.");

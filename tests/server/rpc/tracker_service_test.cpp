@@ -3,7 +3,7 @@
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
-#include "server/app.hpp"
+#include "tests/server/support/app.hpp"
 #include "tests/server/support/test_client.hpp"
 
 namespace haptic::test {
@@ -29,7 +29,7 @@ struct LiveApp {
     app.start();
     channel = grpc::CreateChannel(app.addresses().front(), grpc::InsecureChannelCredentials());
   }
-  server::App app;
+  test::App app;
   std::shared_ptr<grpc::Channel> channel;
 };
 

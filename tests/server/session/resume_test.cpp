@@ -78,6 +78,19 @@ TEST_F(ResumeTest, KeepsAgeAndGainRaisesEpoch) {
   }
 }
 
+TEST_F(ResumeTest, GoneFrontDetachesEveryLease) {
+  press();
+  rig.owner->front_gone();
+  EXPECT_TRUE(rig.sessions->status().detached);
+  EXPECT_EQ(rig.sessions->status().sessions, 0U);
+  rig.tick(10);
+  EXPECT_EQ(rig.newest().life.gain, 1.0) << "the sample's age alone ends the force";
+  const auto reply = ask(resuming("s2", "s1"));
+  ASSERT_TRUE(reply->lease);
+  EXPECT_TRUE(reply->lease->resumed);
+  EXPECT_FALSE(rig.sessions->status().detached);
+}
+
 TEST_F(ResumeTest, RefusesWritesOfFormerEpoch) {
   press();
   rig.sessions->close("s1", kLost);

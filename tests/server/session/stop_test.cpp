@@ -48,6 +48,26 @@ TEST(EmergencyStop, EventCarriesTheGivenReason) {
   EXPECT_TRUE(seen);
 }
 
+TEST(EmergencyStop, LocalOneIsClearedLocallyOnly) {
+  DeviceRig rig;
+  rig.tick(3);
+  using Kind = server::Request::Kind;
+  const auto ask = [&](Kind kind, bool local) {
+    server::Answer answer;
+    rig.sessions->ask({.kind = kind, .local = local}, [&](const server::Answer& a) { answer = a; });
+    rig.tick(3);
+    return answer.refusal ? answer.refusal->reason.str() : std::string();
+  };
+  EXPECT_EQ(ask(Kind::kStop, true), "");
+  EXPECT_EQ(ask(Kind::kStop, false), "") << "a later one from afar changes nothing";
+  EXPECT_EQ(ask(Kind::kClear, false), "STOPPED_LOCALLY");
+  EXPECT_EQ(rig.state(), LifecycleState::kFault);
+  EXPECT_EQ(ask(Kind::kClear, true), "");
+  EXPECT_EQ(rig.state(), LifecycleState::kIdle);
+  EXPECT_EQ(ask(Kind::kStop, false), "");
+  EXPECT_EQ(ask(Kind::kClear, false), "");
+}
+
 TEST(ClearFault, FaultStaysUntilCleared) {
   DeviceRig rig;
   rig.tick(3);

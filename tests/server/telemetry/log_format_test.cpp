@@ -1,4 +1,4 @@
-#include "server/telemetry/log.hpp"
+#include "server/base/log.hpp"
 
 #include <gtest/gtest.h>
 #include <spdlog/details/log_msg.h>

@@ -1,24 +1,7 @@
-#include "server/metrics/tick_metrics.hpp"
+#include "server/owner/tick_metrics.hpp"
 
 namespace haptic::server {
 namespace {
-
-// Bounds in seconds. The period is looked at around 1 ms; lateness from the few microseconds of an
-// idle real-time host to the 20 ms of LOOP_LATE; ages by the levels of
-// proto/README.md#staleness-and-gain (5..80, 100, 180 ms).
-constexpr std::array<double, 13> kPeriods{0.0005,  0.0008,  0.0009, 0.00095, 0.00098,
-                                          0.00102, 0.00105, 0.0011, 0.0012,  0.0015,
-                                          0.002,   0.005,   0.02};
-constexpr std::array<double, 13> kLateness{5e-6,  1e-5,  2e-5,  5e-5,  0.0001, 0.0002, 0.0005,
-                                           0.001, 0.002, 0.005, 0.008, 0.01,   0.02};
-constexpr std::array<double, 13> kAges{0.001, 0.002, 0.005, 0.01, 0.02, 0.03, 0.04,
-                                       0.05,  0.08,  0.1,   0.13, 0.18, 0.5};
-/// A board's samples: fine around the targets, 2 ms streaming and 4 ms at 500 Hz
-/// (hw/README.md#the-board-device), and below half a millisecond, which is usual in a loop that
-/// they pace.
-constexpr std::array<double, 17> kSampleAges{5e-5,   0.0001,  0.0002, 0.0005, 0.001, 0.00125,
-                                             0.0015, 0.00175, 0.002,  0.0025, 0.003, 0.0035,
-                                             0.004,  0.005,   0.007,  0.01,   0.1};
 
 template <std::size_t n>
 void bump(std::array<std::uint64_t, n>& counts, std::uint32_t bits) {
@@ -37,9 +20,6 @@ void count_carrier(const StateRecord& state, double seconds, TickTotals& totals)
 
 }  // namespace
 
-TickTotals::TickTotals()
-    : period(kPeriods), lateness(kLateness), age(kAges), sample_age(kSampleAges) {}
-
 void TickMetrics::on_tick(std::size_t device, const StateRecord& state) {
   const double seconds = core::seconds(state.dt);
   const std::lock_guard lock(mutex_);
@@ -53,9 +33,11 @@ void TickMetrics::on_tick(std::size_t device, const StateRecord& state) {
     count_carrier(state, seconds, totals);
   }
   bump(totals.limited, state.limiters.bits());
-  bump(totals.faults, state.faults.bits() & ~totals.newest.faults.bits());
+  bump(totals.faults, state.faults.bits() & ~totals.active.bits());
   totals.lost += state.lost ? 1 : 0;
-  totals.newest = state;
+  totals.state = state.state;
+  totals.gain = state.gain;
+  totals.active = state.faults;
 }
 
 TickTotals TickMetrics::totals(std::size_t device) const {

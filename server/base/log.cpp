@@ -1,4 +1,4 @@
-#include "server/telemetry/log.hpp"
+#include "server/base/log.hpp"
 
 #include <spdlog/async.h>
 #include <spdlog/details/null_mutex.h>

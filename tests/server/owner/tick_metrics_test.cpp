@@ -1,4 +1,4 @@
-#include "server/metrics/tick_metrics.hpp"
+#include "server/owner/tick_metrics.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,8 +17,8 @@ struct MeteredRig : DeviceRig {
   std::shared_ptr<TickMetrics> metrics{std::make_shared<TickMetrics>(1)};
 };
 
-std::uint64_t all(const Histogram& h) {
-  return std::accumulate(h.counts().begin(), h.counts().end(), std::uint64_t{0});
+std::uint64_t all(const HistogramView& h) {
+  return std::accumulate(h.counts.begin(), h.counts.end(), std::uint64_t{0});
 }
 
 TEST(TickMetrics, ResidenceIsTimePerLevel) {
@@ -65,7 +65,7 @@ TEST(TickMetrics, AgeIsTheNewestSamples) {
     state.sample_age = std::chrono::microseconds(age_us);
     metrics.on_tick(0, state);
   }
-  const Histogram age = metrics.totals(0).sample_age;
+  const auto age = metrics.totals(0).sample_age;
   EXPECT_EQ(all(age), 2u);
   EXPECT_NEAR(age.sum(), 0.0016 + 0.0026, 1e-9);
 }

@@ -1,0 +1,20 @@
+#pragma once
+/// The control socket of a hapticd on this host: the way to stop it that needs no network and no
+/// front (server/README.md#the-local-control-socket).
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace haptic::ctl {
+
+/// The lines after "ok" of the answer to one command, such as "stop finger", by the hapticd that
+/// serves at `server` ("host:port", "unix:/path", or "local:SCENE" for one without a network).
+/// Absent: there is no such socket on this host, it gave no answer within `patience_ms`, or it
+/// refused; `refusal` then says why, if it did.
+[[nodiscard]] std::optional<std::vector<std::string>> ask_locally(const std::string& server,
+                                                                  const std::string& command,
+                                                                  std::string* refusal = nullptr,
+                                                                  int patience_ms = 2'000);
+
+}  // namespace haptic::ctl

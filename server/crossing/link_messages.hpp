@@ -1,0 +1,59 @@
+#pragma once
+/// What a front and the owner say to each other on their socket.
+///
+///   front                         owner
+///   kHello, its layout   ------>  refuses another layout
+///                        <------  kWelcome, with the shared pages, the scene and the devices
+///   kReady               ------>  the front before it is told to leave, and awaited
+///                        <------  kGo: bind and serve, where the one before did
+///   kServing, addresses  ------>
+///   kRequest             ------>  answered in OwnersPages::answers
+///                        <------  kLeave: end the streams, then the process
+///
+/// kCannotServe comes instead of kReady or kServing, with the reason: a front that is to take
+/// another one's place and finds a wrong certificate leaves the old one where it is.
+
+#include <cstdint>
+
+#include "server/crossing/crossing.hpp"
+
+namespace haptic::server {
+
+struct FrontMessage {
+  enum class Kind : std::uint8_t { kHello, kReady, kServing, kCannotServe, kRequest };
+  Kind kind{Kind::kHello};
+  std::uint64_t layout{0};  ///< kHello: layout_hash()
+  Text<512> text{};         ///< kServing: addresses, with blanks between; kCannotServe: why
+  Request request{};        ///< kRequest
+};
+
+struct OwnerMessage {
+  enum class Kind : std::uint8_t { kWelcome, kGo, kLeave };
+  /// Descriptors of kWelcome, in this order.
+  enum : std::size_t {
+    kOwnersPages,
+    kFrontsPages,
+    kWakesOwner,
+    kScene,    ///< text, as `hapticd --print-scene` shows it
+    kDevices,  ///< v1::ListDevicesResponse: what does not change
+    kDescriptors
+  };
+  Kind kind{Kind::kWelcome};
+  /// kGo: where the front before served, with blanks between: a port that was any is so no more.
+  Text<512> addresses{};
+  std::uint32_t generation{0};  ///< kWelcome: of the front (request_id())
+  std::uint64_t scene_bytes{0}, device_bytes{0};
+};
+
+/// Ids of requests as the owner knows them: the front's own number below, which front above, so
+/// that no front gets an answer that was for the one before it.
+inline constexpr unsigned kFrontsBits = 48;
+inline constexpr std::uint64_t kFrontsId = (std::uint64_t{1} << kFrontsBits) - 1;
+/// Ids of the owner's own requests, by the local control socket.
+inline constexpr std::uint64_t kLocalIds = std::uint64_t{1} << 63U;
+
+[[nodiscard]] constexpr std::uint64_t request_id(std::uint32_t generation, std::uint64_t id) {
+  return (id & kFrontsId) | (std::uint64_t{generation & 0x7FFFU} << kFrontsBits);
+}
+
+}  // namespace haptic::server

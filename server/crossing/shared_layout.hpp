@@ -1,0 +1,86 @@
+#pragma once
+/// What the owner and a front share, byte by byte. Two programs of different builds must agree on
+/// it: a front names its layout in its first message, and the owner refuses another one.
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+#include "server/crossing/broadcast.hpp"
+#include "server/crossing/crossing.hpp"
+#include "server/crossing/inbox.hpp"
+#include "server/crossing/server_facts.hpp"
+#include "server/crossing/tick_totals.hpp"
+
+namespace haptic::server {
+
+/// Raised if the meaning of a value changes and its layout does not.
+inline constexpr std::uint32_t kInterface = 1;
+
+/// Devices of a scene at most.
+inline constexpr std::size_t kMostDevices = 64;
+
+/// An event and its device.
+struct Happened {
+  std::uint32_t device{0};
+  DeviceEvent event{};
+};
+
+/// What a front counts and the next one goes on with (FrontApp::counted).
+inline constexpr std::size_t kFrontCounters = 32;
+using FrontCounters = std::array<std::uint64_t, kFrontCounters>;
+
+/// From the owner to every front, one after the other: pages that a front can only read.
+struct OwnersPages {
+  struct Device {
+    Latest<StateRecord> state;
+    Latest<DeviceStatus> status;
+    Latest<TickTotals> totals;
+  };
+  /// A futex: rises when something was written that a front should look at now.
+  std::atomic<std::uint32_t> rings;
+  Broadcast<Answer, 512> answers;
+  Broadcast<Happened, 512> events;
+  Broadcast<Judged, 2048> judged;
+  Latest<ServerFacts> facts;
+  Latest<FrontCounters> counted;  ///< by the fronts before
+  std::array<Device, kMostDevices> devices;
+
+  /// As many bytes of it as a scene of so many devices needs.
+  [[nodiscard]] static std::size_t bytes(std::size_t devices) noexcept {
+    return sizeof(OwnersPages) - (kMostDevices - devices) * sizeof(Device);
+  }
+};
+/// A new front is told the last events, and what is answered after its start.
+inline constexpr std::uint64_t kRetold = 256;
+/// Requests that a front may have open at a time: fewer than the answers that are kept, so that
+/// none is overwritten before it was read.
+inline constexpr std::size_t kMostOpenRequests = 256;
+
+/// From one front to the owner: pages that the front can write at any time and in any way.
+struct FrontsPages {
+  std::atomic<std::uint64_t> beats;  ///< rises four times a second while the front works
+  /// Rises before a stop of the device is sent as a request: the owner stops the device at once if
+  /// requests wait in front of it.
+  std::array<std::atomic<std::uint32_t>, kMostDevices> stops;
+  std::array<std::atomic<std::uint64_t>, kFrontCounters> counters;
+  Inbox<ProxySample, 256> proxies;
+  Inbox<PoseSample, 64> poses;
+};
+
+/// A number that differs, with all likelihood, if two programs were built from different layouts.
+[[nodiscard]] constexpr std::uint64_t layout_hash() noexcept {
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const std::uint64_t part :
+       {std::uint64_t{kInterface}, std::uint64_t{sizeof(OwnersPages)},
+        std::uint64_t{sizeof(FrontsPages)}, std::uint64_t{sizeof(StateRecord)},
+        std::uint64_t{sizeof(Answer)}, std::uint64_t{sizeof(DeviceEvent)},
+        std::uint64_t{sizeof(DeviceStatus)}, std::uint64_t{sizeof(TickTotals)},
+        std::uint64_t{sizeof(ServerFacts)}, std::uint64_t{sizeof(Request)},
+        std::uint64_t{sizeof(ProxySample)}, std::uint64_t{sizeof(PoseSample)}}) {
+    hash = (hash ^ part) * 1099511628211ULL;
+  }
+  return hash;
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,176 @@
+#include "server/front/confinement.hpp"
+
+#include <fcntl.h>
+#include <linux/landlock.h>
+#include <sched.h>
+#include <seccomp.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+
+#include "haptic/core/error.hpp"
+#include "server/crossing/shared_memory.hpp"
+
+namespace haptic::server {
+namespace {
+
+// Not in Debian 12's <linux/landlock.h>, which knows version 2.
+constexpr std::uint64_t kTruncate = 1ULL << 14;
+constexpr std::uint64_t kIoctlDevice = 1ULL << 15;
+constexpr std::uint64_t kScopeSignal = 1ULL << 1;
+struct Ruleset {
+  std::uint64_t handled_access_fs{0};
+  std::uint64_t handled_access_net{0};
+  std::uint64_t scoped{0};
+};
+
+constexpr std::uint64_t kRead = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
+constexpr std::uint64_t kReadFile = LANDLOCK_ACCESS_FS_READ_FILE;
+constexpr std::uint64_t kSocket = LANDLOCK_ACCESS_FS_MAKE_SOCK | LANDLOCK_ACCESS_FS_REMOVE_FILE;
+
+[[noreturn]] void fail(const char* what) {
+  throw core::TransportError(std::string("confinement of the front: ") + what + ": " +
+                             std::strerror(errno));
+}
+
+void allow(int ruleset, const std::filesystem::path& path, std::uint64_t access) {
+  const Descriptor place(open(path.c_str(), O_PATH | O_CLOEXEC));
+  if (!place) return;  // what is not there needs no permission
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(path, ignored)) access &= kReadFile;
+  const landlock_path_beneath_attr rule{access, place.get()};
+  if (syscall(SYS_landlock_add_rule, ruleset, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) != 0) {
+    fail(path.c_str());
+  }
+}
+
+void confine_files(const ConfinedFiles& files, std::vector<std::string>& missing) {
+  const long version =
+      syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
+  if (version < 1) {
+    missing.emplace_back("this kernel has no Landlock: the front may open every file of its user");
+    return;
+  }
+  Ruleset all;
+  all.handled_access_fs = (1ULL << 13) - 1;  // version 1: every kind of access to files
+  if (version >= 2) all.handled_access_fs |= LANDLOCK_ACCESS_FS_REFER;
+  if (version >= 3) all.handled_access_fs |= kTruncate;
+  if (version >= 5) all.handled_access_fs |= kIoctlDevice;
+  if (version >= 6) all.scoped = kScopeSignal;
+  const std::size_t size = version >= 6 ? sizeof all : sizeof all.handled_access_fs;
+  const Descriptor ruleset(static_cast<int>(syscall(SYS_landlock_create_ruleset, &all, size, 0)));
+  if (!ruleset) fail("landlock_create_ruleset");
+  for (const char* system :
+       {"/usr", "/lib", "/lib64", "/etc", "/proc/self", "/proc/sys", "/sys/devices/system/cpu",
+        "/sys/fs/cgroup", "/dev/null", "/dev/urandom", "/run/systemd/resolve"}) {
+    allow(ruleset.get(), system, kRead);
+  }
+  for (const auto& path : files.read) allow(ruleset.get(), path, kRead);
+  for (const auto& folder : files.sockets) allow(ruleset.get(), folder, kSocket | kRead);
+  if (syscall(SYS_landlock_restrict_self, ruleset.get(), 0) != 0) fail("landlock_restrict_self");
+}
+
+void confine_calls() {
+  const std::unique_ptr<void, decltype(&seccomp_release)> filter(seccomp_init(SCMP_ACT_ALLOW),
+                                                                 &seccomp_release);
+  if (!filter) fail("seccomp_init");
+  const auto deny = [&](int call, int error, auto... conditions) {
+    if (call < 0) return;  // not on this machine
+    constexpr unsigned kConditions = sizeof...(conditions);
+    const std::array<scmp_arg_cmp, kConditions + 1> tests{conditions..., scmp_arg_cmp{}};
+    const int result =
+        seccomp_rule_add_array(filter.get(), SCMP_ACT_ERRNO(static_cast<unsigned>(error)), call,
+                               kConditions, tests.data());
+    if (result != 0) {
+      errno = -result;
+      fail("seccomp_rule_add");
+    }
+  };
+  const auto self = static_cast<scmp_datum_t>(getpid());
+  // Its own threads it may signal, which abort() does.
+  deny(SCMP_SYS(kill), EPERM, SCMP_A0(SCMP_CMP_NE, self));
+  deny(SCMP_SYS(tgkill), EPERM, SCMP_A0(SCMP_CMP_NE, self));
+  deny(SCMP_SYS(rt_sigqueueinfo), EPERM, SCMP_A0(SCMP_CMP_NE, self));
+  deny(SCMP_SYS(rt_tgsigqueueinfo), EPERM, SCMP_A0(SCMP_CMP_NE, self));
+  // Threads yes, processes no. clone3's flags lie in memory, where a filter cannot see them: glibc
+  // falls back to clone.
+  deny(SCMP_SYS(clone3), ENOSYS);
+  deny(SCMP_SYS(clone), EPERM, SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, 0));
+  for (const int call : {SCMP_SYS(tkill),
+                         SCMP_SYS(fork),
+                         SCMP_SYS(vfork),
+                         SCMP_SYS(execve),
+                         SCMP_SYS(execveat),
+                         SCMP_SYS(ptrace),
+                         SCMP_SYS(process_vm_readv),
+                         SCMP_SYS(process_vm_writev),
+                         SCMP_SYS(process_madvise),
+                         SCMP_SYS(kcmp),
+                         SCMP_SYS(pidfd_open),
+                         SCMP_SYS(pidfd_send_signal),
+                         SCMP_SYS(pidfd_getfd),
+                         SCMP_SYS(sched_setscheduler),
+                         SCMP_SYS(sched_setparam),
+                         SCMP_SYS(sched_setattr),
+                         SCMP_SYS(setpriority),
+                         SCMP_SYS(ioprio_set),
+                         SCMP_SYS(mknod),
+                         SCMP_SYS(mknodat),
+                         SCMP_SYS(open_by_handle_at),
+                         SCMP_SYS(mount),
+                         SCMP_SYS(umount2),
+                         SCMP_SYS(pivot_root),
+                         SCMP_SYS(chroot),
+                         SCMP_SYS(unshare),
+                         SCMP_SYS(setns),
+                         SCMP_SYS(bpf),
+                         SCMP_SYS(perf_event_open),
+                         SCMP_SYS(userfaultfd),
+                         SCMP_SYS(io_uring_setup),
+                         SCMP_SYS(keyctl),
+                         SCMP_SYS(add_key),
+                         SCMP_SYS(request_key),
+                         SCMP_SYS(init_module),
+                         SCMP_SYS(finit_module),
+                         SCMP_SYS(kexec_load),
+                         SCMP_SYS(reboot),
+                         SCMP_SYS(swapon),
+                         SCMP_SYS(swapoff),
+                         SCMP_SYS(settimeofday),
+                         SCMP_SYS(clock_settime),
+                         SCMP_SYS(adjtimex),
+                         SCMP_SYS(iopl),
+                         SCMP_SYS(ioperm),
+                         SCMP_SYS(setuid),
+                         SCMP_SYS(setgid),
+                         SCMP_SYS(setreuid),
+                         SCMP_SYS(setresuid),
+                         SCMP_SYS(quotactl),
+                         SCMP_SYS(acct)}) {
+    deny(call, EPERM);
+  }
+  deny(SCMP_SYS(prlimit64), EPERM, SCMP_A0(SCMP_CMP_NE, 0));
+  const int result = seccomp_load(filter.get());
+  if (result != 0) {
+    errno = -result;
+    fail("seccomp_load");
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> confine(const ConfinedFiles& files) {
+  std::vector<std::string> missing;
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) fail("no_new_privs");
+  prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);
+  confine_files(files, missing);
+  confine_calls();
+  return missing;
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,101 @@
+#pragma once
+/// The front's side of the owner: an OwnerPort over the pages and the socket that the two processes
+/// share.
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <unordered_set>
+#include <vector>
+
+#include "server/crossing/link_messages.hpp"
+#include "server/crossing/packet_socket.hpp"
+#include "server/crossing/ports.hpp"
+#include "server/crossing/shared_layout.hpp"
+
+namespace haptic::server {
+
+class OwnerLink final : public OwnerPort {
+ public:
+  /// Says hello on `link` and waits for the welcome. Throws core::TransportError.
+  explicit OwnerLink(Descriptor link);
+  ~OwnerLink() override;
+
+  /// The scene's text, and v1::ListDevicesResponse as bytes.
+  [[nodiscard]] const std::string& scene() const noexcept { return scene_; }
+  [[nodiscard]] const std::string& device_descriptions() const noexcept { return descriptions_; }
+  /// The devices, in the order of the scene; what they point to must outlive this. Before begin().
+  void set_devices(std::vector<DeviceFacts> devices);
+
+  void ready();
+  /// Until the owner says Go; false: it said Leave, or is gone. `addresses`: to be served, if a
+  /// front before this one did.
+  [[nodiscard]] bool wait_for_go(std::vector<std::string>& addresses);
+  /// Answers, verdicts, events and states are passed on from now on, on a thread of its own.
+  void begin();
+  void serving(const std::vector<std::string>& addresses);
+  void cannot_serve(const std::string& why);
+  /// Returns when the owner says Leave, or is gone. From then on the owner itself knows that every
+  /// stream ends: it is not told of each.
+  void wait_for_leave();
+  /// Ends the thread. Idempotent.
+  void stop();
+
+  [[nodiscard]] ServerFacts facts() const { return pages_->facts.value(); }
+  [[nodiscard]] TickTotals totals(std::size_t device) const {
+    return pages_->devices.at(device).totals.value();
+  }
+  /// Says what this front has counted so far; the answer is that and what those before it did.
+  [[nodiscard]] FrontCounters count(const FrontCounters& own);
+
+  [[nodiscard]] const std::vector<DeviceFacts>& devices() const noexcept override {
+    return devices_;
+  }
+  void connect(std::weak_ptr<FrontPort> front) override;
+  void post(const Request& request) override;
+  void post(const ProxySample& sample) override;
+  void post(const PoseSample& pose) override;
+  [[nodiscard]] DeviceStatus status(std::size_t device) const override;
+
+ private:
+  using Fronts = std::vector<std::shared_ptr<FrontPort>>;
+  /// False: the owner does not take it.
+  bool say(const FrontMessage& message);
+  /// The owner's next message; kLeave if it is gone.
+  [[nodiscard]] OwnerMessage hear();
+  [[nodiscard]] bool may_open(const Request& request);
+  void refuse(const Request& request, const char* why);
+  void run() noexcept;
+  void pass_on();
+  void wake_owner() noexcept;
+  [[nodiscard]] Fronts fronts();
+
+  Descriptor link_;
+  Descriptor wakes_owner_{};
+  std::string scene_{}, descriptions_{};
+  std::uint32_t generation_{0};
+  SharedMemory owners_{}, own_{};
+  const OwnersPages* pages_{nullptr};
+  FrontsPages* own_pages_{nullptr};
+  std::vector<DeviceFacts> devices_{};
+  std::atomic<bool> leaving_{false};
+
+  std::mutex samples_mutex_;  ///< gRPC's threads and the datagram path take turns
+  std::mutex mutex_;
+  std::vector<std::weak_ptr<FrontPort>> fronts_{};
+  std::unordered_set<std::uint64_t> open_{};  ///< requests that wait for an answer
+
+  // The thread's.
+  Broadcast<Answer, 512>::Cursor answers_{};
+  Broadcast<Happened, 512>::Cursor events_{};
+  Broadcast<Judged, 2048>::Cursor judged_{};
+  std::vector<std::uint64_t> seen_{};  ///< of each device's states
+  StateRecord newest_{};
+
+  std::atomic<bool> stopping_{false};
+  std::thread thread_{};
+};
+
+}  // namespace haptic::server

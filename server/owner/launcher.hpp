@@ -1,0 +1,59 @@
+#pragma once
+/// A process of its own that makes fronts. It is forked before the daemon has threads, devices or
+/// locked memory: to fork the owner itself would stop its loop for milliseconds while its pages are
+/// marked.
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/crossing/packet_socket.hpp"
+
+namespace haptic::server {
+
+/// What a front may not do from its first instruction on, whatever its program is.
+struct FrontLimits {
+  std::size_t memory_bytes{0};  ///< RLIMIT_DATA, which counts whole stacks; 0: none
+  std::size_t stack_bytes{0};   ///< RLIMIT_STACK, of every thread; 0: as it is
+  int nice{0};                  ///< added
+};
+
+class Launcher {
+ public:
+  struct Notice {
+    enum class Kind : std::uint8_t { kStarted, kEnded };
+    Kind kind{Kind::kStarted};
+    pid_t pid{0};   ///< 0: no process could be made
+    int status{0};  ///< kEnded: as waitpid() gives it
+  };
+
+  /// Forks. The caller must still be the only thread. `program` is looked up at each start, so that
+  /// an upgraded one is found. Throws core::TransportError.
+  Launcher(std::filesystem::path program, std::vector<std::string> arguments, FrontLimits limits);
+  /// Ends the launcher, and with it every front.
+  ~Launcher();
+  Launcher(const Launcher&) = delete;
+  Launcher& operator=(const Launcher&) = delete;
+
+  /// Starts a front that has `link` as its descriptor 3. The launcher's answer comes by next().
+  void start(Descriptor link);
+  /// SIGKILL to a front.
+  void kill(pid_t front);
+  /// Readable when next() has something to say.
+  [[nodiscard]] int descriptor() const noexcept { return socket_.get(); }
+  /// What became of fronts; absent: nothing more. Every started one ends once.
+  [[nodiscard]] std::optional<Notice> next();
+  /// The launcher has ended, which only a signal can do; next() found out.
+  [[nodiscard]] bool gone() const noexcept { return gone_; }
+  [[nodiscard]] pid_t pid() const noexcept { return pid_; }
+
+ private:
+  Descriptor socket_{};
+  pid_t pid_{0};
+  bool gone_{false};
+};
+
+}  // namespace haptic::server

@@ -1,0 +1,77 @@
+#include "server/state/device_message.hpp"
+
+namespace haptic::server {
+namespace {
+
+void copy(const core::VecA& from, google::protobuf::RepeatedField<double>* to) {
+  to->Add(from.data(), from.data() + from.size());
+}
+
+const char* unit_name(core::Unit unit) {
+  return unit == core::Unit::kMetre ? "m" : "rad";
+}
+
+const char* kind_name(core::CoordinateKind kind) {
+  if (kind == core::CoordinateKind::kAngle) return "angle";
+  return kind == core::CoordinateKind::kQuaternion ? "quaternion" : "linear";
+}
+
+}  // namespace
+
+v1::Device describe(const std::string& name, const hw::DeviceInfo& info,
+                    const core::PipelineConfig& config) {
+  v1::Device message;
+  message.set_name(name);
+  message.set_kind(info.kind);
+  message.set_model(info.model);
+  message.set_serial(info.serial);
+  message.set_moves(info.moves);
+  message.set_calibrated(info.calibrated);
+  message.set_measures_force(info.measures_force);
+  Eigen::Index actuated = 0;
+  for (const core::DofSpec& spec : info.dofs) {
+    auto* dof = message.add_dofs();
+    dof->set_name(spec.name);
+    dof->set_unit(unit_name(spec.unit));
+    dof->set_actuated(spec.actuated);
+    dof->set_lower(spec.lower);
+    dof->set_upper(spec.upper);
+    if (!spec.actuated) continue;
+    if (actuated < config.device.max_effort.size()) {
+      dof->set_max_effort(config.device.max_effort[actuated]);
+    }
+    ++actuated;
+  }
+  for (const core::Coordinate& coordinate : config.kinematics->space().coordinates()) {
+    auto* entry = message.add_coordinates();
+    entry->set_name(coordinate.name);
+    const bool quaternion = coordinate.kind == core::CoordinateKind::kQuaternion;
+    entry->set_unit(quaternion ? "1" : unit_name(coordinate.unit));
+    entry->set_kind(kind_name(coordinate.kind));
+  }
+  copy(config.scene.stiffness, message.mutable_stiffness_limit());
+  copy(config.scene.damping, message.mutable_damping_limit());
+  copy(config.scene.force_limit, message.mutable_force_limit());
+  copy(config.scene.slew_limit, message.mutable_slew_limit());
+  copy(config.scene.engage_window, message.mutable_engage_window());
+  message.set_wants_tracker(config.tracker.has_value());
+  return message;
+}
+
+std::string to_bytes(const std::vector<std::shared_ptr<const v1::Device>>& devices) {
+  v1::ListDevicesResponse all;
+  for (const auto& device : devices) *all.add_devices() = *device;
+  return all.SerializeAsString();
+}
+
+std::vector<std::shared_ptr<const v1::Device>> devices_of(const std::string& bytes) {
+  v1::ListDevicesResponse all;
+  std::vector<std::shared_ptr<const v1::Device>> devices;
+  if (!all.ParseFromString(bytes)) return devices;
+  for (const v1::Device& device : all.devices()) {
+    devices.push_back(std::make_shared<const v1::Device>(device));
+  }
+  return devices;
+}
+
+}  // namespace haptic::server

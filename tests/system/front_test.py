@@ -1,0 +1,283 @@
+#!/usr/bin/env python3
+"""hapticd is two processes: whatever becomes of the one that faces the network, the one that owns
+the devices goes on, stops by the local control socket, and gets a new front. Whole programs.
+
+    front_test.py HAPTICD HAPTICCTL HAPTIC-HOSTILE-FRONT HAPTIC-EXAMPLE-SOFT-GRASP SCENES
+
+The package haptic is on PYTHONPATH.
+"""
+
+from __future__ import annotations
+
+import os
+import pathlib
+import re
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import urllib.request
+from collections.abc import Callable
+
+import haptic
+
+HAPTICD, HAPTICCTL, HOSTILE, CLIENT = (str(pathlib.Path(p).resolve()) for p in sys.argv[1:5])
+SCENES = pathlib.Path(sys.argv[5])
+PATIENCE_S = 60.0  # of a busy machine; tests/hostile judges the times
+NOTICED_S = 1.5  # a front that hangs is not replaced before
+
+
+def until(what: str, condition: Callable[[], bool]) -> float:
+    began = time.monotonic()
+    while not condition():
+        if time.monotonic() > began + PATIENCE_S:
+            raise AssertionError(f"not within {PATIENCE_S:g} s: {what}")
+        time.sleep(0.01)
+    return time.monotonic() - began
+
+
+def children(pid: int) -> dict[int, str]:
+    found = {}
+    for entry in os.listdir("/proc"):
+        if entry.isdigit():
+            try:
+                text = pathlib.Path(f"/proc/{entry}/stat").read_text()
+            except OSError:
+                continue
+            name, rest = text[text.index("(") + 1 :].rsplit(")", 1)
+            if int(rest.split()[1]) == pid:
+                found[int(entry)] = name
+    return found
+
+
+class Hapticd:
+    def __init__(self, folder: pathlib.Path, *arguments: str, scene: str = "finger_constant",
+                 **environment: str) -> None:
+        self.log = folder / "log"
+        with open(self.log, "w", encoding="utf-8") as log:
+            self.process = subprocess.Popen(
+                [HAPTICD, "--scene", str(SCENES / f"{scene}.textproto"),
+                 "--set", "loop.late_bucket_full=1000000", "--set",
+                 "loop.loop_late_fault={seconds: 5}", *arguments],
+                stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+                env={**os.environ, **environment})
+
+    def text(self) -> str:
+        return self.log.read_text(encoding="utf-8", errors="replace")
+
+    def until_said(self, what: str) -> re.Match[str]:
+        until(f"'{what}' in the log of hapticd:\n" + self.text(),
+              lambda: re.search(what, self.text()) is not None or self.process.poll() is not None)
+        found = re.search(what, self.text())
+        assert found is not None, self.text()
+        return found
+
+    def address(self) -> str:
+        return self.until_said(r"serving '.*' on (\S+)")[1]
+
+    def front(self) -> int:
+        """Its process; 0: there is none."""
+        launchers = children(self.process.pid)
+        fronts = [pid for launcher in launchers for pid, name in children(launcher).items()
+                  if name.startswith(("hapticd-front", "haptic-hostile"))]
+        return fronts[0] if fronts else 0
+
+    def kill_front(self, how: signal.Signals) -> int:
+        front = self.front()
+        os.kill(front, how)
+        return front
+
+    def until_replaced(self, front: int) -> float:
+        return until("another front", lambda: self.front() not in (0, front))
+
+    def ctl(self, *words: str, address: str = "") -> tuple[int, str]:
+        done = subprocess.run([HAPTICCTL, "--server", address or self.address(), *words],
+                              capture_output=True, text=True, timeout=PATIENCE_S)
+        return done.returncode, done.stdout + done.stderr
+
+    def ask(self, name: str, command: str) -> str:
+        with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as control:
+            control.settimeout(PATIENCE_S)
+            control.connect("\0hapticd/" + name)
+            control.send(command.encode())
+            return control.recv(4096).decode()
+
+    def stop(self) -> int:
+        self.process.terminate()
+        return self.process.wait(PATIENCE_S)
+
+
+class Fronts(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def hapticd(self, *arguments: str, **more: str) -> Hapticd:
+        daemon = Hapticd(self.folder, "--listen", "127.0.0.1:0", *arguments, **more)
+        self.addCleanup(daemon.process.wait)
+        self.addCleanup(daemon.process.kill)
+        return daemon
+
+    def hostile(self, mode: str) -> tuple[Hapticd, str]:
+        """With its control socket's name, which follows from what the front says it serves."""
+        name = f"hostile-{os.getpid()}"
+        daemon = Hapticd(self.folder, "--listen", f"unix:/{name}", HAPTICD_FRONT=HOSTILE,
+                         HOSTILE=mode)
+        self.addCleanup(daemon.process.wait)
+        self.addCleanup(daemon.process.kill)
+        return daemon, name
+
+    def test_a_killed_front_is_replaced(self) -> None:
+        daemon = self.hapticd()
+        address = daemon.address()
+        front = daemon.kill_front(signal.SIGKILL)
+        daemon.until_replaced(front)
+        until("served again", lambda: daemon.ctl("health", address=address)[0] == 0)
+        self.assertEqual(daemon.stop(), 0, daemon.text())
+
+    def test_the_front_ends_with_its_owner(self) -> None:
+        daemon = self.hapticd()
+        daemon.address()
+        front = pathlib.Path(f"/proc/{daemon.front()}")
+        daemon.process.kill()
+        until("the front has ended", lambda: not front.exists())
+
+    def test_a_lost_launcher_ends_hapticd(self) -> None:
+        daemon = self.hapticd()
+        daemon.until_said("INIT -> IDLE")
+        os.kill(next(iter(children(daemon.process.pid))), signal.SIGKILL)
+        self.assertEqual(daemon.process.wait(PATIENCE_S), 1)
+        self.assertIn("IDLE -> CLOSING", daemon.text())
+
+    def test_a_frozen_front_is_replaced(self) -> None:
+        daemon = self.hapticd()
+        address = daemon.address()
+        front = daemon.kill_front(signal.SIGSTOP)
+        began = time.monotonic()
+        self.assertEqual(daemon.ctl("estop", address=address), (0, "stopped: finger\n"))
+        daemon.until_replaced(front)
+        self.assertGreater(time.monotonic() - began, NOTICED_S)
+        until("served again", lambda: "FAULT" in daemon.ctl("info", address=address)[1])
+
+    def test_a_lease_outlives_the_front(self) -> None:
+        daemon = self.hapticd("--set", "server.lease_timeout={seconds: 30}",
+                              scene="finger_soft_grasp")
+        address = daemon.address()
+        client = subprocess.Popen([CLIENT, "--server", address], stdout=subprocess.DEVNULL,
+                                  stderr=subprocess.DEVNULL)
+        self.addCleanup(client.wait)
+        self.addCleanup(client.kill)
+        daemon.until_said("-> ENGAGED")
+        for replace in (lambda: daemon.kill_front(signal.SIGKILL),
+                        lambda: daemon.ctl("restart-front", address=address)):
+            log = len(daemon.text())
+            replace()
+            until("the lease is resumed", lambda: "LEASE_RESUMED" in daemon.text()[log:])
+        self.assertNotIn("LEASE_ENDED", daemon.text())
+        self.assertEqual(daemon.stop(), 0, daemon.text())
+
+    def test_counters_survive_the_front(self) -> None:
+        daemon = self.hapticd("--set", 'server.metrics_listen="127.0.0.1:0"',
+                              "--set", 'server.udp_listen="127.0.0.1:0"')
+        udp = int(daemon.until_said(r"UDP path on port (\d+)")[1])
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as junk:
+            for _ in range(5):
+                junk.sendto(b"junk", ("127.0.0.1", udp))
+
+        def scrape() -> dict[str, float]:
+            port = re.findall(r"metrics on port (\d+)", daemon.text())[-1]
+            with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=10) as answer:
+                page = answer.read().decode()
+            return {name: float(n) for name, n in re.findall(r"^(\S+) (\S+)$", page, re.M)}
+
+        dropped = 'haptic_udp_dropped_datagrams_total{reason="length"}'
+        until("five datagrams dropped", lambda: scrape()[dropped] == 5)
+        before = scrape()
+        daemon.kill_front(signal.SIGKILL)
+        daemon.until_said("front number 2 serves")
+        until("its metrics", lambda: daemon.text().count("metrics on port") == 2)
+        after = scrape()
+        self.assertEqual(after[dropped], 5)
+        self.assertEqual(after["haptic_front_starts_total"], 2)
+        self.assertGreaterEqual(after["haptic_loop_period_seconds_count"],
+                                before["haptic_loop_period_seconds_count"])
+
+    def test_a_local_stop_is_cleared_locally(self) -> None:
+        daemon = self.hapticd()
+        with haptic.Connection(daemon.address()) as connection:
+            self.assertEqual(daemon.ctl("estop")[0], 0)
+            with self.assertRaisesRegex(haptic.ClientError, "stopped on the host"):
+                connection.clear_fault()
+            self.assertEqual(daemon.ctl("clear-fault"), (0, "cleared: EMERGENCY_STOP\n"))
+            connection.emergency_stop()
+            self.assertEqual(connection.clear_fault(), [7])
+
+    def test_an_offline_scene_has_no_front(self) -> None:
+        daemon = Hapticd(self.folder, scene="fragments/offline")
+        self.addCleanup(daemon.process.wait)
+        self.addCleanup(daemon.process.kill)
+        daemon.until_said("INIT -> IDLE")
+        self.assertEqual(children(daemon.process.pid), {})
+        self.assertEqual(daemon.ctl("estop", address="local:offline"), (0, "stopped: finger\n"))
+        self.assertEqual(daemon.ctl("restart-front", address="local:offline")[0], 4)
+        self.assertEqual(daemon.stop(), 0, daemon.text())
+
+    def test_a_front_of_another_build_is_refused(self) -> None:
+        program = self.folder / "front"
+        program.symlink_to(pathlib.Path(HAPTICD).with_name("hapticd-front"))
+        daemon = self.hapticd(HAPTICD_FRONT=str(program), HOSTILE="layout")
+        address, front = daemon.address(), daemon.front()
+        program.unlink()
+        program.symlink_to(HOSTILE)
+        status, words = daemon.ctl("restart-front")
+        self.assertEqual((status, "another build" in words), (4, True), words)
+        self.assertEqual(daemon.front(), front)
+        until("it serves", lambda: daemon.ctl("health", address=address)[0] == 0)
+
+    def test_a_front_that_cannot_serve_ends_hapticd(self) -> None:
+        for program, words in (("/bin/true", "ended with status 0"),
+                               (HOSTILE, "another build"), ("/no/such", "ended with status 127")):
+            daemon = self.hapticd(HAPTICD_FRONT=program, HOSTILE="layout")
+            self.assertEqual(daemon.process.wait(PATIENCE_S), 1)
+            self.assertIn(words, daemon.text())
+
+    def test_nothing_is_open_to_a_confined_front(self) -> None:
+        daemon, name = self.hostile("confined")
+        daemon.until_said("attacked")
+        self.assertNotIn("GOT IN", daemon.text())
+        self.assertGreater(daemon.text().count("refused: "), 20)
+        self.assertEqual(daemon.ask(name, "stop"), "ok\nfinger")
+        self.assertEqual(daemon.stop(), 0, daemon.text())
+
+    def test_the_owners_pages_stay_the_owners(self) -> None:
+        daemon, name = self.hostile("pages")
+        daemon.until_said("SIGSEGV")  # of the front
+        self.assertNotIn("GOT IN", daemon.text())
+        self.assertEqual(daemon.ask(name, "stop"), "ok\nfinger")
+        self.assertEqual(daemon.stop(), 0, daemon.text())
+
+    def test_junk_of_a_front_harms_nothing(self) -> None:
+        daemon, name = self.hostile("junk")
+        daemon.until_said("INIT -> IDLE")
+        resident = pathlib.Path(f"/proc/{daemon.process.pid}/statm")
+        time.sleep(1.0)
+        before = int(resident.read_text().split()[1])
+        for _ in range(20):
+            self.assertEqual(daemon.ask(name, "stop"), "ok\nfinger")
+            time.sleep(0.1)
+        self.assertLess(4096 * (int(resident.read_text().split()[1]) - before), 4 << 20)
+        self.assertEqual(daemon.stop(), 0, daemon.text())
+
+    def test_a_mute_front_is_replaced(self) -> None:
+        daemon, name = self.hostile("mute")
+        daemon.until_said("no sign of life for 2 s")
+        daemon.until_said("front number 2 serves")
+        self.assertEqual(daemon.ask(name, "health").splitlines()[0], "ok")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)

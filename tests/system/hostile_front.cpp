@@ -1,0 +1,189 @@
+// A front that went wrong: hapticd starts it by HAPTICD_FRONT instead of its own, and it attacks
+// the owner in the way that $HOSTILE names. It says on standard error what it was refused and what
+// it was not ("GOT IN: ...").
+//
+//   confined  after confine(): signals, tracing, memory, devices, files, programs, priority
+//   pages     writes to pages that it may only read
+//   junk      for as long as it lives: random bytes in its own pages, requests and messages
+//   layout    names another layout
+//   silent    says nothing
+//   mute      serves, and gives no sign of life
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sched.h>
+#include <sys/eventfd.h>
+#include <sys/mman.h>
+#include <sys/ptrace.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <iostream>
+#include <random>
+#include <string>
+
+#include "server/crossing/link_messages.hpp"
+#include "server/crossing/packet_socket.hpp"
+#include "server/crossing/shared_layout.hpp"
+#include "server/front/confinement.hpp"
+
+namespace {
+
+using namespace haptic::server;
+
+constexpr int kLink = 3;
+
+void say(const std::string& line) {
+  std::cerr << line + "\n" << std::flush;
+}
+
+void refused(const char* what, bool got_in) {
+  say((got_in ? "GOT IN: " : "refused: ") + std::string(what));
+}
+
+FrontMessage of(FrontMessage::Kind kind, const std::string& text = {}) {
+  FrontMessage message;
+  message.kind = kind;
+  message.layout = layout_hash();
+  message.text = text;
+  return message;
+}
+
+struct Link {
+  std::vector<Descriptor> descriptors{};
+
+  OwnerMessage hear() {
+    OwnerMessage message;
+    for (;;) {
+      pollfd wait{kLink, POLLIN, 0};
+      poll(&wait, 1, -1);
+      const Received got = receive(kLink, message, &descriptors);
+      if (got == Received::kMessage) return message;
+      if (got == Received::kGone) _exit(0);
+    }
+  }
+};
+
+void attack_processes() {
+  const pid_t launcher = getppid();
+  std::string stat(512, '\0');
+  // The owner is the launcher's parent; what is not to be read cannot be hurt by its number either.
+  const int file = open(("/proc/" + std::to_string(launcher) + "/stat").c_str(), O_RDONLY);
+  refused("to read another process's state", file >= 0);
+  for (const pid_t victim : {launcher, launcher - 1, pid_t{1}}) {
+    refused("to signal a process", kill(victim, SIGCONT) == 0);
+    refused("to trace a process", ptrace(PTRACE_SEIZE, victim, nullptr, nullptr) == 0);
+    char byte = 0;
+    const iovec here{&byte, 1}, there{&byte, 1};
+    refused("to read a process's memory", process_vm_readv(victim, &here, 1, &there, 1, 0) >= 0);
+    refused("to write a process's memory", process_vm_writev(victim, &here, 1, &there, 1, 0) >= 0);
+    refused("to open a process", syscall(SYS_pidfd_open, victim, 0) >= 0);
+  }
+  refused("to signal all", kill(-1, 0) == 0);
+  refused("to signal its group", kill(0, 0) == 0);
+  refused("to start a program", execl("/bin/true", "true", nullptr) != -1);
+  refused("to make a process", fork() >= 0);
+}
+
+void attack_files() {
+  for (const char* path : {"/dev/ptmx", "/dev/tty", "/dev/mem", "/dev/kmsg", "/dev/ttyS0"}) {
+    refused(path, open(path, O_RDWR) >= 0);
+  }
+  refused("to write a file", open("/tmp/hostile-front", O_CREAT | O_RDWR, 0600) >= 0);
+  refused("to read another's memory file", open("/proc/1/mem", O_RDONLY) >= 0);
+  refused("to make a device", mknod("/tmp/hostile-device", S_IFCHR | 0600, 0x0101) == 0);
+}
+
+void attack_scheduling() {
+  const sched_param highest{50};
+  refused("real-time scheduling", sched_setscheduler(0, SCHED_FIFO, &highest) == 0);
+  refused("a higher priority", setpriority(PRIO_PROCESS, 0, -20) == 0);
+  rlimit memory{};
+  getrlimit(RLIMIT_DATA, &memory);
+  const rlimit more{RLIM_INFINITY, RLIM_INFINITY};
+  const bool limited = memory.rlim_max != RLIM_INFINITY;  // not with a sanitizer
+  if (limited) refused("more memory", setrlimit(RLIMIT_DATA, &more) == 0);
+  refused("locked memory", mlockall(MCL_CURRENT) == 0);
+}
+
+void attack_pages(Link& link) {
+  const int pages = link.descriptors[OwnerMessage::kOwnersPages].get();
+  refused("to map the owner's pages for writing",
+          mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, pages, 0) != MAP_FAILED);
+  void* const mapped = mmap(nullptr, 4096, PROT_READ, MAP_SHARED, pages, 0);
+  refused("to make them writable", mprotect(mapped, 4096, PROT_READ | PROT_WRITE) == 0);
+  refused("to write them by descriptor", pwrite(pages, "x", 1, 0) >= 0);
+  refused("to shrink them", ftruncate(pages, 0) == 0);
+  refused("to open them again for writing",
+          open(("/proc/self/fd/" + std::to_string(pages)).c_str(), O_RDWR) >= 0 &&
+              mmap(nullptr, 4096, PROT_WRITE, MAP_SHARED, pages, 0) != MAP_FAILED);
+  refused("to shrink its own",
+          ftruncate(link.descriptors[OwnerMessage::kFrontsPages].get(), 0) == 0);
+  // And last the write that ends it: SIGSEGV, which hapticd reports.
+  *static_cast<volatile char*>(mapped) = 1;
+}
+
+[[noreturn]] void send_junk(Link& link) {
+  SharedMemory own(std::move(link.descriptors[OwnerMessage::kFrontsPages]), sizeof(FrontsPages),
+                   SharedMemory::Access::kReadAndWrite);
+  const int bell = link.descriptors[OwnerMessage::kWakesOwner].get();
+  std::mt19937_64 random(1);
+  auto* const words = static_cast<std::uint64_t*>(own.data());
+  for (std::uint64_t round = 0;; ++round) {
+    for (int i = 0; i < 4096; ++i) {
+      words[random() % (sizeof(FrontsPages) / sizeof(std::uint64_t))] = random();
+    }
+    eventfd_write(bell, 1);
+    FrontMessage message;
+    auto* const bytes = reinterpret_cast<unsigned char*>(&message);
+    for (std::size_t i = 0; i < sizeof message; ++i)
+      bytes[i] = static_cast<unsigned char>(random());
+    message.kind = static_cast<FrontMessage::Kind>(random() % 8);
+    if (random() % 4 != 0) message.kind = FrontMessage::Kind::kRequest;
+    if (message.kind == FrontMessage::Kind::kCannotServe) continue;
+    message.request.kind = static_cast<Request::Kind>(random() % 16);
+    if (random() % 2 == 0) message.request.device = 0;
+    // No stop: the device is to stay free, so that the test sees a stop of its own.
+    if (message.request.kind == Request::Kind::kStop) continue;
+    send(kLink, message);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string mode = std::getenv("HOSTILE") != nullptr ? std::getenv("HOSTILE") : "";
+  std::string address = "local:hostile";
+  for (int i = 1; i + 1 < argc; ++i) {
+    if (std::strcmp(argv[i], "--listen") == 0) address = argv[i + 1];
+  }
+  Link link;
+  FrontMessage hello = of(FrontMessage::Kind::kHello);
+  if (mode == "layout") ++hello.layout;
+  if (mode == "silent") pause();
+  send(kLink, hello);
+  static_cast<void>(link.hear());  // Welcome
+  send(kLink, of(FrontMessage::Kind::kReady));
+  std::vector<Descriptor> kept = std::move(link.descriptors);
+  static_cast<void>(link.hear());  // Go
+  link.descriptors = std::move(kept);
+  send(kLink, of(FrontMessage::Kind::kServing, address));
+  if (mode == "confined") {
+    for (const std::string& missing : confine({})) say("missing: " + missing);
+    attack_processes();
+    attack_files();
+    attack_scheduling();
+    say("attacked");
+    pause();
+  }
+  if (mode == "pages") attack_pages(link);
+  if (mode == "junk") send_junk(link);
+  if (mode == "mute") pause();
+  return 3;
+}

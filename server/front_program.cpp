@@ -27,8 +27,9 @@ constexpr std::size_t kStack = std::size_t{1} << 20U;
 class Process final : public FrontRunner {
  public:
   Process(App& app, Launcher* launcher, std::function<void()> lost)
-      : link_(app.owner(), {launcher, app.scene().resolved, app.scene().name,
-                            [&app] { return app.facts(); }, app.tick_metrics(), std::move(lost)}) {}
+      : link_(app.owner(),
+              {launcher, app.scene().resolved, app.scene().name, [&app] { return app.facts(); },
+               app.tick_metrics(), app.realtime().facts.sched_fifo, std::move(lost)}) {}
   void start() override { link_.start(); }
   void stop() override { link_.stop(); }
   void restart() override { link_.restart_front(); }

@@ -1,5 +1,6 @@
 #include "server/owner/front_link.hpp"
 
+#include <sched.h>
 #include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
 #include <sys/wait.h>
@@ -95,9 +96,12 @@ std::vector<std::string> FrontLink::addresses() const {
 
 void FrontLink::run() noexcept {
   set_thread_up("front link");
+  const sched_param lowest{1};
+  if (config_.realtime) sched_setscheduler(0, SCHED_FIFO, &lowest);
   bool told_to_leave = false;
   for (;;) {
     turn();
+    keep_within_budget();
     if (!stopping_.load()) continue;
     if (!std::exchange(told_to_leave, true)) {
       if (next_) end(*next_, "hapticd stops");

@@ -38,6 +38,9 @@ class FrontLink {
     std::string name{};           ///< of the scene; its control socket has it if it is offline
     std::function<ServerFacts()> facts{};  ///< called ten times a second, on the link's thread
     std::shared_ptr<const TickMetrics> ticks{};  ///< null: the scene has no metrics
+    /// The thread of the link gets SCHED_FIFO at the lowest priority: neither a sample nor a stop
+    /// waits for ordinary programs.
+    bool realtime{false};
     std::function<void()> lost{};  ///< no front can be started any more: the launcher is gone
   };
 
@@ -64,6 +67,7 @@ class FrontLink {
 
   void run() noexcept;
   void turn();
+  void keep_within_budget();
   void wait_for_news();
   // front_link_traffic.cpp: what fronts send.
   /// False: the front is to be ended, for the reason it left in `wrong_`.
@@ -96,6 +100,8 @@ class FrontLink {
   // The link's thread.
   core::TimePoint now_{};
   std::vector<pollfd> wait_{};
+  core::TimePoint window_{};  ///< began then
+  core::Duration busy_{0};    ///< of the window
   Place current_{}, next_{};
   std::uint32_t generation_{0};
   core::TimePoint start_at_{};

@@ -30,6 +30,19 @@ std::uint64_t resident_bytes() {
 
 }  // namespace
 
+/// Whatever fronts send, this thread leaves two thirds of a core to others.
+void FrontLink::keep_within_budget() {
+  constexpr core::Duration kWindow = 3ms, kBudget = 1ms;
+  const core::TimePoint now = steady_now();
+  busy_ += now - now_;
+  if (now - window_ < kWindow) {
+    if (busy_ < kBudget) return;
+    std::this_thread::sleep_for(window_ + kWindow - now);
+  }
+  window_ = steady_now();
+  busy_ = {};
+}
+
 bool FrontLink::take_messages(FrontProcess& front) {
   // Stops that rose before the queue was seen empty were in it.
   std::array<std::uint32_t, kMostDevices> stops{};

@@ -62,7 +62,7 @@ TEST(BackgroundFile, HangingDiskBlocksNoAppend) {
   for (int i = 0; i < 10'000; ++i) taken += file->append(text) ? text.size() : 0;
   EXPECT_LT(Clock::now() - begin, std::chrono::seconds(5));
   EXPECT_GE(taken, BackgroundFile::kMostWaiting - text.size());
-  EXPECT_LT(taken, 2 * BackgroundFile::kMostWaiting);
+  EXPECT_LE(taken, 2 * BackgroundFile::kMostWaiting);  // what is being written, and what waits
   EXPECT_FALSE(file->ended());
   file.reset();
   EXPECT_LT(Clock::now() - begin, std::chrono::seconds(20));

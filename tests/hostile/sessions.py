@@ -24,6 +24,25 @@ def observers(daemon):
     return {"wrong": wrong, "notes": [f"{len(held)} observers in, {refused} refused"]}
 
 
+def former_controllers(daemon):
+    """Seventy controllers of the spare device that are taken from and stay: each leaves its place
+    to the next."""
+    from calls import OPERATOR, PRIMARY, Session, controls, stub
+    held, got = [], 0
+    for i in range(70):
+        session = Session(stub(daemon), device="spare", client_name=f"former {i}",
+                          priority=OPERATOR if i % 2 else PRIMARY, state_rate_hz=1.0)
+        got += session.open(3.0)
+        held.append(session)
+        if i % 2:
+            session.end()  # so that the next one may have it
+    newcomer = controls(stub(daemon), device="spare", priority=OPERATOR)
+    wrong = [] if newcomer == "OK" else [f"a controller was refused: {newcomer}"]
+    for session in held:
+        session.end()
+    return {"wrong": wrong, "notes": [f"{got} of 70 had it"]}
+
+
 def watches(daemon):
     """Three hundred watches at every tick that are never read."""
     from frames import (DATA, END_HEADERS, END_STREAM, HEADERS, SERVICE, Peer, call, frame, message)

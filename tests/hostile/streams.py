@@ -3,8 +3,8 @@
 import gzip
 import time
 
-from frames import (CONTINUATION, DATA, END_HEADERS, END_STREAM, HEADERS, RST_STREAM, SERVICE, Peer,
-                    call, frame, message)
+from frames import (CONTINUATION, DATA, END_HEADERS, END_STREAM, GRPC, HEADERS, REQUEST, RST_STREAM,
+                    SERVICE, Peer, call, frame, literal, message)
 
 MB = 1 << 20
 METHODS = ("GetServerInfo", "ListDevices", "Session", "Engage", "Release", "UpdateSettings",
@@ -42,6 +42,51 @@ def rapid_reset(daemon):
     for peer in peers:
         peer.socket.close()
     return {"sent": sent, "notes": notes}
+
+
+def indexed_reset(daemon):
+    """The same with the headers in HPACK's table: a stream that is taken back costs 45 bytes."""
+    fields = (*REQUEST, (":path", SERVICE + "Session"), *GRPC)
+    stored = b"".join(b"\x40" + literal(*field)[1:] for field in fields)
+    indexed = bytes(0x80 | 61 + i for i in range(len(fields), 0, -1))
+    sent, streams = 0, 0
+    end = time.monotonic() + 3.0
+    while time.monotonic() < end and sent < 64 * MB:
+        peers = [Peer(daemon.tcp, timeout=1.0) for _ in range(4)]
+        for peer in peers:
+            peer.send(frame(HEADERS, END_HEADERS, peer.stream(), stored))
+        while time.monotonic() < end and not all(peer.closed for peer in peers):
+            for peer in peers:
+                piece = b""
+                for _ in range(200):
+                    number = peer.stream()
+                    piece += (frame(HEADERS, END_HEADERS, number, indexed) +
+                              frame(RST_STREAM, 0, number, b"\0\0\0\x08"))
+                peer.send(piece)
+                peer.drain()
+        sent += sum(peer.sent for peer in peers)
+        streams += sum(peer.next_stream // 2 for peer in peers)
+        for peer in peers:
+            peer.socket.close()
+    return {"sent": sent, "notes": [f"{streams} streams"]}
+
+
+def unread_answers(daemon):
+    """Calls as fast as they go, from 60 connections that read nothing."""
+    peers = [Peer(daemon.tcp, polite=False, timeout=0.05) for _ in range(60)]
+    end = time.monotonic() + 3.0
+    while time.monotonic() < end and not all(peer.closed for peer in peers):
+        for peer in peers:
+            piece = b""
+            for _ in range(50):
+                number = peer.stream()
+                piece += (frame(HEADERS, END_HEADERS, number, call(SERVICE + "GetServerInfo")) +
+                          frame(DATA, END_STREAM, number, message(b"")))
+            peer.send(piece)
+    sent = sum(peer.sent for peer in peers)
+    for peer in peers:
+        peer.socket.close()
+    return {"sent": sent, "notes": [f"{sum(p.next_stream // 2 for p in peers)} calls"]}
 
 
 def streams_without_open(daemon, most=12_000, seconds=3.0):

@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <memory>
+#include <utility>
+
+#include "haptic/core/time.hpp"
 
 namespace haptic::server {
 
@@ -15,6 +19,10 @@ class Account {
   void message(std::size_t bytes) noexcept { add(bytes + kFrame); }
   /// A call, with its headers in full and a request of so many bytes.
   void call(std::size_t bytes) noexcept { add(bytes + kHeaders); }
+  /// A call began that lives until the service has ended it, whether or not its peer took it back.
+  void call_began() noexcept { calls_.fetch_add(1, std::memory_order_relaxed); }
+  void call_ended() noexcept { calls_.fetch_sub(1, std::memory_order_relaxed); }
+  [[nodiscard]] unsigned calls() const noexcept { return calls_.load(std::memory_order_relaxed); }
   /// Session streams that are open on it: such a connection gives way last.
   void session_opened() noexcept { sessions_.fetch_add(1, std::memory_order_relaxed); }
   void session_ended() noexcept { sessions_.fetch_sub(1, std::memory_order_relaxed); }
@@ -34,14 +42,52 @@ class Account {
   void add(std::size_t bytes) noexcept { understood_.fetch_add(bytes, std::memory_order_relaxed); }
 
   std::atomic<std::uint64_t> understood_{0};
+  std::atomic<unsigned> calls_{0};
   std::atomic<int> sessions_{0};
+};
+
+/// A call of a connection, as long as this lives.
+class BookedCall {
+ public:
+  /// Null: it is not booked.
+  explicit BookedCall(std::shared_ptr<Account> account) : account_(std::move(account)) {
+    if (account_) account_->call_began();
+  }
+  ~BookedCall() {
+    if (account_) account_->call_ended();
+  }
+  BookedCall(const BookedCall&) = delete;
+  BookedCall& operator=(const BookedCall&) = delete;
+
+ private:
+  const std::shared_ptr<Account> account_;
 };
 
 /// Totals of a connection since its beginning.
 struct Traffic {
   std::uint64_t understood{0};    ///< Account::understood(), read before the two others
   std::uint64_t received{0};      ///< by gRPC: what waits in the kernel costs nothing yet
+  std::uint64_t unread{0};        ///< written for the peer, and not acknowledged yet
   std::uint64_t acknowledged{0};  ///< sent to the peer, and arrived there
+};
+
+/// Whether a peer asks and does not read the answers. One thread.
+class Unread {
+ public:
+  [[nodiscard]] bool book(const Traffic& traffic, core::TimePoint now) noexcept {
+    if (traffic.unread < kUnread || traffic.acknowledged != since_.acknowledged) {
+      since_ = traffic;
+      stuck_ = now;
+    }
+    return now - stuck_ > kPatience && traffic.received - since_.received > kAsked;
+  }
+
+ private:
+  static constexpr std::uint64_t kUnread = 16 * 1024;
+  static constexpr std::uint64_t kAsked = 8 * 1024;
+  static constexpr core::Duration kPatience = std::chrono::milliseconds(300);
+  Traffic since_{};
+  core::TimePoint stuck_{};
 };
 
 /// Of a TCP connection, as the kernel counts it.

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <linux/tcp.h>
-#include <malloc.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <spdlog/spdlog.h>
@@ -13,14 +12,12 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <map>
-#include <tuple>
 #include <utility>
 
 #include "server/base/steady_now.hpp"
 #include "server/base/thread_setup.hpp"
-#include "server/net/peer_name.hpp"
+#include "server/net/connection.hpp"
 
 namespace haptic::server {
 namespace {
@@ -31,9 +28,7 @@ using namespace std::chrono_literals;
 constexpr auto kLookEvery = 10ms;
 constexpr auto kHurry = 2ms;
 constexpr double kHurryAbove = 16 * 1024;
-constexpr auto kMemoryEvery = 1s;
-/// Who owes less did not make the memory grow.
-constexpr double kSuspect = 2 * 1024;
+constexpr auto kPause = 100ms;
 /// A peer that acknowledges nothing for so long is gone, or does not read: a network that was
 /// unplugged for 10 s finds its clients ready to connect again.
 constexpr int kGoneMs = 8'000;
@@ -51,14 +46,6 @@ Descriptor open_spare() {
 }
 
 }  // namespace
-
-struct Connections::Connection {
-  Descriptor socket{};  ///< a copy: gRPC has its own
-  PeerName peer{};
-  std::shared_ptr<Account> account{std::make_shared<Account>()};
-  Debt debt{};
-  bool over{false};
-};
 
 Connections::Connections(const std::vector<std::string>& addresses, const ConnectionLimits& limits)
     : limits_(limits),
@@ -80,6 +67,10 @@ void Connections::start(HandOver hand_over) {
 void Connections::close(core::Duration grace) {
   cut_at_.store((steady_now() + grace).time_since_epoch().count());
   static_cast<void>(eventfd_write(wakes_.get(), 1));
+}
+
+void Connections::look_now() {
+  if (!asked_.exchange(true)) static_cast<void>(eventfd_write(wakes_.get(), 1));
 }
 
 void Connections::stop() {
@@ -109,12 +100,13 @@ void Connections::run() noexcept {
     wait.assign(1, {wakes_.get(), POLLIN, 0});
     const bool closing = cut_at_.load() != 0;
     if (closing) listeners_.reset();
-    if (listeners_) {
+    const bool accepts = steady_now() >= accepts_at_;
+    if (listeners_ && accepts) {
       for (const auto& each : listeners_->sockets()) {
         wait.push_back({each.descriptor.get(), POLLIN, 0});
       }
     }
-    const bool look = closing || !open_.empty();
+    const bool look = closing || !accepts || !open_.empty();
     const auto every = hurry_ ? kHurry : kLookEvery;
     poll(wait.data(), wait.size(), look ? static_cast<int>(every.count()) : -1);
     eventfd_t woken = 0;
@@ -124,7 +116,7 @@ void Connections::run() noexcept {
     }
     forget_closed();
     const core::TimePoint now = steady_now();
-    if (now - looked_ >= every) look_after(now);
+    if (now - looked_ >= every || asked_.exchange(false)) look_after(now);
     if (closing && now.time_since_epoch().count() >= cut_at_.load()) {
       for (const auto& each : open_) cut(*each, "was open at the end of the server");
     }
@@ -222,54 +214,35 @@ void Connections::look_after(core::TimePoint now) {
   Connection* largest = nullptr;
   for (const auto& each : open_) {
     if (each->peer.grpc.empty()) continue;
-    each->debt.book(traffic_of(each->socket.get(), *each->account), forgiven);
+    const Traffic traffic = traffic_of(each->socket.get(), *each->account);
+    each->debt.book(traffic, forgiven);
+    // A session's samples may come in while nothing gets out: that is its network's fault.
+    if (each->unread.book(traffic, now) && each->account->worth() < 2) {
+      offends(*each, "asks and does not read");
+      continue;
+    }
+    if (each->account->calls() > limits_.calls) {
+      offends(*each, "began calls and took them back");
+      continue;
+    }
     if (each->debt.bytes() > static_cast<double>(limits_.debt)) {
-      cut(*each, "sent bytes that mean nothing");
+      offends(*each, "sent bytes that mean nothing");
       continue;
     }
     sum += each->debt.bytes();
     if (largest == nullptr || each->debt.bytes() > largest->debt.bytes()) largest = each.get();
   }
   if (sum > static_cast<double>(limits_.debt_of_all)) {
-    cut(*largest, "sent most of the bytes that mean nothing");
+    offends(*largest, "sent most of the bytes that mean nothing");
   }
   hurry_ = sum > kHurryAbove;
   look_at_memory(now);
 }
 
-std::uint64_t Connections::resident() const {
-  std::array<char, 64> text{};
-  if (pread(statm_.get(), text.data(), text.size() - 1, 0) <= 0) return 0;
-  unsigned long long pages = 0;
-  static_cast<void>(std::sscanf(text.data(), "%*u %llu", &pages));
-  return pages * static_cast<unsigned long long>(sysconf(_SC_PAGESIZE));
-}
-
-void Connections::look_at_memory(core::TimePoint now) {
-  const std::uint64_t size = resident();
-  if (size > resident_ + limits_.growth && resident_ != 0) {
-    // A few bytes may cost gRPC a thousand times as much: a stream that is taken back at once.
-    double most = kSuspect;
-    for (const auto& each : open_) most = std::max(most, each->debt.bytes());
-    for (const auto& each : open_) {
-      if (each->debt.bytes() >= 0.5 * most) cut(*each, "sent the bytes that the memory grew by");
-    }
-    resident_ = size;
-  }
-  if (now - memory_at_ < kMemoryEvery) return;
-  memory_at_ = now;
-  // What an attack leaves behind is given back.
-  if (std::exchange(trim_, false)) malloc_trim(0);
-  resident_ = size;
-  if (size <= limits_.memory) return;
-  const struct mallinfo2 heap = mallinfo2();
-  if (heap.uordblks + heap.hblkhd <= limits_.memory) return;
-  const auto most = std::max_element(open_.begin(), open_.end(), [](const auto& a, const auto& b) {
-    return std::tuple(!a->over, a->debt.unexplained()) <
-           std::tuple(!b->over, b->debt.unexplained());
-  });
-  if (most == open_.end() || (*most)->over) return;
-  cut(**most, "was the likeliest cause of the memory in use");
+void Connections::offends(Connection& connection, const char* why) {
+  cut(connection, why);
+  // Whoever comes again at once finds the door shut until what it began is tidied up.
+  accepts_at_ = steady_now() + kPause;
 }
 
 void Connections::cut(Connection& connection, const char* why) {

@@ -9,9 +9,13 @@
 /// |                          | any                                                              |
 /// | connections in all       | the same, of the peer that has most                              |
 /// | bytes without a meaning  | the connection itself; in all: the one with most of them         |
+/// | calls that are not over  | the connection itself: its peer takes calls back and begins more |
+/// | answers that are not read| the connection itself, unless it has a session                   |
 /// | memory that grows fast   | those with most bytes without a meaning                          |
 /// | memory in use            | the one with most of them since it began                         |
 /// | nothing acknowledged 8 s | the connection itself, by the kernel                             |
+///
+/// After a connection was cut for what its peer did, the door is shut for 100 ms.
 ///
 /// Bytes are the kernel's count (TCP_INFO), so that neither TLS nor a codec is in the way. It has
 /// none for UNIX sockets, of which only the number is bounded: they are users of this host.
@@ -38,6 +42,7 @@ struct ConnectionLimits {
   /// Bytes that came to nothing: more than the largest message, whose end is awaited.
   std::uint64_t debt{320 * 1024};
   std::uint64_t debt_of_all{512 * 1024};
+  unsigned calls{256};  ///< of a connection, those that its peer took back but gRPC has still
   std::uint64_t forgiven_per_second{1024};     ///< pings, health checks
   std::uint64_t growth{16ull * 1024 * 1024};   ///< of the process's resident memory, within 1 s
   std::uint64_t memory{256ull * 1024 * 1024};  ///< of the process, as malloc counts it
@@ -76,6 +81,8 @@ class Connections {
   /// a connection that is gone, is read by no one.
   [[nodiscard]] std::shared_ptr<Account> account(const std::string& peer);
   [[nodiscard]] std::size_t open() const;
+  /// Looks at the accounts soon. Any thread.
+  void look_now();
   /// Connections that were cut since the start.
   [[nodiscard]] std::uint64_t cut() const noexcept { return cut_.load(); }
 
@@ -92,6 +99,7 @@ class Connections {
   void look_at_memory(core::TimePoint now);
   [[nodiscard]] std::uint64_t resident() const;
   void cut(Connection& connection, const char* why);
+  void offends(Connection& connection, const char* why);
   void stop();
 
   const ConnectionLimits limits_;
@@ -106,10 +114,11 @@ class Connections {
   std::vector<std::unique_ptr<Connection>> open_{};  ///< the oldest first; changed by the thread
   const std::shared_ptr<Account> unread_{std::make_shared<Account>()};
   std::atomic<std::uint64_t> cut_{0};
-  core::TimePoint looked_{}, told_{}, memory_at_{};
-  bool hurry_{false};          ///< a peer may be up to something
-  bool trim_{false};           ///< a connection was cut since the heap was trimmed
-  std::uint64_t resident_{0};  ///< a second ago, or less
+  core::TimePoint looked_{}, told_{}, memory_at_{}, accepts_at_{};
+  bool hurry_{false};               ///< a peer may be up to something
+  bool trim_{false};                ///< a connection was cut since the heap was trimmed
+  std::uint64_t resident_{0};       ///< a second ago, or less
+  std::atomic<bool> asked_{false};  ///< to look now
   std::atomic<bool> stopping_{false};
   std::atomic<core::Duration::rep> cut_at_{0};  ///< since the clock's epoch; 0: not closing
   std::thread thread_{};

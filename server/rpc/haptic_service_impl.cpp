@@ -110,15 +110,16 @@ Unary* HapticServiceImpl::ListDevices(Call* call, const v1::ListDevicesRequest* 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* HapticServiceImpl::Session(
     Call* call) {
   Peer peer = peer_of(*call);
-  peer.account = context_.connections->account(call->peer());
+  peer.account = context_.account_of(*call);
   return SessionStream::begin(context_, std::move(peer));
 }
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* HapticServiceImpl::Watch(Call* call,
                                                                      const Bytes* request) {
+  auto account = context_.account_of(*call);
   // Without a request the call was taken back: there is nothing to book.
-  if (request->Valid()) context_.connections->account(call->peer())->call(request->Length());
-  return WatchStream::begin(context_, *request);
+  if (request->Valid()) account->call(request->Length());
+  return WatchStream::begin(context_, *request, std::move(account));
 }
 
 Unary* HapticServiceImpl::ask(Call* call, const Request& request,

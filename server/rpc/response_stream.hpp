@@ -21,8 +21,8 @@ class ResponseStream : public Reactor,
                        public OpenStream,
                        public std::enable_shared_from_this<ResponseStream<Reactor>> {
  public:
-  explicit ResponseStream(ServiceContext& context)
-      : OpenStream(context.streams), context_(context) {}
+  explicit ResponseStream(ServiceContext& context, std::shared_ptr<Account> account = nullptr)
+      : OpenStream(context.streams), context_(context), booked_(std::move(account)) {}
 
   void server_closes() override {
     end(to_status({Refusal::Code::kUnavailable, "CLOSING", "the server is shutting down"}));
@@ -57,6 +57,7 @@ class ResponseStream : public Reactor,
  private:
   void leave();
 
+  const BookedCall booked_;
   Broadcaster* broadcaster_{nullptr};
   std::shared_ptr<ResponseStream> self_;
   grpc::Status final_status_;

@@ -29,6 +29,7 @@ constexpr int kLargestReceived = 4 * static_cast<int>(kLargestMessage);
 /// TLS and HTTP/2 have begun by then, or the connection is closed.
 constexpr std::chrono::seconds kHandshake{10};
 constexpr int kReflectionThreads = 8;
+constexpr int kReadChunk = 4096;
 /// How often the health of the devices is looked at, so that a loop that has stopped is noticed.
 constexpr milliseconds kHealthPeriod{250};
 /// A device whose loop gave no record for longer is not served.
@@ -47,6 +48,11 @@ void set_limits(grpc::ServerBuilder& builder, const RpcConfig& config) {
   builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
                              static_cast<int>(calls_of_connection(config.max_sessions)));
+  // A chunk is parsed whole before anything can end its connection, and may begin a stream with
+  // every 20 bytes.
+  builder.AddChannelArgument(GRPC_ARG_TCP_READ_CHUNK_SIZE, kReadChunk);
+  builder.AddChannelArgument(GRPC_ARG_TCP_MIN_READ_CHUNK_SIZE, kReadChunk);
+  builder.AddChannelArgument(GRPC_ARG_TCP_MAX_READ_CHUNK_SIZE, kReadChunk);
   // Messages are small: a window that grows with the link's speed only lets more wait in memory.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, argument_ms(kHandshake));

@@ -107,6 +107,12 @@ ServiceContext::ServiceContext(RpcConfig rpc_config, OwnerPort& owner, FactsProv
   }
 }
 
+std::shared_ptr<Account> ServiceContext::account_of(const grpc::ServerContextBase& call) {
+  auto account = connections->account(call.peer());
+  if (account->calls() >= config.connections.calls) connections->look_now();
+  return account;
+}
+
 unsigned ServiceContext::sessions() const {
   unsigned all = 0;
   for (std::size_t i = 0; i < broadcasters.size(); ++i) all += owner().status(i).sessions;

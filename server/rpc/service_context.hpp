@@ -1,6 +1,8 @@
 #pragma once
 /// What the calls of the service share (private to server/rpc).
 
+#include <grpcpp/server_context.h>
+
 #include <condition_variable>
 #include <functional>
 #include <list>
@@ -108,6 +110,8 @@ class ServiceContext final : public Front {
     broadcasters[device]->on_newest(state);
   }
 
+  /// Of the connection of a call that stays for a while.
+  [[nodiscard]] std::shared_ptr<Account> account_of(const grpc::ServerContextBase& call);
   [[nodiscard]] double loop_hz() const { return 1.0 / core::seconds(config.period); }
   [[nodiscard]] SessionSettings session_settings() const {
     return {loop_hz(), config.clock, config.age_by_source_time};

@@ -22,7 +22,7 @@ class SessionStream final
   /// Begins to read; deletes itself when gRPC is done with it.
   [[nodiscard]] static SessionStream* begin(ServiceContext& context, Peer peer);
   SessionStream(ServiceContext& context, Peer peer)
-      : ResponseStream(context), peer_(std::move(peer)) {}
+      : ResponseStream(context, peer.account), peer_(std::move(peer)) {}
 
   bool offer(const StateRecord& state, StateFrame& frame, bool states_allowed) override;
   void goes_on_elsewhere(const std::string& session_id) override;

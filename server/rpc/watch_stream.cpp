@@ -7,8 +7,9 @@
 
 namespace haptic::server {
 
-WatchStream* WatchStream::begin(ServiceContext& context, const grpc::ByteBuffer& request) {
-  auto stream = std::make_shared<WatchStream>(context);
+WatchStream* WatchStream::begin(ServiceContext& context, const grpc::ByteBuffer& request,
+                                std::shared_ptr<Account> account) {
+  auto stream = std::make_shared<WatchStream>(context, std::move(account));
   stream->keep_alive();
   stream->open(request);
   context.streams.add(stream);

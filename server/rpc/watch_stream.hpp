@@ -14,7 +14,8 @@ class WatchStream final : public ResponseStream<grpc::ServerWriteReactor<grpc::B
   static constexpr double kDefaultRateHz = 30.0;
 
   /// Deletes itself when gRPC is done with it.
-  [[nodiscard]] static WatchStream* begin(ServiceContext& context, const grpc::ByteBuffer& request);
+  [[nodiscard]] static WatchStream* begin(ServiceContext& context, const grpc::ByteBuffer& request,
+                                          std::shared_ptr<Account> account);
   using ResponseStream::ResponseStream;
 
   bool offer(const StateRecord& state, StateFrame& frame, bool states_allowed) override;

@@ -1,0 +1,20 @@
+#pragma once
+/// One connection of the door (private to server/net).
+
+#include <memory>
+
+#include "server/net/connections.hpp"
+#include "server/net/peer_name.hpp"
+
+namespace haptic::server {
+
+struct Connections::Connection {
+  Descriptor socket{};  ///< a copy: gRPC has its own
+  PeerName peer{};
+  std::shared_ptr<Account> account{std::make_shared<Account>()};
+  Debt debt{};
+  Unread unread{};
+  bool over{false};
+};
+
+}  // namespace haptic::server

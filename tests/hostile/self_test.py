@@ -36,7 +36,7 @@ def change(ticks, begin, end=None, **fields):
 
 
 def good(**fields):
-    return Measured(**{"before": 60 * MB, "owner": 60 * MB, "stops": [0.02] * 20, "realtime": True,
+    return Measured(**{"before": 60 * MB, "owner": 60 * MB, "stops": [0.002] * 20, "realtime": True,
                        "punctual": True, **fields})
 
 

@@ -1,5 +1,6 @@
 #include "server/telemetry/telemetry.hpp"
 
+#include <sched.h>
 #include <sys/prctl.h>
 
 #include <algorithm>
@@ -36,7 +37,12 @@ void Telemetry::stop() {
 
 void Telemetry::serve() noexcept {
   set_thread_up("telemetry");
-  if (may_watch_) prctl(PR_SET_TIMERSLACK, 1UL, 0, 0, 0);  // it has an appointment with the loop
+  if (may_watch_) {
+    prctl(PR_SET_TIMERSLACK, 1UL, 0, 0, 0);  // it has an appointment with the loop
+    // The lowest priority of real time: the answer to a stop does not wait for ordinary programs.
+    const sched_param lowest{1};
+    sched_setscheduler(0, SCHED_FIFO, &lowest);
+  }
   for (;;) {
     const std::uint32_t heard = bell_.rings();
     const bool last_round = stopping_.load();

@@ -45,7 +45,8 @@ class Telemetry {
 
   /// Lets the drain busy-wait for the end of the tick, which saves a wake-up on the way to the
   /// streams and costs some microseconds per tick. Only if the loop runs on meanwhile: with
-  /// real-time priority and a second core. Before start().
+  /// real-time priority and a second core. The drain itself then has the lowest real-time priority.
+  /// Before start().
   void allow_watching(bool allowed) noexcept { may_watch_ = allowed; }
   /// Number of latency-sensitive clients: +1 when one begins, -1 when it ends. Any thread.
   void watch(int change) noexcept { watchers_.fetch_add(change, std::memory_order_relaxed); }

@@ -68,6 +68,14 @@ TEST(Fuzz, SamplesOfAnythingDoNoHarm) {
   fuzz(ingress_target(), 200'000);
 }
 
+TEST(Fuzz, SerialCodecsAgree) {
+  fuzz(frame_target(), 50'000);
+}
+
+TEST(Fuzz, AnyRecordingPlaysOrIsRefused) {
+  fuzz(replay_target(), 5'000);
+}
+
 TEST(Fuzz, AnySceneLoadsOrIsRefused) {
   fuzz(scene_target(), 1'000);
 }

@@ -1,49 +1,65 @@
 #!/usr/bin/env bash
-# Fuzzes a target with libFuzzer, address and undefined behaviour sanitizers, for as long as one
-# likes.
+# Fuzzes with libFuzzer, address and undefined behaviour sanitizers, until a target has had so many
+# executions.
 #
-#   tests/fuzz/run.sh datagram|ingress|scene|all [SECONDS]      default: 60 s; all: each of them
-#   tests/fuzz/run.sh frames [EXECUTIONS]                       default: 10 million
+#   tests/fuzz/run.sh TARGET|all [EXECUTIONS]
 #
-# The corpus grows in build/fuzz/corpus/TARGET and is taken up by the next run; a finding ends the
-# run and leaves its input there as crash-*, which the same program replays. A night:
-# tests/fuzz/run.sh all 10000. frames: the serial link's codecs, C++ and C99, against each other on
-# damaged streams (haptic-fuzz-frames, same streams in every run; address and undefined behaviour
-# sanitizers too). Ends with 1 at a finding.
+# Targets, and their executions by default: frame, datagram, ingress 1e8; scene, replay 1e6
+# (tests/fuzz/targets.hpp says what each one is). The corpus grows in build/fuzz/corpus/TARGET, what
+# was reached is in build/fuzz/TARGET.csv, and a run that was ended goes on from there. Each target
+# ends with a line: executions, hours, corpus, coverage, and what the last tenth found that was new.
+# A finding ends the run with 1 and leaves its input in the corpus as crash-*, which
+# build/fuzz/tests/fuzz/haptic-libfuzzer-TARGET FILE replays; 3: the last tenth still found new
+# edges.
+#
+#   tests/fuzz/run.sh frames [EXECUTIONS]
+#
+# Streams of frames with damage of every kind, the same in every run, without libFuzzer
+# (haptic-fuzz-frames; 10 million by default).
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 wanted=${1:-}
-amount=${2:-60} unit=seconds
-if [[ $wanted == frames ]]; then amount=${2:-10000000} unit=executions; fi
+amount=${2:-}
 case "$wanted" in
   frames) targets=() ;;
-  datagram | ingress | scene) targets=("$wanted") ;;
-  all) targets=(datagram ingress scene) ;;
+  frame | datagram | ingress | scene | replay) targets=("$wanted") ;;
+  all) targets=(scene replay frame datagram ingress) ;;
   -h | --help) sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"; exit 0 ;;
-  *) echo "run.sh: target '$wanted': must be datagram, ingress, scene, frames or all" >&2; exit 2 ;;
+  *)
+    echo "run.sh: '$wanted': must be frame, datagram, ingress, scene, replay, frames or all" >&2
+    exit 2
+    ;;
 esac
-case "$amount" in
-  '' | *[!0-9]* | 0) echo "run.sh: $unit '$amount': must be a whole number above 0" >&2; exit 2 ;;
-esac
+if [[ -n $amount && ! $amount =~ ^[1-9][0-9]*(e[0-9]+)?$ ]]; then
+  echo "run.sh: executions '$amount': must be a whole number above 0, such as 1000000 or 1e6" >&2
+  exit 2
+fi
+cd "$root"
 if [[ $wanted == frames ]]; then
-  cd "$root"
   cmake --preset asan >&2
   cmake --build --preset asan --target haptic-fuzz-frames >&2
-  exec build/asan/tests/haptic-fuzz-frames "$amount"
+  exec build/asan/tests/haptic-fuzz-frames "$(printf '%.0f' "${amount:-10000000}")"
 fi
 command -v clang++ >/dev/null ||
   { echo "run.sh: no clang++ (docker/install-deps.sh test)" >&2; exit 2; }
-cd "$root"
 cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_C_COMPILER=clang \
   -DCMAKE_CXX_COMPILER=clang++ -DHAPTIC_FUZZERS=ON \
-    -DHAPTIC_SANITIZE=fuzzer-no-link,address,undefined
-cmake --build build/fuzz --target "${targets[@]/#/haptic-libfuzzer-}"
+  -DHAPTIC_SANITIZE=fuzzer-no-link,address,undefined >&2
+cmake --build build/fuzz --target "${targets[@]/#/haptic-libfuzzer-}" >&2
+status=0
 for target in "${targets[@]}"; do
   program=build/fuzz/tests/fuzz/haptic-libfuzzer-$target
   corpus=build/fuzz/corpus/$target
   mkdir -p "$corpus"
   HAPTIC_FUZZ_SEEDS=$corpus "$program" -runs=0 2>/dev/null
-  echo "run.sh: $target, $amount s" >&2
-  "$program" "$corpus" -artifact_prefix="$corpus/" -max_total_time="$amount" -max_len=16384 \
-    -timeout=20
+  default=1e8 longest=8192
+  case $target in
+    scene) default=1e6 longest=16384 ;;
+    replay) default=1e6 longest=2048 ;;
+    frame) longest=1024 ;;
+  esac
+  python3 tests/fuzz/campaign.py "$program" "$corpus" "build/fuzz/$target.csv" \
+    "${amount:-$default}" "$longest" || status=$?
+  if ((status == 1)); then exit 1; fi
 done
+exit "$status"

@@ -1,7 +1,7 @@
 #pragma once
-/// What is fuzzed besides the serial link: the datagram path, the ingress and the scene loader. A
-/// target takes any bytes and says what is wrong; empty: nothing. libFuzzer drives it (run.sh), and
-/// so do the tests, with a fixed count (fuzz_test.cpp).
+/// What is fuzzed: the serial link, the datagram path, the ingress, the scene loader and replayed
+/// files. A target takes any bytes and says what is wrong; empty: nothing. libFuzzer drives it
+/// (run.sh), and so do the tests, with a fixed count (fuzz_test.cpp).
 
 #include <cstdint>
 #include <span>
@@ -32,6 +32,13 @@ struct FuzzTarget {
 /// server::parse_scene. Findings: an error without a word, another exception than SceneError, a
 /// scene that does not read back as itself.
 [[nodiscard]] const FuzzTarget& scene_target();
+
+/// The serial link's two codecs, C++ and C99, on the same bytes, and the readers of every message.
+/// Findings: they differ, or an undamaged frame is not read.
+[[nodiscard]] const FuzzTarget& frame_target();
+/// hw::Replay. Findings: an error without a word, another exception than DeviceError, a sample that
+/// is no number, of a wrong size or out of the device's range.
+[[nodiscard]] const FuzzTarget& replay_target();
 
 /// Numbers out of an input, 0 beyond its end.
 class FuzzReader {

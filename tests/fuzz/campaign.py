@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""Runs a libFuzzer program for a number of executions, in slices, and can go on where it stopped.
+
+    campaign.py PROGRAM CORPUS RECORD.csv EXECUTIONS [MAX_LEN]
+
+RECORD.csv has a line per slice: executions and seconds so far, covered edges, features, files of
+the corpus. A run that was ended goes on after its last line; a run that has its executions does
+nothing but report. The report, on standard output, says also what the last tenth of the executions
+found that was new. Exit status 1 at a finding, whose input is in CORPUS as crash-* or timeout-*,
+and 3 if the last tenth still found new edges."""
+
+import csv
+import pathlib
+import re
+import subprocess
+import sys
+import time
+
+COLUMNS = ("executions", "seconds", "edges", "features", "corpus")
+SLICE_S = 60  # what an interruption may lose
+
+
+def read(record):
+    if not record.exists():
+        return []
+    with open(record, newline="") as file:
+        return [{name: float(row[name]) for name in COLUMNS} for row in csv.DictReader(file)]
+
+
+def at(rows, executions):
+    """The newest line that was written at so many executions or before."""
+    before = [row for row in rows if row["executions"] <= executions]
+    return before[-1] if before else dict.fromkeys(COLUMNS, 0.0)
+
+
+def report(name, rows, wanted):
+    """(what the campaign reached in one line, whether its last tenth found new edges)."""
+    last = rows[-1]
+    before = at(rows, 0.9 * last["executions"])
+    edges, features = (int(last[k] - before[k]) for k in ("edges", "features"))
+    text = (f"{name}: {last['executions']:.3g} of {wanted:.3g} executions in "
+            f"{last['seconds'] / 3600:.2f} h, corpus {last['corpus']:.0f}, edges "
+            f"{last['edges']:.0f}, features {last['features']:.0f}; in the last tenth "
+            f"{max(edges, 0)} new edges, {max(features, 0)} new features")
+    return text, edges > 0
+
+
+def run_slice(program, corpus, executions, longest):
+    """Executions, edges, features, corpus; None at a finding."""
+    done = subprocess.run(
+        [program, str(corpus), f"-artifact_prefix={corpus}/", f"-runs={executions}",
+         f"-max_total_time={SLICE_S}", f"-max_len={longest}", "-timeout=20", "-rss_limit_mb=2048",
+         "-print_final_stats=1", "-verbosity=1"],
+        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        errors="replace")
+    ran = re.search(r"stat::number_of_executed_units: (\d+)", done.stdout)
+    status = re.findall(r"^#\d+\s+DONE\s+cov: (\d+) ft: (\d+) corp: (\d+)", done.stdout, re.M)
+    if done.returncode != 0 or ran is None or not status:
+        print(done.stdout[-4000:], file=sys.stderr)
+        return None
+    return int(ran.group(1)), *map(int, status[-1])
+
+
+def main():
+    if len(sys.argv) < 5:
+        print(__doc__)
+        return 2
+    program, corpus, record = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+    wanted, longest = int(float(sys.argv[4])), int(sys.argv[5]) if len(sys.argv) > 5 else 16384
+    corpus.mkdir(parents=True, exist_ok=True)
+    rows = read(record)
+    while not rows or rows[-1]["executions"] < wanted:
+        so_far = rows[-1] if rows else dict.fromkeys(COLUMNS, 0.0)
+        began = time.monotonic()
+        found = run_slice(program, corpus, wanted - int(so_far["executions"]), longest)
+        if found is None:
+            print(f"{corpus.name}: a finding after {so_far['executions']:.3g} executions; "
+                  f"its input is in {corpus}")
+            return 1
+        executions, edges, features, files = found
+        rows.append(dict(zip(COLUMNS, (so_far["executions"] + executions,
+                                       so_far["seconds"] + time.monotonic() - began, edges,
+                                       features, files))))
+        new = not record.exists()
+        with open(record, "a", newline="") as file:
+            writer = csv.DictWriter(file, COLUMNS)
+            if new:
+                writer.writeheader()
+            writer.writerow({name: round(value, 1) for name, value in rows[-1].items()})
+        print(report(corpus.name, rows, wanted)[0], file=sys.stderr)
+    text, grows = report(corpus.name, rows, wanted)
+    print(text)
+    return 3 if grows else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -75,7 +75,7 @@ ELSEWHERE = {
         "tests/package/install_test.sh",
         "$(pkg-config --cflags --libs haptic-client)",
     ),
-    '"$HOME/.local/bin/hapticd" --scene finger_constant &': (
+    '"$HOME/.local/bin/hapticd" --scene finger_constant': (
         "tests/server/scene/shipped_scenes_test.cpp",
         "AProgramFindsItsShareDirectory",
     ),

@@ -91,7 +91,7 @@ class Recordings : public testing::TestWithParam<const char*> {
   void SetUp() override {
     file_ = std::filesystem::path(HAPTIC_SOURCE_DIR) / "../shared/data" / GetParam();
     if (!std::filesystem::exists(file_)) {
-      GTEST_SKIP() << file_ << " is not here: the recordings of people live beside the checkout";
+      GTEST_SKIP() << "no recordings of people beside this checkout";
     }
   }
   std::shared_ptr<const core::Kinematics> kinematics_ = core::make_finger_exoskeleton({});

@@ -50,7 +50,7 @@ void RemoteSession::open() {
     throw ClientError(ErrorReason::kInvalidArgument,
                       "observer, tracker: must not be true both, a session has one role");
   }
-  connect();
+  connect(false);
   fetch_device();
   worker_ = std::thread([this] {
     pthread_setname_np(pthread_self(), "haptic-client");
@@ -85,7 +85,7 @@ v1::OpenSession RemoteSession::opening() const {
   return open;
 }
 
-void RemoteSession::connect() {
+void RemoteSession::connect(bool again) {
   auto stream = std::make_shared<Stream>(*stub_, *this);
   v1::OpenSession open;
   {
@@ -96,7 +96,7 @@ void RemoteSession::connect() {
     stream_ = stream;
     open = opening();
   }
-  stream->start(open);
+  stream->start(open, again);
   Lock lock(mutex_);
   const bool answered = changed_.wait_for(lock, options_.timeout, [this] {
     return reconnection_.state() != Reconnection::State::kOpening;

@@ -105,8 +105,9 @@ class RemoteSession final : public Session {
   [[nodiscard]] bool send_by_udp(const v1::ProxySample& sample, UdpCarrier* udp);
 
   // remote_session.cpp
-  /// One attempt at a stream; throws if the server refused or did not answer.
-  void connect();
+  /// One attempt at a stream; throws if the server refused or did not answer. `again`: waits for a
+  /// server that is not there, up to the session's timeout.
+  void connect(bool again);
   void fetch_device();
   [[nodiscard]] v1::OpenSession opening() const;
   [[nodiscard]] std::string session_id() const;

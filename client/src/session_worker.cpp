@@ -54,7 +54,7 @@ void RemoteSession::reconnect(Lock& lock) {
   if (old) old->end();
   std::optional<ClientError> error;
   try {
-    connect();
+    connect(true);
   } catch (const ClientError& failed) {
     error = failed;
   }

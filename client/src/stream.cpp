@@ -4,8 +4,9 @@
 
 namespace haptic::client {
 
-void Stream::start(const v1::OpenSession& open) {
+void Stream::start(const v1::OpenSession& open, bool patient) {
   const std::lock_guard lock(mutex_);
+  context_.set_wait_for_ready(patient);
   v1::SessionRequest opening;
   *opening.mutable_open() = open;
   stub_.async()->Session(&context_, this);

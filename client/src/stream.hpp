@@ -19,7 +19,9 @@ class Stream final : public grpc::ClientBidiReactor<v1::SessionRequest, v1::Sess
   Stream(v1::HapticService::Stub& stub, RemoteSession& session) : stub_(stub), session_(session) {}
   ~Stream() override { end(); }
 
-  void start(const v1::OpenSession& open);
+  /// `patient`: the call waits for a connection instead of failing while there is none. gRPC looks
+  /// after a connection that is being made only while a call waits for it, else every 5 s.
+  void start(const v1::OpenSession& open, bool patient);
   /// From any thread; never waits for the network. Only the newest sample that could not be written
   /// yet is kept.
   void send(v1::SessionRequest sample);

@@ -5,8 +5,9 @@ library in C++ and in Python, by the stream alone and with a UDP path.
     unplugged_test.py HAPTICD HAPTICCTL HAPTIC-EXAMPLE-SOFT-GRASP SCENE    (haptic on PYTHONPATH)
 
 Server and client live in network namespaces of their own with a router between them. Unplugged
-means that the router drops everything without a word. Exit status 77 if this host allows no
-namespaces."""
+means that the router drops everything without a word; or that the client's interface is gone, and
+another one comes with another address, as an engine does to a container. Exit status 77 if this
+host allows no namespaces."""
 
 import contextlib
 import json
@@ -43,27 +44,33 @@ class Laboratory:
             own = os.stat("/proc/self/ns/net").st_ino
             while os.stat(f"/proc/{holder.pid}/ns/net").st_ino == own:
                 time.sleep(0.01)
-            near, far = f"to-{name}", f"at-{name}"
-            command("ip", "link", "add", "name", near, "type", "veth", "peer", "name", far)
-            command("ip", "link", "set", far, "netns", str(holder.pid))
-            command("ip", "address", "add", f"10.77.{number}.1/24", "dev", near)
-            command("ip", "link", "set", near, "up")
-            for words in (("address", "add", f"10.77.{number}.2/24", "dev", far),
-                          ("link", "set", far, "up"), ("link", "set", "lo", "up"),
-                          ("route", "add", "default", "via", f"10.77.{number}.1")):
-                command(*self.inside(name, "ip", *words))
+            self.join(name, number, 2)
         pathlib.Path("/proc/sys/net/ipv4/ip_forward").write_text("1")
+
+    def join(self, name, number, host):
+        """A cable from the router to the namespace, which gets 10.77.NUMBER.HOST."""
+        near, far = f"to-{name}", f"at-{name}"
+        command("ip", "link", "add", "name", near, "type", "veth", "peer", "name", far)
+        command("ip", "link", "set", far, "netns", str(self.holders[name].pid))
+        command("ip", "address", "add", f"10.77.{number}.1/24", "dev", near)
+        command("ip", "link", "set", near, "up")
+        for words in (("address", "add", f"10.77.{number}.{host}/24", "dev", far),
+                      ("link", "set", far, "up"), ("link", "set", "lo", "up"),
+                      ("route", "add", "default", "via", f"10.77.{number}.1")):
+            command(*self.inside(name, "ip", *words))
 
     def inside(self, name, *words):
         return ["nsenter", f"--net=/proc/{self.holders[name].pid}/ns/net", *map(str, words)]
 
-    def unplug(self):
+    def rules(self, verb):
         for number in (1, 2):
-            command("ip", "rule", "add", "pref", "1", "to", f"10.77.{number}.0/24", "blackhole")
+            command("ip", "rule", verb, "pref", "1", "to", f"10.77.{number}.0/24", "blackhole")
 
-    def plug(self):
-        for number in (1, 2):
-            command("ip", "rule", "del", "pref", "1", "to", f"10.77.{number}.0/24", "blackhole")
+    def unplug(self, interface):
+        command("ip", "link", "del", "to-client") if interface else self.rules("add")
+
+    def plug(self, interface):
+        self.join("client", 2, 3) if interface else self.rules("del")
 
     def close(self):
         for name, holder in self.holders.items():
@@ -143,7 +150,7 @@ class Unplugged(unittest.TestCase):
         self.addCleanup(end)
         return process
 
-    def bears(self, client, udp):
+    def bears(self, client, interface=False):
         socket = f"unix:{self.folder}/s"
         inside = self.laboratory.inside
         self.started(inside(
@@ -160,10 +167,10 @@ class Unplugged(unittest.TestCase):
         process = self.started(inside("client", *client), "client.log")
         observer.wait("force at first", lambda gain: gain == 1.0)
         time.sleep(2.0)  # for the UDP path
-        self.laboratory.unplug()
+        self.laboratory.unplug(interface)
         observer.wait("force goes", lambda gain: gain == 0.0, 2.0)
         time.sleep(OUTAGE_S)
-        self.laboratory.plug()
+        self.laboratory.plug(interface)
         after = observer.wait("force is back", lambda gain: gain > 0.0)
         self.assertIsNone(process.poll(), (self.folder / "client.log").read_text())
         print(f"{self.id()}: force again {after:.2f} s after the network", flush=True)
@@ -176,16 +183,22 @@ class Unplugged(unittest.TestCase):
         return [sys.executable, __file__, "--press", f"{SERVER}:{PORT}", *(["udp"] if udp else [])]
 
     def test_cpp_by_the_stream(self):
-        self.bears(self.cpp("grpc"), False)
+        self.bears(self.cpp("grpc"))
 
     def test_cpp_with_udp(self):
-        self.bears(self.cpp("auto"), True)
+        self.bears(self.cpp("auto"))
 
     def test_python_by_the_stream(self):
-        self.bears(self.python(False), False)
+        self.bears(self.python(False))
 
     def test_python_with_udp(self):
-        self.bears(self.python(True), True)
+        self.bears(self.python(True))
+
+    def test_cpp_gets_another_address(self):
+        self.bears(self.cpp("auto"), interface=True)
+
+    def test_python_gets_another_address(self):
+        self.bears(self.python(True), interface=True)
 
 
 def enter():

@@ -40,8 +40,10 @@ class Connection:
             raise ClientError("INVALID_ARGUMENT",
                               f"server address '{address}': must be host:port or unix:/path")
         self._address = address
-        self._channel = grpc.insecure_channel(
-            address, options=_OPTIONS)
+        self._channel = grpc.insecure_channel(address, options=_OPTIONS)
+        # Without a call under way grpc looks after a connection every 5 s: one that the network
+        # has just given back would stay half made for so long. Watching it makes it look at once.
+        self._channel.subscribe(lambda _: None)
         self._stub = stubs.HapticServiceStub(self._channel)
 
     def __enter__(self) -> Connection:

@@ -47,7 +47,8 @@ TEST(StateMessage, SetsEveryField) {
   StateMessage message(config, 0.1);
   core::TickRecord tracked;
   tracked.sensed.tracker = {true, 0, 1, core::Staleness::kFresh, std::chrono::milliseconds(1)};
-  v1::DeviceState state = message.write(state_record(tracked));
+  tracked.sensed.q = tracked.input.device.sample.q = VecQ::Zero(6);
+  v1::DeviceState state = StateMessage().write(state_record(tracked));
   state.MergeFrom(message.write(state_record(full_record(), Carrier::kUdp, 1)));
   for (const schema::Leaf& leaf : schema::leaves(*v1::DeviceState::descriptor())) {
     const auto* const holder = schema::holder(state, leaf);

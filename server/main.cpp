@@ -57,9 +57,11 @@ void check_files(const haptic::server::Scene& scene) {
 }
 
 /// While the scene is read a signal ends hapticd at once, with status 0 as later: nothing is open.
+/// A file at the limit of its size (SIGXFSZ), and memory for a front counts as one, is an error.
 void end_at_once_by_signals() {
   for (const int number : {SIGTERM, SIGINT, SIGHUP}) std::signal(number, [](int) { _exit(0); });
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 /// Blocks the signals in every thread, because threads inherit the block; main takes them by

@@ -97,8 +97,18 @@ def record_symlink(folder):
 
 
 def file_size_limit(folder):
-    """RLIMIT_FSIZE reached: the recording ends at a whole row, hapticd goes on."""
-    daemon = one_device(folder, limits=[(resource.RLIMIT_FSIZE, 300_000)])
+    """RLIMIT_FSIZE reached: the recording ends at a whole row, hapticd goes on. Set at the start
+    the limit also holds for the memory that owner and front share: then refused with a word."""
+    refused = one_device(f"{folder}/refused", wait=False,
+                         limits=[(resource.RLIMIT_FSIZE, 300_000)])
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        refused.process.wait(5.0)
+    if refused.process.poll() is not None and (refused.process.returncode < 0 or
+                                               "File too large" not in refused.text()):
+        return {"wrong": [f"ended with {refused.process.returncode}: {refused.text()[-80:]}"]}
+    refused.stop()
+    daemon = one_device(folder)
+    resource.prlimit(daemon.pid, resource.RLIMIT_FSIZE, (300_000, 300_000))
     time.sleep(2.5)
     died = daemon.process.poll()
     _, status = daemon.stop()

@@ -90,9 +90,24 @@ void BoardHost::on_dof(const Dof& dof) {
     refuse_if(difference(expected_, i, *dofs_[i]));
     if (stage_ == Stage::kRefused) return;
   }
+  refuse_if(difference_of_actuators(expected_, identity_));
+  if (stage_ == Stage::kRefused) return;
   stage_ = Stage::kOpen;
   ++counters_.handshakes;
   clock_.restart();
+}
+
+/// A DC motor gives most power at half its stall force and half its no-load rate, which is where
+/// drives are rated: its force falls by 2 max_effort over max_rate.
+Introduction BoardHost::introduction() const {
+  Introduction said{.identity = identity_, .drive_damping = core::VecA(identity_.n_a)};
+  Eigen::Index a = 0;
+  for (std::size_t i = 0; i < identity_.n_q; ++i) {
+    if (!dofs_[i] || !dofs_[i]->actuated || a == identity_.n_a) continue;
+    said.drive_damping[a++] = 2.0 * static_cast<double>(dofs_[i]->max_effort / dofs_[i]->max_rate);
+  }
+  said.drive_damping.conservativeResize(a);
+  return said;
 }
 
 // ---- frames ---------------------------------------------------------------------------------------

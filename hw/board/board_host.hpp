@@ -53,6 +53,12 @@ struct HostCounters {
   Counters board{};                                     ///< the newest of the board's own
 };
 
+/// What a board said of itself in the handshake.
+struct Introduction {
+  Identity identity{};
+  core::VecA drive_damping{};  ///< n_a, N s/m or N m s/rad: 2 max_effort / max_rate
+};
+
 class BoardHost {
  public:
   enum class Stage : std::uint8_t { kClosed, kGreeting, kRefused, kOpen };
@@ -83,6 +89,7 @@ class BoardHost {
   [[nodiscard]] const HostCounters& counters() const noexcept { return counters_; }
   [[nodiscard]] const ClockMap& clock() const noexcept { return clock_; }
   [[nodiscard]] const Identity& identity() const noexcept { return identity_; }
+  [[nodiscard]] Introduction introduction() const;  ///< once kOpen
   /// From now on accepts this board only (difference() in expectation.hpp): after the first
   /// handshake, for the case that another board is plugged in. The firmware may be another version,
   /// and the watchdog is checked in every handshake.

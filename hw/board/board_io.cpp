@@ -44,10 +44,10 @@ BoardDevice::Io::Io(std::string port, int baud, board::Expectation expected)
   thread_ = std::thread([this] { run(); });
 }
 
-board::Identity BoardDevice::Io::greeted(core::Duration patience) {
+board::Introduction BoardDevice::Io::greeted(core::Duration patience) {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, patience, [this] { return identity_ || !refusal_.empty(); });
-  if (identity_) return *identity_;
+  changed_.wait_for(lock, patience, [this] { return introduction_ || !refusal_.empty(); });
+  if (introduction_) return *introduction_;
   if (!refusal_.empty()) throw core::DeviceError(port_ + ": board refused: " + refusal_);
   throw core::DeviceError(port_ + ": no answer to HELLO in " +
                           std::to_string(patience / std::chrono::milliseconds(1)) +
@@ -157,10 +157,10 @@ void BoardDevice::Io::publish() {
   readings.publish(host_.reading());
   const std::lock_guard lock(mutex_);
   counters_ = host_.counters();
-  if (identity_ || !refusal_.empty()) return;
+  if (introduction_ || !refusal_.empty()) return;
   if (host_.stage() == board::BoardHost::Stage::kOpen) {
-    identity_ = host_.identity();
-    host_.insist_on(*identity_);
+    introduction_ = host_.introduction();
+    host_.insist_on(introduction_->identity);
   } else if (host_.stage() == board::BoardHost::Stage::kRefused) {
     refusal_ = host_.refusal();
   } else {

@@ -24,7 +24,7 @@ class BoardDevice::Io {
 
   /// Waits for the first handshake. Throws DeviceError: refused (why), or no answer in
   /// `patience`.
-  [[nodiscard]] board::Identity greeted(core::Duration patience);
+  [[nodiscard]] board::Introduction greeted(core::Duration patience);
   /// Disarms, closes the port, ends the thread; 100 ms at most. Idempotent.
   void stop() noexcept;
 
@@ -63,7 +63,7 @@ class BoardDevice::Io {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   board::HostCounters counters_{};  // under mutex_, as the next three
-  std::optional<board::Identity> identity_{};
+  std::optional<board::Introduction> introduction_{};
   std::string refusal_{};
 
   std::thread thread_;

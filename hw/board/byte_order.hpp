@@ -69,11 +69,14 @@ class ByteReader {
   void operator()(Numbers&... values) noexcept {
     (take(values), ...);
   }
-  /// Up to the first zero of `width` bytes.
+  /// Up to the first zero of `width` bytes. What is not printable ASCII becomes '?': here text of a
+  /// board enters, and from here it goes into answers, which must be UTF-8, and onto terminals.
   void text(std::string& value, std::size_t width) {
     value.resize(width);
     for (char& character : value) take(character);
     value.resize(std::min(value.find('\0'), width));
+    std::replace_if(
+        value.begin(), value.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   }
   template <typename Number, std::size_t kSize>
   void list(std::array<Number, kSize>& values, std::size_t count) noexcept {

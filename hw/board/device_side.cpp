@@ -21,12 +21,14 @@ DeviceSide::DeviceSide(const BoardConfig& config,
   wanted_.tau_a = core::VecA::Zero(config.max_effort.size());
 }
 
-void DeviceSide::identify(const Identity& identity) {
+void DeviceSide::identify(const Introduction& said) {
+  const Identity& identity = said.identity;
   std::ostringstream model;
   model << identity.model << ", firmware " << int{identity.firmware[0]} << '.'
         << int{identity.firmware[1]} << '.' << int{identity.firmware[2]};
   info_.model = model.str();
   info_.serial = identity.serial;
+  info_.limits.drive_damping = said.drive_damping;
   info_.limits.sample_period = std::chrono::microseconds(identity.sample_period_us);
   info_.measures_force = (identity.capabilities & kMeasuresForce) != 0;
   info_.closes_force_loop = (identity.capabilities & kForceLoop) != 0;

@@ -25,9 +25,9 @@ class DeviceSide {
 
   /// The scene's requirements on the board.
   [[nodiscard]] const Expectation& expectation() const noexcept { return expectation_; }
-  /// Copies the identity of the board that answered into info(). Throws DeviceError if the
+  /// Copies what the board that answered said of itself into info(). Throws DeviceError if the
   /// calibration belongs to another board.
-  void identify(const Identity& identity);
+  void identify(const Introduction& said);
   [[nodiscard]] const DeviceInfo& info() const noexcept { return info_; }
   [[nodiscard]] DeviceInfo& info() noexcept { return info_; }
 

@@ -1,5 +1,6 @@
 #include "hw/board/expectation.hpp"
 
+#include <algorithm>
 #include <sstream>
 
 namespace haptic::hw::board {
@@ -26,10 +27,10 @@ std::string difference(const Expectation& expected, const Identity& found,
   if (found.version != kProtocolVersion) {
     text << "speaks version " << int{found.version} << " of the protocol; must be "
          << int{kProtocolVersion};
-  } else if (watchdog <= expected.longest_lateness) {
+  } else if (watchdog <= expected.longest_lateness || watchdog > kLongestWatchdog) {
     text << "its watchdog = " << milliseconds(watchdog)
          << " ms: must be longer than loop_late_fault, " << milliseconds(expected.longest_lateness)
-         << " ms";
+         << " ms, and at most " << milliseconds(kLongestWatchdog) << " ms";
   } else if (!expected.serial.empty() && found.serial != expected.serial) {
     text << "its serial = '" << found.serial << "': must be '" << expected.serial << "'";
   } else if (before && found.serial != before->serial) {
@@ -67,6 +68,16 @@ std::string difference(const Expectation& expected, std::size_t index, const Dof
     return {};
   }
   return "DoF " + std::to_string(index) + " " + text.str();
+}
+
+std::string difference_of_actuators(const Expectation& expected, const Identity& found) {
+  const auto n_a = std::count_if(expected.dofs.begin(), expected.dofs.end(),
+                                 [](const core::DofSpec& dof) { return dof.actuated; });
+  if (found.n_a == n_a) return {};
+  std::ostringstream text;
+  text << "its n_a = " << int{found.n_a} << ": must be " << n_a
+       << ", the actuated DoFs of its dictionary";
+  return text.str();
 }
 
 }  // namespace haptic::hw::board

@@ -2,6 +2,7 @@
 /// What the scene requires of a board, and how a board differs from that. A board that differs is
 /// never armed.
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,11 +14,15 @@
 
 namespace haptic::hw::board {
 
+/// The longest watchdog of a board: for so long it may keep its last force without a host.
+inline constexpr core::Duration kLongestWatchdog{std::chrono::seconds(1)};
+
 struct Expectation {
   std::vector<core::DofSpec> dofs{};
-  core::VecA max_effort{};             ///< n_a: the dictionary must allow at least this much
-  core::Duration longest_lateness{0};  ///< loop_late_fault; the board's watchdog must be longer
-  std::string serial{};                ///< empty: any board
+  core::VecA max_effort{};  ///< n_a: the dictionary must allow at least this much
+  /// loop_late_fault; the board's watchdog must be longer, up to kLongestWatchdog.
+  core::Duration longest_lateness{0};
+  std::string serial{};  ///< empty: any board
 };
 
 /// How `found` differs, as the end of a sentence about the board; empty if it fits. `before`: the
@@ -29,5 +34,9 @@ struct Expectation {
 /// The same for entry number `index` of the dictionary, below expected.dofs.size().
 [[nodiscard]] std::string difference(const Expectation& expected, std::size_t index,
                                      const Dof& found);
+
+/// The same for the number of forces that a board takes and measures, once its dictionary fits.
+[[nodiscard]] std::string difference_of_actuators(const Expectation& expected,
+                                                  const Identity& found);
 
 }  // namespace haptic::hw::board

@@ -27,7 +27,7 @@ VirtualBoard::VirtualBoard(const EmulatorConfig& board, const Intent& intent,
     throw core::DeviceError("emulated board refused: " + host_.refusal());
   }
   host_.insist_on(host_.identity());
-  side_.identify(host_.identity());
+  side_.identify(host_.introduction());
 }
 
 void VirtualBoard::pass(core::TimePoint now) {

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <set>
+#include <string>
 
 #include "virtual_link.hpp"
 
@@ -70,11 +72,136 @@ TEST(BoardHost, RefusesABoardUnlikeTheScene) {
 TEST(BoardHost, AShortWatchdogIsRefused) {
   EmulatorConfig config{.watchdog_us = 20000};
   EXPECT_EQ(refusal(test::expect_finger(), config),
-            "its watchdog = 20 ms: must be longer than loop_late_fault, 20 ms");
+            "its watchdog = 20 ms: must be longer than loop_late_fault, 20 ms, and at most 1000 "
+            "ms");
   config.watchdog_us = 20001;
   VirtualLink link(config);
   link.run(5ms);
   EXPECT_EQ(link.host.stage(), Stage::kOpen);
+}
+
+TEST(BoardHost, AnEndlessWatchdogIsRefused) {
+  for (const std::uint32_t us : {1'000'001U, 4'294'967'295U}) {  // 71 minutes
+    EXPECT_NE(refusal(test::expect_finger(), {.watchdog_us = us}).find(", and at most 1000 ms"),
+              std::string::npos);
+  }
+  VirtualLink link(EmulatorConfig{.watchdog_us = 1'000'000});
+  link.run(5ms);
+  EXPECT_EQ(link.host.stage(), Stage::kOpen);
+}
+
+/// What a board says that is no emulated one: frames by hand, with the session of the host's HELLO.
+class SpokenTo {
+ public:
+  SpokenTo() : host(test::expect_finger(), 7) {
+    host.connect(now);
+    FrameDecoder decoder;
+    for (const std::uint8_t byte : host.output()) {
+      if (decoder.push(byte) != FrameDecoder::Event::kFrame) continue;
+      if (const auto hello = read<Hello>(decoder.frame().payload)) session_ = hello->session;
+    }
+    host.consume(host.output().size());
+  }
+  template <typename Message>
+  void say(FrameType type, const Message& message) {
+    const Payload payload = write(message);
+    WireBuffer wire;
+    const std::size_t length = encode({type, ++seq_, payload.view()}, wire);
+    host.receive({wire.data(), length}, now);
+  }
+  void say(Identity identity) {
+    identity.session = session_;
+    say(FrameType::kIdentity, identity);
+    Dof l_x{.index = 0, .actuated = true, .lower = 0.0F, .upper = 0.05F, .max_effort = 50.0F};
+    l_x.max_rate = 0.032F;
+    l_x.name = "l_x";
+    say(FrameType::kDof, l_x);
+    Dof q_B{.index = 1, .radian = true, .lower = -1.3F, .upper = 0.7F};
+    q_B.name = "q_B";
+    say(FrameType::kDof, q_B);
+  }
+  static Identity identity() {
+    return {.n_q = 2,
+            .n_a = 1,
+            .capabilities = kMeasuresForce,
+            .watchdog_us = 25'000,
+            .sample_period_us = 1000};
+  }
+
+  core::TimePoint now{5h};
+  BoardHost host;
+
+ private:
+  std::uint32_t session_{0}, seq_{0};
+};
+
+TEST(BoardHost, ActuatorsAreThoseOfTheDictionary) {
+  for (const std::uint8_t n_a : {std::uint8_t{0}, std::uint8_t{2}}) {
+    SpokenTo board;
+    Identity said = SpokenTo::identity();
+    said.n_a = n_a;
+    board.say(said);
+    EXPECT_EQ(board.host.stage(), Stage::kRefused);
+    EXPECT_EQ(board.host.refusal(), "its n_a = " + std::to_string(n_a) +
+                                        ": must be 1, the actuated DoFs of its dictionary");
+  }
+  SpokenTo board;
+  board.say(SpokenTo::identity());
+  EXPECT_EQ(board.host.stage(), Stage::kOpen);
+}
+
+TEST(BoardHost, TheDictionaryBoundsADrivesDamping) {
+  SpokenTo board;
+  board.say(SpokenTo::identity());
+  const Introduction said = board.host.introduction();
+  ASSERT_EQ(said.drive_damping.size(), 1);
+  EXPECT_NEAR(said.drive_damping[0], 3125.0, 0.01) << "L16: 100 N stall over 32 mm/s, net";
+}
+
+TEST(BoardHost, EveryArmingHasAnotherNonce) {
+  VirtualLink link;
+  link.run(10ms);
+  std::set<std::uint32_t> nonces;
+  for (int arming = 1; arming <= 20; ++arming) {
+    link.arm(1.0);
+    link.run(5ms);
+    ASSERT_TRUE(link.armed()) << arming;
+    nonces.insert(link.board.firmware().nonce);
+    if (arming % 2 == 0) link.disarm();  // else the next one follows without a DISARM between
+    link.run(5ms);
+  }
+  EXPECT_EQ(nonces.size(), 20u);
+  EXPECT_EQ(nonces.count(0), 0u);
+}
+
+/// A board that is deaf to the second ARM goes on under the first one.
+TEST(BoardHost, AFormerArmingIsNotArmed) {
+  SpokenTo board;
+  board.say(SpokenTo::identity());
+  const auto asked = [&](bool arm, std::uint32_t arming) {
+    board.host.want({.arm = arm, .arming = arming, .tau_a = core::VecA::Zero(1)}, board.now);
+    std::uint32_t nonce = 0;
+    FrameDecoder decoder;
+    for (const std::uint8_t byte : board.host.output()) {
+      if (decoder.push(byte) != FrameDecoder::Event::kFrame) continue;
+      if (decoder.frame().type != FrameType::kArm) continue;
+      nonce = read<Arm>(decoder.frame().payload)->nonce;
+    }
+    board.host.consume(board.host.output().size());
+    return nonce;
+  };
+  const auto says_armed = [&](std::uint32_t nonce) {
+    State state{.nonce = nonce, .state = BoardState::kArmed, .n_q = 2, .n_f = 1};
+    board.say(FrameType::kState, state);
+    return board.host.reading().armed;
+  };
+  const std::uint32_t first = asked(true, 1);
+  EXPECT_EQ(says_armed(first), 1u);
+  static_cast<void>(asked(false, 1));
+  const std::uint32_t second = asked(true, 2);
+  EXPECT_NE(first, second);
+  EXPECT_EQ(says_armed(first), 0u);
+  EXPECT_EQ(says_armed(second), 2u);
 }
 
 TEST(BoardHost, NoSampleIsLost) {
@@ -245,13 +372,22 @@ TEST(BoardHost, SlowLinksKeepSamplesYoung) {
   }
 }
 
+/// Bytes pass every `period`: a command waits for that, and so does the state that tells of it.
+/// What it waited on the board in between is no part of the way.
 TEST(BoardHost, RoundTripSpansCommandToState) {
-  VirtualLink link;
-  link.run(10ms);
-  link.arm(1.0);
-  link.run(100ms);
-  EXPECT_GE(link.host.counters().round_trip, 0ms);
-  EXPECT_LE(link.host.counters().longest_round_trip, 1ms);
+  for (const core::Duration period : {core::Duration(2ms), core::Duration(10ms)}) {
+    VirtualLink link(
+        EmulatorConfig{.link_period_us = static_cast<std::uint32_t>(period / core::Duration(1us))});
+    link.run(100ms);
+    EXPECT_EQ(link.host.counters().round_trip, 0ms) << "no command yet";
+    link.arm(1.0);
+    link.run(500ms);
+    const HostCounters& n = link.host.counters();
+    EXPECT_GE(n.longest_round_trip, period);
+    EXPECT_LE(n.longest_round_trip, 2 * period);
+    EXPECT_GT(n.round_trip, 0ms);
+    EXPECT_LE(n.round_trip, n.longest_round_trip);
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "vectors.hpp"
@@ -143,6 +144,23 @@ TEST(BoardMessages, ADofNeedsRangeAndLimit) {
   dof = good;
   dof.name.clear();
   EXPECT_FALSE(read<Dof>(bytes_of(dof)));
+}
+
+TEST(BoardMessages, TextIsCleanedWhereItEnters) {
+  const std::pair<const char*, const char*> texts[] = {
+      {"HX-0001 ~", "HX-0001 ~"},    {"\xff\xfe\xfd", "???"}, {"a\x1b[31mb", "a?[31mb"},
+      {"line\nother", "line?other"}, {"\xc2\x9b", "??"},      {"\u202e", "???"},
+      {"\x7f\t\x01", "???"},         {"%s%n{}", "%s%n{}"},    {"M\xc3\xbcller", "M??ller"}};
+  for (const auto& [said, heard] : texts) {
+    Identity i = identity();
+    i.serial = i.model = said;
+    const auto back = read<Identity>(bytes_of(i));
+    ASSERT_TRUE(back);
+    EXPECT_EQ(back->serial, heard);
+    EXPECT_EQ(back->model, heard);
+    Dof dof{0, false, false, 0.0F, 0.05F, 0.0F, 0.0F, said};
+    EXPECT_EQ(read<Dof>(bytes_of(dof))->name, heard);
+  }
 }
 
 TEST(BoardMessages, TheLargestDeviceFits) {

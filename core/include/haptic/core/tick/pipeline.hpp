@@ -30,6 +30,8 @@ struct DeviceLimits {
   SilencePolicy silence_policy{SilencePolicy::kFault};
   VecQ q_lower{}, q_upper{};  ///< range beyond which a sample is a fault (margin included)
   VecA max_effort{};          ///< n_a, N or N m: what the device's spec sheet allows
+  /// n_a, N s/m or N m s/rad: the most by which a drive brakes itself; size 0: not known.
+  VecA drive_damping{};
 };
 
 /// A client says where the tracked palm is (proto/README.md#a-session, role tracker).

@@ -1,0 +1,53 @@
+/// A board as the loop sees it.
+#include "hw/board/device_side.hpp"
+
+#include <gtest/gtest.h>
+
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "hw/board/board_device.hpp"
+
+namespace haptic::hw::board {
+namespace {
+
+DeviceSide make_side() {
+  BoardConfig config;
+  config.max_effort = core::VecA::Constant(1, 40.0);
+  return {config, core::make_finger_exoskeleton({}), core::Duration{0}};
+}
+
+TEST(DeviceSide, EachArmingHasItsNumber) {
+  DeviceSide side = make_side();
+  const hw::Command on{true, core::VecA::Zero(1), {}}, off{};
+  EXPECT_EQ(side.write(on).arming, 1u);
+  EXPECT_EQ(side.write(on).arming, 1u) << "the same wish";
+  EXPECT_FALSE(side.write(off).arm);
+  EXPECT_EQ(side.write(on).arming, 2u);
+}
+
+TEST(DeviceSide, ArmedOnlyUnderTheNewestArming) {
+  DeviceSide side = make_side();
+  const hw::Command on{true, core::VecA::Zero(1), {}};
+  core::DeviceReading reading;
+  const auto armed = [&](std::uint32_t by) {
+    side.read({.open = true, .armed = by}, reading);
+    return reading.armed;
+  };
+  EXPECT_FALSE(armed(1)) << "before anyone asked";
+  static_cast<void>(side.write(on));
+  EXPECT_TRUE(armed(1));
+  static_cast<void>(side.write({}));
+  EXPECT_FALSE(armed(1)) << "it did not hear the DISARM";
+  static_cast<void>(side.write(on));
+  EXPECT_FALSE(armed(1)) << "nor the second ARM";
+  EXPECT_TRUE(armed(2));
+}
+
+TEST(DeviceSide, TheBoardTellsItsDrivesDamping) {
+  DeviceSide side = make_side();
+  side.identify({{.capabilities = kMeasuresForce}, core::VecA::Constant(1, 3125.0)});
+  EXPECT_TRUE(side.info().measures_force);
+  EXPECT_EQ(side.info().limits.drive_damping, core::VecA::Constant(1, 3125.0));
+}
+
+}  // namespace
+}  // namespace haptic::hw::board

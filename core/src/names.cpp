@@ -7,9 +7,12 @@
 namespace haptic::core {
 
 std::string_view reason(Fault fault) noexcept {
-  static constexpr std::array<std::string_view, 10> kNames{
-      "UNKNOWN",   "DEVICE_SILENT",    "DEVICE_LOST",    "SAMPLE_NOT_FINITE", "SAMPLE_OUT_OF_RANGE",
-      "LOOP_LATE", "LATE_BUCKET_FULL", "EMERGENCY_STOP", "FORCE_OVER_LIMIT",  "OUTPUT_NOT_FINITE"};
+  static constexpr std::array<std::string_view, 14> kNames{
+      "UNKNOWN",           "DEVICE_SILENT",       "DEVICE_LOST",
+      "SAMPLE_NOT_FINITE", "SAMPLE_OUT_OF_RANGE", "LOOP_LATE",
+      "LATE_BUCKET_FULL",  "EMERGENCY_STOP",      "FORCE_OVER_LIMIT",
+      "OUTPUT_NOT_FINITE", "FORCE_OUT_OF_RANGE",  "FORCE_TOO_FAST",
+      "FORCE_STUCK",       "FORCE_DISAGREES"};
   return name_of(fault, kNames);
 }
 

@@ -7,6 +7,51 @@
 namespace haptic::server {
 namespace {
 
+/// Per second, of the range of a load cell: 10 ms from 0 to its end. A rod that strikes takes
+/// longer (core/METHOD.md#a-load-cell-that-lies).
+constexpr double kRatePerRange = 100.0;
+
+/// What both laws believe of a load cell: its range, rate and `stuck`, how far the command may move
+/// while the cell stands still.
+std::vector<core::CellRatings> read_cells(const Fields& part, int n_a, const core::VecA& effort,
+                                          const char* stuck, const core::VecA& swing_by_default) {
+  std::vector<core::CellRatings> cells;
+  if (effort.size() != n_a || swing_by_default.size() != n_a) return cells;  // reported
+  const auto list = [&](const char* name, const Fields::Numbers& fallback) {
+    return part.per_actuated(name, Allowed::kPositive, n_a, fallback);
+  };
+  const Fields::Numbers range = list("cell_range_n", effort);
+  const Fields::Numbers rate = list("cell_rate_n_per_s", Fields::Numbers(kRatePerRange * range));
+  const Fields::Numbers swing = list(stuck, swing_by_default);
+  if (!part.good()) return cells;
+  for (Eigen::Index i = 0; i < n_a; ++i) {
+    cells.push_back({.range = range[i], .rate = rate[i], .swing = swing[i]});
+  }
+  return cells;
+}
+
+/// The same for a force loop, whose drive is known too.
+std::vector<core::CellRatings> read_cells(const Part<v1::ServerForceLoopScene>& part, int n_a,
+                                          const core::VecA& effort) {
+  std::vector<core::CellRatings> cells = read_cells(part, n_a, effort, "stuck_n", 0.1 * effort);
+  if (cells.empty()) return cells;
+  const Fields::Numbers fed =
+      part.per_actuated("friction_n", Allowed::kNotNegative, n_a, filled(n_a, 0.0));
+  const Fields::Numbers friction = part.per_actuated("drive_friction_n", Allowed::kPositive, n_a,
+                                                     Fields::Numbers(2.0 * fed + 0.25 * effort));
+  Fields::Numbers damping;
+  if (part->drive_damping_n_s_per_m_size() > 0) {
+    damping = part.per_actuated("drive_damping_n_s_per_m", Allowed::kNotNegative, n_a);
+  }
+  if (!part.good()) return cells;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const auto a = static_cast<Eigen::Index>(i);
+    cells[i].friction = friction[a];
+    if (damping.size() > 0) cells[i].damping = damping[a];
+  }
+  return cells;
+}
+
 std::vector<core::ForceLoopGains> read_server(const Part<v1::ServerForceLoopScene>& part, int n_a,
                                               const core::VecA& force_limit,
                                               const core::VecA& effort) {
@@ -105,12 +150,23 @@ void read_force_control(const Part<v1::ForceControlScene>& part, DeviceScene& de
   if (where == "board") device.force_control = ForceControlPlace::kBoard;
   if (where == "server") {
     device.force_control = ForceControlPlace::kServer;
-    settings.loops = read_server(part.part<v1::ServerForceLoopScene>(where), n_a_of(device),
-                                 device.pipeline.scene.force_limit, effort_of(device));
+    const auto loop = part.part<v1::ServerForceLoopScene>(where);
+    const core::VecA effort = effort_of(device);
+    settings.loops = read_server(loop, n_a_of(device), device.pipeline.scene.force_limit, effort);
+    if (part.good()) settings.cells = read_cells(loop, n_a_of(device), effort);
   }
   if (where == "admittance") {
     device.force_control = ForceControlPlace::kAdmittance;
-    settings.admittances = read_admittance(part.part<v1::AdmittanceScene>(where), device);
+    const auto law = part.part<v1::AdmittanceScene>(where);
+    settings.admittances = read_admittance(law, device);
+    core::VecA travel(static_cast<Eigen::Index>(settings.admittances.size()));
+    for (Eigen::Index i = 0; i < travel.size(); ++i) {
+      const core::AdmittanceParameters& p = settings.admittances[static_cast<std::size_t>(i)];
+      travel[i] = p.upper - p.lower;
+    }
+    if (part.good()) {
+      settings.cells = read_cells(law, n_a_of(device), effort_of(device), "stuck_m", 0.1 * travel);
+    }
   }
 }
 

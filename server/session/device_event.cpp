@@ -21,6 +21,10 @@ constexpr FaultSentence kFaults[] = {
     {core::Fault::kEmergencyStop, "an emergency stop was asked for"},
     {core::Fault::kForceOverLimit, "the device measured more force than it may give"},
     {core::Fault::kOutputNotFinite, "the computed command was no number"},
+    {core::Fault::kForceOutOfRange, "the load cell reads more than it can"},
+    {core::Fault::kForceTooFast, "the load cell's reading grew faster than a force can"},
+    {core::Fault::kForceStuck, "the load cell's reading stood still while the drive moved on"},
+    {core::Fault::kForceDisagrees, "the load cell does not read what the drive gives"},
 };
 
 /// Limits of single actuators. The others concern the proxy and are a field of every state.

@@ -97,6 +97,7 @@ class Firmware:
         self.identity_fields, self.dofs, self.lie = identity_fields, dofs, lie
         self.session = self.nonce = self.command_seq = self.seq = 0
         self.state, self.drive, self.cell, self.commanded = DISARMED, 0.0, 0.0, 0.0
+        self.drift = 0.0  # N, of a lie
         self.began, self.armings, self.commands, self.said_hello = time.monotonic(), 0, [], 0
         self.nonces = []  # of every ARM, in order; one that is said again stands once
 

@@ -1,6 +1,7 @@
 """Boards that lie, and boards that should never have been opened."""
 
 import contextlib
+import random
 import struct
 import time
 
@@ -80,6 +81,11 @@ def lie_of_cell(name, f):
         f["force"][0] = -board.cell
     elif name == "jumps":
         f["force"][0] = 45.0 if f["time"] // 50_000 % 2 else -45.0
+    elif name == "disconnected":
+        f["force"][0] = random.gauss(0.0, 0.03)
+    elif name == "drifting":
+        board.drift += 0.020
+        f["force"][0] += board.drift
 
 
 LINK = 1 << 1 | 1 << 2  # DEVICE_SILENT, DEVICE_LOST: of this host, which held the board up
@@ -126,7 +132,8 @@ def one_lie(lie, board, folder):
 def lying_cell(folder):
     """The server closes the force loop on a cell that lies: fault and zero within 2 s, and never a
     step beyond the slew limit."""
-    lies = ("negative", "alternating", "stuck", "frozen", "wrong_sign", "jumps")
+    lies = ("negative", "alternating", "stuck", "frozen", "wrong_sign", "jumps", "disconnected",
+            "drifting")
     boards = [(lie, attempt, Board(lie=lie_of_cell)) for attempt in range(3) for lie in lies]
     wrong, notes, done = [], [], set()
     for lie, attempt, board in boards:

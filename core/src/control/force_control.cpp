@@ -14,6 +14,11 @@ void require_one_per_dof(std::size_t entries, int n_a, const char* what) {
                    ": must be one per actuated DoF, " + std::to_string(n_a));
 }
 
+DriveBounds bounds(const DriveLimits& limits, Eigen::Index i, double dt) noexcept {
+  if (i >= limits.force.size() || i >= limits.slew.size()) return {};
+  return {limits.force[i], limits.slew[i] * dt, limits.gain * limits.force[i]};
+}
+
 }  // namespace
 
 ForceControl::ForceControl(const ForceControlSettings& settings, int n_a) {
@@ -32,7 +37,7 @@ ForceControl::ForceControl(const ForceControlSettings& settings, int n_a) {
 }
 
 void ForceControl::rest(const VecA& q_a) noexcept {
-  limited_ = 0;
+  limited_ = slewed_ = 0;
   for (ForceLoop& loop : loops_) loop.reset();
   drive_.setZero();
   for (std::size_t i = 0; i < admittances_.size(); ++i) {
@@ -42,15 +47,18 @@ void ForceControl::rest(const VecA& q_a) noexcept {
   }
 }
 
-void ForceControl::step(const VecA& reference, const VecA& measured, double dt) noexcept {
+void ForceControl::step(const VecA& reference, const VecA& measured, double dt,
+                        const DriveLimits& limits) noexcept {
   if (!(dt > 0.0)) return;
-  limited_ = 0;
+  limited_ = slewed_ = 0;
   const bool known = measured.size() == reference.size();
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     const auto a = static_cast<Eigen::Index>(i);
-    if (!known) loops_[i].reset();  // the reference alone: what was integrated may be out of date
-    drive_[a] = loops_[i].step(reference[a], known ? measured[a] : reference[a], dt);
+    if (!known) loops_[i].forget();  // the reference alone: what was integrated may be out of date
+    drive_[a] =
+        loops_[i].step(reference[a], known ? measured[a] : reference[a], dt, bounds(limits, a, dt));
     if (loops_[i].saturated()) limited_ |= std::uint32_t{1} << i;
+    if (loops_[i].slewed()) slewed_ |= std::uint32_t{1} << i;
   }
   for (std::size_t i = 0; i < admittances_.size(); ++i) {
     const auto a = static_cast<Eigen::Index>(i);

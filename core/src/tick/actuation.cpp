@@ -1,5 +1,6 @@
 #include "actuation.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace haptic::core {
@@ -9,6 +10,12 @@ Actuation::Actuation(const ProjectionModel& model, const PipelineConfig& config)
   if (!config.ratings.empty()) ratings_.emplace(config.ratings);
   if (config.force_control.enabled()) {
     force_control_.emplace(config.force_control, layout_.n_a());
+    beyond_ = VecA::Zero(layout_.n_a());
+    const auto& loops = config.force_control.loops;
+    for (std::size_t i = 0; i < loops.size(); ++i) {
+      const auto a = static_cast<Eigen::Index>(i);
+      beyond_[a] = std::max(0.0, loops[i].output_limit - config.scene.force_limit[a]);
+    }
   }
 }
 
@@ -38,6 +45,7 @@ Effort Actuation::step(const Beat& beat, const Sensed& sensed, const Anchor& wan
   if (force_control_) {
     const FaultSet faults = life.faults | effort.faults;
     const bool asked_for = life.gain > 0.0 || life.damping_gain > 0.0;
+    narrow(settings, life);
     drive(beat, sensed, powered && asked_for && !faults.has(Fault::kOutputNotFinite), effort);
   }
   if (ratings_) {
@@ -95,13 +103,22 @@ void Actuation::no_output(Effort& effort) noexcept {
   for (int i = 0; i < layout_.n_a(); ++i) limiters_[i].zero();
 }
 
+/// A drive gives its own friction on top of the force, so it keeps what the scene gives it beyond
+/// the scene's force limit.
+void Actuation::narrow(const Settings& settings, const Lifecycle& life) noexcept {
+  drive_limits_.force = settings.force_limit + beyond_;
+  drive_limits_.slew = settings.slew_limit;
+  drive_limits_.gain = life.gain;
+}
+
 /// A device that is not asked for force is not regulated either: the offset of a load cell would
 /// wind up the integral, and move it.
 void Actuation::drive(const Beat& beat, const Sensed& sensed, bool wanted,
                       Effort& effort) noexcept {
   if (wanted) {
     const bool known = sensed.tau_measured.size() > 0 && sensed.recent;
-    force_control_->step(effort.tau_a, known ? sensed.tau_measured : VecA{}, seconds(beat.dt));
+    force_control_->step(effort.tau_a, known ? sensed.tau_measured : VecA{}, seconds(beat.dt),
+                         drive_limits_);
   } else {
     force_control_->rest(layout_.select(sensed.q));
   }
@@ -120,6 +137,7 @@ void Actuation::drive(const Beat& beat, const Sensed& sensed, bool wanted,
   }
   for (int i = 0; i < layout_.n_a(); ++i) {
     if (force_control_->limited(i)) report(i, Limiter::kDriveLimit);
+    if (force_control_->slewed(i)) report(i, Limiter::kSlew);
   }
 }
 

@@ -33,14 +33,18 @@ class Actuation {
   void no_output(Effort& effort) noexcept;
   /// The force loop or the admittance.
   void drive(const Beat& beat, const Sensed& sensed, bool wanted, Effort& effort) noexcept;
+  /// What the session's limits leave to the drives.
+  void narrow(const Settings& settings, const Lifecycle& life) noexcept;
 
   const DofLayout layout_;
   RenderedSpring spring_;
   ForceLimiter limiters_[kMaxQ];
   std::optional<RatedActuators> ratings_{};
   std::optional<ForceControl> force_control_{};
-  VecA allowed_{};  ///< of this tick
-  VecA held_{};     ///< what the drives gave since the last tick, n_a; for their heat
+  VecA beyond_{};               ///< what the drives may give beyond the force limit, n_a
+  DriveLimits drive_limits_{};  ///< of this tick
+  VecA allowed_{};              ///< of this tick
+  VecA held_{};                 ///< what the drives gave since the last tick, n_a; for their heat
 };
 
 }  // namespace haptic::core

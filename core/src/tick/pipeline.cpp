@@ -84,6 +84,12 @@ PipelineConfig checked(PipelineConfig config) {
   for (std::size_t i = 0; i < config.ratings.size(); ++i) {
     require_right(check(config.ratings[i]), "ratings[" + std::to_string(i) + "]");
   }
+  const std::vector<CellRatings>& cells = config.force_control.cells;
+  require(cells.empty() ||
+              (config.force_control.enabled() && cells.size() == static_cast<std::size_t>(n_a)),
+          "force_control: load cells: must be one per actuated DoF, " + std::to_string(n_a) +
+              ", with a force loop or an admittance, or none");
+  for (const CellRatings& cell : cells) require_right(check(cell), "force_control: load cell");
   if (config.tracker) check_tracker(*config.tracker, *config.kinematics);
   require(config.loop_late_fault > Duration::zero(), "loop_late_fault: must be > 0");
   require(config.late_bucket_full > 0, "late_bucket_full: must be > 0");
@@ -115,7 +121,7 @@ class Pipeline::Stages {
         .input = in,
         .beat = clock_.step(in, ready_),
         .settings_id = settings.id,
-        .sensed = sensing_.step(in),
+        .sensed = sensing_.step(in, now.beat.dt, driven_),
         .proxy = proxy_.step(in, settings.staleness, now.sensed.tracker, state_),
         .anchor = rendering_.step(now.sensed, proxy_.sample(), settings, in_use_),
         .life = supervisor_.step(in, now.beat, settings, now.sensed, now.proxy, now.anchor,
@@ -127,6 +133,8 @@ class Pipeline::Stages {
     state_ = now.life.state;
     in_use_ = now.effort.q_star;
     output_faults_ = now.effort.faults;
+    driven_.on = now.life.gain > 0.0 || now.life.damping_gain > 0.0;
+    driven_.command = now.effort.drive.size() > 0 ? now.effort.drive : now.effort.position;
     return now;
   }
   [[nodiscard]] const PipelineConfig& config() const noexcept { return config_; }
@@ -146,6 +154,7 @@ class Pipeline::Stages {
   LifecycleState state_{LifecycleState::kInit};
   VecQ in_use_;
   FaultSet output_faults_{};
+  Driven driven_{};
 };
 
 Pipeline::Pipeline(PipelineConfig config)

@@ -3,8 +3,10 @@
 /// that is.
 
 #include <optional>
+#include <vector>
 
 #include "haptic/core/control/impedance.hpp"
+#include "haptic/core/safety/cell_watch.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "palm_tracker.hpp"
 
@@ -13,17 +15,30 @@ namespace haptic::core {
 /// A device sample older than this many of its periods is not recent (core/README.md#one-tick).
 inline constexpr int kRecentPeriods = 3;
 
+/// Share of the range of a valid sample next to its ends in which a drive may stand at the end of
+/// its own travel, whose force no load cell feels. The margin of that range is a part of it.
+inline constexpr double kNearEnd = 0.08;
+
+/// What the drives were told in the tick before, if the server controls their force.
+struct Driven {
+  bool on{false};
+  VecA command{};  ///< n_a; N or N m of force loops, m or rad of admittances
+};
+
 class Sensing {
  public:
   /// Of the configuration it reads kinematics, device, tracker and whether the server controls
-  /// force: each good sample then has to carry the measured one.
+  /// force: each good sample then has to carry the measured one, and load cells are watched.
   explicit Sensing(const PipelineConfig& config);
 
   /// Reads now, device and tracker of the input. A sample with a wrong size, a number that is not
-  /// finite, or a q out of range is a fault, and the last good one stays.
-  [[nodiscard]] Sensed step(const TickInput& in) noexcept;
+  /// finite, or a q out of range is a fault, and the last good one stays. `dt`: since the tick
+  /// before.
+  [[nodiscard]] Sensed step(const TickInput& in, Duration dt, const Driven& driven) noexcept;
 
  private:
+  /// Faults of the load cells.
+  void doubt(Duration dt, const Driven& driven, Sensed& sensed) noexcept;
   /// The fault that the sample is, or none: then it is the newest.
   void take(const DeviceSample& sample, TimePoint now, Sensed& sensed) noexcept;
   /// The measured force of a sample: none (unless it is needed), or n_a finite numbers.
@@ -36,7 +51,10 @@ class Sensing {
   Rate rate_;
   VecQ q_{};
   VecA tau_measured_{};
-  TimePoint taken_{};  ///< tick in which the newest good sample came
+  std::vector<CellWatch> cells_{};  ///< n_a, or none
+  TimePoint measured_{};            ///< when the newest good sample was
+  double interval_{0.0};            ///< s between the two newest; a period at least
+  TimePoint taken_{};               ///< tick in which the newest good sample came
   bool ready_{false};
 };
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -95,6 +96,53 @@ TEST(ForceLoop, NonFiniteMeasurementStopsOneStep) {
   EXPECT_EQ(loop.step(1.0, std::numeric_limits<double>::quiet_NaN(), 1e-3), 0.0);
   EXPECT_EQ(loop.integral(), before);
   EXPECT_GT(loop.step(1.0, 0.0, 1e-3), 1.0);
+}
+
+TEST(ForceLoop, UChangesByItsBound) {
+  ForceLoop loop({20.0, 100.0, 15.0, 0.5, 38.0});
+  double before = 0.0, largest = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    const double u = loop.step(3.0, i % 2 == 0 ? 60.0 : -60.0, 1e-3, {.change = 2.0});
+    EXPECT_LE(std::abs(u - before), 2.0 + 1e-12);
+    largest = std::max(largest, std::abs(u - before));
+    before = u;
+  }
+  EXPECT_NEAR(largest, 2.0, 1e-12);
+  EXPECT_TRUE(loop.slewed());
+}
+
+TEST(ForceLoop, SlewedLoopsDoNotWindUp) {
+  ForceLoop loop({2.0, 50.0, 0.0, 1.0, 40.0});
+  for (int i = 0; i < 1000; ++i) static_cast<void>(loop.step(9.0, 0.0, 1e-3, {.change = 0.001}));
+  EXPECT_NEAR(loop.integral(), 0.0, 1e-12) << "u = 1 N of the 27 that it wants";
+  EXPECT_FALSE(loop.saturated());
+}
+
+TEST(ForceLoop, ANarrowerForceBoundsU) {
+  ForceLoop loop({2.0, 50.0, 0.0, 1.0, 20.0});
+  EXPECT_EQ(loop.step(30.0, 0.0, 1e-3, {.force = 7.0}), 7.0);
+  EXPECT_TRUE(loop.saturated());
+  EXPECT_EQ(loop.step(30.0, 0.0, 1e-3, {.force = 40.0}), 20.0) << "its own limit stays";
+}
+
+TEST(ForceLoop, AnEndingForceEndsInTime) {
+  const ForceLoopGains plain{0.0, 0.0, 0.0, 1.0, 20.0};
+  for (const double sign : {1.0, -1.0}) {
+    ForceLoop loop(plain);
+    EXPECT_EQ(loop.step(sign * 10.0, 0.0, 1e-3), sign * 10.0);
+    const DriveBounds ending{.change = 1e-9, .excess = 4.0};
+    EXPECT_EQ(loop.step(sign * 1.0, 0.0, 1e-3, ending), sign * 5.0);
+    EXPECT_EQ(loop.step(-sign * 1.0, 0.0, 1e-3, ending), sign * 4.0) << "0, and the excess";
+    EXPECT_EQ(loop.step(0.0, 0.0, 1e-3, {.change = 1e-9, .excess = 0.0}), 0.0);
+  }
+}
+
+TEST(ForceLoop, ForgettingKeepsWhatTheDriveGives) {
+  ForceLoop loop({0.0, 50.0, 0.0, 1.0, 20.0});
+  for (int i = 0; i < 100; ++i) static_cast<void>(loop.step(1.0, 0.0, 1e-3));
+  ASSERT_NEAR(loop.integral(), 5.0, 1e-12);
+  loop.forget();
+  EXPECT_NEAR(loop.step(1.0, 1.0, 1e-3, {.change = 0.5}), 5.5, 1e-12) << "6 N before";
 }
 
 TEST(ForceLoop, ResetForgetsTheIntegral) {

@@ -1,7 +1,11 @@
 // Force control by the server in the pipeline, and the book of energy over the measured force.
+#include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "finger_bench.hpp"
+#include "haptic/core/error.hpp"
 
 namespace haptic::core::test {
 namespace {
@@ -84,6 +88,116 @@ TEST(ForceControlInTheTick, FaultRemovesForceWithinATick) {
   ++bench.input.command.stop_id;
   record = bench.tick();
   EXPECT_EQ(record.effort.drive[0], 0.0);
+}
+
+/// A finger bent against a proxy, with a force limit of 15 N, and 10 N more for the drive.
+class PressedLoop : public Bench {
+ public:
+  explicit PressedLoop(double slew, std::vector<CellRatings> cells = {})
+      : Bench(limited(slew, std::move(cells))) {
+    input.device.sample.tau_measured = VecA::Zero(1);
+    engage();
+    put(joints(0.65, 0.65));
+  }
+
+ private:
+  static PipelineConfig limited(double slew, std::vector<CellRatings> cells) {
+    PipelineConfig config = with_loop();
+    config.scene.force_limit = VecA::Constant(1, 15.0);
+    config.scene.slew_limit = VecA::Constant(1, slew);
+    config.force_control.cells = std::move(cells);
+    return config;
+  }
+};
+
+TEST(ForceControlInTheTick, DriveObeysTheSlewLimit) {
+  PressedLoop bench(1000.0);
+  double before = bench.record.effort.drive[0], largest = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    bench.input.device.sample.tau_measured[0] = i % 2 == 0 ? 60.0 : -60.0;
+    const double now = bench.tick().effort.drive[0];
+    largest = std::max(largest, std::abs(now - before));
+    before = now;
+  }
+  EXPECT_NEAR(largest, 1.0, 1e-9) << "1000 N/s, 1 ms";
+  EXPECT_TRUE(bench.record.limiters().has(Limiter::kSlew));
+}
+
+TEST(ForceControlInTheTick, TheForceLimitBoundsTheDrive) {
+  PressedLoop bench(1e5);
+  bench.run(2000);  // measured stays 0
+  EXPECT_NEAR(std::abs(bench.record.effort.drive[0]), 25.0, 0.5);
+  EXPECT_LE(std::abs(bench.record.effort.drive[0]), 25.0);
+  bench.input.settings.id = 1;
+  bench.input.settings.force_limit = VecA::Constant(1, 4.0);
+  bench.run(10);
+  EXPECT_NEAR(std::abs(bench.record.effort.drive[0]), 14.0, 0.5);
+  EXPECT_LE(std::abs(bench.record.effort.drive[0]), 14.0);
+}
+
+TEST(ForceControlInTheTick, SilenceEndsAnySlewedDrive) {
+  PressedLoop bench(1e5);
+  StickyDrive drive;
+  const auto step = [&](bool publish) {
+    bench.input.device.sample.tau_measured[0] = drive.measured();
+    drive.give(bench.tick(true, publish).effort.drive[0]);
+  };
+  for (int i = 0; i < 1500; ++i) step(true);
+  ASSERT_GT(std::abs(drive.measured()), 1.0);
+  bench.input.settings.id = 1;
+  bench.input.settings.slew_limit = VecA::Constant(1, 5e-324);
+  for (int i = 0; i < 100; ++i) step(true);
+  EXPECT_GT(std::abs(drive.measured()), 1.0) << "it holds what it has";
+  for (int i = 0; i < 400; ++i) step(false);
+  EXPECT_EQ(bench.record.life.gain, 0.0);
+  EXPECT_NEAR(drive.measured(), 0.0, 0.1);
+}
+
+TEST(ForceControlInTheTick, ALyingCellZeroesItsTick) {
+  PressedLoop bench(1e5, {{.range = 50.0}});
+  bench.run(100);
+  ASSERT_NE(bench.record.effort.drive[0], 0.0);
+  bench.input.device.sample.tau_measured[0] = -60.0;
+  bench.tick();
+  EXPECT_EQ(bench.record.life.state, LifecycleState::kFault);
+  EXPECT_TRUE(bench.record.faults().has(Fault::kForceOutOfRange));
+  EXPECT_EQ(bench.record.effort.drive[0], 0.0);
+  const auto clear = [&] {
+    ++bench.input.command.clear_id;
+    bench.input.command.clear.set(Fault::kForceOutOfRange);
+    return bench.tick().life.clear.refused.any();
+  };
+  EXPECT_TRUE(clear()) << "its cause persists";
+  bench.input.device.sample.tau_measured[0] = 0.0;
+  EXPECT_FALSE(clear());
+  EXPECT_EQ(bench.record.life.state, LifecycleState::kIdle);
+}
+
+TEST(ForceControlInTheTick, APressFindsAStuckCell) {
+  PressedLoop bench(1e5, {{.swing = 2.0}});
+  int ticks = 0;
+  while (ticks < 200 && !bench.tick().faults().any()) ++ticks;
+  EXPECT_TRUE(bench.record.faults().has(Fault::kForceStuck));
+  EXPECT_LE(ticks, CellWatch::kSame + 5);
+}
+
+TEST(ForceControlInTheTick, FrictionBoundsWhatACellHides) {
+  PressedLoop bench(1e5, {{.friction = 8.0, .damping = 0.0}});
+  int ticks = 0;
+  while (ticks < 1000 && !bench.tick().faults().any()) ++ticks;  // measured stays 0
+  EXPECT_TRUE(bench.record.faults().has(Fault::kForceDisagrees));
+  EXPECT_LE(ticks, 300);
+}
+
+TEST(ForceControlInTheTick, CellsNeedALoopEach) {
+  PipelineConfig config = with_loop();
+  config.force_control.cells = {{}, {}};
+  EXPECT_THROW(Pipeline{config}, SceneError);
+  config.force_control.cells = {{.range = -1.0}};
+  EXPECT_THROW(Pipeline{config}, SceneError);
+  config.force_control.cells = {{}};
+  config.force_control.loops.clear();
+  EXPECT_THROW(Pipeline{config}, SceneError);
 }
 
 TEST(ForceControlInTheTick, SampleWithoutForceIsAFault) {

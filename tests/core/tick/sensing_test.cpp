@@ -20,9 +20,10 @@ class SensingTest : public testing::Test {
     in.now += milliseconds(1);
     in.device.fresh = fresh;
     if (fresh) in.device.sample.time = in.now;
-    return sensing.step(in);
+    return sensing.step(in, milliseconds(1), driven);
   }
   PipelineConfig config;
+  Driven driven{};
   TickInput in{.now = TimePoint(milliseconds(1000)), .device = {.sample = {.q = two(0.02, 0.1)}}};
 };
 

@@ -23,10 +23,12 @@ struct Law {
   double quickest{}, slowest{}, overshoot{};
 };
 
+/// N and N/s, as of a scene with force_n 20: slew by default, and all that the drive can give.
+const core::DriveLimits kLimits{core::VecA::Constant(1, 50.0), core::VecA::Constant(1, 2000.0)};
 constexpr double kOtherCompilers = 1.2;  // rounding differs, and with it the noise
 
 Law force_loop() {
-  return {"server {}", BoardControl::kDrive, {{{20.0, 100.0, 15.0, 2.0, 50.0}}, {}}, 0.143, 0.635,
+  return {"server {}", BoardControl::kDrive, {{{20.0, 100.0, 15.0, 2.0, 50.0}}, {}}, 0.147, 0.651,
           0.02};
 }
 Law admittance() {
@@ -51,7 +53,7 @@ class Loop {
     now_ += std::chrono::milliseconds(1);
     device_.read(now_, reading_);
     if (reading_.armed) {
-      law_.step(core::VecA::Constant(1, reference), reading_.sample.tau_measured, 1e-3);
+      law_.step(core::VecA::Constant(1, reference), reading_.sample.tau_measured, 1e-3, kLimits);
     } else if (reading_.sample.q.size() == 2) {
       law_.rest(reading_.sample.q.head(1));
     }

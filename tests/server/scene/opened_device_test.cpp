@@ -1,4 +1,6 @@
 // What a scene takes for granted of its devices: force control, and a clock that paces the loop.
+#include <cmath>
+
 #include "tests/server/scene/scene_text.hpp"
 #include "tests/server/support/scripted_device.hpp"
 
@@ -37,6 +39,40 @@ TEST(ForceControlScene, OneServerLoopPerActuator) {
   EXPECT_EQ(most.devices[0].pipeline.force_control.loops.at(0).output_limit, 40.0);
 }
 
+TEST(ForceControlScene, LoadCellsAreWatchedByDefault) {
+  const server::Scene scene = parse(controlled(kServer + "friction_n: 12 }"));
+  ASSERT_EQ(scene.devices[0].pipeline.force_control.cells.size(), 1u);
+  const core::CellRatings& cell = scene.devices[0].pipeline.force_control.cells[0];
+  EXPECT_EQ(cell.range, 40.0) << "max_effort";
+  EXPECT_EQ(cell.rate, 4000.0) << "its range in 10 ms";
+  EXPECT_EQ(cell.swing, 4.0);
+  EXPECT_EQ(cell.friction, 34.0) << "2 friction_n and a quarter of max_effort";
+  EXPECT_FALSE(cell.damping) << "the board's";
+  for (const char* field : {"cell_range_n: [40]", "cell_rate_n_per_s: [4000]", "stuck_n: [4]",
+                            "drive_friction_n: [34]"}) {
+    expect_resolved(scene, field);
+  }
+  const auto given =
+      parse(controlled(kServer + "cell_range_n: 50 cell_rate_n_per_s: 900 stuck_n: 3 "
+                                 "drive_friction_n: 7 drive_damping_n_s_per_m: 0 }"));
+  const core::CellRatings& told = given.devices[0].pipeline.force_control.cells.at(0);
+  EXPECT_EQ(told.range, 50.0);
+  EXPECT_EQ(told.rate, 900.0);
+  EXPECT_EQ(told.swing, 3.0);
+  EXPECT_EQ(told.friction, 7.0);
+  EXPECT_EQ(told.damping, 0.0);
+}
+
+TEST(ForceControlScene, AnAdmittancesCellToo) {
+  const auto device = parse(controlled(kAdmittance + "cell_range_n: 60 }")).devices[0];
+  ASSERT_EQ(device.pipeline.force_control.cells.size(), 1u);
+  const core::CellRatings& cell = device.pipeline.force_control.cells[0];
+  EXPECT_EQ(cell.range, 60.0);
+  EXPECT_EQ(cell.rate, 6000.0);
+  EXPECT_DOUBLE_EQ(cell.swing, 0.005) << "a tenth of the travel";
+  EXPECT_TRUE(std::isinf(cell.friction)) << "the drive's force is not known";
+}
+
 TEST(ForceControlScene, AnAdmittanceTakesTheDofsTravel) {
   const server::DeviceScene device = parse(controlled(kAdmittance + "}")).devices[0];
   EXPECT_EQ(device.force_control, ForceControlPlace::kAdmittance);
@@ -56,6 +92,14 @@ TEST(ForceControlScene, ErrorsNamePlaceValueAndRule) {
       {"a gain", controlled("server { integral_per_s: 30 }"), path + ".server.proportional"},
       {"output", controlled(kServer + "output_limit_n: 41 }"),
        "output_limit_n[0] = 41: must be at most what the device can give, 40"},
+      {"range", controlled(kServer + "cell_range_n: 0 }"),
+       path + ".server.cell_range_n[0] = 0: must be > 0"},
+      {"friction", controlled(kServer + "drive_friction_n: [1, 2] }"),
+       path + ".server.drive_friction_n = [1, 2]: must have one value per actuated DoF, 1"},
+      {"damping", controlled(kServer + "drive_damping_n_s_per_m: -1 }"),
+       path + ".server.drive_damping_n_s_per_m[0] = -1: must be >= 0"},
+      {"stuck", controlled(kAdmittance + "stuck_m: -1 }"),
+       path + ".admittance.stuck_m[0] = -1: must be > 0"},
       {"travel", controlled(kAdmittance + "upper: 0.06 }"),
        path + ".admittance.upper[0] = 0.06: must be at most the DoF's own, 0.05"},
       {"simulated", with_option(kFinger, "force_control { board {} }"),

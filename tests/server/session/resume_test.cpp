@@ -175,6 +175,32 @@ TEST_F(ResumeTest, ClientMayResumeAnOpenStream) {
   EXPECT_EQ(rig.state(), LifecycleState::kEngaged);
 }
 
+/// The Engage is posted, no tick has seen it yet, and its session is resumed: the answer was that
+/// it failed, so it must not act.
+TEST_F(ResumeTest, ResumingRefusesAPendingEngage) {
+  rig.tick(3);
+  const auto first = ask(resumable("s1", "alice"));
+  rig.tick(5);
+  ASSERT_TRUE(first->lease);
+  rig.epoch = first->lease->epoch;
+  rig.stream(250, 0.01);
+  ASSERT_EQ(rig.state(), LifecycleState::kArmed);
+  std::string reason = "(no answer)";
+  rig.sessions->engage("s1", [&](const Outcome<Done>& outcome) {
+    reason = outcome ? "" : outcome.refusal.reason.str();
+  });
+  const auto again = ask(resuming("s2", "s1"));
+  ASSERT_TRUE(again->lease && again->lease->resumed);
+  EXPECT_EQ(reason, "NOT_CONTROLLER");
+  rig.epoch = again->lease->epoch;
+  for (int i = 0; i < 50; ++i) {
+    rig.stream(1, 0.01);
+    ASSERT_EQ(rig.state(), LifecycleState::kArmed) << i;
+    ASSERT_EQ(rig.newest().life.gain, 0.0);
+  }
+  EXPECT_EQ(rig.engage("s2"), "") << "a new one is heard";
+}
+
 TEST_F(ResumeTest, AnotherSessionsNameResumesNothing) {
   press();
   const auto reply = ask(resuming("s2", "guess"));

@@ -18,6 +18,11 @@ enum class Fault : std::uint8_t {
   kEmergencyStop = 7,     ///< asked for by a person or a program
   kForceOverLimit = 8,    ///< the device measured more force than it is allowed to give
   kOutputNotFinite = 9,   ///< the computed command was NaN or infinite: our own defect
+  // The load cell of a force loop cannot be believed (core/METHOD.md#a-load-cell-that-lies):
+  kForceOutOfRange = 10,  ///< it reads more than it can
+  kForceTooFast = 11,     ///< its reading grew faster than a force can
+  kForceStuck = 12,       ///< the very same reading, while the drive moved on
+  kForceDisagrees = 13,   ///< more than friction between the reading and what the drive gives
 };
 
 /// 0..31 limiters, one tick each. Bit n of a LimiterSet is the limiter of number n.

@@ -8,16 +8,26 @@
 
 #include "haptic/core/control/admittance.hpp"
 #include "haptic/core/control/force_loop.hpp"
+#include "haptic/core/safety/cell_watch.hpp"
 #include "haptic/core/types.hpp"
 
 namespace haptic::core {
 
-/// One list has an entry per actuated DoF, the other is empty; both empty: no force control here.
+/// One of the first two lists has an entry per actuated DoF, the other is empty; both empty: no
+/// force control here.
 struct ForceControlSettings {
   std::vector<ForceLoopGains> loops{};
   std::vector<AdmittanceParameters> admittances{};
+  std::vector<CellRatings> cells{};  ///< n_a; empty: what is measured is believed
 
   [[nodiscard]] bool enabled() const noexcept { return !loops.empty() || !admittances.empty(); }
+};
+
+/// What holds the drives of force loops in one step.
+struct DriveLimits {
+  VecA force{};      ///< N or N m, n_a; size 0: none
+  VecA slew{};       ///< N/s or N m/s, n_a
+  double gain{1.0};  ///< g of the tick
 };
 
 class ForceControl {
@@ -30,7 +40,8 @@ class ForceControl {
   void rest(const VecA& q_a) noexcept;
   /// One step of `dt` s (0: as the last one). `measured` empty: the force is not known now; the
   /// reference goes through open loop and nothing is integrated. Never allocates or throws.
-  void step(const VecA& reference, const VecA& measured, double dt) noexcept;
+  void step(const VecA& reference, const VecA& measured, double dt,
+            const DriveLimits& limits = {}) noexcept;
 
   /// N or N m, n_a: what the drives are to give. Size 0 for an admittance.
   [[nodiscard]] const VecA& drive() const noexcept { return drive_; }
@@ -38,6 +49,8 @@ class ForceControl {
   [[nodiscard]] const VecA& position() const noexcept { return position_; }
   /// DoF i was held at a limit of its loop in the last step.
   [[nodiscard]] bool limited(int i) const noexcept { return (limited_ >> i & 1U) != 0; }
+  /// The drive of DoF i was held by its slew limit in the last step.
+  [[nodiscard]] bool slewed(int i) const noexcept { return (slewed_ >> i & 1U) != 0; }
 
  private:
   std::vector<ForceLoop> loops_{};
@@ -45,6 +58,7 @@ class ForceControl {
   VecA drive_{};
   VecA position_{};
   std::uint32_t limited_{0};
+  std::uint32_t slewed_{0};
 };
 
 }  // namespace haptic::core

@@ -120,6 +120,7 @@ TEST(Recorder, TrackersPoseInUseIsRecorded) {
     Recorder recorder(emptied(file), rig_config().kinematics);
     TickRecord record;
     recorder.on_record(record);
+    record.sensed.q = haptic::core::VecQ::Zero(2);
     record.sensed.tracker.on = true;
     record.sensed.tracker.seq = 7;
     record.sensed.tracker.age = 3500us;

@@ -99,6 +99,7 @@ SCRIPTS = {
     "docker/install-deps.sh": ELSEWHERE["docker/install-deps.sh"],
     "docker/test.sh": ELSEWHERE["docker/test.sh"],
     "server/demo.sh": ELSEWHERE["server/demo.sh"],
+    "docker/haproxy/test.sh": ("tests/CMakeLists.txt", "docker/haproxy/test.sh"),
     "tests/run.sh": ELSEWHERE["tests/run.sh"],
     "tests/lint.sh": ("tests/checks/CMakeLists.txt", "../lint.sh tidy"),
     "tests/checks/include_direction.sh": ("tests/checks/CMakeLists.txt", "include_direction.sh"),

@@ -4,8 +4,10 @@
 /// OwnerLink); a test program may join an owner and a front in one process.
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "haptic/core/tick/pipeline.hpp"
@@ -59,13 +61,32 @@ class OwnerPort {
   virtual ~OwnerPort() = default;
   [[nodiscard]] virtual const std::vector<DeviceFacts>& devices() const noexcept = 0;
   /// Answers, events and states go to `front` as well, as long as it lives.
-  virtual void connect(std::weak_ptr<FrontPort> front) = 0;
+  void connect(std::weak_ptr<FrontPort> front) {
+    const std::lock_guard lock(fronts_mutex_);
+    fronts_.push_back(std::move(front));
+  }
   /// The answer comes by FrontPort::on_answer: at once, or after the tick that gives it.
   virtual void post(const Request& request) = 0;
   /// The verdict comes by FrontPort::on_judged, in this call or later.
   virtual void post(const ProxySample& sample) = 0;
   virtual void post(const PoseSample& pose) = 0;
   [[nodiscard]] virtual DeviceStatus status(std::size_t device) const = 0;
+
+ protected:
+  using Fronts = std::vector<std::shared_ptr<FrontPort>>;
+  /// Those that live.
+  [[nodiscard]] Fronts fronts() {
+    Fronts alive;
+    const std::lock_guard lock(fronts_mutex_);
+    for (const auto& weak : fronts_) {
+      if (auto front = weak.lock()) alive.push_back(std::move(front));
+    }
+    return alive;
+  }
+
+ private:
+  std::mutex fronts_mutex_;
+  std::vector<std::weak_ptr<FrontPort>> fronts_{};
 };
 
 }  // namespace haptic::server

@@ -53,9 +53,11 @@ struct OwnersPages {
 };
 /// A new front is told the last events, and what is answered after its start.
 inline constexpr std::uint64_t kRetold = 256;
-/// Requests that a front may have open at a time: fewer than the answers that are kept, so that
-/// none is overwritten before it was read.
+/// Requests that a front may have open at a time, and beyond them stops. With one more stop per
+/// device, ahead of the queue, they are fewer than the answers that are kept, so that none is
+/// overwritten before it was read.
 inline constexpr std::size_t kMostOpenRequests = 256;
+inline constexpr std::size_t kMostOpenStops = 32;
 
 /// From one front to the owner: pages that the front can write at any time and in any way.
 struct FrontsPages {

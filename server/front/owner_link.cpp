@@ -150,20 +150,6 @@ FrontCounters OwnerLink::count(const FrontCounters& own) {
   return all;
 }
 
-void OwnerLink::connect(std::weak_ptr<FrontPort> front) {
-  const std::lock_guard lock(mutex_);
-  fronts_.push_back(std::move(front));
-}
-
-OwnerLink::Fronts OwnerLink::fronts() {
-  Fronts alive;
-  const std::lock_guard lock(mutex_);
-  for (const auto& weak : fronts_) {
-    if (auto front = weak.lock()) alive.push_back(std::move(front));
-  }
-  return alive;
-}
-
 bool OwnerLink::may_open(const Request& request) {
   using Kind = Request::Kind;
   const std::lock_guard lock(mutex_);
@@ -172,8 +158,8 @@ bool OwnerLink::may_open(const Request& request) {
       request.kind == Kind::kLose) {
     return true;
   }
-  // A few places are kept for stops.
-  if (open_.size() >= kMostOpenRequests + (request.kind == Kind::kStop ? 32 : 0)) return false;
+  const std::size_t stops = request.kind == Kind::kStop ? kMostOpenStops : 0;
+  if (open_.size() >= kMostOpenRequests + stops) return false;
   open_.insert(request.id);
   return true;
 }

@@ -53,14 +53,12 @@ class OwnerLink final : public OwnerPort {
   [[nodiscard]] const std::vector<DeviceFacts>& devices() const noexcept override {
     return devices_;
   }
-  void connect(std::weak_ptr<FrontPort> front) override;
   void post(const Request& request) override;
   void post(const ProxySample& sample) override;
   void post(const PoseSample& pose) override;
   [[nodiscard]] DeviceStatus status(std::size_t device) const override;
 
  private:
-  using Fronts = std::vector<std::shared_ptr<FrontPort>>;
   /// False: the owner does not take it.
   bool say(const FrontMessage& message);
   /// The owner's next message; kLeave if it is gone.
@@ -70,7 +68,6 @@ class OwnerLink final : public OwnerPort {
   void run() noexcept;
   void pass_on();
   void wake_owner() noexcept;
-  [[nodiscard]] Fronts fronts();
 
   Descriptor link_;
   Descriptor wakes_owner_{};
@@ -84,7 +81,6 @@ class OwnerLink final : public OwnerPort {
 
   std::mutex samples_mutex_;  ///< gRPC's threads and the datagram path take turns
   std::mutex mutex_;
-  std::vector<std::weak_ptr<FrontPort>> fronts_{};
   std::unordered_set<std::uint64_t> open_{};  ///< requests that wait for an answer
 
   // The thread's.

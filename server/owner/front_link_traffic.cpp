@@ -139,10 +139,11 @@ void FrontLink::take_stops(FrontProcess& front) {
   for (std::size_t i = 0; i < owner_.devices().size(); ++i) {
     // The answer comes when its request has its turn.
     const std::uint32_t stop = front.pages.stops[i].load(std::memory_order_acquire);
-    if (std::exchange(front.stops[i], stop) == stop) continue;
+    if (front.stops[i] == stop) continue;
     Request request;
-    request.id = request_id(front.generation, i);  // a front's own begin far above
-    if (!publisher_->expect_answer(request.id)) continue;
+    request.id = request_id(front.generation, i);          // a front's own begin far above
+    if (!publisher_->expect_answer(request.id)) continue;  // the one before is under way
+    front.stops[i] = stop;
     request.kind = Request::Kind::kStop;
     request.device = static_cast<std::uint32_t>(i);
     request.text = "over the network, ahead of the requests that wait";

@@ -82,20 +82,6 @@ void Owner::add(DeviceUnit& unit, const SessionRules& rules) {
   devices_.push_back(std::make_unique<Device>(*this, devices_.size(), unit, rules));
 }
 
-void Owner::connect(std::weak_ptr<FrontPort> front) {
-  const std::lock_guard lock(mutex_);
-  fronts_.push_back(std::move(front));
-}
-
-Owner::Fronts Owner::fronts() {
-  Fronts alive;
-  const std::lock_guard lock(mutex_);
-  for (const auto& weak : fronts_) {
-    if (auto front = weak.lock()) alive.push_back(std::move(front));
-  }
-  return alive;
-}
-
 template <typename Act>
 void Owner::serve(const Act& act) {
   const Fronts fronts = this->fronts();

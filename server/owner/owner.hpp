@@ -38,7 +38,6 @@ class Owner final : public OwnerPort {
   [[nodiscard]] Verdict accept(const PoseSample& pose);
 
   [[nodiscard]] const std::vector<DeviceFacts>& devices() const noexcept override { return facts_; }
-  void connect(std::weak_ptr<FrontPort> front) override;
   void post(const Request& request) override;
   void post(const ProxySample& sample) override;
   void post(const PoseSample& pose) override;
@@ -56,8 +55,6 @@ class Owner final : public OwnerPort {
   void handle(const Request& request, std::vector<Answer>& answers);
   void tell(const Judged& judged);
   void on_record(Device& device, const core::TickRecord& record);
-  using Fronts = std::vector<std::shared_ptr<FrontPort>>;
-  [[nodiscard]] Fronts fronts();
 
   Telemetry& telemetry_;
   std::vector<DeviceFacts> facts_;
@@ -65,7 +62,6 @@ class Owner final : public OwnerPort {
 
   mutable std::mutex mutex_;
   SessionRegistry registry_;
-  std::vector<std::weak_ptr<FrontPort>> fronts_;
 };
 
 }  // namespace haptic::server

@@ -28,8 +28,8 @@ class Publisher final : public FrontPort {
   }
   void counted(const FrontCounters& counters) noexcept { pages_.counted.publish(counters); }
 
-  /// A front's request is posted, which will be answered. False: kMostOpenRequests wait already, or
-  /// this id does: an honest front keeps within both (OwnerLink).
+  /// A front's request is posted, which will be answered. False: more wait than an honest front has
+  /// open (OwnerLink), or this id does.
   [[nodiscard]] bool expect_answer(std::uint64_t id);
   /// It will not be answered, as far as the owner can tell.
   void forget_answer(std::uint64_t id);

@@ -272,6 +272,11 @@ class Fronts(unittest.TestCase):
         self.assertLess(4096 * (int(resident.read_text().split()[1]) - before), 4 << 20)
         self.assertEqual(daemon.stop(), 0, daemon.text())
 
+    def test_a_stop_goes_ahead_of_a_full_queue(self) -> None:
+        daemon, _ = self.hostile("stop")
+        daemon.until_said("ahead of the requests that wait")
+        self.assertEqual(daemon.stop(), 0, daemon.text())
+
     def test_a_mute_front_is_replaced(self) -> None:
         daemon, name = self.hostile("mute")
         daemon.until_said("no sign of life for 2 s")

@@ -5,6 +5,7 @@
 //   confined  after confine(): signals, tracing, memory, devices, files, programs, priority
 //   pages     writes to pages that it may only read
 //   junk      for as long as it lives: random bytes in its own pages, requests and messages
+//   stop      keeps the queue of requests full, and raises the stop that goes ahead of it
 //   layout    names another layout
 //   silent    says nothing
 //   mute      serves, and gives no sign of life
@@ -155,6 +156,20 @@ void attack_pages(Link& link) {
   }
 }
 
+/// The queue never runs empty: only the stop of its own slot can be obeyed.
+[[noreturn]] void stop_ahead_of_a_queue(Link& link) {
+  SharedMemory own(std::move(link.descriptors[OwnerMessage::kFrontsPages]), sizeof(FrontsPages),
+                   SharedMemory::Access::kReadAndWrite);
+  FrontMessage clear;
+  clear.kind = FrontMessage::Kind::kRequest;
+  clear.request.kind = Request::Kind::kClear;
+  for (clear.request.id = 1000;; ++clear.request.id) {
+    while (!send(kLink, clear)) sched_yield();
+    // Not before the queue is full for the first time.
+    if (clear.request.id == 3000) static_cast<FrontsPages*>(own.data())->stops[0].fetch_add(1);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -184,6 +199,7 @@ int main(int argc, char** argv) {
   }
   if (mode == "pages") attack_pages(link);
   if (mode == "junk") send_junk(link);
+  if (mode == "stop") stop_ahead_of_a_queue(link);
   if (mode == "mute") pause();
   return 3;
 }

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "hw/board/frame_codec.hpp"
-#include "hw/board/messages.hpp"
 #include "hw/firmware/haptic_frame.h"
 
 namespace haptic::test {
@@ -133,18 +132,6 @@ class Execution {
       return;
     }
     origin->read = true;
-    read_messages(frame.payload);
-  }
-
-  /// Every reader on every payload: they may refuse, nothing else.
-  static void read_messages(std::span<const std::uint8_t> payload) {
-    static_cast<void>(hw::board::read<hw::board::Hello>(payload));
-    static_cast<void>(hw::board::read<hw::board::Arm>(payload));
-    static_cast<void>(hw::board::read<hw::board::Command>(payload));
-    static_cast<void>(hw::board::read<hw::board::Identity>(payload));
-    static_cast<void>(hw::board::read<hw::board::Dof>(payload));
-    static_cast<void>(hw::board::read<hw::board::State>(payload));
-    static_cast<void>(hw::board::read<hw::board::Counters>(payload));
   }
 
   std::mt19937_64& random_;

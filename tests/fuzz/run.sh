@@ -11,22 +11,16 @@
 # A finding ends the run with 1 and leaves its input in the corpus as crash-*, which
 # build/fuzz/tests/fuzz/haptic-libfuzzer-TARGET FILE replays; 3: the last tenth still found new
 # edges.
-#
-#   tests/fuzz/run.sh frames [EXECUTIONS]
-#
-# Streams of frames with damage of every kind, the same in every run, without libFuzzer
-# (haptic-fuzz-frames; 10 million by default).
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 wanted=${1:-}
 amount=${2:-}
 case "$wanted" in
-  frames) targets=() ;;
   frame | datagram | ingress | scene | replay) targets=("$wanted") ;;
   all) targets=(scene replay frame datagram ingress) ;;
   -h | --help) sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"; exit 0 ;;
   *)
-    echo "run.sh: '$wanted': must be frame, datagram, ingress, scene, replay, frames or all" >&2
+    echo "run.sh: '$wanted': must be frame, datagram, ingress, scene, replay or all" >&2
     exit 2
     ;;
 esac
@@ -35,11 +29,6 @@ if [[ -n $amount && ! $amount =~ ^[1-9][0-9]*(e[0-9]+)?$ ]]; then
   exit 2
 fi
 cd "$root"
-if [[ $wanted == frames ]]; then
-  cmake --preset asan >&2
-  cmake --build --preset asan --target haptic-fuzz-frames >&2
-  exec build/asan/tests/haptic-fuzz-frames "$(printf '%.0f' "${amount:-10000000}")"
-fi
 command -v clang++ >/dev/null ||
   { echo "run.sh: no clang++ (docker/install-deps.sh test)" >&2; exit 2; }
 cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_C_COMPILER=clang \

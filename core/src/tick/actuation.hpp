@@ -33,7 +33,7 @@ class Actuation {
   void no_output(Effort& effort) noexcept;
   /// The force loop or the admittance.
   void drive(const Beat& beat, const Sensed& sensed, bool wanted, Effort& effort) noexcept;
-  /// What the session's limits leave to the drives.
+  /// Sets drive_limits_ from the session's limits.
   void narrow(const Settings& settings, const Lifecycle& life) noexcept;
 
   const DofLayout layout_;

@@ -45,7 +45,7 @@ TEST(FirmwareCodec, LongPayloadsAreNotEncoded) {
 }
 
 // The host's decoder is tested on every kind of damage (FrameCodec); this holds the board's to it.
-// tests/fuzz/frame_fuzz_main.cpp runs the same for as long as one likes.
+// `tests/fuzz/run.sh frame` looks on, guided by coverage.
 TEST(FirmwareCodec, BothCodecsAgreeOnDamage) {
   const test::FuzzResult result = test::fuzz_frames(/*seed=*/1, /*executions=*/50'000);
   EXPECT_EQ(result.finding, "");

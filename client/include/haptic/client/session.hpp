@@ -8,9 +8,10 @@
 ///
 /// Threads. Every member may be called from any thread. Three callbacks run on the library's
 /// threads:
-/// - on_state runs on the thread that received the state, so that it is called without delay. Copy
-///   what you need and return. States that arrive while it runs are not queued: the next call
-///   brings the newest of them. Run the simulation in a loop of your own, with wait_for_state().
+/// - on_state runs on the thread that received the state, so that it is called without delay. It
+///   should copy the state and return. States that arrive while it runs are not queued: the next
+///   call brings the newest of them. Run the simulation in a loop of your own, with
+///   wait_for_state().
 /// - on_event and on_disconnect share one thread and may take their time: events are queued.
 ///
 /// No callback runs twice at once, but on_state may run at the same time as one of the other two.

@@ -23,7 +23,7 @@ struct ForceControlSettings {
   [[nodiscard]] bool enabled() const noexcept { return !loops.empty() || !admittances.empty(); }
 };
 
-/// What holds the drives of force loops in one step.
+/// Limits of the drives of force loops in one step.
 struct DriveLimits {
   VecA force{};      ///< N or N m, n_a; size 0: none
   VecA slew{};       ///< N/s or N m/s, n_a

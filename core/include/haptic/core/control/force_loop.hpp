@@ -26,7 +26,7 @@ struct ForceLoopGains {
   double output_limit{1.0};   ///< N or N m, > 0
 };
 
-/// What the drive may give in one step, N or N m, each >= 0. The limits of a session hold for the
+/// Bounds of the drive u in one step, N or N m, each >= 0. The limits of a session hold for the
 /// drive as they do for the rendered force (core/METHOD.md#limits-of-the-drive).
 struct DriveBounds {
   double force{std::numeric_limits<double>::infinity()};   ///< |u|

@@ -12,7 +12,7 @@
 
 namespace haptic::core {
 
-/// What a true reading keeps to. What is not given is not watched.
+/// Bounds that every true reading keeps. A bound that is left infinite is not watched.
 struct CellRatings {
   double range{std::numeric_limits<double>::infinity()};  ///< N or N m, > 0: |reading|
   double rate{std::numeric_limits<double>::infinity()};   ///< N/s or N m/s, > 0: of its growth

@@ -77,6 +77,7 @@ v1::OpenSession RemoteSession::opening() const {
   open.set_priority(static_cast<v1::Priority>(options_.priority));
   open.set_resumable(resumable());
   if (resumable() && !force_.owes_release()) open.set_resume(opened_.session_id());
+  open.set_events_after_ns(newest_event_ns_);
   open.set_udp_wanted(options_.carriers != Carriers::kGrpcOnly && !options_.tracker);
   const auto to_message = google::protobuf::util::TimeUtil::NanosecondsToDuration;
   if (options_.fresh_end) *open.mutable_fresh_end() = to_message(options_.fresh_end->count());

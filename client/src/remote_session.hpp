@@ -7,6 +7,7 @@
 /// UdpCarrier is called, and no callback runs, with mutex_ held.
 
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
@@ -158,7 +159,8 @@ class RemoteSession final : public Session {
 
   mutable NewestState states_;
   std::deque<Event> events_;
-  PublishStatistics statistics_{};  ///< `published` is the number of the newest sample
+  std::int64_t newest_event_ns_{0};  ///< on the server's clock; what the next stream goes on from
+  PublishStatistics statistics_{};   ///< `published` is the number of the newest sample
   PublishStatistics earlier_{};  ///< of the streams before this one: the server counts per stream
 
   Force force_;

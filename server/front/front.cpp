@@ -114,15 +114,21 @@ void Front::on_judged(const Judged& judged) {
   if (source) source->on_judged(judged);
 }
 
-std::shared_ptr<EventQueue> Front::subscribe(std::size_t device) {
+std::shared_ptr<EventQueue> Front::subscribe(std::size_t device, core::TimePoint after) {
   auto queue = std::make_shared<EventQueue>();
   const std::lock_guard lock(mutex_);
+  for (const auto& [its_device, event] : happened_) {
+    const bool wanted = after != core::TimePoint{} && event.time > after;
+    if (wanted && its_device == device) queue->push(event);
+  }
   queues_[device].push_back(queue);
   return queue;
 }
 
 void Front::on_event(std::size_t device, const DeviceEvent& event) {
   const std::lock_guard lock(mutex_);
+  if (happened_.size() == EventQueue::kCapacity) happened_.pop_front();
+  happened_.emplace_back(device, event);
   std::erase_if(queues_[device], [&](const std::weak_ptr<EventQueue>& weak) {
     const auto queue = weak.lock();
     if (queue) queue->push(event);

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "server/crossing/outcome.hpp"
@@ -67,8 +68,10 @@ class Front : public FrontPort {
   [[nodiscard]] std::uint64_t ticket(const std::weak_ptr<SampleSource>& source);
   void forget(std::uint64_t ticket);
 
-  /// The events of a device from now on, as long as the queue lives.
-  [[nodiscard]] std::shared_ptr<EventQueue> subscribe(std::size_t device);
+  /// The events of a device from now on, as long as the queue lives; before them those later than
+  /// `after`, as far as the last kCapacity events of all devices go back. TimePoint{}: none.
+  [[nodiscard]] std::shared_ptr<EventQueue> subscribe(std::size_t device,
+                                                      core::TimePoint after = {});
 
   void on_answer(const Answer& answer) override;
   void on_judged(const Judged& judged) override;
@@ -83,6 +86,7 @@ class Front : public FrontPort {
   std::unordered_map<std::uint64_t, Answered> open_;
   std::unordered_map<std::uint64_t, std::weak_ptr<SampleSource>> sources_;  ///< by ticket
   std::vector<std::vector<std::weak_ptr<EventQueue>>> queues_;              ///< per device
+  std::deque<std::pair<std::size_t, DeviceEvent>> happened_;  ///< the last, with their devices
 };
 
 }  // namespace haptic::server

@@ -86,6 +86,7 @@ void OwnerLink::begin() {
   answers_ = pages_->answers.begin(0);
   events_ = pages_->events.begin(kRetold);
   judged_ = pages_->judged.begin(0);
+  pass_on();  // before any session is there: the past is told only to those that ask for it
   thread_ = std::thread([this] { run(); });
 }
 

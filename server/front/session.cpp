@@ -86,9 +86,9 @@ void Session::open(const v1::OpenSession& request, const Rights& rights, const O
 
 void Session::admitted(const v1::OpenSession& request, const Rights& rights, const SessionId& id,
                        const Opened& opened) {
-  auto events = front_.subscribe(device_);
-  bool closed = false;
-  bool lost = false;
+  auto events =
+      front_.subscribe(device_, core::TimePoint(core::Duration(request.events_after_ns())));
+  bool closed = false, lost = false;
   {
     const std::lock_guard lock(mutex_);
     id_ = id;

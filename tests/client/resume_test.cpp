@@ -50,6 +50,18 @@ TEST_F(Resume, ALostStreamIsResumed) {
   EXPECT_GT(server.heard().samples.back().seq(), server.heard().samples.front().seq());
 }
 
+TEST_F(Resume, AsksForTheEventsItMissed) {
+  const auto session = open(reconnecting());
+  server.send_event(v1::Event::KIND_STATE, "INIT -> IDLE", 1, 700);
+  server.send_event(v1::Event::KIND_TRANSPORT, "SAMPLES GRPC -> UDP", 1, 900);
+  server.send_state(100);
+  ASSERT_TRUE(server.until([&] { return session->state().seq == 100; }));
+  server.end_session({grpc::StatusCode::UNAVAILABLE, "the cable"});
+  ASSERT_TRUE(server.until([&] { return server.heard().openings.size() == 2; }));
+  EXPECT_EQ(server.heard().openings.front().events_after_ns(), 0);
+  EXPECT_EQ(server.heard().openings.back().events_after_ns(), 700);
+}
+
 TEST_F(Resume, UnresumableSessionStartsAfresh) {
   const auto session = open(reconnecting());
   server.send_state(100);

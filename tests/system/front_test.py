@@ -2,7 +2,7 @@
 """hapticd is two processes: whatever becomes of the one that faces the network, the one that owns
 the devices goes on, stops by the local control socket, and gets a new front. Whole programs.
 
-    front_test.py HAPTICD HAPTICCTL HAPTIC-HOSTILE-FRONT HAPTIC-EXAMPLE-SOFT-GRASP SCENES
+    front_test.py HAPTICD HAPTICCTL HAPTIC-HOSTILE-FRONT HAPTIC-EXAMPLE-SOFT-GRASP SCENES [TEST...]
 
 The package haptic is on PYTHONPATH.
 """
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 import pathlib
+import queue
 import re
 import signal
 import socket
@@ -20,9 +21,13 @@ import tempfile
 import time
 import unittest
 import urllib.request
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from typing import Any
 
+import grpc
 import haptic
+from haptic.v1 import session_pb2 as wire
+from haptic.v1.haptic_service_pb2_grpc import HapticServiceStub
 
 HAPTICD, HAPTICCTL, HOSTILE, CLIENT = (str(pathlib.Path(p).resolve()) for p in sys.argv[1:5])
 SCENES = pathlib.Path(sys.argv[5])
@@ -180,6 +185,44 @@ class Fronts(unittest.TestCase):
         self.assertNotIn("LEASE_ENDED", daemon.text())
         self.assertEqual(daemon.stop(), 0, daemon.text())
 
+    def test_missed_events_are_told_once(self) -> None:
+        daemon = self.hapticd("--set", "server.lease_timeout={seconds: 30}")
+        address = daemon.address()
+
+        def session(**more: Any) -> Iterator[wire.SessionResponse]:
+            opening = wire.OpenSession(role=wire.ROLE_CONTROLLER, client_name="test",
+                                       resumable=True, nominal_rate_hz=100, state_rate_hz=10,
+                                       **more)
+            requests: queue.SimpleQueue[wire.SessionRequest | None] = queue.SimpleQueue()
+            requests.put(wire.SessionRequest(open=opening))
+            channel = grpc.insecure_channel(address)
+            self.addCleanup(channel.close)
+            self.addCleanup(requests.put, None)
+            return HapticServiceStub(channel).Session(iter(requests.get, None))
+
+        def events(stream: Iterator[wire.SessionResponse], last: str) -> list[wire.Event]:
+            """Up to the one whose reason is `last`."""
+            found = [next(r.event for r in stream if r.HasField("event"))]
+            while found[-1].reason != last:
+                found.append(next(r.event for r in stream if r.HasField("event")))
+            return found
+
+        first = session()
+        lost = next(first).opened.session_id
+        seen = events(first, "LEASE_GRANTED")[-1].server_time_ns
+        front = daemon.kill_front(signal.SIGSTOP)
+        self.assertEqual(daemon.ctl("estop", address=address)[0], 0)
+        self.assertEqual(daemon.ctl("clear-fault", address=address)[0], 0)
+        daemon.until_replaced(front)
+        until("served again", lambda: daemon.ctl("health", address=address)[0] == 0)
+        second = session(resume=lost, events_after_ns=seen)
+        self.assertTrue(next(second).opened.resumed)
+        told = [(wire.Event.Kind.Name(e.kind), e.reason) for e in events(second, "LEASE_RESUMED")]
+        self.assertEqual([t for t in told if "STATE" not in t[0]],
+                         [("KIND_FAULT", "EMERGENCY_STOP"),
+                          ("KIND_FAULT_CLEARED", "EMERGENCY_STOP"),
+                          ("KIND_LEASE", "LEASE_DETACHED"), ("KIND_LEASE", "LEASE_RESUMED")])
+
     def test_counters_survive_the_front(self) -> None:
         daemon = self.hapticd("--set", 'server.metrics_listen="127.0.0.1:0"',
                               "--set", 'server.udp_listen="127.0.0.1:0"')
@@ -285,4 +328,4 @@ class Fronts(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    unittest.main(argv=[sys.argv[0], *sys.argv[6:]], verbosity=2)

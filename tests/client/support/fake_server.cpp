@@ -101,11 +101,12 @@ void FakeServer::send_state(std::uint64_t seq, v1::DeviceStateName state) {
 }
 
 void FakeServer::send_event(v1::Event::Kind kind, const std::string& reason,
-                            std::uint32_t lease_epoch) {
+                            std::uint32_t lease_epoch, std::int64_t server_time_ns) {
   v1::SessionResponse message;
   message.mutable_event()->set_kind(kind);
   message.mutable_event()->set_reason(reason);
   message.mutable_event()->set_lease_epoch(lease_epoch);
+  message.mutable_event()->set_server_time_ns(server_time_ns);
   send(message);
 }
 

@@ -59,7 +59,8 @@ class FakeServer final
   // Down the newest open session.
   void send_state(std::uint64_t seq, v1::DeviceStateName state = v1::DEVICE_STATE_NAME_ARMED);
   /// `lease_epoch`: the lease it speaks of; the first session holds 1.
-  void send_event(v1::Event::Kind kind, const std::string& reason, std::uint32_t lease_epoch = 1);
+  void send_event(v1::Event::Kind kind, const std::string& reason, std::uint32_t lease_epoch = 1,
+                  std::int64_t server_time_ns = 0);
   void send(const v1::SessionResponse& message);
   void end_session(const grpc::Status& status);
   /// Down every Watch.

@@ -16,10 +16,14 @@ v1::SessionRequest opening(const std::string& name, const std::string& resume = 
   return message;
 }
 
-bool heard(TestSession& session, const std::string& reason) {
+std::ptrdiff_t times_heard(TestSession& session, const std::string& reason) {
   const auto events = session.events();
-  return std::any_of(events.begin(), events.end(),
-                     [&](const v1::Event& event) { return event.reason() == reason; });
+  return std::count_if(events.begin(), events.end(),
+                       [&](const v1::Event& event) { return event.reason() == reason; });
+}
+
+bool heard(TestSession& session, const std::string& reason) {
+  return times_heard(session, reason) > 0;
 }
 
 TEST(ResumeService, ForceContinuesAfterALostStream) {
@@ -48,6 +52,26 @@ TEST(ResumeService, ForceContinuesAfterALostStream) {
   EXPECT_EQ(second.state().gain(), 1.0);
   EXPECT_TRUE(heard(watcher, "LEASE_RESUMED"));
   EXPECT_FALSE(heard(watcher, "ENGAGED -> RELEASING"));
+}
+
+TEST(ResumeService, MissedEventsAreToldOnce) {
+  LiveServer server;
+  OpenSession watcher(server.channel(), v1::ROLE_OBSERVER, "watcher");
+  auto first = std::make_unique<OpenSession>(server.channel(), opening("alice"));
+  ASSERT_TRUE(eventually([&] { return heard(*first, "LEASE_GRANTED"); }));
+  v1::SessionRequest again = opening("alice", first->opened().session_id());
+  again.mutable_open()->set_events_after_ns(first->events().back().server_time_ns());
+  first->cancel();
+  ASSERT_TRUE(eventually([&] { return heard(watcher, "LEASE_DETACHED"); }));
+  server.rig.sessions->emergency_stop("", [](const Outcome<Done>&) {});
+  ASSERT_TRUE(eventually([&] { return heard(watcher, "EMERGENCY_STOP"); }));
+
+  OpenSession second(server.channel(), again), stranger(server.channel(), v1::ROLE_OBSERVER, "bob");
+  ASSERT_TRUE(eventually([&] { return heard(second, "LEASE_RESUMED"); }));
+  EXPECT_EQ(times_heard(second, "LEASE_DETACHED"), 1);
+  EXPECT_EQ(times_heard(second, "EMERGENCY_STOP"), 1);
+  EXPECT_EQ(times_heard(second, "LEASE_GRANTED"), 0);
+  EXPECT_EQ(times_heard(stranger, "EMERGENCY_STOP"), 0);
 }
 
 TEST(ResumeService, FormerStreamIsEnded) {

@@ -9,6 +9,7 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "hw/random.hpp"
+#include "tests/support/held_proxy.hpp"
 #include "tests/support/virtual_board.hpp"
 
 namespace haptic::hw::emulator {
@@ -38,7 +39,7 @@ class PressedBoard {
     if (input_.device.sample.q.size() == 2 &&
         finger_->evaluate(input_.device.sample.q, x, J) == core::MapStatus::kOk) {
       x[0] = std::min(x[0], kWall);
-      publish(x);
+      test::publish_held(input_, x);
     }
     if (last_.life.state == LifecycleState::kArmed && engages) ++input_.command.engage_id;
     last_ = pipeline_.tick(input_);
@@ -79,15 +80,6 @@ class PressedBoard {
     config.scene.slew_limit = core::VecA::Constant(1, 2000.0);
     config.scene.engage_window = core::VecA::Constant(1, kForceLimit);
     return config;
-  }
-  void publish(const core::VecX& x) {
-    core::ProxySnapshot& proxy = input_.proxy;
-    proxy.mode = core::ProxyMode::kHeld;
-    proxy.tenure = 1;
-    proxy.x = x;
-    proxy.born = input_.now;
-    if (++proxy.seq == 1) proxy.gapless_since = input_.now;
-    ++proxy.gapless_samples;
   }
 
   std::shared_ptr<const core::Kinematics> finger_;

@@ -14,6 +14,7 @@
 #include "hw/board/board_device.hpp"
 #include "hw/random.hpp"
 #include "tests/server/scene/scene_text.hpp"
+#include "tests/support/held_proxy.hpp"
 #include "tests/support/virtual_board.hpp"
 
 namespace haptic::test {
@@ -112,13 +113,7 @@ class Pressing {
     core::MatXQ J;
     if (ticks_ % every != 0 || q.size() != 2) return;
     if (finger_->evaluate(q, x, J) != core::MapStatus::kOk) return;
-    core::ProxySnapshot& proxy = input_.proxy;
-    proxy.mode = core::ProxyMode::kHeld;
-    proxy.tenure = 1;
-    proxy.x = x.cwiseMin(wall);
-    proxy.born = input_.now;
-    if (++proxy.seq == 1) proxy.gapless_since = input_.now;
-    ++proxy.gapless_samples;
+    publish_held(input_, x.cwiseMin(wall));
   }
 
   std::shared_ptr<const core::Kinematics> finger_;

@@ -1,4 +1,5 @@
 // What a scene takes for granted of its devices: force control, and a clock that paces the loop.
+#include <array>
 #include <cmath>
 
 #include "tests/server/scene/scene_text.hpp"
@@ -56,10 +57,8 @@ TEST(ForceControlScene, LoadCellsAreWatchedByDefault) {
       parse(controlled(kServer + "cell_range_n: 50 cell_rate_n_per_s: 900 stuck_n: 3 "
                                  "drive_friction_n: 7 drive_damping_n_s_per_m: 0 }"));
   const core::CellRatings& told = given.devices[0].pipeline.force_control.cells.at(0);
-  EXPECT_EQ(told.range, 50.0);
-  EXPECT_EQ(told.rate, 900.0);
-  EXPECT_EQ(told.swing, 3.0);
-  EXPECT_EQ(told.friction, 7.0);
+  EXPECT_EQ((std::array{told.range, told.rate, told.swing, told.friction}),
+            (std::array{50.0, 900.0, 3.0, 7.0}));
   EXPECT_EQ(told.damping, 0.0);
 }
 

@@ -1,0 +1,19 @@
+#pragma once
+/// A client's samples of a held proxy, for a pipeline that a test drives itself.
+
+#include "haptic/core/tick/pipeline.hpp"
+
+namespace haptic::test {
+
+/// The next sample, `x`, born now, under the tenure of `input`.
+inline void publish_held(core::TickInput& input, const core::VecX& x) {
+  core::ProxySnapshot& proxy = input.proxy;
+  proxy.mode = core::ProxyMode::kHeld;
+  proxy.tenure = input.command.tenure;
+  proxy.x = x;
+  proxy.born = input.now;
+  if (++proxy.seq == 1) proxy.gapless_since = input.now;
+  ++proxy.gapless_samples;
+}
+
+}  // namespace haptic::test

@@ -7,18 +7,24 @@
 
 #include <CLI/CLI.hpp>
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <csignal>
 #include <filesystem>
 #include <iostream>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <sstream>
+#include <stop_token>
+#include <thread>
 
 #include "haptic/core/error.hpp"
 #include "hw/device_config.hpp"
 #include "server/app.hpp"
 #include "server/base/log.hpp"
 #include "server/base/start_limits.hpp"
+#include "server/base/thread_setup.hpp"
 #include "server/base/version.hpp"
 #include "server/front_program.hpp"
 #include "server/scene/shipped.hpp"
@@ -76,6 +82,34 @@ sigset_t block_signals() {
   for (const int number : {SIGTERM, SIGINT, SIGHUP}) std::signal(number, SIG_DFL);
   return signals;
 }
+
+/// While devices open and the first front binds, signals wait. If one has waited for 2 s this ends
+/// hapticd, with status 0 as otherwise: before the loop begins no device is armed.
+class EndOfALongStart {
+ public:
+  explicit EndOfALongStart(const sigset_t& signals)
+      : thread_([signals](const std::stop_token& started) { watch(signals, started); }) {}
+
+ private:
+  static void watch(const sigset_t& signals, const std::stop_token& started) {
+    haptic::server::set_thread_up("start");
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    std::condition_variable_any wakes;
+    for (int waited = 0; waited < 20;) {
+      wakes.wait_for(lock, started, std::chrono::milliseconds(100), [] { return false; });
+      if (started.stop_requested()) return;
+      sigset_t pending, of_these;
+      sigpending(&pending);
+      sigandset(&of_these, &pending, &signals);
+      if (sigisemptyset(&of_these) == 0) ++waited;
+    }
+    std::cerr << "hapticd: ended before it served\n";
+    _exit(0);
+  }
+
+  std::jthread thread_;
+};
 
 /// Opens /dev/null for each standard stream that is closed; otherwise the next file that is opened,
 /// such as a serial port, would get the number of the log and receive its lines.
@@ -136,7 +170,10 @@ int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& 
           kill(getpid(), SIGTERM);
         });
       });
-  app.start();
+  {
+    const EndOfALongStart watch(signals);
+    app.start();
+  }
   for (const std::string& warning : warnings) spdlog::warn(warning);
   auto manager = haptic::server::ServiceManager::of_environment();
   manager.ready(app.realtime().facts.grade.str() + ": " + app.realtime().facts.explanation.str());

@@ -10,8 +10,9 @@ namespace haptic::ctl {
 
 /// The lines after "ok" of the answer to one command, such as "stop finger", by the hapticd that
 /// serves at `server` ("host:port", "unix:/path", or "local:SCENE" for one without a network).
-/// Absent: there is no such socket on this host, it gave no answer within `patience_ms`, or it
-/// refused; `refusal` then says why, if it did.
+/// Absent: there is no such socket on this host, it gave no answer within `patience_ms`, it is not
+/// root's, this user's or the service's (which is printed), or it refused; `refusal` then says why,
+/// if it did.
 [[nodiscard]] std::optional<std::vector<std::string>> ask_locally(const std::string& server,
                                                                   const std::string& command,
                                                                   std::string* refusal = nullptr,

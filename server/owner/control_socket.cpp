@@ -57,7 +57,7 @@ ParsedCommand parse_command(std::string_view text) {
 std::string control_name(const std::string& address) {
   constexpr std::string_view kUnix = "unix:";
   if (address.rfind(kUnix, 0) == 0) return "hapticd" + address.substr(kUnix.size());
-  return "hapticd/" + address.substr(address.rfind(':') + 1);
+  return "hapticd/" + address;
 }
 
 ControlSocket::ControlSocket(const std::string& name, Handler handler)

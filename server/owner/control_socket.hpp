@@ -67,8 +67,8 @@ class ControlSocket {
   std::uint64_t last_number_{0};
 };
 
-/// The name for a daemon that serves at `address`, or whose scene is `address`: "hapticd/" and the
-/// port, or the path of a UNIX socket.
+/// The name for a daemon that serves at `address`, or whose scene is `address`: "hapticd/" and
+/// that, or the path of a UNIX socket. Two daemons may have one port, at two addresses of a host.
 [[nodiscard]] std::string control_name(const std::string& address);
 
 /// The text as a command; a sentence for people if it is none.

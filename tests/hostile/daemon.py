@@ -215,7 +215,7 @@ def local_stop(daemon):
     began = time.monotonic()
     with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as control_socket:
         control_socket.settimeout(2.0)
-        control_socket.connect(f"\0hapticd/{daemon.port}")
+        control_socket.connect(f"\0hapticd/127.0.0.1:{daemon.port}")
         control_socket.send(b"stop spare\nrow")
         words = control_socket.recv(512)
     seconds = time.monotonic() - began

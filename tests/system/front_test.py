@@ -32,6 +32,18 @@ from haptic.v1.haptic_service_pb2_grpc import HapticServiceStub
 HAPTICD, HAPTICCTL, HOSTILE, CLIENT = (str(pathlib.Path(p).resolve()) for p in sys.argv[1:5])
 SCENES = pathlib.Path(sys.argv[5])
 PATIENCE_S = 60.0  # of a busy machine; tests/hostile judges the times
+STRANGER = """
+import socket, sys
+with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as held:
+    held.bind("\\0" + sys.argv[1])
+    held.listen()
+    print("held", flush=True)
+    while True:
+        caller = held.accept()[0]
+        caller.recv(512)
+        caller.send(b"ok\\nfinger")
+"""
+ENDED_S = 5.0  # after SIGTERM, whatever happens
 NOTICED_S = 1.5  # a front that hangs is not replaced before
 
 
@@ -60,8 +72,8 @@ def children(pid: int) -> dict[int, str]:
 
 class Hapticd:
     def __init__(self, folder: pathlib.Path, *arguments: str, scene: str = "finger_constant",
-                 **environment: str) -> None:
-        self.log = folder / "log"
+                 log: str = "log", **environment: str) -> None:
+        self.log = folder / log
         with open(self.log, "w", encoding="utf-8") as log:
             self.process = subprocess.Popen(
                 [HAPTICD, "--scene", str(SCENES / f"{scene}.textproto"),
@@ -259,6 +271,36 @@ class Fronts(unittest.TestCase):
             connection.emergency_stop()
             self.assertEqual(connection.clear_fault(), [7])
 
+    def test_one_port_two_daemons_two_sockets(self) -> None:
+        daemon = self.hapticd()
+        address = daemon.address()
+        other = Hapticd(self.folder, "--listen", address.replace("0.0.1", "0.0.2"), log="other")
+        self.addCleanup(other.process.wait)
+        self.addCleanup(other.process.kill)
+        self.assertEqual(other.ctl("estop"), (0, "stopped: finger\n"))
+        self.assertIn("local emergency stop", other.text())
+        self.assertNotIn("local emergency stop", daemon.text())
+
+    @unittest.skipIf(os.geteuid() != 0, "a socket of another user: needs root")
+    def test_a_strangers_socket_is_not_believed(self) -> None:
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            address = f"127.0.0.1:{free.getsockname()[1]}"
+        stranger = subprocess.Popen(
+            [sys.executable, "-c", STRANGER, "hapticd/" + address], user=65534,
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        self.addCleanup(stranger.wait)
+        self.addCleanup(stranger.kill)
+        assert stranger.stdout is not None
+        self.addCleanup(stranger.stdout.close)
+        stranger.stdout.readline()
+        daemon = self.hapticd("--listen", address)
+        daemon.address()
+        status, words = daemon.ctl("estop", address=address)
+        self.assertEqual((status, "belongs to user 65534" in words), (0, True), words)
+        self.assertIn("stopped: finger", words)
+        self.assertNotIn("local emergency stop", daemon.text())
+
     def test_an_offline_scene_has_no_front(self) -> None:
         daemon = Hapticd(self.folder, scene="fragments/offline")
         self.addCleanup(daemon.process.wait)
@@ -287,6 +329,29 @@ class Fronts(unittest.TestCase):
             daemon = self.hapticd(HAPTICD_FRONT=program, HOSTILE="layout")
             self.assertEqual(daemon.process.wait(PATIENCE_S), 1)
             self.assertIn(words, daemon.text())
+
+    def test_a_start_that_hangs_ends(self) -> None:
+        for mode in ("silent", "unbound"):
+            daemon, _ = self.hostile(mode)
+            daemon.until_said("real-time grade")
+            until("a front", lambda: daemon.front() != 0)
+            began = time.monotonic()
+            self.assertEqual(daemon.stop(), 0, daemon.text())
+            self.assertLess(time.monotonic() - began, ENDED_S)
+            self.assertNotIn("INIT -> IDLE", daemon.text())
+
+    def test_a_large_scene_ends_while_it_loads(self) -> None:
+        replayed = self.folder / "long.csv"
+        with open(replayed, "w", encoding="utf-8") as file:
+            file.write("time_s,q_o1_mcp_rad,q_o2_pip_rad\n")
+            file.writelines(f"{0.001 * i:.3f},0.2,0.3\n" for i in range(8_000_000))
+        daemon = self.hapticd("--set", f'device[0].replay.file="{replayed}"',
+                              scene="finger_replay")
+        daemon.until_said("real-time grade")
+        time.sleep(0.3)
+        began = time.monotonic()
+        self.assertEqual(daemon.stop(), 0, daemon.text())
+        self.assertLess(time.monotonic() - began, ENDED_S)
 
     def test_nothing_is_open_to_a_confined_front(self) -> None:
         daemon, name = self.hostile("confined")

@@ -8,6 +8,7 @@
 //   stop      keeps the queue of requests full, and raises the stop that goes ahead of it
 //   layout    names another layout
 //   silent    says nothing
+//   unbound   is told to bind, and never serves
 //   mute      serves, and gives no sign of life
 
 #include <fcntl.h>
@@ -187,6 +188,7 @@ int main(int argc, char** argv) {
   send(kLink, of(FrontMessage::Kind::kReady));
   std::vector<Descriptor> kept = std::move(link.descriptors);
   static_cast<void>(link.hear());  // Go
+  if (mode == "unbound") pause();
   link.descriptors = std::move(kept);
   send(kLink, of(FrontMessage::Kind::kServing, address));
   if (mode == "confined") {

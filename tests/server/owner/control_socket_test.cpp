@@ -72,8 +72,9 @@ TEST(ControlCommand, SecondLineSaysMore) {
 }
 
 TEST(ControlName, FollowsTheFirstAddress) {
-  EXPECT_EQ(control_name("127.0.0.1:29470"), "hapticd/29470");
-  EXPECT_EQ(control_name("[::1]:5"), "hapticd/5");
+  EXPECT_EQ(control_name("127.0.0.1:29470"), "hapticd/127.0.0.1:29470");
+  EXPECT_EQ(control_name("127.0.0.2:29470"), "hapticd/127.0.0.2:29470");
+  EXPECT_EQ(control_name("offline"), "hapticd/offline");
   EXPECT_EQ(control_name("unix:/run/hapticd/s"), "hapticd/run/hapticd/s");
 }
 

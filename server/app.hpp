@@ -44,6 +44,8 @@ class FrontRunner {
   virtual void start() = 0;
   /// Ends streams and calls. Idempotent.
   virtual void stop() = 0;
+  /// The loop's thread, just before each tick: neither waits nor allocates.
+  virtual void before_tick() noexcept {}
   /// A new one takes its place.
   virtual void restart() {}
   /// As bound, ports filled in.

@@ -32,6 +32,7 @@ class Process final : public FrontRunner {
                app.tick_metrics(), app.realtime().facts.sched_fifo, std::move(lost)}) {}
   void start() override { link_.start(); }
   void stop() override { link_.stop(); }
+  void before_tick() noexcept override { link_.before_tick(); }
   void restart() override { link_.restart_front(); }
   [[nodiscard]] std::vector<std::string> addresses() const override { return link_.addresses(); }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/base/figures.hpp"
+#include "server/ingress/refused.hpp"
 
 namespace haptic::server {
 namespace {
@@ -55,7 +55,7 @@ Ingress::Ingress(core::Mailbox<core::ProxySnapshot>& mailbox, int n_x)
 
 void Ingress::begin_lease(std::uint32_t epoch, double nominal_rate_hz, core::Duration hold_end,
                           std::uint32_t tenure) {
-  last_refusal_.clear();
+  last_refusal_ = {};
   open_ = true;
   epoch_ = epoch;
   hold_end_ = hold_end;
@@ -79,80 +79,82 @@ void Ingress::end_lease() {
 Verdict Ingress::accept(const ProxySample& sample) {
   Verdict verdict = check(sample);
   if (verdict.used()) {
-    last_refusal_.clear();
+    last_refusal_ = {};
     const BacklogRule::Answer age = backlog_.step(sample.arrival);
     store(sample, age);
     if (age.backlog) verdict.verdict = IngressVerdict::kBacklog;
   } else if (open_ && sample.epoch == epoch_) {
-    last_refusal_ = verdict.why.str();
+    last_refusal_ = verdict.why;
   }
   ++counters_.count[static_cast<std::size_t>(verdict.verdict)];
   return verdict;
 }
 
 Verdict Ingress::check(const ProxySample& sample) const {
-  if (!open_ || sample.epoch != epoch_) {
-    return {IngressVerdict::kOldEpoch,
-            "lease epoch " + std::to_string(sample.epoch) +
-                (open_ ? ": the lease is at epoch " + std::to_string(epoch_)
-                       : ": no session holds the lease")};
+  if (!open_) {
+    return refused(IngressVerdict::kOldEpoch, "lease epoch {}: no session holds the lease",
+                   sample.epoch);
+  }
+  if (sample.epoch != epoch_) {
+    return refused(IngressVerdict::kOldEpoch, "lease epoch {}: the lease is at epoch {}",
+                   sample.epoch, epoch_);
   }
   if (sample.mode == core::ProxyMode::kNone) {
-    return {IngressVerdict::kUnknownMode, "mode: must be HELD, FREE or PLANES"};
+    return refused(IngressVerdict::kUnknownMode, "mode: must be HELD, FREE or PLANES");
   }
   const bool may_be_empty = sample.mode == core::ProxyMode::kFree;
   if (sample.position.count != n_x_ && !(may_be_empty && sample.position.count == 0)) {
-    return {IngressVerdict::kWrongSize, "position has " + std::to_string(sample.position.count) +
-                                            " values: must have " + std::to_string(n_x_) +
-                                            ", one per virtual coordinate"};
+    return refused(IngressVerdict::kWrongSize,
+                   "position has {} values: must have {}, one per virtual coordinate",
+                   sample.position.count, n_x_);
   }
   for (std::size_t i = 0; i < sample.position.count; ++i) {
     const double value = sample.position.value[i];
     if (!std::isfinite(value)) {
-      return {IngressVerdict::kNotFinite, entry("position", i, value) + ": must be finite"};
+      return refused(IngressVerdict::kNotFinite, "position[{}] = {:.6g}: must be finite", i, value);
     }
     if (std::abs(value) > kLargestCoordinate) {
-      return {IngressVerdict::kOutOfBounds,
-              entry("position", i, value) + ": must lie within +-1000"};
+      return refused(IngressVerdict::kOutOfBounds, "position[{}] = {:.6g}: must lie within +-1000",
+                     i, value);
     }
   }
   if (sample.plane_count > 0) {
-    const std::string wrong = wrong_plane(sample);
-    if (!wrong.empty()) return {IngressVerdict::kBadPlane, wrong};
+    const Verdict planes = check_planes(sample);
+    if (!planes.used()) return planes;
   }
   if (sample.seq <= newest_.seq) {
-    return {IngressVerdict::kOldSequence, "seq = " + std::to_string(sample.seq) +
-                                              ": must be above " + std::to_string(newest_.seq)};
+    return refused(IngressVerdict::kOldSequence, "seq = {}: must be above {}", sample.seq,
+                   newest_.seq);
   }
   return {};
 }
 
-std::string Ingress::wrong_plane(const ProxySample& sample) const {
-  if (sample.mode != core::ProxyMode::kPlanes) return "planes: only in mode PLANES";
+Verdict Ingress::check_planes(const ProxySample& sample) const {
+  constexpr auto kBad = IngressVerdict::kBadPlane;
+  if (sample.mode != core::ProxyMode::kPlanes) return refused(kBad, "planes: only in mode PLANES");
   if (sample.plane_count > core::kMaxPlanes) {
-    return "planes has " + std::to_string(sample.plane_count) + " entries: at most " +
-           std::to_string(core::kMaxPlanes);
+    return refused(kBad, "planes has {} entries: at most {}", sample.plane_count, core::kMaxPlanes);
   }
   for (std::size_t p = 0; p < sample.plane_count; ++p) {
     const PlaneSample& plane = sample.planes[p];
-    const std::string name = "planes[" + std::to_string(p) + "].";
     if (plane.normal.count != n_x_) {
-      return name + "normal has " + std::to_string(plane.normal.count) + " values: must have " +
-             std::to_string(n_x_) + ", one per virtual coordinate";
+      return refused(kBad,
+                     "planes[{}].normal has {} values: must have {}, one per virtual coordinate", p,
+                     plane.normal.count, n_x_);
     }
     double largest = 0.0;
     for (std::size_t i = 0; i < n_x_; ++i) {
       const double value = plane.normal.value[i];
       if (!(std::abs(value) <= kLargestNormal)) {
-        return name + entry("normal", i, value) + ": must lie within +-1e6";
+        return refused(kBad, "planes[{}].normal[{}] = {:.6g}: must lie within +-1e6", p, i, value);
       }
       largest = std::max(largest, std::abs(value));
     }
     if (!(largest >= kSmallestNormal)) {
-      return name + "normal = " + figure(largest) + ": must have a direction";
+      return refused(kBad, "planes[{}].normal = {:.6g}: must have a direction", p, largest);
     }
     if (!(std::abs(plane.offset) <= kLargestOffset)) {
-      return name + "offset = " + figure(plane.offset) + ": must lie within +-1e9";
+      return refused(kBad, "planes[{}].offset = {:.6g}: must lie within +-1e9", p, plane.offset);
     }
   }
   return {};

@@ -20,7 +20,7 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
+#include <string_view>
 
 #include "haptic/core/tick/mailbox.hpp"
 #include "haptic/core/tick/tick_input.hpp"
@@ -71,9 +71,9 @@ class Ingress {
   /// No lease: everything is refused.
   void end_lease();
   /// Why the newest sample of this lease was refused; empty if it was not.
-  [[nodiscard]] const std::string& last_refusal() const noexcept { return last_refusal_; }
+  [[nodiscard]] std::string_view last_refusal() const noexcept { return last_refusal_; }
 
-  /// Subnormal coordinates become 0.
+  /// Subnormal coordinates become 0. Allocates nothing.
   Verdict accept(const ProxySample& sample);
 
   /// Since the server started.
@@ -91,11 +91,10 @@ class Ingress {
 
  private:
   [[nodiscard]] Verdict check(const ProxySample& sample) const;
-  /// The first thing that is wrong with the planes of a sample; empty: nothing.
-  [[nodiscard]] std::string wrong_plane(const ProxySample& sample) const;
+  [[nodiscard]] Verdict check_planes(const ProxySample& sample) const;
   void store(const ProxySample& sample, const BacklogRule::Answer& age);
 
-  std::string last_refusal_{};
+  decltype(Verdict::why) last_refusal_{};
   core::Mailbox<core::ProxySnapshot>& mailbox_;
   const std::uint32_t n_x_;
   core::ProxySnapshot newest_{};

@@ -61,8 +61,7 @@ FrontLink::FrontLink(Owner& owner, Config config)
                                              })),
       local_(owner, [this](auto kind, std::uint64_t reply_to) { of_front(kind, reply_to); }),
       wakes_(event_descriptor()),
-      proxies_(owner.devices().size()),
-      poses_(owner.devices().size()) {
+      intake_(owner, *publisher_) {
   owner_.connect(publisher_);
 }
 
@@ -128,11 +127,11 @@ void FrontLink::wait_for_news() {
 void FrontLink::turn() {
   wait_for_news();
   now_ = steady_now();
+  if (intake_.take()) static_cast<void>(eventfd_write(wakes_.get(), 1));
   for (const Place* place : {&current_, &next_}) {
     if (!*place) continue;
     FrontProcess& front = **place;
     front.hear();
-    take_samples(front);
     if (!take_messages(front)) end(front, wrong_);
     take_stops(front);
   }
@@ -250,6 +249,7 @@ void FrontLink::tell_to_go() {
 void FrontLink::leave(FrontProcess& front) {
   send(front.link.get(), OwnerMessage{OwnerMessage::Kind::kLeave});
   front.enter(Stage::kLeaving, now_);
+  choose_samples();
 }
 
 void FrontLink::end(FrontProcess& front, const std::string& why) {
@@ -259,6 +259,7 @@ void FrontLink::end(FrontProcess& front, const std::string& why) {
   }
   if (front.pid > 0) config_.launcher->kill(front.pid);
   front.enter(Stage::kKilled, now_);
+  choose_samples();
   front.link = Descriptor();
 }
 
@@ -275,6 +276,7 @@ void FrontLink::clear_away(Place& place) {
     counted_[i] += place->pages.counters[i].load(std::memory_order_relaxed);
   }
   publisher_->counted(counted_);
+  choose_samples();
   place.reset();
   if (was_current) {
     owner_.front_gone();

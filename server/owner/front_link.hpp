@@ -14,11 +14,11 @@
 #include <vector>
 
 #include "server/crossing/link_messages.hpp"
-#include "server/owner/from_front.hpp"
 #include "server/owner/front_process.hpp"
 #include "server/owner/launcher.hpp"
 #include "server/owner/local_commands.hpp"
 #include "server/owner/publisher.hpp"
+#include "server/owner/sample_intake.hpp"
 #include "server/owner/tick_metrics.hpp"
 
 namespace haptic::server {
@@ -58,6 +58,8 @@ class FrontLink {
   void stop();
   /// Replaces the front, as `hapticctl restart-front` does. Any thread.
   void restart_front();
+  /// The loop's thread, just before each tick (SampleIntake).
+  void before_tick() noexcept { intake_.take_for_tick(); }
   /// Where the newest front serves.
   [[nodiscard]] std::vector<std::string> addresses() const;
 
@@ -74,7 +76,7 @@ class FrontLink {
   [[nodiscard]] bool take_messages(FrontProcess& front);
   [[nodiscard]] bool take(FrontProcess& front, FrontMessage& message);
   void post(const FrontProcess& front, Request& request);
-  void take_samples(FrontProcess& front);
+  void choose_samples();
   void take_stops(FrontProcess& front);
   [[nodiscard]] bool serves_now(FrontProcess& front, const std::string& addresses);
   void publish_facts();
@@ -95,7 +97,8 @@ class FrontLink {
   SharedMemory scene_, devices_;
   std::shared_ptr<Publisher> publisher_;
   LocalCommands local_;
-  Descriptor wakes_;  ///< this thread, for local answers, restart_front() and stop()
+  Descriptor wakes_;  ///< the link's thread, for local answers, restart_front() and stop()
+  SampleIntake intake_;
 
   // The link's thread.
   core::TimePoint now_{};
@@ -109,7 +112,6 @@ class FrontLink {
   core::TimePoint facts_due_{};
   std::uint64_t served_{0};
   std::string wrong_{};
-  std::vector<ArrivalOrder> proxies_, poses_;  ///< per device
   std::uint64_t restart_reply_{0};
   FrontCounters counted_{};  ///< by the fronts before
   bool told_lost_{false};

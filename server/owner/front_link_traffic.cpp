@@ -18,7 +18,6 @@ using namespace std::chrono_literals;
 
 /// Of one kind in one turn: the other front, the control socket and the clock come between.
 constexpr int kMessagesPerTurn = 64;
-constexpr int kSamplesPerTurn = 128;
 
 /// Resident memory of this process, bytes; proc(5), statm: pages, the second number.
 std::uint64_t resident_bytes() {
@@ -125,6 +124,7 @@ bool FrontLink::serves_now(FrontProcess& front, const std::string& addresses) {
     addresses_ = std::move(each);
   }
   front.enter(Stage::kServing, now_);
+  choose_samples();
   front.served_since = now_;
   ++served_;
   facts_due_ = now_;
@@ -152,28 +152,10 @@ void FrontLink::take_stops(FrontProcess& front) {
   }
 }
 
-void FrontLink::take_samples(FrontProcess& front) {
-  if (front.stage != Stage::kServing) return;
-  const std::size_t devices = owner_.devices().size();
-  const core::TimePoint now = steady_now();
-  int left = kSamplesPerTurn;
-  bool judged = false;
-  ProxySample sample;
-  for (; left > 0 && front.pages.proxies.take(front.proxies, sample); --left) {
-    if (sample.device >= devices) continue;
-    make_harmless(sample, proxies_[sample.device].in_order(sample.arrival, now));
-    publisher_->judged({sample.ticket, sample.seq, sample.carrier, owner_.accept(sample)});
-    judged = true;
-  }
-  PoseSample pose;
-  for (; left > 0 && front.pages.poses.take(front.poses, pose); --left) {
-    if (pose.device >= devices) continue;
-    make_harmless(pose, poses_[pose.device].in_order(pose.arrival, now));
-    publisher_->judged({pose.ticket, pose.seq, Carrier::kGrpc, owner_.accept(pose)});
-    judged = true;
-  }
-  if (judged) publisher_->ring();
-  if (left == 0) static_cast<void>(eventfd_write(wakes_.get(), 1));  // there may be more
+/// From now on the samples of the front that serves, if one does, are taken.
+void FrontLink::choose_samples() {
+  const bool serves = current_ && !current_->gone && current_->stage == Stage::kServing;
+  intake_.serve(serves ? &current_->pages : nullptr);
 }
 
 void FrontLink::publish_facts() {

@@ -48,9 +48,7 @@ struct FrontProcess {
   core::TimePoint served_since{};  ///< TimePoint{}: it never did
   core::TimePoint beat_at{};
   std::uint64_t beats{0};
-  bool gone{false};  ///< the process has ended
-  Inbox<ProxySample, 256>::Cursor proxies{};
-  Inbox<PoseSample, 64>::Cursor poses{};
+  bool gone{false};                    ///< the process has ended
   bool queued{false};                  ///< more messages wait than one turn takes
   std::vector<std::uint32_t> stops{};  ///< of FrontsPages::stops, as far as they were obeyed
 };

@@ -33,9 +33,14 @@ class Owner final : public OwnerPort {
   void loop_ended();
   /// The front's process is gone, and with it every stream: what can be resumed may be.
   void front_gone();
-  /// post() with the verdict at once, for a caller that passes it on itself.
-  [[nodiscard]] Verdict accept(const ProxySample& sample);
-  [[nodiscard]] Verdict accept(const PoseSample& pose);
+  /// The owner's lock, for a caller that posts several samples and passes on the verdicts itself.
+  using Turn = std::unique_lock<std::mutex>;
+  [[nodiscard]] Turn turn() { return Turn(mutex_); }
+  /// Without waiting: it may be another thread's turn.
+  [[nodiscard]] Turn turn_if_free() noexcept { return {mutex_, std::try_to_lock}; }
+  /// post() with the verdict at once, in the caller's turn. Allocates nothing.
+  [[nodiscard]] Verdict accept(const ProxySample& sample, const Turn& turn);
+  [[nodiscard]] Verdict accept(const PoseSample& pose, const Turn& turn);
 
   [[nodiscard]] const std::vector<DeviceFacts>& devices() const noexcept override { return facts_; }
   void post(const Request& request) override;

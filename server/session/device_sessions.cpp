@@ -185,7 +185,7 @@ void DeviceSessions::step(const core::TickRecord& record) {
     if (!refusal || !(refusal->reason == "STREAM_STALE") || ingress_.last_refusal().empty())
       continue;
     refusal->message =
-        refusal->message.str() + "; a sample was refused: " + ingress_.last_refusal();
+        refusal->message.str() + "; a sample was refused: " + std::string(ingress_.last_refusal());
   }
   post_next_clear();
 }

@@ -5,6 +5,7 @@
 
 #include "haptic/core/model/rigid_pose.hpp"
 #include "server/base/figures.hpp"
+#include "server/ingress/refused.hpp"
 #include "server/session/settings_policy.hpp"
 
 namespace haptic::server {
@@ -14,15 +15,15 @@ Verdict check_orientation(const std::array<double, 4>& orientation) {
   double squares = 0.0;
   for (std::size_t i = 0; i < orientation.size(); ++i) {
     if (!std::isfinite(orientation[i])) {
-      return {IngressVerdict::kNotFinite,
-              entry("orientation", i, orientation[i]) + ": must be finite"};
+      return refused(IngressVerdict::kNotFinite, "orientation[{}] = {:.6g}: must be finite", i,
+                     orientation[i]);
     }
     squares += orientation[i] * orientation[i];
   }
   const double norm = std::sqrt(squares);
   if (std::abs(norm - 1.0) <= DeviceTracker::kNormTolerance) return {};
-  return {IngressVerdict::kOutOfBounds,
-          "orientation has norm " + figure(norm) + ": must be a unit quaternion, within 0.01 of 1"};
+  return refused(IngressVerdict::kOutOfBounds,
+                 "orientation has norm {:.6g}: must be a unit quaternion, within 0.01 of 1", norm);
 }
 
 }  // namespace
@@ -76,8 +77,8 @@ ClientName DeviceTracker::client_name() const {
 
 Verdict DeviceTracker::accept(const PoseSample& pose) {
   if (session_id_.empty() || !(session_id_ == pose.session_id)) {
-    return {IngressVerdict::kOldEpoch,
-            "this session does not track the palm any more: its poses are not used"};
+    return refused(IngressVerdict::kOldEpoch,
+                   "this session does not track the palm any more: its poses are not used");
   }
   Verdict verdict = check(pose);
   if (!verdict.used()) return verdict;
@@ -102,29 +103,27 @@ Verdict DeviceTracker::accept(const PoseSample& pose) {
 
 Verdict DeviceTracker::check(const PoseSample& pose) const {
   if (pose.position.count != 3) {
-    return {IngressVerdict::kWrongSize, "position has " + std::to_string(pose.position.count) +
-                                            " values: must have 3, x, y, z in m"};
+    return refused(IngressVerdict::kWrongSize, "position has {} values: must have 3, x, y, z in m",
+                   pose.position.count);
   }
   if (pose.orientation.count != 4) {
-    return {IngressVerdict::kWrongSize, "orientation has " +
-                                            std::to_string(pose.orientation.count) +
-                                            " values: must have 4, x, y, z, w"};
+    return refused(IngressVerdict::kWrongSize, "orientation has {} values: must have 4, x, y, z, w",
+                   pose.orientation.count);
   }
   for (std::size_t i = 0; i < 3; ++i) {
     const double value = pose.position.value[i];
     if (!std::isfinite(value)) {
-      return {IngressVerdict::kNotFinite, entry("position", i, value) + ": must be finite"};
+      return refused(IngressVerdict::kNotFinite, "position[{}] = {:.6g}: must be finite", i, value);
     }
     if (value >= lower_[i] && value <= upper_[i]) continue;
-    return {IngressVerdict::kOutOfBounds, entry("position", i, value) + ": must lie within " +
-                                              figure(lower_[i]) + " to " + figure(upper_[i]) +
-                                              " m"};
+    return refused(IngressVerdict::kOutOfBounds,
+                   "position[{}] = {:.6g}: must lie within {:.6g} to {:.6g} m", i, value, lower_[i],
+                   upper_[i]);
   }
   const Verdict turn = check_orientation(pose.orientation.value);
   if (!turn.used()) return turn;
   if (pose.seq <= seq_) {
-    return {IngressVerdict::kOldSequence,
-            "seq = " + std::to_string(pose.seq) + ": must be above " + std::to_string(seq_)};
+    return refused(IngressVerdict::kOldSequence, "seq = {}: must be above {}", pose.seq, seq_);
   }
   return {};
 }

@@ -116,7 +116,7 @@ class InProcess final : public Way {
                                .arrival = server.now(),
                                .mode = core::ProxyMode::kHeld,
                                .position = {x.data(), x.size()}};
-    static_cast<void>(server.owner().accept(sample));
+    static_cast<void>(server.owner().accept(sample, server.owner().turn()));
   }
   void ask_for_force(Server& server) override {
     server.front().engage(

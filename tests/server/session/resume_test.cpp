@@ -349,7 +349,7 @@ TEST_F(ResumeTest, StatesCarrierIsTheUsedSamples) {
                              .carrier = server::Carrier::kUdp,
                              .position = {0.01, 0.0}};
   const core::TickRecord before = rig.newest();
-  ASSERT_EQ(rig.owner->accept(sample).verdict, IngressVerdict::kAccepted);
+  ASSERT_EQ(rig.owner->accept(sample, rig.owner->turn()).verdict, IngressVerdict::kAccepted);
   // The newest sample came by UDP; the record's tick used the one before it.
   EXPECT_EQ(rig.sessions->status().carrier, server::Carrier::kUdp);
   EXPECT_EQ(rig.sessions->state_of(before).carrier, server::Carrier::kGrpc);

@@ -94,7 +94,7 @@ class DeviceRig {
                                .arrival = now,
                                .mode = core::ProxyMode::kHeld,
                                .position = {a, b}};
-    return owner->accept(sample).verdict;
+    return owner->accept(sample, owner->turn()).verdict;
   }
 
   /// One sample per tick.

@@ -1,0 +1,51 @@
+#pragma once
+/// Samples on their way from the memory that a front shares to their device's session. Two threads
+/// take them: the loop's just before a tick, so that no sample waits for a thread to wake up, and
+/// the front link's, which also takes what the loop left and tells the front what came of each.
+
+#include <vector>
+
+#include "server/crossing/shared_layout.hpp"
+#include "server/owner/from_front.hpp"
+#include "server/owner/owner.hpp"
+#include "server/owner/publisher.hpp"
+
+namespace haptic::server {
+
+class SampleIntake {
+ public:
+  /// What the loop takes before one tick, of all devices together.
+  static constexpr int kPerTick = 4;
+  /// What the front link takes in one turn: the owner's lock is free between two turns.
+  static constexpr int kPerTurn = 32;
+
+  /// Both must outlive this.
+  SampleIntake(Owner& owner, Publisher& publisher);
+
+  /// The samples of the front whose pages these are, and no other front's; null: of none.
+  void serve(const FrontsPages* pages);
+  /// The front link's thread. True: there may be more.
+  [[nodiscard]] bool take();
+  /// The loop's thread: the oldest kPerTick, in order. Waits for no lock, allocates nothing, wakes no
+  /// thread. If another thread holds the owner's lock, or more samples wait, they are the front
+  /// link's.
+  void take_for_tick() noexcept;
+
+ private:
+  /// At most `most`; the answer: how many.
+  int take(int most, const Owner::Turn& turn);
+
+  Owner& owner_;
+  Publisher& publisher_;
+
+  // Behind the owner's lock.
+  const FrontsPages* pages_{nullptr};
+  Inbox<ProxySample, 256>::Cursor proxies_{};
+  Inbox<PoseSample, 64>::Cursor poses_{};
+  std::vector<ArrivalOrder> proxy_arrivals_, pose_arrivals_;  ///< per device
+  std::uint64_t judged_{0};
+
+  std::uint64_t told_{0};  ///< the front link's: of judged_
+};
+
+}  // namespace haptic::server

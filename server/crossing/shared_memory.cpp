@@ -28,6 +28,9 @@ SharedMemory::SharedMemory(const char* name, std::size_t bytes, Access of_the_ot
     fail("cannot be made");
   }
   map(Access::kReadAndWrite);
+  // Every page now: no write waits for one later, and this process does not grow by use. Memory
+  // that is locked as it is touched ignores MAP_POPULATE.
+  std::memset(data_, 0, bytes_);
   // F_SEAL_FUTURE_WRITE spares the mapping that exists already: this process's own.
   const int seals = of_the_other == Access::kRead ? kFixedSize | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL
                                                   : kFixedSize | F_SEAL_SEAL;

@@ -14,7 +14,7 @@ class SharedMemory {
   enum class Access { kRead, kReadAndWrite };
 
   SharedMemory() = default;
-  /// New memory, zeroed and writable here, whose size is fixed. kRead: nobody else can ever map it
+  /// New memory, zeroed, in place and writable here, whose size is fixed. kRead: nobody else can ever map it
   /// writable, not even with this descriptor.
   SharedMemory(const char* name, std::size_t bytes, Access of_the_other);
   /// Memory that the other process made; refused if it is not of this size or could still shrink,

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstring>
@@ -45,6 +46,14 @@ TEST(SharedMemory, ItsSizeIsFixed) {
   EXPECT_EQ(ftruncate(memory.descriptor(), 0), -1);
   EXPECT_EQ(ftruncate(memory.descriptor(), 1 << 20), -1);
   EXPECT_THROW(SharedMemory(copy_of(memory), 8192, Access::kRead), TransportError);
+}
+
+TEST(SharedMemory, NewMemoryIsInPlace) {
+  constexpr std::size_t kPages = 16;
+  const SharedMemory memory("test", kPages * 4096, Access::kRead);
+  struct stat status {};
+  ASSERT_EQ(fstat(memory.descriptor(), &status), 0);
+  EXPECT_EQ(512 * status.st_blocks, static_cast<blkcnt_t>(kPages * 4096));
 }
 
 TEST(SharedMemory, MemoryThatCouldShrinkIsRefused) {

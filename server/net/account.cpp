@@ -11,6 +11,7 @@ namespace haptic::server {
 Traffic traffic_of(int socket, const Account& account) {
   Traffic now;
   now.understood = account.understood();
+  now.messages = account.messages();
   tcp_info info{};
   socklen_t size = sizeof info;
   int unread = 0;

@@ -16,7 +16,10 @@ namespace haptic::server {
 class Account {
  public:
   /// A message of so many bytes, with what HTTP/2 and gRPC put around it.
-  void message(std::size_t bytes) noexcept { add(bytes + kFrame); }
+  void message(std::size_t bytes) noexcept {
+    add(bytes + kFrame);
+    messages_.fetch_add(bytes + kFrame, std::memory_order_relaxed);
+  }
   /// A call, with its headers in full and a request of so many bytes.
   void call(std::size_t bytes) noexcept { add(bytes + kHeaders); }
   /// A call began that lives until the service has ended it, whether or not its peer took it back.
@@ -30,6 +33,10 @@ class Account {
   [[nodiscard]] std::uint64_t understood() const noexcept {
     return understood_.load(std::memory_order_relaxed);
   }
+  /// The part of it that was messages of streams.
+  [[nodiscard]] std::uint64_t messages() const noexcept {
+    return messages_.load(std::memory_order_relaxed);
+  }
   /// What is lost if it is cut: 2 a session, 1 a peer that made a call, 0 nothing so far.
   [[nodiscard]] int worth() const noexcept {
     if (sessions_.load(std::memory_order_relaxed) > 0) return 2;
@@ -41,7 +48,7 @@ class Account {
   static constexpr std::size_t kHeaders = 512;  ///< gRPC's own clients send 200 to 400
   void add(std::size_t bytes) noexcept { understood_.fetch_add(bytes, std::memory_order_relaxed); }
 
-  std::atomic<std::uint64_t> understood_{0};
+  std::atomic<std::uint64_t> understood_{0}, messages_{0};
   std::atomic<unsigned> calls_{0};
   std::atomic<int> sessions_{0};
 };
@@ -65,7 +72,8 @@ class BookedCall {
 
 /// Totals of a connection since its beginning.
 struct Traffic {
-  std::uint64_t understood{0};    ///< Account::understood(), read before the two others
+  std::uint64_t understood{0};    ///< Account::understood(), read before what follows
+  std::uint64_t messages{0};      ///< Account::messages()
   std::uint64_t received{0};      ///< by gRPC: what waits in the kernel costs nothing yet
   std::uint64_t unread{0};        ///< written for the peer, and not acknowledged yet
   std::uint64_t acknowledged{0};  ///< sent to the peer, and arrived there
@@ -90,6 +98,25 @@ class Unread {
   core::TimePoint stuck_{};
 };
 
+/// What a connection did lately that can have cost memory: every byte but messages of streams may
+/// have begun a call, of which gRPC keeps a thousand times as much until it is over. One thread.
+class Suspicion {
+ public:
+  /// `since`: s since the last time.
+  void book(const Traffic& now, double since) noexcept {
+    const std::uint64_t other = now.received - std::min(now.received, now.messages);
+    bytes_ =
+        bytes_ * std::max(0.0, 1.0 - since) + static_cast<double>(other - std::min(other, last_));
+    last_ = std::max(last_, other);
+  }
+  /// Bytes within a second or so.
+  [[nodiscard]] double bytes() const noexcept { return bytes_; }
+
+ private:
+  std::uint64_t last_{0};
+  double bytes_{0.0};
+};
+
 /// Of a TCP connection, as the kernel counts it.
 [[nodiscard]] Traffic traffic_of(int socket, const Account& account);
 
@@ -111,10 +138,6 @@ class Debt {
     bytes_ = std::max(0.0, bytes_ + grown(last_.received, now.received) - paid);
   }
   [[nodiscard]] double bytes() const noexcept { return bytes_; }
-  /// Everything that was never understood, since the beginning.
-  [[nodiscard]] std::uint64_t unexplained() const noexcept {
-    return last_.received > last_.understood ? last_.received - last_.understood : 0;
-  }
 
  private:
   Traffic last_{};

@@ -13,6 +13,7 @@ struct Connections::Connection {
   PeerName peer{};
   std::shared_ptr<Account> account{std::make_shared<Account>()};
   Debt debt{};
+  Suspicion suspicion{};
   Unread unread{};
   bool over{false};
 };

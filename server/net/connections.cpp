@@ -1,11 +1,13 @@
 #include "server/net/connections.hpp"
 
 #include <fcntl.h>
+#include <linux/sockios.h>
 #include <linux/tcp.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -43,6 +45,20 @@ Descriptor copy_of(const Descriptor& descriptor) {
 
 Descriptor open_spare() {
   return Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+}
+
+/// A client waits for the server's first words before it sends as much.
+constexpr int kEarly = 16 * 1024;
+
+/// More waits than an honest peer sends before it was accepted, or before it left.
+bool flooded(const Descriptor& socket) {
+  int waiting = 0;
+  return ioctl(socket.get(), SIOCINQ, &waiting) == 0 && waiting > kEarly;
+}
+
+/// What waits in the kernel would still be read.
+void drain(const Descriptor& socket) {
+  while (recv(socket.get(), nullptr, 1 << 20, MSG_TRUNC | MSG_DONTWAIT) > 0) continue;
 }
 
 }  // namespace
@@ -100,7 +116,8 @@ void Connections::run() noexcept {
     wait.assign(1, {wakes_.get(), POLLIN, 0});
     const bool closing = cut_at_.load() != 0;
     if (closing) listeners_.reset();
-    const bool accepts = steady_now() >= accepts_at_;
+    const core::TimePoint before = steady_now();
+    const bool accepts = before >= accepts_at_ && !(full_ && before < shut_until_);
     if (listeners_ && accepts) {
       for (const auto& each : listeners_->sockets()) {
         wait.push_back({each.descriptor.get(), POLLIN, 0});
@@ -148,6 +165,10 @@ void Connections::admit(std::size_t address, Descriptor socket) {
   auto connection = std::make_unique<Connection>();
   connection->peer = peer_name(socket.get());
   if (connection->peer.owner.empty()) return;
+  if (flooded(socket)) {
+    cut_.fetch_add(1);
+    return;
+  }
   if (!connection->peer.grpc.empty()) {
     const int on = 1;
     setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
@@ -200,7 +221,9 @@ void Connections::forget_closed() {
   for (const auto& each : open_) ended.push_back({each->socket.get(), 0, 0});
   poll(ended.data(), ended.size(), 0);
   for (std::size_t i = 0; i < open_.size(); ++i) {
-    if ((ended[i].revents & (POLLHUP | POLLERR | POLLNVAL)) != 0) open_[i]->over = true;
+    if ((ended[i].revents & (POLLHUP | POLLERR | POLLNVAL)) == 0 || open_[i]->over) continue;
+    open_[i]->over = true;
+    if (!open_[i]->peer.grpc.empty() && flooded(open_[i]->socket)) drain(open_[i]->socket);
   }
   const std::lock_guard lock(mutex_);
   std::erase_if(open_, [](const auto& each) { return each->over; });
@@ -216,13 +239,14 @@ void Connections::look_after(core::TimePoint now) {
     if (each->peer.grpc.empty()) continue;
     const Traffic traffic = traffic_of(each->socket.get(), *each->account);
     each->debt.book(traffic, forgiven);
+    each->suspicion.book(traffic, since);
     // A session's samples may come in while nothing gets out: that is its network's fault.
     if (each->unread.book(traffic, now) && each->account->worth() < 2) {
       offends(*each, "asks and does not read");
       continue;
     }
     if (each->account->calls() > limits_.calls) {
-      offends(*each, "began calls and took them back");
+      offends(*each, "began too many calls");
       continue;
     }
     if (each->debt.bytes() > static_cast<double>(limits_.debt)) {
@@ -235,7 +259,7 @@ void Connections::look_after(core::TimePoint now) {
   if (sum > static_cast<double>(limits_.debt_of_all)) {
     offends(*largest, "sent most of the bytes that mean nothing");
   }
-  hurry_ = sum > kHurryAbove;
+  hurry_ = sum > kHurryAbove || full_;
   look_at_memory(now);
 }
 
@@ -247,10 +271,8 @@ void Connections::offends(Connection& connection, const char* why) {
 
 void Connections::cut(Connection& connection, const char* why) {
   if (connection.over) return;
-  const int socket = connection.socket.get();
-  shutdown(socket, SHUT_RDWR);
-  // What waits in the kernel would still be read.
-  while (recv(socket, nullptr, 1 << 20, MSG_TRUNC | MSG_DONTWAIT) > 0) continue;
+  shutdown(connection.socket.get(), SHUT_RDWR);
+  drain(connection.socket);
   connection.over = true;
   trim_ = true;
   cut_.fetch_add(1);

@@ -10,9 +10,11 @@
 /// | connections in all       | the same, of the peer that has most                              |
 /// | bytes without a meaning  | the connection itself; in all: the one with most of them         |
 /// | calls that are not over  | the connection itself: its peer takes calls back and begins more |
+/// |                          | of them, or reads no answers                                     |
 /// | answers that are not read| the connection itself, unless it has a session                   |
-/// | memory that grows fast   | those with most bytes without a meaning                          |
-/// | memory in use            | the one with most of them since it began                         |
+/// | memory that grows fast,  | those that sent most lately, other than messages of streams; the |
+/// | or too much in use       | door is shut until it is given back, for 5 s at most             |
+/// | bytes before it is in    | the connection itself: more than 16 KB waited when it was let in |
 /// | nothing acknowledged 8 s | the connection itself, by the kernel                             |
 ///
 /// After a connection was cut for what its peer did, the door is shut for 100 ms.
@@ -42,10 +44,11 @@ struct ConnectionLimits {
   /// Bytes that came to nothing: more than the largest message, whose end is awaited.
   std::uint64_t debt{320 * 1024};
   std::uint64_t debt_of_all{512 * 1024};
-  unsigned calls{256};  ///< of a connection, those that its peer took back but gRPC has still
-  std::uint64_t forgiven_per_second{1024};     ///< pings, health checks
-  std::uint64_t growth{16ull * 1024 * 1024};   ///< of the process's resident memory, within 1 s
-  std::uint64_t memory{256ull * 1024 * 1024};  ///< of the process, as malloc counts it
+  unsigned calls{256};  ///< of a connection that gRPC has, taken back by the peer or not
+  std::uint64_t forgiven_per_second{1024};   ///< pings, health checks
+  std::uint64_t growth{8ull * 1024 * 1024};  ///< of the process's resident memory, within 1 s
+  /// Of the process, as malloc counts it. 256 connections, sessions and watches take 20 MB.
+  std::uint64_t memory{32ull * 1024 * 1024};
 };
 
 /// So many descriptors are kept for everything but connections.
@@ -98,6 +101,7 @@ class Connections {
   void look_after(core::TimePoint now);
   void look_at_memory(core::TimePoint now);
   [[nodiscard]] std::uint64_t resident() const;
+  void cut_suspects(core::TimePoint now);
   void cut(Connection& connection, const char* why);
   void offends(Connection& connection, const char* why);
   void stop();
@@ -114,10 +118,12 @@ class Connections {
   std::vector<std::unique_ptr<Connection>> open_{};  ///< the oldest first; changed by the thread
   const std::shared_ptr<Account> unread_{std::make_shared<Account>()};
   std::atomic<std::uint64_t> cut_{0};
-  core::TimePoint looked_{}, told_{}, memory_at_{}, accepts_at_{};
+  core::TimePoint looked_{}, told_{}, memory_at_{}, heap_at_{}, accepts_at_{};
   bool hurry_{false};               ///< a peer may be up to something
   bool trim_{false};                ///< a connection was cut since the heap was trimmed
   std::uint64_t resident_{0};       ///< a second ago, or less
+  bool full_{false};                ///< too much memory was in use: no one comes in, but not for
+  core::TimePoint shut_until_{};    ///< longer than this
   std::atomic<bool> asked_{false};  ///< to look now
   std::atomic<bool> stopping_{false};
   std::atomic<core::Duration::rep> cut_at_{0};  ///< since the clock's epoch; 0: not closing

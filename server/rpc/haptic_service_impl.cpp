@@ -22,8 +22,23 @@ using Unary = grpc::ServerUnaryReactor;
 
 constexpr std::size_t kLongestReason = 200;
 
-Unary* finished(grpc::CallbackServerContext* call, const grpc::Status& status) {
-  Unary* reactor = call->DefaultReactor();
+/// Lives until gRPC is done with the call, which is long after its end if the peer does not read.
+class BookedUnary final : public Unary {
+ public:
+  explicit BookedUnary(std::shared_ptr<Account> account) : booked_(std::move(account)) {}
+  void OnDone() override { delete this; }
+
+ private:
+  const BookedCall booked_;
+};
+
+Unary* booked(ServiceContext& context, const grpc::ServerContextBase& call) {
+  return new BookedUnary(context.account_of(call));
+}
+
+Unary* finished(ServiceContext& context, const grpc::ServerContextBase* call,
+                const grpc::Status& status) {
+  Unary* reactor = booked(context, *call);
   reactor->Finish(status);
   return reactor;
 }
@@ -84,7 +99,8 @@ Outcome<core::FaultSet> fault_set(const v1::ClearFaultRequest& request) {
 
 Unary* HapticServiceImpl::GetServerInfo(Call* call, const v1::GetServerInfoRequest* request,
                                         v1::GetServerInfoResponse* response) {
-  if (const auto status = oversized(context_, *call, *request)) return finished(call, *status);
+  if (const auto status = oversized(context_, *call, *request))
+    return finished(context_, call, *status);
   *response = to_proto(context_.server_facts());
   for (std::string& sentence : context_.weaknesses()) {
     response->add_insecure(std::move(sentence));
@@ -94,17 +110,18 @@ Unary* HapticServiceImpl::GetServerInfo(Call* call, const v1::GetServerInfoReque
   if (!context_.owner().devices().empty()) {
     set(*response->mutable_lease_timeout(), context_.facts(0).lease_timeout);
   }
-  return finished(call, grpc::Status::OK);
+  return finished(context_, call, grpc::Status::OK);
 }
 
 Unary* HapticServiceImpl::ListDevices(Call* call, const v1::ListDevicesRequest* request,
                                       v1::ListDevicesResponse* response) {
-  if (const auto status = oversized(context_, *call, *request)) return finished(call, *status);
+  if (const auto status = oversized(context_, *call, *request))
+    return finished(context_, call, *status);
   for (std::size_t i = 0; i < context_.owner().devices().size(); ++i) {
     *response->add_devices() =
         describe(context_.facts(i), context_.owner().status(i), context_.config.period);
   }
-  return finished(call, grpc::Status::OK);
+  return finished(context_, call, grpc::Status::OK);
 }
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* HapticServiceImpl::Session(
@@ -124,7 +141,7 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* HapticServiceImpl::Watch(Call* call,
 
 Unary* HapticServiceImpl::ask(Call* call, const Request& request,
                               std::function<void(const Answer&)> fill) {
-  Unary* reactor = call->DefaultReactor();
+  Unary* reactor = booked(context_, *call);
   const auto reply = std::make_shared<TickReply>(reactor);
   const std::uint64_t id =
       context_.ask(request, [reply, fill = std::move(fill)](const Answer& answer) {
@@ -139,22 +156,25 @@ Unary* HapticServiceImpl::ask(Call* call, const Request& request,
 
 Unary* HapticServiceImpl::Engage(Call* call, const v1::EngageRequest* request,
                                  v1::EngageResponse* /*response*/) {
-  if (const auto status = oversized(context_, *call, *request)) return finished(call, *status);
+  if (const auto status = oversized(context_, *call, *request))
+    return finished(context_, call, *status);
   return ask(call, by_session(Request::Kind::kEngage, request->session_id()));
 }
 
 Unary* HapticServiceImpl::Release(Call* call, const v1::ReleaseRequest* request,
                                   v1::ReleaseResponse* /*response*/) {
-  if (const auto status = oversized(context_, *call, *request)) return finished(call, *status);
+  if (const auto status = oversized(context_, *call, *request))
+    return finished(context_, call, *status);
   return ask(call, by_session(Request::Kind::kRelease, request->session_id()));
 }
 
 Unary* HapticServiceImpl::UpdateSettings(Call* call, const v1::UpdateSettingsRequest* message,
                                          v1::UpdateSettingsResponse* response) {
-  if (const auto status = oversized(context_, *call, *message)) return finished(call, *status);
+  if (const auto status = oversized(context_, *call, *message))
+    return finished(context_, call, *status);
   Request request = by_session(Request::Kind::kSettings, message->session_id());
   const auto settings = from_proto(*message);
-  if (!settings) return finished(call, to_status(settings.refusal));
+  if (!settings) return finished(context_, call, to_status(settings.refusal));
   request.settings = *settings.value;
   return ask(call, request, [asked = request.settings, response](const Answer& answer) {
     *response = to_proto(asked, answer.settings);
@@ -163,21 +183,22 @@ Unary* HapticServiceImpl::UpdateSettings(Call* call, const v1::UpdateSettingsReq
 
 Unary* HapticServiceImpl::GetLinkStats(Call* call, const v1::GetLinkStatsRequest* request,
                                        v1::GetLinkStatsResponse* response) {
-  if (const auto status = oversized(context_, *call, *request)) return finished(call, *status);
+  if (const auto status = oversized(context_, *call, *request))
+    return finished(context_, call, *status);
   if (!request->device().empty()) {
     const auto target = context_.device(request->device());
-    if (!target) return finished(call, to_status(target.refusal));
+    if (!target) return finished(context_, call, to_status(target.refusal));
   }
   context_.streams.for_each(
       [&](OpenStream& stream) { stream.report(request->device(), *response); });
   if (context_.udp) report_unassigned(*context_.udp, *response);
-  return finished(call, grpc::Status::OK);
+  return finished(context_, call, grpc::Status::OK);
 }
 
 Unary* HapticServiceImpl::EmergencyStop(Call* call, const grpc::ByteBuffer* request,
                                         grpc::ByteBuffer* response) {
   // Its caller took it back before it was whole: it names no device, and not all of them either.
-  if (!request->Valid()) return finished(call, grpc::Status::CANCELLED);
+  if (!request->Valid()) return finished(context_, call, grpc::Status::CANCELLED);
   context_.connections->account(call->peer())->call(request->Length());
   std::vector<std::size_t> devices(context_.owner().devices().size());
   std::iota(devices.begin(), devices.end(), std::size_t{0});
@@ -188,11 +209,11 @@ Unary* HapticServiceImpl::EmergencyStop(Call* call, const grpc::ByteBuffer* requ
     reason = sanitised(message.reason(), kLongestReason);
     if (!message.device().empty()) {
       const auto target = context_.device(message.device());
-      if (!target) return finished(call, to_status(target.refusal));
+      if (!target) return finished(context_, call, to_status(target.refusal));
       devices = {*target.value};
     }
   }
-  Unary* reactor = call->DefaultReactor();
+  Unary* reactor = booked(context_, *call);
   const auto reply = std::make_shared<TickReply>(reactor);
   const auto round = std::make_shared<StopRound>();
   round->open = devices.size();
@@ -219,11 +240,12 @@ Unary* HapticServiceImpl::EmergencyStop(Call* call, const grpc::ByteBuffer* requ
 
 Unary* HapticServiceImpl::ClearFault(Call* call, const v1::ClearFaultRequest* request,
                                      v1::ClearFaultResponse* response) {
-  if (const auto status = oversized(context_, *call, *request)) return finished(call, *status);
+  if (const auto status = oversized(context_, *call, *request))
+    return finished(context_, call, *status);
   const auto target = context_.device(request->device());
-  if (!target) return finished(call, to_status(target.refusal));
+  if (!target) return finished(context_, call, to_status(target.refusal));
   const auto faults = fault_set(*request);
-  if (!faults) return finished(call, to_status(faults.refusal));
+  if (!faults) return finished(context_, call, to_status(faults.refusal));
   Request clear;
   clear.kind = Request::Kind::kClear;
   clear.device = static_cast<std::uint32_t>(*target.value);

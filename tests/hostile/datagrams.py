@@ -22,9 +22,13 @@ class Path:
         import datagram
         from calls import Session, stub
         self.datagram, self.calls = datagram, stub(daemon)
-        self.session = Session(self.calls, udp_wanted=True,
-                               **{"device": "spare", "state_rate_hz": 20.0, **fields})
-        if not self.session.open():
+        for _ in range(20):  # the session before may end a moment later than its call
+            self.session = Session(self.calls, udp_wanted=True,
+                                   **{"device": "spare", "state_rate_hz": 20.0, **fields})
+            if self.session.open():
+                break
+            time.sleep(0.05)
+        else:
             raise RuntimeError(f"no session: {self.session.status}")
         offer = self.session.opened.udp
         if not offer.path_id:

@@ -1,6 +1,7 @@
 """Client, relay, server and board of a grasp: started in every order, and each killed in every
 phase. A service manager is played: a server that ends is started again."""
 
+import concurrent.futures
 import itertools
 import os
 import pathlib
@@ -26,6 +27,7 @@ device {{
 loop {{ loop_late_fault {{ nanos: 900000000 }} late_bucket_full: 1000000 }}
 """
 BACK_S = 15.0
+BESIDE = 4  # grasps at a time: each has programs, ports and a folder of its own
 
 
 class Parts:
@@ -118,11 +120,24 @@ class Parts:
 LINK = ("DEVICE_SILENT", "DEVICE_LOST")
 
 
+def beside(grasp, cases):
+    """`grasp(*case)`: (what was wrong, or "", seconds until force), several at a time."""
+    with concurrent.futures.ThreadPoolExecutor(BESIDE) as pool:
+        answers = list(pool.map(lambda case: grasp(*case), cases))
+    return {"wrong": [wrong for wrong, _ in answers if wrong][:6],
+            "notes": [f"slowest {max(took for _, took in answers):.1f} s"]}
+
+
+def said_of(parts, name, took):
+    """As beside() takes it."""
+    said = parts.judge(*LINK) if took is not None else f"no force within {BACK_S:.0f} s"
+    return f"{name}: {said}" if said else "", BACK_S if took is None else took
+
+
 def start_orders(folder):
     """All 24 orders, a quarter of a second apart: force in the end, nothing wrong until then."""
-    wrong, slowest = [], 0.0
-    for i, order in enumerate(itertools.permutations(("client", "relay", "server", "board"))):
-        parts = Parts(f"{folder}/{i}")
+    def start(*order):
+        parts = Parts(f"{folder}/{'-'.join(order)}")
         try:
             for part in order:
                 getattr(parts, part)()
@@ -133,42 +148,29 @@ def start_orders(folder):
             took = parts.engaged()
         finally:
             parts.end()
-        said = parts.judge(*LINK)
-        if took is None:
-            wrong.append(f"{' '.join(order)}: no force within {BACK_S:.0f} s")
-        elif said:
-            wrong.append(f"{' '.join(order)}: {said}")
-        slowest = max(slowest, took or BACK_S)
-    return {"wrong": wrong[:6], "notes": [f"slowest {slowest:.1f} s"]}
+        return said_of(parts, " ".join(order), took)
+    return beside(start, itertools.permutations(("client", "relay", "server", "board")))
 
 
 def killed_in_phases(folder):
     """Each of the four killed while it waits for force, while force rises, and under force; and
     started again: no force from before, and force in the end."""
-    wrong, slowest = [], 0.0
-    for phase in ("ARMED", "ENGAGING", "ENGAGED"):
-        for part in ("client", "relay", "server", "board"):
-            parts = Parts(f"{folder}/{phase}-{part}")
-            try:
-                for other in ("board", "server", "relay", "client"):
-                    getattr(parts, other)()
-                if parts.engaged(state=phase) is None:
-                    if phase == "ENGAGED":
-                        wrong.append(f"{part}, {phase}: no force before")
-                    continue
-                parts.kill(part)
-                time.sleep(0.4)
-                getattr(parts, part)()
-                took = parts.engaged()
-            finally:
-                parts.end()
-            said = parts.judge(*LINK)
-            if took is None:
-                wrong.append(f"{part}, {phase}: no force within {BACK_S:.0f} s")
-            elif said:
-                wrong.append(f"{part}, {phase}: {said}")
-            slowest = max(slowest, took or BACK_S)
-    return {"wrong": wrong[:6], "notes": [f"slowest {slowest:.1f} s"]}
+    def grasp(phase, part):
+        parts = Parts(f"{folder}/{phase}-{part}")
+        try:
+            for other in ("board", "server", "relay", "client"):
+                getattr(parts, other)()
+            if parts.engaged(state=phase) is None:
+                return f"{part}: not {phase} in {BACK_S:.0f} s" if phase == "ENGAGED" else "", 0.0
+            parts.kill(part)
+            time.sleep(0.4)
+            getattr(parts, part)()
+            took = parts.engaged()
+        finally:
+            parts.end()
+        return said_of(parts, f"{part}, {phase}", took)
+    return beside(grasp, itertools.product(("ARMED", "ENGAGING", "ENGAGED"),
+                                           ("client", "relay", "server", "board")))
 
 
 def start_inside(daemon):

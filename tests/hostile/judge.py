@@ -11,6 +11,7 @@ from daemon import FORCE, MB, SLEW, STOP
 GROWTH_MB, SERVED_S, TERM_S, REGAINED_S = 1.0, 1.0, 5.0, 3.0
 RAMP_S, HOLD_S, FADE_S, SILENT_S = 0.2, 0.1, 0.18, 0.2  # proto/README.md#staleness-and-gain
 TINY, GAIN_STEP = 1e-9, 1e-4
+DEADLINES = "deadlines skipped"
 ARMED = ("ARMED", "ENGAGING", "ENGAGED", "RELEASING")
 
 
@@ -193,7 +194,7 @@ def failures(m, grows=GROWTH_MB):
     elif m.regained > REGAINED_S:
         found.append(f"force again after {m.regained:.1f} s")
     if m.realtime and m.skipped > skips_allowed(m.quiet_skipped):
-        found.append(f"{m.skipped} deadlines skipped, {m.quiet_skipped} without the attack")
+        found.append(f"{m.skipped} {DEADLINES}, {m.quiet_skipped} without the attack")
     if m.term > TERM_S:
         found.append(f"SIGTERM took {m.term:.1f} s")
     if m.status not in (0, None) and not m.died:

@@ -139,9 +139,23 @@ TEST(Connections, UnderstoodBytesAreKept) {
 TEST(Connections, WhatNobodyReadsIsNoDebt) {
   Door door({.debt = 8192});
   Caller caller(door.port());
+  ASSERT_TRUE(eventually([&] { return door.accepted() == 1; }));
   ASSERT_TRUE(caller.send(32'768));
   std::this_thread::sleep_for(100ms);
   EXPECT_FALSE(caller.cut());
+}
+
+TEST(Connections, FloodsBeforeAcceptanceAreRefused) {
+  Connections door({"127.0.0.1:0"}, {});
+  Caller flood(door.ports()[0]);
+  Caller early(door.ports()[0]);
+  ASSERT_TRUE(flood.send(20'000));
+  ASSERT_TRUE(early.send(2'000));
+  std::vector<Descriptor> accepted;
+  door.start([&](std::size_t, int descriptor) { accepted.emplace_back(descriptor); });
+  EXPECT_TRUE(eventually([&] { return door.open() == 1; }));
+  EXPECT_TRUE(eventually([&] { return flood.cut(); }));
+  EXPECT_FALSE(early.cut());
 }
 
 TEST(Connections, AllDebtsTogetherAreBounded) {
@@ -213,6 +227,16 @@ TEST(Debt, GoodConductSavesNothingUp) {
   debt.book({.understood = 1'000'000, .received = 0, .acknowledged = 1'000'000}, 5e3);
   debt.book({.understood = 1'000'000, .received = 7'000, .acknowledged = 1'000'000}, 0.0);
   EXPECT_DOUBLE_EQ(debt.bytes(), 7'000.0);
+}
+
+TEST(Suspicion, MessagesOfStreamsAreNone) {
+  server::Suspicion suspicion;
+  suspicion.book({.messages = 40'000, .received = 40'100}, 0.01);
+  EXPECT_DOUBLE_EQ(suspicion.bytes(), 100.0);
+  suspicion.book({.messages = 40'000, .received = 45'100}, 0.0);
+  EXPECT_DOUBLE_EQ(suspicion.bytes(), 5'100.0);
+  suspicion.book({.messages = 40'000, .received = 45'100}, 1.0);
+  EXPECT_DOUBLE_EQ(suspicion.bytes(), 0.0);
 }
 
 TEST(Debt, AListenersWindowUpdatesAreFree) {

@@ -14,8 +14,8 @@ class SharedMemory {
   enum class Access { kRead, kReadAndWrite };
 
   SharedMemory() = default;
-  /// New memory, zeroed, in place and writable here, whose size is fixed. kRead: no other process can
-  /// ever map it writable, not even with this descriptor.
+  /// New memory, zeroed, in place and writable here, whose size is fixed. kRead: no other process
+  /// can ever map it writable, not even with this descriptor.
   SharedMemory(const char* name, std::size_t bytes, Access of_the_other);
   /// Memory that the other process made; refused if it is not of this size or could still shrink,
   /// because a page that is gone would end this process.

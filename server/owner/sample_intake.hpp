@@ -26,9 +26,9 @@ class SampleIntake {
   void serve(const FrontsPages* pages);
   /// The front link's thread. True: there may be more.
   [[nodiscard]] bool take();
-  /// The loop's thread: the oldest kPerTick, in order. Waits for no lock, allocates nothing, wakes no
-  /// thread. If another thread holds the owner's lock, or more samples wait, they are the front
-  /// link's.
+  /// The loop's thread: the oldest kPerTick, in order. It waits for no lock, allocates nothing and
+  /// wakes no thread. What it leaves, as more waits or another thread holds the owner's lock, the
+  /// front link takes.
   void take_for_tick() noexcept;
 
  private:

@@ -52,8 +52,10 @@ class Parts:
     def board(self):
         self.process_board = subprocess.Popen(
             [os.environ["HAPTIC_EMULATOR"], "--link", self.link, "--watchdog-ms", "1000",
-             "--target-mcp", "0.5", "--target-pip", "0.5"],
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+             "--hand"],
+            stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.process_board.stdin.write(b"0.5 0.5\n")
+        self.process_board.stdin.flush()
 
     def server(self):
         self.wanted = True
@@ -161,7 +163,7 @@ def killed_in_phases(folder):
             for other in ("board", "server", "relay", "client"):
                 getattr(parts, other)()
             if parts.engaged(state=phase) is None:
-                return f"{part}: not {phase} in {BACK_S:.0f} s" if phase == "ENGAGED" else "", 0.0
+                return f"{part}: never {phase} in {BACK_S:.0f} s", BACK_S
             parts.kill(part)
             time.sleep(0.4)
             getattr(parts, part)()

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <string_view>
 #include <system_error>
@@ -14,7 +15,8 @@ namespace {
 
 constexpr std::string_view kTime = "time_s";
 /// Of a time stamp, and of the whole recording: in nanoseconds both then fit an int64.
-constexpr double kLargestTime = 9e9;  // s
+constexpr double kLargestTime = 9e9;                  // s
+constexpr std::uintmax_t kLargestFile = 256U << 20U;  // bytes
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlank = " \t\r\n";
@@ -142,10 +144,16 @@ bool is_gap(double a, double b) noexcept {
 MotionTable read_motion_csv(const std::filesystem::path& file,
                             const std::vector<ColumnSet>& alternatives) {
   Place place{file};
-  std::error_code ignored;
+  std::error_code error;
+  const bool regular = std::filesystem::is_regular_file(file, error);
+  const std::uintmax_t size = regular ? std::filesystem::file_size(file, error) : 0;
   std::ifstream in(file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(file, ignored)) {
+  if (!in || !regular || error) {
     place.fail("cannot be read; must be a CSV file with a header and a column time_s");
+  }
+  if (size > kLargestFile) {
+    place.fail("has " + std::to_string(size) + " bytes; must have at most " +
+               std::to_string(kLargestFile) + " (256 MB)");
   }
   std::string line;
   if (!std::getline(in, line)) place.fail("is empty; must have a header and at least 2 rows");

@@ -30,8 +30,9 @@ inline constexpr double kLongestStep = 0.050;  // s
 [[nodiscard]] bool is_gap(double a, double b) noexcept;
 
 /// The first of `alternatives` whose columns are all in `file`. Throws DeviceError naming the file,
-/// line, column, value and what is expected: not readable, empty, a column missing (with the
-/// columns found) or twice, not a finite number, time not increasing, fewer than 2 rows.
+/// line, column, value and what is expected: no regular file, above 256 MB (said before any of it
+/// is read), empty, a column missing (with the columns found) or twice, not a finite number, time
+/// not increasing, fewer than 2 rows.
 [[nodiscard]] MotionTable read_motion_csv(const std::filesystem::path& file,
                                           const std::vector<ColumnSet>& alternatives);
 

@@ -121,6 +121,19 @@ TEST(MotionCsv, NamesAnUnreadableFile) {
   EXPECT_THAT(message("no/such/file.csv"),
               AllOf(HasSubstr("no/such/file.csv"), HasSubstr("cannot be read")));
   EXPECT_THAT(message(testing::TempDir()), HasSubstr("cannot be read"));
+  EXPECT_THAT(message("/dev/null"), HasSubstr("cannot be read")) << "a device may never end";
+}
+
+TEST(MotionCsv, RefusesAHugeFileUnread) {
+  const TemporaryFile file("time_s,l_x,q_B\n0,1,2\n1,1,2\n");
+  std::filesystem::resize_file(file.path(), (std::uintmax_t{256} << 20U) + 1);  // a hole at its end
+  try {
+    static_cast<void>(read(file));
+    FAIL() << "no error";
+  } catch (const core::DeviceError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("motion.csv: has 268435457 bytes"),
+                                    HasSubstr("at most 268435456")));
+  }
 }
 
 TEST(ShippedMotion, OpensAndClosesLikeAHand) {

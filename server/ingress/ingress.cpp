@@ -11,12 +11,11 @@ namespace {
 /// Below this a normal is none: its square would leave the range of a double.
 constexpr double kSmallestNormal = 1e-100;
 
-/// Numbers below the normal range cost a hundred times a normal one in every product of the loop.
+}  // namespace
+
 double flushed(double value) noexcept {
   return std::fpclassify(value) == FP_SUBNORMAL ? 0.0 : value;
 }
-
-}  // namespace
 
 BacklogRule::BacklogRule(core::Duration nominal_period)
     : interval_(nominal_period / 2), tolerance_(std::max(interval_, kShortestFreshEnd)) {}

@@ -28,6 +28,10 @@
 
 namespace haptic::server {
 
+/// 0 for a number below the normal range, which would cost a hundred times a normal one in every
+/// product of the loop.
+[[nodiscard]] double flushed(double value) noexcept;
+
 /// Tells back-log from a stream that keeps time. Not thread-safe.
 class BacklogRule {
  public:

@@ -93,8 +93,8 @@ Verdict DeviceTracker::accept(const PoseSample& pose) {
   const auto& o = pose.orientation.value;
   const Eigen::Vector3d turn = core::rotation_vector({o[0], o[1], o[2], o[3]});
   for (std::size_t i = 0; i < 3; ++i) {
-    newest_.pose[i] = pose.position.value[i];
-    newest_.pose[i + 3] = turn[static_cast<Eigen::Index>(i)];
+    newest_.pose[i] = flushed(pose.position.value[i]);
+    newest_.pose[i + 3] = flushed(turn[static_cast<Eigen::Index>(i)]);
   }
   mailbox_.publish(newest_);
   if (age.backlog) verdict.verdict = IngressVerdict::kBacklog;

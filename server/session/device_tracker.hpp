@@ -36,6 +36,7 @@ class DeviceTracker {
   /// Gives it up if it is this session's. Idempotent.
   void close(const SessionId& session_id);
 
+  /// Subnormal numbers become 0.
   Verdict accept(const PoseSample& pose);
 
   /// Client name of the holder; empty: none.

@@ -9,7 +9,7 @@ namespace haptic::server {
 namespace {
 
 std::string random_name() {
-  std::random_device entropy;  // the operating system's own source, not a seeded sequence
+  static std::random_device entropy;  // the operating system's own source, not a seeded sequence
   std::string name;
   for (int i = 0; i < 4; ++i) {
     char part[9];
@@ -27,7 +27,7 @@ const char* plural(Request::Kind kind) {
 }  // namespace
 
 Outcome<SessionId> SessionRegistry::admit(Kind kind, std::size_t device, bool resumes) {
-  if (count(kind) >= limit_ && !resumes) {
+  if (count(kind) >= (resumes ? 2 : 1) * limit_) {
     const std::string limit = std::to_string(limit_);
     return Refusal{Refusal::Code::kExhausted,
                    "TOO_MANY_SESSIONS",

@@ -19,9 +19,9 @@ class SessionRegistry {
   explicit SessionRegistry(unsigned limit_of_each) : limit_(limit_of_each) {}
 
   using Kind = Request::Kind;  ///< kAdmit...
-  /// A fresh name for a stream on `device`. Refused: RESOURCE_EXHAUSTED, unless the session
-  /// `resumes` the lease of the device, which no stranger may keep out: that is one more per device
-  /// at most.
+  /// A fresh name for a stream on `device`. Refused: RESOURCE_EXHAUSTED. A session that `resumes`
+  /// the lease of the device has as many places more, which no stranger can take from it; they have
+  /// an end as well, because a front may ask again and again.
   [[nodiscard]] Outcome<SessionId> admit(Kind kind, std::size_t device, bool resumes = false);
   void remove(const SessionId& id);
   /// The device of an open session or watch; absent: there is none of that name.

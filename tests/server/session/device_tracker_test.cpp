@@ -73,6 +73,17 @@ TEST(DeviceTracker, GoodPoseReachesTheLoop) {
   EXPECT_EQ(pose.valid_for, 25ms);
 }
 
+TEST(DeviceTracker, SubnormalNumbersBecomeZero) {
+  Door door;
+  ASSERT_EQ(door.open_refusal("a"), "");
+  door.position = {1e-310, -0.2, 5e-324};
+  door.orientation = {1e-310, 0.0, 0.0, 1.0};
+  ASSERT_EQ(door.say(), IngressVerdict::kAccepted) << door.why;
+  ASSERT_TRUE(door.mailbox.take());
+  const auto& pose = door.mailbox.value().pose;
+  EXPECT_EQ(pose, (std::array<double, 6>{0.0, -0.2, 0.0, 0.0, 0.0, 0.0}));
+}
+
 TEST(DeviceTracker, RefusesAWrongPoseByName) {
   Door door;
   ASSERT_EQ(door.open_refusal("a"), "");

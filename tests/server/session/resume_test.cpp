@@ -340,6 +340,17 @@ TEST_F(ResumeTest, HigherPriorityOvertakesAWaitingClient) {
   EXPECT_EQ(boss->lease->taken_from, "alice");
 }
 
+TEST_F(ResumeTest, PlacesOfResumingSessionsHaveAnEnd) {
+  press();
+  server::Request again{.kind = server::Request::Kind::kAdmitSession,
+                        .session_id = rig.sessions->id_of("s1")};
+  for (int i = 0; i < 200; ++i) {
+    ++again.id;
+    rig.owner->post(again);
+  }
+  EXPECT_EQ(rig.sessions->status().sessions, 64U) << "twice the limit of 32";
+}
+
 TEST_F(ResumeTest, StatesCarrierIsTheUsedSamples) {
   press();
   server::ProxySample sample{.epoch = 1,

@@ -16,7 +16,7 @@
 namespace haptic::server {
 namespace {
 
-using Kind = ControlSocket::Command::Kind;
+using CommandKind = ControlSocket::Command::Kind;
 
 }  // namespace
 
@@ -32,18 +32,19 @@ ParsedCommand parse_command(std::string_view text) {
   if (blank != std::string_view::npos) command.device = text.substr(blank + 1);
   struct Word {
     std::string_view text;
-    Kind kind;
+    CommandKind kind;
     bool of_device;
   };
-  static constexpr std::array kWords{
-      Word{"stop", Kind::kStop, true}, Word{"clear", Kind::kClear, true},
-      Word{"health", Kind::kHealth, false}, Word{"restart-front", Kind::kRestartFront, false}};
+  static constexpr std::array kWords{Word{"stop", CommandKind::kStop, true},
+                                     Word{"clear", CommandKind::kClear, true},
+                                     Word{"health", CommandKind::kHealth, false},
+                                     Word{"restart-front", CommandKind::kRestartFront, false}};
   for (const Word& known : kWords) {
     if (word != known.text) continue;
     if (!(command.device.empty() && rest.empty()) && !known.of_device) break;
     command.kind = known.kind;
     command.reason = rest;
-    if (known.kind == Kind::kClear && !rest.empty()) {
+    if (known.kind == CommandKind::kClear && !rest.empty()) {
       const auto end = rest.data() + rest.size();
       if (std::from_chars(rest.data(), end, command.faults).ptr != end) {
         return {{}, "refused: the faults must be a number, their bits"};
@@ -119,8 +120,8 @@ void ControlSocket::read(Connection& connection) {
   if (connection.asked) return;
   connection.asked = true;
   ParsedCommand parsed = parse_command({bytes.data(), static_cast<std::size_t>(got)});
-  const Kind kind = parsed.command.kind;
-  const bool for_all = kind == Kind::kStop || kind == Kind::kHealth;
+  const CommandKind kind = parsed.command.kind;
+  const bool for_all = kind == CommandKind::kStop || kind == CommandKind::kHealth;
   if (parsed.wrong.empty() && !for_all && connection.user != 0 && connection.user != geteuid()) {
     parsed.wrong = "refused: only for the user that runs hapticd, and root";
   }

@@ -61,7 +61,8 @@ FrontLink::FrontLink(Owner& owner, Config config)
                                              })),
       local_(owner, [this](auto kind, std::uint64_t reply_to) { of_front(kind, reply_to); }),
       wakes_(event_descriptor()),
-      intake_(owner, *publisher_) {
+      intake_(owner, *publisher_),
+      requests_(owner, *publisher_) {
   owner_.connect(publisher_);
 }
 
@@ -133,7 +134,7 @@ void FrontLink::turn() {
     FrontProcess& front = **place;
     front.hear();
     if (!take_messages(front)) end(front, wrong_);
-    take_stops(front);
+    requests_.take_stops(front, now_);
   }
   empty(wakes_);
   local_.turn(now_);

@@ -15,6 +15,7 @@
 
 #include "server/crossing/link_messages.hpp"
 #include "server/owner/front_process.hpp"
+#include "server/owner/front_requests.hpp"
 #include "server/owner/launcher.hpp"
 #include "server/owner/local_commands.hpp"
 #include "server/owner/publisher.hpp"
@@ -75,9 +76,7 @@ class FrontLink {
   /// False: the front is to be ended, for the reason it left in `wrong_`.
   [[nodiscard]] bool take_messages(FrontProcess& front);
   [[nodiscard]] bool take(FrontProcess& front, FrontMessage& message);
-  void post(const FrontProcess& front, Request& request);
   void choose_samples();
-  void take_stops(FrontProcess& front);
   [[nodiscard]] bool serves_now(FrontProcess& front, const std::string& addresses);
   void publish_facts();
   // front_link.cpp: the life of fronts.
@@ -99,6 +98,7 @@ class FrontLink {
   LocalCommands local_;
   Descriptor wakes_;  ///< the link's thread, for local answers, restart_front() and stop()
   SampleIntake intake_;
+  FrontRequests requests_;
 
   // The link's thread.
   core::TimePoint now_{};

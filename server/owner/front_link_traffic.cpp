@@ -91,20 +91,10 @@ bool FrontLink::take(FrontProcess& front, FrontMessage& message) {
       return false;
     case FrontMessage::Kind::kRequest:
       if (front.stage != Stage::kServing && front.stage != Stage::kLeaving) return true;
-      post(front, message.request);
+      requests_.post(front, message.request, now_);
       return true;
   }
   return true;
-}
-
-void FrontLink::post(const FrontProcess& front, Request& request) {
-  using Kind = Request::Kind;
-  request.id = request_id(front.generation, request.id);
-  if (!make_harmless(request, now_)) return;
-  if (request.kind == Kind::kCancel) publisher_->forget_answer(request.id);
-  const bool answered =
-      request.kind != Kind::kCancel && request.kind != Kind::kClose && request.kind != Kind::kLose;
-  if (!answered || publisher_->expect_answer(request.id)) owner_.post(request);
 }
 
 bool FrontLink::serves_now(FrontProcess& front, const std::string& addresses) {
@@ -132,24 +122,6 @@ bool FrontLink::serves_now(FrontProcess& front, const std::string& addresses) {
   if (served_ > 1) spdlog::info("front number {} serves (process {})", served_, front.pid);
   local_.answer(std::exchange(restart_reply_, 0), "ok\na new front serves");
   return true;
-}
-
-void FrontLink::take_stops(FrontProcess& front) {
-  if (!front.queued && !publisher_->full()) return;
-  for (std::size_t i = 0; i < owner_.devices().size(); ++i) {
-    // The answer comes when its request has its turn.
-    const std::uint32_t stop = front.pages.stops[i].load(std::memory_order_acquire);
-    if (front.stops[i] == stop) continue;
-    Request request;
-    request.id = request_id(front.generation, i);          // a front's own begin far above
-    if (!publisher_->expect_answer(request.id)) continue;  // the one before is under way
-    front.stops[i] = stop;
-    request.kind = Request::Kind::kStop;
-    request.device = static_cast<std::uint32_t>(i);
-    request.text = "over the network, ahead of the requests that wait";
-    request.time = now_;
-    owner_.post(request);
-  }
 }
 
 /// From now on the samples of the front that serves, if one does, are taken.

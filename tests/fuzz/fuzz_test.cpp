@@ -64,8 +64,8 @@ TEST(Fuzz, DatagramsDoNoHarm) {
   fuzz(datagram_target(), 50'000);
 }
 
-TEST(Fuzz, SamplesOfAnythingDoNoHarm) {
-  fuzz(ingress_target(), 200'000);
+TEST(Fuzz, AnyFrontDoesNoHarm) {
+  fuzz(crossing_target(), 20'000);
 }
 
 TEST(Fuzz, SerialCodecsAgree) {

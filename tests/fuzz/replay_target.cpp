@@ -46,7 +46,7 @@ class MemoryFile {
   int number_;
 };
 
-/// Plays it: at 200 moments over its length and beyond, then in the steps of a loop.
+/// Plays it: at 200 moments over its length, then in the steps of a loop beyond its end.
 std::string play(hw::Replay& device, const core::Kinematics& kinematics) {
   const int n_q = kinematics.layout().n_q();
   const core::Duration length = device.facts().length;
@@ -65,7 +65,7 @@ std::string play(hw::Replay& device, const core::Kinematics& kinematics) {
         return "a sample out of the device's range";
       }
     }
-    now += i < 200 ? length / 150 : core::Duration(std::chrono::milliseconds(1));
+    now += i < 200 ? length / 200 : core::Duration(std::chrono::milliseconds(1));
   }
   return {};
 }

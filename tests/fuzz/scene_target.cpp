@@ -35,7 +35,7 @@ std::string run(FuzzInput input) {
 
 std::vector<FuzzBytes> scene_seeds() {
   std::vector<FuzzBytes> seeds;
-  for (const auto& entry : std::filesystem::directory_iterator(kScenes)) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(kScenes)) {
     if (entry.path().extension() != ".textproto") continue;
     std::ifstream stream(entry.path());
     std::stringstream whole;

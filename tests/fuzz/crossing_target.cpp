@@ -1,0 +1,391 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "server/base/steady_now.hpp"
+#include "server/crossing/link_messages.hpp"
+#include "tests/fuzz/crossing_world.hpp"
+#include "tests/fuzz/targets.hpp"
+
+namespace haptic::test {
+namespace crossing {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// An input is a row of steps, each: one byte what, then its operands. A patch is a count (modulo
+/// 4) and as many places (2 bytes), sizes (1 byte) and bytes that are written over a value.
+enum FrontStep : std::uint8_t {
+  kSample,   ///< an honest sample of the proxy, patched, put into its inbox
+  kPose,     ///< an honest pose, patched
+  kRequest,  ///< kind, whose (an index), device; the message is patched and sent
+  kPoke,     ///< where (the heads, stops, anywhere), size, bytes: into the pages
+  kJunk,     ///< size (2 bytes), bytes: a message
+  kTurn,     ///< microseconds (3 bytes), whether messages wait: the owner reads
+  kTick,     ///< how many ticks, state, what the loop answers
+  kSteps
+};
+
+template <typename T>
+void patch(T& value, FuzzReader& reader) {
+  for (int n = reader.byte() % 4; n > 0; --n) {
+    const std::size_t at = reader.number(2) % sizeof(T);
+    const FuzzInput bytes = reader.take(reader.byte());
+    std::memcpy(reinterpret_cast<std::uint8_t*>(&value) + at, bytes.data(),
+                std::min(bytes.size(), sizeof(T) - at));
+  }
+}
+
+class Crossing {
+ public:
+  Crossing() {
+    world_.begin();
+    intake_.serve(&pages_);
+  }
+
+  std::string run(FuzzInput input) {
+    FuzzReader reader(input);
+    while (!reader.empty() && finding_.empty()) step(reader);
+    if (finding_.empty()) be_honest();
+    return finding_;
+  }
+
+ private:
+  static World& world() {
+    static World world;
+    return world;
+  }
+
+  void step(FuzzReader& reader) {
+    switch (static_cast<FrontStep>(reader.byte() % kSteps)) {
+      case kSample: {
+        ProxySample sample = honest_sample();
+        patch(sample, reader);
+        return push(pages_.proxies, sample);
+      }
+      case kPose: {
+        PoseSample pose{.session_id = whose(reader.byte()),
+                        .seq = ++seq_,
+                        .arrival = now_,
+                        .position = {0.1, 0.2, 0.3},
+                        .orientation = {0.0, 0.0, 0.0, 1.0}};
+        patch(pose, reader);
+        return push(pages_.poses, pose);
+      }
+      case kRequest: {
+        const auto kind = static_cast<Request::Kind>(reader.byte());
+        FrontMessage message = asks(kind, whose(reader.byte()));
+        message.request.device = reader.byte() / 128U;
+        patch(message, reader);
+        send(world_.front.its_link.get(), message);
+        return;
+      }
+      case kPoke:
+        return poke(reader);
+      case kJunk: {
+        const FuzzInput bytes = reader.take(reader.number(2) % 4096);
+        if (!bytes.empty()) send_bytes(world_.front.its_link.get(), std::as_bytes(bytes), {});
+        return;
+      }
+      case kTurn:
+        now_ += std::chrono::microseconds(reader.number(3));
+        turn(reader.byte() % 2 != 0);
+        return;
+      default: {
+        const int ticks = 1 + reader.byte() % 4;
+        const std::uint8_t state = reader.byte();
+        return tick(ticks, state, reader.byte());
+      }
+    }
+  }
+
+  ProxySample honest_sample() {
+    return {.epoch = epoch_,
+            .seq = ++seq_,
+            .arrival = now_,
+            .mode = core::ProxyMode::kHeld,
+            .position = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}};
+  }
+  [[nodiscard]] SessionId whose(std::uint8_t index) const {
+    return ids_.empty() ? SessionId{} : ids_[index % ids_.size()];
+  }
+  FrontMessage asks(Request::Kind kind, const SessionId& session) {
+    FrontMessage message{.kind = FrontMessage::Kind::kRequest};
+    message.request = {.id = ++id_, .kind = kind, .session_id = session};
+    message.request.lease = {.client_name = "a", .nominal_rate_hz = 100.0, .resumable = true};
+    return message;
+  }
+
+  /// An inbox begins with its head, and its slots follow.
+  template <typename T, std::size_t N>
+  void push(Inbox<T, N>& inbox, const T& value) {
+    auto* const bytes = reinterpret_cast<std::uint8_t*>(&inbox);
+    std::uint64_t head = 0;
+    std::memcpy(&head, bytes, sizeof head);
+    world_.written.emplace_back(bytes, sizeof head);
+    world_.written.emplace_back(bytes + sizeof head + head % N * sizeof(T), sizeof(T));
+    inbox.push(value);
+  }
+
+  void poke(FuzzReader& reader) {
+    const std::uint8_t where = reader.byte() % 4;
+    auto* const begin = reinterpret_cast<std::uint8_t*>(&pages_);
+    auto* at = begin + reader.number(3) % sizeof pages_;
+    if (where == 0) at = reinterpret_cast<std::uint8_t*>(&pages_.proxies);  // its head
+    if (where == 1) at = reinterpret_cast<std::uint8_t*>(&pages_.poses);
+    if (where == 2) at = reinterpret_cast<std::uint8_t*>(&pages_.stops);
+    const FuzzInput bytes = reader.take(reader.byte());
+    const auto size = std::min<std::size_t>(bytes.size(), begin + sizeof pages_ - at);
+    std::copy_n(bytes.begin(), size, at);
+    world_.written.emplace_back(at, size);
+  }
+
+  /// As FrontLink::turn(). True: the owner says that there may be more.
+  bool turn(bool queued) {
+    const bool more = intake_.take();
+    FrontMessage message;
+    for (;;) {
+      const Received got = receive(world_.front.link.get(), message);
+      if (got == Received::kNothing) break;
+      if (message.text.view().size() > 512) finding_ = "a text is too long";
+      if (got != Received::kMessage || message.kind != FrontMessage::Kind::kRequest) continue;
+      requests_.post(world_.front, message.request, now_);
+    }
+    world_.front.queued = queued;
+    requests_.take_stops(world_.front, now_);
+    look();
+    const DeviceStatus status = world_.owner->status(0);
+    // Those who resume have as many places again.
+    if (status.observers > 6 * kPlaces || status.sessions > 4 * kPlaces) {
+      fail("more sessions than there are places");
+    }
+    return more;
+  }
+
+  /// As the loop: takes what is in the mailboxes, and answers it if bit 0 of `says` is set.
+  void tick(int ticks, std::uint8_t state, std::uint8_t says) {
+    for (; ticks > 0; --ticks) {
+      now_ += 1ms;
+      intake_.take_for_tick();
+      look();
+      const core::CommandSnapshot& command = world_.unit.commands.value();
+      ++record_.beat.tick;
+      record_.input.now = now_;
+      record_.input.command = began_ ? command : core::CommandSnapshot{};
+      record_.input.settings = world_.unit.settings.value();
+      core::Lifecycle& life = record_.life;
+      life.state = static_cast<core::LifecycleState>(1 + state % 8);
+      life.gain = (says & 2U) != 0 ? 0.5 : 0.0;
+      if ((says & 1U) != 0) {
+        life.engage.id = record_.input.command.engage_id;
+        life.engage.verdict = static_cast<core::EngageVerdict>(1 + (says >> 2U) % 9);
+        life.release_id = record_.input.command.release_id;
+        life.stop_id = record_.input.command.stop_id;
+        life.clear.id = record_.input.command.clear_id;
+      }
+      life.faults = core::FaultSet((says & 4U) != 0 ? 0x80U : 0U);
+      world_.unit.records.push(record_);
+      world_.telemetry.drain();
+    }
+    look();
+  }
+
+  /// After all that: what is in the inboxes is read in a bounded number of turns, and an honest
+  /// client gets the lease, and its sample through.
+  void be_honest() {
+    int turns = 0;
+    while (turn(false)) {
+      if (++turns > 320 / SampleIntake::kPerTurn) finding_ = "the reading does not end";
+      if (!finding_.empty()) return;
+    }
+    world_.owner->front_gone();
+    world_.publisher->forget_answers();
+    look();
+    ids_.clear();
+    id_ = 1U << 20U;
+    ask(asks(Request::Kind::kAdmitSession, {}));
+    if (ids_.empty()) return fail("an honest client is not admitted");
+    FrontMessage open = asks(Request::Kind::kOpen, ids_.front());
+    open.request.lease.priority = Priority::kOperator;
+    epoch_ = 0;
+    ask(open);
+    for (int i = 0; i < 4 && epoch_ == 0; ++i) tick(1, 2, 1);
+    if (epoch_ == 0) return fail("an honest client gets no lease");
+    const auto accepted = [&] {
+      return world_.owner->status(0).samples[IngressVerdict::kAccepted];
+    };
+    const std::uint64_t before = accepted();
+    seq_ = 0;
+    push(pages_.proxies, honest_sample());
+    turn(false);
+    if (accepted() != before + 1) fail("an honest sample does not get through");
+  }
+  void ask(const FrontMessage& message) {
+    if (!send(world_.front.its_link.get(), message)) fail("an honest message is not sent");
+    turn(false);
+  }
+  void fail(const char* what) {
+    if (finding_.empty()) finding_ = what;
+  }
+
+  /// What came out, to the loop and to the front.
+  void look() {
+    if (world_.unit.proxies.take()) look(world_.unit.proxies.value());
+    if (world_.unit.poses.take()) look(world_.unit.poses.value());
+    if (world_.unit.settings.take()) look(world_.unit.settings.value());
+    if (world_.unit.commands.take()) look(world_.unit.commands.value());
+    Judged judged;
+    int count = 0;
+    while (out_.judged.read(judged_, judged)) {
+      ++count;
+      const Verdict& verdict = judged.verdict;
+      if (verdict.verdict > IngressVerdict::kBadPlane) fail("an unknown verdict");
+      if (verdict.used() != verdict.why.empty()) fail("a refusal without a word, or a word alone");
+    }
+    if (count > SampleIntake::kPerTurn) fail("more samples in a turn than are allowed");
+    Answer answer;
+    while (out_.answers.read(answers_, answer)) look(answer);
+    Happened happened;
+    while (out_.events.read(events_, happened)) {
+      if (happened.event.reason.empty()) fail("an event without a reason");
+      if (happened.event.time > now_) fail("an event from the future");
+    }
+  }
+  void look(const Answer& answer) {
+    if ((answer.id & kLocalIds) != 0) fail("an answer to the control socket");
+    if (answer.refusal && answer.refusal->reason.empty()) fail("a refusal without a reason");
+    if (!answer.refusal && !answer.session_id.empty()) ids_.push_back(answer.session_id);
+    if (!answer.refusal && answer.lease.epoch != 0) epoch_ = answer.lease.epoch;
+  }
+  void look(const core::ProxySnapshot& proxy) {
+    if (std::exchange(tenure_, proxy.tenure) != proxy.tenure) newest_seq_ = 0;
+    if (proxy.mode == core::ProxyMode::kNone) return;  // a new lease
+    if (proxy.seq <= newest_seq_) fail("the sequence went back");
+    newest_seq_ = proxy.seq;
+    const core::TimePoint now = steady_now();
+    if (proxy.born > now || proxy.gapless_since > now) fail("a proxy from the future");
+    if (proxy.mode > core::ProxyMode::kPlanes) fail("an unknown mode");
+    if (proxy.valid_for < 0s || proxy.valid_for > 2h) fail("a validity beyond the wire's");
+    const auto n = proxy.x.size();
+    if (n != kDofs && !(n == 0 && proxy.mode == core::ProxyMode::kFree)) fail("a wrong size");
+    for (int i = 0; i < n; ++i) check(proxy.x[i], Ingress::kLargestCoordinate);
+    for (int p = 0; p < proxy.planes.offsets.size(); ++p) {
+      check(proxy.planes.offsets[p], Ingress::kLargestOffset);
+      for (int i = 0; i < kDofs; ++i) check(proxy.planes.normals(i, p), Ingress::kLargestNormal);
+    }
+  }
+  void look(const core::TrackerSnapshot& pose) {
+    if (pose.born > steady_now()) fail("a pose from the future");
+    if (pose.valid_for <= 0s || pose.valid_for > 1h) fail("a pose's validity is off");
+    for (const double value : pose.pose) check(value, 4.0);
+  }
+  void look(const core::RenderSettings& settings) {
+    const core::RenderSettings& scene = world_.unit.config().scene;
+    const auto within = [&](const core::VecA& value, const core::VecA& most) {
+      return value.size() == most.size() && (value.array() >= 0.0).all() &&
+             (value.array() <= most.array()).all();
+    };
+    if (!within(settings.stiffness, scene.stiffness) || !within(settings.damping, scene.damping) ||
+        !within(settings.force_limit, scene.force_limit) ||
+        !within(settings.slew_limit, scene.slew_limit)) {
+      fail("settings beyond the scene's");
+    }
+    if (settings.renderer < core::RendererKind::kStandard ||
+        settings.renderer > core::RendererKind::kSubspaceExact) {
+      fail("an unknown renderer");
+    }
+    if (core::check(settings.staleness) != nullptr ||
+        settings.staleness.fade_end > scene.staleness.fade_end) {
+      fail("staleness limits beyond the scene's");
+    }
+  }
+  void look(const core::CommandSnapshot& command) {
+    const core::CommandSnapshot& before = command_;
+    if (command.tenure < before.tenure || command.engage_id < before.engage_id ||
+        command.release_id < before.release_id || command.stop_id < before.stop_id ||
+        command.clear_id < before.clear_id || command.closing) {
+      fail("a command went back");
+    }
+    command_ = command;
+    began_ = true;
+  }
+  void check(double value, double limit) {
+    if (!(std::abs(value) <= limit)) fail("a number that is not finite, or too large");
+    if (std::fpclassify(value) == FP_SUBNORMAL) fail("a subnormal number");
+  }
+
+  World& world_{world()};
+  FrontsPages& pages_{world_.front.pages};
+  SampleIntake intake_{*world_.owner, *world_.publisher};
+  FrontRequests requests_{*world_.owner, *world_.publisher};
+  const OwnersPages& out_{*static_cast<const OwnersPages*>(world_.read_pages.data())};
+  Broadcast<Judged, 2048>::Cursor judged_{out_.judged.begin(0)};
+  Broadcast<Answer, 512>::Cursor answers_{out_.answers.begin(0)};
+  Broadcast<Happened, 512>::Cursor events_{out_.events.begin(0)};
+  /// Arrivals are bounded by the clock: an hour of inputs fits in before it.
+  core::TimePoint now_{steady_now() - std::chrono::hours(1)};
+  core::TickRecord record_{};
+  core::CommandSnapshot command_{};
+  bool began_{false};  ///< a command was posted
+  std::vector<SessionId> ids_{};
+  std::uint64_t id_{100}, seq_{0}, newest_seq_{0};
+  std::uint32_t epoch_{0}, tenure_{0};
+  std::string finding_{};
+};
+
+std::vector<FuzzBytes> seeds() {
+  using Kind = Request::Kind;
+  const auto ask = [](FuzzBytes& input, Kind kind, std::uint8_t whose = 0) {
+    input.insert(input.end(), {kRequest, static_cast<std::uint8_t>(kind), whose, 0, 0});
+  };
+  const FuzzBytes turn{kTurn, 0, 39, 16, 0}, tick{kTick, 0, 2, 1};
+  const auto append = [](FuzzBytes& input, const FuzzBytes& more) {
+    input.insert(input.end(), more.begin(), more.end());
+  };
+  FuzzBytes controls, tracks, lies;
+  for (FuzzBytes* input : {&controls, &tracks, &lies}) {
+    ask(*input, Kind::kAdmitSession);
+    append(*input, turn);
+  }
+  ask(controls, Kind::kOpen);
+  append(controls, turn);
+  append(controls, tick);
+  for (int i = 0; i < 3; ++i) {
+    append(controls, {kSample, 0});
+    append(controls, turn);
+  }
+  FuzzBytes asks_all = controls, comes_back = controls;
+  for (const Kind kind : {Kind::kEngage, Kind::kSettings, Kind::kStop, Kind::kClear, Kind::kRelease,
+                          Kind::kCancel, Kind::kLose, Kind::kClose}) {
+    ask(asks_all, kind);
+    append(asks_all, turn);
+    append(asks_all, {kTick, 0, 2, 5});
+  }
+  for (int i = 0; i < 3; ++i) {
+    ask(comes_back, i == 1 ? Kind::kAdmitObserver : Kind::kAdmitSession);
+    append(comes_back, turn);
+  }
+  ask(tracks, Kind::kTrack);
+  append(tracks, turn);
+  append(tracks, {kPose, 0, 0});
+  append(tracks, turn);
+  // Heads far away, a stop ahead of the queue, a message of another size.
+  append(lies, {kPoke, 0, 0, 0, 0, 8, 255, 255, 255, 255, 255, 255, 255, 255});
+  append(lies, {kSample, 0, kPoke, 1, 0, 0, 0, 8, 3, 0, 0, 0, 0, 0, 0, 128});
+  append(lies, {kPoke, 2, 0, 0, 0, 1, 1, kTurn, 0, 0, 0, 1, kJunk, 0, 5, 1, 2, 3, 4, 5});
+  append(lies, turn);
+  return {controls, asks_all, comes_back, tracks, lies};
+}
+
+}  // namespace
+}  // namespace crossing
+
+const FuzzTarget& crossing_target() {
+  static const FuzzTarget kTarget{"crossing",
+                                  [](FuzzInput input) { return crossing::Crossing().run(input); },
+                                  crossing::seeds, 1024};
+  return kTarget;
+}
+
+}  // namespace haptic::test

@@ -1,0 +1,88 @@
+#pragma once
+/// An owner with one device, which has a tracked palm and an actuated slide, and a front's pages
+/// and socket, for crossing_target.cpp.
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "haptic/core/model/linear.hpp"
+#include "server/owner/front_requests.hpp"
+#include "server/owner/sample_intake.hpp"
+
+namespace haptic::test::crossing {
+
+using namespace server;
+
+inline constexpr unsigned kPlaces = 2;  ///< for sessions of each kind
+inline constexpr int kDofs = 7;         ///< a tracked palm's six, and the actuated one
+
+inline core::PipelineConfig palm_and_slide() {
+  core::LinearMap map{.A = core::MatXQ::Identity(kDofs, kDofs), .x_0 = core::VecX::Zero(kDofs)};
+  for (const char* name : {"palm.x", "palm.y", "palm.z", "palm.rx", "palm.ry", "palm.rz", "a"}) {
+    map.dofs.push_back({name, core::Unit::kMetre, *name == 'a', -0.8, 0.8});
+    map.coordinates.push_back({name, core::Unit::kMetre, core::CoordinateKind::kLinear});
+  }
+  core::PipelineConfig config{.kinematics = core::make_linear(map)};
+  config.device.q_lower = core::VecQ::Constant(kDofs, -1.0);
+  config.device.q_upper = core::VecQ::Constant(kDofs, 1.0);
+  config.device.max_effort = core::VecA::Constant(1, 20.0);
+  config.scene.stiffness = core::VecA::Constant(1, 100.0);
+  config.scene.damping = core::VecA::Constant(1, 1.0);
+  config.scene.force_limit = core::VecA::Constant(1, 10.0);
+  config.scene.slew_limit = core::VecA::Constant(1, 1000.0);
+  config.scene.engage_window = core::VecA::Constant(1, 2.5);
+  config.tracker = core::TrackerSettings{0, {}};
+  return config;
+}
+
+class NoDevice final : public hw::Device {
+ public:
+  [[nodiscard]] const hw::DeviceInfo& info() const noexcept override { return info_; }
+  void read(core::TimePoint /*now*/, core::DeviceReading& /*reading*/) noexcept override {}
+  void write(core::TimePoint /*now*/, const hw::Command& /*command*/) noexcept override {}
+  void close() noexcept override {}
+
+ private:
+  hw::DeviceInfo info_{};
+};
+
+/// What is too slow to be made for every input, and the same at the beginning of each.
+struct World {
+  World() {
+    begin();
+    publisher = std::make_shared<Publisher>(*owner, [](const Answer&) {});
+    read_pages =
+        SharedMemory(Descriptor(dup(publisher->descriptor())), SharedMemory::Access::kRead);
+  }
+
+  void begin() {
+    owner.reset();
+    owner.emplace(telemetry, kPlaces);
+    owner->add(unit, {});
+    if (publisher) {
+      owner->connect(publisher);
+      publisher->forget_answers();
+    }
+    for (const auto& bytes : written) std::fill(bytes.begin(), bytes.end(), std::uint8_t{0});
+    written.clear();
+    front.stops.assign(kMostDevices, 0);
+    static_cast<void>(unit.proxies.take());
+    static_cast<void>(unit.poses.take());
+    static_cast<void>(unit.commands.take());
+  }
+
+  DeviceUnit unit{"fuzz", std::make_unique<NoDevice>(), palm_and_slide()};
+  Telemetry telemetry{{&unit}};
+  std::optional<Owner> owner{};
+  std::shared_ptr<Publisher> publisher{};
+  SharedMemory read_pages{};
+  FrontProcess front{1, core::TimePoint{}};
+  std::vector<std::span<std::uint8_t>> written{};  ///< of the front's pages
+};
+
+}  // namespace haptic::test::crossing

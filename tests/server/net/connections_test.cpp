@@ -170,6 +170,45 @@ TEST(Connections, AllDebtsTogetherAreBounded) {
   }));
 }
 
+TEST(Connections, GrowingMemoryCutsItsCause) {
+  Door door({.growth = 4 << 20, .memory = 8ULL << 30});
+  Caller quiet(door.port()), streams(door.port()), caller(door.port());
+  ASSERT_TRUE(eventually([&] { return door.accepted() == 3; }));
+  const auto samples = door.connections.account(streams.name());
+  std::vector<std::string> memory;
+  for (int i = 0; i < 200 && !caller.cut(); ++i) {
+    quiet.send(16);
+    samples->message(1024);
+    streams.send(1024);
+    caller.send(1024);
+    door.read_all();
+    memory.emplace_back(2 << 20, 'x');
+    std::this_thread::sleep_for(10ms);
+  }
+  EXPECT_TRUE(caller.cut());
+  EXPECT_FALSE(quiet.cut());
+  EXPECT_FALSE(streams.cut());
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // whose malloc counts nothing
+TEST(Connections, FullMemoryShutsTheDoor) {
+  Door door({.growth = 4 << 20, .memory = 1});
+  Caller caller(door.port());
+  ASSERT_TRUE(eventually([&] { return door.accepted() == 1; }));
+  std::vector<std::string> memory;
+  for (int i = 0; i < 200 && !caller.cut(); ++i) {
+    caller.send(1024);
+    door.read_all();
+    memory.emplace_back(2 << 20, 'x');
+    std::this_thread::sleep_for(10ms);
+  }
+  const auto cut = std::chrono::steady_clock::now();
+  const Caller next(door.port());
+  EXPECT_TRUE(eventually([&] { return door.accepted() == 2; })) << "not for ever";
+  EXPECT_GE(std::chrono::steady_clock::now() - cut, 4s);
+}
+#endif
+
 TEST(Connections, RunningOutOfDescriptorsDeafensNobody) {
   rlimit former{};
   getrlimit(RLIMIT_NOFILE, &former);

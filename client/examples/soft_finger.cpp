@@ -93,6 +93,20 @@ Joints SoftFinger::minimise(const Joints& x_probe, const Joints& seed) const {
 }
 
 SoftFinger::Step SoftFinger::step(const Joints& x_probe) {
+  const Joints from = probe_;
+  const double far = std::max(std::abs(x_probe[0] - from[0]), std::abs(x_probe[1] - from[1]));
+  const int pieces = std::max(1, static_cast<int>(std::ceil(std::min(far, kFarthest) / kPiece)));
+  Step out;
+  for (int i = 1; i <= pieces; ++i) {
+    const double part = static_cast<double>(i) / pieces;
+    out =
+        follow({from[0] + part * (x_probe[0] - from[0]), from[1] + part * (x_probe[1] - from[1])});
+  }
+  return out;
+}
+
+SoftFinger::Step SoftFinger::follow(const Joints& x_probe) {
+  probe_ = x_probe;
   // In contact from the last proxy, not from the probe: a probe pushed through the object and out
   // at its back must not count as free, nor draw the proxy after it.
   const Joints x = touching_ ? minimise(x_probe, last_) : minimise(x_probe, x_probe);

@@ -44,18 +44,23 @@ class SoftFinger {
     Joints x{};          ///< the proxy; the probe itself if nothing touches
     double energy{0.0};  ///< of the contact, J
   };
-  /// One simulation step. In contact the proxy stays on the side it came from. Contact ends only
-  /// with a clearance of `kRelease`, so that noise does not toggle it.
+  /// One simulation step. The finger starts open, outside the object, and goes to every probe in
+  /// small pieces: wherever the simulation joins, and whatever the probe did while no state came,
+  /// the proxy stays on the side that it came from. Contact ends only with a clearance of
+  /// `kRelease`, so that noise does not toggle it.
   [[nodiscard]] Step step(const Joints& x_probe);
 
  private:
   static constexpr double kRelease = 0.0005;  // m
+  static constexpr double kPiece = 0.05;      // rad; a pad moves 5 mm at most
+  static constexpr double kFarthest = 6.3;    // rad; a probe that jumps farther is no finger's
+  [[nodiscard]] Step follow(const Joints& x_probe);
   [[nodiscard]] Joints minimise(const Joints& x_probe, const Joints& seed) const;
   [[nodiscard]] double total(const Joints& x, const Joints& x_probe) const;
 
   SoftFingerModel model_;
   bool touching_{false};
-  Joints last_{};
+  Joints probe_{}, last_{};  ///< of the last step; open before the first
 };
 
 }  // namespace haptic::examples

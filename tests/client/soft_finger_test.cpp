@@ -74,12 +74,12 @@ TEST(SoftFinger, OnlyContactOpensTheFinger) {
   over_the_motion([&](const Joints& probe) {
     SoftFinger finger;
     const double depth = finger.contact(probe).depth;
-    ++(depth > 0.0 ? touching : apart);
     const auto step = finger.step(probe);
-    EXPECT_EQ(step.touching, depth > 0.0);
+    ++(step.touching ? touching : apart);
     if (step.touching) {
-      EXPECT_LT(finger.contact(step.x).depth, depth) << probe[0] << ' ' << probe[1];
+      EXPECT_LE(step.x[0] + step.x[1], probe[0] + probe[1]) << probe[0] << ' ' << probe[1];
     } else {
+      EXPECT_LE(depth, 0.0) << probe[0] << ' ' << probe[1];
       EXPECT_EQ(step.x, probe);
       EXPECT_EQ(step.energy, 0.0);
     }
@@ -105,6 +105,31 @@ TEST(SoftFinger, PushedThroughProbeStaysInContact) {
   EXPECT_TRUE(touched);
   for (int percent = 100; percent >= 0; --percent) static_cast<void>(finger.step(pose(percent)));
   EXPECT_FALSE(finger.step(pose(0)).touching);
+}
+
+/// As when it had been there from the start.
+TEST(SoftFinger, JoiningInsideMeetsTheKnownSide) {
+  SoftFinger steady;
+  for (int percent = 0; percent <= 100; ++percent) {
+    const Joints probe{0.6 * percent * kDegree, 0.7 * percent * kDegree};
+    const auto closed = steady.step(probe);
+    SoftFinger late;
+    const auto joined = late.step(probe);
+    EXPECT_EQ(joined.touching, closed.touching) << percent;
+    for (std::size_t k = 0; k < 2; ++k) {
+      EXPECT_NEAR(joined.x[k], closed.x[k], 2.0 * kDegree) << percent;
+    }
+    static_cast<void>(late.step({0.0, 0.0}));
+    EXPECT_FALSE(late.step({0.0, 0.0}).touching);
+  }
+}
+
+TEST(SoftFinger, ProbesThatAreNoFingersAreFollowed) {
+  SoftFinger finger;
+  for (const double odd : {1e6, -1e6, 1e300}) {
+    const auto step = finger.step({odd, -odd});
+    EXPECT_TRUE(std::isfinite(step.x[0]) && std::isfinite(step.energy)) << odd;
+  }
 }
 
 TEST(SoftFinger, TheProxyIsAnEquilibrium) {

@@ -96,9 +96,9 @@ class Link {
 /// A frame of each type, with a payload of each length that a message may have, and raw bytes.
 std::vector<FuzzBytes> frame_seeds() {
   std::vector<FuzzBytes> seeds;
-  for (const std::uint8_t type : {0x01, 0x02, 0x03, 0x04, 0x81, 0x82, 0x83, 0x84}) {
+  for (const std::uint8_t type : FuzzBytes{0x01, 0x02, 0x03, 0x04, 0x81, 0x82, 0x83, 0x84}) {
     FuzzBytes seed;
-    for (const std::uint8_t size : {0, 8, 16, 24, 40, 64, 120, 240}) {
+    for (const std::uint8_t size : FuzzBytes{0, 8, 16, 24, 40, 64, 120, 240}) {
       seed.insert(seed.end(), {kFrame, static_cast<std::uint8_t>(size + 5), type, 0, 0, 0, size});
       seed.insert(seed.end(), size, size);
     }

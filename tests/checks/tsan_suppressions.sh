@@ -12,7 +12,7 @@ rules=$(grep -vE '^[[:space:]]*(#|$)' "$file") ||
   { echo "$file: missing or without rules"; exit 2; }
 others=$(echo "$rules" |
   grep -vxF 'race:grpc::internal::CallOpClientRecvStatus::FinishOp' |
-  grep -vE '^(race|called_from_lib|mutex|deadlock|thread|signal|race_top):(libgrpc(\+\+)?|libabsl(_[a-z_]+)?|libprotobuf|libgpr'"$more"')[.*so0-9]*$')
+  grep -vE '^(race|called_from_lib|mutex|deadlock|thread|signal|race_top):(libgrpc(\+\+)?|libabsl(_[a-z_]+)?|libprotobuf|libgpr|libupb'"$more"')[.*so0-9]*$')
 if [ -n "$others" ]; then
   echo "$file: only libgrpc, libabsl, libprotobuf${*:+ and $*} may be named; found:"
   echo "$others"

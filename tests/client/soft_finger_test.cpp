@@ -124,7 +124,7 @@ TEST(SoftFinger, JoiningInsideMeetsTheKnownSide) {
   }
 }
 
-TEST(SoftFinger, ProbesThatAreNoFingersAreFollowed) {
+TEST(SoftFinger, OddProbesAreFollowed) {
   SoftFinger finger;
   for (const double odd : {1e6, -1e6, 1e300}) {
     const auto step = finger.step({odd, -odd});

@@ -43,7 +43,7 @@ class IntakeTest : public testing::Test {
   std::unique_ptr<server::FrontsPages> front = std::make_unique<server::FrontsPages>();
 };
 
-TEST_F(IntakeTest, TheLoopTakesAFewPerTick) {
+TEST_F(IntakeTest, ATickTakesAFew) {
   push(SampleIntake::kPerTick + 1);
   intake.take_for_tick();
   EXPECT_EQ(used(), static_cast<unsigned>(SampleIntake::kPerTick));

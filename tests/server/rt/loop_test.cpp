@@ -86,8 +86,9 @@ TEST_F(VirtualLoop, TicksOnTheGridUntilStopped) {
 
 TEST_F(VirtualLoop, SamplesAreTakenBeforeEachTick) {
   std::vector<std::uint64_t> ticks;
-  LoopBody taking{{rig.unit.get()}, rig.telemetry->bell(), 1ms, clock, nullptr,
-                  [&] { ticks.push_back(taking.statistics().ticks); }};
+  LoopBody taking{{rig.unit.get()}, rig.telemetry->bell(), 1ms, clock, nullptr, [&] {
+                    ticks.push_back(taking.statistics().ticks);
+                  }};
   taking.finish(kFirstDeadline + 2ms);
   taking.run();
   EXPECT_EQ(ticks, (std::vector<std::uint64_t>{0, 1, 2}));

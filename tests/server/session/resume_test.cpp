@@ -340,7 +340,7 @@ TEST_F(ResumeTest, HigherPriorityOvertakesAWaitingClient) {
   EXPECT_EQ(boss->lease->taken_from, "alice");
 }
 
-TEST_F(ResumeTest, PlacesOfResumingSessionsHaveAnEnd) {
+TEST_F(ResumeTest, ResumingSessionsHaveBoundedPlaces) {
   press();
   server::Request again{.kind = server::Request::Kind::kAdmitSession,
                         .session_id = rig.sessions->id_of("s1")};

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "server/state/device_message.hpp"
@@ -53,7 +54,8 @@ class Owner::Device final : public RecordListener {
   const std::size_t index;
   DeviceUnit& unit;
   DeviceSessions sessions;
-  StateRecord newest{};  ///< the drain's
+  core::TimePoint told_at{};  ///< of the newest event
+  StateRecord newest{};       ///< the drain's
 
  private:
   /// Once: the device stays INIT, because no fault names a sample that cannot be one.
@@ -91,8 +93,11 @@ void Owner::serve(const Act& act) {
     act(answers);
     for (const auto& device : devices_) {
       device->watch_while_controlled();
-      const Outbox out = device->sessions.take();
-      for (const DeviceEvent& event : out.events) {
+      Outbox out = device->sessions.take();
+      for (DeviceEvent& event : out.events) {
+        // No two have one time: by it a client says up to which event it knows them.
+        event.time = std::max(event.time, device->told_at + core::Duration(1));
+        device->told_at = event.time;
         for (const auto& front : fronts) front->on_event(device->index, event);
       }
       answers.insert(answers.end(), out.answers.begin(), out.answers.end());

@@ -278,6 +278,18 @@ TEST(Suspicion, MessagesOfStreamsAreNone) {
   EXPECT_DOUBLE_EQ(suspicion.bytes(), 0.0);
 }
 
+/// As gRPC's client answers a state per millisecond, a little before or after the acknowledgement.
+TEST(Suspicion, AListenersAnswersAreNone) {
+  server::Suspicion suspicion;
+  server::Traffic traffic;
+  for (int i = 0; i < 1000; ++i) {
+    traffic.received += i % 2 == 0 ? 940 : 0;
+    traffic.acknowledged += 3440;
+    suspicion.book(traffic, 0.01);
+  }
+  EXPECT_LT(suspicion.bytes(), 1024.0);
+}
+
 TEST(Debt, AListenersWindowUpdatesAreFree) {
   // 1000 states of 120 bytes each second, answered by 13 bytes of window and 17 of a ping.
   server::Debt debt;

@@ -98,9 +98,9 @@ class Unread {
   core::TimePoint stuck_{};
 };
 
-/// What a connection did lately that can have cost memory: every byte but messages of streams and
-/// answers to states may have begun a call, of which gRPC keeps a thousand times as much until it is
-/// over. One thread.
+/// What a connection did lately that can have cost memory. Every byte but messages of streams and
+/// answers to states may have begun a call, and gRPC keeps a thousand times as much of a call until
+/// it is over. One thread.
 class Suspicion {
  public:
   /// `since`: s since the last time.

@@ -5,11 +5,12 @@
 /// | thread     | what it owns                                    | how it stops                 |
 /// |------------|-------------------------------------------------|------------------------------|
 /// | main       | the App; waits for signals                      | App::stop() returned         |
-/// | loop       | units: device read and write, pipeline          | every unit CLOSING, or 2.5 s |
+/// | loop       | units: device read and write, pipeline; samples | every unit CLOSING, or 2.5 s |
+/// |            | that wait just before a tick                    |                              |
 /// | board I/O  | port and protocol of a board, one thread each   | Device::close(), 100 ms      |
 /// | telemetry  | reading end of the rings; leases' clock,        | Telemetry::stop(), after a   |
 /// |            | events, states to the front, recorder, log      | last drain                   |
-/// | front link | what fronts send, their lives, the local        | FrontLink::stop(), 1.5 s     |
+/// | front link | requests, other samples, fronts' lives, local   | FrontLink::stop(), 1.5 s     |
 /// |            | control socket                                  |                              |
 ///
 /// All but main block every signal. The front's threads: server/front_app.hpp.

@@ -61,7 +61,7 @@ std::string ask(const std::string& name, const std::string& command, int patienc
   socklen_t holder_size = sizeof holder;
   if (connect(socket, reinterpret_cast<const sockaddr*>(&address), length) != 0 ||
       getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &holder, &holder_size) != 0) {
-    // Nobody has the name.
+    // There is no socket of this name.
   } else if (!trusted(holder.uid)) {
     std::fprintf(stderr,
                  "hapticctl: the control socket @%s is not asked: it belongs to user %u, who is "

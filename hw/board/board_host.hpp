@@ -53,7 +53,7 @@ struct HostCounters {
   Counters board{};                                     ///< the newest of the board's own
 };
 
-/// What a board said of itself in the handshake.
+/// The facts that a board tells in the handshake.
 struct Introduction {
   Identity identity{};
   core::VecA drive_damping{};  ///< n_a, N s/m or N m s/rad: 2 max_effort / max_rate

@@ -98,19 +98,24 @@ class Unread {
   core::TimePoint stuck_{};
 };
 
-/// What a connection did lately that can have cost memory. Every byte but messages of streams and
-/// answers to states may have begun a call, and gRPC keeps a thousand times as much of a call until
-/// it is over. One thread.
+/// By how much a total has grown since the last time, never below 0.
+inline double grown(std::uint64_t& before, std::uint64_t value) noexcept {
+  const std::uint64_t step = value > before ? value - before : 0;
+  before = std::max(before, value);
+  return static_cast<double>(step);
+}
+
+/// Counts the bytes of a connection that can have cost memory lately: all but messages of streams
+/// and answers to states. They may have begun calls, and gRPC keeps a thousand times as much of a
+/// call until it is over. One thread.
 class Suspicion {
  public:
   /// `since`: s since the last time.
   void book(const Traffic& now, double since) noexcept {
     const std::uint64_t other = now.received - std::min(now.received, now.messages);
     // gRPC's clients answer states with window updates and pings: 47 bytes to 344 that arrived.
-    const double answers = kAnswers * static_cast<double>(now.acknowledged - acknowledged_);
-    const double step = static_cast<double>(other - std::min(other, last_)) + early_ - answers;
-    acknowledged_ = now.acknowledged;
-    last_ = std::max(last_, other);
+    const double answers = kAnswers * grown(acknowledged_, now.acknowledged);
+    const double step = grown(other_, other) + early_ - answers;
     early_ = std::clamp(step, -kEarly, 0.0);
     bytes_ = bytes_ * std::max(0.0, 1.0 - since) + std::max(0.0, step);
   }
@@ -120,7 +125,7 @@ class Suspicion {
  private:
   static constexpr double kAnswers = 0.2;
   static constexpr double kEarly = 2048.0;  ///< of answers that may still come
-  std::uint64_t last_{0}, acknowledged_{0};
+  std::uint64_t other_{0}, acknowledged_{0};
   double early_{0.0};
   double bytes_{0.0};
 };
@@ -134,11 +139,6 @@ class Debt {
  public:
   /// `forgiven`: bytes, for the time since the last call.
   void book(const Traffic& now, double forgiven) noexcept {
-    const auto grown = [](std::uint64_t& before, std::uint64_t value) {
-      const std::uint64_t step = value > before ? value - before : 0;
-      before = std::max(before, value);
-      return static_cast<double>(step);
-    };
     // Twice a message: HTTP/2 may add padding and frames without content to it. Half of what was
     // sent: a client that only listens answers states with window updates and pings.
     const double paid = 2.0 * grown(last_.understood, now.understood) +

@@ -56,7 +56,7 @@ bool flooded(const Descriptor& socket) {
   return ioctl(socket.get(), SIOCINQ, &waiting) == 0 && waiting > kEarly;
 }
 
-/// What waits in the kernel would still be read.
+/// Drops the bytes that wait in the kernel: gRPC would still read them.
 void drain(const Descriptor& socket) {
   while (recv(socket.get(), nullptr, 1 << 20, MSG_TRUNC | MSG_DONTWAIT) > 0) continue;
 }

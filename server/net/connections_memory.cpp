@@ -14,7 +14,7 @@ namespace haptic::server {
 namespace {
 
 constexpr std::chrono::seconds kMemoryEvery{1};
-/// Whether the heap is smaller again; to ask takes malloc's locks.
+/// How often it is looked whether the heap is smaller again: to look takes malloc's locks.
 constexpr std::chrono::milliseconds kHeapEvery{50};
 /// gRPC gives back what it has of connections that were cut within such a time, however busy the
 /// host is.
@@ -52,7 +52,7 @@ void Connections::look_at_memory(core::TimePoint now) {
   if (drained) full_ = false;
   if (!drained && now - memory_at_ < kMemoryEvery) return;
   memory_at_ = now;
-  // What an attack leaves behind is given back, so that the next one is seen to grow.
+  // Memory that an attack leaves behind is given back, so that the next one is seen to grow.
   if (std::exchange(trim_, false)) malloc_trim(0);
   resident_ = resident();
   if (resident_ > limits_.memory && heap_in_use() > limits_.memory) cut_suspects(now);

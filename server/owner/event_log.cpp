@@ -6,11 +6,11 @@ namespace haptic::server {
 namespace {
 
 spdlog::level::level_enum level_of(DeviceEvent::Kind kind) {
-  using What = DeviceEvent::Kind;
-  if (kind == What::kFault) return spdlog::level::err;
-  if (kind == What::kLost || kind == What::kLeaseExpired) return spdlog::level::warn;
+  using Kind = DeviceEvent::Kind;
+  if (kind == Kind::kFault) return spdlog::level::err;
+  if (kind == Kind::kLost || kind == Kind::kLeaseExpired) return spdlog::level::warn;
   // As often as a client likes.
-  const bool frequent = kind == What::kStaleness || kind == What::kLimiter || kind == What::kClamp;
+  const bool frequent = kind == Kind::kStaleness || kind == Kind::kLimiter || kind == Kind::kClamp;
   return frequent ? spdlog::level::debug : spdlog::level::info;
 }
 

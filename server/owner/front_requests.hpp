@@ -1,6 +1,6 @@
 #pragma once
-/// What a front asks, made harmless (from_front.hpp) and passed on to the owner, no more of it than
-/// an honest front has open. It knows no thread: the front link calls it.
+/// Passes requests of a front on to the owner, made harmless (from_front.hpp), and no more of them
+/// than an honest front has open. It knows no thread: the front link calls it.
 
 #include "server/owner/front_process.hpp"
 #include "server/owner/publisher.hpp"

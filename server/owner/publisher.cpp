@@ -20,7 +20,7 @@ Publisher::Publisher(const Owner& owner, std::function<void(const Answer&)> loca
 }
 
 bool Publisher::expect_answer(std::uint64_t id) {
-  // What an honest front can have open, so that no stop of it is ever refused.
+  // An honest front has no more open, so no stop of it is ever refused.
   constexpr std::size_t kMost = kMostOpenRequests + kMostOpenStops + kMostDevices;
   const std::lock_guard lock(mutex_);
   return open_.size() < kMost && open_.insert(id).second;

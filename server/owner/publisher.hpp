@@ -20,8 +20,9 @@ class Publisher final : public FrontPort {
 
   [[nodiscard]] int descriptor() const noexcept { return memory_.descriptor(); }
 
-  // One thread, the link's.
+  /// Behind the owner's lock.
   void judged(const Judged& judged) noexcept { pages_.judged.publish(judged); }
+  // One thread, the link's.
   void facts(const ServerFacts& facts) noexcept { pages_.facts.publish(facts); }
   void totals(std::size_t device, const TickTotals& totals) noexcept {
     pages_.devices[device].totals.publish(totals);

@@ -21,39 +21,39 @@ void SampleIntake::serve(const FrontsPages* pages) {
 }
 
 bool SampleIntake::take() {
-  int taken = 0;
+  bool more = false;
   bool tell = false;
   {
     const Owner::Turn turn = owner_.turn();
-    taken = take(kPerTurn, turn);
+    more = take(kPerTurn, turn);
     tell = std::exchange(told_, judged_) != judged_;
   }
   if (tell) publisher_.ring();
-  return taken == kPerTurn;
+  return more;
 }
 
 void SampleIntake::take_for_tick() noexcept {
   if (const Owner::Turn turn = owner_.turn_if_free()) take(kPerTick, turn);
 }
 
-int SampleIntake::take(int most, const Owner::Turn& turn) {
-  if (pages_ == nullptr) return 0;
-  int taken = 0;
+bool SampleIntake::take(int most, const Owner::Turn& turn) {
+  if (pages_ == nullptr) return false;
+  int proxies = 0, poses = 0;
   ProxySample sample;
-  for (; taken < most && pages_->proxies.take(proxies_, sample); ++taken) {
+  for (; proxies < most && pages_->proxies.take(proxies_, sample); ++proxies) {
     if (sample.device >= proxy_arrivals_.size()) continue;
     make_harmless(sample, proxy_arrivals_[sample.device].in_order(sample.arrival, steady_now()));
     publisher_.judged({sample.ticket, sample.seq, sample.carrier, owner_.accept(sample, turn)});
     ++judged_;
   }
   PoseSample pose;
-  for (; taken < most && pages_->poses.take(poses_, pose); ++taken) {
+  for (; poses < most && pages_->poses.take(poses_, pose); ++poses) {
     if (pose.device >= pose_arrivals_.size()) continue;
     make_harmless(pose, pose_arrivals_[pose.device].in_order(pose.arrival, steady_now()));
     publisher_.judged({pose.ticket, pose.seq, Carrier::kGrpc, owner_.accept(pose, turn)});
     ++judged_;
   }
-  return taken;
+  return proxies == most || poses == most;
 }
 
 }  // namespace haptic::server

@@ -14,9 +14,9 @@ namespace haptic::server {
 
 class SampleIntake {
  public:
-  /// What the loop takes before one tick, of all devices together.
+  /// Samples of the proxy, and poses, that the loop takes before one tick, for all devices.
   static constexpr int kPerTick = 4;
-  /// What the front link takes in one turn: the owner's lock is free between two turns.
+  /// The same for a turn of the front link. The owner's lock is free between two turns.
   static constexpr int kPerTurn = 32;
 
   /// Both must outlive this.
@@ -32,8 +32,8 @@ class SampleIntake {
   void take_for_tick() noexcept;
 
  private:
-  /// At most `most`; the answer: how many.
-  int take(int most, const Owner::Turn& turn);
+  /// At most `most` of each kind. True: there may be more.
+  bool take(int most, const Owner::Turn& turn);
 
   Owner& owner_;
   Publisher& publisher_;

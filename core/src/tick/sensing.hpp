@@ -19,7 +19,7 @@ inline constexpr int kRecentPeriods = 3;
 /// its own travel, whose force no load cell feels. The margin of that range is a part of it.
 inline constexpr double kNearEnd = 0.08;
 
-/// What the drives were told in the tick before, if the server controls their force.
+/// The commands of the drives in the tick before, if the server controls their force.
 struct Driven {
   bool on{false};
   VecA command{};  ///< n_a; N or N m of force loops, m or rad of admittances

@@ -23,6 +23,20 @@ def eventually(condition: Callable[[], bool], seconds: float = 20.0) -> bool:
     return False
 
 
+def reasons_until(session: haptic.Session, last: str) -> list[str]:
+    """The reasons of the events up to `last`. It may come after the state that shows its effect:
+    states and events go from the owner to the front by two ways."""
+    reasons: list[str] = []
+
+    def told() -> bool:
+        reasons.extend(event.reason for event in session.events())
+        return last in reasons
+
+    if not eventually(told):
+        raise AssertionError(f"no event {last!r} among {reasons}")
+    return reasons
+
+
 class Hapticd:
     def __init__(self, scene: str, *, udp: bool = False, lease_s: int = 2,
                  settings: Sequence[str] = ()) -> None:

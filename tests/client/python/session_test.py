@@ -9,7 +9,7 @@ import unittest
 from unittest import mock
 
 import haptic
-from hapticd_process import Hapticd, OneServer, eventually
+from hapticd_process import Hapticd, OneServer, eventually, reasons_until
 
 EXAMPLES = os.path.join(os.environ["HAPTIC_SCENES"], "../../client/python/examples")
 
@@ -70,9 +70,7 @@ class Force(OneServer):
         self.assertEqual(state.transport, "GRPC")
         session.release()
         self.hold(session, lambda s: s.state == "ARMED" and s.gain == 0.0)
-        reasons = [e.reason for e in session.events() if e.kind == "STATE"]
-        self.assertIn("ENGAGING -> ENGAGED", reasons)
-        self.assertIn("RELEASING -> ARMED", reasons)
+        self.assertIn("ENGAGING -> ENGAGED", reasons_until(session, "RELEASING -> ARMED"))
 
     def test_silence_ends_it_with_an_event(self) -> None:
         session = self.open()
@@ -156,7 +154,7 @@ class Udp(OneServer):
         state = self.hold(session, lambda s: s.state == "ENGAGED" and s.transport == "UDP")
         self.assertTrue(session.udp_in_use)
         self.assertEqual(state.gain, 1.0)
-        self.assertTrue(any(e.reason == "SAMPLES GRPC -> UDP" for e in session.events()))
+        reasons_until(session, "SAMPLES GRPC -> UDP")
 
     def test_a_silent_path_loses_no_force(self) -> None:
         session = self.open()

@@ -50,7 +50,7 @@ TEST(ResumeService, ForceContinuesAfterALostStream) {
   ASSERT_TRUE(eventually([&] { return second.ack().accepted() > 10; }));
   ASSERT_TRUE(eventually([&] { return second.state().lease_epoch() == 2U; }));
   EXPECT_EQ(second.state().gain(), 1.0);
-  EXPECT_TRUE(heard(watcher, "LEASE_RESUMED"));
+  EXPECT_TRUE(eventually([&] { return heard(watcher, "LEASE_RESUMED"); }));
   EXPECT_FALSE(heard(watcher, "ENGAGED -> RELEASING"));
 }
 

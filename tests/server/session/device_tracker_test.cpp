@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "tests/support/allocation_guard.hpp"
+
 namespace haptic::test {
 namespace {
 
@@ -46,7 +48,9 @@ struct Door {
                             .arrival = now,
                             .position = {position.data(), positions},
                             .orientation = {orientation.data(), orientations}};
+    const AllocationGuard guard;  // the loop's thread judges poses as well
     const server::Verdict verdict = tracker.accept(pose);
+    EXPECT_EQ(guard.allocations(), 0U);
     why = verdict.why.str();
     return verdict.verdict;
   }

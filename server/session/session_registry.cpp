@@ -1,22 +1,23 @@
 #include "server/session/session_registry.hpp"
 
+#include <fmt/format.h>
+#include <sys/random.h>
+
 #include <algorithm>
-#include <cstdio>
-#include <random>
+#include <array>
+#include <cstdint>
+#include <cstdlib>
 #include <string>
 
 namespace haptic::server {
 namespace {
 
+/// 128 bits from the kernel, in hex. So few never fail once the system has started, unlike the
+/// processor's own source behind std::random_device, which may run out and then throws.
 std::string random_name() {
-  static std::random_device entropy;  // the operating system's own source, not a seeded sequence
-  std::string name;
-  for (int i = 0; i < 4; ++i) {
-    char part[9];
-    std::snprintf(part, sizeof part, "%08x", entropy());
-    name += part;
-  }
-  return name;
+  std::array<std::uint64_t, 2> bits{};
+  if (getrandom(bits.data(), sizeof bits, 0) != sizeof bits) std::abort();
+  return fmt::format("{:016x}{:016x}", bits[0], bits[1]);
 }
 
 const char* plural(Request::Kind kind) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
+#include "tests/report/chosen_linkage.hpp"
 #include "tests/report/client_kind.hpp"
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
@@ -94,8 +95,8 @@ Row q_metric_row(const Options& options, const Pair& stop, const Network& networ
   row.proxy = kQMetric;
   row.loop.method = core::RendererKind::kSubspaceExact;
   row.loop.client = client_of(ClientKind::kHeld, network, radians(stop));
-  row.loop.client.between =
-      test::q_metric({core::make_finger_exoskeleton({}), radians(stop), options.sensed_weight});
+  row.loop.client.between = test::q_metric(
+      {core::make_finger_exoskeleton(chosen_linkage()), radians(stop), options.sensed_weight});
   return row;
 }
 

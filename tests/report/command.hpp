@@ -10,7 +10,9 @@ namespace haptic::report {
 /// program ends with 1.
 struct FigureFailed {};
 
+void add_linkage(CLI::App& app);
 void add_fig4(CLI::App& app);
+void add_claims(CLI::App& app);
 void add_scan(CLI::App& app);
 void add_radius(CLI::App& app);
 void add_finger(CLI::App& app);

@@ -6,6 +6,7 @@
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
+#include "tests/report/chosen_linkage.hpp"
 #include "tests/report/command.hpp"
 #include "tests/report/coupling_equilibrium.hpp"
 #include "tests/report/csv.hpp"
@@ -72,7 +73,7 @@ void print(const core::Kinematics& finger, const Press& press, const Stop& stop,
 void print_all(const Scope& scope) {
   row("pose_mcp_deg", "pose_pip_deg", "stop", "stiffness_n_per_m", "penetration_deg", "metric",
       "softness", "tau_full_n", "tau_n", "force_error", "end_full_deg", "end_deg", "verdict");
-  const auto finger = core::make_finger_exoskeleton({});
+  const auto finger = core::make_finger_exoskeleton(chosen_linkage());
   for (const Pair& pose : scope.poses) {
     for (const Stop& stop : stops()) {
       for (const double stiffness : scope.stiffnesses) {

@@ -7,6 +7,7 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/motion/motion_csv.hpp"
 #include "tests/report/analysis/trajectory_metrics.hpp"
+#include "tests/report/chosen_linkage.hpp"
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
 #include "tests/report/values.hpp"
@@ -109,7 +110,7 @@ void print_series(const core::TrajectoryAnalysis& analysis, const std::vector<do
 }
 
 void run(const Options& options) {
-  const auto finger = core::make_finger_exoskeleton({});
+  const auto finger = core::make_finger_exoskeleton(chosen_linkage());
   Path path =
       options.motion.empty() ? from_grasp(*finger, options) : from_motion(*finger, options.motion);
   core::StepRule rule;

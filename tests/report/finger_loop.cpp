@@ -1,4 +1,5 @@
 #include "tests/report/finger_loop.hpp"
+#include "tests/report/chosen_linkage.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -164,7 +165,8 @@ std::string_view name(Safeguard with) noexcept {
 }
 
 LoopFigures run(const FingerLoop& what, const std::function<void(const LoopTick&)>& observe) {
-  const std::shared_ptr<const core::Kinematics> finger = core::make_finger_exoskeleton({});
+  const std::shared_ptr<const core::Kinematics> finger =
+      core::make_finger_exoskeleton(chosen_linkage());
   Device device(what, finger);
   test::PipelineLoop loop(pipeline_for(what, finger), what.client, kDeviceDamping);
   const bool press = what.motion == Motion::kPress;

@@ -1,4 +1,5 @@
 #include "tests/report/finger_press.hpp"
+#include "tests/report/chosen_linkage.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -119,7 +120,8 @@ double stiffness_of_method(core::RendererKind method, double stiffness,
 }
 
 Felt press(const Press& what, const std::function<void(const PressTick&)>& observe) {
-  const std::shared_ptr<const core::Kinematics> finger = core::make_finger_exoskeleton({});
+  const std::shared_ptr<const core::Kinematics> finger =
+      core::make_finger_exoskeleton(chosen_linkage());
   const auto device = worn_device(what, finger);
   const auto* board = dynamic_cast<const VirtualBoard*>(device.get());
   core::Pipeline pipeline(pipeline_for(what, *device, finger));

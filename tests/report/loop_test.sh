@@ -4,7 +4,11 @@
 #
 #   loop_test.sh HAPTIC-REPORT
 set -u
-report=$1
+haptic_report=$1
+# The page's figures are this linkage's.
+report() {
+  "$haptic_report" --linkage finger_sign_change "$@"
+}
 failed=0
 fail() {
   echo "FAILED: $*"
@@ -15,7 +19,7 @@ fail() {
 every() {
   name=$1 rows=$2 condition=$3
   shift 3
-  found=$("$report" "$@") || { fail "$name: haptic-report $* ended with $?"; return; }
+  found=$(report "$@") || { fail "$name: haptic-report $* ended with $?"; return; }
   names=$(echo "$found" | head -n 1)
   program=$(echo "$names" | awk -F, -v condition="$condition" '{
     for (i = 1; i <= NF; i++) set = set $i " = $" i "; "
@@ -26,15 +30,15 @@ every() {
 $wrong"
 }
 refused() {  # refused arguments...: exit status 2, a reason on standard error, nothing on output
-  output=$("$report" "$@" 2>/dev/null)
+  output=$(report "$@" 2>/dev/null)
   [ $? -eq 2 ] || fail "haptic-report $*: must end with 2"
   [ -z "$output" ] || fail "haptic-report $*: must print nothing"
-  [ -n "$("$report" "$@" 2>&1 >/dev/null)" ] || fail "haptic-report $*: must say why"
+  [ -n "$(report "$@" 2>&1 >/dev/null)" ] || fail "haptic-report $*: must say why"
 }
 number() {  # number COLUMN arguments...: that of the first row
   column=$1
   shift
-  "$report" "$@" |
+  report "$@" |
     awk -F, -v column="$column" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == column) c = i }
     NR == 2 { print $c }'
 }
@@ -52,7 +56,7 @@ every "the hand's cycle, (8)" 1 'most_net_mj > 150 && most_net_mj < 175' closed-
 # Without the tank every method gives energy in one direction, with the guard alone too.
 for method in standard null_space subspace_linear subspace_exact; do
   for with in nothing guard; do
-    given=$("$report" closed-loop --motion hand --stop 18,999 --method $method --rate 1000 --proxy \
+    given=$(report closed-loop --motion hand --stop 18,999 --method $method --rate 1000 --proxy \
       held \
       --with $with | grep -c 'gives energy')
     [ "$given" -ge 1 ] ||

@@ -4,12 +4,24 @@
 #include <cstdio>
 
 #include "haptic/core/error.hpp"
+#include "tests/report/chosen_linkage.hpp"
 #include "tests/report/command.hpp"
 
 int main(int argc, char** argv) {
   CLI::App app{"Figures of rendering through underactuated devices, as CSV on standard output"};
   app.require_subcommand(1);
+  app.add_option_function<std::string>(
+         "--linkage",
+         [](const std::string& name) {
+           if (name == "finger_sign_change") {
+             haptic::report::chosen_linkage() = haptic::core::finger_sign_change();
+           }
+         },
+         "of the finger, before the subcommand; default: finger_same_sign")
+      ->check(CLI::IsMember({"finger_same_sign", "finger_sign_change"}));
+  haptic::report::add_linkage(app);
   haptic::report::add_fig4(app);
+  haptic::report::add_claims(app);
   haptic::report::add_scan(app);
   haptic::report::add_radius(app);
   haptic::report::add_finger(app);

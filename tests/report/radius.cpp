@@ -7,6 +7,7 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "tests/report/analysis/passivity_radius.hpp"
+#include "tests/report/chosen_linkage.hpp"
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
 #include "tests/report/valid_region.hpp"
@@ -23,7 +24,7 @@ struct Sample {
 
 /// A grid of steps by steps poses over the box of q, those in the valid region.
 std::vector<Sample> region(int steps) {
-  const core::FingerDimensions d;
+  const core::FingerDimensions& d = chosen_linkage();
   std::vector<Sample> samples;
   for (int i = 0; i < steps; ++i) {
     for (int k = 0; k < steps; ++k) {
@@ -99,7 +100,7 @@ void add_radius(CLI::App& app) {
       kinds = {core::RendererKind::kStandard, core::RendererKind::kNullSpace,
                core::RendererKind::kSubspaceLinear};
     }
-    const auto finger = core::make_finger_exoskeleton({});
+    const auto finger = core::make_finger_exoskeleton(chosen_linkage());
     const std::vector<Sample> samples = region(options->steps);
     if (samples.empty()) throw core::SceneError("radius: the grid has no pose in the valid region");
     (options->map ? print_map : print_quantiles)(*finger, samples, kinds);

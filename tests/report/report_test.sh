@@ -3,7 +3,11 @@
 #
 #   report_test.sh HAPTIC-REPORT [values|grid]      grid: the presses at the finger alone
 set -u
-report=$1
+haptic_report=$1
+# The page's figures are this linkage's.
+report() {
+  "$haptic_report" --linkage finger_sign_change "$@"
+}
 failed=0
 fail() {
   echo "FAILED: $*"
@@ -13,7 +17,7 @@ fail() {
 header() {  # header EXPECTED arguments...: the first line
   expected=$1
   shift
-  found=$("$report" "$@" 2>/dev/null | head -n 1)
+  found=$(report "$@" 2>/dev/null | head -n 1)
   [ "$found" = "$expected" ] || fail "haptic-report $*: header '$found', expected '$expected'"
 }
 # near KEY EXPECTED TOLERANCE: the last column of the line of $csv that begins with KEY. Not in a
@@ -36,16 +40,16 @@ has() {  # has LINE: $csv holds it, whole
   echo "$csv" | grep -qx "$1" || fail "no line '$1'"
 }
 refused() {  # refused arguments...: exit status 2, a reason on standard error, nothing on output
-  output=$("$report" "$@" 2>/dev/null)
+  output=$(report "$@" 2>/dev/null)
   [ $? -eq 2 ] || fail "haptic-report $*: must end with 2"
   [ -z "$output" ] || fail "haptic-report $*: must print nothing"
-  [ -n "$("$report" "$@" 2>&1 >/dev/null)" ] || fail "haptic-report $*: must say why"
+  [ -n "$(report "$@" 2>&1 >/dev/null)" ] || fail "haptic-report $*: must say why"
 }
 
 if [ "${2:-values}" = grid ]; then
   # core/METHOD.md#forces-at-the-finger, 24 runs: deeper than without force standard 2, (6) 4; with
   # the guard none.
-  deeper() { "$report" finger --grid "$@" | grep deeper | cut -d, -f1 | sort | uniq -c |
+  deeper() { report finger --grid "$@" | grep deeper | cut -d, -f1 | sort | uniq -c |
     tr -s ' \n' ' '; }
   found=$(deeper)
   [ "$found" = " 2 standard 4 subspace_exact " ] || fail "finger --grid: deeper are '$found'"
@@ -53,7 +57,7 @@ if [ "${2:-values}" = grid ]; then
   [ -z "$found" ] || fail "finger --grid --guard: deeper are '$found'"
   # With the tank behind it no run gives more than the device's own damping takes back.
   for safe in --guard --envelope; do
-    found=$("$report" finger --grid --tank $safe | grep -c ',ok$')
+    found=$(report finger --grid --tank $safe | grep -c ',ok$')
     [ "$found" = 96 ] || fail "finger --grid --tank $safe: $found of 96 runs are ok"
   done
   exit $failed
@@ -63,7 +67,7 @@ refused
 
 # core/METHOD.md#finite-difference-rule, trajectory A.
 header "method,metric,value" fig4
-csv=$("$report" fig4 --amplitude 35,50 --phase 15)
+csv=$(report fig4 --amplitude 35,50 --phase 15)
 fig4() {  # fig4 RENDERER METRIC VALUE TOLERANCE
   near "$1,$2" "$3" "$4"
 }
@@ -82,14 +86,14 @@ refused fig4 --motion /nowhere.csv
 
 # core/METHOD.md#fig-4: 150, 101, 88 and 0 of 168.
 header "method,trajectories,any_nonpassive,share_pct,worst_cycle_work_pct" scan
-csv=$("$report" scan | cut -d, -f1-3)
+csv=$(report scan | cut -d, -f1-3)
 for line in standard,168,150 null_space,168,101 subspace_linear,168,88 subspace_exact,168,0; do
   has "$line"
 done
 
 # core/METHOD.md#exact-derivatives: 1 % 5.5, 5 % 8.0, median 18.0 deg (ranges depend on the grid).
 header "method,quantile_pct,radius_deg,poses" radius --grid 20
-csv=$("$report" radius | cut -d, -f1-3)
+csv=$(report radius | cut -d, -f1-3)
 near subspace_linear,1 5.5 0.2
 near subspace_linear,5 8.0 0.2
 near subspace_linear,50 18.0 0.2
@@ -99,7 +103,7 @@ near subspace_linear,50 18.0 0.2
 # rest. Of the coupling metric c = a / (a^2/Z_q + b^2/D_n), a, b = J_a.n, J_n.n.
 header "pose_mcp_deg,pose_pip_deg,stop,stiffness_n_per_m,penetration_deg,metric,softness,tau_full_n,tau_n,\
 force_error,end_full_deg,end_deg,verdict" coupling --pose 30,30 --penetration 1 --stiffness 1500
-csv=$("$report" coupling --pose 30,30 --penetration 0.02 --stiffness 1500 | cut -d, -f1-6,9)
+csv=$(report coupling --pose 30,30 --penetration 0.02 --stiffness 1500 | cut -d, -f1-6,9)
 law() {  # law STOP EPS: tau_a in N; EPS 0: W = I
   awk -v stop="$1" -v eps="$2" \
     'BEGIN { J11 = -47.670; J12 = -1.424; J21 = 78.460; J22 = 0.484; Z = 1500; K = 0.6
@@ -119,7 +123,7 @@ for stop in mcp pip; do
 done
 # What index.md says of it: W = I never pulls in, eps = 1 does on an MCP stop but in the corner, and
 # force falls with eps.
-"$report" coupling | awk -F, 'NR > 1 {
+report coupling | awk -F, 'NR > 1 {
     if ($6 == "identity" && ($13 == "pulls in" ||
       $13 ~ /^leaves/)) bad = bad " identity pulls in: " $0 "\n"
     if ($6 == "eps_1" && $3 == "mcp" && $1 != 10 &&
@@ -135,7 +139,7 @@ done
 header "method,stop_mcp_deg,stop_pip_deg,target_mcp_deg,target_pip_deg,stiffness_n_per_m,end_mcp_deg,\
 end_pip_deg,max_penetration_deg,no_force_penetration_deg,peak_force_n,work_mj,verdict" \
   finger --stop 18,999 --method standard
-rows=$("$report" finger)
+rows=$(report finger)
 # finger RENDERER STOP K end_mcp end_pip [work]: within 0.15 deg, 4 % and the digits printed
 finger() {
   line=$(echo "$rows" | grep "^$1,$2,50,50,$3,")
@@ -162,14 +166,14 @@ echo "$rows" | grep -q "^subspace_exact,18,999,50,50,6000,.*,deeper and gives en
 header "method,proxy,fingers_declared,fingers_in_contact,tick_ns,idle_share_pct" scaling --ticks 16
 
 # The same presses through an emulated board: every method, at the actuator and at the finger.
-rows=$("$report" finger --board --stop 18,999)
+rows=$(report finger --board --stop 18,999)
 [ "$(echo "$rows" | wc -l)" = 5 ] || fail "finger --board: must be a row per method"
 echo "$rows" | grep -q "peak_cell_n,end_cell_n,peak_mcp_torque_nmm,peak_pip_torque_nmm$" ||
   fail "finger --board: must end with cell and torques"
 # Each of the four comes to rest with the force in the cell that it commands, within what the
 # drive's friction leaves to its loop, and with torques of that force's sign at both joints: the rod
 # turns them the same way.
-"$report" finger --board --joints --stop 18,999 | awk -F, '
+report finger --board --joints --stop 18,999 | awk -F, '
   NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
   {
     methods = methods $1 " "

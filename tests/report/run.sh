@@ -4,8 +4,8 @@
 #
 #   tests/report/run.sh [--output DIR] [--build DIR] [part...]
 #
-#   part           fig4 recordings scan radius finger coupling closed_loop rate
-#                  scaling; default: all
+#   part           linkage fig4 recordings scan radius claims finger coupling
+#                  closed_loop rate scaling; default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
 #
@@ -27,7 +27,7 @@ while (($#)); do
   esac
 done
 ((${#parts[@]})) ||
-  parts=(fig4 recordings scan radius finger coupling closed_loop rate scaling)
+  parts=(linkage fig4 recordings scan radius claims finger coupling closed_loop rate scaling)
 
 if [[ -z $programs ]]; then
   sh "$root/docker/install-deps.sh" build test report
@@ -43,11 +43,14 @@ command -v gnuplot >/dev/null ||
 mkdir -p "$output"
 output=$(cd "$output" && pwd)
 
+# The studies of the methods are made on the linkage that is hard for them, unless a part sets
+# another one.
+linkage=finger_sign_change
 csv() {  # csv NAME arguments...: what haptic-report prints, in NAME.csv
   local name=$1
   shift
-  echo "haptic-report $*" >&2
-  "$report" "$@" >"$output/$name.csv"
+  echo "haptic-report --linkage $linkage $*" >&2
+  "$report" --linkage "$linkage" "$@" >"$output/$name.csv"
 }
 draw() {  # draw SCRIPT NAME [gnuplot assignments]: NAME.svg and NAME.png
   (cd "$here/plots" && gnuplot -e "output='$output/$2'; ${3:-}" "$1.gp")
@@ -62,6 +65,48 @@ metrics_table() {  # metrics_table NAME: method,metric,value -> one row per metr
             value["null_space", metric[i]],
             value["subspace_linear", metric[i]], value["subspace_exact", metric[i]] }' \
     "$output/$1.csv" >"$output/$1_table.csv"
+}
+recorded_motions() {  # the files, one per line; none is no error
+  find "$root/../shared/data" -maxdepth 1 -name '*.csv' 2>/dev/null | sort
+}
+make_linkage() {
+  local file linkage=$linkage  # as it is, until the loop
+  csv linkage linkage --trade
+  cut -d, -f1,3-12,17,18 "$output/linkage.csv" >"$output/linkage_worth.csv"
+  cut -d, -f1,3,13-16,19-26 "$output/linkage.csv" >"$output/linkage_dimensions.csv"
+  csv linkage_map linkage --map
+  local motions=()
+  while read -r file; do motions+=(--motion "$file"); done < <(recorded_motions)
+  if ((${#motions[@]})); then
+    csv linkage_motions linkage "${motions[@]}"
+  else
+    echo "run.sh: no recordings in ../shared/data; left out" >&2
+    rm -f "$output/linkage_motions.csv"
+  fi
+  draw linkage linkage "csv='$output/linkage_map.csv'"
+  draw linkage_trade linkage_trade "csv='$output/linkage.csv'"
+  # The studies of the methods on both linkages.
+  for linkage in finger_same_sign finger_sign_change; do
+    csv "both_$linkage" scan
+    csv "both_fig4_$linkage" fig4
+  done
+  (cd "$output" && awk -F, -v OFS=, \
+    'FNR == 1 { linkage = FILENAME; sub(/^both_(fig4_)?/, "", linkage); sub(/[.]csv$/, "", linkage)
+                next }
+     FILENAME ~ /fig4/ { value[linkage, $1, $2] = $3; next }
+     { key[++n] = linkage OFS $1; of[n] = linkage; method[n] = $1; scan[n] = $3 OFS $5 }
+     END { print "linkage", "method", "nonpassive_of_168", "worst_cycle_work_of_168_pct",
+             "a_exact_nonpassive_pct", "a_fd_nonpassive_pct", "a_cycle_work_pct"
+           for (i = 1; i <= n; i++) print key[i], scan[i],
+             value[of[i], method[i], "exact_nonpassive_pct"],
+             value[of[i], method[i], "fd_nonpassive_pct"],
+             value[of[i], method[i], "cycle_work_pct"] }' \
+    both_*.csv >linkage_methods.csv && rm both_*.csv)
+}
+make_claims() {
+  csv claims claims
+  cut -d, -f1-8,10-13 "$output/claims.csv" >"$output/claims_table.csv"
+  csv claims_felt claims --felt
 }
 make_fig4() {
   local name amplitude phase
@@ -78,8 +123,9 @@ make_recordings() {
   local file name last
   echo "recording,method,fd_nonpassive_pct,cycle_work_pct,cycle_work_reversed_pct" \
     >"$output/recordings.csv"
-  for file in "$root"/../shared/data/*.csv; do
-    [[ -f $file ]] || { echo "run.sh: no recordings in ../shared/data; left out" >&2; return 0; }
+  [[ -n $(recorded_motions) ]] ||
+    { echo "run.sh: no recordings in ../shared/data; left out" >&2; return 0; }
+  for file in $(recorded_motions); do
     name=$(basename "$file" .csv)
     csv "motion_$name" fig4 --motion "$file"
     csv "motion_${name}_series" fig4 --motion "$file" --series

@@ -4,6 +4,7 @@
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "tests/report/analysis/trajectory_metrics.hpp"
+#include "tests/report/chosen_linkage.hpp"
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
 #include "tests/report/values.hpp"
@@ -84,7 +85,7 @@ void add_scan(CLI::App& app) {
   auto list = std::make_shared<bool>(false);
   command->add_flag("--list", *list, "every trajectory with its figures instead");
   command->callback([list] {
-    const auto finger = core::make_finger_exoskeleton({});
+    const auto finger = core::make_finger_exoskeleton(chosen_linkage());
     const std::vector<Case> cases = all_cases(*finger);
     if (*list) {
       print_list(cases);

@@ -1,4 +1,5 @@
 #include "tests/report/valid_region.hpp"
+#include "tests/report/chosen_linkage.hpp"
 
 namespace haptic::report {
 
@@ -9,7 +10,7 @@ bool in_valid_region(const core::FingerDimensions& d, const core::FingerPose& po
 }
 
 core::VecQ random_pose(std::mt19937_64& random) {
-  const core::FingerDimensions d;
+  const core::FingerDimensions& d = chosen_linkage();
   std::uniform_real_distribution<double> l(d.l_x_lower, d.l_x_upper), t(d.q_B_lower, d.q_B_upper);
   for (;;) {
     const double l_x = l(random), q_B = t(random);

@@ -144,6 +144,22 @@ class FingerExoskeleton final : public Kinematics {
 
 }  // namespace
 
+FingerDimensions finger_sign_change() noexcept {
+  constexpr double kDegree = 0.017453292519943295;
+  return {.rail_origin = {-0.012, 0.008},
+          .rail_angle = 37.0 * kDegree,
+          .body_d = {0.0285, 0.0},
+          .body_e = {0.077, -0.039},
+          .rod1 = 0.023,
+          .rod2 = 0.014,
+          .slider1_upper = 0.046,
+          .slider2_upper = 0.040,
+          .l_x_lower = 0.0,
+          .l_x_upper = 0.050,
+          .q_B_lower = -75.0 * kDegree,
+          .q_B_upper = 41.5 * kDegree};
+}
+
 FingerDimensions scaled(const FingerDimensions& dimensions, double size) noexcept {
   FingerDimensions d = dimensions;
   for (double* length :

@@ -28,10 +28,26 @@ bool valid(const FingerDimensions& d, const FingerPose& p) {
 }
 
 struct Fixture : ::testing::Test {
-  FingerDimensions dimensions{};
+  FingerDimensions dimensions = finger_sign_change();
   std::unique_ptr<Kinematics> finger = make_finger_exoskeleton(dimensions);
 };
 using FingerExoskeleton = Fixture;
+
+/// What holds for any dimensions.
+struct EveryLinkage : ::testing::TestWithParam<FingerDimensions> {
+  FingerDimensions dimensions = GetParam();
+  std::unique_ptr<Kinematics> finger = make_finger_exoskeleton(dimensions);
+
+  /// Uniform in the box.
+  VecQ random_pose(std::mt19937_64& random) const {
+    std::uniform_real_distribution<double> l(dimensions.l_x_lower, dimensions.l_x_upper),
+        t(dimensions.q_B_lower, dimensions.q_B_upper);
+    const double l_x = l(random);
+    return two(l_x, t(random));
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Named, EveryLinkage,
+                         ::testing::Values(FingerDimensions{}, finger_sign_change()));
 
 struct TableRow {
   double mcp, pip, l_mm, q_B_deg, c1_mm, c2_mm, J[4];
@@ -61,16 +77,35 @@ TEST_F(FingerExoskeleton, HasThePublishedCheckValues) {
   }
 }
 
+/// The other column of the same table.
+TEST(FingerDimensions, DefaultHasItsCheckValues) {
+  constexpr TableRow kDefault[] = {
+      {0, 0, 4.158, 46.304, 7.58, 15.41, {-130.701, -2.507, 448.085, 5.168}},
+      {30, 30, 13.409, 4.793, 14.17, 18.41, {-65.442, -1.594, 170.552, 1.610}},
+      {60, 70, 26.383, -36.082, 10.47, 14.41, {-58.787, -2.400, 158.345, 2.623}},
+  };
+  const auto finger = make_finger_exoskeleton({});
+  for (const TableRow& row : kDefault) {
+    VecQ q;
+    ASSERT_EQ(finger->inverse(two(row.mcp * kDegree, row.pip * kDegree), q), InverseStatus::kExact);
+    EXPECT_NEAR(q[0] * 1e3, row.l_mm, 5e-4);
+    EXPECT_NEAR(q[1] / kDegree, row.q_B_deg, 5e-4);
+    VecX x;
+    MatXQ J;
+    ASSERT_EQ(finger->evaluate(q, x, J), MapStatus::kOk);
+    for (int k = 0; k < 4; ++k) EXPECT_NEAR(J(k / 2, k % 2), row.J[k], 1e-3);
+  }
+}
+
 /// core/METHOD.md#derivatives: difference relative to the largest analytic entry of the pose,
 /// columns scaled by (0.02 m, 1 rad), central differences of 6e-6 scaled.
-TEST_F(FingerExoskeleton, DerivativesAgreeWithCentralDifferences) {
+TEST_P(EveryLinkage, DerivativesAgreeWithCentralDifferences) {
   std::mt19937_64 random(2);
-  std::uniform_real_distribution<double> l(0.0, 0.05), t(-75 * kDegree, 41.5 * kDegree);
   const double scale[2] = {0.02, 1.0};
   int poses = 0;
   double worst_J = 0.0, worst_H = 0.0;
   while (poses < 2000) {
-    const VecQ q = finger_pose(l(random), t(random));
+    const VecQ q = random_pose(random);
     if (!valid(dimensions, finger_pose(dimensions, q[0], q[1]))) continue;
     ++poses;
     VecX x, plus, minus;
@@ -103,15 +138,14 @@ TEST_F(FingerExoskeleton, DerivativesAgreeWithCentralDifferences) {
   EXPECT_LT(worst_H, 5e-7);
 }
 
-TEST_F(FingerExoskeleton, BothClosedFormsAgree) {
+TEST_P(EveryLinkage, BothClosedFormsAgree) {
   std::mt19937_64 random(3);
-  std::uniform_real_distribution<double> l(0.0, 0.05), t(-75 * kDegree, 41.5 * kDegree);
   int poses = 0;
   double worst = 0.0, closure = 0.0;
   VecX x;
   MatXQ J;
   while (poses < 100000) {
-    const VecQ q = finger_pose(l(random), t(random));
+    const VecQ q = random_pose(random);
     const FingerPose p = finger_pose(dimensions, q[0], q[1]);
     if (!valid(dimensions, p)) continue;
     ++poses;
@@ -198,7 +232,7 @@ TEST_F(FingerExoskeleton, UnreachableProxyGivesTheGlobalOptimum) {
   }
 }
 
-TEST_F(FingerExoskeleton, AnyProxyEndsWithinTheLimits) {
+TEST_P(EveryLinkage, AnyProxyEndsWithinTheLimits) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> angle(-4.0, 4.0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -210,7 +244,8 @@ TEST_F(FingerExoskeleton, AnyProxyEndsWithinTheLimits) {
     static_cast<void>(finger->inverse(x, q));
     const FingerPose p = finger_pose(dimensions, q[0], q[1]);
     ASSERT_EQ(p.status, MapStatus::kOk) << x.transpose();
-    ASSERT_TRUE(q[0] >= -1e-12 && q[0] <= 0.05 + 1e-12) << q.transpose();
+    ASSERT_TRUE(q[0] >= dimensions.l_x_lower - 1e-12 && q[0] <= dimensions.l_x_upper + 1e-12)
+        << q.transpose();
     ASSERT_GE(p.c1, dimensions.slider1_lower - 1e-9) << x.transpose();
     ASSERT_LE(p.c2, dimensions.slider2_upper + 1e-9) << x.transpose();
   }
@@ -232,7 +267,7 @@ TEST_F(FingerExoskeleton, MeanJacobianIsTheWorkspaceAverage) {
 }
 
 TEST(FingerDimensions, NamesTheImpossibleDimension) {
-  FingerDimensions d;
+  FingerDimensions d = finger_sign_change();
   d.rod1 = -0.001;
   try {
     static_cast<void>(make_finger_exoskeleton(d));

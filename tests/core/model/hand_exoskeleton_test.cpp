@@ -30,8 +30,8 @@ VecQ reach(const Kinematics& map, const VecX& x) {
 }
 
 TEST(ScaledFinger, KeepsItsAngles) {
-  const auto finger = make_finger_exoskeleton({});
-  const auto large = make_finger_exoskeleton(scaled({}, 1.3));
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
+  const auto large = make_finger_exoskeleton(scaled(finger_sign_change(), 1.3));
   std::mt19937_64 random(1);
   for (int trial = 0; trial < 200; ++trial) {
     VecQ q = reach(*finger, random_joints(random, 1));
@@ -149,7 +149,7 @@ TEST(HandExoskeleton, SaysWhichFingerIsWrong) {
   EXPECT_EQ(refusal({}), "hand with 0 fingers: must have 1 to 12");
   EXPECT_EQ(refusal({{"a", {}}, {"a", {}}}), "finger a given twice: names must differ");
   EXPECT_EQ(refusal({{"", {}}}), "a finger's name is empty: must be given");
-  FingerDimensions bad;
+  FingerDimensions bad = finger_sign_change();
   bad.rod1 = -1.0;
   EXPECT_EQ(refusal({{"a", {}}, {"b", bad}}),
             "finger b: finger_exoskeleton.rod1_m = -1.000000: must be finite and > 0");

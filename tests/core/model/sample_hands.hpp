@@ -10,11 +10,11 @@ namespace haptic::core {
 
 /// A thumb and four fingers of different sizes.
 inline const std::vector<HandFinger>& five_fingers() {
-  static const std::vector<HandFinger> fingers = {{"thumb", scaled({}, 0.8)},
-                                                  {"index", {}},
-                                                  {"middle", scaled({}, 1.1)},
-                                                  {"ring", {}},
-                                                  {"little", scaled({}, 0.75)}};
+  static const std::vector<HandFinger> fingers = {{"thumb", scaled(finger_sign_change(), 0.8)},
+                                                  {"index", finger_sign_change()},
+                                                  {"middle", scaled(finger_sign_change(), 1.1)},
+                                                  {"ring", finger_sign_change()},
+                                                  {"little", scaled(finger_sign_change(), 0.75)}};
   return fingers;
 }
 

@@ -103,7 +103,7 @@ TEST_F(BlockMapTest, EqualsWholeMapToTheBit) {
     map.differentiate(map.all());
     expect_as_the_whole(map, q);
   }
-  const auto finger = make_finger_exoskeleton({});  // a map without blocks
+  const auto finger = make_finger_exoskeleton(finger_sign_change());  // a map without blocks
   BlockMap single(*finger);
   const VecQ q = random_pose().segment<2>(2);
   ASSERT_EQ(single.move_to(q), 0u);
@@ -169,7 +169,7 @@ TEST_F(BlockMapTest, FailedFingerKeepsLastOthersMove) {
 }
 
 TEST_F(BlockMapTest, FailedWholeMapKeepsAll) {
-  const auto finger = make_finger_exoskeleton({});
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
   BlockMap map(*finger);
   ASSERT_EQ(map.move_to(random_pose().segment<2>(2)), 0u);
   const VecX before = map.x_probe();
@@ -218,7 +218,7 @@ TEST_F(BlockMapTest, NeverAllocates) {
 }
 
 TEST(Kinematics, PositionGivesTheBitsOfEvaluate) {
-  const auto finger = make_finger_exoskeleton({});
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
   const auto hand = make_hand_exoskeleton(five_fingers());
   const auto tracked = make_tracked_hand(five_fingers_on_a_palm());
   std::mt19937_64 random(3);

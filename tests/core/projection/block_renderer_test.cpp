@@ -20,8 +20,9 @@ namespace {
 using samples::gaussian;
 
 const Kinematics& five_fingered() {
-  static const auto map = make_hand_exoskeleton(
-      {{"thumb", scaled({}, 0.8)}, {"index", {}}, {"middle", scaled({}, 1.1)}});
+  static const auto map = make_hand_exoskeleton({{"thumb", scaled(finger_sign_change(), 0.8)},
+                                                 {"index", finger_sign_change()},
+                                                 {"middle", scaled(finger_sign_change(), 1.1)}});
   return *map;
 }
 

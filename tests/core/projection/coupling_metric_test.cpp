@@ -36,7 +36,7 @@ MatXQ jacobian(const Kinematics& map, const VecQ& q) {
 /// For square J the definition reads J^T W J = diag(Z_q, eps k_x ||J_n||^2): what one DoF's motion
 /// costs, and no two together.
 TEST(CouplingMetric, WeighsEachDofByItself) {
-  const auto finger = make_finger_exoskeleton({});
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
   int judged = 0;
   for (int i = 0; judged < 100; ++i) {
     const VecQ q = workspace_sample(*finger, i);
@@ -112,7 +112,7 @@ TEST(CouplingMetric, IsFreeOfUnits) {
 }
 
 TEST(CouplingMetric, IsAbsentWithoutJacobianOrStiffness) {
-  const auto finger = make_finger_exoskeleton({});
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
   const VecQ q = (VecQ(2) << 0.016, -0.26).finished();
   const VecA Z = VecA::Constant(1, 1500.0);
   EXPECT_TRUE(coupling_metric(*finger, {}, q, Z, 0.01));
@@ -126,8 +126,9 @@ TEST(CouplingMetric, IsAbsentWithoutJacobianOrStiffness) {
 }
 
 TEST(CouplingMetric, ComesInBlocksRowByRow) {
-  const auto hand = make_hand_exoskeleton({{"thumb", scaled({}, 0.8)}, {"index", {}}});
-  const auto index = make_finger_exoskeleton({});
+  const auto hand = make_hand_exoskeleton(
+      {{"thumb", scaled(finger_sign_change(), 0.8)}, {"index", finger_sign_change()}});
+  const auto index = make_finger_exoskeleton(finger_sign_change());
   const VecQ q = (VecQ(4) << 0.012, -0.2, 0.016, -0.26).finished();
   const VecA Z = (VecA(2) << 900.0, 1500.0).finished();
   const auto blocks = coupling_blocks(ProjectionModel(*hand), q, Z, 0.02);
@@ -150,7 +151,7 @@ TEST(CouplingMetric, ComesInBlocksRowByRow) {
 /// the actuator, as long as the sensed DoF alone reaches it; the law is dq_a = -d Z_q^{-1} a /
 /// (a^2/Z_q + b^2/D_n), a = J_a.n, b = J_n.n.
 TEST(CouplingMetric, PullsTheProxyAlongSoftDirections) {
-  const auto finger = make_finger_exoskeleton({});
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
   const VecQ q = (VecQ(2) << 0.016, -0.26).finished();
   const double Z = 1500.0, depth = 0.1;
   const Eigen::Matrix2d J = jacobian(*finger, q);

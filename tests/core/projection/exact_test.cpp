@@ -21,7 +21,8 @@ using samples::FunctionMap;
 /// The finger without its closed form: what is left is the iteration.
 class FingerByIteration final : public Kinematics {
  public:
-  explicit FingerByIteration(std::unique_ptr<Kinematics> finger = make_finger_exoskeleton({}))
+  explicit FingerByIteration(
+      std::unique_ptr<Kinematics> finger = make_finger_exoskeleton(finger_sign_change()))
       : Kinematics(finger->dofs(), finger->space()), finger_(std::move(finger)) {
     mean_J_a_ = finger_->mean_actuated_jacobian();
   }
@@ -132,7 +133,7 @@ TEST(Iteration, UnreachableProxiesEndBoundedAndReported) {
 /// core/METHOD.md#unreachable-proxies, which come from a search: 0.02 degrees above the optimum in
 /// two rows, so ours may be below.
 TEST(ClosedForm, UnreachableProxiesGiveTheGlobalOptimum) {
-  const auto finger = make_finger_exoskeleton({});
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
   struct Row {
     double x0, x1, residual_deg, l_mm, q_B_deg;
   };
@@ -213,7 +214,7 @@ TEST(Iteration, AllocatesNothing) {
 /// core/METHOD.md#near-the-fold. The linearised method depends on the Jacobian there, Eq. (6) does
 /// not.
 TEST(ExactMethod, StaysSmallNearTheFold) {
-  const std::unique_ptr<Kinematics> finger = make_finger_exoskeleton({});
+  const std::unique_ptr<Kinematics> finger = make_finger_exoskeleton(finger_sign_change());
   const VecX x = VecX::Zero(2);
   const auto dq_mm = [&](RendererKind kind, double q_B_deg) {
     const VecQ q = (VecQ(2) << 0.5e-3, q_B_deg * kDegree).finished();

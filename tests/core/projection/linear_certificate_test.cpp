@@ -81,7 +81,7 @@ int expect_offline_margins(const Kinematics& map, double far, int poses) {
 }
 
 TEST(LinearCertificate, IsTheFingersOfflineMargin) {
-  EXPECT_GT(expect_offline_margins(*make_finger_exoskeleton({}), 0.5, 300), 10)
+  EXPECT_GT(expect_offline_margins(*make_finger_exoskeleton(finger_sign_change()), 0.5, 300), 10)
       << "at deviations up to 30 deg some margins are lost";
 }
 
@@ -108,7 +108,9 @@ TEST(LinearCertificate, OfALinearMapIsOne) {
 /// Each block alone has the offline margin of a finger; the record names the worst of the
 /// displaced.
 TEST(LinearCertificate, HandTakesItsWorstDisplacedFinger) {
-  const std::vector<HandFinger> fingers{{"thumb", scaled({}, 0.8)}, {"index", {}}, {"middle", {}}};
+  const std::vector<HandFinger> fingers{{"thumb", scaled(finger_sign_change(), 0.8)},
+                                        {"index", finger_sign_change()},
+                                        {"middle", finger_sign_change()}};
   const auto hand = make_hand_exoskeleton(fingers);
   std::vector<std::unique_ptr<Kinematics>> alone_maps;
   for (const HandFinger& finger : fingers) {
@@ -180,7 +182,7 @@ TEST(LinearCertificate, MetricGivesTheRenderersOwnDerivative) {
 }
 
 TEST(LinearCertificate, SaysWhyThereIsNone) {
-  const auto finger = make_finger_exoskeleton({});
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
   LinearCertificate live{ProjectionModel(*finger)};
   Case c = Cases(*finger, 0.2).next();
   EXPECT_EQ(live.at(c.probe(), VecX::Zero(2), c.Z_q).status, CertificateStatus::kIdle);
@@ -197,7 +199,8 @@ TEST(LinearCertificate, SaysWhyThereIsNone) {
 
 /// What cannot be judged is not covered by another block's margin.
 TEST(LinearCertificate, NamesTheBlockWithoutOne) {
-  const auto hand = make_hand_exoskeleton({{"thumb", {}}, {"index", {}}});
+  const auto hand =
+      make_hand_exoskeleton({{"thumb", finger_sign_change()}, {"index", finger_sign_change()}});
   LinearCertificate live{ProjectionModel(*hand)};
   Case c = Cases(*hand, 0.1).next();
   c.J.block(2, 3, 2, 1) = 3.0 * c.J.block(2, 2, 2, 1);

@@ -185,7 +185,7 @@ TEST(MechanismLimits, DiskAndBoxMakeACorner) {
 /// core/METHOD.md#unreachable-proxies and others: the iteration, from beside it, ends where the
 /// traced edge of the closed form does.
 TEST(MechanismLimits, IterationEndsAtTheFingersOptimum) {
-  const Limited map(make_finger_exoskeleton({}), {});
+  const Limited map(make_finger_exoskeleton(finger_sign_change()), {});
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> mcp(-1.0, 2.3), pip(-0.6, 2.9), l(-0.002, 0.002),
       t(-0.05, 0.05);
@@ -218,7 +218,7 @@ TEST(MechanismLimits, IterationEndsAtTheFingersOptimum) {
 /// Where W is no multiple of the identity the closed form's nearest pose is not the nearest: no
 /// pose of a grid over box and sliders is nearer than the answer.
 TEST(MechanismLimits, UnreachablePoseIsNearestInMetric) {
-  const auto finger = make_finger_exoskeleton({});
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
   const Eigen::Matrix2d W = (Eigen::Matrix2d() << 4.0, 1.5, 1.5, 1.0).finished();
   const ProjectionModel model = model_of(*finger, TaskMetric::from_matrix(W));
   for (const VecX& x :

@@ -37,7 +37,7 @@ class MonotoneEnvelopeTest : public ::testing::Test {
   }
   [[nodiscard]] double pull(const Projection& p) const { return p.q_star[0] - q[0]; }
 
-  std::unique_ptr<Kinematics> finger = make_finger_exoskeleton({});
+  std::unique_ptr<Kinematics> finger = make_finger_exoskeleton(finger_sign_change());
   MonotoneEnvelope envelope{*finger};
   VecQ q{};
   VecX x_probe{}, dx{};

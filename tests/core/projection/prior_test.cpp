@@ -279,7 +279,7 @@ TEST(Prior, RefusesWrongSizes) {
   EXPECT_THROW(ProjectionModel(wide, with_prior(0.1, VecQ::Ones(2))), SceneError);
   EXPECT_THROW(ProjectionModel(wide, with_prior(0.1, VecQ::Zero(1))), SceneError);
   EXPECT_THROW(ProjectionModel(wide, with_prior(0.0, VecQ::Ones(1))), SceneError);
-  const auto finger = make_finger_exoskeleton({});
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
   EXPECT_NO_THROW(require_rank(ProjectionModel(*finger)));
   EXPECT_THROW(ProjectionModel(*finger, with_prior(0.1, VecQ::Ones(1))), SceneError);
 }

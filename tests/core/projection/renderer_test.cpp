@@ -188,7 +188,7 @@ TEST(Renderers, WideAnswerHasMinimumNorm) {
 /// Case by core/METHOD.md#fig-4: the error of Eq. (8) against (6) falls with the square of the
 /// deviation.
 TEST(Renderers, SmallDeviationMakesExactLinearised) {
-  const auto finger = make_finger_exoskeleton({});
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
   const VecA Z_q = VecA::Constant(1, 1500.0);
   VecQ q;
   ASSERT_EQ(finger->inverse((VecX(2) << 0.6, 0.7).finished(), q), InverseStatus::kExact);
@@ -206,7 +206,7 @@ TEST(Renderers, SmallDeviationMakesExactLinearised) {
 }
 
 TEST(DirectionGuard, WithholdsOnlyForceAwayFromProxy) {
-  const auto finger = make_finger_exoskeleton({});
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
   DirectionGuard guard(*finger);
   const VecA Z_q = VecA::Constant(1, 1500.0);
   std::mt19937_64 random(8);

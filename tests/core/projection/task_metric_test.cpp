@@ -128,7 +128,8 @@ TEST(TaskMetric, BlockTakesItsPartOfIt) {
 }
 
 TEST(TaskMetric, FingersStaySeparateUnlessTied) {
-  const auto hand = make_hand_exoskeleton({{"index", {}}, {"ring", {}}});
+  const auto hand =
+      make_hand_exoskeleton({{"index", finger_sign_change()}, {"ring", finger_sign_change()}});
   Eigen::MatrixXd W = Eigen::MatrixXd::Identity(4, 4);
   W(0, 1) = W(1, 0) = 0.5;
   EXPECT_TRUE(ProjectionModel(*hand, with_metric(TaskMetric::from_matrix(W))).has_blocks());

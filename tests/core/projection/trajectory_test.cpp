@@ -37,7 +37,7 @@ TEST(TrajectoryA, ReproducesTheTable) {
       {RendererKind::kSubspaceLinear, -13.885, -2.528, -1, -1, -1.429, -0.208, 0, 0, 0.40, 0.000,
        4.970, -4.97},
       {RendererKind::kSubspaceExact, -21.825, -2.664, -1, -1, -1, -1, 0, 0, 0, 0, 0, -0.22}};
-  const auto finger = make_finger_exoskeleton({});
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
   const TrajectoryAnalysis a = analysis(*finger, 35, 50, 15);
   EXPECT_NEAR(a.peak_energy() * 1e6, 238.16, 0.05);  // mm^2
   EXPECT_NEAR(a.mean_actuated_jacobian(), 81.060, 5e-4);
@@ -65,7 +65,7 @@ TEST(TrajectoryA, ReproducesTheTable) {
 }
 
 TEST(TrajectoryB, OnlyTheLinearisedMethodIsActive) {
-  const auto finger = make_finger_exoskeleton({});
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
   const TrajectoryAnalysis forth = analysis(*finger, 56, 70, 25);
   const TrajectoryAnalysis back = analysis(*finger, 56, 70, -25);
   const TrajectoryMetrics linear = forth.metrics(RendererKind::kSubspaceLinear);
@@ -81,7 +81,7 @@ TEST(TrajectoryB, OnlyTheLinearisedMethodIsActive) {
 /// core/METHOD.md#held-proxy-potential: with x held Eq. (6) is a potential; a zero-order hold leaks
 /// exactly sum 1/2 dq^T Z_q dq.
 TEST(ExactMethod, WorkBalancesPotentialOverMillionTicks) {
-  const auto finger = make_finger_exoskeleton({});
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
   const double Z_q = 1500.0;
   const VecX x = (VecX(2) << 0.3, 0.4).finished();
   Renderer renderer(RendererKind::kSubspaceExact, *finger);

@@ -15,7 +15,7 @@ inline VecX joints(double mcp, double pip) {
 
 inline PipelineConfig config_of(RendererKind renderer) {
   PipelineConfig c;
-  c.kinematics = make_finger_exoskeleton({});
+  c.kinematics = make_finger_exoskeleton(finger_sign_change());
   c.device.q_lower = (VecQ(2) << -0.0025, -1.5).finished();
   c.device.q_upper = (VecQ(2) << 0.0525, 0.85).finished();
   c.device.max_effort = VecA::Constant(1, 40.0);

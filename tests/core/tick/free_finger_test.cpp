@@ -105,7 +105,7 @@ TEST_F(FreeFinger, MetricThatTiesFingersFreesNone) {
 }
 
 TEST_F(FreeFinger, SingleFingerIsNeverFree) {
-  const auto finger = make_finger_exoskeleton({});
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
   const PipelineConfig alone = pressing_config(equal_fingers(1), RendererKind::kSubspaceLinear);
   const ProjectionModel one(*alone.kinematics);
   Rendering rendering(one, alone);

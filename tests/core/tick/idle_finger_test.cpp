@@ -130,10 +130,10 @@ TEST(IdleFinger, IsReplayedToTheBit) {
 /// itself.
 TEST(PipelineConfig, UndeterminedMapNeedsAPrior) {
   PipelineConfig c = config_of(RendererKind::kSubspaceLinear);
-  c.kinematics = make_hand_exoskeleton({{"one", {}}});
+  c.kinematics = make_hand_exoskeleton({{"one", finger_sign_change()}});
   EXPECT_NO_THROW(Pipeline{c});
   TrackedHandParameters hand;
-  hand.fingers.push_back(MountedFinger{HandFinger{"one", {}}, Pose3{}});
+  hand.fingers.push_back(MountedFinger{HandFinger{"one", finger_sign_change()}, Pose3{}});
   hand.outputs.push_back(PhalanxOutput{"tip", "one", Phalanx::kMiddle, OutputKind::kPoint,
                                        Pose3{{0.03, 0.0, 0.0}, {}}});
   c.kinematics = make_tracked_hand(hand);  // eight DoFs, three coordinates

@@ -23,7 +23,7 @@ constexpr double kForceLimit = 20.0;
 class PressedBoard {
  public:
   explicit PressedBoard(const EmulatorConfig& config)
-      : finger_(core::make_finger_exoskeleton({})),
+      : finger_(core::make_finger_exoskeleton(core::finger_sign_change())),
         device_(config, {Eigen::Vector2d::Zero(), Eigen::Vector2d(0.9, 0.9)}, wanted(), finger_),
         pipeline_(pipeline_config()) {
     input_.settings = pipeline_.config().scene;

@@ -45,7 +45,7 @@ class Loop {
  public:
   Loop(const Law& law, const Eigen::Vector2d& pose)
       : device_(emulator_config(law), {Eigen::Vector2d::Zero(), pose}, board_config(),
-                core::make_finger_exoskeleton({})),
+                core::make_finger_exoskeleton(core::finger_sign_change())),
         law_(law.settings, 1) {}
 
   /// The true force after the tick, N.

@@ -46,7 +46,7 @@ double dot(Complex a, Complex b) {
 /// l for each angle t of the body link, rod 2's residual is followed over t and its roots bisected.
 /// No closed form.
 bool reachable(double q1, double q2) {
-  const core::FingerDimensions dim;
+  const core::FingerDimensions dim = core::finger_sign_change();
   const Complex i(0.0, 1.0);
   const Complex e_a = std::exp(i * dim.rail_angle);
   const Complex P0(dim.rail_origin.x, dim.rail_origin.y);
@@ -94,7 +94,8 @@ class Recordings : public testing::TestWithParam<const char*> {
       GTEST_SKIP() << "no recordings of people beside this checkout";
     }
   }
-  std::shared_ptr<const core::Kinematics> kinematics_ = core::make_finger_exoskeleton({});
+  std::shared_ptr<const core::Kinematics> kinematics_ =
+      core::make_finger_exoskeleton(core::finger_sign_change());
   std::filesystem::path file_;
 };
 

@@ -22,7 +22,8 @@ using test::VirtualLoop;
 using testing::HasSubstr;
 
 std::shared_ptr<const core::Kinematics> finger() {
-  static const std::shared_ptr<const core::Kinematics> kFinger = core::make_finger_exoskeleton({});
+  static const std::shared_ptr<const core::Kinematics> kFinger =
+      core::make_finger_exoskeleton(core::finger_sign_change());
   return kFinger;
 }
 
@@ -81,7 +82,8 @@ TEST(Replay, JointAnglesSurviveTheMap) {
 
 TEST(Replay, HandAnglesSurviveTheMap) {
   const std::shared_ptr<const core::Kinematics> hand =
-      core::make_hand_exoskeleton({{"index", {}}, {"ring", core::scaled({}, 0.9)}});
+      core::make_hand_exoskeleton({{"index", core::finger_sign_change()},
+                                   {"ring", core::scaled(core::finger_sign_change(), 0.9)}});
   const TemporaryFile file(
       "time_s,ring.q_o2_pip_rad,index.q_o1_mcp_rad,index.q_o2_pip_rad,ring.q_o1_mcp_rad\n"
       "0,0.6,0.2,0.3,0.4\n0.04,0.7,0.3,0.5,0.4\n0.08,0.8,0.5,0.6,0.5\n");

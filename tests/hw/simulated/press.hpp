@@ -48,7 +48,7 @@ struct Pressed {
 };
 
 inline core::PipelineConfig pipeline_of(const Press& press) {
-  core::PipelineConfig c{.kinematics = core::make_finger_exoskeleton({})};
+  core::PipelineConfig c{.kinematics = core::make_finger_exoskeleton(core::finger_sign_change())};
   c.device.q_lower = (core::VecQ(2) << -0.005, -1.5).finished();
   c.device.q_upper = (core::VecQ(2) << 0.055, 0.85).finished();
   c.device.max_effort = core::VecA::Constant(1, 40.0);

@@ -67,7 +67,7 @@ TEST(ExactImpedance, EqualsTheTheoryForConstantJ) {
 
 /// Central differences of what the renderers themselves command.
 struct FingerForces : ::testing::Test {
-  std::unique_ptr<Kinematics> finger = make_finger_exoskeleton({});
+  std::unique_ptr<Kinematics> finger = make_finger_exoskeleton(finger_sign_change());
   const double Z_q = 1500.0;
   RenderingImpedance impedance{VecA::Constant(1, Z_q), {}};
 
@@ -144,7 +144,7 @@ TEST(ExactImpedance, IsAbsentWithoutRankOrMap) {
   EXPECT_FALSE(exact_impedance(RendererKind::kNullSpace, *flat, q, x, impedance));
   EXPECT_FALSE(exact_impedance(RendererKind::kSubspaceLinear, *flat, q, x, impedance));
   EXPECT_TRUE(exact_impedance(RendererKind::kStandard, *flat, q, x, impedance));
-  const auto finger = make_finger_exoskeleton({});
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
   const VecQ open = (VecQ(2) << 0.02, -1.76).finished();  // core/METHOD.md#map-without-a-value
   for (const RendererKind kind : kAll) {
     EXPECT_FALSE(exact_impedance(kind, *finger, open, x, impedance)) << name(kind);

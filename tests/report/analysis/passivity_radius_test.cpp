@@ -14,7 +14,7 @@ namespace haptic::core {
 namespace {
 
 struct Finger : ::testing::Test {
-  std::unique_ptr<Kinematics> finger = make_finger_exoskeleton({});
+  std::unique_ptr<Kinematics> finger = make_finger_exoskeleton(finger_sign_change());
   const RenderingImpedance impedance{VecA::Constant(1, 1500.0), MatXX::Identity(2, 2)};
 
   VecQ pose(double mcp_deg, double pip_deg) const {

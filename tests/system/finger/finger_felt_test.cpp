@@ -36,7 +36,8 @@ struct Felt {
 };
 
 Felt press(const Row& row, core::RendererKind kind, bool guard, bool force) {
-  const std::shared_ptr<const core::Kinematics> finger = core::make_finger_exoskeleton({});
+  const std::shared_ptr<const core::Kinematics> finger =
+      core::make_finger_exoskeleton(core::finger_sign_change());
   hw::SimulatedFingerConfig hand;
   hand.target_mcp = hand.target_pip = 50 * kDegree;
   const auto device = hand.open(finger, {});

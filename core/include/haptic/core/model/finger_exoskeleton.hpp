@@ -16,20 +16,25 @@ struct Point2 {
   double y{0.0};
 };
 
-/// Lengths in m, angles in rad. Defaults: core/METHOD.md#finger-linkage.
+/// Lengths in m, angles in rad. Defaults: core/METHOD.md#finger-linkage, whose actuator's force
+/// flexes both joints or extends both, at every pose of [0,80] x [0,90] deg.
 struct FingerDimensions {
   double proximal_phalanx{0.045};                     ///< L1, MCP to PIP axis
-  Point2 rail_origin{-0.012, 0.008};                  ///< P0
-  double rail_angle{37.0 * 0.017453292519943295};     ///< gamma
-  Point2 body_d{0.0285, 0.0};                         ///< d: where rod 1 meets the body link
-  Point2 body_e{0.077, -0.039};                       ///< e: where rod 2 meets the body link
-  double rod1{0.023};                                 ///< h1
-  double rod2{0.014};                                 ///< h2
-  double slider1_lower{0.004}, slider1_upper{0.046};  ///< c1
-  double slider2_lower{0.004}, slider2_upper{0.040};  ///< c2
-  double l_x_lower{0.0}, l_x_upper{0.050};            ///< stroke of the Firgelli L16-50
-  double q_B_lower{-75.0 * 0.017453292519943295}, q_B_upper{41.5 * 0.017453292519943295};
+  Point2 rail_origin{-0.012, -0.014};                 ///< P0
+  double rail_angle{82.0 * 0.017453292519943295};     ///< gamma
+  Point2 body_d{0.0275, 0.0};                         ///< d: where rod 1 meets the body link
+  Point2 body_e{0.064, -0.0382};                      ///< e: where rod 2 meets the body link
+  double rod1{0.010};                                 ///< h1
+  double rod2{0.010};                                 ///< h2
+  double slider1_lower{0.004}, slider1_upper{0.020};  ///< c1
+  double slider2_lower{0.004}, slider2_upper{0.030};  ///< c2
+  double l_x_lower{0.0}, l_x_upper{0.0335};           ///< of the 50 mm that the actuator has
+  double q_B_lower{-50.0 * 0.017453292519943295}, q_B_upper{62.0 * 0.017453292519943295};
 };
+
+/// The linkage of the hard studies and of most figures of core/METHOD.md: well conditioned, but
+/// over a third of the workspace its actuator flexes one joint and extends the other.
+[[nodiscard]] FingerDimensions finger_sign_change() noexcept;
 
 /// The same linkage `size` times as large: every length and stroke multiplied, no angle changed.
 /// The joints then follow q_B and l_x / size as before.

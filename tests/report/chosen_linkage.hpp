@@ -1,0 +1,14 @@
+#pragma once
+/// The linkage of which a subcommand makes its figures: --linkage of haptic-report.
+
+#include "haptic/core/model/finger_exoskeleton.hpp"
+
+namespace haptic::report {
+
+/// finger_same_sign, the default of FingerDimensions, until main() reads another name.
+inline core::FingerDimensions& chosen_linkage() {
+  static core::FingerDimensions dimensions;
+  return dimensions;
+}
+
+}  // namespace haptic::report

@@ -38,7 +38,8 @@ std::string error_of(const DeviceConfig& config,
 }
 
 TEST(OpenDevice, OpensTheConfiguredDevice) {
-  const auto finger = SimulatedFingerConfig{}.open(core::make_finger_exoskeleton({}), {});
+  const auto finger =
+      SimulatedFingerConfig{}.open(core::make_finger_exoskeleton(core::finger_sign_change()), {});
   EXPECT_EQ(finger->info().kind, "simulated");
   EXPECT_EQ(finger->info().dofs.size(), 2u);
 
@@ -52,7 +53,7 @@ TEST(OpenDevice, OpensTheConfiguredDevice) {
   ReplayConfig replay;
   replay.file = HAPTIC_SOURCE_DIR "/server/scenes/motion/reach_and_grasp.csv";
   replay.max_effort = core::VecA::Constant(1, 40.0);
-  const auto recording = replay.open(core::make_finger_exoskeleton({}), {});
+  const auto recording = replay.open(core::make_finger_exoskeleton(core::finger_sign_change()), {});
   EXPECT_EQ(recording->info().kind, "replay");
   EXPECT_THAT(recording->info().model, HasSubstr("0 row(s) outside the reach"));
 }
@@ -78,17 +79,18 @@ TEST(OpenDevice, MassesGoWithAnyMap) {
 TEST(OpenDevice, ARecordingNeedsAnEffort) {
   ReplayConfig config;
   config.file = HAPTIC_SOURCE_DIR "/server/scenes/motion/reach_and_grasp.csv";
-  EXPECT_THAT(error_of(config, core::make_finger_exoskeleton({})),
+  EXPECT_THAT(error_of(config, core::make_finger_exoskeleton(core::finger_sign_change())),
               HasSubstr("max_effort: has 0 value(s); must have one per actuated DoF, 1"));
   config.max_effort = core::VecA::Constant(1, -3.0);
-  EXPECT_THAT(error_of(config, core::make_finger_exoskeleton({})),
+  EXPECT_THAT(error_of(config, core::make_finger_exoskeleton(core::finger_sign_change())),
               HasSubstr("max_effort[0] = -3: must be finite and > 0"));
 }
 
 TEST(OpenDevice, AMissingMotionFileIsNamed) {
   SimulatedFingerConfig config;
   config.motion_file = "no/such.csv";
-  EXPECT_THAT(error_of(config, core::make_finger_exoskeleton({})), HasSubstr("no/such.csv"));
+  EXPECT_THAT(error_of(config, core::make_finger_exoskeleton(core::finger_sign_change())),
+              HasSubstr("no/such.csv"));
 }
 
 }  // namespace

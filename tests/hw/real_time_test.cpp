@@ -46,7 +46,7 @@ TEST(RealTime, ASimulatedFingerNeverAllocates) {
   config.motion_file = HAPTIC_SOURCE_DIR "/server/scenes/motion/reach_and_grasp.csv";
   config.noise_l_x = 1e-5;
   config.finger.actuator_friction = 2.0;
-  const auto device = config.open(core::make_finger_exoskeleton({}), {});
+  const auto device = config.open(core::make_finger_exoskeleton(core::finger_sign_change()), {});
   EXPECT_EQ(heap_calls(*device), 0u);
 }
 
@@ -54,7 +54,7 @@ TEST(RealTime, AStoppedFingerNeverAllocates) {
   SimulatedFingerConfig config;
   config.target_mcp = -0.5;
   config.target_pip = 0.3;
-  const auto device = config.open(core::make_finger_exoskeleton({}), {});
+  const auto device = config.open(core::make_finger_exoskeleton(core::finger_sign_change()), {});
   EXPECT_EQ(heap_calls(*device), 0u);
 }
 
@@ -78,7 +78,7 @@ TEST(RealTime, AReplayNeverAllocates) {
   config.file = file.path();
   config.repeat = true;
   config.max_effort = core::VecA::Constant(1, 40.0);
-  const auto device = config.open(core::make_finger_exoskeleton({}), {});
+  const auto device = config.open(core::make_finger_exoskeleton(core::finger_sign_change()), {});
   EXPECT_EQ(heap_calls(*device), 0u);
 }
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <random>
 
 #include "haptic/core/model/hand_exoskeleton.hpp"
@@ -101,9 +100,9 @@ std::vector<Device> devices() {
   return {{"finger_same_sign", {core::make_finger_exoskeleton({})}},
           {"finger_sign_change", {core::make_finger_exoskeleton(core::finger_sign_change())}},
           {std::to_string(kRandomLinkages) + " random linkages", random_linkages()},
-          {"arm, 2 of 3", {arm()}},
-          {"stylus, 3 of 6", {stylus()}},
-          {"hand, 4 of 8", {hand()}}};
+          {"arm 2 of 3", {arm()}},
+          {"stylus 3 of 6", {stylus()}},
+          {"hand 4 of 8", {hand()}}};
 }
 
 /// A device displaced from its proxy. Lengths of q are its ranges, so that no unit decides.

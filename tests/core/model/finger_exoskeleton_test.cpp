@@ -42,8 +42,8 @@ struct EveryLinkage : ::testing::TestWithParam<FingerDimensions> {
   VecQ random_pose(std::mt19937_64& random) const {
     std::uniform_real_distribution<double> l(dimensions.l_x_lower, dimensions.l_x_upper),
         t(dimensions.q_B_lower, dimensions.q_B_upper);
-    const double l_x = l(random);
-    return two(l_x, t(random));
+    const double q_B = t(random);
+    return two(l(random), q_B);
   }
 };
 INSTANTIATE_TEST_SUITE_P(Named, EveryLinkage,

@@ -228,7 +228,7 @@ TEST(MechanismLimits, UnreachablePoseIsNearestInMetric) {
     for (int i = 0; i <= kGrid; ++i) {
       for (int j = 0; j <= kGrid; ++j) {
         const double l = 0.05 * i / kGrid, t = (-75.0 + 116.5 * j / kGrid) * M_PI / 180.0;
-        const FingerPose pose = finger_pose({}, l, t);
+        const FingerPose pose = finger_pose(finger_sign_change(), l, t);
         if (pose.status != MapStatus::kOk || pose.c1 < 0.004 || pose.c1 > 0.046 ||
             pose.c2 < 0.004 || pose.c2 > 0.040) {
           continue;

@@ -28,7 +28,7 @@ Calibration good() {
 std::string why_refused(const Calibration& c, const std::string& serial = "HX-7",
                         bool force = true) {
   try {
-    check(c, *core::make_finger_exoskeleton({}), serial, force);
+    check(c, *core::make_finger_exoskeleton(core::finger_sign_change()), serial, force);
   } catch (const core::DeviceError& error) {
     return error.what();
   }
@@ -44,7 +44,7 @@ TEST(BoardCalibration, AppliesScaleOffsetAndZero) {
 }
 
 TEST(BoardCalibration, TheTravelBoundsSamples) {
-  const auto kinematics = core::make_finger_exoskeleton({});
+  const auto kinematics = core::make_finger_exoskeleton(core::finger_sign_change());
   core::DeviceLimits limits = device_limits(*kinematics, core::VecA::Constant(1, 40.0));
   apply(good(), limits);
   EXPECT_NEAR(limits.q_lower[0], 0.001 - 0.05 * 0.048, 1e-15);
@@ -52,7 +52,7 @@ TEST(BoardCalibration, TheTravelBoundsSamples) {
 }
 
 TEST(BoardCalibration, APositionGoesBackThroughIt) {
-  const auto kinematics = core::make_finger_exoskeleton({});
+  const auto kinematics = core::make_finger_exoskeleton(core::finger_sign_change());
   const core::VecA reading =
       to_readings(good(), kinematics->layout(), core::VecA::Constant(1, 0.021));
   EXPECT_NEAR(1.25 * reading[0] - 0.004, 0.021, 1e-15);
@@ -62,7 +62,8 @@ TEST(BoardCalibration, ForcesAreSentInCellReadings) {
   BoardConfig config;
   config.max_effort = core::VecA::Constant(1, 40.0);
   config.calibration = good();
-  DeviceSide side(config, core::make_finger_exoskeleton({}), core::Duration{0});
+  DeviceSide side(config, core::make_finger_exoskeleton(core::finger_sign_change()),
+                  core::Duration{0});
   Identity board{.capabilities = kMeasuresForce | kForceLoop, .serial = "HX-7"};
   side.identify({board, {}});
   const auto sent = [&](const hw::Command& command) { return side.write(command).tau_a[0]; };

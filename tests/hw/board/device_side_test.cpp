@@ -12,7 +12,7 @@ namespace {
 DeviceSide make_side() {
   BoardConfig config;
   config.max_effort = core::VecA::Constant(1, 40.0);
-  return {config, core::make_finger_exoskeleton({}), core::Duration{0}};
+  return {config, core::make_finger_exoskeleton(core::finger_sign_change()), core::Duration{0}};
 }
 
 TEST(DeviceSide, EachArmingHasItsNumber) {

@@ -42,7 +42,7 @@ class EmulatorThread {
  public:
   explicit EmulatorThread(const EmulatorConfig& config = {})
       : board_(config, {Eigen::Vector2d::Zero(), Eigen::Vector2d(0.5, 0.5)},
-               core::make_finger_exoskeleton({})),
+               core::make_finger_exoskeleton(core::finger_sign_change())),
         terminal_(port()),
         thread_([this] {
           serve(board_, terminal_, stop_, [this](const auto& board) { look(board); });
@@ -99,7 +99,7 @@ BoardConfig config(const std::string& port) {
 }
 
 std::unique_ptr<Device> open(const BoardConfig& c) {
-  return c.open(core::make_finger_exoskeleton({}), 20ms);
+  return c.open(core::make_finger_exoskeleton(core::finger_sign_change()), 20ms);
 }
 
 core::TimePoint now() {
@@ -190,7 +190,8 @@ TEST_F(OpenBoard, ASignalComesWithItsSample) {
   }
   // One that comes between forget() and read() is read at once, and told of all the same.
   EXPECT_GE(fresh, 250);
-  const auto other = SimulatedFingerConfig{}.open(core::make_finger_exoskeleton({}), {});
+  const auto other =
+      SimulatedFingerConfig{}.open(core::make_finger_exoskeleton(core::finger_sign_change()), {});
   EXPECT_EQ(other->sample_signal(), nullptr) << "no clock of its own";
 }
 
@@ -214,7 +215,8 @@ TEST_F(OpenBoard, LinkCountsBalance) {
   const hb_counters& n = board.counters();
   EXPECT_EQ(frames("host", "sent"),
             n.accepted + n.bad_crc + n.malformed + n.not_newer + n.wrong_nonce);
-  const auto other = SimulatedFingerConfig{}.open(core::make_finger_exoskeleton({}), {});
+  const auto other =
+      SimulatedFingerConfig{}.open(core::make_finger_exoskeleton(core::finger_sign_change()), {});
   EXPECT_TRUE(other->link_counts().empty()) << "no link, no book";
 }
 

@@ -7,8 +7,8 @@ mine(i, v) = strcol("linkage") eq word(names, i) ? v : NaN
 
 do for [kind in "svg png"] {
   eval begin(kind, 1300, 860)
-  set multiplot layout 2,3 margins screen 0.05, screen 0.955, screen 0.07, \
-    screen 0.93 spacing screen 0.1, screen 0.13
+  set multiplot layout 2,3 margins screen 0.045, screen 0.94, screen 0.07, \
+    screen 0.93 spacing screen 0.12, screen 0.13
   set xrange [-20:90]
   set yrange [-10:110]
   unset key
@@ -21,16 +21,16 @@ do for [kind in "svg png"] {
     set cbrange [-20:20]
     set cblabel "w at the MCP / (mm/rad)"
     set title word(names, i) noenhanced
-    plot csv using "mcp_deg":"pip_deg":(mine(i, column("w_mcp_mm_per_rad"))) \
-      with points pt 5 ps 0.42 palette
+    plot csv using "mcp_deg":(mine(i, column("pip_deg"))):"w_mcp_mm_per_rad" \
+      with points pt 5 ps 0.5 palette
     set cblabel "w at the PIP / (mm/rad)"
-    plot csv using "mcp_deg":"pip_deg":(mine(i, column("w_pip_mm_per_rad"))) \
-      with points pt 5 ps 0.42 palette
+    plot csv using "mcp_deg":(mine(i, column("pip_deg"))):"w_pip_mm_per_rad" \
+      with points pt 5 ps 0.5 palette
     set palette defined (1 "#1f6fb4", 5 "#9bc79a", 12 "#e8a13a", 30 "#7a0f1e")
     set cbrange [1:30]
     set cblabel "condition of J, l in 20 mm"
-    plot csv using "mcp_deg":"pip_deg":(mine(i, column("condition"))) \
-      with points pt 5 ps 0.42 palette
+    plot csv using "mcp_deg":(mine(i, column("pip_deg"))):"condition" \
+      with points pt 5 ps 0.5 palette
   }
   unset object 1
   unset multiplot

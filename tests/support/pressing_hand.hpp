@@ -10,11 +10,12 @@
 
 namespace haptic {
 
-/// Finger exoskeletons with the dimensions of core/METHOD.md#finger-linkage, named finger1,
-/// finger2, ...
+/// Finger exoskeletons of linkage finger_sign_change (core/METHOD.md#finger-linkage), named
+/// finger1, finger2, ...
 inline std::shared_ptr<const core::Kinematics> equal_fingers(int count) {
   std::vector<core::HandFinger> fingers;
-  for (int i = 1; i <= count; ++i) fingers.push_back({"finger" + std::to_string(i), {}});
+  for (int i = 1; i <= count; ++i)
+    fingers.push_back({"finger" + std::to_string(i), core::finger_sign_change()});
   return core::make_hand_exoskeleton(fingers);
 }
 

@@ -384,7 +384,7 @@ TEST(RendererComparison, IsZeroWithoutAProxy) {
 
 TEST(RendererComparison, ImpossibleLinkageIsNotANumber) {
   const std::shared_ptr<const haptic::core::Kinematics> kinematics =
-      haptic::core::make_finger_exoskeleton({});
+      haptic::core::make_finger_exoskeleton(haptic::core::finger_sign_change());
   haptic::core::RenderSettings scene{.stiffness = haptic::core::VecA::Constant(1, 1500.0),
                                      .force_limit = haptic::core::VecA::Constant(1, 25.0)};
   RendererComparison comparison(kinematics, scene);

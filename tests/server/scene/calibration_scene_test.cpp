@@ -21,7 +21,7 @@ class CalibratedScene : public ::testing::Test {
 
 const std::string kHead = "device_serial: \"HX-7\" date: \"2026-11-21\"\n";
 const std::string kLx =
-    "dof { name: \"l_x\" scale: 1.1 offset: -0.002 lower: 0.001 upper: 0.048 }\n";
+    "dof { name: \"l_x\" scale: 1.1 offset: -0.002 lower: 0.001 upper: 0.032 }\n";
 const std::string kQb = "dof { name: \"q_B\" scale: -0.9 offset: 0.1 lower: -1.2 upper: 0.6 }\n";
 
 TEST_F(CalibratedScene, TheOrderOfDofsIsFree) {
@@ -52,12 +52,12 @@ TEST_F(CalibratedScene, AdmittancesKeepTheCalibratedTravel) {
   const auto control = parse(with("")).devices[0].pipeline.force_control;
   ASSERT_EQ(control.admittances.size(), 1u);
   EXPECT_EQ(control.admittances[0].lower, 0.001);
-  EXPECT_EQ(control.admittances[0].upper, 0.048);
+  EXPECT_EQ(control.admittances[0].upper, 0.032);
   const std::string field = "device[0].force_control.admittance.";
   expect_says(with("lower: 0 "),
               field + "lower[0] = 0: must be at least the calibrated travel's, 0.001");
   expect_says(with("upper: 0.05 "),
-              field + "upper[0] = 0.05: must be at most the calibrated travel's, 0.048");
+              field + "upper[0] = 0.05: must be at most the calibrated travel's, 0.032");
 }
 
 TEST_F(CalibratedScene, NamesTheWrongField) {

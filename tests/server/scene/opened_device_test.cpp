@@ -68,7 +68,7 @@ TEST(ForceControlScene, AnAdmittancesCellToo) {
   const core::CellRatings& cell = device.pipeline.force_control.cells[0];
   EXPECT_EQ(cell.range, 60.0);
   EXPECT_EQ(cell.rate, 6000.0);
-  EXPECT_DOUBLE_EQ(cell.swing, 0.005) << "a tenth of the travel";
+  EXPECT_DOUBLE_EQ(cell.swing, 0.00335) << "a tenth of the travel";
   EXPECT_TRUE(std::isinf(cell.friction)) << "the drive's force is not known";
 }
 
@@ -81,7 +81,7 @@ TEST(ForceControlScene, AnAdmittanceTakesTheDofsTravel) {
   EXPECT_EQ(p.damping, 400.0);
   EXPECT_EQ(p.max_rate, 0.03);
   EXPECT_EQ(p.lower, 0.0);
-  EXPECT_EQ(p.upper, 0.05);
+  EXPECT_EQ(p.upper, 0.0335);
 }
 
 TEST(ForceControlScene, ErrorsNamePlaceValueAndRule) {
@@ -100,7 +100,7 @@ TEST(ForceControlScene, ErrorsNamePlaceValueAndRule) {
       {"stuck", controlled(kAdmittance + "stuck_m: -1 }"),
        path + ".admittance.stuck_m[0] = -1: must be > 0"},
       {"travel", controlled(kAdmittance + "upper: 0.06 }"),
-       path + ".admittance.upper[0] = 0.06: must be at most the DoF's own, 0.05"},
+       path + ".admittance.upper[0] = 0.06: must be at most the DoF's own, 0.0335"},
       {"simulated", with_option(kFinger, "force_control { board {} }"),
        "must go with board: nothing else measures its force"},
   });

@@ -115,8 +115,9 @@ struct Extras {
 core::PipelineConfig tick_config(const core::RendererKind kind, const Extras& extras) {
   core::PipelineConfig config;
   config.kinematics = core::make_finger_exoskeleton({});
-  config.device.q_lower = (VecQ(2) << -0.0025, -1.5).finished();
-  config.device.q_upper = (VecQ(2) << 0.0525, 0.85).finished();
+  const auto& dofs = config.kinematics->dofs();
+  config.device.q_lower = (VecQ(2) << dofs[0].lower, dofs[1].lower).finished();
+  config.device.q_upper = (VecQ(2) << dofs[0].upper, dofs[1].upper).finished();
   config.device.max_effort = VecA::Constant(1, 40.0);
   config.scene.renderer = kind;
   config.scene.direction_guard = extras.guard;

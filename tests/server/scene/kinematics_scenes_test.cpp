@@ -177,5 +177,22 @@ INSTANTIATE_TEST_SUITE_P(Shipped, KinematicsScenes,
                                          Expected{"chain_redundant", 5, 3, 3, false}),
                          [](const auto& test) { return std::string(test.param.file); });
 
+/// Their comment says so; q is that of the linkage in use.
+TEST(HandScenes, HoldTheirJointsAtThirtyDegrees) {
+  constexpr double kThirty = std::numbers::pi / 6.0;
+  const server::Scene scene = server::load_scene(kScenes / "hand_five_fingers.textproto");
+  const server::DeviceScene& device = scene.devices.front();
+  core::VecX x;
+  core::MatXQ J;
+  const auto& masses = dynamic_cast<const hw::SimulatedLinearConfig&>(*device.source);
+  ASSERT_EQ(device.pipeline.kinematics->evaluate(masses.target, x, J), core::MapStatus::kOk);
+  EXPECT_LT((x.array() - kThirty).abs().maxCoeff(), 0.01) << x;
+
+  const server::Scene tracked = server::load_scene(kScenes / "hand_tracked_palm.textproto");
+  const auto& palm =
+      dynamic_cast<const hw::SimulatedLinearConfig&>(*tracked.devices.front().source);
+  EXPECT_EQ(palm.target.tail(10), masses.target) << "the same hand on a palm";
+}
+
 }  // namespace
 }  // namespace haptic::test

@@ -185,6 +185,9 @@ TEST(SceneErrors, LinearMapNamesPlaceAndRule) {
   expect_each_says({
       {"rod", finger(finger_map, "finger_exoskeleton { rod1_m: -1 }"),
        "t.textproto:5: device[0].finger_exoskeleton.rod1_m = -1: must be > 0"},
+      {"linkage", finger(finger_map, "finger_exoskeleton { linkage: \"finger\" }"),
+       "t.textproto:5: device[0].finger_exoskeleton.linkage = \"finger\": must be "
+       "\"finger_same_sign\" or \"finger_sign_change\""},
       {"order", finger(finger_map, "finger_exoskeleton { slider1_upper_m: 0.001 }"),
        "device[0].finger_exoskeleton.slider1_upper_m = 0.001: must be above its lower limit, "
        "0.004"},

@@ -104,6 +104,19 @@ TEST(Scene, MatricesAreReadByRows) {
   EXPECT_DOUBLE_EQ(x[1], 3 * 0.1 + 4 * 1.0);
 }
 
+TEST(Scene, ALinkageNamesItsDimensions) {
+  const auto travel_of = [](const std::string& dimensions) {
+    const server::Scene scene = parse(
+        replaced(kFinger, "finger_exoskeleton {}", "finger_exoskeleton {" + dimensions + "}"));
+    expect_resolved(scene, "linkage: \"finger_s");
+    return scene.devices[0].pipeline.kinematics->dofs()[0].upper;
+  };
+  EXPECT_EQ(travel_of(""), 0.0335) << "finger_same_sign";
+  EXPECT_EQ(travel_of("linkage: \"finger_same_sign\""), 0.0335);
+  EXPECT_EQ(travel_of("linkage: \"finger_sign_change\""), 0.050);
+  EXPECT_EQ(travel_of("linkage: \"finger_sign_change\" l_x_upper_m: 0.04"), 0.04);
+}
+
 TEST(Scene, RecordingsAreRelativeToTheScene) {
   const server::Scene scene = parse(replaced(kFinger, "simulated_finger {}",
                                              "simulated_finger { motion_file: \"motion/../motion/"

@@ -71,7 +71,7 @@ void FingerPhysics::follow_edge() noexcept {
 /// Takes q as the linkage's pose. False, and the pose stays, if it cannot close or would be in a
 /// toggle position: the lever arms of the step before are then the better ones.
 bool FingerPhysics::adopt(const core::VecQ& q) noexcept {
-  constexpr double kToggle = 1e-9;  // 1/m; the valid region has det J > 8.9
+  constexpr double kToggle = 1e-9;  // 1/m; the valid region has det J > 2
                                     // (core/METHOD.md#finger-linkage)
   core::VecX reached(2);
   core::MatXQ J = linkage_.J;

@@ -7,9 +7,13 @@
 namespace haptic::server {
 namespace {
 
-/// Per second, of the range of a load cell: 10 ms from 0 to its end. A rod that strikes takes
-/// longer (core/METHOD.md#a-load-cell-that-lies).
-constexpr double kRatePerRange = 100.0;
+/// Of the device's max_effort: a geared drive that gives its all may hold as much again by its
+/// friction, and the cell reads both when a hand pushes it back.
+constexpr double kRangePerEffort = 2.0;
+
+/// Per second, of max_effort: 10 ms from 0 to it. A rod that strikes takes longer
+/// (core/METHOD.md#a-load-cell-that-lies).
+constexpr double kRatePerEffort = 100.0;
 
 /// What both laws believe of a load cell: its range, rate and `stuck`, how far the command may move
 /// while the cell stands still.
@@ -20,8 +24,8 @@ std::vector<core::CellRatings> read_cells(const Fields& part, int n_a, const cor
   const auto list = [&](const char* name, const Fields::Numbers& fallback) {
     return part.per_actuated(name, Allowed::kPositive, n_a, fallback);
   };
-  const Fields::Numbers range = list("cell_range_n", effort);
-  const Fields::Numbers rate = list("cell_rate_n_per_s", Fields::Numbers(kRatePerRange * range));
+  const Fields::Numbers range = list("cell_range_n", Fields::Numbers(kRangePerEffort * effort));
+  const Fields::Numbers rate = list("cell_rate_n_per_s", Fields::Numbers(kRatePerEffort * effort));
   const Fields::Numbers swing = list(stuck, swing_by_default);
   if (!part.good()) return cells;
   for (Eigen::Index i = 0; i < n_a; ++i) {

@@ -195,7 +195,7 @@ TEST(LoadCell, EachLieIsFoundInTime) {
       {"+-60 N in turn", 1, 1, [](double, int ms) { return ms % 2 == 0 ? 60.0 : -60.0; }},
       {"+-45 N in turn", 1, 1, [](double, int ms) { return ms / 50 % 2 == 0 ? 45.0 : -45.0; }},
       {"stuck at 0", 60, 350, [](double, int) { return 0.0; }},
-      {"stuck at -5 N", 3000, 1100, [](double, int) { return -5.0; }},
+      {"stuck at -8 N", 3000, 1100, [](double, int) { return -8.0; }},
       {"disconnected, 0 and noise", 600, 0, [&](double, int) { return 0.03 * noise(); }},
       {"wrong sign", 1, 0, [](double force, int) { return -force; }},
       {"drifts by 10 N/s", 2000, 9500, [](double force, int ms) { return force + 0.01 * ms; }},

@@ -44,12 +44,12 @@ TEST(ForceControlScene, LoadCellsAreWatchedByDefault) {
   const server::Scene scene = parse(controlled(kServer + "friction_n: 12 }"));
   ASSERT_EQ(scene.devices[0].pipeline.force_control.cells.size(), 1u);
   const core::CellRatings& cell = scene.devices[0].pipeline.force_control.cells[0];
-  EXPECT_EQ(cell.range, 40.0) << "max_effort";
-  EXPECT_EQ(cell.rate, 4000.0) << "its range in 10 ms";
+  EXPECT_EQ(cell.range, 80.0) << "max_effort, and what friction holds";
+  EXPECT_EQ(cell.rate, 4000.0) << "max_effort in 10 ms";
   EXPECT_EQ(cell.swing, 4.0);
   EXPECT_EQ(cell.friction, 34.0) << "2 friction_n and a quarter of max_effort";
   EXPECT_FALSE(cell.damping) << "the board's";
-  for (const char* field : {"cell_range_n: [40]", "cell_rate_n_per_s: [4000]", "stuck_n: [4]",
+  for (const char* field : {"cell_range_n: [80]", "cell_rate_n_per_s: [4000]", "stuck_n: [4]",
                             "drive_friction_n: [34]"}) {
     expect_resolved(scene, field);
   }
@@ -67,7 +67,7 @@ TEST(ForceControlScene, AnAdmittancesCellToo) {
   ASSERT_EQ(device.pipeline.force_control.cells.size(), 1u);
   const core::CellRatings& cell = device.pipeline.force_control.cells[0];
   EXPECT_EQ(cell.range, 60.0);
-  EXPECT_EQ(cell.rate, 6000.0);
+  EXPECT_EQ(cell.rate, 4000.0);
   EXPECT_DOUBLE_EQ(cell.swing, 0.00335) << "a tenth of the travel";
   EXPECT_TRUE(std::isinf(cell.friction)) << "the drive's force is not known";
 }

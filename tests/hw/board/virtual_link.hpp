@@ -12,7 +12,7 @@
 namespace haptic::test {
 
 [[nodiscard]] inline std::shared_ptr<const core::Kinematics> finger() {
-  return core::make_finger_exoskeleton(core::finger_sign_change());
+  return core::make_finger_exoskeleton({});
 }
 
 [[nodiscard]] inline hw::board::Expectation expect_finger() {

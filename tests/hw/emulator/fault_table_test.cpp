@@ -23,7 +23,7 @@ constexpr double kForceLimit = 20.0;
 class PressedBoard {
  public:
   explicit PressedBoard(const EmulatorConfig& config)
-      : finger_(core::make_finger_exoskeleton(core::finger_sign_change())),
+      : finger_(core::make_finger_exoskeleton({})),
         device_(config, {Eigen::Vector2d::Zero(), Eigen::Vector2d(0.9, 0.9)}, wanted(), finger_),
         pipeline_(pipeline_config()) {
     input_.settings = pipeline_.config().scene;
@@ -208,8 +208,9 @@ TEST_P(PressedCase, TheBoardFindsADeadMotor) {
 TEST_P(PressedCase, DriftEndsOutOfRange) {
   const double l_x = finger.last().sensed.q[0];
   finger.fault(FaultKind::kDrift, 60.0, 0.01);
-  // 10 mm/s from where it is to the end of the range and its margin, 52.5 mm; the rod may follow.
-  const int latest = static_cast<int>((0.0525 - l_x) / 0.01 * 1e3) + 5000;
+  // 10 mm/s from where it is to the end of the range and its margin; the rod may follow.
+  const double end = finger.device().info().limits.q_upper[0];
+  const int latest = static_cast<int>((end - l_x) / 0.01 * 1e3) + 5000;
   until_fault(finger, latest);
   EXPECT_TRUE(finger.last().faults().has(Fault::kSampleOutOfRange));
   expect_drive_off(finger, 3);

@@ -30,8 +30,7 @@ struct Pipe {
 };
 
 struct ToldRig : ::testing::Test {
-  std::shared_ptr<const core::Kinematics> kinematics =
-      core::make_finger_exoskeleton(core::finger_sign_change());
+  std::shared_ptr<const core::Kinematics> kinematics = core::make_finger_exoskeleton({});
   Rig rig{{}, {}, Intent(Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()), kinematics, 1};
   Pipe pipe;
   ToldHand hand{pipe.ends[0]};
@@ -99,7 +98,7 @@ TEST(TruthLog, WritesTheTruthEvery10Milliseconds) {
   EmulatorConfig config;
   config.l_x_offset = 0.003;  // the sensor's business, not the truth's
   EmulatedBoard board(config, Intent(Eigen::Vector2d::Zero(), Eigen::Vector2d(0.5, 0.5)),
-                      core::make_finger_exoskeleton(core::finger_sign_change()));
+                      core::make_finger_exoskeleton({}));
   {
     TruthLog log(file.path().string());
     for (std::uint64_t ms = 1; ms <= 100; ++ms) {

@@ -56,7 +56,9 @@ fi
 
 program() {  # program NAME: where the build put it
   local found
-  found=$(find "$programs" -type f -name "$1" -perm -u+x -print -quit 2>/dev/null || true)
+  # Not the copies of an earlier build that the package tests install.
+  found=$(find "$programs" -path '*/tests/package' -prune -o \
+    -type f -name "$1" -perm -u+x -print -quit 2>/dev/null || true)
   [[ -n $found ]] || { echo "demo.sh: no program $1 in $programs; build first" >&2; return 1; }
   echo "$found"
 }

@@ -194,6 +194,7 @@ struct Judged {
   bool negative{false};      ///< d tau_a/dq_a, its symmetric part
   bool no_sensed{false};     ///< d tau_a/dq_n = 0
   bool conservative{false};  ///< no work around any small loop: d tau/dq symmetric
+  double curl{0.0};          ///< of small loops: work over what the spring itself takes and gives
   double largest{0.0};       ///< eigenvalue of the symmetric part over the largest magnitude
 };
 
@@ -215,6 +216,7 @@ Judged judge(const Matrix& D, const core::DofLayout& layout) {
   return {.negative = e.maxCoeff() < 0.0,
           .no_sensed = std::sqrt(sensed) < 1e-7 * norm,
           .conservative = (D - D.transpose()).norm() < kRounding * norm,
+          .curl = (D - D.transpose()).norm() / std::max((D + D.transpose()).norm(), 1e-300),
           .largest = e.maxCoeff() / e.cwiseAbs().maxCoeff()};
 }
 
@@ -223,11 +225,13 @@ struct Tally {
   int states{0}, negative{0}, no_sensed{0}, conservative{0};
   double worst{-1.0};
   std::string where{"-"};
+  std::vector<double> curls{};
   void add(const Judged& j, const State& s) {
     ++states;
     negative += j.negative ? 1 : 0;
     no_sensed += j.no_sensed ? 1 : 0;
     conservative += j.conservative ? 1 : 0;
+    curls.push_back(j.curl);
     if (j.largest <= worst) return;
     worst = j.largest;
     where.clear();
@@ -252,13 +256,20 @@ core::RenderingImpedance impedance_of(const core::Kinematics& map, const State& 
   return z;
 }
 
+double median(std::vector<double> values) {
+  if (values.empty()) return NAN;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 void print_tally(const Device& device, const char* formula, const char* Z_x, double deviation,
                  RendererKind kind, const Tally& t) {
   const core::DofLayout& layout = device.maps.front()->layout();
   const auto share = [&](int n) { return 100.0 * n / std::max(t.states, 1); };
   row(device.name, layout.n_a(), layout.n_q() - layout.n_a(), device.maps.front()->space().n_x(),
       formula, Z_x, deviation, core::name(kind), t.states, share(t.negative), share(t.no_sensed),
-      share(t.conservative), t.worst, t.where);
+      share(t.conservative), 100.0 * median(t.curls), t.worst, t.where);
 }
 
 void print_device(const Device& device) {
@@ -318,7 +329,7 @@ void run(bool felt) {
         "felt_largest_over_least");
   } else {
     row("device", "n_a", "n_n", "n_x", "derivative", "Z_x", "deviation_pct", "method", "states",
-        "negative_definite_pct", "no_force_from_sensed_pct", "conservative_pct",
+        "negative_definite_pct", "no_force_from_sensed_pct", "conservative_pct", "curl_median_pct",
         "largest_eigenvalue", "worst_q");
   }
   for (const Device& device : devices()) felt ? print_felt(device) : print_device(device);
@@ -332,7 +343,8 @@ void add_claims(CLI::App& app) {
   command->footer(
       "paper: Eq. (2), (5), (9), J held constant; exact: with dJ/dq, at a proxy that is away by "
       "deviation_pct of every DoF's range. x held, unguarded. conservative: d tau/dq symmetric, so "
-      "that no small loop of q does work. largest_eigenvalue: of the symmetric part of d "
+      "that no small loop of q does work; curl: its antisymmetric part over the symmetric one, the "
+      "median. largest_eigenvalue: of the symmetric part of d "
       "tau_a/dq_a "
       "over the largest magnitude; above 0 the force grows along a motion.");
   auto felt = std::make_shared<bool>(false);

@@ -91,6 +91,20 @@ for line in standard,168,150 null_space,168,101 subspace_linear,168,88 subspace_
   has "$line"
 done
 
+# core/METHOD.md#the-claims-on-other-devices: (9) holds everywhere for Eq. (6), not for Eq. (8).
+header "device,n_a,n_n,n_x,derivative,Z_x,deviation_pct,method,states,negative_definite_pct,\
+no_force_from_sensed_pct,conservative_pct,curl_median_pct,largest_eigenvalue,worst_q" claims
+csv=$(report claims | cut -d, -f1,5,7,8,10-13)
+[ "$(echo "$csv" | grep -c "subspace_exact,100,100,100,0$")" = 24 ] || fail "claims: Eq. (6)"
+csv=$(echo "$csv" | cut -d, -f1-5)
+near "finger_sign_change,exact,30,subspace_linear" 54.6 0.05
+near "hand 4 of 8,exact,30,subspace_linear" 56.4 0.05
+
+# core/METHOD.md#choice-of-the-linkage.
+csv=$(report linkage | cut -d, -f1,6)
+near finger_same_sign 100 0
+near finger_sign_change 68.3 0.05
+
 # core/METHOD.md#exact-derivatives: 1 % 5.5, 5 % 8.0, median 18.0 deg (ranges depend on the grid).
 header "method,quantile_pct,radius_deg,poses" radius --grid 20
 csv=$(report radius | cut -d, -f1-3)

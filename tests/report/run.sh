@@ -105,7 +105,7 @@ make_linkage() {
 }
 make_claims() {
   csv claims claims
-  cut -d, -f1-8,10-13 "$output/claims.csv" >"$output/claims_table.csv"
+  cut -d, -f1-8,10-14 "$output/claims.csv" >"$output/claims_table.csv"
   csv claims_felt claims --felt
 }
 make_fig4() {

@@ -21,6 +21,10 @@ inline constexpr std::array<ClientKind, 6> kClientKinds{
     ClientKind::kHeldForce,    ClientKind::kHeld,   ClientKind::kFlag,
     ClientKind::kExtrapolated, ClientKind::kPlanes, ClientKind::kDerivedPlanes};
 
+/// Those that hapticd and its client library offer.
+inline constexpr std::array<ClientKind, 4> kOfferedClients{
+    ClientKind::kHeld, ClientKind::kFlag, ClientKind::kPlanes, ClientKind::kDerivedPlanes};
+
 /// As on the command line and in the tables.
 [[nodiscard]] std::string_view name(ClientKind kind) noexcept;
 

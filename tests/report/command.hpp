@@ -16,9 +16,11 @@ void add_claims(CLI::App& app);
 void add_scan(CLI::App& app);
 void add_radius(CLI::App& app);
 void add_finger(CLI::App& app);
+void add_felt(CLI::App& app);
 void add_closed_loop(CLI::App& app);
 void add_coupling(CLI::App& app);
 void add_rate(CLI::App& app);
 void add_scaling(CLI::App& app);
+void add_work_precision(CLI::App& app);
 
 }  // namespace haptic::report

@@ -134,6 +134,23 @@ every "without it" 1 'verdict != "ok"' rate --cycles --rate 60 --delay 20 --prox
   500 \
   --with nothing
 
+# Felt torque: planes of every tick without delay are the ideal itself, to the bit. A held proxy of
+# every tick differs by the rendered damping, which it has off the object too. The error grows with
+# the delay.
+every "felt, nothing between" 16 'error_nmm == 0 && error_all_ticks_pct == 0 && ideal_nmm > 1' \
+  felt --trajectories 4 --rate 1000 --delay 0 --proxy planes
+every "felt, a held proxy" 3 'error_pct > 0 && error_pct < 10 && ended == 0' \
+  felt --trajectories 8 --rate 1000 --delay 0 --proxy held --method subspace_linear
+last=0
+for delay in 0 20 50 100; do
+  error=$(number error_nmm felt --trajectories 8 --rate 60 --delay $delay --proxy held \
+    --method subspace_linear)
+  awk "BEGIN { exit !($error > $last) }" || fail "felt: $error N mm at $delay ms, $last before"
+  last=$error
+done
+
+refused felt --proxy held_force
+refused felt --motion /nowhere.csv
 refused closed-loop --stop 18
 refused closed-loop --rate 10
 refused closed-loop --delay 200

@@ -28,7 +28,9 @@ int main(int argc, char** argv) {
   haptic::report::add_closed_loop(app);
   haptic::report::add_coupling(app);
   haptic::report::add_rate(app);
+  haptic::report::add_felt(app);
   haptic::report::add_scaling(app);
+  haptic::report::add_work_precision(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

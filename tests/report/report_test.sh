@@ -179,6 +179,18 @@ echo "$rows" | grep -q "^subspace_exact,18,999,50,50,6000,.*,deeper and gives en
     "(core/METHOD.md#forces-at-the-finger)"
 header "method,proxy,fingers_declared,fingers_in_contact,tick_ns,idle_share_pct" scaling --ticks 16
 
+# Ten kinds of hard frames; KDL on the arm alone. Where x is an image (6) of the finger, in closed
+# form, finds it.
+rows=$(report work-precision --frames 6 --blocks 1 2>/dev/null)
+kinds=$(echo "$rows" | awk -F, 'NR > 1 && !seen[$1, $2]++' | wc -l)
+[ "$kinds" = 10 ] || fail "work-precision: $kinds kinds of frames, expected 10"
+echo "$rows" | grep -q '^finger,.*,kdl_lma,' && fail "work-precision: KDL has no closed loops"
+[ "$(echo "$rows" | grep -c '^arm,.*,kdl_lma,')" = 25 ] || fail "work-precision: 25 rows of KDL"
+for kind in random near_singular; do
+  csv=$(echo "$rows" | cut -d, -f1-3,13)
+  near "finger,$kind,eq6" 100 0
+done
+
 # The same presses through an emulated board: every method, at the actuator and at the finger.
 rows=$(report finger --board --stop 18,999)
 [ "$(echo "$rows" | wc -l)" = 5 ] || fail "finger --board: must be a row per method"

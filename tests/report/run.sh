@@ -5,7 +5,7 @@
 #   tests/report/run.sh [--output DIR] [--build DIR] [part...]
 #
 #   part           linkage fig4 recordings scan radius claims finger coupling
-#                  closed_loop rate scaling; default: all
+#                  closed_loop rate felt scaling work_precision; default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
 #
@@ -27,7 +27,8 @@ while (($#)); do
   esac
 done
 ((${#parts[@]})) ||
-  parts=(linkage fig4 recordings scan radius claims finger coupling closed_loop rate scaling)
+  parts=(linkage fig4 recordings scan radius claims finger coupling closed_loop rate felt
+    scaling work_precision)
 
 if [[ -z $programs ]]; then
   sh "$root/docker/install-deps.sh" build test report
@@ -289,6 +290,39 @@ make_rate() {
     >"$output/rate_cycles_60_20.csv"
 }
 
+make_felt() {
+  local linkage=finger_same_sign file motions=()  # the scenes' linkage
+  while read -r file; do motions+=(--motion "$file"); done < <(recorded_motions)
+  csv felt felt "${motions[@]}"
+  # Per client's rate and delay the rows that no other row beats in cost and error.
+  awk -F, -v OFS=, '
+    NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; print "figure", $0
+      figures = split("error error_all_ticks over_best", figure, " "); next }
+    $at["of"] == "all" { line[++n] = $0; place[n] = $at["rate_hz"] OFS $at["delay_ms"]
+      ns[n] = $at["tick_ns"]
+      for (f = 1; f <= figures; f++) pct[f, n] = $at[figure[f] "_pct"] }
+    function beaten(f, a,   b) {
+      for (b = 1; b <= n; b++) if (place[b] == place[a] && ns[b] < ns[a] &&
+        pct[f, b] <= pct[f, a]) return 1
+      return 0
+    }
+    END { for (a = 1; a <= n; a++) for (f = 1; f <= figures; f++)
+      if (!beaten(f, a)) print figure[f], line[a] }' \
+    "$output/felt.csv" >"$output/felt_front.csv"
+  draw felt felt "csv='$output/felt.csv'; fronts='$output/felt_front.csv'"
+  # Two networks of all, and every network of one renderer.
+  awk -F, 'NR == 1 || ($5 == "all" && (($3 == 60 && $4 == 20) || ($3 == 1000 && $4 == 0)))' \
+    "$output/felt.csv" >"$output/felt_two.csv"
+  awk -F, 'NR == 1 || ($5 == "all" && $1 == "subspace_linear")' "$output/felt.csv" \
+    >"$output/felt_networks.csv"
+  awk -F, 'NR == 1 || ($5 != "all" && $1 == "subspace_linear" && $3 == 60 && $4 == 20)' \
+    "$output/felt.csv" >"$output/felt_of.csv"
+}
+make_work_precision() {
+  local linkage=finger_same_sign
+  csv work_precision work-precision
+  draw work_precision work_precision "csv='$output/work_precision.csv'"
+}
 make_scaling() {
   csv scaling scaling
   draw scaling scaling "csv='$output/scaling.csv'"

@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <kdl/chain.hpp>
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainjnttojacdotsolver.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
@@ -14,9 +13,12 @@
 #include "tests/core/model/derivatives.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/angles.hpp"
+#include "tests/support/kdl_chain.hpp"
 
 namespace haptic::core {
 namespace {
+
+using test::kdl;
 
 class Random {
  public:
@@ -66,26 +68,6 @@ SerialChainParameters branched_chain(Random& random, bool palm) {
                    {"c", "j4", OutputKind::kFrame, random.pose(0.1)}};
   if (palm) chain.outputs.push_back({"wrist", "base", OutputKind::kFrame, random.pose(0.1)});
   return chain;
-}
-
-KDL::Frame kdl(const Pose3& pose) {
-  const UnitQuaternion& q = pose.orientation;
-  const double n = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-  return {KDL::Rotation::Quaternion(q.x / n, q.y / n, q.z / n, q.w / n),
-          KDL::Vector(pose.position.x, pose.position.y, pose.position.z)};
-}
-
-KDL::Chain kdl(const SerialChainParameters& chain) {
-  KDL::Chain out;
-  for (const ChainJoint& joint : chain.joints) {
-    out.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::None), kdl(joint.origin)));
-    const KDL::Vector axis(joint.axis.x, joint.axis.y, joint.axis.z);
-    const auto kind =
-        joint.kind == JointKind::kRevolute ? KDL::Joint::RotAxis : KDL::Joint::TransAxis;
-    out.addSegment(KDL::Segment(KDL::Joint(KDL::Vector::Zero(), axis, kind)));
-  }
-  out.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::None), kdl(chain.outputs.front().offset)));
-  return out;
 }
 
 using Quaternion = Eigen::Vector4d;  // x, y, z, w

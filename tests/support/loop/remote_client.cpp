@@ -14,10 +14,40 @@ void stamp(core::TimePoint now, core::ProxySnapshot& proxy) {
   if (proxy.gapless_samples++ == 0) proxy.gapless_since = now;
 }
 
+/// derive_planes() of the client library for a finger as one block.
+core::PlaneSet derived(const Frame& frame) {
+  core::PlaneSet planes;
+  const core::VecX away = frame.x_probe - frame.x;
+  const double distance = away.norm();
+  const int count = distance > 1e-9 ? 1 : 0;
+  planes.normals.resize(away.size(), count);
+  planes.offsets.resize(count);
+  if (count == 0) return planes;
+  planes.normals.col(0) = away / distance;
+  planes.offsets[0] = planes.normals.col(0).dot(frame.x);
+  return planes;
+}
+
 }  // namespace
 
 RemoteClient::RemoteClient(ClientSettings settings)
     : settings_(std::move(settings)), random_(settings_.seed) {}
+
+void RemoteClient::put_proxy(Frame& frame) {
+  frame.walls = settings_.object ? settings_.object(frame.x_probe) : settings_.walls;
+  if (frame.walls.size() == 0) {
+    frame.x = frame.x_probe.cwiseMin(settings_.stop);
+    return;
+  }
+  if (!projection_) {
+    space_ = std::make_shared<const core::ConfigurationSpace>(
+        std::vector<core::Coordinate>(static_cast<std::size_t>(frame.x_probe.size())));
+    projection_.emplace(*space_);
+  }
+  projection_->set(frame.walls, frame.x_probe);
+  frame.x.resize(frame.x_probe.size());
+  static_cast<void>(projection_->project(frame.x_probe, frame.x));
+}
 
 void RemoteClient::look(double t_s, const core::VecQ& q, const core::VecX& x_probe) {
   const double period = 1.0 / settings_.rate_hz;
@@ -27,8 +57,8 @@ void RemoteClient::look(double t_s, const core::VecQ& q, const core::VecX& x_pro
   frame.seq = ++seq_;
   frame.q = q;
   frame.x_probe = x_probe;
-  frame.x = x_probe.cwiseMin(settings_.stop);
-  frame.contact = (x_probe.array() > settings_.stop.array()).any();
+  put_proxy(frame);
+  frame.contact = frame.x != x_probe;
   const bool lost = random_.uniform() < settings_.lost;
   const double late = settings_.disorder ? 2.0 * random_.uniform() * period : 0.0;
   if (lost) return;
@@ -40,6 +70,10 @@ void RemoteClient::look(double t_s, const core::VecQ& q, const core::VecX& x_pro
 }
 
 void RemoteClient::write_planes(const Frame& frame, core::PlaneSet& planes) const {
+  if (frame.walls.size() > 0) {
+    planes = settings_.only_in_contact ? derived(frame) : frame.walls;
+    return;
+  }
   const Eigen::Index n_x = settings_.stop.size();
   planes.normals.setZero(n_x, 0);
   planes.offsets.resize(0);

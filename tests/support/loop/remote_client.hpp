@@ -1,11 +1,14 @@
 #pragma once
 /// A simulation behind a network, in virtual time: at its own rate it sees the haptic probe,
-/// computes the proxy (the probe clipped at stops), and its sample arrives at the pipeline after a
-/// delay. As in the ingress, an older sample never replaces a newer one.
+/// computes the proxy (the probe clipped at stops or kept out of walls), and its sample arrives at
+/// the pipeline after a delay. As in the ingress, an older sample never replaces a newer one.
 
 #include <functional>
+#include <memory>
+#include <optional>
 #include <vector>
 
+#include "haptic/core/projection/plane_projection.hpp"
 #include "haptic/core/tick/tick_input.hpp"
 #include "tests/support/link/random.hpp"
 
@@ -13,13 +16,14 @@ namespace haptic::test {
 
 /// What the simulation knew when it computed a sample.
 struct Frame {
-  double seen_s{0.0};     ///< when it looked at the device
-  double arrives_s{0.0};  ///< when the pipeline gets it
-  std::uint64_t seq{0};   ///< 1, 2, ...
-  core::VecQ q{};         ///< device, n_q
-  core::VecX x_probe{};   ///< haptic probe, n_x
-  core::VecX x{};         ///< proxy, n_x
-  bool contact{false};    ///< x is not simply the probe
+  double seen_s{0.0};      ///< when it looked at the device
+  double arrives_s{0.0};   ///< when the pipeline gets it
+  std::uint64_t seq{0};    ///< 1, 2, ...
+  core::VecQ q{};          ///< device, n_q
+  core::VecX x_probe{};    ///< haptic probe, n_x
+  core::VecX x{};          ///< proxy, n_x
+  bool contact{false};     ///< x is not simply the probe
+  core::PlaneSet walls{};  ///< as the simulation had them; none: its stops counted
 };
 
 /// What a law between two samples may look at.
@@ -37,10 +41,14 @@ using LocalLaw = std::function<core::VecX(const Between&)>;
 
 struct ClientSettings {
   core::ProxyMode mode{core::ProxyMode::kHeld};  ///< held or planes
-  /// Held: free mode while nothing is in the way (a bare contact flag). Planes: those in contact
-  /// alone, as the client library derives them; else all stops, always.
+  /// Held: free mode while nothing is in the way (a bare contact flag). Planes: those of the stops
+  /// in contact alone, and of walls the one that the client library derives for a whole finger;
+  /// else all of them, always.
   bool only_in_contact{false};
-  core::VecX stop{};     ///< n_x, x_i <= stop_i; infinity: none
+  core::VecX stop{};       ///< n_x, x_i <= stop_i; infinity: none
+  core::PlaneSet walls{};  ///< instead of stops, in any direction; none: the stops count
+  /// Instead of both: a curved object, as the planes that touch it where it is nearest to x_probe.
+  std::function<core::PlaneSet(const core::VecX& x_probe)> object{};
   double rate_hz{60.0};  ///< > 0
   double delay_s{0.0};   ///< from the look at the device to the sample's arrival, >= 0
   double jitter{0.3};    ///< of the period, uniform, +-; in [0, 1)
@@ -63,9 +71,13 @@ class RemoteClient {
   void look(double t_s, const core::VecQ& q, const core::VecX& x_probe);
   void deliver(const Frame& frame, core::TimePoint now, core::ProxySnapshot& proxy) const;
   void write_planes(const Frame& frame, core::PlaneSet& planes) const;
+  /// Where the simulation lets the virtual object be, and what keeps it there.
+  void put_proxy(Frame& frame);
 
   ClientSettings settings_;
   Random random_;
+  std::shared_ptr<const core::ConfigurationSpace> space_{};  ///< of the first look
+  std::optional<core::PlaneProjection> projection_{};
   std::vector<Frame> on_the_way_{};
   Frame newest_{}, previous_{};
   double next_look_s_{0.0};

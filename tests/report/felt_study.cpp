@@ -1,0 +1,173 @@
+#include "tests/report/felt_study.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/projection/plane_projection.hpp"
+#include "hw/simulated/finger.hpp"
+#include "server/scene/scene.hpp"
+#include "server/scene/shipped.hpp"
+#include "tests/support/cpu_time.hpp"
+#include "tests/support/loop/pipeline_loop.hpp"
+
+namespace haptic::report {
+namespace {
+
+using core::VecX;
+
+constexpr const char* kScene = "finger_soft_grasp";  // the demo's
+constexpr double kEngage_s = 0.7;         // ten samples at 30 Hz, 100 ms late, jitter, and some
+constexpr double kLeave_s = 1.0;          // the gain's ramp is over
+constexpr int kSubsteps = 10;             // of 0.1 ms, as the simulated device takes them
+constexpr double kBand = 0.25 * kDegree;  // below this depth a contact may be pushed in
+
+int tick_of(double t) {
+  return static_cast<int>(std::lround(t / test::PipelineLoop::kTick_s));
+}
+
+core::PipelineConfig config_of(const FeltDevice& device, core::RendererKind renderer) {
+  core::PipelineConfig config = device.pipeline;
+  config.scene.renderer = renderer;
+  return config;
+}
+
+test::ClientSettings client_at(const FeltTrajectory& what, ClientKind kind,
+                               const Network& network) {
+  test::ClientSettings client = client_of(kind, network, {});
+  client.object = what.object;
+  client.seed = static_cast<std::uint64_t>(what.motion) + 1;
+  return client;
+}
+
+/// W of the finger, n_x: what 1 N of its actuator does at its joints, m/rad.
+VecX lever(const core::MatXQ& J) {
+  const double det = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
+  return (VecX(2) << J(1, 1) / det, -J(0, 1) / det).finished();
+}
+
+/// The best tau_a for an object, pose by pose: the spring Z_q at the actuator between probe and
+/// proxy as far as the limit allows; none where it would push the probe into one of the planes.
+class Best {
+ public:
+  Best(const FeltTrajectory& what, const FeltDevice& device)
+      : what_(what),
+        stiffness_(device.pipeline.scene.stiffness[0]),
+        limit_(device.pipeline.scene.force_limit[0]),
+        walls_(device.pipeline.kinematics->space()) {}
+  [[nodiscard]] double at(const VecX& x_probe, const VecX& w) {
+    const core::PlaneSet planes = what_.object(x_probe);
+    walls_.set(planes, x_probe);
+    static_cast<void>(walls_.project(x_probe, x_));
+    const double tau = std::clamp(stiffness_ * w.dot(x_ - x_probe), -limit_, limit_);
+    for (int i = 0; i < planes.size(); ++i) {
+      const auto n = planes.normals.col(i);
+      if (n.dot(x_probe) - planes.offsets[i] > kBand && n.dot(w) * tau > 0.0) return 0.0;
+    }
+    return tau;
+  }
+
+ private:
+  const FeltTrajectory& what_;
+  double stiffness_, limit_;
+  core::PlaneProjection walls_;
+  VecX x_{VecX::Zero(2)};
+};
+
+}  // namespace
+
+FeltSums& FeltSums::operator+=(const FeltSums& other) noexcept {
+  ticks += other.ticks;
+  limited += other.limited;
+  throttled += other.throttled;
+  guarded += other.guarded;
+  error2 += other.error2;
+  ideal2 += other.ideal2;
+  over2 += other.over2;
+  best2 += other.best2;
+  all2 += other.all2;
+  ideal_all2 += other.ideal_all2;
+  ended += other.ended;
+  return *this;
+}
+
+FeltDevice felt_device(std::shared_ptr<const core::Kinematics> finger) {
+  const auto file = server::find_scene(kScene);
+  if (!file) throw core::SceneError(std::string("felt: no scene ") + kScene);
+  const server::DeviceScene scene = server::load_scene(*file).devices.front();
+  const auto* source = dynamic_cast<const hw::SimulatedFingerConfig*>(scene.source.get());
+  if (source == nullptr) throw core::SceneError("felt: the scene has no simulated finger");
+  FeltDevice device;
+  device.finger = source->finger;
+  const auto opened = source->open(finger, scene.pipeline.loop_late_fault);
+  device.pipeline = server::pipeline_config(scene, opened->info().limits);
+  device.pipeline.kinematics = std::move(finger);
+  return device;
+}
+
+FeltSums run(const FeltTrajectory& what, const FeltDevice& device, const FeltRun& with,
+             FeltInputs* inputs) {
+  const core::PipelineConfig config = config_of(device, with.renderer);
+  const double damping = device.finger.actuator_damping;
+  test::PipelineLoop felt(config, client_at(what, with.client, with.network), damping);
+  test::PipelineLoop ideal(config, client_at(what, ClientKind::kPlanes, {1000.0, 0.0}), damping);
+  hw::FingerPhysics physics(device.finger, config.kinematics, what.aim(0.0));
+  Best best(what, device);
+  FeltSums sums;
+  constexpr double dt = test::PipelineLoop::kTick_s / kSubsteps;
+  const int begins = tick_of(kLeave_s), last = tick_of(kLeave_s + kFeltSeconds);
+  for (int k = 1; k <= last; ++k) {
+    if (k == tick_of(kEngage_s)) {
+      felt.engage();
+      ideal.engage();
+    }
+    const double t = k * test::PipelineLoop::kTick_s - kLeave_s;
+    for (int s = kSubsteps - 1; k > begins && s >= 0; --s) {
+      physics.step(dt, what.aim(t - s * dt), felt.tau());
+    }
+    const core::TickRecord& record = felt.tick(physics.q());
+    const core::LimiterSet limiters = record.limiters() | ideal.tick(physics.q()).limiters();
+    if (inputs != nullptr) (k > begins ? inputs->motion : inputs->before).push_back(record.input);
+    if (k == begins) {
+      felt.require_engaged();
+      ideal.require_engaged();
+    }
+    if (k <= begins) continue;
+    if (record.life.state != core::LifecycleState::kEngaged ||
+        ideal.record().life.state != core::LifecycleState::kEngaged) {
+      ++sums.ended;
+      break;
+    }
+    const VecX w = lever(felt.J());
+    const double w2 = w.squaredNorm(), off = felt.tau() - ideal.tau();
+    ++sums.ticks;
+    sums.all2 += w2 * off * off;
+    sums.ideal_all2 += w2 * ideal.tau() * ideal.tau();
+    if (limiters.any()) {
+      ++sums.limited;
+      sums.throttled += limiters.has(core::Limiter::kEnergyTank) ? 1 : 0;
+      sums.guarded += limiters.has(core::Limiter::kDirectionGuard) ? 1 : 0;
+      continue;
+    }
+    const double tau = best.at(felt.x_probe(), w), over = felt.tau() - tau;
+    sums.error2 += w2 * off * off;
+    sums.ideal2 += w2 * ideal.tau() * ideal.tau();
+    sums.over2 += w2 * over * over;
+    sums.best2 += w2 * tau * tau;
+  }
+  return sums;
+}
+
+double replayed_tick_ns(const FeltDevice& device, core::RendererKind renderer,
+                        const FeltInputs& inputs) {
+  core::Pipeline pipeline(config_of(device, renderer));
+  double force = 0.0;
+  for (const core::TickInput& input : inputs.before) force += pipeline.tick(input).life.gain;
+  const double start = test::cpu_ns();
+  for (const core::TickInput& input : inputs.motion) force += pipeline.tick(input).effort.tau_a[0];
+  const double spent = test::cpu_ns() - start;
+  if (!std::isfinite(force)) throw core::SceneError("felt: a replayed force is not finite");
+  return spent / static_cast<double>(inputs.motion.size());
+}
+
+}  // namespace haptic::report

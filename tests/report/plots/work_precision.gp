@@ -48,9 +48,11 @@ do for [kind in "svg png"] {
       }
       if (here ne "") {
         plot for [j in here] file_of(m, k, int(j)) using "ns": \
+          (at(m, k, int(j), column("excess_median") + least)) with linespoints \
+          lc rgb word(colours, int(j)) lw 1 dashtype 2 pt 6 ps 1.1, \
+          for [j in here] file_of(m, k, int(j)) using "ns": \
           (at(m, k, int(j), column("excess_p95") + least)) with linespoints \
-          lc rgb word(colours, int(j)) \
-          lw 1.6 pt 7 ps 0.9
+          lc rgb word(colours, int(j)) lw 1.6 pt 7 ps 0.8
       } else {
         set label 50 "no such frames" at graph 0.5, 0.5 center
         plot NaN

@@ -7,6 +7,8 @@
 namespace haptic::hw {
 namespace {
 
+constexpr double kFastest = 100.0;  // rad/s
+
 Eigen::Matrix2d fixed(const core::MatXQ& m) {
   Eigen::Matrix2d out;
   out << m(0, 0), m(0, 1), m(1, 0), m(1, 1);
@@ -138,6 +140,9 @@ void FingerPhysics::step(double dt, const Eigen::Vector2d& x_des, double tau_a) 
   const double friction = std::clamp(stick, -p_.actuator_friction, p_.actuator_friction);
 
   x_dot_ = sliding - friction * per_newton;
+  // Near a toggle position, at the edge of the reach, w grows without bound and explicit steps
+  // would make the speed grow with it. No finger is this fast.
+  if (const double speed = x_dot_.norm(); speed > kFastest) x_dot_ *= kFastest / speed;
   const double l_dot_new = w.dot(x_dot_);
   energy_.by_user += dt * x_dot_.dot(spring - p_.hand_damping * x_dot_);
   energy_.by_actuator += dt * tau_a * l_dot_new;

@@ -68,6 +68,10 @@ void loop(Exposition& page, const ServerFacts& facts, const TickTotals& ticks) {
   page.sample({}, ticks.period);
   page.histogram("haptic_loop_lateness_seconds", "Wake-up of the loop behind its deadline.");
   page.sample({}, ticks.lateness);
+  page.gauge("haptic_loop_tick_seconds",
+             "From the loop's wake-up to the end of its tick, of all devices, over the last 10 s.");
+  page.sample({{"percentile", "50"}}, 1e-6 * facts.loop.tick_p50_us);
+  page.sample({{"percentile", "99"}}, 1e-6 * facts.loop.tick_p99_us);
 }
 
 void proxies(Exposition& page, const std::vector<Reading>& devices) {

@@ -104,6 +104,8 @@ class Metrics(unittest.TestCase):
         self.assertGreater(ticks, 1000)
         self.assertAlmostEqual(grown("haptic_loop_period_seconds_count"), ticks, delta=5)
         self.assertAlmostEqual(grown("haptic_loop_lateness_seconds_count"), ticks, delta=5)
+        half, most = (after["haptic_loop_tick_seconds", f'percentile="{p}"'] for p in (50, 99))
+        self.assertTrue(0.0 < half <= most < 0.1, (half, most))
         fresh = grown("haptic_staleness_seconds_total", device + ',level="fresh"')
         self.assertGreater(fresh, 0.5)
         # Samples begin on the stream and go by UDP once that has proved good.

@@ -56,11 +56,6 @@ std::optional<Refusal> engage_refusal(const core::EngageAnswer& answer,
       return not_yet("OUTSIDE_WINDOW", "force on actuated DoF " + std::to_string(answer.index) +
                                            " would start at " + value + " (N or N m): at most " +
                                            limit + " is allowed");
-    case Verdict::kNeverFree:
-      return not_yet("NEVER_FREE",
-                     "the probe was never free under this lease, and force on actuated DoF " +
-                         std::to_string(answer.index) + " would start at " + value +
-                         " (N or N m): at most " + limit + " at one time is needed");
   }
   return Refusal{Refusal::Code::kUnavailable, "NO_ANSWER", "the loop gave no verdict"};
 }

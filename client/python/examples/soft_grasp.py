@@ -18,7 +18,6 @@ CONTACT_N_PER_M = 600.0
 JOINT_NM_PER_RAD = 0.5  # how firmly the proxy follows the hand
 SAMPLES = 6  # points along each phalanx that can touch
 STEPS, DAMPING = 12, 0.2
-PIECE_RAD = math.radians(3)
 
 
 def contact_torque(q: tuple[float, float]) -> tuple[float, float]:
@@ -58,26 +57,6 @@ def balanced(probe: tuple[float, ...], start: tuple[float, float]) -> tuple[floa
     return q
 
 
-class Grasp:
-    """The proxy of a finger that was open at first. It follows the probe in small pieces: a finger
-    that is inside the cylinder at the start, or pushed through it, would be held on the wrong
-    side."""
-
-    def __init__(self) -> None:
-        self.probe = self.x = (0.0, 0.0)
-
-    def step(self, probe: tuple[float, ...]) -> haptic.Proxy:
-        begin = self.probe
-        pieces = max(1, math.ceil(max(abs(p - b) for p, b in zip(probe, begin)) / PIECE_RAD))
-        for i in range(1, pieces + 1):
-            self.probe = tuple(b + i / pieces * (p - b) for p, b in zip(probe, begin))
-            self.x = balanced(self.probe, self.x)
-            touching = any(contact_torque(self.x)) or any(contact_torque(self.probe))
-            if not touching:
-                self.x = self.probe
-        return haptic.held(self.x) if touching else haptic.FREE
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--server", default=haptic.DEFAULT_SERVER, help="host:port or unix:/path")
@@ -86,14 +65,16 @@ def main() -> None:
     with haptic.Connection(arguments.server) as server:
         with server.session(client_name="soft_grasp.py", nominal_rate_hz=RATE_HZ) as session:
             session.engage_when_ready()
-            grasp, peak = Grasp(), 0.0
+            x = session.wait_for_state().x_probe
+            peak = 0.0
             for frame in range(int(arguments.seconds * RATE_HZ)):
                 state = session.wait_for_state()
-                proxy = grasp.step(state.x_probe)
-                session.publish(proxy)
+                touching = any(contact_torque(state.x_probe))
+                x = balanced(state.x_probe, x) if touching else state.x_probe
+                session.publish(haptic.held(x) if touching else haptic.FREE)
                 peak = max(peak, abs(state.tau_elastic[0]))
                 if frame % RATE_HZ == 0:
-                    print(f"{state.state:9} {'free' if proxy == haptic.FREE else 'touching':8} "
+                    print(f"{state.state:9} {'touching' if touching else 'free':8} "
                           f"{state.tau_a[0]:6.2f} N", flush=True)
             print(f"largest elastic force {peak:.2f} N, "
                   f"{session.samples().accepted} samples accepted")

@@ -23,7 +23,7 @@ class ClientError(Exception):
 
 # Refusals of Engage that time and more samples can cure.
 PASSING = frozenset({"NOT_ARMED", "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES", "STREAM_STALE",
-                     "DEVICE_STALE", "OUTSIDE_WINDOW", "NEVER_FREE", "TRACKER_STALE"})
+                     "DEVICE_STALE", "OUTSIDE_WINDOW", "TRACKER_STALE"})
 
 
 @functools.cache

@@ -15,23 +15,7 @@ double milliseconds_of(Duration d) noexcept {
   return seconds(d) * 1e3;
 }
 
-/// Force of the spring at the probe, n_a, N or N m.
-VecA pull(const EngageCase& at) noexcept {
-  return at.settings.unlimited(at.anchor.stretch(at.layout, at.sensed.q)).cwiseAbs();
-}
-
-/// The first DoF whose force is not within `share` of its window; n_a: none.
-int beyond(const VecA& force, const EngageCase& at, double share) noexcept {
-  int i = 0;
-  while (i < at.layout.n_a() && force[i] <= share * at.settings.engage_window[i]) ++i;
-  return i;
-}
-
 }  // namespace
-
-bool free(const EngageCase& at) noexcept {
-  return at.proxy.mode != ProxyMode::kNone && beyond(pull(at), at, kFreeShare) == at.layout.n_a();
-}
 
 EngageAnswer judge_engage(std::uint64_t id, const EngageCase& at) noexcept {
   const EngageAnswer accepted{.id = id, .verdict = EngageVerdict::kAccepted};
@@ -70,16 +54,12 @@ EngageAnswer judge_engage(std::uint64_t id, const EngageCase& at) noexcept {
                   tracker.seq != 0 ? milliseconds_of(tracker.age) : HUGE_VAL,
                   milliseconds_of(tracker.hold_end));
   }
-  const VecA jump = pull(at);
-  const auto refuse_above = [&](EngageVerdict verdict, double share, int i) {
-    return refuse(verdict, jump[i], share * at.settings.engage_window[i], i);
-  };
-  if (const int i = beyond(jump, at, 1.0); i < at.layout.n_a()) {
-    return refuse_above(EngageVerdict::kOutsideWindow, 1.0, i);
-  }
-  // A client that joins inside an object may pull the probe through it.
-  if (const int i = beyond(jump, at, kFreeShare); !at.was_free && i < at.layout.n_a()) {
-    return refuse_above(EngageVerdict::kNeverFree, kFreeShare, i);
+  const VecA jump = at.settings.unlimited(at.anchor.stretch(at.layout, at.sensed.q));
+  for (int i = 0; i < at.layout.n_a(); ++i) {
+    const double limit = at.settings.engage_window[i];
+    if (!(std::abs(jump[i]) <= limit)) {
+      return refuse(EngageVerdict::kOutsideWindow, std::abs(jump[i]), limit, i);
+    }
   }
   return accepted;
 }

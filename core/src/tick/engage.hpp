@@ -7,9 +7,6 @@
 
 namespace haptic::core {
 
-/// The probe counts as free while the proxy pulls with at most this share of engage_window.
-inline constexpr double kFreeShare = 0.1;
-
 /// What an Engage is judged by.
 struct EngageCase {
   TimePoint now{};
@@ -21,11 +18,7 @@ struct EngageCase {
   const Settings& settings;
   const DofLayout& layout;
   Duration sample_period{};  ///< of the device, nominal
-  bool was_free{false};      ///< free() held in some tick under this lease
 };
-
-/// Whether the proxy in use leaves the probe free, as far as the server can tell.
-[[nodiscard]] bool free(const EngageCase& at) noexcept;
 
 /// The answer to the request `id`: accepted, or the first reason against it with its figures. A
 /// device that is engaged already accepts.

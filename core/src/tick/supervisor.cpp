@@ -15,12 +15,10 @@ Lifecycle Supervisor::step(const TickInput& in, const Beat& beat, const Settings
   const bool released = command.release_id != life_.release_id;
   life_.release_id = command.release_id;
   bool engaged = false;
-  EngageCase at{in.now,   before,  life_.faults.any(), sensed, proxy, anchor,
-                settings, layout_, sample_period_};
-  was_free_ = (was_free_ && command.tenure == tenure_) || free(at);
-  at.was_free = was_free_;
   if (command.engage_id != life_.engage.id) {
-    life_.engage = judge_engage(command.engage_id, at);
+    life_.engage =
+        judge_engage(command.engage_id, {in.now, before, life_.faults.any(), sensed, proxy, anchor,
+                                         settings, layout_, sample_period_});
     if (released && life_.engage.verdict == EngageVerdict::kAccepted) {
       life_.engage.verdict = EngageVerdict::kReleased;
     }

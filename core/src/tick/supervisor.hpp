@@ -38,8 +38,6 @@ class Supervisor {
   /// allowed: damping stays on after the elastic force was lost
   /// (proto/README.md#staleness-and-gain, level "lost").
   bool force_granted_{false};
-  /// The probe was free in some tick under this lease, so the client met its objects from outside.
-  bool was_free_{false};
 };
 
 }  // namespace haptic::core

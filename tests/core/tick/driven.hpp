@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <utility>
-
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/support/allocation_guard.hpp"
 
@@ -45,11 +43,8 @@ class Driven {
     for (int i = 0; i < ticks; ++i) tick();
     return record;
   }
-  /// ENGAGED with g = 1, after a sample that left the probe free.
+  /// ENGAGED with g = 1.
   const TickRecord& engage() {
-    const ProxyMode mode = std::exchange(input.proxy.mode, ProxyMode::kFree);
-    tick();
-    input.proxy.mode = mode;
     run(250);
     ++input.command.engage_id;
     tick();

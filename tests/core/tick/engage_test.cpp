@@ -25,10 +25,9 @@ class EngageTest : public testing::Test {
     proxy.gapless_samples = 10;
     proxy.gapless_since = now - milliseconds(200);
   }
-  [[nodiscard]] EngageAnswer judge() const { return judge_engage(3, at()); }
-  [[nodiscard]] EngageCase at() const {
-    return {now,    state,    faulted, sensed,          proxy,
-            anchor, settings, layout,  milliseconds(2), was_free};
+  [[nodiscard]] EngageAnswer judge() const {
+    return judge_engage(
+        3, {now, state, faulted, sensed, proxy, anchor, settings, layout, milliseconds(2)});
   }
   void expect_refused(EngageVerdict verdict, double value, double limit, int index = 0) const {
     const EngageAnswer answer = judge();
@@ -42,7 +41,6 @@ class EngageTest : public testing::Test {
   TimePoint now{milliseconds(5000)};
   LifecycleState state{LifecycleState::kArmed};
   bool faulted{false};
-  bool was_free{true};
   Settings settings{};
   Sensed sensed{};
   ProxyInUse proxy{};
@@ -116,26 +114,6 @@ TEST_F(EngageTest, WindowCountsTheWholeCoupledSpring) {
   EXPECT_EQ(answer.verdict, EngageVerdict::kOutsideWindow);
   EXPECT_EQ(answer.index, 0);
   EXPECT_NEAR(answer.value, 6.0, 1e-12);
-}
-
-TEST_F(EngageTest, ForceNeedsAFreeProbeBefore) {
-  was_free = false;
-  anchor.q_star = two(0.1, 0.2011);  // 0.55 N on the second
-  const EngageAnswer answer = judge();
-  EXPECT_EQ(answer.verdict, EngageVerdict::kNeverFree);
-  EXPECT_EQ(answer.index, 1);
-  EXPECT_NEAR(answer.value, 0.55, 1e-12);
-  EXPECT_EQ(answer.limit, 0.5);
-  anchor.q_star[1] = 0.2009;
-  EXPECT_EQ(judge().verdict, EngageVerdict::kAccepted) << "it is free now";
-}
-
-TEST_F(EngageTest, FreeMeansLittleForce) {
-  EXPECT_FALSE(free(at())) << "4 N";
-  anchor.anchored = false;
-  EXPECT_TRUE(free(at())) << "nothing pulls";
-  proxy.mode = ProxyMode::kNone;
-  EXPECT_FALSE(free(at()));
 }
 
 }  // namespace

@@ -216,23 +216,6 @@ TEST_F(SupervisorTest, LeaseEndFadesThenDisarms) {
   EXPECT_FALSE(life.arm);
 }
 
-TEST_F(SupervisorTest, EachLeaseNeedsAFreeProbe) {
-  const auto ask = [&] {
-    ++in.command.engage_id;
-    return step().engage.verdict;
-  };
-  anchor.q_star = one(0.5);  // 500 N: above a tenth of the window
-  run(3);
-  EXPECT_EQ(ask(), EngageVerdict::kNeverFree);
-  anchor.q_star = one(0.05);
-  step();
-  anchor.q_star = one(0.5);
-  EXPECT_EQ(ask(), EngageVerdict::kAccepted);
-  ++in.command.tenure;
-  run(300);
-  EXPECT_EQ(ask(), EngageVerdict::kNeverFree);
-}
-
 TEST_F(SupervisorTest, DampingNeedsObstacleAndRecentRate) {
   engage();
   anchor.in_the_way = false;

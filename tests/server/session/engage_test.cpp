@@ -58,19 +58,11 @@ TEST_F(Engage, NeedsAFreshDeviceSample) {
 }
 
 TEST_F(Engage, NeedsForceWithinTheStartWindow) {
-  rig.stream(300, 0.13);  // 13 N, the window is 12 N
+  rig.stream(300, 0.03);  // 3 N, the window is 2.5 N
   EXPECT_EQ(rig.engage(), "OUTSIDE_WINDOW");
-  EXPECT_NE(rig.refusal.find("13 "), std::string::npos);
-  EXPECT_NE(rig.refusal.find("12 "), std::string::npos);
+  EXPECT_NE(rig.refusal.find("3 "), std::string::npos);
+  EXPECT_NE(rig.refusal.find("2.5"), std::string::npos);
   EXPECT_EQ(rig.newest().effort.tau_a[0], 0.0);
-}
-
-TEST_F(Engage, NeedsAProbeThatWasFree) {
-  rig.stream(300, 0.02);  // 2 N, a tenth of the window is 1.2 N
-  EXPECT_EQ(rig.engage(), "NEVER_FREE");
-  rig.stream(1, 0.01);
-  rig.stream(1, 0.02);
-  EXPECT_EQ(rig.engage(), "");
 }
 
 TEST_F(Engage, NeedsArmed) {

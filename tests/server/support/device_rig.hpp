@@ -31,7 +31,7 @@ inline core::PipelineConfig rig_config() {
   config.scene.damping = core::VecA::Constant(1, 1.0);
   config.scene.force_limit = core::VecA::Constant(1, 10.0);
   config.scene.slew_limit = core::VecA::Constant(1, 1000.0);
-  config.scene.engage_window = core::VecA::Constant(1, 12.0);
+  config.scene.engage_window = core::VecA::Constant(1, 2.5);
   return config;
 }
 

@@ -30,7 +30,6 @@ enum class EngageVerdict : std::uint8_t {
   kOutsideWindow = 7,   ///< value: |Z_q (q*_a - q_a)| of DoF `index`, limit: its engage window
   kReleased = 8,        ///< a Release came in the same tick; which was later is unknown
   kTrackerStale = 9,    ///< value: age of the palm's pose in ms, limit: its hold_end in ms
-  kNeverFree = 10,      ///< value: as of kOutsideWindow, limit: a tenth of its limit
 };
 
 struct EngageAnswer {

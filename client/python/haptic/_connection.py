@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -43,7 +44,9 @@ class Connection:
         self._channel = grpc.insecure_channel(address, options=_OPTIONS)
         # Without a call under way grpc looks after a connection every 5 s: one that the network
         # has just given back would stay half made for so long. Watching it makes it look at once.
-        self._channel.subscribe(lambda _: None)
+        before = set(threading.enumerate())
+        self._channel.subscribe(self._watch)
+        self._watchers = set(threading.enumerate()) - before
         self._stub = stubs.HapticServiceStub(self._channel)
 
     def __enter__(self) -> Connection:
@@ -52,7 +55,16 @@ class Connection:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    @staticmethod
+    def _watch(_: object) -> None:
+        pass
+
     def close(self) -> None:
+        # grpc's watcher asks every 0.2 s whether it is still wanted. On a channel that is closed
+        # before, it ends with a traceback.
+        self._channel.unsubscribe(self._watch)
+        for watcher in self._watchers:
+            watcher.join(1.0)
         self._channel.close()
 
     def server_info(self) -> ServerInfo:

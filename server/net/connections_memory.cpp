@@ -14,7 +14,7 @@ namespace haptic::server {
 namespace {
 
 constexpr std::chrono::seconds kMemoryEvery{1};
-/// How often it is looked whether the heap is smaller again: to look takes malloc's locks.
+/// Time between two looks at the heap: each takes malloc's locks.
 constexpr std::chrono::milliseconds kHeapEvery{50};
 /// gRPC gives back what it has of connections that were cut within such a time, however busy the
 /// host is.

@@ -1,7 +1,7 @@
 #pragma once
 /// The 1 kHz loop: one thread that waits for each deadline, or for each sample of the device that
-/// paces it, ticks every unit in order and rings a bell. It waits for no mutex, and all
-/// signals are blocked on it.
+/// paces it, ticks every unit in order and rings a bell. It waits for no mutex, and all signals
+/// are blocked on it.
 ///
 ///   construct          the thread starts, gets its real-time grant, and waits
 ///   begin(units)       rehearses the units, then ticks

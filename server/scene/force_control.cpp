@@ -7,12 +7,12 @@
 namespace haptic::server {
 namespace {
 
-/// Of the device's max_effort: a geared drive that gives its all may hold as much again by its
-/// friction, and the cell reads both when a hand pushes it back.
+/// Range of a load cell over the device's max_effort. If a hand pushes a geared drive back, the
+/// cell reads the drive's force and its friction, which may be as large.
 constexpr double kRangePerEffort = 2.0;
 
-/// Per second, of max_effort: 10 ms from 0 to it. A rod that strikes takes longer
-/// (core/METHOD.md#a-load-cell-that-lies).
+/// Growth of a true reading per second over max_effort: 10 ms from 0 to it. A rod that strikes
+/// takes longer (core/METHOD.md#a-load-cell-that-lies).
 constexpr double kRatePerEffort = 100.0;
 
 /// What both laws believe of a load cell: its range, rate and `stuck`, how far the command may move

@@ -1,6 +1,6 @@
 /// haptic-bench-crossing: what two processes cost against one. hapticd (an owner and a front) and
 /// the same server in one process serve side by side; one client takes turns with them, by TCP and
-/// by the UDP path. All times are of this host's steady clock. Two figures:
+/// by the UDP path. All times are of this host's steady clock. Three figures:
 ///
 /// - publish to mailbox: how long before a tick publish() must be called for a half, or 99 %, of
 ///   the samples to be used by that tick. Samples published at any time would wait 0 to 1 ms for
@@ -119,7 +119,7 @@ class Ticks {
     used_[number(state.server_time_ns)] = state.proxy_seq_used;
     waits_us_.push_back(static_cast<double>(now - state.server_time_ns) * 1e-3);
   }
-  /// Of the first tick that is at least `ahead` away. 0: no state came yet.
+  /// Number of the first tick that is at least `ahead` ns away. 0: no state came yet.
   std::int64_t next(std::int64_t ahead) {
     const std::lock_guard lock(mutex_);
     if (first_ == 0) return 0;

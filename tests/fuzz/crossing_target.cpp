@@ -243,7 +243,7 @@ class Crossing {
       if (verdict.verdict > IngressVerdict::kBadPlane) fail("an unknown verdict");
       if (verdict.used() != verdict.why.empty()) fail("a refusal without a word, or a word alone");
     }
-    // Of proxies and of poses.
+    // The bound holds for proxies and for poses.
     if (count > 2 * SampleIntake::kPerTurn) fail("more samples in a turn than are allowed");
     Answer answer;
     while (out_.answers.read(answers_, answer)) look(answer);

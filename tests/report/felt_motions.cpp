@@ -1,4 +1,4 @@
-// What the hands of felt_study.hpp do: windows of recordings, and random reaches and returns.
+// Motions of the hands of felt_study.hpp: windows of recordings, and random reaches and returns.
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -20,12 +20,12 @@ struct FeltDevice {
   core::PipelineConfig pipeline{};
   hw::FingerParameters finger{};
 };
-/// Of the scene that the demo runs, with this linkage. Throws SceneError: no such scene.
+/// Pipeline of the scene that the demo runs, with this linkage. Throws SceneError: no such scene.
 [[nodiscard]] FeltDevice felt_device(std::shared_ptr<const core::Kinematics> finger);
 
 inline constexpr double kFeltSeconds = 1.5;  ///< of a motion
 
-/// What the hand aims at, and the object in its way.
+/// Aim of the hand, and the object in its way.
 struct FeltTrajectory {
   int motion{0};         ///< its number: trajectories of one motion differ in the object
   bool recorded{false};  ///< else of the project's own making

@@ -1,5 +1,5 @@
 #pragma once
-/// A serial chain of ours as one of KDL's, an implementation that is independent of us.
+/// The same serial chain for KDL, an independent implementation.
 
 #include <cmath>
 #include <kdl/chain.hpp>

@@ -60,8 +60,8 @@ class Connection:
         pass
 
     def close(self) -> None:
-        # grpc's watcher asks every 0.2 s whether it is still wanted. On a channel that is closed
-        # before, it ends with a traceback.
+        # grpc's watcher asks every 0.2 s whether it is still wanted. If the channel is closed
+        # earlier, the watcher ends with a traceback.
         self._channel.unsubscribe(self._watch)
         for watcher in self._watchers:
             watcher.join(1.0)

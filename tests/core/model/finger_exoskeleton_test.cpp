@@ -33,7 +33,7 @@ struct Fixture : ::testing::Test {
 };
 using FingerExoskeleton = Fixture;
 
-/// What holds for any dimensions.
+/// Rules that every linkage keeps.
 struct EveryLinkage : ::testing::TestWithParam<FingerDimensions> {
   FingerDimensions dimensions = GetParam();
   std::unique_ptr<Kinematics> finger = make_finger_exoskeleton(dimensions);

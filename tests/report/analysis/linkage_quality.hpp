@@ -1,5 +1,5 @@
 #pragma once
-/// What a linkage of the finger is worth over the workspace [0,80] x [0,90] deg:
+/// Measures of a linkage of the finger over the workspace [0,80] x [0,90] deg:
 /// core/METHOD.md#choice-of-the-linkage. w is the gradient of q_a(x), m/rad: the torque at each
 /// joint of 1 N at the actuator.
 

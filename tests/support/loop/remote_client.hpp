@@ -71,7 +71,7 @@ class RemoteClient {
   void look(double t_s, const core::VecQ& q, const core::VecX& x_probe);
   void deliver(const Frame& frame, core::TimePoint now, core::ProxySnapshot& proxy) const;
   void write_planes(const Frame& frame, core::PlaneSet& planes) const;
-  /// Where the simulation lets the virtual object be, and what keeps it there.
+  /// Place of the virtual object, and what keeps it there.
   void put_proxy(Frame& frame);
 
   ClientSettings settings_;

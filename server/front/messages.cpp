@@ -157,9 +157,9 @@ Outcome<SettingsRequest> from_proto(const v1::UpdateSettingsRequest& message) {
   request.force_limit = numbers<Values>(message.force_limit());
   request.slew_limit = numbers<Values>(message.slew_limit());
   if (message.renderer() < v1::RENDERER_UNSPECIFIED ||
-      message.renderer() > v1::RENDERER_SUBSPACE_EXACT) {
+      message.renderer() > v1::RENDERER_PER_CONTACT) {
     return Refusal{Refusal::Code::kInvalid, "INVALID_ARGUMENT",
-                   "renderer = " + std::to_string(message.renderer()) + ": must be 1..4",
+                   "renderer = " + std::to_string(message.renderer()) + ": must be 1..5",
                    "renderer"};
   }
   if (message.renderer() != v1::RENDERER_UNSPECIFIED) {

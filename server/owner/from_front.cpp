@@ -49,7 +49,7 @@ bool make_harmless(Request& request, core::TimePoint now) noexcept {
   bound(lease.fade_end);
   const auto& renderer = request.settings.renderer;
   return !renderer || (*renderer >= core::RendererKind::kStandard &&
-                       *renderer <= core::RendererKind::kSubspaceExact);
+                       *renderer <= core::RendererKind::kPerContact);
 }
 
 }  // namespace haptic::server

@@ -114,7 +114,7 @@ std::string Recorder::header(const core::Kinematics& kinematics, bool compare) {
   row.next() += "lateness_us";
   row.next() += "skipped";
   if (!compare) return line;
-  for (const core::RendererKind kind : core::kRenderers) {
+  for (const core::RendererKind kind : core::kPaperRenderers) {
     add_forces("tau_" + std::string(core::name(kind)));
   }
   return line;

@@ -29,11 +29,11 @@ RendererComparison::RendererComparison(std::shared_ptr<const core::Kinematics> k
       scene_(std::move(scene)),
       model_(*kinematics_, projection),
       map_(*kinematics_) {
-  renderers_.reserve(core::kRenderers.size());
-  for (const core::RendererKind kind : core::kRenderers) renderers_.emplace_back(kind, model_);
+  renderers_.reserve(core::kPaperRenderers.size());
+  for (const core::RendererKind kind : core::kPaperRenderers) renderers_.emplace_back(kind, model_);
 }
 
-const std::array<core::VecA, core::kRenderers.size()>& RendererComparison::evaluate(
+const std::array<core::VecA, core::kPaperRenderers.size()>& RendererComparison::evaluate(
     const core::TickRecord& record) {
   const core::DofLayout& layout = kinematics_->layout();
   for (core::VecA& tau : tau_) tau.setZero(layout.n_a());
@@ -60,11 +60,11 @@ const std::array<core::VecA, core::kRenderers.size()>& RendererComparison::evalu
     spring_.Z_q = model_.coupling()->matrix(stiffness);
     spring_.hold_within(limit);
   }
-  for (std::size_t k = 0; k < core::kRenderers.size(); ++k) {
+  for (std::size_t k = 0; k < core::kPaperRenderers.size(); ++k) {
     renderers_[k].project(core::Probe{record.sensed.q, map_.x_probe(), map_.J()}, record.anchor.x,
                           dx_, stiffness, proxy_changed, projection_);
     const core::VecA q_star_a = layout.select(projection_.q_star);
-    if (spring_.coupled() && core::renders_Z_q(core::kRenderers[k])) {
+    if (spring_.coupled() && core::renders_Z_q(core::kPaperRenderers[k])) {
       tau_[k] = spring_.force(q_star_a - q_a);
       continue;
     }

@@ -27,10 +27,10 @@ class RendererComparison {
   RendererComparison(std::shared_ptr<const core::Kinematics> kinematics, core::RenderSettings scene,
                      const core::ProjectionSettings& projection = {});
 
-  /// tau_a (n_a, N or N m) by kind, in the order of core::kRenderers; NaN if f has no value at q in
-  /// a block that the proxy can hold. In the others (Anchor::free) it is 0, as in the tick. Records
-  /// in the order of their ticks: the exact renderer starts from its last answer.
-  [[nodiscard]] const std::array<core::VecA, core::kRenderers.size()>& evaluate(
+  /// tau_a (n_a, N or N m) by kind, in the order of core::kPaperRenderers; NaN if f has no value at
+  /// q in a block that the proxy can hold. In the others (Anchor::free) it is 0, as in the tick.
+  /// Records in the order of their ticks: the exact renderer starts from its last answer.
+  [[nodiscard]] const std::array<core::VecA, core::kPaperRenderers.size()>& evaluate(
       const core::TickRecord& record);
 
  private:
@@ -39,7 +39,7 @@ class RendererComparison {
   const core::ProjectionModel model_;
   core::BlockMap map_;
   std::vector<core::BlockRenderer> renderers_;  ///< block by block, as in the tick
-  std::array<core::VecA, core::kRenderers.size()> tau_{};
+  std::array<core::VecA, core::kPaperRenderers.size()> tau_{};
   core::VecX last_x_{};
   core::VecX dx_{};
   core::Projection projection_{};

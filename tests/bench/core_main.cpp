@@ -178,7 +178,8 @@ int main() {
 
   for (const core::RendererKind kind :
        {core::RendererKind::kStandard, core::RendererKind::kNullSpace,
-        core::RendererKind::kSubspaceLinear, core::RendererKind::kSubspaceExact}) {
+        core::RendererKind::kSubspaceLinear, core::RendererKind::kSubspaceExact,
+        core::RendererKind::kPerContact}) {
     for (const Extras& extras :
          {Extras{}, Extras{" with guard", true}, Extras{" with tank", false, false, true},
           Extras{" with 3 planes", false, false, false, false, 3},
@@ -196,6 +197,14 @@ int main() {
       "tick subspace_linear with certificate p50", "tick subspace_linear p50", "ns",
       [&] { return tick_p50(poses, kEq8, certified); },
       [&] { return tick_p50(poses, kEq8, Extras{}); }, 0.0));
+  for (const int planes : {1, 3}) {
+    const Extras contacts{"", false, false, false, false, planes};
+    const std::string with = " with " + std::to_string(planes) + " contacts p50";
+    bench::print(bench::compare(
+        "tick per_contact" + with, "tick subspace_linear" + with, "ns",
+        [&] { return tick_p50(poses, core::RendererKind::kPerContact, contacts); },
+        [&] { return tick_p50(poses, kEq8, contacts); }, planes == 1 ? 1.3 : 0.0));
+  }
 
   core::LeastSquares solver(2, finger.layout());
   const auto ours = [&](int n) {  // f, J, Eq. (8)

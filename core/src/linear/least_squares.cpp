@@ -60,6 +60,47 @@ double LeastSquares::residual() const noexcept {
   return residual2_ > 0.0 ? std::sqrt(residual2_) : residual2_;  // of a square J it is 0
 }
 
+VecA LeastSquares::also(const MatXQ& J, const VecX& d) const noexcept {
+  double y[kMaxQ];
+  for (int k = 0; k < n_q_; ++k) {  // R^T y = J^T d
+    double sum = J.col(order_[k]).dot(d);
+    for (int i = 0; i < k; ++i) sum -= A_[k * n_x_ + i] * y[i];
+    y[k] = sum * inverse_diagonal_[k];
+  }
+  const int n_n = layout_.n_n();
+  VecA found(layout_.n_a());
+  for (int k = n_q_ - 1; k >= n_n; --k) {  // R22 found = its part of y
+    for (int j = k + 1; j < n_q_; ++j) y[k] -= A_[j * n_x_ + k] * y[j];
+    found[k - n_n] = y[k] *= inverse_diagonal_[k];
+  }
+  return found;
+}
+
+VecA LeastSquares::actuated_square(const VecA& v) const noexcept {
+  const int n_n = layout_.n_n(), n_a = layout_.n_a();
+  const auto R = [&](int i, int j) { return A_[(n_n + j) * n_x_ + n_n + i]; };
+  VecA Rv = VecA::Zero(n_a), square = VecA::Zero(n_a);
+  for (int i = 0; i < n_a; ++i) {
+    for (int j = i; j < n_a; ++j) Rv[i] += R(i, j) * v[j];
+  }
+  for (int i = 0; i < n_a; ++i) {
+    for (int j = 0; j <= i; ++j) square[i] += R(j, i) * Rv[j];
+  }
+  return square;
+}
+
+double LeastSquares::felt(const VecA& tau_a) const noexcept {
+  const int n_n = layout_.n_n();
+  double y[kMaxQ], sum2 = 0.0;
+  for (int k = n_n; k < n_q_; ++k) {  // R22^T y = tau_a
+    y[k] = tau_a[k - n_n];
+    for (int i = n_n; i < k; ++i) y[k] -= A_[k * n_x_ + i] * y[i];
+    y[k] *= inverse_diagonal_[k];
+    sum2 += y[k] * y[k];
+  }
+  return std::sqrt(sum2);
+}
+
 VecA LeastSquares::null_space_force() const noexcept {
   if (status_ != ProjectionStatus::kExact) return null_in_doubt_;
   const int n_n = layout_.n_n();

@@ -71,7 +71,10 @@ void BlockRenderer::Block::project(const Probe& probe, const VecX& all_x, const 
   J = probe.J.block(at.first_x, at.first_q, n_x, n_q);
   dx = all_dx.segment(at.first_x, n_x);
   stiffness = all_stiffness.segment(at.first_a, n_a);
-  renderer.project(Probe{q, x_probe, J}, x, dx, stiffness, changed, out);
+  ContactView contacts = probe.contacts;
+  contacts.first_x = at.first_x;
+  contacts.first_a = at.first_a;
+  renderer.project(Probe{q, x_probe, J, contacts}, x, dx, stiffness, changed, out);
   held = renderer.kind() == RendererKind::kSubspaceExact && !model.prior() &&
          out.status != ProjectionStatus::kMapFailed;
 }
@@ -104,7 +107,8 @@ void BlockRenderer::project(const Probe& probe, const VecX& x, const VecX& dx,
   }
   out.q_star.resize(probe.q.size());
   out.status = ProjectionStatus::kNone;
-  out.condition = out.storage = 0.0;
+  out.condition = out.storage = out.damping = 0.0;
+  out.contradicted = false;
   double squares = 0.0;
   for (Block& block : blocks_) {
     const bool answered = block.held && !proxy_changed;
@@ -121,6 +125,8 @@ void BlockRenderer::project(const Probe& probe, const VecX& x, const VecX& dx,
     out.status = std::max(out.status, block.out.status);  // in the order of their gravity
     out.condition = std::max(out.condition, block.out.condition);
     out.storage += block.out.storage;
+    out.damping = std::max(out.damping, block.out.damping);
+    out.contradicted = out.contradicted || block.out.contradicted;
     squares += block.out.residual * block.out.residual;
   }
   out.residual = std::sqrt(squares);
@@ -135,7 +141,7 @@ BlockSet BlockRenderer::reads_J(BlockSet displaced) const noexcept {
 void BlockRenderer::displayed_bound(const Probe& probe, const VecX& dx, const VecA& stiffness,
                                     VecA& ratio) const noexcept {
   ratio.setOnes(stiffness.size());
-  if (renders_Z_q(kind_)) return;
+  if (displays_Z_q(kind_)) return;
   if (whole_) {
     if ((dx.array() != 0.0).any())
       ratio.setConstant(most_displayed(model_, probe.J, 0, 0, 0, stiffness));

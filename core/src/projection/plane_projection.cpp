@@ -42,23 +42,25 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x) noexcept {
   skipped_ = active_ = 0;
   at_ = x;
   A_ = planes.normals;
-  D_.resize(A_.rows(), count_);
+  PlaneSet::Normals& D = contacts_.into;
+  D.resize(A_.rows(), count_);
+  contacts_.depth.setConstant(count_, -1.0);
   for (int i = 0; i < count_; ++i) {
-    D_.col(i) = metric_.steepest(A_.col(i));
-    const double norm = std::sqrt(A_.col(i).dot(D_.col(i)));
+    D.col(i) = metric_.steepest(A_.col(i));
+    const double norm = std::sqrt(A_.col(i).dot(D.col(i)));
     if (!(norm > 0.0) || !std::isfinite(norm)) {
       skipped_ |= 1u << i;
       A_.col(i).setZero();
-      D_.col(i).setZero();
+      D.col(i).setZero();
       beta_[i] = 0.0;
       continue;
     }
     A_.col(i) /= norm;
-    D_.col(i) /= norm;
+    D.col(i) /= norm;
     beta_[i] = planes.offsets[i] / norm - A_.col(i).dot(at_);
   }
   for (int i = 0; i < count_; ++i) {
-    for (int j = 0; j <= i; ++j) G_(i, j) = G_(j, i) = A_.col(i).dot(D_.col(j));
+    for (int j = 0; j <= i; ++j) G_(i, j) = G_(j, i) = A_.col(i).dot(D.col(j));
     G_(i, i) += kEpsilon;
   }
 }
@@ -70,22 +72,24 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x) noexcept {
   space_->difference(x_probe, at_, y_);
   Small r = Small::Zero();
   double deepest = 0.0;
+  const PlaneSet::Normals& D = contacts_.into;
   for (int i = 0; i < count_; ++i) {
     r[i] = has(skipped_, i) ? -1.0 : A_.col(i).dot(y_) - beta_[i];
     deepest = std::max(deepest, r[i]);
+    contacts_.depth[i] = r[i];
   }
   if (!(deepest > 0.0)) return PlaneStatus::kFree;
 
   const PlaneStatus status = multipliers(r, deepest);
   for (Eigen::Index k = 0; k < x.size(); ++k) {
     bool held = !linear_[static_cast<std::size_t>(k)];
-    for (int i = 0; i < count_; ++i) held = held || (has(active_, i) && D_(k, i) != 0.0);
+    for (int i = 0; i < count_; ++i) held = held || (has(active_, i) && D(k, i) != 0.0);
     // What no plane holds is where the probe is, to the bit: nothing is in its way.
     if (!held) continue;
     // From at_ on, not from x_probe: an angle or a rotation there may be one turn or one sign away.
     x[k] = at_[k] + y_[k];
     for (int i = 0; i < count_; ++i) {
-      if (has(active_, i)) x[k] -= l_[i] * D_(k, i);
+      if (has(active_, i)) x[k] -= l_[i] * D(k, i);
     }
   }
   return status;

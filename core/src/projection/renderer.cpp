@@ -6,20 +6,21 @@ namespace haptic::core {
 
 namespace {
 
-using Any = std::variant<Standard, NullSpace, SubspaceLinear, SubspaceExact>;
+using Any = std::variant<Standard, NullSpace, SubspaceLinear, SubspaceExact, PerContact>;
 
 Any make(RendererKind kind, const ProjectionModel& model) {
   if (kind == RendererKind::kStandard) return Standard(model);
   if (kind == RendererKind::kNullSpace) return NullSpace(model);
   if (kind == RendererKind::kSubspaceLinear) return SubspaceLinear(model);
+  if (kind == RendererKind::kPerContact) return PerContact(model);
   return SubspaceExact(model);
 }
 
 }  // namespace
 
 std::string_view name(RendererKind kind) noexcept {
-  static constexpr std::array<std::string_view, 5> kNames{"UNKNOWN", "standard", "null_space",
-                                                          "subspace_linear", "subspace_exact"};
+  static constexpr std::array<std::string_view, 6> kNames{
+      "UNKNOWN", "standard", "null_space", "subspace_linear", "subspace_exact", "per_contact"};
   return name_of(kind, kNames);
 }
 
@@ -32,7 +33,8 @@ RendererKind Renderer::kind() const noexcept {
 
 void Renderer::project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                        bool proxy_changed, Projection& out) noexcept {
-  out.storage = out.residual = out.condition = 0.0;
+  out.storage = out.residual = out.condition = out.damping = 0.0;
+  out.contradicted = false;
   const auto project = [&](auto& renderer) {
     renderer.project(probe, x, dx, stiffness, proxy_changed, out);
   };
@@ -42,6 +44,7 @@ void Renderer::project(const Probe& probe, const VecX& x, const VecX& dx, const 
 void Renderer::reset() noexcept {
   if (auto* exact = std::get_if<SubspaceExact>(&renderer_)) exact->reset();
   if (auto* linear = std::get_if<SubspaceLinear>(&renderer_)) linear->reset();
+  if (auto* per_contact = std::get_if<PerContact>(&renderer_)) per_contact->reset();
 }
 
 }  // namespace haptic::core

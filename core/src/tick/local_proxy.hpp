@@ -23,6 +23,10 @@ class LocalProxy {
   void step(const ProxySnapshot& sample, const VecX& x_probe, Anchor& now) noexcept;
 
   // Of the last step:
+  /// Null unless the sample has planes.
+  [[nodiscard]] const Contacts* contacts() const noexcept {
+    return mode_ == ProxyMode::kPlanes ? &projection_.contacts() : nullptr;
+  }
   /// The sample is another one than in the step before.
   [[nodiscard]] bool new_sample() const noexcept { return new_sample_; }
   /// x may differ from the one of the step before.

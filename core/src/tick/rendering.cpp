@@ -72,8 +72,9 @@ bool Rendering::project(const Sensed& sensed, const Settings& settings, Anchor& 
   model_.kinematics().space().difference(now.x, map_.x_probe(), dx_);
   map_.clear_x(now.free, dx_);
   map_.differentiate(needs_J(settings));
-  renderer_.project({sensed.q, map_.x_probe(), map_.J()}, now.x, dx_, settings.stiffness, solve_,
-                    projection_);
+  const ContactView contacts{local_.contacts(), &settings.force_limit};
+  renderer_.project({sensed.q, map_.x_probe(), map_.J(), contacts}, now.x, dx_, settings.stiffness,
+                    solve_, projection_);
   if (!projection_.q_star.allFinite()) {
     renderer_.reset();
     solve_ = true;
@@ -83,6 +84,8 @@ bool Rendering::project(const Sensed& sensed, const Settings& settings, Anchor& 
   anchored_ = true;
   now.q_star = projection_.q_star;
   now.projection = projection_.status;
+  if (projection_.contradicted) now.limiters.set(Limiter::kContacts);
+  if (projection_.damping > 0.0) now.limiters.set(Limiter::kSingular);
   return true;
 }
 

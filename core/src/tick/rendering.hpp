@@ -32,7 +32,7 @@ class Rendering {
                             const Settings& settings, const VecQ& in_use) noexcept;
   /// Of the last step; valid until the next, and as long as `sensed`.
   [[nodiscard]] Displacement displacement(const Sensed& sensed) const noexcept {
-    return {{sensed.q, map_.x_probe(), map_.J()}, dx_, renderer_};
+    return {{sensed.q, map_.x_probe(), map_.J(), {local_.contacts()}}, dx_, renderer_};
   }
 
  private:

@@ -9,6 +9,7 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
 #include "haptic/core/projection/direction_guard.hpp"
+#include "haptic/core/projection/per_contact.hpp"
 #include "tests/core/projection/every_renderer.hpp"
 #include "tests/support/dense_oracle.hpp"
 
@@ -229,13 +230,18 @@ TEST(DirectionGuard, WithholdsOnlyForceAwayFromProxy) {
     for (const RendererKind kind : kEveryRenderer) {
       const VecA tau = force(kind, *finger, q, x, Z_q);
       if (std::abs(tau[0] * along) < 1e-9) continue;
-      const bool expected = tau[0] * along > 0.0;
-      ASSERT_EQ(guard.allows(Probe{q, x_probe, J}, dx, tau), expected) << name(kind);
-      (expected ? allowed : withheld) += 1;
+      bool expected = tau[0] * along > 0.0;
       if (kind == RendererKind::kSubspaceLinear || kind == RendererKind::kNullSpace) {
         ASSERT_TRUE(expected)
             << name(kind) << " is never away from the proxy (core/METHOD.md#forces-at-the-finger)";
       }
+      // Nor into one of the two contacts that a held proxy's displaced joints stand for.
+      for (int k = 0; k < 2; ++k) {
+        if (std::abs(dx[k]) <= contact_band(*finger)) continue;
+        expected = expected && tau[0] * J2.inverse()(0, k) * dx[k] >= 0.0;
+      }
+      ASSERT_EQ(guard.allows(Probe{q, x_probe, J}, dx, tau), expected) << name(kind);
+      (expected ? allowed : withheld) += 1;
     }
   }
   EXPECT_GT(withheld, 100);

@@ -128,6 +128,7 @@ std::optional<MatAQ> theoretical_impedance(RendererKind kind, const Kinematics& 
     }
     case RendererKind::kSubspaceLinear:
     case RendererKind::kSubspaceExact:
+    case RendererKind::kPerContact:  // at most that
       break;
   }
   return subspace_impedance(kinematics.layout(), impedance.actuated());  // Eq. (9)

@@ -50,7 +50,7 @@ TEST(RendererComparison, FreeImpossibleFingerIsNotPulled) {
     const auto& expected = sound.comparison.evaluate(sound.record);
     const auto& tau = broken.comparison.evaluate(broken.record);
     for (std::size_t k = 0; k < tau.size(); ++k) {
-      SCOPED_TRACE(std::string(core::name(core::kRenderers[k])));
+      SCOPED_TRACE(std::string(core::name(core::kPaperRenderers[k])));
       EXPECT_EQ(tau[k], expected[k]);
       EXPECT_GT(std::abs(tau[k][0]), 0.2) << "N";
       EXPECT_EQ(tau[k][1], 0.0);
@@ -77,7 +77,7 @@ TEST(RendererComparison, FingerOfHandMatchesFingerAlone) {
   const auto& together = hand.comparison.evaluate(hand.record);
   const auto& single = alone.comparison.evaluate(alone.record);
   for (std::size_t k = 0; k < single.size(); ++k) {
-    SCOPED_TRACE(std::string(core::name(core::kRenderers[k])));
+    SCOPED_TRACE(std::string(core::name(core::kPaperRenderers[k])));
     EXPECT_GT(std::abs(single[k][0]), 0.2) << "N";
     EXPECT_NEAR(together[k][0], single[k][0], 1e-9);
   }

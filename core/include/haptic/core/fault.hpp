@@ -44,6 +44,10 @@ enum class Limiter : std::uint8_t {
   kRate = 10,             ///< no push beyond the actuator's rated rate
   kTemperature = 11,      ///< force held at what the winding's estimated temperature allows
   kDriveLimit = 12,       ///< force loop or admittance held at its output, rate or travel limit
+  kContacts = 13,         ///< force held back: one contact's push would push another contact in
+                          ///< (core/METHOD.md#rendering-per-contact)
+  kSingular = 14,         ///< J^+ is damped near a singular pose
+                          ///< (core/METHOD.md#damping-near-singular-poses)
 };
 
 template <typename E>

@@ -32,6 +32,13 @@ class LeastSquares {
   [[nodiscard]] const VecQ& dq() const noexcept { return dq_; }
   /// S dq.
   [[nodiscard]] VecA dq_a() const noexcept { return layout_.select(dq_); }
+  /// S J^+ d (n_a) for another d (n_x): by R alone, R^{-1} R^{-T} J^T d, for the J of the last
+  /// solve(), whose status() must be kExact. Relative error about 1e-16 times condition()^2.
+  [[nodiscard]] VecA also(const MatXQ& J, const VecX& d) const noexcept;
+  /// (J_a^T (I - J_n J_n^+) J_a) v = R22^T R22 v, n_a, of the same J.
+  [[nodiscard]] VecA actuated_square(const VecA& v) const noexcept;
+  /// ||(S J^+)^T tau_a|| of the same J: what tau_a (n_a) is at the virtual coordinates.
+  [[nodiscard]] double felt(const VecA& tau_a) const noexcept;
   /// J_a^T (I - J_n J_n^+) dx = R22^T b_2: Eq. (4) for Z_x = I. n_a.
   [[nodiscard]] VecA null_space_force() const noexcept;
   /// Of the equilibrated J: max|R_kk|/min|R_kk|; above 1e4 from the inverse of R; infinite if J is

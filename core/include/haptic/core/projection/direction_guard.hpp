@@ -1,8 +1,9 @@
 #pragma once
 /// The direction guard (core/METHOD.md#forces-at-the-finger): the elastic force must not point away
 /// from the proxy as the finger feels it, Eq. (15): tau_a^T (S J^+ dx) >= 0; otherwise it is
-/// withheld for the tick. If the map has blocks each is evaluated by itself; the J of a block with
-/// dx = 0 is not read.
+/// withheld for the tick, and so is one that pushes into a contact deeper than contact_band():
+/// tau_a^T (S J^+ out_i) >= 0 for each. If the map has blocks each is evaluated by itself; the J of
+/// a block with dx = 0 is not read.
 
 #include <memory>
 #include <vector>
@@ -25,8 +26,11 @@ class DirectionGuard {
  private:
   struct Block {
     MapBlock at;
-    TaskMetric metric;
+    ProjectionModel model;
     LeastSquares solver;
+    double band{0.0};  ///< depth from which a contact is tested
+    bool by_joint{false};
+    VecX out{};
     VecX dx{};  ///< W^{1/2} dx
     MatXQ J{};  ///< W^{1/2} J
     VecA stiffness{};

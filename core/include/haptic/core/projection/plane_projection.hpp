@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "haptic/core/model/configuration_space.hpp"
-#include "haptic/core/projection/proxy_snapshot.hpp"
+#include "haptic/core/projection/contacts.hpp"
 #include "haptic/core/projection/task_metric.hpp"
 
 namespace haptic::core {
@@ -41,6 +41,9 @@ class PlaneProjection {
   /// name.) Never allocates.
   PlaneStatus project(const VecX& x_probe, VecX& x) noexcept;
 
+  /// Of the last project(): every plane and how deep the probe is beyond it; a plane that was left
+  /// out has direction 0 and depth -1.
+  [[nodiscard]] const Contacts& contacts() const noexcept { return contacts_; }
   /// Of the last project(): bit i is set where plane i holds x.
   [[nodiscard]] std::uint32_t active() const noexcept { return active_; }
 
@@ -62,7 +65,7 @@ class PlaneProjection {
   std::uint32_t skipped_{0};  ///< planes without a direction
   VecX at_;
   PlaneSet::Normals A_{};  ///< unit in W^-1
-  PlaneSet::Normals D_{};  ///< W^-1 A
+  Contacts contacts_{};    ///< into: D = W^-1 A
   Small beta_{};           ///< offsets relative to at_
   Gram G_{};
   Small l_{};

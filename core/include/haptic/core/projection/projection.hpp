@@ -2,6 +2,7 @@
 /// What a renderer is given and what it answers (core/METHOD.md#fig-4 and
 /// core/METHOD.md#nonlinear-projection).
 
+#include "haptic/core/projection/contacts.hpp"
 #include "haptic/core/projection_status.hpp"
 #include "haptic/core/types.hpp"
 
@@ -12,6 +13,7 @@ struct Probe {
   const VecQ& q;
   const VecX& x_probe;
   const MatXQ& J;
+  ContactView contacts{};
 };
 
 struct Projection {
@@ -22,6 +24,10 @@ struct Projection {
   /// With a prior: what its springs store besides 1/2 ||q*_a - q_a||^2_{Z_q}, J: Eq. (18) less
   /// that. The sum is the potential whose negative gradient is tau_a. 0 without a prior.
   double storage{0.0};
+  /// Of the rule per contact: force held back because one contact's push would push another in.
+  bool contradicted{false};
+  /// Of the rule per contact: share of damping near a singularity, 0 (none) to 1 (at it).
+  double damping{0.0};
 };
 
 }  // namespace haptic::core

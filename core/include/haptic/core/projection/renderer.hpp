@@ -1,9 +1,10 @@
 #pragma once
-/// The renderers of the paper behind one call: a closed set, so a variant, not an interface.
+/// The renderers behind one call: a closed set, so a variant, not an interface.
 
 #include <variant>
 
 #include "haptic/core/projection/baselines.hpp"
+#include "haptic/core/projection/per_contact.hpp"
 #include "haptic/core/projection/projection.hpp"
 #include "haptic/core/projection/renderer_kind.hpp"
 #include "haptic/core/projection/subspace_exact.hpp"
@@ -28,7 +29,7 @@ class Renderer {
   void reset() noexcept;
 
  private:
-  std::variant<Standard, NullSpace, SubspaceLinear, SubspaceExact> renderer_;
+  std::variant<Standard, NullSpace, SubspaceLinear, SubspaceExact, PerContact> renderer_;
 };
 
 }  // namespace haptic::core

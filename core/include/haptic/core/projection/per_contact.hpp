@@ -1,0 +1,108 @@
+#pragma once
+/// Rendering per contact (core/METHOD.md#rendering-per-contact). The force that Eq. (8) wishes is
+/// that of the spring Z_q at the actuators between probe and proxy, tau_8 = Z_q S J^+ dx. This rule
+/// gives the nearest to it, as the finger feels the difference, that pushes the probe into no
+/// contact:
+///   min ||W (tau_a - tau_8)||  such that  out_i . W tau_a >= -slack_i,  |tau_a| <= limit,
+/// W = (S J^+)^T and out_i the direction out of contact i. slack_i falls from "anything" at depth 0
+/// to 0 at the depth `band`, so tau_a is continuous in q, x and the set of contacts.
+///
+/// Near a singular pose J^+ is damped: not at all below condition 100, smoothly more above, so that
+/// tau_a passes through 0 where Eq. (8) changes its sign at full force
+/// (core/METHOD.md#damping-near-singular-poses).
+
+#include <array>
+#include <optional>
+
+#include "haptic/core/linear/least_squares.hpp"
+#include "haptic/core/projection/prior_target.hpp"
+#include "haptic/core/projection/projection.hpp"
+#include "haptic/core/projection/projection_model.hpp"
+
+namespace haptic::core {
+
+/// Depth at which a contact may no longer be pushed in, in ||.||_W: 0.25 deg of a joint, 0.5 mm of
+/// a point; with a metric of the scene's a twentieth of what counts as 1.
+[[nodiscard]] double contact_band(const ProjectionModel& model) noexcept;
+
+/// Calls visit(out, depth) for every contact that the probe is inside of, in the coordinates of
+/// `model`: out (n_x) leads out, of length 1 in ||.||_W. What counts as one: ContactView.
+template <typename Visit>
+void for_each_contact(const ProjectionModel& model, const ContactView& view, const VecX& dx,
+                      bool by_joint, VecX& out, Visit&& visit) {
+  if (view.contacts != nullptr) {
+    for (int i = 0; i < view.contacts->size(); ++i) {
+      if (!(view.contacts->depth[i] > 0.0)) continue;
+      out = -view.contacts->into.col(i).segment(view.first_x, model.n_x());
+      if ((out.array() != 0.0).any()) visit(out, view.contacts->depth[i]);
+    }
+    return;
+  }
+  if (!by_joint) {
+    VecX weighed = dx;
+    model.metric().weigh(weighed);
+    const double depth = weighed.norm();
+    if (!(depth > 0.0)) return;
+    out = dx / depth;
+    visit(out, depth);
+    return;
+  }
+  for (Eigen::Index k = 0; k < dx.size(); ++k) {
+    if (dx[k] == 0.0) continue;
+    out.setZero(dx.size());
+    out[k] = dx[k] > 0.0 ? 1.0 : -1.0;
+    double length = 1.0;
+    if (!model.metric().is_identity()) {
+      VecX weighed = out;
+      model.metric().weigh(weighed);
+      length = weighed.norm();
+    }
+    out[k] /= length;
+    visit(out, std::abs(dx[k]) * length);
+  }
+}
+
+/// True if every coordinate is a joint angle, so that a held proxy's displaced coordinates are
+/// contacts of their own.
+[[nodiscard]] bool contacts_by_joint(const ProjectionModel& model) noexcept;
+
+class PerContact {
+ public:
+  /// Throws SceneError: a prior on a map of n_x + n_q > kMaxX.
+  explicit PerContact(const ProjectionModel& model);
+  /// As Renderer::project.
+  void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
+               bool proxy_changed, Projection& out) noexcept;
+  /// Forgets q_n^ref.
+  void reset() noexcept { target_.reset(); }
+
+ private:
+  static constexpr int kMost = kMaxQ > kMaxPlanes ? kMaxQ : kMaxPlanes;
+  struct Push {
+    VecA out{};         ///< S J^+ out_i: out . tau_a is what tau_a does along it
+    double slack{0.0};  ///< share of the full push that is still allowed, 0 to 1
+  };
+
+  /// The solver whose R holds for this pose: the plain one, or with damping or the prior.
+  const LeastSquares& solve(const Probe& probe, const MatXQ& J, const VecX& d,
+                            const VecA& stiffness, bool proxy_changed, Projection& out) noexcept;
+  const LeastSquares& solve_with(const MatXQ& J, const VecX& d, const VecQ& weight,
+                                 const VecQ& target, const VecA& stiffness) noexcept;
+  [[nodiscard]] VecQ damping_weight(const MatXQ& J, const VecA& stiffness,
+                                    double share) const noexcept;
+  /// tau_ <- the bounded optimum for several actuators. True: a contact held it back.
+  bool hold_back(const LeastSquares& solver, int pushes, const VecA& limit) noexcept;
+
+  ProjectionModel model_;
+  double band_;
+  bool by_joint_;
+  LeastSquares solver_;
+  std::optional<LeastSquares> extended_{};  ///< with n_q rows more, if there is room for them
+  PriorTarget target_;
+  std::array<Push, kMost> pushes_{};
+  VecA tau_{};
+  VecX dx_W_{}, out_{}, rhs_{};
+  MatXQ J_W_{}, rows_{};
+};
+
+}  // namespace haptic::core

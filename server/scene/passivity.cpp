@@ -67,7 +67,14 @@ void read_passivity(const Part<v1::PassivityScene>& part, DeviceScene& device) {
   if (!part->has_tank() && !part->has_observer()) {
     part.missing("tank", "tank {} or observer {}, or both");
   }
-  if (part->has_tank()) settings.tank = read_tank(part.part<v1::EnergyTankScene>("tank"));
+  if (part->has_tank()) {
+    const auto tank = part.part<v1::EnergyTankScene>("tank");
+    settings.tank = read_tank(tank);
+    if (own.inertia.size() > 0 || tank->inertia_kg_size() > 0) {
+      settings.device_inertia =
+          tank.per_actuated("inertia_kg", Allowed::kPositive, n_a, known(own.inertia));
+    }
+  }
   if (part->has_observer()) {
     settings.observer = read_observer(part.part<v1::PassivityObserverScene>("observer"), n_a, own);
   }

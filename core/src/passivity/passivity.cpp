@@ -27,6 +27,9 @@ const char* check(const PassivitySettings& settings, int n_a) noexcept {
   if (!none_or(settings.device_damping) || !bounded_below(settings.device_damping, 0.0, false)) {
     return "device_damping must have one value >= 0 per actuated DoF, or none";
   }
+  if (!none_or(settings.device_inertia) || !bounded_below(settings.device_inertia, 0.0, true)) {
+    return "device_inertia must have one value > 0 per actuated DoF, or none";
+  }
   if (tank.enabled) {
     if (!std::isfinite(tank.capacity) || tank.capacity <= 0.0) return "tank.capacity must be > 0";
     if (!not_negative(tank.initial) || tank.initial > tank.capacity) {
@@ -59,6 +62,7 @@ Passivity::Passivity(const PassivitySettings& settings, int n_a)
       damping_(VecA::Zero(n_a)) {
   if (settings_.device_damping.size() == 0) settings_.device_damping = VecA::Zero(n_a);
   spring_.stiffness = spring_.limit = VecA::Zero(n_a);
+  motion_ = {VecA::Zero(n_a), VecA::Zero(n_a), VecA::Zero(n_a), VecA::Zero(n_a)};
   record_.on = true;
 }
 
@@ -95,6 +99,12 @@ void Passivity::measure(const VecA& q_a, bool fresh, bool recent, Duration dt,
 /// force counts with the mean of both samples, as if it had changed linearly between them.
 void Passivity::book(const VecA& q_a, const VecA& force) noexcept {
   const VecA dq = q_a - q_a_;
+  motion_.dq_before = motion_.dq;
+  motion_.dq = dq;
+  motion_.held = elastic_;
+  for (Eigen::Index i = 0; i < settings_.device_inertia.size(); ++i) {
+    motion_.kick[i] = 0.5 * since_sample_ * since_sample_ / settings_.device_inertia[i];
+  }
   const VecA before = anchor_ - q_a_;
   const VecA after = anchor_ - q_a;
   const VecA law = spring_.force(before);
@@ -119,7 +129,12 @@ const VecA& Passivity::admit(const SpringStorage& spring, const VecA& anchor) no
     before = std::min(spring.energy(stretch), record_.hold.device_damping);
   }
   const VecA wanted = anchor - q_a_;
-  record_.scale = settings_.tank.enabled ? tank_.admit(before, spring, wanted) : 1.0;
+  record_.scale = 1.0;
+  if (settings_.tank.enabled) {
+    // What a force adds to a motion within a hold is known only with the inertia that it moves.
+    const bool lends = settings_.device_inertia.size() > 0;
+    record_.scale = tank_.admit(before, spring, wanted, lends ? &motion_ : nullptr);
+  }
   record_.throttled = record_.scale < 1.0;
   // Not q_a + (anchor - q_a): an anchor that stays has to stay to the bit, or each tick would book
   // a rounding error as a change.

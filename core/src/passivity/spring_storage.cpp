@@ -60,6 +60,16 @@ VecA SpringStorage::force(const VecA& d) const noexcept {
   return tau;
 }
 
+double SpringStorage::relief(const VecA& d) const noexcept {
+  if (coupled()) return std::min(1.0, radius / std::max(length(d), radius));
+  double s = 1.0;
+  for (Eigen::Index i = 0; i < d.size(); ++i) {
+    const double unlimited = stiffness[i] * std::abs(d[i]);
+    if (unlimited > limit[i]) s = std::min(s, limit[i] / unlimited);
+  }
+  return s;
+}
+
 double SpringStorage::scale_to(const VecA& d, double energy_wanted) const noexcept {
   if (this->energy(d) <= energy_wanted) return 1.0;
   if (!(energy_wanted > 0.0)) return 0.0;

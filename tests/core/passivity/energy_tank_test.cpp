@@ -41,6 +41,77 @@ TEST(EnergyTank, ShortensByTheDocumentedFactor) {
   EXPECT_EQ(tank.level(), 0.0);
 }
 
+/// A device that went `dq` in the last hold and in the one before.
+Motion steady(double dq, double held) {
+  return {one(dq), one(dq), one(held), one(0.0)};
+}
+
+TEST(EnergyTank, LendsWhatTheNextHoldKeeps) {
+  EnergyTank tank(tank_of(0.001));
+  const SpringStorage k = spring(1000.0);
+  // 8 mJ stored, 1 mJ there. At 4 N the next hold gives 1.5 times 4 N by 0.1 mm: 0.6 mJ.
+  Motion motion = steady(1e-4, 4.0);
+  EXPECT_NEAR(motion.coming(one(4.0)), 0.0006, 1e-15);
+  EXPECT_EQ(tank.admit(0.0, k, one(0.004), &motion), 1.0);
+  EXPECT_NEAR(tank.level(), -0.007, 1e-15);
+  // It gave 0.5 mJ: what is left does not hold such a force once more.
+  EXPECT_LE(tank.admit(0.0075, k, one(0.004), &motion), 5.0 / 6.0);
+  // A force that takes is lent whatever is there.
+  EnergyTank empty(tank_of(0.0));
+  motion = steady(-1e-4, 4.0);
+  EXPECT_EQ(motion.coming(one(4.0)), 0.0);
+  EXPECT_EQ(empty.admit(0.0, k, one(0.004), &motion), 1.0);
+}
+
+TEST(EnergyTank, FadesToASpringThatIsPaid) {
+  EnergyTank tank(tank_of(0.001));
+  const SpringStorage k = spring(1000.0);
+  const VecA d = one(0.004);
+  const Motion out = steady(4e-4, 4.0), rest = steady(0.0, 0.0);
+  double s = tank.admit(0.0, k, d, &out);  // 2.4 mJ would come, 1 mJ is there
+  EXPECT_LE(s, 1.0 / 2.4);
+  for (int n = 0; n < 40; ++n) {
+    const double last = s;
+    s = tank.admit(k.energy(VecA(last * d)), k, d, &rest);
+    ASSERT_LE(s, last + 1e-12);
+    ASSERT_GE(s, std::sqrt(1.0 / 8.0) - 1e-12) << "what the 1 mJ that is there pays for stays";
+  }
+  EXPECT_NEAR(s, std::sqrt(1.0 / 8.0), 1e-12);
+  // Only a spring that is paid ends it.
+  EXPECT_EQ(tank.admit(k.energy(VecA(s * d)), k, one(0.001), &rest), 1.0);
+  EXPECT_EQ(tank.admit(k.energy(one(0.001)), k, d, &rest), 1.0);
+}
+
+/// core/METHOD.md#energy-tank: whatever force is asked for, the sum of what was given stays within
+/// the tank's initial level up to what a sudden motion surprises it with.
+TEST(EnergyTank, NeverGivesMoreThanItHeld) {
+  std::mt19937_64 random(23);
+  std::normal_distribution<double> normal;
+  for (int trial = 0; trial < 200; ++trial) {
+    PassivitySettings settings;
+    settings.tank = tank_of(0.002);
+    settings.device_damping = one(2.0);
+    settings.device_inertia = one(0.5);
+    Passivity passivity(settings, 1);
+    passivity.restart();
+    const SpringStorage k = spring(1500.0, 1.0, 40.0);
+    double q = 0.0, v = 0.0, tau = 0.0, given = 0.0, anchor = 0.0, pull = 0.0;
+    for (int n = 0; n < 3000; ++n) {
+      const double way = 1e-3 * v;
+      given += tau * way - 2.0 * way * way / 1e-3;
+      q += way;
+      pull += 0.02 * normal(random) - 0.01 * pull;  // a user who pushes to and fro
+      v += 1e-3 * (20.0 * pull - 50.0 * v + tau) / 0.5;
+      anchor += 2e-5 * normal(random);  // a client that pays for nothing
+      passivity.measure(one(q), true, true, milliseconds(1));
+      const double in_use = passivity.admit(k, one(anchor))[0];
+      tau = k.force(one(in_use - q))[0];
+      passivity.hold(one(tau), one(0.0));
+      ASSERT_LE(given, 0.002 + 1e-6) << trial << " " << n;
+    }
+  }
+}
+
 TEST(EnergyTank, DebtIsPaidByTheSpring) {
   EnergyTank tank(tank_of(0.0));
   HoldAccount leak;

@@ -21,6 +21,9 @@ struct PassivitySettings {
   /// b_dev: known lower bound of the device's physical damping on q_a, n_a, N s/m or N m s/rad;
   /// size 0: unknown, taken as 0. Serves tank and observer.
   VecA device_damping{};
+  /// Least inertia that the force moves, on q_a, n_a, kg or kg m^2; size 0: unknown, and the tank
+  /// lends nothing.
+  VecA device_inertia{};
 
   /// Off: nothing below is constructed and every tick is as without it.
   [[nodiscard]] bool enabled() const noexcept { return tank.enabled || observer.enabled; }
@@ -79,6 +82,7 @@ class Passivity {
 
   bool known_{false};  ///< q_a was measured
   VecA q_a_, anchor_;
+  Motion motion_{};
   SpringStorage spring_{};
   VecA elastic_sum_, damping_sum_;  ///< held since the last sample, times seconds
   VecA elastic_, damping_;          ///< held now

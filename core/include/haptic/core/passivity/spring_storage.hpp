@@ -36,6 +36,9 @@ struct SpringStorage {
   [[nodiscard]] double energy(const VecA& d) const noexcept;
   /// dV/dd = the elastic force of the law, n_a.
   [[nodiscard]] VecA force(const VecA& d) const noexcept;
+  /// The largest s in [0, 1] with Z_q s d no larger than force(d) at gain 1 in any component: 1
+  /// unless the limit saturates it.
+  [[nodiscard]] double relief(const VecA& d) const noexcept;
   /// The largest s in [0, 1] with V(s d) <= `energy` (J): exact, piecewise quadratic in s.
   [[nodiscard]] double scale_to(const VecA& d, double energy) const noexcept;
 

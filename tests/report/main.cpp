@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
   haptic::report::add_finger(app);
   haptic::report::add_closed_loop(app);
   haptic::report::add_coupling(app);
+  haptic::report::add_press(app);
   haptic::report::add_rate(app);
   haptic::report::add_felt(app);
   haptic::report::add_scaling(app);

@@ -190,6 +190,23 @@ for kind in random near_singular; do
   csv=$(echo "$rows" | cut -d, -f1-3,13)
   near "finger,$kind,eq6" 100 0
 done
+# core/METHOD.md#presses: 32 of the 640; per contact none ends deeper than without force, none
+# exceeds the tank.
+summary=$(mktemp)
+rows=$("$haptic_report" --linkage finger_sign_change press --presses 32 --method per_contact \
+  --summary "$summary")
+[ "$(echo "$rows" | wc -l)" = 33 ] || fail "press: must be a row per press"
+awk -F, '
+  NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+  $at["client"] == "all" {
+    seen = $at["presses"]
+    bad = $at["deeper"] + $at["deeper_at_peak"] + $at["over_tank"]
+    if ($at["off_pct"] > 5) bad++
+  }
+  END { if (seen != 32 || bad) { print "FAILED: press: " seen " presses, " bad " bad"; exit 1 } }
+' "$summary" || failed=1
+rm "$summary"
+refused press --presses 0
 
 # The same presses through an emulated board: every method, at the actuator and at the finger.
 rows=$(report finger --board --stop 18,999)

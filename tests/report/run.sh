@@ -4,7 +4,7 @@
 #
 #   tests/report/run.sh [--output DIR] [--build DIR] [part...]
 #
-#   part           linkage fig4 recordings scan radius claims finger coupling
+#   part           linkage fig4 recordings scan radius claims finger press coupling
 #                  closed_loop rate felt scaling work_precision; default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
@@ -27,7 +27,7 @@ while (($#)); do
   esac
 done
 ((${#parts[@]})) ||
-  parts=(linkage fig4 recordings scan radius claims finger coupling closed_loop rate felt
+  parts=(linkage fig4 recordings scan radius claims finger press coupling closed_loop rate felt
     scaling work_precision)
 
 if [[ -z $programs ]]; then
@@ -182,6 +182,29 @@ make_finger() {
     { n[with OFS $1 OFS $13]++ } END { for (key in n) print key,
       n[key] }' finger_grid.csv finger_guard_grid.csv finger_envelope_tank_grid.csv |
     sort | { echo "with,method,verdict,runs"; cat; } >finger_counts.csv)
+}
+
+make_press() {
+  local linkage worst number
+  for linkage in finger_same_sign finger_sign_change; do
+    csv "press_$linkage" press \
+      --summary "$output/press_${linkage}_summary.csv"
+    draw press "press_$linkage" \
+      "csv='$output/press_$linkage.csv'; heading='Presses, ${linkage//_/ }'"
+    # The ten of the rule per contact that end deepest against the same press without force.
+    worst=$(awk -F, '$2 == "per_contact" { print $14, $3 }' "$output/press_$linkage.csv" |
+      sort -grk1 | awk 'NR <= 10 { print $2 }' | tr '\n' ' ')
+    : >"$output/press_${linkage}_worst.csv"
+    for number in $worst; do
+      csv press_trace press --method per_contact --press "$number" --trace
+      awk -v first="$([[ -s $output/press_${linkage}_worst.csv ]] && echo 0 || echo 1)" \
+        'NR > 1 || first' "$output/press_trace.csv" >>"$output/press_${linkage}_worst.csv"
+    done
+    rm "$output/press_trace.csv"
+    draw press_worst "press_${linkage}_worst" \
+      "csv='$output/press_${linkage}_worst.csv'; presses='$worst';
+       heading='Worst ten, ${linkage//_/ }'"
+  done
 }
 
 closed_loop_tables() {  # of closed_loop.csv: by method; every tick without delay; free space; late

@@ -1,0 +1,90 @@
+#pragma once
+/// Random presses of a worn finger, on the real Pipeline in virtual time, and what the finger feels
+/// of them against the best that the device can do (core/METHOD.md#presses).
+
+#include <functional>
+#include <string_view>
+#include <vector>
+
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/tick/pipeline.hpp"
+#include "tests/report/values.hpp"
+
+namespace haptic::report {
+
+/// How the simulation sends its proxy: every tick without delay, or at 60 Hz and 20 ms late.
+enum class PressClient { kHeld, kHeldLate, kPlanes, kPlanesLate };
+inline constexpr std::array kPressClients{PressClient::kHeld, PressClient::kHeldLate,
+                                          PressClient::kPlanes, PressClient::kPlanesLate};
+[[nodiscard]] std::string_view name(PressClient client) noexcept;
+
+enum class WallKind { kMcp, kPip, kBoth, kSlanted };
+[[nodiscard]] std::string_view name(WallKind kind) noexcept;
+
+/// One press: the hand goes from its start to its aim and stays; walls n . x <= b are in the way.
+struct RandomPress {
+  int index{0};
+  WallKind walls{WallKind::kMcp};
+  core::PlaneSet planes{};  ///< unit normals, rad
+  Pair start_deg{}, aim_deg{};
+  double rise_s{0.8};        ///< of the way, minimum jerk
+  double stiffness{1500.0};  ///< Z_q, N/m
+  PressClient client{PressClient::kHeld};
+};
+
+/// The same for the same seed and index, whatever else is drawn. `finger`: aim, start and walls are
+/// within its reach.
+[[nodiscard]] RandomPress random_press(std::uint64_t seed, int index,
+                                       const core::Kinematics& finger);
+
+struct PressRun {
+  core::RendererKind renderer{core::RendererKind::kSubspaceLinear};
+  bool force{true};
+  bool guard{true};
+  bool tank{true};
+};
+
+struct PressStudyTick {
+  double t_s{0.0};
+  Pair x_deg{};
+  double depth_deg[2]{};  ///< beyond each wall, <= 0: outside
+  double tau_a{0.0};      ///< N
+  double optimum{0.0};    ///< N, of exact contacts without delay
+  double away[2]{};       ///< n . W of each wall, m/rad: what 1 N does against it
+  double given{0.0};      ///< J to the finger so far
+  core::LimiterSet limiters{};
+};
+
+struct PressFigures {
+  double end_deg[2]{};         ///< depth beyond each wall at the end
+  double peak_deg[2]{};        ///< largest
+  double end_force{0.0};       ///< N
+  double peak_force{0.0};      ///< N, of the magnitude
+  double given{0.0};           ///< J, at the end
+  double most_given{0.0};      ///< J, largest running sum
+  double most_net{0.0};        ///< the same less what the device's own damping took
+  int contact{0};              ///< ticks with a wall deeper than 0, force on
+  int limited{0};              ///< of them: guard, tank, limits
+  int throttled{0};            ///< ticks: tank
+  int judged{0};               ///< contact ticks without limiters, deeper than kJudged
+  int off{0};                  ///< of them: felt torque more than 10 % off the optimum
+  int unrenderable{0};         ///< contact ticks in which the optimum is 0 or no wall has leverage
+  double ghost{0.0};           ///< mean share of the optimum's torque that no contact asked for
+  double weakest{1.0};         ///< least |tau_a| over its running peak while depth grows
+  double ripple{0.0};          ///< N rms of |change of tau_a| per tick in the last 0.3 s
+  double throttled_step{0.0};  ///< N, largest change per tick where the tank throttles, in contact
+  int pushed_in{0};            ///< ticks deeper than 0.25 deg in a wall that the force pushes into
+};
+
+/// Throws SceneError where force never came on.
+[[nodiscard]] PressFigures run(const RandomPress& press, const PressRun& with,
+                               const std::shared_ptr<const core::Kinematics>& finger,
+                               const std::function<void(const PressStudyTick&)>& observe = {});
+
+/// The best tau_a, |tau_a| <= limit, for the spring Z_q between probe and proxy (dx, n_x), with no
+/// wall deeper than `band` rad pushed in: away_i tau_a >= 0. One actuated DoF.
+[[nodiscard]] double optimum(const core::VecX& dx, const core::VecX& w, double stiffness,
+                             double limit, const double* depth, const double* away, int walls,
+                             double band);
+
+}  // namespace haptic::report

@@ -125,6 +125,7 @@ if $serial; then
   settings+=(--set "device[0].board={ $board }"
     # What the observer knows of a simulated finger it must be told of a device: what moves for
     # certain beyond the load cell, the end of the rod (hw/emulator/rig.cpp).
+    --set device[0].passivity.tank.inertia_kg=0.02
     --set device[0].passivity.observer.inertia_kg=0.02
     --set device[0].passivity.device_damping_n_s_per_m=0.5)
 elif [[ -n $motion ]]; then
@@ -168,7 +169,7 @@ fi
 
 # How the force was computed, as the scene in use says.
 method=$("$hapticd" --scene "$scene" "${settings[@]}" --print-scene |
-  grep -oE '\b(standard|null_space|subspace_linear|subspace_exact)\b' | head -n 1)
+  grep -oE '\b(standard|null_space|subspace_linear|subspace_exact|per_contact)\b' | head -n 1)
 
 status=0
 {

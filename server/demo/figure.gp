@@ -27,7 +27,7 @@ titles = "'standard, Eq. (1)' 'null-space, Eq. (3)-(4)' ". \
 hues = grey." ".purple." ".blue." ".green
 index_in_use = 0
 do for [i = 1:4] { if (word(names, i) eq method) { index_in_use = i } }
-in_use = index_in_use ? word(titles, index_in_use) : method
+in_use = index_in_use ? word(titles, index_in_use) : "rule per contact"
 
 do for [kind in "svg png"] {
   if (kind eq "svg") {

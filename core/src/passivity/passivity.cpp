@@ -62,7 +62,7 @@ Passivity::Passivity(const PassivitySettings& settings, int n_a)
       damping_(VecA::Zero(n_a)) {
   if (settings_.device_damping.size() == 0) settings_.device_damping = VecA::Zero(n_a);
   spring_.stiffness = spring_.limit = VecA::Zero(n_a);
-  motion_ = {VecA::Zero(n_a), VecA::Zero(n_a), VecA::Zero(n_a), VecA::Zero(n_a)};
+  motion_ = {VecA::Zero(n_a), VecA::Zero(n_a), VecA::Zero(n_a)};
   record_.on = true;
 }
 
@@ -99,7 +99,6 @@ void Passivity::measure(const VecA& q_a, bool fresh, bool recent, Duration dt,
 /// force counts with the mean of both samples, as if it had changed linearly between them.
 void Passivity::book(const VecA& q_a, const VecA& force) noexcept {
   const VecA dq = q_a - q_a_;
-  motion_.dq_before = motion_.dq;
   motion_.dq = dq;
   motion_.held = elastic_;
   for (Eigen::Index i = 0; i < settings_.device_inertia.size(); ++i) {

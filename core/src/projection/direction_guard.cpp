@@ -30,7 +30,8 @@ bool DirectionGuard::allows(const Probe& probe, const VecX& dx, const VecA& tau_
     block.solver.solve(block.J, block.dx, block.stiffness);
     const VecA tau = tau_a.segment(block.at.first_a, block.at.n_a());
     towards += tau.dot(block.solver.dq_a());
-    if (block.solver.status() != ProjectionStatus::kExact) continue;
+    // Of several fingers one would take the force of all.
+    if (blocks_.size() > 1 || block.solver.status() != ProjectionStatus::kExact) continue;
     bool pushed_in = false;
     ContactView contacts = probe.contacts;
     contacts.first_x = block.at.first_x;

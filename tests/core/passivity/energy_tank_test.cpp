@@ -41,45 +41,79 @@ TEST(EnergyTank, ShortensByTheDocumentedFactor) {
   EXPECT_EQ(tank.level(), 0.0);
 }
 
-/// A device that went `dq` in the last hold and in the one before.
+/// A device that went `dq` in the last hold; its inertia is boundless.
 Motion steady(double dq, double held) {
-  return {one(dq), one(dq), one(held), one(0.0)};
+  return {one(dq), one(held), one(0.0)};
 }
 
 TEST(EnergyTank, LendsWhatTheNextHoldKeeps) {
   EnergyTank tank(tank_of(0.001));
   const SpringStorage k = spring(1000.0);
-  // 8 mJ stored, 1 mJ there. At 4 N the next hold gives 1.5 times 4 N by 0.1 mm: 0.6 mJ.
-  Motion motion = steady(1e-4, 4.0);
+  // 8 mJ stored, 1 mJ there. At 4 N the next hold gives 4 N by 0.15 mm: 0.6 mJ.
+  Motion motion = steady(1.5e-4, 4.0);
   EXPECT_NEAR(motion.coming(one(4.0)), 0.0006, 1e-15);
   EXPECT_EQ(tank.admit(0.0, k, one(0.004), &motion), 1.0);
   EXPECT_NEAR(tank.level(), -0.007, 1e-15);
   // It gave 0.5 mJ: what is left does not hold such a force once more.
-  EXPECT_LE(tank.admit(0.0075, k, one(0.004), &motion), 5.0 / 6.0);
-  // A force that takes is lent whatever is there.
-  EnergyTank empty(tank_of(0.0));
-  motion = steady(-1e-4, 4.0);
+  EXPECT_NEAR(tank.admit(0.0075, k, one(0.004), &motion), 5.0 / 6.0, 1e-12);
+  // A force that takes has no bound of this kind.
+  motion = steady(-1.5e-4, 4.0);
   EXPECT_EQ(motion.coming(one(4.0)), 0.0);
-  EXPECT_EQ(empty.admit(0.0, k, one(0.004), &motion), 1.0);
 }
 
-TEST(EnergyTank, FadesToASpringThatIsPaid) {
-  EnergyTank tank(tank_of(0.001));
+/// 50 g moved once per ms: the stiffest spring that is lent has 0.2 * 0.05 / 1e-6 = 10000 N/m.
+Motion of_50_g(double dq, double held) {
+  return {one(dq), one(held), one(1e-6 / (2.0 * 0.05))};
+}
+
+TEST(EnergyTank, LendsUpToTheStiffestSpring) {
   const SpringStorage k = spring(1000.0);
-  const VecA d = one(0.004);
-  const Motion out = steady(4e-4, 4.0), rest = steady(0.0, 0.0);
-  double s = tank.admit(0.0, k, d, &out);  // 2.4 mJ would come, 1 mJ is there
-  EXPECT_LE(s, 1.0 / 2.4);
-  for (int n = 0; n < 40; ++n) {
-    const double last = s;
-    s = tank.admit(k.energy(VecA(last * d)), k, d, &rest);
-    ASSERT_LE(s, last + 1e-12);
-    ASSERT_GE(s, std::sqrt(1.0 / 8.0) - 1e-12) << "what the 1 mJ that is there pays for stays";
+  const Motion rest = of_50_g(0.0, 4.0);
+  EXPECT_NEAR(rest.stored(one(4.0)), 16.0 / (2.0 * 10000.0), 1e-15);
+  EnergyTank enough(tank_of(0.00081));
+  EXPECT_EQ(enough.admit(0.0, k, one(0.004), &rest), 1.0) << "8 mJ stored, 0.8 mJ are needed";
+  EnergyTank half(tank_of(0.25 * 16.0 / 20000.0));
+  EXPECT_NEAR(half.admit(0.0, k, one(0.004), &rest), 0.5, 1e-12);
+  EnergyTank none(tank_of(0.0));
+  EXPECT_EQ(none.admit(0.0, k, one(0.004), &rest), 0.0);
+}
+
+/// A hand leads the actuator along a force of 4 N at 20 mm/s: what is left runs out. The force ends
+/// like a spring of 10000 N/m would: by 0.2 N per tick, twice that in the last one.
+TEST(EnergyTank, ALoanEndsWithoutAJump) {
+  const double step = 2e-5;
+  PassivitySettings settings;
+  settings.tank = tank_of(0.004);
+  settings.device_damping = one(5.0);  // as much as the hold of 10000 N/m leaks
+  settings.device_inertia = one(0.05);
+  Passivity passivity(settings, 1);
+  passivity.restart();
+  const SpringStorage k = spring(1000.0);
+  double q = 0.0, tau = 4.0, given = 0.0;
+  passivity.measure(one(q), true, true, milliseconds(1));
+  for (int n = 0; n < 400; ++n) {
+    const double before = tau;
+    tau = k.force(one(passivity.admit(k, one(q + 0.004))[0] - q))[0];
+    passivity.hold(one(tau), one(0.0));
+    ASSERT_LE(tau, std::max(before, 0.05)) << n;
+    ASSERT_LE(before - tau, 2.0 * 10000.0 * step) << n;
+    given += tau * step - 5.0 * step * step / 1e-3;
+    q += step;
+    passivity.measure(one(q), true, true, milliseconds(1));
+    ASSERT_LE(given, 0.004 + 1e-9) << n;
   }
-  EXPECT_NEAR(s, std::sqrt(1.0 / 8.0), 1e-12);
-  // Only a spring that is paid ends it.
-  EXPECT_EQ(tank.admit(k.energy(VecA(s * d)), k, one(0.001), &rest), 1.0);
-  EXPECT_EQ(tank.admit(k.energy(one(0.001)), k, d, &rest), 1.0);
+  EXPECT_LT(tau, 0.05) << "it is gone";
+  // The way back refills it, and the force returns as smoothly.
+  for (int n = 0; n < 100; ++n) {
+    const double before = tau;
+    tau = k.force(one(passivity.admit(k, one(q + 0.004))[0] - q))[0];
+    passivity.hold(one(tau), one(0.0));
+    ASSERT_GE(tau, std::min(before, 0.0)) << n;
+    ASSERT_LE(tau - before, 2.0 * 10000.0 * step) << n;
+    q -= step;
+    passivity.measure(one(q), true, true, milliseconds(1));
+  }
+  EXPECT_GT(tau, 3.0);
 }
 
 /// core/METHOD.md#energy-tank: whatever force is asked for, the sum of what was given stays within

@@ -91,7 +91,7 @@ struct ContactCase {
 
 /// core/METHOD.md#the-best-a-device-can-do: both subspace and null-space method are best, of
 /// different wishes.
-TEST(BestForce, IsThePapersForItsOwnWish) {
+TEST(BestForce, EqualsThePapersForItsWish) {
   std::mt19937_64 random(3);
   for (const Sizes& sizes : kSizes) {
     for (int trial = 0; trial < 100; ++trial) {
@@ -146,7 +146,7 @@ TEST(PerContact, PushesIntoNoDeepContact) {
   }
 }
 
-TEST(PerContact, IsNearestToEquation8AsFelt) {
+TEST(PerContact, NearestToEquation8AsFelt) {
   std::mt19937_64 random(11);
   for (const Sizes& sizes : kSizes) {
     for (int trial = 0; trial < 50; ++trial) {

@@ -1,15 +1,16 @@
 #pragma once
 /// The energy tank (core/METHOD.md#energy-tank): the force may give only as much energy as the tank
-/// holds. A spring that stores more than that is lent: it stays as long as what its next hold can
-/// give is within what is left, and else fades to the spring that is paid for. So nothing is
-/// throttled that never gives out more than the tank holds. It reckons with V(q_a) and with the
-/// force that was held over each tick, so that for every client, renderer, rate and delay
+/// holds. A spring that stores more than that is lent, up to the force that a much stiffer spring
+/// would have with what is left, and as long as the next hold keeps within it: the force falls as
+/// what is left falls, and is whole again when the user has put in enough. It reckons with V(q_a)
+/// and with the force that was held over each tick, so that for every client, renderer, rate and
+/// delay
 ///   energy given to the user, net of the device's own damping
 ///     <= initial + integral P_env dt + debt.
 /// The level falls below 0 only by what the tank cannot refuse: the leak of the hold on a device
 /// whose damping is unknown or too small (K T/2 > b, core/METHOD.md#sampled-data), and a limited or
 /// late force; and, while a spring is lent, the surprise of a device that moves faster in a period
-/// than its last two motions let expect (Motion::coming()). The spring then pays at once, out of
+/// than its last motion lets expect (Motion::coming()). The spring then pays at once, out of
 /// what it stores; debt is what the whole spring could not pay. If the tank only refused further
 /// changes and kept the spring, a stiff spring would give out 100 times as much energy (measured).
 
@@ -44,12 +45,15 @@ struct HoldAccount {
 
 /// How the device moved, and what moved it: what the next hold can give at most is guessed from it.
 struct Motion {
-  VecA dq{}, dq_before{};  ///< of the last hold and the one before it, n_a; m or rad
-  VecA held{};             ///< force of the last hold, n_a
-  VecA kick{};             ///< T^2 / (2 M_a): how much farther a hold goes per unit of force, n_a
+  VecA dq{};    ///< of the last hold, n_a; m or rad
+  VecA held{};  ///< force of the last hold, n_a
+  VecA kick{};  ///< T^2 / (2 M_a): how much farther a hold goes per unit of force, n_a
 
-  /// The most that a force tau (n_a) is taken to give in the next hold, J: going on as in the last
-  /// one and half as much again, twice as much faster as in the last one, and by its own rise.
+  /// What the stiffest spring that may be lent stores at a force tau (n_a), J: sum of tau^2 / (2 K)
+  /// with K T^2 / M_a = kStiffest.
+  [[nodiscard]] double stored(const VecA& tau) const noexcept;
+  /// What a force tau (n_a) is taken to give in the next hold, J: if the motion goes on as in the
+  /// last one, and faster by the force's own rise.
   [[nodiscard]] double coming(const VecA& tau) const noexcept;
 };
 
@@ -62,10 +66,7 @@ class EnergyTank {
   explicit EnergyTank(const TankSettings& settings) : settings_(settings) { restart(); }
 
   /// At an Engage: the level is `initial`, every debt is forgiven.
-  void restart() noexcept {
-    level_ = settings_.initial;
-    lent_ = 1.0;
-  }
+  void restart() noexcept { level_ = settings_.initial; }
   /// Once per tick: adds P_env dt and what limits and rendered damping took from the user, and
   /// subtracts the hold's leak as far as the device's damping does not pay it. `dt` in s.
   void refill(double dt, const HoldAccount& account) noexcept;
@@ -81,13 +82,8 @@ class EnergyTank {
   [[nodiscard]] double level() const noexcept { return level_; }
 
  private:
-  /// The share of d that may be lent.
-  double lend(double allowed, const SpringStorage& after, const VecA& d,
-              const Motion& motion) noexcept;
-
   TankSettings settings_;
   double level_{0.0};
-  double lent_{1.0};  ///< share of the wanted force that may be lent; falls until a spring is paid
 };
 
 }  // namespace haptic::core

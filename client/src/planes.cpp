@@ -2,18 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace haptic::client {
 
 namespace {
 
-constexpr std::size_t kMaxPlanes = 6;  // proto/README.md
 constexpr double kPi = 3.14159265358979323846;
-
-struct Candidate {
-  double distance{0.0};
-  Plane plane{};
-};
 
 /// Coordinate i of x_probe (-) x: an angle the short way round, a quaternion with the sign that is
 /// nearer to x.
@@ -39,33 +34,57 @@ std::vector<Plane> derive_planes(const std::vector<VirtualCoordinate>& coordinat
   const std::size_t n_x = coordinates.size();
   if (x.size() != n_x || x_probe.size() != n_x) return {};
   const std::vector<Block> whole{{0, n_x}};
-  std::vector<Candidate> found;
+  std::vector<Plane> planes;
   for (const Block& block : blocks.empty() ? whole : blocks) {
     if (block.first > n_x || block.count > n_x - block.first) continue;
-    Candidate candidate;
-    candidate.plane.normal.assign(n_x, 0.0);
+    Plane plane;
+    plane.normal.assign(n_x, 0.0);
+    double distance = 0.0;
     for (std::size_t i = block.first; i < block.first + block.count; ++i) {
       const double away = difference(coordinates, x_probe, x, i);
-      candidate.plane.normal[i] = away;
-      candidate.distance = std::hypot(candidate.distance, away);
+      plane.normal[i] = away;
+      distance = std::hypot(distance, away);
     }
-    if (!(candidate.distance > least)) continue;
+    if (!(distance > least)) continue;
     for (std::size_t i = block.first; i < block.first + block.count; ++i) {
-      candidate.plane.normal[i] /= candidate.distance;
-      candidate.plane.offset += candidate.plane.normal[i] * x[i];
+      plane.normal[i] /= distance;
+      plane.offset += plane.normal[i] * x[i];
     }
-    found.push_back(std::move(candidate));
+    planes.push_back(std::move(plane));
   }
-  if (found.size() > kMaxPlanes) {
-    std::stable_sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
-      return a.distance > b.distance;
-    });
-    found.resize(kMaxPlanes);
-  }
-  std::vector<Plane> planes;
-  planes.reserve(found.size());
-  for (Candidate& candidate : found) planes.push_back(std::move(candidate.plane));
   return planes;
+}
+
+std::size_t keep_deepest(const std::vector<VirtualCoordinate>& coordinates,
+                         const std::vector<double>& x, const std::vector<double>& x_probe,
+                         std::vector<Plane>& planes) {
+  if (planes.size() <= kMaxPlanes) return 0;
+  const std::size_t n_x = coordinates.size(), left_out = planes.size() - kMaxPlanes;
+  const auto depth = [&](const Plane& plane) {
+    double out = -plane.offset, length = 0.0;
+    for (std::size_t i = 0; i < n_x; ++i) {
+      out += plane.normal[i] * (x[i] + difference(coordinates, x_probe, x, i));
+      length = std::hypot(length, plane.normal[i]);
+    }
+    return length > 0.0 ? out / length : -std::numeric_limits<double>::infinity();
+  };
+  const auto fits = [&](const Plane& plane) { return plane.normal.size() == n_x; };
+  if (x.size() == n_x && x_probe.size() == n_x && std::all_of(planes.begin(), planes.end(), fits)) {
+    std::vector<double> depths;
+    std::vector<std::size_t> chosen;
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+      depths.push_back(depth(planes[i]));
+      chosen.push_back(i);
+    }
+    std::stable_sort(chosen.begin(), chosen.end(),
+                     [&](std::size_t a, std::size_t b) { return depths[a] > depths[b]; });
+    std::sort(chosen.begin(), chosen.begin() + kMaxPlanes);
+    for (std::size_t k = 0; k < kMaxPlanes; ++k) {
+      if (chosen[k] != k) planes[k] = std::move(planes[chosen[k]]);
+    }
+  }
+  planes.resize(kMaxPlanes);
+  return left_out;
 }
 
 }  // namespace haptic::client

@@ -54,6 +54,8 @@ void RemoteSession::publish(Proxy proxy) noexcept {
       sample.set_source_time_ns(now.time_since_epoch().count());
       sample.set_seq(number);
       to_planes(proxy);
+      statistics_.planes_left_out +=
+          keep_deepest(device_.coordinates, proxy.position, states_.given().x_probe, proxy.planes);
       sample.set_mode(static_cast<v1::ProxyMode>(proxy.mode));
       for (const Plane& plane : proxy.planes) {
         v1::Plane& sent = *sample.add_planes();

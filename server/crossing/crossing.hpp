@@ -264,7 +264,7 @@ template <typename T, std::size_t kSize>
 inline constexpr bool crosses = std::is_trivially_copyable_v<T>&& std::is_standard_layout_v<T> &&
                                 sizeof(T) == kSize;
 
-static_assert(crosses<ProxySample, 4200>);
+static_assert(crosses<ProxySample, 19592>);
 static_assert(crosses<PoseSample, 144>);
 static_assert(crosses<Verdict, 192>);
 static_assert(crosses<Request, 1288>);

@@ -10,6 +10,7 @@ namespace {
 using Publish = WithServer;
 using client::Block;
 using client::derive_planes;
+using client::keep_deepest;
 using client::Plane;
 using client::VirtualCoordinate;
 
@@ -61,19 +62,36 @@ TEST(DerivePlanes, AQuaternionsSignDoesNotMatter) {
   EXPECT_GT(a[0].normal[1], 0.9);
 }
 
-TEST(DerivePlanes, TheSixDeepestStay) {
-  std::vector<double> x(8, 0.0), x_probe(8);
-  std::vector<Block> blocks;
-  for (std::size_t i = 0; i < 8; ++i) {
-    x_probe[i] = 1.0 + static_cast<double>(i);
-    blocks.push_back({i, 1});
-  }
-  const auto planes = derive_planes(linear(8), x, x_probe, blocks);
-  ASSERT_EQ(planes.size(), 6u);
+/// 40 planes of one coordinate with x_probe 1; every third is 0.5 deep, the others not reached.
+std::vector<Plane> forty() {
+  std::vector<Plane> planes;
+  for (int i = 0; i < 40; ++i) planes.push_back({{2.0, 0.0}, i % 3 == 0 ? 1.0 : 3.0 + i});
+  return planes;
+}
+
+TEST(KeepDeepest, LeavesThirtyTwoInTheirOrder) {
+  std::vector<Plane> planes = forty();
+  EXPECT_EQ(keep_deepest(linear(2), {0, 0}, {1, 0}, planes), 8u);
+  ASSERT_EQ(planes.size(), client::kMaxPlanes);
+  // The fourteen deep ones, and the eighteen of the others that are nearest.
+  int deep = 0;
+  double last = -1.0;
   for (const Plane& plane : planes) {
-    EXPECT_EQ(plane.normal[0], 0.0);
-    EXPECT_EQ(plane.normal[1], 0.0);
+    deep += plane.offset == 1.0 ? 1 : 0;
+    if (plane.offset == 1.0) continue;
+    EXPECT_GT(plane.offset, last);
+    EXPECT_LT(plane.offset, 3.0 + 30);
+    last = plane.offset;
   }
+  EXPECT_EQ(deep, 14);
+  EXPECT_EQ(keep_deepest(linear(2), {0, 0}, {1, 0}, planes), 0u) << "as many as are allowed";
+}
+
+TEST(KeepDeepest, UnknownProbeKeepsTheFirst) {
+  std::vector<Plane> planes = forty();
+  EXPECT_EQ(keep_deepest(linear(2), {0, 0}, {}, planes), 8u);
+  ASSERT_EQ(planes.size(), client::kMaxPlanes);
+  EXPECT_EQ(planes.back().offset, 3.0 + 31);
 }
 
 TEST(DerivePlanes, WrongSizesGiveNone) {
@@ -91,6 +109,13 @@ TEST_F(Publish, CarriesPlanes) {
   EXPECT_EQ(sample.planes(0).normal(1), 0.5);
   EXPECT_EQ(sample.planes(1).offset(), -2.0);
   EXPECT_EQ(sample.position(1), 0.2);
+}
+
+TEST_F(Publish, LeavesOutAndCountsPlanes) {
+  const auto session = open();
+  session->publish(client::Proxy::behind(forty(), {0.0, 0.0}));
+  EXPECT_EQ(first_sample().planes_size(), 32);
+  EXPECT_EQ(session->statistics().planes_left_out, 8u);
 }
 
 TEST_F(Publish, DerivesPlanesFromHeldProxies) {

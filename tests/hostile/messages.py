@@ -171,7 +171,7 @@ def bad_samples(daemon):
         {"position": []}, {"position": [0.0, 0.0]}, {"position": [0.0] * 5_000},
         {"position": [1000.1]}, {"position": [1e308]}, {"position": [0.0], "mode": 0},
         {"position": [0.0], "mode": 77}, {"position": [NAN], "mode": FREE},
-        {"position": [0.0], "mode": PLANES, "planes": [plane(normal=[1.0])] * 7},
+        {"position": [0.0], "mode": PLANES, "planes": [plane(normal=[1.0])] * 33},
         {"position": [0.0], "mode": PLANES, "planes": [plane(normal=[0.0])]},
         {"position": [0.0], "mode": PLANES, "planes": [plane(normal=[NAN])]},
         {"position": [0.0], "mode": PLANES, "planes": [plane(normal=[1e7])]},

@@ -12,7 +12,7 @@ import grpc
 
 from ._errors import PASSING, ClientError, to_error
 from ._state import DeviceState
-from ._types import Carriers, Event, Pose, Proxy, SampleCounts, Settings
+from ._types import Carriers, Event, Pose, Proxy, SampleCounts, Settings, deepest
 from ._udp import UdpCarrier
 from .v1 import haptic_service_pb2 as service
 from .v1 import session_pb2 as wire
@@ -45,7 +45,7 @@ class Session:
         self._tracker = tracker
         self._waiting: wire.SessionRequest | None = None  # to be sent on the stream
         self._newest: wire.ProxySample | None = None
-        self._seq = self._replaced = 0
+        self._seq = self._replaced = self._planes_left_out = 0
         self._ended: ClientError | None = None
         self._closing = False
         self._udp: UdpCarrier | None = None
@@ -99,11 +99,13 @@ class Session:
                 raise ClientError("INVALID_ARGUMENT",
                                   "publish: a session with tracker=True has publish_pose()")
             self._seq += 1
+            planes = deepest(proxy.planes, self._state.x_probe if self._state else ())
+            self._planes_left_out += len(proxy.planes) - len(planes)
             sample = wire.ProxySample(
                 seq=self._seq, source_time_ns=time.monotonic_ns(), mode=proxy.mode,
                 position=proxy.position,
                 device_seq_used=self._state.seq if self._state else 0,
-                planes=[wire.Plane(normal=n, offset=b) for n, b in proxy.planes])
+                planes=[wire.Plane(normal=n, offset=b) for n, b in planes])
             self._newest = sample
             if self._udp is None or not self._udp.send(sample.SerializeToString()):
                 self._offer(wire.SessionRequest(proxy=sample))
@@ -225,7 +227,8 @@ class Session:
         with self._changed:
             a = self._ack
             return SampleCounts(self._seq, self._replaced, a.accepted, a.rejected_old,
-                                a.rejected_invalid, a.conflated_backlog, a.last_rejection)
+                                a.rejected_invalid, a.conflated_backlog, a.last_rejection,
+                                self._planes_left_out)
 
     @property
     def udp_in_use(self) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import enum
+import math
 from collections.abc import Sequence
 
 from ._names import name_of
@@ -37,10 +38,25 @@ def held(position: Sequence[float]) -> Proxy:
 
 
 def behind(planes: Sequence[tuple[Sequence[float], float]], position: Sequence[float]) -> Proxy:
-    """The server keeps the probe out of `planes`, (normal, offset) each: normal . x <= offset; at
-    most 6, linearised at `position`."""
+    """The server keeps the probe out of `planes`, (normal, offset) each: normal . x <= offset,
+    linearised at `position`. Of more than 32 the deepest are sent."""
     return Proxy(wire.PROXY_MODE_PLANES, tuple(map(float, position)),
                  tuple((tuple(map(float, normal)), float(offset)) for normal, offset in planes))
+
+
+MAX_PLANES = 32  # of one sample, proto/README.md
+
+
+def deepest(planes: Sequence[tuple[tuple[float, ...], float]],
+            x_probe: Sequence[float]) -> list[tuple[tuple[float, ...], float]]:
+    """The MAX_PLANES planes that x_probe is deepest beyond, or nearest to, in their order."""
+    def depth(plane: tuple[tuple[float, ...], float]) -> float:
+        normal, offset = plane
+        length = math.hypot(*normal)
+        beyond = sum(n * p for n, p in zip(normal, x_probe, strict=False)) - offset
+        return beyond / length if length > 0.0 else -math.inf
+    chosen = sorted(range(len(planes)), key=lambda i: -depth(planes[i]))[:MAX_PLANES]
+    return [planes[i] for i in sorted(chosen)]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -70,7 +86,8 @@ class Event:
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class SampleCounts:
-    """What became of the samples of a session; `replaced`: by newer ones before they were sent."""
+    """What became of the samples of a session; `replaced`: by newer ones before they were sent;
+    `planes_left_out`: beyond the 32 deepest of a sample."""
 
     published: int
     replaced: int
@@ -79,6 +96,7 @@ class SampleCounts:
     rejected_invalid: int
     conflated_backlog: int
     last_rejection: str
+    planes_left_out: int = 0
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

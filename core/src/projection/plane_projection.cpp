@@ -1,4 +1,4 @@
-// Eq. (27) by its dual, min 1/2 l^T (G + eps) l - l^T r over l >= 0: at most six unknowns, whatever
+// Eq. (27) by its dual, min 1/2 l^T (G + eps) l - l^T r over l >= 0: an unknown per plane, whatever
 // n_x is. r holds the violations of the probe, G = A W^-1 A^T with unit normals, and
 // x = x_probe - W^-1 A^T l.
 //
@@ -39,7 +39,8 @@ PlaneProjection::PlaneProjection(const ConfigurationSpace& space, TaskMetric met
 
 void PlaneProjection::set(const PlaneSet& planes, const VecX& x) noexcept {
   count_ = planes.size();
-  skipped_ = active_ = 0;
+  skipped_ = 0;
+  hold_none();
   at_ = x;
   A_ = planes.normals;
   PlaneSet::Normals& D = contacts_.into;
@@ -66,7 +67,6 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x) noexcept {
 }
 
 PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x) noexcept {
-  active_ = 0;
   x = x_probe;
   if (count_ == 0) return PlaneStatus::kFree;
   space_->difference(x_probe, at_, y_);
@@ -78,8 +78,10 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x) noexcept {
     deepest = std::max(deepest, r[i]);
     contacts_.depth[i] = r[i];
   }
-  if (!(deepest > 0.0)) return PlaneStatus::kFree;
-
+  if (!(deepest > 0.0)) {
+    hold_none();
+    return PlaneStatus::kFree;
+  }
   const PlaneStatus status = multipliers(r, deepest);
   for (Eigen::Index k = 0; k < x.size(); ++k) {
     bool held = !linear_[static_cast<std::size_t>(k)];
@@ -99,34 +101,43 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x) noexcept {
 /// 0 if all planes can be met; if not, the first step is the answer.
 PlaneStatus PlaneProjection::multipliers(const Small& r, double deepest) noexcept {
   Small shifted = r;
+  int left = kMostSolves;
   for (int n = 0; n <= kRefinements; ++n) {
-    solve(shifted);
+    solve(shifted, left);
     double violation = 0.0;
     for (int i = 0; i < count_; ++i) {
-      double left = r[i] + kEpsilon * l_[i];
-      for (int j = 0; j < count_; ++j) left -= G_(i, j) * l_[j];
-      violation = std::max(violation, left);
+      violation = std::max(violation, r[i] + kEpsilon * l_[i] - pushed(i));
     }
     if (n == 0 && violation > kInfeasible * deepest) return PlaneStatus::kInfeasible;
     if (violation <= 1e-15 * deepest) break;
-    shifted = r + kEpsilon * l_;
+    for (int i = 0; i < count_; ++i) shifted[i] = r[i] + kEpsilon * l_[i];
   }
   return PlaneStatus::kActive;
 }
 
-void PlaneProjection::solve(const Small& r) noexcept {
+double PlaneProjection::pushed(int i) const noexcept {
+  double sum = 0.0;
+  for (int k = 0; k < n_held_; ++k) sum += G_(i, held_[k]) * l_[held_[k]];
+  return sum;
+}
+
+void PlaneProjection::hold_none() noexcept {
   l_.setZero();
   active_ = 0;
+  n_held_ = factored_ = 0;
+}
+
+void PlaneProjection::solve(const Small& r, int& left) noexcept {
   double largest = 0.0;
   for (int i = 0; i < count_; ++i) largest = std::max(largest, r[i]);
+  settle(r, largest, left);
   std::uint32_t refused = 0;
-  for (int pass = 0; pass < 4 * kMaxPlanes; ++pass) {
+  while (left > 0) {
     int wanted = -1;
     double steepest = 1e-14 * largest;
     for (int i = 0; i < count_; ++i) {
       if (has(active_ | refused | skipped_, i)) continue;
-      double w = r[i];
-      for (int j = 0; j < count_; ++j) w -= G_(i, j) * l_[j];
+      const double w = r[i] - pushed(i);
       if (w > steepest) {
         steepest = w;
         wanted = i;
@@ -135,50 +146,62 @@ void PlaneProjection::solve(const Small& r) noexcept {
     if (wanted < 0) return;
     const std::uint32_t before = active_;
     active_ |= 1u << wanted;
-    for (int inner = 0; inner <= kMaxPlanes; ++inner) {
-      Small s;
-      solve_on(active_, r, s);
-      double step = 1.0;
-      for (int i = 0; i < count_; ++i) {
-        if (has(active_, i) && s[i] <= 0.0) step = std::min(step, l_[i] / (l_[i] - s[i]));
-      }
-      if (!(step >= 0.0)) step = 0.0;  // 0 / 0: a plane that was to enter with nothing
-      for (int i = 0; i < count_; ++i) {
-        if (!has(active_, i)) continue;
-        const bool leaves = s[i] <= 0.0 && l_[i] + step * (s[i] - l_[i]) <= 1e-15 * largest;
-        l_[i] = leaves ? 0.0 : l_[i] + step * (s[i] - l_[i]);
-        if (leaves) active_ &= ~(1u << i);
-      }
-      if (step >= 1.0) break;
-    }
+    held_[n_held_++] = wanted;
+    settle(r, largest, left);
     // A plane that entered and left at once would do so for ever: rounding decided that it is met.
     refused = active_ == before ? refused | 1u << wanted : 0;
   }
 }
 
-void PlaneProjection::solve_on(std::uint32_t set, const Small& r, Small& s) const noexcept {
-  int index[kMaxPlanes]{};
-  int n = 0;
-  for (int i = 0; i < count_; ++i) {
-    if (has(set, i)) index[n++] = i;
-  }
-  Gram L;  // of Cholesky; eps keeps every pivot above 0
-  Small z;
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      double sum = G_(index[i], index[j]);
-      for (int k = 0; k < j; ++k) sum -= L(i, k) * L(j, k);
-      L(i, j) = i == j ? std::sqrt(std::max(sum, 0.5 * kEpsilon)) : sum / L(j, j);
+void PlaneProjection::settle(const Small& r, double largest, int& left) noexcept {
+  Small s;
+  while (n_held_ > 0 && left > 0) {
+    --left;
+    solve_held(r, s);
+    double step = 1.0;
+    for (int k = 0; k < n_held_; ++k) {
+      const double l = l_[held_[k]];
+      if (s[k] <= 0.0) step = std::min(step, l / (l - s[k]));
     }
-    double sum = r[index[i]];
-    for (int k = 0; k < i; ++k) sum -= L(i, k) * z[k];
-    z[i] = sum / L(i, i);
+    if (!(step >= 0.0)) step = 0.0;  // 0 / 0: a plane that was to enter with nothing
+    int kept = 0;
+    for (int k = 0; k < n_held_; ++k) {
+      const int i = held_[k];
+      const double next = l_[i] + step * (s[k] - l_[i]);
+      if (s[k] <= 0.0 && next <= 1e-15 * largest) {
+        l_[i] = 0.0;
+        active_ &= ~(1u << i);
+        factored_ = std::min(factored_, kept);
+      } else {
+        l_[i] = next;
+        held_[kept++] = i;
+      }
+    }
+    n_held_ = kept;
+    if (step >= 1.0) return;
   }
-  s.setZero();
-  for (int i = n - 1; i >= 0; --i) {
-    double sum = z[i];
-    for (int k = i + 1; k < n; ++k) sum -= L(k, i) * s[index[k]];
-    s[index[i]] = sum / L(i, i);
+}
+
+/// Rows of L_ before the first plane that left stay: a plane that enters costs one row.
+void PlaneProjection::solve_held(const Small& r, Small& s) noexcept {
+  for (int i = factored_; i < n_held_; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      double sum = G_(held_[i], held_[j]);
+      for (int k = 0; k < j; ++k) sum -= L_(i, k) * L_(j, k);
+      // eps keeps every pivot above 0
+      L_(i, j) = i == j ? std::sqrt(std::max(sum, 0.5 * kEpsilon)) : sum / L_(j, j);
+    }
+  }
+  factored_ = n_held_;
+  for (int i = 0; i < n_held_; ++i) {
+    double sum = r[held_[i]];
+    for (int k = 0; k < i; ++k) sum -= L_(i, k) * s[k];
+    s[i] = sum / L_(i, i);
+  }
+  for (int i = n_held_ - 1; i >= 0; --i) {
+    double sum = s[i];
+    for (int k = i + 1; k < n_held_; ++k) sum -= L_(k, i) * s[k];
+    s[i] = sum / L_(i, i);
   }
 }
 

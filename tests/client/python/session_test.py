@@ -104,6 +104,15 @@ class Force(OneServer):
         self.assertTrue(eventually(lambda: session.samples().rejected_invalid == 1))
         self.assertIn("position", session.samples().last_rejection)
 
+    def test_the_deepest_planes_are_sent(self) -> None:
+        session = self.open()
+        x_probe = session.wait_for_state().x_probe
+        planes = [((1.0, 0.0), x_probe[0] + (0.1 if i < 8 else -0.1)) for i in range(40)]
+        session.publish(haptic.behind(planes, x_probe))
+        self.assertTrue(eventually(lambda: session.samples().accepted == 1))
+        self.assertEqual(session.samples().planes_left_out, 8)
+        self.assertTrue(eventually(lambda: session.wait_for_state().active_planes & 1 == 1))
+
     def test_settings_are_clamped_with_a_reason(self) -> None:
         session = self.open()
         applied = session.update_settings(stiffness=[1e6])

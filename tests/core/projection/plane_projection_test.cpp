@@ -193,7 +193,7 @@ TEST(PlaneProjection, AgreesWithTryingEverySubset) {
   std::normal_distribution<double> normal(0.0, 1.0);
   int active = 0;
   for (int n = 0; n < 3000; ++n) {
-    const int n_x = 2 + n % 4, p = 1 + n % kMaxPlanes;
+    const int n_x = 2 + n % 4, p = 1 + n % 6;
     PlaneSet set;
     set.normals.resize(n_x, p);
     set.offsets.resize(p);
@@ -215,6 +215,70 @@ TEST(PlaneProjection, AgreesWithTryingEverySubset) {
     ASSERT_NEAR((got.x - expected).norm(), 0.0, 1e-8 * (1.0 + (expected - probe).norm())) << n;
   }
   EXPECT_GT(active, 1000);
+}
+
+/// R. L. Dykstra's cyclic projections onto the planes, until nothing moves.
+VecX dykstra(const PlaneSet& set, const VecX& probe) {
+  VecX x = probe;
+  Eigen::MatrixXd given = Eigen::MatrixXd::Zero(probe.size(), set.size());
+  for (int sweep = 0; sweep < 20000; ++sweep) {
+    double moved = 0.0;
+    for (int i = 0; i < set.size(); ++i) {
+      const VecX normal = set.normals.col(i), from = x + given.col(i);
+      const double beyond = (normal.dot(from) - set.offsets[i]) / normal.squaredNorm();
+      const VecX to = from - std::max(0.0, beyond) * normal;
+      moved = std::max(moved, (to - x).norm());
+      given.col(i) = from - to;
+      x = to;
+    }
+    if (moved < 1e-13) break;
+  }
+  return x;
+}
+
+TEST(PlaneProjection, ThirtyTwoPlanesAgreeWithDykstra) {
+  std::mt19937 random(13);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  int held = 0;
+  for (int n = 0; n < 60; ++n) {
+    const int n_x = 2 + n % 11;
+    PlaneSet set;
+    set.normals.resize(n_x, kMaxPlanes);
+    set.offsets.resize(kMaxPlanes);
+    VecX probe(n_x);
+    for (int j = 0; j < n_x; ++j) probe[j] = 2.0 * normal(random);
+    for (int i = 0; i < kMaxPlanes; ++i) {
+      for (int j = 0; j < n_x; ++j) set.normals(j, i) = normal(random);
+      set.offsets[i] = 0.3 + std::abs(normal(random));
+    }
+    const Answer got = project(set, probe);
+    ASSERT_NEAR((got.x - dykstra(set, probe)).norm(), 0.0, 1e-6) << n;
+    for (int i = 0; i < kMaxPlanes; ++i) held += (got.active >> i & 1u) != 0 ? 1 : 0;
+  }
+  EXPECT_GT(held, 100);
+}
+
+/// It begins with the planes that held the probe before; the answer must not depend on them.
+TEST(PlaneProjection, WhereItCameFromDoesNotMatter) {
+  std::mt19937 random(14);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  const int n_x = 6;
+  PlaneSet set;
+  set.normals.resize(n_x, 20);
+  set.offsets.setConstant(20, 0.5);
+  for (double& entry : set.normals.reshaped()) entry = normal(random);
+  const ConfigurationSpace space = space_of(n_x);
+  PlaneProjection projection(space);
+  projection.set(set, VecX::Constant(n_x, 0.3));
+  VecX probe = VecX::Zero(n_x), x;
+  for (int n = 0; n < 2000; ++n) {
+    for (int j = 0; j < n_x; ++j) probe[j] += 0.1 * normal(random) - 0.02 * probe[j];
+    const PlaneStatus status = projection.project(probe, x);
+    const Answer fresh = project(set, probe);
+    ASSERT_EQ(status, fresh.status) << n;
+    ASSERT_NEAR((x - fresh.x).norm(), 0.0, 1e-11) << n;
+    ASSERT_EQ(projection.active(), fresh.active) << n;
+  }
 }
 
 TEST(PlaneProjection, AnyInputGivesABoundedAnswer) {

@@ -203,6 +203,12 @@ TEST_F(IngressPlanesTest, PlanesReachTheMailboxAsColumns) {
   EXPECT_EQ(newest().x[0], 0.25);
 }
 
+TEST_F(IngressPlanesTest, ThirtyTwoPlanesAreTaken) {
+  EXPECT_EQ(send_planes({32, {1, 2, 3}}), IngressVerdict::kAccepted);
+  EXPECT_EQ(newest().planes.size(), 32);
+  EXPECT_EQ(newest().planes.offsets[31], 3.0);
+}
+
 TEST_F(IngressPlanesTest, ZeroPlanesMeanFreeSpace) {
   send_planes({{1, 2, 3}});
   EXPECT_EQ(send_planes({}), IngressVerdict::kAccepted);
@@ -220,8 +226,8 @@ TEST_F(IngressPlanesTest, NamesAndIgnoresAWrongPlane) {
   const double huge = std::numeric_limits<double>::infinity();
   send_planes({{1, 2, 3}});
   const std::vector<double> good{1, 0, 0};
-  EXPECT_EQ(send_planes({good, good, good, good, good, good, good}), IngressVerdict::kBadPlane);
-  EXPECT_NE(why.find("at most 6"), std::string::npos) << why;
+  EXPECT_EQ(send_planes({33, good}), IngressVerdict::kBadPlane);
+  EXPECT_NE(why.find("at most 32"), std::string::npos) << why;
   EXPECT_EQ(send_planes({good, {1, 0}}), IngressVerdict::kBadPlane);
   EXPECT_NE(why.find("planes[1].normal has 1 values"), std::string::npos) << why;
   EXPECT_EQ(send_planes({{1, nan, 0}}), IngressVerdict::kBadPlane);

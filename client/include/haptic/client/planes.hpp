@@ -16,15 +16,23 @@ struct Block {
   std::size_t count{0};
 };
 
+inline constexpr std::size_t kMaxPlanes = 32;  ///< of one sample (proto/README.md)
+
+/// Leaves the kMaxPlanes planes that x_probe is deepest beyond, or nearest to, in their order, and
+/// returns how many it took out. `x`: where they are linearised. publish() does this by itself and
+/// counts (PublishStatistics::planes_left_out). If a size does not fit, the first planes stay.
+std::size_t keep_deepest(const std::vector<VirtualCoordinate>& coordinates,
+                         const std::vector<double>& x, const std::vector<double>& x_probe,
+                         std::vector<Plane>& planes);
+
 /// One plane per block, from the proxy x and the haptic probe x_probe that x was computed from, one
 /// value per coordinate each. The plane passes through x and its normal is x_probe - x, so that x
 /// is the point nearest to x_probe that it allows. Coordinates of kind "angle" differ the short way
 /// round, a "quaternion" has the sign that is nearer to x.
 ///
 /// A block whose proxy is within `least` (m or rad) of its probe is not constrained and gets no
-/// plane. Of more than 6 planes those with the largest distance are returned. `blocks` empty: all
-/// coordinates are one block. If a size does not fit, or a block ends beyond the last coordinate,
-/// it has no plane.
+/// plane. `blocks` empty: all coordinates are one block. If a size does not fit, or a block ends
+/// beyond the last coordinate, it has no plane.
 [[nodiscard]] std::vector<Plane> derive_planes(const std::vector<VirtualCoordinate>& coordinates,
                                                const std::vector<double>& x,
                                                const std::vector<double>& x_probe,

@@ -91,7 +91,8 @@ struct Proxy {
   std::vector<double> position{};    ///< x, per coordinate; may be empty if free
   std::uint64_t device_seq_used{0};  ///< `seq` of the state it was computed from; 0: the last given
   std::chrono::microseconds valid_for{0};  ///< may count as fresh for so long; 0: as the scene says
-  std::vector<Plane> planes{};             ///< of kPlanes: at most 6; none: nothing in the way
+  std::vector<Plane> planes{};             ///< of kPlanes; none: nothing in the way. Of more than
+                                           ///< kMaxPlanes the deepest are sent
 
   /// The proxy stays at `x` until the next sample.
   [[nodiscard]] static Proxy held(std::vector<double> x) {
@@ -117,9 +118,10 @@ struct UdpLink {
 /// conflated still waits, or was dropped because there was no stream. A sample that went both by
 /// UDP and by the stream, because the UDP path may have failed, counts twice in `sent`.
 struct PublishStatistics {
-  std::uint64_t published{0};  ///< calls of publish()
-  std::uint64_t sent{0};       ///< handed to a carrier
-  std::uint64_t conflated{0};  ///< replaced by a newer one before they could be sent
+  std::uint64_t published{0};        ///< calls of publish()
+  std::uint64_t sent{0};             ///< handed to a carrier
+  std::uint64_t conflated{0};        ///< replaced by a newer one before they could be sent
+  std::uint64_t planes_left_out{0};  ///< beyond the kMaxPlanes deepest of a sample
   // As the server counts them.
   std::uint64_t accepted{0};
   std::uint64_t rejected_old{0};      ///< came after a newer one, or without the lease

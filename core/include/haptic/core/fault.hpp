@@ -48,6 +48,8 @@ enum class Limiter : std::uint8_t {
                           ///< (core/METHOD.md#rendering-per-contact)
   kSingular = 14,         ///< J^+ is damped near a singular pose
                           ///< (core/METHOD.md#damping-near-singular-poses)
+  kBranch = 15,  ///< q* held on its branch, or moved to another one in steps, where two poses are
+                 ///< about equally near (core/METHOD.md#projection-algorithm)
 };
 
 template <typename E>

@@ -11,7 +11,8 @@
 ///                         that is nearest to x_probe; status kInfeasible
 /// If the planes can be met, eps is iterated away: x meets them to rounding. Planes that meet
 /// only beyond some hundred times their violation (an acute wedge seen from outside) count as
-/// infeasible.
+/// infeasible. The work per tick is bounded: after kMostSolves systems of equations, which only
+/// planes that contradict each other by the dozen need, what was reached is the answer.
 
 #include <vector>
 
@@ -49,14 +50,21 @@ class PlaneProjection {
 
  private:
   using Small = Eigen::Matrix<double, kMaxPlanes, 1>;
-  using Gram = Eigen::Matrix<double, kMaxPlanes, kMaxPlanes>;
+  using Gram = Eigen::Matrix<double, kMaxPlanes, kMaxPlanes, Eigen::RowMajor>;
+  static constexpr int kMostSolves = 3 * kMaxPlanes;
 
   /// l_ and active_ for violations r of x_probe, the deepest of them > 0.
   PlaneStatus multipliers(const Small& r, double deepest) noexcept;
-  /// l_ = argmin 1/2 l^T (G + eps) l - l^T r, l >= 0 (C. L. Lawson and R. J. Hanson's active set).
-  void solve(const Small& r) noexcept;
-  /// s = (G + eps)^-1 r on the planes of `set`; 0 elsewhere.
-  void solve_on(std::uint32_t set, const Small& r, Small& s) const noexcept;
+  /// l_ = argmin 1/2 l^T (G + eps) l - l^T r, l >= 0 (C. L. Lawson and R. J. Hanson's active set),
+  /// from the l_ that is there; at most `left` systems of equations, which it counts down.
+  void solve(const Small& r, int& left) noexcept;
+  /// Goes from l_ towards the solution on the planes held, which lose those that it would make < 0.
+  void settle(const Small& r, double largest, int& left) noexcept;
+  /// s = (G + eps)^-1 r on the planes held, in their order.
+  void solve_held(const Small& r, Small& s) noexcept;
+  /// (G + eps) l_ at plane i.
+  [[nodiscard]] double pushed(int i) const noexcept;
+  void hold_none() noexcept;
 
   const ConfigurationSpace* space_;
   TaskMetric metric_;
@@ -68,8 +76,12 @@ class PlaneProjection {
   Contacts contacts_{};    ///< into: D = W^-1 A
   Small beta_{};           ///< offsets relative to at_
   Gram G_{};
-  Small l_{};
-  std::uint32_t active_{0};
+  Small l_{};               ///< > 0 for the planes held, else 0
+  int held_[kMaxPlanes]{};  ///< the planes held, in the order in which they came
+  int n_held_{0};
+  Gram L_{};                 ///< of Cholesky, in that order
+  int factored_{0};          ///< rows of L_ that hold
+  std::uint32_t active_{0};  ///< the planes held, as bits
   VecX y_{};
 };
 

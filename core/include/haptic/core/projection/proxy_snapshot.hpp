@@ -17,8 +17,8 @@ enum class ProxyMode : std::uint8_t {
   kPlanes = 3,  ///< x is the haptic probe, kept out of the sample's planes in every tick
 };
 
-/// Planes in one sample. A finger needs one or two, a hand one per finger and one for the palm.
-inline constexpr int kMaxPlanes = 6;
+/// Planes in one sample: a grasp by five fingers has ten contacts, one by a palm as well twenty.
+inline constexpr int kMaxPlanes = 32;
 
 /// n_i^T x <= b_i, linearised at the sample's own x. A normal is a covector: unit of b_i per unit
 /// of each coordinate; its length is free (n and b may be scaled together).

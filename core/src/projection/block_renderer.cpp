@@ -76,7 +76,7 @@ void BlockRenderer::Block::project(const Probe& probe, const VecX& all_x, const 
   contacts.first_a = at.first_a;
   renderer.project(Probe{q, x_probe, J, contacts}, x, dx, stiffness, changed, out);
   held = renderer.kind() == RendererKind::kSubspaceExact && !model.prior() &&
-         out.status != ProjectionStatus::kMapFailed;
+         out.status != ProjectionStatus::kMapFailed && !out.between;
 }
 
 BlockRenderer::BlockRenderer(RendererKind kind, const ProjectionModel& model)
@@ -108,11 +108,12 @@ void BlockRenderer::project(const Probe& probe, const VecX& x, const VecX& dx,
   out.q_star.resize(probe.q.size());
   out.status = ProjectionStatus::kNone;
   out.condition = out.storage = out.damping = 0.0;
-  out.contradicted = false;
+  out.contradicted = out.between = false;
   double squares = 0.0;
   for (Block& block : blocks_) {
     const bool answered = block.held && !proxy_changed;
     if (idle_possible_ && !answered && !block.displaced(dx)) {
+      if (block.seen) block.renderer.release();
       block.seen = block.held = false;  // whatever is displaced next is solved
       const double* q = probe.q.data() + block.at.first_q;
       std::copy(q, q + block.n_q, out.q_star.data() + block.at.first_q);
@@ -127,6 +128,7 @@ void BlockRenderer::project(const Probe& probe, const VecX& x, const VecX& dx,
     out.storage += block.out.storage;
     out.damping = std::max(out.damping, block.out.damping);
     out.contradicted = out.contradicted || block.out.contradicted;
+    out.between = out.between || block.out.between;
     squares += block.out.residual * block.out.residual;
   }
   out.residual = std::sqrt(squares);
@@ -154,6 +156,11 @@ void BlockRenderer::displayed_bound(const Probe& probe, const VecX& dx, const Ve
         .setConstant(
             most_displayed(block.model, probe.J, at.first_x, at.first_q, at.first_a, stiffness));
   }
+}
+
+void BlockRenderer::release() noexcept {
+  if (whole_) whole_->release();
+  for (Block& block : blocks_) block.renderer.release();
 }
 
 void BlockRenderer::reset() noexcept {

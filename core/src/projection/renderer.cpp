@@ -34,11 +34,15 @@ RendererKind Renderer::kind() const noexcept {
 void Renderer::project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                        bool proxy_changed, Projection& out) noexcept {
   out.storage = out.residual = out.condition = out.damping = 0.0;
-  out.contradicted = false;
+  out.contradicted = out.between = false;
   const auto project = [&](auto& renderer) {
     renderer.project(probe, x, dx, stiffness, proxy_changed, out);
   };
   std::visit(project, renderer_);
+}
+
+void Renderer::release() noexcept {
+  if (auto* exact = std::get_if<SubspaceExact>(&renderer_)) exact->release();
 }
 
 void Renderer::reset() noexcept {

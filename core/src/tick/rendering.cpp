@@ -24,6 +24,7 @@ Anchor Rendering::step(const Sensed& sensed, const ProxySnapshot& sample, const 
   locate(sensed, sample, now);
   solve_ = solve_ || local_.changed();
   if (!now.in_the_way) {
+    if (anchored_) renderer_.release();
     anchored_ = false;
     now.q_star = sensed.q;
     projection_.residual = projection_.condition = 0.0;
@@ -85,6 +86,7 @@ bool Rendering::project(const Sensed& sensed, const Settings& settings, Anchor& 
   now.q_star = projection_.q_star;
   now.projection = projection_.status;
   if (projection_.contradicted) now.limiters.set(Limiter::kContacts);
+  if (projection_.between) now.limiters.set(Limiter::kBranch);
   if (projection_.damping > 0.0) now.limiters.set(Limiter::kSingular);
   return true;
 }

@@ -9,7 +9,6 @@
 
 #include "haptic/core/projection/block_renderer.hpp"
 #include "haptic/core/projection/direction_guard.hpp"
-#include "haptic/core/projection/per_contact.hpp"
 #include "tests/core/model/sample_hands.hpp"
 #include "tests/core/projection/every_renderer.hpp"
 #include "tests/support/allocation_guard.hpp"
@@ -289,23 +288,14 @@ TEST_F(BlockMapTest, GuardByBlocksEqualsDenseSolve) {
     ASSERT_EQ(hand.evaluate(q, x_probe, J), MapStatus::kOk);
     for (int i = 0; i < 10; ++i) dx[i] = trial % 3 == 0 && i < 4 ? 0.0 : 0.1 * normal(random_);
     VecA tau(5);
-    const VecQ half = oracle::least_squares(J, dx);  // every other force points to the proxy
-    for (int i = 0; i < 5; ++i) {
-      tau[i] = trial % 2 == 0 ? normal(random_) : hand.layout().select(half)[i];
-    }
+    for (int i = 0; i < 5; ++i) tau[i] = normal(random_);
     const Eigen::VectorXd dq = oracle::least_squares(J, dx);
     const double towards = tau.dot(hand.layout().select(VecQ(dq)));
     if (std::abs(towards) < 1e-9) continue;
-    bool expected = towards > 0.0;
-    for (int k = 0; k < 10; ++k) {  // every displaced joint is a contact of its own
-      if (std::abs(dx[k]) <= contact_band(hand.whole())) continue;
-      const Eigen::VectorXd out = oracle::least_squares(J, VecX(dx[k] * VecX::Unit(10, k)));
-      expected = expected && tau.dot(hand.layout().select(VecQ(out))) >= 0.0;
-    }
-    EXPECT_EQ(guard.allows({q, x_probe, J}, dx, tau), expected);
-    ++(expected ? allowed : withheld);
+    EXPECT_EQ(guard.allows({q, x_probe, J}, dx, tau), towards > 0.0);
+    ++(towards > 0.0 ? allowed : withheld);
   }
-  EXPECT_GT(allowed, 10);
+  EXPECT_GT(allowed, 50);
   EXPECT_GT(withheld, 50);
 }
 

@@ -38,6 +38,8 @@ class BlockRenderer {
   /// of Z_q^{-1} J_a^T Z_x J_a for its largest eigenvalue. Idle blocks: 1. Never allocates.
   void displayed_bound(const Probe& probe, const VecX& dx, const VecA& stiffness,
                        VecA& ratio) const noexcept;
+  /// A contact ended.
+  void release() noexcept;
   /// Forgets warm starts and cached solutions.
   void reset() noexcept;
 

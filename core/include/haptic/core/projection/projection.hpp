@@ -26,6 +26,8 @@ struct Projection {
   double storage{0.0};
   /// Of the rule per contact: force held back because one contact's push would push another in.
   bool contradicted{false};
+  /// Of Eq. (6) beyond reach: held on a branch though another is nearer, or on its way there.
+  bool between{false};
   /// Of the rule per contact: share of damping near a singularity, 0 (none) to 1 (at it).
   double damping{0.0};
 };

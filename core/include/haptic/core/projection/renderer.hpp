@@ -25,6 +25,8 @@ class Renderer {
   /// for all. `proxy_changed` false promises that x is the one of the previous call.
   void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                bool proxy_changed, Projection& out) noexcept;
+  /// A contact ended.
+  void release() noexcept;
   /// Forgets warm starts, cached solutions and q_n^ref.
   void reset() noexcept;
 

@@ -52,7 +52,7 @@ Projection solve(SubspaceExact& exact, const Kinematics& map, const VecQ& q, con
   return out;
 }
 
-VecX degrees(double mcp, double pip) {
+VecX at_degrees(double mcp, double pip) {
   return (VecX(2) << mcp, pip).finished() * std::numbers::pi / 180.0;
 }
 
@@ -61,7 +61,7 @@ double tie(const Kinematics& map, const VecQ& q) {
   double low = 5.0, high = 8.0;
   const auto at = [&](double pip) {
     SubspaceExact exact{ProjectionModel(map)};
-    return solve(exact, map, q, degrees(-30.0, pip)).q_star[0];
+    return solve(exact, map, q, at_degrees(-30.0, pip)).q_star[0];
   };
   const double middle = 0.5 * (at(low) + at(high));
   const bool rises = at(high) > at(low);
@@ -78,16 +78,16 @@ TEST(Branches, NoiseAtATieMovesNothing) {
   q << 0.004, 0.4;
   const double pip = tie(*map, q);
   SubspaceExact fresh{ProjectionModel(*map)}, other{ProjectionModel(*map)};
-  const double below = solve(fresh, *map, q, degrees(-30.0, pip - 1e-4)).q_star[0];
-  const double above = solve(other, *map, q, degrees(-30.0, pip + 1e-4)).q_star[0];
+  const double below = solve(fresh, *map, q, at_degrees(-30.0, pip - 1e-4)).q_star[0];
+  const double above = solve(other, *map, q, at_degrees(-30.0, pip + 1e-4)).q_star[0];
   ASSERT_GT(std::abs(above - below), 0.005) << "a tie";
   SubspaceExact exact{ProjectionModel(*map)};
   std::mt19937_64 random(5);
   std::normal_distribution<double> noise(0.0, 0.05);
   int on_a_branch = 0;
-  solve(exact, *map, q, degrees(-30.0, pip - 0.01));
+  solve(exact, *map, q, at_degrees(-30.0, pip - 0.01));
   for (int n = 0; n < 500; ++n) {
-    const Projection out = solve(exact, *map, q, degrees(-30.0, pip + noise(random)));
+    const Projection out = solve(exact, *map, q, at_degrees(-30.0, pip + noise(random)));
     ASSERT_NEAR(out.q_star[0], below, 5e-4) << n;
     on_a_branch += out.between ? 1 : 0;
   }
@@ -100,14 +100,14 @@ TEST(Branches, GoesOverInSmallSteps) {
   q << 0.004, 0.4;
   const double pip = tie(*map, q);
   SubspaceExact exact{ProjectionModel(*map)}, fresh{ProjectionModel(*map)};
-  double last = solve(exact, *map, q, degrees(-30.0, pip - 0.01)).q_star[0];
-  const VecX x = degrees(-30.0, pip + 3.0);
+  double last = solve(exact, *map, q, at_degrees(-30.0, pip - 0.01)).q_star[0];
+  const VecX x = at_degrees(-30.0, pip + 3.0);
   const double there = solve(fresh, *map, q, x).q_star[0];
   ASSERT_GT(std::abs(there - last), 0.005);
   const double step = 0.00101 * (map->dofs()[0].upper - map->dofs()[0].lower);
   int between = 0;
   for (double way = 0.0; way < 3.0; way += 0.01) {
-    const Projection out = solve(exact, *map, q, degrees(-30.0, pip + way));
+    const Projection out = solve(exact, *map, q, at_degrees(-30.0, pip + way));
     ASSERT_LE(std::abs(out.q_star[0] - last), step + 1e-4) << way;
     last = out.q_star[0];
     between += out.between ? 1 : 0;
@@ -115,7 +115,7 @@ TEST(Branches, GoesOverInSmallSteps) {
   EXPECT_GT(between, 100) << "held on its branch, then on its way";
   EXPECT_NEAR(last, there, 1e-4);
   // A contact that ends half-way leaves nothing of it to the next one.
-  solve(exact, *map, q, degrees(-30.0, pip - 3.0));
+  solve(exact, *map, q, at_degrees(-30.0, pip - 3.0));
   exact.release();
   EXPECT_NEAR(solve(exact, *map, q, x).q_star[0], there, 1e-9);
 }

@@ -259,7 +259,7 @@ TEST(PlaneProjection, ThirtyTwoPlanesAgreeWithDykstra) {
 }
 
 /// It begins with the planes that held the probe before; the answer must not depend on them.
-TEST(PlaneProjection, WhereItCameFromDoesNotMatter) {
+TEST(PlaneProjection, ItsPastDoesNotMatter) {
   std::mt19937 random(14);
   std::normal_distribution<double> normal(0.0, 1.0);
   const int n_x = 6;

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "haptic/core/error.hpp"
-#include "haptic/core/projection/plane_projection.hpp"
 #include "hw/simulated/finger.hpp"
 #include "server/scene/scene.hpp"
 #include "server/scene/shipped.hpp"
+#include "tests/report/best_force.hpp"
 #include "tests/support/cpu_time.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"
 
@@ -17,10 +17,9 @@ namespace {
 using core::VecX;
 
 constexpr const char* kScene = "finger_soft_grasp";  // the demo's
-constexpr double kEngage_s = 0.7;         // ten samples at 30 Hz, 100 ms late, jitter, and some
-constexpr double kLeave_s = 1.0;          // the gain's ramp is over
-constexpr int kSubsteps = 10;             // of 0.1 ms, as the simulated device takes them
-constexpr double kBand = 0.25 * kDegree;  // below this depth a contact may be pushed in
+constexpr double kEngage_s = 0.7;  // ten samples at 30 Hz, 100 ms late, jitter, and some
+constexpr double kLeave_s = 1.0;   // the gain's ramp is over
+constexpr int kSubsteps = 10;      // of 0.1 ms, as the simulated device takes them
 
 int tick_of(double t) {
   return static_cast<int>(std::lround(t / test::PipelineLoop::kTick_s));
@@ -39,40 +38,6 @@ test::ClientSettings client_at(const FeltTrajectory& what, ClientKind kind,
   client.seed = static_cast<std::uint64_t>(what.motion) + 1;
   return client;
 }
-
-/// W of the finger, n_x: what 1 N of its actuator does at its joints, m/rad.
-VecX lever(const core::MatXQ& J) {
-  const double det = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
-  return (VecX(2) << J(1, 1) / det, -J(0, 1) / det).finished();
-}
-
-/// The best tau_a for an object, pose by pose: the spring Z_q at the actuator between probe and
-/// proxy as far as the limit allows; none where it would push the probe into one of the planes.
-class Best {
- public:
-  Best(const FeltTrajectory& what, const FeltDevice& device)
-      : what_(what),
-        stiffness_(device.pipeline.scene.stiffness[0]),
-        limit_(device.pipeline.scene.force_limit[0]),
-        walls_(device.pipeline.kinematics->space()) {}
-  [[nodiscard]] double at(const VecX& x_probe, const VecX& w) {
-    const core::PlaneSet planes = what_.object(x_probe);
-    walls_.set(planes, x_probe);
-    static_cast<void>(walls_.project(x_probe, x_));
-    const double tau = std::clamp(stiffness_ * w.dot(x_ - x_probe), -limit_, limit_);
-    for (int i = 0; i < planes.size(); ++i) {
-      const auto n = planes.normals.col(i);
-      if (n.dot(x_probe) - planes.offsets[i] > kBand && n.dot(w) * tau > 0.0) return 0.0;
-    }
-    return tau;
-  }
-
- private:
-  const FeltTrajectory& what_;
-  double stiffness_, limit_;
-  core::PlaneProjection walls_;
-  VecX x_{VecX::Zero(2)};
-};
 
 }  // namespace
 
@@ -112,7 +77,8 @@ FeltSums run(const FeltTrajectory& what, const FeltDevice& device, const FeltRun
   test::PipelineLoop felt(config, client_at(what, with.client, with.network), damping);
   test::PipelineLoop ideal(config, client_at(what, ClientKind::kPlanes, {1000.0, 0.0}), damping);
   hw::FingerPhysics physics(device.finger, config.kinematics, what.aim(0.0));
-  Best best(what, device);
+  BestForce best(config.kinematics->space(), config.scene.stiffness[0],
+                 config.scene.force_limit[0]);
   FeltSums sums;
   constexpr double dt = test::PipelineLoop::kTick_s / kSubsteps;
   const int begins = tick_of(kLeave_s), last = tick_of(kLeave_s + kFeltSeconds);
@@ -149,7 +115,8 @@ FeltSums run(const FeltTrajectory& what, const FeltDevice& device, const FeltRun
       sums.guarded += limiters.has(core::Limiter::kDirectionGuard) ? 1 : 0;
       continue;
     }
-    const double tau = best.at(felt.x_probe(), w), over = felt.tau() - tau;
+    const double tau = best.at(what.object(felt.x_probe()), felt.x_probe(), w);
+    const double over = felt.tau() - tau;
     sums.error2 += w2 * off * off;
     sums.ideal2 += w2 * ideal.tau() * ideal.tau();
     sums.over2 += w2 * over * over;

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "haptic/core/error.hpp"
-#include "haptic/core/projection/plane_projection.hpp"
 #include "hw/device_limits.hpp"
 #include "hw/motion/minimum_jerk.hpp"
 #include "hw/simulated/finger_physics.hpp"
+#include "tests/report/best_force.hpp"
 #include "tests/report/finger_press.hpp"
 #include "tests/support/link/random.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"
@@ -25,7 +25,6 @@ constexpr double kForceLimit = 40;  // N
 constexpr double kDamping = 2.0;    // N s/m, the simulated finger's own
 constexpr int kSubsteps = 10;
 constexpr double kJudged_deg = 0.5;  // depth from which felt torque is judged
-constexpr double kBand_deg = 0.25;   // below it a wall may be pushed in
 constexpr double kLeverage = 0.002;  // m/rad: below it a wall cannot be pushed
 constexpr double kOff = 0.1;         // felt torque is off beyond this share of the optimum
 constexpr double kSmall = 0.05;      // N: no matter
@@ -68,25 +67,17 @@ Eigen::Vector2d degrees(const Pair& deg) {
   return Eigen::Vector2d(deg.first, deg.second) * kDegree;
 }
 
-VecX lever(const core::MatXQ& J) {
-  const double det = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
-  return (VecX(2) << J(1, 1) / det, -J(0, 1) / det).finished();
-}
-
 /// What runs along with a press.
 struct Judge {
   const RandomPress& press;
-  core::PlaneProjection walls;
-  core::VecX x, dx{VecX::Zero(2)};
+  BestForce best;
   double deepest[2]{-1e9, -1e9}, strongest{0.0}, last_tau{0.0};
   double ghost_sum{0.0}, ripple_sum{0.0};
   int ghosts{0}, ripples{0};
   bool throttled{false};  ///< in the last tick
 
   Judge(const RandomPress& what, const core::Kinematics& finger)
-      : press(what), walls(finger.space()), x(VecX::Zero(2)) {
-    walls.set(press.planes, VecX::Zero(2));
-  }
+      : press(what), best(finger.space(), press.stiffness, kForceLimit) {}
   void see(const test::PipelineLoop& loop, PressStudyTick& tick);
   void account(const PressStudyTick& tick, bool engaged, bool resting, PressFigures& figures);
 };
@@ -94,18 +85,13 @@ struct Judge {
 void Judge::see(const test::PipelineLoop& loop, PressStudyTick& tick) {
   const VecX& probe = loop.x_probe();
   const VecX w = lever(loop.J());
-  static_cast<void>(walls.project(probe, x));
-  dx = x - probe;
-  double depth[2]{};
-  const int n = press.planes.size();
-  for (int i = 0; i < n; ++i) {
-    depth[i] = press.planes.normals.col(i).dot(probe) - press.planes.offsets[i];
-    tick.depth_deg[i] = depth[i] / kDegree;
+  for (int i = 0; i < press.planes.size(); ++i) {
+    tick.depth_deg[i] =
+        (press.planes.normals.col(i).dot(probe) - press.planes.offsets[i]) / kDegree;
     tick.away[i] = -press.planes.normals.col(i).dot(w);
   }
-  tick.optimum =
-      optimum(dx, w, press.stiffness, kForceLimit, depth, tick.away, n, kBand_deg * kDegree);
-  const VecX asked = dx;
+  tick.optimum = best.at(press.planes, probe, w);
+  const VecX& asked = best.dx();
   if (asked.norm() > 0.0 && tick.optimum != 0.0) {
     const double along = std::abs(asked.dot(w)) / (asked.norm() * w.norm());
     ghost_sum += std::sqrt(std::max(0.0, 1.0 - along * along));
@@ -122,7 +108,8 @@ void Judge::account(const PressStudyTick& tick, bool engaged, bool resting, Pres
     contact = contact || tick.depth_deg[i] > 0.0;
     deep = deep || tick.depth_deg[i] > kJudged_deg;
     leverage = leverage || (tick.depth_deg[i] > 0.0 && std::abs(tick.away[i]) > kLeverage);
-    if (tick.depth_deg[i] > kBand_deg && tick.away[i] * tick.tau_a < -1e-9) ++figures.pushed_in;
+    if (tick.depth_deg[i] * kDegree > kContactBand && tick.away[i] * tick.tau_a < -1e-9)
+      ++figures.pushed_in;
     if (tick.depth_deg[i] > deepest[i]) {
       grows = tick.depth_deg[i] > kJudged_deg;
       deepest[i] = tick.depth_deg[i];
@@ -190,15 +177,6 @@ std::string_view name(WallKind kind) noexcept {
       return "slanted";
   }
   return "";
-}
-
-double optimum(const VecX& dx, const VecX& w, double stiffness, double limit, const double* depth,
-               const double* away, int walls, double band) {
-  const double tau = std::clamp(stiffness * w.dot(dx), -limit, limit);
-  for (int i = 0; i < walls; ++i) {
-    if (depth[i] > band && away[i] * tau < 0.0) return 0.0;
-  }
-  return tau;
 }
 
 RandomPress random_press(std::uint64_t seed, int index, const core::Kinematics& finger) {

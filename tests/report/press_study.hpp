@@ -81,10 +81,4 @@ struct PressFigures {
                                const std::shared_ptr<const core::Kinematics>& finger,
                                const std::function<void(const PressStudyTick&)>& observe = {});
 
-/// The best tau_a, |tau_a| <= limit, for the spring Z_q between probe and proxy (dx, n_x), with no
-/// wall deeper than `band` rad pushed in: away_i tau_a >= 0. One actuated DoF.
-[[nodiscard]] double optimum(const core::VecX& dx, const core::VecX& w, double stiffness,
-                             double limit, const double* depth, const double* away, int walls,
-                             double band);
-
 }  // namespace haptic::report

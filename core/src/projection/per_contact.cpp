@@ -22,9 +22,13 @@ constexpr double kDamped = 0.01;
 
 constexpr double kSettled = 1e-13;  // of tau_8: rounding
 
-/// The part of a full push that a contact at `depth` still allows.
-double slack_at(double depth, double band) noexcept {
-  return std::max(0.0, 1.0 - depth / band);
+/// Leverage of the actuators on a contact below which it may be pushed in.
+constexpr double kLeverage = 0.05;
+
+/// The part of a full push that a contact at `depth` still allows, `leverage` being the cosine
+/// between the way out and the nearest torque that the actuators can make.
+double slack_at(double depth, double band, double leverage) noexcept {
+  return std::max({0.0, 1.0 - depth / band, 1.0 - leverage / kLeverage});
 }
 
 }  // namespace
@@ -80,7 +84,7 @@ void PerContact::project(const Probe& probe, const VecX& /*x*/, const VecX& dx,
     model_.metric().weigh(direction);
     Push& push = pushes_[static_cast<std::size_t>(pushes++)];
     push.out = solver.also(J, direction);
-    push.slack = slack_at(depth, band_);
+    push.slack = slack_at(depth, band_, std::sqrt(push.out.dot(solver.actuated_square(push.out))));
     if (push.out.dot(tau_) < 0.0) {
       pushed_in = true;
       share = std::min(share, push.slack);

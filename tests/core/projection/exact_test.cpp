@@ -67,7 +67,7 @@ double tie(const Kinematics& map, const VecQ& q) {
   const bool rises = at(high) > at(low);
   for (int i = 0; i < 60; ++i) {
     const double pip = 0.5 * (low + high);
-    (rises == at(pip) > middle ? high : low) = pip;
+    (rises == (at(pip) > middle) ? high : low) = pip;
   }
   return 0.5 * (low + high);
 }

@@ -7,7 +7,8 @@ press_hues = hues." #d9660a"
 share(end1, end2, without1, without2) = 100.0 * (1.0 - (above(end1) + above(end2)) \
   / (above(without1) + above(without2)))
 above(v) = v > 0.0 ? v : 0.0
-by(i, v) = strcol("method") eq word(press_methods, i) ? v : NaN
+# A cumulative curve needs the rows of its method alone: a row left out would end it.
+of_method(i) = sprintf("< awk -F, 'NR == 1 || $2 == \"%s\"' '%s'", word(press_methods, i), csv)
 
 do for [kind in "svg png"] {
   eval begin(kind, 1500, 460)
@@ -18,19 +19,19 @@ do for [kind in "svg png"] {
   set key bottom right
   set xrange [-10:60]
   set xlabel "depth that the force takes away / %"
-  plot for [i = 1:5] csv using (by(i, share(column("end_1_deg"), column("end_2_deg"), \
-    column("without_1_deg"), column("without_2_deg")))):(1.0) smooth cnormal \
+  plot for [i = 1:5] of_method(i) using (share(column("end_1_deg"), column("end_2_deg"), \
+    column("without_1_deg"), column("without_2_deg"))):(1.0) smooth cnormal \
     with lines lc rgb word(press_hues, i) lw 2 title word(press_titles, i)
   set ylabel ""
-  set xrange [-2:6]
+  set xrange [-6:2]
   set xlabel "deeper than without force, at the end / deg"
   unset key
-  plot for [i = 1:5] csv using (by(i, column("deeper_deg"))):(1.0) smooth cnormal \
+  plot for [i = 1:5] of_method(i) using (column("deeper_deg")):(1.0) smooth cnormal \
     with lines lc rgb word(press_hues, i) lw 2
   set xrange [0:100]
   set xlabel "contact throttled by the tank / % of ticks"
-  plot for [i = 1:5] csv using (by(i, 100.0 * column("throttled_ticks") \
-    / column("contact_ticks"))):(1.0) smooth cnormal with lines lc rgb word(press_hues, i) lw 2
+  plot for [i = 1:5] of_method(i) using (100.0 * column("throttled_ticks") \
+    / column("contact_ticks")):(1.0) smooth cnormal with lines lc rgb word(press_hues, i) lw 2
   unset multiplot
   unset output
 }

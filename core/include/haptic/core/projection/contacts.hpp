@@ -15,8 +15,9 @@ struct Contacts {
 
 /// The contacts and limits of a part of a map.
 struct ContactView {
-  /// Null: a proxy without planes. Each of its displaced joint angles counts as a contact that
-  /// pushes one way, and other coordinates as one contact along dx.
+  /// Null: a proxy without planes. Each displaced joint angle then counts as a contact, together
+  /// with the angles that are displaced the other way, and other coordinates as one contact along
+  /// dx (core/METHOD.md#rendering-per-contact).
   const Contacts* contacts{nullptr};
   const VecA* force_limit{nullptr};  ///< of the whole map; null: none
   int first_x{0};                    ///< the part's first coordinate

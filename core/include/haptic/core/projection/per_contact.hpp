@@ -5,7 +5,8 @@
 /// contact:
 ///   min ||W (tau_a - tau_8)||  such that  out_i . W tau_a >= -slack_i,  |tau_a| <= limit,
 /// W = (S J^+)^T and out_i the direction out of contact i. slack_i falls from "anything" at depth 0
-/// to 0 at the depth `band`, so tau_a is continuous in q, x and the set of contacts.
+/// to 0 at the depth `band`, and likewise from a contact that the actuators cannot reach to one that
+/// a twentieth of their torque bears on, so tau_a is continuous in q, x and the set of contacts.
 ///
 /// Near a singular pose J^+ is damped: not at all below condition 100, smoothly more above, so that
 /// tau_a passes through 0 where Eq. (8) changes its sign at full force
@@ -47,23 +48,24 @@ void for_each_contact(const ProjectionModel& model, const ContactView& view, con
     visit(out, depth);
     return;
   }
+  VecX weighed;
   for (Eigen::Index k = 0; k < dx.size(); ++k) {
     if (dx[k] == 0.0) continue;
-    out.setZero(dx.size());
-    out[k] = dx[k] > 0.0 ? 1.0 : -1.0;
-    double length = 1.0;
-    if (!model.metric().is_identity()) {
-      VecX weighed = out;
-      model.metric().weigh(weighed);
-      length = weighed.norm();
+    out = dx;
+    for (Eigen::Index j = 0; j < dx.size(); ++j) {
+      if (j != k && dx[j] * dx[k] >= 0.0) out[j] = 0.0;
     }
-    out[k] /= length;
-    visit(out, std::abs(dx[k]) * length);
+    weighed = out;
+    model.metric().weigh(weighed);
+    out /= weighed.norm();
+    weighed.setZero();
+    weighed[k] = dx[k];
+    model.metric().weigh(weighed);
+    visit(out, weighed.norm());
   }
 }
 
-/// True if every coordinate is a joint angle, so that a held proxy's displaced coordinates are
-/// contacts of their own.
+/// True if every coordinate is a joint angle.
 [[nodiscard]] bool contacts_by_joint(const ProjectionModel& model) noexcept;
 
 class PerContact {

@@ -17,8 +17,8 @@ class BestForce {
   /// `space` must outlive this. `stiffness`: Z_q, N/m. `limit`: of the force, N.
   BestForce(const core::ConfigurationSpace& space, double stiffness, double limit)
       : walls_(space), stiffness_(stiffness), limit_(limit) {}
-  /// tau_a (N) at a pose with lever w: Z_q w . dx up to the limit; 0 if it would push the probe into
-  /// a wall that it is deeper in than kContactBand. Walls: n . x <= b, unit normals, rad.
+  /// tau_a (N) at a pose with lever w: Z_q w . dx up to the limit; 0 if it would push the probe
+  /// into a wall that it is deeper in than kContactBand. Walls: n . x <= b, unit normals, rad.
   [[nodiscard]] double at(const core::PlaneSet& walls, const core::VecX& x_probe,
                           const core::VecX& w);
   /// dx = x - x_probe of the last call, rad.

@@ -214,7 +214,7 @@ TEST(PerContact, ContradictingContactsGiveNothing) {
   EXPECT_TRUE(out.contradicted);
 }
 
-TEST(PerContact, JointsDisplacedOppositeWaysAreOneWall) {
+TEST(PerContact, JointsDisplacedOppositelyAreOneWall) {
   Eigen::Matrix2d inverse;
   inverse << 40.0, 60.0, 1.0, -1.0;  // levers of the same sign
   const MatXQ J = inverse.inverse().eval();

@@ -5,8 +5,9 @@
 /// contact:
 ///   min ||W (tau_a - tau_8)||  such that  out_i . W tau_a >= -slack_i,  |tau_a| <= limit,
 /// W = (S J^+)^T and out_i the direction out of contact i. slack_i falls from "anything" at depth 0
-/// to 0 at the depth `band`, and likewise from a contact that the actuators cannot reach to one that
-/// a twentieth of their torque bears on, so tau_a is continuous in q, x and the set of contacts.
+/// to 0 at the depth `band`, and likewise from a contact that the actuators cannot reach to one
+/// that a twentieth of their torque bears on, so tau_a is continuous in q, x and the set of
+/// contacts.
 ///
 /// Near a singular pose J^+ is damped: not at all below condition 100, smoothly more above, so that
 /// tau_a passes through 0 where Eq. (8) changes its sign at full force

@@ -34,7 +34,7 @@ const char* verdict(const Ratio& value, double target, double noise) {
   const bool apart = std::abs(value.median - target) >= noise;
   if (apart && value.upper <= target) return "met";
   if (apart && value.lower > target) return "missed";
-  return "not resolved";
+  return "not shown";
 }
 
 /// A field of CSV: in quotes if it has a comma.

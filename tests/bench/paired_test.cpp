@@ -42,7 +42,7 @@ TEST(Paired, TargetWithinTheIntervalIsUnresolved) {
   const Row r = row(turns({1.1, 1.3}), always(1.0), 1.2);
   EXPECT_DOUBLE_EQ(r.ratio.lower, 1.1);
   EXPECT_DOUBLE_EQ(r.ratio.upper, 1.3);
-  EXPECT_EQ(printed(r), "not resolved");
+  EXPECT_EQ(printed(r), "not shown");
 }
 
 TEST(Paired, MissWithinNoiseIsNotResolvable) {
@@ -51,7 +51,7 @@ TEST(Paired, MissWithinNoiseIsNotResolvable) {
     return row(always(ours), turns({10.0, 10.0, 15.0, 15.0}), 1.2);
   };
   EXPECT_DOUBLE_EQ(against_noise(14.0).a_a.upper, 1.5);
-  EXPECT_EQ(printed(against_noise(14.0)), "not resolved");
+  EXPECT_EQ(printed(against_noise(14.0)), "not shown");
   EXPECT_EQ(printed(against_noise(30.0)), "missed");
 }
 
@@ -70,7 +70,7 @@ TEST(Paired, JudgesLoneFiguresByTheirInterval) {
   };
   EXPECT_EQ(judged(always(1.0), 0.9), "missed");
   EXPECT_EQ(judged(always(1.0), 1.0), "met");
-  EXPECT_EQ(judged(turns({0.9, 1.1}), 1.0), "not resolved");
+  EXPECT_EQ(judged(turns({0.9, 1.1}), 1.0), "not shown");
   EXPECT_EQ(judged(always(1.0), 0.0), "reported");
 }
 

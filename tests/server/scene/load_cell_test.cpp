@@ -175,6 +175,7 @@ TEST(LoadCell, HonestPressesRaiseNoFault) {
         "%-20s %scommanded up to %.1f N; the cell read up to %.1f N and grew by up to"
         " %.0f N/s; drive stepped by up to %.2f N\n",
         law.scene, law.by_default ? "by default " : "", commanded, reading, fastest, step);
+    EXPECT_LE(step, 2.0 + 1e-9) << "the slew limit, N per tick";
   }
   std::printf("%d presses, %d of them above 2 N: no fault\n", presses, contacts);
   EXPECT_GE(contacts, 300);

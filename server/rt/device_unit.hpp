@@ -15,8 +15,8 @@ namespace haptic::server {
 
 class DeviceUnit {
  public:
-  /// Records kept for a slow telemetry drain: one second at 1 kHz.
-  static constexpr std::size_t kRingCapacity = 1024;
+  /// Records kept for a slow telemetry drain: half a second at 1 kHz, 24 KB each.
+  static constexpr std::size_t kRingCapacity = 512;
 
   DeviceUnit(std::string name, std::unique_ptr<hw::Device> device, core::PipelineConfig config);
   DeviceUnit(const DeviceUnit&) = delete;

@@ -38,7 +38,7 @@ project=haptictest$$
 image=localhost/hapticd-test:$$
 engine=
 base=
-for part in engine image staleness shutdown relay package; do
+for part in engine image staleness shutdown relay package haproxy; do
   # shellcheck source=/dev/null
   . "$root/docker/test/$part.sh"
 done
@@ -59,7 +59,7 @@ finish() {
     collect
     tear_down 2>>"$logs/engine.log" || status=1
     if ! $keep_images; then
-      "$engine" rmi --force "$image" "$image-packages" >/dev/null 2>&1 || true
+      "$engine" rmi --force "$image" "$image-packages" "${project}_door" >/dev/null 2>&1 || true
       remove_layers
     fi
     local rest
@@ -108,3 +108,4 @@ test_staleness
 test_relay
 test_shutdown
 test_packages
+test_haproxy

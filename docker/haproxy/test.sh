@@ -35,37 +35,9 @@ ends = [socket.socket() for _ in range(2)]
 for end in ends: end.bind(("127.0.0.1", 0))
 print(*(end.getsockname()[1] for end in ends))')
 cd "$scratch"
-issue() { # issue NAME CA EXTENSIONS
-  openssl req -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -keyout "$1.key" \
-    -out "$1.csr" -subj "/CN=$1" >>openssl.log 2>&1
-  openssl x509 -req -in "$1.csr" -CA "$2.pem" -CAkey "$2.key" -CAcreateserial -days 2 \
-    -out "$1.pem" -extfile <(echo "$3") >>openssl.log 2>&1
-}
-for ca in laboratory strangers; do
-  openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -keyout "$ca.key" \
-    -out "$ca.pem" -subj "/CN=$ca" -days 2 >>openssl.log 2>&1
-done
-issue server laboratory subjectAltName=DNS:localhost
-issue surgeon laboratory subjectAltName=DNS:surgeon
-issue thief strangers subjectAltName=DNS:surgeon
-chmod 600 ./*.key
-cat >scene.textproto <<SCENE
-name: "behind haproxy"
-server {
-  listen: "127.0.0.1:$behind"
-  tls {
-    certificate: "server.pem" key: "server.key" client_ca: "laboratory.pem"
-    client { name: "surgeon" highest_priority: "operator" }
-  }
-}
-device {
-  name: "finger"
-  simulated_finger {}
-  finger_exoskeleton {}
-  impedance { stiffness_n_per_m: 500 }
-  limits { force_n: 10 }
-}
-SCENE
+# shellcheck source=/dev/null
+. "$here/laboratory.sh"
+make_laboratory "127.0.0.1:$behind"
 "$build/server/hapticd" --scene scene.textproto --realtime off >hapticd.log 2>&1 &
 pids+=($!)
 DOOR_LISTEN="127.0.0.1:$door" HAPTICD="127.0.0.1:$behind" \

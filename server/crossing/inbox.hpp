@@ -32,6 +32,10 @@ class Inbox {
     std::uint64_t next{0};
     std::uint64_t lost{0};  ///< values that were overwritten before they were read
   };
+  /// The owner's side: take() has nothing to do.
+  [[nodiscard]] bool taken(std::uint64_t next) const noexcept {
+    return head_.load(std::memory_order_acquire) == next;
+  }
   /// The owner's side: copies the value at the cursor and moves on; false: there is none. Returns
   /// at most N values until the writer writes again, whatever it says. A value that is written
   /// while it is copied may be a mixture of two: so the copy is checked like any other.

@@ -1,5 +1,6 @@
 #include "server/owner/sample_intake.hpp"
 
+#include <thread>
 #include <utility>
 
 #include "server/base/steady_now.hpp"
@@ -13,11 +14,17 @@ SampleIntake::SampleIntake(Owner& owner, Publisher& publisher)
       pose_arrivals_(owner.devices().size()) {}
 
 void SampleIntake::serve(const FrontsPages* pages) {
-  const Owner::Turn turn = owner_.turn();
-  if (pages_ == pages) return;
-  pages_ = pages;
-  proxies_ = {};
-  poses_ = {};
+  {
+    const Owner::Turn turn = owner_.turn();
+    if (pages_ == pages) return;
+    pages_ = pages;
+    proxies_ = {};
+    poses_ = {};
+    proxies_taken_.store(0);
+    poses_taken_.store(0);
+    looked_at_.store(pages);
+  }
+  while (looking_.load()) std::this_thread::yield();
 }
 
 bool SampleIntake::take() {
@@ -32,7 +39,19 @@ bool SampleIntake::take() {
   return more;
 }
 
+// Sequential consistency: either serve() sees that the loop looks, or the loop sees the new pages.
+bool SampleIntake::sample_waits() noexcept {
+  looking_.store(true);
+  const FrontsPages* const pages = looked_at_.load();
+  const bool waits =
+      pages != nullptr && !(pages->proxies.taken(proxies_taken_.load(std::memory_order_relaxed)) &&
+                            pages->poses.taken(poses_taken_.load(std::memory_order_relaxed)));
+  looking_.store(false, std::memory_order_release);
+  return waits;
+}
+
 void SampleIntake::take_for_tick() noexcept {
+  if (!sample_waits()) return;
   if (const Owner::Turn turn = owner_.turn_if_free()) take(kPerTick, turn);
 }
 
@@ -53,6 +72,8 @@ bool SampleIntake::take(int most, const Owner::Turn& turn) {
     publisher_.judged({pose.ticket, pose.seq, Carrier::kGrpc, owner_.accept(pose, turn)});
     ++judged_;
   }
+  proxies_taken_.store(proxies_.next, std::memory_order_relaxed);
+  poses_taken_.store(poses_.next, std::memory_order_relaxed);
   return proxies == most || poses == most;
 }
 

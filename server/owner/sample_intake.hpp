@@ -3,6 +3,7 @@
 /// take them: the loop's just before a tick, so that no sample waits for a thread to wake up, and
 /// the front link's, which also takes what the loop left and tells the front what came of each.
 
+#include <atomic>
 #include <vector>
 
 #include "server/crossing/shared_layout.hpp"
@@ -22,16 +23,19 @@ class SampleIntake {
   /// Both must outlive this.
   SampleIntake(Owner& owner, Publisher& publisher);
 
-  /// The samples of the front whose pages these are, and no other front's; null: of none.
+  /// The samples of the front whose pages these are, and no other front's; null: of none. When it
+  /// returns, no thread reads the pages before.
   void serve(const FrontsPages* pages);
   /// The front link's thread. True: there may be more.
   [[nodiscard]] bool take();
   /// The loop's thread: the oldest kPerTick, in order. It waits for no lock, allocates nothing and
   /// wakes no thread. What it leaves, as more waits or another thread holds the owner's lock, the
-  /// front link takes.
+  /// front link takes. A tick for which no sample waits leaves that lock alone: the telemetry's
+  /// core had it last.
   void take_for_tick() noexcept;
 
  private:
+  [[nodiscard]] bool sample_waits() noexcept;
   /// At most `most` of each kind. True: there may be more.
   bool take(int most, const Owner::Turn& turn);
 
@@ -44,6 +48,11 @@ class SampleIntake {
   Inbox<PoseSample, 64>::Cursor poses_{};
   std::vector<ArrivalOrder> proxy_arrivals_, pose_arrivals_;  ///< per device
   std::uint64_t judged_{0};
+
+  // What the loop looks at without that lock; serve() waits until it does not look.
+  std::atomic<const FrontsPages*> looked_at_{nullptr};
+  std::atomic<bool> looking_{false};
+  std::atomic<std::uint64_t> proxies_taken_{0}, poses_taken_{0};
 
   std::uint64_t told_{0};  ///< the front link's: of judged_
 };

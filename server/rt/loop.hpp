@@ -31,7 +31,7 @@ struct LoopStatistics {
   std::uint64_t skipped{0};
   std::uint64_t paced_by_sample{0};  ///< ticks begun by a sample; the others by the timer
   Percentiles lateness{};
-  Percentiles tick_time{};  ///< from the wake-up to the end of the tick, all units
+  Percentiles tick_time{};  ///< from the wake-up to the end of the tick, all units, and the ring
 };
 
 /// The loop's work without its thread: a test runs it on virtual time.

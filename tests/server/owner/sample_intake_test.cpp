@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <limits>
+#include <memory>
 #include <thread>
 
 #include "tests/server/support/device_rig.hpp"
@@ -100,6 +102,25 @@ TEST_F(IntakeTest, OnlyTheServingFrontIsHeard) {
   intake.take_for_tick();
   EXPECT_FALSE(intake.take());
   EXPECT_EQ(used(), 0U);
+}
+
+// A front's pages go when it is replaced. The thread sanitizer sees a look that is too late.
+TEST_F(IntakeTest, PagesMayGoWhileTheLoopTicks) {
+  std::atomic<bool> end{false};
+  std::thread loop([&] {
+    while (!end.load()) intake.take_for_tick();
+  });
+  for (int i = 0; i < 500; ++i) {
+    push(1);
+    intake.serve(nullptr);
+    front = std::make_unique<server::FrontsPages>();
+    intake.serve(front.get());
+  }
+  end.store(true);
+  loop.join();
+  push(1);
+  intake.take_for_tick();
+  EXPECT_EQ(used(), rig.seq);
 }
 
 TEST_F(IntakeTest, AnotherDevicesNumberIsNobodys) {

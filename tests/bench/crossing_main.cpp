@@ -1,19 +1,17 @@
-/// haptic-bench-crossing: what two processes cost against one. hapticd (an owner and a front) and
-/// the same server in one process serve side by side; one client takes turns with them, by TCP and
-/// by the UDP path. All times are of this host's steady clock. Three figures:
+/// haptic-bench-crossing: what two processes cost against one. hapticd's server runs as owner and
+/// front, or in one process; in each block a fresh one serves one client, by the stream and then by
+/// the UDP path, and nothing else runs. All times are of this host's steady clock. Figures:
 ///
 /// - publish to mailbox: how long before a tick publish() must be called for a half, or 99 %, of
 ///   the samples to be used by that tick. Samples published at any time would wait 0 to 1 ms for
 ///   their tick, in which some us are not seen.
 /// - tick to callback: from the tick to the client's callback with its state.
-/// - tick: from the loop's wake-up to the tick's end, over the last 10 s. The loop of two processes
-///   takes samples in it.
+/// - tick: from the loop's wake-up to the device's command, while the client publishes. The loop of
+///   two processes takes samples in it. The bell that wakes the telemetry rings after the command:
+///   the device does not wait for it.
 ///
-///   haptic-bench-crossing HAPTICD        (--serve: the one process, which it starts itself)
+///   haptic-bench-crossing FRONT      the program hapticd-front (--serve: a server, its own child)
 
-#include <spdlog/spdlog.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
@@ -32,9 +30,9 @@
 #include <vector>
 
 #include "haptic/client/client.hpp"
+#include "tests/bench/crossing_servers.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/bench/percentile.hpp"
-#include "tests/server/support/app.hpp"
 
 namespace {
 
@@ -42,51 +40,10 @@ using namespace haptic;
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kSamples = 700;  // per block, one in about 3 ms, for two leads in turn
+constexpr int kBlocks = 20;
+constexpr int kSamples = 380;  // per block and carrier, one in about 3 ms, for two leads in turn
 constexpr std::int64_t kTickNs = 1'000'000;
 const std::string kScene = HAPTIC_SOURCE_DIR "/server/scenes/finger_constant.textproto";
-
-std::vector<std::string> settings(int port) {
-  return {"loop.late_bucket_full=1000000",
-          "server.listen=[\"127.0.0.1:" + std::to_string(port) + "\"]",
-          "server.udp_listen=\"127.0.0.1:" + std::to_string(port) + "\""};
-}
-
-int serve(int port) {
-  sigset_t end;
-  sigemptyset(&end);
-  sigaddset(&end, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &end, nullptr);
-  spdlog::set_level(spdlog::level::warn);
-  test::App app(server::load_scene(kScene, settings(port)), {server::RealtimeMode::kTry});
-  app.start();
-  int signal = 0;
-  sigwait(&end, &signal);
-  app.stop();
-  return 0;
-}
-
-class Server {
- public:
-  explicit Server(const std::vector<std::string>& command) : id_(fork()) {
-    if (id_ != 0) return;
-    prctl(PR_SET_PDEATHSIG, SIGTERM);
-    std::vector<char*> words;
-    for (const std::string& word : command) words.push_back(const_cast<char*>(word.c_str()));
-    words.push_back(nullptr);
-    execv(words[0], words.data());
-    _exit(127);
-  }
-  ~Server() {
-    kill(id_, SIGTERM);
-    waitpid(id_, nullptr, 0);
-  }
-  Server(const Server&) = delete;
-  Server& operator=(const Server&) = delete;
-
- private:
-  pid_t id_;
-};
 
 std::int64_t now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch())
@@ -104,7 +61,7 @@ class Lead {
 
  private:
   double share_, step_us_;
-  double us_{400.0};
+  double us_{200.0};
 };
 
 /// The newest states of one session: which sample each tick used, and when the next tick is due.
@@ -154,9 +111,12 @@ class Ticks {
   std::vector<double> waits_us_{};
 };
 
-/// In us: publish to mailbox p50, p99; tick to callback p50, p99; tick p50. `leads` go on from
-/// block to block.
-std::vector<double> block(int port, client::Carriers carriers, std::array<Lead, 2>& leads) {
+/// Two leads that go on from block to block: for a half and for 99 % of the samples.
+using Leads = std::array<Lead, 2>;
+
+/// In us: publish to mailbox p50, p99; tick to callback p50, p99; tick p50, and without read().
+std::vector<double> measure(const bench::ServerProcess& server, int port, client::Carriers carriers,
+                            Leads& leads) {
   Ticks ticks;
   client::Connection connection("127.0.0.1:" + std::to_string(port));
   client::SessionOptions options;
@@ -169,8 +129,12 @@ std::vector<double> block(int port, client::Carriers carriers, std::array<Lead, 
   do std::this_thread::sleep_for(300ms);  // the UDP path is up as well
   while (ticks.next(0) == 0);
   std::array<double, 2> sums{}, counts{};
+  std::uint64_t first_tick = 0;
   for (std::uint64_t seq = 1; seq <= kSamples; ++seq) {
-    if (seq == 50) ticks.take_waits_us();
+    if (seq == 30) {
+      ticks.take_waits_us();
+      first_tick = server.times().count.load();
+    }
     Lead& lead = leads[seq % 2];
     const std::int64_t tick = ticks.next(lead.ns());
     const std::int64_t at = ticks.due_ns(tick) - lead.ns();
@@ -184,14 +148,19 @@ std::vector<double> block(int port, client::Carriers carriers, std::array<Lead, 
     sums[seq % 2] += lead.us();
     ++counts[seq % 2];
   }
-  std::vector<double> waits = ticks.take_waits_us();
-  return {sums[0] / counts[0], sums[1] / counts[1], bench::percentile(waits, 0.5),
-          bench::percentile(waits, 0.99), connection.server_info().tick_p50_us};
+  const std::array<double, 2> tick = server.times().p50_us(first_tick);
+  const std::vector<double> waits = ticks.take_waits_us();
+  return {sums[0] / counts[0],
+          sums[1] / counts[1],
+          bench::percentile(waits, 0.5),
+          bench::percentile(waits, 0.99),
+          tick[0],
+          tick[1]};
 }
 
 void wait_until_served(int port) {
-  for (int i = 0; i < 100; ++i) {
-    std::this_thread::sleep_for(100ms);
+  for (int i = 0; i < 500; ++i) {
+    std::this_thread::sleep_for(20ms);
     try {
       client::Connection connection("127.0.0.1:" + std::to_string(port));
       if (connection.healthy("", 1s)) return;
@@ -205,28 +174,40 @@ void wait_until_served(int port) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc == 3 && std::strcmp(argv[1], "--serve") == 0) return serve(std::stoi(argv[2]));
-  if (argc != 2) return 2;
-  const int one = 20'000 + getpid() % 5'000, two = one + 5'000;
-  const Server one_process({"/proc/self/exe", "--serve", std::to_string(one)});
-  std::vector<std::string> command{argv[1], "--scene", kScene, "--log-level", "warn"};
-  for (const std::string& setting : settings(two)) {
-    command.emplace_back("--set");
-    command.push_back(setting);
+  if (argc >= 4 && std::strcmp(argv[1], "--serve") == 0) {
+    return bench::serve(kScene, std::stoi(argv[2]), std::stoi(argv[3]), argc > 4 ? argv[4] : "");
   }
-  const Server two_processes(command);
-  for (const int port : {one, two}) wait_until_served(port);
-  bench::print_header();
-  for (const auto carriers : {client::Carriers::kGrpcOnly, client::Carriers::kAutomatic}) {
-    const std::string by = carriers == client::Carriers::kAutomatic ? " (UDP)" : " (stream)";
-    using Leads = std::array<Lead, 2>;
-    Leads leads_one{Lead(0.5, 8.0), Lead(0.99, 50.0)}, leads_two = leads_one;
-    const auto rows = bench::compare_all(
-        {"publish to mailbox p50" + by, "publish to mailbox p99" + by, "tick to callback p50" + by,
-         "tick to callback p99" + by, "tick p50" + by},
-        "one process", "us", [&] { return block(two, carriers, leads_two); },
-        [&] { return block(one, carriers, leads_one); });
-    for (const bench::Row& row : rows) bench::print(row);
+  if (argc != 2) return 2;
+  const std::string front = argv[1];
+  int port = 20'000 + getpid() % 5'000;
+  const auto block = [&port](const std::string& program, std::array<Leads, 2>& leads) {
+    const bench::ServerProcess server(++port, program);
+    wait_until_served(port);
+    std::vector<double> all = measure(server, port, client::Carriers::kGrpcOnly, leads[0]);
+    const auto by_udp = measure(server, port, client::Carriers::kAutomatic, leads[1]);
+    all.insert(all.end(), by_udp.begin(), by_udp.end());
+    return all;
+  };
+  const std::vector<std::pair<std::string, double>> figures{
+      {"publish to mailbox p50", 10.0},
+      {"publish to mailbox p99", 30.0},
+      {"tick to callback p50", 10.0},
+      {"tick to callback p99", 30.0},
+      {"tick p50", 0.1},
+      {"tick without the simulated finger p50", 0.1}};
+  std::vector<std::string> what;
+  for (const char* by : {" (stream)", " (UDP)"}) {
+    for (const auto& figure : figures) what.push_back(figure.first + by);
+  }
+  const Leads start{Lead(0.5, 8.0), Lead(0.99, 50.0)};
+  std::array<Leads, 2> leads_one{start, start}, leads_two{start, start};
+  std::vector<bench::Row> rows = bench::compare_all(
+      what, "one process", "us", [&] { return block(front, leads_two); },
+      [&] { return block("", leads_one); }, kBlocks, bench::Pairs::kDifference);
+  bench::print_header(bench::Pairs::kDifference);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].target = figures[i % figures.size()].second;
+    bench::print(rows[i]);
   }
   return 0;
 }

@@ -56,7 +56,10 @@ Row compare(const std::string& what, const std::string& against, const std::stri
 
 std::vector<Row> compare_all(const std::vector<std::string>& what, const std::string& against,
                              const std::string& unit, const Blocks& ours, const Blocks& theirs,
-                             int blocks) {
+                             int blocks, Pairs pairs) {
+  const auto pair = [pairs](double mine, double their) {
+    return pairs == Pairs::kRatio ? mine / their : mine - their;
+  };
   using Values = std::vector<double>;
   static_cast<void>(ours());  // warm-up, not counted
   static_cast<void>(theirs());
@@ -75,8 +78,8 @@ std::vector<Row> compare_all(const std::vector<std::string>& what, const std::st
     for (std::size_t k = 0; k < what.size(); ++k) {
       a[k].push_back(mine.at(k));
       b[k].push_back(first.at(k));
-      ratios[k].push_back(mine.at(k) / first.at(k));
-      a_a[k].push_back(second.at(k) / first.at(k));
+      ratios[k].push_back(pair(mine.at(k), first.at(k)));
+      a_a[k].push_back(pair(second.at(k), first.at(k)));
     }
   }
   std::vector<Row> rows;
@@ -87,6 +90,7 @@ std::vector<Row> compare_all(const std::vector<std::string>& what, const std::st
     row.theirs = median(b[k]);
     row.ratio = with_interval(ratios[k]);
     row.a_a = with_interval(a_a[k]);
+    row.pairs = pairs;
     rows.push_back(row);
   }
   return rows;
@@ -100,16 +104,18 @@ Figure measure(const std::string& what, const std::string& unit, const Block& bl
   return {what, unit, with_interval(values), target};
 }
 
-void print_header() {
-  std::printf("what,against,unit,ours,theirs,ratio,lower,upper,aa_lower,aa_upper,target,verdict\n");
+void print_header(Pairs pairs) {
+  std::printf("what,against,unit,ours,theirs,%s,lower,upper,aa_lower,aa_upper,target,verdict\n",
+              pairs == Pairs::kRatio ? "ratio" : "more");
 }
 
 void print(const Row& row) {
-  std::printf(
-      "%s,%s,%s,%.4g,%.4g,%.3f,%.3f,%.3f,%.3f,%.3f,%.3g,%s\n", field(row.what).c_str(),
-      field(row.against).c_str(), row.unit.c_str(), row.ours, row.theirs, row.ratio.median,
-      row.ratio.lower, row.ratio.upper, row.a_a.lower, row.a_a.upper, row.target,
-      verdict(row.ratio, row.target, std::max(row.a_a.upper, 1.0) - std::min(row.a_a.lower, 1.0)));
+  const double same = row.pairs == Pairs::kRatio ? 1.0 : 0.0;
+  std::printf("%s,%s,%s,%.4g,%.4g,%.3f,%.3f,%.3f,%.3f,%.3f,%.3g,%s\n", field(row.what).c_str(),
+              field(row.against).c_str(), row.unit.c_str(), row.ours, row.theirs, row.ratio.median,
+              row.ratio.lower, row.ratio.upper, row.a_a.lower, row.a_a.upper, row.target,
+              verdict(row.ratio, row.target,
+                      std::max(row.a_a.upper, same) - std::min(row.a_a.lower, same)));
   std::fflush(stdout);
 }
 

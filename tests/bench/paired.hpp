@@ -17,15 +17,19 @@ struct Ratio {
   double lower{0.0}, upper{0.0};  ///< bootstrap 95 % interval of the median
 };
 
+/// What is taken of a pair of figures.
+enum class Pairs { kRatio, kDifference };
+
 struct Row {
   std::string what{};
   std::string against{};
   std::string unit{};
   double ours{0.0}, theirs{0.0};  ///< medians over the blocks
   Ratio own{};                    ///< of `ours`, no ratio: median and interval
-  Ratio ratio{};                  ///< ours / theirs
-  Ratio a_a{};                    ///< theirs / theirs
-  double target{0.0};             ///< on the ratio; 0: none
+  Ratio ratio{};                  ///< ours / theirs, or ours - theirs
+  Ratio a_a{};                    ///< theirs and theirs, likewise
+  double target{0.0};             ///< on that; 0: none
+  Pairs pairs{Pairs::kRatio};
 };
 
 /// Runs ours, theirs and theirs again `blocks` (>= 20) times; the order turns every time.
@@ -39,7 +43,7 @@ using Blocks = std::function<std::vector<double>()>;
 [[nodiscard]] std::vector<Row> compare_all(const std::vector<std::string>& what,
                                            const std::string& against, const std::string& unit,
                                            const Blocks& ours, const Blocks& theirs,
-                                           int blocks = 24);
+                                           int blocks = 24, Pairs pairs = Pairs::kRatio);
 
 /// A figure without a peer: median over blocks with its interval.
 struct Figure {
@@ -54,8 +58,8 @@ struct Figure {
 /// One CSV line each:
 /// what,against,unit,ours,theirs,ratio,lower,upper,aa_lower,aa_upper,target,verdict. Verdict: "met"
 /// or "missed" if the whole interval is, and the ratio is further from the target than the A/A
-/// interval is wide; otherwise "not shown".
-void print_header();
+/// interval is wide; otherwise "not shown". Of differences: "more" in place of "ratio".
+void print_header(Pairs pairs = Pairs::kRatio);
 void print(const Row& row);
 void print(const Figure& figure);
 

@@ -64,6 +64,25 @@ TEST(Paired, MedianRatioIsOverPairs) {
   EXPECT_DOUBLE_EQ(r.a_a.upper, 1.0);
 }
 
+TEST(Paired, DifferencesAreOverPairsToo) {
+  const auto more = [](const Block& ours, double target) {
+    const auto blocks = [](const Block& block) { return [block] { return std::vector{block()}; }; };
+    Row r = haptic::bench::compare_all({"ours"}, "theirs", "us", blocks(ours), blocks(always(10.0)),
+                                       20, haptic::bench::Pairs::kDifference)
+                .front();
+    r.target = target;
+    return r;
+  };
+  const Row r = more(turns({11.0, 13.0}), 2.0);
+  EXPECT_DOUBLE_EQ(r.ratio.median, 2.0);
+  EXPECT_DOUBLE_EQ(r.ratio.lower, 1.0);
+  EXPECT_DOUBLE_EQ(r.ratio.upper, 3.0);
+  EXPECT_DOUBLE_EQ(r.a_a.upper, 0.0);
+  EXPECT_EQ(printed(r), "not shown");
+  EXPECT_EQ(printed(more(always(10.3), 0.2)), "missed");
+  EXPECT_EQ(printed(more(always(9.0), 0.2)), "met");
+}
+
 TEST(Paired, JudgesLoneFiguresByTheirInterval) {
   const auto judged = [](const Block& block, double target) {
     return printed(haptic::bench::measure("f", "us", block, target, 20));

@@ -60,7 +60,7 @@ for part in ${@:-core linear loop wire crossing memory}; do
   echo "# $part"
   case "$part" in
     memory) memory ;;
-    crossing) "$bin/tests/bench/haptic-bench-crossing" "$bin/server/hapticd" ;;
+    crossing) "$bin/tests/bench/haptic-bench-crossing" "$bin/server/hapticd-front" ;;
     *) "$bin/tests/bench/haptic-bench-$part" ;;
   esac
 done

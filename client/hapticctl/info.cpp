@@ -51,6 +51,7 @@ json to_json(const client::DeviceInfo& device) {
           {"controller", device.controller},
           {"observers", device.observers},
           {"wants_tracker", device.wants_tracker},
+          {"unguarded", device.unguarded},
           {"tracker", device.tracker},
           {"loop_rate_hz", device.loop_rate_hz},
           {"dofs", device.dofs},
@@ -86,6 +87,7 @@ void print(const client::DeviceInfo& d) {
   std::printf("  %s, faults %s, controller %s, %u observers, %g Hz\n", client::name(d.state),
               joined(client::fault_names(d.faults)).c_str(),
               d.controller.empty() ? "nobody" : d.controller.c_str(), d.observers, d.loop_rate_hz);
+  if (!d.unguarded.empty()) std::printf("  unguarded: no %s\n", joined(d.unguarded).c_str());
   if (d.wants_tracker) {
     std::printf("  palm by a tracker: %s\n", d.tracker.empty() ? "nobody" : d.tracker.c_str());
   }

@@ -37,6 +37,7 @@ DeviceInfo to_info(const v1::Device& m) {
   d.renderer = static_cast<Renderer>(m.renderer());
   d.observers = m.observers();
   d.wants_tracker = m.wants_tracker();
+  d.unguarded.assign(m.unguarded().begin(), m.unguarded().end());
   d.tracker = m.tracker();
   return d;
 }

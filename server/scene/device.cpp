@@ -91,6 +91,7 @@ DeviceScene read_device(const Part<v1::DeviceScene>& part) {
   core::PipelineConfig& pipeline = device.pipeline;
   pipeline.kinematics = read_kinematics(part);
   device.source = read_source(part, pipeline.kinematics.get());
+  add_guard(part);
   read_rendering(part, device);
   if (part->has_limits()) {
     pipeline.ratings = read_ratings(part.part<v1::LimitsScene>("limits"), n_a_of(device));
@@ -99,6 +100,7 @@ DeviceScene read_device(const Part<v1::DeviceScene>& part) {
   if (part->has_force_control()) {
     read_force_control(part.part<v1::ForceControlScene>("force_control"), device);
   }
+  add_tank(part, pipeline);
   if (part->has_passivity()) {
     read_passivity(part.part<v1::PassivityScene>("passivity"), device);
   }

@@ -47,6 +47,13 @@ void read_rendering(const Part<v1::DeviceScene>& part, DeviceScene& device);
 /// force_control.cpp. Needs device.source and the rendering.
 void read_force_control(const Part<v1::ForceControlScene>& part, DeviceScene& device);
 
+/// safeguards.cpp. The guard, and, once the rendering is read, the tank of a device that neither
+/// names them nor says `unguarded`.
+void add_guard(const Part<v1::DeviceScene>& part);
+void add_tank(const Part<v1::DeviceScene>& part, const core::PipelineConfig& device);
+/// One sentence per guard and tank that `unguarded` leaves out.
+[[nodiscard]] std::vector<std::string> safeguard_warnings(const Scene& scene);
+
 /// passivity.cpp. Needs device.source and the kinematics.
 void read_passivity(const Part<v1::PassivityScene>& part, DeviceScene& device);
 /// One sentence per actuated DoF whose stiffness is above 2 (b - B) / T: b is the device's own

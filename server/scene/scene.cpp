@@ -184,7 +184,10 @@ Scene parse_scene(const std::string& text, const std::string& name, const fs::pa
   check_recordings(scene, problems);
   problems.raise();
   scene.resolved = printed(message);
-  scene.warnings = passivity_warnings(scene);
+  scene.warnings = safeguard_warnings(scene);
+  for (std::string& warning : passivity_warnings(scene)) {
+    scene.warnings.push_back(std::move(warning));
+  }
   return scene;
 }
 

@@ -55,6 +55,8 @@ v1::Device describe(const std::string& name, const hw::DeviceInfo& info,
   copy(config.scene.slew_limit, message.mutable_slew_limit());
   copy(config.scene.engage_window, message.mutable_engage_window());
   message.set_wants_tracker(config.tracker.has_value());
+  if (!config.guarded()) message.add_unguarded("direction_guard");
+  if (!config.passivity.tank.enabled) message.add_unguarded("energy_tank");
   return message;
 }
 

@@ -30,6 +30,8 @@ motion='device[0].simulated_finger.motion_file'
 says 2 '--scene is missing' "$hapticd"
 says 2 'finger_constant  ' "$hapticd"
 says 0 'ok' "$hapticd" --scene finger_constant --check-scene
+says 0 'device[0].unguarded: no passivity.tank' "$hapticd" --scene finger_constant --check-scene \
+  --set 'device[0].unguarded={}'
 says 2 'No such file' "$hapticd" --scene "$folder/none"
 says 2 'stifness_n_per_m: unknown field' "$hapticd" --scene "$folder/typo.textproto" --check-scene
 says 2 'at most what the device can give, 40' "$hapticd" --scene "$scene" --check-scene \

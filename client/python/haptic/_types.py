@@ -135,6 +135,7 @@ class Device:
     calibrated: str  # day on which the calibration in use was made; empty: none is
     wants_tracker: bool  # a session in the role tracker says where its palm is
     tracker: str  # name of the client that does; empty: nobody
+    unguarded: tuple[str, ...]  # of direction_guard and energy_tank, what the scene leaves out
 
     @classmethod
     def of(cls, m: service.Device) -> Device:
@@ -144,7 +145,8 @@ class Device:
         return cls(m.name, m.kind, m.model, tuple(dofs), tuple(coordinates),
                    tuple(m.stiffness_limit), tuple(m.damping_limit), tuple(m.force_limit),
                    tuple(m.slew_limit), m.loop_rate_hz, name_of(wire.DeviceStateName, m.state),
-                   m.faults, m.controller, m.serial, m.calibrated, m.wants_tracker, m.tracker)
+                   m.faults, m.controller, m.serial, m.calibrated, m.wants_tracker, m.tracker,
+                   tuple(m.unguarded))
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

@@ -62,7 +62,7 @@ class Programs(unittest.TestCase):
         self.recording = pathlib.Path(folder.name, "run.csv")
         self.server = Hapticd("finger_constant", settings=(
             f'record={{file: "{self.recording}"}}', "device[0].passivity_certificate={}",
-            "device[0].coupling_metric={softness: 0.1}"))
+            "device[0].coupling_metric={softness: 0.1}", "device[0].unguarded={}"))
         self.addCleanup(self.server.stop)
 
     def hapticctl(self, *arguments: str) -> list[str]:
@@ -82,6 +82,7 @@ class Programs(unittest.TestCase):
         device, = json.loads(info.stdout)["devices"]
         said = {field["name"]: field for field in device["state_fields"]}
         self.assertEqual(list(said), [f.name for f in STATE.fields])
+        self.assertEqual(device["unguarded"], ["energy_tank"])  # the scene names the guard
         self.assertEqual((said["tau_a"]["labels"], said["tau_a"]["units"]), (["l_x"], ["N"]))
 
     def test_table_has_every_present_field(self) -> None:

@@ -36,13 +36,13 @@ device {
 TEST(DeviceOptions, AbsentMeansOff) {
   const server::Scene scene = parse(kFinger);
   const core::PipelineConfig& pipeline = scene.devices[0].pipeline;
-  EXPECT_FALSE(pipeline.passivity.enabled());
+  EXPECT_FALSE(pipeline.passivity.observer.enabled);
   EXPECT_FALSE(pipeline.monotone_envelope);
   EXPECT_FALSE(pipeline.passivity_certificate);
   EXPECT_FALSE(scene.devices[0].coupling_softness.has_value());
   EXPECT_TRUE(pipeline.ratings.empty());
   EXPECT_FALSE(pipeline.tracker.has_value());
-  for (const char* field : {"passivity", "certificate", "coupling", "power_w", "tracker"}) {
+  for (const char* field : {"observer", "certificate", "coupling", " power_w", "tracker"}) {
     EXPECT_EQ(scene.resolved.find(field), std::string::npos) << field;
   }
 }
@@ -85,7 +85,8 @@ TEST(PassivityScene, GivenValuesReachTheirStructs) {
 }
 
 TEST(PassivityScene, OnlyActuatedDofsCount) {
-  const auto p = device_having("passivity { observer {} }", kLinear).pipeline.passivity;
+  const auto p =
+      device_having("unguarded {} passivity { observer {} }", kLinear).pipeline.passivity;
   ASSERT_EQ(p.observer.inertia.size(), 1);
   EXPECT_EQ(p.observer.inertia[0], 1.0);
   EXPECT_FALSE(p.tank.enabled);
@@ -198,7 +199,6 @@ TEST(TrackerScene, ItsLimitsAreItsOwn) {
 TEST(DeviceOptions, ErrorsNamePlaceValueAndRule) {
   const auto finger = [](const std::string& option) { return with_option(kFinger, option); };
   expect_each_says({
-      {"passivity", finger("passivity {}"), "device[0].passivity.tank"},
       {"initial", finger("passivity { tank { initial_j: 0.06 } }"),
        "initial_j = 0.06: must be at most capacity_j"},
       {"capacity", finger("passivity { tank { capacity_j: 0 } }"), "capacity_j = 0: must be > 0"},

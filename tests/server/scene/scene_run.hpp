@@ -33,8 +33,11 @@ class SceneRun {
     hold(input_.device.sample.q);
   }
 
+  /// The client touches nothing from now on.
+  void free() { input_.proxy.mode = core::ProxyMode::kFree; }
   /// The proxy from now on: where the device would be at `q`.
   void hold(const core::VecQ& q) {
+    input_.proxy.mode = core::ProxyMode::kHeld;
     core::MatXQ J;
     ASSERT_EQ(kinematics_.evaluate(q, input_.proxy.x, J), core::MapStatus::kOk);
   }
@@ -47,6 +50,7 @@ class SceneRun {
     input_.now += std::chrono::milliseconds(1);
     if (++ticks_ % 10 == 1) publish();
     device_->read(input_.now, input_.device);
+    if (const auto& tracker = pipeline_.config().tracker) track(tracker->first_dof);
     record_ = pipeline_.tick(input_);
     command_.arm = record_.life.arm;
     command_.tau_a = record_.effort.tau_a;
@@ -77,6 +81,16 @@ class SceneRun {
     ++proxy.seq;
     ++proxy.gapless_samples;
     proxy.born = input_.now;
+  }
+
+  /// The tracker of the palm says what the device says.
+  void track(int first_dof) {
+    core::TrackerSnapshot& tracker = input_.tracker;
+    ++tracker.seq;
+    tracker.born = input_.now;
+    for (std::size_t i = 0; i < core::kPalmDofs; ++i) {
+      tracker.pose[i] = input_.device.sample.q[first_dof + static_cast<int>(i)];
+    }
   }
 
   std::unique_ptr<hw::Device> device_;

@@ -14,7 +14,7 @@ TEST(Scene, FillsInTheDocumentedDefaults) {
   ASSERT_EQ(scene.devices.size(), 1u);
   const core::RenderSettings& s = scene.devices[0].pipeline.scene;
   EXPECT_EQ(s.renderer, core::RendererKind::kSubspaceLinear);
-  EXPECT_FALSE(s.direction_guard);
+  EXPECT_TRUE(s.direction_guard);
   EXPECT_EQ(s.damping[0], 0.0);
   EXPECT_EQ(s.slew_limit[0], 2000.0) << "100 times force_n";
   EXPECT_EQ(s.engage_window[0], 5.0) << "0.25 times force_n";
@@ -140,7 +140,6 @@ TEST(Scene, TheResolvedTextHoldsEveryDefault) {
     EXPECT_NE(resolved.find(field), std::string::npos) << field << "\n" << resolved;
   }
   EXPECT_EQ(resolved.find("record"), std::string::npos) << "absent stays absent";
-  EXPECT_EQ(resolved.find("direction_guard"), std::string::npos);
 }
 
 TEST(Scene, WarnsOfATooStiffSpring) {

@@ -53,6 +53,8 @@ struct DeviceInfo {
   unsigned observers{0};
   bool wants_tracker{false};  ///< a session with SessionOptions::tracker has to publish poses
   std::string tracker{};      ///< client_name of that session; empty: none
+  /// Safeguards that the scene leaves out: "direction_guard", "energy_tank"; empty: it has both.
+  std::vector<std::string> unguarded{};
 };
 
 struct ServerInfo {

@@ -57,6 +57,10 @@ struct PipelineConfig {
   std::vector<ActuatorRatings> ratings{};    ///< n_a, or none: power, rate and temperature
   ForceControlSettings force_control{};      ///< by the server; off by default
   std::optional<TrackerSettings> tracker{};  ///< absent: the device senses all of q
+
+  /// Has a direction guard or a monotone envelope. The renderer per contact needs neither, but a
+  /// session may choose another.
+  [[nodiscard]] bool guarded() const noexcept { return scene.direction_guard || monotone_envelope; }
 };
 
 class Pipeline {

@@ -16,8 +16,10 @@ PROXIMAL_M, DISTAL_M = 0.045, 0.035  # phalanges
 CENTRE, RADIUS_M = (0.050, -0.030), 0.020  # cylinder, below the finger
 CONTACT_N_PER_M = 600.0
 JOINT_NM_PER_RAD = 0.5  # how firmly the proxy follows the hand
+PULL_RAD = 0.2  # and from how far at most: more could pull it through the cylinder
 SAMPLES = 6  # points along each phalanx that can touch
 STEPS, DAMPING = 12, 0.2
+PIECE_RAD = 0.05  # of the probe's way per balance
 
 
 def contact_torque(q: tuple[float, float]) -> tuple[float, float]:
@@ -51,10 +53,34 @@ def balanced(probe: tuple[float, ...], start: tuple[float, float]) -> tuple[floa
     """Towards the angles where contact and the hand's pull cancel."""
     q = start
     for _ in range(STEPS):
-        pull = contact_torque(q)
-        q = tuple(a + DAMPING * (p + t / JOINT_NM_PER_RAD - a)
-                  for a, p, t in zip(q, probe, pull))
+        push = contact_torque(q)
+        q = tuple(a + DAMPING * (max(-PULL_RAD, min(p - a, PULL_RAD)) + t / JOINT_NM_PER_RAD)
+                  for a, p, t in zip(q, probe, push))
     return q
+
+
+class Grasp:
+    """The proxy of a finger that was open at first, and goes to every probe in small pieces. So it
+    stays on the side from which it came, wherever the simulation joins and however far the hand
+    pushes: from the probe alone a finger inside the cylinder could be held on the wrong side."""
+
+    def __init__(self) -> None:
+        self.probe = self.x = (0.0, 0.0)
+
+    def step(self, probe: tuple[float, ...]) -> haptic.Proxy:
+        begin = self.probe
+        pieces = max(1, math.ceil(max(abs(p - b) for p, b in zip(probe, begin)) / PIECE_RAD))
+        for i in range(1, pieces + 1):
+            self.probe = tuple(b + i / pieces * (p - b) for p, b in zip(probe, begin))
+            self.x = balanced(self.probe, self.x)
+            touching = any(contact_torque(self.x)) or any(contact_torque(self.probe))
+            if not touching:
+                self.x = self.probe
+        away = tuple(p - x for p, x in zip(self.probe, self.x))
+        if not touching or math.hypot(*away) < 1e-6:
+            return haptic.FREE
+        # The surface as a plane: it says which way is out, so force may begin in contact.
+        return haptic.behind([(away, sum(a * x for a, x in zip(away, self.x)))], self.x)
 
 
 def main() -> None:
@@ -65,16 +91,14 @@ def main() -> None:
     with haptic.Connection(arguments.server) as server:
         with server.session(client_name="soft_grasp.py", nominal_rate_hz=RATE_HZ) as session:
             session.engage_when_ready()
-            x = session.wait_for_state().x_probe
-            peak = 0.0
+            grasp, peak = Grasp(), 0.0
             for frame in range(int(arguments.seconds * RATE_HZ)):
                 state = session.wait_for_state()
-                touching = any(contact_torque(state.x_probe))
-                x = balanced(state.x_probe, x) if touching else state.x_probe
-                session.publish(haptic.held(x) if touching else haptic.FREE)
+                proxy = grasp.step(state.x_probe)
+                session.publish(proxy)
                 peak = max(peak, abs(state.tau_elastic[0]))
                 if frame % RATE_HZ == 0:
-                    print(f"{state.state:9} {'touching' if touching else 'free':8} "
+                    print(f"{state.state:9} {'free' if proxy == haptic.FREE else 'touching':8} "
                           f"{state.tau_a[0]:6.2f} N", flush=True)
             print(f"largest elastic force {peak:.2f} N, "
                   f"{session.samples().accepted} samples accepted")

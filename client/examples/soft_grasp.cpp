@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "example.hpp"
+#include "haptic/client/planes.hpp"
 #include "soft_finger.hpp"
 
 namespace {
@@ -27,12 +28,20 @@ struct Options {
   std::string carriers{"auto"};
 };
 
+/// The object's surface at the proxy, as a plane: the server goes on with it between two steps. The
+/// finger came from outside, so the plane faces the right way wherever the simulation joins.
+client::Proxy behind_surface(const client::Session& session, const examples::Joints& x,
+                             const std::vector<double>& x_probe) {
+  const std::vector<double> proxy(x.begin(), x.end());
+  return client::Proxy::behind(client::derive_planes(session.device().coordinates, proxy, x_probe),
+                               proxy);
+}
+
 int grasp(client::Connection& server, const Options& options) {
   const auto session = server.open({
       .device = options.device,
       .client_name = "soft grasp",
       .nominal_rate_hz = 60.0,
-      .derive_planes = true,  // of the object's surface, between two steps
       .carriers = kCarriers.at(options.carriers),
       .reconnect = client::Reconnect::kWithBackoff,
       .re_engage = true,
@@ -57,8 +66,8 @@ int grasp(client::Connection& server, const Options& options) {
     const client::DeviceState state = session->state();
     if (state.x_probe.size() != 2) continue;
     const auto step = finger.step({state.x_probe[0], state.x_probe[1]});
-    using client::Proxy;
-    session->publish(step.touching ? Proxy::held({step.x[0], step.x[1]}) : Proxy::free());
+    session->publish(step.touching ? behind_surface(*session, step.x, state.x_probe)
+                                   : client::Proxy::free());
 
     const double force = state.tau_a.empty() ? 0.0 : state.tau_a[0];
     ++steps;

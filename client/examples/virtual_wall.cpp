@@ -1,5 +1,6 @@
-/// A wall in joint space: the first virtual coordinate may not pass --stop. Beyond the wall the
-/// proxy is the probe, clipped at the wall; in front of it the proxy is free.
+/// A wall in joint space: the first virtual coordinate may not pass --stop. The wall is a plane, so
+/// the server keeps the probe behind it at 1 kHz, and force may begin beyond it: the plane says
+/// which way is out.
 
 #include <algorithm>
 #include <thread>
@@ -20,15 +21,15 @@ int main(int argc, char** argv) {
                                       .on_disconnect = examples::print_end});
     session->engage_when_ready();
     if (session->device().faults != 0) std::fprintf(stderr, "in FAULT: hapticctl clear-fault\n");
+    client::Plane wall{.normal = std::vector<double>(session->device().coordinates.size()),
+                       .offset = stop};
+    wall.normal.at(0) = 1.0;
     auto next = steady_clock::now();
     while (session->connected() && examples::stop_requested == 0) {
       next = std::max(next + std::chrono::milliseconds(5), steady_clock::now());
       std::this_thread::sleep_until(next);
-      std::vector<double> x = session->state().x_probe;
-      if (x.empty()) continue;
-      const bool touching = x[0] > stop;
-      x[0] = std::min(x[0], stop);
-      session->publish(touching ? client::Proxy::held(std::move(x)) : client::Proxy::free());
+      const std::vector<double> x = session->state().x_probe;
+      if (!x.empty()) session->publish(client::Proxy::behind({wall}, x));
     }
     return examples::stop_requested != 0 ? 0 : 1;
   });

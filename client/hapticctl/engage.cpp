@@ -27,7 +27,7 @@ void print(const client::Session& session, const client::DeviceState& state, dou
 }  // namespace
 
 /// A controller without a simulation. Its proxy is free, or held where the device was when the
-/// force began.
+/// force began. Until then it is free: force does not start with a held one.
 int engage(const Options& options) {
   client::Connection server = connect(options);
   client::SessionOptions wanted;
@@ -50,7 +50,11 @@ int engage(const Options& options) {
     }
     const bool has_force =
         state.state == client::Lifecycle::kEngaging || state.state == client::Lifecycle::kEngaged;
-    if (options.hold && !has_force) anchor = state.x_probe;
+    if (!has_force) {
+      anchor.clear();
+    } else if (options.hold && anchor.empty()) {
+      anchor = state.x_probe;
+    }
     session->publish(anchor.empty() ? client::Proxy::free() : client::Proxy::held(anchor));
     if (step % kStepsPerLine == 0)
       print(*session, state, step * std::chrono::duration<double>(kPeriod).count(), options);

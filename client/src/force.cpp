@@ -18,9 +18,9 @@ constexpr milliseconds kFaultMayBeOld{250};
 
 /// Whether time and more samples can cure the refusal.
 bool curable(const ClientError& refused) {
-  constexpr const char* kCurable[] = {"NOT_ARMED",     "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES",
-                                      "STREAM_STALE",  "DEVICE_STALE",     "OUTSIDE_WINDOW",
-                                      "TRACKER_STALE", "NO_ANSWER"};
+  constexpr const char* kCurable[] = {"NOT_ARMED",    "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES",
+                                      "STREAM_STALE", "DEVICE_STALE",     "TRACKER_STALE",
+                                      "NEVER_FREE",   "OUTSIDE_WINDOW",   "NO_ANSWER"};
   return refused.reason() == ErrorReason::kTimeout ||
          refused.reason() == ErrorReason::kUnreachable ||
          std::find(std::begin(kCurable), std::end(kCurable), refused.server_reason()) !=

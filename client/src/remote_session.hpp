@@ -160,6 +160,7 @@ class RemoteSession final : public Session {
   mutable NewestState states_;
   std::deque<Event> events_;
   std::int64_t newest_event_ns_{0};  ///< on the server's clock; what the next stream goes on from
+  bool was_free_{false};             ///< a free proxy was published under this lease
   PublishStatistics statistics_{};   ///< `published` is the number of the newest sample
   PublishStatistics earlier_{};  ///< of the streams before this one: the server counts per stream
 

@@ -10,6 +10,8 @@ namespace haptic::client {
 
 namespace {
 
+constexpr v1::ProxyMode kFree = v1::PROXY_MODE_FREE;
+
 template <typename Duration>
 std::uint32_t microseconds(Duration duration) {
   const auto us = std::chrono::duration_cast<std::chrono::microseconds>(duration);
@@ -28,6 +30,7 @@ void RemoteSession::publish_in_order(v1::SessionRequest& request, Fill fill) {
     const std::lock_guard lock(mutex_);
     fill(++statistics_.published);
     if (reconnection_.open()) {
+      was_free_ = was_free_ || (request.has_proxy() && request.proxy().mode() == kFree);
       stream = stream_;
       udp = udp_;
     }
@@ -85,9 +88,12 @@ void RemoteSession::publish_pose(const Pose& pose) noexcept {
 }
 
 /// Under mutex_. A proxy that was computed from an older state stays held: its probe is not known.
+/// So does one before the first free one: the probe may be inside an object, and a plane on the
+/// wrong side of it would pull the probe through.
 void RemoteSession::to_planes(Proxy& proxy) const {
   const NewestState::Given& given = states_.given();
-  if (!options_.derive_planes || proxy.mode != Mode::kHeld || given.x_probe.empty()) return;
+  if (!options_.derive_planes || !was_free_ || proxy.mode != Mode::kHeld || given.x_probe.empty())
+    return;
   if (proxy.device_seq_used != 0 && proxy.device_seq_used != given.seq) return;
   proxy.mode = Mode::kPlanes;
   proxy.planes = derive_planes(device_.coordinates, proxy.position, given.x_probe, options_.blocks);

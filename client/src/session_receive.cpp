@@ -67,6 +67,7 @@ void RemoteSession::received(const v1::SessionOpened& opened) {
   opened_ = opened;
   if (!opened.resumed()) {
     states_.restart();
+    was_free_ = false;
     force_.owe_release(false);
   }
   earlier_ = statistics_;

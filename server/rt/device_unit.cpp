@@ -48,7 +48,8 @@ constexpr int kRehearsalTicks = 800;
 constexpr int kEngageAt = 300;
 constexpr int kReleaseAt = 650;
 
-/// A device in the middle of its range and a proxy at its probe: every stage has work.
+/// A device in the middle of its range and a proxy at its probe, in the way once it is held: every
+/// stage has work.
 core::TickInput resting(const core::PipelineConfig& config) {
   core::TickInput input;
   input.settings = config.scene;
@@ -59,7 +60,7 @@ core::TickInput resting(const core::PipelineConfig& config) {
   if (status != core::MapStatus::kOk) {
     input.proxy.x = core::VecX::Zero(config.kinematics->space().n_x());
   }
-  input.proxy.mode = core::ProxyMode::kHeld;
+  input.proxy.mode = core::ProxyMode::kFree;
   input.proxy.tenure = 1;
   if (config.tracker) {
     for (std::size_t i = 0; i < core::kPalmDofs; ++i) {
@@ -83,6 +84,7 @@ void DeviceUnit::rehearse() const {
   input.command.lease_held = true;
   for (int i = 1; i <= kRehearsalTicks; ++i) {
     input.now += input.period;
+    if (i > 1) input.proxy.mode = core::ProxyMode::kHeld;  // free first: force would not start else
     input.device.fresh = true;
     input.device.sample.seq++;
     input.device.sample.time = input.now;

@@ -77,7 +77,7 @@ double p50_of_ticks(const Input& input, const Tick& tick) {
 }
 
 /// Input of tick `i` (from 0, 1 ms apart) of an engaged device: the fresh sample q (n_q), and the
-/// held proxy x (n_x) of a client at 60 Hz.
+/// held proxy x (n_x) of a client at 60 Hz, free at first.
 core::TickInput held_tick(const core::PipelineConfig& config, int i, const core::VecQ& q,
                           const core::VecX& x) {
   core::TickInput input;
@@ -90,7 +90,7 @@ core::TickInput held_tick(const core::PipelineConfig& config, int i, const core:
   input.command.tenure = 1;
   input.command.lease_held = true;
   input.command.engage_id = i > 250 ? 1 : 0;
-  input.proxy.mode = core::ProxyMode::kHeld;
+  input.proxy.mode = i == 0 ? core::ProxyMode::kFree : core::ProxyMode::kHeld;
   input.proxy.tenure = 1;
   input.proxy.seq = static_cast<std::uint64_t>(i / 16 + 1);
   input.proxy.gapless_samples = static_cast<std::uint64_t>(i);

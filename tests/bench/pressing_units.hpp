@@ -29,9 +29,11 @@ class PressingUnits {
     command.lease_held = true;
     publish(command);
     tick(kHandComesToRest);
-    proxy_.mode = core::ProxyMode::kHeld;
+    proxy_.mode = core::ProxyMode::kFree;
     proxy_.tenure = 1;
     proxy_.gapless_since = now_;
+    tick(1);
+    proxy_.mode = core::ProxyMode::kHeld;
     proxy_.x = x_probe_;
     tick(kStream);
     command.engage_id = 1;

@@ -52,7 +52,8 @@ class Churn {
       session->engage_when_ready();
       for (int i = 0; i < 80 && running; ++i) {
         const client::DeviceState state = session->state();
-        if (!state.x_probe.empty()) session->publish(client::Proxy::held(state.x_probe));
+        const bool force = state.gain > 0.0;  // which begins with a free proxy
+        session->publish(force ? client::Proxy::held(state.x_probe) : client::Proxy::free());
         if (state.carrier == client::Carrier::kUdp) ++by_udp;
         std::this_thread::sleep_for(5ms);
       }

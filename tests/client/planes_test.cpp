@@ -132,6 +132,10 @@ TEST_F(Publish, DerivesPlanesFromHeldProxies) {
   server.send(message);
   ASSERT_EQ(session->wait_for_state().seq, 5u);
   session->publish(client::Proxy::held(std::vector<double>(n_x, 0.5)));
+  ASSERT_TRUE(server.until([&] { return server.heard().samples.back().seq() == 2; }));
+  EXPECT_EQ(server.heard().samples.back().mode(), v1::PROXY_MODE_HELD) << "never free";
+  session->publish(client::Proxy::free());
+  session->publish(client::Proxy::held(std::vector<double>(n_x, 0.5)));
   ASSERT_TRUE(
       server.until([&] { return server.heard().samples.back().mode() == v1::PROXY_MODE_PLANES; }));
   const v1::ProxySample sample = server.heard().samples.back();

@@ -58,7 +58,6 @@ class Press {
     input_.settings = pipeline_.config().scene;
     input_.command.tenure = 1;
     input_.command.lease_held = true;
-    input_.proxy.mode = core::ProxyMode::kHeld;
     input_.proxy.tenure = 1;
     input_.proxy.x = pose - core::VecX::Constant(2, 0.2);
   }
@@ -67,7 +66,8 @@ class Press {
     input_.now += std::chrono::milliseconds(1);
     device_.read(input_.now, input_.device);
     if (input_.proxy.gapless_samples++ == 0) input_.proxy.gapless_since = input_.now;
-    ++input_.proxy.seq;
+    // Free at first: the finger came from outside.
+    input_.proxy.mode = ++input_.proxy.seq == 1 ? core::ProxyMode::kFree : core::ProxyMode::kHeld;
     input_.proxy.born = input_.now;
     if (state_ == core::LifecycleState::kArmed) ++input_.command.engage_id;
     const core::TickRecord record = pipeline_.tick(input_);

@@ -47,6 +47,7 @@ class Session:
     def __init__(self, calls, raw_open=None, **fields):
         self.queue, self.seq, self.opened, self.error = queue.Queue(), 0, None, None
         self.answers, self.state, self.events, self.ack = 0, None, [], None
+        self.was_free = False
         fields = {"role": CONTROLLER, "client_name": "attacker", "nominal_rate_hz": 100.0,
                   "device": "finger", **fields}
         self.queue.put(raw_open or wire.SessionRequest(open=wire.OpenSession(**fields)))
@@ -86,10 +87,24 @@ class Session:
         except grpc.RpcError as error:
             self.error = error
 
-    def publish(self, position=(0.5236, 0.5236), mode=HELD, **more):
+    def publish(self, position=(0.5236, 0.5236), mode=None, **more):
+        """Held, if `mode` is not given; in a new session free until a state says so, because force
+        does not begin with a proxy that was held all the time."""
         self.seq += 1
+        opened, state = self.opened, self.state
+        self.was_free = self.was_free or opened is not None and (
+            opened.resumed or state is not None and state.mode == FREE
+            and state.lease_epoch == opened.lease_epoch)
+        mode = mode or (HELD if self.was_free else FREE)
         sample = {"seq": self.seq, "mode": mode, "position": position, **more}
         self.queue.put(wire.SessionRequest(proxy=wire.ProxySample(**sample)))
+
+    def place(self, seconds=3.0):
+        """Where the finger is: the newest state's x_probe."""
+        end = time.monotonic() + seconds
+        while self.state is None and time.monotonic() < end:
+            time.sleep(0.005)
+        return tuple(self.state.x_probe)
 
     def stream(self, seconds, **more):
         """A steady stream at 100 Hz."""

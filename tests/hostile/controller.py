@@ -1,5 +1,6 @@
 """A simulation that presses: 100 samples per second with the shipped Python client. Asks for force,
-asks again after a loss, and opens another session if it lost one. Ends when it is killed.
+asks again after a loss, and opens another session if it lost one. Each session is free until it has
+force for the first time, because force does not begin with a held proxy. Ends when it is killed.
 
     controller.py ADDRESS DEVICE MCP PIP [relative]
 
@@ -22,10 +23,11 @@ def press(connection, device, x, relative):
                             carriers=haptic.Carriers.STREAM) as session:
         if relative:
             x = tuple(a + b for a, b in zip(session.wait_for_state().x_probe, x))
-        said, due = "", time.monotonic()
+        said, due, met = "", time.monotonic(), False
         while True:
-            session.publish(haptic.held(x))
+            session.publish(haptic.held(x) if met else haptic.FREE)
             state = session.state
+            met = met or state is not None and state.gain > 0
             if state is not None and state.state != said:
                 said = state.state
                 print(said, flush=True)

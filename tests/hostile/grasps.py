@@ -176,22 +176,42 @@ def killed_in_phases(folder):
 
 
 def start_inside(daemon):
-    """A client that starts while the finger is far inside its object: no force until the proxy is
-    near, and then no jump."""
-    from calls import OPERATOR, Session, outcome, service, stub
+    """A client that starts while the finger is inside its object: no force with a proxy that was
+    held all the time, be it far or near; force with one that was free once, or with planes."""
+    from calls import FREE, HELD, OPERATOR, PLANES, Session, grpc, service, stub, wire
     calls, wrong = stub(daemon), []
+
+    def engage(session, what, wanted):
+        refused = ""
+        try:
+            calls.Engage(service.EngageRequest(session_id=session.opened.session_id), timeout=2.0)
+        except grpc.RpcError as error:
+            refused = error.details()
+        if wanted not in refused or not wanted and refused:
+            wrong.append(f"Engage {what}: {refused or 'granted'}")
+
     session = Session(calls, priority=OPERATOR)
     if not session.open():
         return {"wrong": [f"no session: {session.status}"]}
-    ask = service.EngageRequest(session_id=session.opened.session_id)
-    session.stream(0.6, position=(-0.4, 0.0))
-    status = outcome(calls.Engage, ask)
-    if status != "FAILED_PRECONDITION":
-        wrong.append(f"Engage far inside: {status}")
-    session.stream(0.3, position=tuple(session.state.x_probe))
-    status = outcome(calls.Engage, ask)
-    if status != "OK":
-        wrong.append(f"Engage at the probe: {status}")
+    for what, position in (("far inside", (-0.4, 0.0)), ("at the probe", session.place())):
+        session.stream(0.6, position=position, mode=HELD)
+        engage(session, what, "free once")
+        if session.state.gain or not session.state.limiters & 1 << 16:  # NEVER_FREE
+            wrong.append(f"{what}: gain {session.state.gain}, limiters {session.state.limiters}")
+    session.stream(0.1, mode=FREE)
+    session.stream(0.3, position=session.place(), mode=HELD)
+    engage(session, "after a free proxy", "")
     session.stream(0.5, position=(0.0, 0.5236))
+    session.queue.put(wire.SessionRequest(leave=wire.LeaveSession()))
+    time.sleep(0.3)
+    session.end()
+    session = Session(calls, priority=OPERATOR)
+    if not session.open():
+        return {"wrong": [*wrong, f"no second session: {session.status}"]}
+    mcp, pip = session.place()
+    plane = wire.Plane(normal=(1, 0), offset=mcp - 0.02)
+    session.stream(0.5, position=(mcp, pip), mode=PLANES, planes=[plane])
+    engage(session, "inside planes", "")
+    session.stream(0.5, position=(mcp, pip), mode=PLANES, planes=[plane])
     session.end()
     return {"wrong": wrong}

@@ -162,7 +162,7 @@ ROWS = [
         seconds=60),
     Row("closed_stdio", "served, recordings whole", signals.closed_stdio, "54", alone=True,
         seconds=60),
-    Row("start_inside", "no force until it is near", grasps.start_inside, "new"),
+    Row("start_inside", "no force until it was free, or with planes", grasps.start_inside, "new"),
     Row("start_orders", "force in the end", grasps.start_orders, "new", alone=True, seconds=300),
     Row("killed_in_phases", "force fades, and is back", grasps.killed_in_phases, "new", alone=True,
         seconds=240),

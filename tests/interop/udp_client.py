@@ -68,8 +68,10 @@ class Client:
 
     def publish(self, position):
         self.seq += 1
+        held = self.state.gain > 0  # force begins with a free proxy
         self.sample = session_pb2.ProxySample(
-            seq=self.seq, mode=session_pb2.PROXY_MODE_HELD, position=position,
+            seq=self.seq, position=position,
+            mode=session_pb2.PROXY_MODE_HELD if held else session_pb2.PROXY_MODE_FREE,
             source_time_ns=self.clock(), device_seq_used=self.state.seq)
         if not (self.path and self.path.send_sample(self.sample)):
             self.send_by_stream(self.sample)

@@ -114,7 +114,7 @@ class InProcess final : public Way {
     server::ProxySample sample{.epoch = epoch_,
                                .seq = ++seq_,
                                .arrival = server.now(),
-                               .mode = core::ProxyMode::kHeld,
+                               .mode = seq_ == 1 ? core::ProxyMode::kFree : core::ProxyMode::kHeld,
                                .position = {x.data(), x.size()}};
     static_cast<void>(server.owner().accept(sample, server.owner().turn()));
   }
@@ -151,7 +151,7 @@ class ByWire final : public Way {
     while (server.accepted() == before) {
       v1::SessionRequest message;
       message.mutable_proxy()->set_seq(++seq_);
-      message.mutable_proxy()->set_mode(v1::PROXY_MODE_HELD);
+      message.mutable_proxy()->set_mode(before == 0 ? v1::PROXY_MODE_FREE : v1::PROXY_MODE_HELD);
       message.mutable_proxy()->mutable_position()->Add(x.begin(), x.end());
       if (udp_) {
         static_cast<void>(udp_->send(message.proxy().SerializeAsString()));

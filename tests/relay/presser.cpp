@@ -56,7 +56,7 @@ void Presser::on_state(const client::DeviceState& state) {
   newest_used_ = state.proxy_seq_used;
 }
 
-/// The proxy follows the device until force is granted, then moves up to 0.15 rad into it.
+/// The proxy is free until force is granted, then moves up to 0.15 rad into the device.
 void Presser::run() {
   const auto begin = std::chrono::steady_clock::now();
   auto next = begin;
@@ -72,7 +72,8 @@ void Presser::run() {
       std::vector<double> x = state.x_probe;
       if (engaged) x.assign(x.size(), Daemon::kTarget - press);
       if (const double* value = instead) x.assign(x.size(), *value);
-      session_->publish(client::Proxy::held(x));
+      const bool free = state.gain == 0.0 && !instead;
+      session_->publish(free ? client::Proxy::free() : client::Proxy::held(x));
     }
     next = std::max(next + 10ms, std::chrono::steady_clock::now());
     std::this_thread::sleep_until(next);

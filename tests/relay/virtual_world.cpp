@@ -175,7 +175,8 @@ void VirtualWorld::accept(wire::ConstBytes bytes, server::Carrier carrier) {
   server::ProxySample sample;
   sample.epoch = lease.epoch;
   sample.seq = wire::get<std::uint64_t>(bytes);
-  sample.mode = core::ProxyMode::kHeld;
+  // Free at first: the finger comes from outside.
+  sample.mode = sample.seq <= 10 ? core::ProxyMode::kFree : core::ProxyMode::kHeld;
   sample.position = {std::bit_cast<double>(wire::get<std::uint64_t>(bytes.subspan(8))), 0.0};
   sample.carrier = carrier;
   sample.left = left;

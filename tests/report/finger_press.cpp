@@ -60,13 +60,13 @@ std::unique_ptr<hw::Device> worn_device(const Press& what,
   return hand.open(finger, {});
 }
 
-/// The newest sample of a client without delay: the pose clipped at the stops.
+/// The newest sample of a client without delay: the pose clipped at the stops, free at first.
 void publish(core::TickInput& input, const VecX& x) {
   core::ProxySnapshot& proxy = input.proxy;
-  proxy.mode = core::ProxyMode::kHeld;
+  proxy.mode = ++proxy.seq == 1 ? core::ProxyMode::kFree : core::ProxyMode::kHeld;
   proxy.tenure = 1;
   proxy.born = input.now;
-  if (++proxy.seq == 1) proxy.gapless_since = input.now;
+  if (proxy.seq == 1) proxy.gapless_since = input.now;
   ++proxy.gapless_samples;
   proxy.x = x;
 }

@@ -130,9 +130,10 @@ class Hand {
     input_.device.sample.q = q_[k];
     core::ProxySnapshot& proxy = input_.proxy;
     if (tick_++ % kFrame == 0) {
-      proxy.mode = mode_;
+      const bool outside = ++proxy.seq == 1 && mode_ == core::ProxyMode::kHeld;
+      proxy.mode = outside ? core::ProxyMode::kFree : mode_;
       proxy.tenure = 1;
-      if (++proxy.seq == 1) proxy.gapless_since = input_.now;
+      if (proxy.seq == 1) proxy.gapless_since = input_.now;
       ++proxy.gapless_samples;
       proxy.born = input_.now;
       proxy.x = x_[k];

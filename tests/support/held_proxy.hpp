@@ -5,14 +5,15 @@
 
 namespace haptic::test {
 
-/// The next sample, `x`, born now, under the tenure of `input`.
+/// The next sample, `x`, born now, under the tenure of `input`. The first one is free: the probe
+/// came from outside.
 inline void publish_held(core::TickInput& input, const core::VecX& x) {
   core::ProxySnapshot& proxy = input.proxy;
-  proxy.mode = core::ProxyMode::kHeld;
   proxy.tenure = input.command.tenure;
   proxy.x = x;
   proxy.born = input.now;
-  if (++proxy.seq == 1) proxy.gapless_since = input.now;
+  proxy.mode = ++proxy.seq == 1 ? core::ProxyMode::kFree : core::ProxyMode::kHeld;
+  if (proxy.seq == 1) proxy.gapless_since = input.now;
   ++proxy.gapless_samples;
 }
 

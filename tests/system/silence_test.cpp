@@ -158,7 +158,8 @@ TEST_F(Served, ForceReturnsUnderTheNextLease) {
   session->engage_when_ready();
   const auto speak = [&] {
     const client::DeviceState state = session->state();
-    if (!state.x_probe.empty()) session->publish(client::Proxy::held(state.x_probe));
+    const bool force = state.gain > 0.0;  // which begins with a free proxy
+    session->publish(force ? client::Proxy::held(state.x_probe) : client::Proxy::free());
   };
   const auto engaged = [](const client::DeviceState& s) {
     return s.state == client::Lifecycle::kEngaged;

@@ -54,7 +54,8 @@ class ThreeBoards(unittest.TestCase):
         latest = time.monotonic() + PATIENCE_S
         while "FAULT" not in seen or state_of(connection, names[1]) != "IDLE":
             for session, x in zip(held, place):
-                session.publish(haptic.held(x))
+                force = session.state.gain > 0  # which begins with a free proxy
+                session.publish(haptic.held(x) if force else haptic.FREE)
             states = [sound(session.wait_for_state(20.0)) for session in held]
             before, now = len(seen), state_of(connection, names[1])
             seen.add(now)

@@ -25,7 +25,8 @@ server::RpcConfig with_udp() {
 template <typename Condition>
 bool while_publishing(client::Session& session, double a, Condition condition) {
   return eventually([&] {
-    session.publish(Proxy::held({a, 0.0}));
+    const bool force = session.state().gain > 0.0;  // which begins with a free proxy
+    session.publish(force ? Proxy::held({a, 0.0}) : Proxy::free());
     std::this_thread::sleep_for(10ms);
     return condition();
   });

@@ -122,7 +122,9 @@ def press_in_python(address, udp):
                                         carriers=carriers) as session:
                     session.engage_when_ready()
                     while True:
-                        session.publish(haptic.held(session.wait_for_state(1.0).x_probe))
+                        state = session.wait_for_state(1.0)
+                        force = state.gain > 0  # which begins with a free proxy
+                        session.publish(haptic.held(state.x_probe) if force else haptic.FREE)
                         if any(event.kind == "LOST" for event in session.events()):
                             session.engage_when_ready()
             time.sleep(0.1)

@@ -23,7 +23,7 @@ class ClientError(Exception):
 
 # Refusals of Engage that time and more samples can cure.
 PASSING = frozenset({"NOT_ARMED", "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES", "STREAM_STALE",
-                     "DEVICE_STALE", "OUTSIDE_WINDOW", "TRACKER_STALE"})
+                     "DEVICE_STALE", "TRACKER_STALE", "NEVER_FREE", "OUTSIDE_WINDOW"})
 
 
 @functools.cache

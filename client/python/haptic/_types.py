@@ -33,13 +33,15 @@ FREE = Proxy(wire.PROXY_MODE_FREE)
 
 
 def held(position: Sequence[float]) -> Proxy:
-    """The proxy stays here until the next sample; m or rad per virtual coordinate."""
+    """The proxy stays here until the next sample; m or rad per virtual coordinate. Force begins
+    with it only after a FREE one: it does not say on which side of an object the probe is."""
     return Proxy(wire.PROXY_MODE_HELD, tuple(map(float, position)))
 
 
 def behind(planes: Sequence[tuple[Sequence[float], float]], position: Sequence[float]) -> Proxy:
     """The server keeps the probe out of `planes`, (normal, offset) each: normal . x <= offset,
-    linearised at `position`. Of more than 32 the deepest are sent."""
+    linearised at `position`. They say which way is out, so force may begin inside. Of more than 32
+    the deepest are sent."""
     return Proxy(wire.PROXY_MODE_PLANES, tuple(map(float, position)),
                  tuple((tuple(map(float, normal)), float(offset)) for normal, offset in planes))
 

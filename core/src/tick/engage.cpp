@@ -54,6 +54,7 @@ EngageAnswer judge_engage(std::uint64_t id, const EngageCase& at) noexcept {
                   tracker.seq != 0 ? milliseconds_of(tracker.age) : HUGE_VAL,
                   milliseconds_of(tracker.hold_end));
   }
+  if (never_free(proxy, at.was_free)) return refuse(EngageVerdict::kNeverFree, 0.0, 0.0);
   const VecA jump = at.settings.unlimited(at.anchor.stretch(at.layout, at.sensed.q));
   for (int i = 0; i < at.layout.n_a(); ++i) {
     const double limit = at.settings.engage_window[i];

@@ -18,7 +18,18 @@ struct EngageCase {
   const Settings& settings;
   const DofLayout& layout;
   Duration sample_period{};  ///< of the device, nominal
+  bool was_free{false};      ///< free() held in some tick under this lease
 };
+
+/// Whether the sample in use leaves the probe free.
+[[nodiscard]] inline bool free(const ProxyInUse& proxy, const Anchor& anchor) noexcept {
+  return proxy.mode != ProxyMode::kNone && !anchor.in_the_way;
+}
+
+/// Whether it is unknown on which side of an object the probe is: a held proxy does not say it.
+[[nodiscard]] inline bool never_free(const ProxyInUse& proxy, bool was_free) noexcept {
+  return proxy.mode == ProxyMode::kHeld && !was_free;
+}
 
 /// The answer to the request `id`: accepted, or the first reason against it with its figures. A
 /// device that is engaged already accepts.

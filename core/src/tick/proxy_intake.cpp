@@ -19,6 +19,7 @@ ProxyInUse ProxyIntake::step(const TickInput& in, const StalenessLimits& limits,
   ProxyInUse now;
   if (sample_.mode == ProxyMode::kNone) return now;
   now.mode = sample_.mode;
+  now.tenure = sample_.tenure;
   now.seq = sample_.seq;
   now.age = in.now - sample_.born;
   now.level = staleness(now.age, sample_.valid_for, limits);

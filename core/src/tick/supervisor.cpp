@@ -15,10 +15,12 @@ Lifecycle Supervisor::step(const TickInput& in, const Beat& beat, const Settings
   const bool released = command.release_id != life_.release_id;
   life_.release_id = command.release_id;
   bool engaged = false;
+  was_free_ = (was_free_ && command.tenure == tenure_) ||
+              (proxy.tenure == command.tenure && free(proxy, anchor));
   if (command.engage_id != life_.engage.id) {
     life_.engage =
         judge_engage(command.engage_id, {in.now, before, life_.faults.any(), sensed, proxy, anchor,
-                                         settings, layout_, sample_period_});
+                                         settings, layout_, sample_period_, was_free_});
     if (released && life_.engage.verdict == EngageVerdict::kAccepted) {
       life_.engage.verdict = EngageVerdict::kReleased;
     }
@@ -52,6 +54,10 @@ Lifecycle Supervisor::step(const TickInput& in, const Beat& beat, const Settings
   life_.engaged = engaged && before == LifecycleState::kArmed;
   life_.gain = gain_.value();
   life_.damping_gain = damping_gain_.value();
+  life_.limiters = {};
+  if (state == LifecycleState::kArmed && never_free(proxy, was_free_)) {
+    life_.limiters.set(Limiter::kNeverFree);
+  }
   return life_;
 }
 

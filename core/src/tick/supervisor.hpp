@@ -38,6 +38,8 @@ class Supervisor {
   /// allowed: damping stays on after the elastic force was lost
   /// (proto/README.md#staleness-and-gain, level "lost").
   bool force_granted_{false};
+  /// Some sample of this lease left the probe free: its client met its objects from outside.
+  bool was_free_{false};
 };
 
 }  // namespace haptic::core

@@ -92,16 +92,17 @@ class OneServer(unittest.TestCase):
 
     def hold(self, session: haptic.Session, until: Callable[[haptic.DeviceState], bool],
              each_time: Callable[[], object] = lambda: None) -> haptic.DeviceState:
-        """Publishes a held proxy per state, until `until`: at the probe, and as soon as there is
-        force at the place where force began."""
-        place = session.wait_for_state().x_probe
+        """Publishes a proxy per state, until `until`: free, and as soon as there is force held at
+        the place where force began."""
+        place, force = session.wait_for_state().x_probe, False
         latest = time.monotonic() + 20
         while time.monotonic() < latest:
             each_time()
-            session.publish(haptic.held(place))
+            session.publish(haptic.held(place) if force else haptic.FREE)
             state = session.wait_for_state()
             if until(state):
                 return state
-            if state.gain == 0:
+            force = state.gain > 0
+            if not force:
                 place = state.x_probe
         self.fail(f"still {state}")

@@ -32,8 +32,9 @@ TEST(Force, IsAskedForAtOnce) {
 }
 
 TEST(Force, CurableRefusalIsRetriedSoon) {
-  for (const char* reason : {"NOT_ARMED", "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES", "STREAM_STALE",
-                             "DEVICE_STALE", "OUTSIDE_WINDOW", "TRACKER_STALE", "NO_ANSWER"}) {
+  for (const char* reason :
+       {"NOT_ARMED", "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES", "STREAM_STALE", "DEVICE_STALE",
+        "TRACKER_STALE", "NEVER_FREE", "OUTSIDE_WINDOW", "NO_ANSWER"}) {
     Force force = asking();
     EXPECT_FALSE(force.answered(refused(reason), true, kNow));
     EXPECT_EQ(force.due(), kNow + 50ms) << reason;

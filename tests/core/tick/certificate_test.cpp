@@ -110,6 +110,7 @@ TEST(CertificateOfATick, AllocatesNothingOnAStylus) {
   VecX x_probe;
   ASSERT_EQ(c.kinematics->position(input.device.sample.q, x_probe), MapStatus::kOk);
   input.proxy.x = x_probe + VecX::Constant(9, 0.004);
+  driven.tick();  // its sample is free
   for (int i = 0; i < 50; ++i) {
     input.device.sample.q[i % 6] += 1e-3;
     const Certificate& certificate = driven.tick().anchor.certificate;  // tick() judges

@@ -26,8 +26,8 @@ class EngageTest : public testing::Test {
     proxy.gapless_since = now - milliseconds(200);
   }
   [[nodiscard]] EngageAnswer judge() const {
-    return judge_engage(
-        3, {now, state, faulted, sensed, proxy, anchor, settings, layout, milliseconds(2)});
+    return judge_engage(3, {now, state, faulted, sensed, proxy, anchor, settings, layout,
+                            milliseconds(2), was_free});
   }
   void expect_refused(EngageVerdict verdict, double value, double limit, int index = 0) const {
     const EngageAnswer answer = judge();
@@ -41,6 +41,7 @@ class EngageTest : public testing::Test {
   TimePoint now{milliseconds(5000)};
   LifecycleState state{LifecycleState::kArmed};
   bool faulted{false};
+  bool was_free{true};
   Settings settings{};
   Sensed sensed{};
   ProxyInUse proxy{};
@@ -114,6 +115,14 @@ TEST_F(EngageTest, WindowCountsTheWholeCoupledSpring) {
   EXPECT_EQ(answer.verdict, EngageVerdict::kOutsideWindow);
   EXPECT_EQ(answer.index, 0);
   EXPECT_NEAR(answer.value, 6.0, 1e-12);
+}
+
+TEST_F(EngageTest, HeldProxyNeedsAFreeOne) {
+  was_free = false;
+  anchor.q_star = sensed.q;
+  expect_refused(EngageVerdict::kNeverFree, 0.0, 0.0);
+  proxy.mode = ProxyMode::kPlanes;  // in the way: they say on which side of them the object is
+  EXPECT_EQ(judge().verdict, EngageVerdict::kAccepted);
 }
 
 }  // namespace

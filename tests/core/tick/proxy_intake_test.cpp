@@ -35,6 +35,7 @@ class ProxyIntakeTest : public testing::Test {
 TEST_F(ProxyIntakeTest, NewestSampleLeads) {
   const ProxyInUse now = step(LifecycleState::kArmed);
   EXPECT_EQ(now.mode, ProxyMode::kHeld);
+  EXPECT_EQ(now.tenure, in.proxy.tenure);
   EXPECT_EQ(now.seq, 1u);
   EXPECT_EQ(now.level, Staleness::kFresh);
   EXPECT_EQ(now.ladder, 1.0);

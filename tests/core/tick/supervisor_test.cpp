@@ -9,7 +9,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// A device with one actuated DoF that is well, under a lease, with a held proxy at its probe.
+/// A device with one actuated DoF that is well, under a lease, with planes at its probe.
 class SupervisorTest : public testing::Test {
  protected:
   SupervisorTest() {
@@ -19,7 +19,8 @@ class SupervisorTest : public testing::Test {
     in.device.armed = true;
     sensed.q = one(0.0);
     sensed.ready = sensed.recent = true;
-    proxy.mode = ProxyMode::kHeld;
+    proxy.mode = ProxyMode::kPlanes;
+    proxy.tenure = 1;
     proxy.level = Staleness::kFresh;
     proxy.ladder = 1.0;
     proxy.gapless_samples = 1000;
@@ -214,6 +215,34 @@ TEST_F(SupervisorTest, LeaseEndFadesThenDisarms) {
   EXPECT_EQ(life.state, LifecycleState::kIdle);
   EXPECT_EQ(life.gain, 0.0);
   EXPECT_FALSE(life.arm);
+}
+
+TEST_F(SupervisorTest, EachLeaseNeedsAFreeProbe) {
+  proxy.mode = ProxyMode::kHeld;
+  const auto ask = [&] {
+    ++in.command.engage_id;
+    return step().engage.verdict;
+  };
+  EXPECT_TRUE(run(3).limiters.has(Limiter::kNeverFree));
+  EXPECT_EQ(ask(), EngageVerdict::kNeverFree);
+  anchor.in_the_way = false;
+  proxy.tenure = 0;
+  step();  // of the lease before: under force it stays in use
+  anchor.in_the_way = true;
+  proxy.tenure = 1;
+  EXPECT_EQ(ask(), EngageVerdict::kNeverFree);
+  anchor.in_the_way = false;
+  step();
+  anchor.in_the_way = true;
+  EXPECT_FALSE(run(300).limiters.any()) << "once is enough";
+  EXPECT_EQ(ask(), EngageVerdict::kAccepted);
+  proxy.level = Staleness::kLost;
+  EXPECT_EQ(step().state, LifecycleState::kArmed);
+  proxy.level = Staleness::kFresh;
+  EXPECT_EQ(ask(), EngageVerdict::kAccepted) << "force comes back inside the object";
+  proxy.tenure = ++in.command.tenure;
+  EXPECT_EQ(run(300).state, LifecycleState::kArmed);
+  EXPECT_EQ(ask(), EngageVerdict::kNeverFree) << "the next lease does not inherit it";
 }
 
 TEST_F(SupervisorTest, DampingNeedsObstacleAndRecentRate) {

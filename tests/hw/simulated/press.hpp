@@ -97,7 +97,6 @@ inline Pressed run(const Press& press) {
   in.command.tenure = 1;
   in.command.lease_held = true;
   in.proxy.tenure = 1;
-  in.proxy.mode = core::ProxyMode::kHeld;
   in.proxy.x.resize(2);
   if (press.planes) {
     in.proxy.mode = core::ProxyMode::kPlanes;
@@ -118,6 +117,9 @@ inline Pressed run(const Press& press) {
     if (!press.planes || k % 17 == 0) {
       ++in.proxy.seq;
       for (int j = 0; j < 2; ++j) in.proxy.x[j] = std::min(finger.x()[j], stop[j]);
+    }
+    if (!press.planes) {  // free at first: the finger comes from outside
+      in.proxy.mode = k == 0 ? core::ProxyMode::kFree : core::ProxyMode::kHeld;
     }
     if (k == kSettle / 2 && press.force) ++in.command.engage_id;
     const core::TickRecord record = pipeline.tick(in);

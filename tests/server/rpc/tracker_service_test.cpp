@@ -72,13 +72,14 @@ class Poses {
   std::thread thread_;
 };
 
-/// Holds the proxy at `x` and asks for force until it is fully on.
+/// Holds the proxy at `x`, free until there is force, and asks for force until it is fully on.
 bool press(TestSession& controller, const std::vector<double>& x, std::atomic<bool>& running,
            std::thread& publisher) {
   publisher = std::thread([&controller, x, &running] {
     auto next = std::chrono::steady_clock::now();
     while (running) {
-      controller.publish(x);
+      const bool force = controller.state().gain() > 0.0;
+      controller.publish(x, ++controller.seq, force ? v1::PROXY_MODE_HELD : v1::PROXY_MODE_FREE);
       next = std::max(next + 10ms, std::chrono::steady_clock::now());
       std::this_thread::sleep_until(next);
     }

@@ -42,8 +42,8 @@ std::unique_ptr<DeviceUnit> make_unit(const DeviceScene& scene) {
   return std::make_unique<DeviceUnit>(scene.name, std::move(device), std::move(config));
 }
 
-/// A client that takes the lease, holds its proxy at the probe, engages, presses, sets the proxy
-/// free, and lets go.
+/// A client that takes the lease, sets its proxy free, holds it at the probe, engages, presses,
+/// sets it free, and lets go.
 class ScriptedClient {
  public:
   void step(DeviceUnit& unit, int tick, TimePoint now) {
@@ -67,8 +67,8 @@ class ScriptedClient {
       unit.poses.publish(pose_);
     }
     if (tick % 16 != 0 || newest_.anchor.x_probe.size() == 0) return;
-    proxy_.mode = tick > 1000 && tick < 1200 ? haptic::core::ProxyMode::kFree
-                                             : haptic::core::ProxyMode::kHeld;
+    const bool free = tick < 50 || (tick > 1000 && tick < 1200);
+    proxy_.mode = free ? haptic::core::ProxyMode::kFree : haptic::core::ProxyMode::kHeld;
     proxy_.tenure = 1;
     ++proxy_.seq;
     proxy_.born = now;

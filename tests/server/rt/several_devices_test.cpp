@@ -45,7 +45,6 @@ class Served {
     unit = std::make_unique<DeviceUnit>(board.serial, std::move(device), std::move(config));
     command_.tenure = 1;
     command_.lease_held = true;
-    proxy_.mode = haptic::core::ProxyMode::kHeld;
     proxy_.tenure = 1;
     proxy_.x = haptic::core::VecX::Zero(2);
   }
@@ -56,7 +55,9 @@ class Served {
       proxy_.x[0] = std::min(proxy_.x[0], 0.3);
     }
     proxy_.born = now;
-    if (++proxy_.seq == 1) proxy_.gapless_since = now;
+    using haptic::core::ProxyMode;
+    proxy_.mode = ++proxy_.seq == 1 ? ProxyMode::kFree : ProxyMode::kHeld;  // from outside
+    if (proxy_.seq == 1) proxy_.gapless_since = now;
     ++proxy_.gapless_samples;
     if (newest.life.state == LifecycleState::kArmed) ++command_.engage_id;
     unit->proxies.publish(proxy_);

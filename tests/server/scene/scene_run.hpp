@@ -26,7 +26,6 @@ class SceneRun {
     input_.settings = scene.pipeline.scene;
     input_.command.tenure = 1;
     input_.command.lease_held = true;
-    input_.proxy.mode = core::ProxyMode::kHeld;
     input_.proxy.tenure = 1;
     command_.tau_a = core::VecA::Zero(kinematics_.layout().n_a());
     device_->read(input_.now, input_.device);
@@ -44,7 +43,7 @@ class SceneRun {
   /// The proxy from now on: `x`, reached by the device or not.
   void hold_at(const core::VecX& x) { input_.proxy.x = x; }
 
-  /// One tick, one frame of the client every ten. Nothing in it may allocate.
+  /// One tick, one frame of the client every ten, the first one free. Nothing in it may allocate.
   const core::TickRecord& tick() {
     const AllocationGuard guard;
     input_.now += std::chrono::milliseconds(1);
@@ -78,7 +77,7 @@ class SceneRun {
   void publish() {
     core::ProxySnapshot& proxy = input_.proxy;
     if (proxy.gapless_samples == 0) proxy.gapless_since = input_.now;
-    ++proxy.seq;
+    proxy.mode = ++proxy.seq == 1 ? core::ProxyMode::kFree : core::ProxyMode::kHeld;
     ++proxy.gapless_samples;
     proxy.born = input_.now;
   }

@@ -65,6 +65,18 @@ TEST_F(Engage, NeedsForceWithinTheStartWindow) {
   EXPECT_EQ(rig.newest().effort.tau_a[0], 0.0);
 }
 
+TEST_F(Engage, HeldProxyNeedsAFreeOne) {
+  rig.free_epoch = rig.epoch;
+  rig.stream(300, 0.01);
+  EXPECT_EQ(rig.engage(), "NEVER_FREE");
+  EXPECT_NE(rig.refusal.find("free once"), std::string::npos);
+  EXPECT_TRUE(rig.newest().limiters().has(core::Limiter::kNeverFree));
+  rig.free_epoch = 0;  // the next sample is free
+  rig.stream(2, 0.01);
+  EXPECT_FALSE(rig.newest().limiters().has(core::Limiter::kNeverFree));
+  EXPECT_EQ(rig.engage(), "");
+}
+
 TEST_F(Engage, NeedsArmed) {
   rig.stream(300, 0.0);
   rig.sessions->emergency_stop("", [](const Outcome<Done>&) {});

@@ -69,13 +69,33 @@ TEST_F(ResumeTest, KeepsAgeAndGainRaisesEpoch) {
   EXPECT_EQ(rig.newest().life.gain, 1.0);
   EXPECT_EQ(rig.newest().proxy.age, age + 1ms);
   EXPECT_EQ(rig.sessions->state_of(rig.newest()).lease_epoch, 2U);
-  rig.epoch = 2;
+  rig.epoch = rig.free_epoch = 2;
   for (int i = 0; i < 100; ++i) {
     EXPECT_EQ(rig.publish(0.01), IngressVerdict::kAccepted);
     rig.tick();
     EXPECT_EQ(rig.state(), LifecycleState::kEngaged);
     EXPECT_NEAR(rig.newest().effort.tau_elastic[0], 1.0, 1e-9);
   }
+}
+
+TEST_F(ResumeTest, ForceComesBackInsideAnObject) {
+  press();
+  rig.sessions->close("s1", kLost);
+  rig.tick(200);
+  ASSERT_EQ(rig.state(), LifecycleState::kArmed) << "LOST";
+  const auto again = ask(resuming("s2", "s1"));
+  ASSERT_TRUE(again->lease);
+  rig.epoch = rig.free_epoch = again->lease->epoch;
+  rig.stream(250, 0.01);
+  EXPECT_EQ(rig.engage("s2"), "") << "it was free in the session that it resumed";
+
+  rig.sessions->close("s2", {});
+  const auto bob = ask(resumable("s3", "bob"));
+  rig.tick(300);
+  ASSERT_TRUE(bob->lease);
+  rig.epoch = rig.free_epoch = bob->lease->epoch;
+  rig.stream(250, 0.01);
+  EXPECT_EQ(rig.engage("s3"), "NEVER_FREE") << "a new session does not inherit it";
 }
 
 TEST_F(ResumeTest, GoneFrontDetachesEveryLease) {

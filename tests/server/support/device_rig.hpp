@@ -6,6 +6,7 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "haptic/core/model/linear.hpp"
@@ -88,11 +89,13 @@ class DeviceRig {
     return lease;
   }
 
+  /// Held; the first one under an epoch is free, because the probe comes from outside.
   server::IngressVerdict publish(double a, double b = 0.0) {
+    const bool outside = std::exchange(free_epoch, epoch) != epoch;
     server::ProxySample sample{.epoch = epoch,
                                .seq = ++seq,
                                .arrival = now,
-                               .mode = core::ProxyMode::kHeld,
+                               .mode = outside ? core::ProxyMode::kFree : core::ProxyMode::kHeld,
                                .position = {a, b}};
     return owner->accept(sample, owner->turn()).verdict;
   }
@@ -131,7 +134,8 @@ class DeviceRig {
   core::TimePoint now{};
   std::uint32_t epoch{0};
   std::uint64_t seq{0};
-  std::string refusal;  ///< sentence of the last engage()
+  std::uint32_t free_epoch{0};  ///< had its free sample
+  std::string refusal;          ///< sentence of the last engage()
 };
 
 /// The reasons of every event that waits in a queue.

@@ -94,25 +94,30 @@ class TestSession {
   }
   void cancel() { context_.TryCancel(); }
 
-  bool publish(std::vector<double> x, std::uint64_t number) {
+  bool publish(std::vector<double> x, std::uint64_t number,
+               v1::ProxyMode mode = v1::PROXY_MODE_HELD) {
     v1::SessionRequest message;
     v1::ProxySample& sample = *message.mutable_proxy();
     sample.set_seq(number);
-    sample.set_mode(v1::PROXY_MODE_HELD);
+    sample.set_mode(mode);
     sample.mutable_position()->Add(x.begin(), x.end());
     return send(message);
   }
   bool publish(std::vector<double> x) { return publish(std::move(x), ++seq); }
 
   /// Publishes (a, 0) at the nominal rate from a thread of its own, whatever else the test does.
+  /// The proxy is free until a state says so: the probe comes from outside.
   void stream(double a) {
     a_ = a;
     if (publisher_.joinable()) return;
     streaming_ = true;
-    publisher_ = std::thread([this] {
+    publisher_ = std::thread([this, was_free = false]() mutable {
       auto next = std::chrono::steady_clock::now();
       while (streaming_) {
-        publish({a_, 0.0});
+        const v1::DeviceState now = state();
+        was_free = was_free || (now.mode() == v1::PROXY_MODE_FREE &&
+                                now.lease_epoch() == opened().lease_epoch());
+        publish({a_, 0.0}, ++seq, was_free ? v1::PROXY_MODE_HELD : v1::PROXY_MODE_FREE);
         next = std::max(next + kPeriod, std::chrono::steady_clock::now());
         std::this_thread::sleep_until(next);
       }

@@ -31,10 +31,10 @@ wire::PathKeys keys_of(const v1::UdpPath& udp) {
   return keys;
 }
 
-std::string proxy_sample(std::uint64_t seq, double a) {
+std::string proxy_sample(std::uint64_t seq, double a, v1::ProxyMode mode = v1::PROXY_MODE_HELD) {
   v1::ProxySample message;
   message.set_seq(seq);
-  message.set_mode(v1::PROXY_MODE_HELD);
+  message.set_mode(mode);
   message.add_position(a);
   message.add_position(0.0);
   return message.SerializeAsString();
@@ -111,7 +111,7 @@ TEST(UdpService, ForceFromSamplesByUdp) {
   UdpSession alice(server);
   std::uint64_t seq = 0;
   ASSERT_TRUE(eventually([&] {
-    EXPECT_TRUE(alice.udp->send(proxy_sample(++seq, 0.01)));
+    EXPECT_TRUE(alice.udp->send(proxy_sample(++seq, 0.01, v1::PROXY_MODE_FREE)));
     std::this_thread::sleep_for(9ms);
     if (alice.newest_state().state() == v1::DEVICE_STATE_NAME_ARMED) {
       static_cast<void>(alice.session.engage());

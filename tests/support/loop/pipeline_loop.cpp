@@ -45,6 +45,10 @@ const core::TickRecord& PipelineLoop::tick(const core::VecQ& q) {
   input_.device.sample.time = input_.now;
   input_.device.sample.q = q;
   client_.step(time_s(), input_.now, q, x_probe_, input_.proxy);
+  if (ticks_ == 1 && input_.proxy.mode != core::ProxyMode::kPlanes) {
+    input_.proxy.mode = core::ProxyMode::kFree;  // the probe comes from outside
+    input_.proxy.tenure = input_.command.tenure;
+  }
   record_ = pipeline_.tick(input_);
   tau_ = record_.effort.tau_a[0];
   return record_;

@@ -66,7 +66,7 @@ Felt press(const Row& row, core::RendererKind kind, bool guard, bool force) {
     VecX x_probe = VecX::Zero(2);
     core::MatXQ J;
     EXPECT_EQ(finger->evaluate(q, x_probe, J), core::MapStatus::kOk);
-    input.proxy.mode = core::ProxyMode::kHeld;
+    input.proxy.mode = k == 1 ? core::ProxyMode::kFree : core::ProxyMode::kHeld;
     input.proxy.tenure = 1;
     ++input.proxy.seq;
     ++input.proxy.gapless_samples;

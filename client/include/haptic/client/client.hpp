@@ -7,7 +7,9 @@
 ///   session->engage_when_ready();
 ///   for (...) {
 ///     haptic::client::DeviceState state = session->wait_for_state();
-///     session->publish(haptic::client::Proxy::held(step(state.x_probe)));
+///     const std::vector<double> x = step(state.x_probe);  // where the objects let the probe be
+///     using haptic::client::Proxy;
+///     session->publish(touching ? Proxy::held(x) : Proxy::free());
 ///   }
 ///
 /// Units are SI. An array has one value per degree of freedom or per virtual coordinate, in the

@@ -65,7 +65,8 @@ struct SessionOptions {
   Priority priority{Priority::kPrimary};
   double state_rate_hz{0.0};  ///< how many states per second to receive; 0: one per tick
   /// Sends each held proxy as planes, one per block of `blocks`: derive_planes() in planes.hpp,
-  /// with the state that you were last given.
+  /// with the state that you were last given. Only after a first free proxy: one that is held from
+  /// the start does not say on which side of an object the probe is.
   bool derive_planes{false};
   std::vector<Block> blocks{};  ///< empty: all coordinates are one block
   /// Ages of a sample at which it stops being fresh, its force begins to fade, and its force is

@@ -96,12 +96,14 @@ struct Proxy {
   std::vector<Plane> planes{};             ///< of kPlanes; none: nothing in the way. Of more than
                                            ///< kMaxPlanes the deepest are sent
 
-  /// The proxy stays at `x` until the next sample.
+  /// The proxy stays at `x` until the next sample. Force begins with it only after a free one: it
+  /// does not say on which side of an object the probe is.
   [[nodiscard]] static Proxy held(std::vector<double> x) {
     return {Mode::kHeld, std::move(x), 0, {}, {}};
   }
-  /// The server keeps the probe out of `planes` at 1 kHz; `x` is where they are linearised. If the
-  /// simulation has no planes, derive_planes() in planes.hpp makes them from a proxy.
+  /// The server keeps the probe out of `planes` at 1 kHz; `x` is where they are linearised. They
+  /// say which way is out, so force may begin inside an object. If the simulation has no planes,
+  /// derive_planes() in planes.hpp makes them from a proxy.
   [[nodiscard]] static Proxy behind(std::vector<Plane> planes, std::vector<double> x) {
     return {Mode::kPlanes, std::move(x), 0, {}, std::move(planes)};
   }

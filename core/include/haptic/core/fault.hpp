@@ -50,6 +50,7 @@ enum class Limiter : std::uint8_t {
                           ///< (core/METHOD.md#damping-near-singular-poses)
   kBranch = 15,  ///< q* held on its branch, or moved to another one in steps, where two poses are
                  ///< about equally near (core/METHOD.md#projection-algorithm)
+  kNeverFree = 16,  ///< no force starts: the proxy is held, and no sample of its lease was free
 };
 
 template <typename E>

@@ -30,6 +30,7 @@ enum class EngageVerdict : std::uint8_t {
   kOutsideWindow = 7,   ///< value: |Z_q (q*_a - q_a)| of DoF `index`, limit: its engage window
   kReleased = 8,        ///< a Release came in the same tick; which was later is unknown
   kTrackerStale = 9,    ///< value: age of the palm's pose in ms, limit: its hold_end in ms
+  kNeverFree = 10,      ///< a held proxy, and no sample of this lease left the probe free
 };
 
 struct EngageAnswer {
@@ -96,6 +97,7 @@ struct Sensed {
 /// The sample of the proxy in use, which may not be the newest.
 struct ProxyInUse {
   ProxyMode mode{ProxyMode::kNone};  ///< kNone: no proxy; the rest keeps its defaults
+  std::uint32_t tenure{0};           ///< of the lease that it was sent under
   std::uint64_t seq{0};
   Duration age{0};  ///< now - born
   Staleness level{Staleness::kLost};
@@ -104,7 +106,7 @@ struct ProxyInUse {
   std::uint64_t gapless_samples{0};
 
   [[nodiscard]] auto members() const noexcept {
-    return std::tie(mode, seq, age, level, ladder, gapless_since, gapless_samples);
+    return std::tie(mode, tenure, seq, age, level, ladder, gapless_since, gapless_samples);
   }
 };
 
@@ -150,10 +152,11 @@ struct Lifecycle {
   ClearAnswer clear{};          ///< to the newest ClearFault
   double gain{0.0};             ///< g
   double damping_gain{0.0};     ///< g_d
+  LimiterSet limiters{};        ///< NEVER_FREE
 
   [[nodiscard]] auto members() const noexcept {
     return std::tie(state, lost, faults, arm, engaged, engage, release_id, stop_id, clear, gain,
-                    damping_gain);
+                    damping_gain, limiters);
   }
 };
 
@@ -192,7 +195,9 @@ struct TickRecord {
   /// Latched, and of this tick's output.
   [[nodiscard]] FaultSet faults() const noexcept { return life.faults | effort.faults; }
   /// Active in this tick.
-  [[nodiscard]] LimiterSet limiters() const noexcept { return anchor.limiters | effort.limiters; }
+  [[nodiscard]] LimiterSet limiters() const noexcept {
+    return anchor.limiters | life.limiters | effort.limiters;
+  }
 
   [[nodiscard]] auto members() const noexcept {
     return std::tie(input, beat, settings_id, sensed, proxy, anchor, life, effort);

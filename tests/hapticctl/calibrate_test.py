@@ -164,7 +164,7 @@ class Calibrate(unittest.TestCase):
         self.assertIn("this one is 'HX-0043'", other.log.read_text())
 
     def test_a_sensor_that_leaves_the_scenes_range_is_told_with_what_to_do(self) -> None:
-        board = self.board("HX-0044", offset_m=0.03)  # beyond 52.5 mm where the finger is bent
+        board = self.board("HX-0044", offset_m=0.018)  # beyond 35.2 mm where the finger is bent
         server = self.server(board)
         board.hand(STRAIGHT)
         self.clear(server)

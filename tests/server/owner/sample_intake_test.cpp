@@ -105,7 +105,7 @@ TEST_F(IntakeTest, OnlyTheServingFrontIsHeard) {
 }
 
 // A front's pages go when it is replaced. The thread sanitizer sees a look that is too late.
-TEST_F(IntakeTest, PagesMayGoWhileTheLoopTicks) {
+TEST_F(IntakeTest, PagesMayGoWhileLoopTicks) {
   std::atomic<bool> end{false};
   std::thread loop([&] {
     while (!end.load()) intake.take_for_tick();

@@ -33,10 +33,10 @@ class SceneRun {
   }
 
   /// The client touches nothing from now on.
-  void free() { input_.proxy.mode = core::ProxyMode::kFree; }
+  void free() { mode_ = core::ProxyMode::kFree; }
   /// The proxy from now on: where the device would be at `q`.
   void hold(const core::VecQ& q) {
-    input_.proxy.mode = core::ProxyMode::kHeld;
+    mode_ = core::ProxyMode::kHeld;
     core::MatXQ J;
     ASSERT_EQ(kinematics_.evaluate(q, input_.proxy.x, J), core::MapStatus::kOk);
   }
@@ -77,7 +77,7 @@ class SceneRun {
   void publish() {
     core::ProxySnapshot& proxy = input_.proxy;
     if (proxy.gapless_samples == 0) proxy.gapless_since = input_.now;
-    proxy.mode = ++proxy.seq == 1 ? core::ProxyMode::kFree : core::ProxyMode::kHeld;
+    proxy.mode = ++proxy.seq == 1 ? core::ProxyMode::kFree : mode_;
     ++proxy.gapless_samples;
     proxy.born = input_.now;
   }
@@ -96,6 +96,7 @@ class SceneRun {
   core::Pipeline pipeline_;
   const core::Kinematics& kinematics_;
   core::TickInput input_{.now = core::TimePoint(std::chrono::seconds(100))};
+  core::ProxyMode mode_{core::ProxyMode::kHeld};  ///< of all samples but the first
   core::TickRecord record_{};
   hw::Command command_{};
   int ticks_{0};

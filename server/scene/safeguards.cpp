@@ -8,9 +8,13 @@
 namespace haptic::server {
 namespace {
 
-/// J: the most that a spring stores whose force Engage accepts, 1/2 w^T |Z_q^-1| w of the window w.
+/// J: beyond it the user is told.
+constexpr double kMuch = 0.5;
+
+/// J: the most that a spring stores whose force Engage accepts and the limit allows,
+/// 1/2 w^T |Z_q^-1| w.
 double stored_at_engage(const core::PipelineConfig& device) {
-  const Eigen::VectorXd window = device.scene.engage_window;
+  const Eigen::VectorXd window = device.scene.engage_window.cwiseMin(device.scene.force_limit);
   const auto& coupling = device.projection.coupling;
   const Eigen::MatrixXd Z =
       coupling ? Eigen::MatrixXd(coupling->matrix(device.scene.stiffness))
@@ -54,6 +58,11 @@ std::vector<std::string> safeguard_warnings(const Scene& scene) {
     }
     if (!device.passivity.tank.enabled) {
       warnings.push_back(unguarded + "no passivity.tank: nothing bounds the energy given out");
+    } else if (device.passivity.tank.initial > kMuch) {
+      warnings.push_back(entry("device", d) + ".passivity.tank.initial_j: the force may give out " +
+                         decimal(device.passivity.tank.initial) +
+                         " J after every Engage; a stiffer spring, a smaller engage_window_n or a "
+                         "tank of the scene's own bounds it");
     }
   }
   return warnings;

@@ -53,9 +53,10 @@ std::optional<Refusal> engage_refusal(const core::EngageAnswer& answer,
     case Verdict::kReleased:
       return not_yet("NOT_ARMED", "a Release came with it: ask again");
     case Verdict::kNeverFree:
-      return not_yet("NEVER_FREE",
-                     "the proxy was held under this lease all the time, which does not say on "
-                     "which side of an object the probe is: publish it free once, or planes");
+      return not_yet(
+          "NEVER_FREE",
+          "the proxy was held under this lease all the time, which does not say on "
+          "which side of an object the probe is: publish it free for a few samples, or planes");
     case Verdict::kOutsideWindow:
       return not_yet("OUTSIDE_WINDOW", "force on actuated DoF " + std::to_string(answer.index) +
                                            " would start at " + value + " (N or N m): at most " +

@@ -195,7 +195,7 @@ def start_inside(daemon):
         return {"wrong": [f"no session: {session.status}"]}
     for what, position in (("far inside", (-0.4, 0.0)), ("at the probe", session.place())):
         session.stream(0.6, position=position, mode=HELD)
-        engage(session, what, "free once")
+        engage(session, what, "free for a few samples")
         if session.state.gain or not session.state.limiters & 1 << 16:  # NEVER_FREE
             wrong.append(f"{what}: gain {session.state.gain}, limiters {session.state.limiters}")
     session.stream(0.1, mode=FREE)

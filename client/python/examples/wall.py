@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """A virtual wall for the first joint: it may flex up to 0.3 rad.
 
-A wall in front of the finger would push it at once, which Engage refuses. So the wall starts where
-the finger is when force begins, and moves in slowly.
+A wall that the finger is deep inside would push it at once, more than Engage allows. So the wall
+starts where the finger is when force begins, and moves in slowly.
 """
 
 import argparse

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "contact_leverage.hpp"
 #include "haptic/core/projection/per_contact.hpp"
 
 namespace haptic::core {
@@ -35,12 +36,13 @@ bool DirectionGuard::allows(const Probe& probe, const VecX& dx, const VecA& tau_
     bool pushed_in = false;
     ContactView contacts = probe.contacts;
     contacts.first_x = block.at.first_x;
-    for_each_contact(
-        block.model, contacts, bare, block.by_joint, block.out, [&](VecX& out, double depth) {
-          metric.weigh(out);
-          pushed_in =
-              pushed_in || (depth > block.band && tau.dot(block.solver.also(block.J, out)) < 0.0);
-        });
+    for_each_contact(block.model, contacts, bare, block.by_joint, block.out,
+                     [&](VecX& out, double depth) {
+                       if (pushed_in || !(depth > block.band)) return;
+                       metric.weigh(out);
+                       const VecA way = block.solver.also(block.J, out);
+                       pushed_in = tau.dot(way) < 0.0 && leverage(block.solver, way) >= kLeverage;
+                     });
     if (pushed_in) return false;
   }
   // tau_a^T (S J^+ dx) >= 0: the force does not leave the proxy's side as the finger feels it.

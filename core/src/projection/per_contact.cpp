@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "contact_leverage.hpp"
 #include "haptic/core/error.hpp"
 
 namespace haptic::core {
@@ -22,11 +23,7 @@ constexpr double kDamped = 0.01;
 
 constexpr double kSettled = 1e-13;  // of tau_8: rounding
 
-/// Leverage of the actuators on a contact below which it may be pushed in.
-constexpr double kLeverage = 0.05;
-
-/// The part of a full push that a contact at `depth` still allows, `leverage` being the cosine
-/// between the way out and the nearest torque that the actuators can make.
+/// The part of a full push that a contact at `depth` still allows.
 double slack_at(double depth, double band, double leverage) noexcept {
   return std::max({0.0, 1.0 - depth / band, 1.0 - leverage / kLeverage});
 }
@@ -84,7 +81,7 @@ void PerContact::project(const Probe& probe, const VecX& /*x*/, const VecX& dx,
     model_.metric().weigh(direction);
     Push& push = pushes_[static_cast<std::size_t>(pushes++)];
     push.out = solver.also(J, direction);
-    push.slack = slack_at(depth, band_, std::sqrt(push.out.dot(solver.actuated_square(push.out))));
+    push.slack = slack_at(depth, band_, leverage(solver, push.out));
     if (push.out.dot(tau_) < 0.0) {
       pushed_in = true;
       share = std::min(share, push.slack);
@@ -98,9 +95,12 @@ void PerContact::project(const Probe& probe, const VecX& /*x*/, const VecX& dx,
     out.contradicted = share < 1.0;
     return;
   }
-  const VecA within = limit != nullptr
-                          ? VecA(limit->segment(probe.contacts.first_a, n_a))
-                          : VecA(VecA::Constant(n_a, std::numeric_limits<double>::infinity()));
+  VecA within = limit != nullptr
+                    ? VecA(limit->segment(probe.contacts.first_a, n_a))
+                    : VecA(VecA::Constant(n_a, std::numeric_limits<double>::infinity()));
+  for (int i = 0; i < n_a; ++i) {
+    if (!(stiffness[i] > 0.0)) within[i] = 0.0;  // no spring that could give it
+  }
   if (!pushed_in && (tau_.array().abs() <= within.array()).all()) return;
   out.contradicted = hold_back(solver, pushes, within);
   for (int i = 0; i < n_a; ++i) {

@@ -63,7 +63,7 @@ bool RenderedSpring::withheld(const Sensed& sensed, const Settings& settings,
     if (answer != EnvelopeAnswer::kWithheld) return false;
   } else {
     const bool guarded = (settings.direction_guard || guarded_) &&
-                         settings.renderer != RendererKind::kPerContact;  // keeps to it by itself
+                         settings.renderer != RendererKind::kPerContact;  // has a rule of its own
     if (!guarded || guard_.allows(at.probe, at.dx, force(settings))) return false;
     effort.limiters.set(Limiter::kDirectionGuard);
   }

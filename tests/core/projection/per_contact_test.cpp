@@ -153,6 +153,23 @@ TEST(PerContact, PushesIntoNoDeepContact) {
   }
 }
 
+TEST(PerContact, ActuatorWithoutSpringGivesNothing) {
+  std::mt19937_64 random(9);
+  int held = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    ContactCase c(random, {6, 6, 3}, 1 + trial % 3, 0.1);
+    c.Z_q[trial % 3] = 0.0;
+    c.tau_8 = c.Z_q.cwiseProduct(VecA(c.W.transpose() * c.dx));
+    Projection answer;
+    const VecA tau = c.force(&answer);
+    held += answer.contradicted ? 1 : 0;
+    for (int i = 0; i < c.contacts.size(); ++i) {
+      EXPECT_GE(c.out_of(i, tau), -c.slack(i) - 1e-9 * c.tau_8.norm()) << trial;
+    }
+  }
+  EXPECT_GT(held, 100);
+}
+
 TEST(PerContact, NearestToEquation8AsFelt) {
   std::mt19937_64 random(11);
   for (const Sizes& sizes : kSizes) {

@@ -80,6 +80,12 @@ TEST(Safeguards, TheTankPaysTheWindow) {
   EXPECT_EQ(wide.devices[0].pipeline.passivity.tank.capacity,
             wide.devices[0].pipeline.passivity.tank.initial);
   EXPECT_EQ(pipeline_of("passivity { tank {} }").passivity.tank.initial, 0.0) << "strict";
+  // No spring stores more than at the force limit, whatever the window; a soft one is warned of.
+  const auto open = parse(replaced(kFinger, "force_n: 20", "force_n: 20 engage_window_n: 1000"));
+  EXPECT_EQ(open.devices[0].pipeline.passivity.tank.initial,
+            wide.devices[0].pipeline.passivity.tank.initial);
+  const auto soft = parse(replaced(kFinger, "stiffness_n_per_m: 1500", "stiffness_n_per_m: 1"));
+  EXPECT_THAT(soft.warnings, testing::Contains(HasSubstr("device[0].passivity.tank.initial_j")));
 }
 
 /// Of a coupled Z_q: every force within the window stores at most that.

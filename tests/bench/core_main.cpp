@@ -110,6 +110,7 @@ struct Extras {
   bool guard{false}, envelope{false}, tank{false}, observer{false};
   int planes{0};
   bool certificate{false};
+  bool laws{false};  ///< the planes give way and curve
 };
 
 core::PipelineConfig tick_config(const core::RendererKind kind, const Extras& extras) {
@@ -147,6 +148,16 @@ void put_planes(int count, core::ProxySnapshot& proxy) {
   }
 }
 
+/// A third of the coupling's stiffness, and the curvature of a fingertip on a disc.
+void put_laws(core::PlaneSet& planes) {
+  planes.compliance.setConstant(planes.size(), 3.0);
+  planes.curvature.resize(3 * planes.size());
+  for (int i = 0; i < planes.size(); ++i) {
+    planes.curvature.segment(3 * i, 3) << 0.4, 0.2, 0.3;
+    planes.curved[static_cast<std::size_t>(i)] = 2;
+  }
+}
+
 double tick_p50(const Poses& poses, core::RendererKind kind, const Extras& extras) {
   const core::PipelineConfig config = tick_config(kind, extras);
   core::Pipeline pipeline(config);
@@ -155,6 +166,7 @@ double tick_p50(const Poses& poses, core::RendererKind kind, const Extras& extra
       [&](int i) {
         core::TickInput input = tick_input(poses, config, i);
         if (extras.planes > 0) put_planes(extras.planes, input.proxy);
+        if (extras.laws) put_laws(input.proxy.planes);
         return input;
       },
       [&](const core::TickInput& input) {
@@ -205,6 +217,12 @@ int main() {
         [&] { return tick_p50(poses, core::RendererKind::kPerContact, contacts); },
         [&] { return tick_p50(poses, kEq8, contacts); }, planes == 1 ? 1.3 : 0.0));
   }
+
+  const Extras soft{
+      " with 3 soft curved contacts, tank", false, false, true, false, 3, false, true};
+  bench::print(bench::measure(
+      "tick subspace_linear" + std::string(soft.name) + " p50", "ns",
+      [&] { return tick_p50(poses, kEq8, soft); }, 1200.0));
 
   core::LeastSquares solver(2, finger.layout());
   const auto ours = [&](int n) {  // f, J, Eq. (8)

@@ -12,6 +12,13 @@ bool same_bits(const double* a, const double* b, int n) noexcept {
   return std::memcmp(a, b, sizeof(double) * static_cast<std::size_t>(n)) == 0;
 }
 
+/// Plane i curves among the coordinates [first, first + count).
+bool curves(const PlaneSet& planes, int i, int first, int count) noexcept {
+  const auto p = static_cast<std::size_t>(i);
+  return planes.curved[p] > 0 && planes.first[p] < first + count &&
+         first < planes.first[p] + planes.curved[p];
+}
+
 }  // namespace
 
 BlockMap::BlockMap(const Kinematics& kinematics)
@@ -87,7 +94,10 @@ BlockSet BlockMap::reached(const PlaneSet& planes) const noexcept {
   for (const Block& block : blocks_) {
     for (int i = 0; i < planes.size(); ++i) {
       const double* first = planes.normals.data() + i * n_x + block.at.first_x;
-      if (std::any_of(first, first + block.n_x, [](double n) { return n != 0.0; })) found |= bit;
+      if (std::any_of(first, first + block.n_x, [](double n) { return n != 0.0; }) ||
+          curves(planes, i, block.at.first_x, block.n_x)) {
+        found |= bit;
+      }
     }
     bit <<= 1;
   }

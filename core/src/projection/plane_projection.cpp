@@ -1,12 +1,6 @@
-// Eq. (27) by its dual, min 1/2 l^T (G + eps) l - l^T r over l >= 0: an unknown per plane, whatever
-// n_x is. r holds the violations of the probe, G = A W^-1 A^T with unit normals, and
-// x = x_probe - W^-1 A^T l.
-//
-// Without eps parallel or opposite planes make G singular. With it every set of planes has one
-// answer: planes that can all be met are met after a few proximal steps, each of which divides what
-// eps left by 1e4 or more; planes that contradict each other keep a violation, and the first step
-// is then the x of least violation. A larger eps would call an acute wedge infeasible, a smaller
-// one would be rounding.
+// Eqs. (27) and (36) by their dual: an unknown per contact, whatever n_x is. r holds the violations
+// of the probe, G = A W^-1 A^T with unit gradients, Gamma = diag(gamma), and x = x_probe - W^-1 A^T
+// l. A contact's own violation is then gamma l.
 #include "haptic/core/projection/plane_projection.hpp"
 
 #include <algorithm>
@@ -17,18 +11,32 @@ namespace haptic::core {
 
 namespace {
 
-/// eps, relative to the dual's unit diagonal: large against rounding, small against any wedge that
-/// a simulation has.
-constexpr double kEpsilon = 1e-10;
-/// If a violation above this share of the deepest one remains, the planes contradict each other.
-constexpr double kInfeasible = 1e-4;
-constexpr int kRefinements = 3;  // each divides a violation by 1e4 or more
-
-constexpr bool has(std::uint32_t set, int i) noexcept {
-  return (set >> i & 1u) != 0;
-}
+/// Of the least shift of gaps, relative to what the anchor must explain.
+constexpr double kLeastShift = 1e-8;
+constexpr double kNegligible = 1e3;
+/// Curved gaps are linearised again only if x moved by more, m or rad.
+constexpr double kSameX = 1e-9;
 
 }  // namespace
+
+bool PlaneSet::fits(int n_x) const noexcept {
+  const Eigen::Index count = offsets.size();
+  const auto none_or_all = [count](const Offsets& v) {
+    return (v.size() == 0 || v.size() == count) && v.allFinite();
+  };
+  if (count == 0) return true;
+  if (normals.rows() != n_x || normals.cols() != count || !normals.allFinite() ||
+      !offsets.allFinite() || !none_or_all(compliance) || !none_or_all(velocity)) {
+    return false;
+  }
+  if (!curvature.allFinite()) return false;
+  int numbers = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    if (curved[i] > kMaxCurved || first[i] + curved[i] > n_x) return false;
+    numbers += triangle(curved[i]);
+  }
+  return numbers == curvature.size();
+}
 
 PlaneProjection::PlaneProjection(const ConfigurationSpace& space, TaskMetric metric)
     : space_(&space), metric_(std::move(metric)), at_(VecX::Zero(space.n_x())) {
@@ -37,172 +45,209 @@ PlaneProjection::PlaneProjection(const ConfigurationSpace& space, TaskMetric met
   }
 }
 
-void PlaneProjection::set(const PlaneSet& planes, const VecX& x) noexcept {
+void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_used) noexcept {
   count_ = planes.size();
-  skipped_ = 0;
-  hold_none();
+  skipped_ = curved_ = 0;
+  moving_ = planes.velocity.size() > 0;
+  soft_ = planes.compliance.size() > 0;
+  fresh_ = true;
+  unexplained_ = 0.0;
   at_ = x;
   A_ = planes.normals;
-  PlaneSet::Normals& D = contacts_.into;
-  D.resize(A_.rows(), count_);
+  contacts_.into.resize(A_.rows(), count_);
   contacts_.depth.setConstant(count_, -1.0);
-  for (int i = 0; i < count_; ++i) {
-    D.col(i) = metric_.steepest(A_.col(i));
-    const double norm = std::sqrt(A_.col(i).dot(D.col(i)));
-    if (!(norm > 0.0) || !std::isfinite(norm)) {
-      skipped_ |= 1u << i;
-      A_.col(i).setZero();
-      D.col(i).setZero();
-      beta_[i] = 0.0;
-      continue;
-    }
-    A_.col(i) /= norm;
-    D.col(i) /= norm;
-    beta_[i] = planes.offsets[i] / norm - A_.col(i).dot(at_);
+  H_ = planes.curvature;
+  first_ = planes.first;
+  n_curved_ = planes.curved;
+  int begin = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) {
+    begin_[i] = begin;
+    begin += PlaneSet::triangle(n_curved_[i]);
   }
+  for (int i = 0; i < count_; ++i) take(planes, i);
+  dual_.begin(count_, skipped_);
   for (int i = 0; i < count_; ++i) {
-    for (int j = 0; j <= i; ++j) G_(i, j) = G_(j, i) = A_.col(i).dot(D.col(j));
-    G_(i, i) += kEpsilon;
+    for (int j = 0; j < i; ++j) fill_gram(i, j);
+    fill_gram(i, i);
   }
+  if (x_used != nullptr) anchor(*x_used);
+  if (curved_ == 0) return;
+  told_ = A_;
+  told_beta_ = beta_;
+  told_gamma_ = gamma_;
+  told_speed_ = speed_;
+  z_.setZero(at_.size());
 }
 
-PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x) noexcept {
+void PlaneProjection::take(const PlaneSet& planes, int i) noexcept {
+  beta_[i] = gamma_[i] = speed_[i] = 0.0;
+  const double gamma = soft_ ? planes.compliance[i] : 0.0;
+  const double speed = moving_ ? planes.velocity[i] : 0.0;
+  auto H = H_.segment(begin_[static_cast<std::size_t>(i)],
+                      PlaneSet::triangle(n_curved_[static_cast<std::size_t>(i)]));
+  const bool usable = gamma >= 0.0 && std::isfinite(gamma) && std::isfinite(speed) && H.allFinite();
+  const double length = usable ? normalise(i) : 0.0;
+  if (length == 0.0) {
+    skipped_ |= 1u << i;
+    A_.col(i).setZero();
+    contacts_.into.col(i).setZero();
+    return;
+  }
+  beta_[i] = planes.offsets[i] / length - A_.col(i).dot(at_);
+  gamma_[i] = gamma / (length * length);
+  speed_[i] = speed / length;
+  if (H.isZero(0.0)) return;
+  H /= length;
+  curved_ |= 1u << i;
+}
+
+double PlaneProjection::normalise(int i) noexcept {
+  PlaneSet::Normals& D = contacts_.into;
+  D.col(i) = metric_.steepest(A_.col(i));
+  const double length = std::sqrt(A_.col(i).dot(D.col(i)));
+  if (!(length > 0.0) || !std::isfinite(length)) return 0.0;
+  A_.col(i) /= length;
+  D.col(i) /= length;
+  return length;
+}
+
+void PlaneProjection::fill_gram(int i, int j) noexcept {
+  ContactDual::Gram& G = dual_.gram();
+  G(i, j) = G(j, i) = A_.col(i).dot(contacts_.into.col(j));
+  if (i != j) return;
+  G(i, i) += ContactDual::kEpsilon;
+  if (gamma_[i] > 0.0) G(i, i) += gamma_[i];
+}
+
+/// min ||d - D l||_W^2 over l >= 0, d the client's own displacement, and among what explains it
+/// equally well least squares of the shifts gamma l - violation.
+void PlaneProjection::anchor(const VecX& x_used) noexcept {
+  space_->difference(x_used, at_, y_);
+  if (!y_.allFinite()) return;
+  const double softest = count_ > 0 ? std::max(1.0, gamma_.head(count_).maxCoeff()) : 1.0;
+  const double weight = kLeastShift / (softest * softest);
+  Vector r = Vector::Zero();
+  for (int i = 0; i < count_; ++i) {
+    r[i] = ContactDual::has(skipped_, i) ? -1.0 : A_.col(i).dot(y_) - weight * gamma_[i] * beta_[i];
+    dual_.gram()(i, i) = A_.col(i).dot(contacts_.into.col(i)) + ContactDual::kEpsilon +
+                         weight * gamma_[i] * gamma_[i];
+  }
+  dual_.solve(r);
+  Vector l = dual_.l();
+  for (int i = 0; i < count_; ++i) {
+    // Of what the least shift alone wants nothing is kept: a proxy that is free stays so.
+    if (l[i] <= kNegligible * weight * gamma_[i] * std::abs(beta_[i])) l[i] = 0.0;
+    y_ -= l[i] * contacts_.into.col(i);
+  }
+  for (int i = 0; i < count_; ++i) {
+    if (ContactDual::has(skipped_, i)) continue;
+    const double met = A_.col(i).dot(y_) - gamma_[i] * l[i];
+    beta_[i] = l[i] > 0.0 ? met : std::max(beta_[i], met);
+    fill_gram(i, i);
+  }
+  dual_.hold_none();
+  unexplained_ = metric_.weighed(y_, z_).norm();
+}
+
+void PlaneProjection::linearise() noexcept {
+  for (int i = 0; i < count_; ++i) {
+    if (!ContactDual::has(curved_, i)) continue;
+    const int first = first_[static_cast<std::size_t>(i)];
+    const int n = n_curved_[static_cast<std::size_t>(i)];
+    turn_.setZero(at_.size());
+    const double* entry = H_.data() + begin_[static_cast<std::size_t>(i)];
+    for (int row = 0; row < n; ++row) {
+      for (int column = 0; column <= row; ++column, ++entry) {
+        turn_[first + row] += *entry * z_[first + column];
+        if (column < row) turn_[first + column] += *entry * z_[first + row];
+      }
+    }
+    const double turned = std::sqrt(turn_.dot(metric_.steepest(turn_)));
+    const double share = turned > kMostTurn ? kMostTurn / turned : 1.0;
+    A_.col(i) = told_.col(i) - share * turn_;
+    const double length = normalise(i);
+    const double scale = length > 0.0 ? 1.0 / length : 0.0;
+    beta_[i] = (told_beta_[i] - 0.5 * share * share * turn_.dot(z_)) * scale;
+    gamma_[i] = told_gamma_[i] * scale * scale;
+    speed_[i] = told_speed_[i] * scale;
+  }
+  for (int i = 0; i < count_; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      if (ContactDual::has(curved_, i) || ContactDual::has(curved_, j)) fill_gram(i, j);
+    }
+  }
+  dual_.refactor();
+}
+
+PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x, double age) noexcept {
   x = x_probe;
   if (count_ == 0) return PlaneStatus::kFree;
   space_->difference(x_probe, at_, y_);
-  Small r = Small::Zero();
+  if (curved_ == 0) {
+    const PlaneStatus status = solve(age);
+    displace(x);
+    return status;
+  }
+  PlaneStatus status = PlaneStatus::kFree;
+  for (int left = fresh_ ? kFirstSteps : kMostSteps; left > 0; --left) {
+    linearise();
+    status = solve(age);
+    turn_ = y_;
+    for (int i = 0; i < count_; ++i) turn_ -= dual_.l()[i] * contacts_.into.col(i);
+    const bool settled = (turn_ - z_).lpNorm<Eigen::Infinity>() < kSameX;
+    if (turn_.allFinite()) z_ = turn_;
+    if (settled) break;
+  }
+  fresh_ = false;
+  displace(x);
+  return status;
+}
+
+/// Multipliers for the probe at y_.
+PlaneStatus PlaneProjection::solve(double age) noexcept {
+  Vector r = Vector::Zero();
   double deepest = 0.0;
-  const PlaneSet::Normals& D = contacts_.into;
   for (int i = 0; i < count_; ++i) {
-    r[i] = has(skipped_, i) ? -1.0 : A_.col(i).dot(y_) - beta_[i];
+    r[i] = ContactDual::has(skipped_, i) ? -1.0 : A_.col(i).dot(y_) - beta_[i];
+    if (moving_ && !ContactDual::has(skipped_, i)) r[i] -= age * speed_[i];
     deepest = std::max(deepest, r[i]);
     contacts_.depth[i] = r[i];
   }
   if (!(deepest > 0.0)) {
-    hold_none();
+    dual_.hold_none();
     return PlaneStatus::kFree;
   }
-  const PlaneStatus status = multipliers(r, deepest);
+  return dual_.meet(r, deepest) ? PlaneStatus::kActive : PlaneStatus::kInfeasible;
+}
+
+void PlaneProjection::displace(VecX& x) const noexcept {
+  if (dual_.held() == 0) return;
+  const PlaneSet::Normals& D = contacts_.into;
   for (Eigen::Index k = 0; k < x.size(); ++k) {
     bool held = !linear_[static_cast<std::size_t>(k)];
-    for (int i = 0; i < count_; ++i) held = held || (has(active_, i) && D(k, i) != 0.0);
+    for (int i = 0; i < count_; ++i)
+      held = held || (ContactDual::has(dual_.held(), i) && D(k, i) != 0.0);
     // What no plane holds is where the probe is, to the bit: nothing is in its way.
     if (!held) continue;
     // From at_ on, not from x_probe: an angle or a rotation there may be one turn or one sign away.
     x[k] = at_[k] + y_[k];
     for (int i = 0; i < count_; ++i) {
-      if (has(active_, i)) x[k] -= l_[i] * D(k, i);
+      if (ContactDual::has(dual_.held(), i)) x[k] -= dual_.l()[i] * D(k, i);
     }
-  }
-  return status;
-}
-
-/// Proximal steps on the dual, each with the multipliers of the one before: they converge to eps =
-/// 0 if all planes can be met; if not, the first step is the answer.
-PlaneStatus PlaneProjection::multipliers(const Small& r, double deepest) noexcept {
-  Small shifted = r;
-  int left = kMostSolves;
-  for (int n = 0; n <= kRefinements; ++n) {
-    solve(shifted, left);
-    double violation = 0.0;
-    for (int i = 0; i < count_; ++i) {
-      violation = std::max(violation, r[i] + kEpsilon * l_[i] - pushed(i));
-    }
-    if (n == 0 && violation > kInfeasible * deepest) return PlaneStatus::kInfeasible;
-    if (violation <= 1e-15 * deepest) break;
-    for (int i = 0; i < count_; ++i) shifted[i] = r[i] + kEpsilon * l_[i];
-  }
-  return PlaneStatus::kActive;
-}
-
-double PlaneProjection::pushed(int i) const noexcept {
-  double sum = 0.0;
-  for (int k = 0; k < n_held_; ++k) sum += G_(i, held_[k]) * l_[held_[k]];
-  return sum;
-}
-
-void PlaneProjection::hold_none() noexcept {
-  l_.setZero();
-  active_ = 0;
-  n_held_ = factored_ = 0;
-}
-
-void PlaneProjection::solve(const Small& r, int& left) noexcept {
-  double largest = 0.0;
-  for (int i = 0; i < count_; ++i) largest = std::max(largest, r[i]);
-  settle(r, largest, left);
-  std::uint32_t refused = 0;
-  while (left > 0) {
-    int wanted = -1;
-    double steepest = 1e-14 * largest;
-    for (int i = 0; i < count_; ++i) {
-      if (has(active_ | refused | skipped_, i)) continue;
-      const double w = r[i] - pushed(i);
-      if (w > steepest) {
-        steepest = w;
-        wanted = i;
-      }
-    }
-    if (wanted < 0) return;
-    const std::uint32_t before = active_;
-    active_ |= 1u << wanted;
-    held_[n_held_++] = wanted;
-    settle(r, largest, left);
-    // A plane that entered and left at once would do so for ever: rounding decided that it is met.
-    refused = active_ == before ? refused | 1u << wanted : 0;
   }
 }
 
-void PlaneProjection::settle(const Small& r, double largest, int& left) noexcept {
-  Small s;
-  while (n_held_ > 0 && left > 0) {
-    --left;
-    solve_held(r, s);
-    double step = 1.0;
-    for (int k = 0; k < n_held_; ++k) {
-      const double l = l_[held_[k]];
-      if (s[k] <= 0.0) step = std::min(step, l / (l - s[k]));
-    }
-    if (!(step >= 0.0)) step = 0.0;  // 0 / 0: a plane that was to enter with nothing
-    int kept = 0;
-    for (int k = 0; k < n_held_; ++k) {
-      const int i = held_[k];
-      const double next = l_[i] + step * (s[k] - l_[i]);
-      if (s[k] <= 0.0 && next <= 1e-15 * largest) {
-        l_[i] = 0.0;
-        active_ &= ~(1u << i);
-        factored_ = std::min(factored_, kept);
-      } else {
-        l_[i] = next;
-        held_[kept++] = i;
-      }
-    }
-    n_held_ = kept;
-    if (step >= 1.0) return;
+double PlaneProjection::stored() const noexcept {
+  if (!soft_ || dual_.held() == 0) return 0.0;
+  VecX displaced = VecX::Zero(at_.size());
+  double contacts = 0.0, coupling = 0.0;
+  for (int i = 0; i < count_; ++i) displaced += dual_.l()[i] * contacts_.into.col(i);
+  for (int i = 0; i < count_; ++i) {
+    const double l = dual_.l()[i];
+    contacts += gamma_[i] * l * l;
+    coupling += l * A_.col(i).dot(displaced);
   }
-}
-
-/// Rows of L_ before the first plane that left stay: a plane that enters costs one row.
-void PlaneProjection::solve_held(const Small& r, Small& s) noexcept {
-  for (int i = factored_; i < n_held_; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      double sum = G_(held_[i], held_[j]);
-      for (int k = 0; k < j; ++k) sum -= L_(i, k) * L_(j, k);
-      // eps keeps every pivot above 0
-      L_(i, j) = i == j ? std::sqrt(std::max(sum, 0.5 * kEpsilon)) : sum / L_(j, j);
-    }
-  }
-  factored_ = n_held_;
-  for (int i = 0; i < n_held_; ++i) {
-    double sum = r[held_[i]];
-    for (int k = 0; k < i; ++k) sum -= L_(i, k) * s[k];
-    s[i] = sum / L_(i, i);
-  }
-  for (int i = n_held_ - 1; i >= 0; --i) {
-    double sum = s[i];
-    for (int k = i + 1; k < n_held_; ++k) sum -= L_(k, i) * s[k];
-    s[i] = sum / L_(i, i);
-  }
+  return coupling > 0.0 ? contacts / coupling : 0.0;
 }
 
 }  // namespace haptic::core

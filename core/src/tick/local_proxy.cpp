@@ -2,7 +2,9 @@
 
 namespace haptic::core {
 
-void LocalProxy::step(const ProxySnapshot& sample, const VecX& x_probe, Anchor& now) noexcept {
+void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const VecX& x_probe,
+                      Anchor& now) noexcept {
+  past_.push(moment.tick, x_probe);
   const bool same = sample.tenure == tenure_ && sample.seq == seq_ && sample.mode == mode_;
   mode_ = sample.mode;
   tenure_ = sample.tenure;
@@ -17,8 +19,13 @@ void LocalProxy::step(const ProxySnapshot& sample, const VecX& x_probe, Anchor& 
       now.x = x_probe;
       break;
     case ProxyMode::kPlanes:
-      if (new_sample_) projection_.set(sample.planes, sample.x);
-      now.planes = projection_.project(x_probe, now.x);
+      if (new_sample_) {
+        const bool anchored = past_.find(sample.anchored_at, used_);
+        projection_.set(sample.planes, sample.x, anchored ? &used_ : nullptr);
+      }
+      now.planes = projection_.project(x_probe, now.x, moment.age);
+      now.stored = projection_.stored();
+      now.unexplained = projection_.unexplained();
       now.active_planes = projection_.active();
       now.in_the_way = changed_ = now.planes != PlaneStatus::kFree;
       break;

@@ -2,25 +2,32 @@
 /// The proxy between two samples: how x moves at 1 kHz while the simulation is silent
 /// (core/METHOD.md#local-models). held: x stays. free: x is the haptic probe itself, so that no
 /// force and no drag arise; a client that falls silent in free space leaves nothing behind that
-/// could pull. planes: x is the haptic probe, kept out of the sample's planes; while none is in the
-/// way it is as free.
+/// could pull. planes: x is the haptic probe, kept out of the sample's planes, or the proxy against
+/// its contacts (core/METHOD.md#contacts); while none is in the way it is as free.
 
 #include "haptic/core/model/configuration_space.hpp"
 #include "haptic/core/projection/plane_projection.hpp"
 #include "haptic/core/tick/tick_record.hpp"
 #include "haptic/core/types.hpp"
+#include "probe_history.hpp"
 
 namespace haptic::core {
 
 class LocalProxy {
  public:
+  struct Moment {
+    std::uint64_t tick{0};  ///< rises by one from step to step
+    double age{0.0};        ///< of the sample, s
+  };
+
   /// `space` must outlive this. `metric`: W_x, in which planes keep x out by the shortest way.
   explicit LocalProxy(const ConfigurationSpace& space, TaskMetric metric = {})
-      : projection_(space, std::move(metric)) {}
+      : projection_(space, std::move(metric)), past_(space.n_x()) {}
 
   /// From the sample in use and the haptic probe: writes x (n_x; empty if there is no sample),
-  /// in_the_way, planes and active_planes of a new Anchor.
-  void step(const ProxySnapshot& sample, const VecX& x_probe, Anchor& now) noexcept;
+  /// in_the_way, planes, active_planes, stored and unexplained of a new Anchor.
+  void step(const ProxySnapshot& sample, const Moment& moment, const VecX& x_probe,
+            Anchor& now) noexcept;
 
   // Of the last step:
   /// Null unless the sample has planes.
@@ -37,6 +44,8 @@ class LocalProxy {
   std::uint32_t tenure_{0};
   std::uint64_t seq_{0};
   PlaneProjection projection_;
+  ProbeHistory past_;
+  VecX used_{};  ///< the probe of which the sample was computed
   bool new_sample_{false};
   bool changed_{false};
 };

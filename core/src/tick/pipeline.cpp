@@ -1,5 +1,6 @@
 #include "haptic/core/tick/pipeline.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -97,6 +98,11 @@ PipelineConfig checked(PipelineConfig config) {
   return config;
 }
 
+/// How long a contact that moves goes on as it was told, s: while force is whole.
+double contact_age(const ProxyInUse& proxy, const Settings& settings) noexcept {
+  return seconds(std::clamp(proxy.age, Duration::zero(), settings.staleness.hold_end));
+}
+
 }  // namespace
 
 /// The stages in the order in which a tick takes them, and what a tick needs of the last one.
@@ -123,7 +129,8 @@ class Pipeline::Stages {
         .settings_id = settings.id,
         .sensed = sensing_.step(in, now.beat.dt, driven_),
         .proxy = proxy_.step(in, settings.staleness, now.sensed.tracker, state_),
-        .anchor = rendering_.step(now.sensed, proxy_.sample(), settings, in_use_),
+        .anchor = rendering_.step({now.beat.tick, contact_age(now.proxy, settings)}, now.sensed,
+                                  proxy_.sample(), settings, in_use_),
         .life = supervisor_.step(in, now.beat, settings, now.sensed, now.proxy, now.anchor,
                                  output_faults_),
         .effort = actuation_.step(now.beat, now.sensed, now.anchor, now.life, settings,

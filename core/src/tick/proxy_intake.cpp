@@ -34,9 +34,7 @@ bool ProxyIntake::fits(const ProxySnapshot& sample) const noexcept {
   if (sample.mode == ProxyMode::kFree) return true;
   if (sample.x.size() != n_x_ || !sample.x.allFinite()) return false;
   if (sample.mode != ProxyMode::kPlanes || sample.planes.size() == 0) return true;
-  const PlaneSet& planes = sample.planes;
-  return planes.normals.rows() == n_x_ && planes.normals.cols() == planes.size() &&
-         planes.normals.allFinite() && planes.offsets.allFinite();
+  return sample.planes.fits(n_x_);
 }
 
 }  // namespace haptic::core

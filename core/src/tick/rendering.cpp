@@ -14,14 +14,15 @@ Rendering::Rendering(const ProjectionModel& model, const PipelineConfig& config)
   if (config.passivity_certificate) certificate_.emplace(model);
 }
 
-Anchor Rendering::step(const Sensed& sensed, const ProxySnapshot& sample, const Settings& settings,
+Anchor Rendering::step(const LocalProxy::Moment& moment, const Sensed& sensed,
+                       const ProxySnapshot& sample, const Settings& settings,
                        const VecQ& in_use) noexcept {
   if (settings.renderer != renderer_.kind()) {
     renderer_.change(settings.renderer);
     solve_ = true;
   }
   Anchor now;
-  locate(sensed, sample, now);
+  locate(moment, sensed, sample, now);
   solve_ = solve_ || local_.changed();
   if (!now.in_the_way) {
     if (anchored_) renderer_.release();
@@ -49,10 +50,11 @@ Anchor Rendering::step(const Sensed& sensed, const ProxySnapshot& sample, const 
 /// dx = 0 and q* = q to the bit, hence costs no J and no solve, and if its f has no value at q the
 /// others do not notice (core/METHOD.md#model-only-what-a-scene-needs). A block named again stays
 /// free until its f has a value.
-void Rendering::locate(const Sensed& sensed, const ProxySnapshot& sample, Anchor& now) noexcept {
+void Rendering::locate(const LocalProxy::Moment& moment, const Sensed& sensed,
+                       const ProxySnapshot& sample, Anchor& now) noexcept {
   const BlockSet failed = sensed.ready ? map_.move_to(sensed.q) : map_.all();
   now.x_probe = map_.x_probe();
-  local_.step(sample, map_.x_probe(), now);
+  local_.step(sample, moment, map_.x_probe(), now);
   if (now.planes == PlaneStatus::kInfeasible) now.limiters.set(Limiter::kInfeasiblePlanes);
 
   BlockSet unheld = 0;

@@ -28,8 +28,10 @@ class Rendering {
 
   /// `sample`: of the proxy in use. `in_use`: the anchor in use in the last tick, n_q; it stays if
   /// f has no value at q (core/METHOD.md#map-without-a-value).
-  [[nodiscard]] Anchor step(const Sensed& sensed, const ProxySnapshot& sample,
-                            const Settings& settings, const VecQ& in_use) noexcept;
+  /// `moment`: this tick, and the sample's age, which moves contacts that have a velocity.
+  [[nodiscard]] Anchor step(const LocalProxy::Moment& moment, const Sensed& sensed,
+                            const ProxySnapshot& sample, const Settings& settings,
+                            const VecQ& in_use) noexcept;
   /// Of the last step; valid until the next, and as long as `sensed`.
   [[nodiscard]] Displacement displacement(const Sensed& sensed) const noexcept {
     return {{sensed.q, map_.x_probe(), map_.J(), {local_.contacts()}}, dx_, renderer_};
@@ -37,7 +39,8 @@ class Rendering {
 
  private:
   /// x_probe, and the proxy `x` as the sample's local model moves it.
-  void locate(const Sensed& sensed, const ProxySnapshot& sample, Anchor& now) noexcept;
+  void locate(const LocalProxy::Moment& moment, const Sensed& sensed, const ProxySnapshot& sample,
+              Anchor& now) noexcept;
   /// q*, something being in the way and f having a value. False: it is not finite.
   [[nodiscard]] bool project(const Sensed& sensed, const Settings& settings, Anchor& now) noexcept;
   /// Blocks of which this tick reads J.

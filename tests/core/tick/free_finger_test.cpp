@@ -58,7 +58,7 @@ class FreeFinger : public testing::Test {
   /// core/METHOD.md#map-without-a-value: its linkage has no configuration there.
   void break_finger(int finger) { sensed.q.segment<2>(2 * finger) << 0.02, -101 * kDegree; }
   Anchor step(Rendering& rendering) {
-    const Anchor now = rendering.step(sensed, sample, settings, in_use);
+    const Anchor now = rendering.step({}, sensed, sample, settings, in_use);
     in_use = now.q_star;
     return now;
   }
@@ -111,7 +111,7 @@ TEST_F(FreeFinger, SingleFingerIsNeverFree) {
   Rendering rendering(one, alone);
   sensed.q = VecQ(sensed.q.head(2));
   sample.mode = ProxyMode::kFree;
-  EXPECT_EQ(rendering.step(sensed, sample, {alone.scene, {}}, sensed.q).free, 0u);
+  EXPECT_EQ(rendering.step({}, sensed, sample, {alone.scene, {}}, sensed.q).free, 0u);
 }
 
 /// A plane far away on all fingers names them all, and changes nothing but that.
@@ -133,13 +133,13 @@ TEST_F(FreeFinger, FarPlaneChangesNothing) {
           const int b = static_cast<int>(kFingers * unit(random));
           planes_into({{a, 0.1 * (unit(random) - 0.4)}, {b, 0.1 * (unit(random) - 0.4)}});
         }
-        const Anchor now = lean.step(sensed, sample, settings, lean_in_use);
+        const Anchor now = lean.step({}, sensed, sample, settings, lean_in_use);
         ProxySnapshot naming = sample;
         naming.planes.normals.conservativeResize(2 * kFingers, 3);
         naming.planes.normals.col(2).setOnes();
         naming.planes.offsets.conservativeResize(3);
         naming.planes.offsets[2] = kFar;
-        const Anchor all = full.step(sensed, naming, settings, full_in_use);
+        const Anchor all = full.step({}, sensed, naming, settings, full_in_use);
         ASSERT_EQ(all.free, 0u);
         ASSERT_NE(now.free, 0u);
         ASSERT_EQ(now.x_probe, all.x_probe);

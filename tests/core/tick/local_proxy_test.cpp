@@ -21,13 +21,14 @@ class LocalProxyTest : public ::testing::Test {
  protected:
   Anchor step(const ProxySnapshot& sample, double a, double b) {
     Anchor now;
-    local_.step(sample, two(a, b), now);
+    local_.step(sample, {++tick_, 0.0}, two(a, b), now);
     return now;
   }
 
   const ConfigurationSpace space_{
       {{"a", Unit::kMetre, CoordinateKind::kLinear}, {"b", Unit::kMetre, CoordinateKind::kLinear}}};
   LocalProxy local_{space_};
+  std::uint64_t tick_{0};
 };
 
 TEST_F(LocalProxyTest, HeldProxyStays) {
@@ -61,6 +62,31 @@ TEST_F(LocalProxyTest, PlanesKeepTheProbeOut) {
   EXPECT_TRUE(now.in_the_way && local_.changed());
   EXPECT_EQ(now.planes, PlaneStatus::kActive);
   EXPECT_EQ(now.active_planes, 1u);
+}
+
+TEST_F(LocalProxyTest, ContactsAnchorAtTheTickUsed) {
+  step({}, 0.7, 7.0);  // tick 1
+  step({}, 0.9, 7.0);
+  ProxySnapshot contacts = sample_of(ProxyMode::kPlanes, 1);
+  contacts.planes.compliance = one(1.0);
+  contacts.x = two(0.55, 7.0);  // of the probe 0.7 the told law would make 0.6
+  contacts.anchored_at = 1;
+  Anchor now = step(contacts, 0.7, 7.0);
+  EXPECT_NEAR(now.x[0], 0.55, 1e-8);
+  EXPECT_NEAR(now.stored, 1.0, 1e-6) << "as much as the coupling, with a compliance of 1";
+  EXPECT_NEAR(now.unexplained, 0.0, 1e-8);
+  contacts.seq = 2;
+  contacts.x = two(0.55, 7.2);
+  EXPECT_NEAR(step(contacts, 0.7, 7.0).unexplained, 0.2, 1e-8);
+  contacts.seq = 3;
+  contacts.anchored_at = tick_ + 2;  // of the future: as told
+  now = step(contacts, 0.7, 7.0);
+  EXPECT_NEAR(now.x[0], 0.6, 1e-9);
+  EXPECT_EQ(now.unexplained, 0.0);
+  contacts.seq = 4;
+  contacts.anchored_at = 1;  // long ago: as told
+  for (int n = 0; n < 1100; ++n) step({}, 0.7, 7.0);
+  EXPECT_NEAR(step(contacts, 0.7, 7.0).x[0], 0.6, 1e-9);
 }
 
 TEST_F(LocalProxyTest, EachSampleBringsItsOwnPlanes) {

@@ -31,7 +31,7 @@ class RenderingTest : public testing::Test {
 
 TEST_F(RenderingTest, HeldProxyAnchorsByEq8) {
   Rendering rendering(model, config);
-  const Anchor now = rendering.step(sensed, sample, settings, unused);
+  const Anchor now = rendering.step({}, sensed, sample, settings, unused);
   // Independent: the linearised deviation by Cramer's rule.
   VecX x_probe;
   MatXQ J;
@@ -51,7 +51,7 @@ TEST_F(RenderingTest, HeldProxyAnchorsByEq8) {
 TEST_F(RenderingTest, FreeProxyAnchorsNothing) {
   Rendering rendering(model, config);
   sample.mode = ProxyMode::kFree;
-  const Anchor now = rendering.step(sensed, sample, settings, unused);
+  const Anchor now = rendering.step({}, sensed, sample, settings, unused);
   EXPECT_EQ(now.q_star, sensed.q);
   EXPECT_EQ(now.x, now.x_probe);
   EXPECT_EQ(now.projection, ProjectionStatus::kNone);
@@ -62,7 +62,7 @@ TEST_F(RenderingTest, FreeProxyAnchorsNothing) {
 TEST_F(RenderingTest, MapsNothingBeforeTheFirstSample) {
   Rendering rendering(model, config);
   sensed.ready = false;
-  const Anchor now = rendering.step(sensed, sample, settings, unused);
+  const Anchor now = rendering.step({}, sensed, sample, settings, unused);
   EXPECT_FALSE(now.mapped || now.anchored);
   EXPECT_EQ(now.projection, ProjectionStatus::kMapFailed);
   EXPECT_EQ(now.x_probe, VecX::Zero(2));
@@ -73,11 +73,11 @@ TEST_F(RenderingTest, AnchorStaysIfTheMapFails) {
   for (const RendererKind kind : kAllRenderers) {
     settings.renderer = kind;
     Rendering rendering(model, config);
-    const Anchor before = rendering.step(sensed, sample, settings, unused);
+    const Anchor before = rendering.step({}, sensed, sample, settings, unused);
     Sensed nowhere = sensed;
     nowhere.q << 0.02, -101 * kDegree;
     const VecQ in_use = before.q_star + joints(1e-4, 0.0);  // as the tank shortened it
-    const Anchor now = rendering.step(nowhere, sample, settings, in_use);
+    const Anchor now = rendering.step({}, nowhere, sample, settings, in_use);
     EXPECT_EQ(now.projection, ProjectionStatus::kMapFailed);
     EXPECT_EQ(now.q_star, in_use);
     EXPECT_EQ(now.x_probe, before.x_probe) << "the last one that f had";
@@ -89,16 +89,16 @@ TEST_F(RenderingTest, AnchorStaysIfTheMapFails) {
 TEST_F(RenderingTest, FailedMapWithoutAnchorPullsNothing) {
   Rendering rendering(model, config);
   sensed.q << 0.02, -101 * kDegree;
-  const Anchor now = rendering.step(sensed, sample, settings, joints(0.01, 0.3));
+  const Anchor now = rendering.step({}, sensed, sample, settings, joints(0.01, 0.3));
   EXPECT_FALSE(now.anchored);
   EXPECT_EQ(now.q_star, sensed.q);
 }
 
 TEST_F(RenderingTest, RendererChangesWithTheSettings) {
   Rendering rendering(model, config);
-  static_cast<void>(rendering.step(sensed, sample, settings, unused));
+  static_cast<void>(rendering.step({}, sensed, sample, settings, unused));
   settings.renderer = RendererKind::kSubspaceExact;
-  const Anchor now = rendering.step(sensed, sample, settings, unused);
+  const Anchor now = rendering.step({}, sensed, sample, settings, unused);
   VecQ q;
   ASSERT_EQ(config.kinematics->inverse(sample.x, q), InverseStatus::kExact);
   EXPECT_NEAR((now.q_star - q).norm(), 0.0, 1e-12) << "Eq. (6)";
@@ -108,7 +108,7 @@ TEST_F(RenderingTest, UnreachableProxyReportsItsClamp) {
   settings.renderer = RendererKind::kSubspaceExact;
   Rendering rendering(model, config);
   sample.x = joints(3.0, 3.0);
-  const Anchor now = rendering.step(sensed, sample, settings, unused);
+  const Anchor now = rendering.step({}, sensed, sample, settings, unused);
   EXPECT_EQ(now.projection, ProjectionStatus::kUnreachable);
   EXPECT_TRUE(now.limiters.has(Limiter::kRangeClamp));
 }

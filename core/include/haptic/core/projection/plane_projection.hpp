@@ -1,22 +1,25 @@
 #pragma once
 /// The client's projection, done by the server in every tick, Eq. (27)
-/// (core/METHOD.md#local-models):
-///   x = argmin ||x (-) x_probe||_W^2  such that  n_i^T x <= b_i,  at most kMaxPlanes planes,
-/// W the scene's metric W_x: what is near for the planes is what is near for the renderer
-/// (core/METHOD.md#metric-and-limits). Solved by an active set on the dual, min 1/2 l^T (G + eps) l
-/// - l^T r over l >= 0 with G = A W^-1 A^T and unit normals in W^-1. The small eps makes every set
-/// of planes have one answer:
+/// (core/METHOD.md#local-models), and with contacts Eq. (36) (core/METHOD.md#contacts):
+///   x = argmin 1/2 ||x (-) x_probe||_W^2 + 1/2 sum_i max(0, -phi_i(x))^2 / gamma_i,
+/// phi_i the gaps of at most kMaxPlanes contacts (PlaneSet); gamma_i = 0 means phi_i >= 0. W is the
+/// scene's metric W_x: what is near for the planes is what is near for the renderer
+/// (core/METHOD.md#metric-and-limits). Solved on the dual (contact_dual.hpp), with gradients of
+/// unit length in W^-1, so that planes, which have neither compliance nor curvature, have
 ///   parallel, redundant   the same x as without the superfluous ones
 ///   opposite, infeasible  the x of least violation, min sum (n_i^T x - b_i)^2 with unit normals,
 ///                         that is nearest to x_probe; status kInfeasible
-/// If the planes can be met, eps is iterated away: x meets them to rounding. Planes that meet
-/// only beyond some hundred times their violation (an acute wedge seen from outside) count as
-/// infeasible. The work per tick is bounded: after kMostSolves systems of equations, which only
-/// planes that contradict each other by the dozen need, what was reached is the answer.
+/// If they can be met x meets them to rounding. Planes that meet only beyond some hundred times
+/// their violation (an acute wedge seen from outside) count as infeasible.
+///
+/// Curved gaps are linearised where x was in the tick before, solved, and linearised again there:
+/// at most kMostSteps systems, kFirstSteps in the first tick of a sample.
 
+#include <array>
 #include <vector>
 
 #include "haptic/core/model/configuration_space.hpp"
+#include "haptic/core/projection/contact_dual.hpp"
 #include "haptic/core/projection/contacts.hpp"
 #include "haptic/core/projection/task_metric.hpp"
 
@@ -30,59 +33,75 @@ enum class PlaneStatus : std::uint8_t {
 
 class PlaneProjection {
  public:
+  static constexpr int kMostSteps = 2;   ///< linearisations of curved gaps in a tick
+  static constexpr int kFirstSteps = 8;  ///< in the first tick of a sample
+  /// Most by which curvature may turn and lengthen a gradient of length 1: beyond, the contact is
+  /// the plane that touches it there.
+  static constexpr double kMostTurn = 1.0;
+
   /// `space` must outlive this. `metric`: W, of its n_x or the identity.
   explicit PlaneProjection(const ConfigurationSpace& space, TaskMetric metric = {});
 
-  /// From now on these planes, linearised at `x` (n_x). A plane whose normal is 0 is left out. With
-  /// a W that is not diagonal 2 n_x^2 multiplications per plane; otherwise n_x. Never allocates.
-  void set(const PlaneSet& planes, const VecX& x) noexcept;
+  /// From now on these contacts, around `x` (n_x). A contact without a direction, or with a number
+  /// that is not finite, is left out. `x_used` (n_x), if not null: the haptic probe of which the
+  /// simulation computed x, its own proxy; the gaps are shifted so that the law gives x there
+  /// (core/METHOD.md#contacts), and unexplained() is what no shift explains. With a W that is not
+  /// diagonal 2 n_x^2 multiplications per contact; otherwise n_x. Never allocates.
+  void set(const PlaneSet& planes, const VecX& x, const VecX* x_used = nullptr) noexcept;
 
-  /// Writes x (n_x) for the haptic probe. A linear coordinate that no active plane moves keeps the
-  /// bits of the probe. (If W is not diagonal a plane also moves coordinates that it does not
-  /// name.) Never allocates.
-  PlaneStatus project(const VecX& x_probe, VecX& x) noexcept;
+  /// Writes x (n_x) for the haptic probe, `age` s after the sample. A linear coordinate that no
+  /// active plane moves keeps the bits of the probe. (If W is not diagonal a plane also moves
+  /// coordinates that it does not name.) Never allocates.
+  PlaneStatus project(const VecX& x_probe, VecX& x, double age = 0.0) noexcept;
 
-  /// Of the last project(): every plane and how deep the probe is beyond it; a plane that was left
-  /// out has direction 0 and depth -1.
+  /// Of the last set(): ||x (-) what the law gives at x_used||_W; 0 without x_used.
+  [[nodiscard]] double unexplained() const noexcept { return unexplained_; }
+  // Of the last project():
+  /// Every contact and how deep the probe is beyond it; one that was left out has direction 0 and
+  /// depth -1.
   [[nodiscard]] const Contacts& contacts() const noexcept { return contacts_; }
-  /// Of the last project(): bit i is set where plane i holds x.
-  [[nodiscard]] std::uint32_t active() const noexcept { return active_; }
+  /// Bit i is set where contact i holds x.
+  [[nodiscard]] std::uint32_t active() const noexcept { return dual_.held(); }
+  /// Energy of the contacts, sum max(0, -phi_i)^2 / gamma_i, by that of the coupling,
+  /// ||x (-) x_probe||_W^2; 0 where nothing is in the way.
+  [[nodiscard]] double stored() const noexcept;
 
  private:
-  using Small = Eigen::Matrix<double, kMaxPlanes, 1>;
-  using Gram = Eigen::Matrix<double, kMaxPlanes, kMaxPlanes, Eigen::RowMajor>;
-  static constexpr int kMostSolves = 3 * kMaxPlanes;
+  using Vector = ContactDual::Vector;
 
-  /// l_ and active_ for violations r of x_probe, the deepest of them > 0.
-  PlaneStatus multipliers(const Small& r, double deepest) noexcept;
-  /// l_ = argmin 1/2 l^T (G + eps) l - l^T r, l >= 0 (C. L. Lawson and R. J. Hanson's active set),
-  /// from the l_ that is there; at most `left` systems of equations, which it counts down.
-  void solve(const Small& r, int& left) noexcept;
-  /// Goes from l_ towards the solution on the planes held, which lose those that it would make < 0.
-  void settle(const Small& r, double largest, int& left) noexcept;
-  /// s = (G + eps)^-1 r on the planes held, in their order.
-  void solve_held(const Small& r, Small& s) noexcept;
-  /// (G + eps) l_ at plane i.
-  [[nodiscard]] double pushed(int i) const noexcept;
-  void hold_none() noexcept;
+  /// Contact i, scaled so that its gradient has unit length in W^-1; or it is left out.
+  void take(const PlaneSet& planes, int i) noexcept;
+  /// Divides column i of A_ by its length, which is returned; 0: it has none. Writes D.
+  double normalise(int i) noexcept;
+  void fill_gram(int i, int j) noexcept;
+  /// Shifts beta_ so that the law gives at_ for the probe x_used.
+  void anchor(const VecX& x_used) noexcept;
+  /// Curved contacts become the planes that touch them at z_.
+  void linearise() noexcept;
+  PlaneStatus solve(double age) noexcept;
+  void displace(VecX& x) const noexcept;
 
   const ConfigurationSpace* space_;
   TaskMetric metric_;
   std::vector<bool> linear_{};  ///< per coordinate: the real line, no turns and no signs
   int count_{0};
-  std::uint32_t skipped_{0};  ///< planes without a direction
+  std::uint32_t skipped_{0};  ///< contacts that are left out
+  std::uint32_t curved_{0};   ///< contacts with a curvature
+  bool soft_{false}, moving_{false}, fresh_{false};
   VecX at_;
-  PlaneSet::Normals A_{};  ///< unit in W^-1
-  Contacts contacts_{};    ///< into: D = W^-1 A
-  Small beta_{};           ///< offsets relative to at_
-  Gram G_{};
-  Small l_{};               ///< > 0 for the planes held, else 0
-  int held_[kMaxPlanes]{};  ///< the planes held, in the order in which they came
-  int n_held_{0};
-  Gram L_{};                 ///< of Cholesky, in that order
-  int factored_{0};          ///< rows of L_ that hold
-  std::uint32_t active_{0};  ///< the planes held, as bits
-  VecX y_{};
+  PlaneSet::Normals A_{};              ///< unit in W^-1
+  Contacts contacts_{};                ///< into: D = W^-1 A
+  Vector beta_{}, gamma_{}, speed_{};  ///< of the scaled contacts; beta_ relative to at_
+  PlaneSet::Normals told_{};           ///< these four: of curved contacts at at_
+  Vector told_beta_{}, told_gamma_{}, told_speed_{};
+  PlaneSet::Curvatures H_{};  ///< scaled
+  PlaneSet::Places first_{}, n_curved_{};
+  std::array<int, kMaxPlanes> begin_{};  ///< of each contact's curvature in H_
+  ContactDual dual_{};
+  double unexplained_{0.0};
+  VecX y_{};     ///< the probe relative to at_
+  VecX z_{};     ///< where curved gaps are linearised, relative to at_
+  VecX turn_{};  ///< scratch
 };
 
 }  // namespace haptic::core

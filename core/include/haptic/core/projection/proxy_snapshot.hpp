@@ -2,6 +2,7 @@
 /// The newest accepted sample of the proxy, and the planes of its local model
 /// (core/METHOD.md#local-models): what the proxy may not pass between two samples.
 
+#include <array>
 #include <cstdint>
 #include <tuple>
 
@@ -20,18 +21,41 @@ enum class ProxyMode : std::uint8_t {
 /// Planes in one sample: a grasp by five fingers has ten contacts, one by a palm as well twenty.
 inline constexpr int kMaxPlanes = 32;
 
-/// n_i^T x <= b_i, linearised at the sample's own x. A normal is a covector: unit of b_i per unit
-/// of each coordinate; its length is free (n and b may be scaled together).
+/// Most coordinates that the curvature of one contact names: a finger has up to 4, a wrist 6.
+inline constexpr int kMaxCurved = 8;
+/// Most numbers of curvature in one sample: 32 contacts of fingers with 4 coordinates, or 8 with 8.
+inline constexpr int kMaxCurvature = 320;
+
+/// Contacts (core/METHOD.md#contacts). Contact i has at x, with z = x - the sample's own x and an
+/// age of t seconds, the gap
+///   phi_i(x) = b_i + v_i t - n_i^T x + 1/2 z^T H_i z,
+/// which is >= 0 where the object is not touched. A normal is a covector: unit of b_i per unit of
+/// each coordinate; its length is free (n, b, v, H may be scaled together, gamma by the square).
+/// A plane, n_i^T x <= b_i, is a contact without compliance, velocity and curvature.
 struct PlaneSet {
   using Normals = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxX, kMaxPlanes>;
   using Offsets = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxPlanes, 1>;
+  using Curvatures = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxCurvature, 1>;
+  using Places = std::array<std::uint8_t, kMaxPlanes>;
 
   Normals normals{};  ///< n_x by number of planes, a normal per column
   Offsets offsets{};  ///< b, one per plane
+  // Each of size 0 if no contact has it, else one per plane:
+  Offsets compliance{};  ///< gamma >= 0 in (unit of b)^2 of ||.||_W; 0: rigid
+  Offsets velocity{};    ///< v, unit of b per s; > 0: the object recedes
+  /// H, contact after contact: the lower triangle, row by row.
+  Curvatures curvature{};
+  Places first{}, curved{};  ///< the coordinates that each H names: the first one, and how many
 
+  /// Numbers in a lower triangle of n rows.
+  [[nodiscard]] static constexpr int triangle(int n) noexcept { return n * (n + 1) / 2; }
   [[nodiscard]] int size() const noexcept { return static_cast<int>(offsets.size()); }
+  /// Sizes fit each other and n_x, and every number is finite.
+  [[nodiscard]] bool fits(int n_x) const noexcept;
 
-  [[nodiscard]] auto members() const noexcept { return std::tie(normals, offsets); }
+  [[nodiscard]] auto members() const noexcept {
+    return std::tie(normals, offsets, compliance, velocity, curvature, first, curved);
+  }
 };
 
 /// The newest accepted proxy sample.
@@ -45,12 +69,16 @@ struct ProxySnapshot {
   Duration valid_for{0};  ///< the client's own bound on its freshness; 0 = none given
   VecX x{};               ///< n_x; ignored in free mode; in planes mode where they are linearised
   PlaneSet planes{};      ///< planes mode; none: nothing in the way
+  /// Tick of whose x_probe the simulation computed x, and with it the contacts; they are anchored
+  /// there. 0: they are taken as they were told.
+  std::uint64_t anchored_at{0};
   /// The stream's health, kept by the ingress for Engage (proto/README.md#a-session).
   TimePoint gapless_since{};         ///< first sample after the last gap longer than hold_end
   std::uint64_t gapless_samples{0};  ///< accepted since then
 
   [[nodiscard]] auto members() const noexcept {
-    return std::tie(mode, tenure, seq, born, valid_for, x, planes, gapless_since, gapless_samples);
+    return std::tie(mode, tenure, seq, born, valid_for, x, planes, anchored_at, gapless_since,
+                    gapless_samples);
   }
 };
 

@@ -119,8 +119,12 @@ struct Anchor {
   bool in_the_way{false};  ///< x is not simply the haptic probe
   PlaneStatus planes{PlaneStatus::kFree};
   std::uint32_t active_planes{0};  ///< bit i: plane i of the sample holds x
-  bool anchored{false};            ///< q_star is of the proxy in use; else nothing pulls
-  VecQ q_star{};                   ///< n_q, wanted; Effort::q_star is the one in use
+  /// Energy that the contacts store, by that of the coupling, ||x (-) x_probe||_W^2 / 2.
+  double stored{0.0};
+  /// ||.||_W between the sample's x and what its contacts give for the probe it was computed from.
+  double unexplained{0.0};
+  bool anchored{false};  ///< q_star is of the proxy in use; else nothing pulls
+  VecQ q_star{};         ///< n_q, wanted; Effort::q_star is the one in use
   ProjectionStatus projection{ProjectionStatus::kNone};
   double residual{0.0};
   double condition{0.0};
@@ -134,8 +138,9 @@ struct Anchor {
   }
 
   [[nodiscard]] auto members() const noexcept {
-    return std::tie(x_probe, x, free, mapped, in_the_way, planes, active_planes, anchored, q_star,
-                    projection, residual, condition, certificate, limiters);
+    return std::tie(x_probe, x, free, mapped, in_the_way, planes, active_planes, stored,
+                    unexplained, anchored, q_star, projection, residual, condition, certificate,
+                    limiters);
   }
 };
 

@@ -47,12 +47,13 @@ double Motion::stored(const VecA& tau) const noexcept {
 }
 
 double EnergyTank::admit(double before, const SpringStorage& after, const VecA& d,
-                         const Motion* motion) noexcept {
-  const double allowed = before + level_;
+                         const Motion* motion, double contacts) noexcept {
+  const double allowed = before + (level_ + contacts_);
+  contacts_ = 0.0;
   const double wanted = after.energy(d);
   if (wanted <= allowed + kRounding ||
       wanted == 0.0) {  // where there is no spring, nothing is held
-    level_ = std::min(allowed - wanted, settings_.capacity);
+    keep(allowed - wanted, contacts);
     return 1.0;
   }
   // More is stored than is there, but what counts is what is given.
@@ -64,6 +65,11 @@ double EnergyTank::admit(double before, const SpringStorage& after, const VecA& 
   }
   level_ = allowed - after.energy(VecA(share * d));
   return share;
+}
+
+void EnergyTank::keep(double left, double contacts) noexcept {
+  contacts_ = std::clamp(left, 0.0, std::max(contacts, 0.0));
+  level_ = std::min(left - contacts_, settings_.capacity);
 }
 
 }  // namespace haptic::core

@@ -119,7 +119,8 @@ void Passivity::book(const VecA& q_a, const VecA& force) noexcept {
   if (settings_.observer.enabled) observer_.observe(account, dq, since_sample_, spring_);
 }
 
-const VecA& Passivity::admit(const SpringStorage& spring, const VecA& anchor) noexcept {
+const VecA& Passivity::admit(const SpringStorage& spring, const VecA& anchor,
+                             double contacts) noexcept {
   const VecA stretch = anchor_ - q_a_;
   double before = spring_.energy(stretch);
   if (spring_.gain == 0.0 && spring.gain > 0.0) {
@@ -132,7 +133,7 @@ const VecA& Passivity::admit(const SpringStorage& spring, const VecA& anchor) no
   if (settings_.tank.enabled) {
     // What a force adds to a motion within a hold is known only with the inertia that it moves.
     const bool lends = settings_.device_inertia.size() > 0;
-    record_.scale = tank_.admit(before, spring, wanted, lends ? &motion_ : nullptr);
+    record_.scale = tank_.admit(before, spring, wanted, lends ? &motion_ : nullptr, contacts);
   }
   record_.throttled = record_.scale < 1.0;
   // Not q_a + (anchor - q_a): an anchor that stays has to stay to the bit, or each tick would book
@@ -145,6 +146,7 @@ const VecA& Passivity::admit(const SpringStorage& spring, const VecA& anchor) no
   spring_ = spring;
   record_.storage = spring_.energy(VecA(anchor_ - q_a_));
   record_.injected = record_.storage - before;
+  if (settings_.tank.enabled) record_.storage += tank_.contacts();
   record_.tank = settings_.tank.enabled ? tank_.level() : 0.0;
   record_.observed = observer_.energy();
   record_.alpha = observer_.alpha();

@@ -98,7 +98,11 @@ void RenderedSpring::pay(const Beat& beat, const Sensed& sensed, const Anchor& w
   for (int i = 0; i < layout_.n_a(); ++i) {  // a factor of 1 leaves the anchor's bits alone
     if (displayed_[i] != 1.0) anchor[i] = q_a[i] + (anchor[i] - q_a[i]) / displayed_[i];
   }
-  anchor = passivity_->admit(spring, anchor);
+  // The contacts' energy is known by that of the coupling between x and x_probe, which the spring
+  // displays.
+  double contacts = 0.0;
+  if (wanted.stored > 0.0 && !off) contacts = wanted.stored * spring.energy(VecA(anchor - q_a));
+  anchor = passivity_->admit(spring, anchor, contacts);
   effort.passivity = passivity_->record();
   for (int i = 0; i < layout_.n_a() && !off; ++i) {
     double& q_star = anchor_.q_star[layout_.actuated(i)];

@@ -41,6 +41,28 @@ TEST(EnergyTank, ShortensByTheDocumentedFactor) {
   EXPECT_EQ(tank.level(), 0.0);
 }
 
+TEST(EnergyTank, ContactsHoldBesideTheCapacity) {
+  EnergyTank tank(tank_of(0.0));  // of 50 mJ
+  const SpringStorage none = spring(1000.0);
+  // 200 mJ were put in; the spring needs 8, the contacts say 120.
+  EXPECT_EQ(tank.admit(0.2, none, one(0.004), nullptr, 0.12), 1.0);
+  EXPECT_NEAR(tank.contacts(), 0.12, 1e-15);
+  EXPECT_NEAR(tank.level(), 0.05, 1e-15);
+  // On the way out they give it back to the spring, and what they lost to the tank.
+  EXPECT_EQ(tank.admit(0.0, none, one(0.016), nullptr, 0.01), 1.0);
+  EXPECT_NEAR(tank.contacts() + tank.level(), 0.17 - 0.128, 1e-15);
+  EXPECT_NEAR(tank.contacts(), 0.01, 1e-15);
+}
+
+TEST(EnergyTank, ContactsBringNoEnergy) {
+  EnergyTank tank(tank_of(0.001));
+  // A contact that appears with the finger deep inside says that it stores 1 J.
+  EXPECT_NEAR(tank.admit(0.002, spring(1000.0), one(0.004), nullptr, 1.0), std::sqrt(3.0 / 8.0),
+              1e-15);
+  EXPECT_EQ(tank.contacts(), 0.0);
+  EXPECT_EQ(tank.level(), 0.0);
+}
+
 /// A device that went `dq` in the last hold; its inertia is boundless.
 Motion steady(double dq, double held) {
   return {one(dq), one(held), one(0.0)};

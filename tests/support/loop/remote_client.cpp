@@ -36,7 +36,9 @@ RemoteClient::RemoteClient(ClientSettings settings)
 void RemoteClient::put_proxy(Frame& frame) {
   frame.walls = settings_.object ? settings_.object(frame.x_probe) : settings_.walls;
   if (frame.walls.size() == 0) {
+    const core::VecX beyond = (frame.x_probe - settings_.stop).cwiseMax(0.0);
     frame.x = frame.x_probe.cwiseMin(settings_.stop);
+    if (settings_.compliance > 0.0) frame.x += beyond / (1.0 + 1.0 / settings_.compliance);
     return;
   }
   if (!projection_) {
@@ -54,6 +56,7 @@ void RemoteClient::look(double t_s, const core::VecQ& q, const core::VecX& x_pro
   next_look_s_ += (1.0 + settings_.jitter * (2.0 * random_.uniform() - 1.0)) * period;
   Frame frame;
   frame.seen_s = t_s;
+  frame.tick = tick_;
   frame.seq = ++seq_;
   frame.q = q;
   frame.x_probe = x_probe;
@@ -84,8 +87,12 @@ void RemoteClient::write_planes(const Frame& frame, core::PlaneSet& planes) cons
     planes.normals.conservativeResize(n_x, k + 1);
     planes.normals.col(k) = core::VecX::Unit(n_x, i);
     planes.offsets.conservativeResize(k + 1);
-    planes.offsets[k] = settings_.stop[i];
+    planes.offsets[k] =
+        settings_.told_rigid ? std::max(settings_.stop[i], frame.x[i]) : settings_.stop[i];
   }
+  const double told =
+      settings_.told_compliance > 0.0 ? settings_.told_compliance : settings_.compliance;
+  planes.compliance.setConstant(tells_compliance() ? planes.size() : 0, told);
 }
 
 void RemoteClient::deliver(const Frame& frame, core::TimePoint now,
@@ -96,12 +103,14 @@ void RemoteClient::deliver(const Frame& frame, core::TimePoint now,
   proxy.x = frame.x;
   proxy.seq = frame.seq;
   if (settings_.mode == core::ProxyMode::kPlanes) write_planes(frame, proxy.planes);
+  proxy.anchored_at = tells_compliance() && settings_.anchored ? frame.tick : 0;
   stamp(now, proxy);
 }
 
 void RemoteClient::step(double t_s, core::TimePoint now, const core::VecQ& q,
                         const core::VecX& x_probe, core::ProxySnapshot& proxy) {
   constexpr double kEarly = 1e-9;  // s: rounding of t_s must not make a sample a tick late
+  ++tick_;
   if (t_s + kEarly >= next_look_s_) look(t_s, q, x_probe);
   const auto arrived = [&](const Frame& frame) { return frame.arrives_s <= t_s + kEarly; };
   for (const Frame& frame : on_the_way_) {

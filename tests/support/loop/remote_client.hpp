@@ -18,6 +18,7 @@ namespace haptic::test {
 struct Frame {
   double seen_s{0.0};      ///< when it looked at the device
   double arrives_s{0.0};   ///< when the pipeline gets it
+  std::uint64_t tick{0};   ///< of the look, as the pipeline counts
   std::uint64_t seq{0};    ///< 1, 2, ...
   core::VecQ q{};          ///< device, n_q
   core::VecX x_probe{};    ///< haptic probe, n_x
@@ -45,7 +46,12 @@ struct ClientSettings {
   /// in contact alone, and of walls the one that the client library derives for a whole finger;
   /// else all of them, always.
   bool only_in_contact{false};
-  core::VecX stop{};       ///< n_x, x_i <= stop_i; infinity: none
+  core::VecX stop{};  ///< n_x, x_i <= stop_i; infinity: none
+  /// > 0: the stops give way, gamma of each; planes mode tells it, as contacts that are anchored.
+  double compliance{0.0};
+  double told_compliance{0.0};  ///< what it tells instead of that; 0: the truth
+  bool told_rigid{false};       ///< they are told as rigid planes through the client's own proxy
+  bool anchored{true};     ///< a client that tells compliances says which tick it computed from
   core::PlaneSet walls{};  ///< instead of stops, in any direction; none: the stops count
   /// Instead of both: a curved object, as the planes that touch it where it is nearest to x_probe.
   std::function<core::PlaneSet(const core::VecX& x_probe)> object{};
@@ -70,6 +76,9 @@ class RemoteClient {
  private:
   void look(double t_s, const core::VecQ& q, const core::VecX& x_probe);
   void deliver(const Frame& frame, core::TimePoint now, core::ProxySnapshot& proxy) const;
+  [[nodiscard]] bool tells_compliance() const noexcept {
+    return settings_.compliance > 0.0 && !settings_.told_rigid;
+  }
   void write_planes(const Frame& frame, core::PlaneSet& planes) const;
   /// Place of the virtual object, and what keeps it there.
   void put_proxy(Frame& frame);
@@ -81,6 +90,7 @@ class RemoteClient {
   std::vector<Frame> on_the_way_{};
   Frame newest_{}, previous_{};
   double next_look_s_{0.0};
+  std::uint64_t tick_{0};
   std::uint64_t seq_{0};
 };
 

@@ -66,7 +66,10 @@ class EnergyTank {
   explicit EnergyTank(const TankSettings& settings) : settings_(settings) { restart(); }
 
   /// At an Engage: the level is `initial`, every debt is forgiven.
-  void restart() noexcept { level_ = settings_.initial; }
+  void restart() noexcept {
+    level_ = settings_.initial;
+    contacts_ = 0.0;
+  }
   /// Once per tick: adds P_env dt and what limits and rendered damping took from the user, and
   /// subtracts the hold's leak as far as the device's damping does not pay it. `dt` in s.
   void refill(double dt, const HoldAccount& account) noexcept;
@@ -75,15 +78,23 @@ class EnergyTank {
   /// at deviation d (n_a). Pays for the rise and returns s in [0, 1]: s d is the deviation that may
   /// be used. A rise of gain or stiffness that cannot be paid shortens the spring like any other
   /// change. `motion`: what the next hold can give is judged by it; null: nothing is lent.
+  /// `contacts`: what the contacts behind the spring store, J. Up to so much of what the spring
+  /// leaves is theirs: it was put in, it comes back when they recover, and the capacity does not
+  /// cut it (core/METHOD.md#contacts). A value that is too large only saves more.
   [[nodiscard]] double admit(double before, const SpringStorage& after, const VecA& d,
-                             const Motion* motion = nullptr) noexcept;
+                             const Motion* motion = nullptr, double contacts = 0.0) noexcept;
 
   /// J; negative after admit(): lent to the spring, or, if the spring is gone, debt.
   [[nodiscard]] double level() const noexcept { return level_; }
+  /// J, >= 0: what the contacts hold, besides the level.
+  [[nodiscard]] double contacts() const noexcept { return contacts_; }
 
  private:
+  void keep(double left, double contacts) noexcept;
+
   TankSettings settings_;
   double level_{0.0};
+  double contacts_{0.0};
 };
 
 }  // namespace haptic::core

@@ -35,7 +35,7 @@ struct PassivitySettings {
 /// The account after a tick. Zeros if passivity is off.
 struct PassivityRecord {
   bool on{false};
-  double storage{0.0};    ///< V of the spring in use, J
+  double storage{0.0};    ///< V of the spring in use, and what the contacts behind it hold, J
   double injected{0.0};   ///< dV that the tank paid in this tick (change of q*, gain, stiffness), J
   double scale{0.0};      ///< s: deviation in use / deviation wanted; 1 = as wanted
   bool throttled{false};  ///< the tank held this tick's change back
@@ -62,9 +62,10 @@ class Passivity {
   /// held; size 0: not measured, the command counts.
   void measure(const VecA& q_a, bool fresh, bool recent, Duration dt,
                const VecA& force = {}) noexcept;
-  /// The spring of this tick and the wanted anchor S q* (n_a). Returns the anchor in use, q_a + s
-  /// (S q* - q_a), with the tank's s.
-  const VecA& admit(const SpringStorage& spring, const VecA& anchor) noexcept;
+  /// The spring of this tick, the wanted anchor S q* (n_a), and what the contacts behind it store,
+  /// J. Returns the anchor in use, q_a + s (S q* - q_a), with the tank's s.
+  const VecA& admit(const SpringStorage& spring, const VecA& anchor,
+                    double contacts = 0.0) noexcept;
   /// The controller's force, n_a.
   [[nodiscard]] const VecA& controller() const noexcept { return observer_.tau(); }
   /// What the device holds until the next tick, after every limit. n_a each.

@@ -1,0 +1,168 @@
+// Contacts in the tick, on the real pipeline in virtual time (core/METHOD.md#contacts): a hand
+// moves a mass in and out of a soft object whose simulation is behind a network.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "haptic/core/model/linear.hpp"
+#include "tests/support/loop/pipeline_loop.hpp"
+
+namespace haptic::core {
+namespace {
+
+using haptic::test::ClientSettings;
+using haptic::test::PipelineLoop;
+
+constexpr double kCoupling = 1500.0, kObject = 500.0;  // N/m
+constexpr double kMass = 0.3, kDamping = 2.0;          // of the device, kg, N s/m
+constexpr double kHand = 800.0, kHandDamping = 8.0;    // N/m, N s/m
+constexpr double kGamma = kCoupling / kObject;
+constexpr double kLight = 0.018, kHard = 0.0353;  // m of the hand: 4.6 and 9 N
+
+struct SoftRun {
+  ClientSettings client{};
+  double amplitude{kLight};  ///< of the hand about the surface, m
+  double frequency{0.7};     ///< Hz
+  double tank{-1.0};         ///< tank_0, J; < 0: no tank
+};
+
+struct SoftFigures {
+  double rms_error{0.0};           ///< force felt less the shadow's, in contact, N
+  double peak{0.0};                ///< of the shadow's force, N
+  double held_back{0.0};           ///< share of the ticks in contact in which the tank acted
+  double most_net{0.0};            ///< J
+  double drag{0.0};                ///< largest force outside the object, N
+  double tank{0.0}, storage{0.0};  ///< largest, J
+};
+
+/// A simulation of the soft object that tells it as a contact, always.
+ClientSettings contacts_client(double round_trip_s) {
+  ClientSettings client;
+  client.mode = ProxyMode::kPlanes;
+  client.stop = VecX::Zero(1);
+  client.compliance = kGamma;
+  client.delay_s = round_trip_s;
+  return client;
+}
+
+PipelineConfig soft_config(double tank) {
+  LinearMap map{.dofs = {{"l", Unit::kMetre, true, -0.2, 0.2}},
+                .coordinates = {{"x", Unit::kMetre, CoordinateKind::kLinear}},
+                .A = MatXQ::Identity(1, 1),
+                .x_0 = VecX::Zero(1)};
+  PipelineConfig c{.kinematics = make_linear(map)};
+  c.device.q_lower = VecQ::Constant(1, -1.0);
+  c.device.q_upper = VecQ::Constant(1, 1.0);
+  c.device.max_effort = VecA::Constant(1, 100.0);
+  c.scene.stiffness = VecA::Constant(1, kCoupling);
+  c.scene.damping = VecA::Zero(1);
+  c.scene.force_limit = VecA::Constant(1, 60.0);
+  c.scene.slew_limit = VecA::Constant(1, 1e7);
+  c.scene.engage_window = VecA::Constant(1, 60.0);
+  c.scene.staleness.hold_end = std::chrono::milliseconds(400);
+  c.scene.staleness.fade_end = std::chrono::milliseconds(500);
+  if (tank >= 0.0) {
+    c.passivity.tank.enabled = true;
+    c.passivity.tank.initial = tank;
+    c.passivity.device_damping = VecA::Constant(1, kDamping);
+  }
+  return c;
+}
+
+SoftFigures felt(const SoftRun& what) {
+  constexpr int kSubsteps = 10, kBegin = 1000, kTicks = kBegin + 8000;
+  PipelineLoop loop(soft_config(what.tank), what.client, kDamping);
+  SoftFigures f;
+  double q = -what.amplitude, v = 0.0, squares = 0.0;
+  int contact = 0, held_back = 0;
+  for (int k = 1; k <= kTicks; ++k) {
+    for (int s = 0; s < kSubsteps; ++s) {
+      constexpr double dt = 1e-3 / kSubsteps;
+      const double t = std::max(0.0, (k - kBegin) * 1e-3 + s * dt), w = 2.0 * M_PI * what.frequency;
+      const double aim = -what.amplitude * std::cos(w * t);
+      const double aim_dot = what.amplitude * w * std::sin(w * t);
+      const double push = kHand * (aim - q) + kHandDamping * (aim_dot - v) + loop.tau();
+      v = (v + dt * push / kMass) / (1.0 + dt * kDamping / kMass);
+      q += dt * v;
+    }
+    if (k == kBegin - 400) loop.engage();
+    const TickRecord& record = loop.tick(VecQ::Constant(1, q));
+    if (k < kBegin) continue;
+    const double shadow = q > 0.0 ? -kCoupling * q / (1.0 + kGamma) : 0.0;
+    f.peak = std::max(f.peak, -shadow);
+    f.tank = std::max(f.tank, record.effort.passivity.tank);
+    f.storage = std::max(f.storage, record.effort.passivity.storage);
+    if (q <= 0.0) {
+      f.drag = std::max(f.drag, std::abs(loop.tau()));
+      continue;
+    }
+    ++contact;
+    squares += (loop.tau() - shadow) * (loop.tau() - shadow);
+    held_back += record.limiters().has(Limiter::kEnergyTank) ? 1 : 0;
+  }
+  loop.require_engaged();
+  f.rms_error = std::sqrt(squares / std::max(contact, 1));
+  f.held_back = static_cast<double>(held_back) / std::max(contact, 1);
+  f.most_net = loop.energy().most_net();
+  return f;
+}
+
+TEST(Contacts, SoftObjectIsTheSameAtAnyDelay) {
+  for (const double round_trip : {0.0, 0.020, 0.050, 0.100}) {
+    for (const double frequency : {0.7, 2.0}) {
+      SCOPED_TRACE(std::to_string(round_trip) + " s, " + std::to_string(frequency) + " Hz");
+      SoftRun run{.client = contacts_client(round_trip), .frequency = frequency};
+      const SoftFigures contacts = felt(run);
+      EXPECT_GT(contacts.peak, 3.0);
+      EXPECT_LT(contacts.rms_error, 1e-6);
+      EXPECT_EQ(contacts.drag, 0.0);
+      EXPECT_LE(contacts.most_net, 1e-9);
+      // The peers of the table: rigid planes, told before touch and while the client sees contact.
+      run.client.told_rigid = true;
+      const SoftFigures planes = felt(run);
+      run.client.only_in_contact = true;
+      const SoftFigures derived = felt(run);
+      EXPECT_GT(planes.rms_error, 0.2);
+      EXPECT_GT(derived.rms_error, 0.2);
+    }
+  }
+}
+
+TEST(Contacts, RightLawIsNeverHeldBack) {
+  for (const double round_trip : {0.0, 0.050, 0.100}) {
+    SCOPED_TRACE(std::to_string(round_trip));
+    const SoftFigures f =
+        felt({.client = contacts_client(round_trip), .amplitude = kHard, .tank = 0.0});
+    EXPECT_GT(f.peak, 8.9);
+    EXPECT_EQ(f.held_back, 0.0);
+    EXPECT_LT(f.rms_error, 1e-6);
+    EXPECT_LE(f.most_net, 1e-9);
+    // Coupling and object at 9 N: 27 + 81 mJ; beside them the tank keeps within its capacity.
+    EXPECT_NEAR(f.storage, 0.5 * f.peak * f.peak * (1 / kCoupling + 1 / kObject), 1e-3);
+    EXPECT_LE(f.tank, 0.05);
+  }
+}
+
+TEST(Contacts, TankBoundsAWrongLaw) {
+  for (const double wrong : {0.1, 0.5, 2.0, 10.0}) {
+    for (const double round_trip : {0.020, 0.100}) {
+      SCOPED_TRACE(std::to_string(wrong) + ", " + std::to_string(round_trip));
+      SoftRun run{.client = contacts_client(round_trip), .amplitude = kHard, .tank = 2e-3};
+      run.client.told_compliance = wrong * kGamma;
+      EXPECT_LE(felt(run).most_net, 2e-3 + 1e-9);
+    }
+  }
+}
+
+TEST(Contacts, AnchorHalvesAWrongCompliance) {
+  SoftRun run{.client = contacts_client(0.050)};
+  run.client.told_compliance = 2.0 * kGamma;
+  const double anchored = felt(run).rms_error;
+  run.client.anchored = false;
+  EXPECT_LT(anchored, 0.5 * felt(run).rms_error);
+}
+
+}  // namespace
+}  // namespace haptic::core

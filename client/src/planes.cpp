@@ -28,6 +28,16 @@ double difference(const std::vector<VirtualCoordinate>& coordinates,
 
 }  // namespace
 
+Plane contact(const std::vector<double>& x, double gap, const std::vector<double>& gradient) {
+  Plane plane;
+  plane.offset = gap;
+  for (std::size_t i = 0; i < std::min(x.size(), gradient.size()); ++i) {
+    plane.normal.push_back(-gradient[i]);
+    plane.offset -= gradient[i] * x[i];
+  }
+  return plane;
+}
+
 std::vector<Plane> derive_planes(const std::vector<VirtualCoordinate>& coordinates,
                                  const std::vector<double>& x, const std::vector<double>& x_probe,
                                  const std::vector<Block>& blocks, double least) {

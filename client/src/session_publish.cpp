@@ -64,6 +64,11 @@ void RemoteSession::publish(Proxy proxy) noexcept {
         v1::Plane& sent = *sample.add_planes();
         sent.mutable_normal()->Add(plane.normal.begin(), plane.normal.end());
         sent.set_offset(plane.offset);
+        sent.set_compliance(plane.compliance);
+        sent.set_velocity(plane.velocity);
+        sent.mutable_curvature()->Add(plane.curvature.begin(), plane.curvature.end());
+        sent.set_first_coordinate(plane.first_coordinate);
+        sent.set_id(plane.id);
       }
       // The state that the user was given, not one that arrived while the simulation computed.
       const NewestState::Given& given = states_.given();

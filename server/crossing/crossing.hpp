@@ -35,10 +35,17 @@ namespace haptic::server {
 using SessionId = Text<32>;
 using ClientName = Text<64>;
 
-/// n x <= b, as it came off the wire.
+/// n x <= b and what makes it a contact, as it came off the wire. The numbers of the curvature lie
+/// behind those of the normal, so that the record stays small: all blocks of 8 coordinates fit on a
+/// device with up to 44, and those of 3 on one with 72.
 struct PlaneSample {
-  Coordinates normal{};
+  static constexpr std::size_t kNumbers = 80;
+  Numbers<kNumbers> normal{};  ///< its count is the normal's alone
   double offset{0.0};
+  double compliance{0.0}, velocity{0.0};
+  std::uint32_t id{0}, first_coordinate{0};
+  std::uint32_t curvature_count{0};
+  std::uint32_t unused{0};  ///< keeps the layout free of padding
 };
 
 /// A sample of the proxy as it came off the wire: nothing was checked but its syntax. Counts are
@@ -56,6 +63,7 @@ struct ProxySample {
   core::ProxyMode mode{core::ProxyMode::kNone};  ///< kNone: the wire named no known mode
   Carrier carrier{Carrier::kGrpc};
   std::uint32_t plane_count{0};
+  std::uint64_t tick_used{0};  ///< device_seq_used; 0: none
   Coordinates position{};
   std::array<PlaneSample, core::kMaxPlanes> planes{};
 };
@@ -264,13 +272,13 @@ template <typename T, std::size_t kSize>
 inline constexpr bool crosses = std::is_trivially_copyable_v<T>&& std::is_standard_layout_v<T> &&
                                 sizeof(T) == kSize;
 
-static_assert(crosses<ProxySample, 19592>);
+static_assert(crosses<ProxySample, 22672>);
 static_assert(crosses<PoseSample, 144>);
 static_assert(crosses<Verdict, 192>);
 static_assert(crosses<Request, 1288>);
 static_assert(crosses<Answer, 1864>);
 static_assert(crosses<DeviceEvent, 472>);
 static_assert(crosses<DeviceStatus, 1064>);
-static_assert(crosses<StateRecord, 3768>);
+static_assert(crosses<StateRecord, 3776>);
 
 }  // namespace haptic::server

@@ -58,6 +58,7 @@ struct StateRecord {
   std::uint64_t proxy_seq{0};
   core::Duration proxy_age{0};
   std::uint32_t active_planes{0};
+  double unexplained{0.0};
 
   std::uint64_t sample_seq{0};   ///< of the device; 0: none so far
   core::Duration sample_age{0};  ///< of that sample
@@ -126,6 +127,7 @@ inline Values refused_reading(const core::TickRecord& record) {
   s.proxy_seq = record.proxy.seq;
   s.proxy_age = record.proxy.age;
   s.active_planes = record.anchor.active_planes;
+  s.unexplained = record.anchor.unexplained;
 
   s.sample_seq = in.device.sample.seq;
   s.sample_age = in.now - in.device.sample.time;
@@ -210,6 +212,7 @@ void write(const StateRecord& record, State& state) {
   copy(record.x_probe, state.mutable_x_probe());
   copy(record.x, state.mutable_x());
   state.set_active_planes(record.active_planes);
+  state.set_unexplained(record.unexplained);
   state.clear_passivity();
   if (record.passivity.on) to_proto(record.passivity, *state.mutable_passivity());
   copy(record.q_star, state.mutable_q_star());

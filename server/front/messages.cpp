@@ -110,19 +110,36 @@ SessionId session_id(const std::string& text) {
   return text.size() <= kLongest ? SessionId(text) : SessionId();
 }
 
+namespace {
+
+void from_proto(const v1::Plane& message, PlaneSample& plane) {
+  plane.normal = numbers<Numbers<PlaneSample::kNumbers>>(message.normal());
+  plane.offset = message.offset();
+  plane.compliance = message.compliance();
+  plane.velocity = message.velocity();
+  plane.id = message.id();
+  plane.first_coordinate = message.first_coordinate();
+  plane.curvature_count = static_cast<std::uint32_t>(message.curvature_size());
+  const std::size_t behind = std::min<std::size_t>(plane.normal.count, PlaneSample::kNumbers);
+  const std::size_t fit =
+      std::min<std::size_t>(plane.curvature_count, PlaneSample::kNumbers - behind);
+  std::copy_n(message.curvature().begin(), fit, plane.normal.value.begin() + behind);
+}
+
+}  // namespace
+
 void from_proto(const v1::ProxySample& message, ProxySample& sample) {
   sample.seq = message.seq();
   if (v1::ProxyMode_IsValid(message.mode())) {
     sample.mode = static_cast<core::ProxyMode>(message.mode());
   }
   sample.valid_for = std::chrono::microseconds(message.valid_for_us());
+  sample.tick_used = message.device_seq_used();
   sample.position = numbers<Coordinates>(message.position());
   sample.plane_count = static_cast<std::uint32_t>(message.planes_size());
   const int taken = std::min(message.planes_size(), core::kMaxPlanes);
   for (int i = 0; i < taken; ++i) {
-    const v1::Plane& plane = message.planes(i);
-    sample.planes[static_cast<std::size_t>(i)] = {numbers<Coordinates>(plane.normal()),
-                                                  plane.offset()};
+    from_proto(message.planes(i), sample.planes[static_cast<std::size_t>(i)]);
   }
 }
 

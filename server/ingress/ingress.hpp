@@ -61,7 +61,8 @@ class Ingress {
  public:
   static constexpr double kLargestCoordinate = 1000.0;
   static constexpr double kLargestNormal = 1e6;  ///< of a component
-  static constexpr double kLargestOffset = 1e9;
+  static constexpr double kLargestOffset = 1e9;  ///< also of a velocity and of a curvature
+  static constexpr double kLargestCompliance = 1e18;
 
   /// `mailbox` must outlive the ingress; `n_x` is the size of the virtual configuration.
   Ingress(core::Mailbox<core::ProxySnapshot>& mailbox, int n_x);
@@ -96,6 +97,8 @@ class Ingress {
  private:
   [[nodiscard]] Verdict check(const ProxySample& sample) const;
   [[nodiscard]] Verdict check_planes(const ProxySample& sample) const;
+  [[nodiscard]] Verdict check_contact(const ProxySample& sample, std::size_t p) const;
+  void store_planes(const ProxySample& sample);
   void store(const ProxySample& sample, const BacklogRule::Answer& age);
 
   decltype(Verdict::why) last_refusal_{};

@@ -111,6 +111,30 @@ TEST_F(Publish, CarriesPlanes) {
   EXPECT_EQ(sample.position(1), 0.2);
 }
 
+TEST(Contact, IsItsGapAroundX) {
+  // gap(x') = 0.25 + 3 (x' - 1) - 4 (y' - 2)
+  const Plane plane = client::contact({1.0, 2.0}, 0.25, {3.0, -4.0});
+  EXPECT_EQ(plane.normal, (std::vector<double>{-3.0, 4.0}));
+  EXPECT_EQ(plane.offset - (-3.0 * 1.5 + 4.0 * 2.25), 0.25 + 3.0 * 0.5 - 4.0 * 0.25);
+}
+
+TEST_F(Publish, CarriesContacts) {
+  const auto session = open();
+  Plane plane = client::contact({0.1, 0.2}, 0.01, {1.0, 0.0});
+  plane.compliance = 3.0;
+  plane.velocity = -0.5;
+  plane.curvature = {1.0, 2.0, 3.0};
+  plane.id = 7;
+  session->publish(client::Proxy::behind({plane}, {0.1, 0.2}));
+  const v1::Plane sent = first_sample().planes(0);
+  EXPECT_EQ(sent.compliance(), 3.0);
+  EXPECT_EQ(sent.velocity(), -0.5);
+  EXPECT_EQ(sent.curvature_size(), 3);
+  EXPECT_EQ(sent.curvature(1), 2.0);
+  EXPECT_EQ(sent.first_coordinate(), 0u);
+  EXPECT_EQ(sent.id(), 7u);
+}
+
 TEST_F(Publish, LeavesOutAndCountsPlanes) {
   const auto session = open();
   session->publish(client::Proxy::behind(forty(), {0.0, 0.0}));

@@ -272,6 +272,11 @@ class Crossing {
     const auto n = proxy.x.size();
     if (n != kDofs && !(n == 0 && proxy.mode == core::ProxyMode::kFree)) fail("a wrong size");
     for (int i = 0; i < n; ++i) check(proxy.x[i], Ingress::kLargestCoordinate);
+    if (!proxy.planes.fits(kDofs)) fail("contacts of a wrong size, or not finite");
+    for (const double gamma : proxy.planes.compliance) {
+      if (gamma < 0.0) fail("a compliance below 0");
+      check(gamma, Ingress::kLargestCompliance);
+    }
     for (int p = 0; p < proxy.planes.offsets.size(); ++p) {
       check(proxy.planes.offsets[p], Ingress::kLargestOffset);
       for (int i = 0; i < kDofs; ++i) check(proxy.planes.normals(i, p), Ingress::kLargestNormal);

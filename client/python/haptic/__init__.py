@@ -29,6 +29,7 @@ from ._types import (
     Device,
     DegreeOfFreedom,
     Event,
+    Plane,
     Pose,
     Proxy,
     SampleCounts,
@@ -36,12 +37,13 @@ from ._types import (
     Settings,
     held,
     behind,
+    contact,
 )
 from ._version import __version__
 
 __all__ = [
     "DEFAULT_SERVER", "FREE", "Carriers", "CertificateState", "ClientError", "Connection",
     "Coordinate", "CouplingBlock", "DegreeOfFreedom", "Device", "DeviceState", "Event",
-    "PassivityState", "Pose", "Proxy", "SampleCounts", "ServerInfo", "Session", "Settings",
-    "TrackerState", "__version__", "behind", "held",
+    "PassivityState", "Plane", "Pose", "Proxy", "SampleCounts", "ServerInfo", "Session", "Settings",
+    "TrackerState", "__version__", "behind", "contact", "held",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import collections
+import dataclasses
 import threading
 import time
 from collections.abc import Iterator, Sequence
@@ -105,7 +106,7 @@ class Session:
                 seq=self._seq, source_time_ns=time.monotonic_ns(), mode=proxy.mode,
                 position=proxy.position,
                 device_seq_used=self._state.seq if self._state else 0,
-                planes=[wire.Plane(normal=n, offset=b) for n, b in planes])
+                planes=[wire.Plane(**dataclasses.asdict(plane)) for plane in planes])
             self._newest = sample
             if self._udp is None or not self._udp.send(sample.SerializeToString()):
                 self._offer(wire.SessionRequest(proxy=sample))

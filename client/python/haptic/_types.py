@@ -20,12 +20,26 @@ class Carriers(enum.Enum):
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
+class Plane:
+    """What the proxy may not pass, normal . x <= offset, or a contact, which also says how the
+    object gives way, curves and moves (proto/README.md, Contacts)."""
+
+    normal: tuple[float, ...]  # per coordinate; minus the gradient of the gap
+    offset: float
+    compliance: float = 0.0  # coupling / stiffness of the contact; 0: rigid
+    velocity: float = 0.0  # of the offset, per s; above 0 the object recedes
+    curvature: tuple[float, ...] = ()  # second derivative of the gap: lower triangle, row by row,
+    first_coordinate: int = 0  # of the coordinates from this one on
+    id: int = 0  # names the contact from sample to sample; 0: none
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
 class Proxy:
     """Where the virtual object lets the tool be. Made by held(), behind(), or FREE."""
 
     mode: wire.ProxyMode
     position: tuple[float, ...] = ()
-    planes: tuple[tuple[tuple[float, ...], float], ...] = ()
+    planes: tuple[Plane, ...] = ()
 
 
 FREE = Proxy(wire.PROXY_MODE_FREE)
@@ -38,24 +52,34 @@ def held(position: Sequence[float]) -> Proxy:
     return Proxy(wire.PROXY_MODE_HELD, tuple(map(float, position)))
 
 
-def behind(planes: Sequence[tuple[Sequence[float], float]], position: Sequence[float]) -> Proxy:
-    """The server keeps the probe out of `planes`, (normal, offset) each: normal . x <= offset,
-    linearised at `position`. They say which way is out, so force may begin inside. Of more than 32
-    the deepest are sent."""
+def behind(planes: Sequence[Plane | tuple[Sequence[float], float]],
+           position: Sequence[float]) -> Proxy:
+    """The server keeps the probe out of `planes`, contact()s or (normal, offset) each: normal . x
+    <= offset, linearised at `position`. They say which way is out, so force may begin inside. Of
+    more than 32 the deepest are sent."""
     return Proxy(wire.PROXY_MODE_PLANES, tuple(map(float, position)),
-                 tuple((tuple(map(float, normal)), float(offset)) for normal, offset in planes))
+                 tuple(plane if isinstance(plane, Plane) else
+                       Plane(tuple(map(float, plane[0])), float(plane[1])) for plane in planes))
+
+
+def contact(position: Sequence[float], gap: float, gradient: Sequence[float], *,
+            compliance: float = 0.0, velocity: float = 0.0, curvature: Sequence[float] = (),
+            first_coordinate: int = 0, id: int = 0) -> Plane:
+    """The contact with this gap (>= 0: not touched) and gradient of the gap at `position`, the
+    sample's; the other fields as in Plane."""
+    offset = gap - sum(g * x for g, x in zip(gradient, position, strict=True))
+    return Plane(tuple(-float(g) for g in gradient), float(offset), float(compliance),
+                 float(velocity), tuple(map(float, curvature)), first_coordinate, id)
 
 
 MAX_PLANES = 32  # of one sample, proto/README.md
 
 
-def deepest(planes: Sequence[tuple[tuple[float, ...], float]],
-            x_probe: Sequence[float]) -> list[tuple[tuple[float, ...], float]]:
+def deepest(planes: Sequence[Plane], x_probe: Sequence[float]) -> list[Plane]:
     """The MAX_PLANES planes that x_probe is deepest beyond, or nearest to, in their order."""
-    def depth(plane: tuple[tuple[float, ...], float]) -> float:
-        normal, offset = plane
-        length = math.hypot(*normal)
-        beyond = sum(n * p for n, p in zip(normal, x_probe, strict=False)) - offset
+    def depth(plane: Plane) -> float:
+        length = math.hypot(*plane.normal)
+        beyond = sum(n * p for n, p in zip(plane.normal, x_probe, strict=False)) - plane.offset
         return beyond / length if length > 0.0 else -math.inf
     chosen = sorted(range(len(planes)), key=lambda i: -depth(planes[i]))[:MAX_PLANES]
     return [planes[i] for i in sorted(chosen)]

@@ -113,6 +113,20 @@ class Force(OneServer):
         self.assertEqual(session.samples().planes_left_out, 8)
         self.assertTrue(eventually(lambda: session.wait_for_state().active_planes & 1 == 1))
 
+    def test_contacts_are_taken(self) -> None:
+        session = self.open()
+        x_probe = session.wait_for_state().x_probe
+        # 0.1 inside the object, which gives way by three quarters of that.
+        law = dict(compliance=3.0, velocity=0.0, curvature=(0.0, 0.0, 1.0))
+        session.publish(haptic.behind(
+            [haptic.contact(x_probe, -0.1, (-1.0, 0.0), **law)], x_probe))
+        self.assertTrue(eventually(lambda: session.wait_for_state().active_planes & 1 == 1))
+        # With an id the position is the client's own proxy: it says that nothing is touched.
+        session.publish(haptic.behind(
+            [haptic.contact(x_probe, -0.1, (-1.0, 0.0), id=1, **law)], x_probe))
+        self.assertTrue(eventually(lambda: session.wait_for_state().active_planes == 0))
+        self.assertEqual(session.samples().rejected_invalid, 0)
+
     def test_settings_are_clamped_with_a_reason(self) -> None:
         session = self.open()
         applied = session.update_settings(stiffness=[1e6])

@@ -130,6 +130,7 @@ TEST(StateFrame, SharedBytesAreTheMessagesBytes) {
 TEST(StateFrame, EnergyBookIsPresentIfConfigured) {
   StateRecord r = record();
   r.active_planes = 5;
+  r.unexplained = 0.25;
   r.passivity.on = true;
   r.passivity.tank = 0.003;
   r.passivity.storage = 0.002;
@@ -139,6 +140,7 @@ TEST(StateFrame, EnergyBookIsPresentIfConfigured) {
   StateMessage message;
   const v1::DeviceState& state = message.write(r);
   EXPECT_EQ(state.active_planes(), 5U);
+  EXPECT_EQ(state.unexplained(), 0.25);
   ASSERT_TRUE(state.has_passivity());
   EXPECT_EQ(state.passivity().tank(), 0.003);
   EXPECT_EQ(state.passivity().storage(), 0.002);
@@ -239,6 +241,34 @@ TEST(Messages, ASampleKeepsTheWiresCounts) {
   EXPECT_EQ(taken.planes[5].normal.value[0], 6.0);
   EXPECT_EQ(taken.planes[5].normal.count, 1U);
   EXPECT_EQ(taken.planes[5].offset, 2.5);
+}
+
+TEST(Messages, ContactLiesBehindItsNormal) {
+  v1::ProxySample sample;
+  sample.set_device_seq_used(41);
+  v1::Plane& plane = *sample.add_planes();
+  plane.add_normal(1.0);
+  plane.add_normal(2.0);
+  plane.set_compliance(3.0);
+  plane.set_velocity(4.0);
+  plane.set_first_coordinate(1);
+  plane.set_id(5);
+  plane.add_curvature(6.0);
+  v1::Plane& long_one = *sample.add_planes();
+  for (int i = 0; i < 100; ++i) long_one.add_normal(1.0);
+  for (int i = 0; i < 100; ++i) long_one.add_curvature(1.0);
+  ProxySample taken;
+  from_proto(sample, taken);
+  EXPECT_EQ(taken.tick_used, 41u);
+  const PlaneSample& first = taken.planes[0];
+  EXPECT_EQ(first.normal.count, 2u);
+  EXPECT_EQ(first.compliance, 3.0);
+  EXPECT_EQ(first.velocity, 4.0);
+  EXPECT_EQ(first.first_coordinate, 1u);
+  EXPECT_EQ(first.id, 5u);
+  EXPECT_EQ(first.curvature_count, 1u);
+  EXPECT_EQ(first.normal.value[2], 6.0);
+  EXPECT_EQ(taken.planes[1].curvature_count, 100u) << "as on the wire; the ingress refuses it";
 }
 
 TEST(StateFrame, ANewTickIsSerialisedAgain) {

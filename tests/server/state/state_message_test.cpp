@@ -32,6 +32,7 @@ core::TickRecord full_record() {
   r.anchor.projection = core::ProjectionStatus::kExact;
   r.anchor.condition = 1.0;
   r.anchor.active_planes = 1;
+  r.anchor.unexplained = 0.25;
   r.life.faults.set(core::Fault::kLoopLate);
   r.effort.limiters.set(core::Limiter::kSlew);
   r.effort.actuator_limiters[0].set(core::Limiter::kSlew);

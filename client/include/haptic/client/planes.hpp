@@ -18,6 +18,12 @@ struct Block {
 
 inline constexpr std::size_t kMaxPlanes = 32;  ///< of one sample (proto/README.md)
 
+/// The contact with this gap (>= 0: not touched) and gradient of the gap (one value per coordinate)
+/// where the virtual object is at `x`, which must be the sample's position. The caller adds
+/// compliance, velocity, curvature and id.
+[[nodiscard]] Plane contact(const std::vector<double>& x, double gap,
+                            const std::vector<double>& gradient);
+
 /// Leaves the kMaxPlanes planes that x_probe is deepest beyond, or nearest to, in their order, and
 /// returns how many it took out. `x`: where they are linearised. publish() does this by itself and
 /// counts (PublishStatistics::planes_left_out). If a size does not fit, the first planes stay.

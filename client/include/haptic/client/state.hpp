@@ -155,7 +155,8 @@ struct DeviceState {
   std::vector<double> reading{};  ///< what the sensors said, if that was refused; otherwise it is q
   unsigned projection{0};         ///< of q_star: a ProjectionStatus of session.proto
   double condition{0.0};          ///< of the equilibrated Jacobian; 0: not computed
-  std::uint32_t active_planes{0};                  ///< bit n: plane n of the newest sample holds x
+  std::uint32_t active_planes{0};  ///< bit n: plane n of the newest sample holds x
+  double unexplained{0.0};  ///< of the proxy's displacement, by contacts with an id; in ||.||_W
   std::uint32_t faults{0}, limiters{0};            ///< bits; see fault_names(), limiter_names()
   std::vector<std::uint32_t> actuator_limiters{};  ///< per actuated DoF; empty: none acted
   std::optional<PassivityState> passivity{};       ///< if the scene has a tank or an observer
@@ -194,6 +195,7 @@ struct DeviceState {
     f("projection", s.projection);
     f("condition", s.condition);
     f("active_planes", s.active_planes);
+    f("unexplained", s.unexplained);
     f("faults", s.faults);
     f("limiters", s.limiters);
     f("actuator_limiters", s.actuator_limiters);

@@ -81,10 +81,20 @@ struct Event {
   std::int64_t server_time_ns{0};
 };
 
-/// A half space that the proxy must stay in: normal . x <= offset.
+/// A half space that the proxy must stay in, normal . x <= offset, or a contact, which also says
+/// how the object gives way, curves and moves (proto/README.md, Contacts; contact() in planes.hpp).
 struct Plane {
-  std::vector<double> normal{};  ///< one value per coordinate, not all 0
+  std::vector<double> normal{};  ///< one value per coordinate, not all 0; -gradient of the gap
   double offset{0.0};
+  double compliance{0.0};  ///< coupling / stiffness of the contact, >= 0; 0: rigid
+  double velocity{0.0};    ///< of the offset, per s; > 0: the object recedes
+  /// Second derivative of the gap between up to 8 consecutive coordinates, from `first_coordinate`
+  /// on: lower triangle, row by row. Empty: 0.
+  std::vector<double> curvature{};
+  std::uint32_t first_coordinate{0};
+  /// Names the contact from sample to sample; 0: none. With one in any plane the sample's position
+  /// must be the simulation's own proxy.
+  std::uint32_t id{0};
 };
 
 /// Where the simulation's objects let the probe be; made by held(), behind() or free().

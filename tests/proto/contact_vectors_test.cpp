@@ -1,0 +1,50 @@
+/// The test vectors of proto/README.md, Contacts.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <sstream>
+#include <vector>
+
+#include "haptic/core/projection/plane_projection.hpp"
+#include "tests/proto/markdown.hpp"
+
+namespace haptic::test {
+namespace {
+
+std::vector<double> numbers_of(const std::string& cell) {
+  std::istringstream in(cell);
+  std::vector<double> values;
+  for (double value = 0.0; in >> value;) values.push_back(value);
+  return values;
+}
+
+core::VecX vector_of(const std::string& cell) {
+  const std::vector<double> values = numbers_of(cell);
+  return core::VecX::Map(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+TEST(ContactVectors, MatchTheProjection) {
+  const auto rows = markdown_table(
+      read_text(std::filesystem::path(HAPTIC_SOURCE_DIR) / "proto/README.md"), "contact");
+  ASSERT_EQ(rows.size(), 5u);
+  const core::ConfigurationSpace space(std::vector<core::Coordinate>(2));
+  for (const auto& row : rows) {
+    core::PlaneSet set;
+    set.normals = vector_of(row.at(1));
+    set.offsets = vector_of(row.at(2));
+    set.compliance = vector_of(row.at(3));
+    set.velocity = vector_of(row.at(4));
+    set.curvature = vector_of(row.at(5));
+    set.curved[0] = set.curvature.size() > 0 ? 2 : 0;
+    ASSERT_TRUE(set.fits(2)) << row.at(0);
+    core::PlaneProjection projection(space);
+    projection.set(set, vector_of(row.at(6)));
+    core::VecX x;
+    static_cast<void>(projection.project(vector_of(row.at(8)), x, vector_of(row.at(7))[0]));
+    EXPECT_NEAR((x - vector_of(row.at(9))).norm(), 0.0, 1e-8) << row.at(0);
+  }
+}
+
+}  // namespace
+}  // namespace haptic::test

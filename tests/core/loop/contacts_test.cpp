@@ -109,7 +109,7 @@ SoftFigures felt(const SoftRun& what) {
   return f;
 }
 
-TEST(Contacts, SoftObjectIsTheSameAtAnyDelay) {
+TEST(Contacts, DelayIsNotFelt) {
   for (const double round_trip : {0.0, 0.020, 0.050, 0.100}) {
     for (const double frequency : {0.7, 2.0}) {
       SCOPED_TRACE(std::to_string(round_trip) + " s, " + std::to_string(frequency) + " Hz");
@@ -153,6 +153,31 @@ TEST(Contacts, TankBoundsAWrongLaw) {
       run.client.told_compliance = wrong * kGamma;
       EXPECT_LE(felt(run).most_net, 2e-3 + 1e-9);
     }
+  }
+}
+
+TEST(Contacts, SurfaceMovesForTheSamplesAge) {
+  using std::chrono::milliseconds;
+  Pipeline pipeline(soft_config(-1.0));
+  TickInput in;
+  in.settings = pipeline.config().scene;
+  in.device.fresh = in.device.armed = true;
+  in.device.sample.q = VecQ::Constant(1, 0.15);
+  in.command.tenure = 1;
+  in.command.lease_held = true;
+  in.proxy.mode = ProxyMode::kPlanes;
+  in.proxy.tenure = 1;
+  in.proxy.seq = 1;
+  in.proxy.born = TimePoint(milliseconds(1));
+  in.proxy.x = VecX::Zero(1);
+  in.proxy.planes.normals = MatXQ::Identity(1, 1);
+  in.proxy.planes.offsets = VecX::Zero(1);
+  in.proxy.planes.velocity = VecX::Constant(1, 0.1);
+  for (int k = 1; k <= 450; ++k) {
+    in.now = in.device.sample.time = TimePoint(milliseconds(k));
+    in.device.sample.seq = static_cast<std::uint64_t>(k);
+    const double age = 1e-3 * std::min(k - 1, 400);  // hold_end
+    ASSERT_NEAR(pipeline.tick(in).anchor.x[0], 0.1 * age, 1e-12) << k;
   }
 }
 

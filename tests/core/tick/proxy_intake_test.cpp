@@ -105,6 +105,15 @@ TEST_F(ProxyIntakeTest, BadSampleIsNotTaken) {
   EXPECT_EQ(spoil([](ProxySnapshot& p) { p.planes.offsets.conservativeResize(1); }), taken);
   EXPECT_EQ(spoil([](ProxySnapshot& p) { p.planes.normals(0, 0) = std::nan(""); }), taken);
   EXPECT_EQ(spoil([](ProxySnapshot& p) { p.planes.offsets[0] = HUGE_VAL; }), taken);
+  EXPECT_EQ(spoil([](ProxySnapshot& p) { p.planes.compliance = one(1.0); }), taken);
+  EXPECT_EQ(spoil([](ProxySnapshot& p) { p.planes.velocity = two(0.0, std::nan("")); }), taken);
+  EXPECT_EQ(spoil([](ProxySnapshot& p) { p.planes.curved[1] = 2; }), taken);
+  EXPECT_EQ(spoil([](ProxySnapshot& p) {
+              p.planes.curvature = one(1.0);
+              p.planes.curved[1] = 1;
+              p.planes.first[1] = 2;
+            }),
+            taken);
   EXPECT_EQ(spoil([](ProxySnapshot&) {}), in.proxy.seq) << "and the good one is";
   EXPECT_EQ(spoil([](ProxySnapshot& p) {
               p.mode = ProxyMode::kFree;

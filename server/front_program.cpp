@@ -55,8 +55,8 @@ std::filesystem::path front_program() {
                              installed.string());
 }
 
-FrontLimits front_limits() {
-  return {kMemory, kStack, 1};
+FrontLimits front_limits(const Scene& scene) {
+  return {kMemory, kStack, 1, scene.loop.cpu};
 }
 
 std::unique_ptr<FrontRunner> front_process(App& app, Launcher* launcher,

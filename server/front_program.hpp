@@ -15,7 +15,7 @@ namespace haptic::server {
 [[nodiscard]] std::filesystem::path front_program();
 
 /// What every front of this daemon is limited to.
-[[nodiscard]] FrontLimits front_limits();
+[[nodiscard]] FrontLimits front_limits(const Scene& scene);
 
 /// The front as processes that `launcher` starts; null: the scene is offline, and only the local
 /// control socket is served. `lost`: as FrontLink::Config.

@@ -155,7 +155,7 @@ int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& 
   std::optional<haptic::server::Launcher> launcher;
   if (!scene.server.offline) {
     launcher.emplace(haptic::server::front_program(), front_arguments(line),
-                     haptic::server::front_limits());
+                     haptic::server::front_limits(scene));
   }
   if (getpid() == 1) std::signal(SIGCHLD, SIG_IGN);  // in a container: it reaps what others leave
   haptic::server::log_to_stderr(line.log_format == "json" ? LogFormat::kJson : LogFormat::kText);

@@ -42,6 +42,10 @@ void take_rights_away(const FrontLimits& limits) {
   CPU_ZERO(&all);
   for (std::size_t cpu = 0; cpu < CPU_SETSIZE; ++cpu) CPU_SET(cpu, &all);
   sched_setaffinity(0, sizeof all, &all);
+  if (limits.loop_cpu) {  // fails on a host of one core
+    CPU_CLR(static_cast<std::size_t>(*limits.loop_cpu), &all);
+    sched_setaffinity(0, sizeof all, &all);
+  }
   setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + limits.nice);
   const rlimit none{0, 0};
   setrlimit(RLIMIT_RTPRIO, &none);

@@ -16,9 +16,10 @@ namespace haptic::server {
 
 /// What a front may not do from its first instruction on, whatever its program is.
 struct FrontLimits {
-  std::size_t memory_bytes{0};  ///< RLIMIT_DATA, which counts whole stacks; 0: none
-  std::size_t stack_bytes{0};   ///< RLIMIT_STACK, of every thread; 0: as it is
-  int nice{0};                  ///< added
+  std::size_t memory_bytes{0};    ///< RLIMIT_DATA, which counts whole stacks; 0: none
+  std::size_t stack_bytes{0};     ///< RLIMIT_STACK, of every thread; 0: as it is
+  int nice{0};                    ///< added
+  std::optional<int> loop_cpu{};  ///< a core that the front keeps off
 };
 
 class Launcher {

@@ -10,7 +10,9 @@
 ///   two processes takes samples in it. The bell that wakes the telemetry rings after the command:
 ///   the device does not wait for it.
 ///
-///   haptic-bench-crossing FRONT      the program hapticd-front (--serve: a server, its own child)
+/// The loop has the last core for itself, as server/README.md advises.
+///
+///   haptic-bench-crossing FRONT      the program hapticd-front
 
 #include <unistd.h>
 
@@ -40,7 +42,7 @@ using namespace haptic;
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kBlocks = 20;
+constexpr int kBlocks = 40;
 constexpr int kSamples = 380;  // per block and carrier, one in about 3 ms, for two leads in turn
 constexpr std::int64_t kTickNs = 1'000'000;
 const std::string kScene = HAPTIC_SOURCE_DIR "/server/scenes/finger_constant.textproto";
@@ -174,14 +176,17 @@ void wait_until_served(int port) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc >= 4 && std::strcmp(argv[1], "--serve") == 0) {
-    return bench::serve(kScene, std::stoi(argv[2]), std::stoi(argv[3]), argc > 4 ? argv[4] : "");
+  if (argc >= 5 && std::strcmp(argv[1], "--serve") == 0) {
+    const int cpu = std::stoi(argv[4]);
+    return bench::serve(kScene, std::stoi(argv[2]), std::stoi(argv[3]),
+                        cpu < 0 ? std::nullopt : std::optional(cpu), argc > 5 ? argv[5] : "");
   }
   if (argc != 2) return 2;
+  const std::optional<int> loop_cpu = bench::leave_a_core_to_the_loop();
   const std::string front = argv[1];
   int port = 20'000 + getpid() % 5'000;
-  const auto block = [&port](const std::string& program, std::array<Leads, 2>& leads) {
-    const bench::ServerProcess server(++port, program);
+  const auto block = [&port, loop_cpu](const std::string& program, std::array<Leads, 2>& leads) {
+    const bench::ServerProcess server(++port, loop_cpu, program);
     wait_until_served(port);
     std::vector<double> all = measure(server, port, client::Carriers::kGrpcOnly, leads[0]);
     const auto by_udp = measure(server, port, client::Carriers::kAutomatic, leads[1]);

@@ -98,22 +98,38 @@ inline TickTimes& map_tick_times(int descriptor) {
   return *static_cast<TickTimes*>(memory);
 }
 
+/// Keeps this process and what it starts off the last core, which is the loop's. Absent: there is
+/// only one core.
+inline std::optional<int> leave_a_core_to_the_loop() {
+  cpu_set_t cores;
+  sched_getaffinity(0, sizeof cores, &cores);
+  int last = CPU_SETSIZE - 1;
+  while (!CPU_ISSET(static_cast<std::size_t>(last), &cores)) --last;
+  CPU_CLR(static_cast<std::size_t>(last), &cores);
+  if (sched_setaffinity(0, sizeof cores, &cores) != 0) return std::nullopt;
+  return last;
+}
+
 /// A server's process, until SIGTERM. `front`: the program of the front; empty: threads.
-inline int serve(const std::string& scene_file, int port, int times, const std::string& front) {
+/// `loop_cpu`: the core of its loop; absent: any.
+inline int serve(const std::string& scene_file, int port, int times, std::optional<int> loop_cpu,
+                 const std::string& front) {
   sigset_t end;
   sigemptyset(&end);
   sigaddset(&end, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &end, nullptr);
+  const std::string address = "127.0.0.1:" + std::to_string(port);
+  std::vector<std::string> settings{"loop.late_bucket_full=1000000",
+                                    "server.listen=[\"" + address + "\"]",
+                                    "server.udp_listen=\"" + address + "\""};
+  if (loop_cpu) settings.push_back("loop.cpu=" + std::to_string(*loop_cpu));
+  server::Scene scene = server::load_scene(scene_file, settings);
   std::optional<server::Launcher> launcher;
   if (!front.empty()) {
     launcher.emplace(front, std::vector<std::string>{"--log-level", "warn"},
-                     server::front_limits());
+                     server::front_limits(scene));
   }
   spdlog::set_level(spdlog::level::warn);
-  const std::string address = "127.0.0.1:" + std::to_string(port);
-  server::Scene scene = server::load_scene(
-      scene_file, {"loop.late_bucket_full=1000000", "server.listen=[\"" + address + "\"]",
-                   "server.udp_listen=\"" + address + "\""});
   auto& source = scene.devices.front().source;
   source = std::make_shared<TimedConfig>(source, map_tick_times(times));
   const server::AppOptions options{server::RealtimeMode::kTry};
@@ -132,10 +148,10 @@ inline int serve(const std::string& scene_file, int port, int times, const std::
   return 0;
 }
 
-/// Such a process, which this program starts from itself: --serve PORT TIMES [FRONT].
+/// Such a process, which this program starts from itself: --serve PORT TIMES LOOP_CPU [FRONT].
 class ServerProcess {
  public:
-  ServerProcess(int port, const std::string& front)
+  ServerProcess(int port, std::optional<int> loop_cpu, const std::string& front)
       : descriptor_(memfd_create("tick-times", 0)),  // passed on by exec
         sized_(ftruncate(descriptor_, sizeof(TickTimes)) == 0),
         times_(map_tick_times(descriptor_)),
@@ -143,9 +159,10 @@ class ServerProcess {
     if (id_ != 0) return;
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     const std::string at = std::to_string(port), times = std::to_string(descriptor_);
+    const std::string cpu = std::to_string(loop_cpu.value_or(-1));
     const char* const last = front.empty() ? nullptr : front.c_str();
-    execl("/proc/self/exe", "haptic-bench-crossing", "--serve", at.c_str(), times.c_str(), last,
-          nullptr);
+    execl("/proc/self/exe", "haptic-bench-crossing", "--serve", at.c_str(), times.c_str(),
+          cpu.c_str(), last, nullptr);
     _exit(127);
   }
   ~ServerProcess() {

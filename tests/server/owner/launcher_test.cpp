@@ -21,8 +21,8 @@ std::optional<Notice> wait_for(Launcher& launcher) {
 }
 
 /// What a shell script that runs as a front says on its link.
-std::string told_by(const std::string& script) {
-  Launcher launcher("/bin/sh", {"-c", "exec >&3; " + script}, {64U << 20U, 0, 5});
+std::string told_by(const std::string& script, std::optional<int> loop_cpu = {}) {
+  Launcher launcher("/bin/sh", {"-c", "exec >&3; " + script}, {64U << 20U, 0, 5, loop_cpu});
   auto [here, there] = packet_pair();
   launcher.start(std::move(there));
   while (const auto notice = wait_for(launcher)) {
@@ -91,6 +91,15 @@ TEST(Launcher, AFrontHasNoRights) {
   EXPECT_EQ(said,
             "0\n65536\nCapPrm:\t0000000000000000\nCapEff:\t0000000000000000\n"
             "CapBnd:\t0000000000000000\nNoNewPrivs:\t1\n");
+}
+
+TEST(Launcher, AFrontKeepsOffTheLoopsCore) {
+  const std::string all = told_by("nproc"), others = told_by("nproc", 0);
+  const int cores = std::stoi(all);
+  EXPECT_EQ(std::stoi(others), cores == 1 ? 1 : cores - 1);
+  if (cores > 1) {
+    EXPECT_EQ(told_by("grep -c 'Cpus_allowed_list:.*\\b0\\b' /proc/self/status", 0), "0\n");
+  }
 }
 
 TEST(Launcher, AFrontInheritsItsLinkAlone) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace haptic::client {
 
@@ -24,6 +25,17 @@ double difference(const std::vector<VirtualCoordinate>& coordinates,
   double same = 0.0;
   for (std::size_t k = begin; k < std::min(begin + 4, x.size()); ++k) same += x_probe[k] * x[k];
   return (same < 0.0 ? -x_probe[i] : x_probe[i]) - x[i];
+}
+
+bool is_contact(const Plane& plane) {
+  return plane.compliance > 0.0 || !plane.curvature.empty() || plane.id != 0;
+}
+
+bool share_coordinate(const Plane& a, const Plane& b) {
+  for (std::size_t i = 0; i < a.normal.size(); ++i) {
+    if (a.normal[i] != 0.0 && b.normal[i] != 0.0) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -68,33 +80,48 @@ std::vector<Plane> derive_planes(const std::vector<VirtualCoordinate>& coordinat
 std::size_t keep_deepest(const std::vector<VirtualCoordinate>& coordinates,
                          const std::vector<double>& x, const std::vector<double>& x_probe,
                          std::vector<Plane>& planes) {
-  if (planes.size() <= kMaxPlanes) return 0;
-  const std::size_t n_x = coordinates.size(), left_out = planes.size() - kMaxPlanes;
-  const auto depth = [&](const Plane& plane) {
+  const std::size_t n_x = coordinates.size(), told = planes.size();
+  const auto fits = [&](const Plane& plane) { return plane.normal.size() == n_x; };
+  if (x.size() != n_x || !std::all_of(planes.begin(), planes.end(), fits)) {
+    planes.resize(std::min(told, kMaxPlanes));
+    return told - planes.size();
+  }
+  std::vector<double> probe = x, depths;
+  for (std::size_t i = 0; i < n_x && x_probe.size() == n_x; ++i)
+    probe[i] += difference(coordinates, x_probe, x, i);
+  for (const Plane& plane : planes) {
     double out = -plane.offset, length = 0.0;
     for (std::size_t i = 0; i < n_x; ++i) {
-      out += plane.normal[i] * (x[i] + difference(coordinates, x_probe, x, i));
+      out += plane.normal[i] * probe[i];
       length = std::hypot(length, plane.normal[i]);
     }
-    return length > 0.0 ? out / length : -std::numeric_limits<double>::infinity();
-  };
-  const auto fits = [&](const Plane& plane) { return plane.normal.size() == n_x; };
-  if (x.size() == n_x && x_probe.size() == n_x && std::all_of(planes.begin(), planes.end(), fits)) {
-    std::vector<double> depths;
-    std::vector<std::size_t> chosen;
-    for (std::size_t i = 0; i < planes.size(); ++i) {
-      depths.push_back(depth(planes[i]));
-      chosen.push_back(i);
-    }
-    std::stable_sort(chosen.begin(), chosen.end(),
-                     [&](std::size_t a, std::size_t b) { return depths[a] > depths[b]; });
-    std::sort(chosen.begin(), chosen.begin() + kMaxPlanes);
-    for (std::size_t k = 0; k < kMaxPlanes; ++k) {
-      if (chosen[k] != k) planes[k] = std::move(planes[chosen[k]]);
-    }
+    depths.push_back(length > 0.0 ? out / length : -std::numeric_limits<double>::infinity());
   }
-  planes.resize(kMaxPlanes);
-  return left_out;
+  std::vector<std::size_t> order(told), chosen;
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return depths[a] > depths[b]; });
+  std::size_t curvatures = 0;
+  for (const std::size_t i : order) {
+    Plane& plane = planes[i];
+    const auto neighbours = std::count_if(chosen.begin(), chosen.end(), [&](std::size_t other) {
+      return is_contact(planes[other]) && share_coordinate(planes[other], plane);
+    });
+    const bool crowded = is_contact(plane) && neighbours >= std::ptrdiff_t{kMaxContactsOfBlock};
+    if (chosen.size() == kMaxPlanes || crowded) continue;
+    chosen.push_back(i);
+    if (curvatures + plane.curvature.size() > kMaxCurvatures ||
+        n_x + plane.curvature.size() > kMaxNumbersOfPlane) {
+      plane.curvature.clear();
+    }
+    curvatures += plane.curvature.size();
+  }
+  std::sort(chosen.begin(), chosen.end());
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    if (chosen[k] != k) planes[k] = std::move(planes[chosen[k]]);
+  }
+  planes.resize(chosen.size());
+  return told - planes.size();
 }
 
 }  // namespace haptic::client

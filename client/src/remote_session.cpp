@@ -159,6 +159,11 @@ std::uint32_t RemoteSession::lease_epoch() const {
   return opened_.lease_epoch();
 }
 
+std::chrono::nanoseconds RemoteSession::round_trip() const {
+  const std::lock_guard lock(mutex_);
+  return round_trip_.value();
+}
+
 PublishStatistics RemoteSession::statistics() const {
   const std::lock_guard lock(mutex_);
   return statistics_;

@@ -19,6 +19,7 @@
 #include "haptic/client/session.hpp"
 #include "newest_state.hpp"
 #include "reconnection.hpp"
+#include "round_trip.hpp"
 #include "stream.hpp"
 
 namespace haptic::client {
@@ -46,6 +47,7 @@ class RemoteSession final : public Session {
   AppliedSettings update(const Settings& settings) override;
   [[nodiscard]] bool connected() const override;
   [[nodiscard]] std::optional<UdpLink> udp_link() const override;
+  [[nodiscard]] std::chrono::nanoseconds round_trip() const override;
   [[nodiscard]] std::uint32_t lease_epoch() const override;
   [[nodiscard]] PublishStatistics statistics() const override;
   [[nodiscard]] const DeviceInfo& device() const override { return device_; }
@@ -158,6 +160,7 @@ class RemoteSession final : public Session {
   v1::SessionOpened opened_{};
 
   mutable NewestState states_;
+  RoundTrip round_trip_;
   std::deque<Event> events_;
   std::int64_t newest_event_ns_{0};  ///< on the server's clock; what the next stream goes on from
   bool was_free_{false};             ///< a free proxy was published under this lease

@@ -56,6 +56,7 @@ void RemoteSession::publish(Proxy proxy) noexcept {
       const auto now = Clock::now();
       sample.set_source_time_ns(now.time_since_epoch().count());
       sample.set_seq(number);
+      round_trip_.published(number, now);
       to_planes(proxy);
       statistics_.planes_left_out +=
           keep_deepest(device_.coordinates, proxy.position, states_.given().x_probe, proxy.planes);

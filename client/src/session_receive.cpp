@@ -78,6 +78,7 @@ void RemoteSession::received(const v1::DeviceState& state) {
   const bool had_force = has_force(states_.newest().state);
   if (!states_.take(to_state(state))) return;
   const DeviceState& newest = states_.newest();
+  round_trip_.used(newest.proxy_seq_used, newest.received);
   if (force_.wanted() && had_force && !has_force(newest.state)) work_.notify_all();
   // A fault may have latched while the stream was down: its event is then never seen.
   if (newest.state == Lifecycle::kFault) force_.fault_seen(newest.received);

@@ -24,13 +24,25 @@ void by_tls() {
 #include "client_readme_2.inc"
 }
 
-void says_where_the_palm_is(client::Connection& server){
+struct Pad {
+  std::size_t phalanx;
+  double along;
+};
+
+void tells_contacts(client::Session* session, const std::vector<Pad>& pads,
+                    const std::vector<double>& x, std::chrono::nanoseconds period, double radius,
+                    double coupling) {
+  using namespace client;
 #include "client_readme_3.inc"
+}
+
+void says_where_the_palm_is(client::Connection& server){
+#include "client_readme_4.inc"
 }
 
 std::vector<double> where_the_device_can_push(const client::DeviceState& state,
                                               const std::array<double, 2>& n, double d) {
-#include "client_readme_4.inc"
+#include "client_readme_5.inc"
   return x;
 }
 

@@ -87,11 +87,41 @@ TEST(KeepDeepest, LeavesThirtyTwoInTheirOrder) {
   EXPECT_EQ(keep_deepest(linear(2), {0, 0}, {1, 0}, planes), 0u) << "as many as are allowed";
 }
 
-TEST(KeepDeepest, UnknownProbeKeepsTheFirst) {
-  std::vector<Plane> planes = forty();
-  EXPECT_EQ(keep_deepest(linear(2), {0, 0}, {}, planes), 8u);
+TEST(KeepDeepest, UnknownProbeCountsFromX) {
+  std::vector<Plane> planes = forty(), from_x = forty();
+  EXPECT_EQ(keep_deepest(linear(2), {1, 0}, {}, planes), 8u);
+  keep_deepest(linear(2), {0, 0}, {1, 0}, from_x);
   ASSERT_EQ(planes.size(), client::kMaxPlanes);
-  EXPECT_EQ(planes.back().offset, 3.0 + 31);
+  for (std::size_t i = 0; i < planes.size(); ++i) EXPECT_EQ(planes[i].offset, from_x[i].offset);
+}
+
+/// Contact i of `count` with this support, at the distance i.
+std::vector<Plane> contacts(int count, const std::vector<double>& normal) {
+  std::vector<Plane> planes;
+  for (int i = 0; i < count; ++i) planes.push_back({.normal = normal, .offset = 1.0 * i, .id = 1});
+  return planes;
+}
+
+TEST(KeepDeepest, LeavesEightContactsOfABlock) {
+  std::vector<Plane> planes = contacts(12, {1, 0, 0, 0});
+  for (const Plane& other : contacts(3, {0, 0, 0, 1})) planes.push_back(other);
+  EXPECT_EQ(keep_deepest(linear(4), {0, 0, 0, 0}, {0, 0, 0, 0}, planes), 4u);
+  ASSERT_EQ(planes.size(), 11u);
+  EXPECT_EQ(planes[7].offset, 7.0) << "the eight nearest";
+  EXPECT_EQ(planes[10].normal[3], 1.0) << "another block";
+}
+
+TEST(KeepDeepest, FlattensWhatCurvatureHasNoRoom) {
+  // 28 numbers each, as of a pose: eleven fit into a sample.
+  std::vector<Plane> planes;
+  for (std::size_t i = 0; i < 28; ++i) {
+    planes.push_back(
+        {.normal = std::vector<double>(28, 0.0), .offset = 27.0 - static_cast<double>(i)});
+    planes.back().normal[i] = 1.0;
+    planes.back().curvature.assign(28, 1.0);
+  }
+  EXPECT_EQ(keep_deepest(linear(28), std::vector<double>(28), {}, planes), 0u);
+  for (std::size_t i = 0; i < 28; ++i) EXPECT_EQ(planes[i].curvature.empty(), i < 28 - 11) << i;
 }
 
 TEST(DerivePlanes, WrongSizesGiveNone) {

@@ -35,6 +35,22 @@ TEST_F(Publish, CarriesTheGivenSample) {
   EXPECT_GE(sample.seq(), 1U);
 }
 
+TEST_F(Publish, MeasuresTheRoundTrip) {
+  const auto session = open();
+  session->publish(Proxy::free());
+  EXPECT_EQ(session->round_trip().count(), 0);
+  const auto published = std::chrono::steady_clock::now();
+  static_cast<void>(first_sample());
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  v1::SessionResponse message;
+  message.mutable_state()->set_seq(5);
+  message.mutable_state()->set_proxy_seq_used(1);
+  server.send(message);
+  const auto received = session->wait_for_state().received;
+  EXPECT_GE(session->round_trip(), std::chrono::milliseconds(5));
+  EXPECT_GE(session->round_trip(), received - published);
+}
+
 TEST_F(Publish, SourceTimeIsTheSteadyClock) {
   const auto session = open();
   const auto before = std::chrono::steady_clock::now().time_since_epoch();

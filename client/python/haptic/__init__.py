@@ -12,6 +12,19 @@ SI units; arrays in the order of Connection.devices(). proto/README.md is the pr
 """
 
 from ._connection import Connection
+from ._contact import (
+    FASTEST_POINT,
+    JointAxis,
+    PointMap,
+    contact_at,
+    contact_horizon,
+    cylinder_curvature,
+    point_itself,
+    point_on_finger,
+    point_on_joints,
+    point_on_pose,
+    sphere_curvature,
+)
 from ._errors import ClientError
 from ._ports import DEFAULT_SERVER
 from ._session import Session
@@ -42,8 +55,10 @@ from ._types import (
 from ._version import __version__
 
 __all__ = [
-    "DEFAULT_SERVER", "FREE", "Carriers", "CertificateState", "ClientError", "Connection",
-    "Coordinate", "CouplingBlock", "DegreeOfFreedom", "Device", "DeviceState", "Event",
-    "PassivityState", "Plane", "Pose", "Proxy", "SampleCounts", "ServerInfo", "Session", "Settings",
-    "TrackerState", "__version__", "behind", "contact", "held",
+    "DEFAULT_SERVER", "FASTEST_POINT", "FREE", "Carriers", "CertificateState", "ClientError",
+    "Connection", "Coordinate", "CouplingBlock", "DegreeOfFreedom", "Device", "DeviceState",
+    "Event", "JointAxis", "PassivityState", "Plane", "PointMap", "Pose", "Proxy", "SampleCounts",
+    "ServerInfo", "Session", "Settings", "TrackerState", "__version__", "behind", "contact",
+    "contact_at", "contact_horizon", "cylinder_curvature", "held", "point_itself",
+    "point_on_finger", "point_on_joints", "point_on_pose", "sphere_curvature",
 ]

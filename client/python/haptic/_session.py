@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import collections
-import dataclasses
 import threading
 import time
 from collections.abc import Iterator, Sequence
@@ -12,8 +11,9 @@ from typing import Any
 import grpc
 
 from ._errors import PASSING, ClientError, to_error
+from ._round_trip import RoundTrip
 from ._state import DeviceState
-from ._types import Carriers, Event, Pose, Proxy, SampleCounts, Settings, deepest
+from ._types import Carriers, Event, Pose, Proxy, SampleCounts, Settings, deepest, to_sample
 from ._udp import UdpCarrier
 from .v1 import haptic_service_pb2 as service
 from .v1 import session_pb2 as wire
@@ -47,6 +47,7 @@ class Session:
         self._waiting: wire.SessionRequest | None = None  # to be sent on the stream
         self._newest: wire.ProxySample | None = None
         self._seq = self._replaced = self._planes_left_out = 0
+        self._round_trip = RoundTrip()
         self._ended: ClientError | None = None
         self._closing = False
         self._udp: UdpCarrier | None = None
@@ -100,13 +101,10 @@ class Session:
                 raise ClientError("INVALID_ARGUMENT",
                                   "publish: a session with tracker=True has publish_pose()")
             self._seq += 1
-            planes = deepest(proxy.planes, self._state.x_probe if self._state else ())
+            self._round_trip.published(self._seq)
+            planes = deepest(proxy.planes, self._state.x_probe if self._state else proxy.position)
             self._planes_left_out += len(proxy.planes) - len(planes)
-            sample = wire.ProxySample(
-                seq=self._seq, source_time_ns=time.monotonic_ns(), mode=proxy.mode,
-                position=proxy.position,
-                device_seq_used=self._state.seq if self._state else 0,
-                planes=[wire.Plane(**dataclasses.asdict(plane)) for plane in planes])
+            sample = to_sample(proxy, planes, self._seq, self._state.seq if self._state else 0)
             self._newest = sample
             if self._udp is None or not self._udp.send(sample.SerializeToString()):
                 self._offer(wire.SessionRequest(proxy=sample))
@@ -232,6 +230,12 @@ class Session:
                                 self._planes_left_out)
 
     @property
+    def round_trip_s(self) -> float:
+        """From publish() to the arrival of the first state that used the sample, by whatever
+        carrier: rises at once, falls slowly. 0: not known yet. For contact_horizon()."""
+        return self._round_trip.value_s
+
+    @property
     def udp_in_use(self) -> bool:
         """Whether samples go by UDP now."""
         return self._udp is not None and self._udp.in_use
@@ -279,6 +283,7 @@ class Session:
             if response.HasField("state"):
                 if self._state is None or response.state.seq > self._state.seq:
                     self._state = DeviceState.of(response.state)
+                    self._round_trip.used(self._state.proxy_seq_used)
             elif response.HasField("event"):
                 self._events.append(Event.of(response.event))
             elif response.HasField("ack"):

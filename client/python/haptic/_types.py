@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import enum
 import math
+import time
 from collections.abc import Sequence
 
 from ._names import name_of
@@ -56,7 +57,7 @@ def behind(planes: Sequence[Plane | tuple[Sequence[float], float]],
            position: Sequence[float]) -> Proxy:
     """The server keeps the probe out of `planes`, contact()s or (normal, offset) each: normal . x
     <= offset, linearised at `position`. They say which way is out, so force may begin inside. Of
-    more than 32 the deepest are sent."""
+    more than 32, and of more than 8 contacts of a block, the deepest are sent."""
     return Proxy(wire.PROXY_MODE_PLANES, tuple(map(float, position)),
                  tuple(plane if isinstance(plane, Plane) else
                        Plane(tuple(map(float, plane[0])), float(plane[1])) for plane in planes))
@@ -72,17 +73,47 @@ def contact(position: Sequence[float], gap: float, gradient: Sequence[float], *,
                  float(velocity), tuple(map(float, curvature)), first_coordinate, id)
 
 
-MAX_PLANES = 32  # of one sample, proto/README.md
+# Of one sample, proto/README.md.
+MAX_PLANES, MAX_CONTACTS_OF_BLOCK, MAX_CURVATURES, MAX_NUMBERS_OF_PLANE = 32, 8, 320, 80
 
 
 def deepest(planes: Sequence[Plane], x_probe: Sequence[float]) -> list[Plane]:
-    """The MAX_PLANES planes that x_probe is deepest beyond, or nearest to, in their order."""
+    """The planes that x_probe is deepest beyond, or nearest to, in their order. From the deepest on
+    it takes up to 32; a contact (a plane with compliance, curvature or id) only if fewer than 8 of
+    those taken share a coordinate with it. A curvature that has no room left becomes 0."""
     def depth(plane: Plane) -> float:
         length = math.hypot(*plane.normal)
         beyond = sum(n * p for n, p in zip(plane.normal, x_probe, strict=False)) - plane.offset
         return beyond / length if length > 0.0 else -math.inf
-    chosen = sorted(range(len(planes)), key=lambda i: -depth(planes[i]))[:MAX_PLANES]
-    return [planes[i] for i in sorted(chosen)]
+
+    def is_contact(plane: Plane) -> bool:
+        return plane.compliance > 0.0 or bool(plane.curvature) or plane.id != 0
+
+    def share(a: Plane, b: Plane) -> bool:
+        return any(x and y for x, y in zip(a.normal, b.normal, strict=False))
+
+    chosen: dict[int, Plane] = {}
+    curvatures = 0
+    for i in sorted(range(len(planes)), key=lambda i: -depth(planes[i])):
+        plane = planes[i]
+        near = sum(is_contact(other) and share(other, plane) for other in chosen.values())
+        if len(chosen) == MAX_PLANES or (is_contact(plane) and near >= MAX_CONTACTS_OF_BLOCK):
+            continue
+        count = len(plane.curvature)
+        if (curvatures + count > MAX_CURVATURES or
+                len(plane.normal) + count > MAX_NUMBERS_OF_PLANE):
+            plane, count = dataclasses.replace(plane, curvature=()), 0
+        chosen[i] = plane
+        curvatures += count
+    return [chosen[i] for i in sorted(chosen)]
+
+
+def to_sample(proxy: Proxy, planes: Sequence[Plane], seq: int, used: int) -> wire.ProxySample:
+    """`used`: number of the state that it was computed from."""
+    return wire.ProxySample(
+        seq=seq, source_time_ns=time.monotonic_ns(), mode=proxy.mode, position=proxy.position,
+        device_seq_used=used,
+        planes=[wire.Plane(**dataclasses.asdict(plane)) for plane in planes])
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -113,7 +144,7 @@ class Event:
 @dataclasses.dataclass(frozen=True, slots=True)
 class SampleCounts:
     """What became of the samples of a session; `replaced`: by newer ones before they were sent;
-    `planes_left_out`: beyond the 32 deepest of a sample."""
+    `planes_left_out`: of a sample, beyond the 32 deepest and the 8 deepest contacts of a block."""
 
     published: int
     replaced: int

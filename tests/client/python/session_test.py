@@ -113,6 +113,13 @@ class Force(OneServer):
         self.assertEqual(session.samples().planes_left_out, 8)
         self.assertTrue(eventually(lambda: session.wait_for_state().active_planes & 1 == 1))
 
+    def test_the_round_trip_is_measured(self) -> None:
+        session = self.open()
+        self.assertEqual(session.round_trip_s, 0.0)
+        session.publish(haptic.FREE)
+        self.assertTrue(eventually(lambda: session.round_trip_s > 0.0))
+        self.assertLess(session.round_trip_s, 30.0)
+
     def test_contacts_are_taken(self) -> None:
         session = self.open()
         x_probe = session.wait_for_state().x_probe

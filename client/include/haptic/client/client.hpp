@@ -17,6 +17,7 @@
 /// which threads callbacks run. Calls that wait for an answer throw ClientError (error.hpp).
 
 #include "haptic/client/connection.hpp"
+#include "haptic/client/contact.hpp"
 #include "haptic/client/error.hpp"
 #include "haptic/client/link.hpp"
 #include "haptic/client/planes.hpp"

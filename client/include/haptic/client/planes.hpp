@@ -16,7 +16,11 @@ struct Block {
   std::size_t count{0};
 };
 
-inline constexpr std::size_t kMaxPlanes = 32;  ///< of one sample (proto/README.md)
+// Of one sample (proto/README.md).
+inline constexpr std::size_t kMaxPlanes = 32;
+inline constexpr std::size_t kMaxContactsOfBlock = 8;
+inline constexpr std::size_t kMaxCurvatures = 320;     ///< numbers, of all contacts
+inline constexpr std::size_t kMaxNumbersOfPlane = 80;  ///< of its normal and its curvature
 
 /// The contact with this gap (>= 0: not touched) and gradient of the gap (one value per coordinate)
 /// where the virtual object is at `x`, which must be the sample's position. The caller adds
@@ -24,9 +28,13 @@ inline constexpr std::size_t kMaxPlanes = 32;  ///< of one sample (proto/README.
 [[nodiscard]] Plane contact(const std::vector<double>& x, double gap,
                             const std::vector<double>& gradient);
 
-/// Leaves the kMaxPlanes planes that x_probe is deepest beyond, or nearest to, in their order, and
-/// returns how many it took out. `x`: where they are linearised. publish() does this by itself and
-/// counts (PublishStatistics::planes_left_out). If a size does not fit, the first planes stay.
+/// Leaves the planes that x_probe is deepest beyond, or nearest to, in their order, and returns how
+/// many it took out. From the deepest on it takes up to kMaxPlanes; a contact (a plane with
+/// compliance, curvature or id) only if fewer than kMaxContactsOfBlock of those taken share a
+/// coordinate with it. A curvature that has no room left becomes 0. Depth is the violation of the
+/// linear gap by the length of its gradient, in units of x. `x`: where they are linearised,
+/// and the probe if that is not known (empty). publish() does this by itself and counts
+/// (PublishStatistics::planes_left_out). If another size does not fit, the first kMaxPlanes stay.
 std::size_t keep_deepest(const std::vector<VirtualCoordinate>& coordinates,
                          const std::vector<double>& x, const std::vector<double>& x_probe,
                          std::vector<Plane>& planes);

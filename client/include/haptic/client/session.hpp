@@ -142,6 +142,9 @@ class Session {
   [[nodiscard]] virtual bool connected() const = 0;
   /// What is known of the UDP path; empty if the session has none.
   [[nodiscard]] virtual std::optional<UdpLink> udp_link() const = 0;
+  /// From publish() to the arrival of the first state that used the sample, by whatever carrier:
+  /// rises at once, falls slowly. 0: not known yet. For contact_horizon() in contact.hpp.
+  [[nodiscard]] virtual std::chrono::nanoseconds round_trip() const = 0;
   [[nodiscard]] virtual std::uint32_t lease_epoch() const = 0;  ///< rises with every lease; 0: none
   [[nodiscard]] virtual PublishStatistics statistics() const = 0;
   [[nodiscard]] virtual const DeviceInfo& device() const = 0;  ///< as it was at the first opening

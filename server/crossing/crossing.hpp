@@ -48,6 +48,12 @@ struct PlaneSample {
   std::uint32_t unused{0};  ///< keeps the layout free of padding
 };
 
+/// When a sample left its source, by a synchronised clock (proto/README.md#clock-and-age).
+struct Departure {
+  core::TimePoint likely{};  ///< by the estimate itself: what moves goes on from there
+  core::TimePoint latest{};  ///< by the bound of its error: the age counts from there
+};
+
 /// A sample of the proxy as it came off the wire: nothing was checked but its syntax. Counts are
 /// the wire's and may be above what the arrays hold; such a sample is refused.
 struct ProxySample {
@@ -57,9 +63,7 @@ struct ProxySample {
   std::uint64_t seq{0};
   core::TimePoint arrival{};
   core::Duration valid_for{0};
-  /// When it left its source at the latest, by a synchronised clock: its age counts from there if
-  /// that is before its arrival (proto/README.md#staleness-and-gain).
-  Maybe<core::TimePoint> left{};
+  Maybe<Departure> left{};
   core::ProxyMode mode{core::ProxyMode::kNone};  ///< kNone: the wire named no known mode
   Carrier carrier{Carrier::kGrpc};
   std::uint32_t plane_count{0};
@@ -272,7 +276,7 @@ template <typename T, std::size_t kSize>
 inline constexpr bool crosses = std::is_trivially_copyable_v<T>&& std::is_standard_layout_v<T> &&
                                 sizeof(T) == kSize;
 
-static_assert(crosses<ProxySample, 22672>);
+static_assert(crosses<ProxySample, 22680>);
 static_assert(crosses<PoseSample, 144>);
 static_assert(crosses<Verdict, 192>);
 static_assert(crosses<Request, 1288>);

@@ -39,7 +39,7 @@ void LinkWatch::judged(Carrier carrier, IngressVerdict verdict) noexcept {
   ++of(carrier).rejected[static_cast<std::size_t>(verdict)];
 }
 
-std::optional<core::TimePoint> LinkWatch::came(
+std::optional<Departure> LinkWatch::came(
     const SampleStamp& stamp, const std::optional<wire::ClockOffset::Estimate>& other) noexcept {
   CarrierFigures& figures = of(stamp.carrier);
   Arrival& arrival = arrivals_[index(stamp.carrier)];
@@ -62,9 +62,9 @@ std::optional<core::TimePoint> LinkWatch::came(
   auto best = clock_.at(to_wire(stamp.arrival));
   if (other && (!best || other->bound < best->bound)) best = other;
   if (!best || !wire::ClockOffset::agrees(*own, *best)) return std::nullopt;
-  const core::TimePoint left(reading - best->offset + best->bound);
-  if (stamp.arrival - left > kWorthTelling) ++aged_;
-  return std::min(left, stamp.arrival);
+  const core::TimePoint likely(reading - best->offset), latest = likely + best->bound;
+  if (stamp.arrival - latest > kWorthTelling) ++aged_;
+  return Departure{std::min(likely, stamp.arrival), std::min(latest, stamp.arrival)};
 }
 
 std::optional<wire::ClockExchange> LinkWatch::exchange(const SampleStamp& stamp,

@@ -48,11 +48,11 @@ class LinkWatch {
  public:
   void state_sent(std::uint64_t tick, core::TimePoint now, Carrier carrier) noexcept;
 
-  /// A sample came. The answer is the latest time at which it can have left its source, by the
-  /// tighter of this estimate of the client's clock and `other`, the path's; never later than its
-  /// arrival. Absent if the client's clock is not known, or if the sample's own exchange does not
-  /// agree with the estimate: a clock that was stepped must not make a sample old.
-  [[nodiscard]] std::optional<core::TimePoint> came(
+  /// A sample came. The answer is when it left its source, by the tighter of this estimate of the
+  /// client's clock and `other`, the path's; never later than its arrival. Absent if the client's
+  /// clock is not known, or if the sample's own exchange does not agree with the estimate: a clock
+  /// that was stepped must not make a sample old.
+  [[nodiscard]] std::optional<Departure> came(
       const SampleStamp& stamp, const std::optional<wire::ClockOffset::Estimate>& other) noexcept;
   void judged(Carrier carrier, IngressVerdict verdict) noexcept;
   /// A tick used a sample of this session at that age. One thread.

@@ -226,7 +226,9 @@ void Ingress::store(const ProxySample& sample, const BacklogRule::Answer& age) {
   }
   newest_.mode = sample.mode;
   newest_.seq = sample.seq;
-  newest_.born = std::min(age.born, sample.left.value_or(age.born));
+  const Departure left = sample.left.value_or(Departure{age.born, age.born});
+  newest_.born = std::min(age.born, left.latest);
+  newest_.computed = std::min(arrival, left.likely);
   newest_.valid_for = sample.valid_for;
   newest_.x.resize(sample.position.count);
   for (std::size_t i = 0; i < sample.position.count; ++i) {

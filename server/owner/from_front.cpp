@@ -28,7 +28,10 @@ core::TimePoint ArrivalOrder::in_order(core::TimePoint said, core::TimePoint now
 void make_harmless(ProxySample& sample, core::TimePoint arrival) noexcept {
   sample.arrival = arrival;
   sample.valid_for = validity(sample.valid_for);
-  if (sample.left && *sample.left < core::TimePoint{}) sample.left = core::TimePoint{};
+  if (sample.left) {
+    const Departure left = *sample.left;
+    sample.left = Departure{std::max(left.likely, {}), std::max(left.latest, {})};
+  }
   if (sample.mode > core::ProxyMode::kPlanes) sample.mode = core::ProxyMode::kNone;
   if (sample.carrier != Carrier::kUdp) sample.carrier = Carrier::kGrpc;
 }

@@ -266,7 +266,8 @@ class Crossing {
     if (proxy.seq <= newest_seq_) fail("the sequence went back");
     newest_seq_ = proxy.seq;
     const core::TimePoint now = steady_now();
-    if (proxy.born > now || proxy.gapless_since > now) fail("a proxy from the future");
+    if (proxy.born > now || proxy.computed > now || proxy.gapless_since > now)
+      fail("a proxy from the future");
     if (proxy.mode > core::ProxyMode::kPlanes) fail("an unknown mode");
     if (proxy.valid_for < 0s || proxy.valid_for > 2h) fail("a validity beyond the wire's");
     const auto n = proxy.x.size();

@@ -165,7 +165,7 @@ void VirtualWorld::publish() {
 }
 
 void VirtualWorld::accept(wire::ConstBytes bytes, server::Carrier carrier) {
-  const std::optional<core::TimePoint> left = link.came(
+  const std::optional<server::Departure> left = link.came(
       {carrier, bytes.size(),
        static_cast<std::int64_t>(wire::get<std::uint64_t>(bytes.subspan(16))),
        wire::get<std::uint64_t>(bytes.subspan(24)),

@@ -99,8 +99,9 @@ PipelineConfig checked(PipelineConfig config) {
 }
 
 /// How long a contact that moves goes on as it was told, s: while force is whole.
-double contact_age(const ProxyInUse& proxy, const Settings& settings) noexcept {
-  return seconds(std::clamp(proxy.age, Duration::zero(), settings.staleness.hold_end));
+double contact_age(const ProxySnapshot& sample, TimePoint now, const Settings& settings) noexcept {
+  const TimePoint told = sample.computed == TimePoint{} ? sample.born : sample.computed;
+  return seconds(std::clamp(now - told, Duration::zero(), settings.staleness.hold_end));
 }
 
 }  // namespace
@@ -129,8 +130,8 @@ class Pipeline::Stages {
         .settings_id = settings.id,
         .sensed = sensing_.step(in, now.beat.dt, driven_),
         .proxy = proxy_.step(in, settings.staleness, now.sensed.tracker, state_),
-        .anchor = rendering_.step({now.beat.tick, contact_age(now.proxy, settings)}, now.sensed,
-                                  proxy_.sample(), settings, in_use_),
+        .anchor = rendering_.step({now.beat.tick, contact_age(proxy_.sample(), in.now, settings)},
+                                  now.sensed, proxy_.sample(), settings, in_use_),
         .life = supervisor_.step(in, now.beat, settings, now.sensed, now.proxy, now.anchor,
                                  output_faults_),
         .effort = actuation_.step(now.beat, now.sensed, now.anchor, now.life, settings,

@@ -27,7 +27,8 @@ class LinkWatchTest : public testing::Test {
   static constexpr Duration kEachWay = 10ms;
 
   /// One state down and the sample computed from it up; when it left, by the server's clock.
-  std::optional<TimePoint> exchange(Duration down, Duration up, Carrier carrier = Carrier::kGrpc) {
+  std::optional<server::Departure> exchange(Duration down, Duration up,
+                                            Carrier carrier = Carrier::kGrpc) {
     watch.state_sent(++tick, now, carrier);
     left = now + down + kHold;
     SampleStamp stamp;
@@ -74,12 +75,14 @@ TEST_F(LinkWatchTest, TravelTimeAgesASample) {
   steady(100);
   const auto usual = exchange(kEachWay, kEachWay);
   ASSERT_TRUE(usual);
-  EXPECT_LT(arrival - *usual, 1ms);
+  EXPECT_LT(arrival - usual->latest, 1ms);
+  EXPECT_LT(std::chrono::abs(usual->likely - left), 1us) << "links that are alike both ways";
   const auto held_up = exchange(kEachWay, kEachWay + 50ms);
   ASSERT_TRUE(held_up);
   // All of the 50 ms but what the bound cannot tell: a drift of 500 ppm since the last proof.
-  EXPECT_NEAR(core::seconds(arrival - *held_up), 0.050, 0.001);
-  EXPECT_GE(*held_up, left);  // never older than it is
+  EXPECT_NEAR(core::seconds(arrival - held_up->latest), 0.050, 0.001);
+  EXPECT_GE(held_up->latest, left);  // never older than it is
+  EXPECT_LT(std::chrono::abs(held_up->likely - left), 1us);
   EXPECT_EQ(watch.aged(), 1U);
 }
 
@@ -91,8 +94,9 @@ TEST_F(LinkWatchTest, AgeIsNeverExtendedNorOverstated) {
     const Duration up(static_cast<std::int64_t>(delay(random)));
     const auto told = exchange(down, up, i % 3 == 0 ? Carrier::kUdp : Carrier::kGrpc);
     ASSERT_TRUE(told);
-    EXPECT_LE(*told, arrival);
-    EXPECT_GE(*told, left);
+    EXPECT_LE(told->latest, arrival);
+    EXPECT_GE(told->latest, left);
+    EXPECT_LE(told->likely, told->latest);
   }
 }
 
@@ -110,7 +114,10 @@ TEST_F(LinkWatchTest, UsesTheTighterEstimate) {
   SampleStamp stamp{.source_time_ns = (now.time_since_epoch() + kEachWay + kOffset).count(),
                     .state_used = tick,
                     .arrival = now + 2 * kEachWay};
-  EXPECT_EQ(watch.came(stamp, path), now + kEachWay + 1ms);
+  const auto told = watch.came(stamp, path);
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->latest, now + kEachWay + 1ms);
+  EXPECT_EQ(told->likely, now + kEachWay);
 }
 
 TEST_F(LinkWatchTest, ClockStepMakesNoSampleOld) {
@@ -120,13 +127,13 @@ TEST_F(LinkWatchTest, ClockStepMakesNoSampleOld) {
     for (int i = 0; i < 20; ++i) {
       const auto told = exchange(kEachWay, kEachWay);
       if (told) {
-        EXPECT_LT(arrival - *told, 1ms);
+        EXPECT_LT(arrival - told->latest, 1ms);
       }
     }
     // And the estimate has begun anew: what is held up now is seen again.
     const auto held_up = exchange(kEachWay, kEachWay + 50ms);
     ASSERT_TRUE(held_up);
-    EXPECT_NEAR(core::seconds(arrival - *held_up), 0.050, 0.001);
+    EXPECT_NEAR(core::seconds(arrival - held_up->latest), 0.050, 0.001);
   }
   EXPECT_EQ(watch.clock().steps(), 3U);
 }

@@ -66,7 +66,7 @@ TEST_F(IngressTest, SourceTimeOnlyAgesASample) {
     ProxySample sample{.epoch = epoch,
                        .seq = ++seq,
                        .arrival = at,
-                       .left = at - left_before,
+                       .left = server::Departure{at - left_before, at - left_before},
                        .mode = core::ProxyMode::kHeld,
                        .position = {0.0, 0.0}};
     EXPECT_EQ(judge(sample), IngressVerdict::kAccepted);
@@ -75,6 +75,23 @@ TEST_F(IngressTest, SourceTimeOnlyAgesASample) {
   EXPECT_EQ(born_of(40ms, t0), t0 - 40ms);
   EXPECT_EQ(born_of(-5ms, t0 + 16ms), t0 + 16ms);
   EXPECT_EQ(ingress.last_accepted(), t0 + 16ms) << "the lease's clock counts arrivals";
+}
+
+TEST_F(IngressTest, ContactsAreTrueWhenTheyWereComputed) {
+  const auto computed_of = [&](std::optional<Duration> before, TimePoint at) {
+    ProxySample sample{.epoch = epoch,
+                       .seq = ++seq,
+                       .arrival = at,
+                       .mode = core::ProxyMode::kHeld,
+                       .position = {0.0, 0.0}};
+    if (before) sample.left = server::Departure{at - *before, at - 10ms};
+    EXPECT_EQ(judge(sample), IngressVerdict::kAccepted);
+    EXPECT_EQ(newest().born, before ? at - 10ms : at) << "freshness does not believe an estimate";
+    return newest().computed;
+  };
+  EXPECT_EQ(computed_of(50ms, t0), t0 - 50ms);
+  EXPECT_EQ(computed_of(-1h, t0 + 16ms), t0 + 16ms) << "not later than it came";
+  EXPECT_EQ(computed_of({}, t0 + 32ms), t0 + 32ms);
 }
 
 TEST_F(IngressTest, RenewedLeaseContinuesUnderAnotherEpoch) {

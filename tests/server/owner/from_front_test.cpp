@@ -36,7 +36,9 @@ TEST(FromFront, SamplesOfJunkHaveKnownNames) {
     EXPECT_EQ(sample.arrival, TimePoint(7s));
     EXPECT_GE(sample.valid_for, 0s);
     EXPECT_LE(sample.valid_for, std::chrono::hours(2));
-    EXPECT_GE(sample.left.value_or(TimePoint{}), TimePoint{});
+    const server::Departure left = sample.left.value_or(server::Departure{});
+    EXPECT_GE(left.likely, TimePoint{});
+    EXPECT_GE(left.latest, TimePoint{});
   }
 }
 

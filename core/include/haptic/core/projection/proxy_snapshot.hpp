@@ -66,6 +66,9 @@ struct ProxySnapshot {
   /// What its age is counted from: the local arrival, or earlier where a synchronised source time
   /// says so; never later.
   TimePoint born{};
+  /// When its contacts were true, by the best estimate of the source's clock; TimePoint{}: not
+  /// known, `born` counts. Moves the contacts that have a velocity, at most until hold_end.
+  TimePoint computed{};
   Duration valid_for{0};  ///< the client's own bound on its freshness; 0 = none given
   VecX x{};               ///< n_x; ignored in free mode; in planes mode where they are linearised
   PlaneSet planes{};      ///< planes mode; none: nothing in the way
@@ -77,8 +80,8 @@ struct ProxySnapshot {
   std::uint64_t gapless_samples{0};  ///< accepted since then
 
   [[nodiscard]] auto members() const noexcept {
-    return std::tie(mode, tenure, seq, born, valid_for, x, planes, anchored_at, gapless_since,
-                    gapless_samples);
+    return std::tie(mode, tenure, seq, born, computed, valid_for, x, planes, anchored_at,
+                    gapless_since, gapless_samples);
   }
 };
 

@@ -8,11 +8,14 @@ ProxyInUse ProxyIntake::step(const TickInput& in, const StalenessLimits& limits,
                              const TrackerRecord& tracker, LifecycleState last) noexcept {
   const CommandSnapshot& command = in.command;
   const ProxySnapshot& sample = in.proxy;
-  const bool usable = command.lease_held && sample.mode != ProxyMode::kNone &&
-                      sample.tenure == command.tenure && fits(sample);
-  if (usable && (!carries_force(last) || sample.tenure == sample_.tenure)) {
+  const bool offered =
+      command.lease_held && sample.mode != ProxyMode::kNone && sample.tenure == command.tenure;
+  const bool same = offered && sample.tenure == sample_.tenure && sample.seq == sample_.seq &&
+                    sample.mode == sample_.mode;
+  const bool usable = same || (offered && fits(sample));
+  if (usable && !same && (!carries_force(last) || sample.tenure == sample_.tenure)) {
     sample_ = sample;
-  } else if (!usable && !carries_force(last)) {
+  } else if (!usable && !carries_force(last) && sample_.mode != ProxyMode::kNone) {
     sample_ = ProxySnapshot{};
   }
 

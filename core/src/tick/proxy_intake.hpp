@@ -14,7 +14,8 @@ class ProxyIntake {
   /// state of the last tick; the force of one lease is never led by the samples of the next, so
   /// under force only a sample of the same lease replaces the one in use. Without force a lease
   /// that ended ends its sample. A sample of wrong sizes or with a number that is not finite is
-  /// never used.
+  /// never used. Tenure, number and mode name a sample: it is checked and copied once, not in every
+  /// tick.
   [[nodiscard]] ProxyInUse step(const TickInput& in, const StalenessLimits& limits,
                                 const TrackerRecord& tracker, LifecycleState last) noexcept;
   /// The sample in use since the last step: what is too large to be recorded twice.

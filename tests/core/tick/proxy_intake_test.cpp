@@ -42,6 +42,17 @@ TEST_F(ProxyIntakeTest, NewestSampleLeads) {
   EXPECT_EQ(proxy.sample().x, two(0.1, 0.2));
 }
 
+TEST_F(ProxyIntakeTest, SampleIsReadOnce) {
+  static_cast<void>(step(LifecycleState::kArmed));
+  --in.proxy.seq;
+  in.proxy.x = two(0.3, 0.4);
+  static_cast<void>(step(LifecycleState::kArmed));
+  EXPECT_EQ(proxy.sample().x, two(0.1, 0.2));
+  in.proxy.mode = ProxyMode::kPlanes;
+  static_cast<void>(proxy.step(in, limits, tracker, LifecycleState::kArmed));
+  EXPECT_EQ(proxy.sample().x, two(0.3, 0.4));
+}
+
 TEST_F(ProxyIntakeTest, LadderFallsWithAge) {
   EXPECT_EQ(step(LifecycleState::kArmed, 99).ladder, 1.0);
   const ProxyInUse fading = step(LifecycleState::kArmed, 140);

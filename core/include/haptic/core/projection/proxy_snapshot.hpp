@@ -38,6 +38,9 @@ struct PlaneSet {
   using Curvatures = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxCurvature, 1>;
   using Places = std::array<std::uint8_t, kMaxPlanes>;
 
+  /// Written out, or compilers clear all 22 KB of it.
+  PlaneSet() noexcept : first{}, curved{} {}
+
   Normals normals{};  ///< n_x by number of planes, a normal per column
   Offsets offsets{};  ///< b, one per plane
   // Each of size 0 if no contact has it, else one per plane:
@@ -45,7 +48,7 @@ struct PlaneSet {
   Offsets velocity{};    ///< v, unit of b per s; > 0: the object recedes
   /// H, contact after contact: the lower triangle, row by row.
   Curvatures curvature{};
-  Places first{}, curved{};  ///< the coordinates that each H names: the first one, and how many
+  Places first, curved;  ///< the coordinates that each H names: the first one, and how many
 
   /// Numbers in a lower triangle of n rows.
   [[nodiscard]] static constexpr int triangle(int n) noexcept { return n * (n + 1) / 2; }

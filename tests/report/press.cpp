@@ -27,17 +27,24 @@ struct Options {
   std::uint64_t seed{kSeed};
   double stiffness{0.0};
   std::string summary{};  ///< file
-  bool unguarded{false}, no_tank{false}, trace{false};
+  bool unguarded{false}, no_tank{false}, strict_tank{false}, trace{false};
 };
 
 /// One press by one renderer, next to the same without force.
 struct Pressed {
   RandomPress press{};
   PressFigures without{}, with{};
+  double tank{0.0};  ///< tank_0, J
   double untanked_most_given{0.0};
   double deeper_deg{0.0}, deeper_peak_deg{0.0};
   bool spared{true};  ///< throttled only if the running output without a tank exceeds it
 };
+
+PressRun run_of(const RandomPress& press, core::RendererKind kind, const Options& options) {
+  PressRun how{kind, true, !options.unguarded, {}};
+  if (!options.no_tank) how.tank = options.strict_tank ? 0.0 : default_tank(press);
+  return how;
+}
 
 std::vector<core::RendererKind> methods(const Options& options) {
   std::vector<core::RendererKind> chosen;
@@ -50,7 +57,8 @@ std::vector<core::RendererKind> methods(const Options& options) {
 Pressed pressed(const RandomPress& press, const PressFigures& without, core::RendererKind kind,
                 const Options& options, const std::shared_ptr<const core::Kinematics>& finger) {
   Pressed out{press, without};
-  PressRun how{kind, true, !options.unguarded, !options.no_tank};
+  PressRun how = run_of(press, kind, options);
+  out.tank = how.tank.value_or(0.0);
   out.with = run(press, how, finger);
   out.deeper_deg = out.deeper_peak_deg = -1e9;
   for (int i = 0; i < press.planes.size(); ++i) {
@@ -60,9 +68,9 @@ Pressed pressed(const RandomPress& press, const PressFigures& without, core::Ren
   }
   out.untanked_most_given = out.with.most_given;
   if (out.with.throttled > 0) {
-    how.tank = false;
+    how.tank.reset();
     out.untanked_most_given = run(press, how, finger).most_given;
-    out.spared = out.untanked_most_given > kRounding;
+    out.spared = out.untanked_most_given > out.tank + kRounding;
   }
   return out;
 }
@@ -103,8 +111,8 @@ struct Count {
       weak_unthrottled += p.with.weakest < kWeak && p.with.throttled == 0;
     }
     ripple += p.with.ripple > 0.2;
-    over_tank += p.with.most_net > 1e-6;
-    worst_net = std::max(worst_net, p.with.most_net);
+    over_tank += p.with.most_net > p.tank + 1e-6;
+    worst_net = std::max(worst_net, p.with.most_net - p.tank);
     contact += p.with.contact;
     limited += p.with.limited;
     judged += p.with.judged;
@@ -196,7 +204,7 @@ void print_trace(const Options& options) {
   row("linkage", "method", "press", "t_s", "mcp_deg", "pip_deg", "depth_1_deg", "depth_2_deg",
       "force_n", "optimum_n", "away_1_mm", "away_2_mm", "given_mj", "limiters");
   for (const core::RendererKind kind : methods(options)) {
-    const PressRun how{kind, true, !options.unguarded, !options.no_tank};
+    const PressRun how = run_of(press, kind, options);
     static_cast<void>(run(press, how, finger, [&](const PressStudyTick& tick) {
       row(chosen_linkage_name(), core::name(kind), press.index, tick.t_s, tick.x_deg.first,
           tick.x_deg.second, tick.depth_deg[0], tick.depth_deg[1], tick.tau_a, tick.optimum,
@@ -226,6 +234,8 @@ void add_press(CLI::App& app) {
   command->add_option("--press", options->only, "this press alone, by its number");
   command->add_flag("--unguarded", options->unguarded, "without the direction guard");
   command->add_flag("--no-tank", options->no_tank, "without the energy tank");
+  command->add_flag("--strict-tank", options->strict_tank,
+                    "a tank that begins empty, instead of that of a scene which names none");
   command->add_option("--summary", options->summary, "file for the counts per renderer and client");
   command->add_flag("--trace", options->trace, "every tick of one press");
   command->callback([options] { (options->trace ? print_trace : print)(*options); });

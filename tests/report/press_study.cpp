@@ -35,7 +35,8 @@ core::PipelineConfig pipeline_for(const RandomPress& press, const PressRun& with
   config.device = hw::device_limits(*finger, VecA::Constant(1, kForceLimit));
   config.scene.renderer = with.renderer;
   config.scene.direction_guard = with.guard;
-  config.passivity.tank.enabled = with.tank;
+  config.passivity.tank.enabled = with.tank.has_value();
+  config.passivity.tank.initial = with.tank.value_or(0.0);
   config.passivity.device_damping = VecA::Constant(1, kDamping);
   config.passivity.device_inertia = VecA::Constant(1, hw::FingerParameters{}.actuator_mass);
   config.scene.stiffness =
@@ -177,6 +178,11 @@ std::string_view name(WallKind kind) noexcept {
       return "slanted";
   }
   return "";
+}
+
+double default_tank(const RandomPress& press) {
+  const double window = 0.25 * 25.0;
+  return 0.5 * window * window / press.stiffness;
 }
 
 RandomPress random_press(std::uint64_t seed, int index, const core::Kinematics& finger) {

@@ -3,6 +3,7 @@
 /// of them against the best that the device can do (core/METHOD.md#presses).
 
 #include <functional>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -37,11 +38,15 @@ struct RandomPress {
 [[nodiscard]] RandomPress random_press(std::uint64_t seed, int index,
                                        const core::Kinematics& finger);
 
+/// tank_0 in J of a finger's scene that names no tank (core/METHOD.md#safe-by-default): its engage
+/// window is a quarter of 25 N.
+[[nodiscard]] double default_tank(const RandomPress& press);
+
 struct PressRun {
   core::RendererKind renderer{core::RendererKind::kSubspaceLinear};
   bool force{true};
   bool guard{true};
-  bool tank{true};
+  std::optional<double> tank{};  ///< tank_0, J; absent: no tank
 };
 
 struct PressStudyTick {

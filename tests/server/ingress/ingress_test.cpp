@@ -77,7 +77,7 @@ TEST_F(IngressTest, SourceTimeOnlyAgesASample) {
   EXPECT_EQ(ingress.last_accepted(), t0 + 16ms) << "the lease's clock counts arrivals";
 }
 
-TEST_F(IngressTest, ContactsAreTrueWhenTheyWereComputed) {
+TEST_F(IngressTest, ContactsCountFromTheirSourceTime) {
   const auto computed_of = [&](std::optional<Duration> before, TimePoint at) {
     ProxySample sample{.epoch = epoch,
                        .seq = ++seq,

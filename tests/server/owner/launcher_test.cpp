@@ -93,7 +93,7 @@ TEST(Launcher, AFrontHasNoRights) {
             "CapBnd:\t0000000000000000\nNoNewPrivs:\t1\n");
 }
 
-TEST(Launcher, AFrontKeepsOffTheLoopsCore) {
+TEST(Launcher, FrontsKeepOffTheLoopsCore) {
   const std::string all = told_by("nproc"), others = told_by("nproc", 0);
   const int cores = std::stoi(all);
   EXPECT_EQ(std::stoi(others), cores == 1 ? 1 : cores - 1);

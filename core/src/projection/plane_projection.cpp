@@ -124,19 +124,22 @@ void PlaneProjection::fill_gram(int i, int j) noexcept {
 void PlaneProjection::anchor(const VecX& x_used) noexcept {
   space_->difference(x_used, at_, y_);
   if (!y_.allFinite()) return;
-  const double softest = count_ > 0 ? std::max(1.0, gamma_.head(count_).maxCoeff()) : 1.0;
-  const double weight = kLeastShift / (softest * softest);
-  Vector r = Vector::Zero();
+  const double softest = count_ > 0 ? gamma_.head(count_).maxCoeff() : 0.0;
+  Vector r = Vector::Zero(), least = Vector::Zero();
   for (int i = 0; i < count_; ++i) {
-    r[i] = ContactDual::has(skipped_, i) ? -1.0 : A_.col(i).dot(y_) - weight * gamma_[i] * beta_[i];
-    dual_.gram()(i, i) = A_.col(i).dot(contacts_.into.col(i)) + ContactDual::kEpsilon +
-                         weight * gamma_[i] * gamma_[i];
+    // A shift is gamma (l - own): what explains d without a shift is not moved by any weight.
+    const double soft = softest > 0.0 ? gamma_[i] / softest : 0.0;
+    const double weight = std::max(kLeastShift * soft * soft, ContactDual::kEpsilon);
+    const double own = gamma_[i] > 0.0 ? -beta_[i] / gamma_[i] : 0.0;
+    r[i] = ContactDual::has(skipped_, i) ? -1.0 : A_.col(i).dot(y_) + weight * own;
+    least[i] = kNegligible * weight * std::abs(own);
+    dual_.gram()(i, i) = A_.col(i).dot(contacts_.into.col(i)) + weight;
   }
   dual_.solve(r);
   Vector l = dual_.l();
   for (int i = 0; i < count_; ++i) {
     // Of what the least shift alone wants nothing is kept: a proxy that is free stays so.
-    if (l[i] <= kNegligible * weight * gamma_[i] * std::abs(beta_[i])) l[i] = 0.0;
+    if (l[i] <= least[i]) l[i] = 0.0;
     y_ -= l[i] * contacts_.into.col(i);
   }
   for (int i = 0; i < count_; ++i) {

@@ -378,6 +378,27 @@ TEST_F(AnchorTest, ManyContactsShiftTheLeast) {
   }
 }
 
+TEST_F(AnchorTest, RightLawOfManyIsLeftAlone) {
+  // Twelve pads of a finger: metres by radians, N m/rad by N/m. Any units give the same law.
+  std::mt19937 random(36);
+  std::uniform_real_distribution<double> part(0.0, 1.0);
+  for (const double unit : {1e-3, 1.0, 1e3}) {
+    for (int n = 0; n < 100; ++n) {
+      PlaneSet truth = contacts_of(2, 12);
+      truth.compliance = PlaneSet::Offsets::Constant(12, 0.02 / 400.0 * unit * unit);
+      for (int i = 0; i < 12; ++i) {
+        truth.normals.col(i) = unit * two(0.05 * part(random), 0.03 * part(random));
+        truth.offsets[i] = unit * 0.003 * (part(random) - 0.5);
+      }
+      const VecX used = two(0.15, 0.10), later = two(0.19, 0.08);
+      const VecX proxy = law(truth, two(0, 0), nullptr, used);
+      const VecX right = law(truth, two(0, 0), nullptr, later);
+      ASSERT_GT((right - later).norm(), 0.01);
+      ASSERT_NEAR((law(truth, proxy, &used, later) - right).norm(), 0.0, 1e-7) << unit << ' ' << n;
+    }
+  }
+}
+
 TEST(ContactProjection, WrongNumbersLeaveTheContactOut) {
   const ConfigurationSpace space = line_space(2);
   for (int what = 0; what < 5; ++what) {

@@ -2,11 +2,13 @@
 # The main job in one command: a finger in an exoskeleton (simulated) closes on a soft object that
 # another process simulates. Shows it live, prints a summary, leaves pictures.
 #
-#   server/demo.sh [--seconds N] [--motion FILE] [--serial] [--output DIR]
+#   server/demo.sh [--seconds N] [--motion FILE] [--delay MS] [--serial] [--output DIR]
 #                  [--no-build] [--build DIR]
 #
 #   --seconds N    stop after N s (default 20)
 #   --motion FILE  moves the hand by a recording: CSV, columns time_s,q_o1_mcp_rad,q_o2_pip_rad
+#   --delay MS     a second finger beside it, whose simulation is a round trip of MS ms away, and a
+#                  picture of both forces, one on the other
 #   --serial       through a serial link: a board's firmware and a model of its actuator, emulated
 #                  on a pseudo-terminal (hw/README.md), instead of the simulated finger
 #   --output DIR   where summary, recording and pictures go (default: demo-output beside the README)
@@ -19,6 +21,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 seconds=20
 motion=
+delay=
 serial=false
 output=$root/demo-output
 build=true
@@ -27,6 +30,7 @@ while (($#)); do
   case "$1" in
     --seconds) seconds=${2:?--seconds needs a number}; shift 2 ;;
     --motion) motion=$(realpath -e -- "${2:?--motion needs a file}"); shift 2 ;;
+    --delay) delay=${2:?--delay needs a number}; shift 2 ;;
     --serial) serial=true; shift ;;
     --output) output=${2:?--output needs a folder}; shift 2 ;;
     --no-build) build=false; shift ;;
@@ -40,6 +44,10 @@ if ! [[ $seconds =~ ^[0-9]{1,6}$ ]] || ((10#$seconds < 3)); then
   exit 2
 fi
 seconds=$((10#$seconds))
+if [[ -n $delay ]] && { ! [[ $delay =~ ^[0-9]{1,3}$ ]] || $serial; }; then
+  echo "demo.sh: --delay must be a whole number of ms, 0 to 999, and not with --serial" >&2
+  exit 2
+fi
 
 if $build; then
   sh "$root/docker/install-deps.sh" build demo
@@ -49,8 +57,10 @@ if $build; then
     # them.
     [[ -f build/release/build.ninja ]] ||
       cmake --preset release -DHAPTIC_BUILD_TESTS=OFF --log-level=WARNING >/dev/null
+    [[ -z $delay ]] || cmake -DHAPTIC_BUILD_RELAY=ON --log-level=WARNING build/release >/dev/null
     cmake --build --preset release --parallel "$(nproc)" \
-      --target hapticd hapticctl haptic-example-soft-grasp haptic-board-emulator
+      --target hapticd hapticctl haptic-example-soft-grasp haptic-board-emulator \
+      ${delay:+haptic-relay}
   )
 fi
 
@@ -66,6 +76,7 @@ hapticd=$(program hapticd)
 hapticctl=$(program hapticctl)
 grasp=$(program haptic-example-soft-grasp)
 if $serial; then emulator=$(program haptic-board-emulator); fi
+if [[ -n $delay ]]; then relay=$(program haptic-relay); fi
 command -v gnuplot >/dev/null ||
   { echo "demo.sh: gnuplot is missing (docker/install-deps.sh demo)" >&2; exit 1; }
 
@@ -79,7 +90,7 @@ declare -A running=()  # name -> process id: what is ours to end
 # shellcheck disable=SC2317  # called by the trap
 finish() {
   local name
-  for name in watch grasp hapticd emulator; do
+  for name in watch grasp hapticd emulator far_grasp relay far_hapticd; do
     if [[ -n ${running[$name]:-} ]]; then kill "${running[$name]}" 2>/dev/null || true; fi
   done
   for name in "${!running[@]}"; do wait "${running[$name]}" 2>/dev/null || true; done
@@ -145,6 +156,28 @@ head -n 3 "$folder/hapticd.log"
 "$grasp" --server "$server" >"$folder/grasp.log" 2>&1 &
 running[grasp]=$!
 
+if [[ -n $delay ]]; then
+  # Its own hapticd on this host; the relay is on another address of the loopback, same ports.
+  port=$((12000 + $$ % 8000 * 2))
+  half=$((delay / 2)).$((delay % 2 * 5))
+  echo "what: \"a round trip of $delay ms\" duration_s: 1000000" \
+    "up { delay_ms: $half } down { delay_ms: $half }" >"$folder/delay.textproto"
+  "$hapticd" --scene "$scene" --listen "127.0.0.1:$port" "${settings[@]}" \
+    --set "record.file=\"$output/recording-delayed.csv\"" \
+    --set "server.udp_listen=\"127.0.0.1:$((port + 1))\"" 2>"$folder/far_hapticd.log" &
+  running[far_hapticd]=$!
+  "$relay" --scenario "$folder/delay.textproto" --tcp "$port" --udp "$((port + 1))" \
+    >"$folder/relay.log" 2>&1 &
+  running[relay]=$!
+  for _ in {1..100}; do
+    (: >"/dev/tcp/127.0.0.1/$port") 2>/dev/null && break
+    alive far_hapticd || give_up "the second hapticd did not start" "$folder/far_hapticd.log"
+    sleep 0.1
+  done
+  "$grasp" --server "127.0.0.2:$port" >"$folder/far_grasp.log" 2>&1 &
+  running[far_grasp]=$!
+fi
+
 # Live in a terminal; elsewhere the summary has to do.
 if [[ -t 1 ]]; then
   "$hapticctl" --server "$server" watch &
@@ -153,7 +186,9 @@ fi
 end_at=$((SECONDS + seconds))
 while ((SECONDS < end_at)); do
   alive hapticd || give_up "hapticd ended before its time" "$folder/hapticd.log"
-  alive grasp || give_up "the soft grasp ended before its time" "$folder/grasp.log"
+  for name in grasp ${delay:+far_grasp far_hapticd relay}; do
+    alive "$name" || give_up "$name ended before its time" "$folder/$name.log"
+  done
   sleep 0.2
 done
 if [[ -n ${running[watch]:-} ]]; then
@@ -161,6 +196,11 @@ if [[ -n ${running[watch]:-} ]]; then
   echo
 fi
 end grasp || true  # a client that is told to go may say so in its status
+if [[ -n $delay ]]; then
+  end far_grasp || true
+  end relay || true
+  end far_hapticd || give_up "the second hapticd did not stop cleanly" "$folder/far_hapticd.log"
+fi
 end hapticd || give_up "hapticd did not stop cleanly" "$folder/hapticd.log"
 if $serial; then
   end emulator || give_up "the board's emulator did not stop cleanly" "$folder/emulator.log"
@@ -176,6 +216,10 @@ status=0
   if $serial; then echo "soft grasp over a serial link to an emulated board"; fi
   echo "soft grasp, ${motion:+moved by $(basename -- "$motion"), }method $method"
   awk -f "$root/server/demo/summary.awk" -v stretches="$folder/contact" "$recording"
+  if [[ -n $delay ]]; then
+    awk -v ms="$delay" -v curves="$folder/curves.csv" -f "$root/server/demo/delay.awk" \
+      "$recording" "$output/recording-delayed.csv"
+  fi
 } >"$output/summary.txt" || status=$?
 cat "$output/summary.txt"
 sed -n 's/^soft grasp: /  client            /p' "$folder/grasp.log"
@@ -191,6 +235,13 @@ gnuplot -e "data='$folder/figure.csv'; contact='$folder/contact.csv'; output='$o
   -e "method='$method'; heading=\"$heading\"" "$root/server/demo/figure.gp" ||
   give_up "gnuplot could not draw the figure" /dev/null
 echo "  pictures          $output/soft-grasp.png, .svg; every tick: $recording"
+
+if [[ -s $folder/curves.csv ]]; then
+  gnuplot -e "curves='$folder/curves.csv'; contact='$folder/contact.csv'; ms=$delay" \
+    -e "output='$output/delay'" "$root/server/demo/delay.gp" ||
+    give_up "gnuplot could not draw the delay" /dev/null
+  echo "  pictures          $output/delay.png, .svg: the force here and $delay ms away"
+fi
 
 ((status == 0)) || echo "demo.sh: not as promised (see the summary)" >&2
 exit "$status"

@@ -58,6 +58,30 @@ SoftFinger::Energy SoftFinger::contact(const Joints& x) const {
   return e;
 }
 
+std::vector<client::Plane> SoftFinger::contacts(const Joints& x, double horizon) const {
+  const std::vector<double> at(x.begin(), x.end());
+  std::vector<client::Plane> planes;
+  for (int i = 0; i < 2 * kPadsPerPhalanx; ++i) {
+    const std::size_t phalanx = i < kPadsPerPhalanx ? 0 : 1;
+    const double part = (i % kPadsPerPhalanx + 1.0) / kPadsPerPhalanx;
+    client::Contact c;
+    c.point = client::point_on_finger({model_.proximal}, at, phalanx,
+                                      part * (phalanx == 0 ? model_.proximal : model_.distal),
+                                      model_.pad_depth);
+    const double rx = c.point.position[0] - model_.centre_x;
+    const double ry = c.point.position[1] - model_.centre_y;
+    const double distance = std::hypot(rx, ry);
+    c.gap = distance - model_.radius;
+    if (c.gap > horizon || distance == 0.0) continue;
+    c.normal = {rx / distance, ry / distance, 0.0};
+    c.curvature = client::cylinder_curvature(c.normal, {0.0, 0.0, 1.0}, distance);
+    c.stiffness = model_.pad_stiffness;
+    c.id = static_cast<std::uint32_t>(i + 1);
+    planes.push_back(client::contact_at(at, c, model_.coupling));
+  }
+  return planes;
+}
+
 double SoftFinger::total(const Joints& x, const Joints& x_probe) const {
   const double d1 = x[0] - x_probe[0], d2 = x[1] - x_probe[1];
   return 0.5 * model_.coupling * (d1 * d1 + d2 * d2) + contact(x).value;

@@ -10,6 +10,9 @@
 /// the classical proxy (nearest to the probe) with soft constraints.
 
 #include <array>
+#include <vector>
+
+#include "haptic/client/contact.hpp"
 
 namespace haptic::examples {
 
@@ -44,6 +47,10 @@ class SoftFinger {
     Joints x{};          ///< the proxy; the probe itself if nothing touches
     double energy{0.0};  ///< of the contact, J
   };
+  /// The pads with a gap up to `horizon` (m) at the proxy x, as contacts that the server solves
+  /// between two steps: the same E(x). A pad's number is its id.
+  [[nodiscard]] std::vector<client::Plane> contacts(const Joints& x, double horizon) const;
+
   /// One simulation step. The finger starts open, outside the object, and goes to every probe in
   /// small pieces: wherever the simulation joins, and whatever the probe did while no state came,
   /// the proxy stays on the side that it came from. Contact ends only with a clearance of

@@ -1,6 +1,6 @@
 /// A remote simulation: a soft finger closes on a soft cylinder, at 60 Hz. Each step takes the
-/// newest haptic probe, finds the proxy that the object allows, and publishes it; hapticd turns it
-/// into force.
+/// newest haptic probe, finds the proxy that the object allows, and publishes it with the contacts
+/// around it; hapticd turns them into force.
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "example.hpp"
-#include "haptic/client/planes.hpp"
 #include "soft_finger.hpp"
 
 namespace {
@@ -28,13 +27,13 @@ struct Options {
   std::string carriers{"auto"};
 };
 
-/// The object's surface at the proxy, as a plane: the server goes on with it between two steps. The
-/// finger came from outside, so the plane faces the right way wherever the simulation joins.
-client::Proxy behind_surface(const client::Session& session, const examples::Joints& x,
-                             const std::vector<double>& x_probe) {
-  const std::vector<double> proxy(x.begin(), x.end());
-  return client::Proxy::behind(client::derive_planes(session.device().coordinates, proxy, x_probe),
-                               proxy);
+/// The pads near the object, as contacts: the server goes on with them between two steps, and knows
+/// them before they touch. They say which way is out, wherever the simulation joins.
+client::Proxy contacts(const client::Session& session, const examples::SoftFinger& finger,
+                       const examples::Joints& x) {
+  auto near = finger.contacts(x, client::contact_horizon(session.round_trip(), kPeriod));
+  return near.empty() ? client::Proxy::free()
+                      : client::Proxy::behind(std::move(near), {x.begin(), x.end()});
 }
 
 int grasp(client::Connection& server, const Options& options) {
@@ -66,8 +65,7 @@ int grasp(client::Connection& server, const Options& options) {
     const client::DeviceState state = session->state();
     if (state.x_probe.size() != 2) continue;
     const auto step = finger.step({state.x_probe[0], state.x_probe[1]});
-    session->publish(step.touching ? behind_surface(*session, step.x, state.x_probe)
-                                   : client::Proxy::free());
+    session->publish(contacts(*session, finger, step.x));
 
     const double force = state.tau_a.empty() ? 0.0 : state.tau_a[0];
     ++steps;

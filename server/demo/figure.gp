@@ -19,7 +19,8 @@ set datafile separator ","
 set datafile missing "nan"
 
 # Where a column is empty there is no proxy: a gap, not a line through it.
-touching(v) = strcol("mode") eq "HELD" || strcol("mode") eq "PLANES" ? v : NaN
+touching(v) = strcol("mode") eq "HELD" || \
+  (strcol("mode") eq "PLANES" && strlen(strcol("active_planes")) > 0) ? v : NaN
 
 names = "standard null_space subspace_linear subspace_exact"
 titles = "'standard, Eq. (1)' 'null-space, Eq. (3)-(4)' ". \

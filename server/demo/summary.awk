@@ -4,11 +4,11 @@
 #
 # Prints the summary; writes the contact phases ("begin end", s) to `stretches` for the figure.
 #
-# Contact: the proxy is held, or kept behind planes, and the gain is above zero. Free motion: force
-# is switched on (ENGAGED) and the client says that nothing is in the way (mode FREE). |tau_a| is
-# the whole command, damping included. When the finger lets go, the slew limit and the damping's 200
-# ms ramp take the last of the command away; those 200 ms are reported by themselves, and the bound
-# of 2 % is asked of free motion after them.
+# Contact: the proxy is held, or a plane or contact holds it, and the gain is above zero. Free
+# motion: force is switched on (ENGAGED) and nothing is in the way: mode FREE, or no plane holds the
+# proxy. |tau_a| is the whole command, damping included. When the finger lets go, the slew limit and
+# the damping's 200 ms ramp take the last of the command away; those 200 ms are reported by
+# themselves, and the bound of 2 % is asked of free motion after them.
 #
 # Exit status: 0 as promised; 3 no contact; 4 the bound does not hold; 5 no free motion; 6 no data;
 # 7 a fault.
@@ -26,7 +26,7 @@ function quantile(a, n, p,    i) {
   i = int(p * n + 0.999999)
   return a[i < 1 ? 1 : i]
 }
-function touching(mode) { return mode == "HELD" || mode == "PLANES" }
+function touching(mode, planes) { return mode == "HELD" || (mode == "PLANES" && planes != "") }
 function abs(v) { return v < 0 ? -v : v }
 function close_contact(t) {
   if (contact_since == "") return
@@ -38,7 +38,8 @@ BEGIN { FS = ","; ramp_s = 0.2; bound = 0.02 }
 
 NR == 1 {
   for (i = 1; i <= NF; i++) column[$i] = i
-  split("time_s seq state proxy_age_us mode gain tau_a_l_x_n lateness_us skipped", needed, " ")
+  split("time_s seq state proxy_age_us mode active_planes gain tau_a_l_x_n lateness_us skipped",
+        needed, " ")
   for (i in needed) if (!(needed[i] in column)) {
     print "summary: the recording has no column " needed[i]
     broken = 1
@@ -50,6 +51,7 @@ NR == 1 {
 {
   t = $column["time_s"] + 0
   mode = $column["mode"]
+  touches = touching(mode, $column["active_planes"])
   engaged = $column["state"] == "ENGAGED"
   force = abs($column["tau_a_l_x_n"] + 0)
   gain = $column["gain"] + 0
@@ -58,23 +60,24 @@ NR == 1 {
   skipped += $column["skipped"]
   late[++n_late] = $column["lateness_us"] + 0
   if (mode != "NONE") age[++n_age] = $column["proxy_age_us"] * 1e-3
-  if (touching(mode) && gain > 0) {
+  if (touches && gain > 0) {
     if (contact_since == "") { contact_since = t; contacts++ }
     contact_s += dt
     if (force > peak) { peak = force; peak_at = t }
   } else {
     close_contact(t)
   }
-  if (mode == "FREE" && engaged) {
-    if (!last_free) free_since = touching(last_mode) ? t : t - ramp_s
+  free_now = engaged && mode != "NONE" && !touches
+  if (free_now) {
+    if (!last_free) free_since = last_touches ? t : t - ramp_s
     free_s += dt
     if (force > free_any) free_any = force
     if (t - free_since >= ramp_s) free[++n_free] = force
     else if (force > letting_go) letting_go = force
   }
   if ($column["faults"] != "") faults[$column["faults"]]++
-  last_free = mode == "FREE" && engaged
-  last_t = t; last_tick = $column["seq"]; last_mode = mode
+  last_free = free_now
+  last_t = t; last_tick = $column["seq"]; last_touches = touches
 }
 
 END {

@@ -44,7 +44,7 @@ RUN = {
 }
 # Commands that another test runs: that test's file, and the text in it that shows so.
 ELSEWHERE = {
-    "server/demo.sh": ("tests/system/demo_test.sh", '/server" && pwd)/demo.sh'),
+    "server/demo.sh --delay 100": ("tests/system/demo_test.sh", "--delay 100"),
     "tests/run.sh": (".ci/run", "tests/run.sh"),
     "docker/install-deps.sh": ("tests/run.sh", "docker/install-deps.sh"),
     "docker/test.sh": ("tests/package/CMakeLists.txt", "docker/test.sh"),
@@ -98,7 +98,7 @@ SCRIPTS = {
     ),  # run by hand or by CI: it contains this test
     "docker/install-deps.sh": ELSEWHERE["docker/install-deps.sh"],
     "docker/test.sh": ELSEWHERE["docker/test.sh"],
-    "server/demo.sh": ELSEWHERE["server/demo.sh"],
+    "server/demo.sh": ("tests/system/demo_test.sh", '/server" && pwd)/demo.sh'),
     "docker/haproxy/test.sh": ("tests/CMakeLists.txt", "docker/haproxy/test.sh"),
     "tests/run.sh": ELSEWHERE["tests/run.sh"],
     "tests/lint.sh": ("tests/checks/CMakeLists.txt", "../lint.sh tidy"),

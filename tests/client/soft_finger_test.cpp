@@ -147,6 +147,31 @@ TEST(SoftFinger, TheProxyIsAnEquilibrium) {
   }
 }
 
+TEST(SoftFinger, ItsContactsHaveItsEnergy) {
+  const SoftFingerModel model;
+  const SoftFinger finger(model);
+  over_the_motion([&](const Joints& x) {
+    double value = 0.0, near = 1.0;
+    Joints gradient{};
+    const auto planes = finger.contacts(x, 0.03);
+    for (const client::Plane& plane : planes) {
+      EXPECT_EQ(plane.compliance, model.coupling / model.pad_stiffness);
+      const double gap = plane.offset - plane.normal[0] * x[0] - plane.normal[1] * x[1];
+      EXPECT_LE(gap, 0.03);
+      near = std::min(near, gap);
+      if (gap >= 0.0) continue;
+      value += 0.5 * model.pad_stiffness * gap * gap;
+      for (std::size_t k = 0; k < 2; ++k)
+        gradient[k] -= model.pad_stiffness * gap * plane.normal[k];
+    }
+    const auto energy = finger.contact(x);
+    EXPECT_NEAR(value, energy.value, 1e-15);
+    for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(gradient[k], energy.gradient[k], 1e-13);
+    EXPECT_EQ(planes.empty(), energy.depth < -0.03);
+    EXPECT_NEAR(near, planes.empty() ? 1.0 : -energy.depth, 1e-15);
+  });
+}
+
 TEST(SoftFinger, ContactEndsWithSomeClearance) {
   const SoftFinger probe_only;
   SoftFinger finger;

@@ -82,10 +82,21 @@ Daemon::Daemon() : tcp_port_(free_port(SOCK_STREAM)), udp_port_(free_port(SOCK_D
   record_ = folder_.path() / "record.csv";
   const auto file = folder_.path() / "scene.textproto";
   std::ofstream(file) << scene(udp_port_, record_);
-  process_ =
-      std::make_unique<Process>(std::string(HAPTIC_BINARY_DIR) + "/server/hapticd",
-                                std::vector<std::string>{"--scene", file.string(), "--listen",
-                                                         address(), "--log-level", "warn"});
+  start({"--scene", file.string()});
+}
+
+Daemon::Daemon(const std::string& shipped_scene)
+    : tcp_port_(free_port(SOCK_STREAM)), udp_port_(free_port(SOCK_DGRAM)) {
+  record_ = folder_.path() / "record.csv";
+  start({"--scene", HAPTIC_SOURCE_DIR "/server/scenes/" + shipped_scene + ".textproto", "--set",
+         "server.udp_listen=\"127.0.0.1:" + std::to_string(udp_port_) + "\"", "--set",
+         "record.file=\"" + record_.string() + "\"", "--set", "loop.loop_late_fault.seconds=5",
+         "--set", "loop.late_bucket_full=1000000"});
+}
+
+void Daemon::start(std::vector<std::string> scene) {
+  scene.insert(scene.end(), {"--listen", address(), "--log-level", "warn"});
+  process_ = std::make_unique<Process>(std::string(HAPTIC_BINARY_DIR) + "/server/hapticd", scene);
   wait_for_listener(tcp_port_);
 }
 

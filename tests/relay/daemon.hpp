@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "tests/support/temporary_file.hpp"
 #include "tests/system/process.hpp"
@@ -20,6 +21,8 @@ class Daemon {
 
   /// Returns when it listens, or 10 s later.
   Daemon();
+  /// The same with a shipped scene, by its name.
+  explicit Daemon(const std::string& shipped_scene);
 
   [[nodiscard]] std::uint16_t tcp_port() const { return tcp_port_; }
   [[nodiscard]] std::uint16_t udp_port() const { return udp_port_; }
@@ -32,6 +35,8 @@ class Daemon {
   [[nodiscard]] const std::filesystem::path& record() const { return record_; }
 
  private:
+  void start(std::vector<std::string> scene);
+
   ScratchFolder folder_{};
   std::filesystem::path record_{};
   std::uint16_t tcp_port_{0}, udp_port_{0};

@@ -130,6 +130,7 @@ std::vector<RecordedTick> read_record(const std::filesystem::path& file) {
   const std::size_t time = column("time_s"), state = column("state"),
                     staleness = column("staleness"), age = column("proxy_age_us"),
                     mode = column("mode"), gain = column("gain"), slide = column("l_x"),
+                    body = column("q_B"), limiters = column("limiters"),
                     elastic = column("tau_elastic_l_x_n"), tau = column("tau_a_l_x_n"),
                     faults = column("faults"), tick = column("seq"),
                     lateness = column("lateness_us"), skipped = column("skipped");
@@ -138,9 +139,9 @@ std::vector<RecordedTick> read_record(const std::filesystem::path& file) {
     std::vector<std::string> f = fields_of(line);
     f.resize(std::max(f.size(), columns.size()));
     run.push_back({number(f[time]), static_cast<std::uint64_t>(number(f[tick])), f[state],
-                   f[staleness], f[mode], f[faults], 1e-6 * number(f[age]), number(f[gain]),
-                   number(f[slide]), number(f[elastic]), number(f[tau]), 1e-6 * number(f[lateness]),
-                   number(f[skipped])});
+                   f[staleness], f[mode], f[faults], f[limiters], 1e-6 * number(f[age]),
+                   number(f[gain]), number(f[slide]), number(f[body]), number(f[elastic]),
+                   number(f[tau]), 1e-6 * number(f[lateness]), number(f[skipped])});
   }
   return run;
 }

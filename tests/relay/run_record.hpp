@@ -13,10 +13,11 @@ namespace haptic::test {
 struct RecordedTick {
   double time{0.0};  ///< s, since the first tick recorded
   std::uint64_t tick{0};
-  std::string state{}, staleness{}, mode{}, faults{};
+  std::string state{}, staleness{}, mode{}, faults{}, limiters{};
   double age{0.0};  ///< s, of the proxy
   double gain{0.0};
   double slide{0.0};                    ///< l_x, m
+  double body{0.0};                     ///< q_B, rad
   double tau_elastic{0.0}, tau_a{0.0};  ///< N
   double lateness{0.0};                 ///< s, of the wake-up after its deadline
   double skipped{0.0};

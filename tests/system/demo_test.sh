@@ -1,5 +1,6 @@
 #!/bin/sh
-# The demo, short: contact is felt, free motion is free, the pictures are there and show something.
+# The demo, short: contact is felt, here and 100 ms away, free motion is free, the pictures are
+# there and show something.
 # With --serial: through an emulated board, a program that a busy host holds up, unlike a board.
 #
 #   demo_test.sh BUILD-FOLDER OUTPUT-FOLDER [--serial]
@@ -25,7 +26,7 @@ if [ "${3:-}" = --serial ]; then
   exit 0
 fi
 
-"$demo" --build "$1" --seconds 6 --output "$output" </dev/null
+"$demo" --build "$1" --seconds 6 --delay 100 --output "$output" </dev/null
 check "the summary names a contact force" grep -qE 'contact +peak \|tau_a\| [0-9.]+ N' "$summary"
 check "the summary gives its verdict" grep -q 'within 2 %' "$summary"
 check "the summary counts ticks" grep -qE '[1-9][0-9]{3} ticks' "$summary"
@@ -33,6 +34,9 @@ check "the summary counts ticks" grep -qE '[1-9][0-9]{3} ticks' "$summary"
 check "the PNG shows something" test "$(wc -c <"$output/soft-grasp.png")" -gt 40000
 check "the PNG is one" sh -c 'head -c 8 "$1" | od -An -tx1 | grep -q "89 50 4e 47"' - \
   "$output/soft-grasp.png"
+check "the delayed force is drawn" test "$(wc -c <"$output/delay.png")" -gt 40000
+check "the summary compares it" grep -qE '100 ms round trip +force differs by [0-9.]+ N rms' \
+  "$summary"
 check "the SVG shows curves" test "$(grep -c '<path' "$output/soft-grasp.svg")" -gt 10
 check "the recording compares the methods" grep -q 'tau_subspace_exact_l_x_n' \
   "$output/recording.csv"

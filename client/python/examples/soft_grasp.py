@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """A soft finger on a soft cylinder, for finger_soft_grasp.textproto.
 
-Two phalanges in the plane of the finger press onto a fixed cylinder. The proxy is the joint angles
-at which the springs of the finger and of the contact are in balance. The simulation takes a few
-damped steps per frame towards that balance.
+Two phalanges in the plane of the finger press onto a fixed cylinder. Points along them are springs
+while they are inside it; the proxy is the joint angles at which these and the pull of the hand are
+in balance. The server gets the points as contacts, goes on with them between two frames, and knows
+them before they touch: what is felt does not depend on the delay.
 """
 
 import argparse
@@ -14,48 +15,59 @@ import haptic
 RATE_HZ = 60
 PROXIMAL_M, DISTAL_M = 0.045, 0.035  # phalanges
 CENTRE, RADIUS_M = (0.050, -0.030), 0.020  # cylinder, below the finger
-CONTACT_N_PER_M = 600.0
-JOINT_NM_PER_RAD = 0.5  # how firmly the proxy follows the hand
-PULL_RAD = 0.2  # and from how far at most: more could pull it through the cylinder
-SAMPLES = 6  # points along each phalanx that can touch
-STEPS, DAMPING = 12, 0.2
+POINT_N_PER_M = 400.0
+JOINT_NM_PER_RAD = 0.05  # how firmly the proxy follows the hand
+POINTS = 6  # along each phalanx
+STEPS = 12
 PIECE_RAD = 0.05  # of the probe's way per balance
 
 
-def contact_torque(q: tuple[float, float]) -> tuple[float, float]:
-    """Joint torques of the cylinder on the finger, N m; flexion is positive (towards -y)."""
-    torque = [0.0, 0.0]
-    for phalanx in (0, 1):
-        for i in range(1, SAMPLES + 1):
-            joints = [(0.0, 0.0)]
-            along = (PROXIMAL_M if phalanx == 0 else DISTAL_M) * i / SAMPLES
-            if phalanx == 0:
-                point = (along * math.cos(q[0]), -along * math.sin(q[0]))
-            else:
-                pip = (PROXIMAL_M * math.cos(q[0]), -PROXIMAL_M * math.sin(q[0]))
-                both = q[0] + q[1]
-                point = (pip[0] + along * math.cos(both), pip[1] - along * math.sin(both))
-                joints.append(pip)
-            dx, dy = point[0] - CENTRE[0], point[1] - CENTRE[1]
-            distance = math.hypot(dx, dy)
-            depth = RADIUS_M - distance
-            if depth <= 0 or distance == 0:
+def contacts(q: tuple[float, ...], horizon: float) -> list[haptic.Plane]:
+    """The points with a gap up to `horizon` (m), at the joint angles q."""
+    found = []
+    for phalanx, length in enumerate((PROXIMAL_M, DISTAL_M)):
+        for i in range(1, POINTS + 1):
+            point = haptic.point_on_finger((PROXIMAL_M,), q, phalanx, length * i / POINTS)
+            away = (point.position[0] - CENTRE[0], point.position[1] - CENTRE[1])
+            distance = math.hypot(*away)
+            if distance == 0.0 or distance - RADIUS_M > horizon:
                 continue
-            force = CONTACT_N_PER_M * depth / SAMPLES
-            fx, fy = force * dx / distance, force * dy / distance
-            for j, (jx, jy) in enumerate(joints):
-                # A flexion turns clockwise: minus the moment about z.
-                torque[j] -= (point[0] - jx) * fy - (point[1] - jy) * fx
-    return torque[0], torque[1]
+            normal = (away[0] / distance, away[1] / distance, 0.0)
+            found.append(haptic.contact_at(
+                q, point, normal, distance - RADIUS_M, coupling=JOINT_NM_PER_RAD,
+                stiffness=POINT_N_PER_M, id=1 + phalanx * POINTS + i,
+                curvature=haptic.cylinder_curvature(normal, (0.0, 0.0, 1.0), distance)))
+    return found
 
 
-def balanced(probe: tuple[float, ...], start: tuple[float, float]) -> tuple[float, float]:
-    """Towards the angles where contact and the hand's pull cancel."""
+def touching(q: tuple[float, ...]) -> bool:
+    return any(gap(contact, q) < 0.0 for contact in contacts(q, 0.0))
+
+
+def gap(contact: haptic.Plane, q: tuple[float, ...]) -> float:
+    return contact.offset - sum(n * a for n, a in zip(contact.normal, q))
+
+
+def balanced(probe: tuple[float, ...], start: tuple[float, ...]) -> tuple[float, ...]:
+    """The angles where contacts and the hand's pull cancel, by Newton's method on the energy
+    |q - probe|^2 / 2 + sum of gap^2 / compliance / 2 over the points inside."""
     q = start
     for _ in range(STEPS):
-        push = contact_torque(q)
-        q = tuple(a + DAMPING * (max(-PULL_RAD, min(p - a, PULL_RAD)) + t / JOINT_NM_PER_RAD)
-                  for a, p, t in zip(q, probe, push))
+        pull = [a - p for a, p in zip(q, probe)]
+        h11, h21, h22 = 1.0, 0.0, 1.0
+        for contact in contacts(q, 0.0):
+            depth, (n1, n2) = -gap(contact, q), contact.normal
+            pull[0] += depth / contact.compliance * n1
+            pull[1] += depth / contact.compliance * n2
+            h11 += n1 * n1 / contact.compliance
+            h21 += n1 * n2 / contact.compliance
+            h22 += n2 * n2 / contact.compliance
+        determinant = h11 * h22 - h21 * h21  # >= 1
+        step = ((h21 * pull[1] - h22 * pull[0]) / determinant,
+                (h21 * pull[0] - h11 * pull[1]) / determinant)
+        q = (q[0] + step[0], q[1] + step[1])
+        if math.hypot(*step) < 1e-12:
+            break
     return q
 
 
@@ -65,22 +77,17 @@ class Grasp:
     pushes: from the probe alone a finger inside the cylinder could be held on the wrong side."""
 
     def __init__(self) -> None:
-        self.probe = self.x = (0.0, 0.0)
+        self.probe: tuple[float, ...] = (0.0, 0.0)
+        self.x = self.probe
 
-    def step(self, probe: tuple[float, ...]) -> haptic.Proxy:
+    def step(self, probe: tuple[float, ...], horizon: float) -> haptic.Proxy:
         begin = self.probe
         pieces = max(1, math.ceil(max(abs(p - b) for p, b in zip(probe, begin)) / PIECE_RAD))
         for i in range(1, pieces + 1):
             self.probe = tuple(b + i / pieces * (p - b) for p, b in zip(probe, begin))
             self.x = balanced(self.probe, self.x)
-            touching = any(contact_torque(self.x)) or any(contact_torque(self.probe))
-            if not touching:
-                self.x = self.probe
-        away = tuple(p - x for p, x in zip(self.probe, self.x))
-        if not touching or math.hypot(*away) < 1e-6:
-            return haptic.FREE
-        # The surface as a plane: it says which way is out, so force may begin in contact.
-        return haptic.behind([(away, sum(a * x for a, x in zip(away, self.x)))], self.x)
+        near = contacts(self.x, horizon)
+        return haptic.behind(near, self.x) if near else haptic.FREE
 
 
 def main() -> None:
@@ -94,11 +101,11 @@ def main() -> None:
             grasp, peak = Grasp(), 0.0
             for frame in range(int(arguments.seconds * RATE_HZ)):
                 state = session.wait_for_state()
-                proxy = grasp.step(state.x_probe)
-                session.publish(proxy)
+                horizon = haptic.contact_horizon(session.round_trip_s, 1 / RATE_HZ)
+                session.publish(grasp.step(state.x_probe, horizon))
                 peak = max(peak, abs(state.tau_elastic[0]))
                 if frame % RATE_HZ == 0:
-                    print(f"{state.state:9} {'free' if proxy == haptic.FREE else 'touching':8} "
+                    print(f"{state.state:9} {'touching' if touching(grasp.x) else 'free':8} "
                           f"{state.tau_a[0]:6.2f} N", flush=True)
             print(f"largest elastic force {peak:.2f} N, "
                   f"{session.samples().accepted} samples accepted")

@@ -11,8 +11,10 @@ namespace haptic::core {
 
 namespace {
 
-/// Of the least shift of gaps, relative to what the anchor must explain.
-constexpr double kLeastShift = 1e-8;
+/// Of the multipliers' distance to those of the told law, relative to what the anchor must explain.
+constexpr double kNearest = 1e-8;
+/// Of the gap of a contact that this law does not touch: more must be unexplained without it.
+constexpr double kUntouched = 1e-2;
 constexpr double kNegligible = 1e3;
 /// Curved gaps are linearised again only if x moved by more, m or rad.
 constexpr double kSameX = 1e-9;
@@ -119,27 +121,37 @@ void PlaneProjection::fill_gram(int i, int j) noexcept {
   if (gamma_[i] > 0.0) G(i, i) += gamma_[i];
 }
 
-/// min ||d - D l||_W^2 over l >= 0, d the client's own displacement, and among what explains it
-/// equally well least squares of the shifts gamma l - violation.
+/// min ||d - D l||_W^2 over l >= 0, d the client's own displacement. Among what explains it equally
+/// well the l nearest to that of the law as it was told; and a contact that this law does not touch
+/// enters only if d needs it, because its whole gap would be shifted.
 void PlaneProjection::anchor(const VecX& x_used) noexcept {
   space_->difference(x_used, at_, y_);
   if (!y_.allFinite()) return;
-  const double softest = count_ > 0 ? gamma_.head(count_).maxCoeff() : 0.0;
-  Vector r = Vector::Zero(), least = Vector::Zero();
+  static_cast<void>(solve(0.0));
+  const Vector told = dual_.l();
+  VecX left = y_;
+  for (int i = 0; i < count_; ++i) left -= told[i] * contacts_.into.col(i);
+  Vector r = Vector::Zero();
   for (int i = 0; i < count_; ++i) {
-    // A shift is gamma (l - own): what explains d without a shift is not moved by any weight.
-    const double soft = softest > 0.0 ? gamma_[i] / softest : 0.0;
-    const double weight = std::max(kLeastShift * soft * soft, ContactDual::kEpsilon);
-    const double own = gamma_[i] > 0.0 ? -beta_[i] / gamma_[i] : 0.0;
-    r[i] = ContactDual::has(skipped_, i) ? -1.0 : A_.col(i).dot(y_) + weight * own;
-    least[i] = kNegligible * weight * std::abs(own);
-    dual_.gram()(i, i) = A_.col(i).dot(contacts_.into.col(i)) + weight;
+    const double gap = told[i] > 0.0 ? 0.0 : std::max(0.0, beta_[i] - A_.col(i).dot(left));
+    r[i] = ContactDual::has(skipped_, i)
+               ? -1.0
+               : A_.col(i).dot(y_) + kNearest * told[i] - kUntouched * gap;
+    dual_.gram()(i, i) = A_.col(i).dot(contacts_.into.col(i)) + kNearest;
+  }
+  dual_.refactor();
+  dual_.solve(r);
+  // Those that entered explain d whole.
+  const std::uint32_t entered = dual_.held();
+  dual_.begin(count_, ~entered);
+  for (int i = 0; i < count_; ++i) {
+    if (ContactDual::has(entered, i)) r[i] = A_.col(i).dot(y_) + kNearest * told[i];
   }
   dual_.solve(r);
   Vector l = dual_.l();
   for (int i = 0; i < count_; ++i) {
-    // Of what the least shift alone wants nothing is kept: a proxy that is free stays so.
-    if (l[i] <= least[i]) l[i] = 0.0;
+    // Of what the told law alone wants nothing is kept: a proxy that is free stays so.
+    if (l[i] <= kNegligible * kNearest * told[i]) l[i] = 0.0;
     y_ -= l[i] * contacts_.into.col(i);
   }
   for (int i = 0; i < count_; ++i) {
@@ -148,7 +160,7 @@ void PlaneProjection::anchor(const VecX& x_used) noexcept {
     beta_[i] = l[i] > 0.0 ? met : std::max(beta_[i], met);
     fill_gram(i, i);
   }
-  dual_.hold_none();
+  dual_.begin(count_, skipped_);
   unexplained_ = metric_.weighed(y_, z_).norm();
 }
 

@@ -1,0 +1,38 @@
+#pragma once
+/// A client's planes as the server's ingress gives them to the pipeline.
+
+#include <cstddef>
+#include <vector>
+
+#include "haptic/client/types.hpp"
+#include "haptic/core/projection/proxy_snapshot.hpp"
+
+namespace haptic::test {
+
+/// Every plane has `n_x` coordinates.
+[[nodiscard]] inline core::PlaneSet plane_set(const std::vector<client::Plane>& planes, int n_x) {
+  core::PlaneSet set;
+  const auto count = static_cast<Eigen::Index>(planes.size());
+  set.normals.resize(n_x, count);
+  set.offsets.resize(count);
+  set.compliance.resize(count);
+  set.velocity.resize(count);
+  std::vector<double> curvatures;
+  for (Eigen::Index p = 0; p < count; ++p) {
+    const client::Plane& plane = planes[static_cast<std::size_t>(p)];
+    set.normals.col(p) = Eigen::Map<const Eigen::VectorXd>(plane.normal.data(), n_x);
+    set.offsets[p] = plane.offset;
+    set.compliance[p] = plane.compliance;
+    set.velocity[p] = plane.velocity;
+    curvatures.insert(curvatures.end(), plane.curvature.begin(), plane.curvature.end());
+    int n = 0;
+    while (core::PlaneSet::triangle(n) < static_cast<int>(plane.curvature.size())) ++n;
+    set.first[static_cast<std::size_t>(p)] = static_cast<std::uint8_t>(plane.first_coordinate);
+    set.curved[static_cast<std::size_t>(p)] = static_cast<std::uint8_t>(n);
+  }
+  set.curvature = Eigen::Map<const Eigen::VectorXd>(curvatures.data(),
+                                                    static_cast<Eigen::Index>(curvatures.size()));
+  return set;
+}
+
+}  // namespace haptic::test

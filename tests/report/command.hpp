@@ -21,6 +21,7 @@ void add_closed_loop(CLI::App& app);
 void add_coupling(CLI::App& app);
 void add_press(CLI::App& app);
 void add_rate(CLI::App& app);
+void add_rtt(CLI::App& app);
 void add_scaling(CLI::App& app);
 void add_work_precision(CLI::App& app);
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# haptic-report closed-loop and rate: what must hold with a client in the loop
+# haptic-report closed-loop, rate, felt and rtt: what must hold with a client in the loop
 # (core/METHOD.md#results), on a part of their rows, and that without the safeguards it does not.
 #
 #   loop_test.sh HAPTIC-REPORT
@@ -149,6 +149,27 @@ for delay in 0 20 50 100; do
   last=$error
 done
 
+# Touch behind a network: contacts are felt as without delay, peers are not; what is known from the
+# first look on drags nowhere and comes in time.
+for object in soft_wall rigid_wall two_fingers; do
+  every "rtt, $object" 1 \
+    'error_pct < 0.01 && drag_n == 0 && onset_ticks == 0 && held_back_pct == 0 && contacts > 3' \
+    rtt --object $object --peer contacts --round-trip 200
+  for peer in derived_planes held held_force tdpa; do
+    every "rtt, $object, $peer" 1 'error_pct > 5' rtt --object $object --peer $peer \
+      --round-trip 100
+  done
+done
+every "rtt, soft finger" 1 'error_pct < 0.1 && contacts > 1 && ended == 0' \
+  rtt --object finger_worn_reach_and_grasp --peer contacts --round-trip 100
+every "rtt, disc" 1 'error_pct > 0.1 && error_pct < 3' rtt --object disc_70mm_s --peer contacts \
+  --round-trip 100
+every "rtt, moved by itself" 1 'error_pct < 0.5' rtt --object moving_soft --peer contacts \
+  --round-trip 100 --lost 10
+
+refused rtt --object nothing
+refused rtt --peer planes
+refused rtt --round-trip 500
 refused felt --proxy held_force
 refused felt --motion /nowhere.csv
 refused closed-loop --stop 18

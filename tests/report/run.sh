@@ -5,7 +5,7 @@
 #   tests/report/run.sh [--output DIR] [--build DIR] [part...]
 #
 #   part           linkage fig4 recordings scan radius claims finger press coupling
-#                  closed_loop rate felt scaling work_precision; default: all
+#                  closed_loop rate felt rtt scaling work_precision; default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
 #
@@ -28,7 +28,7 @@ while (($#)); do
 done
 ((${#parts[@]})) ||
   parts=(linkage fig4 recordings scan radius claims finger press coupling closed_loop rate felt
-    scaling work_precision)
+    rtt scaling work_precision)
 
 if [[ -z $programs ]]; then
   sh "$root/docker/install-deps.sh" build test report
@@ -340,6 +340,29 @@ make_felt() {
     >"$output/felt_networks.csv"
   awk -F, 'NR == 1 || ($5 != "all" && $1 == "subspace_linear" && $3 == 60 && $4 == 20)' \
     "$output/felt.csv" >"$output/felt_of.csv"
+}
+make_rtt() {
+  local linkage=finger_same_sign file peer trip motions=()  # the scenes' linkage
+  while read -r file; do motions+=(--motion "$file"); done < <(recorded_motions)
+  csv rtt rtt "${motions[@]}" --summary "$output/rtt_summary.csv"
+  csv rtt_cost rtt --cost
+  draw rtt_error rtt_error "csv='$output/rtt.csv'"
+  for file in soft_wall finger_worn_reach_and_grasp; do
+    for peer in contacts derived_planes held; do
+      for trip in 0 100; do
+        csv rtt_part rtt --trace --object "$file" --peer "$peer" --round-trip "$trip"
+        cat "$output/rtt_part.csv"
+      done
+    done
+  done | awk 'NR == 1 || !/^object/' >"$output/rtt_trace.csv"
+  rm "$output/rtt_part.csv"
+  draw rtt_force rtt_force "csv='$output/rtt_trace.csv'"
+  # Contacts at every round trip, peers at one, other rates and loss.
+  awk -F, 'NR == 1 || ($2 == "contacts" && $4 == 60 && $5 == 0)' "$output/rtt.csv" \
+    >"$output/rtt_contacts.csv"
+  awk -F, 'NR == 1 || ($3 == 100 && $4 == 60 && $5 == 0)' "$output/rtt.csv" >"$output/rtt_peers.csv"
+  awk -F, 'NR == 1 || ($2 == "contacts" && $3 == 100 && ($4 != 60 || $5 != 0))' \
+    "$output/rtt.csv" >"$output/rtt_rates.csv"
 }
 make_work_precision() {
   local linkage=finger_same_sign

@@ -7,9 +7,10 @@
 
 namespace haptic::test {
 
-void EnergyBook::add(double tau_held, double way, double dt) noexcept {
-  given_ += tau_held * way;
-  net_ += tau_held * way - damping_ * way * way / dt;
+void EnergyBook::add(const core::VecA& tau_held, const core::VecA& way, double dt) noexcept {
+  const double work = tau_held.dot(way);
+  given_ += work;
+  net_ += work - damping_ * way.squaredNorm() / dt;
   most_given_ = std::max(most_given_, given_);
   most_net_ = std::max(most_net_, net_);
 }
@@ -28,12 +29,13 @@ PipelineLoop::PipelineLoop(const core::PipelineConfig& config, const ClientSetti
   input_.command.tenure = 1;
   input_.command.lease_held = true;
   x_probe_ = core::VecX::Zero(map.space().n_x());
+  tau_ = last_q_a_ = core::VecA::Zero(map.layout().n_a());
   J_ = core::MatXQ::Zero(map.space().n_x(), map.layout().n_q());
 }
 
 const core::TickRecord& PipelineLoop::tick(const core::VecQ& q) {
   const core::Kinematics& map = *pipeline_.config().kinematics;
-  const double q_a = q[map.layout().actuated(0)];
+  const core::VecA q_a = map.layout().select(q);
   if (ticks_ > 0) energy_.add(tau_, q_a - last_q_a_, kTick_s);
   last_q_a_ = q_a;
   if (map.evaluate(q, x_probe_, J_) != core::MapStatus::kOk) {
@@ -50,7 +52,7 @@ const core::TickRecord& PipelineLoop::tick(const core::VecQ& q) {
     input_.proxy.tenure = input_.command.tenure;
   }
   record_ = pipeline_.tick(input_);
-  tau_ = record_.effort.tau_a[0];
+  tau_ = record_.effort.tau_a;
   return record_;
 }
 

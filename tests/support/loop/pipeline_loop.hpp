@@ -11,9 +11,10 @@ namespace haptic::test {
 /// exact, no velocity). J.
 class EnergyBook {
  public:
-  /// `damping`: what the device's own takes, n_a = 1, N s/m or N m s/rad.
+  /// `damping`: what the device's own takes at each actuator, N s/m or N m s/rad.
   explicit EnergyBook(double damping) : damping_(damping) {}
-  void add(double tau_held, double way, double dt) noexcept;
+  /// Over one tick of `dt`, n_a each.
+  void add(const core::VecA& tau_held, const core::VecA& way, double dt) noexcept;
   /// Begins a cycle: given() and net() count from here, most_net() goes on.
   void begin_cycle() noexcept;
 
@@ -32,12 +33,12 @@ class EnergyBook {
   double most_net_{0.0}, most_given_{0.0};
 };
 
-/// Device DoFs with one of them actuated. The device is always armed, and has a sample every tick.
+/// The device is always armed, and has a sample every tick.
 class PipelineLoop {
  public:
   static constexpr double kTick_s = 1e-3;
 
-  /// `device_damping`: of the actuated DoF, for the book.
+  /// `device_damping`: of each actuated DoF, for the book.
   PipelineLoop(const core::PipelineConfig& config, const ClientSettings& client,
                double device_damping);
 
@@ -50,7 +51,8 @@ class PipelineLoop {
   void require_engaged() const;
 
   [[nodiscard]] double time_s() const noexcept { return kTick_s * ticks_; }
-  [[nodiscard]] double tau() const noexcept { return tau_; }  ///< held now
+  [[nodiscard]] double tau() const noexcept { return tau_[0]; }  ///< held now by the first actuator
+  [[nodiscard]] const core::VecA& tau_a() const noexcept { return tau_; }  ///< by all, n_a
   [[nodiscard]] const core::VecX& x_probe() const noexcept { return x_probe_; }
   [[nodiscard]] const core::MatXQ& J() const noexcept { return J_; }
   [[nodiscard]] EnergyBook& energy() noexcept { return energy_; }
@@ -64,8 +66,7 @@ class PipelineLoop {
   core::TickRecord record_{};
   core::VecX x_probe_{};
   core::MatXQ J_{};
-  double tau_{0.0};
-  double last_q_a_{0.0};
+  core::VecA tau_{}, last_q_a_{};  ///< n_a
   int ticks_{0};
 };
 

@@ -34,6 +34,7 @@ RemoteClient::RemoteClient(ClientSettings settings)
     : settings_(std::move(settings)), random_(settings_.seed) {}
 
 void RemoteClient::put_proxy(Frame& frame) {
+  if (settings_.simulate) return settings_.simulate(frame);
   frame.walls = settings_.object ? settings_.object(frame.x_probe) : settings_.walls;
   if (frame.walls.size() == 0) {
     const core::VecX beyond = (frame.x_probe - settings_.stop).cwiseMax(0.0);
@@ -60,6 +61,7 @@ void RemoteClient::look(double t_s, const core::VecQ& q, const core::VecX& x_pro
   frame.seq = ++seq_;
   frame.q = q;
   frame.x_probe = x_probe;
+  frame.computed_s = t_s + 0.5 * settings_.delay_s;
   put_proxy(frame);
   frame.contact = frame.x != x_probe;
   const bool lost = random_.uniform() < settings_.lost;
@@ -74,7 +76,7 @@ void RemoteClient::look(double t_s, const core::VecQ& q, const core::VecX& x_pro
 
 void RemoteClient::write_planes(const Frame& frame, core::PlaneSet& planes) const {
   if (frame.walls.size() > 0) {
-    planes = settings_.only_in_contact ? derived(frame) : frame.walls;
+    planes = settings_.only_in_contact && !settings_.simulate ? derived(frame) : frame.walls;
     return;
   }
   const Eigen::Index n_x = settings_.stop.size();
@@ -103,7 +105,10 @@ void RemoteClient::deliver(const Frame& frame, core::TimePoint now,
   proxy.x = frame.x;
   proxy.seq = frame.seq;
   if (settings_.mode == core::ProxyMode::kPlanes) write_planes(frame, proxy.planes);
-  proxy.anchored_at = tells_compliance() && settings_.anchored ? frame.tick : 0;
+  const bool contacts = tells_compliance() || frame.anchored;
+  proxy.anchored_at = contacts && settings_.anchored ? frame.tick : 0;
+  proxy.computed = core::TimePoint(
+      std::chrono::duration_cast<core::Duration>(std::chrono::duration<double>(frame.computed_s)));
   stamp(now, proxy);
 }
 

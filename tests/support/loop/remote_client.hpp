@@ -17,6 +17,7 @@ namespace haptic::test {
 /// What the simulation knew when it computed a sample.
 struct Frame {
   double seen_s{0.0};      ///< when it looked at the device
+  double computed_s{0.0};  ///< when it computed, half the delay later
   double arrives_s{0.0};   ///< when the pipeline gets it
   std::uint64_t tick{0};   ///< of the look, as the pipeline counts
   std::uint64_t seq{0};    ///< 1, 2, ...
@@ -25,6 +26,7 @@ struct Frame {
   core::VecX x{};          ///< proxy, n_x
   bool contact{false};     ///< x is not simply the probe
   core::PlaneSet walls{};  ///< as the simulation had them; none: its stops counted
+  bool anchored{false};    ///< they are contacts with ids
 };
 
 /// What a law between two samples may look at.
@@ -55,6 +57,9 @@ struct ClientSettings {
   core::PlaneSet walls{};  ///< instead of stops, in any direction; none: the stops count
   /// Instead of both: a curved object, as the planes that touch it where it is nearest to x_probe.
   std::function<core::PlaneSet(const core::VecX& x_probe)> object{};
+  /// Instead of all of these: from what the frame knows of the device it computes x, walls (which
+  /// are sent as they are), contact and anchored. With a mode of held, x alone is sent.
+  std::function<void(Frame& frame)> simulate{};
   double rate_hz{60.0};  ///< > 0
   double delay_s{0.0};   ///< from the look at the device to the sample's arrival, >= 0
   double jitter{0.3};    ///< of the period, uniform, +-; in [0, 1)

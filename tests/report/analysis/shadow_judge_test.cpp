@@ -1,0 +1,76 @@
+#include "tests/report/analysis/shadow_judge.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace haptic::report {
+namespace {
+
+using core::VecA;
+
+/// Presses of one sine a second, 10 N deep, and as long in free space; what is felt comes
+/// `late` s later.
+ShadowFigures presses(double late, double share = 1.0) {
+  const auto force = [](double t) { return 10.0 * std::max(0.0, std::sin(2.0 * M_PI * t)); };
+  ShadowJudge judge;
+  for (int k = 1; k <= 4000; ++k) {
+    const double t = 1e-3 * k, shadow = force(t);
+    judge.add({.felt = VecA::Constant(1, share * force(t - late)),
+               .shadow = VecA::Constant(1, shadow),
+               .elastic = VecA::Constant(1, share * force(t - late)),
+               .touching = shadow > 0.0,
+               .held_back = share < 1.0,
+               .clearance = -0.2 * std::sin(2.0 * M_PI * t)});
+  }
+  return judge.figures();
+}
+
+TEST(ShadowJudge, WhatIsTheShadowHasNoError) {
+  const ShadowFigures f = presses(0.0);
+  EXPECT_EQ(f.error, 0.0);
+  EXPECT_EQ(f.largest, 0.0);
+  EXPECT_EQ(f.drag, 0.0);
+  EXPECT_EQ(f.onset, 0);
+  EXPECT_EQ(f.held_back, 0.0);
+  EXPECT_EQ(f.contacts, 4);
+  EXPECT_NEAR(f.peak, 10.0, 1e-9);
+}
+
+TEST(ShadowJudge, DelayIsAnError) {
+  // sin(w t) - sin(w (t - d)) = 2 sin(w d / 2) cos(w (t - d / 2)): rms 2 sin(w d / 2) / sqrt 2,
+  // but at the beginning, where nothing is felt for d.
+  for (const double late : {0.005, 0.010, 0.020}) {
+    const ShadowFigures f = presses(late);
+    const double expected = 10.0 * M_SQRT2 * std::sin(M_PI * late);
+    EXPECT_NEAR(f.error, expected, 0.03 * expected) << late;
+    EXPECT_NEAR(f.percent(), 10.0 * f.error, 1e-9);
+    EXPECT_EQ(f.onset, std::lround(1e3 * late));
+    EXPECT_GT(f.drag, 0.0) << "what is felt late is felt outside too";
+  }
+}
+
+TEST(ShadowJudge, WithheldForceIsAnError) {
+  const ShadowFigures f = presses(0.0, 0.9);
+  EXPECT_NEAR(f.error, 1.0 / M_SQRT2, 1e-3);
+  EXPECT_EQ(f.held_back, 1.0);
+}
+
+TEST(ShadowJudge, NoContactIsNoFigure) {
+  ShadowJudge judge;
+  judge.add({.felt = VecA::Constant(1, 0.5),
+             .shadow = VecA::Zero(1),
+             .elastic = VecA::Constant(1, 0.5),
+             .clearance = 0.001});
+  judge.add({.felt = VecA::Constant(1, 0.2),
+             .shadow = VecA::Zero(1),
+             .elastic = VecA::Constant(1, 0.2),
+             .clearance = 0.01});
+  const ShadowFigures f = judge.figures();
+  EXPECT_EQ(f.ticks, 0);
+  EXPECT_EQ(f.percent(), 0.0);
+  EXPECT_EQ(f.drag, 0.2) << "near an object an early force is an error of place, not drag";
+}
+
+}  // namespace
+}  // namespace haptic::report

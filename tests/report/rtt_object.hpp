@@ -1,0 +1,60 @@
+#pragma once
+/// Objects of the study rtt as a simulation knows them: where they let the probe be, and what they
+/// are told as. The proxy is solved here by closed forms, apart from the server's solver.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "haptic/client/contact.hpp"
+#include "haptic/core/types.hpp"
+
+namespace haptic::report {
+
+/// N/m: Z_q of the devices that move in metres.
+inline constexpr double kRttCoupling = 1500.0;
+
+/// What a client tells ahead: how far, and for when.
+struct RttHorizon {
+  double metres{0.0};
+  double seconds{0.0};
+};
+
+class RttObject {
+ public:
+  virtual ~RttObject() = default;
+  /// The simulation's own proxy at `t` s, n_x; the probe itself if it touches nothing. t never
+  /// falls.
+  [[nodiscard]] virtual core::VecX proxy(double t, const core::VecX& x_probe) = 0;
+  /// The contacts within `near.metres` of the proxy x, at `t`, for a sample that is in use about
+  /// `near.seconds` later.
+  [[nodiscard]] virtual std::vector<client::Plane> contacts(double t, const core::VecX& x,
+                                                            const RttHorizon& near) const = 0;
+  /// Of the probe from the surface, m; < 0: inside.
+  [[nodiscard]] virtual double clearance(double t, const core::VecX& x_probe) const = 0;
+};
+
+using RttMaker = std::unique_ptr<RttObject> (*)();
+
+// One coordinate: a surface at 0, the object beyond it.
+[[nodiscard]] std::unique_ptr<RttObject> rtt_rigid_wall();
+[[nodiscard]] std::unique_ptr<RttObject> rtt_soft_wall();  ///< 500 N/m
+/// Force 5000 N/m^1.5 times depth^1.5: 5 N at 10 mm. Told as one contact with the slope at the
+/// proxy's depth, at least that at 3 mm.
+[[nodiscard]] std::unique_ptr<RttObject> rtt_stiffening_wall();
+/// The same, told as springs in parallel that begin at six depths.
+[[nodiscard]] std::unique_ptr<RttObject> rtt_stiffening_springs();
+// The surface moves by itself, 5 mm at 0.5 Hz; told with its mean speed until the sample's use.
+[[nodiscard]] std::unique_ptr<RttObject> rtt_moving_rigid_wall();
+[[nodiscard]] std::unique_ptr<RttObject> rtt_moving_soft_wall();
+/// Two coordinates: a disc of radius 30 mm and 500 N/m below the x axis, its top at the origin.
+[[nodiscard]] std::unique_ptr<RttObject> rtt_disc();
+/// Two coordinates, one per finger, along one line: a block of 40 mm and 500 N/m between them that
+/// nothing else holds, without mass.
+[[nodiscard]] std::unique_ptr<RttObject> rtt_block();
+/// Two joints: the soft finger of the shipped example, with its twelve pads.
+[[nodiscard]] std::unique_ptr<RttObject> rtt_soft_finger();
+
+[[nodiscard]] std::vector<double> to_std(const core::VecX& x);
+
+}  // namespace haptic::report

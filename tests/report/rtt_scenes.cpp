@@ -1,0 +1,221 @@
+// Devices and motions of rtt_study.hpp.
+#include <algorithm>
+#include <cmath>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/model/linear.hpp"
+#include "hw/motion/motion_csv.hpp"
+#include "hw/motion/pchip.hpp"
+#include "hw/simulated/finger.hpp"
+#include "server/scene/shipped.hpp"
+#include "tests/report/chosen_linkage.hpp"
+#include "tests/report/felt_study.hpp"
+#include "tests/report/rtt_study.hpp"
+
+namespace haptic::report {
+namespace {
+
+using core::VecA;
+using core::VecQ;
+
+constexpr int kSubsteps = 10;
+constexpr double kStep = 1e-3 / kSubsteps;           // s
+constexpr double kMass = 0.3, kDamping = 2.0;        // of the device, kg, N s/m
+constexpr double kHand = 800.0, kHandDamping = 8.0;  // N/m, N s/m
+constexpr double kLowest = 3.0 * kDegree;            // of a recording's joints
+constexpr double kLongest = 12.0;                    // s, of a recording
+constexpr double kSeconds = 8.0;
+
+struct Aim {
+  VecQ at{}, rate{};
+};
+using Hand = Aim (*)(double t);
+
+/// Masses on rails, each moved by a hand through a spring and a damper.
+class Masses final : public RttBody {
+ public:
+  explicit Masses(Hand hand) : hand_(hand), q_(hand(-1.0).at), v_(VecQ::Zero(q_.size())) {}
+
+  void step(double t, const VecA& tau) override {
+    for (int s = kSubsteps - 1; s >= 0; --s) {
+      const Aim aim = hand_(t - s * kStep);
+      const VecQ push = kHand * (aim.at - q_) + kHandDamping * (aim.rate - v_) + tau;
+      v_ = (v_ + kStep * push / kMass) / (1.0 + kStep * kDamping / kMass);
+      q_ += kStep * v_;
+    }
+  }
+  [[nodiscard]] VecQ q() const override { return q_; }
+
+ private:
+  Hand hand_;
+  VecQ q_, v_;
+};
+
+/// Cosine about `centre` from -amplitude on, at rest before.
+void swing(double t, double hz, double centre, double amplitude, double& at, double& rate) {
+  const double w = 2.0 * M_PI * hz, phase = w * std::max(t, 0.0);
+  at = centre - amplitude * std::cos(phase);
+  rate = t > 0.0 ? amplitude * w * std::sin(phase) : 0.0;
+}
+
+/// In and out of a wall at 0 by 18 mm.
+template <int kTenthsHz>
+Aim in_and_out(double t) {
+  Aim aim{VecQ(1), VecQ(1)};
+  swing(t, 0.1 * kTenthsHz, 0.0, 0.018, aim.at[0], aim.rate[0]);
+  return aim;
+}
+
+/// Down on the disc within a second, to and fro by 15 mm, and up in the last one.
+template <int kHundredthsHz>
+Aim stroke(double t) {
+  constexpr double kAbove = 0.010, kBelow = -0.009;  // m
+  const double down = std::clamp(t, 0.0, 1.0), up = std::clamp(t - (kSeconds - 1.0), 0.0, 1.0);
+  const auto way = [](double u) { return 0.5 - 0.5 * std::cos(M_PI * u); };
+  const auto slope = [](double u) { return 0.5 * M_PI * std::sin(M_PI * u); };
+  Aim aim{VecQ(2), VecQ(2)};
+  const double w = 2.0 * M_PI * 0.01 * kHundredthsHz, phase = w * std::max(t, 0.0);
+  aim.at[0] = 0.015 * std::sin(phase);
+  aim.rate[0] = t > 0.0 ? 0.015 * w * std::cos(phase) : 0.0;
+  aim.at[1] = kAbove + (way(down) - way(up)) * (kBelow - kAbove);
+  aim.rate[1] = (slope(down) - slope(up)) * (kBelow - kAbove);
+  return aim;
+}
+
+/// Two fingers, 40 mm apart when they touch, each in and out by 12 mm in its own time.
+Aim pinch(double t) {
+  Aim aim{VecQ(2), VecQ(2)};
+  swing(t, 0.7, -0.020, 0.012, aim.at[0], aim.rate[0]);
+  swing(t, 0.5, 0.020, -0.012, aim.at[1], aim.rate[1]);
+  return aim;
+}
+
+core::PipelineConfig rails(int n) {
+  core::LinearMap map{.A = core::MatXQ::Identity(n, n), .x_0 = core::VecX::Zero(n)};
+  for (int i = 0; i < n; ++i) {
+    const std::string number = std::to_string(i + 1);
+    map.dofs.push_back({"l" + number, core::Unit::kMetre, true, -0.2, 0.2});
+    map.coordinates.push_back({"x" + number, core::Unit::kMetre, core::CoordinateKind::kLinear});
+  }
+  core::PipelineConfig c{.kinematics = core::make_linear(map)};
+  c.device.q_lower = VecQ::Constant(n, -1.0);
+  c.device.q_upper = VecQ::Constant(n, 1.0);
+  c.device.max_effort = VecA::Constant(n, 100.0);
+  c.scene.stiffness = VecA::Constant(n, kRttCoupling);
+  c.scene.damping = VecA::Zero(n);
+  c.scene.force_limit = VecA::Constant(n, 60.0);
+  c.scene.slew_limit = VecA::Constant(n, 1e7);
+  c.scene.engage_window = VecA::Constant(n, 60.0);
+  c.passivity.tank.enabled = true;
+  c.passivity.device_damping = VecA::Constant(n, kDamping);
+  c.passivity.device_inertia = c.passivity.observer.inertia = VecA::Constant(n, kMass);
+  return c;
+}
+
+RttScene on_rails(const char* name, int n, RttMaker object, Hand hand) {
+  RttScene scene{
+      name,    object, rails(n), kDamping, [hand] { return std::make_unique<Masses>(hand); },
+      kSeconds};
+  scene.most_damping = 0.5 * kMass / 1e-3;
+  return scene;
+}
+
+using Motion = std::function<Eigen::Vector2d(double t)>;
+
+/// The exoskeleton on a finger that the hand moves and that gives way.
+class WornFinger final : public RttBody {
+ public:
+  WornFinger(const FeltDevice& device, Motion aim)
+      : aim_(std::move(aim)), physics_(device.finger, device.pipeline.kinematics, aim_(0.0)) {}
+
+  void step(double t, const VecA& tau) override {
+    for (int s = kSubsteps - 1; s >= 0; --s) {
+      physics_.step(kStep, aim_(std::max(0.0, t - s * kStep)), tau[0]);
+    }
+  }
+  [[nodiscard]] VecQ q() const override { return physics_.q(); }
+
+ private:
+  Motion aim_;
+  hw::FingerPhysics physics_;
+};
+
+/// The exoskeleton led along a motion, whatever it is told.
+class LedFinger final : public RttBody {
+ public:
+  LedFinger(const FeltDevice& device, Motion aim)
+      : aim_(std::move(aim)), map_(device.pipeline.kinematics), q_(VecQ::Zero(2)) {
+    step(0.0, {});
+  }
+  void step(double t, const VecA&) override {
+    static_cast<void>(map_->inverse(core::VecX(aim_(std::max(0.0, t))), q_));
+  }
+  [[nodiscard]] VecQ q() const override { return q_; }
+
+ private:
+  Motion aim_;
+  std::shared_ptr<const core::Kinematics> map_;
+  VecQ q_;
+};
+
+/// A recording, shifted so that no joint is below kLowest: where zero is was not recorded exactly.
+Motion recorded(const std::string& file, double& seconds) {
+  hw::MotionTable table = hw::read_motion_csv(file, {hw::joint_angle_columns()});
+  for (std::vector<double>& joint : table.values) {
+    const double lowest = *std::min_element(joint.begin(), joint.end());
+    for (double& angle : joint) angle += std::max(0.0, kLowest - lowest);
+  }
+  const auto mcp = std::make_shared<hw::Pchip>(table.time_s, table.values[0]);
+  const auto pip = std::make_shared<hw::Pchip>(table.time_s, table.values[1]);
+  seconds = std::min(mcp->last(), kLongest);
+  return [mcp, pip](double t) { return Eigen::Vector2d((*mcp)(t), (*pip)(t)); };
+}
+
+/// The demo's own grasp.
+std::string own_motion() {
+  const auto scene = server::find_scene("finger_soft_grasp");
+  if (!scene) throw core::SceneError("rtt: no scene finger_soft_grasp");
+  return (std::filesystem::path(*scene).parent_path() / "motion" / "reach_and_grasp.csv").string();
+}
+
+}  // namespace
+
+std::vector<RttScene> rtt_scenes(const std::vector<std::string>& recordings) {
+  std::vector<RttScene> all{
+      on_rails("rigid_wall", 1, rtt_rigid_wall, in_and_out<7>),
+      on_rails("soft_wall", 1, rtt_soft_wall, in_and_out<7>),
+      on_rails("soft_wall_2hz", 1, rtt_soft_wall, in_and_out<20>),
+      on_rails("stiffening", 1, rtt_stiffening_wall, in_and_out<7>),
+      on_rails("stiffening_springs", 1, rtt_stiffening_springs, in_and_out<7>),
+      on_rails("disc_70mm_s", 2, rtt_disc, stroke<54>),
+      on_rails("disc_2hz", 2, rtt_disc, stroke<200>),
+      on_rails("moving_soft", 1, rtt_moving_soft_wall, in_and_out<7>),
+      on_rails("moving_rigid", 1, rtt_moving_rigid_wall, in_and_out<7>),
+      on_rails("two_fingers", 2, rtt_block, pinch),
+  };
+  all.back().blocks = {{0, 1}, {1, 1}};
+  // An object that moves by itself may work on the finger; a scene that has one says how much.
+  for (RttScene& scene : all) {
+    if (scene.name.rfind("moving_", 0) == 0) scene.pipeline.passivity.tank.allowed_power = 0.25;
+  }
+  const auto device = std::make_shared<const FeltDevice>(
+      felt_device(core::make_finger_exoskeleton(chosen_linkage())));
+  std::vector<std::string> motions = recordings;
+  motions.insert(motions.begin(), own_motion());
+  for (const std::string& file : motions) {
+    RttScene scene{"", rtt_soft_finger, device->pipeline, device->finger.actuator_damping};
+    scene.most_damping = 0.5 * device->finger.actuator_mass / 1e-3;
+    const Motion motion = recorded(file, scene.seconds);
+    const std::string of = std::filesystem::path(file).stem().string();
+    scene.name = "finger_led_" + of;
+    scene.body = [device, motion] { return std::make_unique<LedFinger>(*device, motion); };
+    all.push_back(scene);
+    scene.name = "finger_worn_" + of;
+    scene.body = [device, motion] { return std::make_unique<WornFinger>(*device, motion); };
+    all.push_back(std::move(scene));
+  }
+  return all;
+}
+
+}  // namespace haptic::report

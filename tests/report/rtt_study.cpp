@@ -1,0 +1,254 @@
+#include "tests/report/rtt_study.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "haptic/core/error.hpp"
+#include "tests/support/loop/local_laws.hpp"
+#include "tests/support/loop/pipeline_loop.hpp"
+
+namespace haptic::report {
+namespace {
+
+using core::VecX;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kEngage_s = 1.0;  // ten samples at 30 Hz, 200 ms late, some lost
+constexpr double kBegin_s = 1.4;   // the gain's ramp is over
+
+int tick_of(double t) {
+  return static_cast<int>(std::lround(t / test::PipelineLoop::kTick_s));
+}
+
+/// As the ingress stores a sample's planes.
+core::PlaneSet to_core(const std::vector<client::Plane>& told, int n_x) {
+  core::PlaneSet planes;
+  const auto count = static_cast<Eigen::Index>(told.size());
+  planes.normals.resize(n_x, count);
+  planes.offsets.resize(count);
+  planes.compliance.setZero(count);
+  planes.velocity.setZero(count);
+  std::vector<double> curvature;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const client::Plane& plane = told[k];
+    planes.normals.col(i) = Eigen::Map<const VecX>(plane.normal.data(), n_x);
+    planes.offsets[i] = plane.offset;
+    planes.compliance[i] = plane.compliance;
+    planes.velocity[i] = plane.velocity;
+    planes.first[k] = static_cast<std::uint8_t>(plane.first_coordinate);
+    planes.curved[k] = 0;
+    while (core::PlaneSet::triangle(planes.curved[k]) < static_cast<int>(plane.curvature.size())) {
+      ++planes.curved[k];
+    }
+    curvature.insert(curvature.end(), plane.curvature.begin(), plane.curvature.end());
+  }
+  if (planes.compliance.isZero(0.0)) planes.compliance.resize(0);
+  if (planes.velocity.isZero(0.0)) planes.velocity.resize(0);
+  planes.curvature = Eigen::Map<const Eigen::VectorXd>(curvature.data(),
+                                                       static_cast<Eigen::Index>(curvature.size()));
+  return planes;
+}
+
+/// What the simulation does with a look at the device. `library_ns`, if given: what of it the
+/// client library took.
+std::function<void(test::Frame&)> simulation(const RttScene& scene, RttPeer peer,
+                                             const RttHorizon& near,
+                                             std::vector<double>* library_ns) {
+  const std::shared_ptr<RttObject> object = scene.object();
+  const std::vector<client::VirtualCoordinate> coordinates(
+      static_cast<std::size_t>(scene.pipeline.kinematics->space().n_x()));
+  return [=, blocks = scene.blocks](test::Frame& frame) {
+    frame.x = object->proxy(frame.computed_s, frame.x_probe);
+    if (peer == RttPeer::kHeld || peer == RttPeer::kHeldForce || peer == RttPeer::kTdpa) return;
+    const std::vector<double> x_probe = to_std(frame.x_probe);
+    const auto begun = Clock::now();
+    std::vector<client::Plane> planes;
+    if (peer == RttPeer::kContacts) {
+      planes = object->contacts(frame.computed_s, frame.x, near);
+    } else {
+      planes = client::derive_planes(coordinates, to_std(frame.x), x_probe, blocks);
+    }
+    client::keep_deepest(coordinates, to_std(frame.x), x_probe, planes);
+    if (library_ns != nullptr) {
+      library_ns->push_back(std::chrono::duration<double, std::nano>(Clock::now() - begun).count());
+    }
+    frame.walls = to_core(planes, static_cast<int>(frame.x.size()));
+    frame.anchored = peer == RttPeer::kContacts;
+  };
+}
+
+test::ClientSettings client_for(const RttScene& scene, const RttRun& how,
+                                std::vector<double>* library_ns = nullptr) {
+  constexpr double kEveryTick_hz = 1000.0;
+  const auto span = [](double s) {
+    return std::chrono::nanoseconds(static_cast<std::int64_t>(std::llround(1e9 * s)));
+  };
+  test::ClientSettings client;
+  const bool planes = how.peer == RttPeer::kContacts || how.peer == RttPeer::kPlanes;
+  client.mode = planes ? core::ProxyMode::kPlanes : core::ProxyMode::kHeld;
+  client.rate_hz = how.rate_hz;
+  client.jitter = how.rate_hz < kEveryTick_hz ? 0.3 : 0.0;
+  client.delay_s = how.round_trip_s;
+  client.lost = how.lost;
+  if (!planes && how.peer != RttPeer::kHeld) client.between = test::held_deviation();
+  // 1 ns: a round trip that is known to be none.
+  const double period = 1.0 / how.rate_hz;
+  const RttHorizon near{
+      client::contact_horizon(span(std::max(how.round_trip_s, 1e-9)), span(period)),
+      0.5 * (how.round_trip_s + period)};
+  client.simulate = simulation(scene, how.peer, near, library_ns);
+  return client;
+}
+
+core::PipelineConfig felt_config(const RttScene& scene, RttPeer peer) {
+  core::PipelineConfig config = scene.pipeline;
+  if (peer == RttPeer::kHeldForce || peer == RttPeer::kTdpa) {
+    config.passivity.tank.enabled = config.passivity.observer.enabled = false;
+  }
+  return config;
+}
+
+core::PipelineConfig shadow_config(const RttScene& scene) {
+  core::PipelineConfig config = scene.pipeline;
+  config.passivity.tank.enabled = config.passivity.observer.enabled = false;
+  return config;
+}
+
+/// Time-domain passivity control (B. Hannaford and J.-H. Ryu, IEEE T-RA 18(1):1-10, 2002): a
+/// damper takes what the held force gave beyond what was put in.
+class TimeDomainPassivity {
+ public:
+  /// `most`: of the damper, N s/m.
+  explicit TimeDomainPassivity(double most) : most_(most) {}
+
+  /// The damper's force over the next tick, after `way` (n_a, m) under the force `held`.
+  [[nodiscard]] core::VecA step(const core::VecA& held, const core::VecA& way) noexcept {
+    constexpr double dt = test::PipelineLoop::kTick_s;
+    taken_ -= held.dot(way);
+    const double square = way.squaredNorm() / dt;  // J per N s/m and tick
+    const double damper = square > 0.0 ? std::clamp(-taken_ / square, 0.0, most_) : 0.0;
+    return -damper / dt * way;
+  }
+
+ private:
+  double most_;
+  double taken_{0.0};  ///< J
+};
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::string_view name(RttPeer peer) noexcept {
+  switch (peer) {
+    case RttPeer::kContacts:
+      return "contacts";
+    case RttPeer::kPlanes:
+      return "derived_planes";
+    case RttPeer::kHeld:
+      return "held";
+    case RttPeer::kHeldForce:
+      return "held_force";
+    case RttPeer::kTdpa:
+      return "tdpa";
+  }
+  return "";
+}
+
+RttFigures run(const RttScene& scene, const RttRun& how,
+               const std::function<void(const RttTick&)>& observe) {
+  const RttRun local{.rate_hz = 1000.0};
+  test::PipelineLoop felt(felt_config(scene, how.peer), client_for(scene, how),
+                          scene.device_damping);
+  test::PipelineLoop shadow(shadow_config(scene), client_for(scene, local), scene.device_damping);
+  test::PipelineLoop same_tank(scene.pipeline, client_for(scene, local), scene.device_damping);
+  const std::unique_ptr<RttBody> body = scene.body();
+  const std::unique_ptr<RttObject> object = scene.object();
+  const core::DofLayout& layout = scene.pipeline.kinematics->layout();
+  TimeDomainPassivity damper(scene.most_damping);
+  test::EnergyBook book(scene.device_damping);
+  ShadowJudge judge, behind_tank;
+  RttFigures figures;
+  std::uint64_t last = 0;
+  long samples = 0;
+  const int ticks = tick_of(kBegin_s + scene.seconds), begins = tick_of(kBegin_s);
+  core::VecA tau = core::VecA::Zero(layout.n_a()), q_a = layout.select(body->q());
+  for (int k = 1; k <= ticks; ++k) {
+    const double t = k * test::PipelineLoop::kTick_s;
+    if (k == tick_of(kEngage_s)) {
+      for (test::PipelineLoop* loop : {&felt, &shadow, &same_tank}) loop->engage();
+    }
+    body->step(t - kBegin_s, tau);
+    const core::VecA way = layout.select(body->q()) - q_a;
+    q_a += way;
+    book.add(tau, way, test::PipelineLoop::kTick_s);
+    const core::TickRecord& record = felt.tick(body->q());
+    const core::TickRecord& ideal = shadow.tick(body->q());
+    same_tank.tick(body->q());
+    const core::VecA control =
+        how.peer == RttPeer::kTdpa ? damper.step(tau, way) : core::VecA::Zero(layout.n_a());
+    tau = felt.tau_a() + control;
+    if (k == begins) {
+      for (test::PipelineLoop* loop : {&felt, &shadow, &same_tank}) loop->require_engaged();
+    }
+    if (k <= begins) continue;
+    samples += record.proxy.seq != std::exchange(last, record.proxy.seq) ? 1 : 0;
+    figures.ended = figures.ended || record.life.state != core::LifecycleState::kEngaged;
+    ShadowTick tick{.felt = tau,
+                    .shadow = shadow.tau_a(),
+                    .elastic = record.effort.tau_elastic + control,
+                    .touching = ideal.anchor.in_the_way,
+                    .held_back = record.limiters().has(core::Limiter::kEnergyTank),
+                    .clearance = object->clearance(t, felt.x_probe())};
+    judge.add(tick);
+    tick.shadow = same_tank.tau_a();
+    behind_tank.add(tick);
+    if (observe) observe({t - kBegin_s, tau[0], shadow.tau()});
+  }
+  figures.shadow = judge.figures();
+  figures.behind_tank = behind_tank.figures().error;
+  figures.most_net = book.most_net();
+  figures.samples_hz = static_cast<double>(samples) / scene.seconds;
+  if (how.peer == RttPeer::kHeldForce || how.peer == RttPeer::kTdpa) {
+    figures.samples_hz = how.rate_hz * (1.0 - how.lost);  // the local law makes one of every tick
+  }
+  return figures;
+}
+
+RttCost cost(const RttScene& scene, const RttRun& how) {
+  constexpr int kMost = 3000;  // ticks, so that their inputs fit into memory
+  std::vector<double> library_ns, tick_ns, sample_ns;
+  test::PipelineLoop loop(felt_config(scene, how.peer), client_for(scene, how, &library_ns),
+                          scene.device_damping);
+  const std::unique_ptr<RttBody> body = scene.body();
+  std::vector<core::TickInput> inputs;
+  core::VecA tau = core::VecA::Zero(scene.pipeline.kinematics->layout().n_a());
+  for (int k = 1; k <= kMost; ++k) {
+    const double t = k * test::PipelineLoop::kTick_s;
+    if (k == tick_of(kEngage_s)) loop.engage();
+    body->step(t - kBegin_s, tau);
+    inputs.push_back(loop.tick(body->q()).input);
+    tau = loop.tau_a();
+  }
+  core::Pipeline replay(felt_config(scene, how.peer));
+  std::uint64_t last = 0;
+  for (const core::TickInput& input : inputs) {
+    const auto begun = Clock::now();
+    const core::TickRecord record = replay.tick(input);
+    const double ns = std::chrono::duration<double, std::nano>(Clock::now() - begun).count();
+    const bool fresh = std::exchange(last, record.proxy.seq) != record.proxy.seq;
+    if (record.anchor.in_the_way) (fresh ? sample_ns : tick_ns).push_back(ns);
+  }
+  RttCost cost{.tick = median(tick_ns), .client_step = median(library_ns)};
+  cost.sample = median(sample_ns) - cost.tick;
+  return cost;
+}
+
+}  // namespace haptic::report

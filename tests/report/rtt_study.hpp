@@ -1,0 +1,86 @@
+#pragma once
+/// Touch behind a network, judged by its shadow (analysis/shadow_judge.hpp): the shipped pipeline,
+/// the shipped client library's contacts, and peers, in virtual time (core/METHOD.md#contacts).
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "haptic/client/planes.hpp"
+#include "haptic/core/tick/pipeline.hpp"
+#include "tests/report/analysis/shadow_judge.hpp"
+#include "tests/report/rtt_object.hpp"
+
+namespace haptic::report {
+
+/// What the client sends, and what is done with it.
+enum class RttPeer {
+  kContacts,   ///< contacts of the client library, near ones too
+  kPlanes,     ///< derive_planes() of the client library, while the simulation sees contact
+  kHeld,       ///< the proxy; it stays until the next sample
+  kHeldForce,  ///< not offered: the last deviation stays, and with it the force; without tank
+  kTdpa,       ///< not offered: the same behind time-domain passivity control
+};
+inline constexpr RttPeer kRttPeers[]{RttPeer::kContacts, RttPeer::kPlanes, RttPeer::kHeld,
+                                     RttPeer::kHeldForce, RttPeer::kTdpa};
+[[nodiscard]] std::string_view name(RttPeer peer) noexcept;
+
+/// What moves the device, and gives way to its force or does not.
+class RttBody {
+ public:
+  virtual ~RttBody() = default;
+  /// Moves on by one tick, to `t` s after the motion began (< 0: before), under the force held.
+  virtual void step(double t, const core::VecA& tau) = 0;
+  [[nodiscard]] virtual core::VecQ q() const = 0;
+};
+
+/// An object, a device, and a motion.
+struct RttScene {
+  std::string name{};
+  RttMaker object{nullptr};
+  core::PipelineConfig pipeline{};
+  double device_damping{0.0};  ///< N s/m, of each actuator
+  std::function<std::unique_ptr<RttBody>()> body{};
+  double seconds{0.0};                  ///< of the motion
+  double most_damping{0.0};             ///< of time-domain passivity control, N s/m
+  std::vector<client::Block> blocks{};  ///< for derive_planes()
+};
+
+/// Recordings: CSV of joint angles; none: the repository's own grasp.
+[[nodiscard]] std::vector<RttScene> rtt_scenes(const std::vector<std::string>& recordings);
+
+struct RttRun {
+  RttPeer peer{RttPeer::kContacts};
+  double round_trip_s{0.0};
+  double rate_hz{60.0};  ///< 1000: every tick, without jitter; else jitter 30 % of the period
+  double lost{0.0};
+};
+
+struct RttTick {
+  double t_s{0.0};                ///< since the motion began
+  double felt{0.0}, shadow{0.0};  ///< first actuator, N
+};
+
+struct RttFigures {
+  ShadowFigures shadow{};   ///< of the pipeline without tank and observer
+  double behind_tank{0.0};  ///< rms error against a shadow behind the same tank and observer, N
+  double most_net{0.0};     ///< J, largest over time that was given beyond the device's damping
+  double samples_hz{0.0};   ///< that came
+  bool ended{false};        ///< force ended before the motion did
+};
+
+/// Throws SceneError where the force never came on.
+[[nodiscard]] RttFigures run(const RttScene& scene, const RttRun& how,
+                             const std::function<void(const RttTick&)>& observe = {});
+
+/// What contacts cost, ns, medians over the motion.
+struct RttCost {
+  double tick{0.0};         ///< of the pipeline without a new sample
+  double sample{0.0};       ///< more in a tick with one
+  double client_step{0.0};  ///< of the client library: contact_at(), keep_deepest()
+};
+[[nodiscard]] RttCost cost(const RttScene& scene, const RttRun& how);
+
+}  // namespace haptic::report

@@ -1,0 +1,23 @@
+#pragma once
+/// What must hold in the study rtt, and whether it does.
+
+#include <string>
+#include <vector>
+
+#include "tests/report/rtt_study.hpp"
+
+namespace haptic::report {
+
+struct RttRow {
+  std::string object{};
+  RttRun how{};
+  ShadowFigures shadow{};
+  double behind_tank{0.0};  ///< N
+  double energy_mj{0.0};
+};
+
+/// CSV: a line per claim with its limit, the worst row, and "met", "not met" or "not shown" (no
+/// row). Throws SceneError: the file cannot be written.
+void write_summary(const std::vector<RttRow>& rows, const std::string& file);
+
+}  // namespace haptic::report

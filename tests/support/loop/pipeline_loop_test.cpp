@@ -5,15 +5,23 @@
 namespace haptic::test {
 namespace {
 
-TEST(EnergyBook, CountsHeldForceAndLargestSum) {
+TEST(EnergyBook, AddsUpItsActuators) {
   EnergyBook book(2.0);
-  book.add(3.0, 0.010, 0.1);   // 30 mJ given, 2 mJ to the damping
-  book.add(-4.0, 0.020, 0.1);  // 80 mJ taken
+  book.add(core::VecA{{3.0, -1.0}}, core::VecA{{0.010, 0.020}}, 0.1);
+  EXPECT_NEAR(book.given(), 0.010, 1e-15);
+  EXPECT_NEAR(book.net(), 0.010 - 0.002 - 0.008, 1e-15);
+}
+
+TEST(EnergyBook, CountsHeldForceAndLargestSum) {
+  const auto one = [](double value) { return core::VecA::Constant(1, value); };
+  EnergyBook book(2.0);
+  book.add(one(3.0), one(0.010), 0.1);   // 30 mJ given, 2 mJ to the damping
+  book.add(one(-4.0), one(0.020), 0.1);  // 80 mJ taken
   EXPECT_NEAR(book.given(), -0.050, 1e-15);
   EXPECT_NEAR(book.net(), 0.030 - 0.002 - 0.080 - 0.008, 1e-15);
   EXPECT_NEAR(book.most_net(), 0.028, 1e-15);
   book.begin_cycle();
-  book.add(1.0, 0.001, 0.1);
+  book.add(one(1.0), one(0.001), 0.1);
   EXPECT_NEAR(book.given(), 0.001, 1e-15);
   EXPECT_NEAR(book.most_net(), 0.028, 1e-15);
 }

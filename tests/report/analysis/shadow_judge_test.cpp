@@ -26,7 +26,7 @@ ShadowFigures presses(double late, double share = 1.0) {
   return judge.figures();
 }
 
-TEST(ShadowJudge, WhatIsTheShadowHasNoError) {
+TEST(ShadowJudge, TheShadowItselfHasNoError) {
   const ShadowFigures f = presses(0.0);
   EXPECT_EQ(f.error, 0.0);
   EXPECT_EQ(f.largest, 0.0);

@@ -189,33 +189,14 @@ class Grasp : public RttObject {
   }
   [[nodiscard]] std::vector<Plane> contacts(double, const VecX& x,
                                             const RttHorizon& near) const override {
-    constexpr int kPads = examples::SoftFinger::kPadsPerPhalanx;
-    const std::vector<double> at = to_std(x), lengths{model_.proximal, model_.distal};
-    std::vector<Plane> all;
-    for (int i = 0; i < 2 * kPads; ++i) {
-      const auto phalanx = static_cast<std::size_t>(i / kPads);
-      const double along = (i % kPads + 1.0) / kPads * lengths[phalanx];
-      client::Contact c{
-          .point = client::point_on_finger(lengths, at, phalanx, along, model_.pad_depth),
-          .stiffness = model_.pad_stiffness,
-          .id = static_cast<std::uint32_t>(i + 1)};
-      const double rx = c.point.position[0] - model_.centre_x;
-      const double ry = c.point.position[1] - model_.centre_y, distance = std::hypot(rx, ry);
-      c.gap = distance - model_.radius;
-      if (c.gap > near.metres) continue;
-      c.normal = {rx / distance, ry / distance, 0.0};
-      c.curvature = client::cylinder_curvature(c.normal, {0.0, 0.0, 1.0}, distance);
-      all.push_back(client::contact_at(at, c, model_.coupling));
-    }
-    return all;
+    return finger_.contacts({x[0], x[1]}, near.metres);
   }
   [[nodiscard]] double clearance(double, const VecX& x_probe) const override {
     return -finger_.contact({x_probe[0], x_probe[1]}).depth;
   }
 
  private:
-  examples::SoftFingerModel model_{};
-  examples::SoftFinger finger_{model_};
+  examples::SoftFinger finger_{};
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "haptic/core/error.hpp"
 #include "tests/support/loop/local_laws.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"
+#include "tests/support/plane_set.hpp"
 
 namespace haptic::report {
 namespace {
@@ -19,36 +20,6 @@ constexpr double kBegin_s = 1.4;   // the gain's ramp is over
 
 int tick_of(double t) {
   return static_cast<int>(std::lround(t / test::PipelineLoop::kTick_s));
-}
-
-/// As the ingress stores a sample's planes.
-core::PlaneSet to_core(const std::vector<client::Plane>& told, int n_x) {
-  core::PlaneSet planes;
-  const auto count = static_cast<Eigen::Index>(told.size());
-  planes.normals.resize(n_x, count);
-  planes.offsets.resize(count);
-  planes.compliance.setZero(count);
-  planes.velocity.setZero(count);
-  std::vector<double> curvature;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const client::Plane& plane = told[k];
-    planes.normals.col(i) = Eigen::Map<const VecX>(plane.normal.data(), n_x);
-    planes.offsets[i] = plane.offset;
-    planes.compliance[i] = plane.compliance;
-    planes.velocity[i] = plane.velocity;
-    planes.first[k] = static_cast<std::uint8_t>(plane.first_coordinate);
-    planes.curved[k] = 0;
-    while (core::PlaneSet::triangle(planes.curved[k]) < static_cast<int>(plane.curvature.size())) {
-      ++planes.curved[k];
-    }
-    curvature.insert(curvature.end(), plane.curvature.begin(), plane.curvature.end());
-  }
-  if (planes.compliance.isZero(0.0)) planes.compliance.resize(0);
-  if (planes.velocity.isZero(0.0)) planes.velocity.resize(0);
-  planes.curvature = Eigen::Map<const Eigen::VectorXd>(curvature.data(),
-                                                       static_cast<Eigen::Index>(curvature.size()));
-  return planes;
 }
 
 /// What the simulation does with a look at the device. `library_ns`, if given: what of it the
@@ -74,7 +45,7 @@ std::function<void(test::Frame&)> simulation(const RttScene& scene, RttPeer peer
     if (library_ns != nullptr) {
       library_ns->push_back(std::chrono::duration<double, std::nano>(Clock::now() - begun).count());
     }
-    frame.walls = to_core(planes, static_cast<int>(frame.x.size()));
+    frame.walls = test::plane_set(planes, static_cast<int>(frame.x.size()));
     frame.anchored = peer == RttPeer::kContacts;
   };
 }

@@ -5,27 +5,13 @@
 #include <limits>
 #include <numeric>
 
+#include "difference.hpp"
+
 namespace haptic::client {
 
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-
-/// Coordinate i of x_probe (-) x: an angle the short way round, a quaternion with the sign that is
-/// nearer to x.
-double difference(const std::vector<VirtualCoordinate>& coordinates,
-                  const std::vector<double>& x_probe, const std::vector<double>& x, std::size_t i) {
-  const std::string& kind = coordinates[i].kind;
-  if (kind == "angle") return std::remainder(x_probe[i] - x[i], 2.0 * kPi);
-  if (kind != "quaternion") return x_probe[i] - x[i];
-  // Four parts in a row: the first of them is as many whole quaternions after the run's begin.
-  std::size_t begin = i;
-  while (begin > 0 && coordinates[begin - 1].kind == "quaternion") --begin;
-  begin = i - (i - begin) % 4;
-  double same = 0.0;
-  for (std::size_t k = begin; k < std::min(begin + 4, x.size()); ++k) same += x_probe[k] * x[k];
-  return (same < 0.0 ? -x_probe[i] : x_probe[i]) - x[i];
-}
 
 bool is_contact(const Plane& plane) {
   return plane.compliance > 0.0 || !plane.curvature.empty() || plane.id != 0;
@@ -39,6 +25,20 @@ bool share_coordinate(const Plane& a, const Plane& b) {
 }
 
 }  // namespace
+
+double difference(const std::vector<VirtualCoordinate>& coordinates,
+                  const std::vector<double>& x_probe, const std::vector<double>& x, std::size_t i) {
+  const std::string& kind = coordinates[i].kind;
+  if (kind == "angle") return std::remainder(x_probe[i] - x[i], 2.0 * kPi);
+  if (kind != "quaternion") return x_probe[i] - x[i];
+  // Four parts in a row: the first of them is as many whole quaternions after the run's begin.
+  std::size_t begin = i;
+  while (begin > 0 && coordinates[begin - 1].kind == "quaternion") --begin;
+  begin = i - (i - begin) % 4;
+  double same = 0.0;
+  for (std::size_t k = begin; k < std::min(begin + 4, x.size()); ++k) same += x_probe[k] * x[k];
+  return (same < 0.0 ? -x_probe[i] : x_probe[i]) - x[i];
+}
 
 Plane contact(const std::vector<double>& x, double gap, const std::vector<double>& gradient) {
   Plane plane;

@@ -52,6 +52,7 @@ void RemoteSession::open() {
   }
   connect(false);
   fetch_device();
+  estimator_ = ContactEstimator(device_.coordinates, options_.blocks);
   worker_ = std::thread([this] {
     pthread_setname_np(pthread_self(), "haptic-client");
     work();

@@ -16,6 +16,7 @@
 #include "call.hpp"
 #include "callback.hpp"
 #include "force.hpp"
+#include "haptic/client/estimator.hpp"
 #include "haptic/client/session.hpp"
 #include "newest_state.hpp"
 #include "reconnection.hpp"
@@ -124,7 +125,7 @@ class RemoteSession final : public Session {
   // session_publish.cpp
   template <typename Fill>
   void publish_in_order(v1::SessionRequest& request, Fill fill);
-  void to_planes(Proxy& proxy) const;
+  void to_contacts(Proxy& proxy);
 
   // session_worker.cpp
   void work();
@@ -163,8 +164,9 @@ class RemoteSession final : public Session {
   RoundTrip round_trip_;
   std::deque<Event> events_;
   std::int64_t newest_event_ns_{0};  ///< on the server's clock; what the next stream goes on from
-  bool was_free_{false};             ///< a free proxy was published under this lease
-  PublishStatistics statistics_{};   ///< `published` is the number of the newest sample
+  ContactEstimator estimator_{{}, {}};  ///< of SessionOptions::derive_planes
+  bool was_free_{false};                ///< a free proxy was published under this lease
+  PublishStatistics statistics_{};      ///< `published` is the number of the newest sample
   PublishStatistics earlier_{};  ///< of the streams before this one: the server counts per stream
 
   Force force_;

@@ -57,7 +57,7 @@ void RemoteSession::publish(Proxy proxy) noexcept {
       sample.set_source_time_ns(now.time_since_epoch().count());
       sample.set_seq(number);
       round_trip_.published(number, now);
-      to_planes(proxy);
+      to_contacts(proxy);
       statistics_.planes_left_out +=
           keep_deepest(device_.coordinates, proxy.position, states_.given().x_probe, proxy.planes);
       sample.set_mode(static_cast<v1::ProxyMode>(proxy.mode));
@@ -94,15 +94,16 @@ void RemoteSession::publish_pose(const Pose& pose) noexcept {
 }
 
 /// Under mutex_. A proxy that was computed from an older state stays held: its probe is not known.
-/// So does one before the first free one: the probe may be inside an object, and a plane on the
+/// So does one before the first free one: the probe may be inside an object, and a surface on the
 /// wrong side of it would pull the probe through.
-void RemoteSession::to_planes(Proxy& proxy) const {
+void RemoteSession::to_contacts(Proxy& proxy) {
   const NewestState::Given& given = states_.given();
-  if (!options_.derive_planes || !was_free_ || proxy.mode != Mode::kHeld || given.x_probe.empty())
-    return;
+  if (!options_.derive_planes) return;
+  if (proxy.mode == Mode::kFree) estimator_.free();
+  if (!was_free_ || proxy.mode != Mode::kHeld || given.x_probe.empty()) return;
   if (proxy.device_seq_used != 0 && proxy.device_seq_used != given.seq) return;
   proxy.mode = Mode::kPlanes;
-  proxy.planes = derive_planes(device_.coordinates, proxy.position, given.x_probe, options_.blocks);
+  proxy.planes = estimator_.contacts(proxy.position, given.x_probe);
 }
 
 }  // namespace haptic::client

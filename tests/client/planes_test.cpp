@@ -172,7 +172,7 @@ TEST_F(Publish, LeavesOutAndCountsPlanes) {
   EXPECT_EQ(session->statistics().planes_left_out, 8u);
 }
 
-TEST_F(Publish, DerivesPlanesFromHeldProxies) {
+TEST_F(Publish, DerivesContactsFromHeldProxies) {
   client::SessionOptions options{.derive_planes = true};
   const auto session = open(options);
   const std::size_t n_x = session->device().coordinates.size();

@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <string>
 
+#include "haptic/client/estimator.hpp"
 #include "haptic/core/model/linear.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"
+#include "tests/support/plane_set.hpp"
 
 namespace haptic::core {
 namespace {
@@ -152,6 +156,52 @@ TEST(Contacts, TankBoundsAWrongLaw) {
       SoftRun run{.client = contacts_client(round_trip), .amplitude = kHard, .tank = 2e-3};
       run.client.told_compliance = wrong * kGamma;
       EXPECT_LE(felt(run).most_net, 2e-3 + 1e-9);
+    }
+  }
+}
+
+/// A simulation that only knows its proxy, with a solver that lags: what the client library derives
+/// of it while it touches, rigid or with an estimated compliance.
+ClientSettings proxies_client(double round_trip_s, double lag_s, bool estimated) {
+  struct Client {
+    client::ContactEstimator estimator{{{"x", "m", "linear"}}, {}};
+    double x{0.0};  ///< m, of the sample before; 0: it touched nothing
+  };
+  ClientSettings settings = contacts_client(round_trip_s);
+  settings.compliance = 0.0;
+  settings.stop[0] = std::numeric_limits<double>::infinity();  // nothing is told unless it touches
+  settings.simulate = [=, client = std::make_shared<Client>()](test::Frame& frame) {
+    const double probe = frame.x_probe[0];
+    frame.x = frame.x_probe;
+    frame.contact = probe > 0.0;
+    frame.anchored = frame.contact && estimated;
+    frame.walls = PlaneSet{};
+    frame.walls.normals.resize(1, 0);
+    if (!frame.contact) {
+      client->x = 0.0;
+      return client->estimator.free();
+    }
+    const double right = probe * kGamma / (1.0 + kGamma);
+    const double before = client->x > 0.0 ? client->x : probe;
+    const double rest = lag_s > 0.0 ? std::exp(-1.0 / (60.0 * lag_s)) : 0.0;
+    client->x = frame.x[0] = std::min(right + rest * (before - right), probe);
+    auto contacts = client->estimator.contacts({frame.x[0]}, {probe});
+    if (!estimated) contacts = client::derive_planes({{"x", "m", "linear"}}, {frame.x[0]}, {probe});
+    frame.walls = test::plane_set(contacts, 1);
+  };
+  return settings;
+}
+
+TEST(Contacts, EstimatedBeatsARigidPlane) {
+  for (const double lag : {0.0, 0.020}) {
+    for (const double round_trip : {0.0, 0.020, 0.050, 0.100}) {
+      SCOPED_TRACE(std::to_string(lag) + " s, " + std::to_string(round_trip) + " s");
+      const SoftFigures planes = felt({.client = proxies_client(round_trip, lag, false)});
+      const SoftFigures estimated = felt({.client = proxies_client(round_trip, lag, true)});
+      EXPECT_LT(estimated.rms_error, (lag > 0.0 ? 0.9 : 0.4) * planes.rms_error);
+      EXPECT_LE(estimated.most_net, planes.most_net + 1e-3);
+      const double most = lag > 0.0 || round_trip > 0.050 ? 0.4 : 0.1;
+      EXPECT_LE(estimated.rms_error, most * estimated.peak);
     }
   }
 }

@@ -19,6 +19,7 @@
 #include "haptic/client/connection.hpp"
 #include "haptic/client/contact.hpp"
 #include "haptic/client/error.hpp"
+#include "haptic/client/estimator.hpp"
 #include "haptic/client/link.hpp"
 #include "haptic/client/planes.hpp"
 #include "haptic/client/pose.hpp"

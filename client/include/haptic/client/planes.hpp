@@ -1,7 +1,8 @@
 #pragma once
-/// Planes for a simulation that only knows its proxy. A plane says what the haptic probe may not
-/// pass; the server keeps the probe out of it at 1 kHz. Compared with a held proxy, nothing drags
-/// along the surface while the network is slow, and only the first sample of a contact comes late.
+/// Planes, and those of a simulation that only knows its proxy. A plane says what the haptic probe
+/// may not pass; the server keeps the probe out of it at 1 kHz. Compared with a held proxy, nothing
+/// drags along the surface while the network is slow, and only the first sample of a contact comes
+/// late.
 
 #include <cstddef>
 #include <vector>
@@ -44,6 +45,7 @@ std::size_t keep_deepest(const std::vector<VirtualCoordinate>& coordinates,
 /// is the point nearest to x_probe that it allows. Coordinates of kind "angle" differ the short way
 /// round, a "quaternion" has the sign that is nearer to x.
 ///
+/// The planes are rigid; ContactEstimator in estimator.hpp makes them give way as the object does.
 /// A block whose proxy is within `least` (m or rad) of its probe is not constrained and gets no
 /// plane. `blocks` empty: all coordinates are one block. If a size does not fit, or a block ends
 /// beyond the last coordinate, it has no plane.

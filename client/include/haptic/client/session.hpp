@@ -64,9 +64,9 @@ struct SessionOptions {
   /// A server that asks for certificates may limit the priority of each.
   Priority priority{Priority::kPrimary};
   double state_rate_hz{0.0};  ///< how many states per second to receive; 0: one per tick
-  /// Sends each held proxy as planes, one per block of `blocks`: derive_planes() in planes.hpp,
-  /// with the state that you were last given. Only after a first free proxy: one that is held from
-  /// the start does not say on which side of an object the probe is.
+  /// Sends each held proxy as contacts, one per block of `blocks`: ContactEstimator in
+  /// estimator.hpp, with the state that you were last given. Only after a first free proxy: one
+  /// that is held from the start does not say on which side of an object the probe is.
   bool derive_planes{false};
   std::vector<Block> blocks{};  ///< empty: all coordinates are one block
   /// Ages of a sample at which it stops being fresh, its force begins to fade, and its force is

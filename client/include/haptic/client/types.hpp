@@ -113,7 +113,7 @@ struct Proxy {
   }
   /// The server keeps the probe out of `planes` at 1 kHz; `x` is where they are linearised. They
   /// say which way is out, so force may begin inside an object. If the simulation has no planes,
-  /// derive_planes() in planes.hpp makes them from a proxy.
+  /// ContactEstimator in estimator.hpp makes contacts of its proxies.
   [[nodiscard]] static Proxy behind(std::vector<Plane> planes, std::vector<double> x) {
     return {Mode::kPlanes, std::move(x), 0, {}, std::move(planes)};
   }

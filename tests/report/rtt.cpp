@@ -125,7 +125,8 @@ void add_rtt(CLI::App& app) {
       ->check(CLI::ExistingFile);
   command->add_option("--object", o->object, "this object alone");
   command->add_option("--peer", o->peer, "this peer alone")
-      ->check(CLI::IsMember({"contacts", "derived_planes", "held", "held_force", "tdpa"}));
+      ->check(
+          CLI::IsMember({"contacts", "estimated", "derived_planes", "held", "held_force", "tdpa"}));
   command->add_option("--round-trip", o->round_trip, "ms, 0 to 400 (a choice)")
       ->check(CLI::Range(0.0, 400.0));
   command->add_option("--rate", o->rate, "of the client, Hz (a choice)")

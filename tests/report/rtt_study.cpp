@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "haptic/client/estimator.hpp"
 #include "haptic/core/error.hpp"
 #include "tests/support/loop/local_laws.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"
@@ -28,8 +29,11 @@ std::function<void(test::Frame&)> simulation(const RttScene& scene, RttPeer peer
                                              const RttHorizon& near,
                                              std::vector<double>* library_ns) {
   const std::shared_ptr<RttObject> object = scene.object();
-  const std::vector<client::VirtualCoordinate> coordinates(
-      static_cast<std::size_t>(scene.pipeline.kinematics->space().n_x()));
+  std::vector<client::VirtualCoordinate> coordinates;
+  for (const core::Coordinate& c : scene.pipeline.kinematics->space().coordinates()) {
+    coordinates.push_back({c.name, c.unit == core::Unit::kMetre ? "m" : "rad", "linear"});
+  }
+  const auto estimator = std::make_shared<client::ContactEstimator>(coordinates, scene.blocks);
   return [=, blocks = scene.blocks](test::Frame& frame) {
     frame.x = object->proxy(frame.computed_s, frame.x_probe);
     if (peer == RttPeer::kHeld || peer == RttPeer::kHeldForce || peer == RttPeer::kTdpa) return;
@@ -38,6 +42,10 @@ std::function<void(test::Frame&)> simulation(const RttScene& scene, RttPeer peer
     std::vector<client::Plane> planes;
     if (peer == RttPeer::kContacts) {
       planes = object->contacts(frame.computed_s, frame.x, near);
+    } else if (peer == RttPeer::kEstimated && frame.x == frame.x_probe) {
+      estimator->free();
+    } else if (peer == RttPeer::kEstimated) {
+      planes = estimator->contacts(to_std(frame.x), x_probe);
     } else {
       planes = client::derive_planes(coordinates, to_std(frame.x), x_probe, blocks);
     }
@@ -46,7 +54,7 @@ std::function<void(test::Frame&)> simulation(const RttScene& scene, RttPeer peer
       library_ns->push_back(std::chrono::duration<double, std::nano>(Clock::now() - begun).count());
     }
     frame.walls = test::plane_set(planes, static_cast<int>(frame.x.size()));
-    frame.anchored = peer == RttPeer::kContacts;
+    frame.anchored = peer != RttPeer::kPlanes && !planes.empty();
   };
 }
 
@@ -57,7 +65,8 @@ test::ClientSettings client_for(const RttScene& scene, const RttRun& how,
     return std::chrono::nanoseconds(static_cast<std::int64_t>(std::llround(1e9 * s)));
   };
   test::ClientSettings client;
-  const bool planes = how.peer == RttPeer::kContacts || how.peer == RttPeer::kPlanes;
+  const bool planes = how.peer == RttPeer::kContacts || how.peer == RttPeer::kEstimated ||
+                      how.peer == RttPeer::kPlanes;
   client.mode = planes ? core::ProxyMode::kPlanes : core::ProxyMode::kHeld;
   client.rate_hz = how.rate_hz;
   client.jitter = how.rate_hz < kEveryTick_hz ? 0.3 : 0.0;
@@ -121,6 +130,8 @@ std::string_view name(RttPeer peer) noexcept {
   switch (peer) {
     case RttPeer::kContacts:
       return "contacts";
+    case RttPeer::kEstimated:
+      return "estimated";
     case RttPeer::kPlanes:
       return "derived_planes";
     case RttPeer::kHeld:

@@ -18,13 +18,14 @@ namespace haptic::report {
 /// What the client sends, and what is done with it.
 enum class RttPeer {
   kContacts,   ///< contacts of the client library, near ones too
+  kEstimated,  ///< ContactEstimator of the client library: what a session derives from proxies
   kPlanes,     ///< derive_planes() of the client library, while the simulation sees contact
   kHeld,       ///< the proxy; it stays until the next sample
   kHeldForce,  ///< not offered: the last deviation stays, and with it the force; without tank
   kTdpa,       ///< not offered: the same behind time-domain passivity control
 };
-inline constexpr RttPeer kRttPeers[]{RttPeer::kContacts, RttPeer::kPlanes, RttPeer::kHeld,
-                                     RttPeer::kHeldForce, RttPeer::kTdpa};
+inline constexpr RttPeer kRttPeers[]{RttPeer::kContacts, RttPeer::kEstimated, RttPeer::kPlanes,
+                                     RttPeer::kHeld,     RttPeer::kHeldForce, RttPeer::kTdpa};
 [[nodiscard]] std::string_view name(RttPeer peer) noexcept;
 
 /// What moves the device, and gives way to its force or does not.

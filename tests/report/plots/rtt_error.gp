@@ -1,27 +1,27 @@
 # Error of touch behind a network over the round trip, a panel per object. csv: haptic-report rtt.
 load "style.gp"
 
-peers = "contacts derived_planes held held_force tdpa"
-peer_names = "'contacts' 'rigid planes of the client library' 'held proxy' " \
-  . "'held force (not offered)' 'held force behind TDPA (not offered)'"
-peer_hues = "#1f6fb4 #8e5bb5 #d9660a #8a8f98 #c8283c"
+peers = "contacts estimated derived_planes held held_force tdpa"
+peer_names = "'contacts' 'estimated from proxies' 'rigid planes of proxies' 'held proxy' " \
+  . "'held force (not offered)' 'the same behind TDPA (not offered)'"
+peer_hues = "#1f6fb4 #2a9d5c #8e5bb5 #d9660a #8a8f98 #c8283c"
 objects = system("awk -F, 'NR > 1 && !seen[$1]++ { print $1 }' '".csv."'")
 least = 0.001  # %, for what is less
 at(o, i, v) = strcol("object") eq word(objects, o) && strcol("peer") eq word(peers, i) \
   && column("rate_hz") == 60 && column("loss_pct") == 0 ? (v > least ? v : least) : NaN
 columns = 5
 rows = (words(objects) + columns - 1) / columns
-words_of(name) = system("echo '".name."' | sed 's|_[0-9][0-9][0-9]*hz$||; s|_2hz$| at 2 Hz|; " \
-  ."s|_70mm_s$| at 70 mm/s|; s|_| |g'")
+words_of(name) = system("echo '".name."' | sed 's|_[0-9][0-9][0-9]*hz$||; s|kg$| kg|; " \
+  ."s|_2hz$| at 2 Hz|; s|_70mm_s$| at 70 mm/s|; s|_| |g'")
 
 do for [kind in "svg png"] {
   eval begin(kind, 1650, 140 + 330 * rows)
   set multiplot layout rows,columns rowsfirst title "How far is what a finger feels from " \
     ."the same object without delay? (rms in contact, 60 samples/s)" \
-    margins screen 0.05, screen 0.985, screen 0.24 / rows, screen 1 - 0.2 / rows \
+    margins screen 0.05, screen 0.985, screen 0.3 / rows, screen 1 - 0.2 / rows \
     spacing screen 0.025, screen 0.2 / rows
   do for [i = 1:words(peers)] {
-    set label 30 + i "━━ ".word(peer_names, i) at screen 0.05 + (i - 1) * 0.19, screen 0.025 \
+    set label 30 + i "━━ ".word(peer_names, i) at screen 0.05 + (i - 1) * 0.16, screen 0.06 / rows \
       textcolor rgb word(peer_hues, i)
   }
   set logscale y

@@ -42,7 +42,7 @@ class ContactEstimator {
     std::deque<Sample> samples{};  ///< the newest last
     double follows{0.0};           ///< C
   };
-  void estimate(Estimate& estimate, const std::vector<double>& normal) const;
+  void estimate(Estimate& block, const std::vector<double>& normal) const;
 
   std::vector<VirtualCoordinate> coordinates_;
   std::vector<Estimate> estimates_{};

@@ -12,6 +12,7 @@
 #include "haptic/core/linear/least_squares.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/projection/linear_certificate.hpp"
+#include "haptic/core/projection/plane_projection.hpp"
 #include "haptic/core/projection/renderer.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/bench/paired.hpp"
@@ -178,6 +179,33 @@ double tick_p50(const Poses& poses, core::RendererKind kind, const Extras& extra
   return p50;
 }
 
+/// us of the longest replay that a sample of pushed objects costs.
+double replay_us(int contacts, bool curved) {
+  const core::ConfigurationSpace space(std::vector<core::Coordinate>(4));
+  core::PlaneSet set;
+  set.normals = core::MatXQ::Constant(4, contacts, 0.1);
+  for (int i = 0; i < contacts; ++i) set.normals(i % 4, i) = 1.0 + 0.1 * i;
+  set.offsets.setZero(contacts);
+  put_laws(set);
+  if (!curved) {
+    set.curvature.resize(0);
+    set.curved = {};
+  }
+  set.laws.setConstant(4, contacts, 1e-3);
+  core::PlaneProjection projection(space);
+  VecX x, probe = VecX::Constant(4, 0.01);
+  return 1e-3 * bench::ns_per_call(20, [&](int calls) {
+           for (int n = 0; n < calls; ++n) {
+             projection.set(set, VecX::Zero(4));
+             for (int k = projection.replayable(); k > 0; --k) {
+               probe[0] = 0.01 + 1e-5 * k;
+               static_cast<void>(projection.project(probe, x, 0.0, 1e-3, 1));
+             }
+             sink += x[0];
+           }
+         });
+}
+
 }  // namespace
 
 int main() {
@@ -223,6 +251,15 @@ int main() {
   bench::print(bench::measure(
       "tick subspace_linear" + std::string(soft.name) + " p50", "ns",
       [&] { return tick_p50(poses, kEq8, soft); }, 1200.0));
+
+  for (const int contacts : {1, 3, 10}) {
+    for (const bool curved : {false, true}) {
+      const std::string what = "replay of " + std::to_string(contacts) + " pushed objects";
+      bench::print(bench::measure(
+          what + (curved ? ", curved" : ""), "us", [=] { return replay_us(contacts, curved); },
+          20.0));
+    }
+  }
 
   core::LeastSquares solver(2, finger.layout());
   const auto ours = [&](int n) {  // f, J, Eq. (8)

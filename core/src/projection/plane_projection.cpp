@@ -18,6 +18,9 @@ constexpr double kUntouched = 1e-2;
 constexpr double kNegligible = 1e3;
 /// Curved gaps are linearised again only if x moved by more, m or rad.
 constexpr double kSameX = 1e-9;
+/// Of a replay, and of a step with n contacts, measured: a + b n + c n^2, flat and curved.
+constexpr double kReplay_ns = 16000.0;
+constexpr double kFlat_ns[] = {25.0, 25.0, 3.2}, kCurved_ns[] = {20.0, 110.0, 10.0};
 
 }  // namespace
 
@@ -28,7 +31,8 @@ bool PlaneSet::fits(int n_x) const noexcept {
   };
   if (count == 0) return true;
   if (normals.rows() != n_x || normals.cols() != count || !normals.allFinite() ||
-      !offsets.allFinite() || !none_or_all(compliance) || !none_or_all(velocity)) {
+      !offsets.allFinite() || !none_or_all(compliance) || !none_or_all(velocity) ||
+      (laws.cols() != 0 && laws.cols() != count) || !laws.allFinite()) {
     return false;
   }
   if (!curvature.allFinite()) return false;
@@ -53,6 +57,7 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
   moving_ = planes.velocity.size() > 0;
   soft_ = planes.compliance.size() > 0;
   fresh_ = true;
+  laws_.clear();
   unexplained_ = 0.0;
   at_ = x;
   A_ = planes.normals;
@@ -84,10 +89,12 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
 void PlaneProjection::take(const PlaneSet& planes, int i) noexcept {
   beta_[i] = gamma_[i] = speed_[i] = 0.0;
   const double gamma = soft_ ? planes.compliance[i] : 0.0;
-  const double speed = moving_ ? planes.velocity[i] : 0.0;
+  double speed = moving_ ? planes.velocity[i] : 0.0;
+  scale_[i] = 1.0;
   auto H = H_.segment(begin_[static_cast<std::size_t>(i)],
                       PlaneSet::triangle(n_curved_[static_cast<std::size_t>(i)]));
-  const bool usable = gamma >= 0.0 && std::isfinite(gamma) && std::isfinite(speed) && H.allFinite();
+  const bool usable = gamma >= 0.0 && std::isfinite(gamma) && std::isfinite(speed) &&
+                      (planes.laws.cols() == 0 || planes.laws.col(i).allFinite()) && H.allFinite();
   const double length = usable ? normalise(i) : 0.0;
   if (length == 0.0) {
     skipped_ |= 1u << i;
@@ -95,6 +102,8 @@ void PlaneProjection::take(const PlaneSet& planes, int i) noexcept {
     contacts_.into.col(i).setZero();
     return;
   }
+  laws_.take(planes.laws, i, speed, length);
+  if (laws_.has(i)) speed = 0.0;
   beta_[i] = planes.offsets[i] / length - A_.col(i).dot(at_);
   gamma_[i] = gamma / (length * length);
   speed_[i] = speed / length;
@@ -119,6 +128,7 @@ void PlaneProjection::fill_gram(int i, int j) noexcept {
   if (i != j) return;
   G(i, i) += ContactDual::kEpsilon;
   if (gamma_[i] > 0.0) G(i, i) += gamma_[i];
+  if (laws_.has(i)) G(i, i) += laws_.give(i) * scale_[i] * scale_[i];
 }
 
 /// min ||d - D l||_W^2 over l >= 0, d the client's own displacement. Among what explains it equally
@@ -185,6 +195,7 @@ void PlaneProjection::linearise() noexcept {
     beta_[i] = (told_beta_[i] - 0.5 * share * share * turn_.dot(z_)) * scale;
     gamma_[i] = told_gamma_[i] * scale * scale;
     speed_[i] = told_speed_[i] * scale;
+    scale_[i] = scale;
   }
   for (int i = 0; i < count_; ++i) {
     for (int j = 0; j <= i; ++j) {
@@ -194,17 +205,25 @@ void PlaneProjection::linearise() noexcept {
   dual_.refactor();
 }
 
-PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x, double age) noexcept {
+PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x, double age, double dt,
+                                     int most_steps) noexcept {
   x = x_probe;
   if (count_ == 0) return PlaneStatus::kFree;
-  space_->difference(x_probe, at_, y_);
-  if (curved_ == 0) {
-    const PlaneStatus status = solve(age);
-    displace(x);
-    return status;
+  if (laws_.any() && laws_.begin(fresh_ ? 0.0 : dt)) {
+    for (int i = 0; i < count_; ++i) fill_gram(i, i);
+    dual_.refactor();
   }
+  space_->difference(x_probe, at_, y_);
+  const PlaneStatus status = curved_ == 0 ? solve(age) : settle(age, most_steps);
+  fresh_ = false;
+  for (int i = 0; laws_.any() && i < count_; ++i) laws_.end(i, dual_.l()[i] * scale_[i]);
+  displace(x);
+  return status;
+}
+
+PlaneStatus PlaneProjection::settle(double age, int most_steps) noexcept {
   PlaneStatus status = PlaneStatus::kFree;
-  for (int left = fresh_ ? kFirstSteps : kMostSteps; left > 0; --left) {
+  for (int left = fresh_ ? kFirstSteps : most_steps; left > 0; --left) {
     linearise();
     status = solve(age);
     turn_ = y_;
@@ -213,8 +232,6 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x, double age) n
     if (turn_.allFinite()) z_ = turn_;
     if (settled) break;
   }
-  fresh_ = false;
-  displace(x);
   return status;
 }
 
@@ -225,6 +242,7 @@ PlaneStatus PlaneProjection::solve(double age) noexcept {
   for (int i = 0; i < count_; ++i) {
     r[i] = ContactDual::has(skipped_, i) ? -1.0 : A_.col(i).dot(y_) - beta_[i];
     if (moving_ && !ContactDual::has(skipped_, i)) r[i] -= age * speed_[i];
+    if (laws_.has(i)) r[i] -= laws_.free(i) * scale_[i];
     deepest = std::max(deepest, r[i]);
     contacts_.depth[i] = r[i];
   }
@@ -253,16 +271,25 @@ void PlaneProjection::displace(VecX& x) const noexcept {
 }
 
 double PlaneProjection::stored() const noexcept {
-  if (!soft_ || dual_.held() == 0) return 0.0;
-  VecX displaced = VecX::Zero(at_.size());
-  double contacts = 0.0, coupling = 0.0;
-  for (int i = 0; i < count_; ++i) displaced += dual_.l()[i] * contacts_.into.col(i);
-  for (int i = 0; i < count_; ++i) {
-    const double l = dual_.l()[i];
-    contacts += gamma_[i] * l * l;
-    coupling += l * A_.col(i).dot(displaced);
+  double sum = laws_.any() ? laws_.energy() : 0.0;
+  for (int i = 0; soft_ && dual_.held() != 0 && i < count_; ++i) {
+    sum += 0.5 * gamma_[i] * dual_.l()[i] * dual_.l()[i];
   }
-  return coupling > 0.0 ? contacts / coupling : 0.0;
+  return sum;
+}
+
+double PlaneProjection::coupling() const noexcept {
+  if (dual_.held() == 0) return 0.0;
+  VecX displaced = VecX::Zero(at_.size());
+  double sum = 0.0;
+  for (int i = 0; i < count_; ++i) displaced += dual_.l()[i] * contacts_.into.col(i);
+  for (int i = 0; i < count_; ++i) sum += 0.5 * dual_.l()[i] * A_.col(i).dot(displaced);
+  return sum;
+}
+
+int PlaneProjection::replayable() const noexcept {
+  const double* cost = curved_ == 0 ? kFlat_ns : kCurved_ns;
+  return 1 + static_cast<int>(kReplay_ns / (cost[0] + count_ * (cost[1] + count_ * cost[2])));
 }
 
 }  // namespace haptic::core

@@ -1,10 +1,13 @@
 #include "local_proxy.hpp"
 
+#include <algorithm>
+
 namespace haptic::core {
 
 void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const VecX& x_probe,
                       Anchor& now) noexcept {
-  past_.push(moment.tick, x_probe);
+  const double dt = seconds(moment.now - past_.time(moment.tick - 1));
+  past_.push(moment.tick, moment.now, x_probe);
   const bool same = sample.tenure == tenure_ && sample.seq == seq_ && sample.mode == mode_;
   mode_ = sample.mode;
   tenure_ = sample.tenure;
@@ -22,15 +25,33 @@ void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const V
       if (new_sample_) {
         const bool anchored = past_.find(sample.anchored_at, used_);
         projection_.set(sample.planes, sample.x, anchored ? &used_ : nullptr);
+        if (anchored && projection_.has_laws()) replay(sample.anchored_at, moment, now.x);
       }
-      now.planes = projection_.project(x_probe, now.x, moment.age);
+      now.planes = projection_.project(x_probe, now.x, moment.age, dt);
       now.stored = projection_.stored();
+      if (now.stored > 0.0) now.coupling = projection_.coupling();
       now.unexplained = projection_.unexplained();
       now.active_planes = projection_.active();
       now.in_the_way = changed_ = now.planes != PlaneStatus::kFree;
       break;
     case ProxyMode::kNone:
       break;
+  }
+}
+
+void LocalProxy::replay(std::uint64_t from, const Moment& moment, VecX& x) noexcept {
+  const std::uint64_t last = moment.tick - 1;
+  if (from > last) return;
+  const auto most = static_cast<std::uint64_t>(projection_.replayable());
+  const std::uint64_t stride = 1 + (last - from) / most;
+  TimePoint before = past_.time(from);
+  for (std::uint64_t tick = from;; tick = std::min(tick + stride, last)) {
+    const TimePoint then = past_.time(tick);
+    if (!past_.find(tick, used_)) return;
+    const double age = std::max(0.0, moment.age - seconds(moment.now - then));
+    static_cast<void>(projection_.project(used_, x, age, seconds(then - before), 1));
+    before = then;
+    if (tick == last) return;
   }
 }
 

@@ -18,6 +18,7 @@ class LocalProxy {
   struct Moment {
     std::uint64_t tick{0};  ///< rises by one from step to step
     double age{0.0};        ///< of the sample, s
+    TimePoint now{};        ///< rises with it
   };
 
   /// `space` must outlive this. `metric`: W_x, in which planes keep x out by the shortest way.
@@ -25,7 +26,7 @@ class LocalProxy {
       : projection_(space, std::move(metric)), past_(space.n_x()) {}
 
   /// From the sample in use and the haptic probe: writes x (n_x; empty if there is no sample),
-  /// in_the_way, planes, active_planes, stored and unexplained of a new Anchor.
+  /// in_the_way, planes, active_planes, stored, coupling and unexplained of a new Anchor.
   void step(const ProxySnapshot& sample, const Moment& moment, const VecX& x_probe,
             Anchor& now) noexcept;
 
@@ -40,6 +41,10 @@ class LocalProxy {
   [[nodiscard]] bool changed() const noexcept { return changed_; }
 
  private:
+  /// Objects that are pushed go on from the tick of which the sample was computed, by the probes
+  /// of the ticks since then, to the last one; in longer steps than ticks if those are too many.
+  void replay(std::uint64_t from, const Moment& moment, VecX& x) noexcept;
+
   ProxyMode mode_{ProxyMode::kNone};  ///< these three: which sample the last step was given
   std::uint32_t tenure_{0};
   std::uint64_t seq_{0};

@@ -130,8 +130,9 @@ class Pipeline::Stages {
         .settings_id = settings.id,
         .sensed = sensing_.step(in, now.beat.dt, driven_),
         .proxy = proxy_.step(in, settings.staleness, now.sensed.tracker, state_),
-        .anchor = rendering_.step({now.beat.tick, contact_age(proxy_.sample(), in.now, settings)},
-                                  now.sensed, proxy_.sample(), settings, in_use_),
+        .anchor =
+            rendering_.step({now.beat.tick, contact_age(proxy_.sample(), in.now, settings), in.now},
+                            now.sensed, proxy_.sample(), settings, in_use_),
         .life = supervisor_.step(in, now.beat, settings, now.sensed, now.proxy, now.anchor,
                                  output_faults_),
         .effort = actuation_.step(now.beat, now.sensed, now.anchor, now.life, settings,

@@ -81,7 +81,10 @@ bool RenderedSpring::withheld(const Sensed& sensed, const Settings& settings,
 void RenderedSpring::pay(const Beat& beat, const Sensed& sensed, const Anchor& wanted,
                          const Lifecycle& life, const Settings& settings, const Displacement& at,
                          bool off, Effort& effort) noexcept {
-  if (life.engaged) passivity_->restart();
+  if (life.engaged) {
+    passivity_->restart();
+    coupling_ = 0.0;
+  }
   const VecA q_a = layout_.select(sensed.q);
   passivity_->measure(q_a, sensed.fresh, sensed.recent, beat.dt, sensed.tau_measured);
   SpringStorage spring;
@@ -98,11 +101,12 @@ void RenderedSpring::pay(const Beat& beat, const Sensed& sensed, const Anchor& w
   for (int i = 0; i < layout_.n_a(); ++i) {  // a factor of 1 leaves the anchor's bits alone
     if (displayed_[i] != 1.0) anchor[i] = q_a[i] + (anchor[i] - q_a[i]) / displayed_[i];
   }
-  // The contacts' energy is known by that of the coupling between x and x_probe, which the spring
-  // displays.
-  double contacts = 0.0;
-  if (wanted.stored > 0.0 && !off) contacts = wanted.stored * spring.energy(VecA(anchor - q_a));
-  anchor = passivity_->admit(spring, anchor, contacts);
+  // The contacts' energy is known by the stiffness of the coupling between x and x_probe, which the
+  // spring displays; an object that flies has what it was given.
+  if (wanted.stored > 0.0 && wanted.coupling > 0.0 && !off) {
+    coupling_ = spring.energy(VecA(anchor - q_a)) / wanted.coupling;
+  }
+  anchor = passivity_->admit(spring, anchor, wanted.stored * coupling_);
   effort.passivity = passivity_->record();
   for (int i = 0; i < layout_.n_a() && !off; ++i) {
     double& q_star = anchor_.q_star[layout_.actuated(i)];

@@ -55,7 +55,8 @@ class RenderedSpring {
   std::optional<SpringStorage> coupled_{};  ///< at gain 1
   Projection anchor_{};                     ///< q_star: in use
   VecA stretch_{};                          ///< S (q* - q)
-  VecA displayed_{};  ///< stiffness of the tank's spring by that of Z_q, n_a; >= 1
+  VecA displayed_{};      ///< stiffness of the tank's spring by that of Z_q, n_a; >= 1
+  double coupling_{0.0};  ///< J of the spring by Anchor::coupling, when it last was stretched
   VecA elastic_{};
   VecA controller_{};
   int weakest_{-1};  ///< the DoF whose limit is the coupled spring's

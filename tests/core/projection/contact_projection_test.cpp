@@ -69,7 +69,7 @@ TEST(ContactProjection, OneContactHasItsClosedForm) {
   EXPECT_NEAR(x[0], 3.0 - 3.0 * 20.0 / 75.0, 1e-13);
   EXPECT_NEAR(x[1], 4.0 - 4.0 * 20.0 / 75.0, 1e-13);
   // Energy: the contact's -phi = gamma l = 40/3, phi^2 / gamma = 32/9; the coupling's (4/3)^2.
-  EXPECT_NEAR(projection.stored(), 2.0, 1e-13);
+  EXPECT_NEAR(projection.stored(), 2.0 * projection.coupling(), 1e-13);
   EXPECT_EQ(projection.project(two(0, 0), x), PlaneStatus::kFree);
   EXPECT_EQ(projection.stored(), 0.0);
 }
@@ -404,15 +404,17 @@ TEST_F(AnchorTest, ManyLeaveARightLawAlone) {
 
 TEST(ContactProjection, WrongNumbersLeaveTheContactOut) {
   const ConfigurationSpace space = line_space(2);
-  for (int what = 0; what < 5; ++what) {
+  for (int what = 0; what < 6; ++what) {
     PlaneSet set = soft_wall(0.0, 1.0);
     set.velocity = one(0.0);
     set.curvature.setZero(3);
     set.curved[0] = 2;
+    set.laws.setOnes(4, 1);
     (what == 0   ? set.compliance[0]
      : what == 1 ? set.velocity[0]
      : what == 2 ? set.curvature[1]
      : what == 3 ? set.normals(0, 0)
+     : what == 5 ? set.laws(PlaneSet::kLoad, 0)
                  : set.compliance[0]) = what == 4 ? -1.0 : kNan;
     PlaneProjection projection(space);
     projection.set(set, two(0, 0));

@@ -20,6 +20,7 @@
 
 #include "haptic/core/model/configuration_space.hpp"
 #include "haptic/core/projection/contact_dual.hpp"
+#include "haptic/core/projection/contact_laws.hpp"
 #include "haptic/core/projection/contacts.hpp"
 #include "haptic/core/projection/task_metric.hpp"
 
@@ -52,19 +53,26 @@ class PlaneProjection {
   /// Writes x (n_x) for the haptic probe, `age` s after the sample. A linear coordinate that no
   /// active plane moves keeps the bits of the probe. (If W is not diagonal a plane also moves
   /// coordinates that it does not name.) Never allocates.
-  PlaneStatus project(const VecX& x_probe, VecX& x, double age = 0.0) noexcept;
+  /// `dt`: s since the last call, by which objects with a law move on; the first call after a set()
+  /// finds them where they were told.
+  PlaneStatus project(const VecX& x_probe, VecX& x, double age = 0.0, double dt = 0.0,
+                      int most_steps = kMostSteps) noexcept;
 
   /// Of the last set(): ||x (-) what the law gives at x_used||_W; 0 without x_used.
   [[nodiscard]] double unexplained() const noexcept { return unexplained_; }
+  [[nodiscard]] bool has_laws() const noexcept { return laws_.any(); }
+  /// As many calls of project() with one step cost at most 20 us (core/METHOD.md#pushed-objects).
+  [[nodiscard]] int replayable() const noexcept;
   // Of the last project():
   /// Every contact and how deep the probe is beyond it; one that was left out has direction 0 and
   /// depth -1.
   [[nodiscard]] const Contacts& contacts() const noexcept { return contacts_; }
   /// Bit i is set where contact i holds x.
   [[nodiscard]] std::uint32_t active() const noexcept { return dual_.held(); }
-  /// Energy of the contacts, sum max(0, -phi_i)^2 / gamma_i, by that of the coupling,
-  /// ||x (-) x_probe||_W^2; 0 where nothing is in the way.
+  /// Energy of the contacts, 1/2 sum max(0, -phi_i)^2 / gamma_i, and of the objects behind them.
   [[nodiscard]] double stored() const noexcept;
+  /// That of the coupling in the same unit, 1/2 ||x (-) x_probe||_W^2.
+  [[nodiscard]] double coupling() const noexcept;
 
  private:
   using Vector = ContactDual::Vector;
@@ -78,6 +86,8 @@ class PlaneProjection {
   void anchor(const VecX& x_used) noexcept;
   /// Curved contacts become the planes that touch them at z_.
   void linearise() noexcept;
+  /// Solves curved gaps where they are linearised, and again at the answer.
+  PlaneStatus settle(double age, int most_steps) noexcept;
   PlaneStatus solve(double age) noexcept;
   void displace(VecX& x) const noexcept;
 
@@ -94,10 +104,12 @@ class PlaneProjection {
   Vector beta_{}, gamma_{}, speed_{};  ///< of the scaled contacts; beta_ relative to at_
   PlaneSet::Normals told_{};           ///< these four: of curved contacts at at_
   Vector told_beta_{}, told_gamma_{}, told_speed_{};
+  Vector scale_{};            ///< of a contact now by what it was at at_
   PlaneSet::Curvatures H_{};  ///< scaled
   PlaneSet::Places first_{}, n_curved_{};
   std::array<int, kMaxPlanes> begin_{};  ///< of each contact's curvature in H_
   ContactDual dual_{};
+  ContactLaws laws_{};
   double unexplained_{0.0};
   VecX y_{};     ///< the probe relative to at_
   VecX z_{};     ///< where curved gaps are linearised, relative to at_

@@ -37,6 +37,10 @@ struct PlaneSet {
   using Offsets = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxPlanes, 1>;
   using Curvatures = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxCurvature, 1>;
   using Places = std::array<std::uint8_t, kMaxPlanes>;
+  /// A column per contact, all by the stiffness of the coupling: mass, damping, stiffness to ground
+  /// and load, the force on the object besides the damping's and the contact's at the sample.
+  using Laws = Eigen::Matrix<double, 4, Eigen::Dynamic, 0, 4, kMaxPlanes>;
+  enum LawRow : std::uint8_t { kMass, kDamping, kStiffness, kLoad };
 
   /// Written out, or compilers clear all 22 KB of it.
   PlaneSet() noexcept : first{}, curved{} {}
@@ -46,6 +50,9 @@ struct PlaneSet {
   // Each of size 0 if no contact has it, else one per plane:
   Offsets compliance{};  ///< gamma >= 0 in (unit of b)^2 of ||.||_W; 0: rigid
   Offsets velocity{};    ///< v, unit of b per s; > 0: the object recedes
+  /// Of objects that are pushed (core/METHOD.md#pushed-objects): with u the unit of b, in s^2/u^2,
+  /// s/u^2, 1/u^2 and 1/u. Mass 0: none.
+  Laws laws{};
   /// H, contact after contact: the lower triangle, row by row.
   Curvatures curvature{};
   Places first, curved;  ///< the coordinates that each H names: the first one, and how many
@@ -57,7 +64,7 @@ struct PlaneSet {
   [[nodiscard]] bool fits(int n_x) const noexcept;
 
   [[nodiscard]] auto members() const noexcept {
-    return std::tie(normals, offsets, compliance, velocity, curvature, first, curved);
+    return std::tie(normals, offsets, compliance, velocity, laws, curvature, first, curved);
   }
 };
 

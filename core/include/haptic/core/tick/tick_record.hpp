@@ -119,8 +119,9 @@ struct Anchor {
   bool in_the_way{false};  ///< x is not simply the haptic probe
   PlaneStatus planes{PlaneStatus::kFree};
   std::uint32_t active_planes{0};  ///< bit i: plane i of the sample holds x
-  /// Energy that the contacts store, by that of the coupling, ||x (-) x_probe||_W^2 / 2.
-  double stored{0.0};
+  /// Energy that the contacts and the objects behind them store, by the coupling's stiffness, and
+  /// that of the coupling itself, ||x (-) x_probe||_W^2 / 2.
+  double stored{0.0}, coupling{0.0};
   /// ||.||_W between the sample's x and what its contacts give for the probe it was computed from.
   double unexplained{0.0};
   bool anchored{false};  ///< q_star is of the proxy in use; else nothing pulls
@@ -138,7 +139,7 @@ struct Anchor {
   }
 
   [[nodiscard]] auto members() const noexcept {
-    return std::tie(x_probe, x, free, mapped, in_the_way, planes, active_planes, stored,
+    return std::tie(x_probe, x, free, mapped, in_the_way, planes, active_planes, stored, coupling,
                     unexplained, anchored, q_star, projection, residual, condition, certificate,
                     limiters);
   }

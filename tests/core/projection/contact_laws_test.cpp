@@ -1,0 +1,126 @@
+#include "haptic/core/projection/contact_laws.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "haptic/core/model/configuration_space.hpp"
+#include "haptic/core/projection/plane_projection.hpp"
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/vectors.hpp"
+
+namespace haptic::core {
+namespace {
+
+constexpr double kTick = 1e-3;
+
+PlaneSet::Laws law_of(double mass, double damping, double stiffness, double load) {
+  PlaneSet::Laws law(4, 1);
+  law << mass, damping, stiffness, load;
+  return law;
+}
+
+/// A wall at x = 0 that gives way by half and has this law.
+PlaneSet pushed(const PlaneSet::Laws& law, double unit = 1.0) {
+  PlaneSet set;
+  set.normals.setZero(2, 1);
+  set.normals(0, 0) = unit;
+  set.offsets.setZero(1);
+  set.compliance.setConstant(1, unit * unit);
+  set.velocity.setConstant(1, unit * 0.1);
+  set.laws = law;
+  set.laws.topRows(3) /= unit * unit;
+  set.laws.row(3) /= unit;
+  return set;
+}
+
+TEST(ContactLaws, FreeObjectSwingsAsItShould) {
+  ContactLaws laws;
+  laws.take(law_of(0.01, 0.02, 4.0, -0.5), 0, 0.3, 1.0);
+  // s'' + 2 a s' + w^2 s = load / M about the rest at load / k.
+  const double a = 1.0, w2 = 400.0, w = std::sqrt(w2 - a * a), rest = -0.5 / 4.0;
+  for (int k = 1; k <= 1000; ++k) {
+    laws.begin(kTick);
+    laws.end(0, 0.0);
+    const double t = k * kTick;
+    const double s = rest + std::exp(-a * t) *
+                                (-rest * std::cos(w * t) + (0.3 - a * rest) / w * std::sin(w * t));
+    laws.begin(0.0);
+    ASSERT_NEAR(laws.free(0), s, 2e-4) << k;
+    laws.end(0, 0.0);
+  }
+}
+
+TEST(ContactLaws, EnergyIsWhatThePushGave) {
+  ContactLaws laws;
+  laws.take(law_of(0.02, 0.0, 3.0, 0.1), 0, 0.2, 2.0);
+  laws.begin(0.0);
+  laws.end(0, 0.0);
+  double before = 0.0, last = 0.0, given = 0.0, most = 0.0;
+  const double start = laws.energy();
+  for (int k = 1; k <= 500; ++k) {
+    const double l = std::max(0.0, std::sin(0.05 * k));
+    laws.begin(kTick);
+    const double s = laws.free(0) + laws.give(0) * l;
+    laws.end(0, l);
+    given += 0.5 * (l + last) * (s - before);
+    most = std::max(most, given);
+    before = s;
+    last = l;
+    ASSERT_NEAR(laws.energy() - start, given, 1e-12) << k;
+  }
+  EXPECT_GT(most, 0.01);
+}
+
+TEST(ContactLaws, EveryMassIsStable) {
+  const ConfigurationSpace space(std::vector<Coordinate>(2));
+  for (const double mass : {1e-18, 1e-9, 1e-6, 1e-3, 1.0, 1e18}) {
+    PlaneProjection projection(space);
+    projection.set(pushed(law_of(mass, 0.0, 2.0, 0.0)), two(0, 0));
+    VecX x;
+    for (int k = 0; k < 2000; ++k) {
+      static_cast<void>(projection.project(two(0.01, 0), x, 0.0, kTick));
+      ASSERT_TRUE(x.allFinite() && x[0] >= -1e-3 && x[0] <= 0.01) << mass << ", " << k << ": " << x;
+    }
+  }
+}
+
+TEST(ContactLaws, UnitOfTheGapIsFree) {
+  const ConfigurationSpace space(std::vector<Coordinate>(2));
+  for (const bool curved : {false, true}) {
+    PlaneProjection metres(space), others(space);
+    for (const double unit : {1.0, 40.0}) {
+      PlaneSet set = pushed(law_of(1e-4, 1e-3, 0.2, -1e-3), unit);
+      if (curved) {
+        set.curvature = VecX::Constant(3, 2.0 * unit);
+        set.curved[0] = 2;
+      }
+      (unit == 1.0 ? metres : others).set(set, two(0, 0));
+    }
+    VecX x, other;
+    for (int k = 0; k < 300; ++k) {
+      const VecX probe = two(0.02 * std::sin(0.03 * k), 0.01);
+      static_cast<void>(metres.project(probe, x, 0.0, kTick));
+      static_cast<void>(others.project(probe, other, 0.0, kTick));
+      ASSERT_NEAR((x - other).norm(), 0.0, 1e-12) << k;
+    }
+    EXPECT_NEAR(metres.stored(), others.stored(), 1e-12);
+    EXPECT_GT(metres.stored(), 0.0);
+  }
+}
+
+TEST(ContactLaws, AllocateNothing) {
+  const ConfigurationSpace space(std::vector<Coordinate>(2));
+  PlaneProjection projection(space);
+  const PlaneSet set = pushed(law_of(1e-4, 0.0, 0.0, 0.0));
+  VecX x(2);
+  const haptic::test::AllocationGuard guard;
+  projection.set(set, two(0, 0));
+  static_cast<void>(projection.project(two(0.01, 0), x, 0.0, kTick));
+  EXPECT_EQ(guard.allocations(), 0u);
+}
+
+}  // namespace
+}  // namespace haptic::core

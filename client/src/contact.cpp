@@ -164,6 +164,10 @@ Plane contact_at(const std::vector<double>& x, const Contact& contact, double co
   plane.velocity = contact.velocity;
   plane.first_coordinate = static_cast<std::uint32_t>(first);
   plane.id = contact.id;
+  plane.mass = contact.mass / coupling;
+  plane.damping = contact.damping / coupling;
+  plane.ground_stiffness = contact.ground_stiffness / coupling;
+  plane.load = contact.load / coupling;
   bool curved = false;
   for (std::size_t j = 0; j < n; ++j) {
     const Vector3 bent = times(contact.curvature, point.jacobian[j]);

@@ -70,6 +70,10 @@ void RemoteSession::publish(Proxy proxy) noexcept {
         sent.mutable_curvature()->Add(plane.curvature.begin(), plane.curvature.end());
         sent.set_first_coordinate(plane.first_coordinate);
         sent.set_id(plane.id);
+        sent.set_mass(plane.mass);
+        sent.set_damping(plane.damping);
+        sent.set_ground_stiffness(plane.ground_stiffness);
+        sent.set_load(plane.load);
       }
       // The state that the user was given, not one that arrived while the simulation computed.
       const NewestState::Given& given = states_.given();

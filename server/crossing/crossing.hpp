@@ -43,6 +43,7 @@ struct PlaneSample {
   Numbers<kNumbers> normal{};  ///< its count is the normal's alone
   double offset{0.0};
   double compliance{0.0}, velocity{0.0};
+  double mass{0.0}, damping{0.0}, ground_stiffness{0.0}, load{0.0};
   std::uint32_t id{0}, first_coordinate{0};
   std::uint32_t curvature_count{0};
   std::uint32_t unused{0};  ///< keeps the layout free of padding
@@ -276,7 +277,7 @@ template <typename T, std::size_t kSize>
 inline constexpr bool crosses = std::is_trivially_copyable_v<T>&& std::is_standard_layout_v<T> &&
                                 sizeof(T) == kSize;
 
-static_assert(crosses<ProxySample, 22680>);
+static_assert(crosses<ProxySample, 23704>);
 static_assert(crosses<PoseSample, 144>);
 static_assert(crosses<Verdict, 192>);
 static_assert(crosses<Request, 1288>);

@@ -117,6 +117,10 @@ void from_proto(const v1::Plane& message, PlaneSample& plane) {
   plane.offset = message.offset();
   plane.compliance = message.compliance();
   plane.velocity = message.velocity();
+  plane.mass = message.mass();
+  plane.damping = message.damping();
+  plane.ground_stiffness = message.ground_stiffness();
+  plane.load = message.load();
   plane.id = message.id();
   plane.first_coordinate = message.first_coordinate();
   plane.curvature_count = static_cast<std::uint32_t>(message.curvature_size());

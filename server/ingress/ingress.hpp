@@ -63,6 +63,7 @@ class Ingress {
   static constexpr double kLargestNormal = 1e6;  ///< of a component
   static constexpr double kLargestOffset = 1e9;  ///< also of a velocity and of a curvature
   static constexpr double kLargestCompliance = 1e18;
+  static constexpr double kSmallestLaw = 1e-18, kLargestLaw = 1e18;  ///< of what is not 0
 
   /// `mailbox` must outlive the ingress; `n_x` is the size of the virtual configuration.
   Ingress(core::Mailbox<core::ProxySnapshot>& mailbox, int n_x);
@@ -98,6 +99,7 @@ class Ingress {
   [[nodiscard]] Verdict check(const ProxySample& sample) const;
   [[nodiscard]] Verdict check_planes(const ProxySample& sample) const;
   [[nodiscard]] Verdict check_contact(const ProxySample& sample, std::size_t p) const;
+  [[nodiscard]] static Verdict check_law(const PlaneSample& plane, std::size_t p);
   void store_planes(const ProxySample& sample);
   void store(const ProxySample& sample, const BacklogRule::Answer& age);
 

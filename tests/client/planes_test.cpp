@@ -155,6 +155,10 @@ TEST_F(Publish, CarriesContacts) {
   plane.velocity = -0.5;
   plane.curvature = {1.0, 2.0, 3.0};
   plane.id = 7;
+  plane.mass = 1e-4;
+  plane.damping = 1e-3;
+  plane.ground_stiffness = 0.2;
+  plane.load = -0.5;
   session->publish(client::Proxy::behind({plane}, {0.1, 0.2}));
   const v1::Plane sent = first_sample().planes(0);
   EXPECT_EQ(sent.compliance(), 3.0);
@@ -163,6 +167,10 @@ TEST_F(Publish, CarriesContacts) {
   EXPECT_EQ(sent.curvature(1), 2.0);
   EXPECT_EQ(sent.first_coordinate(), 0u);
   EXPECT_EQ(sent.id(), 7u);
+  EXPECT_EQ(sent.mass(), 1e-4);
+  EXPECT_EQ(sent.damping(), 1e-3);
+  EXPECT_EQ(sent.ground_stiffness(), 0.2);
+  EXPECT_EQ(sent.load(), -0.5);
 }
 
 TEST_F(Publish, LeavesOutAndCountsPlanes) {

@@ -278,6 +278,9 @@ class Crossing {
       if (gamma < 0.0) fail("a compliance below 0");
       check(gamma, Ingress::kLargestCompliance);
     }
+    for (int p = 0; p < proxy.planes.laws.cols(); ++p) {
+      for (int row = 0; row < 4; ++row) check(proxy.planes.laws(row, p), Ingress::kLargestLaw);
+    }
     for (int p = 0; p < proxy.planes.offsets.size(); ++p) {
       check(proxy.planes.offsets[p], Ingress::kLargestOffset);
       for (int i = 0; i < kDofs; ++i) check(proxy.planes.normals(i, p), Ingress::kLargestNormal);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <sstream>
 #include <vector>
@@ -43,6 +44,32 @@ TEST(ContactVectors, MatchTheProjection) {
     core::VecX x;
     static_cast<void>(projection.project(vector_of(row.at(8)), x, vector_of(row.at(7))[0]));
     EXPECT_NEAR((x - vector_of(row.at(9))).norm(), 0.0, 1e-8) << row.at(0);
+  }
+}
+
+TEST(ContactVectors, PushedObjectsMoveAlike) {
+  const auto rows = markdown_table(
+      read_text(std::filesystem::path(HAPTIC_SOURCE_DIR) / "proto/README.md"), "pushed");
+  ASSERT_EQ(rows.size(), 3u);
+  const core::ConfigurationSpace space(std::vector<core::Coordinate>(2));
+  for (const auto& row : rows) {
+    const auto number = [&row](std::size_t i) { return numbers_of(row.at(i)).at(0); };
+    core::PlaneSet set;
+    set.normals = core::VecX::Unit(2, 0);
+    set.offsets = core::VecX::Zero(1);
+    set.compliance = core::VecX::Ones(1);
+    set.velocity = core::VecX::Constant(1, number(5));
+    set.laws.resize(4, 1);
+    set.laws << number(1), number(2), number(3), number(4);
+    ASSERT_TRUE(set.fits(2)) << row.at(0);
+    core::PlaneProjection projection(space);
+    projection.set(set, core::VecX::Zero(2));
+    core::VecX x;
+    const int ticks = static_cast<int>(std::lround(number(6) / 1e-3));
+    for (int tick = 0; tick <= ticks; ++tick) {
+      static_cast<void>(projection.project(0.01 * core::VecX::Unit(2, 0), x, 0.0, 1e-3));
+    }
+    EXPECT_NEAR(x[0], number(7), 3e-6) << row.at(0);
   }
 }
 

@@ -32,6 +32,13 @@ class Plane:
     curvature: tuple[float, ...] = ()  # second derivative of the gap: lower triangle, row by row,
     first_coordinate: int = 0  # of the coordinates from this one on
     id: int = 0  # names the contact from sample to sample; 0: none
+    # An object that is pushed, as felt along the normal, all by the stiffness of the coupling: its
+    # mass, 0 if it is not pushed; damping and stiffness to ground; and the force on it at this
+    # sample but for the contact's and the damping's, above 0 if it pushes the object away.
+    mass: float = 0.0
+    damping: float = 0.0
+    ground_stiffness: float = 0.0
+    load: float = 0.0
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -65,12 +72,14 @@ def behind(planes: Sequence[Plane | tuple[Sequence[float], float]],
 
 def contact(position: Sequence[float], gap: float, gradient: Sequence[float], *,
             compliance: float = 0.0, velocity: float = 0.0, curvature: Sequence[float] = (),
-            first_coordinate: int = 0, id: int = 0) -> Plane:
+            first_coordinate: int = 0, id: int = 0, mass: float = 0.0, damping: float = 0.0,
+            ground_stiffness: float = 0.0, load: float = 0.0) -> Plane:
     """The contact with this gap (>= 0: not touched) and gradient of the gap at `position`, the
     sample's; the other fields as in Plane."""
     offset = gap - sum(g * x for g, x in zip(gradient, position, strict=True))
     return Plane(tuple(-float(g) for g in gradient), float(offset), float(compliance),
-                 float(velocity), tuple(map(float, curvature)), first_coordinate, id)
+                 float(velocity), tuple(map(float, curvature)), first_coordinate, id,
+                 float(mass), float(damping), float(ground_stiffness), float(load))
 
 
 # Of one sample, proto/README.md.

@@ -130,7 +130,8 @@ class Force(OneServer):
         self.assertTrue(eventually(lambda: session.wait_for_state().active_planes & 1 == 1))
         # With an id the position is the client's own proxy: it says that nothing is touched.
         session.publish(haptic.behind(
-            [haptic.contact(x_probe, -0.1, (-1.0, 0.0), id=1, **law)], x_probe))
+            [haptic.contact(x_probe, -0.1, (-1.0, 0.0), id=1, mass=1e-4, damping=1e-3,
+                            ground_stiffness=0.2, load=0.0, **law)], x_probe))
         self.assertTrue(eventually(lambda: session.wait_for_state().active_planes == 0))
         self.assertEqual(session.samples().rejected_invalid, 0)
 

@@ -170,6 +170,16 @@ TEST(ContactAt, CarriesWhatItWasTold) {
   EXPECT_EQ(plane.compliance, 3.75);
   EXPECT_EQ(plane.velocity, -0.1);
   EXPECT_EQ(plane.id, 7u);
+  EXPECT_EQ(plane.mass, 0.0);
+  contact.mass = 0.75;
+  contact.damping = 3.0;
+  contact.ground_stiffness = 375.0;
+  contact.load = -1.5;
+  plane = contact_at({0.0, 0.0, 0.0}, contact, 1500.0);
+  EXPECT_EQ(plane.mass, 0.0005);
+  EXPECT_EQ(plane.damping, 0.002);
+  EXPECT_EQ(plane.ground_stiffness, 0.25);
+  EXPECT_EQ(plane.load, -0.001);
   contact.stiffness = Contact{}.stiffness;
   contact.curvature = {};
   plane = contact_at({0.0, 0.0, 0.0}, contact, 1500.0);

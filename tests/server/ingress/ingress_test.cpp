@@ -285,6 +285,10 @@ TEST_F(IngressContactsTest, LawReachesTheMailbox) {
   plane.compliance = 3.0;
   plane.velocity = -0.5;
   plane.id = 9;
+  plane.mass = 2e-4;
+  plane.damping = 1e-3;
+  plane.ground_stiffness = 0.25;
+  plane.load = -5e-320;
   curve(plane, {1.0, 5e-320, 3.0});
   EXPECT_EQ(judge(sample), IngressVerdict::kAccepted);
   const core::PlaneSet& planes = newest().planes;
@@ -292,6 +296,8 @@ TEST_F(IngressContactsTest, LawReachesTheMailbox) {
   EXPECT_EQ(planes.compliance[0], 0.0);
   EXPECT_EQ(planes.compliance[1], 3.0);
   EXPECT_EQ(planes.velocity[1], -0.5);
+  EXPECT_EQ(planes.laws.col(0), Eigen::Vector4d::Zero());
+  EXPECT_EQ(planes.laws.col(1), Eigen::Vector4d(2e-4, 1e-3, 0.25, 0.0));
   EXPECT_EQ(planes.curved[0], 0);
   EXPECT_EQ(planes.curved[1], 2);
   EXPECT_EQ(planes.first[1], 0);
@@ -309,6 +315,7 @@ TEST_F(IngressContactsTest, WithoutIdsNothingIsAnchored) {
   EXPECT_EQ(judge(contacts(2)), IngressVerdict::kAccepted);
   EXPECT_EQ(newest().planes.compliance.size(), 0) << "planes carry no law";
   EXPECT_EQ(newest().planes.curvature.size(), 0);
+  EXPECT_EQ(newest().planes.laws.cols(), 0);
 }
 
 TEST_F(IngressContactsTest, NamesAndIgnoresAWrongLaw) {
@@ -337,6 +344,14 @@ TEST_F(IngressContactsTest, NamesAndIgnoresAWrongLaw) {
   });
   refused("planes[2].curvature[1] = nan: must", [&](auto& p) { curve(p, {1.0, nan, 1.0}); });
   refused("planes[2].curvature[0]", [](auto& p) { curve(p, {2e9}); });
+  refused("planes[2].mass = -1: must be 0 or", [](auto& p) { p.mass = -1.0; });
+  refused("planes[2].mass = 1e-19: must", [](auto& p) { p.mass = 1e-19; });
+  refused("planes[2].mass = nan: must", [&](auto& p) { p.mass = nan; });
+  refused("planes[2].damping = 2e+18: must", [](auto& p) { p.damping = 2e18; });
+  refused("planes[2].ground_stiffness = -2: must", [](auto& p) { p.ground_stiffness = -2.0; });
+  refused("planes[2].load = nan: must lie", [&](auto& p) { p.load = nan; });
+  refused("planes[2].mass = 0: must be above 0", [](auto& p) { p.load = 1.0; });
+  refused("planes[2].id = 0: must be given with a mass", [](auto& p) { p.mass = 1.0; });
   refused("planes[2].id = 4: must be unique, planes[0]", [](auto& p) { p.id = 4; });
   EXPECT_EQ(newest().seq, 0U);
 }

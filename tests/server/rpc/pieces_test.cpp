@@ -253,6 +253,10 @@ TEST(Messages, ContactLiesBehindItsNormal) {
   plane.set_velocity(4.0);
   plane.set_first_coordinate(1);
   plane.set_id(5);
+  plane.set_mass(7.0);
+  plane.set_damping(8.0);
+  plane.set_ground_stiffness(9.0);
+  plane.set_load(10.0);
   plane.add_curvature(6.0);
   v1::Plane& long_one = *sample.add_planes();
   for (int i = 0; i < 100; ++i) long_one.add_normal(1.0);
@@ -266,6 +270,10 @@ TEST(Messages, ContactLiesBehindItsNormal) {
   EXPECT_EQ(first.velocity, 4.0);
   EXPECT_EQ(first.first_coordinate, 1u);
   EXPECT_EQ(first.id, 5u);
+  EXPECT_EQ(first.mass, 7.0);
+  EXPECT_EQ(first.damping, 8.0);
+  EXPECT_EQ(first.ground_stiffness, 9.0);
+  EXPECT_EQ(first.load, 10.0);
   EXPECT_EQ(first.curvature_count, 1u);
   EXPECT_EQ(first.normal.value[2], 6.0);
   EXPECT_EQ(taken.planes[1].curvature_count, 100u) << "as on the wire; the ingress refuses it";

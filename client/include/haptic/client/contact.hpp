@@ -85,6 +85,10 @@ struct Contact {
   double stiffness{std::numeric_limits<double>::infinity()};
   double velocity{0.0};  ///< of the object along -normal, m/s; > 0: it recedes
   std::uint32_t id{0};   ///< names the contact from sample to sample; 0: none
+  /// Of an object that is pushed, as felt along the normal: kg (0: it is not pushed), N s/m, N/m,
+  /// and the force on it now but for this contact's and the damping's, N; > 0: along -normal, away
+  /// from the tool. Needs an id.
+  double mass{0.0}, damping{0.0}, ground_stiffness{0.0}, load{0.0};
 };
 
 /// The contact as the server takes it, linearised at the sample's position `x`: normal = -J^T n,

@@ -160,6 +160,10 @@ for object in soft_wall rigid_wall two_fingers; do
       --round-trip 100
   done
 done
+every "rtt, pushed" 1 'error_pct < 0.1 && held_back_pct == 0 && energy_mj < 1' \
+  rtt --object pushed_right_2kg --peer contacts --round-trip 200 --lost 10
+every "rtt, pushed, velocity alone" 1 'error_pct > 20' \
+  rtt --object pushed_told_velocity_0.2kg --peer contacts --round-trip 100
 every "rtt, soft finger" 1 'error_pct < 0.1 && contacts > 1 && ended == 0' \
   rtt --object finger_worn_reach_and_grasp --peer contacts --round-trip 100
 every "rtt, disc" 1 'error_pct > 0.1 && error_pct < 3' rtt --object disc_70mm_s --peer contacts \

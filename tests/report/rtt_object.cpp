@@ -181,6 +181,68 @@ class Block : public RttObject {
   static constexpr double kWidth = 0.040;  // m
 };
 
+class PushedMass : public RttObject {
+ public:
+  explicit PushedMass(const RttPushed& what)
+      : what_(what), damping_(0.6 * std::sqrt(what.mass * what.ground)) {}
+
+  /// Velocity Verlet in steps of 20 us, another rule than the server's.
+  void advance(double t, const VecX& x_probe) override {
+    constexpr int kSteps = 50;
+    constexpr double dt = 1e-3 / kSteps;
+    if (last_.size() == 0) last_ = x_probe;
+    for (int i = 1; i <= kSteps; ++i) {
+      const double part = static_cast<double>(i) / kSteps;
+      const double probe = last_[0] + part * (x_probe[0] - last_[0]);
+      load_ = disturbance(t) - what_.ground * s_;
+      const double half = v_ + 0.5 * dt * (pushed(probe) + load_ - damping_ * v_) / what_.mass;
+      s_ += dt * half;
+      load_ = disturbance(t) - what_.ground * s_;
+      v_ = (half + 0.5 * dt * (pushed(probe) + load_) / what_.mass) /
+           (1.0 + 0.5 * dt * damping_ / what_.mass);
+    }
+    last_ = x_probe;
+  }
+  [[nodiscard]] VecX proxy(double, const VecX& x_probe) override {
+    const double depth = x_probe[0] - s_;
+    return depth > 0.0 ? VecX::Constant(1, s_ + shared(depth, kSoft)) : x_probe;
+  }
+  [[nodiscard]] std::vector<Plane> contacts(double, const VecX& x,
+                                            const RttHorizon& near) const override {
+    if (s_ - x[0] > near.metres) return {};
+    client::Contact c{.point = point_of(x),
+                      .normal = {-1.0, 0.0, 0.0},
+                      .gap = s_ - x[0],
+                      .stiffness = kSoft,
+                      .id = 1};
+    if (what_.told != RttPushed::kSurface) c.velocity = v_;
+    if (what_.told == RttPushed::kLaw) {
+      c.mass = what_.told_mass * what_.mass;
+      c.damping = damping_;
+      c.ground_stiffness = what_.ground;
+      c.load = load_;
+    }
+    return {client::contact_at(to_std(x), c, kRttCoupling)};
+  }
+  [[nodiscard]] double clearance(double, const VecX& x_probe) const override {
+    return s_ - x_probe[0];
+  }
+
+ private:
+  [[nodiscard]] double disturbance(double t) const {
+    return what_.disturbance * std::sin(2.0 * M_PI * 0.5 * t);
+  }
+  [[nodiscard]] double pushed(double probe) const {
+    const double depth = probe - s_;
+    return depth > 0.0 ? kSoft * shared(depth, kSoft) : 0.0;
+  }
+
+  RttPushed what_;
+  double damping_;                      // N s/m
+  double s_{0.0}, v_{0.0}, load_{0.0};  // m, m/s, N
+  VecX last_{};
+};
+
 class Grasp : public RttObject {
  public:
   [[nodiscard]] VecX proxy(double, const VecX& x_probe) override {
@@ -228,6 +290,9 @@ std::unique_ptr<RttObject> rtt_disc() {
 }
 std::unique_ptr<RttObject> rtt_block() {
   return std::make_unique<Block>();
+}
+std::unique_ptr<RttObject> rtt_pushed(const RttPushed& what) {
+  return std::make_unique<PushedMass>(what);
 }
 std::unique_ptr<RttObject> rtt_soft_finger() {
   return std::make_unique<Grasp>();

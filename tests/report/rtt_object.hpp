@@ -2,6 +2,7 @@
 /// Objects of the study rtt as a simulation knows them: where they let the probe be, and what they
 /// are told as. The proxy is solved here by closed forms, apart from the server's solver.
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,6 +24,10 @@ struct RttHorizon {
 class RttObject {
  public:
   virtual ~RttObject() = default;
+  /// The world moves on to `t` s, when the device is at x_probe: once per tick. An object that this
+  /// moves is one for all who look at it: a simulation that integrates every state it gets is where
+  /// the object is, of the tick that it looks at.
+  virtual void advance(double /*t*/, const core::VecX& /*x_probe*/) {}
   /// The simulation's own proxy at `t` s, n_x; the probe itself if it touches nothing. t never
   /// falls.
   [[nodiscard]] virtual core::VecX proxy(double t, const core::VecX& x_probe) = 0;
@@ -34,7 +39,7 @@ class RttObject {
   [[nodiscard]] virtual double clearance(double t, const core::VecX& x_probe) const = 0;
 };
 
-using RttMaker = std::unique_ptr<RttObject> (*)();
+using RttMaker = std::function<std::shared_ptr<RttObject>()>;
 
 // One coordinate: a surface at 0, the object beyond it.
 [[nodiscard]] std::unique_ptr<RttObject> rtt_rigid_wall();
@@ -52,6 +57,15 @@ using RttMaker = std::unique_ptr<RttObject> (*)();
 /// Two coordinates, one per finger, along one line: a block of 40 mm and 500 N/m between them that
 /// nothing else holds, without mass.
 [[nodiscard]] std::unique_ptr<RttObject> rtt_block();
+/// One coordinate: a mass with a surface of 500 N/m, held by a spring and a damper of 0.3 of the
+/// critical damping, pushed by the finger.
+struct RttPushed {
+  double mass{0.2}, ground{200.0};  ///< kg, N/m
+  enum Told { kSurface, kVelocity, kLaw } told{kLaw};
+  double told_mass{1.0};    ///< by the true one
+  double disturbance{0.0};  ///< N, at 0.5 Hz
+};
+[[nodiscard]] std::unique_ptr<RttObject> rtt_pushed(const RttPushed& what);
 /// Two joints: the soft finger of the shipped example, with its twelve pads.
 [[nodiscard]] std::unique_ptr<RttObject> rtt_soft_finger();
 

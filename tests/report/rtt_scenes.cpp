@@ -113,10 +113,13 @@ core::PipelineConfig rails(int n) {
   return c;
 }
 
-RttScene on_rails(const char* name, int n, RttMaker object, Hand hand) {
-  RttScene scene{
-      name,    object, rails(n), kDamping, [hand] { return std::make_unique<Masses>(hand); },
-      kSeconds};
+RttScene on_rails(const char* name, int n, const RttMaker& object, Hand hand) {
+  RttScene scene{.name = name,
+                 .object = object,
+                 .pipeline = rails(n),
+                 .device_damping = kDamping,
+                 .body = [hand] { return std::make_unique<Masses>(hand); },
+                 .seconds = kSeconds};
   scene.most_damping = 0.5 * kMass / 1e-3;
   return scene;
 }
@@ -199,12 +202,29 @@ std::vector<RttScene> rtt_scenes(const std::vector<std::string>& recordings) {
   for (RttScene& scene : all) {
     if (scene.name.rfind("moving_", 0) == 0) scene.pipeline.passivity.tank.allowed_power = 0.25;
   }
+  const auto push = [&](const char* name, const RttPushed& what) {
+    all.push_back(on_rails(
+        name, 1, [what] { return rtt_pushed(what); }, in_and_out<7>));
+    all.back().one_world = true;
+  };
+  push("pushed_right_0.02kg", {.mass = 0.02});
+  push("pushed_right_0.2kg", {.mass = 0.2});
+  push("pushed_right_2kg", {.mass = 2.0, .ground = 500.0});
+  push("pushed_disturbed_0.2kg", {.mass = 0.2, .disturbance = 0.1});
+  push("pushed_wrong_half_0.2kg", {.mass = 0.2, .told_mass = 0.5});
+  push("pushed_wrong_double_0.2kg", {.mass = 0.2, .told_mass = 2.0});
+  push("pushed_wrong_half_2kg", {.mass = 2.0, .ground = 500.0, .told_mass = 0.5});
+  push("pushed_wrong_double_2kg", {.mass = 2.0, .ground = 500.0, .told_mass = 2.0});
+  push("pushed_told_velocity_0.2kg", {.mass = 0.2, .told = RttPushed::kVelocity});
+  push("pushed_told_surface_0.2kg", {.mass = 0.2, .told = RttPushed::kSurface});
   const auto device = std::make_shared<const FeltDevice>(
       felt_device(core::make_finger_exoskeleton(chosen_linkage())));
   std::vector<std::string> motions = recordings;
   motions.insert(motions.begin(), own_motion());
   for (const std::string& file : motions) {
-    RttScene scene{"", rtt_soft_finger, device->pipeline, device->finger.actuator_damping};
+    RttScene scene{.object = rtt_soft_finger,
+                   .pipeline = device->pipeline,
+                   .device_damping = device->finger.actuator_damping};
     scene.most_damping = 0.5 * device->finger.actuator_mass / 1e-3;
     const Motion motion = recorded(file, scene.seconds);
     const std::string of = std::filesystem::path(file).stem().string();

@@ -25,10 +25,11 @@ int tick_of(double t) {
 
 /// What the simulation does with a look at the device. `library_ns`, if given: what of it the
 /// client library took.
-std::function<void(test::Frame&)> simulation(const RttScene& scene, RttPeer peer,
+std::function<void(test::Frame&)> simulation(const RttScene& scene,
+                                             const std::shared_ptr<RttObject>& world, RttPeer peer,
                                              const RttHorizon& near,
                                              std::vector<double>* library_ns) {
-  const std::shared_ptr<RttObject> object = scene.object();
+  const std::shared_ptr<RttObject> object = scene.one_world ? world : scene.object();
   std::vector<client::VirtualCoordinate> coordinates;
   for (const core::Coordinate& c : scene.pipeline.kinematics->space().coordinates()) {
     coordinates.push_back({c.name, c.unit == core::Unit::kMetre ? "m" : "rad", "linear"});
@@ -58,8 +59,8 @@ std::function<void(test::Frame&)> simulation(const RttScene& scene, RttPeer peer
   };
 }
 
-test::ClientSettings client_for(const RttScene& scene, const RttRun& how,
-                                std::vector<double>* library_ns = nullptr) {
+test::ClientSettings client_for(const RttScene& scene, const std::shared_ptr<RttObject>& world,
+                                const RttRun& how, std::vector<double>* library_ns = nullptr) {
   constexpr double kEveryTick_hz = 1000.0;
   const auto span = [](double s) {
     return std::chrono::nanoseconds(static_cast<std::int64_t>(std::llround(1e9 * s)));
@@ -78,7 +79,7 @@ test::ClientSettings client_for(const RttScene& scene, const RttRun& how,
   const RttHorizon near{
       client::contact_horizon(span(std::max(how.round_trip_s, 1e-9)), span(period)),
       0.5 * (how.round_trip_s + period)};
-  client.simulate = simulation(scene, how.peer, near, library_ns);
+  client.simulate = simulation(scene, world, how.peer, near, library_ns);
   return client;
 }
 
@@ -117,6 +118,13 @@ class TimeDomainPassivity {
   double taken_{0.0};  ///< J
 };
 
+/// The world's part of a tick, before anybody looks.
+void advance(const RttScene& scene, RttObject& object, double t, const core::VecQ& q) {
+  const core::Kinematics& map = *scene.pipeline.kinematics;
+  VecX x_probe = VecX::Zero(map.space().n_x());
+  if (map.position(q, x_probe) == core::MapStatus::kOk) object.advance(t, x_probe);
+}
+
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -147,12 +155,14 @@ std::string_view name(RttPeer peer) noexcept {
 RttFigures run(const RttScene& scene, const RttRun& how,
                const std::function<void(const RttTick&)>& observe) {
   const RttRun local{.rate_hz = 1000.0};
-  test::PipelineLoop felt(felt_config(scene, how.peer), client_for(scene, how),
+  const std::shared_ptr<RttObject> object = scene.object();
+  test::PipelineLoop felt(felt_config(scene, how.peer), client_for(scene, object, how),
                           scene.device_damping);
-  test::PipelineLoop shadow(shadow_config(scene), client_for(scene, local), scene.device_damping);
-  test::PipelineLoop same_tank(scene.pipeline, client_for(scene, local), scene.device_damping);
+  test::PipelineLoop shadow(shadow_config(scene), client_for(scene, object, local),
+                            scene.device_damping);
+  test::PipelineLoop same_tank(scene.pipeline, client_for(scene, object, local),
+                               scene.device_damping);
   const std::unique_ptr<RttBody> body = scene.body();
-  const std::unique_ptr<RttObject> object = scene.object();
   const core::DofLayout& layout = scene.pipeline.kinematics->layout();
   TimeDomainPassivity damper(scene.most_damping);
   test::EnergyBook book(scene.device_damping);
@@ -168,6 +178,7 @@ RttFigures run(const RttScene& scene, const RttRun& how,
       for (test::PipelineLoop* loop : {&felt, &shadow, &same_tank}) loop->engage();
     }
     body->step(t - kBegin_s, tau);
+    advance(scene, *object, t, body->q());
     const core::VecA way = layout.select(body->q()) - q_a;
     q_a += way;
     book.add(tau, way, test::PipelineLoop::kTick_s);
@@ -206,8 +217,9 @@ RttFigures run(const RttScene& scene, const RttRun& how,
 
 RttCost cost(const RttScene& scene, const RttRun& how) {
   constexpr int kMost = 3000;  // ticks, so that their inputs fit into memory
+  const std::shared_ptr<RttObject> object = scene.object();
   std::vector<double> library_ns, tick_ns, sample_ns;
-  test::PipelineLoop loop(felt_config(scene, how.peer), client_for(scene, how, &library_ns),
+  test::PipelineLoop loop(felt_config(scene, how.peer), client_for(scene, object, how, &library_ns),
                           scene.device_damping);
   const std::unique_ptr<RttBody> body = scene.body();
   std::vector<core::TickInput> inputs;
@@ -216,6 +228,7 @@ RttCost cost(const RttScene& scene, const RttRun& how) {
     const double t = k * test::PipelineLoop::kTick_s;
     if (k == tick_of(kEngage_s)) loop.engage();
     body->step(t - kBegin_s, tau);
+    advance(scene, *object, t, body->q());
     inputs.push_back(loop.tick(body->q()).input);
     tau = loop.tau_a();
   }

@@ -40,7 +40,8 @@ class RttBody {
 /// An object, a device, and a motion.
 struct RttScene {
   std::string name{};
-  RttMaker object{nullptr};
+  RttMaker object{};
+  bool one_world{false};  ///< the object is moved by the finger: all look at the same one
   core::PipelineConfig pipeline{};
   double device_damping{0.0};  ///< N s/m, of each actuator
   std::function<std::unique_ptr<RttBody>()> body{};

@@ -17,6 +17,7 @@ namespace haptic::test {
   set.offsets.resize(count);
   set.compliance.resize(count);
   set.velocity.resize(count);
+  set.laws.resize(4, count);
   std::vector<double> curvatures;
   for (Eigen::Index p = 0; p < count; ++p) {
     const client::Plane& plane = planes[static_cast<std::size_t>(p)];
@@ -24,6 +25,7 @@ namespace haptic::test {
     set.offsets[p] = plane.offset;
     set.compliance[p] = plane.compliance;
     set.velocity[p] = plane.velocity;
+    set.laws.col(p) << plane.mass, plane.damping, plane.ground_stiffness, plane.load;
     curvatures.insert(curvatures.end(), plane.curvature.begin(), plane.curvature.end());
     int n = 0;
     while (core::PlaneSet::triangle(n) < static_cast<int>(plane.curvature.size())) ++n;

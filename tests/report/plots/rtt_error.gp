@@ -3,7 +3,7 @@ load "style.gp"
 
 peers = "contacts estimated derived_planes held held_force tdpa"
 peer_names = "'contacts' 'estimated from proxies' 'rigid planes of proxies' 'held proxy' " \
-  . "'held force (not offered)' 'the same behind TDPA (not offered)'"
+  . "'held force (not offered)' 'the same with TDPA (not offered)'"
 peer_hues = "#1f6fb4 #2a9d5c #8e5bb5 #d9660a #8a8f98 #c8283c"
 objects = system("awk -F, 'NR > 1 && !seen[$1]++ { print $1 }' '".csv."'")
 least = 0.001  # %, for what is less
@@ -21,7 +21,8 @@ do for [kind in "svg png"] {
     margins screen 0.05, screen 0.985, screen 0.3 / rows, screen 1 - 0.2 / rows \
     spacing screen 0.025, screen 0.2 / rows
   do for [i = 1:words(peers)] {
-    set label 30 + i "━━ ".word(peer_names, i) at screen 0.05 + (i - 1) * 0.16, screen 0.06 / rows \
+    set label 30 + i "━━ ".word(peer_names, i) \
+      at screen 0.05 + (i - 1) * 0.155, screen 0.06 / rows \
       textcolor rgb word(peer_hues, i)
   }
   set logscale y

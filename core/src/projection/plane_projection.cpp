@@ -32,7 +32,8 @@ bool PlaneSet::fits(int n_x) const noexcept {
   if (count == 0) return true;
   if (normals.rows() != n_x || normals.cols() != count || !normals.allFinite() ||
       !offsets.allFinite() || !none_or_all(compliance) || !none_or_all(velocity) ||
-      (laws.cols() != 0 && laws.cols() != count) || !laws.allFinite()) {
+      !none_or_all(uncertainty) || (laws.cols() != 0 && laws.cols() != count) ||
+      !laws.allFinite()) {
     return false;
   }
   if (!curvature.allFinite()) return false;
@@ -77,6 +78,7 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
     for (int j = 0; j < i; ++j) fill_gram(i, j);
     fill_gram(i, i);
   }
+  begin_error(planes);
   if (x_used != nullptr) anchor(*x_used);
   if (curved_ == 0) return;
   told_ = A_;
@@ -167,10 +169,14 @@ void PlaneProjection::anchor(const VecX& x_used) noexcept {
   for (int i = 0; i < count_; ++i) {
     if (ContactDual::has(skipped_, i)) continue;
     const double met = A_.col(i).dot(y_) - gamma_[i] * l[i];
+    told_l_[i] = gamma_[i] > 0.0 ? std::max(0.0, -beta_[i]) / gamma_[i] : l[i];
+    exact_ = exact_ && std::abs(told_l_[i] - l[i]) < ProxyError::kNothing;
     beta_[i] = l[i] > 0.0 ? met : std::max(beta_[i], met);
     fill_gram(i, i);
   }
   dual_.begin(count_, skipped_);
+  anchored_ = true;
+  anchored_l_ = l;
   unexplained_ = metric_.weighed(y_, z_).norm();
 }
 
@@ -229,6 +235,7 @@ PlaneStatus PlaneProjection::settle(double age, int most_steps) noexcept {
     turn_ = y_;
     for (int i = 0; i < count_; ++i) turn_ -= dual_.l()[i] * contacts_.into.col(i);
     const bool settled = (turn_ - z_).lpNorm<Eigen::Infinity>() < kSameX;
+    if (bounded_ && turn_.allFinite()) unsettled_ = unsettled(turn_ - z_);
     if (turn_.allFinite()) z_ = turn_;
     if (settled) break;
   }

@@ -42,6 +42,10 @@ Effort Actuation::step(const Beat& beat, const Sensed& sensed, const Anchor& wan
   if (powered && life.gain > 0.0) report_saturation(settings, effort);
   if (!effort.tau_a.allFinite()) no_output(effort);
   spring_.hold(effort);
+  if (wanted.force_error.size() > 0) {
+    const VecA wish = life.gain * settings.unlimited(wanted.stretch(layout_, sensed.q));
+    effort.error_bound = life.gain * wanted.force_error + (wish - effort.tau_elastic).cwiseAbs();
+  }
   if (force_control_) {
     const FaultSet faults = life.faults | effort.faults;
     const bool asked_for = life.gain > 0.0 || life.damping_gain > 0.0;

@@ -13,6 +13,7 @@ void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const V
   tenure_ = sample.tenure;
   seq_ = sample.seq;
   new_sample_ = changed_ = !same && mode_ != ProxyMode::kNone;
+  error_.known = false;
   switch (mode_) {
     case ProxyMode::kHeld:
       now.in_the_way = true;
@@ -32,6 +33,7 @@ void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const V
       if (now.stored > 0.0) now.coupling = projection_.coupling();
       now.unexplained = projection_.unexplained();
       now.active_planes = projection_.active();
+      projection_.error(moment.age_error, error_);
       now.in_the_way = changed_ = now.planes != PlaneStatus::kFree;
       break;
     case ProxyMode::kNone:

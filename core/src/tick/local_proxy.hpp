@@ -19,6 +19,7 @@ class LocalProxy {
     std::uint64_t tick{0};  ///< rises by one from step to step
     double age{0.0};        ///< of the sample, s
     TimePoint now{};        ///< rises with it
+    double age_error{0.0};  ///< of that, at most, s
   };
 
   /// `space` must outlive this. `metric`: W_x, in which planes keep x out by the shortest way.
@@ -31,6 +32,8 @@ class LocalProxy {
             Anchor& now) noexcept;
 
   // Of the last step:
+  /// How far the simulation's own proxy may be from x.
+  [[nodiscard]] const ProxyError& error() const noexcept { return error_; }
   /// Null unless the sample has planes.
   [[nodiscard]] const Contacts* contacts() const noexcept {
     return mode_ == ProxyMode::kPlanes ? &projection_.contacts() : nullptr;
@@ -50,6 +53,7 @@ class LocalProxy {
   std::uint64_t seq_{0};
   PlaneProjection projection_;
   ProbeHistory past_;
+  ProxyError error_{};
   VecX used_{};  ///< the probe of which the sample was computed
   bool new_sample_{false};
   bool changed_{false};

@@ -104,6 +104,17 @@ double contact_age(const ProxySnapshot& sample, TimePoint now, const Settings& s
   return seconds(std::clamp(now - told, Duration::zero(), settings.staleness.hold_end));
 }
 
+/// By how much that may be off, s: the simulation did not compute it before the tick that it used,
+/// nor after its arrival.
+double age_error(const ProxySnapshot& sample, const Beat& beat, TimePoint now, Duration period,
+                 const Settings& settings) noexcept {
+  if (sample.planes.velocity.size() == 0 || sample.anchored_at > beat.tick) return 0.0;
+  const TimePoint told = sample.computed == TimePoint{} ? sample.born : sample.computed;
+  const auto ticks = static_cast<Duration::rep>(beat.tick - sample.anchored_at);
+  const Duration most = std::max(sample.born - told, ticks * period - (now - told));
+  return seconds(std::clamp(most, Duration::zero(), settings.staleness.hold_end));
+}
+
 }  // namespace
 
 /// The stages in the order in which a tick takes them, and what a tick needs of the last one.
@@ -131,7 +142,8 @@ class Pipeline::Stages {
         .sensed = sensing_.step(in, now.beat.dt, driven_),
         .proxy = proxy_.step(in, settings.staleness, now.sensed.tracker, state_),
         .anchor =
-            rendering_.step({now.beat.tick, contact_age(proxy_.sample(), in.now, settings), in.now},
+            rendering_.step({now.beat.tick, contact_age(proxy_.sample(), in.now, settings), in.now,
+                             age_error(proxy_.sample(), now.beat, in.now, in.period, settings)},
                             now.sensed, proxy_.sample(), settings, in_use_),
         .life = supervisor_.step(in, now.beat, settings, now.sensed, now.proxy, now.anchor,
                                  output_faults_),

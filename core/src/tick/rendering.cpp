@@ -10,6 +10,7 @@ Rendering::Rendering(const ProjectionModel& model, const PipelineConfig& config)
       map_(model.kinematics()),
       local_(model.kinematics().space(), config.projection.metric),
       renderer_(config.scene.renderer, model),
+      force_error_(model),
       dx_(VecX::Zero(model.n_x())) {
   if (config.passivity_certificate) certificate_.emplace(model);
 }
@@ -41,6 +42,7 @@ Anchor Rendering::step(const LocalProxy::Moment& moment, const Sensed& sensed,
   now.anchored = anchored_;
   now.residual = projection_.residual;
   now.condition = projection_.condition;
+  if (local_.error().known) bound(sensed, settings, now);
   if (certificate_) now.certificate = certify(sensed, settings, now);
   return now;
 }
@@ -74,7 +76,8 @@ void Rendering::locate(const LocalProxy::Moment& moment, const Sensed& sensed,
 bool Rendering::project(const Sensed& sensed, const Settings& settings, Anchor& now) noexcept {
   model_.kinematics().space().difference(now.x, map_.x_probe(), dx_);
   map_.clear_x(now.free, dx_);
-  map_.differentiate(needs_J(settings));
+  has_J_ = needs_J(settings);
+  map_.differentiate(has_J_);
   const ContactView contacts{local_.contacts(), &settings.force_limit};
   renderer_.project({sensed.q, map_.x_probe(), map_.J(), contacts}, now.x, dx_, settings.stiffness,
                     solve_, projection_);
@@ -91,6 +94,21 @@ bool Rendering::project(const Sensed& sensed, const Settings& settings, Anchor& 
   if (projection_.between) now.limiters.set(Limiter::kBranch);
   if (projection_.damping > 0.0) now.limiters.set(Limiter::kSingular);
   return true;
+}
+
+void Rendering::bound(const Sensed& sensed, const Settings& settings, Anchor& now) noexcept {
+  const bool solved = now.projection == ProjectionStatus::kNone ||
+                      now.projection == ProjectionStatus::kExact ||
+                      now.projection == ProjectionStatus::kIllConditioned;
+  if (!now.mapped || !solved) return;
+  const Contacts& contacts = *local_.contacts();
+  const bool exact = renderer_.kind() == RendererKind::kSubspaceExact;
+  const ForceError::Renders renders{renderer_.kind(),   exact ? now.q_star : sensed.q,
+                                    settings.stiffness, settings.Z_q,
+                                    map_.J(),           exact || !now.in_the_way ? 0 : has_J_};
+  if (!force_error_.at(renders, contacts, local_.error(), now.force_error)) {
+    now.force_error.resize(0);
+  }
 }
 
 Certificate Rendering::certify(const Sensed& sensed, const Settings& settings,

@@ -6,6 +6,7 @@
 
 #include "haptic/core/projection/block_map.hpp"
 #include "haptic/core/projection/block_renderer.hpp"
+#include "haptic/core/projection/force_error.hpp"
 #include "haptic/core/projection/linear_certificate.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "local_proxy.hpp"
@@ -43,6 +44,8 @@ class Rendering {
               Anchor& now) noexcept;
   /// q*, something being in the way and f having a value. False: it is not finite.
   [[nodiscard]] bool project(const Sensed& sensed, const Settings& settings, Anchor& now) noexcept;
+  /// Anchor::force_error.
+  void bound(const Sensed& sensed, const Settings& settings, Anchor& now) noexcept;
   /// Blocks of which this tick reads J.
   [[nodiscard]] BlockSet needs_J(const Settings& settings) const noexcept;
   [[nodiscard]] Certificate certify(const Sensed& sensed, const Settings& settings,
@@ -55,9 +58,11 @@ class Rendering {
   BlockMap map_;
   LocalProxy local_;
   BlockRenderer renderer_;
+  ForceError force_error_;
   std::optional<LinearCertificate> certificate_{};
   BlockSet reached_{0};  ///< blocks that the planes in use can hold
   BlockSet free_{0};     ///< Anchor::free of the last step
+  BlockSet has_J_{0};    ///< blocks with J of the last project()
   VecX dx_{};
   Projection projection_{};
   bool anchored_{false};  ///< q* is of the proxy in use

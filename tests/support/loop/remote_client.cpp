@@ -95,6 +95,8 @@ void RemoteClient::write_planes(const Frame& frame, core::PlaneSet& planes) cons
   const double told =
       settings_.told_compliance > 0.0 ? settings_.told_compliance : settings_.compliance;
   planes.compliance.setConstant(tells_compliance() ? planes.size() : 0, told);
+  planes.uncertainty.setConstant(settings_.uncertainty ? planes.size() : 0,
+                                 settings_.uncertainty.value_or(0.0));
 }
 
 void RemoteClient::deliver(const Frame& frame, core::TimePoint now,

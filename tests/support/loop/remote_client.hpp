@@ -53,6 +53,7 @@ struct ClientSettings {
   double compliance{0.0};
   double told_compliance{0.0};  ///< what it tells instead of that; 0: the truth
   bool told_rigid{false};       ///< they are told as rigid planes through the client's own proxy
+  std::optional<double> uncertainty{};  ///< of the compliance, as it tells it
   bool anchored{true};     ///< a client that tells compliances says which tick it computed from
   core::PlaneSet walls{};  ///< instead of stops, in any direction; none: the stops count
   /// Instead of both: a curved object, as the planes that touch it where it is nearest to x_probe.

@@ -22,6 +22,7 @@
 #include "haptic/core/projection/contact_dual.hpp"
 #include "haptic/core/projection/contact_laws.hpp"
 #include "haptic/core/projection/contacts.hpp"
+#include "haptic/core/projection/proxy_error.hpp"
 #include "haptic/core/projection/task_metric.hpp"
 
 namespace haptic::core {
@@ -73,6 +74,9 @@ class PlaneProjection {
   [[nodiscard]] double stored() const noexcept;
   /// That of the coupling in the same unit, 1/2 ||x (-) x_probe||_W^2.
   [[nodiscard]] double coupling() const noexcept;
+  /// How far the client's own proxy may be from x, Eq. (39). `age_error`: of the age, s. Never
+  /// allocates.
+  void error(double age_error, ProxyError& out) const noexcept;
 
  private:
   using Vector = ContactDual::Vector;
@@ -84,6 +88,15 @@ class PlaneProjection {
   void fill_gram(int i, int j) noexcept;
   /// Shifts beta_ so that the law gives at_ for the probe x_used.
   void anchor(const VecX& x_used) noexcept;
+  /// What error() needs of a new sample, before it is anchored.
+  void begin_error(const PlaneSet& planes) noexcept;
+  [[nodiscard]] double bend(int i) noexcept;
+  [[nodiscard]] double unsettled(const VecX& moved) const noexcept;
+  /// How far a gap and its gradient may be from their second order at z_.
+  struct Remainder {
+    double gap, gradient;
+  };
+  [[nodiscard]] Remainder remainder(int i) const noexcept;
   /// Curved contacts become the planes that touch them at z_.
   void linearise() noexcept;
   /// Solves curved gaps where they are linearised, and again at the answer.
@@ -111,9 +124,17 @@ class PlaneProjection {
   ContactDual dual_{};
   ContactLaws laws_{};
   double unexplained_{0.0};
-  VecX y_{};     ///< the probe relative to at_
-  VecX z_{};     ///< where curved gaps are linearised, relative to at_
-  VecX turn_{};  ///< scratch
+  // Of error(), if every contact tells its uncertainty:
+  bool bounded_{false}, anchored_{false};
+  bool exact_{false};      ///< nothing moves a contact away from its law
+  Vector uncertainty_{};   ///< u
+  Vector anchored_l_{};    ///< multipliers at the anchor
+  Vector told_l_{};        ///< those that the contacts are told to have there
+  double unsettled_{0.0};  ///< by how much the last linearisation moved x, ||.||_W
+  Vector bend_{};          ///< Frobenius norm of H, in W^-1
+  VecX y_{};               ///< the probe relative to at_
+  VecX z_{};               ///< where curved gaps are linearised, relative to at_
+  VecX turn_{};            ///< scratch
 };
 
 }  // namespace haptic::core

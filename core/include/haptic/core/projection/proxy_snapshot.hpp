@@ -53,6 +53,9 @@ struct PlaneSet {
   /// Of objects that are pushed (core/METHOD.md#pushed-objects): with u the unit of b, in s^2/u^2,
   /// s/u^2, 1/u^2 and 1/u. Mass 0: none.
   Laws laws{};
+  /// u >= 0: the contact's stiffness lies within 1 - u and 1 + u times what gamma says; 0: it is
+  /// exact. Of size 0 too if one of the contacts does not say it.
+  Offsets uncertainty{};
   /// H, contact after contact: the lower triangle, row by row.
   Curvatures curvature{};
   Places first, curved;  ///< the coordinates that each H names: the first one, and how many
@@ -64,7 +67,8 @@ struct PlaneSet {
   [[nodiscard]] bool fits(int n_x) const noexcept;
 
   [[nodiscard]] auto members() const noexcept {
-    return std::tie(normals, offsets, compliance, velocity, laws, curvature, first, curved);
+    return std::tie(normals, offsets, compliance, velocity, laws, uncertainty, curvature, first,
+                    curved);
   }
 };
 

@@ -129,6 +129,9 @@ struct Anchor {
   ProjectionStatus projection{ProjectionStatus::kNone};
   double residual{0.0};
   double condition{0.0};
+  /// Bound of the error of Z_q S (q_star - q) against the simulation's own proxy, n_a; size 0:
+  /// nothing is known of it.
+  VecA force_error{};
   Certificate certificate{};  ///< of the linearised method, if the scene asks for it
   LimiterSet limiters{};
 
@@ -140,8 +143,8 @@ struct Anchor {
 
   [[nodiscard]] auto members() const noexcept {
     return std::tie(x_probe, x, free, mapped, in_the_way, planes, active_planes, stored, coupling,
-                    unexplained, anchored, q_star, projection, residual, condition, certificate,
-                    limiters);
+                    unexplained, anchored, q_star, projection, residual, condition, force_error,
+                    certificate, limiters);
   }
 };
 
@@ -178,12 +181,15 @@ struct Effort {
   VecA temperature_c{};  ///< of the windings, estimated, n_a; nan without a model; size 0: none has
   VecA drive{};          ///< sent instead of tau_a: the force loop's, N or N m, n_a
   VecA position{};       ///< the admittance's, m or rad, n_a; both size 0 if the scene has neither
+  /// Bound of |tau_elastic - g times what the simulation's own proxy would give now|, n_a; size 0:
+  /// nothing is known of it (core/METHOD.md#error-bound).
+  VecA error_bound{};
   PassivityRecord passivity{};  ///< tank and observer; zeros if neither is on
   FaultSet faults{};            ///< OUTPUT_NOT_FINITE; latched from the next tick on
 
   [[nodiscard]] auto members() const noexcept {
     return std::tie(q_star, tau_elastic, tau_damping, tau_a, limiters, actuator_limiters,
-                    temperature_c, drive, position, passivity, faults);
+                    temperature_c, drive, position, error_bound, passivity, faults);
   }
 };
 

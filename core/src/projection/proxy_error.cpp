@@ -1,0 +1,165 @@
+// Eq. (39): the distance between two solutions of the proxy's problem whose contacts differ by
+// what a sample leaves open (core/METHOD.md#error-bound).
+#include <algorithm>
+#include <cmath>
+
+#include "haptic/core/projection/plane_projection.hpp"
+
+namespace haptic::core {
+
+namespace {
+
+/// Gap errors of several rigid contacts, the gradients of which are 30 degrees apart or more.
+constexpr double kWedge = 2.0;
+/// Beyond this share of its radius of curvature a displacement says nothing of the object.
+constexpr double kMostBent = 0.9;
+
+}  // namespace
+
+void PlaneProjection::begin_error(const PlaneSet& planes) noexcept {
+  anchored_ = false;
+  // An object's own law may be wrong in ways that no uncertainty of a stiffness tells.
+  bounded_ = planes.uncertainty.size() > 0 && !laws_.any();
+  if (!bounded_) return;
+  uncertainty_.head(count_) = planes.uncertainty;
+  told_l_.setZero();
+  unsettled_ = 0.0;
+  exact_ = curved_ == 0 && !moving_ && planes.uncertainty.isZero(0.0);
+  for (int i = 0; i < count_; ++i) {
+    bounded_ = bounded_ && uncertainty_[i] >= 0.0;
+    bend_[i] = ContactDual::has(curved_, i) ? bend(i) : 0.0;
+  }
+}
+
+/// sqrt(tr(H W^-1 H W^-1)).
+double PlaneProjection::bend(int i) noexcept {
+  const int first = first_[static_cast<std::size_t>(i)];
+  const int n = n_curved_[static_cast<std::size_t>(i)];
+  const double* lower = H_.data() + begin_[static_cast<std::size_t>(i)];
+  const auto entry = [lower](int row, int column) {
+    const int most = std::max(row, column);
+    return lower[PlaneSet::triangle(most) + std::min(row, column)];
+  };
+  Eigen::Matrix<double, kMaxCurved, kMaxCurved> P;
+  for (int column = 0; column < n; ++column) {
+    turn_.setZero(at_.size());
+    for (int row = 0; row < n; ++row) turn_[first + row] = entry(row, column);
+    P.col(column).head(n) = metric_.steepest(turn_).segment(first, n);
+  }
+  double square = 0.0;
+  for (int row = 0; row < n; ++row) {
+    for (int column = 0; column < n; ++column) square += P(row, column) * P(column, row);
+  }
+  return std::sqrt(std::max(0.0, square));
+}
+
+double PlaneProjection::unsettled(const VecX& moved) const noexcept {
+  VecX scratch;
+  return metric_.weighed(moved, scratch).norm();
+}
+
+/// A gap of a body of constant curvature 1/R that a point meets has the third derivative
+/// 3 z_n z_t^2 / R^2 along z; planar joints add 3 of the gradient and of H per angle. What a
+/// contact without curvature says is taken as flat.
+PlaneProjection::Remainder PlaneProjection::remainder(int i) const noexcept {
+  const int first = first_[static_cast<std::size_t>(i)];
+  const int n = n_curved_[static_cast<std::size_t>(i)];
+  const double* entry = H_.data() + begin_[static_cast<std::size_t>(i)];
+  const auto g = told_.col(i);
+  Eigen::Matrix<double, kMaxCurved, 1> Hz = Eigen::Matrix<double, kMaxCurved, 1>::Zero();
+  double turns = 0.0, along = 0.0, most_along = 0.0, most_bent = 0.0;
+  for (int row = 0; row < n; ++row) {
+    for (int column = 0; column <= row; ++column, ++entry) {
+      Hz[row] += *entry * z_[first + column];
+      if (column < row) Hz[column] += *entry * z_[first + row];
+      most_bent +=
+          (column < row ? 2.0 : 1.0) * std::abs(*entry * z_[first + column] * z_[first + row]);
+    }
+    if (!linear_[static_cast<std::size_t>(first + row)]) turns += std::abs(z_[first + row]);
+    most_along += std::abs(g[first + row] * z_[first + row]);
+    along += g[first + row] * z_[first + row];
+  }
+  double bent = 0.0;
+  for (int row = 0; row < n; ++row) bent += Hz[row] * z_[first + row];
+  const double turned = bend_[i] * z_.norm();
+  const double left = std::max(1.0 - turned, 1.0 - kMostBent);
+  const double curve = 0.5 * (std::abs(along) + std::abs(bent)) * turned * turned / (left * left);
+  const double tilt = 0.5 * turned * (turned + 2.0 * bend_[i] * std::abs(along)) / (left * left);
+  return {curve + 0.5 * turns * (turns * most_along + most_bent),
+          tilt + 1.5 * turns * (turns + turned)};
+}
+
+void PlaneProjection::error(double age_error, ProxyError& out) const noexcept {
+  out.known = bounded_ && anchored_;
+  out.along = -1;
+  out.of.resize(0);
+  out.everywhere = unexplained_;
+  if (!out.known || exact_) return;
+  out.of.setZero(count_);
+  const Vector& l = dual_.l();
+  // Written as far as `count_` only: clearing four vectors costs as much as all the rest.
+  double slope[kMaxPlanes], share[kMaxPlanes], gap[kMaxPlanes], room[kMaxPlanes];
+  int involved = 0, only = -1, at_anchor = 0;
+  double bent = 0.0;
+  for (int i = 0; i < count_; ++i) at_anchor += anchored_l_[i] > 0.0 || told_l_[i] > 0.0;
+  for (int i = 0; i < count_; ++i) {
+    slope[i] = share[i] = gap[i] = room[i] = 0.0;
+    if (ContactDual::has(skipped_, i)) continue;
+    const double u = uncertainty_[i];
+    const double before = scale_[i] > 0.0 ? anchored_l_[i] / scale_[i] : anchored_l_[i];
+    slope[i] = u * std::abs(l[i] - before);
+    // Told as not touched, yet it must explain x: nothing is known of when it ends.
+    if (before > 0.0 && told_l_[i] == 0.0) share[i] = std::abs(l[i] - before) + before;
+    if (at_anchor > 1 && std::max(before, told_l_[i]) > 0.0) {
+      // Several contacts may share what the anchor explains in another way: felt where one lifts.
+      const double shared = std::abs(before - told_l_[i]) + u * told_l_[i];
+      share[i] += l[i] > 0.0 ? std::max(0.0, shared + slope[i] - l[i]) : 2.0 * shared;
+    }
+    if (ContactDual::has(curved_, i)) {
+      const Remainder left = remainder(i);
+      gap[i] = left.gap;
+      share[i] += l[i] * left.gradient;
+    }
+    gap[i] += std::abs(speed_[i]) * age_error;
+    if (l[i] == 0.0) {
+      room[i] = -contacts_.depth[i];
+      for (int j = 0; j < count_; ++j) {
+        if (l[j] > 0.0) room[i] += l[j] * A_.col(i).dot(contacts_.into.col(j));
+      }
+      gap[i] = std::max(0.0, gap[i] - std::max(0.0, room[i]));
+    }
+    bent += l[i] * scale_[i] * bend_[i];
+    if (l[i] > 0.0 || slope[i] > 0.0 || share[i] > 0.0 || gap[i] > 0.0) {
+      ++involved;
+      only = i;
+    }
+  }
+  if (involved == 0) return;
+  out.known = bent < kMostBent;
+  // Each linearisation shrinks what is left by `bent`, or more.
+  if (curved_ != 0) out.everywhere += unsettled_ * bent / std::max(1.0 - bent, 1.0 - kMostBent);
+  const double amplified = 1.0 / std::max(1.0 - bent, 1.0 - kMostBent);
+  if (involved == 1) {
+    const double u = uncertainty_[only], m = std::min(u, 1.0), gamma = gamma_[only];
+    const double softer = gamma > 0.0 ? gamma / (1.0 - m + gamma) : 0.0;
+    const double stiffer = gamma / (1.0 + u + gamma);
+    const double by_slope = share[only] + slope[only] * std::max(softer, stiffer);
+    const double by_gap = gap[only] / (1.0 + gamma / (1.0 + u));
+    out.of[only] = amplified * (by_slope + by_gap);
+    out.along = bent == 0.0 ? only : -1;
+    for (int i = 0; i < count_; ++i) {
+      if (i != only && !ContactDual::has(skipped_, i) && room[i] < out.of[only]) out.along = -1;
+    }
+    if (out.along >= 0) return;
+  }
+  for (int i = 0; i < count_; ++i) {
+    const double u = uncertainty_[i], gamma = gamma_[i];
+    if (slope[i] + share[i] + gap[i] == 0.0) continue;
+    const double as_force = u < 1.0 ? std::min(1.0, 0.5 * std::sqrt(gamma / (1.0 - u))) : 1.0;
+    const double most = involved == 1 ? 1.0 : kWedge;
+    const double as_gap = gamma > 0.0 ? std::min(most, 0.5 * std::sqrt((1.0 + u) / gamma)) : most;
+    out.of[i] = amplified * (share[i] + slope[i] * as_force + gap[i] * as_gap);
+  }
+}
+
+}  // namespace haptic::core

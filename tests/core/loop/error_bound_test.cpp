@@ -1,0 +1,160 @@
+// The bound of the felt force's error (core/METHOD.md#error-bound), on the real pipeline in virtual
+// time: a hand moves a mass in and out of a soft object whose simulation is behind a network.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "haptic/core/model/linear.hpp"
+#include "tests/support/loop/pipeline_loop.hpp"
+
+namespace haptic::core::error_bound_test {
+namespace {
+
+using haptic::test::ClientSettings;
+using haptic::test::PipelineLoop;
+
+constexpr double kSpring = 1500.0, kObject = 500.0;  // N/m
+constexpr double kMoved = 0.3, kDamping = 2.0;       // of the device, kg, N s/m
+constexpr double kArm = 800.0, kArmDamping = 8.0;    // N/m, N s/m
+constexpr double kTrueGamma = kSpring / kObject;
+constexpr double kRounding = 1e-5;  // N
+
+struct Judged {
+  std::vector<double> errors{}, bounds{};  ///< in contact, N
+  double peak{0.0};                        ///< N
+  int unknown{0};                          ///< ticks, of all
+  int broken{0};
+};
+
+PipelineConfig pressed_config(double tank) {
+  LinearMap map{.dofs = {{"l", Unit::kMetre, true, -0.2, 0.2}},
+                .coordinates = {{"x", Unit::kMetre, CoordinateKind::kLinear}},
+                .A = MatXQ::Identity(1, 1),
+                .x_0 = VecX::Zero(1)};
+  PipelineConfig c{.kinematics = make_linear(map)};
+  c.device.q_lower = VecQ::Constant(1, -1.0);
+  c.device.q_upper = VecQ::Constant(1, 1.0);
+  c.device.max_effort = VecA::Constant(1, 100.0);
+  c.scene.stiffness = VecA::Constant(1, kSpring);
+  c.scene.damping = VecA::Zero(1);
+  c.scene.force_limit = VecA::Constant(1, 60.0);
+  c.scene.slew_limit = VecA::Constant(1, 1e7);
+  c.scene.engage_window = VecA::Constant(1, 60.0);
+  c.scene.staleness.hold_end = std::chrono::milliseconds(400);
+  c.scene.staleness.fade_end = std::chrono::milliseconds(500);
+  if (tank >= 0.0) {
+    c.passivity.tank.enabled = true;
+    c.passivity.tank.initial = tank;
+    c.passivity.device_damping = VecA::Constant(1, kDamping);
+  }
+  return c;
+}
+
+ClientSettings telling_client(double round_trip_s, double told) {
+  ClientSettings client;
+  client.mode = ProxyMode::kPlanes;
+  client.stop = VecX::Zero(1);
+  client.compliance = kTrueGamma;
+  client.told_compliance = told * kTrueGamma;
+  client.delay_s = round_trip_s;
+  client.lost = 0.1;
+  return client;
+}
+
+Judged press(const ClientSettings& client, double tank = -1.0) {
+  constexpr int kSubsteps = 10, kBegin = 1000, kTicks = kBegin + 8000;
+  constexpr double kAmplitude = 0.018, kFrequency = 0.7;  // m, Hz
+  PipelineLoop loop(pressed_config(tank), client, kDamping);
+  Judged judged;
+  double q = -kAmplitude, v = 0.0;
+  for (int k = 1; k <= kTicks; ++k) {
+    for (int s = 0; s < kSubsteps; ++s) {
+      constexpr double dt = 1e-3 / kSubsteps;
+      const double t = std::max(0.0, (k - kBegin) * 1e-3 + s * dt), w = 2.0 * M_PI * kFrequency;
+      const double aim = -kAmplitude * std::cos(w * t), aim_dot = kAmplitude * w * std::sin(w * t);
+      const double push = kArm * (aim - q) + kArmDamping * (aim_dot - v) + loop.tau();
+      v = (v + dt * push / kMoved) / (1.0 + dt * kDamping / kMoved);
+      q += dt * v;
+    }
+    if (k == kBegin - 400) loop.engage();
+    const TickRecord& record = loop.tick(VecQ::Constant(1, q));
+    if (k < kBegin) continue;
+    const double shadow = q > 0.0 ? -kSpring * q / (1.0 + kTrueGamma) : 0.0;
+    judged.peak = std::max(judged.peak, -shadow);
+    if (record.effort.error_bound.size() == 0) {
+      ++judged.unknown;
+      continue;
+    }
+    const double error = std::abs(record.effort.tau_elastic[0] - record.life.gain * shadow);
+    judged.broken += error > record.effort.error_bound[0] + kRounding ? 1 : 0;
+    if (q <= 0.0) continue;
+    judged.errors.push_back(error);
+    judged.bounds.push_back(record.effort.error_bound[0]);
+  }
+  loop.require_engaged();
+  return judged;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+TEST(ErrorBound, HoldsAtAnyDelay) {
+  for (const double round_trip : {0.0, 0.020, 0.050, 0.100, 0.200}) {
+    for (const double told : {0.8, 1.0, 1.2}) {
+      SCOPED_TRACE(std::to_string(round_trip) + " s, told " + std::to_string(told));
+      ClientSettings client = telling_client(round_trip, told);
+      client.uncertainty = 0.2;
+      const Judged judged = press(client);
+      EXPECT_EQ(judged.broken, 0);
+      EXPECT_EQ(judged.unknown, 0);
+      if (told != 1.0 && round_trip > 0.0) {
+        EXPECT_LT(median(judged.bounds), 5.0 * median(judged.errors));
+      }
+    }
+  }
+}
+
+TEST(ErrorBound, IsNothingForAnExactLaw) {
+  for (const double round_trip : {0.0, 0.100, 0.200}) {
+    ClientSettings client = telling_client(round_trip, 1.0);
+    client.uncertainty = 0.0;
+    const Judged judged = press(client);
+    EXPECT_EQ(judged.broken, 0);
+    EXPECT_EQ(judged.unknown, 0);
+    EXPECT_LT(*std::max_element(judged.bounds.begin(), judged.bounds.end()), 1e-6);
+  }
+}
+
+TEST(ErrorBound, CountsForceHeldBack) {
+  ClientSettings client = telling_client(0.100, 0.5);
+  client.uncertainty = 0.5;
+  const Judged judged = press(client, 0.0);
+  EXPECT_EQ(judged.broken, 0);
+  EXPECT_EQ(judged.unknown, 0);
+}
+
+TEST(ErrorBound, BreaksIfTheUncertaintyIsFalse) {
+  ClientSettings client = telling_client(0.100, 2.0);
+  client.uncertainty = 0.1;
+  EXPECT_GT(press(client).broken, 0) << "the check can fail";
+}
+
+TEST(ErrorBound, IsUnknownIfNothingIsTold) {
+  ClientSettings client = telling_client(0.020, 1.0);
+  EXPECT_TRUE(press(client).bounds.empty()) << "no uncertainty";
+  client.uncertainty = 0.0;
+  client.anchored = false;
+  EXPECT_TRUE(press(client).bounds.empty()) << "no anchor";
+  client.compliance = 0.0;
+  client.mode = ProxyMode::kHeld;
+  EXPECT_TRUE(press(client).bounds.empty()) << "held";
+}
+
+}  // namespace
+}  // namespace haptic::core::error_bound_test

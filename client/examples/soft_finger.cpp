@@ -76,6 +76,7 @@ std::vector<client::Plane> SoftFinger::contacts(const Joints& x, double horizon)
     c.normal = {rx / distance, ry / distance, 0.0};
     c.curvature = client::cylinder_curvature(c.normal, {0.0, 0.0, 1.0}, distance);
     c.stiffness = model_.pad_stiffness;
+    c.uncertainty = 0.0;
     c.id = static_cast<std::uint32_t>(i + 1);
     planes.push_back(client::contact_at(at, c, model_.coupling));
   }

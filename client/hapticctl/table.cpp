@@ -168,8 +168,10 @@ std::string line(const client::DeviceInfo& device, const client::DeviceState& s,
     const auto& dof = device.dofs[i];
     all += text(" %s %8.5f %s", dof.name.c_str(), at(s.q, i), dof.unit.c_str());
     if (!dof.actuated) continue;
-    forces += text("  tau_a %s %7.3f %s", dof.name.c_str(), at(s.tau_a, actuated++),
+    forces += text("  tau_a %s %7.3f %s", dof.name.c_str(), at(s.tau_a, actuated),
                    effort_unit(dof.unit).c_str());
+    if (actuated < s.error_bound.size()) forces += text(" +-%.3f", s.error_bound[actuated]);
+    ++actuated;
   }
   all += forces;
   if (s.tracker) {

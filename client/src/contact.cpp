@@ -168,6 +168,7 @@ Plane contact_at(const std::vector<double>& x, const Contact& contact, double co
   plane.damping = contact.damping / coupling;
   plane.ground_stiffness = contact.ground_stiffness / coupling;
   plane.load = contact.load / coupling;
+  plane.uncertainty = contact.uncertainty;
   bool curved = false;
   for (std::size_t j = 0; j < n; ++j) {
     const Vector3 bent = times(contact.curvature, point.jacobian[j]);

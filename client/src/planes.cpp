@@ -113,6 +113,7 @@ std::size_t keep_deepest(const std::vector<VirtualCoordinate>& coordinates,
     if (curvatures + plane.curvature.size() > kMaxCurvatures ||
         n_x + plane.curvature.size() > kMaxNumbersOfPlane) {
       plane.curvature.clear();
+      plane.uncertainty.reset();  // it is told as flat, which it is not
     }
     curvatures += plane.curvature.size();
   }

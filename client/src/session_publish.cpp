@@ -74,6 +74,7 @@ void RemoteSession::publish(Proxy proxy) noexcept {
         sent.set_damping(plane.damping);
         sent.set_ground_stiffness(plane.ground_stiffness);
         sent.set_load(plane.load);
+        if (plane.uncertainty) sent.set_uncertainty(*plane.uncertainty);
       }
       // The state that the user was given, not one that arrived while the simulation computed.
       const NewestState::Given& given = states_.given();

@@ -46,7 +46,8 @@ struct PlaneSample {
   double mass{0.0}, damping{0.0}, ground_stiffness{0.0}, load{0.0};
   std::uint32_t id{0}, first_coordinate{0};
   std::uint32_t curvature_count{0};
-  std::uint32_t unused{0};  ///< keeps the layout free of padding
+  std::uint32_t tells_uncertainty{0};  ///< 0: it does not
+  double uncertainty{0.0};
 };
 
 /// When a sample left its source, by a synchronised clock (proto/README.md#clock-and-age).
@@ -277,13 +278,13 @@ template <typename T, std::size_t kSize>
 inline constexpr bool crosses = std::is_trivially_copyable_v<T>&& std::is_standard_layout_v<T> &&
                                 sizeof(T) == kSize;
 
-static_assert(crosses<ProxySample, 23704>);
+static_assert(crosses<ProxySample, 23960>);
 static_assert(crosses<PoseSample, 144>);
 static_assert(crosses<Verdict, 192>);
 static_assert(crosses<Request, 1288>);
 static_assert(crosses<Answer, 1864>);
 static_assert(crosses<DeviceEvent, 472>);
 static_assert(crosses<DeviceStatus, 1064>);
-static_assert(crosses<StateRecord, 3776>);
+static_assert(crosses<StateRecord, 3976>);
 
 }  // namespace haptic::server

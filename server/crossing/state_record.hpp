@@ -67,6 +67,7 @@ struct StateRecord {
   Values tau_measured{};  ///< empty if the device measures none
   Coordinates x_probe{}, x{};
   Values q_star{}, tau_elastic{}, tau_damping{}, tau_a{};
+  Values error_bound{};    ///< empty: nothing is known of it
   Values drive{};          ///< what goes to the device instead of tau_a; empty: tau_a does
   Values temperature_c{};  ///< empty if no winding has a model
   Values stiffness{};      ///< of the settings in use, before the gain
@@ -141,6 +142,7 @@ inline Values refused_reading(const core::TickRecord& record) {
   s.tau_elastic = flat(record.effort.tau_elastic);
   s.tau_damping = flat(record.effort.tau_damping);
   s.tau_a = flat(record.effort.tau_a);
+  s.error_bound = flat(record.effort.error_bound);
   s.drive = flat(record.effort.drive.size() > 0 ? record.effort.drive : record.effort.position);
   s.temperature_c = flat(record.effort.temperature_c);
   s.stiffness = flat(in.settings.stiffness);
@@ -218,6 +220,7 @@ void write(const StateRecord& record, State& state) {
   copy(record.q_star, state.mutable_q_star());
   copy(record.tau_a, state.mutable_tau_a());
   copy(record.tau_elastic, state.mutable_tau_elastic());
+  copy(record.error_bound, state.mutable_error_bound());
   state.set_proxy_seq_used(record.proxy_seq);
   state.set_proxy_age_us(whole_microseconds(record.proxy_age));
   state.clear_tracker();

@@ -68,6 +68,7 @@ struct TickTotals {
   // Of the newest tick.
   core::LifecycleState state{core::LifecycleState::kInit};
   double gain{0.0};
+  Values error_bound{};  ///< empty: unknown
   core::FaultSet active{};
   std::uint32_t carrier_tenure{0};       ///< of the newest tick under a lease
   Carrier last_carrier{Carrier::kNone};  ///< of that tick

@@ -122,6 +122,8 @@ void from_proto(const v1::Plane& message, PlaneSample& plane) {
   plane.ground_stiffness = message.ground_stiffness();
   plane.load = message.load();
   plane.id = message.id();
+  plane.tells_uncertainty = message.has_uncertainty() ? 1 : 0;
+  plane.uncertainty = message.uncertainty();
   plane.first_coordinate = message.first_coordinate();
   plane.curvature_count = static_cast<std::uint32_t>(message.curvature_size());
   const std::size_t behind = std::min<std::size_t>(plane.normal.count, PlaneSample::kNumbers);

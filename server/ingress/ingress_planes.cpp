@@ -69,6 +69,11 @@ Verdict Ingress::check_contact(const ProxySample& sample, std::size_t p) const {
     return refused(kBad, "planes[{}].compliance = {:.6g}: must lie within 0..1e18", p,
                    plane.compliance);
   }
+  if (plane.tells_uncertainty != 0 &&
+      !(plane.uncertainty >= 0.0 && plane.uncertainty <= kLargestUncertainty)) {
+    return refused(kBad, "planes[{}].uncertainty = {:.6g}: must lie within 0..1e6", p,
+                   plane.uncertainty);
+  }
   if (!(std::abs(plane.velocity) <= kLargestOffset)) {
     return refused(kBad, "planes[{}].velocity = {:.6g}: must lie within +-1e9", p, plane.velocity);
   }
@@ -128,7 +133,7 @@ Verdict Ingress::check_law(const PlaneSample& plane, std::size_t p) {
 void Ingress::store_planes(const ProxySample& sample) {
   core::PlaneSet& planes = newest_.planes;
   const Eigen::Index count = sample.plane_count;
-  bool soft = false, moving = false, pushed = false;
+  bool soft = false, moving = false, pushed = false, known = true;
   Eigen::Index curvatures = 0;
   newest_.anchored_at = 0;
   planes.normals.resize(n_x_, count);
@@ -141,6 +146,7 @@ void Ingress::store_planes(const ProxySample& sample) {
     planes.offsets[p] = flushed(plane.offset);
     soft = soft || flushed(plane.compliance) != 0.0;
     moving = moving || flushed(plane.velocity) != 0.0;
+    known = known && plane.tells_uncertainty != 0;
     pushed = pushed || plane.mass > 0.0;
     curvatures += plane.curvature_count;
     if (plane.id != 0) newest_.anchored_at = sample.tick_used;
@@ -148,6 +154,7 @@ void Ingress::store_planes(const ProxySample& sample) {
   // What no plane of the sample has takes no room in the tick.
   planes.compliance.resize(soft ? count : 0);
   planes.velocity.resize(moving ? count : 0);
+  planes.uncertainty.resize(known ? count : 0);
   planes.laws.resize(Eigen::NoChange, pushed ? count : 0);
   planes.curvature.resize(curvatures);
   curvatures = 0;
@@ -156,6 +163,7 @@ void Ingress::store_planes(const ProxySample& sample) {
     const PlaneSample& plane = sample.planes[i];
     if (soft) planes.compliance[p] = flushed(plane.compliance);
     if (moving) planes.velocity[p] = flushed(plane.velocity);
+    if (known) planes.uncertainty[p] = flushed(plane.uncertainty);
     if (pushed) {
       planes.laws.col(p) << plane.mass, plane.damping, plane.ground_stiffness, flushed(plane.load);
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <fstream>
+#include <vector>
 
 #include "server/front/link_watch.hpp"
 
@@ -16,6 +17,7 @@ struct Reading {
   std::string name{};
   DeviceStatus status{};
   TickTotals ticks{};
+  std::vector<std::string> actuators{};
 };
 
 /// "ENERGY_TANK" as a label's value: "energy_tank".
@@ -146,6 +148,14 @@ void force(Exposition& page, const std::vector<Reading>& devices) {
   }
   page.gauge("haptic_gain_ratio", "Gain of the elastic force, 0 to 1.");
   for (const Reading& d : devices) page.sample({{"device", d.name}}, d.ticks.gain);
+  page.gauge("haptic_force_error_bound",
+             "Bound of the elastic force's error against the simulation, N or N m; only if known.");
+  for (const Reading& d : devices) {
+    for (std::size_t i = 0;
+         i < std::min<std::size_t>(d.ticks.error_bound.count, d.actuators.size()); ++i) {
+      page.sample({{"device", d.name}, {"actuator", d.actuators[i]}}, d.ticks.error_bound.value[i]);
+    }
+  }
   page.counter("haptic_limited_ticks_total", "Ticks in which a limiter held something back.");
   for (const Reading& d : devices) named<core::Limiter>(page, "limiter", d, d.ticks.limited);
   page.counter("haptic_faults_total", "Times a fault latched.");
@@ -192,8 +202,11 @@ void links(Exposition& page, const std::vector<Reading>& devices) {
 std::string metrics_text(const MetricsSources& sources) {
   std::vector<Reading> devices;
   for (std::size_t i = 0; i < sources.owner->devices().size(); ++i) {
-    devices.push_back(
-        {sources.owner->devices()[i].name, sources.owner->status(i), sources.totals(i)});
+    const DeviceFacts& facts = sources.owner->devices()[i];
+    devices.push_back({facts.name, sources.owner->status(i), sources.totals(i), {}});
+    for (const v1::DegreeOfFreedom& dof : facts.description->dofs()) {
+      if (dof.actuated()) devices.back().actuators.push_back(dof.name());
+    }
   }
   const ServerFacts facts = sources.facts();
   Exposition page;

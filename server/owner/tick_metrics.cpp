@@ -37,6 +37,7 @@ void TickMetrics::on_tick(std::size_t device, const StateRecord& state) {
   totals.lost += state.lost ? 1 : 0;
   totals.state = state.state;
   totals.gain = state.gain;
+  totals.error_bound = state.error_bound;
   totals.active = state.faults;
 }
 

@@ -152,6 +152,7 @@ TEST_F(Publish, CarriesContacts) {
   const auto session = open();
   Plane plane = client::contact({0.1, 0.2}, 0.01, {1.0, 0.0});
   plane.compliance = 3.0;
+  plane.uncertainty = 0.0;
   plane.velocity = -0.5;
   plane.curvature = {1.0, 2.0, 3.0};
   plane.id = 7;
@@ -162,6 +163,7 @@ TEST_F(Publish, CarriesContacts) {
   session->publish(client::Proxy::behind({plane}, {0.1, 0.2}));
   const v1::Plane sent = first_sample().planes(0);
   EXPECT_EQ(sent.compliance(), 3.0);
+  EXPECT_TRUE(sent.has_uncertainty());
   EXPECT_EQ(sent.velocity(), -0.5);
   EXPECT_EQ(sent.curvature_size(), 3);
   EXPECT_EQ(sent.curvature(1), 2.0);

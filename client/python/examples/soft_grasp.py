@@ -35,7 +35,7 @@ def contacts(q: tuple[float, ...], horizon: float) -> list[haptic.Plane]:
             normal = (away[0] / distance, away[1] / distance, 0.0)
             found.append(haptic.contact_at(
                 q, point, normal, distance - RADIUS_M, coupling=JOINT_NM_PER_RAD,
-                stiffness=POINT_N_PER_M, id=1 + phalanx * POINTS + i,
+                stiffness=POINT_N_PER_M, uncertainty=0.0, id=1 + phalanx * POINTS + i,
                 curvature=haptic.cylinder_curvature(normal, (0.0, 0.0, 1.0), distance)))
     return found
 

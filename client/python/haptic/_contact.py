@@ -138,14 +138,16 @@ def contact_at(position: Sequence[float], point: PointMap, normal: Vector, gap: 
                coupling: float, stiffness: float = math.inf,
                curvature: Sequence[float] = (0.0,) * 6, velocity: float = 0.0,
                id: int = 0, mass: float = 0.0, damping: float = 0.0,
-               ground_stiffness: float = 0.0, load: float = 0.0) -> Plane:
+               ground_stiffness: float = 0.0, load: float = 0.0,
+               uncertainty: float | None = None) -> Plane:
     """The contact of a point of the tool with an object, linearised at the sample's `position`.
 
     normal: of the object at the nearest point, outwards, of length 1. gap: from the object to the
     point along it, m; below 0 inside. curvature: of the object, as sphere_curvature() gives it; 0
     is flat. stiffness: of point and object in series, N/m; infinite is rigid. coupling: of the
     simulation's own coupling, whose energy is coupling / 2 |x - x_probe|^2: N/m if x is in m, N
-    m/rad if in rad. velocity: m/s, above 0 the object recedes.
+    m/rad if in rad. velocity: m/s, above 0 the object recedes. uncertainty: relative, of the
+    stiffness, as in Plane.
 
     Of an object that is pushed, as felt along the normal (needs an id): mass, kg; damping, N s/m;
     ground_stiffness, N/m; load: the force on it now but for this contact's and the damping's, N,
@@ -162,7 +164,8 @@ def contact_at(position: Sequence[float], point: PointMap, normal: Vector, gap: 
     return contact(position, gap, gradient, compliance=coupling / stiffness, velocity=velocity,
                    curvature=second if any(second) else (), first_coordinate=first, id=id,
                    mass=mass / coupling, damping=damping / coupling,
-                   ground_stiffness=ground_stiffness / coupling, load=load / coupling)
+                   ground_stiffness=ground_stiffness / coupling, load=load / coupling,
+                   uncertainty=uncertainty)
 
 
 def contact_horizon(round_trip_s: float, period_s: float, v_max: float = FASTEST_POINT) -> float:

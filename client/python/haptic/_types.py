@@ -39,6 +39,8 @@ class Plane:
     damping: float = 0.0
     ground_stiffness: float = 0.0
     load: float = 0.0
+    uncertainty: float | None = None  # relative, of the stiffness; in all planes of a sample: the
+    # states say how far the force felt may be off, error_bound
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -73,13 +75,15 @@ def behind(planes: Sequence[Plane | tuple[Sequence[float], float]],
 def contact(position: Sequence[float], gap: float, gradient: Sequence[float], *,
             compliance: float = 0.0, velocity: float = 0.0, curvature: Sequence[float] = (),
             first_coordinate: int = 0, id: int = 0, mass: float = 0.0, damping: float = 0.0,
-            ground_stiffness: float = 0.0, load: float = 0.0) -> Plane:
+            ground_stiffness: float = 0.0, load: float = 0.0,
+            uncertainty: float | None = None) -> Plane:
     """The contact with this gap (>= 0: not touched) and gradient of the gap at `position`, the
     sample's; the other fields as in Plane."""
     offset = gap - sum(g * x for g, x in zip(gradient, position, strict=True))
     return Plane(tuple(-float(g) for g in gradient), float(offset), float(compliance),
                  float(velocity), tuple(map(float, curvature)), first_coordinate, id,
-                 float(mass), float(damping), float(ground_stiffness), float(load))
+                 float(mass), float(damping), float(ground_stiffness), float(load),
+                 uncertainty)
 
 
 # Of one sample, proto/README.md.
@@ -111,7 +115,7 @@ def deepest(planes: Sequence[Plane], x_probe: Sequence[float]) -> list[Plane]:
         count = len(plane.curvature)
         if (curvatures + count > MAX_CURVATURES or
                 len(plane.normal) + count > MAX_NUMBERS_OF_PLANE):
-            plane, count = dataclasses.replace(plane, curvature=()), 0
+            plane, count = dataclasses.replace(plane, curvature=(), uncertainty=None), 0
         chosen[i] = plane
         curvatures += count
     return [chosen[i] for i in sorted(chosen)]

@@ -135,6 +135,16 @@ class Force(OneServer):
         self.assertTrue(eventually(lambda: session.wait_for_state().active_planes == 0))
         self.assertEqual(session.samples().rejected_invalid, 0)
 
+    def test_the_error_is_bounded(self) -> None:
+        session = self.open()
+        state = session.wait_for_state()
+        self.assertEqual(len(state.error_bound), 0)
+        # The client's own proxy: 0.1 inside, and three quarters of that with the object.
+        x = (state.x_probe[0] - 0.025, state.x_probe[1])
+        session.publish(haptic.behind([haptic.contact(
+            x, -0.075, (-1.0, 0.0), compliance=3.0, id=1, uncertainty=0.1)], x))
+        self.assertTrue(eventually(lambda: len(session.wait_for_state().error_bound) > 0))
+
     def test_settings_are_clamped_with_a_reason(self) -> None:
         session = self.open()
         applied = session.update_settings(stiffness=[1e6])

@@ -318,6 +318,20 @@ TEST_F(IngressContactsTest, WithoutIdsNothingIsAnchored) {
   EXPECT_EQ(newest().planes.laws.cols(), 0);
 }
 
+TEST_F(IngressContactsTest, UncertaintyCountsIfAllTellIt) {
+  ProxySample sample = contacts(2);
+  sample.planes[0].tells_uncertainty = 1;
+  EXPECT_EQ(judge(sample), IngressVerdict::kAccepted);
+  EXPECT_EQ(newest().planes.uncertainty.size(), 0);
+  sample = contacts(2);
+  sample.planes[0].tells_uncertainty = sample.planes[1].tells_uncertainty = 1;
+  sample.planes[1].uncertainty = 0.25;
+  EXPECT_EQ(judge(sample), IngressVerdict::kAccepted);
+  ASSERT_EQ(newest().planes.uncertainty.size(), 2);
+  EXPECT_EQ(newest().planes.uncertainty[0], 0.0);
+  EXPECT_EQ(newest().planes.uncertainty[1], 0.25);
+}
+
 TEST_F(IngressContactsTest, NamesAndIgnoresAWrongLaw) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto refused = [&](const char* word, auto spoil) {
@@ -330,6 +344,14 @@ TEST_F(IngressContactsTest, NamesAndIgnoresAWrongLaw) {
   refused("planes[2].compliance = -1: must", [](auto& p) { p.compliance = -1.0; });
   refused("planes[2].compliance = nan: must", [&](auto& p) { p.compliance = nan; });
   refused("planes[2].compliance", [](auto& p) { p.compliance = 2e18; });
+  refused("planes[2].uncertainty = -1: must lie within 0..1e6", [](auto& p) {
+    p.tells_uncertainty = 1;
+    p.uncertainty = -1.0;
+  });
+  refused("planes[2].uncertainty = nan", [&](auto& p) {
+    p.tells_uncertainty = 1;
+    p.uncertainty = nan;
+  });
   refused("planes[2].velocity = nan: must", [&](auto& p) { p.velocity = nan; });
   refused("planes[2].velocity", [](auto& p) { p.velocity = -2e9; });
   refused("planes[2].curvature has 2 values: must", [](auto& p) { curve(p, {1.0, 2.0}); });

@@ -258,6 +258,7 @@ TEST(Messages, ContactLiesBehindItsNormal) {
   plane.set_ground_stiffness(9.0);
   plane.set_load(10.0);
   plane.add_curvature(6.0);
+  plane.set_uncertainty(0.0);
   v1::Plane& long_one = *sample.add_planes();
   for (int i = 0; i < 100; ++i) long_one.add_normal(1.0);
   for (int i = 0; i < 100; ++i) long_one.add_curvature(1.0);
@@ -276,6 +277,8 @@ TEST(Messages, ContactLiesBehindItsNormal) {
   EXPECT_EQ(first.load, 10.0);
   EXPECT_EQ(first.curvature_count, 1u);
   EXPECT_EQ(first.normal.value[2], 6.0);
+  EXPECT_EQ(first.tells_uncertainty, 1u) << "0 is exact, not absent";
+  EXPECT_EQ(taken.planes[1].tells_uncertainty, 0u);
   EXPECT_EQ(taken.planes[1].curvature_count, 100u) << "as on the wire; the ingress refuses it";
 }
 

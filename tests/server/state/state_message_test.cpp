@@ -21,7 +21,7 @@ core::TickRecord full_record() {
   r.input.device.sample.tau_measured = VecA::Ones(1);
   r.sensed.q = r.effort.q_star = VecQ::Ones(2);
   r.sensed.q_a_dot = r.effort.tau_a = r.effort.tau_elastic = r.effort.drive =
-      r.effort.temperature_c = VecA::Ones(1);
+      r.effort.temperature_c = r.effort.error_bound = VecA::Ones(1);
   r.anchor.x_probe = r.anchor.x = VecX::Ones(2);
   r.life.state = core::LifecycleState::kEngaged;
   r.proxy.mode = core::ProxyMode::kHeld;

@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "haptic/client/types.hpp"
@@ -89,6 +90,8 @@ struct Contact {
   /// and the force on it now but for this contact's and the damping's, N; > 0: along -normal, away
   /// from the tool. Needs an id.
   double mass{0.0}, damping{0.0}, ground_stiffness{0.0}, load{0.0};
+  /// k lies within 1 -+ this times `stiffness` until the next sample; 0: exactly there.
+  std::optional<double> uncertainty{};
 };
 
 /// The contact as the server takes it, linearised at the sample's position `x`: normal = -J^T n,

@@ -146,6 +146,9 @@ struct DeviceState {
   std::vector<double> q_star{};        ///< the subspace proxy in use, per DoF
   std::vector<double> tau_a{};         ///< the command, N or N m per actuated DoF
   std::vector<double> tau_elastic{};   ///< its elastic part
+  /// How far tau_elastic is at most from what the simulation would make felt now, by what its
+  /// sample told; empty: nothing is known of it.
+  std::vector<double> error_bound{};
   std::vector<double> stiffness_in_effect{};  ///< N/m or N m/rad per actuated DoF
   std::vector<double> tau_measured{};         ///< if the device measures force; as tau_a
   /// Sent to the device instead of tau_a if the server closes the force loop (N or N m) or moves
@@ -187,6 +190,7 @@ struct DeviceState {
     f("q_star", s.q_star);
     f("tau_a", s.tau_a);
     f("tau_elastic", s.tau_elastic);
+    f("error_bound", s.error_bound);
     f("stiffness_in_effect", s.stiffness_in_effect);
     f("tau_measured", s.tau_measured);
     f("drive", s.drive);

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -99,6 +100,9 @@ struct Plane {
   /// mass, 0: it is not pushed; damping and stiffness to ground, >= 0; and the force on it at this
   /// sample but for the contact's and the damping's, > 0: it pushes the object away.
   double mass{0.0}, damping{0.0}, ground_stiffness{0.0}, load{0.0};
+  /// The contact's stiffness lies within 1 -+ this times what is told; 0: exactly there. If all
+  /// planes of a sample have it, the states say how far the force felt may be off.
+  std::optional<double> uncertainty{};
 };
 
 /// Where the simulation's objects let the probe be; made by held(), behind() or free().

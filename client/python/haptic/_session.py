@@ -41,6 +41,7 @@ class Session:
         self._period_s = 1.0 / nominal_rate_hz if nominal_rate_hz > 0 else 1.0
         self._changed = threading.Condition()
         self._state: DeviceState | None = None
+        self._given: DeviceState | None = None  # the last one that the caller got
         self._events: collections.deque[Event] = collections.deque(maxlen=_MOST_EVENTS)
         self._ack = wire.SampleAck()
         self._tracker = tracker
@@ -93,8 +94,9 @@ class Session:
     # What goes up.
 
     def publish(self, proxy: Proxy) -> int:
-        """Sends where the proxy is now; returns the number of the sample. Raises if the session has
-        ended, or is a tracker's."""
+        """Sends where the proxy is now; returns the number of the sample. It counts as computed from
+        the last state that wait_for_state() or `state` gave. Raises if the session has ended, or is
+        a tracker's."""
         with self._changed:
             self._check()
             if self._tracker:
@@ -102,9 +104,10 @@ class Session:
                                   "publish: a session with tracker=True has publish_pose()")
             self._seq += 1
             self._round_trip.published(self._seq)
-            planes = deepest(proxy.planes, self._state.x_probe if self._state else proxy.position)
+            used = self._given or self._state
+            planes = deepest(proxy.planes, used.x_probe if used else proxy.position)
             self._planes_left_out += len(proxy.planes) - len(planes)
-            sample = to_sample(proxy, planes, self._seq, self._state.seq if self._state else 0)
+            sample = to_sample(proxy, planes, self._seq, used.seq if used else 0)
             self._newest = sample
             if self._udp is None or not self._udp.send(sample.SerializeToString()):
                 self._offer(wire.SessionRequest(proxy=sample))
@@ -201,7 +204,8 @@ class Session:
     def state(self) -> DeviceState | None:
         """The newest state; None before the first."""
         with self._changed:
-            return self._state
+            self._given = self._state
+            return self._given
 
     def wait_for_state(self, timeout: float = 5.0) -> DeviceState:
         """Waits for a state newer than the newest now. Raises TIMEOUT, or why the session ended."""
@@ -213,7 +217,8 @@ class Session:
             self._check()
             if self._state is None or self._state.seq <= seen:
                 raise ClientError("TIMEOUT", f"no state within {timeout:g} s")
-            return self._state
+            self._given = self._state
+            return self._given
 
     def events(self) -> list[Event]:
         """The events since the last call, at most the newest 256."""

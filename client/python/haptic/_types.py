@@ -97,7 +97,7 @@ def deepest(planes: Sequence[Plane], x_probe: Sequence[float]) -> list[Plane]:
     def depth(plane: Plane) -> float:
         length = math.hypot(*plane.normal)
         beyond = sum(n * p for n, p in zip(plane.normal, x_probe, strict=False)) - plane.offset
-        return beyond / length if length > 0.0 else -math.inf
+        return beyond / length if length > 0.0 and math.isfinite(beyond) else -math.inf
 
     def is_contact(plane: Plane) -> bool:
         return plane.compliance > 0.0 or bool(plane.curvature) or plane.id != 0

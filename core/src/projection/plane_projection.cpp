@@ -224,7 +224,11 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x, double age, d
   fresh_ = false;
   for (int i = 0; laws_.any() && i < count_; ++i) laws_.end(i, dual_.l()[i] * scale_[i]);
   displace(x);
-  return status;
+  if (x.allFinite()) return status;
+  // Numbers at the ends of what may be told, such as a normal of 1e-100: nothing follows from them.
+  x = x_probe;
+  dual_.hold_none();
+  return PlaneStatus::kInfeasible;
 }
 
 PlaneStatus PlaneProjection::settle(double age, int most_steps) noexcept {

@@ -164,6 +164,16 @@ class Session(OneServer):
         with self.connection.session(client_name="second", nominal_rate_hz=60):
             self.assertEqual(self.connection.devices()[0].controller, "second")
 
+    def test_a_sample_names_the_given_state(self) -> None:
+        session = self.open()
+        state = session.wait_for_state()
+        newer = session._state
+        while newer is None or newer.seq == state.seq:
+            time.sleep(0.01)
+            newer = session._state
+        session.publish(haptic.FREE)
+        self.assertEqual(session._newest.device_seq_used, state.seq)
+
     def test_an_observer_may_not_engage(self) -> None:
         session = self.open(observer=True)
         session.wait_for_state()

@@ -280,6 +280,7 @@ class Crossing {
     }
     for (int p = 0; p < proxy.planes.laws.cols(); ++p) {
       for (int row = 0; row < 4; ++row) check(proxy.planes.laws(row, p), Ingress::kLargestLaw);
+    }
     for (const double u : proxy.planes.uncertainty) {
       if (u < 0.0) fail("an uncertainty below 0");
       check(u, Ingress::kLargestUncertainty);

@@ -41,7 +41,7 @@ class Session:
         self._period_s = 1.0 / nominal_rate_hz if nominal_rate_hz > 0 else 1.0
         self._changed = threading.Condition()
         self._state: DeviceState | None = None
-        self._given: DeviceState | None = None  # the last one that the caller got
+        self._given: DeviceState | None = None  # to the caller, last
         self._events: collections.deque[Event] = collections.deque(maxlen=_MOST_EVENTS)
         self._ack = wire.SampleAck()
         self._tracker = tracker
@@ -94,14 +94,12 @@ class Session:
     # What goes up.
 
     def publish(self, proxy: Proxy) -> int:
-        """Sends where the proxy is now; returns the number of the sample. It counts as computed from
-        the last state that wait_for_state() or `state` gave. Raises if the session has ended, or is
-        a tracker's."""
+        """Sends where the proxy is, computed from the last state that wait_for_state() or `state`
+        gave; returns the sample's number. Raises if the session has ended, or is a tracker's."""
         with self._changed:
             self._check()
             if self._tracker:
-                raise ClientError("INVALID_ARGUMENT",
-                                  "publish: a session with tracker=True has publish_pose()")
+                raise ClientError("INVALID_ARGUMENT", "publish: a tracker has publish_pose()")
             self._seq += 1
             self._round_trip.published(self._seq)
             used = self._given or self._state

@@ -24,27 +24,6 @@ constexpr double kFlat_ns[] = {25.0, 25.0, 3.2}, kCurved_ns[] = {20.0, 110.0, 10
 
 }  // namespace
 
-bool PlaneSet::fits(int n_x) const noexcept {
-  const Eigen::Index count = offsets.size();
-  const auto none_or_all = [count](const Offsets& v) {
-    return (v.size() == 0 || v.size() == count) && v.allFinite();
-  };
-  if (count == 0) return true;
-  if (normals.rows() != n_x || normals.cols() != count || !normals.allFinite() ||
-      !offsets.allFinite() || !none_or_all(compliance) || !none_or_all(velocity) ||
-      !none_or_all(uncertainty) || (laws.cols() != 0 && laws.cols() != count) ||
-      !laws.allFinite()) {
-    return false;
-  }
-  if (!curvature.allFinite()) return false;
-  int numbers = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    if (curved[i] > kMaxCurved || first[i] + curved[i] > n_x) return false;
-    numbers += triangle(curved[i]);
-  }
-  return numbers == curvature.size();
-}
-
 PlaneProjection::PlaneProjection(const ConfigurationSpace& space, TaskMetric metric)
     : space_(&space), metric_(std::move(metric)), at_(VecX::Zero(space.n_x())) {
   for (const Coordinate& c : space.coordinates()) {

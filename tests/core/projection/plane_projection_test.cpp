@@ -300,5 +300,33 @@ TEST(PlaneProjection, AnyInputGivesABoundedAnswer) {
   }
 }
 
+TEST(PlaneProjection, ExtremeNumbersKeepTheProxyFinite) {
+  std::mt19937 random(1);
+  const auto choose = [&](int n) {
+    return static_cast<int>(random() % static_cast<std::uint32_t>(n));
+  };
+  const ConfigurationSpace space = space_of(2);
+  PlaneProjection projection(space);
+  const VecX probe = two(0.01, 0.01);
+  for (int i = 0; i < 20'000; ++i) {
+    PlaneSet set = planes_of(2, {{0, 0, 0}, {0, 0, 0}});
+    set.curvature.resize(6);
+    for (int k = 0; k < 2; ++k) {
+      set.normals(0, k) = std::pow(10.0, -choose(101)) * (choose(2) == 0 ? 1.0 : -1.0);
+      set.normals(1, k) = set.normals(0, k) * (choose(3) - 1);
+      set.offsets[k] = choose(2) == 0 ? -1e9 : 1e6;
+      set.curved[static_cast<std::size_t>(k)] = 2;
+      for (int h = 0; h < 3; ++h) set.curvature[3 * k + h] = choose(2) == 0 ? -1e9 : 1e3;
+    }
+    projection.set(set, two(0, 0));
+    VecX x;
+    for (int tick = 0; tick < 3; ++tick) {
+      static_cast<void>(projection.project(probe, x));
+      ASSERT_TRUE(x.allFinite()) << i;
+      ASSERT_TRUE(std::isfinite(projection.stored())) << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace haptic::core

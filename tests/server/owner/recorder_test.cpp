@@ -83,11 +83,12 @@ TEST(Recorder, HeaderNamesDofsAndUnits) {
   const auto kinematics = haptic::core::make_finger_exoskeleton({});
   const std::string header = Recorder::header(*kinematics, false);
   EXPECT_THAT(header, testing::StartsWith("time_s,seq,server_time_ns,state,mode,"));
-  EXPECT_THAT(header,
-              testing::HasSubstr(
-                  ",lease_epoch,l_x,q_B,q_dot_l_x_m_per_s,x_probe_q_o1_mcp_rad,"
-                  "x_probe_q_o2_pip_rad,x_q_o1_mcp_rad,x_q_o2_pip_rad,q_star_l_x_m,q_star_q_B_rad,"
-                  "tau_a_l_x_n,tau_elastic_l_x_n,error_bound_l_x_n,stiffness_in_effect_l_x_n_per_m,"));
+  EXPECT_THAT(
+      header,
+      testing::HasSubstr(
+          ",lease_epoch,l_x,q_B,q_dot_l_x_m_per_s,x_probe_q_o1_mcp_rad,"
+          "x_probe_q_o2_pip_rad,x_q_o1_mcp_rad,x_q_o2_pip_rad,q_star_l_x_m,q_star_q_B_rad,"
+          "tau_a_l_x_n,tau_elastic_l_x_n,error_bound_l_x_n,stiffness_in_effect_l_x_n_per_m,"));
   EXPECT_THAT(header, testing::HasSubstr(",drive_l_x,temperature_c_l_x,reading_l_x_m,"));
   EXPECT_THAT(header, testing::EndsWith(",damping_gain,tau_damping_l_x_n,lateness_us,skipped"));
   EXPECT_THAT(Recorder::header(*kinematics, true),

@@ -51,8 +51,8 @@ bool make_harmless(Request& request, core::TimePoint now) noexcept {
   bound(lease.hold_end);
   bound(lease.fade_end);
   const auto& renderer = request.settings.renderer;
-  return !renderer || (*renderer >= core::RendererKind::kStandard &&
-                       *renderer <= core::RendererKind::kPerContact);
+  return !renderer ||
+         (*renderer >= core::RendererKind::kStandard && *renderer <= core::kRenderers.back());
 }
 
 }  // namespace haptic::server

@@ -307,7 +307,7 @@ class Crossing {
       fail("settings beyond the scene's");
     }
     if (settings.renderer < core::RendererKind::kStandard ||
-        settings.renderer > core::RendererKind::kSubspaceExact) {
+        settings.renderer > core::kRenderers.back()) {
       fail("an unknown renderer");
     }
     if (core::check(settings.staleness) != nullptr ||

@@ -1,7 +1,8 @@
 #include "haptic/client/contact.hpp"
 
-#include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include "haptic/client/planes.hpp"
 
@@ -155,8 +156,17 @@ Curvature3 cylinder_curvature(const Vector3& normal, const Vector3& axis, double
 
 Plane contact_at(const std::vector<double>& x, const Contact& contact, double coupling) {
   const PointMap& point = contact.point;
-  const std::size_t first = std::min(point.first_coordinate, x.size());
-  const std::size_t n = std::min(point.jacobian.size(), x.size() - first);
+  const std::size_t first = point.first_coordinate, n = point.jacobian.size();
+  if (first > x.size() || n > x.size() - first) {
+    throw std::out_of_range("point.first_coordinate " + std::to_string(first) + ", " +
+                            std::to_string(n) + " coordinates: must lie within the " +
+                            std::to_string(x.size()) + " of x");
+  }
+  if (!point.second.empty() && point.second.size() != n * (n + 1) / 2) {
+    throw std::out_of_range("point.second: has " + std::to_string(point.second.size()) +
+                            " vectors, must have 0 or " + std::to_string(n * (n + 1) / 2) +
+                            " for " + std::to_string(n) + " coordinates");
+  }
   std::vector<double> gradient(x.size(), 0.0);
   for (std::size_t j = 0; j < n; ++j) gradient[first + j] = dot(contact.normal, point.jacobian[j]);
   Plane plane = haptic::client::contact(x, contact.gap, gradient);
@@ -174,7 +184,7 @@ Plane contact_at(const std::vector<double>& x, const Contact& contact, double co
     const Vector3 bent = times(contact.curvature, point.jacobian[j]);
     for (std::size_t k = 0; k <= j; ++k) {
       double value = dot(point.jacobian[k], bent);
-      if (at(j, k) < point.second.size()) value += dot(contact.normal, point.second[at(j, k)]);
+      if (!point.second.empty()) value += dot(contact.normal, point.second[at(j, k)]);
       plane.curvature.push_back(value);
       curved = curved || value != 0.0;
     }

@@ -95,7 +95,9 @@ std::size_t keep_deepest(const std::vector<VirtualCoordinate>& coordinates,
       out += plane.normal[i] * probe[i];
       length = std::hypot(length, plane.normal[i]);
     }
-    depths.push_back(length > 0.0 ? out / length : -std::numeric_limits<double>::infinity());
+    // What is no number is farthest: the server refuses it, and no order holds with it.
+    const bool known = length > 0.0 && std::isfinite(out);
+    depths.push_back(known ? out / length : -std::numeric_limits<double>::infinity());
   }
   std::vector<std::size_t> order(told), chosen;
   std::iota(order.begin(), order.end(), std::size_t{0});

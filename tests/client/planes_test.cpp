@@ -124,6 +124,26 @@ TEST(KeepDeepest, FlattensWhatCurvatureHasNoRoom) {
   for (std::size_t i = 0; i < 28; ++i) EXPECT_EQ(planes[i].curvature.empty(), i < 28 - 11) << i;
 }
 
+TEST(KeepDeepest, WhatIsNoNumberIsFarthest) {
+  // Sorted by NaN these would be in no order at all.
+  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+    std::vector<Plane> planes;
+    for (int i = 0; i < 64; ++i) planes.push_back({{1.0}, i % 2 == 0 ? bad : 1.0 * (64 - i)});
+    EXPECT_EQ(keep_deepest(linear(1), {0.0}, {}, planes), 32u);
+    ASSERT_EQ(planes.size(), 32u);
+    for (const Plane& plane : planes) EXPECT_TRUE(std::isfinite(plane.offset)) << bad;
+  }
+}
+
+TEST(KeepDeepest, AnglesGoTheShortWayRound) {
+  // The probe is 0.08 rad beyond the proxy, not a turn less that before it.
+  std::vector<Plane> planes;
+  for (int i = 0; i < 33; ++i) planes.push_back({{1.0}, 3.2 + 0.01 * i});
+  planes[0] = {{-1.0}, 3.0};
+  EXPECT_EQ(keep_deepest({{"phi", "rad", "angle"}}, {3.1}, {-3.1}, planes), 1u);
+  EXPECT_EQ(planes[0].normal[0], 1.0) << "the one that faces away is the farthest";
+}
+
 TEST(DerivePlanes, WrongSizesGiveNone) {
   EXPECT_TRUE(derive_planes(linear(2), {1}, {1, 2}).empty());
   EXPECT_TRUE(derive_planes(linear(2), {1, 2}, {3, 4}, {Block{1, 2}}).empty());

@@ -4,7 +4,6 @@
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "haptic/core/model/linear.hpp"
 #include "hw/motion/motion_csv.hpp"
 #include "hw/motion/pchip.hpp"
 #include "hw/simulated/finger.hpp"
@@ -12,6 +11,7 @@
 #include "tests/report/chosen_linkage.hpp"
 #include "tests/report/felt_study.hpp"
 #include "tests/report/rtt_study.hpp"
+#include "tests/support/loop/rails.hpp"
 
 namespace haptic::report {
 namespace {
@@ -20,61 +20,35 @@ using core::VecA;
 using core::VecQ;
 
 constexpr int kSubsteps = 10;
-constexpr double kStep = 1e-3 / kSubsteps;           // s
-constexpr double kMass = 0.3, kDamping = 2.0;        // of the device, kg, N s/m
-constexpr double kHand = 800.0, kHandDamping = 8.0;  // N/m, N s/m
-constexpr double kLowest = 3.0 * kDegree;            // of a recording's joints
-constexpr double kLongest = 12.0;                    // s, of a recording
+constexpr double kStep = 1e-3 / kSubsteps;  // s
+constexpr double kLowest = 3.0 * kDegree;   // of a recording's joints
+constexpr double kLongest = 12.0;           // s, of a recording
 constexpr double kSeconds = 8.0;
-
-struct Aim {
-  VecQ at{}, rate{};
-};
-using Hand = Aim (*)(double t);
 
 /// Masses on rails, each moved by a hand through a spring and a damper.
 class Masses final : public RttBody {
  public:
-  explicit Masses(Hand hand) : hand_(hand), q_(hand(-1.0).at), v_(VecQ::Zero(q_.size())) {}
-
-  void step(double t, const VecA& tau) override {
-    for (int s = kSubsteps - 1; s >= 0; --s) {
-      const Aim aim = hand_(t - s * kStep);
-      const VecQ push = kHand * (aim.at - q_) + kHandDamping * (aim.rate - v_) + tau;
-      v_ = (v_ + kStep * push / kMass) / (1.0 + kStep * kDamping / kMass);
-      q_ += kStep * v_;
-    }
-  }
-  [[nodiscard]] VecQ q() const override { return q_; }
+  explicit Masses(test::Hand hand) : masses_(std::move(hand)) {}
+  void step(double t, const VecA& tau) override { masses_.step(t, tau); }
+  [[nodiscard]] VecQ q() const override { return masses_.q(); }
 
  private:
-  Hand hand_;
-  VecQ q_, v_;
+  test::HandMasses masses_;
 };
 
-/// Cosine about `centre` from -amplitude on, at rest before.
-void swing(double t, double hz, double centre, double amplitude, double& at, double& rate) {
-  const double w = 2.0 * M_PI * hz, phase = w * std::max(t, 0.0);
-  at = centre - amplitude * std::cos(phase);
-  rate = t > 0.0 ? amplitude * w * std::sin(phase) : 0.0;
-}
-
-/// In and out of a wall at 0 by 18 mm.
-template <int kTenthsHz>
-Aim in_and_out(double t) {
-  Aim aim{VecQ(1), VecQ(1)};
-  swing(t, 0.1 * kTenthsHz, 0.0, 0.018, aim.at[0], aim.rate[0]);
-  return aim;
+/// In and out of a wall at 0.
+test::Hand in_and_out(double hz) {
+  return test::swinging(hz, 0.018);
 }
 
 /// Down on the disc within a second, to and fro by 15 mm, and up in the last one.
 template <int kHundredthsHz>
-Aim stroke(double t) {
+test::Aim stroke(double t) {
   constexpr double kAbove = 0.010, kBelow = -0.009;  // m
   const double down = std::clamp(t, 0.0, 1.0), up = std::clamp(t - (kSeconds - 1.0), 0.0, 1.0);
   const auto way = [](double u) { return 0.5 - 0.5 * std::cos(M_PI * u); };
   const auto slope = [](double u) { return 0.5 * M_PI * std::sin(M_PI * u); };
-  Aim aim{VecQ(2), VecQ(2)};
+  test::Aim aim{VecQ(2), VecQ(2)};
   const double w = 2.0 * M_PI * 0.01 * kHundredthsHz, phase = w * std::max(t, 0.0);
   aim.at[0] = 0.015 * std::sin(phase);
   aim.rate[0] = t > 0.0 ? 0.015 * w * std::cos(phase) : 0.0;
@@ -84,43 +58,22 @@ Aim stroke(double t) {
 }
 
 /// Two fingers, 40 mm apart when they touch, each in and out by 12 mm in its own time.
-Aim pinch(double t) {
-  Aim aim{VecQ(2), VecQ(2)};
-  swing(t, 0.7, -0.020, 0.012, aim.at[0], aim.rate[0]);
-  swing(t, 0.5, 0.020, -0.012, aim.at[1], aim.rate[1]);
+test::Aim pinch(double t) {
+  test::Aim aim{VecQ(2), VecQ(2)};
+  test::swing(t, 0.7, -0.020, 0.012, 0, aim);
+  test::swing(t, 0.5, 0.020, -0.012, 1, aim);
   return aim;
 }
 
-core::PipelineConfig rails(int n) {
-  core::LinearMap map{.A = core::MatXQ::Identity(n, n), .x_0 = core::VecX::Zero(n)};
-  for (int i = 0; i < n; ++i) {
-    const std::string number = std::to_string(i + 1);
-    map.dofs.push_back({"l" + number, core::Unit::kMetre, true, -0.2, 0.2});
-    map.coordinates.push_back({"x" + number, core::Unit::kMetre, core::CoordinateKind::kLinear});
-  }
-  core::PipelineConfig c{.kinematics = core::make_linear(map)};
-  c.device.q_lower = VecQ::Constant(n, -1.0);
-  c.device.q_upper = VecQ::Constant(n, 1.0);
-  c.device.max_effort = VecA::Constant(n, 100.0);
-  c.scene.stiffness = VecA::Constant(n, kRttCoupling);
-  c.scene.damping = VecA::Zero(n);
-  c.scene.force_limit = VecA::Constant(n, 60.0);
-  c.scene.slew_limit = VecA::Constant(n, 1e7);
-  c.scene.engage_window = VecA::Constant(n, 60.0);
-  c.passivity.tank.enabled = true;
-  c.passivity.device_damping = VecA::Constant(n, kDamping);
-  c.passivity.device_inertia = c.passivity.observer.inertia = VecA::Constant(n, kMass);
-  return c;
-}
-
-RttScene on_rails(const char* name, int n, const RttMaker& object, Hand hand) {
+RttScene on_rails(const char* name, int n, const RttMaker& object, const test::Hand& hand) {
   RttScene scene{.name = name,
                  .object = object,
-                 .pipeline = rails(n),
-                 .device_damping = kDamping,
+                 .pipeline = test::rails(n),
+                 .device_damping = test::Rails::damping,
                  .body = [hand] { return std::make_unique<Masses>(hand); },
                  .seconds = kSeconds};
-  scene.most_damping = 0.5 * kMass / 1e-3;
+  scene.pipeline.passivity.tank.enabled = true;
+  scene.most_damping = 0.5 * test::Rails::mass / 1e-3;
   return scene;
 }
 
@@ -186,15 +139,15 @@ std::string own_motion() {
 
 std::vector<RttScene> rtt_scenes(const std::vector<std::string>& recordings) {
   std::vector<RttScene> all{
-      on_rails("rigid_wall", 1, rtt_rigid_wall, in_and_out<7>),
-      on_rails("soft_wall", 1, rtt_soft_wall, in_and_out<7>),
-      on_rails("soft_wall_2hz", 1, rtt_soft_wall, in_and_out<20>),
-      on_rails("stiffening", 1, rtt_stiffening_wall, in_and_out<7>),
-      on_rails("stiffening_springs", 1, rtt_stiffening_springs, in_and_out<7>),
+      on_rails("rigid_wall", 1, rtt_rigid_wall, in_and_out(0.7)),
+      on_rails("soft_wall", 1, rtt_soft_wall, in_and_out(0.7)),
+      on_rails("soft_wall_2hz", 1, rtt_soft_wall, in_and_out(2.0)),
+      on_rails("stiffening", 1, rtt_stiffening_wall, in_and_out(0.7)),
+      on_rails("stiffening_springs", 1, rtt_stiffening_springs, in_and_out(0.7)),
       on_rails("disc_70mm_s", 2, rtt_disc, stroke<54>),
       on_rails("disc_2hz", 2, rtt_disc, stroke<200>),
-      on_rails("moving_soft", 1, rtt_moving_soft_wall, in_and_out<7>),
-      on_rails("moving_rigid", 1, rtt_moving_rigid_wall, in_and_out<7>),
+      on_rails("moving_soft", 1, rtt_moving_soft_wall, in_and_out(0.7)),
+      on_rails("moving_rigid", 1, rtt_moving_rigid_wall, in_and_out(0.7)),
       on_rails("two_fingers", 2, rtt_block, pinch),
   };
   all.back().blocks = {{0, 1}, {1, 1}};
@@ -204,7 +157,7 @@ std::vector<RttScene> rtt_scenes(const std::vector<std::string>& recordings) {
   }
   const auto push = [&](const char* name, const RttPushed& what) {
     all.push_back(on_rails(
-        name, 1, [what] { return rtt_pushed(what); }, in_and_out<7>));
+        name, 1, [what] { return rtt_pushed(what); }, in_and_out(0.7)));
     all.back().one_world = true;
   };
   push("pushed_right_0.02kg", {.mass = 0.02});

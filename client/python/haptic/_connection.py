@@ -8,7 +8,7 @@ from typing import Any
 
 import grpc
 
-from ._errors import ClientError, to_error
+from ._errors import ClientError, ask, to_error
 from ._ports import DEFAULT_SERVER
 from ._session import Session
 from ._state import DeviceState
@@ -16,7 +16,6 @@ from ._types import Carriers, Device, Event, ServerInfo
 from .v1 import haptic_service_pb2 as service
 from .v1 import haptic_service_pb2_grpc as stubs
 
-_ANSWER_S = 5.0
 _OPTIONS = [
     ("grpc.use_local_subchannel_pool", 1),
     # A connection over which nothing comes back is given up: a ping after 1 s of silence, 2 s for
@@ -68,10 +67,10 @@ class Connection:
         self._channel.close()
 
     def server_info(self) -> ServerInfo:
-        return ServerInfo.of(_ask(self._stub.GetServerInfo, service.GetServerInfoRequest()))
+        return ServerInfo.of(ask(self._stub.GetServerInfo, service.GetServerInfoRequest()))
 
     def devices(self) -> list[Device]:
-        answer = _ask(self._stub.ListDevices, service.ListDevicesRequest())
+        answer = ask(self._stub.ListDevices, service.ListDevicesRequest())
         return [Device.of(device) for device in answer.devices]
 
     def session(self, *, client_name: str, nominal_rate_hz: float, device: str = "",
@@ -104,17 +103,10 @@ class Connection:
         """Stops `device`, or all devices if it is empty; needs no session. Returns the devices that
         are in FAULT now."""
         request = service.EmergencyStopRequest(device=device, reason=reason)
-        return list(_ask(self._stub.EmergencyStop, request).stopped)
+        return list(ask(self._stub.EmergencyStop, request).stopped)
 
     def clear_fault(self, device: str = "", faults: Sequence[int] = ()) -> list[int]:
         """Clears faults by number; empty: all that are active. Returns what was cleared. Raises
         FAULT_PERSISTS if a cause persists."""
         request = service.ClearFaultRequest(device=device, fault_ids=faults)
-        return list(_ask(self._stub.ClearFault, request).cleared)
-
-
-def _ask(call: Any, request: Any) -> Any:
-    try:
-        return call(request, timeout=_ANSWER_S)
-    except grpc.RpcError as error:
-        raise to_error(error) from None
+        return list(ask(self._stub.ClearFault, request).cleared)

@@ -147,12 +147,18 @@ def contact_at(position: Sequence[float], point: PointMap, normal: Vector, gap: 
     is flat. stiffness: of point and object in series, N/m; infinite is rigid. coupling: of the
     simulation's own coupling, whose energy is coupling / 2 |x - x_probe|^2: N/m if x is in m, N
     m/rad if in rad. velocity: m/s, above 0 the object recedes. uncertainty: relative, of the
-    stiffness, as in Plane.
+    stiffness, as in Plane. Raises ValueError if the point's coordinates do not lie within position.
 
     Of an object that is pushed, as felt along the normal (needs an id): mass, kg; damping, N s/m;
     ground_stiffness, N/m; load: the force on it now but for this contact's and the damping's, N,
     above 0 if it points away from the tool."""
     n, first = len(point.jacobian), point.first_coordinate
+    if not 0 <= first <= len(position) - n:
+        raise ValueError(f"point.first_coordinate {first}, {n} coordinates: must lie within the "
+                         f"{len(position)} of position")
+    if len(point.second) not in (0, n * (n + 1) // 2):
+        raise ValueError(f"point.second: has {len(point.second)} vectors, must have 0 or "
+                         f"{n * (n + 1) // 2} for {n} coordinates")
     gradient = [0.0] * len(position)
     gradient[first:first + n] = [_dot(normal, column) for column in point.jacobian]
     xx, yx, yy, zx, zy, zz = curvature

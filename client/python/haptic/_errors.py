@@ -25,6 +25,16 @@ class ClientError(Exception):
 PASSING = frozenset({"NOT_ARMED", "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES", "STREAM_STALE",
                      "DEVICE_STALE", "TRACKER_STALE", "NEVER_FREE", "OUTSIDE_WINDOW"})
 
+_ANSWER_S = 5.0
+
+
+def ask(call: Any, request: Any) -> Any:
+    """One call that needs an answer."""
+    try:
+        return call(request, timeout=_ANSWER_S)
+    except grpc.RpcError as error:
+        raise to_error(error) from None
+
 
 @functools.cache
 def _types() -> dict[str, Any]:

@@ -10,15 +10,15 @@ from typing import Any
 
 import grpc
 
-from ._errors import PASSING, ClientError, to_error
+from ._errors import PASSING, ClientError, ask, to_error
 from ._round_trip import RoundTrip
+from ._sample import deepest, to_sample
 from ._state import DeviceState
-from ._types import Carriers, Event, Pose, Proxy, SampleCounts, Settings, deepest, to_sample
+from ._types import Carriers, Event, Pose, Proxy, SampleCounts, Settings
 from ._udp import UdpCarrier
 from .v1 import haptic_service_pb2 as service
 from .v1 import session_pb2 as wire
 
-_ANSWER_S = 5.0
 _ENGAGE_EVERY_S = 0.05
 _MOST_EVENTS = 256  # kept for a caller who does not ask
 
@@ -61,6 +61,9 @@ class Session:
         self._call = stub.Session(self._requests(opening))
         try:
             self._opened = self._open()
+            devices = ask(stub.ListDevices, service.ListDevicesRequest()).devices
+            self._kinds = next((tuple(c.kind for c in device.coordinates) for device in devices
+                                if device.name == self._opened.device), ())
             self._udp = self._open_udp(address)
         except BaseException:  # the caller gets no session to close: give the lease back now
             self._stop()
@@ -103,7 +106,8 @@ class Session:
             self._seq += 1
             self._round_trip.published(self._seq)
             used = self._given or self._state
-            planes = deepest(proxy.planes, used.x_probe if used else proxy.position)
+            planes = deepest(proxy.planes, proxy.position, used.x_probe if used else (),
+                             self._kinds)
             self._planes_left_out += len(proxy.planes) - len(planes)
             sample = to_sample(proxy, planes, self._seq, used.seq if used else 0)
             self._newest = sample
@@ -146,7 +150,7 @@ class Session:
 
     def engage(self) -> None:
         """Asks for force once. Raises ClientError and says what is missing."""
-        self._ask(self._stub.Engage, service.EngageRequest(session_id=self._opened.session_id))
+        ask(self._stub.Engage, service.EngageRequest(session_id=self._opened.session_id))
 
     def engage_when_ready(self) -> None:
         """Asks for force in the background, every 50 ms, until the server agrees, the device is in
@@ -171,26 +175,16 @@ class Session:
 
     def release(self) -> None:
         """Gives force up; it fades out."""
-        self._ask(self._stub.Release, service.ReleaseRequest(session_id=self._opened.session_id))
+        ask(self._stub.Release, service.ReleaseRequest(session_id=self._opened.session_id))
 
     def update_settings(self, *, stiffness: Sequence[float] = (), damping: Sequence[float] = (),
                         force_limit: Sequence[float] = (),
                         slew_limit: Sequence[float] = ()) -> Settings:
         """Changes settings within the limits of the scene, per actuated DoF; an empty one stays as
         it is. Returns what was applied."""
-        answer = self._ask(self._stub.UpdateSettings, service.UpdateSettingsRequest(
+        return Settings.of(ask(self._stub.UpdateSettings, service.UpdateSettingsRequest(
             session_id=self._opened.session_id, stiffness=stiffness, damping=damping,
-            force_limit=force_limit, slew_limit=slew_limit))
-        clamped = (f"{c.field} = {c.asked:g}: {c.applied:g} applied, {c.why}"
-                   for c in answer.clamped)
-        return Settings(tuple(answer.stiffness), tuple(answer.damping), tuple(answer.force_limit),
-                        tuple(answer.slew_limit), tuple(clamped))
-
-    def _ask(self, call: Any, request: Any) -> Any:
-        try:
-            return call(request, timeout=_ANSWER_S)
-        except grpc.RpcError as error:
-            raise to_error(error) from None
+            force_limit=force_limit, slew_limit=slew_limit)))
 
     # What comes down.
 

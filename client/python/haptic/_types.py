@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import enum
-import math
-import time
 from collections.abc import Sequence
 
 from ._names import name_of
@@ -84,49 +82,6 @@ def contact(position: Sequence[float], gap: float, gradient: Sequence[float], *,
                  float(velocity), tuple(map(float, curvature)), first_coordinate, id,
                  float(mass), float(damping), float(ground_stiffness), float(load),
                  uncertainty)
-
-
-# Of one sample, proto/README.md.
-MAX_PLANES, MAX_CONTACTS_OF_BLOCK, MAX_CURVATURES, MAX_NUMBERS_OF_PLANE = 32, 8, 320, 80
-
-
-def deepest(planes: Sequence[Plane], x_probe: Sequence[float]) -> list[Plane]:
-    """The planes that x_probe is deepest beyond, or nearest to, in their order. From the deepest on
-    it takes up to 32; a contact (a plane with compliance, curvature or id) only if fewer than 8 of
-    those taken share a coordinate with it. A curvature that has no room left becomes 0."""
-    def depth(plane: Plane) -> float:
-        length = math.hypot(*plane.normal)
-        beyond = sum(n * p for n, p in zip(plane.normal, x_probe, strict=False)) - plane.offset
-        return beyond / length if length > 0.0 and math.isfinite(beyond) else -math.inf
-
-    def is_contact(plane: Plane) -> bool:
-        return plane.compliance > 0.0 or bool(plane.curvature) or plane.id != 0
-
-    def share(a: Plane, b: Plane) -> bool:
-        return any(x and y for x, y in zip(a.normal, b.normal, strict=False))
-
-    chosen: dict[int, Plane] = {}
-    curvatures = 0
-    for i in sorted(range(len(planes)), key=lambda i: -depth(planes[i])):
-        plane = planes[i]
-        near = sum(is_contact(other) and share(other, plane) for other in chosen.values())
-        if len(chosen) == MAX_PLANES or (is_contact(plane) and near >= MAX_CONTACTS_OF_BLOCK):
-            continue
-        count = len(plane.curvature)
-        if (curvatures + count > MAX_CURVATURES or
-                len(plane.normal) + count > MAX_NUMBERS_OF_PLANE):
-            plane, count = dataclasses.replace(plane, curvature=(), uncertainty=None), 0
-        chosen[i] = plane
-        curvatures += count
-    return [chosen[i] for i in sorted(chosen)]
-
-
-def to_sample(proxy: Proxy, planes: Sequence[Plane], seq: int, used: int) -> wire.ProxySample:
-    """`used`: number of the state that it was computed from."""
-    return wire.ProxySample(
-        seq=seq, source_time_ns=time.monotonic_ns(), mode=proxy.mode, position=proxy.position,
-        device_seq_used=used,
-        planes=[wire.Plane(**dataclasses.asdict(plane)) for plane in planes])
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -249,3 +204,9 @@ class Settings:
     force_limit: tuple[float, ...]
     slew_limit: tuple[float, ...]
     clamped: tuple[str, ...]
+
+    @classmethod
+    def of(cls, m: service.UpdateSettingsResponse) -> Settings:
+        clamped = (f"{c.field} = {c.asked:g}: {c.applied:g} applied, {c.why}" for c in m.clamped)
+        return cls(tuple(m.stiffness), tuple(m.damping), tuple(m.force_limit),
+                   tuple(m.slew_limit), tuple(clamped))

@@ -5,7 +5,7 @@ import unittest
 from collections.abc import Callable
 
 import haptic
-from haptic._types import deepest
+from haptic._sample import deepest, difference
 
 RADIUS, CENTRE = 0.02, (0.06, 0.01, 0.02)
 Point = Callable[[list[float]], haptic.PointMap]
@@ -76,6 +76,16 @@ class ContactAt(unittest.TestCase):
                             self.assertAlmostEqual(plane.curvature[k], second, delta=1e-3)
                             k += 1
 
+    def test_coordinates_beyond_x_are_refused(self) -> None:
+        for point, words in (
+                (haptic.point_itself((0.0,) * 4, 1), "point.first_coordinate 1, 3 coordinates: "
+                 "must lie within the 3 of position"),
+                (haptic.PointMap(0, (0.0,) * 3, [(1.0, 0.0, 0.0)], [(0.0,) * 3] * 2),
+                 "point.second: has 2 vectors, must have 0 or 1 for 1 coordinates")):
+            with self.assertRaises(ValueError) as raised:
+                haptic.contact_at((0.0,) * 3, point, (1.0, 0.0, 0.0), 0.0, coupling=1.0)
+            self.assertEqual(str(raised.exception), words)
+
     def test_the_horizon_is_how_far_a_point_gets(self) -> None:
         self.assertAlmostEqual(haptic.contact_horizon(0.1, 0.02, 0.3), 0.036)
         self.assertAlmostEqual(haptic.contact_horizon(0.0, 0.0, 0.5), 0.1)
@@ -85,14 +95,27 @@ class Deepest(unittest.TestCase):
     def test_eight_contacts_of_a_block(self) -> None:
         planes = [haptic.Plane((1.0, 0.0), float(i), id=i + 1) for i in range(12)]
         planes.append(haptic.Plane((0.0, 1.0), 99.0, id=99))
-        kept = deepest(planes, (0.0, 0.0))
+        kept = deepest(planes, (0.0, 0.0), (), ("linear",) * 2)
         self.assertEqual([plane.id for plane in kept], [*range(1, 9), 99])
 
     def test_curvature_without_room_becomes_flat(self) -> None:
         planes = [haptic.Plane(tuple(float(i == j) for j in range(28)), 27.0 - i,
                                curvature=(1.0,) * 28) for i in range(28)]
-        kept = deepest(planes, (0.0,) * 28)
+        kept = deepest(planes, (0.0,) * 28, (), ("linear",) * 28)
         self.assertEqual([bool(plane.curvature) for plane in kept], [False] * 17 + [True] * 11)
+
+    def test_angles_go_the_short_way_round(self) -> None:
+        planes = [haptic.Plane((1.0,), 3.2 + 0.01 * i) for i in range(33)]
+        planes[0] = haptic.Plane((-1.0,), 3.0)
+        self.assertEqual(deepest(planes, (3.1,), (-3.1,), ("angle",)), planes[1:])
+        self.assertAlmostEqual(difference(("angle",), (-3.1,), (3.1,))[0], math.tau - 6.2)
+        pose = ("linear",) + ("quaternion",) * 4
+        self.assertEqual(difference(pose, (1.0, 0.0, -0.6, 0.0, -0.8), (0.0, 0.0, 0.0, 0.0, 1.0)),
+                         [1.0, 0.0, 0.6, 0.0, 0.8 - 1.0])
+
+    def test_what_is_no_number_is_farthest(self) -> None:
+        planes = [haptic.Plane((1.0,), math.nan if i % 2 else float(i)) for i in range(64)]
+        self.assertEqual(deepest(planes, (0.0,), (), ("linear",)), planes[::2])
 
 
 if __name__ == "__main__":

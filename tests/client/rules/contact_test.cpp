@@ -187,6 +187,27 @@ TEST(ContactAt, CarriesWhatItWasTold) {
   EXPECT_TRUE(plane.curvature.empty()) << "flat against a point that moves straight";
 }
 
+TEST(ContactAt, RefusesCoordinatesBeyondX) {
+  Contact contact{.point = point_itself({0.0, 0.0, 0.0, 0.0}, 1), .normal = {1.0, 0.0, 0.0}};
+  const auto refusal = [&](const std::vector<double>& x) -> std::string {
+    try {
+      static_cast<void>(contact_at(x, contact, 1500.0));
+    } catch (const std::out_of_range& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal({0, 0, 0, 0}), "");
+  EXPECT_EQ(refusal({0, 0, 0}),
+            "point.first_coordinate 1, 3 coordinates: must lie within the 3 of x");
+  contact.point.first_coordinate = 9;
+  EXPECT_NE(refusal({0, 0, 0, 0}), "");
+  contact.point.first_coordinate = 1;
+  contact.point.second.resize(5);
+  EXPECT_EQ(refusal({0, 0, 0, 0}),
+            "point.second: has 5 vectors, must have 0 or 6 for 3 coordinates");
+}
+
 TEST(ContactHorizon, IsHowFarAPointGets) {
   EXPECT_NEAR(contact_horizon(milliseconds(100), milliseconds(20), 0.3), 0.036, 1e-15);
   EXPECT_NEAR(contact_horizon({}, milliseconds(0), 0.5), 0.1, 1e-15) << "not known yet";

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "haptic/client/estimator.hpp"
-#include "haptic/core/model/linear.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"
+#include "tests/support/loop/rails.hpp"
 #include "tests/support/plane_set.hpp"
 
 namespace haptic::core {
@@ -18,10 +18,9 @@ namespace {
 
 using haptic::test::ClientSettings;
 using haptic::test::PipelineLoop;
+using haptic::test::Rails;
 
-constexpr double kCoupling = 1500.0, kObject = 500.0;  // N/m
-constexpr double kMass = 0.3, kDamping = 2.0;          // of the device, kg, N s/m
-constexpr double kHand = 800.0, kHandDamping = 8.0;    // N/m, N s/m
+constexpr double kCoupling = Rails::coupling, kObject = 500.0;  // N/m
 constexpr double kGamma = kCoupling / kObject;
 constexpr double kLight = 0.018, kHard = 0.0353;  // m of the hand: 4.6 and 9 N
 
@@ -52,47 +51,26 @@ ClientSettings contacts_client(double round_trip_s) {
 }
 
 PipelineConfig soft_config(double tank) {
-  LinearMap map{.dofs = {{"l", Unit::kMetre, true, -0.2, 0.2}},
-                .coordinates = {{"x", Unit::kMetre, CoordinateKind::kLinear}},
-                .A = MatXQ::Identity(1, 1),
-                .x_0 = VecX::Zero(1)};
-  PipelineConfig c{.kinematics = make_linear(map)};
-  c.device.q_lower = VecQ::Constant(1, -1.0);
-  c.device.q_upper = VecQ::Constant(1, 1.0);
-  c.device.max_effort = VecA::Constant(1, 100.0);
-  c.scene.stiffness = VecA::Constant(1, kCoupling);
-  c.scene.damping = VecA::Zero(1);
-  c.scene.force_limit = VecA::Constant(1, 60.0);
-  c.scene.slew_limit = VecA::Constant(1, 1e7);
-  c.scene.engage_window = VecA::Constant(1, 60.0);
+  PipelineConfig c = haptic::test::rails(1);
   c.scene.staleness.hold_end = std::chrono::milliseconds(400);
   c.scene.staleness.fade_end = std::chrono::milliseconds(500);
-  if (tank >= 0.0) {
-    c.passivity.tank.enabled = true;
-    c.passivity.tank.initial = tank;
-    c.passivity.device_damping = VecA::Constant(1, kDamping);
-  }
+  c.passivity.tank.enabled = tank >= 0.0;
+  if (tank >= 0.0) c.passivity.tank.initial = tank;
   return c;
 }
 
 SoftFigures felt(const SoftRun& what) {
-  constexpr int kSubsteps = 10, kBegin = 1000, kTicks = kBegin + 8000;
-  PipelineLoop loop(soft_config(what.tank), what.client, kDamping);
+  constexpr int kBegin = 1000, kTicks = kBegin + 8000;
+  PipelineLoop loop(soft_config(what.tank), what.client, Rails::damping);
+  haptic::test::HandMasses mass(haptic::test::swinging(what.frequency, what.amplitude));
   SoftFigures f;
-  double q = -what.amplitude, v = 0.0, squares = 0.0;
+  double squares = 0.0;
   int contact = 0, held_back = 0;
   for (int k = 1; k <= kTicks; ++k) {
-    for (int s = 0; s < kSubsteps; ++s) {
-      constexpr double dt = 1e-3 / kSubsteps;
-      const double t = std::max(0.0, (k - kBegin) * 1e-3 + s * dt), w = 2.0 * M_PI * what.frequency;
-      const double aim = -what.amplitude * std::cos(w * t);
-      const double aim_dot = what.amplitude * w * std::sin(w * t);
-      const double push = kHand * (aim - q) + kHandDamping * (aim_dot - v) + loop.tau();
-      v = (v + dt * push / kMass) / (1.0 + dt * kDamping / kMass);
-      q += dt * v;
-    }
+    mass.step((k - kBegin) * 1e-3, loop.tau_a());
+    const double q = mass.q()[0];
     if (k == kBegin - 400) loop.engage();
-    const TickRecord& record = loop.tick(VecQ::Constant(1, q));
+    const TickRecord& record = loop.tick(mass.q());
     if (k < kBegin) continue;
     const double shadow = q > 0.0 ? -kCoupling * q / (1.0 + kGamma) : 0.0;
     f.peak = std::max(f.peak, -shadow);

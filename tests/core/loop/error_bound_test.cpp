@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "haptic/core/model/linear.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"
+#include "tests/support/loop/rails.hpp"
 
 namespace haptic::core::error_bound_test {
 namespace {
@@ -16,9 +16,7 @@ namespace {
 using haptic::test::ClientSettings;
 using haptic::test::PipelineLoop;
 
-constexpr double kSpring = 1500.0, kObject = 500.0;  // N/m
-constexpr double kMoved = 0.3, kDamping = 2.0;       // of the device, kg, N s/m
-constexpr double kArm = 800.0, kArmDamping = 8.0;    // N/m, N s/m
+constexpr double kSpring = haptic::test::Rails::coupling, kObject = 500.0;  // N/m
 constexpr double kTrueGamma = kSpring / kObject;
 constexpr double kRounding = 1e-5;  // N
 
@@ -30,26 +28,11 @@ struct Judged {
 };
 
 PipelineConfig pressed_config(double tank) {
-  LinearMap map{.dofs = {{"l", Unit::kMetre, true, -0.2, 0.2}},
-                .coordinates = {{"x", Unit::kMetre, CoordinateKind::kLinear}},
-                .A = MatXQ::Identity(1, 1),
-                .x_0 = VecX::Zero(1)};
-  PipelineConfig c{.kinematics = make_linear(map)};
-  c.device.q_lower = VecQ::Constant(1, -1.0);
-  c.device.q_upper = VecQ::Constant(1, 1.0);
-  c.device.max_effort = VecA::Constant(1, 100.0);
-  c.scene.stiffness = VecA::Constant(1, kSpring);
-  c.scene.damping = VecA::Zero(1);
-  c.scene.force_limit = VecA::Constant(1, 60.0);
-  c.scene.slew_limit = VecA::Constant(1, 1e7);
-  c.scene.engage_window = VecA::Constant(1, 60.0);
+  PipelineConfig c = haptic::test::rails(1);
   c.scene.staleness.hold_end = std::chrono::milliseconds(400);
   c.scene.staleness.fade_end = std::chrono::milliseconds(500);
-  if (tank >= 0.0) {
-    c.passivity.tank.enabled = true;
-    c.passivity.tank.initial = tank;
-    c.passivity.device_damping = VecA::Constant(1, kDamping);
-  }
+  c.passivity.tank.enabled = tank >= 0.0;
+  if (tank >= 0.0) c.passivity.tank.initial = tank;
   return c;
 }
 
@@ -65,22 +48,15 @@ ClientSettings telling_client(double round_trip_s, double told) {
 }
 
 Judged press(const ClientSettings& client, double tank = -1.0) {
-  constexpr int kSubsteps = 10, kBegin = 1000, kTicks = kBegin + 8000;
-  constexpr double kAmplitude = 0.018, kFrequency = 0.7;  // m, Hz
-  PipelineLoop loop(pressed_config(tank), client, kDamping);
+  constexpr int kBegin = 1000, kTicks = kBegin + 8000;
+  PipelineLoop loop(pressed_config(tank), client, haptic::test::Rails::damping);
+  haptic::test::HandMasses mass(haptic::test::swinging(0.7, 0.018));
   Judged judged;
-  double q = -kAmplitude, v = 0.0;
   for (int k = 1; k <= kTicks; ++k) {
-    for (int s = 0; s < kSubsteps; ++s) {
-      constexpr double dt = 1e-3 / kSubsteps;
-      const double t = std::max(0.0, (k - kBegin) * 1e-3 + s * dt), w = 2.0 * M_PI * kFrequency;
-      const double aim = -kAmplitude * std::cos(w * t), aim_dot = kAmplitude * w * std::sin(w * t);
-      const double push = kArm * (aim - q) + kArmDamping * (aim_dot - v) + loop.tau();
-      v = (v + dt * push / kMoved) / (1.0 + dt * kDamping / kMoved);
-      q += dt * v;
-    }
+    mass.step((k - kBegin) * 1e-3, loop.tau_a());
+    const double q = mass.q()[0];
     if (k == kBegin - 400) loop.engage();
-    const TickRecord& record = loop.tick(VecQ::Constant(1, q));
+    const TickRecord& record = loop.tick(mass.q());
     if (k < kBegin) continue;
     const double shadow = q > 0.0 ? -kSpring * q / (1.0 + kTrueGamma) : 0.0;
     judged.peak = std::max(judged.peak, -shadow);

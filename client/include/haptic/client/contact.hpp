@@ -97,7 +97,8 @@ struct Contact {
 /// The contact as the server takes it, linearised at the sample's position `x`: normal = -J^T n,
 /// curvature J^T (object's curvature) J + sum_k n_k d2p_k/dx2, compliance = coupling / stiffness.
 /// `coupling`: c of the simulation's own coupling, whose energy is c/2 ||x - x_probe||_W^2: N/m if
-/// x is in m, N m/rad if in rad. Its units give the gap in m. Coordinates beyond x are left out.
+/// x is in m, N m/rad if in rad. Its units give the gap in m. Throws std::out_of_range if the
+/// point's coordinates do not lie within x, or `second` has another size.
 [[nodiscard]] Plane contact_at(const std::vector<double>& x, const Contact& contact,
                                double coupling);
 

@@ -1,0 +1,67 @@
+#include "tests/support/loop/rails.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "haptic/core/model/linear.hpp"
+
+namespace haptic::test {
+namespace {
+
+constexpr int kSubsteps = 10;
+constexpr double kStep = 1e-3 / kSubsteps;  // s
+constexpr double kBefore = -1.0;            // s
+
+}  // namespace
+
+void swing(double t, double hz, double centre, double amplitude, Eigen::Index i, Aim& aim) {
+  const double w = 2.0 * M_PI * hz, phase = w * std::max(t, 0.0);
+  aim.at[i] = centre - amplitude * std::cos(phase);
+  aim.rate[i] = t > 0.0 ? amplitude * w * std::sin(phase) : 0.0;
+}
+
+Hand swinging(double hz, double amplitude) {
+  return [=](double t) {
+    Aim aim{core::VecQ(1), core::VecQ(1)};
+    swing(t, hz, 0.0, amplitude, 0, aim);
+    return aim;
+  };
+}
+
+HandMasses::HandMasses(Hand hand)
+    : hand_(std::move(hand)), q_(hand_(kBefore).at), v_(core::VecQ::Zero(q_.size())) {}
+
+void HandMasses::step(double t, const core::VecA& tau) {
+  for (int s = kSubsteps - 1; s >= 0; --s) {
+    const Aim aim = hand_(t - s * kStep);
+    const core::VecQ push =
+        Rails::hand * (aim.at - q_) + Rails::hand_damping * (aim.rate - v_) + tau;
+    v_ = (v_ + kStep * push / Rails::mass) / (1.0 + kStep * Rails::damping / Rails::mass);
+    q_ += kStep * v_;
+  }
+}
+
+core::PipelineConfig rails(int n) {
+  core::LinearMap map{.A = core::MatXQ::Identity(n, n), .x_0 = core::VecX::Zero(n)};
+  for (int i = 0; i < n; ++i) {
+    const std::string number = std::to_string(i + 1);
+    map.dofs.push_back({"l" + number, core::Unit::kMetre, true, -0.2, 0.2});
+    map.coordinates.push_back({"x" + number, core::Unit::kMetre, core::CoordinateKind::kLinear});
+  }
+  core::PipelineConfig c{.kinematics = core::make_linear(map)};
+  c.device.q_lower = core::VecQ::Constant(n, -1.0);
+  c.device.q_upper = core::VecQ::Constant(n, 1.0);
+  c.device.max_effort = core::VecA::Constant(n, 100.0);
+  c.scene.stiffness = core::VecA::Constant(n, Rails::coupling);
+  c.scene.damping = core::VecA::Zero(n);
+  c.scene.force_limit = core::VecA::Constant(n, 60.0);
+  c.scene.slew_limit = core::VecA::Constant(n, 1e7);
+  c.scene.engage_window = core::VecA::Constant(n, 60.0);
+  c.passivity.device_damping = core::VecA::Constant(n, Rails::damping);
+  c.passivity.device_inertia = c.passivity.observer.inertia = core::VecA::Constant(n, Rails::mass);
+  return c;
+}
+
+}  // namespace haptic::test

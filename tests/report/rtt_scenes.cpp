@@ -43,12 +43,12 @@ test::Hand in_and_out(double hz) {
 
 /// Down on the disc within a second, to and fro by 15 mm, and up in the last one.
 template <int kHundredthsHz>
-test::Aim stroke(double t) {
+test::HandAim stroke(double t) {
   constexpr double kAbove = 0.010, kBelow = -0.009;  // m
   const double down = std::clamp(t, 0.0, 1.0), up = std::clamp(t - (kSeconds - 1.0), 0.0, 1.0);
   const auto way = [](double u) { return 0.5 - 0.5 * std::cos(M_PI * u); };
   const auto slope = [](double u) { return 0.5 * M_PI * std::sin(M_PI * u); };
-  test::Aim aim{VecQ(2), VecQ(2)};
+  test::HandAim aim{VecQ(2), VecQ(2)};
   const double w = 2.0 * M_PI * 0.01 * kHundredthsHz, phase = w * std::max(t, 0.0);
   aim.at[0] = 0.015 * std::sin(phase);
   aim.rate[0] = t > 0.0 ? 0.015 * w * std::cos(phase) : 0.0;
@@ -58,8 +58,8 @@ test::Aim stroke(double t) {
 }
 
 /// Two fingers, 40 mm apart when they touch, each in and out by 12 mm in its own time.
-test::Aim pinch(double t) {
-  test::Aim aim{VecQ(2), VecQ(2)};
+test::HandAim pinch(double t) {
+  test::HandAim aim{VecQ(2), VecQ(2)};
   test::swing(t, 0.7, -0.020, 0.012, 0, aim);
   test::swing(t, 0.5, 0.020, -0.012, 1, aim);
   return aim;

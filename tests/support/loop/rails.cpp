@@ -10,13 +10,13 @@
 namespace haptic::test {
 namespace {
 
-constexpr int kSubsteps = 10;
-constexpr double kStep = 1e-3 / kSubsteps;  // s
-constexpr double kBefore = -1.0;            // s
+constexpr int kHandSteps = 10;
+constexpr double kHandStep = 1e-3 / kHandSteps;  // s
+constexpr double kBefore = -1.0;                 // s
 
 }  // namespace
 
-void swing(double t, double hz, double centre, double amplitude, Eigen::Index i, Aim& aim) {
+void swing(double t, double hz, double centre, double amplitude, Eigen::Index i, HandAim& aim) {
   const double w = 2.0 * M_PI * hz, phase = w * std::max(t, 0.0);
   aim.at[i] = centre - amplitude * std::cos(phase);
   aim.rate[i] = t > 0.0 ? amplitude * w * std::sin(phase) : 0.0;
@@ -24,7 +24,7 @@ void swing(double t, double hz, double centre, double amplitude, Eigen::Index i,
 
 Hand swinging(double hz, double amplitude) {
   return [=](double t) {
-    Aim aim{core::VecQ(1), core::VecQ(1)};
+    HandAim aim{core::VecQ(1), core::VecQ(1)};
     swing(t, hz, 0.0, amplitude, 0, aim);
     return aim;
   };
@@ -34,12 +34,12 @@ HandMasses::HandMasses(Hand hand)
     : hand_(std::move(hand)), q_(hand_(kBefore).at), v_(core::VecQ::Zero(q_.size())) {}
 
 void HandMasses::step(double t, const core::VecA& tau) {
-  for (int s = kSubsteps - 1; s >= 0; --s) {
-    const Aim aim = hand_(t - s * kStep);
+  for (int s = kHandSteps - 1; s >= 0; --s) {
+    const HandAim aim = hand_(t - s * kHandStep);
     const core::VecQ push =
         Rails::hand * (aim.at - q_) + Rails::hand_damping * (aim.rate - v_) + tau;
-    v_ = (v_ + kStep * push / Rails::mass) / (1.0 + kStep * Rails::damping / Rails::mass);
-    q_ += kStep * v_;
+    v_ = (v_ + kHandStep * push / Rails::mass) / (1.0 + kHandStep * Rails::damping / Rails::mass);
+    q_ += kHandStep * v_;
   }
 }
 

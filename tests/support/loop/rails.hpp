@@ -15,13 +15,13 @@ struct Rails {
 };
 
 /// Where a hand aims at, and how fast that moves.
-struct Aim {
+struct HandAim {
   core::VecQ at{}, rate{};
 };
-using Hand = std::function<Aim(double t)>;
+using Hand = std::function<HandAim(double t)>;
 
 /// Adds to `aim` a cosine of coordinate i about `centre` from -amplitude on, at rest before t = 0.
-void swing(double t, double hz, double centre, double amplitude, Eigen::Index i, Aim& aim);
+void swing(double t, double hz, double centre, double amplitude, Eigen::Index i, HandAim& aim);
 /// One coordinate about 0.
 [[nodiscard]] Hand swinging(double hz, double amplitude);
 

@@ -14,6 +14,11 @@ constexpr double kWedge = 2.0;
 /// Beyond this share of its radius of curvature a displacement says nothing of the object.
 constexpr double kMostBent = 0.9;
 
+/// A joint that is not said to turn without end is on the real line, in rad.
+bool turns_points(const Coordinate& c) noexcept {
+  return c.unit == Unit::kRadian || c.kind != CoordinateKind::kLinear;
+}
+
 }  // namespace
 
 void PlaneProjection::begin_error(const PlaneSet& planes) noexcept {
@@ -75,7 +80,9 @@ PlaneProjection::Remainder PlaneProjection::remainder(int i) const noexcept {
       most_bent +=
           (column < row ? 2.0 : 1.0) * std::abs(*entry * z_[first + column] * z_[first + row]);
     }
-    if (!linear_[static_cast<std::size_t>(first + row)]) turns += std::abs(z_[first + row]);
+    if (turns_points(space_->coordinates()[static_cast<std::size_t>(first + row)])) {
+      turns += std::abs(z_[first + row]);
+    }
     most_along += std::abs(g[first + row] * z_[first + row]);
     along += g[first + row] * z_[first + row];
   }

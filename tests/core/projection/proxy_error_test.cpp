@@ -225,8 +225,8 @@ TEST(ProxyError, BoundsADiscThatIsStroked) {
 }
 
 TEST(ProxyError, BoundsPadsOfAFinger) {
-  const Coordinate angle{.name = "a", .unit = Unit::kRadian, .kind = CoordinateKind::kAngle};
-  const ConfigurationSpace space({angle, angle});
+  const Coordinate joint{.name = "a", .unit = Unit::kRadian, .kind = CoordinateKind::kLinear};
+  const ConfigurationSpace space({joint, joint});
   const Gaps finger = [](const Eigen::Vector2d& x) {
     std::vector<Gap> gaps;
     const auto e = [](double a) { return Eigen::Vector2d(std::cos(a), std::sin(a)); };

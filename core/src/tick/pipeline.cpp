@@ -98,21 +98,27 @@ PipelineConfig checked(PipelineConfig config) {
   return config;
 }
 
-/// How long a contact that moves goes on as it was told, s: while force is whole.
-double contact_age(const ProxySnapshot& sample, TimePoint now, const Settings& settings) noexcept {
+/// How long a contact that moves goes on as it was told: while force is whole, which the age of the
+/// sample's arrival decides.
+Duration contact_age(const ProxySnapshot& sample, TimePoint now,
+                     const Settings& settings) noexcept {
+  const Duration most = settings.staleness.hold_end;
   const TimePoint told = sample.computed == TimePoint{} ? sample.born : sample.computed;
-  return seconds(std::clamp(now - told, Duration::zero(), settings.staleness.hold_end));
+  return std::clamp(sample.born - told, Duration::zero(), most) +
+         std::clamp(now - sample.born, Duration::zero(), most);
 }
 
-/// By how much that may be off, s: the simulation did not compute it before the tick that it used,
-/// nor after its arrival.
-double age_error(const ProxySnapshot& sample, const Beat& beat, TimePoint now, Duration period,
-                 const Settings& settings) noexcept {
-  if (sample.planes.velocity.size() == 0 || sample.anchored_at > beat.tick) return 0.0;
-  const TimePoint told = sample.computed == TimePoint{} ? sample.born : sample.computed;
-  const auto ticks = static_cast<Duration::rep>(beat.tick - sample.anchored_at);
-  const Duration most = std::max(sample.born - told, ticks * period - (now - told));
-  return seconds(std::clamp(most, Duration::zero(), settings.staleness.hold_end));
+/// That may be off: the simulation did not compute it before the tick that it used, nor after its
+/// arrival.
+LocalProxy::Moment moment_of(const ProxySnapshot& sample, const Beat& beat, const TickInput& in,
+                             const Settings& settings) noexcept {
+  const Duration age = contact_age(sample, in.now, settings);
+  Duration error{0};
+  if (sample.planes.velocity.size() > 0 && sample.anchored_at <= beat.tick) {
+    const auto ticks = static_cast<Duration::rep>(beat.tick - sample.anchored_at);
+    error = std::max({age - (in.now - sample.born), ticks * in.period - age, error});
+  }
+  return {beat.tick, seconds(age), in.now, seconds(error)};
 }
 
 }  // namespace
@@ -141,10 +147,8 @@ class Pipeline::Stages {
         .settings_id = settings.id,
         .sensed = sensing_.step(in, now.beat.dt, driven_),
         .proxy = proxy_.step(in, settings.staleness, now.sensed.tracker, state_),
-        .anchor =
-            rendering_.step({now.beat.tick, contact_age(proxy_.sample(), in.now, settings), in.now,
-                             age_error(proxy_.sample(), now.beat, in.now, in.period, settings)},
-                            now.sensed, proxy_.sample(), settings, in_use_),
+        .anchor = rendering_.step(moment_of(proxy_.sample(), now.beat, in, settings), now.sensed,
+                                  proxy_.sample(), settings, in_use_),
         .life = supervisor_.step(in, now.beat, settings, now.sensed, now.proxy, now.anchor,
                                  output_faults_),
         .effort = actuation_.step(now.beat, now.sensed, now.anchor, now.life, settings,

@@ -207,11 +207,11 @@ TEST(Contacts, SurfaceMovesForTheSamplesAge) {
     const double age = 1e-3 * std::min(k - 1, 400);  // hold_end
     ASSERT_NEAR(pipeline.tick(in).anchor.x[0], 0.1 * age, 1e-12) << k;
   }
-  // Counted from the source's time where it is known, whatever that is not beyond hold_end.
+  // Counted from the source's time where it is known, which is up to hold_end before the arrival.
   const TimePoint now = in.now;
   for (const auto& [computed, age] : {std::pair{now - milliseconds(120), 0.120},
-                                      {TimePoint(Duration(1)), 0.4},
-                                      {now + std::chrono::hours(1), 0.0}}) {
+                                      {TimePoint(Duration(1)), 0.42},
+                                      {now + std::chrono::hours(1), 0.02}}) {
     ++in.proxy.seq;
     in.proxy.born = now - milliseconds(20);
     in.proxy.computed = computed;

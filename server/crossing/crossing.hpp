@@ -12,7 +12,9 @@
 /// The front keeps its own map from an id to the call that waits for the answer. A front that is
 /// gone looks like a client that fell silent: samples stop, and leases end by their clock.
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <type_traits>
@@ -72,6 +74,12 @@ struct ProxySample {
   std::uint64_t tick_used{0};  ///< device_seq_used; 0: none
   Coordinates position{};
   std::array<PlaneSample, core::kMaxPlanes> planes{};
+
+  /// The bytes before the planes, and those up to the last plane that it has (Inbox).
+  [[nodiscard]] static std::size_t head_bytes() noexcept { return offsetof(ProxySample, planes); }
+  [[nodiscard]] std::size_t told_bytes() const noexcept {
+    return head_bytes() + std::min<std::size_t>(plane_count, planes.size()) * sizeof(PlaneSample);
+  }
 };
 
 /// A pose of the tracked palm as it came off the wire; counts as in ProxySample.

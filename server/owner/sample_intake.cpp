@@ -58,7 +58,7 @@ void SampleIntake::take_for_tick() noexcept {
 bool SampleIntake::take(int most, const Owner::Turn& turn) {
   if (pages_ == nullptr) return false;
   int proxies = 0, poses = 0;
-  ProxySample sample;
+  ProxySample& sample = sample_;
   for (; proxies < most && pages_->proxies.take(proxies_, sample); ++proxies) {
     if (sample.device >= proxy_arrivals_.size()) continue;
     make_harmless(sample, proxy_arrivals_[sample.device].in_order(sample.arrival, steady_now()));

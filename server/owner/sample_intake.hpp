@@ -46,6 +46,7 @@ class SampleIntake {
   const FrontsPages* pages_{nullptr};
   Inbox<ProxySample, 256>::Cursor proxies_{};
   Inbox<PoseSample, 64>::Cursor poses_{};
+  ProxySample sample_{};                                      ///< scratch
   std::vector<ArrivalOrder> proxy_arrivals_, pose_arrivals_;  ///< per device
   std::uint64_t judged_{0};
 

@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/crossing/crossing.hpp"
 #include "server/crossing/inbox.hpp"
 
 namespace {
@@ -15,6 +16,8 @@ namespace {
 using haptic::server::Broadcast;
 using haptic::server::Inbox;
 using haptic::server::Latest;
+using haptic::server::PlaneSample;
+using haptic::server::ProxySample;
 
 /// A value whose every word says the same, so that a mixture of two shows.
 struct Words {
@@ -148,6 +151,23 @@ TEST(Inbox, ALyingWriterEndsTheReading) {
     while (box->take(cursor, value)) ++got;
     EXPECT_LE(got, Box::kSlots) << lie;
     EXPECT_FALSE(box->take(cursor, value)) << lie;
+  }
+}
+
+TEST(Inbox, CopiesThePlanesThatCount) {
+  const auto box = zeroed<Inbox<ProxySample, 2>>();
+  Inbox<ProxySample, 2>::Cursor cursor;
+  auto sample = std::make_unique<ProxySample>(), got = std::make_unique<ProxySample>();
+  for (const std::uint32_t count : {2U, 0U, 32U, 33U, ~0U}) {
+    sample->plane_count = count;
+    for (PlaneSample& plane : sample->planes) plane.offset = count;
+    for (PlaneSample& plane : got->planes) plane.offset = -1.0;
+    box->push(*sample);
+    ASSERT_TRUE(box->take(cursor, *got));
+    EXPECT_EQ(got->plane_count, count);
+    for (std::uint32_t i = 0; i < got->planes.size(); ++i) {
+      EXPECT_EQ(got->planes[i].offset, i < count ? count : -1.0) << count;
+    }
   }
 }
 

@@ -30,7 +30,7 @@ packages() {
     test) echo "libgtest-dev libgmock-dev clang-format clang-tidy gnuplot-nox" \
                 "liborocos-kdl-dev clang python3-grpcio python3-cryptography tshark openssl" \
                 "python3-pip python3-setuptools python3-wheel" \
-                "prometheus systemd mypy lintian haproxy" ;;
+                "prometheus systemd mypy lintian haproxy libmujoco-dev" ;;
     report) echo "gnuplot-nox" ;;
     node) echo "nodejs npm" ;;
     firmware) echo "gcc-arm-none-eabi" ;;

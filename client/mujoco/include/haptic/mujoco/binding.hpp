@@ -1,0 +1,35 @@
+#pragma once
+/// Which part of a MuJoCo model the device moves: what of it is which coordinate of the device
+/// (DeviceInfo::coordinates, the x of proto/README.md).
+
+#include <cstddef>
+#include <string>
+
+namespace haptic::mujoco {
+
+/// One joint, point or pose of the model that follows coordinates of the device.
+struct Binding {
+  enum class Kind : unsigned char {
+    kJoint,  ///< one coordinate: a hinge's angle, rad, or a slide's way, m
+    kPoint,  ///< three: x, y, z of a site, or of a body's frame, in the world, m
+    kPose    ///< seven: x, y, z, m, and the quaternion qx, qy, qz, qw of a body or site
+  };
+  Kind kind{Kind::kJoint};
+  std::string name{};               ///< in the model
+  std::size_t first_coordinate{0};  ///< of the device
+  /// Of a joint: qpos = offset + scale x. scale != 0; -1 if the two count in opposite directions.
+  double scale{1.0}, offset{0.0};
+};
+
+[[nodiscard]] inline Binding joint(std::string name, std::size_t coordinate, double scale = 1.0,
+                                   double offset = 0.0) {
+  return {Binding::Kind::kJoint, std::move(name), coordinate, scale, offset};
+}
+[[nodiscard]] inline Binding point(std::string site_or_body, std::size_t first_coordinate) {
+  return {Binding::Kind::kPoint, std::move(site_or_body), first_coordinate, 1.0, 0.0};
+}
+[[nodiscard]] inline Binding pose(std::string site_or_body, std::size_t first_coordinate) {
+  return {Binding::Kind::kPose, std::move(site_or_body), first_coordinate, 1.0, 0.0};
+}
+
+}  // namespace haptic::mujoco

@@ -1,0 +1,98 @@
+#pragma once
+/// haptic::mujoco - makes a MuJoCo simulation haptic: the part of the model that the device moves
+/// follows the device by springs, and what it meets is told to hapticd as contacts.
+///
+///   haptic::mujoco::Tool finger(model, data, {joint("mcp", 0), joint("pip", 1)},
+///                               {.coupling = 0.02});
+///   session->engage_when_ready();
+///   while (running) {
+///     const auto state = session->wait_for_state();
+///     session->publish(finger.step(state.x_probe, 1.0 / 60.0, session->round_trip()));
+///   }
+///
+/// **The coupling.** In each bound coordinate a spring c w (x_probe - x) pulls the tool, with
+/// critical damping against the probe's own rate, so that the tool does not lag in free motion; c
+/// is `coupling`, w the scene's metric. They are generalised forces (qfrc_applied) and not a mocap
+/// body with a weld: a weld's stiffness depends on the masses that it meets, and c must be known,
+/// because the server solves the same balance. Weight and passive forces of the bound joints are
+/// taken off, so only contacts hold the tool back. Their limits are taken off too: the hand that
+/// wears the device is where it is, whatever the model thinks.
+///
+/// **What is published** is the balance x = x_probe + W^-1 sum J_i^T n_i f_i / c, with the normal
+/// forces f_i that MuJoCo computed (mj_contactForce): the proxy of a tool without mass. In free
+/// motion it is x_probe to the bit. Friction is not told.
+///
+/// Units are SI: m, rad, N, kg. Frame: MuJoCo's world.
+
+#include <mujoco/mujoco.h>
+
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include "haptic/client/contact.hpp"
+#include "haptic/mujoco/binding.hpp"
+
+namespace haptic::mujoco {
+
+struct ToolOptions {
+  /// c > 0: N/m if x is in m, N m/rad if in rad. The displacement of the proxy under a force f is
+  /// f / c, and the device makes force of displacement: a smaller c is felt harder.
+  double coupling{0.0};
+  /// Diagonal of the scene's metric W, one per coordinate, > 0; empty: all 1. A quaternion's four
+  /// weigh alike: w / 4 is its stiffness per rad^2 of rotation, in units of c.
+  std::vector<double> weights{};
+  /// A probe that is farther from the tool's aim than this, m or rad, is not followed at once: the
+  /// client has just joined, or paused, or the device was moved meanwhile. The tool then comes at
+  /// `slow_*`, m/s and rad/s, from where it was, so that it meets every object from the side that
+  /// it was on; until it is there, nothing is told (Proxy::free()).
+  double jump_m{0.03}, jump_rad{0.35};
+  double slow_m_s{0.5}, slow_rad_s{6.0};
+};
+
+/// The part of a model that the device moves: all bodies below a bound one. Contacts of their geoms
+/// with anything else, and with each other, are told. Not safe for several threads.
+class Tool {
+ public:
+  /// `model` and `data` stay the caller's, and must live longer. Changes in `model`: limits of the
+  /// bound joints are off, and margin and gap of the tool's geoms grow by the horizon in which
+  /// contacts are told, without a change of where force begins. In `data` qfrc_applied of the
+  /// tool's DoFs is the tool's: put forces of your own into xfrc_applied. Runs mj_forward.
+  ///
+  /// Throws std::invalid_argument, which names binding, value and what is allowed: an unknown name,
+  /// a coordinate that is bound twice, a ball or free joint, a scale of 0, a coupling or a weight
+  /// that is not above 0, and a spring too stiff for the model's step (step sqrt(c w / m) > 0.5).
+  Tool(mjModel* model, mjData* data, const std::vector<Binding>& bindings,
+       const ToolOptions& options);
+  ~Tool();
+  Tool(Tool&&) noexcept;
+  Tool& operator=(Tool&&) noexcept;
+
+  /// `period` s of simulated time by mj_step, and the sample to publish. `x_probe`: of the newest
+  /// state, all coordinates of the device; if it is empty or not finite the tool stays where it is,
+  /// and the sample is Proxy::free(). `round_trip`: Session::round_trip(), for the horizon in which
+  /// contacts are told before they touch.
+  client::Proxy step(const std::vector<double>& x_probe, double period,
+                     std::chrono::nanoseconds round_trip = {});
+
+  // The same in parts, for a loop that calls mj_step itself:
+  //   tool.aim(x_probe, 16, round_trip);
+  //   for (int i = 0; i < 16; ++i) { tool.pull(); mj_step(model, data); }
+  //   session->publish(tool.proxy());
+
+  /// Where the tool is to be after `steps` (> 0) steps.
+  void aim(const std::vector<double>& x_probe, int steps, std::chrono::nanoseconds round_trip = {});
+  /// Sets qfrc_applied for the next mj_step.
+  void pull();
+  /// Of the contacts that the last mj_step found.
+  [[nodiscard]] client::Proxy proxy();
+
+  /// Whether the tool follows the probe; false: it is on its way there, see ToolOptions::jump_m.
+  [[nodiscard]] bool following() const noexcept;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace haptic::mujoco

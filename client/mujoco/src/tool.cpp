@@ -1,0 +1,281 @@
+#include "haptic/mujoco/tool.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "aim.hpp"
+#include "near_contacts.hpp"
+
+namespace haptic::mujoco {
+
+namespace {
+
+using std::chrono::nanoseconds;
+
+/// The same contact, said at x instead of x - z.
+void move_to(const std::vector<double>& x, const std::vector<double>& z, client::Plane& plane) {
+  double gap = plane.offset;  // at x - z
+  for (std::size_t i = 0; i < x.size(); ++i) gap -= plane.normal[i] * (x[i] - z[i]);
+  std::size_t n = 0;
+  while (triangle(n, 0) < plane.curvature.size()) ++n;
+  const std::size_t first = plane.first_coordinate;
+  std::vector<double> bent(n, 0.0);
+  for (std::size_t j = 0; j < n; ++j) {
+    for (std::size_t k = 0; k <= j; ++k) {
+      const double h = plane.curvature[triangle(j, k)];
+      bent[j] += h * z[first + k];
+      if (k != j) bent[k] += h * z[first + j];
+    }
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) gap -= plane.normal[i] * z[i];
+  for (std::size_t j = 0; j < n; ++j) {
+    gap += 0.5 * bent[j] * z[first + j];
+    plane.normal[first + j] -= bent[j];
+  }
+  plane.offset = gap;
+  for (std::size_t i = 0; i < x.size(); ++i) plane.offset += plane.normal[i] * x[i];
+}
+
+bool finite(const std::vector<double>& x) {
+  return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
+}
+
+}  // namespace
+
+struct Tool::State {
+  State(mjModel* m, mjData* d, const std::vector<Binding>& bindings, const ToolOptions& o);
+  /// The tool's aim is where the model has it.
+  void restart();
+  /// MuJoCo finds contacts up to this gap, m, and begins their force where it did.
+  void set_horizon(double horizon);
+  void aim(const std::vector<double>& x_probe, int count, nanoseconds round_trip);
+  void pull();
+  void pull_joint(const Place& place);
+  void pull_frame(const Place& place);
+  [[nodiscard]] client::Proxy proxy();
+  [[nodiscard]] double weight(std::size_t i) const {
+    return options.weights.empty() ? 1.0 : options.weights[i];
+  }
+
+  struct Margin {
+    mjtNum *margin, *gap;        ///< of a geom or a pair, in the model
+    double own_margin, own_gap;  ///< m, as the model had them
+  };
+
+  mjModel* model;
+  mjData* data;
+  ToolOptions options;
+  BoundTool tool;
+  NearContacts contacts;
+  Aim aimed;
+  std::vector<Margin> margins{};
+  std::vector<double> probe{};       ///< of the newest state, all coordinates
+  std::vector<double> seen{};        ///< the tool as the last step began
+  std::vector<mjtNum> rate{};        ///< qvel then
+  bool known{false};                 ///< the last probe could be used
+  double last_time{0.0}, owed{0.0};  ///< s
+};
+
+Tool::State::State(mjModel* m, mjData* d, const std::vector<Binding>& bindings,
+                   const ToolOptions& o)
+    : model(m), data(d), options(o), tool(*m, bindings, o), contacts(tool), aimed(tool, options) {
+  for (const Place& place : tool.places()) {
+    if (place.binding.kind == Binding::Kind::kJoint) model->jnt_limited[place.id] = 0;
+  }
+  // A pair has the larger margin and the larger gap of its two geoms. So those that have some of
+  // their own grow too, and what is subtracted stays as it was.
+  for (int geom = 0; geom < model->ngeom; ++geom) {
+    mjtNum &margin = model->geom_margin[geom], &gap = model->geom_gap[geom];
+    if (tool.moves(model->geom_bodyid[geom]) || margin != 0.0 || gap != 0.0) {
+      margins.push_back({&margin, &gap, margin, gap});
+    }
+  }
+  for (int pair = 0; pair < model->npair; ++pair) {
+    if (!tool.moves(model->geom_bodyid[model->pair_geom1[pair]]) &&
+        !tool.moves(model->geom_bodyid[model->pair_geom2[pair]])) {
+      continue;
+    }
+    mjtNum &margin = model->pair_margin[pair], &gap = model->pair_gap[pair];
+    margins.push_back({&margin, &gap, margin, gap});
+  }
+  restart();
+}
+
+void Tool::State::restart() {
+  set_horizon(0.0);
+  mj_forward(model, data);
+  probe.assign(tool.coordinates(), 0.0);
+  tool.read(*data, probe);
+  seen = probe;
+  aimed.begin(probe);
+  rate.assign(static_cast<std::size_t>(model->nv), 0.0);
+  contacts.begin(*model, *data);
+  last_time = data->time;
+}
+
+void Tool::State::set_horizon(double horizon) {
+  // From 3.9 on contacts are found within margin + gap and have force within margin; before, within
+  // margin, and margin - gap.
+  constexpr bool kGapIsAdded = mjVERSION_HEADER >= 3009000;
+  for (const Margin& own : margins) {
+    *own.margin = own.own_margin + (kGapIsAdded ? 0.0 : horizon);
+    *own.gap = own.own_gap + horizon;
+  }
+}
+
+void Tool::State::aim(const std::vector<double>& x_probe, int count, nanoseconds round_trip) {
+  if (count <= 0) throw std::invalid_argument("steps " + std::to_string(count) + ": must be > 0");
+  if (data->time < last_time) restart();  // mj_resetData, or MuJoCo found a bad state
+  const double seconds = count * model->opt.timestep;
+  known = !x_probe.empty() && finite(x_probe);
+  if (!known) return aimed.next({}, count, seconds);
+  if (x_probe.size() < tool.coordinates()) {
+    throw std::invalid_argument("x_probe has " + std::to_string(x_probe.size()) +
+                                " coordinates, and coordinate " +
+                                std::to_string(tool.coordinates() - 1) + " is bound");
+  }
+  if (!options.weights.empty() && options.weights.size() != x_probe.size()) {
+    throw std::invalid_argument("x_probe has " + std::to_string(x_probe.size()) +
+                                " coordinates, but there are " +
+                                std::to_string(options.weights.size()) + " weights");
+  }
+  probe = x_probe;
+  aimed.next(probe, count, seconds);
+  const std::chrono::duration<double> period(seconds);
+  set_horizon(client::contact_horizon(round_trip, std::chrono::duration_cast<nanoseconds>(period)));
+}
+
+void Tool::State::pull() {
+  mj_kinematics(model, data);
+  mj_comPos(model, data);
+  seen = probe;
+  tool.read(*data, seen);
+  std::copy_n(data->qvel, model->nv, rate.begin());
+  last_time = data->time;
+  aimed.step();
+  for (int i = 0; i < model->nv; ++i) {
+    if (tool.owns_dof(i)) data->qfrc_applied[i] = 0.0;
+  }
+  for (const Place& place : tool.places()) {
+    for (const int dof : place.dofs) {
+      data->qfrc_applied[dof] += data->qfrc_bias[dof] - data->qfrc_passive[dof];
+    }
+    if (place.binding.kind == Binding::Kind::kJoint) {
+      pull_joint(place);
+    } else {
+      pull_frame(place);
+    }
+  }
+}
+
+void Tool::State::pull_joint(const Place& place) {
+  const std::size_t i = place.binding.first_coordinate;
+  const int dof = place.dofs[0];
+  const double scale = place.binding.scale, stiffness = options.coupling * weight(i);
+  const double faster = aimed.rate(i) - data->qvel[dof] / scale;
+  data->qfrc_applied[dof] += (stiffness * place.apart(seen[i], aimed.at(i)) +
+                              2.0 * std::sqrt(stiffness * place.mass) * faster) /
+                             scale;
+}
+
+void Tool::State::pull_frame(const Place& place) {
+  const std::size_t first = place.binding.first_coordinate;
+  const auto nv = static_cast<std::size_t>(model->nv);
+  const Vector3 position = position_of(*data, place);
+  std::vector<mjtNum> jacobian(6 * nv);
+  mj_jac(model, data, jacobian.data(), jacobian.data() + 3 * nv, position.data(), place.body);
+  mjtNum speed[6], force[3], torque[3] = {0.0, 0.0, 0.0};
+  mju_mulMatVec(speed, jacobian.data(), data->qvel, 6, model->nv);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double stiffness = options.coupling * weight(first + k);
+    force[k] = stiffness * (aimed.at(first + k) - position[k]) +
+               2.0 * std::sqrt(stiffness * place.mass) * (aimed.rate(first + k) - speed[k]);
+  }
+  if (place.binding.kind == Binding::Kind::kPose) {
+    mjtNum here[4], there[4], back[4], error[4], turn[3];
+    quaternion_of(*data, place, here);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::size_t i = first + 3 + (k + 3) % 4;  // MuJoCo has w first
+      there[k] = aimed.at(i);
+      back[k] = aimed.at(i) - aimed.rate(i) * model->opt.timestep;
+    }
+    mju_normalize4(there);
+    mju_normalize4(back);
+    mju_negQuat(back, back);
+    mju_mulQuat(error, there, back);
+    mju_quat2Vel(turn, error, model->opt.timestep);  // of the aim, in the world
+    mju_negQuat(back, here);
+    mju_mulQuat(error, there, back);
+    // Minus the gradient of c w / 2 times the squared length between the two quaternions.
+    const double stiffness = 0.5 * options.coupling * weight(first + 3);
+    const double damping = 2.0 * std::sqrt(0.5 * stiffness * place.inertia);
+    for (std::size_t k = 0; k < 3; ++k) {
+      torque[k] = (error[0] < 0.0 ? -stiffness : stiffness) * error[1 + k] +
+                  damping * (turn[k] - speed[3 + k]);
+    }
+  }
+  mj_applyFT(model, data, force, torque, position.data(), place.body, data->qfrc_applied);
+}
+
+client::Proxy Tool::State::proxy() {
+  auto near = contacts.find(*model, *data, seen, rate);
+  if (!known || !aimed.following()) return client::Proxy::free();
+  std::vector<double> x = probe;
+  std::vector<client::Plane> planes;
+  for (const NearContact& one : near) {
+    client::Plane plane = client::contact_at(seen, one.contact, options.coupling);
+    const bool moves = std::any_of(plane.normal.begin(), plane.normal.end(),
+                                   [](double part) { return part != 0.0; });
+    if (!moves) continue;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      x[i] -= plane.normal[i] * one.force / (options.coupling * weight(i));
+    }
+    planes.push_back(std::move(plane));
+  }
+  if (planes.empty()) return client::Proxy::free();
+  std::vector<double> z = x;  // x less what was seen
+  for (std::size_t i = 0; i < z.size(); ++i) z[i] -= seen[i];
+  for (const Place& place : tool.places()) {
+    const std::size_t first = place.binding.first_coordinate;
+    if (place.turns) z[first] = place.apart(seen[first], x[first]);
+  }
+  for (client::Plane& plane : planes) move_to(x, z, plane);
+  return client::Proxy::behind(std::move(planes), std::move(x));
+}
+
+Tool::Tool(mjModel* model, mjData* data, const std::vector<Binding>& bindings,
+           const ToolOptions& options)
+    : state_(std::make_unique<State>(model, data, bindings, options)) {}
+Tool::~Tool() = default;
+Tool::Tool(Tool&&) noexcept = default;
+Tool& Tool::operator=(Tool&&) noexcept = default;
+
+void Tool::aim(const std::vector<double>& x_probe, int steps, nanoseconds round_trip) {
+  state_->aim(x_probe, steps, round_trip);
+}
+void Tool::pull() {
+  state_->pull();
+}
+client::Proxy Tool::proxy() {
+  return state_->proxy();
+}
+bool Tool::following() const noexcept {
+  return state_->aimed.following();
+}
+
+client::Proxy Tool::step(const std::vector<double>& x_probe, double period,
+                         nanoseconds round_trip) {
+  State& s = *state_;
+  s.owed += period;
+  const int count = std::max(1, static_cast<int>(s.owed / s.model->opt.timestep + 1e-6));
+  s.owed -= count * s.model->opt.timestep;
+  aim(x_probe, count, round_trip);
+  for (int i = 0; i < count; ++i) {
+    pull();
+    mj_step(s.model, s.data);
+  }
+  return proxy();
+}
+
+}  // namespace haptic::mujoco

@@ -1,0 +1,85 @@
+#pragma once
+/// A MuJoCo model of a test, and the simulation of it behind a network, in virtual time.
+
+#include <mujoco/mujoco.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "haptic/mujoco/tool.hpp"
+#include "tests/support/loop/pipeline_loop.hpp"
+#include "tests/support/plane_set.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace haptic::mujoco {
+
+struct World {
+  explicit World(const std::string& mjcf) {
+    const test::TemporaryFile file(mjcf, "model.xml");
+    load(file.path());
+  }
+  static World of_file(const std::string& path) {
+    World world;
+    world.load(path);
+    return world;
+  }
+
+  [[nodiscard]] int id(int type, const char* name) const { return mj_name2id(m(), type, name); }
+  [[nodiscard]] mjModel* m() const { return model.get(); }
+  [[nodiscard]] mjData* d() const { return data.get(); }
+
+  std::unique_ptr<mjModel, decltype(&mj_deleteModel)> model{nullptr, mj_deleteModel};
+  std::unique_ptr<mjData, decltype(&mj_deleteData)> data{nullptr, mj_deleteData};
+
+ private:
+  World() = default;
+  void load(const std::string& path) {
+    char error[500] = "";
+    model.reset(mj_loadXML(path.c_str(), nullptr, error, sizeof error));
+    if (!model) throw std::runtime_error(error);
+    data.reset(mj_makeData(model.get()));
+  }
+};
+
+/// A round tool of 20 g and 10 mm that slides along x, and `objects`.
+inline std::string slider_model(const std::string& objects, const std::string& option = "") {
+  return R"(<mujoco><option timestep="0.001" gravity="0 0 0" )" + option + R"(/>
+    <default><geom condim="1"/></default>
+    <worldbody>
+      <body name="tool"><joint name="x" type="slide" axis="1 0 0"/>
+        <geom name="tip" type="sphere" size="0.01" mass="0.02"/></body>)" +
+         objects + "</worldbody></mujoco>";
+}
+
+/// A wall that is touched at x = 20 mm, of 500 N/m and 2 N s/m for that tool.
+inline const std::string kSoftWall =
+    R"(<geom name="wall" type="plane" pos="0.03 0 0" zaxis="-1 0 0" size="1 1 1"
+             solref="-12500 -50" solimp="0.5 0.5 0.001"/>)";
+
+/// The sample that the tool tells at every look, as the pipeline gets it.
+inline test::ClientSettings told_by(Tool& tool, double rate_hz, double delay_s, int n_x) {
+  test::ClientSettings client;
+  client.mode = core::ProxyMode::kPlanes;
+  client.stop = core::VecX::Constant(n_x, std::numeric_limits<double>::infinity());
+  client.rate_hz = rate_hz;
+  client.delay_s = delay_s;
+  client.jitter = 0.0;
+  client.simulate = [&tool, rate_hz, delay_s, n_x](test::Frame& frame) {
+    const std::vector<double> probe(frame.x_probe.begin(), frame.x_probe.end());
+    const client::Proxy proxy = tool.step(
+        probe, 1.0 / rate_hz, std::chrono::nanoseconds(static_cast<std::int64_t>(delay_s * 1e9)));
+    frame.walls = test::plane_set(proxy.planes, n_x);
+    frame.x = frame.x_probe;
+    for (std::size_t i = 0; i < proxy.position.size(); ++i) {
+      frame.x[static_cast<Eigen::Index>(i)] = proxy.position[i];
+    }
+    frame.contact = frame.anchored = !proxy.planes.empty();
+  };
+  return client;
+}
+
+}  // namespace haptic::mujoco

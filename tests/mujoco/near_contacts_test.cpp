@@ -1,0 +1,246 @@
+/// What is told of MuJoCo's contacts: gap, gradient and curvature against MuJoCo at other places of
+/// the tool, the law of what is pushed, and the life of an id.
+
+#include "near_contacts.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/mujoco/mujoco_world.hpp"
+
+namespace haptic::mujoco {
+namespace {
+
+/// Tool, model and what is found, without a device.
+struct Still {
+  Still(const std::string& mjcf, const std::vector<Binding>& bindings)
+      : Still(World(mjcf), bindings) {}
+  Still(World w, const std::vector<Binding>& bindings)
+      : world(std::move(w)),
+        tool(*world.m(), bindings, {.coupling = 1e-3}),
+        contacts(tool),
+        rate(static_cast<std::size_t>(world.m()->nv), 0.0) {
+    for (int geom = 0; geom < world.m()->ngeom; ++geom) {
+      world.m()->geom_margin[geom] = world.m()->geom_gap[geom] = 1.0;
+    }
+  }
+  std::vector<NearContact> find() {
+    mj_forward(world.m(), world.d());
+    x.assign(tool.coordinates(), 0.0);
+    tool.read(*world.d(), x);
+    return contacts.find(*world.m(), *world.d(), x, rate);
+  }
+  World world;
+  BoundTool tool;
+  NearContacts contacts;
+  std::vector<mjtNum> rate;
+  std::vector<double> x{};
+};
+
+/// The gap that a plane says for x.
+double gap_at(const client::Plane& plane, const std::vector<double>& x0,
+              const std::vector<double>& x) {
+  double gap = plane.offset;
+  for (std::size_t i = 0; i < x.size(); ++i) gap -= plane.normal[i] * x[i];
+  std::size_t entry = 0;
+  for (std::size_t j = plane.first_coordinate; entry < plane.curvature.size(); ++j) {
+    for (std::size_t k = plane.first_coordinate; k <= j; ++k, ++entry) {
+      gap += (j == k ? 0.5 : 1.0) * plane.curvature[entry] * (x[j] - x0[j]) * (x[k] - x0[k]);
+    }
+  }
+  return gap;
+}
+
+/// Moves every DoF of the tool by `way` at random; the gaps told before must be those found then,
+/// but for the third order, or for the second if the tool is not round.
+void compare(Still& still, double way, double third) {
+  const auto told = still.find();
+  const std::vector<double> x0 = still.x;
+  ASSERT_FALSE(told.empty());
+  const std::vector<mjtNum> qpos(still.world.d()->qpos,
+                                 still.world.d()->qpos + still.world.m()->nq);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  for (int i = 0; i < 20; ++i) {
+    std::vector<mjtNum> move(static_cast<std::size_t>(still.world.m()->nv));
+    for (int dof = 0; dof < still.world.m()->nv; ++dof) {
+      if (still.tool.owns_dof(dof)) move[static_cast<std::size_t>(dof)] = way * uniform(random);
+    }
+    std::copy(qpos.begin(), qpos.end(), still.world.d()->qpos);
+    mj_integratePos(still.world.m(), still.world.d()->qpos, move.data(), 1.0);
+    const auto there = still.find();
+    ASSERT_EQ(there.size(), told.size());
+    for (std::size_t k = 0; k < told.size(); ++k) {
+      const client::Plane plane = client::contact_at(x0, told[k].contact, 1.0);
+      EXPECT_NEAR(gap_at(plane, x0, still.x), there[k].contact.gap, third * way * way * way);
+      EXPECT_EQ(there[k].contact.id, told[k].contact.id);
+    }
+  }
+  std::copy(qpos.begin(), qpos.end(), still.world.d()->qpos);
+}
+
+const std::string kExample = std::string(HAPTIC_SOURCE_DIR) + "/client/mujoco/examples/finger.xml";
+
+TEST(NearContacts, FingersGapsToSecondOrder) {
+  Still still(World::of_file(kExample), {joint("mcp", 0), joint("pip", 1)});
+  still.world.d()->qpos[0] = 0.4;
+  still.world.d()->qpos[1] = 0.5;
+  const auto found = still.find();
+  const auto to_ball = [&](const NearContact& near) { return near.contact.mass == 0.0; };
+  EXPECT_GE(std::count_if(found.begin(), found.end(), to_ball), 2);
+  // The ball alone: a box' edges turn the normal beyond the second order.
+  still.world.m()->geom_contype[still.world.id(mjOBJ_GEOM, "box")] = 0;
+  still.world.m()->geom_conaffinity[still.world.id(mjOBJ_GEOM, "box")] = 0;
+  compare(still, 1e-3, 50.0);
+}
+
+TEST(NearContacts, SignsAndOrderOfJointsCount) {
+  Still still(World::of_file(kExample), {joint("mcp", 3, -2.0, 0.1), joint("pip", 1, 0.5)});
+  still.world.d()->qpos[0] = 0.4;
+  still.world.d()->qpos[1] = 0.5;
+  still.world.m()->geom_contype[still.world.id(mjOBJ_GEOM, "box")] = 0;
+  still.world.m()->geom_conaffinity[still.world.id(mjOBJ_GEOM, "box")] = 0;
+  compare(still, 1e-3, 50.0);
+}
+
+constexpr const char* kPoseObjects[] = {
+    R"(<geom type="plane" pos="0 0 -0.05" size="1 1 1"/>)",
+    R"(<geom type="sphere" pos="0.02 0.01 -0.05" size="0.02"/>)",
+    R"(<geom type="capsule" fromto="-1 0.01 -0.05  1 -0.03 -0.06" size="0.02"/>)"};
+
+TEST(NearContacts, PosesGapsToSecondOrder) {
+  for (const char* object : kPoseObjects) {
+    for (const char* round : {R"(<geom type="sphere" pos="0.03 0.02 0" size="0.01"/>)",
+                              R"(<geom type="sphere" size="0.01"/>)"}) {
+      SCOPED_TRACE(std::string(object) + round);
+      Still still(R"(<mujoco><worldbody><body name="tool" pos="0.01 0 0.02" euler="10 20 30">
+                     <freejoint/>)" +
+                      std::string(round) + "</body>" + object + "</worldbody></mujoco>",
+                  {pose("tool", 2)});
+      compare(still, 1e-3, 200.0);
+    }
+  }
+}
+
+TEST(NearContacts, TwoFingersTouchEachOther) {
+  Still still(R"(<mujoco><worldbody>
+    <body><joint name="a" type="hinge" axis="0 0 1"/>
+      <geom type="sphere" pos="0.05 0 0" size="0.01" mass="0.01"/></body>
+    <body pos="0 0.05 0"><joint name="b" type="hinge" axis="0 0 1"/>
+      <geom type="sphere" pos="0.05 0 0" size="0.01" mass="0.01"/></body>
+  </worldbody></mujoco>)",
+              {joint("a", 0), joint("b", 1)});
+  const auto found = still.find();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].contact.gap, 0.03, 1e-12);
+  compare(still, 1e-3, 50.0);
+}
+
+TEST(NearContacts, PointsMoveTheirBodies) {
+  Still still(R"(<mujoco><worldbody>
+    <body><joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>
+      <joint type="slide" axis="0 0 1"/><site name="pad"/>
+      <geom type="sphere" size="0.01" mass="0.01"/></body>
+    <geom type="sphere" pos="0.02 0.01 -0.05" size="0.02"/>
+  </worldbody></mujoco>)",
+              {point("pad", 0)});
+  compare(still, 1e-3, 500.0);
+}
+
+TEST(NearContacts, PushedObjectHasItsOwnLaw) {
+  // Along its rail at 60 degrees to the normal: surface and rail differ by cos 60.
+  Still still(
+      slider_model(R"(<body pos="0.05 0 0"><joint type="slide" axis="0.5 0.8660254037844386 0"
+      stiffness="200" damping="3" springref="0.002"/>
+      <geom type="box" size="0.02 1 1" mass="0.3"/></body>)"),
+      {joint("x", 0)});
+  still.world.d()->qpos[1] = 0.001;
+  still.rate[1] = still.world.d()->qvel[1] = 0.1;
+  const auto found = still.find();
+  ASSERT_EQ(found.size(), 1u);
+  const client::Contact& c = found[0].contact;
+  const double cosine = 0.5, square = cosine * cosine;
+  EXPECT_NEAR(c.gap, 0.02 + cosine * 0.001, 1e-9);
+  EXPECT_NEAR(c.mass, 0.3 / square, 1e-9);
+  EXPECT_NEAR(c.damping, 3.0 / square, 1e-9);
+  EXPECT_NEAR(c.ground_stiffness, 200.0 / square, 1e-6);
+  EXPECT_NEAR(c.velocity, cosine * 0.1, 1e-12);
+  EXPECT_NEAR(c.load, 200.0 * 0.001 / cosine, 1e-9);
+}
+
+TEST(NearContacts, LoadLeavesOutThisContact) {
+  Still still(slider_model(R"(<body pos="0.05 0 0"><joint type="slide" axis="1 0 0"/>
+      <geom type="box" size="0.0205 1 1" mass="0.3"/></body>)"),
+              {joint("x", 0)});
+  still.world.d()->qpos[0] = 0.02;
+  still.world.d()->qfrc_applied[1] = -0.7;
+  const auto found = still.find();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_GT(found[0].force, 0.01);
+  EXPECT_NEAR(found[0].contact.load, -0.7, 1e-9);
+}
+
+TEST(NearContacts, SpringsOfTheToolGiveWay) {
+  const std::string wall = kSoftWall;
+  const std::string soft = R"(<mujoco><option timestep="0.001" gravity="0 0 0"/>
+    <default><geom condim="1"/></default><worldbody>
+    <body><joint name="x" type="slide" axis="1 0 0"/>
+      <geom type="sphere" size="0.001" contype="0" conaffinity="0" mass="0.02"/>
+      <body><joint type="slide" axis="1 0 0" stiffness="250"/>
+        <geom type="sphere" size="0.01" mass="0.02"/></body></body>)" +
+                           wall + "</worldbody></mujoco>";
+  Still pad(soft, {joint("x", 0)});
+  std::string stiff = soft;
+  stiff.replace(stiff.find("250"), 3, "1e9");
+  Still hard(stiff, {joint("x", 0)});
+  const double series = pad.find().at(0).contact.stiffness;
+  const double alone = hard.find().at(0).contact.stiffness;
+  EXPECT_NEAR(1.0 / series - 1.0 / alone, 1.0 / 250.0, 1e-6);
+}
+
+TEST(NearContacts, IdsOutlastMotionAndAbsence) {
+  Still still(R"(<mujoco><worldbody>
+    <body name="tool" pos="0 0 0.02"><freejoint/><geom type="box" size="0.02 0.02 0.01"/></body>
+    <body pos="0.1 0 0"><geom type="box" size="0.5 0.5 0.005"/></body>
+    </worldbody></mujoco>)",
+              {pose("tool", 0)});
+  still.world.m()->geom_margin[0] = still.world.m()->geom_margin[1] = 0.02;
+  using Corner = std::pair<bool, bool>;  // by the signs of x and y on the tool
+  const auto corners_at = [&](double x, double z) {
+    still.world.d()->qpos[0] = x;
+    still.world.d()->qpos[2] = z;
+    std::map<std::uint32_t, Corner> corners;
+    for (const NearContact& near : still.find()) {
+      const Vector3& at = near.contact.point.position;
+      EXPECT_TRUE(corners.insert({near.contact.id, {at[0] > x, at[1] > 0.0}}).second);
+    }
+    return corners;
+  };
+  const auto first = corners_at(0.0, 0.01495);
+  ASSERT_GE(first.size(), 4u);
+  for (int i = 0; i < 50; ++i) {
+    const auto moved = corners_at(0.002 * i, 0.01495 - 1e-5 * i);
+    for (const auto& [id, corner] : first) {  // MuJoCo may find one corner twice
+      ASSERT_TRUE(moved.contains(id));
+      EXPECT_EQ(moved.at(id), corner);
+    }
+  }
+  EXPECT_TRUE(corners_at(0.1, 0.2).empty());
+  EXPECT_EQ(corners_at(0.1, 0.01495).begin()->first, 1u) << "an id comes back for its pair";
+}
+
+TEST(NearContacts, WhatBeginsInsideDoesNotCount) {
+  Still still(slider_model(kSoftWall), {joint("x", 0)});
+  still.world.d()->qpos[0] = 0.03;
+  mj_forward(still.world.m(), still.world.d());
+  still.contacts.begin(*still.world.m(), *still.world.d());
+  EXPECT_TRUE(still.find().empty());
+  still.world.d()->qpos[0] = 0.0199;
+  EXPECT_EQ(still.find().size(), 1u) << "it was seen apart";
+  still.world.d()->qpos[0] = 0.03;
+  EXPECT_EQ(still.find().size(), 1u);
+}
+
+}  // namespace
+}  // namespace haptic::mujoco

@@ -1,0 +1,229 @@
+/// A MuJoCo simulation on the shipped pipeline, in virtual time.
+
+#include "haptic/mujoco/tool.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "haptic/core/model/linear.hpp"
+#include "tests/mujoco/mujoco_world.hpp"
+
+namespace haptic::mujoco {
+namespace {
+
+using core::VecA;
+using core::VecQ;
+using core::VecX;
+
+constexpr double kStiffness = 1500.0;  // of the device and of the coupling, N/m
+
+core::PipelineConfig slider_config() {
+  core::LinearMap map{.dofs = {{"l", core::Unit::kMetre, true, -0.2, 0.2}},
+                      .coordinates = {{"x", core::Unit::kMetre, core::CoordinateKind::kLinear}},
+                      .A = core::MatXQ::Identity(1, 1),
+                      .x_0 = VecX::Zero(1)};
+  core::PipelineConfig c{.kinematics = core::make_linear(map)};
+  c.device.q_lower = VecQ::Constant(1, -1.0);
+  c.device.q_upper = VecQ::Constant(1, 1.0);
+  c.device.max_effort = VecA::Constant(1, 100.0);
+  c.scene.stiffness = VecA::Constant(1, kStiffness);
+  c.scene.damping = VecA::Zero(1);
+  c.scene.force_limit = VecA::Constant(1, 60.0);
+  c.scene.slew_limit = VecA::Constant(1, 1e7);
+  c.scene.engage_window = VecA::Constant(1, 60.0);
+  return c;
+}
+
+/// The force of the tool's only contact, by MuJoCo, N.
+double engine_force(const World& world) {
+  double sum = 0.0;
+  for (int i = 0; i < world.d()->ncon; ++i) {
+    mjtNum force[6] = {};
+    if (world.d()->contact[i].efc_address >= 0) mj_contactForce(world.m(), world.d(), i, force);
+    sum += force[0];
+  }
+  return sum;
+}
+
+/// A device that a hand moves along `way(t)`, m.
+struct Slider {
+  Slider(const std::string& objects, double rate_hz, double delay_s)
+      : world(slider_model(objects)),
+        tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kStiffness}),
+        loop(slider_config(), told_by(tool, rate_hz, delay_s, 1), 2.0) {}
+  const core::TickRecord& at(double q) { return loop.tick(VecQ::Constant(1, q)); }
+  /// Goes from `a` to `b` in `seconds`; returns the largest force outside `wall`.
+  double go(double a, double b, double seconds, double wall = 1.0) {
+    double outside = 0.0;
+    const int ticks = static_cast<int>(seconds * 1000.0);
+    for (int k = 1; k <= ticks; ++k) {
+      const double q = a + (b - a) * k / ticks;
+      at(q);
+      if (q < wall) outside = std::max(outside, std::abs(loop.tau()));
+    }
+    return outside;
+  }
+  void engage(double q) {
+    go(q, q, 0.5);
+    loop.engage();
+    go(q, q, 0.3);
+    loop.require_engaged();
+  }
+  World world;
+  Tool tool;
+  test::PipelineLoop loop;
+};
+
+TEST(Tool, HeldForceIsMujocos) {
+  for (const double rate : {60.0, 120.0, 500.0}) {
+    for (const double delay : {0.0, 0.020, 0.050, 0.100}) {
+      SCOPED_TRACE(std::to_string(rate) + "/s, " + std::to_string(delay) + " s");
+      Slider run(kSoftWall, rate, delay);
+      run.engage(0.0);
+      EXPECT_EQ(run.go(0.0, 0.030, 1.0, 0.0195), 0.0);
+      run.go(0.030, 0.030, 1.0);
+      const double engine = engine_force(run.world);
+      EXPECT_GT(engine, 2.0);
+      EXPECT_NEAR(-run.loop.tau(), engine, 0.01 * engine);
+      run.go(0.030, 0.0, 1.0);
+      EXPECT_EQ(run.loop.tau(), 0.0);
+    }
+  }
+}
+
+TEST(Tool, LateJoinFeelsTheSame) {
+  for (const double inside : {0.021, 0.030, 0.045}) {
+    SCOPED_TRACE(inside);
+    Slider steady(kSoftWall, 60.0, 0.020), late(kSoftWall, 60.0, 0.020);
+    steady.go(0.0, inside, 1.0);
+    steady.engage(inside);
+    late.engage(inside);
+    late.go(inside, inside, 1.0);
+    steady.go(inside, inside, 1.0);
+    EXPECT_LT(late.loop.tau(), -0.1);
+    EXPECT_NEAR(late.loop.tau(), steady.loop.tau(), 1e-3 * std::abs(steady.loop.tau()));
+    late.go(inside, 0.0, 1.0);
+    EXPECT_EQ(late.loop.tau(), 0.0);
+  }
+}
+
+/// A client that waited in a debugger: the probe is elsewhere when it goes on.
+TEST(Tool, PauseBringsTheToolBackSlowly) {
+  World world(slider_model(kSoftWall));
+  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kStiffness});
+  for (int i = 0; i < 20; ++i) static_cast<void>(tool.step({-0.1}, 1.0 / 60.0));
+  EXPECT_TRUE(tool.following());
+  double before = world.d()->qpos[0], fastest = 0.0;
+  int samples = 0;
+  for (; samples < 100; ++samples) {
+    const client::Proxy proxy = tool.step({0.030}, 1.0 / 60.0);
+    fastest = std::max(fastest, 60.0 * (world.d()->qpos[0] - before));
+    before = world.d()->qpos[0];
+    if (tool.following()) break;
+    EXPECT_EQ(proxy.mode, client::Mode::kFree);
+  }
+  EXPECT_NEAR(samples / 60.0, 0.13 / 0.5, 0.05);
+  EXPECT_LT(fastest, 0.6);
+  client::Proxy proxy;
+  for (int i = 0; i < 60; ++i) proxy = tool.step({0.030}, 1.0 / 60.0);
+  ASSERT_EQ(proxy.planes.size(), 1u);
+  EXPECT_GT(engine_force(world), 2.0);
+  EXPECT_NEAR(proxy.position[0], 0.030 - engine_force(world) / kStiffness, 1e-9);
+}
+
+TEST(Tool, ResetIsALateJoin) {
+  World world(slider_model(kSoftWall));
+  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kStiffness});
+  for (int i = 0; i < 60; ++i) static_cast<void>(tool.step({0.030}, 1.0 / 60.0));
+  const double force = engine_force(world);
+  mj_resetData(world.m(), world.d());
+  EXPECT_EQ(tool.step({0.060}, 1.0 / 60.0).mode, client::Mode::kFree);
+  EXPECT_FALSE(tool.following());
+  for (int i = 0; i < 60; ++i) static_cast<void>(tool.step({0.030}, 1.0 / 60.0));
+  EXPECT_NEAR(engine_force(world), force, 1e-3 * force);
+}
+
+TEST(Tool, FreeMotionIsTheProbe) {
+  World world(slider_model(R"(<body pos="0.1 0 0"><joint type="slide" axis="1 0 0"/>
+                              <geom type="sphere" size="0.01" mass="0.1"/></body>)"));
+  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kStiffness});
+  double largest = 0.0, told = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    const double probe = 0.04 * std::sin(i / 10.0);  // 0.24 m/s
+    const client::Proxy proxy = tool.step({probe}, 1.0 / 60.0, std::chrono::milliseconds(100));
+    for (const client::Plane& plane : proxy.planes) {
+      EXPECT_EQ(proxy.position[0], probe);
+      EXPECT_GT(plane.offset - plane.normal[0] * probe, 0.0);
+      told = std::max(told, plane.offset - plane.normal[0] * probe);
+    }
+    largest = std::max(largest, std::abs(world.d()->qpos[0] - probe));
+  }
+  EXPECT_LT(largest, 0.001) << "the tool lags";
+  EXPECT_GT(told, 0.040) << "told before it is touched";
+}
+
+TEST(Tool, OddProbesAreNotFollowed) {
+  World world(slider_model(kSoftWall));
+  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kStiffness});
+  for (const std::vector<double>& odd :
+       {std::vector<double>{}, {std::nan("")}, {HUGE_VAL}, {1e300}}) {
+    EXPECT_EQ(tool.step(odd, 1.0 / 60.0).mode, client::Mode::kFree);
+    EXPECT_LT(std::abs(world.d()->qpos[0]), 1.0);
+  }
+}
+
+TEST(Tool, LimitsOfJointsDoNotHold) {
+  World world(R"(<mujoco><option gravity="0 0 -9.81"/><worldbody><body>
+    <joint name="x" type="slide" axis="0 0 1" limited="true" range="-0.01 0.01" stiffness="50"
+           damping="1"/><geom type="sphere" size="0.01" mass="0.1"/></body></worldbody></mujoco>)");
+  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = 300.0});
+  for (int i = 0; i < 120; ++i) static_cast<void>(tool.step({0.05}, 1.0 / 60.0));
+  EXPECT_NEAR(world.d()->qpos[0], 0.05, 1e-6) << "nor do weight, spring and friction of the joint";
+}
+
+TEST(Tool, ForceBeginsWhereTheModelSays) {
+  World world(slider_model(
+      R"(<geom type="box" pos="0.08 0 0" size="0.05 0.1 0.1" margin="0.004" gap="0.001"/>)"));
+  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kStiffness});
+  for (const double probe : {0.0165, 0.0175}) {  // force from 3 mm on, x = 17 mm
+    client::Proxy proxy;
+    for (int i = 0; i < 60; ++i) proxy = tool.step({probe}, 1.0 / 60.0);
+    ASSERT_EQ(proxy.planes.size(), 1u);
+    EXPECT_EQ(engine_force(world) > 0.0, probe > 0.017) << probe;
+  }
+}
+
+template <typename Make>
+std::string refusal(Make make) {
+  try {
+    make();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Tool, RefusalsNameTheBinding) {
+  World world(R"(<mujoco><worldbody><body name="free"><freejoint name="six"/>
+    <geom type="sphere" size="0.05"/></body><body><joint name="x" type="slide"/>
+    <geom type="sphere" size="0.01"/></body></worldbody></mujoco>)");
+  const auto with = [&](const std::vector<Binding>& bindings, const ToolOptions& options) {
+    return refusal([&] { Tool(world.m(), world.d(), bindings, options); });
+  };
+  using testing::HasSubstr;
+  EXPECT_THAT(with({joint("y", 0)}, {.coupling = 1.0}), HasSubstr("'y': the model has no joint"));
+  EXPECT_THAT(with({joint("six", 0)}, {.coupling = 1.0}), HasSubstr("'six': must be a hinge"));
+  EXPECT_THAT(with({pose("y", 0)}, {.coupling = 1.0}), HasSubstr("'y': the model has no site"));
+  EXPECT_THAT(with({pose("world", 0)}, {.coupling = 1.0}), HasSubstr("cannot move"));
+  EXPECT_THAT(with({joint("x", 0, 0.0)}, {.coupling = 1.0}), HasSubstr("scale"));
+  EXPECT_THAT(with({joint("x", 0)}, {}), HasSubstr("coupling 0"));
+  EXPECT_THAT(with({joint("x", 0)}, {.coupling = 1e6}), HasSubstr("too stiff"));
+  EXPECT_THAT(with({joint("x", 0)}, {.coupling = 1.0, .weights = {0.0}}), HasSubstr("weight"));
+  EXPECT_THAT(with({pose("free", 0), joint("x", 6)}, {.coupling = 1.0}), HasSubstr("bound twice"));
+  Tool tool(world.m(), world.d(), {joint("x", 2)}, {.coupling = 1.0});
+  EXPECT_THAT(refusal([&] { tool.aim({0.0, 0.0}, 1); }), HasSubstr("coordinate 2 is bound"));
+  EXPECT_THAT(refusal([&] { tool.aim({0.0, 0.0, 0.0}, 0); }), HasSubstr("steps 0"));
+}
+
+}  // namespace
+}  // namespace haptic::mujoco

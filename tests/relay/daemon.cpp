@@ -52,15 +52,18 @@ std::uint16_t free_port(int type) {
 }
 
 /// A late tick is no fault here, so that a busy host does not end the run; it is counted instead.
-std::string scene(std::uint16_t udp_port, const std::filesystem::path& record) {
-  return R"(name: "a finger behind a relay"
+std::string scene(std::uint16_t udp_port, const std::filesystem::path& record,
+                  const std::string& device) {
+  return R"(name: "a device behind a relay"
 loop { loop_late_fault { seconds: 5 } late_bucket_full: 1000000 }
 server { udp_listen: "127.0.0.1:)" +
          std::to_string(udp_port) + R"(" }
 record { file: ")" +
-         record.string() + R"(" }
-device {
-  name: "finger"
+         record.string() + "\" }\ndevice {\n" + device + "}\n";
+}
+
+std::string finger() {
+  return R"(  name: "finger"
   simulated_finger { target_mcp_rad: )" +
          std::to_string(Daemon::kTarget) + " target_pip_rad: " + std::to_string(Daemon::kTarget) +
          R"( }
@@ -71,17 +74,18 @@ device {
          std::to_string(Daemon::kForceLimit) + " slew_n_per_s: " + std::to_string(Daemon::kSlew) +
          R"( }
   passivity { tank { initial_j: )" +
-         std::to_string(Daemon::kTank) + " capacity_j: " + std::to_string(Daemon::kTank) + R"( } }
-}
-)";
+         std::to_string(Daemon::kTank) + " capacity_j: " + std::to_string(Daemon::kTank) + " } }\n";
 }
 
 }  // namespace
 
-Daemon::Daemon() : tcp_port_(free_port(SOCK_STREAM)), udp_port_(free_port(SOCK_DGRAM)) {
+Daemon::Daemon() : Daemon(Device{finger()}) {}
+
+Daemon::Daemon(const Device& device)
+    : tcp_port_(free_port(SOCK_STREAM)), udp_port_(free_port(SOCK_DGRAM)) {
   record_ = folder_.path() / "record.csv";
   const auto file = folder_.path() / "scene.textproto";
-  std::ofstream(file) << scene(udp_port_, record_);
+  std::ofstream(file) << scene(udp_port_, record_, device.text);
   start({"--scene", file.string()});
 }
 

@@ -23,6 +23,11 @@ class Daemon {
   Daemon();
   /// The same with a shipped scene, by its name.
   explicit Daemon(const std::string& shipped_scene);
+  /// The same with this device, the text of a scene's `device`.
+  struct Device {
+    std::string text{};
+  };
+  explicit Daemon(const Device& device);
 
   [[nodiscard]] std::uint16_t tcp_port() const { return tcp_port_; }
   [[nodiscard]] std::uint16_t udp_port() const { return udp_port_; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "haptic/client/planes.hpp"
 #include "soft_finger.hpp"
@@ -13,26 +14,7 @@ namespace {
 using client::Plane;
 using core::VecX;
 
-constexpr double kSoft = 500.0;  // N/m
 constexpr double kRigid = std::numeric_limits<double>::infinity();
-
-/// Depth d of a proxy whose probe is `depth` beyond the surface of a spring k: K (depth - d) = k d.
-double shared(double depth, double k) {
-  return depth > 0.0 ? depth * kRttCoupling / (kRttCoupling + k) : depth;
-}
-
-/// A point that is itself the first `n` coordinates.
-client::PointMap point_of(const VecX& x) {
-  client::PointMap map;
-  for (Eigen::Index i = 0; i < x.size(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    map.position[k] = x[i];
-    client::Vector3 column{};
-    column[k] = 1.0;
-    map.jacobian.push_back(column);
-  }
-  return map;
-}
 
 class Wall : public RttObject {
  public:
@@ -57,22 +39,24 @@ class Wall : public RttObject {
   };
   /// Depth of the proxy.
   [[nodiscard]] virtual double share(double depth) const {
-    return std::isinf(stiffness_) ? 0.0 : shared(depth, stiffness_);
+    return std::isinf(stiffness_) ? 0.0 : rtt_share(depth, stiffness_);
   }
   [[nodiscard]] virtual std::vector<Plane> springs(const Span& at, const VecX& x,
                                                    double gap) const {
-    return {spring(at, x, gap, stiffness_, 1)};
+    // A surface that accelerates moves otherwise than told: nothing is promised.
+    return {spring(at, x, gap, stiffness_, 1, moves_ ? std::nullopt : std::optional(0.0))};
   }
   [[nodiscard]] Plane spring(const Span& at, const VecX& x, double gap, double stiffness,
-                             std::uint32_t id) const {
+                             std::uint32_t id, std::optional<double> uncertainty) const {
     return client::contact_at(
         to_std(x),
-        {.point = point_of(x),
+        {.point = rtt_point_of(x),
          .normal = {-1.0, 0.0, 0.0},
          .gap = gap,
          .stiffness = stiffness,
          .velocity = (surface(at.from + at.length) - surface(at.from)) / at.length,
-         .id = id},
+         .id = id,
+         .uncertainty = uncertainty},
         kRttCoupling);
   }
 
@@ -91,8 +75,15 @@ class StiffeningWall : public Wall {
  private:
   static constexpr double kLaw = 5000.0;     // N/m^1.5
   static constexpr double kAtLeast = 0.003;  // m
+  static constexpr double kDeepest = 0.022;  // m
 
   static double force(double depth) { return kLaw * depth * std::sqrt(depth); }
+  /// What the stiffness from `depth` to any other one may differ from the told one by.
+  static double uncertainty(double depth, double told) {
+    const double least = kLaw * std::sqrt(depth);
+    const double most = (force(kDeepest) - force(depth)) / (kDeepest - depth);
+    return std::max(1.0 - least / told, most / told - 1.0);
+  }
   /// K (depth - d) = a d^1.5, by Newton from above: the residual is convex in d.
   [[nodiscard]] double share(double depth) const override {
     double d = depth;
@@ -105,7 +96,8 @@ class StiffeningWall : public Wall {
   [[nodiscard]] std::vector<Plane> springs(const Span& at, const VecX& x,
                                            double gap) const override {
     if (!as_springs_) {
-      return {spring(at, x, gap, 1.5 * kLaw * std::sqrt(std::max(-gap, kAtLeast)), 1)};
+      const double told = 1.5 * kLaw * std::sqrt(std::max(-gap, kAtLeast));
+      return {spring(at, x, gap, told, 1, uncertainty(std::max(-gap, 0.0), told))};
     }
     // The chords of the law between these depths: each spring adds what its chord is steeper.
     static constexpr double kDepths[]{0.0, 0.0008, 0.0025, 0.005, 0.009, 0.014, 0.022};
@@ -114,7 +106,8 @@ class StiffeningWall : public Wall {
     for (std::uint32_t i = 0; i + 1 < std::size(kDepths); ++i) {
       const double chord =
           (force(kDepths[i + 1]) - force(kDepths[i])) / (kDepths[i + 1] - kDepths[i]);
-      all.push_back(spring(at, x, gap + kDepths[i], chord - steepness, i + 1));
+      // No chord is off by more than the first one's own stiffness.
+      all.push_back(spring(at, x, gap + kDepths[i], chord - steepness, i + 1, i == 0 ? 1.0 : 0.0));
       steepness = chord;
     }
     return all;
@@ -129,18 +122,19 @@ class Disc : public RttObject {
     const VecX out = from_centre(x_probe);
     const double depth = kRadius - out.norm();
     if (!(depth > 0.0)) return x_probe;
-    return x_probe + (depth - shared(depth, kSoft)) * out.normalized();
+    return x_probe + (depth - rtt_share(depth, kRttSoft)) * out.normalized();
   }
   [[nodiscard]] std::vector<Plane> contacts(double t, const VecX& x,
                                             const RttHorizon& near) const override {
     if (clearance(t, x) > near.metres) return {};
     const VecX out = from_centre(x);
     const double distance = out.norm();
-    client::Contact c{.point = point_of(x),
+    client::Contact c{.point = rtt_point_of(x),
                       .normal = {out[0] / distance, out[1] / distance, 0.0},
                       .gap = distance - kRadius,
-                      .stiffness = kSoft,
-                      .id = 1};
+                      .stiffness = kRttSoft,
+                      .id = 1,
+                      .uncertainty = 0.0};
     c.curvature = client::cylinder_curvature(c.normal, {0.0, 0.0, 1.0}, distance);
     return {client::contact_at(to_std(x), c, kRttCoupling)};
   }
@@ -162,15 +156,17 @@ class Block : public RttObject {
   [[nodiscard]] VecX proxy(double, const VecX& x_probe) override {
     const double over = -clearance(0.0, x_probe);
     if (!(over > 0.0)) return x_probe;
-    const double way = over * kSoft / (kRttCoupling + 2.0 * kSoft);  // K way = k (over - 2 way)
+    const double way =
+        over * kRttSoft / (kRttCoupling + 2.0 * kRttSoft);  // K way = k (over - 2 way)
     return x_probe + (VecX(2) << -way, way).finished();
   }
   [[nodiscard]] std::vector<Plane> contacts(double t, const VecX& x,
                                             const RttHorizon& near) const override {
     if (clearance(t, x) > near.metres) return {};
     Plane plane = client::contact(to_std(x), clearance(t, x), {-1.0, 1.0});
-    plane.compliance = kRttCoupling / kSoft;
+    plane.compliance = kRttCoupling / kRttSoft;
     plane.id = 1;
+    plane.uncertainty = 0.0;
     return {plane};
   }
   [[nodiscard]] double clearance(double, const VecX& x_probe) const override {
@@ -179,68 +175,6 @@ class Block : public RttObject {
 
  private:
   static constexpr double kWidth = 0.040;  // m
-};
-
-class PushedMass : public RttObject {
- public:
-  explicit PushedMass(const RttPushed& what)
-      : what_(what), damping_(0.6 * std::sqrt(what.mass * what.ground)) {}
-
-  /// Velocity Verlet in steps of 20 us, another rule than the server's.
-  void advance(double t, const VecX& x_probe) override {
-    constexpr int kSteps = 50;
-    constexpr double dt = 1e-3 / kSteps;
-    if (last_.size() == 0) last_ = x_probe;
-    for (int i = 1; i <= kSteps; ++i) {
-      const double part = static_cast<double>(i) / kSteps;
-      const double probe = last_[0] + part * (x_probe[0] - last_[0]);
-      load_ = disturbance(t) - what_.ground * s_;
-      const double half = v_ + 0.5 * dt * (pushed(probe) + load_ - damping_ * v_) / what_.mass;
-      s_ += dt * half;
-      load_ = disturbance(t) - what_.ground * s_;
-      v_ = (half + 0.5 * dt * (pushed(probe) + load_) / what_.mass) /
-           (1.0 + 0.5 * dt * damping_ / what_.mass);
-    }
-    last_ = x_probe;
-  }
-  [[nodiscard]] VecX proxy(double, const VecX& x_probe) override {
-    const double depth = x_probe[0] - s_;
-    return depth > 0.0 ? VecX::Constant(1, s_ + shared(depth, kSoft)) : x_probe;
-  }
-  [[nodiscard]] std::vector<Plane> contacts(double, const VecX& x,
-                                            const RttHorizon& near) const override {
-    if (s_ - x[0] > near.metres) return {};
-    client::Contact c{.point = point_of(x),
-                      .normal = {-1.0, 0.0, 0.0},
-                      .gap = s_ - x[0],
-                      .stiffness = kSoft,
-                      .id = 1};
-    if (what_.told != RttPushed::kSurface) c.velocity = v_;
-    if (what_.told == RttPushed::kLaw) {
-      c.mass = what_.told_mass * what_.mass;
-      c.damping = damping_;
-      c.ground_stiffness = what_.ground;
-      c.load = load_;
-    }
-    return {client::contact_at(to_std(x), c, kRttCoupling)};
-  }
-  [[nodiscard]] double clearance(double, const VecX& x_probe) const override {
-    return s_ - x_probe[0];
-  }
-
- private:
-  [[nodiscard]] double disturbance(double t) const {
-    return what_.disturbance * std::sin(2.0 * M_PI * 0.5 * t);
-  }
-  [[nodiscard]] double pushed(double probe) const {
-    const double depth = probe - s_;
-    return depth > 0.0 ? kSoft * shared(depth, kSoft) : 0.0;
-  }
-
-  RttPushed what_;
-  double damping_;                      // N s/m
-  double s_{0.0}, v_{0.0}, load_{0.0};  // m, m/s, N
-  VecX last_{};
 };
 
 class Grasp : public RttObject {
@@ -263,6 +197,22 @@ class Grasp : public RttObject {
 
 }  // namespace
 
+double rtt_share(double depth, double k) {
+  return depth > 0.0 ? depth * kRttCoupling / (kRttCoupling + k) : depth;
+}
+
+client::PointMap rtt_point_of(const VecX& x) {
+  client::PointMap map;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    map.position[k] = x[i];
+    client::Vector3 column{};
+    column[k] = 1.0;
+    map.jacobian.push_back(column);
+  }
+  return map;
+}
+
 std::vector<double> to_std(const VecX& x) {
   return {x.data(), x.data() + x.size()};
 }
@@ -271,7 +221,7 @@ std::unique_ptr<RttObject> rtt_rigid_wall() {
   return std::make_unique<Wall>(kRigid);
 }
 std::unique_ptr<RttObject> rtt_soft_wall() {
-  return std::make_unique<Wall>(kSoft);
+  return std::make_unique<Wall>(kRttSoft);
 }
 std::unique_ptr<RttObject> rtt_stiffening_wall() {
   return std::make_unique<StiffeningWall>(false);
@@ -283,16 +233,13 @@ std::unique_ptr<RttObject> rtt_moving_rigid_wall() {
   return std::make_unique<Wall>(kRigid, true);
 }
 std::unique_ptr<RttObject> rtt_moving_soft_wall() {
-  return std::make_unique<Wall>(kSoft, true);
+  return std::make_unique<Wall>(kRttSoft, true);
 }
 std::unique_ptr<RttObject> rtt_disc() {
   return std::make_unique<Disc>();
 }
 std::unique_ptr<RttObject> rtt_block() {
   return std::make_unique<Block>();
-}
-std::unique_ptr<RttObject> rtt_pushed(const RttPushed& what) {
-  return std::make_unique<PushedMass>(what);
 }
 std::unique_ptr<RttObject> rtt_soft_finger() {
   return std::make_unique<Grasp>();

@@ -14,6 +14,7 @@ namespace haptic::report {
 
 /// N/m: Z_q of the devices that move in metres.
 inline constexpr double kRttCoupling = 1500.0;
+inline constexpr double kRttSoft = 500.0;  ///< N/m, of soft objects
 
 /// What a client tells ahead: how far, and for when.
 struct RttHorizon {
@@ -57,18 +58,27 @@ using RttMaker = std::function<std::shared_ptr<RttObject>()>;
 /// Two coordinates, one per finger, along one line: a block of 40 mm and 500 N/m between them that
 /// nothing else holds, without mass.
 [[nodiscard]] std::unique_ptr<RttObject> rtt_block();
-/// One coordinate: a mass with a surface of 500 N/m, held by a spring and a damper of 0.3 of the
-/// critical damping, pushed by the finger.
+/// One coordinate: a mass with a surface of 500 N/m, held by a spring and a damper, pushed by the
+/// finger.
 struct RttPushed {
   double mass{0.2}, ground{200.0};  ///< kg, N/m
+  double damping{0.0};              ///< N s/m; 0: 0.3 of the critical damping
   enum Told { kSurface, kVelocity, kLaw } told{kLaw};
   double told_mass{1.0};    ///< by the true one
   double disturbance{0.0};  ///< N, at 0.5 Hz
+  bool own_steps{false};    ///< it moves when its proxy is asked for, by one explicit step
 };
 [[nodiscard]] std::unique_ptr<RttObject> rtt_pushed(const RttPushed& what);
+/// Two coordinates: the block with a mass, on a damper, told as a contact of each finger with a law
+/// of its own.
+[[nodiscard]] std::unique_ptr<RttObject> rtt_pushed_block(const RttPushed& what);
 /// Two joints: the soft finger of the shipped example, with its twelve pads.
 [[nodiscard]] std::unique_ptr<RttObject> rtt_soft_finger();
 
 [[nodiscard]] std::vector<double> to_std(const core::VecX& x);
+/// A point that is itself the first coordinates.
+[[nodiscard]] client::PointMap rtt_point_of(const core::VecX& x);
+/// Depth d of a proxy whose probe is `depth` beyond the surface of a spring k: K (depth - d) = k d.
+[[nodiscard]] double rtt_share(double depth, double k);
 
 }  // namespace haptic::report

@@ -168,6 +168,21 @@ std::vector<RttScene> rtt_scenes(const std::vector<std::string>& recordings) {
   push("pushed_wrong_double_0.2kg", {.mass = 0.2, .told_mass = 2.0});
   push("pushed_wrong_half_2kg", {.mass = 2.0, .ground = 500.0, .told_mass = 0.5});
   push("pushed_wrong_double_2kg", {.mass = 2.0, .ground = 500.0, .told_mass = 2.0});
+  push("sliding_right_2kg", {.mass = 2.0, .ground = 0.0, .damping = 20.0});
+  push("sliding_wrong_half_2kg", {.mass = 2.0, .ground = 0.0, .damping = 20.0, .told_mass = 0.5});
+  push("sliding_wrong_double_2kg", {.mass = 2.0, .ground = 0.0, .damping = 20.0, .told_mass = 2.0});
+  for (const RttPushed& what : {RttPushed{.mass = 0.2, .own_steps = true},
+                                RttPushed{.mass = 2.0, .ground = 500.0, .own_steps = true}}) {
+    push(what.mass < 1.0 ? "pushed_own_steps_0.2kg" : "pushed_own_steps_2kg", what);
+    all.back().own = [what] { return rtt_pushed(what); };
+  }
+  for (const double mass : {0.2, 2.0}) {
+    all.push_back(on_rails(
+        mass < 1.0 ? "two_fingers_0.2kg" : "two_fingers_2kg", 2,
+        [mass] { return rtt_pushed_block({.mass = mass, .damping = 20.0}); }, pinch));
+    all.back().one_world = true;
+    all.back().blocks = {{0, 1}, {1, 1}};
+  }
   push("pushed_told_velocity_0.2kg", {.mass = 0.2, .told = RttPushed::kVelocity});
   push("pushed_told_surface_0.2kg", {.mass = 0.2, .told = RttPushed::kSurface});
   const auto device = std::make_shared<const FeltDevice>(
@@ -186,6 +201,10 @@ std::vector<RttScene> rtt_scenes(const std::vector<std::string>& recordings) {
     all.push_back(scene);
     scene.name = "finger_worn_" + of;
     scene.body = [device, motion] { return std::make_unique<WornFinger>(*device, motion); };
+    all.push_back(scene);
+    // The rule per contact has no bound of its error; Eq. (8) has.
+    scene.name = "finger_eq8_" + of;
+    scene.pipeline.scene.renderer = core::RendererKind::kSubspaceLinear;
     all.push_back(std::move(scene));
   }
   return all;

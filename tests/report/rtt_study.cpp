@@ -156,7 +156,8 @@ RttFigures run(const RttScene& scene, const RttRun& how,
                const std::function<void(const RttTick&)>& observe) {
   const RttRun local{.rate_hz = 1000.0};
   const std::shared_ptr<RttObject> object = scene.object();
-  test::PipelineLoop felt(felt_config(scene, how.peer), client_for(scene, object, how),
+  test::PipelineLoop felt(felt_config(scene, how.peer),
+                          client_for(scene, scene.own ? scene.own() : object, how),
                           scene.device_damping);
   test::PipelineLoop shadow(shadow_config(scene), client_for(scene, object, local),
                             scene.device_damping);
@@ -166,7 +167,7 @@ RttFigures run(const RttScene& scene, const RttRun& how,
   const core::DofLayout& layout = scene.pipeline.kinematics->layout();
   TimeDomainPassivity damper(scene.most_damping);
   test::EnergyBook book(scene.device_damping);
-  ShadowJudge judge, behind_tank;
+  ShadowJudge judge, behind_tank, bound;
   RttFigures figures;
   std::uint64_t last = 0;
   long samples = 0;
@@ -203,11 +204,19 @@ RttFigures run(const RttScene& scene, const RttRun& how,
     judge.add(tick);
     tick.shadow = same_tank.tau_a();
     behind_tank.add(tick);
+    // Of the elastic force, before tank and guard of the shadow's pipeline.
+    tick.felt = record.effort.tau_elastic;
+    tick.shadow = record.life.gain * scene.pipeline.scene.stiffness.cwiseProduct(
+                                         ideal.anchor.stretch(layout, ideal.sensed.q));
+    tick.bound = record.effort.error_bound;
+    bound.add(tick);
     if (observe) observe({t - kBegin_s, tau[0], shadow.tau()});
   }
   figures.shadow = judge.figures();
   figures.behind_tank = behind_tank.figures().error;
+  figures.bound = bound.figures();
   figures.most_net = book.most_net();
+  figures.ideal_net = shadow.energy().most_net();
   figures.samples_hz = static_cast<double>(samples) / scene.seconds;
   if (how.peer == RttPeer::kHeldForce || how.peer == RttPeer::kTdpa) {
     figures.samples_hz = how.rate_hz * (1.0 - how.lost);  // the local law makes one of every tick

@@ -42,6 +42,7 @@ struct RttScene {
   std::string name{};
   RttMaker object{};
   bool one_world{false};  ///< the object is moved by the finger: all look at the same one
+  RttMaker own{};         ///< if given, the felt client's simulation has this one instead
   core::PipelineConfig pipeline{};
   double device_damping{0.0};  ///< N s/m, of each actuator
   std::function<std::unique_ptr<RttBody>()> body{};
@@ -68,6 +69,8 @@ struct RttTick {
 struct RttFigures {
   ShadowFigures shadow{};   ///< of the pipeline without tank and observer
   double behind_tank{0.0};  ///< rms error against a shadow behind the same tank and observer, N
+  ShadowFigures bound{};    ///< of the elastic force, against its shadow without any limiter
+  double ideal_net{0.0};    ///< J, most_net of the shadow along the same motion
   double most_net{0.0};     ///< J, largest over time that was given beyond the device's damping
   double samples_hz{0.0};   ///< that came
   bool ended{false};        ///< force ended before the motion did

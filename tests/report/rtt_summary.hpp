@@ -11,8 +11,7 @@ namespace haptic::report {
 struct RttRow {
   std::string object{};
   RttRun how{};
-  ShadowFigures shadow{};
-  double behind_tank{0.0};  ///< N
+  RttFigures figures{};
   double energy_mj{0.0};
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 /// A client's planes as the server's ingress gives them to the pipeline.
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -18,6 +19,9 @@ namespace haptic::test {
   set.compliance.resize(count);
   set.velocity.resize(count);
   set.laws.resize(4, count);
+  const bool known = std::all_of(planes.begin(), planes.end(),
+                                 [](const client::Plane& p) { return p.uncertainty.has_value(); });
+  set.uncertainty.resize(known ? count : 0);
   std::vector<double> curvatures;
   for (Eigen::Index p = 0; p < count; ++p) {
     const client::Plane& plane = planes[static_cast<std::size_t>(p)];
@@ -25,6 +29,7 @@ namespace haptic::test {
     set.offsets[p] = plane.offset;
     set.compliance[p] = plane.compliance;
     set.velocity[p] = plane.velocity;
+    if (known) set.uncertainty[p] = *plane.uncertainty;
     set.laws.col(p) << plane.mass, plane.damping, plane.ground_stiffness, plane.load;
     curvatures.insert(curvatures.end(), plane.curvature.begin(), plane.curvature.end());
     int n = 0;

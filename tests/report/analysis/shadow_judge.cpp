@@ -5,7 +5,18 @@
 
 namespace haptic::report {
 
-void ShadowJudge::add(const ShadowTick& tick) noexcept {
+namespace {
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+void ShadowJudge::add(const ShadowTick& tick) {
   const double elastic = tick.elastic.norm();
   if (tick.clearance > kFar && !tick.touching) sums_.drag = std::max(sums_.drag, elastic);
   if (tick.touching && !touched_) {
@@ -21,8 +32,18 @@ void ShadowJudge::add(const ShadowTick& tick) noexcept {
       sums_.onset = std::max(sums_.onset, ++late_);
     }
   }
-  if (!tick.touching) return;
   const double off = (tick.felt - tick.shadow).norm();
+  const bool bounded = tick.bound.size() > 0;
+  if (bounded) {
+    const core::VecA most = tick.bound.array() + kRounding;
+    ++bounds_;
+    broken_ += ((tick.felt - tick.shadow).cwiseAbs().array() > most.array()).any() ? 1 : 0;
+  }
+  if (!tick.touching) return;
+  if (bounded) {
+    errors_.push_back(off);
+    promised_.push_back(tick.bound.norm());
+  }
   ++sums_.ticks;
   squares_ += off * off;
   held_back_ += tick.held_back ? 1 : 0;
@@ -30,11 +51,15 @@ void ShadowJudge::add(const ShadowTick& tick) noexcept {
   sums_.peak = std::max(sums_.peak, tick.shadow.norm());
 }
 
-ShadowFigures ShadowJudge::figures() const noexcept {
+ShadowFigures ShadowJudge::figures() const {
   ShadowFigures figures = sums_;
   const double ticks = static_cast<double>(std::max(sums_.ticks, 1L));
   figures.error = std::sqrt(squares_ / ticks);
   figures.held_back = static_cast<double>(held_back_) / ticks;
+  figures.bounded = static_cast<double>(errors_.size()) / ticks;
+  figures.kept = 1.0 - static_cast<double>(broken_) / static_cast<double>(std::max(bounds_, 1L));
+  figures.error_median = median(errors_);
+  figures.bound_median = median(promised_);
   return figures;
 }
 

@@ -3,6 +3,8 @@
 /// delay on the probe that was really felt. Two runs of one hand, with and without a network, go
 /// apart, so a comparison of them says little; the shadow goes where the felt run goes.
 
+#include <vector>
+
 #include "haptic/core/types.hpp"
 
 namespace haptic::report {
@@ -14,6 +16,7 @@ struct ShadowTick {
   bool touching{false};   ///< the shadow's probe is beyond a contact
   bool held_back{false};  ///< the energy tank acted on what is felt
   double clearance{0.0};  ///< of the probe from the nearest object, m; < 0: inside
+  core::VecA bound{};     ///< published, of what is felt against the shadow; size 0: none
 };
 
 struct ShadowFigures {
@@ -25,6 +28,9 @@ struct ShadowFigures {
   int contacts{0};        ///< times that contact began
   int onset{0};           ///< most ticks from the shadow's first force to the first felt one
   long ticks{0};          ///< in contact
+  double bounded{0.0};    ///< share of the ticks in contact that have a bound
+  double kept{1.0};       ///< share of all ticks with a bound in which it holds
+  double error_median{0.0}, bound_median{0.0};  ///< over the ticks in contact that have a bound
 
   /// error in % of the peak; 0 if there was no contact.
   [[nodiscard]] double percent() const noexcept { return peak > 0.0 ? 100.0 * error / peak : 0.0; }
@@ -32,16 +38,19 @@ struct ShadowFigures {
 
 class ShadowJudge {
  public:
-  static constexpr double kFar = 0.003;  ///< m
+  static constexpr double kFar = 0.003;      ///< m
+  static constexpr double kRounding = 1e-5;  ///< N or N m, of two solutions of one problem
 
-  void add(const ShadowTick& tick) noexcept;
-  [[nodiscard]] ShadowFigures figures() const noexcept;
+  void add(const ShadowTick& tick);
+  [[nodiscard]] ShadowFigures figures() const;
 
  private:
   ShadowFigures sums_{};
   double squares_{0.0};
   long held_back_{0};
-  bool touched_{false};  ///< in the tick before
+  long bounds_{0}, broken_{0};                 ///< ticks, of all
+  std::vector<double> errors_{}, promised_{};  ///< in contact, with a bound
+  bool touched_{false};                        ///< in the tick before
   int late_{-1};  ///< ticks of a contact that is not felt yet; -1: it is felt, or there is none
 };
 

@@ -56,6 +56,22 @@ TEST(ShadowJudge, WithheldForceIsAnError) {
   EXPECT_EQ(f.held_back, 1.0);
 }
 
+TEST(ShadowJudge, CountsTicksWithinTheBound) {
+  ShadowJudge judge;
+  for (int k = 0; k < 8; ++k) {  // errors of 0, 1, ... 7 N; the first six have a bound of 4 N
+    judge.add({.felt = VecA::Constant(1, -k),
+               .shadow = VecA::Zero(1),
+               .elastic = VecA::Zero(1),
+               .touching = k > 0,
+               .bound = k < 6 ? VecA(VecA::Constant(1, 4.0)) : VecA()});
+  }
+  const ShadowFigures f = judge.figures();
+  EXPECT_NEAR(f.kept, 5.0 / 6.0, 1e-12);
+  EXPECT_NEAR(f.bounded, 5.0 / 7.0, 1e-12);
+  EXPECT_EQ(f.error_median, 3.0);
+  EXPECT_EQ(f.bound_median, 4.0);
+}
+
 TEST(ShadowJudge, NoContactIsNoFigure) {
   ShadowJudge judge;
   judge.add({.felt = VecA::Constant(1, 0.5),

@@ -20,7 +20,7 @@ std::uint32_t microseconds(Duration duration) {
 
 }  // namespace
 
-/// `fill` completes the sample under mutex_, given its number.
+/// `fill` completes the sample under mutex_, given its number; false: it is not sent.
 template <typename Fill>
 void RemoteSession::publish_in_order(v1::SessionRequest& request, Fill fill) {
   const std::lock_guard in_order(publish_mutex_);
@@ -28,7 +28,11 @@ void RemoteSession::publish_in_order(v1::SessionRequest& request, Fill fill) {
   std::shared_ptr<UdpCarrier> udp;
   {
     const std::lock_guard lock(mutex_);
-    fill(++statistics_.published);
+    if (!fill(statistics_.published + 1)) {
+      ++statistics_.withheld;
+      return;
+    }
+    ++statistics_.published;
     if (reconnection_.open()) {
       was_free_ = was_free_ || (request.has_proxy() && request.proxy().mode() == kFree);
       stream = stream_;
@@ -54,12 +58,19 @@ void RemoteSession::publish(Proxy proxy) noexcept {
     sample.mutable_position()->Add(proxy.position.begin(), proxy.position.end());
     publish_in_order(request, [&](std::uint64_t number) {
       const auto now = Clock::now();
+      // The state that the user was given, not one that arrived while the simulation computed.
+      const NewestState::Given& given = states_.given();
+      const std::uint64_t used = proxy.device_seq_used != 0 ? proxy.device_seq_used : given.seq;
+      to_contacts(proxy);
+      statistics_.planes_left_out +=
+          keep_deepest(device_.coordinates, proxy.position, given.x_probe, proxy.planes);
+      const std::vector<double> unknown;
+      if (!deadband_.is_news(number, proxy, used == given.seq ? given.x_probe : unknown, now)) {
+        return false;
+      }
       sample.set_source_time_ns(now.time_since_epoch().count());
       sample.set_seq(number);
       round_trip_.published(number, now);
-      to_contacts(proxy);
-      statistics_.planes_left_out +=
-          keep_deepest(device_.coordinates, proxy.position, states_.given().x_probe, proxy.planes);
       sample.set_mode(static_cast<v1::ProxyMode>(proxy.mode));
       for (const Plane& plane : proxy.planes) {
         v1::Plane& sent = *sample.add_planes();
@@ -76,11 +87,9 @@ void RemoteSession::publish(Proxy proxy) noexcept {
         sent.set_load(plane.load);
         if (plane.uncertainty) sent.set_uncertainty(*plane.uncertainty);
       }
-      // The state that the user was given, not one that arrived while the simulation computed.
-      const NewestState::Given& given = states_.given();
-      const std::uint64_t used = proxy.device_seq_used != 0 ? proxy.device_seq_used : given.seq;
       sample.set_device_seq_used(used);
       if (used != 0 && used == given.seq) sample.set_hold_us(microseconds(now - given.received));
+      return true;
     });
   } catch (...) {  // NOLINT(bugprone-empty-catch): out of memory loses this sample, not the caller
   }
@@ -93,7 +102,10 @@ void RemoteSession::publish_pose(const Pose& pose) noexcept {
     sample.set_valid_for_us(microseconds(pose.valid_for));
     sample.mutable_position()->Add(pose.position.begin(), pose.position.end());
     sample.mutable_orientation()->Add(pose.orientation.begin(), pose.orientation.end());
-    publish_in_order(request, [&](std::uint64_t number) { sample.set_seq(number); });
+    publish_in_order(request, [&](std::uint64_t number) {
+      sample.set_seq(number);
+      return true;
+    });
   } catch (...) {  // NOLINT(bugprone-empty-catch): out of memory loses this pose, not the caller
   }
 }

@@ -23,6 +23,7 @@ struct Options {
   std::vector<std::string> motions{};
   std::string object{}, peer{}, summary{};
   std::optional<double> round_trip{}, rate{}, lost{};
+  double deadband{0.0};
   bool trace{false}, cost{false};
 };
 
@@ -38,7 +39,7 @@ std::vector<RttRun> runs(const Options& options) {
     if (!chosen(options.peer, name(peer))) continue;
     if (options.round_trip || options.rate || options.lost) {
       all.push_back({peer, options.round_trip.value_or(0.0) / kMilli, options.rate.value_or(60.0),
-                     options.lost.value_or(0.0) / 100.0});
+                     options.lost.value_or(0.0) / 100.0, options.deadband});
       continue;
     }
     for (const double round_trip : kRoundTrips) all.push_back({peer, round_trip});
@@ -106,7 +107,8 @@ void print_cost(const Options& options) {
   row("object", "peer", "tick_ns", "sample_ns", "client_step_ns");
   for (const RttScene& scene : scenes(options)) {
     for (const RttPeer peer : {RttPeer::kContacts, RttPeer::kPlanes, RttPeer::kHeld}) {
-      const RttCost c = cost(scene, {peer, kOneRoundTrip});
+      const RttCost c =
+          cost(scene, {.peer = peer, .round_trip_s = kOneRoundTrip, .deadband = options.deadband});
       row(scene.name, name(peer), c.tick, c.sample, c.client_step);
     }
     std::fflush(stdout);
@@ -139,6 +141,9 @@ void add_rtt(CLI::App& app) {
       ->check(CLI::Range(30.0, 1000.0));
   command->add_option("--lost", o->lost, "samples that are lost, % (0)")
       ->check(CLI::Range(0.0, 50.0));
+  command
+      ->add_option("--deadband", o->deadband, "of contacts with a choice or --cost, m or rad (0)")
+      ->check(CLI::Range(0.0, 0.1));
   command->add_option("--summary", o->summary, "writes what must hold, and whether it does");
   command->add_flag("--trace", o->trace, "the first actuator's force, tick by tick");
   command->add_flag("--cost", o->cost, "what contacts cost, at 100 ms");

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "haptic/client/deadband.hpp"
 #include "haptic/client/estimator.hpp"
 #include "haptic/core/error.hpp"
 #include "tests/support/loop/local_laws.hpp"
@@ -23,18 +24,25 @@ int tick_of(double t) {
   return static_cast<int>(std::lround(t / test::PipelineLoop::kTick_s));
 }
 
+std::chrono::nanoseconds span(double s) {
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(std::llround(1e9 * s)));
+}
+
 /// What the simulation does with a look at the device. `library_ns`, if given: what of it the
 /// client library took.
 std::function<void(test::Frame&)> simulation(const RttScene& scene,
-                                             const std::shared_ptr<RttObject>& world, RttPeer peer,
-                                             const RttHorizon& near,
+                                             const std::shared_ptr<RttObject>& world,
+                                             const RttRun& how, const RttHorizon& near,
                                              std::vector<double>* library_ns) {
+  const RttPeer peer = how.peer;
   const std::shared_ptr<RttObject> object = scene.one_world ? world : scene.object();
   std::vector<client::VirtualCoordinate> coordinates;
   for (const core::Coordinate& c : scene.pipeline.kinematics->space().coordinates()) {
     coordinates.push_back({c.name, c.unit == core::Unit::kMetre ? "m" : "rad", "linear"});
   }
   const auto estimator = std::make_shared<client::ContactEstimator>(coordinates, scene.blocks);
+  const auto deadband = std::make_shared<client::Deadband>(coordinates, how.deadband, how.rate_hz);
+  deadband->begin(core::default_fresh_end(how.rate_hz));
   return [=, blocks = scene.blocks](test::Frame& frame) {
     frame.x = object->proxy(frame.computed_s, frame.x_probe);
     if (peer == RttPeer::kHeld || peer == RttPeer::kHeldForce || peer == RttPeer::kTdpa) return;
@@ -51,6 +59,12 @@ std::function<void(test::Frame&)> simulation(const RttScene& scene,
       planes = client::derive_planes(coordinates, to_std(frame.x), x_probe, blocks);
     }
     client::keep_deepest(coordinates, to_std(frame.x), x_probe, planes);
+    if (peer == RttPeer::kContacts && how.deadband > 0.0) {
+      const auto now = Clock::time_point(span(frame.computed_s));
+      deadband->used(frame.used);
+      frame.withheld = !deadband->is_news(frame.seq, client::Proxy::behind(planes, to_std(frame.x)),
+                                          x_probe, now);
+    }
     if (library_ns != nullptr) {
       library_ns->push_back(std::chrono::duration<double, std::nano>(Clock::now() - begun).count());
     }
@@ -62,9 +76,6 @@ std::function<void(test::Frame&)> simulation(const RttScene& scene,
 test::ClientSettings client_for(const RttScene& scene, const std::shared_ptr<RttObject>& world,
                                 const RttRun& how, std::vector<double>* library_ns = nullptr) {
   constexpr double kEveryTick_hz = 1000.0;
-  const auto span = [](double s) {
-    return std::chrono::nanoseconds(static_cast<std::int64_t>(std::llround(1e9 * s)));
-  };
   test::ClientSettings client;
   const bool planes = how.peer == RttPeer::kContacts || how.peer == RttPeer::kEstimated ||
                       how.peer == RttPeer::kPlanes;
@@ -79,7 +90,7 @@ test::ClientSettings client_for(const RttScene& scene, const std::shared_ptr<Rtt
   const RttHorizon near{
       client::contact_horizon(span(std::max(how.round_trip_s, 1e-9)), span(period)),
       0.5 * (how.round_trip_s + period)};
-  client.simulate = simulation(scene, world, how.peer, near, library_ns);
+  client.simulate = simulation(scene, world, how, near, library_ns);
   return client;
 }
 

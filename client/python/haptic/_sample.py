@@ -70,9 +70,15 @@ def deepest(planes: Sequence[Plane], position: Sequence[float], x_probe: Sequenc
     return [chosen[i] for i in sorted(chosen)]
 
 
-def to_sample(proxy: Proxy, planes: Sequence[Plane], seq: int, used: int) -> wire.ProxySample:
+def with_deepest(proxy: Proxy, x_probe: Sequence[float], kinds: Sequence[str]) -> Proxy:
+    """`proxy` as it can be sent; x_probe: empty if it is not known."""
+    planes = deepest(proxy.planes, proxy.position, x_probe, kinds)
+    return dataclasses.replace(proxy, planes=tuple(planes))
+
+
+def to_sample(proxy: Proxy, seq: int, used: int) -> wire.ProxySample:
     """`used`: number of the state that it was computed from."""
     return wire.ProxySample(
         seq=seq, source_time_ns=time.monotonic_ns(), mode=proxy.mode, position=proxy.position,
         device_seq_used=used,
-        planes=[wire.Plane(**dataclasses.asdict(plane)) for plane in planes])
+        planes=[wire.Plane(**dataclasses.asdict(plane)) for plane in proxy.planes])

@@ -10,9 +10,10 @@ from typing import Any
 
 import grpc
 
+from ._deadband import Deadband
 from ._errors import PASSING, ClientError, ask, to_error
 from ._round_trip import RoundTrip
-from ._sample import deepest, to_sample
+from ._sample import to_sample, with_deepest
 from ._state import DeviceState
 from ._types import Carriers, Event, Pose, Proxy, SampleCounts, Settings
 from ._udp import UdpCarrier
@@ -33,7 +34,7 @@ class Session:
 
     def __init__(self, stub: Any, address: str, *, service_device: str, client_name: str,
                  nominal_rate_hz: float, observer: bool, tracker: bool, state_rate_hz: float,
-                 carriers: Carriers) -> None:
+                 carriers: Carriers, deadband: float) -> None:
         if observer and tracker:
             raise ClientError("INVALID_ARGUMENT",
                               "observer, tracker: must not be true both, a session has one role")
@@ -47,7 +48,7 @@ class Session:
         self._tracker = tracker
         self._waiting: wire.SessionRequest | None = None  # to be sent on the stream
         self._newest: wire.ProxySample | None = None
-        self._seq = self._replaced = self._planes_left_out = 0
+        self._seq = self._withheld = self._replaced = self._planes_left_out = 0
         self._round_trip = RoundTrip()
         self._ended: ClientError | None = None
         self._closing = False
@@ -64,6 +65,8 @@ class Session:
             devices = ask(stub.ListDevices, service.ListDevicesRequest()).devices
             self._kinds = next((tuple(c.kind for c in device.coordinates) for device in devices
                                 if device.name == self._opened.device), ())
+            self._deadband = Deadband(self._kinds, deadband, self._period_s,
+                                      self._opened.fresh_end.ToNanoseconds() * 1e-9)
             self._udp = self._open_udp(address)
         except BaseException:  # the caller gets no session to close: give the lease back now
             self._stop()
@@ -103,16 +106,18 @@ class Session:
             self._check()
             if self._tracker:
                 raise ClientError("INVALID_ARGUMENT", "publish: a tracker has publish_pose()")
+            used = self._given or self._state
+            x_probe = used.x_probe if used else ()
+            fitting = with_deepest(proxy, x_probe, self._kinds)
+            self._planes_left_out += len(proxy.planes) - len(fitting.planes)
+            if not self._deadband.is_news(self._seq + 1, fitting, x_probe, time.monotonic()):
+                self._withheld += 1
+                return 0
             self._seq += 1
             self._round_trip.published(self._seq)
-            used = self._given or self._state
-            planes = deepest(proxy.planes, proxy.position, used.x_probe if used else (),
-                             self._kinds)
-            self._planes_left_out += len(proxy.planes) - len(planes)
-            sample = to_sample(proxy, planes, self._seq, used.seq if used else 0)
-            self._newest = sample
-            if self._udp is None or not self._udp.send(sample.SerializeToString()):
-                self._offer(wire.SessionRequest(proxy=sample))
+            self._newest = to_sample(fitting, self._seq, used.seq if used else 0)
+            if self._udp is None or not self._udp.send(self._newest.SerializeToString()):
+                self._offer(wire.SessionRequest(proxy=self._newest))
             return self._seq
 
     def publish_pose(self, pose: Pose) -> int:
@@ -166,11 +171,7 @@ class Session:
                 state = self._state
                 fault = state is not None and state.state == "FAULT"
                 if error.reason not in PASSING or fault:
-                    with self._changed:
-                        if not self._closing and self._ended is None:
-                            self._ended = error
-                            self._changed.notify_all()
-                    return
+                    return self._end(error)
             time.sleep(_ENGAGE_EVERY_S)
 
     def release(self) -> None:
@@ -224,7 +225,7 @@ class Session:
             a = self._ack
             return SampleCounts(self._seq, self._replaced, a.accepted, a.rejected_old,
                                 a.rejected_invalid, a.conflated_backlog, a.last_rejection,
-                                self._planes_left_out)
+                                self._planes_left_out, self._withheld)
 
     @property
     def round_trip_s(self) -> float:
@@ -269,8 +270,12 @@ class Session:
                 self._take(response)
         except grpc.RpcError as error:
             ended = to_error(error)
+        self._end(ended)
+
+    def _end(self, why: ClientError) -> None:
         with self._changed:
-            self._ended = self._ended or ended
+            if not self._closing:
+                self._ended = self._ended or why
             self._changed.notify_all()
 
     def _take(self, response: wire.SessionResponse) -> None:
@@ -281,6 +286,7 @@ class Session:
                 if self._state is None or response.state.seq > self._state.seq:
                     self._state = DeviceState.of(response.state)
                     self._round_trip.used(self._state.proxy_seq_used)
+                    self._deadband.used(self._state.proxy_seq_used)
             elif response.HasField("event"):
                 self._events.append(Event.of(response.event))
             elif response.HasField("ack"):

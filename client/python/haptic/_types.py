@@ -112,7 +112,8 @@ class Event:
 @dataclasses.dataclass(frozen=True, slots=True)
 class SampleCounts:
     """What became of the samples of a session; `replaced`: by newer ones before they were sent;
-    `planes_left_out`: of a sample, beyond the 32 deepest and the 8 deepest contacts of a block."""
+    `planes_left_out`: of a sample, beyond the 32 deepest and the 8 deepest contacts of a block;
+    `withheld`: by the deadband, and not among the published."""
 
     published: int
     replaced: int
@@ -122,6 +123,7 @@ class SampleCounts:
     conflated_backlog: int
     last_rejection: str
     planes_left_out: int = 0
+    withheld: int = 0
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

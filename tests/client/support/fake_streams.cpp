@@ -47,6 +47,7 @@ void FakeServer::SessionReactor::open() {
   v1::SessionOpened& opened = *message.mutable_opened();
   opened.set_device("finger");
   opened.set_role(request_.open().role());
+  opened.mutable_fresh_end()->set_seconds(10);
   opened.set_lease_epoch(++server_.epoch_);
   opened.set_session_id("session-" + std::to_string(server_.epoch_));
   opened.set_resumed(server_.resumes && !request_.open().resume().empty());

@@ -1,4 +1,5 @@
-# cpack -G DEB: hapticd, hapticd-client, python3-haptic, libhaptic-dev. The prefix is always /usr.
+# cpack -G DEB: hapticd, hapticd-client, python3-haptic, libhaptic-dev, and libhaptic-mujoco-dev if
+# MuJoCo is here. The prefix is always /usr.
 # lintian finds no error. Two warnings stay: initial-upload-closes-no-bugs (no upload to Debian),
 # and pkg-config-unavailable-for-cross-compilation (the packages are for the machine that builds
 # them).
@@ -7,6 +8,9 @@ set(CPACK_PACKAGE_NAME hapticd)
 set(CPACK_PACKAGE_CONTACT "The hapticd authors <hapticd@users.noreply.github.com>")
 set(CPACK_PACKAGE_VENDOR "hapticd")
 set(CPACK_COMPONENTS_ALL server client python dev)
+if(TARGET haptic_mujoco)
+  list(APPEND CPACK_COMPONENTS_ALL mujoco)
+endif()
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own first line
 set(CPACK_SET_DESTDIR ON)  # the unit and its scene are absolute paths
 set(CPACK_INSTALL_PREFIX /usr)
@@ -30,6 +34,12 @@ offers it.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libhaptic-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libgrpc++-dev, libprotobuf-dev, libssl-dev")
+set(CPACK_DEBIAN_MUJOCO_PACKAGE_NAME libhaptic-mujoco-dev)
+set(CPACK_DEBIAN_MUJOCO_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_MUJOCO_PACKAGE_DEPENDS "libhaptic-dev, libmujoco-dev")
+set(CPACK_DEBIAN_MUJOCO_DESCRIPTION "haptic::mujoco, which makes MuJoCo simulations haptic
+Header, static library and a model: joints or bodies follow a haptic device,
+and their contacts are told to hapticd.")
 set(CPACK_DEBIAN_SERVER_DESCRIPTION "networked haptic server for underactuated devices
 A daemon that owns a haptic device and its 1 kHz loop. Simulations stream
 where their virtual object lets the finger be; the daemon renders the force

@@ -118,7 +118,7 @@ SCRIPTS = {
 # Pieces of code per page and language, and the file that compiles or runs them.
 CODE = {
     ("README.md", "cpp"): (1, "tests/checks/CMakeLists.txt", "readme_first_client"),
-    ("client/README.md", "cpp"): (5, "tests/checks/CMakeLists.txt", "haptic_readme_code(client 5 "),
+    ("client/README.md", "cpp"): (6, "tests/checks/CMakeLists.txt", "client/README.md cpp 6"),
     ("client/README.md", "python"): (2, "tests/client/python/session_test.py", '"```python\\n"'),
     ("hw/README.md", "cpp"): (1, "tests/checks/CMakeLists.txt", "haptic_readme_code(hw 1 "),
 }

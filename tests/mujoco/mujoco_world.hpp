@@ -55,7 +55,7 @@ inline std::string slider_model(const std::string& objects, const std::string& o
          objects + "</worldbody></mujoco>";
 }
 
-/// A wall that is touched at x = 20 mm, of 500 N/m and 2 N s/m for that tool.
+/// A wall that is touched at x = 20 mm, of 1500 N/m and 6 N s/m for that tool.
 inline const std::string kSoftWall =
     R"(<geom name="wall" type="plane" pos="0.03 0 0" zaxis="-1 0 0" size="1 1 1"
              solref="-12500 -50" solimp="0.5 0.5 0.001"/>)";

@@ -181,6 +181,73 @@ TEST(NearContacts, LoadLeavesOutThisContact) {
   EXPECT_NEAR(found[0].contact.load, -0.7, 1e-9);
 }
 
+constexpr const char* kBlock = R"(
+    <body pos="0.05 0 0"><joint name="block" type="slide" axis="1 0 0"/><joint type="slide"
+      axis="0 0 1"/><joint name="turn" type="hinge" axis="0 1 0" pos="0 0 0.03"/>
+      <geom type="box" size="0.02 0.1 0.02" mass="0.3" FRICTION/></body>
+    <geom type="plane" pos="0 0 -0.0201" size="1 1 1" FRICTION/>)";
+
+std::string block(const std::string& friction) {
+  std::string text = kBlock;
+  for (std::size_t at; (at = text.find("FRICTION")) != std::string::npos;) {
+    text.replace(at, 8, friction);
+  }
+  return text;
+}
+
+/// What is told of the block after it came to rest on the floor, touched but not pushed.
+client::Contact block_at_rest(const std::string& cone, const std::string& friction) {
+  Still still(slider_model(block(friction), "cone=\"" + cone + '"'), {joint("x", 0)});
+  still.world.m()->opt.gravity[2] = -9.81;
+  for (int geom = 0; geom < still.world.m()->ngeom; ++geom) {
+    still.world.m()->geom_margin[geom] = still.world.m()->geom_gap[geom] = 0.0;
+  }
+  for (int i = 0; i < 3000; ++i) mj_step(still.world.m(), still.world.d());
+  const int tip = still.world.id(mjOBJ_GEOM, "tip");
+  still.world.m()->geom_margin[tip] = still.world.m()->geom_gap[tip] = 1.0;
+  const auto found = still.find();
+  for (const NearContact& near : found) {
+    if (near.contact.mass > 0.0) return near.contact;
+  }
+  return {};
+}
+
+TEST(NearContacts, FloorDoesNotStiffenASlide) {
+  for (const char* cone : {"elliptic", "pyramidal"}) {
+    const client::Contact slides = block_at_rest(cone, R"(condim="1")");
+    EXPECT_NEAR(slides.mass, 0.3, 0.03) << cone;
+    EXPECT_LT(slides.ground_stiffness, 20.0) << cone;
+    const client::Contact sticks = block_at_rest(cone, R"(condim="3" friction="1")");
+    EXPECT_GT(sticks.damping, 10.0 * slides.damping + 10.0) << cone;
+  }
+}
+
+TEST(NearContacts, ObjectsBehindGiveWayTogether) {
+  // A block against a ball on a spring: 0.3 + 0.1 kg, and nearly 400 N/m.
+  const std::string stiff = R"( solref="-40000 -100" solimp="0.5 0.5 0.001")";
+  Still still(slider_model(R"(<body pos="0.0515 0 0"><joint type="slide" axis="1 0 0"/>
+      <geom type="box" size="0.02 0.1 0.1" mass="0.3")" +
+                           stiff + R"(/></body>
+      <body pos="0.09 0 0"><joint type="slide" axis="1 0 0" stiffness="400" damping="1"/>
+      <geom type="sphere" size="0.0199" mass="0.1")" +
+                           stiff + "/></body>"),
+              {joint("x", 0)});
+  for (int geom = 0; geom < still.world.m()->ngeom; ++geom) {
+    still.world.m()->geom_margin[geom] = still.world.m()->geom_gap[geom] = 0.0;
+  }
+  still.world.d()->qfrc_applied[1] = 1.0;
+  for (int i = 0; i < 3000; ++i) mj_step(still.world.m(), still.world.d());
+  const int tip = still.world.id(mjOBJ_GEOM, "tip");
+  still.world.m()->geom_margin[tip] = still.world.m()->geom_gap[tip] = 1.0;
+  const auto found = still.find();
+  const auto block = std::find_if(found.begin(), found.end(),
+                                  [](const NearContact& near) { return near.contact.gap < 0.03; });
+  ASSERT_NE(block, found.end());
+  EXPECT_NEAR(block->contact.ground_stiffness, 400.0, 20.0);
+  EXPECT_GT(block->contact.mass, 0.38);
+  EXPECT_NEAR(block->contact.load, 0.0, 0.02) << "the ball's spring holds against 1 N";
+}
+
 TEST(NearContacts, SpringsOfTheToolGiveWay) {
   const std::string wall = kSoftWall;
   const std::string soft = R"(<mujoco><option timestep="0.001" gravity="0 0 0"/>

@@ -91,6 +91,45 @@ TEST(Tool, HeldForceIsMujocos) {
   }
 }
 
+/// 200 g on 200 N/m and 2 N s/m, touched at x = 20 mm.
+const std::string kPushed = R"(<body pos="0.05 0 0">
+    <joint type="slide" axis="1 0 0" stiffness="200" damping="2"/>
+    <geom type="box" size="0.02 0.1 0.1" mass="0.2" solref="-50000 -200" solimp="0.5 0.5 0.001"/>
+  </body>)";
+
+/// In and out by 18 mm at 0.7 Hz, against the same simulation at 1 kHz without delay.
+TEST(Tool, MovingForceIsMujocosToo) {
+  for (const auto& [objects, most] : {std::pair{kSoftWall, 0.02}, {kPushed, 0.06}}) {
+    for (const double delay : {0.0, 0.050, 0.100}) {
+      SCOPED_TRACE(objects + std::to_string(delay));
+      Slider run(objects, 60.0, delay), shadow(objects, 1000.0, 0.0);
+      run.engage(0.0);
+      shadow.engage(0.0);
+      double squares = 0.0, peak = 0.0, outside = 0.0;
+      int contact = 0;
+      for (int k = 0; k < 8000; ++k) {
+        const double q = 0.02 - 0.018 * std::cos(2.0 * M_PI * 0.7e-3 * k);
+        run.at(q);
+        shadow.at(q);
+        const double want = shadow.loop.tau(), error = run.loop.tau() - want;
+        peak = std::max(peak, std::abs(want));
+        if (want == 0.0) {
+          outside = std::max(outside, std::abs(run.loop.tau()));
+        } else {
+          squares += error * error;
+          ++contact;
+        }
+      }
+      const double rms = std::sqrt(squares / contact);
+      RecordProperty("rms percent " + std::to_string(delay) + (objects == kPushed ? " pushed" : ""),
+                     std::to_string(100.0 * rms / peak));
+      EXPECT_LE(rms, most * peak);
+      EXPECT_LE(outside, 0.02 * peak);
+      EXPECT_LE(run.loop.energy().most_net(), 1e-9);
+    }
+  }
+}
+
 TEST(Tool, LateJoinFeelsTheSame) {
   for (const double inside : {0.021, 0.030, 0.045}) {
     SCOPED_TRACE(inside);

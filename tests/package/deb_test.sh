@@ -47,6 +47,13 @@ holds python3-haptic ./usr/lib/python3/dist-packages/haptic/__init__.py \
 holds libhaptic-dev ./usr/include/haptic/client/client.hpp \
   ./usr/share/haptic/proto/haptic/v1/session.proto
 
+packages="hapticd hapticd-client python3-haptic libhaptic-dev"
+if ls "$folder"/libhaptic-mujoco-dev_*.deb >/dev/null 2>&1; then  # MuJoCo was here for the build
+  packages="$packages libhaptic-mujoco-dev"
+  holds libhaptic-mujoco-dev ./usr/include/haptic/mujoco/tool.hpp \
+    ./usr/share/haptic/mujoco/finger.xml
+fi
+
 field() { dpkg-deb --field "$(package "$1" "$folder")" "$2"; }
 for library in libgrpc++ libsystemd0 libssl3 libserialport0; do
   field hapticd Depends | grep -qF "$library" || fail "hapticd does not ask for $library"
@@ -54,14 +61,14 @@ done
 field libhaptic-dev Depends | grep -qF libgrpc++-dev || fail "libhaptic-dev does not ask for gRPC"
 field python3-haptic Depends | grep -qF python3-grpcio ||
   fail "python3-haptic does not ask for gRPC"
-for name in hapticd hapticd-client python3-haptic libhaptic-dev; do
+for name in $packages; do
   holds $name ./usr/share/doc/$name/copyright ./usr/share/doc/$name/changelog.Debian.gz
   field $name Description | sed -n 1p >>"$folder/synopses"
   stray=$(dpkg-deb --contents "$(package $name "$folder")" | awk '{ print $6 }' |
     grep -vE '^\./$|^\./(usr|etc)/' || true)
   [ -z "$stray" ] || fail "$name puts files at $stray"
 done
-[ "$(sort -u "$folder/synopses" | wc -l)" = 4 ] ||
+[ "$(sort -u "$folder/synopses" | wc -l)" = "$(echo "$packages" | wc -w)" ] ||
   fail "packages with the same description: $(cat "$folder/synopses")"
 
 lintian --fail-on error "$folder"/*.deb >"$folder/lintian" 2>&1 ||

@@ -24,7 +24,7 @@ fail() {
   exit 1
 }
 
-for component in server client dev; do
+for component in server client dev mujoco; do  # mujoco: nothing, if MuJoCo was not here
   cmake --install "$build" --prefix "$prefix" --component $component >"$folder/$component.log"
 done
 
@@ -48,6 +48,10 @@ if cmake -S "$here/foreign" -B "$folder/glove" -DCMAKE_PREFIX_PATH="$prefix" -DA
   fail "find_package(haptic COMPONENTS glove) did not fail"
 fi
 grep -q "no component 'glove'" "$folder/glove.log" || { cat "$folder/glove.log"; fail "not named"; }
+if [ -e "$prefix/include/haptic/mujoco/tool.hpp" ]; then
+  cmake -DALSO=mujoco "$folder/foreign" >"$folder/mujoco.log" ||
+    { cat "$folder/mujoco.log"; fail "find_package(haptic COMPONENTS mujoco) failed"; }
+fi
 cmake --build "$folder/foreign" >"$folder/build.log" ||
   { cat "$folder/build.log"; fail "no build"; }
 

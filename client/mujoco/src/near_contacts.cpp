@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "haptic/mujoco/contact_spring.hpp"
-#include "pushed_object.hpp"
 
 namespace haptic::mujoco {
 
@@ -96,6 +95,7 @@ std::vector<NearContact> NearContacts::find(const mjModel& model, mjData& data,
   }
   std::erase_if(inside_, [&](const auto& pair) { return !still.contains(pair); });
   ids_.begin();
+  surroundings_.look(model, data, rate);
   std::vector<NearContact> found;
   for (int i = 0; i < data.ncon; ++i) {
     const mjContact& c = data.contact[i];
@@ -131,7 +131,7 @@ std::vector<NearContact> NearContacts::find(const mjModel& model, mjData& data,
         told.curvature = curvature_of(model, data, other, told.normal, beyond, c.dist + radius);
       }
       const PushedObject pushed =
-          pushed_object(model, data, *tool_, object, beyond, told.normal, near.force, rate);
+          surroundings_.object(model, data, object, beyond, told.normal, near.force);
       told.mass = pushed.mass;
       told.damping = pushed.damping;
       told.ground_stiffness = pushed.ground_stiffness;

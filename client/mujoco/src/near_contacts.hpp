@@ -7,6 +7,7 @@
 
 #include "bound_tool.hpp"
 #include "contact_ids.hpp"
+#include "pushed_object.hpp"
 
 namespace haptic::mujoco {
 
@@ -17,7 +18,7 @@ struct NearContact {
 
 class NearContacts {
  public:
-  explicit NearContacts(const BoundTool& tool) : tool_(&tool) {}
+  explicit NearContacts(const BoundTool& tool) : tool_(&tool), surroundings_(tool) {}
 
   /// Notes the pairs that begin inside each other: they do not count until they were seen apart,
   /// because which side the tool came from is not known.
@@ -31,6 +32,7 @@ class NearContacts {
   [[nodiscard]] bool is_of_tool(const mjModel& model, const mjContact& contact) const;
 
   const BoundTool* tool_;
+  Surroundings surroundings_;
   ContactIds ids_{};
   std::set<std::pair<int, int>> inside_{};
 };

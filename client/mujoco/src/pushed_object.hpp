@@ -8,11 +8,6 @@
 namespace haptic::mujoco {
 
 /// The object's own law along the contact's normal (proto/README.md, Objects that are pushed).
-///
-/// A push along the normal moves the object's joints along u = M^-1 J^T / A, J the way of its
-/// surface away from the tool by these joints and A = J M^-1 J^T. Along u it is one mass, 1 / A,
-/// with the damping u^T D u and the spring u^T K u of its joints; the load is u^T times all forces
-/// on it but this contact's and that damping.
 struct PushedObject {
   double mass{0.0};              ///< kg; 0: it cannot move
   double damping{0.0};           ///< N s/m
@@ -21,10 +16,43 @@ struct PushedObject {
   double velocity{0.0};          ///< m/s; > 0: it recedes
 };
 
-/// Needs a whole mj_forward or mj_step. `normal`: of the object, outwards, at `position`;
-/// `force`: this contact's, N; `rate`: qvel as this step began, nv.
-[[nodiscard]] PushedObject pushed_object(const mjModel& model, mjData& data, const BoundTool& tool,
-                                         int body, const Vector3& position, const Vector3& normal,
-                                         double force, const std::vector<mjtNum>& rate);
+/// All that is not the tool: bodies with their joints' springs and dampers, and MuJoCo's other
+/// constraints (a floor, friction that sticks, joint limits). Each row of these has a force
+/// (a_ref - a) / R: a spring, a damper and a mass 1 / R (contact_spring.hpp). Friction that slips
+/// is a constant force. What the tool itself touches the server knows by its own contacts.
+///
+/// An object has one law per contact, so one way to give in: u, the motion of all joints by which
+/// its surface recedes by 1 under a push that lasts 50 ms, the time for which the law must hold.
+/// With H = M + h D + h^2 K over joints and rows and J the surface's way, u = H^-1 J^T / (J H^-1
+/// J^T). Mass, damping and stiffness are those of u, the load is u^T times all forces but this
+/// contact's and but what the damping and the rows' masses take. So a box between finger and ball
+/// has the ball's stiffness, and one that slides is not stiff because it cannot turn into the
+/// floor.
+class Surroundings {
+ public:
+  explicit Surroundings(const BoundTool& tool) : tool_(&tool) {}
+
+  /// As the last mj_forward or mj_step found them. `rate`: qvel as it began, nv.
+  void look(const mjModel& model, mjData& data, const std::vector<mjtNum>& rate);
+  /// The law of `body` for a contact with this normal, outwards, at `position`; `force`: of it, N.
+  [[nodiscard]] PushedObject object(const mjModel& model, const mjData& data, int body,
+                                    const Vector3& position, const Vector3& normal,
+                                    double force) const;
+
+ private:
+  struct Row {
+    std::vector<double> way{};  ///< J, of the free DoFs
+    double mass{0.0}, damping{0.0}, stiffness{0.0};
+    double taken{0.0};  ///< by damping and mass now, N
+  };
+  void look_at_rows(const mjModel& model, mjData& data, const std::vector<mjtNum>& rate);
+
+  const BoundTool* tool_;
+  std::vector<std::size_t> dofs_{};  ///< that are not the tool's
+  std::vector<Row> rows_{};
+  std::vector<mjtNum> M_{}, H_{};  ///< of the free DoFs; H by its Cholesky factor
+  std::vector<double> push_{};     ///< all forces on them, and what their dampers take
+  std::vector<mjtNum> rate_{};
+};
 
 }  // namespace haptic::mujoco

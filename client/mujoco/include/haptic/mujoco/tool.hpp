@@ -3,7 +3,7 @@
 /// follows the device by springs, and what it meets is told to hapticd as contacts.
 ///
 ///   haptic::mujoco::Tool finger(model, data, {joint("mcp", 0), joint("pip", 1)},
-///                               {.coupling = 0.02});
+///                               {.coupling = 0.15});
 ///   session->engage_when_ready();
 ///   while (running) {
 ///     const auto state = session->wait_for_state();
@@ -36,8 +36,9 @@
 namespace haptic::mujoco {
 
 struct ToolOptions {
-  /// c > 0: N/m if x is in m, N m/rad if in rad. The displacement of the proxy under a force f is
-  /// f / c, and the device makes force of displacement: a smaller c is felt harder.
+  /// c > 0: N/m if x is in m, N m/rad if in rad. A force f displaces the proxy by f / c, and the
+  /// device makes force of displacement: as large as f if c is the stiffness that it displays
+  /// (w Z_q w^T: 0.15 N m/rad of a finger exoskeleton at 1500 N/m), magnified if c is smaller.
   double coupling{0.0};
   /// Diagonal of the scene's metric W, one per coordinate, > 0; empty: all 1. A quaternion's four
   /// weigh alike: w / 4 is its stiffness per rad^2 of rotation, in units of c.

@@ -99,6 +99,7 @@ PlaneProjection::Remainder PlaneProjection::remainder(int i) const noexcept {
 void PlaneProjection::error(double age_error, ProxyError& out) const noexcept {
   out.known = bounded_ && anchored_;
   out.along = -1;
+  out.turn = 0.0;
   out.of.resize(0);
   out.everywhere = unexplained_;
   if (!out.known || exact_) return;
@@ -107,7 +108,7 @@ void PlaneProjection::error(double age_error, ProxyError& out) const noexcept {
   // Written as far as `count_` only: clearing four vectors costs as much as all the rest.
   double slope[kMaxPlanes], share[kMaxPlanes], gap[kMaxPlanes], room[kMaxPlanes];
   int involved = 0, only = -1, at_anchor = 0;
-  double bent = 0.0;
+  double bent = 0.0, turned = 0.0, most_bend = 0.0;
   for (int i = 0; i < count_; ++i) at_anchor += anchored_l_[i] > 0.0 || told_l_[i] > 0.0;
   for (int i = 0; i < count_; ++i) {
     slope[i] = share[i] = gap[i] = room[i] = 0.0;
@@ -126,6 +127,8 @@ void PlaneProjection::error(double age_error, ProxyError& out) const noexcept {
       const Remainder left = remainder(i);
       gap[i] = left.gap;
       share[i] += l[i] * left.gradient;
+      turned = std::max(turned, left.gradient);
+      most_bend = std::max(most_bend, bend_[i]);
     }
     gap[i] += std::abs(speed_[i]) * age_error;
     if (l[i] == 0.0) {
@@ -157,9 +160,8 @@ void PlaneProjection::error(double age_error, ProxyError& out) const noexcept {
     for (int i = 0; i < count_; ++i) {
       if (i != only && !ContactDual::has(skipped_, i) && room[i] < out.of[only]) out.along = -1;
     }
-    if (out.along >= 0) return;
   }
-  for (int i = 0; i < count_; ++i) {
+  for (int i = 0; i < count_ && out.along < 0; ++i) {
     const double u = uncertainty_[i], gamma = gamma_[i];
     if (slope[i] + share[i] + gap[i] == 0.0) continue;
     const double as_force = u < 1.0 ? std::min(1.0, 0.5 * std::sqrt(gamma / (1.0 - u))) : 1.0;
@@ -167,6 +169,8 @@ void PlaneProjection::error(double age_error, ProxyError& out) const noexcept {
     const double as_gap = gamma > 0.0 ? std::min(most, 0.5 * std::sqrt((1.0 + u) / gamma)) : most;
     out.of[i] = amplified * (share[i] + slope[i] * as_force + gap[i] * as_gap);
   }
+  // Of vectors of about length 1: no more than twice what they differ by.
+  out.turn = 2.0 * (turned + most_bend * (out.of.sum() + out.everywhere));
 }
 
 }  // namespace haptic::core

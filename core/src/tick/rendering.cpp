@@ -100,7 +100,7 @@ void Rendering::bound(const Sensed& sensed, const Settings& settings, Anchor& no
   const bool solved = now.projection == ProjectionStatus::kNone ||
                       now.projection == ProjectionStatus::kExact ||
                       now.projection == ProjectionStatus::kIllConditioned;
-  if (!now.mapped || !solved) return;
+  if (!now.mapped || !solved || now.limiters.has(Limiter::kSingular)) return;
   const Contacts& contacts = *local_.contacts();
   const bool exact = renderer_.kind() == RendererKind::kSubspaceExact;
   const ForceError::Renders renders{renderer_.kind(),   exact ? now.q_star : sensed.q,

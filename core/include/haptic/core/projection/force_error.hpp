@@ -1,6 +1,7 @@
 #pragma once
 /// What an error of the proxy is at the actuators (core/METHOD.md#error-bound): by the renderer's
-/// own sensitivity, block by block. Not offered for the rule per contact, nor with a prior.
+/// own sensitivity, block by block. Not offered with a prior, nor for the rule per contact if it
+/// may hold something back.
 
 #include <vector>
 
@@ -39,6 +40,8 @@ class ForceError {
   /// How far x may be off in this block, ||.||_W.
   [[nodiscard]] double distance(const Block& block, const Contacts& contacts,
                                 const ProxyError& error) const noexcept;
+
+  [[nodiscard]] bool pushes_one_way(Block& block, const Contacts& contacts, double turn) noexcept;
 
   std::vector<Block> blocks_{};  ///< one per block, or the whole map
   int n_a_;

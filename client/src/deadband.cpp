@@ -158,6 +158,7 @@ std::vector<double> Deadband::solve(const Proxy& proxy, const std::vector<double
       const double compliance = std::max(plane.compliance, kRigid * square);
       if (!(compliance > 0.0)) continue;
       for (std::size_t i = 0; i < n; ++i) {
+        if (g[i] == 0.0) continue;  // of another finger
         b[i] -= gap * g[i] / compliance;
         for (std::size_t j = 0; j < n; ++j) A[i * n + j] += g[i] * g[j] / compliance;
       }

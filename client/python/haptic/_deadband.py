@@ -134,9 +134,10 @@ class Deadband:
                 compliance = max(plane.compliance, _RIGID * sum(part * part for part in g))
                 if not (gap < 0.0 < compliance):
                     continue
-                for i in range(n):
+                touched = [i for i in range(n) if g[i] != 0.0]  # the others are of another finger
+                for i in touched:
                     b[i] -= gap * g[i] / compliance
-                    for j in range(n):
+                    for j in touched:
                         a[i][j] += g[i] * g[j] / compliance
             step = _solve_symmetric(a, b)
             z = _plus(z, step)

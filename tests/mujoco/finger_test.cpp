@@ -111,5 +111,26 @@ TEST(MujocoFinger, HeldForceIsMujocos) {
   }
 }
 
+/// The client starts while the finger closes and opens, at any phase.
+TEST(MujocoFinger, LateJoinsHaveNoStrayForce) {
+  double first = 0.0;  // of the one that began with an open hand
+  for (int start = 0; start < 10; ++start) {
+    SCOPED_TRACE(start);
+    Worn worn(60.0, 0.040, core::RendererKind::kSubspaceLinear);
+    double outside = 0.0, inside = 0.0;
+    for (int k = 0; k < 5000; ++k) {
+      const double part = 0.475 * (1.0 - std::cos(2.0 * M_PI * (0.0005 * k + start / 10.0)));
+      if (k % 50 == 0 && k >= 200 && inside == 0.0) worn.loop.engage();
+      worn.at(part);
+      double& most = part < 0.4 ? outside : inside;
+      most = std::max(most, std::abs(worn.loop.tau()));
+    }
+    EXPECT_EQ(outside, 0.0);
+    if (start == 0) first = inside;
+    EXPECT_GT(inside, 0.5);
+    EXPECT_LT(inside, 1.05 * first);
+  }
+}
+
 }  // namespace
 }  // namespace haptic::mujoco

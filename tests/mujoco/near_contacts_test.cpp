@@ -18,7 +18,8 @@ struct Still {
       : Still(World(mjcf), bindings) {}
   Still(World w, const std::vector<Binding>& bindings)
       : world(std::move(w)),
-        tool(*world.m(), bindings, {.coupling = 1e-3}),
+        tool((mj_forward(world.m(), world.d()), *world.m()), *world.d(), bindings,
+             {.coupling = 1e-3}),
         contacts(tool),
         rate(static_cast<std::size_t>(world.m()->nv), 0.0) {
     for (int geom = 0; geom < world.m()->ngeom; ++geom) {

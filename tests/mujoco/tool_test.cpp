@@ -170,6 +170,46 @@ TEST(Tool, PauseBringsTheToolBackSlowly) {
   EXPECT_NEAR(proxy.position[0], 0.030 - engine_force(world) / kStiffness, 1e-9);
 }
 
+/// Held still, what is published is where the tool is: spring and metric of the wire are the same.
+TEST(Tool, PoseRestsWhereItIsPublished) {
+  World world(R"(<mujoco><option timestep="0.001"/><worldbody>
+    <body name="pen" pos="0 0 0.1"><freejoint/>
+      <geom type="capsule" fromto="0 0 0 0.06 0 0.01" size="0.01" mass="0.05" condim="1"/></body>
+    <geom type="plane" size="1 1 1" condim="1" solref="-3000 -60" solimp="0.5 0.5 0.001"/>
+  </worldbody></mujoco>)");
+  Tool tool(world.m(), world.d(), {pose("pen", 1)},
+            {.coupling = 400.0, .weights = {1, 1, 1, 1, 0.004, 0.004, 0.004, 0.004}});
+  const std::vector<double> probe{7.0, 0.0, 0.0, 0.02, 0.1, -0.2, 0.05, -std::sqrt(0.9475)};
+  client::Proxy proxy;
+  for (int i = 0; i < 240; ++i) proxy = tool.step(probe, 1.0 / 60.0);
+  ASSERT_EQ(proxy.mode, client::Mode::kPlanes);
+  EXPECT_GT(engine_force(world), 0.2);
+  EXPECT_EQ(proxy.position[0], 7.0) << "not bound";
+  double turned = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(proxy.position[1 + k], world.d()->qpos[k], 2e-5);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double here = -world.d()->qpos[3 + (k + 1) % 4];  // as the probe has its sign
+    EXPECT_NEAR(proxy.position[4 + k], here, 1e-3);
+    turned = std::max(turned, std::abs(proxy.position[4 + k] - probe[4 + k]));
+  }
+  EXPECT_GT(turned, 0.02);
+}
+
+TEST(Tool, PointsRestWhereTheyArePublished) {
+  World world(R"(<mujoco><option timestep="0.001"/><worldbody>
+    <body name="pad" pos="0 0 0.05"><joint type="slide" axis="1 0 0"/><joint type="slide"
+      axis="0 1 0"/><joint type="slide" axis="0 0 1"/>
+      <geom type="sphere" size="0.01" mass="0.02" condim="1"/></body>
+    <geom type="sphere" pos="0.01 0 0" size="0.03" condim="1"/></worldbody></mujoco>)");
+  Tool tool(world.m(), world.d(), {point("pad", 0)}, {.coupling = 500.0});
+  client::Proxy proxy;
+  for (int i = 0; i < 240; ++i) proxy = tool.step({0.015, 0.01, 0.030}, 1.0 / 60.0);
+  EXPECT_GT(engine_force(world), 0.5);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(proxy.position.at(k), world.d()->xpos[3 + k], 1e-5);
+  }
+}
+
 TEST(Tool, ResetIsALateJoin) {
   World world(slider_model(kSoftWall));
   Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kStiffness});

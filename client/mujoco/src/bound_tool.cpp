@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <stdexcept>
 
@@ -11,6 +12,25 @@ namespace {
 
 [[noreturn]] void refuse(const Binding& binding, const std::string& why) {
   throw std::invalid_argument("binding '" + binding.name + "': " + why);
+}
+
+/// Of the lightest direction of a site or body, 1/kg, and about its lightest axis, 1/(kg m^2): no
+/// less than the largest eigenvalues of J M^-1 J^T.
+std::pair<double, double> inverse_masses(const mjModel& model, mjData& data, const Place& place) {
+  const auto nv = static_cast<std::size_t>(model.nv);
+  std::vector<mjtNum> J(6 * nv), solved(6 * nv);
+  const Vector3 position = position_of(data, place);
+  mj_jac(&model, &data, J.data(), J.data() + 3 * nv, position.data(), place.body);
+  mj_solveM(&model, &data, solved.data(), J.data(), 6);
+  double most[2] = {0.0, 0.0};
+  for (std::size_t i = 0; i < 6; ++i) {
+    double sum = 0.0;
+    for (std::size_t k = i / 3 * 3; k < i / 3 * 3 + 3; ++k) {
+      sum += std::abs(mju_dot(J.data() + i * nv, solved.data() + k * nv, model.nv));
+    }
+    most[i / 3] = std::max(most[i / 3], sum);
+  }
+  return {most[0], most[1]};
 }
 
 /// A point that a point or pose carries with it.
@@ -47,7 +67,7 @@ double Place::apart(double a, double b) const {
   return turns && std::abs(b - a) > kPi ? std::remainder(b - a, 2.0 * kPi) : b - a;
 }
 
-BoundTool::BoundTool(const mjModel& model, const std::vector<Binding>& bindings,
+BoundTool::BoundTool(const mjModel& model, mjData& data, const std::vector<Binding>& bindings,
                      const ToolOptions& options)
     : model_(&model),
       place_of_joint_(static_cast<std::size_t>(model.njnt), -1),
@@ -58,7 +78,7 @@ BoundTool::BoundTool(const mjModel& model, const std::vector<Binding>& bindings,
     throw std::invalid_argument("coupling " + std::to_string(options.coupling) +
                                 ": must be above 0 (N/m, or N m/rad)");
   }
-  for (const Binding& binding : bindings) find(binding);
+  for (const Binding& binding : bindings) find(data, binding);
   std::vector<char> taken(coordinates_, 0);
   for (const Place& place : places_) {
     const std::size_t first = place.binding.first_coordinate;
@@ -71,18 +91,8 @@ BoundTool::BoundTool(const mjModel& model, const std::vector<Binding>& bindings,
         refuse(place.binding, "the weight of coordinate " + std::to_string(i) +
                                   " must be above 0, not " + std::to_string(weight));
       }
-      const bool turn = place.binding.kind == Binding::Kind::kPose && i >= first + 3;
-      const double stiffness = options.coupling * weight * (turn ? 0.25 : 1.0);
-      const double mass = turn ? place.inertia : place.mass;
-      const double step = model.opt.timestep;
-      if (!(step * std::sqrt(stiffness / mass) <= 0.5)) {
-        refuse(place.binding,
-               "the coupling is too stiff for the model's step: coordinate " + std::to_string(i) +
-                   " has a mass of " + std::to_string(mass) + " kg (kg m^2) and needs at least " +
-                   std::to_string(4.0 * step * step * stiffness) +
-                   "; give it mass or armature, shorten the timestep, or lower the coupling");
-      }
     }
+    refuse_stiff(place, options);
   }
   for (int body = 0; body < model.nbody; ++body) {
     const Path way = path(body);
@@ -94,7 +104,25 @@ BoundTool::BoundTool(const mjModel& model, const std::vector<Binding>& bindings,
   }
 }
 
-void BoundTool::find(const Binding& binding) {
+void BoundTool::refuse_stiff(const Place& place, const ToolOptions& options) const {
+  const std::size_t first = place.binding.first_coordinate;
+  for (std::size_t i = first; i < first + count_of(place.binding.kind); ++i) {
+    const bool turn = place.binding.kind == Binding::Kind::kPose && i >= first + 3;
+    const double weight = options.weights.empty() ? 1.0 : options.weights[i];
+    const double stiffness = options.coupling * weight * (turn ? 0.25 : 1.0);
+    const double mass = turn ? place.inertia : place.mass, step = model_->opt.timestep;
+    if (step * std::sqrt(stiffness / mass) <= 0.5) continue;
+    char text[300];
+    std::snprintf(text, sizeof text,
+                  "the coupling is too stiff for the model's step: coordinate %zu has a mass of "
+                  "%.3g kg (kg m^2) and needs at least %.3g; give it mass or armature, shorten the "
+                  "timestep, or lower the coupling or its weight",
+                  i, mass, 4.0 * step * step * stiffness);
+    refuse(place.binding, text);
+  }
+}
+
+void BoundTool::find(mjData& data, const Binding& binding) {
   const mjModel& m = *model_;
   Place place;
   place.binding = binding;
@@ -126,10 +154,10 @@ void BoundTool::find(const Binding& binding) {
     for (int k = 0; k < m.body_dofnum[place.body]; ++k) {
       place.dofs.push_back(m.body_dofadr[place.body] + k);
     }
-    const mjtNum* inverse = m.body_invweight0 + 2 * place.body;
-    if (!(inverse[0] > 0.0)) refuse(binding, "its body cannot move: it has no joint");
-    place.mass = 1.0 / inverse[0];
-    place.inertia = 1.0 / std::max<double>(inverse[1], mjMINVAL);
+    const std::pair<double, double> inverse = inverse_masses(m, data, place);
+    if (!(inverse.first > 0.0)) refuse(binding, "its body cannot move: it has no joint");
+    place.mass = 1.0 / inverse.first;
+    place.inertia = 1.0 / std::max<double>(inverse.second, mjMINVAL);
   }
   coordinates_ = std::max(coordinates_, binding.first_coordinate + count_of(binding.kind));
   places_.push_back(place);

@@ -18,7 +18,7 @@ struct Place {
   bool site{false};
   bool turns{false};        ///< a hinge's angle
   std::vector<int> dofs{};  ///< that it moves itself, without those of its parents
-  double mass{0.0};         ///< felt by its spring at qpos0, kg, or kg m^2 of a hinge
+  double mass{0.0};         ///< that its spring meets at least, kg, or kg m^2 of a hinge
   double inertia{0.0};      ///< of a pose, kg m^2
 
   /// b less a of a joint's coordinate; of an angle the short way round.
@@ -27,8 +27,9 @@ struct Place {
 
 class BoundTool {
  public:
-  /// As Tool::Tool(), but changes nothing.
-  BoundTool(const mjModel& model, const std::vector<Binding>& bindings, const ToolOptions& options);
+  /// As Tool::Tool(), but changes nothing. `data`: after mj_forward.
+  BoundTool(const mjModel& model, mjData& data, const std::vector<Binding>& bindings,
+            const ToolOptions& options);
 
   [[nodiscard]] const std::vector<Place>& places() const noexcept { return places_; }
   /// One beyond the last coordinate that is bound.
@@ -57,7 +58,8 @@ class BoundTool {
     std::vector<int> soft{};      ///< joints of the tool's own that have a spring
   };
   [[nodiscard]] Path path(int body) const;
-  void find(const Binding& binding);
+  void find(mjData& data, const Binding& binding);
+  void refuse_stiff(const Place& place, const ToolOptions& options) const;
 
   const mjModel* model_;
   std::vector<Place> places_{};

@@ -37,6 +37,11 @@ void move_to(const std::vector<double>& x, const std::vector<double>& z, client:
   for (std::size_t i = 0; i < x.size(); ++i) plane.offset += plane.normal[i] * x[i];
 }
 
+mjData& forwarded(mjModel& model, mjData& data) {
+  mj_forward(&model, &data);
+  return data;
+}
+
 bool finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
 }
@@ -79,7 +84,12 @@ struct Tool::State {
 
 Tool::State::State(mjModel* m, mjData* d, const std::vector<Binding>& bindings,
                    const ToolOptions& o)
-    : model(m), data(d), options(o), tool(*m, bindings, o), contacts(tool), aimed(tool, options) {
+    : model(m),
+      data(d),
+      options(o),
+      tool(*m, forwarded(*m, *d), bindings, o),
+      contacts(tool),
+      aimed(tool, options) {
   for (const Place& place : tool.places()) {
     if (place.binding.kind == Binding::Kind::kJoint) model->jnt_limited[place.id] = 0;
   }

@@ -158,6 +158,30 @@ void BlockRenderer::displayed_bound(const Probe& probe, const VecX& dx, const Ve
   }
 }
 
+bool BlockRenderer::widen(const Probe& probe, const VecX& dx, const VecA& stiffness,
+                          const ProxyError& error, VecA& force) noexcept {
+  if (kind_ != RendererKind::kPerContact || (error.none() && error.depth.size() == 0)) return true;
+  // Without a push of its own one actuator answers with a share of what Eq. (8) may be off.
+  if (whole_) {
+    if ((dx.array() == 0.0).all()) return force.size() == 1 || force.isZero(0.0);
+    return whole_->widen(probe, stiffness, error, force);
+  }
+  for (Block& block : blocks_) {
+    VecA part = force.segment(block.at.first_a, block.n_a);
+    if (!block.displaced(dx)) {
+      if (block.n_a != 1 && !part.isZero(0.0)) return false;
+      continue;
+    }
+    ContactView contacts = probe.contacts;
+    contacts.first_x = block.at.first_x;
+    contacts.first_a = block.at.first_a;
+    const Probe here{block.q, block.x_probe, block.J, contacts};
+    if (!block.renderer.widen(here, block.stiffness, error, part)) return false;
+    force.segment(block.at.first_a, block.n_a) = part;
+  }
+  return true;
+}
+
 void BlockRenderer::release() noexcept {
   if (whole_) whole_->release();
   for (Block& block : blocks_) block.renderer.release();

@@ -37,7 +37,7 @@ bool DirectionGuard::allows(const Probe& probe, const VecX& dx, const VecA& tau_
     ContactView contacts = probe.contacts;
     contacts.first_x = block.at.first_x;
     for_each_contact(block.model, contacts, bare, block.by_joint, block.out,
-                     [&](VecX& out, double depth) {
+                     [&](VecX& out, double depth, int) {
                        if (pushed_in || !(depth > block.band)) return;
                        metric.weigh(out);
                        const VecA way = block.solver.also(block.J, out);

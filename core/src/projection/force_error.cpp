@@ -35,35 +35,16 @@ double ForceError::distance(const Block& block, const Contacts& contacts,
   return named ? sum + error.everywhere : 0.0;
 }
 
-/// The force of one actuator is a sum of pushes out of the contacts. If it has the same sign for
-/// each of them, however its direction may be off, it pushes the probe into none: nothing is held
-/// back, and the rule per contact is Eq. (8).
-bool ForceError::pushes_one_way(Block& block, const Contacts& contacts, double turn) noexcept {
-  if (block.at.n_a() != 1) return false;
-  const double most = turn * block.solver.felt(VecA::Ones(1));
-  double side = 0.0;
-  for (int i = 0; i < contacts.size(); ++i) {
-    along_ = contacts.into.col(i).segment(block.at.first_x, block.at.n_x());
-    if (along_.isZero(0.0)) continue;
-    block.model.metric().weigh(along_);
-    const double out = block.solver.also(J_, along_)[0];
-    if (!(std::abs(out) > most) || out * side < 0.0) return false;
-    side = out;
-  }
-  return true;
-}
-
 bool ForceError::at(const Renders& renders, const Contacts& contacts, const ProxyError& error,
                     VecA& force) noexcept {
   if (prior_) return false;
-  const bool per_contact = renders.kind == RendererKind::kPerContact;
   force.setZero(n_a_);
   if (error.none()) return true;
   BlockSet bit = 1;
   for (auto b = blocks_.begin(); b != blocks_.end(); ++b, bit <<= 1) {
     Block& block = *b;
     const double off = distance(block, contacts, error);
-    if (off < ProxyError::kNothing && !(per_contact && error.turn > ProxyError::kNothing)) continue;
+    if (off < ProxyError::kNothing) continue;
     const int n_a = block.at.n_a();
     if ((renders.known & bit) != 0) {
       J_ = renders.J.block(block.at.first_x, block.at.first_q, block.at.n_x(), block.at.n_q());
@@ -89,7 +70,6 @@ bool ForceError::at(const Renders& renders, const Contacts& contacts, const Prox
       block.solver.solve(J_, x_, stiffness);
       if (block.solver.status() != ProjectionStatus::kExact) return false;
       if (along) moved = block.solver.also(J_, along_);
-      if (per_contact && !pushes_one_way(block, contacts, error.turn)) return false;
     }
     for (int a = 0; a < n_a; ++a) {
       double row = 0.0;

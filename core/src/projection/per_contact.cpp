@@ -17,16 +17,7 @@ constexpr double kBandJoint = 0.25 * 0.017453292519943295;  // rad
 constexpr double kBandPoint = 0.0005;                       // m
 constexpr double kBandOfMetric = 0.05;
 
-/// 1 / condition from which damping begins, and lambda at the singularity, of equilibrated columns.
-/// At this condition Eq. (8) already gives a hundred times the force of a well-conditioned pose.
-constexpr double kDamped = 0.01;
-
 constexpr double kSettled = 1e-13;  // of tau_8: rounding
-
-/// The part of a full push that a contact at `depth` still allows.
-double slack_at(double depth, double band, double leverage) noexcept {
-  return std::max({0.0, 1.0 - depth / band, 1.0 - leverage / kLeverage});
-}
 
 }  // namespace
 
@@ -73,65 +64,74 @@ void PerContact::project(const Probe& probe, const VecX& /*x*/, const VecX& dx,
   const int n_a = layout.n_a();
   for (int i = 0; i < n_a; ++i) tau_[i] = stiffness[i] * solver.dq()[layout.actuated(i)];
 
-  int pushes = 0;
+  pushed_ = 0;
   bool pushed_in = false;
   double share = 1.0;  // with one actuator the optimum is a share of tau_8
-  for_each_contact(model_, probe.contacts, dx, by_joint_, out_, [&](VecX& direction, double depth) {
-    if (pushes == kMost) return;
-    model_.metric().weigh(direction);
-    Push& push = pushes_[static_cast<std::size_t>(pushes++)];
-    push.out = solver.also(J, direction);
-    push.slack = slack_at(depth, band_, leverage(solver, push.out));
-    if (push.out.dot(tau_) < 0.0) {
-      pushed_in = true;
-      share = std::min(share, push.slack);
-    }
-  });
-  const VecA* limit = probe.contacts.force_limit;
+  for_each_contact(model_, probe.contacts, dx, by_joint_, out_,
+                   [&](VecX& direction, double depth, int contact) {
+                     if (pushed_ == kMost) return;
+                     model_.metric().weigh(direction);
+                     Push& push = pushes_[static_cast<std::size_t>(pushed_++)];
+                     push.out = solver.also(J, direction);
+                     push.depth = depth;
+                     push.cosine = leverage(solver, push.out);
+                     push.slack = slack_at(depth, band_, push.cosine);
+                     push.contact = contact;
+                     if (push.out.dot(tau_) < 0.0) {
+                       pushed_in = true;
+                       share = std::min(share, push.slack);
+                     }
+                   });
   if (n_a == 1) {
     if (!pushed_in) return;
+    tau_ *= share;
     out.q_star[layout.actuated(0)] =
         probe.q[layout.actuated(0)] + share * solver.dq()[layout.actuated(0)];
     out.contradicted = share < 1.0;
     return;
   }
-  VecA within = limit != nullptr
-                    ? VecA(limit->segment(probe.contacts.first_a, n_a))
-                    : VecA(VecA::Constant(n_a, std::numeric_limits<double>::infinity()));
-  for (int i = 0; i < n_a; ++i) {
-    if (!(stiffness[i] > 0.0)) within[i] = 0.0;  // no spring that could give it
-  }
+  const VecA within = most(probe.contacts, stiffness);
   if (!pushed_in && (tau_.array().abs() <= within.array()).all()) return;
-  out.contradicted = hold_back(solver, pushes, within);
+  out.contradicted = hold_back(solver, within);
   for (int i = 0; i < n_a; ++i) {
     const int k = layout.actuated(i);
     if (stiffness[i] > 0.0) out.q_star[k] = probe.q[k] + tau_[i] / stiffness[i];
   }
 }
 
+VecA PerContact::most(const ContactView& view, const VecA& stiffness) const noexcept {
+  const Eigen::Index n_a = stiffness.size();
+  VecA within = VecA::Constant(n_a, std::numeric_limits<double>::infinity());
+  if (view.force_limit != nullptr) within = view.force_limit->segment(view.first_a, n_a);
+  for (Eigen::Index i = 0; i < n_a; ++i) {
+    if (!(stiffness[i] > 0.0)) within[i] = 0.0;  // no spring that could give it
+  }
+  return within;
+}
+
 /// The dual by active set: the conditions that hold tau_ back, one more as long as one is broken,
 /// one less if its multiplier would become negative. 0 meets every condition, so there is an
 /// answer, and it is no longer than tau_8 in the norm of what the finger feels, which bounds the
 /// push on every contact: a slack of 1 is no condition.
-bool PerContact::hold_back(const LeastSquares& solver, int pushes, const VecA& limit) noexcept {
+bool PerContact::hold_back(const LeastSquares& solver, const VecA& limit) noexcept {
   constexpr int kLargest = kMaxQ + 1;  // more conditions than that cannot be independent
   using Active = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kLargest, 1>;
   using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kLargest, kLargest>;
-  const int n_a = static_cast<int>(tau_.size()), conditions = pushes + 2 * n_a;
+  const int n_a = static_cast<int>(tau_.size()), conditions = pushed_ + 2 * n_a;
   const VecA tau_8 = tau_;
   const double felt = solver.felt(tau_8);
   VecA along(n_a);
   double least = 0.0;  // along . tau_a >= least
   const auto condition = [&](int i) {
-    if (i < pushes) {
+    if (i < pushed_) {
       const Push& push = pushes_[static_cast<std::size_t>(i)];
       along = push.out;
       least = -push.slack * std::sqrt(along.dot(solver.actuated_square(along))) * felt;
       return;
     }
-    const int k = (i - pushes) / 2;
+    const int k = (i - pushed_) / 2;
     along.setZero();
-    along[k] = (i - pushes) % 2 == 0 ? 1.0 : -1.0;
+    along[k] = (i - pushed_) % 2 == 0 ? 1.0 : -1.0;
     least = -limit[k];
   };
   int index[kLargest]{}, n = 0;
@@ -159,7 +159,7 @@ bool PerContact::hold_back(const LeastSquares& solver, int pushes, const VecA& l
     r[n] = least - along.dot(tau_8);
     l[n] = 0.0;
     index[n++] = worst;
-    held = held || worst < pushes;
+    held = held || worst < pushed_;
     while (n > 0) {
       Square G = C.topLeftCorner(n_a, n).transpose().lazyProduct(D.topLeftCorner(n_a, n));
       G.diagonal() *= 1.0 + kSettled;

@@ -2,6 +2,7 @@
 // what a sample leaves open (core/METHOD.md#error-bound).
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "haptic/core/projection/plane_projection.hpp"
 
@@ -27,6 +28,7 @@ void PlaneProjection::begin_error(const PlaneSet& planes) noexcept {
   bounded_ = planes.uncertainty.size() > 0 && !laws_.any();
   if (!bounded_) return;
   uncertainty_.head(count_) = planes.uncertainty;
+  unshifted_.head(count_) = beta_.head(count_);
   told_l_.setZero();
   unsettled_ = 0.0;
   exact_ = curved_ == 0 && !moving_ && planes.uncertainty.isZero(0.0);
@@ -93,22 +95,59 @@ PlaneProjection::Remainder PlaneProjection::remainder(int i) const noexcept {
   const double curve = 0.5 * (std::abs(along) + std::abs(bent)) * turned * turned / (left * left);
   const double tilt = 0.5 * turned * (turned + 2.0 * bend_[i] * std::abs(along)) / (left * left);
   return {curve + 0.5 * turns * (turns * most_along + most_bent),
-          tilt + 1.5 * turns * (turns + turned)};
+          tilt + 1.5 * turns * (turns + turned), bend_[i] / left};
+}
+
+double PlaneProjection::shift(int i) const noexcept {
+  return std::abs((ContactDual::has(curved_, i) ? told_beta_[i] : beta_[i]) - unshifted_[i]);
 }
 
 void PlaneProjection::error(double age_error, ProxyError& out) const noexcept {
   out.known = bounded_ && anchored_;
   out.along = -1;
-  out.turn = 0.0;
-  out.of.resize(0);
+  for (PlaneSet::Offsets* each : {&out.of, &out.depth, &out.turn}) each->resize(0);
   out.everywhere = unexplained_;
-  if (!out.known || exact_) return;
+  if (!out.known) return;
+  Remainder left[kMaxPlanes];
+  if (!exact_) displaced(age_error, left, out);
+  if (dual_.held() != 0) turned(age_error, left, out);
+}
+
+/// `moved` is how far x and what is linearised there may be from the simulation's.
+void PlaneProjection::turned(double age_error, const Remainder* left,
+                             ProxyError& out) const noexcept {
+  const double moved = out.everywhere + (out.of.size() > 0 ? out.of.sum() : 0.0) + unsettled_;
+  const double way = dual_.l().head(count_).sum() + unsettled_;  // from the probe, or more
+  out.depth.resize(count_);
+  if (curved_ != 0) out.turn.setZero(count_);
+  double most = 0.0;
+  for (int i = 0; i < count_; ++i) {
+    const bool skipped = ContactDual::has(skipped_, i);
+    double depth = skipped ? 0.0 : scale_[i] * shift(i) + std::abs(speed_[i]) * age_error;
+    if (ContactDual::has(curved_, i)) {
+      const double bend = scale_[i] * left[i].bend;
+      const double tilt = bend * moved + scale_[i] * left[i].gradient;
+      depth += scale_[i] * left[i].gap + tilt * way + 0.5 * bend * moved * moved;
+      depth = tilt < kMostBent ? (depth + tilt * std::abs(contacts_.depth[i])) / (1.0 - tilt)
+                               : std::numeric_limits<double>::infinity();
+      out.turn[i] = std::min(2.0, tilt / (1.0 - 0.5 * std::min(1.0, tilt)));
+      most = std::max(most, out.turn[i]);
+    }
+    out.depth[i] = depth;
+    most = std::max(most, depth);
+  }
+  if (most >= ProxyError::kNothing) return;
+  out.depth.resize(0);
+  out.turn.resize(0);
+}
+
+void PlaneProjection::displaced(double age_error, Remainder* left, ProxyError& out) const noexcept {
   out.of.setZero(count_);
   const Vector& l = dual_.l();
   // Written as far as `count_` only: clearing four vectors costs as much as all the rest.
   double slope[kMaxPlanes], share[kMaxPlanes], gap[kMaxPlanes], room[kMaxPlanes];
   int involved = 0, only = -1, at_anchor = 0;
-  double bent = 0.0, turned = 0.0, most_bend = 0.0;
+  double bent = 0.0;
   for (int i = 0; i < count_; ++i) at_anchor += anchored_l_[i] > 0.0 || told_l_[i] > 0.0;
   for (int i = 0; i < count_; ++i) {
     slope[i] = share[i] = gap[i] = room[i] = 0.0;
@@ -124,11 +163,9 @@ void PlaneProjection::error(double age_error, ProxyError& out) const noexcept {
       share[i] += l[i] > 0.0 ? std::max(0.0, shared + slope[i] - l[i]) : 2.0 * shared;
     }
     if (ContactDual::has(curved_, i)) {
-      const Remainder left = remainder(i);
-      gap[i] = left.gap;
-      share[i] += l[i] * left.gradient;
-      turned = std::max(turned, left.gradient);
-      most_bend = std::max(most_bend, bend_[i]);
+      left[i] = remainder(i);
+      gap[i] = left[i].gap;
+      share[i] += l[i] * left[i].gradient;
     }
     gap[i] += std::abs(speed_[i]) * age_error;
     if (l[i] == 0.0) {
@@ -160,8 +197,9 @@ void PlaneProjection::error(double age_error, ProxyError& out) const noexcept {
     for (int i = 0; i < count_; ++i) {
       if (i != only && !ContactDual::has(skipped_, i) && room[i] < out.of[only]) out.along = -1;
     }
+    if (out.along >= 0) return;
   }
-  for (int i = 0; i < count_ && out.along < 0; ++i) {
+  for (int i = 0; i < count_; ++i) {
     const double u = uncertainty_[i], gamma = gamma_[i];
     if (slope[i] + share[i] + gap[i] == 0.0) continue;
     const double as_force = u < 1.0 ? std::min(1.0, 0.5 * std::sqrt(gamma / (1.0 - u))) : 1.0;
@@ -169,8 +207,6 @@ void PlaneProjection::error(double age_error, ProxyError& out) const noexcept {
     const double as_gap = gamma > 0.0 ? std::min(most, 0.5 * std::sqrt((1.0 + u) / gamma)) : most;
     out.of[i] = amplified * (share[i] + slope[i] * as_force + gap[i] * as_gap);
   }
-  // Of vectors of about length 1: no more than twice what they differ by.
-  out.turn = 2.0 * (turned + most_bend * (out.of.sum() + out.everywhere));
 }
 
 }  // namespace haptic::core

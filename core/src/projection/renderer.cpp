@@ -41,6 +41,12 @@ void Renderer::project(const Probe& probe, const VecX& x, const VecX& dx, const 
   std::visit(project, renderer_);
 }
 
+bool Renderer::widen(const Probe& probe, const VecA& stiffness, const ProxyError& error,
+                     VecA& force) noexcept {
+  auto* per_contact = std::get_if<PerContact>(&renderer_);
+  return per_contact == nullptr || per_contact->widen(probe, stiffness, error, force);
+}
+
 void Renderer::release() noexcept {
   if (auto* exact = std::get_if<SubspaceExact>(&renderer_)) exact->release();
 }

@@ -100,13 +100,16 @@ void Rendering::bound(const Sensed& sensed, const Settings& settings, Anchor& no
   const bool solved = now.projection == ProjectionStatus::kNone ||
                       now.projection == ProjectionStatus::kExact ||
                       now.projection == ProjectionStatus::kIllConditioned;
-  if (!now.mapped || !solved || now.limiters.has(Limiter::kSingular)) return;
+  if (!now.mapped || !solved) return;
   const Contacts& contacts = *local_.contacts();
   const bool exact = renderer_.kind() == RendererKind::kSubspaceExact;
   const ForceError::Renders renders{renderer_.kind(),   exact ? now.q_star : sensed.q,
                                     settings.stiffness, settings.Z_q,
                                     map_.J(),           exact || !now.in_the_way ? 0 : has_J_};
-  if (!force_error_.at(renders, contacts, local_.error(), now.force_error)) {
+  if (!now.in_the_way) dx_.setZero();
+  const Probe probe{sensed.q, map_.x_probe(), map_.J(), {&contacts, &settings.force_limit}};
+  if (!force_error_.at(renders, contacts, local_.error(), now.force_error) ||
+      !renderer_.widen(probe, dx_, settings.stiffness, local_.error(), now.force_error)) {
     now.force_error.resize(0);
   }
 }

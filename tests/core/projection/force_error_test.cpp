@@ -45,19 +45,6 @@ class ForceErrorTest : public testing::Test {
     return stiffness_.cwiseProduct(layout.select(out.q_star) - layout.select(q));
   }
 
-  VecA per_contact(const VecQ& q, const VecX& x, const Contacts& contacts) {
-    const VecA limit = VecA::Constant(2, 1e6);
-    VecX x_probe, dx;
-    MatXQ J;
-    EXPECT_EQ(two_fingered().evaluate(q, x_probe, J), MapStatus::kOk);
-    two_fingered().space().difference(x, x_probe, dx);
-    Projection out;
-    BlockRenderer(RendererKind::kPerContact, two_fingered())
-        .project({q, x_probe, J, {&contacts, &limit}}, x, dx, stiffness_, true, out);
-    const DofLayout& layout = two_fingered().layout();
-    return stiffness_.cwiseProduct(layout.select(out.q_star) - layout.select(q));
-  }
-
   std::mt19937_64 random_{4};
   const VecA stiffness_ = (VecA(2) << 900, 1500).finished();
   VecQ q_star_{};
@@ -109,50 +96,6 @@ TEST_F(ForceErrorTest, BoundsEveryRenderer) {
     }
     EXPECT_GT(nearest, 0.8) << "or the bound is vacuous";
   }
-}
-
-/// Two contacts of the index, whose multipliers and directions the simulation knows better.
-TEST_F(ForceErrorTest, BoundsPerContactThatPushesOut) {
-  constexpr double kTurn = 0.02;
-  ForceError force_error{ProjectionModel(two_fingered())};
-  int known = 0, unknown = 0, held_back = 0;
-  double nearest = 0.0;
-  for (int trial = 0; trial < 2000; ++trial) {
-    VecQ q;
-    ASSERT_EQ(two_fingered().inverse(joints(15.0), q), InverseStatus::kExact);
-    VecX x_probe;
-    ASSERT_EQ(two_fingered().position(q, x_probe), MapStatus::kOk);
-    Contacts told, truth;
-    told.into = truth.into = MatXQ::Zero(4, 2);
-    told.depth = truth.depth = VecX::Ones(2);
-    VecX x = x_probe, there = x_probe;
-    for (int i = 0; i < 2; ++i) {
-      const double angle = uniform(-M_PI, M_PI), off = angle + uniform(-1.0, 1.0) * kTurn;
-      told.into.col(i).head(2) = Eigen::Vector2d(std::cos(angle), std::sin(angle));
-      truth.into.col(i).head(2) = Eigen::Vector2d(std::cos(off), std::sin(off));
-      const double l = uniform(0.0, 2.0) * kDegree;
-      x -= l * told.into.col(i);
-      there -= l * uniform(0.9, 1.1) * truth.into.col(i);
-    }
-    ProxyError error;
-    error.known = true;
-    error.turn = kTurn;
-    error.of = (VecX(2) << (there - x).norm(), 0.0).finished();
-    const VecA felt = per_contact(q, x, told), ideal = per_contact(q, there, truth);
-    VecA bound;
-    if (!force_error.at({RendererKind::kPerContact, q, stiffness_, {}, {}}, told, error, bound)) {
-      ++unknown;
-      const VecA wish = force(RendererKind::kSubspaceLinear, q, x);
-      held_back += std::abs(felt[0]) < 0.99 * std::abs(wish[0]) ? 1 : 0;
-      continue;
-    }
-    ++known;
-    ASSERT_LE(std::abs(felt[0] - ideal[0]), 1.02 * bound[0] + 1e-12);
-    nearest = std::max(nearest, std::abs(felt[0] - ideal[0]) / bound[0]);
-  }
-  EXPECT_GT(known, 500);
-  EXPECT_GT(held_back, 100) << "of " << unknown;
-  EXPECT_GT(nearest, 0.8);
 }
 
 }  // namespace

@@ -27,7 +27,8 @@ double median(std::vector<double> values) {
 /// What a bound is judged by.
 struct Judged {
   std::vector<double> errors{}, bounds{};
-  double peak{0.0};  ///< of ||x - x_probe||
+  std::vector<double> depths{}, turns{};  ///< of the contacts, bound by error
+  double peak{0.0};                       ///< of ||x - x_probe||
   int unknown{0};
 
   void take(const PlaneProjection& projection, const VecX& x_probe, const VecX& x,
@@ -45,6 +46,21 @@ struct Judged {
     if (off <= rounding) return;
     errors.push_back(off);
     bounds.push_back(bound);
+  }
+  /// Contact i against the simulation's own: its direction and how deep the probe is beyond it.
+  void take_contact(const PlaneProjection& projection, int i, const VecX& into, double depth) {
+    if (projection.active() == 0) return;
+    ProxyError error;
+    projection.error(0.0, error);
+    if (!error.known) return;
+    const Contacts& used = projection.contacts();
+    const bool told = error.depth.size() > 0;
+    const double off = std::abs(used.depth[i] - depth);
+    const double turned = (used.into.col(i) - into).norm();
+    ASSERT_LE(off, (told ? error.depth[i] : 0.0) + 1e-8) << i;
+    ASSERT_LE(turned, (told ? error.turn[i] : 0.0) + 1e-8) << i;
+    if (off > 1e-8) depths.push_back(error.depth[i] / off);
+    if (turned > 1e-8) turns.push_back(error.turn[i] / turned);
   }
   /// The median of the bounds by what it may be: 5 times that of the errors, or 1 % of the peak.
   [[nodiscard]] double loose() const {
@@ -100,6 +116,11 @@ Judged walk(int n_x, int most, double u, double softest, std::uint32_t seed) {
       for (int k = 0; k < n_x; ++k) p[k] += uniform(random, -0.1, 0.1);
       static_cast<void>(projection.project(p, x));
       judged.take(projection, p, x, solved(truth, p));
+      for (int i = 0; i < count; ++i) {
+        const VecX n = truth.normals.col(i);
+        judged.take_contact(projection, i, n.normalized(),
+                            (n.dot(p) - truth.offsets[i]) / n.norm());
+      }
       if (testing::Test::HasFatalFailure()) return judged;
     }
   }
@@ -200,7 +221,14 @@ Judged curved(const ConfigurationSpace& space, const Gaps& gaps, const Eigen::Ve
     for (int step = 1; step <= 20; ++step) {
       const VecX p = start + reach * step / 20.0 * Eigen::Vector2d(std::cos(way), std::sin(way));
       static_cast<void>(projection.project(p, x));
-      judged.take(projection, p, x, settled(gaps, stiff, p), 1e-7);
+      const Eigen::Vector2d x_true = settled(gaps, stiff, p);
+      judged.take(projection, p, x, x_true, 1e-7);
+      const std::vector<Gap> there = gaps(x_true);
+      for (int i = 0; i < static_cast<int>(count); ++i) {
+        const Gap& gap = there[static_cast<std::size_t>(i)];
+        const double depth = -(gap.phi + gap.g.dot(p - x_true)) / gap.g.norm();
+        judged.take_contact(projection, i, -gap.g.normalized(), depth);
+      }
       if (testing::Test::HasFatalFailure()) {
         ADD_FAILURE() << run << " " << step << " " << u << " at " << start.transpose();
         return judged;

@@ -1,7 +1,7 @@
 #pragma once
 /// What an error of the proxy is at the actuators (core/METHOD.md#error-bound): by the renderer's
-/// own sensitivity, block by block. Not offered with a prior, nor for the rule per contact if it
-/// may hold something back.
+/// own sensitivity, block by block. Of the rule per contact: of Eq. (8) behind it, which
+/// BlockRenderer::widen() goes on from. Not offered with a prior.
 
 #include <vector>
 
@@ -40,8 +40,6 @@ class ForceError {
   /// How far x may be off in this block, ||.||_W.
   [[nodiscard]] double distance(const Block& block, const Contacts& contacts,
                                 const ProxyError& error) const noexcept;
-
-  [[nodiscard]] bool pushes_one_way(Block& block, const Contacts& contacts, double turn) noexcept;
 
   std::vector<Block> blocks_{};  ///< one per block, or the whole map
   int n_a_;

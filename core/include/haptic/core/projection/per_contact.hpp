@@ -20,6 +20,7 @@
 #include "haptic/core/projection/prior_target.hpp"
 #include "haptic/core/projection/projection.hpp"
 #include "haptic/core/projection/projection_model.hpp"
+#include "haptic/core/projection/proxy_error.hpp"
 
 namespace haptic::core {
 
@@ -27,8 +28,9 @@ namespace haptic::core {
 /// a point; with a metric of the scene's a twentieth of what counts as 1.
 [[nodiscard]] double contact_band(const ProjectionModel& model) noexcept;
 
-/// Calls visit(out, depth) for every contact that the probe is inside of, in the coordinates of
-/// `model`: out (n_x) leads out, of length 1 in ||.||_W. What counts as one: ContactView.
+/// Calls visit(out, depth, i) for every contact that the probe is inside of, in the coordinates of
+/// `model`: out (n_x) leads out, of length 1 in ||.||_W; i is its number, if the proxy has planes.
+/// What counts as one: ContactView.
 template <typename Visit>
 void for_each_contact(const ProjectionModel& model, const ContactView& view, const VecX& dx,
                       bool by_joint, VecX& out, Visit&& visit) {
@@ -36,7 +38,7 @@ void for_each_contact(const ProjectionModel& model, const ContactView& view, con
     for (int i = 0; i < view.contacts->size(); ++i) {
       if (!(view.contacts->depth[i] > 0.0)) continue;
       out = -view.contacts->into.col(i).segment(view.first_x, model.n_x());
-      if ((out.array() != 0.0).any()) visit(out, view.contacts->depth[i]);
+      if ((out.array() != 0.0).any()) visit(out, view.contacts->depth[i], i);
     }
     return;
   }
@@ -46,7 +48,7 @@ void for_each_contact(const ProjectionModel& model, const ContactView& view, con
     const double depth = weighed.norm();
     if (!(depth > 0.0)) return;
     out = dx / depth;
-    visit(out, depth);
+    visit(out, depth, 0);
     return;
   }
   VecX weighed;
@@ -62,7 +64,7 @@ void for_each_contact(const ProjectionModel& model, const ContactView& view, con
     weighed.setZero();
     weighed[k] = dx[k];
     model.metric().weigh(weighed);
-    visit(out, weighed.norm());
+    visit(out, weighed.norm(), 0);
   }
 }
 
@@ -76,14 +78,25 @@ class PerContact {
   /// As Renderer::project.
   void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                bool proxy_changed, Projection& out) noexcept;
+  /// How far the last project()'s tau_a may be from the simulation's own: from `force` (n_a), how
+  /// far tau_8 may be, and from the contacts' errors. False: nothing is known. `probe` and
+  /// `stiffness`: as there. Never allocates.
+  [[nodiscard]] bool widen(const Probe& probe, const VecA& stiffness, const ProxyError& error,
+                           VecA& force) noexcept;
   /// Forgets q_n^ref.
   void reset() noexcept { target_.reset(); }
 
  private:
+  /// 1 / condition from which damping begins, and lambda at the singularity, of equilibrated
+  /// columns. At this condition Eq. (8) already gives a hundred times the force of a
+  /// well-conditioned pose.
+  static constexpr double kDamped = 0.01;
   static constexpr int kMost = kMaxQ > kMaxPlanes ? kMaxQ : kMaxPlanes;
   struct Push {
-    VecA out{};         ///< S J^+ out_i: out . tau_a is what tau_a does along it
-    double slack{0.0};  ///< share of the full push that is still allowed, 0 to 1
+    VecA out{};                      ///< S J^+ out_i: out . tau_a is what tau_a does along it
+    double slack{0.0};               ///< share of the full push that is still allowed, 0 to 1
+    double depth{0.0}, cosine{0.0};  ///< which it follows from; cosine: leverage()
+    int contact{0};
   };
 
   /// The solver whose R holds for this pose: the plain one, or with damping or the prior.
@@ -93,8 +106,10 @@ class PerContact {
                                  const VecQ& target, const VecA& stiffness) noexcept;
   [[nodiscard]] VecQ damping_weight(const MatXQ& J, const VecA& stiffness,
                                     double share) const noexcept;
+  /// The force limits; 0 where there is no stiffness.
+  [[nodiscard]] VecA most(const ContactView& view, const VecA& stiffness) const noexcept;
   /// tau_ <- the bounded optimum for several actuators. True: a contact held it back.
-  bool hold_back(const LeastSquares& solver, int pushes, const VecA& limit) noexcept;
+  bool hold_back(const LeastSquares& solver, const VecA& limit) noexcept;
 
   ProjectionModel model_;
   double band_;
@@ -103,6 +118,7 @@ class PerContact {
   std::optional<LeastSquares> extended_{};  ///< with n_q rows more, if there is room for them
   PriorTarget target_;
   std::array<Push, kMost> pushes_{};
+  int pushed_{0};  ///< of these, in the last project()
   VecA tau_{};
   VecX dx_W_{}, out_{}, rhs_{};
   MatXQ J_W_{}, rows_{};

@@ -92,11 +92,17 @@ class PlaneProjection {
   void begin_error(const PlaneSet& planes) noexcept;
   [[nodiscard]] double bend(int i) noexcept;
   [[nodiscard]] double unsettled(const VecX& moved) const noexcept;
-  /// How far a gap and its gradient may be from their second order at z_.
+  /// How far a gap and its gradient may be from their second order at z_, and its second order
+  /// there, at most.
   struct Remainder {
-    double gap, gradient;
+    double gap, gradient, bend;
   };
   [[nodiscard]] Remainder remainder(int i) const noexcept;
+  /// By how much the anchor shifted the gap that contact i was told to have.
+  [[nodiscard]] double shift(int i) const noexcept;
+  /// Parts of error(): how far x may be off, and then the contacts. `left`: of curved contacts.
+  void displaced(double age_error, Remainder* left, ProxyError& out) const noexcept;
+  void turned(double age_error, const Remainder* left, ProxyError& out) const noexcept;
   /// Curved contacts become the planes that touch them at z_.
   void linearise() noexcept;
   /// Solves curved gaps where they are linearised, and again at the answer.
@@ -130,6 +136,7 @@ class PlaneProjection {
   Vector uncertainty_{};   ///< u
   Vector anchored_l_{};    ///< multipliers at the anchor
   Vector told_l_{};        ///< those that the contacts are told to have there
+  Vector unshifted_{};     ///< beta_ before it was anchored
   double unsettled_{0.0};  ///< by how much the last linearisation moved x, ||.||_W
   Vector bend_{};          ///< Frobenius norm of H, in W^-1
   VecX y_{};               ///< the probe relative to at_

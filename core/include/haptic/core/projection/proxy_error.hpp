@@ -11,14 +11,15 @@ struct ProxyError {
   bool known{false};
   double everywhere{0.0};  ///< what the anchor left unexplained: of unknown direction
   PlaneSet::Offsets of{};  ///< what each contact adds at most
-  double turn{0.0};  ///< by how much the direction of a contact may be off at most, rad
   /// The contact along whose direction all of `of` lies; -1: in any direction.
   int along{-1};
+  /// How far each contact's own depth may be off, and the end of its direction; size 0: not at all.
+  PlaneSet::Offsets depth{}, turn{};
 
   /// Rounding of the proxy's problem.
   static constexpr double kNothing = 1e-9;
   [[nodiscard]] bool none() const noexcept {
-    return turn < kNothing && everywhere < kNothing && (of.size() == 0 || of.isZero(kNothing));
+    return everywhere < kNothing && (of.size() == 0 || of.isZero(kNothing));
   }
 };
 

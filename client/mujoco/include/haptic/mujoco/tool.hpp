@@ -40,8 +40,9 @@ struct ToolOptions {
   /// device makes force of displacement: as large as f if c is the stiffness that it displays
   /// (w Z_q w^T: 0.15 N m/rad of a finger exoskeleton at 1500 N/m), magnified if c is smaller.
   double coupling{0.0};
-  /// Diagonal of the scene's metric W, one per coordinate, > 0; empty: all 1. A quaternion's four
-  /// weigh alike: w / 4 is its stiffness per rad^2 of rotation, in units of c.
+  /// Diagonal of the scene's metric W, one per coordinate, > 0; empty: all 1. With `metric {
+  /// scale_m scale_rad }` in the scene 1 / scale^2, and `coupling` is in J. A quaternion's four
+  /// weigh alike: c w / 4 is the stiffness of the rotation, N m/rad.
   std::vector<double> weights{};
   /// A probe that is farther from the tool's aim than this, m or rad, is not followed at once: the
   /// client has just joined, or paused, or the device was moved meanwhile. The tool then comes at

@@ -210,7 +210,8 @@ void add_felt(CLI::App& app) {
       app.add_subcommand("felt", "Felt torque behind a slow or late client, and what a tick costs");
   command->footer(
       "A worn finger follows a hand's motion of 1.5 s into an object: one or two walls (flat) or a "
-      "disc in joint space (round). Pipeline of the scene finger_soft_grasp, virtual time. error: "
+      "disc in joint space (round). Pipeline of the scene finger_soft_grasp, its tank empty at "
+      "first, virtual time. error: "
       "rms over the ticks of the torque at both joints less that of a client at 1 kHz without "
       "delay that sends planes, at the same pose, same renderer and safeguards; _pct: of the rms "
       "of the latter. "

@@ -28,6 +28,7 @@ int tick_of(double t) {
 core::PipelineConfig config_of(const FeltDevice& device, core::RendererKind renderer) {
   core::PipelineConfig config = device.pipeline;
   config.scene.renderer = renderer;
+  config.passivity.tank.initial = 0.0;  // stricter than the scene: what is given was put in
   return config;
 }
 

@@ -201,10 +201,6 @@ std::vector<RttScene> rtt_scenes(const std::vector<std::string>& recordings) {
     all.push_back(scene);
     scene.name = "finger_worn_" + of;
     scene.body = [device, motion] { return std::make_unique<WornFinger>(*device, motion); };
-    all.push_back(scene);
-    // The rule per contact has no bound of its error; Eq. (8) has.
-    scene.name = "finger_eq8_" + of;
-    scene.pipeline.scene.renderer = core::RendererKind::kSubspaceLinear;
     all.push_back(std::move(scene));
   }
   return all;

@@ -106,7 +106,8 @@ void print_trace(const Options& options) {
 void print_cost(const Options& options) {
   row("object", "peer", "tick_ns", "sample_ns", "client_step_ns");
   for (const RttScene& scene : scenes(options)) {
-    for (const RttPeer peer : {RttPeer::kContacts, RttPeer::kPlanes, RttPeer::kHeld}) {
+    for (const RttPeer peer :
+         {RttPeer::kContacts, RttPeer::kEstimated, RttPeer::kPlanes, RttPeer::kHeld}) {
       const RttCost c =
           cost(scene, {.peer = peer, .round_trip_s = kOneRoundTrip, .deadband = options.deadband});
       row(scene.name, name(peer), c.tick, c.sample, c.client_step);

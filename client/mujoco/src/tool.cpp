@@ -80,6 +80,8 @@ struct Tool::State {
   std::vector<mjtNum> rate{};        ///< qvel then
   bool known{false};                 ///< the last probe could be used
   double last_time{0.0}, owed{0.0};  ///< s
+  double room{1.0};                  ///< share of the horizon for which MuJoCo has room
+  int times_full{0};
 };
 
 Tool::State::State(mjModel* m, mjData* d, const std::vector<Binding>& bindings,
@@ -122,6 +124,7 @@ void Tool::State::restart() {
   rate.assign(static_cast<std::size_t>(model->nv), 0.0);
   contacts.begin(*model, *data);
   last_time = data->time;
+  times_full = data->warning[mjWARN_CONTACTFULL].number;
 }
 
 void Tool::State::set_horizon(double horizon) {
@@ -153,7 +156,12 @@ void Tool::State::aim(const std::vector<double>& x_probe, int count, nanoseconds
   probe = x_probe;
   aimed.next(probe, count, seconds);
   const std::chrono::duration<double> period(seconds);
-  set_horizon(client::contact_horizon(round_trip, std::chrono::duration_cast<nanoseconds>(period)));
+  // A list that is full has lost contacts, perhaps some that are touched.
+  const int full = data->warning[mjWARN_CONTACTFULL].number;
+  if (full > times_full) room *= 0.5;
+  times_full = full;
+  set_horizon(room *
+              client::contact_horizon(round_trip, std::chrono::duration_cast<nanoseconds>(period)));
 }
 
 void Tool::State::pull() {

@@ -60,8 +60,8 @@ std::vector<RttScene> scenes(const Options& options) {
 void print_all(const Options& options) {
   const std::vector<RttScene> all = scenes(options);
   row("object", "peer", "round_trip_ms", "rate_hz", "loss_pct", "peak_n", "error_n", "error_pct",
-      "largest_n", "error_same_tank_n", "energy_mj", "drag_n", "onset_ticks", "held_back_pct",
-      "bounded_pct", "bound_holds_pct", "bound_median_n", "error_median_n", "ideal_mj", "contacts",
+      "largest_n", "energy_mj", "drag_n", "onset_ticks", "held_back_pct", "bounded_pct",
+      "bound_holds_pct", "bound_median_n", "error_median_n", "ideal_mj", "contacts",
       "contact_ticks", "samples_per_s", "ended");
   std::vector<RttRow> rows;
   for (const RttScene& scene : all) {
@@ -78,11 +78,10 @@ void print_all(const Options& options) {
       };
       const double energy = kMilli * (f.most_net - local.most_net);
       row(scene.name, name(how.peer), kMilli * how.round_trip_s, how.rate_hz, 100.0 * how.lost,
-          f.shadow.peak, f.shadow.error, f.shadow.percent(), f.shadow.largest, f.behind_tank,
-          energy, f.shadow.drag, f.shadow.onset, 100.0 * f.shadow.held_back,
-          100.0 * f.bound.bounded, known(100.0 * f.bound.kept), known(f.bound.bound_median),
-          known(f.bound.error_median), kMilli * f.ideal_net, f.shadow.contacts, f.shadow.ticks,
-          f.samples_hz, f.ended ? 1 : 0);
+          f.shadow.peak, f.shadow.error, f.shadow.percent(), f.shadow.largest, energy,
+          f.shadow.drag, f.shadow.onset, 100.0 * f.shadow.held_back, 100.0 * f.bound.bounded,
+          known(100.0 * f.bound.kept), known(f.bound.bound_median), known(f.bound.error_median),
+          kMilli * f.ideal_net, f.shadow.contacts, f.shadow.ticks, f.samples_hz, f.ended ? 1 : 0);
       rows.push_back({scene.name, how, f, energy});
     }
     std::fflush(stdout);

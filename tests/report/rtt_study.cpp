@@ -172,13 +172,11 @@ RttFigures run(const RttScene& scene, const RttRun& how,
                           scene.device_damping);
   test::PipelineLoop shadow(shadow_config(scene), client_for(scene, object, local),
                             scene.device_damping);
-  test::PipelineLoop same_tank(scene.pipeline, client_for(scene, object, local),
-                               scene.device_damping);
   const std::unique_ptr<RttBody> body = scene.body();
   const core::DofLayout& layout = scene.pipeline.kinematics->layout();
   TimeDomainPassivity damper(scene.most_damping);
   test::EnergyBook book(scene.device_damping);
-  ShadowJudge judge, behind_tank, bound;
+  ShadowJudge judge, bound;
   RttFigures figures;
   std::uint64_t last = 0;
   long samples = 0;
@@ -187,7 +185,7 @@ RttFigures run(const RttScene& scene, const RttRun& how,
   for (int k = 1; k <= ticks; ++k) {
     const double t = k * test::PipelineLoop::kTick_s;
     if (k == tick_of(kEngage_s)) {
-      for (test::PipelineLoop* loop : {&felt, &shadow, &same_tank}) loop->engage();
+      for (test::PipelineLoop* loop : {&felt, &shadow}) loop->engage();
     }
     body->step(t - kBegin_s, tau);
     advance(scene, *object, t, body->q());
@@ -196,12 +194,11 @@ RttFigures run(const RttScene& scene, const RttRun& how,
     book.add(tau, way, test::PipelineLoop::kTick_s);
     const core::TickRecord& record = felt.tick(body->q());
     const core::TickRecord& ideal = shadow.tick(body->q());
-    same_tank.tick(body->q());
     const core::VecA control =
         how.peer == RttPeer::kTdpa ? damper.step(tau, way) : core::VecA::Zero(layout.n_a());
     tau = felt.tau_a() + control;
     if (k == begins) {
-      for (test::PipelineLoop* loop : {&felt, &shadow, &same_tank}) loop->require_engaged();
+      for (test::PipelineLoop* loop : {&felt, &shadow}) loop->require_engaged();
     }
     if (k <= begins) continue;
     samples += record.proxy.seq != std::exchange(last, record.proxy.seq) ? 1 : 0;
@@ -213,8 +210,6 @@ RttFigures run(const RttScene& scene, const RttRun& how,
                     .held_back = record.limiters().has(core::Limiter::kEnergyTank),
                     .clearance = object->clearance(t, felt.x_probe())};
     judge.add(tick);
-    tick.shadow = same_tank.tau_a();
-    behind_tank.add(tick);
     // Of the elastic force, before tank and guard of the shadow's pipeline.
     tick.felt = record.effort.tau_elastic;
     tick.shadow = record.life.gain * scene.pipeline.scene.stiffness.cwiseProduct(
@@ -224,7 +219,6 @@ RttFigures run(const RttScene& scene, const RttRun& how,
     if (observe) observe({t - kBegin_s, tau[0], shadow.tau()});
   }
   figures.shadow = judge.figures();
-  figures.behind_tank = behind_tank.figures().error;
   figures.bound = bound.figures();
   figures.most_net = book.most_net();
   figures.ideal_net = shadow.energy().most_net();

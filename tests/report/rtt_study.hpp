@@ -69,7 +69,6 @@ struct RttTick {
 
 struct RttFigures {
   ShadowFigures shadow{};   ///< of the pipeline without tank and observer
-  double behind_tank{0.0};  ///< rms error against a shadow behind the same tank and observer, N
   ShadowFigures bound{};    ///< of the elastic force, against its shadow without any limiter
   double ideal_net{0.0};    ///< J, most_net of the shadow along the same motion
   double most_net{0.0};     ///< J, largest over time that was given beyond the device's damping

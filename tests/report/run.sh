@@ -378,7 +378,7 @@ make_rtt() {
   # Contacts at every round trip, peers at one, other rates and loss.
   awk -F, 'NR == 1 || ($2 == "contacts" && $4 == 60 && $5 == 0)' "$output/rtt.csv" \
     >"$output/rtt_contacts.csv"
-  awk -F, 'NR == 1 || ($18 != "nan" && $2 == "contacts" && $4 == 60 && $5 == 0)' \
+  awk -F, 'NR == 1 || ($17 != "nan" && $2 == "contacts" && $4 == 60 && $5 == 0)' \
     "$output/rtt.csv" >"$output/rtt_bound.csv"
   awk -F, 'NR == 1 || ($3 == 100 && $4 == 60 && $5 == 0)' "$output/rtt.csv" >"$output/rtt_peers.csv"
   awk -F, 'NR == 1 || ($2 == "contacts" && $3 == 100 && ($4 != 60 || $5 != 0))' \

@@ -49,8 +49,6 @@ do for [kind in "svg png"] {
     set ylabel ((o - 1) % columns == 0 ? "error / % of peak" : "") offset 0.5,0
     set format y ((o - 1) % columns == 0 ? "%g" : "")
     plot 1 with lines lc rgb dark dashtype 2 lw 1, \
-      csv using "round_trip_ms":(at(o, 1, 100 * column("error_same_tank_n") / column("peak_n"))) \
-      with lines lc rgb word(peer_hues, 1) lw 1.5 dashtype 3, \
       for [i = words(peers):1:-1] csv using "round_trip_ms":(at(o, i, column("error_pct"))) \
       with linespoints lc rgb word(peer_hues, i) lw (i == 1 ? 3 : 1.5) pt 7 ps 0.6
     do for [i = 31:39] { unset label i }

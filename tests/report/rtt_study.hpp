@@ -68,12 +68,12 @@ struct RttTick {
 };
 
 struct RttFigures {
-  ShadowFigures shadow{};   ///< of the pipeline without tank and observer
-  ShadowFigures bound{};    ///< of the elastic force, against its shadow without any limiter
-  double ideal_net{0.0};    ///< J, most_net of the shadow along the same motion
-  double most_net{0.0};     ///< J, largest over time that was given beyond the device's damping
-  double samples_hz{0.0};   ///< that came
-  bool ended{false};        ///< force ended before the motion did
+  ShadowFigures shadow{};  ///< of the pipeline without tank and observer
+  ShadowFigures bound{};   ///< of the elastic force, against its shadow without any limiter
+  double ideal_net{0.0};   ///< J, most_net of the shadow along the same motion
+  double most_net{0.0};    ///< J, largest over time that was given beyond the device's damping
+  double samples_hz{0.0};  ///< that came
+  bool ended{false};       ///< force ended before the motion did
 };
 
 /// Throws SceneError where the force never came on.

@@ -88,6 +88,29 @@ std::string age(const char* of, std::uint64_t seq, client::Staleness staleness,
               static_cast<double>(age.count()) * 1e-3);
 }
 
+/// "K slide 1500 -> 820 N/m: proxy held, 50 ms old", of the actuator that is derated most; empty:
+/// none is, or there is no force.
+std::string derated(const client::DeviceInfo& device, const client::DeviceState& s) {
+  static constexpr const char* kWords[]{"", "device's samples", "proxy held,",
+                                        "planes that change,"};
+  const auto reason = static_cast<std::size_t>(s.derating);
+  if (reason == 0 || reason >= std::size(kWords) || !(s.gain > 0.0)) return {};
+  std::string words;
+  double least = 1.0;
+  std::size_t actuated = 0;
+  for (const auto& dof : device.dofs) {
+    if (!dof.actuated) continue;
+    const double whole = at(device.stiffness_limit, actuated);
+    const double share = at(s.stiffness_in_effect, actuated++) / s.gain / whole;
+    if (!(share < least)) continue;
+    least = share;
+    words = text("K %s %.4g -> %.4g %s/%s: %s %.0f ms old", dof.name.c_str(), whole, share * whole,
+                 effort_unit(dof.unit).c_str(), dof.unit.c_str(), kWords[reason],
+                 static_cast<double>(s.derating_delay.count()) * 1e-3);
+  }
+  return words;
+}
+
 nlohmann::json to_json(const std::vector<StateField>& fields);
 
 nlohmann::json value_of(const StateField& field, const std::string& value) {
@@ -145,6 +168,7 @@ Rows table(const client::DeviceInfo& device, const client::DeviceState& s, doubl
   Rows rows{text("%s  t %.1f s  conflated %llu", device.name.c_str(), seconds,
                  static_cast<unsigned long long>(conflated))};
   add_items(scalars(fields), width, rows);
+  if (const std::string words = derated(device, s); !words.empty()) rows.push_back("  " + words);
   for (const StateField& field : fields) {
     for (const auto& message : field.messages) {
       if (absent(message)) continue;
@@ -177,6 +201,7 @@ std::string line(const client::DeviceInfo& device, const client::DeviceState& s,
   if (s.tracker) {
     all += "  " + age("pose", s.tracker->seq_used, s.tracker->staleness, s.tracker->age);
   }
+  if (const std::string words = derated(device, s); !words.empty()) all += "  " + words;
   return all + "  faults " + joined(client::fault_names(s.faults));
 }
 

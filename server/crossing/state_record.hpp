@@ -70,7 +70,9 @@ struct StateRecord {
   Values error_bound{};    ///< empty: nothing is known of it
   Values drive{};          ///< what goes to the device instead of tau_a; empty: tau_a does
   Values temperature_c{};  ///< empty if no winding has a model
-  Values stiffness{};      ///< of the settings in use, before the gain
+  Values stiffness{};      ///< in effect, before the gain
+  core::DeratingReason derating{core::DeratingReason::kNone};
+  core::Duration derating_delay{0};
   std::array<std::uint32_t, core::kMaxQ> actuator_limiters{};  ///< n_a of them are set
 
   core::ProjectionStatus projection{core::ProjectionStatus::kNone};
@@ -145,7 +147,10 @@ inline Values refused_reading(const core::TickRecord& record) {
   s.error_bound = flat(record.effort.error_bound);
   s.drive = flat(record.effort.drive.size() > 0 ? record.effort.drive : record.effort.position);
   s.temperature_c = flat(record.effort.temperature_c);
-  s.stiffness = flat(in.settings.stiffness);
+  const bool derated = record.derating.reason != core::DeratingReason::kNone;
+  s.stiffness = flat(derated ? record.derating.stiffness : in.settings.stiffness);
+  s.derating = record.derating.reason;
+  s.derating_delay = record.derating.delay;
   for (std::size_t i = 0; i < s.actuator_limiters.size(); ++i) {
     s.actuator_limiters[i] = record.effort.actuator_limiters[i].bits();
   }
@@ -233,6 +238,8 @@ void write(const StateRecord& record, State& state) {
   state.set_limiters(record.limiters.bits());
   state.clear_stiffness_in_effect();
   for (const double k : record.stiffness) state.add_stiffness_in_effect(record.gain * k);
+  state.set_derating(static_cast<decltype(state.derating())>(record.derating));
+  state.set_derating_delay_us(whole_microseconds(record.derating_delay));
   state.set_projection(static_cast<decltype(state.projection())>(record.projection));
   state.set_condition(record.condition);
   state.set_lease_epoch(record.lease_epoch);

@@ -136,6 +136,7 @@ void Ingress::store_planes(const ProxySample& sample) {
   bool soft = false, moving = false, pushed = false, known = true;
   Eigen::Index curvatures = 0;
   newest_.anchored_at = 0;
+  newest_.seen_at = sample.tick_used;
   planes.normals.resize(n_x_, count);
   planes.offsets.resize(count);
   for (Eigen::Index p = 0; p < count; ++p) {

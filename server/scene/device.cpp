@@ -104,6 +104,7 @@ DeviceScene read_device(const Part<v1::DeviceScene>& part) {
   if (part->has_passivity()) {
     read_passivity(part.part<v1::PassivityScene>("passivity"), device);
   }
+  pipeline.derating = !part->has_unguarded();
   pipeline.passivity_certificate = part->has_passivity_certificate();
   if (part->has_passivity_certificate() && part->has_prior()) {
     part.wrong("passivity_certificate", "{}",

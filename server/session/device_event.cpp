@@ -1,5 +1,6 @@
 #include "server/session/device_event.hpp"
 
+#include <cmath>
 #include <cstdio>
 
 #include "server/base/figures.hpp"
@@ -49,7 +50,47 @@ std::string limiter_sentence(core::Limiter limiter, const core::TickRecord& reco
   return "a limit holds " + (actuators.empty() ? std::string("the force") : actuators);
 }
 
+const char* words(core::DeratingReason reason) {
+  switch (reason) {
+    case core::DeratingReason::kHeld:
+      return "proxy held, ";
+    case core::DeratingReason::kPlanes:
+      return "planes that change, ";
+    case core::DeratingReason::kDevice:
+    case core::DeratingReason::kNone:
+      break;
+  }
+  return "device's samples ";
+}
+
 }  // namespace
+
+void EventDetector::derating(const core::TickRecord& record, std::vector<DeviceEvent>& events) {
+  constexpr double kMuch = 0.2;
+  const core::VecA& whole = record.input.settings.stiffness;
+  double allowed = 1.0;
+  Eigen::Index least = 0;
+  for (Eigen::Index i = 0; i < record.derating.allowed.size(); ++i) {
+    if (!(record.derating.allowed[i] < allowed * whole[i])) continue;
+    allowed = record.derating.allowed[i] / whole[i];
+    least = i;
+  }
+  const bool turns = (allowed < 1.0) != (allowed_ < 1.0);
+  if (!turns && std::abs(allowed - allowed_) <= kMuch * allowed_) return;
+  if (told_ && record.input.now - *told_ <= kQuiet) return;
+  allowed_ = allowed;
+  told_ = record.input.now;
+  char text[128] = "the stiffness is that of the settings again";
+  if (allowed < 1.0) {
+    std::snprintf(text, sizeof text, "stiffness of actuator %d: %.4g -> %.4g: %s%s old",
+                  static_cast<int>(least), whole[least], record.derating.allowed[least],
+                  words(record.derating.reason), measured_ms(record.derating.delay).c_str());
+  }
+  const core::CommandSnapshot& command = record.input.command;
+  events.push_back({DeviceEvent::Kind::kLimiter, record.input.now,
+                    core::reason(core::Limiter::kDerated), text, record.life.state,
+                    command.lease_held ? command.tenure : 0});
+}
 
 void EventDetector::limiters(const core::TickRecord& record, std::vector<DeviceEvent>& events) {
   for (const core::Limiter limiter : kActuatorLimiters) {
@@ -110,6 +151,7 @@ void EventDetector::step(const core::TickRecord& record, const std::string& stop
         record.proxy.seq == 0 ? "there is no proxy"
                               : "the newest proxy is " + measured_ms(record.proxy.age) + " old");
   }
+  derating(record, events);
   limiters(record, events);
   state_ = record.life.state;
   faults_ = record.faults();

@@ -22,6 +22,8 @@ class EventDetector {
             std::vector<DeviceEvent>& events);
 
  private:
+  /// What the loop allows of the stiffness, if that changed by much.
+  void derating(const core::TickRecord& record, std::vector<DeviceEvent>& events);
   void limiters(const core::TickRecord& record, std::vector<DeviceEvent>& events);
 
   core::LifecycleState state_{core::LifecycleState::kInit};
@@ -29,6 +31,8 @@ class EventDetector {
   core::Staleness staleness_{core::Staleness::kLost};
   /// Per limiter number, when it last acted; absent: never.
   std::array<std::optional<core::TimePoint>, 32> acted_{};
+  double allowed_{1.0};  ///< by the settings' stiffness, of the actuator with the least; as told
+  std::optional<core::TimePoint> told_{};  ///< when
 };
 
 }  // namespace haptic::server

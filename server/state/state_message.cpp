@@ -85,9 +85,10 @@ std::size_t largest_state(const core::PipelineConfig& config, bool coupled) {
     if (leaf.field->message_type() != nullptr) continue;  // the coupling metric
     const auto& outer = leaf.parent == nullptr ? *leaf.field : *leaf.parent;
     if (absent(outer.number())) continue;
-    constexpr std::size_t kTagAndLength = 4;
+    const bool alone = leaf.parent == nullptr && !leaf.field->is_repeated();
+    const std::size_t tag_and_length = alone ? 2 : 4;
     bytes +=
-        kTagAndLength + static_cast<std::size_t>(values(leaf.axis)) * largest_value(*leaf.field);
+        tag_and_length + static_cast<std::size_t>(values(leaf.axis)) * largest_value(*leaf.field);
   }
   return bytes;
 }

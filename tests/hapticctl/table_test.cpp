@@ -76,6 +76,22 @@ TEST(Table, NamesDofsAndCoordinatesWithUnits) {
   EXPECT_THAT(all, HasSubstr("SLEW|ENVELOPE"));
 }
 
+TEST(Table, SaysWhyStiffnessIsDerated) {
+  client::DeviceInfo device = slider();
+  device.stiffness_limit = {1500.0};
+  client::DeviceState state = full_state();
+  EXPECT_THAT(line(device, state, 1.5), testing::Not(HasSubstr("K slide")));
+  state.gain = 0.5;
+  state.stiffness_in_effect = {410.0};
+  state.derating = client::Derating::kHeld;
+  state.derating_delay = std::chrono::milliseconds(50);
+  const char* const kWords = "  K slide 1500 -> 820 N/m: proxy held, 50 ms old";
+  EXPECT_THAT(line(device, state, 1.5), HasSubstr(kWords));
+  std::string all;
+  for (const std::string& row : table(device, state, 1.5, 3, 79)) all += row + "\n";
+  EXPECT_THAT(all, HasSubstr(std::string(kWords) + "\n"));
+}
+
 TEST(Table, KeepsWithinItsWidth) {
   for (const std::string& row : table(slider(), full_state(), 1.5, 3, 79)) {
     EXPECT_LE(row.size(), 79u) << row;

@@ -68,6 +68,7 @@ FeltDevice felt_device(std::shared_ptr<const core::Kinematics> finger) {
   const auto opened = source->open(finger, scene.pipeline.loop_late_fault);
   device.pipeline = server::pipeline_config(scene, opened->info().limits);
   device.pipeline.kinematics = std::move(finger);
+  device.pipeline.derating = false;  // peers are compared at one stiffness
   return device;
 }
 

@@ -6,6 +6,7 @@
 
 #include "actuation.hpp"
 #include "clock.hpp"
+#include "derating.hpp"
 #include "haptic/core/error.hpp"
 #include "proxy_intake.hpp"
 #include "rendering.hpp"
@@ -133,6 +134,7 @@ class Pipeline::Stages {
         settings_(config_.scene, model_.coupling()),
         sensing_(config_),
         proxy_(model_.n_x()),
+        derating_(config_, model_.coupling()),
         rendering_(model_, config_),
         supervisor_(model_.layout(), config_.device.sample_period),
         actuation_(model_, config_),
@@ -147,12 +149,15 @@ class Pipeline::Stages {
         .settings_id = settings.id,
         .sensed = sensing_.step(in, now.beat.dt, driven_),
         .proxy = proxy_.step(in, settings.staleness, now.sensed.tracker, state_),
+        .derating =
+            derating_.step(in, now.beat, now.sensed, proxy_.sample(), proxy_.moved(), settings),
         .anchor = rendering_.step(moment_of(proxy_.sample(), now.beat, in, settings), now.sensed,
-                                  proxy_.sample(), settings, in_use_),
+                                  proxy_.sample(), derating_.settings(settings), in_use_),
         .life = supervisor_.step(in, now.beat, settings, now.sensed, now.proxy, now.anchor,
                                  output_faults_),
-        .effort = actuation_.step(now.beat, now.sensed, now.anchor, now.life, settings,
-                                  rendering_.displacement(now.sensed)),
+        .effort =
+            actuation_.step(now.beat, now.sensed, now.anchor, now.life,
+                            derating_.settings(settings), rendering_.displacement(now.sensed)),
     };
     ready_ = now.sensed.ready;
     state_ = now.life.state;
@@ -171,6 +176,7 @@ class Pipeline::Stages {
   SessionSettings settings_;
   Sensing sensing_;
   ProxyIntake proxy_;
+  Derating derating_;
   Rendering rendering_;
   Supervisor supervisor_;
   Actuation actuation_;

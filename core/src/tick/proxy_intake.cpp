@@ -4,6 +4,15 @@
 
 namespace haptic::core {
 
+namespace {
+
+bool same_planes(const PlaneSet& a, const PlaneSet& b) noexcept {
+  return a.size() == b.size() && a.normals.rows() == b.normals.rows() && a.offsets == b.offsets &&
+         a.normals == b.normals;
+}
+
+}  // namespace
+
 ProxyInUse ProxyIntake::step(const TickInput& in, const StalenessLimits& limits,
                              const TrackerRecord& tracker, LifecycleState last) noexcept {
   const CommandSnapshot& command = in.command;
@@ -14,6 +23,7 @@ ProxyInUse ProxyIntake::step(const TickInput& in, const StalenessLimits& limits,
                     sample.mode == sample_.mode;
   const bool usable = same || (offered && fits(sample));
   if (usable && !same && (!carries_force(last) || sample.tenure == sample_.tenure)) {
+    moved_ = sample.tenure == sample_.tenure && !same_planes(sample.planes, sample_.planes);
     sample_ = sample;
   } else if (!usable && !carries_force(last) && sample_.mode != ProxyMode::kNone) {
     sample_ = ProxySnapshot{};

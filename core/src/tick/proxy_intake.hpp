@@ -20,12 +20,15 @@ class ProxyIntake {
                                 const TrackerRecord& tracker, LifecycleState last) noexcept;
   /// The sample in use since the last step: what is too large to be recorded twice.
   [[nodiscard]] const ProxySnapshot& sample() const noexcept { return sample_; }
+  /// Its planes are not those of the sample in use before it, of the same lease.
+  [[nodiscard]] bool moved() const noexcept { return moved_; }
 
  private:
   [[nodiscard]] bool fits(const ProxySnapshot& sample) const noexcept;
 
   const int n_x_;
   ProxySnapshot sample_{};
+  bool moved_{false};
 };
 
 }  // namespace haptic::core

@@ -312,6 +312,7 @@ TEST_F(IngressContactsTest, WithoutIdsNothingIsAnchored) {
   sample.planes[1].compliance = 3.0;
   EXPECT_EQ(judge(sample), IngressVerdict::kAccepted);
   EXPECT_EQ(newest().anchored_at, 0u);
+  EXPECT_EQ(newest().seen_at, 77u) << "how old the answer is";
   EXPECT_EQ(judge(contacts(2)), IngressVerdict::kAccepted);
   EXPECT_EQ(newest().planes.compliance.size(), 0) << "planes carry no law";
   EXPECT_EQ(newest().planes.curvature.size(), 0);

@@ -29,6 +29,7 @@ TEST(Safeguards, AreThereByDefault) {
   const core::PipelineConfig& device = scene.devices[0].pipeline;
   EXPECT_TRUE(device.scene.direction_guard);
   EXPECT_TRUE(device.passivity.tank.enabled);
+  EXPECT_TRUE(device.derating);
   EXPECT_THAT(scene.warnings, testing::IsEmpty());
   EXPECT_THAT(unguarded(device), testing::IsEmpty());
   expect_resolved(scene, "direction_guard");
@@ -43,6 +44,7 @@ TEST(Safeguards, OneWordLeavesThemOut) {
   const core::PipelineConfig& device = scene.devices[0].pipeline;
   EXPECT_FALSE(device.scene.direction_guard);
   EXPECT_FALSE(device.passivity.enabled());
+  EXPECT_FALSE(device.derating);
   EXPECT_THAT(scene.warnings, ElementsAre(HasSubstr("device[0].unguarded: no direction_guard"),
                                           HasSubstr("device[0].unguarded: no passivity.tank")));
   EXPECT_THAT(unguarded(device), ElementsAre("direction_guard", "energy_tank"));

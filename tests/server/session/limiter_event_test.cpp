@@ -64,5 +64,32 @@ TEST(LimiterEvent, ProxyLimitsAreNoEvent) {
           .empty());
 }
 
+TEST(LimiterEvent, DeratingTellsItsReason) {
+  EventDetector detector;
+  core::TickRecord record;
+  record.input.settings.stiffness = (core::VecA(2) << 1500.0, 800.0).finished();
+  std::vector<DeviceEvent> events;
+  const auto step_at = [&](core::Duration at, double allowed) {
+    record.input.now = core::TimePoint(1h) + at;
+    record.derating = {};
+    if (allowed < 1500.0) {
+      record.derating = {core::DeratingReason::kHeld, 50ms, record.input.settings.stiffness,
+                         (core::VecA(2) << allowed, 800.0).finished()};
+    }
+    events.clear();
+    detector.step(record, "", events);
+    return events.empty() ? std::string() : std::string(events[0].message.view());
+  };
+  static_cast<void>(step_at(0s, 1500.0));
+  EXPECT_EQ(step_at(1s, 820.0), "stiffness of actuator 0: 1500 -> 820: proxy held, 50 ms old");
+  EXPECT_EQ(events[0].kind, DeviceEvent::Kind::kLimiter);
+  EXPECT_EQ(events[0].reason, "DERATED");
+  EXPECT_EQ(step_at(3s, 700.0), "") << "about the same";
+  EXPECT_EQ(step_at(4s, 600.0), "stiffness of actuator 0: 1500 -> 600: proxy held, 50 ms old");
+  EXPECT_EQ(step_at(4500ms, 1500.0), "") << "once a second";
+  EXPECT_EQ(step_at(6s, 1500.0), "the stiffness is that of the settings again");
+  EXPECT_EQ(step_at(8s, 1500.0), "");
+}
+
 }  // namespace
 }  // namespace haptic::server

@@ -29,6 +29,8 @@ core::TickRecord full_record() {
   r.proxy.age = std::chrono::milliseconds(1);
   r.proxy.level = core::Staleness::kFresh;
   r.life.gain = 1.0;
+  r.derating = {core::DeratingReason::kHeld, std::chrono::milliseconds(50), VecA::Constant(1, 80.0),
+                VecA::Constant(1, 80.0)};
   r.anchor.projection = core::ProjectionStatus::kExact;
   r.anchor.condition = 1.0;
   r.anchor.active_planes = 1;

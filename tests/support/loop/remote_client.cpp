@@ -111,6 +111,7 @@ void RemoteClient::deliver(const Frame& frame, core::TimePoint now,
   if (settings_.mode == core::ProxyMode::kPlanes) write_planes(frame, proxy.planes);
   const bool contacts = tells_compliance() || frame.anchored;
   proxy.anchored_at = contacts && settings_.anchored ? frame.tick : 0;
+  proxy.seen_at = frame.tick;
   proxy.computed = core::TimePoint(
       std::chrono::duration_cast<core::Duration>(std::chrono::duration<double>(frame.computed_s)));
   stamp(now, proxy);

@@ -19,6 +19,8 @@ enum class Mode : std::uint8_t {
   kPlanes = 3,  ///< the server keeps the probe out of planes
 };
 /// Of a sample in use: by its age force is full (FRESH, HOLD), fades (FADE) or is gone (LOST).
+/// The delay that lowers the stiffness (core/METHOD.md#stiffness-in-effect).
+enum class Derating : std::uint8_t { kNone = 0, kDevice = 1, kHeld = 2, kPlanes = 3 };
 enum class Staleness : std::uint8_t { kUnknown = 0, kFresh = 1, kHold = 2, kFade = 3, kLost = 4 };
 /// What brought a sample or a state.
 enum class Carrier : std::uint8_t { kUnknown = 0, kGrpc = 1, kUdp = 2 };
@@ -150,7 +152,10 @@ struct DeviceState {
   /// sample told; empty: nothing is known of it.
   std::vector<double> error_bound{};
   std::vector<double> stiffness_in_effect{};  ///< N/m or N m/rad per actuated DoF
-  std::vector<double> tau_measured{};         ///< if the device measures force; as tau_a
+  /// Why that is less than the gain times the settings', and by which delay, as measured.
+  Derating derating{Derating::kNone};
+  std::chrono::microseconds derating_delay{0};
+  std::vector<double> tau_measured{};  ///< if the device measures force; as tau_a
   /// Sent to the device instead of tau_a if the server closes the force loop (N or N m) or moves
   /// the device by admittance (m or rad).
   std::vector<double> drive{};
@@ -192,6 +197,8 @@ struct DeviceState {
     f("tau_elastic", s.tau_elastic);
     f("error_bound", s.error_bound);
     f("stiffness_in_effect", s.stiffness_in_effect);
+    f("derating", s.derating);
+    f("derating_delay_us", s.derating_delay);
     f("tau_measured", s.tau_measured);
     f("drive", s.drive);
     f("temperature_c", s.temperature_c);

@@ -51,6 +51,8 @@ enum class Limiter : std::uint8_t {
   kBranch = 15,  ///< q* held on its branch, or moved to another one in steps, where two poses are
                  ///< about equally near (core/METHOD.md#projection-algorithm)
   kNeverFree = 16,  ///< no force starts: the proxy is held, and no sample of its lease was free
+  kDerated = 17,    ///< stiffness below the settings', for the loop's delay
+                    ///< (core/METHOD.md#stiffness-in-effect)
 };
 
 template <typename E>

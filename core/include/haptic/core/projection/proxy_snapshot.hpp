@@ -89,13 +89,15 @@ struct ProxySnapshot {
   /// Tick of whose x_probe the simulation computed x, and with it the contacts; they are anchored
   /// there. 0: they are taken as they were told.
   std::uint64_t anchored_at{0};
+  /// The same of a sample in any mode: how old its answer is; 0: not told.
+  std::uint64_t seen_at{0};
   /// The stream's health, kept by the ingress for Engage (proto/README.md#a-session).
   TimePoint gapless_since{};         ///< first sample after the last gap longer than hold_end
   std::uint64_t gapless_samples{0};  ///< accepted since then
 
   [[nodiscard]] auto members() const noexcept {
     return std::tie(mode, tenure, seq, born, computed, valid_for, x, planes, anchored_at,
-                    gapless_since, gapless_samples);
+                    seen_at, gapless_since, gapless_samples);
   }
 };
 

@@ -53,7 +53,10 @@ struct PipelineConfig {
   /// Computes the certificate of Eq. (8) in every tick (core/METHOD.md#exact-derivatives); not with
   /// a prior.
   bool passivity_certificate{false};
-  PassivitySettings passivity{};             ///< energy tank and observer; off by default
+  PassivitySettings passivity{};  ///< energy tank and observer; off by default
+  /// Lowers the stiffness to what the loop allows as it is measured, if passivity.device_damping is
+  /// known and above 0 (core/METHOD.md#stiffness-in-effect).
+  bool derating{false};
   std::vector<ActuatorRatings> ratings{};    ///< n_a, or none: power, rate and temperature
   ForceControlSettings force_control{};      ///< by the server; off by default
   std::optional<TrackerSettings> tracker{};  ///< absent: the device senses all of q

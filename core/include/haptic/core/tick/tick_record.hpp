@@ -110,6 +110,26 @@ struct ProxyInUse {
   }
 };
 
+/// Which delay keeps the stiffness below the settings'.
+enum class DeratingReason : std::uint8_t {
+  kNone = 0,
+  kDevice = 1,  ///< of the device's samples
+  kHeld = 2,    ///< of a held proxy
+  kPlanes = 3,  ///< of planes that are not anchored and change from sample to sample
+};
+
+/// The stiffness in effect, where that is not the settings' (core/METHOD.md#stiffness-in-effect).
+struct DeratingRecord {
+  DeratingReason reason{DeratingReason::kNone};
+  Duration delay{0};  ///< measured, mean: age of the samples; of what the proxy was computed from
+  VecA stiffness{};   ///< K, n_a; size 0: the settings'
+  VecA allowed{};     ///< what it goes towards, n_a
+
+  [[nodiscard]] auto members() const noexcept {
+    return std::tie(reason, delay, stiffness, allowed);
+  }
+};
+
 /// The proxy at `now`, and the subspace proxy q* that the renderer wants the spring anchored at.
 struct Anchor {
   VecX x_probe{};    ///< f(q); in a block (finger) in which f has no value the last one that it had
@@ -200,6 +220,7 @@ struct TickRecord {
   std::uint64_t settings_id{0};  ///< settings in effect
   Sensed sensed{};
   ProxyInUse proxy{};
+  DeratingRecord derating{};
   Anchor anchor{};
   Lifecycle life{};
   Effort effort{};
@@ -208,11 +229,13 @@ struct TickRecord {
   [[nodiscard]] FaultSet faults() const noexcept { return life.faults | effort.faults; }
   /// Active in this tick.
   [[nodiscard]] LimiterSet limiters() const noexcept {
-    return anchor.limiters | life.limiters | effort.limiters;
+    LimiterSet all = anchor.limiters | life.limiters | effort.limiters;
+    if (derating.reason != DeratingReason::kNone) all.set(Limiter::kDerated);
+    return all;
   }
 
   [[nodiscard]] auto members() const noexcept {
-    return std::tie(input, beat, settings_id, sensed, proxy, anchor, life, effort);
+    return std::tie(input, beat, settings_id, sensed, proxy, derating, anchor, life, effort);
   }
 };
 

@@ -1,0 +1,277 @@
+// The stiffness in effect (core/METHOD.md#stiffness-in-effect, Eq. (40)), in virtual time.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <functional>
+
+#include "haptic/core/model/linear.hpp"
+#include "tests/core/tick/driven.hpp"
+#include "tests/support/vectors.hpp"
+
+namespace haptic::core::derating {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr double kK = 1500.0, kB = 0.5, kDevice = 2.0;  // N/m, N s/m
+constexpr double kPays = 3.0 * kDevice + kB;            // N s/m: of device, hand and rendering
+
+PipelineConfig one_dof() {
+  LinearMap map{.dofs = {{"l", Unit::kMetre, true, -0.2, 0.2}},
+                .coordinates = {{"x", Unit::kMetre, CoordinateKind::kLinear}},
+                .A = MatXQ::Identity(1, 1),
+                .x_0 = VecX::Zero(1)};
+  PipelineConfig c{.kinematics = make_linear(map)};
+  c.device.q_lower = VecQ::Constant(1, -1.0);
+  c.device.q_upper = VecQ::Constant(1, 1.0);
+  c.device.max_effort = VecA::Constant(1, 100.0);
+  c.scene.stiffness = VecA::Constant(1, kK);
+  c.scene.damping = VecA::Constant(1, kB);
+  c.scene.force_limit = c.scene.engage_window = VecA::Constant(1, 60.0);
+  c.scene.slew_limit = VecA::Constant(1, 1e7);
+  c.scene.staleness.hold_end = milliseconds(400);
+  c.scene.staleness.fade_end = milliseconds(500);
+  c.passivity.device_damping = VecA::Constant(1, kDevice);
+  c.derating = true;
+  return c;
+}
+
+/// A client with a sample every `period_ms`, computed from the probe `late_ms` before it came.
+class Late : public test::Driven {
+ public:
+  explicit Late(const PipelineConfig& config = one_dof()) : Driven(config) {
+    input.device.sample.q = VecQ::Constant(config.kinematics->layout().n_q(), 0.01);
+    input.proxy.x = VecX::Constant(config.kinematics->space().n_x(), 0.008);
+    input.proxy.mode = ProxyMode::kNone;
+  }
+  const TickRecord& run(int ticks) {
+    for (int i = 0; i < ticks; ++i, ++ticks_) {
+      tick(true, ticks_ >= begin && ticks_ % period_ms == 0);
+    }
+    return record;
+  }
+  const TickRecord& engage() {
+    run(700);
+    ++input.command.engage_id;
+    return run(500);
+  }
+  [[nodiscard]] double stiffness() const {
+    return record.derating.stiffness.size() > 0 ? record.derating.stiffness[0] : kK;
+  }
+  int period_ms{20}, late_ms{50};
+  int begin{200};  ///< tick of the first sample, so that each can say what it was computed from
+  std::function<void(ProxySnapshot&)> planes{};
+
+ protected:
+  void prepare() override {
+    const std::uint64_t now = record.beat.tick + 1;
+    const auto late = static_cast<std::uint64_t>(late_ms);
+    input.proxy.seen_at = now > late ? now - late : 0;
+    input.proxy.mode = planes ? ProxyMode::kPlanes : ProxyMode::kHeld;
+    if (planes) planes(input.proxy);
+  }
+
+ private:
+  int ticks_{0};
+};
+
+/// Its samples are 8 ms old when they come; the client speaks in every tick.
+class LateBoard : public Late {
+ public:
+  explicit LateBoard(const PipelineConfig& config = one_dof()) : Late(config) {
+    period_ms = 1;
+    begin = 0;
+  }
+
+ private:
+  void prepare() override {
+    Late::prepare();
+    input.device.sample.time -= milliseconds(8);
+  }
+};
+
+void fixed_plane(ProxySnapshot& proxy) {
+  proxy.planes.normals = MatXQ::Identity(1, 1);
+  proxy.planes.offsets = VecX::Constant(1, 0.008);
+}
+
+void moving_plane(ProxySnapshot& proxy) {
+  fixed_plane(proxy);
+  proxy.planes.offsets[0] += proxy.seq % 2 == 0 ? 1e-6 : 0.0;
+}
+
+void contact(ProxySnapshot& proxy) {
+  moving_plane(proxy);
+  proxy.anchored_at = proxy.seen_at;
+}
+
+TEST(Derating, HeldProxyIsCappedByItsDelay) {
+  Late loop;
+  loop.engage();
+  // It comes 50 ms late and is 70 ms old when the next one comes.
+  EXPECT_NEAR(loop.stiffness(), kPays / (0.0005 + 0.070 / 4), 1e-9);
+  EXPECT_EQ(loop.record.derating.reason, DeratingReason::kHeld);
+  EXPECT_EQ(loop.record.derating.delay, milliseconds(70));
+  EXPECT_EQ(loop.record.derating.allowed, loop.record.derating.stiffness);
+  EXPECT_TRUE(loop.record.limiters().has(Limiter::kDerated));
+  EXPECT_NEAR(loop.record.effort.tau_a[0], -0.002 * loop.stiffness(), 1e-12);
+}
+
+TEST(Derating, ShortDelayCountsHalf) {
+  Late loop;
+  loop.period_ms = 40;
+  loop.late_ms = 12;
+  loop.engage();
+  EXPECT_NEAR(loop.stiffness(), kPays / (0.0005 + 0.012 / 2), 1e-9);
+}
+
+TEST(Derating, LocalLawsKeepTheirBits) {
+  const std::pair<int, std::function<void(ProxySnapshot&)>> laws[]{
+      {0, {}}, {0, moving_plane}, {100, fixed_plane}, {100, contact}};
+  for (const auto& [late_ms, planes] : laws) {
+    PipelineConfig without = one_dof();
+    without.derating = false;
+    Late plain(without), derating;
+    for (Late* loop : {&plain, &derating}) {
+      loop->late_ms = late_ms;
+      loop->planes = planes;
+      loop->engage();
+    }
+    EXPECT_EQ(derating.record.life.state, LifecycleState::kEngaged);
+    EXPECT_TRUE(identical(plain.record, derating.record)) << late_ms;
+    EXPECT_LT(plain.record.effort.tau_a[0], -1.0);
+  }
+}
+
+TEST(Derating, PlanesThatChangeAreRemote) {
+  Late loop;
+  loop.planes = moving_plane;
+  loop.engage();
+  EXPECT_NEAR(loop.stiffness(), kPays / (0.0005 + 0.070 / 4), 1e-9);
+  EXPECT_EQ(loop.record.derating.reason, DeratingReason::kPlanes);
+  loop.planes = fixed_plane;
+  loop.run(900);
+  EXPECT_LT(loop.stiffness(), 0.5 * kK) << "remote for a second after it was";
+  loop.run(400);
+  EXPECT_EQ(loop.stiffness(), kK);
+  EXPECT_FALSE(loop.record.limiters().has(Limiter::kDerated));
+}
+
+TEST(Derating, StiffnessNeverSteps) {
+  Late loop;
+  loop.late_ms = 0;
+  loop.engage();
+  double before = loop.stiffness(), least = before;
+  EXPECT_EQ(before, kK);
+  for (int ms = 0; ms < 8000; ++ms) {
+    loop.late_ms = ms < 3000 ? 80 : 0;
+    if (ms == 6000) loop.planes = contact;
+    loop.run(1);
+    ASSERT_LE(std::abs(loop.stiffness() - before), kK / 200 + 1e-9) << ms;
+    before = loop.stiffness();
+    least = std::min(least, before);
+  }
+  EXPECT_LT(least, 400.0);
+  EXPECT_EQ(before, kK);
+}
+
+TEST(Derating, OneLateSampleIsNone) {
+  Late loop;
+  loop.late_ms = 2;
+  loop.engage();
+  loop.late_ms = 100;
+  loop.run(20);
+  loop.late_ms = 2;
+  for (int ms = 0; ms < 500; ++ms) {
+    loop.run(1);
+    ASSERT_EQ(loop.stiffness(), kK) << ms;
+  }
+}
+
+TEST(Derating, DevicesDelayCountsWhole) {
+  LateBoard loop;
+  loop.planes = fixed_plane;
+  loop.engage();
+  EXPECT_NEAR(loop.stiffness(), kPays / 0.0085, 1e-9);
+  EXPECT_EQ(loop.record.derating.reason, DeratingReason::kDevice);
+  EXPECT_EQ(loop.record.derating.delay, milliseconds(8));
+}
+
+TEST(Derating, UnknownDampingAllowsEverything) {
+  PipelineConfig config = one_dof();
+  config.passivity.device_damping[0] = 0.0;
+  Late loop(config);
+  loop.engage();
+  EXPECT_EQ(loop.stiffness(), kK);
+}
+
+TEST(Derating, NewLeaseIsMeasuredAlone) {
+  Late loop;
+  loop.engage();
+  loop.planes = fixed_plane;
+  loop.input.command.tenure = ++loop.input.proxy.tenure;
+  loop.run(500);
+  EXPECT_EQ(loop.stiffness(), kK);
+}
+
+TEST(Derating, SessionsOwnStiffnessStaysBelow) {
+  Late loop;
+  loop.engage();
+  loop.input.settings.id = 1;
+  loop.input.settings.stiffness[0] = 200.0;
+  loop.run(300);
+  EXPECT_EQ(loop.record.derating.stiffness.size(), 0);
+  EXPECT_NEAR(loop.record.effort.tau_a[0], -0.4, 1e-12);
+}
+
+TEST(Derating, ErrorBoundFollowsTheStiffness) {
+  PipelineConfig whole = one_dof();
+  whole.derating = false;
+  LateBoard plain(whole), derating;
+  for (LateBoard* loop : {&plain, &derating}) {
+    loop->planes = [](ProxySnapshot& proxy) {
+      contact(proxy);
+      proxy.planes.compliance = VecX::Constant(1, 3.0);
+      proxy.planes.uncertainty = VecX::Constant(1, 0.2);
+    };
+    loop->engage();
+    loop->input.device.sample.q[0] = 0.011;
+    loop->run(10);
+  }
+  const double share = derating.stiffness() / kK;
+  EXPECT_LT(share, 0.6);
+  ASSERT_EQ(plain.record.effort.error_bound.size(), 1);
+  EXPECT_GT(plain.record.effort.error_bound[0], 0.01);
+  EXPECT_NEAR(derating.record.effort.error_bound[0], share * plain.record.effort.error_bound[0],
+              1e-12);
+}
+
+TEST(Derating, CoupledSpringIsCappedWhole) {
+  LinearMap map{.A = MatXQ::Identity(2, 2), .x_0 = VecX::Zero(2)};
+  for (const char* name : {"a", "b"}) {
+    map.dofs.push_back({name, Unit::kMetre, true, -0.2, 0.2});
+    map.coordinates.push_back({name, Unit::kMetre, CoordinateKind::kLinear});
+  }
+  PipelineConfig config = one_dof();
+  config.kinematics = make_linear(map);
+  config.device.q_lower = VecQ::Constant(2, -1.0);
+  config.device.q_upper = VecQ::Constant(2, 1.0);
+  for (VecA* v :
+       {&config.device.max_effort, &config.scene.damping, &config.scene.force_limit,
+        &config.scene.slew_limit, &config.scene.engage_window, &config.passivity.device_damping}) {
+    v->setConstant(2, v->coeff(0));
+  }
+  Eigen::Matrix2d Z;
+  Z << 1500.0, 900.0, 900.0, 1000.0;
+  config.projection.coupling = std::make_shared<const StiffnessCoupling>(Z);
+  config.scene.stiffness = config.projection.coupling->scene_stiffness();
+  Late loop(config);
+  loop.engage();
+  const MatAA in_effect = config.projection.coupling->matrix(loop.record.derating.stiffness);
+  const Eigen::Matrix2d Z_in_effect = in_effect;
+  EXPECT_NEAR(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(Z_in_effect).eigenvalues()[1],
+              kPays / 0.018, 1e-9);
+}
+
+}  // namespace
+}  // namespace haptic::core::derating

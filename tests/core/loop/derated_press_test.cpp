@@ -15,10 +15,10 @@ namespace {
 using haptic::test::ClientSettings;
 using haptic::test::PipelineLoop;
 
-constexpr double kCoupling = 1500.0, kObject = 500.0;  // N/m
-constexpr double kMass = 0.3, kDamping = 2.0;          // of the device, kg, N s/m
-constexpr double kHand = 800.0, kHandDamping = 8.0;    // N/m, N s/m
-constexpr double kGamma = kCoupling / kObject;
+constexpr double kWhole = 1500.0, kObject = 500.0;   // N/m
+constexpr double kMass = 0.3, kDamping = 2.0;        // of the device, kg, N s/m
+constexpr double kHand = 800.0, kHandDamping = 8.0;  // N/m, N s/m
+constexpr double kCompliance = kWhole / kObject;
 
 PipelineConfig config(bool derating) {
   LinearMap map{.dofs = {{"l", Unit::kMetre, true, -0.2, 0.2}},
@@ -29,7 +29,7 @@ PipelineConfig config(bool derating) {
   c.device.q_lower = VecQ::Constant(1, -1.0);
   c.device.q_upper = VecQ::Constant(1, 1.0);
   c.device.max_effort = VecA::Constant(1, 100.0);
-  c.scene.stiffness = VecA::Constant(1, kCoupling);
+  c.scene.stiffness = VecA::Constant(1, kWhole);
   c.scene.damping = VecA::Zero(1);
   c.scene.force_limit = c.scene.engage_window = VecA::Constant(1, 60.0);
   c.scene.slew_limit = VecA::Constant(1, 1e7);
@@ -42,7 +42,7 @@ PipelineConfig config(bool derating) {
 }
 
 /// A simulation of a soft or rigid wall at 0.
-ClientSettings client(ProxyMode mode, double round_trip_s, double compliance = kGamma) {
+ClientSettings client(ProxyMode mode, double round_trip_s, double compliance = kCompliance) {
   ClientSettings client;
   client.mode = mode;
   client.stop = VecX::Zero(1);
@@ -52,7 +52,7 @@ ClientSettings client(ProxyMode mode, double round_trip_s, double compliance = k
 }
 
 /// What it sends as planes without ids, while it sees contact.
-ClientSettings derived_planes(double round_trip_s, double compliance = kGamma) {
+ClientSettings derived_planes(double round_trip_s, double compliance = kCompliance) {
   ClientSettings settings = client(ProxyMode::kPlanes, round_trip_s, compliance);
   settings.told_rigid = settings.only_in_contact = true;
   return settings;
@@ -69,13 +69,13 @@ struct Press {
 };
 
 /// In and out of the wall by 18 mm at 0.7 Hz, from the second time on.
-Press press(const ClientSettings& of, bool derating, bool tank) {
+Press in_and_out(const ClientSettings& of, bool derating, bool tank) {
   constexpr int kSubsteps = 10, kBegin = 1000, kFrom = kBegin + 1429, kTicks = kBegin + 10000;
   constexpr double kAmplitude = 0.018, w = 2.0 * M_PI * 0.7, dt = 1e-3 / kSubsteps;
   PipelineConfig c = config(derating);
   c.passivity.tank.enabled = tank;
   PipelineLoop loop(c, of, kDamping);
-  Press f{.stiffness = kCoupling};
+  Press f{.stiffness = kWhole};
   double q = -kAmplitude, v = 0.0, squares = 0.0;
   int contact = 0, held_back = 0;
   for (int k = 1; k <= kTicks; ++k) {
@@ -89,7 +89,7 @@ Press press(const ClientSettings& of, bool derating, bool tank) {
     if (k == kBegin - 400) loop.engage();
     const TickRecord& record = loop.tick(VecQ::Constant(1, q));
     const VecA& derated = record.derating.stiffness;
-    const double K = derated.size() > 0 ? derated[0] : kCoupling;
+    const double K = derated.size() > 0 ? derated[0] : kWhole;
     f.stiffness = std::min(f.stiffness, K);
     if (k < kFrom) continue;
     if (q <= 0.0) {
@@ -114,7 +114,7 @@ TEST(DeratedPress, HeldProxyGivesNoEnergy) {
   for (const double round_trip : {0.050, 0.100}) {
     SCOPED_TRACE(std::to_string(round_trip));
     const ClientSettings held = client(ProxyMode::kHeld, round_trip);
-    const Press whole = press(held, false, false), derated = press(held, true, false);
+    const Press whole = in_and_out(held, false, false), derated = in_and_out(held, true, false);
     EXPECT_GT(whole.given, 1.0);
     EXPECT_LT(derated.given, 1e-6);
     EXPECT_LT(derated.drag, 0.2 * whole.drag);
@@ -126,7 +126,7 @@ TEST(DeratedPress, TankHoldsBackLess) {
     SCOPED_TRACE(std::to_string(round_trip));
     for (const ClientSettings& sent :
          {client(ProxyMode::kHeld, round_trip), derived_planes(round_trip, 0.0)}) {
-      const Press whole = press(sent, false, true), derated = press(sent, true, true);
+      const Press whole = in_and_out(sent, false, true), derated = in_and_out(sent, true, true);
       EXPECT_LE(derated.given, 1e-6);
       EXPECT_LT(derated.held_back, 0.7 * whole.held_back);
       EXPECT_LT(derated.error / derated.ideal_peak, 1.1 * whole.error / whole.ideal_peak);
@@ -137,9 +137,9 @@ TEST(DeratedPress, TankHoldsBackLess) {
 TEST(DeratedPress, ContactsKeepTheirStiffness) {
   for (const double round_trip : {0.0, 0.100, 0.200}) {
     SCOPED_TRACE(std::to_string(round_trip));
-    EXPECT_EQ(press(client(ProxyMode::kPlanes, round_trip), true, true).stiffness, kCoupling);
+    EXPECT_EQ(in_and_out(client(ProxyMode::kPlanes, round_trip), true, true).stiffness, kWhole);
   }
-  EXPECT_EQ(press(client(ProxyMode::kHeld, 0.0), true, true).stiffness, kCoupling);
+  EXPECT_EQ(in_and_out(client(ProxyMode::kHeld, 0.0), true, true).stiffness, kWhole);
 }
 
 /// The device is led to and fro in free space, where a held proxy is late all the way.

@@ -105,7 +105,7 @@ void contact(ProxySnapshot& proxy) {
   proxy.anchored_at = proxy.seen_at;
 }
 
-TEST(Derating, HeldProxyIsCappedByItsDelay) {
+TEST(Derating, HeldProxyIsCappedByDelay) {
   Late loop;
   loop.engage();
   // It comes 50 ms late and is 70 ms old when the next one comes.

@@ -96,8 +96,8 @@ struct ProxySnapshot {
   std::uint64_t gapless_samples{0};  ///< accepted since then
 
   [[nodiscard]] auto members() const noexcept {
-    return std::tie(mode, tenure, seq, born, computed, valid_for, x, planes, anchored_at,
-                    seen_at, gapless_since, gapless_samples);
+    return std::tie(mode, tenure, seq, born, computed, valid_for, x, planes, anchored_at, seen_at,
+                    gapless_since, gapless_samples);
   }
 };
 

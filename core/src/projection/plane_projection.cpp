@@ -11,13 +11,12 @@ namespace haptic::core {
 
 namespace {
 
-/// Of the multipliers' distance to those of the told law, relative to what the anchor must explain.
-constexpr double kNearest = 1e-8;
-/// Of the gap of a contact that this law does not touch: more must be unexplained without it.
-constexpr double kUntouched = 1e-2;
-constexpr double kNegligible = 1e3;
 /// Curved gaps are linearised again only if x moved by more, m or rad.
 constexpr double kSameX = 1e-9;
+/// A step towards x that leaves more than this share of the one before is halved from there on.
+constexpr double kShrinks = 0.9;
+/// Beyond so many times what the probe and the surfaces moved a step is not theirs.
+constexpr double kTheirs = 10.0;
 /// Of a replay, and of a step with n contacts, measured: a + b n + c n^2, flat and curved.
 constexpr double kReplay_ns = 16000.0;
 constexpr double kFlat_ns[] = {25.0, 25.0, 3.2}, kCurved_ns[] = {20.0, 110.0, 10.0};
@@ -39,10 +38,12 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
   fresh_ = true;
   laws_.clear();
   unexplained_ = 0.0;
+  linearisations_ = 0;
   at_ = x;
   A_ = planes.normals;
   contacts_.into.resize(A_.rows(), count_);
   contacts_.depth.setConstant(count_, -1.0);
+  dual_.allow(kMostWork);
   H_ = planes.curvature;
   first_ = planes.first;
   n_curved_ = planes.curved;
@@ -61,10 +62,13 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
   if (x_used != nullptr) anchor(*x_used);
   if (curved_ == 0) return;
   told_ = A_;
+  told_into_ = contacts_.into;
+  damped_ = 1.0;
   told_beta_ = beta_;
   told_gamma_ = gamma_;
   told_speed_ = speed_;
   z_.setZero(at_.size());
+  y_before_.setZero(at_.size());
 }
 
 void PlaneProjection::take(const PlaneSet& planes, int i) noexcept {
@@ -76,6 +80,7 @@ void PlaneProjection::take(const PlaneSet& planes, int i) noexcept {
                       PlaneSet::triangle(n_curved_[static_cast<std::size_t>(i)]));
   const bool usable = gamma >= 0.0 && std::isfinite(gamma) && std::isfinite(speed) &&
                       (planes.laws.cols() == 0 || planes.laws.col(i).allFinite()) && H.allFinite();
+  contacts_.into.col(i) = metric_.steepest(A_.col(i));
   const double length = usable ? normalise(i) : 0.0;
   if (length == 0.0) {
     skipped_ |= 1u << i;
@@ -87,6 +92,7 @@ void PlaneProjection::take(const PlaneSet& planes, int i) noexcept {
   if (laws_.has(i)) speed = 0.0;
   beta_[i] = planes.offsets[i] / length - A_.col(i).dot(at_);
   gamma_[i] = gamma / (length * length);
+  if (gamma_[i] < ContactDual::kEpsilon) gamma_[i] = 0.0;
   speed_[i] = speed / length;
   if (H.isZero(0.0)) return;
   H /= length;
@@ -95,7 +101,6 @@ void PlaneProjection::take(const PlaneSet& planes, int i) noexcept {
 
 double PlaneProjection::normalise(int i) noexcept {
   PlaneSet::Normals& D = contacts_.into;
-  D.col(i) = metric_.steepest(A_.col(i));
   const double length = std::sqrt(A_.col(i).dot(D.col(i)));
   if (!(length > 0.0) || !std::isfinite(length)) return 0.0;
   A_.col(i) /= length;
@@ -107,56 +112,9 @@ void PlaneProjection::fill_gram(int i, int j) noexcept {
   ContactDual::Gram& G = dual_.gram();
   G(i, j) = G(j, i) = A_.col(i).dot(contacts_.into.col(j));
   if (i != j) return;
-  G(i, i) += ContactDual::kEpsilon;
-  if (gamma_[i] > 0.0) G(i, i) += gamma_[i];
-  if (laws_.has(i)) G(i, i) += laws_.give(i) * scale_[i] * scale_[i];
-}
-
-/// min ||d - D l||_W^2 over l >= 0, d the client's own displacement. Among what explains it equally
-/// well the l nearest to that of the law as it was told; and a contact that this law does not touch
-/// enters only if d needs it, because its whole gap would be shifted.
-void PlaneProjection::anchor(const VecX& x_used) noexcept {
-  space_->difference(x_used, at_, y_);
-  if (!y_.allFinite()) return;
-  static_cast<void>(solve(0.0));
-  const Vector told = dual_.l();
-  VecX left = y_;
-  for (int i = 0; i < count_; ++i) left -= told[i] * contacts_.into.col(i);
-  Vector r = Vector::Zero();
-  for (int i = 0; i < count_; ++i) {
-    const double gap = told[i] > 0.0 ? 0.0 : std::max(0.0, beta_[i] - A_.col(i).dot(left));
-    r[i] = ContactDual::has(skipped_, i)
-               ? -1.0
-               : A_.col(i).dot(y_) + kNearest * told[i] - kUntouched * gap;
-    dual_.gram()(i, i) = A_.col(i).dot(contacts_.into.col(i)) + kNearest;
-  }
-  dual_.refactor();
-  dual_.solve(r);
-  // Those that entered explain d whole.
-  const std::uint32_t entered = dual_.held();
-  dual_.begin(count_, ~entered);
-  for (int i = 0; i < count_; ++i) {
-    if (ContactDual::has(entered, i)) r[i] = A_.col(i).dot(y_) + kNearest * told[i];
-  }
-  dual_.solve(r);
-  Vector l = dual_.l();
-  for (int i = 0; i < count_; ++i) {
-    // Of what the told law alone wants nothing is kept: a proxy that is free stays so.
-    if (l[i] <= kNegligible * kNearest * told[i]) l[i] = 0.0;
-    y_ -= l[i] * contacts_.into.col(i);
-  }
-  for (int i = 0; i < count_; ++i) {
-    if (ContactDual::has(skipped_, i)) continue;
-    const double met = A_.col(i).dot(y_) - gamma_[i] * l[i];
-    told_l_[i] = gamma_[i] > 0.0 ? std::max(0.0, -beta_[i]) / gamma_[i] : l[i];
-    exact_ = exact_ && std::abs(told_l_[i] - l[i]) < ProxyError::kNothing;
-    beta_[i] = l[i] > 0.0 ? met : std::max(beta_[i], met);
-    fill_gram(i, i);
-  }
-  dual_.begin(count_, skipped_);
-  anchored_ = true;
-  anchored_l_ = l;
-  unexplained_ = metric_.weighed(y_, z_).norm();
+  double give = gamma_[i];
+  if (laws_.has(i)) give += laws_.give(i) * scale_[i] * scale_[i];
+  dual_.set_diagonal(i, G(i, i), give);
 }
 
 void PlaneProjection::linearise() noexcept {
@@ -172,9 +130,11 @@ void PlaneProjection::linearise() noexcept {
         if (column < row) turn_[first + column] += *entry * z_[first + row];
       }
     }
-    const double turned = std::sqrt(turn_.dot(metric_.steepest(turn_)));
+    const VecX into = metric_.steepest(turn_, first, n);
+    const double turned = std::sqrt(turn_.dot(into));
     const double share = turned > kMostTurn ? kMostTurn / turned : 1.0;
     A_.col(i) = told_.col(i) - share * turn_;
+    contacts_.into.col(i) = told_into_.col(i) - share * into;
     const double length = normalise(i);
     const double scale = length > 0.0 ? 1.0 / length : 0.0;
     beta_[i] = (told_beta_[i] - 0.5 * share * share * turn_.dot(z_)) * scale;
@@ -199,6 +159,7 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x, double age, d
     dual_.refactor();
   }
   space_->difference(x_probe, at_, y_);
+  if (most_steps > 1) dual_.allow(kMostWork + (fresh_ ? dual_.left() : 0));
   const PlaneStatus status = curved_ == 0 ? solve(age) : settle(age, most_steps);
   fresh_ = false;
   for (int i = 0; laws_.any() && i < count_; ++i) laws_.end(i, dual_.l()[i] * scale_[i]);
@@ -210,19 +171,43 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x, double age, d
   return PlaneStatus::kInfeasible;
 }
 
+/// z_ goes towards the x of the gaps that are linearised there. If that does not come nearer,
+/// although neither probe nor surfaces moved, it goes half as far from there on: so the steps of a
+/// probe at rest have a finite sum.
 PlaneStatus PlaneProjection::settle(double age, int most_steps) noexcept {
+  double moved = laws_.any() ? HUGE_VAL : (y_ - y_before_).lpNorm<Eigen::Infinity>();
+  for (int i = 0; moving_ && i < count_; ++i) {
+    moved = std::max(moved, std::abs(speed_[i] * (age - age_before_)));
+  }
+  y_before_ = y_;
+  age_before_ = age;
   PlaneStatus status = PlaneStatus::kFree;
-  for (int left = fresh_ ? kFirstSteps : most_steps; left > 0; --left) {
+  const int steps = most_linearisations(fresh_ ? kFirstSteps : most_steps);
+  linearisations_ = 0;
+  for (int k = 0; k < steps; ++k) {
+    ++linearisations_;
     linearise();
     status = solve(age);
-    turn_ = y_;
+    turn_ = y_ - z_;
     for (int i = 0; i < count_; ++i) turn_ -= dual_.l()[i] * contacts_.into.col(i);
-    const bool settled = (turn_ - z_).lpNorm<Eigen::Infinity>() < kSameX;
-    if (bounded_ && turn_.allFinite()) unsettled_ = unsettled(turn_ - z_);
-    if (turn_.allFinite()) z_ = turn_;
-    if (settled) break;
+    if (!turn_.allFinite()) continue;
+    const double step = turn_.lpNorm<Eigen::Infinity>();
+    const bool theirs = k == 0 && (fresh_ || step <= kTheirs * moved);
+    if (theirs) {
+      damped_ = std::min(1.0, 2.0 * damped_);
+    } else if (step > kShrinks * step_before_) {
+      damped_ *= 0.5;
+    }
+    step_before_ = step;
+    if (bounded_) unsettled_ = unsettled(turn_);
+    z_ += damped_ * turn_;
+    if (step < kSameX) break;
   }
   return status;
+}
+
+int PlaneProjection::most_linearisations(int most) const noexcept {
+  return std::clamp(kMostEntries / PlaneSet::triangle(count_), 1, most);
 }
 
 /// Multipliers for the probe at y_.

@@ -57,6 +57,14 @@ void require_positive_definite(const Eigen::MatrixXd& symmetric) {
       text(least) + ", must be > " + text(TaskMetric::kLeastEigenvalue));
 }
 
+/// (U^T U)^-1.
+std::shared_ptr<const Eigen::MatrixXd> inverse_of(const Eigen::MatrixXd& U) {
+  const Eigen::Index n = U.rows();
+  const Eigen::MatrixXd root =
+      U.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(n, n));
+  return std::make_shared<const Eigen::MatrixXd>(root * root.transpose());
+}
+
 }  // namespace
 
 TaskMetric TaskMetric::from_scales(const VecX& scale) {
@@ -89,6 +97,7 @@ TaskMetric TaskMetric::from_matrix(const Eigen::Ref<const Eigen::MatrixXd>& W) {
   } else {
     metric.upper_ =
         std::make_shared<const Eigen::MatrixXd>(Eigen::LLT<Eigen::MatrixXd>(symmetric).matrixU());
+    metric.inverse_ = inverse_of(*metric.upper_);
   }
   return metric;
 }
@@ -115,6 +124,7 @@ TaskMetric TaskMetric::of(int first, int count) const {
   } else {
     metric.upper_ =
         std::make_shared<const Eigen::MatrixXd>(upper_->block(first, first, count, count));
+    metric.inverse_ = inverse_of(*metric.upper_);
   }
   return metric;
 }
@@ -169,19 +179,12 @@ const MatXQ& TaskMetric::weighed(const MatXQ& J, MatXQ& scratch) const noexcept 
   return scratch;
 }
 
-VecX TaskMetric::steepest(VecX a) const noexcept {
+VecX TaskMetric::steepest(const VecX& a, int first, int count) const noexcept {
   if (is_identity()) return a;
   if (upper_ == nullptr) return a.cwiseQuotient(diagonal_.cwiseAbs2());
-  const Eigen::MatrixXd& U = *upper_;
-  for (int i = 0; i < n_x_; ++i) {  // U^T z = a
-    for (int j = 0; j < i; ++j) a[i] -= U(j, i) * a[j];
-    a[i] /= U(i, i);
-  }
-  for (int i = n_x_ - 1; i >= 0; --i) {  // U d = z
-    for (int j = i + 1; j < n_x_; ++j) a[i] -= U(i, j) * a[j];
-    a[i] /= U(i, i);
-  }
-  return a;
+  VecX d = VecX::Zero(n_x_);
+  for (int k = first; k < first + count; ++k) d += a[k] * inverse_->col(k);
+  return d;
 }
 
 }  // namespace haptic::core

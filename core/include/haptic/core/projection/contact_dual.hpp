@@ -3,9 +3,12 @@
 ///   l = argmin 1/2 l^T (G + Gamma + eps) l - l^T r   over l >= 0,
 /// G the Gram matrix of the gradients, Gamma the diagonal of the compliances, r the violations at
 /// the haptic probe. C. L. Lawson and R. J. Hanson's active set, warm from the l that is there.
-/// eps makes every set of contacts have one answer; it is iterated away if they can all be met. The
-/// work is bounded: after kMostSolves systems of equations, which only planes that contradict each
-/// other by the dozen need, what was reached is the answer. Never allocates.
+/// eps, of contacts whose own compliance is less, makes every set have one answer, which is
+/// iterated on in kProximal steps. The work is bounded: if what allow() granted is spent, which
+/// takes dozens of contacts, what was reached is the answer, and the next call goes on from there.
+/// Never allocates.
+
+#include <algorithm>
 
 #include "haptic/core/projection/proxy_snapshot.hpp"
 
@@ -17,7 +20,8 @@ class ContactDual {
   using Gram = Eigen::Matrix<double, kMaxPlanes, kMaxPlanes, Eigen::RowMajor>;
   /// eps, relative to the dual's unit diagonal: large against rounding, small against any wedge
   /// that a simulation has.
-  static constexpr double kEpsilon = 1e-10;
+  static constexpr double kEpsilon = 1e-6;
+  static constexpr int kProximal = 12;
 
   /// Bit i of a set of contacts.
   [[nodiscard]] static constexpr bool has(std::uint32_t set, int i) noexcept {
@@ -28,8 +32,20 @@ class ContactDual {
   void begin(int count, std::uint32_t left_out) noexcept;
   /// G + Gamma + eps, symmetric, of the first `count` rows and columns. After a change: refactor().
   [[nodiscard]] Gram& gram() noexcept { return G_; }
+  /// Entry (i, i) from G's and Gamma's.
+  void set_diagonal(int i, double square, double give) noexcept;
   void refactor() noexcept { factored_ = 0; }
+  /// From here on those, none of which is held, and refactor().
+  void leave_out(std::uint32_t contacts) noexcept {
+    left_out_ = contacts;
+    refactor();
+  }
   void hold_none() noexcept;
+  /// From here on that many multiplications may be spent, and once the system at which they end.
+  void allow(int multiplications) noexcept { left_ = granted_ = multiplications; }
+  /// What allow() granted last, and what is left of it.
+  [[nodiscard]] int spent() const noexcept { return granted_ - left_; }
+  [[nodiscard]] int left() const noexcept { return std::max(0, left_); }
 
   /// The answer with eps.
   void solve(const Vector& r) noexcept;
@@ -42,25 +58,24 @@ class ContactDual {
   [[nodiscard]] std::uint32_t held() const noexcept { return active_; }
 
  private:
-  static constexpr int kMostSolves = 3 * kMaxPlanes;
-
-  void solve(const Vector& r, int& left) noexcept;
   /// Goes from l_ towards the solution on the contacts held, which lose those that it would make <
   /// 0.
-  void settle(const Vector& r, double largest, int& left) noexcept;
+  void settle(const Vector& r, double largest) noexcept;
   /// s = G_^-1 r on the contacts held, in their order.
   void solve_held(const Vector& r, Vector& s) noexcept;
-  /// G_ l_ at contact i.
-  [[nodiscard]] double pushed(int i) const noexcept;
 
   int count_{0};
+  int left_{0}, granted_{0};
   std::uint32_t left_out_{0};
   Gram G_{};
+  Vector eps_{};
   Vector l_{};
   int held_[kMaxPlanes]{};  ///< in the order in which they came
   int n_held_{0};
-  Gram L_{};         ///< of Cholesky, in that order
-  int factored_{0};  ///< rows of L_ that hold
+  Gram L_{};  ///< of Cholesky, in that order, but for the diagonal
+  Eigen::Matrix<double, kMaxPlanes, kMaxPlanes> columns_{};  ///< the same, by columns
+  Vector inverse_{};                                         ///< 1 by its diagonal
+  int factored_{0};                                          ///< rows of L that hold
   std::uint32_t active_{0};
 };
 

@@ -10,10 +10,11 @@
 ///   opposite, infeasible  the x of least violation, min sum (n_i^T x - b_i)^2 with unit normals,
 ///                         that is nearest to x_probe; status kInfeasible
 /// If they can be met x meets them to rounding. Planes that meet only beyond some hundred times
-/// their violation (an acute wedge seen from outside) count as infeasible.
+/// their violation (an acute wedge seen from outside) count as infeasible; x is continuous there,
+/// and at most 4900 times the violations away.
 ///
 /// Curved gaps are linearised where x was in the tick before, solved, and linearised again there:
-/// at most kMostSteps systems, kFirstSteps in the first tick of a sample.
+/// at most kMostSteps systems, kFirstSteps in the first tick of a sample, fewer with many contacts.
 
 #include <array>
 #include <vector>
@@ -37,6 +38,10 @@ class PlaneProjection {
  public:
   static constexpr int kMostSteps = 2;   ///< linearisations of curved gaps in a tick
   static constexpr int kFirstSteps = 8;  ///< in the first tick of a sample
+  /// Most entries of G that the linearisations of a tick write.
+  static constexpr int kMostEntries = 1056;
+  /// Most multiplications that set() may spend for multipliers, and each tick; and one system more.
+  static constexpr int kMostWork = 40'000;
   /// Most by which curvature may turn and lengthen a gradient of length 1: beyond, the contact is
   /// the plane that touches it there.
   static constexpr double kMostTurn = 1.0;
@@ -64,6 +69,9 @@ class PlaneProjection {
   [[nodiscard]] bool has_laws() const noexcept { return laws_.any(); }
   /// As many calls of project() with one step cost at most 20 us (core/METHOD.md#pushed-objects).
   [[nodiscard]] int replayable() const noexcept;
+  /// What the last set() or project() spent. With most_steps = 1 project() spends what was left.
+  [[nodiscard]] int multiplications() const noexcept { return dual_.spent(); }
+  [[nodiscard]] int linearisations() const noexcept { return linearisations_; }
   // Of the last project():
   /// Every contact and how deep the probe is beyond it; one that was left out has direction 0 and
   /// depth -1.
@@ -83,11 +91,14 @@ class PlaneProjection {
 
   /// Contact i, scaled so that its gradient has unit length in W^-1; or it is left out.
   void take(const PlaneSet& planes, int i) noexcept;
-  /// Divides column i of A_ by its length, which is returned; 0: it has none. Writes D.
+  /// Divides column i of A_ and of D by its length, which is returned; 0: it has none.
   double normalise(int i) noexcept;
   void fill_gram(int i, int j) noexcept;
   /// Shifts beta_ so that the law gives at_ for the probe x_used.
   void anchor(const VecX& x_used) noexcept;
+  /// Multipliers that explain the displacement d of the client's own proxy, near those `told`.
+  void explain(const VecX& d, const Vector& told, Vector& l) noexcept;
+  [[nodiscard]] double shift(const VecX& d, const Vector& l, const Vector& told_beta) noexcept;
   /// What error() needs of a new sample, before it is anchored.
   void begin_error(const PlaneSet& planes) noexcept;
   [[nodiscard]] double bend(int i) noexcept;
@@ -107,6 +118,7 @@ class PlaneProjection {
   void linearise() noexcept;
   /// Solves curved gaps where they are linearised, and again at the answer.
   PlaneStatus settle(double age, int most_steps) noexcept;
+  [[nodiscard]] int most_linearisations(int most) const noexcept;
   PlaneStatus solve(double age) noexcept;
   void displace(VecX& x) const noexcept;
 
@@ -118,10 +130,10 @@ class PlaneProjection {
   std::uint32_t curved_{0};   ///< contacts with a curvature
   bool soft_{false}, moving_{false}, fresh_{false};
   VecX at_;
-  PlaneSet::Normals A_{};              ///< unit in W^-1
-  Contacts contacts_{};                ///< into: D = W^-1 A
-  Vector beta_{}, gamma_{}, speed_{};  ///< of the scaled contacts; beta_ relative to at_
-  PlaneSet::Normals told_{};           ///< these four: of curved contacts at at_
+  PlaneSet::Normals A_{};                   ///< unit in W^-1
+  Contacts contacts_{};                     ///< into: D = W^-1 A
+  Vector beta_{}, gamma_{}, speed_{};       ///< of the scaled contacts; beta_ relative to at_
+  PlaneSet::Normals told_{}, told_into_{};  ///< these five: of curved contacts at at_
   Vector told_beta_{}, told_gamma_{}, told_speed_{};
   Vector scale_{};            ///< of a contact now by what it was at at_
   PlaneSet::Curvatures H_{};  ///< scaled
@@ -141,7 +153,12 @@ class PlaneProjection {
   Vector bend_{};          ///< Frobenius norm of H, in W^-1
   VecX y_{};               ///< the probe relative to at_
   VecX z_{};               ///< where curved gaps are linearised, relative to at_
-  VecX turn_{};            ///< scratch
+  int linearisations_{0};
+  double damped_{1.0};       ///< share of a step of z_ that is taken
+  double step_before_{0.0};  ///< of that, max norm
+  VecX y_before_{};          ///< y_ and age in the tick before
+  double age_before_{0.0};
+  VecX turn_{};  ///< scratch
 };
 
 }  // namespace haptic::core

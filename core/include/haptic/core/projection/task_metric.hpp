@@ -48,7 +48,11 @@ class TaskMetric {
   [[nodiscard]] const MatXQ& weighed(const MatXQ& J, MatXQ& scratch) const noexcept;
   /// W^{-1} a of a covector a (n_x values in unit of 1 / x_i): the direction along which
   /// a^T x rises most per length in ||.||_W. Never allocates.
-  [[nodiscard]] VecX steepest(VecX a) const noexcept;
+  [[nodiscard]] VecX steepest(const VecX& a) const noexcept {
+    return steepest(a, 0, static_cast<int>(a.size()));
+  }
+  /// Of an a that is 0 but for `count` values from `first` on: n_x multiplications for each.
+  [[nodiscard]] VecX steepest(const VecX& a, int first, int count) const noexcept;
 
  private:
   void weigh(double* column) const noexcept;
@@ -57,6 +61,7 @@ class TaskMetric {
   VecX diagonal_{};  ///< of W^{1/2}
   /// W^{1/2}, upper triangular, if it is not diagonal. Shared, because copies are made in the loop.
   std::shared_ptr<const Eigen::MatrixXd> upper_{};
+  std::shared_ptr<const Eigen::MatrixXd> inverse_{};  ///< W^{-1}, if it is not diagonal
 };
 
 }  // namespace haptic::core

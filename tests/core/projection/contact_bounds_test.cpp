@@ -49,7 +49,7 @@ class Told {
   std::mt19937 random_;
 };
 
-ConfigurationSpace line_space(int n_x) {
+ConfigurationSpace reals(int n_x) {
   return ConfigurationSpace(std::vector<Coordinate>(static_cast<std::size_t>(n_x)));
 }
 
@@ -60,7 +60,7 @@ VecX answer(PlaneProjection& projection, const VecX& probe) {
 }
 
 TEST(ContactBounds, NearlyOppositePlanesDoNotDrag) {
-  const ConfigurationSpace space = line_space(2);
+  const ConfigurationSpace space = reals(2);
   PlaneProjection projection(space);
   const VecX free = two(0, 0);
   for (double angle = 1e-9; angle < 0.2; angle *= 3.0) {
@@ -83,7 +83,7 @@ TEST(ContactBounds, FreeClientIsFreeWhereTold) {
   Told told(1);
   for (int n = 0; n < 3000; ++n) {
     const int n_x = 1 + told.below(5);
-    const ConfigurationSpace space = line_space(n_x);
+    const ConfigurationSpace space = reals(n_x);
     PlaneProjection projection(space);
     const VecX free = told.point(n_x, 1.0);
     const PlaneSet set = told.contacts(n_x, 1 + told.below(12), free);
@@ -104,7 +104,7 @@ TEST(ContactBounds, AnchoredSpringIsBounded) {
   double most = 0.0;
   for (int n = 0; n < 5000; ++n) {
     const int n_x = 1 + told.below(5);
-    const ConfigurationSpace space = line_space(n_x);
+    const ConfigurationSpace space = reals(n_x);
     PlaneProjection projection(space);
     const VecX x = told.point(n_x, 1.0);
     const double length = told.decades(-6.0, 0.0);
@@ -129,7 +129,7 @@ TEST(ContactBounds, ToldContactsLeadContinuously) {
   int infeasible = 0, changed = 0;
   for (int n = 0; n < 2000; ++n) {
     const int n_x = 1 + told.below(5), count = 1 + told.below(12);
-    const ConfigurationSpace space = line_space(n_x);
+    const ConfigurationSpace space = reals(n_x);
     PlaneProjection projection(space);
     const VecX at = told.point(n_x, 1.0), way = told.point(n_x, 1.0).normalized();
     const PlaneSet set = told.contacts(n_x, count, at);
@@ -176,7 +176,7 @@ TEST(ContactBounds, ProxyRestsWhereTheProbeRests) {
   int curved = 0;
   for (int n = 0; n < 6000; ++n) {
     const int n_x = 2 + told.below(2);
-    const ConfigurationSpace space = line_space(n_x);
+    const ConfigurationSpace space = reals(n_x);
     PlaneProjection projection(space);
     const VecX x = told.point(n_x, 1.0), probe = x + told.point(n_x, 0.03);
     projection.set(balls(told, n_x, 1 + told.below(4), x, -2.0, n % 2 == 1), x);
@@ -196,7 +196,7 @@ TEST(ContactBounds, HostileSampleCostsBoundedWork) {
   for (double& entry : B.reshaped()) entry = told.normal();
   const TaskMetric metric = TaskMetric::from_matrix(
       Eigen::MatrixXd(B * B.transpose() + 0.05 * Eigen::MatrixXd::Identity(n_x, n_x)));
-  const ConfigurationSpace space = line_space(n_x);
+  const ConfigurationSpace space = reals(n_x);
   PlaneProjection projection(space, metric);
   int most = 0;
   for (int n = 0; n < 300; ++n) {

@@ -63,6 +63,9 @@ NR == 1 {
   if (touches && gain > 0) {
     if (contact_since == "") { contact_since = t; contacts++ }
     contact_s += dt
+    contact_ticks++
+    if (column["error_bound_l_x_n"] && $column["error_bound_l_x_n"] != "")
+      off[++n_off] = $column["error_bound_l_x_n"] + 0
     if (force > peak) { peak = force; peak_at = t }
   } else {
     close_contact(t)
@@ -96,6 +99,10 @@ END {
   for (f in faults) { printf "  FAULT             %s, %d ticks\n", f, faults[f]; faulted = 1 }
   if (!contacts || peak == 0) { print "  no contact: nothing was felt"; exit 3 }
   printf "  contact           peak |tau_a| %.2f N at %.2f s\n", peak, peak_at
+  sort(off, n_off)
+  if (n_off)
+    printf "  error bound       known in %.1f %% of contact, median %.4f N, max %.3f N\n",
+           100 * n_off / contact_ticks, quantile(off, n_off, 0.5), off[n_off]
   if (!n_free) { print "  no free motion longer than the ramps: nothing to compare with"; exit 5 }
   worst = free[n_free]
   printf "  letting go        max |tau_a| %.3f N in the 200 ms after contact " \

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -25,6 +26,7 @@ using namespace std::chrono_literals;
 using report::RttObject;
 
 constexpr const char* kScene = "finger_soft_grasp";
+constexpr double kRounding = 1e-5;  // N
 
 core::PipelineConfig pipeline_of(const std::filesystem::path& scene_file) {
   const server::DeviceScene scene = server::load_scene(scene_file).devices.front();
@@ -80,6 +82,8 @@ class Shadow {
 
 struct Touch {
   int contact{0}, held_back{0};
+  int broken{0};                             ///< ticks beyond the bound
+  std::vector<double> bounds{};              ///< N, of the ticks that have one
   double rms{0.0}, largest{0.0}, peak{0.0};  ///< N
   [[nodiscard]] double percent() const { return peak > 0.0 ? 100.0 * rms / peak : 0.0; }
   [[nodiscard]] double held_back_pct() const { return 100.0 * held_back / std::max(contact, 1); }
@@ -98,6 +102,10 @@ Touch compare(const std::vector<RecordedTick>& run, Shadow shadow) {
     touch.rms += off * off;
     touch.largest = std::max(touch.largest, off);
     touch.peak = std::max(touch.peak, std::abs(ideal));
+    if (felt.error_bound) {
+      touch.bounds.push_back(*felt.error_bound);
+      touch.broken += off > *felt.error_bound + kRounding ? 1 : 0;
+    }
     touch.held_back += felt.limiters.find("ENERGY_TANK") != std::string::npos ? 1 : 0;
   }
   touch.rms = std::sqrt(touch.rms / std::max(touch.contact, 1));
@@ -110,6 +118,13 @@ Scenario round_trip(int ms) {
   link.duration = 60s;
   link.up.delay = link.down.delay = ms * 1ms / 2;
   return link;
+}
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
 }
 
 class NetworkTouch : public testing::TestWithParam<int> {};
@@ -131,6 +146,12 @@ TEST_P(NetworkTouch, DelayIsNotFelt) {
   std::printf("%s: error %.3f N rms, %.2f N at most, of %.1f N; held back in %.2f %% of %.1f s\n",
               link.name.c_str(), touch.rms, touch.largest, touch.peak, touch.held_back_pct(),
               1e-3 * touch.contact);
+  const double bounded =
+      100.0 * static_cast<double>(touch.bounds.size()) / std::max(touch.contact, 1);
+  std::printf("  bound in %.2f %% of contact, median %.4f N, largest %.3f N, broken in %d ticks\n",
+              bounded, quantile(touch.bounds, 0.5), quantile(touch.bounds, 1.0), touch.broken);
+  EXPECT_EQ(touch.broken, 0);
+  EXPECT_GT(bounded, 99.0);
   EXPECT_GT(touch.contact, 1000);
   EXPECT_GT(touch.peak, 5.0);
   if (!host_is_calm()) return;

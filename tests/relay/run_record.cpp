@@ -133,7 +133,8 @@ std::vector<RecordedTick> read_record(const std::filesystem::path& file) {
                     body = columns.contains("q_B") ? column("q_B") : slide,
                     limiters = column("limiters"), elastic = column("tau_elastic_l_x_n"),
                     tau = column("tau_a_l_x_n"), faults = column("faults"), tick = column("seq"),
-                    lateness = column("lateness_us"), skipped = column("skipped");
+                    lateness = column("lateness_us"), skipped = column("skipped"),
+                    bound = column("error_bound_l_x_n");
   std::vector<RecordedTick> run;
   while (std::getline(stream, line)) {
     std::vector<std::string> f = fields_of(line);
@@ -142,6 +143,7 @@ std::vector<RecordedTick> read_record(const std::filesystem::path& file) {
                    f[staleness], f[mode], f[faults], f[limiters], 1e-6 * number(f[age]),
                    number(f[gain]), number(f[slide]), number(f[body]), number(f[elastic]),
                    number(f[tau]), 1e-6 * number(f[lateness]), number(f[skipped])});
+    if (!f[bound].empty()) run.back().error_bound = number(f[bound]);
   }
   return run;
 }

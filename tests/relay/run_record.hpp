@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct RecordedTick {
   double tau_elastic{0.0}, tau_a{0.0};  ///< N
   double lateness{0.0};                 ///< s, of the wake-up after its deadline
   double skipped{0.0};
+  std::optional<double> error_bound{};  ///< N
 };
 
 /// Throws std::runtime_error if a column is missing.

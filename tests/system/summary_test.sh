@@ -48,6 +48,15 @@ expect 7 'FAULT +LOOP_LATE, 100 ticks' 0.02 5 FAULT
 expect 0 'free motion +2.0 s' 0.02 5
 expect 0 'free motion +1.9 s' 0.02 5 IDLE
 
+# A bound that half of the contact has.
+text=$(recording 0.02 -5 ENGAGED | awk -F, -v OFS=, 'NR == 1 { print $0, "error_bound_l_x_n"; next }
+  { print $0, $1 < 1.5 ? 0.25 : "" }' | awk -f "$summary")
+if ! echo "$text" | grep -q 'known in 50.0 % of contact, median 0.2500 N, max 0.250 N'; then
+  echo "FAILED: the error bound: expected half of the contact in"
+  echo "$text"
+  failures=1
+fi
+
 # A proxy behind planes is in contact like a held one if one of them holds it, and else free.
 text=$(recording 0.02 -5 ENGAGED | sed 's/HELD,/PLANES,3|4/; s/FREE/PLANES/' | awk -f "$summary")
 for pattern in 'in contact +1.0 s in 1 contacts' 'free motion +2.0 s'; do

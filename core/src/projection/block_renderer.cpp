@@ -160,7 +160,8 @@ void BlockRenderer::displayed_bound(const Probe& probe, const VecX& dx, const Ve
 
 bool BlockRenderer::widen(const Probe& probe, const VecX& dx, const VecA& stiffness,
                           const ProxyError& error, VecA& force) noexcept {
-  if (kind_ != RendererKind::kPerContact || (error.none() && error.depth.size() == 0)) return true;
+  const bool exact = error.none() && error.depth.size() == 0 && error.beside == 0;
+  if (kind_ != RendererKind::kPerContact || exact) return true;
   // Without a push of its own one actuator answers with a share of what Eq. (8) may be off.
   if (whole_) {
     if ((dx.array() == 0.0).all()) return force.size() == 1 || force.isZero(0.0);

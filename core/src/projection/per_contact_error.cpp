@@ -39,10 +39,12 @@ bool PerContact::widen(const Probe& probe, const VecA& stiffness, const ProxyErr
       held_back = held_back || in > allowed;
       return;
     }
+    const bool beside = (error.beside >> push.contact & 1u) != 0;
     const auto narrow = [&](Share& share, double into) {
       if (into + turn <= 0.0) return;
-      const double nearest = std::max(0.0, into - turn);
       share.least = std::min(share.least, slack_at(push.depth + off, band_, into + turn));
+      if (beside) return;
+      const double nearest = std::max(0.0, into - turn);
       share.most = std::min(share.most, slack_at(push.depth - off, band_, nearest));
     };
     const double into = std::copysign(push.cosine, -push.out[0]);

@@ -107,6 +107,7 @@ void PlaneProjection::error(double age_error, ProxyError& out) const noexcept {
   out.along = -1;
   for (PlaneSet::Offsets* each : {&out.of, &out.depth, &out.turn}) each->resize(0);
   out.everywhere = unexplained_;
+  out.beside = 0;
   if (!out.known) return;
   Remainder left[kMaxPlanes];
   if (!exact_) displaced(age_error, left, out);
@@ -135,6 +136,7 @@ void PlaneProjection::turned(double age_error, const Remainder* left,
     }
     out.depth[i] = depth;
     most = std::max(most, depth);
+    if (dual_.l()[i] == 0.0 && contacts_.depth[i] + depth > 0.0) out.beside |= 1u << i;
   }
   if (most >= ProxyError::kNothing) return;
   out.depth.resize(0);

@@ -94,6 +94,7 @@ void judge(const Kinematics& map, const VecQ& q, Random& random, Tally& tally) {
     error.of[i] = std::pow(10.0, drawn(random, -6.0, -3.0));
     error.depth[i] = std::pow(10.0, drawn(random, -4.0, 0.0)) * band;
     error.turn[i] = std::pow(10.0, drawn(random, -4.0, -1.0));
+    if (random() % 8 == 0) error.beside |= 1u << i;
     if (random() % 4 == 0) continue;  // nothing displaces this block by itself
     dx.segment(at.first_x, at.n_x()) +=
         drawn(random, 0.0, 3.0) * kDegree * direction(random, at.n_x());
@@ -131,6 +132,8 @@ void judge(const Kinematics& map, const VecQ& q, Random& random, Tally& tally) {
       truth.depth[i] += error.depth[i] * (way % 3 == 0        ? drawn(random, -1.0, 1.0)
                                           : random() % 2 == 0 ? 1.0
                                                               : -1.0);
+      const bool missing = (error.beside >> i & 1u) != 0 && random() % 2 == 0;
+      if (missing) truth.depth[i] = -1.0;
       auto into = truth.into.col(i).segment(at.first_x, at.n_x());
       into = (into + reach * error.turn[i] * direction(random, at.n_x())).normalized();
       if ((into - used.into.col(i).segment(at.first_x, at.n_x())).norm() > error.turn[i]) {

@@ -15,6 +15,9 @@ struct ProxyError {
   int along{-1};
   /// How far each contact's own depth may be off, and the end of its direction; size 0: not at all.
   PlaneSet::Offsets depth{}, turn{};
+  /// Bit i: the probe may be inside of contact i, which does not hold x. Whether the simulation
+  /// would tell it now depends on how far it looks ahead.
+  std::uint32_t beside{0};
 
   /// Rounding of the proxy's problem.
   static constexpr double kNothing = 1e-9;

@@ -9,7 +9,7 @@ test_packages() {
   else
     packages_of_image "$debs"
   fi
-  rm -rf "$debs/_CPack_Packages" "$debs"/libhaptic-dev_*
+  rm -rf "$debs/_CPack_Packages" "$debs"/libhaptic*-dev_*
   chmod -R a+rX "$scratch"
   "$engine" run --rm --name "${project}_clean" --label "com.docker.compose.project=$project" \
     --volume "$debs:/debs:ro" --volume "$root/docker/test/use_packages.sh:/use_packages.sh:ro" \

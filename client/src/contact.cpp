@@ -179,6 +179,11 @@ Plane contact_at(const std::vector<double>& x, const Contact& contact, double co
   plane.ground_stiffness = contact.ground_stiffness / coupling;
   plane.load = contact.load / coupling;
   plane.uncertainty = contact.uncertainty;
+  plane.object = contact.object;
+  plane.object_direction = contact.object_direction;
+  if (plane.object != 0 && plane.object_direction.empty()) {
+    plane.object_direction.assign(contact.normal.begin(), contact.normal.end());
+  }
   bool curved = false;
   for (std::size_t j = 0; j < n; ++j) {
     const Vector3 bent = times(contact.curvature, point.jacobian[j]);

@@ -85,6 +85,9 @@ void RemoteSession::publish(Proxy proxy) noexcept {
         sent.set_damping(plane.damping);
         sent.set_ground_stiffness(plane.ground_stiffness);
         sent.set_load(plane.load);
+        sent.set_object(plane.object);
+        sent.mutable_object_direction()->Add(plane.object_direction.begin(),
+                                             plane.object_direction.end());
         if (plane.uncertainty) sent.set_uncertainty(*plane.uncertainty);
       }
       sample.set_device_seq_used(used);

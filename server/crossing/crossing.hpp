@@ -50,6 +50,8 @@ struct PlaneSample {
   std::uint32_t curvature_count{0};
   std::uint32_t tells_uncertainty{0};  ///< 0: it does not
   double uncertainty{0.0};
+  std::uint32_t object{0};
+  Numbers<core::kMaxMotions> object_direction{};
 };
 
 /// When a sample left its source, by a synchronised clock (proto/README.md#clock-and-age).
@@ -286,7 +288,7 @@ template <typename T, std::size_t kSize>
 inline constexpr bool crosses = std::is_trivially_copyable_v<T>&& std::is_standard_layout_v<T> &&
                                 sizeof(T) == kSize;
 
-static_assert(crosses<ProxySample, 23960>);
+static_assert(crosses<ProxySample, 26008>);
 static_assert(crosses<PoseSample, 144>);
 static_assert(crosses<Verdict, 192>);
 static_assert(crosses<Request, 1288>);

@@ -124,6 +124,8 @@ void from_proto(const v1::Plane& message, PlaneSample& plane) {
   plane.id = message.id();
   plane.tells_uncertainty = message.has_uncertainty() ? 1 : 0;
   plane.uncertainty = message.uncertainty();
+  plane.object = message.object();
+  plane.object_direction = numbers<Numbers<core::kMaxMotions>>(message.object_direction());
   plane.first_coordinate = message.first_coordinate();
   plane.curvature_count = static_cast<std::uint32_t>(message.curvature_size());
   const std::size_t behind = std::min<std::size_t>(plane.normal.count, PlaneSample::kNumbers);

@@ -101,6 +101,7 @@ class Ingress {
   [[nodiscard]] Verdict check_planes(const ProxySample& sample) const;
   [[nodiscard]] Verdict check_contact(const ProxySample& sample, std::size_t p) const;
   [[nodiscard]] static Verdict check_law(const PlaneSample& plane, std::size_t p);
+  [[nodiscard]] static Verdict check_object(const PlaneSample& plane, std::size_t p);
   void store_planes(const ProxySample& sample);
   void store(const ProxySample& sample, const BacklogRule::Answer& age);
 

@@ -12,6 +12,8 @@ namespace {
 
 /// Below this a normal is none: its square would leave the range of a double.
 constexpr double kSmallestNormal = 1e-100;
+/// Of a length of 1, as a sum of six products may be off in single precision.
+constexpr double kOffUnit = 1e-3;
 
 /// n of a lower triangle with `count` values; 0: there is none, or none that is allowed.
 constexpr std::uint32_t curved_coordinates(std::uint32_t count) noexcept {
@@ -127,13 +129,37 @@ Verdict Ingress::check_law(const PlaneSample& plane, std::size_t p) {
   if (plane.mass > 0.0 && plane.id == 0) {
     return refused(kBad, "planes[{}].id = 0: must be given with a mass", p);
   }
+  return check_object(plane, p);
+}
+
+Verdict Ingress::check_object(const PlaneSample& plane, std::size_t p) {
+  constexpr auto kBad = IngressVerdict::kBadPlane;
+  const auto& direction = plane.object_direction;
+  if (plane.object == 0 && direction.count == 0) return {};
+  if (plane.object == 0) {
+    return refused(kBad, "planes[{}].object = 0: must be given with a direction", p);
+  }
+  if (plane.mass == 0.0) {
+    return refused(kBad, "planes[{}].mass = 0: must be above 0 with an object", p);
+  }
+  if (direction.count == 0 || direction.count > core::kMaxMotions) {
+    return refused(kBad, "planes[{}].object_direction has {} values: must have 1 to {}", p,
+                   direction.count, core::kMaxMotions);
+  }
+  double square = 0.0;
+  for (std::size_t i = 0; i < direction.count; ++i)
+    square += direction.value[i] * direction.value[i];
+  if (!(std::abs(std::sqrt(square) - 1.0) <= kOffUnit)) {
+    return refused(kBad, "planes[{}].object_direction has length {:.9g}: must have length 1", p,
+                   std::sqrt(square));
+  }
   return {};
 }
 
 void Ingress::store_planes(const ProxySample& sample) {
   core::PlaneSet& planes = newest_.planes;
   const Eigen::Index count = sample.plane_count;
-  bool soft = false, moving = false, pushed = false, known = true;
+  bool soft = false, moving = false, pushed = false, shared = false, known = true;
   Eigen::Index curvatures = 0;
   newest_.anchored_at = 0;
   newest_.seen_at = sample.tick_used;
@@ -149,6 +175,7 @@ void Ingress::store_planes(const ProxySample& sample) {
     moving = moving || flushed(plane.velocity) != 0.0;
     known = known && plane.tells_uncertainty != 0;
     pushed = pushed || plane.mass > 0.0;
+    shared = shared || plane.object != 0;
     curvatures += plane.curvature_count;
     if (plane.id != 0) newest_.anchored_at = sample.tick_used;
   }
@@ -157,6 +184,7 @@ void Ingress::store_planes(const ProxySample& sample) {
   planes.velocity.resize(moving ? count : 0);
   planes.uncertainty.resize(known ? count : 0);
   planes.laws.resize(Eigen::NoChange, pushed ? count : 0);
+  planes.objects.setZero(Eigen::NoChange, shared ? count : 0);
   planes.curvature.resize(curvatures);
   curvatures = 0;
   for (Eigen::Index p = 0; p < count; ++p) {
@@ -167,6 +195,10 @@ void Ingress::store_planes(const ProxySample& sample) {
     if (known) planes.uncertainty[p] = flushed(plane.uncertainty);
     if (pushed) {
       planes.laws.col(p) << plane.mass, plane.damping, plane.ground_stiffness, flushed(plane.load);
+    }
+    if (shared) planes.objects(0, p) = plane.object;
+    for (std::uint32_t k = 0; shared && k < plane.object_direction.count; ++k) {
+      planes.objects(1 + k, p) = flushed(plane.object_direction.value[k]);
     }
     const bool curves = plane.curvature_count > 0;  // else nothing bounds its first coordinate
     planes.first[i] = static_cast<std::uint8_t>(curves ? plane.first_coordinate : 0);

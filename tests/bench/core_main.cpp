@@ -11,6 +11,7 @@
 
 #include "haptic/core/linear/least_squares.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/model/hand_exoskeleton.hpp"
 #include "haptic/core/projection/linear_certificate.hpp"
 #include "haptic/core/projection/plane_projection.hpp"
 #include "haptic/core/projection/renderer.hpp"
@@ -111,7 +112,8 @@ struct Extras {
   bool guard{false}, envelope{false}, tank{false}, observer{false};
   int planes{0};
   bool certificate{false};
-  bool laws{false};  ///< the planes give way and curve
+  bool laws{false};   ///< the planes give way and curve
+  bool bound{false};  ///< their stiffness is told within 10 %, and the sample is anchored
 };
 
 core::PipelineConfig tick_config(const core::RendererKind kind, const Extras& extras) {
@@ -168,6 +170,10 @@ double tick_p50(const Poses& poses, core::RendererKind kind, const Extras& extra
         core::TickInput input = tick_input(poses, config, i);
         if (extras.planes > 0) put_planes(extras.planes, input.proxy);
         if (extras.laws) put_laws(input.proxy.planes);
+        if (extras.bound) {
+          input.proxy.planes.uncertainty.setConstant(extras.planes, 0.1);
+          input.proxy.anchored_at = static_cast<std::uint64_t>(std::max(i / 16 * 16 - 1, 1));
+        }
         return input;
       },
       [&](const core::TickInput& input) {
@@ -176,6 +182,52 @@ double tick_p50(const Poses& poses, core::RendererKind kind, const Extras& extra
         sink += record.effort.tau_a[0];
       });
   if (!engaged) std::abort();  // a tick without force would be too cheap
+  return p50;
+}
+
+/// Five fingers in one grasp; each has two soft, curved contacts.
+double hand_tick_p50(const Poses& poses) {
+  constexpr int kFingers = 5, kContacts = 2;
+  core::PipelineConfig config = tick_config(core::RendererKind::kSubspaceLinear, {.tank = true});
+  std::vector<core::HandFinger> fingers;
+  for (int k = 0; k < kFingers; ++k) fingers.push_back({std::to_string(k), {}});
+  config.kinematics = core::make_hand_exoskeleton(fingers);
+  config.device.q_lower = VecQ(config.device.q_lower.replicate(kFingers, 1));
+  config.device.q_upper = VecQ(config.device.q_upper.replicate(kFingers, 1));
+  for (VecA* each : {&config.device.max_effort, &config.scene.stiffness, &config.scene.damping,
+                     &config.scene.force_limit, &config.scene.slew_limit,
+                     &config.scene.engage_window, &config.passivity.observer.inertia}) {
+    *each = VecA(each->replicate(kFingers, 1));
+  }
+  core::Pipeline pipeline(config);
+  core::TickRecord record;
+  const double p50 = p50_of_ticks(
+      [&](int i) {
+        const core::TickInput one = tick_input(poses, config, i);
+        core::TickInput input = held_tick(config, i, one.device.sample.q.replicate(kFingers, 1),
+                                          one.proxy.x.replicate(kFingers, 1));
+        core::ProxySnapshot of_one;
+        put_planes(kContacts, of_one);
+        core::PlaneSet& planes = input.proxy.planes;
+        input.proxy.mode = of_one.mode;
+        planes.normals.setZero(2 * kFingers, kContacts * kFingers);
+        planes.offsets = of_one.planes.offsets.replicate(kFingers, 1);
+        for (int k = 0; k < kFingers; ++k) {
+          planes.normals.block(2 * k, kContacts * k, 2, kContacts) = of_one.planes.normals;
+        }
+        put_laws(planes);
+        for (int k = 0; k < planes.size(); ++k) {
+          planes.first[static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(k / kContacts * 2);
+        }
+        return input;
+      },
+      [&](const core::TickInput& input) {
+        record = pipeline.tick(input);
+        sink += record.effort.tau_a[0];
+      });
+  const bool felt = record.life.state == core::LifecycleState::kEngaged &&
+                    record.proxy.active_planes == (1u << kContacts * kFingers) - 1;
+  if (!felt) std::abort();  // a tick without force would be too cheap
   return p50;
 }
 
@@ -251,6 +303,16 @@ int main() {
   bench::print(bench::measure(
       "tick subspace_linear" + std::string(soft.name) + " p50", "ns",
       [&] { return tick_p50(poses, kEq8, soft); }, 1200.0));
+
+  Extras bounded = soft;
+  bounded.bound = true;
+  const std::string told = "tick subspace_linear" + std::string(soft.name);
+  bench::print(bench::compare(
+      told + ", bound p50", told + " p50", "ns", [&] { return tick_p50(poses, kEq8, bounded); },
+      [&] { return tick_p50(poses, kEq8, soft); }, 0.0));
+  bench::print(bench::measure(
+      "tick hand of five with 10 soft curved contacts, tank p50", "ns",
+      [&] { return hand_tick_p50(poses); }, 6000.0));
 
   for (const int contacts : {1, 3, 10}) {
     for (const bool curved : {false, true}) {

@@ -180,6 +180,8 @@ TEST_F(Publish, CarriesContacts) {
   plane.damping = 1e-3;
   plane.ground_stiffness = 0.2;
   plane.load = -0.5;
+  plane.object = 3;
+  plane.object_direction = {0.6, 0.8};
   session->publish(client::Proxy::behind({plane}, {0.1, 0.2}));
   const v1::Plane sent = first_sample().planes(0);
   EXPECT_EQ(sent.compliance(), 3.0);
@@ -193,6 +195,9 @@ TEST_F(Publish, CarriesContacts) {
   EXPECT_EQ(sent.damping(), 1e-3);
   EXPECT_EQ(sent.ground_stiffness(), 0.2);
   EXPECT_EQ(sent.load(), -0.5);
+  EXPECT_EQ(sent.object(), 3u);
+  EXPECT_EQ(sent.object_direction_size(), 2);
+  EXPECT_EQ(sent.object_direction(1), 0.8);
 }
 
 TEST_F(Publish, LeavesOutAndCountsPlanes) {

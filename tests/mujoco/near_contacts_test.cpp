@@ -182,6 +182,48 @@ TEST(NearContacts, LoadLeavesOutThisContact) {
   EXPECT_NEAR(found[0].contact.load, -0.7, 1e-9);
 }
 
+TEST(NearContacts, ContactsOfOneBodyShareIt) {
+  const std::string ball = R"(<geom type="sphere" size="0.01" mass="0.02"/></body>)";
+  Still still(
+      R"(<mujoco><option gravity="0 0 0"/><default><geom condim="1"/></default><worldbody>
+    <body pos="-0.0299 0.01 0"><joint name="a" type="slide" axis="1 0 0"/>)" +
+          ball + R"(<body pos="0.0299 0.004 0.005"><joint name="b" type="slide" axis="1 0 0"/>)" +
+          ball + R"(<body pos="-0.008 0.0299 0"><joint name="c" type="slide" axis="0 1 0"/>)" +
+          ball + R"(<body><freejoint/><geom type="box" size="0.02 0.02 0.02" mass="0.3"/></body>
+  </worldbody></mujoco>)",
+      {joint("a", 0), joint("b", 1), joint("c", 2)});
+  std::vector<NearContact> found;
+  for (const NearContact& near : still.find()) {
+    if (near.contact.mass > 0.0) found.push_back(near);
+  }
+  ASSERT_EQ(found.size(), 3u);
+  constexpr double kMass = 0.3, kInertia = kMass * (0.04 * 0.04 + 0.04 * 0.04) / 12.0;
+  // The normals lie along x and y, so what turns the box is z and y of its arms.
+  const auto turn = [](const Vector3& r, const Vector3& n) {
+    return Vector3{r[1] * n[2] - r[2] * n[1], r[2] * n[0] - r[0] * n[2], r[0] * n[1] - r[1] * n[0]};
+  };
+  const auto moves = [&](const client::Contact& a, const client::Contact& b) {
+    return dot(a.normal, b.normal) / kMass +
+           dot(turn(a.point.position, a.normal), turn(b.point.position, b.normal)) / kInertia;
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    const client::Contact& a = found[i].contact;
+    EXPECT_NEAR(1.0 / a.mass, moves(a, a), 1e-6 * moves(a, a));
+    EXPECT_EQ(a.object, found[0].contact.object);
+    EXPECT_GT(found[i].force, 0.0);
+    EXPECT_NEAR(a.load, 0.0, 1e-6 * found[i].force) << "nothing else pushes the box";
+    for (std::size_t j = 0; j < 3; ++j) {
+      const client::Contact& b = found[j].contact;
+      double cosine = 0.0;
+      for (std::size_t k = 0; k < std::min(a.object_direction.size(), b.object_direction.size());
+           ++k) {
+        cosine += a.object_direction[k] * b.object_direction[k];
+      }
+      EXPECT_NEAR(cosine, moves(a, b) / std::sqrt(moves(a, a) * moves(b, b)), 1e-6) << i << j;
+    }
+  }
+}
+
 constexpr const char* kBlock = R"(
     <body pos="0.05 0 0"><joint name="block" type="slide" axis="1 0 0"/><joint type="slide"
       axis="0 0 1"/><joint name="turn" type="hinge" axis="0 1 0" pos="0 0 0.03"/>

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <tuple>
 
 #include "tests/relay/matrix_table.hpp"
 #include "tests/relay/virtual_world.hpp"
@@ -46,20 +47,23 @@ void check_age(const VirtualWorld& world, const core::TickRecord& now) {
   }
 }
 
-class VirtualMatrix : public testing::TestWithParam<Scenario> {};
+/// Held proxies, or contacts.
+class VirtualMatrix : public testing::TestWithParam<std::tuple<Scenario, bool>> {};
 
 TEST_P(VirtualMatrix, TheContractHoldsAtEveryTick) {
+  const auto& [scenario, contacts] = GetParam();
   MatrixRow row(
-      "virtual/" + GetParam().name,
+      (contacts ? "virtual-contacts/" : "virtual/") + scenario.name,
       "levels and gain by age, and the age is true; seq never back; force moves by at most "
       "the slew limit; energy within the tank; no elastic force 200 ms after the last "
       "sample; no fault");
-  VirtualWorld world(GetParam());
+  VirtualWorld world(scenario);
+  world.contacts = contacts;
   core::TickRecord before = world.rig.newest();
   int engages = 0;
-  double steepest = 0.0, energy = 0.0, most = 0.0;
+  double steepest = 0.0, energy = 0.0, most = 0.0, strongest = 0.0;
   core::Duration oldest{0};
-  while (world.time() < GetParam().duration) {
+  while (world.time() < scenario.duration) {
     world.step();
     const core::TickRecord now = world.rig.newest();
     SCOPED_TRACE(world.time().count());
@@ -83,10 +87,12 @@ TEST_P(VirtualMatrix, TheContractHoldsAtEveryTick) {
             : 0;
     ASSERT_LE(energy, VirtualWorld::kTank * engages + 1e-9);
     if (engages > 0) oldest = std::max(oldest, now.proxy.age);
+    strongest = std::max(strongest, std::abs(now.effort.tau_elastic[0]));
     before = now;
   }
   EXPECT_GT(world.accepted, 0U);
   EXPECT_GT(engages, 0);
+  EXPECT_GT(strongest, 0.1);
   row.got("oldest proxy " + milliseconds(oldest));
   row.got("steepest " + std::to_string(steepest) + " N per ms");
   row.got("energy out " + std::to_string(1e3 * most) + " mJ, " + std::to_string(engages) +
@@ -94,8 +100,12 @@ TEST_P(VirtualMatrix, TheContractHoldsAtEveryTick) {
   row.got(std::to_string(world.fallbacks) + " fallbacks");
 }
 
-INSTANTIATE_TEST_SUITE_P(Shipped, VirtualMatrix, testing::ValuesIn(shipped_scenarios()),
-                         [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(Shipped, VirtualMatrix,
+                         testing::Combine(testing::ValuesIn(shipped_scenarios()), testing::Bool()),
+                         [](const auto& test) {
+                           return std::get<0>(test.param).name +
+                                  (std::get<1>(test.param) ? "_contacts" : "");
+                         });
 
 /// Runs to `until`; the largest age of the proxy in use from `from` on.
 core::Duration oldest_proxy(VirtualWorld& world, LinkTime from, LinkTime until) {

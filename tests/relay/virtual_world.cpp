@@ -1,10 +1,14 @@
 #include "tests/relay/virtual_world.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
 namespace haptic::test {
 namespace {
+
+constexpr double kWall = -0.002;     // m
+constexpr double kCompliance = 3.0;  // of 100 N/m
 
 double slow_press(LinkTime time) {
   return 0.01 + 0.002 * std::sin(std::chrono::duration<double>(time).count() * 6.0);
@@ -137,14 +141,16 @@ void VirtualWorld::take_state(wire::ConstBytes state) {
   const std::uint64_t tick = wire::get<std::uint64_t>(state);
   if (tick <= state_used_) return;
   state_used_ = tick;
+  probe_used_ = std::bit_cast<double>(wire::get<std::uint64_t>(state.subspan(8)));
   state_came_ = client_reading();
 }
 
 void VirtualWorld::send_state() {
   next_state += kStatePeriod;
   const std::uint64_t tick = rig.newest().beat.tick;
-  Packet state(8);
+  Packet state(16);
   wire::put(tick, state);
+  wire::put(std::bit_cast<std::uint64_t>(rig.newest().sensed.q[0]), wire::Bytes(state).subspan(8));
   const bool by_udp = server.send(state);
   if (!by_udp) stream_down.send(state, time());
   link.state_sent(tick, rig.now, by_udp ? server::Carrier::kUdp : server::Carrier::kGrpc);
@@ -154,9 +160,10 @@ void VirtualWorld::publish() {
   next_sample += sample_period;
   if (!alive || !publishing) return;
   const wire::TimePoint reading = client_reading();
+  const double beyond = std::max(0.0, probe_used_ - kWall);
+  const double x = contacts ? probe_used_ - beyond / (1.0 + kCompliance) : proxy(time());
   newest = packed_sample(
-      ++seq, proxy(time()),
-      {reading.time_since_epoch().count(), state_used_, (reading - state_came_).count()});
+      ++seq, x, {reading.time_since_epoch().count(), state_used_, (reading - state_came_).count()});
   ways[seq].published = rig.now;
   const bool by_udp = client.send(newest);
   if (by_udp && !client.in_doubt()) return;
@@ -177,6 +184,13 @@ void VirtualWorld::accept(wire::ConstBytes bytes, server::Carrier carrier) {
   sample.seq = wire::get<std::uint64_t>(bytes);
   // Free at first: the finger comes from outside.
   sample.mode = sample.seq <= 10 ? core::ProxyMode::kFree : core::ProxyMode::kHeld;
+  if (contacts && sample.mode == core::ProxyMode::kHeld) {
+    sample.mode = core::ProxyMode::kPlanes;
+    sample.plane_count = 1;
+    sample.planes[0] = {{1.0, 0.0}, kWall, kCompliance};
+    sample.planes[0].id = 1;
+    sample.tick_used = wire::get<std::uint64_t>(bytes.subspan(24));
+  }
   sample.position = {std::bit_cast<double>(wire::get<std::uint64_t>(bytes.subspan(8))), 0.0};
   sample.carrier = carrier;
   sample.left = left;

@@ -66,8 +66,11 @@ struct VirtualWorld {
   std::map<std::uint64_t, Way> ways{};  ///< by the sample's number
   int fallbacks{0};
   std::uint64_t copies{0};  ///< samples that went by the stream besides
-  bool alive{true};         ///< false: the client does nothing any more
-  bool publishing{true};    ///< false: its simulation stands still, its transport lives
+  /// True: it tells a soft wall as a contact, in the way of the hand (in and out by 3 mm), and its
+  /// own proxy in every sample. False: a held proxy, and `proxy` says where.
+  bool contacts{false};
+  bool alive{true};       ///< false: the client does nothing any more
+  bool publishing{true};  ///< false: its simulation stands still, its transport lives
   std::vector<wire::PeerAddress> answered{};  ///< whom the server sent anything, in order
   /// Of a sample's first coordinate, m, at a time; by default a slow press.
   std::function<double(LinkTime)> proxy{};
@@ -86,6 +89,7 @@ struct VirtualWorld {
 
   std::uint64_t state_used_{0};  ///< the client's newest state, and when it came by its clock
   wire::TimePoint state_came_{};
+  double probe_used_{0.0};  ///< its first coordinate, m
 };
 
 /// The times in a sample, on the client's clock (ProxySample).

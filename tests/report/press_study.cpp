@@ -34,6 +34,7 @@ core::PipelineConfig pipeline_for(const RandomPress& press, const PressRun& with
   core::PipelineConfig config;
   config.device = hw::device_limits(*finger, VecA::Constant(1, kForceLimit));
   config.scene.renderer = with.renderer;
+  config.derating = true;
   config.scene.direction_guard = with.guard;
   config.passivity.tank.enabled = with.tank.has_value();
   config.passivity.tank.initial = with.tank.value_or(0.0);

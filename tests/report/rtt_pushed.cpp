@@ -118,7 +118,7 @@ class PushedBlock : public RttObject {
     }
     return x;
   }
-  /// Each contact has the whole mass, and is pushed by the other finger as by a spring.
+  /// Two contacts on one object, which damping alone holds.
   [[nodiscard]] std::vector<Plane> contacts(double, const VecX& x,
                                             const RttHorizon& near) const override {
     std::vector<Plane> all;
@@ -126,14 +126,13 @@ class PushedBlock : public RttObject {
       if (gap(i, x) > near.metres) continue;
       Plane plane =
           client::contact(to_std(x), gap(i, x), {i == 0 ? side(0) : 0.0, i == 1 ? side(1) : 0.0});
-      const double other = force(1 - i, last_);
       plane.compliance = kRttCoupling / kRttSoft;
       plane.velocity = -side(i) * v_;
       plane.mass = what_.mass / kRttCoupling;
       plane.damping = damping_ / kRttCoupling;
-      plane.ground_stiffness = other > 0.0 ? kFelt / kRttCoupling : 0.0;
-      plane.load = -other / kRttCoupling;
       plane.id = static_cast<std::uint32_t>(i + 1);
+      plane.object = 1;
+      plane.object_direction = {side(i)};
       all.push_back(plane);
     }
     return all;

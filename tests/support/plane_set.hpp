@@ -19,6 +19,9 @@ namespace haptic::test {
   set.compliance.resize(count);
   set.velocity.resize(count);
   set.laws.resize(4, count);
+  const bool shared = std::any_of(planes.begin(), planes.end(),
+                                  [](const client::Plane& p) { return p.object != 0; });
+  set.objects.setZero(Eigen::NoChange, shared ? count : 0);
   const bool known = std::all_of(planes.begin(), planes.end(),
                                  [](const client::Plane& p) { return p.uncertainty.has_value(); });
   set.uncertainty.resize(known ? count : 0);
@@ -31,6 +34,10 @@ namespace haptic::test {
     set.velocity[p] = plane.velocity;
     if (known) set.uncertainty[p] = *plane.uncertainty;
     set.laws.col(p) << plane.mass, plane.damping, plane.ground_stiffness, plane.load;
+    if (shared) set.objects(0, p) = plane.object;
+    for (std::size_t k = 0; shared && k < plane.object_direction.size(); ++k) {
+      set.objects(static_cast<Eigen::Index>(1 + k), p) = plane.object_direction[k];
+    }
     curvatures.insert(curvatures.end(), plane.curvature.begin(), plane.curvature.end());
     int n = 0;
     while (core::PlaneSet::triangle(n) < static_cast<int>(plane.curvature.size())) ++n;

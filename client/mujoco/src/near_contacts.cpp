@@ -97,6 +97,7 @@ std::vector<NearContact> NearContacts::find(const mjModel& model, mjData& data,
   ids_.begin();
   surroundings_.look(model, data, rate);
   std::vector<NearContact> found;
+  std::vector<PushedObject> pushed;
   for (int i = 0; i < data.ncon; ++i) {
     const mjContact& c = data.contact[i];
     if (!is_of_tool(model, c) || inside_.contains(pair_of(c))) continue;
@@ -104,6 +105,7 @@ std::vector<NearContact> NearContacts::find(const mjModel& model, mjData& data,
     const int geom = second ? c.geom2 : c.geom1, other = second ? c.geom1 : c.geom2;
     const int body = model.geom_bodyid[geom], object = model.geom_bodyid[other];
     NearContact near;
+    PushedObject& way = pushed.emplace_back();
     client::Contact& told = near.contact;
     told.normal = add({}, second ? 1.0 : -1.0, vector_at(c.frame));
     told.gap = gap_of(c);
@@ -130,18 +132,23 @@ std::vector<NearContact> NearContacts::find(const mjModel& model, mjData& data,
       if (radius > 0.0 && told.point.jacobian.size() <= kMostCurved) {
         told.curvature = curvature_of(model, data, other, told.normal, beyond, c.dist + radius);
       }
-      const PushedObject pushed =
-          surroundings_.object(model, data, object, beyond, told.normal, near.force);
-      told.mass = pushed.mass;
-      told.damping = pushed.damping;
-      told.ground_stiffness = pushed.ground_stiffness;
-      told.load = pushed.load;
-      told.velocity = pushed.velocity;
+      way = surroundings_.object(model, data, object, beyond, told.normal, near.force);
     }
     if (radius == 0.0) told.point.second.clear();  // the place of contact moves along the tool
     told.stiffness = 1.0 / (1.0 / ContactSpring(model, c).stiffness(-told.gap) + give);
     told.id = ids_.id(pair_of(c), in_geom(data, geom, surface));
     found.push_back(near);
+  }
+  Surroundings::share(pushed);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    client::Contact& told = found[i].contact;
+    told.mass = pushed[i].mass;
+    told.damping = pushed[i].damping;
+    told.ground_stiffness = pushed[i].ground_stiffness;
+    told.load = pushed[i].load;
+    told.velocity = pushed[i].velocity;
+    told.object = pushed[i].object;
+    told.object_direction = std::move(pushed[i].direction);
   }
   return found;
 }

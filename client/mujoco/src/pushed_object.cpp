@@ -1,14 +1,19 @@
 #include "pushed_object.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <numeric>
+#include <utility>
 
 namespace haptic::mujoco {
 
 namespace {
 
-constexpr double kHold = 0.05;     // s, h
-constexpr double kHeaviest = 1e6;  // kg; beyond, it is a wall
+constexpr double kHold = 0.05;           // s, h
+constexpr double kHeaviest = 1e6;        // kg; beyond, it is a wall
+constexpr std::size_t kMostMotions = 6;  // of Plane::object_direction
+constexpr double kNewMotion = 1e-6;      // square of the part of a direction that is a new one
 
 bool is_contact(int type) {
   return type == mjCNSTR_CONTACT_FRICTIONLESS || type == mjCNSTR_CONTACT_PYRAMIDAL ||
@@ -17,6 +22,29 @@ bool is_contact(int type) {
 
 double along(const std::vector<double>& a, const std::vector<double>& b) {
   return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
+
+/// Directions with these cosines between them, by Cholesky's rule: each is a sum of those that came
+/// before it, and of a new one if there is room.
+void find_directions(const std::vector<PushedObject*>& together) {
+  std::vector<const PushedObject*> news;
+  for (PushedObject* object : together) {
+    std::vector<double>& e = object->direction;
+    double left = 1.0;
+    for (const PushedObject* base : news) {
+      const double cosine = object->give * along(object->motion, base->recedes) /
+                            std::sqrt(object->give * base->give);
+      const double told = std::inner_product(e.begin(), e.end(), base->direction.begin(), 0.0);
+      e.push_back((cosine - told) / base->direction.back());
+      left -= e.back() * e.back();
+    }
+    if (left > kNewMotion && news.size() < kMostMotions) {
+      e.push_back(std::sqrt(left));
+      news.push_back(object);
+    }
+    const double length = std::sqrt(along(e, e));
+    for (double& part : e) part /= length;
+  }
 }
 
 }  // namespace
@@ -116,6 +144,8 @@ PushedObject Surroundings::object(const mjModel& model, const mjData& data, int 
     object.velocity += away[i] * rate_[dofs_[i]];
   }
   if (n == 0 || along(away, away) == 0.0) return {};
+  object.root = model.body_rootid[body];
+  object.force = force;
   mju_cholSolve(u.data(), H_.data(), away.data(), static_cast<int>(n));
   const double give = along(away, u);
   if (!(give * kHeaviest > 1.0)) return {};
@@ -134,7 +164,27 @@ PushedObject Surroundings::object(const mjModel& model, const mjData& data, int 
     object.damping += row.damping * way * way;
     object.ground_stiffness += row.stiffness * way * way;
   }
+  object.recedes = std::move(away);
+  object.motion = std::move(u);
+  object.give = give;
   return object;
+}
+
+void Surroundings::share(std::vector<PushedObject>& objects) {
+  std::map<int, std::vector<PushedObject*>> of_root;
+  for (PushedObject& object : objects) {
+    if (object.mass > 0.0) of_root[object.root].push_back(&object);
+  }
+  for (const auto& [root, together] : of_root) {
+    if (together.size() < 2) continue;
+    find_directions(together);
+    for (PushedObject* object : together) {
+      object->object = static_cast<std::uint32_t>(root);
+      for (const PushedObject* other : together) {
+        if (other != object) object->load -= along(object->motion, other->recedes) * other->force;
+      }
+    }
+  }
 }
 
 }  // namespace haptic::mujoco

@@ -1,6 +1,7 @@
 #pragma once
 /// How the object of a contact moves when the tool pushes it.
 
+#include <cstdint>
 #include <vector>
 
 #include "bound_tool.hpp"
@@ -14,6 +15,15 @@ struct PushedObject {
   double ground_stiffness{0.0};  ///< N/m
   double load{0.0};              ///< N; > 0 pushes it away from the tool
   double velocity{0.0};          ///< m/s; > 0: it recedes
+  // Of share(): Contact::object and object_direction, if other contacts push it too.
+  std::uint32_t object{0};
+  std::vector<double> direction{};
+
+  int root{0};        ///< the topmost of the bodies that move with it
+  double force{0.0};  ///< of the contact, N
+  // Per free DoF: how far the surface recedes, and u.
+  std::vector<double> recedes{}, motion{};
+  double give{0.0};  ///< J H^-1 J^T
 };
 
 /// All that is not the tool: bodies with their joints' springs and dampers, and MuJoCo's other
@@ -28,6 +38,10 @@ struct PushedObject {
 /// contact's and but what the damping and the rows' masses take. So a box between finger and ball
 /// has the ball's stiffness, and one that slides is not stiff because it cannot turn into the
 /// floor.
+///
+/// Contacts on the same body share it: the directions e_i are those of the u_i in the metric H, so
+/// e_i . e_j = J_i H^-1 J_j^T / sqrt(J_i H^-1 J_i^T J_j H^-1 J_j^T), and no load holds the force of
+/// another of them.
 class Surroundings {
  public:
   explicit Surroundings(const BoundTool& tool) : tool_(&tool) {}
@@ -38,6 +52,8 @@ class Surroundings {
   [[nodiscard]] PushedObject object(const mjModel& model, const mjData& data, int body,
                                     const Vector3& position, const Vector3& normal,
                                     double force) const;
+  /// Of all contacts of a step.
+  static void share(std::vector<PushedObject>& objects);
 
  private:
   struct Row {

@@ -139,7 +139,8 @@ def contact_at(position: Sequence[float], point: PointMap, normal: Vector, gap: 
                curvature: Sequence[float] = (0.0,) * 6, velocity: float = 0.0,
                id: int = 0, mass: float = 0.0, damping: float = 0.0,
                ground_stiffness: float = 0.0, load: float = 0.0,
-               uncertainty: float | None = None) -> Plane:
+               uncertainty: float | None = None, object: int = 0,
+               object_direction: Sequence[float] = ()) -> Plane:
     """The contact of a point of the tool with an object, linearised at the sample's `position`.
 
     normal: of the object at the nearest point, outwards, of length 1. gap: from the object to the
@@ -151,7 +152,9 @@ def contact_at(position: Sequence[float], point: PointMap, normal: Vector, gap: 
 
     Of an object that is pushed, as felt along the normal (needs an id): mass, kg; damping, N s/m;
     ground_stiffness, N/m; load: the force on it now but for this contact's and the damping's, N,
-    above 0 if it points away from the tool."""
+    above 0 if it points away from the tool. If several contacts push it: object, one number for
+    all of them; load is then without their forces, and each has the whole mass. object_direction:
+    as in Plane; empty is the normal, of a body that does not turn."""
     n, first = len(point.jacobian), point.first_coordinate
     if not 0 <= first <= len(position) - n:
         raise ValueError(f"point.first_coordinate {first}, {n} coordinates: must lie within the "
@@ -171,7 +174,8 @@ def contact_at(position: Sequence[float], point: PointMap, normal: Vector, gap: 
                    curvature=second if any(second) else (), first_coordinate=first, id=id,
                    mass=mass / coupling, damping=damping / coupling,
                    ground_stiffness=ground_stiffness / coupling, load=load / coupling,
-                   uncertainty=uncertainty)
+                   uncertainty=uncertainty, object=object,
+                   object_direction=object_direction or (tuple(normal) if object else ()))
 
 
 def contact_horizon(round_trip_s: float, period_s: float, v_max: float = FASTEST_POINT) -> float:

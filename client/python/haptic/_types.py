@@ -39,6 +39,12 @@ class Plane:
     load: float = 0.0
     uncertainty: float | None = None  # relative, of the stiffness; in all planes of a sample: the
     # states say how far the force felt may be off, error_bound
+    # Contacts with one object push the same body, so a push at one moves the others too; 0: no
+    # other contact is on it. Needs a mass, and the direction in which the contact pushes the body, of
+    # length 1, 1 to 6 numbers, in the metric of its inertia: the outward normal, or M^-1/2 J^T n of
+    # length 1 for one that turns.
+    object: int = 0
+    object_direction: tuple[float, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -74,14 +80,15 @@ def contact(position: Sequence[float], gap: float, gradient: Sequence[float], *,
             compliance: float = 0.0, velocity: float = 0.0, curvature: Sequence[float] = (),
             first_coordinate: int = 0, id: int = 0, mass: float = 0.0, damping: float = 0.0,
             ground_stiffness: float = 0.0, load: float = 0.0,
-            uncertainty: float | None = None) -> Plane:
+            uncertainty: float | None = None, object: int = 0,
+            object_direction: Sequence[float] = ()) -> Plane:
     """The contact with this gap (>= 0: not touched) and gradient of the gap at `position`, the
     sample's; the other fields as in Plane."""
     offset = gap - sum(g * x for g, x in zip(gradient, position, strict=True))
     return Plane(tuple(-float(g) for g in gradient), float(offset), float(compliance),
                  float(velocity), tuple(map(float, curvature)), first_coordinate, id,
                  float(mass), float(damping), float(ground_stiffness), float(load),
-                 uncertainty)
+                 uncertainty, object, tuple(map(float, object_direction)))
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

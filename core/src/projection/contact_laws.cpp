@@ -1,5 +1,6 @@
 #include "haptic/core/projection/contact_laws.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace haptic::core {
@@ -13,46 +14,79 @@ void ContactLaws::take(const PlaneSet::Laws& told, int i, double velocity, doubl
   stiffness_[i] = told(PlaneSet::kStiffness, i) * area;
   load_[i] = told(PlaneSet::kLoad, i) * length;
   v_[i] = velocity / length;
-  s_[i] = l_[i] = free_[i] = give_[i] = 0.0;
+  s_[i] = l_[i] = free_[i] = give_[i] = root_[i] = 0.0;
   dt_ = 0.0;
+}
+
+void ContactLaws::share(const PlaneSet::Objects& told) noexcept {
+  for (int i = 0; i < static_cast<int>(told.cols()); ++i) {
+    const auto direction = told.col(i).tail<kMaxMotions>();
+    const double length = direction.stableNorm();
+    if (!has(i) || told(0, i) == 0.0 || !(length > 0.0) || !std::isfinite(length)) continue;
+    shared_ |= 1u << i;
+    object_[i] = told(0, i);
+    direction_.col(i) = direction / length;
+  }
+}
+
+double ContactLaws::give(int i, int j) const noexcept {
+  if (i == j) return has(i) ? give_[i] : 0.0;
+  if (!one_object(i, j)) return 0.0;
+  return root_[i] * root_[j] * direction_.col(i).dot(direction_.col(j));
+}
+
+double ContactLaws::pushed(int i, const Vector& l) const noexcept {
+  double sum = give_[i] * l[i];
+  if (!ContactDual::has(shared_, i)) return sum;
+  for (int j = 0; j < kMaxPlanes; ++j) {
+    if (j != i && one_object(i, j)) sum += give(i, j) * l[j];
+  }
+  return sum;
 }
 
 /// M (v' - v) / T = (l + l') / 2 + load - D (s' - s) / T - k (s + s') / 2, s' - s = T (v + v') / 2.
 bool ContactLaws::begin(double dt) noexcept {
   const bool changed = dt != dt_;
   dt_ = dt;
+  for (int i = 0; changed && i < kMaxPlanes; ++i) {
+    if (!has(i)) continue;
+    const double inertia = 2.0 * mass_[i] / (dt * dt);
+    give_[i] = dt > 0.0 ? 0.5 / (inertia + damping_[i] / dt + 0.5 * stiffness_[i]) : 0.0;
+    root_[i] = std::sqrt(give_[i]);
+  }
   for (int i = 0; i < kMaxPlanes; ++i) {
     if (!has(i)) continue;
-    if (!(dt > 0.0)) {
-      free_[i] = s_[i];
-      give_[i] = 0.0;
-      continue;
-    }
-    const double inertia = 2.0 * mass_[i] / (dt * dt);
-    give_[i] = 0.5 / (inertia + damping_[i] / dt + 0.5 * stiffness_[i]);
-    const double push = inertia * dt * v_[i] - stiffness_[i] * s_[i] + 0.5 * l_[i] + load_[i];
-    free_[i] = s_[i] + 2.0 * give_[i] * push;
+    const double push =
+        dt > 0.0 ? 2.0 * mass_[i] * v_[i] / dt - stiffness_[i] * s_[i] + load_[i] : 0.0;
+    free_[i] = s_[i] + 2.0 * give_[i] * push + pushed(i, l_);
   }
   return changed;
 }
 
-void ContactLaws::end(int i, double l) noexcept {
-  if (!has(i)) return;
-  const double s = free_[i] + give_[i] * l;
-  if (dt_ > 0.0) v_[i] = 2.0 * (s - s_[i]) / dt_ - v_[i];
-  s_[i] = s;
-  l_[i] = l;
+void ContactLaws::end(const Vector& l) noexcept {
+  for (int i = 0; i < kMaxPlanes; ++i) {
+    if (!has(i)) continue;
+    const double s = free_[i] + pushed(i, l);
+    if (dt_ > 0.0) v_[i] = 2.0 * (s - s_[i]) / dt_ - v_[i];
+    s_[i] = s;
+  }
+  l_ = l;
 }
 
 double ContactLaws::energy() const noexcept {
-  double twice = 0.0;
+  Vector twice = Vector::Zero();
   for (int i = 0; i < kMaxPlanes; ++i) {
     if (!has(i)) continue;
-    twice += mass_[i] * v_[i] * v_[i];
+    twice[i] = mass_[i] * v_[i] * v_[i];
     const double held = load_[i] - stiffness_[i] * s_[i];
-    if (stiffness_[i] > 0.0) twice += held * held / stiffness_[i];
+    if (stiffness_[i] > 0.0) twice[i] += held * held / stiffness_[i];
+    for (int j = 0; j < i; ++j) {
+      if (!one_object(i, j)) continue;
+      twice[i] = std::max(twice[i], twice[j]);
+      twice[j] = 0.0;
+    }
   }
-  return 0.5 * twice;
+  return 0.5 * twice.sum();
 }
 
 }  // namespace haptic::core

@@ -53,6 +53,7 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
     begin += PlaneSet::triangle(n_curved_[i]);
   }
   for (int i = 0; i < count_; ++i) take(planes, i);
+  laws_.share(planes.objects);
   dual_.begin(count_, skipped_);
   for (int i = 0; i < count_; ++i) {
     for (int j = 0; j < i; ++j) fill_gram(i, j);
@@ -109,12 +110,10 @@ double PlaneProjection::normalise(int i) noexcept {
 }
 
 void PlaneProjection::fill_gram(int i, int j) noexcept {
-  ContactDual::Gram& G = dual_.gram();
-  G(i, j) = G(j, i) = A_.col(i).dot(contacts_.into.col(j));
-  if (i != j) return;
-  double give = gamma_[i];
-  if (laws_.has(i)) give += laws_.give(i) * scale_[i] * scale_[i];
-  dual_.set_diagonal(i, G(i, i), give);
+  const double gives = laws_.any() ? laws_.give(i, j) * scale_[i] * scale_[j] : 0.0;
+  const double product = A_.col(i).dot(contacts_.into.col(j));
+  dual_.gram()(i, j) = dual_.gram()(j, i) = product + gives;
+  if (i == j) dual_.set_diagonal(i, product, gamma_[i] + gives);
 }
 
 void PlaneProjection::linearise() noexcept {
@@ -155,14 +154,16 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x, double age, d
   x = x_probe;
   if (count_ == 0) return PlaneStatus::kFree;
   if (laws_.any() && laws_.begin(fresh_ ? 0.0 : dt)) {
-    for (int i = 0; i < count_; ++i) fill_gram(i, i);
+    for (int i = 0; i < count_; ++i) {
+      for (int j = laws_.any_shared() ? 0 : i; j <= i; ++j) fill_gram(i, j);
+    }
     dual_.refactor();
   }
   space_->difference(x_probe, at_, y_);
   if (most_steps > 1) dual_.allow(kMostWork + (fresh_ ? dual_.left() : 0));
   const PlaneStatus status = curved_ == 0 ? solve(age) : settle(age, most_steps);
   fresh_ = false;
-  for (int i = 0; laws_.any() && i < count_; ++i) laws_.end(i, dual_.l()[i] * scale_[i]);
+  if (laws_.any()) laws_.end(dual_.l().cwiseProduct(scale_));
   displace(x);
   if (x.allFinite()) return status;
   // Numbers at the ends of what may be told, such as a normal of 1e-100: nothing follows from them.

@@ -51,7 +51,7 @@ double PlaneProjection::bend(int i) noexcept {
   for (int column = 0; column < n; ++column) {
     turn_.setZero(at_.size());
     for (int row = 0; row < n; ++row) turn_[first + row] = entry(row, column);
-    P.col(column).head(n) = metric_.steepest(turn_).segment(first, n);
+    P.col(column).head(n) = metric_.steepest(turn_, first, n).segment(first, n);
   }
   double square = 0.0;
   for (int row = 0; row < n; ++row) {
@@ -98,7 +98,7 @@ PlaneProjection::Remainder PlaneProjection::remainder(int i) const noexcept {
           tilt + 1.5 * turns * (turns + turned), bend_[i] / left};
 }
 
-double PlaneProjection::shift(int i) const noexcept {
+double PlaneProjection::shifted(int i) const noexcept {
   return std::abs((ContactDual::has(curved_, i) ? told_beta_[i] : beta_[i]) - unshifted_[i]);
 }
 
@@ -110,13 +110,13 @@ void PlaneProjection::error(double age_error, ProxyError& out) const noexcept {
   out.beside = 0;
   if (!out.known) return;
   Remainder left[kMaxPlanes];
-  if (!exact_) displaced(age_error, left, out);
-  if (dual_.held() != 0) turned(age_error, left, out);
+  if (!exact_) proxy_error(age_error, left, out);
+  if (dual_.held() != 0) contact_errors(age_error, left, out);
 }
 
 /// `moved` is how far x and what is linearised there may be from the simulation's.
-void PlaneProjection::turned(double age_error, const Remainder* left,
-                             ProxyError& out) const noexcept {
+void PlaneProjection::contact_errors(double age_error, const Remainder* left,
+                                     ProxyError& out) const noexcept {
   const double moved = out.everywhere + (out.of.size() > 0 ? out.of.sum() : 0.0) + unsettled_;
   const double way = dual_.l().head(count_).sum() + unsettled_;  // from the probe, or more
   out.depth.resize(count_);
@@ -124,7 +124,7 @@ void PlaneProjection::turned(double age_error, const Remainder* left,
   double most = 0.0;
   for (int i = 0; i < count_; ++i) {
     const bool skipped = ContactDual::has(skipped_, i);
-    double depth = skipped ? 0.0 : scale_[i] * shift(i) + std::abs(speed_[i]) * age_error;
+    double depth = skipped ? 0.0 : scale_[i] * shifted(i) + std::abs(speed_[i]) * age_error;
     if (ContactDual::has(curved_, i)) {
       const double bend = scale_[i] * left[i].bend;
       const double tilt = bend * moved + scale_[i] * left[i].gradient;
@@ -143,7 +143,8 @@ void PlaneProjection::turned(double age_error, const Remainder* left,
   out.turn.resize(0);
 }
 
-void PlaneProjection::displaced(double age_error, Remainder* left, ProxyError& out) const noexcept {
+void PlaneProjection::proxy_error(double age_error, Remainder* left,
+                                  ProxyError& out) const noexcept {
   out.of.setZero(count_);
   const Vector& l = dual_.l();
   // Written as far as `count_` only: clearing four vectors costs as much as all the rest.

@@ -39,7 +39,7 @@ def contact(point: haptic.PointMap, x: list[float], rod: bool) -> tuple[float, h
                  haptic.sphere_curvature(n, distance))
     return distance - RADIUS, haptic.contact_at(
         x, point, n, distance - RADIUS, coupling=0.02, stiffness=400.0, curvature=curvature, id=7,
-        mass=0.2, damping=3.0, ground_stiffness=50.0, load=-1.0)
+        mass=0.2, damping=3.0, ground_stiffness=50.0, load=-1.0, object=3 if rod else 0)
 
 
 def moved(x: list[float], *by: tuple[int, float]) -> list[float]:
@@ -64,6 +64,8 @@ class ContactAt(unittest.TestCase):
                     self.assertEqual(plane.compliance, 5e-5)
                     self.assertEqual((plane.mass, plane.damping), (10.0, 150.0))
                     self.assertEqual((plane.ground_stiffness, plane.load), (2500.0, -50.0))
+                    self.assertEqual((plane.object, len(plane.object_direction)),
+                                     (3, 3) if rod else (0, 0))
                     self.assertEqual((plane.first_coordinate, plane.normal[0], plane.id),
                                      (1, 0.0, 7))
                     k = 0

@@ -180,6 +180,15 @@ TEST(ContactAt, CarriesWhatItWasTold) {
   EXPECT_EQ(plane.damping, 0.002);
   EXPECT_EQ(plane.ground_stiffness, 0.25);
   EXPECT_EQ(plane.load, -0.001);
+  EXPECT_TRUE(plane.object_direction.empty()) << "the only one on its object";
+  contact.object = 4;
+  plane = contact_at({0.0, 0.0, 0.0}, contact, 1500.0);
+  EXPECT_EQ(plane.object, 4u);
+  EXPECT_EQ(plane.object_direction,
+            std::vector<double>(contact.normal.begin(), contact.normal.end()));
+  contact.object_direction = {0.0, 1.0};
+  plane = contact_at({0.0, 0.0, 0.0}, contact, 1500.0);
+  EXPECT_EQ(plane.object_direction, std::vector<double>({0.0, 1.0}));
   contact.stiffness = Contact{}.stiffness;
   contact.curvature = {};
   plane = contact_at({0.0, 0.0, 0.0}, contact, 1500.0);

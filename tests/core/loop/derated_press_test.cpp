@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
-#include "haptic/core/model/linear.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"
+#include "tests/support/loop/rails.hpp"
 
 namespace haptic::core::derated_press {
 namespace {
@@ -21,22 +21,9 @@ constexpr double kHand = 800.0, kHandDamping = 8.0;  // N/m, N s/m
 constexpr double kCompliance = kWhole / kObject;
 
 PipelineConfig config(bool derating) {
-  LinearMap map{.dofs = {{"l", Unit::kMetre, true, -0.2, 0.2}},
-                .coordinates = {{"x", Unit::kMetre, CoordinateKind::kLinear}},
-                .A = MatXQ::Identity(1, 1),
-                .x_0 = VecX::Zero(1)};
-  PipelineConfig c{.kinematics = make_linear(map)};
-  c.device.q_lower = VecQ::Constant(1, -1.0);
-  c.device.q_upper = VecQ::Constant(1, 1.0);
-  c.device.max_effort = VecA::Constant(1, 100.0);
-  c.scene.stiffness = VecA::Constant(1, kWhole);
-  c.scene.damping = VecA::Zero(1);
-  c.scene.force_limit = c.scene.engage_window = VecA::Constant(1, 60.0);
-  c.scene.slew_limit = VecA::Constant(1, 1e7);
+  PipelineConfig c = haptic::test::rails(1);
   c.scene.staleness.hold_end = std::chrono::milliseconds(400);
   c.scene.staleness.fade_end = std::chrono::milliseconds(500);
-  c.passivity.device_damping = VecA::Constant(1, kDamping);
-  c.passivity.device_inertia = VecA::Constant(1, kMass);
   c.derating = derating;
   return c;
 }

@@ -4,8 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <functional>
 
-#include "haptic/core/model/linear.hpp"
 #include "tests/core/tick/driven.hpp"
+#include "tests/support/loop/rails.hpp"
 #include "tests/support/vectors.hpp"
 
 namespace haptic::core::derating {
@@ -16,22 +16,11 @@ using std::chrono::milliseconds;
 constexpr double kK = 1500.0, kB = 0.5, kDevice = 2.0;  // N/m, N s/m
 constexpr double kPays = 3.0 * kDevice + kB;            // N s/m: of device, hand and rendering
 
-PipelineConfig one_dof() {
-  LinearMap map{.dofs = {{"l", Unit::kMetre, true, -0.2, 0.2}},
-                .coordinates = {{"x", Unit::kMetre, CoordinateKind::kLinear}},
-                .A = MatXQ::Identity(1, 1),
-                .x_0 = VecX::Zero(1)};
-  PipelineConfig c{.kinematics = make_linear(map)};
-  c.device.q_lower = VecQ::Constant(1, -1.0);
-  c.device.q_upper = VecQ::Constant(1, 1.0);
-  c.device.max_effort = VecA::Constant(1, 100.0);
-  c.scene.stiffness = VecA::Constant(1, kK);
-  c.scene.damping = VecA::Constant(1, kB);
-  c.scene.force_limit = c.scene.engage_window = VecA::Constant(1, 60.0);
-  c.scene.slew_limit = VecA::Constant(1, 1e7);
+PipelineConfig on_rails(int n = 1) {
+  PipelineConfig c = haptic::test::rails(n);
+  c.scene.damping = VecA::Constant(n, kB);
   c.scene.staleness.hold_end = milliseconds(400);
   c.scene.staleness.fade_end = milliseconds(500);
-  c.passivity.device_damping = VecA::Constant(1, kDevice);
   c.derating = true;
   return c;
 }
@@ -39,7 +28,7 @@ PipelineConfig one_dof() {
 /// A client with a sample every `period_ms`, computed from the probe `late_ms` before it came.
 class Late : public test::Driven {
  public:
-  explicit Late(const PipelineConfig& config = one_dof()) : Driven(config) {
+  explicit Late(const PipelineConfig& config = on_rails()) : Driven(config) {
     input.device.sample.q = VecQ::Constant(config.kinematics->layout().n_q(), 0.01);
     input.proxy.x = VecX::Constant(config.kinematics->space().n_x(), 0.008);
     input.proxy.mode = ProxyMode::kNone;
@@ -78,7 +67,7 @@ class Late : public test::Driven {
 /// Its samples are 8 ms old when they come; the client speaks in every tick.
 class LateBoard : public Late {
  public:
-  explicit LateBoard(const PipelineConfig& config = one_dof()) : Late(config) {
+  explicit LateBoard(const PipelineConfig& config = on_rails()) : Late(config) {
     period_ms = 1;
     begin = 0;
   }
@@ -129,7 +118,7 @@ TEST(Derating, LocalLawsKeepTheirBits) {
   const std::pair<int, std::function<void(ProxySnapshot&)>> laws[]{
       {0, {}}, {0, moving_plane}, {100, fixed_plane}, {100, contact}};
   for (const auto& [late_ms, planes] : laws) {
-    PipelineConfig without = one_dof();
+    PipelineConfig without = on_rails();
     without.derating = false;
     Late plain(without), derating;
     for (Late* loop : {&plain, &derating}) {
@@ -198,7 +187,7 @@ TEST(Derating, DevicesDelayCountsWhole) {
 }
 
 TEST(Derating, UnknownDampingAllowsEverything) {
-  PipelineConfig config = one_dof();
+  PipelineConfig config = on_rails();
   config.passivity.device_damping[0] = 0.0;
   Late loop(config);
   loop.engage();
@@ -225,7 +214,7 @@ TEST(Derating, SessionsOwnStiffnessStaysBelow) {
 }
 
 TEST(Derating, ErrorBoundFollowsTheStiffness) {
-  PipelineConfig whole = one_dof();
+  PipelineConfig whole = on_rails();
   whole.derating = false;
   LateBoard plain(whole), derating;
   for (LateBoard* loop : {&plain, &derating}) {
@@ -247,20 +236,7 @@ TEST(Derating, ErrorBoundFollowsTheStiffness) {
 }
 
 TEST(Derating, CoupledSpringIsCappedWhole) {
-  LinearMap map{.A = MatXQ::Identity(2, 2), .x_0 = VecX::Zero(2)};
-  for (const char* name : {"a", "b"}) {
-    map.dofs.push_back({name, Unit::kMetre, true, -0.2, 0.2});
-    map.coordinates.push_back({name, Unit::kMetre, CoordinateKind::kLinear});
-  }
-  PipelineConfig config = one_dof();
-  config.kinematics = make_linear(map);
-  config.device.q_lower = VecQ::Constant(2, -1.0);
-  config.device.q_upper = VecQ::Constant(2, 1.0);
-  for (VecA* v :
-       {&config.device.max_effort, &config.scene.damping, &config.scene.force_limit,
-        &config.scene.slew_limit, &config.scene.engage_window, &config.passivity.device_damping}) {
-    v->setConstant(2, v->coeff(0));
-  }
+  PipelineConfig config = on_rails(2);
   Eigen::Matrix2d Z;
   Z << 1500.0, 900.0, 900.0, 1000.0;
   config.projection.coupling = std::make_shared<const StiffnessCoupling>(Z);

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "haptic/core/model/linear.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"
+#include "tests/support/loop/rails.hpp"
 
 namespace haptic::core {
 namespace {
@@ -55,26 +55,11 @@ struct Object {
 };
 
 PipelineConfig pushed_config(double tank) {
-  LinearMap map{.dofs = {{"l", Unit::kMetre, true, -2.0, 2.0}},
-                .coordinates = {{"x", Unit::kMetre, CoordinateKind::kLinear}},
-                .A = MatXQ::Identity(1, 1),
-                .x_0 = VecX::Zero(1)};
-  PipelineConfig c{.kinematics = make_linear(map)};
-  c.device.q_lower = VecQ::Constant(1, -5.0);
-  c.device.q_upper = VecQ::Constant(1, 5.0);
-  c.device.max_effort = VecA::Constant(1, 200.0);
-  c.scene.stiffness = VecA::Constant(1, World::coupling);
-  c.scene.damping = VecA::Zero(1);
-  c.scene.force_limit = VecA::Constant(1, 100.0);
-  c.scene.slew_limit = VecA::Constant(1, 1e7);
-  c.scene.engage_window = VecA::Constant(1, 60.0);
+  PipelineConfig c = haptic::test::rails(1);
   c.scene.staleness.hold_end = std::chrono::milliseconds(400);
   c.scene.staleness.fade_end = std::chrono::milliseconds(500);
-  if (tank >= 0.0) {
-    c.passivity.tank.enabled = true;
-    c.passivity.tank.initial = tank;
-    c.passivity.device_damping = VecA::Constant(1, World::device_damping);
-  }
+  c.passivity.tank.enabled = tank >= 0.0;
+  if (tank >= 0.0) c.passivity.tank.initial = tank;
   return c;
 }
 

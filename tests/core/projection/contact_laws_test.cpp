@@ -15,6 +15,7 @@ namespace haptic::core {
 namespace {
 
 constexpr double kTick = 1e-3;
+const ContactLaws::Vector kNone = ContactLaws::Vector::Zero();
 
 PlaneSet::Laws law_of(double mass, double damping, double stiffness, double load) {
   PlaneSet::Laws law(4, 1);
@@ -43,13 +44,13 @@ TEST(ContactLaws, FreeObjectSwingsAsItShould) {
   const double a = 1.0, w2 = 400.0, w = std::sqrt(w2 - a * a), rest = -0.5 / 4.0;
   for (int k = 1; k <= 1000; ++k) {
     laws.begin(kTick);
-    laws.end(0, 0.0);
+    laws.end(kNone);
     const double t = k * kTick;
     const double s = rest + std::exp(-a * t) *
                                 (-rest * std::cos(w * t) + (0.3 - a * rest) / w * std::sin(w * t));
     laws.begin(0.0);
     ASSERT_NEAR(laws.free(0), s, 2e-4) << k;
-    laws.end(0, 0.0);
+    laws.end(kNone);
   }
 }
 
@@ -57,14 +58,14 @@ TEST(ContactLaws, EnergyIsWhatThePushGave) {
   ContactLaws laws;
   laws.take(law_of(0.02, 0.0, 3.0, 0.1), 0, 0.2, 2.0);
   laws.begin(0.0);
-  laws.end(0, 0.0);
+  laws.end(kNone);
   double before = 0.0, last = 0.0, given = 0.0, most = 0.0;
   const double start = laws.energy();
   for (int k = 1; k <= 500; ++k) {
     const double l = std::max(0.0, std::sin(0.05 * k));
     laws.begin(kTick);
-    const double s = laws.free(0) + laws.give(0) * l;
-    laws.end(0, l);
+    const double s = laws.free(0) + laws.give(0, 0) * l;
+    laws.end(l * ContactLaws::Vector::Unit(0));
     given += 0.5 * (l + last) * (s - before);
     most = std::max(most, given);
     before = s;
@@ -109,6 +110,89 @@ TEST(ContactLaws, UnitOfTheGapIsFree) {
     EXPECT_NEAR(metres.stored(), others.stored(), 1e-12);
     EXPECT_GT(metres.stored(), 0.0);
   }
+}
+
+/// A body of 0.2 s^2/u^2 that three contacts push: from both sides, and across.
+ContactLaws body(double damping, double stiffness) {
+  ContactLaws laws;
+  PlaneSet::Laws told(4, 3);
+  PlaneSet::Objects objects = PlaneSet::Objects::Zero(1 + kMaxMotions, 3);
+  for (int i = 0; i < 3; ++i) told.col(i) << 0.2, damping, stiffness, 0.0;
+  objects.row(0).setConstant(7.0);
+  objects.col(0).segment<2>(1) << -1.0, 0.0;
+  objects.col(1).segment<2>(1) << 1.0, 0.0;
+  objects.col(2).segment<2>(1) << 0.6, 0.8;
+  laws.clear();
+  for (int i = 0; i < 3; ++i) laws.take(told, i, 0.0, 1.0);
+  laws.share(objects);
+  laws.begin(0.0);
+  laws.end(kNone);
+  return laws;
+}
+
+TEST(ContactLaws, PushMovesWholeBody) {
+  ContactLaws laws = body(0.0, 0.0);
+  ContactLaws::Vector l = kNone;
+  l[0] = 0.4;  // from the second tick on 2 u/s^2
+  for (int k = 1; k <= 500; ++k) {
+    laws.begin(kTick);
+    laws.end(l);
+  }
+  laws.begin(0.0);
+  const double s = 0.5 * 2.0 * 0.5 * 0.5;
+  EXPECT_NEAR(laws.free(0), s, 1e-3);
+  EXPECT_NEAR(laws.free(1), -laws.free(0), 1e-12);
+  EXPECT_NEAR(laws.free(2), -0.6 * laws.free(0), 1e-12);
+  EXPECT_NEAR(laws.energy(), 0.5 * 0.2 * 1.0, 1e-3) << "once, not per contact";
+}
+
+TEST(ContactLaws, OppositePushesCancel) {
+  ContactLaws laws = body(0.1, 3.0);
+  ContactLaws::Vector l = kNone;
+  l[0] = l[1] = 5.0;
+  for (int k = 1; k <= 100; ++k) {
+    laws.begin(kTick);
+    laws.end(l);
+    ASSERT_NEAR(laws.free(0), 0.0, 1e-15);
+    ASSERT_NEAR(laws.free(2), 0.0, 1e-15);
+  }
+  EXPECT_NEAR(laws.energy(), 0.0, 1e-25);
+}
+
+TEST(ContactLaws, BodyGetsWhatPushesGave) {
+  ContactLaws laws = body(0.0, 3.0);
+  ContactLaws::Vector l = kNone, last = kNone, before = kNone;
+  double given = 0.0, most = 0.0;
+  for (int k = 1; k <= 500; ++k) {
+    l[0] = std::max(0.0, std::sin(0.05 * k));
+    l[1] = std::max(0.0, std::sin(0.03 * k));
+    laws.begin(kTick);
+    laws.end(l);
+    laws.begin(0.0);
+    for (int i = 0; i < 2; ++i) {
+      given += 0.5 * (l[i] + last[i]) * (laws.free(i) - before[i]);
+      before[i] = laws.free(i);
+    }
+    last = l;
+    laws.end(l);
+    most = std::max(most, given);
+    ASSERT_NEAR(laws.energy(), given, 1e-12) << k;
+  }
+  EXPECT_GT(most, 1e-3);
+}
+
+TEST(ContactLaws, DirectionWithoutLengthSharesNothing) {
+  ContactLaws laws;
+  PlaneSet::Laws told(4, 2);
+  told.setConstant(0.1);
+  PlaneSet::Objects objects = PlaneSet::Objects::Zero(1 + kMaxMotions, 2);
+  objects.row(0).setConstant(1.0);
+  for (int i = 0; i < 2; ++i) laws.take(told, i, 0.0, 1.0);
+  laws.share(objects);
+  EXPECT_FALSE(laws.any_shared());
+  laws.begin(kTick);
+  EXPECT_EQ(laws.give(0, 1), 0.0);
+  EXPECT_GT(laws.give(0, 0), 0.0);
 }
 
 TEST(ContactLaws, AllocateNothing) {

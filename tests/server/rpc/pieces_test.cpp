@@ -259,9 +259,12 @@ TEST(Messages, ContactLiesBehindItsNormal) {
   plane.set_load(10.0);
   plane.add_curvature(6.0);
   plane.set_uncertainty(0.0);
+  plane.set_object(11);
+  plane.add_object_direction(-1.0);
   v1::Plane& long_one = *sample.add_planes();
   for (int i = 0; i < 100; ++i) long_one.add_normal(1.0);
   for (int i = 0; i < 100; ++i) long_one.add_curvature(1.0);
+  for (int i = 0; i < 100; ++i) long_one.add_object_direction(1.0);
   ProxySample taken;
   from_proto(sample, taken);
   EXPECT_EQ(taken.tick_used, 41u);
@@ -275,6 +278,10 @@ TEST(Messages, ContactLiesBehindItsNormal) {
   EXPECT_EQ(first.damping, 8.0);
   EXPECT_EQ(first.ground_stiffness, 9.0);
   EXPECT_EQ(first.load, 10.0);
+  EXPECT_EQ(first.object, 11u);
+  EXPECT_EQ(first.object_direction.count, 1u);
+  EXPECT_EQ(first.object_direction.value[0], -1.0);
+  EXPECT_EQ(taken.planes[1].object_direction.count, 100u) << "the ingress refuses it";
   EXPECT_EQ(first.curvature_count, 1u);
   EXPECT_EQ(first.normal.value[2], 6.0);
   EXPECT_EQ(first.tells_uncertainty, 1u) << "0 is exact, not absent";

@@ -86,12 +86,17 @@ struct Contact {
   double stiffness{std::numeric_limits<double>::infinity()};
   double velocity{0.0};  ///< of the object along -normal, m/s; > 0: it recedes
   std::uint32_t id{0};   ///< names the contact from sample to sample; 0: none
-  /// Of an object that is pushed, as felt along the normal: kg (0: it is not pushed), N s/m, N/m,
-  /// and the force on it now but for this contact's and the damping's, N; > 0: along -normal, away
-  /// from the tool. Needs an id.
+  /// Of an object that is pushed, along the normal: its mass as this contact feels it, kg (0: it is
+  /// not pushed), its damping, N s/m, its stiffness to ground, N/m, and the force on it now without
+  /// this contact's and the damping's, N; > 0: along -normal, away from the tool. Needs an id.
   double mass{0.0}, damping{0.0}, ground_stiffness{0.0}, load{0.0};
   /// k lies within 1 -+ this times `stiffness` until the next sample; 0: exactly there.
   std::optional<double> uncertainty{};
+  /// Names the body that is pushed, if several contacts push it; 0: this one alone. `load` is then
+  /// without the forces of all these contacts. Each has the whole mass.
+  std::uint32_t object{0};
+  /// As Plane::object_direction; empty: the normal, of a body that does not turn.
+  std::vector<double> object_direction{};
 };
 
 /// The contact as the server takes it, linearised at the sample's position `x`: normal = -J^T n,

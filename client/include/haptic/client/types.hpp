@@ -103,6 +103,12 @@ struct Plane {
   /// The contact's stiffness lies within 1 -+ this times what is told; 0: exactly there. If all
   /// planes of a sample have it, the states say how far the force felt may be off.
   std::optional<double> uncertainty{};
+  /// Contacts with one `object` push the same body, so a push at one moves the others too; 0: no
+  /// other contact is on it. Needs a mass, and the direction in which the contact pushes the body,
+  /// of length 1, 1 to 6 numbers, in the metric of its inertia: the outward normal, or M^-1/2 J^T n
+  /// of length 1 for one that turns.
+  std::uint32_t object{0};
+  std::vector<double> object_direction{};
 };
 
 /// Where the simulation's objects let the probe be; made by held(), behind() or free().

@@ -110,10 +110,10 @@ class PlaneProjection {
   };
   [[nodiscard]] Remainder remainder(int i) const noexcept;
   /// By how much the anchor shifted the gap that contact i was told to have.
-  [[nodiscard]] double shift(int i) const noexcept;
-  /// Parts of error(): how far x may be off, and then the contacts. `left`: of curved contacts.
-  void displaced(double age_error, Remainder* left, ProxyError& out) const noexcept;
-  void turned(double age_error, const Remainder* left, ProxyError& out) const noexcept;
+  [[nodiscard]] double shifted(int i) const noexcept;
+  /// Parts of error(): how far x may be off, and then each contact. `left`: of curved contacts.
+  void proxy_error(double age_error, Remainder* left, ProxyError& out) const noexcept;
+  void contact_errors(double age_error, const Remainder* left, ProxyError& out) const noexcept;
   /// Curved contacts become the planes that touch them at z_.
   void linearise() noexcept;
   /// Solves curved gaps where they are linearised, and again at the answer.

@@ -26,6 +26,9 @@ inline constexpr int kMaxCurved = 8;
 /// Most numbers of curvature in one sample: 32 contacts of fingers with 4 coordinates, or 8 with 8.
 inline constexpr int kMaxCurvature = 320;
 
+/// Most motions of an object that several contacts push: a body's translations and rotations.
+inline constexpr int kMaxMotions = 6;
+
 /// Contacts (core/METHOD.md#contacts). Contact i has at x, with z = x - the sample's own x and an
 /// age of t seconds, the gap
 ///   phi_i(x) = b_i + v_i t - n_i^T x + 1/2 z^T H_i z,
@@ -41,8 +44,12 @@ struct PlaneSet {
   /// and load, the force on the object besides the damping's and the contact's at the sample.
   using Laws = Eigen::Matrix<double, 4, Eigen::Dynamic, 0, 4, kMaxPlanes>;
   enum LawRow : std::uint8_t { kMass, kDamping, kStiffness, kLoad };
+  /// A column per contact: the number of its object, 0: no other contact is on it, and below that
+  /// the direction in which the contact pushes it, in the metric of the object's inertia.
+  using Objects =
+      Eigen::Matrix<double, 1 + kMaxMotions, Eigen::Dynamic, 0, 1 + kMaxMotions, kMaxPlanes>;
 
-  /// Written out, or compilers clear all 22 KB of it.
+  /// Written out, or compilers clear all 24 KB of it.
   PlaneSet() noexcept : first{}, curved{} {}
 
   Normals normals{};  ///< n_x by number of planes, a normal per column
@@ -53,6 +60,7 @@ struct PlaneSet {
   /// Of objects that are pushed (core/METHOD.md#pushed-objects): with u the unit of b, in s^2/u^2,
   /// s/u^2, 1/u^2 and 1/u. Mass 0: none.
   Laws laws{};
+  Objects objects{};  ///< of size 0 if no two contacts push one object
   /// u >= 0: the contact's stiffness lies within 1 - u and 1 + u times what gamma says; 0: it is
   /// exact. Of size 0 too if one of the contacts does not say it.
   Offsets uncertainty{};
@@ -67,8 +75,8 @@ struct PlaneSet {
   [[nodiscard]] bool fits(int n_x) const noexcept;
 
   [[nodiscard]] auto members() const noexcept {
-    return std::tie(normals, offsets, compliance, velocity, laws, uncertainty, curvature, first,
-                    curved);
+    return std::tie(normals, offsets, compliance, velocity, laws, objects, uncertainty, curvature,
+                    first, curved);
   }
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 
@@ -130,6 +131,30 @@ void add_row(const Place& place, const Selection& selection,
   }
 }
 
+/// Opens the file and reads its header into `line`.
+std::ifstream open_with_header(const Place& place, std::string& line) {
+  std::error_code error;
+  const bool regular = std::filesystem::is_regular_file(place.file, error);
+  const std::uintmax_t size = regular ? std::filesystem::file_size(place.file, error) : 0;
+  std::ifstream in(place.file, std::ios::binary);
+  if (!in || !regular || error) {
+    place.fail("cannot be read; must be a CSV file with a header and a column time_s");
+  }
+  if (size > kLargestFile) {
+    place.fail("has " + std::to_string(size) + " bytes; must have at most " +
+               std::to_string(kLargestFile) + " (256 MB)");
+  }
+  if (!std::getline(in, line)) place.fail("is empty; must have a header and at least 2 rows");
+  return in;
+}
+
+std::string_view without_mark(std::string_view header) {
+  if (constexpr std::string_view kMark = "\xEF\xBB\xBF"; header.starts_with(kMark)) {
+    header.remove_prefix(kMark.size());
+  }
+  return header;
+}
+
 }  // namespace
 
 const ColumnSet& joint_angle_columns() {
@@ -141,28 +166,21 @@ bool is_gap(double a, double b) noexcept {
   return std::llround((b - a) * 1e9) > std::llround(kLongestStep * 1e9);
 }
 
+ColumnSet motion_columns(const std::filesystem::path& file) {
+  Place place{file};
+  std::string line;
+  std::ifstream in = open_with_header(place, line);
+  const std::vector<std::string_view> names = fields_of(without_mark(line));
+  return {names.begin(), names.end()};
+}
+
 MotionTable read_motion_csv(const std::filesystem::path& file,
                             const std::vector<ColumnSet>& alternatives) {
   Place place{file};
-  std::error_code error;
-  const bool regular = std::filesystem::is_regular_file(file, error);
-  const std::uintmax_t size = regular ? std::filesystem::file_size(file, error) : 0;
-  std::ifstream in(file, std::ios::binary);
-  if (!in || !regular || error) {
-    place.fail("cannot be read; must be a CSV file with a header and a column time_s");
-  }
-  if (size > kLargestFile) {
-    place.fail("has " + std::to_string(size) + " bytes; must have at most " +
-               std::to_string(kLargestFile) + " (256 MB)");
-  }
   std::string line;
-  if (!std::getline(in, line)) place.fail("is empty; must have a header and at least 2 rows");
+  std::ifstream in = open_with_header(place, line);
   place.line = 1;
-  std::string_view header = line;
-  if (constexpr std::string_view kMark = "\xEF\xBB\xBF"; header.starts_with(kMark)) {
-    header.remove_prefix(kMark.size());
-  }
-  const Selection selection = select(place, fields_of(header), alternatives);
+  const Selection selection = select(place, fields_of(without_mark(line)), alternatives);
 
   MotionTable table{.alternative = selection.alternative};
   table.values.resize(selection.name.size() - 1);
@@ -176,6 +194,18 @@ MotionTable read_motion_csv(const std::filesystem::path& file,
                      " row(s) below its header; must have at least 2");
   }
   return table;
+}
+
+void require_range(const MotionTable& table, std::size_t column, const std::string& name,
+                   double lower, double upper, const std::filesystem::path& file) {
+  for (std::size_t row = 0; row < table.time_s.size(); ++row) {
+    const double value = table.values[column][row];
+    if (value >= lower && value <= upper) continue;
+    std::ostringstream text;
+    text << "column " << name << " = " << value << ": must lie within the device's range, " << lower
+         << " to " << upper;
+    Place{file, table.line[row]}.fail(text.str());
+  }
 }
 
 }  // namespace haptic::hw

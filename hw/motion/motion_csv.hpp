@@ -29,11 +29,19 @@ inline constexpr double kLongestStep = 0.050;  // s
 /// ms is none in spite of rounding.
 [[nodiscard]] bool is_gap(double a, double b) noexcept;
 
+/// The columns that the header of `file` names. Throws DeviceError as read_motion_csv() does.
+[[nodiscard]] ColumnSet motion_columns(const std::filesystem::path& file);
+
 /// The first of `alternatives` whose columns are all in `file`. Throws DeviceError naming the file,
 /// line, column, value and what is expected: no regular file, above 256 MB (said before any of it
 /// is read), empty, a column missing (with the columns found) or twice, not a finite number, time
 /// not increasing, fewer than 2 rows.
 [[nodiscard]] MotionTable read_motion_csv(const std::filesystem::path& file,
                                           const std::vector<ColumnSet>& alternatives);
+
+/// Throws DeviceError naming file, line, column and value unless every value of `column`, called
+/// `name`, lies within lower..upper.
+void require_range(const MotionTable& table, std::size_t column, const std::string& name,
+                   double lower, double upper, const std::filesystem::path& file);
 
 }  // namespace haptic::hw

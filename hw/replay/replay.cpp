@@ -68,39 +68,20 @@ Replay::Replay(const ReplayConfig& config, std::shared_ptr<const core::Kinematic
     const Columns q = bring_into_reach(table);
     cut_at_gaps(table.time_s, q, table.values);
   } else {
-    if (table.alternative == 1) from_quaternions(table, *rotation, config.file);
+    if (table.alternative == 1) {
+      from_quaternions(table, *rotation, info_.dofs[*rotation].name, config.file);
+    }
     turn_near(table.values, *kinematics_, Near::kZero);
-    check_range(table, config.file);
+    for (std::size_t c = 0; c < info_.dofs.size(); ++c) {
+      const auto i = static_cast<Eigen::Index>(c);
+      require_range(table, c, info_.dofs[c].name, info_.limits.q_lower[i], info_.limits.q_upper[i],
+                    config.file);
+    }
     turn_near(table.values, *kinematics_, Near::kPreviousRow);
     cut_at_gaps(table.time_s, table.values, {});
   }
   info_.model = summary(config.file, facts_);
   q_ = home_ = core::VecQ::Zero(kinematics_->layout().n_q());
-}
-
-void Replay::from_quaternions(MotionTable& table, std::size_t at,
-                              const std::filesystem::path& file) const {
-  const std::optional<std::size_t> zero = to_rotation_vectors(table.values, at);
-  if (!zero) return;
-  const std::string& first = info_.dofs[at].name;
-  throw core::DeviceError(file.string() + ":" + std::to_string(table.line[*zero]) + ": columns " +
-                          first.substr(0, first.size() - 2) +
-                          "qx .qy .qz .qw = 0, 0, 0, 0: must be a quaternion other than zero");
-}
-
-void Replay::check_range(const MotionTable& table, const std::filesystem::path& file) const {
-  for (std::size_t c = 0; c < table.values.size(); ++c) {
-    const double lower = info_.limits.q_lower[static_cast<Eigen::Index>(c)];
-    const double upper = info_.limits.q_upper[static_cast<Eigen::Index>(c)];
-    for (std::size_t row = 0; row < facts_.rows; ++row) {
-      const double value = table.values[c][row];
-      if (value >= lower && value <= upper) continue;
-      std::ostringstream text;
-      text << file.string() << ":" << table.line[row] << ": column " << info_.dofs[c].name << " = "
-           << value << ": must lie within the device's range, " << lower << " to " << upper;
-      throw core::DeviceError(text.str());
-    }
-  }
 }
 
 /// Returns q of every row. Angles outside the reach are replaced by f(q).

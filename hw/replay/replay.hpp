@@ -64,9 +64,6 @@ class Replay final : public Device {
   [[nodiscard]] const ReplayFacts& facts() const noexcept { return facts_; }
 
  private:
-  void from_quaternions(MotionTable& table, std::size_t at,
-                        const std::filesystem::path& file) const;
-  void check_range(const MotionTable& table, const std::filesystem::path& file) const;
   [[nodiscard]] Columns bring_into_reach(MotionTable& table);
   void cut_at_gaps(const std::vector<double>& time_s, const Columns& q, const Columns& x);
   [[nodiscard]] const Stretch* stretch_at(core::Duration into) const noexcept;

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "haptic/core/error.hpp"
 #include "haptic/core/model/rigid_pose.hpp"
 
 namespace haptic::hw {
@@ -34,6 +35,15 @@ std::optional<std::size_t> to_rotation_vectors(Columns& columns, std::size_t at)
   }
   columns.erase(columns.begin() + static_cast<std::ptrdiff_t>(at) + 3);
   return std::nullopt;
+}
+
+void from_quaternions(MotionTable& table, std::size_t at, const std::string& first_dof,
+                      const std::filesystem::path& file) {
+  const std::optional<std::size_t> zero = to_rotation_vectors(table.values, at);
+  if (!zero) return;
+  throw core::DeviceError(file.string() + ":" + std::to_string(table.line[*zero]) + ": columns " +
+                          first_dof.substr(0, first_dof.size() - 2) +
+                          "qx .qy .qz .qw = 0, 0, 0, 0: must be a quaternion other than zero");
 }
 
 void turn_near(Columns& q, const core::Kinematics& kinematics, Near near) {

@@ -21,6 +21,11 @@ namespace haptic::hw {
 /// Returns the first row whose quaternion is zero: it says nothing.
 [[nodiscard]] std::optional<std::size_t> to_rotation_vectors(Columns& columns, std::size_t at);
 
+/// The same in a table from `file`, whose DoF at `at` is called NAME.rx. Throws DeviceError naming
+/// that row.
+void from_quaternions(MotionTable& table, std::size_t at, const std::string& first_dof,
+                      const std::filesystem::path& file);
+
 /// The pose to which a row's rotation vector shall be near. kZero: the shortest vector, as a device
 /// reports it. kPreviousRow: continuous from row to row (the first row stays near zero).
 enum class Near { kZero, kPreviousRow };

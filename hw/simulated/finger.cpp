@@ -45,10 +45,6 @@ DeviceInfo describe(const SimulatedFingerConfig& c, const core::Kinematics& kine
   return info;
 }
 
-double quantised(double value, double quantum) {
-  return quantum > 0.0 ? quantum * std::round(value / quantum) : value;
-}
-
 }  // namespace
 
 std::unique_ptr<Device> SimulatedFingerConfig::open(
@@ -77,16 +73,6 @@ double SimulatedFinger::elapsed() const noexcept {
   return static_cast<double>(steps_) * Substeps::kStepSeconds + core::seconds(substeps_.rest());
 }
 
-core::VecQ SimulatedFinger::measured(core::VecQ q) noexcept {
-  // Both numbers are drawn in every sample, so that one sensor's noise does not depend on the
-  // other's.
-  const double noise_l_x = config_.noise_l_x * noise_();
-  const double noise_q_B = config_.noise_q_B * noise_();
-  q[0] = quantised(q[0] + noise_l_x, config_.resolution_l_x);
-  q[1] = quantised(q[1] + noise_q_B, config_.resolution_q_B);
-  return q;
-}
-
 void SimulatedFinger::read(core::TimePoint now, core::DeviceReading& reading) noexcept {
   if (!book_.begin_read(now, reading)) return;
   for (int n = substeps_.advance(now); n > 0; --n) {
@@ -96,7 +82,9 @@ void SimulatedFinger::read(core::TimePoint now, core::DeviceReading& reading) no
   }
   // The part of a step up to `now` at constant velocity: a rate taken from samples and their times
   // must not see the step's grid.
-  book_.deliver(now, measured(physics_.q_ahead(core::seconds(substeps_.rest()))), reading);
+  core::VecQ q = physics_.q_ahead(core::seconds(substeps_.rest()));
+  config_.measure(q, 0, noise_);
+  book_.deliver(now, q, reading);
 }
 
 void SimulatedFinger::write(core::TimePoint, const Command& command) noexcept {

@@ -16,20 +16,15 @@
 #include "hw/simulated/finger_physics.hpp"
 #include "hw/simulated/intent.hpp"
 #include "hw/simulated/substeps.hpp"
+#include "hw/simulated/worn_finger.hpp"
 
 namespace haptic::hw {
 
-struct SimulatedFingerConfig final : DeviceConfig {
+struct SimulatedFingerConfig final : DeviceConfig, WornFinger {
   std::uint64_t seed{1};
   std::filesystem::path motion_file{};  ///< joint angles the user aims at; empty: `target`
   double target_mcp{0.0};               ///< rad
   double target_pip{0.0};
-  FingerParameters finger{};
-  double actuator_force_limit{40.0};  ///< N
-  double noise_l_x{0.0};              ///< m rms
-  double noise_q_B{0.0};              ///< rad rms
-  double resolution_l_x{0.0};         ///< m; 0: none
-  double resolution_q_B{0.0};         ///< rad; 0: none
 
   [[nodiscard]] std::unique_ptr<Device> open(std::shared_ptr<const core::Kinematics> kinematics,
                                              core::Duration longest_lateness) const override;
@@ -61,8 +56,6 @@ class SimulatedFinger final : public Device {
   [[nodiscard]] double tau_a() const noexcept { return tau_a_; }
 
  private:
-  [[nodiscard]] core::VecQ measured(core::VecQ q) noexcept;
-
   SimulatedFingerConfig config_;
   DeviceInfo info_;
   Intent intent_;

@@ -7,26 +7,30 @@
 
 namespace haptic::hw {
 
+double Course::at(double t) const noexcept {
+  double aim = target_;
+  if (motion_) {
+    const double length = motion_->last();
+    const double into = std::fmod(t, length + kReturn);
+    aim = (*motion_)(into);
+    // On the way back; 0 while the recording plays.
+    if (into > length) {
+      aim += minimum_jerk((into - length) / kReturn) * ((*motion_)(0.0) - (*motion_)(length));
+    }
+  }
+  return rest_ + minimum_jerk(t / kRise) * (aim - rest_);
+}
+
 Intent::Intent(const Eigen::Vector2d& rest, const Eigen::Vector2d& target)
-    : rest_(rest), target_(target) {}
+    : Intent(Course(rest[0], target[0]), Course(rest[1], target[1])) {}
 
 Intent::Intent(const Eigen::Vector2d& rest, const std::filesystem::path& motion_file)
-    : rest_(rest) {
+    : Intent(recorded(rest, motion_file)) {}
+
+Intent Intent::recorded(const Eigen::Vector2d& rest, const std::filesystem::path& motion_file) {
   MotionTable table = read_motion_csv(motion_file, {joint_angle_columns()});
-  motion_.emplace(Motion{Pchip(table.time_s, std::move(table.values[0])),
-                         Pchip(table.time_s, std::move(table.values[1]))});
-}
-
-Eigen::Vector2d Intent::Motion::at(double t) const noexcept {
-  const double length = mcp.last();
-  const double into = std::fmod(t, length + kReturn);
-  const double back = minimum_jerk((into - length) / kReturn);  // 0 while the recording plays
-  return {mcp(into) + back * (mcp(0.0) - mcp(length)), pip(into) + back * (pip(0.0) - pip(length))};
-}
-
-Eigen::Vector2d Intent::at(double t) const noexcept {
-  const Eigen::Vector2d aim = motion_ ? motion_->at(t) : target_;
-  return rest_ + minimum_jerk(t / kRise) * (aim - rest_);
+  return {Course(rest[0], Pchip(table.time_s, std::move(table.values[0]))),
+          Course(rest[1], Pchip(table.time_s, std::move(table.values[1])))};
 }
 
 }  // namespace haptic::hw

@@ -1,22 +1,42 @@
 #pragma once
-/// The target of the simulated user's finger over time: x_des(t) of
+/// Where the simulated user means to go over time: x_des(t) of
 /// core/METHOD.md#forces-at-the-finger, a constant or a recording that repeats.
 
 #include <Eigen/Core>
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include "hw/motion/pchip.hpp"
 
 namespace haptic::hw {
 
-class Intent {
+/// One coordinate of it.
+class Course {
  public:
   /// Rise from the rest pose to the target, or into the recording:
   /// core/METHOD.md#forces-at-the-finger.
   static constexpr double kRise = 0.8;  // s
   /// Way back from the end of a recording to its beginning.
   static constexpr double kReturn = 0.5;  // s
+
+  Course(double rest, double target) noexcept : rest_(rest), target_(target) {}
+  Course(double rest, Pchip motion) : rest_(rest), motion_(std::move(motion)) {}
+
+  /// `t` seconds after the simulation began; continuous. Allocates nothing.
+  [[nodiscard]] double at(double t) const noexcept;
+
+ private:
+  double rest_;
+  double target_{0.0};
+  std::optional<Pchip> motion_{};
+};
+
+/// The two joints of a finger.
+class Intent {
+ public:
+  static constexpr double kRise = Course::kRise;
+  static constexpr double kReturn = Course::kReturn;
 
   /// Both in rad, (MCP, PIP).
   Intent(const Eigen::Vector2d& rest, const Eigen::Vector2d& target);
@@ -26,18 +46,14 @@ class Intent {
   Intent(const Eigen::Vector2d& rest, const std::filesystem::path& motion_file);
 
   /// x_des, rad, `t` seconds after the simulation began; continuous. Allocates nothing.
-  [[nodiscard]] Eigen::Vector2d at(double t) const noexcept;
+  [[nodiscard]] Eigen::Vector2d at(double t) const noexcept { return {mcp_.at(t), pip_.at(t)}; }
 
  private:
-  struct Motion {
-    Pchip mcp;
-    Pchip pip;
-    [[nodiscard]] Eigen::Vector2d at(double t) const noexcept;
-  };
+  Intent(Course mcp, Course pip) : mcp_(std::move(mcp)), pip_(std::move(pip)) {}
+  static Intent recorded(const Eigen::Vector2d& rest, const std::filesystem::path& motion_file);
 
-  Eigen::Vector2d rest_;
-  Eigen::Vector2d target_{Eigen::Vector2d::Zero()};
-  std::optional<Motion> motion_{};
+  Course mcp_;
+  Course pip_;
 };
 
 }  // namespace haptic::hw

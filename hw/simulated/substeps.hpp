@@ -18,6 +18,9 @@ class Substeps {
   static constexpr double kStepSeconds = core::seconds(kStep);
   static constexpr core::Duration kLongestAdvance{std::chrono::milliseconds(100)};
 
+  Substeps() = default;
+  explicit Substeps(core::Duration step) noexcept : step_(step) {}
+
   /// Steps to make so that the physics stands at most one step before `now`. 0 on the first call,
   /// which starts the clock, and if time stands still or goes backwards.
   [[nodiscard]] int advance(core::TimePoint now) noexcept {
@@ -28,14 +31,15 @@ class Substeps {
     const core::Duration elapsed = std::max(now - last_, core::Duration::zero());
     last_ = std::max(last_, now);
     rest_ += std::min(elapsed, kLongestAdvance);
-    const auto steps = rest_ / kStep;
-    rest_ -= steps * kStep;
+    const auto steps = rest_ / step_;
+    rest_ -= steps * step_;
     return static_cast<int>(steps);
   }
-  /// Time since the last whole step, below kStep.
+  /// Time since the last whole step, below the step.
   [[nodiscard]] core::Duration rest() const noexcept { return rest_; }
 
  private:
+  core::Duration step_{kStep};
   bool started_{false};
   core::TimePoint last_{};
   core::Duration rest_{0};

@@ -6,7 +6,9 @@
 #include "haptic/v1/calibration.pb.h"
 #include "hw/board/board_device.hpp"
 #include "hw/replay/replay.hpp"
+#include "hw/replay/tracked_orientation.hpp"
 #include "hw/simulated/finger.hpp"
+#include "hw/simulated/hand.hpp"
 #include "hw/simulated/linear.hpp"
 #include "server/scene/parts.hpp"
 #include "server/scene/text.hpp"
@@ -25,6 +27,23 @@ core::VecA read_effort(const Fields& part, int n_a) {
   return part.per_actuated("max_effort", Allowed::kPositive, n_a);
 }
 
+/// What a finger and a hand have in common.
+template <typename Message>
+void read_worn_finger(const Part<Message>& part, hw::WornFinger& worn) {
+  part.numbers({
+      {"hand_stiffness", &worn.finger.hand_stiffness, Allowed::kPositive},
+      {"hand_damping", &worn.finger.hand_damping, Allowed::kNotNegative},
+      {"actuator_mass_kg", &worn.finger.actuator_mass, Allowed::kPositive},
+      {"actuator_damping", &worn.finger.actuator_damping, Allowed::kNotNegative},
+      {"actuator_friction_n", &worn.finger.actuator_friction, Allowed::kNotNegative},
+      {"actuator_force_limit_n", &worn.actuator_force_limit, Allowed::kPositive},
+      {"noise_l_x_m", &worn.noise_l_x, Allowed::kNotNegative},
+      {"noise_q_B_rad", &worn.noise_q_B, Allowed::kNotNegative},
+      {"resolution_l_x_m", &worn.resolution_l_x, Allowed::kNotNegative},
+      {"resolution_q_B_rad", &worn.resolution_q_B, Allowed::kNotNegative},
+  });
+}
+
 hw::SimulatedFingerConfig read_simulated_finger(const Part<v1::SimulatedFinger>& part) {
   hw::SimulatedFingerConfig c;
   if (!part->has_seed()) part->set_seed(c.seed);
@@ -37,18 +56,49 @@ hw::SimulatedFingerConfig read_simulated_finger(const Part<v1::SimulatedFinger>&
                "must be one or the other: the finger goes where the file says, or to the target");
   }
   c.motion_file = part.file("motion_file", kCsvFile);
-  part.numbers({
-      {"hand_stiffness", &c.finger.hand_stiffness, Allowed::kPositive},
-      {"hand_damping", &c.finger.hand_damping, Allowed::kNotNegative},
-      {"actuator_mass_kg", &c.finger.actuator_mass, Allowed::kPositive},
-      {"actuator_damping", &c.finger.actuator_damping, Allowed::kNotNegative},
-      {"actuator_friction_n", &c.finger.actuator_friction, Allowed::kNotNegative},
-      {"actuator_force_limit_n", &c.actuator_force_limit, Allowed::kPositive},
-      {"noise_l_x_m", &c.noise_l_x, Allowed::kNotNegative},
-      {"noise_q_B_rad", &c.noise_q_B, Allowed::kNotNegative},
-      {"resolution_l_x_m", &c.resolution_l_x, Allowed::kNotNegative},
-      {"resolution_q_B_rad", &c.resolution_q_B, Allowed::kNotNegative},
-  });
+  read_worn_finger(part, c);
+  return c;
+}
+
+hw::ArmParameters read_arm(const Fields& part) {
+  hw::ArmParameters arm;
+  part.numbers({{"mass_kg", &arm.mass, Allowed::kPositive},
+                {"inertia_kg_m2", &arm.inertia, Allowed::kPositive},
+                {"stiffness", &arm.stiffness, Allowed::kPositive},
+                {"damping", &arm.damping, Allowed::kNotNegative},
+                {"rotation_stiffness", &arm.rotation_stiffness, Allowed::kPositive},
+                {"rotation_damping", &arm.rotation_damping, Allowed::kNotNegative}});
+  return arm;
+}
+
+hw::SimulatedHandConfig read_simulated_hand(const Part<v1::SimulatedHand>& part,
+                                            const core::Kinematics* kinematics) {
+  const int n_q = kinematics == nullptr ? -1 : kinematics->layout().n_q();
+  hw::SimulatedHandConfig c;
+  c.fingers = kinematics == nullptr ? 0 : kinematics->layout().n_a();
+  if (!part->has_seed()) part->set_seed(c.seed);
+  c.seed = part->seed();
+  c.motion_file = part.file("motion_file", kCsvFile);
+  c.target = part.list({"target", Allowed::kFinite, n_q, "DoF"}, filled(n_q, 0.0));
+  read_worn_finger(part, c);
+  if (kinematics == nullptr) return c;
+  // In q a palm is x, y, z and then its rotation vector.
+  const auto rotation = hw::rotation_vector_in(kinematics->dofs());
+  if (!rotation) {
+    if (part->has_arm()) {
+      part.wrong("arm", "{ ... } with a palm that stands still", "must go with tracked_hand");
+    }
+    return c;
+  }
+  c.arm = read_arm(part.part<v1::ArmScene>("arm"));
+  for (std::size_t i = *rotation - 3; i < *rotation && c.target.size() == n_q; ++i) {
+    const core::DofSpec& dof = kinematics->dofs()[i];
+    const double aim = c.target[static_cast<Eigen::Index>(i)];
+    if (aim >= dof.lower && aim <= dof.upper) continue;
+    part.wrong(
+        entry("target", i), decimal(aim),
+        "must be within the palm's box, " + decimal(dof.lower) + " to " + decimal(dof.upper));
+  }
   return c;
 }
 
@@ -156,8 +206,12 @@ void check_fit(const Device& device, const std::string& source) {
   if (device->kinematics_case() == v1::DeviceScene::KINEMATICS_NOT_SET) return;  // reported
   const std::string map = device.choice("kinematics");
   const bool finger = device->has_finger_exoskeleton();
+  const bool hand = device->has_hand_exoskeleton() || device->has_tracked_hand();
   if (source == "simulated_finger" && !finger) {
     device.wrong(source, "{ ... } with " + map, "must go with finger_exoskeleton");
+  }
+  if (source == "simulated_hand" && !hand) {
+    device.wrong(source, "{ ... } with " + map, "must go with hand_exoskeleton or tracked_hand");
   }
   if (source == "simulated_linear" && finger) {
     device.wrong(source, "{ ... } with " + map,
@@ -180,6 +234,9 @@ std::shared_ptr<const hw::DeviceConfig> read_source(const Device& device,
   check_fit(device, source);
   if (source == "simulated_finger") {
     return shared(read_simulated_finger(device.part<v1::SimulatedFinger>(source)));
+  }
+  if (source == "simulated_hand") {
+    return shared(read_simulated_hand(device.part<v1::SimulatedHand>(source), kinematics));
   }
   if (source == "simulated_linear") {
     return shared(read_simulated_linear(device.part<v1::SimulatedLinear>(source), n_q, n_a));

@@ -9,7 +9,9 @@
 #include "haptic/core/model/linear.hpp"
 #include "hw/replay/replay.hpp"
 #include "hw/simulated/finger.hpp"
+#include "hw/simulated/hand.hpp"
 #include "hw/simulated/linear.hpp"
+#include "tests/hw/simulated/one_finger.hpp"
 #include "tests/hw/virtual_loop.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -55,6 +57,20 @@ TEST(RealTime, AStoppedFingerNeverAllocates) {
   config.target_mcp = -0.5;
   config.target_pip = 0.3;
   const auto device = config.open(core::make_finger_exoskeleton(core::finger_sign_change()), {});
+  EXPECT_EQ(heap_calls(*device), 0u);
+}
+
+TEST(RealTime, ASimulatedHandNeverAllocates) {
+  const test::TemporaryFile file(
+      "time_s,palm.x,palm.y,palm.z,palm.qx,palm.qy,palm.qz,palm.qw,index.q_o1_mcp_rad,"
+      "index.q_o2_pip_rad\n0,0,0,0,0,0,0,1,0.2,0.3\n0.5,0.1,0,0,0,1,0,0,-0.6,0.3\n"
+      "1,0,0.1,0,0,1,0,-0.1,0.5,0.6\n");
+  SimulatedHandConfig config;
+  config.motion_file = file.path();
+  config.target = core::VecQ::Zero(16);
+  config.noise_l_x = 1e-5;
+  config.finger.actuator_friction = 2.0;
+  const auto device = config.open(test::hand_on_a_palm(), {});
   EXPECT_EQ(heap_calls(*device), 0u);
 }
 

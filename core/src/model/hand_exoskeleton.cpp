@@ -115,6 +115,9 @@ class HandExoskeleton final : public Kinematics {
   }
 
   std::span<const int> limited_pairs() const noexcept override { return pairs_; }
+  const Kinematics& mechanism(int which) const noexcept override {
+    return *blocks_[static_cast<std::size_t>(which)].kinematics;
+  }
   MapStatus pair_limits(int which, double a, double b, PairLimits& limits) const noexcept override {
     return blocks_[static_cast<std::size_t>(which)].kinematics->pair_limits(0, a, b, limits);
   }

@@ -26,6 +26,9 @@ class TreeMap final : public Kinematics {
   MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override;
   void nearest_representative(const VecQ& near, VecQ& q) const noexcept override;
   std::span<const int> limited_pairs() const noexcept override { return pairs_; }
+  const Kinematics& mechanism(int which) const noexcept override {
+    return *drives_[static_cast<std::size_t>(which)].mechanism;
+  }
   MapStatus pair_limits(int which, double a, double b, PairLimits& limits) const noexcept override;
 
  private:

@@ -231,6 +231,23 @@ TEST(TrackedHand, DerivativesMatchCentralDifferences) {
   }
 }
 
+TEST(Hands, TellTheMechanismOfEachPair) {
+  const auto hand = make_hand_exoskeleton(five_fingers());
+  const auto tracked = make_tracked_hand(five_fingers_on_a_palm());
+  for (const Kinematics* map : {hand.get(), tracked.get()}) {
+    ASSERT_EQ(map->limited_pairs().size(), 5u);
+    for (int i = 0; i < 5; ++i) {
+      const Kinematics& finger = map->mechanism(i);
+      const double size =
+          five_fingers()[static_cast<std::size_t>(i)].dimensions.rod1 / finger_sign_change().rod1;
+      EXPECT_EQ(finger.layout().n_q(), 2);
+      EXPECT_NEAR(finger.dofs()[0].upper, size * finger_sign_change().l_x_upper, 1e-15) << i;
+    }
+  }
+  const auto one = make_finger_exoskeleton({});
+  EXPECT_EQ(&one->mechanism(0), one.get()) << "a finger is its own";
+}
+
 TEST(TrackedHand, NamesTheScenesMistake) {
   const auto with = [](auto change) -> std::string {
     TrackedHandParameters parameters = five_fingers_on_a_palm();

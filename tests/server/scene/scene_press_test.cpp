@@ -5,7 +5,6 @@
 
 #include "hw/bookkeeping.hpp"
 #include "hw/device_limits.hpp"
-#include "hw/simulated/linear.hpp"
 #include "server/scene/shipped.hpp"
 #include "tests/server/scene/scene_run.hpp"
 #include "tests/server/scene/scene_text.hpp"
@@ -72,9 +71,7 @@ Way way_of(const server::DeviceScene& device) {
     way.way = deep - way.wall;
     return way;
   }
-  if (const auto* masses = dynamic_cast<const hw::SimulatedLinearConfig*>(device.source.get())) {
-    if (masses->target.size() > 0) way.wall = masses->target;
-  }
+  way.wall = rest_of(device);
   const core::RenderSettings& settings = device.pipeline.scene;
   for (int i = 0; i < layout.n_a(); ++i) {
     way.way[layout.actuated(i)] = settings.force_limit[i] / settings.stiffness[i] / 3.0;

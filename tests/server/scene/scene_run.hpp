@@ -15,6 +15,16 @@
 
 namespace haptic::test {
 
+/// Where the device comes to rest, without force, in 3 s.
+inline core::VecQ rest_of(const server::DeviceScene& scene) {
+  const auto device = scene.source->open(scene.pipeline.kinematics, {});
+  core::DeviceReading reading;
+  for (int ms = 0; ms <= 3000; ++ms) {
+    device->read(core::TimePoint(std::chrono::milliseconds(ms)), reading);
+  }
+  return reading.sample.q;
+}
+
 class SceneRun {
  public:
   explicit SceneRun(const server::DeviceScene& scene) : SceneRun(scene, *scene.source) {}

@@ -1,0 +1,163 @@
+#include "hw/simulated/hand.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "haptic/core/error.hpp"
+#include "hw/device_limits.hpp"
+#include "hw/replay/tracked_orientation.hpp"
+
+namespace haptic::hw {
+namespace {
+
+constexpr int kPalmDofs = 6;
+
+/// Throws DeviceError unless q is a hand's: a palm or none, then (NAME.l_x, NAME.q_B) of each
+/// finger.
+HandLayout layout_of(const core::Kinematics& kinematics) {
+  constexpr std::string_view kActuator = ".l_x";
+  HandLayout layout;
+  int n_q = 0;
+  if (const auto rotation = rotation_vector_in(kinematics.dofs())) {
+    layout.palm = static_cast<Eigen::Index>(*rotation) - 3;
+    n_q += kPalmDofs;
+  }
+  for (const int first : kinematics.limited_pairs()) {
+    const std::string& name = kinematics.dofs()[static_cast<std::size_t>(first)].name;
+    if (!name.ends_with(kActuator) || name.size() == kActuator.size()) continue;
+    layout.fingers.push_back({name.substr(0, name.size() - kActuator.size()), first});
+    n_q += 2;
+  }
+  if (layout.fingers.empty() || n_q != kinematics.layout().n_q()) {
+    throw core::DeviceError("simulated_hand: the kinematics has " +
+                            std::to_string(kinematics.layout().n_q()) + " DoF(s), " +
+                            std::to_string(layout.fingers.size()) +
+                            " named finger(s); must be hand_exoskeleton or tracked_hand");
+  }
+  return layout;
+}
+
+void check_sizes(const SimulatedHandConfig& c, const HandLayout& layout, Eigen::Index n_q) {
+  const auto wrong = [](const char* what, Eigen::Index is, Eigen::Index must) {
+    throw core::DeviceError(std::string("simulated_hand: ") + what + " = " + std::to_string(is) +
+                            ": must be the kinematics', " + std::to_string(must));
+  };
+  const auto fingers = static_cast<Eigen::Index>(layout.fingers.size());
+  if (c.fingers != fingers) wrong("number of fingers", c.fingers, fingers);
+  if (c.target.size() != n_q) wrong("size of target", c.target.size(), n_q);
+}
+
+HandIntent intent_of(const SimulatedHandConfig& c, const HandLayout& layout,
+                     const core::Kinematics& kinematics) {
+  check_sizes(c, layout, kinematics.layout().n_q());
+  if (c.motion_file.empty()) return HandIntent(layout, c.target);
+  return {layout, c.target, kinematics, c.motion_file};
+}
+
+DeviceInfo describe(const SimulatedHandConfig& c, const HandIntent& intent,
+                    const core::Kinematics& kinematics) {
+  DeviceInfo info;
+  info.kind = "simulated";
+  info.model = "exoskeleton worn on a simulated hand";
+  info.model += c.motion_file.empty() ? ", constant target"
+                                      : ", " + std::to_string(intent.recorded_fingers()) + " of " +
+                                            std::to_string(c.fingers) + " fingers follow " +
+                                            c.motion_file.filename().string();
+  info.dofs = kinematics.dofs();
+  info.limits = device_limits(kinematics, c.effort());
+  return info;
+}
+
+}  // namespace
+
+std::unique_ptr<Device> SimulatedHandConfig::open(
+    std::shared_ptr<const core::Kinematics> kinematics, core::Duration) const {
+  return std::make_unique<SimulatedHand>(*this, std::move(kinematics));
+}
+
+core::VecA SimulatedHandConfig::effort() const {
+  return core::VecA::Constant(fingers, actuator_force_limit);
+}
+
+OwnDynamics SimulatedHandConfig::own_dynamics(const core::DofLayout& layout) const {
+  return {core::VecA::Constant(layout.n_a(), finger.actuator_damping),
+          core::VecA::Constant(layout.n_a(), finger.actuator_mass)};
+}
+
+SimulatedHand::SimulatedHand(const SimulatedHandConfig& config,
+                             std::shared_ptr<const core::Kinematics> kinematics)
+    : config_(config),
+      layout_(layout_of(*kinematics)),
+      intent_(intent_of(config, layout_, *kinematics)),
+      noise_(config.seed) {
+  info_ = describe(config, intent_, *kinematics);
+  const std::span<const int> pairs = kinematics->limited_pairs();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    // Shares the ownership of the whole map.
+    const std::shared_ptr<const core::Kinematics> finger(
+        kinematics, &kinematics->mechanism(static_cast<int>(i)));
+    fingers_.emplace_back(config.finger, finger, Eigen::Vector2d::Zero());
+  }
+  if (layout_.palm) {
+    const core::DofSpec& x = kinematics->dofs()[static_cast<std::size_t>(*layout_.palm)];
+    palm_.emplace(config.arm, intended_palm(0.0), x.lower, x.upper);
+  }
+  tau_a_ = core::VecA::Zero(config.fingers);
+}
+
+PalmPose SimulatedHand::intended_palm(double t) const noexcept {
+  const Eigen::Index first = *layout_.palm;
+  PalmPose pose;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    pose.position[i] = intent_.at(first + i, t);
+    pose.rotation[i] = intent_.at(first + 3 + i, t);
+  }
+  return pose;
+}
+
+void SimulatedHand::step(double t) noexcept {
+  for (std::size_t i = 0; i < fingers_.size(); ++i) {
+    const Eigen::Index first = layout_.fingers[i].first;
+    fingers_[i].step(kStepSeconds, {intent_.at(first, t), intent_.at(first + 1, t)},
+                     tau_a_[static_cast<Eigen::Index>(i)]);
+  }
+  if (palm_) palm_->step(kStepSeconds, intended_palm(t));
+}
+
+void SimulatedHand::read(core::TimePoint now, core::DeviceReading& reading) noexcept {
+  if (!book_.begin_read(now, reading)) return;
+  for (int n = substeps_.advance(now); n > 0; --n) {
+    step(static_cast<double>(++steps_) * kStepSeconds);
+  }
+  // The part of a step up to `now` at constant velocity, as of the simulated finger.
+  const double ahead = core::seconds(substeps_.rest());
+  core::VecQ q(config_.target.size());
+  if (palm_) {
+    const PalmPose pose = palm_->ahead(ahead);
+    q.segment<3>(*layout_.palm) = pose.position;
+    q.segment<3>(*layout_.palm + 3) = pose.rotation;
+  }
+  for (std::size_t i = 0; i < fingers_.size(); ++i) {
+    const Eigen::Index first = layout_.fingers[i].first;
+    q.segment<2>(first) = fingers_[i].q_ahead(ahead);
+    config_.measure(q, first, noise_);
+  }
+  book_.deliver(now, q, reading);
+}
+
+void SimulatedHand::write(core::TimePoint, const Command& command) noexcept {
+  tau_a_.setZero();
+  if (!book_.follows(command) || command.tau_a.size() != tau_a_.size()) return;
+  const double limit = config_.actuator_force_limit;
+  for (Eigen::Index i = 0; i < tau_a_.size(); ++i) {
+    const double tau = command.tau_a[i];
+    tau_a_[i] = std::isfinite(tau) ? std::clamp(tau, -limit, limit) : 0.0;
+  }
+}
+
+void SimulatedHand::close() noexcept {
+  book_.close();
+  tau_a_.setZero();
+}
+
+}  // namespace haptic::hw

@@ -1,0 +1,51 @@
+#pragma once
+/// Where the user of a whole hand means to go: the palm's pose and two joint angles per finger, in
+/// the order of q, with the joint angles in place of (l_x, q_B).
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptic/core/model/kinematics.hpp"
+#include "hw/simulated/intent.hpp"
+
+namespace haptic::hw {
+
+/// What of a hand stands where in q.
+struct HandLayout {
+  struct Finger {
+    std::string name{};     ///< "index"
+    Eigen::Index first{0};  ///< index in q of its l_x; q_B follows
+  };
+  std::vector<Finger> fingers{};
+  /// Index in q of the palm's x; y, z and the rotation vector follow. None: the palm stands still.
+  std::optional<Eigen::Index> palm{};
+};
+
+class HandIntent {
+ public:
+  /// `target`: n_q values, m and rad. The fingers rise to it from straight, the palm is there.
+  explicit HandIntent(const HandLayout& layout, const core::VecQ& target);
+
+  /// Columns of `motion_file`: time_s and any of these, each whole: NAME.q_o1_mcp_rad and
+  /// .q_o2_pip_rad of a finger; PALM.x .y .z; PALM.rx .ry .rz or PALM.qx .qy .qz .qw. What has no
+  /// columns stays at the target. Throws DeviceError: see read_motion_csv(); also no such column at
+  /// all, or a palm outside its box.
+  HandIntent(const HandLayout& layout, const core::VecQ& target, const core::Kinematics& kinematics,
+             const std::filesystem::path& motion_file);
+
+  /// One coordinate at `t` s after the simulation began. Allocates nothing.
+  [[nodiscard]] double at(Eigen::Index i, double t) const noexcept {
+    return course_[static_cast<std::size_t>(i)].at(t);
+  }
+
+  /// How many fingers the file moves.
+  [[nodiscard]] int recorded_fingers() const noexcept { return recorded_fingers_; }
+
+ private:
+  std::vector<Course> course_{};
+  int recorded_fingers_{0};
+};
+
+}  // namespace haptic::hw

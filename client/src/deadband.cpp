@@ -104,19 +104,39 @@ Deadband::Law Deadband::law_of(std::uint64_t seq, const Proxy& proxy,
   if (std::any_of(proxy.planes.begin(), proxy.planes.end(), named)) {
     law.anchor = solve(proxy, law.probe, 0.0);
     for (double& part : law.anchor) part = -part;
+    if (!shifts_one_gap(proxy, law.anchor)) {
+      law.probe.clear();
+      return law;
+    }
   }
   for (std::size_t i = 0; i < n_x; ++i) law.probe[i] += proxy.position[i];
   return law;
+}
+
+/// Whether the server's shift of the gaps is this way of the proxy: within the width it lies along
+/// the gradient of the only plane that is touched.
+bool Deadband::shifts_one_gap(const Proxy& proxy, std::vector<double> anchor) const {
+  const std::vector<double> none(anchor.size(), 0.0);
+  std::vector<double> g;
+  const Plane* touched = nullptr;
+  for (const Plane& plane : proxy.planes) {
+    if (gap_at(plane, proxy.position, none, 0.0, g) > width_ * length(g)) continue;
+    if (touched != nullptr) return near(anchor, none);
+    touched = &plane;
+  }
+  if (touched == nullptr) return near(anchor, none);
+  static_cast<void>(gap_at(*touched, proxy.position, none, 0.0, g));
+  double along = 0.0;
+  for (std::size_t i = 0; i < g.size(); ++i) along += anchor[i] * g[i];
+  for (std::size_t i = 0; i < g.size(); ++i) anchor[i] -= along * g[i] / (length(g) * length(g));
+  return near(anchor, none);
 }
 
 bool Deadband::is_news(std::uint64_t seq, const Proxy& proxy, const std::vector<double>& x_probe,
                        TimePoint now) {
   if (!(width_ > 0.0)) return true;
   Law law = law_of(seq, proxy, x_probe, now);
-  double fresh = fresh_end_;
-  if (proxy.valid_for.count() > 0) fresh = std::min(fresh, seconds(proxy.valid_for));
-  const bool known = !laws_.empty() && laws_.front().seq == used_ &&
-                     seconds(now - laws_.back().at) + period_ <= kMostOfFresh * fresh;
+  const bool known = !laws_.empty() && laws_.front().seq == used_ && stays_fresh(now);
   if (known &&
       std::all_of(laws_.begin(), laws_.end(), [&](const Law& old) { return same(old, law); })) {
     return false;
@@ -124,6 +144,14 @@ bool Deadband::is_news(std::uint64_t seq, const Proxy& proxy, const std::vector<
   if (laws_.size() == kMostLaws) laws_.pop_front();
   laws_.push_back(std::move(law));
   return true;
+}
+
+/// Whether the next sample comes before the last one that was sent is too old.
+bool Deadband::stays_fresh(TimePoint now) const {
+  const Law& last = laws_.back();
+  double fresh = fresh_end_;
+  if (last.proxy.valid_for.count() > 0) fresh = std::min(fresh, seconds(last.proxy.valid_for));
+  return seconds(now - last.at) + period_ <= kMostOfFresh * fresh;
 }
 
 /// to (-) from.

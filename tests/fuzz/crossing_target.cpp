@@ -338,8 +338,9 @@ class Crossing {
   Broadcast<Judged, 2048>::Cursor judged_{out_.judged.begin(0)};
   Broadcast<Answer, 512>::Cursor answers_{out_.answers.begin(0)};
   Broadcast<Happened, 512>::Cursor events_{out_.events.begin(0)};
-  /// Arrivals are bounded by the clock: an hour of inputs fits in before it.
-  core::TimePoint now_{steady_now() - std::chrono::hours(1)};
+  /// Arrivals are bounded by the clock: an hour of inputs fits in before it, or what the host has
+  /// been up for.
+  core::TimePoint now_{std::max(steady_now() - std::chrono::hours(1), core::TimePoint(1s))};
   core::TickRecord record_{};
   core::CommandSnapshot command_{};
   bool began_{false};  ///< a command was posted

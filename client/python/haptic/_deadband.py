@@ -114,10 +114,25 @@ class Deadband:
         if (proxy.mode == wire.PROXY_MODE_PLANES and len(proxy.position) == len(x_probe) == n_x and
                 all(_fits(plane, n_x) for plane in proxy.planes)):
             away = difference(self._kinds, x_probe, proxy.position)
-            law.probe = _plus(proxy.position, away)
             anchored = any(plane.id for plane in proxy.planes)
             law.anchor = [-z for z in self._solve(proxy, away, 0.0)] if anchored else [0.0] * n_x
+            if self._shifts_one_gap(proxy, law.anchor):
+                law.probe = _plus(proxy.position, away)
         return law
+
+    def _shifts_one_gap(self, proxy: Proxy, anchor: Vector) -> bool:
+        """Whether the server's shift of the gaps is this way of the proxy: within the width it lies
+        along the gradient of the only plane that is touched."""
+        none, touched = [0.0] * len(anchor), []
+        for plane in proxy.planes:
+            gap, g = _gap(plane, proxy.position, none, 0.0)
+            if gap <= self._width * math.hypot(*g):
+                touched.append(g)
+        if len(touched) == 1:
+            g = touched[0]
+            share = sum(a * b for a, b in zip(anchor, g, strict=True)) / sum(b * b for b in g)
+            anchor = [a - share * b for a, b in zip(anchor, g, strict=True)]
+        return all(abs(part) <= self._width for part in anchor)
 
     def _near(self, a: Vector, b: Vector) -> bool:
         return all(abs(d) <= self._width for d in difference(self._kinds, a, b))

@@ -51,6 +51,11 @@ void PlaneProjection::anchor(const VecX& x_used) noexcept {
         l = other;
       }
     }
+    if (dual_.left() == 0) {
+      leave_as_told(told_beta);
+      unexplained_ = length;
+      return;
+    }
     if (!(unexplained_ <= length)) {
       unexplained_ = length;
       l.setZero();
@@ -64,6 +69,13 @@ void PlaneProjection::anchor(const VecX& x_used) noexcept {
   }
   anchored_ = true;
   anchored_l_ = l;
+}
+
+/// The work that a sample may cost is spent: what was cut off decides nothing.
+void PlaneProjection::leave_as_told(const Vector& told_beta) noexcept {
+  beta_ = told_beta;
+  for (int i = 0; i < count_; ++i) fill_gram(i, i);
+  dual_.leave_out(skipped_);
 }
 
 /// Shifts the gaps so that l explains d, and returns how far that leaves x from the client's own.

@@ -49,23 +49,32 @@ DeratingRecord Derating::step(const TickInput& in, const Beat& beat, const Sense
                               const ProxySnapshot& sample, bool moved,
                               const Settings& settings) noexcept {
   if (!on_) return {};
+  if (sample.mode == ProxyMode::kNone) forget();
   const bool set = damping_.size() == 0 || settings.id != settings_id_;
   const bool heard =
       sample.mode != ProxyMode::kNone && (sample.tenure != tenure_ || sample.seq != seq_);
   if (set) take(settings);
   if (heard) listen(in, beat, sensed, sample, moved);
   if (set || heard) allow(settings);
+  if (derated_ && !move(settings, beat.dt)) derated_.reset();
+  in_effect_ = this->settings(settings).stiffness;
   if (!derated_) return {};
-  if (!move(settings, beat.dt)) {
-    derated_.reset();
-    return {};
-  }
-  last_.stiffness = derated_->stiffness;
+  last_.stiffness = in_effect_;
   return last_;
+}
+
+/// No proxy is in use: what was measured is of a client that is gone.
+void Derating::forget() noexcept {
+  derated_.reset();
+  acts_ = false;
+  remote_ = DeratingReason::kNone;
+  came_late_ = oldest_ = {};
+  tenure_ = 0;
 }
 
 void Derating::take(const Settings& settings) noexcept {
   settings_id_ = settings.id;
+  if (in_effect_.size() == 0) in_effect_ = settings.stiffness;
   damping_ = (1.0 + kHand) * device_damping_ + settings.damping;
   room_ = (damping_.array() / (coupled_ * settings.stiffness.array())).minCoeff();
   if (!derated_) return;
@@ -105,7 +114,7 @@ void Derating::listen(const TickInput& in, const Beat& beat, const Sensed& sense
   } else if (sample.mode == ProxyMode::kPlanes && !anchored && moved) {
     remote_ = DeratingReason::kPlanes;
     remote_at_ = in.now;
-  } else if (anchored || (sample.planes.size() > 0 && seconds(in.now - remote_at_) > kMemory_s)) {
+  } else if (sample.planes.size() > 0 && seconds(in.now - remote_at_) > kMemory_s) {
     remote_ = DeratingReason::kNone;
   }
 }
@@ -120,7 +129,10 @@ double Derating::late() const noexcept {
 void Derating::allow(const Settings& settings) noexcept {
   const double late_s = late();
   acts_ = late_s > (acts_ ? room_ : kOften * room_);
-  if (acts_ && !derated_) derated_ = settings;
+  if (acts_ && !derated_) {
+    derated_ = settings;
+    derated_->stiffness = settings.stiffness.cwiseMin(in_effect_);
+  }
   if (!derated_) return;
   last_.allowed = settings.stiffness;
   if (!acts_) return;

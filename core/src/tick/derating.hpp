@@ -32,6 +32,7 @@ class Derating {
     void add(double measured, double after) noexcept;
   };
 
+  void forget() noexcept;
   /// Reads the settings, which are new.
   void take(const Settings& settings) noexcept;
   /// Measures by a new sample.
@@ -53,6 +54,7 @@ class Derating {
   VecA damping_{};                                        ///< that counts, n_a
   double room_{std::numeric_limits<double>::infinity()};  ///< late() up to which K is whole, s
   std::optional<Settings> derated_{};  ///< in effect, if not those of the session
+  VecA in_effect_{};                   ///< stiffness of the last step
   bool acts_{false};
   DeratingRecord last_{};  ///< when it last acted
   // Of the sample in use:

@@ -1,14 +1,29 @@
 #include "proxy_intake.hpp"
 
 #include <algorithm>
+#include <span>
 
 namespace haptic::core {
 
 namespace {
 
-bool same_planes(const PlaneSet& a, const PlaneSet& b) noexcept {
-  return a.size() == b.size() && a.normals.rows() == b.normals.rows() && a.offsets == b.offsets &&
-         a.normals == b.normals;
+template <typename Numbers>
+bool same(const Numbers& a, const Numbers& b) noexcept {
+  return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
+}
+
+/// Both say the same of every place. Curved planes begin at x.
+bool same_planes(const ProxySnapshot& one, const ProxySnapshot& other) noexcept {
+  const PlaneSet &a = one.planes, &b = other.planes;
+  const auto first_of = [&a](const PlaneSet::Places& places) {
+    return std::span(places).first(static_cast<std::size_t>(a.size()));
+  };
+  return same(a.offsets, b.offsets) && same(a.normals, b.normals) &&
+         same(a.compliance, b.compliance) && same(a.velocity, b.velocity) && same(a.laws, b.laws) &&
+         same(a.objects, b.objects) && same(a.curvature, b.curvature) &&
+         std::ranges::equal(first_of(a.curved), first_of(b.curved)) &&
+         std::ranges::equal(first_of(a.first), first_of(b.first)) &&
+         (a.curvature.size() == 0 || same(one.x, other.x));
 }
 
 }  // namespace
@@ -23,7 +38,7 @@ ProxyInUse ProxyIntake::step(const TickInput& in, const StalenessLimits& limits,
                     sample.mode == sample_.mode;
   const bool usable = same || (offered && fits(sample));
   if (usable && !same && (!carries_force(last) || sample.tenure == sample_.tenure)) {
-    moved_ = sample.tenure == sample_.tenure && !same_planes(sample.planes, sample_.planes);
+    moved_ = sample.tenure == sample_.tenure && !same_planes(sample, sample_);
     sample_ = sample;
   } else if (!usable && !carries_force(last) && sample_.mode != ProxyMode::kNone) {
     sample_ = ProxySnapshot{};

@@ -109,7 +109,8 @@ void Rendering::bound(const Sensed& sensed, const Settings& settings, Anchor& no
   if (!now.in_the_way) dx_.setZero();
   const Probe probe{sensed.q, map_.x_probe(), map_.J(), {&contacts, &settings.force_limit}};
   if (!force_error_.at(renders, contacts, local_.error(), now.force_error) ||
-      !renderer_.widen(probe, dx_, settings.stiffness, local_.error(), now.force_error)) {
+      !renderer_.widen(probe, dx_, settings.stiffness, local_.error(), now.force_error) ||
+      !now.force_error.allFinite()) {
     now.force_error.resize(0);
   }
 }

@@ -78,12 +78,16 @@ TEST(Deadband, ZeroSendsEverySample) {
 TEST(Deadband, ValidForShortensTheSilence) {
   Deadband deadband({}, 1e-3, 60.0);
   deadband.begin(milliseconds(80));
-  ASSERT_TRUE(deadband.is_news(1, Proxy::free(), {}, {}));
+  const auto at = [](int ms) { return Deadband::TimePoint(milliseconds(ms)); };
+  ASSERT_TRUE(deadband.is_news(1, Proxy::free(), {}, at(0)));
   deadband.used(1);
   Proxy proxy = Proxy::free();
-  EXPECT_FALSE(deadband.is_news(2, proxy, {}, Deadband::TimePoint(milliseconds(20))));
   proxy.valid_for = milliseconds(40);
-  EXPECT_TRUE(deadband.is_news(2, proxy, {}, Deadband::TimePoint(milliseconds(20))));
+  EXPECT_FALSE(deadband.is_news(2, proxy, {}, at(20))) << "sample 1 lasts for 80 ms";
+  ASSERT_TRUE(deadband.is_news(2, proxy, {}, at(60)));
+  deadband.used(2);
+  EXPECT_FALSE(deadband.is_news(3, Proxy::free(), {}, at(70)));
+  EXPECT_TRUE(deadband.is_news(3, Proxy::free(), {}, at(80))) << "sample 2 lasts for 40 ms";
 }
 
 TEST(Deadband, NewStreamKnowsNothing) {

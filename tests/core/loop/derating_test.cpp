@@ -146,6 +146,67 @@ TEST(Derating, PlanesThatChangeAreRemote) {
   EXPECT_FALSE(loop.record.limiters().has(Limiter::kDerated));
 }
 
+/// Each changes what an unanchored plane does from sample to sample, not its n and b.
+TEST(Derating, AnyNumberMakesPlanesOthers) {
+  const std::function<void(ProxySnapshot&, bool)> changes[]{
+      [](ProxySnapshot& p, bool odd) { p.planes.compliance = VecX::Constant(1, odd ? 0.1 : 1.0); },
+      [](ProxySnapshot& p, bool odd) { p.planes.velocity = VecX::Constant(1, odd ? 0.02 : -0.02); },
+      [](ProxySnapshot& p, bool odd) { p.planes.laws = MatXQ::Constant(4, 1, odd ? 1.0 : 2.0); },
+      [](ProxySnapshot& p, bool odd) {
+        p.planes.curvature = VecX::Constant(1, 1.0);
+        p.planes.curved[0] = 1;
+        p.x[0] = odd ? 0.008 : 0.0081;
+      }};
+  for (const auto& change : changes) {
+    Late loop;
+    loop.planes = [&change](ProxySnapshot& proxy) {
+      fixed_plane(proxy);
+      change(proxy, proxy.seq % 2 != 0);
+    };
+    loop.engage();
+    EXPECT_EQ(loop.record.derating.reason, DeratingReason::kPlanes);
+  }
+}
+
+TEST(Derating, HeldBetweenContactsStaysCapped) {
+  Late loop;
+  loop.engage();
+  loop.planes = [](ProxySnapshot& proxy) {
+    contact(proxy);
+    if (proxy.seq % 2 != 0) proxy.mode = ProxyMode::kHeld;
+  };
+  loop.run(2000);
+  EXPECT_NEAR(loop.stiffness(), kPays / (0.0005 + 0.070 / 4), 1e-9);
+}
+
+TEST(Derating, SettingsDoNotLiftTheCap) {
+  Late loop;
+  loop.engage();
+  double before = loop.stiffness();
+  for (int ms = 0; ms < 4000; ++ms) {
+    if (ms % 500 == 0) {
+      loop.input.settings.id += 1;
+      loop.input.settings.stiffness[0] = ms % 1000 == 0 ? 150.0 : kK;
+    }
+    loop.run(1);
+    const double K = std::min(loop.stiffness(), loop.input.settings.stiffness[0]);
+    ASSERT_LE(K - before, kK / 200 + 1e-9) << ms;
+    before = K;
+  }
+}
+
+TEST(Derating, ReleasedSessionLeavesNothing) {
+  Late loop;
+  loop.engage();
+  ASSERT_LT(loop.stiffness(), kK);
+  loop.input.command.lease_held = false;
+  loop.begin = 1 << 30;  // it sends nothing any more
+  loop.run(2000);
+  EXPECT_EQ(loop.record.proxy.mode, ProxyMode::kNone);
+  EXPECT_EQ(loop.stiffness(), kK);
+  EXPECT_FALSE(loop.record.limiters().has(Limiter::kDerated));
+}
+
 TEST(Derating, StiffnessNeverSteps) {
   Late loop;
   loop.late_ms = 0;

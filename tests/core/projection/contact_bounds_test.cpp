@@ -124,6 +124,47 @@ TEST(ContactBounds, AnchoredSpringIsBounded) {
 
 /// Without an anchor: by the violations of the probe, and continuous where contacts begin to
 /// contradict each other.
+/// The law's x by one contact after the other, slowly.
+VecX solved(const PlaneSet& set, const VecX& probe) {
+  VecX x = probe, l = VecX::Zero(set.size());
+  double most = 1.0;
+  for (int sweep = 0; sweep < 100'000 && most > 1e-10; ++sweep) {
+    most = 0.0;
+    for (int i = 0; i < set.size(); ++i) {
+      const auto n = set.normals.col(i);
+      const double off = n.dot(x) - set.offsets[i] - set.compliance[i] * l[i];
+      const double next = std::max(0.0, l[i] + off / (1.0 + set.compliance[i]));
+      x -= (next - l[i]) * n;
+      most = std::max(most, std::abs(next - l[i]));
+      l[i] = next;
+    }
+  }
+  return x;
+}
+
+/// Nearly parallel contacts, a third of them rigid, whose client solved its own law: their anchor
+/// asks for more work than a sample may cost.
+TEST(ContactBounds, ManyHonestContactsAreFelt) {
+  Told told(12);
+  for (const int n_x : {2, 3}) {
+    const ConfigurationSpace space = reals(n_x);
+    for (int k = 0; k < 50; ++k) {
+      PlaneSet set = told.contacts(n_x, kMaxPlanes, VecX::Zero(n_x));
+      const VecX along = told.point(n_x, 1.0);
+      for (int i = 0; i < set.size(); ++i) {
+        set.normals.col(i) = along + told.point(n_x, std::pow(10.0, -1 - k % 4));
+        set.normals.col(i).normalize();
+        set.offsets[i] = -0.003 + 0.002 * told.normal();
+        set.compliance[i] = told.below(3) == 0 ? 0.0 : told.decades(-1.0, 1.0);
+      }
+      const VecX probe = VecX::Zero(n_x), x_0 = solved(set, probe);
+      PlaneProjection projection(space);
+      projection.set(set, x_0, &probe);
+      EXPECT_LE((answer(projection, probe) - x_0).norm(), 0.01 * (probe - x_0).norm()) << k;
+    }
+  }
+}
+
 TEST(ContactBounds, ToldContactsLeadContinuously) {
   Told told(3);
   int infeasible = 0, changed = 0;

@@ -25,7 +25,8 @@ namespace haptic::client {
 ///   plane has an id.
 ///
 /// Always news: an object that is pushed (`mass`), because each sample begins its motion again;
-/// planes whose probe is not known; and a sample after which the next one might come too late to be
+/// planes whose probe is not known, or that do not say where the proxy is, but for a shift of the
+/// gap of the only one that is touched; and a sample after which the next one might come too late to be
 /// fresh.
 class Deadband {
  public:
@@ -54,6 +55,8 @@ class Deadband {
   };
   [[nodiscard]] Law law_of(std::uint64_t seq, const Proxy& proxy,
                            const std::vector<double>& x_probe, TimePoint now) const;
+  [[nodiscard]] bool shifts_one_gap(const Proxy& proxy, std::vector<double> anchor) const;
+  [[nodiscard]] bool stays_fresh(TimePoint now) const;
   [[nodiscard]] std::vector<double> away(const std::vector<double>& to,
                                          const std::vector<double>& from) const;
   [[nodiscard]] std::vector<double> solve(const Proxy& proxy, const std::vector<double>& probe,

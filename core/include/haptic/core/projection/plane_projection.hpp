@@ -52,7 +52,8 @@ class PlaneProjection {
   /// From now on these contacts, around `x` (n_x). A contact without a direction, or with a number
   /// that is not finite, is left out. `x_used` (n_x), if not null: the haptic probe of which the
   /// simulation computed x, its own proxy; the gaps are shifted so that the law gives x there
-  /// (core/METHOD.md#contacts), and unexplained() is what no shift explains. With a W that is not
+  /// (core/METHOD.md#contacts), and unexplained() is what no shift explains. More than some twenty
+  /// rigid contacts can exceed kMostWork: they are then taken as they were told. With a W that is not
   /// diagonal 2 n_x^2 multiplications per contact; otherwise n_x. Never allocates.
   void set(const PlaneSet& planes, const VecX& x, const VecX* x_used = nullptr) noexcept;
 
@@ -96,6 +97,7 @@ class PlaneProjection {
   void fill_gram(int i, int j) noexcept;
   /// Shifts beta_ so that the law gives at_ for the probe x_used.
   void anchor(const VecX& x_used) noexcept;
+  void leave_as_told(const Vector& told_beta) noexcept;
   /// Multipliers that explain the displacement d of the client's own proxy, near those `told`.
   void explain(const VecX& d, const Vector& told, Vector& l) noexcept;
   [[nodiscard]] double shift(const VecX& d, const Vector& l, const Vector& told_beta) noexcept;

@@ -40,9 +40,9 @@ class Plane:
     uncertainty: float | None = None  # relative, of the stiffness; in all planes of a sample: the
     # states say how far the force felt may be off, error_bound
     # Contacts with one object push the same body, so a push at one moves the others too; 0: no
-    # other contact is on it. Needs a mass, and the direction in which the contact pushes the body, of
-    # length 1, 1 to 6 numbers, in the metric of its inertia: the outward normal, or M^-1/2 J^T n of
-    # length 1 for one that turns.
+    # other contact is on it. Needs a mass, and the direction in which the contact pushes the body,
+    # of length 1, 1 to 6 numbers, in the metric of its inertia: the outward normal, or M^-1/2 J^T n
+    # of length 1 for one that turns.
     object: int = 0
     object_direction: tuple[float, ...] = ()
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "haptic/core/projection/plane_projection.hpp"
+#include "tests/support/solved_contacts.hpp"
 #include "tests/support/vectors.hpp"
 
 namespace haptic::core::contact_bounds_test {
@@ -124,24 +125,6 @@ TEST(ContactBounds, AnchoredSpringIsBounded) {
 
 /// Without an anchor: by the violations of the probe, and continuous where contacts begin to
 /// contradict each other.
-/// The law's x by one contact after the other, slowly.
-VecX solved(const PlaneSet& set, const VecX& probe) {
-  VecX x = probe, l = VecX::Zero(set.size());
-  double most = 1.0;
-  for (int sweep = 0; sweep < 100'000 && most > 1e-10; ++sweep) {
-    most = 0.0;
-    for (int i = 0; i < set.size(); ++i) {
-      const auto n = set.normals.col(i);
-      const double off = n.dot(x) - set.offsets[i] - set.compliance[i] * l[i];
-      const double next = std::max(0.0, l[i] + off / (1.0 + set.compliance[i]));
-      x -= (next - l[i]) * n;
-      most = std::max(most, std::abs(next - l[i]));
-      l[i] = next;
-    }
-  }
-  return x;
-}
-
 /// Nearly parallel contacts, a third of them rigid, whose client solved its own law: their anchor
 /// asks for more work than a sample may cost.
 TEST(ContactBounds, ManyHonestContactsAreFelt) {
@@ -157,7 +140,7 @@ TEST(ContactBounds, ManyHonestContactsAreFelt) {
         set.offsets[i] = -0.003 + 0.002 * told.normal();
         set.compliance[i] = told.below(3) == 0 ? 0.0 : told.decades(-1.0, 1.0);
       }
-      const VecX probe = VecX::Zero(n_x), x_0 = solved(set, probe);
+      const VecX probe = VecX::Zero(n_x), x_0 = haptic::test::solved(set, probe);
       PlaneProjection projection(space);
       projection.set(set, x_0, &probe);
       EXPECT_LE((answer(projection, probe) - x_0).norm(), 0.01 * (probe - x_0).norm()) << k;

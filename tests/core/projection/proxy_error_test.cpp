@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "haptic/core/projection/plane_projection.hpp"
+#include "tests/support/solved_contacts.hpp"
 
 namespace haptic::core::proxy_error_test {
 namespace {
@@ -68,26 +69,6 @@ struct Judged {
   }
 };
 
-/// argmin 1/2 |x - p|^2 + 1/2 sum max(0, n^T x - b)^2 / gamma, by sweeps over the multipliers.
-VecX solved(const PlaneSet& set, const VecX& p) {
-  VecX x = p;
-  VecX l = VecX::Zero(set.size());
-  for (int sweep = 0; sweep < 20000; ++sweep) {
-    double moved = 0.0;
-    for (int i = 0; i < set.size(); ++i) {
-      const auto n = set.normals.col(i);
-      const double step = (n.dot(x) - set.offsets[i] - set.compliance[i] * l[i]) /
-                          (n.squaredNorm() + set.compliance[i]);
-      const double next = std::max(0.0, l[i] + step);
-      x -= (next - l[i]) * n;
-      moved = std::max(moved, std::abs(next - l[i]));
-      l[i] = next;
-    }
-    if (moved < 1e-14) break;
-  }
-  return x;
-}
-
 /// Contacts, told right but for their stiffness, and a probe that walks about.
 Judged walk(int n_x, int most, double u, double softest, std::uint32_t seed) {
   std::mt19937 random(seed);
@@ -110,12 +91,12 @@ Judged walk(int n_x, int most, double u, double softest, std::uint32_t seed) {
     for (int i = 0; i < count; ++i) told.compliance[i] *= 1.0 + uniform(random, -u, u);
     VecX p(n_x);
     for (int k = 0; k < n_x; ++k) p[k] = uniform(random, -1.0, 2.0);
-    projection.set(told, solved(truth, p), &p);
+    projection.set(told, haptic::test::solved(truth, p), &p);
     VecX x;
     for (int step = 0; step < 20; ++step) {
       for (int k = 0; k < n_x; ++k) p[k] += uniform(random, -0.1, 0.1);
       static_cast<void>(projection.project(p, x));
-      judged.take(projection, p, x, solved(truth, p));
+      judged.take(projection, p, x, haptic::test::solved(truth, p));
       for (int i = 0; i < count; ++i) {
         const VecX n = truth.normals.col(i);
         judged.take_contact(projection, i, n.normalized(),

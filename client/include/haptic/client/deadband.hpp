@@ -26,8 +26,8 @@ namespace haptic::client {
 ///
 /// Always news: an object that is pushed (`mass`), because each sample begins its motion again;
 /// planes whose probe is not known, or that do not say where the proxy is, but for a shift of the
-/// gap of the only one that is touched; and a sample after which the next one might come too late to be
-/// fresh.
+/// gap of the only one that is touched; and a sample after which the next one might come too late
+/// to be fresh.
 class Deadband {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;

@@ -53,8 +53,8 @@ class PlaneProjection {
   /// that is not finite, is left out. `x_used` (n_x), if not null: the haptic probe of which the
   /// simulation computed x, its own proxy; the gaps are shifted so that the law gives x there
   /// (core/METHOD.md#contacts), and unexplained() is what no shift explains. More than some twenty
-  /// rigid contacts can exceed kMostWork: they are then taken as they were told. With a W that is not
-  /// diagonal 2 n_x^2 multiplications per contact; otherwise n_x. Never allocates.
+  /// rigid contacts can exceed kMostWork: they are then taken as they were told. With a W that is
+  /// not diagonal 2 n_x^2 multiplications per contact; otherwise n_x. Never allocates.
   void set(const PlaneSet& planes, const VecX& x, const VecX* x_used = nullptr) noexcept;
 
   /// Writes x (n_x) for the haptic probe, `age` s after the sample. A linear coordinate that no

@@ -210,18 +210,6 @@ TEST(Tool, PointsRestWhereTheyArePublished) {
   }
 }
 
-TEST(Tool, ResetIsALateJoin) {
-  World world(slider_model(kSoftWall));
-  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kStiffness});
-  for (int i = 0; i < 60; ++i) static_cast<void>(tool.step({0.030}, 1.0 / 60.0));
-  const double force = engine_force(world);
-  mj_resetData(world.m(), world.d());
-  EXPECT_EQ(tool.step({0.060}, 1.0 / 60.0).mode, client::Mode::kFree);
-  EXPECT_FALSE(tool.following());
-  for (int i = 0; i < 60; ++i) static_cast<void>(tool.step({0.030}, 1.0 / 60.0));
-  EXPECT_NEAR(engine_force(world), force, 1e-3 * force);
-}
-
 TEST(Tool, FreeMotionIsTheProbe) {
   World world(slider_model(R"(<body pos="0.1 0 0"><joint type="slide" axis="1 0 0"/>
                               <geom type="sphere" size="0.01" mass="0.1"/></body>)"));
@@ -317,6 +305,12 @@ TEST(Tool, RefusalsNameTheBinding) {
   EXPECT_THAT(with({joint("x", 0)}, {}), HasSubstr("coupling 0"));
   EXPECT_THAT(with({joint("x", 0)}, {.coupling = 1e6}), HasSubstr("too stiff"));
   EXPECT_THAT(with({joint("x", 0)}, {.coupling = 1.0, .weights = {0.0}}), HasSubstr("weight"));
+  EXPECT_THAT(with({joint("x", 1)}, {.coupling = 1.0, .weights = {1.0}}),
+              HasSubstr("'x': coordinate 1 has no weight"));
+  for (const std::size_t far : {std::size_t{10000}, SIZE_MAX}) {
+    EXPECT_THAT(with({joint("x", far)}, {.coupling = 1.0}), HasSubstr("'x': coordinate "));
+    EXPECT_THAT(with({pose("free", far - 3)}, {.coupling = 1.0}), HasSubstr("'free': coordinate "));
+  }
   EXPECT_THAT(with({pose("free", 0), joint("x", 6)}, {.coupling = 1.0}), HasSubstr("bound twice"));
   Tool tool(world.m(), world.d(), {joint("x", 2)}, {.coupling = 1.0});
   EXPECT_THAT(refusal([&] { tool.aim({0.0, 0.0}, 1); }), HasSubstr("coordinate 2 is bound"));

@@ -10,6 +10,9 @@ namespace haptic::mujoco {
 
 namespace {
 
+constexpr double kShortest = 1e-3;               // of a quaternion
+constexpr std::size_t kMostCoordinates = 10000;  // far above those of any device
+
 [[noreturn]] void refuse(const Binding& binding, const std::string& why) {
   throw std::invalid_argument("binding '" + binding.name + "': " + why);
 }
@@ -86,7 +89,11 @@ BoundTool::BoundTool(const mjModel& model, mjData& data, const std::vector<Bindi
       if (taken[i]++ != 0) {
         refuse(place.binding, "coordinate " + std::to_string(i) + " is bound twice");
       }
-      const double weight = options.weights.empty() ? 1.0 : options.weights.at(i);
+      if (!options.weights.empty() && i >= options.weights.size()) {
+        refuse(place.binding, "coordinate " + std::to_string(i) + " has no weight: there are " +
+                                  std::to_string(options.weights.size()));
+      }
+      const double weight = options.weights.empty() ? 1.0 : options.weights[i];
       if (!(weight > 0.0)) {
         refuse(place.binding, "the weight of coordinate " + std::to_string(i) +
                                   " must be above 0, not " + std::to_string(weight));
@@ -124,6 +131,10 @@ void BoundTool::refuse_stiff(const Place& place, const ToolOptions& options) con
 
 void BoundTool::find(mjData& data, const Binding& binding) {
   const mjModel& m = *model_;
+  if (binding.first_coordinate > kMostCoordinates - count_of(binding.kind)) {
+    refuse(binding, "coordinate " + std::to_string(binding.first_coordinate) +
+                        ": a device has at most " + std::to_string(kMostCoordinates));
+  }
   Place place;
   place.binding = binding;
   if (binding.kind == Binding::Kind::kJoint) {
@@ -206,6 +217,15 @@ void BoundTool::read(const mjData& data, std::vector<double>& x) const {
     const double same = out[0] * q[1] + out[1] * q[2] + out[2] * q[3] + out[3] * q[0];
     for (int i = 0; i < 4; ++i) out[i] = (same < 0.0 ? -1.0 : 1.0) * q[(i + 1) % 4];
   }
+}
+
+bool BoundTool::has_turns(const std::vector<double>& x) const {
+  return std::all_of(places_.begin(), places_.end(), [&x](const Place& place) {
+    if (place.binding.kind != Binding::Kind::kPose) return true;
+    const double* const q = &x.at(place.binding.first_coordinate + 3);
+    const double length = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+    return length >= kShortest && std::isfinite(length);
+  });
 }
 
 client::PointMap BoundTool::point_on(const mjData& data, int body, const Vector3& position,

@@ -89,18 +89,29 @@ void NearContacts::begin(const mjModel& model, const mjData& data) {
 std::vector<NearContact> NearContacts::find(const mjModel& model, mjData& data,
                                             const std::vector<double>& x,
                                             const std::vector<mjtNum>& rate) {
-  std::set<std::pair<int, int>> still;
-  for (int i = 0; i < data.ncon; ++i) {
-    if (gap_of(data.contact[i]) < 0.0) still.insert(pair_of(data.contact[i]));
+  if (!inside_.empty()) {
+    std::set<std::pair<int, int>> still;
+    for (int i = 0; i < data.ncon; ++i) {
+      if (gap_of(data.contact[i]) < 0.0) still.insert(pair_of(data.contact[i]));
+    }
+    std::erase_if(inside_, [&](const auto& pair) { return !still.contains(pair); });
   }
-  std::erase_if(inside_, [&](const auto& pair) { return !still.contains(pair); });
-  ids_.begin();
-  surroundings_.look(model, data, rate);
-  std::vector<NearContact> found;
-  std::vector<PushedObject> pushed;
+  std::vector<int> near_ones;
+  std::set<int> bodies;  // that the tool may push
   for (int i = 0; i < data.ncon; ++i) {
     const mjContact& c = data.contact[i];
     if (!is_of_tool(model, c) || inside_.contains(pair_of(c))) continue;
+    near_ones.push_back(i);
+    for (const int geom : {c.geom1, c.geom2}) {
+      if (!tool_->moves(model.geom_bodyid[geom])) bodies.insert(model.geom_bodyid[geom]);
+    }
+  }
+  ids_.begin();
+  surroundings_.look(model, data, rate, bodies);
+  std::vector<NearContact> found;
+  std::vector<PushedObject> pushed;
+  for (const int i : near_ones) {
+    const mjContact& c = data.contact[i];
     const bool second = tool_->moves(model.geom_bodyid[c.geom2]);
     const int geom = second ? c.geom2 : c.geom1, other = second ? c.geom1 : c.geom2;
     const int body = model.geom_bodyid[geom], object = model.geom_bodyid[other];

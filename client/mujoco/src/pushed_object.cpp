@@ -10,14 +10,28 @@ namespace haptic::mujoco {
 
 namespace {
 
-constexpr double kHold = 0.05;           // s, h
-constexpr double kHeaviest = 1e6;        // kg; beyond, it is a wall
-constexpr std::size_t kMostMotions = 6;  // of Plane::object_direction
-constexpr double kNewMotion = 1e-6;      // square of the part of a direction that is a new one
+constexpr double kHold = 0.05;                                  // s, h
+constexpr std::size_t kOutside = static_cast<std::size_t>(-1);  // of the DoFs that count
+constexpr double kHeaviest = 1e6;                               // kg; beyond, it is a wall
+constexpr std::size_t kMostMotions = 6;                         // of Plane::object_direction
+constexpr double kNewMotion = 1e-6;  // square of the part of a direction that is a new one
 
 bool is_contact(int type) {
   return type == mjCNSTR_CONTACT_FRICTIONLESS || type == mjCNSTR_CONTACT_PYRAMIDAL ||
          type == mjCNSTR_CONTACT_ELLIPTIC;
+}
+
+/// Calls f(dof, value) for each entry of a row of MuJoCo's constraints.
+template <typename Each>
+void for_parts(const mjModel& model, const mjData& data, int row, Each each) {
+  const bool sparse = mj_isSparse(&model) != 0;
+  const auto begin = sparse ? static_cast<std::size_t>(data.efc_J_rowadr[row])
+                            : static_cast<std::size_t>(row) * static_cast<std::size_t>(model.nv);
+  const int count = sparse ? data.efc_J_rownnz[row] : model.nv;
+  for (int k = 0; k < count; ++k) {
+    const std::size_t at = begin + static_cast<std::size_t>(k);
+    if (data.efc_J[at] != 0.0) each(sparse ? data.efc_J_colind[at] : k, data.efc_J[at]);
+  }
 }
 
 double along(const std::vector<double>& a, const std::vector<double>& b) {
@@ -49,86 +63,167 @@ void find_directions(const std::vector<PushedObject*>& together) {
 
 }  // namespace
 
-void Surroundings::look(const mjModel& model, mjData& data, const std::vector<mjtNum>& rate) {
-  const auto nv = static_cast<std::size_t>(model.nv);
+void Surroundings::look(const mjModel& model, mjData& data, const std::vector<mjtNum>& rate,
+                        const std::set<int>& bodies) {
   rate_ = rate;
   dofs_.clear();
-  for (std::size_t i = 0; i < nv; ++i) {
-    if (!tool_->owns_dof(static_cast<int>(i))) dofs_.push_back(i);
+  rows_.clear();
+  M_.clear();
+  std::set<int> touched;  // DoFs
+  for (int body : bodies) {
+    while (body > 0 && model.body_dofnum[body] == 0) body = model.body_parentid[body];
+    if (body > 0) touched.insert(model.body_dofadr[body]);
   }
+  if (touched.empty()) return;
+  find_dofs(model, data, touched);
   const std::size_t n = dofs_.size();
-  if (n == 0) return;
-  look_at_rows(model, data, rate);
-  M_.assign(n * n, 0.0);
-  push_.assign(n, 0.0);
-  std::vector<mjtNum> unit(nv), column(nv);
-  for (std::size_t k = 0; k < n; ++k) {
-    std::fill(unit.begin(), unit.end(), 0.0);
-    unit[dofs_[k]] = 1.0;
-    mj_mulM(&model, &data, column.data(), unit.data());
-    for (std::size_t i = 0; i < n; ++i) M_[i * n + k] = column[dofs_[i]];
-    push_[k] = data.qfrc_smooth[dofs_[k]] + data.qfrc_constraint[dofs_[k]] +
-               model.dof_damping[dofs_[k]] * rate[dofs_[k]];
+  find_masses(model, data);
+  for (int i = 0; i < data.nefc; ++i) {
+    if (counts(model, data, i)) look_at_row(model, data, i);
   }
-  H_ = M_;
-  for (std::size_t k = 0; k < n; ++k) {
-    H_[k * n + k] += kHold * model.dof_damping[dofs_[k]] +
-                     kHold * kHold * model.jnt_stiffness[model.dof_jntid[dofs_[k]]];
+  push_.assign(n, 0.0);
+  H_.begin(n);
+  for (const Mass& mass : M_) H_.reach(mass.i, mass.k);
+  for (const Row& row : rows_) {
+    std::size_t first = n;
+    for (const Part& part : row.way) first = std::min(first, part.i);
+    for (const Part& part : row.way) H_.reach(part.i, first);
+  }
+  for (const Mass& mass : M_) {
+    if (mass.k <= mass.i) H_.add(mass.i, mass.k, mass.value);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t dof = dofs_[i];
+    const double damping = model.dof_damping[dof];
+    push_[i] = data.qfrc_smooth[dof] + data.qfrc_constraint[dof] + damping * rate[dof];
+    H_.add(i, i, kHold * damping + kHold * kHold * model.jnt_stiffness[model.dof_jntid[dof]]);
   }
   for (const Row& row : rows_) {
     const double weight = row.mass + kHold * row.damping + kHold * kHold * row.stiffness;
-    for (std::size_t i = 0; i < n; ++i) {
-      push_[i] += row.way[i] * row.taken;
-      for (std::size_t k = 0; k < n; ++k) H_[i * n + k] += weight * row.way[i] * row.way[k];
+    for (const Part& a : row.way) {
+      push_[a.i] += a.value * row.taken;
+      for (const Part& b : row.way) {
+        if (b.i <= a.i) H_.add(a.i, b.i, weight * a.value * b.value);
+      }
     }
   }
-  mju_cholFactor(H_.data(), static_cast<int>(n), mjMINVAL);
+  H_.factor();
 }
 
-void Surroundings::look_at_rows(const mjModel& model, mjData& data,
-                                const std::vector<mjtNum>& rate) {
-  rows_.clear();
+bool Surroundings::counts(const mjModel& model, const mjData& data, int row) const {
+  const int state = data.efc_state[row];
+  if (state != mjCNSTRSTATE_QUADRATIC && state != mjCNSTRSTATE_CONE) return false;
+  if (!is_contact(data.efc_type[row])) return true;
+  const mjContact& contact = data.contact[data.efc_id[row]];
+  const auto of_tool = [&](int geom) { return geom >= 0 && tool_->moves(model.geom_bodyid[geom]); };
+  if (of_tool(contact.geom1) || of_tool(contact.geom2)) return false;
+  return state != mjCNSTRSTATE_CONE || row == contact.efc_address;  // the others slip
+}
+
+void Surroundings::find_dofs(const mjModel& model, const mjData& data,
+                             const std::set<int>& touched) {
   const auto nv = static_cast<std::size_t>(model.nv);
-  std::vector<mjtNum> unit(static_cast<std::size_t>(std::max(data.nefc, 1))), way(nv);
-  const auto row_of = [&](int index) {
-    std::fill(unit.begin(), unit.end(), 0.0);
-    unit[static_cast<std::size_t>(index)] = 1.0;
-    mj_mulJacTVec(&model, &data, way.data(), unit.data());
-    Row row;
-    for (const std::size_t dof : dofs_) row.way.push_back(way[dof]);
-    return row;
-  };
-  for (int i = 0; i < data.nefc; ++i) {
-    const int type = data.efc_type[i], state = data.efc_state[i];
-    if (state != mjCNSTRSTATE_QUADRATIC && state != mjCNSTRSTATE_CONE) continue;
-    const mjContact* contact = is_contact(type) ? data.contact + data.efc_id[i] : nullptr;
-    const auto of_tool = [&](int geom) {
-      return geom >= 0 && tool_->moves(model.geom_bodyid[geom]);
-    };
-    if (contact != nullptr && (of_tool(contact->geom1) || of_tool(contact->geom2))) continue;
-    const int place = contact != nullptr ? i - contact->efc_address : 0;
-    if (state == mjCNSTRSTATE_CONE && place > 0) continue;  // it slips
-    Row row = row_of(i);
-    const mjtNum *KBI = data.efc_KBIP + 4 * i, inverse = 1.0 / data.efc_R[i];
-    row.mass = inverse;
-    row.damping = KBI[1] * inverse;
-    for (std::size_t k = 0; k < dofs_.size(); ++k) {
-      row.taken += row.way[k] * (row.damping * rate[dofs_[k]] + row.mass * data.qacc[dofs_[k]]);
-    }
-    const double stiffness = KBI[0] * KBI[2] * inverse;
-    if (type ==
-        mjCNSTR_CONTACT_PYRAMIDAL) {  // two edges lie about the normal, which has the spring
-      const Row other = row_of(place % 2 == 0 ? i + 1 : i - 1);
-      Row normal{row.way, 0.0, 0.0, stiffness, 0.0};
-      for (std::size_t k = 0; k < dofs_.size(); ++k) {
-        normal.way[k] = 0.5 * (row.way[k] + other.way[k]);
-      }
-      rows_.push_back(std::move(normal));
-    } else if (place == 0) {
-      row.stiffness = stiffness;
-    }
-    rows_.push_back(std::move(row));
+  std::vector<int> tree(nv);  // of each DoF: the first DoF that moves with it
+  for (std::size_t i = 0; i < nv; ++i) {
+    const int parent = model.dof_parentid[i];
+    tree[i] = parent < 0 ? static_cast<int>(i) : tree[static_cast<std::size_t>(parent)];
   }
+  std::vector<std::set<int>> beside(nv);  // of a tree: those that rows connect with it
+  std::pair<int, int> last{-1, -1};
+  for (int row = 0; row < data.nefc; ++row) {
+    if (!counts(model, data, row)) continue;
+    int first = -1;
+    for_parts(model, data, row, [&](int dof, double) {
+      if (tool_->owns_dof(dof)) return;
+      const int here = tree[static_cast<std::size_t>(dof)];
+      if (first < 0) first = here;
+      if (here == first || last == std::pair{first, here}) return;
+      last = {first, here};
+      beside[static_cast<std::size_t>(first)].insert(here);
+      beside[static_cast<std::size_t>(here)].insert(first);
+    });
+  }
+  // By their way from what is touched, the nearest last: that keeps the rows of H short.
+  std::vector<int> group;
+  std::vector<char> taken(nv, 0);
+  const auto take = [&](int root) {
+    if (taken[static_cast<std::size_t>(root)]++ == 0) group.push_back(root);
+  };
+  for (const int dof : touched) take(tree[static_cast<std::size_t>(dof)]);
+  for (std::size_t i = 0; i < group.size(); ++i) {
+    for (const int other : beside[static_cast<std::size_t>(group[i])]) take(other);
+  }
+  place_.assign(nv, kOutside);
+  trees_.clear();
+  for (auto root = group.rbegin(); root != group.rend(); ++root) {
+    trees_.push_back(dofs_.size());
+    for (auto i = static_cast<std::size_t>(*root); i < nv && tree[i] == *root; ++i) {
+      if (tool_->owns_dof(static_cast<int>(i))) continue;
+      place_[i] = dofs_.size();
+      dofs_.push_back(i);
+    }
+  }
+  trees_.push_back(dofs_.size());
+}
+
+void Surroundings::find_masses(const mjModel& model, mjData& data) {
+  const auto nv = static_cast<std::size_t>(model.nv);
+  std::vector<mjtNum> unit(nv), column(nv);
+  for (std::size_t k = 0;; ++k) {  // the k-th DoF of all trees at once: none moves another's
+    std::fill(unit.begin(), unit.end(), 0.0);
+    bool any = false;
+    for (std::size_t t = 0; t + 1 < trees_.size(); ++t) {
+      if (trees_[t] + k >= trees_[t + 1]) continue;
+      unit[dofs_[trees_[t] + k]] = 1.0;
+      any = true;
+    }
+    if (!any) return;
+    mj_mulM(&model, &data, column.data(), unit.data());
+    for (std::size_t t = 0; t + 1 < trees_.size(); ++t) {
+      if (trees_[t] + k >= trees_[t + 1]) continue;
+      for (std::size_t i = trees_[t]; i < trees_[t + 1]; ++i) {
+        if (column[dofs_[i]] != 0.0) M_.push_back({i, trees_[t] + k, column[dofs_[i]]});
+      }
+    }
+  }
+}
+
+void Surroundings::look_at_row(const mjModel& model, const mjData& data, int index) {
+  const auto add_row = [&](int at, double share, std::vector<Part>& way) {
+    for_parts(model, data, at, [&](int dof, double value) {
+      const std::size_t i = place_[static_cast<std::size_t>(dof)];
+      if (i == kOutside) return;
+      const auto same =
+          std::find_if(way.begin(), way.end(), [i](const Part& part) { return part.i == i; });
+      if (same != way.end()) {
+        same->value += share * value;
+      } else {
+        way.push_back({i, share * value});
+      }
+    });
+  };
+  Row row;
+  add_row(index, 1.0, row.way);
+  if (row.way.empty()) return;
+  const int type = data.efc_type[index];
+  const int place = is_contact(type) ? index - data.contact[data.efc_id[index]].efc_address : 0;
+  const mjtNum *KBI = data.efc_KBIP + 4 * index, inverse = 1.0 / data.efc_R[index];
+  row.mass = inverse;
+  row.damping = KBI[1] * inverse;
+  for (const Part& part : row.way) {
+    const std::size_t dof = dofs_[part.i];
+    row.taken += part.value * (row.damping * rate_[dof] + row.mass * data.qacc[dof]);
+  }
+  const double stiffness = KBI[0] * KBI[2] * inverse;
+  if (type == mjCNSTR_CONTACT_PYRAMIDAL) {  // two edges lie about the normal, which has the spring
+    Row normal{{}, 0.0, 0.0, stiffness, 0.0};
+    add_row(index, 0.5, normal.way);
+    add_row(place % 2 == 0 ? index + 1 : index - 1, 0.5, normal.way);
+    rows_.push_back(std::move(normal));
+  } else if (place == 0) {
+    row.stiffness = stiffness;
+  }
+  rows_.push_back(std::move(row));
 }
 
 PushedObject Surroundings::object(const mjModel& model, const mjData& data, int body,
@@ -136,30 +231,33 @@ PushedObject Surroundings::object(const mjModel& model, const mjData& data, int 
                                   double force) const {
   PushedObject object;
   const std::size_t n = dofs_.size(), nv = static_cast<std::size_t>(model.nv);
+  if (n == 0 || model.body_weldid[body] == 0) return {};
   std::vector<mjtNum> jacobian(3 * nv);
   mj_jac(&model, &data, jacobian.data(), nullptr, position.data(), body);
-  std::vector<double> away(n), u(n);
+  std::vector<double> away(n);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t k = 0; k < 3; ++k) away[i] -= normal[k] * jacobian[k * nv + dofs_[i]];
     object.velocity += away[i] * rate_[dofs_[i]];
   }
-  if (n == 0 || along(away, away) == 0.0) return {};
+  if (along(away, away) == 0.0) return {};
   object.root = model.body_rootid[body];
   object.force = force;
-  mju_cholSolve(u.data(), H_.data(), away.data(), static_cast<int>(n));
+  std::vector<double> u = away;
+  H_.solve(u);
   const double give = along(away, u);
   if (!(give * kHeaviest > 1.0)) return {};
   object.load = -force;
   for (std::size_t i = 0; i < n; ++i) u[i] /= give;
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t dof = dofs_[i];
-    for (std::size_t k = 0; k < n; ++k) object.mass += u[i] * M_[i * n + k] * u[k];
     object.damping += model.dof_damping[dof] * u[i] * u[i];
     object.ground_stiffness += model.jnt_stiffness[model.dof_jntid[dof]] * u[i] * u[i];
     object.load += u[i] * push_[i];
   }
+  for (const Mass& mass : M_) object.mass += u[mass.i] * mass.value * u[mass.k];
   for (const Row& row : rows_) {
-    const double way = along(row.way, u);
+    double way = 0.0;
+    for (const Part& part : row.way) way += part.value * u[part.i];
     object.mass += row.mass * way * way;
     object.damping += row.damping * way * way;
     object.ground_stiffness += row.stiffness * way * way;

@@ -2,9 +2,11 @@
 /// How the object of a contact moves when the tool pushes it.
 
 #include <cstdint>
+#include <set>
 #include <vector>
 
 #include "bound_tool.hpp"
+#include "skyline.hpp"
 
 namespace haptic::mujoco {
 
@@ -21,7 +23,7 @@ struct PushedObject {
 
   int root{0};        ///< the topmost of the bodies that move with it
   double force{0.0};  ///< of the contact, N
-  // Per free DoF: how far the surface recedes, and u.
+  // Per DoF that counts: how far the surface recedes, and u.
   std::vector<double> recedes{}, motion{};
   double give{0.0};  ///< J H^-1 J^T
 };
@@ -39,6 +41,9 @@ struct PushedObject {
 /// has the ball's stiffness, and one that slides is not stiff because it cannot turn into the
 /// floor.
 ///
+/// Only what is touched counts, and what rows connect with it: a pile costs nothing until one of it
+/// is touched, and a box alone costs as if it were alone.
+///
 /// Contacts on the same body share it: the directions e_i are those of the u_i in the metric H, so
 /// e_i . e_j = J_i H^-1 J_j^T / sqrt(J_i H^-1 J_i^T J_j H^-1 J_j^T), and no load holds the force of
 /// another of them.
@@ -46,8 +51,12 @@ class Surroundings {
  public:
   explicit Surroundings(const BoundTool& tool) : tool_(&tool) {}
 
-  /// As the last mj_forward or mj_step found them. `rate`: qvel as it began, nv.
-  void look(const mjModel& model, mjData& data, const std::vector<mjtNum>& rate);
+  /// As the last mj_forward or mj_step found them. `rate`: qvel as it began, nv. `bodies`: those of
+  /// which object() will be asked.
+  void look(const mjModel& model, mjData& data, const std::vector<mjtNum>& rate,
+            const std::set<int>& bodies);
+  /// DoFs that count: those of the bodies, and those that rows connect with them.
+  [[nodiscard]] std::size_t dofs() const noexcept { return dofs_.size(); }
   /// The law of `body` for a contact with this normal, outwards, at `position`; `force`: of it, N.
   [[nodiscard]] PushedObject object(const mjModel& model, const mjData& data, int body,
                                     const Vector3& position, const Vector3& normal,
@@ -56,18 +65,32 @@ class Surroundings {
   static void share(std::vector<PushedObject>& objects);
 
  private:
+  struct Part {
+    std::size_t i{0};  ///< in dofs_
+    double value{0.0};
+  };
   struct Row {
-    std::vector<double> way{};  ///< J, of the free DoFs
+    std::vector<Part> way{};  ///< J
     double mass{0.0}, damping{0.0}, stiffness{0.0};
     double taken{0.0};  ///< by damping and mass now, N
   };
-  void look_at_rows(const mjModel& model, mjData& data, const std::vector<mjtNum>& rate);
+  struct Mass {  ///< an entry of M that is not 0
+    std::size_t i{0}, k{0};
+    double value{0.0};
+  };
+  [[nodiscard]] bool counts(const mjModel& model, const mjData& data, int row) const;
+  void find_dofs(const mjModel& model, const mjData& data, const std::set<int>& touched);
+  void find_masses(const mjModel& model, mjData& data);
+  void look_at_row(const mjModel& model, const mjData& data, int index);
 
   const BoundTool* tool_;
-  std::vector<std::size_t> dofs_{};  ///< that are not the tool's
+  std::vector<std::size_t> dofs_{};   ///< that count, tree by tree; none is the tool's
+  std::vector<std::size_t> trees_{};  ///< where each tree begins in dofs_, and the end
+  std::vector<std::size_t> place_{};  ///< of each DoF in dofs_
   std::vector<Row> rows_{};
-  std::vector<mjtNum> M_{}, H_{};  ///< of the free DoFs; H by its Cholesky factor
-  std::vector<double> push_{};     ///< all forces on them, and what their dampers take
+  std::vector<Mass> M_{};
+  Skyline H_{};
+  std::vector<double> push_{};  ///< all forces on the DoFs, and what their dampers take
   std::vector<mjtNum> rate_{};
 };
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "aim.hpp"
+#include "margins.hpp"
 #include "near_contacts.hpp"
 
 namespace haptic::mujoco {
@@ -52,21 +53,23 @@ struct Tool::State {
   State(mjModel* m, mjData* d, const std::vector<Binding>& bindings, const ToolOptions& o);
   /// The tool's aim is where the model has it.
   void restart();
-  /// MuJoCo finds contacts up to this gap, m, and begins their force where it did.
-  void set_horizon(double horizon);
+  /// Restarts if the model is not where a step from the last pull() brought it: mj_resetData, a key
+  /// of another time, a bad state after which MuJoCo began again, or steps without pull().
+  void look_for_jump();
   void aim(const std::vector<double>& x_probe, int count, nanoseconds round_trip);
   void pull();
   void pull_joint(const Place& place);
   void pull_frame(const Place& place);
   [[nodiscard]] client::Proxy proxy();
+  /// That MuJoCo found since the data began.
+  [[nodiscard]] int bad_states() const {
+    const mjWarningStat* const warning = data->warning;
+    return warning[mjWARN_BADQPOS].number + warning[mjWARN_BADQVEL].number +
+           warning[mjWARN_BADQACC].number;
+  }
   [[nodiscard]] double weight(std::size_t i) const {
     return options.weights.empty() ? 1.0 : options.weights[i];
   }
-
-  struct Margin {
-    mjtNum *margin, *gap;        ///< of a geom or a pair, in the model
-    double own_margin, own_gap;  ///< m, as the model had them
-  };
 
   mjModel* model;
   mjData* data;
@@ -74,14 +77,15 @@ struct Tool::State {
   BoundTool tool;
   NearContacts contacts;
   Aim aimed;
-  std::vector<Margin> margins{};
+  Margins margins;
   std::vector<double> probe{};       ///< of the newest state, all coordinates
   std::vector<double> seen{};        ///< the tool as the last step began
   std::vector<mjtNum> rate{};        ///< qvel then
   bool known{false};                 ///< the last probe could be used
-  double last_time{0.0}, owed{0.0};  ///< s
+  double last_time{0.0};             ///< as the last step began, s
+  double last_step{0.0}, owed{0.0};  ///< s
   double room{1.0};                  ///< share of the horizon for which MuJoCo has room
-  int times_full{0};
+  int times_full{0}, times_bad{0};
 };
 
 Tool::State::State(mjModel* m, mjData* d, const std::vector<Binding>& bindings,
@@ -91,31 +95,16 @@ Tool::State::State(mjModel* m, mjData* d, const std::vector<Binding>& bindings,
       options(o),
       tool(*m, forwarded(*m, *d), bindings, o),
       contacts(tool),
-      aimed(tool, options) {
+      aimed(tool, options),
+      margins(*m, tool) {
   for (const Place& place : tool.places()) {
     if (place.binding.kind == Binding::Kind::kJoint) model->jnt_limited[place.id] = 0;
-  }
-  // A pair has the larger margin and the larger gap of its two geoms. So those that have some of
-  // their own grow too, and what is subtracted stays as it was.
-  for (int geom = 0; geom < model->ngeom; ++geom) {
-    mjtNum &margin = model->geom_margin[geom], &gap = model->geom_gap[geom];
-    if (tool.moves(model->geom_bodyid[geom]) || margin != 0.0 || gap != 0.0) {
-      margins.push_back({&margin, &gap, margin, gap});
-    }
-  }
-  for (int pair = 0; pair < model->npair; ++pair) {
-    if (!tool.moves(model->geom_bodyid[model->pair_geom1[pair]]) &&
-        !tool.moves(model->geom_bodyid[model->pair_geom2[pair]])) {
-      continue;
-    }
-    mjtNum &margin = model->pair_margin[pair], &gap = model->pair_gap[pair];
-    margins.push_back({&margin, &gap, margin, gap});
   }
   restart();
 }
 
 void Tool::State::restart() {
-  set_horizon(0.0);
+  margins.grow(0.0);
   mj_forward(model, data);
   probe.assign(tool.coordinates(), 0.0);
   tool.read(*data, probe);
@@ -124,25 +113,23 @@ void Tool::State::restart() {
   rate.assign(static_cast<std::size_t>(model->nv), 0.0);
   contacts.begin(*model, *data);
   last_time = data->time;
+  last_step = model->opt.timestep;
+  times_bad = bad_states();
   times_full = data->warning[mjWARN_CONTACTFULL].number;
 }
 
-void Tool::State::set_horizon(double horizon) {
-  // From 3.9 on contacts are found within margin + gap and have force within margin; before, within
-  // margin, and margin - gap.
-  constexpr bool kGapIsAdded = mjVERSION_HEADER >= 3009000;
-  for (const Margin& own : margins) {
-    *own.margin = own.own_margin + (kGapIsAdded ? 0.0 : horizon);
-    *own.gap = own.own_gap + horizon;
-  }
+void Tool::State::look_for_jump() {
+  const double step = data->time - last_time;
+  if (bad_states() == times_bad && step >= 0.0 && step < 1.5 * last_step) return;
+  restart();
 }
 
 void Tool::State::aim(const std::vector<double>& x_probe, int count, nanoseconds round_trip) {
   if (count <= 0) throw std::invalid_argument("steps " + std::to_string(count) + ": must be > 0");
-  if (data->time < last_time) restart();  // mj_resetData, or MuJoCo found a bad state
+  look_for_jump();
   const double seconds = count * model->opt.timestep;
-  known = !x_probe.empty() && finite(x_probe);
-  if (!known) return aimed.next({}, count, seconds);
+  known = false;
+  if (x_probe.empty() || !finite(x_probe)) return aimed.next({}, count, seconds);
   if (x_probe.size() < tool.coordinates()) {
     throw std::invalid_argument("x_probe has " + std::to_string(x_probe.size()) +
                                 " coordinates, and coordinate " +
@@ -153,6 +140,8 @@ void Tool::State::aim(const std::vector<double>& x_probe, int count, nanoseconds
                                 " coordinates, but there are " +
                                 std::to_string(options.weights.size()) + " weights");
   }
+  if (!tool.has_turns(x_probe)) return aimed.next({}, count, seconds);
+  known = true;
   probe = x_probe;
   aimed.next(probe, count, seconds);
   const std::chrono::duration<double> period(seconds);
@@ -160,17 +149,19 @@ void Tool::State::aim(const std::vector<double>& x_probe, int count, nanoseconds
   const int full = data->warning[mjWARN_CONTACTFULL].number;
   if (full > times_full) room *= 0.5;
   times_full = full;
-  set_horizon(room *
-              client::contact_horizon(round_trip, std::chrono::duration_cast<nanoseconds>(period)));
+  margins.grow(
+      room * client::contact_horizon(round_trip, std::chrono::duration_cast<nanoseconds>(period)));
 }
 
 void Tool::State::pull() {
+  look_for_jump();
   mj_kinematics(model, data);
   mj_comPos(model, data);
   seen = probe;
   tool.read(*data, seen);
   std::copy_n(data->qvel, model->nv, rate.begin());
   last_time = data->time;
+  last_step = model->opt.timestep;
   aimed.step();
   for (int i = 0; i < model->nv; ++i) {
     if (tool.owns_dof(i)) data->qfrc_applied[i] = 0.0;
@@ -237,6 +228,7 @@ void Tool::State::pull_frame(const Place& place) {
 }
 
 client::Proxy Tool::State::proxy() {
+  look_for_jump();
   auto near = contacts.find(*model, *data, seen, rate);
   if (!known || !aimed.following()) return client::Proxy::free();
   std::vector<double> x = probe;
@@ -277,6 +269,9 @@ void Tool::pull() {
 }
 client::Proxy Tool::proxy() {
   return state_->proxy();
+}
+void Tool::restart() {
+  state_->restart();
 }
 bool Tool::following() const noexcept {
   return state_->aimed.following();

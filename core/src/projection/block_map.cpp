@@ -24,6 +24,7 @@ bool curves(const PlaneSet& planes, int i, int first, int count) noexcept {
 BlockMap::BlockMap(const Kinematics& kinematics)
     : x_probe_(VecX::Zero(kinematics.space().n_x())),
       J_(MatXQ::Zero(kinematics.space().n_x(), kinematics.layout().n_q())) {
+  for (const int first : kinematics.space().quaternions()) x_probe_[first + 3] = 1.0;  // no turn
   for (const MapBlock& at : blocks_or_whole(kinematics)) {
     Block block;
     block.at = at;

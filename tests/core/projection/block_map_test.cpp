@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "haptic/core/model/stylus.hpp"
 #include "haptic/core/projection/block_renderer.hpp"
 #include "haptic/core/projection/direction_guard.hpp"
 #include "tests/core/model/sample_hands.hpp"
@@ -175,6 +176,12 @@ TEST_F(BlockMapTest, FailedWholeMapKeepsAll) {
   const VecX before = map.x_probe();
   ASSERT_EQ(map.move_to((VecQ(2) << 0.02, -101 * kDegree).finished()), 1u);
   EXPECT_EQ(map.x_probe(), before);
+}
+
+TEST_F(BlockMapTest, QuaternionsBeginWithoutATurn) {
+  const auto stylus = make_stylus({});
+  EXPECT_EQ(BlockMap(*stylus).x_probe(), (VecX(7) << 0, 0, 0, 0, 0, 0, 1).finished());
+  EXPECT_EQ(BlockMap(hand).x_probe(), VecX::Zero(10));
 }
 
 TEST_F(BlockMapTest, CopiesAndClearsBlocksAskedFor) {

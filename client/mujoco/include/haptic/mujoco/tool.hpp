@@ -62,8 +62,9 @@ class Tool {
   /// tool's DoFs is the tool's: put forces of your own into xfrc_applied. Runs mj_forward.
   ///
   /// Throws std::invalid_argument, which names binding, value and what is allowed: an unknown name,
-  /// a coordinate that is bound twice, a ball or free joint, a scale of 0, a coupling or a weight
-  /// that is not above 0, and a spring too stiff for the model's step (step sqrt(c w / m) > 0.5).
+  /// a coordinate that is bound twice, has no weight or is not below 10000, a ball or free joint, a
+  /// scale of 0, a coupling or a weight that is not above 0, and a spring too stiff for the model's
+  /// step (step sqrt(c w / m) > 0.5).
   Tool(mjModel* model, mjData* data, const std::vector<Binding>& bindings,
        const ToolOptions& options);
   ~Tool();
@@ -71,9 +72,9 @@ class Tool {
   Tool& operator=(Tool&&) noexcept;
 
   /// `period` s of simulated time by mj_step, and the sample to publish. `x_probe`: of the newest
-  /// state, all coordinates of the device; if it is empty or not finite the tool stays where it is,
-  /// and the sample is Proxy::free(). `round_trip`: Session::round_trip(), for the horizon in which
-  /// contacts are told before they touch.
+  /// state, all coordinates of the device; if it is empty, not finite, or a pose's quaternion is
+  /// shorter than 1e-3, the tool stays where it is, and the sample is Proxy::free(). `round_trip`:
+  /// Session::round_trip(), for the horizon in which contacts are told before they touch.
   client::Proxy step(const std::vector<double>& x_probe, double period,
                      std::chrono::nanoseconds round_trip = {});
 
@@ -84,10 +85,18 @@ class Tool {
 
   /// Where the tool is to be after `steps` (> 0) steps.
   void aim(const std::vector<double>& x_probe, int steps, std::chrono::nanoseconds round_trip = {});
-  /// Sets qfrc_applied for the next mj_step.
+  /// Sets qfrc_applied for the next mj_step. Before every one: after a step without it the tool
+  /// begins again, see restart().
   void pull();
   /// Of the contacts that the last mj_step found.
   [[nodiscard]] client::Proxy proxy();
+
+  /// The tool begins again where the model has it, as a late join: until it came to the probe, see
+  /// ToolOptions::jump_m, nothing is told, and what it is inside of does not count. Call it after
+  /// you moved the model yourself (qpos). By itself it happens if data->time is not that of the
+  /// next step: after mj_resetData, a key of another time, a bad state, or steps without pull().
+  /// Runs mj_forward.
+  void restart();
 
   /// Whether the tool follows the probe; false: it is on its way there, see ToolOptions::jump_m.
   [[nodiscard]] bool following() const noexcept;

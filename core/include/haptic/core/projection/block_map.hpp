@@ -24,7 +24,8 @@ class BlockMap {
   /// tick, the next move_to() computes f and J together. Never allocates.
   void differentiate(BlockSet needed) noexcept;
 
-  [[nodiscard]] const VecX& x_probe() const noexcept { return x_probe_; }  ///< n_x; 0 before f
+  /// n_x; before f 0, and quaternions 0, 0, 0, 1.
+  [[nodiscard]] const VecX& x_probe() const noexcept { return x_probe_; }
   [[nodiscard]] const MatXQ& J() const noexcept { return J_; }  ///< n_x by n_q; 0 between blocks
   [[nodiscard]] BlockSet all() const noexcept { return all_; }
   /// The blocks in which dx (n_x) is not 0 throughout.

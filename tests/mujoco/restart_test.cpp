@@ -1,0 +1,144 @@
+/// A tool whose model is suddenly elsewhere: reset, a key, a bad state, a qpos set by hand.
+
+#include <gtest/gtest.h>
+
+#include "tests/mujoco/mujoco_world.hpp"
+
+namespace haptic::mujoco {
+namespace {
+
+constexpr double kSpring = 1500.0;  // of the coupling, N/m
+
+/// What the device is told to feel, N.
+double told(const client::Proxy& proxy, double probe) {
+  return proxy.position.empty() ? 0.0 : kSpring * std::abs(proxy.position[0] - probe);
+}
+
+struct Slid {
+  Slid() : world(slider_model(kSoftWall)) {
+    for (int i = 0; i < 60; ++i) static_cast<void>(tool.step({0.0}, 1.0 / 60.0));
+    EXPECT_TRUE(tool.following());
+  }
+  /// The largest force of 2 s at 1 kHz, after which the tool must follow.
+  double goes_to(double probe) {
+    double most = 0.0;
+    for (int i = 0; i < 2000; ++i) {
+      most = std::max(most, told(tool.step({probe}, 1e-3), probe));
+    }
+    EXPECT_TRUE(tool.following());
+    return most;
+  }
+  World world;
+  Tool tool{world.m(), world.d(), {joint("x", 0)}, {.coupling = kSpring}};
+};
+
+TEST(Restart, ResetIsALateJoin) {
+  World world(slider_model(kSoftWall));
+  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kSpring});
+  const auto force = [&] {
+    mjtNum one[6] = {};
+    for (int i = 0; i < 60; ++i) static_cast<void>(tool.step({0.030}, 1.0 / 60.0));
+    mj_contactForce(world.m(), world.d(), 0, one);
+    return one[0];
+  };
+  const double before = force();
+  EXPECT_GT(before, 2.0);
+  mj_resetData(world.m(), world.d());
+  EXPECT_EQ(tool.step({0.060}, 1.0 / 60.0).mode, client::Mode::kFree);
+  EXPECT_FALSE(tool.following());
+  EXPECT_NEAR(force(), before, 1e-3 * before);
+}
+
+TEST(Restart, KeyOfAnyTimeIsOne) {
+  for (const double time : {0.0, 0.9, 1.1, 100.0}) {
+    SCOPED_TRACE(time);
+    Slid run;
+    mj_resetData(run.world.m(), run.world.d());
+    run.world.d()->time = time;
+    run.world.d()->qpos[0] = 0.10;  // inside the wall
+    EXPECT_EQ(run.goes_to(0.0), 0.0);
+  }
+}
+
+TEST(Restart, CallerMaySayIt) {
+  Slid run;
+  run.world.d()->qpos[0] = 0.10;
+  run.tool.restart();
+  EXPECT_FALSE(run.tool.following());
+  EXPECT_EQ(run.tool.proxy().mode, client::Mode::kFree);
+  EXPECT_EQ(run.goes_to(0.0), 0.0);
+}
+
+/// The tool was brought round a wall, and MuJoCo puts it back behind it, within a sample.
+TEST(Restart, BadStateIsALateJoin) {
+  mju_user_warning = [](const char*) {};  // MuJoCo would write a file
+  for (const int bad : {0, 7, 15}) {
+    SCOPED_TRACE(bad);
+    World world(slider_model(
+        R"(<geom type="box" pos="-0.05 0 0" size="0.005 0.1 0.1" solref="-12500 -50"
+             solimp="0.5 0.5 0.001"/>)"));
+    Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kSpring});
+    for (int i = 0; i < 60; ++i) static_cast<void>(tool.step({0.0}, 1.0 / 60.0));
+    world.d()->qpos[0] = -0.10;
+    tool.restart();
+    for (int i = 0; i < 60; ++i) static_cast<void>(tool.step({-0.10}, 1.0 / 60.0));
+    ASSERT_TRUE(tool.following());
+    tool.aim({-0.10}, 16);
+    for (int k = 0; k < 16; ++k) {
+      tool.pull();
+      if (k == bad) world.d()->qvel[0] = 1e20;
+      mj_step(world.m(), world.d());
+    }
+    for (int frame = 0; frame < 5; ++frame) {
+      EXPECT_EQ(tool.proxy().mode, client::Mode::kFree);
+      EXPECT_FALSE(tool.following());
+      EXPECT_GT(world.d()->qpos[0], -0.02) << "it begins where the model has it";
+      tool.aim({-0.10}, 4);
+      for (int k = 0; k < 4; ++k) {
+        tool.pull();
+        mj_step(world.m(), world.d());
+      }
+    }
+  }
+  mju_user_warning = nullptr;
+}
+
+TEST(Restart, BadStateInTheFirstStep) {
+  mju_user_warning = [](const char*) {};
+  World world(slider_model(kSoftWall));
+  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kSpring});
+  world.d()->qpos[0] = 0.10;
+  tool.restart();
+  tool.aim({0.10}, 1);
+  EXPECT_TRUE(tool.following());
+  tool.pull();
+  world.d()->qvel[0] = 1e20;
+  mj_step(world.m(), world.d());  // then data->time is as after any first step
+  EXPECT_EQ(tool.proxy().mode, client::Mode::kFree);
+  EXPECT_FALSE(tool.following());
+  mju_user_warning = nullptr;
+}
+
+TEST(Restart, PosesWithoutATurnPassBy) {
+  World world(R"(<mujoco><option timestep="0.001" gravity="0 0 0"/><worldbody>
+    <geom type="plane" pos="0 0 -0.05" size="1 1 1"/>
+    <body name="pen"><freejoint/><geom type="sphere" size="0.03" mass="0.3"/></body>
+  </worldbody></mujoco>)");
+  Tool tool(world.m(), world.d(), {pose("pen", 0)}, {.coupling = 20.0});
+  const auto after = [&](const std::vector<double>& probe) {
+    client::Proxy proxy;
+    for (int i = 0; i < 30; ++i) proxy = tool.step(probe, 1.0 / 60.0);
+    return proxy;
+  };
+  for (const double part : {0.0, 9e-4, 1e-320, 1.7e308}) {
+    SCOPED_TRACE(part);
+    EXPECT_EQ(after({0, 0, -0.03, 0, 0, 0, 1}).planes.size(), 1u);
+    EXPECT_EQ(after({0, 0, 0, 0, part > 1.0 ? part : 0.0, 0, part}).mode, client::Mode::kFree);
+    EXPECT_LT(world.d()->qpos[2], -0.01) << "it stays";
+  }
+  EXPECT_EQ(after({0, 0, -0.03, 0, 0, 0, 2e-3}).planes.size(), 1u) << "short, but a turn";
+  EXPECT_EQ(world.d()->warning[mjWARN_BADQACC].number, 0);
+}
+
+}  // namespace
+}  // namespace haptic::mujoco

@@ -6,6 +6,7 @@
 # Groups: runtime     what the installed programs load
 #         build       what compiles them
 #         demo        what server/demo.sh needs in addition to build
+#         hand        what server/demo.sh --hand needs in addition to build and demo
 #         test        what tests/run.sh needs in addition to build
 #         report      what draws the figures of the study
 #         node        npm, which fetches buf (proto/buf.sh)
@@ -27,10 +28,12 @@ packages() {
                 "libsystemd-dev libboost-dev libseccomp-dev python3-protobuf dpkg-dev file" \
                 "help2man" ;;
     demo) echo "gnuplot-nox" ;;
+    hand) echo "libmujoco-dev libegl-dev libgl1-mesa-dri ffmpeg" ;;
     test) echo "libgtest-dev libgmock-dev clang-format clang-tidy gnuplot-nox" \
                 "liborocos-kdl-dev clang python3-grpcio python3-cryptography tshark openssl" \
                 "python3-pip python3-setuptools python3-wheel" \
-                "prometheus systemd mypy lintian haproxy libmujoco-dev" ;;
+                "prometheus systemd mypy lintian haproxy libmujoco-dev libegl-dev" \
+                "libgl1-mesa-dri ffmpeg" ;;
     report) echo "gnuplot-nox" ;;
     node) echo "nodejs npm" ;;
     firmware) echo "gcc-arm-none-eabi" ;;

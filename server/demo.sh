@@ -2,27 +2,31 @@
 # The main job in one command: a finger in an exoskeleton (simulated) closes on a soft object that
 # another process simulates. Shows it live, prints a summary, leaves pictures.
 #
-#   server/demo.sh [--seconds N] [--motion FILE] [--delay MS] [--serial] [--output DIR]
+#   server/demo.sh [--seconds N] [--motion FILE] [--delay MS] [--serial] [--hand] [--output DIR]
 #                  [--no-build] [--build DIR]
 #
-#   --seconds N    stop after N s (default 20)
+#   --seconds N    stop after N s (default 20; with --hand 26, its whole motion)
 #   --motion FILE  moves the hand by a recording: CSV, columns time_s,q_o1_mcp_rad,q_o2_pip_rad
 #   --delay MS     a second finger beside it, whose simulation is a round trip of MS ms away, and a
 #                  picture of both forces, one on the other
 #   --serial       through a serial link: a board's firmware and a model of its actuator, emulated
 #                  on a pseudo-terminal (hw/README.md), instead of the simulated finger
+#   --hand         a hand of five fingers on a moving palm (simulated) touches, strokes and grasps
+#                  objects that MuJoCo simulates; makes a film, too
 #   --output DIR   where summary, recording and pictures go (default: demo-output beside the README)
 #   --no-build     does not install packages and does not build
 #   --build DIR    uses the programs of this build folder (implies --no-build)
 #
-# Exit status: 0 contact was felt and free motion was free; else what went wrong is said.
+# Exit status: 0 contact was felt (by every motor) and free motion was free; else what went wrong is
+# said.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
-seconds=20
+seconds=
 motion=
 delay=
 serial=false
+hand=false
 output=$root/demo-output
 build=true
 programs=$root/build/release
@@ -32,6 +36,7 @@ while (($#)); do
     --motion) motion=$(realpath -e -- "${2:?--motion needs a file}"); shift 2 ;;
     --delay) delay=${2:?--delay needs a number}; shift 2 ;;
     --serial) serial=true; shift ;;
+    --hand) hand=true; shift ;;
     --output) output=${2:?--output needs a folder}; shift 2 ;;
     --no-build) build=false; shift ;;
     --build) build=false; programs=$(realpath -e -- "${2:?--build needs a folder}"); shift 2 ;;
@@ -39,6 +44,7 @@ while (($#)); do
     *) echo "demo.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
   esac
 done
+if $hand; then : "${seconds:=26}"; else : "${seconds:=20}"; fi
 if ! [[ $seconds =~ ^[0-9]{1,6}$ ]] || ((10#$seconds < 3)); then
   echo "demo.sh: --seconds must be a whole number, 3 to 999999" >&2
   exit 2
@@ -48,9 +54,23 @@ if [[ -n $delay ]] && { ! [[ $delay =~ ^[0-9]{1,3}$ ]] || $serial; }; then
   echo "demo.sh: --delay must be a whole number of ms, 0 to 999, and not with --serial" >&2
   exit 2
 fi
+if $hand && { [[ -n $delay ]] || $serial; }; then
+  echo "demo.sh: --hand is not with --delay or --serial" >&2
+  exit 2
+fi
 
+targets=(hapticd hapticctl)
+packages=(build demo)
+if $hand; then
+  targets+=(haptic-example-mujoco)
+  packages+=(hand)
+else
+  targets+=(haptic-example-soft-grasp)
+fi
+if $serial; then targets+=(haptic-board-emulator); fi
+if [[ -n $delay ]]; then targets+=(haptic-relay); fi
 if $build; then
-  sh "$root/docker/install-deps.sh" build demo
+  sh "$root/docker/install-deps.sh" "${packages[@]}"
   (
     cd "$root"
     # Without the tests, whose packages the demo does not install; a folder that has them keeps
@@ -58,9 +78,8 @@ if $build; then
     [[ -f build/release/build.ninja ]] ||
       cmake --preset release -DHAPTIC_BUILD_TESTS=OFF --log-level=WARNING >/dev/null
     [[ -z $delay ]] || cmake -DHAPTIC_BUILD_RELAY=ON --log-level=WARNING build/release >/dev/null
-    cmake --build --preset release --parallel "$(nproc)" \
-      --target hapticd hapticctl haptic-example-soft-grasp haptic-board-emulator \
-      ${delay:+haptic-relay}
+    ! $hand || cmake --log-level=WARNING build/release >/dev/null  # finds MuJoCo now
+    cmake --build --preset release --parallel "$(nproc)" --target "${targets[@]}"
   )
 fi
 
@@ -74,7 +93,7 @@ program() {  # program NAME: where the build put it
 }
 hapticd=$(program hapticd)
 hapticctl=$(program hapticctl)
-grasp=$(program haptic-example-soft-grasp)
+grasp=("$(program "${targets[2]}")")
 if $serial; then emulator=$(program haptic-board-emulator); fi
 if [[ -n $delay ]]; then relay=$(program haptic-relay); fi
 command -v gnuplot >/dev/null ||
@@ -114,12 +133,19 @@ end() {  # end NAME: asks it to stop and returns its exit status
 }
 
 scene=$root/server/scenes/finger_soft_grasp.textproto
+what="soft grasp with one finger"
+if $hand; then
+  scene=$root/server/scenes/hand_soft_grasp.textproto
+  what="a hand touches, strokes and grasps"
+  grasp+=("$root/client/mujoco/examples/hand.xml" --film "$output/hand.webm"
+    --picture "$output/hand.png")
+fi
 # Nobody wears this device, and the host of a shared machine takes the processors away for tens of
 # ms, again and again: what would be a fault of a real one is counted in the summary (lateness,
 # skipped ticks).
 settings=(--set "record.file=\"$recording\"" --set record.overwrite=true
-  --set record.compare_renderers=true
   --set loop.loop_late_fault.nanos=100000000 --set loop.late_bucket_full=1000000)
+$hand || settings+=(--set record.compare_renderers=true)
 if $serial; then
   port=$folder/board
   # The board waits for longer than the loop may be late.
@@ -140,7 +166,9 @@ if $serial; then
     --set device[0].passivity.observer.inertia_kg=0.02
     --set device[0].passivity.device_damping_n_s_per_m=0.5)
 elif [[ -n $motion ]]; then
-  settings+=(--set "device[0].simulated_finger.motion_file=\"$motion\"")
+  wearer=simulated_finger
+  if $hand; then wearer=simulated_hand; fi
+  settings+=(--set "device[0].$wearer.motion_file=\"$motion\"")
 fi
 
 "$hapticd" --scene "$scene" --listen "$server" "${settings[@]}" 2>"$folder/hapticd.log" &
@@ -153,7 +181,7 @@ done
 [[ -S $folder/socket ]] || give_up "hapticd does not listen" "$folder/hapticd.log"
 head -n 3 "$folder/hapticd.log"
 
-"$grasp" --server "$server" >"$folder/grasp.log" 2>&1 &
+"${grasp[@]}" --server "$server" >"$folder/grasp.log" 2>&1 &
 running[grasp]=$!
 
 if [[ -n $delay ]]; then
@@ -174,7 +202,7 @@ if [[ -n $delay ]]; then
     alive far_hapticd || give_up "the second hapticd did not start" "$folder/far_hapticd.log"
     sleep 0.1
   done
-  "$grasp" --server "127.0.0.2:$port" >"$folder/far_grasp.log" 2>&1 &
+  "${grasp[@]}" --server "127.0.0.2:$port" >"$folder/far_grasp.log" 2>&1 &
   running[far_grasp]=$!
 fi
 
@@ -195,13 +223,24 @@ if [[ -n ${running[watch]:-} ]]; then
   end watch || true
   echo
 fi
-end grasp || true  # a client that is told to go may say so in its status
+"$hapticctl" --server "$server" info | sed -n 's/.*; tick /  tick              /p' >"$folder/tick"
+if $hand; then
+  kill -TERM "${running[grasp]}"  # it closes its session, then it makes the film
+  sleep 0.5
+else
+  end grasp || true  # a client that is told to go may say so in its status
+fi
 if [[ -n $delay ]]; then
   end far_grasp || true
   end relay || true
   end far_hapticd || give_up "the second hapticd did not stop cleanly" "$folder/far_hapticd.log"
 fi
 end hapticd || give_up "hapticd did not stop cleanly" "$folder/hapticd.log"
+if $hand; then
+  echo "making the film, a minute or two"
+  wait "${running[grasp]}" || give_up "the film could not be made" "$folder/grasp.log"
+  unset "running[grasp]"
+fi
 if $serial; then
   end emulator || give_up "the board's emulator did not stop cleanly" "$folder/emulator.log"
   sed -n '$s/^/  board             /p' "$folder/emulator.log"
@@ -214,7 +253,7 @@ method=$("$hapticd" --scene "$scene" "${settings[@]}" --print-scene |
 status=0
 {
   if $serial; then echo "soft grasp over a serial link to an emulated board"; fi
-  echo "soft grasp, ${motion:+moved by $(basename -- "$motion"), }method $method"
+  echo "$what, ${motion:+moved by $(basename -- "$motion"), }method $method"
   awk -f "$root/server/demo/summary.awk" -v stretches="$folder/contact" "$recording"
   if [[ -n $delay ]]; then
     awk -v ms="$delay" -v curves="$folder/curves.csv" -f "$root/server/demo/delay.awk" \
@@ -222,19 +261,24 @@ status=0
   fi
 } >"$output/summary.txt" || status=$?
 cat "$output/summary.txt"
-sed -n 's/^soft grasp: /  client            /p' "$folder/grasp.log"
+cat "$folder/tick"
+sed -n 's/^\(soft grasp\|MuJoCo\): /  client            /p' "$folder/grasp.log"
 
 # About 4000 points per curve: more than the picture can show, and the SVG stays small.
 if [[ ! -s $folder/contact ]]; then echo "-1 -1" >"$folder/contact"; fi
 tr ' ' ',' <"$folder/contact" >"$folder/contact.csv"
 rows=$(wc -l <"$recording")
 awk -v every=$((rows / 4000 + 1)) 'NR == 1 || NR % every == 0' "$recording" >"$folder/figure.csv"
-heading="hapticd: soft grasp with one finger"
+heading="hapticd: $what"
 if [[ -n $motion ]]; then heading+=", moved by $(basename -- "$motion" | sed 's/_/\\\\_/g')"; fi
-gnuplot -e "data='$folder/figure.csv'; contact='$folder/contact.csv'; output='$output/soft-grasp'" \
-  -e "method='$method'; heading=\"$heading\"" "$root/server/demo/figure.gp" ||
+picture=soft-grasp
+figure=$root/server/demo/figure.gp
+if $hand; then picture=hand-forces figure=$root/server/demo/hand.gp; fi
+gnuplot -e "data='$folder/figure.csv'; contact='$folder/contact.csv'; output='$output/$picture'" \
+  -e "method='$method'; heading=\"$heading\"" "$figure" ||
   give_up "gnuplot could not draw the figure" /dev/null
-echo "  pictures          $output/soft-grasp.png, .svg; every tick: $recording"
+echo "  pictures          $output/$picture.png, .svg; every tick: $recording"
+if $hand; then echo "  film              $output/hand.webm; strongest grasp: $output/hand.png"; fi
 
 if [[ -s $folder/curves.csv ]]; then
   gnuplot -e "curves='$folder/curves.csv'; contact='$folder/contact.csv'; ms=$delay" \
@@ -243,5 +287,6 @@ if [[ -s $folder/curves.csv ]]; then
   echo "  pictures          $output/delay.png, .svg: the force here and $delay ms away"
 fi
 
+if $hand && ! grep -q ' accepted, 0 refused$' "$folder/grasp.log"; then status=8; fi
 ((status == 0)) || echo "demo.sh: not as promised (see the summary)" >&2
 exit "$status"

@@ -10,8 +10,11 @@
 # the damping's 200 ms ramp take the last of the command away; those 200 ms are reported by
 # themselves, and the bound of 2 % is asked of free motion after them.
 #
-# Exit status: 0 as promised; 3 no contact; 4 the bound does not hold; 5 no free motion; 6 no data;
-# 7 a fault.
+# With several motors, as of a hand, |tau_a| is the largest of them, and each must have felt
+# contact: more than the bound of free motion.
+#
+# Exit status: 0 as promised; 3 no contact, or none of a motor; 4 the bound does not hold; 5 no free
+# motion; 6 no data; 7 a fault.
 
 function sort(a, n,    gap, i, j, v) {  # Shell sort: mawk has none of its own
   for (gap = int(n / 2); gap > 0; gap = int(gap / 2))
@@ -38,13 +41,19 @@ BEGIN { FS = ","; ramp_s = 0.2; bound = 0.02 }
 
 NR == 1 {
   for (i = 1; i <= NF; i++) column[$i] = i
-  split("time_s seq state proxy_age_us mode active_planes gain tau_a_l_x_n lateness_us skipped",
-        needed, " ")
+  for (i = 1; i <= NF; i++) if ($i ~ /^tau_a_/) {
+    motor[++motors] = i
+    name[motors] = $i
+    sub(/^tau_a_/, "", name[motors]); sub(/\..*/, "", name[motors])
+    off_column[motors] = column["error_bound" substr($i, 6)]
+  }
+  split("time_s seq state proxy_age_us mode active_planes gain lateness_us skipped", needed, " ")
   for (i in needed) if (!(needed[i] in column)) {
     print "summary: the recording has no column " needed[i]
     broken = 1
-    exit 6
   }
+  if (!motors) { print "summary: the recording has no column tau_a_..."; broken = 1 }
+  if (broken) exit 6
   next
 }
 
@@ -53,7 +62,8 @@ NR == 1 {
   mode = $column["mode"]
   touches = touching(mode, $column["active_planes"])
   engaged = $column["state"] == "ENGAGED"
-  force = abs($column["tau_a_l_x_n"] + 0)
+  force = 0
+  for (i = 1; i <= motors; i++) if (abs($motor[i]) > force) force = abs($motor[i])
   gain = $column["gain"] + 0
   if (rows++) dt = t - last_t; else { begin = t; dt = 0 }
   lost_records += rows > 1 ? $column["seq"] - last_tick - 1 : 0
@@ -64,9 +74,13 @@ NR == 1 {
     if (contact_since == "") { contact_since = t; contacts++ }
     contact_s += dt
     contact_ticks++
-    if (column["error_bound_l_x_n"] && $column["error_bound_l_x_n"] != "")
-      off[++n_off] = $column["error_bound_l_x_n"] + 0
+    for (i = 1; i <= motors; i++) {
+      if (off_column[i] && $off_column[i] != "") off[++n_off] = $off_column[i] + 0
+      if (abs($motor[i]) > most[i]) most[i] = abs($motor[i])
+    }
     if (force > peak) { peak = force; peak_at = t }
+    at_once = split($column["active_planes"], held, "|")
+    if (at_once > most_at_once) most_at_once = at_once
   } else {
     close_contact(t)
   }
@@ -99,10 +113,18 @@ END {
   for (f in faults) { printf "  FAULT             %s, %d ticks\n", f, faults[f]; faulted = 1 }
   if (!contacts || peak == 0) { print "  no contact: nothing was felt"; exit 3 }
   printf "  contact           peak |tau_a| %.2f N at %.2f s\n", peak, peak_at
+  if (motors > 1) {
+    printf "  contacts at once  %d\n", most_at_once
+    for (i = 1; i <= motors; i++) {
+      printf "  %-17s peak |tau_a| %.2f N\n", name[i], most[i]
+      if (most[i] <= bound * peak) unfelt = unfelt " " name[i]
+    }
+  }
   sort(off, n_off)
   if (n_off)
     printf "  error bound       known in %.1f %% of contact, median %.4f N, max %.3f N\n",
-           100 * n_off / contact_ticks, quantile(off, n_off, 0.5), off[n_off]
+           100 * n_off / contact_ticks / motors, quantile(off, n_off, 0.5), off[n_off]
+  if (unfelt != "") { print "  no contact was felt by" unfelt; exit 3 }
   if (!n_free) { print "  no free motion longer than the ramps: nothing to compare with"; exit 5 }
   worst = free[n_free]
   printf "  letting go        max |tau_a| %.3f N in the 200 ms after contact " \

@@ -36,7 +36,8 @@ struct Worn {
       : config(finger_config(renderer)),
         world(
             World::of_file(std::string(HAPTIC_SOURCE_DIR) + "/client/mujoco/examples/finger.xml")),
-        tool(world.m(), world.d(), {joint("mcp", 0), joint("pip", 1)}, {.coupling = kCoupling}),
+        tool(world.m(), world.d(), {joint("q_o1_mcp", 0), joint("q_o2_pip", 1)},
+             {.coupling = kCoupling}),
         loop(config, told_by(tool, rate_hz, delay_s, 2), 2.0) {}
 
   void at(double part) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "haptic/client/planes.hpp"
 #include "haptic/mujoco/tool.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"
 #include "tests/support/plane_set.hpp"
@@ -70,8 +71,10 @@ inline test::ClientSettings told_by(Tool& tool, double rate_hz, double delay_s, 
   client.jitter = 0.0;
   client.simulate = [&tool, rate_hz, delay_s, n_x](test::Frame& frame) {
     const std::vector<double> probe(frame.x_probe.begin(), frame.x_probe.end());
-    const client::Proxy proxy = tool.step(
+    client::Proxy proxy = tool.step(
         probe, 1.0 / rate_hz, std::chrono::nanoseconds(static_cast<std::int64_t>(delay_s * 1e9)));
+    client::keep_deepest(std::vector<client::VirtualCoordinate>(probe.size()), proxy.position,
+                         probe, proxy.planes);
     frame.walls = test::plane_set(proxy.planes, n_x);
     frame.x = frame.x_probe;
     for (std::size_t i = 0; i < proxy.position.size(); ++i) {

@@ -84,7 +84,7 @@ void compare(Still& still, double way, double third) {
 const std::string kExample = std::string(HAPTIC_SOURCE_DIR) + "/client/mujoco/examples/finger.xml";
 
 TEST(NearContacts, FingersGapsToSecondOrder) {
-  Still still(World::of_file(kExample), {joint("mcp", 0), joint("pip", 1)});
+  Still still(World::of_file(kExample), {joint("q_o1_mcp", 0), joint("q_o2_pip", 1)});
   still.world.d()->qpos[0] = 0.4;
   still.world.d()->qpos[1] = 0.5;
   const auto found = still.find();
@@ -97,7 +97,8 @@ TEST(NearContacts, FingersGapsToSecondOrder) {
 }
 
 TEST(NearContacts, SignsAndOrderOfJointsCount) {
-  Still still(World::of_file(kExample), {joint("mcp", 3, -2.0, 0.1), joint("pip", 1, 0.5)});
+  Still still(World::of_file(kExample),
+              {joint("q_o1_mcp", 3, -2.0, 0.1), joint("q_o2_pip", 1, 0.5)});
   still.world.d()->qpos[0] = 0.4;
   still.world.d()->qpos[1] = 0.5;
   still.world.m()->geom_contype[still.world.id(mjOBJ_GEOM, "box")] = 0;

@@ -2,8 +2,9 @@
 # The demo, short: contact is felt, here and 100 ms away, free motion is free, the pictures are
 # there and show something.
 # With --serial: through an emulated board, a program that a busy host holds up, unlike a board.
+# With --hand: the hand grasps the ball, and is filmed.
 #
-#   demo_test.sh BUILD-FOLDER OUTPUT-FOLDER [--serial]
+#   demo_test.sh BUILD-FOLDER OUTPUT-FOLDER [--serial | --hand]
 set -eu
 demo=$(cd "$(dirname "$0")/../../server" && pwd)/demo.sh
 output=$2
@@ -23,6 +24,18 @@ if [ "${3:-}" = --serial ]; then
     </dev/null
   check "its summary says so" grep -q 'over a serial link to an emulated board' "$summary"
   check "it names a contact force" grep -qE 'contact +peak \|tau_a\| [0-9.]+ N' "$summary"
+  exit 0
+fi
+
+if [ "${3:-}" = --hand ]; then
+  command -v ffmpeg >/dev/null || { echo "ffmpeg is not here"; exit 77; }
+  # It ends with 0 if every finger felt the ball, free motion was free and no sample was refused.
+  check "the demo with a hand" "$demo" --hand --build "$1" --seconds 8 --output "$output" </dev/null
+  check "ten contacts at once" grep -qE 'contacts at once +1[0-9]' "$summary"
+  check "its verdict" grep -q 'within 2 %' "$summary"
+  check "the film shows something" test "$(wc -c <"$output/hand.webm")" -gt 300000
+  check "the picture shows something" test "$(wc -c <"$output/hand.png")" -gt 40000
+  check "the forces are drawn" test "$(wc -c <"$output/hand-forces.png")" -gt 40000
   exit 0
 fi
 

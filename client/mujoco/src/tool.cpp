@@ -14,30 +14,6 @@ namespace {
 
 using std::chrono::nanoseconds;
 
-/// The same contact, said at x instead of x - z.
-void move_to(const std::vector<double>& x, const std::vector<double>& z, client::Plane& plane) {
-  double gap = plane.offset;  // at x - z
-  for (std::size_t i = 0; i < x.size(); ++i) gap -= plane.normal[i] * (x[i] - z[i]);
-  std::size_t n = 0;
-  while (triangle(n, 0) < plane.curvature.size()) ++n;
-  const std::size_t first = plane.first_coordinate;
-  std::vector<double> bent(n, 0.0);
-  for (std::size_t j = 0; j < n; ++j) {
-    for (std::size_t k = 0; k <= j; ++k) {
-      const double h = plane.curvature[triangle(j, k)];
-      bent[j] += h * z[first + k];
-      if (k != j) bent[k] += h * z[first + j];
-    }
-  }
-  for (std::size_t i = 0; i < x.size(); ++i) gap -= plane.normal[i] * z[i];
-  for (std::size_t j = 0; j < n; ++j) {
-    gap += 0.5 * bent[j] * z[first + j];
-    plane.normal[first + j] -= bent[j];
-  }
-  plane.offset = gap;
-  for (std::size_t i = 0; i < x.size(); ++i) plane.offset += plane.normal[i] * x[i];
-}
-
 mjData& forwarded(mjModel& model, mjData& data) {
   mj_forward(&model, &data);
   return data;
@@ -244,13 +220,8 @@ client::Proxy Tool::State::proxy() {
     planes.push_back(std::move(plane));
   }
   if (planes.empty()) return client::Proxy::free();
-  std::vector<double> z = x;  // x less what was seen
-  for (std::size_t i = 0; i < z.size(); ++i) z[i] -= seen[i];
-  for (const Place& place : tool.places()) {
-    const std::size_t first = place.binding.first_coordinate;
-    if (place.turns) z[first] = place.apart(seen[first], x[first]);
-  }
-  for (client::Plane& plane : planes) move_to(x, z, plane);
+  // The half spaces as they were seen, with the normals by which x was displaced: joints and
+  // friction keep the tool from x, and around x the object curves otherwise.
   return client::Proxy::behind(std::move(planes), std::move(x));
 }
 

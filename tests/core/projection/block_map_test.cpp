@@ -306,5 +306,33 @@ TEST_F(BlockMapTest, GuardByBlocksEqualsDenseSolve) {
   EXPECT_GT(withheld, 50);
 }
 
+/// As of fingers side by side: one contact that is pushed in would take the force of all.
+TEST_F(BlockMapTest, TrackedHandIsJudgedBySum) {
+  const auto tracked = make_tracked_hand(five_fingers_on_a_palm());
+  std::normal_distribution<double> normal;
+  DirectionGuard guard(*tracked);
+  int allowed = 0, withheld = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    VecQ q = VecQ::Zero(16);
+    q.tail(10) = random_pose();
+    VecX x_probe, dx(33);
+    MatXQ J;
+    ASSERT_EQ(tracked->evaluate(q, x_probe, J), MapStatus::kOk);
+    for (int i = 0; i < 33; ++i) dx[i] = 0.01 * normal(random_);
+    VecA tau(5);
+    for (int i = 0; i < 5; ++i) tau[i] = normal(random_);
+    Contacts contacts;
+    contacts.into = PlaneSet::Normals::Random(33, 8);
+    contacts.into.colwise().normalize();
+    contacts.depth = PlaneSet::Offsets::Constant(8, 0.1);
+    const double towards = tau.dot(tracked->layout().select(VecQ(oracle::least_squares(J, dx))));
+    if (std::abs(towards) < 1e-9) continue;
+    EXPECT_EQ(guard.allows({q, x_probe, J, {&contacts}}, dx, tau), towards > 0.0);
+    ++(towards > 0.0 ? allowed : withheld);
+  }
+  EXPECT_GT(allowed, 50);
+  EXPECT_GT(withheld, 50);
+}
+
 }  // namespace
 }  // namespace haptic::core

@@ -2,8 +2,13 @@
 /// Which part of a MuJoCo model the device moves: what of it is which coordinate of the device
 /// (DeviceInfo::coordinates, the x of proto/README.md).
 
+#include <mujoco/mujoco.h>
+
 #include <cstddef>
 #include <string>
+#include <vector>
+
+#include "haptic/client/types.hpp"
 
 namespace haptic::mujoco {
 
@@ -31,5 +36,12 @@ struct Binding {
 [[nodiscard]] inline Binding pose(std::string site_or_body, std::size_t first_coordinate) {
   return {Binding::Kind::kPose, std::move(site_or_body), first_coordinate, 1.0, 0.0};
 }
+
+/// Bindings of a model whose names are those of the device's coordinates (DeviceInfo::coordinates):
+/// NAME.x .y .z is a point, with .qx .qy .qz .qw a pose, of the site or body NAME; any other
+/// coordinate is the joint of its name. Throws std::invalid_argument, with the name that the model
+/// has not.
+[[nodiscard]] std::vector<Binding> by_name(
+    const mjModel& model, const std::vector<client::VirtualCoordinate>& coordinates);
 
 }  // namespace haptic::mujoco

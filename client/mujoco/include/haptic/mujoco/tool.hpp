@@ -2,7 +2,7 @@
 /// haptic::mujoco - makes a MuJoCo simulation haptic: the part of the model that the device moves
 /// follows the device by springs, and what it meets is told to hapticd as contacts.
 ///
-///   haptic::mujoco::Tool finger(model, data, {joint("mcp", 0), joint("pip", 1)},
+///   haptic::mujoco::Tool finger(model, data, {joint("q_o1_mcp", 0), joint("q_o2_pip", 1)},
 ///                               {.coupling = 0.15});
 ///   session->engage_when_ready();
 ///   while (running) {

@@ -1,0 +1,52 @@
+#include "haptic/mujoco/binding.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/mujoco/mujoco_world.hpp"
+
+namespace haptic::mujoco {
+namespace {
+
+const char* const kBodies = R"(<mujoco><worldbody>
+  <body name="palm"><freejoint/><geom size="0.01"/><site name="wrist"/>
+    <body><joint name="index.q_o1_mcp"/><geom size="0.01"/></body></body></worldbody></mujoco>)";
+
+std::vector<client::VirtualCoordinate> named(const std::vector<std::string>& names) {
+  std::vector<client::VirtualCoordinate> all;
+  for (const std::string& name : names) all.push_back({name, "", ""});
+  return all;
+}
+
+std::string complaint(const World& world, const std::vector<std::string>& names) {
+  try {
+    static_cast<void>(by_name(*world.m(), named(names)));
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Binding, NamesTellJointsPointsAndPoses) {
+  const World world(kBodies);
+  const std::vector<Binding> bound =
+      by_name(*world.m(), named({"index.q_o1_mcp", "wrist.x", "wrist.y", "wrist.z", "palm.x",
+                                 "palm.y", "palm.z", "palm.qx", "palm.qy", "palm.qz", "palm.qw"}));
+  ASSERT_EQ(bound.size(), 3u);
+  EXPECT_EQ(bound[0].kind, Binding::Kind::kJoint);
+  EXPECT_EQ(bound[0].name, "index.q_o1_mcp");
+  EXPECT_EQ(bound[1].kind, Binding::Kind::kPoint);
+  EXPECT_EQ(bound[1].name, "wrist");
+  EXPECT_EQ(bound[1].first_coordinate, 1u);
+  EXPECT_EQ(bound[2].kind, Binding::Kind::kPose);
+  EXPECT_EQ(bound[2].first_coordinate, 4u);
+}
+
+TEST(Binding, NamesThatMeanNothingAreRefused) {
+  const World world(kBodies);
+  EXPECT_NE(complaint(world, {"elbow"}).find("'elbow'"), std::string::npos);
+  EXPECT_NE(complaint(world, {"tip.x", "tip.y", "tip.z"}).find("'tip'"), std::string::npos);
+  EXPECT_NE(complaint(world, {"wrist.x", "wrist.y"}).find("'wrist.x'"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace haptic::mujoco

@@ -28,7 +28,7 @@ packages() {
                 "libsystemd-dev libboost-dev libseccomp-dev python3-protobuf dpkg-dev file" \
                 "help2man" ;;
     demo) echo "gnuplot-nox" ;;
-    hand) echo "libmujoco-dev libegl-dev libgl1-mesa-dri ffmpeg" ;;
+    hand) echo "libmujoco-dev libegl-dev libgl1-mesa-dri ffmpeg python3-grpcio" ;;
     test) echo "libgtest-dev libgmock-dev clang-format clang-tidy gnuplot-nox" \
                 "liborocos-kdl-dev clang python3-grpcio python3-cryptography tshark openssl" \
                 "python3-pip python3-setuptools python3-wheel" \

@@ -62,7 +62,7 @@ fi
 targets=(hapticd hapticctl)
 packages=(build demo)
 if $hand; then
-  targets+=(haptic-example-mujoco)
+  targets+=(haptic-example-mujoco haptic_python)
   packages+=(hand)
 else
   targets+=(haptic-example-soft-grasp)
@@ -109,7 +109,7 @@ declare -A running=()  # name -> process id: what is ours to end
 # shellcheck disable=SC2317  # called by the trap
 finish() {
   local name
-  for name in watch grasp hapticd emulator far_grasp relay far_hapticd; do
+  for name in watch grasp palm hapticd emulator far_grasp relay far_hapticd; do
     if [[ -n ${running[$name]:-} ]]; then kill "${running[$name]}" 2>/dev/null || true; fi
   done
   for name in "${!running[@]}"; do wait "${running[$name]}" 2>/dev/null || true; done
@@ -139,13 +139,20 @@ if $hand; then
   what="a hand touches, strokes and grasps"
   grasp+=("$root/client/mujoco/examples/hand.xml" --film "$output/hand.webm"
     --picture "$output/hand.png")
+  # Where the palm is says a client in the tracker's role, by the same recording as the fingers'.
+  palm=("$root/client/python/examples/palm.py"
+    "${motion:-$root/server/scenes/motion/hand_touch_stroke_grasp.csv}" --server "$server")
 fi
 # Nobody wears this device, and the host of a shared machine takes the processors away for tens of
 # ms, again and again: what would be a fault of a real one is counted in the summary (lateness,
 # skipped ticks).
 settings=(--set "record.file=\"$recording\"" --set record.overwrite=true
   --set loop.loop_late_fault.nanos=100000000 --set loop.late_bucket_full=1000000)
-$hand || settings+=(--set record.compare_renderers=true)
+if $hand; then
+  settings+=(--set 'device[0].tracker={}')
+else
+  settings+=(--set record.compare_renderers=true)
+fi
 if $serial; then
   port=$folder/board
   # The board waits for longer than the loop may be late.
@@ -181,6 +188,11 @@ done
 [[ -S $folder/socket ]] || give_up "hapticd does not listen" "$folder/hapticd.log"
 head -n 3 "$folder/hapticd.log"
 
+if $hand; then
+  PYTHONPATH=$(dirname "$(dirname "$hapticd")")/client/python /usr/bin/python3 "${palm[@]}" \
+    >"$folder/palm.log" 2>&1 &
+  running[palm]=$!
+fi
 "${grasp[@]}" --server "$server" >"$folder/grasp.log" 2>&1 &
 running[grasp]=$!
 
@@ -214,7 +226,7 @@ fi
 end_at=$((SECONDS + seconds))
 while ((SECONDS < end_at)); do
   alive hapticd || give_up "hapticd ended before its time" "$folder/hapticd.log"
-  for name in grasp ${delay:+far_grasp far_hapticd relay}; do
+  for name in grasp ${running[palm]:+palm} ${delay:+far_grasp far_hapticd relay}; do
     alive "$name" || give_up "$name ended before its time" "$folder/$name.log"
   done
   sleep 0.2
@@ -235,6 +247,7 @@ if [[ -n $delay ]]; then
   end relay || true
   end far_hapticd || give_up "the second hapticd did not stop cleanly" "$folder/far_hapticd.log"
 fi
+if $hand; then end palm || true; fi
 end hapticd || give_up "hapticd did not stop cleanly" "$folder/hapticd.log"
 if $hand; then
   echo "making the film, a minute or two"

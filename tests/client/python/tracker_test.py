@@ -6,6 +6,7 @@ import math
 import os
 import pathlib
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
@@ -18,6 +19,7 @@ TURN = 0.4  # rad about z
 POSE = haptic.Pose((0.1, -0.2, 0.3), (0.0, 0.0, math.sin(TURN / 2), math.cos(TURN / 2)))
 PALM = (0.1, -0.2, 0.3, 0.0, 0.0, TURN)  # the same as position and rotation vector
 PATIENCE_S = 20.0
+EXAMPLES = os.path.join(os.environ["HAPTIC_SCENES"], "../../client/python/examples")
 
 
 class OnATrackedPalm(OneServer):
@@ -53,6 +55,24 @@ class Poses(OnATrackedPalm):
             self.assertAlmostEqual(q, wanted, places=9)
         self.assertLessEqual(state.tracker.seq_used, tracker.samples().published)
         self.assertLess(state.tracker.age_s, 0.1)
+
+    def test_the_example_plays_a_recording(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            recording = pathlib.Path(folder, "palm.csv")
+            row = ",".join(str(value) for value in PALM)
+            recording.write_text("time_s,palm.x,palm.y,palm.z,palm.rx,palm.ry,palm.rz\n"
+                                 f"0,{row}\n1,{row}\n")
+            session = self.open(client_name="simulation")
+            example = subprocess.Popen(
+                [sys.executable, os.path.join(EXAMPLES, "palm.py"), str(recording), "--server",
+                 self.server.address, "--seconds", "30"])
+            try:
+                state = self.hold(session, lambda s: s.tracker.staleness == "FRESH", lambda: None)
+            finally:
+                example.terminate()
+                example.wait(PATIENCE_S)
+            for q, wanted in zip(state.q, PALM):
+                self.assertAlmostEqual(q, wanted, places=9)
 
     def test_a_silent_tracker_grows_old(self) -> None:
         session = self.open(client_name="simulation")

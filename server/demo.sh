@@ -139,20 +139,14 @@ if $hand; then
   what="a hand touches, strokes and grasps"
   grasp+=("$root/client/mujoco/examples/hand.xml" --film "$output/hand.webm"
     --picture "$output/hand.png")
-  # Where the palm is says a client in the tracker's role, by the same recording as the fingers'.
-  palm=("$root/client/python/examples/palm.py"
-    "${motion:-$root/server/scenes/motion/hand_touch_stroke_grasp.csv}" --server "$server")
 fi
 # Nobody wears this device, and the host of a shared machine takes the processors away for tens of
 # ms, again and again: what would be a fault of a real one is counted in the summary (lateness,
 # skipped ticks).
-settings=(--set "record.file=\"$recording\"" --set record.overwrite=true
+more=record.compare_renderers=true
+if $hand; then more='device[0].tracker={}'; fi
+settings=(--set "$more" --set "record.file=\"$recording\"" --set record.overwrite=true
   --set loop.loop_late_fault.nanos=100000000 --set loop.late_bucket_full=1000000)
-if $hand; then
-  settings+=(--set 'device[0].tracker={}')
-else
-  settings+=(--set record.compare_renderers=true)
-fi
 if $serial; then
   port=$folder/board
   # The board waits for longer than the loop may be late.
@@ -188,9 +182,10 @@ done
 [[ -S $folder/socket ]] || give_up "hapticd does not listen" "$folder/hapticd.log"
 head -n 3 "$folder/hapticd.log"
 
-if $hand; then
-  PYTHONPATH=$(dirname "$(dirname "$hapticd")")/client/python /usr/bin/python3 "${palm[@]}" \
-    >"$folder/palm.log" 2>&1 &
+if $hand; then  # a tracker says where the palm is, by the recording that the fingers follow
+  PYTHONPATH=$(dirname "$(dirname "$hapticd")")/client/python /usr/bin/python3 \
+    "$root/client/python/examples/palm.py" --server "$server" \
+    "${motion:-$root/server/scenes/motion/hand_touch_stroke_grasp.csv}" >"$folder/palm.log" 2>&1 &
   running[palm]=$!
 fi
 "${grasp[@]}" --server "$server" >"$folder/grasp.log" 2>&1 &

@@ -154,7 +154,8 @@ def contact_at(position: Sequence[float], point: PointMap, normal: Vector, gap: 
     ground_stiffness, N/m; load: the force on it now but for this contact's and the damping's, N,
     above 0 if it points away from the tool. If several contacts push it: object, one number for
     all of them; load is then without their forces, and each has the whole mass. object_direction:
-    as in Plane; empty is the normal, of a body that does not turn."""
+    as in Plane; empty is the normal, of a body that does not turn. Say it yourself if the points of
+    these contacts have different frames, as those of two fingers' point_on_finger() have."""
     n, first = len(point.jacobian), point.first_coordinate
     if not 0 <= first <= len(position) - n:
         raise ValueError(f"point.first_coordinate {first}, {n} coordinates: must lie within the "

@@ -95,7 +95,9 @@ struct Contact {
   /// Names the body that is pushed, if several contacts push it; 0: this one alone. `load` is then
   /// without the forces of all these contacts. Each has the whole mass.
   std::uint32_t object{0};
-  /// As Plane::object_direction; empty: the normal, of a body that does not turn.
+  /// As Plane::object_direction; empty: the normal, of a body that does not turn. Say it yourself
+  /// if the points of these contacts have different frames, as those of point_on_finger() of two
+  /// fingers have: their normals cannot be compared.
   std::vector<double> object_direction{};
 };
 

@@ -200,7 +200,7 @@ double hand_tick_p50(const Poses& poses) {
     *each = VecA(each->replicate(kFingers, 1));
   }
   core::Pipeline pipeline(config);
-  core::TickRecord record;
+  bool felt = false;
   const double p50 = p50_of_ticks(
       [&](int i) {
         const core::TickInput one = tick_input(poses, config, i);
@@ -222,11 +222,11 @@ double hand_tick_p50(const Poses& poses) {
         return input;
       },
       [&](const core::TickInput& input) {
-        record = pipeline.tick(input);
+        const core::TickRecord record = pipeline.tick(input);
         sink += record.effort.tau_a[0];
+        felt = felt || (record.life.state == core::LifecycleState::kEngaged &&
+                        record.anchor.active_planes == (1u << kContacts * kFingers) - 1);
       });
-  const bool felt = record.life.state == core::LifecycleState::kEngaged &&
-                    record.proxy.active_planes == (1u << kContacts * kFingers) - 1;
   if (!felt) std::abort();  // a tick without force would be too cheap
   return p50;
 }

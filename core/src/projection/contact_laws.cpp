@@ -9,6 +9,7 @@ void ContactLaws::take(const PlaneSet::Laws& told, int i, double velocity, doubl
   if (told.cols() == 0 || !(told(PlaneSet::kMass, i) > 0.0)) return;
   const double area = length * length;
   with_ |= 1u << i;
+  count_ = std::max(count_, i + 1);
   mass_[i] = told(PlaneSet::kMass, i) * area;
   damping_[i] = told(PlaneSet::kDamping, i) * area;
   stiffness_[i] = told(PlaneSet::kStiffness, i) * area;
@@ -38,7 +39,7 @@ double ContactLaws::give(int i, int j) const noexcept {
 double ContactLaws::pushed(int i, const Vector& l) const noexcept {
   double sum = give_[i] * l[i];
   if (!ContactDual::has(shared_, i)) return sum;
-  for (int j = 0; j < kMaxPlanes; ++j) {
+  for (int j = 0; j < count_; ++j) {
     if (j != i && one_object(i, j)) sum += give(i, j) * l[j];
   }
   return sum;
@@ -48,13 +49,13 @@ double ContactLaws::pushed(int i, const Vector& l) const noexcept {
 bool ContactLaws::begin(double dt) noexcept {
   const bool changed = dt != dt_;
   dt_ = dt;
-  for (int i = 0; changed && i < kMaxPlanes; ++i) {
+  for (int i = 0; changed && i < count_; ++i) {
     if (!has(i)) continue;
     const double inertia = 2.0 * mass_[i] / (dt * dt);
     give_[i] = dt > 0.0 ? 0.5 / (inertia + damping_[i] / dt + 0.5 * stiffness_[i]) : 0.0;
     root_[i] = std::sqrt(give_[i]);
   }
-  for (int i = 0; i < kMaxPlanes; ++i) {
+  for (int i = 0; i < count_; ++i) {
     if (!has(i)) continue;
     const double push =
         dt > 0.0 ? 2.0 * mass_[i] * v_[i] / dt - stiffness_[i] * s_[i] + load_[i] : 0.0;
@@ -64,18 +65,18 @@ bool ContactLaws::begin(double dt) noexcept {
 }
 
 void ContactLaws::end(const Vector& l) noexcept {
-  for (int i = 0; i < kMaxPlanes; ++i) {
+  for (int i = 0; i < count_; ++i) {
     if (!has(i)) continue;
     const double s = free_[i] + pushed(i, l);
     if (dt_ > 0.0) v_[i] = 2.0 * (s - s_[i]) / dt_ - v_[i];
     s_[i] = s;
   }
-  l_ = l;
+  l_.head(count_) = l.head(count_);
 }
 
 double ContactLaws::energy() const noexcept {
   Vector twice = Vector::Zero();
-  for (int i = 0; i < kMaxPlanes; ++i) {
+  for (int i = 0; i < count_; ++i) {
     if (!has(i)) continue;
     twice[i] = mass_[i] * v_[i] * v_[i];
     const double held = load_[i] - stiffness_[i] * s_[i];

@@ -163,7 +163,11 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x, double age, d
   if (most_steps > 1) dual_.allow(kMostWork + (fresh_ ? dual_.left() : 0));
   const PlaneStatus status = curved_ == 0 ? solve(age) : settle(age, most_steps);
   fresh_ = false;
-  if (laws_.any()) laws_.end(dual_.l().cwiseProduct(scale_));
+  if (laws_.any()) {
+    Vector l;
+    l.head(count_) = dual_.l().head(count_).cwiseProduct(scale_.head(count_));
+    laws_.end(l);
+  }
   displace(x);
   if (x.allFinite()) return status;
   // Numbers at the ends of what may be told, such as a normal of 1e-100: nothing follows from them.

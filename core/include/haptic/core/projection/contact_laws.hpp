@@ -17,7 +17,10 @@ class ContactLaws {
   using Vector = ContactDual::Vector;
 
   /// No contact has a law.
-  void clear() noexcept { with_ = shared_ = 0; }
+  void clear() noexcept {
+    with_ = shared_ = 0;
+    count_ = 0;
+  }
   /// Contact i has the law of that column of PlaneSet::laws, and recedes at `velocity`; its gap is
   /// counted in units of `length`. A mass of 0 is no law.
   void take(const PlaneSet::Laws& told, int i, double velocity, double length) noexcept;
@@ -34,7 +37,7 @@ class ContactLaws {
   [[nodiscard]] double free(int i) const noexcept { return has(i) ? free_[i] : 0.0; }
   /// And by how much more per unit of contact j's l at the end of the step.
   [[nodiscard]] double give(int i, int j) const noexcept;
-  /// The step ends with the multipliers l, one per contact, those that were left out too.
+  /// The step ends with the multipliers l, one per contact. Those without a law are not read.
   void end(const Vector& l) noexcept;
 
   /// Of all objects, kinetic and of what holds them: M v^2 / 2 + (load - k s)^2 / (2 k). Of an
@@ -50,6 +53,7 @@ class ContactLaws {
 
   std::uint32_t with_{0};
   std::uint32_t shared_{0};  ///< contacts on an object that has others
+  int count_{0};             ///< one more than the last contact with a law
   double dt_{0.0};
   Vector mass_{}, damping_{}, stiffness_{}, load_{};
   Vector s_{}, v_{}, l_{};  ///< at the end of the last step

@@ -43,9 +43,9 @@ struct FilmOptions {
   [[nodiscard]] bool wanted() const { return !film.empty() || !picture.empty(); }
 };
 
-/// Of `frames`, 60 per second; the film shows every second one, the picture the one with the most
-/// contacts of those with the most force. `model` is one as the run began with. Camera: the
-/// model's first. Throws std::runtime_error: no EGL, or no ffmpeg.
+/// Draws `frames`, which are 60 per second. The film shows every second frame. The picture shows
+/// the frame with the most contacts among those with the most force. `model` is one as the run
+/// began with. Camera: the model's first. Throws std::runtime_error: no EGL, or no ffmpeg.
 void render(const FilmOptions& options, mjModel& model,
             const std::vector<mujoco::Binding>& bindings, const mujoco::ToolOptions& coupled,
             const client::DeviceInfo& device, const std::vector<FilmFrame>& frames);

@@ -34,7 +34,7 @@ Model load(const std::string& file) {
   return model;
 }
 
-/// What the model says itself: <custom><numeric name="coupling" data="..."/></custom>.
+/// The number in the model's <custom><numeric name="coupling" data="..."/></custom>; 0: none.
 double coupling_of(const mjModel& model) {
   const int id = mj_name2id(&model, mjOBJ_NUMERIC, "coupling");
   return id < 0 ? 0.0 : model.numeric_data[model.numeric_adr[id]];

@@ -86,9 +86,10 @@ struct Contact {
   double stiffness{std::numeric_limits<double>::infinity()};
   double velocity{0.0};  ///< of the object along -normal, m/s; > 0: it recedes
   std::uint32_t id{0};   ///< names the contact from sample to sample; 0: none
-  /// Of an object that is pushed, along the normal: its mass as this contact feels it, kg (0: it is
-  /// not pushed), its damping, N s/m, its stiffness to ground, N/m, and the force on it now without
-  /// this contact's and the damping's, N; > 0: along -normal, away from the tool. Needs an id.
+  /// The motion along the normal of an object that is pushed. Mass in kg; 0: the object is not
+  /// pushed. Damping to ground in N s/m, stiffness to ground in N/m. Load in N: the force on the
+  /// object now, without the force of this contact and of the damping; > 0: it acts along -normal,
+  /// away from the tool. A mass needs an id.
   double mass{0.0}, damping{0.0}, ground_stiffness{0.0}, load{0.0};
   /// k lies within 1 -+ this times `stiffness` until the next sample; 0: exactly there.
   std::optional<double> uncertainty{};

@@ -142,7 +142,8 @@ class Session {
   virtual void release() = 0;
   virtual AppliedSettings update(const Settings& settings) = 0;
 
-  /// Whether the session has a stream; not while it is opened again (Reconnect::kWithBackoff).
+  /// True while the session has a stream. False too while a lost stream is opened again
+  /// (Reconnect::kWithBackoff).
   [[nodiscard]] virtual bool connected() const = 0;
   /// What is known of the UDP path; empty if the session has none.
   [[nodiscard]] virtual std::optional<UdpLink> udp_link() const = 0;

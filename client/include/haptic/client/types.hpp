@@ -103,10 +103,11 @@ struct Plane {
   /// The contact's stiffness lies within 1 -+ this times what is told; 0: exactly there. If all
   /// planes of a sample have it, the states say how far the force felt may be off.
   std::optional<double> uncertainty{};
-  /// Contacts with one `object` push the same body, so a push at one moves the others too; 0: no
-  /// other contact is on it. Needs a mass, and the direction in which the contact pushes the body,
-  /// of length 1, 1 to 6 numbers, in the metric of its inertia: the outward normal, or M^-1/2 J^T n
-  /// of length 1 for one that turns.
+  /// Contacts with the same `object` push the same body: a push at one moves the others too. 0: no
+  /// other contact is on the body. An object needs a mass and a direction.
+  /// `object_direction`: how the contact pushes the body, 1 to 6 numbers, a vector of length 1. Of
+  /// a body that does not turn it is the outward normal n. Of a body that turns, with inertia M and
+  /// Jacobian J of the contact's point, it is M^-1/2 J^T n divided by its length.
   std::uint32_t object{0};
   std::vector<double> object_direction{};
 };

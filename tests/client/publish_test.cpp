@@ -137,7 +137,10 @@ TEST_F(Publish, WithholdsWhatTheServerHas) {
   session->publish(Proxy::held(near));
   EXPECT_EQ(session->statistics().withheld, 1U);
   session->publish(Proxy::held(far));
-  ASSERT_TRUE(server.until([&] { return server.heard().samples.back().seq() == 3; }));
+  ASSERT_TRUE(server.until([&] {
+    const auto samples = server.heard().samples;
+    return !samples.empty() && samples.back().seq() == 3;
+  }));
   session->publish(Proxy::held(x));  // 3 may have come
   used(6, 4);
   session->publish(Proxy::held(x));

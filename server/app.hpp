@@ -34,7 +34,7 @@ class TickMetrics;
 
 struct AppOptions {
   RealtimeMode realtime{RealtimeMode::kTry};
-  bool insecure_lab{false};  ///< for the front: plain text on any address (RpcConfig)
+  bool insecure_lab{false};  ///< for the front: plain text on any address (ServiceConfig)
 };
 
 /// What faces the network, as the App starts and stops it.

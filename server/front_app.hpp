@@ -9,10 +9,11 @@
 /// |            | streams; the sign of life                        |                             |
 /// | udp        | the UDP path's socket: samples in, challenges;   | UdpPort::stop(), by stop()  |
 /// |            | only if the scene has udp_listen                 |                             |
-/// | metrics    | scrapes; only if the scene wants metrics         | ~MetricsPort()              |
-/// | connec-    | accepts connections, counts their bytes          | RpcServer::shutdown(), 1 s  |
+/// | web        | WebSockets, calls by HTTP, scrapes; only if the  | FrontServer::shutdown()     |
+/// |            | scene wants them                                 |                             |
+/// | connec-    | accepts connections, counts their bytes          | FrontServer::shutdown()     |
 /// | tions      |                                                  |                             |
-/// | gRPC's     | calls                                            | RpcServer::shutdown(), 1 s  |
+/// | gRPC's     | calls                                            | FrontServer::shutdown()     |
 
 #include <functional>
 #include <memory>
@@ -23,11 +24,11 @@
 #include "server/crossing/server_facts.hpp"
 #include "server/crossing/shared_layout.hpp"
 #include "server/scene/scene.hpp"
+#include "server/web/web_content.hpp"
 
 namespace haptic::server {
 
-class MetricsPort;
-class RpcServer;
+class FrontServer;
 
 struct FrontSources {
   OwnerPort* owner{nullptr};
@@ -40,8 +41,8 @@ struct FrontSources {
 
 class FrontApp {
  public:
-  /// The sources must outlive this. `insecure_lab`: plain text on any address (RpcConfig).
-  FrontApp(const Scene& scene, bool insecure_lab, FrontSources sources);
+  /// The sources must outlive this. `insecure_lab`: plain text on any address (ServiceConfig).
+  FrontApp(const Scene& scene, bool insecure_lab, FrontSources sources, Page page = {});
   /// stop().
   ~FrontApp();
   FrontApp(const FrontApp&) = delete;
@@ -60,16 +61,14 @@ class FrontApp {
   [[nodiscard]] std::uint16_t metrics_port() const;
 
  private:
-  void listen_for_scrapes();
+  [[nodiscard]] std::string metrics() const;
   /// What this front and those before it have counted.
   [[nodiscard]] FrontCounters counted() const;
 
   const std::string scene_name_;
-  const std::string metrics_listen_;
   const bool insecure_lab_;
   const FrontSources sources_;
-  std::unique_ptr<RpcServer> rpc_;
-  std::unique_ptr<MetricsPort> metrics_{};
+  std::unique_ptr<FrontServer> server_;
 };
 
 }  // namespace haptic::server

@@ -59,7 +59,13 @@ ConfinedFiles files_of(const Scene& scene) {
     files.read = {scene.server.tls->certificate, scene.server.tls->key};
     if (!scene.server.tls->client_ca.empty()) files.read.push_back(scene.server.tls->client_ca);
   }
-  for (const std::string& address : scene.server.listen) {
+  std::vector<std::string> addresses = scene.server.listen;
+  if (scene.server.web) {
+    const auto& web = scene.server.web->listen;
+    addresses.insert(addresses.end(), web.begin(), web.end());
+    for (const auto& token : scene.server.web->tokens) files.read.push_back(token.file);
+  }
+  for (const std::string& address : addresses) {
     constexpr std::string_view kUnix = "unix:";
     if (address.rfind(kUnix, 0) != 0) continue;
     files.sockets.push_back(std::filesystem::absolute(address.substr(kUnix.size())).parent_path());
@@ -72,12 +78,27 @@ void begin_log(const CommandLine& line) {
   spdlog::set_level(spdlog::level::from_str(line.log_level));
 }
 
+/// Those that the front before this one had bound, in place of the scene's: the same ports.
+void take_over(const std::vector<std::string>& addresses, ServerScene& scene) {
+  std::size_t next = 0;
+  const auto take = [&](std::string& address) {
+    if (next < addresses.size()) address = addresses[next++];
+  };
+  for (std::string& address : scene.listen) take(address);
+  if (scene.web) {
+    for (std::string& address : scene.web->listen) take(address);
+  }
+  if (!scene.metrics_listen.empty()) take(scene.metrics_listen);
+}
+
 /// Until the owner wants no front any more; throws what keeps it from serving.
 void serve(OwnerLink& owner, const CommandLine& line) {
   Scene scene = parse_scene(owner.scene(), "the owner's scene", "/");
   if (!line.listen.empty()) scene.server.listen = line.listen;
   owner.set_devices(facts_of(scene, owner.device_descriptions()));
   FrontApp::check(scene);
+  Page page;
+  if (scene.server.web) page = load_page(page_folder(std::filesystem::read_symlink("/proc/self/exe")));
   const std::vector<std::string> missing = confine(files_of(scene));
   begin_log(line);  // has a thread
   for (const std::string& sentence : missing)
@@ -90,8 +111,8 @@ void serve(OwnerLink& owner, const CommandLine& line) {
   owner.ready();
   std::vector<std::string> addresses;
   if (!owner.wait_for_go(addresses)) return;
-  if (!addresses.empty()) scene.server.listen = addresses;
-  FrontApp app(scene, line.insecure_lab, sources);
+  take_over(addresses, scene.server);
+  FrontApp app(scene, line.insecure_lab, sources, std::move(page));
   owner.begin();
   app.start();
   owner.serving(app.addresses());

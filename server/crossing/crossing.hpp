@@ -182,7 +182,8 @@ struct Refusal {
     kExhausted = 8,     ///< a limit of the server is reached
     kPrecondition = 9,  ///< not now; the message names the value that is not good enough yet
     kAborted = 10,      ///< another call took this one's place
-    kUnavailable = 14,  ///< the server is closing, or its loop gave no answer in time
+    kUnavailable = 14,      ///< the server is closing, or its loop gave no answer in time
+    kUnauthenticated = 16,  ///< neither token nor certificate
   };
   /// {"holder", "alice"}
   struct Detail {

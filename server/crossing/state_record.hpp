@@ -33,7 +33,8 @@ using Values = Numbers<core::kMaxQ>;       ///< one per DoF, or per actuated DoF
 using Coordinates = Numbers<core::kMaxX>;  ///< one per virtual coordinate
 
 /// Which way a sample came.
-enum class Carrier : std::uint8_t { kNone = 0, kGrpc = 1, kUdp = 2 };
+enum class Carrier : std::uint8_t { kNone = 0, kGrpc = 1, kUdp = 2, kWebSocket = 3 };
+inline constexpr std::size_t kCarriers = 4;
 
 /// Symbols and units as in core::TickRecord.
 struct StateRecord {

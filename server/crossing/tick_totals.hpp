@@ -60,7 +60,7 @@ struct TickTotals {
   Histogram<kAges> age{};               ///< s, of the proxy at its use; ticks without one are none
   Histogram<kSampleAges> sample_age{};  ///< s, of the device's newest sample at its use in a tick
   std::array<double, 4> level_s{};      ///< s in FRESH, HOLD, FADE, LOST while a lease is held
-  std::array<double, 3> carrier_s{};    ///< s led by samples of Carrier 0, 1, 2, under a lease
+  std::array<double, kCarriers> carrier_s{};  ///< s led by samples of each Carrier, under a lease
   std::uint64_t carrier_changes{0};     ///< between GRPC and UDP, under one lease
   std::array<std::uint64_t, 32> limited{};  ///< ticks in which limiter n acted
   std::array<std::uint64_t, 32> faults{};   ///< times fault n latched

@@ -36,14 +36,14 @@ void report_samples(const CarrierFigures& figures, v1::LinkDirection& up) {
   set_known(figures.jitter, &v1::LinkDirection::mutable_jitter, up);
 }
 
-void report_link(const LinkWatch& link,
+void report_link(const LinkWatch& link, Carrier carrier,
                  const std::optional<wire::ClockOffset::Estimate>& path_clock, bool holds_lease,
                  core::TimePoint now, v1::SessionLink& message) {
   v1::LinkTransport& stream = *message.add_transports();
-  stream.set_transport(v1::TRANSPORT_GRPC);
-  report_samples(link.figures(Carrier::kGrpc), *stream.mutable_up());
-  stream.mutable_down()->set_received(link.figures(Carrier::kGrpc).states);
-  set_round_trip(link.figures(Carrier::kGrpc).round_trip, stream);
+  stream.set_transport(static_cast<v1::Transport>(carrier));
+  report_samples(link.figures(carrier), *stream.mutable_up());
+  stream.mutable_down()->set_received(link.figures(carrier).states);
+  set_round_trip(link.figures(carrier).round_trip, stream);
 
   auto clock = link.clock().at(to_wire(now));
   if (path_clock && (!clock || path_clock->bound < clock->bound)) clock = path_clock;

@@ -16,6 +16,11 @@ std::optional<Refusal> too_large(std::size_t bytes) {
                  {{{"limit", limit}}}};
 }
 
+Refusal observes_only() {
+  return {Refusal::Code::kPermission, "RIGHTS",
+          "this token is for observers: it allows to look on and to stop, and nothing else"};
+}
+
 std::string sanitised(const std::string& text, std::size_t longest) {
   std::size_t size = text.size();
   if (size > longest) {

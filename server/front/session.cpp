@@ -49,6 +49,7 @@ std::optional<Refusal> Session::refusal_of(const v1::OpenSession& request,
     return invalid_field("client_name", "has " + std::to_string(request.client_name().size()) +
                                             " characters: must have 1..64");
   }
+  if (!rights.control && request.role() != v1::ROLE_OBSERVER) return observes_only();
   if (!v1::Priority_IsValid(request.priority())) {
     return invalid_field("priority", "= " + std::to_string(request.priority()) +
                                          ": must be TEST, PRIMARY or OPERATOR");
@@ -133,7 +134,7 @@ void Session::granted(const Rights& rights, const LeaseRequest& request, const L
   }
   spdlog::info("session '{}' {} on '{}' as {}{}", client_name_,
                lease.resumed ? "resumed" : "opened", device, role_name(role_),
-               rights.bearer.empty() ? "" : ", certificate of '" + rights.bearer + "'");
+               rights.bearer.empty() ? "" : ", " + rights.bearer);
   opened(greeting(lease));
 }
 
@@ -147,7 +148,7 @@ v1::SessionOpened Session::greeting(const Lease& lease) const {
   set(*message.mutable_fresh_end(), lease.staleness.fresh_end);
   set(*message.mutable_hold_end(), lease.staleness.hold_end);
   set(*message.mutable_fade_end(), lease.staleness.fade_end);
-  message.set_transport(v1::TRANSPORT_GRPC);
+  message.set_transport(static_cast<v1::Transport>(settings_.stream));
   message.set_session_id(id_.str());
   message.set_resumed(lease.resumed);
   message.set_newest_seq(lease.newest_seq);
@@ -205,7 +206,7 @@ void Session::take(const v1::TrackerSample& message, core::TimePoint arrival) {
   {
     const std::lock_guard lock(mutex_);
     static_cast<void>(
-        link_.came({Carrier::kGrpc, message.ByteSizeLong(), 0, 0, {}, arrival}, std::nullopt));
+        link_.came({settings_.stream, message.ByteSizeLong(), 0, 0, {}, arrival}, std::nullopt));
     pose.session_id = id_;
     pose.ticket = ticket_;
   }
@@ -213,7 +214,7 @@ void Session::take(const v1::TrackerSample& message, core::TimePoint arrival) {
     return on_judged(
         {0,
          message.seq(),
-         Carrier::kGrpc,
+         settings_.stream,
          {IngressVerdict::kOldEpoch, "this session is no tracker's: its poses are not used"}});
   }
   pose.device = static_cast<std::uint32_t>(device_);
@@ -285,11 +286,11 @@ void Session::report(v1::SessionLink& message, const ClockEstimate& path_clock) 
   message.set_role(role_);
   message.set_lease_epoch(epoch_);
   message.set_holds_lease(holds_lease);
-  if (link_.figures(Carrier::kGrpc).samples + link_.figures(Carrier::kUdp).samples > 0) {
+  if (link_.figures(settings_.stream).samples + link_.figures(Carrier::kUdp).samples > 0) {
     message.set_samples_by(static_cast<v1::Transport>(samples_by_));
   }
   message.set_states_by(static_cast<v1::Transport>(states_by_));
-  report_link(link_, path_clock, holds_lease, settings_.clock({}), message);
+  report_link(link_, settings_.stream, path_clock, holds_lease, settings_.clock({}), message);
 }
 
 CarrierFigures Session::figures(Carrier carrier) const {

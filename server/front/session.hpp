@@ -27,14 +27,16 @@ namespace haptic::server {
 struct Rights {
   Priority highest{Priority::kOperator};
   std::string because{};  ///< "with this client's certificate"
-  std::string bearer{};   ///< name in its certificate; empty: it showed none
+  std::string bearer{};   ///< "certificate of 'surgeon'"; empty: it showed none
+  bool control{true};     ///< false: as an observer only
 };
 
 /// What all sessions of a front share.
 struct SessionSettings {
   double loop_hz{1000.0};
   ArrivalClock clock{steady_arrival};
-  bool age_by_source_time{true};  ///< RpcConfig
+  bool age_by_source_time{true};  ///< ServiceConfig
+  Carrier stream{Carrier::kGrpc};
 };
 
 class Session final : public SampleSource, public std::enable_shared_from_this<Session> {
@@ -132,7 +134,7 @@ class Session final : public SampleSource, public std::enable_shared_from_this<S
   SampleLedger ledger_{};
   LinkWatch link_{};
   core::Duration nominal_period_{0};
-  Carrier samples_by_{Carrier::kGrpc}, samples_told_by_{Carrier::kGrpc};
+  Carrier samples_by_{settings_.stream}, samples_told_by_{settings_.stream};
   Carrier states_by_{Carrier::kNone};
   TellLimit tell_limit_{};
   Pace pace_{1000.0, 0.0};

@@ -103,7 +103,7 @@ void carriers(Exposition& page, const std::vector<Reading>& devices,
   page.counter("haptic_carrier_seconds_total",
                "Time of a lease led by samples of each carrier; none: before the first sample.");
   for (const Reading& d : devices) {
-    const char* const names[] = {"none", "grpc", "udp"};
+    const char* const names[kCarriers] = {"none", "grpc", "udp", "websocket"};
     for (std::size_t i = 0; i < d.ticks.carrier_s.size(); ++i) {
       page.sample({{"device", d.name}, {"carrier", names[i]}}, d.ticks.carrier_s[i]);
     }

@@ -1,5 +1,5 @@
 #pragma once
-/// Addresses a server may listen on (private to server/rpc).
+/// Addresses a server may listen on .
 
 #include <cstdint>
 #include <string>
@@ -13,6 +13,10 @@ enum class Protection : std::uint8_t {
   kMutualTls,    ///< clients show a certificate
   kInsecureLab,  ///< plain text on a network, by --insecure-lab
 };
+
+[[nodiscard]] constexpr bool encrypts(Protection protection) noexcept {
+  return protection == Protection::kTls || protection == Protection::kMutualTls;
+}
 
 /// Throws TransportError naming the address: not "host:port" or "unix:/path"; a host other than
 /// loopback with `best` kThisHost (plain text stays on this machine); a UNIX socket that another

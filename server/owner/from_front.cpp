@@ -33,7 +33,8 @@ void make_harmless(ProxySample& sample, core::TimePoint arrival) noexcept {
     sample.left = Departure{std::max(left.likely, {}), std::max(left.latest, {})};
   }
   if (sample.mode > core::ProxyMode::kPlanes) sample.mode = core::ProxyMode::kNone;
-  if (sample.carrier != Carrier::kUdp) sample.carrier = Carrier::kGrpc;
+  const bool known = sample.carrier == Carrier::kUdp || sample.carrier == Carrier::kWebSocket;
+  if (!known) sample.carrier = Carrier::kGrpc;
 }
 
 void make_harmless(PoseSample& sample, core::TimePoint arrival) noexcept {

@@ -3,10 +3,8 @@
 /// that one serialised state serves every stream; EmergencyStop does, so that no mistake in its
 /// message keeps it from stopping.
 
-#include <functional>
-
 #include "haptic/v1/haptic_service.grpc.pb.h"
-#include "server/rpc/service_context.hpp"
+#include "server/service/calls.hpp"
 
 namespace haptic::server {
 
@@ -23,7 +21,7 @@ using RawCalls =
 
 class HapticServiceImpl final : public TypedCalls<RawCalls> {
  public:
-  explicit HapticServiceImpl(ServiceContext& context) : context_(context) {}
+  explicit HapticServiceImpl(ServiceContext& context) : context_(context), calls_(context) {}
 
   using Call = grpc::CallbackServerContext;
   using Unary = grpc::ServerUnaryReactor;
@@ -43,17 +41,18 @@ class HapticServiceImpl final : public TypedCalls<RawCalls> {
                         v1::UpdateSettingsResponse* response) override;
   Unary* GetLinkStats(Call* call, const v1::GetLinkStatsRequest* request,
                       v1::GetLinkStatsResponse* response) override;
-  /// A request that cannot be read stops every device. Every device gets its stop before any
-  /// answers; the call ends when the last of them has latched.
+  /// A request that cannot be read stops every device.
   Unary* EmergencyStop(Call* call, const Bytes* request, Bytes* response) override;
   Unary* ClearFault(Call* call, const v1::ClearFaultRequest* request,
                     v1::ClearFaultResponse* response) override;
 
  private:
-  /// Posts `request`; the owner's answer finishes the call, and `fill` writes the response.
-  Unary* ask(Call* call, const Request& request, std::function<void(const Answer&)> fill = {});
+  template <typename Request, typename Response>
+  Unary* run(Call* call, const Request& request, Response& response,
+             void (Calls::*method)(const Request&, Response&, const ReplyPtr&));
 
   ServiceContext& context_;
+  Calls calls_;
 };
 
 }  // namespace haptic::server

@@ -1,56 +1,52 @@
 #include "server/rpc/reply.hpp"
 
+#include <array>
+#include <chrono>
 #include <utility>
 
-#include "google/rpc/error_details.pb.h"
-#include "google/rpc/status.pb.h"
+#include "server/service/rich_status.hpp"
 
 namespace haptic::server {
 
 grpc::Status to_status(const Refusal& refusal) {
-  const auto code = static_cast<grpc::StatusCode>(refusal.code);
-  google::rpc::Status status;
-  status.set_code(code);
-  status.set_message(refusal.message.str());
-  google::rpc::ErrorInfo info;
-  info.set_reason(refusal.reason.str());
-  info.set_domain("hapticd");
-  for (const auto& [name, value] : refusal.details) {
-    if (!name.empty()) (*info.mutable_metadata())[name.str()] = value.str();
-  }
-  status.add_details()->PackFrom(info);
-  if (!refusal.field.empty()) {
-    google::rpc::BadRequest bad;
-    auto* violation = bad.add_field_violations();
-    violation->set_field(refusal.field.str());
-    violation->set_description(refusal.message.str());
-    status.add_details()->PackFrom(bad);
-  }
-  return {code, refusal.message.str(), status.SerializeAsString()};
+  return {static_cast<grpc::StatusCode>(refusal.code), refusal.message.str(),
+          rich_status(refusal).SerializeAsString()};
 }
 
-void TickReply::watch(std::function<void()> give_up) {
+grpc::ByteBuffer to_buffer(Outgoing message) {
+  std::array<grpc::Slice, 3> slices;
+  std::size_t n = 0;
+  const auto add = [&](const std::string& part) {
+    if (!part.empty()) slices[n++] = grpc::Slice(part);
+  };
+  add(message.head);
+  if (message.shared) {
+    using Shared = std::shared_ptr<const std::string>;
+    auto* const keep = new Shared(std::move(message.shared));
+    slices[n++] = grpc::Slice(
+        const_cast<char*>((*keep)->data()), (*keep)->size(),
+        [](void* kept) { delete static_cast<Shared*>(kept); }, keep);
+  }
+  add(message.tail);
+  return {slices.data(), n};
+}
+
+void GrpcReply::watch(std::function<void()> give_up) {
   const std::lock_guard lock(mutex_);
-  if (finished_) return;
+  if (finished()) return;
   alarm_ = std::make_unique<grpc::Alarm>();
   // The alarm keeps the reply alive until it rang or was cancelled, and lets go of everything then:
   // its callback object lives as long as the alarm itself, which is the reply's.
   alarm_->Set(std::chrono::system_clock::now() + kPatience,
-              [self = shared_from_this(), give_up = std::move(give_up)](bool rang) mutable {
-                if (rang) {
-                  give_up();
-                  self->finish(to_status({Refusal::Code::kUnavailable, "NO_ANSWER",
-                                          "the loop gave no answer within 500 ms"}));
-                }
+              [self = shared_from_this(), this, give_up = std::move(give_up)](bool rang) mutable {
+                if (rang) time_is_up(give_up);
                 give_up = nullptr;
                 self.reset();
               });
 }
 
-void TickReply::finish(const grpc::Status& status, const std::function<void()>& fill) {
-  if (finished_.exchange(true)) return;
-  if (fill) fill();
-  reactor_->Finish(status);
+void GrpcReply::send(const std::optional<Refusal>& why) {
+  reactor_->Finish(why ? to_status(*why) : grpc::Status::OK);
   const std::lock_guard lock(mutex_);
   if (alarm_) alarm_->Cancel();
 }

@@ -13,7 +13,6 @@
 
 #include "haptic/core/error.hpp"
 #include "server/front/refusals.hpp"
-#include "server/net/listen_address.hpp"
 #include "server/net/tls_files.hpp"
 #include "server/rpc/every.hpp"
 #include "server/rpc/haptic_service_impl.hpp"
@@ -32,15 +31,13 @@ constexpr int kReflectionThreads = 8;
 constexpr int kReadChunk = 4096;
 /// How often the health of the devices is looked at, so that a loop that has stopped is noticed.
 constexpr milliseconds kHealthPeriod{250};
-/// A device whose loop gave no record for longer is not served.
-constexpr milliseconds kSilence{500};
 
 /// As gRPC takes a time.
 int argument_ms(core::Duration time) {
   return static_cast<int>(std::chrono::duration_cast<milliseconds>(time).count());
 }
 
-void set_limits(grpc::ServerBuilder& builder, const RpcConfig& config) {
+void set_limits(grpc::ServerBuilder& builder, const ServiceConfig& config) {
   builder.SetMaxReceiveMessageSize(kLargestReceived);
   // gRPC inflates a message before it looks at its size.
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
@@ -84,14 +81,6 @@ void take_library_logs() {
   });
 }
 
-/// The best protection that an address can have.
-Protection best_protection(const RpcConfig& config) {
-  if (!config.tls) {
-    return config.insecure_lab ? Protection::kInsecureLab : Protection::kThisHost;
-  }
-  return config.tls->client_ca.empty() ? Protection::kTls : Protection::kMutualTls;
-}
-
 /// Reads the files. Throws TransportError.
 std::shared_ptr<grpc::ServerCredentials> tls_credentials(const TlsConfig& config) {
   TlsFiles files = load_tls(config);
@@ -103,146 +92,73 @@ std::shared_ptr<grpc::ServerCredentials> tls_credentials(const TlsConfig& config
   return grpc::SslServerCredentials(options);
 }
 
-/// The device is open and the loop on time.
-bool serving(const DeviceStatus& status, core::TimePoint now) {
-  for (const core::Fault fault : {core::Fault::kDeviceSilent, core::Fault::kDeviceLost,
-                                  core::Fault::kLoopLate, core::Fault::kLateBucketFull}) {
-    if (status.faults.has(fault)) return false;
-  }
-  return status.state != core::LifecycleState::kInit &&
-         status.state != core::LifecycleState::kClosing && now - status.ticked < kSilence;
-}
-
 /// Keeps the standard health service true: overall "", and one entry per device.
-void report_health(grpc::HealthCheckServiceInterface& health, const OwnerPort& owner) {
-  const core::TimePoint now = steady_now();
-  bool all = true;
-  for (std::size_t i = 0; i < owner.devices().size(); ++i) {
-    const bool good = serving(owner.status(i), now);
-    all = all && good;
-    health.SetServingStatus(owner.devices()[i].name, good);
+void report_health(grpc::HealthCheckServiceInterface& health, const ServiceContext& context) {
+  for (std::size_t i = 0; i < context.owner().devices().size(); ++i) {
+    health.SetServingStatus(context.facts(i).name, context.serving(i));
   }
-  health.SetServingStatus("", all);
+  health.SetServingStatus("", context.serving());
 }
 
 }  // namespace
 
 /// What gRPC's headers are needed for.
 struct RpcServer::Grpc {
-  Grpc(RpcConfig config, OwnerPort& owner, FactsProvider facts)
-      : shared(std::make_shared<ServiceContext>(std::move(config), owner, std::move(facts))) {
-    owner.connect(shared);
-  }
+  explicit Grpc(ServiceContext& shared) : context(shared) {}
 
-  const std::shared_ptr<ServiceContext> shared;  ///< the owner may be calling it still
-  ServiceContext& context{*shared};
+  ServiceContext& context;
   HapticServiceImpl service{context};
   std::vector<std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor>> acceptors{};
   std::unique_ptr<grpc::Server> server{};
   std::unique_ptr<Every> looks{};
 };
 
-RpcServer::RpcServer(RpcConfig config, OwnerPort& owner, FactsProvider facts)
-    : grpc_(std::make_unique<Grpc>(std::move(config), owner, std::move(facts))) {}
+RpcServer::RpcServer(ServiceContext& context) : grpc_(std::make_unique<Grpc>(context)) {}
 
 RpcServer::~RpcServer() {
-  shutdown(std::chrono::seconds(1));
+  stop(std::chrono::seconds(1));
 }
 
-void RpcServer::start() {
+void RpcServer::start(const std::vector<Protection>& protections) {
   take_library_logs();
   ServiceContext& context = grpc_->context;
-  const RpcConfig& config = context.config;
-  if (config.listen.empty()) throw core::TransportError("no listen address");
-  // Before anything of gRPC runs, which aborts when it gets no thread or descriptor.
-  const ConnectionLimits limits = within_descriptors(config.connections);
-  require_threads();
+  const ServiceConfig& config = context.config;
   const auto tls = config.tls ? tls_credentials(*config.tls) : nullptr;
-  const Protection best = best_protection(config);
-  std::vector<Protection> protections;
-  for (const std::string& address : config.listen) {
-    protections.push_back(check_listen_address(address, best));
-  }
-  if (!config.udp_listen.empty()) {
-    check_listen_address(config.udp_listen, best);
-    context.udp = std::make_unique<UdpPort>(config.udp_listen, config.listen, config.clock);
-  }
-
-  context.connections = std::make_unique<Connections>(config.listen, limits);
-
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   set_limits(builder, config);
   for (const Protection protection : protections) {
-    const bool encrypted = tls && protection == best;
     grpc_->acceptors.push_back(builder.experimental().AddExternalConnectionAcceptor(
         grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
-        encrypted ? tls : grpc::InsecureServerCredentials()));
+        encrypts(protection) ? tls : grpc::InsecureServerCredentials()));
   }
   builder.RegisterService(&grpc_->service);
   grpc_->server = builder.BuildAndStart();
   if (!grpc_->server) throw core::TransportError("the gRPC server did not start");
-  const std::vector<int>& ports = context.connections->ports();
-  for (std::size_t i = 0; i < ports.size(); ++i) {
-    bound_.push_back(with_port(config.listen[i], ports[i]));
-    served_.push_back(bound_.back() + " (" + word(protections[i]) + ")");
-    std::string weak = weakness(bound_.back(), protections[i]);
-    if (!weak.empty()) context.add_weakness(std::move(weak));
-  }
-  if (context.udp) context.udp->start();
   const auto look = [&context, &health = *grpc_->server->GetHealthCheckService()] {
-    report_health(health, context.owner());
+    report_health(health, context);
     context.end_overdue(context.config.clock({}));
   };
   look();
   const auto a_fifth = std::chrono::duration_cast<milliseconds>(config.open_within / 5);
   grpc_->looks = std::make_unique<Every>(std::min(kHealthPeriod, a_fifth), look);
-  context.connections->start([&acceptors = grpc_->acceptors](std::size_t address, int descriptor) {
-    grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
-    connection.listener_fd = -1;
-    connection.fd = descriptor;
-    acceptors[address]->HandleNewConnection(&connection);
-  });
 }
 
-void RpcServer::shutdown(core::Duration grace) {
+void RpcServer::take(std::size_t address, int descriptor) {
+  grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
+  connection.listener_fd = -1;
+  connection.fd = descriptor;
+  grpc_->acceptors[address]->HandleNewConnection(&connection);
+}
+
+void RpcServer::stop(core::Duration grace) {
   if (!grpc_->server) return;
   grpc_->looks.reset();
   grpc_->server->GetHealthCheckService()->SetServingStatus(false);
-  grpc_->context.connections->close(grace / 2);
-  grpc_->context.streams.close_all();
   grpc_->server->Shutdown(std::chrono::system_clock::now() +
                           std::chrono::duration_cast<std::chrono::system_clock::duration>(grace));
   grpc_->server.reset();
-  grpc_->context.streams.wait_until_gone();
-  grpc_->context.connections.reset();
-  grpc_->context.udp.reset();  // no session has a path any more
-  bound_.clear();
-  served_.clear();
-}
-
-std::vector<std::string> RpcServer::weaknesses() const {
-  return grpc_->context.weaknesses();
-}
-
-std::pair<std::size_t, std::uint64_t> RpcServer::connections() const {
-  const auto& door = grpc_->context.connections;
-  return door ? std::pair(door->open(), door->cut()) : std::pair<std::size_t, std::uint64_t>();
-}
-
-std::uint16_t RpcServer::udp_port() const {
-  return grpc_->context.udp ? grpc_->context.udp->port() : std::uint16_t{0};
-}
-
-std::vector<std::pair<std::string, std::uint64_t>> RpcServer::dropped_datagrams() const {
-  std::vector<std::pair<std::string, std::uint64_t>> answer;
-  if (!grpc_->context.udp) return answer;
-  for (std::size_t i = 1; i < wire::kRejections; ++i) {
-    const auto why = static_cast<wire::Rejection>(i);
-    answer.emplace_back(wire::name(why), grpc_->context.udp->dropped(why));
-  }
-  return answer;
 }
 
 }  // namespace haptic::server

@@ -1,111 +1,35 @@
 #pragma once
-/// HapticService on its addresses, with reflection and the standard health service: SERVING while
-/// every device is open and the loop on time (a record within 500 ms, a state other than INIT and
-/// CLOSING, no fault of a device's link or of the loop). gRPC and protobuf stay behind this header.
+/// HapticService over gRPC, with reflection and the standard health service. gRPC stays behind this
+/// header.
 
 #include <memory>
-#include <optional>
-#include <string>
-#include <utility>
 #include <vector>
 
-#include "haptic/core/time.hpp"
-#include "haptic/wire/ports.hpp"
-#include "server/base/steady_now.hpp"
-#include "server/crossing/ports.hpp"
-#include "server/crossing/server_facts.hpp"
-#include "server/crossing/tls_config.hpp"
-#include "server/net/connections.hpp"
+#include "server/net/listen_address.hpp"
+#include "server/service/service_context.hpp"
 
 namespace haptic::server {
 
-/// How long a connection lives whose far end gives no sign of life (proto/README.md, "Every
-/// limit"). Force does not wait for that: liveness is the data
-/// (proto/README.md#staleness-and-gain). This only gives its memory back.
-struct KeepAlive {
-  /// A far end that was silent this long is asked for a sign of life (an HTTP/2 PING).
-  core::Duration ask_after{std::chrono::seconds(10)};
-  /// It has this long to answer. Well above 5 s: at that pace gRPC looks after the connection of a
-  /// client without an open call, and what that asks next must not find it closed.
-  core::Duration answer_within{std::chrono::seconds(20)};
-
-  [[nodiscard]] constexpr core::Duration given_up_after() const {
-    return ask_after + answer_within;
-  }
-};
-
-struct RpcConfig {
-  /// "host:port" (port 0: any free one) or "unix:/path". Without TLS only loopback and UNIX
-  /// sockets, unless `insecure_lab`.
-  std::vector<std::string> listen{wire::kDefaultServer};
-  /// Session streams; and, apart from them, watches.
-  unsigned max_sessions{32};
-  core::Duration period{std::chrono::milliseconds(1)};  ///< of the loop
-  /// States per second that all streams but the controllers' may cost together, an equal share per
-  /// device; what is above is conflated, in turns. Measured on a shared 2-core VM: 16 watchers at 1
-  /// kHz cost 6 % of a core per 4000 states/s, and the controller's proxy age does not move; 8000
-  /// leaves a slower host room.
-  unsigned watch_budget_hz{8000};
-  /// Address of the UDP path, "host:port"; beyond loopback as `listen`. Empty: there is none.
-  std::string udp_listen{};
-  ArrivalClock clock{steady_arrival};  ///< stamps what arrives, whatever carries it
-  /// A sample may be older than its arrival, by its source time. Off in a test whose clock is no
-  /// steady one: it does not run as the clients' do.
-  bool age_by_source_time{true};
-  std::optional<TlsConfig> tls{};  ///< absent: plain text
-  /// Plain text, and the keys of the UDP path in it, on any address. Said in the log and in
-  /// GetServerInfo.
-  bool insecure_lab{false};
-  /// A session stream has to send its OpenSession by then.
-  core::Duration open_within{std::chrono::seconds(5)};
-  KeepAlive keep_alive{};  ///< of connections whose far end is gone without a word
-  ConnectionLimits connections{};
-};
-
-/// Session streams that have not sent their OpenSession: so many at a time, of all connections
-/// together.
-[[nodiscard]] constexpr unsigned unopened_streams(unsigned max_sessions) noexcept {
-  return 2 * max_sessions + 64;
-}
-
-/// Calls of one connection at a time: every session, every watch, and some that are answered at
-/// once. gRPC spends 16 KB on each before the service hears of it.
-[[nodiscard]] constexpr unsigned calls_of_connection(unsigned max_sessions) noexcept {
-  return 2 * max_sessions + 16;
-}
-
 class RpcServer {
  public:
-  /// `owner` must outlive the server.
-  RpcServer(RpcConfig config, OwnerPort& owner, FactsProvider facts);
+  /// `context` must outlive the server.
+  explicit RpcServer(ServiceContext& context);
+  /// shutdown() with 1 s.
   ~RpcServer();
   RpcServer(const RpcServer&) = delete;
   RpcServer& operator=(const RpcServer&) = delete;
 
-  /// Binds and serves. Throws TransportError naming the address: in use, not to be resolved, or not
-  /// allowed without TLS; or the file of TLS that is wrong.
-  void start();
-  /// The addresses as served, ports filled in; empty before start().
-  [[nodiscard]] const std::vector<std::string>& bound_addresses() const noexcept { return bound_; }
-  /// The same with a word on what protects each, for people.
-  [[nodiscard]] const std::vector<std::string>& served() const noexcept { return served_; }
-  /// What is not protected, a sentence each.
-  [[nodiscard]] std::vector<std::string> weaknesses() const;
-  /// The UDP path's; 0 if there is none.
-  [[nodiscard]] std::uint16_t udp_port() const;
-  /// Datagrams dropped since the start, by reason ("TAG", ...); empty without a UDP path.
-  [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> dropped_datagrams() const;
-  /// Connections that are open, and how many were cut since the start because of their bounds.
-  [[nodiscard]] std::pair<std::size_t, std::uint64_t> connections() const;
-  /// Refuses new calls, ends streams (UNAVAILABLE), waits for at most `grace`, then cuts what is
-  /// still connected.
-  /// Idempotent; the destructor calls it with 1 s.
-  void shutdown(core::Duration grace);
+  /// Serves connections at addresses with these protections. Throws TransportError naming the file
+  /// of TLS that is wrong.
+  void start(const std::vector<Protection>& protections);
+  /// A connection by address number `address`; takes the descriptor.
+  void take(std::size_t address, int descriptor);
+  /// Refuses new calls, and waits for those under way for at most `grace`. Idempotent.
+  void stop(core::Duration grace);
 
  private:
   struct Grpc;
   std::unique_ptr<Grpc> grpc_;
-  std::vector<std::string> bound_{}, served_{};
 };
 
 }  // namespace haptic::server

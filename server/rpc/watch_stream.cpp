@@ -17,17 +17,17 @@ WatchStream* WatchStream::begin(ServiceContext& context, const grpc::ByteBuffer&
 }
 
 void WatchStream::open(const grpc::ByteBuffer& raw) {
-  if (!raw.Valid()) return end(grpc::Status::CANCELLED);
-  if (const auto refusal = too_large(raw.Length())) return end(to_status(*refusal));
+  if (!raw.Valid()) return end({});
+  if (const auto refusal = too_large(raw.Length())) return end(*refusal);
   v1::WatchRequest request;
   grpc::ByteBuffer bytes(raw);
   if (!grpc::SerializationTraits<v1::WatchRequest>::Deserialize(&bytes, &request).ok()) {
-    return end(to_status(invalid_field("message", "is not a WatchRequest")));
+    return end(invalid_field("message", "is not a WatchRequest"));
   }
   const auto target = context_.device(request.device());
-  if (!target) return end(to_status(target.refusal));
+  if (!target) return end(target.refusal);
   if (const auto wrong = check_rate("rate_hz", request.rate_hz(), context_.loop_hz())) {
-    return end(to_status(*wrong));
+    return end(*wrong);
   }
   const double rate = request.rate_hz() > 0.0 ? request.rate_hz() : kDefaultRateHz;
   Request admission;
@@ -37,7 +37,7 @@ void WatchStream::open(const grpc::ByteBuffer& raw) {
                [this, rate, device = *target.value, weak = weak_from_this()](const Answer& answer) {
                  const auto alive = weak.lock();
                  if (!alive) return;
-                 if (answer.refusal) return end(to_status(*answer.refusal));
+                 if (answer.refusal) return end(*answer.refusal);
                  {
                    const std::lock_guard lock(mutex_);
                    id_ = answer.session_id;
@@ -67,7 +67,7 @@ void WatchStream::flush() {
   v1::WatchResponse response;
   *response.mutable_event() = to_proto(*event);
   response.set_conflated(pace_.conflated());
-  write(to_buffer(response));
+  write(to_outgoing(response));
 }
 
 void WatchStream::close(Ending /*ending*/) {

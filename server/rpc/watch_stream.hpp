@@ -5,18 +5,19 @@
 
 #include "haptic/v1/haptic_service.pb.h"
 #include "server/front/pace.hpp"
-#include "server/rpc/response_stream.hpp"
+#include "server/rpc/grpc_stream.hpp"
 
 namespace haptic::server {
 
-class WatchStream final : public ResponseStream<grpc::ServerWriteReactor<grpc::ByteBuffer>> {
+class WatchStream final
+    : public GrpcStream<grpc::ServerWriteReactor<grpc::ByteBuffer>, ResponseStream> {
  public:
   static constexpr double kDefaultRateHz = 30.0;
 
   /// Deletes itself when gRPC is done with it.
   [[nodiscard]] static WatchStream* begin(ServiceContext& context, const grpc::ByteBuffer& request,
                                           std::shared_ptr<Account> account);
-  using ResponseStream::ResponseStream;
+  using GrpcStream::GrpcStream;
 
   bool offer(const StateRecord& state, StateFrame& frame, bool states_allowed) override;
 

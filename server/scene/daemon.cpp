@@ -56,27 +56,36 @@ std::string address_problem(const std::string& address) {
   return R"(must be "host:port", "[v6]:port" (port 0 to 65535) or "unix:/path")";
 }
 
+std::vector<std::string> read_addresses(
+    const Fields& part, const google::protobuf::RepeatedPtrField<std::string>& listen,
+    std::set<std::string>& taken) {
+  std::vector<std::string> addresses(listen.begin(), listen.end());
+  for (std::size_t i = 0; i < addresses.size(); ++i) {
+    const std::string& address = addresses[i];
+    if (const std::string why = address_problem(address); !why.empty()) {
+      part.wrong(entry("listen", i), quoted(address), why);
+    } else if (!taken.insert(address).second) {
+      part.wrong(entry("listen", i), quoted(address),
+                 "must be another: this one is listed already");
+    }
+  }
+  return addresses;
+}
+
 ServerScene read_server(const Part<v1::ServerScene>& part) {
   ServerScene server;
   server.offline = part->has_offline();
   if (server.offline) {
     const bool network = !part->listen().empty() || part->has_udp_listen() ||
-                         part->has_metrics_listen() || part->has_tls();
-    if (network) part.wrong("offline", "{}", "not with listen, udp_listen, metrics_listen or tls");
+                         part->has_metrics_listen() || part->has_web() || part->has_tls();
+    if (network) {
+      part.wrong("offline", "{}", "not with listen, udp_listen, metrics_listen, web or tls");
+    }
   } else if (part->listen().empty()) {
     part->add_listen(server.listen.front());
   }
-  server.listen.assign(part->listen().begin(), part->listen().end());
   std::set<std::string> addresses;
-  for (std::size_t i = 0; i < server.listen.size(); ++i) {
-    const std::string& address = server.listen[i];
-    if (const std::string why = address_problem(address); !why.empty()) {
-      part.wrong(entry("listen", i), quoted(address), why);
-    } else if (!addresses.insert(address).second) {
-      part.wrong(entry("listen", i), quoted(address),
-                 "must be another: this one is listed already");
-    }
-  }
+  server.listen = read_addresses(part, part->listen(), addresses);
   const auto host_and_port = [&](const char* field, const std::string& address) {
     if (address.empty() || is_host_and_port(address)) return;
     part.wrong(field, quoted(address), R"(must be "host:port" or "[v6]:port" (port 0 to 65535))");
@@ -85,6 +94,7 @@ ServerScene read_server(const Part<v1::ServerScene>& part) {
   host_and_port("metrics_listen", server.metrics_listen = part->metrics_listen());
   server.lease_timeout = part.duration("lease_timeout", server.lease_timeout, {500ms, 60s});
   server.max_sessions = static_cast<unsigned>(part.whole_number("max_sessions", 32, 1, 256));
+  if (part->has_web()) server.web = read_web(part.part<v1::WebScene>("web"), addresses);
   if (part->has_tls()) server.tls = read_tls(part.part<v1::TlsScene>("tls"));
   return server;
 }

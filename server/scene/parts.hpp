@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -63,6 +64,12 @@ void read_passivity(const Part<v1::PassivityScene>& part, DeviceScene& device);
 
 /// daemon.cpp.
 [[nodiscard]] ServerScene read_server(const Part<v1::ServerScene>& part);
+/// web.cpp. `addresses`: those that are taken; they grow.
+[[nodiscard]] WebConfig read_web(const Part<v1::WebScene>& part, std::set<std::string>& addresses);
+/// `listen` of a part, whose addresses are to be others than those in `taken`; they join it.
+[[nodiscard]] std::vector<std::string> read_addresses(
+    const Fields& part, const google::protobuf::RepeatedPtrField<std::string>& listen,
+    std::set<std::string>& taken);
 /// `devices`: of the scene. They decide the defaults on lateness, and get late_bucket_full.
 [[nodiscard]] LoopScene read_loop(const Part<v1::LoopScene>& part,
                                   std::vector<DeviceScene>& devices);

@@ -12,6 +12,7 @@
 #include "haptic/wire/ports.hpp"
 #include "hw/device_config.hpp"
 #include "server/crossing/tls_config.hpp"
+#include "server/crossing/web_config.hpp"
 
 namespace haptic::server {
 
@@ -49,6 +50,7 @@ struct ServerScene {
   std::vector<std::string> listen{wire::kDefaultServer};
   std::string udp_listen{};      ///< empty: no UDP path
   std::string metrics_listen{};  ///< empty: no metrics
+  std::optional<WebConfig> web{};  ///< absent: no browsers
   core::Duration lease_timeout{std::chrono::seconds(2)};
   unsigned max_sessions{32};
   std::optional<TlsConfig> tls{};  ///< absent: plain text

@@ -15,7 +15,7 @@
 #include "hw/device.hpp"
 #include "hw/device_config.hpp"
 #include "server/owner/owner.hpp"
-#include "server/rpc/rpc_server.hpp"
+#include "server/front_server.hpp"
 #include "server/rt/loop.hpp"
 #include "server/scene/scene.hpp"
 #include "tests/bench/percentile.hpp"
@@ -104,7 +104,7 @@ class Product {
   std::unique_ptr<server::DeviceUnit> unit_;
   server::Telemetry telemetry_;
   server::Owner owner_;
-  server::RpcServer rpc_;
+  server::FrontServer rpc_;
   server::Loop loop_;
 };
 

@@ -42,11 +42,11 @@ class Server {
 
   /// Serves at `address`, and by UDP.
   void serve(const std::string& address) {
-    server::RpcConfig config{.listen = {address}, .udp_listen = "127.0.0.1:0"};
+    server::ServiceConfig config{.listen = {address}, .udp_listen = "127.0.0.1:0"};
     config.clock = [this](core::Duration) { return now(); };
     config.age_by_source_time = false;
     rpc_ =
-        std::make_unique<server::RpcServer>(config, owner_, [] { return server::ServerFacts{}; });
+        std::make_unique<server::FrontServer>(config, owner_, [] { return server::ServerFacts{}; });
     rpc_->start();
   }
   [[nodiscard]] std::string address() const { return rpc_->bound_addresses().front(); }
@@ -84,7 +84,7 @@ class Server {
   server::Telemetry telemetry_;
   server::Owner owner_;
   std::shared_ptr<HandFront> front_{};
-  std::unique_ptr<server::RpcServer> rpc_{};
+  std::unique_ptr<server::FrontServer> rpc_{};
 };
 
 /// What carries samples to the server.

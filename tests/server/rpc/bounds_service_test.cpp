@@ -40,7 +40,7 @@ TEST(Bounds, CompressedRequestsAreRefused) {
 }
 
 TEST(Bounds, ACutConnectionComesAgain) {
-  server::RpcConfig config{.listen = {"127.0.0.1:0"}};
+  server::ServiceConfig config{.listen = {"127.0.0.1:0"}};
   config.connections.debt = 16 * 1024;
   LiveServer server(config);
   const auto channel = server.channel();

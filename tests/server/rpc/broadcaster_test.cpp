@@ -1,5 +1,5 @@
 // Who gets which state, on virtual time.
-#include "server/rpc/broadcaster.hpp"
+#include "server/service/broadcaster.hpp"
 
 #include <gtest/gtest.h>
 

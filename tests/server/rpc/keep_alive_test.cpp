@@ -94,7 +94,7 @@ class RawHttp2 {
   bool connected_{false};
 };
 
-server::RpcConfig hasty() {
+server::ServiceConfig hasty() {
   return {.listen = {"127.0.0.1:0"}, .keep_alive = {300ms, 1700ms}};
 }
 
@@ -131,7 +131,7 @@ TEST(KeepAlive, KeepsClientsThatAnswerPings) {
 }
 
 TEST(KeepAlive, MatchesTheProtocolAndIdleClients) {
-  const server::KeepAlive shipped = server::RpcConfig{}.keep_alive;
+  const server::KeepAlive shipped = server::ServiceConfig{}.keep_alive;
   std::ifstream file(HAPTIC_SOURCE_DIR "/proto/README.md");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(shipped.given_up_after());

@@ -10,9 +10,9 @@
 #include "server/front/pace.hpp"
 #include "server/front/sample_ledger.hpp"
 #include "server/net/listen_address.hpp"
-#include "server/rpc/broadcaster.hpp"
+#include "server/service/broadcaster.hpp"
 #include "server/rpc/reply.hpp"
-#include "server/rpc/state_frame.hpp"
+#include "server/service/state_frame.hpp"
 #include "server/state/state_message.hpp"
 
 namespace haptic::server {

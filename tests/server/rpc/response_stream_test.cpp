@@ -1,6 +1,6 @@
 // When a stream's status may leave: after everything that the session held was given up, and once.
 // gRPC is played by hand, so that a write completes exactly where a test wants it to.
-#include "server/rpc/response_stream.hpp"
+#include "server/service/response_stream.hpp"
 
 #include <gtest/gtest.h>
 
@@ -113,7 +113,7 @@ class ResponseStreamTest : public testing::Test {
 
   DeviceRig rig;
   std::shared_ptr<server::ServiceContext> context = std::make_shared<server::ServiceContext>(
-      server::RpcConfig{}, *rig.owner, [] { return server::ServerFacts{}; });
+      server::ServiceConfig{}, *rig.owner, [] { return server::ServerFacts{}; });
   const std::string id = "s1";
   std::shared_ptr<HandDrivenStream> stream;
   bool lease_at_finish{true}, place_at_finish{true}, id_at_finish{true};

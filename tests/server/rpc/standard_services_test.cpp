@@ -118,7 +118,7 @@ TEST(Reflection, KnowsTheServicesDescriptor) {
 }
 
 std::string answer_of(const std::string& address, DeviceRig& rig) {
-  server::RpcServer second({{address}}, *rig.owner, [] { return server::ServerFacts{}; });
+  server::FrontServer second({{address}}, *rig.owner, [] { return server::ServerFacts{}; });
   try {
     second.start();
   } catch (const core::TransportError& error) {

@@ -9,7 +9,7 @@
 
 #include "haptic/core/error.hpp"
 #include "server/net/tls_files.hpp"
-#include "server/rpc/peer.hpp"
+#include "server/rpc/peer_of.hpp"
 #include "tests/server/support/test_client.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -65,7 +65,7 @@ class TlsTest : public testing::Test {
     }
     return config;
   }
-  static server::RpcConfig config(bool mutual) {
+  static server::ServiceConfig config(bool mutual) {
     return {.listen = {"127.0.0.1:0"}, .udp_listen = "127.0.0.1:0", .tls = tls(mutual)};
   }
   static std::shared_ptr<grpc::Channel> channel(const LiveServer& server, const std::string& ca,
@@ -192,7 +192,7 @@ TEST_F(TlsTest, NamesWrongFilesWithoutTheirContents) {
 
 TEST(Peer, KeysStayLocalOrInTls) {
   server::Peer peer;
-  server::RpcConfig config;
+  server::ServiceConfig config;
   EXPECT_FALSE(may_have_keys(peer, config));
   peer.this_host = true;
   EXPECT_TRUE(may_have_keys(peer, config));
@@ -216,7 +216,7 @@ TEST(Peer, RecognisesThisHostByAddress) {
 }
 
 TEST(Peer, WithoutCertificateOnlyLocalMayOperate) {
-  server::RpcConfig config;
+  server::ServiceConfig config;
   server::Peer peer{.this_host = true};
   EXPECT_EQ(rights_of(peer, config).highest, server::Priority::kOperator);
   config.tls.emplace();
@@ -226,7 +226,7 @@ TEST(Peer, WithoutCertificateOnlyLocalMayOperate) {
 }
 
 TEST(Peer, HigherOfTwoNamesCounts) {
-  server::RpcConfig config;
+  server::ServiceConfig config;
   config.tls.emplace();
   config.tls->clients = {{"a", server::Priority::kTest}, {"b", server::Priority::kOperator}};
   server::Peer peer{.names = {"a"}};

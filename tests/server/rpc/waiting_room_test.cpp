@@ -1,8 +1,8 @@
-#include "server/rpc/service_context.hpp"
+#include "server/service/service_context.hpp"
 
 #include <gtest/gtest.h>
 
-#include "server/rpc/service_context.hpp"
+#include "server/service/service_context.hpp"
 
 namespace haptic::test {
 namespace {

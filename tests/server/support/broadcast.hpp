@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "server/rpc/broadcaster.hpp"
+#include "server/service/broadcaster.hpp"
 
 namespace haptic::test {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "server/base/steady_now.hpp"
-#include "server/rpc/rpc_server.hpp"
+#include "server/front_server.hpp"
 #include "tests/server/support/device_rig.hpp"
 #include "tests/support/within.hpp"
 
@@ -27,7 +27,7 @@ inline core::PipelineConfig patient_config() {
 
 class LiveServer {
  public:
-  explicit LiveServer(server::RpcConfig config = {{"127.0.0.1:0"}},
+  explicit LiveServer(server::ServiceConfig config = {{"127.0.0.1:0"}},
                       core::PipelineConfig pipeline = patient_config(),
                       server::SessionRules rules = {})
       : rig(std::move(pipeline), rules, server::steady_now(), config.max_sessions),
@@ -57,7 +57,7 @@ class LiveServer {
   std::atomic<bool> hung{false};
 
   DeviceRig rig;
-  server::RpcServer rpc;
+  server::FrontServer rpc;
 
  private:
   void run() {

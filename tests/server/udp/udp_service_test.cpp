@@ -12,7 +12,7 @@
 namespace haptic::test {
 namespace {
 
-server::RpcConfig with_udp() {
+server::ServiceConfig with_udp() {
   return {.listen = {"127.0.0.1:0"}, .udp_listen = "127.0.0.1:0"};
 }
 

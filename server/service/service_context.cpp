@@ -1,10 +1,16 @@
-#include "server/rpc/service_context.hpp"
+#include "server/service/service_context.hpp"
 
 #include <algorithm>
 #include <iterator>
 #include <utility>
 
 namespace haptic::server {
+namespace {
+
+/// A device whose loop gave no record for longer is not served.
+constexpr core::Duration kSilence{std::chrono::milliseconds(500)};
+
+}  // namespace
 
 OpenStream::OpenStream(OpenStreams& streams) : streams_(streams) {
   const std::lock_guard lock(streams_.mutex_);
@@ -93,9 +99,10 @@ std::size_t WaitingRoom::waiting() const {
   return guests_.size();
 }
 
-ServiceContext::ServiceContext(RpcConfig rpc_config, OwnerPort& owner, FactsProvider facts_provider)
+ServiceContext::ServiceContext(ServiceConfig service_config, OwnerPort& owner,
+                               FactsProvider facts_provider)
     : Front(owner),
-      config(std::move(rpc_config)),
+      config(std::move(service_config)),
       server_facts(std::move(facts_provider)),
       waiting(unopened_streams(config.max_sessions), config.open_within),
       former(std::max(1U, config.max_sessions / 2)) {
@@ -107,8 +114,8 @@ ServiceContext::ServiceContext(RpcConfig rpc_config, OwnerPort& owner, FactsProv
   }
 }
 
-std::shared_ptr<Account> ServiceContext::account_of(const grpc::ServerContextBase& call) {
-  auto account = connections->account(call.peer());
+std::shared_ptr<Account> ServiceContext::account_of(const std::string& peer) {
+  auto account = connections->account(peer);
   if (account->calls() >= config.connections.calls) connections->look_now();
   return account;
 }
@@ -117,6 +124,24 @@ unsigned ServiceContext::sessions() const {
   unsigned all = 0;
   for (std::size_t i = 0; i < broadcasters.size(); ++i) all += owner().status(i).sessions;
   return all;
+}
+
+bool ServiceContext::serving(std::size_t device) const {
+  const DeviceStatus status = owner().status(device);
+  for (const core::Fault fault : {core::Fault::kDeviceSilent, core::Fault::kDeviceLost,
+                                  core::Fault::kLoopLate, core::Fault::kLateBucketFull}) {
+    if (status.faults.has(fault)) return false;
+  }
+  return status.state != core::LifecycleState::kInit &&
+         status.state != core::LifecycleState::kClosing &&
+         steady_now() - status.ticked < kSilence;
+}
+
+bool ServiceContext::serving() const {
+  for (std::size_t i = 0; i < owner().devices().size(); ++i) {
+    if (!serving(i)) return false;
+  }
+  return true;
 }
 
 void ServiceContext::end_overdue(core::TimePoint now) {

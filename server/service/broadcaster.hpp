@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/crossing/ports.hpp"
-#include "server/rpc/state_frame.hpp"
+#include "server/service/state_frame.hpp"
 
 namespace haptic::server {
 

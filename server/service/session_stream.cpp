@@ -1,6 +1,5 @@
-#include "server/rpc/session_stream.hpp"
+#include "server/service/session_stream.hpp"
 
-#include <grpcpp/impl/codegen/proto_utils.h>
 #include <spdlog/spdlog.h>
 
 #include "server/front/messages.hpp"
@@ -10,17 +9,16 @@
 namespace haptic::server {
 namespace {
 
-grpc::Status protocol_error(const std::string& message) {
-  return to_status({Refusal::Code::kInvalid, "PROTOCOL", message, "message"});
+Refusal protocol_error(const std::string& message) {
+  return {Refusal::Code::kInvalid, "PROTOCOL", message, "message"};
 }
 
 }  // namespace
 
-SessionStream* SessionStream::begin(ServiceContext& context, Peer peer) {
-  auto stream = std::make_shared<SessionStream>(context, std::move(peer));
-  stream->keep_alive();
-  if (const auto longest = context.waiting.enter(stream, context.config.clock({}))) {
-    const std::string places = std::to_string(context.waiting.places());
+void SessionStream::begin() {
+  const auto self = std::static_pointer_cast<SessionStream>(shared_from_this());
+  if (const auto longest = context_.waiting.enter(self, context_.config.clock({}))) {
+    const std::string places = std::to_string(context_.waiting.places());
     longest->end_with({Refusal::Code::kExhausted,
                        "TOO_MANY_SESSIONS",
                        "streams without a session: all " + places +
@@ -28,32 +26,38 @@ SessionStream* SessionStream::begin(ServiceContext& context, Peer peer) {
                        {},
                        {{{"limit", places}}}});
   }
-  stream->StartRead(&stream->incoming_);
-  context.streams.add(stream);
-  return stream.get();
+  {
+    const std::lock_guard lock(mutex_);
+    if (!ended_) start_read();
+  }
+  context_.streams.add(self);
 }
 
-void SessionStream::OnReadDone(bool ok) {
-  const core::TimePoint arrival = context_.config.clock({});
-  // Half-closed, or cancelled: then the status goes nowhere.
-  if (!ok) return end(grpc::Status::OK, Ending::kLost);
-  const std::size_t size = incoming_.Length();
-  if (const auto refusal = too_large(size)) return end(to_status(*refusal));
-  if (!grpc::SerializationTraits<v1::SessionRequest>::Deserialize(&incoming_, &request_).ok()) {
-    return end(protocol_error("not a SessionRequest"));
-  }
+bool SessionStream::may_parse(std::size_t bytes) {
+  const auto refusal = too_large(bytes);
+  if (refusal) end(*refusal);
+  return !refusal;
+}
+
+void SessionStream::unreadable(const std::string& why) {
+  end(protocol_error(why));
+}
+
+void SessionStream::received(const v1::SessionRequest& request, std::size_t bytes,
+                             core::TimePoint arrival) {
   const bool first = std::exchange(first_message_, false);
   // The headers of a stream mean something only if a session comes of it.
-  first ? peer_.account->call(size) : peer_.account->message(size);
+  first ? peer_.account->call(bytes) : peer_.account->message(bytes);
   // Its time was up, or its place was needed, in this very moment: it is being ended.
   if (first && !context_.waiting.leave(*this)) return;
-  if (first != request_.has_open()) {
+  if (first != request.has_open()) {
     return end(protocol_error(first ? "the first message must be OpenSession"
                                     : "OpenSession must be the first message only"));
   }
-  if (request_.has_leave()) return end(grpc::Status::OK);
-  take(request_, arrival);
-  read_next();
+  if (request.has_leave()) return end({});
+  take(request, arrival);
+  const std::lock_guard lock(mutex_);
+  if (!ended_) start_read();
 }
 
 void SessionStream::take(const v1::SessionRequest& request, core::TimePoint arrival) {
@@ -65,7 +69,7 @@ void SessionStream::take(const v1::SessionRequest& request, core::TimePoint arri
       const std::lock_guard lock(mutex_);
       udp = udp_;
     }
-    session->take(request.proxy(), arrival, Carrier::kGrpc,
+    session->take(request.proxy(), arrival, stream_,
                   udp ? udp->clock(arrival) : std::nullopt);
   } else if (request.has_tracker() && session) {
     session->take(request.tracker(), arrival);
@@ -74,16 +78,11 @@ void SessionStream::take(const v1::SessionRequest& request, core::TimePoint arri
   }
 }
 
-void SessionStream::read_next() {
-  const std::lock_guard lock(mutex_);
-  if (!ended_) StartRead(&incoming_);
-}
-
 void SessionStream::open(const v1::OpenSession& request) {
   const auto device = context_.device(request.device());
-  if (!device) return end(to_status(device.refusal));
+  if (!device) return end(device.refusal);
   const auto session =
-      std::make_shared<Session>(context_, *device.value, context_.session_settings());
+      std::make_shared<Session>(context_, *device.value, context_.session_settings(stream_));
   {
     const std::lock_guard lock(mutex_);
     if (ended_) return;
@@ -94,7 +93,7 @@ void SessionStream::open(const v1::OpenSession& request) {
       [this, request, weak = weak_from_this()](const Outcome<v1::SessionOpened>& outcome) {
         const auto alive = weak.lock();
         if (!alive) return;
-        if (!outcome) return end(to_status(outcome.refusal));
+        if (!outcome) return end(outcome.refusal);
         opened(*outcome.value, request);
       });
 }
@@ -123,10 +122,14 @@ void SessionStream::goes_on_elsewhere(const std::string& session_id) {
     const std::lock_guard lock(mutex_);
     if (!opened_ || !(session_->id() == session_id)) return;
   }
-  end(to_status({Refusal::Code::kAborted, "RESUMED", "the session goes on with another stream"}));
+  end(Refusal{Refusal::Code::kAborted, "RESUMED", "the session goes on with another stream"});
 }
 
 void SessionStream::offer_udp(v1::SessionOpened& message) {
+  if (stream_ != Carrier::kGrpc) {
+    message.set_udp_refused("its keys go on a stream of gRPC only");
+    return;
+  }
   if (message.role() == v1::ROLE_TRACKER) {
     message.set_udp_refused("poses of a tracker go on the stream");
     return;
@@ -157,7 +160,7 @@ bool SessionStream::offer(const StateRecord& state, StateFrame& frame, bool stat
   const bool due = session_->due(state) && !greeting_due_ && states_allowed;
   const bool by_udp = due && udp_ && udp_->send_state(frame.for_datagram());
   const bool by_stream = due && !by_udp && !writing_;
-  if (by_udp || by_stream) session_->sent(state, by_udp ? Carrier::kUdp : Carrier::kGrpc);
+  if (by_udp || by_stream) session_->sent(state, by_udp ? Carrier::kUdp : stream_);
   if (by_stream) {
     write(frame.for_session());
   } else {
@@ -171,7 +174,8 @@ void SessionStream::lease_over() {
     const std::lock_guard lock(mutex_);
     if (ended_) return;
   }
-  const auto oldest = context_.former.enter(shared_from_this(), context_.config.clock({}));
+  const auto self = std::static_pointer_cast<SessionStream>(shared_from_this());
+  const auto oldest = context_.former.enter(self, context_.config.clock({}));
   if (!oldest) return;
   oldest->end_with({Refusal::Code::kExhausted,
                     "TOO_MANY_SESSIONS",
@@ -184,15 +188,15 @@ void SessionStream::flush() {
   if (writing_ || ended_) return;
   if (greeting_due_) {
     greeting_due_ = false;
-    return write(to_buffer(greeting_));
+    return write(to_outgoing(greeting_));
   }
   if (!opened_) return;
   if (auto keys = udp_ ? udp_->take_keys() : std::nullopt) {
     v1::SessionResponse response;
     *response.mutable_udp() = std::move(*keys);
-    return write(to_buffer(response));
+    return write(to_outgoing(response));
   }
-  if (const auto response = session_->next()) write(to_buffer(*response));
+  if (const auto response = session_->next()) write(to_outgoing(*response));
 }
 
 void SessionStream::report(const std::string& device, v1::GetLinkStatsResponse& response) {
@@ -214,7 +218,7 @@ void SessionStream::close(Ending ending) {
   if (const auto session = this->session()) session->close(ending == Ending::kLost);
 }
 
-void SessionStream::OnDone() {
+void SessionStream::done() {
   static_cast<void>(context_.waiting.leave(*this));
   static_cast<void>(context_.former.leave(*this));
   if (udp_) udp_->close();
@@ -222,7 +226,6 @@ void SessionStream::OnDone() {
     peer_.account->session_ended();
     spdlog::info("session '{}' ended", session_->client_name());
   }
-  ResponseStream::OnDone();
 }
 
 }  // namespace haptic::server

@@ -1,10 +1,9 @@
 #pragma once
 /// One DeviceState, serialised once per tick and shared by every stream that sends it.
 
-#include <grpcpp/support/byte_buffer.h>
-#include <grpcpp/support/slice.h>
-
+#include <memory>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "google/protobuf/message_lite.h"
@@ -12,9 +11,21 @@
 
 namespace haptic::server {
 
-/// The state's bytes are one reference-counted slice; what differs between streams (the outer
-/// field's tag, a watch's own counter) lies before and behind it. One thread, the telemetry
-/// drain's.
+/// A serialised message on its way to one client: three parts in a row. What streams share lies in
+/// the middle; what differs (the outer field's tag, a watch's own counter) before and behind it.
+struct Outgoing {
+  std::string head{};
+  std::shared_ptr<const std::string> shared{};  ///< null: empty
+  std::string tail{};
+
+  [[nodiscard]] std::size_t size() const noexcept {
+    return head.size() + (shared ? shared->size() : 0) + tail.size();
+  }
+};
+
+[[nodiscard]] Outgoing to_outgoing(const google::protobuf::MessageLite& message);
+
+/// One thread, the telemetry drain's.
 class StateFrame {
  public:
   StateFrame() = default;
@@ -22,21 +33,18 @@ class StateFrame {
   /// A new state; nothing is serialised before a stream asks. `state` must outlive the use.
   void begin(const StateRecord& state) noexcept;
   /// SessionResponse { state }.
-  [[nodiscard]] grpc::ByteBuffer for_session();
+  [[nodiscard]] Outgoing for_session();
   /// DeviceState alone, as a datagram carries it; until the next begin().
   [[nodiscard]] std::span<const std::uint8_t> for_datagram();
   /// WatchResponse { state, conflated }.
-  [[nodiscard]] grpc::ByteBuffer for_watch(std::uint64_t conflated);
+  [[nodiscard]] Outgoing for_watch(std::uint64_t conflated);
 
  private:
   void serialise();
 
   StateMessage message_{};
   const StateRecord* record_{nullptr};
-  bool ready_{false};
-  grpc::Slice bytes_{};
+  std::shared_ptr<const std::string> bytes_{};  ///< null: not serialised yet
 };
-
-[[nodiscard]] grpc::ByteBuffer to_buffer(const google::protobuf::MessageLite& message);
 
 }  // namespace haptic::server

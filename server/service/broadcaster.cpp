@@ -1,4 +1,4 @@
-#include "server/rpc/broadcaster.hpp"
+#include "server/service/broadcaster.hpp"
 
 #include <algorithm>
 #include <utility>

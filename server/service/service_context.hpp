@@ -1,7 +1,5 @@
 #pragma once
-/// What the calls of the service share (private to server/rpc).
-
-#include <grpcpp/server_context.h>
+/// What the calls of the service share, whatever carries them.
 
 #include <condition_variable>
 #include <functional>
@@ -14,16 +12,17 @@
 
 #include "haptic/v1/haptic_service.pb.h"
 #include "server/front/front.hpp"
+#include "server/crossing/server_facts.hpp"
 #include "server/front/session.hpp"
-#include "server/rpc/broadcaster.hpp"
-#include "server/rpc/rpc_server.hpp"
+#include "server/service/broadcaster.hpp"
+#include "server/service/service_config.hpp"
 #include "server/udp/udp_port.hpp"
 
 namespace haptic::server {
 
 class OpenStream;
 
-/// The streams that gRPC, or an answer on its way, still holds, so that shutdown can end them and
+/// The streams that a carrier, or an answer on its way, still holds, so that shutdown can end them and
 /// wait for the last.
 class OpenStreams {
  public:
@@ -104,17 +103,17 @@ class OpenStream {
 
 class ServiceContext final : public Front {
  public:
-  ServiceContext(RpcConfig rpc_config, OwnerPort& owner, FactsProvider facts_provider);
+  ServiceContext(ServiceConfig service_config, OwnerPort& owner, FactsProvider facts_provider);
 
   void on_newest(std::size_t device, const StateRecord& state) override {
     broadcasters[device]->on_newest(state);
   }
 
-  /// Of the connection of a call that stays for a while.
-  [[nodiscard]] std::shared_ptr<Account> account_of(const grpc::ServerContextBase& call);
+  /// Of the connection of a call that stays for a while, by its peer's name (Connections).
+  [[nodiscard]] std::shared_ptr<Account> account_of(const std::string& peer);
   [[nodiscard]] double loop_hz() const { return 1.0 / core::seconds(config.period); }
-  [[nodiscard]] SessionSettings session_settings() const {
-    return {loop_hz(), config.clock, config.age_by_source_time};
+  [[nodiscard]] SessionSettings session_settings(Carrier stream) const {
+    return {loop_hz(), config.clock, config.age_by_source_time, stream};
   }
   /// Session streams that are open.
   [[nodiscard]] unsigned sessions() const;
@@ -126,7 +125,12 @@ class ServiceContext final : public Front {
   void add_weakness(std::string sentence);
   [[nodiscard]] std::vector<std::string> weaknesses() const;
 
-  const RpcConfig config;
+  /// Whether a device is served: open, and its loop on time (proto/README.md, "Conventions").
+  [[nodiscard]] bool serving(std::size_t device) const;
+  /// All of them.
+  [[nodiscard]] bool serving() const;
+
+  const ServiceConfig config;
   const FactsProvider server_facts;
   OpenStreams streams;
   WaitingRoom waiting;  ///< session streams whose first message has not come

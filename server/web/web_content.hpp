@@ -1,0 +1,30 @@
+#pragma once
+/// What is served over HTTP besides the service: the page's files, and the metrics' text.
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+
+namespace haptic::server {
+
+struct PageFile {
+  std::string type{};  ///< "text/html; charset=utf-8"
+  std::string bytes{};
+};
+/// By the path of its address, "/app.js"; "/" is index.html.
+using Page = std::map<std::string, PageFile, std::less<>>;
+
+struct WebContent {
+  Page page{};
+  std::function<std::string()> metrics{};  ///< called for every scrape; empty: there are none
+};
+
+/// The files of `folder` and of the folders in it; none if it does not exist. Throws
+/// core::TransportError if one cannot be read, or all together have more than 32 MB.
+[[nodiscard]] Page load_page(const std::filesystem::path& folder);
+/// Where the page of the program at `program` lies: "page" next to it as it was built, or
+/// "share/hapticd/page" of the prefix that it was installed in.
+[[nodiscard]] std::filesystem::path page_folder(const std::filesystem::path& program);
+
+}  // namespace haptic::server

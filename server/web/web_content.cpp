@@ -57,11 +57,11 @@ Page load_page(const fs::path& folder) {
 
 fs::path page_folder(const fs::path& program) {
   const fs::path folder = program.parent_path();
-  if (fs::path built = folder / "page"; fs::is_directory(built)) return built;
+  if (fs::path built = folder / "page" / "dist"; fs::is_directory(built)) return built;
   // PREFIX/libexec/hapticd/hapticd-front, or PREFIX/bin/hapticd-front.
   const bool libexec = folder.parent_path().filename() == "libexec";
   const fs::path prefix = libexec ? folder.parent_path().parent_path() : folder.parent_path();
-  return prefix / "share" / "hapticd" / "page";
+  return prefix / "share" / "haptic" / "page";
 }
 
 }  // namespace haptic::server

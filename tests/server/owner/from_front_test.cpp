@@ -32,7 +32,8 @@ TEST(FromFront, SamplesOfJunkHaveKnownNames) {
     auto sample = filled<ProxySample>(byte);
     make_harmless(sample, TimePoint(7s));
     EXPECT_LE(sample.mode, core::ProxyMode::kPlanes);
-    EXPECT_TRUE(sample.carrier == Carrier::kGrpc || sample.carrier == Carrier::kUdp);
+    EXPECT_TRUE(sample.carrier == Carrier::kGrpc || sample.carrier == Carrier::kUdp ||
+                sample.carrier == Carrier::kWebSocket);
     EXPECT_EQ(sample.arrival, TimePoint(7s));
     EXPECT_GE(sample.valid_for, 0s);
     EXPECT_LE(sample.valid_for, std::chrono::hours(2));

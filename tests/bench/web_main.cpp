@@ -2,97 +2,34 @@
 /// messages as large, on the same host. All times are of this host's steady clock.
 #include <spdlog/spdlog.h>
 
-#include <boost/asio/connect.hpp>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/websocket.hpp>
-#include <filesystem>
-#include <fstream>
+#include <atomic>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "haptic/v1/session.pb.h"
 #include "tests/bench/paired.hpp"
-#include "tests/bench/product.hpp"
-#include "tests/support/temporary_file.hpp"
+#include "tests/bench/web_client.hpp"
 
 namespace {
 
 using namespace haptic;
 using namespace haptic::bench;
-namespace asio = boost::asio;
-namespace beast = boost::beast;
-namespace websocket = beast::websocket;
-using asio::ip::tcp;
-using Socket = websocket::stream<tcp::socket, false>;
-
 constexpr int kSamples = 150;  // per block
 constexpr std::chrono::milliseconds kEvery{4};
-constexpr char kToken[] = "0123456789abcdef";
 
-std::string sample(std::uint64_t seq) {
-  v1::SessionRequest request;
-  v1::ProxySample& proxy = *request.mutable_proxy();
-  proxy.set_seq(seq);
-  proxy.set_mode(v1::PROXY_MODE_HELD);
-  proxy.set_source_time_ns(now_ns());
-  proxy.add_position(0.4);
-  proxy.add_position(0.5);
-  return request.SerializeAsString();
+/// When each of `kSamples` was written, ns.
+std::vector<std::int64_t> write_samples(WebClient& client) {
+  std::vector<std::int64_t> written;
+  auto next = std::chrono::steady_clock::now();
+  for (int i = 0; i < kSamples; ++i) {
+    next += kEvery;
+    std::this_thread::sleep_until(next);
+    written.push_back(now_ns());
+    client.write(sample(written.size()));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  return written;
 }
-
-/// A client without a library: it writes samples, and reads what comes on a thread of its own.
-class Client {
- public:
-  explicit Client(const std::string& address) : socket_(context_) {
-    const std::size_t colon = address.rfind(':');
-    asio::connect(
-        beast::get_lowest_layer(socket_),
-        tcp::resolver(context_).resolve(address.substr(0, colon), address.substr(colon + 1)));
-    beast::get_lowest_layer(socket_).set_option(tcp::no_delay(true));
-    socket_.set_option(websocket::stream_base::decorator([](websocket::request_type& head) {
-      head.set(beast::http::field::sec_websocket_protocol, "haptic.v1.proto");
-      head.set(beast::http::field::authorization, std::string("Bearer ") + kToken);
-    }));
-    socket_.handshake(address, "/haptic.v1.HapticService/Session");
-    socket_.binary(true);
-    reader_ = std::thread([this] {
-      beast::flat_buffer buffer;
-      beast::error_code error;
-      while (!error) {
-        buffer.clear();
-        socket_.read(buffer, error);
-      }
-    });
-  }
-  ~Client() {
-    beast::error_code ignored;
-    beast::get_lowest_layer(socket_).shutdown(tcp::socket::shutdown_both, ignored);
-    reader_.join();
-  }
-  void write(const std::string& bytes) { socket_.write(asio::buffer(bytes)); }
-
-  /// When each of `kSamples` was written, ns.
-  std::vector<std::int64_t> write_samples() {
-    std::vector<std::int64_t> written;
-    auto next = std::chrono::steady_clock::now();
-    for (int i = 0; i < kSamples; ++i) {
-      next += kEvery;
-      std::this_thread::sleep_until(next);
-      written.push_back(now_ns());
-      write(sample(written.size()));
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    return written;
-  }
-
- private:
-  asio::io_context context_{};
-  Socket socket_;
-  std::thread reader_{};
-};
 
 /// Echoes to one client at a time, and keeps when each message came.
 class Bare {
@@ -113,7 +50,7 @@ class Bare {
  private:
   void run() {
     while (true) {
-      Socket socket(acceptor_.accept());
+      BareSocket socket(acceptor_.accept());
       if (stopping_) return;
       beast::get_lowest_layer(socket).set_option(tcp::no_delay(true));
       socket.set_option(websocket::stream_base::decorator([](websocket::response_type& head) {
@@ -141,18 +78,14 @@ class Bare {
 double product_block(Product& product) {
   std::vector<std::int64_t> written;
   {
-    Client client(product.address(1));
-    v1::SessionRequest open;
-    open.mutable_open()->set_role(v1::ROLE_CONTROLLER);
-    open.mutable_open()->set_client_name("bench");
-    open.mutable_open()->set_nominal_rate_hz(250);
-    client.write(open.SerializeAsString());
+    WebClient client(product.address(1));
+    client.control(250.0);
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     {
       const std::lock_guard lock(product.arrivals.mutex);
       product.arrivals.born.clear();
     }
-    written = client.write_samples();
+    written = write_samples(client);
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(300));  // the force is gone
   std::vector<double> up;
@@ -168,8 +101,8 @@ double product_block(Product& product) {
 double bare_block(Bare& bare) {
   std::vector<std::int64_t> written;
   {
-    Client client(bare.address());
-    written = client.write_samples();
+    WebClient client(bare.address());
+    written = write_samples(client);
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   std::vector<double> up;
@@ -183,12 +116,8 @@ double bare_block(Bare& bare) {
 
 int main() {
   spdlog::set_level(spdlog::level::warn);  // sessions that come and go
-  const test::TemporaryFile token(kToken, "token");
-  std::filesystem::permissions(token.path(), std::filesystem::perms::owner_read);
-  server::WebConfig web;
-  web.listen = {"127.0.0.1:0"};
-  web.tokens = {{"bench", token.path(), {true, server::Priority::kPrimary}}};
-  Product product({"127.0.0.1:0"}, {}, nullptr, web);
+  const BenchWeb web;
+  Product product({"127.0.0.1:0"}, {}, nullptr, web.config());
   Bare bare;
   bench::print_header();
   bench::print(bench::compare(

@@ -1,7 +1,7 @@
 /// In lock-step - a clock of the test's own, tick k runs after the samples of its millisecond were
 /// accepted, arrivals stamped by that clock - the carrier makes no difference: the same run
-/// in-process, over gRPC on TCP, over gRPC on a UNIX socket, over UDP and by the C library gives the
-/// same force, bit for bit.
+/// in-process, over gRPC on TCP, over gRPC on a UNIX socket, over UDP and by the C library gives
+/// the same force, bit for bit.
 
 #include <gtest/gtest.h>
 #include <unistd.h>

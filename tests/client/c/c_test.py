@@ -19,7 +19,8 @@ LIBRARY = os.environ["HAPTIC_C_LIBRARY"]
 
 
 def functions_of_header() -> set[str]:
-    return set(re.findall(r"HAPTIC_API [^#(]*?(haptic_\w+)\(", (HEADERS / "haptic/haptic.h").read_text()))
+    header = (HEADERS / "haptic/haptic.h").read_text()
+    return set(re.findall(r"HAPTIC_API [^#(]*?(haptic_\w+)\(", header))
 
 
 class Header(unittest.TestCase):

@@ -3,10 +3,10 @@
 /* The structs and constants of haptic.h.
  *
  * Every struct that is passed by pointer begins with `size`. Set it to sizeof of the struct, and
- * the rest to 0: `haptic_state state = {.size = sizeof state};` in C. A later release adds fields at the end
- * only. The library reads and writes no more than `size` bytes, so a program and a library of
- * different releases understand each other: the program's unknown fields must be 0, and what the
- * library does not know it sets to 0. Structs without `size` never change.
+ * the rest to 0; in C: `haptic_state state = {.size = sizeof state};`. A later release adds fields
+ * at the end only. The library reads and writes no more than `size` bytes, so a program and a
+ * library of different releases understand each other: the program's unknown fields must be 0, and
+ * what the library does not know it sets to 0. Structs without `size` never change.
  *
  * Lists are arrays of a fixed, largest length: no list of a device is longer than these two. So a
  * struct is copied as it is, nothing is allocated, and no pointer has an owner. Text is UTF-8, ends

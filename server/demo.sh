@@ -2,10 +2,10 @@
 # The main job in one command: a finger in an exoskeleton (simulated) closes on a soft object that
 # another process simulates. Shows it live, prints a summary, leaves pictures.
 #
-#   server/demo.sh [--seconds N] [--motion FILE] [--delay MS] [--serial] [--hand] [--output DIR]
-#                  [--no-build] [--build DIR]
+#   server/demo.sh [--seconds N] [--motion FILE] [--delay MS] [--serial] [--hand] [--page]
+#                  [--output DIR] [--no-build] [--build DIR]
 #
-#   --seconds N    stop after N s (default 20; with --hand 26, its whole motion)
+#   --seconds N    stop after N s (default 20; with --hand 26, its whole motion; with --page 600)
 #   --motion FILE  moves the hand by a recording: CSV, columns time_s,q_o1_mcp_rad,q_o2_pip_rad
 #   --delay MS     a second finger beside it, whose simulation is a round trip of MS ms away, and a
 #                  picture of both forces, one on the other
@@ -13,6 +13,8 @@
 #                  on a pseudo-terminal (hw/README.md), instead of the simulated finger
 #   --hand         a hand of five fingers on a moving palm (simulated) touches, strokes and grasps
 #                  objects that MuJoCo simulates; makes a film, too
+#   --page         prints an address at which a browser shows it, and takes a picture of that page;
+#                  Ctrl-C ends it early
 #   --output DIR   where summary, recording and pictures go (default: demo-output beside the README)
 #   --no-build     does not install packages and does not build
 #   --build DIR    uses the programs of this build folder (implies --no-build)
@@ -27,6 +29,7 @@ motion=
 delay=
 serial=false
 hand=false
+page=false
 output=$root/demo-output
 build=true
 programs=$root/build/release
@@ -37,6 +40,7 @@ while (($#)); do
     --delay) delay=${2:?--delay needs a number}; shift 2 ;;
     --serial) serial=true; shift ;;
     --hand) hand=true; shift ;;
+    --page) page=true; shift ;;
     --output) output=${2:?--output needs a folder}; shift 2 ;;
     --no-build) build=false; shift ;;
     --build) build=false; programs=$(realpath -e -- "${2:?--build needs a folder}"); shift 2 ;;
@@ -44,7 +48,10 @@ while (($#)); do
     *) echo "demo.sh: unknown argument '$1' (see --help)" >&2; exit 2 ;;
   esac
 done
-if $hand; then : "${seconds:=26}"; else : "${seconds:=20}"; fi
+default=20
+if $hand; then default=26; fi
+if $page; then default=600; fi
+: "${seconds:=$default}"
 if ! [[ $seconds =~ ^[0-9]{1,6}$ ]] || ((10#$seconds < 3)); then
   echo "demo.sh: --seconds must be a whole number, 3 to 999999" >&2
   exit 2
@@ -69,6 +76,10 @@ else
 fi
 if $serial; then targets+=(haptic-board-emulator); fi
 if [[ -n $delay ]]; then targets+=(haptic-relay); fi
+if $page; then
+  targets+=(haptic_page)
+  packages+=(node)
+fi
 if $build; then
   sh "$root/docker/install-deps.sh" "${packages[@]}"
   (
@@ -78,7 +89,7 @@ if $build; then
     [[ -f build/release/build.ninja ]] ||
       cmake --preset release -DHAPTIC_BUILD_TESTS=OFF --log-level=WARNING >/dev/null
     [[ -z $delay ]] || cmake -DHAPTIC_BUILD_RELAY=ON --log-level=WARNING build/release >/dev/null
-    ! $hand || cmake --log-level=WARNING build/release >/dev/null  # finds MuJoCo now
+    if $hand || $page; then cmake --log-level=WARNING build/release >/dev/null; fi  # finds more now
     cmake --build --preset release --parallel "$(nproc)" --target "${targets[@]}"
   )
 fi
@@ -109,7 +120,7 @@ declare -A running=()  # name -> process id: what is ours to end
 # shellcheck disable=SC2317  # called by the trap
 finish() {
   local name
-  for name in watch grasp palm hapticd emulator far_grasp relay far_hapticd; do
+  for name in watch browser grasp palm hapticd emulator far_grasp relay far_hapticd; do
     if [[ -n ${running[$name]:-} ]]; then kill "${running[$name]}" 2>/dev/null || true; fi
   done
   for name in "${!running[@]}"; do wait "${running[$name]}" 2>/dev/null || true; done
@@ -147,6 +158,11 @@ more=record.compare_renderers=true
 if $hand; then more='device[0].tracker={}'; fi
 settings=(--set "$more" --set "record.file=\"$recording\"" --set record.overwrite=true
   --set loop.loop_late_fault.nanos=100000000 --set loop.late_bucket_full=1000000)
+web=()
+if $page; then
+  . "$root/server/demo/page.sh"
+  web=(--set 'server.web={ listen: "127.0.0.1:0" printed: "control" }')
+fi
 if $serial; then
   port=$folder/board
   # The board waits for longer than the loop may be late.
@@ -172,7 +188,8 @@ elif [[ -n $motion ]]; then
   settings+=(--set "device[0].$wearer.motion_file=\"$motion\"")
 fi
 
-"$hapticd" --scene "$scene" --listen "$server" "${settings[@]}" 2>"$folder/hapticd.log" &
+"$hapticd" --scene "$scene" --listen "$server" "${settings[@]}" "${web[@]}" \
+  2>"$folder/hapticd.log" &
 running[hapticd]=$!
 for _ in {1..100}; do
   [[ -S $folder/socket ]] && break
@@ -191,27 +208,8 @@ fi
 "${grasp[@]}" --server "$server" >"$folder/grasp.log" 2>&1 &
 running[grasp]=$!
 
-if [[ -n $delay ]]; then
-  # Its own hapticd on this host; the relay is on another address of the loopback, same ports.
-  port=$((12000 + $$ % 8000 * 2))
-  half=$((delay / 2)).$((delay % 2 * 5))
-  echo "what: \"a round trip of $delay ms\" duration_s: 1000000" \
-    "up { delay_ms: $half } down { delay_ms: $half }" >"$folder/delay.textproto"
-  "$hapticd" --scene "$scene" --listen "127.0.0.1:$port" "${settings[@]}" \
-    --set "record.file=\"$output/recording-delayed.csv\"" \
-    --set "server.udp_listen=\"127.0.0.1:$((port + 1))\"" 2>"$folder/far_hapticd.log" &
-  running[far_hapticd]=$!
-  "$relay" --scenario "$folder/delay.textproto" --tcp "$port" --udp "$((port + 1))" \
-    >"$folder/relay.log" 2>&1 &
-  running[relay]=$!
-  for _ in {1..100}; do
-    (: >"/dev/tcp/127.0.0.1/$port") 2>/dev/null && break
-    alive far_hapticd || give_up "the second hapticd did not start" "$folder/far_hapticd.log"
-    sleep 0.1
-  done
-  "${grasp[@]}" --server "127.0.0.2:$port" >"$folder/far_grasp.log" 2>&1 &
-  running[far_grasp]=$!
-fi
+if [[ -n $delay ]]; then . "$root/server/demo/far.sh"; fi
+if $page; then show_page; fi
 
 # Live in a terminal; elsewhere the summary has to do.
 if [[ -t 1 ]]; then
@@ -286,6 +284,7 @@ gnuplot -e "data='$folder/figure.csv'; contact='$folder/contact.csv'; output='$o
   -e "method='$method'; heading=\"$heading\"" "$figure" ||
   give_up "gnuplot could not draw the figure" /dev/null
 echo "  pictures          $output/$picture.png, .svg; every tick: $recording"
+if $page; then page_summary; fi
 if $hand; then echo "  film              $output/hand.webm; strongest grasp: $output/hand.png"; fi
 
 if [[ -s $folder/curves.csv ]]; then

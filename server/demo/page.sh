@@ -1,0 +1,36 @@
+# shellcheck shell=bash disable=SC2154  # part of demo.sh, which sets the variables
+# --page: hapticd serves browsers, too.
+
+page_address() {  # the newest one, with a token that was not used yet
+  sed -n 's/.* page: \(http[^ ]*\) .*/\1/p' "$folder/hapticd.log" | tail -n 1
+}
+
+# A picture of the page, if there is a browser; then an address for people.
+show_page() {
+  local browser used
+  browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
+  if [[ -n $browser ]]; then
+    used=$(page_address)
+    # In contact, some seconds after the beginning.
+    "$browser" --headless=new --no-sandbox --disable-gpu-sandbox --enable-unsafe-swiftshader \
+      --user-data-dir="$folder/browser" --window-size=1280,900 --hide-scrollbars --timeout=8000 \
+      --screenshot="$output/page.png" "$used" >"$folder/browser.log" 2>&1 &
+    running[browser]=$!
+    for _ in {1..100}; do
+      [[ $(page_address) != "$used" ]] && break
+      sleep 0.1
+    done
+  fi
+  echo
+  echo "  open this page    $(page_address)"
+  echo
+  trap 'end_at=0' INT  # ends the show, and not the summary
+}
+
+page_summary() {
+  if [[ -s $output/page.png ]]; then
+    echo "  the page          $output/page.png"
+  else
+    echo "  the page          no picture: there is no chromium here, or it failed"
+  fi
+}

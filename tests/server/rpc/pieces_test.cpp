@@ -8,10 +8,11 @@
 #include "haptic/wire/datagram.hpp"
 #include "server/front/messages.hpp"
 #include "server/front/pace.hpp"
+#include "server/front/refusals.hpp"
 #include "server/front/sample_ledger.hpp"
 #include "server/net/listen_address.hpp"
-#include "server/service/broadcaster.hpp"
 #include "server/rpc/reply.hpp"
+#include "server/service/broadcaster.hpp"
 #include "server/service/state_frame.hpp"
 #include "server/state/state_message.hpp"
 
@@ -111,11 +112,11 @@ TEST(StateFrame, SharedBytesAreTheMessagesBytes) {
   StateFrame frame;
   frame.begin(r);
   grpc::Slice slice;
-  ASSERT_TRUE(frame.for_watch(123456).DumpToSingleSlice(&slice).ok());
+  ASSERT_TRUE(to_buffer(frame.for_watch(123456)).DumpToSingleSlice(&slice).ok());
   v1::WatchResponse parsed;
   ASSERT_TRUE(parsed.ParseFromArray(slice.begin(), static_cast<int>(slice.size())));
   EXPECT_EQ(parsed.SerializeAsString(), expected.SerializeAsString());
-  ASSERT_TRUE(frame.for_session().DumpToSingleSlice(&slice).ok());
+  ASSERT_TRUE(to_buffer(frame.for_session()).DumpToSingleSlice(&slice).ok());
   v1::SessionResponse session;
   ASSERT_TRUE(session.ParseFromArray(slice.begin(), static_cast<int>(slice.size())));
   EXPECT_EQ(session.state().SerializeAsString(), expected.state().SerializeAsString());
@@ -299,7 +300,7 @@ TEST(StateFrame, ANewTickIsSerialisedAgain) {
   next.q = {};
   frame.begin(next);
   grpc::Slice slice;
-  ASSERT_TRUE(frame.for_session().DumpToSingleSlice(&slice).ok());
+  ASSERT_TRUE(to_buffer(frame.for_session()).DumpToSingleSlice(&slice).ok());
   v1::SessionResponse session;
   ASSERT_TRUE(session.ParseFromArray(slice.begin(), static_cast<int>(slice.size())));
   EXPECT_EQ(session.state().seq(), 78U);

@@ -1,48 +1,34 @@
 // When a stream's status may leave: after everything that the session held was given up, and once.
-// gRPC is played by hand, so that a write completes exactly where a test wants it to.
+// The carrier is played by hand, so that a write completes exactly where a test wants it to.
 #include "server/service/response_stream.hpp"
 
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <utility>
 
 #include "tests/server/support/device_rig.hpp"
 
 namespace haptic::test {
 namespace {
 
-/// What ResponseStream needs of a gRPC reactor. As gRPC may, it is done before Finish() returns.
-class HandDrivenReactor {
- public:
-  virtual ~HandDrivenReactor() = default;
-  virtual void OnCancel() {}
-  virtual void OnWriteDone(bool ok) = 0;
-  virtual void OnDone() = 0;
+using server::Refusal;
 
-  void StartWrite(const grpc::ByteBuffer* /*message*/) { ++writes; }
-  void Finish(const grpc::Status& status) {
-    ++finishes;
-    last_status = status;
-    if (on_finish) on_finish();
-    OnDone();
-  }
+const Refusal kFirst{Refusal::Code::kUnavailable, "FIRST", "the first end's"};
 
-  std::function<void()> on_finish;
-  int writes{0};
-  int finishes{0};
-  grpc::Status last_status;
-};
-
-class HandDrivenStream final : public server::ResponseStream<HandDrivenReactor> {
+/// As a carrier may, it is done before finish() returns.
+class HandDrivenStream final : public server::ResponseStream {
  public:
   using ResponseStream::end;
   using ResponseStream::Ending;
+  using ResponseStream::lost;
   using ResponseStream::ResponseStream;
+  using ResponseStream::written;
 
   /// Holds what an open session holds: a place in the broadcast, and the lease of `name`.
   void open(HandFront& front, const std::string& name, server::Broadcaster& broadcaster,
             std::uint32_t grant) {
-    keep_alive();
+    self_ = shared_from_this();
     front_ = &front;
     name_ = name;
     join(broadcaster, grant);
@@ -55,14 +41,24 @@ class HandDrivenStream final : public server::ResponseStream<HandDrivenReactor> 
     ++offered;
     return false;
   }
-  int offered{0};
+  int offered{0}, finishes{0};
+  std::function<void()> on_finish{};
+  std::optional<Refusal> why{};  ///< of the last finish()
 
  private:
+  void start_write(server::Outgoing /*message*/) override {}
+  void finish(const std::optional<Refusal>& reason) override {
+    ++finishes;
+    why = reason;
+    if (on_finish) on_finish();
+    const auto last = std::move(self_);
+  }
   void flush() override {}
   void close(Ending /*ending*/) override { front_->close(name_); }
 
   HandFront* front_{nullptr};
   std::string name_{};
+  std::shared_ptr<ResponseStream> self_{};
 };
 
 class ResponseStreamTest : public testing::Test {
@@ -96,13 +92,14 @@ class ResponseStreamTest : public testing::Test {
   void end_while_a_write_completes(bool ok) {
     stream->begin_write();
     while_giving_up([this, ok] {
-      stream->OnWriteDone(ok);
+      stream->written(ok);
       EXPECT_EQ(stream->finishes, 0) << "the client would hear of the end too early";
     });
-    stream->end({grpc::StatusCode::UNAVAILABLE, "the first end's"});
+    stream->end(kFirst);
     EXPECT_EQ(interleaved, 1) << "nothing was interleaved: this test proves nothing";
     expect_everything_was_given_up_first();
-    EXPECT_EQ(stream->last_status.error_message(), "the first end's");
+    ASSERT_TRUE(stream->why);
+    EXPECT_EQ(stream->why->reason, "FIRST");
   }
   void expect_everything_was_given_up_first() {
     EXPECT_EQ(stream->finishes, 1);
@@ -121,16 +118,16 @@ class ResponseStreamTest : public testing::Test {
 };
 
 TEST_F(ResponseStreamTest, EndFinishesWithoutAPendingWrite) {
-  stream->end(grpc::Status::OK);
+  stream->end({});
   expect_everything_was_given_up_first();
 }
 
 TEST_F(ResponseStreamTest, EndWaitsForAPendingWrite) {
   stream->begin_write();
-  stream->end(grpc::Status::OK);
-  EXPECT_EQ(stream->finishes, 0) << "gRPC allows no Finish beside a write";
+  stream->end({});
+  EXPECT_EQ(stream->finishes, 0) << "a carrier allows no end during a write";
   EXPECT_EQ(rig.sessions->status().sessions, 0U) << "what was held does not wait for a slow client";
-  stream->OnWriteDone(true);
+  stream->written(true);
   expect_everything_was_given_up_first();
 }
 
@@ -144,19 +141,20 @@ TEST_F(ResponseStreamTest, FailureDoesNotOvertakeTheEnd) {
 
 TEST_F(ResponseStreamTest, SecondEndChangesNothing) {
   stream->begin_write();
-  while_giving_up([this] { stream->OnCancel(); });
-  stream->end({grpc::StatusCode::UNAVAILABLE, "the first end's"});
+  while_giving_up([this] { stream->lost(); });
+  stream->end(kFirst);
   EXPECT_EQ(interleaved, 1);
-  stream->OnWriteDone(true);
+  stream->written(true);
   expect_everything_was_given_up_first();
-  EXPECT_EQ(stream->last_status.error_message(), "the first end's");
+  ASSERT_TRUE(stream->why);
+  EXPECT_EQ(stream->why->reason, "FIRST");
 }
 
 TEST_F(ResponseStreamTest, FailedWriteEndsTheStream) {
   stream->begin_write();
-  stream->OnWriteDone(false);
+  stream->written(false);
   expect_everything_was_given_up_first();
-  EXPECT_EQ(stream->last_status.error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_FALSE(stream->why);
 }
 
 }  // namespace

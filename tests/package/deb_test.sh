@@ -33,7 +33,7 @@ holds() { # holds NAME PATH...
 folder=$2
 holds hapticd ./usr/bin/hapticd ./usr/libexec/hapticd/hapticd-front \
   ./usr/lib/sysusers.d/hapticd.conf ./usr/lib/systemd/system/hapticd.service \
-  ./etc/hapticd/scene.textproto \
+  ./etc/hapticd/scene.textproto ./usr/share/doc/hapticd/examples/avahi/hapticd.service \
   ./usr/share/haptic/scenes/finger_soft_grasp.textproto \
     ./usr/share/haptic/scenes/motion/reach_and_grasp.csv \
   ./etc/security/limits.d/haptic.conf ./usr/lib/udev/rules.d/60-haptic.rules \

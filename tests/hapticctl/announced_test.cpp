@@ -64,7 +64,7 @@ TEST(Announced, OtherLinesAreNoServer) {
   EXPECT_FALSE(announced(std::string(10, ';')));
 }
 
-TEST(Announced, CutTextsAreReadToTheirEnd) {
+TEST(Announced, CutTextsEndWithTheLine) {
   const std::string begin = "=;eth0;IPv4;a\\;_hapticd._tcp;local;lab.local;192.0.2.7;29470;";
   for (const std::string& txt : {"\"", "\"a\\", "\"a\\0", "\"a\\25"}) {
     ASSERT_TRUE(announced(begin + txt)) << txt;

@@ -135,7 +135,9 @@ def main() -> None:
         if shutil.which(program) is None:
             print(f"skipped: no {program}")
             sys.exit(77)
-    namespaces = ["unshare", "--net", "--mount"] + ([] if os.geteuid() == 0 else ["--map-root-user"])
+    namespaces = ["unshare", "--net", "--mount"]
+    if os.geteuid() != 0:
+        namespaces.append("--map-root-user")
     with contextlib.suppress(OSError):
         if subprocess.run([*namespaces, "true"], capture_output=True).returncode == 0:
             os.execvpe(namespaces[0], [*namespaces, sys.executable, *sys.argv],

@@ -58,7 +58,7 @@ bool is_port(std::string_view text) {
 }  // namespace
 
 std::optional<Announced> announced(std::string_view line) {
-  // "=", interface, protocol, name, type, domain, host, address, port, TXT; only TXT may have a ";".
+  // "=", interface, protocol, name, type, domain, host, address, port, TXT, which may have a ";".
   std::array<std::string_view, 10> field{};
   for (std::size_t i = 0; i < field.size(); ++i) {
     const std::size_t end = i + 1 < field.size() ? line.find(';') : line.size();

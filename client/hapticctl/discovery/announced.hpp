@@ -12,7 +12,7 @@ namespace haptic::ctl {
 struct Announced {
   std::string name{};              ///< of the service, at most 63 bytes by DNS-SD
   std::string host{};              ///< "lab.local": what a certificate may name
-  std::string address{};           ///< for --server: "192.0.2.7:29470", "[fe80::1%eth0]:29470"
+  std::string address{};           ///< for --server: "192.0.2.7:PORT", "[fe80::1%eth0]:PORT"
   std::vector<std::string> txt{};  ///< "protocol=haptic.v1"
 
   auto operator<=>(const Announced&) const = default;

@@ -106,6 +106,18 @@ class Find(unittest.TestCase):
         self.assertEqual([s["name"] for s in json.loads(shown)["servers"]], ["late"])
         self.assertEqual(looking.returncode, 0)
 
+    def test_flood_is_bounded(self) -> None:
+        flood = self.folder / "avahi-browse"  # Avahi itself has bounds that hide ours
+        flood.write_text("""#!/bin/sh
+            i=0; while :; do i=$((i + 1))
+            echo "=;lo;IPv4;n$i;_hapticd._tcp;local;lab.local;127.0.0.1;29470;"; done""")
+        flood.chmod(0o755)
+        flooded = {**os.environ, "PATH": f"{self.folder}:{os.environ['PATH']}"}
+        ended = subprocess.run([HAPTICCTL, "find", "--seconds", "3600"], capture_output=True,
+                               timeout=PATIENCE_S, env=flooded)
+        self.assertEqual((ended.returncode, ended.stdout.count(b"\n")), (0, 256))
+        self.assertIn(b"more is announced", ended.stderr)
+
     def test_no_server_is_3(self) -> None:
         self.start_avahi()
         ended = find()

@@ -16,6 +16,6 @@ case "${1:-}" in
 esac
 cd "$root"
 sh docker/install-deps.sh build test >&2
-cmake --preset release -DHAPTIC_BUILD_BENCHMARKS=ON >&2
+cmake --preset release >&2
 cmake --build --preset release --parallel "$(nproc)" --target haptic-bench-network >&2
 build/release/tests/bench/haptic-bench-network --blocks "${BLOCKS:-20}"

@@ -20,7 +20,7 @@ for part in "$@"; do
 done
 cd "$root"
 sh docker/install-deps.sh build test >&2
-cmake --preset release -DHAPTIC_BUILD_BENCHMARKS=ON >&2
+cmake --preset release >&2
 cmake --build --preset release --parallel "$(nproc)" \
   --target haptic-bench-core haptic-bench-linear haptic-bench-loop haptic-bench-wire \
   haptic-bench-web haptic-bench-crossing hapticd >&2

@@ -16,7 +16,7 @@ while (($#)); do
 done
 build=$root/build/release
 sh "$root/docker/install-deps.sh" build test >&2
-(cd "$root" && cmake --preset release -DHAPTIC_BUILD_BENCHMARKS=ON &&
+(cd "$root" && cmake --preset release &&
   cmake --build --preset release --parallel "$(nproc)" \
     --target hapticd haptic-example-soft-grasp haptic-bare-loop) >&2
 exec python3 "$root/tests/bench/soak.py" --programs "$build" \

@@ -108,7 +108,7 @@ void App::listen_to_devices() {
   owner_ = std::make_unique<Owner>(*telemetry_, scene_.server.max_sessions);
   event_log_ = std::make_shared<EventLog>(*owner_);
   owner_->connect(event_log_);
-  if (!scene_.server.metrics_listen.empty()) {
+  if (!scene_.server.metrics_listen.empty() || scene_.server.web) {
     tick_metrics_ = std::make_shared<TickMetrics>(units_.size());
     owner_->connect(tick_metrics_);
   }

@@ -46,8 +46,7 @@ struct PlaneSample {
   double offset{0.0};
   double compliance{0.0}, velocity{0.0};
   double mass{0.0}, damping{0.0}, ground_stiffness{0.0}, load{0.0};
-  std::uint32_t id{0}, first_coordinate{0};
-  std::uint32_t curvature_count{0};
+  std::uint32_t id{0}, first_coordinate{0}, curvature_count{0};
   std::uint32_t tells_uncertainty{0};  ///< 0: it does not
   double uncertainty{0.0};
   std::uint32_t object{0};

@@ -8,8 +8,8 @@
 
 namespace haptic::server {
 
-/// The stream by `carrier`, the clock and the ages of `link`. `path_clock`: the client's clock as the datagram
-/// path knows it. `holds_lease`: the ages are of its samples.
+/// The stream by `carrier`, the clock and the ages of `link`. `path_clock`: the client's clock as
+/// the datagram path knows it. `holds_lease`: the ages are of its samples.
 void report_link(const LinkWatch& link, Carrier carrier,
                  const std::optional<wire::ClockOffset::Estimate>& path_clock, bool holds_lease,
                  core::TimePoint now, v1::SessionLink& message);

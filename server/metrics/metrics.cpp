@@ -132,7 +132,7 @@ void named(Exposition& page, const char* label, const Reading& d,
            const std::array<std::uint64_t, 32>& counts) {
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const std::string name = lower(core::reason(static_cast<E>(i)));
-    if (name.rfind("unknown_", 0) == 0) continue;
+    if (name == "unknown") continue;
     page.sample({{"device", d.name}, {label, name}}, count(counts[i]));
   }
 }

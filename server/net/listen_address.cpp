@@ -22,15 +22,6 @@ bool is_unix(const std::string& address) {
   return address.rfind(kUnix, 0) == 0;
 }
 
-/// A literal address, or the one name that means nothing else; any other name may resolve to
-/// anywhere.
-bool is_loopback(const std::string& host) {
-  if (host == "localhost" || host == "[::1]") return true;
-  in_addr address{};
-  return ::inet_pton(AF_INET, host.c_str(), &address) == 1 &&
-         (ntohl(address.s_addr) >> 24U) == IN_LOOPBACKNET;
-}
-
 [[noreturn]] void refuse(const std::string& address, const std::string& why) {
   throw core::TransportError("listen address '" + address + "': " + why);
 }
@@ -79,6 +70,13 @@ std::string check_tcp(const std::string& address) {
 }
 
 }  // namespace
+
+bool is_loopback(const std::string& host) {
+  if (host == "localhost" || host == "[::1]") return true;
+  in_addr address{};
+  return ::inet_pton(AF_INET, host.c_str(), &address) == 1 &&
+         (ntohl(address.s_addr) >> 24U) == IN_LOOPBACKNET;
+}
 
 std::string unix_path(const std::string& address) {
   if (!is_unix(address)) return {};

@@ -25,6 +25,9 @@ enum class Protection : std::uint8_t {
 Protection check_listen_address(const std::string& address,
                                 Protection best = Protection::kThisHost);
 
+/// A literal address of loopback, or "localhost": any other name may resolve to anywhere.
+[[nodiscard]] bool is_loopback(const std::string& host);
+
 /// The path of "unix:/path", or of "unix:///path", the same with a scheme's slashes; else empty.
 [[nodiscard]] std::string unix_path(const std::string& address);
 

@@ -1,12 +1,11 @@
 // What a scene says about browsers and other clients that speak HTTP.
 #include <set>
 
+#include "haptic/wire/ports.hpp"
 #include "server/scene/parts.hpp"
 
 namespace haptic::server {
 namespace {
-
-constexpr char kDefaultWeb[] = "127.0.0.1:29473";
 
 /// In the order of the words of `rights`.
 constexpr WebRights kRights[] = {{false, Priority::kTest},
@@ -18,7 +17,7 @@ constexpr WebRights kRights[] = {{false, Priority::kTest},
 
 WebConfig read_web(const Part<v1::WebScene>& part, std::set<std::string>& addresses) {
   WebConfig web;
-  if (part->listen().empty()) part->add_listen(kDefaultWeb);
+  if (part->listen().empty()) part->add_listen(wire::kDefaultWeb);
   web.listen = read_addresses(part, part->listen(), addresses);
   for (int i = 0; i < part->name_size(); ++i) {
     const std::string& name = web.names.emplace_back(part->name(i));

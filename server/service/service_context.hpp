@@ -22,8 +22,8 @@ namespace haptic::server {
 
 class OpenStream;
 
-/// The streams that a carrier, or an answer on its way, still holds, so that shutdown can end them and
-/// wait for the last.
+/// The streams that a carrier, or an answer on its way, still holds, so that shutdown can end them
+/// and wait for the last.
 class OpenStreams {
  public:
   void add(const std::shared_ptr<OpenStream>& stream);

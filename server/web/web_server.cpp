@@ -36,7 +36,7 @@ std::vector<std::string> names_of(const WebConfig& config,
     if (address.scope != WebServer::Scope::kAll || !unix_path(address.bound).empty()) continue;
     const std::string host = host_of(address.bound);
     if (!is_any(host)) names.push_back(host);
-    if (address.protection != Protection::kThisHost) continue;
+    if (!is_loopback(host)) continue;
     names.insert(names.end(), {"localhost", "127.0.0.1", "[::1]"});
   }
   return names;

@@ -3,7 +3,8 @@
 # alternating blocks, median paired ratio with its bootstrap 95 % interval, an A/A row in the same
 # line. Writes CSV to standard output. Run it on a machine that does nothing else.
 #
-#   tests/bench/run.sh [core|linear|loop|wire|web|crossing|memory]...    default: all, about 17 minutes
+#   tests/bench/run.sh [core|linear|loop|wire|web|crossing|memory]...
+#     default: all, about 17 minutes
 #
 # MEMORY_SECONDS=600 makes `memory` watch for that long.
 set -euo pipefail

@@ -1,6 +1,6 @@
 #pragma once
-/// A client on a WebSocket without a library: it writes samples, and reads what comes on a thread of
-/// its own. One translation unit a program: Boost.Beast takes long to compile.
+/// A client on a WebSocket without a library: it writes samples, and reads what comes on a thread
+/// of its own. One translation unit a program: Boost.Beast takes long to compile.
 
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>

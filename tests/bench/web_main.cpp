@@ -1,5 +1,5 @@
-/// haptic-bench-web: one way from a WebSocket's write to the mailbox, against a bare echo by Beast of
-/// messages as large, on the same host. All times are of this host's steady clock.
+/// haptic-bench-web: one way from a WebSocket's write to the mailbox, against a bare echo by Beast
+/// of messages as large, on the same host. All times are of this host's steady clock.
 #include <spdlog/spdlog.h>
 
 #include <atomic>

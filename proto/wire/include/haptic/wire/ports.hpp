@@ -12,8 +12,11 @@ namespace haptic::wire {
 inline constexpr std::uint16_t kGrpcPort = 29470;     ///< TCP: the service
 inline constexpr std::uint16_t kUdpPort = 29471;      ///< UDP: samples and states (optional)
 inline constexpr std::uint16_t kMetricsPort = 29472;  ///< TCP: Prometheus' metrics (optional)
+inline constexpr std::uint16_t kWebPort = 29473;      ///< TCP: HTTP, WebSockets, page (optional)
 
 /// kGrpcPort on loopback, as "host:port".
 inline constexpr const char* kDefaultServer = "127.0.0.1:29470";
+/// kWebPort on loopback.
+inline constexpr const char* kDefaultWeb = "127.0.0.1:29473";
 
 }  // namespace haptic::wire

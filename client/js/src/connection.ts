@@ -18,7 +18,7 @@ const CHECK = { parent: { typeName: "grpc.health.v1.Health" }, name: "Check",
 
 export interface ConnectionOptions {
   /** A token of the server's scene. A page that hapticd serves needs none: its cookie counts. */
-  token?: string;
+  token?: string | undefined;
   /** How messages travel: protobuf's bytes (default), or its JSON, for people who look at them. */
   format?: Format;
   /** How long a call waits for its answer, ms; default 5000. */

@@ -14,6 +14,11 @@
  * are bigints. */
 export { Connection } from "./connection.js";
 export type { ConnectionOptions } from "./connection.js";
+export {
+  contactAt, contactHorizon, cylinderCurvature, pointItself, pointOnFinger, pointOnJoints, pointOnPose,
+  sphereCurvature,
+} from "./contact.js";
+export type { Contact, JointAxis, PointMap, Vector3 } from "./contact.js";
 export { ClientError } from "./errors.js";
 export type { Code } from "./errors.js";
 export { Proxy, difference, keepDeepest } from "./proxy.js";

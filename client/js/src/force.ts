@@ -27,7 +27,7 @@ export class Force {
   releaseOwed = false;
   #wanted = false;
   #askedAt = 0;
-  #underWay: Promise<void> | undefined;
+  #underWay: Promise<number> | undefined;
   #timer: ReturnType<typeof setTimeout> | undefined;
 
   /** `again`: ask again whenever force was lost. `nextLease`: and under the lease that follows one
@@ -67,26 +67,31 @@ export class Force {
 
   #askIn(ms: number): void {
     clearTimeout(this.#timer);
-    this.#timer = setTimeout(() => {
-      if (this.#underWay === undefined) this.#underWay = this.#ask();
-    }, ms);
+    this.#timer = setTimeout(() => void this.#ask(), ms);
   }
 
   async #ask(): Promise<void> {
     let delay = RETRY_MS;
-    if (this.owner.mayAsk()) {
-      const id = this.owner.id();
-      try {
-        await this.owner.engage();
-        this.refusal = undefined;
-        this.#wanted &&= this.again;
-        delay = AGREED_MS;
-      } catch (error) {
-        this.#refused(error as ClientError, id === this.owner.id());
-      }
+    if (this.#underWay === undefined && this.owner.mayAsk()) {
+      this.#underWay = this.#engage();
+      delay = await this.#underWay;
+      this.#underWay = undefined;
     }
-    this.#underWay = undefined;
     if (this.#wanted) this.#askIn(delay);
+  }
+
+  /** Resolves to the time until the next look, ms. */
+  async #engage(): Promise<number> {
+    const id = this.owner.id();
+    try {
+      await this.owner.engage();
+    } catch (error) {
+      this.#refused(error as ClientError, id === this.owner.id());
+      return RETRY_MS;
+    }
+    this.refusal = undefined;
+    this.#wanted &&= this.again;
+    return AGREED_MS;
   }
 
   #refused(error: ClientError, sameSession: boolean): void {

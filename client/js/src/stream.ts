@@ -1,7 +1,6 @@
 /** One WebSocket of a session: messages up and down, and of the samples only the newest. */
-import { fromBinary, fromJsonString, toBinary, toJsonString } from "@bufbuild/protobuf";
+import { create, fromBinary, fromJsonString, toBinary, toJsonString } from "@bufbuild/protobuf";
 import type { MessageInitShape } from "@bufbuild/protobuf";
-import { create } from "@bufbuild/protobuf";
 import { transport } from "#transport";
 import { ClientError, closeError, localError } from "./errors.js";
 import { SessionRequestSchema, SessionResponseSchema } from "./gen/haptic/v1/session_pb.js";
@@ -10,7 +9,7 @@ import type { Socket, Target } from "./transport.js";
 
 /** How messages are written: protobuf's bytes, or its JSON. */
 export type Format = "binary" | "json";
-type Request = MessageInitShape<typeof SessionRequestSchema>["message"];
+type Request = NonNullable<MessageInitShape<typeof SessionRequestSchema>["message"]>;
 
 const PATH = "/haptic.v1.HapticService/Session";
 /** States come at least once a second: two of these without a message, and the network is gone. */
@@ -30,7 +29,7 @@ export class Stream {
   #socket: Socket;
   #open = false;
   #over = false;
-  #waiting: Request | undefined;
+  #waiting: string | Uint8Array | undefined;
   #replaced = 0;
   #look: ReturnType<typeof setTimeout> | undefined;
   #watch: ReturnType<typeof setInterval> | undefined;
@@ -48,7 +47,7 @@ export class Stream {
         if (this.#over) return;
         this.#open = true;
         this.#watch = setInterval(() => this.#expectMessage(), SILENCE_MS);
-        this.#write(opening);
+        this.#socket.send(this.#encode(opening));
       },
       message: (data) => this.#take(data),
       close: (code, reason, refused) => {
@@ -60,18 +59,20 @@ export class Stream {
     });
   }
 
-  /** Sends a sample now, or keeps it until the network takes it or a newer one comes. */
+  /** Sends a sample now, or keeps it until the network takes it or a newer one comes. Throws if it
+   * cannot be written. */
   offer(sample: Request): void {
     if (this.#over || !this.#open) return;
+    const data = this.#encode(sample);
     if (this.#waiting !== undefined) ++this.#replaced;
-    this.#waiting = sample;
+    this.#waiting = data;
     this.#flush();
   }
 
   /** The farewell, after which the server ends the stream. */
   leave(): void {
     this.#waiting = undefined;
-    if (this.#open && !this.#over) this.#write({ case: "leave", value: {} });
+    if (this.#open && !this.#over) this.#socket.send(this.#encode({ case: "leave", value: {} }));
   }
 
   cancel(why: ClientError): void {
@@ -91,14 +92,14 @@ export class Stream {
     const replaced = this.#replaced;
     this.#waiting = undefined;
     this.#replaced = 0;
-    this.#write(sample);
+    this.#socket.send(sample);
     this.listener.sent(replaced);
   }
 
-  #write(message: Request): void {
-    const request = create(SessionRequestSchema, message === undefined ? {} : { message });
-    this.#socket.send(this.format === "json" ? toJsonString(SessionRequestSchema, request)
-                                             : toBinary(SessionRequestSchema, request));
+  #encode(message: Request): string | Uint8Array {
+    const request = create(SessionRequestSchema, { message });
+    return this.format === "json" ? toJsonString(SessionRequestSchema, request)
+                                  : toBinary(SessionRequestSchema, request);
   }
 
   #take(data: string | Uint8Array): void {

@@ -16,6 +16,7 @@ export interface SessionOptions {
   nominalRateHz?: number;
   /** How many states per second to receive; absent: the nominal rate; 0: one per tick. */
   stateRateHz?: number;
+  /** A controller with a higher one takes the device from one with a lower; absent: primary. */
   priority?: "test" | "primary" | "operator";
   /** Ages of a sample at which it stops being fresh, its force begins to fade, and its force is
    * zero, ms. Each can shorten the scene's limit, not lengthen it. */
@@ -75,7 +76,8 @@ export function openSession(options: SessionOptions, resume: string,
     clientName: options.clientName ?? "haptic client",
     nominalRateHz,
     stateRateHz: options.stateRateHz ?? nominalRateHz,
-    priority: PRIORITIES[options.priority ?? "primary"],
+    priority: options.priority === undefined ? Priority.UNSPECIFIED
+                                             : PRIORITIES[options.priority],
     resumable: options.reconnect ?? false,
     resume,
     eventsAfterNs,

@@ -36,16 +36,14 @@ export class Hapticd {
     const tokens = ["observe", "primary", "operator"].map((rights) => {
       const file = path.join(this.folder, rights);
       fs.writeFileSync(file, tokenOf(rights), { mode: 0o600 });
-      return `{name: "${rights}" file: "${file}" rights: "${rights}"}`;
+      return `token {name: "${rights}" file: "${file}" rights: "${rights}"}`;
     });
     this.arguments = [
       "--scene", path.join(process.env.HAPTIC_SCENES, `${scene}.textproto`), "--realtime=off",
       "--listen", `unix:${this.folder}/grpc`,
       // A loaded machine is no fault of the client.
       "--set", "loop.late_bucket_full=1000000", "--set", "loop.loop_late_fault={seconds: 10}",
-      ...["listen: '127.0.0.1:0'", `listen: '${this.unix}'`, ...tokens.map((one) => `token ${one}`)]
-        .reduce((all, one) => [...all.slice(0, -1), `${all.at(-1)} ${one}`], ["server.web={"])
-        .flatMap((web) => ["--set", `${web}}`]),
+      "--set", `server.web={listen: "127.0.0.1:0" listen: "${this.unix}" ${tokens.join(" ")}}`,
       ...settings.flatMap((setting) => ["--set", setting]),
     ];
   }
@@ -56,10 +54,11 @@ export class Hapticd {
     for (const stream of [this.process.stdout, this.process.stderr]) {
       stream.on("data", (text) => (this.log += text));
     }
-    this.url = await eventually(() => {
+    const address = await eventually(() => {
       if (this.process.exitCode !== null) throw new Error(`hapticd ended: ${this.log}`);
-      return /for browsers on (http:\/\/127\.0\.0\.1:\d+)/.exec(this.log)?.[1];
+      return /(127\.0\.0\.1:\d+) for browsers/.exec(this.log)?.[1];
     }, "hapticd serves browsers");
+    this.url = `http://${address}`;
   }
 
   /** Ends the program at once; begin() starts another. */

@@ -38,7 +38,7 @@ project=haptictest$$
 image=localhost/hapticd-test:$$
 engine=
 base=
-for part in engine image staleness shutdown relay package haproxy; do
+for part in engine image staleness shutdown relay package haproxy hosts; do
   # shellcheck source=/dev/null
   . "$root/docker/test/$part.sh"
 done
@@ -59,7 +59,8 @@ finish() {
     collect
     tear_down 2>>"$logs/engine.log" || status=1
     if ! $keep_images; then
-      "$engine" rmi --force "$image" "$image-packages" "${project}_door" >/dev/null 2>&1 || true
+      "$engine" rmi --force "$image" "$image-packages" "${project}_door" \
+        "${project}_prometheus" >/dev/null 2>&1 || true
       remove_layers
     fi
     local rest
@@ -109,3 +110,4 @@ test_relay
 test_shutdown
 test_packages
 test_haproxy
+test_hosts

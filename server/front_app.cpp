@@ -32,11 +32,9 @@ FrontApp::FrontApp(const Scene& scene, bool insecure_lab, FrontSources sources, 
     : scene_name_(scene.name),
       insecure_lab_(insecure_lab),
       sources_(std::move(sources)),
-      server_(std::make_unique<FrontServer>(service_config(scene, insecure_lab), *sources_.owner,
-                                            sources_.facts,
-                                            WebContent{std::move(page), [this] {
-                                                         return metrics();
-                                                       }})) {}
+      server_(std::make_unique<FrontServer>(
+          service_config(scene, insecure_lab), *sources_.owner, sources_.facts,
+          WebContent{std::move(page), [this] { return metrics(); }})) {}
 
 FrontApp::~FrontApp() {
   stop();

@@ -98,7 +98,8 @@ void serve(OwnerLink& owner, const CommandLine& line) {
   owner.set_devices(facts_of(scene, owner.device_descriptions()));
   FrontApp::check(scene);
   Page page;
-  if (scene.server.web) page = load_page(page_folder(std::filesystem::read_symlink("/proc/self/exe")));
+  if (scene.server.web)
+    page = load_page(page_folder(std::filesystem::read_symlink("/proc/self/exe")));
   const std::vector<std::string> missing = confine(files_of(scene));
   begin_log(line);  // has a thread
   for (const std::string& sentence : missing)

@@ -36,8 +36,8 @@ std::vector<WebServer::Address> web_addresses(const ServiceConfig& config) {
                                "': must be host:port (Prometheus asks by TCP)");
   }
   const Protection best = config.insecure_lab ? Protection::kInsecureLab : Protection::kThisHost;
-  addresses.push_back({config.metrics_listen, check_listen_address(config.metrics_listen, best),
-                       Scope::kMetrics});
+  addresses.push_back(
+      {config.metrics_listen, check_listen_address(config.metrics_listen, best), Scope::kMetrics});
   return addresses;
 }
 
@@ -96,8 +96,7 @@ void FrontServer::serve() {
     WebServer::Address& address = web[i - protections.size()];
     address.bound = bound_.back();
     if (address.scope == Scope::kMetrics) continue;
-    served_.push_back(address.bound + " for browsers (" + word(address.protection) +
-                      ", by token)");
+    served_.push_back(address.bound + " for browsers (" + word(address.protection) + ", by token)");
     if (address.protection == Protection::kInsecureLab) {
       context.add_weakness("HTTP without TLS on " + address.bound +
                            " (--insecure-lab): every host on that network may read tokens, and "

@@ -40,7 +40,7 @@ const std::string kFooter =
     "  0  done\n"
     "  1  failed; health: not serving; doctor: the host is unfit\n"
     "  2  bad command line, variable or configuration file\n"
-    "  3  no hapticd answers at the address\n"
+    "  3  no hapticd answers at the address; find: none announces itself\n"
     "  4  hapticd refused what was asked\n"
     "  5  the device is in FAULT\n";
 
@@ -161,6 +161,10 @@ void add_commands(CLI::App& cli, Options& options, Command& chosen) {
       ->capture_default_str();
   add(cli, "calibrate", calibrate, chosen, "measure, step by step, what a board's sensors read")
       ->add_option("--output", options.output, "the file to write; default SERIAL.textproto");
+  add(cli, "find", find, chosen, "list the servers that announce themselves on this network")
+      ->add_option("--seconds", options.seconds,
+                   "look for this long; 0: until the Avahi daemon has named all it knows")
+      ->check(between(0.0, 3600.0));
 }
 
 void define(CLI::App& cli, Options& options, Command& chosen) {

@@ -46,6 +46,7 @@ int clear_fault(const Options& options);
 int restart_front(const Options& options);
 int doctor(const Options& options);
 int calibrate(const Options& options);
+int find(const Options& options);
 
 /// The device is in FAULT; hapticctl ends with a status of its own.
 class DeviceInFault : public client::ClientError {

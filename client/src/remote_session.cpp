@@ -135,18 +135,19 @@ DeviceState RemoteSession::state() const {
   return states_.give();
 }
 
-DeviceState RemoteSession::wait_for_state() {
+DeviceState RemoteSession::wait_for_state(std::optional<std::chrono::milliseconds> timeout) {
   if (in_callback_of_grpc()) {
     throw ClientError(ErrorReason::kInvalidArgument,
                       "wait_for_state() in on_state: the next state comes after on_state returns");
   }
+  const std::chrono::milliseconds patience = timeout.value_or(options_.timeout);
   Lock lock(mutex_);
   const bool answered = changed_.wait_for(
-      lock, options_.timeout, [this] { return states_.to_return() || reconnection_.over(); });
+      lock, patience, [this] { return states_.to_return() || reconnection_.over(); });
   if (states_.to_return() && !reconnection_.closed()) return states_.give_to_waiting();
   if (answered) throw ClientError(ErrorReason::kClosed, "the session ended");
   throw ClientError(ErrorReason::kTimeout,
-                    "no state in " + std::to_string(options_.timeout.count()) + " ms");
+                    "no state in " + std::to_string(patience.count()) + " ms");
 }
 
 std::string RemoteSession::session_id() const {

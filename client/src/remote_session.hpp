@@ -41,7 +41,8 @@ class RemoteSession final : public Session {
   void publish(Proxy proxy) noexcept override;
   void publish_pose(const Pose& pose) noexcept override;
   [[nodiscard]] DeviceState state() const override;
-  [[nodiscard]] DeviceState wait_for_state() override;
+  [[nodiscard]] DeviceState wait_for_state(
+      std::optional<std::chrono::milliseconds> timeout) override;
   void engage() override;
   void engage_when_ready() override;
   [[nodiscard]] std::optional<ClientError> engage_refusal() const override;

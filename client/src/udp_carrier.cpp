@@ -39,7 +39,7 @@ std::string host_of(const std::string& address) {
   for (const char* scheme : {"dns:", "ipv4:", "ipv6:"}) {
     if (host.rfind(scheme, 0) == 0) host.erase(0, std::string(scheme).size());
   }
-  host.erase(0, std::min(host.find_first_not_of('/'), host.size()));
+  host.erase(0, host.rfind('/') + 1);  // the DNS server in "dns://192.0.2.53/robot.example:PORT"
   const std::size_t colon = host.rfind(':');
   if (colon != std::string::npos) host.erase(colon);
   if (host.size() > 2 && host.front() == '[') host = host.substr(1, host.size() - 2);

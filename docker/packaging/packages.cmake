@@ -1,5 +1,5 @@
-# cpack -G DEB: hapticd, hapticd-client, python3-haptic, libhaptic-dev, and libhaptic-mujoco-dev if
-# MuJoCo is here. The prefix is always /usr.
+# cpack -G DEB: hapticd, hapticd-client, python3-haptic, libhaptic-dev, libhaptic0, libhaptic-c-dev,
+# and libhaptic-mujoco-dev if MuJoCo is here. The prefix is always /usr.
 # lintian finds no error. Two warnings stay: initial-upload-closes-no-bugs (no upload to Debian),
 # and pkg-config-unavailable-for-cross-compilation (the packages are for the machine that builds
 # them).
@@ -7,7 +7,7 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME hapticd)
 set(CPACK_PACKAGE_CONTACT "The hapticd authors <hapticd@users.noreply.github.com>")
 set(CPACK_PACKAGE_VENDOR "hapticd")
-set(CPACK_COMPONENTS_ALL server client python dev)
+set(CPACK_COMPONENTS_ALL server client python dev c c_dev)
 if(TARGET haptic_mujoco)
   list(APPEND CPACK_COMPONENTS_ALL mujoco)
 endif()
@@ -23,6 +23,8 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_SERVER_PACKAGE_NAME hapticd)
 set(CPACK_DEBIAN_CLIENT_PACKAGE_NAME hapticd-client)
+set(CPACK_DEBIAN_SERVER_PACKAGE_SUGGESTS avahi-daemon)  # the example of docker/packaging/avahi
+set(CPACK_DEBIAN_CLIENT_PACKAGE_SUGGESTS avahi-utils)   # hapticctl find
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-haptic)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
@@ -34,6 +36,18 @@ offers it.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libhaptic-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libgrpc++-dev, libprotobuf-dev, libssl-dev")
+set(CPACK_DEBIAN_C_PACKAGE_NAME libhaptic0)  # by its SONAME
+set(CPACK_DEBIAN_C_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_C_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_C_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
+set(CPACK_DEBIAN_C_DESCRIPTION "client of hapticd for C, shared library
+What simulations in C, and in languages that call C, talk to hapticd with.")
+set(CPACK_DEBIAN_C_DEV_PACKAGE_NAME libhaptic-c-dev)
+set(CPACK_DEBIAN_C_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_C_DEV_PACKAGE_DEPENDS
+    "libhaptic0 (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
+set(CPACK_DEBIAN_C_DEV_DESCRIPTION "development files of hapticd's client for C
+Header, link for the linker, and what CMake and pkg-config need.")
 set(CPACK_DEBIAN_MUJOCO_PACKAGE_NAME libhaptic-mujoco-dev)
 set(CPACK_DEBIAN_MUJOCO_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_MUJOCO_PACKAGE_DEPENDS "libhaptic-dev, libmujoco-dev")

@@ -175,13 +175,13 @@ struct Settings {
 struct Refusal {
   /// Numbers of google.rpc.Code.
   enum class Code : std::uint8_t {
-    kInvalid = 3,       ///< a field is off, whatever the state; `field` names it
-    kNotFound = 5,      ///< no such device or session
-    kExists = 6,        ///< another session has it
-    kPermission = 7,    ///< not this session's to ask
-    kExhausted = 8,     ///< a limit of the server is reached
-    kPrecondition = 9,  ///< not now; the message names the value that is not good enough yet
-    kAborted = 10,      ///< another call took this one's place
+    kInvalid = 3,           ///< a field is off, whatever the state; `field` names it
+    kNotFound = 5,          ///< no such device or session
+    kExists = 6,            ///< another session has it
+    kPermission = 7,        ///< not this session's to ask
+    kExhausted = 8,         ///< a limit of the server is reached
+    kPrecondition = 9,      ///< not now; the message names the value that is not good enough yet
+    kAborted = 10,          ///< another call took this one's place
     kUnavailable = 14,      ///< the server is closing, or its loop gave no answer in time
     kUnauthenticated = 16,  ///< neither token nor certificate
   };

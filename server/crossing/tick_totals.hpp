@@ -61,10 +61,10 @@ struct TickTotals {
   Histogram<kSampleAges> sample_age{};  ///< s, of the device's newest sample at its use in a tick
   std::array<double, 4> level_s{};      ///< s in FRESH, HOLD, FADE, LOST while a lease is held
   std::array<double, kCarriers> carrier_s{};  ///< s led by samples of each Carrier, under a lease
-  std::uint64_t carrier_changes{0};     ///< between GRPC and UDP, under one lease
-  std::array<std::uint64_t, 32> limited{};  ///< ticks in which limiter n acted
-  std::array<std::uint64_t, 32> faults{};   ///< times fault n latched
-  std::uint64_t lost{0};                    ///< times force was given up for a late proxy
+  std::uint64_t carrier_changes{0};           ///< between GRPC and UDP, under one lease
+  std::array<std::uint64_t, 32> limited{};    ///< ticks in which limiter n acted
+  std::array<std::uint64_t, 32> faults{};     ///< times fault n latched
+  std::uint64_t lost{0};                      ///< times force was given up for a late proxy
   // Of the newest tick.
   core::LifecycleState state{core::LifecycleState::kInit};
   double gain{0.0};

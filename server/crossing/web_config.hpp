@@ -11,8 +11,8 @@ namespace haptic::server {
 
 /// What a token is good for, besides a stop.
 struct WebRights {
-  bool control{false};                  ///< false: it may look on
-  Priority highest{Priority::kTest};    ///< with control
+  bool control{false};                ///< false: it may look on
+  Priority highest{Priority::kTest};  ///< with control
 };
 
 struct WebToken {

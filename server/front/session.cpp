@@ -19,8 +19,7 @@ constexpr std::size_t kLongestClientName = 64;
 /// silence. A rate that is off is refused when the lease is asked for; until then it must not harm.
 core::Duration period_of(const v1::OpenSession& request, double loop_hz) {
   const double states = request.state_rate_hz() > 0.0 ? request.state_rate_hz() : loop_hz;
-  const bool sends = request.role() == v1::ROLE_CONTROLLER;
-  const double told = sends ? request.nominal_rate_hz() : states;
+  const double told = request.role() == v1::ROLE_CONTROLLER ? request.nominal_rate_hz() : states;
   const double rate = std::isnan(told) ? 1.0 : std::clamp(told, 1.0, 2000.0);
   return std::chrono::duration_cast<core::Duration>(std::chrono::duration<double>(1.0 / rate));
 }

@@ -40,8 +40,8 @@ WebConfig read_web(const Part<v1::WebScene>& part, std::set<std::string>& addres
     }
     if (token->file().empty()) token.missing("file", "the name of a file that holds the token");
     const std::size_t rights = token.word("rights", {"observe", "test", "primary", "operator"});
-    web.tokens.push_back({token->name(), token.file("file", "a file that holds a token"),
-                          kRights[rights]});
+    web.tokens.push_back(
+        {token->name(), token.file("file", "a file that holds a token"), kRights[rights]});
   }
   if (part.word("printed", {"observe", "control"}, "observe") == 1) {
     web.printed = {true, Priority::kPrimary};

@@ -69,8 +69,8 @@ void Reply::finish(const std::optional<Refusal>& why, const std::function<void()
 
 void Reply::time_is_up(const std::function<void()>& give_up) {
   give_up();
-  finish(Refusal{Refusal::Code::kUnavailable, "NO_ANSWER",
-                 "the loop gave no answer within 500 ms"});
+  finish(
+      Refusal{Refusal::Code::kUnavailable, "NO_ANSWER", "the loop gave no answer within 500 ms"});
 }
 
 void Calls::ask(const Request& request, const ReplyPtr& reply,
@@ -135,8 +135,7 @@ void Calls::get_link_stats(const v1::GetLinkStatsRequest& request,
     const auto target = context_.device(request.device());
     if (!target) return reply->finish(target.refusal);
   }
-  context_.streams.for_each(
-      [&](OpenStream& stream) { stream.report(request.device(), response); });
+  context_.streams.for_each([&](OpenStream& stream) { stream.report(request.device(), response); });
   if (context_.udp) report_unassigned(*context_.udp, response);
   reply->finish();
 }

@@ -47,8 +47,8 @@ class Calls {
  public:
   explicit Calls(ServiceContext& context) : context_(context) {}
 
-  void get_server_info(const v1::GetServerInfoRequest& request,
-                       v1::GetServerInfoResponse& response, const ReplyPtr& reply);
+  void get_server_info(const v1::GetServerInfoRequest& request, v1::GetServerInfoResponse& response,
+                       const ReplyPtr& reply);
   void list_devices(const v1::ListDevicesRequest& request, v1::ListDevicesResponse& response,
                     const ReplyPtr& reply);
   void engage(const v1::EngageRequest& request, v1::EngageResponse& response,
@@ -61,8 +61,8 @@ class Calls {
                       const ReplyPtr& reply);
   /// Null: a request that could not be read, which stops every device. Every device gets its stop
   /// before any answers; the call ends when the last of them has latched.
-  void emergency_stop(const v1::EmergencyStopRequest* request,
-                      v1::EmergencyStopResponse& response, const ReplyPtr& reply);
+  void emergency_stop(const v1::EmergencyStopRequest* request, v1::EmergencyStopResponse& response,
+                      const ReplyPtr& reply);
   void clear_fault(const v1::ClearFaultRequest& request, v1::ClearFaultResponse& response,
                    const ReplyPtr& reply);
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "server/service/service_config.hpp"
 #include "server/front/session.hpp"
 #include "server/net/account.hpp"
+#include "server/service/service_config.hpp"
 
 namespace haptic::server {
 

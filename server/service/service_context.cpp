@@ -133,8 +133,7 @@ bool ServiceContext::serving(std::size_t device) const {
     if (status.faults.has(fault)) return false;
   }
   return status.state != core::LifecycleState::kInit &&
-         status.state != core::LifecycleState::kClosing &&
-         steady_now() - status.ticked < kSilence;
+         status.state != core::LifecycleState::kClosing && steady_now() - status.ticked < kSilence;
 }
 
 bool ServiceContext::serving() const {

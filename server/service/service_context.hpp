@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "haptic/v1/haptic_service.pb.h"
-#include "server/front/front.hpp"
 #include "server/crossing/server_facts.hpp"
+#include "server/front/front.hpp"
 #include "server/front/session.hpp"
 #include "server/service/broadcaster.hpp"
 #include "server/service/service_config.hpp"

@@ -69,8 +69,7 @@ void SessionStream::take(const v1::SessionRequest& request, core::TimePoint arri
       const std::lock_guard lock(mutex_);
       udp = udp_;
     }
-    session->take(request.proxy(), arrival, stream_,
-                  udp ? udp->clock(arrival) : std::nullopt);
+    session->take(request.proxy(), arrival, stream_, udp ? udp->clock(arrival) : std::nullopt);
   } else if (request.has_tracker() && session) {
     session->take(request.tracker(), arrival);
   } else {

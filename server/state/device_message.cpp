@@ -1,5 +1,7 @@
 #include "server/state/device_message.hpp"
 
+#include "server/state/drawing_message.hpp"
+
 namespace haptic::server {
 namespace {
 
@@ -54,6 +56,8 @@ v1::Device describe(const std::string& name, const hw::DeviceInfo& info,
   copy(config.scene.force_limit, message.mutable_force_limit());
   copy(config.scene.slew_limit, message.mutable_slew_limit());
   copy(config.scene.engage_window, message.mutable_engage_window());
+  const core::Drawing drawing = config.kinematics->drawing();
+  if (!drawing.bodies.empty()) *message.mutable_drawing() = to_message(drawing);
   message.set_wants_tracker(config.tracker.has_value());
   if (!config.guarded()) message.add_unguarded("direction_guard");
   if (!config.passivity.tank.enabled) message.add_unguarded("energy_tank");

@@ -113,8 +113,9 @@ std::optional<Refusal> Gate::stranger(const Visitor& visitor) const {
   if (!visitor.unix_socket) {
     const std::string name = lower(name_of(visitor.host));
     if (std::find(names_.begin(), names_.end(), name) == names_.end()) {
-      return denied("HOST", "this server does not go by the name of the request's Host: give it in "
-                            "the scene, server.web.name");
+      return denied("HOST",
+                    "this server does not go by the name of the request's Host: give it in "
+                    "the scene, server.web.name");
     }
   }
   if (visitor.origin.empty() || listed(visitor.origin)) return std::nullopt;

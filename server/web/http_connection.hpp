@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "server/web/http_answer.hpp"
 #include "server/web/session_socket.hpp"
 #include "server/web/unary_call.hpp"
 
@@ -29,9 +30,8 @@ class HttpConnection final : public WebConnection,
     parser_->body_limit(kLargestFrame);
     lowest().expires_after(within);
     http::async_read_header(stream_, buffer_, *parser_,
-                            [self = this->shared_from_this()](beast::error_code error, std::size_t) {
-                              self->read_head(error);
-                            });
+                            [self = this->shared_from_this()](
+                                beast::error_code error, std::size_t) { self->read_head(error); });
   }
   void cut() override { lowest().close(); }
 
@@ -47,7 +47,6 @@ class HttpConnection final : public WebConnection,
 
  private:
   using Head = http::request<http::string_body>;
-  using Body = http::span_body<const char>;
 
   [[nodiscard]] PlainStream& lowest() { return beast::get_lowest_layer(stream_); }
   [[nodiscard]] const Head& head() const { return parser_->get(); }
@@ -106,8 +105,7 @@ class HttpConnection final : public WebConnection,
     answer_metrics();
   }
   void answer_metrics() {
-    answer(http::status::ok, "text/plain; version=0.0.4; charset=utf-8",
-           shared_.content.metrics());
+    answer(http::status::ok, "text/plain; version=0.0.4; charset=utf-8", shared_.content.metrics());
   }
 
   void answer_get() {
@@ -133,12 +131,12 @@ class HttpConnection final : public WebConnection,
   void redeem(std::string_view token) {
     const auto secret = shared_.gate.redeem(token);
     if (secret) {
-      cookie_ = "haptic=" + *secret + "; HttpOnly; SameSite=Strict; Path=/";
-      if (peer_.peer.encrypted) cookie_ += "; Secure";
+      rare_.cookie = "haptic=" + *secret + "; HttpOnly; SameSite=Strict; Path=/";
+      if (peer_.peer.encrypted) rare_.cookie += "; Secure";
       shared_.print_address();
     }
     // Away from the address with the token. If that is used up, the page says so.
-    location_ = secret ? "/" : "/?used";
+    rare_.location = secret ? "/" : "/?used";
     answer(http::status::see_other, "text/plain", {});
   }
 
@@ -161,12 +159,12 @@ class HttpConnection final : public WebConnection,
       if (!method->observer && !control) return refuse(observes_only(), true);
     }
     lowest().expires_after(kBodyWithin);
-    http::async_read(stream_, buffer_, *parser_,
-                     [self = this->shared_from_this(), method, json](beast::error_code error,
-                                                                     std::size_t) {
-                       if (error) return;
-                       method == nullptr ? self->check_health(json) : self->call(*method, json);
-                     });
+    http::async_read(
+        stream_, buffer_, *parser_,
+        [self = this->shared_from_this(), method, json](beast::error_code error, std::size_t) {
+          if (error) return;
+          method == nullptr ? self->check_health(json) : self->call(*method, json);
+        });
   }
 
   void call(const UnaryMethod& method, bool json) {
@@ -237,8 +235,7 @@ class HttpConnection final : public WebConnection,
   }
 
   [[nodiscard]] static bool offers(std::string_view protocols, std::string_view wanted) {
-    return http::token_list(beast::string_view(protocols.data(), protocols.size()))
-        .exists(beast::string_view(wanted.data(), wanted.size()));
+    return http::token_list(to_beast(protocols)).exists(to_beast(wanted));
   }
 
   /// `unread`: its body is on the way still.
@@ -248,30 +245,24 @@ class HttpConnection final : public WebConnection,
            connect_error(why));
   }
   /// A request that HTTP itself refuses.
-  void refuse_head(http::status status, std::string text, const char* allow = nullptr) {
+  void refuse_head(http::status status, std::string text, const char* allow = "") {
     closing_ = true;
-    allow_ = allow;
+    rare_.allow = allow;
     answer(status, "text/plain", std::move(text));
   }
 
   /// `file` lives as long as the server; null: `text`.
-  void answer(http::status status, const std::string& type, std::string text,
+  void answer(http::status status, std::string_view type, std::string text,
               const std::string* file = nullptr) {
-    text_ = std::move(text);
-    const std::string& bytes = file != nullptr ? *file : text_;
-    response_ = http::response<Body>(status, 11);
-    response_.set(http::field::content_type, type);
-    add_fields(type);
-    const bool done = parser_->is_header_done();
-    response_.keep_alive(done && head().keep_alive() && !closing_);
-    response_.body() = beast::span<const char>(bytes.data(), bytes.size());
-    if (status == http::status::no_content) {
-      response_.body() = {};
-    } else {
-      response_.content_length(bytes.size());
+    const bool read = parser_->is_header_done();
+    if (read && shared_.gate.listed(field(http::field::origin))) {
+      rare_.origin = field(http::field::origin);
     }
-    serializer_.emplace(response_);
-    const bool no_body = done && is(http::verb::head);
+    text_ = std::move(text);
+    answer_ = answer_of(status, type, file != nullptr ? *file : text_, std::exchange(rare_, {}));
+    answer_.keep_alive(read && head().keep_alive() && !closing_);
+    serializer_.emplace(answer_);
+    const bool no_body = read && is(http::verb::head);
     serializer_->split(no_body);
     lowest().expires_after(kAnswerWithin);
     auto sent = [self = this->shared_from_this()](beast::error_code error, std::size_t) {
@@ -281,31 +272,8 @@ class HttpConnection final : public WebConnection,
     http::async_write(stream_, *serializer_, std::move(sent));
   }
 
-  void add_fields(const std::string& type) {
-    response_.set(http::field::cache_control, "no-store");
-    response_.set("X-Content-Type-Options", "nosniff");
-    response_.set("Referrer-Policy", "no-referrer");
-    if (type.starts_with("text/html")) {
-      response_.set("Content-Security-Policy",
-                    "default-src 'self'; connect-src 'self' ws: wss:; img-src 'self' data: blob:; "
-                    "style-src 'self' 'unsafe-inline'; script-src 'self' 'wasm-unsafe-eval'; "
-                    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'");
-    }
-    if (!cookie_.empty()) response_.set(http::field::set_cookie, std::exchange(cookie_, {}));
-    if (!location_.empty()) response_.set(http::field::location, std::exchange(location_, {}));
-    if (allow_ != nullptr) response_.set(http::field::allow, std::exchange(allow_, nullptr));
-    if (!parser_->is_header_done() || !shared_.gate.listed(field(http::field::origin))) return;
-    const std::string_view origin = field(http::field::origin);
-    response_.set(http::field::access_control_allow_origin,
-                  beast::string_view(origin.data(), origin.size()));
-    response_.set(http::field::access_control_allow_methods, "GET, POST");
-    response_.set(http::field::access_control_allow_headers,
-                  "Authorization, Content-Type, Connect-Protocol-Version");
-    response_.set(http::field::vary, "Origin");
-  }
-
   void answered() {
-    if (response_.keep_alive()) return read(kIdle);
+    if (answer_.keep_alive()) return read(kIdle);
     beast::error_code ignored;
     lowest().socket().shutdown(asio::socket_base::shutdown_send, ignored);
   }
@@ -315,11 +283,11 @@ class HttpConnection final : public WebConnection,
   WebPeer peer_;
   beast::flat_buffer buffer_{kLongestHead + 8 * 1024};
   std::optional<http::request_parser<http::string_body>> parser_{};
-  std::string text_{}, cookie_{}, location_{};
-  const char* allow_{nullptr};
-  bool closing_{false};
-  http::response<Body> response_{};
-  std::optional<http::response_serializer<Body>> serializer_{};
+  std::string text_{};
+  RareFields rare_{};    ///< of the next answer
+  bool closing_{false};  ///< after the next answer
+  HttpAnswer answer_{};
+  std::optional<http::response_serializer<AnswerBody>> serializer_{};
 };
 
 }  // namespace haptic::server

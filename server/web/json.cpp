@@ -78,8 +78,8 @@ std::string Json::read(std::string_view text, google::protobuf::Message& message
       google::protobuf::StringPiece(text.data(), text.size()), &message);
   if (status.ok()) return {};
   const auto why = status.message();
-  return sanitised("not a " + message.GetDescriptor()->name() + " as JSON: " +
-                       std::string(why.data(), why.size()),
+  return sanitised("not a " + message.GetDescriptor()->name() +
+                       " as JSON: " + std::string(why.data(), why.size()),
                    kLongestWhy);
 }
 

@@ -8,6 +8,7 @@
 
 #include "server/front/refusals.hpp"
 #include "server/service/session_stream.hpp"
+#include "server/web/http_answer.hpp"
 #include "server/web/web_shared.hpp"
 
 namespace haptic::server {
@@ -39,11 +40,10 @@ class SessionSocket final : public SessionStream, public WebConnection {
     socket_.auto_fragment(false);
     const KeepAlive& alive = context_.config.keep_alive;
     // Beast asks with a ping after half of it.
-    socket_.set_option(
-        websocket::stream_base::timeout{kCloseWithin, alive.given_up_after(), true});
+    socket_.set_option(websocket::stream_base::timeout{kCloseWithin, alive.given_up_after(), true});
     socket_.set_option(websocket::stream_base::decorator([json](websocket::response_type& head) {
       const std::string_view chosen = json ? kJsonProtocol : kProtoProtocol;
-      head.set(http::field::sec_websocket_protocol, beast::string_view(chosen.data(), chosen.size()));
+      head.set(http::field::sec_websocket_protocol, to_beast(chosen));
     }));
   }
   ~SessionSocket() override { done(); }
@@ -74,7 +74,8 @@ class SessionSocket final : public SessionStream, public WebConnection {
     if (error) return half_closed();
     if (!may_parse(bytes)) return;
     if (socket_.got_binary() == json_) {
-      return unreadable(json_ ? "haptic.v1.json has text frames" : "haptic.v1.proto has binary frames");
+      return unreadable(json_ ? "haptic.v1.json has text frames"
+                              : "haptic.v1.proto has binary frames");
     }
     const auto data = incoming_.cdata();
     if (!json_) {
@@ -106,9 +107,8 @@ class SessionSocket final : public SessionStream, public WebConnection {
     const std::string& shared = outgoing_.shared ? *outgoing_.shared : kNothing;
     const std::array<asio::const_buffer, 2> parts{asio::buffer(outgoing_.head),
                                                   asio::buffer(shared)};
-    socket_.async_write(parts, [self = self()](beast::error_code error, std::size_t) {
-      self->written(!error);
-    });
+    socket_.async_write(
+        parts, [self = self()](beast::error_code error, std::size_t) { self->written(!error); });
   }
 
   void finish(const std::optional<Refusal>& why) override {

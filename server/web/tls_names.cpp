@@ -24,8 +24,7 @@ std::vector<std::string> certificate_names(const SSL* connection) {
       &GENERAL_NAMES_free);
   for (int i = 0; i < sk_GENERAL_NAME_num(alternatives.get()); ++i) {
     const GENERAL_NAME* const name = sk_GENERAL_NAME_value(alternatives.get(), i);
-    const bool text =
-        name->type == GEN_DNS || name->type == GEN_URI || name->type == GEN_EMAIL;
+    const bool text = name->type == GEN_DNS || name->type == GEN_URI || name->type == GEN_EMAIL;
     if (text) names.push_back(text_of(name->d.ia5));
   }
   if (!names.empty()) return names;

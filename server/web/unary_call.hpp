@@ -10,7 +10,7 @@
 
 namespace haptic::server {
 
-/// One call by HTTP: its messages, and how it ends. `Connection` has answer_call(), which posts.
+/// The messages of a call by HTTP.
 struct UnaryCall {
   std::unique_ptr<google::protobuf::Message> request{};
   std::unique_ptr<google::protobuf::Message> response{};

@@ -96,7 +96,8 @@ class WebServer::Impl {
   }
 
   void take(std::size_t address, int descriptor) {
-    asio::post(shared_.loop, [this, address, descriptor] { begin(addresses_[address], descriptor); });
+    asio::post(shared_.loop,
+               [this, address, descriptor] { begin(addresses_[address], descriptor); });
   }
 
   void stop(core::Duration grace) {
@@ -145,15 +146,14 @@ class WebServer::Impl {
     connection->stream().async_handshake(
         asio::ssl::stream_base::server, [connection](beast::error_code error) {
           if (error) return;
-          connection->peer().peer.names =
-              certificate_names(connection->stream().native_handle());
+          connection->peer().peer.names = certificate_names(connection->stream().native_handle());
           connection->read();
         });
   }
 
   void serve(PlainStream stream, WebPeer peer) {
-    const auto connection = std::make_shared<HttpConnection<PlainStream>>(
-        std::move(stream), shared_, std::move(peer));
+    const auto connection =
+        std::make_shared<HttpConnection<PlainStream>>(std::move(stream), shared_, std::move(peer));
     shared_.add(connection);
     connection->read();
   }

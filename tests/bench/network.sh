@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Measures the age of the proxy when a tick uses it, behind a relay with 10 ms each way and losses
-# of 0, 1, 5 and 10 %, by UDP against gRPC, by the rule of CONTRIBUTING.md#measuring. Writes CSV to
-# standard output. Run it on a machine that does nothing else.
+# of 0, 1, 5 and 10 %, by UDP and by WebSocket, each against gRPC, by the rule of
+# CONTRIBUTING.md#measuring. Writes CSV to standard output. Run it on a machine that does nothing
+# else.
 #
-#   tests/bench/network.sh      about 15 minutes
+#   tests/bench/network.sh      about 30 minutes
 #
 # BLOCKS=2 shortens it, to see that it works; figures to be quoted need the default, 20.
 set -euo pipefail

@@ -1,15 +1,18 @@
 /// haptic-bench-network [--blocks N]: the proxy's age when a tick uses it, from publish() on,
-/// behind the relay with 10 ms each way and losses of 0, 1, 5 and 10 %: by UDP against gRPC.
+/// behind the relay with 10 ms each way and losses of 0, 1, 5 and 10 %: by UDP and by WebSocket,
+/// each against gRPC.
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <functional>
+#include <memory>
 #include <stdexcept>
 #include <thread>
 
 #include "haptic/client/client.hpp"
 #include "tests/bench/paired.hpp"
-#include "tests/bench/product.hpp"
+#include "tests/bench/web_client.hpp"
 #include "tests/relay/relay.hpp"
 
 namespace haptic::bench {
@@ -51,16 +54,41 @@ void settle(const client::Session& session, bool by_udp) {
   }
 }
 
-/// Age in us of what each tick used, from publish() on, in one block.
-std::vector<double> ages(Product& product, const test::RelaySetup& trouble, bool by_udp) {
-  const test::Relay relay(trouble);
-  client::Connection connection("127.0.0.2:" + std::to_string(trouble.tcp_port));
+enum class By { kGrpc, kUdp, kWebSocket };
+
+/// What writes a sample; the one with number n is the n-th.
+using Publish = std::function<void(std::uint64_t n)>;
+
+/// A session by the relay's address, as long as the answer lives.
+Publish open(const std::string& address, By carrier) {
+  if (carrier == By::kWebSocket) {
+    const auto client = std::make_shared<WebClient>(address);
+    client->control(kRate);
+    return [client](std::uint64_t n) { client->write(sample(n)); };
+  }
+  struct Held {
+    explicit Held(const std::string& server) : connection(server) {}
+    ~Held() {
+      if (session) session->close();
+    }
+    client::Connection connection;
+    std::unique_ptr<client::Session> session{};
+  };
+  const bool by_udp = carrier == By::kUdp;
+  const auto held = std::make_shared<Held>(address);
   client::SessionOptions options;
   options.client_name = "bench";
   options.nominal_rate_hz = kRate;
   options.carriers = by_udp ? client::Carriers::kUdpOnly : client::Carriers::kGrpcOnly;
-  const auto session = connection.open(options);
-  settle(*session, by_udp);
+  held->session = held->connection.open(options);
+  settle(*held->session, by_udp);
+  return [held](std::uint64_t) { held->session->publish(client::Proxy::held({0.4, 0.5})); };
+}
+
+/// Age in us of what each tick used, from publish() on, in one block.
+std::vector<double> ages(Product& product, const test::RelaySetup& trouble, By carrier) {
+  const test::Relay relay(trouble);
+  Publish publish = open("127.0.0.2:" + std::to_string(trouble.tcp_port), carrier);
   {
     const std::lock_guard lock(product.arrivals.mutex);
     product.arrivals.used.clear();
@@ -71,9 +99,9 @@ std::vector<double> ages(Product& product, const test::RelaySetup& trouble, bool
   for (auto next = Clock::now(); next < begin + kMeasured; next += kPeriod) {
     std::this_thread::sleep_until(next);
     published.push_back(now_ns());
-    session->publish(client::Proxy::held({0.4, 0.5}));
+    publish(published.size());
   }
-  session->close();
+  publish = nullptr;
   std::vector<double> answer;
   const std::lock_guard lock(product.arrivals.mutex);
   for (const auto& [seq, at] : product.arrivals.used) {
@@ -90,25 +118,28 @@ std::vector<double> ages(Product& product, const test::RelaySetup& trouble, bool
 
 void one_loss(Product& product, const test::Scenario& scenario, int blocks) {
   int block = 0;
-  const auto by = [&](bool udp) {
-    return [&, udp] {
-      const auto values = ages(
-          product, setup(scenario, ++block, port_of(product.address()), product.udp_port()), udp);
+  const auto by = [&](By carrier) {
+    return [&, carrier] {
+      const std::uint16_t tcp = port_of(product.address(carrier == By::kWebSocket ? 1 : 0));
+      const auto values = ages(product, setup(scenario, ++block, tcp, product.udp_port()), carrier);
       return std::vector<double>{percentile(values, 0.5), percentile(values, 0.99)};
     };
   };
-  char name[80];
-  std::snprintf(name, sizeof name, "proxy age at use by UDP 10 ms %g %% loss",
-                scenario.up.loss * 100.0);
-  const std::string what = name;
-  const auto rows =
-      compare_all({what + " p50", what + " p99"}, "gRPC", "us", by(true), by(false), blocks);
-  for (const Row& row : rows) print(row);
-  print(Figure{what + " p99", "us", rows.back().own, kTargetUs});
+  for (const auto& [carrier, word] : {std::pair(By::kUdp, "UDP"), {By::kWebSocket, "WebSocket"}}) {
+    char name[80];
+    std::snprintf(name, sizeof name, "proxy age at use by %s 10 ms %g %% loss", word,
+                  scenario.up.loss * 100.0);
+    const std::string what = name;
+    const auto rows = compare_all({what + " p50", what + " p99"}, "gRPC", "us", by(carrier),
+                                  by(By::kGrpc), blocks);
+    for (const Row& row : rows) print(row);
+    if (carrier == By::kUdp) print(Figure{what + " p99", "us", rows.back().own, kTargetUs});
+  }
 }
 
 void age_at_use(int blocks) {
-  Product product({"127.0.0.1:0"}, "127.0.0.1:0");
+  const BenchWeb web;
+  Product product({"127.0.0.1:0"}, "127.0.0.1:0", nullptr, web.config());
   for (const char* file : {"delay_10ms", "loss_01", "loss_05", "loss_10"}) {
     one_loss(product, test::shipped_scenario(file), blocks);
   }
@@ -119,7 +150,7 @@ void age_at_use(int blocks) {
 
 int main(int argc, char** argv) {
   int blocks = 20;
-  CLI::App cli("haptic-bench-network - the proxy's age at use, by UDP against gRPC");
+  CLI::App cli("haptic-bench-network - the proxy's age at use, by UDP and WebSocket against gRPC");
   cli.add_option("--blocks", blocks, "alternations; of fewer than 20 nothing may be quoted")
       ->check(CLI::Range(2, 1000));
   CLI11_PARSE(cli, argc, argv);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -14,8 +15,8 @@
 
 #include "hw/device.hpp"
 #include "hw/device_config.hpp"
-#include "server/owner/owner.hpp"
 #include "server/front_server.hpp"
+#include "server/owner/owner.hpp"
 #include "server/rt/loop.hpp"
 #include "server/scene/scene.hpp"
 #include "tests/bench/percentile.hpp"
@@ -55,34 +56,37 @@ class Arrivals final : public server::RecordListener {
 /// The server of hapticd in this process; `arrivals` listens to its telemetry.
 class Product {
  public:
-  /// Serves at `listen`, and UDP at `udp_listen` (empty: none). `device`: null: the scene's
+  /// Serves at `listen`, UDP at `udp_listen` (empty: none) and `web`. `device`: null: the scene's
   /// simulated finger, whose physics is part of every tick.
   explicit Product(std::vector<std::string> listen = {"127.0.0.1:0"}, std::string udp_listen = {},
-                   std::unique_ptr<hw::Device> device = nullptr)
+                   std::unique_ptr<hw::Device> device = nullptr,
+                   std::optional<server::WebConfig> web = {})
       : scene_(server::load_scene(HAPTIC_SOURCE_DIR "/server/scenes/finger_constant.textproto")),
         unit_(make_unit(scene_, std::move(device))),
         telemetry_({unit_.get()}),
         owner_(telemetry_),
-        rpc_({.listen = std::move(listen), .udp_listen = std::move(udp_listen)},
-             with(owner_, *unit_), [] { return server::ServerFacts{}; }),
+        front_({.listen = std::move(listen),
+                .udp_listen = std::move(udp_listen),
+                .web = std::move(web)},
+               with(owner_, *unit_), [] { return server::ServerFacts{}; }),
         loop_(server::RealtimeRequest{}, std::chrono::milliseconds(1)) {
     telemetry_.allow_watching(loop_.grant().facts.sched_fifo &&
                               std::thread::hardware_concurrency() > 1);
     telemetry_.add(0, &arrivals);
     telemetry_.start();
-    rpc_.start();
+    front_.start();
     loop_.begin({unit_.get()}, telemetry_.bell());
   }
   ~Product() {
     owner_.begin_closing();
     loop_.finish(std::chrono::seconds(1));
-    rpc_.shutdown(std::chrono::seconds(1));
+    front_.shutdown(std::chrono::seconds(1));
     telemetry_.stop();
   }
   [[nodiscard]] std::string address(std::size_t i = 0) const {
-    return rpc_.bound_addresses().at(i);
+    return front_.bound_addresses().at(i);
   }
-  [[nodiscard]] std::uint16_t udp_port() const { return rpc_.udp_port(); }
+  [[nodiscard]] std::uint16_t udp_port() const { return front_.udp_port(); }
 
   Arrivals arrivals;
 
@@ -104,7 +108,7 @@ class Product {
   std::unique_ptr<server::DeviceUnit> unit_;
   server::Telemetry telemetry_;
   server::Owner owner_;
-  server::FrontServer rpc_;
+  server::FrontServer front_;
   server::Loop loop_;
 };
 

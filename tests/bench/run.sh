@@ -3,17 +3,17 @@
 # alternating blocks, median paired ratio with its bootstrap 95 % interval, an A/A row in the same
 # line. Writes CSV to standard output. Run it on a machine that does nothing else.
 #
-#   tests/bench/run.sh [core|linear|loop|wire|crossing|memory]...    default: all, about 16 minutes
+#   tests/bench/run.sh [core|linear|loop|wire|web|crossing|memory]...    default: all, about 17 minutes
 #
 # MEMORY_SECONDS=600 makes `memory` watch for that long.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 for part in "$@"; do
   case "$part" in
-    core | linear | loop | wire | crossing | memory) ;;
+    core | linear | loop | wire | web | crossing | memory) ;;
     -h | --help) sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"; exit 0 ;;
     *)
-      echo "run.sh: unknown part '$part' (core, linear, loop, wire, crossing, memory)" >&2
+      echo "run.sh: unknown part '$part' (core, linear, loop, wire, web, crossing, memory)" >&2
       exit 2
       ;;
   esac
@@ -23,7 +23,7 @@ sh docker/install-deps.sh build test >&2
 cmake --preset release -DHAPTIC_BUILD_BENCHMARKS=ON >&2
 cmake --build --preset release --parallel "$(nproc)" \
   --target haptic-bench-core haptic-bench-linear haptic-bench-loop haptic-bench-wire \
-  haptic-bench-crossing hapticd >&2
+  haptic-bench-web haptic-bench-crossing hapticd >&2
 bin=build/release
 
 resident_kb() {  # of a process and all that it started, as if they shared nothing
@@ -56,7 +56,7 @@ memory() {
   done
 }
 
-for part in ${@:-core linear loop wire crossing memory}; do
+for part in ${@:-core linear loop wire web crossing memory}; do
   echo "# $part"
   case "$part" in
     memory) memory ;;

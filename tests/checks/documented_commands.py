@@ -57,6 +57,7 @@ ELSEWHERE = {
     ),
     "hapticctl doctor": ("tests/hapticctl/doctor_test.cpp", "MeasuresThisVeryHost"),
     "hapticctl calibrate": ("tests/hapticctl/calibrate_test.py", '"calibrate", "--output"'),
+    "hapticctl find": ("tests/hapticctl/find_test.py", '*words, "find"]'),
     "tests/relay/matrix.sh": ("tests/relay/matrix_test.sh", "tests/relay/matrix.sh"),
     "tests/relay/matrix.sh --network": (
         "tests/CMakeLists.txt",

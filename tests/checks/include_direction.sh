@@ -60,10 +60,10 @@ forbid proto -- "haptic/core/|hw/|server/|haptic/client/|Eigen/|asio|grpc|grpcpp
   "wire knows std and OpenSSL"
 forbid client -- "haptic/core/|hw/|server/|Eigen/" "client knows neither core, hw nor server"
 allow client/include "$standard|\"haptic/client/" "client's public headers show only std"
-forbid client/hapticctl client/examples -- "$grpc" \
+forbid client/c client/hapticctl client/examples -- "$grpc" \
   "programs on the client library do without gRPC and protobuf"
-forbid client/src client/include client/hapticctl client/examples -- "mujoco/|haptic/mujoco/" \
-  "only client/mujoco knows MuJoCo"
+forbid client/c client/src client/include client/hapticctl client/examples -- \
+  "mujoco/|haptic/mujoco/" "only client/mujoco knows MuJoCo"
 forbid server -- "haptic/client/|tests/" "server knows no client"
 owner=
 for room in base crossing ingress owner rt scene session state telemetry; do

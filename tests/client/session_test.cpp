@@ -69,6 +69,13 @@ TEST_F(ClientSession, WaitWithoutAStateTimesOut) {
   EXPECT_EQ(error_of([&] { return session->wait_for_state(); }).reason(), ErrorReason::kTimeout);
 }
 
+TEST_F(ClientSession, AWaitMayHaveItsOwnTimeout) {
+  const auto session = open();
+  const ClientError error = error_of([&] { return session->wait_for_state(milliseconds(3)); });
+  EXPECT_EQ(error.reason(), ErrorReason::kTimeout);
+  EXPECT_STREQ(error.what(), "no state in 3 ms");
+}
+
 TEST_F(ClientSession, EndsWhileTheServerHangs) {
   server.read_samples(false);
   auto session = open();

@@ -1,18 +1,23 @@
 /// In lock-step - a clock of the test's own, tick k runs after the samples of its millisecond were
 /// accepted, arrivals stamped by that clock - the carrier makes no difference: the same run
-/// in-process, over gRPC on TCP, over gRPC on a UNIX socket and over UDP gives the same force, bit
-/// for bit.
+/// in-process, over gRPC on TCP, over gRPC on a UNIX socket, over UDP and by the C library gives
+/// the same force, bit for bit.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <bit>
+#include <cstdio>
+#include <cstdlib>
 #include <map>
+#include <sstream>
 #include <thread>
 
 #include "server/scene/scene.hpp"
 #include "tests/server/support/test_client.hpp"
+#include "tests/support/child_process.hpp"
 #include "tests/support/link/impaired_link.hpp"
 #include "tests/support/udp_end.hpp"
 
@@ -207,6 +212,51 @@ class ByWire final : public Way {
   std::thread asking_{};
 };
 
+/// libhaptic in a process of its own: this one has the protocol's messages already.
+class ByCLibrary final : public Way {
+ public:
+  explicit ByCLibrary(Server& server)
+      : client_({HAPTIC_BINARY_DIR "/client/c/haptic_c_lock_step_client", server.address()}) {
+    EXPECT_TRUE(answered(client_.read_line()));
+  }
+  void publish(Server& server, const std::vector<double>& x) override {
+    const std::uint64_t before = server.accepted();
+    std::string line = before == 0 ? "free" : "held";
+    for (std::size_t i = 0; before > 0 && i < x.size(); ++i) line += " " + exact(x[i]);
+    client_.write_line(line);
+    ASSERT_TRUE(answered(client_.read_line()));
+    ASSERT_TRUE(eventually([&] { return server.accepted() > before; }));
+    ASSERT_EQ(server.accepted(), before + 1);
+  }
+  void ask_for_force(Server& server) override {
+    client_.write_line("engage");
+    server.wait_for_request();
+  }
+  void expect_force() override { EXPECT_TRUE(answered(client_.read_line())); }
+
+  /// `seq` and `tau_a` of the newest state that came.
+  [[nodiscard]] std::pair<std::uint64_t, double> heard() {
+    client_.write_line("state");
+    std::istringstream answer(client_.read_line());
+    std::string code, seq, tau_a;
+    answer >> code >> seq >> tau_a;
+    return {std::stoull(seq), std::strtod(tau_a.c_str(), nullptr)};
+  }
+
+ private:
+  static testing::AssertionResult answered(const std::string& line) {
+    if (line.rfind("0 ", 0) == 0) return testing::AssertionSuccess();
+    return testing::AssertionFailure() << "the C client says '" << line << "'";
+  }
+  static std::string exact(double value) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%a", value);
+    return text.data();
+  }
+
+  ChildProcess client_;
+};
+
 struct Trace {
   std::vector<std::uint64_t> tau{}, elastic{};  ///< bits
   std::map<std::uint64_t, double> by_tick{};
@@ -298,6 +348,17 @@ TEST(LockStep, UdpIsTheSame) {
   ByWire way(server, true);
   expect_same(run(server, way), way);
   EXPECT_EQ(server.owner().status(0).carrier, server::Carrier::kUdp);
+}
+
+TEST(LockStep, TheCLibraryIsTheSame) {
+  Server server;
+  server.serve("127.0.0.1:0");
+  ByCLibrary way(server);
+  const Trace trace = run(server, way);
+  EXPECT_EQ(trace.tau, in_process().tau);
+  EXPECT_EQ(trace.elastic, in_process().elastic);
+  const auto [seq, tau_a] = way.heard();
+  EXPECT_EQ(trace.by_tick.at(seq), tau_a);
 }
 
 }  // namespace

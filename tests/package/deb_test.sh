@@ -33,7 +33,7 @@ holds() { # holds NAME PATH...
 folder=$2
 holds hapticd ./usr/bin/hapticd ./usr/libexec/hapticd/hapticd-front \
   ./usr/lib/sysusers.d/hapticd.conf ./usr/lib/systemd/system/hapticd.service \
-  ./etc/hapticd/scene.textproto \
+  ./etc/hapticd/scene.textproto ./usr/share/doc/hapticd/examples/avahi/hapticd.service \
   ./usr/share/haptic/scenes/finger_soft_grasp.textproto \
     ./usr/share/haptic/scenes/motion/reach_and_grasp.csv \
   ./etc/security/limits.d/haptic.conf ./usr/lib/udev/rules.d/60-haptic.rules \
@@ -46,8 +46,11 @@ holds python3-haptic ./usr/lib/python3/dist-packages/haptic/__init__.py \
   ./usr/lib/python3/dist-packages/haptic/v1/session_pb2.py
 holds libhaptic-dev ./usr/include/haptic/client/client.hpp \
   ./usr/share/haptic/proto/haptic/v1/session.proto
+holds libhaptic0 ./usr/lib/libhaptic.so.0
+holds libhaptic-c-dev ./usr/include/haptic/haptic.h ./usr/lib/libhaptic.so \
+  ./usr/lib/pkgconfig/haptic-c.pc ./usr/lib/cmake/haptic-c/haptic-c-config.cmake
 
-packages="hapticd hapticd-client python3-haptic libhaptic-dev"
+packages="hapticd hapticd-client python3-haptic libhaptic-dev libhaptic0 libhaptic-c-dev"
 if ls "$folder"/libhaptic-mujoco-dev_*.deb >/dev/null 2>&1; then  # MuJoCo was here for the build
   packages="$packages libhaptic-mujoco-dev"
   holds libhaptic-mujoco-dev ./usr/include/haptic/mujoco/tool.hpp \
@@ -59,6 +62,11 @@ for library in libgrpc++ libsystemd0 libssl3 libserialport0; do
   field hapticd Depends | grep -qF "$library" || fail "hapticd does not ask for $library"
 done
 field libhaptic-dev Depends | grep -qF libgrpc++-dev || fail "libhaptic-dev does not ask for gRPC"
+field libhaptic0 Depends | grep -qF libgrpc++ || fail "libhaptic0 does not ask for gRPC"
+[ "$(field libhaptic-c-dev Depends)" = "libhaptic0 (= $(field libhaptic0 Version))" ] ||
+  fail "libhaptic-c-dev asks for $(field libhaptic-c-dev Depends)"
+dpkg-deb --info "$(package libhaptic0 "$folder")" shlibs | grep -q '^libhaptic 0 libhaptic0 ' ||
+  fail "libhaptic0 does not tell other packages who has the library"
 field python3-haptic Depends | grep -qF python3-grpcio ||
   fail "python3-haptic does not ask for gRPC"
 for name in $packages; do

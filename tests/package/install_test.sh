@@ -24,7 +24,7 @@ fail() {
   exit 1
 }
 
-for component in server client dev mujoco; do  # mujoco: nothing, if MuJoCo was not here
+for component in server client dev c c_dev mujoco; do  # mujoco: nothing, if it was not here
   cmake --install "$build" --prefix "$prefix" --component $component >"$folder/$component.log"
 done
 
@@ -61,6 +61,16 @@ export PKG_CONFIG_PATH=$pc
 "${CXX:-c++}" -std=c++20 "$here/foreign/client.cpp" $(pkg-config --cflags --libs haptic-client) \
   -o "$folder/by_pkg_config"
 
+# A C compiler alone, and nothing that haptic::client asks for.
+cmake -S "$here/foreign/c" -B "$folder/foreign_c" -DCMAKE_PREFIX_PATH="$prefix" \
+  >"$folder/configure_c.log" 2>&1 ||
+    { cat "$folder/configure_c.log"; fail "find_package(haptic-c) failed"; }
+cmake --build "$folder/foreign_c" >"$folder/build_c.log" ||
+  { cat "$folder/build_c.log"; fail "no build in C"; }
+# shellcheck disable=SC2046  # words are what is wanted
+"${CC:-cc}" -std=c99 -pedantic -Werror "$source/client/c/examples/virtual_wall.c" \
+  $(pkg-config --cflags --libs haptic-c) -o "$folder/c_by_pkg_config"
+
 # The vector of proto/README.md.
 "$folder/foreign/foreign_proto" >"$folder/sample"
 grep -q "\`$(cat "$folder/sample")\`" "$source/proto/README.md" ||
@@ -78,4 +88,7 @@ for _ in $(seq 100); do
 done
 timeout 30 "$folder/foreign/foreign_client" "unix:$socket" || fail "the client found by CMake"
 timeout 30 "$folder/by_pkg_config" "unix:$socket" || fail "the client found by pkg-config"
+for program in "$folder/foreign_c/foreign_c" "$folder/c_by_pkg_config"; do
+  LD_LIBRARY_PATH=${pc%/pkgconfig} timeout 30 "$program" "unix:$socket" 1 || fail "$program"
+done
 timeout 30 "$prefix/bin/hapticctl" --server "unix:$socket" info >/dev/null || fail "hapticctl"

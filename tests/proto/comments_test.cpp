@@ -6,6 +6,7 @@
 #include <regex>
 #include <sstream>
 
+#include "haptic/v1/drawing.pb.h"
 #include "haptic/v1/haptic_service.pb.h"
 #include "haptic/v1/scene.pb.h"
 #include "haptic/v1/session.pb.h"
@@ -106,7 +107,7 @@ void expect_explained(const pb::FileDescriptor& file) {
 TEST(ProtoComments, ExplainEveryDeclaration) {
   for (const pb::Descriptor* of :
        {v1::ProxySample::descriptor(), v1::GetServerInfoRequest::descriptor(),
-        v1::Scene::descriptor()}) {
+        v1::Drawing::descriptor(), v1::Scene::descriptor()}) {
     expect_explained(*of->file());
   }
 }

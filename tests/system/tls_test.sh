@@ -87,8 +87,10 @@ set -- --server "$address" --ca ca.pem --cert surgeon.pem --key surgeon.key --se
 says 0 'hapticd' "$hapticctl" "$@" info
 says 0 'hapticd' "$hapticctl" --server "unix:$folder/s" info
 
-# A controller for a while, and what its link is doing.
-timeout 60 "$hapticctl" "$@" engage --priority operator --seconds 20 >engage.log 2>&1 &
+# A controller for a while, and what its link is doing. It comes by a name, which gRPC's resolver
+# finds, the certificate holds and the UDP path uses.
+timeout 60 "$hapticctl" --server "dns:///localhost:${address##*:}" --ca ca.pem --cert surgeon.pem \
+  --key surgeon.key engage --priority operator --seconds 20 >engage.log 2>&1 &
 engaged=$!
 tries=0
 until "$hapticctl" "$@" link --json | grep -q '"samples_by": "UDP"' || [ "$tries" -ge 100 ]; do

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import socket
 import struct
 import threading
@@ -173,7 +174,11 @@ def _keys_of(offer: wire.UdpPath) -> Keys:
 
 def host_of(address: str) -> str:
     """The host of the stream's address; loopback if that is a UNIX socket."""
-    return "127.0.0.1" if address.startswith("unix:") else address.rpartition(":")[0].strip("[]")
+    if address.startswith("unix:"):
+        return "127.0.0.1"
+    # "dns://192.0.2.53/robot.example:PORT" names a resolver of gRPC and its server.
+    host = re.sub("^(dns|ipv4|ipv6):(//[^/]*/)?", "", address).rpartition(":")[0]
+    return host.strip("[]")
 
 
 def addresses(host: str, port: int) -> list[Address]:

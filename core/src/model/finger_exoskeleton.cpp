@@ -4,6 +4,7 @@
 #include <numbers>
 #include <string>
 
+#include "drawing_parts.hpp"
 #include "finger_linkage.hpp"
 #include "finger_reach.hpp"
 #include "haptic/core/error.hpp"
@@ -120,6 +121,7 @@ class FingerExoskeleton final : public Kinematics {
   MapStatus pair_limits(int, double a, double b, PairLimits& limits) const noexcept override {
     return reach_.limits(a, b, limits) ? MapStatus::kOk : MapStatus::kCannotClose;
   }
+  Drawing drawing() const override { return finger_drawing(linkage_.dimensions()); }
 
  private:
   static constexpr int pair_[] = {0};

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "drawing_parts.hpp"
 #include "haptic/core/error.hpp"
 #include "tree_map.hpp"
 
@@ -41,6 +42,9 @@ void append_finger(const FingerBlock& finger, std::vector<DofSpec>& dofs) {
 }
 
 constexpr int kPerFinger = 2;  // DoFs, and coordinates
+
+/// From finger to finger of a hand without a palm, in its drawing only, m: a knuckle's breadth.
+constexpr double kAcross = 0.022;
 
 std::vector<DofSpec> dofs_of(const std::vector<FingerBlock>& fingers) {
   std::vector<DofSpec> all;
@@ -133,6 +137,21 @@ class HandExoskeleton final : public Kinematics {
       worst = std::max(worst, status);
     }
     return worst;
+  }
+
+  Drawing drawing() const override {
+    Drawing drawing;
+    const double middle = 0.5 * static_cast<double>(fingers_.size() - 1);
+    for (std::size_t i = 0; i < fingers_.size(); ++i) {
+      append(fingers_[i].kinematics->drawing(),
+             {.prefix = fingers_[i].name + ".",
+              .position = {0.0, 0.0, kAcross * (static_cast<double>(i) - middle)},
+              .first_q = blocks_[i].first_q,
+              .first_a = blocks_[i].first_a,
+              .first_x = blocks_[i].first_x},
+             drawing);
+    }
+    return drawing;
   }
 
  private:

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "haptic/core/error.hpp"
+#include "haptic/core/model/drawing.hpp"
 
 namespace haptic::core {
 
@@ -26,6 +27,10 @@ double radical_inverse(int i, int base) noexcept {
 MapStatus Kinematics::position(const VecQ& q, VecX& x_probe) const noexcept {
   MatXQ J;
   return evaluate(q, x_probe, J);
+}
+
+Drawing Kinematics::drawing() const {
+  return {};
 }
 
 std::vector<MapBlock> blocks_or_whole(const Kinematics& kinematics) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "drawing_parts.hpp"
 #include "haptic/core/error.hpp"
 
 namespace haptic::core {
@@ -48,6 +49,8 @@ class Linear final : public Kinematics {
     J_k.setZero(A_.rows(), A_.cols());
     return MapStatus::kOk;
   }
+
+  Drawing drawing() const override { return linear_drawing(dofs_, space_.coordinates(), A_, x_0_); }
 
  private:
   MatXQ A_;

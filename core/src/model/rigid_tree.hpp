@@ -45,6 +45,8 @@ class RigidTree {
   [[nodiscard]] int n_y() const noexcept { return n_y_; }
   [[nodiscard]] int n_x() const noexcept { return n_x_; }
   [[nodiscard]] std::vector<Coordinate> coordinates() const;
+  [[nodiscard]] const std::vector<TreeJoint>& joints() const noexcept { return joints_; }
+  [[nodiscard]] const std::vector<TreeOutput>& outputs() const noexcept { return outputs_; }
   /// True where variable k moves output `o`.
   [[nodiscard]] bool moves(int k, std::size_t o) const noexcept {
     return (moved_by_[static_cast<std::size_t>(outputs_[o].body)] >> k & 1U) != 0;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "haptic/core/model/drawing.hpp"
 #include "haptic/core/model/kinematics.hpp"
 #include "rigid_tree.hpp"
 
@@ -30,6 +31,7 @@ class TreeMap final : public Kinematics {
     return *drives_[static_cast<std::size_t>(which)].mechanism;
   }
   MapStatus pair_limits(int which, double a, double b, PairLimits& limits) const noexcept override;
+  Drawing drawing() const override;
 
  private:
   struct Joints;  // y and dy/dq at one q

@@ -75,6 +75,9 @@ class HostOf(unittest.TestCase):
     def test_the_streams_host_without_port(self) -> None:
         self.assertEqual(host_of("robot.example:29470"), "robot.example")
         self.assertEqual(host_of("[::1]:29470"), "::1")
+        for resolver in ("dns:", "dns:///", "dns://192.0.2.53/"):
+            self.assertEqual(host_of(resolver + "robot.example:29470"), "robot.example")
+        self.assertEqual(host_of("ipv6:[::1]:29470"), "::1")
         self.assertEqual(host_of("192.0.2.7:29470"), "192.0.2.7")
 
     def test_loopback_for_a_unix_socket(self) -> None:

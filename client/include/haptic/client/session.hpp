@@ -126,8 +126,9 @@ class Session {
   /// The newest state; its `seq` is 0 before the first one and after the session started again.
   [[nodiscard]] virtual DeviceState state() const = 0;
   /// Waits for a state newer than the last one that this call returned. Throws kTimeout, kClosed,
-  /// and kInvalidArgument if called in on_state.
-  [[nodiscard]] virtual DeviceState wait_for_state() = 0;
+  /// and kInvalidArgument if called in on_state. Without a timeout: SessionOptions::timeout.
+  [[nodiscard]] virtual DeviceState wait_for_state(
+      std::optional<std::chrono::milliseconds> timeout = {}) = 0;
 
   /// Asks for force once. Throws kNotReady and says what is missing.
   virtual void engage() = 0;

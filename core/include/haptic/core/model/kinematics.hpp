@@ -1,7 +1,7 @@
 #pragma once
 /// The map f : Q -> X of a device (paper, section III), its Jacobian and its second-order term, and
 /// the inverse if there is a closed form. Immutable after construction; one object may be shared
-/// by threads. No method allocates or throws after construction.
+/// by threads. No method but drawing() allocates or throws after construction.
 
 #include <array>
 #include <cstdint>
@@ -56,6 +56,7 @@ using PairLimits = std::array<PairLimit, kPairLimits>;
 using BlockSet = std::uint32_t;
 
 class Kinematics;
+struct Drawing;  // drawing.hpp
 
 /// An independent part of a map, such as a finger of a hand: its coordinates depend on its own DoFs
 /// only, so that J is block diagonal.
@@ -114,6 +115,9 @@ class Kinematics {
   /// Several q may mean the same pose (a rotation vector has many); replaces q by the one nearest
   /// to `near`. Most maps have one q per pose, and this does nothing.
   virtual void nearest_representative(const VecQ& /*near*/, VecQ& /*q*/) const noexcept {}
+  /// The device as bodies that move, for a picture of it; without bodies: it has none. Not for the
+  /// loop: it allocates.
+  [[nodiscard]] virtual Drawing drawing() const;
   /// Mean of ||J_a|| (Frobenius) over the reachable workspace: the scale that the paper's Z_x
   /// factors out (section VI.C).
   [[nodiscard]] double mean_actuated_jacobian() const noexcept { return mean_J_a_; }

@@ -1,0 +1,107 @@
+#include "border.hpp"
+
+#include <utility>
+
+namespace haptic::c {
+
+namespace {
+
+constexpr int code_of(client::ErrorReason reason) {
+  switch (reason) {
+    case client::ErrorReason::kUnreachable:
+      return HAPTIC_ERROR_UNREACHABLE;
+    case client::ErrorReason::kTimeout:
+      return HAPTIC_ERROR_TIMEOUT;
+    case client::ErrorReason::kNoSuchDevice:
+      return HAPTIC_ERROR_NO_SUCH_DEVICE;
+    case client::ErrorReason::kLeaseHeld:
+      return HAPTIC_ERROR_LEASE_HELD;
+    case client::ErrorReason::kInvalidArgument:
+      return HAPTIC_ERROR_INVALID_ARGUMENT;
+    case client::ErrorReason::kNotReady:
+      return HAPTIC_ERROR_NOT_READY;
+    case client::ErrorReason::kPermissionDenied:
+      return HAPTIC_ERROR_PERMISSION_DENIED;
+    case client::ErrorReason::kClosed:
+      return HAPTIC_ERROR_CLOSED;
+    case client::ErrorReason::kProtocol:
+      return HAPTIC_ERROR_PROTOCOL;
+  }
+  return HAPTIC_ERROR_INTERNAL;
+}
+
+}  // namespace
+
+Handles<haptic_connection, client::Connection>& connections() {
+  static auto& handles = *new Handles<haptic_connection, client::Connection>;
+  return handles;
+}
+
+Handles<haptic_session, Session>& sessions() {
+  static auto& handles = *new Handles<haptic_session, Session>;
+  return handles;
+}
+
+int report(haptic_error* error, int code, const char* message, const char* server_reason) noexcept {
+  using Error = haptic_error;
+  if (error == nullptr || error->size < kFirstSize<Error> || error->size > kLargestSize<Error>) {
+    return code;
+  }
+  haptic_error value{};
+  value.code = code;
+  write_text(server_reason, value.server_reason);
+  write_text(message, value.message);
+  write(value, error);
+  return code;
+}
+
+int report(haptic_error* error, const client::ClientError& why) noexcept {
+  return report(error, code_of(why.reason()), why.what(), why.server_reason().c_str());
+}
+
+Session::Session(client::Connection& connection, client::SessionOptions options) {
+  options.on_event = [this](const client::Event& event) {
+    haptic_event told{};
+    told.kind = static_cast<std::int32_t>(event.kind);
+    told.state = static_cast<std::int32_t>(event.state);
+    told.server_time_ns = event.server_time_ns;
+    keep(told, event.reason, event.message);
+  };
+  options.on_disconnect = [this](const client::ClientError& why, bool will_retry) {
+    haptic_event told{};
+    told.kind = HAPTIC_EVENT_DISCONNECTED;
+    told.state = will_retry ? 1 : 0;
+    keep(told, why.server_reason(), why.what());
+  };
+  session_ = connection.open(std::move(options));
+  const client::DeviceInfo& device = session_->device();
+  if (device.dofs.size() > HAPTIC_MAX_DOFS || device.coordinates.size() > HAPTIC_MAX_COORDINATES) {
+    throw client::ClientError(client::ErrorReason::kProtocol,
+                              "the device '" + device.name + "' has " +
+                                  std::to_string(device.dofs.size()) + " DoFs and " +
+                                  std::to_string(device.coordinates.size()) +
+                                  " coordinates: more than haptic_state has room for");
+  }
+}
+
+void Session::keep(haptic_event event, const std::string& reason, const std::string& message) {
+  write_text(reason, event.reason);
+  write_text(message, event.message);
+  const std::lock_guard lock(mutex_);
+  if (events_.size() == kMostEvents) {
+    events_.pop_front();
+    ++lost_;
+  }
+  events_.push_back(event);
+}
+
+int Session::next_event(haptic_event& event) {
+  const std::lock_guard lock(mutex_);
+  if (events_.empty()) return HAPTIC_NOTHING;
+  event = events_.front();
+  events_.pop_front();
+  event.lost = std::exchange(lost_, 0);
+  return HAPTIC_OK;
+}
+
+}  // namespace haptic::c

@@ -1,0 +1,103 @@
+#pragma once
+/// What every function of haptic.h does: finds the handle, catches all exceptions, reports.
+
+#include <deque>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <type_traits>
+#include <unordered_map>
+
+#include "haptic/client/client.hpp"
+#include "haptic/haptic.h"
+#include "structs.hpp"
+
+namespace haptic::c {
+
+/// A session, and its events until they are asked for.
+class Session {
+ public:
+  static constexpr std::size_t kMostEvents = 256;
+
+  /// Throws as client::Connection::open() does, and if the device is larger than haptic_state.
+  Session(client::Connection& connection, client::SessionOptions options);
+  [[nodiscard]] client::Session& operator*() const { return *session_; }
+  [[nodiscard]] client::Session* operator->() const { return session_.get(); }
+  /// HAPTIC_OK or HAPTIC_NOTHING.
+  int next_event(haptic_event& event);
+
+ private:
+  void keep(haptic_event event, const std::string& reason, const std::string& message);
+
+  std::mutex mutex_{};
+  std::deque<haptic_event> events_{};
+  std::uint64_t lost_{0};
+  std::unique_ptr<client::Session> session_{};  ///< ends first: its callbacks use the others
+};
+
+/// Handles are numbers. A call that found its object keeps it alive, whoever closes it meanwhile.
+template <typename Handle, typename Object>
+class Handles {
+ public:
+  Handle* add(std::shared_ptr<Object> object) {
+    const std::lock_guard lock(mutex_);
+    next_ += 16;  // never 0, and aligned as a pointer would be
+    objects_.emplace(next_, std::move(object));
+    return reinterpret_cast<Handle*>(next_);
+  }
+  [[nodiscard]] std::shared_ptr<Object> find(Handle* handle) {
+    const std::lock_guard lock(mutex_);
+    return objects_.at(checked(handle));
+  }
+  [[nodiscard]] std::shared_ptr<Object> take(Handle* handle) {
+    const std::lock_guard lock(mutex_);
+    return std::move(objects_.extract(checked(handle)).mapped());
+  }
+
+ private:
+  std::uintptr_t checked(Handle* handle) const {
+    const auto number = reinterpret_cast<std::uintptr_t>(handle);
+    if (objects_.count(number) == 0) {
+      throw client::ClientError(client::ErrorReason::kClosed,
+                                "the handle is NULL, closed, or not one of this library");
+    }
+    return number;
+  }
+
+  std::mutex mutex_{};
+  std::unordered_map<std::uintptr_t, std::shared_ptr<Object>> objects_{};
+  std::uintptr_t next_{0};
+};
+
+/// Never destroyed: at exit() gRPC's own statics may be gone before these.
+Handles<haptic_connection, client::Connection>& connections();
+Handles<haptic_session, Session>& sessions();
+
+/// Writes into `error`, if there is one, and returns `code`.
+int report(haptic_error* error, int code, const char* message,
+           const char* server_reason = "") noexcept;
+int report(haptic_error* error, const client::ClientError& why) noexcept;
+
+/// `body` returns nothing, or a code that is no error.
+template <typename Body>
+int guarded(haptic_error* error, Body body) noexcept {
+  try {
+    if constexpr (std::is_void_v<decltype(body())>) {
+      body();
+      return report(error, HAPTIC_OK, "");
+    } else {
+      return report(error, body(), "");
+    }
+  } catch (const client::ClientError& why) {
+    return report(error, why);
+  } catch (const std::bad_alloc&) {
+    return report(error, HAPTIC_ERROR_NO_MEMORY, "out of memory");
+  } catch (const std::exception& why) {
+    return report(error, HAPTIC_ERROR_INTERNAL, why.what());
+  } catch (...) {
+    return report(error, HAPTIC_ERROR_INTERNAL, "an exception without a name");
+  }
+}
+
+}  // namespace haptic::c

@@ -1,0 +1,82 @@
+/// The functions of haptic.h that take a connection.
+
+#include "border.hpp"
+#include "convert.hpp"
+
+using namespace haptic::c;  // every definition here is one of haptic.h
+namespace client = haptic::client;
+
+const char* haptic_version(void) {
+  return HAPTIC_VERSION;
+}
+
+int haptic_connect(const haptic_connect_options* options, haptic_connection** connection,
+                   haptic_error* error) {
+  return guarded(error, [&] {
+    *given(connection, "connection") = nullptr;
+    const haptic_connect_options wanted = read(options, "options");
+    const std::string address = given(wanted.address, "options->address");
+    const client::TlsOptions tls{.ca_file = text_or(wanted.ca_file, ""),
+                                 .certificate_file = text_or(wanted.certificate_file, ""),
+                                 .key_file = text_or(wanted.key_file, ""),
+                                 .server_name = text_or(wanted.server_name, "")};
+    *connection =
+        connections().add(wanted.tls != 0 ? std::make_shared<client::Connection>(address, tls)
+                                          : std::make_shared<client::Connection>(address));
+  });
+}
+
+int haptic_disconnect(haptic_connection* connection) {
+  return guarded(nullptr, [&] { connections().take(connection).reset(); });
+}
+
+int haptic_devices(haptic_connection* connection, haptic_device* devices, size_t capacity,
+                   size_t* count, haptic_error* error) {
+  return guarded(error, [&] {
+    *given(count, "count") = 0;
+    if (capacity > 0) sized(devices, "devices");
+    const std::vector<client::DeviceInfo> found = connections().find(connection)->devices();
+    *count = found.size();
+    const std::size_t size = capacity > 0 ? devices->size : 0;
+    for (std::size_t i = 0; i < std::min(capacity, found.size()); ++i) {
+      auto* const to =
+          reinterpret_cast<haptic_device*>(reinterpret_cast<char*>(devices) + i * size);
+      to->size = size;
+      write(to_device(found[i]), to);
+    }
+  });
+}
+
+int haptic_emergency_stop(haptic_connection* connection, const char* device, const char* reason,
+                          haptic_error* error) {
+  return guarded(error, [&] {
+    connections().find(connection)->emergency_stop(text_or(device, ""), text_or(reason, ""));
+  });
+}
+
+int haptic_clear_fault(haptic_connection* connection, const char* device, uint32_t faults,
+                       uint32_t* cleared, haptic_error* error) {
+  return guarded(error, [&] {
+    if (cleared != nullptr) *cleared = 0;
+    std::vector<std::uint32_t> wanted;
+    for (std::uint32_t bit = 0; bit < 32; ++bit) {
+      if ((faults >> bit & 1U) != 0) wanted.push_back(bit);
+    }
+    std::uint32_t bits = 0;
+    for (const std::uint32_t bit :
+         connections().find(connection)->clear_fault(text_or(device, ""), wanted)) {
+      if (bit < 32) bits |= 1U << bit;
+    }
+    if (cleared != nullptr) *cleared = bits;
+  });
+}
+
+int haptic_open(haptic_connection* connection, const haptic_session_options* options,
+                haptic_session** session, haptic_error* error) {
+  return guarded(error, [&] {
+    *given(session, "session") = nullptr;
+    client::SessionOptions wanted = to_options(read(options, "options"));
+    const auto found = connections().find(connection);
+    *session = sessions().add(std::make_shared<Session>(*found, std::move(wanted)));
+  });
+}

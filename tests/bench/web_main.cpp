@@ -1,0 +1,127 @@
+/// haptic-bench-web: one way from a WebSocket's write to the mailbox, against a bare echo by Beast of
+/// messages as large, on the same host. All times are of this host's steady clock.
+#include <spdlog/spdlog.h>
+
+#include <atomic>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/bench/paired.hpp"
+#include "tests/bench/web_client.hpp"
+
+namespace {
+
+using namespace haptic;
+using namespace haptic::bench;
+constexpr int kSamples = 150;  // per block
+constexpr std::chrono::milliseconds kEvery{4};
+
+/// When each of `kSamples` was written, ns.
+std::vector<std::int64_t> write_samples(WebClient& client) {
+  std::vector<std::int64_t> written;
+  auto next = std::chrono::steady_clock::now();
+  for (int i = 0; i < kSamples; ++i) {
+    next += kEvery;
+    std::this_thread::sleep_until(next);
+    written.push_back(now_ns());
+    client.write(sample(written.size()));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  return written;
+}
+
+/// Echoes to one client at a time, and keeps when each message came.
+class Bare {
+ public:
+  Bare() : thread_([this] { run(); }) {}
+  ~Bare() {
+    stopping_ = true;
+    beast::error_code ignored;
+    tcp::socket last(context_);
+    static_cast<void>(last.connect(acceptor_.local_endpoint(), ignored));
+    thread_.join();
+  }
+  [[nodiscard]] std::string address() const {
+    return "127.0.0.1:" + std::to_string(acceptor_.local_endpoint().port());
+  }
+  std::vector<std::int64_t> came{};  ///< ns; of the client that has gone
+
+ private:
+  void run() {
+    while (true) {
+      BareSocket socket(acceptor_.accept());
+      if (stopping_) return;
+      beast::get_lowest_layer(socket).set_option(tcp::no_delay(true));
+      socket.set_option(websocket::stream_base::decorator([](websocket::response_type& head) {
+        head.set(beast::http::field::sec_websocket_protocol, "haptic.v1.proto");
+      }));
+      beast::error_code error;
+      socket.accept(error);
+      socket.binary(true);
+      came.clear();
+      beast::flat_buffer buffer;
+      while (!error) {
+        buffer.clear();
+        socket.read(buffer, error);
+        came.push_back(now_ns());
+        if (!error) socket.write(buffer.data(), error);
+      }
+    }
+  }
+  asio::io_context context_{};
+  tcp::acceptor acceptor_{context_, {asio::ip::make_address("127.0.0.1"), 0}};
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+double product_block(Product& product) {
+  std::vector<std::int64_t> written;
+  {
+    WebClient client(product.address(1));
+    client.control(250.0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    {
+      const std::lock_guard lock(product.arrivals.mutex);
+      product.arrivals.born.clear();
+    }
+    written = write_samples(client);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // the force is gone
+  std::vector<double> up;
+  const std::lock_guard lock(product.arrivals.mutex);
+  for (const auto& [seq, born] : product.arrivals.born) {
+    if (seq == 0 || seq > written.size()) continue;
+    up.push_back(static_cast<double>(born - written[seq - 1]) * 1e-3);
+  }
+  if (up.size() < kSamples / 2) throw std::runtime_error("too few samples arrived");
+  return percentile(up, 0.5);
+}
+
+double bare_block(Bare& bare) {
+  std::vector<std::int64_t> written;
+  {
+    WebClient client(bare.address());
+    written = write_samples(client);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  std::vector<double> up;
+  for (std::size_t i = 0; i < written.size() && i < bare.came.size(); ++i) {
+    up.push_back(static_cast<double>(bare.came[i] - written[i]) * 1e-3);
+  }
+  return percentile(up, 0.5);
+}
+
+}  // namespace
+
+int main() {
+  spdlog::set_level(spdlog::level::warn);  // sessions that come and go
+  const BenchWeb web;
+  Product product({"127.0.0.1:0"}, {}, nullptr, web.config());
+  Bare bare;
+  bench::print_header();
+  bench::print(bench::compare(
+      "WebSocket write -> mailbox one way p50", "bare echo by Beast", "us",
+      [&] { return product_block(product); }, [&] { return bare_block(bare); }, 1.3, 20));
+  return 0;
+}

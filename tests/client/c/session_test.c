@@ -1,0 +1,252 @@
+/* The whole of haptic.h from C99, against a hapticd that serves finger_constant: what is right
+ * works, and what is wrong is an error and not a crash.
+ *
+ *   session_test ADDRESS */
+#include <haptic/haptic.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static haptic_error error = {.size = sizeof error};
+
+#define CHECK(what)                                                                            \
+  do {                                                                                         \
+    if (!(what)) {                                                                             \
+      fprintf(stderr, "%s:%d: not %s; last: %d '%s'\n", __FILE__, __LINE__, #what, error.code, \
+              error.message);                                                                  \
+      exit(1);                                                                                 \
+    }                                                                                          \
+  } while (0)
+#define REFUSED(call, text) \
+  CHECK((call) == HAPTIC_ERROR_INVALID_ARGUMENT && strstr(error.message, text) != NULL)
+
+static haptic_connection* connect_to(const char* address) {
+  haptic_connect_options options = {.size = sizeof options, .address = address};
+  haptic_connection* connection = NULL;
+  CHECK(haptic_connect(&options, &connection, &error) == HAPTIC_OK && connection != NULL);
+  return connection;
+}
+
+static haptic_session* open_session(haptic_connection* connection, const char* name) {
+  haptic_session_options options = {
+      .size = sizeof options, .client_name = name, .nominal_rate_hz = 200, .state_rate_hz = 200};
+  haptic_session* session = NULL;
+  CHECK(haptic_open(connection, &options, &session, &error) == HAPTIC_OK && session != NULL);
+  return session;
+}
+
+/* No handle, nowhere to write, a size that is none. */
+static void test_wrong_arguments(haptic_connection* connection, haptic_session* session) {
+  haptic_connect_options options = {.size = sizeof options, .address = NULL};
+  haptic_session_options opening = {.size = sizeof opening};
+  haptic_connection* made = NULL;
+  haptic_session* opened = NULL;
+  haptic_state state = {.size = sizeof state};
+  haptic_device device = {.size = sizeof device};
+  double x[2] = {0.5, 0.5};
+  size_t count = 7;
+  REFUSED(haptic_connect(NULL, &made, &error), "options is NULL");
+  REFUSED(haptic_connect(&options, NULL, &error), "connection is NULL");
+  REFUSED(haptic_connect(&options, &made, &error), "options->address is NULL");
+  options = (haptic_connect_options){
+      .size = sizeof options, .address = "127.0.0.1:1", .tls = 1, .ca_file = "no/such.pem"};
+  REFUSED(haptic_connect(&options, &made, &error), "no/such.pem");
+  CHECK(made == NULL);
+  REFUSED(haptic_open(connection, NULL, &opened, &error), "options is NULL");
+  REFUSED(haptic_open(connection, &opening, NULL, &error), "session is NULL");
+  opening.priority = 4;
+  REFUSED(haptic_open(connection, &opening, &opened, &error), "options->priority = 4");
+  opening.priority = 0;
+  CHECK(haptic_open(NULL, &opening, &opened, &error) == HAPTIC_ERROR_CLOSED);
+  REFUSED(haptic_devices(connection, &device, 1, NULL, &error), "count is NULL");
+  REFUSED(haptic_devices(connection, NULL, 1, &count, &error), "devices is NULL");
+  CHECK(count == 0);
+
+  REFUSED(haptic_newest_state(session, NULL, &error), "state is NULL");
+  state.size = 0;
+  REFUSED(haptic_newest_state(session, &state, &error), "state->size = 0");
+  state.size = SIZE_MAX;
+  REFUSED(haptic_wait_for_state(session, 1, &state, &error), "state->size");
+  REFUSED(haptic_publish_held(session, NULL, 2, &error), "x is NULL");
+  REFUSED(haptic_publish_held(session, x, 3, &error), "count = 3, must be 2");
+  REFUSED(haptic_publish_held(session, x, SIZE_MAX, &error), "must be 2");
+  REFUSED(haptic_publish_planes(session, x, 2, NULL, 1, &error), "planes is NULL");
+  REFUSED(haptic_publish_planes(session, x, 2, NULL, SIZE_MAX, &error), "at most 1024");
+  x[1] = (double)NAN;
+  REFUSED(haptic_publish_held(session, x, 2, &error), "x[1] = nan");
+  REFUSED(haptic_update(session, NULL, NULL, &error), "wanted is NULL");
+  REFUSED(haptic_next_event(session, NULL, &error), "event is NULL");
+  REFUSED(haptic_statistics_of(session, NULL, &error), "statistics is NULL");
+  REFUSED(haptic_device_of(session, NULL, &error), "device is NULL");
+  CHECK(haptic_publish_held((haptic_session*)connection, x, 2, NULL) == HAPTIC_ERROR_CLOSED);
+  CHECK(haptic_newest_state((haptic_session*)x, NULL, NULL) == HAPTIC_ERROR_CLOSED);
+}
+
+static void test_sizes_of_planes(haptic_session* session) {
+  const double x[2] = {0.5, 0.5};
+  haptic_plane planes[2] = {{.size = sizeof planes[0]}, {.size = 8}};
+  haptic_settings settings = {.size = sizeof settings, .stiffness = {.count = 25}};
+  REFUSED(haptic_publish_planes(session, x, 2, planes, 2, &error), "planes[1].size = 8");
+  planes[1] = planes[0];
+  planes[1].curvature_count = 37;
+  REFUSED(haptic_publish_planes(session, x, 2, planes, 2, &error), "curvature_count = 37");
+  REFUSED(haptic_update(session, &settings, NULL, &error), "stiffness.count = 25");
+  settings = (haptic_settings){.size = sizeof settings, .renderer = -1};
+  REFUSED(haptic_update(session, &settings, NULL, &error), "renderer = -1");
+}
+
+/* A program that was compiled with a later header, whose structs are longer. */
+static void test_longer_structs(haptic_connection* connection, haptic_session* session) {
+  struct {
+    haptic_state state;
+    double later[2];
+  } longer = {.state = {.size = sizeof longer}, .later = {1.0, 2.0}};
+  struct {
+    haptic_session_options options;
+    double later;
+  } wish = {.options = {.size = sizeof wish, .observer = 1}, .later = 3.0};
+  haptic_session* opened = NULL;
+  CHECK(haptic_wait_for_state(session, 10000, &longer.state, &error) == HAPTIC_OK);
+  CHECK(longer.state.seq > 0 && longer.state.size == sizeof longer);
+  CHECK(longer.later[0] == 0.0 && longer.later[1] == 0.0);
+  REFUSED(haptic_open(connection, &wish.options, &opened, &error), "does not know");
+  wish.later = 0.0;
+  CHECK(haptic_open(connection, &wish.options, &opened, &error) == HAPTIC_OK);
+  CHECK(haptic_close(opened) == HAPTIC_OK);
+}
+
+static void test_devices(haptic_connection* connection, haptic_session* session) {
+  haptic_device device[2] = {{.size = sizeof device[0]}};
+  size_t count = 0;
+  CHECK(haptic_devices(connection, NULL, 0, &count, &error) == HAPTIC_OK && count == 1);
+  CHECK(haptic_devices(connection, device, 2, &count, &error) == HAPTIC_OK && count == 1);
+  CHECK(strcmp(device[0].name, "finger") == 0 && strcmp(device[0].controller, "in C") == 0);
+  CHECK(device[0].dof_count == 2 && device[0].actuated_count == 1);
+  CHECK(device[0].coordinate_count == 2 && strcmp(device[0].coordinates[0].unit, "rad") == 0);
+  CHECK(device[0].loop_rate_hz == 1000.0 && device[1].size == 0);
+  device[1].size = sizeof device[1];
+  CHECK(haptic_device_of(session, &device[1], &error) == HAPTIC_OK);
+  CHECK(strcmp(device[1].coordinates[1].name, device[0].coordinates[1].name) == 0);
+}
+
+static void test_refusals_of_the_server(haptic_connection* connection, haptic_session* session) {
+  haptic_session_options options = {.size = sizeof options, .device = "glove"};
+  haptic_session* other = NULL;
+  CHECK(haptic_open(connection, &options, &other, &error) == HAPTIC_ERROR_NO_SUCH_DEVICE);
+  options.device = "finger";
+  CHECK(haptic_open(connection, &options, &other, &error) == HAPTIC_ERROR_LEASE_HELD);
+  CHECK(strcmp(error.server_reason, "LEASE_HELD") == 0 && strstr(error.message, "in C") != NULL);
+  CHECK(other == NULL);
+  CHECK(haptic_engage(session, &error) == HAPTIC_ERROR_NOT_READY);
+  CHECK(error.server_reason[0] != 0);
+}
+
+/* Publishes at each state until the lifecycle is `wanted`; at most 20 s. `beyond`: how far the
+ * proxy is held from the probe, if there is force; else the proxy is free. */
+static haptic_state publish_until(haptic_session* session, int wanted, double beyond) {
+  haptic_state state = {.size = sizeof state};
+  double x[2] = {0.0, 0.0};
+  for (int i = 0; i < 4000; ++i) {
+    CHECK(haptic_wait_for_state(session, 10000, &state, &error) == HAPTIC_OK);
+    if (state.state == wanted && (beyond == 0.0 || fabs(state.tau_a.value[0]) > 0.1)) return state;
+    x[0] = state.x_probe.value[0] + beyond;
+    x[1] = state.x_probe.value[1];
+    CHECK((state.gain > 0.0 ? haptic_publish_held(session, x, state.x_probe.count, &error)
+                            : haptic_publish_free(session, &error)) == HAPTIC_OK);
+  }
+  CHECK(!"the lifecycle that was waited for");
+  return state;
+}
+
+static void test_force(haptic_session* session) {
+  haptic_settings wanted = {.size = sizeof wanted, .stiffness = {1, {800.0}}};
+  haptic_settings applied = {.size = sizeof applied};
+  haptic_statistics statistics = {.size = sizeof statistics};
+  haptic_state state = {.size = sizeof state};
+  haptic_plane wall = {.size = sizeof wall, .normal = {1.0, 0.0}};
+  CHECK(haptic_engage_when_ready(session, &error) == HAPTIC_OK);
+  publish_until(session, HAPTIC_ENGAGED, 0.01);
+  CHECK(haptic_engage_refusal(session, &error) == HAPTIC_NOTHING);
+  CHECK(haptic_update(session, &wanted, &applied, &error) == HAPTIC_OK);
+  CHECK(applied.stiffness.count == 1 && applied.stiffness.value[0] == 800.0);
+  CHECK(applied.clamped == 0 && applied.damping.value[0] == 0.5);
+  wanted.stiffness.value[0] = 1e9;
+  CHECK(haptic_update(session, &wanted, &applied, &error) == HAPTIC_OK && applied.clamped == 1);
+  CHECK(applied.stiffness.value[0] < 1e9);
+  for (int i = 0; i < 4000 && (state.active_planes & 1U) == 0; ++i) {
+    CHECK(haptic_wait_for_state(session, 10000, &state, &error) == HAPTIC_OK);
+    wall.offset = state.x_probe.value[0] - 0.005;
+    CHECK(haptic_publish_planes(session, state.x_probe.value, 2, &wall, 1, &error) == HAPTIC_OK);
+  }
+  CHECK((state.active_planes & 1U) == 1U && state.mode == HAPTIC_PLANES);
+  CHECK(haptic_statistics_of(session, &statistics, &error) == HAPTIC_OK);
+  CHECK(statistics.connected == 1 && statistics.accepted > 0 && statistics.round_trip_ns > 0);
+  CHECK(haptic_release(session, &error) == HAPTIC_OK);
+  publish_until(session, HAPTIC_ARMED, 0.0);
+}
+
+static void test_emergency_stop(haptic_connection* connection, haptic_session* session) {
+  const uint32_t stopped = 1U << 7; /* EMERGENCY_STOP in session.proto */
+  haptic_event event = {.size = sizeof event};
+  haptic_state state = {.size = sizeof state};
+  uint32_t cleared = 0;
+  int told = 0;
+  CHECK(haptic_emergency_stop(connection, NULL, "a test in C", &error) == HAPTIC_OK);
+  for (int i = 0; i < 4000 && !(told && state.state == HAPTIC_FAULT); ++i) {
+    CHECK(haptic_wait_for_state(session, 10000, &state, &error) == HAPTIC_OK);
+    while (haptic_next_event(session, &event, &error) == HAPTIC_OK) {
+      told = told || strcmp(event.reason, "EMERGENCY_STOP") == 0;
+    }
+  }
+  CHECK(told && state.state == HAPTIC_FAULT && (state.faults & stopped) != 0);
+  CHECK(event.reason[0] == 0); /* none waits: nothing is left of the last one */
+  CHECK(haptic_clear_fault(connection, "glove", 0, NULL, &error) == HAPTIC_ERROR_NO_SUCH_DEVICE);
+  CHECK(haptic_clear_fault(connection, "finger", stopped, &cleared, &error) == HAPTIC_OK);
+  CHECK(cleared == stopped);
+}
+
+static void* wait_until_closed(void* session) {
+  haptic_state state = {.size = sizeof state};
+  int code = HAPTIC_OK;
+  while (code == HAPTIC_OK || code == HAPTIC_ERROR_TIMEOUT) {
+    code = haptic_wait_for_state(session, 10000, &state, NULL);
+  }
+  return code == HAPTIC_ERROR_CLOSED ? session : NULL;
+}
+
+static void test_close_while_waiting(haptic_connection* connection, haptic_session* session) {
+  haptic_state state = {.size = sizeof state};
+  pthread_t waiter;
+  void* closed = NULL;
+  CHECK(pthread_create(&waiter, NULL, wait_until_closed, session) == 0);
+  CHECK(haptic_disconnect(connection) == HAPTIC_OK);
+  CHECK(haptic_disconnect(connection) == HAPTIC_ERROR_CLOSED);
+  CHECK(haptic_wait_for_state(session, 10000, &state, &error) == HAPTIC_OK);
+  CHECK(haptic_close(session) == HAPTIC_OK);
+  CHECK(haptic_close(session) == HAPTIC_ERROR_CLOSED);
+  CHECK(haptic_publish_free(session, &error) == HAPTIC_ERROR_CLOSED);
+  CHECK(haptic_newest_state(session, &state, &error) == HAPTIC_ERROR_CLOSED);
+  CHECK(pthread_join(waiter, &closed) == 0 && closed == session);
+}
+
+int main(int argc, char** argv) {
+  CHECK(argc == 2);
+  haptic_connection* connection = connect_to("127.0.0.1:1");
+  size_t count = 0;
+  CHECK(haptic_devices(connection, NULL, 0, &count, &error) == HAPTIC_ERROR_UNREACHABLE);
+  CHECK(haptic_disconnect(connection) == HAPTIC_OK);
+  connection = connect_to(argv[1]);
+  haptic_session* session = open_session(connection, "in C");
+  test_wrong_arguments(connection, session);
+  test_sizes_of_planes(session);
+  test_longer_structs(connection, session);
+  test_devices(connection, session);
+  test_refusals_of_the_server(connection, session);
+  test_force(session);
+  test_emergency_stop(connection, session);
+  test_close_while_waiting(connection, session);
+  open_session(connect_to(argv[1]), "not closed"); /* exit() ends it */
+  return 0;
+}

@@ -50,7 +50,7 @@ export class Hapticd {
 
   async begin() {
     this.log = "";
-    this.process = spawn(process.env.HAPTICD, this.arguments, { stdio: ["ignore", "pipe", "pipe"] });
+    this.process = spawn(process.env.HAPTICD, this.arguments);
     for (const stream of [this.process.stdout, this.process.stderr]) {
       stream.on("data", (text) => (this.log += text));
     }

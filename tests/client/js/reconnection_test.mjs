@@ -48,7 +48,10 @@ async function engagedSession(t, server, options) {
 }
 
 test("a lost stream is resumed with force", async (t) => {
-  const server = await Hapticd.start(t);
+  // A loaded machine reconnects slowly: a sample may be old for so long.
+  const settings = ["device[0].staleness={hold_end: {seconds: 9} fade_end: {seconds: 10}}",
+                    "server.lease_timeout={seconds: 20}"];
+  const server = await Hapticd.start(t, { settings });
   const { cable, session, told } =
     await engagedSession(t, server, { reconnect: true, reEngage: true });
   const { leaseEpoch } = session;

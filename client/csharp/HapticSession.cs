@@ -31,6 +31,7 @@ public sealed class SessionOptions {
   public bool Observer;                // receives states, publishes nothing
   public double NominalRateHz = 60;    // how often you will publish, 1 to 2000
   public double StateRateHz;           // states per second; 0: every tick
+  public TimeSpan Timeout = TimeSpan.FromSeconds(5);  // of the opening, and of each call
 }
 
 /// The device at one tick (DeviceState in session.proto). Do not write into its arrays.
@@ -73,13 +74,12 @@ public sealed class HapticException : Exception {
 /// lets the force fade out. One that ended stays ended: make another.
 public sealed class HapticSession : IDisposable {
   const int LargestMessage = 65536, MostEvents = 256, MostPlanes = 32, KindFault = 3;
-  static readonly TimeSpan Patience = TimeSpan.FromSeconds(5);
   // Refusals of Engage that time and more samples cure.
   static readonly HashSet<string> Curable = new HashSet<string> {
       "NOT_ARMED", "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES", "STREAM_STALE", "DEVICE_STALE",
       "TRACKER_STALE", "NEVER_FREE", "OUTSIDE_WINDOW"};
-  static readonly HttpClient Http =
-      new HttpClient {Timeout = Patience, MaxResponseContentBufferSize = LargestMessage};
+  static readonly HttpClient Http = new HttpClient {
+      Timeout = Timeout.InfiniteTimeSpan, MaxResponseContentBufferSize = LargestMessage};
 
   readonly SessionOptions options_;
   readonly CancellationTokenSource life_ = new CancellationTokenSource();
@@ -170,7 +170,8 @@ public sealed class HapticSession : IDisposable {
     } catch (HapticException error) {
       why = error;
     } catch (Exception error) {  // sockets, names, cancellation, a message that cannot be read
-      why = new HapticException("", error.GetBaseException().Message);
+      why = life_.IsCancellationRequested && !opened_.Task.IsCompleted
+          ? NoAnswer() : new HapticException("", error.GetBaseException().Message);
     }
     lock (lock_) {
       ++wish_;
@@ -199,11 +200,19 @@ public sealed class HapticSession : IDisposable {
         .Real(5, options_.StateRateHz)).Bytes();
     using (life_.Token.Register(socket.Abort))
     using (var late = new Timer(_ => { if (!opened_.Task.IsCompleted) life_.Cancel(); }, null,
-                                Patience, Timeout.InfiniteTimeSpan)) {
-      await socket.ConnectAsync(Address("ws", "Session"), life_.Token).ConfigureAwait(false);
+                                options_.Timeout, Timeout.InfiniteTimeSpan)) {
+      try {
+        await socket.ConnectAsync(Address("ws", "Session"), life_.Token).ConfigureAwait(false);
+      } catch (WebSocketException) {  // it does not say why; the same question by HTTP does
+        await Call("GetServerInfo", new byte[0]).ConfigureAwait(false);
+        throw;
+      }
       await Send(socket, open).ConfigureAwait(false);
-      _ = Seen(SendSamples(socket));  // ends when life_ does
-      await Receive(socket).ConfigureAwait(false);
+      // Who ends first ends the other: a session that cannot send must not look alive.
+      Task sending = SendSamples(socket), receiving = Receive(socket);
+      await Task.WhenAny(Seen(sending), Seen(receiving)).ConfigureAwait(false);
+      if (sending.IsFaulted && !receiving.IsCompleted) await sending.ConfigureAwait(false);
+      await receiving.ConfigureAwait(false);
     }
   }
 
@@ -336,7 +345,9 @@ public sealed class HapticSession : IDisposable {
         request.Headers.Authorization = new AuthenticationHeaderValue("Bearer", options_.Token);
       }
       try {
-        using (HttpResponseMessage answer = await Http.SendAsync(request).ConfigureAwait(false)) {
+        using (var late = new CancellationTokenSource(options_.Timeout))
+        using (HttpResponseMessage answer =
+                   await Http.SendAsync(request, late.Token).ConfigureAwait(false)) {
           if (answer.IsSuccessStatusCode) return;
           string text = await answer.Content.ReadAsStringAsync().ConfigureAwait(false);
           string message = Said(text, "message");
@@ -345,11 +356,14 @@ public sealed class HapticSession : IDisposable {
         }
       } catch (HttpRequestException error) {
         throw new HapticException("", error.GetBaseException().Message);
-      } catch (TaskCanceledException) {
-        throw new HapticException("", "no answer in 5 s");
+      } catch (OperationCanceledException) {
+        throw NoAnswer();
       }
     }
   }
+
+  HapticException NoAnswer() =>
+      new HapticException("", "no answer in " + options_.Timeout.TotalSeconds + " s");
 
   /// The first string of this name in the JSON of an error; empty if there is none.
   static string Said(string json, string name) => Regex.Unescape(
@@ -516,7 +530,7 @@ sealed class Reader {
     if (wire_ == 0) Varint();
     else if (wire_ == 1) Advance(8);
     else if (wire_ == 5) Advance(4);
-    else at_ += Length();
+    else Advance(Length());
   }
 
   bool Is(int wire) => wire_ == wire ? true : throw new FormatException("another type of field");

@@ -1,6 +1,6 @@
-// A client of hapticd for Unity and every .NET that has .NET Standard 2.0, in one file: copy it into
-// Assets/. It speaks haptic.v1.proto on a WebSocket (server { web {} } in the scene), so numbers
-// arrive bit for bit. The few messages are read and written at the end of this file, by the numbers
+// A client of hapticd for Unity and every .NET that has .NET Standard 2.0, in one file: copy it
+// into Assets/. It speaks haptic.v1.proto on a WebSocket (server { web {} } in the scene), so
+// numbers arrive bit for bit. The few messages are read and written at the end of this file, by the numbers
 // of proto/haptic/v1/session.proto.
 //
 // Nothing here blocks. Sockets live on the thread pool; every member may be called from any thread,
@@ -50,7 +50,7 @@ public sealed class DeviceState {
 }
 
 /// What the proxy may not pass, normal . x <= offset, or a contact: Plane in session.proto.
-public sealed class Plane {
+public sealed class Contact {
   public double[] Normal, Curvature, ObjectDirection;
   public double Offset, Compliance, Velocity, Mass, Damping, GroundStiffness, Load;
   public double? Uncertainty;
@@ -125,7 +125,7 @@ public sealed class HapticSession : IDisposable {
   public void PublishHeld(double[] x) => Publish(ProxyMode.Held, Finite(x, nameof(x)), null);
   /// The server keeps the probe out of up to 32 planes or contacts at 1 kHz. x: where they are
   /// linearised; with an Id in any of them, the simulation's own proxy.
-  public void PublishContacts(IReadOnlyList<Plane> planes, double[] x) {
+  public void PublishContacts(IReadOnlyList<Contact> planes, double[] x) {
     if (planes == null) throw new ArgumentNullException(nameof(planes));
     if (planes.Count > MostPlanes) throw new ArgumentException("more than 32", nameof(planes));
     Publish(ProxyMode.Planes, Finite(x, nameof(x)), planes);
@@ -292,7 +292,7 @@ public sealed class HapticSession : IDisposable {
     }
   }
 
-  void Publish(ProxyMode mode, double[] x, IReadOnlyList<Plane> planes) {
+  void Publish(ProxyMode mode, double[] x, IReadOnlyList<Contact> planes) {
     lock (lock_) {
       if (leaving_) return;
       long now = Clock();
@@ -302,7 +302,7 @@ public sealed class HapticSession : IDisposable {
                                                                 uint.MaxValue));
       }
       sample.Reals(6, x).Number(8, (ulong)mode);
-      if (planes != null) foreach (Plane plane in planes) sample.Sub(10, Messages.Plane(plane));
+      if (planes != null) foreach (Contact plane in planes) sample.Sub(10, Messages.Plane(plane));
       byte[] bytes = new Message().Sub(2, sample).Bytes();
       if (bytes.Length > LargestMessage) throw new ArgumentException("more than 64 KB");
       if (next_ != null) ++conflated_;
@@ -388,177 +388,177 @@ public sealed class HapticSession : IDisposable {
     }
     return x;
   }
-}
 
-/// Field numbers of session.proto.
-static class Messages {
-  internal static DeviceState State(Reader from) {
-    var to = new DeviceState();
-    while (from.Next()) {
-      switch (from.Field) {
-        case 1: to.Seq = from.Number(); break;
-        case 2: to.ServerTimeNs = (long)from.Number(); break;
-        case 3: to.Q = from.Reals(to.Q); break;
-        case 4: to.QDot = from.Reals(to.QDot); break;
-        case 5: to.XProbe = from.Reals(to.XProbe); break;
-        case 6: to.X = from.Reals(to.X); break;
-        case 7: to.QStar = from.Reals(to.QStar); break;
-        case 8: to.TauA = from.Reals(to.TauA); break;
-        case 9: to.TauElastic = from.Reals(to.TauElastic); break;
-        case 10: to.ProxySeqUsed = from.Number(); break;
-        case 11: to.ProxyAgeUs = from.Number(); break;
-        case 12: to.Staleness = (int)from.Number(); break;
-        case 13: to.Gain = from.Real(); break;
-        case 15: to.State = (Lifecycle)from.Number(); break;
-        case 16: to.Faults = (uint)from.Number(); break;
-        case 17: to.Limiters = (uint)from.Number(); break;
-        case 18: to.StiffnessInEffect = from.Reals(to.StiffnessInEffect); break;
-        case 21: to.LeaseEpoch = (uint)from.Number(); break;
-        case 22: to.Mode = (ProxyMode)from.Number(); break;
-        case 23: to.ActivePlanes = (uint)from.Number(); break;
-        case 63: to.ErrorBound = from.Reals(to.ErrorBound); break;
-        default: from.Skip(); break;
+  /// Field numbers of session.proto.
+  static class Messages {
+    internal static DeviceState State(Reader from) {
+      var to = new DeviceState();
+      while (from.Next()) {
+        switch (from.Field) {
+          case 1: to.Seq = from.Number(); break;
+          case 2: to.ServerTimeNs = (long)from.Number(); break;
+          case 3: to.Q = from.Reals(to.Q); break;
+          case 4: to.QDot = from.Reals(to.QDot); break;
+          case 5: to.XProbe = from.Reals(to.XProbe); break;
+          case 6: to.X = from.Reals(to.X); break;
+          case 7: to.QStar = from.Reals(to.QStar); break;
+          case 8: to.TauA = from.Reals(to.TauA); break;
+          case 9: to.TauElastic = from.Reals(to.TauElastic); break;
+          case 10: to.ProxySeqUsed = from.Number(); break;
+          case 11: to.ProxyAgeUs = from.Number(); break;
+          case 12: to.Staleness = (int)from.Number(); break;
+          case 13: to.Gain = from.Real(); break;
+          case 15: to.State = (Lifecycle)from.Number(); break;
+          case 16: to.Faults = (uint)from.Number(); break;
+          case 17: to.Limiters = (uint)from.Number(); break;
+          case 18: to.StiffnessInEffect = from.Reals(to.StiffnessInEffect); break;
+          case 21: to.LeaseEpoch = (uint)from.Number(); break;
+          case 22: to.Mode = (ProxyMode)from.Number(); break;
+          case 23: to.ActivePlanes = (uint)from.Number(); break;
+          case 63: to.ErrorBound = from.Reals(to.ErrorBound); break;
+          default: from.Skip(); break;
+        }
       }
+      return to;
     }
-    return to;
-  }
 
-  internal static HapticEvent Event(Reader from) {
-    var to = new HapticEvent();
-    while (from.Next()) {
-      switch (from.Field) {
-        case 1: to.Kind = (int)from.Number(); break;
-        case 3: to.Reason = from.Text(); break;
-        case 4: to.Message = from.Text(); break;
-        case 5: to.State = (Lifecycle)from.Number(); break;
-        default: from.Skip(); break;
+    internal static HapticEvent Event(Reader from) {
+      var to = new HapticEvent();
+      while (from.Next()) {
+        switch (from.Field) {
+          case 1: to.Kind = (int)from.Number(); break;
+          case 3: to.Reason = from.Text(); break;
+          case 4: to.Message = from.Text(); break;
+          case 5: to.State = (Lifecycle)from.Number(); break;
+          default: from.Skip(); break;
+        }
       }
+      return to;
     }
-    return to;
-  }
 
-  internal static Message Plane(Plane from) {
-    Message to = new Message().Reals(1, from.Normal).Real(2, from.Offset).Real(3, from.Compliance)
-        .Real(4, from.Velocity).Reals(5, from.Curvature).Number(6, from.FirstCoordinate)
-        .Number(7, from.Id).Real(8, from.Mass).Real(9, from.Damping)
-        .Real(10, from.GroundStiffness).Real(11, from.Load);
-    if (from.Uncertainty.HasValue) to.Present(12, from.Uncertainty.Value);
-    return to.Number(13, from.Object).Reals(14, from.ObjectDirection);
-  }
-}
-
-/// Writes protocol buffers; a value of 0 and an empty list are absent.
-sealed class Message {
-  readonly List<byte> bytes_ = new List<byte>();
-
-  internal byte[] Bytes() => bytes_.ToArray();
-  internal Message Number(int field, ulong value) {
-    return value == 0 ? this : Varint((ulong)field << 3).Varint(value);
-  }
-  internal Message Real(int field, double value) {  // -0 is not 0
-    return BitConverter.DoubleToInt64Bits(value) == 0 ? this : Present(field, value);
-  }
-  internal Message Present(int field, double value) => Varint((ulong)field << 3 | 1).Bits(value);
-  internal Message Reals(int field, double[] values) {
-    if (values == null || values.Length == 0) return this;
-    Varint((ulong)field << 3 | 2).Varint((ulong)values.Length * 8);
-    foreach (double value in values) Bits(value);
-    return this;
-  }
-  internal Message Text(int field, string text) {
-    return text == "" ? this : Block(field, Encoding.UTF8.GetBytes(text));
-  }
-  internal Message Sub(int field, Message message) => Block(field, message.Bytes());
-
-  Message Block(int field, byte[] block) {
-    Varint((ulong)field << 3 | 2).Varint((ulong)block.Length);
-    bytes_.AddRange(block);
-    return this;
-  }
-  Message Varint(ulong value) {
-    for (; value > 127; value >>= 7) bytes_.Add((byte)(value & 127 | 128));
-    bytes_.Add((byte)value);
-    return this;
-  }
-  Message Bits(double value) {
-    ulong bits = (ulong)BitConverter.DoubleToInt64Bits(value);
-    for (int shift = 0; shift < 64; shift += 8) bytes_.Add((byte)(bits >> shift));
-    return this;
-  }
-}
-
-/// Reads protocol buffers. Whatever is not one is a FormatException.
-sealed class Reader {
-  readonly byte[] bytes_;
-  readonly int end_;
-  int at_, wire_;
-  internal int Field;
-
-  internal Reader(byte[] bytes, int begin, int end) {
-    bytes_ = bytes;
-    at_ = begin;
-    end_ = end;
-  }
-  internal bool Next() {
-    if (at_ == end_) return false;
-    ulong tag = Varint();
-    Field = (int)(tag >> 3 & 0x1fffffff);
-    wire_ = (int)(tag & 7);
-    return true;
-  }
-  internal ulong Number() => Is(0) ? Varint() : 0;
-  internal double Real() => Is(1) ? Bits() : 0;
-  internal string Text() {
-    int length = Length();
-    at_ += length;
-    return Encoding.UTF8.GetString(bytes_, at_ - length, length);
-  }
-  internal Reader Sub() {
-    int length = Length();
-    at_ += length;
-    return new Reader(bytes_, at_ - length, at_);
-  }
-  /// Packed, or one value after those that came `before`.
-  internal double[] Reals(double[] before) {
-    int more = wire_ == 1 ? 1 : Length() / 8;
-    var all = new double[before.Length + more];
-    before.CopyTo(all, 0);
-    for (int i = before.Length; i < all.Length; ++i) all[i] = Bits();
-    return all;
-  }
-  internal void Skip() {
-    if (wire_ == 0) Varint();
-    else if (wire_ == 1) Advance(8);
-    else if (wire_ == 5) Advance(4);
-    else Advance(Length());
-  }
-
-  bool Is(int wire) => wire_ == wire ? true : throw new FormatException("another type of field");
-  int Length() {
-    Is(2);
-    ulong length = Varint();
-    if (length > (ulong)(end_ - at_)) throw new FormatException("a length beyond the end");
-    return (int)length;
-  }
-  void Advance(int count) {
-    if (count > end_ - at_) throw new FormatException("ends within a field");
-    at_ += count;
-  }
-  ulong Varint() {
-    ulong value = 0;
-    for (int shift = 0; shift < 70; shift += 7) {
-      Advance(1);
-      byte next = bytes_[at_ - 1];
-      value |= (ulong)(next & 127) << shift;
-      if (next < 128) return value;
+    internal static Message Plane(Contact from) {
+      Message to = new Message().Reals(1, from.Normal).Real(2, from.Offset).Real(3, from.Compliance)
+          .Real(4, from.Velocity).Reals(5, from.Curvature).Number(6, from.FirstCoordinate)
+          .Number(7, from.Id).Real(8, from.Mass).Real(9, from.Damping)
+          .Real(10, from.GroundStiffness).Real(11, from.Load);
+      if (from.Uncertainty.HasValue) to.Present(12, from.Uncertainty.Value);
+      return to.Number(13, from.Object).Reals(14, from.ObjectDirection);
     }
-    throw new FormatException("a number of more than 64 bits");
   }
-  double Bits() {
-    Advance(8);
-    ulong bits = 0;
-    for (int i = 1; i <= 8; ++i) bits = bits << 8 | bytes_[at_ - i];
-    return BitConverter.Int64BitsToDouble((long)bits);
+
+  /// Writes protocol buffers; a value of 0 and an empty list are absent.
+  sealed class Message {
+    readonly List<byte> bytes_ = new List<byte>();
+
+    internal byte[] Bytes() => bytes_.ToArray();
+    internal Message Number(int field, ulong value) {
+      return value == 0 ? this : Varint((ulong)field << 3).Varint(value);
+    }
+    internal Message Real(int field, double value) {  // -0 is not 0
+      return BitConverter.DoubleToInt64Bits(value) == 0 ? this : Present(field, value);
+    }
+    internal Message Present(int field, double value) => Varint((ulong)field << 3 | 1).Bits(value);
+    internal Message Reals(int field, double[] values) {
+      if (values == null || values.Length == 0) return this;
+      Varint((ulong)field << 3 | 2).Varint((ulong)values.Length * 8);
+      foreach (double value in values) Bits(value);
+      return this;
+    }
+    internal Message Text(int field, string text) {
+      return text == "" ? this : Block(field, Encoding.UTF8.GetBytes(text));
+    }
+    internal Message Sub(int field, Message message) => Block(field, message.Bytes());
+
+    Message Block(int field, byte[] block) {
+      Varint((ulong)field << 3 | 2).Varint((ulong)block.Length);
+      bytes_.AddRange(block);
+      return this;
+    }
+    Message Varint(ulong value) {
+      for (; value > 127; value >>= 7) bytes_.Add((byte)(value & 127 | 128));
+      bytes_.Add((byte)value);
+      return this;
+    }
+    Message Bits(double value) {
+      ulong bits = (ulong)BitConverter.DoubleToInt64Bits(value);
+      for (int shift = 0; shift < 64; shift += 8) bytes_.Add((byte)(bits >> shift));
+      return this;
+    }
+  }
+
+  /// Reads protocol buffers. Whatever is not one is a FormatException.
+  sealed class Reader {
+    readonly byte[] bytes_;
+    readonly int end_;
+    int at_, wire_;
+    internal int Field;
+
+    internal Reader(byte[] bytes, int begin, int end) {
+      bytes_ = bytes;
+      at_ = begin;
+      end_ = end;
+    }
+    internal bool Next() {
+      if (at_ == end_) return false;
+      ulong tag = Varint();
+      Field = (int)(tag >> 3 & 0x1fffffff);
+      wire_ = (int)(tag & 7);
+      return true;
+    }
+    internal ulong Number() => Is(0) ? Varint() : 0;
+    internal double Real() => Is(1) ? Bits() : 0;
+    internal string Text() {
+      int length = Length();
+      at_ += length;
+      return Encoding.UTF8.GetString(bytes_, at_ - length, length);
+    }
+    internal Reader Sub() {
+      int length = Length();
+      at_ += length;
+      return new Reader(bytes_, at_ - length, at_);
+    }
+    /// Packed, or one value after those that came `before`.
+    internal double[] Reals(double[] before) {
+      int more = wire_ == 1 ? 1 : Length() / 8;
+      var all = new double[before.Length + more];
+      before.CopyTo(all, 0);
+      for (int i = before.Length; i < all.Length; ++i) all[i] = Bits();
+      return all;
+    }
+    internal void Skip() {
+      if (wire_ == 0) Varint();
+      else if (wire_ == 1) Advance(8);
+      else if (wire_ == 5) Advance(4);
+      else Advance(Length());
+    }
+
+    bool Is(int wire) => wire_ == wire ? true : throw new FormatException("another type of field");
+    int Length() {
+      Is(2);
+      ulong length = Varint();
+      if (length > (ulong)(end_ - at_)) throw new FormatException("a length beyond the end");
+      return (int)length;
+    }
+    void Advance(int count) {
+      if (count > end_ - at_) throw new FormatException("ends within a field");
+      at_ += count;
+    }
+    ulong Varint() {
+      ulong value = 0;
+      for (int shift = 0; shift < 70; shift += 7) {
+        Advance(1);
+        byte next = bytes_[at_ - 1];
+        value |= (ulong)(next & 127) << shift;
+        if (next < 128) return value;
+      }
+      throw new FormatException("a number of more than 64 bits");
+    }
+    double Bits() {
+      Advance(8);
+      ulong bits = 0;
+      for (int i = 1; i <= 8; ++i) bits = bits << 8 | bytes_[at_ - i];
+      return BitConverter.Int64BitsToDouble((long)bits);
+    }
   }
 }
 

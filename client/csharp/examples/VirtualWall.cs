@@ -13,11 +13,12 @@ static class VirtualWall {
         NominalRateHz = 100};
     using (var session = new HapticSession(options)) {
       session.EngageWhenReady();
-      for (int left = 100 * int.Parse(arguments[2]); left > 0 && !session.Ended.IsCompleted; --left) {
+      int left = 100 * int.Parse(arguments[2]);
+      for (; left > 0 && !session.Ended.IsCompleted; --left) {
         Thread.Sleep(10);
         DeviceState state = session.State;
         if (state == null) continue;
-        var wall = new Plane {Normal = new double[state.XProbe.Length], Offset = 0.314};
+        var wall = new Contact {Normal = new double[state.XProbe.Length], Offset = 0.314};
         wall.Normal[0] = 1;
         session.PublishContacts(new[] {wall}, state.XProbe);
       }

@@ -81,7 +81,7 @@ static class SessionTest {
     Check(early.Reason != "" && early.Message != "", early.ToString());
     Throws<ArgumentNullException>(() => session.PublishHeld(null));
     Throws<ArgumentException>(() => session.PublishHeld(new[] {0.0, double.NaN}));
-    Throws<ArgumentException>(() => session.PublishContacts(new Plane[33], new double[2]));
+    Throws<ArgumentException>(() => session.PublishContacts(new Contact[33], new double[2]));
     Throws<ArgumentException>(() => session.PublishHeld(new double[9000]));
     session.PublishHeld(new double[3]);
     Eventually(() => session.LastRejection.Contains("position"), "the server's word on 3 values");
@@ -107,7 +107,8 @@ static class SessionTest {
     Check(engaged.Wait(60000), "EngageWhenReady() is done");
     Eventually(() => {
       DeviceState state = session.State;
-      var wall = new Plane {Normal = new double[] {1, 0}, Offset = state.XProbe[0] - 0.005, Id = 7,
+      var wall = new Contact {Normal = new double[] {1, 0}, Id = 7,
+                            Offset = state.XProbe[0] - 0.005,
                             Compliance = 0.1, Curvature = new double[] {0, 0, 0}, Uncertainty = 0};
       session.PublishContacts(new[] {wall}, state.XProbe);
       return state.ActivePlanes == 1 && state.ErrorBound.Length == 1 && state.TauA[0] < 0;
@@ -127,7 +128,8 @@ static class SessionTest {
     Check(session.EmergencyStop("a test in C#").Wait(60000), "EmergencyStop() is answered");
     Eventually(() => session.State.State == Lifecycle.Fault, "FAULT");
     Check(session.State.Faults == 1 << 7, "it is EMERGENCY_STOP");
-    Eventually(() => session.TryNextEvent(out told) && told.Reason == "EMERGENCY_STOP", "its event");
+    Eventually(() => session.TryNextEvent(out told) && told.Reason == "EMERGENCY_STOP",
+               "its event");
     Refusal(waiting);
     Check(Refusal(session.EngageWhenReady()).Reason == "FAULT", "no force in FAULT");
   }

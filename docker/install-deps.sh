@@ -33,7 +33,8 @@ packages() {
                 "liborocos-kdl-dev clang python3-grpcio python3-cryptography tshark openssl" \
                 "python3-pip python3-setuptools python3-wheel" \
                 "prometheus systemd mypy lintian haproxy libmujoco-dev libegl-dev" \
-                "libgl1-mesa-dri ffmpeg avahi-daemon avahi-utils dbus-daemon" ;;
+                "libgl1-mesa-dri ffmpeg avahi-daemon avahi-utils dbus-daemon" \
+                "mono-mcs mono-runtime libmono-system-net-http4.0-cil" ;;
     report) echo "gnuplot-nox" ;;
     node) echo "nodejs npm" ;;
     firmware) echo "gcc-arm-none-eabi" ;;

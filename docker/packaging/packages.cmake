@@ -20,6 +20,8 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)  # as in debian/changelog
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)  # of libhaptic0 alone: no other has a library
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_SERVER_PACKAGE_NAME hapticd)
 set(CPACK_DEBIAN_CLIENT_PACKAGE_NAME hapticd-client)
@@ -38,8 +40,6 @@ set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libgrpc++-dev, libprotobuf-dev, libssl-dev")
 set(CPACK_DEBIAN_C_PACKAGE_NAME libhaptic0)  # by its SONAME
 set(CPACK_DEBIAN_C_PACKAGE_SECTION libs)
-set(CPACK_DEBIAN_C_PACKAGE_GENERATE_SHLIBS ON)
-set(CPACK_DEBIAN_C_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
 set(CPACK_DEBIAN_C_DESCRIPTION "client of hapticd for C, shared library
 What simulations in C, and in languages that call C, talk to hapticd with.")
 set(CPACK_DEBIAN_C_DEV_PACKAGE_NAME libhaptic-c-dev)

@@ -1,16 +1,13 @@
 /// In lock-step - a clock of the test's own, tick k runs after the samples of its millisecond were
 /// accepted, arrivals stamped by that clock - the carrier makes no difference: the same run
-/// in-process, over gRPC on TCP, over gRPC on a UNIX socket, over UDP, by the C library and from
-/// JavaScript over a WebSocket gives the same force, bit for bit.
+/// in-process, over gRPC on TCP, over gRPC on a UNIX socket, over UDP, by the C library, and from
+/// JavaScript and C# over a WebSocket gives the same force, bit for bit.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <array>
 #include <atomic>
 #include <bit>
-#include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <sstream>
 #include <thread>
@@ -19,6 +16,7 @@
 #include "tests/server/support/test_client.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/link/impaired_link.hpp"
+#include "tests/support/temporary_file.hpp"
 #include "tests/support/udp_end.hpp"
 
 namespace haptic::test {
@@ -45,18 +43,24 @@ class Server {
     for (int i = 0; i < 3; ++i) tick();
   }
 
-  /// Serves at `address`, and by UDP.
-  void serve(const std::string& address) {
+  /// Serves at `address`, by UDP, and to whom shows the token in the file.
+  void serve(const std::string& address, const std::string& token_file = {}) {
     server::ServiceConfig config{.listen = {address}, .udp_listen = "127.0.0.1:0"};
     config.clock = [this](core::Duration) { return now(); };
     config.age_by_source_time = false;
-    config.web = server::WebConfig{.listen = {web_}};  // no token: a UNIX socket
+    config.web = server::WebConfig{.listen = {web_, "127.0.0.1:0"}};
+    if (!token_file.empty()) {
+      config.web->tokens = {{"test", token_file, {true, server::Priority::kPrimary}}};
+    }
     rpc_ =
         std::make_unique<server::FrontServer>(config, owner_, [] { return server::ServerFacts{}; });
     rpc_->start();
   }
   [[nodiscard]] std::string address() const { return rpc_->bound_addresses().front(); }
-  [[nodiscard]] const std::string& web_address() const { return web_; }
+  [[nodiscard]] const std::string& web_socket() const { return web_; }
+  [[nodiscard]] std::string web_address() const {
+    return "http://" + rpc_->bound_addresses().at(2);
+  }
 
   core::TickRecord tick() {
     now_ += kTick.count();
@@ -215,7 +219,9 @@ class ByWire final : public Way {
   std::thread asking_{};
 };
 
-/// A client in a process of its own, in another language: it does what it is told by lines.
+/// A client in a process of its own that does what it is told line by line:
+/// tests/client/c/lock_step_client.c, and the same in JavaScript and C#. libhaptic could not be in
+/// this one, which has the protocol's messages already.
 class ByProgram final : public Way {
  public:
   explicit ByProgram(std::vector<std::string> command) : client_(std::move(command)) {
@@ -224,7 +230,7 @@ class ByProgram final : public Way {
   void publish(Server& server, const std::vector<double>& x) override {
     const std::uint64_t before = server.accepted();
     std::string line = before == 0 ? "free" : "held";
-    for (std::size_t i = 0; before > 0 && i < x.size(); ++i) line += " " + exact(x[i]);
+    for (std::size_t i = 0; before > 0 && i < x.size(); ++i) line += " " + bits(x[i]);
     client_.write_line(line);
     ASSERT_TRUE(answered(client_.read_line()));
     ASSERT_TRUE(eventually([&] { return server.accepted() > before; }));
@@ -240,9 +246,9 @@ class ByProgram final : public Way {
   [[nodiscard]] std::pair<std::uint64_t, double> heard() {
     client_.write_line("state");
     std::istringstream answer(client_.read_line());
-    std::string code, seq, tau_a;
-    answer >> code >> seq >> tau_a;
-    return {std::stoull(seq), std::strtod(tau_a.c_str(), nullptr)};
+    std::uint64_t code = 0, seq = 0, tau_a = 0;
+    answer >> code >> seq >> std::hex >> tau_a;
+    return {seq, std::bit_cast<double>(tau_a)};
   }
 
  private:
@@ -250,10 +256,10 @@ class ByProgram final : public Way {
     if (line.rfind("0 ", 0) == 0) return testing::AssertionSuccess();
     return testing::AssertionFailure() << "the client says '" << line << "'";
   }
-  static std::string exact(double value) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.17g", value);
-    return text.data();
+  static std::string bits(double value) {
+    std::ostringstream text;
+    text << std::hex << std::bit_cast<std::uint64_t>(value);
+    return text.str();
   }
 
   ChildProcess client_;
@@ -352,20 +358,20 @@ TEST(LockStep, UdpIsTheSame) {
   EXPECT_EQ(server.owner().status(0).carrier, server::Carrier::kUdp);
 }
 
-void expect_same(Server& server, ByProgram& way) {
+void expect_same(Server& server, ByProgram&& way) {
   const Trace trace = run(server, way);
   EXPECT_EQ(trace.tau, in_process().tau);
   EXPECT_EQ(trace.elastic, in_process().elastic);
   const auto [seq, tau_a] = way.heard();
+  ASSERT_EQ(trace.by_tick.count(seq), 1U) << seq;
   EXPECT_EQ(trace.by_tick.at(seq), tau_a);
 }
 
 TEST(LockStep, TheCLibraryIsTheSame) {
   Server server;
   server.serve("127.0.0.1:0");
-  // In a process of its own: this one has the protocol's messages already.
-  ByProgram way({HAPTIC_BINARY_DIR "/client/c/haptic_c_lock_step_client", server.address()});
-  expect_same(server, way);
+  expect_same(server, ByProgram({HAPTIC_BINARY_DIR "/client/c/haptic_c_lock_step_client",
+                                 server.address()}));
 }
 
 TEST(LockStep, JavaScriptIsTheSame) {
@@ -375,11 +381,22 @@ TEST(LockStep, JavaScriptIsTheSame) {
     SCOPED_TRACE(format);
     Server server;
     server.serve("127.0.0.1:0");
-    ByProgram way({node, HAPTIC_SOURCE_DIR "/tests/client/js/lock_step_client.mjs",
-                   HAPTIC_BINARY_DIR "/client/js", server.web_address(), format});
-    expect_same(server, way);
+    expect_same(server, ByProgram({node, HAPTIC_SOURCE_DIR "/tests/client/js/lock_step_client.mjs",
+                                   HAPTIC_BINARY_DIR "/client/js", server.web_socket(), format}));
   }
 }
+
+#ifdef HAPTIC_MONO
+TEST(LockStep, TheCSharpClassIsTheSame) {
+  const std::string token = "a-token-of-this-test";
+  const TemporaryFile file(token, "token");
+  std::filesystem::permissions(file.path(), std::filesystem::perms::owner_read);
+  Server server;
+  server.serve("127.0.0.1:0", file.path());
+  expect_same(server, ByProgram({HAPTIC_MONO, HAPTIC_BINARY_DIR "/client/csharp/LockStepClient.exe",
+                                 server.web_address(), token}));
+}
+#endif
 
 }  // namespace
 }  // namespace haptic::test

@@ -1,8 +1,9 @@
 /* The C library in lock-step: does what stdin says, a line each, and answers with a line.
  *
  *   lock_step_client ADDRESS
- *   free | held X... | engage | state      (numbers as %a; state: its seq and tau_a) */
+ *   free | held X... | engage | state      (numbers by their bits; state: its seq and tau_a) */
 #include <haptic/haptic.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,16 +28,17 @@ int main(int argc, char** argv) {
     if (strncmp(line, "free", 4) == 0) code = haptic_publish_free(session, &error);
     if (strncmp(line, "held", 4) == 0) {
       for (char* end = NULL; count < HAPTIC_MAX_COORDINATES; next = end) {
-        x[count] = strtod(next, &end);
+        const uint64_t bits = strtoull(next, &end, 16);
         if (end == next) break;
-        ++count;
+        memcpy(&x[count++], &bits, sizeof bits);
       }
       code = haptic_publish_held(session, x, count, &error);
     }
     if (strncmp(line, "engage", 6) == 0) code = haptic_engage(session, &error);
     if (strncmp(line, "state", 5) == 0) code = haptic_newest_state(session, &state, &error);
-    printf("%d %llu %a %s\n", code, (unsigned long long)state.seq, state.tau_a.value[0],
-           error.message);
+    uint64_t tau_a = 0;
+    memcpy(&tau_a, &state.tau_a.value[0], sizeof tau_a);
+    printf("%d %" PRIu64 " %" PRIx64 " %s\n", code, state.seq, tau_a, error.message);
     fflush(stdout);
   }
   haptic_close(session);

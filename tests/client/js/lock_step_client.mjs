@@ -1,12 +1,22 @@
 // The JavaScript client in lock-step: does what stdin says, a line each, and answers with a line.
 //
 //   node lock_step_client.mjs PACKAGE URL FORMAT
-//   free | held X... | engage | state      (state: its seq and tau_a)
+//   free | held X... | engage | state      (numbers by their bits; state: its seq and tau_a)
 import { createInterface } from "node:readline";
 import { pathToFileURL } from "node:url";
 
 const [folder, url, format] = process.argv.slice(2);
 const { Connection, Proxy } = await import(pathToFileURL(`${folder}/dist/index.js`).href);
+
+const view = new DataView(new ArrayBuffer(8));
+function fromBits(text) {
+  view.setBigUint64(0, BigInt(`0x${text}`));
+  return view.getFloat64(0);
+}
+function toBits(value) {
+  view.setFloat64(0, value);
+  return view.getBigUint64(0).toString(16);
+}
 
 /** Answers "0 ", and what `act` says; or "1 ", and what went wrong. */
 async function answer(act) {
@@ -26,8 +36,8 @@ for await (const line of createInterface({ input: process.stdin })) {
   const [what, ...numbers] = line.split(" ");
   await answer(() => {
     if (what === "free") session.publish(Proxy.free());
-    if (what === "held") session.publish(Proxy.held(numbers.map(Number)));
+    if (what === "held") session.publish(Proxy.held(numbers.map(fromBits)));
     if (what === "engage") return session.engage();
-    if (what === "state") return `${session.state().seq} ${session.state().tauA[0]}`;
+    if (what === "state") return `${session.state().seq} ${toBits(session.state().tauA[0])}`;
   });
 }

@@ -52,7 +52,7 @@ set(CPACK_DEBIAN_MUJOCO_PACKAGE_NAME libhaptic-mujoco-dev)
 set(CPACK_DEBIAN_MUJOCO_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_MUJOCO_PACKAGE_DEPENDS "libhaptic-dev, libmujoco-dev")
 set(CPACK_DEBIAN_MUJOCO_DESCRIPTION "haptic::mujoco, which makes MuJoCo simulations haptic
-Header, static library and a model: joints or bodies follow a haptic device,
+Headers, static library and models: joints or bodies follow a haptic device,
 and their contacts are told to hapticd.")
 set(CPACK_DEBIAN_SERVER_DESCRIPTION "networked haptic server for underactuated devices
 A daemon that owns a haptic device and its 1 kHz loop. Simulations stream

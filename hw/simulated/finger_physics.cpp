@@ -105,14 +105,10 @@ Eigen::Vector2d FingerPhysics::to_q(const Eigen::Vector2d& x_change) const noexc
 
 /// w^T J_dot q_dot, m/s^2: how much l_x accelerates less than w^T x_ddot because J changes.
 double FingerPhysics::velocity_product() const noexcept {
-  const Eigen::Vector2d q_dot = to_q(x_dot_);
-  Eigen::Vector2d J_dot_q_dot = Eigen::Vector2d::Zero();
-  for (int k = 0; k < 2; ++k) {
-    core::MatXQ J_k = core::MatXQ::Zero(2, 2);
-    if (kinematics_->second_order(linkage_.q, k, J_k) != core::MapStatus::kOk) return 0.0;
-    J_dot_q_dot += q_dot[k] * (fixed(J_k) * q_dot);
-  }
-  return linkage_.w.dot(J_dot_q_dot);
+  const core::VecQ q_dot = to_q(x_dot_);
+  core::VecX product;
+  if (kinematics_->velocity_product(linkage_.q, q_dot, product) != core::MapStatus::kOk) return 0.0;
+  return linkage_.w.dot(Eigen::Vector2d(product));
 }
 
 void FingerPhysics::step(double dt, const Eigen::Vector2d& x_des, double tau_a) noexcept {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "tests/mujoco/mujoco_world.hpp"
 
 namespace haptic::mujoco {
@@ -17,9 +19,10 @@ std::vector<client::VirtualCoordinate> named(const std::vector<std::string>& nam
   return all;
 }
 
-std::string complaint(const World& world, const std::vector<std::string>& names) {
+std::string complaint(const World& world, const std::vector<std::string>& names,
+                      const std::vector<std::string>& joints = {}) {
   try {
-    static_cast<void>(by_name(*world.m(), named(names)));
+    static_cast<void>(by_name(*world.m(), named(names), joints));
   } catch (const std::invalid_argument& error) {
     return error.what();
   }
@@ -39,6 +42,28 @@ TEST(Binding, NamesTellJointsPointsAndPoses) {
   EXPECT_EQ(bound[1].first_coordinate, 1u);
   EXPECT_EQ(bound[2].kind, Binding::Kind::kPose);
   EXPECT_EQ(bound[2].first_coordinate, 4u);
+}
+
+TEST(Binding, JointsMayCountOtherwise) {
+  const World world(kBodies);
+  const std::vector<std::string> device{"wrist.x", "wrist.y", "wrist.z", "mcp"};
+  for (const auto& [text, scale, offset] : {std::tuple{"index.q_o1_mcp=mcp", 1.0, 0.0},
+                                            {"index.q_o1_mcp=mcp,-1", -1.0, 0.0},
+                                            {"index.q_o1_mcp=mcp,-2,0.25", -2.0, 0.25}}) {
+    const std::vector<Binding> bound = by_name(*world.m(), named(device), {text});
+    ASSERT_EQ(bound.size(), 2u) << text;
+    EXPECT_EQ(bound[0].name, "index.q_o1_mcp");
+    EXPECT_EQ(bound[0].first_coordinate, 3u);
+    EXPECT_EQ(bound[0].scale, scale);
+    EXPECT_EQ(bound[0].offset, offset);
+    EXPECT_EQ(bound[1].name, "wrist");
+  }
+  for (const char* bad :
+       {"mcp", "a=pip", "a=mcp,", "a=mcp,x", "a=mcp,1x", "a=mcp,nan", "a=mcp,1,", "a=mcp,1,2,3"}) {
+    EXPECT_NE(complaint(world, device, {bad}).find("joint '" + std::string(bad) + "'"),
+              std::string::npos)
+        << bad;
+  }
 }
 
 TEST(Binding, NamesThatMeanNothingAreRefused) {

@@ -38,16 +38,49 @@ double coupling_of(const World& world) {
   return world.m()->numeric_data[world.m()->numeric_adr[world.id(mjOBJ_NUMERIC, "coupling")]];
 }
 
+/// What the hand wears, and how its simulation follows.
+struct Outfit {
+  std::string scene{"hand_soft_grasp.textproto"};
+  std::vector<std::string> joints{};  ///< as of by_name(); none: points
+  double coupling{0.0};               ///< 0: the model's
+};
+
+/// Fingers alone: the palm stands where the motion grasps the ball.
+Outfit five_fingers() {
+  Outfit worn{"hand_five_fingers.textproto", {}, 0.15};
+  for (const std::string finger : kFingers) {
+    worn.joints.push_back(finger + "_mcp=" + finger + ".q_o1_mcp");
+    worn.joints.push_back(finger + "_pip=" + finger + ".q_o2_pip");
+  }
+  return worn;
+}
+
+/// hand.xml, with a palm that stands if there is no point to carry it.
+World model_of(const Outfit& worn) {
+  if (worn.joints.empty()) return World::of_file(kModel);
+  std::ostringstream text;
+  text << std::ifstream(kModel).rdbuf();
+  std::string model = text.str();
+  const std::string palm = R"(<body name="palm" pos="0 0 0.2" quat="0.70710678 0.70710678 0 0">)";
+  const std::size_t at = model.find(palm), joint = model.find("<freejoint/>", at);
+  model.erase(joint, std::string("<freejoint/>").size());
+  model.replace(at, palm.size(),
+                R"(<body name="palm" pos="-0.008 0.16 0.08" quat="0.70710678 0.70710678 0 0">)");
+  return World(model);
+}
+
 /// The hand, what it wears, and its simulation.
 class WornHand {
  public:
-  WornHand(double rate_hz, double delay_s, const std::string& motion = kMotion)
-      : scene_(server::load_scene(kScenes + "hand_soft_grasp.textproto").devices.front()),
+  WornHand(double rate_hz, double delay_s, const std::string& motion = kMotion,
+           const Outfit& worn = {})
+      : scene_(server::load_scene(kScenes + worn.scene).devices.front()),
         device_(device_of(scene_, motion)),
         config_(server::pipeline_config(scene_, device_->info().limits)),
-        world(World::of_file(kModel)),
-        bindings_(by_name(*world.m(), coordinates_of(*config_.kinematics))),
-        tool(world.m(), world.d(), bindings_, {.coupling = coupling_of(world)}),
+        world(model_of(worn)),
+        coupling_(worn.coupling > 0.0 ? worn.coupling : coupling_of(world)),
+        bindings_(by_name(*world.m(), coordinates_of(*config_.kinematics), worn.joints)),
+        tool(world.m(), world.d(), bindings_, {.coupling = coupling_}),
         loop(config_, told_by(tool, rate_hz, delay_s, config_.kinematics->space().n_x()),
              kMotorDamping) {}
 
@@ -69,7 +102,7 @@ class WornHand {
   /// Where MuJoCo presses on the hand: the pad's body, and the normal force on it, N.
   struct Press {
     int body;
-    Eigen::Vector3d force;
+    Eigen::Vector3d force, position;
   };
   [[nodiscard]] std::vector<Press> presses() const {
     constexpr int kPad = 1;  // contype
@@ -83,27 +116,50 @@ class WornHand {
       mj_contactForce(&m, world.d(), i, force);
       if (!(force[0] > 0.0)) continue;
       found.push_back({m.geom_bodyid[first ? contact.geom1 : contact.geom2],
-                       (first ? -force[0] : force[0]) * Eigen::Vector3d(contact.frame)});
+                       (first ? -force[0] : force[0]) * Eigen::Vector3d(contact.frame),
+                       Eigen::Vector3d(contact.pos)});
     }
     return found;
   }
-  /// What these forces are at the motors: each displaces the site of its phalanx by f / c, and Eq.
-  /// (8) renders Z_q S J^+ dx. `left`: the part of dx that the device has no DoF for, of all.
-  [[nodiscard]] VecA engine_force(double& left) const {
+  /// How far MuJoCo's forces displace the bound coordinates: each by f / c of the site of its
+  /// phalanx, or by its torque / c about the bound joints.
+  [[nodiscard]] VecX displaced() const {
     const mjModel& m = *world.m();
     VecX dx = VecX::Zero(loop.x_probe().size());
+    std::vector<mjtNum> J(3 * static_cast<std::size_t>(m.nv));
     for (const Press& press : presses()) {
+      mj_jac(&m, world.d(), J.data(), nullptr, press.position.data(), press.body);
       for (const Binding& binding : bindings_) {
+        const auto first = static_cast<Eigen::Index>(binding.first_coordinate);
+        if (binding.kind == Binding::Kind::kJoint) {
+          const int dof = m.jnt_dofadr[world.id(mjOBJ_JOINT, binding.name.c_str())];
+          for (int k = 0; k < 3; ++k) dx[first] += press.force[k] * J[k * m.nv + dof] / coupling_;
+          continue;
+        }
         const int site = mj_name2id(&m, mjOBJ_SITE, binding.name.c_str());
         if (m.site_bodyid[site] != m.body_parentid[press.body]) continue;
-        dx.segment<3>(static_cast<Eigen::Index>(binding.first_coordinate)) +=
-            press.force / coupling_of(world);
+        dx.segment<3>(first) += press.force / coupling_;
       }
     }
-    const Eigen::MatrixXd J = loop.J();
-    const VecQ dq = J.colPivHouseholderQr().solve(Eigen::VectorXd(dx));
-    left = (dx - J * dq).norm() / dx.norm();
-    return config_.scene.stiffness.cwiseProduct(config_.kinematics->layout().select(dq));
+    return dx;
+  }
+  /// What that is at the motors. Points: Eq. (8) renders Z_q S J^+ dx. Joints: Eq. (6) renders Z_q S
+  /// (q* - q) with f(q*) = x. `left`: the part of dx that the device has no DoF for, of all.
+  [[nodiscard]] VecA engine_force(double& left) const {
+    const VecX dx = displaced();
+    VecQ q_star = reading_.sample.q;
+    if (bindings_.front().kind == Binding::Kind::kJoint) {
+      EXPECT_EQ(config_.kinematics->inverse(loop.x_probe() + dx, q_star),
+                core::InverseStatus::kExact);
+      left = 0.0;
+    } else {
+      const Eigen::MatrixXd J = loop.J();
+      const VecQ dq = J.colPivHouseholderQr().solve(Eigen::VectorXd(dx));
+      left = (dx - J * dq).norm() / dx.norm();
+      q_star += dq;
+    }
+    return config_.scene.stiffness.cwiseProduct(
+        config_.kinematics->layout().select(VecQ(q_star - reading_.sample.q)));
   }
   [[nodiscard]] double height(const char* body) const {
     return world.d()->xpos[3 * world.id(mjOBJ_BODY, body) + 2];
@@ -128,6 +184,7 @@ class WornHand {
   World world;
 
  private:
+  double coupling_;
   std::vector<Binding> bindings_;
 
  public:
@@ -227,15 +284,13 @@ std::string motion_that_holds(double seconds) {
   throw std::runtime_error("the motion has no grasp");
 }
 
-/// HAPTIC_HOLD_S=60 holds for as long as that.
-TEST(MujocoHand, HeldForceIsMujocos) {
-  const char* const wish = std::getenv("HAPTIC_HOLD_S");
-  const double seconds = wish != nullptr ? std::stod(wish) : 2.0;
+void hold(const Outfit& worn, std::size_t least_presses) {
+  const double seconds = hold_seconds(2.0);
   const test::TemporaryFile motion(motion_that_holds(seconds + 1.0), "hold.csv");
   for (const double rate : {60.0, 120.0, 500.0}) {
     for (const double delay : {0.0, 0.040, 0.100}) {
       SCOPED_TRACE(std::to_string(rate) + "/s, " + std::to_string(delay) + " s");
-      WornHand hand(rate, delay, motion.path());
+      WornHand hand(rate, delay, motion.path(), worn);
       hand.run(4.0 + 0.5 * seconds);
       double off = 0.0, most = 0.0, left = 0.0;
       for (int i = 0; i < static_cast<int>(500.0 * seconds); ++i) {
@@ -248,10 +303,19 @@ TEST(MujocoHand, HeldForceIsMujocos) {
                   1e3 * delay, most, 100.0 * off / most, 100.0 * left);
       EXPECT_GT(most, 2.0);
       EXPECT_LE(off, 0.05 * most);
-      EXPECT_GE(hand.presses().size(), 8u);
+      EXPECT_GE(hand.presses().size(), least_presses);
       EXPECT_LE(hand.loop.energy().most_net(), hand.tank());
     }
   }
+}
+
+/// HAPTIC_HOLD_S=60 holds for as long as that.
+TEST(MujocoHand, HeldForceIsMujocos) {
+  hold({}, 8);
+}
+
+TEST(MujocoHand, HeldByFingersAlone) {
+  hold(five_fingers(), 5);
 }
 
 }  // namespace

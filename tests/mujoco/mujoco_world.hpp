@@ -4,6 +4,7 @@
 #include <mujoco/mujoco.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -39,6 +40,7 @@ struct World {
  private:
   World() = default;
   void load(const std::string& path) {
+    mju_user_warning = [](const char*) {};  // MuJoCo would write a file
     char error[500] = "";
     model.reset(mj_loadXML(path.c_str(), nullptr, error, sizeof error));
     if (!model) throw std::runtime_error(error);
@@ -60,6 +62,12 @@ inline std::string slider_model(const std::string& objects, const std::string& o
 inline const std::string kSoftWall =
     R"(<geom name="wall" type="plane" pos="0.03 0 0" zaxis="-1 0 0" size="1 1 1"
              solref="-12500 -50" solimp="0.5 0.5 0.001"/>)";
+
+/// For how long a test holds an object: `usual` s, or HAPTIC_HOLD_S.
+inline double hold_seconds(double usual) {
+  const char* const wish = std::getenv("HAPTIC_HOLD_S");
+  return wish != nullptr ? std::stod(wish) : usual;
+}
 
 /// The sample that the tool tells at every look, as the pipeline gets it.
 inline test::ClientSettings told_by(Tool& tool, double rate_hz, double delay_s, int n_x) {

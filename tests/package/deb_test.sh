@@ -54,7 +54,7 @@ packages="hapticd hapticd-client python3-haptic libhaptic-dev libhaptic0 libhapt
 if ls "$folder"/libhaptic-mujoco-dev_*.deb >/dev/null 2>&1; then  # MuJoCo was here for the build
   packages="$packages libhaptic-mujoco-dev"
   holds libhaptic-mujoco-dev ./usr/include/haptic/mujoco/tool.hpp \
-    ./usr/share/haptic/mujoco/finger.xml
+    ./usr/share/haptic/mujoco/finger.xml ./usr/share/haptic/mujoco/hand.xml
 fi
 
 field() { dpkg-deb --field "$(package "$1" "$folder")" "$2"; }

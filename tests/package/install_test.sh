@@ -60,6 +60,11 @@ export PKG_CONFIG_PATH=$pc
 # shellcheck disable=SC2046  # words are what is wanted
 "${CXX:-c++}" -std=c++20 "$here/foreign/client.cpp" $(pkg-config --cflags --libs haptic-client) \
   -o "$folder/by_pkg_config"
+if [ -e "$prefix/include/haptic/mujoco/tool.hpp" ]; then
+  # shellcheck disable=SC2046
+  "${CXX:-c++}" -std=c++20 "$here/foreign/mujoco.cpp" $(pkg-config --cflags --libs haptic-mujoco) \
+    -o "$folder/mujoco_by_pkg_config" || fail "no build with pkg-config haptic-mujoco"
+fi
 
 # A C compiler alone, and nothing that haptic::client asks for.
 cmake -S "$here/foreign/c" -B "$folder/foreign_c" -DCMAKE_PREFIX_PATH="$prefix" \

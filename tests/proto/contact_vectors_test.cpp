@@ -73,5 +73,37 @@ TEST(ContactVectors, PushedObjectsMoveAlike) {
   }
 }
 
+TEST(ContactVectors, SharedObjectsMoveAlike) {
+  const auto rows = markdown_table(
+      read_text(std::filesystem::path(HAPTIC_SOURCE_DIR) / "proto/README.md"), "shared");
+  ASSERT_EQ(rows.size(), 3u);
+  const core::ConfigurationSpace space(std::vector<core::Coordinate>(2));
+  for (const auto& row : rows) {
+    core::PlaneSet set;
+    set.normals.resize(2, 2);
+    set.normals << core::VecX::Unit(2, 0), vector_of(row.at(1));
+    set.offsets = core::VecX::Zero(2);
+    set.compliance = core::VecX::Ones(2);
+    set.velocity = vector_of(row.at(7));
+    set.laws.resize(4, 2);
+    for (Eigen::Index law = 0; law < 4; ++law) {
+      set.laws.row(law) = vector_of(row.at(3 + static_cast<std::size_t>(law))).transpose();
+    }
+    set.objects.setZero(Eigen::NoChange, 2);
+    set.objects.row(0).setOnes();
+    set.objects(1, 0) = 1.0;
+    set.objects.col(1).segment<2>(1) = vector_of(row.at(2));
+    ASSERT_TRUE(set.fits(2)) << row.at(0);
+    core::PlaneProjection projection(space);
+    projection.set(set, core::VecX::Zero(2));
+    core::VecX x;
+    const auto ticks = std::lround(numbers_of(row.at(9)).at(0) / 1e-3);
+    for (int tick = 0; tick <= ticks; ++tick) {
+      static_cast<void>(projection.project(vector_of(row.at(8)), x, 0.0, 1e-3));
+    }
+    EXPECT_NEAR((x - vector_of(row.at(10))).norm(), 0.0, 3e-6) << row.at(0);
+  }
+}
+
 }  // namespace
 }  // namespace haptic::test

@@ -20,6 +20,7 @@ constexpr std::size_t kLongest = 36000;  // frames of a film: 10 minutes
 
 struct Options {
   std::string model{};
+  std::vector<std::string> joints{};
   double seconds{0.0}, coupling{0.0};
   examples::FilmOptions film{};
 };
@@ -50,7 +51,7 @@ int touch(client::Connection& server, const Options& options) {
                                     .re_engage = true,
                                     .on_disconnect = examples::print_end});
   const std::vector<mujoco::Binding> bindings =
-      mujoco::by_name(*model, session->device().coordinates);
+      mujoco::by_name(*model, session->device().coordinates, options.joints);
   const mujoco::ToolOptions coupled{.coupling = options.coupling > 0.0 ? options.coupling
                                                                        : coupling_of(*model)};
   mujoco::Tool tool(model.get(), data.get(), bindings, coupled);
@@ -105,6 +106,9 @@ int main(int argc, char** argv) {
   cli.add_option("--seconds", options.seconds, "stop after this long; 0: until interrupted");
   cli.add_option("--coupling", options.coupling,
                  "N/m or N m/rad (ToolOptions); default: the model's numeric \"coupling\"");
+  cli.add_option("--joint", options.joints,
+                 "NAME=COORDINATE[,SCALE[,OFFSET]]: a joint with another name, sign or zero than "
+                 "the device's coordinate, qpos = OFFSET + SCALE x; any number of them");
   cli.add_option("--film", options.film.film, "a film of the run, .webm (by ffmpeg)");
   cli.add_option("--picture", options.film.picture, "a picture of its strongest grasp, .png");
   return examples::run(cli, argc, argv, [&](client::Connection& server) {

@@ -1,5 +1,9 @@
 #include "haptic/mujoco/binding.hpp"
 
+#include <cmath>
+#include <cstdlib>
+#include <set>
+#include <sstream>
 #include <stdexcept>
 
 namespace haptic::mujoco {
@@ -21,12 +25,49 @@ bool spells(const std::vector<client::VirtualCoordinate>& coordinates, std::size
   return true;
 }
 
+/// "NAME=COORDINATE[,SCALE[,OFFSET]]"
+Binding joint_of(const std::string& text,
+                 const std::vector<client::VirtualCoordinate>& coordinates) {
+  const auto refuse = [&text](const std::string& why) {
+    throw std::invalid_argument("joint '" + text + "': " + why);
+  };
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || text.ends_with(',')) refuse("must be NAME=COORDINATE[,SCALE[,OFFSET]]");
+  std::istringstream rest(text.substr(equals + 1));
+  std::string coordinate, number;
+  std::getline(rest, coordinate, ',');
+  std::size_t at = 0;
+  while (at < coordinates.size() && coordinates[at].name != coordinate) ++at;
+  if (at == coordinates.size()) refuse("the device has no coordinate '" + coordinate + "'");
+  Binding bound = joint(text.substr(0, equals), at);
+  for (double* const value : {&bound.scale, &bound.offset}) {
+    if (!std::getline(rest, number, ',')) break;
+    char* end = nullptr;
+    *value = std::strtod(number.c_str(), &end);
+    if (number.empty() || *end != '\0' || !std::isfinite(*value)) {
+      refuse("'" + number + "' must be a finite number");
+    }
+  }
+  if (!rest.eof()) refuse("must be NAME=COORDINATE[,SCALE[,OFFSET]]");
+  return bound;
+}
+
 }  // namespace
 
 std::vector<Binding> by_name(const mjModel& model,
-                             const std::vector<client::VirtualCoordinate>& coordinates) {
+                             const std::vector<client::VirtualCoordinate>& coordinates,
+                             const std::vector<std::string>& joints) {
   std::vector<Binding> bindings;
+  std::set<std::size_t> said;
+  for (const std::string& text : joints) {
+    bindings.push_back(joint_of(text, coordinates));
+    said.insert(bindings.back().first_coordinate);
+  }
   for (std::size_t i = 0; i < coordinates.size();) {
+    if (said.contains(i)) {
+      ++i;
+      continue;
+    }
     const std::string& full = coordinates[i].name;
     const std::string name = full.substr(0, full.rfind('.'));
     if (has(model, mjOBJ_JOINT, full)) {

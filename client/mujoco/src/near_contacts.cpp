@@ -1,6 +1,7 @@
 #include "near_contacts.hpp"
 
 #include <algorithm>
+#include <string>
 
 #include "haptic/mujoco/contact_spring.hpp"
 
@@ -14,6 +15,15 @@ double gap_of(const mjContact& contact) {
 
 std::pair<int, int> pair_of(const mjContact& contact) {
   return std::minmax({contact.geom1, contact.geom2});
+}
+
+/// As a person finds it in the model.
+std::string name_of(const mjModel& model, int geom) {
+  const char* const name = mj_id2name(&model, mjOBJ_GEOM, geom);
+  if (name != nullptr) return "geom '" + std::string(name) + "'";
+  const char* const body = mj_id2name(&model, mjOBJ_BODY, model.geom_bodyid[geom]);
+  const std::string number = "geom " + std::to_string(geom);
+  return body == nullptr ? number : number + " of body '" + body + "'";
 }
 
 /// How far the surface is from the point or line that carries it: a round geom's radius.
@@ -84,6 +94,14 @@ void NearContacts::begin(const mjModel& model, const mjData& data) {
     const mjContact& contact = data.contact[i];
     if (is_of_tool(model, contact) && gap_of(contact) < 0.0) inside_.insert(pair_of(contact));
   }
+  if (inside_.empty() || warned_) return;
+  warned_ = true;
+  const auto [a, b] = *inside_.begin();
+  std::string text = "haptic::mujoco::Tool: " + name_of(model, a) + " and " + name_of(model, b);
+  if (inside_.size() > 1) text += " and " + std::to_string(inside_.size() - 1) + " other pair(s)";
+  text += " begin inside each other: they are not felt until they were apart";
+  std::replace(text.begin(), text.end(), '%', '_');  // to later releases it is a format
+  mju_warning(text.c_str());
 }
 
 std::vector<NearContact> NearContacts::find(const mjModel& model, mjData& data,

@@ -21,7 +21,8 @@ class NearContacts {
   explicit NearContacts(const BoundTool& tool) : tool_(&tool), surroundings_(tool) {}
 
   /// Notes the pairs that begin inside each other: they do not count until they were seen apart,
-  /// because which side the tool came from is not known.
+  /// because which side the tool came from is not known. The first time that there are such pairs
+  /// mju_warning() says so.
   void begin(const mjModel& model, const mjData& data);
   /// What the last step found. `x`: all coordinates where the tool was then; `rate`: qvel then.
   [[nodiscard]] std::vector<NearContact> find(const mjModel& model, mjData& data,
@@ -35,6 +36,7 @@ class NearContacts {
   Surroundings surroundings_;
   ContactIds ids_{};
   std::set<std::pair<int, int>> inside_{};
+  bool warned_{false};
 };
 
 }  // namespace haptic::mujoco

@@ -14,6 +14,8 @@ namespace {
 
 using std::chrono::nanoseconds;
 
+constexpr double kRise = 0.2;  // s, as the server's gain (proto/README.md, Staleness and gain)
+
 mjData& forwarded(mjModel& model, mjData& data) {
   mj_forward(&model, &data);
   return data;
@@ -21,6 +23,15 @@ mjData& forwarded(mjModel& model, mjData& data) {
 
 bool finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
+}
+
+/// Leaves `share` of the force that the contact has alone: of its spring in series with the
+/// coupling, and of its object, which moves as before.
+void soften(client::Plane& plane, double gives, double share) {
+  plane.compliance = (plane.compliance + gives) / share - gives;
+  for (double* part : {&plane.mass, &plane.damping, &plane.ground_stiffness, &plane.load}) {
+    *part *= share;
+  }
 }
 
 }  // namespace
@@ -58,6 +69,7 @@ struct Tool::State {
   std::vector<double> seen{};        ///< the tool as the last step began
   std::vector<mjtNum> rate{};        ///< qvel then
   bool known{false};                 ///< the last probe could be used
+  double share{0.0};                 ///< of the force that is told, 0 to 1
   double last_time{0.0};             ///< as the last step began, s
   double last_step{0.0}, owed{0.0};  ///< s
   double room{1.0};                  ///< share of the horizon for which MuJoCo has room
@@ -104,6 +116,8 @@ void Tool::State::aim(const std::vector<double>& x_probe, int count, nanoseconds
   if (count <= 0) throw std::invalid_argument("steps " + std::to_string(count) + ": must be > 0");
   look_for_jump();
   const double seconds = count * model->opt.timestep;
+  // The probe may be deep inside an object as the tool arrives: from FREE force comes by a ramp.
+  share = known && aimed.following() ? std::min(1.0, share + seconds / kRise) : 0.0;
   known = false;
   if (x_probe.empty() || !finite(x_probe)) return aimed.next({}, count, seconds);
   if (x_probe.size() < tool.coordinates()) {
@@ -206,7 +220,7 @@ void Tool::State::pull_frame(const Place& place) {
 client::Proxy Tool::State::proxy() {
   look_for_jump();
   auto near = contacts.find(*model, *data, seen, rate);
-  if (!known || !aimed.following()) return client::Proxy::free();
+  if (!known || !aimed.following() || share == 0.0) return client::Proxy::free();
   std::vector<double> x = probe;
   std::vector<client::Plane> planes;
   for (const NearContact& one : near) {
@@ -214,9 +228,12 @@ client::Proxy Tool::State::proxy() {
     const bool moves = std::any_of(plane.normal.begin(), plane.normal.end(),
                                    [](double part) { return part != 0.0; });
     if (!moves) continue;
+    double gives = 0.0;  // the square of the normal's length, in W^-1
     for (std::size_t i = 0; i < x.size(); ++i) {
-      x[i] -= plane.normal[i] * one.force / (options.coupling * weight(i));
+      x[i] -= share * plane.normal[i] * one.force / (options.coupling * weight(i));
+      gives += plane.normal[i] * plane.normal[i] / weight(i);
     }
+    if (share < 1.0) soften(plane, gives, share);
     planes.push_back(std::move(plane));
   }
   if (planes.empty()) return client::Proxy::free();

@@ -97,6 +97,18 @@ class FingerExoskeleton final : public Kinematics {
     return MapStatus::kOk;
   }
 
+  MapStatus velocity_product(const VecQ& q, const VecQ& q_dot, VecX& out) const noexcept override {
+    LinkageHessian h;
+    if (!linkage_.hessian(q[0], q[1], h)) return MapStatus::kCannotClose;
+    out.setZero(2);
+    for (int i = 0; i < 2; ++i) {
+      for (int k = 0; k < 2; ++k) {
+        for (int m = 0; m < 2; ++m) out[i] += h.H[i][k][m] * q_dot[k] * q_dot[m];
+      }
+    }
+    return MapStatus::kOk;
+  }
+
   InverseStatus inverse(const VecX& x, VecQ& q) const noexcept override {
     if (inverse_inside(x, q) == InverseStatus::kExact) return InverseStatus::kExact;
     q.resize(2);

@@ -81,10 +81,12 @@ void PlaneProjection::leave_as_told(const Vector& told_beta) noexcept {
 /// Shifts the gaps so that l explains d, and returns how far that leaves x from the client's own.
 double PlaneProjection::shift(const VecX& d, const Vector& l, const Vector& told_beta) noexcept {
   VecX left = d;
-  for (int i = 0; i < count_; ++i) left -= l[i] * contacts_.into.col(i);
+  for (int i = 0; i < count_; ++i) {
+    if (l[i] != 0.0) left -= l[i] * contacts_.into.col(i);
+  }
   for (int i = 0; i < count_; ++i) {
     if (ContactDual::has(skipped_, i)) continue;
-    const double met = A_.col(i).dot(left) - gamma_[i] * l[i];
+    const double met = along(i, left.data()) - gamma_[i] * l[i];
     beta_[i] = l[i] > 0.0 ? met : std::max(told_beta[i], met);
     fill_gram(i, i);
   }
@@ -92,7 +94,9 @@ double PlaneProjection::shift(const VecX& d, const Vector& l, const Vector& told
   y_ = d;
   static_cast<void>(solve(0.0));
   left = d;
-  for (int i = 0; i < count_; ++i) left -= dual_.l()[i] * contacts_.into.col(i);
+  for (int i = 0; i < count_; ++i) {
+    if (ContactDual::has(dual_.held(), i)) left -= dual_.l()[i] * contacts_.into.col(i);
+  }
   return metric_.weighed(left, turn_).norm();
 }
 
@@ -101,13 +105,16 @@ double PlaneProjection::shift(const VecX& d, const Vector& l, const Vector& told
 /// would be shifted.
 void PlaneProjection::explain(const VecX& d, const Vector& told, Vector& l) noexcept {
   VecX left = d;
-  for (int i = 0; i < count_; ++i) left -= told[i] * contacts_.into.col(i);
+  for (int i = 0; i < count_; ++i) {
+    if (told[i] != 0.0) left -= told[i] * contacts_.into.col(i);
+  }
   Vector r = Vector::Zero();
   for (int i = 0; i < count_; ++i) {
-    const double gap = told[i] > 0.0 ? 0.0 : std::max(0.0, beta_[i] - A_.col(i).dot(left));
-    r[i] = ContactDual::has(skipped_, i) ? -1.0
-                                         : A_.col(i).dot(d) + kNearest * told[i] - kUntouched * gap;
-    dual_.gram()(i, i) = A_.col(i).dot(contacts_.into.col(i)) + kNearest;
+    const double gap = told[i] > 0.0 ? 0.0 : std::max(0.0, beta_[i] - along(i, left.data()));
+    r[i] = ContactDual::has(skipped_, i)
+               ? -1.0
+               : along(i, d.data()) + kNearest * told[i] - kUntouched * gap;
+    dual_.gram()(i, i) = along(i, contacts_.into.col(i).data()) + kNearest;
   }
   dual_.leave_out(skipped_);
   dual_.solve(r);
@@ -117,7 +124,7 @@ void PlaneProjection::explain(const VecX& d, const Vector& told, Vector& l) noex
   l = told;
   for (int n = 0; n < kProximal; ++n) {
     for (int i = 0; i < count_; ++i) {
-      if (ContactDual::has(entered, i)) r[i] = A_.col(i).dot(d) + kNearest * l[i];
+      if (ContactDual::has(entered, i)) r[i] = along(i, d.data()) + kNearest * l[i];
     }
     dual_.solve(r);
     l = dual_.l();

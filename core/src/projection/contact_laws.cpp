@@ -20,20 +20,24 @@ void ContactLaws::take(const PlaneSet::Laws& told, int i, double velocity, doubl
 }
 
 void ContactLaws::share(const PlaneSet::Objects& told) noexcept {
+  Eigen::Matrix<double, kMaxMotions, kMaxPlanes> unit;
   for (int i = 0; i < static_cast<int>(told.cols()); ++i) {
     const auto direction = told.col(i).tail<kMaxMotions>();
     const double length = direction.stableNorm();
     if (!has(i) || told(0, i) == 0.0 || !(length > 0.0) || !std::isfinite(length)) continue;
     shared_ |= 1u << i;
     object_[i] = told(0, i);
-    direction_.col(i) = direction / length;
+    unit.col(i) = direction / length;
+    for (int j = 0; j < i; ++j) {
+      if (one_object(i, j)) cosine_(i, j) = cosine_(j, i) = unit.col(i).dot(unit.col(j));
+    }
   }
 }
 
 double ContactLaws::give(int i, int j) const noexcept {
   if (i == j) return has(i) ? give_[i] : 0.0;
   if (!one_object(i, j)) return 0.0;
-  return root_[i] * root_[j] * direction_.col(i).dot(direction_.col(j));
+  return root_[i] * root_[j] * cosine_(i, j);
 }
 
 double ContactLaws::pushed(int i, const Vector& l) const noexcept {

@@ -4,6 +4,7 @@
 #include "haptic/core/projection/plane_projection.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -72,83 +73,6 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
   y_before_.setZero(at_.size());
 }
 
-void PlaneProjection::take(const PlaneSet& planes, int i) noexcept {
-  beta_[i] = gamma_[i] = speed_[i] = 0.0;
-  const double gamma = soft_ ? planes.compliance[i] : 0.0;
-  double speed = moving_ ? planes.velocity[i] : 0.0;
-  scale_[i] = 1.0;
-  auto H = H_.segment(begin_[static_cast<std::size_t>(i)],
-                      PlaneSet::triangle(n_curved_[static_cast<std::size_t>(i)]));
-  const bool usable = gamma >= 0.0 && std::isfinite(gamma) && std::isfinite(speed) &&
-                      (planes.laws.cols() == 0 || planes.laws.col(i).allFinite()) && H.allFinite();
-  contacts_.into.col(i) = metric_.steepest(A_.col(i));
-  const double length = usable ? normalise(i) : 0.0;
-  if (length == 0.0) {
-    skipped_ |= 1u << i;
-    A_.col(i).setZero();
-    contacts_.into.col(i).setZero();
-    return;
-  }
-  laws_.take(planes.laws, i, speed, length);
-  if (laws_.has(i)) speed = 0.0;
-  beta_[i] = planes.offsets[i] / length - A_.col(i).dot(at_);
-  gamma_[i] = gamma / (length * length);
-  if (gamma_[i] < ContactDual::kEpsilon) gamma_[i] = 0.0;
-  speed_[i] = speed / length;
-  if (H.isZero(0.0)) return;
-  H /= length;
-  curved_ |= 1u << i;
-}
-
-double PlaneProjection::normalise(int i) noexcept {
-  PlaneSet::Normals& D = contacts_.into;
-  const double length = std::sqrt(A_.col(i).dot(D.col(i)));
-  if (!(length > 0.0) || !std::isfinite(length)) return 0.0;
-  A_.col(i) /= length;
-  D.col(i) /= length;
-  return length;
-}
-
-void PlaneProjection::fill_gram(int i, int j) noexcept {
-  const double gives = laws_.any() ? laws_.give(i, j) * scale_[i] * scale_[j] : 0.0;
-  const double product = A_.col(i).dot(contacts_.into.col(j));
-  dual_.gram()(i, j) = dual_.gram()(j, i) = product + gives;
-  if (i == j) dual_.set_diagonal(i, product, gamma_[i] + gives);
-}
-
-void PlaneProjection::linearise() noexcept {
-  for (int i = 0; i < count_; ++i) {
-    if (!ContactDual::has(curved_, i)) continue;
-    const int first = first_[static_cast<std::size_t>(i)];
-    const int n = n_curved_[static_cast<std::size_t>(i)];
-    turn_.setZero(at_.size());
-    const double* entry = H_.data() + begin_[static_cast<std::size_t>(i)];
-    for (int row = 0; row < n; ++row) {
-      for (int column = 0; column <= row; ++column, ++entry) {
-        turn_[first + row] += *entry * z_[first + column];
-        if (column < row) turn_[first + column] += *entry * z_[first + row];
-      }
-    }
-    const VecX into = metric_.steepest(turn_, first, n);
-    const double turned = std::sqrt(turn_.dot(into));
-    const double share = turned > kMostTurn ? kMostTurn / turned : 1.0;
-    A_.col(i) = told_.col(i) - share * turn_;
-    contacts_.into.col(i) = told_into_.col(i) - share * into;
-    const double length = normalise(i);
-    const double scale = length > 0.0 ? 1.0 / length : 0.0;
-    beta_[i] = (told_beta_[i] - 0.5 * share * share * turn_.dot(z_)) * scale;
-    gamma_[i] = told_gamma_[i] * scale * scale;
-    speed_[i] = told_speed_[i] * scale;
-    scale_[i] = scale;
-  }
-  for (int i = 0; i < count_; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      if (ContactDual::has(curved_, i) || ContactDual::has(curved_, j)) fill_gram(i, j);
-    }
-  }
-  dual_.refactor();
-}
-
 PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x, double age, double dt,
                                      int most_steps) noexcept {
   x = x_probe;
@@ -194,7 +118,9 @@ PlaneStatus PlaneProjection::settle(double age, int most_steps) noexcept {
     linearise();
     status = solve(age);
     turn_ = y_ - z_;
-    for (int i = 0; i < count_; ++i) turn_ -= dual_.l()[i] * contacts_.into.col(i);
+    for (int i = 0; i < count_; ++i) {
+      if (ContactDual::has(dual_.held(), i)) turn_ -= dual_.l()[i] * contacts_.into.col(i);
+    }
     if (!turn_.allFinite()) continue;
     const double step = turn_.lpNorm<Eigen::Infinity>();
     const bool theirs = k == 0 && (fresh_ || step <= kTheirs * moved);
@@ -220,7 +146,7 @@ PlaneStatus PlaneProjection::solve(double age) noexcept {
   Vector r = Vector::Zero();
   double deepest = 0.0;
   for (int i = 0; i < count_; ++i) {
-    r[i] = ContactDual::has(skipped_, i) ? -1.0 : A_.col(i).dot(y_) - beta_[i];
+    r[i] = ContactDual::has(skipped_, i) ? -1.0 : along(i, y_.data()) - beta_[i];
     if (moving_ && !ContactDual::has(skipped_, i)) r[i] -= age * speed_[i];
     if (laws_.has(i)) r[i] -= laws_.free(i) * scale_[i];
     deepest = std::max(deepest, r[i]);
@@ -236,16 +162,19 @@ PlaneStatus PlaneProjection::solve(double age) noexcept {
 void PlaneProjection::displace(VecX& x) const noexcept {
   if (dual_.held() == 0) return;
   const PlaneSet::Normals& D = contacts_.into;
+  const std::uint32_t held = dual_.held();
   for (Eigen::Index k = 0; k < x.size(); ++k) {
-    bool held = !linear_[static_cast<std::size_t>(k)];
-    for (int i = 0; i < count_; ++i)
-      held = held || (ContactDual::has(dual_.held(), i) && D(k, i) != 0.0);
+    bool moved = !linear_[static_cast<std::size_t>(k)];
+    for (std::uint32_t left = held; left != 0 && !moved; left &= left - 1) {
+      moved = D(k, std::countr_zero(left)) != 0.0;
+    }
     // What no plane holds is where the probe is, to the bit: nothing is in its way.
-    if (!held) continue;
+    if (!moved) continue;
     // From at_ on, not from x_probe: an angle or a rotation there may be one turn or one sign away.
     x[k] = at_[k] + y_[k];
-    for (int i = 0; i < count_; ++i) {
-      if (ContactDual::has(dual_.held(), i)) x[k] -= dual_.l()[i] * D(k, i);
+    for (std::uint32_t left = held; left != 0; left &= left - 1) {
+      const int i = std::countr_zero(left);
+      x[k] -= dual_.l()[i] * D(k, i);
     }
   }
 }
@@ -262,8 +191,10 @@ double PlaneProjection::coupling() const noexcept {
   if (dual_.held() == 0) return 0.0;
   VecX displaced = VecX::Zero(at_.size());
   double sum = 0.0;
-  for (int i = 0; i < count_; ++i) displaced += dual_.l()[i] * contacts_.into.col(i);
-  for (int i = 0; i < count_; ++i) sum += 0.5 * dual_.l()[i] * A_.col(i).dot(displaced);
+  for (int i = 0; i < count_; ++i) {
+    if (dual_.l()[i] > 0.0) displaced += dual_.l()[i] * contacts_.into.col(i);
+  }
+  for (int i = 0; i < count_; ++i) sum += 0.5 * dual_.l()[i] * along(i, displaced.data());
   return sum;
 }
 

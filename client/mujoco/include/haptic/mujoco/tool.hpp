@@ -47,7 +47,8 @@ struct ToolOptions {
   /// A probe that is farther from the tool's aim than this, m or rad, is not followed at once: the
   /// client has just joined, or paused, or the device was moved meanwhile. The tool then comes at
   /// `slow_*`, m/s and rad/s, from where it was, so that it meets every object from the side that
-  /// it was on; until it is there, nothing is told (Proxy::free()).
+  /// it was on; until it is there, nothing is told (Proxy::free()). The probe may be deep inside an
+  /// object by then: what is told grows to the whole force within 200 ms.
   double jump_m{0.03}, jump_rad{0.35};
   double slow_m_s{0.5}, slow_rad_s{6.0};
 };

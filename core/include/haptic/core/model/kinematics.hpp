@@ -89,6 +89,10 @@ class Kinematics {
   [[nodiscard]] virtual MapStatus position(const VecQ& q, VecX& x_probe) const noexcept;
   /// J_k = dJ/dq_k (n_x by n_q), the term Eq. (2), (5), (9) leave out.
   [[nodiscard]] virtual MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept = 0;
+  /// (sum_k q_dot_k J_k) q_dot (n_x): how x accelerates at constant q_dot. A map for which this is
+  /// cheaper than all J_k overrides it.
+  [[nodiscard]] virtual MapStatus velocity_product(const VecQ& q, const VecQ& q_dot,
+                                                   VecX& out) const noexcept;
   /// q = argmin ||x - f(q)|| over the box and the device's own constraints, stateless: Eq. (6).
   [[nodiscard]] virtual InverseStatus inverse(const VecX& /*x*/, VecQ& /*q*/) const noexcept {
     return InverseStatus::kNotOffered;

@@ -58,8 +58,8 @@ class ContactLaws {
   Vector mass_{}, damping_{}, stiffness_{}, load_{};
   Vector s_{}, v_{}, l_{};  ///< at the end of the last step
   Vector free_{}, give_{};
-  Vector object_{}, root_{};                                    ///< sqrt(give)
-  Eigen::Matrix<double, kMaxMotions, kMaxPlanes> direction_{};  ///< unit
+  Vector object_{}, root_{};    ///< sqrt(give)
+  ContactDual::Gram cosine_{};  ///< e_i.e_j of contacts on one object, which are not the same
 };
 
 }  // namespace haptic::core

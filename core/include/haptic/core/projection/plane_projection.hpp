@@ -89,9 +89,21 @@ class PlaneProjection {
 
  private:
   using Vector = ContactDual::Vector;
+  /// Coordinates in which a column is not 0: in a hand of many outputs few of them.
+  struct Rows {
+    int first{0}, count{0};
+  };
+  [[nodiscard]] Rows rows_of(int i) const noexcept { return rows_[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] Rows rows_into(int i) const noexcept {
+    return metric_.is_diagonal() ? rows_of(i) : Rows{0, static_cast<int>(A_.rows())};
+  }
 
   /// Contact i, scaled so that its gradient has unit length in W^-1; or it is left out.
   void take(const PlaneSet& planes, int i) noexcept;
+  /// Finds the coordinates that contact i names.
+  void find_rows(int i) noexcept;
+  /// Gradient of contact i times v (n_x).
+  [[nodiscard]] double along(int i, const double* v) const noexcept;
   /// Divides column i of A_ and of D by its length, which is returned; 0: it has none.
   double normalise(int i) noexcept;
   void fill_gram(int i, int j) noexcept;
@@ -140,6 +152,7 @@ class PlaneProjection {
   Vector scale_{};            ///< of a contact now by what it was at at_
   PlaneSet::Curvatures H_{};  ///< scaled
   PlaneSet::Places first_{}, n_curved_{};
+  std::array<Rows, kMaxPlanes> rows_{};  ///< of A_
   std::array<int, kMaxPlanes> begin_{};  ///< of each contact's curvature in H_
   ContactDual dual_{};
   ContactLaws laws_{};
@@ -160,7 +173,7 @@ class PlaneProjection {
   double step_before_{0.0};  ///< of that, max norm
   VecX y_before_{};          ///< y_ and age in the tick before
   double age_before_{0.0};
-  VecX turn_{};  ///< scratch
+  VecX turn_{}, into_{};  ///< scratch
 };
 
 }  // namespace haptic::core

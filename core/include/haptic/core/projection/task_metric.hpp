@@ -26,6 +26,7 @@ class TaskMetric {
   static constexpr double kLeastEigenvalue = 1e-12;
 
   [[nodiscard]] bool is_identity() const noexcept { return n_x_ == 0; }
+  [[nodiscard]] bool is_diagonal() const noexcept { return upper_ == nullptr; }
   /// 0 for the identity, which fits any.
   [[nodiscard]] int n_x() const noexcept { return n_x_; }
   /// W, n_x by n_x; empty for the identity. Allocates.

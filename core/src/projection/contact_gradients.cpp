@@ -1,0 +1,116 @@
+// The gradients of the contacts, of unit length in W^-1, as they are told and where curved gaps are
+// linearised. In a hand of many outputs a contact names few coordinates of many: what is done with
+// gradients is done with those alone.
+#include <algorithm>
+#include <cmath>
+
+#include "haptic/core/projection/plane_projection.hpp"
+
+namespace haptic::core {
+
+void PlaneProjection::take(const PlaneSet& planes, int i) noexcept {
+  beta_[i] = gamma_[i] = speed_[i] = 0.0;
+  const double gamma = soft_ ? planes.compliance[i] : 0.0;
+  double speed = moving_ ? planes.velocity[i] : 0.0;
+  scale_[i] = 1.0;
+  auto H = H_.segment(begin_[static_cast<std::size_t>(i)],
+                      PlaneSet::triangle(n_curved_[static_cast<std::size_t>(i)]));
+  const bool usable = gamma >= 0.0 && std::isfinite(gamma) && std::isfinite(speed) &&
+                      (planes.laws.cols() == 0 || planes.laws.col(i).allFinite()) && H.allFinite();
+  contacts_.into.col(i) = metric_.steepest(A_.col(i));
+  find_rows(i);
+  const double length = usable ? normalise(i) : 0.0;
+  if (length == 0.0) {
+    skipped_ |= 1u << i;
+    A_.col(i).setZero();
+    contacts_.into.col(i).setZero();
+    return;
+  }
+  laws_.take(planes.laws, i, speed, length);
+  if (laws_.has(i)) speed = 0.0;
+  beta_[i] = planes.offsets[i] / length - along(i, at_.data());
+  gamma_[i] = gamma / (length * length);
+  if (gamma_[i] < ContactDual::kEpsilon) gamma_[i] = 0.0;
+  speed_[i] = speed / length;
+  if (H.isZero(0.0)) return;
+  H /= length;
+  curved_ |= 1u << i;
+}
+
+void PlaneProjection::find_rows(int i) noexcept {
+  const auto at = static_cast<std::size_t>(i);
+  const double* const normal = A_.col(i).data();
+  int first = 0, end = static_cast<int>(A_.rows());
+  while (first < end && normal[first] == 0.0) ++first;
+  while (end > first && normal[end - 1] == 0.0) --end;
+  if (n_curved_[at] > 0) {
+    first = std::min<int>(first, first_[at]);
+    end = std::max<int>(end, first_[at] + n_curved_[at]);
+  }
+  rows_[at] = {first, end - first};
+}
+
+double PlaneProjection::along(int i, const double* v) const noexcept {
+  const double* const normal = A_.col(i).data();
+  const Rows rows = rows_of(i);
+  double sum = 0.0;
+  for (int k = rows.first; k < rows.first + rows.count; ++k) sum += normal[k] * v[k];
+  return sum;
+}
+
+double PlaneProjection::normalise(int i) noexcept {
+  PlaneSet::Normals& D = contacts_.into;
+  const double length = std::sqrt(along(i, D.col(i).data()));
+  if (!(length > 0.0) || !std::isfinite(length)) return 0.0;
+  const Rows a = rows_of(i), d = rows_into(i);
+  A_.col(i).segment(a.first, a.count) /= length;
+  D.col(i).segment(d.first, d.count) /= length;
+  return length;
+}
+
+void PlaneProjection::fill_gram(int i, int j) noexcept {
+  const double gives = laws_.any() ? laws_.give(i, j) * scale_[i] * scale_[j] : 0.0;
+  const double product = along(i, contacts_.into.col(j).data());
+  dual_.gram()(i, j) = dual_.gram()(j, i) = product + gives;
+  if (i == j) dual_.set_diagonal(i, product, gamma_[i] + gives);
+}
+
+void PlaneProjection::linearise() noexcept {
+  for (int i = 0; i < count_; ++i) {
+    if (!ContactDual::has(curved_, i)) continue;
+    const int first = first_[static_cast<std::size_t>(i)];
+    const int n = n_curved_[static_cast<std::size_t>(i)];
+    turn_.setZero(at_.size());
+    const double* entry = H_.data() + begin_[static_cast<std::size_t>(i)];
+    for (int row = 0; row < n; ++row) {
+      for (int column = 0; column <= row; ++column, ++entry) {
+        turn_[first + row] += *entry * z_[first + column];
+        if (column < row) turn_[first + column] += *entry * z_[first + row];
+      }
+    }
+    const auto turn = turn_.segment(first, n);
+    if (!metric_.is_identity()) into_ = metric_.steepest(turn_, first, n);
+    const VecX& into = metric_.is_identity() ? turn_ : into_;
+    const double turned = std::sqrt(turn.dot(into.segment(first, n)));
+    const double share = turned > kMostTurn ? kMostTurn / turned : 1.0;
+    const Rows a = rows_of(i), d = rows_into(i);
+    A_.col(i).segment(a.first, a.count) =
+        told_.col(i).segment(a.first, a.count) - share * turn_.segment(a.first, a.count);
+    contacts_.into.col(i).segment(d.first, d.count) =
+        told_into_.col(i).segment(d.first, d.count) - share * into.segment(d.first, d.count);
+    const double length = normalise(i);
+    const double scale = length > 0.0 ? 1.0 / length : 0.0;
+    beta_[i] = (told_beta_[i] - 0.5 * share * share * turn.dot(z_.segment(first, n))) * scale;
+    gamma_[i] = told_gamma_[i] * scale * scale;
+    speed_[i] = told_speed_[i] * scale;
+    scale_[i] = scale;
+  }
+  for (int i = 0; i < count_; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      if (ContactDual::has(curved_, i) || ContactDual::has(curved_, j)) fill_gram(i, j);
+    }
+  }
+  dual_.refactor();
+}
+
+}  // namespace haptic::core

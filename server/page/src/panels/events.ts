@@ -1,0 +1,24 @@
+// "What happened": the newest events of the device.
+
+import { at, h } from "../dom";
+import { KIND_STALENESS, type PageEvent } from "../model";
+
+const KEPT = 50;
+
+export class Events {
+  private readonly list = at("events");
+
+  show(): void {
+    this.list.replaceChildren(h("li", { class: "help" }, "Nothing since this page opened."));
+  }
+
+  add(event: PageEvent): void {
+    if (event.kind === KIND_STALENESS) return; // several per second on a slow link; a trace has it
+    if (!this.list.querySelector("time")) this.list.replaceChildren();
+    const now = new Date();
+    const time = h("time", { datetime: now.toISOString() }, now.toLocaleTimeString());
+    const words = event.message || event.reason;
+    this.list.prepend(h("li", {}, time, h("span", {}, words[0]!.toUpperCase() + words.slice(1))));
+    while (this.list.childElementCount > KEPT) this.list.lastElementChild!.remove();
+  }
+}

@@ -4,7 +4,7 @@ import { test } from "node:test";
 import { LiveSource } from "../../server/page/src/live_source.ts";
 import { howLong, number, quantity } from "../../server/page/src/units.ts";
 import { faultWords, limiterWords, unknownNames } from "../../server/page/src/words/bits.ts";
-import { contactWords, deratingWords, proxyWords } from "../../server/page/src/words/state.ts";
+import { changeWords, contactWords, deratingWords, proxyWords } from "../../server/page/src/words/state.ts";
 
 globalThis.location ??= { origin: "http://localhost" };
 const { faultNames, limiterNames } = new LiveSource();
@@ -31,6 +31,11 @@ test("touch is said in words", () => {
   assert.match(contactWords({ ...state, mode: 2 }), /Nothing is in the way/);
   assert.match(contactWords({ ...state, proxySeqUsed: 0n }), /no simulation/);
   assert.match(proxyWords({ proxySeqUsed: 1n, proxyAgeUs: 12345n, staleness: 1 }), /12\.3 ms/);
+});
+
+test("a change of state is a sentence", () => {
+  assert.equal(changeWords("ENGAGING -> ENGAGED"), "Force is on");
+  assert.equal(changeWords("LEASE_GRANTED"), "");
 });
 
 test("the softest actuator is named", () => {

@@ -127,5 +127,6 @@ export const enum Mode {
   PLANES,
 }
 
-/** Number of Event.kind: the level of the proxy's age changed. */
+/** Numbers of Event.kind: the device's state changed; the level of the proxy's age changed. */
+export const KIND_STATE = 1;
 export const KIND_STALENESS = 6;

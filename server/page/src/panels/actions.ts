@@ -40,7 +40,7 @@ export class Actions {
   /** Null: not known yet. */
   rights(mayControl: boolean | null): void {
     this.mayControl = mayControl;
-    at("other-key").hidden = mayControl !== false;
+    offerKey(mayControl === false);
   }
 
   show(device: Device): void {
@@ -78,9 +78,15 @@ export class Actions {
       say(this.said, done);
     } catch (error) {
       if (error instanceof SourceError && error.reason === "RIGHTS") this.rights(false);
+      if (error instanceof SourceError && error.reason === "LEASE_HELD") offerKey(true);
       say(this.said, refused(error));
     }
   }
+}
+
+/** A way to show a key that allows more. */
+function offerKey(on: boolean): void {
+  at("other-key").hidden = !on;
 }
 
 function refused(error: unknown): string {

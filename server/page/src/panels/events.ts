@@ -1,7 +1,8 @@
 // "What happened": the newest events of the device.
 
 import { at, h } from "../dom";
-import { KIND_STALENESS, type PageEvent } from "../model";
+import { KIND_STALENESS, KIND_STATE, type PageEvent } from "../model";
+import { changeWords } from "../words/state";
 
 const KEPT = 50;
 
@@ -17,8 +18,12 @@ export class Events {
     if (!this.list.querySelector("time")) this.list.replaceChildren();
     const now = new Date();
     const time = h("time", { datetime: now.toISOString() }, now.toLocaleTimeString());
-    const words = event.message || event.reason;
-    this.list.prepend(h("li", {}, time, h("span", {}, words[0]!.toUpperCase() + words.slice(1))));
+    this.list.prepend(h("li", {}, time, h("span", {}, words(event))));
     while (this.list.childElementCount > KEPT) this.list.lastElementChild!.remove();
   }
+}
+
+function words({ kind, reason, message }: PageEvent): string {
+  const said = (kind === KIND_STATE && changeWords(reason)) || message || reason;
+  return said.charAt(0).toUpperCase() + said.slice(1);
 }

@@ -68,6 +68,12 @@ export function stateWords(state: number): StateWords {
   return STATES[state] ?? { name: `${state}`, title: "Unknown", help: "", tone: "calm" };
 }
 
+/** "Force is on" of "ENGAGING -> ENGAGED"; empty: no such state. */
+export function changeWords(reason: string): string {
+  const name = reason.split(" -> ")[1];
+  return Object.values(STATES).find((words) => words.name === name)?.title ?? "";
+}
+
 const STALENESS = ["", "fresh", "late: the last one is held", "too old: force fades", "lost"];
 
 /** What the server knows of the simulation's proxy. */

@@ -27,8 +27,7 @@ class Json {
   std::unique_ptr<google::protobuf::util::TypeResolver> types_;
 };
 
-/// {"code": "not_found", "message": ..., "details": [...]}, https://connectrpc.com's "Error
-/// end-stream" of unary calls.
+/// {"code": "not_found", "message": ..., "details": [...]}, as of a unary call of Connect.
 [[nodiscard]] std::string connect_error(const Refusal& refusal);
 /// The status of HTTP that goes with it.
 [[nodiscard]] unsigned http_status(Refusal::Code code) noexcept;

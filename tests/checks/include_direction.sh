@@ -69,7 +69,7 @@ owner=
 for room in base crossing ingress owner rt scene session state telemetry; do
   owner="$owner server/$room"
 done
-forbid $owner -- "grpc|asio|boost/|openssl/|server/(front|metrics|net|rpc|udp)/" \
+forbid $owner -- "grpc|asio|boost/|openssl/|server/(front|metrics|net|rpc|service|udp|web)/" \
   "the owner of the devices knows no network"
 report "the owner of the devices knows no network" <<LINES
 $(for room in $owner; do includes "$room"; done | grep ' "haptic/wire/' |
@@ -77,12 +77,13 @@ $(for room in $owner; do includes "$room"; done | grep ' "haptic/wire/' |
 LINES
 report "hapticd's own process knows no network" <<LINES
 $(includes server | grep -E '^server/(main|app|front_program)\.[ch]pp' |
-  grep -E ' [<"](grpc|asio|boost|openssl/|server/(front|metrics|net|rpc|udp)/)')
+  grep -E ' [<"](grpc|asio|boost|openssl/|server/(front|metrics|net|rpc|service|udp|web)/)')
 LINES
-forbid server/front server/metrics server/net server/rpc server/udp -- \
+forbid server/front server/metrics server/net server/rpc server/service server/udp server/web -- \
   "server/(ingress|owner|rt|scene|session|telemetry)/" "the front knows the owner by the crossing"
-report "proto types stop at server/{front,owner,rpc,scene,state,udp}" <<LINES
-$(includes server | grep -vE '^server/(front|owner|rpc|scene|state|udp)/' | grep -E " [<\"]($grpc)")
+report "proto types stop at server/{front,owner,rpc,scene,service,state,udp,web}" <<LINES
+$(includes server | grep -vE '^server/(front|owner|rpc|scene|service|state|udp|web)/' |
+  grep -E " [<\"]($grpc)")
 LINES
 
 # Core reads no clock: not an include, but the same contract.

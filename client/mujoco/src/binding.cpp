@@ -32,7 +32,8 @@ Binding joint_of(const std::string& text,
     throw std::invalid_argument("joint '" + text + "': " + why);
   };
   const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || text.ends_with(',')) refuse("must be NAME=COORDINATE[,SCALE[,OFFSET]]");
+  if (equals == std::string::npos || text.ends_with(','))
+    refuse("must be NAME=COORDINATE[,SCALE[,OFFSET]]");
   std::istringstream rest(text.substr(equals + 1));
   std::string coordinate, number;
   std::getline(rest, coordinate, ',');

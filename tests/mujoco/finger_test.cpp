@@ -104,18 +104,17 @@ TEST(MujocoFinger, HeldForceIsMujocos) {
         worn.engage(0.0);
         EXPECT_EQ(worn.go(0.0, 0.40, 0.5), 0.0) << "nothing is touched";
         EXPECT_GT(worn.go(0.40, closed, 1.0), 0.05);
-        const double settles = std::max(1.4, 0.5 * seconds);
-        worn.go(closed, closed, settles);
-        double off = 0.0, engine = 0.0;
-        for (int i = 0; i < static_cast<int>(1000.0 * (seconds - settles)); ++i) {
+        worn.go(closed, closed, 1.4);
+        double off = 0.0, most = 0.0;  // the box creeps away from a light press, in half a minute
+        for (int i = 0; i < static_cast<int>(1000.0 * (seconds - 1.4)); ++i) {
           worn.at(closed);
-          engine = worn.engine_force();
-          off = std::max(off, std::abs(worn.loop.tau() / engine - 1.0));
+          const double engine = worn.engine_force();
+          off = std::max(off, std::abs(worn.loop.tau() - engine));
+          most = std::max(most, std::abs(engine));
         }
         std::printf("%3.0f/s, %3.0f ms, closed %.2f: %.2f N, off by %.2f %%\n", rate, 1e3 * delay,
-                    closed, engine, 100.0 * off);
-        EXPECT_LE(off, 0.05);
-        EXPECT_NEAR(worn.loop.tau(), engine, 0.01 * std::abs(engine));
+                    closed, most, 100.0 * off / most);
+        EXPECT_LE(off, 0.01 * most);
         worn.go(closed, 0.40, 0.7);
         EXPECT_EQ(worn.go(0.40, 0.0, 0.3), 0.0);
       }

@@ -4,11 +4,13 @@ import { createHash } from "node:crypto";
 import { once } from "node:events";
 import * as http from "node:http";
 import { test } from "node:test";
+import { setTimeout as sleep } from "node:timers/promises";
 import { part } from "./package_under_test.mjs";
 
 const { NodeSocket, encodeFrame, FrameReader } = await part("node_socket.js");
 const { httpError } = await part("errors.js");
 const { transport } = await part("transport_node.js");
+const { Stream } = await part("stream.js");
 
 /** The answer to an upgrade, with `changes`. */
 function upgrade(key, changes = {}) {
@@ -139,6 +141,38 @@ function unmasked(bytes) {
   }
   return Buffer.concat(out);
 }
+
+test("the newest sample waits for the network", async (t) => {
+  const server = http.createServer();
+  let far;
+  server.on("upgrade", (request, stream) => {
+    far = stream;
+    stream.on("error", () => undefined).pause();
+    stream.write(upgrade(request.headers["sec-websocket-key"],
+                         { "Sec-WebSocket-Protocol": "haptic.v1.proto" }));
+  });
+  t.after(() => (far.destroy(), server.close()));
+  server.listen(0, "127.0.0.1");
+  await once(server, "listening");
+  let offered = 0, sent = 0, replaced = 0;
+  const stream = new Stream(
+    { url: `http://127.0.0.1:${server.address().port}` }, "binary", { case: "open", value: {} },
+    { message() {}, end() {}, sent: (before) => ((sent += 1), (replaced += before)) });
+  t.after(() => stream.cancel(new Error("over")));
+  const offer = () => stream.offer(
+    { case: "proxy", value: { seq: BigInt(offered), position: Array(4000).fill(offered) } });
+  while (sent === 0) offer(await sleep(1));  // before the upgrade nothing is kept
+  // More than the system buffers: 16 MB. None of these calls waits.
+  for (offered = 1; offered < 500; ++offered) {
+    offer();
+    if (offered % 10 === 0) await sleep(0);
+  }
+  assert.ok(sent < 500, `${sent} of ${offered} were sent`);
+  const before = sent + replaced;
+  far.resume();
+  while (sent + replaced < 500) offer(await sleep(1));
+  assert.ok(sent + replaced > before);
+});
 
 test("a frame's bytes are RFC 6455's", () => {
   // Section 5.7: a masked "Hello".

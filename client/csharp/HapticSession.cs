@@ -1,7 +1,7 @@
 // A client of hapticd for Unity and every .NET that has .NET Standard 2.0, in one file: copy it
 // into Assets/. It speaks haptic.v1.proto on a WebSocket (server { web {} } in the scene), so
-// numbers arrive bit for bit. The few messages are read and written at the end of this file, by the numbers
-// of proto/haptic/v1/session.proto.
+// numbers arrive bit for bit. The few messages are read and written at the end of this file, by the
+// numbers of proto/haptic/v1/session.proto.
 //
 // Nothing here blocks. Sockets live on the thread pool; every member may be called from any thread,
 // Unity's main thread for instance. Units are SI. An array has one value per degree of freedom or

@@ -108,8 +108,8 @@ static class SessionTest {
     Eventually(() => {
       DeviceState state = session.State;
       var wall = new Contact {Normal = new double[] {1, 0}, Id = 7,
-                            Offset = state.XProbe[0] - 0.005,
-                            Compliance = 0.1, Curvature = new double[] {0, 0, 0}, Uncertainty = 0};
+                              Offset = state.XProbe[0] - 0.005, Compliance = 0.1,
+                              Curvature = new double[] {0, 0, 0}, Uncertainty = 0};
       session.PublishContacts(new[] {wall}, state.XProbe);
       return state.ActivePlanes == 1 && state.ErrorBound.Length == 1 && state.TauA[0] < 0;
     }, "a contact that pushes back");

@@ -48,7 +48,7 @@ class WithHapticd(unittest.TestCase):
         address = None
         while address is None:
             self.assertIsNone(server.poll(), log.read_text(encoding="utf-8"))
-            address = re.search(r"page: (http://127\.0\.0\.1:\d+)/", log.read_text("utf-8"))
+            address = re.search(r"page: (http://[\d.:]+)/", log.read_text("utf-8"))
         self.address = address[1]
 
     def test_whole_class(self) -> None:

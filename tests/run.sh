@@ -6,7 +6,8 @@
 #
 # Without --label: every test except those labelled network, calm, hostile, lint and container; with
 # the presets of the sanitizers those labelled unit and service. Labels: unit, service, system,
-# interop, haproxy, check, lint, network, calm, hostile, container. A failed test is not run again.
+# interop, haproxy, browser, check, lint, network, calm, hostile, container. A failed test is not
+# run again.
 # --ci: then also the container tests, with the programs just built. If no container engine works
 # they fail with the reason, unless HAPTIC_SKIP_CONTAINERS='why not here' is set.
 set -euo pipefail

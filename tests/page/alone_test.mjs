@@ -146,7 +146,8 @@ test("the page alone", async (t) => {
     await page.waitForTimeout(2500);
     assert.deepEqual(await values(), before);
     await page.click("#pause");
-    await eventually(page, (old) => document.querySelector("#trace-position .value").textContent !== old,
+    await eventually(
+      page, (old) => document.querySelector("#trace-position .value").textContent !== old,
       (await page.locator("#trace-position .value").allTextContents())[0]);
   });
 });

@@ -57,7 +57,8 @@ export async function says(page, selector, pattern) {
   for (let text = ""; !pattern.test(text);) {
     if (Date.now() > latest) throw new Error(`${selector} says '${text}', not ${pattern}`);
     await sleep(50);
-    text = await page.evaluate((where) => document.querySelector(where)?.textContent ?? "", selector);
+    text = await page.evaluate(
+      (where) => document.querySelector(where)?.textContent ?? "", selector);
   }
 }
 

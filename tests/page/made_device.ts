@@ -31,7 +31,10 @@ function finger(n: number, z: number, first: number): DrawnBody[] {
     {
       ...body(`${FINGERS[n]} link`, 1, first + 1, []),
       motions: [motion(1, [0, 0, 1], 1, 2 * n + 1)],
-      capsules: [capsule([0.04, 0, 0], 0.003), { from: [0.04, 0, 0], to: [0.06, -0.015, 0], radius: 0.003 }],
+      capsules: [
+        capsule([0.04, 0, 0], 0.003),
+        { from: [0.04, 0, 0], to: [0.06, -0.015, 0], radius: 0.003 },
+      ],
     },
     {
       ...body(`${FINGERS[n]} proximal`, 2, -1, [0, 0, z]),

@@ -2,7 +2,9 @@
 // and everything that a server may answer, set by the test through `window.made`.
 
 import type { Device, ServerInfo, SessionLink } from "../../server/page/src/model";
-import { SourceError, type Listener, type Source, type Watching } from "../../server/page/src/source";
+import {
+  SourceError, type Listener, type Source, type Watching,
+} from "../../server/page/src/source";
 import { madeDevices, madeState } from "./made_device";
 
 export interface Made {
@@ -117,7 +119,8 @@ export class MadeSource implements Source {
       clearInterval(timer);
       lose();
     };
-    listener.event({ kind: 9, serverTimeNs: 1n, reason: "LEASE_GRANTED", message: "lease granted" });
+    const message = "lease granted to 'soft-grasp'";
+    listener.event({ kind: 9, serverTimeNs: 1n, reason: "LEASE_GRANTED", message });
     return { close: () => clearInterval(timer) };
   }
 

@@ -4,7 +4,8 @@ import { test } from "node:test";
 import { LiveSource } from "../../server/page/src/live_source.ts";
 import { howLong, number, quantity } from "../../server/page/src/units.ts";
 import { faultWords, limiterWords, unknownNames } from "../../server/page/src/words/bits.ts";
-import { changeWords, contactWords, deratingWords, proxyWords } from "../../server/page/src/words/state.ts";
+import { changeWords, contactWords, deratingWords, proxyWords }
+  from "../../server/page/src/words/state.ts";
 
 globalThis.location ??= { origin: "http://localhost" };
 const { faultNames, limiterNames } = new LiveSource();
@@ -17,7 +18,8 @@ test("every bit of the protocol has words", () => {
 
 test("bits become words", () => {
   assert.deepEqual(faultWords(1 << 7, faultNames).map(({ title }) => title), ["Emergency stop"]);
-  assert.deepEqual(limiterWords(0b11, limiterNames).map(({ name }) => name), ["SATURATION", "SLEW"]);
+  assert.deepEqual(limiterWords(0b11, limiterNames).map(({ name }) => name),
+                   ["SATURATION", "SLEW"]);
   assert.deepEqual(faultWords(1 << 31, faultNames).map(({ name }) => name), ["BIT_31"]);
   assert.deepEqual(faultWords(0, faultNames), []);
 });

@@ -27,7 +27,8 @@ export class App {
   private newest: DeviceState | null = null;
   private stateAt = 0;
   private wordsAt = 0;
-  private states = 0;
+  private states = 0; // since countedAt
+  private countedAt = 0;
   private asking = false;
 
   private readonly current = () => this.source;
@@ -158,11 +159,14 @@ export class App {
   }
 
   private connection(): void {
-    const old = performance.now() - this.stateAt > OLD_MS;
+    const now = performance.now();
+    const old = now - this.stateAt > OLD_MS;
+    const rate = Math.round((this.states * 1000) / Math.max(now - this.countedAt, 1));
+    this.countedAt = now;
     at("live").classList.toggle("old", old);
     say(
       at("connection"),
-      this.watching && !old ? `Live · ${this.states} states per second` : "Not connected",
+      this.watching && !old ? `Live · ${rate} states per second` : "Not connected",
     );
     this.states = 0;
   }

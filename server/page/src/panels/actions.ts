@@ -100,8 +100,8 @@ function refused(error: unknown): string {
       return "Not cleared: the stop was pressed on hapticd's own computer. Clear it there.";
     case "LEASE_HELD":
       return (
-        "Refused: the program that holds the device has the same rank as this page's key, so only " +
-        "it may release. Stop works always."
+        "Refused: the program that holds the device has the same rank as this page's key, so " +
+        "only it may release. Stop works always."
       );
     default:
       return `Refused: ${error.message}`;

@@ -22,11 +22,12 @@ export class Server {
     say(at("scene"), `· ${info.scene}`);
     const { loop, realtime } = info;
     const us = (value: number) => `${number(value, 0)} µs`;
+    const grant = [realtime?.grade, realtime?.explanation].filter(Boolean).join(": ");
     const list: [string, string][] = [
       ["Version", info.version],
       ["Device", deviceWords(device)],
       ["Runs for", howLong(Number(info.uptime?.seconds ?? 0n))],
-      ["Real time", realtime ? [realtime.grade, realtime.explanation].filter(Boolean).join(": ") : "–"],
+      ["Real time", grant || "–"],
     ];
     if (loop) {
       list.push(

@@ -4,6 +4,7 @@ import { at, fill, h } from "../dom";
 import type { SessionLink } from "../model";
 import { milliseconds, number } from "../units";
 
+const CONTROLLER = 1;
 const ROLES = ["", "controls the device", "looks on", "tracks the palm"];
 const CARRIERS = ["", "gRPC", "UDP", "WebSocket"];
 
@@ -55,22 +56,28 @@ function facts(session: SessionLink): [string, string][] {
 export class Sessions {
   show(links: readonly SessionLink[], device: string): void {
     const own = links.filter((link) => link.device === device);
-    const items = own.map((link) => ({ link, facts: facts(link) }));
-    const key = JSON.stringify(
-      items.map(({ link, facts: list }) => [link.clientName, link.role, link.holdsLease, list]),
-    );
-    fill(at("sessions"), key, () =>
+    const items = own.map((link) => ({
+      name: link.clientName,
+      does: link.role === CONTROLLER && !link.holdsLease ? "lost the device" : ROLES[link.role],
+      lease: link.holdsLease,
+      facts: facts(link),
+    }));
+    fill(at("sessions"), JSON.stringify(items), () =>
       items.length === 0
         ? [h("li", {}, "No session is open.")]
-        : items.map(({ link, facts: list }) =>
-            h(
+        : items.map((item) => {
+            const list = item.facts.flatMap(([name, value]) => [
+              h("dt", {}, name),
+              h("dd", {}, value),
+            ]);
+            return h(
               "li",
-              link.holdsLease ? { class: "lease" } : {},
-              h("strong", {}, link.clientName),
-              ` ${link.role === 1 && !link.holdsLease ? "lost the device" : ROLES[link.role] ?? ""}`,
-              h("dl", { class: "facts" }, ...list.flatMap(([k, v]) => [h("dt", {}, k), h("dd", {}, v)])),
-            ),
-          ),
+              item.lease ? { class: "lease" } : {},
+              h("strong", {}, item.name),
+              ` ${item.does ?? ""}`,
+              h("dl", { class: "facts" }, ...list),
+            );
+          }),
     );
   }
 }

@@ -84,8 +84,8 @@ export class Picture {
     this.recolour();
   }
 
-  /** `limits`: per actuator, N or N m; `first`: the pose that the view is made for. Answers with the
-   * step of the grid, m. */
+  /** `limits`: per actuator, N or N m; `first`: the pose that the view is made for. Answers with
+   * the step of the grid, m. */
   show(drawing: Drawing, limits: readonly number[], first: Pose): number {
     this.clear();
     const box = new Box3();

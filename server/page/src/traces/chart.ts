@@ -18,13 +18,26 @@ function colours(): (name: string) => string {
 }
 
 /** Of a scale: less would show noise as if it were much. */
-const LEAST: Record<string, number> = { N: 1, "N·m": 0.05, mm: 1, "°": 2, ms: 5, mJ: 0.5, "µs": 50 };
+const LEAST: Record<string, number> = {
+  N: 1,
+  "N·m": 0.05,
+  mm: 1,
+  "°": 2,
+  ms: 5,
+  mJ: 0.5,
+  "µs": 50,
+};
 
 /** What may be anywhere; all else begins at 0. */
 const WITHOUT_ZERO = ["mm", "°"];
 
 /** A little air above and below; what is never below 0 is not shown below it. */
-function range(_: uPlot, low: number | null, high: number | null, unit: string): uPlot.Range.MinMax {
+function range(
+  _: uPlot,
+  low: number | null,
+  high: number | null,
+  unit: string,
+): uPlot.Range.MinMax {
   if (low === null || high === null) return [0, 1];
   const short = Math.max((LEAST[unit] ?? 1e-3) - (high - low), 0) / 2;
   const air = (high - low) * 0.1 + short;

@@ -143,8 +143,8 @@ class WornHand {
     }
     return dx;
   }
-  /// What that is at the motors. Points: Eq. (8) renders Z_q S J^+ dx. Joints: Eq. (6) renders Z_q S
-  /// (q* - q) with f(q*) = x. `left`: the part of dx that the device has no DoF for, of all.
+  /// What that is at the motors. Points: Eq. (8) renders Z_q S J^+ dx. Joints: Eq. (6) renders
+  /// Z_q S (q* - q) with f(q*) = x. `left`: the part of dx that the device has no DoF for, of all.
   [[nodiscard]] VecA engine_force(double& left) const {
     const VecX dx = displaced();
     VecQ q_star = reading_.sample.q;

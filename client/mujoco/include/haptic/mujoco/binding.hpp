@@ -40,8 +40,9 @@ struct Binding {
 /// Bindings of a model whose names are those of the device's coordinates (DeviceInfo::coordinates):
 /// NAME.x .y .z is a point, with .qx .qy .qz .qw a pose, of the site or body NAME; any other
 /// coordinate is the joint of its name. Throws std::invalid_argument, with the name that the model
-/// has not. `joints`: those with another name, sign or zero, each "NAME=COORDINATE[,SCALE[,OFFSET]]"
-/// with the model's and the device's names and qpos = OFFSET + SCALE x: "knuckle=q_o1_mcp,-1,0.2".
+/// has not. `joints`: those with another name, sign or zero, each
+/// "NAME=COORDINATE[,SCALE[,OFFSET]]" with the model's and the device's names and qpos = OFFSET +
+/// SCALE x: "knuckle=q_o1_mcp,-1,0.2".
 [[nodiscard]] std::vector<Binding> by_name(
     const mjModel& model, const std::vector<client::VirtualCoordinate>& coordinates,
     const std::vector<std::string>& joints = {});

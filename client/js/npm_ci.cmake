@@ -1,6 +1,7 @@
 # npm ci in FOLDER, from npm's cache if it has the packages.
 execute_process(
   COMMAND ${NPM} ci --prefer-offline --ignore-scripts --no-audit --no-fund --loglevel=error
+          --fetch-retries=1 --fetch-retry-mintimeout=1000
   WORKING_DIRECTORY ${FOLDER} RESULT_VARIABLE result)
 if(NOT result EQUAL 0)
   file(REMOVE_RECURSE ${FOLDER}/node_modules)

@@ -29,8 +29,8 @@ async function answer(act) {
 
 let session;
 await answer(async () => {
-  session = await new Connection(url, { format }).open({ clientName: "in JavaScript",
-    nominalRateHz: 100, stateRateHz: 0 });
+  session = await new Connection(url, { format }).open(
+    { clientName: "in JavaScript", nominalRateHz: 100 });
 });
 for await (const line of createInterface({ input: process.stdin })) {
   const [what, ...numbers] = line.split(" ");

@@ -8,6 +8,8 @@ const haptic = await part("index.js");
 const { create } = createRequire(process.env.HAPTICD_JS + "/")("@bufbuild/protobuf");
 const { closeError, httpError } = await part("errors.js");
 const { Reconnection } = await part("reconnection.js");
+const { NewestState } = await part("newest_state.js");
+const { proxySample } = await part("sample.js");
 const { openSession } = await part("session_options.js");
 const { RoundTrip } = await part("round_trip.js");
 
@@ -101,6 +103,36 @@ test("round trips rise at once", () => {
   assert.equal(after(3n, 50, 60), 25);
   roundTrip.used(2n, 1000);
   assert.equal(roundTrip.value, 25);
+});
+
+test("a sample names the state given", () => {
+  const given = { seq: 7n, receivedMs: 10, xProbe: [1] };
+  const sample = (proxy, state) => {
+    const { seq, deviceSeqUsed, holdUs, sourceTimeNs } = proxySample(proxy, [], 3n, state, 12.5);
+    return [seq, deviceSeqUsed, holdUs, sourceTimeNs];
+  };
+  assert.deepEqual(sample(haptic.Proxy.held([1]), given), [3n, 7n, 2500, 12500000n]);
+  assert.deepEqual(sample({ ...haptic.Proxy.held([1]), deviceSeqUsed: 5n }, given),
+                   [3n, 5n, 0, 12500000n]);
+  assert.deepEqual(sample(haptic.Proxy.free(), undefined), [3n, 0n, 0, 12500000n]);
+});
+
+test("a newer state is not given yet", async () => {
+  const states = new NewestState();
+  const state = (seq) => create(haptic.DeviceStateSchema, { seq, xProbe: [Number(seq)] });
+  const waited = states.wait(1000);
+  assert.equal(states.take(state(4n), 10), true);
+  assert.equal(states.take(state(4n), 11), false);
+  assert.equal((await waited).seq, 4n);
+  states.take(state(5n), 12);
+  assert.deepEqual(states.given, { seq: 4n, receivedMs: 10, xProbe: [4] });
+  assert.equal(states.give().seq, 5n);
+  assert.equal(states.given.receivedMs, 12);
+  assert.equal((await states.wait(1000)).seq, 5n);
+  await assert.rejects(states.wait(20), { code: "deadline_exceeded" });
+  const last = states.wait(1000);
+  states.end(closeError(1000, ""));
+  await assert.rejects(last, { code: "ok" });
 });
 
 test("a wrong address is refused at once", () => {

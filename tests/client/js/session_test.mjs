@@ -175,6 +175,10 @@ test("links are measured", async (t) => {
   const { sessions: [link] } = await connection.linkStats();
   assert.deepEqual([link.device, link.clientName], ["finger", "test"]);
   assert.equal(link.samplesBy, Transport.WEBSOCKET);
+  const [transport] = link.transports;
+  assert.equal(transport.transport, Transport.WEBSOCKET);
+  assert.ok(transport.up.received > 5n);
+  assert.ok(transport.roundTrip.nanos > 0);  // by the states that the samples name
 });
 
 test("leaving gives the lease back", async (t) => {

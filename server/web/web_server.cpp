@@ -95,9 +95,15 @@ class WebServer::Impl {
     });
   }
 
-  void take(std::size_t address, int descriptor) {
-    asio::post(shared_.loop,
-               [this, address, descriptor] { begin(addresses_[address], descriptor); });
+  void take(std::size_t address, int descriptor, std::shared_ptr<Account> account) {
+    Account* const own = account.get();
+    // With the last of the connection's copies of this.
+    std::shared_ptr<Account> held(own, [account = std::move(account)](Account*) {
+      account->leave();
+    });
+    asio::post(shared_.loop, [this, address, descriptor, held = std::move(held)] {
+      begin(addresses_[address], descriptor, held);
+    });
   }
 
   void stop(core::Duration grace) {
@@ -120,7 +126,7 @@ class WebServer::Impl {
     return context.config.web.value_or(WebConfig{});
   }
 
-  void begin(const Address& address, int descriptor) {
+  void begin(const Address& address, int descriptor, std::shared_ptr<Account> account) {
     const PeerName name = peer_name(descriptor);
     sockaddr_storage own{};
     socklen_t size = sizeof own;
@@ -134,7 +140,7 @@ class WebServer::Impl {
     peer.unix_socket = name.grpc.empty();
     peer.peer.encrypted = encrypts(address.protection);
     peer.peer.this_host = address.protection == Protection::kThisHost;
-    peer.peer.account = shared_.context.account_of(name.grpc);
+    peer.peer.account = std::move(account);
     asio::generic::stream_protocol::socket socket(
         shared_.loop, asio::generic::stream_protocol(own.ss_family, 0), descriptor);
     PlainStream stream(std::move(socket));
@@ -180,8 +186,8 @@ void WebServer::start() {
   impl_->start();
 }
 
-void WebServer::take(std::size_t address, int descriptor) {
-  impl_->take(address, descriptor);
+void WebServer::take(std::size_t address, int descriptor, std::shared_ptr<Account> account) {
+  impl_->take(address, descriptor, std::move(account));
 }
 
 void WebServer::stop(core::Duration grace) {

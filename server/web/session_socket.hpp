@@ -118,6 +118,9 @@ class SessionSocket final : public SessionStream, public WebConnection {
   }
 
   WebShared& shared_;
+  /// The loop goes on until its last words, from whichever thread, have come.
+  const asio::executor_work_guard<asio::io_context::executor_type> loop_runs_{
+      shared_.loop.get_executor()};
   WebSocket<Stream> socket_;
   const bool json_;
   beast::flat_buffer incoming_{kLargestFrame};

@@ -106,6 +106,9 @@ class WebReply final : public Reply {
   }
 
   const std::shared_ptr<Connection> connection_;
+  /// The loop goes on until the answer, from whichever thread, has come.
+  const asio::executor_work_guard<asio::io_context::executor_type> loop_runs_{
+      connection_->shared().loop.get_executor()};
   const BookedCall booked_;
   asio::steady_timer timer_;
 };

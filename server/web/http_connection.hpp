@@ -30,11 +30,11 @@ class HttpConnection final : public WebConnection,
     parser_->header_limit(kLongestHead);
     parser_->body_limit(kLargestFrame);
     lowest().expires_after(within);
-    http::async_read_header(stream_, buffer_, *parser_,
-                            [self = this->shared_from_this()](beast::error_code error,
-                                                              std::size_t bytes) {
-                              self->read_head(error, bytes);
-                            });
+    http::async_read_header(
+        stream_, buffer_, *parser_,
+        [self = this->shared_from_this()](beast::error_code error, std::size_t bytes) {
+          self->read_head(error, bytes);
+        });
   }
   void cut() override { lowest().close(); }
 
@@ -136,8 +136,7 @@ class HttpConnection final : public WebConnection,
   void redeem(std::string_view token) {
     const auto secret = shared_.gate.redeem(token);
     if (secret) {
-      rare_.cookie =
-          shared_.gate.cookie() + "=" + *secret + "; HttpOnly; SameSite=Strict; Path=/";
+      rare_.cookie = shared_.gate.cookie() + "=" + *secret + "; HttpOnly; SameSite=Strict; Path=/";
       if (peer_.peer.encrypted) rare_.cookie += "; Secure";
       shared_.print_address();
     }
@@ -190,12 +189,6 @@ class HttpConnection final : public WebConnection,
     method.run(calls, reply->call, reply);
   }
 
-  [[nodiscard]] static std::string parse(const std::string& body, bool json,
-                                         google::protobuf::Message& message) {
-    if (json) return Json::read(body, message);
-    return message.ParseFromString(body) ? "" : "not a " + message.GetDescriptor()->name();
-  }
-
   void check_health(bool json) {
     using grpc::health::v1::HealthCheckResponse;
     grpc::health::v1::HealthCheckRequest request;
@@ -238,10 +231,6 @@ class HttpConnection final : public WebConnection,
                                                                 std::move(peer), !proto);
     shared_.add(socket);
     socket->accept(head());
-  }
-
-  [[nodiscard]] static bool offers(std::string_view protocols, std::string_view wanted) {
-    return http::token_list(to_beast(protocols)).exists(to_beast(wanted));
   }
 
   /// `unread`: its body is on the way still.

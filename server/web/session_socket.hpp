@@ -19,6 +19,10 @@ inline constexpr std::string_view kJsonProtocol = "haptic.v1.json";
 inline constexpr std::size_t kLargestFrame = 4 * kLargestMessage;
 inline constexpr std::chrono::seconds kCloseWithin{2};
 
+inline bool offers(std::string_view protocols, std::string_view wanted) {
+  return http::token_list(to_beast(protocols)).exists(to_beast(wanted));
+}
+
 /// 1000, or 4000 and the canonical code, with "REASON: message".
 inline websocket::close_reason close_reason_of(const std::optional<Refusal>& why) {
   if (!why) return {websocket::close_code::normal};

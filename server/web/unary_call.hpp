@@ -18,6 +18,12 @@ struct UnaryCall {
   bool readable{true};  ///< its request was
 };
 
+/// Empty: `message` is what the body says. Else why not, fit for logs.
+inline std::string parse(const std::string& body, bool json, google::protobuf::Message& message) {
+  if (json) return Json::read(body, message);
+  return message.ParseFromString(body) ? "" : "not a " + message.GetDescriptor()->name();
+}
+
 struct UnaryMethod {
   const char* path;
   bool observer;  ///< whether an observer may

@@ -116,9 +116,8 @@ class WebServer::Impl {
   void take(std::size_t address, int descriptor, std::shared_ptr<Account> account) {
     Account* const own = account.get();
     // With the last of the connection's copies of this.
-    std::shared_ptr<Account> held(own, [account = std::move(account)](Account*) {
-      account->leave();
-    });
+    std::shared_ptr<Account> held(own,
+                                  [account = std::move(account)](Account*) { account->leave(); });
     asio::post(shared_.loop, [this, address, descriptor, held = std::move(held)] {
       begin(addresses_[address], descriptor, held);
     });

@@ -24,11 +24,12 @@ using server::Descriptor;
 class Door {
  public:
   explicit Door(const ConnectionLimits& limits) : connections({"127.0.0.1:0"}, limits) {
-    connections.start([this](std::size_t, int descriptor, std::shared_ptr<server::Account> account) {
-      const std::lock_guard lock(mutex_);
-      accepted_.emplace_back(descriptor);
-      accounts_.push_back(std::move(account));
-    });
+    connections.start(
+        [this](std::size_t, int descriptor, std::shared_ptr<server::Account> account) {
+          const std::lock_guard lock(mutex_);
+          accepted_.emplace_back(descriptor);
+          accounts_.push_back(std::move(account));
+        });
   }
 
   [[nodiscard]] int port() const { return connections.ports()[0]; }

@@ -109,8 +109,10 @@ void FrontServer::serve() {
     web_->start();
   }
   if (context.udp) context.udp->start();
-  context.connections->start([this, n = protections.size()](std::size_t address, int descriptor) {
-    address < n ? rpc_->take(address, descriptor) : web_->take(address - n, descriptor);
+  context.connections->start([this, n = protections.size()](std::size_t address, int descriptor,
+                                                            std::shared_ptr<Account> account) {
+    if (address < n) return rpc_->take(address, descriptor);
+    web_->take(address - n, descriptor, std::move(account));
   });
 }
 

@@ -30,6 +30,11 @@ class Account {
   void session_opened() noexcept { sessions_.fetch_add(1, std::memory_order_relaxed); }
   void session_ended() noexcept { sessions_.fetch_sub(1, std::memory_order_relaxed); }
 
+  /// The service has closed the connection, without shutting it down: the door's copy of the
+  /// descriptor still keeps it up.
+  void leave() noexcept { left_.store(true, std::memory_order_relaxed); }
+  [[nodiscard]] bool left() const noexcept { return left_.load(std::memory_order_relaxed); }
+
   [[nodiscard]] std::uint64_t understood() const noexcept {
     return understood_.load(std::memory_order_relaxed);
   }
@@ -51,6 +56,7 @@ class Account {
   std::atomic<std::uint64_t> understood_{0}, messages_{0};
   std::atomic<unsigned> calls_{0};
   std::atomic<int> sessions_{0};
+  std::atomic<bool> left_{false};
 };
 
 /// A call of a connection, as long as this lives.

@@ -188,11 +188,12 @@ void Connections::admit(std::size_t address, Descriptor socket) {
   forget_closed();
   connection->socket = copy_of(socket);
   if (!connection->socket) return;
+  const std::shared_ptr<Account> account = connection->account;
   {
     const std::lock_guard lock(mutex_);
     open_.push_back(std::move(connection));
   }
-  hand_over_(address, socket.release());
+  hand_over_(address, socket.release(), account);
 }
 
 std::string Connections::largest_peer() const {
@@ -221,7 +222,8 @@ void Connections::forget_closed() {
   for (const auto& each : open_) ended.push_back({each->socket.get(), 0, 0});
   poll(ended.data(), ended.size(), 0);
   for (std::size_t i = 0; i < open_.size(); ++i) {
-    if ((ended[i].revents & (POLLHUP | POLLERR | POLLNVAL)) == 0 || open_[i]->over) continue;
+    const bool hung_up = (ended[i].revents & (POLLHUP | POLLERR | POLLNVAL)) != 0;
+    if (open_[i]->over || !(hung_up || open_[i]->account->left())) continue;
     open_[i]->over = true;
     if (!open_[i]->peer.grpc.empty() && flooded(open_[i]->socket)) drain(open_[i]->socket);
   }

@@ -64,7 +64,8 @@ void require_threads();
 class Connections {
  public:
   /// Takes the descriptor. `address`: the index of the address it came by.
-  using HandOver = std::function<void(std::size_t address, int descriptor)>;
+  using HandOver =
+      std::function<void(std::size_t address, int descriptor, std::shared_ptr<Account> account)>;
 
   /// Binds and listens, as Listeners.
   Connections(const std::vector<std::string>& addresses, const ConnectionLimits& limits);

@@ -56,6 +56,10 @@ std::string address_problem(const std::string& address) {
   return R"(must be "host:port", "[v6]:port" (port 0 to 65535) or "unix:/path")";
 }
 
+bool any_port(const std::string& address) {
+  return is_host_and_port(address) && address.ends_with(":0");
+}
+
 std::vector<std::string> read_addresses(
     const Fields& part, const google::protobuf::RepeatedPtrField<std::string>& listen,
     std::set<std::string>& taken) {
@@ -64,7 +68,7 @@ std::vector<std::string> read_addresses(
     const std::string& address = addresses[i];
     if (const std::string why = address_problem(address); !why.empty()) {
       part.wrong(entry("listen", i), quoted(address), why);
-    } else if (!taken.insert(address).second) {
+    } else if (!any_port(address) && !taken.insert(address).second) {
       part.wrong(entry("listen", i), quoted(address),
                  "must be another: this one is listed already");
     }

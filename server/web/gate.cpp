@@ -18,7 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kShortest = 16, kLongest = 128;
-constexpr std::string_view kCookie = "haptic";
 
 bool is_token(std::string_view text) {
   constexpr std::string_view kAllowed =
@@ -94,8 +93,9 @@ Refusal denied(const char* reason, const std::string& message) {
 
 }  // namespace
 
-Gate::Gate(const WebConfig& config, std::vector<std::string> names)
+Gate::Gate(const WebConfig& config, std::vector<std::string> names, const std::string& port)
     : names_(std::move(names)),
+      cookie_(port.empty() ? "haptic" : "haptic-" + port),
       origins_(config.origins),
       printed_(to_rights(config.printed, "the printed address")),
       one_time_(random_secret()) {
@@ -138,7 +138,7 @@ Outcome<std::optional<Rights>> Gate::rights(const Visitor& visitor) const {
   });
   for_each_entry(visitor.cookie, ';', [&](std::string_view cookie) {
     const std::size_t name = cookie.find('=');
-    if (cookie.substr(0, name) == kCookie && name != std::string_view::npos) {
+    if (cookie.substr(0, name) == cookie_ && name != std::string_view::npos) {
       show(cookie.substr(name + 1));
     }
   });

@@ -32,9 +32,10 @@ class Gate {
   static constexpr std::string_view kTokenProtocol = "haptic.token.";
   static constexpr std::size_t kCookies = 64;  ///< beyond, the oldest is forgotten
 
-  /// Reads the files of the tokens. `names`: by which the listener is reached, lower case. Throws
-  /// core::TransportError with the file and what is wrong, never with what it holds.
-  Gate(const WebConfig& config, std::vector<std::string> names);
+  /// Reads the files of the tokens. `names`: by which the listener is reached, lower case. `port`:
+  /// tells its cookie from those of other servers of this host, which browsers keep together.
+  /// Throws core::TransportError with the file and what is wrong, never with what it holds.
+  Gate(const WebConfig& config, std::vector<std::string> names, const std::string& port = {});
 
   /// Refused: the Host is not served, or the Origin is a stranger.
   [[nodiscard]] std::optional<Refusal> stranger(const Visitor& visitor) const;
@@ -44,6 +45,8 @@ class Gate {
   /// or the UNIX socket allows. Refused: it shows nothing that counts.
   [[nodiscard]] Outcome<std::optional<Rights>> rights(const Visitor& visitor) const;
 
+  /// The name of its cookies.
+  [[nodiscard]] const std::string& cookie() const noexcept { return cookie_; }
   /// The token of the next printed address.
   [[nodiscard]] const std::string& one_time() const noexcept { return one_time_; }
   /// If `token` is that: the secret of a cookie, and another token takes its place.
@@ -57,6 +60,7 @@ class Gate {
   [[nodiscard]] const Secret* find(std::string_view text) const;
 
   const std::vector<std::string> names_;
+  const std::string cookie_;
   const std::vector<std::string> origins_;
   const Rights printed_;
   std::vector<Secret> tokens_{};

@@ -16,6 +16,7 @@ namespace haptic::server {
 inline constexpr std::chrono::seconds kHeadWithin{5}, kBodyWithin{5}, kAnswerWithin{30}, kIdle{30};
 /// Request line and header fields together.
 inline constexpr std::uint32_t kLongestHead = 8 * 1024;
+inline constexpr std::size_t kDropped = 8 * 1024;  ///< at a time
 
 template <typename Stream>
 class HttpConnection final : public WebConnection,
@@ -29,9 +30,11 @@ class HttpConnection final : public WebConnection,
     parser_->header_limit(kLongestHead);
     parser_->body_limit(kLargestFrame);
     lowest().expires_after(within);
-    http::async_read_header(stream_, buffer_, *parser_,
-                            [self = this->shared_from_this()](
-                                beast::error_code error, std::size_t) { self->read_head(error); });
+    http::async_read_header(
+        stream_, buffer_, *parser_,
+        [self = this->shared_from_this()](beast::error_code error, std::size_t bytes) {
+          self->read_head(error, bytes);
+        });
   }
   void cut() override { lowest().close(); }
 
@@ -60,7 +63,7 @@ class HttpConnection final : public WebConnection,
   [[nodiscard]] std::string_view path() const { return target().substr(0, target().find('?')); }
   [[nodiscard]] bool is(http::verb verb) const { return head().method() == verb; }
 
-  void read_head(beast::error_code error) {
+  void read_head(beast::error_code error, std::size_t bytes) {
     if (error == http::error::header_limit || error == http::error::buffer_overflow) {
       return refuse_head(http::status::request_header_fields_too_large, "header too large\n");
     }
@@ -72,7 +75,7 @@ class HttpConnection final : public WebConnection,
       return refuse_head(http::status::bad_request, error.message() + "\n");
     }
     if (error) return;  // gone, or too slow
-    peer_.peer.account->call(target().size());
+    peer_.peer.account->call(bytes);
     if (peer_.scope == WebServer::Scope::kMetrics) return answer_scrape();
     const Visitor visitor = this->visitor();
     if (const auto stranger = shared_.gate.stranger(visitor)) return refuse(*stranger);
@@ -116,7 +119,9 @@ class HttpConnection final : public WebConnection,
                     serving ? "SERVING\n" : "NOT_SERVING\n");
     }
     constexpr std::string_view kToken = "/?token=";
-    if (target().starts_with(kToken)) return redeem(target().substr(kToken.size()));
+    if (is(http::verb::get) && target().starts_with(kToken)) {
+      return redeem(target().substr(kToken.size()));
+    }
     const Page& page = shared_.content.page;
     if (const auto file = page.find(path()); file != page.end()) {
       return answer(http::status::ok, file->second.type, {}, &file->second.bytes);
@@ -131,7 +136,7 @@ class HttpConnection final : public WebConnection,
   void redeem(std::string_view token) {
     const auto secret = shared_.gate.redeem(token);
     if (secret) {
-      rare_.cookie = "haptic=" + *secret + "; HttpOnly; SameSite=Strict; Path=/";
+      rare_.cookie = shared_.gate.cookie() + "=" + *secret + "; HttpOnly; SameSite=Strict; Path=/";
       if (peer_.peer.encrypted) rare_.cookie += "; Secure";
       shared_.print_address();
     }
@@ -184,12 +189,6 @@ class HttpConnection final : public WebConnection,
     method.run(calls, reply->call, reply);
   }
 
-  [[nodiscard]] static std::string parse(const std::string& body, bool json,
-                                         google::protobuf::Message& message) {
-    if (json) return Json::read(body, message);
-    return message.ParseFromString(body) ? "" : "not a " + message.GetDescriptor()->name();
-  }
-
   void check_health(bool json) {
     using grpc::health::v1::HealthCheckResponse;
     grpc::health::v1::HealthCheckRequest request;
@@ -234,10 +233,6 @@ class HttpConnection final : public WebConnection,
     socket->accept(head());
   }
 
-  [[nodiscard]] static bool offers(std::string_view protocols, std::string_view wanted) {
-    return http::token_list(to_beast(protocols)).exists(to_beast(wanted));
-  }
-
   /// `unread`: its body is on the way still.
   void refuse(const Refusal& why, bool unread = false) {
     closing_ = closing_ || unread;
@@ -260,7 +255,8 @@ class HttpConnection final : public WebConnection,
     }
     text_ = std::move(text);
     answer_ = answer_of(status, type, file != nullptr ? *file : text_, std::exchange(rare_, {}));
-    answer_.keep_alive(read && head().keep_alive() && !closing_);
+    // A body that nobody read would pass for the next request.
+    answer_.keep_alive(parser_->is_done() && head().keep_alive() && !closing_);
     serializer_.emplace(answer_);
     const bool no_body = read && is(http::verb::head);
     serializer_->split(no_body);
@@ -276,6 +272,16 @@ class HttpConnection final : public WebConnection,
     if (answer_.keep_alive()) return read(kIdle);
     beast::error_code ignored;
     lowest().socket().shutdown(asio::socket_base::shutdown_send, ignored);
+    lowest().expires_after(kCloseWithin);
+    drop_rest();
+  }
+  /// What is on its way still: if the kernel had to refuse it, the answer would be lost too.
+  void drop_rest() {
+    buffer_.clear();
+    lowest().async_read_some(buffer_.prepare(kDropped), [self = this->shared_from_this()](
+                                                            beast::error_code error, std::size_t) {
+      if (!error) self->drop_rest();
+    });
   }
 
   Stream stream_;

@@ -19,6 +19,10 @@ inline constexpr std::string_view kJsonProtocol = "haptic.v1.json";
 inline constexpr std::size_t kLargestFrame = 4 * kLargestMessage;
 inline constexpr std::chrono::seconds kCloseWithin{2};
 
+inline bool offers(std::string_view protocols, std::string_view wanted) {
+  return http::token_list(to_beast(protocols)).exists(to_beast(wanted));
+}
+
 /// 1000, or 4000 and the canonical code, with "REASON: message".
 inline websocket::close_reason close_reason_of(const std::optional<Refusal>& why) {
   if (!why) return {websocket::close_code::normal};
@@ -118,6 +122,9 @@ class SessionSocket final : public SessionStream, public WebConnection {
   }
 
   WebShared& shared_;
+  /// The loop goes on until its last words, from whichever thread, have come.
+  const asio::executor_work_guard<asio::io_context::executor_type> loop_runs_{
+      shared_.loop.get_executor()};
   WebSocket<Stream> socket_;
   const bool json_;
   beast::flat_buffer incoming_{kLargestFrame};

@@ -18,6 +18,12 @@ struct UnaryCall {
   bool readable{true};  ///< its request was
 };
 
+/// Empty: `message` is what the body says. Else why not, fit for logs.
+inline std::string parse(const std::string& body, bool json, google::protobuf::Message& message) {
+  if (json) return Json::read(body, message);
+  return message.ParseFromString(body) ? "" : "not a " + message.GetDescriptor()->name();
+}
+
 struct UnaryMethod {
   const char* path;
   bool observer;  ///< whether an observer may
@@ -106,6 +112,9 @@ class WebReply final : public Reply {
   }
 
   const std::shared_ptr<Connection> connection_;
+  /// The loop goes on until the answer, from whichever thread, has come.
+  const asio::executor_work_guard<asio::io_context::executor_type> loop_runs_{
+      connection_->shared().loop.get_executor()};
   const BookedCall booked_;
   asio::steady_timer timer_;
 };

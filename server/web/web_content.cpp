@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLargest = 32u << 20;
+constexpr std::size_t kLargest = 8u << 20;
 
 const char* type_of(const fs::path& file) {
   static constexpr std::pair<const char*, const char*> kTypes[] = {
@@ -45,7 +45,7 @@ Page load_page(const fs::path& folder) {
     if (!file) throw core::TransportError("page: '" + entry.path().string() + "' cannot be read");
     bytes += content.bytes.size();
     if (bytes > kLargest) {
-      throw core::TransportError("page: '" + folder.string() + "' has more than 32 MB");
+      throw core::TransportError("page: '" + folder.string() + "' has more than 8 MB");
     }
     page.emplace("/" + fs::relative(entry.path(), folder).generic_string(), std::move(content));
   }

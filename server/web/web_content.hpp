@@ -21,7 +21,7 @@ struct WebContent {
 };
 
 /// The files of `folder` and of the folders in it; none if it does not exist. Throws
-/// core::TransportError if one cannot be read, or all together have more than 32 MB.
+/// core::TransportError if one cannot be read, or all together have more than 8 MB.
 [[nodiscard]] Page load_page(const std::filesystem::path& folder);
 /// Where the page of the program at `program` lies: "page/dist" next to it as it was built, or
 /// "share/haptic/page" of the prefix that it was installed in.

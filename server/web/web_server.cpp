@@ -24,8 +24,21 @@ std::string host_of(const std::string& address) {
   return address.substr(0, address.rfind(':'));
 }
 
+std::string port_of(const std::string& address) {
+  return address.substr(address.rfind(':') + 1);
+}
+
 bool is_any(const std::string& host) {
   return host == "0.0.0.0" || host == "[::]";
+}
+
+/// For browsers, by TCP; null: none.
+const WebServer::Address* first_address(const std::vector<WebServer::Address>& addresses) {
+  for (const WebServer::Address& address : addresses) {
+    const bool tcp = unix_path(address.bound).empty();
+    if (address.scope == WebServer::Scope::kAll && tcp) return &address;
+  }
+  return nullptr;
 }
 
 /// By which the listeners are reached.
@@ -36,25 +49,29 @@ std::vector<std::string> names_of(const WebConfig& config,
     if (address.scope != WebServer::Scope::kAll || !unix_path(address.bound).empty()) continue;
     const std::string host = host_of(address.bound);
     if (!is_any(host)) names.push_back(host);
-    if (!is_loopback(host)) continue;
+    if (!is_any(host) && !is_loopback(host)) continue;
     names.insert(names.end(), {"localhost", "127.0.0.1", "[::1]"});
   }
   return names;
 }
 
+std::string cookie_port(const std::vector<WebServer::Address>& addresses) {
+  const WebServer::Address* const first = first_address(addresses);
+  return first != nullptr ? port_of(first->bound) : std::string();
+}
+
 /// Where the page is found by people; empty: nowhere.
 std::string page_address(const WebConfig& config,
                          const std::vector<WebServer::Address>& addresses) {
-  for (const WebServer::Address& address : addresses) {
-    if (address.scope != WebServer::Scope::kAll || !unix_path(address.bound).empty()) continue;
-    std::string host = host_of(address.bound);
-    if (!config.names.empty() && !(address.protection == Protection::kThisHost)) {
-      host = config.names.front();
-    }
-    return (encrypts(address.protection) ? "https://" : "http://") + host +
-           address.bound.substr(address.bound.rfind(':'));
+  const WebServer::Address* const first = first_address(addresses);
+  if (first == nullptr) return {};
+  std::string host = host_of(first->bound);
+  if (is_any(host)) host = "localhost";
+  if (!config.names.empty() && first->protection != Protection::kThisHost) {
+    host = config.names.front();
   }
-  return {};
+  return (encrypts(first->protection) ? "https://" : "http://") + host + ":" +
+         port_of(first->bound);
 }
 
 /// A client certificate is asked for if there is an issuer of them, and not required.
@@ -83,7 +100,8 @@ class WebServer::Impl {
         tls_(context.config.tls ? tls_context(*context.config.tls) : nullptr),
         shared_{.context = context,
                 .content = content,
-                .gate = Gate(config_of(context), names_of(config_of(context), addresses_)),
+                .gate = Gate(config_of(context), names_of(config_of(context), addresses_),
+                             cookie_port(addresses_)),
                 .page_address = page_address(config_of(context), addresses_)} {}
 
   void start() {
@@ -95,9 +113,14 @@ class WebServer::Impl {
     });
   }
 
-  void take(std::size_t address, int descriptor) {
-    asio::post(shared_.loop,
-               [this, address, descriptor] { begin(addresses_[address], descriptor); });
+  void take(std::size_t address, int descriptor, std::shared_ptr<Account> account) {
+    Account* const own = account.get();
+    // With the last of the connection's copies of this.
+    std::shared_ptr<Account> held(own,
+                                  [account = std::move(account)](Account*) { account->leave(); });
+    asio::post(shared_.loop, [this, address, descriptor, held = std::move(held)] {
+      begin(addresses_[address], descriptor, held);
+    });
   }
 
   void stop(core::Duration grace) {
@@ -120,7 +143,7 @@ class WebServer::Impl {
     return context.config.web.value_or(WebConfig{});
   }
 
-  void begin(const Address& address, int descriptor) {
+  void begin(const Address& address, int descriptor, std::shared_ptr<Account> account) {
     const PeerName name = peer_name(descriptor);
     sockaddr_storage own{};
     socklen_t size = sizeof own;
@@ -134,7 +157,7 @@ class WebServer::Impl {
     peer.unix_socket = name.grpc.empty();
     peer.peer.encrypted = encrypts(address.protection);
     peer.peer.this_host = address.protection == Protection::kThisHost;
-    peer.peer.account = shared_.context.account_of(name.grpc);
+    peer.peer.account = std::move(account);
     asio::generic::stream_protocol::socket socket(
         shared_.loop, asio::generic::stream_protocol(own.ss_family, 0), descriptor);
     PlainStream stream(std::move(socket));
@@ -180,8 +203,8 @@ void WebServer::start() {
   impl_->start();
 }
 
-void WebServer::take(std::size_t address, int descriptor) {
-  impl_->take(address, descriptor);
+void WebServer::take(std::size_t address, int descriptor, std::shared_ptr<Account> account) {
+  impl_->take(address, descriptor, std::move(account));
 }
 
 void WebServer::stop(core::Duration grace) {

@@ -32,8 +32,9 @@ class WebServer {
 
   /// Serves on a thread of its own, and logs the address of the page with a one-time token.
   void start();
-  /// A connection by address number `address`; takes the descriptor. Any thread.
-  void take(std::size_t address, int descriptor);
+  /// A connection by address number `address`; takes the descriptor. Says leave() on its account
+  /// when it has closed it. Any thread.
+  void take(std::size_t address, int descriptor, std::shared_ptr<Account> account);
   /// Closes what is still open after `grace`, and ends the thread. Idempotent.
   void stop(core::Duration grace);
 

@@ -109,8 +109,9 @@ PRESSED = ("0.25", "0.5236")  # rad: the first joint is held 0.27 rad short of w
 
 class Daemon:
     def __init__(self, folder, *arguments, scene="", server="", limits=(), env=None, user=None,
-                 record=True, devices=FINGER + SPARE, wait=True, **more):
-        """`limits`: of RLIMIT_*, (which, value) each. `more`: of subprocess.Popen."""
+                 record=True, devices=FINGER + SPARE, wait=True, web=False, **more):
+        """`limits`: of RLIMIT_*, (which, value) each. `web`: serves browsers too, and an observer's
+        token. `more`: of subprocess.Popen."""
         self.folder = pathlib.Path(folder)
         self.folder.mkdir(parents=True, exist_ok=True)
         self.port, self.metrics = free_port(socket.SOCK_STREAM), free_port(socket.SOCK_STREAM)
@@ -118,6 +119,8 @@ class Daemon:
         self.tcp, self.unix = ("127.0.0.1", self.port), str(self.folder / "s")
         self.address = f"127.0.0.1:{self.port}"
         self.record, self.log = self.folder / "run-finger.csv", self.folder / "log"
+        if web:
+            server += self.serve_browsers()
         file = self.folder / "scene.textproto"
         file.write_text(
             'name: "under attack"\n' + (f'record {{ file: "{folder}/run.csv" }}\n' if record else
@@ -144,6 +147,15 @@ class Daemon:
         self.pid = self.process.pid
         if wait:
             self.wait_served()
+
+    def serve_browsers(self):
+        """Fields of the scene's `server`."""
+        self.web, self.token = ("127.0.0.1", free_port(socket.SOCK_STREAM)), os.urandom(16).hex()
+        file = self.folder / "token"
+        with open(os.open(file, os.O_CREAT | os.O_WRONLY, 0o600), "w") as stream:
+            stream.write(self.token)
+        return (f'\n  web {{ listen: "127.0.0.1:{self.web[1]}" token {{ name: "attacker" '
+                f'file: "{file}" rights: "observe" }} }}')
 
     def wait_served(self, seconds=20.0):
         end = time.monotonic() + seconds

@@ -17,6 +17,8 @@ import recordings
 import sessions
 import signals
 import streams
+import web
+import web_frames
 from judge import GROWTH_MB
 
 
@@ -35,6 +37,7 @@ class Row:
     grows: float = GROWTH_MB
     options: tuple = ()  # of hapticd
     server: str = ""  # fields of the scene's `server`
+    web: bool = False  # browsers are served
     descriptors: int = 0  # RLIMIT_NOFILE of hapticd; 0: this host's
     term_under: bool = False  # SIGTERM comes while the attack goes on
     must_fail: str = ""  # a positive control: the suite must say this
@@ -135,6 +138,28 @@ ROWS = [
     Row("metrics_ranges", "no more than the page", metrics.ranges, "55", "14-20"),
     Row("metrics_idle", "others are scraped", metrics.idle, "55"),
     Row("metrics_odd", SERVED, metrics.odd_requests, "55"),
+    Row("web_idle", SERVED, web.idle, "new", web=True),
+    Row("web_left_behind", "no connection stays open", web.left_behind, "new", web=True),
+    Row("web_slow", "none lasts, others are served, SIGTERM in 5 s", web.slow, "new", web=True,
+        seconds=60, term_under=True),
+    Row("web_headers", SERVED, web.headers, "new", web=True),
+    Row("web_bodies", SERVED, web.bodies, "new", web=True),
+    Row("web_pipelined", SERVED, web.pipelined, "new", web=True),
+    Row("web_smuggled", "no request in another's body", web.smuggled, "new", web=True),
+    Row("web_upgrades", SERVED, web_frames.upgrades, "new", web=True, term_under=True),
+    Row("web_frames", SERVED, web_frames.odd_frames, "new", web=True),
+    Row("web_fragments", SERVED, web_frames.fragments, "new", web=True),
+    Row("web_pings", SERVED, web_frames.pings, "new", web=True),
+    Row("web_json", "refused, and quickly", web_frames.json_bombs, "new", web=True, seconds=60),
+    Row("web_unread_states", SERVED, web_frames.unread_states, "new", web=True, term_under=True),
+    Row("web_tokens", "none is guessed", web.wrong_tokens, "new", web=True),
+    Row("web_unread_pages", SERVED, web.unread_pages, "new", web=True, term_under=True),
+    Row("web_stops", "only what they name stops", web.stops, "new", web=True),
+    Row("web_strangers", "refused, the log is clean", web.strangers, "new", web=True),
+    Row("web_handshakes", "each ends, others are served", web.slow_handshakes, "new", alone=True,
+        seconds=60),
+    Row("web_sigterm", "ends within 5 s, sessions hear why", web.many_at_sigterm, "new",
+        alone=True, seconds=60),
     Row("log_text", "the log is clean", signals.log_text, "29", "14", alone=True, seconds=60),
     Row("replay_files", "refused, or played", files.replays, "48", alone=True, seconds=120),
     Row("replay_span", "refused, or played", files.replay_span, "48", "15", alone=True, seconds=60),

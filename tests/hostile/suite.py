@@ -97,7 +97,7 @@ def attack(row, folder):
     """One row against a daemon with a controller in contact."""
     m = Measured()
     few = [(resource.RLIMIT_NOFILE, row.descriptors)] if row.descriptors else []
-    daemon = Daemon(folder, *row.options, server=row.server, limits=few)
+    daemon = Daemon(folder, *row.options, server=row.server, limits=few, web=row.web)
     m.realtime = daemon.realtime()
     controller = Controller(daemon.address)
     try:

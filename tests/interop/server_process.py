@@ -14,7 +14,7 @@ import grpc
 SCENE = """
 name: "a finger for other people's software"
 loop {{ loop_late_fault {{ seconds: 2 }} late_bucket_full: 1000000 }}
-server {{ udp_listen: "127.0.0.1:{udp}" }}
+server {{ udp_listen: "127.0.0.1:{udp}" {server} }}
 device {{
   name: "finger"
   simulated_finger {{ target_mcp_rad: 0.5236 target_pip_rad: 0.5236 }}
@@ -39,11 +39,12 @@ def free_port(kind):
 
 
 class Server:
-    def __init__(self, program, *arguments, stderr=None):
+    def __init__(self, program, *arguments, stderr=None, server=""):
+        """`server`: further fields of the scene's."""
         self.port = free_port(socket.SOCK_STREAM)
         self.udp_port = free_port(socket.SOCK_DGRAM)
         self.scene = tempfile.NamedTemporaryFile("w", suffix=".textproto")
-        self.scene.write(SCENE.format(udp=self.udp_port))
+        self.scene.write(SCENE.format(udp=self.udp_port, server=server))
         self.scene.flush()
         self.address = f"127.0.0.1:{self.port}"
         self.process = subprocess.Popen(

@@ -24,16 +24,24 @@ using server::Descriptor;
 class Door {
  public:
   explicit Door(const ConnectionLimits& limits) : connections({"127.0.0.1:0"}, limits) {
-    connections.start([this](std::size_t, int descriptor) {
-      const std::lock_guard lock(mutex_);
-      accepted_.emplace_back(descriptor);
-    });
+    connections.start(
+        [this](std::size_t, int descriptor, std::shared_ptr<server::Account> account) {
+          const std::lock_guard lock(mutex_);
+          accepted_.emplace_back(descriptor);
+          accounts_.push_back(std::move(account));
+        });
   }
 
   [[nodiscard]] int port() const { return connections.ports()[0]; }
   [[nodiscard]] std::size_t accepted() {
     const std::lock_guard lock(mutex_);
     return accepted_.size();
+  }
+  /// Closes the first one, as a service does that does not shut it down.
+  void close_first() {
+    const std::lock_guard lock(mutex_);
+    accepted_.front() = Descriptor();
+    accounts_.front()->leave();
   }
   void read_all() {
     const std::lock_guard lock(mutex_);
@@ -46,6 +54,7 @@ class Door {
  private:
   std::mutex mutex_;
   std::vector<Descriptor> accepted_{};
+  std::vector<std::shared_ptr<server::Account>> accounts_{};
 
  public:
   Connections connections;
@@ -145,6 +154,17 @@ TEST(Connections, WhatNobodyReadsIsNoDebt) {
   EXPECT_FALSE(caller.cut());
 }
 
+TEST(Connections, WhatItsServiceClosedIsClosed) {
+  Door door({});
+  Caller left(door.port()), stays(door.port());
+  ASSERT_TRUE(eventually([&] { return door.accepted() == 2; }));
+  door.close_first();
+  EXPECT_TRUE(eventually([&] { return left.cut(); }));
+  EXPECT_TRUE(eventually([&] { return door.connections.open() == 1; }));
+  EXPECT_FALSE(stays.cut());
+  EXPECT_EQ(door.connections.cut(), 0U);
+}
+
 TEST(Connections, FloodsBeforeAcceptanceAreRefused) {
   Connections door({"127.0.0.1:0"}, {});
   Caller flood(door.ports()[0]);
@@ -152,7 +172,9 @@ TEST(Connections, FloodsBeforeAcceptanceAreRefused) {
   ASSERT_TRUE(flood.send(20'000));
   ASSERT_TRUE(early.send(2'000));
   std::vector<Descriptor> accepted;
-  door.start([&](std::size_t, int descriptor) { accepted.emplace_back(descriptor); });
+  door.start([&](std::size_t, int descriptor, const std::shared_ptr<server::Account>&) {
+    accepted.emplace_back(descriptor);
+  });
   EXPECT_TRUE(eventually([&] { return door.open() == 1; }));
   EXPECT_TRUE(eventually([&] { return flood.cut(); }));
   EXPECT_FALSE(early.cut());

@@ -131,6 +131,16 @@ TEST_F(GateTest, PrintedTokenWorksOnce) {
   EXPECT_FALSE(gate.rights(visitor)) << "the oldest cookie is forgotten";
 }
 
+TEST_F(GateTest, CookiesOfTwoServersDiffer) {
+  Gate one(config_, {"localhost"}, "1"), other(config_, {"localhost"}, "2");
+  const std::string both = one.cookie() + "=" + *one.redeem(std::string(one.one_time())) + "; " +
+                           other.cookie() + "=" + *other.redeem(std::string(other.one_time()));
+  Visitor visitor;
+  visitor.cookie = both;
+  EXPECT_TRUE(one.rights(visitor));
+  EXPECT_TRUE(other.rights(visitor));
+}
+
 TEST_F(GateTest, NamesTheTokenFileThatIsWrong) {
   for (const char* text : {"", "short\n", "0123456789abcdef and more\n"}) {
     write(text);

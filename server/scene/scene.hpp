@@ -48,8 +48,8 @@ struct DeviceScene {
 
 struct ServerScene {
   std::vector<std::string> listen{wire::kDefaultServer};
-  std::string udp_listen{};      ///< empty: no UDP path
-  std::string metrics_listen{};  ///< empty: no metrics
+  std::string udp_listen{};        ///< empty: no UDP path
+  std::string metrics_listen{};    ///< empty: no metrics
   std::optional<WebConfig> web{};  ///< absent: no browsers
   core::Duration lease_timeout{std::chrono::seconds(2)};
   unsigned max_sessions{32};

@@ -17,7 +17,7 @@ class WebServer {
   /// What an address serves.
   enum class Scope : std::uint8_t { kAll, kMetrics };
   struct Address {
-    std::string bound{};  ///< "127.0.0.1:29473", "unix:/path"
+    std::string bound{};  ///< "HOST:PORT", "unix:/PATH"
     Protection protection{Protection::kThisHost};
     Scope scope{Scope::kAll};
   };

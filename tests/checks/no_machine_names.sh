@@ -8,7 +8,7 @@ root=$(cd "${1:-$(dirname "$0")/../..}" && pwd)
 . "$(dirname "$0")/files.sh"
 cd "$root" || exit 2
 
-hosts='([a-z0-9-]+\.)*example|host|name|x|localhost|127\.0\.0\.1|(www\.)?(github\.com|doi\.org|apache\.org|w3\.org|keepachangelog\.com|semver\.org|debian\.org|ietf\.org|rfc-editor\.org|opensource\.org|type\.googleapis\.com)'
+hosts='([a-z0-9-]+\.)*example|host|name|x|localhost|127\.0\.0\.1|(www\.)?(github\.com|doi\.org|apache\.org|w3\.org|keepachangelog\.com|semver\.org|connectrpc\.com|debian\.org|ietf\.org|rfc-editor\.org|opensource\.org|type\.googleapis\.com)'
 status=0
 checked=0
 for file in $(files_of "$root" | grep -v -e '^tests/checks/' -e '^LICENSE$' -e '^proto/google/'); do

@@ -69,7 +69,7 @@ TEST_F(ClientSession, WaitWithoutAStateTimesOut) {
   EXPECT_EQ(error_of([&] { return session->wait_for_state(); }).reason(), ErrorReason::kTimeout);
 }
 
-TEST_F(ClientSession, AWaitMayHaveItsOwnTimeout) {
+TEST_F(ClientSession, WaitMayHaveItsOwnTimeout) {
   const auto session = open();
   const ClientError error = error_of([&] { return session->wait_for_state(milliseconds(3)); });
   EXPECT_EQ(error.reason(), ErrorReason::kTimeout);

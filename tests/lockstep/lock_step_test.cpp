@@ -387,7 +387,7 @@ TEST(LockStep, JavaScriptIsTheSame) {
 }
 
 #ifdef HAPTIC_MONO
-TEST(LockStep, TheCSharpClassIsTheSame) {
+TEST(LockStep, CSharpIsTheSame) {
   const std::string token = "a-token-of-this-test";
   const TemporaryFile file(token, "token");
   std::filesystem::permissions(file.path(), std::filesystem::perms::owner_read);

@@ -31,6 +31,7 @@ const std::map<std::string, ErrorReason> kMeanings{
     {"LEASE_HELD", ErrorReason::kLeaseHeld},
     {"TRACKER_HELD", ErrorReason::kLeaseHeld},
     {"PRIORITY_DENIED", ErrorReason::kPermissionDenied},
+    {"RIGHTS", ErrorReason::kPermissionDenied},
     {"NOT_CONTROLLER", ErrorReason::kPermissionDenied},
     {"GUARD_REQUIRED", ErrorReason::kPermissionDenied},
     {"STOPPED_LOCALLY", ErrorReason::kPermissionDenied},

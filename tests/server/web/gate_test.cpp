@@ -141,7 +141,7 @@ TEST_F(GateTest, CookiesOfTwoServersDiffer) {
   EXPECT_TRUE(other.rights(visitor));
 }
 
-TEST_F(GateTest, NamesTheTokenFileThatIsWrong) {
+TEST_F(GateTest, NamesTheWrongTokenFile) {
   for (const char* text : {"", "short\n", "0123456789abcdef and more\n"}) {
     write(text);
     EXPECT_THAT(refusal(), HasSubstr("server.web.token 'unity'")) << text;

@@ -25,6 +25,10 @@ bool is_host_and_port(const std::string& text) {
          std::stoi(text.substr(colon + 1)) <= 65535;
 }
 
+bool any_port(const std::string& address) {
+  return is_host_and_port(address) && address.ends_with(":0");
+}
+
 TlsConfig read_tls(const Part<v1::TlsScene>& part) {
   TlsConfig tls;
   if (part->certificate().empty()) part.missing("certificate", "the name of a PEM file");
@@ -54,10 +58,6 @@ std::string address_problem(const std::string& address) {
   const bool is_unix = matches(address, "unix:/.{1," + std::to_string(kLongestUnixPath - 1) + "}");
   if (is_unix || is_host_and_port(address)) return {};
   return R"(must be "host:port", "[v6]:port" (port 0 to 65535) or "unix:/path")";
-}
-
-bool any_port(const std::string& address) {
-  return is_host_and_port(address) && address.ends_with(":0");
 }
 
 std::vector<std::string> read_addresses(

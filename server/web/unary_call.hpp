@@ -87,7 +87,8 @@ template <typename Connection>
 class WebReply final : public Reply {
  public:
   WebReply(std::shared_ptr<Connection> connection, std::shared_ptr<Account> account)
-      : connection_(std::move(connection)),
+      : loop_runs_(connection->shared().loop.get_executor()),
+        connection_(std::move(connection)),
         booked_(std::move(account)),
         timer_(connection_->shared().loop) {}
 
@@ -111,10 +112,9 @@ class WebReply final : public Reply {
     });
   }
 
-  const std::shared_ptr<Connection> connection_;
   /// The loop goes on until the answer, from whichever thread, has come.
-  const asio::executor_work_guard<asio::io_context::executor_type> loop_runs_{
-      connection_->shared().loop.get_executor()};
+  const asio::executor_work_guard<asio::io_context::executor_type> loop_runs_;
+  const std::shared_ptr<Connection> connection_;
   const BookedCall booked_;
   asio::steady_timer timer_;
 };

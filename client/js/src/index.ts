@@ -1,0 +1,34 @@
+/** hapticd - the client of hapticd for browsers and Node.
+ *
+ *   import { Connection, Proxy } from "hapticd";
+ *   const server = new Connection("http://127.0.0.1:29473", { token });
+ *   const session = await server.open({ clientName: "my simulation", nominalRateHz: 60 });
+ *   session.engageWhenReady();
+ *   for await (const state of session.states()) {
+ *     const x = step(state.xProbe);  // where the objects let the probe be
+ *     session.publish(touching ? Proxy.held(x) : Proxy.free());
+ *   }
+ *
+ * Units are SI. An array has one value per degree of freedom or per virtual coordinate, in the
+ * order of Device. Messages are those of proto/haptic/v1, with names in camel case; 64-bit integers
+ * are bigints. */
+export { Connection } from "./connection.js";
+export type { ConnectionOptions } from "./connection.js";
+export {
+  contactAt, contactHorizon, cylinderCurvature, pointItself, pointOnFinger, pointOnJoints, pointOnPose,
+  sphereCurvature,
+} from "./contact.js";
+export type { Contact, JointAxis, PointMap, Vector3 } from "./contact.js";
+export { ClientError } from "./errors.js";
+export type { Code } from "./errors.js";
+export { Proxy, difference, keepDeepest } from "./proxy.js";
+export type { Plane, Pose } from "./proxy.js";
+export { Session } from "./session.js";
+export type { PublishStatistics, SessionOptions, Settings } from "./session_options.js";
+export { bitNames, enumName, stateFields } from "./state_fields.js";
+export type { StateField } from "./state_fields.js";
+export type { Format } from "./stream.js";
+export type { TlsOptions } from "./transport.js";
+export * from "./gen/haptic/v1/drawing_pb.js";
+export * from "./gen/haptic/v1/haptic_service_pb.js";
+export * from "./gen/haptic/v1/session_pb.js";

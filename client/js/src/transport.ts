@@ -1,0 +1,53 @@
+/** What a browser and Node do differently: HTTP requests and WebSockets. package.json chooses the
+ * module (`#transport`), so that a browser's bundle does not contain Node's. */
+
+import type { ClientError } from "./errors.js";
+
+export interface TlsOptions {
+  /** PEM: certificate of the authority that issued the server's; absent: those of the system. */
+  ca?: string;
+  /** PEM: certificate and private key of this client, if the server asks for them. */
+  cert?: string;
+  key?: string;
+}
+
+export interface Target {
+  /** "http://host:port", "https://host:port", or "unix:/path" (Node). */
+  readonly url: string;
+  readonly token: string | undefined;
+  /** Node only: a browser has certificates of its own. */
+  readonly tls: TlsOptions | undefined;
+}
+
+export interface Answer {
+  status: number;
+  body: Uint8Array;
+}
+
+/** What a socket reports; `close` comes once and last. */
+export interface SocketListener {
+  open(): void;
+  message(data: string | Uint8Array): void;
+  /** `refused`: the server answered the request for a WebSocket with this. A browser hides it. */
+  close(code: number, reason: string, refused?: ClientError): void;
+}
+
+export interface Socket {
+  /** Bytes that wait here for the network. */
+  readonly bufferedAmount: number;
+  send(data: string | Uint8Array): void;
+  close(): void;
+}
+
+export interface Transport {
+  defaultUrl(): string;
+  /** POST. Rejects if there is no answer. */
+  post(target: Target, path: string, type: string, body: string | Uint8Array,
+       timeoutMs: number): Promise<Answer>;
+  connect(target: Target, path: string, protocol: string, listener: SocketListener): Socket;
+}
+
+/** Largest message of a session (proto/README.md). */
+export const MAX_MESSAGE = 65536;
+/** Largest answer to a call that is believed. */
+export const MAX_ANSWER = 4 << 20;

@@ -1,0 +1,137 @@
+// What the package decides without a server.
+import assert from "node:assert/strict";
+import { createRequire } from "node:module";
+import { test } from "node:test";
+import { part } from "./package_under_test.mjs";
+
+const haptic = await part("index.js");
+const { create } = createRequire(process.env.HAPTICD_JS + "/")("@bufbuild/protobuf");
+const { closeError, httpError } = await part("errors.js");
+const { Reconnection } = await part("reconnection.js");
+const { openSession } = await part("session_options.js");
+const { RoundTrip } = await part("round_trip.js");
+
+const linear = (n) => Array.from({ length: n }, () => ({ kind: "linear" }));
+const close = (actual, expected) => {
+  assert.equal(actual.length, expected.length);
+  actual.forEach((value, i) => assert.ok(Math.abs(value - expected[i]) < 1e-12, `${actual}`));
+};
+
+test("angles differ the short way round", () => {
+  close(haptic.difference([{ kind: "angle" }], [3], [-3]), [6 - 2 * Math.PI]);
+  close(haptic.difference([{ kind: "linear" }], [3], [-3]), [6]);
+});
+
+test("quaternions take the nearer sign", () => {
+  const kinds = [{ kind: "linear" }, ...Array(4).fill({ kind: "quaternion" })];
+  close(haptic.difference(kinds, [1, 0, 0, 0, -1], [0, 0, 0, 0.6, 0.8]), [1, 0, 0, -0.6, 0.2]);
+});
+
+test("the deepest 32 planes stay", () => {
+  const planes = Array.from({ length: 40 }, (_, i) => ({ normal: [2], offset: i }));
+  const kept = haptic.keepDeepest(linear(1), [0], [5], planes);
+  assert.deepEqual(kept, planes.slice(0, 32));
+});
+
+test("eight contacts may share coordinates", () => {
+  const contact = (id, normal, offset) => ({ id, normal, offset });
+  const planes = Array.from({ length: 10 }, (_, i) => contact(i + 1, [1, 0], 10 - i));
+  planes.push(contact(11, [0, 1], 99));
+  assert.deepEqual(haptic.keepDeepest(linear(2), [0, 0], [0, 0], planes).map(({ id }) => id),
+                   [3, 4, 5, 6, 7, 8, 9, 10, 11]);
+});
+
+test("a curvature without room becomes 0", () => {
+  const planes = Array.from({ length: 12 }, (_, i) => ({
+    id: i + 1, normal: linear(96).map((_, k) => (k >> 3 === i ? 1 : 0)), offset: i,
+    curvature: Array(36).fill(1), firstCoordinate: 8 * i, uncertainty: 0,
+  }));
+  const none = Array(96).fill(0);
+  const kept = haptic.keepDeepest(linear(96), none, none, planes);
+  assert.deepEqual(kept.map(({ curvature }) => curvature.length), Array(12).fill(0));
+  assert.ok(kept.every((plane) => plane.uncertainty === undefined));
+  const small = planes.map((plane) => ({ ...plane, normal: plane.normal.slice(0, 44) }));
+  const few = haptic.keepDeepest(linear(44), none.slice(0, 44), none.slice(0, 44), small);
+  assert.equal(few.filter(({ curvature }) => curvature.length > 0).length, 8);  // 320 / 36
+});
+
+test("a close frame names code and reason", () => {
+  const { code, reason, message } = closeError(4006, "LEASE_HELD: the device is wall's");
+  assert.deepEqual([code, reason, message], ["already_exists", "LEASE_HELD", "the device is wall's"]);
+  assert.equal(closeError(4014, "the front ends").reason, "UNAVAILABLE");
+  assert.equal(closeError(1000, "").code, "ok");
+  for (const lost of [1006, 1011, 4000 + 17, 5000]) {
+    assert.equal(closeError(lost, "").code, "unavailable");
+  }
+});
+
+test("an error's reason comes from ErrorInfo", () => {
+  const body = (text) => httpError(404, new TextEncoder().encode(text));
+  const info = Buffer.from("\x0a\x0eNO_SUCH_DEVICE\x12\x07hapticd").toString("base64")
+    .replace(/=+$/, "");
+  const error = body(JSON.stringify({ code: "not_found", message: "no device 'x'",
+    details: [{ type: "google.rpc.ErrorInfo", value: info }] }));
+  assert.deepEqual([error.code, error.reason, error.message],
+                   ["not_found", "NO_SUCH_DEVICE", "no device 'x'"]);
+  for (const odd of ["", "<html>", "[]", "null", '{"code":7,"details":[null,{"type":1}]}',
+    '{"details":[{"type":"google.rpc.ErrorInfo","value":"!"}]}']) {
+    assert.deepEqual([body(odd).code, body(odd).message], ["unimplemented", "HTTP status 404"]);
+  }
+});
+
+test("attempts follow each other slower", () => {
+  const reconnection = new Reconnection(true);
+  const lost = closeError(1006, "");
+  const delays = [1, 2, 3, 4, 5].map(() => reconnection.ended(lost));
+  assert.deepEqual(delays, [0, 100, 200, 400, 500]);
+  assert.equal(reconnection.ended(closeError(4003, "INVALID_ARGUMENT: x")), undefined);
+  assert.equal(reconnection.over, true);
+  assert.equal(new Reconnection(false).ended(lost), undefined);
+});
+
+test("round trips rise at once", () => {
+  const roundTrip = new RoundTrip();
+  const after = (seq, sent, came) => {
+    roundTrip.published(seq, sent);
+    roundTrip.used(seq, came);
+    return roundTrip.value;
+  };
+  assert.equal(after(1n, 0, 10), 10);
+  assert.equal(after(2n, 20, 46), 26);
+  assert.equal(after(3n, 50, 60), 25);
+  roundTrip.used(2n, 1000);
+  assert.equal(roundTrip.value, 25);
+});
+
+test("a session opens as told", () => {
+  const opening = openSession({ role: "observer", priority: "operator", holdEndMs: 1500.25 }, "", 5n);
+  assert.equal(opening.role, haptic.Role.OBSERVER);
+  assert.equal(opening.priority, haptic.Priority.OPERATOR);
+  assert.deepEqual(opening.holdEnd, { seconds: 1n, nanos: 500250000 });
+  assert.equal(opening.freshEnd, undefined);
+  assert.deepEqual([opening.nominalRateHz, opening.stateRateHz], [60, 60]);
+});
+
+const device = create(haptic.DeviceSchema, {
+  dofs: [{ name: "mcp", unit: "rad", actuated: true }, { name: "slide", unit: "m", actuated: true },
+         { name: "pip", unit: "rad" }],
+  coordinates: [{ name: "x", unit: "m" }],
+});
+
+test("a table has names and units", () => {
+  const state = create(haptic.DeviceStateSchema, {
+    state: haptic.DeviceStateName.ENGAGED, tauA: [1.5, -2], faults: 0x80000002, xProbe: [0.25],
+  });
+  const fields = Object.fromEntries(
+    haptic.stateFields(device, state).map((field) => [field.name, field]));
+  assert.deepEqual(fields.tau_a, {
+    name: "tau_a", kind: "number", repeated: true, axis: "actuated", labels: ["mcp", "slide"],
+    units: ["N m", "N"], values: [1.5, -2], messages: [] });
+  assert.deepEqual(fields.stiffness_in_effect.units, ["N m/rad", "N/m"]);
+  assert.deepEqual(fields.q.labels, ["mcp", "slide", "pip"]);
+  assert.deepEqual([fields.state.values, fields.mode.values], [["ENGAGED"], ["NONE"]]);
+  assert.deepEqual(fields.faults.values, ["DEVICE_SILENT|31"]);
+  assert.deepEqual(fields.server_time_ns.units, ["ns"]);
+  assert.deepEqual(fields.passivity.messages[0].map(({ values }) => values), [[], [], [], [], []]);
+  assert.deepEqual(fields.coupling_metric.messages, []);
+});

@@ -53,11 +53,7 @@ TEST(Announced, WhatIsShownIsPlainAscii) {
 TEST(Announced, OtherLinesAreNoServer) {
   const std::string begin = "=;eth0;IPv4;a;_hapticd._tcp;local;lab.local;";
   EXPECT_TRUE(announced(begin + "192.0.2.7;29470;"));
-<<<<<<< HEAD
-  for (const std::string& rest :
-=======
   for (const char* rest :
->>>>>>> origin/hosts
        {"192.0.2.7;29470", "192.0.2.7;0;", "192.0.2.7;65536;", "192.0.2.7;-1;", "192.0.2.7;29470x;",
         "192.0.2.7;;", "192.0.2;29470;", "lab.local;29470;", "1;2;", ""}) {
     EXPECT_FALSE(announced(begin + rest)) << rest;
@@ -70,11 +66,7 @@ TEST(Announced, OtherLinesAreNoServer) {
 
 TEST(Announced, CutTextsEndWithTheLine) {
   const std::string begin = "=;eth0;IPv4;a\\;_hapticd._tcp;local;lab.local;192.0.2.7;29470;";
-<<<<<<< HEAD
-  for (const std::string& txt : {"\"", "\"a\\", "\"a\\0", "\"a\\25"}) {
-=======
   for (const char* txt : {"\"", "\"a\\", "\"a\\0", "\"a\\25"}) {
->>>>>>> origin/hosts
     ASSERT_TRUE(announced(begin + txt)) << txt;
     EXPECT_EQ(announced(begin + txt)->txt.size(), 1U) << txt;
   }

@@ -9,7 +9,7 @@
 #         hand        what server/demo.sh --hand needs in addition to build and demo
 #         test        what tests/run.sh needs in addition to build
 #         report      what draws the figures of the study
-#         node        npm, which fetches buf (proto/buf.sh)
+#         node        npm, which builds the JavaScript client and the page, and fetches buf
 #         firmware    the board's side
 #         containers  building and running images
 # Installs missing packages only; if none is missing it needs neither network nor root. "a|b" means:

@@ -25,7 +25,7 @@ limit() { # limit FILE
 checked=0
 status=0
 for file in $(files_of "$root" |
-  grep -E '\.(hpp|cpp|h|c|proto|sh|py|cmake|gp|awk|textproto|txt)$|/run$' |
+  grep -E '\.(hpp|cpp|h|c|proto|sh|py|ts|mjs|cmake|gp|awk|textproto|txt)$|/run$' |
   grep -v '^proto/google/'); do
   [ -f "$file" ] || continue
   checked=$((checked + 1))

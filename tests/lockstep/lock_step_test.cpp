@@ -1,7 +1,7 @@
 /// In lock-step - a clock of the test's own, tick k runs after the samples of its millisecond were
 /// accepted, arrivals stamped by that clock - the carrier makes no difference: the same run
-/// in-process, over gRPC on TCP, over gRPC on a UNIX socket, over UDP and by the C library gives
-/// the same force, bit for bit.
+/// in-process, over gRPC on TCP, over gRPC on a UNIX socket, over UDP, by the C library and from
+/// JavaScript over a WebSocket gives the same force, bit for bit.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -50,11 +50,13 @@ class Server {
     server::ServiceConfig config{.listen = {address}, .udp_listen = "127.0.0.1:0"};
     config.clock = [this](core::Duration) { return now(); };
     config.age_by_source_time = false;
+    config.web = server::WebConfig{.listen = {web_}};  // no token: a UNIX socket
     rpc_ =
         std::make_unique<server::FrontServer>(config, owner_, [] { return server::ServerFacts{}; });
     rpc_->start();
   }
   [[nodiscard]] std::string address() const { return rpc_->bound_addresses().front(); }
+  [[nodiscard]] const std::string& web_address() const { return web_; }
 
   core::TickRecord tick() {
     now_ += kTick.count();
@@ -89,6 +91,7 @@ class Server {
   server::Telemetry telemetry_;
   server::Owner owner_;
   std::shared_ptr<HandFront> front_{};
+  const std::string web_{"unix:/tmp/haptic-lockstep-web-" + std::to_string(getpid())};
   std::unique_ptr<server::FrontServer> rpc_{};
 };
 
@@ -212,11 +215,10 @@ class ByWire final : public Way {
   std::thread asking_{};
 };
 
-/// libhaptic in a process of its own: this one has the protocol's messages already.
-class ByCLibrary final : public Way {
+/// A client in a process of its own, in another language: it does what it is told by lines.
+class ByProgram final : public Way {
  public:
-  explicit ByCLibrary(Server& server)
-      : client_({HAPTIC_BINARY_DIR "/client/c/haptic_c_lock_step_client", server.address()}) {
+  explicit ByProgram(std::vector<std::string> command) : client_(std::move(command)) {
     EXPECT_TRUE(answered(client_.read_line()));
   }
   void publish(Server& server, const std::vector<double>& x) override {
@@ -246,11 +248,11 @@ class ByCLibrary final : public Way {
  private:
   static testing::AssertionResult answered(const std::string& line) {
     if (line.rfind("0 ", 0) == 0) return testing::AssertionSuccess();
-    return testing::AssertionFailure() << "the C client says '" << line << "'";
+    return testing::AssertionFailure() << "the client says '" << line << "'";
   }
   static std::string exact(double value) {
     std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%a", value);
+    std::snprintf(text.data(), text.size(), "%.17g", value);
     return text.data();
   }
 
@@ -350,15 +352,33 @@ TEST(LockStep, UdpIsTheSame) {
   EXPECT_EQ(server.owner().status(0).carrier, server::Carrier::kUdp);
 }
 
-TEST(LockStep, TheCLibraryIsTheSame) {
-  Server server;
-  server.serve("127.0.0.1:0");
-  ByCLibrary way(server);
+void expect_same(Server& server, ByProgram& way) {
   const Trace trace = run(server, way);
   EXPECT_EQ(trace.tau, in_process().tau);
   EXPECT_EQ(trace.elastic, in_process().elastic);
   const auto [seq, tau_a] = way.heard();
   EXPECT_EQ(trace.by_tick.at(seq), tau_a);
+}
+
+TEST(LockStep, TheCLibraryIsTheSame) {
+  Server server;
+  server.serve("127.0.0.1:0");
+  // In a process of its own: this one has the protocol's messages already.
+  ByProgram way({HAPTIC_BINARY_DIR "/client/c/haptic_c_lock_step_client", server.address()});
+  expect_same(server, way);
+}
+
+TEST(LockStep, JavaScriptIsTheSame) {
+  const std::string node = HAPTIC_NODE;
+  if (node.empty()) GTEST_SKIP() << "the JavaScript client is not built";
+  for (const char* format : {"binary", "json"}) {
+    SCOPED_TRACE(format);
+    Server server;
+    server.serve("127.0.0.1:0");
+    ByProgram way({node, HAPTIC_SOURCE_DIR "/tests/client/js/lock_step_client.mjs",
+                   HAPTIC_BINARY_DIR "/client/js", server.web_address(), format});
+    expect_same(server, way);
+  }
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ let shown = 0;
 for await (const state of session.states()) {
   session.publish(Proxy.behind([{ normal, offset: 0.314 }], state.xProbe));
   if (++shown % 200 === 0) {
-    const name = enumName(DeviceStateNameSchema, state.state);
-    console.log(`${name}, x ${state.xProbe[0].toFixed(3)}, force ${state.tauElastic[0].toFixed(2)}`);
+    const [x, force] = [state.xProbe[0].toFixed(3), state.tauElastic[0].toFixed(2)];
+    console.log(`${enumName(DeviceStateNameSchema, state.state)}, x ${x}, force ${force}`);
   }
 }

@@ -1,6 +1,7 @@
 /** A connection to hapticd: facts about the server and its devices, sessions, emergency stop. */
 import { transport } from "#transport";
 import { Calls } from "./calls.js";
+import { localError } from "./errors.js";
 import {
   HealthCheckRequestSchema, HealthCheckResponse_ServingStatus, HealthCheckResponseSchema,
 } from "./gen/grpc/health/v1/health_pb.js";
@@ -33,8 +34,15 @@ export class Connection {
   readonly #calls: Calls;
 
   /** `url`: "http://host:port", "https://host:port", or in Node "unix:/path". Default: the server
-   * of the page, or in Node "http://127.0.0.1:29473". Does not wait for the server. */
+   * of the page, or in Node "http://127.0.0.1:29473". Does not wait for the server. Throws
+   * ClientError if it is no such address, or the token cannot be one. */
   constructor(url: string = transport.defaultUrl(), options: ConnectionOptions = {}) {
+    if (!/^(https?:\/\/[^/]+\/?|unix:\/.*)$/.test(url)) {
+      throw localError("invalid_argument", `'${url}': must be http://host:port or unix:/path`);
+    }
+    if (options.token !== undefined && !/^[\w-]+$/.test(options.token)) {
+      throw localError("invalid_argument", "token: must be of A-Z, a-z, 0-9, _ and -");
+    }
     const target = { url: url.replace(/\/$/, ""), token: options.token, tls: options.tls };
     this.#calls = new Calls(target, options.format ?? "binary", options.timeoutMs ?? 5000);
   }

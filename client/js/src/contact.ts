@@ -96,7 +96,8 @@ export function pointOnPose(x: number[], offset: Vector3, firstCoordinate = 0): 
       const turn = cross(unit[Math.min(i, j)]!, r);
       return vector((k) => 2 * turn[k]);
     }
-    return vector((k) => 2 * ((k === i ? r[j]! : 0) + (k === j ? r[i]! : 0) - (i === j ? r[k] : 0)));
+    return vector((k) =>
+      2 * ((k === i ? r[j]! : 0) + (k === j ? r[i]! : 0) - (i === j ? r[k] : 0)));
   };
   const vxr = cross(v, r), vr = dot(v, r);
   const turned = vector((k) => (w * w - dot(v, v)) * r[k] + 2 * v[k] * vr + 2 * w * vxr[k]);
@@ -114,7 +115,7 @@ export function pointOnPose(x: number[], offset: Vector3, firstCoordinate = 0): 
   };
 }
 
-/** Second derivative of an object's gap by the point, 1/m: lower triangle xx, yx, yy, zx, zy, zz. */
+/** Second derivative of an object's gap by the point, 1/m: xx, yx, yy, zx, zy, zz. */
 export type Curvature3 = readonly number[];
 
 const across = (directions: Vector3[], distance: number): Curvature3 => triangle(3, (i, j) =>

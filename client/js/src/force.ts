@@ -1,6 +1,9 @@
 /** Whether the user wants force, and the asking for it in the background: every 50 ms, until the
  * server agrees. Rules as in the C++ client's class of this name. */
 import { ClientError } from "./errors.js";
+import { Event_Kind } from "./gen/haptic/v1/session_pb.js";
+import type { Event } from "./gen/haptic/v1/session_pb.js";
+import { PREEMPTED, endsLease } from "./reconnection.js";
 
 const RETRY_MS = 50;
 /** After the server agreed, a state says ENGAGING before this is over. */
@@ -10,6 +13,20 @@ const FAULT_MAY_BE_OLD_MS = 250;
 /** Refusals that time and more samples can cure. */
 const CURABLE = new Set(["NOT_ARMED", "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES", "STREAM_STALE",
   "DEVICE_STALE", "TRACKER_STALE", "NEVER_FREE", "OUTSIDE_WINDOW", "NO_ANSWER"]);
+
+/** Why an event ends the asking for force; undefined: it does not. `again`: force may come back. */
+export function endOfForce(event: Event, leaseEpoch: number,
+                           again: boolean): ClientError | undefined {
+  const why = (reason: string, text: string): ClientError =>
+    new ClientError("failed_precondition", reason, `${text}: ${event.message}`);
+  // Clearing a fault, perhaps an emergency stop, must not start a motor.
+  if (event.kind === Event_Kind.FAULT) return why(event.reason, "fault");
+  if (event.kind === Event_Kind.LOST && !again) return why("LOST", "force was lost");
+  if (event.reason === PREEMPTED && endsLease(event, leaseEpoch)) {
+    return new ClientError("already_exists", "LEASE_HELD", event.message);
+  }
+  return undefined;
+}
 
 /** What it needs of the session. */
 export interface ForceOwner {

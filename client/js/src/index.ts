@@ -15,8 +15,8 @@
 export { Connection } from "./connection.js";
 export type { ConnectionOptions } from "./connection.js";
 export {
-  contactAt, contactHorizon, cylinderCurvature, pointItself, pointOnFinger, pointOnJoints, pointOnPose,
-  sphereCurvature,
+  contactAt, contactHorizon, cylinderCurvature, pointItself, pointOnFinger, pointOnJoints,
+  pointOnPose, sphereCurvature,
 } from "./contact.js";
 export type { Contact, JointAxis, PointMap, Vector3 } from "./contact.js";
 export { ClientError } from "./errors.js";
@@ -24,9 +24,10 @@ export type { Code } from "./errors.js";
 export { Proxy, difference, keepDeepest } from "./proxy.js";
 export type { Plane, Pose } from "./proxy.js";
 export { Session } from "./session.js";
-export type { PublishStatistics, SessionOptions, Settings } from "./session_options.js";
+export type { SessionOptions, Settings } from "./session_options.js";
 export { bitNames, enumName, stateFields } from "./state_fields.js";
 export type { StateField } from "./state_fields.js";
+export type { PublishStatistics } from "./statistics.js";
 export type { Format } from "./stream.js";
 export type { TlsOptions } from "./transport.js";
 export * from "./gen/haptic/v1/drawing_pb.js";

@@ -1,12 +1,23 @@
 /** Whether a session has a stream, and when the next attempt at one is due. As the C++ client's
  * class of this name; it reads no clock and opens no stream. */
 import { ClientError, mayPass } from "./errors.js";
+import { Event_Kind } from "./gen/haptic/v1/session_pb.js";
+import type { Event } from "./gen/haptic/v1/session_pb.js";
 
 const FIRST_DELAY_MS = 100, LONGEST_DELAY_MS = 500;
 
 /** over: no stream, and no attempt follows. leaseLost: there is a stream, but the session only
  * observes. waiting: the next attempt is due. closed: by the user. */
 type State = "over" | "opening" | "open" | "leaseLost" | "waiting" | "closed";
+
+export const PREEMPTED = "LEASE_PREEMPTED";
+
+/** Whether the event ends the lease of this number. The end of an earlier session's lease may still
+ * be told to a session that opens just then. */
+export function endsLease(event: Event, leaseEpoch: number): boolean {
+  return event.leaseEpoch === leaseEpoch &&
+    (event.kind === Event_Kind.LEASE_EXPIRED || event.reason === PREEMPTED);
+}
 
 export class Reconnection {
   state: State = "over";
@@ -27,6 +38,11 @@ export class Reconnection {
   opened(): void {
     this.state = "open";
     this.#delay = 0;
+  }
+
+  /** Only a new session controls the device. */
+  leaseLost(): void {
+    if (this.state === "open") this.state = "leaseLost";
   }
 
   /** The stream ended, or the opening failed. Returns the time to the next attempt in ms: 0, then

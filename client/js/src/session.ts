@@ -6,20 +6,24 @@
  * *lease* is a controller's right to the device; it expires after a while without samples. */
 import type { Calls } from "./calls.js";
 import { ClientError, localError } from "./errors.js";
-import { Force } from "./force.js";
+import { Force, endOfForce } from "./force.js";
 import { HapticService } from "./gen/haptic/v1/haptic_service_pb.js";
 import type { Device, UpdateSettingsResponse } from "./gen/haptic/v1/haptic_service_pb.js";
 import { DeviceStateName, Event_Kind } from "./gen/haptic/v1/session_pb.js";
-import type { DeviceState, Event, SampleAck, SessionOpened, SessionResponse }
+import type { DeviceState, Event, SessionOpened, SessionResponse }
   from "./gen/haptic/v1/session_pb.js";
 import { NewestState } from "./newest_state.js";
 import { keepDeepest } from "./proxy.js";
 import type { Pose, Proxy } from "./proxy.js";
-import { Reconnection } from "./reconnection.js";
+import { Reconnection, endsLease } from "./reconnection.js";
 import { RoundTrip } from "./round_trip.js";
-import { NO_STATISTICS, openSession } from "./session_options.js";
-import type { PublishStatistics, SessionOptions, Settings } from "./session_options.js";
+import { proxySample, trackerSample } from "./sample.js";
+import { openSession } from "./session_options.js";
+import type { SessionOptions, Settings } from "./session_options.js";
+import { Statistics } from "./statistics.js";
+import type { PublishStatistics } from "./statistics.js";
 import { Stream } from "./stream.js";
+import type { Request } from "./stream.js";
 
 const FAREWELL_MS = 500;
 const HAS_FORCE = new Set([DeviceStateName.ENGAGING, DeviceStateName.ENGAGED]);
@@ -37,8 +41,7 @@ export class Session {
   #newestEventNs = 0n;
   #retry: ReturnType<typeof setTimeout> | undefined;
   #roundTrip = new RoundTrip();
-  #statistics: PublishStatistics = { ...NO_STATISTICS };
-  #earlier: PublishStatistics = NO_STATISTICS;  // when the stream opened, whose acknowledgements begin at 0
+  #statistics = new Statistics();
 
   /** Use Connection.open(). */
   static async open(calls: Calls, options: SessionOptions): Promise<Session> {
@@ -76,36 +79,19 @@ export class Session {
   /** Sends where the proxy is now. Never waits, never throws. The newest sample wins: one that
    * could not be sent yet is replaced and counted; without a stream it is dropped. */
   publish(proxy: Proxy): void {
-    try {
+    this.#offer((seq) => {
       const nowMs = performance.now(), given = this.#states.given, planes = proxy.planes ?? [];
       const fitting = planes.length === 0 ? planes : keepDeepest(
         this.device.coordinates, proxy.position, given?.xProbe ?? [], planes);
-      const used = proxy.deviceSeqUsed ?? given?.seq ?? 0n;
-      const hold = used !== 0n && used === given?.seq ? (nowMs - given.receivedMs) * 1000 : 0;
-      const seq = this.#nextSeq();
-      this.#statistics.planesLeftOut += planes.length - fitting.length;
+      this.#statistics.counts.planesLeftOut += planes.length - fitting.length;
       this.#roundTrip.published(seq, nowMs);
-      this.#stream?.offer({ case: "proxy", value: {
-        seq, sourceTimeNs: BigInt(Math.round(nowMs * 1e6)), deviceSeqUsed: used,
-        holdUs: Math.min(Math.max(Math.trunc(hold), 0), 0xffffffff),
-        validForUs: proxy.validForUs ?? 0, position: [...proxy.position], mode: proxy.mode,
-        planes: fitting.map((plane) => ({ ...plane })),
-      } });
-    } catch (error) {  // not what the types say
-      this.#statistics.lastRejection = String(error);
-    }
+      return { case: "proxy", value: proxySample(proxy, fitting, seq, given, nowMs) };
+    });
   }
 
   /** The same for the poses of a tracker. */
   publishPose(pose: Pose): void {
-    try {
-      this.#stream?.offer({ case: "tracker", value: {
-        seq: this.#nextSeq(), validForUs: pose.validForUs ?? 0, position: [...pose.position],
-        orientation: [...pose.orientation],
-      } });
-    } catch (error) {
-      this.#statistics.lastRejection = String(error);
-    }
+    this.#offer((seq) => ({ case: "tracker", value: trackerSample(pose, seq) }));
   }
 
   // What comes down.
@@ -157,7 +143,7 @@ export class Session {
     return this.#force.refusal;
   }
   statistics(): PublishStatistics {
-    return { ...this.#statistics };
+    return { ...this.#statistics.counts };
   }
 
   // Force.
@@ -192,29 +178,32 @@ export class Session {
   /** Ends the session; the server lets force fade out. No callback follows. Resolves when the
    * server heard it, after 500 ms at the latest; a page that goes away need not wait. */
   async close(): Promise<void> {
-    const stream = this.#stream, closed = new ClientError("ok", "CLOSED", "the session was closed");
+    const stream = this.#stream, open = this.connected;
+    const closed = new ClientError("ok", "CLOSED", "the session was closed");
     this.#reconnection.state = "closed";
     this.#reconnection.why = closed;
     this.#stream = undefined;
     this.#force.giveUp(closed);
     clearTimeout(this.#retry);
     this.#states.end(closed);
-    if (stream === undefined) return;
-    stream.leave();
-    await Promise.race([stream.ended, new Promise((done) => setTimeout(done, FAREWELL_MS))]);
-    stream.cancel(closed);
+    if (open) await stream?.leave(FAREWELL_MS);
+    stream?.cancel(closed);
   }
 
   // The stream.
 
-  #nextSeq(): bigint {
-    ++this.#statistics.published;
+  #offer(make: (seq: bigint) => Request): void {
+    const seq = BigInt(++this.#statistics.counts.published);
     if (this.#reconnection.state === "leaseLost" && this.#options.reconnect) {
       // Only a new session controls the device. It begins with this sample and not before, so that
       // a silent client does not hold the device.
       this.#stream?.cancel(localError("aborted", "the lease had expired, or was preempted"));
     }
-    return BigInt(this.#statistics.published);
+    try {
+      this.#stream?.offer(make(seq));
+    } catch (error) {  // not what the types say
+      this.#statistics.counts.lastRejection = String(error);
+    }
   }
 
   #sessionId(): string {
@@ -235,26 +224,23 @@ export class Session {
       const resume = this.#force.releaseOwed || !this.#options.reconnect ? "" :
         this.#opened?.sessionId ?? "";
       const value = openSession(this.#options, resume, this.#newestEventNs);
-      const timer = setTimeout(() => stream.cancel(localError(
-        "deadline_exceeded", `no answer to OpenSession in ${this.#calls.timeoutMs} ms`)),
-        this.#calls.timeoutMs);
-      const stream = new Stream(this.#calls.target, this.#calls.format, { case: "open", value }, {
+      const { target, format, timeoutMs } = this.#calls;
+      const stream = new Stream(target, format, { case: "open", value }, {
         message: (message) => {
           if (message.case !== "opened") return this.#take(message);
           clearTimeout(timer);
           this.#takeOpened(message.value);
           resolve();
         },
-        sent: (replaced) => {
-          ++this.#statistics.sent;
-          this.#statistics.conflated += replaced;
-        },
+        sent: (replaced) => this.#statistics.sent(replaced),
         end: (why) => {
           clearTimeout(timer);
           reject(why);
           if (stream === this.#stream) this.#ended(why);
         },
       });
+      const timer = setTimeout(() => stream.cancel(localError(
+        "deadline_exceeded", `no answer to OpenSession in ${timeoutMs} ms`)), timeoutMs);
       this.#stream = stream;
     });
   }
@@ -274,7 +260,7 @@ export class Session {
   #takeOpened(opened: SessionOpened): void {
     this.#opened = opened;
     this.#reconnection.opened();
-    this.#earlier = { ...this.#statistics };
+    this.#statistics.opened();
     if (!opened.resumed) {
       this.#states.restart();
       this.#force.releaseOwed = false;
@@ -288,7 +274,7 @@ export class Session {
     if (this.#reconnection.state === "closed") return;
     if (message.case === "state") this.#takeState(message.value);
     if (message.case === "event") this.#takeEvent(message.value);
-    if (message.case === "ack") this.#takeAck(message.value);
+    if (message.case === "ack") this.#statistics.acknowledged(message.value);
   }
 
   #takeState(state: DeviceState): void {
@@ -305,31 +291,10 @@ export class Session {
 
   #takeEvent(event: Event): void {
     if (event.kind !== Event_Kind.TRANSPORT) this.#newestEventNs = event.serverTimeNs;
-    // The end of an earlier session's lease may still be told to a session that opens just then.
-    const ofThisLease = event.leaseEpoch === this.leaseEpoch;
-    const preempted = event.reason === "LEASE_PREEMPTED";
-    const controls = (this.#options.role ?? "controller") === "controller";
-    if (ofThisLease && controls && (preempted || event.kind === Event_Kind.LEASE_EXPIRED) &&
-        this.#reconnection.state === "open") {
-      this.#reconnection.state = "leaseLost";
-    }
-    const why = (reason: string, text: string): ClientError =>
-      new ClientError("failed_precondition", reason, `${text}: ${event.message}`);
-    if (ofThisLease && preempted) this.#force.giveUp(why("LEASE_HELD", "preempted"));
-    if (event.kind === Event_Kind.FAULT) this.#force.giveUp(why(event.reason, "fault"));
-    if (event.kind === Event_Kind.LOST && !this.#options.reEngage) {
-      this.#force.giveUp(why("LOST", "force was lost"));
-    }
+    const { role = "controller", reEngage = false } = this.#options;
+    if (role === "controller" && endsLease(event, this.leaseEpoch)) this.#reconnection.leaseLost();
+    const end = endOfForce(event, this.leaseEpoch, reEngage);
+    if (end !== undefined) this.#force.giveUp(end);
     this.#options.onEvent?.(event);
-  }
-
-  #takeAck(ack: SampleAck): void {
-    Object.assign(this.#statistics, {
-      accepted: this.#earlier.accepted + Number(ack.accepted),
-      rejectedOld: this.#earlier.rejectedOld + Number(ack.rejectedOld),
-      rejectedInvalid: this.#earlier.rejectedInvalid + Number(ack.rejectedInvalid),
-      backlog: this.#earlier.backlog + Number(ack.conflatedBacklog),
-      lastRejection: ack.lastRejection,
-    });
   }
 }

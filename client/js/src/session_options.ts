@@ -38,28 +38,8 @@ export interface SessionOptions {
 }
 
 /** One value per actuated DoF; what is absent or empty stays as it is. */
-export type Settings =
-  Omit<MessageInitShape<typeof UpdateSettingsRequestSchema>, "sessionId" | "$typeName" | "$unknown">;
-
-/** Numbers of samples since the session was first opened. */
-export interface PublishStatistics {
-  /** By publish(); number of the newest. */
-  published: number;
-  /** Handed to the network. */
-  sent: number;
-  /** Replaced by a newer one before they could be sent. */
-  conflated: number;
-  /** Planes of a sample that were more than one can have. */
-  planesLeftOut: number;
-  // As the server counts them.
-  accepted: number;
-  rejectedOld: number;
-  rejectedInvalid: number;
-  /** Accepted, but too fast to count as fresh. */
-  backlog: number;
-  /** The newest reason of a rejection; empty: none. */
-  lastRejection: string;
-}
+export type Settings = Omit<MessageInitShape<typeof UpdateSettingsRequestSchema>,
+                            "sessionId" | "$typeName" | "$unknown">;
 
 const ROLES = { controller: Role.CONTROLLER, observer: Role.OBSERVER, tracker: Role.TRACKER };
 const PRIORITIES =
@@ -92,9 +72,3 @@ function duration(ms: number): { seconds: bigint; nanos: number } {
   const seconds = Math.trunc(ms / 1000);
   return { seconds: BigInt(seconds), nanos: Math.round((ms - seconds * 1000) * 1e6) };
 }
-
-/** All zero: the statistics of a session that published nothing. */
-export const NO_STATISTICS: PublishStatistics = {
-  published: 0, sent: 0, conflated: 0, planesLeftOut: 0, accepted: 0, rejectedOld: 0,
-  rejectedInvalid: 0, backlog: 0, lastRejection: "",
-};

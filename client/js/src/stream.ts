@@ -9,7 +9,7 @@ import type { Socket, Target } from "./transport.js";
 
 /** How messages are written: protobuf's bytes, or its JSON. */
 export type Format = "binary" | "json";
-type Request = NonNullable<MessageInitShape<typeof SessionRequestSchema>["message"]>;
+export type Request = NonNullable<MessageInitShape<typeof SessionRequestSchema>["message"]>;
 
 const PATH = "/haptic.v1.HapticService/Session";
 /** States come at least once a second: two of these without a message, and the network is gone. */
@@ -34,13 +34,13 @@ export class Stream {
   #look: ReturnType<typeof setTimeout> | undefined;
   #watch: ReturnType<typeof setInterval> | undefined;
   #silent = 0;
-  readonly ended: Promise<void>;
+  readonly #ended: Promise<void>;
 
   /** Sends `opening` as the first message. */
   constructor(target: Target, private readonly format: Format, opening: Request,
               private readonly listener: StreamListener) {
     let resolve: () => void = () => undefined;
-    this.ended = new Promise((done) => (resolve = done));
+    this.#ended = new Promise((done) => (resolve = done));
     const protocol = format === "json" ? "haptic.v1.json" : "haptic.v1.proto";
     this.#socket = transport.connect(target, PATH, protocol, {
       open: () => {
@@ -69,10 +69,14 @@ export class Stream {
     this.#flush();
   }
 
-  /** The farewell, after which the server ends the stream. */
-  leave(): void {
+  /** Says farewell, after which the server ends the stream; waits for that, or `ms`. */
+  async leave(ms: number): Promise<void> {
     this.#waiting = undefined;
-    if (this.#open && !this.#over) this.#socket.send(this.#encode({ case: "leave", value: {} }));
+    if (!this.#open || this.#over) return;
+    this.#socket.send(this.#encode({ case: "leave", value: {} }));
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    await Promise.race([this.#ended, new Promise((done) => (timer = setTimeout(done, ms)))]);
+    clearTimeout(timer);
   }
 
   cancel(why: ClientError): void {

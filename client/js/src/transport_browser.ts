@@ -1,4 +1,4 @@
-/** HTTP and WebSockets of a browser. A page that hapticd serves needs no token: its cookie counts. */
+/** HTTP and WebSockets of a browser. A page that hapticd serves needs no token: it has a cookie. */
 import { localError } from "./errors.js";
 import type { Answer, Socket, SocketListener, Target, Transport } from "./transport.js";
 

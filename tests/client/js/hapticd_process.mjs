@@ -43,6 +43,8 @@ export class Hapticd {
       "--listen", `unix:${this.folder}/grpc`,
       // A loaded machine is no fault of the client.
       "--set", "loop.late_bucket_full=1000000", "--set", "loop.loop_late_fault={seconds: 10}",
+      "--set", "device[0].staleness={hold_end: {seconds: 1} fade_end: {seconds: 2}}",
+      "--set", "server.lease_timeout={seconds: 4}",
       "--set", `server.web={listen: "127.0.0.1:0" listen: "${this.unix}" ${tokens.join(" ")}}`,
       ...settings.flatMap((setting) => ["--set", setting]),
     ];
@@ -50,7 +52,7 @@ export class Hapticd {
 
   async begin() {
     this.log = "";
-    this.process = spawn(process.env.HAPTICD, this.arguments, { stdio: ["ignore", "pipe", "pipe"] });
+    this.process = spawn(process.env.HAPTICD, this.arguments);
     for (const stream of [this.process.stdout, this.process.stderr]) {
       stream.on("data", (text) => (this.log += text));
     }
@@ -90,13 +92,14 @@ export async function open(t, connection, options = {}) {
  * place where force began. */
 export async function hold(session, until) {
   let place = (await session.waitForState()).xProbe, force = false;
-  return eventually(async () => {
+  for (const latest = Date.now() + 20000; Date.now() < latest;) {
     session.publish(force ? Proxy.held(place) : Proxy.free());
     const state = await session.waitForState();
+    if (until(state)) return state;
     force = state.gain > 0;
     if (!force) place = state.xProbe;
-    return until(state) ? state : undefined;
-  });
+  }
+  throw new Error(`still not so: ${until}, ${session.engageRefusal}`);
 }
 
 export const engaged = (state) => state.state === DeviceStateName.ENGAGED;

@@ -56,8 +56,8 @@ test("a curvature without room becomes 0", () => {
 });
 
 test("a close frame names code and reason", () => {
-  const { code, reason, message } = closeError(4006, "LEASE_HELD: the device is wall's");
-  assert.deepEqual([code, reason, message], ["already_exists", "LEASE_HELD", "the device is wall's"]);
+  const { code, reason, message } = closeError(4006, "LEASE_HELD: wall has it");
+  assert.deepEqual([code, reason, message], ["already_exists", "LEASE_HELD", "wall has it"]);
   assert.equal(closeError(4014, "the front ends").reason, "UNAVAILABLE");
   assert.equal(closeError(1000, "").code, "ok");
   for (const lost of [1006, 1011, 4000 + 17, 5000]) {
@@ -103,8 +103,17 @@ test("round trips rise at once", () => {
   assert.equal(roundTrip.value, 25);
 });
 
+test("a wrong address is refused at once", () => {
+  for (const url of ["", "127.0.0.1:29473", "ftp://x", "http://x/path", "unix:x"]) {
+    assert.throws(() => new haptic.Connection(url), { code: "invalid_argument" });
+  }
+  assert.throws(() => new haptic.Connection("http://x", { token: "a b" }),
+                { code: "invalid_argument" });
+});
+
 test("a session opens as told", () => {
-  const opening = openSession({ role: "observer", priority: "operator", holdEndMs: 1500.25 }, "", 5n);
+  const options = { role: "observer", priority: "operator", holdEndMs: 1500.25 };
+  const opening = openSession(options, "", 5n);
   assert.equal(opening.role, haptic.Role.OBSERVER);
   assert.equal(opening.priority, haptic.Priority.OPERATOR);
   assert.deepEqual(opening.holdEnd, { seconds: 1n, nanos: 500250000 });

@@ -53,10 +53,12 @@ test("a UNIX socket needs no token", async (t) => {
 test("silence ends force with events", async (t) => {
   const server = await Hapticd.start(t);
   const reasons = [];
-  const session = await open(t, server.connect(), { onEvent: (event) => reasons.push(event.reason) });
+  const session = await open(t, server.connect(),
+                             { onEvent: (event) => reasons.push(event.reason) });
   session.engageWhenReady();
   await hold(session, engaged);
-  await eventually(() => ["HOLD -> FADE", "FADE -> LOST", "LOST"].every((r) => reasons.includes(r)));
+  const ends = ["HOLD -> FADE", "FADE -> LOST", "LOST"];
+  await eventually(() => ends.every((reason) => reasons.includes(reason)), "force is lost");
   await eventually(() => session.state().tauElastic.every((force) => force === 0));
 });
 
@@ -207,7 +209,8 @@ test("a server that dies is told", async (t) => {
     onDisconnect: (why, again) => told.push([why.code, again]) });
   await session.waitForState();
   await server.kill();
-  await assert.rejects(eventually(async () => void await session.waitForState()), { code: "unavailable" });
+  await assert.rejects(eventually(async () => void await session.waitForState()),
+                       { code: "unavailable" });
   assert.deepEqual(told, [["unavailable", false]]);
   await assert.rejects(server.connect().serverInfo(), { code: "unavailable" });
 });

@@ -10,6 +10,7 @@
 #         test        what tests/run.sh needs in addition to build
 #         report      what draws the figures of the study
 #         node        npm, which builds the JavaScript client and the page, and fetches buf
+#         browser     the browser of the page's tests
 #         firmware    the board's side
 #         containers  building and running images
 # Installs missing packages only; if none is missing it needs neither network nor root. "a|b" means:
@@ -36,6 +37,7 @@ packages() {
                 "libgl1-mesa-dri ffmpeg avahi-daemon avahi-utils dbus-daemon" ;;
     report) echo "gnuplot-nox" ;;
     node) echo "nodejs npm" ;;
+    browser) echo "chromium fonts-dejavu-core" ;;
     firmware) echo "gcc-arm-none-eabi" ;;
     # An engine that needs neither daemon nor registry; docker/test.sh uses Docker if it runs.
     containers) echo "podman podman-compose runc netavark aardvark-dns iptables debootstrap" \

@@ -1,0 +1,169 @@
+// The page: connects, shows one device, and keeps asking what a stream of states does not tell.
+
+import { at, say } from "./dom";
+import type { Device, DeviceState } from "./model";
+import { Access } from "./panels/access";
+import { Actions } from "./panels/actions";
+import { Chooser } from "./panels/chooser";
+import { Events } from "./panels/events";
+import { Joints } from "./panels/joints";
+import { Server } from "./panels/server";
+import { Sessions } from "./panels/sessions";
+import { Stage } from "./panels/stage";
+import { StateCard } from "./panels/state_card";
+import { Stop } from "./panels/stop";
+import { SourceError, type Source, type Watching } from "./source";
+import { Traces } from "./traces/traces";
+
+const POLL_MS = 1000;
+/** Without a state for so long the picture is said to be old. */
+const OLD_MS = 1000;
+const WORDS_MS = 100; // texts change no faster than people read
+
+export class App {
+  private source: Source;
+  private device: Device | null = null;
+  private watching: Watching | null = null;
+  private newest: DeviceState | null = null;
+  private stateAt = 0;
+  private wordsAt = 0;
+  private states = 0;
+  private asking = false;
+
+  private readonly current = () => this.source;
+  private readonly access = new Access((token) => this.useToken(token));
+  private readonly chooser = new Chooser((name) => void this.choose(name));
+  private readonly stage = new Stage();
+  private readonly card = new StateCard(this.current);
+  private readonly stop = new Stop(this.current);
+  private readonly actions = new Actions(this.current);
+  private readonly joints = new Joints();
+  private readonly traces = new Traces();
+  private readonly sessions = new Sessions();
+  private readonly events = new Events();
+  private readonly server = new Server();
+
+  /** `open`: connects with a token, or, without one, with what the browser has. */
+  constructor(private readonly open: (token?: string) => Source) {
+    this.source = open();
+    void this.poll();
+    setInterval(() => void this.poll(), POLL_MS);
+  }
+
+  private async useToken(token: string): Promise<void> {
+    const source = this.open(token);
+    await source.devices();
+    this.source = source;
+    this.actions.rights(null);
+    this.leave();
+    await this.poll();
+  }
+
+  private async choose(name: string): Promise<void> {
+    if (this.device?.name === name) return;
+    this.leave();
+    await this.poll();
+  }
+
+  /** Once per second; also what brings a lost stream back. */
+  private async poll(): Promise<void> {
+    if (this.asking) return;
+    this.asking = true;
+    const { source } = this;
+    try {
+      const devices = await source.devices();
+      if (source !== this.source) return;
+      if (!this.watching) await this.enter(devices);
+      const device = devices.find(({ name }) => name === this.device?.name);
+      if (device) this.device = device; // who controls it may have changed
+      const [info, links] = await Promise.all([source.serverInfo(), source.links()]);
+      if (this.device) {
+        this.server.show(info, this.device);
+        this.sessions.show(links, this.device.name);
+      }
+      this.traces.server(info);
+      this.trouble("");
+    } catch (error) {
+      this.refused(error);
+    } finally {
+      this.asking = false;
+      this.connection();
+    }
+  }
+
+  private async enter(devices: readonly Device[]): Promise<void> {
+    const device = this.chooser.offer(devices);
+    if (!device) return;
+    const same = this.device?.name === device.name;
+    this.device = device;
+    this.access.close();
+    at("live").hidden = false;
+    if (!same) this.events.show();
+    this.stage.show(device);
+    this.card.show();
+    this.joints.show(device);
+    this.actions.show(device);
+    if (same) this.traces.cut();
+    else this.traces.show(device);
+    this.watching = this.source.watch(device.name, {
+      state: (state) => this.take(state),
+      event: (event) => this.events.add(event),
+      ended: (error) => {
+        this.watching = null;
+        this.refused(error);
+      },
+    });
+    this.actions.rights(await this.source.mayControl(device.name));
+  }
+
+  private leave(): void {
+    this.watching?.close();
+    this.watching = null;
+    this.newest = null;
+  }
+
+  private take(state: DeviceState): void {
+    const { device } = this;
+    if (!device) return;
+    const now = performance.now();
+    const changed = state.state !== this.newest?.state || state.faults !== this.newest.faults;
+    this.newest = state;
+    this.stateAt = now;
+    this.states++;
+    this.traces.state(state);
+    this.stage.state(state);
+    if (state.faults === 0) this.stop.over();
+    if (!changed && now - this.wordsAt < WORDS_MS) return;
+    this.wordsAt = now;
+    this.card.state(device, state);
+    this.joints.state(device, state);
+    this.actions.state(device, state);
+  }
+
+  private refused(error: unknown): void {
+    if (error instanceof SourceError && error.code === "unauthenticated") {
+      this.leave();
+      at("live").hidden = true;
+      this.access.open(false);
+      return this.trouble("");
+    }
+    const words = error instanceof Error ? error.message : String(error);
+    const again = this.newest ? "What you see is old. " : "";
+    this.trouble(`No connection to the server: ${words}. ${again}Trying again …`);
+  }
+
+  private trouble(text: string): void {
+    say(at("trouble"), text);
+    at("trouble").hidden = text === "";
+  }
+
+  private connection(): void {
+    const old = performance.now() - this.stateAt > OLD_MS;
+    at("live").classList.toggle("old", old);
+    say(
+      at("connection"),
+      this.watching && !old ? `Live · ${this.states} states per second` : "Not connected",
+    );
+    this.states = 0;
+  }
+}

@@ -1,0 +1,29 @@
+// "What happened": the newest events of the device.
+
+import { at, h } from "../dom";
+import { KIND_STALENESS, KIND_STATE, type PageEvent } from "../model";
+import { changeWords } from "../words/state";
+
+const KEPT = 50;
+
+export class Events {
+  private readonly list = at("events");
+
+  show(): void {
+    this.list.replaceChildren(h("li", { class: "help" }, "Nothing since this page opened."));
+  }
+
+  add(event: PageEvent): void {
+    if (event.kind === KIND_STALENESS) return; // several per second on a slow link; a trace has it
+    if (!this.list.querySelector("time")) this.list.replaceChildren();
+    const now = new Date();
+    const time = h("time", { datetime: now.toISOString() }, now.toLocaleTimeString());
+    this.list.prepend(h("li", {}, time, h("span", {}, words(event))));
+    while (this.list.childElementCount > KEPT) this.list.lastElementChild!.remove();
+  }
+}
+
+function words({ kind, reason, message }: PageEvent): string {
+  const said = (kind === KIND_STATE && changeWords(reason)) || message || reason;
+  return said.charAt(0).toUpperCase() + said.slice(1);
+}

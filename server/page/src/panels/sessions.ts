@@ -1,0 +1,76 @@
+// "Who is connected": the sessions of the device, and how their samples and states travel.
+
+import { at, fill, h } from "../dom";
+import type { SessionLink } from "../model";
+import { milliseconds, number } from "../units";
+
+const ROLES = ["", "controls the device", "looks on", "tracks the palm"];
+const CARRIERS = ["", "gRPC", "UDP", "WebSocket"];
+
+function carriers({ samplesBy, statesBy, transports }: SessionLink): string {
+  const samples = CARRIERS[samplesBy];
+  const states = CARRIERS[statesBy];
+  if (samples && states) {
+    return samples === states ? samples : `samples by ${samples}, states by ${states}`;
+  }
+  const known = samples || states || transports.map((t) => CARRIERS[t.transport]).join(", ");
+  return known || "no message yet";
+}
+
+function ms(value: number | undefined): string {
+  return value === undefined ? "not known" : `${number(value, 1)} ms`;
+}
+
+/** Of all carriers and both directions. */
+function troubles(session: SessionLink): string {
+  let lost = 0n;
+  const rejected = new Map<string, bigint>();
+  for (const { up, down } of session.transports) {
+    for (const direction of [up, down]) {
+      lost += direction?.lost ?? 0n;
+      for (const { reason, count } of direction?.rejected ?? []) {
+        rejected.set(reason, (rejected.get(reason) ?? 0n) + count);
+      }
+    }
+  }
+  const parts = [...rejected].map(([reason, count]) => `${count} not used (${reason})`);
+  if (lost > 0n) parts.unshift(`${lost} lost`);
+  return parts.length > 0 ? parts.join(", ") : "none lost";
+}
+
+function facts(session: SessionLink): [string, string][] {
+  const roundTrip = session.transports.map((t) => milliseconds(t.roundTrip)).find(Boolean);
+  const list: [string, string][] = [
+    ["Carrier", carriers(session)],
+    ["Messages", troubles(session)],
+  ];
+  if (roundTrip !== undefined) list.push(["Round trip", ms(roundTrip)]);
+  if (session.holdsLease) {
+    const [half, most] = [milliseconds(session.ageP50), milliseconds(session.ageP99)];
+    if (half !== undefined) list.push(["Age of its proxy", `${ms(half)}, 99 %: ${ms(most)}`]);
+  }
+  return list;
+}
+
+export class Sessions {
+  show(links: readonly SessionLink[], device: string): void {
+    const own = links.filter((link) => link.device === device);
+    const items = own.map((link) => ({ link, facts: facts(link) }));
+    const key = JSON.stringify(
+      items.map(({ link, facts: list }) => [link.clientName, link.role, link.holdsLease, list]),
+    );
+    fill(at("sessions"), key, () =>
+      items.length === 0
+        ? [h("li", {}, "No session is open.")]
+        : items.map(({ link, facts: list }) =>
+            h(
+              "li",
+              link.holdsLease ? { class: "lease" } : {},
+              h("strong", {}, link.clientName),
+              ` ${link.role === 1 && !link.holdsLease ? "lost the device" : ROLES[link.role] ?? ""}`,
+              h("dl", { class: "facts" }, ...list.flatMap(([k, v]) => [h("dt", {}, k), h("dd", {}, v)])),
+            ),
+          ),
+    );
+  }
+}

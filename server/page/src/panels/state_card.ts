@@ -1,0 +1,70 @@
+// The card "State", and what the tool touches.
+
+import { at, fill, h, say } from "../dom";
+import type { Device, DeviceState } from "../model";
+import type { Source } from "../source";
+import { number } from "../units";
+import { faultWords, limiterWords, type Words } from "../words/bits";
+import { contactWords, deratingWords, proxyWords, stateWords } from "../words/state";
+
+/** A limit that acts for one tick is shown for this long, ms: people read slower. */
+const SHOWN_MS = 700;
+
+export class StateCard {
+  private readonly card = at("state-card");
+  private readonly gain = at<HTMLMeterElement>("gain");
+  private readonly lastActed = new Map<number, number>();
+
+  constructor(private readonly source: () => Source) {}
+
+  show(): void {
+    this.lastActed.clear();
+  }
+
+  state(device: Device, state: DeviceState): void {
+    const words = stateWords(state.state);
+    this.card.dataset.tone = words.tone;
+    say(at("state-title"), words.title);
+    say(at("state-name"), words.name);
+    say(at("state-help"), words.help);
+    this.faults(state.faults);
+    if (this.gain.value !== state.gain) this.gain.value = state.gain;
+    say(at("gain-value"), `${number(state.gain * 100, 0)} %`);
+    say(at("controller"), this.controller(device));
+    say(at("proxy"), proxyWords(state));
+    say(at("contact"), contactWords(state));
+    say(at("derating"), deratingWords(device, state) || "As the scene sets it.");
+    this.limiters(state.limiters);
+  }
+
+  private controller(device: Device): string {
+    const tracker = device.tracker ? ` Its palm is tracked by “${device.tracker}”.` : "";
+    return (device.controller ? `“${device.controller}”.` : "No program.") + tracker;
+  }
+
+  private faults(bits: number): void {
+    fill(at("faults"), String(bits), () =>
+      faultWords(bits, this.source().faultNames).map(({ name, title, help }) =>
+        h(
+          "div",
+          { class: "fault" },
+          h("p", {}, h("strong", {}, title), " ", h("code", {}, name)),
+          h("p", {}, help),
+        ),
+      ),
+    );
+  }
+
+  private limiters(bits: number): void {
+    const now = performance.now();
+    for (let bit = 0; bit < 32; bit++) if ((bits >>> bit) & 1) this.lastActed.set(bit, now);
+    let shown = 0;
+    for (const [bit, time] of this.lastActed) if (now - time < SHOWN_MS) shown |= 1 << bit;
+    const item = ({ name, title, help }: Words) =>
+      h("li", { title: help }, `${title} `, h("code", {}, name));
+    fill(at("limiters"), String(shown), () => {
+      const words = limiterWords(shown, this.source().limiterNames);
+      return words.length === 0 ? ["None."] : [h("ul", {}, ...words.map(item))];
+    });
+  }
+}

@@ -1,0 +1,168 @@
+// One trace: a heading, the newest values as legend, and uPlot's canvas.
+
+import uPlot from "uplot";
+import { h, say } from "../dom";
+import { number, withUnit } from "../units";
+import { History } from "./history";
+import { PALETTE, type Line, type Plan } from "./plans";
+
+const HEIGHT = 150;
+const DASH = [6, 4];
+/** Of the windows, s; and the rows kept: as much at 60 states per second, and some. */
+const LONGEST = 60;
+const ROWS = 4000;
+
+function colours(): (name: string) => string {
+  const style = getComputedStyle(document.documentElement);
+  return (name) => style.getPropertyValue(name).trim();
+}
+
+/** Of a scale: less would show noise as if it were much. */
+const LEAST: Record<string, number> = { N: 1, "N·m": 0.05, mm: 1, "°": 2, ms: 5, mJ: 0.5, "µs": 50 };
+
+/** What may be anywhere; all else begins at 0. */
+const WITHOUT_ZERO = ["mm", "°"];
+
+/** A little air above and below; what is never below 0 is not shown below it. */
+function range(_: uPlot, low: number | null, high: number | null, unit: string): uPlot.Range.MinMax {
+  if (low === null || high === null) return [0, 1];
+  const short = Math.max((LEAST[unit] ?? 1e-3) - (high - low), 0) / 2;
+  const air = (high - low) * 0.1 + short;
+  const zero = low >= 0 && (low < air || !WITHOUT_ZERO.includes(unit));
+  return [zero ? 0 : low - air, high + air];
+}
+
+function swatch(line: Line): SVGElement {
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  svg.setAttribute("viewBox", "0 0 22 6");
+  svg.setAttribute("aria-hidden", "true");
+  svg.setAttribute("class", "swatch");
+  const path = document.createElementNS(svg.namespaceURI!, "path");
+  path.setAttribute("d", "M0 3H22");
+  path.setAttribute("class", `line-${line.colour % PALETTE}${line.dashed ? " dashed" : ""}`);
+  svg.append(path);
+  return svg;
+}
+
+export class Chart {
+  readonly element: HTMLElement;
+  readonly history: History;
+  private readonly frame = h("div", { class: "plot" });
+  private readonly absent: HTMLElement;
+  private readonly values: HTMLElement[] = [];
+  private plot: uPlot | null = null;
+  private everHadValue = false;
+  private held: (number | null)[][] | null = null;
+
+  constructor(private readonly plan: Plan) {
+    this.history = new History(plan.lines.length, ROWS);
+    this.absent = h("p", { class: "absent" }, plan.absent);
+    this.frame.hidden = true;
+    this.element = h(
+      "figure",
+      { class: "trace", id: `trace-${plan.id}`, "aria-labelledby": `title-${plan.id}` },
+      h(
+        "figcaption",
+        {},
+        h("h3", { id: `title-${plan.id}` }, plan.title),
+        h("p", { class: "help" }, plan.help),
+      ),
+      this.legend(),
+      this.absent,
+      this.frame,
+    );
+  }
+
+  /** Keeps what is shown as it is at `now`, while the history goes on; null: goes on too. */
+  hold(now: number | null): void {
+    this.held = now === null ? null : this.history.window(now, LONGEST);
+  }
+
+  /** The last `seconds` before `now`, s. */
+  draw(now: number, seconds: number): void {
+    const rows = this.held ?? this.history.window(now, seconds);
+    this.plan.lines.forEach((line, i) => {
+      const last = rows[i + 1]!.at(-1) ?? NaN;
+      if (Number.isFinite(last)) this.everHadValue = true;
+      say(this.values[i]!, withUnit(number(last, line.digits), line.unit));
+    });
+    this.frame.hidden = !this.everHadValue;
+    this.absent.hidden = this.everHadValue;
+    if (!this.everHadValue) return;
+    if (!this.plot || this.plot.width !== this.frame.clientWidth) this.build();
+    this.plot?.batch(() => {
+      this.plot!.setData(rows as uPlot.AlignedData, false);
+      this.plot!.setScale("x", { min: -seconds, max: 0 });
+    });
+  }
+
+  /** Made again with the next draw: in other colours. */
+  recolour(): void {
+    this.plot?.destroy();
+    this.plot = null;
+  }
+
+  dispose(): void {
+    this.plot?.destroy();
+    this.element.remove();
+  }
+
+  private legend(): HTMLElement {
+    const list = h("ul", { class: "legend" });
+    for (const line of this.plan.lines) {
+      const value = h("span", { class: "value" });
+      this.values.push(value);
+      list.append(h("li", {}, swatch(line), h("span", {}, line.label), value));
+    }
+    return list;
+  }
+
+  private build(): void {
+    this.plot?.destroy();
+    const width = this.frame.clientWidth;
+    this.plot = width > 0 ? new uPlot(this.options(width), [[]], this.frame) : null;
+  }
+
+  private options(width: number): uPlot.Options {
+    const colour = colours();
+    const units = [...new Set(this.plan.lines.map((line) => line.unit))];
+    const axis = {
+      stroke: colour("--soft"),
+      font: `11px ${colour("--font")}`,
+      grid: { stroke: colour("--rule"), width: 1 },
+      ticks: { show: false },
+    };
+    return {
+      width,
+      height: HEIGHT,
+      legend: { show: false },
+      cursor: { show: false },
+      scales: {
+        x: { time: false, auto: false },
+        ...Object.fromEntries(units.map((unit) => [unit, { range }])),
+      },
+      axes: [
+        { ...axis, size: 24, values: (_, ticks) => ticks.map((tick) => `${number(tick, 0)} s`) },
+        ...units.map((unit, i) => ({
+          ...axis,
+          scale: unit,
+          side: i === 0 ? (3 as const) : (1 as const),
+          size: 58,
+          grid: { ...axis.grid, show: i === 0 },
+          values: (_: uPlot, ticks: number[]) =>
+            ticks.map((tick) => withUnit(String(+tick.toPrecision(6)).replace("-", "−"), unit)),
+        })),
+      ],
+      series: [
+        {},
+        ...this.plan.lines.map((line) => ({
+          scale: line.unit,
+          stroke: colour(`--line-${line.colour % PALETTE}`),
+          width: 2,
+          points: { show: false },
+          ...(line.dashed ? { dash: DASH } : {}),
+        })),
+      ],
+    };
+  }
+}

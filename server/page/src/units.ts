@@ -1,0 +1,76 @@
+// Numbers as people read them: mm, degrees, N, ms. Inside everything is SI.
+
+import type { Device, Duration } from "./model";
+
+/** What a quantity is shown in, and its size in SI. */
+export interface Shown {
+  unit: string;
+  factor: number;
+  digits: number;
+}
+
+const SHOWN: Record<string, Shown> = {
+  m: { unit: "mm", factor: 1e3, digits: 1 },
+  rad: { unit: "°", factor: 180 / Math.PI, digits: 1 },
+  N: { unit: "N", factor: 1, digits: 2 },
+  "N m": { unit: "N·m", factor: 1, digits: 3 },
+};
+
+export function shownIn(unit: string): Shown {
+  return SHOWN[unit] ?? { unit, factor: 1, digits: 3 };
+}
+
+/** The unit of the effort on a DoF: a force on what slides, a torque on what turns. */
+export function effortUnit(unit: string): string {
+  return unit === "rad" ? "N m" : "N";
+}
+
+/** The actuated DoFs in the order of tau_a. */
+export function actuated(device: Device) {
+  return device.dofs.filter((dof) => dof.actuated);
+}
+
+/** Typographic minus; "–" if there is no number. */
+export function number(value: number | undefined, digits: number): string {
+  if (value === undefined || !Number.isFinite(value)) return "–";
+  const text = value.toFixed(digits);
+  return Number(text) === 0 ? (0).toFixed(digits) : text.replace("-", "−");
+}
+
+/** "12.5 mm", "30.0°". */
+export function withUnit(text: string, unit: string): string {
+  return text === "–" ? text : unit === "°" ? `${text}°` : `${text} ${unit}`;
+}
+
+/** "12.5 mm" of 0.0125 m. */
+export function quantity(value: number | undefined, unit: string): string {
+  const shown = shownIn(unit);
+  const text = number(value === undefined ? undefined : value * shown.factor, shown.digits);
+  return withUnit(text, shown.unit);
+}
+
+export function milliseconds(duration: Duration | undefined): number | undefined {
+  return duration && Number(duration.seconds) * 1e3 + duration.nanos * 1e-6;
+}
+
+/** "3 d 4 h", "2 h 5 min", "12 s". */
+export function howLong(seconds: number): string {
+  const steps: [number, string][] = [
+    [86400, "d"],
+    [3600, "h"],
+    [60, "min"],
+    [1, "s"],
+  ];
+  const whole = Math.floor(seconds);
+  const first = steps.findIndex(([size]) => whole >= size);
+  if (first < 0) return "0 s";
+  return steps
+    .slice(first, first + 2)
+    .map(([size, name], i) => [
+      i === 0 ? Math.floor(whole / size) : Math.floor((whole % steps[first]![0]) / size),
+      name,
+    ])
+    .filter(([count]) => count !== 0)
+    .map(([count, name]) => `${count} ${name}`)
+    .join(" ");
+}

@@ -1,0 +1,5 @@
+import { App } from "../../server/page/src/app";
+import { made, MadeSource } from "./made_source";
+
+Object.assign(window, { made });
+new App((token) => new MadeSource(token));

@@ -1,0 +1,58 @@
+// What the page says in words and numbers.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { LiveSource } from "../../server/page/src/live_source.ts";
+import { howLong, number, quantity } from "../../server/page/src/units.ts";
+import { faultWords, limiterWords, unknownNames } from "../../server/page/src/words/bits.ts";
+import { changeWords, contactWords, deratingWords, proxyWords } from "../../server/page/src/words/state.ts";
+
+globalThis.location ??= { origin: "http://localhost" };
+const { faultNames, limiterNames } = new LiveSource();
+
+test("every bit of the protocol has words", () => {
+  assert.equal(faultNames[7], "EMERGENCY_STOP");
+  assert.equal(limiterNames[1], "SLEW");
+  assert.deepEqual(unknownNames(faultNames, limiterNames), []);
+});
+
+test("bits become words", () => {
+  assert.deepEqual(faultWords(1 << 7, faultNames).map(({ title }) => title), ["Emergency stop"]);
+  assert.deepEqual(limiterWords(0b11, limiterNames).map(({ name }) => name), ["SATURATION", "SLEW"]);
+  assert.deepEqual(faultWords(1 << 31, faultNames).map(({ name }) => name), ["BIT_31"]);
+  assert.deepEqual(faultWords(0, faultNames), []);
+});
+
+test("touch is said in words", () => {
+  const state = { proxySeqUsed: 1n, mode: 3, activePlanes: 0 };
+  assert.match(contactWords(state), /^Not touching/);
+  assert.match(contactWords({ ...state, activePlanes: 1 << 4 }), /one surface: plane 4 /);
+  assert.match(contactWords({ ...state, activePlanes: 0b1101 }), /3 surfaces: planes 0, 2 and 3 /);
+  assert.match(contactWords({ ...state, activePlanes: -1 }), /32 surfaces/);
+  assert.match(contactWords({ ...state, mode: 2 }), /Nothing is in the way/);
+  assert.match(contactWords({ ...state, proxySeqUsed: 0n }), /no simulation/);
+  assert.match(proxyWords({ proxySeqUsed: 1n, proxyAgeUs: 12345n, staleness: 1 }), /12\.3 ms/);
+});
+
+test("a change of state is a sentence", () => {
+  assert.equal(changeWords("ENGAGING -> ENGAGED"), "Force is on");
+  assert.equal(changeWords("LEASE_GRANTED"), "");
+});
+
+test("the softest actuator is named", () => {
+  const dof = (name) => ({ name, unit: "m", actuated: true });
+  const device = { dofs: [dof("a"), dof("b")], stiffnessLimit: [1000, 1500] };
+  const state = { derating: 2, gain: 0.5, stiffnessInEffect: [450, 300], deratingDelayUs: 50000n };
+  assert.equal(deratingWords(device, state), "b 1500 → 600.0 N/m: the held proxy is 50 ms old");
+  assert.equal(deratingWords(device, { ...state, gain: 0 }), "");
+  assert.equal(deratingWords(device, { ...state, derating: 0 }), "");
+});
+
+test("numbers are as people read them", () => {
+  assert.equal(quantity(0.0125, "m"), "12.5 mm");
+  assert.equal(quantity(-Math.PI / 2, "rad"), "−90.0°");
+  assert.equal(quantity(undefined, "N"), "–");
+  assert.equal(number(-0.0001, 1), "0.0");
+  assert.equal(howLong(7384), "2 h 3 min");
+  assert.equal(howLong(0.4), "0 s");
+  assert.equal(howLong(86400), "1 d");
+});

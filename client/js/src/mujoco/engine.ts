@@ -45,6 +45,7 @@ export class Engine {
   private readonly linear;
   private readonly angular;
   private readonly column;
+  private readonly solved;
   private readonly force;
 
   /** All stay the caller's, and must live longer. */
@@ -52,12 +53,15 @@ export class Engine {
     this.fixed = constants(model);
     this.linear = new mj.DoubleBuffer(3 * model.nv);
     this.angular = new mj.DoubleBuffer(3 * model.nv);
-    this.column = new mj.DoubleBuffer(6 * model.nv);
+    this.column = new mj.DoubleBuffer(model.nv);
+    this.solved = new mj.DoubleBuffer(6 * model.nv);
     this.force = new mj.DoubleBuffer(6);
   }
   /** WebAssembly's memory is not collected. */
   delete(): void {
-    for (const buffer of [this.linear, this.angular, this.column, this.force]) buffer.delete();
+    for (const buffer of [this.linear, this.angular, this.column, this.solved, this.force]) {
+      buffer.delete();
+    }
   }
 
   /** -1: there is none. */
@@ -77,8 +81,8 @@ export class Engine {
   }
   /** M^-1 times each of the 6 rows of J, until the next call. */
   overMass(J: Float64Array): Float64Array {
-    this.mj.mj_solveM(this.model, this.data, this.column, J as unknown as number[]);
-    return this.column.GetView() as Float64Array;
+    this.mj.mj_solveM(this.model, this.data, this.solved, J as unknown as number[]);
+    return this.solved.GetView() as Float64Array;
   }
   /** N, along the normal of contact i. */
   normalForce(i: number): number {

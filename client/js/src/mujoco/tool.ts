@@ -15,6 +15,8 @@ import type { Jumps, ToolOptions } from "./options.js";
 import { conjugate, normalised, product, rateOf } from "./vectors.js";
 import type { Quaternion } from "./vectors.js";
 
+const NO_LIMIT = 1e9;
+
 /** All bodies below a bound one. Contacts of their geoms with anything else, and with each other,
  * are told. */
 export class Tool {
@@ -54,7 +56,8 @@ export class Tool {
     this.#aim = new Aim(this.#tool, this.#options);
     this.#margins = new Margins(this.#engine, this.#tool);
     for (const { binding, id } of this.#tool.places) {
-      if (binding.kind === "joint") model.jnt_limited[id] = 0;
+      // Far away, not off: @mujoco/mujoco 3.14.0 throws at a look at jnt_limited.
+      if (binding.kind === "joint") model.jnt_range.set([-NO_LIMIT, NO_LIMIT], 2 * id);
     }
     this.restart();
   }

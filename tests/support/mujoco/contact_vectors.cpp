@@ -1,6 +1,6 @@
 /// What haptic::mujoco tells of a shipped model while a probe presses: lines of JSON, for the test
 /// of the same in TypeScript (tests/client/js/mujoco_test.mjs). Each line is a step of 1 ms; every
-/// 25th says the state before it, and what was told after it.
+/// 20th says the state before it, and what was told after it.
 ///
 ///   haptic_mujoco_vectors MODEL.xml    of client/mujoco/examples
 
@@ -14,7 +14,7 @@ namespace {
 
 using namespace haptic;
 using nlohmann::json;
-constexpr int kSteps = 1500, kTold = 25;
+constexpr int kSteps = 600, kTold = 20;
 
 /// A pose and points of a hand, or the joints of a finger; and a motion that presses.
 struct Motion {
@@ -86,7 +86,7 @@ int main(int argc, char** argv) {
   mjModel& model = *world.m();
   mjData& data = *world.d();
   model.opt.tolerance = 0.0;  // two releases stop where numbers end
-  model.opt.iterations = 200;
+  model.opt.iterations = 50;
   const Motion motion(world);
   const double coupling = model.numeric_data[0];
   mujoco::Tool tool(&model, &data, motion.bindings, {.coupling = coupling});
@@ -94,7 +94,8 @@ int main(int argc, char** argv) {
   for (const mujoco::Binding& binding : motion.bindings) {
     bindings.push_back({binding.name, static_cast<int>(binding.kind), binding.first_coordinate});
   }
-  std::cout << json{{"bindings", bindings}, {"coupling", coupling}} << "\n";
+  const std::vector<double> weights(model.body_invweight0, model.body_invweight0 + 2 * model.nbody);
+  std::cout << json{{"bindings", bindings}, {"coupling", coupling}, {"invweight", weights}} << "\n";
   for (int i = 1; i <= kSteps; ++i) {
     const double part = 0.5 - 0.5 * std::cos(3.14159 * std::min(1.0, 1.2 * i / kSteps));
     json line{{"probe", motion.at(part)}};

@@ -1,0 +1,308 @@
+/** The bindings of a tool, found in its model: which bodies they move, and how a point of these
+ * moves with the device's coordinates. */
+import { pointOnPose } from "../contact.js";
+import type { PointMap, Vector3 } from "../contact.js";
+import { countOf } from "./binding.js";
+import type { Binding } from "./binding.js";
+import type { Engine } from "./engine.js";
+import type { ToolOptions } from "./options.js";
+import { add, cross, dot, intoFrame, MOST_CURVED, quaternionOf, triangle, vectorAt }
+  from "./vectors.js";
+import type { Quaternion } from "./vectors.js";
+
+const SHORTEST = 1e-3;           // of a quaternion
+const MOST_COORDINATES = 10000;  // far above those of any device
+
+/** One binding, found. */
+export interface Place {
+  binding: Binding;
+  /** Of joint, site or body. */
+  id: number;
+  /** That it moves. */
+  body: number;
+  site: boolean;
+  /** A hinge's angle. */
+  turns: boolean;
+  /** That it moves itself, without those of its parents. */
+  dofs: number[];
+  /** That its spring meets at least, kg, or kg m^2 of a hinge. */
+  mass: number;
+  /** Of a pose, kg m^2. */
+  inertia: number;
+  /** b less a of a joint's coordinate; of an angle the short way round. */
+  apart(a: number, b: number): number;
+}
+
+/** What moves a body, from it to the base. */
+interface Path {
+  joints: Place[];
+  /** A point or pose. */
+  frame?: Place;
+  /** Joints of the tool's own that have a spring. */
+  soft: number[];
+}
+
+function refuse(binding: Binding, why: string): never {
+  throw new RangeError(`binding '${binding.name}': ${why}`);
+}
+
+export class BoundTool {
+  readonly places: Place[] = [];
+  /** One beyond the last coordinate that is bound. */
+  coordinates = 0;
+  private readonly placeOfJoint = new Map<number, Place>();
+  private readonly frameOfBody = new Map<number, Place>();
+  private readonly paths: Path[] = [];
+  private readonly owned: boolean[];
+
+  /** As Tool, but changes nothing. After mj_forward. */
+  constructor(private readonly engine: Engine, bindings: Binding[], options: ToolOptions) {
+    const { model, fixed } = engine;
+    if (!(options.coupling > 0)) {
+      throw new RangeError(`coupling ${options.coupling}: must be above 0 (N/m, or N m/rad)`);
+    }
+    for (const binding of bindings) this.find(binding);
+    const taken = new Set<number>();
+    for (const place of this.places) {
+      const first = place.binding.firstCoordinate;
+      for (let i = first; i < first + countOf(place.binding.kind); ++i) {
+        if (taken.has(i)) refuse(place.binding, `coordinate ${i} is bound twice`);
+        taken.add(i);
+        const weight = options.weights ? options.weights[i] : 1;
+        if (weight === undefined) {
+          refuse(place.binding,
+                 `coordinate ${i} has no weight: there are ${options.weights!.length}`);
+        }
+        if (!(weight > 0)) {
+          refuse(place.binding, `the weight of coordinate ${i} must be above 0, not ${weight}`);
+        }
+        this.refuseStiff(place, i, options.coupling * weight);
+      }
+    }
+    this.owned = Array<boolean>(model.nv).fill(false);
+    for (let body = 0; body < model.nbody; ++body) {
+      this.paths.push(this.pathOf(body));
+      if (!this.moves(body)) continue;
+      const first = fixed.bodyDof[body]!;
+      this.owned.fill(true, first, first + fixed.bodyDofs[body]!);
+    }
+  }
+
+  moves(body: number): boolean {
+    const { frame, joints } = this.paths[body]!;
+    return frame !== undefined || joints.length > 0;
+  }
+  /** DoFs below a bound body: those of bindings, and those that are the tool's own. */
+  ownsDof(dof: number): boolean {
+    return this.owned[dof]!;
+  }
+  /** Whether each pose's quaternion in x is one: not so short, 1e-3, or long that it is none. */
+  hasTurns(x: number[]): boolean {
+    return this.places.every(({ binding: { kind, firstCoordinate: first } }) => {
+      if (kind !== "pose") return true;
+      const length = Math.hypot(...x.slice(first + 3, first + 7));
+      return length >= SHORTEST && Number.isFinite(length);
+    });
+  }
+
+  /** Of a site or body, in the world. */
+  positionOf({ site, id }: Place): Vector3 {
+    const { data } = this.engine;
+    return vectorAt(site ? data.site_xpos : data.xpos, 3 * id);
+  }
+  quaternionOf({ site, id }: Place): Quaternion {
+    const { data } = this.engine;
+    return quaternionOf(site ? data.site_xmat : data.xmat, 9 * id);
+  }
+
+  /** Writes the bound coordinates into x, angles and quaternions as near to what x holds as they
+   * can be said. Needs mj_kinematics. */
+  read(x: number[]): void {
+    const { data, fixed } = this.engine, qpos: Float64Array = data.qpos;
+    for (const place of this.places) {
+      const { kind, firstCoordinate: first, offset, scale } = place.binding;
+      if (kind === "joint") {
+        const here = (qpos[fixed.jointPos[place.id]!]! - offset) / scale;
+        x[first]! += place.apart(x[first]!, here);
+        continue;
+      }
+      this.positionOf(place).forEach((value, k) => { x[first + k] = value; });
+      if (kind === "point") continue;
+      const [w, ...v] = this.quaternionOf(place), q = [...v, w];
+      const same = q.reduce((sum, part, k) => sum + part * x[first + 3 + k]!, 0);
+      q.forEach((part, k) => { x[first + 3 + k] = same < 0 ? -part : part; });
+    }
+  }
+
+  /** A point of `body`, which is the tool's, in the world; needs mj_kinematics, mj_comPos. With
+   * second derivatives if one pose alone or only joints move it, of at most 8 coordinates. */
+  pointOn(body: number, position: Vector3, x: number[]): PointMap {
+    const { joints, frame } = this.paths[body]!, { data } = this.engine;
+    if (joints.length === 0 && frame) return this.byFrame(frame, position, x);
+    const all = frame ? [...joints, frame] : joints;
+    const low = Math.min(...all.map(({ binding }) => binding.firstCoordinate));
+    const high = Math.max(...all.map(
+      ({ binding }) => binding.firstCoordinate + countOf(binding.kind)));
+    const jacobian = Array.from({ length: high - low }, (): Vector3 => [0, 0, 0]);
+    const map: PointMap = { firstCoordinate: low, position, jacobian, second: [] };
+    if (frame) {
+      const moved = this.byFrame(frame, position, x);
+      moved.jacobian.forEach((way, i) => { jacobian[moved.firstCoordinate - low + i] = way; });
+    }
+    const axis = ({ id, binding }: Place): Vector3 =>
+      add([0, 0, 0], binding.scale, vectorAt(data.xaxis, 3 * id));
+    for (const joint of joints) {
+      const arm = add(position, -1, vectorAt(data.xanchor, 3 * joint.id));
+      jacobian[joint.binding.firstCoordinate - low] =
+        joint.turns ? cross(axis(joint), arm) : axis(joint);
+    }
+    if (frame || high - low > MOST_CURVED) return map;
+    map.second = Array.from({ length: triangle(high - low, 0) }, (): Vector3 => [0, 0, 0]);
+    joints.forEach(({ binding: { firstCoordinate: outer } }, k) => {
+      for (const inner of joints.slice(k)) {  // nearer to the base
+        if (!inner.turns) continue;
+        map.second[triangle(outer - low, inner.binding.firstCoordinate - low)] =
+          cross(axis(inner), jacobian[outer - low]!);
+      }
+    });
+    return map;
+  }
+
+  /** Sum of (n . J)^2 / stiffness over joints with a spring between the binding and this point: how
+   * far a force of 1 N along n bends the tool itself, m/N. */
+  give(body: number, position: Vector3, normal: Vector3): number {
+    const { soft } = this.paths[body]!, { mj, model, fixed } = this.engine;
+    if (soft.length === 0) return 0;
+    const { linear: J } = this.engine.jacobian(body, position), nv = model.nv;
+    let sum = 0;
+    for (const joint of soft) {
+      const type = fixed.jointType[joint];
+      const dofs = type === mj.mjtJoint.mjJNT_FREE.value ? 6
+        : type === mj.mjtJoint.mjJNT_BALL.value ? 3 : 1;
+      for (let k = fixed.jointDof[joint]!; k < fixed.jointDof[joint]! + dofs; ++k) {
+        const along = dot(normal, [J[k]!, J[nv + k]!, J[2 * nv + k]!]);
+        sum += along * along / model.jnt_stiffness[joint];
+      }
+    }
+    return sum;
+  }
+
+  /** A point that a point or pose carries with it. */
+  private byFrame(frame: Place, position: Vector3, x: number[]): PointMap {
+    const { kind, firstCoordinate } = frame.binding;
+    if (kind === "point") {
+      return { firstCoordinate, position, jacobian: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], second: [] };
+    }
+    const { data } = this.engine, from = add(position, -1, this.positionOf(frame));
+    const offset = intoFrame(frame.site ? data.site_xmat : data.xmat, 9 * frame.id, from);
+    return pointOnPose(x, offset, firstCoordinate);
+  }
+
+  private refuseStiff(place: Place, i: number, whole: number): void {
+    const turn = place.binding.kind === "pose" && i >= place.binding.firstCoordinate + 3;
+    const stiffness = whole * (turn ? 0.25 : 1), mass = turn ? place.inertia : place.mass;
+    const step = this.engine.model.opt.timestep;
+    if (step * Math.sqrt(stiffness / mass) <= 0.5) return;
+    refuse(place.binding, `the coupling is too stiff for the model's step: coordinate ${i} has a ` +
+      `mass of ${mass.toPrecision(3)} kg (kg m^2) and needs at least ` +
+      `${(4 * step * step * stiffness).toPrecision(3)}; give it mass or armature, shorten the ` +
+      `timestep, or lower the coupling or its weight`);
+  }
+
+  private find(binding: Binding): void {
+    const { kind, name, firstCoordinate, scale } = binding;
+    const { engine, engine: { mj, fixed } } = this;
+    if (!(firstCoordinate >= 0 && firstCoordinate <= MOST_COORDINATES - countOf(kind))) {
+      refuse(binding, `coordinate ${firstCoordinate}: a device has at most ${MOST_COORDINATES}`);
+    }
+    const place: Place = { binding, id: -1, body: 0, site: false, turns: false, dofs: [], mass: 0,
+      inertia: 0, apart: (a, b) => {
+        const way = b - a, round = 2 * Math.PI;
+        return place.turns && Math.abs(way) > Math.PI ? way - round * Math.round(way / round) : way;
+      } };
+    if (kind === "joint") {
+      place.id = engine.idOf("JOINT", name);
+      if (place.id < 0) refuse(binding, "the model has no joint of this name");
+      place.turns = fixed.jointType[place.id] === mj.mjtJoint.mjJNT_HINGE.value;
+      if (!place.turns && fixed.jointType[place.id] !== mj.mjtJoint.mjJNT_SLIDE.value) {
+        refuse(binding,
+               "must be a hinge or a slide; bind the body of a free or ball joint by pose()");
+      }
+      if (scale === 0 || !Number.isFinite(scale)) {
+        refuse(binding, "scale must not be 0, and finite");
+      }
+      const dof = fixed.jointDof[place.id]!;
+      place.body = fixed.jointBody[place.id]!;
+      place.dofs = [dof];
+      place.mass = scale * scale / fixed.dofInvweight[dof]!;
+      this.placeOfJoint.set(place.id, place);
+    } else {
+      place.id = engine.idOf("SITE", name);
+      place.site = place.id >= 0;
+      if (!place.site) place.id = engine.idOf("BODY", name);
+      if (place.id < 0) refuse(binding, "the model has no site and no body of this name");
+      place.body = place.site ? fixed.siteBody[place.id]! : place.id;
+      if (this.frameOfBody.has(place.body)) {
+        refuse(binding, "its body has two points or poses; one of them must do");
+      }
+      this.frameOfBody.set(place.body, place);
+      for (let k = 0; k < fixed.bodyDofs[place.body]!; ++k) {
+        place.dofs.push(fixed.bodyDof[place.body]! + k);
+      }
+      const [linear, angular] = this.inverseMasses(place);
+      if (!(linear > 0)) refuse(binding, "its body cannot move: it has no joint");
+      place.mass = 1 / linear;
+      place.inertia = 1 / Math.max(angular, mj.mjMINVAL);
+    }
+    this.coordinates = Math.max(this.coordinates, firstCoordinate + countOf(kind));
+    this.places.push(place);
+  }
+
+  /** Of the lightest direction of a site or body, 1/kg, and about its lightest axis, 1/(kg m^2): no
+   * less than the largest eigenvalues of J M^-1 J^T. */
+  private inverseMasses(place: Place): [number, number] {
+    const nv = this.engine.model.nv;
+    const { linear, angular } = this.engine.jacobian(place.body, this.positionOf(place));
+    const J = Float64Array.from([...linear, ...angular]), solved = this.engine.overMass(J);
+    const most: [number, number] = [0, 0];
+    for (let i = 0; i < 6; ++i) {
+      const half = i < 3 ? 0 : 1;
+      let sum = 0;
+      for (let k = 3 * half; k < 3 * half + 3; ++k) {
+        let product = 0;
+        for (let j = 0; j < nv; ++j) product += J[i * nv + j]! * solved[k * nv + j]!;
+        sum += Math.abs(product);
+      }
+      most[half] = Math.max(most[half], sum);
+    }
+    return most;
+  }
+
+  private pathOf(body: number): Path {
+    const { fixed, model } = this.engine;
+    const found: Path = { joints: [], soft: [] };
+    let pending: number[] = [];
+    const reached = (): void => {  // the springs so far are between a binding and the body
+      found.soft.push(...pending);
+      pending = [];
+    };
+    for (; body > 0; body = fixed.bodyParent[body]!) {
+      const frame = this.frameOfBody.get(body);
+      if (frame) {
+        reached();
+        found.frame = frame;
+        break;
+      }
+      for (let k = fixed.bodyJoints[body]! - 1; k >= 0; --k) {
+        const joint = fixed.bodyJoint[body]! + k, bound = this.placeOfJoint.get(joint);
+        if (bound) {
+          reached();
+          found.joints.push(bound);
+        } else if (model.jnt_stiffness[joint] > 0) {
+          pending.push(joint);
+        }
+      }
+    }
+    return found;
+  }
+}

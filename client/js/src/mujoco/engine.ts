@@ -1,0 +1,119 @@
+/** MuJoCo's WebAssembly build, with numbers instead of handles. A view of its memory holds until
+ * that grows, which any call may do: take it again after each. */
+import type { MainModule, MjData, MjModel } from "@mujoco/mujoco";
+import type { Vector3 } from "../contact.js";
+import { vectorAt } from "./vectors.js";
+
+export type { MainModule, MjData, MjModel } from "@mujoco/mujoco";
+
+/** What is used of mjContact. */
+export interface EngineContact {
+  geom1: number;
+  geom2: number;
+  dist: number;
+  includemargin: number;
+  exclude: number;
+  dim: number;
+  efcAddress: number;
+  pos: Vector3;
+  /** From geom1 to geom2. */
+  normal: Vector3;
+  friction: number;
+  solref: number[];
+  solimp: number[];
+}
+
+/** What a model keeps for its life, so it is read once. */
+function constants(model: MjModel) {
+  const copy = (view: ArrayLike<number>): number[] => Array.from(view);
+  return {
+    bodyParent: copy(model.body_parentid), bodyRoot: copy(model.body_rootid),
+    bodyWeld: copy(model.body_weldid), bodyDofs: copy(model.body_dofnum),
+    bodyDof: copy(model.body_dofadr), bodyJoints: copy(model.body_jntnum),
+    bodyJoint: copy(model.body_jntadr), bodyInvweight: copy(model.body_invweight0),
+    dofParent: copy(model.dof_parentid), dofJoint: copy(model.dof_jntid),
+    dofInvweight: copy(model.dof_invweight0), geomBody: copy(model.geom_bodyid),
+    geomType: copy(model.geom_type), geomSize: copy(model.geom_size),
+    jointBody: copy(model.jnt_bodyid), jointType: copy(model.jnt_type),
+    jointDof: copy(model.jnt_dofadr), jointPos: copy(model.jnt_qposadr),
+    siteBody: copy(model.site_bodyid),
+  };
+}
+
+export class Engine {
+  readonly fixed: ReturnType<typeof constants>;
+  private readonly linear;
+  private readonly angular;
+  private readonly column;
+  private readonly solved;
+  private readonly force;
+
+  /** All stay the caller's, and must live longer. */
+  constructor(readonly mj: MainModule, readonly model: MjModel, readonly data: MjData) {
+    this.fixed = constants(model);
+    this.linear = new mj.DoubleBuffer(3 * model.nv);
+    this.angular = new mj.DoubleBuffer(3 * model.nv);
+    this.column = new mj.DoubleBuffer(model.nv);
+    this.solved = new mj.DoubleBuffer(6 * model.nv);
+    this.force = new mj.DoubleBuffer(6);
+  }
+  /** WebAssembly's memory is not collected. */
+  delete(): void {
+    for (const buffer of [this.linear, this.angular, this.column, this.solved, this.force]) {
+      buffer.delete();
+    }
+  }
+
+  /** -1: there is none. */
+  idOf(type: "BODY" | "JOINT" | "SITE" | "NUMERIC", name: string): number {
+    return this.mj.mj_name2id(this.model, this.mj.mjtObj[`mjOBJ_${type}`].value, name);
+  }
+  /** d position / d qpos of a point of `body`, and of its turn: 3 x nv each, until the next call. */
+  jacobian(body: number, position: Vector3): { linear: Float64Array; angular: Float64Array } {
+    this.mj.mj_jac(this.model, this.data, this.linear, this.angular, [...position], body);
+    return { linear: this.linear.GetView() as Float64Array,
+             angular: this.angular.GetView() as Float64Array };
+  }
+  /** M v, until the next call. */
+  timesMass(v: Float64Array): Float64Array {
+    this.mj.mj_mulM(this.model, this.data, this.column, v as unknown as number[]);
+    return this.column.GetView() as Float64Array;
+  }
+  /** M^-1 times each of the 6 rows of J, until the next call. */
+  overMass(J: Float64Array): Float64Array {
+    this.mj.mj_solveM(this.model, this.data, this.solved, J as unknown as number[]);
+    return this.solved.GetView() as Float64Array;
+  }
+  /** N, along the normal of contact i. */
+  normalForce(i: number): number {
+    this.mj.mj_contactForce(this.model, this.data, i, this.force);
+    return (this.force.GetView() as Float64Array)[0]!;
+  }
+  /** How often MuJoCo began again because of a bad state, since the data began. */
+  badStates(): number {
+    const { mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC } = this.mj.mjtWarning;
+    return [mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC].reduce(
+      (sum, warning) => sum + this.warnings(warning.value), 0);
+  }
+  warnings(type: number): number {
+    const one = this.data.warning.get(type)!, { number } = one;  // a copy, of a list that is not one
+    one.delete();
+    return number;
+  }
+  /** Those that the last mj_step or mj_forward found. */
+  contacts(): EngineContact[] {
+    const list = this.data.contact, found: EngineContact[] = [];
+    for (let i = 0; i < list.size(); ++i) {
+      const c = list.get(i)!;
+      found.push({
+        geom1: c.geom1, geom2: c.geom2, dist: c.dist, includemargin: c.includemargin,
+        exclude: c.exclude, dim: c.dim, efcAddress: c.efc_address, pos: vectorAt(c.pos),
+        normal: vectorAt(c.frame), friction: c.friction[0], solref: Array.from(c.solref),
+        solimp: Array.from(c.solimp),
+      });
+      c.delete();
+    }
+    list.delete();
+    return found;
+  }
+}

@@ -1,0 +1,249 @@
+/** The part of a MuJoCo model that the device moves. */
+import { contactAt, contactHorizon } from "../contact.js";
+import { Proxy } from "../proxy.js";
+import type { Plane } from "../proxy.js";
+import { Aim } from "./aim.js";
+import type { Binding } from "./binding.js";
+import { BoundTool } from "./bound_tool.js";
+import type { Place } from "./bound_tool.js";
+import { Engine } from "./engine.js";
+import type { MainModule, MjData, MjModel } from "./engine.js";
+import { Margins } from "./margins.js";
+import { NearContacts } from "./near_contacts.js";
+import { JUMPS } from "./options.js";
+import type { Jumps, ToolOptions } from "./options.js";
+import { conjugate, normalised, product, rateOf } from "./vectors.js";
+import type { Quaternion } from "./vectors.js";
+
+const NO_LIMIT = 1e9;
+
+/** All bodies below a bound one. Contacts of their geoms with anything else, and with each other,
+ * are told. */
+export class Tool {
+  readonly #engine: Engine;
+  readonly #options: ToolOptions & Jumps;
+  readonly #tool: BoundTool;
+  readonly #contacts: NearContacts;
+  readonly #aim: Aim;
+  readonly #margins: Margins;
+  #probe: number[] = [];       // of the newest state, all coordinates
+  #seen: number[] = [];        // the tool as the last step began
+  #rate = new Float64Array(0); // qvel then
+  #known = false;              // the last probe could be used
+  #lastTime = 0;               // as the last step began, s
+  #lastStep = 0;               // s
+  #owed = 0;                   // s
+  #room = 1;                   // share of the horizon for which MuJoCo has room
+  #timesFull = 0;
+  #timesBad = 0;
+
+  /** `model` and `data` stay the caller's, and must live longer. Changes in `model`: limits of the
+   * bound joints are off, and margin and gap of the tool's geoms grow by the horizon in which
+   * contacts are told, without a change of where force begins. In `data` qfrc_applied of the
+   * tool's DoFs is the tool's: put forces of your own into xfrc_applied. Runs mj_forward.
+   *
+   * Throws RangeError, which names binding, value and what is allowed: an unknown name, a
+   * coordinate that is bound twice, has no weight or is not below 10000, a ball or free joint, a
+   * scale of 0, a coupling or a weight that is not above 0, and a spring too stiff for the model's
+   * step (step sqrt(c w / m) > 0.5). */
+  constructor(mujoco: MainModule, model: MjModel, data: MjData, bindings: Binding[],
+              options: ToolOptions) {
+    mujoco.mj_forward(model, data);
+    this.#engine = new Engine(mujoco, model, data);
+    this.#options = { ...JUMPS, ...options };
+    this.#tool = new BoundTool(this.#engine, bindings, options);
+    this.#contacts = new NearContacts(this.#engine, this.#tool);
+    this.#aim = new Aim(this.#tool, this.#options);
+    this.#margins = new Margins(this.#engine, this.#tool);
+    for (const { binding, id } of this.#tool.places) {
+      // Far away, not off: @mujoco/mujoco 3.14.0 throws at a look at jnt_limited.
+      if (binding.kind === "joint") model.jnt_range.set([-NO_LIMIT, NO_LIMIT], 2 * id);
+    }
+    this.restart();
+  }
+  /** Gives WebAssembly's memory back; `model` and `data` stay. */
+  delete(): void {
+    this.#engine.delete();
+  }
+
+  /** Whether the tool follows the probe; false: it is on its way there, see Jumps. */
+  get following(): boolean {
+    return this.#aim.following;
+  }
+  /** Whether a body is the tool's. */
+  moves(body: number): boolean {
+    return this.#tool.moves(body);
+  }
+
+  /** `periodMs` of simulated time by mj_step, and the sample to publish. `xProbe`: of the newest
+   * state, all coordinates of the device; if it is empty, not finite, or a pose's quaternion is
+   * shorter than 1e-3, the tool stays where it is, and the sample is Proxy.free(). `roundTripMs`:
+   * Session.roundTripMs, for the horizon in which contacts are told before they touch. */
+  step(xProbe: number[], periodMs: number, roundTripMs = 0): Proxy {
+    const { mj, model, data } = this.#engine, step = model.opt.timestep;
+    this.#owed += periodMs / 1000;
+    const count = Math.max(1, Math.floor(this.#owed / step + 1e-6));
+    this.#owed -= count * step;
+    this.aim(xProbe, count, roundTripMs);
+    for (let i = 0; i < count; ++i) {
+      this.pull();
+      mj.mj_step(model, data);
+    }
+    return this.proxy();
+  }
+
+  // The same in parts, for a loop that calls mj_step itself:
+  //   tool.aim(xProbe, 16, session.roundTripMs);
+  //   for (let i = 0; i < 16; ++i) { tool.pull(); mujoco.mj_step(model, data); }
+  //   session.publish(tool.proxy());
+
+  /** Where the tool is to be after `steps` (> 0) steps. */
+  aim(xProbe: number[], steps: number, roundTripMs = 0): void {
+    if (!(steps > 0)) throw new RangeError(`steps ${steps}: must be > 0`);
+    this.#lookForJump();
+    const { mj, model } = this.#engine, seconds = steps * model.opt.timestep;
+    this.#known = false;
+    if (xProbe.length === 0 || !xProbe.every(Number.isFinite)) {
+      return this.#aim.next([], steps, seconds);
+    }
+    const { coordinates } = this.#tool, weights = this.#options.weights?.length ?? xProbe.length;
+    if (xProbe.length < coordinates) {
+      throw new RangeError(`xProbe has ${xProbe.length} coordinates, and coordinate ` +
+        `${coordinates - 1} is bound`);
+    }
+    if (weights !== xProbe.length) {
+      throw new RangeError(
+        `xProbe has ${xProbe.length} coordinates, but there are ${weights} weights`);
+    }
+    if (!this.#tool.hasTurns(xProbe)) return this.#aim.next([], steps, seconds);
+    this.#known = true;
+    this.#probe = [...xProbe];
+    this.#aim.next(this.#probe, steps, seconds);
+    // A list that is full has lost contacts, perhaps some that are touched.
+    const full = this.#engine.warnings(mj.mjtWarning.mjWARN_CONTACTFULL.value);
+    if (full > this.#timesFull) this.#room *= 0.5;
+    this.#timesFull = full;
+    this.#margins.grow(this.#room * contactHorizon(roundTripMs, seconds * 1000));
+  }
+
+  /** Sets qfrc_applied for the next mj_step. Before every one: after a step without it the tool
+   * begins again, see restart(). */
+  pull(): void {
+    this.#lookForJump();
+    const { mj, model, data } = this.#engine;
+    mj.mj_kinematics(model, data);
+    mj.mj_comPos(model, data);
+    this.#seen = [...this.#probe];
+    this.#tool.read(this.#seen);
+    const qvel: Float64Array = data.qvel;
+    this.#rate = qvel.slice();
+    this.#lastTime = data.time;
+    this.#lastStep = model.opt.timestep;
+    this.#aim.step();
+    const push = new Float64Array(model.nv);
+    const [bias, passive] = [data.qfrc_bias, data.qfrc_passive] as Float64Array[];
+    for (const place of this.#tool.places) {
+      for (const dof of place.dofs) push[dof]! += bias![dof]! - passive![dof]!;
+    }
+    for (const place of this.#tool.places) {
+      if (place.binding.kind === "joint") this.#pullJoint(place, push);
+      else this.#pullFrame(place, push);
+    }
+    const applied: Float64Array = data.qfrc_applied;
+    push.forEach((value, dof) => {  // a frame pushes its parents' DoFs, too
+      if (value !== 0 || this.#tool.ownsDof(dof)) applied[dof] = value;
+    });
+  }
+
+  /** Of the contacts that the last mj_step found. */
+  proxy(): Proxy {
+    this.#lookForJump();
+    const near = this.#contacts.find(this.#seen, this.#rate), { coupling } = this.#options;
+    if (!this.#known || !this.#aim.following) return Proxy.free();
+    const x = [...this.#probe], planes: Plane[] = [];
+    for (const { contact, force } of near) {
+      const plane = contactAt(this.#seen, contact, coupling);
+      if (plane.normal.every((part) => part === 0)) continue;
+      plane.normal.forEach((part, i) => { x[i]! -= part * force / (coupling * this.#weight(i)); });
+      planes.push(plane);
+    }
+    // The half spaces as they were seen, with the normals by which x was displaced: joints and
+    // friction keep the tool from x, and around x the object curves otherwise.
+    return planes.length === 0 ? Proxy.free() : Proxy.behind(planes, x);
+  }
+
+  /** The tool begins again where the model has it, as a late join: until it came to the probe, see
+   * Jumps, nothing is told, and what it is inside of does not count. Call it after you moved the
+   * model yourself (qpos). By itself it happens if data.time is not that of the next step: after
+   * mj_resetData, a key of another time, a bad state, or steps without pull(). Runs mj_forward. */
+  restart(): void {
+    const { mj, model, data } = this.#engine;
+    this.#margins.grow(0);
+    mj.mj_forward(model, data);
+    this.#probe = Array<number>(this.#tool.coordinates).fill(0);
+    this.#tool.read(this.#probe);
+    this.#seen = [...this.#probe];
+    this.#aim.begin(this.#probe);
+    this.#rate = new Float64Array(model.nv);
+    this.#contacts.begin();
+    this.#lastTime = data.time;
+    this.#lastStep = model.opt.timestep;
+    this.#timesBad = this.#engine.badStates();
+    this.#timesFull = this.#engine.warnings(mj.mjtWarning.mjWARN_CONTACTFULL.value);
+  }
+
+  /** Restarts if the model is not where a step from the last pull() brought it. */
+  #lookForJump(): void {
+    const step = this.#engine.data.time - this.#lastTime;
+    if (step >= 0 && step < 1.5 * this.#lastStep && this.#engine.badStates() === this.#timesBad) {
+      return;
+    }
+    this.restart();
+  }
+
+  #weight(i: number): number {
+    return this.#options.weights?.[i] ?? 1;
+  }
+
+  #pullJoint(place: Place, push: Float64Array): void {
+    const { firstCoordinate: i, scale } = place.binding, dof = place.dofs[0]!;
+    const stiffness = this.#options.coupling * this.#weight(i);
+    const faster = this.#aim.rate(i) - this.#rate[dof]! / scale;
+    push[dof]! += (stiffness * place.apart(this.#seen[i]!, this.#aim.at(i)) +
+      2 * Math.sqrt(stiffness * place.mass) * faster) / scale;
+  }
+
+  #pullFrame(place: Place, push: Float64Array): void {
+    const { kind, firstCoordinate: first } = place.binding, { nv, opt } = this.#engine.model;
+    const position = this.#tool.positionOf(place), aim = this.#aim;
+    const { linear, angular } = this.#engine.jacobian(place.body, position);
+    const speed = (jacobian: Float64Array, k: number) => {
+      let sum = 0;
+      for (let i = 0; i < nv; ++i) sum += jacobian[k * nv + i]! * this.#rate[i]!;
+      return sum;
+    };
+    const apply = (jacobian: Float64Array, k: number, force: number) => {
+      for (let i = 0; i < nv; ++i) push[i]! += jacobian[k * nv + i]! * force;
+    };
+    for (let k = 0; k < 3; ++k) {
+      const stiffness = this.#options.coupling * this.#weight(first + k);
+      apply(linear, k, stiffness * (aim.at(first + k) - position[k]!) +
+        2 * Math.sqrt(stiffness * place.mass) * (aim.rate(first + k) - speed(linear, k)));
+    }
+    if (kind === "point") return;
+    const here = this.#tool.quaternionOf(place), i = first + 3;
+    const of = (f: (i: number) => number): Quaternion =>
+      normalised([f(i + 3), f(i), f(i + 1), f(i + 2)]);  // MuJoCo has w first
+    const there = of((part) => aim.at(part));
+    const back = of((part) => aim.at(part) - aim.rate(part) * opt.timestep);
+    const turn = rateOf(product(there, conjugate(back)), opt.timestep);  // of the aim, in the world
+    const error = product(there, conjugate(here));
+    // Minus the gradient of c w / 2 times the squared length between the two quaternions.
+    const stiffness = 0.5 * this.#options.coupling * this.#weight(i);
+    const damping = 2 * Math.sqrt(0.5 * stiffness * place.inertia);
+    for (let k = 0; k < 3; ++k) {
+      apply(angular, k, (error[0] < 0 ? -stiffness : stiffness) * error[1 + k]! +
+        damping * (turn[k]! - speed(angular, k)));
+    }
+  }
+}

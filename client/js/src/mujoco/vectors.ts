@@ -1,0 +1,64 @@
+/** Three numbers in a row, of MuJoCo's arrays and of the client library's, and quaternions as
+ * MuJoCo has them: w first. */
+import type { Vector3 } from "../contact.js";
+
+export type Quaternion = readonly [number, number, number, number];
+type Numbers = ArrayLike<number>;
+
+export const vectorAt = (numbers: Numbers, i = 0): Vector3 =>
+  [numbers[i]!, numbers[i + 1]!, numbers[i + 2]!];
+export const dot = (a: Vector3, b: Vector3): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+export const cross = (a: Vector3, b: Vector3): Vector3 =>
+  [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+/** a + s b */
+export const add = (a: Vector3, s: number, b: Vector3): Vector3 =>
+  [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];
+/** The transpose of the 3 x 3 matrix that begins at `i`, times v. */
+export const intoFrame = (matrix: Numbers, i: number, v: Vector3): Vector3 =>
+  [dot([matrix[i]!, matrix[i + 3]!, matrix[i + 6]!], v),
+   dot([matrix[i + 1]!, matrix[i + 4]!, matrix[i + 7]!], v),
+   dot([matrix[i + 2]!, matrix[i + 5]!, matrix[i + 8]!], v)];
+
+/** Of the rotation matrix that begins at `i`; its largest part is found first, and is > 0. */
+export function quaternionOf(matrix: Numbers, i: number): Quaternion {
+  const at = (row: number, column: number) => matrix[i + 3 * row + column]!;
+  const [xx, yy, zz] = [at(0, 0), at(1, 1), at(2, 2)];
+  const q: [number, number, number, number] = [0, 0, 0, 0];
+  if (xx + yy + zz > 0) {
+    q[0] = 0.5 * Math.sqrt(1 + xx + yy + zz);
+    q[1] = 0.25 * (at(2, 1) - at(1, 2)) / q[0];
+    q[2] = 0.25 * (at(0, 2) - at(2, 0)) / q[0];
+    q[3] = 0.25 * (at(1, 0) - at(0, 1)) / q[0];
+    return normalised(q);
+  }
+  const a = xx > yy && xx > zz ? 0 : yy > zz ? 1 : 2, b = (a + 1) % 3, c = (a + 2) % 3;
+  const largest = 0.5 * Math.sqrt(1 + at(a, a) - at(b, b) - at(c, c));
+  q[0] = 0.25 * (at(c, b) - at(b, c)) / largest;
+  q[a + 1] = largest;
+  q[b + 1] = 0.25 * (at(a, b) + at(b, a)) / largest;
+  q[c + 1] = 0.25 * (at(a, c) + at(c, a)) / largest;
+  return normalised(q);
+}
+export function normalised(q: Quaternion): Quaternion {
+  const length = Math.hypot(...q);
+  return [q[0] / length, q[1] / length, q[2] / length, q[3] / length];
+}
+export const conjugate = (q: Quaternion): Quaternion => [q[0], -q[1], -q[2], -q[3]];
+export const product = ([a, b, c, d]: Quaternion, [w, x, y, z]: Quaternion): Quaternion =>
+  [a * w - b * x - c * y - d * z, a * x + b * w + c * z - d * y, a * y - b * z + c * w + d * x,
+   a * z + b * y - c * x + d * w];
+/** The turn that takes `seconds`, as a rate in rad/s. */
+export function rateOf(turn: Quaternion, seconds: number): Vector3 {
+  const sine = Math.hypot(turn[1], turn[2], turn[3]);
+  if (sine === 0) return [0, 0, 0];
+  let angle = 2 * Math.atan2(sine, turn[0]);
+  if (angle > Math.PI) angle -= 2 * Math.PI;
+  const scale = angle / (seconds * sine);
+  return [turn[1] * scale, turn[2] * scale, turn[3] * scale];
+}
+
+/** Coordinates that the curvature of a contact may have. */
+export const MOST_CURVED = 8;
+/** Place in a symmetric matrix that is kept as its lower triangle row by row. */
+export const triangle = (a: number, b: number): number =>
+  Math.max(a, b) * (Math.max(a, b) + 1) / 2 + Math.min(a, b);

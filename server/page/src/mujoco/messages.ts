@@ -1,0 +1,46 @@
+// What the page and its worker say to each other.
+
+/** Of the page. */
+export type Order =
+  | { kind: "start"; scene: string; token?: string }
+  | { kind: "engage" | "release" | "reset" };
+
+/** A shape of the model. `size` as MuJoCo's. */
+export interface Geom {
+  type: "plane" | "sphere" | "capsule" | "ellipsoid" | "cylinder" | "box";
+  size: [number, number, number];
+  rgba: [number, number, number, number];
+  /** Part of what the device moves. */
+  tool: boolean;
+}
+
+export interface Motor {
+  name: string;
+  unit: string;
+}
+
+/** How long a frame's physics and publishing took, ms, of the newest 600. */
+export interface Timing {
+  median: number;
+  p99: number;
+  frames: number;
+}
+
+/** Of the worker. */
+export type Report =
+  | { kind: "scene"; device: string; geoms: Geom[]; up: [number, number, number]; motors: Motor[] }
+  | {
+      kind: "frame";
+      /** Per geom position and rotation matrix, row by row: 12 numbers. */
+      places: Float32Array;
+      /** The same of the tool's geoms where the device is; empty: not known. */
+      probe: Float32Array;
+      /** Where the device is, as points in the world, 3 numbers each. */
+      points: Float32Array;
+      state: string;
+      forces: number[];
+      contacts: number;
+      following: boolean;
+      timing: Timing;
+    }
+  | { kind: "said"; text: string; reason: string };

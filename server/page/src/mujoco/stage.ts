@@ -1,0 +1,136 @@
+// Draws the shapes of a MuJoCo model: the tool where the objects let it be, and pale blue where the
+// device is.
+
+import {
+  AmbientLight, Box3, BoxGeometry, CapsuleGeometry, Color, CylinderGeometry, DirectionalLight,
+  Group, type BufferGeometry, Mesh, MeshLambertMaterial, PerspectiveCamera, PlaneGeometry, Scene,
+  SphereGeometry, Vector3, WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import type { Geom } from "./messages";
+
+const PLACE = 12; // numbers of a geom: position, rotation matrix
+const PLANE = 0.5; // m, how much of an endless one is drawn
+const BLUE = 0x4070e0;
+
+function shapeOf({ type, size: [x, y, z] }: Geom): BufferGeometry {
+  switch (type) {
+    case "plane": return new PlaneGeometry(2 * Math.min(x || PLANE, PLANE), 2 * Math.min(y || PLANE, PLANE));
+    case "sphere": return new SphereGeometry(x, 24, 16);
+    case "ellipsoid": return new SphereGeometry(1, 24, 16).scale(x, y, z);
+    case "box": return new BoxGeometry(2 * x, 2 * y, 2 * z);
+    // Along y here, along z in MuJoCo.
+    case "capsule": return new CapsuleGeometry(x, 2 * y, 6, 16).rotateX(Math.PI / 2);
+    case "cylinder": return new CylinderGeometry(x, x, 2 * y, 24).rotateX(Math.PI / 2);
+  }
+}
+
+function put(mesh: Mesh, places: Float32Array, i: number): void {
+  const [x, y, z, a, b, c, d, e, f, g, h, k] = places.subarray(PLACE * i, PLACE * (i + 1)) as
+    unknown as number[] & { length: 12 };
+  mesh.matrix.set(a!, b!, c!, x!, d!, e!, f!, y!, g!, h!, k!, z!, 0, 0, 0, 1);
+}
+
+export class Stage {
+  /** Pictures painted since the beginning. */
+  painted = 0;
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera(32, 1, 0.005, 10);
+  private readonly controls: OrbitControls;
+  private readonly world = new Group();
+  private geoms: Geom[] = [];
+  private meshes: Mesh[] = [];
+  private ghosts: (Mesh | null)[] = [];
+  private points: Mesh[] = [];
+  private readonly ghost = new MeshLambertMaterial(
+    { color: BLUE, transparent: true, opacity: 0.4, depthWrite: false });
+  private fresh = false;
+  private fitted = false;
+
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.addEventListener("change", () => (this.fresh = true));
+    this.scene.background = new Color(0xdfe7ee);
+    this.scene.add(new AmbientLight(0xffffff, 1.6), this.world);
+    const light = new DirectionalLight(0xffffff, 2);
+    light.position.set(0.3, 0.6, 1);
+    this.camera.add(light);
+    this.scene.add(this.camera);
+    const paint = (): void => {
+      requestAnimationFrame(paint);
+      if (!this.fresh) return;
+      this.fresh = false;
+      this.resize();
+      this.renderer.render(this.scene, this.camera);
+      ++this.painted;
+    };
+    requestAnimationFrame(paint);
+  }
+
+  show(geoms: Geom[], up: [number, number, number]): void {
+    this.geoms = geoms;
+    this.world.clear();
+    this.camera.up.set(...up);
+    this.fitted = false;
+    this.points = [];
+    const add = (geom: Geom, material: MeshLambertMaterial): Mesh => {
+      const mesh = new Mesh(shapeOf(geom), material);
+      mesh.matrixAutoUpdate = false;
+      this.world.add(mesh);
+      return mesh;
+    };
+    this.meshes = geoms.map((geom) => add(geom, new MeshLambertMaterial({
+      color: new Color(...geom.rgba.slice(0, 3) as [number, number, number]),
+      transparent: geom.rgba[3] < 1, opacity: geom.rgba[3],
+    })));
+    this.ghosts = geoms.map((geom) => (geom.tool ? add(geom, this.ghost) : null));
+  }
+
+  place(places: Float32Array, probe: Float32Array, points: Float32Array): void {
+    this.meshes.forEach((mesh, i) => put(mesh, places, i));
+    this.ghosts.forEach((mesh, i) => {
+      if (!mesh) return;
+      mesh.visible = probe.length > 0;
+      if (mesh.visible) put(mesh, probe, i);
+    });
+    for (let i = 0; 3 * i < points.length; ++i) {
+      const point = this.points[i] ??= new Mesh(new SphereGeometry(0.004, 12, 8), this.ghost);
+      if (!point.parent) this.world.add(point);
+      point.position.fromArray(points, 3 * i);
+    }
+    if (!this.fitted) this.fit();
+    this.fresh = true;
+  }
+
+  /** Looks at all but planes, a little from above. */
+  private fit(): void {
+    this.fitted = true;
+    this.world.updateMatrixWorld(true);
+    const box = new Box3();
+    this.meshes.forEach((mesh, i) => {
+      if (this.geoms[i]!.type === "plane") return;
+      mesh.geometry.computeBoundingBox();
+      box.union(mesh.geometry.boundingBox!.clone().applyMatrix4(mesh.matrix));
+    });
+    const middle = box.getCenter(new Vector3()), size = box.getSize(new Vector3()).length();
+    const up = this.camera.up.clone(), aside = up.z > 0.5 ? new Vector3(1, 0.5, 0)
+      : new Vector3(0.35, 0, 1);
+    this.camera.position.copy(middle).addScaledVector(aside.normalize(), 1.5 * size)
+      .addScaledVector(up, 0.5 * size);
+    this.controls.target.copy(middle);
+    this.controls.update();
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const ratio = Math.min(devicePixelRatio, 2);
+    const { width: had, height: high } = this.canvas;
+    if (had === Math.floor(width * ratio) && high === Math.floor(height * ratio)) return;
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+  }
+}

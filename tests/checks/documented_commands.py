@@ -46,6 +46,10 @@ RUN = {
 ELSEWHERE = {
     "server/demo.sh --delay 100": ("tests/system/demo_test.sh", "--delay 100"),
     "tests/run.sh": (".ci/run", "tests/run.sh"),
+    "node examples/virtual_wall.mjs http://127.0.0.1:29473 TOKEN": (
+        "tests/client/js/example_test.mjs",
+        "examples/virtual_wall.mjs",
+    ),
     "docker/install-deps.sh": ("tests/run.sh", "docker/install-deps.sh"),
     "docker/test.sh": ("tests/package/CMakeLists.txt", "docker/test.sh"),
     "cmake --preset release": ("tests/run.sh", "cmake --preset"),

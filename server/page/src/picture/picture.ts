@@ -6,6 +6,7 @@ import {
   Box3,
   Color,
   DirectionalLight,
+  EqualDepth,
   GridHelper,
   MeshLambertMaterial,
   Quaternion,
@@ -32,6 +33,7 @@ interface Shown {
   drawing: Drawing;
   device: Bodies;
   ghost: Bodies;
+  toolDepth: Bodies;
   tool: Bodies;
   proxy: Bodies;
   arrows: Arrows;
@@ -60,8 +62,10 @@ export class Picture {
   private readonly materials = {
     device: new MeshLambertMaterial(),
     ghost: ghostly(),
-    // A finger is a tool, and hides the links on it: they shine through.
-    tool: new MeshLambertMaterial({ transparent: true, opacity: 0.62 }),
+    // A finger is a tool, and hides the links on it: they shine through its nearest surface, which
+    // is found first, so that two bodies that meet in a joint are not blended twice.
+    toolDepth: new MeshLambertMaterial({ transparent: true, colorWrite: false }),
+    tool: new MeshLambertMaterial({ transparent: true, opacity: 0.62, depthFunc: EqualDepth }),
     proxy: ghostly(),
     force: new MeshLambertMaterial({ transparent: true, depthTest: false }), // over everything
   };
@@ -95,11 +99,12 @@ export class Picture {
     const reach = size.length();
     const step = gridStep(Math.max(size.x, size.y, size.z));
     this.view.fit(box.expandByVector(size.multiplyScalar(0.1))); // it will move
-    const { device, ghost, tool, proxy, force } = this.materials;
+    const { device, ghost, toolDepth, tool, proxy, force } = this.materials;
     this.shown = {
       drawing,
       device: new Bodies(drawing, PART_DEVICE, device),
       ghost: new Bodies(drawing, PART_DEVICE, ghost),
+      toolDepth: new Bodies(drawing, PART_TOOL, toolDepth),
       tool: new Bodies(drawing, PART_TOOL, tool),
       proxy: new Bodies(drawing, PART_TOOL, proxy),
       arrows: new Arrows(drawing, reach, limits, force),
@@ -117,8 +122,8 @@ export class Picture {
   clear(): void {
     if (!this.shown) return;
     this.scene.remove(...this.parts(this.shown));
-    const { device, ghost, tool, proxy, arrows, grid } = this.shown;
-    for (const part of [device, ghost, tool, proxy, arrows, grid]) part.dispose();
+    const { device, ghost, toolDepth, tool, proxy, arrows, grid } = this.shown;
+    for (const part of [device, ghost, toolDepth, tool, proxy, arrows, grid]) part.dispose();
     this.shown = null;
     this.pose = null;
     this.ask();
@@ -150,6 +155,7 @@ export class Picture {
   private place(shown: Shown, pose: Pose): void {
     const now = frames(shown.drawing, pose.q, pose.xProbe);
     shown.device.place(now);
+    shown.toolDepth.place(now);
     shown.tool.place(now);
     shown.arrows.place(now, pose.tauA);
     addBounds(shown.drawing, now, this.bounds.makeEmpty());
@@ -165,8 +171,9 @@ export class Picture {
   }
 
   /** In the order in which they are drawn over each other. */
-  private parts({ device, ghost, tool, proxy, arrows, grid }: Shown) {
-    return [grid, device.group, ghost.group, tool.group, proxy.group, arrows.group];
+  private parts({ device, ghost, toolDepth, tool, proxy, arrows, grid }: Shown) {
+    const bodies = [device, ghost, toolDepth, tool, proxy, arrows];
+    return [grid, ...bodies.map(({ group }) => group)];
   }
 
   /** Behind the device, across the view. */

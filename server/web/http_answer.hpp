@@ -25,7 +25,7 @@ inline beast::string_view to_beast(std::string_view text) {
 }
 
 /// `bytes` must live until it is sent.
-inline HttpAnswer answer_of(http::status status, std::string_view type, const std::string& bytes,
+inline HttpAnswer answer_of(http::status status, std::string_view type, std::string_view bytes,
                             const RareFields& rare) {
   HttpAnswer answer(status, 11);
   const auto set = [&](auto field, std::string_view value) {

@@ -124,7 +124,7 @@ class HttpConnection final : public WebConnection,
     }
     const Page& page = shared_.content.page;
     if (const auto file = page.find(path()); file != page.end()) {
-      return answer(http::status::ok, file->second.type, {}, &file->second.bytes);
+      return answer(http::status::ok, file->second.type, {}, file->second.bytes);
     }
     if (path() == "/" && page.empty()) {
       return answer(http::status::ok, "text/plain",
@@ -246,15 +246,15 @@ class HttpConnection final : public WebConnection,
     answer(status, "text/plain", std::move(text));
   }
 
-  /// `file` lives as long as the server; null: `text`.
+  /// `file` lives as long as the server; absent: `text`.
   void answer(http::status status, std::string_view type, std::string text,
-              const std::string* file = nullptr) {
+              std::optional<std::string_view> file = {}) {
     const bool read = parser_->is_header_done();
     if (read && shared_.gate.listed(field(http::field::origin))) {
       rare_.origin = field(http::field::origin);
     }
     text_ = std::move(text);
-    answer_ = answer_of(status, type, file != nullptr ? *file : text_, std::exchange(rare_, {}));
+    answer_ = answer_of(status, type, file.value_or(text_), std::exchange(rare_, {}));
     // A body that nobody read would pass for the next request.
     answer_.keep_alive(parser_->is_done() && head().keep_alive() && !closing_);
     serializer_.emplace(answer_);

@@ -1,7 +1,10 @@
 #include "server/web/web_content.hpp"
 
+#include <sys/mman.h>
+
+#include <algorithm>
 #include <fstream>
-#include <iterator>
+#include <new>
 #include <utility>
 
 #include "haptic/core/error.hpp"
@@ -11,7 +14,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLargest = 8u << 20;
+constexpr std::size_t kLargest = 24u << 20;
+
+/// Not on the heap, whose growth says that somebody attacks (net/connections.hpp).
+std::shared_ptr<void> allocate(std::size_t bytes) {
+  void* const memory = ::mmap(nullptr, std::max<std::size_t>(bytes, 1), PROT_READ | PROT_WRITE,
+                              MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) throw std::bad_alloc();
+  return {memory, [bytes](void* all) { ::munmap(all, std::max<std::size_t>(bytes, 1)); }};
+}
 
 const char* type_of(const fs::path& file) {
   static constexpr std::pair<const char*, const char*> kTypes[] = {
@@ -41,12 +52,17 @@ Page load_page(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, none)) {
     if (!entry.is_regular_file()) continue;
     std::ifstream file(entry.path(), std::ios::binary);
-    PageFile content{type_of(entry.path()), {std::istreambuf_iterator<char>(file), {}}};
-    if (!file) throw core::TransportError("page: '" + entry.path().string() + "' cannot be read");
-    bytes += content.bytes.size();
+    const std::size_t size = entry.file_size();
+    bytes += size;
     if (bytes > kLargest) {
-      throw core::TransportError("page: '" + folder.string() + "' has more than 8 MB");
+      throw core::TransportError("page: '" + folder.string() + "' has more than 24 MB");
     }
+    PageFile content{type_of(entry.path()), {}, allocate(size)};
+    auto* const memory = static_cast<char*>(content.memory.get());
+    if (!file.read(memory, static_cast<std::streamsize>(size))) {
+      throw core::TransportError("page: '" + entry.path().string() + "' cannot be read");
+    }
+    content.bytes = {memory, size};
     page.emplace("/" + fs::relative(entry.path(), folder).generic_string(), std::move(content));
   }
   if (const auto index = page.find("/index.html"); index != page.end()) {

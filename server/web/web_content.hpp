@@ -4,13 +4,16 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
+#include <string_view>
 
 namespace haptic::server {
 
 struct PageFile {
   std::string type{};  ///< "text/html; charset=utf-8"
-  std::string bytes{};
+  std::string_view bytes{};
+  std::shared_ptr<void> memory{};  ///< which holds them, apart from the heap
 };
 /// By the path of its address, "/app.js"; "/" is index.html.
 using Page = std::map<std::string, PageFile, std::less<>>;
@@ -21,7 +24,7 @@ struct WebContent {
 };
 
 /// The files of `folder` and of the folders in it; none if it does not exist. Throws
-/// core::TransportError if one cannot be read, or all together have more than 8 MB.
+/// core::TransportError if one cannot be read, or all together have more than 24 MB.
 [[nodiscard]] Page load_page(const std::filesystem::path& folder);
 /// Where the page of the program at `program` lies: "page/dist" next to it as it was built, or
 /// "share/haptic/page" of the prefix that it was installed in.

@@ -38,7 +38,7 @@ async function session(t, answer, talk = () => undefined) {
   const seen = { messages: [], upgraded: false, heard: Buffer.alloc(0) };
   const server = http.createServer();
   server.on("upgrade", (request, stream) => {
-    stream.on("error", () => undefined);
+    stream.on("error", () => undefined).on("end", () => stream.end());
     stream.on("data", (bytes) => (seen.heard = Buffer.concat([seen.heard, bytes])));
     stream.write(answer(request.headers["sec-websocket-key"], stream));
     seen.stream = stream;
@@ -155,10 +155,11 @@ test("the newest sample waits for the network", async (t) => {
   t.after(() => (clearInterval(alive), far.destroy(), server.close()));
   server.listen(0, "127.0.0.1");
   await once(server, "listening");
-  let offered = 0, sent = 0, replaced = 0;
+  let offered = 0, sent = 0, replaced = 0, ended;
   const stream = new Stream(
     { url: `http://127.0.0.1:${server.address().port}` }, "binary", { case: "open", value: {} },
-    { message() {}, end() {}, sent: (before) => ((sent += 1), (replaced += before)) });
+    { message() {}, end: (why) => (ended = why),
+      sent: (before) => ((sent += 1), (replaced += before)) });
   t.after(() => stream.cancel(new Error("over")));
   const offer = () => stream.offer(
     { case: "proxy", value: { seq: BigInt(offered), position: Array(4000).fill(offered) } });
@@ -170,7 +171,10 @@ test("the newest sample waits for the network", async (t) => {
   }
   assert.ok(sent < 500, `${sent} of ${offered} were sent`);
   far.resume();
-  while (sent + replaced < 500) await sleep(1);  // the newest went in the end
+  while (sent + replaced < 500) {  // until the newest went
+    assert.equal(ended, undefined);
+    await sleep(1);
+  }
   assert.ok(replaced > 0);
 });
 

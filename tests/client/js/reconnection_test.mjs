@@ -1,6 +1,6 @@
 // A session that lost its stream, with a hapticd that goes on or starts again.
 import assert from "node:assert/strict";
-import { once } from "node:events";
+import { EventEmitter, once } from "node:events";
 import * as net from "node:net";
 import { test } from "node:test";
 import { Hapticd, engaged, eventually, hold, open, tokenOf } from "./hapticd_process.mjs";
@@ -76,10 +76,11 @@ test("without the wish it ends", async (t) => {
 
 test("force that was released stays off", async (t) => {
   const server = await Hapticd.start(t);
-  const { cable, session } = await engagedSession(t, server, { reconnect: true });
+  const lost = new EventEmitter();
+  const { cable, session } = await engagedSession(
+    t, server, { reconnect: true, onDisconnect: () => lost.emit("lost", session.release()) });
   cable.cut();
-  await eventually(() => !session.connected);
-  await session.release();
+  await once(lost, "lost");
   await eventually(() => session.connected);
   await hold(session, (state) => state.gain === 0);  // if it was resumed just before
   const { published } = session.statistics();

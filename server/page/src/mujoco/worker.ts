@@ -36,7 +36,7 @@ let resets = false;
 /** Until the session ends for good. */
 async function run(session: Session, world: World): Promise<void> {
   const frames = new Frames();
-  let timing = frames.timing;
+  let timing = frames.timing, since = 0;
   for (;;) {
     const state = await session.waitForState();
     if (resets) {
@@ -49,7 +49,7 @@ async function run(session: Session, world: World): Promise<void> {
     frames.add(performance.now() - begin);
     const places = world.places(), probe = world.placesOfProbe(state.xProbe);
     const points = world.pointsOfProbe(state.xProbe);
-    if (state.seq % 30n === 0n || timing.frames === 0) timing = frames.timing;
+    if (timing.frames === 0 || ++since % 30 === 0) timing = frames.timing;
     say({
       kind: "frame", places, probe, points, timing,
       state: DeviceStateName[state.state] ?? "", forces: state.tauA,

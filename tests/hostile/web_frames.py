@@ -5,7 +5,7 @@ import os
 import socket
 import time
 
-from web import INFO, JSON, OPEN, after, bearer, pour, stream
+from web import INFO, JSON, MB, OPEN, after, bearer, pour, stream
 from web_socket import (BINARY, CLOSE, CONTINUATION, PING, PROTO, TEXT, Closed, Http, Refused,
                         frame)
 

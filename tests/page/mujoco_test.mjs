@@ -38,44 +38,46 @@ async function native(t) {
   return forces;
 }
 
-test("a MuJoCo scene is felt in the browser", async (t) => {
+test("a MuJoCo scene in the browser", async (t) => {
   const browser = await startBrowser(t);
-  const server = await startHapticd(t, "control", scene);
-  const { page, complaints } = await newPage(t, browser);
-  await page.goto(await printedAddress(server));
-  await page.goto(new URL("/mujoco.html", page.url()).href);
-  await page.click("#start");
-  await says(page, "#timing", /frames$/);
-  assert.deepEqual(complaints.filter((text) => !/GPU stall|WebGL/.test(text)), []);
-  await page.click("#engage");
-  await says(page, "#state", /^ENGAGED/);
-  const forces = await largestForces(t, server);
-  await page.screenshot({ path: process.env.HAPTIC_PICTURE ?? "mujoco.png" });
-  assert.ok(await coloursOf(page, "#picture") > 50, "the picture is blank");
-  const [timing, painted] = await page.evaluate(
-    () => ["timing", "painted"].map((id) => document.getElementById(id).textContent));
-  await page.click("#reset");
-  await says(page, "#state", /ENGAGED$/);
-  await page.click("#release");
-  await says(page, "#state", /^(ARMED|IDLE)/);
-  await page.close();
-  await server.end();
-  console.log(`browser ${forces} N; a frame ${timing}; ${painted}`);
-  const p99 = Number(/within ([\d.]+) ms/.exec(timing)[1]);
-  if (process.env.HAPTIC_CALM) assert.ok(p99 <= LONGEST_MS, timing);
-  if (!NATIVE || !fs.existsSync(NATIVE)) return t.diagnostic("no native client to compare with");
-  const expected = await native(t);
-  console.log(`native ${expected} N`);
-  expected.forEach((force, i) => assert.ok(Math.abs(forces[i] - force) <= WITHIN * force,
-                                           `motor ${i}: ${forces[i]} N, natively ${force} N`));
-});
 
-test("a key that may only look is explained", async (t) => {
-  const browser = await startBrowser(t);
-  const server = await startHapticd(t, "observe", scene);
-  const { page } = await newPage(t, browser);
-  await page.goto(await printedAddress(server));
-  await page.goto(new URL("/mujoco.html", page.url()).href);
-  await page.click("#start");
-  await says(page, "#said", /may only look/);
+  await t.test("is felt", async (t) => {
+    const server = await startHapticd(t, "control", scene);
+    const { page, complaints } = await newPage(t, browser);
+    await page.goto(await printedAddress(server));
+    await page.goto(new URL("/mujoco.html", page.url()).href);
+    await page.click("#start");
+    await says(page, "#timing", /frames$/);
+    assert.deepEqual(complaints.filter((text) => !/GPU stall|WebGL/.test(text)), []);
+    await page.click("#engage");
+    await says(page, "#state", /^ENGAGED/);
+    const forces = await largestForces(t, server);
+    await page.screenshot({ path: process.env.HAPTIC_PICTURE ?? "mujoco.png" });
+    assert.ok(await coloursOf(page, "#picture") > 50, "the picture is blank");
+    const [timing, painted] = await page.evaluate(
+      () => ["timing", "painted"].map((id) => document.getElementById(id).textContent));
+    await page.click("#reset");
+    await says(page, "#state", /ENGAGED$/);
+    await page.click("#release");
+    await says(page, "#state", /^(ARMED|IDLE)/);
+    await page.close();
+    await server.end();
+    console.log(`browser ${forces} N; a frame ${timing}; ${painted}`);
+    const p99 = Number(/within ([\d.]+) ms/.exec(timing)[1]);
+    if (process.env.HAPTIC_CALM) assert.ok(p99 <= LONGEST_MS, timing);
+    if (!NATIVE || !fs.existsSync(NATIVE)) return t.diagnostic("no native client to compare with");
+    const expected = await native(t);
+    console.log(`native ${expected} N`);
+    expected.forEach((force, i) => assert.ok(Math.abs(forces[i] - force) <= WITHIN * force,
+                                             `motor ${i}: ${forces[i]} N, natively ${force} N`));
+  });
+
+  await t.test("is explained to a key that may only look", async (t) => {
+    const server = await startHapticd(t, "observe", scene);
+    const { page } = await newPage(t, browser);
+    await page.goto(await printedAddress(server));
+    await page.goto(new URL("/mujoco.html", page.url()).href);
+    await page.click("#start");
+    await says(page, "#said", /may only look/);
+  });
 });

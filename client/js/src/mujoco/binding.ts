@@ -13,7 +13,7 @@ export interface Binding {
   name: string;
   /** Of the device. */
   firstCoordinate: number;
-  /** Of a joint: qpos = offset + scale x. scale != 0; -1 if the two count in opposite directions. */
+  /** Of a joint: qpos = offset + scale x. scale != 0; -1: the two count in opposite directions. */
   scale: number;
   offset: number;
 }

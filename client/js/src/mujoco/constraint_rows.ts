@@ -29,7 +29,8 @@ export function rowsOf(engine: Engine, contacts: EngineContact[]): ConstraintRow
   const n = data.nefc, nv = model.nv, contact = new Set<number>([frictionless, pyramid, ellipse]);
   // Copies: the calls between may let the memory grow.
   const ints = (view: Int32Array) => view.slice(0, n);
-  const type = ints(data.efc_type), id = ints(data.efc_id), J = (data.efc_J as Float64Array).slice();
+  const type = ints(data.efc_type), id = ints(data.efc_id);
+  const J = (data.efc_J as Float64Array).slice();
   const sparse = mj.mj_isSparse(model) !== 0;
   const begins = sparse ? ints(data.efc_J_rowadr) : undefined;
   const counts = sparse ? ints(data.efc_J_rownnz) : undefined;

@@ -51,7 +51,8 @@ export class ContactSpring {
   }
 
   private impedance(depth: number): number {
-    const [d0, dmax, width, middle, power] = this.solimp as [number, number, number, number, number];
+    const [d0, dmax, width, middle, power] =
+      this.solimp as [number, number, number, number, number];
     if (d0 === dmax || width <= 1e-15) return 0.5 * (d0 + dmax);
     const x = Math.min(Math.abs(depth) / width, 1);
     const y = x <= middle ? x ** power / middle ** (power - 1)

@@ -68,7 +68,7 @@ export class Engine {
   idOf(type: "BODY" | "JOINT" | "SITE" | "NUMERIC", name: string): number {
     return this.mj.mj_name2id(this.model, this.mj.mjtObj[`mjOBJ_${type}`].value, name);
   }
-  /** d position / d qpos of a point of `body`, and of its turn: 3 x nv each, until the next call. */
+  /** d position / d qpos of a point of `body`, and of its turn: 3 x nv each, till the next call. */
   jacobian(body: number, position: Vector3): { linear: Float64Array; angular: Float64Array } {
     this.mj.mj_jac(this.model, this.data, this.linear, this.angular, [...position], body);
     return { linear: this.linear.GetView() as Float64Array,
@@ -96,7 +96,8 @@ export class Engine {
       (sum, warning) => sum + this.warnings(warning.value), 0);
   }
   warnings(type: number): number {
-    const one = this.data.warning.get(type)!, { number } = one;  // a copy, of a list that is not one
+    const one = this.data.warning.get(type)!;  // a copy, of a list that is not one
+    const { number } = one;
     one.delete();
     return number;
   }

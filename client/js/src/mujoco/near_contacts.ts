@@ -25,7 +25,8 @@ const pairOf = ({ geom1: a, geom2: b }: EngineContact): string =>
 /** a less b, of points that different coordinates may move: how the way between them changes. */
 function difference(a: PointMap, b: PointMap): PointMap {
   const end = (map: PointMap) => map.firstCoordinate + map.jacobian.length;
-  const low = Math.min(a.firstCoordinate, b.firstCoordinate), count = Math.max(end(a), end(b)) - low;
+  const low = Math.min(a.firstCoordinate, b.firstCoordinate);
+  const count = Math.max(end(a), end(b)) - low;
   const zeros = (length: number) => Array.from({ length }, (): Vector3 => [0, 0, 0]);
   const curved = count <= MOST_CURVED && a.second.length > 0 && b.second.length > 0;
   const out: PointMap = { firstCoordinate: low, position: a.position, jacobian: zeros(count),

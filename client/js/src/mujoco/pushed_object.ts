@@ -61,8 +61,8 @@ const along = (a: ArrayLike<number>, b: ArrayLike<number>): number => {
 
 /** All that is not the tool: bodies with their joints' springs and dampers, and MuJoCo's other
  * constraints (a floor, friction that sticks, joint limits). Each row of these has a force
- * (a_ref - a) / R: a spring, a damper and a mass 1 / R (contact_spring.ts). Friction that slips is a
- * constant force. What the tool itself touches the server knows by its own contacts.
+ * (a_ref - a) / R: a spring, a damper and a mass 1 / R (contact_spring.ts). Friction that slips is
+ * a constant force. What the tool itself touches the server knows by its own contacts.
  *
  * An object has one law per contact, so one way to give in: u, the motion of all joints by which
  * its surface recedes by 1 under a push that lasts 50 ms, the time for which the law must hold.
@@ -188,7 +188,9 @@ export class Surroundings {
   private findDofs(all: ConstraintRows, counting: number[], touched: number[]): void {
     const { fixed, model: { nv } } = this.engine;
     const tree: number[] = [];  // of each DoF: the first DoF that moves with it
-    for (let i = 0; i < nv; ++i) tree.push(fixed.dofParent[i]! < 0 ? i : tree[fixed.dofParent[i]!]!);
+    for (let i = 0; i < nv; ++i) {
+      tree.push(fixed.dofParent[i]! < 0 ? i : tree[fixed.dofParent[i]!]!);
+    }
     const beside = tree.map(() => new Set<number>());  // of a tree: those that rows connect with it
     for (const row of counting) {
       let first = -1;
@@ -237,7 +239,7 @@ export class Surroundings {
   }
 
   private lookAtRow(all: ConstraintRows, index: number, acceleration: Float64Array): void {
-    const addRow = (at: number, share: number, way: Part[]): void => all.forParts(at, (dof, value) => {
+    const addRow = (at: number, share: number, way: Part[]) => all.forParts(at, (dof, value) => {
       const i = this.place[dof]!;
       if (i === OUTSIDE) return;
       const same = way.find((part) => part.i === i);

@@ -28,7 +28,9 @@ export class Skyline {
       for (let k = begin; k <= i; ++k) {
         const other = this.rows[k]!, shift = this.first[k]!;
         let left = row[k - begin]!;
-        for (let j = Math.max(begin, shift); j < k; ++j) left -= row[j - begin]! * other[j - shift]!;
+        for (let j = Math.max(begin, shift); j < k; ++j) {
+          left -= row[j - begin]! * other[j - shift]!;
+        }
         row[k - begin] = k < i ? left / other[k - shift]! : Math.sqrt(Math.max(left, least));
       }
     });

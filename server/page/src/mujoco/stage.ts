@@ -15,7 +15,8 @@ const BLUE = 0x4070e0;
 
 function shapeOf({ type, size: [x, y, z] }: Geom): BufferGeometry {
   switch (type) {
-    case "plane": return new PlaneGeometry(2 * Math.min(x || PLANE, PLANE), 2 * Math.min(y || PLANE, PLANE));
+    case "plane":
+      return new PlaneGeometry(2 * Math.min(x || PLANE, PLANE), 2 * Math.min(y || PLANE, PLANE));
     case "sphere": return new SphereGeometry(x, 24, 16);
     case "ellipsoid": return new SphereGeometry(1, 24, 16).scale(x, y, z);
     case "box": return new BoxGeometry(2 * x, 2 * y, 2 * z);

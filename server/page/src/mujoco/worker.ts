@@ -64,7 +64,8 @@ async function start(scene: string, token?: string): Promise<void> {
   session = await server.open({
     clientName: "MuJoCo in a browser", nominalRateHz: RATE_HZ, stateRateHz: RATE_HZ,
     reconnect: true, reEngage: true,
-    onDisconnect: (why, willRetry) => tell(willRetry ? "Connecting again …" : why.message, why.reason),
+    onDisconnect: (why, willRetry) =>
+      tell(willRetry ? "Connecting again …" : why.message, why.reason),
   });
   tell("Loading MuJoCo …");
   const folder = new URL("./", self.location.href).href;

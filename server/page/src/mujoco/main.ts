@@ -5,8 +5,8 @@ import type { Motor, Order, Report } from "./messages";
 import { Stage } from "./stage";
 
 const EXPLAINED: Record<string, string> = {
-  NO_KEY: "This page needs a key. Open the address that hapticd printed (page: http://…?token=…), " +
-    "then come back here.",
+  NO_KEY: "This page needs a key. Open the address that hapticd printed " +
+    "(page: http://…?token=…), then come back here.",
   RIGHTS: "Your key may only look. To feel a scene it must allow control: start hapticd with " +
     '--set \'server.web.printed="control"\' and open the address that it prints.',
 };

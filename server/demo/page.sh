@@ -11,10 +11,9 @@ show_page() {
   browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
   if [[ -n $browser ]]; then
     used=$(page_address)
-    # In contact, some seconds after the beginning.
-    "$browser" --headless=new --no-sandbox --disable-gpu-sandbox --enable-unsafe-swiftshader \
-      --user-data-dir="$folder/browser" --window-size=1280,900 --hide-scrollbars --timeout=8000 \
-      --screenshot="$output/page.png" "$used" >"$folder/browser.log" 2>&1 &
+    # After some seconds, in contact.
+    node "$root/server/demo/page_picture.mjs" "$browser" "$folder/browser" "$used" 7.5 \
+      "$output/page.png" >"$folder/browser.log" 2>&1 &
     running[browser]=$!
     for _ in {1..100}; do
       [[ $(page_address) != "$used" ]] && break

@@ -30,7 +30,7 @@ struct WebShared {
   Gate gate;
   Json json{};
   std::vector<std::weak_ptr<WebConnection>> open{};
-  std::string page_address{};  ///< "http://HOST:PORT"; empty: only a UNIX socket
+  std::string page_address{};  ///< of a browser; empty: only a UNIX socket
 
   void add(const std::shared_ptr<WebConnection>& connection) {
     std::erase_if(open, [](const auto& each) { return each.expired(); });

@@ -1,5 +1,7 @@
 #include "border.hpp"
 
+#include <cstdlib>
+
 #include <utility>
 
 namespace haptic::c {
@@ -39,6 +41,13 @@ Handles<haptic_connection, client::Connection>& connections() {
 
 Handles<haptic_session, Session>& sessions() {
   static auto& handles = *new Handles<haptic_session, Session>;
+  // A program may end with a session open: its threads stop before protobuf is taken down.
+  static const int at_exit = std::atexit([] {
+    for (const auto& session : sessions().take_all()) {
+      guarded(nullptr, [&] { (*session)->close(); });
+    }
+  });
+  static_cast<void>(at_exit);
   return handles;
 }
 

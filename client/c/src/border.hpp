@@ -8,6 +8,7 @@
 #include <new>
 #include <type_traits>
 #include <unordered_map>
+#include <vector>
 
 #include "haptic/client/client.hpp"
 #include "haptic/haptic.h"
@@ -53,6 +54,14 @@ class Handles {
   [[nodiscard]] std::shared_ptr<Object> take(Handle* handle) {
     const std::lock_guard lock(mutex_);
     return std::move(objects_.extract(checked(handle)).mapped());
+  }
+
+  [[nodiscard]] std::vector<std::shared_ptr<Object>> take_all() {
+    std::vector<std::shared_ptr<Object>> all;
+    const std::lock_guard lock(mutex_);
+    for (auto& [number, object] : objects_) all.push_back(std::move(object));
+    objects_.clear();
+    return all;
   }
 
  private:

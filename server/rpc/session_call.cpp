@@ -16,7 +16,7 @@ SessionCall* SessionCall::begin(ServiceContext& context, Peer peer) {
 void SessionCall::OnReadDone(bool ok) {
   const core::TimePoint arrival = context_.config.clock({});
   // Half-closed, or cancelled: then the status goes nowhere.
-  if (!ok) return half_closed();
+  if (!ok) return lost();
   const std::size_t size = incoming_.Length();
   if (!may_parse(size)) return;
   if (!grpc::SerializationTraits<v1::SessionRequest>::Deserialize(&incoming_, &request_).ok()) {

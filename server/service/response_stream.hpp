@@ -36,6 +36,7 @@ class ResponseStream : public Subscriber,
 
   // What the carrier tells.
   void written(bool ok);
+  /// The far end half-closed, or is gone.
   void lost() { end({}, Ending::kLost); }
 
   /// Under the mutex: starts the next write that is not a state, if none is under way.

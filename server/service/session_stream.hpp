@@ -37,8 +37,6 @@ class SessionStream : public ResponseStream {
   void received(const v1::SessionRequest& request, std::size_t bytes, core::TimePoint arrival);
   /// What it read is no SessionRequest; `why`: "not a SessionRequest".
   void unreadable(const std::string& why);
-  /// The far end sends no more: half-closed, or gone, which the carrier tells apart.
-  void half_closed() { end({}, Ending::kLost); }
   /// The carrier is done with it: nothing is called any more.
   void done();
 

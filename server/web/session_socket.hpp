@@ -75,7 +75,7 @@ class SessionSocket final : public SessionStream, public WebConnection {
 
   void read(beast::error_code error, std::size_t bytes) {
     const core::TimePoint arrival = context_.config.clock({});
-    if (error) return half_closed();
+    if (error) return this->lost();
     if (!may_parse(bytes)) return;
     if (socket_.got_binary() == json_) {
       return unreadable(json_ ? "haptic.v1.json has text frames"

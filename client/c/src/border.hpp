@@ -1,5 +1,6 @@
 #pragma once
-/// What every function of haptic.h does: finds the handle, catches all exceptions, reports.
+/// The steps that every function of haptic.h shares: find the object of a handle, catch every
+/// exception, report the error.
 
 #include <deque>
 #include <exception>
@@ -37,7 +38,8 @@ class Session {
   std::unique_ptr<client::Session> session_{};  ///< ends first: its callbacks use the others
 };
 
-/// Handles are numbers. A call that found its object keeps it alive, whoever closes it meanwhile.
+/// A handle is a number, and this table has its object. A call keeps its object alive even if
+/// another thread closes the handle meanwhile.
 template <typename Handle, typename Object>
 class Handles {
  public:

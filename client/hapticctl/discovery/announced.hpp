@@ -1,5 +1,6 @@
 #pragma once
-/// What a server says of itself by DNS-SD, as avahi-browse prints it (hapticctl find).
+/// Reads the output of avahi-browse: the servers that announce themselves by DNS-SD (hapticctl
+/// find).
 
 #include <optional>
 #include <string>

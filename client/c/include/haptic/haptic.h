@@ -75,9 +75,10 @@ HAPTIC_API int haptic_wait_for_state(haptic_session* session, uint32_t timeout_m
 HAPTIC_API int haptic_publish_free(haptic_session* session, haptic_error* error);
 HAPTIC_API int haptic_publish_held(haptic_session* session, const double* x, size_t count,
                                    haptic_error* error);
-/* The server keeps the probe out of the planes at 1 kHz. x: where they are linearised; with an id
- * in any of them, the simulation's own proxy. All have planes[0].size. At most 1024, of which the
- * 32 deepest are sent; 0 (and NULL): nothing is in the way. */
+/* The server keeps the probe out of the planes at 1 kHz. x is the point at which they are
+ * linearised; if any plane has an id, x is the simulation's own proxy. Every plane has the size
+ * planes[0].size. The library takes up to 1024 planes and sends the 32 deepest. A plane_count of 0,
+ * with planes NULL, says that nothing is in the way. */
 HAPTIC_API int haptic_publish_planes(haptic_session* session, const double* x, size_t count,
                                      const haptic_plane* planes, size_t plane_count,
                                      haptic_error* error);

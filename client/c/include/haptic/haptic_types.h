@@ -62,7 +62,7 @@ enum { HAPTIC_BY_STREAM = 1, HAPTIC_BY_UDP = 2 };                             /*
 typedef struct haptic_connect_options {
   size_t size;
   const char* address; /* "host:port" or "unix:/path" */
-  int32_t tls;         /* 1: TLS, with these files in PEM format, each of which may be NULL */
+  int32_t tls;         /* 1: use TLS. The files below are PEM; each name may be NULL */
   const char* ca_file; /* NULL: the authorities that the system trusts */
   const char* certificate_file;
   const char* key_file;

@@ -3,9 +3,12 @@
 /// householder.cpp. Two lanes by hand: a compiler may not reorder the sums of a dot product, so it
 /// would not vectorise them; the loops over fixed sizes are unrolled by pragma, at -O2 as well.
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <utility>
+
+#include "haptic/core/types.hpp"
 
 namespace haptic::core::householder_steps {
 
@@ -50,13 +53,29 @@ inline void store(double* p, Pair v) noexcept {
   if (i < length) b[i] -= s * a[i];
 }
 
+/// Rows from `first` up to `end` of a column; outside them it is 0, but for what is R already.
+struct Rows {
+  int first, end;
+};
+
+inline Rows rows_of(const double* column, int m) noexcept {
+  Rows rows{0, m};
+  while (rows.first < m && column[rows.first] == 0.0) ++rows.first;
+  while (rows.end > rows.first && column[rows.end - 1] == 0.0) --rows.end;
+  return rows;
+}
+
 /// Step k: the reflection that clears column k below the diagonal, applied to what follows.
+/// `rows`: of each column, or null: all. Columns that the reflection does not touch are skipped,
+/// so a map of which each output depends on few DoFs costs what it has entries.
 [[gnu::always_inline]] inline void reflect(int m, int n, int k, double* A, double* b,
-                                           double* inverse_diagonal) noexcept {
+                                           double* inverse_diagonal, Rows* rows) noexcept {
   double* column = A + k * m;
   const double head = column[k];
-  const int length = m - k - 1;
-  const double below = dot(column + k + 1, column + k + 1, length);
+  const int first = rows == nullptr ? k + 1 : std::max(rows[k].first, k + 1);
+  const int end = rows == nullptr ? m : std::max(rows[k].end, first);
+  const int length = end - first;
+  const double below = dot(column + first, column + first, length);
   if (below == 0.0) {
     inverse_diagonal[k] = 1.0 / head;
     return;
@@ -67,12 +86,20 @@ inline void store(double* p, Pair v) noexcept {
   const double v_0 = head - alpha;  // opposite signs: nothing cancels
   const double beta = -1.0 / (alpha * v_0);
   const auto apply = [&](double* other) {
-    const double s = beta * (v_0 * other[k] + dot(column + k + 1, other + k + 1, length));
+    const double s = beta * (v_0 * other[k] + dot(column + first, other + first, length));
     other[k] -= s * v_0;
-    subtract(s, column + k + 1, other + k + 1, length);
+    subtract(s, column + first, other + first, length);
   };
 #pragma GCC unroll 16
-  for (int j = k + 1; j < n; ++j) apply(A + j * m);
+  for (int j = k + 1; j < n; ++j) {
+    if (rows != nullptr) {
+      Rows& touched = rows[j];
+      const bool apart = touched.end <= first || end <= touched.first;
+      if (apart && A[j * m + k] == 0.0) continue;
+      touched = {std::min(touched.first, first), std::max(touched.end, end)};
+    }
+    apply(A + j * m);
+  }
   apply(b);
   column[k] = alpha;
   inverse_diagonal[k] = -beta * v_0;  // 1 / alpha without another division
@@ -87,11 +114,13 @@ void factor(int m_run, int n_run, double* A, double* b, double* column_norm2,
   for (int k = 0; k < n; ++k) column_norm2[k] = dot(A + k * m, A + k * m, m);
   if constexpr (N > 0) {  // a loop would keep k a variable, and with it every length
     [&]<int... K>(std::integer_sequence<int, K...>) {
-      (reflect(M, N, K, A, b, inverse_diagonal), ...);
+      (reflect(M, N, K, A, b, inverse_diagonal, nullptr), ...);
     }
     (std::make_integer_sequence<int, N>{});
   } else {
-    for (int k = 0; k < n; ++k) reflect(m, n, k, A, b, inverse_diagonal);
+    Rows rows[kMaxQ];
+    for (int k = 0; k < n; ++k) rows[k] = rows_of(A + k * m, m);
+    for (int k = 0; k < n; ++k) reflect(m, n, k, A, b, inverse_diagonal, rows);
   }
 }
 

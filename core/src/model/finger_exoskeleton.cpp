@@ -98,14 +98,12 @@ class FingerExoskeleton final : public Kinematics {
   }
 
   MapStatus velocity_product(const VecQ& q, const VecQ& q_dot, VecX& out) const noexcept override {
-    LinkageHessian h;
-    if (!linkage_.hessian(q[0], q[1], h)) return MapStatus::kCannotClose;
-    out.setZero(2);
-    for (int i = 0; i < 2; ++i) {
-      for (int k = 0; k < 2; ++k) {
-        for (int m = 0; m < 2; ++m) out[i] += h.H[i][k][m] * q_dot[k] * q_dot[m];
-      }
+    double product[2];
+    if (!linkage_.velocity_product(q[0], q[1], q_dot[0], q_dot[1], product)) {
+      return MapStatus::kCannotClose;
     }
+    out.resize(2);
+    out << product[0], product[1];
     return MapStatus::kOk;
   }
 

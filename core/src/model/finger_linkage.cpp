@@ -137,6 +137,29 @@ bool FingerLinkage::hessian(double l, double t, LinkageHessian& out) const noexc
   return true;
 }
 
+/// The second order of hessian() along one direction: a third of its work.
+bool FingerLinkage::velocity_product(double l, double t, double l_dot, double t_dot,
+                                     double (&out)[2]) const noexcept {
+  Assembly a;
+  if (!assemble(dim_, P0_, e_a_, d_, e_, l, t, a)) return false;
+  const double t_dot2 = t_dot * t_dot;
+  const Complex D_1 = l_dot * e_a_ + t_dot * times_i(a.body_d);
+  const Complex E_1 = l_dot * e_a_ + t_dot * times_i(a.body_e);
+  const double q1_1 = -dot(a.n1, D_1) / a.c1;
+  const double c1_1 = dot(a.u1, D_1) - dim_.rod1 * q1_1;
+  const Complex w_1 = E_1 + dim_.proximal_phalanx * q1_1 * a.n1;
+  const double phi_1 = -dot(a.n2, w_1) / a.c2;
+  const double c2_1 = dot(a.u2, w_1) - dim_.rod2 * phi_1;
+  const double q1_2 =
+      (t_dot2 * dot(a.n1, a.body_d) - 2.0 * c1_1 * q1_1 - dim_.rod1 * q1_1 * q1_1) / a.c1;
+  const Complex w_2 =
+      -t_dot2 * a.body_e + dim_.proximal_phalanx * (q1_1 * q1_1 * a.u1 + q1_2 * a.n1);
+  const double phi_2 = -(dot(a.n2, w_2) + 2.0 * c2_1 * phi_1 + dim_.rod2 * phi_1 * phi_1) / a.c2;
+  out[0] = q1_2;
+  out[1] = phi_2 - q1_2;
+  return true;
+}
+
 bool FingerLinkage::closed_inverse(double q1, double q2, ClosedPose& out) const noexcept {
   const Complex u1 = std::conj(turn(q1));
   const Complex u2 = std::conj(turn(q1 + q2));

@@ -46,6 +46,10 @@ class FingerLinkage {
   [[nodiscard]] bool joints(double l, double t, double& q1, double& q2) const noexcept;
   [[nodiscard]] bool pose(double l, double t, LinkagePose& out) const noexcept;
   [[nodiscard]] bool hessian(double l, double t, LinkageHessian& out) const noexcept;
+  /// How q1 and q2 accelerate, rad/s^2, while l and t change at the constant rates l_dot (m/s) and
+  /// t_dot (rad/s).
+  [[nodiscard]] bool velocity_product(double l, double t, double l_dot, double t_dot,
+                                      double (&out)[2]) const noexcept;
   /// The candidate of core/METHOD.md#inverse-map on the branch det J > 0, with its sliders; not
   /// checked against any limit. With c1 > 0 and c2 > 0 it is the pose the linkage assembles to: det
   /// J = s/(c1 c2).

@@ -82,7 +82,7 @@ void PlaneProjection::leave_as_told(const Vector& told_beta) noexcept {
 double PlaneProjection::shift(const VecX& d, const Vector& l, const Vector& told_beta) noexcept {
   VecX left = d;
   for (int i = 0; i < count_; ++i) {
-    if (l[i] != 0.0) left -= l[i] * contacts_.into.col(i);
+    if (l[i] != 0.0) push(left, -l[i], i);
   }
   for (int i = 0; i < count_; ++i) {
     if (ContactDual::has(skipped_, i)) continue;
@@ -95,7 +95,7 @@ double PlaneProjection::shift(const VecX& d, const Vector& l, const Vector& told
   static_cast<void>(solve(0.0));
   left = d;
   for (int i = 0; i < count_; ++i) {
-    if (ContactDual::has(dual_.held(), i)) left -= dual_.l()[i] * contacts_.into.col(i);
+    if (ContactDual::has(dual_.held(), i)) push(left, -dual_.l()[i], i);
   }
   return metric_.weighed(left, turn_).norm();
 }
@@ -106,7 +106,7 @@ double PlaneProjection::shift(const VecX& d, const Vector& l, const Vector& told
 void PlaneProjection::explain(const VecX& d, const Vector& told, Vector& l) noexcept {
   VecX left = d;
   for (int i = 0; i < count_; ++i) {
-    if (told[i] != 0.0) left -= told[i] * contacts_.into.col(i);
+    if (told[i] != 0.0) push(left, -told[i], i);
   }
   Vector r = Vector::Zero();
   for (int i = 0; i < count_; ++i) {

@@ -70,9 +70,15 @@ double PlaneProjection::normalise(int i) noexcept {
 
 void PlaneProjection::fill_gram(int i, int j) noexcept {
   const double gives = laws_.any() ? laws_.give(i, j) * scale_[i] * scale_[j] : 0.0;
-  const double product = along(i, contacts_.into.col(j).data());
+  const double product = apart(i, j) ? 0.0 : along(i, contacts_.into.col(j).data());
   dual_.gram()(i, j) = dual_.gram()(j, i) = product + gives;
   if (i == j) dual_.set_diagonal(i, product, gamma_[i] + gives);
+}
+
+/// Two fingers of a hand move other coordinates.
+bool PlaneProjection::apart(int i, int j) const noexcept {
+  const Rows a = rows_of(i), d = rows_into(j);
+  return a.first + a.count <= d.first || d.first + d.count <= a.first;
 }
 
 void PlaneProjection::linearise() noexcept {
@@ -80,7 +86,8 @@ void PlaneProjection::linearise() noexcept {
     if (!ContactDual::has(curved_, i)) continue;
     const int first = first_[static_cast<std::size_t>(i)];
     const int n = n_curved_[static_cast<std::size_t>(i)];
-    turn_.setZero(at_.size());
+    const Rows a = rows_of(i), d = rows_into(i);
+    turn_.segment(a.first, a.count).setZero();
     const double* entry = H_.data() + begin_[static_cast<std::size_t>(i)];
     for (int row = 0; row < n; ++row) {
       for (int column = 0; column <= row; ++column, ++entry) {
@@ -93,7 +100,6 @@ void PlaneProjection::linearise() noexcept {
     const VecX& into = metric_.is_identity() ? turn_ : into_;
     const double turned = std::sqrt(turn.dot(into.segment(first, n)));
     const double share = turned > kMostTurn ? kMostTurn / turned : 1.0;
-    const Rows a = rows_of(i), d = rows_into(i);
     A_.col(i).segment(a.first, a.count) =
         told_.col(i).segment(a.first, a.count) - share * turn_.segment(a.first, a.count);
     contacts_.into.col(i).segment(d.first, d.count) =

@@ -1,6 +1,7 @@
 #include "haptic/core/projection/contact_laws.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace haptic::core {
@@ -15,6 +16,7 @@ void ContactLaws::take(const PlaneSet::Laws& told, int i, double velocity, doubl
   stiffness_[i] = told(PlaneSet::kStiffness, i) * area;
   load_[i] = told(PlaneSet::kLoad, i) * length;
   v_[i] = velocity / length;
+  others_[static_cast<std::size_t>(i)] = 0;
   s_[i] = l_[i] = free_[i] = give_[i] = root_[i] = 0.0;
   dt_ = 0.0;
 }
@@ -25,26 +27,29 @@ void ContactLaws::share(const PlaneSet::Objects& told) noexcept {
     const auto direction = told.col(i).tail<kMaxMotions>();
     const double length = direction.stableNorm();
     if (!has(i) || told(0, i) == 0.0 || !(length > 0.0) || !std::isfinite(length)) continue;
-    shared_ |= 1u << i;
-    object_[i] = told(0, i);
     unit.col(i) = direction / length;
-    for (int j = 0; j < i; ++j) {
-      if (one_object(i, j)) cosine_(i, j) = cosine_(j, i) = unit.col(i).dot(unit.col(j));
+    for (std::uint32_t left = shared_; left != 0; left &= left - 1) {
+      const int j = std::countr_zero(left);
+      if (told(0, j) != told(0, i)) continue;
+      others_[static_cast<std::size_t>(i)] |= 1u << j;
+      others_[static_cast<std::size_t>(j)] |= 1u << i;
+      cosine_(i, j) = cosine_(j, i) = unit.col(i).dot(unit.col(j));
     }
+    shared_ |= 1u << i;
   }
 }
 
 double ContactLaws::give(int i, int j) const noexcept {
   if (i == j) return has(i) ? give_[i] : 0.0;
-  if (!one_object(i, j)) return 0.0;
+  if (!ContactDual::has(others_[static_cast<std::size_t>(i)], j)) return 0.0;
   return root_[i] * root_[j] * cosine_(i, j);
 }
 
 double ContactLaws::pushed(int i, const Vector& l) const noexcept {
   double sum = give_[i] * l[i];
-  if (!ContactDual::has(shared_, i)) return sum;
-  for (int j = 0; j < count_; ++j) {
-    if (j != i && one_object(i, j)) sum += give(i, j) * l[j];
+  for (std::uint32_t left = others_[static_cast<std::size_t>(i)]; left != 0; left &= left - 1) {
+    const int j = std::countr_zero(left);
+    sum += root_[i] * root_[j] * cosine_(i, j) * l[j];
   }
   return sum;
 }
@@ -85,8 +90,10 @@ double ContactLaws::energy() const noexcept {
     twice[i] = mass_[i] * v_[i] * v_[i];
     const double held = load_[i] - stiffness_[i] * s_[i];
     if (stiffness_[i] > 0.0) twice[i] += held * held / stiffness_[i];
-    for (int j = 0; j < i; ++j) {
-      if (!one_object(i, j)) continue;
+    const std::uint32_t before = (1u << i) - 1;
+    for (std::uint32_t left = others_[static_cast<std::size_t>(i)] & before; left != 0;
+         left &= left - 1) {
+      const int j = std::countr_zero(left);
       twice[i] = std::max(twice[i], twice[j]);
       twice[j] = 0.0;
     }

@@ -70,6 +70,7 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
   told_gamma_ = gamma_;
   told_speed_ = speed_;
   z_.setZero(at_.size());
+  turn_.setZero(at_.size());
   y_before_.setZero(at_.size());
 }
 
@@ -119,7 +120,7 @@ PlaneStatus PlaneProjection::settle(double age, int most_steps) noexcept {
     status = solve(age);
     turn_ = y_ - z_;
     for (int i = 0; i < count_; ++i) {
-      if (ContactDual::has(dual_.held(), i)) turn_ -= dual_.l()[i] * contacts_.into.col(i);
+      if (ContactDual::has(dual_.held(), i)) push(turn_, -dual_.l()[i], i);
     }
     if (!turn_.allFinite()) continue;
     const double step = turn_.lpNorm<Eigen::Infinity>();
@@ -163,20 +164,29 @@ void PlaneProjection::displace(VecX& x) const noexcept {
   if (dual_.held() == 0) return;
   const PlaneSet::Normals& D = contacts_.into;
   const std::uint32_t held = dual_.held();
-  for (Eigen::Index k = 0; k < x.size(); ++k) {
-    bool moved = !linear_[static_cast<std::size_t>(k)];
-    for (std::uint32_t left = held; left != 0 && !moved; left &= left - 1) {
-      moved = D(k, std::countr_zero(left)) != 0.0;
-    }
-    // What no plane holds is where the probe is, to the bit: nothing is in its way.
-    if (!moved) continue;
-    // From at_ on, not from x_probe: an angle or a rotation there may be one turn or one sign away.
-    x[k] = at_[k] + y_[k];
-    for (std::uint32_t left = held; left != 0; left &= left - 1) {
-      const int i = std::countr_zero(left);
-      x[k] -= dual_.l()[i] * D(k, i);
+  // What no plane holds is where the probe is, to the bit: nothing is in its way.
+  bool moved[kMaxX];
+  for (Eigen::Index k = 0; k < x.size(); ++k) moved[k] = !linear_[static_cast<std::size_t>(k)];
+  for (std::uint32_t left = held; left != 0; left &= left - 1) {
+    const int i = std::countr_zero(left);
+    const Rows rows = rows_into(i);
+    for (int k = rows.first; k < rows.first + rows.count; ++k) {
+      moved[k] = moved[k] || D(k, i) != 0.0;
     }
   }
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    // From at_ on, not from x_probe: an angle or a rotation there may be one turn or one sign away.
+    if (moved[k]) x[k] = at_[k] + y_[k];
+  }
+  for (std::uint32_t left = held; left != 0; left &= left - 1) {
+    push(x, -dual_.l()[std::countr_zero(left)], std::countr_zero(left));
+  }
+}
+
+void PlaneProjection::push(VecX& v, double l, int i) const noexcept {
+  const Rows rows = rows_into(i);
+  const double* const into = contacts_.into.col(i).data();
+  for (int k = rows.first; k < rows.first + rows.count; ++k) v[k] += l * into[k];
 }
 
 double PlaneProjection::stored() const noexcept {
@@ -192,7 +202,7 @@ double PlaneProjection::coupling() const noexcept {
   VecX displaced = VecX::Zero(at_.size());
   double sum = 0.0;
   for (int i = 0; i < count_; ++i) {
-    if (dual_.l()[i] > 0.0) displaced += dual_.l()[i] * contacts_.into.col(i);
+    if (dual_.l()[i] > 0.0) push(displaced, dual_.l()[i], i);
   }
   for (int i = 0; i < count_; ++i) sum += 0.5 * dual_.l()[i] * along(i, displaced.data());
   return sum;

@@ -54,6 +54,32 @@ TEST(Householder, SolvesLikeEigenAtEverySize) {
   }
 }
 
+/// Columns that begin and end anywhere, some of them empty between: fingers of a hand.
+TEST(Householder, LeavesOutWhatIsZero) {
+  std::mt19937_64 random(8);
+  for (int trial = 0; trial < 3000; ++trial) {
+    const Size size{10 + trial % 30, 4 + trial % 7};
+    Eigen::MatrixXd A = gaussian(random, size.m, size.n);
+    const auto draw = [&](int below) {
+      return std::uniform_int_distribution<int>(0, below - 1)(random);
+    };
+    for (int k = 0; k < size.n; ++k) {
+      if (draw(4) == 0) continue;
+      const int first = draw(size.m), end = first + draw(size.m - first) + 1;
+      A.col(k).head(first).setZero();
+      A.col(k).tail(size.m - end).setZero();
+      if (draw(3) == 0) A(first + draw(end - first), k) = 0.0;
+    }
+    const Eigen::VectorXd b = gaussian(random, size.m, 1);
+    const double condition = oracle::condition(A);
+    if (!(condition < 1e6)) continue;
+    const Eigen::VectorXd want = oracle::least_squares(A, b);
+    ASSERT_LT((solve(A, b).y - want).norm(),
+              2e-15 * condition * condition * (want.norm() + b.norm()))
+        << size.m << " x " << size.n << ", trial " << trial;
+  }
+}
+
 TEST(Householder, FactorsTheGramMatrix) {
   std::mt19937_64 random(2);
   for (const Size& size : kSizes) {

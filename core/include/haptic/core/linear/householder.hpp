@@ -2,7 +2,8 @@
 /// Householder QR of a small matrix together with its right-hand side
 /// (core/METHOD.md#solver-choice): the one factorisation behind every renderer. Sizes that devices
 /// have are unrolled (2x2, 6x2, 6x6, 27x10), every other size up to the bounds runs the same steps
-/// in loops. No pivoting: the caller orders the columns.
+/// in loops, and leaves out what is 0: in a hand on a palm most of J. No pivoting: the caller orders
+/// the columns.
 ///
 /// Equilibration. Scaling the columns, A C = Q (R C), leaves Q and so Q^T b alone and scales R's
 /// columns; the solution is C times that of the scaled system. So A is factored as it is, and the
@@ -10,7 +11,7 @@
 
 namespace haptic::core {
 
-/// Matrices are column-major without gaps. m >= n >= 1.
+/// Matrices are column-major without gaps. m >= n >= 1, n <= kMaxQ.
 struct HouseholderKernel {
   /// A (m x n) becomes R in its upper triangle (below it: scrap); b (m) becomes Q^T b. Writes the
   /// squared norms of A's columns and 1 / R_kk (infinite if R_kk = 0), n each.
@@ -48,7 +49,7 @@ struct FullRank {
 
 /// Least squares if the rank is beyond doubt; if not, says so and solves nothing. A: m x n,
 /// column-major, overwritten by R. b: m, overwritten by Q^T b. Scratch: n each. y: n. Any
-/// m, n >= 1. `kernel` is the one for m x n.
+/// m >= 1 and 1 <= n <= kMaxQ. `kernel` is the one for m x n.
 [[nodiscard]] FullRank solve_full_rank(const HouseholderKernel& kernel, int m, int n, double* A,
                                        double* b, double* column_norm2, double* inverse_diagonal,
                                        double* y) noexcept;

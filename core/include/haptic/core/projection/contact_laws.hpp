@@ -8,6 +8,8 @@
 /// for the same solver: stable for every mass, and as passive as the law; of several contacts on
 /// one object if D_i / M_i and k_i / M_i are the same for all of them. Never allocates.
 
+#include <array>
+
 #include "haptic/core/projection/contact_dual.hpp"
 
 namespace haptic::core {
@@ -45,9 +47,6 @@ class ContactLaws {
   [[nodiscard]] double energy() const noexcept;
 
  private:
-  [[nodiscard]] bool one_object(int i, int j) const noexcept {
-    return ContactDual::has(shared_, i) && ContactDual::has(shared_, j) && object_[i] == object_[j];
-  }
   /// sum_j give(i, j) l_j.
   [[nodiscard]] double pushed(int i, const Vector& l) const noexcept;
 
@@ -58,7 +57,8 @@ class ContactLaws {
   Vector mass_{}, damping_{}, stiffness_{}, load_{};
   Vector s_{}, v_{}, l_{};  ///< at the end of the last step
   Vector free_{}, give_{};
-  Vector object_{}, root_{};    ///< sqrt(give)
+  Vector root_{};                                   ///< sqrt(give)
+  std::array<std::uint32_t, kMaxPlanes> others_{};  ///< contacts on the same object, as bits
   ContactDual::Gram cosine_{};  ///< e_i.e_j of contacts on one object, which are not the same
 };
 

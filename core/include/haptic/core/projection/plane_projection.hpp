@@ -106,6 +106,8 @@ class PlaneProjection {
   [[nodiscard]] double along(int i, const double* v) const noexcept;
   /// Divides column i of A_ and of D by its length, which is returned; 0: it has none.
   double normalise(int i) noexcept;
+  /// No coordinate is in both the gradient of contact i and what contact j moves.
+  [[nodiscard]] bool apart(int i, int j) const noexcept;
   void fill_gram(int i, int j) noexcept;
   /// Shifts beta_ so that the law gives at_ for the probe x_used.
   void anchor(const VecX& x_used) noexcept;
@@ -135,6 +137,8 @@ class PlaneProjection {
   [[nodiscard]] int most_linearisations(int most) const noexcept;
   PlaneStatus solve(double age) noexcept;
   void displace(VecX& x) const noexcept;
+  /// Adds to v (n_x) what contact i moves with the multiplier l.
+  void push(VecX& v, double l, int i) const noexcept;
 
   const ConfigurationSpace* space_;
   TaskMetric metric_;

@@ -110,16 +110,21 @@ void factor(int m_run, int n_run, double* A, double* b, double* column_norm2,
             double* inverse_diagonal) noexcept {
   const int m = M > 0 ? M : m_run;
   const int n = N > 0 ? N : n_run;
+  if constexpr (N > 0) {
 #pragma GCC unroll 16
-  for (int k = 0; k < n; ++k) column_norm2[k] = dot(A + k * m, A + k * m, m);
-  if constexpr (N > 0) {  // a loop would keep k a variable, and with it every length
+    for (int k = 0; k < N; ++k) column_norm2[k] = dot(A + k * M, A + k * M, M);
+    // A loop would keep k a variable, and with it every length.
     [&]<int... K>(std::integer_sequence<int, K...>) {
       (reflect(M, N, K, A, b, inverse_diagonal, nullptr), ...);
     }
     (std::make_integer_sequence<int, N>{});
   } else {
     Rows rows[kMaxQ];
-    for (int k = 0; k < n; ++k) rows[k] = rows_of(A + k * m, m);
+    for (int k = 0; k < n; ++k) {
+      rows[k] = rows_of(A + k * m, m);
+      const double* const first = A + k * m + rows[k].first;
+      column_norm2[k] = dot(first, first, rows[k].end - rows[k].first);
+    }
     for (int k = 0; k < n; ++k) reflect(m, n, k, A, b, inverse_diagonal, rows);
   }
 }

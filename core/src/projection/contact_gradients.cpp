@@ -2,6 +2,7 @@
 // linearised. In a hand of many outputs a contact names few coordinates of many: what is done with
 // gradients is done with those alone.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "haptic/core/projection/plane_projection.hpp"
@@ -70,15 +71,21 @@ double PlaneProjection::normalise(int i) noexcept {
 
 void PlaneProjection::fill_gram(int i, int j) noexcept {
   const double gives = laws_.any() ? laws_.give(i, j) * scale_[i] * scale_[j] : 0.0;
-  const double product = apart(i, j) ? 0.0 : along(i, contacts_.into.col(j).data());
+  const double product = along(i, contacts_.into.col(j).data());
   dual_.gram()(i, j) = dual_.gram()(j, i) = product + gives;
   if (i == j) dual_.set_diagonal(i, product, gamma_[i] + gives);
 }
 
-/// Two fingers of a hand move other coordinates.
-bool PlaneProjection::apart(int i, int j) const noexcept {
-  const Rows a = rows_of(i), d = rows_into(j);
-  return a.first + a.count <= d.first || d.first + d.count <= a.first;
+/// Two fingers of a hand move other coordinates: of their contacts G stays 0, unless they push one
+/// object.
+void PlaneProjection::find_meeting(int i) noexcept {
+  const Rows a = rows_of(i);
+  std::uint32_t& meeting = meeting_[static_cast<std::size_t>(i)];
+  meeting = laws_.others(i) & ((1u << i) - 1);
+  for (int j = 0; j <= i; ++j) {
+    const Rows d = rows_into(j);
+    if (a.first < d.first + d.count && d.first < a.first + a.count) meeting |= 1u << j;
+  }
 }
 
 void PlaneProjection::linearise() noexcept {
@@ -112,9 +119,9 @@ void PlaneProjection::linearise() noexcept {
     scale_[i] = scale;
   }
   for (int i = 0; i < count_; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      if (ContactDual::has(curved_, i) || ContactDual::has(curved_, j)) fill_gram(i, j);
-    }
+    std::uint32_t pairs = meeting_[static_cast<std::size_t>(i)];
+    if (!ContactDual::has(curved_, i)) pairs &= curved_;
+    for (; pairs != 0; pairs &= pairs - 1) fill_gram(i, std::countr_zero(pairs));
   }
   dual_.refactor();
 }

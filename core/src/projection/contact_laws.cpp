@@ -16,7 +16,6 @@ void ContactLaws::take(const PlaneSet::Laws& told, int i, double velocity, doubl
   stiffness_[i] = told(PlaneSet::kStiffness, i) * area;
   load_[i] = told(PlaneSet::kLoad, i) * length;
   v_[i] = velocity / length;
-  others_[static_cast<std::size_t>(i)] = 0;
   s_[i] = l_[i] = free_[i] = give_[i] = root_[i] = 0.0;
   dt_ = 0.0;
 }

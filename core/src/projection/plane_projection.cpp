@@ -57,8 +57,8 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
   laws_.share(planes.objects);
   dual_.begin(count_, skipped_);
   for (int i = 0; i < count_; ++i) {
-    for (int j = 0; j < i; ++j) fill_gram(i, j);
-    fill_gram(i, i);
+    find_meeting(i);
+    for (int j = 0; j <= i; ++j) fill_gram(i, j);
   }
   begin_error(planes);
   if (x_used != nullptr) anchor(*x_used);
@@ -80,7 +80,9 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x, double age, d
   if (count_ == 0) return PlaneStatus::kFree;
   if (laws_.any() && laws_.begin(fresh_ ? 0.0 : dt)) {
     for (int i = 0; i < count_; ++i) {
-      for (int j = laws_.any_shared() ? 0 : i; j <= i; ++j) fill_gram(i, j);
+      if (!laws_.has(i)) continue;
+      std::uint32_t pairs = (laws_.others(i) & ((1u << i) - 1)) | 1u << i;
+      for (; pairs != 0; pairs &= pairs - 1) fill_gram(i, std::countr_zero(pairs));
     }
     dual_.refactor();
   }

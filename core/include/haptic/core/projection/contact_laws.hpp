@@ -22,6 +22,7 @@ class ContactLaws {
   void clear() noexcept {
     with_ = shared_ = 0;
     count_ = 0;
+    others_.fill(0);
   }
   /// Contact i has the law of that column of PlaneSet::laws, and recedes at `velocity`; its gap is
   /// counted in units of `length`. A mass of 0 is no law.
@@ -30,13 +31,15 @@ class ContactLaws {
   void share(const PlaneSet::Objects& told) noexcept;
   [[nodiscard]] bool any() const noexcept { return with_ != 0; }
   [[nodiscard]] bool has(int i) const noexcept { return ContactDual::has(with_, i); }
-  /// Whether some contact gives way where another one is pushed.
-  [[nodiscard]] bool any_shared() const noexcept { return shared_ != 0; }
 
   /// A step of dt s (>= 0) begins. True: give() may have changed.
   bool begin(double dt) noexcept;
   /// s at the end of the step if nothing pushed any more; 0 without a law.
   [[nodiscard]] double free(int i) const noexcept { return has(i) ? free_[i] : 0.0; }
+  /// Contacts on the same object as contact i, which is not among them, as bits.
+  [[nodiscard]] std::uint32_t others(int i) const noexcept {
+    return others_[static_cast<std::size_t>(i)];
+  }
   /// And by how much more per unit of contact j's l at the end of the step.
   [[nodiscard]] double give(int i, int j) const noexcept;
   /// The step ends with the multipliers l, one per contact. Those without a law are not read.

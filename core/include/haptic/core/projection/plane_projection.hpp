@@ -106,8 +106,8 @@ class PlaneProjection {
   [[nodiscard]] double along(int i, const double* v) const noexcept;
   /// Divides column i of A_ and of D by its length, which is returned; 0: it has none.
   double normalise(int i) noexcept;
-  /// No coordinate is in both the gradient of contact i and what contact j moves.
-  [[nodiscard]] bool apart(int i, int j) const noexcept;
+  /// Finds the contacts up to i of which G has an entry with contact i.
+  void find_meeting(int i) noexcept;
   void fill_gram(int i, int j) noexcept;
   /// Shifts beta_ so that the law gives at_ for the probe x_used.
   void anchor(const VecX& x_used) noexcept;
@@ -156,8 +156,9 @@ class PlaneProjection {
   Vector scale_{};            ///< of a contact now by what it was at at_
   PlaneSet::Curvatures H_{};  ///< scaled
   PlaneSet::Places first_{}, n_curved_{};
-  std::array<Rows, kMaxPlanes> rows_{};  ///< of A_
-  std::array<int, kMaxPlanes> begin_{};  ///< of each contact's curvature in H_
+  std::array<Rows, kMaxPlanes> rows_{};              ///< of A_
+  std::array<std::uint32_t, kMaxPlanes> meeting_{};  ///< bit j: G may have the entry (i, j), j <= i
+  std::array<int, kMaxPlanes> begin_{};              ///< of each contact's curvature in H_
   ContactDual dual_{};
   ContactLaws laws_{};
   double unexplained_{0.0};

@@ -44,7 +44,7 @@ export class ContactSpring {
     }
     let perDepth = K / Math.max(inverseMass, LEAST_INVERSE_MASS);
     if (dim > 1 && model.opt.cone === mj.mjtCone.mjCONE_PYRAMIDAL.value) {
-      const mu = contact.friction, ratio = Math.max(model.opt.impratio, mj.mjMINVAL);
+      const mu = contact.friction[0]!, ratio = Math.max(model.opt.impratio, mj.mjMINVAL);
       perDepth *= (dim - 1) * ratio / (mu * mu * (1 + mu * mu));
     }
     this.perDepth = perDepth;

@@ -18,7 +18,7 @@ export interface EngineContact {
   pos: Vector3;
   /** From geom1 to geom2. */
   normal: Vector3;
-  friction: number;
+  friction: number[];
   solref: number[];
   solimp: number[];
 }
@@ -96,7 +96,7 @@ export class Engine {
       (sum, warning) => sum + this.warnings(warning.value), 0);
   }
   warnings(type: number): number {
-    const one = this.data.warning.get(type)!;  // a copy, of a list that is not one
+    const one = this.data.warning.get(type)!;  // a copy, of the data's own list
     const { number } = one;
     one.delete();
     return number;
@@ -109,7 +109,7 @@ export class Engine {
       found.push({
         geom1: c.geom1, geom2: c.geom2, dist: c.dist, includemargin: c.includemargin,
         exclude: c.exclude, dim: c.dim, efcAddress: c.efc_address, pos: vectorAt(c.pos),
-        normal: vectorAt(c.frame), friction: c.friction[0], solref: Array.from(c.solref),
+        normal: vectorAt(c.frame), friction: Array.from(c.friction), solref: Array.from(c.solref),
         solimp: Array.from(c.solimp),
       });
       c.delete();

@@ -42,6 +42,8 @@ function constants(model: MjModel) {
 
 export class Engine {
   readonly fixed: ReturnType<typeof constants>;
+  /** The model's own, taken once: each look at model.opt makes a handle. */
+  readonly opt: MjModel["opt"];
   private readonly linear;
   private readonly angular;
   private readonly column;
@@ -51,6 +53,7 @@ export class Engine {
   /** All stay the caller's, and must live longer. */
   constructor(readonly mj: MainModule, readonly model: MjModel, readonly data: MjData) {
     this.fixed = constants(model);
+    this.opt = model.opt;
     this.linear = new mj.DoubleBuffer(3 * model.nv);
     this.angular = new mj.DoubleBuffer(3 * model.nv);
     this.column = new mj.DoubleBuffer(model.nv);
@@ -59,9 +62,8 @@ export class Engine {
   }
   /** WebAssembly's memory is not collected. */
   delete(): void {
-    for (const buffer of [this.linear, this.angular, this.column, this.solved, this.force]) {
-      buffer.delete();
-    }
+    const { linear, angular, column, solved, force, opt } = this;
+    for (const one of [linear, angular, column, solved, force, opt]) one.delete();
   }
 
   /** -1: there is none. */

@@ -102,7 +102,7 @@ export function findPlace(engine: Engine, binding: Binding): Place {
 export function refuseStiff(engine: Engine, place: Place, i: number, whole: number): void {
   const turn = place.binding.kind === "pose" && i >= place.binding.firstCoordinate + 3;
   const stiffness = whole * (turn ? 0.25 : 1), mass = turn ? place.inertia : place.mass;
-  const step = engine.model.opt.timestep;
+  const step = engine.opt.timestep;
   if (step * Math.sqrt(stiffness / mass) <= 0.5) return;
   refuse(place.binding, `the coupling is too stiff for the model's step: coordinate ${i} has a ` +
     `mass of ${mass.toPrecision(3)} kg (kg m^2) and needs at least ` +

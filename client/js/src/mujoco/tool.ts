@@ -93,7 +93,7 @@ export class Tool {
    * shorter than 1e-3, the tool stays where it is, and the sample is Proxy.free(). `roundTripMs`:
    * Session.roundTripMs, for the horizon in which contacts are told before they touch. */
   step(xProbe: number[], periodMs: number, roundTripMs = 0): Proxy {
-    const { mj, model, data } = this.#engine, step = model.opt.timestep;
+    const { mj, model, data, opt: { timestep: step } } = this.#engine;
     this.#owed += periodMs / 1000;
     const count = Math.max(1, Math.floor(this.#owed / step + 1e-6));
     this.#owed -= count * step;
@@ -114,7 +114,7 @@ export class Tool {
   aim(xProbe: number[], steps: number, roundTripMs = 0): void {
     if (!(steps > 0)) throw new RangeError(`steps ${steps}: must be > 0`);
     this.#lookForJump();
-    const { mj, model } = this.#engine, seconds = steps * model.opt.timestep;
+    const { mj, opt } = this.#engine, seconds = steps * opt.timestep;
     // The probe may be deep inside an object as the tool arrives: from FREE force comes by a ramp.
     this.#share = this.#known && this.following ? Math.min(1, this.#share + seconds / RISE) : 0;
     this.#known = false;
@@ -153,7 +153,7 @@ export class Tool {
     const qvel: Float64Array = data.qvel;
     this.#rate = qvel.slice();
     this.#lastTime = data.time;
-    this.#lastStep = model.opt.timestep;
+    this.#lastStep = this.#engine.opt.timestep;
     this.#aim.step();
     const push = new Float64Array(model.nv);
     const [bias, passive] = [data.qfrc_bias, data.qfrc_passive] as Float64Array[];
@@ -207,7 +207,7 @@ export class Tool {
     this.#rate = new Float64Array(model.nv);
     this.#contacts.begin();
     this.#lastTime = data.time;
-    this.#lastStep = model.opt.timestep;
+    this.#lastStep = this.#engine.opt.timestep;
     this.#timesBad = this.#engine.badStates();
     this.#timesFull = this.#engine.warnings(mj.mjtWarning.mjWARN_CONTACTFULL.value);
   }
@@ -235,7 +235,8 @@ export class Tool {
   }
 
   #pullFrame(place: Place, push: Float64Array): void {
-    const { kind, firstCoordinate: first } = place.binding, { nv, opt } = this.#engine.model;
+    const { kind, firstCoordinate: first } = place.binding;
+    const { opt, model: { nv } } = this.#engine;
     const position = this.#tool.positionOf(place), aim = this.#aim;
     const { linear, angular } = this.#engine.jacobian(place.body, position);
     const speed = (jacobian: Float64Array, k: number) => {

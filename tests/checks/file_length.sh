@@ -17,7 +17,6 @@ limit() { # limit FILE
     hw/board/board_host.cpp) echo 335 ;;           # one protocol, all its messages
     client/python/haptic/_session.py) echo 305 ;;  # one class
     client/csharp/HapticSession.cs) echo 580 ;;    # users copy one file
-    client/js/src/mujoco/*.ts) echo 320 ;;         # one file each for one of client/mujoco/src
     tests/* | docker/*) echo 450 ;;
     *.textproto | *.txt) echo 450 ;;
     *) echo 300 ;;

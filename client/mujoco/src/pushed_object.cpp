@@ -14,6 +14,7 @@ constexpr double kHold = 0.05;                                  // s, h
 constexpr std::size_t kOutside = static_cast<std::size_t>(-1);  // of the DoFs that count
 constexpr double kHeaviest = 1e6;                               // kg; beyond, it is a wall
 constexpr std::size_t kMostMotions = 6;                         // of Plane::object_direction
+constexpr double kSlips = 1.0 - 1e-6;                           // of friction's cone
 constexpr double kNewMotion = 1e-6;  // square of the part of a direction that is a new one
 
 bool is_contact(int type) {
@@ -111,13 +112,24 @@ void Surroundings::look(const mjModel& model, mjData& data, const std::vector<mj
 }
 
 bool Surroundings::counts(const mjModel& model, const mjData& data, int row) const {
-  const int state = data.efc_state[row];
-  if (state != mjCNSTRSTATE_QUADRATIC && state != mjCNSTRSTATE_CONE) return false;
-  if (!is_contact(data.efc_type[row])) return true;
+  const int type = data.efc_type[row];
+  const mjtNum force = data.efc_force[row];
+  if (type == mjCNSTR_EQUALITY) return true;
+  if (type == mjCNSTR_FRICTION_DOF || type == mjCNSTR_FRICTION_TENDON) {
+    return std::abs(force) < data.efc_frictionloss[row];
+  }
+  if (!is_contact(type)) return force > 0.0;
   const mjContact& contact = data.contact[data.efc_id[row]];
   const auto of_tool = [&](int geom) { return geom >= 0 && tool_->moves(model.geom_bodyid[geom]); };
   if (of_tool(contact.geom1) || of_tool(contact.geom2)) return false;
-  return state != mjCNSTRSTATE_CONE || row == contact.efc_address;  // the others slip
+  if (type != mjCNSTR_CONTACT_ELLIPTIC) return force > 0.0;
+  const mjtNum* const forces = data.efc_force + contact.efc_address;
+  if (forces[0] <= 0.0 || row == contact.efc_address) return forces[0] > 0.0;
+  double aside = 0.0;  // of what friction can hold
+  for (int i = 1; i < contact.dim; ++i) {
+    aside = std::hypot(aside, forces[i] / (contact.friction[i - 1] * forces[0]));
+  }
+  return aside < kSlips;
 }
 
 void Surroundings::find_dofs(const mjModel& model, const mjData& data,

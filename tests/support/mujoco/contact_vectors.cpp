@@ -94,8 +94,7 @@ int main(int argc, char** argv) {
   for (const mujoco::Binding& binding : motion.bindings) {
     bindings.push_back({binding.name, static_cast<int>(binding.kind), binding.first_coordinate});
   }
-  const std::vector<double> weights(model.body_invweight0, model.body_invweight0 + 2 * model.nbody);
-  std::cout << json{{"bindings", bindings}, {"coupling", coupling}, {"invweight", weights}} << "\n";
+  std::cout << json{{"bindings", bindings}, {"coupling", coupling}} << "\n";
   for (int i = 1; i <= kSteps; ++i) {
     const double part = 0.5 - 0.5 * std::cos(3.14159 * std::min(1.0, 1.2 * i / kSteps));
     json line{{"probe", motion.at(part)}};

@@ -6,32 +6,13 @@ import { countOf } from "./binding.js";
 import type { Binding } from "./binding.js";
 import type { Engine } from "./engine.js";
 import type { ToolOptions } from "./options.js";
+import { findPlace, positionOf, refuse, refuseStiff } from "./places.js";
+import type { Place } from "./places.js";
 import { add, cross, dot, intoFrame, MOST_CURVED, quaternionOf, triangle, vectorAt }
   from "./vectors.js";
 import type { Quaternion } from "./vectors.js";
 
 const SHORTEST = 1e-3;           // of a quaternion
-const MOST_COORDINATES = 10000;  // far above those of any device
-
-/** One binding, found. */
-export interface Place {
-  binding: Binding;
-  /** Of joint, site or body. */
-  id: number;
-  /** That it moves. */
-  body: number;
-  site: boolean;
-  /** A hinge's angle. */
-  turns: boolean;
-  /** That it moves itself, without those of its parents. */
-  dofs: number[];
-  /** That its spring meets at least, kg, or kg m^2 of a hinge. */
-  mass: number;
-  /** Of a pose, kg m^2. */
-  inertia: number;
-  /** b less a of a joint's coordinate; of an angle the short way round. */
-  apart(a: number, b: number): number;
-}
 
 /** What moves a body, from it to the base. */
 interface Path {
@@ -40,10 +21,6 @@ interface Path {
   frame?: Place;
   /** Joints of the tool's own that have a spring. */
   soft: number[];
-}
-
-function refuse(binding: Binding, why: string): never {
-  throw new RangeError(`binding '${binding.name}': ${why}`);
 }
 
 export class BoundTool {
@@ -61,7 +38,7 @@ export class BoundTool {
     if (!(options.coupling > 0)) {
       throw new RangeError(`coupling ${options.coupling}: must be above 0 (N/m, or N m/rad)`);
     }
-    for (const binding of bindings) this.find(binding);
+    for (const binding of bindings) this.add(findPlace(engine, binding));
     const taken = new Set<number>();
     for (const place of this.places) {
       const first = place.binding.firstCoordinate;
@@ -76,7 +53,7 @@ export class BoundTool {
         if (!(weight > 0)) {
           refuse(place.binding, `the weight of coordinate ${i} must be above 0, not ${weight}`);
         }
-        this.refuseStiff(place, i, options.coupling * weight);
+        refuseStiff(engine, place, i, options.coupling * weight);
       }
     }
     this.owned = Array<boolean>(model.nv).fill(false);
@@ -106,9 +83,8 @@ export class BoundTool {
   }
 
   /** Of a site or body, in the world. */
-  positionOf({ site, id }: Place): Vector3 {
-    const { data } = this.engine;
-    return vectorAt(site ? data.site_xpos : data.xpos, 3 * id);
+  positionOf(place: Place): Vector3 {
+    return positionOf(this.engine, place);
   }
   quaternionOf({ site, id }: Place): Quaternion {
     const { data } = this.engine;
@@ -198,84 +174,19 @@ export class BoundTool {
     return pointOnPose(x, offset, firstCoordinate);
   }
 
-  private refuseStiff(place: Place, i: number, whole: number): void {
-    const turn = place.binding.kind === "pose" && i >= place.binding.firstCoordinate + 3;
-    const stiffness = whole * (turn ? 0.25 : 1), mass = turn ? place.inertia : place.mass;
-    const step = this.engine.model.opt.timestep;
-    if (step * Math.sqrt(stiffness / mass) <= 0.5) return;
-    refuse(place.binding, `the coupling is too stiff for the model's step: coordinate ${i} has a ` +
-      `mass of ${mass.toPrecision(3)} kg (kg m^2) and needs at least ` +
-      `${(4 * step * step * stiffness).toPrecision(3)}; give it mass or armature, shorten the ` +
-      `timestep, or lower the coupling or its weight`);
-  }
-
-  private find(binding: Binding): void {
-    const { kind, name, firstCoordinate, scale } = binding;
-    const { engine, engine: { mj, fixed } } = this;
-    if (!(firstCoordinate >= 0 && firstCoordinate <= MOST_COORDINATES - countOf(kind))) {
-      refuse(binding, `coordinate ${firstCoordinate}: a device has at most ${MOST_COORDINATES}`);
-    }
-    const place: Place = { binding, id: -1, body: 0, site: false, turns: false, dofs: [], mass: 0,
-      inertia: 0, apart: (a, b) => {
-        const way = b - a, round = 2 * Math.PI;
-        return place.turns && Math.abs(way) > Math.PI ? way - round * Math.round(way / round) : way;
-      } };
-    if (kind === "joint") {
-      place.id = engine.idOf("JOINT", name);
-      if (place.id < 0) refuse(binding, "the model has no joint of this name");
-      place.turns = fixed.jointType[place.id] === mj.mjtJoint.mjJNT_HINGE.value;
-      if (!place.turns && fixed.jointType[place.id] !== mj.mjtJoint.mjJNT_SLIDE.value) {
-        refuse(binding,
-               "must be a hinge or a slide; bind the body of a free or ball joint by pose()");
-      }
-      if (scale === 0 || !Number.isFinite(scale)) {
-        refuse(binding, "scale must not be 0, and finite");
-      }
-      const dof = fixed.jointDof[place.id]!;
-      place.body = fixed.jointBody[place.id]!;
-      place.dofs = [dof];
-      place.mass = scale * scale / fixed.dofInvweight[dof]!;
-      this.placeOfJoint.set(place.id, place);
+  private add(place: Place): void {
+    const { id, body, binding } = place;
+    if (binding.kind === "joint") {
+      this.placeOfJoint.set(id, place);
     } else {
-      place.id = engine.idOf("SITE", name);
-      place.site = place.id >= 0;
-      if (!place.site) place.id = engine.idOf("BODY", name);
-      if (place.id < 0) refuse(binding, "the model has no site and no body of this name");
-      place.body = place.site ? fixed.siteBody[place.id]! : place.id;
-      if (this.frameOfBody.has(place.body)) {
+      if (this.frameOfBody.has(body)) {
         refuse(binding, "its body has two points or poses; one of them must do");
       }
-      this.frameOfBody.set(place.body, place);
-      for (let k = 0; k < fixed.bodyDofs[place.body]!; ++k) {
-        place.dofs.push(fixed.bodyDof[place.body]! + k);
-      }
-      const [linear, angular] = this.inverseMasses(place);
-      if (!(linear > 0)) refuse(binding, "its body cannot move: it has no joint");
-      place.mass = 1 / linear;
-      place.inertia = 1 / Math.max(angular, mj.mjMINVAL);
+      this.frameOfBody.set(body, place);
     }
-    this.coordinates = Math.max(this.coordinates, firstCoordinate + countOf(kind));
+    this.coordinates = Math.max(this.coordinates,
+                                binding.firstCoordinate + countOf(binding.kind));
     this.places.push(place);
-  }
-
-  /** Of the lightest direction of a site or body, 1/kg, and about its lightest axis, 1/(kg m^2): no
-   * less than the largest eigenvalues of J M^-1 J^T. */
-  private inverseMasses(place: Place): [number, number] {
-    const nv = this.engine.model.nv;
-    const { linear, angular } = this.engine.jacobian(place.body, this.positionOf(place));
-    const J = Float64Array.from([...linear, ...angular]), solved = this.engine.overMass(J);
-    const most: [number, number] = [0, 0];
-    for (let i = 0; i < 6; ++i) {
-      const half = i < 3 ? 0 : 1;
-      let sum = 0;
-      for (let k = 3 * half; k < 3 * half + 3; ++k) {
-        let product = 0;
-        for (let j = 0; j < nv; ++j) product += J[i * nv + j]! * solved[k * nv + j]!;
-        sum += Math.abs(product);
-      }
-      most[half] = Math.max(most[half], sum);
-    }
-    return most;
   }
 
   private pathOf(body: number): Path {

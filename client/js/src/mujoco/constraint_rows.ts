@@ -1,46 +1,56 @@
 /** MuJoCo's rows of constraints, as the last mj_forward or mj_step found them. */
 import type { Engine, EngineContact } from "./engine.js";
 
+/** Of the cone of friction: what is nearer to it slips. */
+const SLIPS = 1 - 1e-6;
+
 export interface ConstraintRows {
-  type: Int32Array;
-  state: Int32Array;
+  readonly count: number;
   KBIP: Float64Array;
   R: Float64Array;
+  /** An edge of a pyramid of friction. */
+  isEdge(row: number): boolean;
+  /** Whether a row is a spring now: it pushes, and does not slip. By its force, because MuJoCo 3
+   * leaves efc_state as it was where it solves islands. */
+  isSpring(row: number): boolean;
   /** The contact that a row is of; undefined: another constraint's. */
   contactOf(row: number): EngineContact | undefined;
   /** Calls each(dof, value) for each entry of a row of J. */
   forParts(row: number, each: (dof: number, value: number) => void): void;
 }
 
-/** Values of MuJoCo's enumerations. */
-export function kindsOf({ mj: { mjtConstraint, mjtConstraintState } }: Engine) {
-  return {
-    frictionless: mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS.value,
-    pyramid: mjtConstraint.mjCNSTR_CONTACT_PYRAMIDAL.value,
-    ellipse: mjtConstraint.mjCNSTR_CONTACT_ELLIPTIC.value,
-    quadratic: mjtConstraintState.mjCNSTRSTATE_QUADRATIC.value,
-    cone: mjtConstraintState.mjCNSTRSTATE_CONE.value,
-  };
-}
-
 /** `contacts`: of the same step. */
 export function rowsOf(engine: Engine, contacts: EngineContact[]): ConstraintRows {
-  const { data, model, mj } = engine, { frictionless, pyramid, ellipse } = kindsOf(engine);
-  const n = data.nefc, nv = model.nv, contact = new Set<number>([frictionless, pyramid, ellipse]);
+  const { data, model, mj, mj: { mjtConstraint: kinds } } = engine, n = data.nefc, nv = model.nv;
+  const edge = kinds.mjCNSTR_CONTACT_PYRAMIDAL.value, ellipse = kinds.mjCNSTR_CONTACT_ELLIPTIC.value;
+  const contact = new Set<number>([kinds.mjCNSTR_CONTACT_FRICTIONLESS.value, edge, ellipse]);
+  const friction = new Set<number>([kinds.mjCNSTR_FRICTION_DOF.value,
+                                    kinds.mjCNSTR_FRICTION_TENDON.value]);
   // Copies: the calls between may let the memory grow.
   const ints = (view: Int32Array) => view.slice(0, n);
+  const floats = (view: Float64Array, each = 1) => view.slice(0, each * n);
   const type = ints(data.efc_type), id = ints(data.efc_id);
+  const forces = floats(data.efc_force), most = floats(data.efc_frictionloss);
   const J = (data.efc_J as Float64Array).slice();
   const sparse = mj.mj_isSparse(model) !== 0;
   const begins = sparse ? ints(data.efc_J_rowadr) : undefined;
   const counts = sparse ? ints(data.efc_J_rownnz) : undefined;
   const columns = sparse ? (data.efc_J_colind as Int32Array).slice() : undefined;
+  const contactOf = (row: number) => contact.has(type[row]!) ? contacts[id[row]!] : undefined;
   return {
-    type, state: ints(data.efc_state),
-    KBIP: (data.efc_KBIP as Float64Array).slice(0, 4 * n),
-    R: (data.efc_R as Float64Array).slice(0, n),
-    contactOf: (row) => contact.has(type[row]!)
-      ? contacts[id[row]!] : undefined,
+    count: n, contactOf, KBIP: floats(data.efc_KBIP, 4), R: floats(data.efc_R),
+    isEdge: (row) => type[row] === edge,
+    isSpring: (row) => {
+      const kind = type[row]!, force = forces[row]!;
+      if (kind === kinds.mjCNSTR_EQUALITY.value) return true;
+      if (friction.has(kind)) return Math.abs(force) < most[row]!;
+      if (kind !== ellipse) return force > 0;
+      const { efcAddress: first, dim, friction: holds } = contactOf(row)!, normal = forces[first]!;
+      if (normal <= 0 || row === first) return normal > 0;
+      const aside = Array.from(forces.subarray(first + 1, first + dim),
+                               (along, i) => along / (holds[i]! * normal));
+      return Math.hypot(...aside) < SLIPS;
+    },
     forParts: (row, each) => {
       const begin = begins?.[row] ?? row * nv, count = counts?.[row] ?? nv;
       for (let k = 0; k < count; ++k) {

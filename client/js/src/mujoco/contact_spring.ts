@@ -26,7 +26,7 @@ export class ContactSpring {
 
   /** `contact`: only its parameters are used, so it need not touch. */
   constructor(engine: Engine, contact: EngineContact) {
-    const { mj, model, fixed } = engine, { solref, dim } = contact;
+    const { mj, opt, fixed } = engine, { solref, dim } = contact;
     const solimp = [...contact.solimp];
     for (const i of [0, 1, 3]) solimp[i] = clamp(solimp[i]!, mj.mjMINIMP, mj.mjMAXIMP);
     solimp[4] = Math.max(solimp[4]!, 1);
@@ -34,8 +34,8 @@ export class ContactSpring {
     const dmax = solimp[1]!;
     let K = -solref[0]! / (dmax * dmax);
     if (solref[0]! > 0) {
-      const safe = (model.opt.disableflags & mj.mjtDisableBit.mjDSBL_REFSAFE.value) === 0;
-      const time = Math.max(solref[0]!, safe ? 2 * model.opt.timestep : 0);
+      const safe = (opt.disableflags & mj.mjtDisableBit.mjDSBL_REFSAFE.value) === 0;
+      const time = Math.max(solref[0]!, safe ? 2 * opt.timestep : 0);
       K = 1 / (dmax * time * solref[1]!) ** 2;
     }
     let inverseMass = 0;
@@ -43,8 +43,8 @@ export class ContactSpring {
       if (geom >= 0) inverseMass += fixed.bodyInvweight[2 * fixed.geomBody[geom]!]!;
     }
     let perDepth = K / Math.max(inverseMass, LEAST_INVERSE_MASS);
-    if (dim > 1 && model.opt.cone === mj.mjtCone.mjCONE_PYRAMIDAL.value) {
-      const mu = contact.friction, ratio = Math.max(model.opt.impratio, mj.mjMINVAL);
+    if (dim > 1 && opt.cone === mj.mjtCone.mjCONE_PYRAMIDAL.value) {
+      const mu = contact.friction[0]!, ratio = Math.max(opt.impratio, mj.mjMINVAL);
       perDepth *= (dim - 1) * ratio / (mu * mu * (1 + mu * mu));
     }
     this.perDepth = perDepth;

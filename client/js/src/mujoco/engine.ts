@@ -18,7 +18,7 @@ export interface EngineContact {
   pos: Vector3;
   /** From geom1 to geom2. */
   normal: Vector3;
-  friction: number;
+  friction: number[];
   solref: number[];
   solimp: number[];
 }
@@ -42,6 +42,8 @@ function constants(model: MjModel) {
 
 export class Engine {
   readonly fixed: ReturnType<typeof constants>;
+  /** The model's own, taken once: each look at model.opt makes a handle. */
+  readonly opt: MjModel["opt"];
   private readonly linear;
   private readonly angular;
   private readonly column;
@@ -51,6 +53,7 @@ export class Engine {
   /** All stay the caller's, and must live longer. */
   constructor(readonly mj: MainModule, readonly model: MjModel, readonly data: MjData) {
     this.fixed = constants(model);
+    this.opt = model.opt;
     this.linear = new mj.DoubleBuffer(3 * model.nv);
     this.angular = new mj.DoubleBuffer(3 * model.nv);
     this.column = new mj.DoubleBuffer(model.nv);
@@ -59,9 +62,8 @@ export class Engine {
   }
   /** WebAssembly's memory is not collected. */
   delete(): void {
-    for (const buffer of [this.linear, this.angular, this.column, this.solved, this.force]) {
-      buffer.delete();
-    }
+    const { linear, angular, column, solved, force, opt } = this;
+    for (const one of [linear, angular, column, solved, force, opt]) one.delete();
   }
 
   /** -1: there is none. */
@@ -96,7 +98,7 @@ export class Engine {
       (sum, warning) => sum + this.warnings(warning.value), 0);
   }
   warnings(type: number): number {
-    const one = this.data.warning.get(type)!;  // a copy, of a list that is not one
+    const one = this.data.warning.get(type)!;  // a copy, of the data's own list
     const { number } = one;
     one.delete();
     return number;
@@ -109,7 +111,7 @@ export class Engine {
       found.push({
         geom1: c.geom1, geom2: c.geom2, dist: c.dist, includemargin: c.includemargin,
         exclude: c.exclude, dim: c.dim, efcAddress: c.efc_address, pos: vectorAt(c.pos),
-        normal: vectorAt(c.frame), friction: c.friction[0], solref: Array.from(c.solref),
+        normal: vectorAt(c.frame), friction: Array.from(c.friction), solref: Array.from(c.solref),
         solimp: Array.from(c.solimp),
       });
       c.delete();

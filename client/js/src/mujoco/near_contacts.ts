@@ -5,8 +5,9 @@ import type { BoundTool } from "./bound_tool.js";
 import { ContactIds } from "./contact_ids.js";
 import { ContactSpring } from "./contact_spring.js";
 import type { Engine, EngineContact } from "./engine.js";
-import { share, Surroundings } from "./pushed_object.js";
+import { share } from "./pushed_object.js";
 import type { PushedObject } from "./pushed_object.js";
+import { Surroundings } from "./surroundings.js";
 import { add, dot, intoFrame, MOST_CURVED, triangle, vectorAt } from "./vectors.js";
 
 /** Of mjContact.exclude; beyond it is not a contact. */

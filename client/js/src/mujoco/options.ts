@@ -3,7 +3,8 @@
 /** A probe that is farther from the tool's aim than `jump*`, m or rad, is not followed at once: the
  * client has just joined, or paused, or the device was moved meanwhile. The tool then comes at
  * `slow*`, m/s and rad/s, from where it was, so that it meets every object from the side that it
- * was on; until it is there, nothing is told (Proxy.free()). */
+ * was on; until it is there, nothing is told (Proxy.free()). The probe may be deep inside an object
+ * by then: what is told grows to the whole force within 200 ms. */
 export interface Jumps {
   jumpM: number;
   jumpRad: number;

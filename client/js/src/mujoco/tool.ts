@@ -5,17 +5,29 @@ import type { Plane } from "../proxy.js";
 import { Aim } from "./aim.js";
 import type { Binding } from "./binding.js";
 import { BoundTool } from "./bound_tool.js";
-import type { Place } from "./bound_tool.js";
 import { Engine } from "./engine.js";
 import type { MainModule, MjData, MjModel } from "./engine.js";
 import { Margins } from "./margins.js";
 import { NearContacts } from "./near_contacts.js";
 import { JUMPS } from "./options.js";
 import type { Jumps, ToolOptions } from "./options.js";
+import type { Place } from "./places.js";
 import { conjugate, normalised, product, rateOf } from "./vectors.js";
 import type { Quaternion } from "./vectors.js";
 
 const NO_LIMIT = 1e9;
+const RISE = 0.2;  // s, as the server's gain (proto/README.md, Staleness and gain)
+
+/** Leaves `share` of the force that the contact has alone: of its spring in series with the
+ * coupling, and of its object, which moves as before. `gives`: the square of the normal's length,
+ * in W^-1. */
+function soften(plane: Plane, gives: number, share: number): Plane {
+  const { compliance = 0, mass = 0, damping = 0, groundStiffness = 0, load = 0 } = plane;
+  return {
+    ...plane, compliance: (compliance + gives) / share - gives, mass: share * mass,
+    damping: share * damping, groundStiffness: share * groundStiffness, load: share * load,
+  };
+}
 
 /** All bodies below a bound one. Contacts of their geoms with anything else, and with each other,
  * are told. */
@@ -30,6 +42,7 @@ export class Tool {
   #seen: number[] = [];        // the tool as the last step began
   #rate = new Float64Array(0); // qvel then
   #known = false;              // the last probe could be used
+  #share = 0;                  // of the force that is told, 0 to 1
   #lastTime = 0;               // as the last step began, s
   #lastStep = 0;               // s
   #owed = 0;                   // s
@@ -80,7 +93,7 @@ export class Tool {
    * shorter than 1e-3, the tool stays where it is, and the sample is Proxy.free(). `roundTripMs`:
    * Session.roundTripMs, for the horizon in which contacts are told before they touch. */
   step(xProbe: number[], periodMs: number, roundTripMs = 0): Proxy {
-    const { mj, model, data } = this.#engine, step = model.opt.timestep;
+    const { mj, model, data, opt: { timestep: step } } = this.#engine;
     this.#owed += periodMs / 1000;
     const count = Math.max(1, Math.floor(this.#owed / step + 1e-6));
     this.#owed -= count * step;
@@ -101,7 +114,9 @@ export class Tool {
   aim(xProbe: number[], steps: number, roundTripMs = 0): void {
     if (!(steps > 0)) throw new RangeError(`steps ${steps}: must be > 0`);
     this.#lookForJump();
-    const { mj, model } = this.#engine, seconds = steps * model.opt.timestep;
+    const { mj, opt } = this.#engine, seconds = steps * opt.timestep;
+    // The probe may be deep inside an object as the tool arrives: from FREE force comes by a ramp.
+    this.#share = this.#known && this.following ? Math.min(1, this.#share + seconds / RISE) : 0;
     this.#known = false;
     if (xProbe.length === 0 || !xProbe.every(Number.isFinite)) {
       return this.#aim.next([], steps, seconds);
@@ -138,7 +153,7 @@ export class Tool {
     const qvel: Float64Array = data.qvel;
     this.#rate = qvel.slice();
     this.#lastTime = data.time;
-    this.#lastStep = model.opt.timestep;
+    this.#lastStep = this.#engine.opt.timestep;
     this.#aim.step();
     const push = new Float64Array(model.nv);
     const [bias, passive] = [data.qfrc_bias, data.qfrc_passive] as Float64Array[];
@@ -159,13 +174,18 @@ export class Tool {
   proxy(): Proxy {
     this.#lookForJump();
     const near = this.#contacts.find(this.#seen, this.#rate), { coupling } = this.#options;
-    if (!this.#known || !this.#aim.following) return Proxy.free();
+    const share = this.#share;
+    if (!this.#known || !this.following || share === 0) return Proxy.free();
     const x = [...this.#probe], planes: Plane[] = [];
     for (const { contact, force } of near) {
       const plane = contactAt(this.#seen, contact, coupling);
       if (plane.normal.every((part) => part === 0)) continue;
-      plane.normal.forEach((part, i) => { x[i]! -= part * force / (coupling * this.#weight(i)); });
-      planes.push(plane);
+      let gives = 0;
+      plane.normal.forEach((part, i) => {
+        x[i]! -= share * part * force / (coupling * this.#weight(i));
+        gives += part * part / this.#weight(i);
+      });
+      planes.push(share < 1 ? soften(plane, gives, share) : plane);
     }
     // The half spaces as they were seen, with the normals by which x was displaced: joints and
     // friction keep the tool from x, and around x the object curves otherwise.
@@ -187,7 +207,7 @@ export class Tool {
     this.#rate = new Float64Array(model.nv);
     this.#contacts.begin();
     this.#lastTime = data.time;
-    this.#lastStep = model.opt.timestep;
+    this.#lastStep = this.#engine.opt.timestep;
     this.#timesBad = this.#engine.badStates();
     this.#timesFull = this.#engine.warnings(mj.mjtWarning.mjWARN_CONTACTFULL.value);
   }
@@ -195,10 +215,11 @@ export class Tool {
   /** Restarts if the model is not where a step from the last pull() brought it. */
   #lookForJump(): void {
     const step = this.#engine.data.time - this.#lastTime;
-    if (step >= 0 && step < 1.5 * this.#lastStep && this.#engine.badStates() === this.#timesBad) {
-      return;
-    }
-    this.restart();
+    if (step < 0 || step >= 1.5 * this.#lastStep) return this.restart();
+    // From a bad state MuJoCo begins again at 0, which is not a jump as the first steps end. Only
+    // then look at its warnings, which takes long here.
+    const first = this.#lastTime <= 1.5 * this.#lastStep;
+    if (first && this.#engine.badStates() !== this.#timesBad) this.restart();
   }
 
   #weight(i: number): number {
@@ -214,7 +235,8 @@ export class Tool {
   }
 
   #pullFrame(place: Place, push: Float64Array): void {
-    const { kind, firstCoordinate: first } = place.binding, { nv, opt } = this.#engine.model;
+    const { kind, firstCoordinate: first } = place.binding;
+    const { opt, model: { nv } } = this.#engine;
     const position = this.#tool.positionOf(place), aim = this.#aim;
     const { linear, angular } = this.#engine.jacobian(place.body, position);
     const speed = (jacobian: Float64Array, k: number) => {

@@ -20,7 +20,8 @@ class Json {
   [[nodiscard]] std::string from_bytes(const google::protobuf::Descriptor& type,
                                        const std::string& bytes) const;
   [[nodiscard]] static std::string from_message(const google::protobuf::Message& message);
-  /// Overwrites `message`; empty: it was read. Else why not, fit for logs.
+  /// Overwrites `message`; empty: it was read, but for fields that are unknown here. Else why not,
+  /// fit for logs.
   [[nodiscard]] static std::string read(std::string_view text, google::protobuf::Message& message);
 
  private:

@@ -30,7 +30,7 @@ export async function startBrowser(t) {
  * and what it throws. */
 export async function newPage(t, browser, options = {}) {
   const context = await browser.newContext({ ...DESK, reducedMotion: "reduce", ...options });
-  t.after(() => context.close());
+  t.after(() => browser.isConnected() && context.close());
   const page = await context.newPage();
   page.setDefaultTimeout(PATIENCE_MS);
   const complaints = [];

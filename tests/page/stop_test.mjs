@@ -1,45 +1,44 @@
 // From the press of the button to the latched fault: 50 ms (p99) on a machine that does nothing
-// else. A program on the same machine hears the server's event of the fault, and the page shows it.
+// else. One program presses the button through the browser's debugger and hears the server's event
+// of the fault, by one clock: the time includes both of those ways.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { eventually, open } from "../client/js/hapticd_process.mjs";
-import { newPage, says, startBrowser } from "./browser.mjs";
+import { eventually as onPage, newPage, says, startBrowser } from "./browser.mjs";
 import { printedAddress, startHapticd } from "./live_server.mjs";
 
-const STOPS = 40;
+const STOPS = 200;
 const LONGEST_MS = 50;
 const FAULT = 3; // Event.kind
 
-/** ms since 1970, by the clock that pages have too. */
-const now = () => performance.timeOrigin + performance.now();
-
-/** Notes in `pressed` and `shown` when the button goes down, and when the page says the fault. */
+/** Notes in `pressed` and `shown` when the button goes down, and when the page says the fault: both
+ * by the page's clock. */
 function watchStops() {
   const name = document.querySelector("#state-name");
   document.querySelector("#stop").addEventListener("pointerdown", (event) => {
-    globalThis.pressed = performance.timeOrigin + event.timeStamp;
+    globalThis.pressed = event.timeStamp;
   }, true);
   new MutationObserver(() => {
-    if (name.textContent === "FAULT") globalThis.shown = performance.timeOrigin + performance.now();
+    if (name.textContent === "FAULT") globalThis.shown = performance.now();
   }).observe(name, { childList: true, characterData: true, subtree: true });
 }
 
-/** Says the figures; the worst of 40 stands for p99. */
-function worst(what, times) {
+/** Says the figures; returns p99. */
+function p99(what, times) {
   times.sort((a, b) => a - b);
-  const [middle, last] = [times[times.length / 2], times.at(-1)];
-  console.log(`${times.length} stops ${what}: median ${middle.toFixed(1)} ms, ` +
-    `worst ${last.toFixed(1)} ms`);
-  return last;
+  const at = (share) => times[Math.ceil(share * times.length) - 1];
+  const [median, high, worst] = [at(0.5), at(0.99), at(1)].map((ms) => ms.toFixed(1));
+  console.log(`${times.length} stops ${what}: median ${median}, p99 ${high}, worst ${worst} ms`);
+  return at(0.99);
 }
 
 test("a stop takes 50 ms at most", async (t) => {
   const server = await startHapticd(t, "control");
-  let heard = 0;
+  let heard;
   await open(t, server.connect("observe"), {
     role: "observer",
     onEvent: ({ kind }) => {
-      if (kind === FAULT) heard = now();
+      if (kind === FAULT) heard ??= performance.now();
     },
   });
   const operator = server.connect("operator");
@@ -51,16 +50,24 @@ test("a stop takes 50 ms at most", async (t) => {
   const stop = await page.locator("#stop").boundingBox();
   const latched = [], shown = [];
   for (let i = 0; i < STOPS; i++) {
-    await page.mouse.click(stop.x + stop.width / 2, stop.y + stop.height / 2);
-    await says(page, "#state-name", /^FAULT$/);
-    const [begin, end] = await page.evaluate(() => [globalThis.pressed, globalThis.shown]);
-    latched.push(heard - begin);
-    shown.push(end - begin);
+    await page.mouse.move(stop.x + stop.width / 2, stop.y + stop.height / 2);
+    await page.evaluate(() => {
+      globalThis.shown = undefined;
+      document.querySelector("#stop-said").textContent = "";
+    });
+    heard = undefined;
+    const pressed = performance.now();
+    await page.mouse.down();
+    await page.mouse.up();
+    await onPage(page, () => globalThis.shown);
+    latched.push(await eventually(() => heard, "the fault's event") - pressed);
+    // Else it might send the stop again, after the fault was cleared.
+    await says(page, "#stop-said", /^Stopped/);
+    shown.push(await page.evaluate(() => globalThis.shown - globalThis.pressed));
     await eventually(() => operator.clearFault().then(() => true, () => false));
     await says(page, "#state-name", /^IDLE$/);
   }
-  worst("until the page shows it", shown);
-  const longest = worst("until the fault is latched", latched);
-  assert.ok(Math.min(...latched) > 0, "the clocks differ");
+  p99("until the page shows it", shown);
+  const longest = p99("until the fault is latched", latched);
   assert.ok(longest <= LONGEST_MS, `${longest} ms`);
 });

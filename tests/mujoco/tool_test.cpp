@@ -74,6 +74,24 @@ struct Slider {
   test::PipelineLoop loop;
 };
 
+/// Both slides are along x: what pulls the pen pulls its carriage as much, in every step.
+TEST(Tool, CarriersFeelOneStepsPull) {
+  World world(R"(<mujoco><option timestep="0.001" gravity="0 0 0"/><worldbody>
+    <body name="carriage"><joint name="slow" type="slide" axis="1 0 0"/>
+      <geom type="sphere" size="0.02" mass="5"/>
+      <body name="pen"><joint name="x" type="slide" axis="1 0 0"/>
+        <geom type="sphere" size="0.01" mass="0.1"/></body></body>
+  </worldbody></mujoco>)");
+  Tool tool(world.m(), world.d(), {point("pen", 0)}, {.coupling = kStiffness});
+  const mjtNum* const applied = world.d()->qfrc_applied;
+  for (int i = 0; i < 100; ++i) {
+    static_cast<void>(tool.step({0.01, 0.0, 0.0}, 1.0 / 60.0));
+    ASSERT_DOUBLE_EQ(applied[world.m()->jnt_dofadr[world.id(mjOBJ_JOINT, "slow")]],
+                     applied[world.m()->jnt_dofadr[world.id(mjOBJ_JOINT, "x")]]);
+  }
+  EXPECT_NEAR(world.d()->xpos[3 * world.id(mjOBJ_BODY, "pen")], 0.01, 1e-4);
+}
+
 TEST(Tool, HeldForceIsMujocos) {
   for (const double rate : {60.0, 120.0, 500.0}) {
     for (const double delay : {0.0, 0.020, 0.050, 0.100}) {

@@ -109,6 +109,15 @@ BoundTool::BoundTool(const mjModel& model, mjData& data, const std::vector<Bindi
     for (int k = 0; k < model.body_dofnum[body]; ++k)
       owns_[static_cast<std::size_t>(first + k)] = 1;
   }
+  pulls_ = owns_;
+  for (const Place& place : places_) {
+    if (place.binding.kind == Binding::Kind::kJoint) continue;
+    for (int body = place.body; body > 0; body = model.body_parentid[body]) {
+      const int first = model.body_dofadr[body];
+      for (int k = 0; k < model.body_dofnum[body]; ++k)
+        pulls_[static_cast<std::size_t>(first + k)] = 1;
+    }
+  }
 }
 
 void BoundTool::refuse_stiff(const Place& place, const ToolOptions& options) const {

@@ -39,6 +39,8 @@ class BoundTool {
   [[nodiscard]] bool has_turns(const std::vector<double>& x) const;
   /// DoFs below a bound body: those of bindings, and those that are the tool's own.
   [[nodiscard]] bool owns_dof(int dof) const { return owns_[static_cast<std::size_t>(dof)]; }
+  /// Those, and the DoFs that carry a point or pose: its spring pulls them too.
+  [[nodiscard]] bool pulls_dof(int dof) const { return pulls_[static_cast<std::size_t>(dof)]; }
 
   /// Writes the bound coordinates into x, angles and quaternions as near to what x holds as they
   /// can be said. Needs mj_kinematics.
@@ -66,7 +68,7 @@ class BoundTool {
   const mjModel* model_;
   std::vector<Place> places_{};
   std::vector<int> place_of_joint_{}, frame_of_body_{};  ///< -1: none
-  std::vector<char> moves_{}, owns_{};
+  std::vector<char> moves_{}, owns_{}, pulls_{};
   std::size_t coordinates_{0};
 };
 

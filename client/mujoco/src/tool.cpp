@@ -154,7 +154,7 @@ void Tool::State::pull() {
   last_step = model->opt.timestep;
   aimed.step();
   for (int i = 0; i < model->nv; ++i) {
-    if (tool.owns_dof(i)) data->qfrc_applied[i] = 0.0;
+    if (tool.pulls_dof(i)) data->qfrc_applied[i] = 0.0;
   }
   for (const Place& place : tool.places()) {
     for (const int dof : place.dofs) {

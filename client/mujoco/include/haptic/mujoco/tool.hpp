@@ -60,7 +60,8 @@ class Tool {
   /// `model` and `data` stay the caller's, and must live longer. Changes in `model`: limits of the
   /// bound joints are off, and margin and gap of the tool's geoms grow by the horizon in which
   /// contacts are told, without a change of where force begins. In `data` qfrc_applied of the
-  /// tool's DoFs is the tool's: put forces of your own into xfrc_applied. Runs mj_forward.
+  /// tool's DoFs, and of those that carry a bound site or body, is the tool's: put forces of your
+  /// own into xfrc_applied. Runs mj_forward.
   ///
   /// Throws std::invalid_argument, which names binding, value and what is allowed: an unknown name,
   /// a coordinate that is bound twice, has no weight or is not below 10000, a ball or free joint, a

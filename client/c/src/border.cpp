@@ -1,7 +1,8 @@
 #include "border.hpp"
 
-#include <cstdlib>
+#include <unistd.h>
 
+#include <cstdlib>
 #include <utility>
 
 namespace haptic::c {
@@ -41,8 +42,11 @@ Handles<haptic_connection, client::Connection>& connections() {
 
 Handles<haptic_session, Session>& sessions() {
   static auto& handles = *new Handles<haptic_session, Session>;
-  // A program may end with a session open: its threads stop before protobuf is taken down.
+  static const pid_t process = getpid();
+  // A program may end with a session open: its threads stop before protobuf is taken down. A child
+  // that it forked has no such threads, and the connections are its parent's.
   static const int at_exit = std::atexit([] {
+    if (getpid() != process) return;
     for (const auto& session : sessions().take_all()) {
       guarded(nullptr, [&] { (*session)->close(); });
     }

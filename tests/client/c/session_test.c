@@ -2,12 +2,15 @@
  * works, and what is wrong is an error and not a crash.
  *
  *   session_test ADDRESS */
+#define _POSIX_C_SOURCE 200809L
 #include <haptic/haptic.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 static haptic_error error = {.size = sizeof error};
 
@@ -231,6 +234,22 @@ static void test_close_while_waiting(haptic_connection* connection, haptic_sessi
   CHECK(pthread_join(waiter, &closed) == 0 && closed == session);
 }
 
+/* A child that ends takes nothing from its parent. */
+static void test_exit_of_a_child(haptic_session* session) {
+  haptic_state state = {.size = sizeof state};
+  int status = -1;
+  const pid_t child = fork();
+  CHECK(child >= 0);
+  if (child == 0) {
+    alarm(20); /* should exit() wait for the parent's threads */
+    exit(0);
+  }
+  CHECK(waitpid(child, &status, 0) == child && status == 0);
+  for (int i = 0; i < 200; ++i) {
+    CHECK(haptic_wait_for_state(session, 10000, &state, &error) == HAPTIC_OK);
+  }
+}
+
 int main(int argc, char** argv) {
   CHECK(argc == 2);
   haptic_connection* connection = connect_to("127.0.0.1:1");
@@ -244,6 +263,7 @@ int main(int argc, char** argv) {
   test_longer_structs(connection, session);
   test_devices(connection, session);
   test_refusals_of_the_server(connection, session);
+  test_exit_of_a_child(session);
   test_force(session);
   test_emergency_stop(connection, session);
   test_close_while_waiting(connection, session);

@@ -16,9 +16,10 @@
  * - A handle is a number in the shape of a pointer: the library looks it up and never reads through
  *   it. NULL, and a handle that was closed, give HAPTIC_ERROR_CLOSED; a number is not used twice.
  * - Every function may be called from any thread, at the same time as others on the same handle.
- *   The library calls nothing of yours. After fork() only the parent may use its handles.
- * - Connections and sessions may be closed in any order; exit() without closing is allowed, and the
- *   server then lets the force fade out.
+ *   The library calls nothing of yours. After fork() only the parent may use its handles; the
+ *   child may exit().
+ * - Connections and sessions may be closed in any order; exit() without closing is allowed, unless
+ *   another thread opens a session then, and the server lets the force fade out.
  * - libhaptic brings the protocol's messages, and the system's libprotobuf ends a program that has
  *   them twice. So link either haptic::c or the C++ library haptic::client, not both.
  */

@@ -1,7 +1,5 @@
 #include "call.hpp"
 
-#include <map>
-
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 
@@ -9,22 +7,32 @@ namespace haptic::client {
 
 namespace {
 
+/// No table: a session that ends within exit() asks after statics are destroyed.
 ErrorReason reason_of(grpc::StatusCode code) {
   using grpc::StatusCode;
-  static const std::map<StatusCode, ErrorReason> kReasons{
-      {StatusCode::UNAVAILABLE, ErrorReason::kUnreachable},
-      {StatusCode::DEADLINE_EXCEEDED, ErrorReason::kTimeout},
-      {StatusCode::NOT_FOUND, ErrorReason::kNoSuchDevice},
-      {StatusCode::ALREADY_EXISTS, ErrorReason::kLeaseHeld},
-      {StatusCode::INVALID_ARGUMENT, ErrorReason::kInvalidArgument},
-      {StatusCode::FAILED_PRECONDITION, ErrorReason::kNotReady},
-      {StatusCode::RESOURCE_EXHAUSTED, ErrorReason::kNotReady},  // all sessions are taken
-      {StatusCode::PERMISSION_DENIED, ErrorReason::kPermissionDenied},
-      {StatusCode::ABORTED, ErrorReason::kClosed},
-      {StatusCode::CANCELLED, ErrorReason::kClosed},
-      {StatusCode::OK, ErrorReason::kClosed}};
-  const auto found = kReasons.find(code);
-  return found != kReasons.end() ? found->second : ErrorReason::kProtocol;
+  switch (code) {
+    case StatusCode::UNAVAILABLE:
+      return ErrorReason::kUnreachable;
+    case StatusCode::DEADLINE_EXCEEDED:
+      return ErrorReason::kTimeout;
+    case StatusCode::NOT_FOUND:
+      return ErrorReason::kNoSuchDevice;
+    case StatusCode::ALREADY_EXISTS:
+      return ErrorReason::kLeaseHeld;
+    case StatusCode::INVALID_ARGUMENT:
+      return ErrorReason::kInvalidArgument;
+    case StatusCode::FAILED_PRECONDITION:
+    case StatusCode::RESOURCE_EXHAUSTED:  // all sessions are taken
+      return ErrorReason::kNotReady;
+    case StatusCode::PERMISSION_DENIED:
+      return ErrorReason::kPermissionDenied;
+    case StatusCode::OK:
+    case StatusCode::ABORTED:
+    case StatusCode::CANCELLED:
+      return ErrorReason::kClosed;
+    default:
+      return ErrorReason::kProtocol;
+  }
 }
 
 std::string server_reason(const grpc::Status& status) {

@@ -11,17 +11,19 @@ namespace {
 namespace pb = google::protobuf;
 using pb::FieldDescriptor;
 
+using Fields = std::vector<const FieldDescriptor*>;
+
 /// Descriptors of the fields that State lists, in that order. An unknown name is null, which the
-/// tests find.
+/// tests find. Never destroyed: a session that is open at exit() has states to read until it ends.
 template <typename State>
-const std::vector<const FieldDescriptor*>& fields_of(const pb::Descriptor& type) {
-  static const auto fields = [&type] {
-    std::vector<const FieldDescriptor*> found;
+const Fields& fields_of(const pb::Descriptor& type) {
+  static const Fields& fields = *new const Fields([&type] {
+    Fields found;
     State state;
     State::for_each(state,
                     [&](const char* name, auto&) { found.push_back(type.FindFieldByName(name)); });
     return found;
-  }();
+  }());
   return fields;
 }
 

@@ -80,7 +80,8 @@ class FromC(OneServer):
     def run_program(self, name: str, *arguments: str) -> str:
         program = os.path.join(os.environ["HAPTIC_C_PROGRAMS"], name)
         done = subprocess.run([program, self.server.address, *arguments], capture_output=True,
-                              text=True, timeout=120, check=False)
+                              text=True, timeout=120, check=False,
+                              env={**os.environ, "MALLOC_PERTURB_": "165"})  # fills what is freed
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
 

@@ -2,6 +2,7 @@
 /// A client on a WebSocket without a library: it writes samples, and reads what comes on a thread
 /// of its own. One translation unit a program: Boost.Beast takes long to compile.
 
+#include <atomic>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -55,15 +56,16 @@ inline std::string sample(std::uint64_t seq) {
 
 class WebClient {
  public:
-  explicit WebClient(const std::string& address) : socket_(context_) {
+  explicit WebClient(const std::string& address, const std::string& token = kToken)
+      : socket_(context_) {
     const std::size_t colon = address.rfind(':');
     asio::connect(
         beast::get_lowest_layer(socket_),
         tcp::resolver(context_).resolve(address.substr(0, colon), address.substr(colon + 1)));
     beast::get_lowest_layer(socket_).set_option(tcp::no_delay(true));
-    socket_.set_option(websocket::stream_base::decorator([](websocket::request_type& head) {
+    socket_.set_option(websocket::stream_base::decorator([&token](websocket::request_type& head) {
       head.set(beast::http::field::sec_websocket_protocol, "haptic.v1.proto");
-      head.set(beast::http::field::authorization, std::string("Bearer ") + kToken);
+      head.set(beast::http::field::authorization, "Bearer " + token);
     }));
     socket_.handshake(address, "/haptic.v1.HapticService/Session");
     socket_.binary(true);
@@ -73,6 +75,7 @@ class WebClient {
       while (!error) {
         buffer.clear();
         socket_.read(buffer, error);
+        ++received_;
       }
     });
   }
@@ -83,18 +86,31 @@ class WebClient {
   }
   void write(const std::string& bytes) { socket_.write(asio::buffer(bytes)); }
 
-  /// Asks for the lease, and waits a moment.
+  /// Asks for the lease.
   void control(double rate_hz) {
-    v1::SessionRequest open;
-    open.mutable_open()->set_role(v1::ROLE_CONTROLLER);
-    open.mutable_open()->set_client_name("bench");
+    v1::SessionRequest open = open_as(v1::ROLE_CONTROLLER);
     open.mutable_open()->set_nominal_rate_hz(rate_hz);
     write(open.SerializeAsString());
   }
+  /// Asks for states.
+  void observe(double rate_hz) {
+    v1::SessionRequest open = open_as(v1::ROLE_OBSERVER);
+    open.mutable_open()->set_state_rate_hz(rate_hz);
+    write(open.SerializeAsString());
+  }
+  [[nodiscard]] std::uint64_t received() const { return received_; }
 
  private:
+  static v1::SessionRequest open_as(v1::Role role) {
+    v1::SessionRequest request;
+    request.mutable_open()->set_role(role);
+    request.mutable_open()->set_client_name("bench");
+    return request;
+  }
+
   asio::io_context context_{};
   BareSocket socket_;
+  std::atomic<std::uint64_t> received_{0};
   std::thread reader_{};
 };
 

@@ -1,14 +1,23 @@
 /// haptic-bench-web: one way from a WebSocket's write to the mailbox, against a bare echo by Beast
-/// of messages as large, on the same host. All times are of this host's steady clock.
+/// of messages as large, on the same host. All times are of this host's steady clock. And how late
+/// the loop of the shipped hapticd wakes while 16 viewers look on as the page does, at 60 Hz,
+/// against none: from the record of its ticks, with a fresh hapticd for every block. Its loop has
+/// the last core for itself, as server/README.md advises.
 #include <spdlog/spdlog.h>
 
 #include <atomic>
+#include <memory>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "tests/bench/crossing_servers.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/bench/web_client.hpp"
+#include "tests/relay/daemon.hpp"
+#include "tests/relay/run_record.hpp"
 
 namespace {
 
@@ -112,16 +121,53 @@ double bare_block(Bare& bare) {
   return percentile(up, 0.5);
 }
 
+constexpr int kViewers = 16;
+constexpr double kViewerHz = 60.0;
+constexpr int kViewed = 3000;  // ticks of 1 ms
+
+/// p99 of the loop's lateness in us, while so many look on.
+double viewed_block(int viewers, std::optional<int> loop_cpu) {
+  std::vector<std::string> pinned;
+  if (loop_cpu) pinned = {"--set", "loop.cpu=" + std::to_string(*loop_cpu)};
+  test::Daemon daemon(pinned);
+  const std::string address = "127.0.0.1:" + std::to_string(daemon.web_port());
+  std::vector<std::unique_ptr<WebClient>> clients;
+  for (int i = 0; i < viewers; ++i) {
+    clients.push_back(std::make_unique<WebClient>(address, test::Daemon::kToken));
+    clients.back()->observe(kViewerHz);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(kViewed + 500));
+  if (daemon.stop() != 0) throw std::runtime_error("hapticd failed");
+  for (const auto& client : clients) {
+    if (static_cast<double>(client->received()) < kViewerHz * kViewed / 2000) {
+      throw std::runtime_error("a viewer saw less than half of the states");
+    }
+  }
+  std::vector<double> late_us;
+  for (const test::RecordedTick& tick : test::read_record(daemon.record())) {
+    if (tick.state == "IDLE") late_us.push_back(1e6 * tick.lateness);
+  }
+  if (late_us.size() < kViewed) throw std::runtime_error("too few ticks");
+  return percentile({late_us.end() - kViewed, late_us.end()}, 0.99);
+}
+
 }  // namespace
 
 int main() {
   spdlog::set_level(spdlog::level::warn);  // sessions that come and go
-  const BenchWeb web;
-  Product product({"127.0.0.1:0"}, {}, nullptr, web.config());
-  Bare bare;
   bench::print_header();
+  {
+    const BenchWeb web;
+    Product product({"127.0.0.1:0"}, {}, nullptr, web.config());
+    Bare bare;
+    bench::print(bench::compare(
+        "WebSocket write -> mailbox one way p50", "bare echo by Beast", "us",
+        [&] { return product_block(product); }, [&] { return bare_block(bare); }, 1.3, 20));
+  }
+  const std::optional<int> loop_cpu = bench::leave_a_core_to_the_loop();
   bench::print(bench::compare(
-      "WebSocket write -> mailbox one way p50", "bare echo by Beast", "us",
-      [&] { return product_block(product); }, [&] { return bare_block(bare); }, 1.3, 20));
+      "loop wake lateness p99 with 16 viewers at 60 Hz", "no viewers", "us",
+      [&] { return viewed_block(kViewers, loop_cpu); }, [&] { return viewed_block(0, loop_cpu); },
+      1.2, 24));
   return 0;
 }

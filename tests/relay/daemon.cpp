@@ -10,6 +10,7 @@
 #include <fstream>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 namespace haptic::test {
 namespace {
@@ -52,14 +53,17 @@ std::uint16_t free_port(int type) {
 }
 
 /// A late tick is no fault here, so that a busy host does not end the run; it is counted instead.
-std::string scene(std::uint16_t udp_port, const std::filesystem::path& record,
-                  const std::string& device) {
+std::string scene(std::uint16_t udp_port, std::uint16_t web_port,
+                  const std::filesystem::path& folder, const std::string& device) {
   return R"(name: "a device behind a relay"
 loop { loop_late_fault { seconds: 5 } late_bucket_full: 1000000 }
 server { udp_listen: "127.0.0.1:)" +
-         std::to_string(udp_port) + R"(" }
+         std::to_string(udp_port) + R"("
+  web { listen: "127.0.0.1:)" +
+         std::to_string(web_port) + R"(" name: "127.0.0.2" token { name: "client" file: ")" +
+         (folder / "token").string() + R"(" rights: "primary" } } }
 record { file: ")" +
-         record.string() + "\" }\ndevice {\n" + device + "}\n";
+         (folder / "record.csv").string() + "\" }\ndevice {\n" + device + "}\n";
 }
 
 std::string finger() {
@@ -79,14 +83,20 @@ std::string finger() {
 
 }  // namespace
 
-Daemon::Daemon() : Daemon(Device{finger()}) {}
+Daemon::Daemon(std::vector<std::string> arguments)
+    : Daemon(Device{finger()}, std::move(arguments)) {}
 
-Daemon::Daemon(const Device& device)
-    : tcp_port_(free_port(SOCK_STREAM)), udp_port_(free_port(SOCK_DGRAM)) {
+Daemon::Daemon(const Device& device, std::vector<std::string> arguments)
+    : tcp_port_(free_port(SOCK_STREAM)),
+      udp_port_(free_port(SOCK_DGRAM)),
+      web_port_(free_port(SOCK_STREAM)) {
   record_ = folder_.path() / "record.csv";
-  const auto file = folder_.path() / "scene.textproto";
-  std::ofstream(file) << scene(udp_port_, record_, device.text);
-  start({"--scene", file.string()});
+  const auto token = folder_.path() / "token", file = folder_.path() / "scene.textproto";
+  std::ofstream(token) << kToken;
+  std::filesystem::permissions(token, std::filesystem::perms::owner_read);
+  std::ofstream(file) << scene(udp_port_, web_port_, folder_.path(), device.text);
+  arguments.insert(arguments.begin(), {"--scene", file.string()});
+  start(std::move(arguments));
 }
 
 Daemon::Daemon(const std::string& shipped_scene)
@@ -102,6 +112,7 @@ void Daemon::start(std::vector<std::string> scene) {
   scene.insert(scene.end(), {"--listen", address(), "--log-level", "warn"});
   process_ = std::make_unique<Process>(std::string(HAPTIC_BINARY_DIR) + "/server/hapticd", scene);
   wait_for_listener(tcp_port_);
+  if (web_port_ != 0) wait_for_listener(web_port_);
 }
 
 int Daemon::stop() {

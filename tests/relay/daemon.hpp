@@ -1,6 +1,6 @@
 #pragma once
-/// The shipped hapticd as a process, with a finger at rest that a client presses. Its TCP and UDP
-/// ports are free on the relay's address too, and it records every tick.
+/// The shipped hapticd as a process, with a finger at rest that a client presses. Its ports are free
+/// on the relay's address too, and it records every tick.
 
 #include <memory>
 #include <string>
@@ -19,18 +19,22 @@ class Daemon {
   static constexpr double kTank = 0.05;          ///< J, at every Engage
   static constexpr double kDeviceDamping = 2.0;  ///< N s/m, the simulated actuator's own
 
-  /// Returns when it listens, or 10 s later.
-  Daemon();
+  static constexpr char kToken[] = "token-of-a-controller";  ///< on the web
+
+  /// Returns when it listens, or 10 s later. `arguments`: more of them.
+  explicit Daemon(std::vector<std::string> arguments = {});
   /// The same with a shipped scene, by its name.
   explicit Daemon(const std::string& shipped_scene);
   /// The same with this device, the text of a scene's `device`.
   struct Device {
     std::string text{};
   };
-  explicit Daemon(const Device& device);
+  explicit Daemon(const Device& device, std::vector<std::string> arguments = {});
 
   [[nodiscard]] std::uint16_t tcp_port() const { return tcp_port_; }
   [[nodiscard]] std::uint16_t udp_port() const { return udp_port_; }
+  /// Of WebSockets; not of a shipped scene.
+  [[nodiscard]] std::uint16_t web_port() const { return web_port_; }
   [[nodiscard]] std::string address() const { return "127.0.0.1:" + std::to_string(tcp_port_); }
   [[nodiscard]] std::string behind_relay() const {
     return "127.0.0.2:" + std::to_string(tcp_port_);
@@ -44,7 +48,7 @@ class Daemon {
 
   ScratchFolder folder_{};
   std::filesystem::path record_{};
-  std::uint16_t tcp_port_{0}, udp_port_{0};
+  std::uint16_t tcp_port_{0}, udp_port_{0}, web_port_{0};
   std::unique_ptr<Process> process_{};
 };
 

@@ -1,5 +1,5 @@
 /// Every scenario of tests/relay/README.md#rows over real sockets: hapticd as a process, the client
-/// library, the relay between them, and the record of every tick.
+/// library or a client on a WebSocket, the relay between them, and the record of every tick.
 ///
 /// The scenarios of the client's clock are not here: nothing between the ends can turn a process's
 /// clock. tests/interop/clock_rows_test.py has a client that turns its own.
@@ -7,8 +7,10 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <tuple>
 
 #include "tests/relay/network_row.hpp"
+#include "tests/relay/watched_client.hpp"
 
 namespace haptic::test {
 namespace {
@@ -20,12 +22,12 @@ bool is_one_of(const std::string& name, std::initializer_list<const char*> names
 }
 
 /// Force stays on from Engage to the end on a calm host: what is lost or late is less than the
-/// ladder allows.
-bool is_never_felt(const std::string& name) {
-  return is_one_of(
-      name, {"clean", "delay_1ms", "delay_10ms", "delay_30ms", "delay_100ms", "duplicate_100",
-             "reorder_25", "jitter_1ms", "jitter_1ms_in_order", "jitter_5ms", "jitter_5ms_in_order",
-             "loss_01", "loss_05", "burst_8ms", "tcp_blocked", "udp_blocked", "narrow"});
+/// ladder allows. By TCP alone, what is lost comes 200 ms later, and so does all that follows.
+bool is_never_felt(const std::string& name, bool web) {
+  if (is_one_of(name, {"loss_01", "loss_05", "burst_8ms", "tcp_blocked"})) return !web;
+  return is_one_of(name, {"clean", "delay_1ms", "delay_10ms", "delay_30ms", "delay_100ms",
+                          "duplicate_100", "reorder_25", "jitter_1ms", "jitter_1ms_in_order",
+                          "jitter_5ms", "jitter_5ms_in_order", "udp_blocked", "narrow"});
 }
 
 /// The UDP path gives up if every third packet is lost, and a stream hardly moves, or ends because
@@ -35,17 +37,18 @@ bool may_be_refused(const std::string& name) {
 }
 
 /// Silence above 180 ms on the way to the server, which ends before the scenario does.
-bool is_lost_and_back(const std::string& name) {
+bool is_lost_and_back(const std::string& name, bool web) {
+  if (name == "tcp_blocked") return web;
   return is_one_of(name, {"partition_1s_up", "partition_10s_up", "stall_backlog"});
 }
 
-std::string expectation(const std::string& name) {
+std::string expectation(const std::string& name, bool web) {
   std::string text =
       "levels and gain by age; seq never back; force moves by at most the slew limit; no elastic "
       "force 200 ms after the last sample; energy within the tank; no fault";
-  if (is_never_felt(name)) text += "; engaged throughout (calm host)";
-  if (is_lost_and_back(name)) text += "; lost, and engaged again";
-  if (name == "udp_blocked") text += "; falls back to gRPC and returns to UDP";
+  if (is_never_felt(name, web)) text += "; engaged throughout (calm host)";
+  if (is_lost_and_back(name, web)) text += "; lost, and engaged again";
+  if (name == "udp_blocked" && !web) text += "; falls back to gRPC and returns to UDP";
   return text;
 }
 
@@ -85,27 +88,50 @@ void press_through(RowRun& run, const Scenario& scenario) {
   if (name == "udp_blocked") {
     run.must(presser.heard("SAMPLES UDP -> GRPC"), "a fallback to gRPC");
   }
-  if (is_never_felt(name)) run.must(within(60s, by_udp), "samples by UDP in the end");
+  if (is_never_felt(name, false)) run.must(within(60s, by_udp), "samples by UDP in the end");
 }
 
-class NetworkMatrix : public testing::TestWithParam<Scenario> {};
+/// The same by a WebSocket.
+void press_by_web(RowRun& run, const Scenario& scenario) {
+  RelaySetup way = relay_to(run.daemon(), scenario);
+  way.tcp_port = run.daemon().web_port();
+  const Relay relay(way);
+  const WatchedClient presser = web_presser(run.daemon());
+  std::this_thread::sleep_for(scenario.duration);
+  const auto engaged = [&] { return presser.engaged.load(); };
+  if (!may_be_refused(scenario.name)) {
+    run.must(within(60s, engaged), "engaged within a minute of the end");
+  }
+  run.must(presser.in_order(), "a sequence in use that never goes back");
+}
+
+/// By the client library, or on a WebSocket.
+class NetworkMatrix : public testing::TestWithParam<std::tuple<Scenario, bool>> {};
 
 TEST_P(NetworkMatrix, TheContractHoldsAtEveryTick) {
-  const Scenario& scenario = GetParam();
-  network_row(scenario.name, expectation(scenario.name), [&](RowRun& run) {
-    press_through(run, scenario);
+  const auto& [scenario, web] = GetParam();
+  if (web && !kHasWebPresser) GTEST_SKIP() << "the JavaScript client is not built";
+  const std::string& name = scenario.name;
+  const auto press = web ? press_by_web : press_through;
+  const bool by_web = web;
+  network_row((web ? "web_" : "") + name, expectation(name, web), [&](RowRun& run) {
+    press(run, scenario);
     const RunFigures figures = run.judge();
     run.must(run.record().size() > 1000U, "more than 1000 ticks recorded");
-    run.must(figures.engaged || may_be_refused(scenario.name), "engaged at some time");
-    run.calm(figures.losses == 0 || !is_never_felt(scenario.name), "force never lost");
-    run.must((figures.losses >= 1 && figures.engages >= 2) || !is_lost_and_back(scenario.name),
+    run.must(figures.engaged || may_be_refused(name), "engaged at some time");
+    run.calm(figures.losses == 0 || !is_never_felt(name, by_web), "force never lost");
+    run.must((figures.losses >= 1 && figures.engages >= 2) || !is_lost_and_back(name, by_web),
              "force lost, and back");
     run.got(figures.text());
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(Shipped, NetworkMatrix, testing::ValuesIn(scenarios()),
-                         [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(Shipped, NetworkMatrix,
+                         testing::Combine(testing::ValuesIn(scenarios()), testing::Bool()),
+                         [](const auto& test) {
+                           return std::get<0>(test.param).name +
+                                  (std::get<1>(test.param) ? "_web" : "");
+                         });
 
 }  // namespace
 }  // namespace haptic::test

@@ -12,6 +12,7 @@
 #include "haptic/wire/secure_channel.hpp"
 #include "tests/relay/flood.hpp"
 #include "tests/relay/network_row.hpp"
+#include "tests/relay/watched_client.hpp"
 
 namespace haptic::test {
 namespace {
@@ -207,40 +208,52 @@ TEST(NetworkRow, ACutConnectionIsResumed) {
               });
 }
 
-/// The example client as a process behind the relay, watched without the relay.
-struct Wall {
-  static constexpr double kRate = 200.0;  ///< Hz, the example's
-
-  explicit Wall(const Daemon& daemon)
-      : relay(relay_to(daemon, "delay_10ms")),
-        process(HAPTIC_BINARY_DIR "/client/haptic-example-virtual-wall",
-                {"--server", daemon.behind_relay(), "--stop", "0.3"}),
-        watching(daemon.address()),
-        watch(watching.watch("finger", 100.0, [this](const client::DeviceState& state) {
-          pressing = state.state == client::Lifecycle::kEngaged && state.gain == 1.0;
-        })) {}
-
-  bool presses(RowRun& run) const {
-    return run.must(within(60s, [&] { return pressing.load(); }), "pressed within a minute");
-  }
-
-  const Relay relay;
-  Process process;
-  client::Connection watching;
-  std::atomic<bool> pressing{false};
-  std::unique_ptr<client::Watch> watch;
+/// A client that is a process: by gRPC the example, or on a WebSocket.
+struct Kind {
+  const char* name;
+  double rate;  ///< Hz
+  WatchedClient (*start)(const Daemon& daemon);
 };
 
-TEST(NetworkRow, ClientKilled) {
-  network_row("client_killed", "contract; no force and IDLE in the end", [](RowRun& run) {
-    run.client_rate(Wall::kRate);
+WatchedClient virtual_wall(const Daemon& daemon) {
+  return {daemon,
+          HAPTIC_BINARY_DIR "/client/haptic-example-virtual-wall",
+          {"--server", daemon.behind_relay(), "--stop", "0.3"}};
+}
+
+class NetworkProcess : public testing::TestWithParam<Kind> {
+ protected:
+  void SetUp() override {
+    if (!kHasWebPresser && kind().start == web_presser) {
+      GTEST_SKIP() << "the JavaScript client is not built";
+    }
+  }
+  [[nodiscard]] static const Kind& kind() { return GetParam(); }
+  [[nodiscard]] static std::string row(const std::string& name) { return kind().name + name; }
+};
+
+bool presses(RowRun& run, const WatchedClient& client) {
+  return run.must(within(60s, [&] { return client.pressing.load(); }), "pressed within a minute");
+}
+
+/// 10 ms away, by either carrier.
+std::unique_ptr<Relay> way_of(const Kind& kind, const Daemon& daemon) {
+  RelaySetup way = relay_to(daemon, "delay_10ms");
+  if (kind.start == web_presser) way.tcp_port = daemon.web_port();
+  return std::make_unique<Relay>(way);
+}
+
+TEST_P(NetworkProcess, Killed) {
+  network_row(row("client_killed"), "contract; no force and IDLE in the end", [](RowRun& run) {
+    run.client_rate(kind().rate);
     {
-      Wall wall(run.daemon());
-      if (!wall.presses(run)) return;
-      wall.process.signal(SIGKILL);
-      wall.process.wait();
+      const auto relay = way_of(kind(), run.daemon());
+      WatchedClient client = kind().start(run.daemon());
+      if (!presses(run, client)) return;
+      client.process.signal(SIGKILL);
+      client.process.wait();
       const auto idle = [&] {
-        return wall.watching.devices().front().state == client::Lifecycle::kIdle;
+        return client.watching.devices().front().state == client::Lifecycle::kIdle;
       };
       run.must(within(60s, idle), "IDLE after its lease");
     }
@@ -251,26 +264,53 @@ TEST(NetworkRow, ClientKilled) {
 }
 
 /// The client's exit status is 0 only if SIGTERM finds it running.
-TEST(NetworkRow, ClientStoppedFor300Ms) {
-  network_row("client_stopped_300ms",
+TEST_P(NetworkProcess, StoppedFor300Ms) {
+  network_row(row("client_stopped_300ms"),
               "contract; a process stopped as a whole: lost, and engaged again; exit 0",
               [](RowRun& run) {
-                run.client_rate(Wall::kRate);
+                run.client_rate(kind().rate);
                 {
-                  Wall wall(run.daemon());
-                  if (!wall.presses(run)) return;
-                  wall.process.signal(SIGSTOP);
+                  const auto relay = way_of(kind(), run.daemon());
+                  WatchedClient client = kind().start(run.daemon());
+                  if (!presses(run, client)) return;
+                  client.process.signal(SIGSTOP);
                   std::this_thread::sleep_for(300ms);
-                  run.must(within(60s, [&] { return !wall.pressing; }), "no force meanwhile");
-                  wall.process.signal(SIGCONT);
-                  if (!wall.presses(run)) return;
-                  wall.process.signal(SIGTERM);
-                  run.must(wall.process.wait() == 0, "the client's exit status 0");
+                  run.must(within(60s, [&] { return !client.pressing; }), "no force meanwhile");
+                  client.process.signal(SIGCONT);
+                  if (!presses(run, client)) return;
+                  client.process.signal(SIGTERM);
+                  run.must(client.process.wait() == 0, "the client's exit status 0");
                 }
                 const RunFigures figures = run.judge();
                 run.must(figures.losses >= 1, "force lost");
                 run.must(figures.engages >= 2, "engaged again");
                 run.got(figures.text());
+              });
+}
+
+INSTANTIATE_TEST_SUITE_P(By, NetworkProcess,
+                         testing::Values(Kind{"", 200.0, virtual_wall},
+                                         Kind{"web_", Presser::kRate, web_presser}),
+                         [](const auto& test) { return *test.param.name ? "web" : "grpc"; });
+
+TEST(NetworkRow, ACutWebSocketIsResumed) {
+  if (!kHasWebPresser) GTEST_SKIP() << "the JavaScript client is not built";
+  network_row("web_cut_connection", "contract; force back by itself, with the next lease epoch",
+              [](RowRun& run) {
+                {
+                  const Kind kind{"", Presser::kRate, web_presser};
+                  // Begins first: it would keep the relay's sockets.
+                  const WatchedClient client = web_presser(run.daemon());
+                  auto relay = way_of(kind, run.daemon());
+                  if (!presses(run, client)) return;
+                  relay.reset();
+                  relay = way_of(kind, run.daemon());
+                  const auto resumed = [&] { return client.lease_epoch >= 2U && client.pressing; };
+                  run.must(within(60s, resumed), "force back within a minute");
+                  run.calm(client.lease_epoch == 2U, "lease epoch 2");
+                  run.must(client.in_order(), "a sequence in use that never goes back");
+                }
+                run.got(run.judge().text());
               });
 }
 

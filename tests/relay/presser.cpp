@@ -19,6 +19,14 @@ bool at_rest(const client::DeviceState& state) {
 
 }  // namespace
 
+void UsedInOrder::add(const client::DeviceState& state) {
+  if (state.lease_epoch != epoch_) newest_used_ = 0;
+  epoch_ = state.lease_epoch;
+  if (state.proxy_seq_used == 0) return;
+  if (state.proxy_seq_used < newest_used_) holds_ = false;
+  newest_used_ = state.proxy_seq_used;
+}
+
 Presser::Presser(const std::string& address, client::Carriers carriers) : connection_(address) {
   client::SessionOptions options;
   options.client_name = "presser";
@@ -27,7 +35,7 @@ Presser::Presser(const std::string& address, client::Carriers carriers) : connec
   options.reconnect = client::Reconnect::kWithBackoff;
   options.re_engage = true;
   options.timeout = 20s;  // through a link that loses every third packet
-  options.on_state = [this](const client::DeviceState& state) { on_state(state); };
+  options.on_state = [this](const client::DeviceState& state) { order_.add(state); };
   options.on_event = [this](const client::Event& event) {
     const std::lock_guard lock(mutex_);
     events_.insert(event.reason);
@@ -46,14 +54,6 @@ Presser::~Presser() {
 bool Presser::heard(const std::string& reason) const {
   const std::lock_guard lock(mutex_);
   return events_.count(reason) > 0;
-}
-
-void Presser::on_state(const client::DeviceState& state) {
-  if (state.lease_epoch != epoch_) newest_used_ = 0;
-  epoch_ = state.lease_epoch;
-  if (state.proxy_seq_used == 0) return;
-  if (state.proxy_seq_used < newest_used_) in_order_ = false;
-  newest_used_ = state.proxy_seq_used;
 }
 
 /// The proxy is free until force is granted, then moves up to 0.15 rad into the device.

@@ -14,6 +14,18 @@
 
 namespace haptic::test {
 
+/// The number of the newest sample in use never goes back within one lease.
+class UsedInOrder {
+ public:
+  void add(const client::DeviceState& state);
+  [[nodiscard]] bool holds() const { return holds_; }
+
+ private:
+  std::atomic<bool> holds_{true};
+  std::uint64_t newest_used_{0};
+  std::uint32_t epoch_{0};
+};
+
 class Presser {
  public:
   static constexpr double kRate = 100.0;      ///< Hz
@@ -27,22 +39,19 @@ class Presser {
   [[nodiscard]] client::Session& session() { return *session_; }
   [[nodiscard]] bool heard(const std::string& reason) const;
   [[nodiscard]] client::DeviceState state() const { return session_->state(); }
-  /// The number of the newest sample in use never went back within one lease.
-  [[nodiscard]] bool in_order() const { return in_order_; }
+  [[nodiscard]] bool in_order() const { return order_.holds(); }
   std::atomic<bool> publishing{true};
   /// While set, published in place of every coordinate.
   std::atomic<const double*> instead{nullptr};
 
  private:
   void run();
-  void on_state(const client::DeviceState& state);
 
   client::Connection connection_;
   mutable std::mutex mutex_;
   std::set<std::string> events_{};
-  std::atomic<bool> in_order_{true}, running_{true};
-  std::uint64_t newest_used_{0};
-  std::uint32_t epoch_{0};
+  UsedInOrder order_{};
+  std::atomic<bool> running_{true};
   std::unique_ptr<client::Session> session_{};
   std::thread thread_{};
 };

@@ -30,11 +30,12 @@ export function localError(code: Code, message: string): ClientError {
   return new ClientError(code, code.toUpperCase(), message);
 }
 
-/** Whether the user waits in vain for another answer: a wrong argument stays wrong, a server comes
- * back. */
+/** Whether another answer may come to those who ask again: a wrong argument stays wrong, a server
+ * comes back. Of what this client sends, PROTOCOL refuses only an OpenSession that came too late. */
 export function mayPass(error: ClientError): boolean {
-  return ["unavailable", "deadline_exceeded", "already_exists", "failed_precondition",
-    "resource_exhausted", "aborted", "canceled", "ok"].includes(error.code);
+  return error.reason === "PROTOCOL" ||
+    ["unavailable", "deadline_exceeded", "already_exists", "failed_precondition",
+      "resource_exhausted", "aborted", "canceled", "ok"].includes(error.code);
 }
 
 /** Why the session ended, from the close frame of its WebSocket. */

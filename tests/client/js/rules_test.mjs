@@ -86,6 +86,7 @@ test("attempts follow each other slower", () => {
   const lost = closeError(1006, "");
   const delays = [1, 2, 3, 4, 5].map(() => reconnection.ended(lost));
   assert.deepEqual(delays, [0, 100, 200, 400, 500]);
+  assert.equal(reconnection.ended(closeError(4003, "PROTOCOL: OpenSession did not come")), 500);
   assert.equal(reconnection.ended(closeError(4003, "INVALID_ARGUMENT: x")), undefined);
   assert.equal(reconnection.over, true);
   assert.equal(new Reconnection(false).ended(lost), undefined);

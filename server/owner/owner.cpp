@@ -76,11 +76,14 @@ Owner::Owner(Telemetry& telemetry, unsigned max_sessions)
 
 Owner::~Owner() = default;
 
-void Owner::add(DeviceUnit& unit, const SessionRules& rules) {
-  facts_.push_back({unit.name(),
-                    std::make_shared<const v1::Device>(
-                        describe(unit.name(), unit.device().info(), unit.config())),
-                    &unit.config(), rules.lease_timeout, rules.coupling_softness});
+void Owner::add(DeviceUnit& unit, const SessionRules& rules,
+                std::shared_ptr<const v1::Device> description) {
+  if (!description) {
+    description = std::make_shared<const v1::Device>(
+        describe(unit.name(), unit.device().info(), unit.config()));
+  }
+  facts_.push_back({unit.name(), std::move(description), &unit.config(), rules.lease_timeout,
+                    rules.coupling_softness});
   devices_.push_back(std::make_unique<Device>(*this, devices_.size(), unit, rules));
 }
 

@@ -24,8 +24,9 @@ class Owner final : public OwnerPort {
   Owner& operator=(const Owner&) = delete;
 
   /// The next device, which is that unit of the telemetry. Before any other call; `unit` must
-  /// outlive this.
-  void add(DeviceUnit& unit, const SessionRules& rules);
+  /// outlive this. `description`: describe() of it, if the caller has that already.
+  void add(DeviceUnit& unit, const SessionRules& rules,
+           std::shared_ptr<const v1::Device> description = nullptr);
   /// SIGTERM: DeviceSessions::begin_closing() of every device.
   void begin_closing();
   /// The loop has ended, and the telemetry has drained: DeviceSessions::loop_ended() of every

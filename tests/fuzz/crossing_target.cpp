@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "server/base/steady_now.hpp"
-#include "server/crossing/link_messages.hpp"
 #include "tests/fuzz/crossing_world.hpp"
 #include "tests/fuzz/targets.hpp"
 
@@ -14,26 +13,16 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// An input is a row of steps, each: one byte what, then its operands. A patch is a count (modulo
-/// 4) and as many places (2 bytes), sizes (1 byte) and bytes that are written over a value.
-enum FrontStep : std::uint8_t {
-  kSample,   ///< an honest sample of the proxy, patched, put into its inbox
-  kPose,     ///< an honest pose, patched
-  kRequest,  ///< kind, whose (an index), device; the message is patched and sent
-  kPoke,     ///< where (the heads, stops, anywhere), size, bytes: into the pages
-  kJunk,     ///< size (2 bytes), bytes: a message
-  kTurn,     ///< microseconds (3 bytes), whether messages wait: the owner reads
-  kTick,     ///< how many ticks, state, what the loop answers
-  kSteps
-};
-
-template <typename T>
-void patch(T& value, FuzzReader& reader) {
-  for (int n = reader.byte() % 4; n > 0; --n) {
+/// Calls `patched` with what it has written over, if that is wanted.
+template <typename T, typename Patched = void (*)(std::size_t, std::size_t)>
+void patch(
+    T& value, FuzzReader& reader, const Patched& patched = [](std::size_t, std::size_t) {}) {
+  for (int n = reader.byte() % 8; n > 0; --n) {
     const std::size_t at = reader.number(2) % sizeof(T);
     const FuzzInput bytes = reader.take(reader.byte());
-    std::memcpy(reinterpret_cast<std::uint8_t*>(&value) + at, bytes.data(),
-                std::min(bytes.size(), sizeof(T) - at));
+    const std::size_t size = std::min(bytes.size(), sizeof(T) - at);
+    std::memcpy(reinterpret_cast<std::uint8_t*>(&value) + at, bytes.data(), size);
+    patched(at, size);
   }
 }
 
@@ -60,8 +49,9 @@ class Crossing {
   void step(FuzzReader& reader) {
     switch (static_cast<FrontStep>(reader.byte() % kSteps)) {
       case kSample: {
-        ProxySample sample = honest_sample();
-        patch(sample, reader);
+        ProxySample& sample = honest_sample();
+        patch(sample, reader,
+              [this](std::size_t at, std::size_t size) { world_.patched.emplace_back(at, size); });
         return push(pages_.proxies, sample);
       }
       case kPose: {
@@ -76,16 +66,19 @@ class Crossing {
       case kRequest: {
         const auto kind = static_cast<Request::Kind>(reader.byte());
         FrontMessage message = asks(kind, whose(reader.byte()));
-        message.request.device = reader.byte() / 128U;
+        const std::uint8_t what = reader.byte();
+        message.request.device = what / 128U;
+        if (what % 2 != 0) message.request.lease.resume = whose(what / 2);
         patch(message, reader);
-        send(world_.front.its_link.get(), message);
+        sent_ += send(world_.front.its_link.get(), message) ? 1 : 0;
         return;
       }
       case kPoke:
         return poke(reader);
       case kJunk: {
         const FuzzInput bytes = reader.take(reader.number(2) % 4096);
-        if (!bytes.empty()) send_bytes(world_.front.its_link.get(), std::as_bytes(bytes), {});
+        if (bytes.empty()) return;
+        sent_ += send_bytes(world_.front.its_link.get(), std::as_bytes(bytes), {}) ? 1 : 0;
         return;
       }
       case kTurn:
@@ -100,12 +93,17 @@ class Crossing {
     }
   }
 
-  ProxySample honest_sample() {
-    return {.epoch = epoch_,
-            .seq = ++seq_,
-            .arrival = now_,
-            .mode = core::ProxyMode::kHeld,
-            .position = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}};
+  ProxySample& honest_sample() {
+    ProxySample& sample = world_.sample;
+    for (const auto& [at, size] : world_.patched) {
+      std::memcpy(reinterpret_cast<std::uint8_t*>(&sample) + at,
+                  reinterpret_cast<const std::uint8_t*>(&kHonest) + at, size);
+    }
+    world_.patched.clear();
+    sample.epoch = epoch_;
+    sample.seq = ++seq_;
+    sample.arrival = now_;
+    return sample;
   }
   [[nodiscard]] SessionId whose(std::uint8_t index) const {
     return ids_.empty() ? SessionId{} : ids_[index % ids_.size()];
@@ -144,10 +142,10 @@ class Crossing {
   /// As FrontLink::turn(). True: the owner says that there may be more.
   bool turn(bool queued) {
     const bool more = intake_.take();
-    FrontMessage message;
-    for (;;) {
+    FrontMessage& message = world_.message;
+    for (; sent_ > 0; --sent_) {
       const Received got = receive(world_.front.link.get(), message);
-      if (got == Received::kNothing) break;
+      if (got == Received::kNothing) fail("a message is lost");
       if (message.text.view().size() > 512) finding_ = "a text is too long";
       if (got != Received::kMessage || message.kind != FrontMessage::Kind::kRequest) continue;
       requests_.post(world_.front, message.request, now_);
@@ -223,6 +221,7 @@ class Crossing {
   }
   void ask(const FrontMessage& message) {
     if (!send(world_.front.its_link.get(), message)) fail("an honest message is not sent");
+    ++sent_;
     turn(false);
   }
   void fail(const char* what) {
@@ -346,53 +345,10 @@ class Crossing {
   bool began_{false};  ///< a command was posted
   std::vector<SessionId> ids_{};
   std::uint64_t id_{100}, seq_{0}, newest_seq_{0};
+  int sent_{0};  ///< messages that the owner has not received
   std::uint32_t epoch_{0}, tenure_{0};
   std::string finding_{};
 };
-
-std::vector<FuzzBytes> seeds() {
-  using Kind = Request::Kind;
-  const auto ask = [](FuzzBytes& input, Kind kind, std::uint8_t whose = 0) {
-    input.insert(input.end(), {kRequest, static_cast<std::uint8_t>(kind), whose, 0, 0});
-  };
-  const FuzzBytes turn{kTurn, 0, 39, 16, 0}, tick{kTick, 0, 2, 1};
-  const auto append = [](FuzzBytes& input, const FuzzBytes& more) {
-    input.insert(input.end(), more.begin(), more.end());
-  };
-  FuzzBytes controls, tracks, lies;
-  for (FuzzBytes* input : {&controls, &tracks, &lies}) {
-    ask(*input, Kind::kAdmitSession);
-    append(*input, turn);
-  }
-  ask(controls, Kind::kOpen);
-  append(controls, turn);
-  append(controls, tick);
-  for (int i = 0; i < 3; ++i) {
-    append(controls, {kSample, 0});
-    append(controls, turn);
-  }
-  FuzzBytes asks_all = controls, comes_back = controls;
-  for (const Kind kind : {Kind::kEngage, Kind::kSettings, Kind::kStop, Kind::kClear, Kind::kRelease,
-                          Kind::kCancel, Kind::kLose, Kind::kClose}) {
-    ask(asks_all, kind);
-    append(asks_all, turn);
-    append(asks_all, {kTick, 0, 2, 5});
-  }
-  for (int i = 0; i < 3; ++i) {
-    ask(comes_back, i == 1 ? Kind::kAdmitObserver : Kind::kAdmitSession);
-    append(comes_back, turn);
-  }
-  ask(tracks, Kind::kTrack);
-  append(tracks, turn);
-  append(tracks, {kPose, 0, 0});
-  append(tracks, turn);
-  // Heads far away, a stop ahead of the queue, a message of another size.
-  append(lies, {kPoke, 0, 0, 0, 0, 8, 255, 255, 255, 255, 255, 255, 255, 255});
-  append(lies, {kSample, 0, kPoke, 1, 0, 0, 0, 8, 3, 0, 0, 0, 0, 0, 0, 128});
-  append(lies, {kPoke, 2, 0, 0, 0, 1, 1, kTurn, 0, 0, 0, 1, kJunk, 0, 5, 1, 2, 3, 4, 5});
-  append(lies, turn);
-  return {controls, asks_all, comes_back, tracks, lies};
-}
 
 }  // namespace
 }  // namespace crossing

@@ -8,11 +8,14 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "haptic/core/model/linear.hpp"
+#include "server/crossing/link_messages.hpp"
 #include "server/owner/front_requests.hpp"
 #include "server/owner/sample_intake.hpp"
+#include "tests/fuzz/targets.hpp"
 
 namespace haptic::test::crossing {
 
@@ -51,6 +54,26 @@ class NoDevice final : public hw::Device {
   hw::DeviceInfo info_{};
 };
 
+/// An input is a row of steps, each: one byte what, then its operands. A patch is a count (modulo
+/// 8) and as many places (2 bytes), sizes (1 byte) and bytes that are written over a value.
+enum FrontStep : std::uint8_t {
+  kSample,   ///< an honest sample of the proxy, patched, put into its inbox
+  kPose,     ///< an honest pose, patched
+  kRequest,  ///< kind, whose (an index), device or what to resume; the message is patched and sent
+  kPoke,     ///< where (the heads, stops, anywhere), size, bytes: into the pages
+  kJunk,     ///< size (2 bytes), bytes: a message
+  kTurn,     ///< microseconds (3 bytes), whether messages wait: the owner reads
+  kTick,     ///< how many ticks, state, what the loop answers
+  kSteps
+};
+
+/// Inputs that go deep (crossing_seeds.cpp).
+[[nodiscard]] std::vector<FuzzBytes> seeds();
+
+/// As an honest client sends it, but for the times and numbers.
+inline const ProxySample kHonest{.mode = core::ProxyMode::kHeld,
+                                 .position = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}};
+
 /// What is too slow to be made for every input, and the same at the beginning of each.
 struct World {
   World() {
@@ -61,9 +84,10 @@ struct World {
   }
 
   void begin() {
-    owner.reset();
+    std::shared_ptr<const v1::Device> description;
+    if (owner) description = owner->devices().front().description;
     owner.emplace(telemetry, kPlaces);
-    owner->add(unit, {});
+    owner->add(unit, {}, description);
     if (publisher) {
       owner->connect(publisher);
       publisher->forget_answers();
@@ -83,6 +107,9 @@ struct World {
   SharedMemory read_pages{};
   FrontProcess front{1, core::TimePoint{}};
   std::vector<std::span<std::uint8_t>> written{};  ///< of the front's pages
+  ProxySample sample{kHonest};
+  std::vector<std::pair<std::size_t, std::size_t>> patched{};  ///< places and sizes in the sample
+  FrontMessage message{};
 };
 
 }  // namespace haptic::test::crossing

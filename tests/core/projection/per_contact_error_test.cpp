@@ -28,7 +28,7 @@ double drawn(Random& random, double lowest, double highest) {
 
 VecX direction(Random& random, Eigen::Index n) {
   std::normal_distribution<double> normal;
-  VecX v(n);
+  VecX v = VecX::Zero(n);
   for (Eigen::Index i = 0; i < n; ++i) v[i] = normal(random);
   return v.normalized();
 }

@@ -169,12 +169,13 @@ bool SessionStream::offer(const StateRecord& state, StateFrame& frame, bool stat
 }
 
 void SessionStream::lease_over() {
+  const auto self = std::static_pointer_cast<SessionStream>(shared_from_this());
+  std::shared_ptr<OpenStream> oldest;
   {
     const std::lock_guard lock(mutex_);
-    if (ended_) return;
+    if (ended_) return;  // it may be done(), and would not leave any more
+    oldest = context_.former.enter(self, context_.config.clock({}));
   }
-  const auto self = std::static_pointer_cast<SessionStream>(shared_from_this());
-  const auto oldest = context_.former.enter(self, context_.config.clock({}));
   if (!oldest) return;
   oldest->end_with({Refusal::Code::kExhausted,
                     "TOO_MANY_SESSIONS",

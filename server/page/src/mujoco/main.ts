@@ -1,6 +1,9 @@
 // The page mujoco.html: a scene of MuJoCo's, felt with the device of this hapticd.
 
+import { Connection } from "hapticd";
 import { at, say } from "../dom";
+import { Stop } from "../panels/stop";
+import { stateWords } from "../words/state";
 import type { Motor, Order, Report } from "./messages";
 import { Stage } from "./stage";
 
@@ -22,9 +25,14 @@ function running(on: boolean): void {
 }
 
 function frame(report: Extract<Report, { kind: "frame" }>): void {
-  stage?.place(report.places, report.probe, report.points);
-  say(at("state"), report.state + (report.following ? "" : ", the tool is on its way"));
-  say(at("contacts"), String(report.contacts));
+  stage?.place(report);
+  const { name, title } = stateWords(report.state);
+  at("state").dataset.state = name;
+  say(at("state"), `${title}.`);
+  const touches = report.presses.length > 0 ? "You touch something." : "You touch nothing.";
+  say(at("touch"), report.following ? touches : "The finger or hand is on its way to the device.");
+  say(at("pushed"), (stage?.pushed() ?? [])
+    .map(({ name, mm }) => `You moved the ${name} by ${mm} mm.`).join(" "));
   say(at("forces"), report.forces
     .map((force, i) => `${motors[i]?.name ?? i} ${force.toFixed(2)} ${motors[i]?.unit ?? ""}`)
     .join(", "));
@@ -44,6 +52,8 @@ function hear(report: Report): void {
   running(true);
 }
 
+const stopper = new Connection(undefined, { timeoutMs: 1000 });
+new Stop(() => ({ stop: () => stopper.emergencyStop("", "stop on the MuJoCo page") }));
 at("start").addEventListener("click", () => {
   worker?.terminate();
   running(false);

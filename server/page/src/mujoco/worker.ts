@@ -1,6 +1,6 @@
 // The engine and its session with hapticd, away from what paints: a slow picture delays no sample.
 
-import { ClientError, Connection, DeviceStateName, Proxy, type Session } from "hapticd";
+import { ClientError, Connection, Proxy, type Session } from "hapticd";
 import type { Order, Report, Timing } from "./messages";
 import { World } from "./world";
 
@@ -48,13 +48,12 @@ async function run(session: Session, world: World): Promise<void> {
     session.publish(world.step(state.xProbe, 1000 / RATE_HZ, session.roundTripMs));
     frames.add(performance.now() - begin);
     const places = world.places(), probe = world.placesOfProbe(state.xProbe);
-    const points = world.pointsOfProbe(state.xProbe);
+    const points = world.pointsOfProbe(state.xProbe), presses = world.presses();
     if (timing.frames === 0 || ++since % 30 === 0) timing = frames.timing;
     say({
-      kind: "frame", places, probe, points, timing,
-      state: DeviceStateName[state.state] ?? "", forces: state.tauA,
-      contacts: world.contacts(), following: world.tool.following,
-    }, [places.buffer, probe.buffer, points.buffer]);
+      kind: "frame", places, probe, points, presses, timing, state: state.state,
+      forces: state.tauA, following: world.tool.following,
+    }, [places.buffer, probe.buffer, points.buffer, presses.buffer]);
   }
 }
 

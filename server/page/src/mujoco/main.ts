@@ -12,6 +12,7 @@ const EXPLAINED: Record<string, string> = {
     "(page: http://…?token=…), then come back here.",
   RIGHTS: "Your key may only look. To feel a scene it must allow control: start hapticd with " +
     '--set \'server.web.printed="control"\' and open the address that it prints.',
+  LEASE_HELD: "Another program controls the device. End it, then press Start again.",
 };
 
 let stage: Stage | undefined;

@@ -2,18 +2,20 @@
 // device is.
 
 import {
-  AmbientLight, ArrowHelper, Box3, BoxGeometry, type BufferGeometry, CapsuleGeometry, Color,
+  AmbientLight, Box3, BoxGeometry, type BufferGeometry, CapsuleGeometry, Color,
   CylinderGeometry, DirectionalLight, EdgesGeometry, Group, LineBasicMaterial, LineSegments, Mesh,
   MeshLambertMaterial, PerspectiveCamera, PlaneGeometry, Scene, SphereGeometry, Vector3,
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { StraightArrow } from "../picture/arrows";
 import type { Geom, Report } from "./messages";
 
 const PLACE = 12; // numbers of a geom: position, rotation matrix
 const PLANE = 0.5; // m, how much of an endless one is drawn
-const PER_NEWTON = 0.01; // m, of an arrow
-const SHORTEST = 0.008, LONGEST = 0.05; // m, of an arrow
+const PER_NEWTON = 0.02, SHORTEST = 0.012, LONGEST = 0.06; // m, of an arrow
+const REACH = 0.1; // m, for which arrows are thick enough
+const Y = new Vector3(0, 1, 0);
 const HELD = 0.0005; // m: a device that is nearer to the tool than this is not drawn
 const MOVED = 0.001; // m: a thing that moved less stands still
 
@@ -52,11 +54,16 @@ export class Stage {
   private meshes: Mesh[] = [];
   private ghosts: (Mesh | null)[] = [];
   private points: Mesh[] = [];
-  private arrows: ArrowHelper[] = [];
+  private arrows: StraightArrow[] = [];
   /** Of things that can be pushed away: as they stood first. */
   private outlines: { name: string; i: number; line: LineSegments; from?: Vector3 }[] = [];
   private readonly ghost = new MeshLambertMaterial(
-    { color: colour("--body-ghost"), transparent: true, opacity: 0.45, depthWrite: false });
+    { color: colour("--body-ghost"), transparent: true, opacity: 0.45, depthWrite: false,
+      // Behind the tool where both are at one place.
+      polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2 });
+  /** Of arrows: in sight, whatever is in front. */
+  private readonly ink = new MeshLambertMaterial(
+    { color: colour("--body-force"), depthTest: false, transparent: true });
   private fresh = false;
   private fitted = false;
 
@@ -71,8 +78,8 @@ export class Stage {
     };
     dark.addEventListener("change", themed);
     themed();
-    this.scene.add(new AmbientLight(0xffffff, 1), this.world);
-    const light = new DirectionalLight(0xffffff, 1.6);
+    this.scene.add(new AmbientLight(0xffffff, 1.2), this.world);
+    const light = new DirectionalLight(0xffffff, 1.8);
     light.position.set(0.3, 0.6, 1);
     this.camera.add(light);
     this.scene.add(this.camera);
@@ -153,22 +160,14 @@ export class Stage {
 
   private press(presses: Float32Array): void {
     for (let i = 0; i < Math.max(presses.length / 6, this.arrows.length); ++i) {
-      if (!this.arrows[i]) {
-        this.arrows[i] = new ArrowHelper(undefined, undefined, 1, colour("--body-force"));
-        this.world.add(this.arrows[i]!);
-      }
-      const arrow = this.arrows[i]!, force = new Vector3().fromArray(presses, 6 * i + 3);
-      arrow.visible = 6 * i < presses.length && force.length() > 0;
-      if (!arrow.visible) continue;
-      const length = Math.min(Math.max(PER_NEWTON * force.length(), SHORTEST), LONGEST);
-      arrow.position.fromArray(presses, 6 * i);
-      arrow.setDirection(force.normalize());
-      arrow.setLength(length, Math.min(0.4 * length, 0.008), 0.006);
-      for (const part of [arrow.line, arrow.cone]) {
-        part.renderOrder = 1; // in sight, whatever is in front
-        (Array.isArray(part.material) ? part.material : [part.material])
-          .forEach((material) => (material.depthTest = false));
-      }
+      const arrow = this.arrows[i] ??= new StraightArrow(REACH, this.ink), { group } = arrow;
+      if (!group.parent) this.world.add(group);
+      const force = new Vector3().fromArray(presses, 6 * i + 3);
+      group.visible = 6 * i < presses.length;
+      if (!group.visible) continue;
+      group.position.fromArray(presses, 6 * i);
+      arrow.resize(Math.min(Math.max(PER_NEWTON * force.length(), SHORTEST), LONGEST));
+      group.quaternion.setFromUnitVectors(Y, force.normalize());
     }
   }
 

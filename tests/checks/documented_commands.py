@@ -50,6 +50,10 @@ ELSEWHERE = {
         "tests/client/js/example_test.mjs",
         "examples/virtual_wall.mjs",
     ),
+    "build/release/server/hapticd --scene finger_soft_grasp --set 'server.web.printed=\"control\"'": (
+        "tests/page/mujoco_test.mjs",
+        'startHapticd(t, "control", scene)',
+    ),
     "docker/install-deps.sh": ("tests/run.sh", "docker/install-deps.sh"),
     "docker/test.sh": ("tests/package/CMakeLists.txt", "docker/test.sh"),
     "cmake --preset release": ("tests/run.sh", "cmake --preset"),

@@ -22,7 +22,8 @@ export interface ConstraintRows {
 /** `contacts`: of the same step. */
 export function rowsOf(engine: Engine, contacts: EngineContact[]): ConstraintRows {
   const { data, model, mj, mj: { mjtConstraint: kinds } } = engine, n = data.nefc, nv = model.nv;
-  const edge = kinds.mjCNSTR_CONTACT_PYRAMIDAL.value, ellipse = kinds.mjCNSTR_CONTACT_ELLIPTIC.value;
+  const edge = kinds.mjCNSTR_CONTACT_PYRAMIDAL.value;
+  const ellipse = kinds.mjCNSTR_CONTACT_ELLIPTIC.value;
   const contact = new Set<number>([kinds.mjCNSTR_CONTACT_FRICTIONLESS.value, edge, ellipse]);
   const friction = new Set<number>([kinds.mjCNSTR_FRICTION_DOF.value,
                                     kinds.mjCNSTR_FRICTION_TENDON.value]);

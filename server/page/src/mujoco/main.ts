@@ -1,6 +1,9 @@
 // The page mujoco.html: a scene of MuJoCo's, felt with the device of this hapticd.
 
+import { Connection } from "hapticd";
 import { at, say } from "../dom";
+import { Stop } from "../panels/stop";
+import { stateWords } from "../words/state";
 import type { Motor, Order, Report } from "./messages";
 import { Stage } from "./stage";
 
@@ -9,6 +12,7 @@ const EXPLAINED: Record<string, string> = {
     "(page: http://…?token=…), then come back here.",
   RIGHTS: "Your key may only look. To feel a scene it must allow control: start hapticd with " +
     '--set \'server.web.printed="control"\' and open the address that it prints.',
+  LEASE_HELD: "Another program controls the device. End it, then press Start again.",
 };
 
 let stage: Stage | undefined;
@@ -22,9 +26,14 @@ function running(on: boolean): void {
 }
 
 function frame(report: Extract<Report, { kind: "frame" }>): void {
-  stage?.place(report.places, report.probe, report.points);
-  say(at("state"), report.state + (report.following ? "" : ", the tool is on its way"));
-  say(at("contacts"), String(report.contacts));
+  stage?.place(report);
+  const { name, title } = stateWords(report.state);
+  at("state").dataset.state = name;
+  say(at("state"), `${title}.`);
+  const touches = report.presses.length > 0 ? "You touch something." : "You touch nothing.";
+  say(at("touch"), report.following ? touches : "The finger or hand is on its way to the device.");
+  say(at("pushed"), (stage?.pushed() ?? [])
+    .map(({ name, mm }) => `You moved the ${name} by ${mm} mm.`).join(" "));
   say(at("forces"), report.forces
     .map((force, i) => `${motors[i]?.name ?? i} ${force.toFixed(2)} ${motors[i]?.unit ?? ""}`)
     .join(", "));
@@ -44,6 +53,8 @@ function hear(report: Report): void {
   running(true);
 }
 
+const stopper = new Connection(undefined, { timeoutMs: 1000 });
+new Stop(() => ({ stop: () => stopper.emergencyStop("", "stop on the MuJoCo page") }));
 at("start").addEventListener("click", () => {
   worker?.terminate();
   running(false);

@@ -1,5 +1,7 @@
 // What the page and its worker say to each other.
 
+import type { DeviceStateName } from "hapticd";
+
 /** Of the page. */
 export type Order =
   | { kind: "start"; scene: string; token?: string }
@@ -12,6 +14,8 @@ export interface Geom {
   rgba: [number, number, number, number];
   /** Part of what the device moves. */
   tool: boolean;
+  /** Of its body, if nothing holds that; empty: it cannot be pushed away. */
+  free: string;
 }
 
 export interface Motor {
@@ -37,9 +41,10 @@ export type Report =
       probe: Float32Array;
       /** Where the device is, as points in the world, 3 numbers each. */
       points: Float32Array;
-      state: string;
+      /** Per contact that presses: where, and the force on the tool, N: 6 numbers. */
+      presses: Float32Array;
+      state: DeviceStateName;
       forces: number[];
-      contacts: number;
       following: boolean;
       timing: Timing;
     }

@@ -2,16 +2,26 @@
 // device is.
 
 import {
-  AmbientLight, Box3, BoxGeometry, CapsuleGeometry, Color, CylinderGeometry, DirectionalLight,
-  Group, type BufferGeometry, Mesh, MeshLambertMaterial, PerspectiveCamera, PlaneGeometry, Scene,
-  SphereGeometry, Vector3, WebGLRenderer,
+  AmbientLight, Box3, BoxGeometry, type BufferGeometry, CapsuleGeometry, Color,
+  CylinderGeometry, DirectionalLight, EdgesGeometry, Group, LineBasicMaterial, LineSegments, Mesh,
+  MeshLambertMaterial, PerspectiveCamera, PlaneGeometry, Scene, SphereGeometry, Vector3,
+  WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import type { Geom } from "./messages";
+import { StraightArrow } from "../picture/arrows";
+import type { Geom, Report } from "./messages";
 
 const PLACE = 12; // numbers of a geom: position, rotation matrix
 const PLANE = 0.5; // m, how much of an endless one is drawn
-const BLUE = 0x4070e0;
+const PER_NEWTON = 0.02, SHORTEST = 0.012, LONGEST = 0.06; // m, of an arrow
+const REACH = 0.1; // m, for which arrows are thick enough
+const Y = new Vector3(0, 1, 0);
+const HELD = 0.0005; // m: a device that is nearer to the tool than this is not drawn
+const MOVED = 0.001; // m: a thing that moved less stands still
+
+/** Of the page's theme. */
+const colour = (name: string): Color =>
+  new Color(getComputedStyle(document.documentElement).getPropertyValue(name).trim());
 
 function shapeOf({ type, size: [x, y, z] }: Geom): BufferGeometry {
   switch (type) {
@@ -26,7 +36,7 @@ function shapeOf({ type, size: [x, y, z] }: Geom): BufferGeometry {
   }
 }
 
-function put(mesh: Mesh, places: Float32Array, i: number): void {
+function put(mesh: Mesh | LineSegments, places: Float32Array, i: number): void {
   const [x, y, z, a, b, c, d, e, f, g, h, k] = places.subarray(PLACE * i, PLACE * (i + 1)) as
     unknown as number[] & { length: 12 };
   mesh.matrix.set(a!, b!, c!, x!, d!, e!, f!, y!, g!, h!, k!, z!, 0, 0, 0, 1);
@@ -44,8 +54,16 @@ export class Stage {
   private meshes: Mesh[] = [];
   private ghosts: (Mesh | null)[] = [];
   private points: Mesh[] = [];
+  private arrows: StraightArrow[] = [];
+  /** Of things that can be pushed away: as they stood first. */
+  private outlines: { name: string; i: number; line: LineSegments; from?: Vector3 }[] = [];
   private readonly ghost = new MeshLambertMaterial(
-    { color: BLUE, transparent: true, opacity: 0.4, depthWrite: false });
+    { color: colour("--body-ghost"), transparent: true, opacity: 0.45, depthWrite: false,
+      // Behind the tool where both are at one place.
+      polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2 });
+  /** Of arrows: in sight, whatever is in front. */
+  private readonly ink = new MeshLambertMaterial(
+    { color: colour("--body-force"), depthTest: false, transparent: true });
   private fresh = false;
   private fitted = false;
 
@@ -53,9 +71,15 @@ export class Stage {
     this.renderer = new WebGLRenderer({ canvas, antialias: true });
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => (this.fresh = true));
-    this.scene.background = new Color(0xdfe7ee);
-    this.scene.add(new AmbientLight(0xffffff, 1.6), this.world);
-    const light = new DirectionalLight(0xffffff, 2);
+    const dark = matchMedia("(prefers-color-scheme: dark)");
+    const themed = (): void => {
+      this.scene.background = colour("--back");
+      this.fresh = true;
+    };
+    dark.addEventListener("change", themed);
+    themed();
+    this.scene.add(new AmbientLight(0xffffff, 1.2), this.world);
+    const light = new DirectionalLight(0xffffff, 1.8);
     light.position.set(0.3, 0.6, 1);
     this.camera.add(light);
     this.scene.add(this.camera);
@@ -76,6 +100,8 @@ export class Stage {
     this.camera.up.set(...up);
     this.fitted = false;
     this.points = [];
+    this.arrows = [];
+    this.outlines = [];
     const add = (geom: Geom, material: MeshLambertMaterial): Mesh => {
       const mesh = new Mesh(shapeOf(geom), material);
       mesh.matrixAutoUpdate = false;
@@ -87,15 +113,31 @@ export class Stage {
       transparent: geom.rgba[3] < 1, opacity: geom.rgba[3],
     })));
     this.ghosts = geoms.map((geom) => (geom.tool ? add(geom, this.ghost) : null));
+    const ink = new LineBasicMaterial({ color: colour("--soft") });
+    geoms.forEach((geom, i) => {
+      if (!geom.free) return;
+      const line = new LineSegments(new EdgesGeometry(shapeOf(geom), 30), ink);
+      line.matrixAutoUpdate = false;
+      this.world.add(line);
+      this.outlines.push({ name: geom.free, i, line });
+    });
   }
 
-  place(places: Float32Array, probe: Float32Array, points: Float32Array): void {
+  place({ places, probe, points, presses }: Extract<Report, { kind: "frame" }>): void {
     this.meshes.forEach((mesh, i) => put(mesh, places, i));
+    for (const outline of this.outlines) {
+      if (outline.from) continue;
+      put(outline.line, places, outline.i);
+      outline.from = new Vector3().setFromMatrixPosition(outline.line.matrix);
+    }
+    const held = probe.length > 0 && this.ghosts.some((ghost, i) => ghost && [0, 1, 2].some(
+      (k) => Math.abs(probe[PLACE * i + k]! - places[PLACE * i + k]!) > HELD));
     this.ghosts.forEach((mesh, i) => {
       if (!mesh) return;
-      mesh.visible = probe.length > 0;
-      if (mesh.visible) put(mesh, probe, i);
+      mesh.visible = held;
+      if (held) put(mesh, probe, i);
     });
+    this.press(presses);
     for (let i = 0; 3 * i < points.length; ++i) {
       const point = this.points[i] ??= new Mesh(new SphereGeometry(0.004, 12, 8), this.ghost);
       if (!point.parent) this.world.add(point);
@@ -103,6 +145,30 @@ export class Stage {
     }
     if (!this.fitted) this.fit();
     this.fresh = true;
+  }
+
+  /** Things that are not where they stood first. */
+  pushed(): { name: string; mm: number }[] {
+    const most = new Map<string, number>();
+    for (const { name, i, from } of this.outlines) {
+      const at = new Vector3().setFromMatrixPosition(this.meshes[i]!.matrix);
+      most.set(name, Math.max(most.get(name) ?? 0, from ? at.distanceTo(from) : 0));
+    }
+    return [...most].filter(([, way]) => way > MOVED)
+      .map(([name, way]) => ({ name, mm: Math.round(1000 * way) }));
+  }
+
+  private press(presses: Float32Array): void {
+    for (let i = 0; i < Math.max(presses.length / 6, this.arrows.length); ++i) {
+      const arrow = this.arrows[i] ??= new StraightArrow(REACH, this.ink), { group } = arrow;
+      if (!group.parent) this.world.add(group);
+      const force = new Vector3().fromArray(presses, 6 * i + 3);
+      group.visible = 6 * i < presses.length;
+      if (!group.visible) continue;
+      group.position.fromArray(presses, 6 * i);
+      arrow.resize(Math.min(Math.max(PER_NEWTON * force.length(), SHORTEST), LONGEST));
+      group.quaternion.setFromUnitVectors(Y, force.normalize());
+    }
   }
 
   /** Looks at all but planes, a little from above. */

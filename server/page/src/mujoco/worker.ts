@@ -1,10 +1,11 @@
 // The engine and its session with hapticd, away from what paints: a slow picture delays no sample.
 
-import { ClientError, Connection, DeviceStateName, Proxy, type Session } from "hapticd";
+import { ClientError, Connection, Proxy, type Session } from "hapticd";
 import type { Order, Report, Timing } from "./messages";
 import { World } from "./world";
 
 const RATE_HZ = 60;
+const LONGEST_MS = 50; // of simulated time at once
 const REMEMBERED = 600; // frames
 
 const say = (report: Report, moved: Transferable[] = []): void =>
@@ -36,7 +37,7 @@ let resets = false;
 /** Until the session ends for good. */
 async function run(session: Session, world: World): Promise<void> {
   const frames = new Frames();
-  let timing = frames.timing, since = 0;
+  let timing = frames.timing, since = 0, last = 0n;
   for (;;) {
     const state = await session.waitForState();
     if (resets) {
@@ -45,16 +46,18 @@ async function run(session: Session, world: World): Promise<void> {
       world.reset();
     }
     const begin = performance.now();
-    session.publish(world.step(state.xProbe, 1000 / RATE_HZ, session.roundTripMs));
+    // Of states that come too fast for this computer the newest alone is seen.
+    const passed = last === 0n ? 1000 / RATE_HZ : Number(state.serverTimeNs - last) * 1e-6;
+    last = state.serverTimeNs;
+    session.publish(world.step(state.xProbe, Math.min(passed, LONGEST_MS), session.roundTripMs));
     frames.add(performance.now() - begin);
     const places = world.places(), probe = world.placesOfProbe(state.xProbe);
-    const points = world.pointsOfProbe(state.xProbe);
+    const points = world.pointsOfProbe(state.xProbe), presses = world.presses();
     if (timing.frames === 0 || ++since % 30 === 0) timing = frames.timing;
     say({
-      kind: "frame", places, probe, points, timing,
-      state: DeviceStateName[state.state] ?? "", forces: state.tauA,
-      contacts: world.contacts(), following: world.tool.following,
-    }, [places.buffer, probe.buffer, points.buffer]);
+      kind: "frame", places, probe, points, presses, timing, state: state.state,
+      forces: state.tauA, following: world.tool.following,
+    }, [places.buffer, probe.buffer, points.buffer, presses.buffer]);
   }
 }
 

@@ -40,11 +40,14 @@ export class World {
   reset(): void {
     this.mujoco.mj_resetData(this.model, this.data);
   }
-  /** That press. */
-  contacts(): number {
-    return this.engine.contacts().filter(
-      ({ geom1, geom2, efcAddress }) => efcAddress >= 0 && (this.moves(geom1) || this.moves(geom2)),
-    ).length;
+  /** Of contacts that press the tool: where, and the force on it. 6 numbers each. */
+  presses(): Float32Array {
+    return Float32Array.from(this.engine.contacts().flatMap((contact, i) => {
+      const { geom1, geom2, efcAddress, pos, normal } = contact, second = this.moves(geom2);
+      if (efcAddress < 0 || second === this.moves(geom1)) return [];
+      const force = this.engine.normalForce(i) * (second ? 1 : -1);
+      return force === 0 ? [] : [...pos, ...normal.map((part) => part * force)];
+    }));
   }
 
   geoms(): Geom[] {
@@ -61,7 +64,7 @@ export class World {
       const colours: Float32Array = material < 0 ? model.geom_rgba : model.mat_rgba;
       const at = 4 * (material < 0 ? i : material);
       return {
-        type, tool: this.moves(i),
+        type, tool: this.moves(i), free: this.freeBodyOf(i),
         size: [...model.geom_size.slice(3 * i, 3 * i + 3)] as Geom["size"],
         rgba: [...colours.slice(at, at + 4)] as Geom["rgba"],
       };
@@ -94,6 +97,13 @@ export class World {
       kind === "joint" ? [] : xProbe.slice(i, i + 3)));
   }
 
+  private freeBodyOf(geom: number): string {
+    const { bodyJoint, bodyJoints, geomBody, jointType } = this.engine.fixed;
+    const { mjtJoint, mjtObj } = this.mujoco, body = geomBody[geom]!;
+    const free = bodyJoints[body]! > 0 &&
+      jointType[bodyJoint[body]!] === mjtJoint.mjJNT_FREE.value && !this.moves(geom);
+    return free ? this.mujoco.mj_id2name(this.model, mjtObj.mjOBJ_BODY.value, body) ?? "" : "";
+  }
   private moves(geom: number): boolean {
     return geom >= 0 && this.tool.moves(this.engine.fixed.geomBody[geom]!);
   }

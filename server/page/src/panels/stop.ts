@@ -16,7 +16,7 @@ export class Stop {
   private sending = false;
   private saidAt = 0;
 
-  constructor(private readonly source: () => Source) {
+  constructor(private readonly source: () => Pick<Source, "stop">) {
     const button = at("stop");
     // A press counts when it begins, as on a real stop button. A click without a press is the
     // keyboard's, or of an assistive technology.

@@ -24,7 +24,7 @@ const LEAST_SHARE = 0.005;
 const BENT = 1.5 * Math.PI;
 
 /** Along +y from 0 to `length`; the head keeps its shape. */
-class StraightArrow {
+export class StraightArrow {
   readonly group = new Group();
   private readonly shaft: Mesh;
   private readonly head: Mesh;

@@ -1,12 +1,13 @@
 // The page of a running hapticd: by its printed address, under its policy, with real devices.
 import assert from "node:assert/strict";
 import * as fs from "node:fs";
+import * as os from "node:os";
 import * as path from "node:path";
 import { test } from "node:test";
 import { gzipSync } from "node:zlib";
 import { PHONE, coloursOf, fitsAcross, newPage, says, startBrowser, violations }
   from "./browser.mjs";
-import { holdDevice, printedAddress, startHapticd } from "./live_server.mjs";
+import { holdDevice, printedAddress, selfSigned, startHapticd } from "./live_server.mjs";
 
 const LARGEST_GZIPPED = 400e3;
 
@@ -108,6 +109,46 @@ test("the page of a hapticd", async (t) => {
     await says(other, "#access", /one-time token/);
     await other.goto(await printedAddress(server));
     await says(other, "#connection", /^Live/);
+  });
+
+  await t.test("a certificate of one's own is enough", async (t) => {
+    const folder = fs.mkdtempSync(path.join(os.tmpdir(), "haptic-page-"));
+    t.after(() => fs.rmSync(folder, { recursive: true }));
+    const server = await startHapticd(t, "observe", { settings: [selfSigned(folder)] });
+    const address = await printedAddress(server);
+    assert.equal(new URL(address).protocol, "https:");
+    const { page: wary } = await newPage(t, browser);
+    await assert.rejects(wary.goto(address), /ERR_CERT_AUTHORITY_INVALID/);
+    // As if the person said "proceed".
+    const { page, complaints } = await newPage(t, browser, { ignoreHTTPSErrors: true });
+    await page.goto(address);
+    await says(page, "#connection", /^Live/);
+    await page.reload();
+    await says(page, "#connection", /^Live/);
+    await page.click("#stop");
+    await says(page, "#stop-said", /^Stopped finger in/);
+    await says(page, "#state-name", /^FAULT$/);
+    assert.deepEqual(complaints, []);
+  });
+
+  await t.test("one page shows several devices", async (t) => {
+    const server = await startHapticd(t, "observe", { settings: [
+      `device[1]={name: "rail" simulated_linear {mass: 0.15 damping: 1 max_effort: 20} ` +
+      `linear {dof {name: "s" unit: "m" actuated: true lower: -0.1 upper: 0.1} ` +
+      `coordinate {name: "s" unit: "m"} A: 1} limits {force_n: 10} ` +
+      `impedance {stiffness_n_per_m: 500 damping_n_s_per_m: 0.2}}`] });
+    const { page, complaints } = await visit(t, browser, server);
+    await says(page, "#picture-title", /^finger$/);
+    await says(page, "#state-name", /^IDLE$/);
+    await server.connect("operator").emergencyStop("finger");
+    await says(page, "#state-name", /^FAULT$/);
+    await page.selectOption("#chooser", "rail");
+    await says(page, "#picture-title", /^rail$/);
+    await says(page, "#state-name", /^IDLE$/);
+    await page.click("#stop");
+    await says(page, "#stop-said", /^Stopped finger, rail in/);
+    await says(page, "#state-name", /^FAULT$/);
+    assert.deepEqual(complaints, []);
   });
 
   await t.test("a hand is drawn with its joints", async (t) => {

@@ -1,6 +1,6 @@
 #pragma once
-/// The shipped hapticd as a process, with a finger at rest that a client presses. Its ports are free
-/// on the relay's address too, and it records every tick.
+/// The shipped hapticd as a process, with a finger at rest that a client presses. Its ports are
+/// free on the relay's address too, and it records every tick.
 
 #include <memory>
 #include <string>
@@ -35,6 +35,9 @@ class Daemon {
   [[nodiscard]] std::uint16_t udp_port() const { return udp_port_; }
   /// Of WebSockets; not of a shipped scene.
   [[nodiscard]] std::uint16_t web_port() const { return web_port_; }
+  [[nodiscard]] std::string web_behind_relay() const {
+    return "127.0.0.2:" + std::to_string(web_port_);
+  }
   [[nodiscard]] std::string address() const { return "127.0.0.1:" + std::to_string(tcp_port_); }
   [[nodiscard]] std::string behind_relay() const {
     return "127.0.0.2:" + std::to_string(tcp_port_);

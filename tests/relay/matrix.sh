@@ -4,9 +4,9 @@
 #   tests/relay/matrix.sh [--network] [--calm] [--build FOLDER] [--out FILE]
 #
 # Without --network: every row on virtual time, seconds. With it also over real sockets through the
-# relay: a quarter of an hour. --calm also judges times, so the machine must do nothing else. FOLDER:
-# build/release by default, built before (tests/run.sh does). FILE: matrix.csv in FOLDER by default.
-# Exit status 1 if a row failed.
+# relay: a quarter of an hour. --calm also judges times, so the machine must do nothing else.
+# FOLDER: build/release by default, built before (tests/run.sh does). FILE: matrix.csv in FOLDER by
+# default. Exit status 1 if a row failed.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 build=$root/build/release

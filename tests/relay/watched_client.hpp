@@ -50,8 +50,7 @@ inline WatchedClient web_presser(const Daemon& daemon) {
   return {daemon,
           HAPTIC_NODE,
           {HAPTIC_SOURCE_DIR "/tests/relay/web_presser.mjs", HAPTIC_BINARY_DIR "/client/js",
-           "http://127.0.0.2:" + std::to_string(daemon.web_port()), Daemon::kToken,
-           std::to_string(Daemon::kTarget)}};
+           "http://" + daemon.web_behind_relay(), Daemon::kToken, std::to_string(Daemon::kTarget)}};
 }
 
 }  // namespace haptic::test

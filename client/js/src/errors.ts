@@ -31,7 +31,7 @@ export function localError(code: Code, message: string): ClientError {
 }
 
 /** Whether another answer may come to those who ask again: a wrong argument stays wrong, a server
- * comes back. Of what this client sends, PROTOCOL refuses only an OpenSession that came too late. */
+ * comes back. PROTOCOL refuses, of what this client sends, only an OpenSession that is late. */
 export function mayPass(error: ClientError): boolean {
   return error.reason === "PROTOCOL" ||
     ["unavailable", "deadline_exceeded", "already_exists", "failed_precondition",

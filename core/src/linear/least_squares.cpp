@@ -26,7 +26,7 @@ LeastSquares::LeastSquares(int n_x, const DofLayout& layout,
       dq_(VecQ::Zero(layout.n_q())),
       null_in_doubt_(VecA::Zero(layout.n_a())) {
   int k = 0;
-  // Of a hand the fingers before the palm: their columns are then still short when their turn comes.
+  // A hand's fingers before its palm: their columns are then still short when their turn comes.
   for (int i = layout_.n_n() - 1; i >= 0; --i) order_[k++] = layout_.sensed(i);
   for (int i = 0; i < layout_.n_a(); ++i) order_[k++] = layout_.actuated(i);
 }

@@ -2,8 +2,8 @@
 /// Householder QR of a small matrix together with its right-hand side
 /// (core/METHOD.md#solver-choice): the one factorisation behind every renderer. Sizes that devices
 /// have are unrolled (2x2, 6x2, 6x6, 27x10), every other size up to the bounds runs the same steps
-/// in loops, and leaves out what is 0: in a hand on a palm most of J. No pivoting: the caller orders
-/// the columns.
+/// in loops, and leaves out what is 0: in a hand on a palm most of J. No pivoting: the caller
+/// orders the columns.
 ///
 /// Equilibration. Scaling the columns, A C = Q (R C), leaves Q and so Q^T b alone and scales R's
 /// columns; the solution is C times that of the scaled system. So A is factored as it is, and the

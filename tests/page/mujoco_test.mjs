@@ -14,6 +14,7 @@ import {
   coloursOf, fitsAcross, newPage, PHONE, says, startBrowser, violations,
 } from "./browser.mjs";
 import { printedAddress, startHapticd } from "./live_server.mjs";
+import { workerTimes } from "./worker_time.mjs";
 
 const WITHIN = 0.05;    // of the native client's force
 const LONGEST_MS = 8;   // physics and publishing of a frame
@@ -82,11 +83,15 @@ test("a MuJoCo scene in the browser", { timeout: 600000 }, async (t) => {
     await says(page, "#state", /^Force is on/);
     await handOpens(watch);
     await page.click("#reset");
-    const forces = await forcesOfGrasp(watch);
+    const grasp = forcesOfGrasp(watch), computed = await workerTimes(grasp);
+    const forces = await grasp, [half, most] = [0.5, 0.99].map(
+      (part) => computed[Math.floor(part * (computed.length - 1))]);
+    assert.ok(computed.length > 100);
+    assert.ok(most <= LONGEST_MS, `${most} ms of a core`);
     await says(page, "#pushed", /You moved the box by \d+ mm/);
     const [timing, painted] = await page.evaluate(
       () => ["timing", "painted"].map((id) => document.getElementById(id).textContent));
-    console.log(`a frame ${timing}; ${painted}`);
+    console.log(`a frame ${timing}; of a core ${half} ms, 99 % within ${most} ms; ${painted}`);
     if (CALM) assert.ok(Number(/within ([\d.]+) ms/.exec(timing)[1]) <= LONGEST_MS, timing);
     await page.screenshot({ path: process.env.HAPTIC_PICTURE ?? "mujoco.png", fullPage: true });
     assert.ok(await coloursOf(page, "#picture") > 50, "the picture is blank");

@@ -122,7 +122,9 @@ class Crossing {
     std::uint64_t head = 0;
     std::memcpy(&head, bytes, sizeof head);
     world_.written.emplace_back(bytes, sizeof head);
-    world_.written.emplace_back(bytes + sizeof head + head % N * sizeof(T), sizeof(T));
+    std::size_t size = sizeof(T);
+    if constexpr (requires { value.told_bytes(); }) size = value.told_bytes();
+    world_.written.emplace_back(bytes + sizeof head + head % N * sizeof(T), size);
     inbox.push(value);
   }
 
@@ -172,6 +174,12 @@ class Crossing {
       record_.input.now = now_;
       record_.input.command = began_ ? command : core::CommandSnapshot{};
       record_.input.settings = world_.unit.settings.value();
+      if (newest_seq_ != 0) {
+        const core::ProxySnapshot& proxy = world_.unit.proxies.value();
+        record_.proxy.mode = proxy.mode;
+        record_.proxy.seq = proxy.seq;
+        record_.proxy.age = now_ - proxy.born;
+      }
       core::Lifecycle& life = record_.life;
       life.state = static_cast<core::LifecycleState>(1 + state % 8);
       life.gain = (says & 2U) != 0 ? 0.5 : 0.0;

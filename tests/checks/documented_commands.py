@@ -50,7 +50,8 @@ ELSEWHERE = {
         "tests/client/js/example_test.mjs",
         "examples/virtual_wall.mjs",
     ),
-    "build/release/server/hapticd --scene finger_soft_grasp --set 'server.web.printed=\"control\"'": (
+    "build/release/server/hapticd --scene finger_soft_grasp "
+    "--set 'server.web.printed=\"control\"'": (
         "tests/page/mujoco_test.mjs",
         'startHapticd(t, "control", scene)',
     ),

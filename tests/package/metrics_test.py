@@ -102,8 +102,8 @@ class Metrics(unittest.TestCase):
 
         ticks = grown("haptic_loop_ticks_total")
         self.assertGreater(ticks, 1000)
-        self.assertAlmostEqual(grown("haptic_loop_period_seconds_count"), ticks, delta=5)
-        self.assertAlmostEqual(grown("haptic_loop_lateness_seconds_count"), ticks, delta=5)
+        self.assertAlmostEqual(grown("haptic_loop_period_seconds_count"), ticks, delta=20)
+        self.assertAlmostEqual(grown("haptic_loop_lateness_seconds_count"), ticks, delta=20)
         half, most = (after["haptic_loop_tick_seconds", f'percentile="{p}"'] for p in (50, 99))
         self.assertTrue(0.0 < half <= most < 0.1, (half, most))
         fresh = grown("haptic_staleness_seconds_total", device + ',level="fresh"')

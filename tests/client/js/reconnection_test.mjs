@@ -103,7 +103,7 @@ test("another server is joined without force", async (t) => {
   await server.begin();
   await eventually(() => session.connected);
   await hold(session, (state) => state.state === DeviceStateName.ARMED &&
-    state.proxySeqUsed === BigInt(session.statistics().published - 1));
+    state.proxySeqUsed >= BigInt(session.statistics().published - 1));
   assert.equal(session.statistics().rejectedOld, 0);
 });
 

@@ -3,11 +3,13 @@
 # executions.
 #
 #   tests/fuzz/run.sh TARGET|all [EXECUTIONS]
+#   tests/fuzz/run.sh keep
 #
 # Targets, and their executions by default: frame, datagram, crossing 1e8; scene, replay 1e6
 # (tests/fuzz/targets.hpp says what each one is). The corpus grows in build/fuzz/corpus/TARGET, what
-# was reached is in build/fuzz/TARGET.csv, and a run that was ended goes on from there. Each target
-# ends with a line: executions, hours, corpus, coverage, and what the last tenth found that was new.
+# was reached is in build/fuzz/TARGET.csv, and a run that was ended goes on from there. `keep` packs
+# both into tests/fuzz/corpora, from where a build folder that has none begins. Each target ends with
+# a line: executions, hours, corpus, coverage, and what the last tenth found that was new.
 # A finding ends the run with 1 and leaves its input in the corpus as crash-*, which
 # build/fuzz/tests/fuzz/haptic-libfuzzer-TARGET FILE replays; 3: the last tenth still found new
 # edges.
@@ -15,12 +17,22 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 wanted=${1:-}
 amount=${2:-}
+known=(scene replay crossing frame datagram)
 case "$wanted" in
   frame | datagram | crossing | scene | replay) targets=("$wanted") ;;
-  all) targets=(scene replay crossing frame datagram) ;;
+  all) targets=("${known[@]}") ;;
+  keep)
+    cd "$root"
+    for target in "${known[@]}"; do
+      [[ -e build/fuzz/$target.csv ]] || continue
+      tar -C build/fuzz --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner \
+        -cJf "tests/fuzz/corpora/$target.tar.xz" "$target.csv" "corpus/$target"
+    done
+    exit 0
+    ;;
   -h | --help) sed -n '2,${/^#/!q;s/^# \{0,1\}//p}' "$0"; exit 0 ;;
   *)
-    echo "run.sh: '$wanted': must be frame, datagram, crossing, scene, replay or all" >&2
+    echo "run.sh: '$wanted': must be frame, datagram, crossing, scene, replay, all or keep" >&2
     exit 2
     ;;
 esac
@@ -43,6 +55,8 @@ for target in "${targets[@]}"; do
   program=build/fuzz/tests/fuzz/haptic-libfuzzer-$target
   corpus=build/fuzz/corpus/$target
   mkdir -p "$corpus"
+  kept=tests/fuzz/corpora/$target.tar.xz
+  if [[ ! -e build/fuzz/$target.csv && -e $kept ]]; then tar -C build/fuzz -xJf "$kept"; fi
   HAPTIC_FUZZ_SEEDS=$corpus "$program" -runs=0 2>/dev/null
   default=1e8
   case $target in

@@ -134,6 +134,7 @@ class Measured:
     force: str = ""
     faults: list = dataclasses.field(default_factory=list)
     lost: int = 0
+    false_alarm: bool = False  # a front that lived was taken for one that hangs
     quiet_skipped: int = 0
     skipped: int = 0
     realtime: bool = False
@@ -195,6 +196,8 @@ def failures(m, grows=GROWTH_MB):
         found.append(f"force again after {m.regained:.1f} s")
     if m.realtime and m.skipped > skips_allowed(m.quiet_skipped):
         found.append(f"{m.skipped} {DEADLINES}, {m.quiet_skipped} without the attack")
+    if m.false_alarm:
+        found.append("a front that lived was taken for one that hangs")
     if m.term > TERM_S:
         found.append(f"SIGTERM took {m.term:.1f} s")
     if m.status not in (0, None) and not m.died:

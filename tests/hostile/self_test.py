@@ -117,6 +117,7 @@ class Verdict(unittest.TestCase):
                 ({"regained": None}, "no force again"),
                 ({"regained": 4.0}, "force again after 4.0 s"),
                 ({"skipped": 40}, "40 deadlines skipped"),
+                ({"false_alarm": True}, "taken for one that hangs"),
                 ({"term": 5.5}, "SIGTERM took 5.5 s"),
                 ({"status": -11}, "hapticd ended with -11"),
                 ({"died": "hapticd died, status -11"}, "hapticd died"),

@@ -15,6 +15,7 @@ import tempfile
 import time
 import traceback
 
+import faults
 from daemon import MB, STOP, Controller, Daemon, Probe, control, end_all, resident
 from frames import served
 from judge import (DEADLINES, Measured, failures, judge_ticks, late_stop, losses, median_interval,
@@ -25,6 +26,7 @@ LEAST_S = 1.5  # of an attack: one that is over sooner is made again
 MOST_SENT = 32 * MB  # by an attack that is made again
 AGAIN = 6  # pairs of blocks, for a row that skipped deadlines
 GIVEN_UP_S = 6.0  # for service or force to come back
+SILENT_FRONT = "gave no sign of life"  # hapticd's log, of a front that it takes for one that hangs
 COLUMNS = ("row", "kind", "finding", "expected", "got", "verdict", "seconds", "sent_mb",
            "owner_before_mb", "owner_growth_mb", "front_mb", "front_limit_mb", "skipped_quiet",
            "skipped_attack", "force_losses", "served_ms", "force_again_ms", "stops",
@@ -145,6 +147,7 @@ def attack(row, folder):
         m.quiet_skipped = round(m.quiet_skipped * m.seconds / (quiet_ended - quiet_began))
         m.skipped = skipped(ticks, began, ended)
         m.lost = losses(ticks, began, ended)
+        m.false_alarm = row.attack is not faults.frozen and SILENT_FRONT in daemon.text()
     finally:
         controller.kill()
         daemon.kill()

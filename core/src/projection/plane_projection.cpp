@@ -92,8 +92,8 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x, double age, d
   if (count_ == 0) return PlaneStatus::kFree;
   if (laws_.any() && laws_.begin(fresh_ ? 0.0 : dt)) {
     for (int i = 0; i < count_; ++i) {
-      if (!laws_.has(i)) continue;
-      std::uint32_t pairs = (laws_.others(i) & ((1u << i) - 1)) | 1u << i;
+      if (!laws_.has(i) || ContactDual::has(curved_, i)) continue;  // linearise() fills in those
+      std::uint32_t pairs = (laws_.others(i) & ((1u << i) - 1) & ~curved_) | 1u << i;
       for (; pairs != 0; pairs &= pairs - 1) fill_gram(i, std::countr_zero(pairs));
     }
     dual_.refactor();

@@ -84,8 +84,8 @@ bool FingerPhysics::move_to(const core::VecQ& q) noexcept {
   return adopted;
 }
 
-/// Takes that as the linkage's pose. False, and the pose stays, if it would be in a toggle position:
-/// the lever arms of the step before are then the better ones.
+/// Takes that as the linkage's pose. False, and the pose stays, if it would be in a toggle
+/// position: the lever arms of the step before are then the better ones.
 bool FingerPhysics::adopt(const core::Followed& at, const Eigen::Vector2d& reached) noexcept {
   constexpr double kToggle = 1e-9;  // 1/m; the valid region has det J > 2
                                     // (core/METHOD.md#finger-linkage)

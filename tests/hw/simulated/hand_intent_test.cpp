@@ -73,7 +73,7 @@ TEST(HandIntent, QuaternionsMayTurnThroughPi) {
   EXPECT_NEAR(hand.intent().at(3, 1.5), 0.0, 1e-12);
 }
 
-TEST(HandIntent, AllAtOnceAreTheSameBits) {
+TEST(HandIntent, AllAtOnceTheSameBits) {
   const SimulatedHand hand = playing(
       "time_s,palm.x,palm.y,palm.z,index.q_o1_mcp_rad,index.q_o2_pip_rad\n"
       "0,0.3,0.2,0.1,0.4,0.6\n0.7,0.1,0.2,0.5,0.1,0.9\n1,0.3,0.4,0.1,0.4,0.5\n");

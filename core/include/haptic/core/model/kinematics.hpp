@@ -130,7 +130,7 @@ class Kinematics {
   /// loop: it allocates.
   [[nodiscard]] virtual Drawing drawing() const;
   /// inverse_inside(), and in the same work J at that q and velocity_product() for the rates that
-  /// move x at `x_dot`: what a simulation needs that follows x. Only of two DoFs with a closed form.
+  /// move x at `x_dot`: what a simulation that follows x needs. Only of two DoFs, in closed form.
   [[nodiscard]] virtual InverseStatus follow(const Eigen::Vector2d& /*x*/,
                                              const Eigen::Vector2d& /*x_dot*/,
                                              Followed& /*out*/) const noexcept {

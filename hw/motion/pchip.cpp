@@ -52,12 +52,18 @@ std::size_t Pchip::interval(double at) const noexcept {
   return static_cast<std::size_t>(above - t_.begin()) - 1;
 }
 
-double Pchip::operator()(double at) const noexcept {
-  if (!(at > t_.front())) return y_.front();
-  if (at >= t_.back()) return y_.back();
+Pchip::Place Pchip::place(double at) const noexcept {
+  if (!(at > t_.front())) return {};
+  if (at >= t_.back()) return {t_.size() - 1};
   const std::size_t i = interval(at);
   const double h = t_[i + 1] - t_[i];
-  const double u = (at - t_[i]) / h;
+  return {i, h, (at - t_[i]) / h};
+}
+
+double Pchip::operator()(const Place& place) const noexcept {
+  const std::size_t i = place.interval;
+  const double h = place.length, u = place.share;
+  if (u == 0.0) return y_[i];
   const double rise = y_[i + 1] - y_[i];
   const double a = h * slope_[i];
   const double b = h * slope_[i + 1];

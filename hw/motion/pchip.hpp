@@ -17,7 +17,15 @@ class Pchip {
   Pchip(std::vector<double> t, std::vector<double> y);
 
   /// Value at `at`; the end values outside [first(), last()]. Allocates nothing; O(log n).
-  [[nodiscard]] double operator()(double at) const noexcept;
+  [[nodiscard]] double operator()(double at) const noexcept { return (*this)(place(at)); }
+
+  /// Where `at` lies among the knots: for the values there of several curves with the same knots.
+  struct Place {
+    std::size_t interval{0};
+    double length{0.0}, share{0.0};  ///< of the interval, and the share of it that is behind
+  };
+  [[nodiscard]] Place place(double at) const noexcept;
+  [[nodiscard]] double operator()(const Place& place) const noexcept;
 
   /// Index i of the knots i, i + 1 around `at`; the outermost ones beyond the ends. Two knots or
   /// more.

@@ -9,12 +9,6 @@ namespace {
 
 constexpr double kFastest = 100.0;  // rad/s
 
-Eigen::Matrix2d fixed(const core::MatXQ& m) {
-  Eigen::Matrix2d out;
-  out << m(0, 0), m(0, 1), m(1, 0), m(1, 1);
-  return out;
-}
-
 }  // namespace
 
 FingerPhysics::FingerPhysics(const FingerParameters& parameters,
@@ -25,7 +19,6 @@ FingerPhysics::FingerPhysics(const FingerParameters& parameters,
       kinematics_(std::move(kinematics)),
       x_(x) {
   linkage_.q = core::VecQ::Zero(2);
-  linkage_.J = core::MatXQ::Identity(2, 2);
   search();
   x_ += linkage_.out;
   linkage_.out.setZero();
@@ -47,15 +40,21 @@ void FingerPhysics::place() noexcept {
 }
 
 void FingerPhysics::search() noexcept {
+  searched_at_ = x_;
+  steps_since_search_ = 0;
+  linkage_.out.setZero();
+  core::Followed at;
+  if (kinematics_->follow(x_, x_dot_, at) == core::InverseStatus::kExact) {
+    edge_.clear();
+    if (!adopt(at, x_)) linkage_.pull = velocity_product();
+    return;
+  }
   core::VecX wanted(2);
   wanted << x_[0], x_[1];
   core::VecQ q = linkage_.q;
   const bool inside = kinematics_->inverse(wanted, q) == core::InverseStatus::kExact;
-  searched_at_ = x_;
-  steps_since_search_ = 0;
-  linkage_.out.setZero();
   if (inside) edge_.clear();
-  if (!adopt(q) || inside) return;
+  if (!move_to(q) || inside) return;
   edge_.add(x_, linkage_.reached);
   linkage_.out = linkage_.reached - x_;
 }
@@ -67,26 +66,40 @@ void FingerPhysics::follow_edge() noexcept {
   core::VecQ q = linkage_.q;
   q[0] += change[0];
   q[1] += change[1];
-  static_cast<void>(adopt(boxed(q)));
+  static_cast<void>(move_to(boxed(q)));
 }
 
-/// Takes q as the linkage's pose. False, and the pose stays, if it cannot close or would be in a
-/// toggle position: the lever arms of the step before are then the better ones.
-bool FingerPhysics::adopt(const core::VecQ& q) noexcept {
+/// Moves the linkage to q. False if it cannot close there or adopt() refuses it.
+bool FingerPhysics::move_to(const core::VecQ& q) noexcept {
+  core::VecX reached;
+  core::MatXQ J;
+  core::Followed at;
+  bool adopted = kinematics_->evaluate(q, reached, J) == core::MapStatus::kOk;
+  if (adopted) {
+    at.q = q;
+    at.J = J;
+    adopted = adopt(at, reached);
+  }
+  linkage_.pull = velocity_product();
+  return adopted;
+}
+
+/// Takes that as the linkage's pose. False, and the pose stays, if it would be in a toggle
+/// position: the lever arms of the step before are then the better ones.
+bool FingerPhysics::adopt(const core::Followed& at, const Eigen::Vector2d& reached) noexcept {
   constexpr double kToggle = 1e-9;  // 1/m; the valid region has det J > 2
                                     // (core/METHOD.md#finger-linkage)
-  core::VecX reached(2);
-  core::MatXQ J = linkage_.J;
-  if (kinematics_->evaluate(q, reached, J) != core::MapStatus::kOk) return false;
+  const Eigen::Matrix2d& J = at.J;
   const double det = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
   if (!(std::abs(det) > kToggle) || det * linkage_.det < 0.0) return false;
-  linkage_.q = q;
+  linkage_.q = at.q;
   linkage_.J = J;
   linkage_.det = det;
-  linkage_.reached = {reached[0], reached[1]};
+  linkage_.reached = reached;
   linkage_.w = kinematics_->layout().actuated(0) == 0 ? Eigen::Vector2d(J(1, 1), -J(0, 1))
                                                       : Eigen::Vector2d(-J(1, 0), J(0, 0));
   linkage_.w /= det;
+  linkage_.pull = linkage_.w.dot(at.product);
   return true;
 }
 
@@ -100,7 +113,7 @@ core::VecQ FingerPhysics::boxed(core::VecQ q) const noexcept {
 
 /// J^-1 times a small change of x (or x_dot): the change of q (or q_dot).
 Eigen::Vector2d FingerPhysics::to_q(const Eigen::Vector2d& x_change) const noexcept {
-  return fixed(linkage_.J).inverse() * x_change;
+  return linkage_.J.inverse() * x_change;
 }
 
 /// w^T J_dot q_dot, m/s^2: how much l_x accelerates less than w^T x_ddot because J changes.
@@ -125,7 +138,7 @@ void FingerPhysics::step(double dt, const Eigen::Vector2d& x_des, double tau_a) 
   A.diagonal().array() += dt * p_.hand_damping;
   const Eigen::Vector2d spring = hand_stiffness_ * (x_des - x_);
   const Eigen::Vector2d stop = p_.stop_stiffness * linkage_.out;
-  const Eigen::Vector2d push = spring + stop + w * (tau_a + p_.actuator_mass * velocity_product());
+  const Eigen::Vector2d push = spring + stop + w * (tau_a + p_.actuator_mass * linkage_.pull);
 
   // Friction: F = F_c sign(l_dot), any |F| <= F_c at l_dot = 0, with l_dot the new speed.
   const Eigen::Matrix2d A_inverse = A.inverse();

@@ -75,16 +75,18 @@ class FingerPhysics {
   /// The exoskeleton at the finger's pose, or at the nearest to it in reach.
   struct Linkage {
     core::VecQ q{};
-    core::MatXQ J{};
+    Eigen::Matrix2d J{Eigen::Matrix2d::Identity()};
     double det{0.0};                                   ///< of J; its sign never changes
     Eigen::Vector2d reached{Eigen::Vector2d::Zero()};  ///< f(q), rad
     Eigen::Vector2d w{Eigen::Vector2d::Zero()};        ///< dl_x/dx, m/rad
+    double pull{0.0};                                  ///< w^T J_dot q_dot, m/s^2
     Eigen::Vector2d out{Eigen::Vector2d::Zero()};      ///< from x back into reach, rad; 0 inside
   };
   void place() noexcept;
   void search() noexcept;
   void follow_edge() noexcept;
-  [[nodiscard]] bool adopt(const core::VecQ& q) noexcept;
+  [[nodiscard]] bool move_to(const core::VecQ& q) noexcept;
+  [[nodiscard]] bool adopt(const core::Followed& at, const Eigen::Vector2d& reached) noexcept;
   [[nodiscard]] core::VecQ boxed(core::VecQ q) const noexcept;
   [[nodiscard]] Eigen::Vector2d to_q(const Eigen::Vector2d& x_change) const noexcept;
   [[nodiscard]] double velocity_product() const noexcept;

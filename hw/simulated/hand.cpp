@@ -89,7 +89,8 @@ SimulatedHand::SimulatedHand(const SimulatedHandConfig& config,
     : config_(config),
       layout_(layout_of(*kinematics)),
       intent_(intent_of(config, layout_, *kinematics)),
-      noise_(config.seed) {
+      noise_(config.seed),
+      aim_(config.target) {
   info_ = describe(config, intent_, *kinematics);
   const std::span<const int> pairs = kinematics->limited_pairs();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -100,28 +101,23 @@ SimulatedHand::SimulatedHand(const SimulatedHandConfig& config,
   }
   if (layout_.palm) {
     const core::DofSpec& x = kinematics->dofs()[static_cast<std::size_t>(*layout_.palm)];
-    palm_.emplace(config.arm, intended_palm(0.0), x.lower, x.upper);
+    intent_.at(0.0, aim_);
+    palm_.emplace(config.arm, aimed_palm(), x.lower, x.upper);
   }
   tau_a_ = core::VecA::Zero(config.fingers);
 }
 
-PalmPose SimulatedHand::intended_palm(double t) const noexcept {
-  const Eigen::Index first = *layout_.palm;
-  PalmPose pose;
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    pose.position[i] = intent_.at(first + i, t);
-    pose.rotation[i] = intent_.at(first + 3 + i, t);
-  }
-  return pose;
+PalmPose SimulatedHand::aimed_palm() const noexcept {
+  return {aim_.segment<3>(*layout_.palm), aim_.segment<3>(*layout_.palm + 3)};
 }
 
 void SimulatedHand::step(double t) noexcept {
+  intent_.at(t, aim_);
   for (std::size_t i = 0; i < fingers_.size(); ++i) {
-    const Eigen::Index first = layout_.fingers[i].first;
-    fingers_[i].step(kStepSeconds, {intent_.at(first, t), intent_.at(first + 1, t)},
+    fingers_[i].step(kStepSeconds, aim_.segment<2>(layout_.fingers[i].first),
                      tau_a_[static_cast<Eigen::Index>(i)]);
   }
-  if (palm_) palm_->step(kStepSeconds, intended_palm(t));
+  if (palm_) palm_->step(kStepSeconds, aimed_palm());
 }
 
 void SimulatedHand::read(core::TimePoint now, core::DeviceReading& reading) noexcept {

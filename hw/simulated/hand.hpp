@@ -69,7 +69,7 @@ class SimulatedHand final : public Device {
 
  private:
   void step(double t) noexcept;
-  [[nodiscard]] PalmPose intended_palm(double t) const noexcept;
+  [[nodiscard]] PalmPose aimed_palm() const noexcept;
 
   SimulatedHandConfig config_;
   HandLayout layout_;
@@ -82,6 +82,7 @@ class SimulatedHand final : public Device {
   std::int64_t steps_{0};
   Bookkeeping book_{};
   core::VecA tau_a_{};
+  core::VecQ aim_;  ///< of the step
 };
 
 }  // namespace haptic::hw

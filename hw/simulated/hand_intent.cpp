@@ -92,6 +92,14 @@ HandIntent::HandIntent(const HandLayout& layout, const core::VecQ& target,
     const bool of_palm = layout.palm && i >= *layout.palm && i < *layout.palm + 6;
     const double rest = of_palm ? motion(0.0) : 0.0;
     course_[static_cast<std::size_t>(i)] = Course(rest, std::move(motion));
+    recorded_ = static_cast<std::size_t>(i);
+  }
+}
+
+void HandIntent::at(double t, core::VecQ& aim) const noexcept {
+  const Course::Moment now = course_[recorded_].moment(t);
+  for (std::size_t i = 0; i < course_.size(); ++i) {
+    aim[static_cast<Eigen::Index>(i)] = course_[i].at(now);
   }
 }
 

@@ -40,11 +40,15 @@ class HandIntent {
     return course_[static_cast<std::size_t>(i)].at(t);
   }
 
+  /// All of them, into `aim` (n_q), for a fraction of their single costs.
+  void at(double t, core::VecQ& aim) const noexcept;
+
   /// How many fingers the file moves.
   [[nodiscard]] int recorded_fingers() const noexcept { return recorded_fingers_; }
 
  private:
   std::vector<Course> course_{};
+  std::size_t recorded_{0};  ///< a course with the recording, if there is one
   int recorded_fingers_{0};
 };
 

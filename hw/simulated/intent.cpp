@@ -7,18 +7,23 @@
 
 namespace haptic::hw {
 
-double Course::at(double t) const noexcept {
+Course::Moment Course::moment(double t) const noexcept {
+  Moment now{.risen = minimum_jerk(t / kRise)};
+  if (!motion_) return now;
+  const double length = motion_->last(), round = length + kReturn;
+  const double into = t < round ? t : std::fmod(t, round);  // fmod costs more than all the rest
+  now.place = motion_->place(into);
+  if (into > length) now.way_back = minimum_jerk((into - length) / kReturn);
+  return now;
+}
+
+double Course::at(const Moment& moment) const noexcept {
   double aim = target_;
   if (motion_) {
-    const double length = motion_->last(), round = length + kReturn;
-    const double into = t < round ? t : std::fmod(t, round);  // fmod costs more than all the rest
-    aim = (*motion_)(into);
-    // On the way back; 0 while the recording plays.
-    if (into > length) {
-      aim += minimum_jerk((into - length) / kReturn) * ((*motion_)(0.0) - (*motion_)(length));
-    }
+    aim = (*motion_)(moment.place);
+    if (moment.way_back > 0.0) aim += moment.way_back * ((*motion_)(0.0) - aim);
   }
-  return rest_ + minimum_jerk(t / kRise) * (aim - rest_);
+  return rest_ + moment.risen * (aim - rest_);
 }
 
 Intent::Intent(const Eigen::Vector2d& rest, const Eigen::Vector2d& target)

@@ -23,8 +23,18 @@ class Course {
   Course(double rest, double target) noexcept : rest_(rest), target_(target) {}
   Course(double rest, Pchip motion) : rest_(rest), motion_(std::move(motion)) {}
 
+  /// What `t` seconds after the simulation began means for all courses that play one recording, or
+  /// none.
+  struct Moment {
+    double risen{0.0};     ///< share of the rise
+    Pchip::Place place{};  ///< in the recording
+    double way_back{0.0};  ///< share of the way from its end to its beginning
+  };
+  [[nodiscard]] Moment moment(double t) const noexcept;
+
   /// `t` seconds after the simulation began; continuous. Allocates nothing.
-  [[nodiscard]] double at(double t) const noexcept;
+  [[nodiscard]] double at(double t) const noexcept { return at(moment(t)); }
+  [[nodiscard]] double at(const Moment& moment) const noexcept;
 
  private:
   double rest_;
@@ -46,7 +56,10 @@ class Intent {
   Intent(const Eigen::Vector2d& rest, const std::filesystem::path& motion_file);
 
   /// x_des, rad, `t` seconds after the simulation began; continuous. Allocates nothing.
-  [[nodiscard]] Eigen::Vector2d at(double t) const noexcept { return {mcp_.at(t), pip_.at(t)}; }
+  [[nodiscard]] Eigen::Vector2d at(double t) const noexcept {
+    const Course::Moment now = mcp_.moment(t);
+    return {mcp_.at(now), pip_.at(now)};
+  }
 
  private:
   Intent(Course mcp, Course pip) : mcp_(std::move(mcp)), pip_(std::move(pip)) {}

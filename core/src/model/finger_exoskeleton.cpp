@@ -118,12 +118,26 @@ class FingerExoskeleton final : public Kinematics {
 
   InverseStatus inverse_inside(const VecX& x, VecQ& q) const noexcept override {
     ClosedPose closed;
-    if (!linkage_.closed_inverse(x[0], x[1], closed) || !acceptable(x, closed)) {
+    if (!linkage_.closed_inverse(x[0], x[1], closed) || !acceptable(x[0], x[1], closed)) {
       return InverseStatus::kUnreachable;
     }
     q.resize(2);
     q[0] = closed.l;
     q[1] = closed.t;
+    return InverseStatus::kExact;
+  }
+
+  InverseStatus follow(const Eigen::Vector2d& x, const Eigen::Vector2d& x_dot,
+                       Followed& out) const noexcept override {
+    ClosedPose closed;
+    LinkageMotion motion;
+    if (!linkage_.closed_motion(x[0], x[1], x_dot[0], x_dot[1], closed, motion) ||
+        !acceptable(x[0], x[1], closed)) {
+      return InverseStatus::kUnreachable;
+    }
+    out.q << closed.l, closed.t;
+    out.J << motion.J[0][0], motion.J[0][1], motion.J[1][0], motion.J[1][1];
+    out.product << motion.product[0], motion.product[1];
     return InverseStatus::kExact;
   }
 
@@ -137,7 +151,7 @@ class FingerExoskeleton final : public Kinematics {
   static constexpr int pair_[] = {0};
   /// Box and slider limits (the latter exclude rods on the far side of their joints), and angles
   /// that are not a turn away from what the linkage assembles to.
-  [[nodiscard]] bool acceptable(const VecX& x, const ClosedPose& p) const noexcept {
+  [[nodiscard]] bool acceptable(double q1, double q2, const ClosedPose& p) const noexcept {
     const FingerDimensions& d = linkage_.dimensions();
     return p.l >= d.l_x_lower - FingerLinkage::kLimitSlack &&
            p.l <= d.l_x_upper + FingerLinkage::kLimitSlack &&
@@ -147,7 +161,7 @@ class FingerExoskeleton final : public Kinematics {
            p.c1 <= d.slider1_upper + FingerLinkage::kLimitSlack &&
            p.c2 >= d.slider2_lower - FingerLinkage::kLimitSlack &&
            p.c2 <= d.slider2_upper + FingerLinkage::kLimitSlack &&
-           std::abs(x[0]) <= std::numbers::pi && std::abs(x[1]) <= std::numbers::pi;
+           std::abs(q1) <= std::numbers::pi && std::abs(q2) <= std::numbers::pi;
   }
 
   FingerLinkage linkage_;

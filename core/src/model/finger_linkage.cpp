@@ -84,6 +84,58 @@ void first_derivatives(const FingerDimensions& dim, Complex e_a, const Assembly&
   }
 }
 
+/// The second order of hessian() along one direction: a third of its work.
+void second_along(const FingerDimensions& dim, Complex e_a, const Assembly& a, double l_dot,
+                  double t_dot, double (&out)[2]) noexcept {
+  const double t_dot2 = t_dot * t_dot;
+  const Complex D_1 = l_dot * e_a + t_dot * times_i(a.body_d);
+  const Complex E_1 = l_dot * e_a + t_dot * times_i(a.body_e);
+  const double q1_1 = -dot(a.n1, D_1) / a.c1;
+  const double c1_1 = dot(a.u1, D_1) - dim.rod1 * q1_1;
+  const Complex w_1 = E_1 + dim.proximal_phalanx * q1_1 * a.n1;
+  const double phi_1 = -dot(a.n2, w_1) / a.c2;
+  const double c2_1 = dot(a.u2, w_1) - dim.rod2 * phi_1;
+  const double q1_2 =
+      (t_dot2 * dot(a.n1, a.body_d) - 2.0 * c1_1 * q1_1 - dim.rod1 * q1_1 * q1_1) / a.c1;
+  const Complex w_2 =
+      -t_dot2 * a.body_e + dim.proximal_phalanx * (q1_1 * q1_1 * a.u1 + q1_2 * a.n1);
+  const double phi_2 = -(dot(a.n2, w_2) + 2.0 * c2_1 * phi_1 + dim.rod2 * phi_1 * phi_1) / a.c2;
+  out[0] = q1_2;
+  out[1] = phi_2 - q1_2;
+}
+
+/// Eq. (12). Leaves what D and E are made of in `a`.
+bool assemble_closed(const FingerDimensions& dim, Complex P0, Complex e_a, Complex d, Complex e,
+                     double q1, double q2, ClosedPose& out, Assembly& a) noexcept {
+  a.u1 = std::conj(turn(q1));
+  a.u2 = std::conj(turn(q1 + q2));
+  a.n1 = times_i(a.u1);
+  a.n2 = times_i(a.u2);
+  const double k1 = dot(a.n1, e_a), k2 = dot(a.n2, e_a);
+  const double r1 = dim.rod1 - dot(a.n1, P0);
+  const double r2 = dim.rod2 - dot(a.n2, P0) + dim.proximal_phalanx * dot(a.n2, a.u1);
+  const double A1 = dot(a.n1, d), B1 = dot(a.n1, times_i(d));
+  const double A2 = dot(a.n2, e), B2 = dot(a.n2, times_i(e));
+  const double alpha = k1 * A2 - k2 * A1, beta = k1 * B2 - k2 * B1, g = k1 * r2 - k2 * r1;
+  const double radius2 = alpha * alpha + beta * beta;
+  const double s2 = radius2 - g * g;
+  if (!(s2 >= 0.0) || (k1 == 0.0 && k2 == 0.0)) return false;
+  const double s = std::sqrt(s2);
+  // (cos t, sin t) scaled by alpha^2 + beta^2 = g^2 + s^2.
+  const Complex rotation{(alpha * g + beta * s) / radius2, (beta * g - alpha * s) / radius2};
+  out.t = std::atan2(rotation.imag(), rotation.real());
+  out.l = std::abs(k1) >= std::abs(k2) ? (r1 - A1 * rotation.real() - B1 * rotation.imag()) / k1
+                                       : (r2 - A2 * rotation.real() - B2 * rotation.imag()) / k2;
+  const Complex P{P0.real() + out.l * e_a.real(), P0.imag() + out.l * e_a.imag()};
+  a.body_d = times(rotation, d);
+  a.body_e = times(rotation, e);
+  a.D = P + a.body_d;
+  a.E = P + a.body_e;
+  out.c1 = a.c1 = dot(a.u1, a.D);
+  out.c2 = a.c2 = dot(a.u2, a.E) - dim.proximal_phalanx * dot(a.u2, a.u1);
+  return std::isfinite(out.l) && std::isfinite(out.t);
+}
+
 }  // namespace
 
 FingerLinkage::FingerLinkage(const FingerDimensions& dimensions)
@@ -137,54 +189,35 @@ bool FingerLinkage::hessian(double l, double t, LinkageHessian& out) const noexc
   return true;
 }
 
-/// The second order of hessian() along one direction: a third of its work.
 bool FingerLinkage::velocity_product(double l, double t, double l_dot, double t_dot,
                                      double (&out)[2]) const noexcept {
   Assembly a;
   if (!assemble(dim_, P0_, e_a_, d_, e_, l, t, a)) return false;
-  const double t_dot2 = t_dot * t_dot;
-  const Complex D_1 = l_dot * e_a_ + t_dot * times_i(a.body_d);
-  const Complex E_1 = l_dot * e_a_ + t_dot * times_i(a.body_e);
-  const double q1_1 = -dot(a.n1, D_1) / a.c1;
-  const double c1_1 = dot(a.u1, D_1) - dim_.rod1 * q1_1;
-  const Complex w_1 = E_1 + dim_.proximal_phalanx * q1_1 * a.n1;
-  const double phi_1 = -dot(a.n2, w_1) / a.c2;
-  const double c2_1 = dot(a.u2, w_1) - dim_.rod2 * phi_1;
-  const double q1_2 =
-      (t_dot2 * dot(a.n1, a.body_d) - 2.0 * c1_1 * q1_1 - dim_.rod1 * q1_1 * q1_1) / a.c1;
-  const Complex w_2 =
-      -t_dot2 * a.body_e + dim_.proximal_phalanx * (q1_1 * q1_1 * a.u1 + q1_2 * a.n1);
-  const double phi_2 = -(dot(a.n2, w_2) + 2.0 * c2_1 * phi_1 + dim_.rod2 * phi_1 * phi_1) / a.c2;
-  out[0] = q1_2;
-  out[1] = phi_2 - q1_2;
+  second_along(dim_, e_a_, a, l_dot, t_dot, out);
   return true;
 }
 
 bool FingerLinkage::closed_inverse(double q1, double q2, ClosedPose& out) const noexcept {
-  const Complex u1 = std::conj(turn(q1));
-  const Complex u2 = std::conj(turn(q1 + q2));
-  const Complex n1 = times_i(u1), n2 = times_i(u2);
-  const double k1 = dot(n1, e_a_), k2 = dot(n2, e_a_);
-  const double r1 = dim_.rod1 - dot(n1, P0_);
-  const double r2 = dim_.rod2 - dot(n2, P0_) + dim_.proximal_phalanx * dot(n2, u1);
-  const double A1 = dot(n1, d_), B1 = dot(n1, times_i(d_));
-  const double A2 = dot(n2, e_), B2 = dot(n2, times_i(e_));
-  const double alpha = k1 * A2 - k2 * A1, beta = k1 * B2 - k2 * B1, g = k1 * r2 - k2 * r1;
-  const double radius2 = alpha * alpha + beta * beta;
-  const double s2 = radius2 - g * g;
-  if (!(s2 >= 0.0) || (k1 == 0.0 && k2 == 0.0)) return false;
-  const double s = std::sqrt(s2);
-  // (cos t, sin t) scaled by alpha^2 + beta^2 = g^2 + s^2.
-  const Complex rotation{(alpha * g + beta * s) / radius2, (beta * g - alpha * s) / radius2};
-  out.t = std::atan2(rotation.imag(), rotation.real());
-  out.l = std::abs(k1) >= std::abs(k2) ? (r1 - A1 * rotation.real() - B1 * rotation.imag()) / k1
-                                       : (r2 - A2 * rotation.real() - B2 * rotation.imag()) / k2;
-  const Complex P{P0_.real() + out.l * e_a_.real(), P0_.imag() + out.l * e_a_.imag()};
-  const Complex D = P + times(rotation, d_);
-  const Complex E = P + times(rotation, e_);
-  out.c1 = dot(u1, D);
-  out.c2 = dot(u2, E) - dim_.proximal_phalanx * dot(u2, u1);
-  return std::isfinite(out.l) && std::isfinite(out.t);
+  Assembly a;
+  return assemble_closed(dim_, P0_, e_a_, d_, e_, q1, q2, out, a);
+}
+
+bool FingerLinkage::closed_motion(double q1, double q2, double q1_dot, double q2_dot,
+                                  ClosedPose& out, LinkageMotion& motion) const noexcept {
+  Assembly a;
+  if (!assemble_closed(dim_, P0_, e_a_, d_, e_, q1, q2, out, a)) return false;
+  if (!(a.c1 >= kSmallestSlider && a.c2 >= kSmallestSlider)) return false;
+  LinkagePose p;
+  First f;
+  first_derivatives(dim_, e_a_, a, f, p);
+  for (int k = 0; k < 2; ++k) {
+    motion.J[0][k] = p.J(0, k);
+    motion.J[1][k] = p.J(1, k);
+  }
+  const double det = p.det();
+  second_along(dim_, e_a_, a, (p.J(1, 1) * q1_dot - p.J(0, 1) * q2_dot) / det,
+               (p.J(0, 0) * q2_dot - p.J(1, 0) * q1_dot) / det, motion.product);
+  return true;
 }
 
 }  // namespace haptic::core

@@ -33,6 +33,12 @@ struct ClosedPose {
   double c1{0.0}, c2{0.0};  ///< m
 };
 
+/// The linkage's velocities behind those of the joints: index 0 is l, 1 is t.
+struct LinkageMotion {
+  double J[2][2]{};     ///< of (q1, q2) by (l, t)
+  double product[2]{};  ///< as velocity_product() answers
+};
+
 class FingerLinkage {
  public:
   /// A rod this close over its joint has no usable Jacobian: the linkage counts as not closing.
@@ -54,6 +60,10 @@ class FingerLinkage {
   /// checked against any limit. With c1 > 0 and c2 > 0 it is the pose the linkage assembles to: det
   /// J = s/(c1 c2).
   [[nodiscard]] bool closed_inverse(double q1, double q2, ClosedPose& out) const noexcept;
+  /// closed_inverse(), and how the linkage moves there while the joints have these rates, rad/s:
+  /// without assembling it again. False also where its Jacobian is not usable.
+  [[nodiscard]] bool closed_motion(double q1, double q2, double q1_dot, double q2_dot,
+                                   ClosedPose& out, LinkageMotion& motion) const noexcept;
 
   [[nodiscard]] const FingerDimensions& dimensions() const noexcept { return dim_; }
 

@@ -33,6 +33,7 @@ void PlaneProjection::anchor(const VecX& x_used) noexcept {
   const double length = metric_.weighed(d, turn_).norm();
   Vector l = Vector::Zero();
   unexplained_ = length;
+  bool shifted = false;  // by l
   if (length > ProxyError::kNothing) {
     static_cast<void>(solve(0.0));
     Vector told = dual_.l(), other;
@@ -42,11 +43,13 @@ void PlaneProjection::anchor(const VecX& x_used) noexcept {
     }
     explain(d, told, l);
     unexplained_ = shift(d, l, told_beta);
+    shifted = true;
     if (unexplained_ > kMore * length) {
       beta_ = told_beta;
       explain(d, Vector::Zero(), other);
       const double left = shift(d, other, told_beta);
-      if (left + kMore * length < unexplained_) {
+      shifted = left + kMore * length < unexplained_;
+      if (shifted) {
         unexplained_ = left;
         l = other;
       }
@@ -59,9 +62,10 @@ void PlaneProjection::anchor(const VecX& x_used) noexcept {
     if (!(unexplained_ <= length)) {
       unexplained_ = length;
       l.setZero();
+      shifted = false;
     }
   }
-  static_cast<void>(shift(d, l, told_beta));
+  if (!shifted) static_cast<void>(shift(d, l, told_beta));
   for (int i = 0; i < count_; ++i) {
     told_l_[i] = gamma_[i] > 0.0 ? std::max(0.0, -told_beta[i]) / gamma_[i] : l[i];
     exact_ = exact_ &&

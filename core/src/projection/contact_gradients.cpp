@@ -18,7 +18,11 @@ void PlaneProjection::take(const PlaneSet& planes, int i) noexcept {
                       PlaneSet::triangle(n_curved_[static_cast<std::size_t>(i)]));
   const bool usable = gamma >= 0.0 && std::isfinite(gamma) && std::isfinite(speed) &&
                       (planes.laws.cols() == 0 || planes.laws.col(i).allFinite()) && H.allFinite();
-  contacts_.into.col(i) = metric_.steepest(A_.col(i));
+  if (metric_.is_identity()) {
+    contacts_.into.col(i) = A_.col(i);
+  } else {
+    contacts_.into.col(i) = metric_.steepest(A_.col(i));
+  }
   find_rows(i);
   const double length = usable ? normalise(i) : 0.0;
   if (length == 0.0) {
@@ -71,7 +75,8 @@ double PlaneProjection::normalise(int i) noexcept {
 
 void PlaneProjection::fill_gram(int i, int j) noexcept {
   const double gives = laws_.any() ? laws_.give(i, j) * scale_[i] * scale_[j] : 0.0;
-  const double product = along(i, contacts_.into.col(j).data());
+  const double product =
+      meet(rows_of(i), rows_into(j)) ? along(i, contacts_.into.col(j).data()) : 0.0;
   dual_.gram()(i, j) = dual_.gram()(j, i) = product + gives;
   if (i == j) dual_.set_diagonal(i, product, gamma_[i] + gives);
 }
@@ -83,8 +88,7 @@ void PlaneProjection::find_meeting(int i) noexcept {
   std::uint32_t& meeting = meeting_[static_cast<std::size_t>(i)];
   meeting = laws_.others(i) & ((1u << i) - 1);
   for (int j = 0; j <= i; ++j) {
-    const Rows d = rows_into(j);
-    if (a.first < d.first + d.count && d.first < a.first + a.count) meeting |= 1u << j;
+    if (meet(a, rows_into(j))) meeting |= 1u << j;
   }
 }
 

@@ -58,13 +58,25 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
   dual_.begin(count_, skipped_);
   for (int i = 0; i < count_; ++i) {
     find_meeting(i);
-    for (int j = 0; j <= i; ++j) fill_gram(i, j);
+    for (int j = 0; j < i; ++j) {
+      if (ContactDual::has(meeting_[static_cast<std::size_t>(i)], j)) {
+        fill_gram(i, j);
+      } else {
+        dual_.gram()(i, j) = dual_.gram()(j, i) = 0.0;
+      }
+    }
+    fill_gram(i, i);
   }
   begin_error(planes);
   if (x_used != nullptr) anchor(*x_used);
   if (curved_ == 0) return;
-  told_ = A_;
-  told_into_ = contacts_.into;
+  told_.resize(A_.rows(), count_);
+  told_into_.resize(A_.rows(), count_);
+  for (std::uint32_t left = curved_; left != 0; left &= left - 1) {
+    const int i = std::countr_zero(left);
+    told_.col(i) = A_.col(i);
+    told_into_.col(i) = contacts_.into.col(i);
+  }
   damped_ = 1.0;
   told_beta_ = beta_;
   told_gamma_ = gamma_;
@@ -80,8 +92,8 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x, double age, d
   if (count_ == 0) return PlaneStatus::kFree;
   if (laws_.any() && laws_.begin(fresh_ ? 0.0 : dt)) {
     for (int i = 0; i < count_; ++i) {
-      if (!laws_.has(i)) continue;
-      std::uint32_t pairs = (laws_.others(i) & ((1u << i) - 1)) | 1u << i;
+      if (!laws_.has(i) || ContactDual::has(curved_, i)) continue;  // linearise() fills in those
+      std::uint32_t pairs = (laws_.others(i) & ((1u << i) - 1) & ~curved_) | 1u << i;
       for (; pairs != 0; pairs &= pairs - 1) fill_gram(i, std::countr_zero(pairs));
     }
     dual_.refactor();

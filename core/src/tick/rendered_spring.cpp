@@ -4,12 +4,25 @@
 
 namespace haptic::core {
 
+namespace {
+
+/// Several fingers, no prior and a diagonal Z_q: Eq. (8) is Z_q S J^+ dx, and Eq. (15) a sum of
+/// squares by Z_q.
+bool keeps_guard(const ProjectionModel& model) noexcept {
+  const bool fingers = model.has_blocks() ? model.blocks().size() > 1
+                                          : model.kinematics().limited_pairs().size() > 1;
+  return fingers && !model.prior() && !model.coupling();
+}
+
+}  // namespace
+
 RenderedSpring::RenderedSpring(const ProjectionModel& model, const PipelineConfig& config)
     : layout_(model.layout()),
       device_damping_(config.passivity.device_damping.size() > 0 ? config.passivity.device_damping
                                                                  : VecA(VecA::Zero(layout_.n_a()))),
       hold_(seconds(config.device.sample_period)),
       guarded_(config.monotone_envelope),
+      by_sum_(keeps_guard(model)),
       guard_(model, config.scene.stiffness),
       stretch_(VecA::Zero(layout_.n_a())),
       displayed_(VecA::Ones(layout_.n_a())),
@@ -31,7 +44,7 @@ void RenderedSpring::step(const Beat& beat, const Sensed& sensed, const Anchor& 
     weakest_ = coupled_->hold_within(force_limit);
   }
   const bool pulls = wanted.anchored && wanted.mapped;
-  const bool taken_off = pulls && withheld(sensed, settings, at, effort);
+  const bool taken_off = pulls && withheld(sensed, wanted, settings, at, effort);
   if (passivity_) {
     pay(beat, sensed, wanted, life, settings, at, taken_off || !wanted.anchored, effort);
   }
@@ -52,7 +65,7 @@ void RenderedSpring::hold(const Effort& effort) noexcept {
   if (passivity_) passivity_->hold(effort.tau_elastic, effort.tau_damping);
 }
 
-bool RenderedSpring::withheld(const Sensed& sensed, const Settings& settings,
+bool RenderedSpring::withheld(const Sensed& sensed, const Anchor& wanted, const Settings& settings,
                               const Displacement& at, Effort& effort) noexcept {
   if (envelope_) {
     const EnvelopeAnswer answer = envelope_->apply(at.probe, at.dx, settings.renderer, anchor_);
@@ -64,7 +77,9 @@ bool RenderedSpring::withheld(const Sensed& sensed, const Settings& settings,
   } else {
     const bool guarded = (settings.direction_guard || guarded_) &&
                          settings.renderer != RendererKind::kPerContact;  // has a rule of its own
-    if (!guarded || guard_.allows(at.probe, at.dx, force(settings))) return false;
+    const bool towards = by_sum_ && settings.renderer == RendererKind::kSubspaceLinear &&
+                         wanted.projection == ProjectionStatus::kExact;
+    if (!guarded || towards || guard_.allows(at.probe, at.dx, force(settings))) return false;
     effort.limiters.set(Limiter::kDirectionGuard);
   }
   stretch_.setZero();

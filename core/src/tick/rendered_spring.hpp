@@ -37,7 +37,7 @@ class RenderedSpring {
 
  private:
   /// Envelope or direction guard. True: the elastic force is withheld, and the anchor is at q.
-  [[nodiscard]] bool withheld(const Sensed& sensed, const Settings& settings,
+  [[nodiscard]] bool withheld(const Sensed& sensed, const Anchor& wanted, const Settings& settings,
                               const Displacement& at, Effort& effort) noexcept;
   /// The tank decides the anchor in use, the observer what it adds to the damping.
   void pay(const Beat& beat, const Sensed& sensed, const Anchor& wanted, const Lifecycle& life,
@@ -49,6 +49,7 @@ class RenderedSpring {
   const VecA device_damping_;  ///< n_a
   const double hold_;          ///< nominal period of the device's samples, s
   const bool guarded_;         ///< the scene has a direction guard in every session
+  const bool by_sum_;          ///< the guard judges Eq. (8) by Eq. (15) alone, which it keeps
   DirectionGuard guard_;
   std::optional<MonotoneEnvelope> envelope_{};
   std::optional<Passivity> passivity_{};

@@ -161,6 +161,38 @@ TEST_P(EveryLinkage, BothClosedFormsAgree) {
   EXPECT_LT(closure, 1e-15);
 }
 
+/// At constant rates of x: J q_dot = x_dot, and J_dot q_dot = -J q_ddot, by central differences of
+/// the inverse along the way.
+TEST_P(EveryLinkage, FollowsXWithRatesAndAccelerations) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> rate(-3.0, 3.0);
+  constexpr double h = 1e-5;
+  int poses = 0;
+  while (poses < 500) {
+    const VecQ q = random_pose(random);
+    const FingerPose p = finger_pose(dimensions, q[0], q[1]);
+    const double mcp_dot = rate(random);
+    const Eigen::Vector2d x(p.q_o1, p.q_o2), x_dot(mcp_dot, rate(random));
+    VecQ now, ahead, behind;
+    Followed at;
+    if (!valid(dimensions, p) || p.c1 < 0.004 || p.c2 < 0.004 ||
+        finger->inverse_inside(VecX(x + h * x_dot), ahead) != InverseStatus::kExact ||
+        finger->inverse_inside(VecX(x - h * x_dot), behind) != InverseStatus::kExact) {
+      continue;
+    }
+    ++poses;
+    ASSERT_EQ(finger->inverse_inside(VecX(x), now), InverseStatus::kExact);
+    ASSERT_EQ(finger->follow(x, x_dot, at), InverseStatus::kExact);
+    EXPECT_EQ(VecQ(at.q), now);
+    const VecQ q_dot = (ahead - behind) / (2.0 * h);
+    const VecQ q_ddot = (ahead - 2.0 * now + behind) / (h * h);
+    EXPECT_LT((at.J * q_dot - x_dot).norm(), 1e-4 * x_dot.norm());
+    EXPECT_LT((at.product + at.J * q_ddot).norm(), 1e-2 * (1.0 + at.product.norm()));
+  }
+  Followed at;
+  EXPECT_EQ(finger->follow({2.2, 1.0}, {0.0, 0.0}, at), InverseStatus::kUnreachable);
+}
+
 /// The nearest feasible pose by exhaustion, refined twice: the algebra of nobody but the forward
 /// map.
 double brute_force_residual(const FingerDimensions& d, double mcp, double pip, VecQ& best) {

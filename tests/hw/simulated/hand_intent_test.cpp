@@ -73,6 +73,17 @@ TEST(HandIntent, QuaternionsMayTurnThroughPi) {
   EXPECT_NEAR(hand.intent().at(3, 1.5), 0.0, 1e-12);
 }
 
+TEST(HandIntent, AllAtOnceTheSameBits) {
+  const SimulatedHand hand = playing(
+      "time_s,palm.x,palm.y,palm.z,index.q_o1_mcp_rad,index.q_o2_pip_rad\n"
+      "0,0.3,0.2,0.1,0.4,0.6\n0.7,0.1,0.2,0.5,0.1,0.9\n1,0.3,0.4,0.1,0.4,0.5\n");
+  core::VecQ aim(16);
+  for (double t = 0.0; t < 4.0; t += 0.01) {  // on the way back and in later rounds as well
+    hand.intent().at(t, aim);
+    for (int i = 0; i < 16; ++i) EXPECT_EQ(aim[i], hand.intent().at(i, t)) << i << " at " << t;
+  }
+}
+
 TEST(HandIntent, NamesWhatAFileLacks) {
   const std::string zeros = "\n0,0,0,0,0,0\n1,0,0,0,0,0\n";
   EXPECT_EQ(error_of("time_s,palm.x,palm.y,palm.z" + zeros), "no error");

@@ -51,6 +51,13 @@ struct PairLimit {
 inline constexpr int kPairLimits = 5;
 using PairLimits = std::array<PairLimit, kPairLimits>;
 
+/// What Kinematics::follow() answers.
+struct Followed {
+  Eigen::Vector2d q{Eigen::Vector2d::Zero()};
+  Eigen::Matrix2d J{Eigen::Matrix2d::Zero()};        ///< dx/dq
+  Eigen::Vector2d product{Eigen::Vector2d::Zero()};  ///< J_dot q_dot
+};
+
 /// Which of a map's independent blocks: bit i stands for the i-th of Kinematics::blocks(). A map
 /// without blocks counts as one block.
 using BlockSet = std::uint32_t;
@@ -122,6 +129,13 @@ class Kinematics {
   /// The device as bodies that move, for a picture of it; without bodies: it has none. Not for the
   /// loop: it allocates.
   [[nodiscard]] virtual Drawing drawing() const;
+  /// inverse_inside(), and in the same work J at that q and velocity_product() for the rates that
+  /// move x at `x_dot`: what a simulation that follows x needs. Only of two DoFs, in closed form.
+  [[nodiscard]] virtual InverseStatus follow(const Eigen::Vector2d& /*x*/,
+                                             const Eigen::Vector2d& /*x_dot*/,
+                                             Followed& /*out*/) const noexcept {
+    return InverseStatus::kNotOffered;
+  }
   /// Mean of ||J_a|| (Frobenius) over the reachable workspace: the scale that the paper's Z_x
   /// factors out (section VI.C).
   [[nodiscard]] double mean_actuated_jacobian() const noexcept { return mean_J_a_; }

@@ -93,6 +93,9 @@ class PlaneProjection {
   struct Rows {
     int first{0}, count{0};
   };
+  [[nodiscard]] static constexpr bool meet(Rows a, Rows b) noexcept {
+    return a.first < b.first + b.count && b.first < a.first + a.count;
+  }
   [[nodiscard]] Rows rows_of(int i) const noexcept { return rows_[static_cast<std::size_t>(i)]; }
   [[nodiscard]] Rows rows_into(int i) const noexcept {
     return metric_.is_diagonal() ? rows_of(i) : Rows{0, static_cast<int>(A_.rows())};
@@ -151,7 +154,7 @@ class PlaneProjection {
   PlaneSet::Normals A_{};                   ///< unit in W^-1
   Contacts contacts_{};                     ///< into: D = W^-1 A
   Vector beta_{}, gamma_{}, speed_{};       ///< of the scaled contacts; beta_ relative to at_
-  PlaneSet::Normals told_{}, told_into_{};  ///< these five: of curved contacts at at_
+  PlaneSet::Normals told_{}, told_into_{};  ///< these five: at at_, columns of curved contacts
   Vector told_beta_{}, told_gamma_{}, told_speed_{};
   Vector scale_{};            ///< of a contact now by what it was at at_
   PlaneSet::Curvatures H_{};  ///< scaled

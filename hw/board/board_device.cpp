@@ -22,7 +22,7 @@ BoardDevice::BoardDevice(const BoardConfig& config,
   constexpr core::Duration kPatience = std::chrono::seconds(3);
   side_.identify(io_->greeted(kPatience));
   side_.info().model += ", at " + config.port;
-  side_.info().notes = io_->notes();
+  for (const std::string& note : io_->notes()) side_.info().notes.push_back(note);
 }
 
 BoardDevice::~BoardDevice() {

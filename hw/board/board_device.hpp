@@ -22,9 +22,10 @@
 namespace haptic::hw {
 
 struct BoardConfig final : DeviceConfig {
-  std::string port{};    ///< "/dev/ttyACM0", a link under /dev/serial/by-id, or a pseudo-terminal
-  int baud{921600};      ///< of real serial ports; USB ignores it
-  std::string serial{};  ///< the board's own; empty: any board that answers
+  std::string port{};     ///< "/dev/ttyACM0", a link under /dev/serial/by-id, or a pseudo-terminal
+  int baud{921600};       ///< of real serial ports; USB ignores it
+  std::string serial{};   ///< the board's own; empty: any board that answers
+  std::string linkage{};  ///< as in Expectation
   core::VecA max_effort{};  ///< n_a, N or N m; the board's dictionary must allow at least this
   core::Duration max_silence{std::chrono::milliseconds(10)};
   std::optional<board::Calibration> calibration{};  ///< absent: readings are used as they are

@@ -13,7 +13,8 @@ DeviceSide::DeviceSide(const BoardConfig& config,
                        core::Duration longest_lateness)
     : kinematics_(std::move(kinematics)),
       calibration_(config.calibration),
-      expectation_{kinematics_->dofs(), config.max_effort, longest_lateness, config.serial} {
+      expectation_{kinematics_->dofs(), config.max_effort, longest_lateness, config.serial,
+                   config.linkage} {
   info_.kind = "board";
   info_.dofs = kinematics_->dofs();
   info_.limits = device_limits(*kinematics_, config.max_effort);
@@ -28,6 +29,9 @@ void DeviceSide::identify(const Introduction& said) {
         << int{identity.firmware[1]} << '.' << int{identity.firmware[2]};
   info_.model = model.str();
   info_.serial = identity.serial;
+  if (const std::string unknown = not_compared(expectation_, identity); !unknown.empty()) {
+    info_.notes.push_back("the board " + unknown);
+  }
   info_.limits.drive_damping = said.drive_damping;
   info_.limits.sample_period = std::chrono::microseconds(identity.sample_period_us);
   info_.measures_force = (identity.capabilities & kMeasuresForce) != 0;

@@ -3,11 +3,18 @@
 #include <algorithm>
 #include <sstream>
 
+#include "haptic/core/model/finger_exoskeleton.hpp"
+
 namespace haptic::hw::board {
 namespace {
 
 double milliseconds(core::Duration d) {
   return 1e3 * core::seconds(d);
+}
+
+bool names_a_linkage(const std::string& model) {
+  const auto& all = core::kFingerLinkages;
+  return std::find(all.begin(), all.end(), model) != all.end();
 }
 
 const char* unit_name(bool radian) {
@@ -33,6 +40,10 @@ std::string difference(const Expectation& expected, const Identity& found,
          << " ms, and at most " << milliseconds(kLongestWatchdog) << " ms";
   } else if (!expected.serial.empty() && found.serial != expected.serial) {
     text << "its serial = '" << found.serial << "': must be '" << expected.serial << "'";
+  } else if (!expected.linkage.empty() && found.model != expected.linkage &&
+             names_a_linkage(found.model)) {
+    text << "its model = '" << found.model << "': must be '" << expected.linkage
+         << "', the linkage of the scene, or no linkage's name";
   } else if (before && found.serial != before->serial) {
     changed("serial", "'" + found.serial + "'", "'" + before->serial + "'");
   } else if (before && found.model != before->model) {
@@ -46,6 +57,12 @@ std::string difference(const Expectation& expected, const Identity& found,
     text << "has " << int{found.n_q} << " DoF(s); must have " << expected.dofs.size();
   }
   return text.str();
+}
+
+std::string not_compared(const Expectation& expected, const Identity& found) {
+  if (expected.linkage.empty() || found.model == expected.linkage) return {};
+  return "does not say which linkage it carries (its model = '" + found.model +
+         "'); the scene has " + expected.linkage;
 }
 
 std::string difference(const Expectation& expected, std::size_t index, const Dof& found) {

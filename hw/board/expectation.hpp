@@ -22,7 +22,8 @@ struct Expectation {
   core::VecA max_effort{};  ///< n_a: the dictionary must allow at least this much
   /// loop_late_fault; the board's watchdog must be longer, up to kLongestWatchdog.
   core::Duration longest_lateness{0};
-  std::string serial{};  ///< empty: any board
+  std::string serial{};   ///< empty: any board
+  std::string linkage{};  ///< one of kFingerLinkages that the scene has as it is; empty: none
 };
 
 /// How `found` differs, as the end of a sentence about the board; empty if it fits. `before`: the
@@ -30,6 +31,10 @@ struct Expectation {
 /// sample period must be the same, because the loop was built with them.
 [[nodiscard]] std::string difference(const Expectation& expected, const Identity& found,
                                      const std::optional<Identity>& before);
+
+/// What nobody compared, as the end of a sentence about a board that fits: the scene has a linkage
+/// with a name, and the board's model is no such name. Empty if there is nothing to say.
+[[nodiscard]] std::string not_compared(const Expectation& expected, const Identity& found);
 
 /// The same for entry number `index` of the dictionary, below expected.dofs.size().
 [[nodiscard]] std::string difference(const Expectation& expected, std::size_t index,

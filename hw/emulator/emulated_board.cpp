@@ -61,7 +61,7 @@ EmulatedBoard::EmulatedBoard(const EmulatorConfig& config, Intent intent,
     dofs_[i] = dictionary_entry(kinematics->dofs().at(i), config.actuator);
   }
   board_config_ = {config_.serial.c_str(),
-                   "emulated finger",
+                   config_.model.c_str(),
                    {1, 0, 0},
                    capabilities(config_.control),
                    config_.watchdog_us,

@@ -27,6 +27,7 @@ enum class BoardControl : std::uint8_t {
 struct EmulatorConfig {
   std::uint64_t seed{1};
   std::string serial{"EMULATOR-1"};
+  std::string model{"finger_same_sign"};  ///< the linkage of the default FingerDimensions
   std::uint32_t watchdog_us{25000};
   /// 0: bytes pass at once. 2000: only every 2 ms, both ways, as over the paper's USB link.
   std::uint32_t link_period_us{0};

@@ -75,8 +75,8 @@ SharedKinematics read_finger_exoskeleton(const Part<v1::FingerExoskeletonScene>&
 }  // namespace
 
 core::FingerDimensions read_dimensions(const Part<v1::FingerExoskeletonScene>& part) {
-  const bool sign_change =
-      part.word("linkage", {"finger_same_sign", "finger_sign_change"}, "finger_same_sign") == 1;
+  const std::vector<std::string> names(core::kFingerLinkages.begin(), core::kFingerLinkages.end());
+  const bool sign_change = part.word("linkage", names, names[0]) == 1;
   core::FingerDimensions d = sign_change ? core::finger_sign_change() : core::FingerDimensions{};
   part.numbers({
       {"proximal_phalanx_m", &d.proximal_phalanx, Allowed::kPositive},

@@ -183,6 +183,16 @@ std::optional<hw::board::Calibration> read_calibration(const Part<v1::Board>& pa
   return calibration;
 }
 
+/// One of core::kFingerLinkages, if every dimension of the scene is that linkage's.
+std::string linkage_of(const Device& device) {
+  if (!device->has_finger_exoskeleton()) return {};
+  const auto part = device.part<v1::FingerExoskeletonScene>("finger_exoskeleton");
+  const core::FingerDimensions dimensions = read_dimensions(part);
+  if (dimensions == core::FingerDimensions{}) return std::string(core::kFingerLinkages[0]);
+  if (dimensions == core::finger_sign_change()) return std::string(core::kFingerLinkages[1]);
+  return {};
+}
+
 hw::BoardConfig read_board(const Part<v1::Board>& part, const core::Kinematics* kinematics,
                            int n_a) {
   hw::BoardConfig c;
@@ -243,7 +253,9 @@ std::shared_ptr<const hw::DeviceConfig> read_source(const Device& device,
   }
   if (source == "replay") return shared(read_replay(device.part<v1::Replay>(source), n_a));
   if (source == "board") {
-    return shared(read_board(device.part<v1::Board>(source), kinematics, n_a));
+    hw::BoardConfig config = read_board(device.part<v1::Board>(source), kinematics, n_a);
+    if (kinematics != nullptr) config.linkage = linkage_of(device);  // else reported
+    return shared(std::move(config));
   }
   return nullptr;
 }

@@ -7,18 +7,10 @@ namespace haptic::core {
 
 namespace {
 
-/// K T^2 / M_a of the stiffest spring that is lent: 10000 N/m at 50 g and 1 ms. M_a would swing on
-/// it in 14 ticks, so its force changes over several of them.
-constexpr double kStiffest = 0.2;
-
 /// The share of d, 0 to 1, whose force may be lent with `left` J.
 double lent(double left, const SpringStorage& after, const VecA& d, const Motion& motion) noexcept {
   if (!(left > 0.0)) return 0.0;
-  const VecA tau = after.force(d);
-  const double stored = motion.stored(tau);
-  double share = stored > left ? std::sqrt(left / stored) : 1.0;
-  const double coming = motion.coming(VecA(share * tau));
-  if (coming > left) share *= left / coming;
+  const double share = motion.share(after.force(d), left);
   return share < 1.0 ? share * after.relief(d) : 1.0;
 }
 
@@ -32,18 +24,20 @@ void EnergyTank::refill(double dt, const HoldAccount& account) noexcept {
       settings_.capacity);
 }
 
-double Motion::coming(const VecA& tau) const noexcept {
-  double sum = 0.0;
+double Motion::share(const VecA& tau, double left) const noexcept {
+  double goes_on = 0.0, faster = 0.0;  // J: s tau gives s goes_on + s^2 faster
   for (Eigen::Index i = 0; i < tau.size(); ++i) {
+    if (tau[i] == 0.0) continue;
     const double way = tau[i] < 0.0 ? -1.0 : 1.0;
-    const double rise = way * (tau[i] - held[i]) * kick[i];
-    sum += std::max(0.0, way * tau[i] * (way * dq[i] + std::max(0.0, rise)));
+    const double own = std::max(0.0, way * held[i]) * kick[i];
+    const double reach = way * dq[i] + std::clamp(way * more[i], 0.0, own);
+    goes_on += std::abs(tau[i]) * std::max(0.0, reach);
+    faster += tau[i] * tau[i] * kick[i];
+    // The force goes on for tau / slew holds, with half of itself in the mean.
+    if (slew.size() > 0) faster += tau[i] * tau[i] * std::max(0.0, reach) / (2.0 * slew[i]);
   }
-  return sum;
-}
-
-double Motion::stored(const VecA& tau) const noexcept {
-  return tau.cwiseAbs2().dot(kick) / kStiffest;
+  if (goes_on + faster <= left) return 1.0;
+  return 2.0 * left / (goes_on + std::sqrt(goes_on * goes_on + 4.0 * faster * left));
 }
 
 double EnergyTank::admit(double before, const SpringStorage& after, const VecA& d,

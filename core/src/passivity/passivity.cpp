@@ -62,7 +62,7 @@ Passivity::Passivity(const PassivitySettings& settings, int n_a)
       damping_(VecA::Zero(n_a)) {
   if (settings_.device_damping.size() == 0) settings_.device_damping = VecA::Zero(n_a);
   spring_.stiffness = spring_.limit = VecA::Zero(n_a);
-  motion_ = {VecA::Zero(n_a), VecA::Zero(n_a), VecA::Zero(n_a)};
+  motion_ = {VecA::Zero(n_a), VecA::Zero(n_a), VecA::Zero(n_a), VecA::Zero(n_a), {}};
   record_.on = true;
 }
 
@@ -99,8 +99,10 @@ void Passivity::measure(const VecA& q_a, bool fresh, bool recent, Duration dt,
 /// force counts with the mean of both samples, as if it had changed linearly between them.
 void Passivity::book(const VecA& q_a, const VecA& force) noexcept {
   const VecA dq = q_a - q_a_;
+  motion_.more = dq - motion_.dq;
   motion_.dq = dq;
   motion_.held = elastic_;
+  hold_s_ = since_sample_;
   for (Eigen::Index i = 0; i < settings_.device_inertia.size(); ++i) {
     motion_.kick[i] = 0.5 * since_sample_ * since_sample_ / settings_.device_inertia[i];
   }
@@ -119,8 +121,8 @@ void Passivity::book(const VecA& q_a, const VecA& force) noexcept {
   if (settings_.observer.enabled) observer_.observe(account, dq, since_sample_, spring_);
 }
 
-const VecA& Passivity::admit(const SpringStorage& spring, const VecA& anchor,
-                             double contacts) noexcept {
+const VecA& Passivity::admit(const SpringStorage& spring, const VecA& anchor, double contacts,
+                             const VecA& slew) noexcept {
   const VecA stretch = anchor_ - q_a_;
   double before = spring_.energy(stretch);
   if (spring_.gain == 0.0 && spring.gain > 0.0) {
@@ -133,6 +135,7 @@ const VecA& Passivity::admit(const SpringStorage& spring, const VecA& anchor,
   if (settings_.tank.enabled) {
     // What a force adds to a motion within a hold is known only with the inertia that it moves.
     const bool lends = settings_.device_inertia.size() > 0;
+    motion_.slew = hold_s_ * slew;
     record_.scale = tank_.admit(before, spring, wanted, lends ? &motion_ : nullptr, contacts);
   }
   record_.throttled = record_.scale < 1.0;

@@ -42,7 +42,8 @@ Derating::Derating(const PipelineConfig& config, std::shared_ptr<const Stiffness
 }
 
 void Derating::Mean::add(double measured, double after) noexcept {
-  value += value < 0.0 ? measured - value : (measured - value) * std::min(1.0, after / kMemory_s);
+  over = value < 0.0 ? 0.0 : std::min(over + after, kMemory_s);
+  value += over > after ? (measured - value) * after / over : measured - value;
 }
 
 DeratingRecord Derating::step(const TickInput& in, const Beat& beat, const Sensed& sensed,

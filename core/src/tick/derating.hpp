@@ -26,9 +26,10 @@ class Derating {
   }
 
  private:
-  /// Mean over a second, weighted by time.
+  /// Mean over a second, or over all that was measured if that is less, weighted by time.
   struct Mean {
     double value{-1.0};  ///< s; < 0: none so far
+    double over{0.0};    ///< s
     void add(double measured, double after) noexcept;
   };
 

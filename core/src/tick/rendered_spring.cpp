@@ -121,7 +121,7 @@ void RenderedSpring::pay(const Beat& beat, const Sensed& sensed, const Anchor& w
   if (wanted.stored > 0.0 && wanted.coupling > 0.0 && !off) {
     coupling_ = spring.energy(VecA(anchor - q_a)) / wanted.coupling;
   }
-  anchor = passivity_->admit(spring, anchor, wanted.stored * coupling_);
+  anchor = passivity_->admit(spring, anchor, wanted.stored * coupling_, settings.slew_limit);
   effort.passivity = passivity_->record();
   for (int i = 0; i < layout_.n_a() && !off; ++i) {
     double& q_star = anchor_.q_star[layout_.actuated(i)];

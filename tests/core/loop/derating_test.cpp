@@ -114,6 +114,17 @@ TEST(Derating, ShortDelayCountsHalf) {
   EXPECT_NEAR(loop.stiffness(), kPays / (0.0005 + 0.012 / 2), 1e-9);
 }
 
+/// 30 and 70 ms late by turns: 50 and 90 ms old when the next one comes, 70 ms in the mean.
+TEST(Derating, FirstSamplesCountAlike) {
+  Late loop;
+  loop.run(loop.begin);
+  for (int sample = 0; sample < 20; ++sample) {
+    loop.late_ms = sample % 2 == 0 ? 30 : 70;
+    loop.run(loop.period_ms);
+  }
+  EXPECT_NEAR(loop.stiffness(), kPays / (0.0005 + 0.070 / 4), 0.03 * loop.stiffness());
+}
+
 TEST(Derating, LocalLawsKeepTheirBits) {
   const std::pair<int, std::function<void(ProxySnapshot&)>> laws[]{
       {0, {}}, {0, moving_plane}, {100, fixed_plane}, {100, contact}};

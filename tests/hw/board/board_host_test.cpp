@@ -61,6 +61,9 @@ TEST(BoardHost, RefusesABoardUnlikeTheScene) {
       {[](Expectation& e) { e.max_effort[0] = 51.0; },
        "DoF 0 max effort = 50: must be at least max_effort of the scene, 51"},
       {[](Expectation& e) { e.serial = "OTHER"; }, "its serial = 'EMULATOR-1': must be 'OTHER'"},
+      {[](Expectation& e) { e.linkage = "finger_sign_change"; },
+       "its model = 'finger_same_sign': must be 'finger_sign_change', the linkage of the scene, or "
+       "no linkage's name"},
   };
   for (const auto& [change, says] : table) {
     Expectation e = test::expect_finger();

@@ -9,8 +9,9 @@
 namespace haptic::hw::board {
 namespace {
 
-DeviceSide make_side() {
+DeviceSide make_side(const std::string& linkage = {}) {
   BoardConfig config;
+  config.linkage = linkage;
   config.max_effort = core::VecA::Constant(1, 40.0);
   return {config, core::make_finger_exoskeleton(core::finger_sign_change()), core::Duration{0}};
 }
@@ -47,6 +48,19 @@ TEST(DeviceSide, TheBoardTellsItsDrivesDamping) {
   side.identify({{.capabilities = kMeasuresForce}, core::VecA::Constant(1, 3125.0)});
   EXPECT_TRUE(side.info().measures_force);
   EXPECT_EQ(side.info().limits.drive_damping, core::VecA::Constant(1, 3125.0));
+}
+
+TEST(DeviceSide, SaysWhichLinkageNoneCompared) {
+  DeviceSide unnamed = make_side("finger_same_sign"), named = unnamed, own = make_side();
+  unnamed.identify({{.model = "my exoskeleton"}, {}});
+  ASSERT_EQ(unnamed.info().notes.size(), 1u);
+  EXPECT_EQ(unnamed.info().notes[0],
+            "the board does not say which linkage it carries (its model = 'my exoskeleton'); the "
+            "scene has finger_same_sign");
+  named.identify({{.model = "finger_same_sign"}, {}});
+  own.identify({{.model = "finger_same_sign"}, {}});
+  EXPECT_TRUE(named.info().notes.empty());
+  EXPECT_TRUE(own.info().notes.empty()) << "the scene has dimensions without a name";
 }
 
 }  // namespace

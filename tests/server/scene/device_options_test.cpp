@@ -1,6 +1,7 @@
 // Options of a device: passivity, ratings, metric, diagnostics, tracker.
 #include <Eigen/Core>
 
+#include "hw/board/board_device.hpp"
 #include "tests/server/scene/scene_run.hpp"
 #include "tests/server/scene/scene_text.hpp"
 
@@ -96,6 +97,18 @@ TEST(PassivityScene, ARecordingHasNoDynamics) {
   expect_says(with_option(kReplayed, "passivity { observer {} }"), "inertia_kg");
   EXPECT_EQ(device_having("passivity { tank {} }", kReplayed).pipeline.passivity.device_damping[0],
             0.0);
+}
+
+TEST(BoardScene, KnowsItsLinkagesName) {
+  const auto linkage_of = [](const std::string& finger) {
+    const std::string board =
+        replaced(kFinger, "simulated_finger {}", "board { port: 'p' max_effort: 40 }");
+    const server::Scene scene = parse(replaced(board, "exoskeleton {}", "exoskeleton " + finger));
+    return dynamic_cast<const hw::BoardConfig&>(*scene.devices[0].source).linkage;
+  };
+  EXPECT_EQ(linkage_of("{}"), "finger_same_sign");
+  EXPECT_EQ(linkage_of("{ linkage: 'finger_sign_change' }"), "finger_sign_change");
+  EXPECT_EQ(linkage_of("{ rod1_m: 0.0101 }"), "");
 }
 
 TEST(RatingsScene, EachMayStandAlone) {

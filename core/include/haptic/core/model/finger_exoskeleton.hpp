@@ -5,7 +5,9 @@
 /// metacarpal, +y dorsal. The dimensions are parameters of the scene; the defaults are
 /// this project's choice, because those of the paper's device are not public.
 
+#include <array>
 #include <memory>
+#include <string_view>
 
 #include "haptic/core/model/kinematics.hpp"
 
@@ -14,6 +16,7 @@ namespace haptic::core {
 struct Point2 {
   double x{0.0};
   double y{0.0};
+  [[nodiscard]] bool operator==(const Point2&) const = default;
 };
 
 /// Lengths in m, angles in rad. Defaults: core/METHOD.md#finger-linkage, whose actuator's force
@@ -30,7 +33,12 @@ struct FingerDimensions {
   double slider2_lower{0.004}, slider2_upper{0.030};  ///< c2
   double l_x_lower{0.0}, l_x_upper{0.0335};           ///< of the 50 mm that the actuator has
   double q_B_lower{-50.0 * 0.017453292519943295}, q_B_upper{62.0 * 0.017453292519943295};
+  [[nodiscard]] bool operator==(const FingerDimensions&) const = default;
 };
+
+/// The linkages that have a name: the default dimensions, and finger_sign_change().
+inline constexpr std::array<std::string_view, 2> kFingerLinkages{"finger_same_sign",
+                                                                 "finger_sign_change"};
 
 /// The linkage of the hard studies and of most figures of core/METHOD.md: well conditioned, but
 /// over a third of the workspace its actuator flexes one joint and extends the other.

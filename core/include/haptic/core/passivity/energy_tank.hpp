@@ -1,18 +1,17 @@
 #pragma once
 /// The energy tank (core/METHOD.md#energy-tank): the force may give only as much energy as the tank
-/// holds. A spring that stores more than that is lent, up to the force that a much stiffer spring
-/// would have with what is left, and as long as the next hold keeps within it: the force falls as
-/// what is left falls, and is whole again when the user has put in enough. It reckons with V(q_a)
-/// and with the force that was held over each tick, so that for every client, renderer, rate and
-/// delay
+/// holds. A spring that stores more than that is lent as long as its force keeps within what is
+/// left in the next hold, even if the hand lets go: the force ends as what is left ends, and is
+/// whole again when the user has put in enough. It reckons with V(q_a) and with the force that was
+/// held over each tick, so that for every client, renderer, rate and delay
 ///   energy given to the user, net of the device's own damping
 ///     <= initial + integral P_env dt + debt.
 /// The level falls below 0 only by what the tank cannot refuse: the leak of the hold on a device
 /// whose damping is unknown or too small (K T/2 > b, core/METHOD.md#sampled-data), and a limited or
-/// late force; and, while a spring is lent, the surprise of a device that moves faster in a period
-/// than its last motion lets expect (Motion::coming()). The spring then pays at once, out of
-/// what it stores; debt is what the whole spring could not pay. If the tank only refused further
-/// changes and kept the spring, a stiff spring would give out 100 times as much energy (measured).
+/// late force; and, while a spring is lent, the surprise of a device that something else pushes
+/// along the force (Motion::share()). The spring then pays at once, out of what it stores; debt is
+/// what the whole spring could not pay. If the tank only refused further changes and kept the
+/// spring, a stiff spring would give out 100 times as much energy (measured).
 
 #include <tuple>
 
@@ -43,18 +42,18 @@ struct HoldAccount {
   }
 };
 
-/// How the device moved, and what moved it: what the next hold can give at most is guessed from it.
+/// How the device moved, and what moved it: what the next hold can give at most follows from it.
 struct Motion {
   VecA dq{};    ///< of the last hold, n_a; m or rad
+  VecA more{};  ///< dq less that of the hold before, n_a
   VecA held{};  ///< force of the last hold, n_a
-  VecA kick{};  ///< T^2 / (2 M_a): how much farther a hold goes per unit of force, n_a
+  VecA kick{};  ///< T^2 / (2 M_a): how far a unit of force moves M_a in a hold, from rest, n_a
+  VecA slew{};  ///< by which a force can fall from hold to hold, n_a; size 0: at once
 
-  /// What the stiffest spring that may be lent stores at a force tau (n_a), J: sum of tau^2 / (2 K)
-  /// with K T^2 / M_a = kStiffest.
-  [[nodiscard]] double stored(const VecA& tau) const noexcept;
-  /// What a force tau (n_a) is taken to give in the next hold, J: if the motion goes on as in the
-  /// last one, and faster by the force's own rise.
-  [[nodiscard]] double coming(const VecA& tau) const noexcept;
+  /// The largest share, 0 to 1, of a force tau (n_a) that gives no more than `left` (J, > 0) in the
+  /// next hold, and while it then falls by `slew`, if nothing else pushes the device along it: a
+  /// hand may let go with any sample.
+  [[nodiscard]] double share(const VecA& tau, double left) const noexcept;
 };
 
 class EnergyTank {

@@ -63,9 +63,10 @@ class Passivity {
   void measure(const VecA& q_a, bool fresh, bool recent, Duration dt,
                const VecA& force = {}) noexcept;
   /// The spring of this tick, the wanted anchor S q* (n_a), and what the contacts behind it store,
-  /// J. Returns the anchor in use, q_a + s (S q* - q_a), with the tank's s.
-  const VecA& admit(const SpringStorage& spring, const VecA& anchor,
-                    double contacts = 0.0) noexcept;
+  /// J. `slew`: the limit on how fast the force changes, n_a, N/s; size 0: none. Returns
+  /// the anchor in use, q_a + s (S q* - q_a), with the tank's s.
+  const VecA& admit(const SpringStorage& spring, const VecA& anchor, double contacts = 0.0,
+                    const VecA& slew = {}) noexcept;
   /// The controller's force, n_a.
   [[nodiscard]] const VecA& controller() const noexcept { return observer_.tau(); }
   /// What the device holds until the next tick, after every limit. n_a each.
@@ -89,6 +90,7 @@ class Passivity {
   VecA elastic_, damping_;          ///< held now
   VecA force_{};                    ///< measured with the last sample; size 0: was not
   double since_sample_{0.0};        ///< s
+  double hold_s_{0.0};              ///< of the last hold, s
 };
 
 }  // namespace haptic::core

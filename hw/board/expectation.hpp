@@ -32,8 +32,8 @@ struct Expectation {
 [[nodiscard]] std::string difference(const Expectation& expected, const Identity& found,
                                      const std::optional<Identity>& before);
 
-/// What nobody compared, as the end of a sentence about a board that fits: the scene has a linkage
-/// with a name, and the board's model is no such name. Empty if there is nothing to say.
+/// The linkage could not be compared, as the end of a sentence about a board that fits: the scene
+/// has one with a name, and the board's model is no such name. Empty if there is nothing to say.
 [[nodiscard]] std::string not_compared(const Expectation& expected, const Identity& found);
 
 /// The same for entry number `index` of the dictionary, below expected.dofs.size().

@@ -10,9 +10,9 @@ bool PlaneSet::fits(int n_x) const noexcept {
   if (count == 0) return true;
   if (normals.rows() != n_x || normals.cols() != count || !normals.allFinite() ||
       !offsets.allFinite() || !none_or_all(compliance) || !none_or_all(velocity) ||
-      !none_or_all(uncertainty) || (laws.cols() != 0 && laws.cols() != count) ||
-      !laws.allFinite() || (objects.cols() != 0 && objects.cols() != count) ||
-      !objects.allFinite()) {
+      !none_or_all(uncertainty) || !none_or_all(ids) ||
+      (laws.cols() != 0 && laws.cols() != count) || !laws.allFinite() ||
+      (objects.cols() != 0 && objects.cols() != count) || !objects.allFinite()) {
     return false;
   }
   if (!curvature.allFinite()) return false;

@@ -179,7 +179,8 @@ TEST(PushedObjects, DelayIsNotFelt) {
                      std::to_string(rate) + "/s, " + std::to_string(round_trip) + " s");
         const PushedFigures f = feel(p);
         EXPECT_GT(f.peak, 1.5);
-        EXPECT_LT(f.rms, 1.5e-3 * f.peak);
+        // What slides away is judged by its first touch, when little is known of its mass.
+        EXPECT_LT(f.rms, (p.ground == 0.0 ? 2.5e-3 : 1e-3) * f.peak);
       }
     }
   }
@@ -225,7 +226,7 @@ TEST(PushedObjects, SamplesTellTheMass) {
   }
 }
 
-TEST(PushedObjects, UntoldForcesAreNotTakenForMass) {
+TEST(PushedObjects, UntoldForceIsNotMass) {
   for (Pushed p : objects()) {
     p.hidden = 0.1;
     p.round_trip = 0.100;

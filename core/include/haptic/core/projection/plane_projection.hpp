@@ -57,7 +57,7 @@ class PlaneProjection {
   /// not diagonal 2 n_x^2 multiplications per contact; otherwise n_x. Never allocates.
   void set(const PlaneSet& planes, const VecX& x, const VecX* x_used = nullptr) noexcept;
 
-  /// The next set() is of another tenure, or of a tick that is not known: nothing is known of masses.
+  /// The next set() begins a stream of samples: nothing is known of masses.
   void forget_masses() noexcept { laws_.clear(); }
   /// Back to the sample: the next project() finds objects with a law where they were told. If the
   /// calls from there on lead to where the next set() begins, that learns from what it tells of

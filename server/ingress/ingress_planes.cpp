@@ -184,6 +184,7 @@ void Ingress::store_planes(const ProxySample& sample) {
   planes.velocity.resize(moving ? count : 0);
   planes.uncertainty.resize(known ? count : 0);
   planes.laws.resize(Eigen::NoChange, pushed ? count : 0);
+  planes.ids.resize(pushed ? count : 0);
   planes.objects.setZero(Eigen::NoChange, shared ? count : 0);
   planes.curvature.resize(curvatures);
   curvatures = 0;
@@ -196,6 +197,7 @@ void Ingress::store_planes(const ProxySample& sample) {
     if (pushed) {
       planes.laws.col(p) << plane.mass, plane.damping, plane.ground_stiffness, flushed(plane.load);
     }
+    if (pushed) planes.ids[p] = plane.id;
     if (shared) planes.objects(0, p) = plane.object;
     for (std::uint32_t k = 0; shared && k < plane.object_direction.count; ++k) {
       planes.objects(1 + k, p) = flushed(plane.object_direction.value[k]);

@@ -19,6 +19,7 @@ namespace haptic::test {
   set.compliance.resize(count);
   set.velocity.resize(count);
   set.laws.resize(4, count);
+  set.ids.resize(count);
   const bool shared = std::any_of(planes.begin(), planes.end(),
                                   [](const client::Plane& p) { return p.object != 0; });
   set.objects.setZero(Eigen::NoChange, shared ? count : 0);
@@ -34,6 +35,7 @@ namespace haptic::test {
     set.velocity[p] = plane.velocity;
     if (known) set.uncertainty[p] = *plane.uncertainty;
     set.laws.col(p) << plane.mass, plane.damping, plane.ground_stiffness, plane.load;
+    set.ids[p] = plane.id;
     if (shared) set.objects(0, p) = plane.object;
     for (std::size_t k = 0; shared && k < plane.object_direction.size(); ++k) {
       set.objects(static_cast<Eigen::Index>(1 + k), p) = plane.object_direction[k];

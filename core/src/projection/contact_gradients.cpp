@@ -31,7 +31,7 @@ void PlaneProjection::take(const PlaneSet& planes, int i) noexcept {
     contacts_.into.col(i).setZero();
     return;
   }
-  laws_.take(planes.laws, i, speed, length);
+  laws_.take(planes.laws, i, speed, length, planes.ids.size() > 0 ? planes.ids[i] : 0.0);
   if (laws_.has(i)) speed = 0.0;
   beta_[i] = planes.offsets[i] / length - along(i, at_.data());
   gamma_[i] = gamma / (length * length);

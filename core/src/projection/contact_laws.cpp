@@ -6,7 +6,17 @@
 
 namespace haptic::core {
 
-void ContactLaws::take(const PlaneSet::Laws& told, int i, double velocity, double length) noexcept {
+void ContactLaws::rewind() noexcept {
+  for (int i = 0; i < count_; ++i) {
+    if (!has(i)) continue;
+    v_[i] = told_v_[i];
+    s_[i] = l_[i] = free_[i] = give_[i] = root_[i] = jump_[i] = 0.0;
+  }
+  time_ = dt_ = 0.0;
+}
+
+void ContactLaws::take(const PlaneSet::Laws& told, int i, double velocity, double length,
+                       double id) noexcept {
   if (told.cols() == 0 || !(told(PlaneSet::kMass, i) > 0.0)) return;
   const double area = length * length;
   with_ |= 1u << i;
@@ -15,7 +25,9 @@ void ContactLaws::take(const PlaneSet::Laws& told, int i, double velocity, doubl
   damping_[i] = told(PlaneSet::kDamping, i) * area;
   stiffness_[i] = told(PlaneSet::kStiffness, i) * area;
   load_[i] = told(PlaneSet::kLoad, i) * length;
-  v_[i] = velocity / length;
+  id_[i] = id;
+  object_[i] = 0.0;
+  v_[i] = told_v_[i] = velocity / length;
   s_[i] = l_[i] = free_[i] = give_[i] = root_[i] = 0.0;
   dt_ = 0.0;
 }
@@ -27,6 +39,7 @@ void ContactLaws::share(const PlaneSet::Objects& told) noexcept {
     const double length = direction.stableNorm();
     if (!has(i) || told(0, i) == 0.0 || !(length > 0.0) || !std::isfinite(length)) continue;
     unit.col(i) = direction / length;
+    object_[i] = told(0, i);
     for (std::uint32_t left = shared_; left != 0; left &= left - 1) {
       const int j = std::countr_zero(left);
       if (told(0, j) != told(0, i)) continue;
@@ -57,6 +70,7 @@ double ContactLaws::pushed(int i, const Vector& l) const noexcept {
 bool ContactLaws::begin(double dt) noexcept {
   const bool changed = dt != dt_;
   dt_ = dt;
+  time_ += dt;
   for (int i = 0; changed && i < count_; ++i) {
     if (!has(i)) continue;
     const double inertia = 2.0 * mass_[i] / (dt * dt);
@@ -78,6 +92,7 @@ void ContactLaws::end(const Vector& l) noexcept {
     const double s = free_[i] + pushed(i, l);
     if (dt_ > 0.0) v_[i] = 2.0 * (s - s_[i]) / dt_ - v_[i];
     s_[i] = s;
+    jump_[i] = std::max(jump_[i], dt_ * std::abs(l[i] - l_[i]));
   }
   l_.head(count_) = l.head(count_);
 }

@@ -37,7 +37,7 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
   moving_ = planes.velocity.size() > 0;
   soft_ = planes.compliance.size() > 0;
   fresh_ = true;
-  laws_.clear();
+  laws_.begin_sample();
   unexplained_ = 0.0;
   linearisations_ = 0;
   at_ = x;
@@ -55,6 +55,7 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
   }
   for (int i = 0; i < count_; ++i) take(planes, i);
   laws_.share(planes.objects);
+  if (laws_.any()) laws_.correct_masses();
   dual_.begin(count_, skipped_);
   for (int i = 0; i < count_; ++i) {
     find_meeting(i);
@@ -84,6 +85,12 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
   z_.setZero(at_.size());
   turn_.setZero(at_.size());
   y_before_.setZero(at_.size());
+}
+
+void PlaneProjection::rewind() noexcept {
+  laws_.rewind();
+  laws_.compare_next();
+  dual_.allow(kMostWork / 4);
 }
 
 PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x, double age, double dt,

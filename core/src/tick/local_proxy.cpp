@@ -8,6 +8,7 @@ void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const V
                       Anchor& now) noexcept {
   const double dt = seconds(moment.now - past_.time(moment.tick - 1));
   past_.push(moment.tick, moment.now, x_probe);
+  const bool goes_on = sample.tenure == tenure_ && mode_ == ProxyMode::kPlanes;
   const bool same = sample.tenure == tenure_ && sample.seq == seq_ && sample.mode == mode_;
   mode_ = sample.mode;
   tenure_ = sample.tenure;
@@ -24,9 +25,15 @@ void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const V
       break;
     case ProxyMode::kPlanes:
       if (new_sample_) {
+        if (!goes_on) {
+          projection_.forget_masses();
+        } else if (began_ != 0) {
+          compare(sample.anchored_at, now.x);
+        }
         const bool anchored = past_.find(sample.anchored_at, used_);
         projection_.set(sample.planes, sample.x, anchored ? &used_ : nullptr);
-        if (anchored && projection_.has_laws()) replay(sample.anchored_at, moment, now.x);
+        began_ = anchored && projection_.has_laws() ? sample.anchored_at : 0;
+        if (began_ != 0) replay(moment, now.x);
       }
       now.planes = projection_.project(x_probe, now.x, moment.age, dt);
       now.stored = projection_.stored();
@@ -41,11 +48,22 @@ void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const V
   }
 }
 
-void LocalProxy::replay(std::uint64_t from, const Moment& moment, VecX& x) noexcept {
-  const std::uint64_t last = moment.tick - 1;
-  if (from > last) return;
-  const auto most = static_cast<std::uint64_t>(projection_.replayable());
-  const std::uint64_t stride = 1 + (last - from) / most;
+/// Spends a quarter of what a replay may cost; replay() has the rest.
+void LocalProxy::compare(std::uint64_t next, VecX& x) noexcept {
+  if (next <= began_ || !past_.find(began_, used_) || !past_.find(next, used_)) return;
+  projection_.rewind();
+  run(began_, next, {.now = past_.time(began_)}, projection_.replayable() / 4, x);
+}
+
+void LocalProxy::replay(const Moment& moment, VecX& x) noexcept {
+  if (began_ == moment.tick) return;
+  const int steps = projection_.replayable();
+  run(began_, moment.tick - 1, moment, steps - steps / 4, x);
+}
+
+void LocalProxy::run(std::uint64_t from, std::uint64_t last, const Moment& moment, int steps,
+                     VecX& x) noexcept {
+  const std::uint64_t stride = 1 + (last - from) / static_cast<std::uint64_t>(std::max(1, steps));
   TimePoint before = past_.time(from);
   for (std::uint64_t tick = from;; tick = std::min(tick + stride, last)) {
     const TimePoint then = past_.time(tick);

@@ -44,9 +44,15 @@ class LocalProxy {
   [[nodiscard]] bool changed() const noexcept { return changed_; }
 
  private:
+  /// The objects of the sample before are taken to the tick of the next one, which tells how fast
+  /// they became by then.
+  void compare(std::uint64_t next, VecX& x) noexcept;
   /// Objects that are pushed go on from the tick of which the sample was computed, by the probes
-  /// of the ticks since then, to the last one; in longer steps than ticks if those are too many.
-  void replay(std::uint64_t from, const Moment& moment, VecX& x) noexcept;
+  /// of the ticks since then, to the last one.
+  void replay(const Moment& moment, VecX& x) noexcept;
+  /// `moment`: has the sample's age. In longer steps than ticks if those are more than `steps`.
+  void run(std::uint64_t from, std::uint64_t last, const Moment& moment, int steps,
+           VecX& x) noexcept;
 
   ProxyMode mode_{ProxyMode::kNone};  ///< these three: which sample the last step was given
   std::uint32_t tenure_{0};
@@ -54,7 +60,8 @@ class LocalProxy {
   PlaneProjection projection_;
   ProbeHistory past_;
   ProxyError error_{};
-  VecX used_{};  ///< the probe of which the sample was computed
+  std::uint64_t began_{0};  ///< the tick of the sample in use, if it has laws and that is known
+  VecX used_{};             ///< the probe of which the sample was computed
   bool new_sample_{false};
   bool changed_{false};
 };

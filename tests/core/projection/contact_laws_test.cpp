@@ -206,5 +206,49 @@ TEST(ContactLaws, AllocateNothing) {
   EXPECT_EQ(guard.allocations(), 0u);
 }
 
+/// Contacts 0 and 1 of a body that only its load moves, for 20 ms from rest; then the next sample.
+/// The mass of contact 0 that the law goes on with, by the one that is told.
+double mass_in_use(double told, double true_mass, double object, double next_id) {
+  constexpr double kLoad = 0.03;
+  PlaneSet::Laws laws_told = PlaneSet::Laws::Zero(4, 2);
+  laws_told.colwise() = Eigen::Vector4d(told, 0.0, 0.0, kLoad);
+  PlaneSet::Objects objects = PlaneSet::Objects::Zero(1 + kMaxMotions, 2);
+  objects.row(0).setConstant(object);
+  objects.row(1).setOnes();
+  ContactLaws laws;
+  const auto sample = [&](double speed, double id) {
+    laws.begin_sample();
+    laws.take(laws_told, 0, speed, 1.0, id);
+    laws.take(laws_told, 1, speed, 1.0, 8.0);
+    laws.share(objects);
+    laws.correct_masses();
+  };
+  sample(0.0, 7.0);
+  laws.rewind();
+  laws.compare_next();
+  laws.begin(0.0);
+  laws.end(kNone);
+  for (int k = 0; k < 20; ++k) {
+    laws.begin(kTick);
+    laws.end(kNone);
+  }
+  sample(kLoad * 20 * kTick / true_mass, next_id);
+  laws.begin(kTick);
+  return 0.25 * kTick * kTick / laws.give(0, 0);  // give = T^2 / (4 M) without D and k
+}
+
+TEST(ContactLaws, SpeedsTellTheMass) {
+  for (const double told : {0.01, 0.02, 0.04}) {
+    EXPECT_NEAR(mass_in_use(told, 0.02, 0.0, 7.0), 0.02, 1e-5) << told;
+  }
+  EXPECT_NEAR(mass_in_use(1.0, 0.02, 0.0, 7.0), 0.25, 1e-12) << "no more than 4 times";
+}
+
+TEST(ContactLaws, NewNamesBeginAsTold) {
+  EXPECT_DOUBLE_EQ(mass_in_use(0.04, 0.02, 0.0, 9.0), 0.04);
+  EXPECT_DOUBLE_EQ(mass_in_use(0.04, 0.02, 0.0, 0.0), 0.04);
+  EXPECT_NEAR(mass_in_use(0.04, 0.02, 3.0, 9.0), 0.02, 1e-5) << "of an object that is known";
+}
+
 }  // namespace
 }  // namespace haptic::core

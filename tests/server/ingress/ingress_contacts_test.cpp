@@ -49,6 +49,7 @@ TEST_F(IngressContactsTest, LawReachesTheMailbox) {
   EXPECT_EQ(planes.velocity[1], -0.5);
   EXPECT_EQ(planes.laws.col(0), Eigen::Vector4d::Zero());
   EXPECT_EQ(planes.laws.col(1), Eigen::Vector4d(2e-4, 1e-3, 0.25, 0.0));
+  EXPECT_EQ(planes.ids, Eigen::Vector2d(0.0, 9.0));
   EXPECT_EQ(planes.curved[0], 0);
   EXPECT_EQ(planes.curved[1], 2);
   EXPECT_EQ(planes.first[1], 0);
@@ -68,6 +69,7 @@ TEST_F(IngressContactsTest, WithoutIdsNothingIsAnchored) {
   EXPECT_EQ(newest().planes.compliance.size(), 0) << "planes carry no law";
   EXPECT_EQ(newest().planes.curvature.size(), 0);
   EXPECT_EQ(newest().planes.laws.cols(), 0);
+  EXPECT_EQ(newest().planes.ids.size(), 0);
 }
 
 TEST_F(IngressContactsTest, ContactsOfOneObject) {

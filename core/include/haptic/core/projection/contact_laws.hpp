@@ -11,6 +11,7 @@
 #include <array>
 
 #include "haptic/core/projection/contact_dual.hpp"
+#include "haptic/core/projection/mass_ratio.hpp"
 
 namespace haptic::core {
 
@@ -18,17 +19,26 @@ class ContactLaws {
  public:
   using Vector = ContactDual::Vector;
 
-  /// No contact has a law.
+  /// No contact has a law, and nothing is known of any mass.
   void clear() noexcept {
-    with_ = shared_ = 0;
-    count_ = 0;
-    others_.fill(0);
+    begin_sample();
+    known_ = 0;
   }
+  /// The next sample begins: no contact has a law any more. What is known of the masses is kept
+  /// for the contacts that the sample names.
+  void begin_sample() noexcept;
   /// Contact i has the law of that column of PlaneSet::laws, and recedes at `velocity`; its gap is
   /// counted in units of `length`. A mass of 0 is no law.
-  void take(const PlaneSet::Laws& told, int i, double velocity, double length) noexcept;
+  void take(const PlaneSet::Laws& told, int i, double velocity, double length,
+            double id = 0.0) noexcept;
   /// Those that were taken push these objects. A direction without a length is of no object.
   void share(const PlaneSet::Objects& told) noexcept;
+  /// Back to where the sample told them, before any step.
+  void rewind() noexcept;
+  /// The next sample is of the end of the last step: what it tells is compared with that.
+  void compare_next() noexcept { compared_ = true; }
+  /// After take() and share(): the masses become those that explain the samples.
+  void correct_masses() noexcept;
   [[nodiscard]] bool any() const noexcept { return with_ != 0; }
   [[nodiscard]] bool has(int i) const noexcept { return ContactDual::has(with_, i); }
 
@@ -50,6 +60,8 @@ class ContactLaws {
   [[nodiscard]] double energy() const noexcept;
 
  private:
+  /// What is known of the mass of contact i from the sample before, and what this one adds.
+  [[nodiscard]] MassRatio::Seen recall(int i) noexcept;
   /// sum_j give(i, j) l_j.
   [[nodiscard]] double pushed(int i, const Vector& l) const noexcept;
 
@@ -63,6 +75,26 @@ class ContactLaws {
   Vector root_{};                                   ///< sqrt(give)
   std::array<std::uint32_t, kMaxPlanes> others_{};  ///< contacts on the same object, as bits
   ContactDual::Gram cosine_{};  ///< e_i.e_j of contacts on one object, which are not the same
+
+  // Of what is known of the masses:
+  Vector id_{}, object_{};  ///< 0: none
+  Vector told_v_{};         ///< at the sample
+  Vector jump_{};           ///< most that a step since then changed l by, times its length
+  double time_{0.0};        ///< since then, s
+  std::array<MassRatio, kMaxPlanes> ratio_{};
+  /// A contact of the sample before that had a name.
+  struct Before {
+    double id{0.0}, object{0.0};
+    MassRatio ratio{};
+    double v{0.0};       ///< as it was told
+    double faster{0.0};  ///< by the law with the mass that was told, until the next sample
+    double wrong{0.0};   ///< by how much that may be off
+    double load{0.0};    ///< by then
+  };
+  std::array<Before, kMaxPlanes> before_{};
+  int known_{0};          ///< of those
+  bool compared_{false};  ///< the last steps lead to the next sample
+  double compared_s_{0.0};
 };
 
 }  // namespace haptic::core

@@ -57,6 +57,13 @@ class PlaneProjection {
   /// not diagonal 2 n_x^2 multiplications per contact; otherwise n_x. Never allocates.
   void set(const PlaneSet& planes, const VecX& x, const VecX* x_used = nullptr) noexcept;
 
+  /// The next set() begins a stream of samples: nothing is known of masses.
+  void forget_masses() noexcept { laws_.clear(); }
+  /// Back to the sample: the next project() finds objects with a law where they were told. If the
+  /// calls from there on lead to where the next set() begins, that learns from what it tells of
+  /// their velocities by how much their masses are told wrong (core/METHOD.md#pushed-objects).
+  void rewind() noexcept;
+
   /// Writes x (n_x) for the haptic probe, `age` s after the sample. A linear coordinate that no
   /// active plane moves keeps the bits of the probe. (If W is not diagonal a plane also moves
   /// coordinates that it does not name.) Never allocates.

@@ -60,6 +60,7 @@ struct PlaneSet {
   /// Of objects that are pushed (core/METHOD.md#pushed-objects): with u the unit of b, in s^2/u^2,
   /// s/u^2, 1/u^2 and 1/u. Mass 0: none.
   Laws laws{};
+  Offsets ids{};      ///< what names a contact with a law from sample to sample; 0: nothing
   Objects objects{};  ///< of size 0 if no two contacts push one object
   /// u >= 0: the contact's stiffness lies within 1 - u and 1 + u times what gamma says; 0: it is
   /// exact. Of size 0 too if one of the contacts does not say it.
@@ -75,8 +76,8 @@ struct PlaneSet {
   [[nodiscard]] bool fits(int n_x) const noexcept;
 
   [[nodiscard]] auto members() const noexcept {
-    return std::tie(normals, offsets, compliance, velocity, laws, objects, uncertainty, curvature,
-                    first, curved);
+    return std::tie(normals, offsets, compliance, velocity, laws, ids, objects, uncertainty,
+                    curvature, first, curved);
   }
 };
 

@@ -74,6 +74,7 @@ public sealed class HapticException : Exception {
 /// lets the force fade out. One that ended stays ended: make another.
 public sealed class HapticSession : IDisposable {
   const int LargestMessage = 65536, MostEvents = 256, MostPlanes = 32, KindFault = 3;
+  static readonly TimeSpan Silence = TimeSpan.FromSeconds(2.5);
   // Refusals of Engage that time and more samples cure.
   static readonly HashSet<string> Curable = new HashSet<string> {
       "NOT_ARMED", "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES", "STREAM_STALE", "DEVICE_STALE",
@@ -93,6 +94,7 @@ public sealed class HapticSession : IDisposable {
   ulong published_, conflated_, accepted_;
   string rejection_ = "";
   bool leaving_;
+  int silent_;  // spans of Silence since the last message; by Interlocked
   int wish_;  // rises with everything that ends EngageWhenReady()
 
   public HapticSession(SessionOptions options) {
@@ -170,8 +172,9 @@ public sealed class HapticSession : IDisposable {
     } catch (HapticException error) {
       why = error;
     } catch (Exception error) {  // sockets, names, cancellation, a message that cannot be read
-      why = life_.IsCancellationRequested && !opened_.Task.IsCompleted
-          ? NoAnswer() : new HapticException("", error.GetBaseException().Message);
+      bool cut = life_.IsCancellationRequested;
+      why = cut && !opened_.Task.IsCompleted ? NoAnswer() : new HapticException(
+          "", cut ? "the server fell silent" : error.GetBaseException().Message);
     }
     lock (lock_) {
       ++wish_;
@@ -200,10 +203,13 @@ public sealed class HapticSession : IDisposable {
         .Real(5, options_.StateRateHz)).Bytes();
     using (life_.Token.Register(socket.Abort))
     using (var late = new Timer(_ => { if (!opened_.Task.IsCompleted) life_.Cancel(); }, null,
-                                options_.Timeout, Timeout.InfiniteTimeSpan)) {
+                                options_.Timeout, Timeout.InfiniteTimeSpan))
+    using (var watch = new Timer(_ => {  // states come at least once a second
+      if (Interlocked.Increment(ref silent_) > 1 && opened_.Task.IsCompleted) life_.Cancel();
+    }, null, Silence, Silence)) {
       try {
         await socket.ConnectAsync(Address("ws", "Session"), life_.Token).ConfigureAwait(false);
-      } catch (WebSocketException) {  // it does not say why; the same question by HTTP does
+      } catch (WebSocketException) when (!life_.IsCancellationRequested) {  // by HTTP it says why
         await Call("GetServerInfo", new byte[0]).ConfigureAwait(false);
         throw;
       }
@@ -251,6 +257,7 @@ public sealed class HapticSession : IDisposable {
       }
       length += got.Count;
       if (got.EndOfMessage) {
+        Interlocked.Exchange(ref silent_, 0);
         Take(new Reader(buffer, 0, length));
         length = 0;
       } else if (length == buffer.Length) {
@@ -354,10 +361,10 @@ public sealed class HapticSession : IDisposable {
           throw new HapticException(Said(text, "reason"),
                                     message != "" ? message : "HTTP " + (int)answer.StatusCode);
         }
-      } catch (HttpRequestException error) {
-        throw new HapticException("", error.GetBaseException().Message);
       } catch (OperationCanceledException) {
         throw NoAnswer();
+      } catch (Exception error) when (!(error is HapticException)) {
+        throw new HapticException("", error.GetBaseException().Message);
       }
     }
   }
@@ -366,8 +373,15 @@ public sealed class HapticSession : IDisposable {
       new HapticException("", "no answer in " + options_.Timeout.TotalSeconds + " s");
 
   /// The first string of this name in the JSON of an error; empty if there is none.
-  static string Said(string json, string name) => Regex.Unescape(
-      Regex.Match(json, "\"" + name + "\":\\s*\"((?:[^\"\\\\]|\\\\.)*)\"").Groups[1].Value);
+  static string Said(string json, string name) {
+    string said = Regex.Match(
+        json, "\"" + name + "\":\\s*\"((?:[^\"\\\\]|\\\\.)*)\"").Groups[1].Value;
+    try {
+      return Regex.Unescape(said);
+    } catch (ArgumentException) {  // not JSON's
+      return said;
+    }
+  }
 
   Uri Address(string scheme, string method) => new UriBuilder(options_.Server) {
       Scheme = scheme + (options_.Server.Scheme == "https" ? "s" : ""),
@@ -519,7 +533,8 @@ public sealed class HapticSession : IDisposable {
     }
     /// Packed, or one value after those that came `before`.
     internal double[] Reals(double[] before) {
-      int more = wire_ == 1 ? 1 : Length() / 8;
+      int length = wire_ == 1 ? 8 : Length(), more = length / 8;
+      if (length % 8 != 0) throw new FormatException("a list that ends within a number");
       var all = new double[before.Length + more];
       before.CopyTo(all, 0);
       for (int i = before.Length; i < all.Length; ++i) all[i] = Bits();

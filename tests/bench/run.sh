@@ -4,7 +4,7 @@
 # line. Writes CSV to standard output. Run it on a machine that does nothing else.
 #
 #   tests/bench/run.sh [core|linear|loop|wire|web|crossing|memory]...
-#     default: all, about 23 minutes
+#     default: all, about 21 minutes
 #
 # MEMORY_SECONDS=600 makes `memory` watch for that long.
 set -euo pipefail

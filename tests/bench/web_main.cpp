@@ -123,7 +123,7 @@ double bare_block(Bare& bare) {
 
 constexpr int kViewers = 16;
 constexpr double kViewerHz = 60.0;
-constexpr int kViewed = 3000;  // ticks of 1 ms
+constexpr int kViewed = 1500;  // ticks of 1 ms
 
 /// p99 of the loop's lateness in us, while so many look on.
 double viewed_block(int viewers, std::optional<int> loop_cpu) {
@@ -168,6 +168,6 @@ int main() {
   bench::print(bench::compare(
       "loop wake lateness p99 with 16 viewers at 60 Hz", "no viewers", "us",
       [&] { return viewed_block(kViewers, loop_cpu); }, [&] { return viewed_block(0, loop_cpu); },
-      1.2, 24));
+      1.2, 20));
   return 0;
 }

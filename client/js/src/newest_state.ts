@@ -1,4 +1,5 @@
 /** The newest state of a session, which state the user was last given, and who waits for one. */
+import { transport } from "#transport";
 import type { ClientError } from "./errors.js";
 import { localError } from "./errors.js";
 import type { DeviceState } from "./gen/haptic/v1/session_pb.js";
@@ -21,13 +22,18 @@ export class NewestState {
   #receivedMs = 0;
   #returned = 0n;  // by wait()
   #waiters = new Set<Waiter>();
+  #waking = false;
 
   /** False if a newer one is known. */
   take(state: DeviceState, nowMs: number): boolean {
     if (this.newest !== undefined && state.seq <= this.newest.seq) return false;
     this.newest = state;
     this.#receivedMs = nowMs;
-    for (const { resolve } of this.#waiters) resolve(this.#return(state));
+    if (this.#waiters.size > 0 && !this.#waking) {
+      this.#waking = true;
+      // Who is slower than states come would else compute with older and older ones.
+      transport.afterMessages(() => this.#wake());
+    }
     return true;
   }
 
@@ -68,6 +74,13 @@ export class NewestState {
   /** No state comes any more. */
   end(why: ClientError): void {
     for (const { reject } of this.#waiters) reject(why);
+  }
+
+  #wake(): void {
+    this.#waking = false;
+    const { newest } = this;
+    if (newest === undefined || newest.seq <= this.#returned) return;
+    for (const { resolve } of this.#waiters) resolve(this.#return(newest));
   }
 
   #return(state: DeviceState): DeviceState {

@@ -41,15 +41,32 @@ export interface Frame {
 
 /** Cuts the server's bytes into frames; keeps what is not a whole frame yet. */
 export class FrameReader {
-  #pending: Buffer = Buffer.alloc(0);
+  // What is kept; room behind it grows twofold, so that bytes may come singly. Nothing is written
+  // twice: payloads are views.
+  #bytes: Buffer = Buffer.alloc(0);
+  #begin = 0;
+  #end = 0;
 
   *read(chunk: Buffer): Generator<Frame> {
-    this.#pending = this.#pending.length > 0 ? Buffer.concat([this.#pending, chunk]) : chunk;
+    this.#append(chunk);
     for (let frame = this.#next(); frame !== undefined; frame = this.#next()) yield frame;
   }
 
+  #append(chunk: Buffer): void {
+    const kept = this.#end - this.#begin;
+    if (kept === 0 || this.#end + chunk.length > this.#bytes.length) {
+      const before = this.#bytes.subarray(this.#begin, this.#end);
+      this.#bytes = kept === 0 ? chunk : Buffer.alloc(2 * (kept + chunk.length));
+      this.#bytes.set(before);
+      this.#begin = 0;
+      this.#end = kept;
+    }
+    if (kept > 0) this.#bytes.set(chunk, this.#end);
+    this.#end += chunk.length;
+  }
+
   #next(): Frame | undefined {
-    const bytes = this.#pending;
+    const bytes = this.#bytes.subarray(this.#begin, this.#end);
     if (bytes.length < 2) return undefined;
     const [first, second] = [bytes[0]!, bytes[1]!];
     const opcode = first & 0x0f, final = (first & 0x80) !== 0, control = opcode >= Opcode.CLOSE;
@@ -66,7 +83,7 @@ export class FrameReader {
                                 : begin === 4 ? bytes.readUInt16BE(2) : second;
     if (length > MAX_MESSAGE) throw new FrameError(TOO_LARGE, "a message of more than 64 KB");
     if (bytes.length < begin + length) return undefined;
-    this.#pending = bytes.subarray(begin + length);
+    this.#begin += begin + length;
     return { final, opcode, payload: bytes.subarray(begin, begin + length) };
   }
 }

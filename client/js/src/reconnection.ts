@@ -24,6 +24,7 @@ export class Reconnection {
   /** Why the last stream ended. */
   why: ClientError = new ClientError("ok", "CLOSED", "the session ended");
   #delay = 0;
+  #begunMs = -Infinity;
 
   /** `wanted`: whether the session takes up a lost stream again. */
   constructor(private readonly wanted: boolean) {}
@@ -33,6 +34,11 @@ export class Reconnection {
   }
   get over(): boolean {
     return this.state === "over" || this.state === "closed";
+  }
+
+  begin(nowMs: number): void {
+    this.state = "opening";
+    this.#begunMs = nowMs;
   }
 
   opened(): void {
@@ -46,8 +52,9 @@ export class Reconnection {
   }
 
   /** The stream ended, or the opening failed. Returns the time to the next attempt in ms: 0, then
-   * 100, 200, 400, 500, 500 ...; undefined: none follows. */
-  ended(why: ClientError): number | undefined {
+   * 100, 200, 400, 500, 500 ..., and 100 at least after the last began, for a server that opens
+   * every session and ends it; undefined: none follows. */
+  ended(why: ClientError, nowMs: number): number | undefined {
     this.why = why;
     const delay = this.#delay;
     if (!this.wanted || (delay > 0 && !mayPass(why))) {
@@ -56,6 +63,6 @@ export class Reconnection {
     }
     this.state = "waiting";
     this.#delay = delay === 0 ? FIRST_DELAY_MS : Math.min(2 * delay, LONGEST_DELAY_MS);
-    return delay;
+    return Math.max(delay, FIRST_DELAY_MS - (nowMs - this.#begunMs));
   }
 }

@@ -220,7 +220,7 @@ export class Session {
   /** Opens a stream; resolves when the server agreed. */
   #connect(): Promise<void> {
     return new Promise((resolve, reject) => {
-      this.#reconnection.state = "opening";
+      this.#reconnection.begin(performance.now());
       const resume = this.#force.releaseOwed || !this.#options.reconnect ? "" :
         this.#opened?.sessionId ?? "";
       const value = openSession(this.#options, resume, this.#newestEventNs);
@@ -247,7 +247,7 @@ export class Session {
 
   #ended(why: ClientError): void {
     const first = this.#opened === undefined, wasOpen = this.connected;
-    const delay = first ? undefined : this.#reconnection.ended(why);
+    const delay = first ? undefined : this.#reconnection.ended(why, performance.now());
     const again = delay !== undefined;
     this.#stream = undefined;
     if (first) this.#reconnection.state = "over";

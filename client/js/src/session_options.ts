@@ -23,10 +23,10 @@ export interface SessionOptions {
   freshEndMs?: number;
   holdEndMs?: number;
   fadeEndMs?: number;
-  /** Takes up a lost stream again: at once, then after 0.1, 0.2, 0.4, 0.5, 0.5 ... s, until the
-   * server refuses for a reason that no waiting changes. Resumes the session if its lease has not
-   * expired, else starts again without force. After a lease expired or was preempted, the next
-   * published sample starts it again. */
+  /** Takes up a lost stream again: at once, but 0.1 s after the attempt before began, then after
+   * 0.1, 0.2, 0.4, 0.5, 0.5 ... s, until the server refuses for a reason that no waiting changes.
+   * Resumes the session if its lease has not expired, else starts again without force. After a
+   * lease expired or was preempted, the next published sample starts it again. */
   reconnect?: boolean;
   /** Asks for force again after it was lost because samples came too late or the stream was lost.
    * Never after a fault. */

@@ -45,6 +45,8 @@ export interface Transport {
   post(target: Target, path: string, type: string, body: string | Uint8Array,
        timeoutMs: number): Promise<Answer>;
   connect(target: Target, path: string, protocol: string, listener: SocketListener): Socket;
+  /** Calls `act` when the messages that are here already were taken. */
+  afterMessages(act: () => void): void;
 }
 
 /** Largest message of a session (proto/README.md). */

@@ -63,4 +63,7 @@ function connect(target: Target, path: string, protocol: string,
                           (body) => httpError(response.statusCode ?? 0, body)));
 }
 
-export const transport: Transport = { defaultUrl: () => "http://127.0.0.1:29473", post, connect };
+export const transport: Transport = {
+  defaultUrl: () => "http://127.0.0.1:29473", post, connect,
+  afterMessages: (act) => void setImmediate(act),
+};

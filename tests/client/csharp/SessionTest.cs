@@ -1,7 +1,9 @@
 // HapticSession.cs against a hapticd that serves finger_constant, or against a peer that says what
 // it must not. Prints what went wrong; exit status 0 if nothing did.
 //
-//   SessionTest.exe all SERVER TOKEN | refused SERVER TOKEN SECONDS     (to wait for an answer)
+//   SessionTest.exe all SERVER TOKEN
+//   SessionTest.exe refused SERVER TOKEN SECONDS    SECONDS: to wait for an answer
+//   SessionTest.exe deserted SERVER TOKEN SECONDS   opens; nothing that follows is of use
 using System;
 using System.Diagnostics;
 using System.Linq;
@@ -42,6 +44,14 @@ static class SessionTest {
         Check(session.Ended.Wait(60000) && !session.Connected, "the session ended");
         session.PublishFree();  // nothing happens
         session.Dispose();
+      } else if (arguments[0] == "deserted") {
+        HapticSession session = Open(arguments[1], arguments[2], "deserted",
+                                     double.Parse(arguments[3]));
+        Check(session.Opened.Wait(60000), "it is open");
+        Console.WriteLine(Refusal(session.Engage()).Message);
+        Check(session.Ended.Wait(60000), "the session ended");
+        Console.WriteLine(session.Failure.Message);
+        Console.WriteLine(session.State == null ? "" : string.Join(" ", session.State.XProbe));
       } else {
         All(arguments[1], arguments[2]);
       }

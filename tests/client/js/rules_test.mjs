@@ -84,12 +84,21 @@ test("an error's reason comes from ErrorInfo", () => {
 test("attempts follow each other slower", () => {
   const reconnection = new Reconnection(true);
   const lost = closeError(1006, "");
-  const delays = [1, 2, 3, 4, 5].map(() => reconnection.ended(lost));
+  const delays = [1, 2, 3, 4, 5].map(() => reconnection.ended(lost, 0));
   assert.deepEqual(delays, [0, 100, 200, 400, 500]);
-  assert.equal(reconnection.ended(closeError(4003, "PROTOCOL: OpenSession did not come")), 500);
-  assert.equal(reconnection.ended(closeError(4003, "INVALID_ARGUMENT: x")), undefined);
+  assert.equal(reconnection.ended(closeError(4003, "PROTOCOL: OpenSession did not come"), 0), 500);
+  assert.equal(reconnection.ended(closeError(4003, "INVALID_ARGUMENT: x"), 0), undefined);
   assert.equal(reconnection.over, true);
-  assert.equal(new Reconnection(false).ended(lost), undefined);
+  assert.equal(new Reconnection(false).ended(lost, 0), undefined);
+});
+
+test("attempts are 100 ms apart", () => {
+  const reconnection = new Reconnection(true);
+  for (const [lived, delay] of [[0, 100], [30, 70], [100, 0], [5000, 0]]) {
+    reconnection.begin(1000);
+    reconnection.opened();
+    assert.equal(reconnection.ended(closeError(1006, ""), 1000 + lived), delay);
+  }
 });
 
 test("round trips rise at once", () => {
@@ -134,6 +143,14 @@ test("a newer state is not given yet", async () => {
   const last = states.wait(1000);
   states.end(closeError(1000, ""));
   await assert.rejects(last, { code: "ok" });
+});
+
+test("who is slow gets the newest state", async () => {
+  const states = new NewestState();
+  const waiting = states.wait(1000);
+  for (const seq of [1n, 2n, 3n]) states.take({ seq, xProbe: [] }, 0);  // one message each
+  assert.equal((await waiting).seq, 3n);
+  assert.equal(states.given.seq, 3n);
 });
 
 test("a wrong address is refused at once", () => {

@@ -87,14 +87,13 @@ export class BoundTool {
     return positionOf(this.engine, place);
   }
   quaternionOf({ site, id }: Place): Quaternion {
-    const { data } = this.engine;
-    return quaternionOf(site ? data.site_xmat : data.xmat, 9 * id);
+    return quaternionOf(this.engine.view(site ? "site_xmat" : "xmat"), 9 * id);
   }
 
   /** Writes the bound coordinates into x, angles and quaternions as near to what x holds as they
    * can be said. Needs mj_kinematics. */
   read(x: number[]): void {
-    const { data, fixed } = this.engine, qpos: Float64Array = data.qpos;
+    const { fixed } = this.engine, qpos = this.engine.view("qpos");
     for (const place of this.places) {
       const { kind, firstCoordinate: first, offset, scale } = place.binding;
       if (kind === "joint") {
@@ -113,7 +112,7 @@ export class BoundTool {
   /** A point of `body`, which is the tool's, in the world; needs mj_kinematics, mj_comPos. With
    * second derivatives if one pose alone or only joints move it, of at most 8 coordinates. */
   pointOn(body: number, position: Vector3, x: number[]): PointMap {
-    const { joints, frame } = this.paths[body]!, { data } = this.engine;
+    const { joints, frame } = this.paths[body]!;
     if (joints.length === 0 && frame) return this.byFrame(frame, position, x);
     const all = frame ? [...joints, frame] : joints;
     const low = Math.min(...all.map(({ binding }) => binding.firstCoordinate));
@@ -126,9 +125,9 @@ export class BoundTool {
       moved.jacobian.forEach((way, i) => { jacobian[moved.firstCoordinate - low + i] = way; });
     }
     const axis = ({ id, binding }: Place): Vector3 =>
-      add([0, 0, 0], binding.scale, vectorAt(data.xaxis, 3 * id));
+      add([0, 0, 0], binding.scale, vectorAt(this.engine.view("xaxis"), 3 * id));
     for (const joint of joints) {
-      const arm = add(position, -1, vectorAt(data.xanchor, 3 * joint.id));
+      const arm = add(position, -1, vectorAt(this.engine.view("xanchor"), 3 * joint.id));
       jacobian[joint.binding.firstCoordinate - low] =
         joint.turns ? cross(axis(joint), arm) : axis(joint);
     }
@@ -169,8 +168,9 @@ export class BoundTool {
     if (kind === "point") {
       return { firstCoordinate, position, jacobian: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], second: [] };
     }
-    const { data } = this.engine, from = add(position, -1, this.positionOf(frame));
-    const offset = intoFrame(frame.site ? data.site_xmat : data.xmat, 9 * frame.id, from);
+    const from = add(position, -1, this.positionOf(frame));
+    const turn = this.engine.view(frame.site ? "site_xmat" : "xmat");
+    const offset = intoFrame(turn, 9 * frame.id, from);
     return pointOnPose(x, offset, firstCoordinate);
   }
 

@@ -2,7 +2,7 @@
  * that grows, which any call may do: take it again after each. */
 import type { MainModule, MjData, MjModel } from "@mujoco/mujoco";
 import type { Vector3 } from "../contact.js";
-import { vectorAt } from "./vectors.js";
+import { add, cross, vectorAt } from "./vectors.js";
 
 export type { MainModule, MjData, MjModel } from "@mujoco/mujoco";
 
@@ -44,8 +44,10 @@ export class Engine {
   readonly fixed: ReturnType<typeof constants>;
   /** The model's own, taken once: each look at model.opt makes a handle. */
   readonly opt: MjModel["opt"];
-  private readonly linear;
-  private readonly angular;
+  private readonly linear: Float64Array;
+  private readonly angular: Float64Array;
+  /** Of data; see view(). */
+  private readonly views = new Map<keyof MjData, Float64Array>();
   private readonly column;
   private readonly solved;
   private readonly force;
@@ -54,27 +56,49 @@ export class Engine {
   constructor(readonly mj: MainModule, readonly model: MjModel, readonly data: MjData) {
     this.fixed = constants(model);
     this.opt = model.opt;
-    this.linear = new mj.DoubleBuffer(3 * model.nv);
-    this.angular = new mj.DoubleBuffer(3 * model.nv);
+    this.linear = new Float64Array(3 * model.nv);
+    this.angular = new Float64Array(3 * model.nv);
     this.column = new mj.DoubleBuffer(model.nv);
     this.solved = new mj.DoubleBuffer(6 * model.nv);
     this.force = new mj.DoubleBuffer(6);
   }
   /** WebAssembly's memory is not collected. */
   delete(): void {
-    const { linear, angular, column, solved, force, opt } = this;
-    for (const one of [linear, angular, column, solved, force, opt]) one.delete();
+    const { column, solved, force, opt } = this;
+    for (const one of [column, solved, force, opt]) one.delete();
   }
 
   /** -1: there is none. */
   idOf(type: "BODY" | "JOINT" | "SITE" | "NUMERIC", name: string): number {
     return this.mj.mj_name2id(this.model, this.mj.mjtObj[`mjOBJ_${type}`].value, name);
   }
-  /** d position / d qpos of a point of `body`, and of its turn: 3 x nv each, till the next call. */
+  /** An array of numbers that data keeps at one place for its life: looking at data.qpos takes a
+   * microsecond. Until the next call into MuJoCo. */
+  view(name: "cdof" | "geom_xmat" | "geom_xpos" | "qacc" | "qfrc_applied" | "qfrc_bias" |
+       "qfrc_constraint" | "qfrc_passive" | "qfrc_smooth" | "qpos" | "qvel" | "site_xmat" |
+       "site_xpos" | "subtree_com" | "xanchor" | "xaxis" | "xmat" | "xpos"): Float64Array {
+    let view = this.views.get(name);
+    if (!view?.length) this.views.set(name, view = this.data[name] as Float64Array);  // it grew
+    return view;
+  }
+  /** d position / d qpos of a point of `body`, and of its turn: 3 x nv each, till the next call.
+   * As mj_jac, of which a call takes longer than its work. */
   jacobian(body: number, position: Vector3): { linear: Float64Array; angular: Float64Array } {
-    this.mj.mj_jac(this.model, this.data, this.linear, this.angular, [...position], body);
-    return { linear: this.linear.GetView() as Float64Array,
-             angular: this.angular.GetView() as Float64Array };
+    const { linear, angular, fixed: { bodyDof, bodyDofs, bodyParent, bodyRoot, dofParent } } = this;
+    const nv = linear.length / 3, axes = this.view("cdof");
+    const from = add(position, -1, vectorAt(this.view("subtree_com"), 3 * bodyRoot[body]!));
+    linear.fill(0);
+    angular.fill(0);
+    while (body > 0 && bodyDofs[body] === 0) body = bodyParent[body]!;
+    if (body === 0) return { linear, angular };
+    for (let i = bodyDof[body]! + bodyDofs[body]! - 1; i >= 0; i = dofParent[i]!) {
+      const turn = vectorAt(axes, 6 * i), moved = cross(turn, from);
+      for (let k = 0; k < 3; ++k) {
+        angular[k * nv + i] = turn[k]!;
+        linear[k * nv + i] = axes[6 * i + 3 + k]! + moved[k]!;
+      }
+    }
+    return { linear, angular };
   }
   /** M v, until the next call. */
   timesMass(v: Float64Array): Float64Array {

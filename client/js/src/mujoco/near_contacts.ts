@@ -132,8 +132,8 @@ export class NearContacts {
     }
     if (radius === 0) told.point.second = [];  // the place of contact moves along the tool
     told.stiffness = 1 / (1 / new ContactSpring(engine, c).stiffness(-told.gap) + give);
-    const from = add(surface, -1, vectorAt(engine.data.geom_xpos, 3 * geom));
-    told.id = this.ids.id(pairOf(c), intoFrame(engine.data.geom_xmat, 9 * geom, from));
+    const from = add(surface, -1, vectorAt(engine.view("geom_xpos"), 3 * geom));
+    told.id = this.ids.id(pairOf(c), intoFrame(engine.view("geom_xmat"), 9 * geom, from));
     return [{ contact: told, force }, law];
   }
 
@@ -148,14 +148,14 @@ export class NearContacts {
    * undefined: flat. */
   private curvatureOf(geom: number, normal: Vector3, surface: Vector3,
                       fromSurface: number): Curvature3 | undefined {
-    const { mj: { mjtGeom }, fixed, data } = this.engine, type = fixed.geomType[geom];
+    const { mj: { mjtGeom }, fixed } = this.engine, type = fixed.geomType[geom];
     const [radius, half] = fixed.geomSize.slice(3 * geom, 3 * geom + 2) as [number, number];
     if (type === mjtGeom.mjGEOM_SPHERE.value) return sphereCurvature(normal, radius + fromSurface);
     const capsule = type === mjtGeom.mjGEOM_CAPSULE.value;
     if (!capsule && type !== mjtGeom.mjGEOM_CYLINDER.value) return undefined;
-    const frame: Float64Array = data.geom_xmat, at = 9 * geom;
+    const frame = this.engine.view("geom_xmat"), at = 9 * geom;
     const axis: Vector3 = [frame[at + 2]!, frame[at + 5]!, frame[at + 8]!];
-    const from = add(surface, -1, vectorAt(data.geom_xpos, 3 * geom));
+    const from = add(surface, -1, vectorAt(this.engine.view("geom_xpos"), 3 * geom));
     const beside = Math.abs(dot(axis, from)) < half && Math.abs(dot(axis, normal)) < 1e-3;
     if (beside) return cylinderCurvature(normal, axis, radius + fromSurface);
     return capsule ? sphereCurvature(normal, radius + fromSurface) : undefined;

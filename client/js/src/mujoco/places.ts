@@ -32,8 +32,8 @@ export function refuse(binding: Binding, why: string): never {
 }
 
 /** Of a site or body, in the world. */
-export const positionOf = ({ data }: Engine, { site, id }: Place): Vector3 =>
-  vectorAt(site ? data.site_xpos : data.xpos, 3 * id);
+export const positionOf = (engine: Engine, { site, id }: Place): Vector3 =>
+  vectorAt(engine.view(site ? "site_xpos" : "xpos"), 3 * id);
 
 /** Of the lightest direction of a site or body, 1/kg, and about its lightest axis, 1/(kg m^2): no
  * less than the largest eigenvalues of J M^-1 J^T. */

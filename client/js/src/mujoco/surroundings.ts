@@ -63,7 +63,7 @@ export class Surroundings {
   /** As the last mj_forward or mj_step found them. `rate`: qvel as it began, nv. `bodies`: those of
    * which object() will be asked. */
   look(contacts: EngineContact[], rate: Float64Array, bodies: Set<number>): void {
-    const { fixed, model, data, mj } = this.engine, { H } = this;
+    const { fixed, model, mj } = this.engine, { H } = this;
     this.rate = rate;
     this.dofs = [];
     this.rows = [];
@@ -79,7 +79,7 @@ export class Surroundings {
       .filter((row) => this.counts(all, row));
     this.findDofs(all, counting, [...touched].sort((a, b) => a - b));
     this.findMasses();
-    const acceleration: Float64Array = data.qacc;
+    const acceleration = this.engine.view("qacc");
     for (const row of counting) this.lookAtRow(all, row, acceleration);
     const n = this.dofs.length;
     H.begin(n);
@@ -89,12 +89,13 @@ export class Surroundings {
       for (const { i } of way) H.reach(i, first);
     }
     for (const { i, k, value } of this.M) if (k <= i) H.add(i, k, value);
-    const [smooth, constraint] = [data.qfrc_smooth, data.qfrc_constraint] as Float64Array[];
+    const smooth = this.engine.view("qfrc_smooth");
+    const constraint = this.engine.view("qfrc_constraint");
     const damping: Float64Array = model.dof_damping, springs: Float64Array = model.jnt_stiffness;
     this.damping = this.dofs.map((dof) => damping[dof]!);
     this.stiffness = this.dofs.map((dof) => springs[fixed.dofJoint[dof]!]!);
     this.push = Float64Array.from(this.dofs, (dof, i) =>
-      smooth![dof]! + constraint![dof]! + this.damping[i]! * rate[dof]!);
+      smooth[dof]! + constraint[dof]! + this.damping[i]! * rate[dof]!);
     for (let i = 0; i < n; ++i) {
       H.add(i, i, HOLD * this.damping[i]! + HOLD * HOLD * this.stiffness[i]!);
     }

@@ -150,21 +150,20 @@ export class Tool {
     mj.mj_comPos(model, data);
     this.#seen = [...this.#probe];
     this.#tool.read(this.#seen);
-    const qvel: Float64Array = data.qvel;
-    this.#rate = qvel.slice();
+    this.#rate = this.#engine.view("qvel").slice();
     this.#lastTime = data.time;
     this.#lastStep = this.#engine.opt.timestep;
     this.#aim.step();
     const push = new Float64Array(model.nv);
-    const [bias, passive] = [data.qfrc_bias, data.qfrc_passive] as Float64Array[];
+    const bias = this.#engine.view("qfrc_bias"), passive = this.#engine.view("qfrc_passive");
     for (const place of this.#tool.places) {
-      for (const dof of place.dofs) push[dof]! += bias![dof]! - passive![dof]!;
+      for (const dof of place.dofs) push[dof]! += bias[dof]! - passive[dof]!;
     }
     for (const place of this.#tool.places) {
       if (place.binding.kind === "joint") this.#pullJoint(place, push);
       else this.#pullFrame(place, push);
     }
-    const applied: Float64Array = data.qfrc_applied;
+    const applied = this.#engine.view("qfrc_applied");
     push.forEach((value, dof) => {  // a frame pushes its parents' DoFs, too
       if (value !== 0 || this.#tool.ownsDof(dof)) applied[dof] = value;
     });

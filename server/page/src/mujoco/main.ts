@@ -26,10 +26,11 @@ function running(on: boolean): void {
 }
 
 function frame(report: Extract<Report, { kind: "frame" }>): void {
+  running(true);
   stage?.place(report);
   const { name, title } = stateWords(report.state);
   at("state").dataset.state = name;
-  say(at("state"), `${title}.`);
+  say(at("state"), `${title}.${report.refusal === "" ? "" : ` No force yet: ${report.refusal}.`}`);
   const touches = report.presses.length > 0 ? "You touch something." : "You touch nothing.";
   say(at("touch"), report.following ? touches : "The finger or hand is on its way to the device.");
   say(at("pushed"), (stage?.pushed() ?? [])
@@ -38,6 +39,7 @@ function frame(report: Extract<Report, { kind: "frame" }>): void {
     .map((force, i) => `${motors[i]?.name ?? i} ${force.toFixed(2)} ${motors[i]?.unit ?? ""}`)
     .join(", "));
   const { median, p99, frames } = report.timing;
+  order({ kind: "shown" });
   say(at("timing"), `${median.toFixed(1)} ms, 99 % within ${p99.toFixed(1)} ms, ${frames} frames`);
 }
 
@@ -50,7 +52,6 @@ function hear(report: Report): void {
   motors = report.motors;
   stage?.show(report.geoms, report.up);
   say(at("device"), report.device);
-  running(true);
 }
 
 const stopper = new Connection(undefined, { timeoutMs: 1000 });

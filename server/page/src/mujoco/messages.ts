@@ -5,7 +5,9 @@ import type { DeviceStateName } from "hapticd";
 /** Of the page. */
 export type Order =
   | { kind: "start"; scene: string; token?: string }
-  | { kind: "engage" | "release" | "reset" };
+  | { kind: "engage" | "release" | "reset" }
+  /** The last frame was shown: send the next. So none waits for a slow page. */
+  | { kind: "shown" };
 
 /** A shape of the model. `size` as MuJoCo's. */
 export interface Geom {
@@ -44,6 +46,8 @@ export type Report =
       /** Per contact that presses: where, and the force on the tool, N: 6 numbers. */
       presses: Float32Array;
       state: DeviceStateName;
+      /** Why there is no force, although it was asked for; empty: there is, or it was not. */
+      refusal: string;
       forces: number[];
       following: boolean;
       timing: Timing;

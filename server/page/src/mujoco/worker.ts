@@ -1,6 +1,6 @@
 // The engine and its session with hapticd, away from what paints: a slow picture delays no sample.
 
-import { ClientError, Connection, Proxy, type Session } from "hapticd";
+import { ClientError, Connection, type DeviceState, Proxy, type Session } from "hapticd";
 import type { Order, Report, Timing } from "./messages";
 import { World } from "./world";
 
@@ -13,6 +13,9 @@ const say = (report: Report, moved: Transferable[] = []): void =>
 const tell = (text: string, reason = ""): void => say({ kind: "said", text, reason });
 
 function explain(error: unknown): void {
+  if (error instanceof RangeError) {
+    return tell(`This scene is not for this device: ${error.message}. Choose another.`, "SCENE");
+  }
   if (!(error instanceof ClientError)) return tell(String(error), "UNKNOWN");
   tell(error.message, error.code === "unauthenticated" ? "NO_KEY" : error.reason);
 }
@@ -33,48 +36,76 @@ class Frames {
 let session: Session | undefined;
 let world: World | undefined;
 let resets = false;
+let shown = true; // what was sent to the page last
+let lost = false; // the session has no stream, and connects again
+
+/** The next one, however long the server or this computer stands still. */
+async function nextState(session: Session): Promise<DeviceState> {
+  for (;;) {
+    try {
+      return await session.waitForState();
+    } catch (error) {
+      if (!(error instanceof ClientError) || error.code !== "deadline_exceeded") throw error;
+    }
+  }
+}
 
 /** Until the session ends for good. */
 async function run(session: Session, world: World): Promise<void> {
   const frames = new Frames();
-  let timing = frames.timing, since = 0, last = 0n;
+  let timing = frames.timing, timed = 0, last = 0n;
   for (;;) {
-    const state = await session.waitForState();
+    const state = await nextState(session);
+    if (lost) tell("");
+    lost = false;
     if (resets) {
       resets = false;
       session.publish(Proxy.free()); // force ends by the server's ramp, whatever it was
       world.reset();
     }
     const begin = performance.now();
-    // Of states that come too fast for this computer the newest alone is seen.
-    const passed = last === 0n ? 1000 / RATE_HZ : Number(state.serverTimeNs - last) * 1e-6;
+    // Of states that come too fast for this computer the newest alone is seen. Another server's
+    // clock may be behind.
+    const passed = last === 0n || state.serverTimeNs <= last ? 1000 / RATE_HZ
+      : Number(state.serverTimeNs - last) * 1e-6;
     last = state.serverTimeNs;
     session.publish(world.step(state.xProbe, Math.min(passed, LONGEST_MS), session.roundTripMs));
     frames.add(performance.now() - begin);
+    if (!shown) continue;
+    shown = false;
     const places = world.places(), probe = world.placesOfProbe(state.xProbe);
     const points = world.pointsOfProbe(state.xProbe), presses = world.presses();
-    if (timing.frames === 0 || ++since % 30 === 0) timing = frames.timing;
+    if (performance.now() - timed > 500) {
+      timing = frames.timing;
+      timed = performance.now();
+    }
     say({
       kind: "frame", places, probe, points, presses, timing, state: state.state,
-      forces: state.tauA, following: world.tool.following,
+      refusal: session.engageRefusal?.message ?? "", forces: state.tauA,
+      following: world.tool.following,
     }, [places.buffer, probe.buffer, points.buffer, presses.buffer]);
   }
 }
 
 async function start(scene: string, token?: string): Promise<void> {
-  tell("Opening the device …");
+  tell("Loading MuJoCo …");
+  const folder = new URL("./", self.location.href).href;
+  const [mujoco, xml] = await Promise.all([
+    import(`${folder}mujoco.js`).then(({ default: load }) => load()),
+    fetch(`${folder}${scene}.xml`).then((answer) => answer.text()),
+  ]);
+  tell("Opening the device …"); // not before: a session that publishes nothing loses its lease
   const server = new Connection(undefined, token === undefined ? {} : { token });
   session = await server.open({
     clientName: "MuJoCo in a browser", nominalRateHz: RATE_HZ, stateRateHz: RATE_HZ,
     reconnect: true, reEngage: true,
-    onDisconnect: (why, willRetry) =>
-      tell(willRetry ? "Connecting again …" : why.message, why.reason),
+    onDisconnect: (why, willRetry) => {
+      lost = willRetry;
+      if (willRetry) tell("Connecting again …");
+      else explain(why);
+    },
   });
-  tell("Loading MuJoCo …");
-  const folder = new URL("./", self.location.href).href;
-  const engine = import(`${folder}mujoco.js`).then(({ default: load }) => load());
-  const xml = fetch(`${folder}${scene}.xml`).then((answer) => answer.text());
-  world = new World(await engine, await xml, session.device);
+  world = new World(mujoco, xml, session.device);
   say({
     kind: "scene", device: session.device.name, geoms: world.geoms(), up: world.up(),
     motors: session.device.dofs.filter(({ actuated }) => actuated)
@@ -88,5 +119,6 @@ addEventListener("message", ({ data }: MessageEvent<Order>) => {
   if (data.kind === "start") start(data.scene, data.token).catch(explain);
   else if (data.kind === "engage") session?.engageWhenReady();
   else if (data.kind === "release") session?.release().catch(explain);
+  else if (data.kind === "shown") shown = true;
   else resets = true;
 });

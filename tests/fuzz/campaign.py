@@ -57,9 +57,10 @@ def run(program, *arguments):
     # The sanitizers' defaults keep 256 MB of freed memory and 30 frames of each allocation's stack,
     # which costs a third of the executions. Inputs are kept for the edges that they reach, not for
     # how often: the corpus is a fifth, and there are 2 to 4 times as many executions per second.
+    # Without weights by rare edges, and inputs that are made shorter, there are 1.3 times as many.
     environment = {"ASAN_OPTIONS": "quarantine_size_mb=16:malloc_context_size=1", **os.environ}
     return subprocess.run([program, "-timeout=300", "-report_slow_units=300", "-rss_limit_mb=2048",
-                           "-use_counters=0", *arguments],
+                           "-use_counters=0", "-entropic=0", "-reduce_inputs=0", *arguments],
                           stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True,
                           stderr=subprocess.STDOUT, errors="replace", env=environment)
 

@@ -20,7 +20,7 @@ constexpr double kShrinks = 0.9;
 constexpr double kTheirs = 10.0;
 /// Of a replay, and of a step with n contacts, measured: a + b n + c n^2, flat and curved.
 constexpr double kReplay_ns = 16000.0;
-constexpr double kFlat_ns[] = {25.0, 25.0, 3.2}, kCurved_ns[] = {20.0, 110.0, 10.0};
+constexpr double kFlat_ns[] = {25.0, 25.0, 5.0}, kCurved_ns[] = {20.0, 110.0, 15.0};
 
 }  // namespace
 

@@ -78,7 +78,7 @@ void PlaneProjection::anchor(const VecX& x_used) noexcept {
 /// The work that a sample may cost is spent: what was cut off decides nothing.
 void PlaneProjection::leave_as_told(const Vector& told_beta) noexcept {
   beta_ = told_beta;
-  for (int i = 0; i < count_; ++i) fill_gram(i, i);
+  for (int i = 0; i < count_; ++i) fill_diagonal(i);
   dual_.leave_out(skipped_);
 }
 
@@ -92,7 +92,7 @@ double PlaneProjection::shift(const VecX& d, const Vector& l, const Vector& told
     if (ContactDual::has(skipped_, i)) continue;
     const double met = along(i, left.data()) - gamma_[i] * l[i];
     beta_[i] = l[i] > 0.0 ? met : std::max(told_beta[i], met);
-    fill_gram(i, i);
+    fill_diagonal(i);
   }
   dual_.leave_out(skipped_);
   y_ = d;
@@ -118,7 +118,7 @@ void PlaneProjection::explain(const VecX& d, const Vector& told, Vector& l) noex
     r[i] = ContactDual::has(skipped_, i)
                ? -1.0
                : along(i, d.data()) + kNearest * told[i] - kUntouched * gap;
-    dual_.gram()(i, i) = along(i, contacts_.into.col(i).data()) + kNearest;
+    dual_.gram()(i, i) = products_(i, i) + kNearest;
   }
   dual_.leave_out(skipped_);
   dual_.solve(r);

@@ -73,20 +73,28 @@ double PlaneProjection::normalise(int i) noexcept {
   return length;
 }
 
-void PlaneProjection::fill_gram(int i, int j) noexcept {
-  const double gives = laws_.any() ? laws_.give(i, j) * scale_[i] * scale_[j] : 0.0;
-  const double product =
-      meet(rows_of(i), rows_into(j)) ? along(i, contacts_.into.col(j).data()) : 0.0;
-  dual_.gram()(i, j) = dual_.gram()(j, i) = product + gives;
-  if (i == j) dual_.set_diagonal(i, product, gamma_[i] + gives);
+void PlaneProjection::multiply(int i, int j) noexcept {
+  products_(i, j) = products_(j, i) = along(i, contacts_.into.col(j).data());
 }
 
-/// Two fingers of a hand move other coordinates: of their contacts G stays 0, unless they push one
-/// object.
+void PlaneProjection::fill_diagonal(int i) noexcept {
+  const double gives = laws_.any() ? laws_.give(i) * scale_[i] * scale_[i] : 0.0;
+  dual_.set_diagonal(i, products_(i, i), gamma_[i] + gives);
+}
+
+void PlaneProjection::fill_gram() noexcept {
+  ContactDual::Gram& gram = dual_.gram();
+  gram.topRows(count_).leftCols(count_) = products_.topRows(count_).leftCols(count_);
+  if (laws_.any()) laws_.add_gives(scale_, gram);
+  for (int i = 0; i < count_; ++i) fill_diagonal(i);
+  dual_.refactor();
+}
+
+/// Two fingers of a hand move other coordinates: their contacts' products stay 0.
 void PlaneProjection::find_meeting(int i) noexcept {
   const Rows a = rows_of(i);
   std::uint32_t& meeting = meeting_[static_cast<std::size_t>(i)];
-  meeting = laws_.others(i) & ((1u << i) - 1);
+  meeting = 0;
   for (int j = 0; j <= i; ++j) {
     if (meet(a, rows_into(j))) meeting |= 1u << j;
   }
@@ -125,9 +133,9 @@ void PlaneProjection::linearise() noexcept {
   for (int i = 0; i < count_; ++i) {
     std::uint32_t pairs = meeting_[static_cast<std::size_t>(i)];
     if (!ContactDual::has(curved_, i)) pairs &= curved_;
-    for (; pairs != 0; pairs &= pairs - 1) fill_gram(i, std::countr_zero(pairs));
+    for (; pairs != 0; pairs &= pairs - 1) multiply(i, std::countr_zero(pairs));
   }
-  dual_.refactor();
+  fill_gram();
 }
 
 }  // namespace haptic::core

@@ -34,6 +34,7 @@ void ContactLaws::take(const PlaneSet::Laws& told, int i, double velocity, doubl
 
 void ContactLaws::share(const PlaneSet::Objects& told) noexcept {
   Eigen::Matrix<double, kMaxMotions, kMaxPlanes> unit;
+  cosine_.topLeftCorner(told.cols(), told.cols()).setZero();
   for (int i = 0; i < static_cast<int>(told.cols()); ++i) {
     const auto direction = told.col(i).tail<kMaxMotions>();
     const double length = direction.stableNorm();
@@ -51,19 +52,28 @@ void ContactLaws::share(const PlaneSet::Objects& told) noexcept {
   }
 }
 
-double ContactLaws::give(int i, int j) const noexcept {
-  if (i == j) return has(i) ? give_[i] : 0.0;
-  if (!ContactDual::has(others_[static_cast<std::size_t>(i)], j)) return 0.0;
-  return root_[i] * root_[j] * cosine_(i, j);
+void ContactLaws::add_gives(const Vector& scale, ContactDual::Gram& gram) const noexcept {
+  if (shared_ == 0) return;
+  Vector scaled;
+  scaled.head(count_) = root_.head(count_).cwiseProduct(scale.head(count_));
+  for (std::uint32_t left = shared_; left != 0; left &= left - 1) {
+    const int i = std::countr_zero(left);
+    gram.row(i).head(count_).transpose() +=
+        (scaled[i] * scaled.head(count_)).cwiseProduct(cosine_.row(i).head(count_).transpose());
+  }
 }
 
-double ContactLaws::pushed(int i, const Vector& l) const noexcept {
-  double sum = give_[i] * l[i];
-  for (std::uint32_t left = others_[static_cast<std::size_t>(i)]; left != 0; left &= left - 1) {
+/// By whole rows: of many contacts on one object each pushes all.
+void ContactLaws::push(const Vector& l) noexcept {
+  pushed_.head(count_).setZero();
+  for (std::uint32_t left = shared_; left != 0; left &= left - 1) {
     const int j = std::countr_zero(left);
-    sum += root_[i] * root_[j] * cosine_(i, j) * l[j];
+    if (l[j] == 0.0) continue;
+    pushed_.head(count_) += root_[j] * l[j] * cosine_.row(j).head(count_).transpose();
   }
-  return sum;
+  for (int i = 0; i < count_; ++i) {
+    if (has(i)) pushed_[i] = give_[i] * l[i] + root_[i] * pushed_[i];
+  }
 }
 
 /// M (v' - v) / T = (l + l') / 2 + load - D (s' - s) / T - k (s + s') / 2, s' - s = T (v + v') / 2.
@@ -77,19 +87,21 @@ bool ContactLaws::begin(double dt) noexcept {
     give_[i] = dt > 0.0 ? 0.5 / (inertia + damping_[i] / dt + 0.5 * stiffness_[i]) : 0.0;
     root_[i] = std::sqrt(give_[i]);
   }
+  push(l_);
   for (int i = 0; i < count_; ++i) {
     if (!has(i)) continue;
     const double push =
         dt > 0.0 ? 2.0 * mass_[i] * v_[i] / dt - stiffness_[i] * s_[i] + load_[i] : 0.0;
-    free_[i] = s_[i] + 2.0 * give_[i] * push + pushed(i, l_);
+    free_[i] = s_[i] + 2.0 * give_[i] * push + pushed_[i];
   }
   return changed;
 }
 
 void ContactLaws::end(const Vector& l) noexcept {
+  push(l);
   for (int i = 0; i < count_; ++i) {
     if (!has(i)) continue;
-    const double s = free_[i] + pushed(i, l);
+    const double s = free_[i] + pushed_[i];
     if (dt_ > 0.0) v_[i] = 2.0 * (s - s_[i]) / dt_ - v_[i];
     s_[i] = s;
     jump_[i] = std::max(jump_[i], dt_ * std::abs(l[i] - l_[i]));

@@ -37,6 +37,8 @@ void ContactLaws::begin_sample() noexcept {
   with_ = shared_ = 0;
   count_ = 0;
   time_ = 0.0;
+  give_.setZero();
+  root_.setZero();
   others_.fill(0);
 }
 

@@ -20,7 +20,7 @@ constexpr double kShrinks = 0.9;
 constexpr double kTheirs = 10.0;
 /// Of a replay, and of a step with n contacts, measured: a + b n + c n^2, flat and curved.
 constexpr double kReplay_ns = 16000.0;
-constexpr double kFlat_ns[] = {25.0, 25.0, 3.2}, kCurved_ns[] = {20.0, 110.0, 10.0};
+constexpr double kFlat_ns[] = {25.0, 25.0, 5.0}, kCurved_ns[] = {20.0, 110.0, 15.0};
 
 }  // namespace
 
@@ -59,15 +59,15 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
   dual_.begin(count_, skipped_);
   for (int i = 0; i < count_; ++i) {
     find_meeting(i);
-    for (int j = 0; j < i; ++j) {
+    for (int j = 0; j <= i; ++j) {
       if (ContactDual::has(meeting_[static_cast<std::size_t>(i)], j)) {
-        fill_gram(i, j);
+        multiply(i, j);
       } else {
-        dual_.gram()(i, j) = dual_.gram()(j, i) = 0.0;
+        products_(i, j) = products_(j, i) = 0.0;
       }
     }
-    fill_gram(i, i);
   }
+  fill_gram();
   begin_error(planes);
   if (x_used != nullptr) anchor(*x_used);
   if (curved_ == 0) return;
@@ -97,14 +97,7 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x, double age, d
                                      int most_steps) noexcept {
   x = x_probe;
   if (count_ == 0) return PlaneStatus::kFree;
-  if (laws_.any() && laws_.begin(fresh_ ? 0.0 : dt)) {
-    for (int i = 0; i < count_; ++i) {
-      if (!laws_.has(i) || ContactDual::has(curved_, i)) continue;  // linearise() fills in those
-      std::uint32_t pairs = (laws_.others(i) & ((1u << i) - 1) & ~curved_) | 1u << i;
-      for (; pairs != 0; pairs &= pairs - 1) fill_gram(i, std::countr_zero(pairs));
-    }
-    dual_.refactor();
-  }
+  if (laws_.any() && laws_.begin(fresh_ ? 0.0 : dt) && curved_ == 0) fill_gram();
   space_->difference(x_probe, at_, y_);
   if (most_steps > 1) dual_.allow(kMostWork + (fresh_ ? dual_.left() : 0));
   const PlaneStatus status = curved_ == 0 ? solve(age) : settle(age, most_steps);

@@ -46,12 +46,10 @@ class ContactLaws {
   bool begin(double dt) noexcept;
   /// s at the end of the step if nothing pushed any more; 0 without a law.
   [[nodiscard]] double free(int i) const noexcept { return has(i) ? free_[i] : 0.0; }
-  /// Contacts on the same object as contact i, which is not among them, as bits.
-  [[nodiscard]] std::uint32_t others(int i) const noexcept {
-    return others_[static_cast<std::size_t>(i)];
-  }
-  /// And by how much more per unit of contact j's l at the end of the step.
-  [[nodiscard]] double give(int i, int j) const noexcept;
+  /// And by how much more per unit of its own l at the end of the step.
+  [[nodiscard]] double give(int i) const noexcept { return has(i) ? give_[i] : 0.0; }
+  /// Adds to `gram` by how much per unit of the l of the others on its object, scaled.
+  void add_gives(const Vector& scale, ContactDual::Gram& gram) const noexcept;
   /// The step ends with the multipliers l, one per contact. Those without a law are not read.
   void end(const Vector& l) noexcept;
 
@@ -62,8 +60,8 @@ class ContactLaws {
  private:
   /// What is known of the mass of contact i from the sample before, and what this one adds.
   [[nodiscard]] MassRatio::Seen recall(int i) noexcept;
-  /// sum_j give(i, j) l_j.
-  [[nodiscard]] double pushed(int i, const Vector& l) const noexcept;
+  /// pushed_ becomes by how much the multipliers l push.
+  void push(const Vector& l) noexcept;
 
   std::uint32_t with_{0};
   std::uint32_t shared_{0};  ///< contacts on an object that has others
@@ -74,7 +72,8 @@ class ContactLaws {
   Vector free_{}, give_{};
   Vector root_{};                                   ///< sqrt(give)
   std::array<std::uint32_t, kMaxPlanes> others_{};  ///< contacts on the same object, as bits
-  ContactDual::Gram cosine_{};  ///< e_i.e_j of contacts on one object, which are not the same
+  ContactDual::Gram cosine_{};  ///< e_i.e_j of different contacts on one object, else 0
+  Vector pushed_{};
 
   // Of what is known of the masses:
   Vector id_{}, object_{};  ///< 0: none

@@ -116,9 +116,12 @@ class PlaneProjection {
   [[nodiscard]] double along(int i, const double* v) const noexcept;
   /// Divides column i of A_ and of D by its length, which is returned; 0: it has none.
   double normalise(int i) noexcept;
-  /// Finds the contacts up to i of which G has an entry with contact i.
+  /// Finds the contacts up to i of which the product with contact i need not be 0.
   void find_meeting(int i) noexcept;
-  void fill_gram(int i, int j) noexcept;
+  void multiply(int i, int j) noexcept;
+  /// G from the products and from what objects with a law give way.
+  void fill_gram() noexcept;
+  void fill_diagonal(int i) noexcept;
   /// Shifts beta_ so that the law gives at_ for the probe x_used.
   void anchor(const VecX& x_used) noexcept;
   void leave_as_told(const Vector& told_beta) noexcept;
@@ -166,9 +169,11 @@ class PlaneProjection {
   Vector scale_{};            ///< of a contact now by what it was at at_
   PlaneSet::Curvatures H_{};  ///< scaled
   PlaneSet::Places first_{}, n_curved_{};
-  std::array<Rows, kMaxPlanes> rows_{};              ///< of A_
-  std::array<std::uint32_t, kMaxPlanes> meeting_{};  ///< bit j: G may have the entry (i, j), j <= i
-  std::array<int, kMaxPlanes> begin_{};              ///< of each contact's curvature in H_
+  std::array<Rows, kMaxPlanes> rows_{};  ///< of A_
+  std::array<std::uint32_t, kMaxPlanes>
+      meeting_{};                        ///< bit j: (i, j) of these may be not 0, j <= i
+  ContactDual::Gram products_{};         ///< A^T D
+  std::array<int, kMaxPlanes> begin_{};  ///< of each contact's curvature in H_
   ContactDual dual_{};
   ContactLaws laws_{};
   double unexplained_{0.0};

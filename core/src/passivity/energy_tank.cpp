@@ -11,7 +11,8 @@ namespace {
 double lent(double left, const SpringStorage& after, const VecA& d, const Motion& motion) noexcept {
   if (!(left > 0.0)) return 0.0;
   const double share = motion.share(after.force(d), left);
-  return share < 1.0 ? share * after.relief(d) : 1.0;
+  if (share >= 1.0) return 1.0;
+  return share > 0.0 ? share * after.relief(d) : 0.0;  // 0 too if it is no number
 }
 
 }  // namespace
@@ -25,16 +26,20 @@ void EnergyTank::refill(double dt, const HoldAccount& account) noexcept {
 }
 
 double Motion::share(const VecA& tau, double left) const noexcept {
-  double goes_on = 0.0, faster = 0.0;  // J: s tau gives s goes_on + s^2 faster
+  double goes_on = 0.0, faster = 0.0;  // J: s tau gives at most s goes_on + s^2 faster
   for (Eigen::Index i = 0; i < tau.size(); ++i) {
     if (tau[i] == 0.0) continue;
     const double way = tau[i] < 0.0 ? -1.0 : 1.0;
     const double own = std::max(0.0, way * held[i]) * kick[i];
     const double reach = way * dq[i] + std::clamp(way * more[i], 0.0, own);
-    goes_on += std::abs(tau[i]) * std::max(0.0, reach);
-    faster += tau[i] * tau[i] * kick[i];
-    // The force goes on for tau / slew holds, with half of itself in the mean.
-    if (slew.size() > 0) faster += tau[i] * tau[i] * std::max(0.0, reach) / (2.0 * slew[i]);
+    // The force of this hold and of those in which it falls.
+    double sum = std::abs(tau[i]);
+    if (slew.size() > 0) {
+      const double falls = std::floor(sum / slew[i]);
+      sum = (falls + 1.0) * (sum - 0.5 * slew[i] * falls);
+    }
+    goes_on += sum * std::max(0.0, reach);
+    faster += sum * sum * kick[i];
   }
   if (goes_on + faster <= left) return 1.0;
   return 2.0 * left / (goes_on + std::sqrt(goes_on * goes_on + 4.0 * faster * left));

@@ -92,6 +92,37 @@ TEST(Loan, ReckonsWithTheSlewLimit) {
   EXPECT_EQ(motion.share(one(4.0), 1e-9), 1.0) << "at rest nothing is given meanwhile";
 }
 
+/// The same from `force` (N) with just what letting go gives, through a limit of 4 N per ms. J.
+double debt_through_slew(double force) {
+  constexpr double kKick = 1e-5, kSlew = 4.0;
+  const auto lent = [&](double dq, double before, double held, double left) {
+    return Motion{one(dq), one(dq - before), one(held), one(kKick), one(kSlew)}.share(one(force),
+                                                                                      left);
+  };
+  double sum = 0.0;
+  for (double falls = force; falls > 0.0; falls -= kSlew) sum += falls;
+  double left = kKick * sum * sum;  // what 50 g have after these holds
+  EXPECT_NEAR(lent(0.0, 0.0, force, left), 1.0, 1e-12);
+  EXPECT_LT(lent(0.0, 0.0, force, 0.99 * left), 1.0);
+  double dq = 0.0, before = 0.0, speed = 0.0, tau = force, worst = 0.0;
+  for (int n = 0; n < 40 && tau > 0.0; ++n) {
+    const double wanted = left > 0.0 ? force * lent(dq, before, tau, left) : 0.0;
+    tau = std::max(wanted, n == 0 ? 0.0 : tau - kSlew);
+    before = dq;
+    dq = speed + tau * kKick;
+    speed += 2.0 * tau * kKick;
+    left -= tau * dq;
+    worst = std::max(worst, -left);
+  }
+  return worst;
+}
+
+TEST(Loan, LettingGoThroughSlewMakesNone) {
+  for (const double force : {3.0, 4.0, 7.0, 13.0, 20.0}) {
+    EXPECT_LE(debt_through_slew(force), 1e-12) << force;
+  }
+}
+
 /// A hand leads the actuator along a force of 4 N at 20 mm/s: what is left runs out. The force ends
 /// within milliseconds, but no faster than on a spring of M_a / T^2 = 50000 N/m.
 TEST(Loan, EndsWithoutAJump) {

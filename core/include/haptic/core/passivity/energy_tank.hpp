@@ -51,8 +51,8 @@ struct Motion {
   VecA slew{};  ///< by which a force can fall from hold to hold, n_a; size 0: at once
 
   /// The largest share, 0 to 1, of a force tau (n_a) that gives no more than `left` (J, > 0) in the
-  /// next hold, and while it then falls by `slew`, if nothing else pushes the device along it: a
-  /// hand may let go with any sample.
+  /// next hold and in those in which it then falls by `slew`, in which it makes the device faster
+  /// too, if nothing else pushes the device along it: a hand may let go with any sample.
   [[nodiscard]] double share(const VecA& tau, double left) const noexcept;
 };
 

@@ -12,7 +12,8 @@ void ContactLaws::rewind() noexcept {
     v_[i] = told_v_[i];
     s_[i] = l_[i] = free_[i] = give_[i] = root_[i] = jump_[i] = 0.0;
   }
-  time_ = dt_ = 0.0;
+  time_ = 0.0;
+  dt_ = -1.0;  // no step's: give() changes with the next one
 }
 
 void ContactLaws::take(const PlaneSet::Laws& told, int i, double velocity, double length,

@@ -11,8 +11,8 @@
 # both into tests/fuzz/corpora, from where a build folder that has none begins. --fast does without
 # the address sanitizer: 3 to 4 times as many executions per second, of the same corpus, counted in
 # build/fuzz/TARGET-fast.csv; the library's own assertions are on. Each target ends with a line:
-# executions, hours, corpus, coverage, and what the last tenth found that was new. A finding ends the
-# run with 1 and leaves its input in the corpus as crash-*, which
+# executions, hours, corpus, coverage, and what the last tenth found that was new. A finding ends
+# the run with 1 and leaves its input in the corpus as crash-*, which
 # build/fuzz/tests/fuzz/haptic-libfuzzer-TARGET FILE replays; 3: the last tenth still found new
 # edges.
 set -euo pipefail

@@ -1,5 +1,5 @@
-// The shipped soft grasp in virtual time, moved by its own motion and by recordings: the force grows
-// with depth in every contact, as far as Eq. (31) and the tank let it.
+// The shipped soft grasp in virtual time, moved by its own motion and by recordings: the force
+// grows with depth in every contact, as far as Eq. (31) and the tank let it.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>

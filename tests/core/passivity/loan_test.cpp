@@ -97,7 +97,7 @@ double debt_through_slew(double force) {
   constexpr double kKick = 1e-5, kSlew = 4.0;
   const auto lent = [&](double dq, double before, double held, double left) {
     return Motion{one(dq), one(dq - before), one(held), one(kKick), one(kSlew)}.share(one(force),
-                                                                                     left);
+                                                                                      left);
   };
   double sum = 0.0;
   for (double falls = force; falls > 0.0; falls -= kSlew) sum += falls;

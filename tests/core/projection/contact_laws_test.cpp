@@ -207,6 +207,19 @@ TEST(ContactLaws, AllocateNothing) {
   EXPECT_EQ(guard.allocations(), 0u);
 }
 
+TEST(ContactLaws, RewoundObjectIsAsTold) {
+  const ConfigurationSpace plane(std::vector<Coordinate>(2));
+  PlaneProjection projection(plane);
+  VecX x;
+  projection.set(pushed(law_of(1e-5, 0.0, 0.0, 0.0)), two(0.0, 0.0));
+  static_cast<void>(projection.project(two(0.004, 0.0), x));
+  EXPECT_NEAR(x[0], 0.002, 1e-12) << "gives way by half";
+  static_cast<void>(projection.project(two(0.004, 0.0), x, 0.0, 4.0 * kTick));
+  projection.rewind();
+  static_cast<void>(projection.project(two(0.004, 0.0), x));
+  EXPECT_NEAR(x[0], 0.002, 1e-12);
+}
+
 /// Contacts 0 and 1 of a body that only its load moves, for 20 ms from rest; then the next sample.
 /// The mass of contact 0 that the law goes on with, by the one that is told.
 double mass_in_use(double told, double true_mass, double object, double next_id) {

@@ -29,7 +29,13 @@ function ask(method, params = {}, sessionId = undefined) {
   return new Promise((resolve) => waiting.set(last, resolve));
 }
 process.on("SIGTERM", () => chromium.kill());
-chromium.on("exit", () => process.exit(0));
+const giveUp = (why) => {
+  console.log(why);
+  process.exit(1);
+};
+chromium.on("error", ({ message }) => giveUp(message));
+let over = false;
+chromium.on("exit", () => over || giveUp("the browser ended before it was taken"));
 
 const { targetId } = await ask("Target.createTarget", { url: address });
 const { sessionId } = await ask("Target.attachToTarget", { targetId, flatten: true });
@@ -37,7 +43,7 @@ const { sessionId } = await ask("Target.attachToTarget", { targetId, flatten: tr
 async function trouble() {
   const expression = `(() => {
     const [live, bad] = ["connection", "trouble"].map((id) => document.getElementById(id));
-    if (!live) return "it is not hapticd's page: " + document.body?.innerText;
+    if (!live) return document.body?.innerText || "nothing yet";
     if (!bad.hidden) return bad.textContent;
     return live.textContent.startsWith("Live") ? "" : live.textContent;
   })()`;
@@ -57,4 +63,5 @@ for (const latest = Date.now() + WAIT_MS; Date.now() < latest; await sleep(200))
   break;
 }
 if (why !== "") console.log(`the page said: ${why.replaceAll("\n", " ").trim()}`);
+over = true;
 await ask("Browser.close");

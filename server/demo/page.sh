@@ -8,8 +8,11 @@ page_address() {  # the newest one, with a token that was not used yet
 # A picture of the page, if there is a browser; then an address for people.
 show_page() {
   local browser used
+  rm -f "$output/page.png"
   browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
+  no_picture="there is no chromium here"
   if [[ -n $browser ]]; then
+    no_picture="the show ended before it could be taken"
     used=$(page_address)
     # After some seconds, in contact.
     node "$root/server/demo/page_picture.mjs" "$browser" "$folder/browser" "$used" 7.5 \
@@ -30,6 +33,7 @@ page_summary() {
   if [[ -s $output/page.png ]]; then
     echo "  the page          $output/page.png"
   else
-    echo "  the page          no picture: there is no chromium here, or it failed"
+    if [[ -s $folder/browser.log ]]; then no_picture=$(tail -n 1 "$folder/browser.log"); fi
+    echo "  the page          no picture: $no_picture"
   fi
 }

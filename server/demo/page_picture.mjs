@@ -1,4 +1,6 @@
-// A picture of a page after some seconds.
+// A picture of hapticd's page: after SECONDS, once it is live and has nothing to complain of. If
+// that is not so within another minute, there is no picture, and the last line that this prints
+// says why.
 //
 //   node page_picture.mjs BROWSER PROFILE ADDRESS SECONDS FILE
 //
@@ -7,6 +9,7 @@ import { spawn } from "node:child_process";
 import { writeFileSync } from "node:fs";
 import { setTimeout as sleep } from "node:timers/promises";
 
+const WAIT_MS = 60000;
 const [browser, profile, address, seconds, file] = process.argv.slice(2);
 const chromium = spawn(browser, ["--headless=new", "--no-sandbox", "--remote-debugging-pipe",
   "--enable-unsafe-swiftshader", "--hide-scrollbars", "--window-size=1280,1000",
@@ -26,11 +29,39 @@ function ask(method, params = {}, sessionId = undefined) {
   return new Promise((resolve) => waiting.set(last, resolve));
 }
 process.on("SIGTERM", () => chromium.kill());
-chromium.on("exit", () => process.exit(0));
+const giveUp = (why) => {
+  console.log(why);
+  process.exit(1);
+};
+chromium.on("error", ({ message }) => giveUp(message));
+let over = false;
+chromium.on("exit", () => over || giveUp("the browser ended before it was taken"));
 
 const { targetId } = await ask("Target.createTarget", { url: address });
 const { sessionId } = await ask("Target.attachToTarget", { targetId, flatten: true });
+/** What keeps it from being a good picture; empty: nothing. */
+async function trouble() {
+  const expression = `(() => {
+    const [live, bad] = ["connection", "trouble"].map((id) => document.getElementById(id));
+    if (!live) return document.body?.innerText || "nothing yet";
+    if (!bad.hidden) return bad.textContent;
+    return live.textContent.startsWith("Live") ? "" : live.textContent;
+  })()`;
+  const told = await ask("Runtime.evaluate", { expression, returnByValue: true }, sessionId);
+  return told?.result?.value ?? "nothing yet";
+}
+
 await sleep(1000 * Number(seconds));
-const { data } = await ask("Page.captureScreenshot", { format: "png" }, sessionId);
-writeFileSync(file, Buffer.from(data, "base64"));
+let why = "";
+for (const latest = Date.now() + WAIT_MS; Date.now() < latest; await sleep(200)) {
+  why = await trouble();
+  if (why !== "") continue;
+  const { data } = await ask("Page.captureScreenshot", { format: "png" }, sessionId);
+  why = await trouble();  // it may have changed meanwhile
+  if (why !== "") continue;
+  writeFileSync(file, Buffer.from(data, "base64"));
+  break;
+}
+if (why !== "") console.log(`the page said: ${why.replaceAll("\n", " ").trim()}`);
+over = true;
 await ask("Browser.close");

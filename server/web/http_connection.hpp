@@ -126,9 +126,8 @@ class HttpConnection final : public WebConnection,
     if (const auto file = page.find(path()); file != page.end()) {
       return answer(http::status::ok, file->second.type, {}, file->second.bytes);
     }
-    if (path() == "/" && page.empty()) {
-      return answer(http::status::ok, "text/plain",
-                    "hapticd serves here, and has no page: it was built without npm.\n");
+    if (path() == "/") {
+      return answer(http::status::ok, "text/plain", std::string(kNoPage) + "\n");
     }
     answer(http::status::not_found, "text/plain", "not found\n");
   }

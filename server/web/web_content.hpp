@@ -18,6 +18,10 @@ struct PageFile {
 /// By the path of its address, "/app.js"; "/" is index.html.
 using Page = std::map<std::string, PageFile, std::less<>>;
 
+/// What hapticd says if `Page` has no "/".
+constexpr std::string_view kNoPage =
+    "The page was not built (needs npm): cmake --build build/release --target haptic_page";
+
 struct WebContent {
   Page page{};
   std::function<std::string()> metrics{};  ///< called for every scrape; empty: there are none

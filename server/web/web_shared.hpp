@@ -11,6 +11,7 @@
 #include "server/web/beast.hpp"
 #include "server/web/gate.hpp"
 #include "server/web/json.hpp"
+#include "server/web/web_content.hpp"
 #include "server/web/web_server.hpp"
 
 namespace haptic::server {
@@ -39,6 +40,7 @@ struct WebShared {
   /// For people, with the token that counts now.
   void print_address() const {
     if (page_address.empty()) return;
+    if (!content.page.contains("/")) spdlog::warn("{}", kNoPage);
     spdlog::info("page: {}/?token={} (works once)", page_address, gate.one_time());
   }
 };

@@ -57,6 +57,11 @@ ELSEWHERE = {
     ),
     "docker/install-deps.sh": ("tests/run.sh", "docker/install-deps.sh"),
     "docker/test.sh": ("tests/package/CMakeLists.txt", "docker/test.sh"),
+    "docker/install-deps.sh build node": ("server/demo.sh", "packages+=(node)"),
+    "cmake --preset release -DHAPTIC_BUILD_TESTS=OFF": (
+        "server/demo.sh",
+        "cmake --preset release -DHAPTIC_BUILD_TESTS=OFF",
+    ),
     "cmake --preset release": ("tests/run.sh", "cmake --preset"),
     "cmake --build --preset release": ("tests/run.sh", "cmake --build --preset"),
     "cmake --build --preset product": ("CMakePresets.json", '"name": "product"'),

@@ -4,11 +4,13 @@ protobuf, with errors as the Connect protocol says them."""
 import base64
 import json
 import os
+import shutil
 import ssl
 import subprocess
 import sys
 import tempfile
 import unittest
+from unittest import mock
 
 import grpc
 
@@ -305,6 +307,18 @@ class Calls(unittest.TestCase):
             self.assertNotEqual(here.split("=")[0], there.split("=")[0])
             self.assertEqual(self.info(Cookie=f"{there}; {here}"), 200)
             self.assertEqual(self.info(Cookie=there), 401)
+
+
+class Pageless(unittest.TestCase):
+    def test_says_why_there_is_no_page(self):
+        said = b"The page was not built (needs npm)"
+        with tempfile.TemporaryDirectory() as folder:
+            front = shutil.copy2(os.path.join(os.path.dirname(argument("HAPTICD")),
+                                              "hapticd-front"), folder)
+            with mock.patch.dict(os.environ, HAPTICD_FRONT=front), \
+                    WebServer(argument("HAPTICD")) as server:
+                self.assertIn(said, ask(server.web, "GET", "/").body)
+                self.assertIn(said, server.log())
 
 
 class Encrypted(unittest.TestCase):

@@ -125,10 +125,10 @@ test("the page alone", async (t) => {
   await t.test("a lost stream is said, and comes back", async (t) => {
     const { page } = await open(t);
     await says(page, "#connection", /^Live/);
-    await page.evaluate(() => {
-      globalThis.made.gone = true;
-      globalThis.made.lose();
-    });
+    await page.evaluate(() => (globalThis.made.gone = true));
+    await says(page, "#trouble", /^The server answers slowly: gone\. The picture is live/);
+    assert.match(await page.locator("#connection").textContent(), /^Live/);
+    await page.evaluate(() => globalThis.made.lose());
     await says(page, "#trouble", /^No connection to the server: gone\. What you see is old/);
     await says(page, "#connection", /^Not connected/);
     await page.evaluate(() => (globalThis.made.gone = false));

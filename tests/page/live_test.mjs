@@ -35,7 +35,7 @@ test("the page of a hapticd", async (t) => {
     const server = await startHapticd(t, "control");
     const { page, complaints } = await visit(t, browser, server);
     assert.equal(new URL(page.url()).search, "", "the token stays in the address");
-    await says(page, "#state-title", /^Idle$/);
+    await says(page, "#state-title", /^Waiting$/);
     await says(page, "#scene", /one finger at rest/);
     await says(page, "#joints", /mm/);
     await holdDevice(t, server);
@@ -62,7 +62,7 @@ test("the page of a hapticd", async (t) => {
   await t.test("an observer stops and clears not", async (t) => {
     const server = await startHapticd(t, "observe");
     const { page, complaints } = await visit(t, browser, server, PHONE);
-    await says(page, "#state-title", /^Idle$/);
+    await says(page, "#state-title", /^Waiting$/);
     await fitsAcross(page);
     await page.tap("#stop");
     await says(page, "#faults", /Emergency stop/);

@@ -13,7 +13,7 @@ import * as path from "node:path";
 import { test } from "node:test";
 import { open } from "../client/js/hapticd_process.mjs";
 import {
-  coloursOf, fitsAcross, newPage, PHONE, says, startBrowser, violations,
+  coloursOf, eventually, fitsAcross, newPage, PHONE, says, startBrowser, violations,
 } from "./browser.mjs";
 import { printedAddress, startHapticd } from "./live_server.mjs";
 import { workerTimes } from "./worker_time.mjs";
@@ -102,6 +102,7 @@ test("a MuJoCo scene in the browser", { timeout: 600000 }, async (t) => {
     const { page, complaints } = await openMujoco(t, browser, server);
     await page.click("#start");
     await says(page, "#timing", /frames$/);
+    await says(page, "#state", /^Ready\. Press Force on\./);
     await page.click("#engage");
     await says(page, "#state", /^Force is on/);
     await handOpens(watch);
@@ -116,9 +117,10 @@ test("a MuJoCo scene in the browser", { timeout: 600000 }, async (t) => {
     assert.deepEqual(await violations(page), []);
     assert.deepEqual(complaints.filter((text) => !/GPU stall|WebGL/.test(text)), []);
     await page.click("#release");
-    await says(page, "#state", /^(Ready|Idle)/);
+    await says(page, "#state", /^(Ready|Waiting)/);
     await page.click("#stop");
     await says(page, "#state", /^Stopped/);
+    assert.ok(await page.locator("#fault a[href='./']").isVisible());
     await page.click("#engage");
     await says(page, "#state", /^Stopped by a fault\. No force yet: .*FAULT/);
     await page.close();
@@ -141,12 +143,14 @@ test("a MuJoCo scene in the browser", { timeout: 600000 }, async (t) => {
     const server = await startHapticd(t, "control", { scene: "hand_soft_grasp" });
     const watch = await open(t, server.connect("observe"), { role: "observer", stateRateHz: 60 });
     const { page, complaints } = await openMujoco(t, browser, server);
-    await page.click("#start");
-    await says(page, "#said", /not for this device/);
-    await page.selectOption("#model", "hand");
+    await eventually(page, () => document.getElementById("model").value === "hand");
     await page.click("#start");
     await says(page, "#timing", /frames$/);
     await page.click("#engage");
+    await says(page, "#state", /^Force is on/);
+    await page.selectOption("#model", "finger");  // does not end the force
+    await page.click("#start");
+    await says(page, "#said", /not for this device/);
     await says(page, "#state", /^Force is on/);
     const ofCore = await frameOfCore(handPresses(watch)
       .then(() => says(page, "#pushed", /You moved the box by \d+ mm/)), CALM);
@@ -161,6 +165,7 @@ test("a MuJoCo scene in the browser", { timeout: 600000 }, async (t) => {
     const { page } = await openMujoco(t, browser, server, PHONE);
     await page.click("#start");
     await says(page, "#said", /may only look/);
+    await says(page, "#state", /^Not started\.$/);
     await fitsAcross(page);
     assert.deepEqual(await violations(page), []);
   });

@@ -1,6 +1,7 @@
 // What the page says in words and numbers.
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { misfit } from "../../server/page/src/mujoco/fit.ts";
 import { LiveSource } from "../../server/page/src/live_source.ts";
 import { howLong, number, quantity } from "../../server/page/src/units.ts";
 import { faultWords, limiterWords, unknownNames } from "../../server/page/src/words/bits.ts";
@@ -27,8 +28,8 @@ test("bits become words", () => {
 test("touch is said in words", () => {
   const state = { proxySeqUsed: 1n, mode: 3, activePlanes: 0 };
   assert.match(contactWords(state), /^Not touching/);
-  assert.match(contactWords({ ...state, activePlanes: 1 << 4 }), /one surface: plane 4 /);
-  assert.match(contactWords({ ...state, activePlanes: 0b1101 }), /3 surfaces: planes 0, 2 and 3 /);
+  assert.match(contactWords({ ...state, activePlanes: 1 << 4 }), /surface 4 of the/);
+  assert.match(contactWords({ ...state, activePlanes: 0b1101 }), /3 surfaces of .*: 0, 2 and 3\./);
   assert.match(contactWords({ ...state, activePlanes: -1 }), /32 surfaces/);
   assert.match(contactWords({ ...state, mode: 2 }), /Nothing is in the way/);
   assert.match(contactWords({ ...state, proxySeqUsed: 0n }), /no simulation/);
@@ -47,6 +48,15 @@ test("the softest actuator is named", () => {
   assert.equal(deratingWords(device, state), "b 1500 → 600.0 N/m: the held proxy is 50 ms old");
   assert.equal(deratingWords(device, { ...state, gain: 0 }), "");
   assert.equal(deratingWords(device, { ...state, derating: 0 }), "");
+});
+
+test("a scene fits by its names", () => {
+  const names = (...all) => all.map((name) => ({ name }));
+  const xml = `<joint class="j" name="mcp"/><site\n name="tip" pos="0 0 0"/><geom name="pad"/>`;
+  assert.equal(misfit(xml, names("mcp", "tip.x", "tip.y", "tip.z")), "");
+  assert.equal(misfit(xml, names("mcp", "pad.x")), "pad.x");
+  assert.equal(misfit(xml, names("tip.x", "pip")), "pip");
+  assert.equal(misfit(xml, names("mcp.x")), "mcp.x");
 });
 
 test("numbers are as people read them", () => {

@@ -12,6 +12,7 @@ export interface Given {
 }
 
 interface Waiter {
+  after: bigint;  // what wait() had given when this one began
   resolve(state: DeviceState): void;
   reject(why: ClientError): void;
 }
@@ -41,6 +42,7 @@ export class NewestState {
   restart(): void {
     this.newest = this.given = undefined;
     this.#returned = 0n;
+    for (const waiter of this.#waiters) waiter.after = 0n;
   }
 
   /** For the user, who computes the next sample from it. */
@@ -51,7 +53,7 @@ export class NewestState {
     return this.newest;
   }
 
-  /** A state newer than the last that wait() gave. */
+  /** A state newer than the last that wait() had given when it was called. */
   wait(timeoutMs: number): Promise<DeviceState> {
     if (this.newest !== undefined && this.newest.seq > this.#returned) {
       return Promise.resolve(this.#return(this.newest));
@@ -62,6 +64,7 @@ export class NewestState {
         this.#waiters.delete(waiter);
       };
       const waiter: Waiter = {
+        after: this.#returned,
         resolve: (state) => (end(), resolve(state)),
         reject: (why) => (end(), reject(why)),
       };
@@ -79,8 +82,10 @@ export class NewestState {
   #wake(): void {
     this.#waking = false;
     const { newest } = this;
-    if (newest === undefined || newest.seq <= this.#returned) return;
-    for (const { resolve } of this.#waiters) resolve(this.#return(newest));
+    if (newest === undefined) return;
+    for (const { after, resolve } of this.#waiters) {
+      if (newest.seq > after) resolve(this.#return(newest));
+    }
   }
 
   #return(state: DeviceState): DeviceState {

@@ -112,6 +112,7 @@ export class App {
       ended: (error) => {
         this.watching = null;
         this.refused(error);
+        this.connection();
       },
     });
     this.actions.rights(await this.source.mayControl(device.name));
@@ -149,6 +150,9 @@ export class App {
       return this.trouble("");
     }
     const words = error instanceof Error ? error.message : String(error);
+    if (this.isLive()) {
+      return this.trouble(`The server answers slowly: ${words}. The picture is live.`);
+    }
     const again = this.newest ? "What you see is old. " : "";
     this.trouble(`No connection to the server: ${words}. ${again}Trying again …`);
   }
@@ -158,16 +162,18 @@ export class App {
     at("trouble").hidden = text === "";
   }
 
+  /** States come: whatever else fails, what is shown is new. */
+  private isLive(): boolean {
+    return this.watching !== null && performance.now() - this.stateAt <= OLD_MS;
+  }
+
   private connection(): void {
     const now = performance.now();
-    const old = now - this.stateAt > OLD_MS;
+    const live = this.isLive();
     const rate = Math.round((this.states * 1000) / Math.max(now - this.countedAt, 1));
     this.countedAt = now;
-    at("live").classList.toggle("old", old);
-    say(
-      at("connection"),
-      this.watching && !old ? `Live · ${rate} states per second` : "Not connected",
-    );
+    at("live").classList.toggle("old", !live);
+    say(at("connection"), live ? `Live · ${rate} states per second` : "Not connected");
     this.states = 0;
   }
 }

@@ -153,6 +153,21 @@ test("who is slow gets the newest state", async () => {
   assert.equal(states.given.seq, 3n);
 });
 
+test("who waited first gets it too", async () => {
+  const states = new NewestState();
+  const state = (seq) => ({ seq, xProbe: [] });
+  states.take(state(4n), 0);
+  await states.wait(1000);
+  const first = states.wait(1000);
+  states.take(state(5n), 0);  // the first wakes after the messages that are here already
+  const both = await Promise.all([first, states.wait(1000)]);
+  assert.deepEqual(both.map(({ seq }) => seq), [5n, 5n]);
+  const third = states.wait(1000);
+  states.restart();
+  states.take(state(1n), 0);
+  assert.equal((await third).seq, 1n);
+});
+
 test("a wrong address is refused at once", () => {
   for (const url of ["", "127.0.0.1:29473", "ftp://x", "http://x/path", "unix:x"]) {
     assert.throws(() => new haptic.Connection(url), { code: "invalid_argument" });

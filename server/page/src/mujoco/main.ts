@@ -2,6 +2,7 @@
 
 import { Connection } from "hapticd";
 import { at, say } from "../dom";
+import { misfit } from "./fit";
 import { Stop } from "../panels/stop";
 import { stateWords } from "../words/state";
 import type { Motor, Order, Report } from "./messages";
@@ -18,6 +19,7 @@ const EXPLAINED: Record<string, string> = {
 let stage: Stage | undefined;
 let worker: Worker | undefined;
 let motors: Motor[] = [];
+let asked = false; // for force
 
 const order = (what: Order): void => worker?.postMessage(what);
 
@@ -25,12 +27,27 @@ function running(on: boolean): void {
   for (const id of ["engage", "release", "reset"]) at<HTMLButtonElement>(id).disabled = !on;
 }
 
+/** No scene runs. */
+function idle(): void {
+  running(false);
+  asked = false;
+  delete at("state").dataset.state;
+  say(at("state"), "Not started.");
+  for (const id of ["touch", "pushed", "forces"]) say(at(id), "");
+  at("fault").hidden = true;
+  stage?.press(new Float32Array());
+}
+
 function frame(report: Extract<Report, { kind: "frame" }>): void {
   running(true);
+  const { name, title, tone } = stateWords(report.state);
   stage?.place(report);
-  const { name, title } = stateWords(report.state);
+  stage?.press(tone === "force" ? report.presses : new Float32Array());
   at("state").dataset.state = name;
-  say(at("state"), `${title}.${report.refusal === "" ? "" : ` No force yet: ${report.refusal}.`}`);
+  if (tone === "fault") asked = false;
+  at("fault").hidden = tone !== "fault";
+  const hint = name === "ARMED" && !asked ? " Press Force on." : "";
+  say(at("state"), `${title}.${report.refusal ? ` No force yet: ${report.refusal}.` : hint}`);
   const touches = report.presses.length > 0 ? "You touch something." : "You touch nothing.";
   say(at("touch"), report.following ? touches : "The finger or hand is on its way to the device.");
   say(at("pushed"), (stage?.pushed() ?? [])
@@ -46,7 +63,7 @@ function frame(report: Extract<Report, { kind: "frame" }>): void {
 function hear(report: Report): void {
   if (report.kind === "frame") return frame(report);
   if (report.kind === "said") {
-    if (report.reason !== "") running(false);
+    if (report.reason !== "") idle();
     return say(at("said"), EXPLAINED[report.reason] ?? report.text);
   }
   motors = report.motors;
@@ -56,9 +73,34 @@ function hear(report: Report): void {
 
 const stopper = new Connection(undefined, { timeoutMs: 1000 });
 new Stop(() => ({ stop: () => stopper.emergencyStop("", "stop on the MuJoCo page") }));
-at("start").addEventListener("click", () => {
+
+/** What the scene lacks of the device that a session gets; empty: nothing. */
+async function lacks(scene: string): Promise<string> {
+  const [[device], answer] = await Promise.all(
+    [stopper.listDevices(), fetch(new URL(`${scene}.xml`, import.meta.url))]);
+  return misfit(await answer.text(), device?.coordinates ?? []);
+}
+const model = at<HTMLSelectElement>("model");
+const first = model.value;
+async function choose(): Promise<void> {
+  for (const { value } of model.options) {
+    if (model.value !== first) return; // a person was faster
+    if (await lacks(value) !== "") continue;
+    model.value = value;
+    return;
+  }
+}
+choose().catch(() => undefined); // Start says what is wrong
+
+async function start(): Promise<void> {
+  // Before the scene that runs ends. What else is wrong, the worker explains.
+  const missing = await lacks(model.value).catch(() => "");
+  if (missing !== "") {
+    return say(at("said"), `This scene is not for this device: it has no '${missing}'. ` +
+      "Choose another.");
+  }
   worker?.terminate();
-  running(false);
+  idle();
   try {
     stage ??= new Stage(at<HTMLCanvasElement>("picture"));
   } catch (error) {
@@ -66,11 +108,20 @@ at("start").addEventListener("click", () => {
   }
   worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
   worker.onmessage = ({ data }: MessageEvent<Report>) => hear(data);
-  worker.onerror = ({ message }) => say(at("said"), message);
-  order({ kind: "start", scene: at<HTMLSelectElement>("model").value });
+  worker.onerror = ({ message }) => hear({ kind: "said", text: message, reason: "UNKNOWN" });
+  order({ kind: "start", scene: model.value });
+}
+let starting = false;
+at("start").addEventListener("click", () => {
+  if (starting) return;
+  starting = true;
+  void start().finally(() => (starting = false));
 });
 for (const kind of ["engage", "release", "reset"] as const) {
-  at(kind).addEventListener("click", () => order({ kind }));
+  at(kind).addEventListener("click", () => {
+    if (kind !== "reset") asked = kind === "engage";
+    order({ kind });
+  });
 }
 let before = 0;
 setInterval(() => {

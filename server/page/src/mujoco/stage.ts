@@ -123,7 +123,7 @@ export class Stage {
     });
   }
 
-  place({ places, probe, points, presses }: Extract<Report, { kind: "frame" }>): void {
+  place({ places, probe, points }: Extract<Report, { kind: "frame" }>): void {
     this.meshes.forEach((mesh, i) => put(mesh, places, i));
     for (const outline of this.outlines) {
       if (outline.from) continue;
@@ -137,7 +137,6 @@ export class Stage {
       mesh.visible = held;
       if (held) put(mesh, probe, i);
     });
-    this.press(presses);
     for (let i = 0; 3 * i < points.length; ++i) {
       const point = this.points[i] ??= new Mesh(new SphereGeometry(0.004, 12, 8), this.ghost);
       if (!point.parent) this.world.add(point);
@@ -158,7 +157,9 @@ export class Stage {
       .map(([name, way]) => ({ name, mm: Math.round(1000 * way) }));
   }
 
-  private press(presses: Float32Array): void {
+  /** An arrow for each, and no other. */
+  press(presses: Float32Array): void {
+    this.fresh = true;
     for (let i = 0; i < Math.max(presses.length / 6, this.arrows.length); ++i) {
       const arrow = this.arrows[i] ??= new StraightArrow(REACH, this.ink), { group } = arrow;
       if (!group.parent) this.world.add(group);

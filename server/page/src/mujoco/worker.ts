@@ -17,7 +17,16 @@ function explain(error: unknown): void {
     return tell(`This scene is not for this device: ${error.message}. Choose another.`, "SCENE");
   }
   if (!(error instanceof ClientError)) return tell(String(error), "UNKNOWN");
-  tell(error.message, error.code === "unauthenticated" ? "NO_KEY" : error.reason);
+  tell(error.message, error.code === "unauthenticated" ? "NO_KEY" : error.reason || "UNKNOWN");
+}
+
+const UNSTEADY = ["STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES", "STREAM_STALE"];
+
+/** Why force waits; empty: it does not. */
+function refusalOf({ engageRefusal: refusal }: Session): string {
+  if (!refusal) return "";
+  return !UNSTEADY.includes(refusal.reason) ? refusal.message
+    : "this computer has to keep up with the device for a moment. If this stays, it is too slow";
 }
 
 class Frames {
@@ -81,7 +90,7 @@ async function run(session: Session, world: World): Promise<void> {
     }
     say({
       kind: "frame", places, probe, points, presses, timing, state: state.state,
-      refusal: session.engageRefusal?.message ?? "", forces: state.tauA,
+      refusal: refusalOf(session), forces: state.tauA,
       following: world.tool.following,
     }, [places.buffer, probe.buffer, points.buffer, presses.buffer]);
   }

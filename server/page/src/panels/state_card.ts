@@ -39,7 +39,9 @@ export class StateCard {
 
   private controller(device: Device): string {
     const tracker = device.tracker ? ` Its palm is tracked by “${device.tracker}”.` : "";
-    return (device.controller ? `“${device.controller}”.` : "No program.") + tracker;
+    const program = device.controller ? `“${device.controller}”.`
+      : "No program yet. Start one, or feel a ball and a box (the link below the picture).";
+    return program + tracker;
   }
 
   private faults(bits: number): void {

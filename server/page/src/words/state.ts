@@ -22,7 +22,7 @@ const STATES: Record<number, StateWords> = {
   },
   [Lifecycle.IDLE]: {
     name: "IDLE",
-    title: "Idle",
+    title: "Waiting",
     help: "No force. No program controls the device.",
     tone: "calm",
   },
@@ -102,11 +102,11 @@ function planesWords(bits: number): string {
   const planes: number[] = [];
   for (let plane = 0; plane < 32; plane++) if ((bits >>> plane) & 1) planes.push(plane);
   if (planes.length === 0) return "Not touching: no surface is reached.";
-  if (planes.length === 1) return `Touching one surface: plane ${planes[0]} of the sample.`;
+  if (planes.length === 1) return `Touching surface ${planes[0]} of the simulation.`;
   const last = planes.pop();
   return (
-    `Touching ${planes.length + 1} surfaces: ` +
-    `planes ${planes.join(", ")} and ${last} of the sample.`
+    `Touching ${planes.length + 1} surfaces of the simulation: ` +
+    `${planes.join(", ")} and ${last}.`
   );
 }
 

@@ -150,7 +150,7 @@ ROWS = [
     Row("web_frames", SERVED, web_frames.odd_frames, "new", web=True),
     Row("web_fragments", SERVED, web_frames.fragments, "new", web=True),
     Row("web_pings", SERVED, web_frames.pings, "new", web=True),
-    Row("web_json", "refused, and quickly", web_frames.json_bombs, "new", web=True, seconds=60),
+    Row("web_json", "refused or ignored, and quickly", web_frames.json_bombs, "new", web=True, seconds=60),
     Row("web_unread_states", SERVED, web_frames.unread_states, "new", web=True, term_under=True),
     Row("web_tokens", "none is guessed", web.wrong_tokens, "new", web=True),
     Row("web_unread_pages", SERVED, web.unread_pages, "new", web=True, term_under=True),

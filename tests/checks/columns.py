@@ -14,7 +14,7 @@ import sys
 COLUMNS = 100
 LONGEST_WORD = 60  # a longer one (a URL, a pattern, a list without blanks) may stand alone
 FOREIGN = ("proto/google/", "proto/grpc/", "LICENSE")
-GENERATED = (".csv", ".json", ".png", ".svg", ".textproto", ".binpb")
+GENERATED = (".csv", ".json", ".png", ".svg", ".textproto", ".binpb", ".tar.xz")
 
 
 def unbreakable(line: str, file: str, in_code: bool) -> bool:

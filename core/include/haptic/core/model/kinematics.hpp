@@ -51,7 +51,7 @@ struct PairLimit {
 inline constexpr int kPairLimits = 5;
 using PairLimits = std::array<PairLimit, kPairLimits>;
 
-/// What Kinematics::follow() answers.
+/// The answer of Kinematics::follow().
 struct Followed {
   Eigen::Vector2d q{Eigen::Vector2d::Zero()};
   Eigen::Matrix2d J{Eigen::Matrix2d::Zero()};        ///< dx/dq

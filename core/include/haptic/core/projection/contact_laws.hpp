@@ -58,7 +58,7 @@ class ContactLaws {
   [[nodiscard]] double energy() const noexcept;
 
  private:
-  /// What is known of the mass of contact i from the sample before, and what this one adds.
+  /// Takes over what the sample before told of contact i's mass; returns what this one adds.
   [[nodiscard]] MassRatio::Seen recall(int i) noexcept;
   /// pushed_ becomes by how much the multipliers l push.
   void push(const Vector& l) noexcept;
@@ -75,7 +75,7 @@ class ContactLaws {
   ContactDual::Gram cosine_{};  ///< e_i.e_j of different contacts on one object, else 0
   Vector pushed_{};
 
-  // Of what is known of the masses:
+  // What is known of the masses:
   Vector id_{}, object_{};  ///< 0: none
   Vector told_v_{};         ///< at the sample
   Vector jump_{};           ///< most that a step since then changed l by, times its length

@@ -116,7 +116,7 @@ class PlaneProjection {
   [[nodiscard]] double along(int i, const double* v) const noexcept;
   /// Divides column i of A_ and of D by its length, which is returned; 0: it has none.
   double normalise(int i) noexcept;
-  /// Finds the contacts up to i of which the product with contact i need not be 0.
+  /// Finds the contacts j <= i whose product with contact i may differ from 0.
   void find_meeting(int i) noexcept;
   void multiply(int i, int j) noexcept;
   /// G from the products and from what objects with a law give way.

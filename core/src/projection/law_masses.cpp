@@ -1,4 +1,4 @@
-// What the samples say of the masses that they tell (core/METHOD.md#pushed-objects).
+// Corrects told masses by the velocities that samples tell (core/METHOD.md#pushed-objects).
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -9,9 +9,9 @@ namespace haptic::core {
 
 namespace {
 
-/// Of what acts on an object: so much a comparison of velocities may be wrong by.
+/// Share of the forces on an object by which a comparison of velocities may be wrong.
 constexpr double kWrong = 1e-2;
-/// And by so many times what a step may miss of a force that begins or ends in it.
+/// It may also be wrong by this multiple of the largest change of l within a step.
 constexpr double kJump = 3.0;
 
 }  // namespace

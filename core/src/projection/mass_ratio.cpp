@@ -7,10 +7,10 @@ namespace haptic::core {
 
 namespace {
 
-/// Of motion, s.
+/// Time constant of forgetting while the object moves, s.
 constexpr double kForgets_s = 0.4;
-/// Of what the ratio does not explain: what moves the object and is not told may go on for as long
-/// as is remembered, unlike noise, which many samples average out.
+/// Weight of what the ratio does not explain: an untold force may go on for as long as is
+/// remembered, unlike noise, which many samples average out.
 constexpr double kUnexplained = 100.0;
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace haptic::core {
 
 class MassRatio {
  public:
-  /// What is told is believed within this factor.
+  /// The told mass is corrected by at most this factor.
   static constexpr double kMost = 4.0;
 
   /// One comparison, or the sum over an object's contacts of the same interval.

@@ -118,7 +118,7 @@ void PlaneProjection::explain(const VecX& d, const Vector& told, Vector& l) noex
     r[i] = ContactDual::has(skipped_, i)
                ? -1.0
                : along(i, d.data()) + kNearest * told[i] - kUntouched * gap;
-    dual_.gram()(i, i) = products_(i, i) + kNearest;
+    dual_.put_diagonal(i, dual_.products()(i, i) + kNearest);
   }
   dual_.leave_out(skipped_);
   dual_.solve(r);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace haptic::core {
 
@@ -36,9 +37,28 @@ void ContactDual::hold_none() noexcept {
   n_held_ = factored_ = 0;
 }
 
+void ContactDual::give(const Gives& gives) noexcept {
+  gives_ = gives;
+  summed_ = 0;
+  factored_ = 0;
+}
+
+/// Of many contacts few are held, and the rows of others are not read.
+ContactDual::Gram::ConstRowXpr ContactDual::row(int i) noexcept {
+  if (!has(gives_.contacts, i)) return std::as_const(products_).row(i);
+  if (!has(summed_, i)) {
+    summed_ |= 1u << i;
+    const Vector& root = gives_.root;
+    sums_.row(i).head(count_) =
+        products_.row(i).head(count_) +
+        (root[i] * root.head(count_)).transpose().cwiseProduct(gives_.cosine->row(i).head(count_));
+  }
+  return std::as_const(sums_).row(i);
+}
+
 void ContactDual::set_diagonal(int i, double square, double give) noexcept {
   eps_[i] = std::max(0.0, kEpsilon - give);
-  G_(i, i) = square + give + eps_[i];
+  put_diagonal(i, square + give + eps_[i]);
 }
 
 /// Proximal steps on the dual, each with the multipliers of the one before: they converge to eps =
@@ -64,12 +84,13 @@ void ContactDual::solve(const Vector& r) noexcept {
   for (int i = 0; i < count_; ++i) largest = std::max(largest, r[i]);
   settle(r, largest);
   std::uint32_t refused = 0;
-  while (left_ > 0) {
+  const auto all = static_cast<std::uint32_t>((1ull << count_) - 1);
+  while (left_ > 0 && (all & ~(active_ | refused | left_out_)) != 0) {
     left_ -= count_ * n_held_;
     Vector w;
     w.head(count_) = r.head(count_);
     for (int k = 0; k < n_held_; ++k) {
-      w.head(count_) -= l_[held_[k]] * G_.row(held_[k]).head(count_).transpose();
+      w.head(count_) -= l_[held_[k]] * row(held_[k]).head(count_).transpose();
     }
     int wanted = -1;
     double steepest = 1e-14 * largest;
@@ -123,17 +144,19 @@ void ContactDual::solve_held(const Vector& r, Vector& s) noexcept {
   left_ -= kLeast + n_held_ * n_held_;
   for (int i = factored_; i < n_held_; ++i) {
     left_ -= i * i / 2;
-    Vector row;
-    for (int j = 0; j <= i; ++j) row[j] = G_(held_[i], held_[j]);
+    const auto G = row(held_[i]);
+    Vector next;
+    for (int j = 0; j < i; ++j) next[j] = G[held_[j]];
+    double pivot = diagonal_[held_[i]];
     for (int j = 0; j < i; ++j) {
-      const double l = row[j] *= inverse_[j];
+      const double l = next[j] *= inverse_[j];
       const int after = i - j - 1;
-      row.segment(j + 1, after) -= l * columns_.col(j).segment(j + 1, after);
-      row[i] -= l * l;
+      next.segment(j + 1, after) -= l * columns_.col(j).segment(j + 1, after);
+      pivot -= l * l;
       columns_(i, j) = l;
     }
-    L_.row(i).head(i) = row.head(i).transpose();
-    inverse_[i] = 1.0 / std::sqrt(std::max(row[i], kLeastPivot));
+    L_.row(i).head(i) = next.head(i).transpose();
+    inverse_[i] = 1.0 / std::sqrt(std::max(pivot, kLeastPivot));
   }
   factored_ = n_held_;
   for (int i = 0; i < n_held_; ++i) s[i] = r[held_[i]];

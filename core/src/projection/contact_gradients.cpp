@@ -45,8 +45,9 @@ void PlaneProjection::take(const PlaneSet& planes, int i) noexcept {
 void PlaneProjection::find_rows(int i) noexcept {
   const auto at = static_cast<std::size_t>(i);
   const double* const normal = A_.col(i).data();
-  int first = 0, end = static_cast<int>(A_.rows());
-  while (first < end && normal[first] == 0.0) ++first;
+  const auto names = [](double entry) { return entry != 0.0; };
+  int end = static_cast<int>(A_.rows());
+  int first = static_cast<int>(std::find_if(normal, normal + end, names) - normal);
   while (end > first && normal[end - 1] == 0.0) --end;
   if (n_curved_[at] > 0) {
     first = std::min<int>(first, first_[at]);
@@ -74,20 +75,18 @@ double PlaneProjection::normalise(int i) noexcept {
 }
 
 void PlaneProjection::multiply(int i, int j) noexcept {
-  products_(i, j) = products_(j, i) = along(i, contacts_.into.col(j).data());
+  ContactDual::Gram& products = dual_.products();
+  products(i, j) = products(j, i) = along(i, contacts_.into.col(j).data());
 }
 
 void PlaneProjection::fill_diagonal(int i) noexcept {
   const double gives = laws_.any() ? laws_.give(i) * scale_[i] * scale_[i] : 0.0;
-  dual_.set_diagonal(i, products_(i, i), gamma_[i] + gives);
+  dual_.set_diagonal(i, dual_.products()(i, i), gamma_[i] + gives);
 }
 
 void PlaneProjection::fill_gram() noexcept {
-  ContactDual::Gram& gram = dual_.gram();
-  gram.topRows(count_).leftCols(count_) = products_.topRows(count_).leftCols(count_);
-  if (laws_.any()) laws_.add_gives(scale_, gram);
+  dual_.give(laws_.any() ? laws_.gives(scale_) : ContactDual::Gives{});
   for (int i = 0; i < count_; ++i) fill_diagonal(i);
-  dual_.refactor();
 }
 
 /// Two fingers of a hand move other coordinates: their contacts' products stay 0.

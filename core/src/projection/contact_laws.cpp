@@ -35,17 +35,23 @@ void ContactLaws::take(const PlaneSet::Laws& told, int i, double velocity, doubl
 
 void ContactLaws::share(const PlaneSet::Objects& told) noexcept {
   Eigen::Matrix<double, kMaxMotions, kMaxPlanes> unit;
-  cosine_.topLeftCorner(told.cols(), told.cols()).setZero();
+  std::fill_n(cosine_.data(), told.cols() * cosine_.cols(), 0.0);
   for (int i = 0; i < static_cast<int>(told.cols()); ++i) {
     const auto direction = told.col(i).tail<kMaxMotions>();
     const double length = direction.stableNorm();
     if (!has(i) || told(0, i) == 0.0 || !(length > 0.0) || !std::isfinite(length)) continue;
     unit.col(i) = direction / length;
     object_[i] = told(0, i);
-    for (std::uint32_t left = shared_; left != 0; left &= left - 1) {
+    std::uint32_t same = 0;
+    for (std::uint32_t left = shared_; left != 0 && same == 0;) {
       const int j = std::countr_zero(left);
-      if (told(0, j) != told(0, i)) continue;
-      others_[static_cast<std::size_t>(i)] |= 1u << j;
+      const std::uint32_t of_one = others_[static_cast<std::size_t>(j)] | 1u << j;
+      if (object_[j] == object_[i]) same = of_one;
+      left &= ~of_one;
+    }
+    others_[static_cast<std::size_t>(i)] = same;
+    for (; same != 0; same &= same - 1) {
+      const int j = std::countr_zero(same);
       others_[static_cast<std::size_t>(j)] |= 1u << i;
       cosine_(i, j) = cosine_(j, i) = unit.col(i).dot(unit.col(j));
     }
@@ -53,15 +59,8 @@ void ContactLaws::share(const PlaneSet::Objects& told) noexcept {
   }
 }
 
-void ContactLaws::add_gives(const Vector& scale, ContactDual::Gram& gram) const noexcept {
-  if (shared_ == 0) return;
-  Vector scaled;
-  scaled.head(count_) = root_.head(count_).cwiseProduct(scale.head(count_));
-  for (std::uint32_t left = shared_; left != 0; left &= left - 1) {
-    const int i = std::countr_zero(left);
-    gram.row(i).head(count_).transpose() +=
-        (scaled[i] * scaled.head(count_)).cwiseProduct(cosine_.row(i).head(count_).transpose());
-  }
+ContactDual::Gives ContactLaws::gives(const Vector& scale) const noexcept {
+  return {dt_ > 0.0 ? shared_ : 0, root_.cwiseProduct(scale), &cosine_};
 }
 
 /// By whole rows: of many contacts on one object each pushes all.

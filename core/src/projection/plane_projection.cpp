@@ -57,14 +57,11 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
   laws_.share(planes.objects);
   if (laws_.any()) laws_.correct_masses();
   dual_.begin(count_, skipped_);
+  std::fill_n(dual_.products().data(), count_ * kMaxPlanes, 0.0);
   for (int i = 0; i < count_; ++i) {
     find_meeting(i);
-    for (int j = 0; j <= i; ++j) {
-      if (ContactDual::has(meeting_[static_cast<std::size_t>(i)], j)) {
-        multiply(i, j);
-      } else {
-        products_(i, j) = products_(j, i) = 0.0;
-      }
+    for (std::uint32_t left = meeting_[static_cast<std::size_t>(i)]; left != 0; left &= left - 1) {
+      multiply(i, std::countr_zero(left));
     }
   }
   fill_gram();

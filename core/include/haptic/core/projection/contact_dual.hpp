@@ -22,6 +22,12 @@ class ContactDual {
   /// that a simulation has.
   static constexpr double kEpsilon = 1e-6;
   static constexpr int kProximal = 12;
+  /// Contacts that give way to each other, by root_i root_j cosine_ij per l_j.
+  struct Gives {
+    std::uint32_t contacts{0};
+    Vector root{};
+    const Gram* cosine{nullptr};  ///< symmetric
+  };
 
   /// Bit i of a set of contacts.
   [[nodiscard]] static constexpr bool has(std::uint32_t set, int i) noexcept {
@@ -30,16 +36,20 @@ class ContactDual {
 
   /// From now on `count` contacts; those in `left_out`, as bits, are never held.
   void begin(int count, std::uint32_t left_out) noexcept;
-  /// G + Gamma + eps, symmetric, of the first `count` rows and columns. After a change: refactor().
-  [[nodiscard]] Gram& gram() noexcept { return G_; }
-  /// Entry (i, i) from G's and Gamma's.
+  /// The part of G that is A W^-1 A^T, symmetric, of the first `count` rows and columns. After a
+  /// change: give().
+  [[nodiscard]] Gram& products() noexcept { return products_; }
+  /// The rest of G. The cosines must stay.
+  void give(const Gives& gives) noexcept;
+  /// Entry (i, i) of G + Gamma + eps, from G's and Gamma's.
   void set_diagonal(int i, double square, double give) noexcept;
-  void refactor() noexcept { factored_ = 0; }
-  /// From here on those, none of which is held, and refactor().
-  void leave_out(std::uint32_t contacts) noexcept {
-    left_out_ = contacts;
-    refactor();
+  /// The same with what stands in for Gamma + eps.
+  void put_diagonal(int i, double value) noexcept {
+    diagonal_[i] = value;
+    factored_ = 0;
   }
+  /// From here on those, none of which is held.
+  void leave_out(std::uint32_t contacts) noexcept { left_out_ = contacts; }
   void hold_none() noexcept;
   /// From here on that many multiplications may be spent, and once the system at which they end.
   void allow(int multiplications) noexcept { left_ = granted_ = multiplications; }
@@ -61,14 +71,19 @@ class ContactDual {
   /// Goes from l_ towards the solution on the contacts held, which lose those that it would make <
   /// 0.
   void settle(const Vector& r, double largest) noexcept;
-  /// s = G_^-1 r on the contacts held, in their order.
+  /// s = (G + Gamma + eps)^-1 r on the contacts held, in their order.
   void solve_held(const Vector& r, Vector& s) noexcept;
+  /// Row i of G, but for the diagonal.
+  [[nodiscard]] Gram::ConstRowXpr row(int i) noexcept;
 
   int count_{0};
   int left_{0}, granted_{0};
   std::uint32_t left_out_{0};
-  Gram G_{};
-  Vector eps_{};
+  Gram products_{};
+  Gives gives_{};
+  Gram sums_{};              ///< products_ and gives_
+  std::uint32_t summed_{0};  ///< rows of these that hold
+  Vector diagonal_{}, eps_{};
   Vector l_{};
   int held_[kMaxPlanes]{};  ///< in the order in which they came
   int n_held_{0};

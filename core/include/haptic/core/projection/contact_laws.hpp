@@ -48,8 +48,8 @@ class ContactLaws {
   [[nodiscard]] double free(int i) const noexcept { return has(i) ? free_[i] : 0.0; }
   /// And by how much more per unit of its own l at the end of the step.
   [[nodiscard]] double give(int i) const noexcept { return has(i) ? give_[i] : 0.0; }
-  /// Adds to `gram` by how much per unit of the l of the others on its object, scaled.
-  void add_gives(const Vector& scale, ContactDual::Gram& gram) const noexcept;
+  /// And by how much per unit of the l of the others on its object, scaled.
+  [[nodiscard]] ContactDual::Gives gives(const Vector& scale) const noexcept;
   /// The step ends with the multipliers l, one per contact. Those without a law are not read.
   void end(const Vector& l) noexcept;
 

@@ -48,6 +48,8 @@ class PlaneProjection {
 
   /// `space` must outlive this. `metric`: W, of its n_x or the identity.
   explicit PlaneProjection(const ConfigurationSpace& space, TaskMetric metric = {});
+  PlaneProjection(const PlaneProjection&) = delete;
+  PlaneProjection& operator=(const PlaneProjection&) = delete;
 
   /// From now on these contacts, around `x` (n_x). A contact without a direction, or with a number
   /// that is not finite, is left out. `x_used` (n_x), if not null: the haptic probe of which the
@@ -119,7 +121,7 @@ class PlaneProjection {
   /// Finds the contacts j <= i whose product with contact i may differ from 0.
   void find_meeting(int i) noexcept;
   void multiply(int i, int j) noexcept;
-  /// G from the products and from what objects with a law give way.
+  /// What the dual has besides the products.
   void fill_gram() noexcept;
   void fill_diagonal(int i) noexcept;
   /// Shifts beta_ so that the law gives at_ for the probe x_used.
@@ -172,7 +174,6 @@ class PlaneProjection {
   std::array<Rows, kMaxPlanes> rows_{};  ///< of A_
   std::array<std::uint32_t, kMaxPlanes>
       meeting_{};                        ///< bit j: (i, j) of these may be not 0, j <= i
-  ContactDual::Gram products_{};         ///< A^T D
   std::array<int, kMaxPlanes> begin_{};  ///< of each contact's curvature in H_
   ContactDual dual_{};
   ContactLaws laws_{};

@@ -35,8 +35,13 @@ void PlaneProjection::anchor(const VecX& x_used) noexcept {
   unexplained_ = length;
   bool shifted = false;  // by l
   if (length > ProxyError::kNothing) {
+    Vector told = Vector::Zero(), other;
+    for (int i = 0; i < count_; ++i) {
+      if (gamma_[i] > 0.0) told[i] = std::max(0.0, -beta_[i]) / gamma_[i];
+    }
+    dual_.begin_at(told);
     static_cast<void>(solve(0.0));
-    Vector told = dual_.l(), other;
+    told = dual_.l();
     for (int i = 0; i < count_; ++i) {  // x_0, where its depth is told, is that near
       const double deepest = std::max(0.0, -beta_[i]) + length;
       told[i] = std::min(told[i], deepest / std::max(gamma_[i], ContactDual::kEpsilon));
@@ -85,8 +90,11 @@ void PlaneProjection::leave_as_told(const Vector& told_beta) noexcept {
 /// Shifts the gaps so that l explains d, and returns how far that leaves x from the client's own.
 double PlaneProjection::shift(const VecX& d, const Vector& l, const Vector& told_beta) noexcept {
   VecX left = d;
+  bool rigid = false;
   for (int i = 0; i < count_; ++i) {
-    if (l[i] != 0.0) push(left, -l[i], i);
+    if (l[i] == 0.0) continue;
+    push(left, -l[i], i);
+    rigid = rigid || gamma_[i] == 0.0;
   }
   for (int i = 0; i < count_; ++i) {
     if (ContactDual::has(skipped_, i)) continue;
@@ -96,10 +104,14 @@ double PlaneProjection::shift(const VecX& d, const Vector& l, const Vector& told
   }
   dual_.leave_out(skipped_);
   y_ = d;
-  static_cast<void>(solve(0.0));
-  left = d;
-  for (int i = 0; i < count_; ++i) {
-    if (ContactDual::has(dual_.held(), i)) push(left, -dual_.l()[i], i);
+  if (rigid) {
+    static_cast<void>(solve(0.0));
+    left = d;
+    for (int i = 0; i < count_; ++i) {
+      if (ContactDual::has(dual_.held(), i)) push(left, -dual_.l()[i], i);
+    }
+  } else {
+    dual_.begin_at(l);  // which is the answer
   }
   return metric_.weighed(left, turn_).norm();
 }

@@ -37,6 +37,16 @@ void ContactDual::hold_none() noexcept {
   n_held_ = factored_ = 0;
 }
 
+void ContactDual::begin_at(const Vector& l) noexcept {
+  hold_none();
+  for (int i = 0; i < count_; ++i) {
+    if (!(l[i] > 0.0) || has(left_out_, i)) continue;
+    l_[i] = l[i];
+    active_ |= 1u << i;
+    held_[n_held_++] = i;
+  }
+}
+
 void ContactDual::give(const Gives& gives) noexcept {
   gives_ = gives;
   summed_ = 0;

@@ -51,6 +51,8 @@ class ContactDual {
   /// From here on those, none of which is held.
   void leave_out(std::uint32_t contacts) noexcept { left_out_ = contacts; }
   void hold_none() noexcept;
+  /// The next answer is looked for from this l (>= 0) on.
+  void begin_at(const Vector& l) noexcept;
   /// From here on that many multiplications may be spent, and once the system at which they end.
   void allow(int multiplications) noexcept { left_ = granted_ = multiplications; }
   /// What allow() granted last, and what is left of it.

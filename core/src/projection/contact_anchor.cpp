@@ -77,6 +77,7 @@ void PlaneProjection::anchor(const VecX& x_used) noexcept {
              (ContactDual::has(skipped_, i) || std::abs(told_l_[i] - l[i]) < ProxyError::kNothing);
   }
   anchored_ = true;
+  explained_ = unexplained_ <= kMore * length;
   anchored_l_ = l;
 }
 

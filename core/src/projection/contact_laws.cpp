@@ -10,7 +10,8 @@ void ContactLaws::rewind() noexcept {
   for (int i = 0; i < count_; ++i) {
     if (!has(i)) continue;
     v_[i] = told_v_[i];
-    s_[i] = l_[i] = free_[i] = give_[i] = root_[i] = jump_[i] = 0.0;
+    l_[i] = first_l_[i];
+    s_[i] = free_[i] = give_[i] = root_[i] = jump_[i] = 0.0;
   }
   time_ = 0.0;
   dt_ = -1.0;  // what the contacts give way by is of another step
@@ -29,7 +30,7 @@ void ContactLaws::take(const PlaneSet::Laws& told, int i, double velocity, doubl
   id_[i] = id;
   object_[i] = 0.0;
   v_[i] = told_v_[i] = velocity / length;
-  s_[i] = l_[i] = free_[i] = give_[i] = root_[i] = 0.0;
+  s_[i] = l_[i] = first_l_[i] = free_[i] = give_[i] = root_[i] = 0.0;
   dt_ = 0.0;
 }
 
@@ -107,6 +108,7 @@ void ContactLaws::end(const Vector& l) noexcept {
     jump_[i] = std::max(jump_[i], dt_ * std::abs(l[i] - l_[i]));
   }
   l_.head(count_) = l.head(count_);
+  if (time_ == 0.0) first_l_.head(count_) = l.head(count_);
 }
 
 double ContactLaws::energy() const noexcept {

@@ -37,6 +37,7 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
   moving_ = planes.velocity.size() > 0;
   soft_ = planes.compliance.size() > 0;
   fresh_ = true;
+  begun_ = false;
   laws_.begin_sample();
   unexplained_ = 0.0;
   linearisations_ = 0;
@@ -84,6 +85,15 @@ void PlaneProjection::set(const PlaneSet& planes, const VecX& x, const VecX* x_u
   y_before_.setZero(at_.size());
 }
 
+bool PlaneProjection::begin_at_anchor() noexcept {
+  // Where x is not the sample's own, curved gaps are linearised elsewhere, and push otherwise.
+  begun_ = anchored_ && (curved_ == 0 || explained_);
+  if (!begun_) return false;
+  static_cast<void>(laws_.begin(0.0));
+  laws_.end(dual_.l());
+  return true;
+}
+
 void PlaneProjection::rewind() noexcept {
   laws_.rewind();
   laws_.compare_next();
@@ -94,11 +104,12 @@ PlaneStatus PlaneProjection::project(const VecX& x_probe, VecX& x, double age, d
                                      int most_steps) noexcept {
   x = x_probe;
   if (count_ == 0) return PlaneStatus::kFree;
-  if (laws_.any() && laws_.begin(fresh_ ? 0.0 : dt) && curved_ == 0) fill_gram();
+  if (laws_.any() && laws_.begin(begun_ ? dt : 0.0) && curved_ == 0) fill_gram();
   space_->difference(x_probe, at_, y_);
   if (most_steps > 1) dual_.allow(kMostWork + (fresh_ ? dual_.left() : 0));
   const PlaneStatus status = curved_ == 0 ? solve(age) : settle(age, most_steps);
   fresh_ = false;
+  begun_ = true;
   if (laws_.any()) {
     Vector l;
     l.head(count_) = dual_.l().head(count_).cwiseProduct(scale_.head(count_));
@@ -127,7 +138,11 @@ PlaneStatus PlaneProjection::settle(double age, int most_steps) noexcept {
   linearisations_ = 0;
   for (int k = 0; k < steps; ++k) {
     ++linearisations_;
-    linearise();
+    if (fresh_ && k == 0) {  // at at_, as set() left them
+      fill_gram();
+    } else {
+      linearise();
+    }
     status = solve(age);
     turn_ = y_ - z_;
     for (int i = 0; i < count_; ++i) {

@@ -57,6 +57,7 @@ void LocalProxy::compare(std::uint64_t next, VecX& x) noexcept {
 
 void LocalProxy::replay(const Moment& moment, VecX& x) noexcept {
   if (began_ == moment.tick) return;
+  if (!projection_.begin_at_anchor()) project_at(began_, moment, 0.0, x);
   const int steps = projection_.replayable();
   run(began_, moment.tick - 1, moment, steps - steps / 4, x);
 }
@@ -64,15 +65,17 @@ void LocalProxy::replay(const Moment& moment, VecX& x) noexcept {
 void LocalProxy::run(std::uint64_t from, std::uint64_t last, const Moment& moment, int steps,
                      VecX& x) noexcept {
   const std::uint64_t stride = 1 + (last - from) / static_cast<std::uint64_t>(std::max(1, steps));
-  TimePoint before = past_.time(from);
-  for (std::uint64_t tick = from;; tick = std::min(tick + stride, last)) {
-    const TimePoint then = past_.time(tick);
-    if (!past_.find(tick, used_)) return;
-    const double age = std::max(0.0, moment.age - seconds(moment.now - then));
-    static_cast<void>(projection_.project(used_, x, age, seconds(then - before), 1));
-    before = then;
-    if (tick == last) return;
+  for (std::uint64_t before = from; before != last;) {
+    const std::uint64_t tick = std::min(before + stride, last);
+    project_at(tick, moment, seconds(past_.time(tick) - past_.time(before)), x);
+    before = tick;
   }
+}
+
+void LocalProxy::project_at(std::uint64_t tick, const Moment& moment, double dt, VecX& x) noexcept {
+  if (!past_.find(tick, used_)) return;
+  const double age = std::max(0.0, moment.age - seconds(moment.now - past_.time(tick)));
+  static_cast<void>(projection_.project(used_, x, age, dt, 1));
 }
 
 }  // namespace haptic::core

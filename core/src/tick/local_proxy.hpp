@@ -47,10 +47,13 @@ class LocalProxy {
   /// The objects of the sample before are taken to the tick of the next one, which tells how fast
   /// they became by then.
   void compare(std::uint64_t next, VecX& x) noexcept;
+  /// By the probe of that tick.
+  void project_at(std::uint64_t tick, const Moment& moment, double dt, VecX& x) noexcept;
   /// Objects that are pushed go on from the tick of which the sample was computed, by the probes
   /// of the ticks since then, to the last one.
   void replay(const Moment& moment, VecX& x) noexcept;
-  /// `moment`: has the sample's age. In longer steps than ticks if those are more than `steps`.
+  /// From the tick `from`, where objects are, to `last`. `moment`: has the sample's age. In longer
+  /// steps than ticks if those are more than `steps`.
   void run(std::uint64_t from, std::uint64_t last, const Moment& moment, int steps,
            VecX& x) noexcept;
 

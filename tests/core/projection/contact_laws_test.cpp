@@ -218,6 +218,26 @@ TEST(ContactLaws, RewoundObjectIsAsTold) {
   EXPECT_NEAR(x[0], 0.002, 1e-12);
 }
 
+/// As a step of 0 s does at the probe that was used.
+TEST(ContactLaws, AnchorSaysWhatPushes) {
+  const ConfigurationSpace plane(std::vector<Coordinate>(2));
+  PlaneProjection stepped(plane), begun(plane);
+  const VecX used = two(0.004, 0.0), at = two(0.001, 0.0), later = two(0.005, 0.0);
+  VecX x, other;
+  for (PlaneProjection* each : {&stepped, &begun}) {
+    each->set(pushed(law_of(1e-5, 0.0, 0.0, 0.0)), at, &used);
+  }
+  static_cast<void>(stepped.project(used, x));
+  EXPECT_NEAR(x[0], at[0], 1e-15);
+  static_cast<void>(stepped.project(later, x, 0.0, kTick));
+  EXPECT_TRUE(begun.begin_at_anchor());
+  for (const char* first : {"begun", "rewound"}) {
+    static_cast<void>(begun.project(later, other, 0.0, kTick));
+    EXPECT_NEAR((x - other).norm(), 0.0, 1e-15) << first;
+    begun.rewind();
+  }
+}
+
 /// Contacts 0 and 1 of a body that only its load moves, for 20 ms from rest; then the next sample.
 /// The mass of contact 0 that the law goes on with, by the one that is told.
 double mass_in_use(double told, double true_mass, double object, double next_id) {

@@ -33,7 +33,7 @@ class ContactLaws {
             double id = 0.0) noexcept;
   /// Those that were taken push these objects. A direction without a length is of no object.
   void share(const PlaneSet::Objects& told) noexcept;
-  /// Back to where the sample told them, before any step.
+  /// Back to where the sample told them, and to what pushed them there.
   void rewind() noexcept;
   /// The next sample is of the end of the last step: what it tells is compared with that.
   void compare_next() noexcept { compared_ = true; }
@@ -69,6 +69,7 @@ class ContactLaws {
   double dt_{0.0};
   Vector mass_{}, damping_{}, stiffness_{}, load_{};
   Vector s_{}, v_{}, l_{};  ///< at the end of the last step
+  Vector first_l_{};        ///< at the sample: of steps of 0 s
   Vector free_{}, give_{};
   Vector root_{};                                   ///< sqrt(give)
   std::array<std::uint32_t, kMaxPlanes> others_{};  ///< contacts on the same object, as bits

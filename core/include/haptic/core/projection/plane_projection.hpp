@@ -61,16 +61,19 @@ class PlaneProjection {
 
   /// The next set() begins a stream of samples: nothing is known of masses.
   void forget_masses() noexcept { laws_.clear(); }
-  /// Back to the sample: the next project() finds objects with a law where they were told. If the
-  /// calls from there on lead to where the next set() begins, that learns from what it tells of
-  /// their velocities by how much their masses are told wrong (core/METHOD.md#pushed-objects).
+  /// After a set() with x_used. True: it is known what pushes objects with a law there, and
+  /// the first project() goes on from there by its dt.
+  [[nodiscard]] bool begin_at_anchor() noexcept;
+  /// Back to the sample: the next project() goes on from there by its dt. If the calls from there
+  /// on lead to where the next set() begins, that learns from what it tells of the objects'
+  /// velocities by how much their masses are told wrong (core/METHOD.md#pushed-objects).
   void rewind() noexcept;
 
   /// Writes x (n_x) for the haptic probe, `age` s after the sample. A linear coordinate that no
   /// active plane moves keeps the bits of the probe. (If W is not diagonal a plane also moves
   /// coordinates that it does not name.) Never allocates.
   /// `dt`: s since the last call, by which objects with a law move on; the first call after a set()
-  /// finds them where they were told.
+  /// finds them where they were told, unless begin_at_anchor().
   PlaneStatus project(const VecX& x_probe, VecX& x, double age = 0.0, double dt = 0.0,
                       int most_steps = kMostSteps) noexcept;
 
@@ -162,6 +165,7 @@ class PlaneProjection {
   std::uint32_t skipped_{0};  ///< contacts that are left out
   std::uint32_t curved_{0};   ///< contacts with a curvature
   bool soft_{false}, moving_{false}, fresh_{false};
+  bool begun_{false};  ///< it is known what pushed the objects at the sample
   VecX at_;
   PlaneSet::Normals A_{};                   ///< unit in W^-1
   Contacts contacts_{};                     ///< into: D = W^-1 A
@@ -180,6 +184,7 @@ class PlaneProjection {
   double unexplained_{0.0};
   // Of error(), if every contact tells its uncertainty:
   bool bounded_{false}, anchored_{false};
+  bool explained_{false};  ///< but for a hundredth
   bool exact_{false};      ///< nothing moves a contact away from its law
   Vector uncertainty_{};   ///< u
   Vector anchored_l_{};    ///< multipliers at the anchor

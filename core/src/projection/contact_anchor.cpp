@@ -37,7 +37,8 @@ void PlaneProjection::anchor(const VecX& x_used) noexcept {
   if (length > ProxyError::kNothing) {
     Vector told = Vector::Zero(), other;
     for (int i = 0; i < count_; ++i) {
-      if (gamma_[i] > 0.0) told[i] = std::max(0.0, -beta_[i]) / gamma_[i];
+      if (!(gamma_[i] > 0.0)) continue;
+      told[i] = std::max(0.0, -beta_[i]) / std::max(gamma_[i], ContactDual::kEpsilon);
     }
     dual_.begin_at(told);
     static_cast<void>(solve(0.0));

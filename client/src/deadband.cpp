@@ -14,6 +14,7 @@ constexpr std::size_t kMostLaws = 1024;  ///< half a second at the highest rate
 constexpr double kMostOfFresh = 0.9;     ///< of fresh_end; the rest is the network's jitter
 constexpr double kRigid = 1e-6;          ///< compliance of a rigid plane by |gradient|^2
 constexpr double kSoftness = 0.1;        ///< of a compliance; less of a change is hardly felt
+constexpr double kEcho = 1e-6;           ///< held as near to its probe as this it is free there
 constexpr int kSteps = 20;               ///< of Newton, at most
 constexpr double kExact = 1e-3;          ///< of the width
 
@@ -93,6 +94,9 @@ Deadband::Law Deadband::law_of(std::uint64_t seq, const Proxy& proxy,
                                const std::vector<double>& x_probe, TimePoint now) const {
   const std::size_t n_x = coordinates_.size();
   Law law{seq, now, proxy, {}, {}};
+  if (proxy.mode == Mode::kHeld && proxy.position.size() == n_x && x_probe.size() == n_x) {
+    law.probe = x_probe;
+  }
   const auto fitting = [&](const Plane& plane) { return fits(plane, n_x); };
   if (proxy.mode != Mode::kPlanes || proxy.position.size() != n_x || x_probe.size() != n_x ||
       !std::all_of(proxy.planes.begin(), proxy.planes.end(), fitting)) {
@@ -162,6 +166,13 @@ std::vector<double> Deadband::away(const std::vector<double>& to,
   return d;
 }
 
+/// Per coordinate of a held proxy: it goes on with the probe.
+std::vector<bool> Deadband::free(const Law& law) const {
+  std::vector<bool> free;
+  for (const double d : away(law.proxy.position, law.probe)) free.push_back(std::abs(d) <= kEcho);
+  return free;
+}
+
 bool Deadband::near(const std::vector<double>& a, const std::vector<double>& b) const {
   const auto d = away(a, b);
   return std::all_of(d.begin(), d.end(), [&](double part) { return std::abs(part) <= width_; });
@@ -228,13 +239,9 @@ bool Deadband::same(const Law& old, const Law& law) const {
   const Proxy &told = old.proxy, &now = law.proxy;
   if (told.mode != now.mode) return false;
   if (now.mode == Mode::kFree) return true;
-  if (now.mode == Mode::kHeld) {
-    const bool fit =
-        told.position.size() == coordinates_.size() && now.position.size() == told.position.size();
-    return fit && near(told.position, now.position);
-  }
   const Law& used = laws_.front();
   if (old.probe.empty() || law.probe.empty() || used.probe.empty()) return false;
+  if (now.mode == Mode::kHeld) return near(told.position, now.position) && free(old) == free(law);
   if (told.planes.size() != now.planes.size()) return false;
   const double ahead = seconds(law.at - used.at);
   for (std::size_t i = 0; i < now.planes.size(); ++i) {

@@ -122,15 +122,17 @@ TEST_F(Publish, TheServersCountsReachTheStatistics) {
 TEST_F(Publish, WithholdsWhatTheServerHas) {
   client::SessionOptions options{.deadband = 1e-3};
   const auto session = open(options);
+  const std::vector<double> x(session->device().coordinates.size(), 0.5);
+  const std::vector<double> near(x.size(), 0.5009), far(x.size(), 0.6);
   const auto used = [&](std::uint64_t seq, std::uint64_t sample) {
     v1::SessionResponse message;
     message.mutable_state()->set_seq(seq);
     message.mutable_state()->set_proxy_seq_used(sample);
+    for (std::size_t i = 0; i < x.size(); ++i) message.mutable_state()->add_x_probe(1.0);
     server.send(message);
     ASSERT_EQ(session->wait_for_state().seq, seq);
   };
-  const std::vector<double> x(session->device().coordinates.size(), 0.5);
-  const std::vector<double> near(x.size(), 0.5009), far(x.size(), 0.6);
+  used(4, 0);
   session->publish(Proxy::held(x));
   session->publish(Proxy::held(x));  // 1 may be lost
   used(5, 2);

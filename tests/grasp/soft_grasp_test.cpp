@@ -102,7 +102,7 @@ TEST(SoftGrasp, ForceGrowsAsTheBestOne) {
   for (const char* file : {"dfki_pillow_grasps_100hz.csv", "leap_grab_115hz.csv"}) {
     EXPECT_EQ(grasp(data / file, 20000).weak, 0) << file;
   }
-  // These pass through the object, and the tank holds their force back, of 50 mJ too.
+  // These pass through the object, which gives up to 127 mJ, and the tank holds their force back.
   for (const char* file : {"leap_dropouts_74hz.csv", "leap_fist_selfocclusion_110hz.csv"}) {
     const Weak found = grasp(data / file, 20000);
     EXPECT_GT(found.weak, 0) << file;

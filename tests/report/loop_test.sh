@@ -87,24 +87,25 @@ for sending in "held --rate 1000" "held --rate 60 --delay 20" "held --rate 30 --
   for method in standard null_space subspace_linear subspace_exact; do
     least=1
     [ $method = standard ] && least=-1
+    case $sending in  # a contact of a late held proxy comes late, and the tank pays its spring
+      "held "*--delay*) ticks=1 ;;
+      *) ticks='throttled_ticks == 0' ;;
+    esac
     # shellcheck disable=SC2086
-    every "a plain press" 3 "throttled_ticks == 0 && verdict == \"ok\" && peak_force_n > $least" \
+    every "a plain press" 3 "$ticks && verdict == \"ok\" && peak_force_n > $least" \
       closed-loop --motion press --with guard_tank --method $method --proxy $sending
   done
 done
 
-# Free space: planes drag at most 1 % of what a held proxy does, at any delay.
+# Free space: nothing drags, at any delay.
 for delay in 0 20 100; do
   for method in standard null_space subspace_linear subspace_exact; do
     free="closed-loop --motion hand --stop 80,100 --rate 60 --delay $delay --method $method"
     free="$free --with nothing"
-    # shellcheck disable=SC2086
-    held=$(number mean_force_n $free --proxy held)
-    for proxy in planes derived_planes; do
+    for proxy in held planes derived_planes; do
       # shellcheck disable=SC2086
       drag=$(number mean_force_n $free --proxy $proxy)
-      awk "BEGIN { exit !($held > 0.05 && $drag <= 0.01 * $held) }" ||
-        fail "$method, $delay ms: $proxy drag $drag N, a held proxy $held N"
+      [ "$drag" = 0 ] || fail "$method, $delay ms: $proxy drag $drag N"
     done
   done
 done
@@ -120,13 +121,15 @@ near() {  # near NAME EXPECTED TOLERANCE_PCT FOUND
     fail "$1: $4, core/METHOD.md has $2"
 }
 k_max() { number k_max_press_n_per_m rate "$@"; }
-near "held proxy, 60 Hz, 20 ms" 2004 1 "$(k_max --proxy held --rate 60 --delay 20 --with nothing)"
-near "held proxy with tank, 60 Hz, 20 ms" 4297 1 \
+near "held proxy, 60 Hz, 20 ms" 1131 1 "$(k_max --proxy held --rate 60 --delay 20 --with nothing)"
+near "held proxy with tank, 60 Hz, 20 ms" 5719 1 \
   "$(k_max --proxy held --rate 60 --delay 20 --with tank)"
-near "held proxy, 1 kHz, 20 ms" 2935 1 "$(k_max --proxy held --rate 1000 --delay 20 --with nothing)"
-# In and out of the wall: what a held proxy drags, what planes do not, what the tank bounds.
-near "drag of a held proxy, 60 Hz, 20 ms" 0.95 2 \
-  "$(number drag_n rate --cycles --stiffness 500 --proxy held --rate 60 --delay 20 --with nothing)"
+near "held proxy, 1 kHz, 20 ms" 1369 1 "$(k_max --proxy held --rate 1000 --delay 20 --with nothing)"
+# In and out of the wall: what a proxy drags that is not the probe, what planes do not, what the
+# tank bounds.
+near "drag of an extrapolated proxy, 60 Hz, 20 ms" 0.75 2 \
+  "$(number drag_n rate --cycles --stiffness 500 --proxy extrapolated --rate 60 --delay 20 \
+    --with nothing)"
 every "planes" 24 'drag_n == 0 && verdict == "ok" && peak_force_n > 3' rate --cycles --proxy \
   planes --rate 60
 every "the tank" 72 'net_mj <= 1e-6' rate --cycles --rate 60 --with tank

@@ -17,6 +17,7 @@ _MOST_LAWS = 1024  # half a second at the highest rate
 _MOST_OF_FRESH = 0.9  # of fresh_end; the rest is the network's jitter
 _RIGID = 1e-6  # compliance of a rigid plane by |gradient|^2
 _SOFTNESS = 0.1  # of a compliance; less of a change is hardly felt
+_ECHO = 1e-6  # held as near to its probe as this it is free there
 _STEPS = 20  # of Newton, at most
 _EXACT = 1e-3  # of the width
 
@@ -75,7 +76,7 @@ class _Law:
     seq: int
     at: float  # s
     proxy: Proxy
-    probe: list[float]  # beside the proxy's position; empty: not known
+    probe: list[float]  # beside the proxy's position, or the held one's; empty: not known
     anchor: list[float]  # the client's own proxy less what the planes say
 
 
@@ -111,6 +112,8 @@ class Deadband:
 
     def _law(self, seq: int, proxy: Proxy, x_probe: Vector, now_s: float) -> _Law:
         law, n_x = _Law(seq, now_s, proxy, [], []), len(self._kinds)
+        if proxy.mode == wire.PROXY_MODE_HELD and len(proxy.position) == len(x_probe) == n_x:
+            law.probe = list(x_probe)
         if (proxy.mode == wire.PROXY_MODE_PLANES and len(proxy.position) == len(x_probe) == n_x and
                 all(_fits(plane, n_x) for plane in proxy.planes)):
             away = difference(self._kinds, x_probe, proxy.position)
@@ -133,6 +136,11 @@ class Deadband:
             share = sum(a * b for a, b in zip(anchor, g, strict=True)) / sum(b * b for b in g)
             anchor = [a - share * b for a, b in zip(anchor, g, strict=True)]
         return all(abs(part) <= self._width for part in anchor)
+
+    def _free(self, law: _Law) -> list[bool]:
+        """Per coordinate of a held proxy: it goes on with the probe."""
+        return [abs(d) <= _ECHO
+                for d in difference(self._kinds, law.proxy.position, law.probe)]
 
     def _near(self, a: Vector, b: Vector) -> bool:
         return all(abs(d) <= self._width for d in difference(self._kinds, a, b))
@@ -181,11 +189,11 @@ class Deadband:
         told, now, used = old.proxy, law.proxy, self._laws[0]
         if told.mode != now.mode or now.mode == wire.PROXY_MODE_FREE:
             return told.mode == now.mode
-        if now.mode == wire.PROXY_MODE_HELD:
-            fit = len(told.position) == len(now.position) == len(self._kinds)
-            return fit and self._near(told.position, now.position)
         if not (old.probe and law.probe and used.probe) or len(told.planes) != len(now.planes):
             return False
+        if now.mode == wire.PROXY_MODE_HELD:
+            return (self._near(told.position, now.position) and
+                    self._free(old) == self._free(law))
         age, ahead = law.at - old.at, law.at - used.at
         if not all(self._same_surface(a, b, old, law, ahead)
                    for a, b in zip(told.planes, now.planes, strict=True)):

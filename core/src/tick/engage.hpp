@@ -21,9 +21,10 @@ struct EngageCase {
   bool was_free{false};      ///< free() held in some tick under this lease
 };
 
-/// Whether the sample in use leaves the probe free.
+/// Whether the sample in use leaves the probe free. A held one may only echo the probe so far.
 [[nodiscard]] inline bool free(const ProxyInUse& proxy, const Anchor& anchor) noexcept {
-  return proxy.mode != ProxyMode::kNone && !anchor.in_the_way;
+  const bool tells = proxy.mode == ProxyMode::kFree || proxy.mode == ProxyMode::kPlanes;
+  return tells && !anchor.in_the_way;
 }
 
 /// Whether it is unknown on which side of an object the probe is: a held proxy does not say it.

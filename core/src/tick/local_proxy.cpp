@@ -1,8 +1,16 @@
 #include "local_proxy.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace haptic::core {
+
+namespace {
+
+/// m or rad: of a simulation that reckons in single precision.
+constexpr double kRounding = 1e-6;
+
+}  // namespace
 
 void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const VecX& x_probe,
                       Anchor& now) noexcept {
@@ -17,8 +25,11 @@ void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const V
   error_.known = false;
   switch (mode_) {
     case ProxyMode::kHeld:
-      now.in_the_way = true;
+      if (new_sample_) find_free(sample);
       now.x = sample.x;
+      if (free_.any()) follow(x_probe, now.x);
+      now.in_the_way = free_.count() < static_cast<std::size_t>(space_.n_x());
+      changed_ = new_sample_ || free_.any();
       break;
     case ProxyMode::kFree:
       now.x = x_probe;
@@ -45,6 +56,25 @@ void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const V
       break;
     case ProxyMode::kNone:
       break;
+  }
+}
+
+void LocalProxy::find_free(const ProxySnapshot& sample) noexcept {
+  free_.reset();
+  if (!past_.find(sample.seen_at, used_)) return;
+  space_.difference(sample.x, used_, dx_);
+  for (Eigen::Index i = 0; i < dx_.size(); ++i) {
+    free_[static_cast<std::size_t>(i)] = std::abs(dx_[i]) <= kRounding;
+  }
+  for (const int first : space_.quaternions()) {  // a rotation is free as a whole
+    const bool whole = dx_.segment<4>(first).cwiseAbs().maxCoeff() <= kRounding;
+    for (int i = first; i < first + 4; ++i) free_[static_cast<std::size_t>(i)] = whole;
+  }
+}
+
+void LocalProxy::follow(const VecX& x_probe, VecX& x) const noexcept {
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    if (free_[static_cast<std::size_t>(i)]) x[i] = x_probe[i];
   }
 }
 

@@ -1,9 +1,12 @@
 #pragma once
 /// The proxy between two samples: how x moves at 1 kHz while the simulation is silent
-/// (core/METHOD.md#local-models). held: x stays. free: x is the haptic probe itself, so that no
-/// force and no drag arise; a client that falls silent in free space leaves nothing behind that
-/// could pull. planes: x is the haptic probe, kept out of the sample's planes, or the proxy against
-/// its contacts (core/METHOD.md#contacts); while none is in the way it is as free.
+/// (core/METHOD.md#local-models). held: x stays, but the coordinates in which it was the probe that
+/// the simulation saw go on with the probe. free: x is the haptic probe itself, so that no force
+/// and no drag arise; a client that falls silent in free space leaves nothing behind that could
+/// pull. planes: x is the haptic probe, kept out of the sample's planes, or the proxy against its
+/// contacts (core/METHOD.md#contacts); while none is in the way it is as free.
+
+#include <bitset>
 
 #include "haptic/core/model/configuration_space.hpp"
 #include "haptic/core/projection/plane_projection.hpp"
@@ -24,7 +27,7 @@ class LocalProxy {
 
   /// `space` must outlive this. `metric`: W_x, in which planes keep x out by the shortest way.
   explicit LocalProxy(const ConfigurationSpace& space, TaskMetric metric = {})
-      : projection_(space, std::move(metric)), past_(space.n_x()) {}
+      : space_(space), projection_(space, std::move(metric)), past_(space.n_x()) {}
 
   /// From the sample in use and the haptic probe: writes x (n_x; empty if there is no sample),
   /// in_the_way, planes, active_planes, stored, coupling and unexplained of a new Anchor.
@@ -44,6 +47,9 @@ class LocalProxy {
   [[nodiscard]] bool changed() const noexcept { return changed_; }
 
  private:
+  /// In which coordinates a held sample is the probe that its simulation saw.
+  void find_free(const ProxySnapshot& sample) noexcept;
+  void follow(const VecX& x_probe, VecX& x) const noexcept;
   /// The objects of the sample before are taken to the tick of the next one, which tells how fast
   /// they became by then.
   void compare(std::uint64_t next, VecX& x) noexcept;
@@ -57,14 +63,17 @@ class LocalProxy {
   void run(std::uint64_t from, std::uint64_t last, const Moment& moment, int steps,
            VecX& x) noexcept;
 
+  const ConfigurationSpace& space_;
   ProxyMode mode_{ProxyMode::kNone};  ///< these three: which sample the last step was given
   std::uint32_t tenure_{0};
   std::uint64_t seq_{0};
   PlaneProjection projection_;
   ProbeHistory past_;
   ProxyError error_{};
-  std::uint64_t began_{0};  ///< the tick of the sample in use, if it has laws and that is known
-  VecX used_{};             ///< the probe of which the sample was computed
+  std::uint64_t began_{0};     ///< the tick of the sample in use, if it has laws and that is known
+  VecX used_{};                ///< the probe of which the sample was computed
+  VecX dx_{};                  ///< from that to the held sample's x
+  std::bitset<kMaxX> free_{};  ///< coordinates of the held sample that follow the probe
   bool new_sample_{false};
   bool changed_{false};
 };

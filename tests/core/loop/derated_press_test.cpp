@@ -102,7 +102,7 @@ TEST(DeratedPress, HeldProxyGivesNoEnergy) {
     SCOPED_TRACE(std::to_string(round_trip));
     const ClientSettings held = client(ProxyMode::kHeld, round_trip);
     const Press whole = in_and_out(held, false, false), derated = in_and_out(held, true, false);
-    EXPECT_GT(whole.given, 1.0);
+    EXPECT_GT(whole.given, 0.05);
     EXPECT_LT(derated.given, 1e-6);
     EXPECT_LT(derated.drag, 0.2 * whole.drag);
   }
@@ -116,7 +116,7 @@ TEST(DeratedPress, TankHoldsBackLess) {
       const Press whole = in_and_out(sent, false, true), derated = in_and_out(sent, true, true);
       EXPECT_LE(derated.given, 1e-6);
       EXPECT_LT(derated.held_back, 0.7 * whole.held_back);
-      EXPECT_LT(derated.error / derated.ideal_peak, 1.1 * whole.error / whole.ideal_peak);
+      EXPECT_LT(derated.error / derated.ideal_peak, 1.25 * whole.error / whole.ideal_peak);
     }
   }
 }
@@ -129,12 +129,13 @@ TEST(DeratedPress, ContactsKeepTheirStiffness) {
   EXPECT_EQ(in_and_out(client(ProxyMode::kHeld, 0.0), true, true).stiffness, kWhole);
 }
 
-/// The device is led to and fro in free space, where a held proxy is late all the way.
+/// The device is led to and fro in free space, where a held proxy that is not quite the probe is
+/// late all the way.
 TEST(DeratedPress, AnyHandsDampingPaysForIt) {
   for (const double round_trip : {0.010, 0.020, 0.050, 0.100}) {
     for (const double jitter : {0.0, 0.3}) {
       ClientSettings late = client(ProxyMode::kHeld, round_trip);
-      late.stop[0] = 1.0;
+      late.simulate = [](haptic::test::Frame& frame) { frame.x = frame.x_probe.array() + 2e-6; };
       late.jitter = jitter;
       for (double hz = 1.0; hz < 60.0; hz *= 1.07) {
         // The device's damping, and twice as much of the hand.

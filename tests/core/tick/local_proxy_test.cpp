@@ -44,6 +44,66 @@ TEST_F(LocalProxyTest, HeldProxyStays) {
   EXPECT_FALSE(local_.changed() || local_.new_sample());
 }
 
+TEST_F(LocalProxyTest, HeldFollowsWhereItWasFree) {
+  step({}, 1.0 + 5e-7, 3.0);  // tick 1; held at (1, 2)
+  ProxySnapshot held = sample_of(ProxyMode::kHeld, 1);
+  held.seen_at = 1;
+  Anchor now = step(held, 0.5, 1.0);
+  EXPECT_EQ(now.x, two(0.5, 2.0));
+  EXPECT_TRUE(now.in_the_way);
+  EXPECT_EQ(step(held, 0.25, 5.0).x, two(0.25, 2.0));
+  EXPECT_TRUE(local_.changed()) << "x moves between samples";
+  step({}, 1.0, 2.0);  // tick 4
+  held.seq = 2;
+  held.seen_at = 4;
+  now = step(held, 0.5, 1.0);
+  EXPECT_EQ(now.x, two(0.5, 1.0));
+  EXPECT_FALSE(now.in_the_way) << "as free";
+  held.seq = 3;
+  held.x = two(1.0, 2.0 + 2e-6);
+  EXPECT_EQ(step(held, 0.5, 1.0).x[1], held.x[1]) << "further than rounding";
+}
+
+TEST_F(LocalProxyTest, HeldOfAnUnknownTickStays) {
+  step({}, 1.0, 2.0);
+  ProxySnapshot held = sample_of(ProxyMode::kHeld, 1);
+  for (const std::uint64_t tick : {std::uint64_t{0}, std::uint64_t{9}, std::uint64_t{1}}) {
+    ++held.seq;
+    held.seen_at = tick;  // not told, of the future, too long ago
+    for (int n = 0; tick == 1 && n < 1100; ++n) step({}, 1.0, 2.0);
+    const Anchor now = step(held, 0.5, 1.0);
+    EXPECT_EQ(now.x, two(1.0, 2.0)) << tick;
+    EXPECT_TRUE(now.in_the_way);
+  }
+}
+
+TEST(HeldRotation, IsFreeAsAWhole) {
+  std::vector<Coordinate> parts(4, {"part", Unit::kRadian, CoordinateKind::kQuaternion});
+  parts.push_back({"length", Unit::kMetre, CoordinateKind::kLinear});
+  const ConfigurationSpace space(parts);
+  LocalProxy local(space);
+  const auto pose = [](double half) {  // a turn about x
+    VecX x(5);
+    x << std::sin(half), 0.0, 0.0, std::cos(half), 7.0;
+    return x;
+  };
+  Anchor now;
+  local.step({}, {1, 0.0, TimePoint{}}, pose(0.0), now);
+  ProxySnapshot held;
+  held.mode = ProxyMode::kHeld;
+  held.seen_at = 1;
+  held.x = pose(1e-4);  // three parts of it are the probe's, to rounding
+  VecX probe = pose(0.3);
+  probe[4] = 8.0;
+  local.step(held, {2, 0.0, TimePoint{}}, probe, now);
+  EXPECT_EQ(now.x.head<4>(), held.x.head<4>());
+  EXPECT_EQ(now.x[4], 8.0);
+  held.seq = 1;
+  held.x = -pose(0.0);  // the same rotation
+  local.step(held, {3, 0.0, TimePoint{}}, probe, now);
+  EXPECT_EQ(now.x.head<4>(), probe.head<4>());
+}
+
 TEST_F(LocalProxyTest, FreeIsTheProbe) {
   const Anchor now = step(sample_of(ProxyMode::kFree, 1), 3.0, 4.0);
   EXPECT_EQ(now.x, two(3.0, 4.0));

@@ -226,13 +226,18 @@ TEST_F(SupervisorTest, EachLeaseNeedsAFreeProbe) {
   EXPECT_TRUE(run(3).limiters.has(Limiter::kNeverFree));
   EXPECT_EQ(ask(), EngageVerdict::kNeverFree);
   anchor.in_the_way = false;
+  proxy.mode = ProxyMode::kFree;
   proxy.tenure = 0;
   step();  // of the lease before: under force it stays in use
+  proxy.mode = ProxyMode::kHeld;
   anchor.in_the_way = true;
   proxy.tenure = 1;
   EXPECT_EQ(ask(), EngageVerdict::kNeverFree);
   anchor.in_the_way = false;
+  EXPECT_EQ(ask(), EngageVerdict::kNeverFree) << "a held proxy that echoes the probe";
+  proxy.mode = ProxyMode::kFree;
   step();
+  proxy.mode = ProxyMode::kHeld;
   anchor.in_the_way = true;
   EXPECT_FALSE(run(300).limiters.any()) << "once is enough";
   EXPECT_EQ(ask(), EngageVerdict::kAccepted);

@@ -13,8 +13,8 @@ namespace haptic::client {
 
 /// A sample is no news if it says the same as each sample that the server may use: the one that the
 /// newest state used, and all later ones, because any of those may have come or be lost. Two
-/// samples say the same if they have one mode and, held, are within the width of each other; in
-/// planes mode, if
+/// samples say the same if they have one mode and, held, are within the width of each other and
+/// free in the same coordinates (Proxy::held); in planes mode, if
 ///
 /// - the planes are the same by number and id, curved or not as before, as soft within a tenth, and
 ///   known at least as well (`uncertainty`);
@@ -24,10 +24,10 @@ namespace haptic::client {
 ///   that sample. They are the server's: solved from the planes in the metric 1, and anchored if a
 ///   plane has an id.
 ///
-/// Always news: an object that is pushed (`mass`), because each sample begins its motion again;
-/// planes whose probe is not known, or that do not say where the proxy is, but for a shift of the
-/// gap of the only one that is touched; and a sample after which the next one might come too late
-/// to be fresh.
+/// Always news: an object that is pushed (`mass`), because each sample begins its motion again; a
+/// proxy that is not free and whose probe is not known; planes that do not say where the proxy is,
+/// but for a shift of the gap of the only one that is touched; and a sample after which the next
+/// one might come too late to be fresh.
 class Deadband {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
@@ -50,7 +50,7 @@ class Deadband {
     std::uint64_t seq{0};
     TimePoint at{};
     Proxy proxy{};
-    std::vector<double> probe{};   ///< beside proxy.position; empty: not known
+    std::vector<double> probe{};   ///< beside proxy.position, or the held one's; empty: not known
     std::vector<double> anchor{};  ///< the client's own proxy less what the planes say
   };
   [[nodiscard]] Law law_of(std::uint64_t seq, const Proxy& proxy,
@@ -63,6 +63,7 @@ class Deadband {
                                           double t) const;
   [[nodiscard]] std::vector<double> predict(const Law& law, const std::vector<double>& probe,
                                             double t) const;
+  [[nodiscard]] std::vector<bool> free(const Law& law) const;
   [[nodiscard]] bool near(const std::vector<double>& a, const std::vector<double>& b) const;
   [[nodiscard]] bool same_surface(const Plane& told, const Plane& now, const Law& old,
                                   const Law& law, double ahead) const;

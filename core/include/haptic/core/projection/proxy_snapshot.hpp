@@ -13,7 +13,7 @@ namespace haptic::core {
 
 enum class ProxyMode : std::uint8_t {
   kNone = 0,    ///< no proxy was ever accepted under this lease
-  kHeld = 1,    ///< x stays where the sample put it until the next one
+  kHeld = 1,    ///< x stays until the next sample, but goes on with the probe where it was it
   kFree = 2,    ///< nothing in the way: no elastic force, no drag
   kPlanes = 3,  ///< x is the haptic probe, kept out of the sample's planes in every tick
 };
@@ -98,7 +98,8 @@ struct ProxySnapshot {
   /// Tick of whose x_probe the simulation computed x, and with it the contacts; they are anchored
   /// there. 0: they are taken as they were told.
   std::uint64_t anchored_at{0};
-  /// The same of a sample in any mode: how old its answer is; 0: not told.
+  /// The same of a sample in any mode: how old its answer is, and of a held one where it was free;
+  /// 0: not told.
   std::uint64_t seen_at{0};
   /// The stream's health, kept by the ingress for Engage (proto/README.md#a-session).
   TimePoint gapless_since{};         ///< first sample after the last gap longer than hold_end

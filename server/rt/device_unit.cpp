@@ -29,14 +29,14 @@ void DeviceUnit::tick(core::TimePoint now, core::Duration period,
   if (commands.take()) input_.command = commands.value();
   if (settings.take()) input_.settings = settings.value();
 
-  const core::TickRecord record = pipeline_.tick(input_);
+  const core::TickRecord& record = records.prepare([this] { return pipeline_.tick(input_); });
 
   command_.arm = record.life.arm;
   command_.tau_a = record.effort.drive.size() > 0 ? record.effort.drive : record.effort.tau_a;
   command_.position = record.effort.position;
   device_->write(now, command_);
 
-  records.push(record);
+  records.push();
   state_.store(record.life.state, std::memory_order_release);
 }
 

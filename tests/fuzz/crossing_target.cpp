@@ -191,7 +191,8 @@ class Crossing {
         life.clear.id = record_.input.command.clear_id;
       }
       life.faults = core::FaultSet((says & 4U) != 0 ? 0x80U : 0U);
-      world_.unit.records.push(record_);
+      world_.unit.records.prepare([this] { return record_; });
+      world_.unit.records.push();
       world_.telemetry.drain();
     }
     look();

@@ -159,6 +159,15 @@ TEST(DeviceUnit, SlowDrainCountsLostRecords) {
   const int ticks = static_cast<int>(rig.unit->records.capacity()) + 10;
   for (int i = 0; i < ticks; ++i) rig.unit->tick(TimePoint(1h) + i * 1ms, 1ms, {});
   EXPECT_EQ(rig.unit->records.dropped(), 10u);
+  for (std::uint64_t tick = 1; tick <= rig.unit->records.capacity(); ++tick) {
+    ASSERT_NE(rig.unit->records.front(), nullptr);
+    ASSERT_EQ(rig.unit->records.front()->beat.tick, tick) << "the oldest are kept";
+    rig.unit->records.pop();
+  }
+  EXPECT_EQ(rig.unit->records.front(), nullptr);
+  rig.unit->tick(TimePoint(1h) + ticks * 1ms, 1ms, {});
+  ASSERT_NE(rig.unit->records.front(), nullptr);
+  EXPECT_EQ(rig.unit->records.front()->beat.tick, static_cast<std::uint64_t>(ticks + 1));
 }
 
 }  // namespace

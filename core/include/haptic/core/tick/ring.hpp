@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <new>
+#include <type_traits>
 
 namespace haptic::core {
 
@@ -14,17 +16,26 @@ class Ring {
  public:
   /// `capacity` is rounded up to a power of two. Allocates here and nowhere else.
   explicit Ring(std::size_t capacity)
-      : mask_(round_up(capacity) - 1), slots_(std::make_unique<T[]>(mask_ + 1)) {}
+      : mask_(round_up(capacity) - 1), slots_(std::make_unique<T[]>(mask_ + 2)) {}
 
-  /// Writer's thread only. False (and counted) where the ring is full.
-  bool push(const T& value) noexcept {
+  /// Writer's thread only: what make() returns, made in its place for the next push(). Where the
+  /// ring is full that is a place which the reader never sees.
+  template <typename Make>
+  const T& prepare(const Make& make) noexcept {
+    static_assert(std::is_trivially_destructible_v<T>);
     const std::size_t head = head_.load(std::memory_order_relaxed);
-    if (head - tail_.load(std::memory_order_acquire) > mask_) {
+    full_ = head - tail_.load(std::memory_order_acquire) > mask_;
+    T* const place = &slots_[full_ ? mask_ + 1 : head & mask_];
+    return *::new (static_cast<void*>(place)) T(make());
+  }
+  /// Writer's thread only: hands over what was prepared. False (and counted) where the ring was
+  /// full.
+  bool push() noexcept {
+    if (full_) {
       dropped_.fetch_add(1, std::memory_order_relaxed);
       return false;
     }
-    slots_[head & mask_] = value;
-    head_.store(head + 1, std::memory_order_release);
+    head_.store(head_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
     return true;
   }
 
@@ -52,8 +63,9 @@ class Ring {
   }
 
   const std::size_t mask_;
-  std::unique_ptr<T[]> slots_;
+  std::unique_ptr<T[]> slots_;  ///< one more than the capacity: of what finds the ring full
   alignas(64) std::atomic<std::size_t> head_{0};
+  bool full_{false};  ///< the writer's: when the value was prepared
   alignas(64) std::atomic<std::size_t> tail_{0};
   std::atomic<std::uint64_t> dropped_{0};
 };

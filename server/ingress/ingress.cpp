@@ -1,14 +1,21 @@
 #include "server/ingress/ingress.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
 
 #include "server/ingress/refused.hpp"
 
 namespace haptic::server {
 
+/// Without a branch, which the zeros among the numbers of a normal would mislead.
 double flushed(double value) noexcept {
-  return std::fpclassify(value) == FP_SUBNORMAL ? 0.0 : value;
+  constexpr auto kSmallest = std::bit_cast<std::uint64_t>(std::numeric_limits<double>::min());
+  const auto bits = std::bit_cast<std::uint64_t>(value);
+  const std::uint64_t twice = 2 * bits;  // without the sign
+  // 0 - 1 is the largest number.
+  return std::bit_cast<double>(twice - 1 < 2 * kSmallest - 1 ? 0 : bits);
 }
 
 BacklogRule::BacklogRule(core::Duration nominal_period)
@@ -42,9 +49,7 @@ BacklogRule::Answer BacklogRule::step(core::TimePoint arrival) noexcept {
 }
 
 Ingress::Ingress(core::Mailbox<core::ProxySnapshot>& mailbox, int n_x)
-    : mailbox_(mailbox), n_x_(static_cast<std::uint32_t>(n_x)) {
-  newest_.x.resize(0);
-}
+    : mailbox_(mailbox), n_x_(static_cast<std::uint32_t>(n_x)) {}
 
 void Ingress::begin_lease(std::uint32_t epoch, double nominal_rate_hz, core::Duration hold_end,
                           std::uint32_t tenure) {
@@ -56,9 +61,10 @@ void Ingress::begin_lease(std::uint32_t epoch, double nominal_rate_hz, core::Dur
   carrier_ = Carrier::kNone;
   backlog_ = BacklogRule(std::chrono::duration_cast<core::Duration>(
       std::chrono::duration<double>(1.0 / nominal_rate_hz)));
-  newest_ = {};
-  newest_.tenure = tenure == 0 ? epoch : tenure;
-  mailbox_.publish(newest_);
+  newest_ = {.tenure = tenure == 0 ? epoch : tenure};
+  core::ProxySnapshot none;
+  none.tenure = newest_.tenure;
+  mailbox_.publish(none);
 }
 
 void Ingress::renew_lease(std::uint32_t epoch) {
@@ -112,8 +118,7 @@ Verdict Ingress::check(const ProxySample& sample) const {
     }
   }
   if (sample.plane_count > 0) {
-    const Verdict planes = check_planes(sample);
-    if (!planes.used()) return planes;
+    if (const auto wrong = check_planes(sample)) return *wrong;
   }
   if (sample.seq <= newest_.seq) {
     return refused(IngressVerdict::kOldSequence, "seq = {}: must be above {}", sample.seq,
@@ -137,17 +142,26 @@ void Ingress::store(const ProxySample& sample, const BacklogRule::Answer& age) {
   newest_.seq = sample.seq;
   const Departure left = sample.left.value_or(Departure{age.born, age.born});
   newest_.born = std::min(age.born, left.latest);
-  newest_.computed = std::min(arrival, left.likely);
-  newest_.valid_for = sample.valid_for;
-  newest_.x.resize(sample.position.count);
-  for (std::size_t i = 0; i < sample.position.count; ++i) {
-    newest_.x[static_cast<Eigen::Index>(i)] = flushed(sample.position.value[i]);
-  }
-  store_planes(sample);
+  publish(sample, std::min(arrival, left.likely));
   last_arrival_ = arrival;
   carrier_ = sample.carrier;
   carried_[sample.seq % carried_.size()] = {sample.seq, newest_.born, sample.carrier};
-  mailbox_.publish(newest_);
+}
+
+void Ingress::publish(const ProxySample& sample, core::TimePoint computed) {
+  core::ProxySnapshot& next = mailbox_.draft();
+  next.mode = newest_.mode;
+  next.tenure = newest_.tenure;
+  next.seq = newest_.seq;
+  next.born = newest_.born;
+  next.computed = computed;
+  next.valid_for = sample.valid_for;
+  next.x.resize(sample.position.count);
+  std::transform(sample.position.begin(), sample.position.end(), next.x.data(), flushed);
+  write_planes(sample, next);
+  next.gapless_since = newest_.gapless_since;
+  next.gapless_samples = newest_.gapless_samples;
+  mailbox_.publish();
 }
 
 Carrier Ingress::carrier_of(std::uint64_t seq, core::TimePoint born) const noexcept {

@@ -20,6 +20,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "haptic/core/tick/mailbox.hpp"
@@ -98,17 +99,27 @@ class Ingress {
 
  private:
   [[nodiscard]] Verdict check(const ProxySample& sample) const;
-  [[nodiscard]] Verdict check_planes(const ProxySample& sample) const;
-  [[nodiscard]] Verdict check_contact(const ProxySample& sample, std::size_t p) const;
-  [[nodiscard]] static Verdict check_law(const PlaneSample& plane, std::size_t p);
-  [[nodiscard]] static Verdict check_object(const PlaneSample& plane, std::size_t p);
-  void store_planes(const ProxySample& sample);
+  /// Absent: nothing is wrong. (To clear the words of a Verdict for each plane takes time.)
+  using Refused = std::optional<Verdict>;
+  [[nodiscard]] Refused check_planes(const ProxySample& sample) const;
+  [[nodiscard]] Refused check_contact(const ProxySample& sample, std::size_t p) const;
+  [[nodiscard]] static Refused check_law(const PlaneSample& plane, std::size_t p);
+  [[nodiscard]] static Refused check_object(const PlaneSample& plane, std::size_t p);
   void store(const ProxySample& sample, const BacklogRule::Answer& age);
+  /// Makes the snapshot where the mailbox hands it out: with its planes it is large.
+  void publish(const ProxySample& sample, core::TimePoint computed);
+  void write_planes(const ProxySample& sample, core::ProxySnapshot& next) const;
 
   decltype(Verdict::why) last_refusal_{};
   core::Mailbox<core::ProxySnapshot>& mailbox_;
   const std::uint32_t n_x_;
-  core::ProxySnapshot newest_{};
+  struct Newest {  ///< as in ProxySnapshot
+    core::ProxyMode mode{core::ProxyMode::kNone};
+    std::uint32_t tenure{0};
+    std::uint64_t seq{0};
+    core::TimePoint born{}, gapless_since{};
+    std::uint64_t gapless_samples{0};
+  } newest_{};
   IngressCounters counters_{};
   BacklogRule backlog_{};
   core::TimePoint last_arrival_{};

@@ -25,7 +25,7 @@ constexpr std::uint32_t curved_coordinates(std::uint32_t count) noexcept {
 
 }  // namespace
 
-Verdict Ingress::check_planes(const ProxySample& sample) const {
+Ingress::Refused Ingress::check_planes(const ProxySample& sample) const {
   constexpr auto kBad = IngressVerdict::kBadPlane;
   if (sample.mode != core::ProxyMode::kPlanes) return refused(kBad, "planes: only in mode PLANES");
   if (sample.plane_count > core::kMaxPlanes) {
@@ -39,13 +39,12 @@ Verdict Ingress::check_planes(const ProxySample& sample) const {
                      "planes[{}].normal has {} values: must have {}, one per virtual coordinate", p,
                      plane.normal.count, n_x_);
     }
-    double largest = 0.0;
-    for (std::size_t i = 0; i < n_x_; ++i) {
-      const double value = plane.normal.value[i];
-      if (!(std::abs(value) <= kLargestNormal)) {
-        return refused(kBad, "planes[{}].normal[{}] = {:.6g}: must lie within +-1e6", p, i, value);
-      }
-      largest = std::max(largest, std::abs(value));
+    const Eigen::Map<const Eigen::ArrayXd> normal(plane.normal.value.data(), n_x_);
+    const double largest = normal.abs().maxCoeff<Eigen::PropagateNaN>();
+    for (Eigen::Index i = 0; !(largest <= kLargestNormal) && i < n_x_; ++i) {
+      if (std::abs(normal[i]) <= kLargestNormal) continue;
+      return refused(kBad, "planes[{}].normal[{}] = {:.6g}: must lie within +-1e6", p, i,
+                     normal[i]);
     }
     if (!(largest >= kSmallestNormal)) {
       return refused(kBad, "planes[{}].normal = {:.6g}: must have a direction", p, largest);
@@ -53,7 +52,7 @@ Verdict Ingress::check_planes(const ProxySample& sample) const {
     if (!(std::abs(plane.offset) <= kLargestOffset)) {
       return refused(kBad, "planes[{}].offset = {:.6g}: must lie within +-1e9", p, plane.offset);
     }
-    if (const Verdict contact = check_contact(sample, p); !contact.used()) return contact;
+    if (auto wrong = check_contact(sample, p)) return wrong;
     curvatures += static_cast<int>(plane.curvature_count);
   }
   if (curvatures > core::kMaxCurvature) {
@@ -64,7 +63,7 @@ Verdict Ingress::check_planes(const ProxySample& sample) const {
 }
 
 /// What makes a plane a contact.
-Verdict Ingress::check_contact(const ProxySample& sample, std::size_t p) const {
+Ingress::Refused Ingress::check_contact(const ProxySample& sample, std::size_t p) const {
   constexpr auto kBad = IngressVerdict::kBadPlane;
   const PlaneSample& plane = sample.planes[p];
   if (!(plane.compliance >= 0.0 && plane.compliance <= kLargestCompliance)) {
@@ -79,7 +78,7 @@ Verdict Ingress::check_contact(const ProxySample& sample, std::size_t p) const {
   if (!(std::abs(plane.velocity) <= kLargestOffset)) {
     return refused(kBad, "planes[{}].velocity = {:.6g}: must lie within +-1e9", p, plane.velocity);
   }
-  if (const Verdict law = check_law(plane, p); !law.used()) return law;
+  if (auto wrong = check_law(plane, p)) return wrong;
   const std::uint32_t count = plane.curvature_count, n = curved_coordinates(count);
   if (count > 0 && n == 0) {
     return refused(kBad, "planes[{}].curvature has {} values: must have n (n + 1) / 2, n <= 8", p,
@@ -109,7 +108,7 @@ Verdict Ingress::check_contact(const ProxySample& sample, std::size_t p) const {
 }
 
 /// No mass is too small for the loop's period: the law is integrated implicitly.
-Verdict Ingress::check_law(const PlaneSample& plane, std::size_t p) {
+Ingress::Refused Ingress::check_law(const PlaneSample& plane, std::size_t p) {
   constexpr auto kBad = IngressVerdict::kBadPlane;
   const std::pair<const char*, double> positive[] = {{"mass", plane.mass},
                                                      {"damping", plane.damping},
@@ -132,7 +131,7 @@ Verdict Ingress::check_law(const PlaneSample& plane, std::size_t p) {
   return check_object(plane, p);
 }
 
-Verdict Ingress::check_object(const PlaneSample& plane, std::size_t p) {
+Ingress::Refused Ingress::check_object(const PlaneSample& plane, std::size_t p) {
   constexpr auto kBad = IngressVerdict::kBadPlane;
   const auto& direction = plane.object_direction;
   if (plane.object == 0 && direction.count == 0) return {};
@@ -156,20 +155,19 @@ Verdict Ingress::check_object(const PlaneSample& plane, std::size_t p) {
   return {};
 }
 
-void Ingress::store_planes(const ProxySample& sample) {
-  core::PlaneSet& planes = newest_.planes;
+void Ingress::write_planes(const ProxySample& sample, core::ProxySnapshot& next) const {
+  core::PlaneSet& planes = next.planes;
   const Eigen::Index count = sample.plane_count;
   bool soft = false, moving = false, pushed = false, shared = false, known = true;
   Eigen::Index curvatures = 0;
-  newest_.anchored_at = 0;
-  newest_.seen_at = sample.tick_used;
+  next.anchored_at = 0;
+  next.seen_at = sample.tick_used;
   planes.normals.resize(n_x_, count);
   planes.offsets.resize(count);
+  planes.first = planes.curved = {};
   for (Eigen::Index p = 0; p < count; ++p) {
     const PlaneSample& plane = sample.planes[static_cast<std::size_t>(p)];
-    for (std::size_t i = 0; i < n_x_; ++i) {
-      planes.normals(static_cast<Eigen::Index>(i), p) = flushed(plane.normal.value[i]);
-    }
+    std::transform(plane.normal.begin(), plane.normal.end(), planes.normals.col(p).data(), flushed);
     planes.offsets[p] = flushed(plane.offset);
     soft = soft || flushed(plane.compliance) != 0.0;
     moving = moving || flushed(plane.velocity) != 0.0;
@@ -177,7 +175,7 @@ void Ingress::store_planes(const ProxySample& sample) {
     pushed = pushed || plane.mass > 0.0;
     shared = shared || plane.object != 0;
     curvatures += plane.curvature_count;
-    if (plane.id != 0) newest_.anchored_at = sample.tick_used;
+    if (plane.id != 0) next.anchored_at = sample.tick_used;
   }
   // What no plane of the sample has takes no room in the tick.
   planes.compliance.resize(soft ? count : 0);

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <span>
 
+#include "haptic/core/identical.hpp"
 #include "tests/server/ingress/ingress_fixture.hpp"
 
 namespace haptic::server {
@@ -57,6 +59,29 @@ TEST_F(IngressContactsTest, LawReachesTheMailbox) {
   EXPECT_EQ(planes.curvature[1], 0.0) << "subnormal numbers become 0";
   EXPECT_EQ(planes.curvature[2], 3.0);
   EXPECT_EQ(newest().anchored_at, 77u);
+}
+
+TEST_F(IngressContactsTest, NothingOfOlderSamplesRemains) {
+  for (int i = 0; i < 3; ++i) {  // one in each place of the mailbox
+    ProxySample sample = contacts(2);
+    for (PlaneSample& plane : std::span(sample.planes).first(2)) {
+      plane.compliance = plane.velocity = plane.mass = 1.0;
+      plane.id = static_cast<std::uint32_t>(&plane - sample.planes.data()) + 1;
+      plane.tells_uncertainty = 1;
+      plane.object = 4;
+      plane.object_direction = {1.0};
+      plane.first_coordinate = 1;
+      curve(plane, {1.0});
+    }
+    ASSERT_EQ(judge(sample), IngressVerdict::kAccepted) << why;
+    ASSERT_EQ(newest().planes.first[1], 1);
+  }
+  EXPECT_EQ(judge(contacts(1)), IngressVerdict::kAccepted);
+  core::PlaneSet bare;
+  bare.normals = Eigen::Vector2d(1.0, 0.0);
+  bare.offsets = core::VecX::Constant(1, 1.0);
+  EXPECT_TRUE(core::identical(newest().planes, bare));
+  EXPECT_EQ(newest().anchored_at, 0u);
 }
 
 TEST_F(IngressContactsTest, WithoutIdsNothingIsAnchored) {

@@ -140,8 +140,12 @@ TEST_F(IngressTest, SubnormalCoordinatesBecomeZero) {
   send({std::numeric_limits<double>::denorm_min(), -std::numeric_limits<double>::min() / 2}, t0);
   EXPECT_EQ(newest().x[0], 0.0);
   EXPECT_EQ(newest().x[1], 0.0);
-  send({std::numeric_limits<double>::min(), 0}, t0 + 20ms);
+  send({std::numeric_limits<double>::min(), -0.0}, t0 + 20ms);
   EXPECT_EQ(newest().x[0], std::numeric_limits<double>::min());
+  EXPECT_TRUE(std::signbit(newest().x[1])) << "other numbers keep their bits";
+  send({-std::nextafter(std::numeric_limits<double>::min(), 0.0), -1.0}, t0 + 40ms);
+  EXPECT_EQ(newest().x[0], 0.0);
+  EXPECT_EQ(newest().x[1], -1.0);
 }
 
 TEST_F(IngressTest, LongGapRestartsTheStreamsHealth) {

@@ -2,7 +2,7 @@
 /// Mailbox: one writer, one reader, the newest value wins, neither ever waits.
 ///
 /// Three slots. The writer owns `write`, the reader owns `read`, the third lies on the `table`
-/// between them. publish() fills `write` and swaps it with the table, marking it new; take() swaps
+/// between them. publish() swaps `write`, once it is filled, with the table, marking it new; take() swaps
 /// `read` with the table if what lies there is new. There is no "full" and no "empty": before the
 /// first publish the reader sees the value the mailbox was built with.
 
@@ -19,9 +19,14 @@ class Mailbox {
   Mailbox(const Mailbox&) = delete;
   Mailbox& operator=(const Mailbox&) = delete;
 
-  /// Writer's thread only (or under the writers' own mutex).
+  /// Writer's thread only (or under the writers' own mutex): a value of long ago, to be made the
+  /// next one.
+  [[nodiscard]] T& draft() noexcept { return slots_[write_]; }
   void publish(const T& value) noexcept {
-    slots_[write_] = value;
+    draft() = value;
+    publish();
+  }
+  void publish() noexcept {
     write_ = static_cast<std::uint8_t>(
         table_.exchange(static_cast<std::uint8_t>(write_ | kNew), std::memory_order_acq_rel) &
         kIndex);

@@ -2,9 +2,9 @@
 /// Mailbox: one writer, one reader, the newest value wins, neither ever waits.
 ///
 /// Three slots. The writer owns `write`, the reader owns `read`, the third lies on the `table`
-/// between them. publish() swaps `write`, once it is filled, with the table, marking it new; take() swaps
-/// `read` with the table if what lies there is new. There is no "full" and no "empty": before the
-/// first publish the reader sees the value the mailbox was built with.
+/// between them. publish() swaps `write`, once it is filled, with the table, marking it new; take()
+/// swaps `read` with the table if what lies there is new. There is no "full" and no "empty": before
+/// the first publish the reader sees the value the mailbox was built with.
 
 #include <array>
 #include <atomic>

@@ -16,7 +16,7 @@ void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const V
                       Anchor& now) noexcept {
   const double dt = seconds(moment.now - past_.time(moment.tick - 1));
   past_.push(moment.tick, moment.now, x_probe);
-  const bool goes_on = sample.tenure == tenure_ && mode_ == ProxyMode::kPlanes;
+  const bool goes_on = sample.tenure == tenure_ && sample.mode == mode_;
   const bool same = sample.tenure == tenure_ && sample.seq == seq_ && sample.mode == mode_;
   mode_ = sample.mode;
   tenure_ = sample.tenure;
@@ -25,7 +25,7 @@ void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const V
   error_.known = false;
   switch (mode_) {
     case ProxyMode::kHeld:
-      if (new_sample_) find_free(sample);
+      if (new_sample_) find_free(sample, goes_on);
       now.x = sample.x;
       if (free_.any()) follow(x_probe, now.x);
       now.in_the_way = free_.count() < static_cast<std::size_t>(space_.n_x());
@@ -59,15 +59,26 @@ void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const V
   }
 }
 
-void LocalProxy::find_free(const ProxySnapshot& sample) noexcept {
+/// What the sample before held at the same x is held there again, even if the probe had come back
+/// to it: a point that a simulation holds would else give energy at every crossing.
+void LocalProxy::find_free(const ProxySnapshot& sample, bool goes_on) noexcept {
+  std::bitset<kMaxX> again;
+  for (Eigen::Index i = 0; goes_on && i < held_.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    again[k] = !free_[k] && sample.x[i] == held_[i];
+  }
+  held_ = sample.x;
   free_.reset();
   if (!past_.find(sample.seen_at, used_)) return;
   space_.difference(sample.x, used_, dx_);
   for (Eigen::Index i = 0; i < dx_.size(); ++i) {
-    free_[static_cast<std::size_t>(i)] = std::abs(dx_[i]) <= kRounding;
+    const auto k = static_cast<std::size_t>(i);
+    free_[k] = !again[k] && std::abs(dx_[i]) <= kRounding;
   }
   for (const int first : space_.quaternions()) {  // a rotation is free as a whole
-    const bool whole = dx_.segment<4>(first).cwiseAbs().maxCoeff() <= kRounding;
+    const auto k = static_cast<std::size_t>(first);
+    const bool same = again[k] && again[k + 1] && again[k + 2] && again[k + 3];
+    const bool whole = !same && dx_.segment<4>(first).cwiseAbs().maxCoeff() <= kRounding;
     for (int i = first; i < first + 4; ++i) free_[static_cast<std::size_t>(i)] = whole;
   }
 }

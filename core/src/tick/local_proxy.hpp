@@ -47,8 +47,9 @@ class LocalProxy {
   [[nodiscard]] bool changed() const noexcept { return changed_; }
 
  private:
-  /// In which coordinates a held sample is the probe that its simulation saw.
-  void find_free(const ProxySnapshot& sample) noexcept;
+  /// In which coordinates a held sample is the probe that its simulation saw. `goes_on`: so was the
+  /// sample before it, of the same lease.
+  void find_free(const ProxySnapshot& sample, bool goes_on) noexcept;
   void follow(const VecX& x_probe, VecX& x) const noexcept;
   /// The objects of the sample before are taken to the tick of the next one, which tells how fast
   /// they became by then.
@@ -72,7 +73,8 @@ class LocalProxy {
   ProxyError error_{};
   std::uint64_t began_{0};     ///< the tick of the sample in use, if it has laws and that is known
   VecX used_{};                ///< the probe of which the sample was computed
-  VecX dx_{};                  ///< from that to the held sample's x
+  VecX held_{};                ///< x of the newest held sample
+  VecX dx_{};                  ///< to that from used_
   std::bitset<kMaxX> free_{};  ///< coordinates of the held sample that follow the probe
   bool new_sample_{false};
   bool changed_{false};

@@ -64,6 +64,22 @@ TEST_F(LocalProxyTest, HeldFollowsWhereItWasFree) {
   EXPECT_EQ(step(held, 0.5, 1.0).x[1], held.x[1]) << "further than rounding";
 }
 
+TEST_F(LocalProxyTest, HeldPointIsNoEcho) {
+  step({}, 0.0, 3.0);  // tick 1
+  ProxySnapshot held = sample_of(ProxyMode::kHeld, 1);
+  held.seen_at = 1;
+  held.x = two(0.0, 2.0);
+  step(held, 1.0, 2.0);  // tick 2: the probe is at the point
+  held.seq = held.seen_at = 2;
+  held.x = two(1.0, 2.0);
+  EXPECT_EQ(step(held, 0.5, 2.5).x, two(0.5, 2.0));
+  held.seq = held.seen_at = 3;
+  held.x = two(0.5, 2.5);
+  EXPECT_EQ(step(held, 0.5, 1.0).x, two(0.5, 1.0)) << "another point, hence free";
+  held.seq = 4;
+  EXPECT_EQ(step(held, 0.5, 4.0).x, two(0.5, 4.0)) << "it rested, free";
+}
+
 TEST_F(LocalProxyTest, HeldOfAnUnknownTickStays) {
   step({}, 1.0, 2.0);
   ProxySnapshot held = sample_of(ProxyMode::kHeld, 1);
@@ -102,6 +118,13 @@ TEST(HeldRotation, IsFreeAsAWhole) {
   held.x = -pose(0.0);  // the same rotation
   local.step(held, {3, 0.0, TimePoint{}}, probe, now);
   EXPECT_EQ(now.x.head<4>(), probe.head<4>());
+  held.seq = 2;
+  held.x = pose(0.1);
+  local.step(held, {4, 0.0, TimePoint{}}, held.x, now);
+  held.seq = 3;
+  held.seen_at = 4;  // the probe was at the pose that is held
+  local.step(held, {5, 0.0, TimePoint{}}, probe, now);
+  EXPECT_EQ(now.x.head<4>(), held.x.head<4>());
 }
 
 TEST_F(LocalProxyTest, FreeIsTheProbe) {

@@ -90,7 +90,7 @@ export function contactWords(state: DeviceState): string {
     case Mode.FREE:
       return "Nothing is in the way.";
     case Mode.HELD:
-      return "Held: the simulation keeps the tool at one place.";
+      return "Held where the simulation keeps the tool, free where it does not.";
     case Mode.PLANES:
       return planesWords(state.activePlanes >>> 0);
     default:

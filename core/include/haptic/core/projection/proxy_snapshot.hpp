@@ -13,7 +13,7 @@ namespace haptic::core {
 
 enum class ProxyMode : std::uint8_t {
   kNone = 0,    ///< no proxy was ever accepted under this lease
-  kHeld = 1,    ///< x stays until the next sample, but goes on with the probe where it was it
+  kHeld = 1,    ///< x stays until the next sample, but follows the probe where it was the probe
   kFree = 2,    ///< nothing in the way: no elastic force, no drag
   kPlanes = 3,  ///< x is the haptic probe, kept out of the sample's planes in every tick
 };

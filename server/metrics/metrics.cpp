@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/front/link_watch.hpp"
+#include "server/metrics/exposition.hpp"
 
 namespace haptic::server {
 namespace {

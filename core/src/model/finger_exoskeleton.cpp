@@ -57,8 +57,9 @@ class FingerExoskeleton final : public Kinematics {
   explicit FingerExoskeleton(const FingerDimensions& d)
       : Kinematics({{"l_x", Unit::kMetre, true, d.l_x_lower, d.l_x_upper},
                     {"q_B", Unit::kRadian, false, d.q_B_lower, d.q_B_upper}},
-                   ConfigurationSpace({{"q_o1_mcp", Unit::kRadian, CoordinateKind::kLinear},
-                                       {"q_o2_pip", Unit::kRadian, CoordinateKind::kLinear}})),
+                   ConfigurationSpace(
+                       {{"q_o1_mcp", Unit::kRadian, CoordinateKind::kLinear, d.proximal_phalanx},
+                        {"q_o2_pip", Unit::kRadian, CoordinateKind::kLinear}})),
         linkage_(checked(d)),
         reach_(linkage_) {
     mean_J_a_ = reach_.mean_actuated_jacobian();

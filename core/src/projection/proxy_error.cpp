@@ -14,6 +14,8 @@ namespace {
 constexpr double kWedge = 2.0;
 /// Beyond this share of its radius of curvature a displacement says nothing of the object.
 constexpr double kMostBent = 0.9;
+/// Of a link: what a client's arithmetic leaves, and less than another finger or body makes of it.
+constexpr double kSameLink = 1e-3;
 
 /// A joint that is not said to turn without end is on the real line, in rad.
 bool turns_points(const Coordinate& c) noexcept {
@@ -32,9 +34,12 @@ void PlaneProjection::begin_error(const PlaneSet& planes) noexcept {
   told_l_.setZero();
   unsettled_ = 0.0;
   exact_ = curved_ == 0 && !moving_ && planes.uncertainty.isZero(0.0);
+  bend_.head(count_).setZero();
   for (int i = 0; i < count_; ++i) {
     bounded_ = bounded_ && uncertainty_[i] >= 0.0;
-    bend_[i] = ContactDual::has(curved_, i) ? bend(i) : 0.0;
+    if (!ContactDual::has(curved_, i)) continue;
+    bend_[i] = bend(i);
+    round_[static_cast<std::size_t>(i)] = round_gap(planes, i);
   }
 }
 
@@ -60,15 +65,37 @@ double PlaneProjection::bend(int i) noexcept {
   return std::sqrt(std::max(0.0, square));
 }
 
+/// Of the coordinates of a point, or of two parallel hinges. Any two joints fit some such finger,
+/// and so does a body off the plane in which it moves, but not one with the link that is known.
+RoundGap PlaneProjection::round_gap(const PlaneSet& planes, int i) const noexcept {
+  const int first = first_[static_cast<std::size_t>(i)];
+  const int n = n_curved_[static_cast<std::size_t>(i)];
+  const bool alike =
+      metric_.is_identity() || (metric_.separates(first, n) && metric_.is_uniform(first, n));
+  if (n < 2 || n > RoundGap::kMost || rows_of(i).count > n || !alike) return {};
+  const auto& coordinates = space_->coordinates();
+  const double link = coordinates[static_cast<std::size_t>(first)].link;
+  const bool hinges = n == 2 && link > 0.0;
+  for (int k = first; k < first + n && !hinges; ++k) {
+    if (turns_points(coordinates[static_cast<std::size_t>(k)])) return {};
+  }
+  const VecX g = -A_.col(i);
+  const RoundGap gap(hinges ? RoundGap::Moves::kHinges : RoundGap::Moves::kPoint, n,
+                     g.data() + first, H_.data() + begin_[static_cast<std::size_t>(i)]);
+  const double scale = planes.normals.col(i).norm() / gap.length();
+  const bool fits = !hinges || std::abs(scale * gap.link() - link) < kSameLink * link;
+  return fits ? gap : RoundGap{};
+}
+
 double PlaneProjection::unsettled(const VecX& moved) const noexcept {
   VecX scratch;
   return metric_.weighed(moved, scratch).norm();
 }
 
-/// A gap of a body of constant curvature 1/R that a point meets has the third derivative
-/// 3 z_n z_t^2 / R^2 along z; planar joints add 3 of the gradient and of H per angle. What a
-/// contact without curvature says is taken as flat.
-PlaneProjection::Remainder PlaneProjection::remainder(int i) const noexcept {
+/// Of a round body what it is at z_. Else: a gap of a body of constant curvature 1/R that a point
+/// meets has the third derivative 3 z_n z_t^2 / R^2 along z; planar joints add 3 of the gradient
+/// and of H per angle. What a contact without curvature says is taken as flat.
+PlaneProjection::Remainder PlaneProjection::remainder(int i, LastTurn* last) const noexcept {
   const int first = first_[static_cast<std::size_t>(i)];
   const int n = n_curved_[static_cast<std::size_t>(i)];
   const double* entry = H_.data() + begin_[static_cast<std::size_t>(i)];
@@ -86,11 +113,23 @@ PlaneProjection::Remainder PlaneProjection::remainder(int i) const noexcept {
       turns += std::abs(z_[first + row]);
     }
     most_along += std::abs(g[first + row] * z_[first + row]);
-    along += g[first + row] * z_[first + row];
+    along -= g[first + row] * z_[first + row];
   }
   double bent = 0.0;
   for (int row = 0; row < n; ++row) bent += Hz[row] * z_[first + row];
-  const double turned = bend_[i] * z_.norm();
+  const RoundGap& round = round_[static_cast<std::size_t>(i)];
+  if (last != nullptr && round.moves() != RoundGap::Moves::kUnknown) {
+    // The law as linearise() makes it.
+    const double turned = Hz.head(n).norm() / round.length();
+    const double share = turned > kMostTurn ? kMostTurn / turned : 1.0;
+    Hz.head(n) = share * Hz.head(n) - g.segment(first, n);
+    const RoundGap::Law law{along + share * (1.0 - 0.5 * share) * bent, Hz.data()};
+    if (round.moves() == RoundGap::Moves::kPoint) return round.point(z_.data() + first, law);
+    if (last->first != first) *last = {first, RoundGap::Turn(z_.data() + first)};
+    return round.hinges(last->turn, law);
+  }
+  const double far = metric_.is_identity() ? z_.segment(first, n).norm() : unsettled(z_);
+  const double turned = bend_[i] * far;
   const double left = std::max(1.0 - turned, 1.0 - kMostBent);
   const double curve = 0.5 * (std::abs(along) + std::abs(bent)) * turned * turned / (left * left);
   const double tilt = 0.5 * turned * (turned + 2.0 * bend_[i] * std::abs(along)) / (left * left);
@@ -110,7 +149,9 @@ void PlaneProjection::error(double age_error, ProxyError& out) const noexcept {
   out.beside = 0;
   if (!out.known) return;
   Remainder left[kMaxPlanes];
-  if (!exact_) proxy_error(age_error, left, out);
+  if (!exact_ && !proxy_error(age_error, true, left, out)) {
+    static_cast<void>(proxy_error(age_error, false, left, out));
+  }
   if (dual_.held() != 0) contact_errors(age_error, left, out);
 }
 
@@ -126,7 +167,7 @@ void PlaneProjection::contact_errors(double age_error, const Remainder* left,
     const bool skipped = ContactDual::has(skipped_, i);
     double depth = skipped ? 0.0 : scale_[i] * shifted(i) + std::abs(speed_[i]) * age_error;
     if (ContactDual::has(curved_, i)) {
-      const double bend = scale_[i] * left[i].bend;
+      const double bend = scale_[i] * left[i].bend_within(moved);
       const double tilt = bend * moved + scale_[i] * left[i].gradient;
       depth += scale_[i] * left[i].gap + tilt * way + 0.5 * bend * moved * moved;
       depth = tilt < kMostBent ? (depth + tilt * std::abs(contacts_.depth[i])) / (1.0 - tilt)
@@ -143,18 +184,21 @@ void PlaneProjection::contact_errors(double age_error, const Remainder* left,
   out.turn.resize(0);
 }
 
-void PlaneProjection::proxy_error(double age_error, Remainder* left,
+bool PlaneProjection::proxy_error(double age_error, bool whole, Remainder* left,
                                   ProxyError& out) const noexcept {
   out.of.setZero(count_);
+  out.everywhere = unexplained_;
   const Vector& l = dual_.l();
   // Written as far as `count_` only: clearing four vectors costs as much as all the rest.
   double slope[kMaxPlanes], share[kMaxPlanes], gap[kMaxPlanes], room[kMaxPlanes];
   int involved = 0, only = -1, at_anchor = 0;
   double bent = 0.0;
+  LastTurn last;
   for (int i = 0; i < count_; ++i) at_anchor += anchored_l_[i] > 0.0 || told_l_[i] > 0.0;
   for (int i = 0; i < count_; ++i) {
     slope[i] = share[i] = gap[i] = room[i] = 0.0;
     if (ContactDual::has(skipped_, i)) continue;
+    const bool curved = ContactDual::has(curved_, i);
     const double u = uncertainty_[i];
     const double before = scale_[i] > 0.0 ? anchored_l_[i] / scale_[i] : anchored_l_[i];
     slope[i] = u * std::abs(l[i] - before);
@@ -165,10 +209,11 @@ void PlaneProjection::proxy_error(double age_error, Remainder* left,
       const double shared = std::abs(before - told_l_[i]) + u * told_l_[i];
       share[i] += l[i] > 0.0 ? std::max(0.0, shared + slope[i] - l[i]) : 2.0 * shared;
     }
-    if (ContactDual::has(curved_, i)) {
-      left[i] = remainder(i);
-      gap[i] = left[i].gap;
-      share[i] += l[i] * left[i].gradient;
+    if (curved) {
+      left[i] = remainder(i, whole ? &last : nullptr);
+      gap[i] = scale_[i] * left[i].gap;
+      share[i] += scale_[i] * l[i] * left[i].gradient;
+      bent += scale_[i] * l[i] * (left[i].whole ? left[i].bend : bend_[i]);
     }
     gap[i] += std::abs(speed_[i]) * age_error;
     if (l[i] == 0.0) {
@@ -176,40 +221,67 @@ void PlaneProjection::proxy_error(double age_error, Remainder* left,
       for (int j = 0; j < count_; ++j) {
         if (l[j] > 0.0) room[i] += l[j] * A_.col(i).dot(contacts_.into.col(j));
       }
-      gap[i] = std::max(0.0, gap[i] - std::max(0.0, room[i]));
+      room[i] = std::max(0.0, room[i]);
     }
-    bent += l[i] * scale_[i] * bend_[i];
-    if (l[i] > 0.0 || slope[i] > 0.0 || share[i] > 0.0 || gap[i] > 0.0) {
+    if (l[i] > 0.0 || slope[i] > 0.0 || share[i] > 0.0 || gap[i] > room[i]) {
       ++involved;
       only = i;
     }
   }
-  if (involved == 0) return;
+  if (involved == 0) return true;
   out.known = bent < kMostBent;
+  const double stays = std::max(1.0 - bent, 1.0 - kMostBent);
   // Each linearisation shrinks what is left by `bent`, or more.
-  if (curved_ != 0) out.everywhere += unsettled_ * bent / std::max(1.0 - bent, 1.0 - kMostBent);
-  const double amplified = 1.0 / std::max(1.0 - bent, 1.0 - kMostBent);
-  if (involved == 1) {
+  if (curved_ != 0) out.everywhere += unsettled_ * bent / stays;
+  if (involved == 1 && bent == 0.0 && !ContactDual::has(curved_, only)) {
     const double u = uncertainty_[only], m = std::min(u, 1.0), gamma = gamma_[only];
     const double softer = gamma > 0.0 ? gamma / (1.0 - m + gamma) : 0.0;
     const double stiffer = gamma / (1.0 + u + gamma);
     const double by_slope = share[only] + slope[only] * std::max(softer, stiffer);
-    const double by_gap = gap[only] / (1.0 + gamma / (1.0 + u));
-    out.of[only] = amplified * (by_slope + by_gap);
-    out.along = bent == 0.0 ? only : -1;
+    const double by_gap = std::max(0.0, gap[only] - room[only]) / (1.0 + gamma / (1.0 + u));
+    out.of[only] = by_slope + by_gap;
+    out.along = only;
     for (int i = 0; i < count_; ++i) {
       if (i != only && !ContactDual::has(skipped_, i) && room[i] < out.of[only]) out.along = -1;
     }
-    if (out.along >= 0) return;
+    if (out.along >= 0) return true;
   }
+  double off = 0.0, as_gap[kMaxPlanes];
   for (int i = 0; i < count_; ++i) {
+    const bool curved = ContactDual::has(curved_, i);
+    if (!curved && slope[i] + share[i] + gap[i] == 0.0) continue;
     const double u = uncertainty_[i], gamma = gamma_[i];
-    if (slope[i] + share[i] + gap[i] == 0.0) continue;
     const double as_force = u < 1.0 ? std::min(1.0, 0.5 * std::sqrt(gamma / (1.0 - u))) : 1.0;
     const double most = involved == 1 ? 1.0 : kWedge;
-    const double as_gap = gamma > 0.0 ? std::min(most, 0.5 * std::sqrt((1.0 + u) / gamma)) : most;
-    out.of[i] = amplified * (share[i] + slope[i] * as_force + gap[i] * as_gap);
+    as_gap[i] = gamma > 0.0 ? std::min(most, 0.5 * std::sqrt((1.0 + u) / gamma)) : most;
+    // Its true gradient may be shorter: the same gap is then a longer way.
+    if (curved) as_gap[i] /= std::max(1.0 - scale_[i] * left[i].gradient, 1.0 - kMostBent);
+    const double by_gap = std::max(0.0, gap[i] - room[i]) * as_gap[i];
+    out.of[i] = share[i] + slope[i] * as_force + by_gap;
+    off += out.of[i];
   }
+  // On a way E forces turn and gaps bend: E <= off + bent E + c E^2. What c is on the whole way is
+  // known for one that is assumed, the more the longer; it holds if E is no longer. At twice what
+  // it is without c there is no root beyond.
+  for (const double times : {1.25, 2.0}) {
+    const double most = times * off / stays, far = most + out.everywhere + unsettled_;
+    double c = 0.0;
+    bool follows = true;
+    for (int i = 0; i < count_ && whole; ++i) {
+      if (!ContactDual::has(curved_, i) || !left[i].whole) continue;
+      follows = follows && left[i].grows * far <= 1.0;
+      const double bow = 0.5 * scale_[i] * left[i].bend_within(far);
+      c += 0.5 * scale_[i] * l[i] * left[i].third_within(far);
+      if (gap[i] + bow * most * most > room[i]) c += bow * as_gap[i];
+    }
+    const double root = stays * stays - 4.0 * c * off;
+    if (!follows || root < 0.0) return false;
+    const double grown = 2.0 / (stays + std::sqrt(root));
+    if (grown * off > most) continue;
+    out.of *= grown;
+    return true;
+  }
+  return false;
 }
 
 }  // namespace haptic::core

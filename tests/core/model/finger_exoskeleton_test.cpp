@@ -97,6 +97,13 @@ TEST(FingerDimensions, DefaultHasItsCheckValues) {
   }
 }
 
+TEST_F(FingerExoskeleton, CoordinatesTellThePhalanxBetweenThem) {
+  dimensions.proximal_phalanx = 0.047;
+  finger = make_finger_exoskeleton(dimensions);
+  EXPECT_EQ(finger->space().coordinates()[0].link, 0.047);
+  EXPECT_EQ(finger->space().coordinates()[1].link, 0.0);
+}
+
 /// core/METHOD.md#derivatives: difference relative to the largest analytic entry of the pose,
 /// columns scaled by (0.02 m, 1 rad), central differences of 6e-6 scaled.
 TEST_P(EveryLinkage, DerivativesAgreeWithCentralDifferences) {

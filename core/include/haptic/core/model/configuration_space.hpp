@@ -25,6 +25,9 @@ struct Coordinate {
   std::string name{};
   Unit unit{Unit::kMetre};
   CoordinateKind kind{CoordinateKind::kLinear};
+  /// m, from this hinge to that of the next coordinate, which is parallel to it and which it
+  /// carries; 0: it is no such hinge.
+  double link{0.0};
 };
 
 class ConfigurationSpace {

@@ -24,6 +24,7 @@
 #include "haptic/core/projection/contact_laws.hpp"
 #include "haptic/core/projection/contacts.hpp"
 #include "haptic/core/projection/proxy_error.hpp"
+#include "haptic/core/projection/round_gap.hpp"
 #include "haptic/core/projection/task_metric.hpp"
 
 namespace haptic::core {
@@ -137,16 +138,23 @@ class PlaneProjection {
   void begin_error(const PlaneSet& planes) noexcept;
   [[nodiscard]] double bend(int i) noexcept;
   [[nodiscard]] double unsettled(const VecX& moved) const noexcept;
+  /// What the object and the tool are, if contact i tells that.
+  [[nodiscard]] RoundGap round_gap(const PlaneSet& planes, int i) const noexcept;
   /// How far a gap and its gradient may be from their second order at z_, and its second order
   /// there, at most.
-  struct Remainder {
-    double gap, gradient, bend;
+  using Remainder = RoundGap::Off;
+  /// Of the finger that was looked at last.
+  struct LastTurn {
+    int first{-1};
+    RoundGap::Turn turn{};
   };
-  [[nodiscard]] Remainder remainder(int i) const noexcept;
+  /// `last` null: also of what is told whole as of what is not.
+  [[nodiscard]] Remainder remainder(int i, LastTurn* last) const noexcept;
   /// By how much the anchor shifted the gap that contact i was told to have.
   [[nodiscard]] double shifted(int i) const noexcept;
   /// Parts of error(): how far x may be off, and then each contact. `left`: of curved contacts.
-  void proxy_error(double age_error, Remainder* left, ProxyError& out) const noexcept;
+  /// False: nothing follows from gaps that are told whole (`whole`) so far off.
+  bool proxy_error(double age_error, bool whole, Remainder* left, ProxyError& out) const noexcept;
   void contact_errors(double age_error, const Remainder* left, ProxyError& out) const noexcept;
   /// Curved contacts become the planes that touch them at z_.
   void linearise() noexcept;
@@ -192,8 +200,9 @@ class PlaneProjection {
   Vector unshifted_{};     ///< beta_ before it was anchored
   double unsettled_{0.0};  ///< by how much the last linearisation moved x, ||.||_W
   Vector bend_{};          ///< Frobenius norm of H, in W^-1
-  VecX y_{};               ///< the probe relative to at_
-  VecX z_{};               ///< where curved gaps are linearised, relative to at_
+  std::array<RoundGap, kMaxPlanes> round_{};
+  VecX y_{};  ///< the probe relative to at_
+  VecX z_{};  ///< where curved gaps are linearised, relative to at_
   int linearisations_{0};
   double damped_{1.0};       ///< share of a step of z_ that is taken
   double step_before_{0.0};  ///< of that, max norm

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <vector>
 
+#include "haptic/v1/haptic_service.pb.h"
 #include "server/front/link_watch.hpp"
 #include "server/metrics/exposition.hpp"
 

@@ -23,9 +23,10 @@ export interface Proxy {
 }
 
 export const Proxy = {
-  /** The proxy stays at `x` until the next sample, but the coordinates in which that is the xProbe
-   * of `deviceSeqUsed` go on with the probe, as if free. Force begins with it only after a free
-   * one: it does not say on which side of an object the probe is. */
+  /** The proxy stays at `x` until the next sample. A coordinate in which `x` is the xProbe of
+   * `deviceSeqUsed` follows the probe instead, as if free, unless the sample before held it at the
+   * same value. Force begins with a held proxy only after a free one, because it does not say on
+   * which side of an object the probe is. */
   held: (x: number[]): Proxy => ({ mode: ProxyMode.HELD, position: x }),
   /** The server keeps the probe out of `planes` at 1 kHz; `x` is where they are linearised. Force
    * may begin inside an object. Of more than MAX_PLANES the deepest are sent. */

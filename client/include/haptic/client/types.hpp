@@ -121,9 +121,10 @@ struct Proxy {
   std::vector<Plane> planes{};             ///< of kPlanes; none: nothing in the way. Of more than
                                            ///< kMaxPlanes the deepest are sent
 
-  /// The proxy stays at `x` until the next sample, but the coordinates in which that is the x_probe
-  /// of `device_seq_used` go on with the probe, as if free. Force begins with it only after a free
-  /// one: it does not say on which side of an object the probe is.
+  /// The proxy stays at `x` until the next sample. A coordinate in which `x` is the x_probe of
+  /// `device_seq_used` follows the probe instead, as if free, unless the sample before held it at
+  /// the same value. Force begins with a held proxy only after a free one, because it does not say
+  /// on which side of an object the probe is.
   [[nodiscard]] static Proxy held(std::vector<double> x) {
     return {Mode::kHeld, std::move(x), 0, {}, {}};
   }

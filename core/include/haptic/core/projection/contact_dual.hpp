@@ -48,7 +48,7 @@ class ContactDual {
     diagonal_[i] = value;
     factored_ = 0;
   }
-  /// From here on those, none of which is held.
+  /// The next solve() leaves these contacts out. None of them is held.
   void leave_out(std::uint32_t contacts) noexcept { left_out_ = contacts; }
   void hold_none() noexcept;
   /// The next answer is looked for from this l (>= 0) on.

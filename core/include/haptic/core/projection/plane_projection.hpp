@@ -125,7 +125,7 @@ class PlaneProjection {
   /// Finds the contacts j <= i whose product with contact i may differ from 0.
   void find_meeting(int i) noexcept;
   void multiply(int i, int j) noexcept;
-  /// What the dual has besides the products.
+  /// Gives the dual its diagonal, and how far objects with a law give way.
   void fill_gram() noexcept;
   void fill_diagonal(int i) noexcept;
   /// Shifts beta_ so that the law gives at_ for the probe x_used.
@@ -138,17 +138,17 @@ class PlaneProjection {
   void begin_error(const PlaneSet& planes) noexcept;
   [[nodiscard]] double bend(int i) noexcept;
   [[nodiscard]] double unsettled(const VecX& moved) const noexcept;
-  /// What the object and the tool are, if contact i tells that.
+  /// The shape of object and tool at contact i; of unknown shape if i does not tell it.
   [[nodiscard]] RoundGap round_gap(const PlaneSet& planes, int i) const noexcept;
   /// How far a gap and its gradient may be from their second order at z_, and its second order
   /// there, at most.
   using Remainder = RoundGap::Off;
-  /// Of the finger that was looked at last.
+  /// Sines and cosines of the last finger; the contacts of one finger share them.
   struct LastTurn {
     int first{-1};
     RoundGap::Turn turn{};
   };
-  /// `last` null: also of what is told whole as of what is not.
+  /// `last` null: a shape that is known is not used.
   [[nodiscard]] Remainder remainder(int i, LastTurn* last) const noexcept;
   /// By how much the anchor shifted the gap that contact i was told to have.
   [[nodiscard]] double shifted(int i) const noexcept;

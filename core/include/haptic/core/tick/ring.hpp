@@ -18,8 +18,8 @@ class Ring {
   explicit Ring(std::size_t capacity)
       : mask_(round_up(capacity) - 1), slots_(std::make_unique<T[]>(mask_ + 2)) {}
 
-  /// Writer's thread only: what make() returns, made in its place for the next push(). Where the
-  /// ring is full that is a place which the reader never sees.
+  /// Writer's thread only: what make() returns, made in its place for the next push(). If the
+  /// ring is full, that is a place which the reader never sees.
   template <typename Make>
   const T& prepare(const Make& make) noexcept {
     static_assert(std::is_trivially_destructible_v<T>);
@@ -28,7 +28,7 @@ class Ring {
     T* const place = &slots_[full_ ? mask_ + 1 : head & mask_];
     return *::new (static_cast<void*>(place)) T(make());
   }
-  /// Writer's thread only: hands over what was prepared. False (and counted) where the ring was
+  /// Writer's thread only: hands over what was prepared. False (and counted) if the ring was
   /// full.
   bool push() noexcept {
     if (full_) {

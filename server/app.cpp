@@ -70,6 +70,9 @@ void App::start() {
     telemetry_ = std::make_unique<Telemetry>(pointers(units_));
     telemetry_->allow_watching(realtime_.facts.sched_fifo &&
                                std::thread::hardware_concurrency() > 1);
+    if (realtime_.may_keep_awake) {
+      telemetry_->on_watched([](bool awake) { real_host().keep_awake(awake); });
+    }
     listen_to_devices();
     front_ = make_front_(*this);
     front_->start();

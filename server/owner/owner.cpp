@@ -44,7 +44,8 @@ class Owner::Device final : public RecordListener {
     for (const auto& front : owner_.fronts()) front->on_newest(index, newest);
   }
 
-  /// The drain stays awake at the end of a tick while a connected controller feels the wake-up.
+  /// Idle processors and, at the end of a tick, the drain stay awake while a connected controller
+  /// feels the wake-up.
   void watch_while_controlled() {
     const bool controlled = sessions.lease().has_holder && !sessions.lease().detached;
     if (controlled == std::exchange(watched_, controlled)) return;

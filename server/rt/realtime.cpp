@@ -105,6 +105,12 @@ void ask_for_cpu(int cpu, RealtimeHost& host, RealtimeGrant& grant, Account& acc
   account.granted.push_back("pinned to CPU " + number);
 }
 
+void ask_for_awake_processors(RealtimeHost& host, RealtimeGrant& grant, Account& account) {
+  grant.may_keep_awake = granted(account, "/dev/cpu_dma_latency", host.open_idle_latency(),
+                                 "idle processors sleep, so wake-ups are late by some 50 us more");
+  if (grant.may_keep_awake) account.granted.emplace_back("processors awake under a controller");
+}
+
 void append(std::string& text, const std::vector<std::string>& parts, const char* separator) {
   for (const std::string& part : parts) {
     if (!text.empty()) text += separator;
@@ -149,6 +155,7 @@ RealtimeGrant apply_realtime(const RealtimeRequest& request, RealtimeHost& host)
   if (request.mode != RealtimeMode::kOff) {
     ask_for_fifo(request, host, grant, account);
     ask_for_memory(host, grant, account);
+    ask_for_awake_processors(host, grant, account);
   }
   host.touch_stack();
 

@@ -30,6 +30,7 @@ struct RealtimeRequest {
 
 struct RealtimeGrant {
   RealtimeFacts facts{};
+  bool may_keep_awake{false};  ///< RealtimeHost::keep_awake() has an effect
   /// The scene's, or the one that goes with what was granted.
   core::Duration loop_late_fault{std::chrono::milliseconds(20)};
 };

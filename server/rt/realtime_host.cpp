@@ -1,5 +1,6 @@
 #include "server/rt/realtime_host.hpp"
 
+#include <fcntl.h>
 #include <linux/capability.h>
 #include <sched.h>
 #include <sys/mman.h>
@@ -11,6 +12,8 @@
 #include <array>
 #include <cerrno>
 #include <fstream>
+
+#include "server/base/descriptor.hpp"
 
 namespace haptic::server {
 namespace {
@@ -45,6 +48,17 @@ std::optional<double> number_in(const char* path) {
 /// Errno of a call that answers -1 on failure.
 int error_of(long result) {
   return result == -1 ? errno : 0;
+}
+
+/// The kernel forgets what was asked for when the file is closed.
+struct IdleLatency {
+  Descriptor file{::open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC)};
+  int error{file ? 0 : errno};
+};
+
+IdleLatency& idle_latency() {
+  static IdleLatency opened;  // by the first who asks, for the whole process
+  return opened;
 }
 
 class LinuxHost final : public RealtimeHost {
@@ -97,6 +111,13 @@ class LinuxHost final : public RealtimeHost {
     return locked;
   }
   int lock_memory() override { return error_of(mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT)); }
+
+  int open_idle_latency() override { return idle_latency().error; }
+  void keep_awake(bool awake) noexcept override {
+    // The longest wake-up that the kernel may choose for an idle processor, us; -1: its default.
+    const std::int32_t longest_us = awake ? 0 : -1;
+    static_cast<void>(!::write(idle_latency().file.get(), &longest_us, sizeof longest_us));
+  }
 
   [[gnu::noinline]] void touch_stack() override {
     char pages[kStackToTouch];

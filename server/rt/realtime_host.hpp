@@ -44,6 +44,13 @@ class RealtimeHost {
   /// mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT).
   virtual int lock_memory() = 0;
 
+  /// Opens what keep_awake() needs, /dev/cpu_dma_latency. Changes nothing by itself.
+  virtual int open_idle_latency() = 0;
+  /// Idle processors of this host poll instead of sleeping, until keep_awake(false) or the end of
+  /// this process. Without effect unless open_idle_latency() answered 0. Wakes every processor:
+  /// any thread but the loop's.
+  virtual void keep_awake(bool awake) noexcept = 0;
+
   /// Touches the pages of the calling thread's stack that a tick may need.
   virtual void touch_stack() = 0;
 

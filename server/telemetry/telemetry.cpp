@@ -33,6 +33,7 @@ void Telemetry::stop() {
   stopping_.store(true);
   bell_.ring();
   thread_.join();
+  if (watchers_.load() > 0) keep_awake_(false);
 }
 
 void Telemetry::serve() noexcept {
@@ -50,6 +51,12 @@ void Telemetry::serve() noexcept {
     if (last_round) return;
     wait_for_ring(heard);
   }
+}
+
+void Telemetry::watch(int change) {
+  const int before = watchers_.fetch_add(change, std::memory_order_relaxed);
+  const bool awake = before + change > 0;
+  if (awake != (before > 0)) keep_awake_(awake);
 }
 
 void Telemetry::wait_for_ring(std::uint32_t heard) noexcept {

@@ -3,8 +3,10 @@
 /// tells those who listen. The loop wakes it with a futex and never waits for it.
 
 #include <atomic>
+#include <functional>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "haptic/core/tick/tick_record.hpp"
@@ -48,8 +50,14 @@ class Telemetry {
   /// real-time priority and a second core. The drain itself then has the lowest real-time priority.
   /// Before start().
   void allow_watching(bool allowed) noexcept { may_watch_ = allowed; }
-  /// Number of latency-sensitive clients: +1 when one begins, -1 when it ends. Any thread.
-  void watch(int change) noexcept { watchers_.fetch_add(change, std::memory_order_relaxed); }
+  /// `keep_awake` is called by watch(): true when the first latency-sensitive client begins, false
+  /// when the last one ended. Before start().
+  void on_watched(std::function<void(bool awake)> keep_awake) {
+    keep_awake_ = std::move(keep_awake);
+  }
+  /// Number of latency-sensitive clients: +1 when one begins, -1 when it ends. Any thread, one at a
+  /// time.
+  void watch(int change);
 
   /// The newest record of a unit; a default one before the first tick. Any thread, as add().
   [[nodiscard]] core::TickRecord newest(std::size_t unit) const;
@@ -70,6 +78,7 @@ class Telemetry {
   std::vector<Channel> channels_;
   Bell bell_;
   bool may_watch_{false};
+  std::function<void(bool)> keep_awake_{[](bool) {}};
   std::atomic<int> watchers_{0};
   std::atomic<bool> stopping_{false};
   std::thread thread_;

@@ -88,6 +88,14 @@ TEST_F(Doctor, MemoryNeedsNoLimitOrCapability) {
   EXPECT_EQ(check_memory(answers).health, Health::kGood);
 }
 
+TEST_F(Doctor, SleepingProcessorsNeedTheGroup) {
+  EXPECT_EQ(check_idle(answers).health, Health::kGood);
+  answers.idle_error = EACCES;
+  EXPECT_EQ(check_idle(answers).health, Health::kImpaired);
+  EXPECT_TRUE(has(check_idle(answers).found, "EACCES")) << check_idle(answers).found;
+  EXPECT_TRUE(has(check_idle(answers).advice, "usermod -aG haptic")) << check_idle(answers).advice;
+}
+
 TEST_F(Doctor, TightestCpuBudgetOfParentsCounts) {
   const auto judged = [&](const char* cgroup, std::map<const char*, const char*> files) {
     host.file("/proc/self/cgroup", cgroup);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <fstream>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -115,6 +117,15 @@ TEST_F(Pressing, KilledClientLosesForceAndLease) {
   expect_the_contract();
   const auto next = connection_->open(controller("the next one"));
   EXPECT_TRUE(next->connected());
+}
+
+// What the kernel goes by is the smallest of what all programs ask for; it answers in us.
+TEST_F(Pressing, IdleProcessorsStayAwake) {
+  std::fstream latency("/dev/cpu_dma_latency", std::ios::in | std::ios::out | std::ios::binary);
+  if (!latency) GTEST_SKIP() << "this host does not let its processors be kept awake";
+  std::int32_t longest_us = -1;
+  latency.read(reinterpret_cast<char*>(&longest_us), sizeof longest_us);
+  EXPECT_EQ(longest_us, 0);
 }
 
 TEST_F(Pressing, PausedClientLosesForceThenLease) {

@@ -99,6 +99,16 @@ Finding check_memory(const HostAnswers& answers) {
           std::string(kJoinGroup) + "; in a container --ulimit memlock=-1"};
 }
 
+Finding check_idle(const HostAnswers& answers) {
+  if (answers.idle_error == 0) {
+    return {"idle", Health::kGood, "idle processors may be kept awake", ""};
+  }
+  return {"idle", Health::kImpaired,
+          "/dev/cpu_dma_latency refused (" + error_text(answers.idle_error) +
+              "): idle processors sleep, and wake-ups are late",
+          std::string(kJoinGroup) + "; in a container --device /dev/cpu_dma_latency"};
+}
+
 Finding check_cgroup(const HostFiles& host) {
   std::string path = cgroup_path(host), file;
   double share = std::numeric_limits<double>::infinity(), standstill_ms = 0.0;

@@ -8,6 +8,7 @@ namespace haptic::ctl {
 [[nodiscard]] Finding check_kernel(const HostFiles& host);
 [[nodiscard]] Finding check_realtime(const HostAnswers& answers);
 [[nodiscard]] Finding check_memory(const HostAnswers& answers);
+[[nodiscard]] Finding check_idle(const HostAnswers& answers);
 /// CPU time that the control group (v2) leaves to this process.
 [[nodiscard]] Finding check_cgroup(const HostFiles& host);
 [[nodiscard]] Finding check_governor(const HostFiles& host);

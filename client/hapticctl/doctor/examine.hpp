@@ -26,6 +26,7 @@ struct HostAnswers {
   bool sys_nice{false};                    ///< CAP_SYS_NICE is effective
   std::optional<std::uint64_t> memlock{};  ///< RLIMIT_MEMLOCK, bytes; absent: unlimited
   bool ipc_lock{false};                    ///< CAP_IPC_LOCK is effective
+  int idle_error{0};                       ///< when /dev/cpu_dma_latency was opened for writing
   /// The serial ports that this user may not open, with the group that may.
   std::map<std::string, std::string> closed_ports{};
   Jitter jitter{};
@@ -41,7 +42,7 @@ struct StiffnessQuestion {
 enum class Health : std::uint8_t { kGood, kImpaired, kBad };
 
 struct Finding {
-  /// "kernel", "real-time", "memory", "cgroup", "governor", "serial" or "jitter".
+  /// "kernel", "real-time", "memory", "idle", "cgroup", "governor", "serial" or "jitter".
   std::string what{};
   Health health{Health::kGood};
   std::string found{};

@@ -1,5 +1,6 @@
 #include "doctor/measure.hpp"
 
+#include <fcntl.h>
 #include <grp.h>
 #include <pthread.h>
 #include <sys/prctl.h>
@@ -8,6 +9,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <sstream>
@@ -89,6 +91,10 @@ HostAnswers ask_host(double seconds, double period_s) {
     const group* const may = ::getgrgid(status.st_gid);
     answers.closed_ports[port] = may != nullptr ? may->gr_name : std::to_string(status.st_gid);
   }
+  // As hapticd does while a device is controlled: idle processors stay awake until it is closed.
+  const int idle = ::open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
+  const std::int32_t longest_us = 0;
+  answers.idle_error = idle < 0 || ::write(idle, &longest_us, sizeof longest_us) < 0 ? errno : 0;
   std::thread loop([&] {
     static_cast<void>(::prctl(PR_SET_TIMERSLACK, 1UL));
     sched_param parameters{};
@@ -97,6 +103,7 @@ HostAnswers ask_host(double seconds, double period_s) {
     answers.jitter = run_loop(seconds, period_s);
   });
   loop.join();
+  if (idle >= 0) ::close(idle);
   return answers;
 }
 

@@ -22,11 +22,13 @@ class FakeHost final : public RealtimeHost {
   ResourceLimit memlock{8192 * 1024, 8192 * 1024};
   bool ipc_lock{true};
   int lock_error{0};
+  int idle_error{0};
 
   int locks{0};
   int raises{0};
   int fifo_calls{0};
   bool stack_touched{false};
+  bool kept_awake{false};
 
   int set_fifo(int priority) override {
     ++fifo_calls;
@@ -48,6 +50,8 @@ class FakeHost final : public RealtimeHost {
     ++locks;
     return lock_error;
   }
+  int open_idle_latency() override { return idle_error; }
+  void keep_awake(bool awake) noexcept override { kept_awake = awake; }
   void touch_stack() override { stack_touched = true; }
 };
 
@@ -56,6 +60,7 @@ inline void take_everything_away(FakeHost& host) {
   host.highest_priority = 0;
   host.sys_nice = false;
   host.ipc_lock = false;
+  host.idle_error = EACCES;
 }
 
 }  // namespace haptic::test

@@ -35,7 +35,10 @@ TEST(Realtime, FullGrantTakesShortLateFault) {
   EXPECT_EQ(grant.loop_late_fault, 8ms);
   EXPECT_TRUE(host.stack_touched);
   EXPECT_EQ(grant.facts.explanation.str(),
-            "pinned to CPU 1, SCHED_FIFO 80, memory locked; loop_late_fault is 8 ms");
+            "pinned to CPU 1, SCHED_FIFO 80, memory locked, processors awake under a controller; "
+            "loop_late_fault is 8 ms");
+  EXPECT_TRUE(grant.may_keep_awake);
+  EXPECT_FALSE(host.kept_awake);
 }
 
 TEST(Realtime, BareContainerIsDegradedAndExplains) {
@@ -51,6 +54,7 @@ TEST(Realtime, BareContainerIsDegradedAndExplains) {
               HasSubstr("SCHED_FIFO refused (EPERM: Operation not permitted"));
   EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("other programs may delay a tick"));
   EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("RLIMIT_MEMLOCK is 8192 KB"));
+  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("/dev/cpu_dma_latency refused (EACCES"));
   EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("loop_late_fault is 20 ms instead of 8 ms"));
 }
 
@@ -124,6 +128,18 @@ TEST(Realtime, ARefusedLockNamesItsErrno) {
   host.lock_error = ENOMEM;
   EXPECT_THAT(apply_realtime({}, host).facts.explanation.str(),
               HasSubstr("memory locking refused (ENOMEM: Cannot allocate memory)"));
+}
+
+TEST(Realtime, ProcessorsThatSleepDegradeTheGrade) {
+  FakeHost host;
+  host.idle_error = ENOENT;
+  const RealtimeGrant grant = apply_realtime({}, host);
+  EXPECT_FALSE(grant.may_keep_awake);
+  EXPECT_EQ(grant.facts.grade, "degraded");
+  EXPECT_EQ(grant.loop_late_fault, 8ms);
+  EXPECT_THAT(grant.facts.explanation.str(),
+              HasSubstr("/dev/cpu_dma_latency refused (ENOENT: No such file or directory): idle "
+                        "processors sleep"));
 }
 
 TEST(Realtime, TakesTheAllowedLowerPriority) {

@@ -71,6 +71,20 @@ TEST(Telemetry, ListenersAreCalledInTheirOrder) {
   rig.telemetry->remove(0, &a);
 }
 
+TEST(Telemetry, ProcessorsStayAwakeForTheFirstUntilTheLast) {
+  DeviceRig rig;
+  std::vector<bool> told;
+  rig.telemetry->on_watched([&](bool awake) { told.push_back(awake); });
+  for (const int change : {1, 1, -1}) rig.telemetry->watch(change);
+  EXPECT_EQ(told, std::vector<bool>{true});
+  rig.telemetry->watch(-1);
+  EXPECT_EQ(told, (std::vector<bool>{true, false}));
+  rig.telemetry->watch(1);
+  rig.telemetry->start();
+  rig.telemetry->stop();  // with a client that never ended
+  EXPECT_EQ(told, (std::vector<bool>{true, false, true, false}));
+}
+
 // A loop that ticks as fast as it can, the drain awake by its bell alone, four threads that come
 // and go: nobody is called after remove() returned. What matters most is that tsan finds nothing.
 TEST(Telemetry, RemovedListenerIsNeverCalled) {

@@ -6,6 +6,15 @@
 #include "server/base/steady_now.hpp"
 
 namespace haptic::server {
+namespace {
+
+/// Leaves the cache line alone if there is nothing new.
+void update(std::atomic<std::uint64_t>& number, std::uint64_t value) noexcept {
+  if (number.load(std::memory_order_relaxed) == value) return;
+  number.store(value, std::memory_order_relaxed);
+}
+
+}  // namespace
 
 SampleIntake::SampleIntake(Owner& owner, Publisher& publisher)
     : owner_(owner),
@@ -72,8 +81,8 @@ bool SampleIntake::take(int most, const Owner::Turn& turn) {
     publisher_.judged({pose.ticket, pose.seq, Carrier::kGrpc, owner_.accept(pose, turn)});
     ++judged_;
   }
-  proxies_taken_.store(proxies_.next, std::memory_order_relaxed);
-  poses_taken_.store(poses_.next, std::memory_order_relaxed);
+  update(proxies_taken_, proxies_.next);
+  update(poses_taken_, poses_.next);
   return proxies == most || poses == most;
 }
 

@@ -50,12 +50,13 @@ class SampleIntake {
   std::vector<ArrivalOrder> proxy_arrivals_, pose_arrivals_;  ///< per device
   std::uint64_t judged_{0};
 
-  // What the loop looks at without that lock; serve() waits until it does not look.
-  std::atomic<const FrontsPages*> looked_at_{nullptr};
+  // What the loop looks at without that lock; serve() waits until it does not look. A cache line of
+  // its own, written only if it changes: the loop's core keeps it from tick to tick.
+  alignas(64) std::atomic<const FrontsPages*> looked_at_{nullptr};
   std::atomic<bool> looking_{false};
   std::atomic<std::uint64_t> proxies_taken_{0}, poses_taken_{0};
 
-  std::uint64_t told_{0};  ///< the front link's: of judged_
+  alignas(64) std::uint64_t told_{0};  ///< the front link's: of judged_
 };
 
 }  // namespace haptic::server
